@@ -1,0 +1,150 @@
+# Pelagos. `make help` lists the targets; V=1 shows commands; DEV=1 turns
+# warnings into errors; FLAVOR=asan|tsan|fuzz builds beside the release.
+
+.DEFAULT_GOAL := all
+SHELL := /bin/bash
+.DELETE_ON_ERROR:
+MAKEFLAGS += --no-builtin-rules
+
+VERSION := 0.1.0
+PREFIX ?= /usr/local
+FLAVOR ?= release
+O := build/$(FLAVOR)
+Q := $(if $(V),,@)
+
+# --- packages -------------------------------------------------------------
+# Debian 12 names, in one place: `make deps` installs them, tests/ needs more.
+BUILD_PACKAGES := gcc make pkg-config python3 python3-protobuf \
+    protobuf-compiler protobuf-c-compiler libprotobuf-c-dev libglib2.0-dev \
+    libepoxy-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri \
+    glslang-tools libmicrohttpd-dev libjson-glib-dev libmodbus-dev \
+    libturbojpeg0-dev libspng-dev libopenexr-dev libsystemd-dev \
+    libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev \
+    gstreamer1.0-plugins-base gstreamer1.0-plugins-good
+TEST_PACKAGES := libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
+    python3-numpy openexr chromium chromium-driver python3-selenium clang \
+    libclang-rt-14-dev clang-tidy clang-format man-db systemd
+
+PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd json-glib-1.0 \
+    libprotobuf-c libmodbus libturbojpeg spng OpenEXR libsystemd
+
+# --- flags ----------------------------------------------------------------
+CC := gcc
+WARN := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes \
+    -Wpointer-arith -Wvla -Wformat=2 -Wno-format-nonliteral -Wundef \
+    -Wunused-result $(if $(DEV),-Werror)
+OPT_release := -O2 -g
+OPT_asan := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer
+OPT_tsan := -O1 -g -fsanitize=thread
+OPT_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined
+ifeq ($(FLAVOR),fuzz)
+CC := clang
+endif
+OPT := $(OPT_$(FLAVOR))
+CPPFLAGS += -Iserver -Iproto -Iclients -I. -I$(O)/gen -D_GNU_SOURCE \
+    -DPEL_VERSION='"$(VERSION)"'
+# No contraction and no fast-math: the same bits whatever the optimiser does.
+CFLAGS += -std=c17 $(OPT) $(WARN) -ffp-contract=off -fvisibility=hidden -pthread
+PKG_CFLAGS = $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
+PKG_LIBS = $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lOpenEXRCore -lm
+
+# --- sources, by room -----------------------------------------------------
+BASE := server/base/err.c server/base/log.c server/base/clock.c
+OCEAN :=
+OPTICS :=
+PROTO :=
+SCENE :=
+RENDER :=
+ENCODE :=
+FRAMES :=
+NET :=
+BRIDGES :=
+DAEMON := server/main.c
+CLIENT :=
+CTL :=
+
+TESTS :=
+
+# --- rules ----------------------------------------------------------------
+SERVER := $(BASE) $(OCEAN) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
+    $(FRAMES) $(NET) $(BRIDGES)
+GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c
+GEN_HEADERS := $(O)/gen/pelagos.pb-c.h
+obj = $(patsubst %.c,$(O)/%.o,$(1))
+SERVER_OBJ := $(call obj,$(SERVER)) $(patsubst %.c,%.o,$(GEN))
+CLIENT_OBJ := $(call obj,$(CLIENT))
+CTL_OBJ := $(call obj,$(CTL))
+TEST_BIN := $(patsubst %.c,$(O)/bin/%,$(notdir $(TESTS)))
+SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*.glsl)
+
+.PHONY: all
+all: build/pelagosd $(if $(CTL),build/pelagosctl) ## build the daemon and its command line
+
+build/%: $(O)/bin/%
+	$(Q)mkdir -p $(@D) && ln -sf $(FLAVOR)/bin/$* $@
+
+$(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(O)/libserver.a
+	$(Q)mkdir -p $(@D)
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
+
+$(O)/bin/pelagosctl: $(CTL_OBJ) $(O)/libpelagos.a $(O)/libserver.a
+	$(Q)mkdir -p $(@D)
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS) $(CTL_LIBS)
+
+$(O)/libserver.a: $(SERVER_OBJ)
+	$(Q)rm -f $@ && ar rcs $@ $^
+
+$(O)/libpelagos.a: $(CLIENT_OBJ)
+	$(Q)rm -f $@ && ar rcs $@ $^
+
+$(O)/%.o: %.c | $(GEN_HEADERS)
+	$(Q)mkdir -p $(@D)
+	@echo "  CC    $<"
+	$(Q)$(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+
+$(O)/gen/%.o: $(O)/gen/%.c | $(GEN_HEADERS)
+	@echo "  CC    $<"
+	$(Q)$(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) -w -MMD -MP -c -o $@ $<
+
+$(O)/gen/pelagos.pb-c.c: proto/pelagos.proto
+	$(Q)mkdir -p $(@D)
+	@echo "  GEN   $@"
+	$(Q)protoc --proto_path=proto --c_out=$(@D) $<
+$(O)/gen/pelagos.pb-c.h: $(O)/gen/pelagos.pb-c.c ;
+
+$(O)/gen/fields.c: proto/pelagos.proto proto/fields.py
+	$(Q)mkdir -p $(@D)
+	@echo "  GEN   $@"
+	$(Q)/usr/bin/python3 proto/fields.py c $< $@
+
+$(O)/gen/shaders.c: shaders/embed.py $(SHADERS)
+	$(Q)mkdir -p $(@D)
+	@echo "  GEN   $@"
+	$(Q)/usr/bin/python3 shaders/embed.py $@ $(filter-out shaders/lib/%,$(SHADERS))
+
+# A test is one program beside its source: build/<flavor>/bin/NAME_test.
+define test_rule
+$(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(O)/libserver.a
+	$$(Q)mkdir -p $$(@D)
+	$$(Q)$$(CC) $$(OPT) -pthread -o $$@ $$^ $$(PKG_LIBS) -lcmocka
+endef
+$(foreach t,$(TESTS),$(eval $(call test_rule,$(t))))
+
+.PHONY: tests
+tests: $(TEST_BIN) ## build the test programs
+
+.PHONY: unit
+unit: $(TEST_BIN) ## run the C test programs
+	$(Q)for t in $(TEST_BIN); do echo "== $$t"; $$t || exit 1; done
+
+.PHONY: clean
+clean: ## remove build/
+	rm -rf build
+
+.PHONY: help
+help: ## list the targets
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t16
+
+-include $(shell find $(O) -name '*.d' 2>/dev/null)

@@ -1,0 +1,7 @@
+/* Time of this machine. Simulated time is the scene's (scene/simclock.h). */
+#pragma once
+
+#include <stdint.h>
+
+/* CLOCK_MONOTONIC in nanoseconds; any thread. */
+int64_t pel_now_ns(void);

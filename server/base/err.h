@@ -1,0 +1,40 @@
+/* Errors: a code for programs, a fault for people and protocols. */
+#pragma once
+
+#include <stddef.h>
+
+enum pel_err {
+    PEL_OK = 0,
+    PEL_ERR_MALFORMED,    /* cannot be read */
+    PEL_ERR_NOT_FOUND,    /* no such field, view, entity, file */
+    PEL_ERR_OUT_OF_RANGE, /* outside its legal range */
+    PEL_ERR_INVALID,      /* wrong type or form */
+    PEL_ERR_CONFLICT,     /* contradicts the state */
+    PEL_ERR_BUSY,         /* a limit is reached; later may work */
+    PEL_ERR_IO,           /* the system refused; errno said why */
+    PEL_ERR_GPU,          /* EGL, OpenGL or a shader failed */
+    PEL_ERR_NO_MEMORY,
+    PEL_ERR_INTERNAL,
+};
+
+#define PEL_CHECK __attribute__((warn_unused_result))
+
+/* What went wrong, in the words a client needs. Strings are truncated, never
+ * overrun; `unit` is a static string or NULL. minimum > maximum: no range. */
+struct pel_fault {
+    enum pel_err code;
+    char path[96];
+    char value[64];
+    const char *unit;
+    double minimum, maximum;
+    char message[256];
+};
+
+/* Name of the code in the schema's spelling, e.g. "OUT_OF_RANGE"; never NULL. */
+const char *pel_err_name(enum pel_err err);
+
+/* Fills *fault (NULL allowed) with a code and a printf message, no path and no
+ * range; returns the code. */
+enum pel_err pel_fault_set(struct pel_fault *fault, enum pel_err code,
+                           const char *format, ...)
+    __attribute__((format(printf, 3, 4)));

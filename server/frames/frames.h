@@ -1,0 +1,107 @@
+/* The frame path: turns requests and subscriptions into drawn, encoded
+ * pictures. It owns the render thread (the only user of GL) and the encoder
+ * threads; between them and the control thread are bounded queues only.
+ *
+ * Every function is called on the control thread (the GLib main context that
+ * was the default at creation), and every callback runs there. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "scene/scene.h"
+
+struct pel_frames;
+
+struct pel_frames_options {
+    const char *device;     /* as pel_renderer_options */
+    const char *shader_dir;
+    bool gl_debug;
+    double max_fps;         /* cap of live views, 1..240 */
+    int encoder_threads;    /* 0: one a core, at most 4 */
+};
+
+/* Starts the threads and waits until the GL context stands. */
+PEL_CHECK enum pel_err pel_frames_create(const struct pel_frames_options *o,
+                                         struct pel_scene *scene,
+                                         struct pel_frames **out,
+                                         struct pel_fault *fault);
+
+/* Stops and joins the threads; outstanding requests end with CONFLICT. */
+void pel_frames_destroy(struct pel_frames *frames);
+
+/* GL_RENDERER of the device in use. */
+const char *pel_frames_device(const struct pel_frames *frames);
+
+/* An encoded picture, immutable and reference counted (any thread). */
+struct pel_frame {
+    char view[PEL_NAME_SIZE];
+    uint64_t number;   /* the views of one frame share it */
+    uint64_t revision; /* of the scene it shows */
+    double time_s;     /* simulated */
+    double exposure_ev;
+    uint32_t width, height;
+    Pelagos__FrameFormat format;
+    int64_t requested_ns, drawn_ns, encoded_ns; /* CLOCK_MONOTONIC */
+    double render_ms, encode_ms;
+    const uint8_t *data;
+    size_t size;
+};
+struct pel_frame *pel_frame_ref(struct pel_frame *frame);
+void pel_frame_unref(struct pel_frame *frame); /* NULL allowed */
+
+/* frame is NULL when err is not PEL_OK; it is borrowed for the call. */
+typedef void (*pel_frame_callback)(void *user, enum pel_err err,
+                                   const struct pel_fault *fault,
+                                   struct pel_frame *frame);
+
+/* One picture. Refusals that can be known at once (no such view, unknown
+ * layer, size out of range, more than 64 requests waiting: BUSY) are returned
+ * and the callback is not called; otherwise it is called exactly once.
+ * *id (may be NULL) names the request for pel_frames_cancel. */
+PEL_CHECK enum pel_err pel_frames_request(struct pel_frames *frames,
+                                          const Pelagos__FrameRequest *request,
+                                          pel_frame_callback done, void *user,
+                                          uint64_t *id,
+                                          struct pel_fault *fault);
+void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
+
+/* A live view as JPEG: drawn only while someone is subscribed, encoded once
+ * for each (view, quality), newest frame to all. The callback gets every frame;
+ * dropping for slow clients is the subscriber's work. When the view is deleted
+ * the callback gets NOT_FOUND once and the subscription is over. */
+struct pel_subscription;
+PEL_CHECK enum pel_err pel_frames_subscribe(struct pel_frames *frames,
+                                            const char *view, int quality,
+                                            pel_frame_callback on_frame,
+                                            void *user,
+                                            struct pel_subscription **out,
+                                            struct pel_fault *fault);
+void pel_frames_unsubscribe(struct pel_subscription *subscription);
+
+/* Surface heights off the control thread, from the sea of the present
+ * snapshot. points is copied; at most 10,000 and 16 queries waiting. */
+typedef void (*pel_surface_callback)(void *user, enum pel_err err,
+                                     const struct pel_fault *fault,
+                                     double time_s,
+                                     const struct pel_surface_sample *samples,
+                                     size_t count);
+PEL_CHECK enum pel_err pel_frames_surface(struct pel_frames *frames,
+                                          const struct pel_vec2 *points_m,
+                                          size_t count, bool has_time,
+                                          double time_s,
+                                          pel_surface_callback done,
+                                          void *user, struct pel_fault *fault);
+
+/* Counters since the start, for /metrics and the log. */
+struct pel_frames_stats {
+    uint64_t frames_drawn, views_drawn, frames_skipped;
+    uint64_t pictures_encoded, encoded_bytes, requests_refused;
+    double render_ms_median, render_ms_p95; /* of the last 256 views */
+    double encode_ms_median;
+    unsigned subscriptions, requests_waiting;
+};
+void pel_frames_get_stats(const struct pel_frames *frames,
+                          struct pel_frames_stats *out);

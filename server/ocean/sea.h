@@ -1,0 +1,86 @@
+/* The sea surface: a sum of trochoids drawn from a directional spectrum.
+ * Immutable once built, so every thread may read it. Everything is a function
+ * of (sea, simulated time).
+ *
+ * Frame: x east, y north, z up, metres from the scene's origin; directions are
+ * mathematical, the way waves travel to, radians from east towards north. */
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "base/vec.h"
+
+#define PEL_GRAVITY 9.81 /* m/s², as the 2010 paper */
+#define PEL_SEA_MAX_WAVES 256
+#define PEL_SEA_MAX_SWELLS 8
+
+enum pel_spectrum_kind {
+    PEL_SPECTRUM_PIERSON_MOSKOWITZ,
+    PEL_SPECTRUM_JONSWAP,
+};
+
+struct pel_swell_desc {
+    double height_m;      /* significant wave height, 0..15 */
+    double period_s;      /* peak period, 3..30 */
+    double direction_rad; /* travels to */
+    double spread_rad;    /* standard deviation of direction, > 0 */
+};
+
+struct pel_sea_desc {
+    enum pel_spectrum_kind kind;
+    double wind_mps;      /* at 10 m, 0..30 */
+    double direction_rad; /* the wind blows to */
+    double fetch_m;       /* JONSWAP, 1e3..2e6 */
+    double gamma;         /* JONSWAP peak enhancement, 1..7 */
+    uint32_t seed;
+    int wave_count; /* trochoids in all, 20..256; 60 in the 2010 paper */
+    int swell_count;
+    struct pel_swell_desc swell[PEL_SEA_MAX_SWELLS];
+};
+
+/* One trochoid (Bruneton et al. 2010, eq. 2), in phase convention
+ * φ = k·x − ω t + phase: displacement = (−k̂ h sin φ, h cos φ). */
+struct pel_wave {
+    double kx, ky;    /* wavenumber vector, rad/m */
+    double amplitude; /* h, m */
+    double omega;     /* rad/s */
+    double phase;     /* rad, in [0, 2π) */
+};
+
+struct pel_sea {
+    struct pel_sea_desc desc;
+    int count;
+    struct pel_wave waves[PEL_SEA_MAX_WAVES]; /* longest wavelength first */
+    double m0;              /* Σ h²/2 of the waves, m² */
+    double spectrum_m0;     /* ∫∫ S dω dθ of the spectrum itself, m² */
+    double slope_variance_along; /* eq. 4, total, along the wind direction */
+    double slope_variance_cross;
+    double slope_covariance; /* eq. 4's off-diagonal in wind axes */
+    double max_height_m;     /* Σ h: no crest is higher */
+};
+
+/* Builds the sea. `desc` must be inside its ranges (INVALID otherwise). Waves
+ * are a function of desc alone: the same bits on every call. */
+PEL_CHECK enum pel_err pel_sea_build(const struct pel_sea_desc *desc,
+                                     struct pel_sea *out);
+
+struct pel_surface_sample {
+    double height_m;
+    struct pel_vec3 normal;
+    struct pel_vec3 velocity_mps;
+};
+
+/* The surface above the horizontal place (x, y) at time_s: inverts the
+ * horizontal displacement by x0 ← X − D(x0) (with damping where it does not
+ * contract) until it moves less than 0.1 mm. Never fails for finite input. */
+void pel_sea_sample(const struct pel_sea *sea, double x_m, double y_m,
+                    double time_s, struct pel_surface_sample *out);
+
+/* Displacement (dx, dy, dz) of the particle that rests at (x, y). */
+struct pel_vec3 pel_sea_displace(const struct pel_sea *sea, double x_m,
+                                 double y_m, double time_s);
+
+/* Root mean square height of the waves shorter than wavelength_m. */
+double pel_sea_rms_below(const struct pel_sea *sea, double wavelength_m);

@@ -1,0 +1,43 @@
+/* Reflection by a rough sea: Fresnel and the Ross BRDF, double precision.
+ * Reference for shaders/lib/ross.glsl, function by function. Any thread.
+ *
+ * Directions are unit vectors in the surface's tangent frame: z the normal,
+ * x along the wind. Slope variances are dimensionless. */
+#pragma once
+
+#include "base/vec.h"
+
+#define PEL_WATER_INDEX 1.34
+
+/* Reflectance of unpolarised light at a flat surface, exact Fresnel, from air
+ * into index n; cos_theta in [0, 1]. */
+double pel_fresnel_exact(double cos_theta, double n);
+
+/* Schlick 1994: R + (1 − R)(1 − cos θ)^5, R = ((n−1)/(n+1))²
+ * (Bruneton et al. 2010, eq. 14). */
+double pel_fresnel_schlick(double cos_theta, double n);
+
+/* Gaussian slope density p(ζ), eq. 7. */
+double pel_ross_slope_density(double zx, double zy, double var_x, double var_y);
+
+/* Smith's Λ(a), eq. 8; a > 0; → 0 for large a. */
+double pel_ross_lambda(double a);
+
+/* a(θ, φ) = 1 / (√2 s tan θ), s² = σx² cos²φ + σy² sin²φ: eq. 9 corrected. */
+double pel_ross_a(struct pel_vec3 dir, double var_x, double var_y);
+
+/* Visible slope density q^e_vn, eq. 10: integrates to 1 over slopes. */
+double pel_ross_visible_density(double zx, double zy, struct pel_vec3 view,
+                                double var_x, double var_y);
+
+/* The BRDF, eq. 13 with 4 h_z³ and cos θ_l, Fresnel by Schlick [1/sr]. */
+double pel_ross_brdf(struct pel_vec3 view, struct pel_vec3 light, double var_x,
+                     double var_y);
+
+/* Radiance reflected from a sun of irradiance E (normal to its beam):
+ * eq. 15 with L_sun Ω_sun = E, variances clamped to `min_variance`. */
+double pel_ross_sun(struct pel_vec3 view, struct pel_vec3 light, double var_x,
+                    double var_y, double min_variance);
+
+/* Effective Fresnel reflectance F̄, the fit of eq. 26. */
+double pel_ross_mean_fresnel(struct pel_vec3 view, double var_x, double var_y);

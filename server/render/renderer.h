@@ -1,0 +1,105 @@
+/* Draws the sea. One renderer, one EGL context, one thread: every function
+ * here is called from the thread that created it, except pel_picture_release.
+ *
+ * A picture is a function of (environment, camera) and nothing else: no
+ * history, no frame counter, no random numbers. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "scene/snapshot.h"
+
+struct pel_renderer;
+
+struct pel_renderer_options {
+    const char *device;     /* "auto", "software" or an EGL device number */
+    const char *shader_dir; /* NULL: the embedded shaders */
+    bool debug;             /* GL debug output to the log */
+};
+
+PEL_CHECK enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
+                                           struct pel_renderer **out,
+                                           struct pel_fault *fault);
+void pel_renderer_destroy(struct pel_renderer *r); /* NULL allowed */
+
+/* GL_RENDERER and GL_VERSION in one line; lives as long as the renderer. */
+const char *pel_renderer_description(const struct pel_renderer *r);
+bool pel_renderer_is_software(const struct pel_renderer *r);
+
+/* Shared by the views of one frame. */
+struct pel_environment {
+    double time_s;
+    const struct pel_sea *sea;
+    struct pel_vec3 sun; /* unit, towards the Sun */
+    double wind_mps, wind_to_rad;
+    double visibility_m;
+    double chlorophyll_mg_m3;
+};
+
+enum pel_layer {
+    PEL_LAYER_COLOR = 1 << 0,    /* 8-bit sRGB, exposed and tone-mapped */
+    PEL_LAYER_RADIANCE = 1 << 1, /* 680, 550, 440 nm, W m⁻² sr⁻¹ nm⁻¹ */
+    PEL_LAYER_DEPTH = 1 << 2,    /* distance along the ray, m; sky: inf */
+    PEL_LAYER_NORMAL = 1 << 3,   /* east, north, up; sky: 0 */
+};
+
+struct pel_draw {
+    struct pel_camera camera;
+    unsigned layers; /* of enum pel_layer, at least one */
+    void *user;      /* returned with the picture */
+};
+
+/* Stages of a frame, for the benchmark and the metrics. */
+enum pel_stage {
+    PEL_STAGE_SKY,    /* once a frame */
+    PEL_STAGE_MESH,   /* displacing vertices */
+    PEL_STAGE_RASTER, /* thin G-buffer */
+    PEL_STAGE_SHADE,
+    PEL_STAGE_TONE,
+    PEL_STAGE_READBACK,
+    PEL_STAGE_COUNT,
+};
+const char *pel_stage_name(enum pel_stage stage);
+
+/* Pixels in mapped readback buffers, top row first, tightly packed. Pointers
+ * of layers that were not asked for are NULL. */
+struct pel_picture {
+    void *user;
+    uint32_t width, height;
+    double exposure_ev;      /* EV100 used, also where it was automatic */
+    const uint8_t *rgba;     /* 4 bytes a pixel, sRGB, alpha 255 */
+    const float *radiance;   /* 4 floats a pixel: 680, 550, 440 nm, 1 */
+    const float *depth;      /* 1 float a pixel */
+    const float *normal;     /* 4 floats a pixel: east, north, up, 0 */
+    int64_t drawn_ns;        /* CLOCK_MONOTONIC when the pixels were there */
+    double render_ms;        /* wall time from submission to the pixels */
+};
+
+/* Submits drawing of `count` views of one moment (1..PEL_MAX_VIEWS) and their
+ * readback, and returns without waiting for the pixels. BUSY when too many
+ * pictures are in flight or unreleased; GPU on errors of the driver. */
+PEL_CHECK enum pel_err pel_renderer_submit(struct pel_renderer *r,
+                                           const struct pel_environment *env,
+                                           const struct pel_draw *draws,
+                                           size_t count);
+
+/* Next finished picture in order of submission; NULL when none is finished
+ * after waiting wait_ns (0: just look). It stays mapped until released. */
+struct pel_picture *pel_renderer_collect(struct pel_renderer *r,
+                                         int64_t wait_ns);
+
+/* Pictures submitted and not yet collected. */
+size_t pel_renderer_in_flight(const struct pel_renderer *r);
+
+/* Gives the buffers back; any thread. */
+void pel_picture_release(struct pel_picture *picture);
+
+/* Milliseconds of each stage of the last measured frame, summed over its
+ * views; measuring makes frames wait for every stage, so it is off until
+ * asked for. */
+void pel_renderer_measure(struct pel_renderer *r, bool on);
+void pel_renderer_stage_ms(const struct pel_renderer *r,
+                           double ms[PEL_STAGE_COUNT]);

@@ -1,0 +1,55 @@
+/* The one scene: state, edit, test, commit. Control thread only.
+ *
+ * The state is a Pelagos__State with every field that has a default present;
+ * a commit replaces it whole, writes the state file (write, fsync, rename)
+ * within a second, and makes a new snapshot. */
+#pragma once
+
+#include "base/err.h"
+#include "pelagos.pb-c.h"
+#include "scene/snapshot.h"
+
+struct pel_scene;
+
+struct pel_scene_options {
+    const char *state_path; /* NULL: not kept */
+    int wave_count;         /* trochoids of a sea, 20..256 */
+};
+
+/* Loads options->state_path if it exists (a file that does not load is kept
+ * beside it as *.bad, reported, and defaults are used), else the default
+ * scene: one entity, id 1 `ownship`, and one view, `bridge`, on it. */
+PEL_CHECK enum pel_err pel_scene_create(const struct pel_scene_options *options,
+                                        struct pel_scene **out,
+                                        struct pel_fault *fault);
+void pel_scene_destroy(struct pel_scene *scene); /* flushes the file */
+
+/* Applies the patch or nothing. On refusal *fault names path, value, unit and
+ * range. Poses without pose_time get the clock's present time. */
+PEL_CHECK enum pel_err pel_scene_patch(struct pel_scene *scene,
+                                       const Pelagos__Patch *patch,
+                                       struct pel_fault *fault);
+
+/* The state with clock.time of now; owned by the scene, valid until its next
+ * call. */
+const Pelagos__State *pel_scene_state(struct pel_scene *scene);
+
+/* A new reference to the snapshot of the last commit. */
+const struct pel_snapshot *pel_scene_snapshot(struct pel_scene *scene);
+
+/* Simulated time now [s]. FREE: follows CLOCK_MONOTONIC × rate. */
+double pel_scene_time(struct pel_scene *scene);
+
+/* Advances simulated time: STEPPED by commands, PACED by the frame path. */
+PEL_CHECK enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
+                                      struct pel_fault *fault);
+
+/* Called after every commit, in order of registration. */
+void pel_scene_on_commit(struct pel_scene *scene,
+                         void (*callback)(void *user), void *user);
+
+/* Geodesy on the scene's origin (azimuthal equidistant, WGS 84). Degrees. */
+void pel_geo_to_local(double origin_lat, double origin_lon, double lat,
+                      double lon, double *east_m, double *north_m);
+void pel_geo_from_local(double origin_lat, double origin_lon, double east_m,
+                        double north_m, double *lat, double *lon);

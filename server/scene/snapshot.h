@@ -1,0 +1,91 @@
+/* An immutable picture of the scene for one moment of editing: what the frame
+ * path, the queries and the encoders read. Reference counted, any thread.
+ *
+ * Local frame: x east, y north, z up, metres from the scene's origin; angles
+ * in radians, headings clockwise from north. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/vec.h"
+#include "ocean/sea.h"
+
+#define PEL_MAX_VIEWS 64
+#define PEL_MAX_ENTITIES 256
+#define PEL_NAME_SIZE 65
+
+enum pel_clock_mode {
+    PEL_CLOCK_FREE,
+    PEL_CLOCK_PACED,
+    PEL_CLOCK_STEPPED,
+    PEL_CLOCK_HOST,
+};
+
+struct pel_entity_state {
+    uint32_t id;
+    double east_m, north_m, altitude_m;
+    double heading_rad, pitch_rad, roll_rad;
+    double speed_mps, course_rad, turn_rate_rps;
+    double pose_time_s; /* simulated time of the pose above */
+};
+
+struct pel_view_state {
+    char name[PEL_NAME_SIZE];
+    int entity; /* index into entities, -1: the world */
+    double forward_m, right_m, up_m;
+    double yaw_rad, pitch_rad, roll_rad;
+    double tan_left, tan_right, tan_top, tan_bottom; /* left < 0 < right */
+    uint32_t width, height;
+    bool auto_exposure;
+    double exposure_ev; /* EV100, where not automatic */
+};
+
+struct pel_snapshot {
+    uint64_t revision;
+    enum pel_clock_mode mode;
+    double rate;
+    double epoch_unix_s; /* UTC at simulated time 0 */
+    double origin_latitude_rad, origin_longitude_rad;
+    const struct pel_sea *sea; /* lives as long as the snapshot */
+    double wind_mps, wind_to_rad; /* mathematical direction it blows to */
+    double chlorophyll_mg_m3;
+    bool sun_fixed;
+    double sun_azimuth_rad, sun_elevation_rad; /* where sun_fixed */
+    double visibility_m;
+    size_t entity_count;
+    const struct pel_entity_state *entities;
+    size_t view_count;
+    const struct pel_view_state *views;
+};
+
+const struct pel_snapshot *pel_snapshot_ref(const struct pel_snapshot *s);
+void pel_snapshot_unref(const struct pel_snapshot *s); /* NULL allowed */
+
+/* Index of the view called `name`, or -1. */
+int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name);
+
+/* Pose of entity `index` at simulated time time_s: reckoned from its speed,
+ * course and turn rate (arc of a circle) for at most 60 s past its pose. */
+void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
+                            double time_s, struct pel_entity_state *out);
+
+/* Unit vector towards the Sun's centre (no refraction) at time_s. */
+struct pel_vec3 pel_snapshot_sun(const struct pel_snapshot *s, double time_s);
+
+/* A camera in the world. Camera axes: x right, y up, z backwards (GL). */
+struct pel_camera {
+    double east_m, north_m, altitude_m;
+    struct pel_mat3 world_from_camera;
+    double tan_left, tan_right, tan_top, tan_bottom;
+    uint32_t width, height;
+    bool auto_exposure;
+    double exposure_ev;
+};
+
+/* Camera of view `index` at time_s. width or height 0: the view's own; when
+ * their ratio differs from the view's, the vertical field follows the width. */
+void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
+                         double time_s, uint32_t width, uint32_t height,
+                         struct pel_camera *out);
