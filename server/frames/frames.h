@@ -3,7 +3,9 @@
  * threads; between them and the control thread are bounded queues only.
  *
  * Every function is called on the control thread (the GLib main context that
- * was the default at creation), and every callback runs there. */
+ * was the default at creation), and every callback runs there. Callbacks may
+ * request, cancel, subscribe and unsubscribe, themselves too; they must not
+ * destroy the frames. */
 #pragma once
 
 #include <stdbool.h>
@@ -71,7 +73,9 @@ void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
 /* A live view as JPEG: drawn only while someone is subscribed, encoded once
  * for each (view, quality), newest frame to all. The callback gets every frame;
  * dropping for slow clients is the subscriber's work. When the view is deleted
- * the callback gets NOT_FOUND once and the subscription is over. */
+ * the callback gets NOT_FOUND once and no more frames; the subscription still
+ * waits for pel_frames_unsubscribe. At most 256 subscriptions and 64 different
+ * (view, quality): BUSY. quality 1..100. */
 struct pel_subscription;
 PEL_CHECK enum pel_err pel_frames_subscribe(struct pel_frames *frames,
                                             const char *view, int quality,
@@ -105,3 +109,9 @@ struct pel_frames_stats {
 };
 void pel_frames_get_stats(const struct pel_frames *frames,
                           struct pel_frames_stats *out);
+
+/* Changes the cap of live views, 1..240 Hz, from the next frame on. */
+void pel_frames_set_max_fps(struct pel_frames *frames, double max_fps);
+
+/* Whether a frame has been drawing for more than 2 s. */
+bool pel_frames_stuck(const struct pel_frames *frames);
