@@ -1,0 +1,89 @@
+/* NMEA 0183 to the scene: a UDP port whose sentences move one entity, set the
+ * wind and, if wanted, show AIS targets. Control thread only.
+ *
+ * What a sentence sets, in SI and degrees:
+ *   position   RMC, GGA, GLL (a void fix keeps the last one), AIS VDO
+ *   heading    HDT; without it for 10 s HDG (+ deviation + variation); then
+ *              VHW; then VDO; then the course while faster than 0.5 m/s
+ *   course, speed   RMC, VTG; without them for 10 s VHW (through water) or VDO
+ *   turn rate  ROT, or VDO without it
+ *   heel       XDR HEEL or ROLL, starboard down positive (the entity's roll)
+ *   trim       XDR TRIM or PITCH, bow up positive (the entity's pitch)
+ *   wind       MWD; without it for 10 s MWV true, or MWV relative made true by
+ *              heading, course and speed
+ * ZDA, RSA, DPT, DBT and TTM are decoded and counted; the scene has no place
+ * for them. The sentences of one datagram are one edit. Poses carry the
+ * scene's time of receipt, and the scene reckons onward from them. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "bridges/nmea_parse.h"
+
+struct pel_scene;
+struct pel_nmea;
+
+enum pel_nmea_wind {
+    PEL_NMEA_WIND_OFF,   /* the wind of sentences is only counted */
+    PEL_NMEA_WIND_GIVEN, /* each sentence that differs from the one before */
+    PEL_NMEA_WIND_MEAN,  /* vector mean of 120 s of simulated time, when it
+                          * moved by 0.5 m/s or by 5 deg: a steadier sea */
+};
+
+struct pel_nmea_options {
+    const char *listen; /* ADDRESS:PORT of UDP; NULL: no socket, feed only */
+    const char *allow;  /* senders, `10.0.0.7,192.168.1.0/24`; NULL: loopback.
+                         * Any other `listen` than loopback needs it */
+    uint32_t entity;    /* id of the entity moved, 0..65535 */
+    enum pel_nmea_wind wind;
+    bool ais; /* AIS targets become entities 20000 and up, at most 100 */
+};
+
+/* entity 1, wind as given, no AIS targets, 127.0.0.1:10110. */
+struct pel_nmea_options pel_nmea_default_options(void);
+
+struct pel_nmea_counters {
+    uint64_t datagrams;
+    uint64_t refused_datagrams; /* sender not in the list, or > 4096 bytes */
+    uint64_t sentences;         /* read and understood, by kind: */
+    uint64_t kinds[PEL_NMEA_KIND_COUNT];
+    uint64_t errors[PEL_NMEA_ERROR_COUNT];
+    uint64_t out_of_range;  /* values dropped */
+    uint64_t void_fixes;    /* position sentences without a fix */
+    uint64_t edits;         /* commits to the scene */
+    uint64_t refused_edits; /* the scene said no */
+    uint64_t ais_messages;  /* decoded */
+    uint64_t ais_ignored;   /* other types, unknown parts, damaged */
+};
+
+/* Age limit of each value: fresh when it came within the last 10 s of wall
+ * time. */
+struct pel_nmea_status {
+    bool fix_fresh, heading_fresh, attitude_fresh, wind_fresh;
+    bool stale;              /* had a fix once, has none now */
+    double fix_age_s;        /* -1: never had one */
+    double depth_m;          /* below transducer plus offset, NaN: unknown */
+    double rudder_deg;       /* RSA, starboard positive, NaN: unknown */
+    size_t ais_targets;
+};
+
+/* Opens the port in the default GMainContext. Errors: IO (port taken), INVALID
+ * (address, allow-list, entity). */
+PEL_CHECK enum pel_err pel_nmea_create(const struct pel_nmea_options *options,
+                                       struct pel_scene *scene,
+                                       struct pel_nmea **out,
+                                       struct pel_fault *fault);
+void pel_nmea_destroy(struct pel_nmea *nmea); /* NULL allowed */
+
+/* Treats bytes as one datagram of an allowed sender. */
+void pel_nmea_feed(struct pel_nmea *nmea, const void *bytes, size_t size);
+
+const struct pel_nmea_counters *pel_nmea_counters(const struct pel_nmea *nmea);
+void pel_nmea_status(const struct pel_nmea *nmea,
+                     struct pel_nmea_status *status);
+
+/* The port bound (useful after port 0), 0 without a socket. */
+uint16_t pel_nmea_port(const struct pel_nmea *nmea);
