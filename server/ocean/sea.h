@@ -41,12 +41,18 @@ struct pel_sea_desc {
 };
 
 /* One trochoid (Bruneton et al. 2010, eq. 2), in phase convention
- * φ = k·x − ω t + phase: displacement = (−k̂ h sin φ, h cos φ). */
+ * φ = k·x − ω t + phase: displacement = (−k̂ c h sin φ, h cos φ).
+ *
+ * c, `chop`, is 1 for the exact trochoid and less where the sum of all waves
+ * would fold over itself (see pel_sea_build). The slope variance of such a
+ * wave is (1 − √(1 − c²k²h²)) / c² = k²h² / (1 + √(1 − c²k²h²)), appendix A
+ * with x(s) = s − c h sin(ks); a filter weight w multiplies h. */
 struct pel_wave {
     double kx, ky;    /* wavenumber vector, rad/m */
     double amplitude; /* h, m */
     double omega;     /* rad/s */
     double phase;     /* rad, in [0, 2π) */
+    double chop;      /* c, 0..1 */
 };
 
 struct pel_sea {
@@ -59,10 +65,30 @@ struct pel_sea {
     double slope_variance_cross;
     double slope_covariance; /* eq. 4's off-diagonal in wind axes */
     double max_height_m;     /* Σ h: no crest is higher */
+    double max_shift_m;      /* Σ c h: no particle strays further sideways */
 };
 
-/* Builds the sea. `desc` must be inside its ranges (INVALID otherwise). Waves
- * are a function of desc alone: the same bits on every call. */
+/* Builds the sea. `desc` must be inside its ranges (OUT_OF_RANGE otherwise,
+ * also for NaN). Waves are a function of desc alone: the same bits on every
+ * call. No wind and no swell give a flat sea, count 0.
+ *
+ * Wind waves: the spectrum from PEL_SEA_LONGEST peak wavelengths down to
+ * PEL_SEA_SHORTEST_M is cut into bins of equal measure, a fixed mixture of
+ * energy and slope variance, so that the peak is made of many waves and the
+ * short ones still form a near-geometric progression. Each bin is one wave at
+ * a hashed place inside it, carrying the bin's whole energy (h = √(2 E)), its
+ * direction stratified through the inverse cumulative of the spreading, whose
+ * exponent is not let below PEL_SEA_SPREADING_FLOOR. Each swell takes 1 to 8
+ * waves (to 16 without wind) of equal energy.
+ *
+ * No self-intersection: with B = PEL_SEA_FOLD_SIGMAS · √(Σ k²h²/2) running
+ * from the longest wave to the shortest, `chop` is 1 up to B = 0.7 and then
+ * keeps the bound of the horizontal compression at
+ * f(B) = 0.7 + 0.28 (1 − exp(−(B − 0.7) / 0.28)) < 0.98. */
+#define PEL_SEA_SHORTEST_M 0.02
+#define PEL_SEA_LONGEST 4.0
+#define PEL_SEA_SPREADING_FLOOR 2.0
+#define PEL_SEA_FOLD_SIGMAS 5.5
 PEL_CHECK enum pel_err pel_sea_build(const struct pel_sea_desc *desc,
                                      struct pel_sea *out);
 
@@ -72,9 +98,10 @@ struct pel_surface_sample {
     struct pel_vec3 velocity_mps;
 };
 
-/* The surface above the horizontal place (x, y) at time_s: inverts the
- * horizontal displacement by x0 ← X − D(x0) (with damping where it does not
- * contract) until it moves less than 0.1 mm. Never fails for finite input. */
+/* The surface above the horizontal place (x, y) at time_s: solves
+ * x0 + D(x0) = X by damped Newton steps until it is met within 1 µm, and
+ * gives height, exact normal and velocity of the particle there. Never fails
+ * for finite input. */
 void pel_sea_sample(const struct pel_sea *sea, double x_m, double y_m,
                     double time_s, struct pel_surface_sample *out);
 
@@ -84,3 +111,8 @@ struct pel_vec3 pel_sea_displace(const struct pel_sea *sea, double x_m,
 
 /* Root mean square height of the waves shorter than wavelength_m. */
 double pel_sea_rms_below(const struct pel_sea *sea, double wavelength_m);
+
+/* pel_sea_sample at n places of one moment; out[i] answers points[i]. Bit for
+ * bit the same as n single calls. */
+void pel_sea_query(const struct pel_sea *sea, const struct pel_vec2 *points,
+                   size_t n, double time_s, struct pel_surface_sample *out);
