@@ -49,7 +49,8 @@ PKG_CFLAGS = $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
 PKG_LIBS = $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lOpenEXRCore -lm
 
 # --- sources, by room -----------------------------------------------------
-BASE := server/base/err.c server/base/log.c server/base/clock.c
+BASE := server/base/err.c server/base/log.c server/base/clock.c \
+    server/base/metrics.c
 OCEAN :=
 OPTICS :=
 PROTO :=

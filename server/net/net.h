@@ -1,0 +1,78 @@
+/* The network: HTTP (people, browsers, scripts) and length-delimited protobuf
+ * over TCP and a Unix socket (simulators, programs). Everything happens on the
+ * control thread, in the default GLib main context; nothing here blocks.
+ *
+ * A command changes the scene or is refused with a fault; slow and vanished
+ * clients cost bounded memory; every limit is in struct pel_net_limits. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "base/metrics.h"
+#include "frames/frames.h"
+#include "scene/scene.h"
+
+struct pel_net;
+
+struct pel_net_limits {
+    unsigned http_connections;  /* at once, 1..4096 */
+    unsigned http_per_source;   /* of one address that is not loopback */
+    unsigned http_per_loopback; /* of 127.0.0.0/8 and ::1 together */
+    size_t http_body_bytes;     /* of a JSON body, 1 KiB..1 MiB */
+    double http_header_s;  /* from connecting to the end of the headers */
+    double http_body_s;    /* from there to the end of the body */
+    double http_idle_s;    /* between two requests of one connection */
+    double http_stall_s;   /* a reader that takes nothing */
+    double http_answer_s;  /* a whole answer that is not a stream */
+    unsigned sessions;         /* protobuf, TCP and Unix together */
+    unsigned session_requests; /* in flight in one session */
+    size_t session_message_bytes; /* of one request */
+    size_t session_output_bytes;  /* waiting for one slow reader */
+    double session_message_s; /* from a message's first byte to its last */
+    double session_stall_s;   /* a reader that takes nothing */
+};
+
+/* 256 connections, 16 a source, 128 from loopback, 64 KiB, 8 s, 15 s, 15 s,
+ * 30 s, 120 s; 64 sessions, 16 requests, 64 KiB, 64 MiB, 15 s, 20 s. */
+void pel_net_limits_default(struct pel_net_limits *limits);
+
+struct pel_net_options {
+    const char *http_address; /* numeric IPv4 or IPv6; NULL: no HTTP */
+    uint16_t http_port;       /* 0: any free one */
+    const char *tcp_address;  /* as http_address; NULL: no protobuf on TCP */
+    uint16_t tcp_port;
+    const char *unix_path; /* NULL: no Unix socket; made with mode 0600 */
+    bool allow_remote; /* else an address that is not loopback is refused */
+    /* Names besides `localhost` and plain addresses that a Host header may
+     * give (a proxy's), NULL-terminated; NULL: none. */
+    const char *const *http_hosts;
+    struct pel_metrics *metrics; /* shown at /metrics; joined by the net's */
+    struct pel_net_limits limits;
+};
+
+/* Binds and listens. Errors: INVALID (an address), CONFLICT (not loopback
+ * without allow_remote; a Unix path in use or not a socket), IO (bind). The
+ * strings of *options must live as long as the net. */
+PEL_CHECK enum pel_err pel_net_create(const struct pel_net_options *options,
+                                      struct pel_scene *scene,
+                                      struct pel_frames *frames,
+                                      struct pel_net **out,
+                                      struct pel_fault *fault);
+
+/* Refuses new clients and new requests from now on, for a drain at shutdown;
+ * what is under way goes on. */
+void pel_net_stop_listening(struct pel_net *net);
+
+/* True when no request is under way (streams and idle clients do not count). */
+bool pel_net_idle(const struct pel_net *net);
+
+/* Closes every client and the sockets, cancels their requests, removes the
+ * Unix path. Call before pel_frames_destroy. NULL allowed. */
+void pel_net_destroy(struct pel_net *net);
+
+/* The ports bound, for port 0 in the options; 0 where off. */
+uint16_t pel_net_http_port(const struct pel_net *net);
+uint16_t pel_net_tcp_port(const struct pel_net *net);
