@@ -68,6 +68,9 @@ PEL_CHECK enum pel_err pel_frames_request(struct pel_frames *frames,
                                           pel_frame_callback done, void *user,
                                           uint64_t *id,
                                           struct pel_fault *fault);
+
+/* Forgets a request: its callback does not come any more. An id that is
+ * unknown or finished is ignored. */
 void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
 
 /* A live view as JPEG: drawn only while someone is subscribed, encoded once
