@@ -55,7 +55,8 @@ OCEAN :=
 OPTICS :=
 PROTO :=
 SCENE :=
-RENDER :=
+RENDER := server/render/context.c server/render/shader.c \
+    server/render/readback.c server/render/renderer.c
 ENCODE :=
 FRAMES :=
 NET :=

@@ -1,0 +1,167 @@
+#include "render/context.h"
+
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/log.h"
+
+#define MAX_DEVICES 32
+
+static bool has_word(const char *list, const char *word)
+{
+    size_t length = strlen(word);
+    for (const char *at = list; at && (at = strstr(at, word)); at += length) {
+        bool starts = at == list || at[-1] == ' ';
+        if (starts && (at[length] == ' ' || at[length] == 0)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_software(EGLDeviceEXT device)
+{
+    return has_word(eglQueryDeviceStringEXT(device, EGL_EXTENSIONS),
+                    "EGL_MESA_device_software");
+}
+
+static EGLDisplay open_device(EGLDeviceEXT device)
+{
+    EGLDisplay display =
+        eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, device, NULL);
+    if (display == EGL_NO_DISPLAY || !eglInitialize(display, NULL, NULL)) {
+        return EGL_NO_DISPLAY;
+    }
+    return display;
+}
+
+static EGLDisplay open_display(const char *wanted, struct pel_fault *fault)
+{
+    EGLDeviceEXT devices[MAX_DEVICES];
+    EGLint count = 0;
+    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") ||
+        !eglQueryDevicesEXT(MAX_DEVICES, devices, &count)) {
+        count = 0;
+    }
+    char *end = NULL;
+    long number = strtol(wanted, &end, 10);
+    bool numbered = *wanted && *end == 0;
+    if (numbered && (number < 0 || number >= count)) {
+        pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                      "device %ld: this machine has EGL devices 0 to %d", number,
+                      count - 1);
+        return EGL_NO_DISPLAY;
+    }
+    bool only_software = strcmp(wanted, "software") == 0;
+    /* Hardware first, then software, unless one is named. */
+    for (int pass = 0; pass < 2; pass++) {
+        for (int i = 0; i < count; i++) {
+            bool software = is_software(devices[i]);
+            if (numbered ? i != number
+                         : software != (only_software || pass == 1)) {
+                continue;
+            }
+            EGLDisplay display = open_device(devices[i]);
+            if (display != EGL_NO_DISPLAY) {
+                return display;
+            }
+            pel_debug("RND-003", "EGL device %d does not initialise (0x%x)", i,
+                      eglGetError());
+        }
+    }
+    if (!numbered &&
+        epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
+        EGLDisplay display = eglGetPlatformDisplayEXT(
+            EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
+        if (display != EGL_NO_DISPLAY && eglInitialize(display, NULL, NULL)) {
+            return display;
+        }
+    }
+    pel_fault_set(fault, PEL_ERR_GPU,
+                  "no EGL device (asked for '%s'); install libgl1-mesa-dri and "
+                  "libegl-mesa0 for the software device", wanted);
+    return EGL_NO_DISPLAY;
+}
+
+static void APIENTRY on_message(GLenum source, GLenum type, GLuint id,
+                                GLenum severity, GLsizei length,
+                                const GLchar *message, const void *user)
+{
+    (void)source, (void)id, (void)length, (void)user;
+    if (type == GL_DEBUG_TYPE_ERROR) {
+        pel_error("RND-004", "OpenGL: %s", message);
+    } else if (severity == GL_DEBUG_SEVERITY_HIGH) {
+        pel_warn("RND-005", "OpenGL: %s", message);
+    } else if (severity != GL_DEBUG_SEVERITY_NOTIFICATION) {
+        pel_debug("RND-006", "OpenGL: %s", message);
+    }
+}
+
+enum pel_err pel_context_init(struct pel_context *context, const char *device,
+                              bool debug, struct pel_fault *fault)
+{
+    *context = (struct pel_context){ 0 };
+    EGLDisplay display = open_display(device ? device : "auto", fault);
+    if (display == EGL_NO_DISPLAY) {
+        return fault ? fault->code : PEL_ERR_GPU;
+    }
+    context->display = display;
+    static const EGLint config_attributes[] = { EGL_SURFACE_TYPE, 0,
+                                                EGL_RENDERABLE_TYPE,
+                                                EGL_OPENGL_BIT, EGL_NONE };
+    EGLConfig config = EGL_NO_CONFIG_KHR;
+    EGLint configs = 0;
+    if (!eglChooseConfig(display, config_attributes, &config, 1, &configs) ||
+        configs == 0) {
+        config = EGL_NO_CONFIG_KHR;
+    }
+    const EGLint attributes[] = {
+        EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
+        EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+        EGL_CONTEXT_OPENGL_DEBUG, debug ? EGL_TRUE : EGL_FALSE, EGL_NONE,
+    };
+    eglBindAPI(EGL_OPENGL_API);
+    context->context =
+        eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
+    if (context->context == EGL_NO_CONTEXT ||
+        !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE,
+                        context->context)) {
+        EGLint code = eglGetError();
+        pel_context_finish(context);
+        return pel_fault_set(fault, PEL_ERR_GPU,
+                             "no OpenGL 4.5 core context without a surface "
+                             "(EGL error 0x%x)", code);
+    }
+    const char *renderer = (const char *)glGetString(GL_RENDERER);
+    snprintf(context->description, sizeof context->description, "%s, OpenGL %s",
+             renderer, (const char *)glGetString(GL_VERSION));
+    context->software = strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe");
+    glEnable(GL_DEBUG_OUTPUT);
+    if (debug) {
+        glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+    }
+    glDebugMessageCallback(on_message, NULL);
+    if (context->software && strcmp(device ? device : "auto", "auto") == 0) {
+        pel_warn("RND-001", "no graphics hardware found: drawing on the "
+                 "processor (%s)", context->description);
+    } else {
+        pel_info("RND-002", "drawing on %s", context->description);
+    }
+    return PEL_OK;
+}
+
+void pel_context_finish(struct pel_context *context)
+{
+    if (context->display) {
+        eglMakeCurrent(context->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
+                       EGL_NO_CONTEXT);
+        if (context->context) {
+            eglDestroyContext(context->display, context->context);
+        }
+        eglTerminate(context->display);
+    }
+    *context = (struct pel_context){ 0 };
+}

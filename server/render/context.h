@@ -1,0 +1,20 @@
+/* A windowless OpenGL 4.5 core context through EGL. Render thread only. */
+#pragma once
+
+#include <stdbool.h>
+
+#include "base/err.h"
+
+struct pel_context {
+    void *display; /* EGLDisplay */
+    void *context; /* EGLContext */
+    bool software;
+    char description[256]; /* GL_RENDERER, GL_VERSION */
+};
+
+/* Makes a context on `device` ("auto": hardware if there is any, "software",
+ * or the number of an EGL device) current on this thread. */
+PEL_CHECK enum pel_err pel_context_init(struct pel_context *context,
+                                        const char *device, bool debug,
+                                        struct pel_fault *fault);
+void pel_context_finish(struct pel_context *context);

@@ -1,0 +1,179 @@
+#include "render/readback.h"
+
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+
+#define ALIGN 256 /* layers start on cache lines and SIMD boundaries */
+
+struct pel_readback_slot {
+    struct pel_picture picture; /* first: released by its address */
+    GLuint buffer;
+    uint8_t *map;
+    size_t capacity;
+    GLsync fence;
+    int64_t started_ns;
+    size_t ev_offset;
+    atomic_bool busy;
+};
+
+static size_t align_up(size_t n)
+{
+    return (n + ALIGN - 1) / ALIGN * ALIGN;
+}
+
+enum pel_err pel_readback_init(struct pel_readback *r)
+{
+    *r = (struct pel_readback){ 0 };
+    r->slots = calloc(PEL_READBACK_SLOTS, sizeof *r->slots);
+    return r->slots ? PEL_OK : PEL_ERR_NO_MEMORY;
+}
+
+void pel_readback_finish(struct pel_readback *r)
+{
+    if (!r->slots) {
+        return;
+    }
+    for (size_t i = 0; i < PEL_READBACK_SLOTS; i++) {
+        struct pel_readback_slot *slot = &r->slots[i];
+        if (slot->fence) {
+            glDeleteSync(slot->fence);
+        }
+        glDeleteBuffers(1, &slot->buffer);
+    }
+    free(r->slots);
+    *r = (struct pel_readback){ 0 };
+}
+
+size_t pel_readback_free(const struct pel_readback *r)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < PEL_READBACK_SLOTS; i++) {
+        count += !atomic_load_explicit(&r->slots[i].busy, memory_order_acquire);
+    }
+    return count;
+}
+
+/* The free slot that fits best; growing one only when none is large enough. */
+static struct pel_readback_slot *take_slot(struct pel_readback *r, size_t size)
+{
+    struct pel_readback_slot *fit = NULL, *largest = NULL;
+    for (size_t i = 0; i < PEL_READBACK_SLOTS; i++) {
+        struct pel_readback_slot *slot = &r->slots[i];
+        if (atomic_load_explicit(&slot->busy, memory_order_acquire)) {
+            continue;
+        }
+        if (slot->capacity >= size && (!fit || slot->capacity < fit->capacity)) {
+            fit = slot;
+        }
+        if (!largest || slot->capacity > largest->capacity) {
+            largest = slot;
+        }
+    }
+    if (fit || !largest) {
+        return fit;
+    }
+    const GLbitfield bits = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT |
+                            GL_MAP_COHERENT_BIT;
+    glDeleteBuffers(1, &largest->buffer);
+    glCreateBuffers(1, &largest->buffer);
+    glNamedBufferStorage(largest->buffer, (GLsizeiptr)size, NULL,
+                         bits | GL_CLIENT_STORAGE_BIT);
+    glObjectLabel(GL_BUFFER, largest->buffer, -1, "readback");
+    largest->map =
+        glMapNamedBufferRange(largest->buffer, 0, (GLsizeiptr)size, bits);
+    largest->capacity = largest->map ? size : 0;
+    return largest->map ? largest : NULL;
+}
+
+enum pel_err pel_readback_push(struct pel_readback *r,
+                               const struct pel_readback_source *s)
+{
+    size_t pixels = (size_t)s->width * s->height;
+    size_t color = s->layers & PEL_LAYER_COLOR ? align_up(pixels * 4) : 0;
+    size_t radiance = s->layers & PEL_LAYER_RADIANCE ? align_up(pixels * 16) : 0;
+    size_t depth = s->layers & PEL_LAYER_DEPTH ? align_up(pixels * 4) : 0;
+    size_t normal = s->layers & PEL_LAYER_NORMAL ? align_up(pixels * 16) : 0;
+    size_t ev_offset = color + radiance + depth + normal;
+    struct pel_readback_slot *slot = take_slot(r, ev_offset + 16);
+    if (!slot) {
+        return PEL_ERR_BUSY;
+    }
+    GLsizei w = (GLsizei)s->width, h = (GLsizei)s->height;
+    uint8_t *base = NULL; /* offsets into the pack buffer */
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, slot->buffer);
+    glPixelStorei(GL_PACK_ALIGNMENT, 4);
+    if (color) {
+        glBindFramebuffer(GL_READ_FRAMEBUFFER, s->color_fbo);
+        glReadBuffer(GL_COLOR_ATTACHMENT0);
+        glReadPixels(0, 0, w, h, GL_RGBA, GL_UNSIGNED_BYTE, base);
+    }
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, s->hdr_fbo);
+    if (radiance) {
+        glReadBuffer(GL_COLOR_ATTACHMENT0);
+        glReadPixels(0, 0, w, h, GL_RGBA, GL_FLOAT, base + color);
+    }
+    if (depth) {
+        glReadBuffer(GL_COLOR_ATTACHMENT1);
+        glReadPixels(0, 0, w, h, GL_RED, GL_FLOAT, base + color + radiance);
+    }
+    if (normal) {
+        glReadBuffer(GL_COLOR_ATTACHMENT2);
+        glReadPixels(0, 0, w, h, GL_RGBA, GL_FLOAT,
+                     base + color + radiance + depth);
+    }
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    glCopyNamedBufferSubData(s->light, slot->buffer, 0, (GLintptr)ev_offset, 16);
+    slot->fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    glFlush();
+    uint8_t *map = slot->map;
+    slot->picture = (struct pel_picture){
+        .user = s->user,
+        .width = s->width,
+        .height = s->height,
+        .rgba = color ? map : NULL,
+        .radiance = radiance ? (float *)(map + color) : NULL,
+        .depth = depth ? (float *)(map + color + radiance) : NULL,
+        .normal = normal ? (float *)(map + color + radiance + depth) : NULL,
+    };
+    slot->started_ns = s->started_ns;
+    slot->ev_offset = ev_offset;
+    atomic_store_explicit(&slot->busy, true, memory_order_release);
+    r->order[(r->head + r->in_flight++) % PEL_READBACK_SLOTS] = slot;
+    return PEL_OK;
+}
+
+struct pel_picture *pel_readback_pop(struct pel_readback *r, int64_t wait_ns)
+{
+    if (r->in_flight == 0) {
+        return NULL;
+    }
+    struct pel_readback_slot *slot = r->order[r->head];
+    GLenum state = glClientWaitSync(slot->fence, GL_SYNC_FLUSH_COMMANDS_BIT,
+                                    wait_ns > 0 ? (GLuint64)wait_ns : 0);
+    if (state == GL_TIMEOUT_EXPIRED) {
+        return NULL;
+    }
+    if (state == GL_WAIT_FAILED) {
+        pel_error("RND-020", "waiting for pixels failed (GL 0x%x)", glGetError());
+    }
+    glDeleteSync(slot->fence);
+    slot->fence = NULL;
+    r->head = (r->head + 1) % PEL_READBACK_SLOTS;
+    r->in_flight--;
+    slot->picture.exposure_ev = *(const float *)(slot->map + slot->ev_offset);
+    slot->picture.drawn_ns = pel_now_ns();
+    slot->picture.render_ms =
+        (double)(slot->picture.drawn_ns - slot->started_ns) * 1e-6;
+    return &slot->picture;
+}
+
+void pel_picture_release(struct pel_picture *picture)
+{
+    if (picture) {
+        struct pel_readback_slot *slot = (struct pel_readback_slot *)picture;
+        atomic_store_explicit(&slot->busy, false, memory_order_release);
+    }
+}

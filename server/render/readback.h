@@ -1,0 +1,41 @@
+/* Readback: a pool of persistently mapped buffers that pixels are packed into
+ * while later frames are drawn. Render thread, except pel_picture_release. */
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include "render/renderer.h"
+
+#define PEL_READBACK_SLOTS (PEL_MAX_VIEWS * 2 + 16)
+
+struct pel_readback_slot;
+
+struct pel_readback {
+    struct pel_readback_slot *slots; /* PEL_READBACK_SLOTS */
+    size_t head, in_flight;          /* ring of submission order */
+    struct pel_readback_slot *order[PEL_READBACK_SLOTS];
+};
+
+/* Where the layers of one picture are read from. */
+struct pel_readback_source {
+    GLuint color_fbo;  /* RGBA8 */
+    GLuint hdr_fbo;    /* attachment 0 radiance, 1 distance, 2 normal */
+    GLuint light;      /* buffer that begins with the exposure EV100 (float) */
+    uint32_t width, height;
+    unsigned layers;
+    void *user;
+    int64_t started_ns;
+};
+
+PEL_CHECK enum pel_err pel_readback_init(struct pel_readback *r);
+void pel_readback_finish(struct pel_readback *r);
+
+/* Queues the copies and a fence; BUSY when no slot is free. */
+PEL_CHECK enum pel_err pel_readback_push(struct pel_readback *r,
+                                         const struct pel_readback_source *s);
+
+/* Oldest picture if its pixels are there within wait_ns, else NULL. */
+struct pel_picture *pel_readback_pop(struct pel_readback *r, int64_t wait_ns);
+
+/* Slots that are free now. */
+size_t pel_readback_free(const struct pel_readback *r);

@@ -1,0 +1,149 @@
+#include "render/shader.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/log.h"
+
+static const struct pel_shader_source *find_source(const char *name)
+{
+    for (const struct pel_shader_source *s = pel_shader_sources; s->name; s++) {
+        if (strcmp(s->name, name) == 0) {
+            return s;
+        }
+    }
+    return NULL;
+}
+
+/* Appends `path` to *text with its includes; returns false when a file cannot
+ * be read. Only for --shader-dir: the build flattens the embedded ones. */
+static bool read_flat(const char *dir, const char *name, char **text,
+                      size_t *size, int depth)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/%s", dir, name);
+    FILE *file = depth < 8 ? fopen(path, "r") : NULL;
+    if (!file) {
+        return false;
+    }
+    char line[512], inner[256];
+    bool ok = true;
+    while (ok && fgets(line, sizeof line, file)) {
+        if (sscanf(line, " #include \"%255[^\"]\"", inner) == 1) {
+            /* Include guards are by #ifndef where a file needs one twice. */
+            ok = read_flat(dir, inner, text, size, depth + 1);
+            continue;
+        }
+        size_t length = strlen(line);
+        char *grown = realloc(*text, *size + length + 1);
+        if (!grown) {
+            ok = false;
+            break;
+        }
+        *text = grown;
+        memcpy(*text + *size, line, length + 1);
+        *size += length;
+    }
+    fclose(file);
+    return ok;
+}
+
+static void log_compiler_words(const char *name, const char *words)
+{
+    const struct pel_shader_source *s = find_source(name);
+    int flat = 0;
+    /* Mesa and NVIDIA write "0:LINE" and "0(LINE)". */
+    if (sscanf(words, "%*d%*1[:(]%d", &flat) == 1 && s) {
+        const struct pel_shader_line *at = &s->lines[0];
+        for (int i = 0; i < s->line_count && s->lines[i].flat <= flat; i++) {
+            at = &s->lines[i];
+        }
+        pel_error("RND-010", "%s: at %s:%d", name, at->name,
+                  at->number + flat - at->flat);
+    }
+    pel_error("RND-011", "%s: %s", name, words);
+}
+
+static enum pel_err compile(const char *dir, const char *name,
+                            const char *defines, GLuint *out,
+                            struct pel_fault *fault)
+{
+    char *loaded = NULL;
+    size_t size = 0;
+    const struct pel_shader_source *source = find_source(name);
+    const char *text = source ? source->text : NULL;
+    if (dir) {
+        text = read_flat(dir, name, &loaded, &size, 0) ? loaded : NULL;
+    }
+    if (!text) {
+        free(loaded);
+        return pel_fault_set(fault, PEL_ERR_NOT_FOUND, "no shader %s in %s",
+                             name, dir ? dir : "the program");
+    }
+    const char *suffix = strrchr(name, '.');
+    GLenum stage = strcmp(suffix, ".vert") == 0   ? GL_VERTEX_SHADER
+                   : strcmp(suffix, ".frag") == 0 ? GL_FRAGMENT_SHADER
+                                                  : GL_COMPUTE_SHADER;
+    /* #version must stay first: the defines go behind its line. */
+    const char *body = strchr(text, '\n') + 1;
+    const char *parts[] = { text, defines ? defines : "", body };
+    GLint lengths[] = { (GLint)(body - text), (GLint)strlen(parts[1]),
+                        (GLint)strlen(body) };
+    GLuint shader = glCreateShader(stage);
+    glShaderSource(shader, 3, parts, lengths);
+    glCompileShader(shader);
+    free(loaded);
+    GLint ok = 0;
+    glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+    if (!ok) {
+        char words[2048] = "";
+        glGetShaderInfoLog(shader, sizeof words, NULL, words);
+        log_compiler_words(name, words);
+        glDeleteShader(shader);
+        return pel_fault_set(fault, PEL_ERR_GPU, "%s does not compile: %.160s",
+                             name, words);
+    }
+    *out = shader;
+    return PEL_OK;
+}
+
+enum pel_err pel_program_create(const char *shader_dir, const char *first,
+                                const char *second, const char *defines,
+                                GLuint *out, struct pel_fault *fault)
+{
+    GLuint shaders[2] = { 0, 0 };
+    enum pel_err err = compile(shader_dir, first, defines, &shaders[0], fault);
+    if (err == PEL_OK && second) {
+        err = compile(shader_dir, second, defines, &shaders[1], fault);
+    }
+    GLuint program = 0;
+    if (err == PEL_OK) {
+        program = glCreateProgram();
+        for (int i = 0; i < 2; i++) {
+            if (shaders[i]) {
+                glAttachShader(program, shaders[i]);
+            }
+        }
+        glLinkProgram(program);
+        GLint ok = 0;
+        glGetProgramiv(program, GL_LINK_STATUS, &ok);
+        if (!ok) {
+            char words[2048] = "";
+            glGetProgramInfoLog(program, sizeof words, NULL, words);
+            log_compiler_words(first, words);
+            glDeleteProgram(program);
+            program = 0;
+            err = pel_fault_set(fault, PEL_ERR_GPU, "%s does not link: %.160s",
+                                first, words);
+        } else {
+            glObjectLabel(GL_PROGRAM, program, -1, second ? second : first);
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        glDeleteShader(shaders[i]);
+    }
+    *out = program;
+    return err;
+}
