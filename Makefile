@@ -45,8 +45,10 @@ CPPFLAGS += -Iserver -Iproto -Iclients -I. -I$(O)/gen -D_GNU_SOURCE \
     -DPEL_VERSION='"$(VERSION)"'
 # No contraction and no fast-math: the same bits whatever the optimiser does.
 CFLAGS += -std=c17 $(OPT) $(WARN) -ffp-contract=off -fvisibility=hidden -pthread
-PKG_CFLAGS = $(shell pkg-config --cflags $(PKGS) 2>/dev/null)
-PKG_LIBS = $(shell pkg-config --libs $(PKGS) 2>/dev/null) -lOpenEXRCore -lm
+# Asked once, and only when something is compiled: pkg-config may not be there
+# before `make deps` has run.
+PKG_CFLAGS = $(eval PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS)))$(PKG_CFLAGS)
+PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -lm)$(PKG_LIBS)
 
 # --- sources, by room -----------------------------------------------------
 BASE := server/base/err.c server/base/log.c server/base/clock.c \
@@ -76,11 +78,16 @@ obj = $(patsubst %.c,$(O)/%.o,$(1))
 SERVER_OBJ := $(call obj,$(SERVER)) $(patsubst %.c,%.o,$(GEN))
 CLIENT_OBJ := $(call obj,$(CLIENT))
 CTL_OBJ := $(call obj,$(CTL))
+CTL_MAIN := $(O)/clients/pelagosctl/main.o
 TEST_BIN := $(patsubst %.c,$(O)/bin/%,$(notdir $(TESTS)))
 SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*.glsl)
 
+# build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
+PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\
+    pelagosd $(if $(CTL),pelagosctl))
+
 .PHONY: all
-all: build/pelagosd $(if $(CTL),build/pelagosctl) ## build the daemon and its command line
+all: $(PROGRAMS) ## build the daemon and its command line
 
 build/%: $(O)/bin/%
 	$(Q)mkdir -p $(@D) && ln -sf $(FLAVOR)/bin/$* $@
@@ -90,7 +97,7 @@ $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(O)/libserver.a
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
 
-$(O)/bin/pelagosctl: $(CTL_OBJ) $(O)/libpelagos.a $(O)/libserver.a
+$(O)/bin/pelagosctl: $(CTL_MAIN) $(O)/libctl.a $(O)/libpelagos.a $(O)/libserver.a
 	$(Q)mkdir -p $(@D)
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS) $(CTL_LIBS)
@@ -98,8 +105,23 @@ $(O)/bin/pelagosctl: $(CTL_OBJ) $(O)/libpelagos.a $(O)/libserver.a
 $(O)/libserver.a: $(SERVER_OBJ)
 	$(Q)rm -f $@ && ar rcs $@ $^
 
-$(O)/libpelagos.a: $(CLIENT_OBJ)
+# Whole by itself: with the messages and the framing, without the server.
+$(O)/libpelagos.a: $(CLIENT_OBJ) $(if $(CLIENT),$(O)/gen/pelagos.pb-c.o $(O)/proto/wire.o)
 	$(Q)rm -f $@ && ar rcs $@ $^
+
+$(O)/libctl.a: $(filter-out $(CTL_MAIN),$(CTL_OBJ))
+	$(Q)rm -f $@ && ar rcs $@ $^
+
+# Names every missing library at once, before the compiler stumbles over one.
+$(O)/gen/packages: Makefile
+	$(Q)mkdir -p $(@D)
+	$(Q)missing=; for p in $(PKGS); do \
+	    pkg-config --exists $$p 2>/dev/null || missing="$$missing $$p"; done; \
+	for c in protoc protoc-c glslangValidator; do \
+	    command -v $$c >/dev/null || missing="$$missing $$c"; done; \
+	if [ "$$missing" ]; then echo "missing:$$missing"; \
+	    echo "run \`make deps\` (Debian 12), or install them by hand"; exit 1; fi
+	$(Q)touch $@
 
 $(O)/%.o: %.c | $(GEN_HEADERS)
 	$(Q)mkdir -p $(@D)
@@ -110,7 +132,7 @@ $(O)/gen/%.o: $(O)/gen/%.c | $(GEN_HEADERS)
 	@echo "  CC    $<"
 	$(Q)$(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) -w -MMD -MP -c -o $@ $<
 
-$(O)/gen/pelagos.pb-c.c: proto/pelagos.proto
+$(O)/gen/pelagos.pb-c.c: proto/pelagos.proto | $(O)/gen/packages
 	$(Q)mkdir -p $(@D)
 	@echo "  GEN   $@"
 	$(Q)protoc --proto_path=proto --c_out=$(@D) $<
@@ -128,8 +150,9 @@ $(O)/gen/shaders.c: shaders/embed.py $(SHADERS)
 
 # A test is one program beside its source: build/<flavor>/bin/NAME_test.
 define test_rule
-$(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(O)/libserver.a
+$(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(O)/libctl.a $(O)/libpelagos.a $(O)/libserver.a
 	$$(Q)mkdir -p $$(@D)
+	@echo "  LINK  $$@"
 	$$(Q)$$(CC) $$(OPT) -pthread -o $$@ $$^ $$(PKG_LIBS) -lcmocka
 endef
 $(foreach t,$(TESTS),$(eval $(call test_rule,$(t))))
@@ -140,6 +163,71 @@ tests: $(TEST_BIN) ## build the test programs
 .PHONY: unit
 unit: $(TEST_BIN) ## run the C test programs
 	$(Q)for t in $(TEST_BIN); do echo "== $$t"; $$t || exit 1; done
+
+# --- set-up, demonstration, checks ---------------------------------------
+.PHONY: deps deps-build
+deps: ## install the Debian packages that building and testing need
+	$(Q)packaging/deps.sh $(BUILD_PACKAGES) $(TEST_PACKAGES)
+
+deps-build:
+	$(Q)packaging/deps.sh $(BUILD_PACKAGES)
+
+.PHONY: demo
+demo: deps-build ## build, sail a short voyage, leave pictures in build/demo/
+	$(Q)$(MAKE) --no-print-directory all
+	$(Q)/usr/bin/python3 clients/demo/demo.py
+
+.PHONY: run
+run: deps-build ## build and keep pelagosd running (ARGS='--http …')
+	$(Q)$(MAKE) --no-print-directory all
+	build/pelagosd $(ARGS)
+
+.PHONY: check
+check: deps ## build, then run every test
+	$(Q)$(MAKE) --no-print-directory all tests
+	$(Q)tests/run $(TEST_BIN) $(E2E)
+
+# Executable scripts only: what they share is not executable.
+E2E = $(shell find tests -maxdepth 1 -perm -u+x \( -name '*.sh' -o -name '*.py' \) | sort)
+
+.PHONY: asan
+asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
+	$(Q)$(MAKE) --no-print-directory FLAVOR=asan all tests
+	$(Q)ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1 \
+	    LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 \
+	    UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
+	    PELAGOS_BIN=$(CURDIR)/build/asan/bin \
+	    tests/run $(patsubst $(O)/%,build/asan/%,$(TEST_BIN)) tests/ctl_test.sh
+
+# --- style ---------------------------------------------------------------
+C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | sort)
+
+.PHONY: lint
+lint: deps lint-layers lint-headers lint-format lint-tidy ## walls, headers, format, clang-tidy
+
+.PHONY: lint-layers lint-headers lint-format lint-tidy
+lint-layers:
+	$(Q)tests/lint/layers.py
+
+lint-headers: $(GEN_HEADERS)
+	$(Q)bad=0; for h in $(filter %.h,$(C_FILES)); do \
+	    echo "#include \"$$h\"" | $(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) \
+	        -Werror -fsyntax-only -x c - || { echo "alone: $$h"; bad=1; }; \
+	done; exit $$bad
+	@echo "headers: $(words $(filter %.h,$(C_FILES))) compile alone"
+
+lint-format:
+	$(Q)clang-format --dry-run --Werror $(C_FILES)
+	@echo "format: $(words $(C_FILES)) files"
+
+lint-tidy: $(GEN_HEADERS)
+	$(Q)printf '%s\n' $(filter %.c,$(C_FILES)) | xargs -P 2 -n 8 sh -c \
+	    'clang-tidy --quiet --warnings-as-errors="*" "$$@" -- $(subst ',\x27,$(CPPFLAGS)) $(PKG_CFLAGS) $(CFLAGS) 2>/dev/null' tidy
+	@echo "tidy: clean"
+
+.PHONY: format
+format: ## rewrite the C sources as .clang-format says
+	$(Q)clang-format -i $(C_FILES)
 
 .PHONY: clean
 clean: ## remove build/
