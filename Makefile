@@ -59,7 +59,9 @@ PROTO :=
 SCENE :=
 RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/renderer.c
-ENCODE :=
+ENCODE := server/encode/bytes.c server/encode/jpeg.c \
+    server/encode/png.c \
+    server/encode/exr.c
 FRAMES :=
 NET :=
 BRIDGES :=
@@ -68,6 +70,7 @@ CLIENT :=
 CTL :=
 
 TESTS :=
+TESTS += server/encode/encode_test.c
 
 # --- rules ----------------------------------------------------------------
 SERVER := $(BASE) $(OCEAN) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
