@@ -53,7 +53,9 @@ PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -
 # --- sources, by room -----------------------------------------------------
 BASE := server/base/err.c server/base/log.c server/base/clock.c \
     server/base/metrics.c
-OCEAN :=
+OCEAN := server/ocean/spectrum.c \
+    server/ocean/sea.c \
+    server/ocean/surface.c
 OPTICS :=
 PROTO :=
 SCENE :=
@@ -70,6 +72,8 @@ CLIENT :=
 CTL :=
 
 TESTS :=
+TESTS += server/ocean/spectrum_test.c
+TESTS += server/ocean/sea_test.c
 TESTS += server/encode/encode_test.c
 
 # --- rules ----------------------------------------------------------------

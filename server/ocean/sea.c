@@ -1,0 +1,462 @@
+#include "ocean/sea.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ocean/spectrum.h"
+
+/* Share of the bins' measure that is slope variance; the rest is energy. */
+#define SLOPE_SHARE 0.65
+
+#define SWELL_WAVES 8
+#define SWELL_WAVES_CALM 16
+/* Relative width of a swell's Gaussian in frequency. */
+#define SWELL_BANDWIDTH 0.06
+
+#define GRID 2048       /* points of the cumulative measures over ln ω */
+#define DIRECTIONS 256  /* steps of the cumulative spreading over [0, π] */
+#define DIRECTION_TRIES 32
+
+enum stream {
+    STREAM_PHASE = 1,
+    STREAM_FREQUENCY,
+    STREAM_DIRECTION,
+    STREAM_OFFSET,
+    STREAM_SWELL = 16, /* and one for each train */
+};
+
+/* Counter-based hash in [0, 1): the finaliser of MurmurHash3, twice. */
+static uint64_t mix(uint64_t x)
+{
+    x ^= x >> 33;
+    x *= UINT64_C(0xff51afd7ed558ccd);
+    x ^= x >> 33;
+    x *= UINT64_C(0xc4ceb9fe1a85ec53);
+    x ^= x >> 33;
+    return x;
+}
+
+static double hash01(uint32_t seed, uint32_t stream, uint32_t index)
+{
+    uint64_t key = mix((uint64_t)seed << 32 | stream);
+    uint64_t bits = mix(key + UINT64_C(0x9e3779b97f4a7c15) * (index + 1u));
+    return (double)(bits >> 11) * 0x1p-53;
+}
+
+static bool inside(double v, double lo, double hi)
+{
+    return v >= lo && v <= hi; /* false for NaN */
+}
+
+static bool desc_ok(const struct pel_sea_desc *d)
+{
+    bool ok = (d->kind == PEL_SPECTRUM_PIERSON_MOSKOWITZ ||
+               d->kind == PEL_SPECTRUM_JONSWAP) &&
+              inside(d->wind_mps, 0, 30) && isfinite(d->direction_rad) &&
+              d->wave_count >= 20 && d->wave_count <= PEL_SEA_MAX_WAVES &&
+              d->swell_count >= 0 && d->swell_count <= PEL_SEA_MAX_SWELLS;
+    if (ok && d->kind == PEL_SPECTRUM_JONSWAP) {
+        ok = inside(d->fetch_m, 1e3, 2e6) && inside(d->gamma, 1, 7);
+    }
+    for (int i = 0; ok && i < d->swell_count; i++) {
+        const struct pel_swell_desc *s = &d->swell[i];
+        ok = inside(s->height_m, 0, 15) && inside(s->period_s, 3, 30) &&
+             isfinite(s->direction_rad) && inside(s->spread_rad, 1e-6, PEL_PI);
+    }
+    return ok;
+}
+
+/* --- wind sea ------------------------------------------------------------ */
+
+/* Cumulative energy [m²] and slope variance of the band over ln ω. */
+struct band {
+    double log_lo, step;
+    double energy[GRID + 1];
+    double slope[GRID + 1];
+};
+
+static void band_fill(const struct pel_sea_desc *d, double lo, double hi,
+                      struct band *b)
+{
+    b->log_lo = log(lo);
+    b->step = log(hi / lo) / GRID;
+    b->energy[0] = b->slope[0] = 0;
+    double e0 = 0, s0 = 0;
+    for (int i = 0; i <= GRID; i++) {
+        double omega = exp(b->log_lo + b->step * i);
+        double k = omega * omega / PEL_GRAVITY;
+        double e1 = omega * pel_spectrum_wind(d, omega);
+        double s1 = k * k * e1;
+        if (i > 0) {
+            b->energy[i] = b->energy[i - 1] + 0.5 * b->step * (e0 + e1);
+            b->slope[i] = b->slope[i - 1] + 0.5 * b->step * (s0 + s1);
+        }
+        e0 = e1;
+        s0 = s1;
+    }
+    /* The bins share out the exact energy, not the trapezia's. */
+    double scale = pel_spectrum_m0(d, lo, hi) / b->energy[GRID];
+    for (int i = 0; i <= GRID; i++) {
+        b->energy[i] *= scale;
+    }
+}
+
+static double band_measure(const struct band *b, int i)
+{
+    return (1.0 - SLOPE_SHARE) * b->energy[i] / b->energy[GRID] +
+           SLOPE_SHARE * b->slope[i] / b->slope[GRID];
+}
+
+/* Place in the grid (index and fraction) where the measure reaches m. */
+static double band_invert(const struct band *b, double m)
+{
+    int lo = 0, hi = GRID;
+    while (hi - lo > 1) {
+        int mid = (lo + hi) / 2;
+        if (band_measure(b, mid) <= m) {
+            lo = mid;
+        } else {
+            hi = mid;
+        }
+    }
+    double at_lo = band_measure(b, lo), at_hi = band_measure(b, hi);
+    return lo + (at_hi > at_lo ? pel_clamp((m - at_lo) / (at_hi - at_lo), 0, 1)
+                               : 0);
+}
+
+static double band_energy(const struct band *b, double place)
+{
+    int i = (int)place;
+    if (i >= GRID) {
+        return b->energy[GRID];
+    }
+    return b->energy[i] + (place - i) * (b->energy[i + 1] - b->energy[i]);
+}
+
+/* Inverse cumulative of cos^{2s}(θ/2), as a table over [0, π]. */
+struct spreading {
+    double cumulative[DIRECTIONS + 1];
+};
+
+static void spreading_fill(double s, struct spreading *out)
+{
+    double before = pel_spectrum_direction(s, 0);
+    out->cumulative[0] = 0;
+    for (int i = 1; i <= DIRECTIONS; i++) {
+        double after = pel_spectrum_direction(s, PEL_PI * i / DIRECTIONS);
+        out->cumulative[i] = out->cumulative[i - 1] + 0.5 * (before + after);
+        before = after;
+    }
+}
+
+static double spreading_invert(const struct spreading *t, double u)
+{
+    double side = u < 0.5 ? -1.0 : 1.0;
+    double target = fabs(2.0 * u - 1.0) * t->cumulative[DIRECTIONS];
+    int lo = 0, hi = DIRECTIONS;
+    while (hi - lo > 1) {
+        int mid = (lo + hi) / 2;
+        if (t->cumulative[mid] <= target) {
+            lo = mid;
+        } else {
+            hi = mid;
+        }
+    }
+    double span = t->cumulative[hi] - t->cumulative[lo];
+    double f = span > 0 ? (target - t->cumulative[lo]) / span : 0;
+    return side * PEL_PI * (lo + f) / DIRECTIONS;
+}
+
+struct wind_wave {
+    double k, energy, spreading;
+    struct spreading table;
+    double angle; /* from the wind */
+};
+
+/* A golden-ratio sequence: waves near in wavelength run far apart in angle,
+ * and any stretch of them covers the spreading evenly. */
+static void wind_directions(struct wind_wave *w, int n, uint32_t seed,
+                            double offset)
+{
+    for (int i = 0; i < n; i++) {
+        double jitter = hash01(seed, STREAM_DIRECTION, (uint32_t)i) - 0.5;
+        double u = offset + 0.61803398874989485 * i + 0.3 * jitter / n;
+        u -= floor(u);
+        w[i].angle = spreading_invert(&w[i].table, u);
+    }
+}
+
+/* How far the drawn directions are from the spreading's own moments: mean
+ * direction and anisotropy, of energy and of slope variance. */
+static double direction_error(const struct wind_wave *w, int n)
+{
+    double e = 0, s = 0, mean = 0, e_c2 = 0, e_s2 = 0, s_c2 = 0, s_s2 = 0;
+    for (int i = 0; i < n; i++) {
+        double a = w[i].angle, p = w[i].spreading;
+        double slope = w[i].k * w[i].k * w[i].energy;
+        double c2 = cos(2 * a) - p * (p - 1) / ((p + 1) * (p + 2));
+        e += w[i].energy;
+        s += slope;
+        mean += w[i].energy * sin(a);
+        e_c2 += w[i].energy * c2;
+        e_s2 += w[i].energy * sin(2 * a);
+        s_c2 += slope * c2;
+        s_s2 += slope * sin(2 * a);
+    }
+    return (fabs(mean) + fabs(e_c2) + fabs(e_s2)) / e +
+           (fabs(s_c2) + fabs(s_s2)) / s;
+}
+
+static void choose_directions(struct wind_wave *w, int n, uint32_t seed)
+{
+    double best = INFINITY, chosen = 0;
+    for (uint32_t t = 0; t < DIRECTION_TRIES; t++) {
+        double offset = hash01(seed, STREAM_OFFSET, t);
+        wind_directions(w, n, seed, offset);
+        double error = direction_error(w, n);
+        if (error < best) {
+            best = error;
+            chosen = offset;
+        }
+    }
+    wind_directions(w, n, seed, chosen);
+}
+
+/* Cuts the band into n bins and puts one wave into each. */
+static void wind_bins(const struct pel_sea_desc *d, const struct band *b,
+                      struct wind_wave *w, int n)
+{
+    double from = 0;
+    for (int i = 0; i < n; i++) {
+        double to =
+            i + 1 == n ? GRID : band_invert(b, (double)(i + 1) / n);
+        double u = hash01(d->seed, STREAM_FREQUENCY, (uint32_t)i);
+        double place = band_invert(b, (i + 0.1 + 0.8 * u) / n);
+        double omega = exp(b->log_lo + b->step * place);
+        double s = fmax(pel_spectrum_spreading(d, omega),
+                        PEL_SEA_SPREADING_FLOOR);
+        w[i].k = omega * omega / PEL_GRAVITY;
+        w[i].energy = band_energy(b, to) - band_energy(b, from);
+        w[i].spreading = s;
+        spreading_fill(s, &w[i].table);
+        from = to;
+    }
+}
+
+static void add_wave(struct pel_sea *sea, double k, double angle,
+                     double energy, double phase01)
+{
+    sea->waves[sea->count++] = (struct pel_wave){
+        .kx = k * cos(angle),
+        .ky = k * sin(angle),
+        .amplitude = sqrt(2.0 * energy),
+        .omega = pel_dispersion_omega(k),
+        .phase = 2.0 * PEL_PI * phase01,
+        .chop = 1.0,
+    };
+}
+
+struct wind_work {
+    struct band band;
+    struct wind_wave waves[PEL_SEA_MAX_WAVES];
+};
+
+static enum pel_err add_wind_sea(struct pel_sea *sea, int n)
+{
+    const struct pel_sea_desc *d = &sea->desc;
+    double peak = pel_spectrum_peak(d);
+    double lo = peak / sqrt(PEL_SEA_LONGEST);
+    double hi = sqrt(PEL_GRAVITY * 2.0 * PEL_PI / PEL_SEA_SHORTEST_M);
+    if (!(peak > 0) || lo >= 0.5 * hi) {
+        return PEL_OK; /* under 0.15 m/s: ripples below the shortest wave */
+    }
+    struct wind_work *work = malloc(sizeof *work);
+    if (!work) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    band_fill(d, lo, hi, &work->band);
+    wind_bins(d, &work->band, work->waves, n);
+    choose_directions(work->waves, n, d->seed);
+    for (int i = 0; i < n; i++) {
+        const struct wind_wave *w = &work->waves[i];
+        add_wave(sea, w->k, d->direction_rad + w->angle, w->energy,
+                 hash01(d->seed, STREAM_PHASE, (uint32_t)i));
+    }
+    free(work);
+    return PEL_OK;
+}
+
+/* --- swell --------------------------------------------------------------- */
+
+/* Inverse of the normal distribution, by bisection on erfc. */
+static double normal_quantile(double p)
+{
+    double lo = -6, hi = 6;
+    for (int i = 0; i < 60; i++) {
+        double mid = 0.5 * (lo + hi);
+        if (0.5 * erfc(-mid / sqrt(2.0)) < p) {
+            lo = mid;
+        } else {
+            hi = mid;
+        }
+    }
+    return 0.5 * (lo + hi);
+}
+
+/* Equal energies: frequencies by strata of a Gaussian around the peak,
+ * directions by strata of a Gaussian taken in another order. */
+static void add_swell(struct pel_sea *sea, int index, int n)
+{
+    const struct pel_swell_desc *s = &sea->desc.swell[index];
+    uint32_t seed = sea->desc.seed;
+    uint32_t stream = STREAM_SWELL + (uint32_t)index;
+    double offset = hash01(seed, stream, 1000);
+    for (int i = 0; i < n; i++) {
+        uint32_t at = 3u * (uint32_t)i;
+        double u = (i + 0.2 + 0.6 * hash01(seed, stream, at)) / n;
+        double v = offset + 0.61803398874989485 * i +
+                   0.3 * (hash01(seed, stream, at + 1) - 0.5) / n;
+        v -= floor(v);
+        double omega = 2.0 * PEL_PI / s->period_s;
+        double angle = s->direction_rad;
+        if (n > 1) {
+            omega *= 1.0 + SWELL_BANDWIDTH * normal_quantile(u);
+            angle += s->spread_rad *
+                     normal_quantile(pel_clamp(v, 0.02, 0.98));
+        }
+        double energy = s->height_m * s->height_m / 16.0 / n;
+        add_wave(sea, omega * omega / PEL_GRAVITY, angle, energy,
+                 hash01(seed, stream, at + 2));
+    }
+}
+
+static void add_swells(struct pel_sea *sea)
+{
+    const struct pel_sea_desc *d = &sea->desc;
+    bool calm = !(d->wind_mps > 0);
+    int trains = 0;
+    for (int i = 0; i < d->swell_count; i++) {
+        trains += d->swell[i].height_m > 0;
+    }
+    if (trains == 0) {
+        return;
+    }
+    int each = (calm ? d->wave_count : d->wave_count / 2) / trains;
+    int most = calm ? SWELL_WAVES_CALM : SWELL_WAVES;
+    each = each > most ? most : each < 1 ? 1 : each;
+    for (int i = 0; i < d->swell_count; i++) {
+        if (d->swell[i].height_m > 0) {
+            add_swell(sea, i, each);
+        }
+    }
+}
+
+/* --- the whole ----------------------------------------------------------- */
+
+static double wavenumber(const struct pel_wave *w)
+{
+    return sqrt(w->kx * w->kx + w->ky * w->ky);
+}
+
+static void sort_longest_first(struct pel_sea *sea)
+{
+    for (int i = 1; i < sea->count; i++) {
+        struct pel_wave w = sea->waves[i];
+        double k = wavenumber(&w);
+        int j = i;
+        while (j > 0 && wavenumber(&sea->waves[j - 1]) > k) {
+            sea->waves[j] = sea->waves[j - 1];
+            j--;
+        }
+        sea->waves[j] = w;
+    }
+}
+
+/* f(B) of sea.h: the identity, bending to stay below 0.98. */
+static double fold_limit(double bound)
+{
+    const double free = 0.7, room = 0.28;
+    return bound <= free
+               ? bound
+               : free + room * (1.0 - exp(-(bound - free) / room));
+}
+
+static void limit_folding(struct pel_sea *sea)
+{
+    double sum = 0, before = 0, kept_before = 0;
+    for (int i = 0; i < sea->count; i++) {
+        struct pel_wave *w = &sea->waves[i];
+        double steepness = wavenumber(w) * w->amplitude;
+        sum += 0.5 * steepness * steepness;
+        double bound = PEL_SEA_FOLD_SIGMAS * sqrt(sum);
+        double kept = fold_limit(bound);
+        double whole = bound * bound - before * before;
+        double allowed = kept * kept - kept_before * kept_before;
+        w->chop = bound <= 0.7 || !(whole > 0)
+                      ? 1.0
+                      : sqrt(pel_clamp(allowed / whole, 0, 1));
+        before = bound;
+        kept_before = kept;
+    }
+}
+
+/* Totals of eq. 4 and the heights. */
+static void sum_up(struct pel_sea *sea)
+{
+    double c = cos(sea->desc.direction_rad);
+    double s = sin(sea->desc.direction_rad);
+    for (int i = 0; i < sea->count; i++) {
+        const struct pel_wave *w = &sea->waves[i];
+        double kh = wavenumber(w) * w->amplitude;
+        double ckh = w->chop * kh;
+        double variance = kh * kh / (1.0 + sqrt(1.0 - ckh * ckh));
+        double along = (w->kx * c + w->ky * s) / wavenumber(w);
+        double cross = (w->ky * c - w->kx * s) / wavenumber(w);
+        sea->slope_variance_along += along * along * variance;
+        sea->slope_variance_cross += cross * cross * variance;
+        sea->slope_covariance += along * cross * variance;
+        sea->m0 += 0.5 * w->amplitude * w->amplitude;
+        sea->max_height_m += w->amplitude;
+        sea->max_shift_m += w->chop * w->amplitude;
+    }
+}
+
+enum pel_err pel_sea_build(const struct pel_sea_desc *desc,
+                           struct pel_sea *out)
+{
+    if (!desc_ok(desc)) {
+        return PEL_ERR_OUT_OF_RANGE;
+    }
+    memset(out, 0, sizeof *out);
+    out->desc = *desc;
+    out->desc.direction_rad = remainder(desc->direction_rad, 2.0 * PEL_PI);
+    add_swells(out);
+    enum pel_err err = add_wind_sea(out, desc->wave_count - out->count);
+    if (err) {
+        return err;
+    }
+    out->spectrum_m0 = pel_spectrum_m0(desc, 0, INFINITY);
+    for (int i = 0; i < desc->swell_count; i++) {
+        double h = desc->swell[i].height_m;
+        out->spectrum_m0 += h * h / 16.0;
+    }
+    sort_longest_first(out);
+    limit_folding(out);
+    sum_up(out);
+    return PEL_OK;
+}
+
+double pel_sea_rms_below(const struct pel_sea *sea, double wavelength_m)
+{
+    double sum = 0;
+    for (int i = sea->count - 1; i >= 0; i--) {
+        const struct pel_wave *w = &sea->waves[i];
+        if (wavenumber(w) * wavelength_m <= 2.0 * PEL_PI) {
+            break;
+        }
+        sum += 0.5 * w->amplitude * w->amplitude;
+    }
+    return sqrt(sum);
+}
