@@ -66,7 +66,9 @@ ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/exr.c
 FRAMES :=
 NET :=
-BRIDGES :=
+BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
+    server/bridges/nmea_parse.c server/bridges/nmea_values.c \
+    server/bridges/nmea.c
 DAEMON := server/main.c
 CLIENT :=
 CTL :=

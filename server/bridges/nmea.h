@@ -13,7 +13,9 @@
  *              heading, course and speed
  * ZDA, RSA, DPT, DBT and TTM are decoded and counted; the scene has no place
  * for them. The sentences of one datagram are one edit. Poses carry the
- * scene's time of receipt, and the scene reckons onward from them. */
+ * scene's time of receipt, and the scene reckons onward from them; 60 s after
+ * the last fix the ship is stopped where it is. A log replayed at speed X
+ * wants clock.rate X meanwhile, or reckoning falls behind between fixes. */
 #pragma once
 
 #include <stdbool.h>
@@ -23,14 +25,16 @@
 #include "base/err.h"
 #include "bridges/nmea_parse.h"
 
-struct pel_scene;
+struct pel_metrics;
 struct pel_nmea;
+struct pel_scene;
 
 enum pel_nmea_wind {
     PEL_NMEA_WIND_OFF,   /* the wind of sentences is only counted */
     PEL_NMEA_WIND_GIVEN, /* each sentence that differs from the one before */
-    PEL_NMEA_WIND_MEAN,  /* vector mean of 120 s of simulated time, when it
-                          * moved by 0.5 m/s or by 5 deg: a steadier sea */
+    PEL_NMEA_WIND_MEAN,  /* its mean over 120 s of simulated time, each time
+                          * that has moved by 0.5 m/s or 5 deg: the waves of
+                          * the sea then stay the same through a gust */
 };
 
 struct pel_nmea_options {
@@ -40,13 +44,14 @@ struct pel_nmea_options {
     uint32_t entity;    /* id of the entity moved, 0..65535 */
     enum pel_nmea_wind wind;
     bool ais; /* AIS targets become entities 20000 and up, at most 100 */
+    struct pel_metrics *metrics; /* NULL: none are shown */
 };
 
 /* entity 1, wind as given, no AIS targets, 127.0.0.1:10110. */
 struct pel_nmea_options pel_nmea_default_options(void);
 
 struct pel_nmea_counters {
-    uint64_t datagrams;
+    uint64_t datagrams; /* of allowed senders */
     uint64_t refused_datagrams; /* sender not in the list, or > 4096 bytes */
     uint64_t sentences;         /* read and understood, by kind: */
     uint64_t kinds[PEL_NMEA_KIND_COUNT];
@@ -59,14 +64,13 @@ struct pel_nmea_counters {
     uint64_t ais_ignored;   /* other types, unknown parts, damaged */
 };
 
-/* Age limit of each value: fresh when it came within the last 10 s of wall
- * time. */
+/* Fresh: came within the last 10 s of wall time. */
 struct pel_nmea_status {
     bool fix_fresh, heading_fresh, attitude_fresh, wind_fresh;
-    bool stale;              /* had a fix once, has none now */
-    double fix_age_s;        /* -1: never had one */
-    double depth_m;          /* below transducer plus offset, NaN: unknown */
-    double rudder_deg;       /* RSA, starboard positive, NaN: unknown */
+    bool stale;        /* had a fix once, has none now */
+    double fix_age_s;  /* -1: never had one */
+    double depth_m;    /* below transducer plus offset, NaN: unknown */
+    double rudder_deg; /* RSA, starboard positive, NaN: unknown */
     size_t ais_targets;
 };
 

@@ -73,8 +73,8 @@ struct pel_nmea_sentence {
         char name[16];
     } transducers[PEL_NMEA_MAX_TRANSDUCERS];
     size_t transducer_count;
-    int target;                          /* TTM: number, -1 empty */
-    double target_range, target_bearing; /* TTM: m; deg true, NaN if relative */
+    int target; /* TTM: number, -1 empty */
+    double target_range, target_bearing; /* m; deg true, NaN if relative */
     struct {
         int count, index, sequence; /* sequence -1: none */
         char channel;               /* 0: none */

@@ -1,0 +1,49 @@
+/* AIS messages (ITU-R M.1371-5, annex 8) from the six-bit payloads of VDM and
+ * VDO: position reports 1, 2, 3, 18, 19 and the names of 5, 19 and 24 A.
+ * Pure functions and caller's memory; one thread at a time for an assembler.
+ */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "bridges/nmea_parse.h"
+
+#define PEL_AIS_MAX_PAYLOAD 512
+#define PEL_AIS_SLOTS 8
+
+/* NaN or "": not available. deg, m/s, deg/s; north and east positive. */
+struct pel_ais {
+    int type;
+    uint32_t mmsi;
+    bool has_position_report;
+    double latitude, longitude, speed, course, heading, turn_rate;
+    char name[21];
+};
+
+/* False: another type, too short, or no bits. */
+bool pel_ais_decode(const char *payload, size_t length, struct pel_ais *out);
+
+/* Joins the parts of multi-sentence messages; zero it before first use. The
+ * oldest unfinished message gives way. */
+struct pel_ais_assembler {
+    struct {
+        int count, next, sequence; /* count 0: free */
+        char channel;
+        unsigned age;
+        size_t length;
+        char payload[PEL_AIS_MAX_PAYLOAD];
+    } slots[PEL_AIS_SLOTS];
+    unsigned clock;
+};
+
+enum pel_ais_part {
+    PEL_AIS_WAIT,    /* more parts are to come */
+    PEL_AIS_WHOLE,   /* *payload and *length are a message until next call */
+    PEL_AIS_DROPPED, /* a part without its first ones, or too long */
+};
+
+enum pel_ais_part pel_ais_assemble(struct pel_ais_assembler *assembler,
+                                   const struct pel_nmea_sentence *sentence,
+                                   const char **payload, size_t *length);

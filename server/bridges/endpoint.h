@@ -1,0 +1,36 @@
+/* Where a bridge listens, and to whom: ADDRESS:PORT and lists of allowed
+ * peers. Modbus and NMEA know neither passwords nor TLS, so the list is all
+ * they have. Any thread. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/socket.h>
+
+#include "base/err.h"
+
+#define PEL_MAX_ALLOWED 32
+
+struct pel_allow {
+    size_t count;
+    struct {
+        uint8_t address[16]; /* IPv4 as ::ffff:a.b.c.d */
+        int bits;
+    } rules[PEL_MAX_ALLOWED];
+};
+
+/* Reads `10.0.0.7,192.168.1.0/24,fd00::/8`; NULL or "": loopback only.
+ * INVALID names the entry. */
+PEL_CHECK enum pel_err pel_allow_parse(const char *text, struct pel_allow *out,
+                                       struct pel_fault *fault);
+bool pel_allow_has(const struct pel_allow *allow, const struct sockaddr *peer);
+
+/* Opens a non-blocking, close-on-exec socket of `type` (SOCK_STREAM is put to
+ * listen) on `address` ("127.0.0.1:1502", "[::1]:1502", "localhost:0"); its
+ * port goes to *port. INVALID: unreadable, or not loopback while `list` is
+ * NULL or empty; IO: the system refused. `what` names the option in faults. */
+PEL_CHECK enum pel_err pel_endpoint_open(const char *what, const char *address,
+                                         const char *list, int type, int *fd,
+                                         uint16_t *port,
+                                         struct pel_fault *fault);
