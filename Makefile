@@ -56,7 +56,7 @@ BASE := server/base/err.c server/base/log.c server/base/clock.c \
 OCEAN := server/ocean/spectrum.c \
     server/ocean/sea.c \
     server/ocean/surface.c
-OPTICS :=
+OPTICS := server/optics/brdf.c
 PROTO :=
 SCENE :=
 RENDER := server/render/context.c server/render/shader.c \
@@ -76,6 +76,7 @@ CTL :=
 TESTS :=
 TESTS += server/ocean/spectrum_test.c
 TESTS += server/ocean/sea_test.c
+TESTS += server/optics/brdf_test.c
 TESTS += server/encode/encode_test.c
 
 # --- rules ----------------------------------------------------------------

@@ -69,8 +69,9 @@ struct pel_sea {
 };
 
 /* Builds the sea. `desc` must be inside its ranges (OUT_OF_RANGE otherwise,
- * also for NaN; *out is then unchanged; NO_MEMORY). Waves are a function of desc alone: the same bits on every
- * call. No wind and no swell give a flat sea, count 0.
+ * also for NaN, *out then unchanged; or NO_MEMORY). Waves are a function of
+ * desc alone: the same bits on every call. No wind and no swell give a flat
+ * sea, count 0.
  *
  * Wind waves: the spectrum from PEL_SEA_LONGEST peak wavelengths down to
  * PEL_SEA_SHORTEST_M is cut into bins of equal measure, a fixed mixture of

@@ -23,7 +23,8 @@ double pel_ross_slope_density(double zx, double zy, double var_x, double var_y);
 /* Smith's Λ(a), eq. 8; a > 0; → 0 for large a. */
 double pel_ross_lambda(double a);
 
-/* a(θ, φ) = 1 / (√2 s tan θ), s² = σx² cos²φ + σy² sin²φ: eq. 9 corrected. */
+/* a(θ, φ) = 1 / (√2 s tan θ), s² = σx² cos²φ + σy² sin²φ: eq. 9 corrected.
+ * Infinite for a view along the normal or a flat surface. */
 double pel_ross_a(struct pel_vec3 dir, double var_x, double var_y);
 
 /* Visible slope density q^e_vn, eq. 10: integrates to 1 over slopes. */
@@ -34,8 +35,9 @@ double pel_ross_visible_density(double zx, double zy, struct pel_vec3 view,
 double pel_ross_brdf(struct pel_vec3 view, struct pel_vec3 light, double var_x,
                      double var_y);
 
-/* Radiance reflected from a sun of irradiance E (normal to its beam):
- * eq. 15 with L_sun Ω_sun = E, variances clamped to `min_variance`. */
+/* Radiance reflected from a sun of unit irradiance normal to its beam [1/sr]:
+ * eq. 15 with L_sun Ω_sun = 1, variances clamped to `min_variance`; times E it
+ * is the radiance. 0 for a view or light below the surface. */
 double pel_ross_sun(struct pel_vec3 view, struct pel_vec3 light, double var_x,
                     double var_y, double min_variance);
 

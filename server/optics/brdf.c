@@ -1,0 +1,107 @@
+#include "optics/brdf.h"
+
+#include <math.h>
+
+/* Grazing below this is no longer told from the horizon. */
+#define LEAST_COSINE 1e-9
+
+double pel_fresnel_exact(double cos_theta, double n)
+{
+    double ci = pel_clamp(cos_theta, 0, 1);
+    double ct = sqrt(1.0 - (1.0 - ci * ci) / (n * n));
+    double s = (ci - n * ct) / (ci + n * ct);
+    double p = (n * ci - ct) / (n * ci + ct);
+    return 0.5 * (s * s + p * p);
+}
+
+static double normal_reflectance(double n)
+{
+    double r = (n - 1.0) / (n + 1.0);
+    return r * r;
+}
+
+double pel_fresnel_schlick(double cos_theta, double n)
+{
+    double r = normal_reflectance(n);
+    double m = 1.0 - pel_clamp(cos_theta, 0, 1);
+    return r + (1.0 - r) * m * m * m * m * m;
+}
+
+double pel_ross_slope_density(double zx, double zy, double var_x, double var_y)
+{
+    return exp(-0.5 * (zx * zx / var_x + zy * zy / var_y)) /
+           (2.0 * PEL_PI * sqrt(var_x * var_y));
+}
+
+double pel_ross_lambda(double a)
+{
+    const double root_pi = 1.7724538509055160273;
+    if (a > 6.0) {
+        return 0; /* below 1e-18 */
+    }
+    double numerator = exp(-a * a) - a * root_pi * erfc(a);
+    return fmax(numerator, 0) / (2.0 * a * root_pi);
+}
+
+/* tan²θ cos²φ = x²/z², tan²θ sin²φ = y²/z²: no angle is ever needed. */
+double pel_ross_a(struct pel_vec3 dir, double var_x, double var_y)
+{
+    double spread = var_x * dir.x * dir.x + var_y * dir.y * dir.y;
+    return fmax(dir.z, LEAST_COSINE) / sqrt(2.0 * spread);
+}
+
+double pel_ross_visible_density(double zx, double zy, struct pel_vec3 view,
+                                double var_x, double var_y)
+{
+    /* v·f / f_z with eq. 6. */
+    double facing = view.z - view.x * zx - view.y * zy;
+    double lambda = pel_ross_lambda(pel_ross_a(view, var_x, var_y));
+    return pel_ross_slope_density(zx, zy, var_x, var_y) * fmax(facing, 0) /
+           ((1.0 + lambda) * fmax(view.z, LEAST_COSINE));
+}
+
+/* brdf · cos θ_l: eq. 15 for L_sun Ω_sun = 1. */
+static double reflected(struct pel_vec3 view, struct pel_vec3 light,
+                        double var_x, double var_y)
+{
+    if (!(view.z > 0) || !(light.z > 0)) {
+        return 0;
+    }
+    struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(view, light));
+    double p = pel_ross_slope_density(-h.x / h.z, -h.y / h.z, var_x, var_y);
+    double f = pel_fresnel_schlick(pel_vec3_dot(view, h), PEL_WATER_INDEX);
+    double shadow = 1.0 + pel_ross_lambda(pel_ross_a(view, var_x, var_y)) +
+                    pel_ross_lambda(pel_ross_a(light, var_x, var_y));
+    double hz2 = h.z * h.z;
+    return p * f /
+           (4.0 * hz2 * hz2 * fmax(view.z, LEAST_COSINE) * shadow);
+}
+
+double pel_ross_brdf(struct pel_vec3 view, struct pel_vec3 light, double var_x,
+                     double var_y)
+{
+    return reflected(view, light, var_x, var_y) /
+           fmax(light.z, LEAST_COSINE);
+}
+
+double pel_ross_sun(struct pel_vec3 view, struct pel_vec3 light, double var_x,
+                    double var_y, double min_variance)
+{
+    return reflected(view, light, fmax(var_x, min_variance),
+                     fmax(var_y, min_variance));
+}
+
+double pel_ross_mean_fresnel(struct pel_vec3 view, double var_x, double var_y)
+{
+    double across = view.x * view.x + view.y * view.y;
+    double variance = 0.5 * (var_x + var_y);
+    if (across > 0) {
+        variance = (var_x * view.x * view.x + var_y * view.y * view.y) /
+                   across; /* eq. 25 */
+    }
+    double sigma = sqrt(variance);
+    double r = normal_reflectance(PEL_WATER_INDEX);
+    double m = 1.0 - pel_clamp(view.z, 0, 1);
+    return r + (1.0 - r) * pow(m, 5.0 * exp(-2.69 * sigma)) /
+                   (1.0 + 22.7 * pow(sigma, 1.5));
+}
