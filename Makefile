@@ -57,7 +57,16 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/sea.c \
     server/ocean/surface.c
 OPTICS := server/optics/brdf.c
-PROTO :=
+PROTO := proto/fieldset.c \
+    proto/message.c \
+    proto/scalar.c \
+    proto/wire.c \
+    proto/fault.c \
+    proto/json.c \
+    proto/jsonread.c \
+    proto/jsonwrite.c \
+    proto/patch.c \
+    proto/path.c
 SCENE :=
 RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/renderer.c
@@ -78,6 +87,14 @@ TESTS += server/ocean/spectrum_test.c
 TESTS += server/ocean/sea_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/encode/encode_test.c
+TESTS += proto/json_test.c
+TESTS += proto/path_test.c
+TESTS += proto/wire_test.c
+
+# Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
+# FUZZERS += lines of each room.
+FUZZERS :=
+FUZZERS += tests/fuzz/fuzz_json.c
 
 # --- rules ----------------------------------------------------------------
 SERVER := $(BASE) $(OCEAN) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
@@ -238,6 +255,32 @@ lint-tidy: $(GEN_HEADERS)
 .PHONY: format
 format: ## rewrite the C sources as .clang-format says
 	$(Q)clang-format -i $(C_FILES)
+FUZZ_SECONDS ?= 60
+fuzz_bin = $(patsubst %.c,$(O)/bin/%,$(notdir $(FUZZERS)))
+define fuzz_rule
+$(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(O)/libserver.a
+	$$(Q)mkdir -p $$(@D)
+	$$(Q)$$(CC) $$(OPT) -fsanitize=fuzzer -pthread -o $$@ $$^ $$(PKG_LIBS)
+endef
+$(foreach t,$(FUZZERS),$(eval $(call fuzz_rule,$(t))))
+
+.PHONY: fuzz
+fuzz: deps ## fuzz every input for FUZZ_SECONDS (60) under ASan and UBSan
+ifneq ($(FLAVOR),fuzz)
+	$(Q)$(MAKE) FLAVOR=fuzz fuzz
+else
+fuzz: $(fuzz_bin)
+	$(Q)for f in $(fuzz_bin); do \
+	    name=$$(basename $$f); corpus=build/corpus/$$name; \
+	    seeds=tests/fuzz/corpus/$$name; mkdir -p $$corpus; \
+	    echo "== $$name, $(FUZZ_SECONDS) s"; \
+	    $$f -max_total_time=$(FUZZ_SECONDS) -timeout=10 -rss_limit_mb=2048 \
+	        -print_final_stats=1 -artifact_prefix=$$corpus/ $$corpus \
+	        $$([ -d $$seeds ] && echo $$seeds) 2>$$corpus.log \
+	        || { tail -40 $$corpus.log; exit 1; }; \
+	    grep -E 'stat::number_of_executed_units|stat::new_units' $$corpus.log; \
+	done
+endif
 
 .PHONY: clean
 clean: ## remove build/

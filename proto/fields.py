@@ -1,4 +1,167 @@
 #!/usr/bin/env python3
-"""Derives tables from the comments of pelagos.proto."""
+"""Derives tables from the comments of pelagos.proto.
+
+fields.py c PROTO OUT.c            the table behind fields.h
+fields.py manual PROTO OUT.md TEMPLATE...
+"""
+import os
+import re
+import subprocess
 import sys
-open(sys.argv[3], "w").write("/* generated */\nint pel_fields_placeholder;\n")
+import tempfile
+
+from google.protobuf import descriptor_pb2
+
+F = descriptor_pb2.FieldDescriptorProto
+NUMBERS = {F.TYPE_DOUBLE, F.TYPE_FLOAT, F.TYPE_INT32, F.TYPE_INT64,
+           F.TYPE_UINT32, F.TYPE_UINT64, F.TYPE_SINT32, F.TYPE_SINT64,
+           F.TYPE_FIXED32, F.TYPE_FIXED64, F.TYPE_SFIXED32, F.TYPE_SFIXED64}
+BRACKET = re.compile(r"\s*\[([^\][]*)\]\s*$")
+TYPE_NAMES = {F.TYPE_DOUBLE: "double", F.TYPE_FLOAT: "float",
+              F.TYPE_UINT32: "uint32", F.TYPE_UINT64: "uint64",
+              F.TYPE_INT32: "int32", F.TYPE_INT64: "int64",
+              F.TYPE_BOOL: "bool", F.TYPE_STRING: "string",
+              F.TYPE_BYTES: "bytes"}
+
+
+class SchemaError(Exception):
+    pass
+
+
+def read_schema(path):
+    with tempfile.TemporaryDirectory() as folder:
+        out = os.path.join(folder, "set")
+        subprocess.run(["protoc", "--proto_path=" + os.path.dirname(path),
+                        "--include_source_info", "--descriptor_set_out=" + out,
+                        path], check=True)
+        with open(out, "rb") as f:
+            files = descriptor_pb2.FileDescriptorSet.FromString(f.read())
+    return files.file[0]
+
+
+class Field:
+    def __init__(self, proto, comment, where):
+        self.proto = proto
+        self.where = where
+        self.name = proto.json_name
+        self.unit = self.minimum = self.maximum = None
+        self.key = False
+        text = " ".join(comment.split())
+        match = BRACKET.search(text)
+        self.doc = text[:match.start()] if match else text
+        if match:
+            self.read_bracket(match.group(1))
+
+    def read_bracket(self, text):
+        parts = [p.strip() for p in text.split(";")]
+        if len(parts) > 2 or not parts[0]:
+            raise SchemaError(f"{self.where}: cannot read [{text}]")
+        if parts[0] == "key":
+            self.key = True
+        else:
+            self.unit = parts[0]
+        if len(parts) == 2:
+            ends = parts[1].split("..")
+            try:
+                self.minimum, self.maximum = (float(e) for e in ends)
+            except ValueError:
+                raise SchemaError(f"{self.where}: cannot read the range in "
+                                  f"[{text}]; write [unit; min .. max]")
+            if not self.minimum < self.maximum:
+                raise SchemaError(f"{self.where}: empty range [{text}]")
+
+    @property
+    def number(self):
+        return self.proto.type in NUMBERS
+
+    @property
+    def repeated(self):
+        return self.proto.label == F.LABEL_REPEATED
+
+
+class Schema:
+    def __init__(self, path):
+        self.file = read_schema(path)
+        self.comments = {tuple(l.path): l.leading_comments
+                         for l in self.file.source_code_info.location}
+        self.messages = {}  # name -> (doc, fields by number)
+        self.enums = {}     # name -> (doc, [(name, number, doc)])
+        for i, message in enumerate(self.file.message_type):
+            if message.nested_type or message.enum_type:
+                raise SchemaError(f"{message.name}: nested types are not used")
+            fields = [Field(f, self.comments.get((4, i, 2, k), ""),
+                            f"{message.name}.{f.name}")
+                      for k, f in enumerate(message.field)]
+            # protobuf-c sorts descriptors by number.
+            fields.sort(key=lambda f: f.proto.number)
+            self.messages[message.name] = (self.comment(4, i), fields)
+        for i, enum in enumerate(self.file.enum_type):
+            values = [(v.name, v.number, self.comment(5, i, 2, k))
+                      for k, v in enumerate(enum.value)]
+            self.enums[enum.name] = (self.comment(5, i), values)
+        self.check_state("State", "")
+
+    def comment(self, *path):
+        return " ".join(self.comments.get(path, "").split())
+
+    def check_state(self, name, parents):
+        """Numbers below State need a unit; types must not recurse."""
+        if name in parents.split("/"):
+            raise SchemaError(f"{name} contains itself: protobuf-c has no "
+                              "depth limit")
+        for field in self.messages[name][1]:
+            if field.proto.type == F.TYPE_MESSAGE:
+                child = field.proto.type_name.split(".")[-1]
+                self.check_state(child, parents + "/" + name)
+            elif field.number and field.unit is None and not field.key:
+                raise SchemaError(
+                    f"{field.where} is a number without a unit: end its "
+                    "comment with [unit; min .. max], [unit] or [key]")
+
+
+def quote(text):
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def write_c(schema, path):
+    out = ["/* Generated by proto/fields.py from pelagos.proto. */",
+           '#include "fields.h"', "", '#include "pelagos.pb-c.h"', ""]
+    for name, (_, fields) in schema.messages.items():
+        if not fields:
+            continue
+        out.append(f"static const struct pel_field {name.lower()}_fields[] = {{")
+        for f in fields:
+            ranged = f.minimum is not None
+            out.append("    { %s, %s, %s, %r, %r, %s,\n      %s }," % (
+                quote(f.name), quote(f.unit) if f.unit else "NULL",
+                "true" if ranged else "false",
+                f.minimum if ranged else 0.0, f.maximum if ranged else 0.0,
+                "true" if f.key else "false", quote(f.doc)))
+        out.append("};")
+        out.append("")
+    out.append("const struct pel_field_table pel_field_tables[] = {")
+    for name, (doc, fields) in schema.messages.items():
+        symbol = re.sub(r"(?<!^)([A-Z])", r"_\1", name).lower()
+        table = f"{name.lower()}_fields" if fields else "NULL"
+        out.append(f"    {{ &pelagos__{symbol}__descriptor, {table},\n"
+                   f"      {quote(doc)} }},")
+    out.append("};")
+    out.append("const size_t pel_field_table_count =")
+    out.append("    sizeof pel_field_tables / sizeof pel_field_tables[0];")
+    with open(path, "w", encoding="utf-8") as f:
+        f.write("\n".join(out) + "\n")
+
+
+def main(argv):
+    schema = Schema(argv[2])
+    if argv[1] == "c":
+        write_c(schema, argv[3])
+    else:
+        raise SchemaError("usage: fields.py c PROTO OUT")
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv)
+    except SchemaError as error:
+        sys.exit(f"pelagos.proto: {error}")

@@ -1,0 +1,281 @@
+#include "message.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void *checked(void *memory)
+{
+    if (!memory) {
+        abort();
+    }
+    return memory;
+}
+
+static char *duplicate(const char *text)
+{
+    return checked(strdup(text));
+}
+
+static void *at(const ProtobufCMessage *message, unsigned offset)
+{
+    return (char *)message + offset;
+}
+
+void *pel_message_member(const ProtobufCMessage *message,
+                         const ProtobufCFieldDescriptor *field)
+{
+    return at(message, field->offset);
+}
+
+static size_t *count_of(const ProtobufCMessage *message,
+                        const ProtobufCFieldDescriptor *field)
+{
+    return at(message, field->quantifier_offset);
+}
+
+static bool is_oneof(const ProtobufCFieldDescriptor *field)
+{
+    return (field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF) != 0;
+}
+
+static bool is_pointer(const ProtobufCFieldDescriptor *field)
+{
+    return field->type == PROTOBUF_C_TYPE_STRING ||
+           field->type == PROTOBUF_C_TYPE_MESSAGE;
+}
+
+size_t pel_message_value_size(const ProtobufCFieldDescriptor *field)
+{
+    switch (field->type) {
+    case PROTOBUF_C_TYPE_INT64:
+    case PROTOBUF_C_TYPE_SINT64:
+    case PROTOBUF_C_TYPE_SFIXED64:
+    case PROTOBUF_C_TYPE_UINT64:
+    case PROTOBUF_C_TYPE_FIXED64:
+    case PROTOBUF_C_TYPE_DOUBLE:
+        return 8;
+    case PROTOBUF_C_TYPE_BOOL:
+        return sizeof(protobuf_c_boolean);
+    case PROTOBUF_C_TYPE_STRING:
+    case PROTOBUF_C_TYPE_MESSAGE:
+        return sizeof(void *);
+    case PROTOBUF_C_TYPE_BYTES:
+        return sizeof(ProtobufCBinaryData);
+    default:
+        return 4;
+    }
+}
+
+ProtobufCMessage *pel_message_new(const ProtobufCMessageDescriptor *type)
+{
+    ProtobufCMessage *message = checked(malloc(type->sizeof_message));
+    protobuf_c_message_init(type, message);
+    return message;
+}
+
+ProtobufCMessage *pel_message_copy(const ProtobufCMessage *message)
+{
+    size_t size = protobuf_c_message_get_packed_size(message);
+    uint8_t *bytes = checked(malloc(size + 1));
+    protobuf_c_message_pack(message, bytes);
+    ProtobufCMessage *copy = checked(protobuf_c_message_unpack(
+        message->descriptor, NULL, size, bytes));
+    free(bytes);
+    return copy;
+}
+
+bool pel_message_has(const ProtobufCMessage *message,
+                     const ProtobufCFieldDescriptor *field)
+{
+    if (field->label == PROTOBUF_C_LABEL_REPEATED) {
+        return *count_of(message, field) > 0;
+    }
+    if (is_oneof(field)) {
+        return *(uint32_t *)at(message, field->quantifier_offset) ==
+               (uint32_t)field->id;
+    }
+    if (is_pointer(field)) {
+        const void *value = *(void **)pel_message_member(message, field);
+        return value && value != field->default_value;
+    }
+    return *(protobuf_c_boolean *)at(message, field->quantifier_offset);
+}
+
+static void free_value(const ProtobufCFieldDescriptor *field, void *member)
+{
+    if (field->type == PROTOBUF_C_TYPE_MESSAGE) {
+        protobuf_c_message_free_unpacked(*(ProtobufCMessage **)member, NULL);
+    } else if (field->type == PROTOBUF_C_TYPE_STRING) {
+        free(*(char **)member);
+    } else if (field->type == PROTOBUF_C_TYPE_BYTES) {
+        free(((ProtobufCBinaryData *)member)->data);
+    }
+}
+
+void pel_message_clear(ProtobufCMessage *message,
+                       const ProtobufCFieldDescriptor *field)
+{
+    if (!pel_message_has(message, field)) {
+        return;
+    }
+    void *member = pel_message_member(message, field);
+    if (field->label == PROTOBUF_C_LABEL_REPEATED) {
+        char *values = *(char **)member;
+        for (size_t i = 0; i < *count_of(message, field); i++) {
+            free_value(field, values + i * pel_message_value_size(field));
+        }
+        free(values);
+        *(void **)member = NULL;
+        *count_of(message, field) = 0;
+        return;
+    }
+    free_value(field, member);
+    memset(member, 0, pel_message_value_size(field));
+    if (is_oneof(field)) {
+        *(uint32_t *)at(message, field->quantifier_offset) = 0;
+    } else if (is_pointer(field)) {
+        *(const void **)member = field->default_value;
+    } else {
+        *(protobuf_c_boolean *)at(message, field->quantifier_offset) = false;
+    }
+}
+
+bool pel_message_default(ProtobufCMessage *message,
+                         const ProtobufCFieldDescriptor *field)
+{
+    void *member = pel_message_member(message, field);
+    if (!field->default_value || field->type == PROTOBUF_C_TYPE_BYTES) {
+        return false;
+    }
+    if (pel_message_has(message, field)) {
+        return true;
+    }
+    if (field->type == PROTOBUF_C_TYPE_STRING) {
+        *(char **)member = duplicate(field->default_value);
+    } else {
+        memcpy(member, field->default_value, pel_message_value_size(field));
+        pel_message_mark(message, field);
+    }
+    return true;
+}
+
+void pel_message_mark(ProtobufCMessage *message,
+                      const ProtobufCFieldDescriptor *field)
+{
+    if (is_oneof(field)) {
+        *(uint32_t *)at(message, field->quantifier_offset) = field->id;
+    } else if (!is_pointer(field)) {
+        *(protobuf_c_boolean *)at(message, field->quantifier_offset) = true;
+    }
+}
+
+ProtobufCMessage *pel_message_child(ProtobufCMessage *message,
+                                    const ProtobufCFieldDescriptor *field)
+{
+    ProtobufCMessage **member = pel_message_member(message, field);
+    if (!pel_message_has(message, field)) {
+        *member = pel_message_new(field->descriptor);
+        pel_message_mark(message, field);
+    }
+    return *member;
+}
+
+ProtobufCMessage **pel_message_list(const ProtobufCMessage *message,
+                                    const ProtobufCFieldDescriptor *field,
+                                    size_t *count)
+{
+    *count = *count_of(message, field);
+    return *(ProtobufCMessage ***)pel_message_member(message, field);
+}
+
+/* Room is always a power of two, also for lists that protobuf-c unpacked with
+ * exactly their count of places; realloc to the size it has costs nothing. */
+static void *append(void **list, size_t *count, size_t size)
+{
+    size_t room = 1;
+    while (room < *count + 1) {
+        room *= 2;
+    }
+    *list = checked(realloc(*list, room * size));
+    return (char *)*list + size * (*count)++;
+}
+
+ProtobufCMessage *pel_message_append(ProtobufCMessage *message,
+                                     const ProtobufCFieldDescriptor *field)
+{
+    ProtobufCMessage *element = pel_message_new(field->descriptor);
+    void **list = pel_message_member(message, field);
+    ProtobufCMessage **place =
+        append(list, count_of(message, field), sizeof *place);
+    *place = element;
+    return element;
+}
+
+void pel_message_remove(ProtobufCMessage *message,
+                        const ProtobufCFieldDescriptor *field, size_t index)
+{
+    size_t count;
+    ProtobufCMessage **list = pel_message_list(message, field, &count);
+    protobuf_c_message_free_unpacked(list[index], NULL);
+    memmove(&list[index], &list[index + 1],
+            (count - index - 1) * sizeof *list);
+    *count_of(message, field) = count - 1;
+    if (count == 1) {
+        free(list);
+        *(void **)pel_message_member(message, field) = NULL;
+    }
+}
+
+bool pel_message_number(const ProtobufCMessage *message,
+                        const ProtobufCFieldDescriptor *field, double *value)
+{
+    const void *member = pel_message_member(message, field);
+    switch (field->type) {
+    case PROTOBUF_C_TYPE_INT32:
+    case PROTOBUF_C_TYPE_SINT32:
+    case PROTOBUF_C_TYPE_SFIXED32:
+    case PROTOBUF_C_TYPE_ENUM:
+        *value = *(const int32_t *)member;
+        return true;
+    case PROTOBUF_C_TYPE_UINT32:
+    case PROTOBUF_C_TYPE_FIXED32:
+        *value = *(const uint32_t *)member;
+        return true;
+    case PROTOBUF_C_TYPE_INT64:
+    case PROTOBUF_C_TYPE_SINT64:
+    case PROTOBUF_C_TYPE_SFIXED64:
+        *value = (double)*(const int64_t *)member;
+        return true;
+    case PROTOBUF_C_TYPE_UINT64:
+    case PROTOBUF_C_TYPE_FIXED64:
+        *value = (double)*(const uint64_t *)member;
+        return true;
+    case PROTOBUF_C_TYPE_FLOAT:
+        *value = *(const float *)member;
+        return true;
+    case PROTOBUF_C_TYPE_DOUBLE:
+        *value = *(const double *)member;
+        return true;
+    case PROTOBUF_C_TYPE_BOOL:
+        *value = *(const protobuf_c_boolean *)member ? 1 : 0;
+        return true;
+    default:
+        return false;
+    }
+}
+
+void pel_message_append_string(char ***list, size_t *count, const char *text)
+{
+    char **place = append((void **)list, count, sizeof *place);
+    *place = duplicate(text);
+}
+
+void pel_message_set_string(ProtobufCMessage *message,
+                            const ProtobufCFieldDescriptor *field,
+                            const char *text)
+{
+    pel_message_clear(message, field);
+    *(char **)pel_message_member(message, field) = duplicate(text);
+    pel_message_mark(message, field);
+}
