@@ -73,7 +73,16 @@ RENDER := server/render/context.c server/render/shader.c \
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c
-FRAMES :=
+FRAMES := server/frames/frame.c server/frames/mailbox.c \
+    server/frames/pool.c \
+    server/frames/renderloop.c \
+    server/frames/picture_exr.c \
+    server/frames/window.c \
+    server/frames/requests.c \
+    server/frames/live.c \
+    server/frames/surface.c \
+    server/frames/schedule.c \
+    server/frames/frames.c
 NET :=
 BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_parse.c server/bridges/nmea_values.c \

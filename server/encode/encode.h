@@ -65,6 +65,7 @@ struct pel_exr_image {
     size_t attribute_count;
     /* Screen window at distance 1 of the standard header; width 0: 1. */
     float window_center[2], window_width;
+    float pixel_aspect; /* width of a pixel over its height; 0: 1 */
     const atomic_bool *cancel; /* NULL, or true: give up with CONFLICT */
 };
 

@@ -144,7 +144,8 @@ static exr_result_t write_header(exr_context_t context, const struct writer *w)
     exr_result_t rc = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
     rc = rc ? rc
             : exr_initialize_required_attr(
-                  context, part, &window, &window, 1.0f, &center,
+                  context, part, &window, &window,
+                  image->pixel_aspect > 0 ? image->pixel_aspect : 1.0f, &center,
                   image->window_width > 0 ? image->window_width : 1.0f,
                   EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP);
     for (int i = 0; rc == 0 && i < w->channel_count; i++) {

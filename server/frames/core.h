@@ -1,0 +1,131 @@
+/* The control thread's side of the frame path. Everything here runs on the
+ * control thread. */
+#pragma once
+
+#include <glib.h>
+
+#include "frames/job.h"
+#include "frames/mailbox.h"
+#include "frames/pool.h"
+#include "frames/renderloop.h"
+
+#define PEL_JOB_COUNT 8
+#define PEL_MAX_DRAWING 2 /* jobs between start and pixels */
+#define PEL_MAX_REQUESTS 64
+#define PEL_MAX_STREAMS 64
+#define PEL_MAX_SUBSCRIPTIONS 256
+#define PEL_MAX_SURFACE_QUERIES 16
+#define PEL_MAX_SURFACE_POINTS 10000
+#define PEL_STATS_WINDOW 256
+
+struct pel_frame_request {
+    bool used;
+    uint64_t id, order;
+    char view[PEL_NAME_SIZE];
+    uint32_t width, height; /* 0: the view's */
+    bool has_time, float_samples;
+    double time_s;
+    Pelagos__FrameFormat format;
+    int quality;
+    unsigned layers;
+    int64_t requested_ns;
+    struct pel_output *output; /* NULL: waits for a frame */
+    pel_frame_callback done;
+    void *user;
+};
+
+struct pel_stream; /* (view, quality) */
+
+struct pel_subscription {
+    struct pel_frames *frames;
+    struct pel_stream *stream; /* NULL: its view is gone */
+    bool dead;                 /* unsubscribed while callbacks run */
+    pel_frame_callback on_frame;
+    void *user;
+    struct pel_subscription *next; /* of all subscriptions */
+};
+
+struct pel_stream {
+    uint32_t serial; /* 0: not used */
+    char view[PEL_NAME_SIZE];
+    int quality;
+    unsigned subscribers;
+};
+
+/* The last PEL_STATS_WINDOW values. */
+struct pel_window {
+    float values[PEL_STATS_WINDOW];
+    uint64_t count;
+};
+
+struct pel_frames {
+    struct pel_scene *scene;
+    struct pel_mailbox box;
+    struct pel_pool *pool;
+    struct pel_renderloop *loop;
+    GSource *tick, *start, *watch;
+    double max_fps;
+    int64_t next_tick_ns;
+    bool stopping;
+
+    uint64_t number, last_id, last_order;
+    uint32_t last_serial;
+    unsigned drawing;  /* jobs with the render thread */
+    bool last_was_live;
+    struct pel_job *jobs; /* PEL_JOB_COUNT */
+    struct pel_frame_request requests[PEL_MAX_REQUESTS];
+    struct pel_stream streams[PEL_MAX_STREAMS];
+    struct pel_subscription *subscriptions;
+    unsigned subscription_count; /* with a stream */
+    unsigned calling;            /* depth of callbacks to subscribers */
+    unsigned surface_count;
+    struct pel_surface_query *surfaces[PEL_MAX_SURFACE_QUERIES];
+
+    int64_t launched_ns;
+    uint64_t stuck_number; /* frame that was last complained about */
+    struct pel_frames_stats stats;
+    struct pel_window render_ms, encode_ms;
+};
+
+/* --- schedule.c: frames begin and end ---------------------------------- */
+
+/* The alarm of live views: one frame of every stream and waiting request. */
+void pel_schedule_tick(void *user);
+/* Starts frames for waiting requests, as far as there is room. */
+void pel_schedule_start(void *user);
+/* Has pel_schedule_start run in the next turn of the main loop. */
+void pel_schedule_soon(struct pel_frames *frames);
+/* Live views begin or end, or the rate changes. */
+void pel_schedule_live(struct pel_frames *frames);
+/* The alarm that looks after frames being drawn; sets itself again. */
+void pel_schedule_watch(void *user);
+/* A job or output comes back. */
+void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job);
+void pel_schedule_output(struct pel_frames *frames, struct pel_output *output);
+
+/* --- requests.c --------------------------------------------------------- */
+
+/* Answers and forgets it; frame NULL with an error. */
+void pel_request_finish(struct pel_frames *frames,
+                        struct pel_frame_request *request, enum pel_err err,
+                        const struct pel_fault *fault, struct pel_frame *frame);
+void pel_requests_finish_all(struct pel_frames *frames);
+
+/* --- live.c -------------------------------------------------------------- */
+
+/* Ends the streams whose view is not in the snapshot. */
+void pel_live_check(struct pel_frames *frames, const struct pel_snapshot *s);
+/* Gives a frame to the subscribers of stream `serial`. */
+void pel_live_deliver(struct pel_frames *frames, uint32_t serial,
+                      enum pel_err err, struct pel_frame *frame);
+void pel_live_finish(struct pel_frames *frames);
+
+/* --- surface.c ----------------------------------------------------------- */
+void pel_surface_answer(struct pel_frames *frames,
+                        struct pel_surface_query *query);
+void pel_surface_finish_all(struct pel_frames *frames);
+
+/* --- window.c: medians ---------------------------------------------------- */
+void pel_window_add(struct pel_window *window, double value);
+/* Value below which `share` of the window lies (nearest rank); 0: empty. */
+double pel_window_rank(const struct pel_window *window, double share);

@@ -1,0 +1,171 @@
+#include "frames/frames.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/log.h"
+#include "frames/core.h"
+
+static void receive(void *user, struct pel_mail *mail)
+{
+    struct pel_frames *frames = user;
+    switch (mail->kind) {
+    case PEL_MAIL_JOB_DRAWN:
+        pel_schedule_drawn(frames, (struct pel_job *)mail);
+        break;
+    case PEL_MAIL_OUTPUT:
+        pel_schedule_output(frames, (struct pel_output *)mail);
+        break;
+    case PEL_MAIL_SURFACE:
+        pel_surface_answer(frames, (struct pel_surface_query *)mail);
+        break;
+    }
+}
+
+static void scene_changed(void *user)
+{
+    struct pel_frames *frames = user;
+    if (frames->subscription_count > 0) {
+        const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+        pel_live_check(frames, s);
+        pel_snapshot_unref(s);
+    }
+}
+
+static void picture_released(void *user, size_t bytes)
+{
+    struct pel_frames *frames = user;
+    pel_renderloop_released(frames->loop, bytes);
+}
+
+static int encoder_threads(int wanted)
+{
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    if (wanted > 0) {
+        return wanted;
+    }
+    return cores < 1 ? 1 : cores > 4 ? 4 : (int)cores;
+}
+
+enum pel_err pel_frames_create(const struct pel_frames_options *o,
+                               struct pel_scene *scene, struct pel_frames **out,
+                               struct pel_fault *fault)
+{
+    GMainContext *context = g_main_context_default();
+    struct pel_frames *frames = calloc(1, sizeof *frames);
+    enum pel_err err = PEL_ERR_NO_MEMORY;
+    if (!frames) {
+        return pel_fault_set(fault, err, "out of memory");
+    }
+    pel_fault_set(fault, err, "out of memory");
+    pel_mailbox_init(&frames->box, context, receive, frames);
+    frames->scene = scene;
+    frames->max_fps = pel_clamp(o->max_fps, 1, 240);
+    frames->jobs = calloc(PEL_JOB_COUNT, sizeof *frames->jobs);
+    if (!frames->jobs) {
+        goto fail;
+    }
+    err = pel_pool_create(encoder_threads(o->encoder_threads), &frames->box,
+                          picture_released, frames, &frames->pool);
+    if (err != PEL_OK) {
+        pel_fault_set(fault, err, "cannot start the encoder threads");
+        goto fail;
+    }
+    struct pel_renderer_options renderer = {
+        .device = o->device,
+        .shader_dir = o->shader_dir,
+        .debug = o->gl_debug,
+    };
+    err = pel_renderloop_create(&renderer, frames->pool, &frames->box,
+                                &frames->loop, fault);
+    if (err != PEL_OK) {
+        goto fail;
+    }
+    pel_pool_set_device(frames->pool, pel_frames_device(frames));
+    frames->tick =
+        pel_alarm_create(context, "live frames", pel_schedule_tick, frames);
+    frames->start =
+        pel_alarm_create(context, "frame requests", pel_schedule_start, frames);
+    frames->watch =
+        pel_alarm_create(context, "frame watchdog", pel_schedule_watch, frames);
+    pel_scene_on_commit(scene, scene_changed, frames);
+    pel_info("FRM-001", "drawing with %s, at most %g frames a second",
+             pel_frames_device(frames), frames->max_fps);
+    *out = frames;
+    return PEL_OK;
+fail:
+    pel_frames_destroy(frames);
+    return err;
+}
+
+static void drop_alarm(GSource **source)
+{
+    if (*source) {
+        g_source_destroy(*source);
+        g_source_unref(*source);
+        *source = NULL;
+    }
+}
+
+static void drop_jobs(struct pel_frames *frames)
+{
+    for (int i = 0; frames->jobs && i < PEL_JOB_COUNT; i++) {
+        struct pel_job *job = &frames->jobs[i];
+        for (size_t k = 0; job->used && k < job->output_count; k++) {
+            pel_frame_unref(job->outputs[k].frame);
+        }
+        if (job->used) {
+            pel_snapshot_unref(job->snapshot);
+        }
+    }
+    free(frames->jobs);
+}
+
+void pel_frames_destroy(struct pel_frames *frames)
+{
+    if (!frames) {
+        return;
+    }
+    frames->stopping = true;
+    drop_alarm(&frames->tick);
+    drop_alarm(&frames->start);
+    drop_alarm(&frames->watch);
+    bool joined = !frames->pool || pel_pool_stop(frames->pool);
+    joined = joined && (!frames->loop || pel_renderloop_stop(frames->loop));
+    pel_requests_finish_all(frames);
+    pel_surface_finish_all(frames);
+    pel_live_finish(frames);
+    if (!joined) {
+        /* They still use all this: leaving it is the only safe way. */
+        pel_error("FRM-005", "a thread did not end within 5 s");
+        return;
+    }
+    pel_renderloop_destroy(frames->loop);
+    pel_pool_destroy(frames->pool);
+    pel_mailbox_finish(&frames->box);
+    drop_jobs(frames);
+    free(frames);
+}
+
+const char *pel_frames_device(const struct pel_frames *frames)
+{
+    return pel_renderloop_device(frames->loop);
+}
+
+void pel_frames_get_stats(const struct pel_frames *frames,
+                          struct pel_frames_stats *out)
+{
+    *out = frames->stats;
+    out->subscriptions = frames->subscription_count;
+    out->render_ms_median = pel_window_rank(&frames->render_ms, 0.5);
+    out->render_ms_p95 = pel_window_rank(&frames->render_ms, 0.95);
+    out->encode_ms_median = pel_window_rank(&frames->encode_ms, 0.5);
+}
+
+void pel_frames_set_max_fps(struct pel_frames *frames, double max_fps)
+{
+    frames->max_fps = pel_clamp(max_fps, 1, 240);
+    if (frames->subscription_count > 0) {
+        pel_schedule_live(frames);
+    }
+}

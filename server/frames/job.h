@@ -1,0 +1,93 @@
+/* What travels between the control, render and encoder threads: jobs (the
+ * draws of one moment), their outputs (one encoded picture each) and surface
+ * queries. Each is owned by one thread at a time and handed on through a
+ * locked queue; what several read is written before it is handed on. */
+#pragma once
+
+#include <stdatomic.h>
+
+#include "base/err.h"
+#include "encode/encode.h"
+#include "frames/frames.h"
+#include "render/renderer.h"
+
+#define PEL_MAX_OUTPUTS 128 /* 64 streams and 64 requests */
+
+enum pel_mail_kind {
+    PEL_MAIL_JOB_DRAWN, /* every picture is with the encoders, or failed */
+    PEL_MAIL_OUTPUT,    /* encoded, or failed */
+    PEL_MAIL_SURFACE,
+};
+
+/* Link of every queue; the first member of what it links. */
+struct pel_mail {
+    struct pel_mail *next;
+    enum pel_mail_kind kind;
+};
+
+struct pel_job;
+
+struct pel_output {
+    struct pel_mail mail;
+    struct pel_job *job;
+    size_t draw; /* index into job->draws */
+    Pelagos__FrameFormat format;
+    int quality;
+    bool float_samples;
+    unsigned layers;    /* of enum pel_layer, for EXR */
+    uint32_t stream;    /* serial of the live stream it feeds, 0: none */
+    bool done;          /* control thread */
+    bool delivered;     /* control thread */
+    enum pel_err err;
+    struct pel_frame *frame; /* NULL on error */
+};
+
+/* The render thread's and the encoders' side of one draw. */
+struct pel_job_draw {
+    struct pel_job *job;
+    size_t view; /* index in the snapshot */
+    size_t bytes; /* of its readback buffer */
+    enum pel_err err;
+    struct pel_picture *picture;
+    atomic_int users; /* outputs that still read the picture */
+    double render_ms;
+};
+
+struct pel_job {
+    struct pel_mail mail;
+    bool used, live, drawn; /* control thread */
+    uint64_t number;
+    int64_t requested_ns;
+    const struct pel_snapshot *snapshot;
+    struct pel_environment environment;
+    size_t draw_count;
+    struct pel_draw draws[PEL_MAX_VIEWS]; /* user: &parts[i] */
+    struct pel_job_draw parts[PEL_MAX_VIEWS];
+    size_t output_count;
+    struct pel_output outputs[PEL_MAX_OUTPUTS];
+    size_t collected; /* render thread */
+    struct pel_fault fault; /* of the drawing, when it failed */
+};
+
+struct pel_surface_query {
+    struct pel_mail mail;
+    const struct pel_snapshot *snapshot;
+    double time_s;
+    size_t count;
+    struct pel_vec2 *points;
+    struct pel_surface_sample *samples;
+    pel_surface_callback done;
+    void *user;
+};
+
+/* A picture of `view` with room for what the encoder gives; NULL: no memory. */
+struct pel_frame *pel_frame_create(void);
+/* Takes the bytes. */
+void pel_frame_set_bytes(struct pel_frame *frame, struct pel_bytes *bytes);
+
+/* Encodes draw `output->draw` of the job as EXR, with attributes that are a
+ * function of what is drawn. Any thread. */
+PEL_CHECK enum pel_err pel_picture_encode_exr(const struct pel_output *output,
+                                              const char *device,
+                                              const atomic_bool *cancel,
+                                              struct pel_bytes *out);

@@ -1,0 +1,98 @@
+#include "frames/mailbox.h"
+
+void pel_queue_push(struct pel_queue *queue, struct pel_mail *mail)
+{
+    mail->next = NULL;
+    if (queue->last) {
+        queue->last->next = mail;
+    } else {
+        queue->first = mail;
+    }
+    queue->last = mail;
+}
+
+struct pel_mail *pel_queue_pop(struct pel_queue *queue)
+{
+    struct pel_mail *mail = queue->first;
+    if (mail) {
+        queue->first = mail->next;
+        queue->last = queue->first ? queue->last : NULL;
+        mail->next = NULL;
+    }
+    return mail;
+}
+
+/* --- alarm ------------------------------------------------------------- */
+
+struct alarm {
+    GSource source;
+    void (*ring)(void *user);
+    void *user;
+};
+
+static gboolean alarm_dispatch(GSource *source, GSourceFunc callback,
+                               gpointer data)
+{
+    struct alarm *alarm = (struct alarm *)source;
+    (void)callback;
+    (void)data;
+    g_source_set_ready_time(source, -1);
+    alarm->ring(alarm->user);
+    return G_SOURCE_CONTINUE;
+}
+
+GSource *pel_alarm_create(GMainContext *context, const char *name,
+                          void (*ring)(void *user), void *user)
+{
+    static GSourceFuncs functions = { .dispatch = alarm_dispatch };
+    GSource *source = g_source_new(&functions, sizeof(struct alarm));
+    struct alarm *alarm = (struct alarm *)source;
+    alarm->ring = ring;
+    alarm->user = user;
+    g_source_set_name(source, name);
+    g_source_attach(source, context);
+    return source;
+}
+
+/* --- mailbox ----------------------------------------------------------- */
+
+static void receive_all(void *user)
+{
+    struct pel_mailbox *box = user;
+    for (;;) {
+        pthread_mutex_lock(&box->lock);
+        struct pel_mail *mail = pel_queue_pop(&box->queue);
+        pthread_mutex_unlock(&box->lock);
+        if (!mail) {
+            return;
+        }
+        box->receive(box->user, mail);
+    }
+}
+
+void pel_mailbox_init(struct pel_mailbox *box, GMainContext *context,
+                      void (*receive)(void *user, struct pel_mail *mail),
+                      void *user)
+{
+    *box = (struct pel_mailbox){ .receive = receive, .user = user };
+    pthread_mutex_init(&box->lock, NULL);
+    box->source = pel_alarm_create(context, "frames mailbox", receive_all, box);
+}
+
+void pel_mailbox_finish(struct pel_mailbox *box)
+{
+    if (box->source) {
+        g_source_destroy(box->source);
+        g_source_unref(box->source);
+        pthread_mutex_destroy(&box->lock);
+        box->source = NULL;
+    }
+}
+
+void pel_mailbox_post(struct pel_mailbox *box, struct pel_mail *mail)
+{
+    pthread_mutex_lock(&box->lock);
+    pel_queue_push(&box->queue, mail);
+    pthread_mutex_unlock(&box->lock);
+    g_source_set_ready_time(box->source, 0);
+}

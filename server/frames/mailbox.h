@@ -1,0 +1,35 @@
+/* Queues of mails between threads. They are as long as the mails there are,
+ * and those are bounded where they are made. */
+#pragma once
+
+#include <glib.h>
+#include <pthread.h>
+
+#include "frames/job.h"
+
+/* First in, first out; the caller holds the lock that protects it. */
+struct pel_queue {
+    struct pel_mail *first, *last;
+};
+void pel_queue_push(struct pel_queue *queue, struct pel_mail *mail);
+struct pel_mail *pel_queue_pop(struct pel_queue *queue); /* NULL: empty */
+
+/* From any thread to the control thread. */
+struct pel_mailbox {
+    pthread_mutex_t lock; /* protects queue */
+    struct pel_queue queue;
+    GSource *source;
+    void (*receive)(void *user, struct pel_mail *mail);
+    void *user;
+};
+/* `receive` runs in `context` for every mail, in order of posting. */
+void pel_mailbox_init(struct pel_mailbox *box, GMainContext *context,
+                      void (*receive)(void *user, struct pel_mail *mail),
+                      void *user);
+void pel_mailbox_finish(struct pel_mailbox *box);
+void pel_mailbox_post(struct pel_mailbox *box, struct pel_mail *mail);
+
+/* A source that calls back once g_source_set_ready_time says so: an alarm
+ * clock that is set again and again without allocating. Attached to context. */
+GSource *pel_alarm_create(GMainContext *context, const char *name,
+                          void (*ring)(void *user), void *user);

@@ -1,0 +1,230 @@
+#include "frames/pool.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+
+#define MAX_THREADS 16
+
+struct pel_pool {
+    pthread_mutex_t lock; /* protects the queues, slow_busy, count */
+    pthread_cond_t work;
+    struct pel_queue fast, slow;
+    int slow_busy;
+    int count;
+    pthread_t threads[MAX_THREADS];
+    atomic_bool stop;
+    struct pel_mailbox *box;
+    void (*released)(void *user, size_t bytes);
+    void *user;
+    const char *device;
+};
+
+static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
+{
+    const struct pel_job *job = output->job;
+    const struct pel_job_draw *part = &job->parts[output->draw];
+    const struct pel_picture *picture = part->picture;
+    snprintf(frame->view, sizeof frame->view, "%s",
+             job->snapshot->views[part->view].name);
+    frame->number = job->number;
+    frame->revision = job->snapshot->revision;
+    frame->time_s = job->environment.time_s;
+    frame->exposure_ev = picture->exposure_ev;
+    frame->width = picture->width;
+    frame->height = picture->height;
+    frame->format = output->format;
+    frame->requested_ns = job->requested_ns;
+    frame->drawn_ns = picture->drawn_ns;
+    frame->render_ms = picture->render_ms;
+}
+
+static enum pel_err encode_bytes(const struct pel_pool *pool,
+                                 const struct pel_output *output,
+                                 struct pel_bytes *bytes)
+{
+    const struct pel_picture *p = output->job->parts[output->draw].picture;
+    switch (output->format) {
+    case PELAGOS__FRAME_FORMAT__JPEG:
+        return pel_jpeg_encode(p->rgba, p->width, p->height, output->quality,
+                               bytes);
+    case PELAGOS__FRAME_FORMAT__PNG:
+        return pel_png_encode(p->rgba, p->width, p->height, bytes);
+    case PELAGOS__FRAME_FORMAT__EXR:
+        return pel_picture_encode_exr(output, pool->device, &pool->stop, bytes);
+    default:
+        return PEL_ERR_INTERNAL;
+    }
+}
+
+static void encode_output(struct pel_pool *pool, struct pel_output *output)
+{
+    struct pel_job_draw *part = &output->job->parts[output->draw];
+    output->err = part->err;
+    output->frame = NULL;
+    if (output->err == PEL_OK) {
+        int64_t start = pel_now_ns();
+        struct pel_bytes bytes = { 0 };
+        struct pel_frame *frame = pel_frame_create();
+        output->err = frame ? encode_bytes(pool, output, &bytes)
+                            : PEL_ERR_NO_MEMORY;
+        if (output->err == PEL_OK) {
+            fill_frame(frame, output);
+            frame->encoded_ns = pel_now_ns();
+            frame->encode_ms = (double)(frame->encoded_ns - start) * 1e-6;
+            pel_frame_set_bytes(frame, &bytes);
+            output->frame = frame;
+        } else {
+            pel_frame_unref(frame);
+        }
+    }
+    if (atomic_fetch_sub(&part->users, 1) == 1 && part->picture) {
+        pel_picture_release(part->picture);
+        part->picture = NULL;
+        pool->released(pool->user, part->bytes);
+    }
+    pel_mailbox_post(pool->box, &output->mail);
+}
+
+static void answer_surface(struct pel_pool *pool,
+                           struct pel_surface_query *query)
+{
+    for (size_t i = 0; i < query->count && !atomic_load(&pool->stop); i++) {
+        pel_sea_sample(query->snapshot->sea, query->points[i].x,
+                       query->points[i].y, query->time_s, &query->samples[i]);
+    }
+    pel_mailbox_post(pool->box, &query->mail);
+}
+
+/* Next work under the lock; *slow tells which kind it is. */
+static struct pel_mail *take(struct pel_pool *pool, bool *slow)
+{
+    int slow_limit = pool->count > 1 ? pool->count - 1 : 1;
+    struct pel_mail *mail = pel_queue_pop(&pool->fast);
+    *slow = false;
+    if (!mail && pool->slow_busy < slow_limit) {
+        mail = pel_queue_pop(&pool->slow);
+        *slow = mail != NULL;
+        pool->slow_busy += *slow;
+    }
+    return mail;
+}
+
+static void *run(void *argument)
+{
+    struct pel_pool *pool = argument;
+    pthread_mutex_lock(&pool->lock);
+    while (!atomic_load(&pool->stop)) {
+        bool slow;
+        struct pel_mail *mail = take(pool, &slow);
+        if (!mail) {
+            pthread_cond_wait(&pool->work, &pool->lock);
+            continue;
+        }
+        pthread_mutex_unlock(&pool->lock);
+        if (mail->kind == PEL_MAIL_OUTPUT) {
+            encode_output(pool, (struct pel_output *)mail);
+        } else {
+            answer_surface(pool, (struct pel_surface_query *)mail);
+        }
+        pthread_mutex_lock(&pool->lock);
+        pool->slow_busy -= slow;
+        if (slow && pool->slow.first) {
+            pthread_cond_signal(&pool->work);
+        }
+    }
+    pthread_mutex_unlock(&pool->lock);
+    return NULL;
+}
+
+enum pel_err pel_pool_create(int threads, struct pel_mailbox *box,
+                             void (*released)(void *user, size_t bytes),
+                             void *user, struct pel_pool **out)
+{
+    struct pel_pool *pool = calloc(1, sizeof *pool);
+    if (!pool) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    pool->box = box;
+    pool->released = released;
+    pool->user = user;
+    pool->device = "";
+    pthread_mutex_init(&pool->lock, NULL);
+    pthread_cond_init(&pool->work, NULL);
+    threads = threads > MAX_THREADS ? MAX_THREADS : threads;
+    pthread_mutex_lock(&pool->lock);
+    for (int i = 0; i < threads; i++) {
+        if (pthread_create(&pool->threads[i], NULL, run, pool) != 0) {
+            break;
+        }
+        pthread_setname_np(pool->threads[i], "encode");
+        pool->count = i + 1;
+    }
+    pthread_mutex_unlock(&pool->lock);
+    if (pool->count == 0) {
+        pel_pool_destroy(pool);
+        return PEL_ERR_IO;
+    }
+    *out = pool;
+    return PEL_OK;
+}
+
+void pel_pool_set_device(struct pel_pool *pool, const char *device)
+{
+    pool->device = device;
+}
+
+bool pel_pool_stop(struct pel_pool *pool)
+{
+    pthread_mutex_lock(&pool->lock);
+    atomic_store(&pool->stop, true);
+    pthread_cond_broadcast(&pool->work);
+    pthread_mutex_unlock(&pool->lock);
+    struct timespec end;
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    end.tv_sec += 5;
+    bool joined = true;
+    for (int i = 0; i < pool->count; i++) {
+        if (pthread_clockjoin_np(pool->threads[i], NULL, CLOCK_MONOTONIC,
+                                 &end) != 0) {
+            joined = false;
+        }
+    }
+    return joined;
+}
+
+void pel_pool_destroy(struct pel_pool *pool)
+{
+    if (pool) {
+        pthread_cond_destroy(&pool->work);
+        pthread_mutex_destroy(&pool->lock);
+        free(pool);
+    }
+}
+
+static void push(struct pel_pool *pool, struct pel_queue *queue,
+                 struct pel_mail *mail)
+{
+    pthread_mutex_lock(&pool->lock);
+    pel_queue_push(queue, mail);
+    pthread_cond_signal(&pool->work);
+    pthread_mutex_unlock(&pool->lock);
+}
+
+void pel_pool_push_output(struct pel_pool *pool, struct pel_output *output)
+{
+    output->mail.kind = PEL_MAIL_OUTPUT;
+    bool fast = output->format == PELAGOS__FRAME_FORMAT__JPEG;
+    push(pool, fast ? &pool->fast : &pool->slow, &output->mail);
+}
+
+void pel_pool_push_surface(struct pel_pool *pool,
+                           struct pel_surface_query *query)
+{
+    query->mail.kind = PEL_MAIL_SURFACE;
+    push(pool, &pool->slow, &query->mail);
+}

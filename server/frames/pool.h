@@ -1,0 +1,28 @@
+/* The encoder threads: pictures to bytes, and surface queries. Live pictures
+ * go first; slow work (PNG, EXR, queries) leaves one thread to them. */
+#pragma once
+
+#include "frames/job.h"
+#include "frames/mailbox.h"
+
+struct pel_pool;
+
+/* `released` is called (any encoder thread) after a picture was given back to
+ * the renderer, with the bytes of its buffer. */
+PEL_CHECK enum pel_err pel_pool_create(int threads, struct pel_mailbox *box,
+                                       void (*released)(void *user,
+                                                        size_t bytes),
+                                       void *user, struct pel_pool **out);
+
+/* Name of the GL renderer for the files' attributes; lives as long. */
+void pel_pool_set_device(struct pel_pool *pool, const char *device);
+
+/* Drops what waits, ends the work at hand, joins; false: not within 5 s, and
+ * the threads are left alone. */
+bool pel_pool_stop(struct pel_pool *pool);
+void pel_pool_destroy(struct pel_pool *pool); /* after stop; NULL allowed */
+
+/* Any thread. Outputs whose draw failed come back with its error. */
+void pel_pool_push_output(struct pel_pool *pool, struct pel_output *output);
+void pel_pool_push_surface(struct pel_pool *pool,
+                           struct pel_surface_query *query);

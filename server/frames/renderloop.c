@@ -1,0 +1,322 @@
+#include "frames/renderloop.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+
+/* Readback memory in flight or with the encoders; one picture always fits. */
+#define READBACK_BUDGET ((size_t)256 << 20)
+#define MAX_SUBMITTED 2
+
+struct pel_renderloop {
+    pthread_t thread;
+    pthread_mutex_t lock; /* protects queue, ready, finished, err, fault */
+    pthread_cond_t wake;  /* CLOCK_MONOTONIC */
+    struct pel_queue queue;
+    bool ready, joined;
+    enum pel_err err;
+    struct pel_fault fault;
+    struct pel_renderer_options options;
+    struct pel_renderer *renderer; /* render thread */
+    struct pel_pool *pool;
+    struct pel_mailbox *box;
+    int submitted; /* jobs with GL; render thread */
+    atomic_bool stop;
+    atomic_size_t held_bytes;
+    _Atomic int64_t progress_ns;
+};
+
+static void wait_wake(struct pel_renderloop *loop, int64_t wait_ns)
+{
+    struct timespec end;
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    int64_t ns = end.tv_nsec + wait_ns;
+    end.tv_sec += ns / 1000000000;
+    end.tv_nsec = ns % 1000000000;
+    pthread_cond_timedwait(&loop->wake, &loop->lock, &end);
+}
+
+static void progress(struct pel_renderloop *loop)
+{
+    atomic_store(&loop->progress_ns, pel_now_ns());
+}
+
+/* --- one picture is there ---------------------------------------------- */
+
+/* Its outputs go to the encoders; after the last picture the job goes back. */
+static void finish_part(struct pel_renderloop *loop, struct pel_job_draw *part)
+{
+    struct pel_job *job = part->job;
+    size_t draw = (size_t)(part - job->parts);
+    bool last = ++job->collected == job->draw_count;
+    for (size_t i = 0; i < job->output_count; i++) {
+        if (job->outputs[i].draw == draw) {
+            pel_pool_push_output(loop->pool, &job->outputs[i]);
+        }
+    }
+    progress(loop);
+    if (last) {
+        loop->submitted--;
+        job->mail.kind = PEL_MAIL_JOB_DRAWN;
+        pel_mailbox_post(loop->box, &job->mail);
+    }
+}
+
+static bool collect_one(struct pel_renderloop *loop, int64_t wait_ns)
+{
+    struct pel_picture *picture = pel_renderer_collect(loop->renderer, wait_ns);
+    if (!picture) {
+        return false;
+    }
+    struct pel_job_draw *part = picture->user;
+    part->picture = picture;
+    part->render_ms = picture->render_ms;
+    finish_part(loop, part);
+    return true;
+}
+
+/* --- submitting -------------------------------------------------------- */
+
+/* How many draws from `first` on fit the budget now. */
+static size_t fitting(struct pel_renderloop *loop, const struct pel_job *job,
+                      size_t first, size_t *bytes)
+{
+    size_t held = atomic_load(&loop->held_bytes);
+    size_t count = 0;
+    *bytes = 0;
+    while (first + count < job->draw_count) {
+        size_t more = job->parts[first + count].bytes;
+        bool alone = held == 0 && count == 0;
+        if (!alone && held + *bytes + more > READBACK_BUDGET) {
+            break;
+        }
+        *bytes += more;
+        count++;
+    }
+    return count;
+}
+
+/* Waits for a picture to be drawn or given back. */
+static void wait_room(struct pel_renderloop *loop)
+{
+    if (pel_renderer_in_flight(loop->renderer) > 0) {
+        collect_one(loop, 5000000);
+        return;
+    }
+    pthread_mutex_lock(&loop->lock);
+    wait_wake(loop, 2000000);
+    pthread_mutex_unlock(&loop->lock);
+}
+
+/* Draws [first, first + count) failed. */
+static void fail_parts(struct pel_renderloop *loop, struct pel_job *job,
+                       size_t first, size_t count, enum pel_err err)
+{
+    size_t bytes = 0;
+    for (size_t i = first; i < first + count; i++) {
+        bytes += job->parts[i].bytes;
+        job->parts[i].err = err;
+    }
+    atomic_fetch_sub(&loop->held_bytes, bytes);
+    for (size_t i = first; i < first + count; i++) {
+        finish_part(loop, &job->parts[i]);
+    }
+}
+
+static void submit(struct pel_renderloop *loop, struct pel_job *job)
+{
+    static struct pel_log_limit limit;
+    size_t most = job->draw_count;
+    loop->submitted++;
+    progress(loop);
+    for (size_t first = 0, total = job->draw_count; first < total;) {
+        size_t bytes;
+        size_t count = fitting(loop, job, first, &bytes);
+        if (count > most) {
+            count = most;
+        }
+        if (atomic_load(&loop->stop)) {
+            return;
+        }
+        if (count == 0) {
+            wait_room(loop);
+            continue;
+        }
+        bytes = 0;
+        for (size_t i = first; i < first + count; i++) {
+            bytes += job->parts[i].bytes;
+        }
+        atomic_fetch_add(&loop->held_bytes, bytes);
+        size_t before = pel_renderer_in_flight(loop->renderer);
+        enum pel_err err = pel_renderer_submit(
+            loop->renderer, &job->environment, &job->draws[first], count);
+        size_t pushed = pel_renderer_in_flight(loop->renderer) - before;
+        if (err == PEL_ERR_BUSY && pushed == 0) {
+            atomic_fetch_sub(&loop->held_bytes, bytes);
+            /* With nothing to wait for, ask for less at once. */
+            if (atomic_load(&loop->held_bytes) == 0 && count > 1) {
+                most = (count + 1) / 2;
+            } else {
+                wait_room(loop);
+            }
+            continue;
+        }
+        if (err != PEL_OK && pushed < count) {
+            pel_log_limited(&limit, PEL_LOG_ERROR, "FRM-003",
+                            "frame %llu: drawing failed: %s",
+                            (unsigned long long)job->number, pel_err_name(err));
+            fail_parts(loop, job, first + pushed, count - pushed, err);
+        }
+        first += count;
+    }
+}
+
+/* --- the thread -------------------------------------------------------- */
+
+static struct pel_job *next_job(struct pel_renderloop *loop)
+{
+    struct pel_mail *mail = NULL;
+    pthread_mutex_lock(&loop->lock);
+    while (!atomic_load(&loop->stop)) {
+        if (loop->submitted < MAX_SUBMITTED) {
+            mail = pel_queue_pop(&loop->queue);
+        }
+        if (mail || loop->submitted > 0) {
+            break;
+        }
+        pthread_cond_wait(&loop->wake, &loop->lock);
+    }
+    pthread_mutex_unlock(&loop->lock);
+    return (struct pel_job *)mail;
+}
+
+static void draw_jobs(struct pel_renderloop *loop)
+{
+    while (!atomic_load(&loop->stop)) {
+        struct pel_job *job = next_job(loop);
+        if (job) {
+            submit(loop, job);
+        } else if (loop->submitted == MAX_SUBMITTED) {
+            collect_one(loop, 50000000);
+        } else if (loop->submitted > 0) {
+            /* Short, so that a job that comes now is submitted meanwhile. */
+            collect_one(loop, 3000000);
+        }
+    }
+}
+
+static void *run(void *argument)
+{
+    struct pel_renderloop *loop = argument;
+    struct pel_fault fault = { 0 };
+    enum pel_err err =
+        pel_renderer_create(&loop->options, &loop->renderer, &fault);
+    pthread_mutex_lock(&loop->lock);
+    loop->err = err;
+    loop->fault = fault;
+    loop->ready = true;
+    pthread_cond_broadcast(&loop->wake);
+    pthread_mutex_unlock(&loop->lock);
+    if (err == PEL_OK) {
+        draw_jobs(loop);
+        pel_renderer_destroy(loop->renderer);
+    }
+    return NULL;
+}
+
+enum pel_err pel_renderloop_create(const struct pel_renderer_options *o,
+                                   struct pel_pool *pool,
+                                   struct pel_mailbox *box,
+                                   struct pel_renderloop **out,
+                                   struct pel_fault *fault)
+{
+    struct pel_renderloop *loop = calloc(1, sizeof *loop);
+    if (!loop) {
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    }
+    loop->options = *o;
+    loop->pool = pool;
+    loop->box = box;
+    progress(loop);
+    pthread_mutex_init(&loop->lock, NULL);
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(&loop->wake, &attributes);
+    pthread_condattr_destroy(&attributes);
+    if (pthread_create(&loop->thread, NULL, run, loop) != 0) {
+        loop->joined = true;
+        pel_renderloop_destroy(loop);
+        return pel_fault_set(fault, PEL_ERR_IO, "cannot start a thread");
+    }
+    pthread_setname_np(loop->thread, "render");
+    pthread_mutex_lock(&loop->lock);
+    while (!loop->ready) {
+        pthread_cond_wait(&loop->wake, &loop->lock);
+    }
+    enum pel_err err = loop->err;
+    pthread_mutex_unlock(&loop->lock);
+    if (err != PEL_OK) {
+        if (fault) {
+            *fault = loop->fault;
+        }
+        pthread_join(loop->thread, NULL);
+        loop->joined = true;
+        pel_renderloop_destroy(loop);
+        return err;
+    }
+    *out = loop;
+    return PEL_OK;
+}
+
+const char *pel_renderloop_device(const struct pel_renderloop *loop)
+{
+    return pel_renderer_description(loop->renderer);
+}
+
+void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job)
+{
+    pthread_mutex_lock(&loop->lock);
+    pel_queue_push(&loop->queue, &job->mail);
+    pthread_cond_signal(&loop->wake);
+    pthread_mutex_unlock(&loop->lock);
+}
+
+void pel_renderloop_released(struct pel_renderloop *loop, size_t bytes)
+{
+    atomic_fetch_sub(&loop->held_bytes, bytes);
+    pthread_mutex_lock(&loop->lock);
+    pthread_cond_signal(&loop->wake);
+    pthread_mutex_unlock(&loop->lock);
+}
+
+int64_t pel_renderloop_progress_ns(const struct pel_renderloop *loop)
+{
+    return atomic_load(&loop->progress_ns);
+}
+
+bool pel_renderloop_stop(struct pel_renderloop *loop)
+{
+    pthread_mutex_lock(&loop->lock);
+    atomic_store(&loop->stop, true);
+    pthread_cond_broadcast(&loop->wake);
+    pthread_mutex_unlock(&loop->lock);
+    struct timespec end;
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    end.tv_sec += 5;
+    loop->joined =
+        pthread_clockjoin_np(loop->thread, NULL, CLOCK_MONOTONIC, &end) == 0;
+    return loop->joined;
+}
+
+void pel_renderloop_destroy(struct pel_renderloop *loop)
+{
+    if (loop && loop->joined) {
+        pthread_cond_destroy(&loop->wake);
+        pthread_mutex_destroy(&loop->lock);
+        free(loop);
+    }
+}

@@ -1,0 +1,31 @@
+/* The render thread: the only user of GL. Takes jobs in order, submits the
+ * next before it collects the one at hand, and gives each picture to the
+ * encoders as it comes. */
+#pragma once
+
+#include "frames/job.h"
+#include "frames/pool.h"
+
+struct pel_renderloop;
+
+/* Starts the thread and waits until its renderer stands or failed. */
+PEL_CHECK enum pel_err
+pel_renderloop_create(const struct pel_renderer_options *o,
+                      struct pel_pool *pool, struct pel_mailbox *box,
+                      struct pel_renderloop **out, struct pel_fault *fault);
+
+const char *pel_renderloop_device(const struct pel_renderloop *loop);
+
+/* Hands a job over; it comes back as PEL_MAIL_JOB_DRAWN. Control thread. */
+void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job);
+
+/* A readback buffer is free again; any thread. */
+void pel_renderloop_released(struct pel_renderloop *loop, size_t bytes);
+
+/* When the thread last made progress (CLOCK_MONOTONIC); any thread. */
+int64_t pel_renderloop_progress_ns(const struct pel_renderloop *loop);
+
+/* Drops what waits and joins; false: not within 5 s, the thread is left. The
+ * encoders must have stopped. */
+bool pel_renderloop_stop(struct pel_renderloop *loop);
+void pel_renderloop_destroy(struct pel_renderloop *loop); /* after stop */

@@ -1,0 +1,199 @@
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "frames/core.h"
+
+static enum pel_err refuse(struct pel_frames *frames, struct pel_fault *fault,
+                           enum pel_err code, const char *path,
+                           const char *message)
+{
+    frames->stats.requests_refused++;
+    pel_fault_set(fault, code, "%s", message);
+    if (fault) {
+        snprintf(fault->path, sizeof fault->path, "%s", path);
+    }
+    return code;
+}
+
+static enum pel_err refuse_range(struct pel_frames *frames,
+                                 struct pel_fault *fault, const char *path,
+                                 double value, const char *unit, double minimum,
+                                 double maximum)
+{
+    frames->stats.requests_refused++;
+    pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                  "%s = %g is outside %g .. %g %s", path, value, minimum,
+                  maximum, unit);
+    if (fault) {
+        snprintf(fault->path, sizeof fault->path, "%s", path);
+        snprintf(fault->value, sizeof fault->value, "%g", value);
+        fault->unit = unit;
+        fault->minimum = minimum;
+        fault->maximum = maximum;
+    }
+    return PEL_ERR_OUT_OF_RANGE;
+}
+
+/* Layers of an EXR as bits; 0: there is an unknown one. */
+static unsigned read_layers(const Pelagos__FrameRequest *request)
+{
+    static const struct {
+        const char *name;
+        unsigned bit;
+    } known[] = { { "radiance", PEL_LAYER_RADIANCE },
+                  { "depth", PEL_LAYER_DEPTH },
+                  { "normal", PEL_LAYER_NORMAL } };
+    unsigned layers = 0;
+    for (size_t i = 0; i < request->n_layers; i++) {
+        unsigned bit = 0;
+        for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
+            if (strcmp(request->layers[i], known[k].name) == 0) {
+                bit = known[k].bit;
+            }
+        }
+        if (bit == 0) {
+            return 0;
+        }
+        layers |= bit;
+    }
+    return layers ? layers : PEL_LAYER_RADIANCE;
+}
+
+static bool view_exists(struct pel_frames *frames, const char *view)
+{
+    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    bool exists = view && pel_snapshot_find_view(s, view) >= 0;
+    pel_snapshot_unref(s);
+    return exists;
+}
+
+static enum pel_err check(struct pel_frames *frames,
+                          const Pelagos__FrameRequest *r,
+                          struct pel_fault *fault)
+{
+    if (r->has_width && (r->width < 16 || r->width > 4096)) {
+        return refuse_range(frames, fault, "width", r->width, "px", 16, 4096);
+    }
+    if (r->has_height && (r->height < 16 || r->height > 4096)) {
+        return refuse_range(frames, fault, "height", r->height, "px", 16, 4096);
+    }
+    if (r->has_time && !(r->time >= 0 && r->time <= 1e9)) {
+        return refuse_range(frames, fault, "time", r->time, "s", 0, 1e9);
+    }
+    if (r->has_quality && (r->quality < 1 || r->quality > 100)) {
+        return refuse_range(frames, fault, "quality", r->quality, "", 1, 100);
+    }
+    if (r->has_format && r->format != PELAGOS__FRAME_FORMAT__JPEG &&
+        r->format != PELAGOS__FRAME_FORMAT__PNG &&
+        r->format != PELAGOS__FRAME_FORMAT__EXR) {
+        return refuse(frames, fault, PEL_ERR_INVALID, "format",
+                      "format is none of JPEG, PNG, EXR");
+    }
+    if (r->n_layers > 16 || read_layers(r) == 0) {
+        return refuse(frames, fault, PEL_ERR_INVALID, "layers",
+                      "layers are radiance, depth and normal");
+    }
+    if (r->n_layers > 0 && r->format != PELAGOS__FRAME_FORMAT__EXR) {
+        return refuse(frames, fault, PEL_ERR_INVALID, "layers",
+                      "only EXR has layers: set format to EXR or leave them "
+                      "out");
+    }
+    if (!view_exists(frames, r->view)) {
+        refuse(frames, fault, PEL_ERR_NOT_FOUND, "view", "no such view");
+        if (fault) {
+            snprintf(fault->value, sizeof fault->value, "%s",
+                     r->view ? r->view : "");
+        }
+        return PEL_ERR_NOT_FOUND;
+    }
+    return PEL_OK;
+}
+
+enum pel_err pel_frames_request(struct pel_frames *frames,
+                                const Pelagos__FrameRequest *request,
+                                pel_frame_callback done, void *user,
+                                uint64_t *id, struct pel_fault *fault)
+{
+    if (frames->stopping) {
+        return refuse(frames, fault, PEL_ERR_CONFLICT, "",
+                      "the daemon is stopping");
+    }
+    enum pel_err err = check(frames, request, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
+    struct pel_frame_request *slot = NULL;
+    for (int i = 0; i < PEL_MAX_REQUESTS && !slot; i++) {
+        slot = frames->requests[i].used ? NULL : &frames->requests[i];
+    }
+    if (!slot) {
+        return refuse(frames, fault, PEL_ERR_BUSY, "",
+                      "64 pictures are waiting already");
+    }
+    *slot = (struct pel_frame_request){
+        .used = true,
+        .id = ++frames->last_id,
+        .order = ++frames->last_order,
+        .width = request->has_width ? request->width : 0,
+        .height = request->has_height ? request->height : 0,
+        .has_time = request->has_time,
+        .time_s = request->time,
+        .float_samples = request->has_float_samples && request->float_samples,
+        .format = request->has_format ? request->format
+                                      : PELAGOS__FRAME_FORMAT__JPEG,
+        .quality = request->has_quality ? (int)request->quality : 90,
+        .layers = read_layers(request),
+        .requested_ns = pel_now_ns(),
+        .done = done,
+        .user = user,
+    };
+    snprintf(slot->view, sizeof slot->view, "%s", request->view);
+    frames->stats.requests_waiting++;
+    if (id) {
+        *id = slot->id;
+    }
+    pel_schedule_soon(frames);
+    return PEL_OK;
+}
+
+
+static void forget(struct pel_frames *frames, struct pel_frame_request *request)
+{
+    request->used = false;
+    request->output = NULL;
+    frames->stats.requests_waiting--;
+}
+
+void pel_frames_cancel(struct pel_frames *frames, uint64_t id)
+{
+    for (int i = 0; i < PEL_MAX_REQUESTS; i++) {
+        if (frames->requests[i].used && frames->requests[i].id == id) {
+            forget(frames, &frames->requests[i]);
+        }
+    }
+}
+
+void pel_request_finish(struct pel_frames *frames,
+                        struct pel_frame_request *request, enum pel_err err,
+                        const struct pel_fault *fault, struct pel_frame *frame)
+{
+    /* The callback may request again and get this very slot. */
+    pel_frame_callback done = request->done;
+    void *user = request->user;
+    forget(frames, request);
+    done(user, err, fault, err == PEL_OK ? frame : NULL);
+}
+
+void pel_requests_finish_all(struct pel_frames *frames)
+{
+    struct pel_fault fault;
+    pel_fault_set(&fault, PEL_ERR_CONFLICT, "the daemon is stopping");
+    for (int i = 0; i < PEL_MAX_REQUESTS; i++) {
+        if (frames->requests[i].used) {
+            pel_request_finish(frames, &frames->requests[i], PEL_ERR_CONFLICT,
+                               &fault, NULL);
+        }
+    }
+}
