@@ -49,6 +49,9 @@ CFLAGS += -std=c17 $(OPT) $(WARN) -ffp-contract=off -fvisibility=hidden -pthread
 # before `make deps` has run.
 PKG_CFLAGS = $(eval PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS)))$(PKG_CFLAGS)
 PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -lm)$(PKG_LIBS)
+# GStreamer muxes what pelagosctl records; the daemon does not link it.
+CTL_PKGS := gstreamer-1.0 gstreamer-app-1.0
+CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
 
 # --- sources, by room -----------------------------------------------------
 BASE := server/base/err.c server/base/log.c server/base/clock.c \
@@ -88,8 +91,24 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_parse.c server/bridges/nmea_values.c \
     server/bridges/nmea.c
 DAEMON := server/main.c
-CLIENT :=
-CTL :=
+CLIENT := \
+    clients/lib/pelagos.c \
+    clients/lib/stream.c
+CTL := \
+    clients/pelagosctl/pelagosctl.c \
+    clients/pelagosctl/clip.c \
+    clients/pelagosctl/ctl_bench.c \
+    clients/pelagosctl/ctl_completion.c \
+    clients/pelagosctl/ctl_help.c \
+    clients/pelagosctl/ctl_options.c \
+    clients/pelagosctl/ctl_picture.c \
+    clients/pelagosctl/ctl_record.c \
+    clients/pelagosctl/ctl_replay.c \
+    clients/pelagosctl/ctl_report.c \
+    clients/pelagosctl/ctl_state.c \
+    clients/pelagosctl/flatten.c \
+    clients/pelagosctl/nearest.c \
+    clients/pelagosctl/nmea_log.c
 
 TESTS :=
 TESTS += server/ocean/spectrum_test.c
@@ -104,6 +123,9 @@ TESTS += proto/wire_test.c
 # FUZZERS += lines of each room.
 FUZZERS :=
 FUZZERS += tests/fuzz/fuzz_json.c
+TESTS += clients/lib/pelagos_test.c
+TESTS += clients/pelagosctl/ctl_test.c
+TESTS += clients/pelagosctl/nmea_log_test.c
 
 # --- rules ----------------------------------------------------------------
 SERVER := $(BASE) $(OCEAN) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
@@ -114,13 +136,13 @@ obj = $(patsubst %.c,$(O)/%.o,$(1))
 SERVER_OBJ := $(call obj,$(SERVER)) $(patsubst %.c,%.o,$(GEN))
 CLIENT_OBJ := $(call obj,$(CLIENT))
 CTL_OBJ := $(call obj,$(CTL))
-CTL_MAIN := $(O)/clients/pelagosctl/main.o
+CTL_MAIN := $(O)/clients/pelagosctl/pelagosctl.o
 TEST_BIN := $(patsubst %.c,$(O)/bin/%,$(notdir $(TESTS)))
 SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*.glsl)
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
 PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\
-    pelagosd $(if $(CTL),pelagosctl))
+    pelagosd pelagosctl)
 
 .PHONY: all
 all: $(PROGRAMS) ## build the daemon and its command line
@@ -133,6 +155,8 @@ $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(O)/libserver.a
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
 
+$(O)/clients/pelagosctl/clip.o: CPPFLAGS += $(shell pkg-config --cflags $(CTL_PKGS))
+
 $(O)/bin/pelagosctl: $(CTL_MAIN) $(O)/libctl.a $(O)/libpelagos.a $(O)/libserver.a
 	$(Q)mkdir -p $(@D)
 	@echo "  LINK  $@"
@@ -142,7 +166,7 @@ $(O)/libserver.a: $(SERVER_OBJ)
 	$(Q)rm -f $@ && ar rcs $@ $^
 
 # Whole by itself: with the messages and the framing, without the server.
-$(O)/libpelagos.a: $(CLIENT_OBJ) $(if $(CLIENT),$(O)/gen/pelagos.pb-c.o $(O)/proto/wire.o)
+$(O)/libpelagos.a: $(CLIENT_OBJ) $(O)/gen/pelagos.pb-c.o $(O)/proto/wire.o
 	$(Q)rm -f $@ && ar rcs $@ $^
 
 $(O)/libctl.a: $(filter-out $(CTL_MAIN),$(CTL_OBJ))
@@ -151,7 +175,7 @@ $(O)/libctl.a: $(filter-out $(CTL_MAIN),$(CTL_OBJ))
 # Names every missing library at once, before the compiler stumbles over one.
 $(O)/gen/packages: Makefile
 	$(Q)mkdir -p $(@D)
-	$(Q)missing=; for p in $(PKGS); do \
+	$(Q)missing=; for p in $(PKGS) $(CTL_PKGS); do \
 	    pkg-config --exists $$p 2>/dev/null || missing="$$missing $$p"; done; \
 	for c in protoc protoc-c glslangValidator; do \
 	    command -v $$c >/dev/null || missing="$$missing $$c"; done; \
@@ -189,7 +213,7 @@ define test_rule
 $(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(O)/libctl.a $(O)/libpelagos.a $(O)/libserver.a
 	$$(Q)mkdir -p $$(@D)
 	@echo "  LINK  $$@"
-	$$(Q)$$(CC) $$(OPT) -pthread -o $$@ $$^ $$(PKG_LIBS) -lcmocka
+	$$(Q)$$(CC) $$(OPT) -pthread -o $$@ $$^ $$(PKG_LIBS) $$(CTL_LIBS) -lcmocka
 endef
 $(foreach t,$(TESTS),$(eval $(call test_rule,$(t))))
 

@@ -1,0 +1,497 @@
+#include "pelagos.h"
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "stream.h"
+
+struct pel_client {
+    struct stream stream;
+    char *address;
+    int timeout_ms;
+    uint64_t last_id;
+    uint64_t watch_id;       /* 0: not watching */
+    Pelagos__State *watched; /* newest that nobody has taken yet, or NULL */
+};
+
+static enum pel_client_code fail(struct pel_client_error *error,
+                                 enum pel_client_code code, const char *format,
+                                 ...) __attribute__((format(printf, 3, 4)));
+
+static enum pel_client_code fail(struct pel_client_error *error,
+                                 enum pel_client_code code, const char *format,
+                                 ...)
+{
+    if (error) {
+        *error = (struct pel_client_error){ .code = code, .minimum = 1 };
+        va_list args;
+        va_start(args, format);
+        vsnprintf(error->message, sizeof error->message, format, args);
+        va_end(args);
+    }
+    return code;
+}
+
+static void copy_text(char *out, size_t size, const char *text)
+{
+    snprintf(out, size, "%s", text ? text : "");
+}
+
+/* The daemon's refusal, in the caller's hands. */
+static enum pel_client_code refuse(const Pelagos__Error *from,
+                                   struct pel_client_error *error)
+{
+    enum pel_client_code code = PEL_CLIENT_INTERNAL;
+    if (from->has_code && from->code >= 1 && from->code <= 7) {
+        code = (enum pel_client_code)from->code;
+    }
+    if (error) {
+        *error = (struct pel_client_error){ .code = code, .minimum = 1 };
+        copy_text(error->path, sizeof error->path, from->path);
+        copy_text(error->value, sizeof error->value, from->value);
+        copy_text(error->unit, sizeof error->unit, from->unit);
+        copy_text(error->message, sizeof error->message, from->message);
+        if (from->has_minimum && from->has_maximum) {
+            error->minimum = from->minimum;
+            error->maximum = from->maximum;
+        }
+    }
+    return code;
+}
+
+static enum pel_client_code stream_fail(struct pel_client *client,
+                                        enum stream_result result,
+                                        struct pel_client_error *error)
+{
+    switch (result) {
+    case STREAM_TIMEOUT:
+        return fail(error, PEL_CLIENT_TIMEOUT,
+                    "pelagosd at %s did not answer within %d ms",
+                    client->address, client->timeout_ms);
+    case STREAM_MALFORMED:
+        return fail(error, PEL_CLIENT_PROTOCOL,
+                    "what answers at %s does not speak Pelagos' protocol",
+                    client->address);
+    case STREAM_CLOSED:
+    case STREAM_OK:
+        break;
+    }
+    return fail(error, PEL_CLIENT_CLOSED,
+                "pelagosd at %s closed the connection", client->address);
+}
+
+enum pel_client_code pel_client_connect(const char *address, int timeout_ms,
+                                        struct pel_client **out,
+                                        struct pel_client_error *error)
+{
+    if (!address) {
+        address = getenv(PEL_CLIENT_SERVER_VARIABLE);
+    }
+    if (!address || !*address) {
+        address = PEL_CLIENT_DEFAULT_SERVER;
+    }
+    struct stream stream;
+    char why[128];
+    switch (stream_open(&stream, address, timeout_ms, why, sizeof why)) {
+    case STREAM_OPENED:
+        break;
+    case STREAM_BAD_ADDRESS:
+        return fail(error, PEL_CLIENT_BAD_ADDRESS,
+                    "\"%s\" is not tcp:HOST:PORT or unix:PATH", address);
+    case STREAM_UNREACHABLE:
+        return fail(error, PEL_CLIENT_UNREACHABLE,
+                    "pelagosd does not answer at %s: %s", address, why);
+    }
+    struct pel_client *client = calloc(1, sizeof *client);
+    char *copy = strdup(address);
+    if (!client || !copy) {
+        free(client);
+        free(copy);
+        stream_close(&stream);
+        return fail(error, PEL_CLIENT_INTERNAL, "out of memory");
+    }
+    client->stream = stream;
+    client->address = copy;
+    client->timeout_ms = timeout_ms;
+    *out = client;
+    return PEL_CLIENT_OK;
+}
+
+static void drop_watched(struct pel_client *client)
+{
+    if (client->watched) {
+        pelagos__state__free_unpacked(client->watched, NULL);
+        client->watched = NULL;
+    }
+}
+
+void pel_client_close(struct pel_client *client)
+{
+    if (client) {
+        drop_watched(client);
+        stream_close(&client->stream);
+        free(client->address);
+        free(client);
+    }
+}
+
+const char *pel_client_address(const struct pel_client *client)
+{
+    return client->address;
+}
+
+void pel_client_set_timeout(struct pel_client *client, int timeout_ms)
+{
+    client->timeout_ms = timeout_ms;
+}
+
+int pel_client_fd(const struct pel_client *client)
+{
+    return client->stream.fd;
+}
+
+/* Takes the state out of a reply before that is freed. */
+static Pelagos__State *take_state(Pelagos__Reply *reply)
+{
+    Pelagos__State *state = reply->state;
+    reply->state = NULL;
+    reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+    return state;
+}
+
+/* One reply, whoever it is for. */
+static enum stream_result read_reply(struct pel_client *client,
+                                     int64_t deadline_ns,
+                                     Pelagos__Reply **out)
+{
+    const uint8_t *data = NULL;
+    size_t size = 0;
+    enum stream_result result =
+        stream_read(&client->stream, deadline_ns, &data, &size);
+    if (result != STREAM_OK) {
+        return result;
+    }
+    Pelagos__Reply *reply = pelagos__reply__unpack(NULL, size, data);
+    stream_consume(&client->stream);
+    if (!reply) {
+        return STREAM_MALFORMED;
+    }
+    *out = reply;
+    return STREAM_OK;
+}
+
+/* Keeps a state that was sent because of pel_client_watch. */
+static bool keep_if_watched(struct pel_client *client, Pelagos__Reply *reply)
+{
+    if (client->watch_id == 0 || reply->id != client->watch_id ||
+        reply->result_case != PELAGOS__REPLY__RESULT_STATE) {
+        return false;
+    }
+    drop_watched(client);
+    client->watched = take_state(reply);
+    return true;
+}
+
+/* Sends `request` under a new id and waits for the reply of kind `wanted`. */
+static enum pel_client_code call(struct pel_client *client,
+                                 Pelagos__Request *request,
+                                 Pelagos__Reply__ResultCase wanted,
+                                 Pelagos__Reply **out,
+                                 struct pel_client_error *error)
+{
+    int64_t deadline_ns = stream_deadline(client->timeout_ms);
+    request->has_id = 1;
+    request->id = ++client->last_id;
+    enum stream_result result =
+        stream_write(&client->stream, &request->base, deadline_ns);
+    if (result != STREAM_OK) {
+        return stream_fail(client, result, error);
+    }
+    for (;;) {
+        Pelagos__Reply *reply = NULL;
+        result = read_reply(client, deadline_ns, &reply);
+        if (result != STREAM_OK) {
+            return stream_fail(client, result, error);
+        }
+        enum pel_client_code code = PEL_CLIENT_OK;
+        /* A request too broken to have an id is refused without one. */
+        bool mine = reply->id == request->id || !reply->has_id;
+        if (mine && reply->result_case == PELAGOS__REPLY__RESULT_ERROR) {
+            code = refuse(reply->error, error);
+        } else if (mine && reply->result_case == wanted) {
+            *out = reply;
+            return PEL_CLIENT_OK;
+        } else if (mine) {
+            code = stream_fail(client, STREAM_MALFORMED, error);
+        } else {
+            keep_if_watched(client, reply);
+        }
+        pelagos__reply__free_unpacked(reply, NULL);
+        if (code != PEL_CLIENT_OK) {
+            return code;
+        }
+    }
+}
+
+/* A call that is answered with a state; out NULL: not wanted. */
+static enum pel_client_code call_for_state(struct pel_client *client,
+                                           Pelagos__Request *request,
+                                           Pelagos__State **out,
+                                           struct pel_client_error *error)
+{
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code =
+        call(client, request, PELAGOS__REPLY__RESULT_STATE, &reply, error);
+    if (code == PEL_CLIENT_OK) {
+        if (out) {
+            *out = take_state(reply);
+        }
+        pelagos__reply__free_unpacked(reply, NULL);
+    }
+    return code;
+}
+
+enum pel_client_code pel_client_get(struct pel_client *client,
+                                    Pelagos__State **out,
+                                    struct pel_client_error *error)
+{
+    Pelagos__Get get = PELAGOS__GET__INIT;
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_GET;
+    request.get = &get;
+    return call_for_state(client, &request, out, error);
+}
+
+enum pel_client_code pel_client_patch(struct pel_client *client,
+                                      const Pelagos__Patch *patch,
+                                      Pelagos__State **out,
+                                      struct pel_client_error *error)
+{
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_PATCH;
+    request.patch = (Pelagos__Patch *)patch;
+    return call_for_state(client, &request, out, error);
+}
+
+enum pel_client_code pel_client_frame(struct pel_client *client,
+                                      const Pelagos__FrameRequest *wanted,
+                                      Pelagos__Frame **out,
+                                      struct pel_client_error *error)
+{
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_FRAME;
+    request.frame = (Pelagos__FrameRequest *)wanted;
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code =
+        call(client, &request, PELAGOS__REPLY__RESULT_FRAME, &reply, error);
+    if (code == PEL_CLIENT_OK) {
+        *out = reply->frame;
+        reply->frame = NULL;
+        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+        pelagos__reply__free_unpacked(reply, NULL);
+    }
+    return code;
+}
+
+#define MAX_POINTS 10000
+/* Points of one request: 20 bytes each, and requests end at 64 KiB. */
+#define POINTS_AT_ONCE 3000
+
+static enum pel_client_code send_points(struct pel_client *client,
+                                        Pelagos__SurfaceQuery *query,
+                                        Pelagos__Surface **out,
+                                        struct pel_client_error *error)
+{
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_SURFACE;
+    request.surface = query;
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code =
+        call(client, &request, PELAGOS__REPLY__RESULT_SURFACE, &reply, error);
+    if (code != PEL_CLIENT_OK) {
+        return code;
+    }
+    if (reply->surface->n_points != query->n_points) {
+        code = stream_fail(client, STREAM_MALFORMED, error);
+    } else {
+        *out = reply->surface;
+        reply->surface = NULL;
+        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+    }
+    pelagos__reply__free_unpacked(reply, NULL);
+    return code;
+}
+
+/* Moves the points of `more` (freed) to the end of `all`; false: no memory. */
+static bool join_points(Pelagos__Surface *all, Pelagos__Surface *more)
+{
+    size_t count = all->n_points + more->n_points;
+    void *grown = realloc(all->points, count * sizeof *all->points);
+    if (grown) {
+        all->points = grown;
+        memcpy(all->points + all->n_points, more->points,
+               more->n_points * sizeof *all->points);
+        all->n_points = count;
+        more->n_points = 0;
+    }
+    pelagos__surface__free_unpacked(more, NULL);
+    return grown != NULL;
+}
+
+/* `list` in as many requests as it takes, all at the time of the first. */
+static enum pel_client_code ask_points(struct pel_client *client,
+                                       Pelagos__Point **list, size_t count,
+                                       const double *time_s,
+                                       Pelagos__Surface **out,
+                                       struct pel_client_error *error)
+{
+    Pelagos__Surface *all = NULL;
+    for (size_t done = 0; done < count;) {
+        size_t left = count - done;
+        Pelagos__SurfaceQuery query = PELAGOS__SURFACE_QUERY__INIT;
+        query.n_points = left < POINTS_AT_ONCE ? left : POINTS_AT_ONCE;
+        query.points = list + done;
+        query.has_time = time_s != NULL || all != NULL;
+        query.time = all ? all->time : time_s ? *time_s : 0.0;
+        Pelagos__Surface *part = NULL;
+        enum pel_client_code code = send_points(client, &query, &part, error);
+        if (code == PEL_CLIENT_OK && !all) {
+            all = part;
+        } else if (code == PEL_CLIENT_OK && !join_points(all, part)) {
+            code = fail(error, PEL_CLIENT_INTERNAL, "out of memory");
+        }
+        if (code != PEL_CLIENT_OK) {
+            if (all) {
+                pelagos__surface__free_unpacked(all, NULL);
+            }
+            return code;
+        }
+        done += query.n_points;
+    }
+    *out = all;
+    return PEL_CLIENT_OK;
+}
+
+enum pel_client_code pel_client_surface(struct pel_client *client,
+                                        const double (*east_north_m)[2],
+                                        size_t count, const double *time_s,
+                                        Pelagos__Surface **out,
+                                        struct pel_client_error *error)
+{
+    if (count < 1 || count > MAX_POINTS) {
+        return fail(error, PEL_CLIENT_OUT_OF_RANGE,
+                    "%zu points; a query has 1 to %d", count, MAX_POINTS);
+    }
+    Pelagos__Point *points = calloc(count, sizeof *points);
+    Pelagos__Point **list = calloc(count, sizeof *list);
+    enum pel_client_code code = PEL_CLIENT_INTERNAL;
+    if (points && list) {
+        for (size_t i = 0; i < count; i++) {
+            pelagos__point__init(&points[i]);
+            points[i].has_east = points[i].has_north = 1;
+            points[i].east = east_north_m[i][0];
+            points[i].north = east_north_m[i][1];
+            list[i] = &points[i];
+        }
+        code = ask_points(client, list, count, time_s, out, error);
+    } else {
+        fail(error, code, "out of memory");
+    }
+    free(points);
+    free(list);
+    return code;
+}
+
+enum pel_client_code pel_client_step(struct pel_client *client, double seconds,
+                                     Pelagos__State **out,
+                                     struct pel_client_error *error)
+{
+    Pelagos__ClockStep step = PELAGOS__CLOCK_STEP__INIT;
+    step.has_seconds = 1;
+    step.seconds = seconds;
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_STEP;
+    request.step = &step;
+    return call_for_state(client, &request, out, error);
+}
+
+enum pel_client_code pel_client_watch(struct pel_client *client,
+                                      Pelagos__State **out,
+                                      struct pel_client_error *error)
+{
+    Pelagos__Watch watch = PELAGOS__WATCH__INIT;
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_WATCH;
+    request.watch = &watch;
+    enum pel_client_code code = call_for_state(client, &request, out, error);
+    if (code == PEL_CLIENT_OK) {
+        client->watch_id = request.id;
+    }
+    return code;
+}
+
+enum pel_client_code pel_client_next_state(struct pel_client *client,
+                                           int timeout_ms,
+                                           Pelagos__State **out,
+                                           struct pel_client_error *error)
+{
+    int64_t deadline_ns = stream_deadline(timeout_ms);
+    while (!client->watched) {
+        Pelagos__Reply *reply = NULL;
+        enum stream_result result = read_reply(client, deadline_ns, &reply);
+        if (result == STREAM_TIMEOUT) {
+            return fail(error, PEL_CLIENT_TIMEOUT, "nothing changed");
+        }
+        if (result != STREAM_OK) {
+            return stream_fail(client, result, error);
+        }
+        enum pel_client_code code = PEL_CLIENT_OK;
+        if (!keep_if_watched(client, reply) &&
+            reply->result_case == PELAGOS__REPLY__RESULT_ERROR) {
+            code = refuse(reply->error, error);
+        }
+        pelagos__reply__free_unpacked(reply, NULL);
+        if (code != PEL_CLIENT_OK) {
+            return code;
+        }
+    }
+    *out = client->watched;
+    client->watched = NULL;
+    return PEL_CLIENT_OK;
+}
+
+const char *pel_client_code_name(enum pel_client_code code)
+{
+    switch (code) {
+    case PEL_CLIENT_OK:
+        return "OK";
+    case PEL_CLIENT_MALFORMED:
+        return "MALFORMED";
+    case PEL_CLIENT_NOT_FOUND:
+        return "NOT_FOUND";
+    case PEL_CLIENT_OUT_OF_RANGE:
+        return "OUT_OF_RANGE";
+    case PEL_CLIENT_INVALID:
+        return "INVALID";
+    case PEL_CLIENT_CONFLICT:
+        return "CONFLICT";
+    case PEL_CLIENT_BUSY:
+        return "BUSY";
+    case PEL_CLIENT_INTERNAL:
+        return "INTERNAL";
+    case PEL_CLIENT_BAD_ADDRESS:
+        return "BAD_ADDRESS";
+    case PEL_CLIENT_UNREACHABLE:
+        return "UNREACHABLE";
+    case PEL_CLIENT_TIMEOUT:
+        return "TIMEOUT";
+    case PEL_CLIENT_CLOSED:
+        return "CLOSED";
+    case PEL_CLIENT_PROTOCOL:
+        return "PROTOCOL";
+    }
+    return "INTERNAL";
+}

@@ -1,0 +1,139 @@
+/* libpelagos: the C client of pelagosd.
+ *
+ * Connect, then call: each call sends one request and waits for its reply.
+ * Messages are those of pelagos.proto (pelagos.pb-c.h, protobuf-c); what a
+ * call hands out belongs to the caller, who frees it with the message's own
+ * pelagos__…__free_unpacked(message, NULL).
+ *
+ * Threads: a client belongs to one thread at a time; different clients are
+ * independent. Time: every call ends within the client's time-out, after which
+ * (as after any other failure of the connection) the client is only good for
+ * pel_client_close. A refusal by the daemon leaves it usable. */
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "pelagos.pb-c.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define PEL_CLIENT_API __attribute__((visibility("default")))
+#define PEL_CLIENT_CHECK __attribute__((warn_unused_result))
+#else
+#define PEL_CLIENT_API
+#define PEL_CLIENT_CHECK
+#endif
+
+/* Where pelagosd listens unless told otherwise. */
+#define PEL_CLIENT_DEFAULT_SERVER "tcp:127.0.0.1:7350"
+/* The environment variable that overrides it. */
+#define PEL_CLIENT_SERVER_VARIABLE "PELAGOS_SERVER"
+
+/* Why a call failed. The first seven are ErrorCode of the schema: the daemon
+ * refused. From 100 on the request did not get an answer. */
+enum pel_client_code {
+    PEL_CLIENT_OK = 0,
+    PEL_CLIENT_MALFORMED = 1,
+    PEL_CLIENT_NOT_FOUND = 2,
+    PEL_CLIENT_OUT_OF_RANGE = 3,
+    PEL_CLIENT_INVALID = 4,
+    PEL_CLIENT_CONFLICT = 5,
+    PEL_CLIENT_BUSY = 6,
+    PEL_CLIENT_INTERNAL = 7,
+    PEL_CLIENT_BAD_ADDRESS = 100, /* not tcp:HOST:PORT or unix:PATH */
+    PEL_CLIENT_UNREACHABLE = 101, /* nothing listens there */
+    PEL_CLIENT_TIMEOUT = 102,     /* no reply in time */
+    PEL_CLIENT_CLOSED = 103,      /* the connection broke */
+    PEL_CLIENT_PROTOCOL = 104,    /* the answer cannot be read */
+};
+
+/* What went wrong, in words for people and fields for programs. `path`,
+ * `value` and `unit` are empty where they do not apply; minimum > maximum: no
+ * range. */
+struct pel_client_error {
+    enum pel_client_code code;
+    char path[96];   /* field at fault, `sea.windSpeed` */
+    char value[64];  /* what was refused */
+    char unit[16];
+    double minimum, maximum;
+    char message[256];
+};
+
+struct pel_client;
+
+/* Connects to `address`: "tcp:HOST:PORT", "tcp:[IPV6]:PORT", "unix:PATH", or
+ * NULL for $PELAGOS_SERVER and, without that, the default. timeout_ms (1 ..)
+ * bounds this and every later call. `error` may be NULL here and below. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_connect(const char *address, int timeout_ms,
+                   struct pel_client **out, struct pel_client_error *error);
+
+/* Closes and frees; NULL allowed. */
+PEL_CLIENT_API void pel_client_close(struct pel_client *client);
+
+/* The address in use, "tcp:127.0.0.1:7350"; lives as long as the client. */
+PEL_CLIENT_API const char *pel_client_address(const struct pel_client *client);
+
+/* Changes the time-out of the calls to come [ms]. */
+PEL_CLIENT_API void pel_client_set_timeout(struct pel_client *client,
+                                           int timeout_ms);
+
+/* The socket, to wait on in a loop of the caller's; read through
+ * pel_client_next_state only. */
+PEL_CLIENT_API int pel_client_fd(const struct pel_client *client);
+
+/* The whole state, with clock.time of this moment. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_get(struct pel_client *client, Pelagos__State **out,
+               struct pel_client_error *error);
+
+/* Changes the state: all of the patch or nothing. *out (NULL allowed): the
+ * state after it. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_patch(struct pel_client *client, const Pelagos__Patch *patch,
+                 Pelagos__State **out, struct pel_client_error *error);
+
+/* One picture. (*out)->data holds a whole JPEG, PNG or EXR file. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_frame(struct pel_client *client,
+                 const Pelagos__FrameRequest *request, Pelagos__Frame **out,
+                 struct pel_client_error *error);
+
+/* Height, normal and velocity of the sea surface at `count` points (1..10,000)
+ * given as east, north [m] from the scene's origin. time_s: simulated time,
+ * NULL for the clock's. The answers are in the order of the points. Above 3,000
+ * points it takes several requests, all for the time of the first. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_surface(struct pel_client *client, const double (*east_north_m)[2],
+                   size_t count, const double *time_s, Pelagos__Surface **out,
+                   struct pel_client_error *error);
+
+/* Advances simulated time by `seconds` (0..3600) in mode STEPPED; CONFLICT in
+ * any other. *out (NULL allowed): the state after it. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_step(struct pel_client *client, double seconds,
+                Pelagos__State **out, struct pel_client_error *error);
+
+/* Asks for the state now and after each change. The first is in *out; later
+ * ones come from pel_client_next_state. Other calls may be made in between: of
+ * the states that arrive meanwhile the newest is kept. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_watch(struct pel_client *client, Pelagos__State **out,
+                 struct pel_client_error *error);
+
+/* The next state of a watched connection. Nothing new within timeout_ms (-1:
+ * waits for ever): PEL_CLIENT_TIMEOUT, and the client stays usable. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_next_state(struct pel_client *client, int timeout_ms,
+                      Pelagos__State **out, struct pel_client_error *error);
+
+/* Name of a code, e.g. "OUT_OF_RANGE"; never NULL. */
+PEL_CLIENT_API const char *pel_client_code_name(enum pel_client_code code);
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,219 @@
+/* The commands that ask for pictures and for the sea surface. */
+#include "pelagosctl/ctl.h"
+
+#include <errno.h>
+#include <string.h>
+
+#include <glib.h>
+
+static const struct {
+    const char *suffix;
+    Pelagos__FrameFormat format;
+} formats[] = {
+    { "jpg", PELAGOS__FRAME_FORMAT__JPEG },
+    { "jpeg", PELAGOS__FRAME_FORMAT__JPEG },
+    { "png", PELAGOS__FRAME_FORMAT__PNG },
+    { "exr", PELAGOS__FRAME_FORMAT__EXR },
+};
+
+/* The format by --format or by the file's ending. */
+static enum ctl_exit find_format(const struct ctl *ctl, const char *path,
+                                 Pelagos__FrameFormat *out)
+{
+    const char *suffix = ctl_value(ctl, "format");
+    if (!suffix) {
+        const char *dot = strrchr(path, '.');
+        suffix = dot ? dot + 1 : "";
+    }
+    for (size_t i = 0; i < G_N_ELEMENTS(formats); i++) {
+        if (g_ascii_strcasecmp(suffix, formats[i].suffix) == 0) {
+            *out = formats[i].format;
+            return CTL_DONE;
+        }
+    }
+    return ctl_say(CTL_USAGE,
+                   "%s: the ending says the format: .jpg, .png or .exr "
+                   "(or --format)",
+                   path);
+}
+
+static enum ctl_exit set_size(const struct ctl *ctl,
+                              Pelagos__FrameRequest *request)
+{
+    double width = 0, height = 0, quality = 90, time_s = 0;
+    if (ctl_number(ctl, "width", 1, 65535, &width) ||
+        ctl_number(ctl, "height", 1, 65535, &height) ||
+        ctl_number(ctl, "quality", 1, 100, &quality) ||
+        ctl_number(ctl, "time", 0, 1e9, &time_s)) {
+        return CTL_USAGE;
+    }
+    request->has_width = width > 0;
+    request->width = (uint32_t)width;
+    request->has_height = height > 0;
+    request->height = (uint32_t)height;
+    request->has_quality = 1;
+    request->quality = (uint32_t)quality;
+    request->has_time = ctl_flag(ctl, "time");
+    request->time = time_s;
+    return CTL_DONE;
+}
+
+static enum ctl_exit save(const char *path, const Pelagos__Frame *frame)
+{
+    bool standard = strcmp(path, "-") == 0;
+    FILE *file = standard ? stdout : fopen(path, "wb");
+    if (!file) {
+        return ctl_say(CTL_FAILED, "%s: %s", path, strerror(errno));
+    }
+    bool whole = fwrite(frame->data.data, 1, frame->data.len, file) ==
+                 frame->data.len;
+    if ((standard ? fflush(file) : fclose(file)) != 0 || !whole) {
+        return ctl_say(CTL_FAILED, "%s: %s", path, strerror(errno));
+    }
+    return CTL_DONE;
+}
+
+static void describe(FILE *out, const char *path, const Pelagos__Frame *frame,
+                     bool json)
+{
+    if (json) {
+        fputs("{\"file\":", out);
+        ctl_print_string(out, path);
+        fputs(",\"view\":", out);
+        ctl_print_string(out, frame->view ? frame->view : "");
+        fprintf(out,
+                ",\"number\":%llu,\"revision\":%llu,\"time\":%.17g,"
+                "\"width\":%u,\"height\":%u,\"bytes\":%zu,"
+                "\"renderMs\":%.3f,\"encodeMs\":%.3f}\n",
+                (unsigned long long)frame->number,
+                (unsigned long long)frame->revision, frame->time, frame->width,
+                frame->height, frame->data.len, frame->render_ms,
+                frame->encode_ms);
+        return;
+    }
+    fprintf(out,
+            "%s: %s %ux%u at %.3f s, %zu kB, drawn in %.1f ms, encoded in "
+            "%.1f ms\n",
+            path, frame->view ? frame->view : "?", frame->width, frame->height,
+            frame->time, (frame->data.len + 999) / 1000, frame->render_ms,
+            frame->encode_ms);
+}
+
+enum ctl_exit ctl_frame(struct ctl *ctl)
+{
+    const char *path = ctl->args[1];
+    Pelagos__FrameRequest request = PELAGOS__FRAME_REQUEST__INIT;
+    request.has_format = 1;
+    request.view = (char *)ctl->args[0];
+    enum ctl_exit status = find_format(ctl, path, &request.format);
+    if (status == CTL_DONE) {
+        status = set_size(ctl, &request);
+    }
+    if (status == CTL_DONE) {
+        status = ctl_connect(ctl);
+    }
+    if (status != CTL_DONE) {
+        return status;
+    }
+    g_auto(GStrv) layers = NULL;
+    if (ctl_value(ctl, "layers")) {
+        layers = g_strsplit(ctl_value(ctl, "layers"), ",", -1);
+        request.layers = layers;
+        request.n_layers = g_strv_length(layers);
+    }
+    request.has_float_samples = request.float_samples =
+        ctl_flag(ctl, "float");
+    Pelagos__Frame *frame = NULL;
+    struct pel_client_error error;
+    if (pel_client_frame(ctl->client, &request, &frame, &error)) {
+        return ctl_report(ctl, &error);
+    }
+    status = save(path, frame);
+    if (status == CTL_DONE && !ctl_flag(ctl, "quiet")) {
+        FILE *out = strcmp(path, "-") == 0 ? stderr : stdout;
+        describe(out, path, frame, ctl_flag(ctl, "json"));
+    }
+    pelagos__frame__free_unpacked(frame, NULL);
+    return status;
+}
+
+static void print_points(const Pelagos__Surface *surface,
+                         const double (*points)[2])
+{
+    printf("# at %.3f s\n%12s %12s %9s  %23s  %23s\n", surface->time,
+           "east m", "north m", "height m", "normal east, north, up",
+           "velocity m/s");
+    for (size_t i = 0; i < surface->n_points; i++) {
+        const Pelagos__SurfacePoint *p = surface->points[i];
+        printf("%12.3f %12.3f %9.4f  %7.4f %7.4f %7.4f  %7.3f %7.3f %7.3f\n",
+               points[i][0], points[i][1], p->height, p->normal->east,
+               p->normal->north, p->normal->up, p->velocity->east,
+               p->velocity->north, p->velocity->up);
+    }
+}
+
+static void print_points_json(const Pelagos__Surface *surface,
+                              const double (*points)[2])
+{
+    printf("{\"time\":%.17g,\"points\":[", surface->time);
+    for (size_t i = 0; i < surface->n_points; i++) {
+        const Pelagos__SurfacePoint *p = surface->points[i];
+        printf("%s\n{\"east\":%.17g,\"north\":%.17g,\"height\":%.17g,"
+               "\"normal\":[%.17g,%.17g,%.17g],"
+               "\"velocity\":[%.17g,%.17g,%.17g]}",
+               i ? "," : "", points[i][0], points[i][1], p->height,
+               p->normal->east, p->normal->north, p->normal->up,
+               p->velocity->east, p->velocity->north, p->velocity->up);
+    }
+    puts("]}");
+}
+
+/* Whether every point came with a normal and a velocity. */
+static bool is_whole(const Pelagos__Surface *surface)
+{
+    for (size_t i = 0; i < surface->n_points; i++) {
+        if (!surface->points[i]->normal || !surface->points[i]->velocity) {
+            return false;
+        }
+    }
+    return true;
+}
+
+enum ctl_exit ctl_surface(struct ctl *ctl)
+{
+    size_t count = ctl->arg_count / 2;
+    if (ctl->arg_count % 2 != 0) {
+        return ctl_say(CTL_USAGE, "points are pairs: EAST NORTH, in metres");
+    }
+    double time_s = 0;
+    if (ctl_number(ctl, "time", 0, 1e9, &time_s)) {
+        return CTL_USAGE;
+    }
+    g_autofree double(*points)[2] = g_malloc_n(count, sizeof *points);
+    for (size_t i = 0; i < ctl->arg_count; i++) {
+        if (!ctl_parse_number(ctl->args[i], &points[i / 2][i % 2])) {
+            return ctl_say(CTL_USAGE, "\"%s\" is not a number of metres",
+                           ctl->args[i]);
+        }
+    }
+    enum ctl_exit status = ctl_connect(ctl);
+    if (status != CTL_DONE) {
+        return status;
+    }
+    Pelagos__Surface *surface = NULL;
+    struct pel_client_error error;
+    const double *when = ctl_flag(ctl, "time") ? &time_s : NULL;
+    if (pel_client_surface(ctl->client, (const double(*)[2])points, count,
+                           when, &surface, &error)) {
+        return ctl_report(ctl, &error);
+    }
+    if (!is_whole(surface)) {
+        status = ctl_say(CTL_UNREACHABLE, "the answer lacks normals");
+    } else if (ctl_flag(ctl, "json")) {
+        print_points_json(surface, (const double(*)[2])points);
+    } else {
+        print_points(surface, (const double(*)[2])points);
+    }
+    pelagos__surface__free_unpacked(surface, NULL);
+    return status;
+}

@@ -1,0 +1,166 @@
+/* record: a view as a clip. */
+#include "pelagosctl/ctl.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <glib.h>
+
+#include "base/clock.h"
+#include "pelagosctl/clip.h"
+
+struct recording {
+    const char *path;
+    struct clip *clip;
+    double seconds, fps, first_time_s;
+    bool exact, terminal;
+    size_t wanted, written;
+    Pelagos__FrameRequest request;
+};
+
+static enum ctl_exit read_options(struct ctl *ctl, struct recording *r)
+{
+    double width = 0, height = 0, quality = 90;
+    if (ctl_number(ctl, "seconds", 0.1, 86400, &r->seconds) ||
+        ctl_number(ctl, "fps", 1, 60, &r->fps) ||
+        ctl_number(ctl, "width", 1, 65535, &width) ||
+        ctl_number(ctl, "height", 1, 65535, &height) ||
+        ctl_number(ctl, "quality", 1, 100, &quality)) {
+        return CTL_USAGE;
+    }
+    r->request.has_format = r->request.has_quality = 1;
+    r->request.format = PELAGOS__FRAME_FORMAT__JPEG;
+    r->request.quality = (uint32_t)quality;
+    r->request.has_width = width > 0;
+    r->request.width = (uint32_t)width;
+    r->request.has_height = height > 0;
+    r->request.height = (uint32_t)height;
+    r->wanted = (size_t)(r->seconds * r->fps + 0.5);
+    r->wanted = r->wanted > 0 ? r->wanted : 1;
+    return CTL_DONE;
+}
+
+/* Adds one frame; the first opens the file and settles the size. */
+static enum ctl_exit take_frame(struct recording *r,
+                                const Pelagos__Frame *frame, double time_s)
+{
+    g_autofree char *why = NULL;
+    if (!r->clip) {
+        r->clip =
+            clip_open(r->path, frame->width, frame->height, r->fps, &why);
+        if (!r->clip) {
+            return ctl_say(CTL_FAILED, "%s", why);
+        }
+        r->request.has_width = r->request.has_height = 1;
+        r->request.width = frame->width;
+        r->request.height = frame->height;
+        r->first_time_s = frame->time;
+    }
+    if (clip_add(r->clip, frame->data.data, frame->data.len, time_s, &why)) {
+        return ctl_say(CTL_FAILED, "%s: %s", r->path, why);
+    }
+    r->written++;
+    if (r->terminal) {
+        fprintf(stderr, "\r%5.1f of %.1f s, %zu frames, %.1f ms each ", time_s,
+                r->seconds, r->written, frame->render_ms + frame->encode_ms);
+    }
+    return CTL_DONE;
+}
+
+static void sleep_until(int64_t due_ns)
+{
+    struct timespec due = { .tv_sec = due_ns / 1000000000,
+                            .tv_nsec = due_ns % 1000000000 };
+    while (!ctl_interrupted &&
+           clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, NULL) ==
+               EINTR) {
+    }
+}
+
+static enum ctl_exit record_frames(struct ctl *ctl, struct recording *r)
+{
+    int64_t start_ns = 0;
+    enum ctl_exit status = CTL_DONE;
+    for (size_t i = 0; i < r->wanted && !ctl_interrupted;) {
+        double time_s = (double)i / r->fps;
+        if (r->exact && i > 0) {
+            r->request.has_time = 1;
+            r->request.time = r->first_time_s + time_s;
+        } else if (i > 0) {
+            sleep_until(start_ns + (int64_t)(time_s * 1e9));
+        }
+        Pelagos__Frame *frame = NULL;
+        struct pel_client_error error;
+        if (pel_client_frame(ctl->client, &r->request, &frame, &error)) {
+            return ctl_report(ctl, &error);
+        }
+        /* Live time starts with the first picture, not with its drawing. */
+        start_ns = i == 0 ? pel_now_ns() : start_ns;
+        status = take_frame(r, frame, time_s);
+        pelagos__frame__free_unpacked(frame, NULL);
+        if (status != CTL_DONE) {
+            return status;
+        }
+        size_t due =
+            (size_t)((double)(pel_now_ns() - start_ns) * 1e-9 * r->fps);
+        i = r->exact || due < i + 1 ? i + 1 : due + 1;
+    }
+    return status;
+}
+
+static void report_done(struct ctl *ctl, const struct recording *r)
+{
+    struct stat file = { 0 };
+    stat(r->path, &file);
+    if (ctl_flag(ctl, "json")) {
+        fputs("{\"file\":", stdout);
+        ctl_print_string(stdout, r->path);
+        printf(",\"frames\":%zu,\"wanted\":%zu,\"width\":%u,\"height\":%u,"
+               "\"bytes\":%lld}\n",
+               r->written, r->wanted, r->request.width, r->request.height,
+               (long long)file.st_size);
+    } else if (!ctl_flag(ctl, "quiet")) {
+        printf("%s: %zu frames of %ux%u, %lld kB", r->path, r->written,
+               r->request.width, r->request.height,
+               (long long)(file.st_size + 999) / 1000);
+        printf(r->written < r->wanted ? "; %zu were not drawn in time\n"
+                                      : "\n",
+               r->wanted - r->written);
+    }
+}
+
+enum ctl_exit ctl_record(struct ctl *ctl)
+{
+    struct recording r = {
+        .path = ctl->args[1],
+        .seconds = 10.0,
+        .fps = 15.0,
+        .exact = ctl_flag(ctl, "exact"),
+        .terminal = isatty(STDERR_FILENO) && !ctl_flag(ctl, "quiet"),
+        .request = PELAGOS__FRAME_REQUEST__INIT,
+    };
+    r.request.view = (char *)ctl->args[0];
+    enum ctl_exit status = read_options(ctl, &r);
+    if (status == CTL_DONE) {
+        status = ctl_connect(ctl);
+    }
+    if (status != CTL_DONE) {
+        return status;
+    }
+    ctl_catch_signals();
+    status = record_frames(ctl, &r);
+    if (r.terminal) {
+        fputs("\r\033[K", stderr);
+    }
+    g_autofree char *why = NULL;
+    if (r.clip && clip_close(r.clip, &why) != 0 && status == CTL_DONE) {
+        status = ctl_say(CTL_FAILED, "%s: %s", r.path, why);
+    }
+    if (status == CTL_DONE && r.written > 0) {
+        report_done(ctl, &r);
+    }
+    return status;
+}

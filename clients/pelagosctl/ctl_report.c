@@ -1,0 +1,220 @@
+#include "pelagosctl/ctl.h"
+
+#include <signal.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <glib.h>
+
+#include "base/err.h"
+#include "proto/path.h"
+
+volatile int ctl_interrupted;
+
+static void on_signal(int number)
+{
+    (void)number;
+    ctl_interrupted = 1;
+}
+
+void ctl_catch_signals(void)
+{
+    /* Without SA_RESTART, so that waits end early. A second one kills. */
+    struct sigaction action = { .sa_handler = on_signal,
+                                .sa_flags = (int)SA_RESETHAND };
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+enum ctl_exit ctl_say(enum ctl_exit status, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    fputs("pelagosctl: ", stderr);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+    va_end(args);
+    return status;
+}
+
+struct candidates {
+    GPtrArray *words;
+    GPtrArray *owned;
+    const char *wanted;
+};
+
+/* Every path of the schema, with the wanted path's own keys for the `*`. */
+static void add_candidate(const char *path, const struct pel_path_info *info,
+                          void *user)
+{
+    (void)info;
+    struct candidates *all = user;
+    g_auto(GStrv) steps = g_strsplit(path, ".", -1);
+    g_auto(GStrv) wanted = g_strsplit(all->wanted, ".", -1);
+    guint depth = g_strv_length(wanted);
+    for (guint i = 0; steps[i]; i++) {
+        if (strcmp(steps[i], "*") == 0) {
+            g_free(steps[i]);
+            steps[i] = g_strdup(i < depth ? wanted[i] : "NAME");
+        }
+    }
+    char *word = g_strjoinv(".", steps);
+    g_ptr_array_add(all->owned, word);
+    g_ptr_array_add(all->words, word);
+}
+
+static void add_views(struct ctl *ctl, struct candidates *all)
+{
+    Pelagos__State *state = NULL;
+    if (!ctl->client || pel_client_get(ctl->client, &state, NULL)) {
+        return;
+    }
+    for (size_t i = 0; i < state->n_views; i++) {
+        char *bare = g_strdup(state->views[i]->name);
+        char *path = g_strdup_printf("views.%s", bare);
+        g_ptr_array_add(all->owned, bare);
+        g_ptr_array_add(all->owned, path);
+        g_ptr_array_add(all->words, strchr(all->wanted, '.') ? path : bare);
+    }
+    pelagos__state__free_unpacked(state, NULL);
+}
+
+/* The field or view that `path` was meant to be; g_free(), NULL: none. */
+static char *nearest_path(struct ctl *ctl, const char *path)
+{
+    struct candidates all = {
+        .words = g_ptr_array_new(),
+        .owned = g_ptr_array_new_with_free_func(g_free),
+        .wanted = path,
+    };
+    pel_path_each(add_candidate, &all);
+    add_views(ctl, &all);
+    const char *near = ctl_nearest(path, (const char *const *)all.words->pdata,
+                                   all.words->len);
+    char *copy = g_strdup(near);
+    g_ptr_array_unref(all.words);
+    g_ptr_array_unref(all.owned);
+    return copy;
+}
+
+static void print_json(const struct pel_client_error *error, const char *near)
+{
+    fputs("{\"error\":{\"code\":", stderr);
+    ctl_print_string(stderr, pel_client_code_name(error->code));
+    const char *const names[] = { "path", "value", "unit", "message",
+                                  "nearest" };
+    const char *const texts[] = { error->path, error->value, error->unit,
+                                  error->message, near ? near : "" };
+    for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
+        if (*texts[i]) {
+            fprintf(stderr, ",\"%s\":", names[i]);
+            ctl_print_string(stderr, texts[i]);
+        }
+    }
+    if (error->minimum <= error->maximum) {
+        fprintf(stderr, ",\"minimum\":%.17g,\"maximum\":%.17g", error->minimum,
+                error->maximum);
+    }
+    fputs("}}\n", stderr);
+}
+
+static const char *hint(enum pel_client_code code)
+{
+    switch (code) {
+    case PEL_CLIENT_UNREACHABLE:
+        return "start it with `make run` or `pelagosd`, or name another with "
+               "--server or PELAGOS_SERVER";
+    case PEL_CLIENT_TIMEOUT:
+        return "allow it more with --timeout, or look into its log";
+    case PEL_CLIENT_PROTOCOL:
+        return "is that the port of --tcp, not of --http?";
+    case PEL_CLIENT_BUSY:
+        return "try again in a moment";
+    case PEL_CLIENT_INTERNAL:
+        return "pelagosd's log says more";
+    default:
+        return NULL;
+    }
+}
+
+static void print_text(const struct pel_client_error *error, const char *near)
+{
+    bool has_path = *error->path && !strstr(error->message, error->path);
+    fprintf(stderr, "pelagosctl: %s%s%s\n", has_path ? error->path : "",
+            has_path ? ": " : "", error->message);
+    if (error->minimum <= error->maximum) {
+        bool unit = *error->unit && strcmp(error->unit, "1") != 0;
+        fprintf(stderr, "  legal: %.10g .. %.10g%s%s\n", error->minimum,
+                error->maximum, unit ? " " : "", unit ? error->unit : "");
+    }
+    if (near) {
+        fprintf(stderr, "  did you mean %s?\n", near);
+    } else if (hint(error->code)) {
+        fprintf(stderr, "  %s\n", hint(error->code));
+    }
+}
+
+enum ctl_exit ctl_report(struct ctl *ctl, const struct pel_client_error *error)
+{
+    g_autofree char *near = NULL;
+    if (error->code == PEL_CLIENT_NOT_FOUND) {
+        near = nearest_path(ctl, *error->path ? error->path : error->value);
+    }
+    if (ctl_flag(ctl, "json")) {
+        print_json(error, near);
+    } else {
+        print_text(error, near);
+    }
+    switch (error->code) {
+    case PEL_CLIENT_BAD_ADDRESS:
+        return CTL_USAGE;
+    case PEL_CLIENT_UNREACHABLE:
+    case PEL_CLIENT_TIMEOUT:
+    case PEL_CLIENT_CLOSED:
+    case PEL_CLIENT_PROTOCOL:
+        return CTL_UNREACHABLE;
+    default:
+        return CTL_REFUSED;
+    }
+}
+
+enum ctl_exit ctl_report_fault(struct ctl *ctl, const struct pel_fault *fault)
+{
+    struct pel_client_error error = {
+        .code = fault->code >= PEL_ERR_MALFORMED && fault->code <= PEL_ERR_BUSY
+                    ? (enum pel_client_code)fault->code
+                    : PEL_CLIENT_INTERNAL,
+        .minimum = fault->minimum,
+        .maximum = fault->maximum,
+    };
+    g_strlcpy(error.path, fault->path, sizeof error.path);
+    g_strlcpy(error.value, fault->value, sizeof error.value);
+    g_strlcpy(error.unit, fault->unit ? fault->unit : "", sizeof error.unit);
+    g_strlcpy(error.message, fault->message, sizeof error.message);
+    return ctl_report(ctl, &error);
+}
+
+enum ctl_exit ctl_connect(struct ctl *ctl)
+{
+    double seconds = 10.0;
+    enum ctl_exit status = ctl_number(ctl, "timeout", 0.01, 3600, &seconds);
+    if (status != CTL_DONE) {
+        return status;
+    }
+    struct pel_client_error error;
+    if (pel_client_connect(ctl_value(ctl, "server"), (int)(seconds * 1000),
+                           &ctl->client, &error) != PEL_CLIENT_OK) {
+        return ctl_report(ctl, &error);
+    }
+    return CTL_DONE;
+}
+
+enum ctl_exit ctl_fetch(struct ctl *ctl, Pelagos__State **out)
+{
+    enum ctl_exit status = ctl_connect(ctl);
+    struct pel_client_error error;
+    if (status == CTL_DONE && pel_client_get(ctl->client, out, &error)) {
+        status = ctl_report(ctl, &error);
+    }
+    return status;
+}

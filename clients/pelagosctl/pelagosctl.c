@@ -1,0 +1,215 @@
+/* pelagosctl: the table of commands, and main. */
+#include "pelagosctl/ctl.h"
+
+#include <locale.h>
+#include <signal.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <glib.h>
+
+const struct ctl_option ctl_global_options[] = {
+    { 's', "server", "ADDRESS",
+      "Where pelagosd listens: tcp:HOST:PORT or unix:PATH (PELAGOS_SERVER, "
+      "else " PEL_CLIENT_DEFAULT_SERVER ")", NULL },
+    { 't', "timeout", "SECONDS", "Give up waiting for an answer (10)", NULL },
+    { 'j', "json", NULL, "Print JSON, errors too", NULL },
+    { 'q', "quiet", NULL, "Print no confirmation and no progress", NULL },
+    { 'h', "help", NULL, "Say how the command is used", NULL },
+    { 0, "version", NULL, "Print the version", NULL },
+    { 0 },
+};
+
+static const struct ctl_option frame_options[] = {
+    { 0, "width", "PIXELS", "Width instead of the view's", NULL },
+    { 0, "height", "PIXELS", "Height instead of the view's", NULL },
+    { 0, "time", "SECONDS", "Simulated time instead of the clock's", NULL },
+    { 0, "layers", "LIST",
+      "Layers of an EXR: radiance,depth,normal (radiance)", NULL },
+    { 0, "float", NULL, "EXR samples of 32 bits instead of 16", NULL },
+    { 0, "quality", "1..100", "Quality of a JPEG (90)", NULL },
+    { 'f', "format", "FORMAT", "jpg, png or exr whatever the file is called",
+      NULL },
+    { 0 },
+};
+static const char *const frame_examples[] = {
+    "pelagosctl frame bridge out.jpg\nThe view as it is now.",
+    "pelagosctl frame bridge out.exr --layers radiance,depth,normal --float\n"
+    "Linear radiance, distance and normals, for instruments.",
+    NULL,
+};
+
+static const struct ctl_option surface_options[] = {
+    { 0, "time", "SECONDS", "Simulated time instead of the clock's", NULL },
+    { 0 },
+};
+static const char *const surface_examples[] = {
+    "pelagosctl surface 0 0 -20 35\nTwo points, metres east and north of the "
+    "scene's origin.",
+    NULL,
+};
+
+static const struct ctl_option watch_options[] = {
+    { 'n', "count", "LINES", "End after so many lines", NULL },
+    { 0, "seconds", "SECONDS", "End after so long", NULL },
+    { 0 },
+};
+
+static const struct ctl_option replay_options[] = {
+    { 'x', "speed", "FACTOR", "Times the pace of the log, 0.01 to 100 (1)",
+      NULL },
+    { 0, "to", "HOST:PORT", "Where NMEA is received (127.0.0.1:10110)", NULL },
+    { 'l', "loop", NULL, "Begin again at the end, until interrupted", NULL },
+    { 0, "no-clock", NULL, "Leave the clock of pelagosd alone", NULL },
+    { 0 },
+};
+static const char *const replay_examples[] = {
+    "pelagosctl replay voyage.nmea --speed 10\nTen minutes of log in one.",
+    NULL,
+};
+
+static const struct ctl_option record_options[] = {
+    { 0, "seconds", "SECONDS", "How long (10)", NULL },
+    { 0, "fps", "RATE", "Frames a second, 1 to 60 (15)", NULL },
+    { 0, "exact", NULL,
+      "Draw each frame for its own moment however long that takes, instead of "
+      "live", NULL },
+    { 0, "width", "PIXELS", "Width instead of the view's", NULL },
+    { 0, "height", "PIXELS", "Height instead of the view's", NULL },
+    { 0, "quality", "1..100", "Quality of the JPEGs (90)", NULL },
+    { 0 },
+};
+static const char *const record_examples[] = {
+    "pelagosctl record bridge clip.mkv --seconds 20\nMotion-JPEG in Matroska.",
+    "pelagosctl record bridge clip.mp4 --fps 30 --exact\nH.264, every frame "
+    "exactly 1/30 s after the last.",
+    NULL,
+};
+
+static const struct ctl_option bench_options[] = {
+    { 0, "seconds", "SECONDS", "How long each row runs (3)", NULL },
+    { 0, "sizes", "LIST", "Sizes to try (640x360,1280x720,1920x1080)", NULL },
+    { 0, "views", "LIST", "Views, asked for at once (the first view)", NULL },
+    { 0 },
+};
+static const char *const bench_examples[] = {
+    "pelagosctl bench --views bridge,wing --sizes 1280x720\n"
+    "Two views at a time.",
+    NULL,
+};
+
+static const char *const get_examples[] = {
+    "pelagosctl get\nEverything, one field a line.",
+    "pelagosctl get sea.windSpeed\nThe bare value, for scripts.",
+    "pelagosctl get views.bridge entities.ownship.heading\nParts of it.",
+    NULL,
+};
+static const char *const set_examples[] = {
+    "pelagosctl set sea.windSpeed=12 views.bridge.yaw=-30\n"
+    "Both at once, or neither.",
+    "pelagosctl set views.wing.entity=1 views.wing.right=12 "
+    "views.wing.yaw=90\nA new view.",
+    NULL,
+};
+static const char *const unset_examples[] = {
+    "pelagosctl unset sky.sunElevation\nThe Sun by date and place again.",
+    "pelagosctl unset views.wing\nThe view is gone.",
+    NULL,
+};
+static const char *const completion_examples[] = {
+    "pelagosctl completion bash "
+    ">~/.local/share/bash-completion/completions/pelagosctl\n"
+    "For the next shell.",
+    NULL,
+};
+
+const struct ctl_command ctl_commands[] = {
+    { "get", "[PATH…]", "print the state, or parts of it",
+      "Prints every field of the state as `path = value unit`, or those at and "
+      "below the PATHs. One PATH that is a field prints its bare value.\n\n"
+      "Elements of lists are named by their key: views by name "
+      "(views.bridge), entities by id or unique name (entities.1).",
+      NULL, get_examples, "paths", 0, SIZE_MAX, ctl_get },
+    { "set", "PATH=VALUE…", "change fields, all at once or none",
+      "Sends all assignments as one edit: either every one takes effect in "
+      "the same frame, or none does and the reason is printed. A view or "
+      "entity that is not there yet is added.",
+      NULL, set_examples, "paths", 1, SIZE_MAX, ctl_set },
+    { "unset", "PATH…", "reset fields, remove views and entities",
+      "Gives fields their default, removes elements of lists, empties lists.",
+      NULL, unset_examples, "paths", 1, SIZE_MAX, ctl_unset },
+    { "watch", "[PATH…]", "print fields as they change",
+      "Prints one line for each field that changes, until interrupted. "
+      "Without PATH all but clock.time, poseTime and revision.",
+      watch_options, NULL, "paths", 0, SIZE_MAX, ctl_watch },
+    { "views", "", "list the views",
+      "Prints a line for each view: name, size, field of view, the entity it "
+      "is fixed to, and the camera.",
+      NULL, NULL, NULL, 0, 0, ctl_views },
+    { "frame", "VIEW FILE", "save one picture",
+      "Saves the view as it is now (or at --time) as a JPEG, PNG or OpenEXR "
+      "file, by the ending of FILE. `-` is standard output, with --format.",
+      frame_options, frame_examples, "views", 2, 2, ctl_frame },
+    { "surface", "EAST NORTH [EAST NORTH…]",
+      "ask for height, normal and velocity of the sea",
+      "Answers from the very surface that is drawn. EAST and NORTH are metres "
+      "from the scene's origin.",
+      surface_options, surface_examples, NULL, 2, 20000, ctl_surface },
+    { "step", "[SECONDS]", "advance simulated time in mode STEPPED",
+      "Advances the clock by SECONDS (1/30) and prints the new time. Only in "
+      "clock.mode STEPPED.",
+      NULL, NULL, NULL, 0, 1, ctl_step },
+    { "replay", "FILE", "play a log of NMEA sentences",
+      "Sends the sentences of FILE over UDP at the pace of their time stamps "
+      "(RMC, else GGA, GLL or ZDA; a group a second where there are none), "
+      "times --speed. For its duration clock.mode is FREE and clock.rate the "
+      "speed; afterwards they are as before.",
+      replay_options, replay_examples, "files", 1, 1, ctl_replay },
+    { "record", "VIEW FILE", "save a clip",
+      "Records the view into FILE: .mjpeg (bare JPEGs), .mkv "
+      "(Motion-JPEG as pelagosd encoded it), .mp4 (H.264; needs GStreamer's "
+      "x264enc or openh264enc). Live, frames that are not drawn in time are "
+      "left out; with --exact none is.",
+      record_options, record_examples, "views", 2, 2, ctl_record },
+    { "bench", "", "measure the running pelagosd",
+      "Asks for JPEGs as fast as they come, for each size with each set of "
+      "views, and prints frames a second and median and 95th percentile of "
+      "drawing and of the whole answer.",
+      bench_options, bench_examples, NULL, 0, 0, ctl_bench },
+    { "completion", "bash|zsh|fish", "print the completion of a shell",
+      "Prints a script that completes commands, options, and the paths and "
+      "views of the running pelagosd.",
+      NULL, completion_examples, "shells", 1, 1, ctl_completion },
+    { "help", "[COMMAND]", "say how a command is used",
+      "Prints the commands, or the options of one.", NULL, NULL, "commands", 0,
+      1, ctl_help },
+    /* For the build and for shells; without summary they are not listed. */
+    { "manual", "", NULL, "Prints the manual page.", NULL, NULL, NULL, 0, 0,
+      ctl_manual },
+    { "complete", "KIND", NULL, "Prints words for a completion.", NULL, NULL,
+      NULL, 1, 1, ctl_complete },
+    { 0 },
+};
+
+int main(int argc, char **argv)
+{
+    setlocale(LC_CTYPE, "");
+    signal(SIGPIPE, SIG_IGN);
+    struct ctl ctl;
+    enum ctl_exit status = ctl_parse(&ctl, argc, argv);
+    if (status == CTL_DONE) {
+        if (ctl_flag(&ctl, "help")) {
+            ctl_print_help(stdout, ctl.command);
+        } else if (ctl_flag(&ctl, "version")) {
+            puts("pelagosctl " PEL_VERSION);
+        } else {
+            status = ctl.command->run(&ctl);
+        }
+    }
+    pel_client_close(ctl.client);
+    g_free(ctl.args);
+    if (status == CTL_DONE && (fflush(stdout) != 0 || ferror(stdout))) {
+        status = CTL_FAILED;
+    }
+    return (int)status;
+}
