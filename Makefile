@@ -59,7 +59,10 @@ BASE := server/base/err.c server/base/log.c server/base/clock.c \
 OCEAN := server/ocean/spectrum.c \
     server/ocean/sea.c \
     server/ocean/surface.c
-OPTICS := server/optics/brdf.c
+OPTICS := server/optics/brdf.c \
+    server/optics/atmosphere.c \
+    server/optics/colour.c \
+    server/optics/water.c
 PROTO := proto/fieldset.c \
     proto/message.c \
     proto/scalar.c \

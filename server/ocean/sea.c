@@ -15,8 +15,8 @@
 /* Relative width of a swell's Gaussian in frequency. */
 #define SWELL_BANDWIDTH 0.06
 
-#define GRID 2048       /* points of the cumulative measures over ln ω */
-#define DIRECTIONS 256  /* steps of the cumulative spreading over [0, π] */
+#define GRID 2048      /* points of the cumulative measures over ln ω */
+#define DIRECTIONS 256 /* steps of the cumulative spreading over [0, π] */
 #define DIRECTION_TRIES 32
 
 enum stream {
@@ -122,8 +122,8 @@ static double band_invert(const struct band *b, double m)
         }
     }
     double at_lo = band_measure(b, lo), at_hi = band_measure(b, hi);
-    return lo + (at_hi > at_lo ? pel_clamp((m - at_lo) / (at_hi - at_lo), 0, 1)
-                               : 0);
+    return lo +
+           (at_hi > at_lo ? pel_clamp((m - at_lo) / (at_hi - at_lo), 0, 1) : 0);
 }
 
 static double band_energy(const struct band *b, double place)
@@ -230,13 +230,12 @@ static void wind_bins(const struct pel_sea_desc *d, const struct band *b,
 {
     double from = 0;
     for (int i = 0; i < n; i++) {
-        double to =
-            i + 1 == n ? GRID : band_invert(b, (double)(i + 1) / n);
+        double to = i + 1 == n ? GRID : band_invert(b, (double)(i + 1) / n);
         double u = hash01(d->seed, STREAM_FREQUENCY, (uint32_t)i);
         double place = band_invert(b, (i + 0.1 + 0.8 * u) / n);
         double omega = exp(b->log_lo + b->step * place);
-        double s = fmax(pel_spectrum_spreading(d, omega),
-                        PEL_SEA_SPREADING_FLOOR);
+        double s =
+            fmax(pel_spectrum_spreading(d, omega), PEL_SEA_SPREADING_FLOOR);
         w[i].k = omega * omega / PEL_GRAVITY;
         w[i].energy = band_energy(b, to) - band_energy(b, from);
         w[i].spreading = s;
@@ -245,8 +244,8 @@ static void wind_bins(const struct pel_sea_desc *d, const struct band *b,
     }
 }
 
-static void add_wave(struct pel_sea *sea, double k, double angle,
-                     double energy, double phase01)
+static void add_wave(struct pel_sea *sea, double k, double angle, double energy,
+                     double phase01)
 {
     sea->waves[sea->count++] = (struct pel_wave){
         .kx = k * cos(angle),
@@ -323,8 +322,7 @@ static void add_swell(struct pel_sea *sea, int index, int n)
         double angle = s->direction_rad;
         if (n > 1) {
             omega *= 1.0 + SWELL_BANDWIDTH * normal_quantile(u);
-            angle += s->spread_rad *
-                     normal_quantile(pel_clamp(v, 0.02, 0.98));
+            angle += s->spread_rad * normal_quantile(pel_clamp(v, 0.02, 0.98));
         }
         double energy = s->height_m * s->height_m / 16.0 / n;
         add_wave(sea, omega * omega / PEL_GRAVITY, angle, energy,
@@ -378,9 +376,8 @@ static void sort_longest_first(struct pel_sea *sea)
 static double fold_limit(double bound)
 {
     const double free = 0.7, room = 0.28;
-    return bound <= free
-               ? bound
-               : free + room * (1.0 - exp(-(bound - free) / room));
+    return bound <= free ? bound
+                         : free + room * (1.0 - exp(-(bound - free) / room));
 }
 
 static void limit_folding(struct pel_sea *sea)
@@ -423,8 +420,7 @@ static void sum_up(struct pel_sea *sea)
     }
 }
 
-enum pel_err pel_sea_build(const struct pel_sea_desc *desc,
-                           struct pel_sea *out)
+enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
 {
     if (!desc_ok(desc)) {
         return PEL_ERR_OUT_OF_RANGE;

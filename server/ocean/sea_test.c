@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+
 #include <cmocka.h>
 
 #include "ocean/spectrum.h"
@@ -244,8 +245,8 @@ static void test_rms_below(void **state)
     build(&base);
     assert_float_equal(pel_sea_rms_below(&sea, 1e4), sqrt(sea.m0), 1e-12);
     assert_true(pel_sea_rms_below(&sea, 0.01) == 0);
-    double cut = 0.5 * (wavelength(&sea.waves[40]) +
-                        wavelength(&sea.waves[39]));
+    double cut =
+        0.5 * (wavelength(&sea.waves[40]) + wavelength(&sea.waves[39]));
     double sum = 0;
     for (int i = 40; i < sea.count; i++) {
         sum += 0.5 * sea.waves[i].amplitude * sea.waves[i].amplitude;

@@ -29,8 +29,7 @@ static double pm_peak(double wind_mps)
 static double effective_fetch(const struct pel_sea_desc *d)
 {
     double r = 22.0 / pm_peak(d->wind_mps);
-    double developed =
-        PEL_GRAVITY * PEL_GRAVITY / d->wind_mps * r * r * r;
+    double developed = PEL_GRAVITY * PEL_GRAVITY / d->wind_mps * r * r * r;
     return fmin(d->fetch_m, developed);
 }
 
@@ -58,8 +57,7 @@ double pel_spectrum_peak(const struct pel_sea_desc *d)
     }
     if (d->kind == PEL_SPECTRUM_JONSWAP) {
         double f = effective_fetch(d);
-        return 22.0 *
-               cbrt(PEL_GRAVITY * PEL_GRAVITY / (d->wind_mps * f));
+        return 22.0 * cbrt(PEL_GRAVITY * PEL_GRAVITY / (d->wind_mps * f));
     }
     return pm_peak(d->wind_mps);
 }
@@ -114,8 +112,7 @@ static double tail_m0(struct tail t, double lo, double hi)
 {
     double at_lo = lo > 0 ? exp(-t.b / pow(lo, 4.0)) : 0;
     double at_hi = exp(-t.b / pow(hi, 4.0));
-    return t.alpha * PEL_GRAVITY * PEL_GRAVITY / (4.0 * t.b) *
-           (at_hi - at_lo);
+    return t.alpha * PEL_GRAVITY * PEL_GRAVITY / (4.0 * t.b) * (at_hi - at_lo);
 }
 
 /* Simpson's rule over ln ω. */

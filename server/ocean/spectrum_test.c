@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+
 #include <cmocka.h>
 
 static const struct pel_sea_desc pm = {
@@ -106,8 +107,7 @@ static void test_jonswap_values(void **state)
     double shape = alpha * 9.81 * 9.81 / pow(omega, 5) *
                    exp(-1.25 * pow(peak / omega, 4)) *
                    pow(3.3, exp(-0.01 / (2 * 0.0049)));
-    assert_float_equal(pel_spectrum_wind(&jonswap, omega), shape,
-                       1e-9 * shape);
+    assert_float_equal(pel_spectrum_wind(&jonswap, omega), shape, 1e-9 * shape);
 }
 
 /* Fetch beyond full development changes nothing: its peak is that of

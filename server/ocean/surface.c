@@ -67,8 +67,8 @@ static struct pel_vec2 newton_step(const struct field *f, double rx, double ry)
 }
 
 /* Field at the rest position that is carried to (x, y). */
-static void field_above(const struct pel_sea *sea, double x, double y,
-                        double t, struct field *f)
+static void field_above(const struct pel_sea *sea, double x, double y, double t,
+                        struct field *f)
 {
     double x0 = x, y0 = y;
     field_at(sea, x0, y0, t, f);

@@ -19,48 +19,93 @@ struct pel_rgb {
     double r, g, b;
 };
 
+/* Air crossed by a ray, each constituent as metres of its density at the
+ * height where its coefficient is given. */
+struct pel_columns {
+    double rayleigh, mie, ozone;
+};
+
+/* Sizes of the tables below. */
+#define PEL_COLUMN_HEIGHTS 40
+#define PEL_COLUMN_COSINES 128
+#define PEL_MULTIPLE_HEIGHTS 12
+#define PEL_MULTIPLE_SUNS 33
+
 struct pel_atmosphere_desc {
     double visibility_m; /* meteorological, Koschmieder 3.912/β, 200..300000 */
 };
 
+/* 130 kB: constants, and two tables that make the sky cheap. */
 struct pel_atmosphere {
-    struct pel_rgb solar_irradiance;   /* above the air */
-    struct pel_rgb rayleigh;           /* scattering at sea level, 1/m */
+    struct pel_rgb solar_irradiance; /* above the air */
+    struct pel_rgb rayleigh;         /* scattering at sea level, 1/m */
     double rayleigh_height_m;
     double mie_extinction, mie_scattering; /* at sea level, 1/m */
     double mie_height_m;
-    double mie_g;                      /* Cornette–Shanks asymmetry */
-    struct pel_rgb ozone;              /* peak absorption, 1/m */
+    double mie_g;         /* Cornette–Shanks asymmetry */
+    struct pel_rgb ozone; /* peak absorption, 1/m */
     double ozone_center_m, ozone_width_m; /* triangular profile */
+    /* Columns to the top, by distance to the horizon and by the ray's length
+     * between its least and greatest (Bruneton and Neyret 2008, sec. 4). */
+    struct pel_columns columns[PEL_COLUMN_HEIGHTS][PEL_COLUMN_COSINES];
+    /* Ψ_ms by √(height / top) and by the signed root of the Sun's zenith
+     * cosine, −0.6..1. */
+    struct pel_rgb multiple[PEL_MULTIPLE_HEIGHTS][PEL_MULTIPLE_SUNS];
 };
 
-/* Fills the constants for a visibility. */
+/* Fills constants and tables for a visibility (clamped to its range, NaN:
+ * 40 km), about 35 ms. Extinction at 550 nm at sea level is 3.912 /
+ * visibility (Koschmieder); aerosols are what Rayleigh scattering leaves of
+ * it, none beyond 288 km, with a scale height of 1.2 km, or less in fog, whose
+ * vertical optical depth stays at PEL_FOG_DEPTH: dense fog is a shallow layer,
+ * and it is day below it. The published default, Mie extinction 4.44e-6 1/m,
+ * has a visibility of PEL_CLEAR_VISIBILITY_M. */
+#define PEL_CLEAR_VISIBILITY_M 217370.0
+#define PEL_FOG_DEPTH 1.5
 void pel_atmosphere_init(const struct pel_atmosphere_desc *desc,
                          struct pel_atmosphere *out);
 
+/* Columns from height_m along a direction of zenith cosine mu to the top, by
+ * quadrature to 1e-5; the ray must not meet the ground. */
+struct pel_columns pel_atmosphere_columns(const struct pel_atmosphere *a,
+                                          double height_m, double mu);
+
 /* Transmittance from height_m along a direction of zenith cosine mu to the top
- * of the atmosphere; 0 when the ray meets the ground. */
+ * of the atmosphere; 0 when the ray meets the ground, 1 above the air. */
 struct pel_rgb pel_atmosphere_transmittance(const struct pel_atmosphere *a,
                                             double height_m, double mu);
 
-/* Multiple-scattering gain Ψ_ms at a height for a Sun zenith cosine
- * (Hillaire 2020, eq. 10) with a ground of albedo 0.06 (sea). */
+/* Part of the solar disc above the horizon of height_m, 0..1: the smooth step
+ * ½ + ¾x − ¼x³ of x = (cosine above the horizon) / (angular radius), within
+ * 0.02 of the disc's segment. */
+double pel_atmosphere_sun_visible(double height_m, double sun_mu);
+
+/* Rayleigh's phase function and that of Cornette and Shanks 1992 [1/sr], of
+ * the cosine of the scattering angle. */
+double pel_phase_rayleigh(double nu);
+double pel_phase_mie(double nu, double g);
+
+/* Multiple-scattering gain Ψ_ms at a height for a Sun zenith cosine, per unit
+ * solar irradiance [1/sr] (Hillaire 2020, eq. 5–10) with a ground of albedo
+ * PEL_SEA_ALBEDO, from the table. */
+#define PEL_SEA_ALBEDO 0.06
 struct pel_rgb pel_atmosphere_multiple(const struct pel_atmosphere *a,
                                        double height_m, double sun_mu);
 
-/* Sky radiance seen from height_m in direction `dir` (z up, any elevation;
- * rays that meet the ground end there with nothing added), without the solar
- * disc. `sun` points to the Sun. */
+/* Sky radiance seen from height_m (also from above the air) in direction `dir`
+ * (z up, any elevation; rays that meet the ground end there with nothing
+ * added), without the solar disc. `sun` points to the Sun. */
 struct pel_rgb pel_atmosphere_sky(const struct pel_atmosphere *a,
                                   double height_m, struct pel_vec3 dir,
                                   struct pel_vec3 sun);
 
-/* Horizontal irradiance of the sky at sea level, by quadrature of the above. */
+/* Horizontal irradiance of the sky at sea level, by quadrature of the above;
+ * about 2 ms. */
 struct pel_rgb pel_atmosphere_sky_irradiance(const struct pel_atmosphere *a,
                                              struct pel_vec3 sun);
 
 /* Irradiance of the Sun normal to its beam at height_m, with the part of the
- * disc below the horizon left out. */
+ * disc below the horizon left out; no refraction. */
 struct pel_rgb pel_atmosphere_sun_irradiance(const struct pel_atmosphere *a,
                                              double height_m,
                                              struct pel_vec3 sun);

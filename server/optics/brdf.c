@@ -73,15 +73,13 @@ static double reflected(struct pel_vec3 view, struct pel_vec3 light,
     double shadow = 1.0 + pel_ross_lambda(pel_ross_a(view, var_x, var_y)) +
                     pel_ross_lambda(pel_ross_a(light, var_x, var_y));
     double hz2 = h.z * h.z;
-    return p * f /
-           (4.0 * hz2 * hz2 * fmax(view.z, LEAST_COSINE) * shadow);
+    return p * f / (4.0 * hz2 * hz2 * fmax(view.z, LEAST_COSINE) * shadow);
 }
 
 double pel_ross_brdf(struct pel_vec3 view, struct pel_vec3 light, double var_x,
                      double var_y)
 {
-    return reflected(view, light, var_x, var_y) /
-           fmax(light.z, LEAST_COSINE);
+    return reflected(view, light, var_x, var_y) / fmax(light.z, LEAST_COSINE);
 }
 
 double pel_ross_sun(struct pel_vec3 view, struct pel_vec3 light, double var_x,

@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+
 #include <cmocka.h>
 
 static struct pel_vec3 direction(double theta, double phi)
@@ -25,14 +26,12 @@ static void test_fresnel(void **state)
     (void)state;
     /* Textbook values for glass, n = 1.5 (Hecht, Optics, fig. 4.41). */
     assert_float_equal(pel_fresnel_exact(1, 1.5), 0.04, 1e-12);
-    assert_float_equal(pel_fresnel_exact(cos(45 * PEL_DEG), 1.5), 0.0502,
-                       5e-5);
+    assert_float_equal(pel_fresnel_exact(cos(45 * PEL_DEG), 1.5), 0.0502, 5e-5);
     assert_float_equal(pel_fresnel_exact(0, 1.5), 1, 1e-12);
     /* At Brewster's angle only s remains: ½ ((1 − n²) / (1 + n²))². */
     double n = PEL_WATER_INDEX;
     double s = (1 - n * n) / (1 + n * n);
-    assert_float_equal(pel_fresnel_exact(cos(atan(n)), n), 0.5 * s * s,
-                       1e-12);
+    assert_float_equal(pel_fresnel_exact(cos(atan(n)), n), 0.5 * s * s, 1e-12);
     assert_float_equal(pel_fresnel_exact(1, n), 0.34 * 0.34 / (2.34 * 2.34),
                        1e-12);
 }
@@ -78,8 +77,8 @@ static void test_slope_density(void **state)
 static void test_lambda(void **state)
 {
     (void)state;
-    double expected = (exp(-1) - sqrt(PEL_PI) * 0.157299207050285) /
-                      (2 * sqrt(PEL_PI));
+    double expected =
+        (exp(-1) - sqrt(PEL_PI) * 0.157299207050285) / (2 * sqrt(PEL_PI));
     assert_float_equal(pel_ross_lambda(1), expected, 1e-13);
     assert_true(pel_ross_lambda(INFINITY) == 0);
     assert_true(pel_ross_lambda(5.9) >= 0 && pel_ross_lambda(5.9) < 1e-16);
@@ -107,8 +106,7 @@ static double over_slopes(struct pel_vec3 v, double vx, double vy,
         for (int j = 0; j < n; j++) {
             double zx = sx * 16 * ((i + 0.5) / n - 0.5);
             double zy = sy * 16 * ((j + 0.5) / n - 0.5);
-            sum += pel_ross_visible_density(zx, zy, v, vx, vy) *
-                   f(v, zx, zy);
+            sum += pel_ross_visible_density(zx, zy, v, vx, vy) * f(v, zx, zy);
         }
     }
     return sum * sx * sy * 256 / n / n;
@@ -157,8 +155,8 @@ static void test_mean_fresnel(void **state)
         for (double theta = 0; theta < 1.5; theta += 0.29) {
             struct pel_vec3 v = direction(theta, 0.5);
             double fit = pel_ross_mean_fresnel(v, seas[s][0], seas[s][1]);
-            double e = fit - over_slopes(v, seas[s][0], seas[s][1],
-                                         schlick_facet);
+            double e =
+                fit - over_slopes(v, seas[s][0], seas[s][1], schlick_facet);
             worst = fmax(worst, fabs(e));
             square += e * e;
             count++;
@@ -203,8 +201,7 @@ static void test_brdf(void **state)
                ((1 + lv + ll) * h.z * v.z);
     double expected = q * pel_fresnel_schlick(vh, PEL_WATER_INDEX) /
                       (4 * h.z * h.z * h.z * l.z * vh);
-    assert_float_equal(pel_ross_brdf(v, l, vx, vy), expected,
-                       1e-12 * expected);
+    assert_float_equal(pel_ross_brdf(v, l, vx, vy), expected, 1e-12 * expected);
     /* eq. 15 is eq. 13 times cos θ_l, with clamped variances. */
     assert_float_equal(pel_ross_sun(v, l, vx, vy, 0.02),
                        pel_ross_brdf(v, l, vx, 0.02) * l.z, 1e-12);
@@ -226,11 +223,11 @@ static void test_white_furnace(void **state)
             for (int i = 0; i < n; i++) {
                 double t = 0.5 * PEL_PI * (i + 0.5) / n;
                 for (int j = 0; j < 2 * n; j++) {
-                    struct pel_vec3 l =
-                        direction(t, PEL_PI * (j + 0.5) / n);
+                    struct pel_vec3 l = direction(t, PEL_PI * (j + 0.5) / n);
                     double vh = sqrt(0.5 * (1 + pel_vec3_dot(v, l)));
-                    sum += pel_ross_brdf(v, l, seas[s][0], seas[s][1]) * sin(t) *
-                           cos(t) / pel_fresnel_schlick(vh, PEL_WATER_INDEX);
+                    sum += pel_ross_brdf(v, l, seas[s][0], seas[s][1]) *
+                           sin(t) * cos(t) /
+                           pel_fresnel_schlick(vh, PEL_WATER_INDEX);
                 }
             }
             sum *= 0.5 * PEL_PI * PEL_PI / n / n;
