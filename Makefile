@@ -93,6 +93,7 @@ NET :=
 BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_parse.c server/bridges/nmea_values.c \
     server/bridges/nmea.c
+OPTIONS := server/options.c server/options_print.c
 DAEMON := server/main.c
 CLIENT := \
     clients/lib/pelagos.c \
@@ -118,6 +119,7 @@ TESTS += server/ocean/spectrum_test.c
 TESTS += server/ocean/sea_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/encode/encode_test.c
+TESTS += server/options_test.c
 TESTS += proto/json_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
@@ -132,7 +134,7 @@ TESTS += clients/pelagosctl/nmea_log_test.c
 
 # --- rules ----------------------------------------------------------------
 SERVER := $(BASE) $(OCEAN) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
-    $(FRAMES) $(NET) $(BRIDGES)
+    $(FRAMES) $(NET) $(BRIDGES) $(OPTIONS)
 GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c
 GEN_HEADERS := $(O)/gen/pelagos.pb-c.h
 obj = $(patsubst %.c,$(O)/%.o,$(1))

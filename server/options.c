@@ -1,0 +1,527 @@
+#include "options.h"
+
+#include <arpa/inet.h>
+#include <errno.h>
+#include <glib.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FIELD(name) offsetof(struct pel_options, name)
+
+static const char *const order_words[] = { "abcd", "cdab", "badc", "dcba",
+                                           NULL };
+static const char *const wind_words[] = { "off", "given", "mean", NULL };
+static const char *const level_words[] = { "error", "warning", "info", "debug",
+                                           NULL };
+
+const struct pel_option pel_option_table[] = {
+    { "http", "network", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
+      "127.0.0.1:8080", .offset = FIELD(http),
+      .help = "Where HTTP is served: the page, /v1, /metrics, /healthz." },
+    { "tcp", "network", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
+      "127.0.0.1:7878", .offset = FIELD(tcp),
+      .help = "Where length-delimited protobuf is served over TCP." },
+    { "unix", "network", PEL_OPTION_PATH, "PATH|off", "off",
+      .offset = FIELD(unix_path),
+      .help = "Unix socket for length-delimited protobuf, mode 0600." },
+    { "http-hosts", "network", PEL_OPTION_TEXT_KIND, "NAMES", "",
+      .offset = FIELD(http_hosts),
+      .help = "Names, separated by commas, that a proxy may give as Host." },
+
+    { "state", "scene", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(state),
+      .help = "Keeps the scene in this file and loads it at start." },
+    { "waves", "scene", PEL_OPTION_INT, "COUNT", "60", 20, 256, "trochoids",
+      .offset = FIELD(waves), .help = "Number of waves the sea is made of." },
+
+    { "device", "render", PEL_OPTION_TEXT_KIND, "auto|software|NUMBER", "auto",
+      .offset = FIELD(device),
+      .help = "EGL device to draw with: hardware if there is any, the "
+              "processor, or the device of that number." },
+    { "fps", "render", PEL_OPTION_DOUBLE, "HZ", "30", 1, 240, "Hz",
+      .live = true, .offset = FIELD(fps),
+      .help = "Most frames a second of live views." },
+    { "encoder-threads", "render", PEL_OPTION_INT, "COUNT", "0", 0, 16,
+      "threads", .offset = FIELD(encoder_threads),
+      .help = "Threads that encode pictures; 0 is one a core, at most 4." },
+    { "shader-dir", "render", PEL_OPTION_PATH, "DIRECTORY|off", "off",
+      .offset = FIELD(shader_dir),
+      .help = "Reads the shaders from here instead of the built-in ones." },
+    { "gl-debug", "render", PEL_OPTION_FLAG, "", "no",
+      .offset = FIELD(gl_debug),
+      .help = "Sends the OpenGL driver's messages to the log." },
+
+    { "modbus", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
+      "127.0.0.1:1502", .offset = FIELD(modbus),
+      .help = "Where Modbus/TCP is served." },
+    { "modbus-allow", "bridges", PEL_OPTION_TEXT_KIND, "PEERS", "",
+      .offset = FIELD(modbus_allow),
+      .help = "Addresses or networks, separated by commas, that may use "
+              "Modbus; empty is this machine only." },
+    { "modbus-order", "bridges", PEL_OPTION_CHOICE, "ORDER", "abcd",
+      .choices = order_words, .offset = FIELD(modbus_order),
+      .help = "Order of the bytes of 32-bit values." },
+    { "modbus-unit", "bridges", PEL_OPTION_INT, "UNIT", "-1", -1, 247, "",
+      .offset = FIELD(modbus_unit),
+      .help = "Unit that answers; -1 is any of 0, 1 and 255." },
+    { "modbus-clients", "bridges", PEL_OPTION_INT, "COUNT", "32", 1, 256,
+      "clients", .offset = FIELD(modbus_clients),
+      .help = "Most Modbus clients at once." },
+    { "modbus-heartbeat", "bridges", PEL_OPTION_INT, "MS", "1000", 100, 60000,
+      "ms", .offset = FIELD(modbus_heartbeat_ms),
+      .help = "Silence of the heartbeat register that makes its source "
+              "stale." },
+    { "modbus-extrapolate", "bridges", PEL_OPTION_INT, "MS", "5000", 0, 60000,
+      "ms", .offset = FIELD(modbus_extrapolate_ms),
+      .help = "How long the ship is reckoned on when its source is stale." },
+    { "nmea", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
+      "127.0.0.1:10110", .offset = FIELD(nmea),
+      .help = "UDP port that takes NMEA 0183." },
+    { "nmea-allow", "bridges", PEL_OPTION_TEXT_KIND, "PEERS", "",
+      .offset = FIELD(nmea_allow),
+      .help = "Addresses or networks, separated by commas, that may send "
+              "NMEA; empty is this machine only." },
+    { "nmea-entity", "bridges", PEL_OPTION_INT, "ID", "1", 0, 65535, "",
+      .offset = FIELD(nmea_entity),
+      .help = "Entity that NMEA sentences move." },
+    { "nmea-wind", "bridges", PEL_OPTION_CHOICE, "HOW", "given",
+      .choices = wind_words, .offset = FIELD(nmea_wind),
+      .help = "Whether true wind sets the sea: not, as given, or its mean "
+              "over two minutes." },
+    { "nmea-ais", "bridges", PEL_OPTION_FLAG, "", "no",
+      .offset = FIELD(nmea_ais),
+      .help = "Shows AIS targets as entities 20000 and up." },
+
+    { "log-level", "log", PEL_OPTION_CHOICE, "LEVEL", "info",
+      .choices = level_words, .live = true, .offset = FIELD(log_level),
+      .help = "Records less important than this are not written." },
+    { 0 },
+};
+
+/* --- one value ----------------------------------------------------------- */
+
+static void *field(const struct pel_option *option, struct pel_options *options)
+{
+    return (char *)options + option->offset;
+}
+
+static enum pel_err refuse(struct pel_fault *fault,
+                           const struct pel_option *option, const char *where,
+                           const char *value, const char *why)
+{
+    pel_fault_set(fault, PEL_ERR_INVALID, "%s: '%.60s' %s", where, value, why);
+    if (fault) {
+        g_strlcpy(fault->path, option->name, sizeof fault->path);
+        g_strlcpy(fault->value, value, sizeof fault->value);
+    }
+    return PEL_ERR_INVALID;
+}
+
+static enum pel_err set_number(const struct pel_option *option,
+                               const char *value, const char *where,
+                               struct pel_options *options,
+                               struct pel_fault *fault)
+{
+    char why[128];
+    char *end = NULL;
+    bool whole = option->kind == PEL_OPTION_INT;
+    errno = 0;
+    double number = whole ? (double)strtol(value, &end, 10)
+                          : g_ascii_strtod(value, &end);
+    bool is_number = end != value && *end == 0;
+    if (!is_number || errno == ERANGE ||
+        !(number >= option->minimum && number <= option->maximum)) {
+        snprintf(why, sizeof why, "is not %s within %g .. %g%s%s",
+                 whole ? "a whole number" : "a number", option->minimum,
+                 option->maximum, *option->unit ? " " : "", option->unit);
+        return refuse(fault, option, where, value, why);
+    }
+    if (whole) {
+        *(int *)field(option, options) = (int)number;
+    } else {
+        *(double *)field(option, options) = number;
+    }
+    return PEL_OK;
+}
+
+static enum pel_err set_choice(const struct pel_option *option,
+                               const char *value, const char *where,
+                               struct pel_options *options,
+                               struct pel_fault *fault)
+{
+    char why[128] = "is none of";
+    for (int i = 0; option->choices[i]; i++) {
+        if (strcmp(value, option->choices[i]) == 0) {
+            *(int *)field(option, options) = i;
+            return PEL_OK;
+        }
+        g_strlcat(why, i > 0 ? ", " : " ", sizeof why);
+        g_strlcat(why, option->choices[i], sizeof why);
+    }
+    return refuse(fault, option, where, value, why);
+}
+
+static enum pel_err set_flag(const struct pel_option *option, const char *value,
+                             const char *where, struct pel_options *options,
+                             struct pel_fault *fault)
+{
+    static const char *const yes[] = { "yes", "true", "on", "1", NULL };
+    static const char *const no[] = { "no", "false", "off", "0", NULL };
+    bool on = g_strv_contains(yes, value);
+    if (!on && !g_strv_contains(no, value)) {
+        return refuse(fault, option, where, value, "is neither yes nor no");
+    }
+    *(bool *)field(option, options) = on;
+    return PEL_OK;
+}
+
+bool pel_options_split_address(const char *text, char host[64], uint16_t *port)
+{
+    const char *colon = strrchr(text, ':');
+    if (!colon || colon == text || colon[1] < '0' || colon[1] > '9') {
+        return false;
+    }
+    char *end;
+    errno = 0;
+    unsigned long number = strtoul(colon + 1, &end, 10);
+    size_t length = (size_t)(colon - text);
+    if (*end != 0 || errno == ERANGE || number > 65535) {
+        return false;
+    }
+    bool bracketed = text[0] == '[' && colon[-1] == ']';
+    if (bracketed) {
+        text++;
+        length -= 2;
+    }
+    if (length == 0 || length > 63) {
+        return false;
+    }
+    memcpy(host, text, length);
+    host[length] = 0;
+    if (strcmp(host, "localhost") == 0) {
+        g_strlcpy(host, "127.0.0.1", 64);
+    }
+    uint8_t binary[16];
+    *port = (uint16_t)number;
+    return inet_pton(bracketed ? AF_INET6 : AF_INET, host, binary) == 1;
+}
+
+static enum pel_err set_text(const struct pel_option *option, const char *value,
+                             const char *where, struct pel_options *options,
+                             struct pel_fault *fault)
+{
+    char *text = field(option, options);
+    bool can_be_off = option->kind != PEL_OPTION_TEXT_KIND;
+    char host[64];
+    uint16_t port;
+    if (strlen(value) >= PEL_OPTION_TEXT) {
+        return refuse(fault, option, where, value,
+                      "is longer than 255 characters");
+    }
+    if (can_be_off && strcmp(value, "off") == 0) {
+        *text = 0;
+        return PEL_OK;
+    }
+    if (option->kind == PEL_OPTION_ADDRESS &&
+        !pel_options_split_address(value, host, &port)) {
+        return refuse(fault, option, where, value,
+                      "is neither ADDRESS:PORT (127.0.0.1:8080, [::1]:8080, "
+                      "port 0 .. 65535) nor off");
+    }
+    if (option->kind == PEL_OPTION_PATH && *value == 0) {
+        return refuse(fault, option, where, value, "is no path; try off");
+    }
+    memset(text, 0, PEL_OPTION_TEXT);
+    strcpy(text, value); /* its length was checked above */
+    return PEL_OK;
+}
+
+enum pel_err pel_option_set(const struct pel_option *option, const char *value,
+                            const char *where, struct pel_options *options,
+                            struct pel_fault *fault)
+{
+    switch (option->kind) {
+    case PEL_OPTION_DOUBLE:
+    case PEL_OPTION_INT:
+        return set_number(option, value, where, options, fault);
+    case PEL_OPTION_CHOICE:
+        return set_choice(option, value, where, options, fault);
+    case PEL_OPTION_FLAG:
+        return set_flag(option, value, where, options, fault);
+    case PEL_OPTION_TEXT_KIND:
+    case PEL_OPTION_ADDRESS:
+    case PEL_OPTION_PATH:
+        break;
+    }
+    return set_text(option, value, where, options, fault);
+}
+
+bool pel_option_equal(const struct pel_option *option,
+                      const struct pel_options *a, const struct pel_options *b)
+{
+    const char *x = (const char *)a + option->offset;
+    const char *y = (const char *)b + option->offset;
+    switch (option->kind) {
+    case PEL_OPTION_DOUBLE:
+        return *(const double *)x == *(const double *)y;
+    case PEL_OPTION_INT:
+    case PEL_OPTION_CHOICE:
+        return *(const int *)x == *(const int *)y;
+    case PEL_OPTION_FLAG:
+        return *(const bool *)x == *(const bool *)y;
+    case PEL_OPTION_TEXT_KIND:
+    case PEL_OPTION_ADDRESS:
+    case PEL_OPTION_PATH:
+        break;
+    }
+    return strcmp(x, y) == 0;
+}
+
+void pel_options_init(struct pel_options *options)
+{
+    *options = (struct pel_options){ 0 };
+    for (const struct pel_option *o = pel_option_table; o->name; o++) {
+        struct pel_fault fault;
+        if (pel_option_set(o, o->initial, o->name, options, &fault) != PEL_OK) {
+            g_error("default of %s", fault.message); /* our own mistake */
+        }
+    }
+}
+
+/* --- key file ------------------------------------------------------------- */
+
+static const struct pel_option *find(const char *name)
+{
+    for (const struct pel_option *o = pel_option_table; o->name; o++) {
+        if (strcmp(o->name, name) == 0) {
+            return o;
+        }
+    }
+    return NULL;
+}
+
+static enum pel_err set_key(GKeyFile *file, const char *path, const char *group,
+                            const char *key, struct pel_options *options,
+                            struct pel_fault *fault)
+{
+    const struct pel_option *option = find(key);
+    if (!option) {
+        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                             "%s: [%s] %s is no option", path, group, key);
+    }
+    if (strcmp(option->section, group) != 0) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "%s: %s belongs into [%s], not [%s]", path, key,
+                             option->section, group);
+    }
+    char where[160];
+    snprintf(where, sizeof where, "%s: [%s] %s", path, group, key);
+    char *value = g_key_file_get_string(file, group, key, NULL);
+    enum pel_err err =
+        pel_option_set(option, value ? value : "", where, options, fault);
+    g_free(value);
+    return err;
+}
+
+static enum pel_err read_file(const char *path, struct pel_options *options,
+                              struct pel_fault *fault)
+{
+    GKeyFile *file = g_key_file_new();
+    GError *error = NULL;
+    enum pel_err err = PEL_OK;
+    if (!g_key_file_load_from_file(file, path, G_KEY_FILE_NONE, &error)) {
+        err = pel_fault_set(fault, PEL_ERR_IO, "%s: %s", path, error->message);
+        g_clear_error(&error);
+        g_key_file_free(file);
+        return err;
+    }
+    char **groups = g_key_file_get_groups(file, NULL);
+    for (int g = 0; groups[g] && err == PEL_OK; g++) {
+        char **keys = g_key_file_get_keys(file, groups[g], NULL, NULL);
+        for (int k = 0; keys && keys[k] && err == PEL_OK; k++) {
+            err = set_key(file, path, groups[g], keys[k], options, fault);
+        }
+        g_strfreev(keys);
+    }
+    g_strfreev(groups);
+    g_key_file_free(file);
+    return err;
+}
+
+/* --- command line --------------------------------------------------------- */
+
+/* Actions, and --config, which is read before the others. */
+static bool read_action(const char *name, enum pel_options_action *action)
+{
+    static const struct {
+        const char *name;
+        enum pel_options_action action;
+    } actions[] = {
+        { "help", PEL_ACTION_HELP },
+        { "version", PEL_ACTION_VERSION },
+        { "print-man", PEL_ACTION_MAN },
+        { "print-completion", PEL_ACTION_COMPLETION },
+        { "print-config", PEL_ACTION_EXAMPLE },
+        { "check", PEL_ACTION_CHECK },
+    };
+    for (size_t i = 0; i < sizeof actions / sizeof *actions; i++) {
+        if (strcmp(name, actions[i].name) == 0) {
+            *action = actions[i].action;
+            return true;
+        }
+    }
+    return false;
+}
+
+/* One argument, split; `value` NULL where the argument gives none. */
+struct argument {
+    char name[64];
+    const char *value;
+    int used; /* elements of argv */
+};
+
+static bool takes_value(const char *name)
+{
+    const struct pel_option *option = find(name);
+    return strcmp(name, "config") == 0 ||
+           (option && option->kind != PEL_OPTION_FLAG);
+}
+
+static enum pel_err split_argument(int argc, char **argv, int i,
+                                   struct argument *out,
+                                   struct pel_fault *fault)
+{
+    const char *text = argv[i];
+    *out = (struct argument){ .used = 1 };
+    if (strcmp(text, "-h") == 0) {
+        text = "--help";
+    }
+    if (strncmp(text, "--", 2) != 0 || text[2] == 0) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "'%.60s' is no option; see --help", text);
+    }
+    const char *equals = strchr(text, '=');
+    size_t length = equals ? (size_t)(equals - text) - 2 : strlen(text) - 2;
+    if (length < sizeof out->name) {
+        memcpy(out->name, text + 2, length);
+    }
+    if (equals) {
+        out->value = equals + 1;
+    } else if (takes_value(out->name)) {
+        if (i + 1 >= argc) {
+            return pel_fault_set(fault, PEL_ERR_INVALID,
+                                 "%s wants a value; see --help", text);
+        }
+        out->value = argv[i + 1];
+        out->used = 2;
+    }
+    return PEL_OK;
+}
+
+static enum pel_err apply_argument(const struct argument *argument,
+                                   struct pel_options *options,
+                                   enum pel_options_action *action,
+                                   struct pel_fault *fault)
+{
+    const struct pel_option *option = find(argument->name);
+    char where[80];
+    if (strcmp(argument->name, "config") == 0) {
+        return PEL_OK;
+    }
+    if (!option) {
+        if (!argument->value && read_action(argument->name, action)) {
+            return PEL_OK;
+        }
+        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                             "--%s is no option; see --help", argument->name);
+    }
+    snprintf(where, sizeof where, "--%s", argument->name);
+    return pel_option_set(option, argument->value ? argument->value : "yes",
+                          where, options, fault);
+}
+
+enum pel_err pel_options_read(int argc, char **argv,
+                              struct pel_options *options,
+                              enum pel_options_action *action,
+                              struct pel_fault *fault)
+{
+    struct argument argument;
+    enum pel_err err = PEL_OK;
+    pel_options_init(options);
+    *action = PEL_ACTION_RUN;
+    for (int i = 1; i < argc && err == PEL_OK; i += argument.used) {
+        err = split_argument(argc, argv, i, &argument, fault);
+        if (err == PEL_OK && strcmp(argument.name, "config") == 0) {
+            err = read_file(argument.value, options, fault);
+        }
+    }
+    for (int i = 1; i < argc && err == PEL_OK; i += argument.used) {
+        err = split_argument(argc, argv, i, &argument, fault);
+        if (err == PEL_OK) {
+            err = apply_argument(&argument, options, action, fault);
+        }
+    }
+    return err == PEL_OK ? pel_options_check(options, fault) : err;
+}
+
+/* --- all together ---------------------------------------------------------- */
+
+static bool is_loopback(const char *address)
+{
+    char host[64];
+    uint16_t port;
+    uint8_t binary[4];
+    if (*address == 0) {
+        return true;
+    }
+    if (!pel_options_split_address(address, host, &port)) {
+        return false;
+    }
+    return inet_pton(AF_INET, host, binary) == 1 ? binary[0] == 127
+                                                 : strcmp(host, "::1") == 0;
+}
+
+static bool is_device(const char *text)
+{
+    return strcmp(text, "auto") == 0 || strcmp(text, "software") == 0 ||
+           (*text != 0 && strlen(text) < 4 &&
+            strspn(text, "0123456789") == strlen(text));
+}
+
+enum pel_err pel_options_check(const struct pel_options *options,
+                               struct pel_fault *fault)
+{
+    const struct {
+        const char *name, *address, *allow;
+    } open[] = {
+        { "http", options->http, NULL },
+        { "tcp", options->tcp, NULL },
+        { "modbus", options->modbus, options->modbus_allow },
+        { "nmea", options->nmea, options->nmea_allow },
+    };
+    if (!is_device(options->device)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "--device: '%.60s' is neither auto, software nor "
+                             "a number within 0 .. 999",
+                             options->device);
+    }
+    for (size_t i = 0; i < sizeof open / sizeof *open; i++) {
+        if (is_loopback(open[i].address) || (open[i].allow && *open[i].allow)) {
+            continue;
+        }
+        if (open[i].allow) {
+            return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                                 "--%s: '%s' is open to a network; say with "
+                                 "--%s-allow who may use it",
+                                 open[i].name, open[i].address, open[i].name);
+        }
+        return pel_fault_set(
+            fault, PEL_ERR_CONFLICT,
+            "--%s: '%s' is not loopback, and nothing there asks who is "
+            "calling; bind 127.0.0.1 or ::1 and put nginx (TLS, passwords) "
+            "in front, with its name in --http-hosts",
+            open[i].name, open[i].address);
+    }
+    return PEL_OK;
+}

@@ -1,0 +1,106 @@
+/* The daemon's options: one table for the command line, the key file, help,
+ * manual page, completion and example. Main thread. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "base/err.h"
+
+#define PEL_OPTION_TEXT 256
+
+enum pel_option_kind {
+    PEL_OPTION_TEXT_KIND, /* any text */
+    PEL_OPTION_ADDRESS,   /* ADDRESS:PORT, [IPV6]:PORT or off */
+    PEL_OPTION_PATH,      /* a file, or off */
+    PEL_OPTION_DOUBLE,
+    PEL_OPTION_INT,
+    PEL_OPTION_CHOICE, /* index of the word in `choices` */
+    PEL_OPTION_FLAG,
+};
+
+/* Values, as the table fills them. Texts are "" where the option is off. */
+struct pel_options {
+    char http[PEL_OPTION_TEXT], tcp[PEL_OPTION_TEXT];
+    char unix_path[PEL_OPTION_TEXT];
+    char http_hosts[PEL_OPTION_TEXT];
+    char modbus[PEL_OPTION_TEXT], modbus_allow[PEL_OPTION_TEXT];
+    int modbus_order, modbus_unit, modbus_clients;
+    int modbus_heartbeat_ms, modbus_extrapolate_ms;
+    char nmea[PEL_OPTION_TEXT], nmea_allow[PEL_OPTION_TEXT];
+    int nmea_entity, nmea_wind;
+    bool nmea_ais;
+    char state[PEL_OPTION_TEXT];
+    int waves;
+    char device[PEL_OPTION_TEXT];
+    double fps;
+    int encoder_threads;
+    char shader_dir[PEL_OPTION_TEXT];
+    bool gl_debug;
+    int log_level; /* enum pel_log_level */
+};
+
+struct pel_option {
+    const char *name;    /* --name, and the key in the key file */
+    const char *section; /* group of the key file, heading of the help */
+    enum pel_option_kind kind;
+    const char *argument; /* how the value is shown, "" for a flag */
+    const char *initial;  /* default, as it would be given */
+    double minimum, maximum; /* of DOUBLE and INT */
+    const char *unit;
+    const char *const *choices; /* NULL-terminated, for CHOICE */
+    bool live;        /* SIGHUP changes it, else a restart does */
+    size_t offset;    /* in struct pel_options */
+    const char *help; /* a sentence */
+};
+
+/* Ends with a NULL name; sections are together. */
+extern const struct pel_option pel_option_table[];
+
+/* What the command line asks for besides values. */
+enum pel_options_action {
+    PEL_ACTION_RUN,
+    PEL_ACTION_HELP,
+    PEL_ACTION_VERSION,
+    PEL_ACTION_MAN,
+    PEL_ACTION_COMPLETION,
+    PEL_ACTION_EXAMPLE,
+    PEL_ACTION_CHECK,
+};
+
+void pel_options_init(struct pel_options *options); /* defaults */
+
+/* Defaults, then the key file that --config names, then the command line.
+ * On refusal *fault's message names option, value and legal range. */
+PEL_CHECK enum pel_err pel_options_read(int argc, char **argv,
+                                        struct pel_options *options,
+                                        enum pel_options_action *action,
+                                        struct pel_fault *fault);
+
+/* Sets one option from text; `where` ("--fps", "FILE: [render] fps") begins
+ * the message of a refusal. */
+PEL_CHECK enum pel_err pel_option_set(const struct pel_option *option,
+                                      const char *value, const char *where,
+                                      struct pel_options *options,
+                                      struct pel_fault *fault);
+
+/* What only the options together say: networks that are not loopback. */
+PEL_CHECK enum pel_err pel_options_check(const struct pel_options *options,
+                                         struct pel_fault *fault);
+
+/* Whether the option has the same value in both. */
+bool pel_option_equal(const struct pel_option *option,
+                      const struct pel_options *a,
+                      const struct pel_options *b);
+
+/* Splits ADDRESS:PORT (localhost becomes 127.0.0.1); false: not one. */
+bool pel_options_split_address(const char *text, char host[64],
+                               uint16_t *port);
+
+/* Made from the table (options_print.c). */
+void pel_options_print_help(FILE *to);
+void pel_options_print_man(FILE *to);
+void pel_options_print_completion(FILE *to); /* bash */
+void pel_options_print_example(FILE *to);    /* key file */

@@ -1,0 +1,243 @@
+#include "options.h"
+
+#include <glib.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define READ(options, action, fault, ...)                                      \
+    read_options(options, action, fault,                                       \
+                 (char *[]){ (char *)"pelagosd", __VA_ARGS__, NULL })
+
+static enum pel_err read_options(struct pel_options *options,
+                                 enum pel_options_action *action,
+                                 struct pel_fault *fault, char **argv)
+{
+    int argc = 0;
+    while (argv[argc]) {
+        argc++;
+    }
+    return pel_options_read(argc, argv, options, action, fault);
+}
+
+static struct pel_options options;
+static enum pel_options_action action;
+static struct pel_fault fault;
+
+static void defaults_are_the_tables(void **state)
+{
+    (void)state;
+    char *none[] = { (char *)"pelagosd", NULL };
+    assert_int_equal(pel_options_read(1, none, &options, &action, &fault),
+                     PEL_OK);
+    assert_int_equal(action, PEL_ACTION_RUN);
+    assert_string_equal(options.http, "127.0.0.1:8080");
+    assert_string_equal(options.tcp, "127.0.0.1:7878");
+    assert_string_equal(options.modbus, "127.0.0.1:1502");
+    assert_string_equal(options.nmea, "127.0.0.1:10110");
+    assert_string_equal(options.unix_path, "");
+    assert_true(options.fps == 30);
+    assert_int_equal(options.waves, 60);
+    assert_int_equal(options.log_level, 2);
+}
+
+static void both_forms_of_the_command_line(void **state)
+{
+    (void)state;
+    assert_int_equal(READ(&options, &action, &fault, "--fps", "12.5",
+                          "--http=[::1]:0", "--tcp", "off", "--gl-debug",
+                          "--modbus-order=dcba", "--nmea", "localhost:9",
+                          "--modbus-unit", "-1"),
+                     PEL_OK);
+    assert_true(options.fps == 12.5);
+    assert_string_equal(options.http, "[::1]:0");
+    assert_string_equal(options.tcp, "");
+    assert_true(options.gl_debug);
+    assert_int_equal(options.modbus_order, 3);
+    char host[64];
+    uint16_t port;
+    assert_true(pel_options_split_address(options.http, host, &port));
+    assert_string_equal(host, "::1");
+    assert_int_equal(port, 0);
+    assert_true(pel_options_split_address(options.nmea, host, &port));
+    assert_string_equal(host, "127.0.0.1");
+    assert_int_equal(port, 9);
+}
+
+/* Each message names the option, the value and what is legal. */
+static void bad_values_say_what_is_legal(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *option, *value, *legal;
+    } bad[] = {
+        { "--fps", "0", "1 .. 240 Hz" },
+        { "--fps", "nan", "1 .. 240 Hz" },
+        { "--fps", "inf", "1 .. 240 Hz" },
+        { "--fps", "3x", "1 .. 240 Hz" },
+        { "--fps", "", "1 .. 240 Hz" },
+        { "--waves", "60.5", "20 .. 256" },
+        { "--waves", "99999999999999999999", "20 .. 256" },
+        { "--log-level", "loud", "error, warning, info, debug" },
+        { "--http", "8080", "ADDRESS:PORT" },
+        { "--http", "127.0.0.1:65536", "65535" },
+        { "--http", "127.0.0.1:", "ADDRESS:PORT" },
+        { "--http", "somewhere:80", "ADDRESS:PORT" },
+        { "--http", "::1:80", "ADDRESS:PORT" },
+        { "--http", "127.0.0.1:80x", "ADDRESS:PORT" },
+        { "--device", "gpu", "software" },
+        { "--http", "0.0.0.0:8080", "nginx" },
+        { "--tcp", "[::]:8080", "nginx" },
+        { "--modbus", "0.0.0.0:1502", "--modbus-allow" },
+        { "--nmea", "192.168.1.5:10110", "--nmea-allow" },
+        { "--state", "", "off" },
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_int_not_equal(READ(&options, &action, &fault,
+                                  (char *)bad[i].option, (char *)bad[i].value),
+                             PEL_OK);
+        assert_non_null(strstr(fault.message, bad[i].option));
+        assert_non_null(strstr(fault.message, bad[i].value));
+        assert_non_null(strstr(fault.message, bad[i].legal));
+    }
+    assert_int_not_equal(READ(&options, &action, &fault, "--nothing"), PEL_OK);
+    assert_non_null(strstr(fault.message, "--nothing"));
+    assert_int_not_equal(READ(&options, &action, &fault, "--fps"), PEL_OK);
+    assert_int_not_equal(READ(&options, &action, &fault, "stray"), PEL_OK);
+    assert_int_not_equal(READ(&options, &action, &fault, "--"), PEL_OK);
+    char longest[400];
+    memset(longest, 'a', sizeof longest - 1);
+    longest[sizeof longest - 1] = 0;
+    assert_int_not_equal(READ(&options, &action, &fault, "--state", longest),
+                         PEL_OK);
+    assert_int_equal(READ(&options, &action, &fault, "--modbus", "0.0.0.0:1502",
+                          "--modbus-allow", "10.0.0.0/8"),
+                     PEL_OK);
+}
+
+static char *write_file(const char *text)
+{
+    char *path = NULL;
+    int fd = g_file_open_tmp("pelagosd-XXXXXX.conf", &path, NULL);
+    assert_true(fd >= 0);
+    close(fd);
+    assert_true(g_file_set_contents(path, text, -1, NULL));
+    return path;
+}
+
+static void key_file_is_read_before_the_command_line(void **state)
+{
+    (void)state;
+    char *path = write_file("[render]\nfps=15\n[scene]\nwaves=100\n"
+                            "[bridges]\nnmea-ais=yes\nmodbus=off\n");
+    assert_int_equal(READ(&options, &action, &fault, "--fps", "20", "--config",
+                          path),
+                     PEL_OK);
+    assert_true(options.fps == 20);
+    assert_int_equal(options.waves, 100);
+    assert_true(options.nmea_ais);
+    assert_string_equal(options.modbus, "");
+    unlink(path);
+    g_free(path);
+}
+
+static void bad_key_files_say_where(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *say;
+    } bad[] = {
+        { "[render]\nfps=0\n", "[render] fps" },
+        { "[scene]\nfps=10\n", "belongs into [render]" },
+        { "[render]\nspeed=1\n", "speed is no option" },
+        { "fps=10\n", "" },
+        { "[render\n", "" },
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char *path = write_file(bad[i].text);
+        assert_int_not_equal(READ(&options, &action, &fault, "--config", path),
+                             PEL_OK);
+        assert_non_null(strstr(fault.message, path));
+        assert_non_null(strstr(fault.message, bad[i].say));
+        unlink(path);
+        g_free(path);
+    }
+    assert_int_not_equal(READ(&options, &action, &fault, "--config",
+                              "/nonexistent/file"),
+                         PEL_OK);
+}
+
+static void the_example_is_the_defaults(void **state)
+{
+    (void)state;
+    char *path = write_file("");
+    FILE *file = fopen(path, "w");
+    pel_options_print_example(file);
+    fclose(file);
+    struct pel_options defaults;
+    pel_options_init(&defaults);
+    assert_int_equal(READ(&options, &action, &fault, "--config", path), PEL_OK);
+    for (const struct pel_option *o = pel_option_table; o->name; o++) {
+        assert_true(pel_option_equal(o, &options, &defaults));
+    }
+    unlink(path);
+    g_free(path);
+}
+
+static void texts_name_every_option(void **state)
+{
+    (void)state;
+    void (*const printers[])(FILE *) = { pel_options_print_help,
+                                         pel_options_print_man,
+                                         pel_options_print_completion,
+                                         pel_options_print_example };
+    for (size_t i = 0; i < 4; i++) {
+        char *text = NULL;
+        size_t size = 0;
+        FILE *file = open_memstream(&text, &size);
+        printers[i](file);
+        fclose(file);
+        for (char *c = text; *c; c++) { /* undo roff's minus */
+            if (c[0] == '\\' && c[1] == '-') {
+                memmove(c, c + 1, strlen(c));
+            }
+        }
+        for (const struct pel_option *o = pel_option_table; o->name; o++) {
+            assert_non_null(strstr(text, o->name));
+        }
+        free(text);
+    }
+}
+
+static void actions_are_found(void **state)
+{
+    (void)state;
+    assert_int_equal(READ(&options, &action, &fault, "--help"), PEL_OK);
+    assert_int_equal(action, PEL_ACTION_HELP);
+    assert_int_equal(READ(&options, &action, &fault, "-h"), PEL_OK);
+    assert_int_equal(action, PEL_ACTION_HELP);
+    assert_int_equal(READ(&options, &action, &fault, "--check"), PEL_OK);
+    assert_int_equal(action, PEL_ACTION_CHECK);
+    assert_int_equal(READ(&options, &action, &fault, "--version"), PEL_OK);
+    assert_int_equal(action, PEL_ACTION_VERSION);
+    assert_int_not_equal(READ(&options, &action, &fault, "--help=1"), PEL_OK);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(defaults_are_the_tables),
+        cmocka_unit_test(both_forms_of_the_command_line),
+        cmocka_unit_test(bad_values_say_what_is_legal),
+        cmocka_unit_test(key_file_is_read_before_the_command_line),
+        cmocka_unit_test(bad_key_files_say_where),
+        cmocka_unit_test(the_example_is_the_defaults),
+        cmocka_unit_test(texts_name_every_option),
+        cmocka_unit_test(actions_are_found),
+    };
+    return cmocka_run_group_tests_name("options", tests, NULL, NULL);
+}
