@@ -64,6 +64,7 @@ OPTICS := server/optics/brdf.c \
     server/optics/colour.c \
     server/optics/water.c
 PROTO := proto/fieldset.c \
+    proto/registers.c \
     proto/message.c \
     proto/scalar.c \
     proto/wire.c \
@@ -92,7 +93,9 @@ FRAMES := server/frames/frame.c server/frames/mailbox.c \
 NET :=
 BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_parse.c server/bridges/nmea_values.c \
-    server/bridges/nmea.c
+    server/bridges/nmea.c server/bridges/pose.c \
+    server/bridges/modbus_map.c server/bridges/modbus_adu.c \
+    server/bridges/modbus.c
 OPTIONS := server/options.c server/options_print.c
 DAEMON := server/main.c
 CLIENT := \
@@ -228,6 +231,14 @@ tests: $(TEST_BIN) ## build the test programs
 .PHONY: unit
 unit: $(TEST_BIN) ## run the C test programs
 	$(Q)for t in $(TEST_BIN); do echo "== $$t"; $$t || exit 1; done
+
+$(O)/bin/registers_doc: $(O)/proto/registers_doc.o $(O)/libserver.a
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
+
+.PHONY: registers
+registers: $(O)/bin/registers_doc ## write proto/registers.md, the Modbus map for people
+	$(Q)$< >proto/registers.md
 
 # --- set-up, demonstration, checks ---------------------------------------
 .PHONY: deps deps-build

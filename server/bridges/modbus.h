@@ -5,8 +5,8 @@
  * edit: when 1 is written to the commit register, alone or inside a
  * write-multiple request. A value out of range gets exception 03, an address
  * that is not there (or half a 32-bit value) exception 02, and then nothing of
- * the request is staged. Staged values belong to the connection that wrote
- * them and go with it.
+ * the request is staged. There is one stage for all connections, as a client
+ * may connect anew for each write (mbpoll does).
  *
  * libmodbus makes the answers; it owns no socket of a client. ADUs are framed
  * here without blocking: whole within 500 ms of their first byte, protocol id
@@ -18,17 +18,11 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "registers.h"
 
-struct pel_scene;
+struct pel_metrics;
 struct pel_modbus;
-
-/* Order of the bytes of a 32-bit value on the wire; 64-bit alike. */
-enum pel_modbus_order {
-    PEL_MODBUS_ABCD, /* most significant register first */
-    PEL_MODBUS_CDAB, /* registers swapped */
-    PEL_MODBUS_BADC, /* bytes swapped in each register */
-    PEL_MODBUS_DCBA,
-};
+struct pel_scene;
 
 /* What the daemon's other parts tell the input registers and alarms. */
 struct pel_modbus_status {
@@ -44,10 +38,11 @@ struct pel_modbus_options {
     const char *allow;  /* peers, `10.0.0.7,192.168.1.0/24`; NULL: loopback.
                          * Any other `listen` than loopback needs it */
     enum pel_modbus_order order;
-    int unit;            /* 1..247, or -1: 0, 1 and 255 all answer */
-    int max_clients;     /* 1..256 */
-    int heartbeat_ms;    /* silence that makes the source stale, 100..60000 */
-    int extrapolate_ms;  /* then the scene reckons on for so long, 0..60000 */
+    int unit;           /* 1..247, or -1: 0, 1 and 255 all answer */
+    int max_clients;    /* 1..256 */
+    int heartbeat_ms;   /* silence that makes the source stale, 100..60000 */
+    int extrapolate_ms; /* then the scene reckons on for so long, 0..60000 */
+    struct pel_metrics *metrics; /* NULL: none are shown */
     /* Fills the status; NULL: zeros. */
     void (*status)(void *user, struct pel_modbus_status *status);
     void *user;
@@ -57,10 +52,10 @@ struct pel_modbus_options {
 struct pel_modbus_options pel_modbus_default_options(void);
 
 enum pel_modbus_source {
-    PEL_MODBUS_NEVER,  /* no heartbeat yet: no watch either */
+    PEL_MODBUS_NEVER, /* no heartbeat yet: no watch either */
     PEL_MODBUS_LIVE,
-    PEL_MODBUS_STALE,  /* silent; the ship is reckoned on */
-    PEL_MODBUS_HELD,   /* silent for longer; own ship stopped where it was */
+    PEL_MODBUS_STALE, /* silent; the ship is reckoned on */
+    PEL_MODBUS_HELD, /* silent for longer; own ship stopped where it was */
 };
 
 struct pel_modbus_counters {

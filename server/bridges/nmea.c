@@ -14,6 +14,7 @@
 #include "bridges/ais.h"
 #include "bridges/endpoint.h"
 #include "bridges/nmea_values.h"
+#include "bridges/pose.h"
 #include "scene/scene.h"
 
 #define MAX_DATAGRAM 4096
@@ -86,42 +87,16 @@ static bool apply(struct pel_nmea *nmea, Pelagos__State *state)
     return true;
 }
 
-/* The pose at time_s as the scene reckons it; false: no such entity. */
-static bool reckoned_pose(struct pel_nmea *nmea, uint32_t id, double time_s,
-                          Pelagos__Entity *out)
-{
-    const struct pel_snapshot *s = pel_scene_snapshot(nmea->scene);
-    bool found = false;
-    for (size_t i = 0; i < s->entity_count && !found; i++) {
-        if (s->entities[i].id != id) {
-            continue;
-        }
-        struct pel_entity_state e;
-        pel_snapshot_entity_at(s, i, time_s, &e);
-        pel_geo_from_local(s->origin_latitude_rad / PEL_DEG,
-                           s->origin_longitude_rad / PEL_DEG, e.east_m,
-                           e.north_m, &out->latitude, &out->longitude);
-        double deg = fmod(e.heading_rad / PEL_DEG, 360);
-        out->heading = deg < 0 ? deg + 360 : deg;
-        out->has_latitude = out->has_longitude = out->has_heading = 1;
-        found = true;
-    }
-    pel_snapshot_unref(s);
-    return found;
-}
-
 /* Own ship whole: where nothing new came, the reckoned pose of this moment,
  * so that a heading does not throw the ship back to its last fix. */
 static void own_ship(struct pel_nmea *nmea, Pelagos__Entity *out)
 {
     struct pel_nmea_values *v = &nmea->values;
     int64_t now = nmea->now_ns;
-    double time_s = pel_scene_time(nmea->scene), heading;
+    double heading;
     out->has_id = 1;
     out->id = nmea->options.entity;
-    reckoned_pose(nmea, out->id, time_s, out);
-    out->has_pose_time = 1;
-    out->pose_time = time_s;
+    pel_bridge_reckon(nmea->scene, out->id, out);
     if (v->changed & PEL_NMEA_CHANGED_FIX) {
         out->has_latitude = out->has_longitude = 1;
         out->latitude = v->latitude;

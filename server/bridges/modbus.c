@@ -1,0 +1,552 @@
+#include "bridges/modbus.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <glib-unix.h>
+#include <math.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/metrics.h"
+#include "bridges/endpoint.h"
+#include "bridges/modbus_adu.h"
+#include "scene/scene.h"
+
+#define MS 1000000LL
+#define SWEEP_MS 100
+#define ADU_DEADLINE_NS (500 * MS)
+#define STALL_NS (5000 * MS) /* a client that takes no answer */
+#define IDLE_NS (60000 * MS) /* gives way to a new client when all are taken */
+#define CHUNK 256
+/* The shortest request has 8 bytes: CHUNK of them, and one begun before. */
+#define MAX_ANSWERS ((CHUNK / 8 + 1) * PEL_MODBUS_MAX_ADU)
+
+struct pel_modbus_session {
+    struct pel_modbus *modbus;
+    uint8_t adu[PEL_MODBUS_MAX_ADU];
+    size_t used;
+    int64_t since_ns; /* first byte of the ADU at hand */
+};
+
+struct client {
+    struct pel_modbus_session session;
+    int fd;
+    guint source;
+    int64_t active_ns;
+    uint8_t out[MAX_ANSWERS];
+    size_t out_size, out_sent;
+};
+
+struct pel_modbus {
+    struct pel_modbus_options options;
+    struct pel_scene *scene;
+    struct pel_allow allow;
+    struct pel_modbus_map map;
+    struct pel_modbus_answerer answerer;
+    struct pel_modbus_counters counters;
+    int fd, reserve_fd;
+    uint16_t port;
+    guint accept_source, sweep_source;
+    GPtrArray *clients; /* struct client */
+    enum pel_modbus_source source;
+    int64_t heartbeat_ns;
+};
+
+struct pel_modbus_options pel_modbus_default_options(void)
+{
+    return (struct pel_modbus_options){
+        .listen = "127.0.0.1:1502",
+        .order = PEL_MODBUS_ABCD,
+        .unit = -1,
+        .max_clients = 32,
+        .heartbeat_ms = 1000,
+        .extrapolate_ms = 5000,
+    };
+}
+
+/* --- the source's heartbeat --------------------------------------------- */
+
+static void watch(struct pel_modbus *m, int64_t now_ns)
+{
+    if (m->map.heard) {
+        m->map.heard = false;
+        m->heartbeat_ns = now_ns;
+        m->counters.heartbeats++;
+        if (m->source != PEL_MODBUS_LIVE) {
+            pel_info("MBS-004", "the Modbus source is alive");
+        }
+        m->source = PEL_MODBUS_LIVE;
+    }
+    int64_t silent = now_ns - m->heartbeat_ns - m->options.heartbeat_ms * MS;
+    if (m->source == PEL_MODBUS_LIVE && silent > 0) {
+        pel_warn("MBS-005", "the Modbus source is stale: no heartbeat for %d "
+                            "ms; own ship is reckoned on for %d ms",
+                 m->options.heartbeat_ms, m->options.extrapolate_ms);
+        m->source = PEL_MODBUS_STALE;
+        m->counters.stale++;
+    }
+    if (m->source == PEL_MODBUS_STALE &&
+        silent > m->options.extrapolate_ms * MS) {
+        m->source = PEL_MODBUS_HELD;
+        if (m->map.steers) { /* else another input moves the ship */
+            pel_warn("MBS-006", "own ship is stopped where it was reckoned");
+            pel_modbus_map_stop_ship(&m->map);
+        }
+    }
+}
+
+static void refresh_inputs(struct pel_modbus *m, int64_t now_ns)
+{
+    struct pel_modbus_inputs *in = &m->map.inputs;
+    uint64_t refused = 0;
+    for (size_t i = 0; i < G_N_ELEMENTS(m->counters.exceptions); i++) {
+        refused += m->counters.exceptions[i];
+    }
+    in->status = (struct pel_modbus_status){ 0 };
+    if (m->options.status) {
+        m->options.status(m->options.user, &in->status);
+    }
+    in->source = m->source;
+    in->clients = m->clients->len;
+    in->heartbeat_age_s = m->source == PEL_MODBUS_NEVER
+                              ? NAN
+                              : (double)(now_ns - m->heartbeat_ns) * 1e-9;
+    in->commits = m->map.commits;
+    in->refused = refused;
+    in->malformed = m->counters.malformed;
+}
+
+/* --- a stream of ADUs --------------------------------------------------- */
+
+static bool our_unit(const struct pel_modbus *m, unsigned unit)
+{
+    if (m->options.unit >= 0) {
+        return unit == (unsigned)m->options.unit;
+    }
+    return unit <= 1 || unit == 255;
+}
+
+static size_t answer_adu(struct pel_modbus_session *s, uint8_t *answer)
+{
+    struct pel_modbus *m = s->modbus;
+    int64_t now_ns = pel_now_ns();
+    enum pel_modbus_exception code;
+    size_t size;
+    m->counters.requests++;
+    if (our_unit(m, s->adu[6])) {
+        watch(m, now_ns);
+        refresh_inputs(m, now_ns);
+        size = pel_modbus_answer(&m->answerer, &m->map, s->adu, s->used,
+                                 answer, &code);
+        watch(m, now_ns);
+        m->counters.commits = m->map.commits;
+        m->counters.refused_commits = m->map.refused_commits;
+    } else {
+        m->counters.wrong_unit++;
+        code = PEL_MODBUS_NO_TARGET;
+        size = pel_modbus_refuse(&m->answerer, s->adu, code, answer);
+    }
+    if (code) {
+        m->counters.exceptions[code]++;
+    }
+    return size;
+}
+
+/* Bytes the ADU at hand has in all, as far as its header tells; 0: it is not
+ * Modbus/TCP. */
+static size_t adu_size(const struct pel_modbus_session *s)
+{
+    if (s->used >= 3 && (s->adu[2] != 0 || (s->used > 3 && s->adu[3] != 0))) {
+        return 0;
+    }
+    if (s->used < 6) {
+        return 6;
+    }
+    unsigned length = (unsigned)s->adu[4] << 8 | s->adu[5];
+    return length < 2 || length > 254 ? 0 : 6 + length;
+}
+
+long pel_modbus_session_feed(struct pel_modbus_session *s,
+                             const uint8_t *bytes, size_t size,
+                             uint8_t *answer, size_t answer_size)
+{
+    size_t written = 0;
+    while (size > 0) {
+        if (s->used == 0) {
+            s->since_ns = pel_now_ns();
+        }
+        s->adu[s->used++] = *bytes++;
+        size--;
+        size_t whole = adu_size(s);
+        if (whole == 0) {
+            s->modbus->counters.malformed++;
+            return -1;
+        }
+        if (s->used < whole || whole == 6) {
+            continue;
+        }
+        uint8_t one[PEL_MODBUS_MAX_ADU];
+        size_t length = answer_adu(s, one);
+        s->used = 0;
+        if (length <= answer_size - written) {
+            memcpy(answer + written, one, length);
+            written += length;
+        }
+    }
+    return (long)written;
+}
+
+struct pel_modbus_session *pel_modbus_session_open(struct pel_modbus *modbus)
+{
+    struct pel_modbus_session *s = g_new0(struct pel_modbus_session, 1);
+    s->modbus = modbus;
+    return s;
+}
+
+void pel_modbus_session_close(struct pel_modbus_session *session)
+{
+    g_free(session);
+}
+
+/* --- clients ------------------------------------------------------------ */
+
+static void close_client(struct client *c)
+{
+    struct pel_modbus *m = c->session.modbus;
+    g_source_remove(c->source);
+    close(c->fd);
+    g_ptr_array_remove_fast(m->clients, c);
+    g_free(c);
+}
+
+static gboolean on_client(gint fd, GIOCondition condition, gpointer user);
+
+/* Sends what waits; reading goes on once all of it is gone. False: the client
+ * was closed. */
+static bool flush_client(struct client *c, bool writing)
+{
+    while (c->out_sent < c->out_size) {
+        ssize_t n = send(c->fd, c->out + c->out_sent,
+                         c->out_size - c->out_sent, MSG_NOSIGNAL);
+        if (n < 0 && errno == EINTR) {
+            continue;
+        }
+        if (n < 0 && errno != EAGAIN) {
+            close_client(c);
+            return false;
+        }
+        if (n < 0) {
+            break;
+        }
+        c->out_sent += (size_t)n;
+        c->active_ns = pel_now_ns();
+    }
+    bool waiting = c->out_sent < c->out_size;
+    if (!waiting) {
+        c->out_size = c->out_sent = 0;
+    }
+    if (waiting != writing) {
+        g_source_remove(c->source);
+        c->source = g_unix_fd_add(c->fd, waiting ? G_IO_OUT : G_IO_IN,
+                                  on_client, c);
+    }
+    return true;
+}
+
+static gboolean on_client(gint fd, GIOCondition condition, gpointer user)
+{
+    struct client *c = user;
+    guint source = c->source;
+    if (c->out_size > 0) {
+        bool open = flush_client(c, true);
+        return open && c->source == source;
+    }
+    (void)condition;
+    uint8_t chunk[CHUNK];
+    ssize_t n = recv(fd, chunk, sizeof chunk, 0);
+    if (n < 0 && (errno == EAGAIN || errno == EINTR)) {
+        return G_SOURCE_CONTINUE;
+    }
+    if (n <= 0) {
+        close_client(c);
+        return G_SOURCE_REMOVE;
+    }
+    c->active_ns = pel_now_ns();
+    long size = pel_modbus_session_feed(&c->session, chunk, (size_t)n, c->out,
+                                        sizeof c->out);
+    if (size < 0) {
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_WARNING, "MBS-007",
+                        "a Modbus connection was closed: not Modbus/TCP");
+        close_client(c);
+        return G_SOURCE_REMOVE;
+    }
+    c->out_size = (size_t)size;
+    bool open = flush_client(c, false);
+    return open && c->source == source;
+}
+
+/* The client longest idle, if it is idle long enough to give way. */
+static struct client *idle_client(struct pel_modbus *m, int64_t now_ns)
+{
+    struct client *idlest = NULL;
+    for (guint i = 0; i < m->clients->len; i++) {
+        struct client *c = g_ptr_array_index(m->clients, i);
+        if (!idlest || c->active_ns < idlest->active_ns) {
+            idlest = c;
+        }
+    }
+    return idlest && now_ns - idlest->active_ns > IDLE_NS ? idlest : NULL;
+}
+
+static void add_client(struct pel_modbus *m, int fd,
+                       const struct sockaddr *peer)
+{
+    int64_t now_ns = pel_now_ns();
+    bool allowed = pel_allow_has(&m->allow, peer);
+    if (allowed && m->clients->len >= (guint)m->options.max_clients) {
+        struct client *idle = idle_client(m, now_ns);
+        if (idle) {
+            close_client(idle);
+        }
+    }
+    if (!allowed || m->clients->len >= (guint)m->options.max_clients) {
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_WARNING, "MBS-008",
+                        "a Modbus client was refused: %s",
+                        allowed ? "all connections are taken"
+                                : "not in the list of allowed addresses");
+        m->counters.refused_clients++;
+        close(fd);
+        return;
+    }
+    int yes = 1;
+    setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    struct client *c = g_new0(struct client, 1);
+    c->session.modbus = m;
+    c->fd = fd;
+    c->active_ns = now_ns;
+    c->source = g_unix_fd_add(fd, G_IO_IN, on_client, c);
+    g_ptr_array_add(m->clients, c);
+    m->counters.accepted++;
+}
+
+/* With no descriptor left a connection would wait and wake us for ever: the
+ * one in reserve takes and closes it. */
+static void refuse_without_descriptor(struct pel_modbus *m)
+{
+    close(m->reserve_fd);
+    int fd = accept(m->fd, NULL, NULL);
+    if (fd >= 0) {
+        close(fd);
+        m->counters.refused_clients++;
+    }
+    m->reserve_fd = open("/dev/null", O_RDONLY | O_CLOEXEC);
+}
+
+static gboolean on_accept(gint fd, GIOCondition condition, gpointer user)
+{
+    (void)condition;
+    struct pel_modbus *m = user;
+    struct sockaddr_storage peer = { 0 };
+    socklen_t size = sizeof peer;
+    int client = accept4(fd, (struct sockaddr *)&peer, &size,
+                         SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (client >= 0) {
+        add_client(m, client, (struct sockaddr *)&peer);
+    } else if (errno == EMFILE || errno == ENFILE) {
+        refuse_without_descriptor(m);
+    }
+    return G_SOURCE_CONTINUE;
+}
+
+static gboolean on_sweep(gpointer user)
+{
+    struct pel_modbus *m = user;
+    int64_t now_ns = pel_now_ns();
+    watch(m, now_ns);
+    for (guint i = m->clients->len; i-- > 0;) {
+        struct client *c = g_ptr_array_index(m->clients, i);
+        bool late = c->session.used > 0 &&
+                    now_ns - c->session.since_ns > ADU_DEADLINE_NS;
+        bool stalled = c->out_size > 0 && now_ns - c->active_ns > STALL_NS;
+        if (late || stalled) {
+            m->counters.late += late;
+            close_client(c);
+        }
+    }
+    return G_SOURCE_CONTINUE;
+}
+
+/* --- metrics ------------------------------------------------------------ */
+
+static void collect(void *user, struct pel_metrics_page *page)
+{
+    const struct pel_modbus *m = user;
+    const struct pel_modbus_counters *c = pel_modbus_counters(m);
+    const struct {
+        const char *name, *help;
+        uint64_t value;
+    } counters[] = {
+        { "pelagos_modbus_connections_total", "Modbus clients taken.",
+          c->accepted },
+        { "pelagos_modbus_refused_connections_total",
+          "Modbus clients not allowed or too many.", c->refused_clients },
+        { "pelagos_modbus_requests_total", "Modbus requests.", c->requests },
+        { "pelagos_modbus_malformed_total",
+          "Modbus connections closed for a bad protocol id or length.",
+          c->malformed },
+        { "pelagos_modbus_late_total",
+          "Modbus requests not whole within 500 ms.", c->late },
+        { "pelagos_modbus_commits_total", "Changes of the scene by Modbus.",
+          c->commits },
+        { "pelagos_modbus_refused_commits_total",
+          "Commits that the scene refused.", c->refused_commits },
+        { "pelagos_modbus_heartbeats_total", "Heartbeats of Modbus sources.",
+          c->heartbeats },
+        { "pelagos_modbus_stale_total",
+          "Times the heartbeat was silent too long.", c->stale },
+    };
+    for (size_t i = 0; i < G_N_ELEMENTS(counters); i++) {
+        pel_metric(page, counters[i].name, PEL_METRIC_COUNTER,
+                   counters[i].help, NULL, (double)counters[i].value);
+    }
+    for (size_t i = 1; i < G_N_ELEMENTS(c->exceptions); i++) {
+        char label[32];
+        snprintf(label, sizeof label, "code=\"%zu\"", i);
+        pel_metric(page, "pelagos_modbus_exceptions_total",
+                   PEL_METRIC_COUNTER,
+                   "Modbus requests refused, by exception code.", label,
+                   (double)c->exceptions[i]);
+    }
+    pel_metric(page, "pelagos_modbus_clients", PEL_METRIC_GAUGE,
+               "Modbus clients connected.", NULL,
+               (double)pel_modbus_clients(m));
+    pel_metric(page, "pelagos_modbus_source", PEL_METRIC_GAUGE,
+               "Modbus source: 0 no heartbeat yet, 1 live, 2 stale, 3 held.",
+               NULL, m->source);
+}
+
+/* --- life --------------------------------------------------------------- */
+
+static enum pel_err check_options(const struct pel_modbus_options *o,
+                                  struct pel_fault *fault)
+{
+    const struct {
+        const char *name;
+        int value, minimum, maximum;
+    } numbers[] = {
+        { "modbus-unit", o->unit, -1, 247 },
+        { "modbus-clients", o->max_clients, 1, 256 },
+        { "modbus-heartbeat", o->heartbeat_ms, 100, 60000 },
+        { "modbus-extrapolate", o->extrapolate_ms, 0, 60000 },
+        { "modbus-order", (int)o->order, PEL_MODBUS_ABCD, PEL_MODBUS_DCBA },
+    };
+    for (size_t i = 0; i < G_N_ELEMENTS(numbers); i++) {
+        if (numbers[i].value < numbers[i].minimum ||
+            numbers[i].value > numbers[i].maximum) {
+            return pel_fault_set(fault, PEL_ERR_INVALID,
+                                 "%s: %d is not in %d..%d", numbers[i].name,
+                                 numbers[i].value, numbers[i].minimum,
+                                 numbers[i].maximum);
+        }
+    }
+    return PEL_OK;
+}
+
+enum pel_err pel_modbus_create(const struct pel_modbus_options *options,
+                               struct pel_scene *scene,
+                               struct pel_modbus **out,
+                               struct pel_fault *fault)
+{
+    enum pel_err err = check_options(options, fault);
+    if (err) {
+        return err;
+    }
+    struct pel_modbus *m = g_new0(struct pel_modbus, 1);
+    m->options = *options;
+    m->scene = scene;
+    m->fd = -1;
+    m->reserve_fd = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    m->clients = g_ptr_array_new();
+    err = pel_modbus_answerer_init(&m->answerer, fault);
+    if (!err) {
+        err = pel_modbus_map_init(&m->map, scene, options->order, fault);
+    }
+    if (!err) {
+        err = pel_allow_parse(options->allow, &m->allow, fault);
+    }
+    if (!err && options->listen) {
+        err = pel_endpoint_open("modbus", options->listen, options->allow,
+                                SOCK_STREAM, &m->fd, &m->port, fault);
+    }
+    if (err) {
+        pel_modbus_destroy(m);
+        return err;
+    }
+    if (m->fd >= 0) {
+        m->accept_source = g_unix_fd_add(m->fd, G_IO_IN, on_accept, m);
+        pel_info("MBS-001", "Modbus/TCP on %s, port %u", options->listen,
+                 m->port);
+    }
+    m->sweep_source = g_timeout_add(SWEEP_MS, on_sweep, m);
+    if (options->metrics) {
+        pel_metrics_add(options->metrics, collect, m);
+    }
+    *out = m;
+    return PEL_OK;
+}
+
+void pel_modbus_destroy(struct pel_modbus *m)
+{
+    if (!m) {
+        return;
+    }
+    if (m->sweep_source) {
+        g_source_remove(m->sweep_source);
+        if (m->options.metrics) {
+            pel_metrics_remove(m->options.metrics, collect, m);
+        }
+    }
+    if (m->accept_source) {
+        g_source_remove(m->accept_source);
+    }
+    while (m->clients->len > 0) {
+        close_client(g_ptr_array_index(m->clients, 0));
+    }
+    g_ptr_array_free(m->clients, TRUE);
+    pel_modbus_answerer_finish(&m->answerer);
+    if (m->fd >= 0) {
+        close(m->fd);
+    }
+    if (m->reserve_fd >= 0) {
+        close(m->reserve_fd);
+    }
+    g_free(m);
+}
+
+const struct pel_modbus_counters *
+pel_modbus_counters(const struct pel_modbus *modbus)
+{
+    return &modbus->counters;
+}
+
+size_t pel_modbus_clients(const struct pel_modbus *modbus)
+{
+    return modbus->clients->len;
+}
+
+enum pel_modbus_source pel_modbus_source(const struct pel_modbus *modbus)
+{
+    return modbus->source;
+}
+
+uint16_t pel_modbus_port(const struct pel_modbus *modbus)
+{
+    return modbus->port;
+}
