@@ -90,7 +90,21 @@ FRAMES := server/frames/frame.c server/frames/mailbox.c \
     server/frames/surface.c \
     server/frames/schedule.c \
     server/frames/frames.c
-NET :=
+NET := server/net/fdsource.c \
+    server/net/listener.c \
+    server/net/tcpinfo.c \
+    server/net/outbox.c \
+    server/net/command.c \
+    server/net/session.c \
+    server/net/http_request.c \
+    server/net/http_problem.c \
+    server/net/http_view.c \
+    server/net/http_route.c \
+    server/net/mjpeg.c \
+    server/net/http_server.c \
+    server/net/net.c
+PAGES := $(wildcard clients/web/*.html clients/web/*.css clients/web/*.js \
+    clients/web/*.svg)
 BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_parse.c server/bridges/nmea_values.c \
     server/bridges/nmea.c server/bridges/pose.c \
@@ -138,7 +152,8 @@ TESTS += clients/pelagosctl/nmea_log_test.c
 # --- rules ----------------------------------------------------------------
 SERVER := $(BASE) $(OCEAN) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
     $(FRAMES) $(NET) $(BRIDGES) $(OPTIONS)
-GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c
+GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c \
+    $(O)/gen/pages.c
 GEN_HEADERS := $(O)/gen/pelagos.pb-c.h
 obj = $(patsubst %.c,$(O)/%.o,$(1))
 SERVER_OBJ := $(call obj,$(SERVER)) $(patsubst %.c,%.o,$(GEN))
@@ -210,6 +225,11 @@ $(O)/gen/fields.c: proto/pelagos.proto proto/fields.py
 	$(Q)mkdir -p $(@D)
 	@echo "  GEN   $@"
 	$(Q)/usr/bin/python3 proto/fields.py c $< $@
+
+$(O)/gen/pages.c: clients/web/embed.py proto/pelagos.proto $(PAGES)
+	$(Q)mkdir -p $(@D)
+	@echo "  GEN   $@"
+	$(Q)/usr/bin/python3 clients/web/embed.py $@ proto/pelagos.proto $(PAGES)
 
 $(O)/gen/shaders.c: shaders/embed.py $(SHADERS)
 	$(Q)mkdir -p $(@D)

@@ -55,7 +55,8 @@ struct pel_net_options {
 
 /* Binds and listens. Errors: INVALID (an address), CONFLICT (not loopback
  * without allow_remote; a Unix path in use or not a socket), IO (bind). The
- * strings of *options must live as long as the net. */
+ * strings of *options must live as long as the net; the scene must not be
+ * edited after the net's end. */
 PEL_CHECK enum pel_err pel_net_create(const struct pel_net_options *options,
                                       struct pel_scene *scene,
                                       struct pel_frames *frames,

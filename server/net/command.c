@@ -1,0 +1,308 @@
+#include "net/command.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <glib.h>
+
+#include "fault.h"
+#include "fields.h"
+#include "json.h"
+#include "message.h"
+#include "wire.h"
+
+#define MAX_POINTS 10000
+
+static enum pel_err refuse(struct pel_fault *fault, enum pel_err code,
+                           const char *path, const struct pel_field *info,
+                           double value, const char *what)
+{
+    pel_fault_set(fault, code, "%s %s", path, what);
+    if (!fault) {
+        return code;
+    }
+    snprintf(fault->path, sizeof fault->path, "%s", path);
+    snprintf(fault->value, sizeof fault->value, "%.15g", value);
+    if (info) {
+        fault->unit = info->unit;
+        if (info->ranged) {
+            fault->minimum = info->minimum;
+            fault->maximum = info->maximum;
+        }
+    }
+    return code;
+}
+
+static enum pel_err out_of_range(const char *path,
+                                 const struct pel_field *info, double value,
+                                 struct pel_fault *fault)
+{
+    bool unit = info->unit && strcmp(info->unit, "1") != 0;
+    char what[128];
+    snprintf(what, sizeof what, "must be between %.15g and %.15g%s%s",
+             info->minimum, info->maximum, unit ? " " : "",
+             unit ? info->unit : "");
+    return refuse(fault, PEL_ERR_OUT_OF_RANGE, path, info, value, what);
+}
+
+static enum pel_err check_number(const ProtobufCMessage *message,
+                                 const ProtobufCFieldDescriptor *field,
+                                 const char *path, struct pel_fault *fault)
+{
+    const struct pel_field *info =
+        pel_field_info(message->descriptor, field);
+    double value = 0.0;
+    if (!pel_message_number(message, field, &value)) {
+        return PEL_OK;
+    }
+    if (!isfinite(value)) {
+        return refuse(fault, PEL_ERR_INVALID, path, info, value,
+                      "is not a finite number");
+    }
+    if (field->type == PROTOBUF_C_TYPE_ENUM &&
+        !protobuf_c_enum_descriptor_get_value(field->descriptor,
+                                              (int)value)) {
+        return refuse(fault, PEL_ERR_INVALID, path, info, value,
+                      "is not a value of its kind");
+    }
+    if (info && info->ranged &&
+        (value < info->minimum || value > info->maximum)) {
+        return out_of_range(path, info, value, fault);
+    }
+    return PEL_OK;
+}
+
+enum pel_err pel_fault_value(struct pel_fault *fault, enum pel_err code,
+                             const char *path, const char *value,
+                             const char *message)
+{
+    pel_fault_set(fault, code, "%s", message);
+    if (fault) {
+        snprintf(fault->path, sizeof fault->path, "%s", path);
+        snprintf(fault->value, sizeof fault->value, "%s", value ? value : "");
+    }
+    return code;
+}
+
+enum pel_err pel_command_number(const ProtobufCMessageDescriptor *type,
+                                const char *name, const char *text,
+                                double *out, struct pel_fault *fault)
+{
+    const ProtobufCFieldDescriptor *field =
+        pel_field_by_name(type, name, strlen(name));
+    const struct pel_field *info = field ? pel_field_info(type, field) : NULL;
+    char *end = NULL;
+    double value = g_ascii_strtod(text, &end);
+    bool decimal = *text && *end == '\0' && isfinite(value) &&
+                   strspn(text, "+-.0123456789eE") == strlen(text);
+    bool whole = field && (field->type == PROTOBUF_C_TYPE_UINT32 ||
+                           field->type == PROTOBUF_C_TYPE_UINT64);
+    if (!info || !decimal || (whole && value != floor(value))) {
+        return pel_fault_value(fault, PEL_ERR_INVALID, name, text,
+                               whole ? "must be a whole number"
+                                     : "must be a number");
+    }
+    if (info->ranged && (value < info->minimum || value > info->maximum)) {
+        return out_of_range(name, info, value, fault);
+    }
+    *out = value;
+    return PEL_OK;
+}
+
+/* The schema has no recursive messages, so the depth is bounded. */
+static enum pel_err check_below(const ProtobufCMessage *message,
+                                const char *prefix, struct pel_fault *fault)
+{
+    for (unsigned i = 0; i < message->descriptor->n_fields; i++) {
+        const ProtobufCFieldDescriptor *field =
+            &message->descriptor->fields[i];
+        if (!pel_message_has(message, field)) {
+            continue;
+        }
+        const struct pel_field *info =
+            pel_field_info(message->descriptor, field);
+        char path[96];
+        snprintf(path, sizeof path, "%s%s%s", prefix, *prefix ? "." : "",
+                 info ? info->name : field->name);
+        enum pel_err err = PEL_OK;
+        bool list = field->label == PROTOBUF_C_LABEL_REPEATED;
+        if (field->type != PROTOBUF_C_TYPE_MESSAGE) {
+            err = list ? PEL_OK : check_number(message, field, path, fault);
+        } else if (!list) {
+            const ProtobufCMessage *const *child =
+                pel_message_member(message, field);
+            err = check_below(*child, path, fault);
+        } else {
+            size_t count = 0;
+            ProtobufCMessage **items =
+                pel_message_list(message, field, &count);
+            for (size_t k = 0; k < count && err == PEL_OK; k++) {
+                char item[128];
+                snprintf(item, sizeof item, "%s.%zu", path, k);
+                err = check_below(items[k], item, fault);
+            }
+        }
+        if (err != PEL_OK) {
+            return err;
+        }
+    }
+    return PEL_OK;
+}
+
+enum pel_err pel_command_check(const ProtobufCMessage *command,
+                               struct pel_fault *fault)
+{
+    return check_below(command, "", fault);
+}
+
+enum pel_err pel_command_surface(struct pel_frames *frames,
+                                 const Pelagos__SurfaceQuery *query,
+                                 pel_surface_callback done, void *user,
+                                 struct pel_fault *fault)
+{
+    if (query->n_points > MAX_POINTS) {
+        return refuse(fault, PEL_ERR_OUT_OF_RANGE, "points", NULL,
+                      (double)query->n_points,
+                      "must have at most 10000 elements");
+    }
+    enum pel_err err = pel_command_check(&query->base, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
+    struct pel_vec2 *points = g_new(struct pel_vec2, query->n_points + 1);
+    for (size_t i = 0; i < query->n_points; i++) {
+        const Pelagos__Point *point = query->points[i];
+        if (!point->has_east || !point->has_north) {
+            char path[96];
+            snprintf(path, sizeof path, "points.%zu", i);
+            g_free(points);
+            return refuse(fault, PEL_ERR_INVALID, path, NULL, (double)i,
+                          "needs east and north");
+        }
+        points[i] = (struct pel_vec2){ point->east, point->north };
+    }
+    err = pel_frames_surface(frames, points, query->n_points,
+                             query->has_time, query->time, done, user, fault);
+    g_free(points);
+    return err;
+}
+
+/* One allocation holds a point and its two vectors. */
+struct point_block {
+    Pelagos__SurfacePoint point;
+    Pelagos__Vector normal, velocity;
+};
+
+static void set_vector(Pelagos__Vector *out, struct pel_vec3 v)
+{
+    pelagos__vector__init(out);
+    out->has_east = out->has_north = out->has_up = true;
+    out->east = v.x;
+    out->north = v.y;
+    out->up = v.z;
+}
+
+Pelagos__Surface *pel_surface_message(double time_s,
+                                      const struct pel_surface_sample *samples,
+                                      size_t count)
+{
+    Pelagos__Surface *surface = g_new(Pelagos__Surface, 1);
+    pelagos__surface__init(surface);
+    surface->has_time = true;
+    surface->time = time_s;
+    struct point_block *blocks = g_new(struct point_block, count + 1);
+    surface->n_points = count;
+    surface->points = g_new(Pelagos__SurfacePoint *, count + 1);
+    for (size_t i = 0; i < count; i++) {
+        struct point_block *block = &blocks[i];
+        pelagos__surface_point__init(&block->point);
+        block->point.has_height = true;
+        block->point.height = samples[i].height_m;
+        set_vector(&block->normal, samples[i].normal);
+        set_vector(&block->velocity, samples[i].velocity_mps);
+        block->point.normal = &block->normal;
+        block->point.velocity = &block->velocity;
+        surface->points[i] = &block->point;
+    }
+    surface->points[count] = &blocks[0].point; /* kept for the free */
+    return surface;
+}
+
+void pel_surface_message_free(Pelagos__Surface *surface)
+{
+    g_free(surface->points[surface->n_points]);
+    g_free(surface->points);
+    g_free(surface);
+}
+
+static size_t put_tag(uint8_t *out, unsigned field, unsigned type, size_t value)
+{
+    uint8_t prefix[PEL_WIRE_MAX_PREFIX];
+    size_t n = pel_wire_prefix(value, prefix);
+    out[0] = (uint8_t)(field << 3 | type);
+    memcpy(out + 1, prefix, n);
+    return n + 1;
+}
+
+uint8_t *pel_frame_reply_head(bool has_id, uint64_t id,
+                              const struct pel_frame *frame, size_t *size)
+{
+    enum { LENGTH_DELIMITED = 2, FRAME_DATA = 8, REPLY_FRAME = 4 };
+    Pelagos__Frame message = PELAGOS__FRAME__INIT;
+    message.view = (char *)frame->view;
+    message.has_number = message.has_time = message.has_revision = true;
+    message.number = frame->number;
+    message.time = frame->time_s;
+    message.revision = frame->revision;
+    message.has_width = message.has_height = message.has_format = true;
+    message.width = frame->width;
+    message.height = frame->height;
+    message.format = frame->format;
+    message.has_render_ms = message.has_encode_ms = true;
+    message.render_ms = frame->render_ms;
+    message.encode_ms = frame->encode_ms;
+    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+    reply.has_id = has_id;
+    reply.id = id;
+
+    /* The picture is the last field, so that it need not be copied: the
+     * lengths around it are known before. */
+    uint8_t data_tag[16], frame_tag[16], prefix[PEL_WIRE_MAX_PREFIX];
+    size_t fields = pelagos__frame__get_packed_size(&message);
+    size_t data_tag_size =
+        put_tag(data_tag, FRAME_DATA, LENGTH_DELIMITED, frame->size);
+    size_t inner = fields + data_tag_size + frame->size;
+    size_t frame_tag_size =
+        put_tag(frame_tag, REPLY_FRAME, LENGTH_DELIMITED, inner);
+    size_t head = pelagos__reply__get_packed_size(&reply);
+    size_t prefix_size = pel_wire_prefix(head + frame_tag_size + inner, prefix);
+
+    uint8_t *out = g_malloc(prefix_size + head + frame_tag_size + fields +
+                            data_tag_size);
+    uint8_t *at = out;
+    memcpy(at, prefix, prefix_size);
+    at += prefix_size;
+    at += pelagos__reply__pack(&reply, at);
+    memcpy(at, frame_tag, frame_tag_size);
+    at += frame_tag_size;
+    at += pelagos__frame__pack(&message, at);
+    memcpy(at, data_tag, data_tag_size);
+    at += data_tag_size;
+    *size = (size_t)(at - out);
+    return out;
+}
+
+uint8_t *pel_fault_reply(bool has_id, uint64_t id,
+                         const struct pel_fault *fault, size_t *size)
+{
+    Pelagos__Error error;
+    pel_fault_to_error(fault, &error);
+    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+    reply.has_id = has_id;
+    reply.id = id;
+    reply.result_case = PELAGOS__REPLY__RESULT_ERROR;
+    reply.error = &error;
+    return pel_wire_pack(&reply.base, size);
+}

@@ -1,0 +1,53 @@
+/* What HTTP and the sessions have in common: commands tested against the
+ * schema, and answers as messages. Control thread. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <protobuf-c/protobuf-c.h>
+
+#include "base/err.h"
+#include "frames/frames.h"
+#include "pelagos.pb-c.h"
+
+/* Tests every number that is present in a command, to any depth: finite, and
+ * in the range of the schema's comment, and every enum: known. Faults name the
+ * path inside the command (`points.3.east`). */
+PEL_CHECK enum pel_err pel_command_check(const ProtobufCMessage *command,
+                                         struct pel_fault *fault);
+
+/* Reads the text of one number field (`name`: JSON name) of a message type:
+ * decimal, finite, whole where the field is, in the schema's range. */
+PEL_CHECK enum pel_err
+pel_command_number(const ProtobufCMessageDescriptor *type, const char *name,
+                   const char *text, double *out, struct pel_fault *fault);
+
+/* Sets *fault (NULL allowed) with path and value as given; returns code. */
+enum pel_err pel_fault_value(struct pel_fault *fault, enum pel_err code,
+                             const char *path, const char *value,
+                             const char *message);
+
+/* Checks a query (at most 10,000 points, each with both coordinates) and hands
+ * it to pel_frames_surface. */
+PEL_CHECK enum pel_err pel_command_surface(struct pel_frames *frames,
+                                           const Pelagos__SurfaceQuery *query,
+                                           pel_surface_callback done,
+                                           void *user,
+                                           struct pel_fault *fault);
+
+/* Samples as a message; free with pel_surface_message_free. */
+Pelagos__Surface *pel_surface_message(double time_s,
+                                      const struct pel_surface_sample *samples,
+                                      size_t count);
+void pel_surface_message_free(Pelagos__Surface *surface);
+
+/* The delimited bytes of a Reply with this frame, up to the picture itself,
+ * which must follow; malloc()ed. */
+uint8_t *pel_frame_reply_head(bool has_id, uint64_t id,
+                              const struct pel_frame *frame, size_t *size);
+
+/* The delimited bytes of a Reply with an Error; malloc()ed. */
+uint8_t *pel_fault_reply(bool has_id, uint64_t id,
+                         const struct pel_fault *fault, size_t *size);

@@ -1,0 +1,566 @@
+#include "net/http_route.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include <glib.h>
+
+#include "fields.h"
+#include "json.h"
+#include "message.h"
+#include "net/command.h"
+#include "net/http_view.h"
+#include "net/pages.h"
+#include "path.h"
+
+#define JSON_TYPE "application/json"
+#define SURFACE_BODY 8 /* times the limit of other bodies */
+
+enum route_flags {
+    ROUTE_BODY = 1,       /* takes JSON */
+    ROUTE_EMPTY_OK = 2,   /* or nothing */
+    ROUTE_LARGE = 4,      /* with the larger limit */
+    ROUTE_NO_HEAD = 8,    /* GET only: an answer that costs a picture */
+    ROUTE_REST = 16,      /* the last segment stands for all that follow */
+};
+
+struct route {
+    const char *method;
+    const char *pattern; /* `*`: any segment */
+    int flags;
+    void (*handle)(const struct pel_http_call *call);
+};
+
+/* --- answers -------------------------------------------------------------- */
+
+void pel_http_json(struct pel_http_answer *answer, int status, char *owned)
+{
+    answer->status = status;
+    answer->type = JSON_TYPE;
+    answer->owned = owned;
+    answer->body = owned;
+    answer->size = strlen(owned);
+}
+
+void pel_http_refuse(const struct pel_http_call *call, int status,
+                     const struct pel_fault *fault)
+{
+    pel_http_problem(call->answer, status, fault);
+}
+
+static void set_tag(const struct pel_http_call *call)
+{
+    const Pelagos__State *state = pel_scene_state(call->context->scene);
+    snprintf(call->answer->tag, sizeof call->answer->tag, "\"%llu\"",
+             (unsigned long long)state->revision);
+}
+
+bool pel_http_precondition(const struct pel_http_call *call)
+{
+    const char *wanted =
+        pel_http_find_header(call->request, "If-Match", NULL);
+    if (!wanted) {
+        return true;
+    }
+    set_tag(call);
+    if (pel_http_tag_matches(wanted, call->answer->tag, false)) {
+        return true;
+    }
+    struct pel_fault fault;
+    pel_fault_set(&fault, PEL_ERR_CONFLICT,
+                  "the state is at revision %s, not %s", call->answer->tag,
+                  wanted);
+    pel_http_refuse(call, 412, &fault);
+    set_tag(call);
+    return false;
+}
+
+void pel_http_state(const struct pel_http_call *call)
+{
+    const Pelagos__State *state = pel_scene_state(call->context->scene);
+    pel_http_json(call->answer, 200,
+                  pel_json_from_message(&state->base, false));
+    set_tag(call);
+}
+
+/* --- handlers ------------------------------------------------------------- */
+
+static void get_health(const struct pel_http_call *call)
+{
+    const struct pel_http_context *context = call->context;
+    bool stuck = context->frames && pel_frames_stuck(context->frames);
+    const char *status = context->stopping ? "stopping"
+                         : stuck           ? "stuck"
+                                           : "ok";
+    const Pelagos__State *state = pel_scene_state(context->scene);
+    GString *out = g_string_new(NULL);
+    g_string_append_printf(
+        out, "{\"status\":\"%s\",\"version\":\"%s\",\"revision\":\"%llu\"",
+        status, PEL_VERSION, (unsigned long long)state->revision);
+    if (context->frames) {
+        char *device = g_strescape(pel_frames_device(context->frames), NULL);
+        g_string_append_printf(out, ",\"device\":\"%s\"", device);
+        g_free(device);
+    }
+    g_string_append(out, "}\n");
+    bool well = !context->stopping && !stuck;
+    pel_http_json(call->answer, well ? 200 : 503, g_string_free(out, FALSE));
+    call->answer->retry_after_s = well ? 0 : 1;
+}
+
+static void get_metrics(const struct pel_http_call *call)
+{
+    struct pel_http_answer *answer = call->answer;
+    answer->status = 200;
+    answer->type = "text/plain; version=0.0.4; charset=utf-8";
+    answer->owned = pel_metrics_text(call->context->metrics, &answer->size);
+    answer->body = answer->owned;
+}
+
+static void patch_state(const struct pel_http_call *call)
+{
+    if (!pel_http_precondition(call)) {
+        return;
+    }
+    struct pel_fault fault;
+    Pelagos__Patch *patch = NULL;
+    enum pel_err err =
+        pel_json_merge_patch(call->request->body, call->request->body_size,
+                             &patch, &fault);
+    if (err == PEL_OK) {
+        err = pel_scene_patch(call->context->scene, patch, &fault);
+        pelagos__patch__free_unpacked(patch, NULL);
+    }
+    if (err == PEL_OK) {
+        pel_http_state(call);
+    } else {
+        /* A field that does not exist is the body's fault, not the URL's. */
+        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
+    }
+}
+
+static char *path_of_segments(const struct pel_http_call *call)
+{
+    GString *path = g_string_new(NULL);
+    for (size_t i = 2; i < call->target->segment_count; i++) {
+        g_string_append_printf(path, "%s%s", i > 2 ? "." : "",
+                               call->target->segments[i]);
+    }
+    return g_string_free(path, FALSE);
+}
+
+static void append_info(GString *out, const struct pel_field *info)
+{
+    if (info->unit) {
+        g_string_append_printf(out, ",\"unit\":\"%s\"", info->unit);
+    }
+    if (info->ranged) {
+        char low[32], high[32];
+        pel_json_number(info->minimum, low);
+        pel_json_number(info->maximum, high);
+        g_string_append_printf(out, ",\"minimum\":%s,\"maximum\":%s", low,
+                               high);
+    }
+}
+
+static void append_quoted(GString *out, const char *text)
+{
+    g_string_append_c(out, '"');
+    for (; *text; text++) {
+        if (*text == '"' || *text == '\\') {
+            g_string_append_c(out, '\\');
+        }
+        g_string_append_c(out, (unsigned char)*text < 0x20 ? ' ' : *text);
+    }
+    g_string_append_c(out, '"');
+}
+
+static void append_value(GString *out, const struct pel_path_info *info,
+                         const char *text)
+{
+    ProtobufCType type = info->field->type;
+    bool bare = *text == '{' || *text == '[' ||
+                (type != PROTOBUF_C_TYPE_STRING &&
+                 type != PROTOBUF_C_TYPE_ENUM);
+    if (!*text) {
+        g_string_append(out, "null");
+    } else if (bare) {
+        g_string_append(out, text);
+    } else {
+        append_quoted(out, text);
+    }
+}
+
+static void get_field(const struct pel_http_call *call)
+{
+    enum { ROOM = 1 << 18 };
+    struct pel_fault fault;
+    struct pel_path_info info;
+    const Pelagos__State *state = pel_scene_state(call->context->scene);
+    char *path = path_of_segments(call);
+    char *text = g_malloc(ROOM);
+    enum pel_err err = pel_path_find(path, &info, &fault);
+    if (err == PEL_OK) {
+        err = pel_path_get(state, path, text, ROOM, &fault);
+    }
+    if (err == PEL_OK) {
+        GString *out = g_string_new("{\"path\":");
+        append_quoted(out, path);
+        g_string_append(out, ",\"value\":");
+        append_value(out, &info, text);
+        append_info(out, info.info);
+        g_string_append(out, "}\n");
+        pel_http_json(call->answer, 200, g_string_free(out, FALSE));
+        set_tag(call);
+    } else {
+        pel_http_refuse(call, 404, &fault);
+    }
+    g_free(text);
+    g_free(path);
+}
+
+static void append_field(const char *path, const struct pel_path_info *info,
+                         void *user)
+{
+    GString *out = user;
+    g_string_append_printf(out, "%s\n{\"path\":\"%s\"",
+                           out->str[out->len - 1] == '[' ? "" : ",", path);
+    append_info(out, info->info);
+    g_string_append(out, ",\"doc\":");
+    append_quoted(out, info->info->doc ? info->info->doc : "");
+    g_string_append_c(out, '}');
+}
+
+static void get_fields(const struct pel_http_call *call)
+{
+    GString *out = g_string_new("{\"fields\":[");
+    pel_path_each(append_field, out);
+    g_string_append(out, "]}\n");
+    pel_http_json(call->answer, 200, g_string_free(out, FALSE));
+}
+
+static void post_step(const struct pel_http_call *call)
+{
+    struct pel_fault fault;
+    ProtobufCMessage *message = NULL;
+    bool empty = call->request->body_size == 0;
+    enum pel_err err = pel_json_to_message(
+        empty ? "{}" : call->request->body,
+        empty ? 2 : call->request->body_size,
+        &pelagos__clock_step__descriptor, &message, &fault);
+    if (err == PEL_OK) {
+        err = pel_command_check(message, &fault);
+    }
+    if (err == PEL_OK) {
+        err = pel_scene_step(call->context->scene,
+                             ((Pelagos__ClockStep *)message)->seconds, &fault);
+    }
+    if (message) {
+        protobuf_c_message_free_unpacked(message, NULL);
+    }
+    if (err == PEL_OK) {
+        pel_http_state(call);
+    } else {
+        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
+    }
+}
+
+static void post_surface(const struct pel_http_call *call)
+{
+    struct pel_fault fault;
+    ProtobufCMessage *message = NULL;
+    enum pel_err err =
+        pel_json_to_message(call->request->body, call->request->body_size,
+                            &pelagos__surface_query__descriptor, &message,
+                            &fault);
+    if (err != PEL_OK) {
+        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
+        return;
+    }
+    call->answer->kind = PEL_HTTP_SURFACE;
+    call->answer->surface = (Pelagos__SurfaceQuery *)message;
+}
+
+static void get_page(const struct pel_http_call *call, const char *path)
+{
+    struct pel_http_answer *answer = call->answer;
+    const struct pel_page *page = NULL;
+    for (size_t i = 0; i < pel_page_count && !page; i++) {
+        page = strcmp(pel_pages[i].path, path) == 0 ? &pel_pages[i] : NULL;
+    }
+    page = strcmp(path, pel_schema_page.path) == 0 ? &pel_schema_page : page;
+    if (!page) {
+        struct pel_fault fault;
+        pel_fault_set(&fault, PEL_ERR_NOT_FOUND, "there is no %s here", path);
+        pel_http_refuse(call, 404, &fault);
+        return;
+    }
+    snprintf(answer->tag, sizeof answer->tag, "%s", page->tag);
+    answer->page = true;
+    const char *known =
+        pel_http_find_header(call->request, "If-None-Match", NULL);
+    if (known && pel_http_tag_matches(known, page->tag, true)) {
+        answer->status = 304;
+        return;
+    }
+    answer->status = 200;
+    answer->type = page->type;
+    answer->body = page->data;
+    answer->size = page->size;
+}
+
+static void get_schema(const struct pel_http_call *call)
+{
+    get_page(call, "/v1/schema");
+}
+
+static void get_file(const struct pel_http_call *call)
+{
+    char path[80] = "/";
+    if (call->target->segment_count > 0) {
+        snprintf(path + 1, sizeof path - 1, "%s", call->target->segments[0]);
+    }
+    get_page(call, path);
+}
+
+/* --- routes --------------------------------------------------------------- */
+
+static const struct route routes[] = {
+    { "GET", "", 0, get_file },
+    { "GET", "healthz", 0, get_health },
+    { "GET", "metrics", 0, get_metrics },
+    { "GET", "v1/schema", 0, get_schema },
+    { "GET", "v1/fields", 0, get_fields },
+    { "GET", "v1/state", 0, pel_http_state },
+    { "PATCH", "v1/state", ROUTE_BODY, patch_state },
+    { "GET", "v1/state/*", ROUTE_REST, get_field },
+    { "GET", "v1/views", 0, pel_http_get_views },
+    { "GET", "v1/views/*", 0, pel_http_get_view },
+    { "PUT", "v1/views/*", ROUTE_BODY, pel_http_put_view },
+    { "DELETE", "v1/views/*", 0, pel_http_delete_view },
+    { "GET", "v1/views/*/frame.jpg", ROUTE_NO_HEAD, pel_http_get_frame },
+    { "GET", "v1/views/*/frame.png", ROUTE_NO_HEAD, pel_http_get_frame },
+    { "GET", "v1/views/*/frame.exr", ROUTE_NO_HEAD, pel_http_get_frame },
+    { "GET", "v1/views/*/mjpeg", ROUTE_NO_HEAD, pel_http_get_mjpeg },
+    { "POST", "v1/surface", ROUTE_BODY | ROUTE_LARGE, post_surface },
+    { "POST", "v1/clock/step", ROUTE_BODY | ROUTE_EMPTY_OK, post_step },
+    { "GET", "*", 0, get_file },
+};
+
+static bool pattern_matches(const struct route *route,
+                            const struct pel_http_target *target)
+{
+    const char *at = route->pattern;
+    for (size_t i = 0; i < target->segment_count; i++) {
+        if (*at == '\0') {
+            return (route->flags & ROUTE_REST) != 0;
+        }
+        size_t length = strcspn(at, "/");
+        bool any = length == 1 && *at == '*';
+        if (!any && (strlen(target->segments[i]) != length ||
+                     memcmp(at, target->segments[i], length) != 0)) {
+            return false;
+        }
+        at += length;
+        at += *at == '/';
+    }
+    return *at == '\0';
+}
+
+/* The Allow header of a place, from a few static strings. */
+static const char *allow_of(const struct pel_http_target *target)
+{
+    bool get = false, head = false, put = false, patch = false, post = false;
+    for (size_t i = 0; i < G_N_ELEMENTS(routes); i++) {
+        const struct route *route = &routes[i];
+        if (pattern_matches(route, target)) {
+            bool is_get = strcmp(route->method, "GET") == 0;
+            get = get || is_get;
+            head = head || (is_get && !(route->flags & ROUTE_NO_HEAD));
+            put = put || strcmp(route->method, "PUT") == 0;
+            patch = patch || strcmp(route->method, "PATCH") == 0;
+            post = post || strcmp(route->method, "POST") == 0;
+        }
+    }
+    return put     ? "GET, HEAD, PUT, DELETE"
+           : patch ? "GET, HEAD, PATCH"
+           : post  ? "POST"
+           : head  ? "GET, HEAD"
+           : get   ? "GET"
+                   : NULL;
+}
+
+/* NULL: none; *answer says 404 or 405. */
+static const struct route *find_route(const struct pel_http_request *request,
+                                      const struct pel_http_target *target,
+                                      struct pel_http_answer *answer)
+{
+    bool head = strcmp(request->method, "HEAD") == 0;
+    const char *method = head ? "GET" : request->method;
+    for (size_t i = 0; i < G_N_ELEMENTS(routes); i++) {
+        if (pattern_matches(&routes[i], target) &&
+            strcmp(routes[i].method, method) == 0 &&
+            !(head && routes[i].flags & ROUTE_NO_HEAD)) {
+            return &routes[i];
+        }
+    }
+    struct pel_fault fault;
+    answer->allow = allow_of(target);
+    if (answer->allow) {
+        pel_fault_set(&fault, PEL_ERR_INVALID, "%.16s is not possible here, "
+                      "only %s", request->method, answer->allow);
+        pel_http_problem(answer, 405, &fault);
+    } else {
+        pel_fault_set(&fault, PEL_ERR_NOT_FOUND, "there is nothing at %.120s",
+                      request->target);
+        pel_http_problem(answer, 404, &fault);
+    }
+    return NULL;
+}
+
+static bool safe_method(const char *method)
+{
+    return strcmp(method, "GET") == 0 || strcmp(method, "HEAD") == 0;
+}
+
+/* Framing that two readers could understand differently, and strangers. */
+static enum pel_err check_head(const struct pel_http_context *context,
+                               const struct pel_http_request *request,
+                               int *status, struct pel_fault *fault)
+{
+    size_t hosts = 0, lengths = 0, encodings = 0, origins = 0;
+    const char *host = pel_http_find_header(request, "Host", &hosts);
+    const char *encoding =
+        pel_http_find_header(request, "Transfer-Encoding", &encodings);
+    const char *origin = pel_http_find_header(request, "Origin", &origins);
+    pel_http_find_header(request, "Content-Length", &lengths);
+    *status = 400;
+    if (hosts != 1) {
+        return pel_fault_set(fault, PEL_ERR_MALFORMED,
+                             "there must be exactly one Host header");
+    }
+    if (encodings + lengths > 1) {
+        return pel_fault_set(fault, PEL_ERR_MALFORMED,
+                             "Content-Length and Transfer-Encoding are one "
+                             "too many");
+    }
+    if (encoding && strcasecmp(encoding, "chunked") != 0) {
+        *status = 501;
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "only the transfer encoding `chunked` is known");
+    }
+    *status = 403;
+    if (!pel_http_host_is_ours(host, context->hosts)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "Host `%.80s` is no name of this server: use its "
+                             "address or localhost", host);
+    }
+    if (origins > 0 && !safe_method(request->method) &&
+        !pel_http_origin_is_ours(origin, host)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "pages of %.80s may not change this server",
+                             origin);
+    }
+    return PEL_OK;
+}
+
+static enum pel_err check_body(const struct pel_http_context *context,
+                               const struct pel_http_request *request,
+                               const struct route *route, size_t *limit,
+                               int *status, struct pel_fault *fault)
+{
+    const char *length =
+        pel_http_find_header(request, "Content-Length", NULL);
+    const char *type = pel_http_find_header(request, "Content-Type", NULL);
+    bool chunked = pel_http_find_header(request, "Transfer-Encoding", NULL);
+    double announced = length ? g_ascii_strtod(length, NULL) : 0.0;
+    bool takes = route->flags & ROUTE_BODY;
+    *limit = !takes                     ? 0
+             : route->flags & ROUTE_LARGE ? SURFACE_BODY * context->body_limit
+                                          : context->body_limit;
+    if (announced > (double)*limit || (!takes && chunked)) {
+        *status = takes ? 413 : 400;
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             takes ? "the body may have at most %zu bytes"
+                                   : "this request takes no body",
+                             *limit);
+    }
+    bool nothing = announced == 0.0 && !chunked;
+    if (takes && !(nothing && route->flags & ROUTE_EMPTY_OK) &&
+        (!type || !pel_http_type_is_json(type))) {
+        *status = 415;
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "Content-Type must be application/json%s",
+                             strcmp(request->method, "PATCH") == 0
+                                 ? " or application/merge-patch+json"
+                                 : "");
+    }
+    return PEL_OK;
+}
+
+bool pel_http_admit(const struct pel_http_context *context,
+                    const struct pel_http_request *request, size_t *body_limit,
+                    struct pel_http_answer *answer)
+{
+    struct pel_http_target target;
+    struct pel_fault fault;
+    int status = 0;
+    size_t limit = 0;
+    *answer = (struct pel_http_answer){ .kind = PEL_HTTP_WHOLE };
+    enum pel_err err = check_head(context, request, &status, &fault);
+    if (err != PEL_OK) {
+        answer->close = true;
+        pel_http_problem(answer, status, &fault);
+        return false;
+    }
+    if (strlen(request->target) >= PEL_HTTP_MAX_TARGET) {
+        status = 414;
+    }
+    err = pel_http_parse_target(request->target, &target, &fault);
+    if (err != PEL_OK) {
+        pel_http_problem(answer, status == 414 ? 414 : 400, &fault);
+        return false;
+    }
+    const struct route *route = find_route(request, &target, answer);
+    if (!route) {
+        return false;
+    }
+    err = check_body(context, request, route, &limit, &status, &fault);
+    if (err != PEL_OK) {
+        pel_http_problem(answer, status, &fault);
+        return false;
+    }
+    if (body_limit) {
+        *body_limit = limit;
+    }
+    return true;
+}
+
+void pel_http_route(const struct pel_http_context *context,
+                    const struct pel_http_request *request,
+                    struct pel_http_answer *answer)
+{
+    struct pel_http_target target;
+    struct pel_fault fault;
+    *answer = (struct pel_http_answer){ .kind = PEL_HTTP_WHOLE };
+    if (pel_http_parse_target(request->target, &target, &fault) != PEL_OK) {
+        pel_http_problem(answer, 400, &fault);
+        return;
+    }
+    const struct route *route = find_route(request, &target, answer);
+    if (!route) {
+        return;
+    }
+    struct pel_http_call call = { context, request, &target, answer };
+    if (target.query_count > 0 && route->handle != pel_http_get_frame &&
+        route->handle != pel_http_get_mjpeg) {
+        pel_fault_value(&fault, PEL_ERR_NOT_FOUND, target.query[0].name,
+                        target.query[0].value,
+                        "no parameters are taken here");
+        pel_http_problem(answer, 400, &fault);
+        return;
+    }
+    route->handle(&call);
+}

@@ -1,0 +1,72 @@
+/* What an HTTP request means: from a request as data to an answer as data.
+ * No sockets and no library, so that tests and fuzzers call it directly.
+ * Control thread (it reads and edits the scene). */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/metrics.h"
+#include "frames/frames.h"
+#include "net/http_request.h"
+#include "pelagos.pb-c.h"
+#include "scene/scene.h"
+
+struct pel_http_context {
+    struct pel_scene *scene;
+    const struct pel_frames *frames; /* NULL: no picture is ever drawn */
+    struct pel_metrics *metrics;
+    const char *const *hosts; /* as pel_http_host_is_ours */
+    size_t body_limit;        /* bytes; eight times that for /v1/surface */
+    bool stopping;            /* /healthz says so */
+};
+
+enum pel_http_kind {
+    PEL_HTTP_WHOLE,   /* status, type and body are there */
+    PEL_HTTP_FRAME,   /* carry out `frame`, answer with the picture */
+    PEL_HTTP_MJPEG,   /* stream `view` */
+    PEL_HTTP_SURFACE, /* carry out `surface`, answer with JSON */
+};
+
+struct pel_http_answer {
+    enum pel_http_kind kind;
+    int status;
+    const char *type;  /* Content-Type, static; NULL: no body */
+    char *owned;       /* body to free(), or NULL */
+    const void *body;  /* `owned`, or static data */
+    size_t size;
+    bool close;        /* the connection cannot go on */
+    bool page;         /* a file of the page: may be kept, with care */
+    const char *allow; /* Allow header, static, or NULL */
+    char tag[64];      /* ETag header, or "" */
+    char location[96]; /* Location header, or "" */
+    int retry_after_s; /* Retry-After header, or 0 */
+    Pelagos__FrameRequest *frame;
+    Pelagos__SurfaceQuery *surface;
+    char view[PEL_NAME_SIZE];
+    double fps; /* at most; 0: every frame */
+    int quality;
+};
+
+void pel_http_answer_finish(struct pel_http_answer *answer);
+
+/* Judges a request by its head alone, before its body is read. True: go on
+ * (body_limit, if not NULL, gets the most bytes of body there may be); false:
+ * *answer refuses it and the connection must close if a body was announced. */
+bool pel_http_admit(const struct pel_http_context *context,
+                    const struct pel_http_request *request,
+                    size_t *body_limit, struct pel_http_answer *answer);
+
+/* The answer to an admitted request with its whole body. */
+void pel_http_route(const struct pel_http_context *context,
+                    const struct pel_http_request *request,
+                    struct pel_http_answer *answer);
+
+/* An answer that says what is wrong, as RFC 9457 problem+json. The fault's
+ * code becomes the status unless `status` is not 0. */
+void pel_http_problem(struct pel_http_answer *answer, int status,
+                      const struct pel_fault *fault);
+
+/* Status of an error code where a name in the URL led to it. */
+int pel_http_status(enum pel_err err);

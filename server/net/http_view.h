@@ -1,0 +1,30 @@
+/* Handlers of /v1/views for http_route.c, and what they share with it. */
+#pragma once
+
+#include "net/http_route.h"
+
+struct pel_http_call {
+    const struct pel_http_context *context;
+    const struct pel_http_request *request;
+    struct pel_http_target *target;
+    struct pel_http_answer *answer;
+};
+
+void pel_http_get_views(const struct pel_http_call *call);
+void pel_http_get_view(const struct pel_http_call *call);
+void pel_http_put_view(const struct pel_http_call *call);
+void pel_http_delete_view(const struct pel_http_call *call);
+void pel_http_get_frame(const struct pel_http_call *call);
+void pel_http_get_mjpeg(const struct pel_http_call *call);
+
+/* Answers with JSON text, which is taken over. */
+void pel_http_json(struct pel_http_answer *answer, int status, char *owned);
+
+/* Answers with the whole state and its revision as entity tag. */
+void pel_http_state(const struct pel_http_call *call);
+
+void pel_http_refuse(const struct pel_http_call *call, int status,
+                     const struct pel_fault *fault);
+
+/* If-Match against the state's revision; false: answered with 412. */
+bool pel_http_precondition(const struct pel_http_call *call);

@@ -1,0 +1,302 @@
+#include "net/net.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <glib.h>
+
+#include "base/log.h"
+#include "net/http_server.h"
+#include "net/listener.h"
+#include "net/session.h"
+
+struct pel_net {
+    struct pel_net_options options;
+    struct pel_scene *scene;
+    struct pel_frames *frames;
+    struct pel_http_server *http;
+    struct pel_sessions *sessions;
+    struct pel_listener *http_listener, *tcp_listener, *unix_listener;
+    uint16_t http_port, tcp_port;
+    bool joined; /* the metrics */
+};
+
+void pel_net_limits_default(struct pel_net_limits *limits)
+{
+    *limits = (struct pel_net_limits){
+        .http_connections = 256,
+        .http_per_source = 16,
+        .http_per_loopback = 128,
+        .http_body_bytes = 64 * 1024,
+        .http_header_s = 8.0,
+        .http_body_s = 15.0,
+        .http_idle_s = 15.0,
+        .http_stall_s = 30.0,
+        .http_answer_s = 120.0,
+        .sessions = 64,
+        .session_requests = 16,
+        .session_message_bytes = 64 * 1024,
+        .session_output_bytes = 64 * 1024 * 1024,
+        .session_message_s = 15.0,
+        .session_stall_s = 20.0,
+    };
+}
+
+static bool accept_http(void *user, int fd, const struct sockaddr *address,
+                        socklen_t size)
+{
+    struct pel_net *net = user;
+    return pel_http_server_accept(net->http, fd, address, size);
+}
+
+static bool accept_tcp(void *user, int fd, const struct sockaddr *address,
+                       socklen_t size)
+{
+    (void)address;
+    (void)size;
+    struct pel_net *net = user;
+    return pel_sessions_accept(net->sessions, fd, PEL_TRANSPORT_TCP);
+}
+
+static bool accept_unix(void *user, int fd, const struct sockaddr *address,
+                        socklen_t size)
+{
+    (void)address;
+    (void)size;
+    struct pel_net *net = user;
+    return pel_sessions_accept(net->sessions, fd, PEL_TRANSPORT_UNIX);
+}
+
+/* --- metrics of the process and of rooms that have no sockets -------------- */
+
+static void collect_process(struct pel_metrics_page *page)
+{
+    long pages = 0, resident = 0;
+    FILE *file = fopen("/proc/self/statm", "re");
+    if (file && fscanf(file, "%ld %ld", &pages, &resident) == 2) {
+        pel_metric(page, "process_resident_memory_bytes", PEL_METRIC_GAUGE,
+                   "Resident memory.", NULL,
+                   (double)resident * (double)sysconf(_SC_PAGESIZE));
+    }
+    if (file) {
+        fclose(file);
+    }
+    struct rusage use;
+    if (getrusage(RUSAGE_SELF, &use) == 0) {
+        double busy = (double)(use.ru_utime.tv_sec + use.ru_stime.tv_sec) +
+                      1e-6 * (double)(use.ru_utime.tv_usec +
+                                      use.ru_stime.tv_usec);
+        pel_metric(page, "process_cpu_seconds_total", PEL_METRIC_COUNTER,
+                   "Processor time used.", NULL, busy);
+    }
+    GDir *dir = g_dir_open("/proc/self/fd", 0, NULL);
+    double open = -1; /* the directory itself */
+    while (dir && g_dir_read_name(dir)) {
+        open++;
+    }
+    if (dir) {
+        g_dir_close(dir);
+        pel_metric(page, "process_open_fds", PEL_METRIC_GAUGE,
+                   "Open file descriptors.", NULL, open);
+    }
+}
+
+static void collect_frames(const struct pel_frames *frames,
+                           struct pel_metrics_page *page)
+{
+    struct pel_frames_stats s;
+    pel_frames_get_stats(frames, &s);
+    const struct {
+        const char *name, *help;
+        enum pel_metric_type type;
+        double value;
+    } samples[] = {
+        { "pelagos_frames_drawn_total", "Frames drawn, all views of a moment "
+          "being one.", PEL_METRIC_COUNTER, (double)s.frames_drawn },
+        { "pelagos_views_drawn_total", "Views drawn.", PEL_METRIC_COUNTER,
+          (double)s.views_drawn },
+        { "pelagos_frames_skipped_total", "Live frames left out because the "
+          "one before was not done.", PEL_METRIC_COUNTER,
+          (double)s.frames_skipped },
+        { "pelagos_pictures_encoded_total", "Pictures encoded.",
+          PEL_METRIC_COUNTER, (double)s.pictures_encoded },
+        { "pelagos_encoded_bytes_total", "Bytes of encoded pictures.",
+          PEL_METRIC_COUNTER, (double)s.encoded_bytes },
+        { "pelagos_requests_refused_total", "Picture requests refused because "
+          "too many were waiting.", PEL_METRIC_COUNTER,
+          (double)s.requests_refused },
+        { "pelagos_render_seconds_median", "Median time to draw a view, of "
+          "the last 256.", PEL_METRIC_GAUGE, s.render_ms_median / 1e3 },
+        { "pelagos_render_seconds_p95", "95th percentile of the time to draw "
+          "a view, of the last 256.", PEL_METRIC_GAUGE,
+          s.render_ms_p95 / 1e3 },
+        { "pelagos_encode_seconds_median", "Median time to encode a picture.",
+          PEL_METRIC_GAUGE, s.encode_ms_median / 1e3 },
+        { "pelagos_subscriptions", "Live views that someone watches, each "
+          "viewer counted.", PEL_METRIC_GAUGE, s.subscriptions },
+        { "pelagos_requests_waiting", "Pictures asked for and not drawn yet.",
+          PEL_METRIC_GAUGE, s.requests_waiting },
+    };
+    for (size_t i = 0; i < G_N_ELEMENTS(samples); i++) {
+        pel_metric(page, samples[i].name, samples[i].type, samples[i].help,
+                   NULL, samples[i].value);
+    }
+}
+
+static void collect(void *user, struct pel_metrics_page *page)
+{
+    const struct pel_net *net = user;
+    const Pelagos__State *state = pel_scene_state(net->scene);
+    pel_metric(page, "pelagos_info", PEL_METRIC_GAUGE,
+               "The version that runs.", "version=\"" PEL_VERSION "\"", 1);
+    pel_metric(page, "pelagos_revision", PEL_METRIC_GAUGE,
+               "Edits accepted to the state.", NULL, (double)state->revision);
+    pel_metric(page, "pelagos_simulated_time_seconds", PEL_METRIC_GAUGE,
+               "Simulated time.", NULL, pel_scene_time(net->scene));
+    pel_metric(page, "pelagos_starved_total", PEL_METRIC_COUNTER,
+               "Clients turned away for want of file descriptors.", NULL,
+               (double)(pel_listener_starved(net->http_listener) +
+                        pel_listener_starved(net->tcp_listener) +
+                        pel_listener_starved(net->unix_listener)));
+    collect_process(page);
+    collect_frames(net->frames, page);
+    pel_sessions_collect(net->sessions, page);
+    if (net->http) {
+        pel_http_server_collect(net->http, page);
+    }
+}
+
+static void on_commit(void *user)
+{
+    struct pel_net *net = user;
+    if (net->sessions) {
+        pel_sessions_changed(net->sessions);
+    }
+}
+
+/* --- life ----------------------------------------------------------------- */
+
+static enum pel_err listen_all(struct pel_net *net, struct pel_fault *fault)
+{
+    const struct pel_net_options *o = &net->options;
+    enum pel_err err = PEL_OK;
+    if (o->http_address) {
+        err = pel_listener_tcp("http", o->http_address, o->http_port,
+                               o->allow_remote, accept_http, net,
+                               &net->http_listener, fault);
+    }
+    if (err == PEL_OK && o->tcp_address) {
+        err = pel_listener_tcp("tcp", o->tcp_address, o->tcp_port,
+                               o->allow_remote, accept_tcp, net,
+                               &net->tcp_listener, fault);
+    }
+    if (err == PEL_OK && o->unix_path) {
+        err = pel_listener_unix(o->unix_path, accept_unix, net,
+                                &net->unix_listener, fault);
+    }
+    net->http_port = pel_listener_port(net->http_listener);
+    net->tcp_port = pel_listener_port(net->tcp_listener);
+    return err;
+}
+
+static void tell(const struct pel_net *net)
+{
+    const struct pel_net_options *o = &net->options;
+    bool six = o->http_address && strchr(o->http_address, ':');
+    if (o->http_address) {
+        pel_info("NET-002", "HTTP on http://%s%s%s:%u/", six ? "[" : "",
+                 o->http_address, six ? "]" : "", net->http_port);
+    }
+    if (o->tcp_address) {
+        pel_info("NET-003", "protobuf on TCP %s port %u", o->tcp_address,
+                 net->tcp_port);
+    }
+    if (o->unix_path) {
+        pel_info("NET-004", "protobuf on %s", o->unix_path);
+    }
+}
+
+enum pel_err pel_net_create(const struct pel_net_options *options,
+                            struct pel_scene *scene, struct pel_frames *frames,
+                            struct pel_net **out, struct pel_fault *fault)
+{
+    struct pel_net *net = g_new0(struct pel_net, 1);
+    net->options = *options;
+    net->scene = scene;
+    net->frames = frames;
+    net->sessions = pel_sessions_create(&options->limits, scene, frames);
+    enum pel_err err = PEL_OK;
+    if (options->http_address) {
+        struct pel_http_context context = {
+            .scene = scene,
+            .frames = frames,
+            .metrics = options->metrics,
+            .hosts = options->http_hosts,
+            .body_limit = options->limits.http_body_bytes,
+        };
+        err = pel_http_server_create(&options->limits, &context, frames,
+                                     &net->http, fault);
+    }
+    if (err == PEL_OK) {
+        err = listen_all(net, fault);
+    }
+    if (err != PEL_OK) {
+        pel_net_destroy(net);
+        return err;
+    }
+    pel_metrics_add(options->metrics, collect, net);
+    net->joined = true;
+    pel_scene_on_commit(scene, on_commit, net);
+    tell(net);
+    *out = net;
+    return PEL_OK;
+}
+
+static void close_listeners(struct pel_net *net)
+{
+    pel_listener_destroy(net->http_listener);
+    pel_listener_destroy(net->tcp_listener);
+    pel_listener_destroy(net->unix_listener);
+    net->http_listener = net->tcp_listener = net->unix_listener = NULL;
+}
+
+void pel_net_stop_listening(struct pel_net *net)
+{
+    close_listeners(net);
+    pel_sessions_stop(net->sessions);
+    if (net->http) {
+        pel_http_server_stop(net->http);
+    }
+}
+
+bool pel_net_idle(const struct pel_net *net)
+{
+    return pel_sessions_in_flight(net->sessions) == 0 &&
+           (!net->http || pel_http_server_in_flight(net->http) == 0);
+}
+
+void pel_net_destroy(struct pel_net *net)
+{
+    if (!net) {
+        return;
+    }
+    close_listeners(net);
+    if (net->joined) {
+        pel_metrics_remove(net->options.metrics, collect, net);
+    }
+    pel_http_server_destroy(net->http);
+    pel_sessions_destroy(net->sessions);
+    g_free(net);
+}
+
+uint16_t pel_net_http_port(const struct pel_net *net)
+{
+    return net->http_port;
+}
+
+uint16_t pel_net_tcp_port(const struct pel_net *net)
+{
+    return net->tcp_port;
+}

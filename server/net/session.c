@@ -1,0 +1,697 @@
+#include "net/session.h"
+
+#include <errno.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <glib.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "net/command.h"
+#include "net/fdsource.h"
+#include "net/outbox.h"
+#include "wire.h"
+
+#define READ_A_TURN 65536
+#define MESSAGES_A_TURN 64
+/* Above this many bytes waiting, nothing more is read from the session. */
+#define OUTPUT_PAUSE 65536
+/* A full house lets the longest-idle session go after this. */
+#define EVICT_IDLE_NS (60 * INT64_C(1000000000))
+#define LINGER_NS (2 * INT64_C(1000000000))
+#define COMMANDS 8
+
+struct session;
+
+/* A request whose answer comes later. It outlives its session where the
+ * answer cannot be called off. */
+struct job {
+    struct session *session; /* NULL: gone */
+    bool has_id;
+    uint64_t id;
+    bool is_frame;
+    uint64_t frame_id;
+};
+
+struct session {
+    struct pel_sessions *all;
+    enum pel_transport transport;
+    int fd;
+    struct pel_fdsource *source;
+    uint8_t *in;
+    size_t in_size, in_capacity;
+    struct pel_outbox out;
+    GPtrArray *jobs; /* of struct job */
+    bool watching, watch_due, watch_has_id;
+    uint64_t watch_id;
+    bool eof;     /* the client sends no more */
+    bool held;    /* whole messages may wait in `in` */
+    bool closing; /* after the last byte is out */
+    int64_t close_by_ns; /* and then not later than this; 0: not yet */
+    int64_t message_since_ns;  /* a message has begun; 0: none */
+    int64_t progress_ns;       /* the reader took something */
+    int64_t active_ns;         /* last request or reply */
+};
+
+struct pel_sessions {
+    struct pel_net_limits limits;
+    struct pel_scene *scene;
+    struct pel_frames *frames;
+    GPtrArray *list; /* of struct session */
+    bool stopped;
+    uint64_t accepted[PEL_TRANSPORT_COUNT], refused[PEL_TRANSPORT_COUNT];
+    uint64_t malformed[PEL_TRANSPORT_COUNT], timeouts[PEL_TRANSPORT_COUNT];
+    uint64_t requests[COMMANDS], errors, evicted, in_bytes, out_bytes;
+};
+
+static const char *const transport_names[] = { "tcp", "unix" };
+static const char *const command_names[COMMANDS] = {
+    [0] = "none",
+    [PELAGOS__REQUEST__COMMAND_GET] = "get",
+    [PELAGOS__REQUEST__COMMAND_PATCH] = "patch",
+    [PELAGOS__REQUEST__COMMAND_FRAME] = "frame",
+    [PELAGOS__REQUEST__COMMAND_SURFACE] = "surface",
+    [PELAGOS__REQUEST__COMMAND_STEP] = "step",
+    [PELAGOS__REQUEST__COMMAND_WATCH] = "watch",
+};
+
+static int64_t seconds(double s)
+{
+    return (int64_t)(s * 1e9);
+}
+
+/* Frames are called off; surface answers find that nobody waits. */
+static void cancel_jobs(struct session *self)
+{
+    for (guint i = 0; i < self->jobs->len; i++) {
+        struct job *job = g_ptr_array_index(self->jobs, i);
+        if (job->is_frame) {
+            pel_frames_cancel(self->all->frames, job->frame_id);
+            g_free(job);
+        } else {
+            job->session = NULL;
+        }
+    }
+    g_ptr_array_set_size(self->jobs, 0);
+}
+
+static void session_free(void *data)
+{
+    struct session *self = data;
+    cancel_jobs(self);
+    g_ptr_array_free(self->jobs, TRUE);
+    pel_fdsource_destroy(self->source);
+    close(self->fd);
+    pel_outbox_finish(&self->out);
+    g_free(self->in);
+    g_free(self);
+}
+
+static void session_close(struct session *self)
+{
+    g_ptr_array_remove_fast(self->all->list, self);
+}
+
+/* --- replies -------------------------------------------------------------- */
+
+static void send_bytes(struct session *self, uint8_t *data, size_t size)
+{
+    if (self->out.bytes == 0) {
+        self->progress_ns = pel_now_ns();
+    }
+    pel_outbox_add(&self->out, data, size);
+    pel_fdsource_wake_at(self->source, 0);
+}
+
+static void send_reply(struct session *self, Pelagos__Reply *reply)
+{
+    size_t size = 0;
+    uint8_t *data = pel_wire_pack(&reply->base, &size);
+    send_bytes(self, data, size);
+}
+
+static void send_fault(struct session *self, bool has_id, uint64_t id,
+                       const struct pel_fault *fault)
+{
+    self->all->errors++;
+    size_t size = 0;
+    uint8_t *data = pel_fault_reply(has_id, id, fault, &size);
+    send_bytes(self, data, size);
+}
+
+static void send_state(struct session *self, bool has_id, uint64_t id)
+{
+    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+    reply.has_id = has_id;
+    reply.id = id;
+    reply.result_case = PELAGOS__REPLY__RESULT_STATE;
+    reply.state = (Pelagos__State *)pel_scene_state(self->all->scene);
+    send_reply(self, &reply);
+}
+
+/* Takes the job out of its session; false: the session is gone. */
+static bool job_end(struct job *job)
+{
+    if (!job->session) {
+        return false;
+    }
+    g_ptr_array_remove_fast(job->session->jobs, job);
+    job->session->active_ns = pel_now_ns();
+    return true;
+}
+
+static void on_frame(void *user, enum pel_err err,
+                     const struct pel_fault *fault, struct pel_frame *frame)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        struct pel_fault full;
+        size_t waiting = self->out.bytes;
+        if (err == PEL_OK && waiting > 0 &&
+            waiting + frame->size > self->all->limits.session_output_bytes) {
+            err = pel_fault_set(&full, PEL_ERR_BUSY, "%zu bytes of earlier "
+                                "replies are not read yet", waiting);
+            fault = &full;
+        }
+        if (err == PEL_OK) {
+            size_t size = 0;
+            uint8_t *head =
+                pel_frame_reply_head(job->has_id, job->id, frame, &size);
+            send_bytes(self, head, size);
+            pel_outbox_add_frame(&self->out, frame);
+        } else {
+            send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+static void on_surface(void *user, enum pel_err err,
+                       const struct pel_fault *fault, double time_s,
+                       const struct pel_surface_sample *samples, size_t count)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        if (err == PEL_OK) {
+            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+            reply.has_id = job->has_id;
+            reply.id = job->id;
+            reply.result_case = PELAGOS__REPLY__RESULT_SURFACE;
+            reply.surface = pel_surface_message(time_s, samples, count);
+            send_reply(self, &reply);
+            pel_surface_message_free(reply.surface);
+        } else {
+            send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+/* --- requests ------------------------------------------------------------- */
+
+static enum pel_err start_job(struct session *self,
+                              const Pelagos__Request *request,
+                              struct pel_fault *fault)
+{
+    if (self->jobs->len >= self->all->limits.session_requests) {
+        return pel_fault_set(fault, PEL_ERR_BUSY,
+                             "%u requests of this session are waiting",
+                             self->jobs->len);
+    }
+    struct job *job = g_new0(struct job, 1);
+    job->session = self;
+    job->has_id = request->has_id;
+    job->id = request->id;
+    job->is_frame =
+        request->command_case == PELAGOS__REQUEST__COMMAND_FRAME;
+    /* In the list first: an answer may come before the call returns. */
+    g_ptr_array_add(self->jobs, job);
+    enum pel_err err;
+    if (job->is_frame) {
+        err = pel_command_check(&request->frame->base, fault);
+        if (err == PEL_OK) {
+            uint64_t frame_id = 0;
+            guint before = self->jobs->len;
+            err = pel_frames_request(self->all->frames, request->frame,
+                                     on_frame, job, &frame_id, fault);
+            if (err == PEL_OK && self->jobs->len == before) {
+                job->frame_id = frame_id;
+            }
+        }
+    } else {
+        err = pel_command_surface(self->all->frames, request->surface,
+                                  on_surface, job, fault);
+    }
+    if (err != PEL_OK) {
+        g_ptr_array_remove_fast(self->jobs, job);
+        g_free(job);
+    }
+    return err;
+}
+
+static enum pel_err apply(struct session *self,
+                          const Pelagos__Request *request,
+                          struct pel_fault *fault)
+{
+    struct pel_scene *scene = self->all->scene;
+    enum pel_err err = PEL_OK;
+    if (self->all->stopped) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT, "the server stops");
+    }
+    switch (request->command_case) {
+    case PELAGOS__REQUEST__COMMAND_GET:
+        break;
+    case PELAGOS__REQUEST__COMMAND_PATCH:
+        err = pel_scene_patch(scene, request->patch, fault);
+        break;
+    case PELAGOS__REQUEST__COMMAND_STEP:
+        err = pel_command_check(&request->step->base, fault);
+        if (err == PEL_OK) {
+            err = pel_scene_step(scene, request->step->seconds, fault);
+        }
+        break;
+    case PELAGOS__REQUEST__COMMAND_FRAME:
+    case PELAGOS__REQUEST__COMMAND_SURFACE:
+        return start_job(self, request, fault);
+    case PELAGOS__REQUEST__COMMAND_WATCH:
+        self->watching = true;
+        self->watch_has_id = request->has_id;
+        self->watch_id = request->id;
+        self->watch_due = false;
+        break;
+    default:
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "the request has no command");
+    }
+    if (err == PEL_OK) {
+        send_state(self, request->has_id, request->id);
+    }
+    return err;
+}
+
+static void malformed(struct session *self, const char *why)
+{
+    static struct pel_log_limit limit;
+    self->all->malformed[self->transport]++;
+    pel_log_limited(&limit, PEL_LOG_WARNING, "NET-010",
+                    "%s session closed: %s", transport_names[self->transport],
+                    why);
+    struct pel_fault fault;
+    pel_fault_set(&fault, PEL_ERR_MALFORMED, "%s", why);
+    send_fault(self, false, 0, &fault);
+    self->closing = true;
+}
+
+static void take_message(struct session *self, const uint8_t *data,
+                         size_t size)
+{
+    Pelagos__Request *request = pelagos__request__unpack(NULL, size, data);
+    if (!request) {
+        malformed(self, "the message is not a pelagos.Request");
+        return;
+    }
+    unsigned command = request->command_case;
+    if (command < COMMANDS) {
+        self->all->requests[command]++;
+    }
+    if (command == PELAGOS__REQUEST__COMMAND__NOT_SET) {
+        self->all->malformed[self->transport]++;
+    }
+    self->active_ns = pel_now_ns();
+    struct pel_fault fault;
+    if (apply(self, request, &fault) != PEL_OK) {
+        send_fault(self, request->has_id, request->id, &fault);
+    }
+    pelagos__request__free_unpacked(request, NULL);
+}
+
+/* Whether another message may be begun now. */
+static bool may_take(const struct session *self)
+{
+    return !self->closing && self->out.bytes <= OUTPUT_PAUSE;
+}
+
+/* Takes whole messages from the buffer. `held` afterwards: it may hold more
+ * of them, which wait for their turn or for the reader. */
+static void take_messages(struct session *self)
+{
+    size_t used = 0;
+    self->held = true;
+    for (int i = 0; may_take(self) && i < MESSAGES_A_TURN; i++) {
+        size_t offset = 0, length = 0;
+        enum pel_wire found =
+            pel_wire_next(self->in + used, self->in_size - used,
+                          self->all->limits.session_message_bytes, &offset,
+                          &length);
+        if (found == PEL_WIRE_MORE) {
+            self->held = false;
+            break;
+        }
+        if (found == PEL_WIRE_MESSAGE) {
+            take_message(self, self->in + used + offset, length);
+            used += offset + length;
+        } else {
+            malformed(self, found == PEL_WIRE_TOO_LONG
+                                ? "the message is longer than allowed"
+                                : "the length before the message is not a "
+                                  "varint");
+        }
+    }
+    if (used > 0) {
+        memmove(self->in, self->in + used, self->in_size - used);
+        self->in_size -= used;
+        self->message_since_ns = 0;
+    }
+    if (self->in_size > 0 && self->message_since_ns == 0) {
+        self->message_since_ns = pel_now_ns();
+    }
+}
+
+static void read_some(struct session *self)
+{
+    size_t most =
+        self->all->limits.session_message_bytes + PEL_WIRE_MAX_PREFIX;
+    if (self->in_size == self->in_capacity && self->in_capacity < most) {
+        self->in_capacity = MIN(MAX(2 * self->in_capacity, 4096), most);
+        self->in = g_realloc(self->in, self->in_capacity);
+    }
+    size_t room = self->in_capacity - self->in_size;
+    if (room == 0) {
+        return;
+    }
+    ssize_t n = recv(self->fd, self->in + self->in_size, room, MSG_DONTWAIT);
+    if (n > 0) {
+        self->in_size += (size_t)n;
+        self->all->in_bytes += (uint64_t)n;
+    } else if (n == 0 || (errno != EAGAIN && errno != EINTR)) {
+        self->eof = true;
+    }
+}
+
+/* --- the session's turn --------------------------------------------------- */
+
+/* False: the client is gone. */
+static bool write_some(struct session *self)
+{
+    size_t sent = 0;
+    enum pel_outbox_result result =
+        pel_outbox_flush(&self->out, self->fd, &sent);
+    if (sent > 0) {
+        self->progress_ns = pel_now_ns();
+        self->all->out_bytes += sent;
+    }
+    return result != PEL_OUTBOX_GONE;
+}
+
+static bool stalled(struct session *self, int64_t now)
+{
+    if (self->out.bytes > 0 &&
+        now - self->progress_ns >
+            seconds(self->all->limits.session_stall_s)) {
+        self->all->timeouts[self->transport]++;
+        return true;
+    }
+    return false;
+}
+
+static bool half_sent(struct session *self, int64_t now)
+{
+    if (self->message_since_ns && may_take(self) &&
+        now - self->message_since_ns >
+            seconds(self->all->limits.session_message_s)) {
+        self->all->timeouts[self->transport]++;
+        return true;
+    }
+    return false;
+}
+
+static int64_t stall_time(const struct session *self)
+{
+    return self->progress_ns + seconds(self->all->limits.session_stall_s) +
+           1000000;
+}
+
+/* The last replies go out, then the sending side is shut, and what the client
+ * still sends is thrown away for a moment, so that a reset does not overtake
+ * the Error. */
+static void turn_closing(struct session *self, GIOCondition ready)
+{
+    int64_t now = pel_now_ns();
+    bool over = !write_some(self) || stalled(self, now);
+    if (self->out.bytes == 0 && self->close_by_ns == 0) {
+        shutdown(self->fd, SHUT_WR);
+        self->close_by_ns = now + LINGER_NS;
+        over = over || self->eof;
+    }
+    if (ready & G_IO_IN) {
+        char waste[READ_A_TURN];
+        over = recv(self->fd, waste, sizeof waste, MSG_DONTWAIT) == 0 || over;
+    } else if (ready & (G_IO_ERR | G_IO_HUP)) {
+        over = true;
+    }
+    if (over || (self->close_by_ns && now >= self->close_by_ns)) {
+        session_close(self);
+        return;
+    }
+    pel_fdsource_want(self->source, self->close_by_ns ? G_IO_IN : G_IO_OUT);
+    pel_fdsource_wake_at(self->source, self->close_by_ns ? self->close_by_ns
+                                                         : stall_time(self));
+}
+
+static void plan_next(struct session *self)
+{
+    GIOCondition wanted = 0;
+    int64_t wake = -1;
+    if (!may_take(self)) {
+        if (self->message_since_ns) {
+            self->message_since_ns = pel_now_ns(); /* we made it wait */
+        }
+    } else if (self->held) {
+        wake = 0;
+    } else {
+        wanted |= G_IO_IN;
+        if (self->message_since_ns) {
+            wake = self->message_since_ns +
+                   seconds(self->all->limits.session_message_s) + 1000000;
+        }
+    }
+    if (self->out.bytes > 0) {
+        wanted |= G_IO_OUT;
+        wake = wake < 0 ? stall_time(self) : MIN(wake, stall_time(self));
+    }
+    pel_fdsource_want(self->source, wanted);
+    pel_fdsource_wake_at(self->source, wake);
+}
+
+static void session_run(void *user, GIOCondition ready)
+{
+    struct session *self = user;
+    if (self->closing) {
+        turn_closing(self, ready);
+        return;
+    }
+    if (ready & G_IO_IN) {
+        read_some(self);
+    } else if (ready & (G_IO_ERR | G_IO_HUP)) {
+        session_close(self);
+        return;
+    }
+    take_messages(self);
+    if (self->eof && !self->held) {
+        self->closing = true;
+    }
+    bool alive = write_some(self);
+    if (self->watch_due && self->out.bytes == 0 && !self->closing) {
+        self->watch_due = false;
+        send_state(self, self->watch_has_id, self->watch_id);
+        alive = alive && write_some(self);
+    }
+    if (self->closing && alive) {
+        cancel_jobs(self);
+        turn_closing(self, 0);
+        return;
+    }
+    int64_t now = pel_now_ns();
+    if (!alive || stalled(self, now) || half_sent(self, now)) {
+        session_close(self);
+        return;
+    }
+    plan_next(self);
+}
+
+/* --- all sessions --------------------------------------------------------- */
+
+struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
+                                         struct pel_scene *scene,
+                                         struct pel_frames *frames)
+{
+    struct pel_sessions *all = g_new0(struct pel_sessions, 1);
+    all->limits = *limits;
+    all->scene = scene;
+    all->frames = frames;
+    all->list = g_ptr_array_new_with_free_func(session_free);
+    return all;
+}
+
+void pel_sessions_destroy(struct pel_sessions *all)
+{
+    if (all) {
+        g_ptr_array_free(all->list, TRUE);
+        g_free(all);
+    }
+}
+
+static bool make_room(struct pel_sessions *all)
+{
+    struct session *oldest = NULL;
+    for (guint i = 0; i < all->list->len; i++) {
+        struct session *each = g_ptr_array_index(all->list, i);
+        bool idle = each->jobs->len == 0 && each->out.bytes == 0 &&
+                    !each->watching;
+        if (idle && (!oldest || each->active_ns < oldest->active_ns)) {
+            oldest = each;
+        }
+    }
+    if (!oldest || pel_now_ns() - oldest->active_ns < EVICT_IDLE_NS) {
+        return false;
+    }
+    all->evicted++;
+    session_close(oldest);
+    return true;
+}
+
+static void tune_tcp(int fd)
+{
+    int on = 1, idle_s = 30, interval_s = 10, count = 3;
+    setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+    setsockopt(fd, IPPROTO_TCP, TCP_KEEPIDLE, &idle_s, sizeof idle_s);
+    setsockopt(fd, IPPROTO_TCP, TCP_KEEPINTVL, &interval_s, sizeof interval_s);
+    setsockopt(fd, IPPROTO_TCP, TCP_KEEPCNT, &count, sizeof count);
+}
+
+bool pel_sessions_accept(struct pel_sessions *all, int fd,
+                         enum pel_transport transport)
+{
+    static struct pel_log_limit limit;
+    if (all->stopped ||
+        (all->list->len >= all->limits.sessions && !make_room(all))) {
+        all->refused[transport]++;
+        pel_log_limited(&limit, PEL_LOG_WARNING, "NET-011",
+                        "%s session refused: %u are open",
+                        transport_names[transport], all->list->len);
+        struct pel_fault fault;
+        pel_fault_set(&fault, PEL_ERR_BUSY, "all %u sessions are taken",
+                      all->limits.sessions);
+        size_t size = 0;
+        uint8_t *data = pel_fault_reply(false, 0, &fault, &size);
+        ssize_t sent = send(fd, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+        (void)sent; /* a courtesy */
+        free(data);
+        return false;
+    }
+    if (transport == PEL_TRANSPORT_TCP) {
+        tune_tcp(fd);
+    }
+    struct session *self = g_new0(struct session, 1);
+    self->all = all;
+    self->transport = transport;
+    self->fd = fd;
+    self->jobs = g_ptr_array_new();
+    self->active_ns = pel_now_ns();
+    pel_outbox_init(&self->out);
+    self->source = pel_fdsource_create(fd, G_IO_IN, session_run, self);
+    g_ptr_array_add(all->list, self);
+    all->accepted[transport]++;
+    return true;
+}
+
+void pel_sessions_stop(struct pel_sessions *all)
+{
+    all->stopped = true;
+}
+
+unsigned pel_sessions_in_flight(const struct pel_sessions *all)
+{
+    unsigned count = 0;
+    for (guint i = 0; i < all->list->len; i++) {
+        const struct session *each = g_ptr_array_index(all->list, i);
+        count += each->jobs->len + (each->out.bytes > 0);
+    }
+    return count;
+}
+
+void pel_sessions_changed(struct pel_sessions *all)
+{
+    for (guint i = 0; i < all->list->len; i++) {
+        struct session *each = g_ptr_array_index(all->list, i);
+        if (each->watching && !each->watch_due) {
+            each->watch_due = true;
+            pel_fdsource_wake_at(each->source, 0);
+        }
+    }
+}
+
+static void collect_transport(const struct pel_sessions *all, int transport,
+                              struct pel_metrics_page *page)
+{
+    char label[32];
+    g_snprintf(label, sizeof label, "input=\"%s\"",
+               transport_names[transport]);
+    double open = 0;
+    for (guint i = 0; i < all->list->len; i++) {
+        const struct session *each = g_ptr_array_index(all->list, i);
+        open += (int)each->transport == transport;
+    }
+    pel_metric(page, "pelagos_sessions", PEL_METRIC_GAUGE,
+               "Protobuf sessions open.", label, open);
+    pel_metric(page, "pelagos_sessions_accepted_total", PEL_METRIC_COUNTER,
+               "Protobuf sessions accepted.", label,
+               (double)all->accepted[transport]);
+    pel_metric(page, "pelagos_refused_total", PEL_METRIC_COUNTER,
+               "Clients turned away at a limit.", label,
+               (double)all->refused[transport]);
+    pel_metric(page, "pelagos_malformed_total", PEL_METRIC_COUNTER,
+               "Messages that could not be read.", label,
+               (double)all->malformed[transport]);
+    pel_metric(page, "pelagos_timeouts_total", PEL_METRIC_COUNTER,
+               "Clients closed for being too slow.", label,
+               (double)all->timeouts[transport]);
+}
+
+void pel_sessions_collect(const struct pel_sessions *all,
+                          struct pel_metrics_page *page)
+{
+    for (int i = 0; i < PEL_TRANSPORT_COUNT; i++) {
+        collect_transport(all, i, page);
+    }
+    for (int i = 0; i < COMMANDS; i++) {
+        char label[32];
+        g_snprintf(label, sizeof label, "command=\"%s\"",
+                   command_names[i] ? command_names[i] : "unknown");
+        if (command_names[i]) {
+            pel_metric(page, "pelagos_session_requests_total",
+                       PEL_METRIC_COUNTER, "Requests of protobuf sessions.",
+                       label, (double)all->requests[i]);
+        }
+    }
+    pel_metric(page, "pelagos_session_errors_total", PEL_METRIC_COUNTER,
+               "Error replies to protobuf sessions.", NULL,
+               (double)all->errors);
+    pel_metric(page, "pelagos_session_evicted_total", PEL_METRIC_COUNTER,
+               "Idle sessions closed to make room.", NULL,
+               (double)all->evicted);
+    pel_metric(page, "pelagos_session_received_bytes_total",
+               PEL_METRIC_COUNTER, "Bytes read from protobuf sessions.", NULL,
+               (double)all->in_bytes);
+    pel_metric(page, "pelagos_session_sent_bytes_total", PEL_METRIC_COUNTER,
+               "Bytes sent to protobuf sessions.", NULL,
+               (double)all->out_bytes);
+}

@@ -1,0 +1,47 @@
+/* Protobuf sessions: length-delimited Requests in, Replies out, over TCP and
+ * a Unix socket. Control thread.
+ *
+ * Requests are taken in order; replies come when they are ready and carry the
+ * request's id. A message that cannot be read gets an Error and the end of the
+ * session; a command that is refused gets an Error and the session goes on.
+ * While replies wait for a slow reader nothing more is read from it. Closing
+ * the sending side ends the session: requests in flight are cancelled. */
+#pragma once
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/metrics.h"
+#include "frames/frames.h"
+#include "net/net.h"
+#include "scene/scene.h"
+
+struct pel_sessions;
+
+enum pel_transport {
+    PEL_TRANSPORT_TCP,
+    PEL_TRANSPORT_UNIX,
+    PEL_TRANSPORT_COUNT,
+};
+
+struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
+                                         struct pel_scene *scene,
+                                         struct pel_frames *frames);
+void pel_sessions_destroy(struct pel_sessions *sessions); /* NULL allowed */
+
+/* Takes over a non-blocking socket, or returns false: all places are taken and
+ * nobody has been idle for long enough to make room. */
+bool pel_sessions_accept(struct pel_sessions *sessions, int fd,
+                         enum pel_transport transport);
+
+/* No more requests are taken (CONFLICT), for a drain. */
+void pel_sessions_stop(struct pel_sessions *sessions);
+
+/* Requests waiting for an answer, in all sessions. */
+unsigned pel_sessions_in_flight(const struct pel_sessions *sessions);
+
+/* The scene has changed: watchers are told. */
+void pel_sessions_changed(struct pel_sessions *sessions);
+
+void pel_sessions_collect(const struct pel_sessions *sessions,
+                          struct pel_metrics_page *page);
