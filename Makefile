@@ -134,6 +134,7 @@ CTL := \
 TESTS :=
 TESTS += server/ocean/spectrum_test.c
 TESTS += server/ocean/sea_test.c
+TESTS += server/ocean/surface_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/encode/encode_test.c
 TESTS += server/options_test.c
