@@ -139,6 +139,8 @@ TESTS += server/optics/brdf_test.c
 TESTS += server/encode/encode_test.c
 TESTS += server/options_test.c
 TESTS += proto/json_test.c
+TESTS += proto/registers_test.c
+TESTS += server/bridges/nmea_parse_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
 

@@ -48,7 +48,7 @@ static const char introduction[] =
     "if Modbus steered it, it is stopped where it is.\n"
     "\n"
     "```\n"
-    "# wind 14.5 m/s from 240 deg and commit, in one request (0-based 10)\n"
+    "# wind 14.5 m/s from 240 deg, then the commit (-0: addresses from 0)\n"
     "mbpoll -m tcp -p 1502 -a 1 -0 -r 10 -t 4:float -B 127.0.0.1 14.5 240\n"
     "mbpoll -m tcp -p 1502 -a 1 -0 -r 5 -t 4 127.0.0.1 1\n"
     "```\n";

@@ -254,9 +254,26 @@ void pel_modbus_map_read(struct pel_modbus_map *map,
 
 /* --- writing ------------------------------------------------------------ */
 
+/* A limit that a single-precision register cannot hold exactly (0.01) is met
+ * by its nearest number: that counts as the limit. */
+static bool in_range(const struct pel_register *reg,
+                     const struct pel_field *field, double *value)
+{
+    double low = field->minimum, high = field->maximum;
+    if (reg->type == PEL_TYPE_F32) {
+        low = (float)low;
+        high = (float)high;
+    }
+    if (!(*value >= low && *value <= high)) {
+        return false;
+    }
+    *value = pel_clamp(*value, field->minimum, field->maximum);
+    return true;
+}
+
 static enum pel_modbus_exception check_field(struct pel_modbus_map *map,
                                              const struct pel_register *reg,
-                                             double value)
+                                             double *value)
 {
     char path[96];
     struct pel_path_info info;
@@ -264,13 +281,12 @@ static enum pel_modbus_exception check_field(struct pel_modbus_map *map,
         pel_path_find(path, &info, NULL) != PEL_OK) {
         return PEL_MODBUS_ILLEGAL_ADDRESS;
     }
-    bool legal = isfinite(value);
+    bool legal = isfinite(*value);
     if (info.field->type == PROTOBUF_C_TYPE_ENUM) {
         legal = protobuf_c_enum_descriptor_get_value(info.field->descriptor,
-                                                     (int)value) != NULL;
+                                                     (int)*value) != NULL;
     } else if (info.info && info.info->ranged) {
-        legal = legal && value >= info.info->minimum &&
-                value <= info.info->maximum;
+        legal = in_range(reg, info.info, value);
     }
     return legal ? PEL_MODBUS_DONE : PEL_MODBUS_ILLEGAL_VALUE;
 }
@@ -285,7 +301,7 @@ static enum pel_modbus_exception stage(struct pel_modbus_map *map,
     switch (reg->source) {
     case PEL_SOURCE_PATH:
         value *= reg->scale;
-        code = check_field(map, reg, value);
+        code = check_field(map, reg, &value);
         if (code) {
             return code;
         }
