@@ -74,7 +74,16 @@ PROTO := proto/fieldset.c \
     proto/jsonwrite.c \
     proto/patch.c \
     proto/path.c
-SCENE :=
+SCENE := server/scene/scene.c \
+    server/scene/edit.c \
+    server/scene/check.c \
+    server/scene/store.c \
+    server/scene/build.c \
+    server/scene/snapshot.c \
+    server/scene/simclock.c \
+    server/scene/reckon.c \
+    server/scene/geodesy.c \
+    server/scene/sun.c
 RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/renderer.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
@@ -143,6 +152,7 @@ TESTS += proto/registers_test.c
 TESTS += server/bridges/nmea_parse_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
+TESTS += server/scene/scene_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
 # FUZZERS += lines of each room.

@@ -7,6 +7,7 @@
 
 #include "base/err.h"
 #include "pelagos.pb-c.h"
+#include "scene/geodesy.h"
 #include "scene/snapshot.h"
 
 struct pel_scene;
@@ -24,8 +25,11 @@ PEL_CHECK enum pel_err pel_scene_create(const struct pel_scene_options *options,
                                         struct pel_fault *fault);
 void pel_scene_destroy(struct pel_scene *scene); /* flushes the file */
 
-/* Applies the patch or nothing. On refusal *fault names path, value, unit and
- * range. Poses without pose_time get the clock's present time. */
+/* Applies the patch or nothing. On refusal *fault (NULL allowed) names path,
+ * value, unit and range. A patch that touches the pose or the rates of an
+ * entity first reckons it to its new pose_time (the present time where the
+ * patch gives none), so that what it does not name goes on from where the ship
+ * is. A patch of clock.time carries the poses along. */
 PEL_CHECK enum pel_err pel_scene_patch(struct pel_scene *scene,
                                        const Pelagos__Patch *patch,
                                        struct pel_fault *fault);
@@ -40,16 +44,11 @@ const struct pel_snapshot *pel_scene_snapshot(struct pel_scene *scene);
 /* Simulated time now [s]. FREE: follows CLOCK_MONOTONIC × rate. */
 double pel_scene_time(struct pel_scene *scene);
 
-/* Advances simulated time: STEPPED by commands, PACED by the frame path. */
+/* Advances simulated time: STEPPED by commands, PACED by the frame path, HOST
+ * by the host. seconds 0..3600, OUT_OF_RANGE otherwise; CONFLICT when FREE. */
 PEL_CHECK enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
                                       struct pel_fault *fault);
 
-/* Called after every commit, in order of registration. */
+/* Called after every commit, in order of registration; at most 16. */
 void pel_scene_on_commit(struct pel_scene *scene,
                          void (*callback)(void *user), void *user);
-
-/* Geodesy on the scene's origin (azimuthal equidistant, WGS 84). Degrees. */
-void pel_geo_to_local(double origin_lat, double origin_lon, double lat,
-                      double lon, double *east_m, double *north_m);
-void pel_geo_from_local(double origin_lat, double origin_lon, double east_m,
-                        double north_m, double *lat, double *lon);

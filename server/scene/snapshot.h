@@ -51,8 +51,8 @@ struct pel_snapshot {
     const struct pel_sea *sea; /* lives as long as the snapshot */
     double wind_mps, wind_to_rad; /* mathematical direction it blows to */
     double chlorophyll_mg_m3;
-    bool sun_fixed;
-    double sun_azimuth_rad, sun_elevation_rad; /* where sun_fixed */
+    bool sun_azimuth_fixed, sun_elevation_fixed; /* else from the time */
+    double sun_azimuth_rad, sun_elevation_rad;   /* where fixed */
     double visibility_m;
     size_t entity_count;
     const struct pel_entity_state *entities;
@@ -67,7 +67,7 @@ void pel_snapshot_unref(const struct pel_snapshot *s); /* NULL allowed */
 int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name);
 
 /* Pose of entity `index` at simulated time time_s: reckoned from its speed,
- * course and turn rate (arc of a circle) for at most 60 s past its pose. */
+ * course and turn rate (arc of a circle) for at most 60 s from its pose. */
 void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out);
 

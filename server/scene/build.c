@@ -1,0 +1,204 @@
+#include "scene/build.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/geodesy.h"
+#include "scene/sun.h"
+
+struct pel_shared_sea {
+    atomic_uint refs;
+    struct pel_sea_desc desc; /* as asked for; the sea's own is normalized */
+    struct pel_sea sea;
+};
+
+struct snapshot {
+    struct pel_snapshot public; /* first: what the pointer points to */
+    atomic_uint refs;
+    struct pel_shared_sea *sea;
+    struct pel_entity_state entities[PEL_MAX_ENTITIES];
+    struct pel_view_state views[PEL_MAX_VIEWS];
+};
+
+/* Mathematical direction, the way it goes to, of a compass direction that it
+ * comes from. */
+static double goes_to(double from_deg)
+{
+    return remainder(90.0 - (from_deg + 180.0), 360.0) * PEL_DEG;
+}
+
+static void describe_sea(const Pelagos__State *state, int wave_count,
+                         struct pel_sea_desc *out)
+{
+    const Pelagos__Sea *sea = state->sea;
+    memset(out, 0, sizeof *out); /* padding too: it is compared as bytes */
+    out->kind = sea->spectrum == PELAGOS__SPECTRUM_KIND__JONSWAP
+                    ? PEL_SPECTRUM_JONSWAP
+                    : PEL_SPECTRUM_PIERSON_MOSKOWITZ;
+    out->wind_mps = sea->wind_speed;
+    out->direction_rad = goes_to(sea->wind_direction);
+    out->fetch_m = sea->fetch;
+    out->gamma = sea->gamma;
+    out->seed = sea->seed;
+    out->wave_count = wave_count;
+    out->swell_count = (int)sea->n_swell;
+    for (size_t i = 0; i < sea->n_swell; i++) {
+        out->swell[i].height_m = sea->swell[i]->height;
+        out->swell[i].period_s = sea->swell[i]->period;
+        out->swell[i].direction_rad = goes_to(sea->swell[i]->direction);
+        out->swell[i].spread_rad = sea->swell[i]->spread * PEL_DEG;
+    }
+}
+
+enum pel_err pel_shared_sea_get(const Pelagos__State *state, int wave_count,
+                                struct pel_shared_sea *present,
+                                struct pel_shared_sea **out)
+{
+    struct pel_sea_desc desc;
+    describe_sea(state, wave_count, &desc);
+    if (present && memcmp(&desc, &present->desc, sizeof desc) == 0) {
+        atomic_fetch_add(&present->refs, 1);
+        *out = present;
+        return PEL_OK;
+    }
+    struct pel_shared_sea *sea = calloc(1, sizeof *sea);
+    if (!sea) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    enum pel_err err = pel_sea_build(&desc, &sea->sea);
+    if (err) {
+        free(sea);
+        return err;
+    }
+    memcpy(&sea->desc, &desc, sizeof desc);
+    atomic_init(&sea->refs, 1);
+    *out = sea;
+    return PEL_OK;
+}
+
+void pel_shared_sea_unref(struct pel_shared_sea *sea)
+{
+    if (sea && atomic_fetch_sub(&sea->refs, 1) == 1) {
+        free(sea);
+    }
+}
+
+static void place_entity(const Pelagos__Origin *origin,
+                         const Pelagos__Entity *from,
+                         struct pel_entity_state *to)
+{
+    double turned = pel_geo_convergence(origin->latitude, origin->longitude,
+                                        from->latitude, from->longitude);
+    to->id = from->id;
+    pel_geo_to_local(origin->latitude, origin->longitude, from->latitude,
+                     from->longitude, &to->east_m, &to->north_m);
+    to->altitude_m = from->altitude;
+    to->heading_rad = from->heading * PEL_DEG + turned;
+    to->pitch_rad = from->pitch * PEL_DEG;
+    to->roll_rad = from->roll * PEL_DEG;
+    to->speed_mps = from->speed;
+    to->course_rad = from->course * PEL_DEG + turned;
+    to->turn_rate_rps = from->turn_rate * PEL_DEG;
+    to->pose_time_s = from->pose_time;
+}
+
+static void open_view(const Pelagos__View *from, struct pel_view_state *to)
+{
+    if (from->frustum) {
+        to->tan_left = tan(from->frustum->left * PEL_DEG);
+        to->tan_right = tan(from->frustum->right * PEL_DEG);
+        to->tan_top = tan(from->frustum->top * PEL_DEG);
+        to->tan_bottom = tan(from->frustum->bottom * PEL_DEG);
+        return;
+    }
+    to->tan_right = tan(0.5 * from->field_of_view * PEL_DEG);
+    to->tan_left = -to->tan_right;
+    to->tan_top = to->tan_right * from->height / from->width;
+    to->tan_bottom = -to->tan_top;
+}
+
+static void place_view(const Pelagos__State *state, const Pelagos__View *from,
+                       struct pel_view_state *to)
+{
+    strncpy(to->name, from->name, sizeof to->name - 1);
+    to->entity = -1;
+    for (size_t i = 0; from->has_entity && i < state->n_entities; i++) {
+        if (state->entities[i]->id == from->entity) {
+            to->entity = (int)i;
+        }
+    }
+    to->forward_m = from->forward;
+    to->right_m = from->right;
+    to->up_m = from->up;
+    to->yaw_rad = from->yaw * PEL_DEG;
+    to->pitch_rad = from->pitch * PEL_DEG;
+    to->roll_rad = from->roll * PEL_DEG;
+    to->width = from->width;
+    to->height = from->height;
+    to->auto_exposure = !from->has_exposure;
+    to->exposure_ev = from->exposure;
+    open_view(from, to);
+}
+
+static void fill(const Pelagos__State *state, struct pel_snapshot *out)
+{
+    const Pelagos__Sky *sky = state->sky;
+    out->revision = state->revision;
+    out->mode = (enum pel_clock_mode)state->clock->mode;
+    out->rate = state->clock->rate;
+    if (pel_utc_parse(state->clock->utc, &out->epoch_unix_s)) {
+        out->epoch_unix_s = 0; /* not reached: the state was tested */
+    }
+    out->origin_latitude_rad = state->origin->latitude * PEL_DEG;
+    out->origin_longitude_rad = state->origin->longitude * PEL_DEG;
+    out->wind_mps = state->sea->wind_speed;
+    out->wind_to_rad = goes_to(state->sea->wind_direction);
+    out->chlorophyll_mg_m3 = state->water->chlorophyll;
+    out->sun_azimuth_fixed = sky->has_sun_azimuth;
+    out->sun_elevation_fixed = sky->has_sun_elevation;
+    out->sun_azimuth_rad = sky->sun_azimuth * PEL_DEG;
+    out->sun_elevation_rad = sky->sun_elevation * PEL_DEG;
+    out->visibility_m = sky->visibility;
+}
+
+const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,
+                                              struct pel_shared_sea *sea)
+{
+    struct snapshot *s = calloc(1, sizeof *s);
+    if (!s) {
+        abort();
+    }
+    atomic_init(&s->refs, 1);
+    atomic_fetch_add(&sea->refs, 1);
+    s->sea = sea;
+    s->public.sea = &sea->sea;
+    fill(state, &s->public);
+    s->public.entities = s->entities;
+    s->public.entity_count = state->n_entities;
+    for (size_t i = 0; i < state->n_entities; i++) {
+        place_entity(state->origin, state->entities[i], &s->entities[i]);
+    }
+    s->public.views = s->views;
+    s->public.view_count = state->n_views;
+    for (size_t i = 0; i < state->n_views; i++) {
+        place_view(state, state->views[i], &s->views[i]);
+    }
+    return &s->public;
+}
+
+const struct pel_snapshot *pel_snapshot_ref(const struct pel_snapshot *s)
+{
+    atomic_fetch_add(&((struct snapshot *)s)->refs, 1);
+    return s;
+}
+
+void pel_snapshot_unref(const struct pel_snapshot *s)
+{
+    struct snapshot *whole = (struct snapshot *)s;
+    if (whole && atomic_fetch_sub(&whole->refs, 1) == 1) {
+        pel_shared_sea_unref(whole->sea);
+        free(whole);
+    }
+}

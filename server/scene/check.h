@@ -1,0 +1,12 @@
+/* Tests of a whole state, after an edit and before it becomes the scene. */
+#pragma once
+
+#include "base/err.h"
+#include "pelagos.pb-c.h"
+
+/* Every value in its range of the schema and finite, enums known, names well
+ * formed, keys unique, lists within their limits, views on entities that
+ * exist, frusta whole. On refusal *fault (NULL allowed) names path, value, unit
+ * and range. Absent fields are passed over: fill the state first. */
+PEL_CHECK enum pel_err pel_state_check(const Pelagos__State *state,
+                                       struct pel_fault *fault);

@@ -1,0 +1,415 @@
+#include "scene/edit.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vec.h"
+#include "fault.h"
+#include "fields.h"
+#include "message.h"
+#include "path.h"
+#include "scene/geodesy.h"
+#include "scene/reckon.h"
+#include "scene/snapshot.h"
+
+/* Elements a patch may bring, entries of `remove`: what costs time is bounded
+ * before the limits of the scene are tested. */
+#define MAX_PATCHED 1024
+
+static void fill_scalars(ProtobufCMessage *message)
+{
+    for (unsigned i = 0; i < message->descriptor->n_fields; i++) {
+        const ProtobufCFieldDescriptor *field = &message->descriptor->fields[i];
+        if (field->label != PROTOBUF_C_LABEL_REPEATED &&
+            field->type != PROTOBUF_C_TYPE_MESSAGE) {
+            pel_message_default(message, field);
+        }
+    }
+}
+
+void pel_state_fill(Pelagos__State *state, double time_s)
+{
+    const ProtobufCMessageDescriptor *type = &pelagos__state__descriptor;
+    for (unsigned i = 0; i < type->n_fields; i++) {
+        const ProtobufCFieldDescriptor *field = &type->fields[i];
+        if (field->label != PROTOBUF_C_LABEL_REPEATED &&
+            field->type == PROTOBUF_C_TYPE_MESSAGE) {
+            fill_scalars(pel_message_child(&state->base, field));
+        }
+    }
+    for (size_t i = 0; i < state->sea->n_swell; i++) {
+        fill_scalars(&state->sea->swell[i]->base);
+    }
+    for (size_t i = 0; i < state->n_entities; i++) {
+        Pelagos__Entity *entity = state->entities[i];
+        fill_scalars(&entity->base);
+        if (!entity->has_pose_time) {
+            entity->has_pose_time = true;
+            entity->pose_time = time_s;
+        }
+    }
+    for (size_t i = 0; i < state->n_views; i++) {
+        fill_scalars(&state->views[i]->base);
+    }
+    state->has_revision = true;
+}
+
+static ProtobufCMessage *add(Pelagos__State *state, const char *list)
+{
+    return pel_message_append(
+        &state->base, pel_field_by_name(&pelagos__state__descriptor, list,
+                                        strlen(list)));
+}
+
+static void name(ProtobufCMessage *message, const char *text)
+{
+    pel_message_set_string(
+        message, pel_field_by_name(message->descriptor, "name", 4), text);
+}
+
+Pelagos__State *pel_state_default(void)
+{
+    Pelagos__State *state =
+        (Pelagos__State *)pel_message_new(&pelagos__state__descriptor);
+    Pelagos__Entity *entity = (Pelagos__Entity *)add(state, "entities");
+    entity->has_id = true;
+    entity->id = 1;
+    name(&entity->base, "ownship");
+    Pelagos__View *view = (Pelagos__View *)add(state, "views");
+    view->has_entity = true;
+    view->entity = 1;
+    name(&view->base, "bridge");
+    pel_state_fill(state, 0);
+    return state;
+}
+
+/* --- merging -------------------------------------------------------------- */
+
+static void merge(ProtobufCMessage *to, const ProtobufCMessage *from);
+
+static bool same_key(const ProtobufCFieldDescriptor *key,
+                     const ProtobufCMessage *a, const ProtobufCMessage *b)
+{
+    const void *va = pel_message_member(a, key);
+    const void *vb = pel_message_member(b, key);
+    return pel_message_has(a, key) && pel_message_has(b, key) &&
+           (key->type == PROTOBUF_C_TYPE_STRING
+                ? strcmp(*(char *const *)va, *(char *const *)vb) == 0
+                : memcmp(va, vb, pel_message_value_size(key)) == 0);
+}
+
+static ProtobufCMessage *find(const ProtobufCMessage *holder,
+                              const ProtobufCFieldDescriptor *field,
+                              const ProtobufCMessage *like)
+{
+    const ProtobufCFieldDescriptor *key = pel_field_key(field->descriptor);
+    size_t count;
+    ProtobufCMessage **list = pel_message_list(holder, field, &count);
+    for (size_t i = 0; i < count; i++) {
+        if (same_key(key, list[i], like)) {
+            return list[i];
+        }
+    }
+    return NULL;
+}
+
+static void merge_list(ProtobufCMessage *to, const ProtobufCMessage *from,
+                       const ProtobufCFieldDescriptor *field)
+{
+    size_t count;
+    ProtobufCMessage **list = pel_message_list(from, field, &count);
+    bool keyed = pel_field_key(field->descriptor);
+    if (!keyed) {
+        pel_message_clear(to, field);
+    }
+    for (size_t i = 0; i < count; i++) {
+        ProtobufCMessage *element = keyed ? find(to, field, list[i]) : NULL;
+        merge(element ? element : pel_message_append(to, field), list[i]);
+    }
+}
+
+/* Every list below State is one of messages. */
+static void merge(ProtobufCMessage *to, const ProtobufCMessage *from)
+{
+    for (unsigned i = 0; i < from->descriptor->n_fields; i++) {
+        const ProtobufCFieldDescriptor *field = &from->descriptor->fields[i];
+        const void *value = pel_message_member(from, field);
+        if (!pel_message_has(from, field)) {
+            continue;
+        }
+        if (field->label == PROTOBUF_C_LABEL_REPEATED) {
+            merge_list(to, from, field);
+        } else if (field->type == PROTOBUF_C_TYPE_MESSAGE) {
+            merge(pel_message_child(to, field),
+                  *(ProtobufCMessage *const *)value);
+        } else if (field->type == PROTOBUF_C_TYPE_STRING) {
+            pel_message_set_string(to, field, *(char *const *)value);
+        } else {
+            memcpy(pel_message_member(to, field), value,
+                   pel_message_value_size(field));
+            pel_message_mark(to, field);
+        }
+    }
+}
+
+/* --- poses ---------------------------------------------------------------- */
+
+static double wrapped(double degrees)
+{
+    double turned = fmod(degrees, 360.0);
+    turned = turned < 0 ? turned + 360.0 : turned;
+    return turned < 360.0 ? turned : 0;
+}
+
+/* Brings a pose to time_s as the snapshot would, and stamps it. */
+static void reckon(Pelagos__Entity *e, double time_s)
+{
+    double seconds = pel_reckon_seconds(e->pose_time, time_s);
+    double east, north, lat, lon;
+    pel_reckon_move(e->speed, e->course * PEL_DEG, e->turn_rate * PEL_DEG,
+                    seconds, &east, &north);
+    if (east != 0 || north != 0) {
+        pel_geo_from_local(e->latitude, e->longitude, east, north, &lat, &lon);
+        e->latitude = lat;
+        e->longitude = lon;
+    }
+    if (e->turn_rate != 0) {
+        e->heading = wrapped(e->heading + e->turn_rate * seconds);
+        e->course = wrapped(e->course + e->turn_rate * seconds);
+    }
+    e->has_pose_time = true;
+    e->pose_time = time_s;
+}
+
+static bool touches_pose(const Pelagos__Entity *e)
+{
+    return e->has_latitude || e->has_longitude || e->has_altitude ||
+           e->has_heading || e->has_pitch || e->has_roll || e->has_speed ||
+           e->has_course || e->has_turn_rate || e->has_pose_time;
+}
+
+static Pelagos__Entity *entity_of(const Pelagos__State *state, uint32_t id)
+{
+    for (size_t i = 0; i < state->n_entities; i++) {
+        if (state->entities[i]->has_id && state->entities[i]->id == id) {
+            return state->entities[i];
+        }
+    }
+    return NULL;
+}
+
+/* Before the edit: poses that it touches are brought to their new time. A NaN
+ * or a time out of range leaves the pose: the test will refuse it. */
+static void reckon_patched(Pelagos__State *state, const Pelagos__State *patch,
+                           double time_s)
+{
+    for (size_t i = 0; i < patch->n_entities; i++) {
+        const Pelagos__Entity *with = patch->entities[i];
+        Pelagos__Entity *entity = entity_of(state, with->id);
+        double at = with->has_pose_time ? with->pose_time : time_s;
+        if (entity && touches_pose(with) && isfinite(at)) {
+            reckon(entity, at);
+        }
+    }
+}
+
+static void reckon_removed(Pelagos__State *state, const char *path,
+                           double time_s)
+{
+    struct pel_path_info info;
+    const char *dot = strchr(path, '.');
+    const char *field = dot ? strchr(dot + 1, '.') : NULL;
+    char element[128], id[16];
+    if (!field || (size_t)(field - path) >= sizeof element - 3 ||
+        pel_path_find(path, &info, NULL) != PEL_OK ||
+        info.message != &pelagos__entity__descriptor) {
+        return;
+    }
+    snprintf(element, sizeof element, "%.*s.id", (int)(field - path), path);
+    if (strcmp(info.info->name, "name") != 0 &&
+        pel_path_get(state, element, id, sizeof id, NULL) == PEL_OK) {
+        reckon(entity_of(state, (uint32_t)strtoul(id, NULL, 10)), time_s);
+    }
+}
+
+/* --- the edit ------------------------------------------------------------- */
+
+static enum pel_err too_many(const char *path, struct pel_fault *fault)
+{
+    pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                  "%s: a patch brings at most %d elements", path, MAX_PATCHED);
+    pel_fault_at(fault, path, NULL);
+    return PEL_ERR_OUT_OF_RANGE;
+}
+
+static enum pel_err bounded(const Pelagos__Patch *patch,
+                            struct pel_fault *fault)
+{
+    const Pelagos__State *state = patch->state;
+    if (patch->n_remove > MAX_PATCHED) {
+        return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                             "a patch removes at most %d paths", MAX_PATCHED);
+    }
+    if (state && state->n_entities > MAX_PATCHED) {
+        return too_many("entities", fault);
+    }
+    if (state && state->n_views > MAX_PATCHED) {
+        return too_many("views", fault);
+    }
+    if (state && state->sea && state->sea->n_swell > MAX_PATCHED) {
+        return too_many("sea.swell", fault);
+    }
+    return PEL_OK;
+}
+
+/* Gives elements of the patch that only have a name the id of the entity of
+ * that name. */
+static enum pel_err resolve_names(const Pelagos__State *state,
+                                  Pelagos__State *patch,
+                                  struct pel_fault *fault)
+{
+    for (size_t i = 0; i < patch->n_entities; i++) {
+        Pelagos__Entity *entity = patch->entities[i];
+        char path[160];
+        if (entity->has_id) {
+            continue;
+        }
+        snprintf(path, sizeof path, "entities.%.80s",
+                 entity->name ? entity->name : "");
+        const Pelagos__Entity *match = NULL;
+        size_t found = 0;
+        for (size_t k = 0; entity->name && k < state->n_entities; k++) {
+            const char *other = state->entities[k]->name;
+            if (other && strcmp(other, entity->name) == 0) {
+                match = state->entities[k];
+                found++;
+            }
+        }
+        if (found != 1) {
+            enum pel_err err =
+                found == 0 ? PEL_ERR_NOT_FOUND : PEL_ERR_CONFLICT;
+            pel_fault_set(fault, err, "%s: %s", path,
+                          found == 0 ? "no such entity; give an id to add one"
+                                     : "several entities have this name; use "
+                                       "the id");
+            pel_fault_at(fault, path, entity->name);
+            return err;
+        }
+        entity->has_id = true;
+        entity->id = match->id;
+    }
+    for (size_t i = 0; i < patch->n_views; i++) {
+        if (!patch->views[i]->name) {
+            pel_fault_set(fault, PEL_ERR_INVALID,
+                          "views: every element needs its name");
+            pel_fault_at(fault, "views", NULL);
+            return PEL_ERR_INVALID;
+        }
+    }
+    return PEL_OK;
+}
+
+/* Whether `patch` makes the element that a path begins with, so that a reset
+ * of one of its fields has nothing to do. */
+static bool brings_element(const Pelagos__State *patch, const char *path)
+{
+    char element[160], text[4];
+    const char *dot = strchr(path, '.');
+    const char *end = dot ? strchr(dot + 1, '.') : NULL;
+    if (!patch || !end || (size_t)(end - path) >= sizeof element) {
+        return false;
+    }
+    snprintf(element, sizeof element, "%.*s", (int)(end - path), path);
+    return pel_path_get(patch, element, text, sizeof text, NULL) !=
+           PEL_ERR_NOT_FOUND;
+}
+
+static enum pel_err remove_all(Pelagos__State *state,
+                               const Pelagos__Patch *patch,
+                               const Pelagos__State *brought, double time_s,
+                               struct pel_fault *fault)
+{
+    for (size_t i = 0; i < patch->n_remove; i++) {
+        const char *path = patch->remove[i];
+        struct pel_path_info info;
+        enum pel_err err = pel_path_find(path, &info, fault);
+        if (!err) {
+            reckon_removed(state, path, time_s);
+            err = pel_path_remove(state, path, fault);
+        }
+        if (err == PEL_ERR_NOT_FOUND && info.info &&
+            brings_element(brought, path)) {
+            err = PEL_OK;
+        }
+        if (err) {
+            return err;
+        }
+    }
+    return PEL_OK;
+}
+
+/* Simulated time after the edit, as far as that can be told before it. */
+static double time_after(const Pelagos__State *from,
+                         const Pelagos__Patch *patch)
+{
+    const Pelagos__Clock *clock = patch->state ? patch->state->clock : NULL;
+    if (clock && clock->has_time) {
+        return clock->time;
+    }
+    for (size_t i = 0; i < patch->n_remove; i++) {
+        if (strcmp(patch->remove[i], "clock") == 0 ||
+            strcmp(patch->remove[i], "clock.time") == 0) {
+            return 0;
+        }
+    }
+    return from->clock->time;
+}
+
+/* Poses stay where they are when the clock is set. */
+static void carry_poses(Pelagos__State *state, double before, double after)
+{
+    for (size_t i = 0; i < state->n_entities; i++) {
+        reckon(state->entities[i], before);
+        state->entities[i]->pose_time = after;
+    }
+}
+
+enum pel_err pel_state_apply(const Pelagos__State *from,
+                             const Pelagos__Patch *patch, Pelagos__State **out,
+                             struct pel_fault *fault)
+{
+    *out = NULL;
+    enum pel_err err = bounded(patch, fault);
+    if (err) {
+        return err;
+    }
+    Pelagos__State *state = (Pelagos__State *)pel_message_copy(&from->base);
+    Pelagos__State *brought =
+        patch->state ? (Pelagos__State *)pel_message_copy(&patch->state->base)
+                     : NULL;
+    double time_s = time_after(from, patch);
+    if (time_s != from->clock->time && isfinite(time_s)) {
+        carry_poses(state, from->clock->time, time_s);
+    }
+    err = remove_all(state, patch, brought, time_s, fault);
+    if (!err && brought) {
+        err = resolve_names(state, brought, fault);
+    }
+    if (!err && brought) {
+        reckon_patched(state, brought, time_s);
+        merge(&state->base, &brought->base);
+    }
+    if (brought) {
+        pelagos__state__free_unpacked(brought, NULL);
+    }
+    if (err) {
+        pelagos__state__free_unpacked(state, NULL);
+        return err;
+    }
+    pel_state_fill(state, time_s);
+    *out = state;
+    return PEL_OK;
+}

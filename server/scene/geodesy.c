@@ -1,0 +1,155 @@
+#include "scene/geodesy.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "base/vec.h"
+
+#define A 6378137.0
+#define F (1 / 298.257223563)
+#define B (A * (1 - F))
+
+/* Reduced latitude. */
+static double reduced(double lat_rad)
+{
+    return atan2((1 - F) * sin(lat_rad), cos(lat_rad));
+}
+
+/* Vincenty's series A and B as functions of u². */
+static double series_a(double u2)
+{
+    return 1 + u2 / 16384 * (4096 + u2 * (-768 + u2 * (320 - 175 * u2)));
+}
+
+static double series_b(double u2)
+{
+    return u2 / 1024 * (256 + u2 * (-128 + u2 * (74 - 47 * u2)));
+}
+
+/* Vincenty eq. 6. */
+static double delta_sigma(double b, double sin_s, double cos_s, double cos_2m)
+{
+    double c2 = cos_2m * cos_2m;
+    return b * sin_s *
+           (cos_2m + b / 4 *
+                         (cos_s * (2 * c2 - 1) -
+                          b / 6 * cos_2m * (4 * sin_s * sin_s - 3) *
+                              (4 * c2 - 3)));
+}
+
+static double eq10_c(double cos2_alpha)
+{
+    return F / 16 * cos2_alpha * (4 + F * (4 - 3 * cos2_alpha));
+}
+
+struct inverse {
+    double sin_sigma, cos_sigma, sigma, cos2_alpha, cos_2m;
+};
+
+/* Eqs. 14 to 18 for one lambda. */
+static void arc(double u1, double u2, double lambda, struct inverse *out,
+                double *sin_alpha)
+{
+    double x = cos(u2) * sin(lambda);
+    double y = cos(u1) * sin(u2) - sin(u1) * cos(u2) * cos(lambda);
+    out->sin_sigma = hypot(x, y);
+    out->cos_sigma = sin(u1) * sin(u2) + cos(u1) * cos(u2) * cos(lambda);
+    out->sigma = atan2(out->sin_sigma, out->cos_sigma);
+    *sin_alpha = out->sin_sigma > 0
+                     ? cos(u1) * cos(u2) * sin(lambda) / out->sin_sigma
+                     : 0;
+    out->cos2_alpha = 1 - *sin_alpha * *sin_alpha;
+    out->cos_2m = out->cos2_alpha > 1e-15
+                      ? out->cos_sigma - 2 * sin(u1) * sin(u2) / out->cos2_alpha
+                      : 0;
+}
+
+void pel_geo_to_local(double origin_lat, double origin_lon, double lat,
+                      double lon, double *east_m, double *north_m)
+{
+    double u1 = reduced(origin_lat * PEL_DEG), u2 = reduced(lat * PEL_DEG);
+    double l = remainder(lon - origin_lon, 360.0) * PEL_DEG;
+    double lambda = l, sin_alpha;
+    struct inverse at;
+    bool converged = false;
+    for (int i = 0; i < 50 && !converged; i++) {
+        arc(u1, u2, lambda, &at, &sin_alpha);
+        double c = eq10_c(at.cos2_alpha);
+        double next =
+            l + (1 - c) * F * sin_alpha *
+                    (at.sigma +
+                     c * at.sin_sigma *
+                         (at.cos_2m + c * at.cos_sigma *
+                                          (2 * at.cos_2m * at.cos_2m - 1)));
+        converged = fabs(next - lambda) < 1e-14;
+        lambda = next;
+        if (!(fabs(lambda) <= PEL_PI)) {
+            break;
+        }
+    }
+    double distance;
+    if (converged) {
+        double u_sq = at.cos2_alpha * (A * A - B * B) / (B * B);
+        distance = B * series_a(u_sq) *
+                   (at.sigma - delta_sigma(series_b(u_sq), at.sin_sigma,
+                                           at.cos_sigma, at.cos_2m));
+    } else {
+        lambda = l;
+        arc(u1, u2, lambda, &at, &sin_alpha);
+        distance = A * at.sigma;
+    }
+    double azimuth =
+        atan2(cos(u2) * sin(lambda),
+              cos(u1) * sin(u2) - sin(u1) * cos(u2) * cos(lambda));
+    *east_m = distance * sin(azimuth);
+    *north_m = distance * cos(azimuth);
+}
+
+void pel_geo_from_local(double origin_lat, double origin_lon, double east_m,
+                        double north_m, double *lat, double *lon)
+{
+    double distance = hypot(east_m, north_m);
+    double azimuth = distance > 0 ? atan2(east_m, north_m) : 0;
+    double u1 = reduced(origin_lat * PEL_DEG);
+    double sigma1 = atan2(tan(u1), cos(azimuth));
+    double sin_alpha = cos(u1) * sin(azimuth);
+    double cos2_alpha = 1 - sin_alpha * sin_alpha;
+    double u_sq = cos2_alpha * (A * A - B * B) / (B * B);
+    double first = distance / (B * series_a(u_sq)), sigma = first;
+    double cos_2m = 0, b = series_b(u_sq);
+    for (int i = 0; i < 50; i++) {
+        cos_2m = cos(2 * sigma1 + sigma);
+        double next = first + delta_sigma(b, sin(sigma), cos(sigma), cos_2m);
+        double change = fabs(next - sigma);
+        sigma = next;
+        if (change < 1e-15) {
+            break;
+        }
+    }
+    cos_2m = cos(2 * sigma1 + sigma);
+    double ss = sin(sigma), cs = cos(sigma);
+    double x = sin(u1) * ss - cos(u1) * cs * cos(azimuth);
+    double lat_rad = atan2(sin(u1) * cs + cos(u1) * ss * cos(azimuth),
+                           (1 - F) * hypot(sin_alpha, x));
+    double lambda = atan2(ss * sin(azimuth),
+                          cos(u1) * cs - sin(u1) * ss * cos(azimuth));
+    double c = eq10_c(cos2_alpha);
+    double l = lambda -
+               (1 - c) * F * sin_alpha *
+                   (sigma + c * ss * (cos_2m + c * cs *
+                                                   (2 * cos_2m * cos_2m - 1)));
+    *lat = lat_rad / PEL_DEG;
+    *lon = remainder(origin_lon + l / PEL_DEG, 360.0);
+}
+
+double pel_geo_convergence(double origin_lat, double origin_lon, double lat,
+                           double lon)
+{
+    /* 111 m: far above the rounding of the projection, far below its scale. */
+    double step = lat > 0 ? -1e-3 : 1e-3;
+    double east0, north0, east1, north1;
+    pel_geo_to_local(origin_lat, origin_lon, lat, lon, &east0, &north0);
+    pel_geo_to_local(origin_lat, origin_lon, lat + step, lon, &east1, &north1);
+    double east = (east1 - east0) / step, north = (north1 - north0) / step;
+    return atan2(east, north);
+}

@@ -1,0 +1,15 @@
+/* Dead reckoning on a circular arc. Pure functions, any thread. */
+#pragma once
+
+/* The pose is held from this many seconds away from its time on. */
+#define PEL_RECKON_MAX_S 60.0
+
+/* Seconds to reckon from pose_time_s to time_s, limited. */
+double pel_reckon_seconds(double pose_time_s, double time_s);
+
+/* Displacement after seconds at speed_mps on a course that turns steadily:
+ * a chord of the circle, length v t sin(x)/x, bearing course + x, x = ω t / 2.
+ * Radians, metres; negative seconds go back. */
+void pel_reckon_move(double speed_mps, double course_rad,
+                     double turn_rate_rps, double seconds, double *east_m,
+                     double *north_m);

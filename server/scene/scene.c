@@ -1,0 +1,250 @@
+#include "scene/scene.h"
+
+#include <glib.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "fault.h"
+#include "json.h"
+#include "message.h"
+#include "scene/build.h"
+#include "scene/check.h"
+#include "scene/edit.h"
+#include "scene/simclock.h"
+#include "scene/store.h"
+
+#define MAX_CALLBACKS 16
+#define MAX_STEP_S 3600.0
+#define SAVE_INTERVAL_MS 1000
+#define DEFAULT_WAVES 60
+
+struct pel_scene {
+    char *state_path;
+    int wave_count;
+    Pelagos__State *state; /* clock.time as of the last look at it */
+    struct pel_simclock clock;
+    struct pel_shared_sea *sea;
+    const struct pel_snapshot *snapshot;
+    guint save_timer; /* 0: nothing to write */
+    size_t callback_count;
+    struct {
+        void (*call)(void *user);
+        void *user;
+    } callbacks[MAX_CALLBACKS];
+};
+
+double pel_scene_time(struct pel_scene *scene)
+{
+    return pel_simclock_at(&scene->clock, pel_now_ns());
+}
+
+const Pelagos__State *pel_scene_state(struct pel_scene *scene)
+{
+    scene->state->clock->time = pel_scene_time(scene);
+    return scene->state;
+}
+
+const struct pel_snapshot *pel_scene_snapshot(struct pel_scene *scene)
+{
+    return pel_snapshot_ref(scene->snapshot);
+}
+
+void pel_scene_on_commit(struct pel_scene *scene,
+                         void (*callback)(void *user), void *user)
+{
+    if (scene->callback_count == MAX_CALLBACKS) {
+        pel_error("SCN-004", "more than %d rooms listen to the scene",
+                  MAX_CALLBACKS);
+        return;
+    }
+    scene->callbacks[scene->callback_count].call = callback;
+    scene->callbacks[scene->callback_count].user = user;
+    scene->callback_count++;
+}
+
+static void save(struct pel_scene *scene)
+{
+    static struct pel_log_limit limit;
+    struct pel_fault fault;
+    if (pel_store_save(scene->state_path, pel_scene_state(scene), &fault)) {
+        pel_log_limited(&limit, PEL_LOG_ERROR, "SCN-003", "%s", fault.message);
+    }
+}
+
+static gboolean on_save_timer(gpointer user)
+{
+    struct pel_scene *scene = user;
+    scene->save_timer = 0;
+    save(scene);
+    return G_SOURCE_REMOVE;
+}
+
+static void save_soon(struct pel_scene *scene)
+{
+    if (scene->state_path && scene->save_timer == 0) {
+        scene->save_timer =
+            g_timeout_add(SAVE_INTERVAL_MS, on_save_timer, scene);
+    }
+}
+
+/* The clock goes on from the state's time where the edit changed it. */
+static void set_clock(struct pel_scene *scene, const Pelagos__Clock *to,
+                      double time_before_s, int64_t now_ns)
+{
+    enum pel_clock_mode mode = (enum pel_clock_mode)to->mode;
+    if (mode != scene->clock.mode || to->rate != scene->clock.rate ||
+        to->time != time_before_s) {
+        pel_simclock_set(&scene->clock, mode, to->rate, to->time, now_ns);
+    }
+}
+
+/* Takes `state`, which is tested, over or leaves it to the caller. */
+static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
+                           struct pel_fault *fault)
+{
+    struct pel_shared_sea *sea;
+    enum pel_err err =
+        pel_shared_sea_get(state, scene->wave_count, scene->sea, &sea);
+    if (err) {
+        pel_fault_set(fault, err, "no sea can be made of sea.*: %s",
+                      pel_err_name(err));
+        pel_fault_at(fault, "sea", NULL);
+        return err;
+    }
+    const struct pel_snapshot *snapshot = pel_snapshot_build(state, sea);
+    pel_shared_sea_unref(scene->sea);
+    pel_snapshot_unref(scene->snapshot);
+    if (scene->state) {
+        pelagos__state__free_unpacked(scene->state, NULL);
+    }
+    scene->sea = sea;
+    scene->snapshot = snapshot;
+    scene->state = state;
+    return PEL_OK;
+}
+
+enum pel_err pel_scene_patch(struct pel_scene *scene,
+                             const Pelagos__Patch *patch,
+                             struct pel_fault *fault)
+{
+    Pelagos__State *next;
+    int64_t now_ns = pel_now_ns();
+    double time_s = pel_simclock_at(&scene->clock, now_ns);
+    scene->state->clock->time = time_s;
+    enum pel_err err = pel_state_apply(scene->state, patch, &next, fault);
+    if (err) {
+        return err;
+    }
+    next->revision = scene->state->revision + 1;
+    err = pel_state_check(next, fault);
+    if (!err) {
+        err = commit(scene, next, fault);
+    }
+    if (err) {
+        pelagos__state__free_unpacked(next, NULL);
+        return err;
+    }
+    set_clock(scene, next->clock, time_s, now_ns);
+    save_soon(scene);
+    for (size_t i = 0; i < scene->callback_count; i++) {
+        scene->callbacks[i].call(scene->callbacks[i].user);
+    }
+    return PEL_OK;
+}
+
+enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
+                            struct pel_fault *fault)
+{
+    if (scene->clock.mode == PEL_CLOCK_FREE) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "the clock runs freely; set clock.mode to "
+                             "STEPPED before a step");
+    }
+    if (!(seconds >= 0 && seconds <= MAX_STEP_S)) {
+        pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                      "a step must be 0 to %g s", MAX_STEP_S);
+        if (fault) {
+            g_strlcpy(fault->path, "step.seconds", sizeof fault->path);
+            fault->unit = "s";
+            fault->minimum = 0;
+            fault->maximum = MAX_STEP_S;
+        }
+        if (fault && isfinite(seconds)) {
+            pel_json_number(seconds, fault->value);
+        }
+        return PEL_ERR_OUT_OF_RANGE;
+    }
+    scene->clock.base_s = fmin(scene->clock.base_s + seconds, PEL_MAX_TIME_S);
+    save_soon(scene);
+    return PEL_OK;
+}
+
+/* The state to start with: the file's, or the default one. */
+static enum pel_err first_state(const char *path, Pelagos__State **out,
+                                struct pel_fault *fault)
+{
+    struct pel_fault why;
+    enum pel_err err =
+        path ? pel_store_load(path, out, &why) : PEL_ERR_NOT_FOUND;
+    if (err == PEL_OK) {
+        pel_info("SCN-001", "revision %llu of the scene loaded from %s",
+                 (unsigned long long)(*out)->revision, path);
+        return PEL_OK;
+    }
+    if (err == PEL_ERR_IO) {
+        return pel_fault_set(fault, err, "%s", why.message);
+    }
+    if (err != PEL_ERR_NOT_FOUND) {
+        pel_error("SCN-002", "%s does not load and was renamed to *.bad: %s",
+                  path, why.message);
+    }
+    *out = pel_state_default();
+    return PEL_OK;
+}
+
+enum pel_err pel_scene_create(const struct pel_scene_options *options,
+                              struct pel_scene **out, struct pel_fault *fault)
+{
+    Pelagos__State *state;
+    *out = NULL;
+    enum pel_err err = first_state(options->state_path, &state, fault);
+    if (err) {
+        return err;
+    }
+    struct pel_scene *scene = g_new0(struct pel_scene, 1);
+    scene->wave_count =
+        options->wave_count > 0 ? options->wave_count : DEFAULT_WAVES;
+    scene->state_path = g_strdup(options->state_path);
+    err = commit(scene, state, fault);
+    if (err) {
+        pelagos__state__free_unpacked(state, NULL);
+        g_free(scene->state_path);
+        g_free(scene);
+        return err;
+    }
+    pel_simclock_set(&scene->clock, (enum pel_clock_mode)state->clock->mode,
+                     state->clock->rate, state->clock->time, pel_now_ns());
+    *out = scene;
+    return PEL_OK;
+}
+
+void pel_scene_destroy(struct pel_scene *scene)
+{
+    if (!scene) {
+        return;
+    }
+    if (scene->save_timer != 0) {
+        g_source_remove(scene->save_timer);
+    }
+    if (scene->state_path) {
+        save(scene);
+    }
+    pel_snapshot_unref(scene->snapshot);
+    pel_shared_sea_unref(scene->sea);
+    pelagos__state__free_unpacked(scene->state, NULL);
+    g_free(scene->state_path);
+    g_free(scene);
+}

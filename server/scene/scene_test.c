@@ -1,0 +1,441 @@
+#include "scene/scene.h"
+
+#include <float.h>
+#include <glib.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "json.h"
+#include "path.h"
+
+static struct pel_scene *make(const char *path)
+{
+    struct pel_scene_options options = { path, 60 };
+    struct pel_scene *scene;
+    struct pel_fault fault;
+    if (pel_scene_create(&options, &scene, &fault)) {
+        fail_msg("%s", fault.message);
+    }
+    return scene;
+}
+
+static enum pel_err patch(struct pel_scene *scene, const char *json,
+                          struct pel_fault *fault)
+{
+    Pelagos__Patch *read;
+    enum pel_err err = pel_json_merge_patch(json, strlen(json), &read, fault);
+    if (err == PEL_OK) {
+        err = pel_scene_patch(scene, read, fault);
+        pelagos__patch__free_unpacked(read, NULL);
+    }
+    return err;
+}
+
+static void must(struct pel_scene *scene, const char *json)
+{
+    struct pel_fault fault;
+    if (patch(scene, json, &fault)) {
+        fail_msg("%s: %s", json, fault.message);
+    }
+}
+
+static double number(struct pel_scene *scene, const char *path)
+{
+    char text[64];
+    if (pel_path_get(pel_scene_state(scene), path, text, sizeof text, NULL)) {
+        fail_msg("%s", path);
+    }
+    assert_true(text[0]);
+    return strtod(text, NULL);
+}
+
+static void defaults_are_all_there(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL);
+    const Pelagos__State *now = pel_scene_state(scene);
+    assert_true(now->sea->has_wind_speed && now->sea->wind_speed == 8);
+    assert_true(now->clock->has_rate && now->water->has_chlorophyll);
+    assert_string_equal(now->clock->utc, "2026-06-21T12:00:00Z");
+    assert_int_equal(now->n_entities, 1);
+    assert_string_equal(now->entities[0]->name, "ownship");
+    assert_int_equal(now->n_views, 1);
+    assert_true(now->views[0]->has_width && now->views[0]->width == 1280);
+    assert_false(now->sky->has_sun_elevation);
+    assert_null(now->views[0]->frustum);
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    assert_int_equal(pel_snapshot_find_view(s, "bridge"), 0);
+    assert_int_equal(pel_snapshot_find_view(s, "stern"), -1);
+    assert_int_equal(s->views[0].entity, 0);
+    pel_snapshot_unref(s);
+    pel_scene_destroy(scene);
+}
+
+static void refusals_change_nothing(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *json;
+        enum pel_err err;
+        const char *path;
+    } bad[] = {
+        { "{\"sea\":{\"windSpeed\":31}}", PEL_ERR_OUT_OF_RANGE,
+          "sea.windSpeed" },
+        { "{\"sea\":{\"windSpeed\":12,\"fetch\":1}}", PEL_ERR_OUT_OF_RANGE,
+          "sea.fetch" },
+        { "{\"sea\":{\"swell\":[{},{\"height\":16}]}}", PEL_ERR_OUT_OF_RANGE,
+          "sea.swell.1.height" },
+        { "{\"sea\":{\"swell\":[{},{},{},{},{},{},{},{},{}]}}",
+          PEL_ERR_OUT_OF_RANGE, "sea.swell" },
+        { "{\"views\":{\"bridge\":{\"width\":8}}}", PEL_ERR_OUT_OF_RANGE,
+          "views.bridge.width" },
+        { "{\"views\":{\"bridge\":{\"entity\":9}}}", PEL_ERR_CONFLICT,
+          "views.bridge.entity" },
+        { "{\"entities\":null}", PEL_ERR_CONFLICT, "views.bridge.entity" },
+        { "{\"views\":{\"br idge\":{}}}", PEL_ERR_INVALID, "views" },
+        { "{\"views\":{\"bridge\":{\"frustum\":{\"left\":-5}}}}",
+          PEL_ERR_INVALID, "views.bridge.frustum" },
+        { "{\"views\":{\"bridge\":{\"frustum\":{\"left\":5,\"right\":5,"
+          "\"top\":1,\"bottom\":-1}}}}",
+          PEL_ERR_INVALID, "views.bridge.frustum" },
+        { "{\"entities\":{\"tug\":{\"heading\":5}}}", PEL_ERR_NOT_FOUND,
+          "entities.tug" },
+        { "{\"entities\":[{\"heading\":5}],\"views\":[]}", PEL_ERR_NOT_FOUND,
+          "entities." },
+        { "{\"views\":{\"stern\":null}}", PEL_ERR_NOT_FOUND,
+          "views.stern" },
+        { "{\"clock\":{\"utc\":\"yesterday\"}}", PEL_ERR_INVALID,
+          "clock.utc" },
+        { "{\"clock\":{\"utc\":\"2026-06-21T12:00:00\"}}", PEL_ERR_INVALID,
+          "clock.utc" },
+        { "{\"clock\":{\"utc\":\"1812-06-21T12:00:00Z\"}}",
+          PEL_ERR_OUT_OF_RANGE, "clock.utc" },
+        { "{\"entities\":{\"1\":{\"name\":\"a\\nb\"}}}", PEL_ERR_INVALID,
+          "entities.1.name" },
+    };
+    struct pel_scene *scene = make(NULL);
+    must(scene, "{\"clock\":{\"mode\":\"STEPPED\"}}");
+    char *before =
+        pel_json_from_message(&pel_scene_state(scene)->base, false);
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        struct pel_fault fault;
+        enum pel_err err = patch(scene, bad[i].json, &fault);
+        if (err != bad[i].err || strcmp(fault.path, bad[i].path) != 0) {
+            fail_msg("%s: %s at '%s': %s", bad[i].json, pel_err_name(err),
+                     fault.path, fault.message);
+        }
+        char *after =
+            pel_json_from_message(&pel_scene_state(scene)->base, false);
+        assert_string_equal(after, before);
+        free(after);
+    }
+    struct pel_fault fault;
+    assert_int_equal(patch(scene, bad[0].json, &fault), PEL_ERR_OUT_OF_RANGE);
+    assert_string_equal(fault.message, "sea.windSpeed is 31 m/s; it must be "
+                                       "0 to 30 m/s");
+    assert_string_equal(fault.value, "31");
+    assert_string_equal(fault.unit, "m/s");
+    assert_true(fault.minimum == 0 && fault.maximum == 30);
+    free(before);
+    pel_scene_destroy(scene);
+}
+
+/* What JSON cannot say but protobuf can. */
+static void binary_values_are_tested_too(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL);
+    struct pel_fault fault;
+    Pelagos__Patch p = PELAGOS__PATCH__INIT;
+    Pelagos__State s = PELAGOS__STATE__INIT;
+    Pelagos__Sea sea = PELAGOS__SEA__INIT;
+    p.state = &s;
+    s.sea = &sea;
+    sea.has_wind_speed = true;
+    const double values[] = { NAN, INFINITY, -INFINITY, -DBL_MIN };
+    for (size_t i = 0; i < 4; i++) {
+        sea.wind_speed = values[i];
+        assert_int_equal(pel_scene_patch(scene, &p, &fault),
+                         PEL_ERR_OUT_OF_RANGE);
+        assert_string_equal(fault.path, "sea.windSpeed");
+    }
+    sea.has_wind_speed = false;
+    sea.has_spectrum = true;
+    sea.spectrum = (Pelagos__SpectrumKind)77;
+    assert_int_equal(pel_scene_patch(scene, &p, &fault), PEL_ERR_INVALID);
+    s.sea = NULL;
+    Pelagos__Entity entity = PELAGOS__ENTITY__INIT;
+    Pelagos__Entity *entities[] = { &entity };
+    s.n_entities = 1;
+    s.entities = entities;
+    entity.has_id = true;
+    entity.id = 1;
+    entity.name = (char *)"\xff";
+    assert_int_equal(pel_scene_patch(scene, &p, &fault), PEL_ERR_INVALID);
+    entity.name = NULL;
+    entity.has_heading = entity.has_pose_time = true;
+    entity.pose_time = NAN;
+    assert_int_equal(pel_scene_patch(scene, &p, &fault),
+                     PEL_ERR_OUT_OF_RANGE);
+    assert_string_equal(fault.path, "entities.1.poseTime");
+    Pelagos__Clock clock = PELAGOS__CLOCK__INIT;
+    s.n_entities = 0;
+    s.clock = &clock;
+    clock.has_time = true;
+    clock.time = NAN;
+    assert_int_equal(pel_scene_patch(scene, &p, &fault),
+                     PEL_ERR_OUT_OF_RANGE);
+    pel_scene_destroy(scene);
+}
+
+static void edits_merge_and_reset(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL);
+    double revision = number(scene, "revision");
+    must(scene, "{\"sea\":{\"windSpeed\":15},\"sky\":{\"sunElevation\":10},"
+                "\"entities\":{\"7\":{\"name\":\"tug\"}},"
+                "\"views\":{\"tug\":{\"entity\":7,\"exposure\":null}}}");
+    assert_true(number(scene, "revision") == revision + 1);
+    assert_true(number(scene, "sea.windSpeed") == 15);
+    assert_true(number(scene, "sea.fetch") == 200000);
+    assert_true(number(scene, "views.tug.fieldOfView") == 60);
+    must(scene, "{\"entities\":{\"tug\":{\"heading\":33}}}");
+    assert_true(number(scene, "entities.7.heading") == 33);
+    must(scene, "{\"sea\":{\"windSpeed\":null},\"sky\":{\"sunElevation\":null},"
+                "\"views\":{\"tug\":null},\"entities\":{\"7\":null}}");
+    assert_true(number(scene, "sea.windSpeed") == 8);
+    assert_false(pel_scene_state(scene)->sky->has_sun_elevation);
+    assert_int_equal(pel_scene_state(scene)->n_views, 1);
+    assert_int_equal(pel_scene_state(scene)->n_entities, 1);
+    must(scene, "{\"sea\":null,\"clock\":null}");
+    /* What a client reads it may send back. */
+    char *all = pel_json_from_message(&pel_scene_state(scene)->base, true);
+    must(scene, all);
+    free(all);
+    /* A name that two share names neither. */
+    must(scene, "{\"entities\":{\"8\":{\"name\":\"ownship\"}}}");
+    struct pel_fault fault;
+    assert_int_equal(
+        patch(scene, "{\"entities\":{\"ownship\":{\"roll\":3}}}", &fault),
+        PEL_ERR_CONFLICT);
+    assert_int_equal(
+        patch(scene, "{\"entities\":{\"ownship\":null}}", &fault),
+        PEL_ERR_CONFLICT);
+    pel_scene_destroy(scene);
+}
+
+static void limits_hold(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL);
+    char json[80];
+    struct pel_fault fault;
+    for (int i = 1; i < PEL_MAX_VIEWS; i++) {
+        snprintf(json, sizeof json, "{\"views\":{\"v%d\":{}}}", i);
+        must(scene, json);
+    }
+    assert_int_equal(patch(scene, "{\"views\":{\"more\":{}}}", &fault),
+                     PEL_ERR_OUT_OF_RANGE);
+    assert_string_equal(fault.path, "views");
+    for (int i = 2; i <= PEL_MAX_ENTITIES; i++) {
+        snprintf(json, sizeof json, "{\"entities\":{\"%d\":{}}}", i);
+        must(scene, json);
+    }
+    assert_int_equal(patch(scene, "{\"entities\":{\"999\":{}}}", &fault),
+                     PEL_ERR_OUT_OF_RANGE);
+    assert_string_equal(fault.path, "entities");
+    pel_scene_destroy(scene);
+}
+
+static void the_clock_has_modes(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL);
+    struct pel_fault fault;
+    assert_int_equal(pel_scene_step(scene, 1, &fault), PEL_ERR_CONFLICT);
+    must(scene, "{\"clock\":{\"rate\":100}}");
+    double before = pel_scene_time(scene);
+    g_usleep(20000);
+    double passed = pel_scene_time(scene) - before;
+    /* usleep sleeps at least that; 20 × is room for a busy machine. */
+    assert_true(passed >= 2.0 && passed < 40);
+    must(scene, "{\"clock\":{\"mode\":\"STEPPED\",\"time\":50}}");
+    g_usleep(2000);
+    assert_true(pel_scene_time(scene) == 50);
+    assert_int_equal(pel_scene_step(scene, 0.25, &fault), PEL_OK);
+    assert_true(number(scene, "clock.time") == 50.25);
+    const double bad[] = { -1, NAN, INFINITY, 3601 };
+    for (size_t i = 0; i < 4; i++) {
+        assert_int_equal(pel_scene_step(scene, bad[i], &fault),
+                         PEL_ERR_OUT_OF_RANGE);
+    }
+    /* Another edit leaves the time alone. */
+    must(scene, "{\"sea\":{\"windSpeed\":3}}");
+    assert_true(pel_scene_time(scene) == 50.25);
+    must(scene, "{\"clock\":{\"mode\":\"PACED\"}}");
+    assert_int_equal(pel_scene_step(scene, 1, &fault), PEL_OK);
+    assert_true(pel_scene_time(scene) == 51.25);
+    pel_scene_destroy(scene);
+}
+
+static void a_heading_alone_does_not_throw_the_ship_back(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL);
+    must(scene, "{\"clock\":{\"mode\":\"STEPPED\",\"time\":0},"
+                "\"origin\":{\"latitude\":0,\"longitude\":0},"
+                "\"entities\":{\"1\":{\"latitude\":0,\"longitude\":0,"
+                "\"speed\":10,\"course\":90,\"turnRate\":0}}}");
+    assert_int_equal(pel_scene_step(scene, 30, NULL), PEL_OK);
+    must(scene, "{\"entities\":{\"1\":{\"heading\":45}}}");
+    /* 300 m east on the equator: 6378137 m a radian. */
+    assert_true(fabs(number(scene, "entities.1.longitude") -
+                     300 / (6378137 * PEL_DEG)) < 1e-9);
+    assert_true(number(scene, "entities.1.poseTime") == 30);
+    /* Setting the clock carries the ship along where it is. */
+    double there = number(scene, "entities.1.longitude");
+    must(scene, "{\"clock\":{\"time\":5000}}");
+    assert_true(fabs(number(scene, "entities.1.longitude") - there) < 1e-12);
+    assert_true(number(scene, "entities.1.poseTime") == 5000);
+    /* Removing a field is an edit of the pose too. */
+    assert_int_equal(pel_scene_step(scene, 10, NULL), PEL_OK);
+    must(scene, "{\"entities\":{\"1\":{\"speed\":null}}}");
+    assert_true(fabs(number(scene, "entities.1.longitude") -
+                     400 / (6378137 * PEL_DEG)) < 1e-9);
+    assert_true(number(scene, "entities.1.speed") == 0);
+    /* An explicit time is taken. */
+    must(scene, "{\"entities\":{\"1\":{\"heading\":1,\"poseTime\":5003}}}");
+    assert_true(number(scene, "entities.1.poseTime") == 5003);
+    pel_scene_destroy(scene);
+}
+
+static int commits;
+
+static void count_commit(void *user)
+{
+    assert_ptr_equal(user, &commits);
+    commits++;
+}
+
+static void snapshots_share_the_sea(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL);
+    commits = 0;
+    pel_scene_on_commit(scene, count_commit, &commits);
+    const struct pel_snapshot *a = pel_scene_snapshot(scene);
+    must(scene, "{\"entities\":{\"1\":{\"heading\":45}}}");
+    const struct pel_snapshot *b = pel_scene_snapshot(scene);
+    must(scene, "{\"sea\":{\"windDirection\":180,\"windSpeed\":12}}");
+    const struct pel_snapshot *c = pel_scene_snapshot(scene);
+    assert_ptr_equal(a->sea, b->sea);
+    assert_ptr_not_equal(b->sea, c->sea);
+    assert_int_equal(commits, 2);
+    /* From the south: it blows north, π/2 from east. */
+    assert_true(fabs(c->wind_to_rad - PEL_PI / 2) < 1e-12);
+    assert_true(c->sea->desc.wind_mps == 12);
+    pel_scene_destroy(scene);
+    assert_true(fabs(a->sea->desc.wind_mps - 8) < 1e-12); /* still there */
+    pel_snapshot_unref(a);
+    pel_snapshot_unref(b);
+    pel_snapshot_unref(c);
+}
+
+static char *temporary(void)
+{
+    char *directory = g_dir_make_tmp("pelagos-XXXXXX", NULL);
+    char *path = g_build_filename(directory, "state.json", NULL);
+    g_free(directory);
+    return path;
+}
+
+static void clean(char *path)
+{
+    char *directory = g_path_get_dirname(path);
+    char *bad = g_strconcat(path, ".bad", NULL);
+    unlink(path);
+    unlink(bad);
+    assert_int_equal(rmdir(directory), 0); /* and no *.new is left */
+    g_free(bad);
+    g_free(directory);
+    g_free(path);
+}
+
+static void the_state_outlives_the_daemon(void **state)
+{
+    (void)state;
+    char *path = temporary();
+    struct pel_scene *scene = make(path);
+    must(scene, "{\"clock\":{\"mode\":\"STEPPED\",\"time\":12.5},"
+                "\"sea\":{\"windSpeed\":17.3,\"swell\":[[2,9]]},"
+                "\"views\":{\"stern\":{\"yaw\":180}}}");
+    char *before = pel_json_from_message(&pel_scene_state(scene)->base, true);
+    /* The timer writes it without a destroy: a kill -9 loses at most 1 s. */
+    for (int i = 0; i < 300 && !g_file_test(path, G_FILE_TEST_EXISTS); i++) {
+        g_usleep(10000);
+        g_main_context_iteration(NULL, FALSE);
+    }
+    assert_true(g_file_test(path, G_FILE_TEST_EXISTS));
+    struct pel_scene *other = make(path);
+    char *after = pel_json_from_message(&pel_scene_state(other)->base, true);
+    assert_string_equal(after, before);
+    free(after);
+    pel_scene_destroy(other);
+    must(scene, "{\"sea\":{\"windSpeed\":1}}");
+    pel_scene_destroy(scene);
+    scene = make(path);
+    assert_true(number(scene, "sea.windSpeed") == 1);
+    pel_scene_destroy(scene);
+    free(before);
+    clean(path);
+}
+
+static void a_bad_file_is_set_aside(void **state)
+{
+    (void)state;
+    static const char *const bad[] = {
+        "{",
+        "{\"sea\":{\"windSpeed\":99}}",
+        "{\"nothing\":1}",
+        "{\"views\":[{\"name\":\"a\",\"entity\":3}]}",
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        char *path = temporary();
+        g_file_set_contents(path, bad[i], -1, NULL);
+        struct pel_scene *scene = make(path);
+        assert_true(number(scene, "sea.windSpeed") == 8);
+        char *name = g_strconcat(path, ".bad", NULL), *kept;
+        assert_true(g_file_get_contents(name, &kept, NULL, NULL));
+        assert_string_equal(kept, bad[i]);
+        g_free(kept);
+        g_free(name);
+        pel_scene_destroy(scene);
+        clean(path);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(defaults_are_all_there),
+        cmocka_unit_test(refusals_change_nothing),
+        cmocka_unit_test(binary_values_are_tested_too),
+        cmocka_unit_test(edits_merge_and_reset),
+        cmocka_unit_test(limits_hold),
+        cmocka_unit_test(the_clock_has_modes),
+        cmocka_unit_test(a_heading_alone_does_not_throw_the_ship_back),
+        cmocka_unit_test(snapshots_share_the_sea),
+        cmocka_unit_test(the_state_outlives_the_daemon),
+        cmocka_unit_test(a_bad_file_is_set_aside),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,109 @@
+#include "scene/snapshot.h"
+
+#include <string.h>
+
+#include "scene/reckon.h"
+#include "scene/sun.h"
+
+int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name)
+{
+    for (size_t i = 0; i < s->view_count; i++) {
+        if (strcmp(s->views[i].name, name) == 0) {
+            return (int)i;
+        }
+    }
+    return -1;
+}
+
+void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
+                            double time_s, struct pel_entity_state *out)
+{
+    const struct pel_entity_state *at = &s->entities[index];
+    double seconds = pel_reckon_seconds(at->pose_time_s, time_s);
+    double east, north, turned = at->turn_rate_rps * seconds;
+    pel_reckon_move(at->speed_mps, at->course_rad, at->turn_rate_rps, seconds,
+                    &east, &north);
+    *out = *at;
+    out->east_m += east;
+    out->north_m += north;
+    out->heading_rad = at->heading_rad + turned;
+    out->course_rad = at->course_rad + turned;
+    out->pose_time_s = at->pose_time_s + seconds;
+}
+
+struct pel_vec3 pel_snapshot_sun(const struct pel_snapshot *s, double time_s)
+{
+    double azimuth, elevation;
+    pel_sun_position(s->epoch_unix_s + time_s, s->origin_latitude_rad,
+                     s->origin_longitude_rad, &azimuth, &elevation);
+    if (s->sun_azimuth_fixed) {
+        azimuth = s->sun_azimuth_rad;
+    }
+    if (s->sun_elevation_fixed) {
+        elevation = s->sun_elevation_rad;
+    }
+    return (struct pel_vec3){ sin(azimuth) * cos(elevation),
+                              cos(azimuth) * cos(elevation), sin(elevation) };
+}
+
+/* Columns: right, forward and up of a body, in axes that are right, forward
+ * and up of what carries it (east, north, up for the world). Heading first
+ * (clockwise), then pitch (bow up), then roll (right side down). */
+static struct pel_mat3 attitude(double heading, double pitch, double roll)
+{
+    double sh = sin(heading), ch = cos(heading);
+    double sp = sin(pitch), cp = cos(pitch);
+    double sr = sin(roll), cr = cos(roll);
+    struct pel_vec3 right = { ch, -sh, 0 };
+    struct pel_vec3 forward = { sh * cp, ch * cp, sp };
+    struct pel_vec3 up = { -sh * sp, -ch * sp, cp };
+    return (struct pel_mat3){
+        pel_vec3_add(pel_vec3_scale(right, cr), pel_vec3_scale(up, -sr)),
+        forward,
+        pel_vec3_add(pel_vec3_scale(up, cr), pel_vec3_scale(right, sr)),
+    };
+}
+
+static void size_camera(const struct pel_view_state *view, uint32_t width,
+                        uint32_t height, struct pel_camera *out)
+{
+    out->width = width > 0 ? width : view->width;
+    out->height = height > 0 ? height : view->height;
+    double stretch = ((double)out->height * view->width) /
+                     ((double)out->width * view->height);
+    out->tan_left = view->tan_left;
+    out->tan_right = view->tan_right;
+    out->tan_top = view->tan_top * stretch;
+    out->tan_bottom = view->tan_bottom * stretch;
+}
+
+void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
+                         double time_s, uint32_t width, uint32_t height,
+                         struct pel_camera *out)
+{
+    const struct pel_view_state *view = &s->views[index];
+    struct pel_entity_state carrier = { 0 };
+    if (view->entity >= 0) {
+        pel_snapshot_entity_at(s, (size_t)view->entity, time_s, &carrier);
+    }
+    struct pel_mat3 world_from_ship =
+        attitude(carrier.heading_rad, carrier.pitch_rad, carrier.roll_rad);
+    struct pel_mat3 ship_from_view =
+        attitude(view->yaw_rad, view->pitch_rad, view->roll_rad);
+    struct pel_vec3 arm = pel_mat3_apply(
+        &world_from_ship,
+        (struct pel_vec3){ view->right_m, view->forward_m, view->up_m });
+    out->east_m = carrier.east_m + arm.x;
+    out->north_m = carrier.north_m + arm.y;
+    out->altitude_m = carrier.altitude_m + arm.z;
+    struct pel_vec3 forward =
+        pel_mat3_apply(&world_from_ship, ship_from_view.y);
+    out->world_from_camera = (struct pel_mat3){
+        pel_mat3_apply(&world_from_ship, ship_from_view.x),
+        pel_mat3_apply(&world_from_ship, ship_from_view.z),
+        pel_vec3_scale(forward, -1),
+    };
+    size_camera(view, width, height, out);
+    out->auto_exposure = view->auto_exposure;
+    out->exposure_ev = view->exposure_ev;
+}
