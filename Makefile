@@ -97,6 +97,7 @@ FRAMES := server/frames/frame.c server/frames/mailbox.c \
     server/frames/requests.c \
     server/frames/live.c \
     server/frames/surface.c \
+    server/frames/metrics.c \
     server/frames/schedule.c \
     server/frames/frames.c
 NET := server/net/fdsource.c \
@@ -120,7 +121,7 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/modbus_map.c server/bridges/modbus_adu.c \
     server/bridges/modbus.c
 OPTIONS := server/options.c server/options_print.c
-DAEMON := server/main.c
+DAEMON := server/main.c server/service.c
 CLIENT := \
     clients/lib/pelagos.c \
     clients/lib/stream.c
@@ -147,6 +148,7 @@ TESTS += server/ocean/surface_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/encode/encode_test.c
 TESTS += server/options_test.c
+TESTS += server/frames/frames_test.c
 TESTS += proto/json_test.c
 TESTS += proto/registers_test.c
 TESTS += server/bridges/nmea_parse_test.c

@@ -1,7 +1,358 @@
-#include "base/log.h"
+/* pelagosd: options, wiring, signals. */
+#include <glib-unix.h>
+#include <glib.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
-int main(void)
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/metrics.h"
+#include "bridges/modbus.h"
+#include "bridges/nmea.h"
+#include "frames/frames.h"
+#include "net/net.h"
+#include "options.h"
+#include "scene/scene.h"
+#include "service.h"
+
+#define EXIT_USAGE 2
+#define DRAIN_NS 2000000000LL
+
+struct daemon {
+    int argc;
+    char **argv;
+    struct pel_options options;
+    int64_t started_ns;
+    GMainLoop *loop;
+    struct pel_scene *scene;
+    struct pel_frames *frames;
+    struct pel_metrics *metrics;
+    struct pel_net *net;
+    struct pel_modbus *modbus;
+    struct pel_nmea *nmea;
+    struct pel_service *service;
+    char http_host[64], tcp_host[64]; /* the net keeps pointers */
+    char **http_hosts;
+    bool stopping;
+    int64_t drain_end_ns;
+    uint64_t counted_frames; /* for the rate that Modbus shows */
+    int64_t counted_ns;
+    double frames_per_s;
+};
+
+static const char *or_null(const char *text)
 {
+    return *text ? text : NULL;
+}
+
+/* --- parts ------------------------------------------------------------------ */
+
+static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
+{
+    struct pel_scene_options options = {
+        .state_path = or_null(d->options.state),
+        .wave_count = d->options.waves,
+    };
+    return pel_scene_create(&options, &d->scene, fault);
+}
+
+static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
+{
+    struct pel_frames_options options = {
+        .device = d->options.device,
+        .shader_dir = or_null(d->options.shader_dir),
+        .gl_debug = d->options.gl_debug,
+        .max_fps = d->options.fps,
+        .encoder_threads = d->options.encoder_threads,
+    };
+    enum pel_err err =
+        pel_frames_create(&options, d->scene, &d->frames, fault);
+    if (err == PEL_OK) {
+        pel_metrics_add(d->metrics, pel_frames_collect, d->frames);
+    }
+    return err;
+}
+
+static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
+{
+    struct pel_net_options options = {
+        .unix_path = or_null(d->options.unix_path),
+        .metrics = d->metrics,
+    };
+    pel_net_limits_default(&options.limits);
+    if (*d->options.http &&
+        pel_options_split_address(d->options.http, d->http_host,
+                                  &options.http_port)) {
+        options.http_address = d->http_host;
+    }
+    if (*d->options.tcp &&
+        pel_options_split_address(d->options.tcp, d->tcp_host,
+                                  &options.tcp_port)) {
+        options.tcp_address = d->tcp_host;
+    }
+    if (*d->options.http_hosts) {
+        d->http_hosts = g_strsplit(d->options.http_hosts, ",", 16);
+        options.http_hosts = (const char *const *)d->http_hosts;
+    }
+    enum pel_err err =
+        pel_net_create(&options, d->scene, d->frames, &d->net, fault);
+    if (err == PEL_OK) {
+        pel_info("DMN-002", "HTTP on port %u, protobuf on port %u%s%s",
+                 pel_net_http_port(d->net), pel_net_tcp_port(d->net),
+                 options.unix_path ? " and " : "",
+                 options.unix_path ? options.unix_path : "");
+    }
+    return err;
+}
+
+static enum pel_err start_nmea(struct daemon *d, struct pel_fault *fault)
+{
+    static const enum pel_nmea_wind winds[] = {
+        PEL_NMEA_WIND_OFF, PEL_NMEA_WIND_GIVEN, PEL_NMEA_WIND_MEAN
+    };
+    struct pel_nmea_options options = pel_nmea_default_options();
+    options.listen = d->options.nmea;
+    options.allow = or_null(d->options.nmea_allow);
+    options.entity = (uint32_t)d->options.nmea_entity;
+    options.wind = winds[d->options.nmea_wind];
+    options.ais = d->options.nmea_ais;
+    options.metrics = d->metrics;
+    if (!*d->options.nmea) {
+        return PEL_OK;
+    }
+    enum pel_err err = pel_nmea_create(&options, d->scene, &d->nmea, fault);
+    if (err == PEL_OK) {
+        pel_info("DMN-006", "NMEA 0183 on UDP port %u", pel_nmea_port(d->nmea));
+    }
+    return err;
+}
+
+static uint64_t sum(const uint64_t *values, size_t count)
+{
+    uint64_t total = 0;
+    for (size_t i = 0; i < count; i++) {
+        total += values[i];
+    }
+    return total;
+}
+
+static void modbus_status(void *user, struct pel_modbus_status *status)
+{
+    struct daemon *d = user;
+    struct pel_frames_stats s;
+    int64_t now = pel_now_ns();
+    pel_frames_get_stats(d->frames, &s);
+    if (now - d->counted_ns > 1000000000) {
+        d->frames_per_s = (double)(s.frames_drawn - d->counted_frames) /
+                          ((double)(now - d->counted_ns) * 1e-9);
+        d->counted_frames = s.frames_drawn;
+        d->counted_ns = now;
+    }
+    *status = (struct pel_modbus_status){
+        .frame_number = s.frames_drawn,
+        .frames_per_s = d->frames_per_s,
+        .render_ms = s.render_ms_median,
+        .frames_stalled = pel_frames_stuck(d->frames),
+    };
+    if (d->nmea) {
+        const struct pel_nmea_counters *counters = pel_nmea_counters(d->nmea);
+        struct pel_nmea_status nmea;
+        pel_nmea_status(d->nmea, &nmea);
+        status->nmea_stale = nmea.stale;
+        status->nmea_sentences = counters->sentences;
+        status->nmea_errors = sum(counters->errors, PEL_NMEA_ERROR_COUNT);
+    }
+}
+
+static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
+{
+    static const enum pel_modbus_order orders[] = {
+        PEL_MODBUS_ABCD, PEL_MODBUS_CDAB, PEL_MODBUS_BADC, PEL_MODBUS_DCBA
+    };
+    struct pel_modbus_options options = pel_modbus_default_options();
+    options.listen = d->options.modbus;
+    options.allow = or_null(d->options.modbus_allow);
+    options.order = orders[d->options.modbus_order];
+    options.unit = d->options.modbus_unit;
+    options.max_clients = d->options.modbus_clients;
+    options.heartbeat_ms = d->options.modbus_heartbeat_ms;
+    options.extrapolate_ms = d->options.modbus_extrapolate_ms;
+    options.status = modbus_status;
+    options.user = d;
+    if (!*d->options.modbus) {
+        return PEL_OK;
+    }
+    enum pel_err err = pel_modbus_create(&options, d->scene, &d->modbus, fault);
+    if (err == PEL_OK) {
+        pel_info("DMN-007", "Modbus/TCP on port %u",
+                 pel_modbus_port(d->modbus));
+    }
+    return err;
+}
+
+static enum pel_err start(struct daemon *d, struct pel_fault *fault)
+{
+    enum pel_err (*const parts[])(struct daemon *, struct pel_fault *) = {
+        start_scene, start_frames, start_net, start_nmea, start_modbus
+    };
+    d->metrics = pel_metrics_create();
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        enum pel_err err = parts[i](d, fault);
+        if (err != PEL_OK) {
+            return err;
+        }
+    }
+    return PEL_OK;
+}
+
+/* False: a thread hangs, and the process cannot end in the usual way. */
+static bool finish(struct daemon *d)
+{
+    pel_service_stopping(d->service);
+    pel_modbus_destroy(d->modbus);
+    pel_nmea_destroy(d->nmea);
+    pel_net_destroy(d->net);
+    if (d->frames) {
+        pel_metrics_remove(d->metrics, pel_frames_collect, d->frames);
+    }
+    bool joined = pel_frames_destroy(d->frames);
+    pel_scene_destroy(d->scene);
+    if (joined) {
+        pel_metrics_destroy(d->metrics);
+        g_strfreev(d->http_hosts);
+        g_main_loop_unref(d->loop);
+    }
+    return joined;
+}
+
+/* --- signals ------------------------------------------------------------------ */
+
+static gboolean drain(gpointer user)
+{
+    struct daemon *d = user;
+    if (!pel_net_idle(d->net) && pel_now_ns() < d->drain_end_ns) {
+        return G_SOURCE_CONTINUE;
+    }
+    g_main_loop_quit(d->loop);
+    return G_SOURCE_REMOVE;
+}
+
+static gboolean terminate(gpointer user)
+{
+    struct daemon *d = user;
+    if (d->stopping) {
+        g_main_loop_quit(d->loop); /* asked twice */
+        return G_SOURCE_CONTINUE;
+    }
+    pel_info("DMN-008", "stopping");
+    d->stopping = true;
+    d->drain_end_ns = pel_now_ns() + DRAIN_NS;
+    pel_net_stop_listening(d->net);
+    g_timeout_add(20, drain, d);
+    return G_SOURCE_CONTINUE;
+}
+
+static void apply_live(struct daemon *d, const struct pel_options *fresh)
+{
+    d->options.log_level = fresh->log_level;
+    d->options.fps = fresh->fps;
+    pel_log_set_level((enum pel_log_level)d->options.log_level);
+    pel_frames_set_max_fps(d->frames, d->options.fps);
+}
+
+static gboolean reload(gpointer user)
+{
+    struct daemon *d = user;
+    struct pel_options fresh;
+    enum pel_options_action action;
+    struct pel_fault fault;
+    if (pel_options_read(d->argc, d->argv, &fresh, &action, &fault) != PEL_OK) {
+        pel_error("DMN-020", "options stay as they were: %s", fault.message);
+        return G_SOURCE_CONTINUE;
+    }
+    for (const struct pel_option *o = pel_option_table; o->name; o++) {
+        if (!pel_option_equal(o, &d->options, &fresh)) {
+            pel_log(o->live ? PEL_LOG_INFO : PEL_LOG_WARNING, "DMN-021",
+                    o->live ? "%s has changed"
+                            : "%s has changed: restart to use it",
+                    o->name);
+        }
+    }
+    apply_live(d, &fresh);
+    pel_info("DMN-022", "options read again");
+    return G_SOURCE_CONTINUE;
+}
+
+static void ready(void *user)
+{
+    struct daemon *d = user;
+    if (!d->stopping) {
+        d->service = pel_service_ready(d->frames);
+    }
+}
+
+/* --- main --------------------------------------------------------------------- */
+
+static int run(struct daemon *d)
+{
+    struct pel_fault fault = { 0 };
+    int status = EXIT_SUCCESS;
+    d->loop = g_main_loop_new(NULL, FALSE);
     pel_info("DMN-001", "pelagosd %s", PEL_VERSION);
-    return 0;
+    pel_service_limits();
+    if (start(d, &fault) != PEL_OK) {
+        pel_error("DMN-009", "cannot start: %s", fault.message);
+        status = EXIT_FAILURE;
+    } else {
+        g_unix_signal_add(SIGTERM, terminate, d);
+        g_unix_signal_add(SIGINT, terminate, d);
+        g_unix_signal_add(SIGHUP, reload, d);
+        pel_service_warm_up(d->frames, d->scene, d->started_ns, ready, d);
+        g_main_loop_run(d->loop);
+    }
+    if (!finish(d)) {
+        _exit(status);
+    }
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    static struct daemon d;
+    enum pel_options_action action;
+    struct pel_fault fault = { 0 };
+    d.started_ns = pel_now_ns();
+    d.argc = argc;
+    d.argv = argv;
+    if (pel_options_read(argc, argv, &d.options, &action, &fault) != PEL_OK) {
+        fprintf(stderr, "pelagosd: %s\n", fault.message);
+        return EXIT_USAGE;
+    }
+    signal(SIGPIPE, SIG_IGN);
+    pel_log_set_level((enum pel_log_level)d.options.log_level);
+    switch (action) {
+    case PEL_ACTION_RUN:
+        return run(&d);
+    case PEL_ACTION_HELP:
+        pel_options_print_help(stdout);
+        break;
+    case PEL_ACTION_VERSION:
+        printf("pelagosd %s\n", PEL_VERSION);
+        break;
+    case PEL_ACTION_MAN:
+        pel_options_print_man(stdout);
+        break;
+    case PEL_ACTION_COMPLETION:
+        pel_options_print_completion(stdout);
+        break;
+    case PEL_ACTION_EXAMPLE:
+        pel_options_print_example(stdout);
+        break;
+    case PEL_ACTION_CHECK:
+        printf("the options are good\n");
+        break;
+    }
+    return EXIT_SUCCESS;
 }

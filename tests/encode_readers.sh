@@ -2,7 +2,7 @@
 # The encoders' files, read by programs that are not ours: djpeg or ffmpeg,
 # exrheader. Argument: the encode_test program.
 set -eu
-test_program=${1:-build/release/bin/encode_test}
+test_program=${1:-${PELAGOS_BIN:-build/release/bin}/encode_test}
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 PEL_SAMPLES=$folder "$test_program" >/dev/null 2>&1

@@ -94,7 +94,9 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
     *out = frames;
     return PEL_OK;
 fail:
-    pel_frames_destroy(frames);
+    if (!pel_frames_destroy(frames)) {
+        pel_fault_set(fault, err, "a thread hangs");
+    }
     return err;
 }
 
@@ -121,10 +123,10 @@ static void drop_jobs(struct pel_frames *frames)
     free(frames->jobs);
 }
 
-void pel_frames_destroy(struct pel_frames *frames)
+bool pel_frames_destroy(struct pel_frames *frames)
 {
     if (!frames) {
-        return;
+        return true;
     }
     frames->stopping = true;
     drop_alarm(&frames->tick);
@@ -137,14 +139,15 @@ void pel_frames_destroy(struct pel_frames *frames)
     pel_live_finish(frames);
     if (!joined) {
         /* They still use all this: leaving it is the only safe way. */
-        pel_error("FRM-005", "a thread did not end within 5 s");
-        return;
+        pel_error("FRM-005", "a thread does not end and is left behind");
+        return false;
     }
     pel_renderloop_destroy(frames->loop);
     pel_pool_destroy(frames->pool);
     pel_mailbox_finish(&frames->box);
     drop_jobs(frames);
     free(frames);
+    return true;
 }
 
 const char *pel_frames_device(const struct pel_frames *frames)

@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "base/metrics.h"
 #include "scene/scene.h"
 
 struct pel_frames;
@@ -31,8 +32,11 @@ PEL_CHECK enum pel_err pel_frames_create(const struct pel_frames_options *o,
                                          struct pel_frames **out,
                                          struct pel_fault *fault);
 
-/* Stops and joins the threads; outstanding requests end with CONFLICT. */
-void pel_frames_destroy(struct pel_frames *frames);
+/* Stops and joins the threads; outstanding requests end with CONFLICT, and
+ * subscriptions are over without a call. Takes at most 3 s: false when a
+ * thread hung (in a driver) and was left behind; then end by _exit, as the
+ * driver's own exit handlers would meet it. NULL allowed. */
+bool pel_frames_destroy(struct pel_frames *frames);
 
 /* GL_RENDERER of the device in use. */
 const char *pel_frames_device(const struct pel_frames *frames);
@@ -118,3 +122,6 @@ void pel_frames_set_max_fps(struct pel_frames *frames, double max_fps);
 
 /* Whether a frame has been drawing for more than 2 s. */
 bool pel_frames_stuck(const struct pel_frames *frames);
+
+/* Writes the counters as metrics `pelagos_frames_...`; user: the frames. */
+void pel_frames_collect(void *user, struct pel_metrics_page *page);

@@ -186,7 +186,7 @@ bool pel_pool_stop(struct pel_pool *pool)
     pthread_mutex_unlock(&pool->lock);
     struct timespec end;
     clock_gettime(CLOCK_MONOTONIC, &end);
-    end.tv_sec += 5;
+    end.tv_sec += 1;
     bool joined = true;
     for (int i = 0; i < pool->count; i++) {
         if (pthread_clockjoin_np(pool->threads[i], NULL, CLOCK_MONOTONIC,

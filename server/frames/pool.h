@@ -17,7 +17,7 @@ PEL_CHECK enum pel_err pel_pool_create(int threads, struct pel_mailbox *box,
 /* Name of the GL renderer for the files' attributes; lives as long. */
 void pel_pool_set_device(struct pel_pool *pool, const char *device);
 
-/* Drops what waits, ends the work at hand, joins; false: not within 5 s, and
+/* Drops what waits, ends the work at hand, joins; false: not within 1 s, and
  * the threads are left alone. */
 bool pel_pool_stop(struct pel_pool *pool);
 void pel_pool_destroy(struct pel_pool *pool); /* after stop; NULL allowed */

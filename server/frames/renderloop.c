@@ -306,7 +306,7 @@ bool pel_renderloop_stop(struct pel_renderloop *loop)
     pthread_mutex_unlock(&loop->lock);
     struct timespec end;
     clock_gettime(CLOCK_MONOTONIC, &end);
-    end.tv_sec += 5;
+    end.tv_sec += 2;
     loop->joined =
         pthread_clockjoin_np(loop->thread, NULL, CLOCK_MONOTONIC, &end) == 0;
     return loop->joined;

@@ -25,7 +25,7 @@ void pel_renderloop_released(struct pel_renderloop *loop, size_t bytes);
 /* When the thread last made progress (CLOCK_MONOTONIC); any thread. */
 int64_t pel_renderloop_progress_ns(const struct pel_renderloop *loop);
 
-/* Drops what waits and joins; false: not within 5 s, the thread is left. The
+/* Drops what waits and joins; false: not within 2 s, the thread is left. The
  * encoders must have stopped. */
 bool pel_renderloop_stop(struct pel_renderloop *loop);
 void pel_renderloop_destroy(struct pel_renderloop *loop); /* after stop */

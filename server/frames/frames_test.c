@@ -1,0 +1,755 @@
+/* The frame path with the real renderer on the software device. */
+#include "frames/frames.h"
+
+#include <glib.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "encode/encode.h"
+#include "frames/core.h"
+
+static struct pel_scene *scene;
+static struct pel_frames *frames;
+
+/* --- helpers ----------------------------------------------------------------- */
+
+struct answer {
+    int calls, frame_count;
+    enum pel_err err;
+    struct pel_fault fault;
+    struct pel_frame *frame; /* the last one */
+    uint64_t numbers[64];
+    double times[64];
+};
+
+static void take(void *user, enum pel_err err, const struct pel_fault *fault,
+                 struct pel_frame *frame)
+{
+    struct answer *answer = user;
+    answer->err = err;
+    answer->calls++;
+    if (fault) {
+        answer->fault = *fault;
+    }
+    if (frame) {
+        pel_frame_unref(answer->frame);
+        answer->frame = pel_frame_ref(frame);
+        answer->numbers[answer->frame_count % 64] = frame->number;
+        answer->times[answer->frame_count % 64] = frame->time_s;
+        answer->frame_count++;
+    }
+}
+
+static void drop(struct answer *answer)
+{
+    pel_frame_unref(answer->frame);
+    *answer = (struct answer){ 0 };
+}
+
+static gboolean nudge(gpointer user)
+{
+    (void)user;
+    return G_SOURCE_CONTINUE;
+}
+
+/* Runs the main loop until *count reaches `wanted`, at most 60 s: the software
+ * device under a sanitizer and beside other programs is slow. */
+static void run_until(const int *count, int wanted)
+{
+    int64_t end = pel_now_ns() + 60000000000LL;
+    guint timer = g_timeout_add(50, nudge, NULL);
+    while (*count < wanted && pel_now_ns() < end) {
+        g_main_context_iteration(NULL, TRUE);
+    }
+    g_source_remove(timer);
+    assert_true(*count >= wanted);
+}
+
+static void run_for(int ms)
+{
+    int64_t end = pel_now_ns() + ms * 1000000LL;
+    guint timer = g_timeout_add(5, nudge, NULL);
+    while (pel_now_ns() < end) {
+        g_main_context_iteration(NULL, TRUE);
+    }
+    g_source_remove(timer);
+}
+
+static void patch_state(Pelagos__State *state)
+{
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    struct pel_fault fault;
+    patch.state = state;
+    if (pel_scene_patch(scene, &patch, &fault) != PEL_OK) {
+        fail_msg("%s: %s", fault.path, fault.message);
+    }
+}
+
+static void set_clock(Pelagos__ClockMode mode, double time_s)
+{
+    Pelagos__State state = PELAGOS__STATE__INIT;
+    Pelagos__Clock clock = PELAGOS__CLOCK__INIT;
+    clock.has_mode = clock.has_time = true;
+    clock.mode = mode;
+    clock.time = time_s;
+    state.clock = &clock;
+    patch_state(&state);
+}
+
+static void add_view(const char *name, uint32_t width, uint32_t height)
+{
+    Pelagos__State state = PELAGOS__STATE__INIT;
+    Pelagos__View view = PELAGOS__VIEW__INIT, *views[] = { &view };
+    view.name = (char *)name;
+    view.has_width = view.has_height = true;
+    view.width = width;
+    view.height = height;
+    state.n_views = 1;
+    state.views = views;
+    patch_state(&state);
+}
+
+static void remove_path(const char *path)
+{
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    char *paths[] = { (char *)path };
+    patch.n_remove = 1;
+    patch.remove = paths;
+    assert_int_equal(pel_scene_patch(scene, &patch, NULL), PEL_OK);
+}
+
+static Pelagos__FrameRequest small(Pelagos__FrameFormat format)
+{
+    Pelagos__FrameRequest request = PELAGOS__FRAME_REQUEST__INIT;
+    request.view = (char *)"test";
+    request.has_format = true;
+    request.format = format;
+    return request;
+}
+
+static void ask(const Pelagos__FrameRequest *request, struct answer *answer)
+{
+    struct pel_fault fault;
+    if (pel_frames_request(frames, request, take, answer, NULL, &fault) !=
+        PEL_OK) {
+        fail_msg("%s", fault.message);
+    }
+}
+
+static enum pel_err create_frames(const char *device)
+{
+    struct pel_frames_options options = { .device = device, .max_fps = 60 };
+    struct pel_fault fault;
+    return pel_frames_create(&options, scene, &frames, &fault);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    struct pel_scene_options options = { .wave_count = 60 };
+    struct pel_fault fault;
+    pel_log_set_level(PEL_LOG_WARNING);
+    if (pel_scene_create(&options, &scene, &fault) != PEL_OK ||
+        create_frames("software") != PEL_OK) {
+        return -1;
+    }
+    add_view("test", 64, 48);
+    set_clock(PELAGOS__CLOCK_MODE__STEPPED, 10);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    bool joined = pel_frames_destroy(frames);
+    pel_scene_destroy(scene);
+    return joined ? 0 : -1;
+}
+
+/* --- one picture --------------------------------------------------------------- */
+
+static void every_format_is_answered(void **state)
+{
+    (void)state;
+    static const char *const magic[] = { "\xff\xd8\xff", "\x89PNG",
+                                         "\x76\x2f\x31\x01" };
+    static const Pelagos__FrameFormat formats[] = {
+        PELAGOS__FRAME_FORMAT__JPEG, PELAGOS__FRAME_FORMAT__PNG,
+        PELAGOS__FRAME_FORMAT__EXR
+    };
+    for (int i = 0; i < 3; i++) {
+        struct answer answer = { 0 };
+        Pelagos__FrameRequest request = small(formats[i]);
+        ask(&request, &answer);
+        assert_int_equal(answer.calls, 0);
+        run_until(&answer.calls, 1);
+        assert_int_equal(answer.err, PEL_OK);
+        assert_int_equal(answer.frame->width, 64);
+        assert_int_equal(answer.frame->height, 48);
+        assert_int_equal(answer.frame->format, formats[i]);
+        assert_string_equal(answer.frame->view, "test");
+        assert_true(answer.frame->time_s == 10);
+        assert_memory_equal(answer.frame->data, magic[i], strlen(magic[i]));
+        drop(&answer);
+    }
+}
+
+static void the_same_request_gives_the_same_bytes(void **state)
+{
+    (void)state;
+    for (int format = 0; format < 3; format++) {
+        struct answer first = { 0 }, second = { 0 };
+        Pelagos__FrameRequest request = small((Pelagos__FrameFormat)format);
+        char *layers[] = { (char *)"radiance", (char *)"depth",
+                           (char *)"normal" };
+        if (format == PELAGOS__FRAME_FORMAT__EXR) {
+            request.n_layers = 3;
+            request.layers = layers;
+        }
+        ask(&request, &first);
+        run_until(&first.calls, 1);
+        ask(&request, &second);
+        run_until(&second.calls, 1);
+        assert_int_not_equal(first.frame->number, second.frame->number);
+        assert_int_equal(first.frame->size, second.frame->size);
+        assert_memory_equal(first.frame->data, second.frame->data,
+                            first.frame->size);
+        drop(&first);
+        drop(&second);
+    }
+}
+
+static void own_size_and_time_are_drawn(void **state)
+{
+    (void)state;
+    struct answer answer = { 0 }, plain = { 0 };
+    Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__PNG);
+    ask(&request, &plain);
+    request.has_width = request.has_time = true;
+    request.width = 33;
+    request.time = 1234.5;
+    ask(&request, &answer);
+    run_until(&answer.calls, 1);
+    run_until(&plain.calls, 1);
+    assert_int_equal(answer.frame->width, 33);
+    assert_int_equal(answer.frame->height, 48);
+    assert_true(answer.frame->time_s == 1234.5);
+    assert_true(plain.frame->time_s == 10);
+    assert_int_not_equal(answer.frame->number, plain.frame->number);
+    drop(&answer);
+    drop(&plain);
+}
+
+static void requests_of_one_turn_share_a_frame(void **state)
+{
+    (void)state;
+    struct answer a = { 0 }, b = { 0 }, c = { 0 };
+    Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__JPEG);
+    struct pel_frames_stats before, after;
+    pel_frames_get_stats(frames, &before);
+    ask(&request, &a);
+    ask(&request, &b);
+    request.format = PELAGOS__FRAME_FORMAT__PNG;
+    ask(&request, &c);
+    run_until(&a.calls, 1);
+    run_until(&b.calls, 1);
+    run_until(&c.calls, 1);
+    pel_frames_get_stats(frames, &after);
+    assert_int_equal(a.frame->number, b.frame->number);
+    assert_int_equal(a.frame->number, c.frame->number);
+    assert_ptr_equal(a.frame, b.frame); /* encoded once */
+    assert_int_equal(after.views_drawn - before.views_drawn, 1);
+    assert_int_equal(after.pictures_encoded - before.pictures_encoded, 2);
+    drop(&a);
+    drop(&b);
+    drop(&c);
+}
+
+static void the_next_frame_shows_a_patch(void **state)
+{
+    (void)state;
+    struct answer before = { 0 }, after = { 0 };
+    Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__JPEG);
+    ask(&request, &before);
+    run_until(&before.calls, 1);
+    Pelagos__State change = PELAGOS__STATE__INIT;
+    Pelagos__Sky sky = PELAGOS__SKY__INIT;
+    sky.has_visibility = true;
+    sky.visibility = 500;
+    change.sky = &sky;
+    patch_state(&change);
+    ask(&request, &after);
+    run_until(&after.calls, 1);
+    assert_int_equal(after.frame->revision, before.frame->revision + 1);
+    drop(&before);
+    drop(&after);
+}
+
+static void an_exr_says_how_it_came_about(void **state)
+{
+    (void)state;
+    struct answer answer = { 0 };
+    Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__EXR);
+    ask(&request, &answer);
+    run_until(&answer.calls, 1);
+    GBytes *bytes = g_bytes_new_static(answer.frame->data, answer.frame->size);
+    static const char *const names[] = {
+        "pelagos.view", "pelagos.time", "pelagos.seed", "pelagos.exposure",
+        "pelagos.revision", "pelagos.sunAzimuth", "pelagos.windSpeed",
+        "software", "pelagos.device", "worldToCamera", "worldToNDC", "capDate"
+    };
+    for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
+        /* With its final zero: a whole name of the header. */
+        assert_non_null(memmem(answer.frame->data, answer.frame->size, names[i],
+                               strlen(names[i]) + 1));
+    }
+    g_bytes_unref(bytes);
+    drop(&answer);
+}
+
+static void what_cannot_be_is_refused_at_once(void **state)
+{
+    (void)state;
+    struct pel_fault fault;
+    struct answer answer = { 0 };
+    struct pel_frames_stats before, after;
+    char *layers[] = { (char *)"colour" };
+    Pelagos__FrameRequest bad[8];
+    static const struct {
+        enum pel_err err;
+        const char *path;
+    } want[8] = {
+        { PEL_ERR_NOT_FOUND, "view" },     { PEL_ERR_NOT_FOUND, "view" },
+        { PEL_ERR_OUT_OF_RANGE, "width" }, { PEL_ERR_OUT_OF_RANGE, "height" },
+        { PEL_ERR_OUT_OF_RANGE, "time" },  { PEL_ERR_OUT_OF_RANGE, "quality" },
+        { PEL_ERR_INVALID, "layers" },     { PEL_ERR_INVALID, "layers" },
+    };
+    for (int i = 0; i < 8; i++) {
+        bad[i] = small(PELAGOS__FRAME_FORMAT__EXR);
+    }
+    bad[0].view = (char *)"nowhere";
+    bad[1].view = NULL;
+    bad[2].has_width = true, bad[2].width = 15;
+    bad[3].has_height = true, bad[3].height = 4097;
+    bad[4].has_time = true, bad[4].time = NAN;
+    bad[5].has_quality = true, bad[5].quality = 0;
+    bad[6].n_layers = 1, bad[6].layers = layers;
+    bad[7].n_layers = 1, bad[7].layers = (char *[]){ (char *)"depth" };
+    bad[7].format = PELAGOS__FRAME_FORMAT__JPEG;
+    pel_frames_get_stats(frames, &before);
+    for (int i = 0; i < 8; i++) {
+        assert_int_equal(pel_frames_request(frames, &bad[i], take, &answer,
+                                            NULL, &fault),
+                         want[i].err);
+        assert_string_equal(fault.path, want[i].path);
+    }
+    pel_frames_get_stats(frames, &after);
+    assert_int_equal(after.requests_refused - before.requests_refused, 8);
+    run_for(50);
+    assert_int_equal(answer.calls, 0);
+}
+
+static void waiting_requests_are_bounded(void **state)
+{
+    (void)state;
+    struct answer answers[65] = { 0 };
+    Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__JPEG);
+    request.has_width = true;
+    for (int i = 0; i < 64; i++) {
+        request.width = 16 + (uint32_t)i % 32;
+        ask(&request, &answers[i]);
+    }
+    struct pel_fault fault;
+    assert_int_equal(pel_frames_request(frames, &request, take, &answers[64],
+                                        NULL, &fault),
+                     PEL_ERR_BUSY);
+    for (int i = 0; i < 64; i++) {
+        run_until(&answers[i].calls, 1);
+        assert_int_equal(answers[i].err, PEL_OK);
+        drop(&answers[i]);
+    }
+    assert_int_equal(answers[64].calls, 0);
+}
+
+static void a_cancelled_request_is_silent(void **state)
+{
+    (void)state;
+    struct answer gone = { 0 }, late = { 0 }, kept = { 0 };
+    Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__JPEG);
+    uint64_t id;
+    assert_int_equal(pel_frames_request(frames, &request, take, &gone, &id,
+                                        NULL), PEL_OK);
+    pel_frames_cancel(frames, id);
+    pel_frames_cancel(frames, id);
+    assert_int_equal(pel_frames_request(frames, &request, take, &late, &id,
+                                        NULL), PEL_OK);
+    g_main_context_iteration(NULL, FALSE); /* it is being drawn now */
+    pel_frames_cancel(frames, id);
+    ask(&request, &kept);
+    run_until(&kept.calls, 1);
+    run_for(50);
+    assert_int_equal(gone.calls, 0);
+    assert_int_equal(late.calls, 0);
+    drop(&kept);
+    struct pel_frames_stats stats;
+    pel_frames_get_stats(frames, &stats);
+    assert_int_equal(stats.requests_waiting, 0);
+}
+
+static void a_view_deleted_before_its_frame(void **state)
+{
+    (void)state;
+    struct answer answer = { 0 };
+    add_view("soon_gone", 32, 32);
+    Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__JPEG);
+    request.view = (char *)"soon_gone";
+    ask(&request, &answer);
+    remove_path("views.soon_gone");
+    run_until(&answer.calls, 1);
+    assert_int_equal(answer.err, PEL_ERR_NOT_FOUND);
+    assert_string_equal(answer.fault.path, "view");
+}
+
+/* --- live ------------------------------------------------------------------------ */
+
+static void live_frames_come_in_order(void **state)
+{
+    (void)state;
+    struct answer a = { 0 }, b = { 0 };
+    struct pel_subscription *first, *second;
+    add_view("other", 48, 32);
+    assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &a, &first,
+                                          NULL), PEL_OK);
+    assert_int_equal(pel_frames_subscribe(frames, "other", 80, take, &b,
+                                          &second, NULL), PEL_OK);
+    run_until(&a.frame_count, 10);
+    run_until(&b.frame_count, 10);
+    int count = a.frame_count < 64 ? a.frame_count : 64;
+    for (int i = 1; i < count; i++) {
+        assert_true(a.numbers[i] > a.numbers[i - 1]);
+    }
+    /* The views of one frame share its number: b has no number of its own. */
+    int shared = 0;
+    for (int i = 0; i < count; i++) {
+        for (int k = 0; k < 64 && k < b.frame_count; k++) {
+            shared += a.numbers[i] == b.numbers[k];
+        }
+    }
+    assert_true(shared >= 9);
+    /* Asked for meanwhile, a picture comes with the live ones. */
+    struct answer one = { 0 }, timed = { 0 };
+    Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__PNG);
+    ask(&request, &one);
+    request.has_time = true;
+    request.time = 77;
+    ask(&request, &timed);
+    run_until(&one.calls, 1);
+    run_until(&timed.calls, 1);
+    assert_true(timed.frame->time_s == 77);
+    drop(&one);
+    drop(&timed);
+    pel_frames_unsubscribe(first);
+    pel_frames_unsubscribe(second);
+    run_for(100);
+    int calls = a.calls;
+    struct pel_frames_stats before, after;
+    pel_frames_get_stats(frames, &before);
+    run_for(200);
+    pel_frames_get_stats(frames, &after);
+    assert_int_equal(a.calls, calls);
+    assert_int_equal(after.frames_drawn, before.frames_drawn);
+    assert_int_equal(after.subscriptions, 0);
+    drop(&a);
+    drop(&b);
+}
+
+static void paced_time_advances_by_the_frame(void **state)
+{
+    (void)state;
+    struct answer answer = { 0 };
+    struct pel_subscription *subscription;
+    set_clock(PELAGOS__CLOCK_MODE__PACED, 100);
+    pel_frames_set_max_fps(frames, 50);
+    run_for(100);
+    assert_true(pel_scene_time(scene) == 100); /* nobody watches */
+    assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &answer,
+                                          &subscription, NULL), PEL_OK);
+    run_until(&answer.frame_count, 10);
+    pel_frames_unsubscribe(subscription);
+    for (int i = 1; i < 10; i++) {
+        /* 1/50 s to the rounding of sums near 100. */
+        assert_float_equal(answer.times[i] - answer.times[i - 1], 0.02, 1e-9);
+        assert_int_equal(answer.numbers[i] - answer.numbers[i - 1], 1);
+    }
+    pel_frames_set_max_fps(frames, 60);
+    run_for(100);
+    drop(&answer);
+    set_clock(PELAGOS__CLOCK_MODE__STEPPED, 10);
+}
+
+static void a_deleted_view_ends_its_subscription(void **state)
+{
+    (void)state;
+    struct answer answer = { 0 };
+    struct pel_subscription *subscription;
+    add_view("short", 32, 32);
+    assert_int_equal(pel_frames_subscribe(frames, "short", 80, take, &answer,
+                                          &subscription, NULL), PEL_OK);
+    run_until(&answer.frame_count, 2);
+    remove_path("views.short");
+    assert_int_equal(answer.err, PEL_ERR_NOT_FOUND);
+    int calls = answer.calls;
+    run_for(100);
+    assert_int_equal(answer.calls, calls);
+    pel_frames_unsubscribe(subscription);
+    drop(&answer);
+}
+
+static void size_changes_while_watched(void **state)
+{
+    (void)state;
+    struct answer answer = { 0 };
+    struct pel_subscription *subscription;
+    assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &answer,
+                                          &subscription, NULL), PEL_OK);
+    run_until(&answer.frame_count, 2);
+    add_view("test", 80, 40);
+    for (int i = 0; i < 200 && answer.frame->width != 80; i++) {
+        run_for(20);
+    }
+    assert_int_equal(answer.frame->width, 80);
+    assert_int_equal(answer.frame->height, 40);
+    pel_frames_unsubscribe(subscription);
+    add_view("test", 64, 48);
+    drop(&answer);
+}
+
+struct quitter {
+    struct answer answer;
+    struct pel_subscription *mine, *other;
+};
+
+static void quit_both(void *user, enum pel_err err,
+                      const struct pel_fault *fault, struct pel_frame *frame)
+{
+    struct quitter *quitter = user;
+    take(&quitter->answer, err, fault, frame);
+    pel_frames_unsubscribe(quitter->mine);
+    pel_frames_unsubscribe(quitter->other);
+    quitter->mine = quitter->other = NULL;
+}
+
+static void subscribers_may_leave_in_their_callback(void **state)
+{
+    (void)state;
+    struct quitter quitter = { 0 };
+    struct answer other = { 0 };
+    assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &other,
+                                          &quitter.other, NULL), PEL_OK);
+    assert_int_equal(pel_frames_subscribe(frames, "test", 80, quit_both,
+                                          &quitter, &quitter.mine, NULL),
+                     PEL_OK);
+    run_until(&quitter.answer.calls, 1);
+    run_for(100);
+    assert_int_equal(quitter.answer.calls, 1);
+    assert_true(other.calls <= 1);
+    drop(&other);
+    drop(&quitter.answer);
+}
+
+static void subscriptions_are_bounded(void **state)
+{
+    (void)state;
+    struct pel_subscription *all[PEL_MAX_SUBSCRIPTIONS], *more;
+    struct answer answer = { 0 };
+    int streams = 0;
+    for (int q = 1; q <= 100; q++) {
+        streams += pel_frames_subscribe(frames, "test", q, take, &answer,
+                                        &all[streams], NULL) == PEL_OK;
+    }
+    assert_int_equal(streams, PEL_MAX_STREAMS);
+    for (int i = streams; i < PEL_MAX_SUBSCRIPTIONS; i++) {
+        assert_int_equal(pel_frames_subscribe(frames, "test", 1, take, &answer,
+                                              &all[i], NULL), PEL_OK);
+    }
+    assert_int_equal(pel_frames_subscribe(frames, "test", 1, take, &answer,
+                                          &more, NULL), PEL_ERR_BUSY);
+    assert_int_equal(pel_frames_subscribe(frames, "test", 0, take, &answer,
+                                          &more, NULL), PEL_ERR_OUT_OF_RANGE);
+    assert_int_equal(pel_frames_subscribe(frames, "none", 9, take, &answer,
+                                          &more, NULL), PEL_ERR_NOT_FOUND);
+    for (int i = 0; i < PEL_MAX_SUBSCRIPTIONS; i++) {
+        pel_frames_unsubscribe(all[i]);
+    }
+    run_for(100);
+    drop(&answer);
+}
+
+/* --- the surface ------------------------------------------------------------------- */
+
+struct surface {
+    int calls;
+    enum pel_err err;
+    double time_s;
+    size_t count;
+    struct pel_surface_sample samples[4];
+};
+
+static void take_surface(void *user, enum pel_err err,
+                         const struct pel_fault *fault, double time_s,
+                         const struct pel_surface_sample *samples, size_t count)
+{
+    struct surface *surface = user;
+    (void)fault;
+    surface->calls++;
+    surface->err = err;
+    surface->time_s = time_s;
+    surface->count = count;
+    for (size_t i = 0; i < count && i < 4; i++) {
+        surface->samples[i] = samples[i];
+    }
+}
+
+static void surface_queries_are_answered(void **state)
+{
+    (void)state;
+    struct surface surface = { 0 };
+    struct pel_vec2 points[3] = { { 0, 0 }, { 100, -50 }, { 1e6, -1e6 } };
+    assert_int_equal(pel_frames_surface(frames, points, 3, true, 20,
+                                        take_surface, &surface, NULL), PEL_OK);
+    points[0].x = 1e9; /* it has its own copy */
+    run_until(&surface.calls, 1);
+    assert_int_equal(surface.err, PEL_OK);
+    assert_int_equal(surface.count, 3);
+    assert_true(surface.time_s == 20);
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    struct pel_surface_sample want;
+    pel_sea_sample(s->sea, 100, -50, 20, &want);
+    pel_snapshot_unref(s);
+    assert_memory_equal(&want, &surface.samples[1], sizeof want);
+    assert_int_equal(pel_frames_surface(frames, points, 1, false, 0,
+                                        take_surface, &surface, NULL),
+                     PEL_ERR_OUT_OF_RANGE);
+    points[0].x = NAN;
+    assert_int_equal(pel_frames_surface(frames, points, 1, false, 0,
+                                        take_surface, &surface, NULL),
+                     PEL_ERR_OUT_OF_RANGE);
+    assert_int_equal(pel_frames_surface(frames, points, 10001, false, 0,
+                                        take_surface, &surface, NULL),
+                     PEL_ERR_OUT_OF_RANGE);
+    assert_int_equal(pel_frames_surface(frames, points, 0, true, -1,
+                                        take_surface, &surface, NULL),
+                     PEL_ERR_OUT_OF_RANGE);
+    for (int i = 0; i < 16; i++) {
+        assert_int_equal(pel_frames_surface(frames, points, 0, false, 0,
+                                            take_surface, &surface, NULL),
+                         PEL_OK);
+    }
+    assert_int_equal(pel_frames_surface(frames, points, 0, false, 0,
+                                        take_surface, &surface, NULL),
+                     PEL_ERR_BUSY);
+    run_until(&surface.calls, 17);
+}
+
+/* --- numbers ------------------------------------------------------------------------ */
+
+static void windows_know_their_ranks(void **state)
+{
+    (void)state;
+    static struct pel_window window;
+    assert_true(pel_window_rank(&window, 0.5) == 0);
+    pel_window_add(&window, 7);
+    assert_true(pel_window_rank(&window, 0.5) == 7);
+    assert_true(pel_window_rank(&window, 0.95) == 7);
+    for (int i = 0; i < 300; i++) {
+        pel_window_add(&window, i); /* 44 .. 299 stay */
+    }
+    assert_true(pel_window_rank(&window, 0.5) == 44 + 127);
+    assert_true(pel_window_rank(&window, 1) == 299);
+    assert_true(pel_window_rank(&window, 0) == 44);
+}
+
+/* --- the end -------------------------------------------------------------------------- */
+
+static void destroying_answers_what_waits(void **state)
+{
+    (void)state;
+    struct answer answers[20] = { 0 }, live = { 0 };
+    struct surface surface = { 0 };
+    struct pel_vec2 point = { 0, 0 };
+    struct pel_subscription *subscription;
+    Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__EXR);
+    request.has_width = request.has_height = request.has_time = true;
+    request.width = request.height = 512;
+    assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &live,
+                                          &subscription, NULL), PEL_OK);
+    for (int i = 0; i < 20; i++) {
+        request.time = i;
+        ask(&request, &answers[i]);
+    }
+    assert_int_equal(pel_frames_surface(frames, &point, 1, false, 0,
+                                        take_surface, &surface, NULL), PEL_OK);
+    run_until(&answers[0].calls, 1);
+    int64_t start = pel_now_ns();
+    assert_true(pel_frames_destroy(frames));
+    assert_true(pel_now_ns() - start < 5000000000LL);
+    int conflicts = 0;
+    for (int i = 0; i < 20; i++) {
+        assert_int_equal(answers[i].calls, 1);
+        conflicts += answers[i].err == PEL_ERR_CONFLICT;
+        drop(&answers[i]);
+    }
+    assert_true(conflicts > 0);
+    assert_int_equal(surface.calls, 1);
+    drop(&live);
+    run_for(20); /* nothing is left that would call */
+    frames = NULL;
+    pel_scene_destroy(scene);
+    struct pel_scene_options options = { .wave_count = 60 };
+    assert_int_equal(pel_scene_create(&options, &scene, NULL), PEL_OK);
+}
+
+static void a_device_that_is_not_there_is_a_fault(void **state)
+{
+    (void)state;
+    struct pel_frames *none = NULL;
+    struct pel_frames_options options = { .device = "99", .max_fps = 30 };
+    struct pel_fault fault = { 0 };
+    assert_int_not_equal(pel_frames_create(&options, scene, &none, &fault),
+                         PEL_OK);
+    assert_null(none);
+    assert_true(strlen(fault.message) > 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_format_is_answered),
+        cmocka_unit_test(the_same_request_gives_the_same_bytes),
+        cmocka_unit_test(own_size_and_time_are_drawn),
+        cmocka_unit_test(requests_of_one_turn_share_a_frame),
+        cmocka_unit_test(the_next_frame_shows_a_patch),
+        cmocka_unit_test(an_exr_says_how_it_came_about),
+        cmocka_unit_test(what_cannot_be_is_refused_at_once),
+        cmocka_unit_test(waiting_requests_are_bounded),
+        cmocka_unit_test(a_cancelled_request_is_silent),
+        cmocka_unit_test(a_view_deleted_before_its_frame),
+        cmocka_unit_test(live_frames_come_in_order),
+        cmocka_unit_test(paced_time_advances_by_the_frame),
+        cmocka_unit_test(a_deleted_view_ends_its_subscription),
+        cmocka_unit_test(size_changes_while_watched),
+        cmocka_unit_test(subscribers_may_leave_in_their_callback),
+        cmocka_unit_test(subscriptions_are_bounded),
+        cmocka_unit_test(surface_queries_are_answered),
+        cmocka_unit_test(windows_know_their_ranks),
+        cmocka_unit_test(destroying_answers_what_waits),
+        cmocka_unit_test(a_device_that_is_not_there_is_a_fault),
+    };
+    return cmocka_run_group_tests_name("frames", tests, set_up, tear_down);
+}

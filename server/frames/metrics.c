@@ -1,0 +1,44 @@
+#include "frames/core.h"
+
+static void counter(struct pel_metrics_page *page, const char *name,
+                    const char *help, uint64_t value)
+{
+    pel_metric(page, name, PEL_METRIC_COUNTER, help, NULL, (double)value);
+}
+
+static void gauge(struct pel_metrics_page *page, const char *name,
+                  const char *help, const char *labels, double value)
+{
+    pel_metric(page, name, PEL_METRIC_GAUGE, help, labels, value);
+}
+
+void pel_frames_collect(void *user, struct pel_metrics_page *page)
+{
+    struct pel_frames_stats s;
+    pel_frames_get_stats(user, &s);
+    counter(page, "pelagos_frames_drawn_total", "Frames (moments) drawn.",
+            s.frames_drawn);
+    counter(page, "pelagos_frames_views_total", "Views drawn.", s.views_drawn);
+    counter(page, "pelagos_frames_skipped_total",
+            "Live frames left out because the renderer was busy.",
+            s.frames_skipped);
+    counter(page, "pelagos_frames_encoded_total", "Pictures encoded.",
+            s.pictures_encoded);
+    counter(page, "pelagos_frames_encoded_bytes_total",
+            "Bytes of encoded pictures.", s.encoded_bytes);
+    counter(page, "pelagos_frames_refused_total",
+            "Requests for pictures and queries refused.", s.requests_refused);
+    gauge(page, "pelagos_frames_render_seconds",
+          "From submission to pixels, of the last 256 views.",
+          "quantile=\"0.5\"", s.render_ms_median * 1e-3);
+    gauge(page, "pelagos_frames_render_seconds",
+          "From submission to pixels, of the last 256 views.",
+          "quantile=\"0.95\"", s.render_ms_p95 * 1e-3);
+    gauge(page, "pelagos_frames_encode_seconds",
+          "Encoding, of the last 256 pictures.", "quantile=\"0.5\"",
+          s.encode_ms_median * 1e-3);
+    gauge(page, "pelagos_frames_subscriptions", "Live views being watched.",
+          NULL, s.subscriptions);
+    gauge(page, "pelagos_frames_requests_waiting", "Pictures not yet answered.",
+          NULL, s.requests_waiting);
+}
