@@ -81,27 +81,63 @@ static double ozone_density(const struct pel_atmosphere *a, double h)
     return fmax(0, 1.0 - fabs(h - a->ozone_center_m) / a->ozone_width_m);
 }
 
-/* Columns over `way` metres of a rising ray (mu ≥ 0): Gauss–Legendre of four
- * points in panels that widen with the distance. */
+/* Gauss–Legendre, four points. */
+static const double gauss_node[4] = { 0.06943184420297371, 0.33000947820757187,
+                                      0.66999052179242813,
+                                      0.93056815579702629 };
+static const double gauss_weight[4] = { 0.17392742256872693,
+                                        0.32607257743127307,
+                                        0.32607257743127307,
+                                        0.17392742256872693 };
+
+/* Distance at which a rising ray from height h passes height `to`, within
+ * 0..way. */
+static double distance_to_height(double h, double mu, double to, double way)
+{
+    double r = R + h;
+    double c = (to - h) * (to + R + r);
+    if (c <= 0) {
+        return 0;
+    }
+    return fmin(c / (r * mu + sqrt(r * r * mu * mu + c)), way);
+}
+
+/* The ozone column between the kinks of its profile, where it is smooth. */
+static double rising_ozone(const struct pel_atmosphere *a, double h, double mu,
+                           double way)
+{
+    enum { PANELS = 2 };
+    double sum = 0;
+    for (int side = -1; side <= 0; side++) {
+        double low = a->ozone_center_m + side * a->ozone_width_m;
+        double from = distance_to_height(h, mu, low, way);
+        double to = distance_to_height(h, mu, low + a->ozone_width_m, way);
+        for (int i = 0; i < PANELS; i++) {
+            for (int j = 0; j < 4; j++) {
+                double t = from + (to - from) * (i + gauss_node[j]) / PANELS;
+                sum += gauss_weight[j] * (to - from) / PANELS *
+                       ozone_density(a, height_along(h, mu, t));
+            }
+        }
+    }
+    return sum;
+}
+
+/* Columns over `way` metres of a rising ray (mu ≥ 0), in panels that widen
+ * with the distance. */
 static struct pel_columns rising_columns(const struct pel_atmosphere *a,
                                          double h, double mu, double way)
 {
     enum { PANELS = 16 };
-    static const double node[4] = { 0.06943184420297371, 0.33000947820757187,
-                                    0.66999052179242813, 0.93056815579702629 };
-    static const double weight[4] = { 0.17392742256872693, 0.32607257743127307,
-                                      0.32607257743127307,
-                                      0.17392742256872693 };
-    struct pel_columns c = { 0, 0, 0 };
+    struct pel_columns c = { 0, 0, rising_ozone(a, h, mu, way) };
     for (int i = 0; i < PANELS; i++) {
         double from = way * i * i / (PANELS * PANELS);
         double length = way * (2 * i + 1) / (PANELS * PANELS);
         for (int j = 0; j < 4; j++) {
-            double ht = height_along(h, mu, from + node[j] * length);
-            double w = weight[j] * length;
+            double ht = height_along(h, mu, from + gauss_node[j] * length);
+            double w = gauss_weight[j] * length;
             c.rayleigh += w * exp(-ht / a->rayleigh_height_m);
             c.mie += w * exp(-ht / a->mie_height_m);
-            c.ozone += w * ozone_density(a, ht);
         }
     }
     return c;
@@ -325,10 +361,14 @@ static struct pel_rgb multiple_at(const struct pel_atmosphere *a, double h,
 {
     struct pel_rgb second = { 0, 0, 0 }, factor = { 0, 0, 0 };
     double across = sqrt(fmax(1.0 - sun_mu * sun_mu, 0));
+    double horizon = horizon_cosine(h);
     for (int i = 0; i < MULTIPLE_ZENITHS; i++) {
-        /* dmu = 2|x| dx: finer towards the horizon, where twilight is. */
+        /* Half of them above the horizon, half below, dmu = 2|x| dx: finest
+         * at the horizon, where air and twilight are. */
         double x = 1.0 - 2.0 * (i + 0.5) / MULTIPLE_ZENITHS;
-        double mu = x * fabs(x), weight = 2.0 * fabs(x);
+        double side = x > 0 ? 1.0 - horizon : 1.0 + horizon;
+        double mu = horizon + side * x * fabs(x);
+        double weight = side * 2.0 * fabs(x);
         double sine = sqrt(1.0 - mu * mu);
         for (int j = 0; j < MULTIPLE_AZIMUTHS; j++) {
             double phi = PEL_PI * (j + 0.5) / MULTIPLE_AZIMUTHS;

@@ -77,7 +77,7 @@ struct pel_rgb pel_atmosphere_transmittance(const struct pel_atmosphere *a,
 
 /* Part of the solar disc above the horizon of height_m, 0..1: the smooth step
  * ½ + ¾x − ¼x³ of x = (cosine above the horizon) / (angular radius), within
- * 0.02 of the disc's segment. */
+ * 0.04 of the disc's segment. */
 double pel_atmosphere_sun_visible(double height_m, double sun_mu);
 
 /* Rayleigh's phase function and that of Cornette and Shanks 1992 [1/sr], of
