@@ -157,6 +157,8 @@ TESTS += server/bridges/nmea_parse_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c
+TESTS += server/scene/geodesy_test.c
+TESTS += server/scene/snapshot_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
 # FUZZERS += lines of each room.

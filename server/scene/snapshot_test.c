@@ -1,0 +1,207 @@
+#include "scene/snapshot.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "json.h"
+#include "scene/scene.h"
+
+/* Rounding of a few dozen operations on numbers of order one. */
+#define EPS 1e-12
+
+static void near(double got, double want, double tolerance)
+{
+    if (!(fabs(got - want) <= tolerance)) {
+        fail_msg("%.12g is not %.12g ± %g", got, want, tolerance);
+    }
+}
+
+static void near3(struct pel_vec3 got, double x, double y, double z)
+{
+    near(got.x, x, EPS);
+    near(got.y, y, EPS);
+    near(got.z, z, EPS);
+}
+
+static const struct pel_snapshot *snapshot_of(const char *json)
+{
+    struct pel_scene_options options = { NULL, 60 };
+    struct pel_scene *scene;
+    struct pel_fault fault;
+    Pelagos__Patch *patch;
+    assert_int_equal(pel_scene_create(&options, &scene, &fault), PEL_OK);
+    if (pel_json_merge_patch(json, strlen(json), &patch, &fault) ||
+        pel_scene_patch(scene, patch, &fault)) {
+        fail_msg("%s", fault.message);
+    }
+    pelagos__patch__free_unpacked(patch, NULL);
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    pel_scene_destroy(scene);
+    return s;
+}
+
+static struct pel_camera camera_of(const char *json, uint32_t width,
+                                   uint32_t height)
+{
+    const struct pel_snapshot *s = snapshot_of(json);
+    struct pel_camera camera;
+    pel_snapshot_camera(s, 0, s->entities[0].pose_time_s, width, height,
+                        &camera);
+    pel_snapshot_unref(s);
+    const struct pel_mat3 *m = &camera.world_from_camera;
+    near3(pel_vec3_cross(m->x, m->y), m->z.x, m->z.y, m->z.z);
+    near(pel_vec3_dot(m->x, m->x), 1, EPS);
+    near(pel_vec3_dot(m->x, m->y), 0, EPS);
+    return camera;
+}
+
+/* {"entities":{"1":{E}},"views":{"bridge":{V}}} with the origin at the ship. */
+#define SHIP(e, v)                                                             \
+    "{\"entities\":{\"1\":{" e "}},\"views\":{\"bridge\":{\"roll\":0" v "}}}"
+
+static void the_camera_looks_ahead(void **state)
+{
+    (void)state;
+    struct pel_camera c = camera_of(SHIP("", ""), 0, 0);
+    near3(c.world_from_camera.x, 1, 0, 0);
+    near3(c.world_from_camera.y, 0, 0, 1);
+    near3(c.world_from_camera.z, 0, -1, 0);
+    c = camera_of(SHIP("\"heading\":90", ""), 0, 0);
+    near3(c.world_from_camera.x, 0, -1, 0);
+    near3(c.world_from_camera.z, -1, 0, 0);
+    c = camera_of(SHIP("\"heading\":90", ",\"yaw\":90"), 0, 0);
+    near3(c.world_from_camera.z, 0, 1, 0); /* south */
+    c = camera_of(SHIP("\"pitch\":30", ""), 0, 0);
+    near3(c.world_from_camera.z, 0, -cos(30 * PEL_DEG), -sin(30 * PEL_DEG));
+    c = camera_of(SHIP("", ",\"pitch\":-90"), 0, 0);
+    near3(c.world_from_camera.z, 0, 0, 1); /* looks down */
+    near3(c.world_from_camera.y, 0, 1, 0);
+}
+
+static void the_ships_attitude_moves_the_camera(void **state)
+{
+    (void)state;
+    /* Starboard down by 90°: to starboard is down, up is to starboard. */
+    struct pel_camera c = camera_of(
+        SHIP("\"roll\":90", ",\"right\":2,\"up\":3,\"forward\":5"), 0, 0);
+    near3(c.world_from_camera.x, 0, 0, -1);
+    near3(c.world_from_camera.y, 1, 0, 0);
+    near(c.east_m, 3, 1e-6);
+    near(c.north_m, 5, 1e-6);
+    near(c.altitude_m, -2, EPS);
+    /* Bow up by 90°, at altitude 7, heading east. */
+    c = camera_of(SHIP("\"pitch\":90,\"altitude\":7,\"heading\":90",
+                       ",\"up\":3,\"forward\":5"),
+                  0, 0);
+    near(c.altitude_m, 12, EPS);
+    near(c.east_m, -3, 1e-6);
+    /* To starboard of a ship that heels: the camera rolls with pitch. */
+    c = camera_of(SHIP("\"pitch\":20", ",\"yaw\":90"), 0, 0);
+    near3(c.world_from_camera.z, -1, 0, 0);
+    near3(c.world_from_camera.x, 0, -cos(20 * PEL_DEG), -sin(20 * PEL_DEG));
+}
+
+static void the_world_can_carry_a_view(void **state)
+{
+    (void)state;
+    struct pel_camera c = camera_of(
+        SHIP("\"heading\":50",
+             ",\"entity\":null,\"up\":4,\"forward\":10,\"right\":20"),
+        0, 0);
+    near(c.east_m, 20, EPS);
+    near(c.north_m, 10, EPS);
+    near(c.altitude_m, 4, EPS);
+    near3(c.world_from_camera.z, 0, -1, 0);
+}
+
+static void pictures_keep_their_field(void **state)
+{
+    (void)state;
+#define WIDE SHIP("", ",\"fieldOfView\":90,\"width\":1600,\"height\":800")
+    struct pel_camera c = camera_of(WIDE, 0, 0);
+    near(c.tan_left, -1, EPS);
+    near(c.tan_right, 1, EPS);
+    near(c.tan_top, 0.5, EPS);
+    near(c.tan_bottom, -0.5, EPS);
+    assert_int_equal(c.width, 1600);
+    c = camera_of(WIDE, 300, 300);
+    near(c.tan_right, 1, EPS);
+    near(c.tan_top, 1, EPS);
+    assert_int_equal(c.height, 300);
+    assert_true(c.auto_exposure);
+    c = camera_of(SHIP("", ",\"frustum\":{\"left\":-45,\"right\":0,"
+                           "\"top\":20,\"bottom\":-10},\"exposure\":12"),
+                  0, 0);
+    near(c.tan_left, -1, EPS);
+    near(c.tan_right, 0, EPS);
+    near(c.tan_top, tan(20 * PEL_DEG), 0); /* to the bit: tiles must meet */
+    near(c.tan_bottom, tan(-10 * PEL_DEG), 0);
+    assert_false(c.auto_exposure);
+    near(c.exposure_ev, 12, 0);
+}
+
+static void entities_go_on(void **state)
+{
+    (void)state;
+    const struct pel_snapshot *s =
+        snapshot_of(SHIP("\"speed\":10,\"course\":90,\"heading\":80,"
+                         "\"turnRate\":3,\"poseTime\":100",
+                         ""));
+    struct pel_entity_state at;
+    pel_snapshot_entity_at(s, 0, 130, &at);
+    double radius = 10 / (3 * PEL_DEG);
+    near(at.heading_rad / PEL_DEG, 170, 1e-9);
+    near(at.course_rad / PEL_DEG, 180, 1e-9);
+    near(at.east_m, radius, 1e-6);
+    near(at.north_m, -radius, 1e-6);
+    near(at.pose_time_s, 130, 0);
+    struct pel_entity_state held, later;
+    pel_snapshot_entity_at(s, 0, 160, &held);
+    pel_snapshot_entity_at(s, 0, 1000, &later);
+    assert_memory_equal(&held, &later, sizeof held);
+    pel_snapshot_unref(s);
+}
+
+static void the_sun_can_be_fixed(void **state)
+{
+    (void)state;
+    const struct pel_snapshot *s = snapshot_of(
+        "{\"sky\":{\"sunAzimuth\":90,\"sunElevation\":30}}");
+    struct pel_vec3 sun = pel_snapshot_sun(s, 5);
+    near3(sun, cos(30 * PEL_DEG), 0, 0.5);
+    pel_snapshot_unref(s);
+    /* Default: Lelystad at 12:00 UTC of midsummer, Sun past south, at about
+     * 90 - 52.6 + 23.4 degrees; an hour later further west. */
+    s = snapshot_of("{}");
+    sun = pel_snapshot_sun(s, 0);
+    near(asin(sun.z) / PEL_DEG, 60.8, 0.3);
+    assert_true(sun.y < 0 && sun.x < 0);
+    assert_true(pel_snapshot_sun(s, 3600).x < sun.x);
+    pel_snapshot_unref(s);
+    /* Elevation alone: the azimuth is still that of the time. */
+    s = snapshot_of("{\"sky\":{\"sunElevation\":0}}");
+    struct pel_vec3 low = pel_snapshot_sun(s, 0);
+    near(low.z, 0, EPS);
+    near(atan2(low.x, low.y), atan2(sun.x, sun.y), EPS);
+    pel_snapshot_unref(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_camera_looks_ahead),
+        cmocka_unit_test(the_ships_attitude_moves_the_camera),
+        cmocka_unit_test(the_world_can_carry_a_view),
+        cmocka_unit_test(pictures_keep_their_field),
+        cmocka_unit_test(entities_go_on),
+        cmocka_unit_test(the_sun_can_be_fixed),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
