@@ -1,6 +1,42 @@
 #version 450 core
+// Exposure, tone curve, sRGB, dither: one texel to one pixel.
+#include "lib/blocks.h"
+
 layout(location = 0) out vec4 color;
+layout(binding = 0) uniform sampler2D radiance;
+
+// Saturation-based exposure (ISO 12232): 1.2 · 2^EV cd/m² is white. The curve
+// x (a x + b) / (x (c x + d) + e) has a toe, a near-linear middle and a long
+// shoulder.
+vec3 tone_curve(vec3 x)
+{
+    return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+}
+
+vec3 srgb(vec3 x)
+{
+    return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThan(x, vec3(0.0031308)));
+}
+
+// A hash of the pixel's place on the lattice (Jarzynski and Olano 2020).
+float noise(uvec2 p)
+{
+    uint x = p.x * 1664525u + 1013904223u;
+    uint y = p.y * 1664525u + 1013904223u;
+    x += y * 1664525u;
+    y += x * 1664525u;
+    x ^= x >> 16u;
+    x += y * 1664525u;
+    return float(x >> 8u) / 16777216.0;
+}
+
 void main()
 {
-    color = vec4(gl_FragCoord.xy / 1024.0, 0.5, 1.0);
+    vec3 light = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb;
+    float ev = size.w > 0.5 ? exposure.x : size.z;
+    float scale = 1.0 / (1.2 * exp2(ev));
+    vec3 linear = max(vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light)), 0.0);
+    vec3 encoded = srgb(clamp(tone_curve(min(linear * scale * 1.6, 1e4)), 0.0, 1.0));
+    float dither = noise(uvec2(ivec2(floor(pixel.zw)) + ivec2(gl_FragCoord.xy) + 65536));
+    color = vec4(encoded + (dither - 0.5) / 255.0, 1.0);
 }

@@ -1,0 +1,67 @@
+/* Uniform blocks, one text for C and GLSL: vec4 only, so that std140 and C lay
+ * them out alike. */
+#ifdef __STDC__
+#pragma once
+struct pel_vec4 {
+    float x, y, z, w;
+};
+#define vec4 struct pel_vec4
+#define PEL_BLOCK(index, name) struct pel_block_##name
+#else
+#define PEL_BLOCK(index, name) layout(std140, binding = index) uniform name##_block
+#endif
+
+#define PEL_WAVE_LIMIT 256
+
+/* One for a frame. Spectral values are at 680, 550, 440 nm. */
+PEL_BLOCK(0, frame) {
+    vec4 sun;      /* xyz towards the Sun; w angular radius, rad */
+    vec4 solar;    /* rgb irradiance above the air; w solid angle, sr */
+    vec4 wind;     /* xy unit, blows to; zw total slope variance along, cross */
+    vec4 rayleigh; /* rgb scattering at sea level, 1/m; w scale height, m */
+    vec4 mie;      /* x extinction, y scattering, 1/m; z scale height; w g */
+    vec4 ozone;    /* rgb peak absorption, 1/m; w height of the peak, m */
+    vec4 planet;   /* x ground, y top radius, m; z ozone half-width, m; w R0 */
+    vec4 water;    /* rgb L_sea for unit irradiance */
+    vec4 red;      /* rows of the matrix to Rec. 709 cd/m² */
+    vec4 green;
+    vec4 blue;
+};
+
+/* One for an eye, a camera position of this frame. */
+PEL_BLOCK(1, eye) {
+    vec4 eye; /* x height above the sea, m; y dip of the horizon, rad; z angle
+                 between the mesh's columns, rad */
+    vec4 lut; /* x height the sky tables were made for, m */
+};
+
+/* One for a view. The pixel lattice is X right, Y down, in pixels from the
+ * axis: a ray is right·X·px − up·Y·py − back. */
+PEL_BLOCK(2, view) {
+    vec4 right; /* camera axes in the world; w of right: N_min */
+    vec4 up;    /* w: 1 / (N_max − N_min) */
+    vec4 back;  /* w: 1 to count slope variance inside the pixel, 0 as 2010 */
+    vec4 pixel; /* px, py; lattice place of the picture's top left corner */
+    vec4 size;  /* width, height, px; z fixed EV100; w 1 when automatic */
+};
+
+/* One for an eye: phases are at the eye's nadir at this time. Longest first;
+ * padded with waves of no height. k̂ unit, c chop, h amplitude. */
+PEL_BLOCK(3, waves) {
+    vec4 wave_phase[PEL_WAVE_LIMIT]; /* k / 2π xy, 1/m; phase, turns; λ, m */
+    vec4 wave_fold[PEL_WAVE_LIMIT];  /* c h k (k̂x², k̂x k̂y, k̂y²); w k²/12 */
+    vec4 wave_slope[PEL_WAVE_LIMIT]; /* h k xy; slope variance along, cross */
+    vec4 wave_shift[PEL_WAVE_LIMIT]; /* c h k̂ xy; h */
+};
+
+/* Written by the light pass. */
+PEL_BLOCK(4, light) {
+    vec4 exposure;  /* x automatic EV100 */
+    vec4 sun_light; /* rgb irradiance of the Sun normal to its beam, sea level */
+    vec4 sky_light; /* rgb horizontal irradiance of the sky */
+    vec4 sea_light; /* rgb L_sea, the water's radiance under its surface */
+};
+
+#ifdef __STDC__
+#undef vec4
+#endif

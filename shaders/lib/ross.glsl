@@ -1,0 +1,49 @@
+// Reflection by a rough sea, twin of optics/brdf.c: Ross, Dion and Potvin 2005
+// as used in Bruneton et al. 2010, sections 4 and 5.
+
+// Smith's Λ(a) cos θ, eq. 8, with a = 1 / (√2 s tan θ): finite as cos θ → 0.
+// erfc by Abramowitz and Stegun 7.1.26, |error| < 1.5e-7.
+float smith_lambda_cos(float cos_theta, float s)
+{
+    float c = max(cos_theta, 1e-4);
+    float sine = sqrt(max(1.0 - c * c, 1e-12));
+    float a = min(c / (1.41421356 * s * sine), 6.0);
+    float t = 1.0 / (1.0 + 0.3275911 * a);
+    float erfcx = t * (0.254829592 + t * (-0.284496736 + t * (1.421413741 +
+                  t * (-1.453152027 + t * 1.061405429))));
+    return exp(-a * a) * max(1.0 - 1.77245385 * a * erfcx, 0.0) * s * sine / 2.50662827;
+}
+
+// F̄, eq. 26. s: standard deviation of slopes in the view direction.
+float mean_fresnel(float cos_theta, float s)
+{
+    return planet.w + (1.0 - planet.w) *
+           pow(max(1.0 - cos_theta, 1e-6), 5.0 * exp(-2.69 * s)) /
+           (1.0 + 22.7 * s * sqrt(s));
+}
+
+// Slope variance in the azimuth of a direction given in tangent space.
+float directional_variance(vec3 dir, vec2 variance)
+{
+    vec2 d2 = dir.xy * dir.xy;
+    return dot(variance, d2) / max(d2.x + d2.y, 1e-12);
+}
+
+// Radiance of the reflected Sun for irradiance 1 normal to its beam: eq. 15.
+float reflected_sun(vec3 view, vec3 light, vec2 variance)
+{
+    vec3 h = normalize(view + light);
+    float hz = max(h.z, 1e-3);
+    vec2 slope = -h.xy / hz;
+    float p = exp(-0.5 * dot(slope * slope, 1.0 / variance)) *
+              inversesqrt(variance.x * variance.y) / (2.0 * PI);
+    float vh = 1.0 - clamp(dot(view, h), 0.0, 1.0);
+    float vh2 = vh * vh;
+    float fresnel = planet.w + (1.0 - planet.w) * vh2 * vh2 * vh;
+    float cos_v = max(view.z, 1e-4);
+    float view_term = smith_lambda_cos(view.z, sqrt(directional_variance(view, variance)));
+    float light_term = smith_lambda_cos(light.z, sqrt(directional_variance(light, variance)));
+    float shadow = cos_v + view_term + light_term * cos_v / max(light.z, 1e-4);
+    float h2 = hz * hz;
+    return light.z > 0.0 ? p * fresnel / (4.0 * h2 * h2 * shadow) : 0.0;
+}

@@ -1,0 +1,52 @@
+#version 450 core
+// The light on the sea and in it, and the exposure an incident-light meter
+// would choose, from the sky table of sea level.
+#include "lib/blocks.h"
+#include "lib/sky.glsl"
+
+layout(local_size_x = 64) in;
+layout(binding = 0) uniform sampler2D transmittance;
+layout(binding = 2) uniform sampler2D sky_table;
+layout(std430, binding = 2) writeonly buffer out_block {
+    vec4 out_exposure;
+    vec4 out_sun;
+    vec4 out_sky;
+    vec4 out_sea;
+};
+
+shared vec3 partial[64];
+
+void main()
+{
+    uint lane = gl_LocalInvocationID.x;
+    vec2 table = vec2(textureSize(sky_table, 0));
+    vec3 sum = vec3(0.0);
+    // E = 2 ∫∫ L sin e cos e de dφ over half the azimuths; e = π/2 x².
+    for (uint i = lane; i < 1024u; i += 64u) {
+        float azimuth = PI * (float(i & 31u) + 0.5) / 32.0;
+        float x = (float(i >> 5u) + 0.5) / 32.0;
+        float e = 0.5 * PI * x * x;
+        vec3 radiance = textureLod(sky_table, sky_uv(azimuth, e, table), 0.0).rgb;
+        sum += radiance * (sin(e) * cos(e) * PI * x);
+    }
+    partial[lane] = sum * (2.0 * PI / 1024.0);
+    barrier();
+    for (uint stride = 32u; stride > 0u; stride >>= 1u) {
+        if (lane < stride) {
+            partial[lane] += partial[lane + stride];
+        }
+        barrier();
+    }
+    if (lane == 0u) {
+        vec3 sky = partial[0];
+        vec3 direct = solar.rgb * sun_transmittance(transmittance, 0.0, sun.z);
+        vec3 down = sky + direct * max(sun.z, 0.0);
+        float lux = max(dot(vec3(0.2126, 0.7152, 0.0722),
+                            vec3(dot(red.rgb, down), dot(green.rgb, down), dot(blue.rgb, down))),
+                        1e-6);
+        out_exposure = vec4(clamp(log2(lux * (100.0 / 250.0)), -3.0, 16.0), lux, 0.0, 0.0);
+        out_sun = vec4(direct, 0.0);
+        out_sky = vec4(sky, 0.0);
+        out_sea = vec4(down * water.rgb, 0.0);
+    }
+}

@@ -1,0 +1,27 @@
+#version 450 core
+// The environment the sea reflects, in stereographic projection: the zenith
+// at the centre, the horizon on the circle of radius 1 (section 5.2 of the
+// 2010 paper). Beyond it waves reflect waves: the mirrored sky by the mean
+// Fresnel reflectance, and the water (section 6).
+#include "lib/blocks.h"
+#include "lib/sky.glsl"
+#include "lib/ross.glsl"
+
+layout(location = 0) out vec4 radiance;
+layout(binding = 2) uniform sampler2D sky_table;
+layout(location = 0) uniform vec2 map; // size in px, half width in units
+
+void main()
+{
+    vec2 u = (gl_FragCoord.xy / map.x * 2.0 - 1.0) * map.y;
+    float rho2 = dot(u, u);
+    vec3 dir = vec3(2.0 * u, 1.0 - rho2) / (1.0 + rho2);
+    vec2 table = vec2(textureSize(sky_table, 0));
+    float elevation = asin(clamp(abs(dir.z), 0.0, 1.0));
+    vec3 sky = textureLod(sky_table, sky_uv(azimuth_from_sun(dir.xy), elevation, table), 0.0).rgb;
+    if (dir.z < 0.0) {
+        float fresnel = mean_fresnel(-dir.z, sqrt(0.5 * (wind.z + wind.w)));
+        sky = mix(sea_light.rgb, sky, fresnel);
+    }
+    radiance = vec4(sky, 1.0);
+}

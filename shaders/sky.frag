@@ -1,0 +1,46 @@
+#version 450 core
+// Sky table of an eye. Above the horizon: radiance of the sky without the
+// Sun's disc. Below: the radiance a way through this air tends to (its
+// equilibrium) and its mean extinction, from which a shorter way follows.
+#include "lib/blocks.h"
+#include "lib/sky.glsl"
+#include "lib/march.glsl"
+
+layout(location = 0) out vec4 radiance_out;
+layout(location = 1) out vec4 extinction_out;
+layout(binding = 0) uniform sampler2D transmittance;
+layout(binding = 1) uniform sampler2D multiple;
+layout(location = 0) uniform vec2 table_size;
+
+const int STEPS = 32;
+
+void main()
+{
+    float h = lut.x;
+    float azimuth = PI * clamp((gl_FragCoord.x - 0.5) / (table_size.x - 1.0), 0.0, 1.0);
+    float rows = 0.5 * table_size.y;
+    bool above = gl_FragCoord.y > rows;
+    float x = above ? (gl_FragCoord.y - 0.5 - rows) / (rows - 1.0)
+                    : (rows - 0.5 - gl_FragCoord.y) / (rows - 1.0);
+    float angle = 0.5 * PI * x * x * (above ? 1.0 : -1.0);
+    float zenith = acos(clamp(horizon_cosine(h), -1.0, 1.0)) - angle;
+    zenith = clamp(zenith, 0.0, PI);
+    float mu = cos(zenith);
+    float across = sin(zenith);
+    vec2 toward = length(sun.xy) > 1e-6 ? normalize(sun.xy) : vec2(1.0, 0.0);
+    vec3 dir = vec3(across * (toward * cos(azimuth) + vec2(-toward.y, toward.x) * sin(azimuth)), mu);
+    float ground = above ? -1.0 : distance_to_ground(h, min(mu, horizon_cosine(h) - 1e-7));
+    float way = ground > 0.0 ? ground
+                : above      ? distance_to_top(h, mu)
+                             : sqrt(h * (2.0 * planet.x + h));
+    vec3 radiance, through;
+    integrate_ray(transmittance, multiple, h, dir, way, STEPS, radiance, through);
+    if (above) {
+        radiance_out = vec4(radiance, 1.0);
+        extinction_out = vec4(0.0);
+    } else {
+        through = min(through, vec3(0.999999));
+        radiance_out = vec4(radiance / (1.0 - through), 1.0);
+        extinction_out = vec4(-log(through) / way, 1.0);
+    }
+}

@@ -1,0 +1,37 @@
+#version 450 core
+// Rasterises the mesh as strips between rings, one instance a strip. What is
+// kept of a triangle is its number: the sea shader intersects it again, so
+// that a pixel does not depend on how its picture was rasterised.
+#include "lib/blocks.h"
+
+struct vertex {
+    vec4 position;
+    vec4 rest;
+};
+layout(std430, binding = 0) readonly buffer vertices_block { vertex vertices[]; };
+
+layout(location = 0) uniform ivec4 block; // first ring, rings, first column, columns
+layout(location = 1) uniform int base;
+
+flat out uint triangle;
+
+void main()
+{
+    int index = base + (gl_InstanceID + (gl_VertexID & 1)) * block.w + (gl_VertexID >> 1);
+    vec3 p = vertices[index].position.xyz;
+    vec3 c = vec3(dot(p, right.xyz), dot(p, up.xyz), -dot(p, back.xyz));
+    const float NEAR = 0.05;
+    vec2 place = vec2(c.x, -c.y) / pixel.xy;
+    vec2 clip;
+    if (c.z > NEAR) {
+        // Rounded to 1/256 pixel of the lattice, so that pictures that share a
+        // lattice share the coverage of every pixel.
+        place = floor(place / c.z * 256.0 + 0.5) / 256.0;
+        clip = ((place - pixel.zw) * (2.0 / size.xy) - 1.0) * c.z;
+    } else {
+        clip = (place - pixel.zw * c.z) * (2.0 / size.xy) - c.z;
+    }
+    gl_Position = vec4(clip, NEAR, c.z);
+    // 0 means sky. The last vertex of a triangle provokes.
+    triangle = uint(index) * 2u + uint(gl_VertexID & 1) + 1u;
+}
