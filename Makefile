@@ -85,7 +85,8 @@ SCENE := server/scene/scene.c \
     server/scene/geodesy.c \
     server/scene/sun.c
 RENDER := server/render/context.c server/render/shader.c \
-    server/render/readback.c server/render/renderer.c
+    server/render/readback.c server/render/renderer.c server/render/arena.c \
+    server/render/mesh.c server/render/sky.c server/render/uniforms.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c
@@ -180,7 +181,7 @@ CLIENT_OBJ := $(call obj,$(CLIENT))
 CTL_OBJ := $(call obj,$(CTL))
 CTL_MAIN := $(O)/clients/pelagosctl/pelagosctl.o
 TEST_BIN := $(patsubst %.c,$(O)/bin/%,$(notdir $(TESTS)))
-SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*.glsl)
+SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*.glsl shaders/lib/*.h)
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
 PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\

@@ -28,7 +28,7 @@ void main()
         return;
     }
     int ring = block.x + index / block.w;
-    int column = block.z + index % block.w;
+    int column = (block.z + index % block.w) % int(eye.w);
     vec2 r = rings[ring];
     float angle = float(column) * eye.z;
     vec2 x = r.x * vec2(cos(angle), sin(angle));

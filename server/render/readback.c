@@ -16,6 +16,7 @@ struct pel_readback_slot {
     GLsync fence;
     int64_t started_ns;
     size_t ev_offset;
+    bool auto_exposure;
     atomic_bool busy;
 };
 
@@ -133,6 +134,7 @@ enum pel_err pel_readback_push(struct pel_readback *r,
         .user = s->user,
         .width = s->width,
         .height = s->height,
+        .exposure_ev = s->exposure_ev,
         .rgba = color ? map : NULL,
         .radiance = radiance ? (float *)(map + color) : NULL,
         .depth = depth ? (float *)(map + color + radiance) : NULL,
@@ -140,6 +142,7 @@ enum pel_err pel_readback_push(struct pel_readback *r,
     };
     slot->started_ns = s->started_ns;
     slot->ev_offset = ev_offset;
+    slot->auto_exposure = s->auto_exposure;
     atomic_store_explicit(&slot->busy, true, memory_order_release);
     r->order[(r->head + r->in_flight++) % PEL_READBACK_SLOTS] = slot;
     return PEL_OK;
@@ -163,7 +166,10 @@ struct pel_picture *pel_readback_pop(struct pel_readback *r, int64_t wait_ns)
     slot->fence = NULL;
     r->head = (r->head + 1) % PEL_READBACK_SLOTS;
     r->in_flight--;
-    slot->picture.exposure_ev = *(const float *)(slot->map + slot->ev_offset);
+    if (slot->auto_exposure) {
+        slot->picture.exposure_ev =
+            *(const float *)(slot->map + slot->ev_offset);
+    }
     slot->picture.drawn_ns = pel_now_ns();
     slot->picture.render_ms =
         (double)(slot->picture.drawn_ns - slot->started_ns) * 1e-6;

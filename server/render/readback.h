@@ -20,7 +20,9 @@ struct pel_readback {
 struct pel_readback_source {
     GLuint color_fbo;  /* RGBA8 */
     GLuint hdr_fbo;    /* attachment 0 radiance, 1 distance, 2 normal */
-    GLuint light;      /* buffer that begins with the exposure EV100 (float) */
+    GLuint light;      /* buffer that begins with the automatic EV100 (float) */
+    bool auto_exposure;
+    double exposure_ev; /* where not automatic */
     uint32_t width, height;
     unsigned layers;
     void *user;

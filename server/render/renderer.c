@@ -1,49 +1,241 @@
 #include "render/renderer.h"
 
 #include <epoxy/gl.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "base/log.h"
+#include "render/arena.h"
 #include "render/context.h"
+#include "render/mesh.h"
 #include "render/readback.h"
 #include "render/shader.h"
+#include "render/sky.h"
+#include "render/uniforms.h"
+
+/* Uniform blocks and rings of one view, with alignment. */
+#define VIEW_UNIFORM_BYTES                                                     \
+    (sizeof(struct pel_block_waves) + sizeof(struct pel_block_view) +          \
+     sizeof(struct pel_block_eye) * 2 +                                        \
+     sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
+#define VERTEX_BYTES 32
+#define MAX_UNROLLED_WAVES 128
+
+/* Pictures are drawn into one corner of targets that only grow. */
+struct targets {
+    uint32_t width, height;
+    GLuint triangles, depth_test, radiance, depth, normal, color;
+    GLuint surface_fbo; /* triangle numbers and depth test */
+    GLuint light_fbo;   /* radiance, tested against the surface's depth */
+    GLuint layers_fbo;  /* radiance, depth, normal, likewise */
+    GLuint color_fbo;
+};
+
+struct timing {
+    bool on;
+    int64_t last_ns;
+    GLuint queries[2];
+    double ms[PEL_STAGE_COUNT];
+};
 
 struct pel_renderer {
     struct pel_context context;
+    const char *shader_dir;
     struct pel_readback readback;
-    GLuint vao, tone, light;
-    GLuint color, hdr, dist, normal, color_fbo, hdr_fbo;
-    uint32_t width, height;
+    struct pel_arena arena;
+    struct pel_sky sky;
+    struct targets targets;
+    struct timing timing;
+    GLuint vao, vertices;
+    int vertex_capacity;
+    int waves; /* what the wave programs are made for */
+    GLuint mesh_program, surface_program, tone_program;
+    GLuint sea_program[2], backdrop_program[2]; /* without, with layers */
+    struct pel_mesh *mesh;
+    struct pel_block_waves *wave_block;
 };
 
 const char *pel_stage_name(enum pel_stage stage)
 {
-    static const char *const names[] = { "sky", "mesh", "raster", "shade",
-                                         "tone", "readback" };
+    static const char *const names[] = { "sky",   "mesh", "raster",
+                                         "shade", "tone", "readback" };
     return (unsigned)stage < PEL_STAGE_COUNT ? names[stage] : "";
 }
 
-static void resize(struct pel_renderer *r, uint32_t w, uint32_t h)
+/* --- timing --------------------------------------------------------------- */
+
+static void stage_begin(struct pel_renderer *r)
 {
-    if (w <= r->width && h <= r->height) {
+    if (r->timing.on) {
+        glFinish();
+        r->timing.last_ns = pel_now_ns();
+        glQueryCounter(r->timing.queries[0], GL_TIMESTAMP);
+    }
+}
+
+/* On hardware the GPU's own clock; a software device runs behind its queries,
+ * so there the wall clock around a finish. */
+static void stage_end(struct pel_renderer *r, enum pel_stage stage)
+{
+    if (!r->timing.on) {
         return;
     }
-    w = w > r->width ? w : r->width;
-    h = h > r->height ? h : r->height;
-    GLuint *textures[] = { &r->color, &r->hdr, &r->dist, &r->normal };
-    static const GLenum formats[] = { GL_RGBA8, GL_RGBA32F, GL_R32F, GL_RGBA32F };
-    for (int i = 0; i < 4; i++) {
-        glDeleteTextures(1, textures[i]);
-        glCreateTextures(GL_TEXTURE_2D, 1, textures[i]);
-        glTextureStorage2D(*textures[i], 1, formats[i], (GLsizei)w, (GLsizei)h);
+    glQueryCounter(r->timing.queries[1], GL_TIMESTAMP);
+    glFinish();
+    int64_t now = pel_now_ns();
+    if (r->context.software) {
+        r->timing.ms[stage] += (double)(now - r->timing.last_ns) * 1e-6;
+    } else {
+        GLuint64 start = 0, end = 0;
+        glGetQueryObjectui64v(r->timing.queries[0], GL_QUERY_RESULT, &start);
+        glGetQueryObjectui64v(r->timing.queries[1], GL_QUERY_RESULT, &end);
+        r->timing.ms[stage] += (double)(end - start) * 1e-6;
     }
-    glNamedFramebufferTexture(r->color_fbo, GL_COLOR_ATTACHMENT0, r->color, 0);
-    glNamedFramebufferTexture(r->hdr_fbo, GL_COLOR_ATTACHMENT0, r->hdr, 0);
-    glNamedFramebufferTexture(r->hdr_fbo, GL_COLOR_ATTACHMENT1, r->dist, 0);
-    glNamedFramebufferTexture(r->hdr_fbo, GL_COLOR_ATTACHMENT2, r->normal, 0);
-    r->width = w;
-    r->height = h;
+    stage_begin(r);
 }
+
+void pel_renderer_measure(struct pel_renderer *r, bool on)
+{
+    r->timing.on = on;
+}
+
+void pel_renderer_stage_ms(const struct pel_renderer *r,
+                           double ms[PEL_STAGE_COUNT])
+{
+    for (int i = 0; i < PEL_STAGE_COUNT; i++) {
+        ms[i] = r->timing.ms[i];
+    }
+}
+
+/* --- targets -------------------------------------------------------------- */
+
+static void finish_targets(struct targets *t)
+{
+    const GLuint textures[] = { t->triangles, t->depth_test, t->radiance,
+                                t->depth, t->normal, t->color };
+    const GLuint fbos[] = { t->surface_fbo, t->light_fbo, t->layers_fbo,
+                            t->color_fbo };
+    glDeleteTextures(6, textures);
+    glDeleteFramebuffers(4, fbos);
+    *t = (struct targets){ 0 };
+}
+
+static GLuint make_target(GLenum format, uint32_t width, uint32_t height,
+                          const char *label)
+{
+    GLuint texture = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+    glTextureStorage2D(texture, 1, format, (GLsizei)width, (GLsizei)height);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glObjectLabel(GL_TEXTURE, texture, -1, label);
+    return texture;
+}
+
+static void make_layer_targets(struct targets *t)
+{
+    t->depth = make_target(GL_R32F, t->width, t->height, "depth");
+    t->normal = make_target(GL_RGBA32F, t->width, t->height, "normal");
+    const GLuint attachments[] = { t->radiance, t->depth, t->normal };
+    GLenum buffers[3];
+    glCreateFramebuffers(1, &t->layers_fbo);
+    for (unsigned i = 0; i < 3; i++) {
+        buffers[i] = GL_COLOR_ATTACHMENT0 + i;
+        glNamedFramebufferTexture(t->layers_fbo, buffers[i], attachments[i], 0);
+    }
+    glNamedFramebufferTexture(t->layers_fbo, GL_DEPTH_ATTACHMENT, t->depth_test,
+                              0);
+    glNamedFramebufferDrawBuffers(t->layers_fbo, 3, buffers);
+}
+
+static void fit_targets(struct targets *t, uint32_t width, uint32_t height,
+                        bool layers)
+{
+    if (width > t->width || height > t->height) {
+        uint32_t w = width > t->width ? width : t->width;
+        uint32_t h = height > t->height ? height : t->height;
+        finish_targets(t);
+        t->width = w;
+        t->height = h;
+        t->triangles = make_target(GL_R32UI, w, h, "triangles");
+        t->depth_test = make_target(GL_DEPTH_COMPONENT32F, w, h, "depth test");
+        t->radiance = make_target(GL_RGBA32F, w, h, "radiance");
+        t->color = make_target(GL_RGBA8, w, h, "color");
+        GLuint *fbos[] = { &t->surface_fbo, &t->light_fbo, &t->color_fbo };
+        const GLuint colors[] = { t->triangles, t->radiance, t->color };
+        for (int i = 0; i < 3; i++) {
+            glCreateFramebuffers(1, fbos[i]);
+            glNamedFramebufferTexture(*fbos[i], GL_COLOR_ATTACHMENT0, colors[i],
+                                      0);
+            if (i < 2) {
+                glNamedFramebufferTexture(*fbos[i], GL_DEPTH_ATTACHMENT,
+                                          t->depth_test, 0);
+            }
+        }
+    }
+    if (layers && !t->layers_fbo) {
+        make_layer_targets(t);
+    }
+}
+
+/* --- programs ------------------------------------------------------------- */
+
+static void delete_wave_programs(struct pel_renderer *r)
+{
+    glDeleteProgram(r->mesh_program);
+    glDeleteProgram(r->sea_program[0]);
+    glDeleteProgram(r->sea_program[1]);
+    r->mesh_program = r->sea_program[0] = r->sea_program[1] = 0;
+}
+
+/* Makes the program with layers when it is first wanted: most never are. */
+static enum pel_err need_sea_program(struct pel_renderer *r, bool layers,
+                                     struct pel_fault *fault)
+{
+    if (r->sea_program[layers]) {
+        return PEL_OK;
+    }
+    char defines[128];
+    bool unroll = r->context.software && r->waves <= MAX_UNROLLED_WAVES;
+    snprintf(defines, sizeof defines, "#define PEL_WAVES %d\n%s%s", r->waves,
+             unroll ? "#define PEL_UNROLL\n" : "",
+             layers ? "#define PEL_LAYERS\n" : "");
+    enum pel_err err = pel_program_create(r->shader_dir, "screen.vert",
+                                          "sea.frag", defines,
+                                          &r->sea_program[layers], fault);
+    if (err == PEL_OK && !r->backdrop_program[layers]) {
+        err = pel_program_create(r->shader_dir, "screen.vert", "backdrop.frag",
+                                 layers ? "#define PEL_LAYERS\n" : NULL,
+                                 &r->backdrop_program[layers], fault);
+    }
+    if (err == PEL_OK && !r->mesh_program) {
+        err = pel_program_create(r->shader_dir, "mesh.comp", NULL, defines,
+                                 &r->mesh_program, fault);
+    }
+    return err;
+}
+
+static enum pel_err fit_waves(struct pel_renderer *r, int count, bool layers,
+                              struct pel_fault *fault)
+{
+    /* Steps of the written-out sums, so that few programs are ever made. */
+    static const int steps[] = { 24, 40, 48, 60, 64, 80, 96, 112, 128, 256 };
+    int waves = 256;
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        if (count <= steps[i]) {
+            waves = steps[i];
+            break;
+        }
+    }
+    if (waves > r->waves) {
+        delete_wave_programs(r);
+        r->waves = waves;
+    }
+    return need_sea_program(r, layers, fault);
+}
+
+/* --- life ----------------------------------------------------------------- */
 
 enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
                                  struct pel_renderer **out,
@@ -53,25 +245,42 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     if (!r) {
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
-    enum pel_err err = pel_context_init(&r->context, o->device, o->debug, fault);
+    r->shader_dir = o->shader_dir;
+    enum pel_err err = PEL_ERR_NO_MEMORY;
+    r->mesh = malloc(sizeof *r->mesh);
+    r->wave_block = malloc(sizeof *r->wave_block);
+    if (!r->mesh || !r->wave_block) {
+        pel_fault_set(fault, err, "out of memory");
+        goto fail;
+    }
+    err = pel_context_init(&r->context, o->device, o->debug, fault);
     if (err != PEL_OK) {
         goto fail;
     }
-    err = pel_readback_init(&r->readback);
-    if (err != PEL_OK) {
-        goto fail;
-    }
-    err = pel_program_create(o->shader_dir, "screen.vert", "tone.frag", NULL,
-                             &r->tone, fault);
-    if (err != PEL_OK) {
-        goto fail;
-    }
-    static const float ev[4] = { 15 };
     glCreateVertexArrays(1, &r->vao);
-    glCreateBuffers(1, &r->light);
-    glNamedBufferStorage(r->light, sizeof ev, ev, 0);
-    glCreateFramebuffers(1, &r->color_fbo);
-    glCreateFramebuffers(1, &r->hdr_fbo);
+    glBindVertexArray(r->vao);
+    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    glCreateQueries(GL_TIMESTAMP, 2, r->timing.queries);
+    err = pel_readback_init(&r->readback);
+    if (err == PEL_OK) {
+        err = pel_arena_init(&r->arena, 4 * VIEW_UNIFORM_BYTES);
+    }
+    if (err != PEL_OK) {
+        pel_fault_set(fault, err, "no memory for the frame's buffers");
+        goto fail;
+    }
+    err = pel_sky_init(&r->sky, r->shader_dir, fault);
+    if (err == PEL_OK) {
+        err = pel_program_create(r->shader_dir, "surface.vert", "surface.frag",
+                                 NULL, &r->surface_program, fault);
+    }
+    if (err == PEL_OK) {
+        err = pel_program_create(r->shader_dir, "screen.vert", "tone.frag", NULL,
+                                 &r->tone_program, fault);
+    }
+    if (err != PEL_OK) {
+        goto fail;
+    }
     *out = r;
     return PEL_OK;
 fail:
@@ -81,13 +290,27 @@ fail:
 
 void pel_renderer_destroy(struct pel_renderer *r)
 {
-    if (r) {
-        if (r->context.context) {
-            pel_readback_finish(&r->readback);
-        }
-        pel_context_finish(&r->context);
-        free(r);
+    if (!r) {
+        return;
     }
+    if (r->context.context) {
+        pel_readback_finish(&r->readback);
+        pel_arena_finish(&r->arena);
+        pel_sky_finish(&r->sky);
+        finish_targets(&r->targets);
+        delete_wave_programs(r);
+        glDeleteProgram(r->surface_program);
+        glDeleteProgram(r->tone_program);
+        glDeleteProgram(r->backdrop_program[0]);
+        glDeleteProgram(r->backdrop_program[1]);
+        glDeleteBuffers(1, &r->vertices);
+        glDeleteVertexArrays(1, &r->vao);
+        glDeleteQueries(2, r->timing.queries);
+    }
+    pel_context_finish(&r->context);
+    free(r->mesh);
+    free(r->wave_block);
+    free(r);
 }
 
 const char *pel_renderer_description(const struct pel_renderer *r)
@@ -100,42 +323,184 @@ bool pel_renderer_is_software(const struct pel_renderer *r)
     return r->context.software;
 }
 
+/* --- a frame -------------------------------------------------------------- */
+
+static void bind_table_eye(void *user, double height_m)
+{
+    struct pel_renderer *r = user;
+    struct pel_block_eye block;
+    pel_fill_eye(height_m, height_m, NULL, &block);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &block, sizeof block);
+}
+
+static void displace_mesh(struct pel_renderer *r)
+{
+    const struct pel_mesh *m = r->mesh;
+    if (m->vertex_count > r->vertex_capacity) {
+        int capacity = m->vertex_count + m->vertex_count / 4;
+        glDeleteBuffers(1, &r->vertices);
+        glCreateBuffers(1, &r->vertices);
+        glNamedBufferStorage(r->vertices, (GLsizeiptr)capacity * VERTEX_BYTES,
+                             NULL, 0);
+        glObjectLabel(GL_BUFFER, r->vertices, -1, "vertices");
+        r->vertex_capacity = capacity;
+    }
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, r->vertices);
+    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 1, m->rings,
+                   sizeof *m->rings * (size_t)(m->ring_count ? m->ring_count : 1));
+    glUseProgram(r->mesh_program);
+    for (int i = 0; i < m->block_count; i++) {
+        const struct pel_mesh_block *b = &m->blocks[i];
+        glUniform4i(0, b->first_ring, b->rings, b->first_column, b->columns);
+        glUniform1i(1, b->base);
+        glDispatchCompute((GLuint)(b->rings * b->columns + 63) / 64, 1, 1);
+    }
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+static void raster_surface(struct pel_renderer *r)
+{
+    static const GLuint nothing[4] = { 0 };
+    static const GLfloat far_away = 0.0f;
+    glClearNamedFramebufferuiv(r->targets.surface_fbo, GL_COLOR, 0, nothing);
+    glClearNamedFramebufferfv(r->targets.surface_fbo, GL_DEPTH, 0, &far_away);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.surface_fbo);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    glDepthMask(GL_TRUE);
+    glUseProgram(r->surface_program);
+    for (int i = 0; i < r->mesh->block_count; i++) {
+        const struct pel_mesh_block *b = &r->mesh->blocks[i];
+        glUniform4i(0, b->first_ring, b->rings, b->first_column, b->columns);
+        glUniform1i(1, b->base);
+        glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 2 * b->columns,
+                              b->rings - 1);
+    }
+    glDepthMask(GL_FALSE);
+}
+
+/* Sea where the surface was drawn, sky where it was not: the depth test tells
+ * them apart before a pixel is shaded. */
+static void shade(struct pel_renderer *r, bool layers)
+{
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layers ? r->targets.layers_fbo
+                                                  : r->targets.light_fbo);
+    glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
+    glDepthFunc(GL_EQUAL);
+    glUseProgram(r->backdrop_program[layers]);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDepthFunc(GL_LESS);
+    glUseProgram(r->sea_program[layers]);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_DEPTH_TEST);
+}
+
+static void tone(struct pel_renderer *r)
+{
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
+    glBindTextureUnit(0, r->targets.radiance);
+    glUseProgram(r->tone_program);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+static enum pel_err draw_view(struct pel_renderer *r,
+                              const struct pel_environment *env,
+                              const struct pel_draw *draw)
+{
+    const struct pel_camera *c = &draw->camera;
+    int64_t started_ns = pel_now_ns();
+    bool layers = draw->layers & (PEL_LAYER_DEPTH | PEL_LAYER_NORMAL);
+    double height_m = fmax(c->altitude_m, 0.3);
+    double table_height_m = pel_sky_quantize_height(height_m);
+    struct pel_block_view view;
+    pel_fill_view(c, &view);
+    const struct pel_mesh_eye mesh_eye = {
+        .height_m = height_m,
+        .pixel = fmin((double)view.pixel.x, (double)view.pixel.y),
+        .n_max = PEL_N_MAX,
+        .sea = env->sea,
+    };
+    pel_mesh_plan(&mesh_eye, c, r->mesh);
+    struct pel_block_eye eye;
+    pel_fill_eye(height_m, table_height_m, r->mesh, &eye);
+    pel_fill_waves(env, c->east_m, c->north_m, r->wave_block);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &eye, sizeof eye);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 2, &view, sizeof view);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 3, r->wave_block,
+                   sizeof *r->wave_block);
+    fit_targets(&r->targets, c->width, c->height, layers);
+    stage_begin(r);
+    pel_sky_bind_eye(&r->sky, env, table_height_m);
+    stage_end(r, PEL_STAGE_SKY);
+    displace_mesh(r);
+    stage_end(r, PEL_STAGE_MESH);
+    glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
+    raster_surface(r);
+    stage_end(r, PEL_STAGE_RASTER);
+    shade(r, layers);
+    stage_end(r, PEL_STAGE_SHADE);
+    if (draw->layers & PEL_LAYER_COLOR) {
+        tone(r);
+    }
+    stage_end(r, PEL_STAGE_TONE);
+    const struct pel_readback_source source = {
+        .color_fbo = r->targets.color_fbo,
+        .hdr_fbo = layers ? r->targets.layers_fbo : r->targets.light_fbo,
+        .light = r->sky.light,
+        .auto_exposure = c->auto_exposure,
+        .exposure_ev = c->exposure_ev,
+        .width = c->width,
+        .height = c->height,
+        .layers = draw->layers,
+        .user = draw->user,
+        .started_ns = started_ns,
+    };
+    enum pel_err err = pel_readback_push(&r->readback, &source);
+    stage_end(r, PEL_STAGE_READBACK);
+    return err;
+}
+
 enum pel_err pel_renderer_submit(struct pel_renderer *r,
                                  const struct pel_environment *env,
                                  const struct pel_draw *draws, size_t count)
 {
-    (void)env;
     if (count > pel_readback_free(&r->readback)) {
         return PEL_ERR_BUSY;
     }
+    struct pel_fault fault;
     for (size_t i = 0; i < count; i++) {
-        int64_t started = pel_now_ns();
-        const struct pel_camera *c = &draws[i].camera;
-        resize(r, c->width, c->height);
-        glBindVertexArray(r->vao);
-        glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
-        glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->color_fbo);
-        glUseProgram(r->tone);
-        glDrawArrays(GL_TRIANGLES, 0, 3);
-        struct pel_readback_source source = {
-            .color_fbo = r->color_fbo,
-            .hdr_fbo = r->hdr_fbo,
-            .light = r->light,
-            .width = c->width,
-            .height = c->height,
-            .layers = draws[i].layers,
-            .user = draws[i].user,
-            .started_ns = started,
-        };
-        enum pel_err err = pel_readback_push(&r->readback, &source);
+        bool layers = draws[i].layers & (PEL_LAYER_DEPTH | PEL_LAYER_NORMAL);
+        enum pel_err err = fit_waves(r, env->sea->count, layers, &fault);
         if (err != PEL_OK) {
+            pel_error("RND-040", "%s", fault.message);
             return err;
         }
     }
-    return PEL_OK;
+    enum pel_err err =
+        pel_arena_begin(&r->arena, (count + 1) * VIEW_UNIFORM_BYTES);
+    if (err != PEL_OK) {
+        return err;
+    }
+    for (int i = 0; i < PEL_STAGE_COUNT; i++) {
+        r->timing.ms[i] = 0.0;
+    }
+    struct pel_environment here = *env;
+    here.sun = pel_sky_quantize_sun(env->sun);
+    struct pel_block_frame frame;
+    pel_fill_frame(&here, &frame);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 0, &frame, sizeof frame);
+    stage_begin(r);
+    pel_sky_update(&r->sky, &here, bind_table_eye, r);
+    stage_end(r, PEL_STAGE_SKY);
+    for (size_t i = 0; i < count && err == PEL_OK; i++) {
+        err = draw_view(r, &here, &draws[i]);
+    }
+    pel_arena_end(&r->arena);
+    return err;
 }
 
-struct pel_picture *pel_renderer_collect(struct pel_renderer *r, int64_t wait_ns)
+struct pel_picture *pel_renderer_collect(struct pel_renderer *r,
+                                         int64_t wait_ns)
 {
     return pel_readback_pop(&r->readback, wait_ns);
 }
@@ -143,18 +508,4 @@ struct pel_picture *pel_renderer_collect(struct pel_renderer *r, int64_t wait_ns
 size_t pel_renderer_in_flight(const struct pel_renderer *r)
 {
     return r->readback.in_flight;
-}
-
-void pel_renderer_measure(struct pel_renderer *r, bool on)
-{
-    (void)r, (void)on;
-}
-
-void pel_renderer_stage_ms(const struct pel_renderer *r,
-                           double ms[PEL_STAGE_COUNT])
-{
-    (void)r;
-    for (int i = 0; i < PEL_STAGE_COUNT; i++) {
-        ms[i] = 0;
-    }
 }

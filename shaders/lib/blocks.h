@@ -31,7 +31,7 @@ PEL_BLOCK(0, frame) {
 /* One for an eye, a camera position of this frame. */
 PEL_BLOCK(1, eye) {
     vec4 eye; /* x height above the sea, m; y dip of the horizon, rad; z angle
-                 between the mesh's columns, rad */
+                 between the mesh's columns, rad; w columns around */
     vec4 lut; /* x height the sky tables were made for, m */
 };
 

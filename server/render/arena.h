@@ -1,0 +1,32 @@
+/* Uniforms of a frame: mapped memory that is written once and read by the
+ * frame's draws. Render thread only. */
+#pragma once
+
+#include <epoxy/gl.h>
+#include <stddef.h>
+
+#include "base/err.h"
+
+#define PEL_ARENA_FRAMES 3
+
+struct pel_arena {
+    GLuint buffer;
+    unsigned char *map;
+    size_t capacity, used; /* of one frame's part */
+    size_t alignment;
+    int part; /* 0..PEL_ARENA_FRAMES-1 */
+    GLsync fences[PEL_ARENA_FRAMES];
+};
+
+PEL_CHECK enum pel_err pel_arena_init(struct pel_arena *a, size_t capacity);
+void pel_arena_finish(struct pel_arena *a);
+
+/* Starts the next frame with room for `capacity` bytes: waits until the GPU no
+ * longer reads its part. */
+PEL_CHECK enum pel_err pel_arena_begin(struct pel_arena *a, size_t capacity);
+void pel_arena_end(struct pel_arena *a);
+
+/* Copies data in and binds it to an indexed target (GL_UNIFORM_BUFFER or
+ * GL_SHADER_STORAGE_BUFFER). The room was reserved by pel_arena_begin. */
+void pel_arena_bind(struct pel_arena *a, GLenum target, GLuint index,
+                    const void *data, size_t size);

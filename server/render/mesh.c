@@ -1,0 +1,232 @@
+#include "render/mesh.h"
+
+#include <float.h>
+#include <stdbool.h>
+
+#include "optics/atmosphere.h"
+
+#define CELL_PIXELS 8.0
+#define EDGE_SAMPLES 24 /* rays along each edge of the picture */
+
+/* What a camera can see of the sea. */
+struct reach {
+    double nearest_m, farthest_m; /* distances from the nadir at rest */
+    double azimuth_rad;           /* mathematical, of the middle */
+    double left_rad, right_rad;   /* offsets, left ≥ 0 counter-clockwise */
+    bool around;                  /* the nadir or the zenith is in sight */
+};
+
+/* Bounds of the displacement that count: five standard deviations. */
+static double likely_shift(const struct pel_sea *sea)
+{
+    return fmin(sea->max_height_m, 5.0 * sqrt(sea->m0));
+}
+
+static struct pel_vec3 ray(const struct pel_camera *c, double x, double y)
+{
+    struct pel_vec3 v = { x, y, -1.0 };
+    return pel_vec3_normalize(pel_mat3_apply(&c->world_from_camera, v));
+}
+
+static bool sees(const struct pel_camera *c, struct pel_vec3 world)
+{
+    double z = -pel_vec3_dot(world, c->world_from_camera.z);
+    double x = pel_vec3_dot(world, c->world_from_camera.x);
+    double y = pel_vec3_dot(world, c->world_from_camera.y);
+    return z > 0 && x > c->tan_left * z && x < c->tan_right * z &&
+           y > c->tan_bottom * z && y < c->tan_top * z;
+}
+
+static void reach_ray(struct reach *r, struct pel_vec3 d, double h, double dip,
+                      double rise)
+{
+    double turn = remainder(atan2(d.y, d.x) - r->azimuth_rad, 2.0 * PEL_PI);
+    r->left_rad = fmax(r->left_rad, turn);
+    r->right_rad = fmax(r->right_rad, -turn);
+    double depression = -asin(pel_clamp(d.z, -1.0, 1.0));
+    if (depression > 1e-6) {
+        double low = fmax(h - rise, 0.0) / tan(depression) - rise;
+        r->nearest_m = fmin(r->nearest_m, fmax(low, 0.0));
+    }
+    /* Above this the horizon comes in sight. */
+    if (depression < 1.5 * dip + 1e-3) {
+        r->farthest_m = DBL_MAX;
+    } else {
+        r->farthest_m =
+            fmax(r->farthest_m, 1.2 * (h + rise) / tan(depression) + rise);
+    }
+}
+
+static struct reach find_reach(const struct pel_camera *c, double h,
+                               double dip, double rise)
+{
+    struct pel_vec3 middle = ray(c, 0.5 * (c->tan_left + c->tan_right),
+                                 0.5 * (c->tan_top + c->tan_bottom));
+    struct reach r = {
+        .nearest_m = h > rise ? DBL_MAX : 0.0,
+        .azimuth_rad = atan2(middle.y, middle.x),
+        .around = sees(c, (struct pel_vec3){ 0, 0, 1 }) ||
+                  sees(c, (struct pel_vec3){ 0, 0, -1 }),
+    };
+    for (int i = 0; i <= EDGE_SAMPLES; i++) {
+        double f = (double)i / EDGE_SAMPLES;
+        double x = c->tan_left + f * (c->tan_right - c->tan_left);
+        double y = c->tan_bottom + f * (c->tan_top - c->tan_bottom);
+        reach_ray(&r, ray(c, x, c->tan_top), h, dip, rise);
+        reach_ray(&r, ray(c, x, c->tan_bottom), h, dip, rise);
+        reach_ray(&r, ray(c, c->tan_left, y), h, dip, rise);
+        reach_ray(&r, ray(c, c->tan_right, y), h, dip, rise);
+    }
+    if (sees(c, (struct pel_vec3){ 0, 0, -1 })) {
+        r.nearest_m = 0.0;
+    }
+    return r;
+}
+
+/* Longest wavelength whose waves, with all shorter ones, keep within rms_m:
+ * interpolated so that it does not jump between neighbours. */
+static double droppable_wavelength(const struct pel_sea *sea, double rms_m)
+{
+    double below = 0.0, lambda_below = 0.0;
+    double sum = 0.0;
+    for (int i = sea->count - 1; i >= 0; i--) {
+        const struct pel_wave *w = &sea->waves[i];
+        double lambda = 2.0 * PEL_PI / hypot(w->kx, w->ky);
+        sum += 0.5 * w->amplitude * w->amplitude;
+        double rms = sqrt(sum);
+        if (rms > rms_m) {
+            double f = (rms_m - below) / (rms - below);
+            return lambda_below + f * (lambda - lambda_below);
+        }
+        below = rms;
+        lambda_below = lambda;
+    }
+    return DBL_MAX;
+}
+
+/* Rings from start_m to beyond the horizon; their number, or -1 when they are
+ * too many. `coarser` scales the cells that follow the waves. */
+static int lay_rings(const struct pel_mesh_eye *eye, double start_m,
+                     double horizon_m, double column_rad, double coarser,
+                     struct pel_mesh_ring *rings)
+{
+    double h = fmax(eye->height_m, 0.5);
+    double r = start_m;
+    int count = 0;
+    while (r < horizon_m) {
+        if (count >= PEL_MESH_MAX_RINGS - 4) {
+            return -1;
+        }
+        double slant = hypot(r, h);
+        double lateral = slant * column_rad;
+        double grazing = slant * slant * column_rad / h;
+        double kept = droppable_wavelength(eye->sea, 0.5 * eye->pixel * slant);
+        double cell = fmin(grazing, fmax(kept / eye->n_max, lateral));
+        cell = fmax(cell, lateral) * coarser;
+        rings[count++] = (struct pel_mesh_ring){ (float)r, (float)cell };
+        r += cell;
+    }
+    /* One ring on the horizon itself, so that its line is exact, and two
+     * behind it for the crests that stand above it. */
+    double last = count > 0 ? rings[count - 1].cell_m : horizon_m;
+    const double beyond[] = { 1.0, 1.1, 1.3 };
+    for (int i = 0; i < 3; i++) {
+        rings[count++] = (struct pel_mesh_ring){
+            (float)(horizon_m * beyond[i]),
+            (float)fmax(last, 0.1 * horizon_m * beyond[i]),
+        };
+    }
+    return count;
+}
+
+static void add_block(struct pel_mesh *mesh, const struct reach *r,
+                      int first_ring, int last_ring, double margin_rad)
+{
+    struct pel_mesh_block *b = &mesh->blocks[mesh->block_count];
+    int n = mesh->columns_around;
+    double left = r->azimuth_rad + r->left_rad + margin_rad;
+    double right = r->azimuth_rad - r->right_rad - margin_rad;
+    int first = (int)floor(right / mesh->column_rad) - 1;
+    int columns = (int)ceil(left / mesh->column_rad) + 2 - first;
+    if (r->around || columns > n) {
+        first = 0;
+        columns = n + 1;
+    }
+    *b = (struct pel_mesh_block){
+        .first_ring = first_ring,
+        .rings = last_ring - first_ring + 1,
+        .first_column = ((first % n) + n) % n,
+        .columns = columns,
+        .base = mesh->vertex_count,
+    };
+    mesh->vertex_count += b->rings * b->columns;
+    mesh->block_count++;
+}
+
+/* Near rings need a wider sector: what rests outside the picture's edge may be
+ * carried into it. Each block doubles its distance. */
+static void choose_blocks(struct pel_mesh *mesh, const struct reach *r,
+                          double shift)
+{
+    mesh->block_count = 0;
+    mesh->vertex_count = 0;
+    int ring = 0;
+    while (ring + 2 < mesh->ring_count &&
+           mesh->rings[ring + 1].radius_m < r->nearest_m) {
+        ring++;
+    }
+    int end = ring;
+    while (end + 1 < mesh->ring_count && mesh->rings[end].radius_m < r->farthest_m) {
+        end++;
+    }
+    double limit = fmax(1.5 * shift, 1e-3);
+    while (ring < end) {
+        double start = mesh->rings[ring].radius_m;
+        bool wide = start < limit;
+        double margin = wide ? 2.0 * PEL_PI : asin(fmin(shift / start, 1.0));
+        int last = ring + 1;
+        bool final = mesh->block_count == PEL_MESH_MAX_BLOCKS - 1;
+        while (last < end &&
+               (final || mesh->rings[last].radius_m < (wide ? limit : 2.0 * start))) {
+            last++;
+        }
+        add_block(mesh, r, ring, last, margin);
+        ring = last;
+    }
+}
+
+void pel_mesh_plan(const struct pel_mesh_eye *eye,
+                   const struct pel_camera *camera, struct pel_mesh *out)
+{
+    double shift = likely_shift(eye->sea);
+    double h = eye->height_m;
+    double big = PEL_EARTH_RADIUS + h;
+    double dip = acos(pel_clamp(PEL_EARTH_RADIUS / big, -1.0, 1.0));
+    double horizon_m = PEL_EARTH_RADIUS * dip;
+    struct reach r = find_reach(camera, h, dip, shift);
+    out->columns_around = (int)ceil(2.0 * PEL_PI / (CELL_PIXELS * eye->pixel));
+    out->columns_around = out->columns_around < 24 ? 24 : out->columns_around;
+    out->column_rad = 2.0 * PEL_PI / out->columns_around;
+    double start = 0.0, coarser = 1.0;
+    for (int attempt = 0; attempt < 40; attempt++) {
+        out->ring_count = lay_rings(eye, start, horizon_m, out->column_rad,
+                                    coarser, out->rings);
+        if (out->ring_count > 0) {
+            choose_blocks(out, &r, shift);
+            if (out->vertex_count <= PEL_MESH_MAX_VERTICES) {
+                return;
+            }
+        }
+        /* First leave out what is nearer than the view needs, in powers of
+         * two so that neighbours agree; then use larger cells. */
+        double near_power = r.nearest_m > 1.0 && r.nearest_m < horizon_m
+                                ? exp2(floor(log2(r.nearest_m)))
+                                : 0.0;
+        if (start < near_power) {
+            start = near_power;
+        } else {
+            coarser *= 1.5;
+        }
+    }
+    out->ring_count = out->block_count = out->vertex_count = 0;
+}

@@ -1,0 +1,52 @@
+/* The mesh of the sea around an eye: rings about its nadir, columns of equal
+ * azimuth. Rings and columns depend on the eye, the sea and the pixel's angle
+ * only; a view chooses which of them it draws. Pure computation, no GL.
+ *
+ * It stands in for the paper's screen-space grid: cells are as large on the
+ * screen (8 × 8 pixels on calm water), but they do not turn with the camera,
+ * reach under and behind it, and stay fine enough for waves that a grazing
+ * screen cell would drop. */
+#pragma once
+
+#include <stddef.h>
+
+#include "ocean/sea.h"
+#include "scene/snapshot.h"
+
+#define PEL_MESH_MAX_RINGS 4096
+#define PEL_MESH_MAX_VERTICES 1000000
+#define PEL_MESH_MAX_BLOCKS 10
+
+/* What rings depend on. */
+struct pel_mesh_eye {
+    double height_m;    /* of the eye above mean sea level, > 0 */
+    double pixel;       /* tangent of one pixel on the axis */
+    double n_max;       /* the filter's upper bound, wavelengths per cell */
+    const struct pel_sea *sea;
+};
+
+struct pel_mesh_ring {
+    float radius_m; /* arc from the nadir */
+    float cell_m;   /* length of the cells here, for the filter w_p */
+};
+
+/* Rings [first_ring, first_ring + rings) by columns [first_column, …). */
+struct pel_mesh_block {
+    int first_ring, rings, first_column, columns;
+    int base; /* its first vertex */
+};
+
+struct pel_mesh {
+    int columns_around; /* columns in a full circle */
+    double column_rad;
+    int ring_count;
+    struct pel_mesh_ring rings[PEL_MESH_MAX_RINGS];
+    int block_count;
+    struct pel_mesh_block blocks[PEL_MESH_MAX_BLOCKS];
+    int vertex_count;
+};
+
+/* Lays out rings and blocks for a camera. Radius of the Earth as in
+ * optics/atmosphere.h. */
+void pel_mesh_plan(const struct pel_mesh_eye *eye,
+                   const struct pel_camera *camera, struct pel_mesh *out);

@@ -1,0 +1,244 @@
+#include "render/sky.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "render/shader.h"
+
+#define TRANSMITTANCE_WIDTH 256
+#define TRANSMITTANCE_HEIGHT 64
+#define MULTIPLE_SIZE 32
+#define TABLE_WIDTH 64
+#define TABLE_HEIGHT 128
+
+static GLuint make_texture(GLsizei width, GLsizei height, GLsizei levels,
+                           const char *label)
+{
+    GLuint texture = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+    glTextureStorage2D(texture, levels, GL_RGBA32F, width, height);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER,
+                        levels > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glObjectLabel(GL_TEXTURE, texture, -1, label);
+    return texture;
+}
+
+static GLuint make_fbo(GLuint first, GLuint second)
+{
+    GLuint fbo = 0;
+    glCreateFramebuffers(1, &fbo);
+    glNamedFramebufferTexture(fbo, GL_COLOR_ATTACHMENT0, first, 0);
+    if (second) {
+        static const GLenum both[] = { GL_COLOR_ATTACHMENT0,
+                                       GL_COLOR_ATTACHMENT1 };
+        glNamedFramebufferTexture(fbo, GL_COLOR_ATTACHMENT1, second, 0);
+        glNamedFramebufferDrawBuffers(fbo, 2, both);
+    }
+    return fbo;
+}
+
+static void make_table(struct pel_sky_table *t)
+{
+    t->radiance = make_texture(TABLE_WIDTH, TABLE_HEIGHT, 1, "sky radiance");
+    t->haze = make_texture(TABLE_WIDTH, TABLE_HEIGHT, 1, "haze");
+    t->fbo = make_fbo(t->radiance, t->haze);
+}
+
+static void finish_table(struct pel_sky_table *t)
+{
+    glDeleteTextures(1, &t->radiance);
+    glDeleteTextures(1, &t->haze);
+    glDeleteFramebuffers(1, &t->fbo);
+}
+
+enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
+                          struct pel_fault *fault)
+{
+    *sky = (struct pel_sky){ 0 };
+    const struct {
+        GLuint *program;
+        const char *first, *second;
+    } programs[] = {
+        { &sky->transmittance_program, "screen.vert", "transmittance.frag" },
+        { &sky->multiple_program, "screen.vert", "multiple.frag" },
+        { &sky->table_program, "screen.vert", "sky.frag" },
+        { &sky->reflection_program, "screen.vert", "reflection.frag" },
+        { &sky->light_program, "light.comp", NULL },
+    };
+    for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
+        enum pel_err err =
+            pel_program_create(shader_dir, programs[i].first,
+                               programs[i].second, NULL, programs[i].program,
+                               fault);
+        if (err != PEL_OK) {
+            return err;
+        }
+    }
+    sky->transmittance = make_texture(TRANSMITTANCE_WIDTH, TRANSMITTANCE_HEIGHT,
+                                      1, "transmittance");
+    sky->transmittance_fbo = make_fbo(sky->transmittance, 0);
+    sky->multiple =
+        make_texture(MULTIPLE_SIZE, MULTIPLE_SIZE, 1, "multiple scattering");
+    sky->multiple_fbo = make_fbo(sky->multiple, 0);
+    make_table(&sky->sea);
+    sky->reflection =
+        make_texture(PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE, 7, "reflection map");
+    sky->reflection_fbo = make_fbo(sky->reflection, 0);
+    glCreateBuffers(1, &sky->light);
+    glNamedBufferStorage(sky->light, 64, NULL, 0);
+    glObjectLabel(GL_BUFFER, sky->light, -1, "light");
+    return PEL_OK;
+}
+
+void pel_sky_finish(struct pel_sky *sky)
+{
+    const GLuint programs[] = { sky->transmittance_program,
+                                sky->multiple_program, sky->table_program,
+                                sky->reflection_program, sky->light_program };
+    for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
+        glDeleteProgram(programs[i]);
+    }
+    const GLuint textures[] = { sky->transmittance, sky->multiple,
+                                sky->reflection };
+    glDeleteTextures(3, textures);
+    const GLuint fbos[] = { sky->transmittance_fbo, sky->multiple_fbo,
+                            sky->reflection_fbo };
+    glDeleteFramebuffers(3, fbos);
+    finish_table(&sky->sea);
+    for (int i = 0; i < PEL_SKY_EYES; i++) {
+        finish_table(&sky->eyes[i]);
+    }
+    glDeleteBuffers(1, &sky->light);
+    *sky = (struct pel_sky){ 0 };
+}
+
+struct pel_vec3 pel_sky_quantize_sun(struct pel_vec3 sun)
+{
+    const double step = 0.005 * PEL_DEG;
+    double elevation =
+        step * round(asin(pel_clamp(sun.z, -1.0, 1.0)) / step);
+    double azimuth = step * round(atan2(sun.y, sun.x) / step);
+    return (struct pel_vec3){ cos(elevation) * cos(azimuth),
+                              cos(elevation) * sin(azimuth), sin(elevation) };
+}
+
+double pel_sky_quantize_height(double height_m)
+{
+    return exp2(round(log2(fmax(height_m, 0.5)) * 16.0) / 16.0);
+}
+
+static void draw_screen(GLuint program, GLuint fbo, GLsizei width,
+                        GLsizei height)
+{
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
+    glViewport(0, 0, width, height);
+    glUseProgram(program);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+static void update_air(struct pel_sky *sky, double visibility_m)
+{
+    if (sky->air_made && sky->air_key == visibility_m) {
+        return;
+    }
+    draw_screen(sky->transmittance_program, sky->transmittance_fbo,
+                TRANSMITTANCE_WIDTH, TRANSMITTANCE_HEIGHT);
+    glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
+    draw_screen(sky->multiple_program, sky->multiple_fbo, MULTIPLE_SIZE,
+                MULTIPLE_SIZE);
+    sky->air_key = visibility_m;
+    sky->air_made = true;
+}
+
+static void draw_table(struct pel_sky *sky, struct pel_sky_table *t)
+{
+    glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
+    glBindTextureUnit(PEL_UNIT_MULTIPLE, sky->multiple);
+    glProgramUniform2f(sky->table_program, 0, TABLE_WIDTH, TABLE_HEIGHT);
+    draw_screen(sky->table_program, t->fbo, TABLE_WIDTH, TABLE_HEIGHT);
+}
+
+static void table_key(const struct pel_environment *env, double height_m,
+                      double key[PEL_SKY_KEYS])
+{
+    /* The table is counted from the Sun's azimuth, but its last bits are not. */
+    key[0] = env->sun.x;
+    key[1] = env->sun.y;
+    key[2] = env->sun.z;
+    key[3] = env->visibility_m;
+    key[4] = height_m;
+}
+
+void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
+                    void (*bind_eye)(void *user, double height_m), void *user)
+{
+    update_air(sky, env->visibility_m);
+    double key[PEL_SKY_KEYS];
+    table_key(env, PEL_SKY_SEA_HEIGHT, key);
+    bool fresh = !sky->sea.made || memcmp(key, sky->sea.key, sizeof key) != 0;
+    if (fresh) {
+        bind_eye(user, PEL_SKY_SEA_HEIGHT);
+        draw_table(sky, &sky->sea);
+        memcpy(sky->sea.key, key, sizeof key);
+        sky->sea.made = true;
+    }
+    const double light_key[8] = { env->sun.x,
+                                  env->sun.y,
+                                  env->sun.z,
+                                  env->visibility_m,
+                                  env->chlorophyll_mg_m3,
+                                  env->sea->slope_variance_along,
+                                  env->sea->slope_variance_cross,
+                                  0.0 };
+    if (!sky->light_made || memcmp(light_key, sky->light_key, sizeof light_key)) {
+        glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
+        glBindTextureUnit(PEL_UNIT_SEA_TABLE, sky->sea.radiance);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, sky->light);
+        glUseProgram(sky->light_program);
+        glDispatchCompute(1, 1, 1);
+        glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+        glBindBufferBase(GL_UNIFORM_BUFFER, 4, sky->light);
+        glProgramUniform2f(sky->reflection_program, 0, PEL_SKY_MAP_SIZE,
+                           PEL_SKY_MAP_HALF_WIDTH);
+        draw_screen(sky->reflection_program, sky->reflection_fbo,
+                    PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE);
+        glGenerateTextureMipmap(sky->reflection);
+        memcpy(sky->light_key, light_key, sizeof light_key);
+        sky->light_made = true;
+    }
+    glBindBufferBase(GL_UNIFORM_BUFFER, 4, sky->light);
+}
+
+void pel_sky_bind_eye(struct pel_sky *sky, const struct pel_environment *env,
+                      double height_m)
+{
+    double key[PEL_SKY_KEYS];
+    table_key(env, height_m, key);
+    struct pel_sky_table *t = &sky->eyes[0];
+    for (int i = 0; i < PEL_SKY_EYES; i++) {
+        struct pel_sky_table *e = &sky->eyes[i];
+        if (e->made && memcmp(key, e->key, sizeof key) == 0) {
+            t = e;
+            break;
+        }
+        if (e->last_used < t->last_used) {
+            t = e;
+        }
+    }
+    if (!t->made || memcmp(key, t->key, sizeof key) != 0) {
+        if (!t->fbo) {
+            make_table(t);
+        }
+        draw_table(sky, t);
+        memcpy(t->key, key, sizeof key);
+        t->made = true;
+    }
+    t->last_used = ++sky->uses;
+    glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
+    glBindTextureUnit(PEL_UNIT_REFLECTION, sky->reflection);
+    glBindTextureUnit(PEL_UNIT_EYE_TABLE, t->radiance);
+    glBindTextureUnit(PEL_UNIT_EYE_HAZE, t->haze);
+}

@@ -1,0 +1,71 @@
+/* Tables of the atmosphere, the light on the sea, and the environment it
+ * reflects. Each table is a function of its key and kept until the key
+ * changes, so that what is drawn does not depend on what was drawn before.
+ * Render thread only. */
+#pragma once
+
+#include <epoxy/gl.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "render/renderer.h"
+
+#define PEL_SKY_EYES 16
+#define PEL_SKY_KEYS 5
+#define PEL_SKY_MAP_SIZE 128
+#define PEL_SKY_MAP_HALF_WIDTH 1.4f /* shaders/lib/shade.glsl */
+
+/* Texture units of the tables, as in the shaders. */
+enum {
+    PEL_UNIT_TRANSMITTANCE = 0,
+    PEL_UNIT_MULTIPLE = 1, /* building the tables */
+    PEL_UNIT_REFLECTION = 1, /* shading */
+    PEL_UNIT_SEA_TABLE = 2,
+    PEL_UNIT_EYE_TABLE = 3,
+    PEL_UNIT_EYE_HAZE = 4,
+    PEL_UNIT_TRIANGLES = 5,
+};
+
+struct pel_sky_table {
+    double key[PEL_SKY_KEYS]; /* Sun, visibility, height */
+    GLuint radiance, haze, fbo;
+    uint64_t last_used;
+    bool made;
+};
+
+struct pel_sky {
+    GLuint transmittance_program, multiple_program, table_program;
+    GLuint light_program, reflection_program;
+    GLuint transmittance, multiple, transmittance_fbo, multiple_fbo;
+    double air_key;
+    bool air_made;
+    struct pel_sky_table sea;
+    struct pel_sky_table eyes[PEL_SKY_EYES];
+    GLuint reflection, reflection_fbo;
+    GLuint light; /* buffer, block `light` */
+    double light_key[8];
+    bool light_made;
+    uint64_t uses;
+};
+
+PEL_CHECK enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
+                                    struct pel_fault *fault);
+void pel_sky_finish(struct pel_sky *sky);
+
+/* The Sun as the tables see it: on a lattice of 0.005°. */
+struct pel_vec3 pel_sky_quantize_sun(struct pel_vec3 sun);
+
+/* Height of the tables for an eye at height_m. */
+double pel_sky_quantize_height(double height_m);
+
+/* Brings the air, the sea-level table, the light and the reflection map up to
+ * date. The block `frame` must be bound; an `eye` block for
+ * PEL_SKY_SEA_HEIGHT is bound by `bind_eye`, called only when needed. */
+#define PEL_SKY_SEA_HEIGHT 2.0
+void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
+                    void (*bind_eye)(void *user, double height_m), void *user);
+
+/* Makes the table of an eye current on its units. The `eye` block must be
+ * bound with the same (quantised) height. */
+void pel_sky_bind_eye(struct pel_sky *sky, const struct pel_environment *env,
+                      double height_m);

@@ -1,0 +1,27 @@
+/* Fills the uniform blocks of shaders/lib/blocks.h. Pure computation. */
+#pragma once
+
+#include "render/mesh.h"
+#include "render/renderer.h"
+#include "shaders/lib/blocks.h"
+
+/* Bounds of the filter, wavelengths for each cell or pixel (section 7.1). */
+#define PEL_N_MIN 1.0
+#define PEL_N_MAX 2.5
+
+void pel_fill_frame(const struct pel_environment *env,
+                    struct pel_block_frame *out);
+
+void pel_fill_eye(double height_m, double table_height_m,
+                  const struct pel_mesh *mesh, struct pel_block_eye *out);
+
+/* Phases at the nadir of (east_m, north_m) at env->time_s. */
+void pel_fill_waves(const struct pel_environment *env, double east_m,
+                    double north_m, struct pel_block_waves *out);
+
+/* Also rounds the camera's pixel lattice: see pel_pixel_pitch. */
+void pel_fill_view(const struct pel_camera *camera, struct pel_block_view *out);
+
+/* Tangent of a pixel from the frustum, rounded to 20 bits so that pictures
+ * which tile one frustum agree to the last bit. */
+double pel_pixel_pitch(double tan_low, double tan_high, uint32_t pixels);
