@@ -362,12 +362,12 @@ static void raster_surface(struct pel_renderer *r)
 {
     static const GLuint nothing[4] = { 0 };
     static const GLfloat far_away = 0.0f;
+    glDepthMask(GL_TRUE); /* clearing obeys it */
     glClearNamedFramebufferuiv(r->targets.surface_fbo, GL_COLOR, 0, nothing);
     glClearNamedFramebufferfv(r->targets.surface_fbo, GL_DEPTH, 0, &far_away);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.surface_fbo);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    glDepthMask(GL_TRUE);
     glUseProgram(r->surface_program);
     for (int i = 0; i < r->mesh->block_count; i++) {
         const struct pel_mesh_block *b = &r->mesh->blocks[i];

@@ -1,0 +1,160 @@
+/* Draws one picture of a sea straight from the renderer and times it:
+ *   still OUT.png [name=value …]
+ * for looking at one thing at a time while developing shaders. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "encode/encode.h"
+#include "render/renderer.h"
+
+struct setting {
+    const char *name;
+    double value;
+};
+
+static struct setting settings[] = {
+    { "wind", 8 },    { "winddir", 270 }, { "sun", 30 },    { "sunaz", 0 },
+    { "height", 6 },  { "pitch", -4 },    { "yaw", 0 },     { "fov", 60 },
+    { "width", 1024 }, { "height_px", 768 }, { "time", 10 }, { "vis", 40000 },
+    { "ev", 99 },     { "frames", 1 },    { "seed", 1 },    { "waves", 60 },
+    { "stages", 0 },  { "chl", 0.2 },     { "hardware", 0 }, { "roll", 0 },
+    { "swell", 0 },   { "layers", 0 },    { "x", 0 },       { "y", 0 },
+};
+
+static double get(const char *name)
+{
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
+        if (strcmp(settings[i].name, name) == 0) {
+            return settings[i].value;
+        }
+    }
+    fprintf(stderr, "no setting %s\n", name);
+    exit(2);
+}
+
+static void parse(int argc, char **argv)
+{
+    for (int a = 2; a < argc; a++) {
+        char *equal = strchr(argv[a], '=');
+        size_t i = 0, n = sizeof settings / sizeof *settings;
+        while (equal && i < n &&
+               (strncmp(argv[a], settings[i].name, (size_t)(equal - argv[a])) ||
+                settings[i].name[equal - argv[a]])) {
+            i++;
+        }
+        if (!equal || i == n) {
+            fprintf(stderr, "unknown setting %s\n", argv[a]);
+            exit(2);
+        }
+        settings[i].value = atof(equal + 1);
+    }
+}
+
+static struct pel_camera make_camera(void)
+{
+    double yaw = get("yaw") * PEL_DEG, pitch = get("pitch") * PEL_DEG;
+    double roll = get("roll") * PEL_DEG;
+    struct pel_vec3 forward = { sin(yaw) * cos(pitch), cos(yaw) * cos(pitch),
+                                sin(pitch) };
+    struct pel_vec3 right = { cos(yaw), -sin(yaw), 0 };
+    struct pel_vec3 up = pel_vec3_cross(right, forward);
+    struct pel_camera c = { .altitude_m = get("height"),
+                            .east_m = get("x"),
+                            .north_m = get("y") };
+    c.world_from_camera.x = pel_vec3_add(pel_vec3_scale(right, cos(roll)),
+                                         pel_vec3_scale(up, -sin(roll)));
+    c.world_from_camera.y = pel_vec3_add(pel_vec3_scale(up, cos(roll)),
+                                         pel_vec3_scale(right, sin(roll)));
+    c.world_from_camera.z = pel_vec3_scale(forward, -1);
+    c.width = (uint32_t)get("width");
+    c.height = (uint32_t)get("height_px");
+    c.tan_right = tan(0.5 * get("fov") * PEL_DEG);
+    c.tan_left = -c.tan_right;
+    c.tan_top = c.tan_right * c.height / c.width;
+    c.tan_bottom = -c.tan_top;
+    c.auto_exposure = get("ev") > 90;
+    c.exposure_ev = get("ev");
+    return c;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2) {
+        fprintf(stderr, "usage: still OUT.png [name=value …]\n");
+        return 2;
+    }
+    parse(argc, argv);
+    struct pel_fault fault = { 0 };
+    struct pel_renderer *r;
+    const struct pel_renderer_options options = {
+        .device = get("hardware") > 0 ? "auto" : "software", .debug = true
+    };
+    if (pel_renderer_create(&options, &r, &fault) != PEL_OK) {
+        fprintf(stderr, "%s\n", fault.message);
+        return 1;
+    }
+    static struct pel_sea sea;
+    double to = (90.0 - get("winddir") + 180.0) * PEL_DEG;
+    struct pel_sea_desc desc = { .wind_mps = get("wind"),
+                                 .direction_rad = to,
+                                 .fetch_m = 200000,
+                                 .gamma = 3.3,
+                                 .seed = (uint32_t)get("seed"),
+                                 .wave_count = (int)get("waves") };
+    if (get("swell") > 0) {
+        desc.swell_count = 1;
+        desc.swell[0] = (struct pel_swell_desc){ get("swell"), 12,
+                                                 to + 0.6, 0.15 };
+    }
+    if (pel_sea_build(&desc, &sea) != PEL_OK) {
+        return 1;
+    }
+    double az = get("sunaz") * PEL_DEG, el = get("sun") * PEL_DEG;
+    struct pel_environment env = {
+        .time_s = get("time"),
+        .sea = &sea,
+        .sun = { sin(az) * cos(el), cos(az) * cos(el), sin(el) },
+        .wind_mps = get("wind"),
+        .wind_to_rad = to,
+        .visibility_m = get("vis"),
+        .chlorophyll_mg_m3 = get("chl"),
+    };
+    struct pel_draw draw = { .camera = make_camera(),
+                             .layers = get("layers") > 0
+                                           ? PEL_LAYER_COLOR | PEL_LAYER_DEPTH |
+                                                 PEL_LAYER_NORMAL
+                                           : PEL_LAYER_COLOR };
+    pel_renderer_measure(r, get("stages") > 0);
+    for (int i = 0; i < (int)get("frames"); i++) {
+        int64_t start = pel_now_ns();
+        env.time_s = get("time") + i / 30.0;
+        if (pel_renderer_submit(r, &env, &draw, 1) != PEL_OK) {
+            return 1;
+        }
+        struct pel_picture *p = pel_renderer_collect(r, 10000000000);
+        if (!p) {
+            return 1;
+        }
+        printf("frame %d: %.1f ms, EV %.2f;", i, (double)(pel_now_ns() - start) * 1e-6,
+               p->exposure_ev);
+        double ms[PEL_STAGE_COUNT];
+        pel_renderer_stage_ms(r, ms);
+        for (int s = 0; s < PEL_STAGE_COUNT && get("stages") > 0; s++) {
+            printf(" %s %.2f", pel_stage_name(s), ms[s]);
+        }
+        printf("\n");
+        struct pel_bytes png;
+        if (i == (int)get("frames") - 1 &&
+            pel_png_encode(p->rgba, p->width, p->height, &png) == PEL_OK) {
+            FILE *f = fopen(argv[1], "wb");
+            fwrite(png.data, 1, png.size, f);
+            fclose(f);
+            pel_bytes_finish(&png);
+        }
+        pel_picture_release(p);
+    }
+    pel_renderer_destroy(r);
+    return 0;
+}
