@@ -96,15 +96,7 @@ static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
         d->http_hosts = g_strsplit(d->options.http_hosts, ",", 16);
         options.http_hosts = (const char *const *)d->http_hosts;
     }
-    enum pel_err err =
-        pel_net_create(&options, d->scene, d->frames, &d->net, fault);
-    if (err == PEL_OK) {
-        pel_info("DMN-002", "HTTP on port %u, protobuf on port %u%s%s",
-                 pel_net_http_port(d->net), pel_net_tcp_port(d->net),
-                 options.unix_path ? " and " : "",
-                 options.unix_path ? options.unix_path : "");
-    }
-    return err;
+    return pel_net_create(&options, d->scene, d->frames, &d->net, fault);
 }
 
 static enum pel_err start_nmea(struct daemon *d, struct pel_fault *fault)
@@ -122,11 +114,7 @@ static enum pel_err start_nmea(struct daemon *d, struct pel_fault *fault)
     if (!*d->options.nmea) {
         return PEL_OK;
     }
-    enum pel_err err = pel_nmea_create(&options, d->scene, &d->nmea, fault);
-    if (err == PEL_OK) {
-        pel_info("DMN-006", "NMEA 0183 on UDP port %u", pel_nmea_port(d->nmea));
-    }
-    return err;
+    return pel_nmea_create(&options, d->scene, &d->nmea, fault);
 }
 
 static uint64_t sum(const uint64_t *values, size_t count)
@@ -184,12 +172,7 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
     if (!*d->options.modbus) {
         return PEL_OK;
     }
-    enum pel_err err = pel_modbus_create(&options, d->scene, &d->modbus, fault);
-    if (err == PEL_OK) {
-        pel_info("DMN-007", "Modbus/TCP on port %u",
-                 pel_modbus_port(d->modbus));
-    }
-    return err;
+    return pel_modbus_create(&options, d->scene, &d->modbus, fault);
 }
 
 static enum pel_err start(struct daemon *d, struct pel_fault *fault)

@@ -89,8 +89,6 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
     frames->watch =
         pel_alarm_create(context, "frame watchdog", pel_schedule_watch, frames);
     pel_scene_on_commit(scene, scene_changed, frames);
-    pel_info("FRM-001", "drawing with %s, at most %g frames a second",
-             pel_frames_device(frames), frames->max_fps);
     *out = frames;
     return PEL_OK;
 fail:

@@ -1,5 +1,7 @@
 #include "frames/mailbox.h"
 
+#include <time.h>
+
 void pel_queue_push(struct pel_queue *queue, struct pel_mail *mail)
 {
     mail->next = NULL;
@@ -20,6 +22,26 @@ struct pel_mail *pel_queue_pop(struct pel_queue *queue)
         mail->next = NULL;
     }
     return mail;
+}
+
+void pel_cond_init(pthread_cond_t *cond)
+{
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(cond, &attributes);
+    pthread_condattr_destroy(&attributes);
+}
+
+void pel_cond_wait_ns(pthread_cond_t *cond, pthread_mutex_t *lock,
+                      int64_t wait_ns)
+{
+    struct timespec end;
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    int64_t ns = end.tv_nsec + wait_ns;
+    end.tv_sec += ns / 1000000000;
+    end.tv_nsec = ns % 1000000000;
+    pthread_cond_timedwait(cond, lock, &end);
 }
 
 /* --- alarm ------------------------------------------------------------- */

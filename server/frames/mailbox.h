@@ -33,3 +33,9 @@ void pel_mailbox_post(struct pel_mailbox *box, struct pel_mail *mail);
  * clock that is set again and again without allocating. Attached to context. */
 GSource *pel_alarm_create(GMainContext *context, const char *name,
                           void (*ring)(void *user), void *user);
+
+/* A condition that counts time by CLOCK_MONOTONIC; and a wait on it of at most
+ * wait_ns, with the lock held. */
+void pel_cond_init(pthread_cond_t *cond);
+void pel_cond_wait_ns(pthread_cond_t *cond, pthread_mutex_t *lock,
+                      int64_t wait_ns);

@@ -3,19 +3,19 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "base/clock.h"
 #include "base/log.h"
 
 #define MAX_THREADS 16
+#define STOP_NS 1000000000LL
 
 struct pel_pool {
-    pthread_mutex_t lock; /* protects the queues, slow_busy, count */
+    pthread_mutex_t lock; /* protects the queues, slow_busy, count, ended */
     pthread_cond_t work;
     struct pel_queue fast, slow;
     int slow_busy;
-    int count;
+    int count, ended;
     pthread_t threads[MAX_THREADS];
     atomic_bool stop;
     struct pel_mailbox *box;
@@ -137,6 +137,8 @@ static void *run(void *argument)
             pthread_cond_signal(&pool->work);
         }
     }
+    pool->ended++;
+    pthread_cond_broadcast(&pool->work);
     pthread_mutex_unlock(&pool->lock);
     return NULL;
 }
@@ -154,7 +156,7 @@ enum pel_err pel_pool_create(int threads, struct pel_mailbox *box,
     pool->user = user;
     pool->device = "";
     pthread_mutex_init(&pool->lock, NULL);
-    pthread_cond_init(&pool->work, NULL);
+    pel_cond_init(&pool->work);
     threads = threads > MAX_THREADS ? MAX_THREADS : threads;
     pthread_mutex_lock(&pool->lock);
     for (int i = 0; i < threads; i++) {
@@ -180,21 +182,20 @@ void pel_pool_set_device(struct pel_pool *pool, const char *device)
 
 bool pel_pool_stop(struct pel_pool *pool)
 {
+    int64_t end = pel_now_ns() + STOP_NS, left = STOP_NS;
     pthread_mutex_lock(&pool->lock);
     atomic_store(&pool->stop, true);
     pthread_cond_broadcast(&pool->work);
-    pthread_mutex_unlock(&pool->lock);
-    struct timespec end;
-    clock_gettime(CLOCK_MONOTONIC, &end);
-    end.tv_sec += 1;
-    bool joined = true;
-    for (int i = 0; i < pool->count; i++) {
-        if (pthread_clockjoin_np(pool->threads[i], NULL, CLOCK_MONOTONIC,
-                                 &end) != 0) {
-            joined = false;
-        }
+    while (pool->ended < pool->count && left > 0) {
+        pel_cond_wait_ns(&pool->work, &pool->lock, left);
+        left = end - pel_now_ns();
     }
-    return joined;
+    bool ended = pool->ended == pool->count;
+    pthread_mutex_unlock(&pool->lock);
+    for (int i = 0; ended && i < pool->count; i++) {
+        pthread_join(pool->threads[i], NULL);
+    }
+    return ended;
 }
 
 void pel_pool_destroy(struct pel_pool *pool)

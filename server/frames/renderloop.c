@@ -2,7 +2,6 @@
 
 #include <pthread.h>
 #include <stdlib.h>
-#include <time.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -10,13 +9,14 @@
 /* Readback memory in flight or with the encoders; one picture always fits. */
 #define READBACK_BUDGET ((size_t)256 << 20)
 #define MAX_SUBMITTED 2
+#define STOP_NS 2000000000LL
 
 struct pel_renderloop {
     pthread_t thread;
-    pthread_mutex_t lock; /* protects queue, ready, finished, err, fault */
+    pthread_mutex_t lock; /* protects queue, ready, ended, err, fault */
     pthread_cond_t wake;  /* CLOCK_MONOTONIC */
     struct pel_queue queue;
-    bool ready, joined;
+    bool ready, ended, joined;
     enum pel_err err;
     struct pel_fault fault;
     struct pel_renderer_options options;
@@ -28,16 +28,6 @@ struct pel_renderloop {
     atomic_size_t held_bytes;
     _Atomic int64_t progress_ns;
 };
-
-static void wait_wake(struct pel_renderloop *loop, int64_t wait_ns)
-{
-    struct timespec end;
-    clock_gettime(CLOCK_MONOTONIC, &end);
-    int64_t ns = end.tv_nsec + wait_ns;
-    end.tv_sec += ns / 1000000000;
-    end.tv_nsec = ns % 1000000000;
-    pthread_cond_timedwait(&loop->wake, &loop->lock, &end);
-}
 
 static void progress(struct pel_renderloop *loop)
 {
@@ -107,7 +97,7 @@ static void wait_room(struct pel_renderloop *loop)
         return;
     }
     pthread_mutex_lock(&loop->lock);
-    wait_wake(loop, 2000000);
+    pel_cond_wait_ns(&loop->wake, &loop->lock, 2000000);
     pthread_mutex_unlock(&loop->lock);
 }
 
@@ -224,6 +214,10 @@ static void *run(void *argument)
         draw_jobs(loop);
         pel_renderer_destroy(loop->renderer);
     }
+    pthread_mutex_lock(&loop->lock);
+    loop->ended = true;
+    pthread_cond_broadcast(&loop->wake);
+    pthread_mutex_unlock(&loop->lock);
     return NULL;
 }
 
@@ -242,11 +236,7 @@ enum pel_err pel_renderloop_create(const struct pel_renderer_options *o,
     loop->box = box;
     progress(loop);
     pthread_mutex_init(&loop->lock, NULL);
-    pthread_condattr_t attributes;
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&loop->wake, &attributes);
-    pthread_condattr_destroy(&attributes);
+    pel_cond_init(&loop->wake);
     if (pthread_create(&loop->thread, NULL, run, loop) != 0) {
         loop->joined = true;
         pel_renderloop_destroy(loop);
@@ -300,16 +290,21 @@ int64_t pel_renderloop_progress_ns(const struct pel_renderloop *loop)
 
 bool pel_renderloop_stop(struct pel_renderloop *loop)
 {
+    int64_t end = pel_now_ns() + STOP_NS, left = STOP_NS;
     pthread_mutex_lock(&loop->lock);
     atomic_store(&loop->stop, true);
     pthread_cond_broadcast(&loop->wake);
+    while (!loop->ended && left > 0) {
+        pel_cond_wait_ns(&loop->wake, &loop->lock, left);
+        left = end - pel_now_ns();
+    }
+    bool ended = loop->ended;
     pthread_mutex_unlock(&loop->lock);
-    struct timespec end;
-    clock_gettime(CLOCK_MONOTONIC, &end);
-    end.tv_sec += 2;
-    loop->joined =
-        pthread_clockjoin_np(loop->thread, NULL, CLOCK_MONOTONIC, &end) == 0;
-    return loop->joined;
+    if (ended) {
+        pthread_join(loop->thread, NULL);
+        loop->joined = true;
+    }
+    return ended;
 }
 
 void pel_renderloop_destroy(struct pel_renderloop *loop)
