@@ -256,6 +256,12 @@ $(O)/gen/shaders.c: shaders/embed.py $(SHADERS)
 	@echo "  GEN   $@"
 	$(Q)/usr/bin/python3 shaders/embed.py $@ $(filter-out shaders/lib/%,$(SHADERS))
 
+build/man/pelagosd.1: $(O)/bin/pelagosd
+	$(Q)mkdir -p $(@D) && $< --print-man >$@
+
+build/completion/pelagosd: $(O)/bin/pelagosd
+	$(Q)mkdir -p $(@D) && $< --print-completion >$@
+
 # A test is one program beside its source: build/<flavor>/bin/NAME_test.
 define test_rule
 $(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(O)/libctl.a $(O)/libpelagos.a $(O)/libserver.a
