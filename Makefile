@@ -118,7 +118,7 @@ PAGES := $(wildcard clients/web/*.html clients/web/*.css clients/web/*.js \
     clients/web/*.svg)
 BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_parse.c server/bridges/nmea_values.c \
-    server/bridges/nmea.c server/bridges/pose.c \
+    server/bridges/nmea.c \
     server/bridges/modbus_map.c server/bridges/modbus_adu.c \
     server/bridges/modbus.c
 OPTIONS := server/options.c server/options_print.c
@@ -155,6 +155,8 @@ TESTS += server/frames/frames_test.c
 TESTS += proto/json_test.c
 TESTS += proto/registers_test.c
 TESTS += server/bridges/nmea_parse_test.c
+TESTS += server/bridges/modbus_test.c
+TESTS += server/bridges/nmea_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c

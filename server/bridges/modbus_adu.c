@@ -220,7 +220,11 @@ size_t pel_modbus_refuse(struct pel_modbus_answerer *a, const uint8_t *adu,
                          enum pel_modbus_exception code, uint8_t *answer)
 {
     modbus_reply_exception(a->context, adu, code);
-    return take_answer(a, answer);
+    size_t size = take_answer(a, answer);
+    if (size > PEL_MODBUS_HEADER) {
+        answer[PEL_MODBUS_HEADER] |= 0x80; /* it adds, which wraps */
+    }
+    return size;
 }
 
 size_t pel_modbus_answer(struct pel_modbus_answerer *a,

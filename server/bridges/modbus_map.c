@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/log.h"
-#include "bridges/pose.h"
 #include "fields.h"
 #include "path.h"
 #include "scene/scene.h"
@@ -105,16 +104,29 @@ static double field_value(struct pel_modbus_map *map,
     return *text ? strtod(text, NULL) : NAN;
 }
 
+/* Own ship as the scene reckons it for now. */
 static double ship_value(struct pel_modbus_map *map,
                          enum pel_register_source source)
 {
-    Pelagos__Entity e = PELAGOS__ENTITY__INIT;
-    if (!pel_bridge_reckon(map->scene, OWN_SHIP, &e)) {
-        return NAN;
+    const struct pel_snapshot *s = pel_scene_snapshot(map->scene);
+    double latitude, longitude, value = NAN;
+    for (size_t i = 0; i < s->entity_count; i++) {
+        struct pel_entity_state e;
+        if (s->entities[i].id != OWN_SHIP) {
+            continue;
+        }
+        pel_snapshot_entity_at(s, i, pel_scene_time(map->scene), &e);
+        pel_geo_from_local(s->origin_latitude_rad / PEL_DEG,
+                           s->origin_longitude_rad / PEL_DEG, e.east_m,
+                           e.north_m, &latitude, &longitude);
+        double heading = fmod(e.heading_rad / PEL_DEG, 360);
+        value = source == PEL_SOURCE_SHIP_LATITUDE    ? latitude * 1e7
+                : source == PEL_SOURCE_SHIP_LONGITUDE ? longitude * 1e7
+                : heading < 0                         ? heading + 360
+                                                      : heading;
     }
-    return source == PEL_SOURCE_SHIP_LATITUDE    ? e.latitude * 1e7
-           : source == PEL_SOURCE_SHIP_LONGITUDE ? e.longitude * 1e7
-                                                 : e.heading;
+    pel_snapshot_unref(s);
+    return value;
 }
 
 static double sun_value(struct pel_modbus_map *map,
@@ -380,28 +392,6 @@ static enum pel_err set_sun(struct pel_modbus_map *map, Pelagos__Patch *patch,
     return PEL_OK;
 }
 
-/* A patch that moves own ship starts from where it is now. */
-static bool complete_pose(struct pel_modbus_map *map, Pelagos__Patch *patch)
-{
-    Pelagos__Entity now = PELAGOS__ENTITY__INIT;
-    for (size_t i = 0; patch->state && i < patch->state->n_entities; i++) {
-        Pelagos__Entity *e = patch->state->entities[i];
-        if (e->id != OWN_SHIP) {
-            continue;
-        }
-        if (pel_bridge_reckon(map->scene, OWN_SHIP, &now)) {
-            e->latitude = e->has_latitude ? e->latitude : now.latitude;
-            e->longitude = e->has_longitude ? e->longitude : now.longitude;
-            e->heading = e->has_heading ? e->heading : now.heading;
-            e->has_latitude = e->has_longitude = e->has_heading = 1;
-        }
-        e->has_pose_time = 1;
-        e->pose_time = now.pose_time;
-        return true;
-    }
-    return false;
-}
-
 static enum pel_err build_patch(struct pel_modbus_map *map,
                                 Pelagos__Patch *patch, struct pel_fault *fault)
 {
@@ -436,7 +426,7 @@ static enum pel_modbus_exception commit_staged(struct pel_modbus_map *map)
     bool steers = false;
     enum pel_err err = build_patch(map, patch, &fault);
     if (!err) {
-        steers = complete_pose(map, patch);
+        steers = patch->state && patch->state->n_entities > 0;
         err = pel_scene_patch(map->scene, patch, &fault);
     }
     pelagos__patch__free_unpacked(patch, NULL);
@@ -495,12 +485,8 @@ void pel_modbus_map_stop_ship(struct pel_modbus_map *map)
     Pelagos__Entity entity = PELAGOS__ENTITY__INIT;
     Pelagos__Entity *list = &entity;
     struct pel_fault fault;
-    entity.has_id = 1;
+    entity.has_id = entity.has_speed = entity.has_turn_rate = 1;
     entity.id = OWN_SHIP;
-    if (!pel_bridge_reckon(map->scene, OWN_SHIP, &entity)) {
-        return;
-    }
-    entity.has_speed = entity.has_turn_rate = 1;
     patch.state = &state;
     state.entities = &list;
     state.n_entities = 1;

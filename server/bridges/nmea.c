@@ -14,7 +14,6 @@
 #include "bridges/ais.h"
 #include "bridges/endpoint.h"
 #include "bridges/nmea_values.h"
-#include "bridges/pose.h"
 #include "scene/scene.h"
 
 #define MAX_DATAGRAM 4096
@@ -87,36 +86,39 @@ static bool apply(struct pel_nmea *nmea, Pelagos__State *state)
     return true;
 }
 
-/* Own ship whole: where nothing new came, the reckoned pose of this moment,
- * so that a heading does not throw the ship back to its last fix. */
+static bool came_now(const struct pel_nmea_value *values, int count,
+                     int64_t now_ns)
+{
+    for (int i = 0; i < count; i++) {
+        if (values[i].at_ns == now_ns) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* What is known of own ship; the scene reckons the rest to this moment. */
 static void own_ship(struct pel_nmea *nmea, Pelagos__Entity *out)
 {
     struct pel_nmea_values *v = &nmea->values;
     int64_t now = nmea->now_ns;
-    double heading;
     out->has_id = 1;
     out->id = nmea->options.entity;
-    pel_bridge_reckon(nmea->scene, out->id, out);
     if (v->changed & PEL_NMEA_CHANGED_FIX) {
         out->has_latitude = out->has_longitude = 1;
         out->latitude = v->latitude;
         out->longitude = v->longitude;
         nmea->stopped = false;
     }
-    if (pel_nmea_heading(v, now, &heading)) {
-        /* With a turn rate the reckoned heading is newer than an old one. */
-        bool turning = pel_nmea_turn_rate(v, now) != 0 && out->has_heading;
-        bool newer = false;
-        for (int i = 0; i < PEL_HEADINGS; i++) {
-            newer = newer || v->heading[i].at_ns == now;
-        }
-        if (!turning || newer) {
-            out->has_heading = 1;
-            out->heading = heading;
-        }
+    /* While turning, what the scene reckons is newer than an old value. */
+    bool straight = pel_nmea_turn_rate(v, now) == 0;
+    if (pel_nmea_heading(v, now, &out->heading)) {
+        out->has_heading =
+            straight || came_now(v->heading, PEL_HEADINGS, now);
     }
     if (pel_nmea_motion(v, now, &out->course, &out->speed)) {
-        out->has_course = out->has_speed = 1;
+        out->has_course = straight || came_now(v->course, PEL_MOTIONS, now);
+        out->has_speed = 1;
         out->speed = nmea->stopped ? 0 : out->speed;
     }
     out->has_turn_rate = v->turn_rate[PEL_TURN_ROT].at_ns != 0 ||
