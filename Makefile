@@ -167,6 +167,7 @@ TESTS += server/scene/snapshot_test.c
 # FUZZERS += lines of each room.
 FUZZERS :=
 FUZZERS += tests/fuzz/fuzz_json.c
+FUZZERS += tests/fuzz/fuzz_protobuf.c
 TESTS += clients/lib/pelagos_test.c
 TESTS += clients/pelagosctl/ctl_test.c
 TESTS += clients/pelagosctl/nmea_log_test.c

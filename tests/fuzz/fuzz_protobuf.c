@@ -1,0 +1,34 @@
+/* Bytes → frames → Request → JSON, and the patch in it → scene. */
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "fuzz_scene.h"
+#include "wire.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static void one_request(const uint8_t *data, size_t size)
+{
+    Pelagos__Request *request = pelagos__request__unpack(NULL, size, data);
+    if (!request) {
+        return;
+    }
+    free(pel_json_from_message(&request->base, false));
+    if (request->command_case == PELAGOS__REQUEST__COMMAND_PATCH &&
+        request->patch) {
+        fuzz_edit(request->patch);
+    }
+    pelagos__request__free_unpacked(request, NULL);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    size_t offset, length;
+    while (pel_wire_next(data, size, PEL_WIRE_MAX_REQUEST, &offset, &length) ==
+           PEL_WIRE_MESSAGE) {
+        one_request(data + offset, length);
+        data += offset + length;
+        size -= offset + length;
+    }
+    return 0;
+}
