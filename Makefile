@@ -346,9 +346,12 @@ lint-format:
 	@echo "format: $(words $(C_FILES)) files"
 
 lint-tidy: $(GEN_HEADERS)
-	$(Q)printf '%s\n' $(filter %.c,$(C_FILES)) | xargs -P 2 -n 8 sh -c \
-	    'clang-tidy --quiet --warnings-as-errors="*" "$$@" -- $(subst ',\x27,$(CPPFLAGS)) $(PKG_CFLAGS) $(CFLAGS) 2>/dev/null' tidy
-	@echo "tidy: clean"
+	$(Q)printf '%s\n' $(filter %.c,$(C_FILES)) | xargs -P 2 -n 6 sh -c \
+	    'clang-tidy --quiet --warnings-as-errors="*" "$$@" -- $(TIDY_FLAGS) \
+	    2>/dev/null' tidy
+	@echo "tidy: $(words $(filter %.c,$(C_FILES))) files"
+TIDY_FLAGS = $(subst ','"'"',$(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS)) \
+    $(shell pkg-config --cflags $(CTL_PKGS))
 
 .PHONY: format
 format: ## rewrite the C sources as .clang-format says

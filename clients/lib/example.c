@@ -4,7 +4,7 @@
  *   ./example frame.jpg [tcp:HOST:PORT | unix:PATH] */
 #include <stdio.h>
 
-#include <pelagos.h>
+#include "pelagos.h"
 
 static int save(const Pelagos__Frame *frame, const char *path)
 {

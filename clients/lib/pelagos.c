@@ -68,19 +68,22 @@ static enum pel_client_code stream_fail(struct pel_client *client,
 {
     switch (result) {
     case STREAM_TIMEOUT:
-        return fail(error, PEL_CLIENT_TIMEOUT,
-                    "pelagosd at %s did not answer within %d ms",
-                    client->address, client->timeout_ms);
+        fail(error, PEL_CLIENT_TIMEOUT,
+             "pelagosd at %s did not answer within %d ms", client->address,
+             client->timeout_ms);
+        return PEL_CLIENT_TIMEOUT;
     case STREAM_MALFORMED:
-        return fail(error, PEL_CLIENT_PROTOCOL,
-                    "what answers at %s does not speak Pelagos' protocol",
-                    client->address);
+        fail(error, PEL_CLIENT_PROTOCOL,
+             "what answers at %s does not speak Pelagos' protocol",
+             client->address);
+        return PEL_CLIENT_PROTOCOL;
     case STREAM_CLOSED:
     case STREAM_OK:
         break;
     }
-    return fail(error, PEL_CLIENT_CLOSED,
-                "pelagosd at %s closed the connection", client->address);
+    fail(error, PEL_CLIENT_CLOSED, "pelagosd at %s closed the connection",
+         client->address);
+    return PEL_CLIENT_CLOSED;
 }
 
 enum pel_client_code pel_client_connect(const char *address, int timeout_ms,
@@ -164,8 +167,7 @@ static Pelagos__State *take_state(Pelagos__Reply *reply)
 
 /* One reply, whoever it is for. */
 static enum stream_result read_reply(struct pel_client *client,
-                                     int64_t deadline_ns,
-                                     Pelagos__Reply **out)
+                                     int64_t deadline_ns, Pelagos__Reply **out)
 {
     const uint8_t *data = NULL;
     size_t size = 0;
@@ -434,8 +436,7 @@ enum pel_client_code pel_client_watch(struct pel_client *client,
 }
 
 enum pel_client_code pel_client_next_state(struct pel_client *client,
-                                           int timeout_ms,
-                                           Pelagos__State **out,
+                                           int timeout_ms, Pelagos__State **out,
                                            struct pel_client_error *error)
 {
     int64_t deadline_ns = stream_deadline(timeout_ms);

@@ -56,8 +56,8 @@ enum pel_client_code {
  * range. */
 struct pel_client_error {
     enum pel_client_code code;
-    char path[96];   /* field at fault, `sea.windSpeed` */
-    char value[64];  /* what was refused */
+    char path[96];  /* field at fault, `sea.windSpeed` */
+    char value[64]; /* what was refused */
     char unit[16];
     double minimum, maximum;
     char message[256];
@@ -69,8 +69,8 @@ struct pel_client;
  * NULL for $PELAGOS_SERVER and, without that, the default. timeout_ms (1 ..)
  * bounds this and every later call. `error` may be NULL here and below. */
 PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
-pel_client_connect(const char *address, int timeout_ms,
-                   struct pel_client **out, struct pel_client_error *error);
+pel_client_connect(const char *address, int timeout_ms, struct pel_client **out,
+                   struct pel_client_error *error);
 
 /* Closes and frees; NULL allowed. */
 PEL_CLIENT_API void pel_client_close(struct pel_client *client);
@@ -115,8 +115,8 @@ pel_client_surface(struct pel_client *client, const double (*east_north_m)[2],
 /* Advances simulated time by `seconds` (0..3600) in mode STEPPED; CONFLICT in
  * any other. *out (NULL allowed): the state after it. */
 PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
-pel_client_step(struct pel_client *client, double seconds,
-                Pelagos__State **out, struct pel_client_error *error);
+pel_client_step(struct pel_client *client, double seconds, Pelagos__State **out,
+                struct pel_client_error *error);
 
 /* Asks for the state now and after each change. The first is in *out; later
  * ones come from pel_client_next_state. Other calls may be made in between: of

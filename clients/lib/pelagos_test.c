@@ -87,19 +87,18 @@ static void *serve(void *user)
 }
 
 static struct pel_client *
-start(struct fake *fake, bool (*answer)(struct fake *, const Pelagos__Request *),
-      int timeout_ms)
+start(struct fake *fake,
+      bool (*answer)(struct fake *, const Pelagos__Request *), int timeout_ms)
 {
     *fake = (struct fake){ .answer = answer, .chunk = SIZE_MAX };
     snprintf(fake->path, sizeof fake->path, "/tmp/pelagos-test-%d", getpid());
     snprintf(fake->address, sizeof fake->address, "unix:%s", fake->path);
     unlink(fake->path);
     struct sockaddr_un address = { .sun_family = AF_UNIX };
-    strcpy(address.sun_path, fake->path);
+    memcpy(address.sun_path, fake->path, sizeof fake->path);
     fake->listener = socket(AF_UNIX, SOCK_STREAM, 0);
-    assert_int_equal(bind(fake->listener, (struct sockaddr *)&address,
-                          sizeof address),
-                     0);
+    assert_int_equal(
+        bind(fake->listener, (struct sockaddr *)&address, sizeof address), 0);
     assert_int_equal(listen(fake->listener, 1), 0);
     pthread_create(&fake->thread, NULL, serve, fake);
     struct pel_client *client = NULL;
@@ -247,10 +246,9 @@ static void test_many_points_keep_order_and_time(void **state)
     }
     Pelagos__Surface *surface = NULL;
     struct pel_client_error error;
-    assert_int_equal(
-        pel_client_surface(client, (const double(*)[2])points, 10000, NULL,
-                           &surface, &error),
-        PEL_CLIENT_OK);
+    assert_int_equal(pel_client_surface(client, (const double(*)[2])points,
+                                        10000, NULL, &surface, &error),
+                     PEL_CLIENT_OK);
     assert_int_equal(surface->n_points, 10000);
     assert_true(surface->time == 42.0);
     for (size_t i = 0; i < 10000; i++) {
@@ -308,8 +306,7 @@ static void test_broken_daemons(void **state)
         struct pel_client *client = start(&fake, cases[i].answer, 300);
         Pelagos__State *got = NULL;
         struct pel_client_error error;
-        assert_int_equal(pel_client_get(client, &got, &error),
-                         cases[i].code);
+        assert_int_equal(pel_client_get(client, &got, &error), cases[i].code);
         assert_true(*error.message);
         stop(&fake, client);
     }

@@ -89,11 +89,12 @@ static int connect_to(const struct sockaddr *address, socklen_t size,
 static int connect_unix(const char *path, int64_t deadline_ns)
 {
     struct sockaddr_un address = { .sun_family = AF_UNIX };
-    if (strlen(path) >= sizeof address.sun_path) {
+    size_t length = strlen(path);
+    if (length >= sizeof address.sun_path) {
         errno = ENAMETOOLONG;
         return -1;
     }
-    strcpy(address.sun_path, path);
+    memcpy(address.sun_path, path, length + 1);
     return connect_to((const struct sockaddr *)&address, sizeof address,
                       deadline_ns);
 }
@@ -186,8 +187,7 @@ enum stream_result stream_write(struct stream *stream,
     size_t sent = 0;
     enum stream_result result = STREAM_OK;
     while (sent < size && result == STREAM_OK) {
-        ssize_t n =
-            send(stream->fd, bytes + sent, size - sent, MSG_NOSIGNAL);
+        ssize_t n = send(stream->fd, bytes + sent, size - sent, MSG_NOSIGNAL);
         if (n >= 0) {
             sent += (size_t)n;
         } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
@@ -278,8 +278,8 @@ enum stream_result stream_read(struct stream *stream, int64_t deadline_ns,
             }
         }
         size_t whole = length + PEL_WIRE_MAX_PREFIX;
-        enum stream_result result = receive(
-            stream, whole > there ? whole - there : 1, deadline_ns);
+        enum stream_result result =
+            receive(stream, whole > there ? whole - there : 1, deadline_ns);
         if (result != STREAM_OK) {
             return result;
         }

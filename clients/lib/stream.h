@@ -8,9 +8,9 @@
 
 struct stream {
     int fd;
-    uint8_t *buffer;   /* bytes [start, end) are read and not yet used */
+    uint8_t *buffer; /* bytes [start, end) are read and not yet used */
     size_t capacity, start, end;
-    size_t used;       /* bytes of the message handed out last */
+    size_t used; /* bytes of the message handed out last */
 };
 
 enum stream_open {

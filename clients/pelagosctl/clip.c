@@ -82,12 +82,11 @@ static int start_pipeline(struct clip *clip, const char *path,
         *why = g_strdup(error ? error->message : "no pipeline");
         return -1;
     }
-    GstElement *sink =
-        gst_bin_get_by_name(GST_BIN(clip->pipeline), "sink");
+    GstElement *sink = gst_bin_get_by_name(GST_BIN(clip->pipeline), "sink");
     g_object_set(sink, "location", path, NULL);
     gst_object_unref(sink);
-    clip->source = GST_APP_SRC(
-        gst_bin_get_by_name(GST_BIN(clip->pipeline), "source"));
+    clip->source =
+        GST_APP_SRC(gst_bin_get_by_name(GST_BIN(clip->pipeline), "source"));
     GstCaps *caps = gst_caps_new_simple(
         "image/jpeg", "width", G_TYPE_INT, (int)width, "height", G_TYPE_INT,
         (int)height, "framerate", GST_TYPE_FRACTION, (int)(clip->fps * 1000),
@@ -135,8 +134,7 @@ struct clip *clip_open(const char *path, uint32_t width, uint32_t height,
     } else {
         chain = find_chain(path, why);
     }
-    if (!chain ||
-        start_pipeline(clip, path, chain, width, height, why) != 0) {
+    if (!chain || start_pipeline(clip, path, chain, width, height, why) != 0) {
         free_clip(clip);
         return NULL;
     }
@@ -163,8 +161,8 @@ static char *bus_error(struct clip *clip, GstClockTime wait)
     return text;
 }
 
-int clip_add(struct clip *clip, const uint8_t *jpeg, size_t size,
-             double time_s, char **why)
+int clip_add(struct clip *clip, const uint8_t *jpeg, size_t size, double time_s,
+             char **why)
 {
     if (clip->file) {
         if (fwrite(jpeg, 1, size, clip->file) == size) {

@@ -13,8 +13,8 @@ struct clip *clip_open(const char *path, uint32_t width, uint32_t height,
                        double fps, char **why);
 
 /* Adds one JPEG shown from time_s on. 0, or -1 and *why. */
-int clip_add(struct clip *clip, const uint8_t *jpeg, size_t size,
-             double time_s, char **why);
+int clip_add(struct clip *clip, const uint8_t *jpeg, size_t size, double time_s,
+             char **why);
 
 /* Ends the file and frees; 0, or -1 and *why. */
 int clip_close(struct clip *clip, char **why);

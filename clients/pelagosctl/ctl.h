@@ -18,10 +18,10 @@ enum ctl_exit {
 };
 
 struct ctl_option {
-    char letter;      /* 0: long form only */
-    const char *name; /* NULL ends a list */
-    const char *arg;  /* word for the value in the help; NULL: a flag */
-    const char *help; /* a sentence without its full stop */
+    char letter;       /* 0: long form only */
+    const char *name;  /* NULL ends a list */
+    const char *arg;   /* word for the value in the help; NULL: a flag */
+    const char *help;  /* a sentence without its full stop */
     const char *words; /* values for the completion, or NULL */
 };
 
@@ -30,9 +30,9 @@ struct ctl;
 /* The one table that parsing, help, manual and completion are made from. */
 struct ctl_command {
     const char *name;
-    const char *arguments; /* synopsis after the options */
-    const char *summary;   /* one line */
-    const char *text;      /* paragraphs, parted by an empty line */
+    const char *arguments;            /* synopsis after the options */
+    const char *summary;              /* one line */
+    const char *text;                 /* paragraphs, parted by an empty line */
     const struct ctl_option *options; /* NULL: none of its own */
     const char *const *examples;      /* "command\nwhat it does", or NULL */
     const char *completes; /* "paths", "views", "files": what arguments are */
@@ -74,8 +74,7 @@ bool ctl_parse_number(const char *text, double *out);
 enum ctl_exit ctl_say(enum ctl_exit status, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 /* An error of libpelagos, with range, unit, nearest path and hint. */
-enum ctl_exit ctl_report(struct ctl *ctl,
-                         const struct pel_client_error *error);
+enum ctl_exit ctl_report(struct ctl *ctl, const struct pel_client_error *error);
 /* A fault found here while reading a path or a value. */
 struct pel_fault;
 enum ctl_exit ctl_report_fault(struct ctl *ctl, const struct pel_fault *fault);

@@ -131,8 +131,8 @@ static enum ctl_exit run_row(struct ctl *ctl, char *const *views,
     const struct pel_client_error *error = NULL;
     for (guint i = 0; i < row->views; i++) {
         g_thread_join(threads[i]);
-        error = askers[i].error.code != PEL_CLIENT_OK ? &askers[i].error
-                                                      : error;
+        error =
+            askers[i].error.code != PEL_CLIENT_OK ? &askers[i].error : error;
         g_array_append_vals(render, askers[i].render_ms->data,
                             askers[i].render_ms->len);
         g_array_append_vals(answer, askers[i].answer_ms->data,
@@ -151,8 +151,8 @@ static enum ctl_exit run_row(struct ctl *ctl, char *const *views,
     return error ? ctl_report(ctl, error) : CTL_DONE;
 }
 
-static enum ctl_exit run_rows(struct ctl *ctl, char *const *sizes,
-                              char **views, double seconds)
+static enum ctl_exit run_rows(struct ctl *ctl, char *const *sizes, char **views,
+                              double seconds)
 {
     bool json = ctl_flag(ctl, "json");
     enum ctl_exit status = CTL_DONE;

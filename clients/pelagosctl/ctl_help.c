@@ -34,8 +34,7 @@ static void print_text(FILE *out, const char *text)
             fputc('\n', out);
             column = 0;
         }
-        column += (size_t)fprintf(out, "%s%s", column > 0 ? " " : "",
-                                  words[i]);
+        column += (size_t)fprintf(out, "%s%s", column > 0 ? " " : "", words[i]);
     }
     fputc('\n', out);
 }
@@ -178,7 +177,8 @@ static const char *const roff_end =
     ".TP\n3\npelagosd does not answer.\n"
     ".TP\n4\npelagosd refused; nothing was changed.\n"
     ".SH ENVIRONMENT\n"
-    ".TP\n\\fBPELAGOS_SERVER\\fR\nWhere pelagosd listens, as for \\-\\-server.\n"
+    ".TP\n\\fBPELAGOS_SERVER\\fR\nWhere pelagosd listens, as for "
+    "\\-\\-server.\n"
     ".SH \"SEE ALSO\"\n\\fBpelagosd\\fR(1)\n";
 
 void ctl_print_manual(FILE *out)

@@ -65,15 +65,13 @@ static enum ctl_exit unknown_option(const struct ctl *ctl, const char *text)
     while (count < CTL_MAX_OPTIONS && (option = option_at(ctl, count))) {
         names[count++] = option->name;
     }
-    g_autofree char *name =
-        g_strndup(text + strspn(text, "-"), strcspn(text, "=") -
-                                                strspn(text, "-"));
+    g_autofree char *name = g_strndup(text + strspn(text, "-"),
+                                      strcspn(text, "=") - strspn(text, "-"));
     const char *near = ctl_nearest(name, names, count);
     const char *command = ctl->command ? ctl->command->name : NULL;
     return ctl_say(CTL_USAGE, "no option %s%s%s%s; see `pelagosctl %s%s--help`",
                    text, near ? "; did you mean --" : "", near ? near : "",
-                   near ? "?" : "", command ? command : "",
-                   command ? " " : "");
+                   near ? "?" : "", command ? command : "", command ? " " : "");
 }
 
 /* Takes argv[i], an option, and maybe argv[i + 1]; *taken counts them. */
@@ -90,8 +88,9 @@ static enum ctl_exit take_option(struct ctl *ctl, char **argv, int *taken)
         return unknown_option(ctl, text);
     }
     const struct ctl_option *option = option_at(ctl, (size_t)slot);
-    const char *glued =
-        equals ? equals + 1 : !is_long && text[2] ? text + 2 : NULL;
+    const char *glued = equals                ? equals + 1
+                        : !is_long && text[2] ? text + 2
+                                              : NULL;
     if (!option->arg) {
         if (glued) {
             return ctl_say(CTL_USAGE, "--%s takes no value", option->name);
@@ -206,8 +205,7 @@ enum ctl_exit ctl_number(const struct ctl *ctl, const char *name,
     if (!text) {
         return CTL_DONE;
     }
-    if (!ctl_parse_number(text, &value) || value < minimum ||
-        value > maximum) {
+    if (!ctl_parse_number(text, &value) || value < minimum || value > maximum) {
         return ctl_say(CTL_USAGE, "--%s %s: a number from %g to %g is wanted",
                        name, text, minimum, maximum);
     }

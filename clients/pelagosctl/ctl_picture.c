@@ -65,8 +65,8 @@ static enum ctl_exit save(const char *path, const Pelagos__Frame *frame)
     if (!file) {
         return ctl_say(CTL_FAILED, "%s: %s", path, strerror(errno));
     }
-    bool whole = fwrite(frame->data.data, 1, frame->data.len, file) ==
-                 frame->data.len;
+    bool whole =
+        fwrite(frame->data.data, 1, frame->data.len, file) == frame->data.len;
     if ((standard ? fflush(file) : fclose(file)) != 0 || !whole) {
         return ctl_say(CTL_FAILED, "%s: %s", path, strerror(errno));
     }
@@ -121,8 +121,7 @@ enum ctl_exit ctl_frame(struct ctl *ctl)
         request.layers = layers;
         request.n_layers = g_strv_length(layers);
     }
-    request.has_float_samples = request.float_samples =
-        ctl_flag(ctl, "float");
+    request.has_float_samples = request.float_samples = ctl_flag(ctl, "float");
     Pelagos__Frame *frame = NULL;
     struct pel_client_error error;
     if (pel_client_frame(ctl->client, &request, &frame, &error)) {
@@ -140,9 +139,8 @@ enum ctl_exit ctl_frame(struct ctl *ctl)
 static void print_points(const Pelagos__Surface *surface,
                          const double (*points)[2])
 {
-    printf("# at %.3f s\n%12s %12s %9s  %23s  %23s\n", surface->time,
-           "east m", "north m", "height m", "normal east, north, up",
-           "velocity m/s");
+    printf("# at %.3f s\n%12s %12s %9s  %23s  %23s\n", surface->time, "east m",
+           "north m", "height m", "normal east, north, up", "velocity m/s");
     for (size_t i = 0; i < surface->n_points; i++) {
         const Pelagos__SurfacePoint *p = surface->points[i];
         printf("%12.3f %12.3f %9.4f  %7.4f %7.4f %7.4f  %7.3f %7.3f %7.3f\n",
@@ -203,8 +201,8 @@ enum ctl_exit ctl_surface(struct ctl *ctl)
     Pelagos__Surface *surface = NULL;
     struct pel_client_error error;
     const double *when = ctl_flag(ctl, "time") ? &time_s : NULL;
-    if (pel_client_surface(ctl->client, (const double(*)[2])points, count,
-                           when, &surface, &error)) {
+    if (pel_client_surface(ctl->client, (const double(*)[2])points, count, when,
+                           &surface, &error)) {
         return ctl_report(ctl, &error);
     }
     if (!is_whole(surface)) {

@@ -49,8 +49,7 @@ static enum ctl_exit take_frame(struct recording *r,
 {
     g_autofree char *why = NULL;
     if (!r->clip) {
-        r->clip =
-            clip_open(r->path, frame->width, frame->height, r->fps, &why);
+        r->clip = clip_open(r->path, frame->width, frame->height, r->fps, &why);
         if (!r->clip) {
             return ctl_say(CTL_FAILED, "%s", why);
         }
@@ -74,9 +73,8 @@ static void sleep_until(int64_t due_ns)
 {
     struct timespec due = { .tv_sec = due_ns / 1000000000,
                             .tv_nsec = due_ns % 1000000000 };
-    while (!ctl_interrupted &&
-           clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, NULL) ==
-               EINTR) {
+    while (!ctl_interrupted && clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME,
+                                               &due, NULL) == EINTR) {
     }
 }
 
@@ -126,8 +124,7 @@ static void report_done(struct ctl *ctl, const struct recording *r)
         printf("%s: %zu frames of %ux%u, %lld kB", r->path, r->written,
                r->request.width, r->request.height,
                (long long)(file.st_size + 999) / 1000);
-        printf(r->written < r->wanted ? "; %zu were not drawn in time\n"
-                                      : "\n",
+        printf(r->written < r->wanted ? "; %zu were not drawn in time\n" : "\n",
                r->wanted - r->written);
     }
 }

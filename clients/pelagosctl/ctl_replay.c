@@ -47,8 +47,8 @@ static enum ctl_exit open_target(struct replay *replay)
     }
     freeaddrinfo(list);
     return replay->fd >= 0 ? CTL_DONE
-                           : ctl_say(CTL_FAILED, "--to %s: %s",
-                                     replay->target, strerror(errno));
+                           : ctl_say(CTL_FAILED, "--to %s: %s", replay->target,
+                                     strerror(errno));
 }
 
 static enum ctl_exit send_line(struct replay *replay,
@@ -98,8 +98,8 @@ static void wait_until(struct replay *replay, const struct nmea_log *log,
         if (ctl_interrupted || now_ns >= due_ns) {
             return;
         }
-        int64_t wake_ns = due_ns - now_ns > 200000000 ? now_ns + 200000000
-                                                      : due_ns;
+        int64_t wake_ns =
+            due_ns - now_ns > 200000000 ? now_ns + 200000000 : due_ns;
         struct timespec wake = { .tv_sec = wake_ns / 1000000000,
                                  .tv_nsec = wake_ns % 1000000000 };
         clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, NULL);

@@ -32,8 +32,7 @@ static bool print_below(const struct ctl_leaves *leaves, const char *path,
 }
 
 static enum ctl_exit get_path(struct ctl *ctl, const Pelagos__State *state,
-                              const struct ctl_leaves *leaves,
-                              const char *path)
+                              const struct ctl_leaves *leaves, const char *path)
 {
     bool json = ctl_flag(ctl, "json");
     bool alone = ctl->arg_count == 1;
@@ -109,13 +108,15 @@ static enum ctl_exit send_patch(struct ctl *ctl, const Pelagos__Patch *patch,
 }
 
 static enum ctl_exit add_assignment(struct ctl *ctl, Pelagos__Patch *patch,
-                                    const Pelagos__State *now,
-                                    const char *text, char **path)
+                                    const Pelagos__State *now, const char *text,
+                                    char **path)
 {
     const char *equals = strchr(text, '=');
     if (!equals || equals == text) {
-        return ctl_say(CTL_USAGE, "\"%s\" is not PATH=VALUE, like "
-                       "sea.windSpeed=12", text);
+        return ctl_say(CTL_USAGE,
+                       "\"%s\" is not PATH=VALUE, like "
+                       "sea.windSpeed=12",
+                       text);
     }
     *path = g_strndup(text, (size_t)(equals - text));
     struct pel_fault fault;
@@ -204,8 +205,8 @@ static void print_view(const Pelagos__View *view)
     if (view->has_entity) {
         g_snprintf(holder, sizeof holder, "%u", view->entity);
     }
-    printf("%-16s %-10s %-9s %-7s yaw %g, pitch %g deg, up %g m\n",
-           view->name, size, field, holder, view->yaw, view->pitch, view->up);
+    printf("%-16s %-10s %-9s %-7s yaw %g, pitch %g deg, up %g m\n", view->name,
+           size, field, holder, view->yaw, view->pitch, view->up);
 }
 
 enum ctl_exit ctl_views(struct ctl *ctl)
@@ -263,7 +264,8 @@ static GHashTable *index_leaves(const struct ctl_leaves *leaves)
     return table;
 }
 
-/* Prints the leaves of `after` that differ and those that are gone; how many. */
+/* Prints the leaves of `after` that differ and those that are gone; how many.
+ */
 static size_t print_changes(const struct ctl_leaves *before,
                             const struct ctl_leaves *after,
                             char *const *filters, bool json)
@@ -318,8 +320,8 @@ static enum ctl_exit watch_loop(struct ctl *ctl, struct ctl_leaves *leaves,
         }
         struct ctl_leaves now = ctl_flatten(state);
         pelagos__state__free_unpacked(state, NULL);
-        shown += (double)print_changes(leaves, &now, filters,
-                                       ctl_flag(ctl, "json"));
+        shown +=
+            (double)print_changes(leaves, &now, filters, ctl_flag(ctl, "json"));
         ctl_leaves_free(leaves);
         *leaves = now;
     }

@@ -80,22 +80,26 @@ static void test_wrong_command_lines(void **state)
 {
     (void)state;
     static const char *const lines[] = {
-        "ctl",           "ctl nothing",           "ctl draw",
-        "ctl draw a b c", "ctl draw a b --widht 3", "ctl draw a b --width",
-        "ctl draw a b --json=1", "ctl draw a b -x",
+        "ctl",
+        "ctl nothing",
+        "ctl draw",
+        "ctl draw a b c",
+        "ctl draw a b --widht 3",
+        "ctl draw a b --width",
+        "ctl draw a b --json=1",
+        "ctl draw a b -x",
     };
     for (size_t i = 0; i < G_N_ELEMENTS(lines); i++) {
         struct ctl ctl;
         assert_int_equal(parse(&ctl, lines[i]), CTL_USAGE);
     }
-    static const char *const numbers[] = { "--width=5", "--width=5000",
+    static const char *const numbers[] = { "--width=5",   "--width=5000",
                                            "--width=nan", "--width=1e999",
-                                           "--width=7x", "--width=" };
+                                           "--width=7x",  "--width=" };
     for (size_t i = 0; i < G_N_ELEMENTS(numbers); i++) {
         struct ctl ctl;
         double width = 0;
-        g_autofree char *line =
-            g_strdup_printf("ctl draw a b %s", numbers[i]);
+        g_autofree char *line = g_strdup_printf("ctl draw a b %s", numbers[i]);
         assert_int_equal(parse(&ctl, line), CTL_DONE);
         assert_int_equal(ctl_number(&ctl, "width", 16, 4096, &width),
                          CTL_USAGE);

@@ -43,9 +43,8 @@ static void add_leaf(const ProtobufCMessage *message,
                      GArray *out)
 {
     const struct pel_field *info = pel_field_info(message->descriptor, field);
-    const char *unit = info && info->unit && strcmp(info->unit, "1") != 0
-                           ? info->unit
-                           : "";
+    const char *unit =
+        info && info->unit && strcmp(info->unit, "1") != 0 ? info->unit : "";
     struct ctl_leaf leaf = {
         .path = g_strdup(path),
         .value = scalar_text(message, field),
@@ -64,8 +63,8 @@ static void walk_list(const ProtobufCMessage *message,
     size_t count = 0;
     ProtobufCMessage **items = pel_message_list(message, field, &count);
     for (size_t i = 0; i < count; i++) {
-        g_autofree char *name = key ? scalar_text(items[i], key)
-                                    : g_strdup_printf("%zu", i);
+        g_autofree char *name =
+            key ? scalar_text(items[i], key) : g_strdup_printf("%zu", i);
         g_autofree char *below = g_strdup_printf("%s.%s", path, name);
         walk(items[i], below, out);
     }
@@ -139,8 +138,8 @@ static char *field_name(const ProtobufCMessageDescriptor **message,
         return g_strdup(step);
     }
     const struct pel_field *info = pel_field_info(*message, field);
-    *message = field->type == PROTOBUF_C_TYPE_MESSAGE ? field->descriptor
-                                                      : NULL;
+    *message =
+        field->type == PROTOBUF_C_TYPE_MESSAGE ? field->descriptor : NULL;
     return g_strdup(info ? info->name : step);
 }
 

@@ -70,8 +70,9 @@ static void test_without_times_repetition_sets_the_pace(void **state)
 static void test_empty_and_broken_logs(void **state)
 {
     (void)state;
-    static const char *const texts[] = { "",        "\n\n",    "#\n",
-                                         "$",       "$GPRMC",  "$GPRMC,",
+    static const char *const texts[] = { "",         "\n\n",
+                                         "#\n",      "$",
+                                         "$GPRMC",   "$GPRMC,",
                                          "$GPRMC,1", "$GPRMC,99x999,\n" };
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         struct nmea_log log = read_text(texts[i]);

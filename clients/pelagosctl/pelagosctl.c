@@ -11,7 +11,8 @@
 const struct ctl_option ctl_global_options[] = {
     { 's', "server", "ADDRESS",
       "Where pelagosd listens: tcp:HOST:PORT or unix:PATH (PELAGOS_SERVER, "
-      "else " PEL_CLIENT_DEFAULT_SERVER ")", NULL },
+      "else " PEL_CLIENT_DEFAULT_SERVER ")",
+      NULL },
     { 't', "timeout", "SECONDS", "Give up waiting for an answer (10)", NULL },
     { 'j', "json", NULL, "Print JSON, errors too", NULL },
     { 'q', "quiet", NULL, "Print no confirmation and no progress", NULL },
@@ -24,8 +25,8 @@ static const struct ctl_option frame_options[] = {
     { 0, "width", "PIXELS", "Width instead of the view's", NULL },
     { 0, "height", "PIXELS", "Height instead of the view's", NULL },
     { 0, "time", "SECONDS", "Simulated time instead of the clock's", NULL },
-    { 0, "layers", "LIST",
-      "Layers of an EXR: radiance,depth,normal (radiance)", NULL },
+    { 0, "layers", "LIST", "Layers of an EXR: radiance,depth,normal (radiance)",
+      NULL },
     { 0, "float", NULL, "EXR samples of 32 bits instead of 16", NULL },
     { 0, "quality", "1..100", "Quality of a JPEG (90)", NULL },
     { 'f', "format", "FORMAT", "jpg, png or exr whatever the file is called",
@@ -73,7 +74,8 @@ static const struct ctl_option record_options[] = {
     { 0, "fps", "RATE", "Frames a second, 1 to 60 (15)", NULL },
     { 0, "exact", NULL,
       "Draw each frame for its own moment however long that takes, instead of "
-      "live", NULL },
+      "live",
+      NULL },
     { 0, "width", "PIXELS", "Width instead of the view's", NULL },
     { 0, "height", "PIXELS", "Height instead of the view's", NULL },
     { 0, "quality", "1..100", "Quality of the JPEGs (90)", NULL },
