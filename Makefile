@@ -300,7 +300,7 @@ deps-build:
 .PHONY: demo
 demo: deps-build ## build, sail a short voyage, leave pictures in build/demo/
 	$(Q)$(MAKE) --no-print-directory all
-	$(Q)/usr/bin/python3 clients/demo/demo.py
+	$(Q)/usr/bin/python3 -B clients/demo/demo.py
 
 .PHONY: run
 run: deps-build ## build and keep pelagosd running (ARGS='--http …')

@@ -29,7 +29,7 @@ extern "C" {
 #endif
 
 /* Where pelagosd listens unless told otherwise. */
-#define PEL_CLIENT_DEFAULT_SERVER "tcp:127.0.0.1:7350"
+#define PEL_CLIENT_DEFAULT_SERVER "tcp:127.0.0.1:7878"
 /* The environment variable that overrides it. */
 #define PEL_CLIENT_SERVER_VARIABLE "PELAGOS_SERVER"
 
@@ -75,7 +75,7 @@ pel_client_connect(const char *address, int timeout_ms, struct pel_client **out,
 /* Closes and frees; NULL allowed. */
 PEL_CLIENT_API void pel_client_close(struct pel_client *client);
 
-/* The address in use, "tcp:127.0.0.1:7350"; lives as long as the client. */
+/* The address in use, "tcp:127.0.0.1:7878"; lives as long as the client. */
 PEL_CLIENT_API const char *pel_client_address(const struct pel_client *client);
 
 /* Changes the time-out of the calls to come [ms]. */
