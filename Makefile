@@ -383,6 +383,55 @@ fuzz: $(fuzz_bin)
 	done
 endif
 
+# --- installation ---------------------------------------------------------
+SYSCONFDIR ?= /etc
+UNITDIR ?= $(PREFIX)/lib/systemd/system
+D = $(DESTDIR)$(PREFIX)
+
+MANUALS := $(O)/man/pelagosd.8 $(O)/man/pelagosctl.1
+
+$(O)/man/pelagosd.8: $(O)/bin/pelagosd
+	$(Q)mkdir -p $(@D) && $< --print-man >$@
+$(O)/man/pelagosctl.1: $(O)/bin/pelagosctl
+	$(Q)mkdir -p $(@D) && $< manual >$@
+
+.PHONY: man
+man: $(MANUALS) ## make the manual pages, from the programs' own tables
+
+$(O)/pelagos.pc: Makefile
+	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'Name: libpelagos' \
+	    'Description: C client of pelagosd, the headless ocean renderer' \
+	    'Version: $(VERSION)' 'Requires: libprotobuf-c' \
+	    'Libs: -L$${prefix}/lib -lpelagos' \
+	    'Cflags: -I$${prefix}/include/pelagos' >$@
+
+.PHONY: install
+install: all man $(O)/pelagos.pc ## install below PREFIX (/usr/local) and DESTDIR
+	install -d $(D)/bin $(D)/lib/pkgconfig $(D)/include/pelagos \
+	    $(D)/share/man/man1 $(D)/share/man/man8 $(D)/share/pelagos \
+	    $(D)/share/bash-completion/completions \
+	    $(D)/share/zsh/site-functions $(D)/share/fish/vendor_completions.d \
+	    $(DESTDIR)$(UNITDIR) $(DESTDIR)$(SYSCONFDIR)/pelagos
+	install -m755 $(O)/bin/pelagosd $(O)/bin/pelagosctl $(D)/bin
+	install -m644 $(O)/libpelagos.a $(D)/lib
+	install -m644 $(O)/pelagos.pc $(D)/lib/pkgconfig
+	install -m644 clients/lib/pelagos.h $(O)/gen/pelagos.pb-c.h \
+	    $(D)/include/pelagos
+	install -m644 proto/pelagos.proto $(D)/share/pelagos
+	install -m644 $(O)/man/pelagosctl.1 $(D)/share/man/man1
+	install -m644 $(O)/man/pelagosd.8 $(D)/share/man/man8
+	$(O)/bin/pelagosd --print-completion \
+	    >$(D)/share/bash-completion/completions/pelagosd
+	$(O)/bin/pelagosctl completion bash \
+	    >$(D)/share/bash-completion/completions/pelagosctl
+	$(O)/bin/pelagosctl completion zsh >$(D)/share/zsh/site-functions/_pelagosctl
+	$(O)/bin/pelagosctl completion fish \
+	    >$(D)/share/fish/vendor_completions.d/pelagosctl.fish
+	sed 's,/usr/local/bin,$(PREFIX)/bin,' packaging/pelagosd.service \
+	    >$(DESTDIR)$(UNITDIR)/pelagosd.service
+	test -e $(DESTDIR)$(SYSCONFDIR)/pelagos/pelagosd.conf || \
+	    install -m644 packaging/pelagosd.conf $(DESTDIR)$(SYSCONFDIR)/pelagos
+
 .PHONY: clean
 clean: ## remove build/
 	rm -rf build

@@ -179,7 +179,7 @@ static const char *const roff_end =
     ".SH ENVIRONMENT\n"
     ".TP\n\\fBPELAGOS_SERVER\\fR\nWhere pelagosd listens, as for "
     "\\-\\-server.\n"
-    ".SH \"SEE ALSO\"\n\\fBpelagosd\\fR(1)\n";
+    ".SH \"SEE ALSO\"\n\\fBpelagosd\\fR(8)\n";
 
 void ctl_print_manual(FILE *out)
 {
