@@ -72,7 +72,7 @@ is 12.5
 
 echo "== refusals change nothing and say what to do"
 run 4 set sea.windSpeed=99
-says "0 .. 30 m/s"
+says "0 to 30 m/s"
 run 4 set sea.windSpeed=5 sea.windSped=6
 says "did you mean sea.windSpeed"
 run 4 set sea.windSpeed=5 views.bridge.width=3
@@ -82,6 +82,8 @@ run 4 set sea.spectrum=FLAT
 run 2 set sea.windSpeed
 run 0 get sea.windSpeed
 is 12.5
+run 4 get entities.ownshp.heading
+says "did you mean entities.ownship"
 run 4 get sea.windSpede
 says "did you mean sea.windSpeed"
 run 4 frame bridg "$work/x.jpg"

@@ -41,6 +41,7 @@ struct candidates {
     GPtrArray *words;
     GPtrArray *owned;
     const char *wanted;
+    bool field_exists; /* then its element does not */
 };
 
 /* Every path of the schema, with the wanted path's own keys for the `*`. */
@@ -60,35 +61,60 @@ static void add_candidate(const char *path, const struct pel_path_info *info,
     }
     char *word = g_strjoinv(".", steps);
     g_ptr_array_add(all->owned, word);
+    if (!ctl_path_below(word, all->wanted)) {
+        g_ptr_array_add(all->words, word);
+    }
+    all->field_exists |= strcmp(word, all->wanted) == 0;
+}
+
+static void add_word(struct candidates *all, const char *list, const char *name)
+{
+    /* `frame bridg` names the view alone, `get views.bridg` its path. */
+    bool path = strchr(all->wanted, '.') != NULL;
+    char *word = path ? g_strdup_printf("%s.%s", list, name) : g_strdup(name);
+    g_ptr_array_add(all->owned, word);
     g_ptr_array_add(all->words, word);
 }
 
-static void add_views(struct ctl *ctl, struct candidates *all)
+/* The views and entities that there are. */
+static void add_elements(struct ctl *ctl, struct candidates *all)
 {
     Pelagos__State *state = NULL;
     if (!ctl->client || pel_client_get(ctl->client, &state, NULL)) {
         return;
     }
     for (size_t i = 0; i < state->n_views; i++) {
-        char *bare = g_strdup(state->views[i]->name);
-        char *path = g_strdup_printf("views.%s", bare);
-        g_ptr_array_add(all->owned, bare);
-        g_ptr_array_add(all->owned, path);
-        g_ptr_array_add(all->words, strchr(all->wanted, '.') ? path : bare);
+        add_word(all, "views", state->views[i]->name);
+    }
+    for (size_t i = 0; i < state->n_entities; i++) {
+        const char *name = state->entities[i]->name;
+        if (name && *name) {
+            add_word(all, "entities", name);
+        }
     }
     pelagos__state__free_unpacked(state, NULL);
 }
 
-/* The field or view that `path` was meant to be; g_free(), NULL: none. */
-static char *nearest_path(struct ctl *ctl, const char *path)
+/* The field, view or entity that `path` was meant to be; g_free(), NULL: none.
+ * `elements`: not a field. */
+static char *nearest_path(struct ctl *ctl, const char *path, bool elements)
 {
     struct candidates all = {
         .words = g_ptr_array_new(),
         .owned = g_ptr_array_new_with_free_func(g_free),
         .wanted = path,
     };
-    pel_path_each(add_candidate, &all);
-    add_views(ctl, &all);
+    if (!elements) {
+        pel_path_each(add_candidate, &all);
+    }
+    g_auto(GStrv) steps = g_strsplit(path, ".", 3);
+    g_autofree char *element = NULL;
+    if (all.field_exists && steps[0] && steps[1]) {
+        element = g_strdup_printf("%s.%s", steps[0], steps[1]);
+        path = element;
+        g_ptr_array_set_size(all.words, 0);
+    }
+    add_elements(ctl, &all);
     const char *near = ctl_nearest(path, (const char *const *)all.words->pdata,
                                    all.words->len);
     char *copy = g_strdup(near);
@@ -126,6 +152,7 @@ static const char *hint(enum pel_client_code code)
                "--server or PELAGOS_SERVER";
     case PEL_CLIENT_TIMEOUT:
         return "allow it more with --timeout, or look into its log";
+    case PEL_CLIENT_CLOSED:
     case PEL_CLIENT_PROTOCOL:
         return "is that the port of --tcp, not of --http?";
     case PEL_CLIENT_BUSY:
@@ -140,9 +167,13 @@ static const char *hint(enum pel_client_code code)
 static void print_text(const struct pel_client_error *error, const char *near)
 {
     bool has_path = *error->path && !strstr(error->message, error->path);
-    fprintf(stderr, "pelagosctl: %s%s%s\n", has_path ? error->path : "",
-            has_path ? ": " : "", error->message);
-    if (error->minimum <= error->maximum) {
+    bool has_value = *error->value && !strstr(error->message, error->value);
+    fprintf(stderr, "pelagosctl: %s%s%s%s%s%s\n", has_path ? error->path : "",
+            has_path ? ": " : "", error->message, has_value ? ": \"" : "",
+            has_value ? error->value : "", has_value ? "\"" : "");
+    char maximum[32];
+    g_snprintf(maximum, sizeof maximum, "%.10g", error->maximum);
+    if (error->minimum <= error->maximum && !strstr(error->message, maximum)) {
         bool unit = *error->unit && strcmp(error->unit, "1") != 0;
         fprintf(stderr, "  legal: %.10g .. %.10g%s%s\n", error->minimum,
                 error->maximum, unit ? " " : "", unit ? error->unit : "");
@@ -158,7 +189,8 @@ enum ctl_exit ctl_report(struct ctl *ctl, const struct pel_client_error *error)
 {
     g_autofree char *near = NULL;
     if (error->code == PEL_CLIENT_NOT_FOUND) {
-        near = nearest_path(ctl, *error->path ? error->path : error->value);
+        bool view = strcmp(error->path, "view") == 0 && *error->value;
+        near = nearest_path(ctl, view ? error->value : error->path, view);
     }
     if (ctl_flag(ctl, "json")) {
         print_json(error, near);
