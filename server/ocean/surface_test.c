@@ -1,4 +1,5 @@
 #include <string.h>
+#include <time.h>
 
 #include "base/near.h"
 #include "ocean/sea.h"
@@ -109,6 +110,33 @@ static void test_inverse(void **state)
         print_message("sea %d: height met within %.1e m\n", s, worst);
         assert_true(worst < 1e-4);
     }
+}
+
+/* The lanes' sines against the C library's: waves that shift nothing, so that
+ * heights compare exactly. Far away the phase itself is rounded, to
+ * 4.4e8 · 2^-53 = 5e-8 rad. */
+static void test_sines(void **state)
+{
+    (void)state;
+    build(windy(10, 4));
+    for (int i = 0; i < sea.count; i++) {
+        sea.waves[i].chop = 0;
+    }
+    uint64_t rng = 8;
+    double near = 0, far = 0;
+    for (int i = 0; i < 20000; i++) {
+        double reach = i % 2 ? 1e6 : 100;
+        double x = reach * (2 * uniform(&rng) - 1);
+        double y = reach * (2 * uniform(&rng) - 1);
+        struct pel_surface_sample p;
+        pel_sea_sample(&sea, x, y, 10, &p);
+        double e = fabs(p.height_m - pel_sea_displace(&sea, x, y, 10).z);
+        near = i % 2 ? near : fmax(near, e);
+        far = i % 2 ? fmax(far, e) : far;
+    }
+    print_message("heights: %.1e m near, %.1e m at 1000 km\n", near, far);
+    assert_true(near < 1e-11);
+    assert_true(far < 5e-8 * sea.max_height_m);
 }
 
 static void test_far_away(void **state)
@@ -296,11 +324,35 @@ static void test_query(void **state)
     pel_sea_query(&sea, points, 0, 4.5, many);
 }
 
+/* No bound: a machine under load must not fail it. */
+static void test_speed(void **state)
+{
+    (void)state;
+    enum { N = 20000 };
+    static struct pel_vec2 points[N];
+    static struct pel_surface_sample out[N];
+    build(windy(12, 2));
+    for (int i = 0; i < N; i++) {
+        points[i] = (struct pel_vec2){ 0.37 * i, 0.11 * i };
+    }
+    clock_t start = clock();
+    pel_sea_query(&sea, points, N, 4.5, out);
+    double batch = (double)(clock() - start) / CLOCKS_PER_SEC;
+    start = clock();
+    for (int i = 0; i < N; i++) {
+        pel_sea_sample(&sea, points[i].x, points[i].y, 4.5, &out[i]);
+    }
+    double single = (double)(clock() - start) / CLOCKS_PER_SEC;
+    print_message("60 waves: %.0f queries/s in a batch, %.0f/s singly\n",
+                  N / batch, N / single);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_one_trochoid),
         cmocka_unit_test(test_inverse),
+        cmocka_unit_test(test_sines),
         cmocka_unit_test(test_far_away),
         cmocka_unit_test(test_normal),
         cmocka_unit_test(test_velocity),
@@ -308,6 +360,7 @@ int main(void)
         cmocka_unit_test(test_trochoid_slope_variance),
         cmocka_unit_test(test_slope_variance),
         cmocka_unit_test(test_query),
+        cmocka_unit_test(test_speed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
