@@ -1,0 +1,272 @@
+// The controls: each is a field of the state by its path. What they offer
+// comes from the schema (/v1/fields), what the server refuses is said next to
+// the control that asked for it.
+
+import { patchState, Problem } from "/api.js";
+
+const DEBOUNCE_MS = 120;
+const HOLD_MS = 1500;
+
+let numbers = 0;
+
+function element(tag, className, text) {
+  const node = document.createElement(tag);
+  node.className = className || "";
+  node.textContent = text || "";
+  return node;
+}
+
+function round(value, step) {
+  const digits = Math.max(0, -Math.floor(Math.log10(step)));
+  return Number(value.toFixed(Math.min(digits, 6)));
+}
+
+// What all controls share: a label, a place for errors, writing with delay,
+// and holding still while a person is using it.
+export class Control {
+  constructor(parent, { id, label, patch, get }) {
+    this.id = id || `control-${numbers++}`;
+    this.patch = patch;
+    this.get = get;
+    this.touched = 0;
+    this.pending = null;
+    this.node = element("div", "control");
+    this.label = element("label", "label", label);
+    this.label.htmlFor = this.id;
+    this.error = element("p", "error");
+    this.error.id = `${this.id}-error`;
+    this.error.setAttribute("role", "alert");
+    this.error.hidden = true;
+    this.node.append(this.label);
+    parent.append(this.node);
+  }
+
+  // The input that carries the name, and the error below everything.
+  adopt(input, ...others) {
+    input.id = this.id;
+    input.setAttribute("aria-describedby", this.error.id);
+    this.inputs = [input, ...others].filter((n) => n.matches("input,select"));
+    this.node.append(input, ...others, this.error);
+  }
+
+  set enabled(enabled) {
+    this.node.classList.toggle("off", !enabled);
+    for (const input of this.inputs) {
+      input.disabled = !enabled;
+    }
+  }
+
+  get held() {
+    return this.pending !== null || performance.now() - this.touched < HOLD_MS;
+  }
+
+  fail(text) {
+    this.error.textContent = text;
+    this.error.hidden = !text;
+    for (const input of this.inputs) {
+      input.setAttribute("aria-invalid", text ? "true" : "false");
+    }
+  }
+
+  write(value) {
+    this.touched = performance.now();
+    clearTimeout(this.timer);
+    this.pending = value;
+    this.timer = setTimeout(() => this.send(), DEBOUNCE_MS);
+  }
+
+  async send() {
+    const value = this.pending;
+    try {
+      const state = await patchState(this.patch(value));
+      this.fail("");
+      this.pending = this.pending === value ? null : this.pending;
+      document.dispatchEvent(new CustomEvent("state", { detail: state }));
+    } catch (error) {
+      this.pending = this.pending === value ? null : this.pending;
+      this.fail(error instanceof Problem
+        ? error.line : "Not sent: the server does not answer.");
+    }
+  }
+
+  // Shows the value of a new state unless someone is using the control.
+  show(state) {
+    const value = this.get(state);
+    if (!this.held && this.error.hidden) {
+      this.set(value);
+    }
+  }
+}
+
+// A number: slider and entry. `scale: "log"` for ranges over decades.
+export class Range extends Control {
+  constructor(parent, options) {
+    super(parent, options);
+    this.step = options.step;
+    this.log = options.scale === "log";
+    this.minimum = options.minimum;
+    this.maximum = options.maximum;
+    const name = options.label;
+    this.entry = element("input", "entry");
+    this.entry.type = "number";
+    this.entry.step = "any";
+    this.entry.inputMode = "decimal";
+    this.entry.setAttribute("aria-label", `${name}, ${options.unitName}`);
+    this.unit = element("span", "unit", options.unit);
+    this.slider = element("input", "slider");
+    this.slider.type = "range";
+    this.setLimits(options.minimum, options.maximum);
+    const row = element("div", "entry-row");
+    row.append(this.entry, this.unit);
+    this.adopt(this.slider, row);
+    this.inputs = [this.slider, this.entry];
+    this.node.classList.add("range");
+    this.slider.addEventListener("input", () => {
+      const value = round(this.fromSlider(), this.step);
+      this.entry.value = value;
+      this.speak(value);
+      this.write(value);
+    });
+    this.entry.addEventListener("input", () => {
+      const value = Number.parseFloat(this.entry.value);
+      if (Number.isFinite(value)) {
+        this.toSlider(value);
+        this.write(value);
+      }
+    });
+    this.entry.addEventListener("blur", () => {
+      if (!this.error.hidden && this.known !== undefined) {
+        this.fail("");
+        this.set(this.known);
+      }
+    });
+    this.options = options;
+  }
+
+  setLimits(minimum, maximum) {
+    this.minimum = minimum;
+    this.maximum = maximum;
+    this.slider.min = this.log ? 0 : minimum;
+    this.slider.max = this.log ? 1000 : maximum;
+    this.slider.step = this.log ? 1 : this.step;
+  }
+
+  fromSlider() {
+    const x = Number(this.slider.value);
+    return this.log
+      ? this.minimum * (this.maximum / this.minimum) ** (x / 1000) : x;
+  }
+
+  toSlider(value) {
+    this.slider.value = this.log
+      ? 1000 * Math.log(value / this.minimum) /
+        Math.log(this.maximum / this.minimum) : value;
+    const low = Number(this.slider.min);
+    const high = Number(this.slider.max);
+    const part = (Number(this.slider.value) - low) / (high - low);
+    this.slider.style.setProperty("--part", `${100 * part}%`);
+  }
+
+  speak(value) {
+    this.slider.setAttribute("aria-valuetext",
+      `${value} ${this.options.unitName}`);
+    this.toSlider(value);
+  }
+
+  set(value) {
+    this.known = value;
+    if (value === undefined) {
+      return;
+    }
+    const shown = round(value, this.step);
+    if (document.activeElement !== this.entry) {
+      this.entry.value = shown;
+    }
+    this.speak(shown);
+  }
+}
+
+export class Choice extends Control {
+  constructor(parent, options) {
+    super(parent, options);
+    this.select = element("select", "select");
+    this.setOptions(options.options || []);
+    this.adopt(this.select);
+    this.select.addEventListener("change", () => {
+      if (options.chosen) {
+        options.chosen(this.select.value);
+      } else {
+        this.write(this.select.value);
+      }
+    });
+  }
+
+  // options: [[value, text], …]
+  setOptions(options) {
+    const key = JSON.stringify(options);
+    if (key !== this.key) {
+      this.key = key;
+      const value = this.select.value;
+      this.select.replaceChildren(...options.map(([v, text]) => {
+        const option = element("option", "", text);
+        option.value = v;
+        return option;
+      }));
+      this.select.value = value;
+    }
+  }
+
+  set(value) {
+    if (value !== undefined && this.select.value !== value) {
+      this.select.value = value;
+    }
+  }
+}
+
+export class Check extends Control {
+  constructor(parent, options) {
+    super(parent, options);
+    this.box = element("input", "box");
+    this.box.type = "checkbox";
+    this.adopt(this.box);
+    this.node.classList.add("check");
+    this.box.addEventListener("change", () => this.write(this.box.checked));
+  }
+
+  set(value) {
+    this.box.checked = value;
+  }
+}
+
+export class Text extends Control {
+  constructor(parent, options) {
+    super(parent, options);
+    this.input = element("input", "text");
+    this.input.type = options.type || "text";
+    if (options.type === "datetime-local") {
+      this.input.step = 1;
+    }
+    this.adopt(this.input);
+    this.input.addEventListener("change", () => {
+      if (this.input.value) {
+        this.write(this.input.value);
+      }
+    });
+  }
+
+  set(value) {
+    if (document.activeElement !== this.input) {
+      this.input.value = value ?? "";
+    }
+  }
+}
+
+export function button(parent, text, label, action) {
+  const node = element("button", "button", text);
+  node.type = "button";
+  node.setAttribute("aria-label", label);
+  node.title = label;
+  node.addEventListener("click", action);
+  parent.append(node);
+  return node;
+}

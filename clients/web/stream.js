@@ -1,0 +1,166 @@
+// Live pictures. Each view is a Motion-JPEG stream, read part by part, so that
+// the page knows what it shows: frame number, simulated time, rate. A picture
+// is decoded before the next is read: a slow browser makes the server drop
+// pictures, not queue them.
+
+const RETRY_MS = 1000;
+const RATE_WINDOW_MS = 3000;
+
+// Bytes of a stream, taken a header or a body at a time.
+class Parts {
+  constructor(reader) {
+    this.reader = reader;
+    this.chunks = [];
+    this.size = 0;
+  }
+
+  async more() {
+    const { done, value } = await this.reader.read();
+    if (done) {
+      throw new Error("the stream ended");
+    }
+    this.chunks.push(value);
+    this.size += value.length;
+  }
+
+  async take(count) {
+    while (this.size < count) {
+      await this.more();
+    }
+    const out = new Uint8Array(count);
+    let at = 0;
+    while (at < count) {
+      const first = this.chunks[0];
+      const n = Math.min(first.length, count - at);
+      out.set(first.subarray(0, n), at);
+      at += n;
+      if (n === first.length) {
+        this.chunks.shift();
+      } else {
+        this.chunks[0] = first.subarray(n);
+      }
+    }
+    this.size -= count;
+    return out;
+  }
+
+  // The header lines before a picture, as an object with lower-case names.
+  async head() {
+    let text = "";
+    while (!text.endsWith("\r\n\r\n")) {
+      if (text.length > 4096) {
+        throw new Error("the stream is not understood");
+      }
+      text += String.fromCharCode((await this.take(1))[0]);
+    }
+    const head = {};
+    for (const line of text.split("\r\n")) {
+      const colon = line.indexOf(":");
+      if (colon > 0) {
+        head[line.slice(0, colon).toLowerCase()] = line.slice(colon + 1).trim();
+      }
+    }
+    return head;
+  }
+}
+
+async function show(image, blob) {
+  const url = URL.createObjectURL(blob);
+  const before = image.dataset.url;
+  image.src = url;
+  image.dataset.url = url;
+  try {
+    await image.decode();
+  } catch {
+    // Replaced meanwhile, or a damaged picture: the next one comes.
+  }
+  if (before) {
+    URL.revokeObjectURL(before);
+  }
+}
+
+export class Live {
+  // `told` is called after each picture with {number, time} and after the
+  // stream broke with null.
+  constructor(name, image, told) {
+    this.name = name;
+    this.image = image;
+    this.told = told;
+    this.stamps = [];
+    this.abort = null;
+  }
+
+  get rate() {
+    const now = performance.now();
+    this.stamps = this.stamps.filter((t) => now - t < RATE_WINDOW_MS);
+    const span = now - (this.stamps[0] ?? now);
+    return span > 200 ? (this.stamps.length - 1) * 1000 / span : 0;
+  }
+
+  get running() {
+    return this.abort !== null;
+  }
+
+  start() {
+    if (!this.abort) {
+      this.abort = new AbortController();
+      this.run(this.abort.signal);
+    }
+  }
+
+  stop() {
+    this.abort?.abort();
+    this.abort = null;
+    this.stamps = [];
+  }
+
+  async run(signal) {
+    while (!signal.aborted) {
+      try {
+        await this.read(signal);
+      } catch {
+        if (!signal.aborted) {
+          this.told(null);
+        }
+      }
+      await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+    }
+  }
+
+  async read(signal) {
+    const response = await fetch(
+      `/v1/views/${encodeURIComponent(this.name)}/mjpeg`,
+      { signal, cache: "no-store" });
+    if (!response.ok) {
+      throw new Error(`HTTP ${response.status}`);
+    }
+    const parts = new Parts(response.body.getReader());
+    while (!signal.aborted) {
+      const head = await parts.head();
+      const data = await parts.take(Number(head["content-length"]));
+      await show(this.image, new Blob([data], { type: "image/jpeg" }));
+      this.stamps.push(performance.now());
+      this.told({
+        number: Number(head["x-pelagos-frame"]),
+        time: Number(head["x-pelagos-time"]),
+      });
+    }
+  }
+
+  // One picture instead of a stream, for views beyond the browser's limit of
+  // connections.
+  async once() {
+    const response = await fetch(
+      `/v1/views/${encodeURIComponent(this.name)}/frame.jpg?quality=80`,
+      { cache: "no-store", signal: AbortSignal.timeout(10000) });
+    if (!response.ok) {
+      throw new Error(`HTTP ${response.status}`);
+    }
+    await show(this.image, await response.blob());
+    this.stamps.push(performance.now());
+    this.told({
+      number: Number(response.headers.get("X-Pelagos-Frame")),
+      time: Number(response.headers.get("X-Pelagos-Time")),
+    });
+  }
+}
