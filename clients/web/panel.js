@@ -28,7 +28,7 @@ export class Control {
     this.id = id || `control-${numbers++}`;
     this.patch = patch;
     this.get = get;
-    this.touched = 0;
+    this.touched = -Infinity;
     this.pending = null;
     this.node = element("div", "control");
     this.label = element("label", "label", label);
@@ -176,6 +176,8 @@ export class Range extends Control {
   set(value) {
     this.known = value;
     if (value === undefined) {
+      this.entry.value = "";
+      this.toSlider(this.minimum);
       return;
     }
     const shown = round(value, this.step);

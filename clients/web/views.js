@@ -14,6 +14,17 @@ function element(tag, className, text) {
   return node;
 }
 
+// The four corners that mean full screen.
+function corners() {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("viewBox", "0 0 16 16");
+  svg.setAttribute("aria-hidden", "true");
+  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+  path.setAttribute("d", "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4");
+  svg.append(path);
+  return svg;
+}
+
 class Tile {
   constructor(grid, view) {
     this.grid = grid;
@@ -29,7 +40,8 @@ class Tile {
     const caption = element("figcaption", "caption");
     this.title = element("strong", "", view.name);
     this.rate = element("span", "rate", "–");
-    this.full = element("button", "full", "⛶");
+    this.full = element("button", "full");
+    this.full.append(corners());
     this.full.type = "button";
     this.full.title = "Full screen (F)";
     this.full.setAttribute("aria-label", `Full screen: ${view.name}`);
