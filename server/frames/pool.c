@@ -40,7 +40,7 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
     frame->format = output->format;
     frame->requested_ns = job->requested_ns;
     frame->drawn_ns = picture->drawn_ns;
-    frame->render_ms = picture->render_ms;
+    frame->render_ms = part->render_ms;
 }
 
 static enum pel_err encode_bytes(const struct pel_pool *pool,

@@ -23,7 +23,8 @@ struct pel_renderloop {
     struct pel_renderer *renderer; /* render thread */
     struct pel_pool *pool;
     struct pel_mailbox *box;
-    int submitted; /* jobs with GL; render thread */
+    int submitted;    /* jobs with GL; render thread */
+    int64_t drawn_ns; /* when the last picture was there; render thread */
     atomic_bool stop;
     atomic_size_t held_bytes;
     _Atomic int64_t progress_ns;
@@ -55,6 +56,16 @@ static void finish_part(struct pel_renderloop *loop, struct pel_job_draw *part)
     }
 }
 
+/* How long the device drew this picture: pictures are drawn one after the
+ * other, so what it waited for the one before is not its own. */
+static double busy_ms(struct pel_renderloop *loop,
+                      const struct pel_picture *picture)
+{
+    double since_last = (double)(picture->drawn_ns - loop->drawn_ns) * 1e-6;
+    loop->drawn_ns = picture->drawn_ns;
+    return since_last < picture->render_ms ? since_last : picture->render_ms;
+}
+
 static bool collect_one(struct pel_renderloop *loop, int64_t wait_ns)
 {
     struct pel_picture *picture = pel_renderer_collect(loop->renderer, wait_ns);
@@ -63,7 +74,7 @@ static bool collect_one(struct pel_renderloop *loop, int64_t wait_ns)
     }
     struct pel_job_draw *part = picture->user;
     part->picture = picture;
-    part->render_ms = picture->render_ms;
+    part->render_ms = busy_ms(loop, picture);
     finish_part(loop, part);
     return true;
 }
@@ -186,6 +197,10 @@ static struct pel_job *next_job(struct pel_renderloop *loop)
 static void draw_jobs(struct pel_renderloop *loop)
 {
     while (!atomic_load(&loop->stop)) {
+        /* What is finished goes first: software renderers draw while they
+         * take commands, and the next job would hold it up for a frame. */
+        while (loop->submitted > 0 && collect_one(loop, 0)) {
+        }
         struct pel_job *job = next_job(loop);
         if (job) {
             submit(loop, job);
