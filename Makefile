@@ -265,6 +265,11 @@ build/man/pelagosd.1: $(O)/bin/pelagosd
 build/completion/pelagosd: $(O)/bin/pelagosd
 	$(Q)mkdir -p $(@D) && $< --print-completion >$@
 
+.PHONY: manual
+manual: ## write proto/manual.md anew from the schema
+	$(Q)/usr/bin/python3 proto/fields.py manual proto/pelagos.proto \
+	    proto/manual.md proto/manual.in.md
+
 # A test is one program beside its source: build/<flavor>/bin/NAME_test.
 define test_rule
 $(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(O)/libctl.a $(O)/libpelagos.a $(O)/libserver.a

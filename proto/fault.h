@@ -13,5 +13,4 @@ void pel_fault_from_error(const Pelagos__Error *error, struct pel_fault *out);
 
 /* Puts path and value (NULL: none) into *fault (NULL allowed), truncated, and
  * the unit and range that the schema gives the path. */
-void pel_fault_at(struct pel_fault *fault, const char *path,
-                  const char *value);
+void pel_fault_at(struct pel_fault *fault, const char *path, const char *value);

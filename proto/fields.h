@@ -8,12 +8,12 @@
 #include <stddef.h>
 
 struct pel_field {
-    const char *name;      /* JSON name, lowerCamelCase */
-    const char *unit;      /* "m/s"; "1": a pure number; NULL: none */
-    bool ranged;           /* minimum and maximum hold, both inclusive */
+    const char *name; /* JSON name, lowerCamelCase */
+    const char *unit; /* "m/s"; "1": a pure number; NULL: none */
+    bool ranged;      /* minimum and maximum hold, both inclusive */
     double minimum, maximum;
-    bool key;              /* names an element of a list */
-    const char *doc;       /* sentence of the schema, without the bracket */
+    bool key;        /* names an element of a list */
+    const char *doc; /* sentence of the schema, without the bracket */
 };
 
 struct pel_field_table {

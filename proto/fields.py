@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Derives tables from the comments of pelagos.proto.
 
-fields.py c PROTO OUT.c            the table behind fields.h
-fields.py manual PROTO OUT.md TEMPLATE...
+fields.py c PROTO OUT.c                    the table behind fields.h
+fields.py manual PROTO OUT.md TEMPLATE.md  the manual: the template, then
+                                           every message and enum
 """
 import os
 import re
@@ -152,12 +153,76 @@ def write_c(schema, path):
         f.write("\n".join(out) + "\n")
 
 
+def plain(number):
+    return f"{number:.15g}"
+
+
+def type_of(field):
+    proto = field.proto
+    name = TYPE_NAMES.get(proto.type)
+    if name is None:
+        name = proto.type_name.split(".")[-1]
+        name = f"[{name}](#{name.lower()})"
+    return name + (" list" if field.repeated else "")
+
+
+def range_of(field):
+    if field.minimum is None:
+        return ""
+    return f"{plain(field.minimum)} to {plain(field.maximum)}"
+
+
+def default_of(field):
+    proto = field.proto
+    if not proto.HasField("default_value"):
+        return ""
+    if field.number:
+        return plain(float(proto.default_value))
+    return f"`{proto.default_value}`"
+
+
+def sentence(field):
+    oneof = "One of these. " if field.proto.HasField("oneof_index") else ""
+    key = "Key of the list. " if field.key else ""
+    return (oneof + key + field.doc).strip().replace("|", "\\|")
+
+
+def table(head, rows):
+    """A table, without the columns that are empty throughout."""
+    used = [i for i in range(len(head)) if any(row[i] for row in rows)]
+    lines = [[head[i] for i in used], ["---"] * len(used)]
+    lines += [[row[i] for i in used] for row in rows]
+    return ["|" + "|".join(f" {cell} " if cell != "---" else cell
+                           for cell in line) + "|" for line in lines]
+
+
+def write_manual(schema, path, template):
+    with open(template, encoding="utf-8") as f:
+        out = f.read().rstrip().split("\n")
+    for name, (doc, fields) in schema.messages.items():
+        out += ["", f"## {name}"] + ([doc] if doc else [])
+        if fields:
+            out += [""] + table(
+                ["field", "no.", "type", "unit", "range", "default", "meaning"],
+                [[f"`{f.name}`", str(f.proto.number), type_of(f),
+                  f.unit if f.unit and f.unit != "1" else "", range_of(f),
+                  default_of(f), sentence(f)] for f in fields])
+    for name, (doc, values) in schema.enums.items():
+        out += ["", f"## {name}"] + ([doc] if doc else []) + [""]
+        out += table(["value", "no.", "meaning"],
+                     [[f"`{v}`", str(n), d] for v, n, d in values])
+    with open(path, "w", encoding="utf-8") as f:
+        f.write("\n".join(out) + "\n")
+
+
 def main(argv):
-    schema = Schema(argv[2])
-    if argv[1] == "c":
-        write_c(schema, argv[3])
+    if len(argv) == 4 and argv[1] == "c":
+        write_c(Schema(argv[2]), argv[3])
+    elif len(argv) == 5 and argv[1] == "manual":
+        write_manual(Schema(argv[2]), argv[3], argv[4])
     else:
-        raise SchemaError("usage: fields.py c PROTO OUT")
+        raise SchemaError("usage: fields.py c PROTO OUT | "
+                          "manual PROTO OUT TEMPLATE")
 
 
 if __name__ == "__main__":

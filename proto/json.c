@@ -17,7 +17,7 @@
 struct converter {
     struct json_reader r;
     Pelagos__Patch *patch; /* of a merge patch; NULL: plain conversion */
-    int literal;           /* > 0: inside an array, where null only means absent */
+    int literal; /* > 0: inside an array, where null only means absent */
 };
 
 static enum pel_err read_message(struct converter *c, ProtobufCMessage *out);
@@ -38,10 +38,9 @@ static enum pel_err wrong(struct converter *c,
                           const char *value, enum scalar_result result)
 {
     char expected[120];
-    return json_fault(&c->r,
-                      result == SCALAR_RANGE ? PEL_ERR_OUT_OF_RANGE
-                                             : PEL_ERR_INVALID,
-                      value, "must be %s", scalar_expects(field, expected));
+    return json_fault(
+        &c->r, result == SCALAR_RANGE ? PEL_ERR_OUT_OF_RANGE : PEL_ERR_INVALID,
+        value, "must be %s", scalar_expects(field, expected));
 }
 
 static enum pel_err read_base64(struct converter *c,
@@ -190,8 +189,8 @@ static enum pel_err read_element(struct converter *c,
         enum pel_err err = read_scalar(c, field, &text);
         if (!err) {
             char ***list = pel_message_member(list_holder, field);
-            size_t *count = (size_t *)((char *)list_holder +
-                                       field->quantifier_offset);
+            size_t *count =
+                (size_t *)((char *)list_holder + field->quantifier_offset);
             pel_message_append_string(list, count, text);
             free(text);
         }
@@ -365,8 +364,7 @@ static enum pel_err read_member(struct converter *c, ProtobufCMessage *message,
 /* Finds the field and refuses a name, or a oneof, that came before. */
 static enum pel_err find_member(struct converter *c,
                                 const ProtobufCMessage *message,
-                                const char *name, size_t length,
-                                uint64_t *seen,
+                                const char *name, size_t length, uint64_t *seen,
                                 const ProtobufCFieldDescriptor **out)
 {
     const ProtobufCMessageDescriptor *type = message->descriptor;
@@ -459,8 +457,7 @@ enum pel_err pel_json_to_message(const char *text, size_t length,
 }
 
 enum pel_err pel_json_merge_patch(const char *text, size_t length,
-                                  Pelagos__Patch **out,
-                                  struct pel_fault *fault)
+                                  Pelagos__Patch **out, struct pel_fault *fault)
 {
     Pelagos__Patch *patch =
         (Pelagos__Patch *)pel_message_new(&pelagos__patch__descriptor);

@@ -119,25 +119,20 @@ static void bad_text_is_refused(void **state)
         { "{\"sea\":{\"windSpeed\":.5}}", PEL_ERR_MALFORMED, "sea.windSpeed" },
         { "{\"sea\":{\"windSpeed\":5.}}", PEL_ERR_MALFORMED, "sea.windSpeed" },
         { "{\"sea\":{\"windSpeed\":+5}}", PEL_ERR_MALFORMED, "sea.windSpeed" },
-        { "{\"sea\":{\"windSpeed\":NaN}}", PEL_ERR_MALFORMED,
-          "sea.windSpeed" },
+        { "{\"sea\":{\"windSpeed\":NaN}}", PEL_ERR_MALFORMED, "sea.windSpeed" },
         { "{\"sea\":{\"windSpeed\":\"NaN\"}}", PEL_ERR_OUT_OF_RANGE,
           "sea.windSpeed" },
         { "{\"sea\":{\"windSpeed\":\"Infinity\"}}", PEL_ERR_OUT_OF_RANGE,
           "sea.windSpeed" },
         { "{\"sea\":{\"windSpeed\":1e400}}", PEL_ERR_OUT_OF_RANGE,
           "sea.windSpeed" },
-        { "{\"sea\":{\"windSpeed\":\"x\"}}", PEL_ERR_INVALID,
-          "sea.windSpeed" },
-        { "{\"sea\":{\"windSpeed\":true}}", PEL_ERR_INVALID,
-          "sea.windSpeed" },
+        { "{\"sea\":{\"windSpeed\":\"x\"}}", PEL_ERR_INVALID, "sea.windSpeed" },
+        { "{\"sea\":{\"windSpeed\":true}}", PEL_ERR_INVALID, "sea.windSpeed" },
         { "{\"sea\":{\"windSpeed\":[]}}", PEL_ERR_INVALID, "sea.windSpeed" },
         { "{\"sea\":{\"seed\":-1}}", PEL_ERR_OUT_OF_RANGE, "sea.seed" },
-        { "{\"sea\":{\"seed\":4294967296}}", PEL_ERR_OUT_OF_RANGE,
-          "sea.seed" },
+        { "{\"sea\":{\"seed\":4294967296}}", PEL_ERR_OUT_OF_RANGE, "sea.seed" },
         { "{\"sea\":{\"seed\":1.5}}", PEL_ERR_INVALID, "sea.seed" },
-        { "{\"sea\":{\"spectrum\":\"PM\"}}", PEL_ERR_INVALID,
-          "sea.spectrum" },
+        { "{\"sea\":{\"spectrum\":\"PM\"}}", PEL_ERR_INVALID, "sea.spectrum" },
         { "{\"sea\":{\"spectrum\":9}}", PEL_ERR_INVALID, "sea.spectrum" },
         { "{\"sea\":{\"wind\":9}}", PEL_ERR_NOT_FOUND, "sea.wind" },
         { "{\"sea\":[]}", PEL_ERR_INVALID, "sea" },
@@ -172,8 +167,8 @@ static void bad_text_is_refused(void **state)
     const char nul[] = "{\"revision\":1\0}";
     ProtobufCMessage *message;
     assert_int_equal(pel_json_to_message(nul, sizeof nul - 1,
-                                         &pelagos__state__descriptor,
-                                         &message, NULL),
+                                         &pelagos__state__descriptor, &message,
+                                         NULL),
                      PEL_ERR_MALFORMED);
     const char *both = "{\"get\":{},\"watch\":{}}";
     assert_int_equal(pel_json_to_message(both, strlen(both),
@@ -192,10 +187,10 @@ static void depth_is_bounded(void **state)
                                              &pelagos__state__descriptor,
                                              &message, NULL),
                          PEL_OK);
-    assert_int_not_equal(
-        pel_json_to_message(deep, PEL_JSON_MAX_BYTES + 1,
-                            &pelagos__state__descriptor, &message, NULL),
-        PEL_OK);
+    assert_int_not_equal(pel_json_to_message(deep, PEL_JSON_MAX_BYTES + 1,
+                                             &pelagos__state__descriptor,
+                                             &message, NULL),
+                         PEL_OK);
 }
 
 static void expect_patch(const char *json, const char *want)
@@ -245,8 +240,7 @@ static void bad_merge_patches(void **state)
           "views.bridge.yaw" },
         { "{\"views\":{\"bridge\":{\"name\":\"stern\"}}}", PEL_ERR_INVALID,
           "views.bridge" },
-        { "{\"entities\":{\"1\":{\"id\":2}}}", PEL_ERR_INVALID,
-          "entities.1" },
+        { "{\"entities\":{\"1\":{\"id\":2}}}", PEL_ERR_INVALID, "entities.1" },
         { "{\"entities\":{\"1.heading\":null}}", PEL_ERR_INVALID,
           "entities.1.heading" },
         { "{\"views\":{\"\":{}}}", PEL_ERR_INVALID, "views." },
@@ -272,8 +266,8 @@ static void pretty_is_the_same(void **state)
     const char *json = "{\"clock\":{\"rate\":2},\"views\":[{\"name\":\"a\"}]}";
     ProtobufCMessage *message;
     assert_int_equal(pel_json_to_message(json, strlen(json),
-                                         &pelagos__state__descriptor,
-                                         &message, NULL),
+                                         &pelagos__state__descriptor, &message,
+                                         NULL),
                      PEL_OK);
     char *pretty = pel_json_from_message(message, true);
     assert_string_equal(pretty, "{\n  \"clock\": {\n    \"rate\": 2\n  },\n"

@@ -56,9 +56,9 @@ size_t json_push(struct json_reader *r, const char *name, size_t length)
 {
     size_t before = r->path_length;
     size_t room = sizeof r->path - 1 - before;
-    int wrote = snprintf(r->path + before, room + 1, "%s%.*s",
-                         before > 0 ? "." : "",
-                         length > 200 ? 200 : (int)length, name);
+    int wrote =
+        snprintf(r->path + before, room + 1, "%s%.*s", before > 0 ? "." : "",
+                 length > 200 ? 200 : (int)length, name);
     r->path_length = before + ((size_t)wrote < room ? (size_t)wrote : room);
     return before;
 }
@@ -136,8 +136,8 @@ enum pel_err json_more(struct json_reader *r, char close, bool *first,
         return PEL_OK;
     }
     if (r->at == r->end || *r->at != ',') {
-        return malformed(r, close == '}' ? "expected , or }"
-                                         : "expected , or ]");
+        return malformed(r,
+                         close == '}' ? "expected , or }" : "expected , or ]");
     }
     r->at++;
     skip_space(r);
@@ -292,8 +292,7 @@ static bool number_grammar(struct json_reader *r)
     return true;
 }
 
-enum pel_err json_number_text(struct json_reader *r,
-                              char out[JSON_NUMBER_SIZE])
+enum pel_err json_number_text(struct json_reader *r, char out[JSON_NUMBER_SIZE])
 {
     const char *start = r->at;
     if (!number_grammar(r) || r->at - start >= JSON_NUMBER_SIZE) {
@@ -310,8 +309,7 @@ enum pel_err json_literal(struct json_reader *r, enum json_kind kind)
                        : kind == JSON_FALSE ? "false"
                                             : "null";
     size_t length = strlen(word);
-    if ((size_t)(r->end - r->at) < length ||
-        memcmp(r->at, word, length) != 0) {
+    if ((size_t)(r->end - r->at) < length || memcmp(r->at, word, length) != 0) {
         return malformed(r, "expected a value");
     }
     r->at += length;

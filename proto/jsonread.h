@@ -59,8 +59,7 @@ PEL_CHECK enum pel_err json_number_text(struct json_reader *r,
                                         char out[JSON_NUMBER_SIZE]);
 
 /* true, false or null, which json_peek has seen. */
-PEL_CHECK enum pel_err json_literal(struct json_reader *r,
-                                    enum json_kind kind);
+PEL_CHECK enum pel_err json_literal(struct json_reader *r, enum json_kind kind);
 
 /* Adds a component to the path; returns the length to give to json_pop. */
 size_t json_push(struct json_reader *r, const char *name, size_t length);

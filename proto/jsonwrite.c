@@ -108,8 +108,8 @@ static void write_value(struct writer *w, const ProtobufCFieldDescriptor *field,
         write_double(w->out, *(const double *)member);
         break;
     case PROTOBUF_C_TYPE_BOOL:
-        g_string_append(w->out, *(const protobuf_c_boolean *)member ? "true"
-                                                                    : "false");
+        g_string_append(w->out,
+                        *(const protobuf_c_boolean *)member ? "true" : "false");
         break;
     case PROTOBUF_C_TYPE_ENUM:
         write_enum(w->out, field, *(const int *)member);
@@ -133,8 +133,7 @@ static void write_list(struct writer *w, const ProtobufCMessage *message,
                        const ProtobufCFieldDescriptor *field)
 {
     size_t count;
-    const char *values =
-        (const char *)pel_message_list(message, field, &count);
+    const char *values = (const char *)pel_message_list(message, field, &count);
     g_string_append_c(w->out, '[');
     w->depth++;
     for (size_t i = 0; i < count; i++) {

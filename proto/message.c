@@ -79,8 +79,8 @@ ProtobufCMessage *pel_message_copy(const ProtobufCMessage *message)
     size_t size = protobuf_c_message_get_packed_size(message);
     uint8_t *bytes = checked(malloc(size + 1));
     protobuf_c_message_pack(message, bytes);
-    ProtobufCMessage *copy = checked(protobuf_c_message_unpack(
-        message->descriptor, NULL, size, bytes));
+    ProtobufCMessage *copy = checked(
+        protobuf_c_message_unpack(message->descriptor, NULL, size, bytes));
     free(bytes);
     return copy;
 }
@@ -218,8 +218,7 @@ void pel_message_remove(ProtobufCMessage *message,
     size_t count;
     ProtobufCMessage **list = pel_message_list(message, field, &count);
     protobuf_c_message_free_unpacked(list[index], NULL);
-    memmove(&list[index], &list[index + 1],
-            (count - index - 1) * sizeof *list);
+    memmove(&list[index], &list[index + 1], (count - index - 1) * sizeof *list);
     *count_of(message, field) = count - 1;
     if (count == 1) {
         free(list);

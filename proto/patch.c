@@ -84,8 +84,7 @@ static ProtobufCMessage *keyed_element(ProtobufCMessage *holder,
                                        const char *name, size_t length)
 {
     size_t index, count, id;
-    if (path_element(holder, field, name, length, "", &index, NULL) ==
-        PEL_OK) {
+    if (path_element(holder, field, name, length, "", &index, NULL) == PEL_OK) {
         return pel_message_list(holder, field, &count)[index];
     }
     const ProtobufCFieldDescriptor *key = pel_field_key(field->descriptor);
@@ -111,8 +110,7 @@ static const ProtobufCMessage *present(const Pelagos__State *now,
 {
     return now && via && via->type == PROTOBUF_C_TYPE_MESSAGE &&
                    pel_message_has(&now->base, via)
-               ? *(ProtobufCMessage *const *)pel_message_member(&now->base,
-                                                                via)
+               ? *(ProtobufCMessage *const *)pel_message_member(&now->base, via)
                : NULL;
 }
 
@@ -142,9 +140,8 @@ static ProtobufCMessage *indexed_element(ProtobufCMessage *holder,
 static bool index_fits(const Pelagos__Patch *patch, const Pelagos__State *now,
                        size_t index)
 {
-    size_t count = patch->state && patch->state->sea
-                       ? patch->state->sea->n_swell
-                       : 0;
+    size_t count =
+        patch->state && patch->state->sea ? patch->state->sea->n_swell : 0;
     if (count == 0 && now && now->sea) {
         count = now->sea->n_swell;
     }
@@ -158,10 +155,10 @@ static bool indices_fit(const Pelagos__Patch *patch, const Pelagos__State *now,
     const char *rest = path, *name;
     size_t length, index;
     while (path_next(&rest, &name, &length)) {
-        const ProtobufCFieldDescriptor *field = path_field(
-            type, name, length, type == &pelagos__state__descriptor);
-        type = field->type == PROTOBUF_C_TYPE_MESSAGE ? field->descriptor
-                                                      : NULL;
+        const ProtobufCFieldDescriptor *field =
+            path_field(type, name, length, type == &pelagos__state__descriptor);
+        type =
+            field->type == PROTOBUF_C_TYPE_MESSAGE ? field->descriptor : NULL;
         if (path_is_list(field) && path_next(&rest, &name, &length) &&
             !pel_field_key(type) &&
             (!path_index(name, length, &index) ||
@@ -173,8 +170,8 @@ static bool indices_fit(const Pelagos__Patch *patch, const Pelagos__State *now,
 }
 
 /* The message in the patch that holds the last field of the path. */
-static ProtobufCMessage *reach(Pelagos__Patch *patch,
-                               const Pelagos__State *now, const char *path)
+static ProtobufCMessage *reach(Pelagos__Patch *patch, const Pelagos__State *now,
+                               const char *path)
 {
     if (!patch->state) {
         patch->state =
@@ -185,18 +182,17 @@ static ProtobufCMessage *reach(Pelagos__Patch *patch,
     const char *rest = path, *name;
     size_t length, index;
     while (path_next(&rest, &name, &length) && rest) {
-        const ProtobufCFieldDescriptor *field =
-            path_field(message->descriptor, name, length,
-                       message == &patch->state->base);
+        const ProtobufCFieldDescriptor *field = path_field(
+            message->descriptor, name, length, message == &patch->state->base);
         if (!path_is_list(field)) {
             message = pel_message_child(message, field);
         } else {
             path_next(&rest, &name, &length);
-            message = !pel_field_key(field->descriptor) &&
-                              path_index(name, length, &index)
-                          ? indexed_element(message, present(now, via), field,
-                                            index)
-                          : keyed_element(message, field, name, length);
+            message =
+                !pel_field_key(field->descriptor) &&
+                        path_index(name, length, &index)
+                    ? indexed_element(message, present(now, via), field, index)
+                    : keyed_element(message, field, name, length);
         }
         via = field;
     }

@@ -62,8 +62,8 @@ bool path_index(const char *name, size_t length, size_t *index)
 }
 
 static bool has_string(const ProtobufCMessage *message,
-                       const ProtobufCFieldDescriptor *field,
-                       const char *name, size_t length)
+                       const ProtobufCFieldDescriptor *field, const char *name,
+                       size_t length)
 {
     if (!field || field->type != PROTOBUF_C_TYPE_STRING ||
         !pel_message_has(message, field)) {
@@ -82,10 +82,8 @@ static bool has_key(const ProtobufCMessage *element,
     if (key->type == PROTOBUF_C_TYPE_STRING) {
         return has_string(element, key, name, length);
     }
-    return path_index(name, length, &index) &&
-           pel_message_has(element, key) &&
-           pel_message_number(element, key, &number) &&
-           number == (double)index;
+    return path_index(name, length, &index) && pel_message_has(element, key) &&
+           pel_message_number(element, key, &number) && number == (double)index;
 }
 
 enum pel_err path_element(const ProtobufCMessage *holder,
@@ -138,26 +136,26 @@ enum pel_err pel_path_find(const char *path, struct pel_path_info *out,
     *out = (struct pel_path_info){ 0 };
     while (path_next(&rest, &name, &length)) {
         if (!type) {
-            return path_unknown(path, "no such field: the part before the "
-                                      "last dot is a plain value", fault);
+            return path_unknown(path,
+                                "no such field: the part before the "
+                                "last dot is a plain value",
+                                fault);
         }
         const ProtobufCFieldDescriptor *field =
-            path_field(type, name, length,
-                       type == &pelagos__state__descriptor);
+            path_field(type, name, length, type == &pelagos__state__descriptor);
         if (!field) {
-            pel_fault_set(fault, PEL_ERR_NOT_FOUND,
-                          "%.90s: %s has no field called %.*s", path,
-                          type->short_name, length > 40 ? 40 : (int)length,
-                          name);
+            pel_fault_set(
+                fault, PEL_ERR_NOT_FOUND, "%.90s: %s has no field called %.*s",
+                path, type->short_name, length > 40 ? 40 : (int)length, name);
             if (fault) {
                 snprintf(fault->path, sizeof fault->path, "%s", path);
             }
             return PEL_ERR_NOT_FOUND;
         }
-        *out = (struct pel_path_info){ type, field,
-                                       pel_field_info(type, field) };
-        type = field->type == PROTOBUF_C_TYPE_MESSAGE ? field->descriptor
-                                                      : NULL;
+        *out =
+            (struct pel_path_info){ type, field, pel_field_info(type, field) };
+        type =
+            field->type == PROTOBUF_C_TYPE_MESSAGE ? field->descriptor : NULL;
         size_t index;
         if (path_is_list(field) && path_next(&rest, &name, &length) &&
             (length == 0 || length > 64 ||
@@ -206,8 +204,7 @@ static enum pel_err locate(const Pelagos__State *state, const char *path,
             }
             size_t count;
             out->element = true;
-            message =
-                pel_message_list(message, out->field, &count)[out->index];
+            message = pel_message_list(message, out->field, &count)[out->index];
         } else if (out->field->type == PROTOBUF_C_TYPE_MESSAGE) {
             message =
                 *(ProtobufCMessage **)pel_message_member(message, out->field);
@@ -223,17 +220,17 @@ static char *place_text(const struct place *place)
     }
     if (place->element) {
         size_t count;
-        return pel_json_from_message(
-            pel_message_list(place->message, place->field,
-                             &count)[place->index],
-            false);
+        return pel_json_from_message(pel_message_list(place->message,
+                                                      place->field,
+                                                      &count)[place->index],
+                                     false);
     }
     if (!pel_message_has(place->message, place->field)) {
         return g_strdup(path_is_list(place->field) ? "[]" : "");
     }
     if (place->field->type == PROTOBUF_C_TYPE_STRING) {
-        return g_strdup(*(char *const *)pel_message_member(place->message,
-                                                           place->field));
+        return g_strdup(
+            *(char *const *)pel_message_member(place->message, place->field));
     }
     char *text = pel_json_from_field(place->message, place->field, false);
     size_t length = strlen(text);

@@ -29,9 +29,8 @@ PEL_CHECK enum pel_err pel_path_find(const char *path,
  * without it an index may only follow those already in the patch.
  * NOT_FOUND or INVALID, and the patch is unchanged. Ranges are not tested. */
 PEL_CHECK enum pel_err pel_path_set(Pelagos__Patch *patch,
-                                    const Pelagos__State *now,
-                                    const char *path, const char *value,
-                                    struct pel_fault *fault);
+                                    const Pelagos__State *now, const char *path,
+                                    const char *value, struct pel_fault *fault);
 
 /* A new patch for pel_path_set; pelagos__patch__free_unpacked(p, NULL). */
 Pelagos__Patch *pel_patch_new(void);

@@ -26,12 +26,18 @@ static void sets_become_a_patch(void **state)
 {
     (void)state;
     static const char *const sets[][2] = {
-        { "sea.windSpeed", "12.5" },   { "sea.wind_direction", "90" },
-        { "view.bridge.yaw", "-5" },   { "views.bridge.fieldOfView", "40" },
-        { "entities.1.heading", "7" }, { "entity.tug.heading", "8" },
-        { "clock.mode", "stepped" },   { "sea.swell.0.height", "2" },
-        { "sea.swell.1.height", "3" }, { "sky.sunElevation", NULL },
-        { "view.stern", "null" },      { "views.bridge.frustum.left", "-3" },
+        { "sea.windSpeed", "12.5" },
+        { "sea.wind_direction", "90" },
+        { "view.bridge.yaw", "-5" },
+        { "views.bridge.fieldOfView", "40" },
+        { "entities.1.heading", "7" },
+        { "entity.tug.heading", "8" },
+        { "clock.mode", "stepped" },
+        { "sea.swell.0.height", "2" },
+        { "sea.swell.1.height", "3" },
+        { "sky.sunElevation", NULL },
+        { "view.stern", "null" },
+        { "views.bridge.frustum.left", "-3" },
         { "clock.utc", "2026-01-01T00:00:00Z" },
     };
     Pelagos__Patch *patch = pel_patch_new();
@@ -43,16 +49,15 @@ static void sets_become_a_patch(void **state)
     }
     char *json = pel_json_from_message(&patch->base, false);
     assert_string_equal(
-        json,
-        "{\"state\":{\"clock\":{\"mode\":\"STEPPED\","
-        "\"utc\":\"2026-01-01T00:00:00Z\"},"
-        "\"sea\":{\"windSpeed\":12.5,\"windDirection\":90,"
-        "\"swell\":[{\"height\":2},{\"height\":3}]},"
-        "\"entities\":[{\"id\":1,\"heading\":7},"
-        "{\"name\":\"tug\",\"heading\":8}],"
-        "\"views\":[{\"name\":\"bridge\",\"yaw\":-5,\"fieldOfView\":40,"
-        "\"frustum\":{\"left\":-3}}]},"
-        "\"remove\":[\"sky.sunElevation\",\"views.stern\"]}");
+        json, "{\"state\":{\"clock\":{\"mode\":\"STEPPED\","
+              "\"utc\":\"2026-01-01T00:00:00Z\"},"
+              "\"sea\":{\"windSpeed\":12.5,\"windDirection\":90,"
+              "\"swell\":[{\"height\":2},{\"height\":3}]},"
+              "\"entities\":[{\"id\":1,\"heading\":7},"
+              "{\"name\":\"tug\",\"heading\":8}],"
+              "\"views\":[{\"name\":\"bridge\",\"yaw\":-5,\"fieldOfView\":40,"
+              "\"frustum\":{\"left\":-3}}]},"
+              "\"remove\":[\"sky.sunElevation\",\"views.stern\"]}");
     free(json);
     pelagos__patch__free_unpacked(patch, NULL);
 }
@@ -110,8 +115,8 @@ static void swell_starts_from_the_present(void **state)
     Pelagos__State *now =
         state_from("{\"sea\":{\"swell\":[[1,8],[2,9,10,11]]}}");
     Pelagos__Patch *patch = pel_patch_new();
-    assert_int_equal(
-        pel_path_set(patch, now, "sea.swell.1.height", "5", NULL), PEL_OK);
+    assert_int_equal(pel_path_set(patch, now, "sea.swell.1.height", "5", NULL),
+                     PEL_OK);
     assert_int_equal(patch->state->sea->n_swell, 2);
     assert_true(patch->state->sea->swell[0]->period == 8);
     assert_true(patch->state->sea->swell[1]->height == 5);
@@ -129,19 +134,24 @@ static void gets_are_text(void **state)
         "\"entities\":[{\"id\":4,\"name\":\"a\",\"heading\":1},"
         "{\"id\":5,\"name\":\"b\"},{\"id\":6,\"name\":\"b\"}]}");
     static const char *const gets[][2] = {
-        { "sea.windSpeed", "0.1" },      { "sea.spectrum", "JONSWAP" },
-        { "view.bridge.yaw", "3" },      { "revision", "12" },
-        { "entities.4.heading", "1" },   { "entities.a.heading", "1" },
-        { "views.bridge.name", "bridge" }, { "views.bridge.pitch", "" },
+        { "sea.windSpeed", "0.1" },
+        { "sea.spectrum", "JONSWAP" },
+        { "view.bridge.yaw", "3" },
+        { "revision", "12" },
+        { "entities.4.heading", "1" },
+        { "entities.a.heading", "1" },
+        { "views.bridge.name", "bridge" },
+        { "views.bridge.pitch", "" },
         { "views.bridge", "{\"name\":\"bridge\",\"yaw\":3}" },
         { "sea", "{\"windSpeed\":0.1,\"spectrum\":\"JONSWAP\"}" },
-        { "sea.swell", "[]" },           { "clock.rate", "" },
+        { "sea.swell", "[]" },
+        { "clock.rate", "" },
         { "views", "[{\"name\":\"bridge\",\"yaw\":3}]" },
     };
     char text[200];
     for (size_t i = 0; i < sizeof gets / sizeof gets[0]; i++) {
-        assert_int_equal(
-            pel_path_get(now, gets[i][0], text, sizeof text, NULL), PEL_OK);
+        assert_int_equal(pel_path_get(now, gets[i][0], text, sizeof text, NULL),
+                         PEL_OK);
         assert_string_equal(text, gets[i][1]);
     }
     assert_int_equal(pel_path_get(now, "views.x.yaw", text, 200, NULL),
@@ -156,10 +166,10 @@ static void gets_are_text(void **state)
 static void removes_reset(void **state)
 {
     (void)state;
-    Pelagos__State *now = state_from(
-        "{\"sea\":{\"windSpeed\":20,\"swell\":[[1],[2]]},"
-        "\"sky\":{\"sunElevation\":3},\"clock\":{\"utc\":\"x\"},"
-        "\"views\":[{\"name\":\"a\"},{\"name\":\"b\"}]}");
+    Pelagos__State *now =
+        state_from("{\"sea\":{\"windSpeed\":20,\"swell\":[[1],[2]]},"
+                   "\"sky\":{\"sunElevation\":3},\"clock\":{\"utc\":\"x\"},"
+                   "\"views\":[{\"name\":\"a\"},{\"name\":\"b\"}]}");
     static const char *const paths[] = { "sea.windSpeed", "sky.sunElevation",
                                          "views.a", "sea.swell.0",
                                          "clock.utc" };
@@ -167,15 +177,14 @@ static void removes_reset(void **state)
         assert_int_equal(pel_path_remove(now, paths[i], NULL), PEL_OK);
     }
     char *json = pel_json_from_message(&now->base, false);
-    assert_string_equal(
-        json, "{\"clock\":{\"utc\":\"2026-06-21T12:00:00Z\"},"
-              "\"sea\":{\"windSpeed\":8,\"swell\":[{\"height\":2}]},"
-              "\"sky\":{},\"views\":[{\"name\":\"b\"}]}");
+    assert_string_equal(json,
+                        "{\"clock\":{\"utc\":\"2026-06-21T12:00:00Z\"},"
+                        "\"sea\":{\"windSpeed\":8,\"swell\":[{\"height\":2}]},"
+                        "\"sky\":{},\"views\":[{\"name\":\"b\"}]}");
     free(json);
     assert_int_equal(pel_path_remove(now, "views.b.name", NULL),
                      PEL_ERR_INVALID);
-    assert_int_equal(pel_path_remove(now, "views.a", NULL),
-                     PEL_ERR_NOT_FOUND);
+    assert_int_equal(pel_path_remove(now, "views.a", NULL), PEL_ERR_NOT_FOUND);
     assert_int_equal(pel_path_remove(now, "views", NULL), PEL_OK);
     assert_int_equal(now->n_views, 0);
     pelagos__state__free_unpacked(now, NULL);

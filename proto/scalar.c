@@ -43,8 +43,7 @@ static enum scalar_result parse_unsigned(const char *text, uint64_t max,
         return SCALAR_WRONG;
     }
     /* 2^64 is the first double that does not fit. */
-    if (value < 0 || value >= 18446744073709551616.0 ||
-        (uint64_t)value > max) {
+    if (value < 0 || value >= 18446744073709551616.0 || (uint64_t)value > max) {
         return SCALAR_RANGE;
     }
     *out = (uint64_t)value;
@@ -56,8 +55,8 @@ static enum scalar_result parse_signed(const char *text, int64_t max,
 {
     bool negative = text[0] == '-';
     uint64_t size;
-    enum scalar_result result = parse_unsigned(
-        negative ? text + 1 : text, (uint64_t)max + negative, &size);
+    enum scalar_result result = parse_unsigned(negative ? text + 1 : text,
+                                               (uint64_t)max + negative, &size);
     if (result == SCALAR_OK) {
         *out = negative ? (int64_t)(0 - size) : (int64_t)size;
     }
@@ -123,8 +122,7 @@ enum scalar_result scalar_parse_number(const ProtobufCFieldDescriptor *field,
     }
 }
 
-const char *scalar_expects(const ProtobufCFieldDescriptor *field,
-                           char out[120])
+const char *scalar_expects(const ProtobufCFieldDescriptor *field, char out[120])
 {
     switch (field->type) {
     case PROTOBUF_C_TYPE_ENUM: {

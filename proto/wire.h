@@ -7,8 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define PEL_WIRE_MAX_REQUEST (64 * 1024)  /* bytes of one inbound message */
-#define PEL_WIRE_MAX_PREFIX 5             /* lengths below 2^32 */
+#define PEL_WIRE_MAX_REQUEST (64 * 1024) /* bytes of one inbound message */
+#define PEL_WIRE_MAX_PREFIX 5            /* lengths below 2^32 */
 
 enum pel_wire {
     PEL_WIRE_MORE,      /* not all there yet: read on */

@@ -33,9 +33,9 @@ static void frames_split_anywhere(void **state)
     uint8_t *bytes = pel_wire_pack(&request.base, &size);
     assert_true(size > 300); /* so that the prefix has two bytes */
     for (size_t have = 0; have < size; have++) {
-        assert_int_equal(pel_wire_next(bytes, have, PEL_WIRE_MAX_REQUEST,
-                                       &offset, &length),
-                         PEL_WIRE_MORE);
+        assert_int_equal(
+            pel_wire_next(bytes, have, PEL_WIRE_MAX_REQUEST, &offset, &length),
+            PEL_WIRE_MORE);
     }
     assert_int_equal(
         pel_wire_next(bytes, size, PEL_WIRE_MAX_REQUEST, &offset, &length),

@@ -14,6 +14,7 @@
 
 #define PATH_SIZE 192
 #define MAX_TEXT 64
+#define MIN_ANGLE_DEG 0.01 /* so that its width is far above rounding */
 #define MAX_PIXELS (4096.0 * 4096.0)
 
 static enum pel_err refuse(enum pel_err code, const char *path,
@@ -25,13 +26,12 @@ static enum pel_err refuse(enum pel_err code, const char *path,
     return code;
 }
 
-static enum pel_err check_number(const struct pel_field *info,
-                                 const char *path, double value,
-                                 struct pel_fault *fault)
+static enum pel_err check_number(const struct pel_field *info, const char *path,
+                                 double value, struct pel_fault *fault)
 {
     bool finite = isfinite(value);
-    if (finite && (!info->ranged ||
-                   (value >= info->minimum && value <= info->maximum))) {
+    if (finite &&
+        (!info->ranged || (value >= info->minimum && value <= info->maximum))) {
         return PEL_OK;
     }
     char text[32] = "not a finite number", what[160], low[32], high[32];
@@ -43,9 +43,9 @@ static enum pel_err check_number(const struct pel_field *info,
     if (info->ranged) {
         pel_json_number(info->minimum, low);
         pel_json_number(info->maximum, high);
-        g_snprintf(what, sizeof what, "is %s%s%s; it must be %s to %s%s%s", text,
-                 finite && *unit ? " " : "", finite ? unit : "", low, high,
-                 *unit ? " " : "", unit);
+        g_snprintf(what, sizeof what, "is %s%s%s; it must be %s to %s%s%s",
+                   text, finite && *unit ? " " : "", finite ? unit : "", low,
+                   high, *unit ? " " : "", unit);
     } else {
         g_snprintf(what, sizeof what, "is %s", text);
     }
@@ -88,7 +88,7 @@ static void element_path(const ProtobufCMessage *element, const char *list,
         g_snprintf(out, PATH_SIZE, "%s.%.0f", list, number);
     } else {
         g_snprintf(out, PATH_SIZE, "%s.%.64s", list,
-                 *(char *const *)pel_message_member(element, key));
+                   *(char *const *)pel_message_member(element, key));
     }
 }
 
@@ -122,12 +122,11 @@ static enum pel_err check_field(const ProtobufCMessage *message,
         return PEL_OK;
     }
     if (field->type == PROTOBUF_C_TYPE_ENUM &&
-        !protobuf_c_enum_descriptor_get_value(field->descriptor,
-                                              (int)number)) {
+        !protobuf_c_enum_descriptor_get_value(field->descriptor, (int)number)) {
         char text[32];
         pel_json_number(number, text);
-        return refuse(PEL_ERR_INVALID, path, text,
-                      "is not a value of its enum", fault);
+        return refuse(PEL_ERR_INVALID, path, text, "is not a value of its enum",
+                      fault);
     }
     return check_number(info, path, number, fault);
 }
@@ -143,7 +142,7 @@ static enum pel_err check_message(const ProtobufCMessage *message,
         }
         char below[PATH_SIZE];
         g_snprintf(below, sizeof below, "%s%s%s", path, path[0] ? "." : "",
-                 pel_field_info(type, field)->name);
+                   pel_field_info(type, field)->name);
         enum pel_err err = check_field(message, field, below, fault);
         if (err) {
             return err;
@@ -161,7 +160,7 @@ static enum pel_err check_count(size_t count, size_t limit, const char *path,
     char value[24], what[64];
     g_snprintf(value, sizeof value, "%zu", count);
     g_snprintf(what, sizeof what, "would have %zu elements; at most %zu", count,
-             limit);
+               limit);
     refuse(PEL_ERR_OUT_OF_RANGE, path, value, what, fault);
     if (fault) {
         fault->minimum = 0;
@@ -188,9 +187,11 @@ static enum pel_err check_frustum(const Pelagos__View *view,
         return refuse(PEL_ERR_INVALID, path, NULL,
                       "needs all of left, right, top and bottom", fault);
     }
-    if (!(f->left < f->right) || !(f->bottom < f->top)) {
+    if (!(f->left + MIN_ANGLE_DEG <= f->right) ||
+        !(f->bottom + MIN_ANGLE_DEG <= f->top)) {
         return refuse(PEL_ERR_INVALID, path, NULL,
-                      "needs left < right and bottom < top", fault);
+                      "needs left < right and bottom < top, 0.01 deg apart",
+                      fault);
     }
     return PEL_OK;
 }
@@ -271,12 +272,12 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     enum pel_err err =
         check_count(state->n_views, PEL_MAX_VIEWS, "views", fault);
     if (!err) {
-        err = check_count(state->n_entities, PEL_MAX_ENTITIES, "entities",
-                          fault);
+        err =
+            check_count(state->n_entities, PEL_MAX_ENTITIES, "entities", fault);
     }
     if (!err && state->sea) {
-        err = check_count(state->sea->n_swell, PEL_SEA_MAX_SWELLS,
-                          "sea.swell", fault);
+        err = check_count(state->sea->n_swell, PEL_SEA_MAX_SWELLS, "sea.swell",
+                          fault);
     }
     if (!err) {
         err = check_message(&state->base, "", fault);

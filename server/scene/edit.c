@@ -19,6 +19,10 @@
  * before the limits of the scene are tested. */
 #define MAX_PATCHED 1024
 
+/* The schema's limit: a ship that sails there stays there, or no later edit
+ * would pass. */
+#define MAX_LATITUDE 85.0
+
 static void fill_scalars(ProtobufCMessage *message)
 {
     for (unsigned i = 0; i < message->descriptor->n_fields; i++) {
@@ -60,8 +64,8 @@ void pel_state_fill(Pelagos__State *state, double time_s)
 static ProtobufCMessage *add(Pelagos__State *state, const char *list)
 {
     return pel_message_append(
-        &state->base, pel_field_by_name(&pelagos__state__descriptor, list,
-                                        strlen(list)));
+        &state->base,
+        pel_field_by_name(&pelagos__state__descriptor, list, strlen(list)));
 }
 
 static void name(ProtobufCMessage *message, const char *text)
@@ -173,7 +177,7 @@ static void reckon(Pelagos__Entity *e, double time_s)
                     seconds, &east, &north);
     if (east != 0 || north != 0) {
         pel_geo_from_local(e->latitude, e->longitude, east, north, &lat, &lon);
-        e->latitude = lat;
+        e->latitude = pel_clamp(lat, -MAX_LATITUDE, MAX_LATITUDE);
         e->longitude = lon;
     }
     if (e->turn_rate != 0) {

@@ -31,10 +31,10 @@ static double delta_sigma(double b, double sin_s, double cos_s, double cos_2m)
 {
     double c2 = cos_2m * cos_2m;
     return b * sin_s *
-           (cos_2m + b / 4 *
-                         (cos_s * (2 * c2 - 1) -
-                          b / 6 * cos_2m * (4 * sin_s * sin_s - 3) *
-                              (4 * c2 - 3)));
+           (cos_2m +
+            b / 4 *
+                (cos_s * (2 * c2 - 1) -
+                 b / 6 * cos_2m * (4 * sin_s * sin_s - 3) * (4 * c2 - 3)));
 }
 
 static double eq10_c(double cos2_alpha)
@@ -79,8 +79,8 @@ void pel_geo_to_local(double origin_lat, double origin_lon, double lat,
             l + (1 - c) * F * sin_alpha *
                     (at.sigma +
                      c * at.sin_sigma *
-                         (at.cos_2m + c * at.cos_sigma *
-                                          (2 * at.cos_2m * at.cos_2m - 1)));
+                         (at.cos_2m +
+                          c * at.cos_sigma * (2 * at.cos_2m * at.cos_2m - 1)));
         converged = fabs(next - lambda) < 1e-14;
         lambda = next;
         if (!(fabs(lambda) <= PEL_PI)) {
@@ -98,9 +98,8 @@ void pel_geo_to_local(double origin_lat, double origin_lon, double lat,
         arc(u1, u2, lambda, &at, &sin_alpha);
         distance = A * at.sigma;
     }
-    double azimuth =
-        atan2(cos(u2) * sin(lambda),
-              cos(u1) * sin(u2) - sin(u1) * cos(u2) * cos(lambda));
+    double azimuth = atan2(cos(u2) * sin(lambda),
+                           cos(u1) * sin(u2) - sin(u1) * cos(u2) * cos(lambda));
     *east_m = distance * sin(azimuth);
     *north_m = distance * cos(azimuth);
 }
@@ -131,13 +130,13 @@ void pel_geo_from_local(double origin_lat, double origin_lon, double east_m,
     double x = sin(u1) * ss - cos(u1) * cs * cos(azimuth);
     double lat_rad = atan2(sin(u1) * cs + cos(u1) * ss * cos(azimuth),
                            (1 - F) * hypot(sin_alpha, x));
-    double lambda = atan2(ss * sin(azimuth),
-                          cos(u1) * cs - sin(u1) * ss * cos(azimuth));
+    double lambda =
+        atan2(ss * sin(azimuth), cos(u1) * cs - sin(u1) * ss * cos(azimuth));
     double c = eq10_c(cos2_alpha);
-    double l = lambda -
-               (1 - c) * F * sin_alpha *
-                   (sigma + c * ss * (cos_2m + c * cs *
-                                                   (2 * cos_2m * cos_2m - 1)));
+    double l =
+        lambda -
+        (1 - c) * F * sin_alpha *
+            (sigma + c * ss * (cos_2m + c * cs * (2 * cos_2m * cos_2m - 1)));
     *lat = lat_rad / PEL_DEG;
     *lon = remainder(origin_lon + l / PEL_DEG, 360.0);
 }

@@ -53,7 +53,10 @@ static void places_come_back(void **state)
 {
     (void)state;
     const double origins[][2] = {
-        { 52.6, 5.2 }, { -37.9, 179.99 }, { 84.9, -120 }, { 0, 0 },
+        { 52.6, 5.2 },
+        { -37.9, 179.99 },
+        { 84.9, -120 },
+        { 0, 0 },
     };
     for (size_t i = 0; i < 4; i++) {
         for (double r = 0; r <= 100e3; r += 12.5e3) {
@@ -95,8 +98,7 @@ static void north_turns_with_longitude(void **state)
     (void)state;
     near(pel_geo_convergence(60, 5, 60, 5), 0, 1e-9);
     /* Δλ sin φ to first order; the next is Δλ² here, 0.01°. */
-    near(pel_geo_convergence(60, 5, 60, 6) / PEL_DEG, -sin(60 * PEL_DEG),
-         0.01);
+    near(pel_geo_convergence(60, 5, 60, 6) / PEL_DEG, -sin(60 * PEL_DEG), 0.01);
     near(pel_geo_convergence(-60, 5, -60, 6) / PEL_DEG, sin(60 * PEL_DEG),
          0.01);
 }

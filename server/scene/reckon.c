@@ -6,13 +6,11 @@
 
 double pel_reckon_seconds(double pose_time_s, double time_s)
 {
-    return pel_clamp(time_s - pose_time_s, -PEL_RECKON_MAX_S,
-                     PEL_RECKON_MAX_S);
+    return pel_clamp(time_s - pose_time_s, -PEL_RECKON_MAX_S, PEL_RECKON_MAX_S);
 }
 
-void pel_reckon_move(double speed_mps, double course_rad,
-                     double turn_rate_rps, double seconds, double *east_m,
-                     double *north_m)
+void pel_reckon_move(double speed_mps, double course_rad, double turn_rate_rps,
+                     double seconds, double *east_m, double *north_m)
 {
     double x = 0.5 * turn_rate_rps * seconds;
     double chord = speed_mps * seconds * (fabs(x) > 1e-9 ? sin(x) / x : 1);

@@ -52,8 +52,8 @@ const struct pel_snapshot *pel_scene_snapshot(struct pel_scene *scene)
     return pel_snapshot_ref(scene->snapshot);
 }
 
-void pel_scene_on_commit(struct pel_scene *scene,
-                         void (*callback)(void *user), void *user)
+void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
+                         void *user)
 {
     if (scene->callback_count == MAX_CALLBACKS) {
         pel_error("SCN-004", "more than %d rooms listen to the scene",
@@ -164,8 +164,8 @@ enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
                              "STEPPED before a step");
     }
     if (!(seconds >= 0 && seconds <= MAX_STEP_S)) {
-        pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
-                      "a step must be 0 to %g s", MAX_STEP_S);
+        pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE, "a step must be 0 to %g s",
+                      MAX_STEP_S);
         if (fault) {
             g_strlcpy(fault->path, "step.seconds", sizeof fault->path);
             fault->unit = "s";

@@ -50,5 +50,5 @@ PEL_CHECK enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
                                       struct pel_fault *fault);
 
 /* Called after every commit, in order of registration; at most 16. */
-void pel_scene_on_commit(struct pel_scene *scene,
-                         void (*callback)(void *user), void *user);
+void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
+                         void *user);

@@ -110,10 +110,8 @@ static void refusals_change_nothing(void **state)
           "entities.tug" },
         { "{\"entities\":[{\"heading\":5}],\"views\":[]}", PEL_ERR_NOT_FOUND,
           "entities." },
-        { "{\"views\":{\"stern\":null}}", PEL_ERR_NOT_FOUND,
-          "views.stern" },
-        { "{\"clock\":{\"utc\":\"yesterday\"}}", PEL_ERR_INVALID,
-          "clock.utc" },
+        { "{\"views\":{\"stern\":null}}", PEL_ERR_NOT_FOUND, "views.stern" },
+        { "{\"clock\":{\"utc\":\"yesterday\"}}", PEL_ERR_INVALID, "clock.utc" },
         { "{\"clock\":{\"utc\":\"2026-06-21T12:00:00\"}}", PEL_ERR_INVALID,
           "clock.utc" },
         { "{\"clock\":{\"utc\":\"1812-06-21T12:00:00Z\"}}",
@@ -123,8 +121,7 @@ static void refusals_change_nothing(void **state)
     };
     struct pel_scene *scene = make(NULL);
     must(scene, "{\"clock\":{\"mode\":\"STEPPED\"}}");
-    char *before =
-        pel_json_from_message(&pel_scene_state(scene)->base, false);
+    char *before = pel_json_from_message(&pel_scene_state(scene)->base, false);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct pel_fault fault;
         enum pel_err err = patch(scene, bad[i].json, &fault);
@@ -183,16 +180,14 @@ static void binary_values_are_tested_too(void **state)
     entity.name = NULL;
     entity.has_heading = entity.has_pose_time = true;
     entity.pose_time = NAN;
-    assert_int_equal(pel_scene_patch(scene, &p, &fault),
-                     PEL_ERR_OUT_OF_RANGE);
+    assert_int_equal(pel_scene_patch(scene, &p, &fault), PEL_ERR_OUT_OF_RANGE);
     assert_string_equal(fault.path, "entities.1.poseTime");
     Pelagos__Clock clock = PELAGOS__CLOCK__INIT;
     s.n_entities = 0;
     s.clock = &clock;
     clock.has_time = true;
     clock.time = NAN;
-    assert_int_equal(pel_scene_patch(scene, &p, &fault),
-                     PEL_ERR_OUT_OF_RANGE);
+    assert_int_equal(pel_scene_patch(scene, &p, &fault), PEL_ERR_OUT_OF_RANGE);
     pel_scene_destroy(scene);
 }
 
@@ -227,9 +222,8 @@ static void edits_merge_and_reset(void **state)
     assert_int_equal(
         patch(scene, "{\"entities\":{\"ownship\":{\"roll\":3}}}", &fault),
         PEL_ERR_CONFLICT);
-    assert_int_equal(
-        patch(scene, "{\"entities\":{\"ownship\":null}}", &fault),
-        PEL_ERR_CONFLICT);
+    assert_int_equal(patch(scene, "{\"entities\":{\"ownship\":null}}", &fault),
+                     PEL_ERR_CONFLICT);
     pel_scene_destroy(scene);
 }
 
@@ -312,9 +306,15 @@ static void a_heading_alone_does_not_throw_the_ship_back(void **state)
     assert_true(fabs(number(scene, "entities.1.longitude") -
                      400 / (6378137 * PEL_DEG)) < 1e-9);
     assert_true(number(scene, "entities.1.speed") == 0);
+    /* At the schema's last parallel it stays, and can be edited still. */
+    must(scene, "{\"entities\":{\"1\":{\"latitude\":84.9999,\"speed\":100,"
+                "\"course\":0}}}");
+    assert_int_equal(pel_scene_step(scene, 60, NULL), PEL_OK);
+    must(scene, "{\"entities\":{\"1\":{\"heading\":1}}}");
+    assert_true(number(scene, "entities.1.latitude") == 85);
     /* An explicit time is taken. */
-    must(scene, "{\"entities\":{\"1\":{\"heading\":1,\"poseTime\":5003}}}");
-    assert_true(number(scene, "entities.1.poseTime") == 5003);
+    must(scene, "{\"entities\":{\"1\":{\"heading\":1,\"poseTime\":5073}}}");
+    assert_true(number(scene, "entities.1.poseTime") == 5073);
     pel_scene_destroy(scene);
 }
 

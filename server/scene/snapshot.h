@@ -48,7 +48,7 @@ struct pel_snapshot {
     double rate;
     double epoch_unix_s; /* UTC at simulated time 0 */
     double origin_latitude_rad, origin_longitude_rad;
-    const struct pel_sea *sea; /* lives as long as the snapshot */
+    const struct pel_sea *sea;    /* lives as long as the snapshot */
     double wind_mps, wind_to_rad; /* mathematical direction it blows to */
     double chlorophyll_mg_m3;
     bool sun_azimuth_fixed, sun_elevation_fixed; /* else from the time */

@@ -111,10 +111,10 @@ static void the_ships_attitude_moves_the_camera(void **state)
 static void the_world_can_carry_a_view(void **state)
 {
     (void)state;
-    struct pel_camera c = camera_of(
-        SHIP("\"heading\":50",
-             ",\"entity\":null,\"up\":4,\"forward\":10,\"right\":20"),
-        0, 0);
+    struct pel_camera c =
+        camera_of(SHIP("\"heading\":50",
+                       ",\"entity\":null,\"up\":4,\"forward\":10,\"right\":20"),
+                  0, 0);
     near(c.east_m, 20, EPS);
     near(c.north_m, 10, EPS);
     near(c.altitude_m, 4, EPS);
@@ -172,8 +172,8 @@ static void entities_go_on(void **state)
 static void the_sun_can_be_fixed(void **state)
 {
     (void)state;
-    const struct pel_snapshot *s = snapshot_of(
-        "{\"sky\":{\"sunAzimuth\":90,\"sunElevation\":30}}");
+    const struct pel_snapshot *s =
+        snapshot_of("{\"sky\":{\"sunAzimuth\":90,\"sunElevation\":30}}");
     struct pel_vec3 sun = pel_snapshot_sun(s, 5);
     near3(sun, cos(30 * PEL_DEG), 0, 0.5);
     pel_snapshot_unref(s);

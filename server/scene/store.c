@@ -16,8 +16,8 @@
 static enum pel_err system_fault(const char *verb, const char *path,
                                  struct pel_fault *fault)
 {
-    return pel_fault_set(fault, errno == ENOENT ? PEL_ERR_NOT_FOUND
-                                                : PEL_ERR_IO,
+    return pel_fault_set(fault,
+                         errno == ENOENT ? PEL_ERR_NOT_FOUND : PEL_ERR_IO,
                          "cannot %s %s: %s", verb, path, g_strerror(errno));
 }
 

@@ -43,14 +43,12 @@ static void equatorial(double t, double *right_ascension, double *declination)
         (23.43929111 - t * (0.0130041667 + t * (1.6e-7 - t * 5.04e-7)) +
          0.00256 * cos(node)) *
         PEL_DEG;
-    *right_ascension =
-        atan2(cos(obliquity) * sin(longitude), cos(longitude));
+    *right_ascension = atan2(cos(obliquity) * sin(longitude), cos(longitude));
     *declination = asin(sin(obliquity) * sin(longitude));
 }
 
-void pel_sun_position(double unix_s, double latitude_rad,
-                      double longitude_rad, double *azimuth_rad,
-                      double *elevation_rad)
+void pel_sun_position(double unix_s, double latitude_rad, double longitude_rad,
+                      double *azimuth_rad, double *elevation_rad)
 {
     double days = unix_s / 86400.0 + 2440587.5 - 2451545.0;
     double right_ascension, declination;

@@ -10,6 +10,5 @@ PEL_CHECK enum pel_err pel_utc_parse(const char *text, double *unix_s);
 
 /* Azimuth (clockwise from true north) and elevation of the Sun's centre,
  * radians, without refraction, for a place on the ellipsoid, radians. */
-void pel_sun_position(double unix_s, double latitude_rad,
-                      double longitude_rad, double *azimuth_rad,
-                      double *elevation_rad);
+void pel_sun_position(double unix_s, double latitude_rad, double longitude_rad,
+                      double *azimuth_rad, double *elevation_rad);
