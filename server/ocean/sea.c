@@ -182,7 +182,7 @@ static void wind_directions(struct wind_wave *w, int n, uint32_t seed,
 {
     for (int i = 0; i < n; i++) {
         double jitter = hash01(seed, STREAM_DIRECTION, (uint32_t)i) - 0.5;
-        double u = offset + 0.61803398874989485 * i + 0.3 * jitter / n;
+        double u = offset + 0.61803398874989485 * i + 2.0 * jitter / n;
         u -= floor(u);
         w[i].angle = spreading_invert(&w[i].table, u);
     }
