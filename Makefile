@@ -304,17 +304,17 @@ deps-build:
 
 .PHONY: demo
 demo: deps-build ## build, sail a short voyage, leave pictures in build/demo/
-	$(Q)$(MAKE) --no-print-directory all
+	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B clients/demo/demo.py
 
 .PHONY: run
 run: deps-build ## build and keep pelagosd running (ARGS='--http …')
-	$(Q)$(MAKE) --no-print-directory all
+	$(Q)$(MAKE) -s --no-print-directory all
 	build/pelagosd $(ARGS)
 
 .PHONY: check
 check: deps ## build, then run every test
-	$(Q)$(MAKE) --no-print-directory all tests
+	$(Q)$(MAKE) -s --no-print-directory all tests
 	$(Q)tests/run $(TEST_BIN) $(E2E)
 
 # Executable scripts only: what they share is not executable.
@@ -322,7 +322,7 @@ E2E = $(shell find tests -maxdepth 1 -perm -u+x \( -name '*.sh' -o -name '*.py' 
 
 .PHONY: asan
 asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
-	$(Q)$(MAKE) --no-print-directory FLAVOR=asan all tests
+	$(Q)$(MAKE) -s --no-print-directory FLAVOR=asan all tests
 	$(Q)ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1 \
 	    LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 \
 	    UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \

@@ -26,6 +26,8 @@ VOYAGE = ROOT / "clients/voyage/voyage.nmea"
 SAIL_S = 40.0  # wall time of the voyage
 WIND_STEPS = (5.0, 9.0, 13.0, 17.0)  # m/s, by Modbus
 SIZE = (960, 540)
+# Fixed to the world: between two of its pictures only sea and sky can differ.
+STATION = {"up": 15, "yaw": 0, "pitch": -4, "width": 320, "height": 180}
 WING = {"entity": 1, "forward": -4, "right": 9, "up": 14, "yaw": 100,
         "pitch": -8, "fieldOfView": 75, "width": SIZE[0], "height": SIZE[1]}
 
@@ -64,8 +66,8 @@ class Demo:
             f"{done['renderMs']:.0f} ms")
 
     def compare(self, view, change):
-        """`change` between two pictures for one moment, so that nothing but
-        the change differs; their mean difference."""
+        """Mean difference of two pictures for one moment, one drawn before
+        and one after `change`."""
         moment = self.daemon.state()["clock"]["time"]
         before = self.daemon.small(view, moment)
         change()
@@ -73,9 +75,10 @@ class Demo:
 
     def add_view(self):
         self.daemon.request("PUT", "/v1/views/wing", WING)
+        self.daemon.request("PUT", "/v1/views/station", STATION)
         names = [v["name"] for v in self.daemon.state()["views"]]
-        self.inputs["HTTP"] = {"added view": "wing", "views": names}
-        say(f"HTTP: PUT /v1/views/wing; views are now {', '.join(names)}")
+        self.inputs["HTTP"] = {"added views": ["wing", "station"], "views": names}
+        say(f"HTTP: PUT wing and station; views are now {', '.join(names)}")
 
     def set_sail(self):
         seconds = voyage_seconds()
@@ -106,7 +109,7 @@ class Demo:
         steps = self.inputs["Modbus"] = []
         for number, wind in enumerate(WIND_STEPS, 1):
             sea = self.daemon.state()["sea"]
-            diff = self.compare("bridge", lambda: console.wind(
+            diff = self.compare("station", lambda: console.wind(
                 wind, sea["windDirection"]))
             after = self.daemon.state()["sea"]["windSpeed"]
             steps.append({"written m/s": wind,
@@ -125,7 +128,7 @@ class Demo:
                             f"sky.sunAzimuth={(heading + 12) % 360:.1f}",
                             as_json=False)
         before = self.daemon.state()["sky"].get("sunElevation", "by date")
-        diff = self.compare("bridge", change)
+        diff = self.compare("station", change)
         self.inputs["protobuf"] = {"sky.sunElevation": [before, 6],
                                    "picture difference": round(diff, 2)}
         say(f"protobuf: Sun at 6 deg near the bow; picture differs by "
