@@ -259,12 +259,6 @@ $(O)/gen/shaders.c: shaders/embed.py $(SHADERS)
 	@echo "  GEN   $@"
 	$(Q)/usr/bin/python3 shaders/embed.py $@ $(filter-out shaders/lib/%,$(SHADERS))
 
-build/man/pelagosd.1: $(O)/bin/pelagosd
-	$(Q)mkdir -p $(@D) && $< --print-man >$@
-
-build/completion/pelagosd: $(O)/bin/pelagosd
-	$(Q)mkdir -p $(@D) && $< --print-completion >$@
-
 .PHONY: manual
 manual: ## write proto/manual.md anew from the schema
 	$(Q)/usr/bin/python3 proto/fields.py manual proto/pelagos.proto \

@@ -141,7 +141,7 @@ static void print_man_option(FILE *to, const char *name, const char *argument,
 
 static void print_man_head(FILE *to)
 {
-    fputs(".TH PELAGOSD 1 \"\" \"Pelagos " PEL_VERSION "\" \"Pelagos\"\n"
+    fputs(".TH PELAGOSD 8 \"\" \"Pelagos " PEL_VERSION "\" \"Pelagos\"\n"
           ".SH NAME\npelagosd \\- draws the sea without a window and serves "
           "its pictures\n"
           ".SH SYNOPSIS\n.B pelagosd\n[\\fIOPTION\\fR]...\n"
@@ -249,7 +249,7 @@ void pel_options_print_example(FILE *to)
 {
     char values[160];
     fputs("# Key file of pelagosd; every option with its default. "
-          "See pelagosd(1).\n",
+          "See pelagosd(8).\n",
           to);
     for (const struct pel_option *o = pel_option_table; o->name; o++) {
         if (begins_section(o)) {

@@ -81,11 +81,11 @@ check 'a missing key file is refused' refused 'nowhere' --config /nowhere
 check '--version' grep -q '^pelagosd [0-9]' <("$daemon" --version)
 check 'the installed key file is good' "$daemon" --check \
     --config packaging/pelagosd.conf
-"$daemon" --print-man >"$work/pelagosd.1"
+"$daemon" --print-man >"$work/pelagosd.8"
 if command -v man >/dev/null; then
     check 'the manual page has no warnings' test -z \
         "$(LC_ALL=C.UTF-8 MANWIDTH=78 man --warnings -E UTF-8 -l \
-            "$work/pelagosd.1" 2>&1 >/dev/null)"
+            "$work/pelagosd.8" 2>&1 >/dev/null)"
 fi
 "$daemon" --print-completion >"$work/completion"
 check 'the completion is bash' bash -n "$work/completion"

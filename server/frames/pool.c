@@ -93,9 +93,13 @@ static void encode_output(struct pel_pool *pool, struct pel_output *output)
 static void answer_surface(struct pel_pool *pool,
                            struct pel_surface_query *query)
 {
-    for (size_t i = 0; i < query->count && !atomic_load(&pool->stop); i++) {
-        pel_sea_sample(query->snapshot->sea, query->points[i].x,
-                       query->points[i].y, query->time_s, &query->samples[i]);
+    const size_t batch = 256; /* a few ms: how long a stop may wait */
+    for (size_t i = 0; i < query->count && !atomic_load(&pool->stop);
+         i += batch) {
+        size_t left = query->count - i;
+        pel_sea_query(query->snapshot->sea, query->points + i,
+                      left < batch ? left : batch, query->time_s,
+                      query->samples + i);
     }
     pel_mailbox_post(pool->box, &query->mail);
 }
