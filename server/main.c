@@ -47,7 +47,7 @@ static const char *or_null(const char *text)
     return *text ? text : NULL;
 }
 
-/* --- parts ------------------------------------------------------------------ */
+/* --- parts --------------------------------------------------------------- */
 
 static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
 {
@@ -67,8 +67,7 @@ static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
         .max_fps = d->options.fps,
         .encoder_threads = d->options.encoder_threads,
     };
-    enum pel_err err =
-        pel_frames_create(&options, d->scene, &d->frames, fault);
+    enum pel_err err = pel_frames_create(&options, d->scene, &d->frames, fault);
     if (err == PEL_OK) {
         pel_metrics_add(d->metrics, pel_frames_collect, d->frames);
     }
@@ -101,9 +100,9 @@ static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
 
 static enum pel_err start_nmea(struct daemon *d, struct pel_fault *fault)
 {
-    static const enum pel_nmea_wind winds[] = {
-        PEL_NMEA_WIND_OFF, PEL_NMEA_WIND_GIVEN, PEL_NMEA_WIND_MEAN
-    };
+    static const enum pel_nmea_wind winds[] = { PEL_NMEA_WIND_OFF,
+                                                PEL_NMEA_WIND_GIVEN,
+                                                PEL_NMEA_WIND_MEAN };
     struct pel_nmea_options options = pel_nmea_default_options();
     options.listen = d->options.nmea;
     options.allow = or_null(d->options.nmea_allow);
@@ -210,7 +209,8 @@ static bool finish(struct daemon *d)
     return joined;
 }
 
-/* --- signals ------------------------------------------------------------------ */
+/* --- signals
+ * ------------------------------------------------------------------ */
 
 static gboolean drain(gpointer user)
 {
@@ -276,7 +276,8 @@ static void ready(void *user)
     }
 }
 
-/* --- main --------------------------------------------------------------------- */
+/* --- main
+ * --------------------------------------------------------------------- */
 
 static int run(struct daemon *d)
 {

@@ -127,8 +127,8 @@ static enum pel_err set_number(const struct pel_option *option,
     char *end = NULL;
     bool whole = option->kind == PEL_OPTION_INT;
     errno = 0;
-    double number = whole ? (double)strtol(value, &end, 10)
-                          : g_ascii_strtod(value, &end);
+    double number =
+        whole ? (double)strtol(value, &end, 10) : g_ascii_strtod(value, &end);
     bool is_number = end != value && *end == 0;
     if (!is_number || errno == ERANGE ||
         !(number >= option->minimum && number <= option->maximum)) {
@@ -289,7 +289,7 @@ void pel_options_init(struct pel_options *options)
     }
 }
 
-/* --- key file ------------------------------------------------------------- */
+/* --- key file ------------------------------------------------------------ */
 
 static const struct pel_option *find(const char *name)
 {
@@ -349,7 +349,7 @@ static enum pel_err read_file(const char *path, struct pel_options *options,
     return err;
 }
 
-/* --- command line --------------------------------------------------------- */
+/* --- command line -------------------------------------------------------- */
 
 /* Actions, and --config, which is read before the others. */
 static bool read_action(const char *name, enum pel_options_action *action)
@@ -465,7 +465,7 @@ enum pel_err pel_options_read(int argc, char **argv,
     return err == PEL_OK ? pel_options_check(options, fault) : err;
 }
 
-/* --- all together ---------------------------------------------------------- */
+/* --- all together -------------------------------------------------------- */
 
 static bool is_loopback(const char *address)
 {

@@ -46,14 +46,14 @@ struct pel_option {
     const char *name;    /* --name, and the key in the key file */
     const char *section; /* group of the key file, heading of the help */
     enum pel_option_kind kind;
-    const char *argument; /* how the value is shown, "" for a flag */
-    const char *initial;  /* default, as it would be given */
+    const char *argument;    /* how the value is shown, "" for a flag */
+    const char *initial;     /* default, as it would be given */
     double minimum, maximum; /* of DOUBLE and INT */
     const char *unit;
     const char *const *choices; /* NULL-terminated, for CHOICE */
-    bool live;        /* SIGHUP changes it, else a restart does */
-    size_t offset;    /* in struct pel_options */
-    const char *help; /* a sentence */
+    bool live;                  /* SIGHUP changes it, else a restart does */
+    size_t offset;              /* in struct pel_options */
+    const char *help;           /* a sentence */
 };
 
 /* Ends with a NULL name; sections are together. */
@@ -92,12 +92,10 @@ PEL_CHECK enum pel_err pel_options_check(const struct pel_options *options,
 
 /* Whether the option has the same value in both. */
 bool pel_option_equal(const struct pel_option *option,
-                      const struct pel_options *a,
-                      const struct pel_options *b);
+                      const struct pel_options *a, const struct pel_options *b);
 
 /* Splits ADDRESS:PORT (localhost becomes 127.0.0.1); false: not one. */
-bool pel_options_split_address(const char *text, char host[64],
-                               uint16_t *port);
+bool pel_options_split_address(const char *text, char host[64], uint16_t *port);
 
 /* Made from the table (options_print.c). */
 void pel_options_print_help(FILE *to);

@@ -95,8 +95,8 @@ void pel_options_print_help(FILE *to)
         fprintf(to, "  --%s%s%s\n", o->name, *o->argument ? " " : "",
                 o->argument);
         describe(o, values, sizeof values);
-        snprintf(text, sizeof text, "%s%s%s%s", o->help,
-                 *values ? " [" : "", values, *values ? "]" : "");
+        snprintf(text, sizeof text, "%s%s%s%s", o->help, *values ? " [" : "",
+                 values, *values ? "]" : "");
         print_wrapped(to, text, 8);
     }
     fprintf(to, "\nGeneral:\n");
@@ -106,7 +106,7 @@ void pel_options_print_help(FILE *to)
     }
 }
 
-/* --- manual page ------------------------------------------------------------ */
+/* --- manual page --------------------------------------------------------- */
 
 /* roff takes a bare minus for a hyphen, and backslashes for its own. */
 static void print_roff(FILE *to, const char *text)
@@ -200,7 +200,8 @@ void pel_options_print_man(FILE *to)
     print_man_tail(to);
 }
 
-/* --- completion, example ------------------------------------------------------ */
+/* --- completion, example
+ * ------------------------------------------------------ */
 
 static void print_words(FILE *to, const struct pel_option *o)
 {

@@ -134,9 +134,9 @@ static void key_file_is_read_before_the_command_line(void **state)
     (void)state;
     char *path = write_file("[render]\nfps=15\n[scene]\nwaves=100\n"
                             "[bridges]\nnmea-ais=yes\nmodbus=off\n");
-    assert_int_equal(READ(&options, &action, &fault, "--fps", "20", "--config",
-                          path),
-                     PEL_OK);
+    assert_int_equal(
+        READ(&options, &action, &fault, "--fps", "20", "--config", path),
+        PEL_OK);
     assert_true(options.fps == 20);
     assert_int_equal(options.waves, 100);
     assert_true(options.nmea_ais);
@@ -166,9 +166,9 @@ static void bad_key_files_say_where(void **state)
         unlink(path);
         g_free(path);
     }
-    assert_int_not_equal(READ(&options, &action, &fault, "--config",
-                              "/nonexistent/file"),
-                         PEL_OK);
+    assert_int_not_equal(
+        READ(&options, &action, &fault, "--config", "/nonexistent/file"),
+        PEL_OK);
 }
 
 static void the_example_is_the_defaults(void **state)
@@ -191,10 +191,9 @@ static void the_example_is_the_defaults(void **state)
 static void texts_name_every_option(void **state)
 {
     (void)state;
-    void (*const printers[])(FILE *) = { pel_options_print_help,
-                                         pel_options_print_man,
-                                         pel_options_print_completion,
-                                         pel_options_print_example };
+    void (*const printers[])(
+        FILE *) = { pel_options_print_help, pel_options_print_man,
+                    pel_options_print_completion, pel_options_print_example };
     for (size_t i = 0; i < 4; i++) {
         char *text = NULL;
         size_t size = 0;

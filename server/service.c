@@ -26,14 +26,16 @@ void pel_service_limits(void)
             }
         }
         if (limit.rlim_cur < NEEDED_DESCRIPTORS) {
-            pel_warn("DMN-011", "only %llu descriptors are allowed; %d are "
+            pel_warn("DMN-011",
+                     "only %llu descriptors are allowed; %d are "
                      "wanted (LimitNOFILE, ulimit -n)",
                      (unsigned long long)limit.rlim_cur, NEEDED_DESCRIPTORS);
         }
     }
     if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
         limit.rlim_cur < NEEDED_MEMORY) {
-        pel_warn("DMN-012", "address space is limited to %llu MiB, and "
+        pel_warn("DMN-012",
+                 "address space is limited to %llu MiB, and "
                  "OpenGL does not survive a refused allocation; use a cgroup",
                  (unsigned long long)(limit.rlim_cur >> 20));
     }
@@ -53,8 +55,10 @@ static void warm_up_done(void *user, enum pel_err err,
     struct warm_up *warm_up = user;
     double ms = (double)(pel_now_ns() - warm_up->started_ns) * 1e-6;
     if (err == PEL_OK) {
-        pel_info("DMN-003", "first frame %.0f ms after the start (%.0f ms of "
-                 "drawing)", ms, frame->render_ms);
+        pel_info("DMN-003",
+                 "first frame %.0f ms after the start (%.0f ms of "
+                 "drawing)",
+                 ms, frame->render_ms);
     } else {
         pel_warn("DMN-004", "no first frame: %s", fault->message);
     }
@@ -98,7 +102,7 @@ void pel_service_warm_up(struct pel_frames *frames, struct pel_scene *scene,
     }
 }
 
-/* --- systemd ---------------------------------------------------------------- */
+/* --- systemd ------------------------------------------------------------- */
 
 struct pel_service {
     struct pel_frames *frames;

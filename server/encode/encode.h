@@ -34,7 +34,7 @@ PEL_CHECK enum pel_err pel_png_encode(const uint8_t *rgba, uint32_t width,
 /* One EXR layer: `channels` components taken from pixels that are `stride`
  * floats apart. Channel names: "R" for layer NULL, else "layer.R". */
 struct pel_exr_layer {
-    const char *name; /* NULL: the default layer */
+    const char *name;     /* NULL: the default layer */
     const char *channels; /* "RGB", "XYZ", "Z": one letter a component */
     const float *pixels;
     int stride;
@@ -65,7 +65,7 @@ struct pel_exr_image {
     size_t attribute_count;
     /* Screen window at distance 1 of the standard header; width 0: 1. */
     float window_center[2], window_width;
-    float pixel_aspect; /* width of a pixel over its height; 0: 1 */
+    float pixel_aspect;        /* width of a pixel over its height; 0: 1 */
     const atomic_bool *cancel; /* NULL, or true: give up with CONFLICT */
 };
 

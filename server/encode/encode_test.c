@@ -1,5 +1,6 @@
 /* Encoders against readers of their files. With PEL_SAMPLES=DIR the pictures
- * are also left there for readers that are not ours (tests/encode_readers.sh). */
+ * are also left there for readers that are not ours (tests/encode_readers.sh).
+ */
 #include "encode/encode.h"
 
 #include <math.h>
@@ -77,12 +78,14 @@ static void jpeg_decodes_to_the_picture(void **state)
         tjhandle reader = tjInitDecompress();
         int w, h, sampling, space;
         assert_int_equal(tjDecompressHeader3(reader, bytes.data, bytes.size, &w,
-                                             &h, &sampling, &space), 0);
+                                             &h, &sampling, &space),
+                         0);
         assert_int_equal(w, width);
         assert_int_equal(h, height);
         assert_int_equal(sampling, TJSAMP_420);
         assert_int_equal(tjDecompress2(reader, bytes.data, bytes.size, back, w,
-                                       0, h, TJPF_RGBA, 0), 0);
+                                       0, h, TJPF_RGBA, 0),
+                         0);
         tjDestroy(reader);
         /* Quality 95 quantises luma by 1..10 levels and halves the chroma:
          * a smooth picture comes back within 4 levels on average (blue has a
@@ -102,7 +105,9 @@ static void jpeg_decodes_to_the_picture(void **state)
 static void png_decodes_to_the_same_pixels(void **state)
 {
     (void)state;
-    static const uint32_t sizes[][2] = { { WIDTH, HEIGHT }, { 1, 1 }, { 3, 9 } };
+    static const uint32_t sizes[][2] = { { WIDTH, HEIGHT },
+                                         { 1, 1 },
+                                         { 3, 9 } };
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         uint32_t width = sizes[i][0], height = sizes[i][1];
         size_t size = (size_t)width * height * 4;
@@ -121,8 +126,8 @@ static void png_decodes_to_the_same_pixels(void **state)
         uint8_t intent = 9;
         assert_int_equal(spng_get_srgb(reader, &intent), 0);
         assert_int_equal(intent, 0);
-        assert_int_equal(spng_decode_image(reader, back, size, SPNG_FMT_RGBA8,
-                                           0), 0);
+        assert_int_equal(
+            spng_decode_image(reader, back, size, SPNG_FMT_RGBA8, 0), 0);
         spng_ctx_free(reader);
         assert_memory_equal(rgba, back, size);
         if (i == 0) {
@@ -134,7 +139,7 @@ static void png_decodes_to_the_same_pixels(void **state)
     }
 }
 
-/* --- EXR --------------------------------------------------------------- */
+/* --- EXR ----------------------------------------------------------------- */
 
 static int64_t read_bytes(exr_const_context_t context, void *user, void *buffer,
                           uint64_t size, uint64_t offset,
@@ -265,11 +270,14 @@ static void fill_samples(void)
 
 static const struct pel_exr_layer layers[] = {
     { .channels = "RGB", .pixels = radiance, .stride = 4 },
-    { .name = "depth", .channels = "Z", .pixels = depth, .stride = 1,
+    { .name = "depth",
+      .channels = "Z",
+      .pixels = depth,
+      .stride = 1,
       .full_float = true },
 };
 
-static const float matrix[16] = { 1, 2, 3, 4, 5, 6, 7, 8,
+static const float matrix[16] = { 1, 2,  3,  4,  5,  6,  7,  8,
                                   9, 10, 11, 12, 13, 14, 15, 16 };
 
 static const struct pel_exr_attribute attributes[] = {
@@ -377,8 +385,8 @@ static void exr_header_says_what_it_was_told(void **state)
     float longitude, width;
     exr_attr_m44f_t m;
     exr_attr_v2f_t center;
-    assert_int_equal(exr_attr_get_string(context, 0, "pelagos.view", &length,
-                                         &text), 0);
+    assert_int_equal(
+        exr_attr_get_string(context, 0, "pelagos.view", &length, &text), 0);
     assert_string_equal(text, "bridge");
     assert_int_equal(exr_attr_get_double(context, 0, "pelagos.time", &time), 0);
     assert_true(time == 12.25);
@@ -404,8 +412,7 @@ static void bad_input_is_refused(void **state)
     uint8_t pixel[4] = { 0 };
     float sample[4] = { 0 };
     struct pel_bytes bytes;
-    assert_int_equal(pel_jpeg_encode(pixel, 0, 1, 90, &bytes),
-                     PEL_ERR_INVALID);
+    assert_int_equal(pel_jpeg_encode(pixel, 0, 1, 90, &bytes), PEL_ERR_INVALID);
     assert_int_equal(pel_jpeg_encode(pixel, 1, 16385, 90, &bytes),
                      PEL_ERR_INVALID);
     assert_int_equal(pel_jpeg_encode(pixel, 1, 1, 0, &bytes), PEL_ERR_INVALID);

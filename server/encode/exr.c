@@ -24,7 +24,7 @@ struct writer {
     bool no_memory;
 };
 
-/* --- the file, in memory ---------------------------------------------- */
+/* --- the file, in memory ------------------------------------------------- */
 
 static int64_t write_bytes(exr_const_context_t context, void *user,
                            const void *buffer, uint64_t size, uint64_t offset,
@@ -62,7 +62,7 @@ static void ignore_message(exr_const_context_t context, exr_result_t code,
     (void)message;
 }
 
-/* --- the header ------------------------------------------------------- */
+/* --- the header ---------------------------------------------------------- */
 
 static bool has_channel(const struct writer *w, const char *name)
 {
@@ -78,8 +78,7 @@ static enum pel_err list_layer(struct writer *w,
                                const struct pel_exr_layer *layer)
 {
     if (!layer->pixels || !layer->channels || layer->stride < 1 ||
-        layer->stride > 64 ||
-        (int)strlen(layer->channels) > layer->stride ||
+        layer->stride > 64 || (int)strlen(layer->channels) > layer->stride ||
         (layer->name && strlen(layer->name) > 48)) {
         return PEL_ERR_INVALID;
     }
@@ -160,7 +159,7 @@ static exr_result_t write_header(exr_context_t context, const struct writer *w)
     return rc ? rc : exr_write_header(context);
 }
 
-/* --- the pixels ------------------------------------------------------- */
+/* --- the pixels ---------------------------------------------------------- */
 
 static const struct channel *find_channel(const struct writer *w,
                                           const char *name)
@@ -232,8 +231,8 @@ static enum pel_err write_file(struct writer *w)
     init.max_image_height = PEL_ENCODE_MAX_SIZE;
     init.zip_level = w->image->fast ? 1 : 4;
     exr_context_t context = NULL;
-    exr_result_t rc = exr_start_write(&context, "memory",
-                                      EXR_WRITE_FILE_DIRECTLY, &init);
+    exr_result_t rc =
+        exr_start_write(&context, "memory", EXR_WRITE_FILE_DIRECTLY, &init);
     if (rc == 0) {
         rc = write_header(context, w);
         rc = rc ? rc : write_pixels(context, w);

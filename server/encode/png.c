@@ -24,13 +24,14 @@ static int set_up(spng_ctx *png, uint32_t width, uint32_t height)
     };
     int rc = spng_set_option(png, SPNG_ENCODE_TO_BUFFER, 1);
     rc = rc ? rc : spng_set_option(png, SPNG_IMG_COMPRESSION_LEVEL, 1);
-    rc = rc ? rc : spng_set_option(png, SPNG_FILTER_CHOICE,
-                                   SPNG_FILTER_CHOICE_SUB);
+    rc = rc ? rc
+            : spng_set_option(png, SPNG_FILTER_CHOICE, SPNG_FILTER_CHOICE_SUB);
     rc = rc ? rc : spng_set_ihdr(png, &header);
     rc = rc ? rc : spng_set_srgb(png, 0);
-    return rc ? rc : spng_encode_image(png, NULL, 0, SPNG_FMT_PNG,
-                                       SPNG_ENCODE_PROGRESSIVE |
-                                           SPNG_ENCODE_FINALIZE);
+    return rc ? rc
+              : spng_encode_image(png, NULL, 0, SPNG_FMT_PNG,
+                                  SPNG_ENCODE_PROGRESSIVE |
+                                      SPNG_ENCODE_FINALIZE);
 }
 
 enum pel_err pel_png_encode(const uint8_t *rgba, uint32_t width,

@@ -70,7 +70,7 @@ struct pel_frames {
 
     uint64_t number, last_id, last_order;
     uint32_t last_serial;
-    unsigned drawing;  /* jobs with the render thread */
+    unsigned drawing; /* jobs with the render thread */
     bool last_was_live;
     struct pel_job *jobs; /* PEL_JOB_COUNT */
     struct pel_frame_request requests[PEL_MAX_REQUESTS];
@@ -87,7 +87,7 @@ struct pel_frames {
     struct pel_window render_ms, encode_ms;
 };
 
-/* --- schedule.c: frames begin and end ---------------------------------- */
+/* --- schedule.c: frames begin and end ------------------------------------ */
 
 /* The alarm of live views: one frame of every stream and waiting request. */
 void pel_schedule_tick(void *user);
@@ -103,7 +103,7 @@ void pel_schedule_watch(void *user);
 void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job);
 void pel_schedule_output(struct pel_frames *frames, struct pel_output *output);
 
-/* --- requests.c --------------------------------------------------------- */
+/* --- requests.c ---------------------------------------------------------- */
 
 /* Answers and forgets it; frame NULL with an error. */
 void pel_request_finish(struct pel_frames *frames,
@@ -125,7 +125,7 @@ void pel_surface_answer(struct pel_frames *frames,
                         struct pel_surface_query *query);
 void pel_surface_finish_all(struct pel_frames *frames);
 
-/* --- window.c: medians ---------------------------------------------------- */
+/* --- window.c: medians --------------------------------------------------- */
 void pel_window_add(struct pel_window *window, double value);
 /* Value below which `share` of the window lies (nearest rank); 0: empty. */
 double pel_window_rank(const struct pel_window *window, double share);

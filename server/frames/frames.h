@@ -19,11 +19,11 @@
 struct pel_frames;
 
 struct pel_frames_options {
-    const char *device;     /* as pel_renderer_options */
+    const char *device; /* as pel_renderer_options */
     const char *shader_dir;
     bool gl_debug;
-    double max_fps;         /* cap of live views, 1..240 */
-    int encoder_threads;    /* 0: one a core, at most 4 */
+    double max_fps;      /* cap of live views, 1..240 */
+    int encoder_threads; /* 0: one a core, at most 4 */
 };
 
 /* Starts the threads and waits until the GL context stands. */
@@ -84,12 +84,10 @@ void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
  * waits for pel_frames_unsubscribe. At most 256 subscriptions and 64 different
  * (view, quality): BUSY. quality 1..100. */
 struct pel_subscription;
-PEL_CHECK enum pel_err pel_frames_subscribe(struct pel_frames *frames,
-                                            const char *view, int quality,
-                                            pel_frame_callback on_frame,
-                                            void *user,
-                                            struct pel_subscription **out,
-                                            struct pel_fault *fault);
+PEL_CHECK enum pel_err
+pel_frames_subscribe(struct pel_frames *frames, const char *view, int quality,
+                     pel_frame_callback on_frame, void *user,
+                     struct pel_subscription **out, struct pel_fault *fault);
 void pel_frames_unsubscribe(struct pel_subscription *subscription);
 
 /* Surface heights off the control thread, from the sea of the present
@@ -103,8 +101,8 @@ PEL_CHECK enum pel_err pel_frames_surface(struct pel_frames *frames,
                                           const struct pel_vec2 *points_m,
                                           size_t count, bool has_time,
                                           double time_s,
-                                          pel_surface_callback done,
-                                          void *user, struct pel_fault *fault);
+                                          pel_surface_callback done, void *user,
+                                          struct pel_fault *fault);
 
 /* Counters since the start, for /metrics and the log. */
 struct pel_frames_stats {

@@ -17,7 +17,7 @@
 static struct pel_scene *scene;
 static struct pel_frames *frames;
 
-/* --- helpers ----------------------------------------------------------------- */
+/* --- helpers ------------------------------------------------------------- */
 
 struct answer {
     int calls, frame_count;
@@ -172,7 +172,8 @@ static int tear_down(void **state)
     return joined ? 0 : -1;
 }
 
-/* --- one picture --------------------------------------------------------------- */
+/* --- one picture
+ * --------------------------------------------------------------- */
 
 static void every_format_is_answered(void **state)
 {
@@ -300,9 +301,10 @@ static void an_exr_says_how_it_came_about(void **state)
     run_until(&answer.calls, 1);
     GBytes *bytes = g_bytes_new_static(answer.frame->data, answer.frame->size);
     static const char *const names[] = {
-        "pelagos.view", "pelagos.time", "pelagos.seed", "pelagos.exposure",
-        "pelagos.revision", "pelagos.sunAzimuth", "pelagos.windSpeed",
-        "software", "pelagos.device", "worldToCamera", "worldToNDC", "capDate"
+        "pelagos.view",      "pelagos.time",     "pelagos.seed",
+        "pelagos.exposure",  "pelagos.revision", "pelagos.sunAzimuth",
+        "pelagos.windSpeed", "software",         "pelagos.device",
+        "worldToCamera",     "worldToNDC",       "capDate"
     };
     for (size_t i = 0; i < G_N_ELEMENTS(names); i++) {
         /* With its final zero: a whole name of the header. */
@@ -344,9 +346,9 @@ static void what_cannot_be_is_refused_at_once(void **state)
     bad[7].format = PELAGOS__FRAME_FORMAT__JPEG;
     pel_frames_get_stats(frames, &before);
     for (int i = 0; i < 8; i++) {
-        assert_int_equal(pel_frames_request(frames, &bad[i], take, &answer,
-                                            NULL, &fault),
-                         want[i].err);
+        assert_int_equal(
+            pel_frames_request(frames, &bad[i], take, &answer, NULL, &fault),
+            want[i].err);
         assert_string_equal(fault.path, want[i].path);
     }
     pel_frames_get_stats(frames, &after);
@@ -366,9 +368,9 @@ static void waiting_requests_are_bounded(void **state)
         ask(&request, &answers[i]);
     }
     struct pel_fault fault;
-    assert_int_equal(pel_frames_request(frames, &request, take, &answers[64],
-                                        NULL, &fault),
-                     PEL_ERR_BUSY);
+    assert_int_equal(
+        pel_frames_request(frames, &request, take, &answers[64], NULL, &fault),
+        PEL_ERR_BUSY);
     for (int i = 0; i < 64; i++) {
         run_until(&answers[i].calls, 1);
         assert_int_equal(answers[i].err, PEL_OK);
@@ -383,12 +385,12 @@ static void a_cancelled_request_is_silent(void **state)
     struct answer gone = { 0 }, late = { 0 }, kept = { 0 };
     Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__JPEG);
     uint64_t id;
-    assert_int_equal(pel_frames_request(frames, &request, take, &gone, &id,
-                                        NULL), PEL_OK);
+    assert_int_equal(
+        pel_frames_request(frames, &request, take, &gone, &id, NULL), PEL_OK);
     pel_frames_cancel(frames, id);
     pel_frames_cancel(frames, id);
-    assert_int_equal(pel_frames_request(frames, &request, take, &late, &id,
-                                        NULL), PEL_OK);
+    assert_int_equal(
+        pel_frames_request(frames, &request, take, &late, &id, NULL), PEL_OK);
     g_main_context_iteration(NULL, FALSE); /* it is being drawn now */
     pel_frames_cancel(frames, id);
     ask(&request, &kept);
@@ -416,7 +418,8 @@ static void a_view_deleted_before_its_frame(void **state)
     assert_string_equal(answer.fault.path, "view");
 }
 
-/* --- live ------------------------------------------------------------------------ */
+/* --- live
+ * ------------------------------------------------------------------------ */
 
 static void live_frames_come_in_order(void **state)
 {
@@ -424,10 +427,12 @@ static void live_frames_come_in_order(void **state)
     struct answer a = { 0 }, b = { 0 };
     struct pel_subscription *first, *second;
     add_view("other", 48, 32);
-    assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &a, &first,
-                                          NULL), PEL_OK);
-    assert_int_equal(pel_frames_subscribe(frames, "other", 80, take, &b,
-                                          &second, NULL), PEL_OK);
+    assert_int_equal(
+        pel_frames_subscribe(frames, "test", 80, take, &a, &first, NULL),
+        PEL_OK);
+    assert_int_equal(
+        pel_frames_subscribe(frames, "other", 80, take, &b, &second, NULL),
+        PEL_OK);
     run_until(&a.frame_count, 10);
     run_until(&b.frame_count, 10);
     int count = a.frame_count < 64 ? a.frame_count : 64;
@@ -479,7 +484,8 @@ static void paced_time_advances_by_the_frame(void **state)
     run_for(100);
     assert_true(pel_scene_time(scene) == 100); /* nobody watches */
     assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &answer,
-                                          &subscription, NULL), PEL_OK);
+                                          &subscription, NULL),
+                     PEL_OK);
     run_until(&answer.frame_count, 10);
     pel_frames_unsubscribe(subscription);
     for (int i = 1; i < 10; i++) {
@@ -500,7 +506,8 @@ static void a_deleted_view_ends_its_subscription(void **state)
     struct pel_subscription *subscription;
     add_view("short", 32, 32);
     assert_int_equal(pel_frames_subscribe(frames, "short", 80, take, &answer,
-                                          &subscription, NULL), PEL_OK);
+                                          &subscription, NULL),
+                     PEL_OK);
     run_until(&answer.frame_count, 2);
     remove_path("views.short");
     assert_int_equal(answer.err, PEL_ERR_NOT_FOUND);
@@ -517,7 +524,8 @@ static void size_changes_while_watched(void **state)
     struct answer answer = { 0 };
     struct pel_subscription *subscription;
     assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &answer,
-                                          &subscription, NULL), PEL_OK);
+                                          &subscription, NULL),
+                     PEL_OK);
     run_until(&answer.frame_count, 2);
     add_view("test", 80, 40);
     for (int i = 0; i < 200 && answer.frame->width != 80; i++) {
@@ -551,7 +559,8 @@ static void subscribers_may_leave_in_their_callback(void **state)
     struct quitter quitter = { 0 };
     struct answer other = { 0 };
     assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &other,
-                                          &quitter.other, NULL), PEL_OK);
+                                          &quitter.other, NULL),
+                     PEL_OK);
     assert_int_equal(pel_frames_subscribe(frames, "test", 80, quit_both,
                                           &quitter, &quitter.mine, NULL),
                      PEL_OK);
@@ -576,14 +585,18 @@ static void subscriptions_are_bounded(void **state)
     assert_int_equal(streams, PEL_MAX_STREAMS);
     for (int i = streams; i < PEL_MAX_SUBSCRIPTIONS; i++) {
         assert_int_equal(pel_frames_subscribe(frames, "test", 1, take, &answer,
-                                              &all[i], NULL), PEL_OK);
+                                              &all[i], NULL),
+                         PEL_OK);
     }
-    assert_int_equal(pel_frames_subscribe(frames, "test", 1, take, &answer,
-                                          &more, NULL), PEL_ERR_BUSY);
-    assert_int_equal(pel_frames_subscribe(frames, "test", 0, take, &answer,
-                                          &more, NULL), PEL_ERR_OUT_OF_RANGE);
-    assert_int_equal(pel_frames_subscribe(frames, "none", 9, take, &answer,
-                                          &more, NULL), PEL_ERR_NOT_FOUND);
+    assert_int_equal(
+        pel_frames_subscribe(frames, "test", 1, take, &answer, &more, NULL),
+        PEL_ERR_BUSY);
+    assert_int_equal(
+        pel_frames_subscribe(frames, "test", 0, take, &answer, &more, NULL),
+        PEL_ERR_OUT_OF_RANGE);
+    assert_int_equal(
+        pel_frames_subscribe(frames, "none", 9, take, &answer, &more, NULL),
+        PEL_ERR_NOT_FOUND);
     for (int i = 0; i < PEL_MAX_SUBSCRIPTIONS; i++) {
         pel_frames_unsubscribe(all[i]);
     }
@@ -591,7 +604,8 @@ static void subscriptions_are_bounded(void **state)
     drop(&answer);
 }
 
-/* --- the surface ------------------------------------------------------------------- */
+/* --- the surface
+ * ------------------------------------------------------------------- */
 
 struct surface {
     int calls;
@@ -622,7 +636,8 @@ static void surface_queries_are_answered(void **state)
     struct surface surface = { 0 };
     struct pel_vec2 points[3] = { { 0, 0 }, { 100, -50 }, { 1e6, -1e6 } };
     assert_int_equal(pel_frames_surface(frames, points, 3, true, 20,
-                                        take_surface, &surface, NULL), PEL_OK);
+                                        take_surface, &surface, NULL),
+                     PEL_OK);
     points[0].x = 1e9; /* it has its own copy */
     run_until(&surface.calls, 1);
     assert_int_equal(surface.err, PEL_OK);
@@ -657,7 +672,8 @@ static void surface_queries_are_answered(void **state)
     run_until(&surface.calls, 17);
 }
 
-/* --- numbers ------------------------------------------------------------------------ */
+/* --- numbers
+ * ------------------------------------------------------------------------ */
 
 static void windows_know_their_ranks(void **state)
 {
@@ -675,7 +691,8 @@ static void windows_know_their_ranks(void **state)
     assert_true(pel_window_rank(&window, 0) == 44);
 }
 
-/* --- the end -------------------------------------------------------------------------- */
+/* --- the end
+ * -------------------------------------------------------------------------- */
 
 static void destroying_answers_what_waits(void **state)
 {
@@ -688,13 +705,15 @@ static void destroying_answers_what_waits(void **state)
     request.has_width = request.has_height = request.has_time = true;
     request.width = request.height = 512;
     assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &live,
-                                          &subscription, NULL), PEL_OK);
+                                          &subscription, NULL),
+                     PEL_OK);
     for (int i = 0; i < 20; i++) {
         request.time = i;
         ask(&request, &answers[i]);
     }
     assert_int_equal(pel_frames_surface(frames, &point, 1, false, 0,
-                                        take_surface, &surface, NULL), PEL_OK);
+                                        take_surface, &surface, NULL),
+                     PEL_OK);
     run_until(&answers[0].calls, 1);
     int64_t start = pel_now_ns();
     assert_true(pel_frames_destroy(frames));

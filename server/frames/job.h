@@ -34,10 +34,10 @@ struct pel_output {
     Pelagos__FrameFormat format;
     int quality;
     bool float_samples;
-    unsigned layers;    /* of enum pel_layer, for EXR */
-    uint32_t stream;    /* serial of the live stream it feeds, 0: none */
-    bool done;          /* control thread */
-    bool delivered;     /* control thread */
+    unsigned layers; /* of enum pel_layer, for EXR */
+    uint32_t stream; /* serial of the live stream it feeds, 0: none */
+    bool done;       /* control thread */
+    bool delivered;  /* control thread */
     enum pel_err err;
     struct pel_frame *frame; /* NULL on error */
 };
@@ -45,7 +45,7 @@ struct pel_output {
 /* The render thread's and the encoders' side of one draw. */
 struct pel_job_draw {
     struct pel_job *job;
-    size_t view; /* index in the snapshot */
+    size_t view;  /* index in the snapshot */
     size_t bytes; /* of its readback buffer */
     enum pel_err err;
     struct pel_picture *picture;
@@ -65,7 +65,7 @@ struct pel_job {
     struct pel_job_draw parts[PEL_MAX_VIEWS];
     size_t output_count;
     struct pel_output outputs[PEL_MAX_OUTPUTS];
-    size_t collected; /* render thread */
+    size_t collected;       /* render thread */
     struct pel_fault fault; /* of the drawing, when it failed */
 };
 

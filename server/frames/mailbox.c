@@ -44,7 +44,7 @@ void pel_cond_wait_ns(pthread_cond_t *cond, pthread_mutex_t *lock,
     pthread_cond_timedwait(cond, lock, &end);
 }
 
-/* --- alarm ------------------------------------------------------------- */
+/* --- alarm --------------------------------------------------------------- */
 
 struct alarm {
     GSource source;
@@ -76,7 +76,7 @@ GSource *pel_alarm_create(GMainContext *context, const char *name,
     return source;
 }
 
-/* --- mailbox ----------------------------------------------------------- */
+/* --- mailbox ------------------------------------------------------------- */
 
 static void receive_all(void *user)
 {

@@ -33,30 +33,30 @@ struct attributes {
 
 static void add_text(struct attributes *a, const char *name, const char *text)
 {
-    a->list[a->count++] = (struct pel_exr_attribute){
-        .name = name, .type = PEL_EXR_STRING, .string = text
-    };
+    a->list[a->count++] = (struct pel_exr_attribute){ .name = name,
+                                                      .type = PEL_EXR_STRING,
+                                                      .string = text };
 }
 
 static void add_number(struct attributes *a, const char *name, double number)
 {
-    a->list[a->count++] = (struct pel_exr_attribute){
-        .name = name, .type = PEL_EXR_DOUBLE, .number = number
-    };
+    a->list[a->count++] = (struct pel_exr_attribute){ .name = name,
+                                                      .type = PEL_EXR_DOUBLE,
+                                                      .number = number };
 }
 
 static void add_float(struct attributes *a, const char *name, double number)
 {
-    a->list[a->count++] = (struct pel_exr_attribute){
-        .name = name, .type = PEL_EXR_FLOAT, .number = number
-    };
+    a->list[a->count++] = (struct pel_exr_attribute){ .name = name,
+                                                      .type = PEL_EXR_FLOAT,
+                                                      .number = number };
 }
 
 static void add_matrix(struct attributes *a, const char *name, const float *m)
 {
-    a->list[a->count++] = (struct pel_exr_attribute){
-        .name = name, .type = PEL_EXR_MATRIX, .matrix = m
-    };
+    a->list[a->count++] = (struct pel_exr_attribute){ .name = name,
+                                                      .type = PEL_EXR_MATRIX,
+                                                      .matrix = m };
 }
 
 static double bearing_deg(double east, double north)
@@ -86,10 +86,10 @@ static void add_matrices(struct attributes *a, const struct pel_camera *c)
     /* x_ndc = (x/z − l)/(r − l), y_ndc = (t − y/z)/(t − b), as w = z. */
     struct pel_vec3 across = pel_vec3_scale(
         pel_vec3_add(axes->x, pel_vec3_scale(ahead, -c->tan_left)), 1 / width);
-    struct pel_vec3 down = pel_vec3_scale(
-        pel_vec3_add(pel_vec3_scale(ahead, c->tan_top),
-                     pel_vec3_scale(axes->y, -1)),
-        1 / height);
+    struct pel_vec3 down =
+        pel_vec3_scale(pel_vec3_add(pel_vec3_scale(ahead, c->tan_top),
+                                    pel_vec3_scale(axes->y, -1)),
+                       1 / height);
     set_column(a->world_to_camera, 0, axes->x, eye);
     set_column(a->world_to_camera, 1, axes->y, eye);
     set_column(a->world_to_camera, 2, ahead, eye);
@@ -164,21 +164,24 @@ enum pel_err pel_picture_encode_exr(const struct pel_output *output,
     struct pel_exr_layer layers[3];
     size_t count = 0;
     if (output->layers & PEL_LAYER_RADIANCE) {
-        layers[count++] = (struct pel_exr_layer){
-            .channels = "RGB", .pixels = p->radiance, .stride = 4
-        };
+        layers[count++] = (struct pel_exr_layer){ .channels = "RGB",
+                                                  .pixels = p->radiance,
+                                                  .stride = 4 };
     }
     if (output->layers & PEL_LAYER_DEPTH) {
         layers[count++] = (struct pel_exr_layer){
-            .name = "depth", .channels = "Z", .pixels = p->depth, .stride = 1,
+            .name = "depth",
+            .channels = "Z",
+            .pixels = p->depth,
+            .stride = 1,
             .full_float = true /* a half is 4 m coarse at 5 km */
         };
     }
     if (output->layers & PEL_LAYER_NORMAL) {
-        layers[count++] = (struct pel_exr_layer){
-            .name = "normal", .channels = "XYZ", .pixels = p->normal,
-            .stride = 4
-        };
+        layers[count++] = (struct pel_exr_layer){ .name = "normal",
+                                                  .channels = "XYZ",
+                                                  .pixels = p->normal,
+                                                  .stride = 4 };
     }
     list_attributes(&attributes, output, device);
     double width = c->tan_right - c->tan_left;
@@ -194,8 +197,7 @@ enum pel_err pel_picture_encode_exr(const struct pel_output *output,
         .window_center = { (float)((c->tan_left + c->tan_right) / 2),
                            (float)((c->tan_bottom + c->tan_top) / 2) },
         .window_width = (float)width,
-        .pixel_aspect =
-            (float)((width / p->width) / (height / p->height)),
+        .pixel_aspect = (float)((width / p->width) / (height / p->height)),
         .cancel = cancel,
     };
     return pel_exr_encode(&image, out);

@@ -70,8 +70,8 @@ static void encode_output(struct pel_pool *pool, struct pel_output *output)
         int64_t start = pel_now_ns();
         struct pel_bytes bytes = { 0 };
         struct pel_frame *frame = pel_frame_create();
-        output->err = frame ? encode_bytes(pool, output, &bytes)
-                            : PEL_ERR_NO_MEMORY;
+        output->err =
+            frame ? encode_bytes(pool, output, &bytes) : PEL_ERR_NO_MEMORY;
         if (output->err == PEL_OK) {
             fill_frame(frame, output);
             frame->encoded_ns = pel_now_ns();

@@ -35,7 +35,7 @@ static void progress(struct pel_renderloop *loop)
     atomic_store(&loop->progress_ns, pel_now_ns());
 }
 
-/* --- one picture is there ---------------------------------------------- */
+/* --- one picture is there ------------------------------------------------ */
 
 /* Its outputs go to the encoders; after the last picture the job goes back. */
 static void finish_part(struct pel_renderloop *loop, struct pel_job_draw *part)
@@ -79,7 +79,7 @@ static bool collect_one(struct pel_renderloop *loop, int64_t wait_ns)
     return true;
 }
 
-/* --- submitting -------------------------------------------------------- */
+/* --- submitting ---------------------------------------------------------- */
 
 /* How many draws from `first` on fit the budget now. */
 static size_t fitting(struct pel_renderloop *loop, const struct pel_job *job,
@@ -175,7 +175,7 @@ static void submit(struct pel_renderloop *loop, struct pel_job *job)
     }
 }
 
-/* --- the thread -------------------------------------------------------- */
+/* --- the thread ---------------------------------------------------------- */
 
 static struct pel_job *next_job(struct pel_renderloop *loop)
 {

@@ -23,9 +23,8 @@ static enum pel_err refuse_range(struct pel_frames *frames,
                                  double maximum)
 {
     frames->stats.requests_refused++;
-    pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
-                  "%s = %g is outside %g .. %g %s", path, value, minimum,
-                  maximum, unit);
+    pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE, "%s = %g is outside %g .. %g %s",
+                  path, value, minimum, maximum, unit);
     if (fault) {
         snprintf(fault->path, sizeof fault->path, "%s", path);
         snprintf(fault->value, sizeof fault->value, "%g", value);
@@ -141,8 +140,8 @@ enum pel_err pel_frames_request(struct pel_frames *frames,
         .has_time = request->has_time,
         .time_s = request->time,
         .float_samples = request->has_float_samples && request->float_samples,
-        .format = request->has_format ? request->format
-                                      : PELAGOS__FRAME_FORMAT__JPEG,
+        .format =
+            request->has_format ? request->format : PELAGOS__FRAME_FORMAT__JPEG,
         .quality = request->has_quality ? (int)request->quality : 90,
         .layers = read_layers(request),
         .requested_ns = pel_now_ns(),
@@ -157,7 +156,6 @@ enum pel_err pel_frames_request(struct pel_frames *frames,
     pel_schedule_soon(frames);
     return PEL_OK;
 }
-
 
 static void forget(struct pel_frames *frames, struct pel_frame_request *request)
 {

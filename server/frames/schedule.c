@@ -25,7 +25,7 @@ void pel_schedule_soon(struct pel_frames *frames)
     g_source_set_ready_time(frames->start, 0);
 }
 
-/* --- building a job ----------------------------------------------------- */
+/* --- building a job ------------------------------------------------------ */
 
 static struct pel_job *free_job(struct pel_frames *frames)
 {
@@ -92,8 +92,7 @@ static bool add_draw(struct pel_job *job, size_t view, uint32_t width,
     height = height ? height : v->height;
     size_t i = 0;
     while (i < job->draw_count &&
-           (job->parts[i].view != view ||
-            job->draws[i].camera.width != width ||
+           (job->parts[i].view != view || job->draws[i].camera.width != width ||
             job->draws[i].camera.height != height)) {
         i++;
     }
@@ -160,8 +159,8 @@ static void add_streams(struct pel_frames *frames, struct pel_job *job)
         struct pel_output want = { .format = PELAGOS__FRAME_FORMAT__JPEG,
                                    .quality = stream->quality,
                                    .stream = stream->serial };
-        if (view >= 0 && add_draw(job, (size_t)view, 0, 0, PEL_LAYER_COLOR,
-                                  &want.draw)) {
+        if (view >= 0 &&
+            add_draw(job, (size_t)view, 0, 0, PEL_LAYER_COLOR, &want.draw)) {
             add_output(job, &want);
         }
     }
@@ -228,7 +227,7 @@ static void launch(struct pel_frames *frames, struct pel_job *job)
     pel_renderloop_push(frames->loop, job);
 }
 
-/* --- when --------------------------------------------------------------- */
+/* --- when ---------------------------------------------------------------- */
 
 static void step_paced(struct pel_frames *frames)
 {
@@ -306,8 +305,8 @@ void pel_schedule_start(void *user)
             return;
         }
         bool has_time = first->has_time;
-        double time_s = has_time ? first->time_s
-                                 : pel_scene_time(frames->scene);
+        double time_s =
+            has_time ? first->time_s : pel_scene_time(frames->scene);
         struct pel_job *job = begin_job(frames, time_s, false);
         add_requests(frames, job, has_time);
         launch(frames, job);
@@ -331,7 +330,7 @@ void pel_schedule_live(struct pel_frames *frames)
     g_source_set_ready_time(frames->tick, frames->next_tick_ns / 1000);
 }
 
-/* --- is it stuck? --------------------------------------------------------- */
+/* --- is it stuck? -------------------------------------------------------- */
 
 bool pel_frames_stuck(const struct pel_frames *frames)
 {

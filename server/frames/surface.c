@@ -48,8 +48,7 @@ enum pel_err pel_frames_surface(struct pel_frames *frames,
                                 pel_surface_callback done, void *user,
                                 struct pel_fault *fault)
 {
-    enum pel_err err =
-        check(frames, points_m, count, has_time, time_s, fault);
+    enum pel_err err = check(frames, points_m, count, has_time, time_s, fault);
     if (err != PEL_OK) {
         frames->stats.requests_refused++;
         return err;
