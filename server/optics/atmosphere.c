@@ -525,6 +525,10 @@ void pel_atmosphere_init(const struct pel_atmosphere_desc *desc,
     a->ozone = rgb_scale(ozone_cross_section, OZONE_PEAK_DENSITY);
     a->ozone_center_m = 25000;
     a->ozone_width_m = 15000;
+}
+
+void pel_atmosphere_tabulate(struct pel_atmosphere *a)
+{
     fill_columns(a);
     fill_multiple(a);
 }

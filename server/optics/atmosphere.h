@@ -35,7 +35,7 @@ struct pel_atmosphere_desc {
     double visibility_m; /* meteorological, Koschmieder 3.912/β, 200..300000 */
 };
 
-/* 130 kB: constants, and two tables that make the sky cheap. */
+/* 130 kB: constants, and two tables that make this reference's sky cheap. */
 struct pel_atmosphere {
     struct pel_rgb solar_irradiance; /* above the air */
     struct pel_rgb rayleigh;         /* scattering at sea level, 1/m */
@@ -53,8 +53,8 @@ struct pel_atmosphere {
     struct pel_rgb multiple[PEL_MULTIPLE_HEIGHTS][PEL_MULTIPLE_SUNS];
 };
 
-/* Fills constants and tables for a visibility (clamped to its range, NaN:
- * 40 km), about 35 ms. Extinction at 550 nm at sea level is 3.912 /
+/* Fills the constants for a visibility (clamped to its range, NaN: 40 km), in
+ * under a microsecond; the tables are not touched. Extinction at 550 nm at sea level is 3.912 /
  * visibility (Koschmieder); aerosols are what Rayleigh scattering leaves of
  * it, none beyond 288 km, with a scale height of 1.2 km, or less in fog, whose
  * vertical optical depth stays at PEL_FOG_DEPTH: dense fog is a shallow layer,
@@ -64,6 +64,10 @@ struct pel_atmosphere {
 #define PEL_FOG_DEPTH 1.5
 void pel_atmosphere_init(const struct pel_atmosphere_desc *desc,
                          struct pel_atmosphere *out);
+
+/* Fills the tables from the constants, about 35 ms. Everything below that says
+ * `tabulated` needs it; the shaders fill their own. */
+void pel_atmosphere_tabulate(struct pel_atmosphere *a);
 
 /* Columns from height_m along a direction of zenith cosine mu to the top, by
  * quadrature to 1e-5; the ray must not meet the ground. */
@@ -87,20 +91,20 @@ double pel_phase_mie(double nu, double g);
 
 /* Multiple-scattering gain Ψ_ms at a height for a Sun zenith cosine, per unit
  * solar irradiance [1/sr] (Hillaire 2020, eq. 5–10) with a ground of albedo
- * PEL_SEA_ALBEDO, from the table. */
+ * PEL_SEA_ALBEDO, from the table (tabulated). */
 #define PEL_SEA_ALBEDO 0.06
 struct pel_rgb pel_atmosphere_multiple(const struct pel_atmosphere *a,
                                        double height_m, double sun_mu);
 
 /* Sky radiance seen from height_m (also from above the air) in direction `dir`
  * (z up, any elevation; rays that meet the ground end there with nothing
- * added), without the solar disc. `sun` points to the Sun. */
+ * added), without the solar disc. `sun` points to the Sun. Tabulated. */
 struct pel_rgb pel_atmosphere_sky(const struct pel_atmosphere *a,
                                   double height_m, struct pel_vec3 dir,
                                   struct pel_vec3 sun);
 
 /* Horizontal irradiance of the sky at sea level, by quadrature of the above;
- * about 2 ms. */
+ * about 2 ms. Tabulated. */
 struct pel_rgb pel_atmosphere_sky_irradiance(const struct pel_atmosphere *a,
                                              struct pel_vec3 sun);
 

@@ -12,10 +12,13 @@ static int set_up(void **state)
     (void)state;
     struct pel_atmosphere_desc d = { PEL_CLEAR_VISIBILITY_M };
     pel_atmosphere_init(&d, &clear_air);
+    pel_atmosphere_tabulate(&clear_air);
     d.visibility_m = 10000;
     pel_atmosphere_init(&d, &haze);
+    pel_atmosphere_tabulate(&haze);
     d.visibility_m = 200;
     pel_atmosphere_init(&d, &fog);
+    pel_atmosphere_tabulate(&fog);
     return 0;
 }
 
