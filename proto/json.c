@@ -185,9 +185,9 @@ static enum pel_err read_element(struct converter *c,
                    : read_message(c, element);
     }
     if (field->type == PROTOBUF_C_TYPE_STRING) {
-        char *text;
+        char *text = NULL;
         enum pel_err err = read_scalar(c, field, &text);
-        if (!err) {
+        if (text) {
             char ***list = pel_message_member(list_holder, field);
             size_t *count =
                 (size_t *)((char *)list_holder + field->quantifier_offset);
@@ -410,7 +410,7 @@ static enum pel_err read_message(struct converter *c, ProtobufCMessage *out)
         }
         size_t mark = json_push(&c->r, name, length);
         err = find_member(c, out, name, length, &seen, &field);
-        if (!err) {
+        if (field) {
             /* The path in the schema's spelling, whatever was written. */
             const struct pel_field *info =
                 pel_field_info(out->descriptor, field);

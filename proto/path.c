@@ -179,6 +179,7 @@ static enum pel_err locate(const Pelagos__State *state, const char *path,
                            struct place *out, struct pel_fault *fault)
 {
     struct pel_path_info info;
+    *out = (struct place){ 0 };
     enum pel_err err = pel_path_find(path, &info, fault);
     if (err) {
         return err;

@@ -33,7 +33,7 @@ static void describe_sea(const Pelagos__State *state, int wave_count,
                          struct pel_sea_desc *out)
 {
     const Pelagos__Sea *sea = state->sea;
-    memset(out, 0, sizeof *out); /* padding too: it is compared as bytes */
+    *out = (struct pel_sea_desc){ 0 };
     out->kind = sea->spectrum == PELAGOS__SPECTRUM_KIND__JONSWAP
                     ? PEL_SPECTRUM_JONSWAP
                     : PEL_SPECTRUM_PIERSON_MOSKOWITZ;
@@ -52,13 +52,34 @@ static void describe_sea(const Pelagos__State *state, int wave_count,
     }
 }
 
+static bool same_swell(const struct pel_swell_desc *a,
+                       const struct pel_swell_desc *b)
+{
+    return a->height_m == b->height_m && a->period_s == b->period_s &&
+           a->direction_rad == b->direction_rad &&
+           a->spread_rad == b->spread_rad;
+}
+
+static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
+{
+    bool same = a->kind == b->kind && a->wind_mps == b->wind_mps &&
+                a->direction_rad == b->direction_rad &&
+                a->fetch_m == b->fetch_m && a->gamma == b->gamma &&
+                a->seed == b->seed && a->wave_count == b->wave_count &&
+                a->swell_count == b->swell_count;
+    for (int i = 0; same && i < a->swell_count; i++) {
+        same = same_swell(&a->swell[i], &b->swell[i]);
+    }
+    return same;
+}
+
 enum pel_err pel_shared_sea_get(const Pelagos__State *state, int wave_count,
                                 struct pel_shared_sea *present,
                                 struct pel_shared_sea **out)
 {
     struct pel_sea_desc desc;
     describe_sea(state, wave_count, &desc);
-    if (present && memcmp(&desc, &present->desc, sizeof desc) == 0) {
+    if (present && same_sea(&desc, &present->desc)) {
         atomic_fetch_add(&present->refs, 1);
         *out = present;
         return PEL_OK;
@@ -72,7 +93,7 @@ enum pel_err pel_shared_sea_get(const Pelagos__State *state, int wave_count,
         free(sea);
         return err;
     }
-    memcpy(&sea->desc, &desc, sizeof desc);
+    sea->desc = desc;
     atomic_init(&sea->refs, 1);
     *out = sea;
     return PEL_OK;

@@ -59,8 +59,8 @@ static void places_come_back(void **state)
         { 0, 0 },
     };
     for (size_t i = 0; i < 4; i++) {
-        for (double r = 0; r <= 100e3; r += 12.5e3) {
-            for (double a = 0; a < 360; a += 15) {
+        for (int r = 0; r <= 100000; r += 12500) {
+            for (int a = 0; a < 360; a += 15) {
                 double e = r * sin(a * PEL_DEG), n = r * cos(a * PEL_DEG);
                 double lat, lon, e2, n2;
                 pel_geo_from_local(origins[i][0], origins[i][1], e, n, &lat,
@@ -78,8 +78,8 @@ static void places_come_back(void **state)
 static void everywhere_is_finite(void **state)
 {
     (void)state;
-    for (double lat = -90; lat <= 90; lat += 7.5) {
-        for (double lon = -180; lon <= 180; lon += 7.5) {
+    for (int lat = -90; lat <= 90; lat += 6) {
+        for (int lon = -180; lon <= 180; lon += 6) {
             double e, n;
             pel_geo_to_local(30, 0, lat, lon, &e, &n);
             assert_true(isfinite(e) && isfinite(n));
