@@ -22,6 +22,7 @@ struct vertex {
     vec4 rest;
 };
 layout(std430, binding = 0) readonly buffer vertices_block { vertex vertices[]; };
+layout(std430, binding = 3) readonly buffer variance_block { vec2 variance_table[]; };
 layout(binding = 1) uniform sampler2D reflection_map;
 layout(binding = 3) uniform sampler2D eye_table;
 layout(binding = 4) uniform sampler2D eye_haze;
@@ -63,25 +64,22 @@ void main()
     float footprint = across / max(v.z, 0.002);
     float scale = up.w / footprint;
     float offset = -right.w * up.w;
-    float inner = back.w * footprint * footprint;
     vec3 fold = vec3(0.0);
     vec2 slope = vec2(0.0);
-    vec2 resolved = vec2(0.0);
 #ifdef PEL_LAYERS
     vec3 shift = vec3(0.0);
-#define PEL_SHIFT(i, s, c) shift += vec3(-wave_shift[i].xy * s, wave_shift[i].z * c);
+#define PEL_SHIFT(i, s, c) shift += vec3(-waves[i].shift.xy * s, waves[i].shift.z * c);
 #else
 #define PEL_SHIFT(i, s, c)
 #endif
 #define PEL_SLOPE(i)                                                           \
     {                                                                          \
-        float w = filter_weight(wave_phase[i].w * scale + offset);             \
-        float turns = dot(wave_phase[i].xy, x) + wave_phase[i].z;              \
+        float w = filter_weight(waves[i].phase.w * scale + offset);             \
+        float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;              \
         float s = w * sine_turns(turns);                                       \
         float c = w * sine_turns(turns + 0.25);                                \
-        fold += wave_fold[i].xyz * c;                                          \
-        slope += wave_slope[i].xy * s;                                         \
-        resolved += wave_slope[i].zw * (w * w * max(1.0 - inner * wave_fold[i].w, 0.0)); \
+        fold += waves[i].fold.xyz * c;                                          \
+        slope += waves[i].slope.xy * s;                                         \
         PEL_SHIFT(i, s, c)                                                     \
     }
     PEL_EACH_WAVE(PEL_SLOPE)
@@ -89,7 +87,11 @@ void main()
     vec3 n = normalize(vec3(fold.y * slope.y + slope.x * (1.0 - fold.z),
                             fold.y * slope.x + slope.y * (1.0 - fold.x),
                             max((1.0 - fold.x) * (1.0 - fold.z) - fold.y * fold.y, 1e-3)));
-    vec2 variance = max(wind.zw - resolved, vec2(0.0));
+    // The variance depends on the footprint alone: a table of it.
+    float place = clamp((log2(footprint) - PEL_VARIANCE_FIRST) * PEL_VARIANCE_STEPS, 0.0,
+                        float(PEL_VARIANCE_COUNT) - 1.001);
+    int entry = int(place);
+    vec2 variance = mix(variance_table[entry], variance_table[entry + 1], place - float(entry));
     vec3 light = sea_radiance(reflection_map, v, sun_dir, n, variance);
 
     // The air between: towards its equilibrium radiance.

@@ -69,18 +69,19 @@ void pel_arena_end(struct pel_arena *a)
     a->fences[a->part] = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
 }
 
-void pel_arena_bind(struct pel_arena *a, GLenum target, GLuint index,
-                    const void *data, size_t size)
+size_t pel_arena_bind(struct pel_arena *a, GLenum target, GLuint index,
+                      const void *data, size_t size)
 {
     size_t start = (a->used + a->alignment - 1) / a->alignment * a->alignment;
     if (start + size > a->capacity) {
         pel_error("RND-030", "uniform arena of %zu bytes is too small",
                   a->capacity);
-        return;
+        return 0;
     }
     size_t offset = (size_t)a->part * a->capacity + start;
     memcpy(a->map + offset, data, size);
     glBindBufferRange(target, index, a->buffer, (GLintptr)offset,
                       (GLsizeiptr)size);
     a->used = start + size;
+    return offset;
 }

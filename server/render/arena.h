@@ -27,6 +27,7 @@ PEL_CHECK enum pel_err pel_arena_begin(struct pel_arena *a, size_t capacity);
 void pel_arena_end(struct pel_arena *a);
 
 /* Copies data in and binds it to an indexed target (GL_UNIFORM_BUFFER or
- * GL_SHADER_STORAGE_BUFFER). The room was reserved by pel_arena_begin. */
-void pel_arena_bind(struct pel_arena *a, GLenum target, GLuint index,
-                    const void *data, size_t size);
+ * GL_SHADER_STORAGE_BUFFER). The room was reserved by pel_arena_begin.
+ * Returns its offset in the buffer. */
+size_t pel_arena_bind(struct pel_arena *a, GLenum target, GLuint index,
+                      const void *data, size_t size);

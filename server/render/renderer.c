@@ -49,7 +49,8 @@ struct pel_renderer {
     struct timing timing;
     GLuint vao, vertices;
     int vertex_capacity;
-    int waves; /* what the wave programs are made for */
+    int waves; /* what the sea programs are made for */
+    int wave_count; /* of the sea being drawn */
     GLuint mesh_program, surface_program, tone_program;
     GLuint sea_program[2], backdrop_program[2]; /* without, with layers */
     struct pel_mesh *mesh;
@@ -181,12 +182,11 @@ static void fit_targets(struct targets *t, uint32_t width, uint32_t height,
 
 /* --- programs ------------------------------------------------------------- */
 
-static void delete_wave_programs(struct pel_renderer *r)
+static void delete_sea_programs(struct pel_renderer *r)
 {
-    glDeleteProgram(r->mesh_program);
     glDeleteProgram(r->sea_program[0]);
     glDeleteProgram(r->sea_program[1]);
-    r->mesh_program = r->sea_program[0] = r->sea_program[1] = 0;
+    r->sea_program[0] = r->sea_program[1] = 0;
 }
 
 /* Makes the program with layers when it is first wanted: most never are. */
@@ -209,10 +209,6 @@ static enum pel_err need_sea_program(struct pel_renderer *r, bool layers,
                                  layers ? "#define PEL_LAYERS\n" : NULL,
                                  &r->backdrop_program[layers], fault);
     }
-    if (err == PEL_OK && !r->mesh_program) {
-        err = pel_program_create(r->shader_dir, "mesh.comp", NULL, defines,
-                                 &r->mesh_program, fault);
-    }
     return err;
 }
 
@@ -229,7 +225,7 @@ static enum pel_err fit_waves(struct pel_renderer *r, int count, bool layers,
         }
     }
     if (waves > r->waves) {
-        delete_wave_programs(r);
+        delete_sea_programs(r);
         r->waves = waves;
     }
     return need_sea_program(r, layers, fault);
@@ -275,6 +271,12 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
                                  NULL, &r->surface_program, fault);
     }
     if (err == PEL_OK) {
+        err = pel_program_create(r->shader_dir, "mesh.comp", NULL,
+                                 r->context.software ? "#define PEL_UNROLL\n"
+                                                     : NULL,
+                                 &r->mesh_program, fault);
+    }
+    if (err == PEL_OK) {
         err = pel_program_create(r->shader_dir, "screen.vert", "tone.frag", NULL,
                                  &r->tone_program, fault);
     }
@@ -298,7 +300,8 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_arena_finish(&r->arena);
         pel_sky_finish(&r->sky);
         finish_targets(&r->targets);
-        delete_wave_programs(r);
+        delete_sea_programs(r);
+        glDeleteProgram(r->mesh_program);
         glDeleteProgram(r->surface_program);
         glDeleteProgram(r->tone_program);
         glDeleteProgram(r->backdrop_program[0]);
@@ -333,7 +336,20 @@ static void bind_table_eye(void *user, double height_m)
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &block, sizeof block);
 }
 
-static void displace_mesh(struct pel_renderer *r)
+/* Wavelengths shorter than this have no weight in the block's finest cells. */
+static double shortest_carried(const struct pel_mesh *m,
+                               const struct pel_mesh_block *b)
+{
+    double cell = m->rings[b->first_ring].cell_m;
+    for (int i = 1; i < b->rings; i++) {
+        cell = fmin(cell, m->rings[b->first_ring + i].cell_m);
+    }
+    return PEL_N_MIN * cell;
+}
+
+/* Chunk by chunk over the blocks, so that a block's dispatches are apart and
+ * the barrier between two chunks is waited for once. */
+static void displace_mesh(struct pel_renderer *r, size_t waves_at)
 {
     const struct pel_mesh *m = r->mesh;
     if (m->vertex_count > r->vertex_capacity) {
@@ -349,13 +365,27 @@ static void displace_mesh(struct pel_renderer *r)
     pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 1, m->rings,
                    sizeof *m->rings * (size_t)(m->ring_count ? m->ring_count : 1));
     glUseProgram(r->mesh_program);
-    for (int i = 0; i < m->block_count; i++) {
-        const struct pel_mesh_block *b = &m->blocks[i];
-        glUniform4i(0, b->first_ring, b->rings, b->first_column, b->columns);
-        glUniform1i(1, b->base);
-        glDispatchCompute((GLuint)(b->rings * b->columns + 63) / 64, 1, 1);
+    size_t chunk_bytes = sizeof(struct pel_shader_wave) * PEL_WAVE_CHUNK;
+    for (int chunk = 0; chunk == 0 || chunk * PEL_WAVE_CHUNK < r->wave_count;
+         chunk++) {
+        glBindBufferRange(GL_UNIFORM_BUFFER, 3, r->arena.buffer,
+                          (GLintptr)(waves_at + (size_t)chunk * chunk_bytes),
+                          (GLsizeiptr)chunk_bytes);
+        double longest = r->wave_block->waves[chunk * PEL_WAVE_CHUNK].phase.w;
+        for (int i = 0; i < m->block_count; i++) {
+            const struct pel_mesh_block *b = &m->blocks[i];
+            if (chunk > 0 && longest <= shortest_carried(m, b)) {
+                continue;
+            }
+            glUniform4i(0, b->first_ring, b->rings, b->first_column, b->columns);
+            glUniform1i(1, b->base);
+            glUniform1i(2, chunk == 0);
+            glDispatchCompute((GLuint)(b->rings * b->columns + 63) / 64, 1, 1);
+        }
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    glBindBufferRange(GL_UNIFORM_BUFFER, 3, r->arena.buffer, (GLintptr)waves_at,
+                      sizeof *r->wave_block);
 }
 
 static void raster_surface(struct pel_renderer *r)
@@ -426,13 +456,14 @@ static enum pel_err draw_view(struct pel_renderer *r,
     pel_fill_waves(env, c->east_m, c->north_m, r->wave_block);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &eye, sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 2, &view, sizeof view);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 3, r->wave_block,
-                   sizeof *r->wave_block);
+    r->wave_count = env->sea->count;
+    size_t waves_at = pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 3,
+                                     r->wave_block, sizeof *r->wave_block);
     fit_targets(&r->targets, c->width, c->height, layers);
     stage_begin(r);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
     stage_end(r, PEL_STAGE_SKY);
-    displace_mesh(r);
+    displace_mesh(r, waves_at);
     stage_end(r, PEL_STAGE_MESH);
     glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     raster_surface(r);
@@ -489,6 +520,10 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     struct pel_block_frame frame;
     pel_fill_frame(&here, &frame);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 0, &frame, sizeof frame);
+    struct pel_variance variance[PEL_VARIANCE_COUNT];
+    pel_fill_variance(here.sea, here.wind_to_rad, variance);
+    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 3, variance,
+                   sizeof variance);
     stage_begin(r);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     stage_end(r, PEL_STAGE_SKY);

@@ -61,7 +61,6 @@ void pel_fill_waves(const struct pel_environment *env, double east_m,
                     double north_m, struct pel_block_waves *out)
 {
     *out = (struct pel_block_waves){ 0 };
-    double wind_x = cos(env->wind_to_rad), wind_y = sin(env->wind_to_rad);
     for (int i = 0; i < env->sea->count && i < PEL_WAVE_LIMIT; i++) {
         const struct pel_wave *w = &env->sea->waves[i];
         double k = hypot(w->kx, w->ky);
@@ -70,18 +69,52 @@ void pel_fill_waves(const struct pel_environment *env, double east_m,
         double phase = (w->kx * east_m + w->ky * north_m -
                         w->omega * env->time_s + w->phase) /
                        (2.0 * PEL_PI);
-        double kh = k * h;
-        double variance = kh * kh / (1.0 + sqrt(1.0 - w->chop * w->chop * kh * kh));
-        double along = ux * wind_x + uy * wind_y;
-        double fold = w->chop * kh;
-        out->wave_phase[i] =
+        double fold = w->chop * k * h;
+        struct pel_shader_wave *to = &out->waves[i];
+        to->phase =
             vec4(w->kx / (2.0 * PEL_PI), w->ky / (2.0 * PEL_PI),
                  phase - floor(phase), 2.0 * PEL_PI / k);
-        out->wave_fold[i] =
-            vec4(fold * ux * ux, fold * ux * uy, fold * uy * uy, k * k / 12.0);
-        out->wave_slope[i] = vec4(h * w->kx, h * w->ky, variance * along * along,
-                                  variance * (1.0 - along * along));
-        out->wave_shift[i] = vec4(w->chop * h * ux, w->chop * h * uy, h, 0.0);
+        to->fold =
+            vec4(fold * ux * ux, fold * ux * uy, fold * uy * uy, 0.0);
+        to->slope = vec4(h * w->kx, h * w->ky, 0.0, 0.0);
+        to->shift = vec4(w->chop * h * ux, w->chop * h * uy, h, 0.0);
+    }
+}
+
+static double filter_weight(double wavelengths)
+{
+    double x = pel_clamp((wavelengths - PEL_N_MIN) / (PEL_N_MAX - PEL_N_MIN),
+                         0.0, 1.0);
+    return x * x * (3.0 - 2.0 * x);
+}
+
+void pel_fill_variance(const struct pel_sea *sea, double wind_to_rad,
+                       struct pel_variance out[PEL_VARIANCE_COUNT])
+{
+    double wind_x = cos(wind_to_rad), wind_y = sin(wind_to_rad);
+    for (int i = 0; i < PEL_VARIANCE_COUNT; i++) {
+        double l = exp2(PEL_VARIANCE_FIRST + i / PEL_VARIANCE_STEPS);
+        double along = sea->slope_variance_along;
+        double cross = sea->slope_variance_cross;
+        for (int j = 0; j < sea->count; j++) {
+            const struct pel_wave *w = &sea->waves[j];
+            double k = hypot(w->kx, w->ky);
+            double weight = filter_weight(2.0 * PEL_PI / (k * l));
+            if (weight == 0.0) {
+                break;
+            }
+            double kh = k * w->amplitude;
+            double ch = w->chop * kh;
+            double variance = kh * kh / (1.0 + sqrt(1.0 - ch * ch));
+            double x = 0.5 * k * l;
+            double sinc = sin(x) / x;
+            double kept = weight * weight * sinc * sinc * variance;
+            double u = (w->kx * wind_x + w->ky * wind_y) / k;
+            along -= kept * u * u;
+            cross -= kept * (1.0 - u * u);
+        }
+        out[i] = (struct pel_variance){ (float)fmax(along, 0.0),
+                                        (float)fmax(cross, 0.0) };
     }
 }
 

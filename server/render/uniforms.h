@@ -19,6 +19,17 @@ void pel_fill_eye(double height_m, double table_height_m,
 void pel_fill_waves(const struct pel_environment *env, double east_m,
                     double north_m, struct pel_block_waves *out);
 
+struct pel_variance {
+    float along, cross;
+};
+
+/* Table of the slope variance that a footprint leaves unresolved (section 3.2:
+ * total minus resolved). Of a wave's variance σ² the filtered normal keeps
+ * w² σ², and of that the pixel itself averages away 1 − sinc²(k ℓ / 2), which
+ * the paper does not count: without it near pixels glitter. */
+void pel_fill_variance(const struct pel_sea *sea, double wind_to_rad,
+                       struct pel_variance out[PEL_VARIANCE_COUNT]);
+
 /* Also rounds the camera's pixel lattice: see pel_pixel_pitch. */
 void pel_fill_view(const struct pel_camera *camera, struct pel_block_view *out);
 

@@ -6,12 +6,23 @@ struct pel_vec4 {
     float x, y, z, w;
 };
 #define vec4 struct pel_vec4
+#define PEL_STRUCT struct
 #define PEL_BLOCK(index, name) struct pel_block_##name
 #else
 #define PEL_BLOCK(index, name) layout(std140, binding = index) uniform name##_block
+#define PEL_STRUCT
 #endif
 
+#ifndef PEL_WAVE_LIMIT
 #define PEL_WAVE_LIMIT 256
+#endif
+#define PEL_WAVE_CHUNK 20
+
+/* Slope variance left to the BRDF along and across the wind, by the footprint
+ * of a pixel: PEL_VARIANCE_STEPS entries an octave from 2^PEL_VARIANCE_FIRST m. */
+#define PEL_VARIANCE_FIRST -10.0
+#define PEL_VARIANCE_STEPS 8.0
+#define PEL_VARIANCE_COUNT 192
 
 /* One for a frame. Spectral values are at 680, 550, 440 nm. */
 PEL_BLOCK(0, frame) {
@@ -40,18 +51,23 @@ PEL_BLOCK(1, eye) {
 PEL_BLOCK(2, view) {
     vec4 right; /* camera axes in the world; w of right: N_min */
     vec4 up;    /* w: 1 / (N_max − N_min) */
-    vec4 back;  /* w: 1 to count slope variance inside the pixel, 0 as 2010 */
+    vec4 back;
     vec4 pixel; /* px, py; lattice place of the picture's top left corner */
     vec4 size;  /* width, height, px; z fixed EV100; w 1 when automatic */
 };
 
-/* One for an eye: phases are at the eye's nadir at this time. Longest first;
- * padded with waves of no height. k̂ unit, c chop, h amplitude. */
+/* A wave as the shaders sum it; k̂ unit, c chop, h amplitude. */
+struct pel_shader_wave {
+    vec4 phase; /* k / 2π xy, 1/m; phase at the eye's nadir now, turns; λ, m */
+    vec4 fold;  /* c h k (k̂x², k̂x k̂y, k̂y²) */
+    vec4 slope; /* h k xy */
+    vec4 shift; /* c h k̂ xy; h */
+};
+
+/* One for an eye. Longest first; padded with waves of no height. The mesh
+ * binds PEL_WAVE_CHUNK of them at a time. */
 PEL_BLOCK(3, waves) {
-    vec4 wave_phase[PEL_WAVE_LIMIT]; /* k / 2π xy, 1/m; phase, turns; λ, m */
-    vec4 wave_fold[PEL_WAVE_LIMIT];  /* c h k (k̂x², k̂x k̂y, k̂y²); w k²/12 */
-    vec4 wave_slope[PEL_WAVE_LIMIT]; /* h k xy; slope variance along, cross */
-    vec4 wave_shift[PEL_WAVE_LIMIT]; /* c h k̂ xy; h */
+    PEL_STRUCT pel_shader_wave waves[PEL_WAVE_LIMIT];
 };
 
 /* Written by the light pass. */
@@ -64,4 +80,5 @@ PEL_BLOCK(4, light) {
 
 #ifdef __STDC__
 #undef vec4
+#undef PEL_STRUCT
 #endif

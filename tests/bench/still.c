@@ -20,7 +20,7 @@ static struct setting settings[] = {
     { "width", 1024 }, { "height_px", 768 }, { "time", 10 }, { "vis", 40000 },
     { "ev", 99 },     { "frames", 1 },    { "seed", 1 },    { "waves", 60 },
     { "stages", 0 },  { "chl", 0.2 },     { "hardware", 0 }, { "roll", 0 },
-    { "swell", 0 },   { "layers", 0 },    { "x", 0 },       { "y", 0 },
+    { "swell", 0 }, { "loop", 0 },   { "layers", 0 },    { "x", 0 },       { "y", 0 },
 };
 
 static double get(const char *name)
