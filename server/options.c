@@ -232,8 +232,7 @@ static enum pel_err set_text(const struct pel_option *option, const char *value,
     if (option->kind == PEL_OPTION_PATH && *value == 0) {
         return refuse(fault, option, where, value, "is no path; try off");
     }
-    memset(text, 0, PEL_OPTION_TEXT);
-    strcpy(text, value); /* its length was checked above */
+    g_strlcpy(text, value, PEL_OPTION_TEXT);
     return PEL_OK;
 }
 

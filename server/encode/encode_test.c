@@ -199,7 +199,8 @@ static exr_pixel_type_t read_channel(exr_context_t context, const char *name,
             c->decode_to_ptr = NULL;
             if (strcmp(c->channel_name, name) == 0) {
                 type = (exr_pixel_type_t)c->data_type;
-                c->user_bytes_per_element = c->bytes_per_element;
+                c->user_bytes_per_element =
+                    c->data_type == EXR_PIXEL_HALF ? 2 : 4;
                 c->user_data_type = c->data_type;
                 c->user_pixel_stride = 4;
                 c->user_line_stride = 4 * width;

@@ -118,7 +118,8 @@ void pel_frames_get_stats(const struct pel_frames *frames,
 /* Changes the cap of live views, 1..240 Hz, from the next frame on. */
 void pel_frames_set_max_fps(struct pel_frames *frames, double max_fps);
 
-/* Whether a frame has been drawing for more than 2 s. */
+/* Whether the renderer has given nothing for more than 2 s with frames to
+ * draw; on a software device for 1 us a pixel more. */
 bool pel_frames_stuck(const struct pel_frames *frames);
 
 /* Writes the counters as metrics `pelagos_frames_...`; user: the frames. */

@@ -282,6 +282,11 @@ const char *pel_renderloop_device(const struct pel_renderloop *loop)
     return pel_renderer_description(loop->renderer);
 }
 
+bool pel_renderloop_is_software(const struct pel_renderloop *loop)
+{
+    return pel_renderer_is_software(loop->renderer);
+}
+
 void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job)
 {
     pthread_mutex_lock(&loop->lock);

@@ -15,6 +15,7 @@ pel_renderloop_create(const struct pel_renderer_options *o,
                       struct pel_renderloop **out, struct pel_fault *fault);
 
 const char *pel_renderloop_device(const struct pel_renderloop *loop);
+bool pel_renderloop_is_software(const struct pel_renderloop *loop);
 
 /* Hands a job over; it comes back as PEL_MAIL_JOB_DRAWN. Control thread. */
 void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job);

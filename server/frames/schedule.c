@@ -9,6 +9,9 @@
 #define JOIN_NS 50000000
 #define JOIN_LIMIT_NS 500000000
 #define STUCK_NS 2000000000LL
+/* The processor's time for a pixel, generously: what a large picture may take
+ * beyond that without being stuck. */
+#define SOFTWARE_PIXEL_NS 1000
 
 static int64_t period_ns(const struct pel_frames *frames)
 {
@@ -332,13 +335,39 @@ void pel_schedule_live(struct pel_frames *frames)
 
 /* --- is it stuck? -------------------------------------------------------- */
 
+static size_t job_pixels(const struct pel_job *job)
+{
+    size_t pixels = 0;
+    for (size_t i = 0; i < job->draw_count; i++) {
+        const struct pel_camera *c = &job->draws[i].camera;
+        pixels += (size_t)c->width * c->height;
+    }
+    return pixels;
+}
+
+static int64_t patience_ns(const struct pel_frames *frames)
+{
+    int64_t ns = 0;
+    if (!pel_renderloop_is_software(frames->loop)) {
+        return 0;
+    }
+    for (int i = 0; i < PEL_JOB_COUNT; i++) {
+        const struct pel_job *job = &frames->jobs[i];
+        if (job->used && !job->drawn) {
+            ns += (int64_t)job_pixels(job) * SOFTWARE_PIXEL_NS;
+        }
+    }
+    return ns;
+}
+
 bool pel_frames_stuck(const struct pel_frames *frames)
 {
     int64_t since = pel_renderloop_progress_ns(frames->loop);
     if (since < frames->launched_ns && frames->drawing == 1) {
         since = frames->launched_ns;
     }
-    return frames->drawing > 0 && pel_now_ns() - since > STUCK_NS;
+    return frames->drawing > 0 &&
+           pel_now_ns() - since > STUCK_NS + patience_ns(frames);
 }
 
 void pel_schedule_watch(void *user)
@@ -347,10 +376,10 @@ void pel_schedule_watch(void *user)
     if (pel_frames_stuck(frames) && frames->stuck_number != frames->number) {
         frames->stuck_number = frames->number;
         pel_error("FRM-002",
-                  "the renderer has been silent for more than %g s (%u frames "
-                  "wait, the last is %llu)",
-                  STUCK_NS * 1e-9, frames->drawing,
-                  (unsigned long long)frames->number);
+                  "the renderer has been silent for more than %.1f s (%u "
+                  "frames wait, the last is %llu)",
+                  (double)(STUCK_NS + patience_ns(frames)) * 1e-9,
+                  frames->drawing, (unsigned long long)frames->number);
     }
     if (frames->drawing > 0) {
         g_source_set_ready_time(frames->watch,
