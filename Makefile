@@ -376,7 +376,9 @@ fuzz: $(fuzz_bin)
 	    echo "== $$name, $(FUZZ_SECONDS) s"; \
 	    $$f -max_total_time=$(FUZZ_SECONDS) -timeout=10 -rss_limit_mb=2048 \
 	        -print_final_stats=1 -artifact_prefix=$$corpus/ $$corpus \
-	        $$([ -d $$seeds ] && echo $$seeds) 2>$$corpus.log \
+	        $$([ -d $$seeds ] && echo $$seeds) \
+	        $$(d=tests/fuzz/$$name.dict; [ -f $$d ] && echo -dict=$$d) \
+	        2>$$corpus.log \
 	        || { tail -40 $$corpus.log; exit 1; }; \
 	    grep -E 'stat::number_of_executed_units|stat::new_units' $$corpus.log; \
 	done
