@@ -142,10 +142,11 @@ struct spreading {
 
 static void spreading_fill(double s, struct spreading *out)
 {
-    double before = pel_spectrum_direction(s, 0);
+    double before = 1;
     out->cumulative[0] = 0;
     for (int i = 1; i <= DIRECTIONS; i++) {
-        double after = pel_spectrum_direction(s, PEL_PI * i / DIRECTIONS);
+        double c = fmax(cos(0.5 * PEL_PI * i / DIRECTIONS), 0);
+        double after = pow(c, 2.0 * s);
         out->cumulative[i] = out->cumulative[i - 1] + 0.5 * (before + after);
         before = after;
     }

@@ -137,7 +137,7 @@ static double turn(double a, double b)
 static void test_directions(void **state)
 {
     (void)state;
-    double closest = 10;
+    double closest = 10, next = 10;
     for (uint32_t seed = 0; seed < 20; seed++) {
         struct pel_sea_desc d = windy(12, seed);
         build(&d);
@@ -151,7 +151,9 @@ static void test_directions(void **state)
             left += sin(angle - base.direction_rad) > 0 ? energy : 0;
             for (int j = i + 1; j < sea.count && j <= i + 4; j++) {
                 const struct pel_wave *v = &sea.waves[j];
-                closest = fmin(closest, turn(angle, atan2(v->ky, v->kx)));
+                double apart = turn(angle, atan2(v->ky, v->kx));
+                closest = fmin(closest, apart);
+                next = j == i + 1 ? fmin(next, apart) : next;
             }
         }
         assert_true(fabs(atan2(across, along)) < 4 * PEL_DEG);
@@ -160,6 +162,7 @@ static void test_directions(void **state)
     print_message("neighbours in wavelength differ by at least %.1f deg\n",
                   closest / PEL_DEG);
     assert_true(closest > 4 * PEL_DEG);
+    assert_true(next > 15 * PEL_DEG);
 }
 
 static void test_same_bits(void **state)
@@ -192,6 +195,10 @@ static void test_swell(void **state)
         assert_true(sea.count <= d.wave_count);
         assert_near(sea.m0, expected, 2e-4 * expected);
         assert_near(sea.spectrum_m0, expected, 1e-9 * expected);
+        for (int i = 1; i < sea.count; i++) {
+            assert_true(wavelength(&sea.waves[i]) <=
+                        wavelength(&sea.waves[i - 1]));
+        }
     }
 }
 

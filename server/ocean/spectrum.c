@@ -102,7 +102,8 @@ double pel_spectrum_spreading(const struct pel_sea_desc *d, double omega)
 
 double pel_spectrum_direction(double s, double theta)
 {
-    double log_n = lgamma(s + 1.0) - lgamma(s + 0.5);
+    int sign; /* lgamma() would write it where other threads read */
+    double log_n = lgamma_r(s + 1.0, &sign) - lgamma_r(s + 0.5, &sign);
     double n = exp(log_n) / (2.0 * sqrt(PEL_PI));
     return n * pow(fabs(cos(0.5 * theta)), 2.0 * s);
 }

@@ -159,6 +159,13 @@ static void test_mean_fresnel(void **state)
                   sqrt(square / count), worst);
     assert_true(worst < 0.05);
     assert_true(sqrt(square / count) < 0.02);
+    /* eq. 26 written out, the wind across the view. */
+    double sigma = sqrt(0.012), r = 0.34 * 0.34 / (2.34 * 2.34);
+    assert_near(
+        pel_ross_mean_fresnel(direction(1.2, 0.5 * PEL_PI), 0.02, 0.012),
+        r + (1 - r) * pow(1 - cos(1.2), 5 * exp(-2.69 * sigma)) /
+                (1 + 22.7 * sigma * sqrt(sigma)),
+        1e-12);
     /* σ → 0 gives Schlick back; along the normal φ does not matter. */
     struct pel_vec3 v = direction(1.3, 0.2);
     assert_near(pel_ross_mean_fresnel(v, 1e-12, 1e-12),
