@@ -14,7 +14,7 @@ Q := $(if $(V),,@)
 
 # --- packages -------------------------------------------------------------
 # Debian 12 names, in one place: `make deps` installs them, tests/ needs more.
-BUILD_PACKAGES := gcc make pkg-config python3 python3-protobuf \
+BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     protobuf-compiler protobuf-c-compiler libprotobuf-c-dev libglib2.0-dev \
     libepoxy-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri \
     glslang-tools libmicrohttpd-dev libjson-glib-dev libmodbus-dev \
