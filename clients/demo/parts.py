@@ -178,6 +178,11 @@ class Viewer(threading.Thread):
         except OSError:
             pass
 
+    def stop(self):
+        self.on = False
+        if self.is_alive():
+            self.join()
+
     def read(self, s):
         tail = b""
         while self.on:
