@@ -17,6 +17,7 @@
 #include "scene/scene.h"
 
 #define MAX_DATAGRAM 4096
+#define RECEIVE_BUFFER (4 << 20)
 #define DATAGRAMS_A_TURN 64 /* then the loop serves others */
 #define RECKON_NS 60000000000LL
 #define WIND_MEAN_S 120.0
@@ -497,6 +498,10 @@ enum pel_err pel_nmea_create(const struct pel_nmea_options *options,
         return err;
     }
     if (nmea->fd >= 0) {
+        /* A log at a hundred times its pace comes in bursts; more than the
+         * system's limit is not given, and no error. */
+        int bytes = RECEIVE_BUFFER;
+        setsockopt(nmea->fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
         nmea->fd_source = g_unix_fd_add(nmea->fd, G_IO_IN, on_readable, nmea);
         pel_info("NME-001", "NMEA 0183 on UDP %s, port %u, moves entity %u",
                  options->listen, nmea->port, options->entity);

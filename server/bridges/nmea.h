@@ -2,7 +2,8 @@
  * wind and, if wanted, show AIS targets. Control thread only.
  *
  * What a sentence sets, in SI and degrees:
- *   position   RMC, GGA, GLL (a void fix keeps the last one), AIS VDO
+ *   position   RMC; without it for 10 s GGA; then GLL; then AIS VDO (a void
+ *              fix keeps the last one)
  *   heading    HDT; without it for 10 s HDG (+ deviation + variation); then
  *              VHW; then VDO; then the course while faster than 0.5 m/s
  *   course, speed   RMC, VTG; without them for 10 s VHW (through water) or VDO

@@ -487,6 +487,11 @@ enum pel_nmea_error pel_nmea_parse(const char *line, size_t length,
         if (memcmp(line + 2, formats[kind].name, 3) != 0) {
             continue;
         }
+        /* `!` starts packed data only: anything else is a `$` gone bad, and
+         * the sum does not cover it. */
+        if (line[-1] == '!' && kind != PEL_NMEA_VDM && kind != PEL_NMEA_VDO) {
+            return PEL_NMEA_NO_START;
+        }
         struct fields fields;
         split(&fields, comma ? comma + 1 : line + length,
               comma ? length - address - 1 : 0);

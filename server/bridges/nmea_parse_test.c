@@ -177,6 +177,7 @@ static void refuses_what_is_wrong(void **state)
         { "", PEL_NMEA_NO_START },
         { "# a comment", PEL_NMEA_NO_START },
         { "GPHDT,,T*1B", PEL_NMEA_NO_START },
+        { "!GPHDT,,T*1B", PEL_NMEA_NO_START },
         { "\\s:r36", PEL_NMEA_NO_START },
         { "\\", PEL_NMEA_NO_START },
         { "\\\\", PEL_NMEA_NO_START },
@@ -391,6 +392,26 @@ static void keeps_the_last_fix(void **state)
     assert_near(v.latitude, 52, EPS);
 }
 
+/* A plotter's GGA and GLL say the next fix before its RMC does. */
+static void takes_positions_of_one_source(void **state)
+{
+    (void)state;
+    struct pel_nmea_values v = { 0 };
+    const int64_t s = 1000000000;
+    take(&v, "$GPGLL,5100.0,N,00500.0,E,120000,A,A", s);
+    assert_near(v.latitude, 51, EPS);
+    take(&v, "$GPRMC,120000,A,5200.0,N,00500.0,E,5.0,90.0,210626,,,A", s);
+    v.changed = 0;
+    take(&v, "$GPGGA,120000,5201.0,N,00500.0,E,1,,,,M,,M,,", 2 * s);
+    assert_int_equal(v.changed, 0);
+    assert_near(v.latitude, 52, EPS);
+    take(&v, "$GPRMC,120011,V,,,,,,,210626,,,N", 12 * s);
+    take(&v, "$GPGGA,120011,5203.0,N,00500.0,E,1,,,,M,,M,,", 12 * s);
+    assert_near(v.latitude, 52 + 3.0 / 60, EPS);
+    take(&v, "$GPGLL,5204.0,N,00500.0,E,120011,A,A", 13 * s);
+    assert_near(v.latitude, 52 + 3.0 / 60, EPS);
+}
+
 static void drops_attitudes_out_of_range(void **state)
 {
     (void)state;
@@ -443,6 +464,7 @@ int main(void)
         cmocka_unit_test(unfinished_ais_messages_give_way),
         cmocka_unit_test(ranks_heading_sources),
         cmocka_unit_test(keeps_the_last_fix),
+        cmocka_unit_test(takes_positions_of_one_source),
         cmocka_unit_test(drops_attitudes_out_of_range),
         cmocka_unit_test(makes_relative_wind_true),
     };

@@ -129,11 +129,18 @@ static void set_motion(struct pel_nmea_values *v, int source, double course,
     set(v, &v->speed[source], speed, 0, 200, now_ns, PEL_NMEA_CHANGED_POSE);
 }
 
-static void set_fix(struct pel_nmea_values *v, double latitude,
+static void set_fix(struct pel_nmea_values *v, int source, double latitude,
                     double longitude, int64_t now_ns)
 {
     if (!in_range(v, latitude, -85, 85) || !in_range(v, longitude, -180, 180)) {
         return;
+    }
+    v->fixes_at_ns[source] = now_ns;
+    for (int better = 0; better < source; better++) {
+        if (v->fixes_at_ns[better] != 0 &&
+            now_ns - v->fixes_at_ns[better] <= PEL_NMEA_FRESH_NS) {
+            return;
+        }
     }
     v->latitude = latitude;
     v->longitude = longitude;
@@ -141,14 +148,14 @@ static void set_fix(struct pel_nmea_values *v, double latitude,
     v->changed |= PEL_NMEA_CHANGED_POSE | PEL_NMEA_CHANGED_FIX;
 }
 
-static void take_fix(struct pel_nmea_values *v,
+static void take_fix(struct pel_nmea_values *v, int source,
                      const struct pel_nmea_sentence *s, int64_t now_ns)
 {
     if (!s->valid || isnan(s->latitude) || isnan(s->longitude)) {
         v->void_fixes++;
         return;
     }
-    set_fix(v, s->latitude, s->longitude, now_ns);
+    set_fix(v, source, s->latitude, s->longitude, now_ns);
 }
 
 /* A direction and a speed count together or not at all. */
@@ -243,15 +250,17 @@ void pel_nmea_values_take(struct pel_nmea_values *v,
 {
     switch (s->kind) {
     case PEL_NMEA_RMC:
-        take_fix(v, s, now_ns);
+        take_fix(v, PEL_FIX_RMC, s, now_ns);
         set(v, &v->variation, s->variation, -180, 180, now_ns, 0);
         if (s->valid) {
             set_motion(v, PEL_MOTION_GNSS, s->course, s->speed, now_ns);
         }
         break;
     case PEL_NMEA_GGA:
+        take_fix(v, PEL_FIX_GGA, s, now_ns);
+        break;
     case PEL_NMEA_GLL:
-        take_fix(v, s, now_ns);
+        take_fix(v, PEL_FIX_GLL, s, now_ns);
         break;
     case PEL_NMEA_VTG:
         if (s->valid) {
@@ -309,7 +318,7 @@ void pel_nmea_values_take_ais(struct pel_nmea_values *v,
     if (isnan(ais->latitude) || isnan(ais->longitude)) {
         v->void_fixes++;
     } else {
-        set_fix(v, ais->latitude, ais->longitude, now_ns);
+        set_fix(v, PEL_FIX_VDO, ais->latitude, ais->longitude, now_ns);
     }
     set_motion(v, PEL_MOTION_VDO, ais->course, ais->speed, now_ns);
     set_heading(v, PEL_HEADING_VDO, ais->heading, now_ns);

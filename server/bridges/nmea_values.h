@@ -20,7 +20,15 @@ struct pel_nmea_value {
     int64_t at_ns; /* 0: never came */
 };
 
-/* Best first. */
+/* Best first. A position comes from one source at a time: two that tell the
+ * same fix at different moments would shake the ship. */
+enum {
+    PEL_FIX_RMC,
+    PEL_FIX_GGA,
+    PEL_FIX_GLL,
+    PEL_FIX_VDO,
+    PEL_FIXES
+};
 enum { PEL_HEADING_HDT, PEL_HEADING_HDG, PEL_HEADING_VHW, PEL_HEADING_VDO,
        PEL_HEADINGS };
 enum { PEL_MOTION_GNSS, PEL_MOTION_VDO, PEL_MOTION_VHW, PEL_MOTIONS };
@@ -35,7 +43,8 @@ enum {
 
 struct pel_nmea_values {
     double latitude, longitude; /* deg */
-    int64_t fix_at_ns;          /* 0: no fix yet */
+    int64_t fix_at_ns;          /* of the position above; 0: none yet */
+    int64_t fixes_at_ns[PEL_FIXES]; /* 0: never came */
     struct pel_nmea_value heading[PEL_HEADINGS];        /* deg true */
     struct pel_nmea_value course[PEL_MOTIONS];          /* deg true */
     struct pel_nmea_value speed[PEL_MOTIONS];           /* m/s */
