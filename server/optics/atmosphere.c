@@ -7,7 +7,7 @@
 #define TOP (PEL_ATMOSPHERE_RADIUS - PEL_EARTH_RADIUS)
 
 /* Ozone of 300 DU (1 DU = 2.687e20 molecules/m²) under a triangle of area
- * 15 km; cross-sections [m²] at 680, 550, 440 nm and 223 K: Serdyuchenko et
+ * 15 km; cross-sections [m²] at 680, 550, 440 nm and 233 K: Serdyuchenko et
  * al. 2014, 10 nm means as in Bruneton 2017. */
 #define OZONE_PEAK_DENSITY (300.0 * 2.687e20 / 15000.0)
 static const struct pel_rgb ozone_cross_section = { 1.209e-25, 3.500e-25,

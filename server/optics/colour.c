@@ -4,8 +4,8 @@
 
 #define LUMENS_PER_WATT 683.0
 
-/* Sun above the air, 360..830 nm by 10 nm, W m⁻² nm⁻¹: ASTM G-173
- * extraterrestrial, 10 nm means. */
+/* Sun above the air, W m⁻² nm⁻¹: means of ASTM G-173's extraterrestrial column
+ * over 360..370 nm, 370..380 nm and so on (Bruneton 2017). */
 static const double sun[] = {
     1.11776, 1.14259, 1.01249, 1.14716, 1.72765, 1.73054, 1.68870, 1.61253,
     1.91198, 2.03474, 2.02042, 2.02212, 1.93377, 1.95809, 1.91686, 1.82980,
@@ -14,7 +14,7 @@ static const double sun[] = {
     1.47400, 1.44820, 1.41018, 1.36775, 1.34188, 1.31429, 1.28303, 1.26758,
     1.23670, 1.20820, 1.18737, 1.14683, 1.12362, 1.10580, 1.07124, 1.04992,
 };
-#define SUN_FIRST_NM 360.0
+#define SUN_FIRST_NM 365.0 /* middle of the first */
 #define SUN_STEP_NM 10.0
 #define SUN_COUNT ((int)(sizeof sun / sizeof sun[0]))
 
