@@ -1,7 +1,10 @@
 #include "render/context.h"
 
+#include <dlfcn.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
+#include <limits.h>
+#include <link.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -100,6 +103,26 @@ static void APIENTRY on_message(GLenum source, GLenum type, GLuint id,
     }
 }
 
+static int find_driver(struct dl_phdr_info *info, size_t size, void *path)
+{
+    (void)size;
+    if (!strstr(info->dlpi_name, "/dri/")) {
+        return 0;
+    }
+    snprintf(path, PATH_MAX, "%s", info->dlpi_name);
+    return 1;
+}
+
+/* Mesa's driver, once loaded, stays: unloading it with the context would leak
+ * what its globals hold, each time a renderer is made anew. */
+static void pin_driver(void)
+{
+    char path[PATH_MAX];
+    if (dl_iterate_phdr(find_driver, path) == 1) {
+        (void)dlopen(path, RTLD_LAZY | RTLD_NOLOAD | RTLD_NODELETE);
+    }
+}
+
 enum pel_err pel_context_init(struct pel_context *context, const char *device,
                               bool debug, struct pel_fault *fault)
 {
@@ -135,6 +158,7 @@ enum pel_err pel_context_init(struct pel_context *context, const char *device,
                              "no OpenGL 4.5 core context without a surface "
                              "(EGL error 0x%x)", code);
     }
+    pin_driver();
     const char *renderer = (const char *)glGetString(GL_RENDERER);
     snprintf(context->description, sizeof context->description, "%s, OpenGL %s",
              renderer, (const char *)glGetString(GL_VERSION));
