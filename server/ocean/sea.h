@@ -59,8 +59,8 @@ struct pel_sea {
     struct pel_sea_desc desc;
     int count;
     struct pel_wave waves[PEL_SEA_MAX_WAVES]; /* longest wavelength first */
-    double m0;              /* Σ h²/2 of the waves, m² */
-    double spectrum_m0;     /* ∫∫ S dω dθ of the spectrum itself, m² */
+    double m0;                                /* Σ h²/2 of the waves, m² */
+    double spectrum_m0; /* ∫∫ S dω dθ of the spectrum itself, m² */
     double slope_variance_along; /* eq. 4, total, along the wind direction */
     double slope_variance_cross;
     double slope_covariance; /* eq. 4's off-diagonal in wind axes */

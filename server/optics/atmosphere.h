@@ -42,8 +42,8 @@ struct pel_atmosphere {
     double rayleigh_height_m;
     double mie_extinction, mie_scattering; /* at sea level, 1/m */
     double mie_height_m;
-    double mie_g;         /* Cornette–Shanks asymmetry */
-    struct pel_rgb ozone; /* peak absorption, 1/m */
+    double mie_g;                         /* Cornette–Shanks asymmetry */
+    struct pel_rgb ozone;                 /* peak absorption, 1/m */
     double ozone_center_m, ozone_width_m; /* triangular profile */
     /* Columns to the top, by distance to the horizon and by the ray's length
      * between its least and greatest (Bruneton and Neyret 2008, sec. 4). */
@@ -54,12 +54,12 @@ struct pel_atmosphere {
 };
 
 /* Fills the constants for a visibility (clamped to its range, NaN: 40 km), in
- * under a microsecond; the tables are not touched. Extinction at 550 nm at sea level is 3.912 /
- * visibility (Koschmieder); aerosols are what Rayleigh scattering leaves of
- * it, none beyond 288 km, with a scale height of 1.2 km, or less in fog, whose
- * vertical optical depth stays at PEL_FOG_DEPTH: dense fog is a shallow layer,
- * and it is day below it. The published default, Mie extinction 4.44e-6 1/m,
- * has a visibility of PEL_CLEAR_VISIBILITY_M. */
+ * under a microsecond; the tables are not touched. Extinction at 550 nm at sea
+ * level is 3.912 / visibility (Koschmieder); aerosols are what Rayleigh
+ * scattering leaves of it, none beyond 288 km, with a scale height of 1.2 km,
+ * or less in fog, whose vertical optical depth stays at PEL_FOG_DEPTH: dense
+ * fog is a shallow layer, and it is day below it. The published default, Mie
+ * extinction 4.44e-6 1/m, has a visibility of PEL_CLEAR_VISIBILITY_M. */
 #define PEL_CLEAR_VISIBILITY_M 217370.0
 #define PEL_FOG_DEPTH 1.5
 void pel_atmosphere_init(const struct pel_atmosphere_desc *desc,

@@ -293,7 +293,8 @@ static struct rgb3 plain_multiple(const struct pel_atmosphere *a, double h0,
     double second[3] = { 0, 0, 0 }, factor[3] = { 0, 0, 0 };
     const int zeniths = 40, azimuths = 8, steps = 60;
     for (int k = 0; k < zeniths * azimuths; k++) {
-        double mu = 1 - 2 * (k / azimuths + 0.5) / zeniths;
+        int zenith = k / azimuths;
+        double mu = 1 - 2 * (zenith + 0.5) / zeniths;
         double phi = PEL_PI * (k % azimuths + 0.5) / azimuths;
         double nu = mu * sun_mu +
                     sqrt((1 - mu * mu) * (1 - sun_mu * sun_mu)) * cos(phi);
