@@ -86,7 +86,8 @@ SCENE := server/scene/scene.c \
     server/scene/sun.c
 RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/renderer.c server/render/arena.c \
-    server/render/mesh.c server/render/sky.c server/render/uniforms.c
+    server/render/mesh.c server/render/sky.c server/render/uniforms.c \
+    server/render/tiles.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c

@@ -15,12 +15,19 @@ layout(std430, binding = 2) writeonly buffer out_block {
 };
 
 shared vec3 partial[64];
+shared vec3 partial_facing[64];
+
+float illuminance(vec3 e)
+{
+    return dot(vec3(0.2126, 0.7152, 0.0722), vec3(dot(red.rgb, e), dot(green.rgb, e), dot(blue.rgb, e)));
+}
 
 void main()
 {
     uint lane = gl_LocalInvocationID.x;
     vec2 table = vec2(textureSize(sky_table, 0));
     vec3 sum = vec3(0.0);
+    vec3 facing = vec3(0.0);
     // E = 2 ∫∫ L sin e cos e de dφ over half the azimuths; e = π/2 x².
     for (uint i = lane; i < 1024u; i += 64u) {
         float azimuth = PI * (float(i & 31u) + 0.5) / 32.0;
@@ -28,12 +35,15 @@ void main()
         float e = 0.5 * PI * x * x;
         vec3 radiance = textureLod(sky_table, sky_uv(azimuth, e, table), 0.0).rgb;
         sum += radiance * (sin(e) * cos(e) * PI * x);
+        facing += radiance * (cos(e) * cos(e) * max(cos(azimuth), 0.0) * PI * x);
     }
     partial[lane] = sum * (2.0 * PI / 1024.0);
+    partial_facing[lane] = facing * (2.0 * PI / 1024.0);
     barrier();
     for (uint stride = 32u; stride > 0u; stride >>= 1u) {
         if (lane < stride) {
             partial[lane] += partial[lane + stride];
+            partial_facing[lane] += partial_facing[lane + stride];
         }
         barrier();
     }
@@ -41,10 +51,18 @@ void main()
         vec3 sky = partial[0];
         vec3 direct = solar.rgb * sun_transmittance(transmittance, 0.0, sun.z);
         vec3 down = sky + direct * max(sun.z, 0.0);
-        float lux = max(dot(vec3(0.2126, 0.7152, 0.0722),
-                            vec3(dot(red.rgb, down), dot(green.rgb, down), dot(blue.rgb, down))),
-                        1e-6);
-        out_exposure = vec4(clamp(log2(lux * (100.0 / 250.0)), -3.0, 16.0), lux, 0.0, 0.0);
+        // A camera at sea meets the low Sun's glare, not only what falls on
+        // the water: the meter takes the illuminance of the level plane and of
+        // the upright one that faces the Sun together.
+        vec3 facing_light = partial_facing[0] + direct * sqrt(max(1.0 - sun.z * sun.z, 0.0));
+        float level = illuminance(down);
+        float upright = illuminance(facing_light);
+        float lux = max(sqrt(level * level + upright * upright), 1e-6);
+        // Dusk is to look like dusk: of each stop below daylight the exposure
+        // makes up four fifths.
+        float metered = log2(lux * (100.0 / 250.0));
+        out_exposure = vec4(clamp(metered + max(15.0 - metered, 0.0) / 5.0, -1.0, 16.0),
+                            level, 0.0, 0.0);
         out_sun = vec4(direct, 0.0);
         out_sky = vec4(sky, 0.0);
         out_sea = vec4(down * water.rgb, 0.0);

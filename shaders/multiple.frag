@@ -17,7 +17,8 @@ void main()
     vec2 x = clamp((gl_FragCoord.xy - 0.5) / (SIZE - 1.0), 0.0, 1.0);
     float s = 2.0 * x.x - 1.0;
     float sun_mu = sign(s) * s * s;
-    float h = x.y * x.y * (planet.y - planet.x);
+    // Never quite on the ground, or rays downward would miss it.
+    float h = max(x.y * x.y * (planet.y - planet.x), 1.0);
     float r = planet.x + h;
     vec3 second = vec3(0.0);
     vec3 factor = vec3(0.0);

@@ -5,9 +5,11 @@
 layout(location = 0) out vec4 color;
 layout(binding = 0) uniform sampler2D radiance;
 
-// Saturation-based exposure (ISO 12232): 1.2 · 2^EV cd/m² is white. The curve
-// x (a x + b) / (x (c x + d) + e) has a toe, a near-linear middle and a long
-// shoulder.
+// Saturation-based exposure (ISO 12232) puts 1.2 · 2^EV cd/m² at 1; KEY opens
+// it for the curve x (a x + b) / (x (c x + d) + e), which has a toe, a nearly
+// straight middle and a long shoulder.
+const float KEY = 2.4;
+
 vec3 tone_curve(vec3 x)
 {
     return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
@@ -36,7 +38,10 @@ void main()
     float ev = size.w > 0.5 ? exposure.x : size.z;
     float scale = 1.0 / (1.2 * exp2(ev));
     vec3 linear = max(vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light)), 0.0);
-    vec3 encoded = srgb(clamp(tone_curve(min(linear * scale * 1.6, 1e4)), 0.0, 1.0));
+    linear = min(linear * (scale * KEY), 1e4);
+    // A little of the luminance in every channel, so that glare runs to white.
+    linear = mix(linear, vec3(dot(linear, vec3(0.2126, 0.7152, 0.0722))), 0.08);
+    vec3 encoded = srgb(clamp(tone_curve(linear), 0.0, 1.0));
     float dither = noise(uvec2(ivec2(floor(pixel.zw)) + ivec2(gl_FragCoord.xy) + 65536));
     color = vec4(encoded + (dither - 0.5) / 255.0, 1.0);
 }

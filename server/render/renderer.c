@@ -12,6 +12,7 @@
 #include "render/readback.h"
 #include "render/shader.h"
 #include "render/sky.h"
+#include "render/tiles.h"
 #include "render/uniforms.h"
 
 /* Uniform blocks and rings of one view, with alignment. */
@@ -21,6 +22,7 @@
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 #define VERTEX_BYTES 32
 #define MAX_UNROLLED_WAVES 128
+#define FAR_WAVES 20 /* far pixels resolve no more than these */
 
 /* Pictures are drawn into one corner of targets that only grow. */
 struct targets {
@@ -53,8 +55,10 @@ struct pel_renderer {
     int wave_count; /* of the sea being drawn */
     GLuint mesh_program, surface_program, tone_program;
     GLuint sea_program[2], backdrop_program[2]; /* without, with layers */
+    GLuint far_program[2]; /* the sea where FAR_WAVES suffice */
     struct pel_mesh *mesh;
     struct pel_block_waves *wave_block;
+    short tiles[PEL_MAX_TILES];
 };
 
 const char *pel_stage_name(enum pel_stage stage)
@@ -184,26 +188,38 @@ static void fit_targets(struct targets *t, uint32_t width, uint32_t height,
 
 static void delete_sea_programs(struct pel_renderer *r)
 {
-    glDeleteProgram(r->sea_program[0]);
-    glDeleteProgram(r->sea_program[1]);
-    r->sea_program[0] = r->sea_program[1] = 0;
+    for (int i = 0; i < 2; i++) {
+        glDeleteProgram(r->sea_program[i]);
+        r->sea_program[i] = 0;
+    }
 }
 
-/* Makes the program with layers when it is first wanted: most never are. */
+static enum pel_err make_sea_program(struct pel_renderer *r, int waves,
+                                     bool layers, GLuint *out,
+                                     struct pel_fault *fault)
+{
+    char defines[128];
+    bool unroll = r->context.software && waves <= MAX_UNROLLED_WAVES;
+    snprintf(defines, sizeof defines, "#define PEL_WAVES %d\n%s%s", waves,
+             unroll ? "#define PEL_UNROLL\n" : "",
+             layers ? "#define PEL_LAYERS\n" : "");
+    return pel_program_create(r->shader_dir, "screen.vert", "sea.frag", defines,
+                              out, fault);
+}
+
+/* Makes the programs with layers when they are first wanted: most never are. */
 static enum pel_err need_sea_program(struct pel_renderer *r, bool layers,
                                      struct pel_fault *fault)
 {
-    if (r->sea_program[layers]) {
-        return PEL_OK;
+    enum pel_err err = PEL_OK;
+    if (!r->sea_program[layers]) {
+        err = make_sea_program(r, r->waves, layers, &r->sea_program[layers],
+                               fault);
     }
-    char defines[128];
-    bool unroll = r->context.software && r->waves <= MAX_UNROLLED_WAVES;
-    snprintf(defines, sizeof defines, "#define PEL_WAVES %d\n%s%s", r->waves,
-             unroll ? "#define PEL_UNROLL\n" : "",
-             layers ? "#define PEL_LAYERS\n" : "");
-    enum pel_err err = pel_program_create(r->shader_dir, "screen.vert",
-                                          "sea.frag", defines,
-                                          &r->sea_program[layers], fault);
+    if (err == PEL_OK && !r->far_program[layers]) {
+        err = make_sea_program(r, FAR_WAVES, layers, &r->far_program[layers],
+                               fault);
+    }
     if (err == PEL_OK && !r->backdrop_program[layers]) {
         err = pel_program_create(r->shader_dir, "screen.vert", "backdrop.frag",
                                  layers ? "#define PEL_LAYERS\n" : NULL,
@@ -301,6 +317,8 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_sky_finish(&r->sky);
         finish_targets(&r->targets);
         delete_sea_programs(r);
+        glDeleteProgram(r->far_program[0]);
+        glDeleteProgram(r->far_program[1]);
         glDeleteProgram(r->mesh_program);
         glDeleteProgram(r->surface_program);
         glDeleteProgram(r->tone_program);
@@ -411,7 +429,8 @@ static void raster_surface(struct pel_renderer *r)
 
 /* Sea where the surface was drawn, sky where it was not: the depth test tells
  * them apart before a pixel is shaded. */
-static void shade(struct pel_renderer *r, bool layers)
+static void shade(struct pel_renderer *r, const struct pel_camera *c,
+                  bool layers)
 {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layers ? r->targets.layers_fbo
                                                   : r->targets.light_fbo);
@@ -420,8 +439,22 @@ static void shade(struct pel_renderer *r, bool layers)
     glUseProgram(r->backdrop_program[layers]);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glDepthFunc(GL_LESS);
-    glUseProgram(r->sea_program[layers]);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glEnable(GL_SCISSOR_TEST);
+    int across = ((int)c->width + PEL_TILE - 1) / PEL_TILE;
+    int down = ((int)c->height + PEL_TILE - 1) / PEL_TILE;
+    for (int y = 0; y < down; y++) {
+        const short *row = &r->tiles[y * across];
+        for (int x = 0, end; x < across; x = end) {
+            bool far = row[x] <= FAR_WAVES;
+            for (end = x + 1; end < across && (row[end] <= FAR_WAVES) == far;) {
+                end++;
+            }
+            glScissor(x * PEL_TILE, y * PEL_TILE, (end - x) * PEL_TILE, PEL_TILE);
+            glUseProgram(far ? r->far_program[layers] : r->sea_program[layers]);
+            glDrawArrays(GL_TRIANGLES, 0, 3);
+        }
+    }
+    glDisable(GL_SCISSOR_TEST);
     glDisable(GL_DEPTH_TEST);
 }
 
@@ -451,6 +484,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
         .sea = env->sea,
     };
     pel_mesh_plan(&mesh_eye, c, r->mesh);
+    pel_tiles_plan(c, height_m, mesh_eye.pixel, PEL_N_MIN, env->sea, r->tiles);
     struct pel_block_eye eye;
     pel_fill_eye(height_m, table_height_m, r->mesh, &eye);
     pel_fill_waves(env, c->east_m, c->north_m, r->wave_block);
@@ -468,7 +502,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     raster_surface(r);
     stage_end(r, PEL_STAGE_RASTER);
-    shade(r, layers);
+    shade(r, c, layers);
     stage_end(r, PEL_STAGE_SHADE);
     if (draw->layers & PEL_LAYER_COLOR) {
         tone(r);
