@@ -22,6 +22,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good
 TEST_PACKAGES := libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
+    python3-serial-asyncio \
     python3-numpy openexr chromium chromium-driver python3-selenium clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd
 

@@ -1,0 +1,245 @@
+#!/usr/bin/python3
+"""Modbus/TCP of a running pelagosd with real clients: pymodbus and mbpoll."""
+import random
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import time
+
+from pymodbus.client import ModbusTcpClient
+from pymodbus.constants import Endian
+from pymodbus.payload import BinaryPayloadBuilder, BinaryPayloadDecoder
+
+from pelagos_daemon import Daemon, free_port
+
+WIND, HEADING, COMMIT, HEARTBEAT, SPEED = 10, 64, 5, 4, 70
+VIEW = {"views": [{"name": "bridge", "width": 160, "height": 90}]}
+
+
+def check(condition, text):
+    if not condition:
+        raise AssertionError(text)
+
+
+def floats(*values):
+    builder = BinaryPayloadBuilder(byteorder=Endian.Big, wordorder=Endian.Big)
+    for value in values:
+        builder.add_32bit_float(value)
+    return builder.to_registers()
+
+
+def decoder(answer):
+    check(not answer.isError(), f"{answer}")
+    return BinaryPayloadDecoder.fromRegisters(
+        answer.registers, byteorder=Endian.Big, wordorder=Endian.Big)
+
+
+def mbpoll(port, *words):
+    done = subprocess.run(
+        ["mbpoll", "-m", "tcp", "-p", str(port), "-a", "1", "-0", "-q",
+         *map(str, words)], capture_output=True, text=True, timeout=20,
+        check=False)
+    return done.returncode, done.stdout + done.stderr
+
+
+def own_ship(daemon):
+    return next(e for e in daemon.state()["entities"] if int(e["id"]) == 1)
+
+
+def pixels(daemon):
+    """Of one moment, so that only edits change them."""
+    answer = daemon.get("/v1/views/bridge/frame.png?time=100")
+    check(answer.status == 200, f"{answer}")
+    return answer.body
+
+
+def by_pymodbus(daemon, client):
+    check(decoder(client.read_holding_registers(0, 2, slave=1))
+          .decode_32bit_uint() == 0x01020304, "the probe")
+    probe = decoder(client.read_input_registers(2, 2, slave=1))
+    check(probe.decode_32bit_float() == 3.5, "the probe's float")
+    picture = pixels(daemon)
+    revision = int(daemon.state()["revision"])
+    check(not client.write_registers(WIND, floats(14.5, 240), slave=1)
+          .isError(), "write wind")
+    check(not client.write_registers(HEADING, floats(77.5), slave=1)
+          .isError(), "write heading")
+    check(int(daemon.state()["revision"]) == revision, "staged only")
+    check(pixels(daemon) == picture, "a staged value shows")
+    staged = decoder(client.read_holding_registers(WIND, 4, slave=1))
+    check((staged.decode_32bit_float(), staged.decode_32bit_float())
+          == (14.5, 240), "staged values read back")
+    check(not client.write_register(COMMIT, 1, slave=1).isError(), "commit")
+    state = daemon.state()
+    check(int(state["revision"]) == revision + 1, "one edit for all")
+    check(state["sea"]["windSpeed"] == 14.5, "wind")
+    check(state["sea"]["windDirection"] == 240, "direction")
+    check(own_ship(daemon)["heading"] == 77.5, "heading")
+    check(pixels(daemon) != picture, "the next frame shows it")
+    time_s = decoder(client.read_input_registers(8, 4, slave=1))
+    check(abs(time_s.decode_64bit_float() - daemon.state()["clock"]["time"])
+          < 1, "the clock")
+    frames = decoder(client.read_input_registers(6, 2, slave=1))
+    check(frames.decode_32bit_uint() > 0, "frames are counted")
+
+
+def refusals(daemon, client):
+    picture, state = pixels(daemon), daemon.state()
+    for registers, code in ((floats(30.5, 240), 3), (floats(-1), 3),
+                            (floats(float("nan")), 3),
+                            (floats(14.5, 361) + [1], 3)):
+        answer = client.write_registers(WIND, registers, slave=1)
+        check(answer.isError() and answer.exception_code == code,
+              f"{registers}: {answer}")
+    for address in (6, 11, 179, 500):
+        answer = client.write_register(address, 1, slave=1)
+        check(answer.isError() and answer.exception_code == 2,
+              f"{address}: {answer}")
+    answer = client.read_holding_registers(170, 20, slave=1)
+    check(answer.exception_code == 2, f"{answer}")
+    answer = client.read_holding_registers(0, 2, slave=9)
+    check(answer.exception_code == 11, f"unit 9: {answer}")
+    client.write_register(COMMIT, 1, slave=1)
+    after = daemon.state()
+    check(after["revision"] == state["revision"], "revision")
+    check(after["sea"] == state["sea"], "the sea changed")
+    check(pixels(daemon) == picture, "the picture changed")
+
+
+def by_mbpoll(daemon, port):
+    if not shutil.which("mbpoll"):
+        print("mbpoll is not installed: left out")
+        return
+    status, text = mbpoll(port, "-r", WIND, "-t", "4:float", "-B",
+                          "127.0.0.1", 9.25, 200)
+    check(status == 0, text)
+    status, text = mbpoll(port, "-r", HEADING, "-t", "4:float", "-B",
+                          "127.0.0.1", 12)
+    check(status == 0, text)
+    check(daemon.state()["sea"]["windSpeed"] != 9.25, "staged only")
+    status, text = mbpoll(port, "-r", COMMIT, "-t", "4", "127.0.0.1", 1)
+    check(status == 0, text)
+    check(daemon.state()["sea"]["windSpeed"] == 9.25, "wind by mbpoll")
+    check(own_ship(daemon)["heading"] == 12, "heading by mbpoll")
+    status, text = mbpoll(port, "-r", WIND, "-t", "4:float", "-B",
+                          "127.0.0.1", 99)
+    check(status != 0 and "Illegal data value" in text, text)
+    status, text = mbpoll(port, "-r", WIND, "-c", 2, "-1", "-t", "4:float",
+                          "-B", "127.0.0.1")
+    check(status == 0 and "9.25" in text and "200" in text, text)
+
+
+def heartbeat(daemon, client):
+    client.write_registers(SPEED, floats(6), slave=1)
+    client.write_register(COMMIT, 1, slave=1)
+    client.write_register(HEARTBEAT, 1, slave=1)
+    source = client.read_input_registers(16, 1, slave=1).registers[0]
+    check(source == 1, f"live: {source}")
+    time.sleep(0.5)
+    check(client.read_discrete_inputs(0, 5, slave=1).bits[:2] == [True, True],
+          "alarm")
+    check(daemon.metrics()["pelagos_modbus_source"] == 2, "stale in metrics")
+    check(own_ship(daemon)["speed"] == 6, "reckoned on")
+    time.sleep(0.7)
+    source = client.read_input_registers(16, 1, slave=1).registers[0]
+    check(source == 3, f"held: {source}")
+    check(own_ship(daemon)["speed"] == 0, "stopped")
+    client.write_register(HEARTBEAT, 2, slave=1)
+    source = client.read_input_registers(16, 1, slave=1).registers[0]
+    check(source == 1, f"live again: {source}")
+
+
+def send_bad(port, adu):
+    with socket.create_connection(("127.0.0.1", port), 5) as s:
+        s.sendall(adu)
+        s.settimeout(5)
+        try:
+            return s.recv(300)
+        except OSError:
+            return b""
+
+
+def malformed(daemon, port):
+    """1,000 bad ADUs: refused or the connection closed, nothing changed."""
+    draw = random.Random(1)
+    revision = daemon.state()["revision"]
+    before = daemon.metrics()
+    for i in range(1000):
+        body = bytes(draw.randrange(256) for _ in range(draw.randrange(2, 40)))
+        head = struct.pack(">HHHB", i, 0, len(body) + 1, 1)
+        kind = i % 5
+        if kind == 0:
+            head = struct.pack(">HHHB", i, draw.randrange(1, 65536),
+                               len(body) + 1, 1)
+        elif kind == 1:
+            head = struct.pack(">HHHB", i, 0, draw.choice(
+                (0, 1, draw.randrange(255, 65536))), 1)
+        elif kind == 2:
+            body = bytes([draw.randrange(24, 256)]) + body
+            head = struct.pack(">HHHB", i, 0, len(body) + 1, 1)
+        elif kind == 3:
+            body = bytes([16]) + struct.pack(
+                ">HH", 10, draw.randrange(1, 100)) + body
+            head = struct.pack(">HHHB", i, 0, len(body) + 1, 1)
+        else:
+            body = bytes([3]) + struct.pack(
+                ">HH", draw.randrange(180, 65536), 1)
+            head = struct.pack(">HHHB", i, 0, len(body) + 1, 1)
+        answer = send_bad(port, head + body)
+        check(answer == b"" or answer[7] & 0x80, f"{i}: taken: {answer}")
+    now = daemon.metrics()
+    rose = sum(now[k] - before[k] for k in now
+               if k.startswith(("pelagos_modbus_exceptions_total",
+                                "pelagos_modbus_malformed_total")))
+    check(daemon.alive(), "the daemon died")
+    check(rose == 1000, f"{rose} of 1000 counted")
+    check(daemon.state()["revision"] == revision, "the state changed")
+
+
+def slow_client(port):
+    """A byte every 0.1 s is cut off, and meanwhile delays nobody."""
+    good = struct.pack(">HHHBBHH", 7, 0, 6, 1, 3, 0, 2)
+    worst = 0
+    with socket.create_connection(("127.0.0.1", port), 5) as slow:
+        slow.settimeout(5)
+        for byte in good:
+            try:
+                slow.sendall(bytes([byte]))
+            except OSError:
+                break
+            start = time.monotonic()
+            check(len(send_bad(port, good)) == 13, "a good client's answer")
+            worst = max(worst, time.monotonic() - start)
+            time.sleep(0.1)
+        try:
+            check(slow.recv(100) == b"", "a slow ADU was answered")
+        except OSError:
+            pass
+    # A frame may be encoded on the same cores meanwhile.
+    check(worst < 0.25, f"another client waited {worst:.3f} s")
+
+
+def main():
+    port = free_port()
+    with Daemon("--modbus", f"127.0.0.1:{port}", "--modbus-heartbeat", "300",
+                "--modbus-extrapolate", "500", "--state", "off") as daemon:
+        check(daemon.patch(VIEW).status == 200, "view size")
+        client = ModbusTcpClient("127.0.0.1", port, timeout=5)
+        check(client.connect(), "connect")
+        by_pymodbus(daemon, client)
+        refusals(daemon, client)
+        by_mbpoll(daemon, port)
+        heartbeat(daemon, client)
+        client.close()
+        malformed(daemon, port)
+        slow_client(port)
+    print("pymodbus, mbpoll, heartbeat, 1000 bad ADUs, a slow client")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except AssertionError as failure:
+        sys.exit(f"FAILED: {failure}")
