@@ -168,6 +168,8 @@ TESTS += server/scene/snapshot_test.c
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
 # FUZZERS += lines of each room.
 FUZZERS :=
+FUZZERS += tests/fuzz/fuzz_nmea.c
+FUZZERS += tests/fuzz/fuzz_modbus.c
 FUZZERS += tests/fuzz/fuzz_json.c
 FUZZERS += tests/fuzz/fuzz_protobuf.c
 TESTS += clients/lib/pelagos_test.c
