@@ -58,7 +58,6 @@ struct pel_exr_attribute {
 struct pel_exr_image {
     uint32_t width, height;
     bool float_samples; /* else half, rounded to nearest even */
-    bool fast;          /* ZIP at its fastest level */
     const struct pel_exr_layer *layers;
     size_t layer_count;
     const struct pel_exr_attribute *attributes;
