@@ -261,6 +261,7 @@ static void requests_of_one_turn_share_a_frame(void **state)
     run_until(&a.calls, 1);
     run_until(&b.calls, 1);
     run_until(&c.calls, 1);
+    run_for(20); /* the count of views comes with a mail of its own */
     pel_frames_get_stats(frames, &after);
     assert_int_equal(a.frame->number, b.frame->number);
     assert_int_equal(a.frame->number, c.frame->number);
@@ -270,6 +271,29 @@ static void requests_of_one_turn_share_a_frame(void **state)
     drop(&a);
     drop(&b);
     drop(&c);
+}
+
+static void each_gets_its_own_time_and_quality(void **state)
+{
+    (void)state;
+    struct answer answers[4] = { 0 };
+    Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__JPEG);
+    request.has_time = request.has_quality = true;
+    for (int i = 0; i < 4; i++) {
+        request.time = i < 2 ? 50 : 51 + i;
+        request.quality = i == 1 ? 20 : 95;
+        ask(&request, &answers[i]);
+    }
+    for (int i = 0; i < 4; i++) {
+        run_until(&answers[i].calls, 1);
+        assert_true(answers[i].frame->time_s == (i < 2 ? 50 : 51 + i));
+    }
+    assert_int_equal(answers[0].frame->number, answers[1].frame->number);
+    assert_int_not_equal(answers[0].frame->number, answers[2].frame->number);
+    assert_true(answers[1].frame->size < answers[0].frame->size);
+    for (int i = 0; i < 4; i++) {
+        drop(&answers[i]);
+    }
 }
 
 static void the_next_frame_shows_a_patch(void **state)
@@ -753,6 +777,7 @@ int main(void)
         cmocka_unit_test(the_same_request_gives_the_same_bytes),
         cmocka_unit_test(own_size_and_time_are_drawn),
         cmocka_unit_test(requests_of_one_turn_share_a_frame),
+        cmocka_unit_test(each_gets_its_own_time_and_quality),
         cmocka_unit_test(the_next_frame_shows_a_patch),
         cmocka_unit_test(an_exr_says_how_it_came_about),
         cmocka_unit_test(what_cannot_be_is_refused_at_once),
