@@ -59,9 +59,9 @@ void main()
         float upright = illuminance(facing_light);
         float lux = max(sqrt(level * level + upright * upright), 1e-6);
         // Dusk is to look like dusk: of each stop below daylight the exposure
-        // makes up four fifths.
+        // makes up three quarters.
         float metered = log2(lux * (100.0 / 250.0));
-        out_exposure = vec4(clamp(metered + max(15.0 - metered, 0.0) / 5.0, -1.0, 16.0),
+        out_exposure = vec4(clamp(metered + max(15.0 - metered, 0.0) / 4.0, -1.0, 16.0),
                             level, 0.0, 0.0);
         out_sun = vec4(direct, 0.0);
         out_sky = vec4(sky, 0.0);

@@ -8,7 +8,7 @@ layout(location = 0) out vec4 gain;
 layout(binding = 0) uniform sampler2D transmittance;
 
 const vec2 SIZE = vec2(32.0, 32.0);
-const int DIRECTIONS = 8; // squared
+const int DIRECTIONS = 10; // squared
 const int STEPS = 16;
 const float GROUND_ALBEDO = 0.06; // the sea's
 
@@ -22,14 +22,20 @@ void main()
     float r = planet.x + h;
     vec3 second = vec3(0.0);
     vec3 factor = vec3(0.0);
+    float horizon = horizon_cosine(h);
     for (int i = 0; i < DIRECTIONS * DIRECTIONS; i++) {
-        float mu = 1.0 - 2.0 * (float(i / DIRECTIONS) + 0.5) / float(DIRECTIONS);
-        float phi = 2.0 * PI * (float(i % DIRECTIONS) + 0.5) / float(DIRECTIONS);
+        // Half of the zeniths above the horizon, half below, dμ ∝ 2|x| dx:
+        // finest at the horizon, where air and twilight are.
+        float q0 = 1.0 - 2.0 * (float(i / DIRECTIONS) + 0.5) / float(DIRECTIONS);
+        float side = q0 > 0.0 ? 1.0 - horizon : 1.0 + horizon;
+        float mu = clamp(horizon + side * q0 * abs(q0), -1.0, 1.0);
+        float weight = side * 2.0 * abs(q0);
+        float phi = PI * (float(i % DIRECTIONS) + 0.5) / float(DIRECTIONS);
         float across = sqrt(1.0 - mu * mu);
         float nu = mu * sun_mu + across * cos(phi) * sqrt(max(1.0 - sun_mu * sun_mu, 0.0));
         float ground = distance_to_ground(h, mu);
         float way = ground > 0.0 ? ground : distance_to_top(h, mu);
-        vec3 through = vec3(1.0);
+        vec3 through = vec3(weight);
         float t0 = 0.0;
         for (int k = 0; k < STEPS; k++) {
             float q = float(k + 1) / float(STEPS);

@@ -8,7 +8,7 @@ layout(binding = 0) uniform sampler2D radiance;
 // Saturation-based exposure (ISO 12232) puts 1.2 · 2^EV cd/m² at 1; KEY opens
 // it for the curve x (a x + b) / (x (c x + d) + e), which has a toe, a nearly
 // straight middle and a long shoulder.
-const float KEY = 2.4;
+const float KEY = 2.8;
 
 vec3 tone_curve(vec3 x)
 {

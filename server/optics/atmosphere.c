@@ -516,7 +516,11 @@ void pel_atmosphere_init(const struct pel_atmosphere_desc *desc,
                                     1.24062e-6 / pow(0.440, 4) };
     a->rayleigh_height_m = 8000;
     a->mie_extinction = fmax(3.912 / visibility - a->rayleigh.g, 0);
-    a->mie_scattering = 0.9 * a->mie_extinction;
+    /* What stands in the air beside the published aerosol is sea salt, which
+     * absorbs little: maritime air of Hess, Koepke and Schult 1998 (OPAC). */
+    double published = fmin(a->mie_extinction, 4.44e-6);
+    a->mie_scattering =
+        0.9 * published + 0.98 * (a->mie_extinction - published);
     a->mie_height_m = 1200;
     if (a->mie_extinction * a->mie_height_m > PEL_FOG_DEPTH) {
         a->mie_height_m = PEL_FOG_DEPTH / a->mie_extinction;
