@@ -68,8 +68,8 @@ static bool parse_path(const char *path, const char *end,
         path++; /* the slash */
         const char *stop = memchr(path, '/', (size_t)(end - path));
         stop = stop ? stop : end;
-        if (stop == end && stop == path) {
-            break; /* a slash at the end */
+        if (stop == path && stop == end && out->segment_count == 0) {
+            break; /* "/" alone */
         }
         if (out->segment_count == PEL_HTTP_MAX_SEGMENTS) {
             return false;

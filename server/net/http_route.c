@@ -425,6 +425,31 @@ static bool safe_method(const char *method)
     return strcmp(method, "GET") == 0 || strcmp(method, "HEAD") == 0;
 }
 
+/* Folded or damaged header lines: another reader may see other headers. */
+static bool headers_are_plain(const struct pel_http_request *request)
+{
+    for (size_t i = 0; i < request->header_count; i++) {
+        const char *name = request->headers[i].name;
+        const char *value = request->headers[i].value;
+        if (!*name || name[strcspn(name, " \t\r\n:\"(),/;<=>?@[\\]{}")]) {
+            return false;
+        }
+        for (; *value; value++) {
+            unsigned char c = (unsigned char)*value;
+            if ((c < 0x20 && c != '\t') || c == 0x7f) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static bool all_digits(const char *text)
+{
+    size_t digits = strspn(text, "0123456789");
+    return digits > 0 && digits <= 15 && text[digits] == '\0';
+}
+
 /* Framing that two readers could understand differently, and strangers. */
 static enum pel_err check_head(const struct pel_http_context *context,
                                const struct pel_http_request *request,
@@ -435,8 +460,13 @@ static enum pel_err check_head(const struct pel_http_context *context,
     const char *encoding =
         pel_http_find_header(request, "Transfer-Encoding", &encodings);
     const char *origin = pel_http_find_header(request, "Origin", &origins);
-    pel_http_find_header(request, "Content-Length", &lengths);
+    const char *length =
+        pel_http_find_header(request, "Content-Length", &lengths);
     *status = 400;
+    if (!headers_are_plain(request) || (length && !all_digits(length))) {
+        return pel_fault_set(fault, PEL_ERR_MALFORMED,
+                             "a header line is folded or damaged");
+    }
     if (hosts != 1) {
         return pel_fault_set(fault, PEL_ERR_MALFORMED,
                              "there must be exactly one Host header");

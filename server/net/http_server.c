@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <glib.h>
@@ -24,7 +25,7 @@
 #define MAX_HEADERS 64
 #define STREAM_BLOCK 65536
 #define STREAM_SOCKET_BUFFER (256 * 1024)
-#define SWEEP_MS 500
+#define SWEEP_MS 250
 #define STATUS_MAX 600
 
 enum phase {
@@ -468,6 +469,7 @@ static enum MHD_Result refuse_body(struct client *client)
     ssize_t sent =
         send(client->fd, text, sizeof text - 1, MSG_NOSIGNAL | MSG_DONTWAIT);
     (void)sent; /* a courtesy */
+    client->phase = PHASE_CLOSED;
     return MHD_NO;
 }
 
@@ -577,6 +579,17 @@ static void forget_request(struct client *client)
     }
 }
 
+/* A request that ended before it was whole. */
+static void count_half(const struct client *client)
+{
+    /* The kernel counts the end of a stream as one byte. */
+    bool more = pel_tcp_received(client->fd) > client->consumed + 1;
+    if (client->phase == PHASE_BODY ||
+        (client->phase == PHASE_HEADERS && more)) {
+        client->server->malformed++;
+    }
+}
+
 static void on_completed(void *user, struct MHD_Connection *connection,
                          void **state, enum MHD_RequestTerminationCode why)
 {
@@ -587,6 +600,9 @@ static void on_completed(void *user, struct MHD_Connection *connection,
     *state = NULL;
     if (!client) {
         return;
+    }
+    if (client->phase == PHASE_HEADERS || client->phase == PHASE_BODY) {
+        client->server->malformed++; /* its request line came, not its end */
     }
     forget_request(client);
     client->consumed = pel_tcp_received(client->fd);
@@ -638,11 +654,7 @@ static void on_connection(void *user, struct MHD_Connection *connection,
     struct client *client = *context;
     *context = NULL;
     if (client) {
-        /* Bytes that never became a request the handler saw. */
-        if (client->phase == PHASE_HEADERS &&
-            pel_tcp_received(client->fd) > client->consumed) {
-            server->malformed++;
-        }
+        count_half(client);
         forget_request(client);
         g_ptr_array_remove_fast(server->clients, client);
         g_free(client);
@@ -695,6 +707,7 @@ bool pel_http_server_accept(struct pel_http_server *server, int fd,
 
 static void shut(struct client *client)
 {
+    count_half(client);
     client->phase = PHASE_CLOSED;
     call_off(client);
     shutdown(client->fd, SHUT_RDWR);
@@ -702,11 +715,17 @@ static void shut(struct client *client)
     kick(client->server);
 }
 
-/* While suspended a connection is not watched by the library. */
+/* The library does not watch a suspended connection, and misses an end that
+ * came together with the last bytes of half a request. */
 static bool vanished(const struct client *client)
 {
     struct pollfd probe = { .fd = client->fd, .events = POLLRDHUP };
-    return client->suspended && poll(&probe, 1, 0) == 1;
+    int unread = 0;
+    bool reading =
+        client->phase == PHASE_HEADERS || client->phase == PHASE_BODY;
+    return (client->suspended || reading) && poll(&probe, 1, 0) == 1 &&
+           (!reading ||
+            (ioctl(client->fd, FIONREAD, &unread) == 0 && unread == 0));
 }
 
 static gboolean sweep(gpointer user)
@@ -719,7 +738,7 @@ static gboolean sweep(gpointer user)
             continue;
         }
         if (vanished(client)) {
-            server->vanished++;
+            server->vanished += client->suspended;
             shut(client);
         } else if (client->phase != PHASE_STREAM &&
                    now > client->deadline_ns) {

@@ -69,7 +69,7 @@ static bool accept_unix(void *user, int fd, const struct sockaddr *address,
     return pel_sessions_accept(net->sessions, fd, PEL_TRANSPORT_UNIX);
 }
 
-/* --- metrics of the process and of rooms that have no sockets -------------- */
+/* --- metrics -------------------------------------------------------------- */
 
 static void collect_process(struct pel_metrics_page *page)
 {
@@ -103,48 +103,6 @@ static void collect_process(struct pel_metrics_page *page)
     }
 }
 
-static void collect_frames(const struct pel_frames *frames,
-                           struct pel_metrics_page *page)
-{
-    struct pel_frames_stats s;
-    pel_frames_get_stats(frames, &s);
-    const struct {
-        const char *name, *help;
-        enum pel_metric_type type;
-        double value;
-    } samples[] = {
-        { "pelagos_frames_drawn_total", "Frames drawn, all views of a moment "
-          "being one.", PEL_METRIC_COUNTER, (double)s.frames_drawn },
-        { "pelagos_views_drawn_total", "Views drawn.", PEL_METRIC_COUNTER,
-          (double)s.views_drawn },
-        { "pelagos_frames_skipped_total", "Live frames left out because the "
-          "one before was not done.", PEL_METRIC_COUNTER,
-          (double)s.frames_skipped },
-        { "pelagos_pictures_encoded_total", "Pictures encoded.",
-          PEL_METRIC_COUNTER, (double)s.pictures_encoded },
-        { "pelagos_encoded_bytes_total", "Bytes of encoded pictures.",
-          PEL_METRIC_COUNTER, (double)s.encoded_bytes },
-        { "pelagos_requests_refused_total", "Picture requests refused because "
-          "too many were waiting.", PEL_METRIC_COUNTER,
-          (double)s.requests_refused },
-        { "pelagos_render_seconds_median", "Median time to draw a view, of "
-          "the last 256.", PEL_METRIC_GAUGE, s.render_ms_median / 1e3 },
-        { "pelagos_render_seconds_p95", "95th percentile of the time to draw "
-          "a view, of the last 256.", PEL_METRIC_GAUGE,
-          s.render_ms_p95 / 1e3 },
-        { "pelagos_encode_seconds_median", "Median time to encode a picture.",
-          PEL_METRIC_GAUGE, s.encode_ms_median / 1e3 },
-        { "pelagos_subscriptions", "Live views that someone watches, each "
-          "viewer counted.", PEL_METRIC_GAUGE, s.subscriptions },
-        { "pelagos_requests_waiting", "Pictures asked for and not drawn yet.",
-          PEL_METRIC_GAUGE, s.requests_waiting },
-    };
-    for (size_t i = 0; i < G_N_ELEMENTS(samples); i++) {
-        pel_metric(page, samples[i].name, samples[i].type, samples[i].help,
-                   NULL, samples[i].value);
-    }
-}
-
 static void collect(void *user, struct pel_metrics_page *page)
 {
     const struct pel_net *net = user;
@@ -161,7 +119,6 @@ static void collect(void *user, struct pel_metrics_page *page)
                         pel_listener_starved(net->tcp_listener) +
                         pel_listener_starved(net->unix_listener)));
     collect_process(page);
-    collect_frames(net->frames, page);
     pel_sessions_collect(net->sessions, page);
     if (net->http) {
         pel_http_server_collect(net->http, page);
