@@ -17,7 +17,8 @@ const int STEPS = 32;
 void main()
 {
     float h = lut.x;
-    float azimuth = PI * clamp((gl_FragCoord.x - 0.5) / (table_size.x - 1.0), 0.0, 1.0);
+    float column = clamp((gl_FragCoord.x - 0.5) / (table_size.x - 1.0), 0.0, 1.0);
+    float azimuth = PI * column * column;
     float rows = 0.5 * table_size.y;
     bool above = gl_FragCoord.y > rows;
     float x = above ? (gl_FragCoord.y - 0.5 - rows) / (rows - 1.0)

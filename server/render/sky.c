@@ -8,7 +8,7 @@
 #define TRANSMITTANCE_WIDTH 256
 #define TRANSMITTANCE_HEIGHT 64
 #define MULTIPLE_SIZE 32
-#define TABLE_WIDTH 64
+#define TABLE_WIDTH 96
 #define TABLE_HEIGHT 128
 
 static GLuint make_texture(GLsizei width, GLsizei height, GLsizei levels,

@@ -120,14 +120,14 @@ vec2 multiple_uv(float h, float sun_mu, vec2 table)
     return (0.5 + x * (table - 1.0)) / table;
 }
 
-// Sky table of an eye: u by azimuth from the Sun (0..π), v by the angle from
-// the horizon, finer near it; the lower half is below the horizon.
+// Sky table of an eye: u by azimuth from the Sun (0..π), finer near it, v by
+// the angle from the horizon, finer near it; the lower half is below.
 vec2 sky_uv(float azimuth, float angle_above, vec2 table)
 {
     float x = sqrt(min(abs(angle_above) * (2.0 / PI), 1.0));
     float rows = 0.5 * table.y;
     float v = angle_above >= 0.0 ? rows + 0.5 + x * (rows - 1.0) : rows - 0.5 - x * (rows - 1.0);
-    return vec2((0.5 + azimuth / PI * (table.x - 1.0)) / table.x, v / table.y);
+    return vec2((0.5 + sqrt(azimuth / PI) * (table.x - 1.0)) / table.x, v / table.y);
 }
 
 // acos by Abramowitz and Stegun 4.4.45, |error| < 7e-5.
