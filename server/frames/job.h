@@ -49,7 +49,9 @@ struct pel_job_draw {
     size_t bytes; /* of its readback buffer */
     enum pel_err err;
     struct pel_picture *picture;
-    atomic_int users; /* outputs that still read the picture */
+    atomic_int users;     /* outputs that still read the picture */
+    int64_t submitted_ns; /* when its commands were all given */
+    double submit_ms;     /* its share of giving them */
     double render_ms;
 };
 

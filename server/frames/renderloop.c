@@ -9,6 +9,7 @@
 /* Readback memory in flight or with the encoders; one picture always fits. */
 #define READBACK_BUDGET ((size_t)256 << 20)
 #define MAX_SUBMITTED 2
+#define MAX_REFUSALS 100 /* 2 ms apart */
 #define STOP_NS 2000000000LL
 
 struct pel_renderloop {
@@ -56,14 +57,18 @@ static void finish_part(struct pel_renderloop *loop, struct pel_job_draw *part)
     }
 }
 
-/* How long the device drew this picture: pictures are drawn one after the
- * other, so what it waited for the one before is not its own. */
+/* How long this picture kept the device: its share of giving the commands
+ * (software renderers draw meanwhile), then the time since they were given or
+ * the picture before it was there. */
 static double busy_ms(struct pel_renderloop *loop,
+                      const struct pel_job_draw *part,
                       const struct pel_picture *picture)
 {
-    double since_last = (double)(picture->drawn_ns - loop->drawn_ns) * 1e-6;
+    int64_t since = part->submitted_ns > loop->drawn_ns ? part->submitted_ns
+                                                        : loop->drawn_ns;
+    int64_t wait_ns = picture->drawn_ns - since;
     loop->drawn_ns = picture->drawn_ns;
-    return since_last < picture->render_ms ? since_last : picture->render_ms;
+    return part->submit_ms + (wait_ns > 0 ? (double)wait_ns * 1e-6 : 0);
 }
 
 static bool collect_one(struct pel_renderloop *loop, int64_t wait_ns)
@@ -74,21 +79,21 @@ static bool collect_one(struct pel_renderloop *loop, int64_t wait_ns)
     }
     struct pel_job_draw *part = picture->user;
     part->picture = picture;
-    part->render_ms = busy_ms(loop, picture);
+    part->render_ms = busy_ms(loop, part, picture);
     finish_part(loop, part);
     return true;
 }
 
 /* --- submitting ---------------------------------------------------------- */
 
-/* How many draws from `first` on fit the budget now. */
+/* How many draws from `first` on, at most `most`, fit the budget now. */
 static size_t fitting(struct pel_renderloop *loop, const struct pel_job *job,
-                      size_t first, size_t *bytes)
+                      size_t first, size_t most, size_t *bytes)
 {
     size_t held = atomic_load(&loop->held_bytes);
     size_t count = 0;
     *bytes = 0;
-    while (first + count < job->draw_count) {
+    while (count < most && first + count < job->draw_count) {
         size_t more = job->parts[first + count].bytes;
         bool alone = held == 0 && count == 0;
         if (!alone && held + *bytes + more > READBACK_BUDGET) {
@@ -127,51 +132,70 @@ static void fail_parts(struct pel_renderloop *loop, struct pel_job *job,
     }
 }
 
-static void submit(struct pel_renderloop *loop, struct pel_job *job)
+static void note_submitted(struct pel_job_draw *parts, size_t count,
+                           int64_t begun_ns)
+{
+    int64_t now = pel_now_ns();
+    for (size_t i = 0; i < count; i++) {
+        parts[i].submitted_ns = now;
+        parts[i].submit_ms = (double)(now - begun_ns) * 1e-6 / (double)count;
+    }
+}
+
+/* Gives the renderer [first, first + count); BUSY: none was taken. */
+static enum pel_err submit_some(struct pel_renderloop *loop,
+                                struct pel_job *job, size_t first, size_t count,
+                                size_t bytes)
 {
     static struct pel_log_limit limit;
-    size_t most = job->draw_count;
+    size_t before = pel_renderer_in_flight(loop->renderer);
+    int64_t begun_ns = pel_now_ns();
+    atomic_fetch_add(&loop->held_bytes, bytes);
+    enum pel_err err = pel_renderer_submit(loop->renderer, &job->environment,
+                                           &job->draws[first], count);
+    size_t pushed = pel_renderer_in_flight(loop->renderer) - before;
+    if (err == PEL_ERR_BUSY && pushed == 0) {
+        atomic_fetch_sub(&loop->held_bytes, bytes);
+        return err;
+    }
+    note_submitted(&job->parts[first], count, begun_ns);
+    if (err != PEL_OK && pushed < count) {
+        pel_log_limited(&limit, PEL_LOG_ERROR, "FRM-003",
+                        "frame %llu: drawing failed: %s",
+                        (unsigned long long)job->number, pel_err_name(err));
+        fail_parts(loop, job, first + pushed, count - pushed, err);
+    }
+    return PEL_OK;
+}
+
+static void submit(struct pel_renderloop *loop, struct pel_job *job)
+{
+    size_t first = 0, most = job->draw_count;
+    int refusals = 0; /* with nothing held that could make room */
     loop->submitted++;
     progress(loop);
-    for (size_t first = 0, total = job->draw_count; first < total;) {
+    while (first < job->draw_count && !atomic_load(&loop->stop)) {
         size_t bytes;
-        size_t count = fitting(loop, job, first, &bytes);
-        if (count > most) {
-            count = most;
-        }
-        if (atomic_load(&loop->stop)) {
-            return;
-        }
+        size_t count = fitting(loop, job, first, most, &bytes);
         if (count == 0) {
             wait_room(loop);
             continue;
         }
-        bytes = 0;
-        for (size_t i = first; i < first + count; i++) {
-            bytes += job->parts[i].bytes;
-        }
-        atomic_fetch_add(&loop->held_bytes, bytes);
-        size_t before = pel_renderer_in_flight(loop->renderer);
-        enum pel_err err = pel_renderer_submit(
-            loop->renderer, &job->environment, &job->draws[first], count);
-        size_t pushed = pel_renderer_in_flight(loop->renderer) - before;
-        if (err == PEL_ERR_BUSY && pushed == 0) {
-            atomic_fetch_sub(&loop->held_bytes, bytes);
-            /* With nothing to wait for, ask for less at once. */
-            if (atomic_load(&loop->held_bytes) == 0 && count > 1) {
-                most = (count + 1) / 2;
-            } else {
-                wait_room(loop);
-            }
+        if (submit_some(loop, job, first, count, bytes) == PEL_OK) {
+            first += count;
+            refusals = 0;
             continue;
         }
-        if (err != PEL_OK && pushed < count) {
-            pel_log_limited(&limit, PEL_LOG_ERROR, "FRM-003",
-                            "frame %llu: drawing failed: %s",
-                            (unsigned long long)job->number, pel_err_name(err));
-            fail_parts(loop, job, first + pushed, count - pushed, err);
+        bool alone = atomic_load(&loop->held_bytes) == 0;
+        if (alone && count > 1) {
+            most = count / 2;
+        } else if (alone && ++refusals > MAX_REFUSALS) {
+            atomic_fetch_add(&loop->held_bytes, job->parts[first].bytes);
+            fail_parts(loop, job, first, 1, PEL_ERR_BUSY);
+            first++;
+        } else {
+            wait_room(loop);
         }
-        first += count;
     }
 }
 
