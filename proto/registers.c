@@ -7,20 +7,38 @@
 
 const struct pel_register pel_registers[] = {
 #define HOLDING(address, type, scale, path, doc)                               \
-    { PEL_SPACE_HOLDING, address, PEL_TYPE_##type, scale, PEL_SOURCE_PATH,     \
-      path, NULL, doc },
+    { PEL_SPACE_HOLDING,                                                       \
+      address,                                                                 \
+      PEL_TYPE_##type,                                                         \
+      scale,                                                                   \
+      PEL_SOURCE_PATH,                                                         \
+      path,                                                                    \
+      NULL,                                                                    \
+      doc },
 #define CONTROL(address, type, source, doc)                                    \
-    { PEL_SPACE_HOLDING, address, PEL_TYPE_##type, 1, PEL_SOURCE_##source,     \
-      NULL, NULL, doc },
+    { PEL_SPACE_HOLDING,                                                       \
+      address,                                                                 \
+      PEL_TYPE_##type,                                                         \
+      1,                                                                       \
+      PEL_SOURCE_##source,                                                     \
+      NULL,                                                                    \
+      NULL,                                                                    \
+      doc },
 #define INPUT(address, type, source, unit, doc)                                \
-    { PEL_SPACE_INPUT, address, PEL_TYPE_##type, 1, PEL_SOURCE_##source, NULL, \
-      unit, doc },
+    { PEL_SPACE_INPUT,                                                         \
+      address,                                                                 \
+      PEL_TYPE_##type,                                                         \
+      1,                                                                       \
+      PEL_SOURCE_##source,                                                     \
+      NULL,                                                                    \
+      unit,                                                                    \
+      doc },
 #define DISCRETE(address, source, doc)                                         \
-    { PEL_SPACE_DISCRETE, address, PEL_TYPE_BIT, 1, PEL_SOURCE_##source, NULL, \
-      NULL, doc },
+    { PEL_SPACE_DISCRETE,  address, PEL_TYPE_BIT, 1,                           \
+      PEL_SOURCE_##source, NULL,    NULL,         doc },
 #define COIL(address, source, doc)                                             \
-    { PEL_SPACE_COIL, address, PEL_TYPE_BIT, 1, PEL_SOURCE_##source, NULL,     \
-      NULL, doc },
+    { PEL_SPACE_COIL,      address, PEL_TYPE_BIT, 1,                           \
+      PEL_SOURCE_##source, NULL,    NULL,         doc },
 #include "registers.def"
 };
 
@@ -162,9 +180,8 @@ double pel_register_decode(enum pel_register_type type,
     return from_bits(type, bits);
 }
 
-enum pel_err pel_register_path(const struct pel_register *reg,
-                               const char *name, char *out, size_t size,
-                               int *view)
+enum pel_err pel_register_path(const struct pel_register *reg, const char *name,
+                               char *out, size_t size, int *view)
 {
     const char *bracket = strchr(reg->path, '[');
     const char *rest = bracket ? strchr(bracket, ']') : NULL;

@@ -31,9 +31,8 @@ static void floats_go_out_in_each_order(void **state)
         assert_memory_equal(words, wanted[order], sizeof words);
         /* Single precision: 24 bits. */
         assert_near(pel_register_decode(PEL_TYPE_F32,
-                                               (enum pel_modbus_order)order,
-                                               words),
-                           123456.789, 123456.789 * 0x1p-24);
+                                        (enum pel_modbus_order)order, words),
+                    123456.789, 123456.789 * 0x1p-24);
     }
     uint16_t half[2];
     pel_register_encode(PEL_TYPE_F32, PEL_MODBUS_ABCD, 3.5, half);
@@ -67,15 +66,19 @@ static void numbers_come_back(void **state)
         enum pel_register_type type;
         double value, back;
     } cases[] = {
-        { PEL_TYPE_U16, 65535, 65535 },   { PEL_TYPE_U16, 65536, 65535 },
-        { PEL_TYPE_U16, -1, 0 },          { PEL_TYPE_I16, -32768, -32768 },
-        { PEL_TYPE_I16, 40000, 32767 },   { PEL_TYPE_U32, 4294967295.0,
-                                            4294967295.0 },
-        { PEL_TYPE_U32, -5, 0 },          { PEL_TYPE_I32, -1799999999,
-                                            -1799999999 },
-        { PEL_TYPE_I32, 3e9, 2147483647 }, { PEL_TYPE_F32, -0.5, -0.5 },
+        { PEL_TYPE_U16, 65535, 65535 },
+        { PEL_TYPE_U16, 65536, 65535 },
+        { PEL_TYPE_U16, -1, 0 },
+        { PEL_TYPE_I16, -32768, -32768 },
+        { PEL_TYPE_I16, 40000, 32767 },
+        { PEL_TYPE_U32, 4294967295.0, 4294967295.0 },
+        { PEL_TYPE_U32, -5, 0 },
+        { PEL_TYPE_I32, -1799999999, -1799999999 },
+        { PEL_TYPE_I32, 3e9, 2147483647 },
+        { PEL_TYPE_F32, -0.5, -0.5 },
         { PEL_TYPE_F64, 1e9 + 1.0 / 3, 1e9 + 1.0 / 3 },
-        { PEL_TYPE_I32, NAN, INT32_MIN }, { PEL_TYPE_U32, NAN, UINT32_MAX },
+        { PEL_TYPE_I32, NAN, INT32_MIN },
+        { PEL_TYPE_U32, NAN, UINT32_MAX },
         { PEL_TYPE_BIT, 1, 1 },
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -89,8 +92,8 @@ static void numbers_come_back(void **state)
     }
     uint16_t words[4];
     pel_register_encode(PEL_TYPE_F32, PEL_MODBUS_CDAB, NAN, words);
-    assert_true(isnan(pel_register_decode(PEL_TYPE_F32, PEL_MODBUS_CDAB,
-                                          words)));
+    assert_true(
+        isnan(pel_register_decode(PEL_TYPE_F32, PEL_MODBUS_CDAB, words)));
 }
 
 static void the_table_fits_its_spaces_and_the_schema(void **state)
@@ -118,8 +121,7 @@ static void the_table_fits_its_spaces_and_the_schema(void **state)
         }
     }
     assert_null(pel_register_at(PEL_SPACE_HOLDING, 6));
-    assert_false(
-        pel_register_writable(pel_register_at(PEL_SPACE_HOLDING, 0)));
+    assert_false(pel_register_writable(pel_register_at(PEL_SPACE_HOLDING, 0)));
 }
 
 int main(void)

@@ -21,7 +21,8 @@
 #define SWEEP_MS 100
 #define ADU_DEADLINE_NS (500 * MS)
 #define STALL_NS (5000 * MS) /* a client that takes no answer */
-#define IDLE_NS (60000 * MS) /* gives way to a new client when all are taken */
+#define IDLE_NS (60000 * MS) /* gives way to a new client when all are taken   \
+                              */
 #define CHUNK 256
 /* The shortest request has 8 bytes: CHUNK of them, and one begun before. */
 #define MAX_ANSWERS ((CHUNK / 8 + 1) * PEL_MODBUS_MAX_ADU)
@@ -84,8 +85,9 @@ static void watch(struct pel_modbus *m, int64_t now_ns)
     }
     int64_t silent = now_ns - m->heartbeat_ns - m->options.heartbeat_ms * MS;
     if (m->source == PEL_MODBUS_LIVE && silent > 0) {
-        pel_warn("MBS-005", "the Modbus source is stale: no heartbeat for %d "
-                            "ms; own ship is reckoned on for %d ms",
+        pel_warn("MBS-005",
+                 "the Modbus source is stale: no heartbeat for %d "
+                 "ms; own ship is reckoned on for %d ms",
                  m->options.heartbeat_ms, m->options.extrapolate_ms);
         m->source = PEL_MODBUS_STALE;
         m->counters.stale++;
@@ -141,8 +143,8 @@ static size_t answer_adu(struct pel_modbus_session *s, uint8_t *answer)
     if (our_unit(m, s->adu[6])) {
         watch(m, now_ns);
         refresh_inputs(m, now_ns);
-        size = pel_modbus_answer(&m->answerer, &m->map, s->adu, s->used,
-                                 answer, &code);
+        size = pel_modbus_answer(&m->answerer, &m->map, s->adu, s->used, answer,
+                                 &code);
         watch(m, now_ns);
         m->counters.commits = m->map.commits;
         m->counters.refused_commits = m->map.refused_commits;
@@ -171,9 +173,8 @@ static size_t adu_size(const struct pel_modbus_session *s)
     return length < 2 || length > 254 ? 0 : 6 + length;
 }
 
-long pel_modbus_session_feed(struct pel_modbus_session *s,
-                             const uint8_t *bytes, size_t size,
-                             uint8_t *answer, size_t answer_size)
+long pel_modbus_session_feed(struct pel_modbus_session *s, const uint8_t *bytes,
+                             size_t size, uint8_t *answer, size_t answer_size)
 {
     size_t written = 0;
     while (size > 0) {
@@ -231,8 +232,8 @@ static gboolean on_client(gint fd, GIOCondition condition, gpointer user);
 static bool flush_client(struct client *c, bool writing)
 {
     while (c->out_sent < c->out_size) {
-        ssize_t n = send(c->fd, c->out + c->out_sent,
-                         c->out_size - c->out_sent, MSG_NOSIGNAL);
+        ssize_t n = send(c->fd, c->out + c->out_sent, c->out_size - c->out_sent,
+                         MSG_NOSIGNAL);
         if (n < 0 && errno == EINTR) {
             continue;
         }
@@ -252,8 +253,8 @@ static bool flush_client(struct client *c, bool writing)
     }
     if (waiting != writing) {
         g_source_remove(c->source);
-        c->source = g_unix_fd_add(c->fd, waiting ? G_IO_OUT : G_IO_IN,
-                                  on_client, c);
+        c->source =
+            g_unix_fd_add(c->fd, waiting ? G_IO_OUT : G_IO_IN, on_client, c);
     }
     return true;
 }
@@ -413,14 +414,13 @@ static void collect(void *user, struct pel_metrics_page *page)
           "Times the heartbeat was silent too long.", c->stale },
     };
     for (size_t i = 0; i < G_N_ELEMENTS(counters); i++) {
-        pel_metric(page, counters[i].name, PEL_METRIC_COUNTER,
-                   counters[i].help, NULL, (double)counters[i].value);
+        pel_metric(page, counters[i].name, PEL_METRIC_COUNTER, counters[i].help,
+                   NULL, (double)counters[i].value);
     }
     for (size_t i = 1; i < G_N_ELEMENTS(c->exceptions); i++) {
         char label[32];
         snprintf(label, sizeof label, "code=\"%zu\"", i);
-        pel_metric(page, "pelagos_modbus_exceptions_total",
-                   PEL_METRIC_COUNTER,
+        pel_metric(page, "pelagos_modbus_exceptions_total", PEL_METRIC_COUNTER,
                    "Modbus requests refused, by exception code.", label,
                    (double)c->exceptions[i]);
     }
@@ -460,8 +460,7 @@ static enum pel_err check_options(const struct pel_modbus_options *o,
 }
 
 enum pel_err pel_modbus_create(const struct pel_modbus_options *options,
-                               struct pel_scene *scene,
-                               struct pel_modbus **out,
+                               struct pel_scene *scene, struct pel_modbus **out,
                                struct pel_fault *fault)
 {
     enum pel_err err = check_options(options, fault);

@@ -55,7 +55,7 @@ enum pel_modbus_source {
     PEL_MODBUS_NEVER, /* no heartbeat yet: no watch either */
     PEL_MODBUS_LIVE,
     PEL_MODBUS_STALE, /* silent; the ship is reckoned on */
-    PEL_MODBUS_HELD, /* silent for longer; own ship stopped where it was */
+    PEL_MODBUS_HELD,  /* silent for longer; own ship stopped where it was */
 };
 
 struct pel_modbus_counters {
@@ -91,5 +91,5 @@ void pel_modbus_session_close(struct pel_modbus_session *session);
 /* Returns the size of the answers written to `answer` (as many as fit), or -1
  * when the stream is not Modbus and must be closed. */
 long pel_modbus_session_feed(struct pel_modbus_session *session,
-                             const uint8_t *bytes, size_t size,
-                             uint8_t *answer, size_t answer_size);
+                             const uint8_t *bytes, size_t size, uint8_t *answer,
+                             size_t answer_size);

@@ -76,8 +76,9 @@ static enum pel_modbus_exception parse_read(struct request *r,
     r->reads = true;
     r->read_at = word_at(pdu + 1);
     r->read_count = word_at(pdu + 3);
-    return r->read_count == 0 || r->read_count > (bits ? MODBUS_MAX_READ_BITS
-                                                       : MODBUS_MAX_READ_REGISTERS)
+    return r->read_count == 0 ||
+                   r->read_count >
+                       (bits ? MODBUS_MAX_READ_BITS : MODBUS_MAX_READ_REGISTERS)
                ? PEL_MODBUS_ILLEGAL_VALUE
                : PEL_MODBUS_DONE;
 }
@@ -178,7 +179,8 @@ static enum pel_modbus_exception parse(struct request *r,
         r->reads = true;
         r->read_at = word_at(pdu + 1);
         r->read_count = word_at(pdu + 3);
-        return r->read_count == 0 || r->read_count > MODBUS_MAX_WR_READ_REGISTERS
+        return r->read_count == 0 ||
+                       r->read_count > MODBUS_MAX_WR_READ_REGISTERS
                    ? PEL_MODBUS_ILLEGAL_VALUE
                    : code;
     default:

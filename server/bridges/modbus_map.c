@@ -163,8 +163,8 @@ static double source_value(struct pel_modbus_map *map,
                            const struct pel_register *reg)
 {
     const struct pel_modbus_inputs *in = &map->inputs;
-    bool alarm_source = in->source == PEL_MODBUS_STALE ||
-                        in->source == PEL_MODBUS_HELD;
+    bool alarm_source =
+        in->source == PEL_MODBUS_STALE || in->source == PEL_MODBUS_HELD;
     switch (reg->source) {
     case PEL_SOURCE_PATH:
         return field_value(map, reg) / reg->scale;
@@ -345,9 +345,9 @@ static enum pel_modbus_exception stage(struct pel_modbus_map *map,
     }
 }
 
-static enum pel_err set_number(Pelagos__Patch *patch,
-                               const Pelagos__State *now, const char *path,
-                               double value, struct pel_fault *fault)
+static enum pel_err set_number(Pelagos__Patch *patch, const Pelagos__State *now,
+                               const char *path, double value,
+                               struct pel_fault *fault)
 {
     struct pel_path_info info;
     char text[40];
@@ -377,8 +377,7 @@ static enum pel_err set_number(Pelagos__Patch *patch,
 static enum pel_err set_sun(struct pel_modbus_map *map, Pelagos__Patch *patch,
                             bool from_clock, struct pel_fault *fault)
 {
-    static const char *const paths[] = { "sky.sunAzimuth",
-                                         "sky.sunElevation" };
+    static const char *const paths[] = { "sky.sunAzimuth", "sky.sunElevation" };
     double sun[2];
     sun_now(map, &sun[0], &sun[1]);
     for (int i = 0; i < 2; i++) {
@@ -491,7 +490,6 @@ void pel_modbus_map_stop_ship(struct pel_modbus_map *map)
     state.entities = &list;
     state.n_entities = 1;
     if (pel_scene_patch(map->scene, &patch, &fault) != PEL_OK) {
-        pel_warn("MBS-003", "own ship could not be stopped: %s",
-                 fault.message);
+        pel_warn("MBS-003", "own ship could not be stopped: %s", fault.message);
     }
 }

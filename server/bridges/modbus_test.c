@@ -81,8 +81,8 @@ static int ask(struct fixture *f, const uint8_t *pdu, size_t size)
 static int write_words(struct fixture *f, unsigned at, size_t count,
                        const uint16_t *words)
 {
-    uint8_t pdu[256] = { 16, (uint8_t)(at >> 8), (uint8_t)at, 0,
-                         (uint8_t)count, (uint8_t)(2 * count) };
+    uint8_t pdu[256] = { 16, (uint8_t)(at >> 8), (uint8_t)at,
+                         0,  (uint8_t)count,     (uint8_t)(2 * count) };
     for (size_t i = 0; i < count; i++) {
         pdu[6 + 2 * i] = (uint8_t)(words[i] >> 8);
         pdu[7 + 2 * i] = (uint8_t)words[i];
@@ -113,8 +113,8 @@ static double read_number(struct fixture *f, uint8_t function, unsigned at,
     assert_int_equal(ask(f, pdu, sizeof pdu), function);
     uint16_t words[4];
     for (int i = 0; i < count; i++) {
-        words[i] = (uint16_t)(f->answer[9 + 2 * i] << 8 |
-                              f->answer[10 + 2 * i]);
+        words[i] =
+            (uint16_t)(f->answer[9 + 2 * i] << 8 | f->answer[10 + 2 * i]);
     }
     return pel_register_decode(type, PEL_MODBUS_ABCD, words);
 }
@@ -128,10 +128,8 @@ static void shows_the_probe(void **state)
 {
     struct fixture *f = *state;
     for (uint8_t function = 3; function <= 4; function++) {
-        assert_true(read_number(f, function, 0, PEL_TYPE_U32) ==
-                    PEL_PROBE_U32);
-        assert_true(read_number(f, function, 2, PEL_TYPE_F32) ==
-                    PEL_PROBE_F32);
+        assert_true(read_number(f, function, 0, PEL_TYPE_U32) == PEL_PROBE_U32);
+        assert_true(read_number(f, function, 2, PEL_TYPE_F32) == PEL_PROBE_F32);
     }
     assert_int_equal(write_one(f, 0, 1), -2);
 }
@@ -186,10 +184,10 @@ static void refuses_and_changes_nothing(void **state)
     assert_int_equal(write_float(f, 10, -0.001), -3);
     assert_int_equal(write_float(f, 10, NAN), -3);
     assert_int_equal(write_float(f, 10, INFINITY), -3);
-    assert_int_equal(write_one(f, 26, 2), -3);  /* no such spectrum */
-    assert_int_equal(write_one(f, 10, 0), -2);  /* half a value */
-    assert_int_equal(write_one(f, 6, 0), -2);   /* reserved */
-    assert_int_equal(write_one(f, 999, 0), -2); /* outside */
+    assert_int_equal(write_one(f, 26, 2), -3);    /* no such spectrum */
+    assert_int_equal(write_one(f, 10, 0), -2);    /* half a value */
+    assert_int_equal(write_one(f, 6, 0), -2);     /* reserved */
+    assert_int_equal(write_one(f, 999, 0), -2);   /* outside */
     assert_int_equal(write_float(f, 120, 0), -2); /* no second view */
     uint16_t words[5]; /* good speed, bad direction, commit */
     pel_register_encode(PEL_TYPE_F32, PEL_MODBUS_ABCD, 9, words);
@@ -282,13 +280,13 @@ static void refuses_bad_forms(void **state)
         size_t size;
         int code;
     } requests[] = {
-        { { 3, 0, 0, 0, 0 }, 5, -3 },        /* none */
-        { { 3, 0, 0, 0, 126 }, 5, -3 },      /* more than fit */
-        { { 3, 0, 0, 0 }, 4, -3 },           /* short */
-        { { 3, 0, 0, 0, 1, 0 }, 6, -3 },     /* long */
-        { { 3, 0, 179, 0, 2 }, 5, -2 },      /* over the end */
+        { { 3, 0, 0, 0, 0 }, 5, -3 },    /* none */
+        { { 3, 0, 0, 0, 126 }, 5, -3 },  /* more than fit */
+        { { 3, 0, 0, 0 }, 4, -3 },       /* short */
+        { { 3, 0, 0, 0, 1, 0 }, 6, -3 }, /* long */
+        { { 3, 0, 179, 0, 2 }, 5, -2 },  /* over the end */
         { { 3, 0xff, 0xff, 0, 1 }, 5, -2 },
-        { { 5, 0, 0, 0x12, 0x34 }, 5, -3 },  /* neither on nor off */
+        { { 5, 0, 0, 0x12, 0x34 }, 5, -3 }, /* neither on nor off */
         { { 15, 0, 0, 0, 2, 2, 1, 1 }, 8, -3 },
         { { 16, 0, 10, 0, 2, 4, 0, 0 }, 8, -3 }, /* values missing */
         { { 16, 0, 10, 0, 2 }, 5, -3 },
@@ -332,8 +330,8 @@ static void frames_a_stream(void **state)
     };
     for (size_t i = 0; i < sizeof heads / sizeof heads[0]; i++) {
         struct pel_modbus_session *s = pel_modbus_session_open(f->modbus);
-        assert_int_equal(
-            pel_modbus_session_feed(s, heads[i], 6, f->answer, 16), -1);
+        assert_int_equal(pel_modbus_session_feed(s, heads[i], 6, f->answer, 16),
+                         -1);
         pel_modbus_session_close(s);
     }
     assert_int_equal(pel_modbus_counters(f->modbus)->malformed, 6);

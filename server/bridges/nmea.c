@@ -114,8 +114,7 @@ static void own_ship(struct pel_nmea *nmea, Pelagos__Entity *out)
     /* While turning, what the scene reckons is newer than an old value. */
     bool straight = pel_nmea_turn_rate(v, now) == 0;
     if (pel_nmea_heading(v, now, &out->heading)) {
-        out->has_heading =
-            straight || came_now(v->heading, PEL_HEADINGS, now);
+        out->has_heading = straight || came_now(v->heading, PEL_HEADINGS, now);
     }
     if (pel_nmea_motion(v, now, &out->course, &out->speed)) {
         out->has_course = straight || came_now(v->course, PEL_MOTIONS, now);
@@ -347,8 +346,7 @@ static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
             !pel_allow_has(&nmea->allow, (struct sockaddr *)&peer)) {
             static struct pel_log_limit limit;
             pel_log_limited(&limit, PEL_LOG_WARNING, "NME-004",
-                            "datagram refused: %zd bytes, of a sender %s",
-                            size,
+                            "datagram refused: %zd bytes, of a sender %s", size,
                             (size_t)size > sizeof bytes ? "that sends too many"
                                                         : "not in the list");
             nmea->counters.refused_datagrams++;
@@ -387,8 +385,7 @@ static gboolean on_tick(gpointer user)
     struct pel_nmea_values *v = &nmea->values;
     nmea->now_ns = pel_now_ns();
     bool stop = v->fix_at_ns != 0 && nmea->now_ns - v->fix_at_ns > RECKON_NS;
-    bool turn_ends =
-        nmea->turning && pel_nmea_turn_rate(v, nmea->now_ns) == 0;
+    bool turn_ends = nmea->turning && pel_nmea_turn_rate(v, nmea->now_ns) == 0;
     if ((stop && !nmea->stopped) || turn_ends) {
         nmea->stopped = nmea->stopped || stop;
         v->changed |= PEL_NMEA_CHANGED_POSE;
@@ -416,8 +413,7 @@ static void collect(void *user, struct pel_metrics_page *page)
         snprintf(label, sizeof label, "kind=\"%s\"",
                  pel_nmea_kind_name((enum pel_nmea_kind)i));
         pel_metric(page, "pelagos_nmea_sentences_total", PEL_METRIC_COUNTER,
-                   "NMEA sentences read, by kind.", label,
-                   (double)c->kinds[i]);
+                   "NMEA sentences read, by kind.", label, (double)c->kinds[i]);
     }
     for (int i = 1; i < PEL_NMEA_ERROR_COUNT; i++) {
         snprintf(label, sizeof label, "reason=\"%s\"",
@@ -451,8 +447,8 @@ static void collect(void *user, struct pel_metrics_page *page)
           c->ais_ignored },
     };
     for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++) {
-        pel_metric(page, counters[i].name, PEL_METRIC_COUNTER,
-                   counters[i].help, NULL, (double)counters[i].value);
+        pel_metric(page, counters[i].name, PEL_METRIC_COUNTER, counters[i].help,
+                   NULL, (double)counters[i].value);
     }
     struct pel_nmea_status s;
     pel_nmea_status(nmea, &s);
@@ -470,8 +466,8 @@ static void collect(void *user, struct pel_metrics_page *page)
     }
     if (!isnan(s.rudder_deg)) {
         pel_metric(page, "pelagos_nmea_rudder_degrees", PEL_METRIC_GAUGE,
-                   "Rudder angle that RSA gave last, starboard positive.",
-                   NULL, s.rudder_deg);
+                   "Rudder angle that RSA gave last, starboard positive.", NULL,
+                   s.rudder_deg);
     }
 }
 
@@ -549,8 +545,7 @@ void pel_nmea_status(const struct pel_nmea *nmea,
             v->fix_at_ns != 0 && now - v->fix_at_ns <= PEL_NMEA_FRESH_NS,
         .attitude_fresh =
             pel_nmea_fresh(&v->roll, now) || pel_nmea_fresh(&v->pitch, now),
-        .fix_age_s =
-            v->fix_at_ns ? (double)(now - v->fix_at_ns) * 1e-9 : -1,
+        .fix_age_s = v->fix_at_ns ? (double)(now - v->fix_at_ns) * 1e-9 : -1,
         .depth_m = v->depth.at_ns ? v->depth.value : NAN,
         .rudder_deg = v->rudder.at_ns ? v->rudder.value : NAN,
     };

@@ -52,7 +52,7 @@ struct pel_nmea_options {
 struct pel_nmea_options pel_nmea_default_options(void);
 
 struct pel_nmea_counters {
-    uint64_t datagrams; /* of allowed senders */
+    uint64_t datagrams;         /* of allowed senders */
     uint64_t refused_datagrams; /* sender not in the list, or > 4096 bytes */
     uint64_t sentences;         /* read and understood, by kind: */
     uint64_t kinds[PEL_NMEA_KIND_COUNT];

@@ -455,12 +455,12 @@ static void clear(struct pel_nmea_sentence *s)
     memset(s, 0, sizeof *s);
     s->valid = true;
     double *const numbers[] = {
-        &s->latitude,    &s->longitude,     &s->utc_s,
-        &s->heading,     &s->magnetic_heading, &s->deviation,
-        &s->variation,   &s->course,        &s->speed,
-        &s->turn_rate,   &s->altitude,      &s->wind_direction,
-        &s->wind_angle,  &s->wind_speed,    &s->rudder,
-        &s->depth,       &s->depth_offset,  &s->target_range,
+        &s->latitude,       &s->longitude,        &s->utc_s,
+        &s->heading,        &s->magnetic_heading, &s->deviation,
+        &s->variation,      &s->course,           &s->speed,
+        &s->turn_rate,      &s->altitude,         &s->wind_direction,
+        &s->wind_angle,     &s->wind_speed,       &s->rudder,
+        &s->depth,          &s->depth_offset,     &s->target_range,
         &s->target_bearing,
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {

@@ -55,7 +55,7 @@ struct pel_nmea_sentence {
     char talker[3];
     bool valid; /* status A, or fix quality > 0; true where there is none */
     double latitude, longitude;
-    double utc_s; /* of the day: RMC, GGA, GLL, ZDA */
+    double utc_s;         /* of the day: RMC, GGA, GLL, ZDA */
     int year, month, day; /* 0: empty. RMC, ZDA */
     double heading, magnetic_heading, deviation, variation;
     double course, speed; /* over ground; VHW: through water */
@@ -65,7 +65,7 @@ struct pel_nmea_sentence {
     double wind_angle;     /* MWV: from the bow, clockwise */
     bool wind_true;        /* MWV T, not R */
     double wind_speed;
-    double rudder;         /* RSA: starboard or single, starboard positive */
+    double rudder; /* RSA: starboard or single, starboard positive */
     double depth, depth_offset;
     struct pel_nmea_transducer {
         char type, unit;
@@ -73,7 +73,7 @@ struct pel_nmea_sentence {
         char name[16];
     } transducers[PEL_NMEA_MAX_TRANSDUCERS];
     size_t transducer_count;
-    int target; /* TTM: number, -1 empty */
+    int target;                          /* TTM: number, -1 empty */
     double target_range, target_bearing; /* m; deg true, NaN if relative */
     struct {
         int count, index, sequence; /* sequence -1: none */

@@ -79,8 +79,8 @@ static void reads_positions(void **state)
     assert_true(s.valid);
     assert_near(s.altitude, -4, EPS);
     /* No mode field: NMEA before 2.3. */
-    assert_int_equal(
-        parse("$INGLL,4426.1130,N,07140.5579,W,194102,A*2C", &s), PEL_NMEA_OK);
+    assert_int_equal(parse("$INGLL,4426.1130,N,07140.5579,W,194102,A*2C", &s),
+                     PEL_NMEA_OK);
     assert_true(s.valid);
 }
 
@@ -162,8 +162,8 @@ static void takes_tag_blocks_and_lower_case_sums(void **state)
 {
     (void)state;
     struct pel_nmea_sentence s;
-    assert_int_equal(
-        parse("\\s:r3669961,c:1120959341*51\\$GPHDT,,T*1b", &s), PEL_NMEA_OK);
+    assert_int_equal(parse("\\s:r3669961,c:1120959341*51\\$GPHDT,,T*1b", &s),
+                     PEL_NMEA_OK);
     assert_int_equal(s.kind, PEL_NMEA_HDT);
 }
 

@@ -97,9 +97,8 @@ static void one_datagram_is_one_edit(void **state)
     struct fixture *f = *state;
     uint64_t before = pel_scene_state(f->scene)->revision;
     feed(f, "$GPRMC,120000,A,5300.0,N,00530.0,E,10.0,90.0,210626,,,A",
-         "$HEHDT,93.5,T", "$HEROT,12.0,A",
-         "$IIXDR,A,-4.0,D,HEEL,A,1.5,D,TRIM", "$WIMWD,300.0,T,,M,,N,9.0,M",
-         NULL);
+         "$HEHDT,93.5,T", "$HEROT,12.0,A", "$IIXDR,A,-4.0,D,HEEL,A,1.5,D,TRIM",
+         "$WIMWD,300.0,T,,M,,N,9.0,M", NULL);
     assert_int_equal(pel_scene_state(f->scene)->revision, before + 1);
     const Pelagos__Entity *e = entity(f, 1);
     assert_true(near(e->latitude, 53, 1e-9));
@@ -188,8 +187,7 @@ static void ais_targets_become_entities(void **state)
     struct fixture *f = *state;
     size_t before = pel_scene_state(f->scene)->n_entities;
     feed(f, "!AIVDM,1,1,,B,13aDp<PP000IwSlN?Wm@0?wN2<1T,0",
-         "!AIVDM,1,1,,A,B3`eLE00006R0J7Si`WQ3wP1jDkr,0",
-         "$GPHDT,10.0,T", NULL);
+         "!AIVDM,1,1,,A,B3`eLE00006R0J7Si`WQ3wP1jDkr,0", "$GPHDT,10.0,T", NULL);
     assert_int_equal(pel_scene_state(f->scene)->n_entities, before + 2);
     assert_true(near(entity(f, 1)->heading, 10, 1e-9));
     const Pelagos__Entity *e = entity(f, 20000);
@@ -209,8 +207,8 @@ static void more_targets_than_places(void **state)
     for (int i = 0; i < 300; i++) { /* the MMSI varies in two characters */
         char body[64];
         snprintf(body, sizeof body,
-                 "!AIVDM,1,1,,B,13%c%cp<PP000IwSlN?Wm@0?wN2<1T,0",
-                 '0' + i / 40, '0' + i % 40);
+                 "!AIVDM,1,1,,B,13%c%cp<PP000IwSlN?Wm@0?wN2<1T,0", '0' + i / 40,
+                 '0' + i % 40);
         feed(f, body, NULL);
     }
     struct pel_nmea_status status;
@@ -294,8 +292,7 @@ static void listens_to_its_list_only(void **state)
         int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
         char big[5000] = "$";
         static const char line[] = "$HEHDT,104.0,T*2A";
-        sendto(fd, line, sizeof line - 1, 0, (struct sockaddr *)&to,
-               sizeof to);
+        sendto(fd, line, sizeof line - 1, 0, (struct sockaddr *)&to, sizeof to);
         sendto(fd, big, sizeof big, 0, (struct sockaddr *)&to, sizeof to);
         for (int i = 0; i < 50; i++) {
             g_main_context_iteration(NULL, FALSE);

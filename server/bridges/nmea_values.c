@@ -190,10 +190,10 @@ static void take_mwv(struct pel_nmea_values *v,
     if (!pel_nmea_motion(v, now_ns, &course, &speed)) {
         return;
     }
-    double east = -s->wind_speed * sin(from * PEL_DEG) +
-                  speed * sin(course * PEL_DEG);
-    double north = -s->wind_speed * cos(from * PEL_DEG) +
-                   speed * cos(course * PEL_DEG);
+    double east =
+        -s->wind_speed * sin(from * PEL_DEG) + speed * sin(course * PEL_DEG);
+    double north =
+        -s->wind_speed * cos(from * PEL_DEG) + speed * cos(course * PEL_DEG);
     set_wind(v, PEL_WIND_MWV_RELATIVE, wrap(atan2(-east, -north) / PEL_DEG),
              hypot(east, north), now_ns);
 }
@@ -227,8 +227,7 @@ static void take_xdr(struct pel_nmea_values *v,
         } else if (strcmp(t->name, "TRIM") == 0 ||
                    strcmp(t->name, "PITCH") == 0 ||
                    strcmp(t->name, "PTCH") == 0) {
-            set(v, &v->pitch, t->value, -90, 90, now_ns,
-                PEL_NMEA_CHANGED_POSE);
+            set(v, &v->pitch, t->value, -90, 90, now_ns, PEL_NMEA_CHANGED_POSE);
         }
     }
 }

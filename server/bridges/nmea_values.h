@@ -22,15 +22,14 @@ struct pel_nmea_value {
 
 /* Best first. A position comes from one source at a time: two that tell the
  * same fix at different moments would shake the ship. */
+enum { PEL_FIX_RMC, PEL_FIX_GGA, PEL_FIX_GLL, PEL_FIX_VDO, PEL_FIXES };
 enum {
-    PEL_FIX_RMC,
-    PEL_FIX_GGA,
-    PEL_FIX_GLL,
-    PEL_FIX_VDO,
-    PEL_FIXES
+    PEL_HEADING_HDT,
+    PEL_HEADING_HDG,
+    PEL_HEADING_VHW,
+    PEL_HEADING_VDO,
+    PEL_HEADINGS
 };
-enum { PEL_HEADING_HDT, PEL_HEADING_HDG, PEL_HEADING_VHW, PEL_HEADING_VDO,
-       PEL_HEADINGS };
 enum { PEL_MOTION_GNSS, PEL_MOTION_VDO, PEL_MOTION_VHW, PEL_MOTIONS };
 enum { PEL_TURN_ROT, PEL_TURN_VDO, PEL_TURNS };
 enum { PEL_WIND_MWD, PEL_WIND_MWV_TRUE, PEL_WIND_MWV_RELATIVE, PEL_WINDS };
@@ -42,17 +41,17 @@ enum {
 };
 
 struct pel_nmea_values {
-    double latitude, longitude; /* deg */
-    int64_t fix_at_ns;          /* of the position above; 0: none yet */
+    double latitude, longitude;     /* deg */
+    int64_t fix_at_ns;              /* of the position above; 0: none yet */
     int64_t fixes_at_ns[PEL_FIXES]; /* 0: never came */
-    struct pel_nmea_value heading[PEL_HEADINGS];        /* deg true */
-    struct pel_nmea_value course[PEL_MOTIONS];          /* deg true */
-    struct pel_nmea_value speed[PEL_MOTIONS];           /* m/s */
-    struct pel_nmea_value turn_rate[PEL_TURNS];         /* deg/s */
-    struct pel_nmea_value roll, pitch;                  /* deg */
-    struct pel_nmea_value wind_direction[PEL_WINDS];    /* deg true, from */
-    struct pel_nmea_value wind_speed[PEL_WINDS];        /* m/s */
-    struct pel_nmea_value variation, depth, rudder;     /* deg, m, deg */
+    struct pel_nmea_value heading[PEL_HEADINGS];     /* deg true */
+    struct pel_nmea_value course[PEL_MOTIONS];       /* deg true */
+    struct pel_nmea_value speed[PEL_MOTIONS];        /* m/s */
+    struct pel_nmea_value turn_rate[PEL_TURNS];      /* deg/s */
+    struct pel_nmea_value roll, pitch;               /* deg */
+    struct pel_nmea_value wind_direction[PEL_WINDS]; /* deg true, from */
+    struct pel_nmea_value wind_speed[PEL_WINDS];     /* m/s */
+    struct pel_nmea_value variation, depth, rudder;  /* deg, m, deg */
     unsigned changed; /* PEL_NMEA_CHANGED_*; the caller clears it */
     uint64_t out_of_range, void_fixes;
 };
@@ -74,7 +73,6 @@ bool pel_nmea_heading(const struct pel_nmea_values *values, int64_t now_ns,
                       double *deg);
 bool pel_nmea_motion(const struct pel_nmea_values *values, int64_t now_ns,
                      double *course_deg, double *speed_mps);
-double pel_nmea_turn_rate(const struct pel_nmea_values *values,
-                          int64_t now_ns);
+double pel_nmea_turn_rate(const struct pel_nmea_values *values, int64_t now_ns);
 bool pel_nmea_wind(const struct pel_nmea_values *values, int64_t now_ns,
                    double *direction_deg, double *speed_mps);

@@ -54,9 +54,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (data[0] % 2 == 0) {
         /* Answers of 64 KiB at most: 8 bytes in can be 260 out. */
         size_t take = size - 1 < 2000 ? size - 1 : 2000;
-        check_answers(answer,
-                      pel_modbus_session_feed(s, p, take, answer,
-                                              sizeof answer));
+        check_answers(
+            answer, pel_modbus_session_feed(s, p, take, answer, sizeof answer));
     }
     while (data[0] % 2 == 1 && p < end) {
         size_t length = *p++ % 253 + 1;
@@ -66,9 +65,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         }
         uint8_t adu[260] = { 0, 1, 0, 0, 0, (uint8_t)(length + 1), 1 };
         memcpy(adu + 7, p, length);
-        check_answers(answer,
-                      pel_modbus_session_feed(s, adu, length + 7, answer,
-                                              sizeof answer));
+        check_answers(answer, pel_modbus_session_feed(s, adu, length + 7,
+                                                      answer, sizeof answer));
         p += length;
     }
     pel_modbus_session_close(s);
