@@ -320,6 +320,30 @@ def malformed():
         print(f"malformed: 1000 datagrams, {dropped:.0f} bad lines counted")
 
 
+def silence():
+    """After 10 s without sentences the fix is stale and the turn is over;
+    position and heading stay, and the next fix ends it."""
+    nmea = free_port(socket.SOCK_DGRAM)
+    fix = sum_of("GPRMC,120000,A,5241.0,N,00517.0,E,0.0,,210626,,,A").strip()
+    with Daemon("--nmea", f"127.0.0.1:{nmea}", "--state", "off") as daemon:
+        pour(daemon, nmea, [fix, sum_of("HEHDT,90.0,T").strip(),
+                            sum_of("HEROT,60.0,A").strip()])
+        entity = daemon.state()["entities"][0]
+        check(entity["turnRate"] == 1, "turn rate")
+        check(daemon.metrics()["pelagos_nmea_stale"] == 0, "stale at once")
+        time.sleep(12)
+        metrics, entity = daemon.metrics(), daemon.state()["entities"][0]
+        check(metrics["pelagos_nmea_stale"] == 1, "not stale after 12 s")
+        check(entity.get("turnRate", 0) == 0, "still turning")
+        # It turned for 10 s, told once a second.
+        check(abs(entity["heading"] - 100.5) < 1.5, f"{entity['heading']}")
+        check(metres_between((entity["latitude"], entity["longitude"]),
+                             (52 + 41 / 60, 5 + 17 / 60)) < 0.01, "it moved")
+        pour(daemon, nmea, [fix])
+        check(daemon.metrics()["pelagos_nmea_stale"] == 0, "stale for ever")
+        print("silence: stale after 10 s, fresh again with the next fix")
+
+
 def voyage_is_current():
     made = subprocess.run([ROOT / "clients/voyage/voyage.py"], check=True,
                           capture_output=True).stdout
@@ -330,6 +354,7 @@ def voyage_is_current():
 def main():
     voyage_is_current()
     malformed()
+    silence()
     # 12 knots, four fixes a second at twice the pace: what 0.1 s of a busy
     # machine does, 1.2 m.
     follow(VOYAGE, 2, 2.0)

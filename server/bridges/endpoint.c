@@ -144,14 +144,17 @@ static bool read_address(const char *text, struct sockaddr_storage *out,
 
 static uint16_t port_of(int fd)
 {
-    struct sockaddr_storage name = { 0 };
+    union {
+        struct sockaddr any;
+        struct sockaddr_in v4;
+        struct sockaddr_in6 v6;
+    } name = { .v6 = { 0 } };
     socklen_t size = sizeof name;
-    if (getsockname(fd, (struct sockaddr *)&name, &size) != 0) {
+    if (getsockname(fd, &name.any, &size) != 0) {
         return 0;
     }
-    return ntohs(name.ss_family == AF_INET
-                     ? ((struct sockaddr_in *)&name)->sin_port
-                     : ((struct sockaddr_in6 *)&name)->sin6_port);
+    return ntohs(name.any.sa_family == AF_INET ? name.v4.sin_port
+                                               : name.v6.sin6_port);
 }
 
 enum pel_err pel_endpoint_open(const char *what, const char *address,

@@ -20,9 +20,10 @@
 #define MS 1000000LL
 #define SWEEP_MS 100
 #define ADU_DEADLINE_NS (500 * MS)
-#define STALL_NS (5000 * MS) /* a client that takes no answer */
-#define IDLE_NS (60000 * MS) /* gives way to a new client when all are taken   \
-                              */
+/* A client that takes no answer goes. */
+#define STALL_NS (5000 * MS)
+/* One idle for so long gives way to a new client when all are taken. */
+#define IDLE_NS (60000 * MS)
 #define CHUNK 256
 /* The shortest request has 8 bytes: CHUNK of them, and one begun before. */
 #define MAX_ANSWERS ((CHUNK / 8 + 1) * PEL_MODBUS_MAX_ADU)

@@ -87,18 +87,7 @@ static bool apply(struct pel_nmea *nmea, Pelagos__State *state)
     return true;
 }
 
-static bool came_now(const struct pel_nmea_value *values, int count,
-                     int64_t now_ns)
-{
-    for (int i = 0; i < count; i++) {
-        if (values[i].at_ns == now_ns) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* What is known of own ship; the scene reckons the rest to this moment. */
+/* What is new of own ship; the scene reckons the rest to this moment. */
 static void own_ship(struct pel_nmea *nmea, Pelagos__Entity *out)
 {
     struct pel_nmea_values *v = &nmea->values;
@@ -111,14 +100,13 @@ static void own_ship(struct pel_nmea *nmea, Pelagos__Entity *out)
         out->longitude = v->longitude;
         nmea->stopped = false;
     }
-    /* While turning, what the scene reckons is newer than an old value. */
-    bool straight = pel_nmea_turn_rate(v, now) == 0;
+    unsigned news = pel_nmea_news(v, now);
     if (pel_nmea_heading(v, now, &out->heading)) {
-        out->has_heading = straight || came_now(v->heading, PEL_HEADINGS, now);
+        out->has_heading = (news & PEL_NMEA_NEW_HEADING) != 0;
     }
     if (pel_nmea_motion(v, now, &out->course, &out->speed)) {
-        out->has_course = straight || came_now(v->course, PEL_MOTIONS, now);
-        out->has_speed = 1;
+        out->has_course = (news & PEL_NMEA_NEW_COURSE) != 0;
+        out->has_speed = (news & PEL_NMEA_NEW_SPEED) != 0 || nmea->stopped;
         out->speed = nmea->stopped ? 0 : out->speed;
     }
     out->has_turn_rate = v->turn_rate[PEL_TURN_ROT].at_ns != 0 ||

@@ -34,26 +34,31 @@ static int best(const struct pel_nmea_value *values, int count, int64_t now_ns)
     return newest;
 }
 
-bool pel_nmea_heading(const struct pel_nmea_values *v, int64_t now_ns,
-                      double *deg)
+static const struct pel_nmea_value *
+best_heading(const struct pel_nmea_values *v, int64_t now_ns)
 {
     int i = best(v->heading, PEL_HEADINGS, now_ns);
     if (i >= 0 && pel_nmea_fresh(&v->heading[i], now_ns)) {
-        *deg = v->heading[i].value;
-        return true;
+        return &v->heading[i];
     }
     for (int k = PEL_MOTION_GNSS; k <= PEL_MOTION_VDO; k++) {
         if (pel_nmea_fresh(&v->course[k], now_ns) &&
             pel_nmea_fresh(&v->speed[k], now_ns) &&
             v->speed[k].value > STEERAGE_MPS) {
-            *deg = v->course[k].value;
-            return true;
+            return &v->course[k];
         }
     }
-    if (i >= 0) {
-        *deg = v->heading[i].value;
+    return i >= 0 ? &v->heading[i] : NULL;
+}
+
+bool pel_nmea_heading(const struct pel_nmea_values *v, int64_t now_ns,
+                      double *deg)
+{
+    const struct pel_nmea_value *heading = best_heading(v, now_ns);
+    if (heading) {
+        *deg = heading->value;
     }
-    return i >= 0;
+    return heading != NULL;
 }
 
 bool pel_nmea_motion(const struct pel_nmea_values *v, int64_t now_ns,
@@ -69,6 +74,24 @@ bool pel_nmea_motion(const struct pel_nmea_values *v, int64_t now_ns,
         return true;
     }
     return pel_nmea_heading(v, now_ns, course_deg);
+}
+
+unsigned pel_nmea_news(const struct pel_nmea_values *v, int64_t now_ns)
+{
+    const struct pel_nmea_value *heading = best_heading(v, now_ns);
+    int i = best(v->speed, PEL_MOTIONS, now_ns);
+    unsigned news = 0;
+    if (heading && heading->at_ns == now_ns) {
+        news |= PEL_NMEA_NEW_HEADING;
+    }
+    if (i >= 0 && (v->course[i].at_ns != 0 ? v->course[i].at_ns == now_ns
+                                           : news & PEL_NMEA_NEW_HEADING)) {
+        news |= PEL_NMEA_NEW_COURSE;
+    }
+    if (i >= 0 && v->speed[i].at_ns == now_ns) {
+        news |= PEL_NMEA_NEW_SPEED;
+    }
+    return news;
 }
 
 double pel_nmea_turn_rate(const struct pel_nmea_values *v, int64_t now_ns)

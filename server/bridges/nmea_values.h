@@ -74,5 +74,15 @@ bool pel_nmea_heading(const struct pel_nmea_values *values, int64_t now_ns,
 bool pel_nmea_motion(const struct pel_nmea_values *values, int64_t now_ns,
                      double *course_deg, double *speed_mps);
 double pel_nmea_turn_rate(const struct pel_nmea_values *values, int64_t now_ns);
+
+/* Which of the values above came at now_ns itself: PEL_NMEA_NEW_*. The others
+ * are older than what the scene reckons from them. */
+enum {
+    PEL_NMEA_NEW_HEADING = 1,
+    PEL_NMEA_NEW_COURSE = 2,
+    PEL_NMEA_NEW_SPEED = 4,
+};
+unsigned pel_nmea_news(const struct pel_nmea_values *values, int64_t now_ns);
+
 bool pel_nmea_wind(const struct pel_nmea_values *values, int64_t now_ns,
                    double *direction_deg, double *speed_mps);
