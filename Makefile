@@ -325,7 +325,14 @@ asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
 	    LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 \
 	    UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
 	    PELAGOS_BIN=$(CURDIR)/build/asan/bin \
-	    tests/run $(patsubst $(O)/%,build/asan/%,$(TEST_BIN)) tests/ctl_test.sh
+	    tests/run $(patsubst $(O)/%,build/asan/%,$(TEST_BIN)) \
+	    tests/ctl_test.sh tests/daemon_test.sh
+
+.PHONY: tsan
+tsan: deps ## the tests with threads under ThreadSanitizer
+	$(Q)$(MAKE) -s --no-print-directory FLAVOR=tsan build/tsan/bin/frames_test
+	$(Q)TSAN_OPTIONS=suppressions=tests/tsan.supp \
+	    tests/run build/tsan/bin/frames_test
 
 # --- style ---------------------------------------------------------------
 C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | sort)

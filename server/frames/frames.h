@@ -81,8 +81,9 @@ void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
  * for each (view, quality), newest frame to all. The callback gets every frame;
  * dropping for slow clients is the subscriber's work. When the view is deleted
  * the callback gets NOT_FOUND once and no more frames; the subscription still
- * waits for pel_frames_unsubscribe. At most 256 subscriptions and 64 different
- * (view, quality): BUSY. quality 1..100. */
+ * waits for pel_frames_unsubscribe. Any other error is of one frame only. At
+ * most 256 subscriptions and 64 different (view, quality): BUSY.
+ * quality 1..100. */
 struct pel_subscription;
 PEL_CHECK enum pel_err
 pel_frames_subscribe(struct pel_frames *frames, const char *view, int quality,
