@@ -172,6 +172,7 @@ FUZZERS += tests/fuzz/fuzz_nmea.c
 FUZZERS += tests/fuzz/fuzz_modbus.c
 FUZZERS += tests/fuzz/fuzz_json.c
 FUZZERS += tests/fuzz/fuzz_protobuf.c
+FUZZERS += tests/fuzz/fuzz_http.c
 TESTS += clients/lib/pelagos_test.c
 TESTS += clients/pelagosctl/ctl_test.c
 TESTS += clients/pelagosctl/nmea_log_test.c

@@ -262,6 +262,10 @@ static enum pel_err apply(struct session *self,
 {
     struct pel_scene *scene = self->all->scene;
     enum pel_err err = PEL_OK;
+    if (!request->get) { /* any member of the union */
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "the request has no command");
+    }
     if (self->all->stopped) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT, "the server stops");
     }
@@ -288,7 +292,7 @@ static enum pel_err apply(struct session *self,
         break;
     default:
         return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "the request has no command");
+                             "the request's command is not known");
     }
     if (err == PEL_OK) {
         send_state(self, request->has_id, request->id);
