@@ -114,6 +114,7 @@ NET := server/net/fdsource.c \
     server/net/http_view.c \
     server/net/http_route.c \
     server/net/mjpeg.c \
+    server/net/http_answer.c \
     server/net/http_server.c \
     server/net/net.c
 PAGES := $(wildcard clients/web/*.html clients/web/*.css clients/web/*.js \

@@ -62,8 +62,8 @@ static void append_value(GString *out, double value)
 }
 
 void pel_metric(struct pel_metrics_page *page, const char *name,
-                enum pel_metric_type type, const char *help,
-                const char *labels, double value)
+                enum pel_metric_type type, const char *help, const char *labels,
+                double value)
 {
     struct family *family = g_tree_lookup(page->families, name);
     if (!family) {
@@ -121,11 +121,10 @@ static gboolean append_family(void *key, void *value, void *user)
 {
     (void)key;
     const struct family *family = value;
-    g_string_append_printf(user, "# HELP %s %s\n# TYPE %s %s\n%s",
-                           family->name, family->help, family->name,
-                           family->type == PEL_METRIC_COUNTER ? "counter"
-                                                              : "gauge",
-                           family->samples->str);
+    g_string_append_printf(
+        user, "# HELP %s %s\n# TYPE %s %s\n%s", family->name, family->help,
+        family->name, family->type == PEL_METRIC_COUNTER ? "counter" : "gauge",
+        family->samples->str);
     return FALSE;
 }
 

@@ -16,8 +16,8 @@ struct pel_metrics_page;
  * `input="nmea"`, or NULL. Samples of one name may come from several rooms:
  * the first one's help and type count. The strings are copied. */
 void pel_metric(struct pel_metrics_page *page, const char *name,
-                enum pel_metric_type type, const char *help,
-                const char *labels, double value);
+                enum pel_metric_type type, const char *help, const char *labels,
+                double value);
 
 /* Writes a room's samples with pel_metric. */
 typedef void (*pel_metrics_collect)(void *user, struct pel_metrics_page *page);

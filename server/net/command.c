@@ -35,9 +35,8 @@ static enum pel_err refuse(struct pel_fault *fault, enum pel_err code,
     return code;
 }
 
-static enum pel_err out_of_range(const char *path,
-                                 const struct pel_field *info, double value,
-                                 struct pel_fault *fault)
+static enum pel_err out_of_range(const char *path, const struct pel_field *info,
+                                 double value, struct pel_fault *fault)
 {
     bool unit = info->unit && strcmp(info->unit, "1") != 0;
     char what[128];
@@ -51,8 +50,7 @@ static enum pel_err check_number(const ProtobufCMessage *message,
                                  const ProtobufCFieldDescriptor *field,
                                  const char *path, struct pel_fault *fault)
 {
-    const struct pel_field *info =
-        pel_field_info(message->descriptor, field);
+    const struct pel_field *info = pel_field_info(message->descriptor, field);
     double value = 0.0;
     if (!pel_message_number(message, field, &value)) {
         return PEL_OK;
@@ -62,8 +60,7 @@ static enum pel_err check_number(const ProtobufCMessage *message,
                       "is not a finite number");
     }
     if (field->type == PROTOBUF_C_TYPE_ENUM &&
-        !protobuf_c_enum_descriptor_get_value(field->descriptor,
-                                              (int)value)) {
+        !protobuf_c_enum_descriptor_get_value(field->descriptor, (int)value)) {
         return refuse(fault, PEL_ERR_INVALID, path, info, value,
                       "is not a value of its kind");
     }
@@ -87,8 +84,8 @@ enum pel_err pel_fault_value(struct pel_fault *fault, enum pel_err code,
 }
 
 enum pel_err pel_command_number(const ProtobufCMessageDescriptor *type,
-                                const char *name, const char *text,
-                                double *out, struct pel_fault *fault)
+                                const char *name, const char *text, double *out,
+                                struct pel_fault *fault)
 {
     const ProtobufCFieldDescriptor *field =
         pel_field_by_name(type, name, strlen(name));
@@ -116,8 +113,7 @@ static enum pel_err check_below(const ProtobufCMessage *message,
                                 const char *prefix, struct pel_fault *fault)
 {
     for (unsigned i = 0; i < message->descriptor->n_fields; i++) {
-        const ProtobufCFieldDescriptor *field =
-            &message->descriptor->fields[i];
+        const ProtobufCFieldDescriptor *field = &message->descriptor->fields[i];
         if (!pel_message_has(message, field)) {
             continue;
         }
@@ -136,8 +132,7 @@ static enum pel_err check_below(const ProtobufCMessage *message,
             err = check_below(*child, path, fault);
         } else {
             size_t count = 0;
-            ProtobufCMessage **items =
-                pel_message_list(message, field, &count);
+            ProtobufCMessage **items = pel_message_list(message, field, &count);
             for (size_t k = 0; k < count && err == PEL_OK; k++) {
                 char item[128];
                 snprintf(item, sizeof item, "%s.%zu", path, k);
@@ -183,8 +178,8 @@ enum pel_err pel_command_surface(struct pel_frames *frames,
         }
         points[i] = (struct pel_vec2){ point->east, point->north };
     }
-    err = pel_frames_surface(frames, points, query->n_points,
-                             query->has_time, query->time, done, user, fault);
+    err = pel_frames_surface(frames, points, query->n_points, query->has_time,
+                             query->time, done, user, fault);
     g_free(points);
     return err;
 }
@@ -279,8 +274,8 @@ uint8_t *pel_frame_reply_head(bool has_id, uint64_t id,
     size_t head = pelagos__reply__get_packed_size(&reply);
     size_t prefix_size = pel_wire_prefix(head + frame_tag_size + inner, prefix);
 
-    uint8_t *out = g_malloc(prefix_size + head + frame_tag_size + fields +
-                            data_tag_size);
+    uint8_t *out =
+        g_malloc(prefix_size + head + frame_tag_size + fields + data_tag_size);
     uint8_t *at = out;
     memcpy(at, prefix, prefix_size);
     at += prefix_size;

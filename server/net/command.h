@@ -34,8 +34,7 @@ enum pel_err pel_fault_value(struct pel_fault *fault, enum pel_err code,
 PEL_CHECK enum pel_err pel_command_surface(struct pel_frames *frames,
                                            const Pelagos__SurfaceQuery *query,
                                            pel_surface_callback done,
-                                           void *user,
-                                           struct pel_fault *fault);
+                                           void *user, struct pel_fault *fault);
 
 /* Samples as a message; free with pel_surface_message_free. */
 Pelagos__Surface *pel_surface_message(double time_s,

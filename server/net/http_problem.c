@@ -98,10 +98,10 @@ void pel_http_problem(struct pel_http_answer *answer, int status,
     pel_http_answer_finish(answer);
     status = status ? status : pel_http_status(fault->code);
     GString *out = g_string_new(NULL);
-    g_string_append_printf(out, "{\"type\":\"about:blank\",\"title\":\"%s\","
+    g_string_append_printf(out,
+                           "{\"type\":\"about:blank\",\"title\":\"%s\","
                            "\"status\":%d,\"code\":\"%s\"",
-                           title_of(status), status,
-                           pel_err_name(fault->code));
+                           title_of(status), status, pel_err_name(fault->code));
     append_string(out, "detail", fault->message);
     append_string(out, "path", fault->path);
     append_string(out, "value", fault->value);

@@ -124,7 +124,8 @@ enum pel_err pel_http_parse_target(const char *target,
     if (length >= PEL_HTTP_MAX_TARGET || target[0] != '/') {
         return pel_fault_set(fault, PEL_ERR_MALFORMED,
                              "the request target must be a path of at most "
-                             "%d bytes", PEL_HTTP_MAX_TARGET - 1);
+                             "%d bytes",
+                             PEL_HTTP_MAX_TARGET - 1);
     }
     const char *end = target + length;
     const char *mark = memchr(target, '?', length);
@@ -216,9 +217,8 @@ bool pel_http_type_is_json(const char *type)
     }
     const char *rest = type + length;
     rest += strspn(rest, "; \t");
-    return json &&
-           (*rest == '\0' || strcasecmp(rest, "charset=utf-8") == 0 ||
-            strcasecmp(rest, "charset=\"utf-8\"") == 0);
+    return json && (*rest == '\0' || strcasecmp(rest, "charset=utf-8") == 0 ||
+                    strcasecmp(rest, "charset=\"utf-8\"") == 0);
 }
 
 bool pel_http_tag_matches(const char *value, const char *tag, bool weak)

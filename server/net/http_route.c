@@ -19,11 +19,11 @@
 #define SURFACE_BODY 8 /* times the limit of other bodies */
 
 enum route_flags {
-    ROUTE_BODY = 1,       /* takes JSON */
-    ROUTE_EMPTY_OK = 2,   /* or nothing */
-    ROUTE_LARGE = 4,      /* with the larger limit */
-    ROUTE_NO_HEAD = 8,    /* GET only: an answer that costs a picture */
-    ROUTE_REST = 16,      /* the last segment stands for all that follow */
+    ROUTE_BODY = 1,     /* takes JSON */
+    ROUTE_EMPTY_OK = 2, /* or nothing */
+    ROUTE_LARGE = 4,    /* with the larger limit */
+    ROUTE_NO_HEAD = 8,  /* GET only: an answer that costs a picture */
+    ROUTE_REST = 16,    /* the last segment stands for all that follow */
 };
 
 struct route {
@@ -59,8 +59,7 @@ static void set_tag(const struct pel_http_call *call)
 
 bool pel_http_precondition(const struct pel_http_call *call)
 {
-    const char *wanted =
-        pel_http_find_header(call->request, "If-Match", NULL);
+    const char *wanted = pel_http_find_header(call->request, "If-Match", NULL);
     if (!wanted) {
         return true;
     }
@@ -126,9 +125,8 @@ static void patch_state(const struct pel_http_call *call)
     }
     struct pel_fault fault;
     Pelagos__Patch *patch = NULL;
-    enum pel_err err =
-        pel_json_merge_patch(call->request->body, call->request->body_size,
-                             &patch, &fault);
+    enum pel_err err = pel_json_merge_patch(
+        call->request->body, call->request->body_size, &patch, &fault);
     if (err == PEL_OK) {
         err = pel_scene_patch(call->context->scene, patch, &fault);
         pelagos__patch__free_unpacked(patch, NULL);
@@ -181,9 +179,9 @@ static void append_value(GString *out, const struct pel_path_info *info,
                          const char *text)
 {
     ProtobufCType type = info->field->type;
-    bool bare = *text == '{' || *text == '[' ||
-                (type != PROTOBUF_C_TYPE_STRING &&
-                 type != PROTOBUF_C_TYPE_ENUM);
+    bool bare =
+        *text == '{' || *text == '[' ||
+        (type != PROTOBUF_C_TYPE_STRING && type != PROTOBUF_C_TYPE_ENUM);
     if (!*text) {
         g_string_append(out, "null");
     } else if (bare) {
@@ -246,10 +244,10 @@ static void post_step(const struct pel_http_call *call)
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;
     bool empty = call->request->body_size == 0;
-    enum pel_err err = pel_json_to_message(
-        empty ? "{}" : call->request->body,
-        empty ? 2 : call->request->body_size,
-        &pelagos__clock_step__descriptor, &message, &fault);
+    enum pel_err err =
+        pel_json_to_message(empty ? "{}" : call->request->body,
+                            empty ? 2 : call->request->body_size,
+                            &pelagos__clock_step__descriptor, &message, &fault);
     if (err == PEL_OK) {
         err = pel_command_check(message, &fault);
     }
@@ -271,10 +269,9 @@ static void post_surface(const struct pel_http_call *call)
 {
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;
-    enum pel_err err =
-        pel_json_to_message(call->request->body, call->request->body_size,
-                            &pelagos__surface_query__descriptor, &message,
-                            &fault);
+    enum pel_err err = pel_json_to_message(
+        call->request->body, call->request->body_size,
+        &pelagos__surface_query__descriptor, &message, &fault);
     if (err != PEL_OK) {
         pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
         return;
@@ -409,8 +406,10 @@ static const struct route *find_route(const struct pel_http_request *request,
     struct pel_fault fault;
     answer->allow = allow_of(target);
     if (answer->allow) {
-        pel_fault_set(&fault, PEL_ERR_INVALID, "%.16s is not possible here, "
-                      "only %s", request->method, answer->allow);
+        pel_fault_set(&fault, PEL_ERR_INVALID,
+                      "%.16s is not possible here, "
+                      "only %s",
+                      request->method, answer->allow);
         pel_http_problem(answer, 405, &fault);
     } else {
         pel_fault_set(&fault, PEL_ERR_NOT_FOUND, "there is nothing at %.120s",
@@ -485,7 +484,8 @@ static enum pel_err check_head(const struct pel_http_context *context,
     if (!pel_http_host_is_ours(host, context->hosts)) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "Host `%.80s` is no name of this server: use its "
-                             "address or localhost", host);
+                             "address or localhost",
+                             host);
     }
     if (origins > 0 && !safe_method(request->method) &&
         !pel_http_origin_is_ours(origin, host)) {
@@ -501,13 +501,12 @@ static enum pel_err check_body(const struct pel_http_context *context,
                                const struct route *route, size_t *limit,
                                int *status, struct pel_fault *fault)
 {
-    const char *length =
-        pel_http_find_header(request, "Content-Length", NULL);
+    const char *length = pel_http_find_header(request, "Content-Length", NULL);
     const char *type = pel_http_find_header(request, "Content-Type", NULL);
     bool chunked = pel_http_find_header(request, "Transfer-Encoding", NULL);
     double announced = length ? g_ascii_strtod(length, NULL) : 0.0;
     bool takes = route->flags & ROUTE_BODY;
-    *limit = !takes                     ? 0
+    *limit = !takes                       ? 0
              : route->flags & ROUTE_LARGE ? SURFACE_BODY * context->body_limit
                                           : context->body_limit;
     if (announced > (double)*limit || (!takes && chunked)) {
@@ -587,8 +586,7 @@ void pel_http_route(const struct pel_http_context *context,
     if (target.query_count > 0 && route->handle != pel_http_get_frame &&
         route->handle != pel_http_get_mjpeg) {
         pel_fault_value(&fault, PEL_ERR_NOT_FOUND, target.query[0].name,
-                        target.query[0].value,
-                        "no parameters are taken here");
+                        target.query[0].value, "no parameters are taken here");
         pel_http_problem(answer, 400, &fault);
         return;
     }

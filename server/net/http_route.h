@@ -32,9 +32,9 @@ enum pel_http_kind {
 struct pel_http_answer {
     enum pel_http_kind kind;
     int status;
-    const char *type;  /* Content-Type, static; NULL: no body */
-    char *owned;       /* body to free(), or NULL */
-    const void *body;  /* `owned`, or static data */
+    const char *type; /* Content-Type, static; NULL: no body */
+    char *owned;      /* body to free(), or NULL */
+    const void *body; /* `owned`, or static data */
     size_t size;
     bool close;        /* the connection cannot go on */
     bool page;         /* a file of the page: may be kept, with care */
@@ -55,8 +55,8 @@ void pel_http_answer_finish(struct pel_http_answer *answer);
  * (body_limit, if not NULL, gets the most bytes of body there may be); false:
  * *answer refuses it and the connection must close if a body was announced. */
 bool pel_http_admit(const struct pel_http_context *context,
-                    const struct pel_http_request *request,
-                    size_t *body_limit, struct pel_http_answer *answer);
+                    const struct pel_http_request *request, size_t *body_limit,
+                    struct pel_http_answer *answer);
 
 /* The answer to an admitted request with its whole body. */
 void pel_http_route(const struct pel_http_context *context,

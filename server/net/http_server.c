@@ -1,6 +1,5 @@
-#include "net/http_server.h"
+#include "net/http_client.h"
 
-#include <errno.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <stdio.h>
@@ -14,53 +13,13 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "json.h"
-#include "net/command.h"
 #include "net/listener.h"
-#include "net/mjpeg.h"
 #include "net/tcpinfo.h"
 
 #define IDLE_S 10 /* silence that the library ends by itself */
 #define MEMORY_BYTES (16 * 1024)
 #define MAX_HEADERS 64
-#define STREAM_BLOCK 65536
-#define STREAM_SOCKET_BUFFER (256 * 1024)
 #define SWEEP_MS 250
-#define STATUS_MAX 600
-
-enum phase {
-    PHASE_HEADERS, /* from the connection's begin or the last answer */
-    PHASE_BODY,
-    PHASE_ANSWER,
-    PHASE_STREAM,
-    PHASE_CLOSED, /* shut down, the library has yet to notice */
-};
-
-/* One connection, and the request that it is busy with. */
-struct client {
-    struct pel_http_server *server;
-    struct MHD_Connection *connection;
-    int fd;
-    struct in6_addr source;
-    bool loopback;
-    enum phase phase;
-    int64_t deadline_ns;
-    uint64_t consumed; /* bytes received when the last request was done */
-    bool first;        /* nothing has been answered yet */
-
-    char *target;
-    GString *body;
-    size_t body_limit;
-    bool suspended;
-    bool waiting;      /* for frame or surface */
-    uint64_t frame_id; /* 0: not a frame */
-    struct waiter *waiter;
-};
-
-/* A surface query cannot be called off, so this outlives its client. */
-struct waiter {
-    struct client *client; /* NULL: gone */
-};
 
 struct daemon_source {
     GSource source;
@@ -68,324 +27,6 @@ struct daemon_source {
     void *tag;
     gint64 due_us;
 };
-
-struct pel_http_server {
-    struct pel_net_limits limits;
-    struct pel_http_context context;
-    struct pel_frames *frames;
-    struct MHD_Daemon *daemon;
-    struct daemon_source *source;
-    bool run_again;
-    bool closing;
-    guint sweeper;
-    GPtrArray *clients;
-    struct pel_mjpeg_stats mjpeg;
-    uint64_t answers[STATUS_MAX];
-    uint64_t accepted, refused, malformed, timeouts, vanished;
-};
-
-static int64_t after(double s)
-{
-    return pel_now_ns() + (int64_t)(s * 1e9);
-}
-
-/* Lets the library look at its connections at the loop's next turn: after a
- * resume it would otherwise wait for the network. */
-static void kick(struct pel_http_server *server)
-{
-    server->run_again = true;
-    g_main_context_wakeup(NULL);
-}
-
-static void resume(struct client *client)
-{
-    if (client->suspended) {
-        client->suspended = false;
-        MHD_resume_connection(client->connection);
-        kick(client->server);
-    }
-}
-
-static void suspend(struct client *client)
-{
-    client->suspended = true;
-    MHD_suspend_connection(client->connection);
-}
-
-/* --- answers -------------------------------------------------------------- */
-
-static void add(struct MHD_Response *response, const char *name,
-                const char *value)
-{
-    MHD_add_response_header(response, name, value);
-}
-
-static void add_safety(struct MHD_Response *response)
-{
-    add(response, "X-Content-Type-Options", "nosniff");
-    add(response, "Cross-Origin-Resource-Policy", "same-origin");
-    add(response, "Referrer-Policy", "no-referrer");
-}
-
-static enum MHD_Result queue(struct client *client, int status,
-                             struct MHD_Response *response)
-{
-    struct pel_http_server *server = client->server;
-    if (status < STATUS_MAX) {
-        server->answers[status]++;
-    }
-    if (client->phase != PHASE_CLOSED) {
-        client->phase = PHASE_ANSWER;
-        client->deadline_ns = after(server->limits.http_answer_s);
-    }
-    add_safety(response);
-    enum MHD_Result result = MHD_queue_response(client->connection,
-                                                (unsigned)status, response);
-    MHD_destroy_response(response);
-    return result;
-}
-
-/* Sends a whole answer and finishes it. */
-static enum MHD_Result send_answer(struct client *client,
-                                   struct pel_http_answer *answer)
-{
-    struct MHD_Response *response;
-    if (answer->owned) {
-        response = MHD_create_response_from_buffer(
-            answer->size, answer->owned, MHD_RESPMEM_MUST_FREE);
-        answer->owned = NULL;
-    } else {
-        response = MHD_create_response_from_buffer(
-            answer->size, (void *)answer->body, MHD_RESPMEM_PERSISTENT);
-    }
-    add(response, "Cache-Control", answer->page ? "no-cache" : "no-store");
-    if (answer->type) {
-        add(response, "Content-Type", answer->type);
-    }
-    if (answer->page) {
-        add(response, "Content-Security-Policy",
-            "default-src 'self'; img-src 'self' blob:; base-uri 'none'; "
-            "form-action 'none'; frame-ancestors 'none'");
-    }
-    if (answer->allow) {
-        add(response, "Allow", answer->allow);
-    }
-    if (answer->tag[0]) {
-        add(response, "ETag", answer->tag);
-    }
-    if (answer->location[0]) {
-        add(response, "Location", answer->location);
-    }
-    if (answer->retry_after_s) {
-        add(response, "Retry-After", "1");
-    }
-    if (answer->close) {
-        add(response, "Connection", "close");
-    }
-    int status = answer->status;
-    pel_http_answer_finish(answer);
-    return queue(client, status, response);
-}
-
-static enum MHD_Result send_fault(struct client *client, int status,
-                                  const struct pel_fault *fault)
-{
-    struct pel_http_answer answer = { .kind = PEL_HTTP_WHOLE };
-    pel_http_problem(&answer, status, fault);
-    return send_answer(client, &answer);
-}
-
-/* --- one picture ---------------------------------------------------------- */
-
-static void unref_frame(void *frame)
-{
-    pel_frame_unref(frame);
-}
-
-static void add_frame_headers(struct MHD_Response *response,
-                              const struct pel_frame *frame)
-{
-    static const char *const types[] = {
-        [PELAGOS__FRAME_FORMAT__JPEG] = "image/jpeg",
-        [PELAGOS__FRAME_FORMAT__PNG] = "image/png",
-        [PELAGOS__FRAME_FORMAT__EXR] = "image/x-exr",
-    };
-    char text[64];
-    add(response, "Content-Type", types[frame->format]);
-    add(response, "Cache-Control", "no-store");
-    snprintf(text, sizeof text, "%llu", (unsigned long long)frame->number);
-    add(response, "X-Pelagos-Frame", text);
-    snprintf(text, sizeof text, "%.9g", frame->time_s);
-    add(response, "X-Pelagos-Time", text);
-    snprintf(text, sizeof text, "%llu", (unsigned long long)frame->revision);
-    add(response, "X-Pelagos-Revision", text);
-    snprintf(text, sizeof text, "%.3f", frame->render_ms);
-    add(response, "X-Pelagos-Render-Ms", text);
-    snprintf(text, sizeof text, "%.3f", frame->encode_ms);
-    add(response, "X-Pelagos-Encode-Ms", text);
-}
-
-static void on_frame(void *user, enum pel_err err,
-                     const struct pel_fault *fault, struct pel_frame *frame)
-{
-    struct client *client = user;
-    client->waiting = false;
-    client->frame_id = 0;
-    if (err != PEL_OK) {
-        send_fault(client, 0, fault);
-    } else {
-        struct MHD_Response *response =
-            MHD_create_response_from_buffer_with_free_callback_cls(
-                frame->size, (void *)frame->data, unref_frame,
-                pel_frame_ref(frame));
-        add_frame_headers(response, frame);
-        queue(client, 200, response);
-    }
-    resume(client);
-}
-
-static enum MHD_Result start_frame(struct client *client,
-                                   struct pel_http_answer *answer)
-{
-    struct pel_fault fault;
-    uint64_t id = 0;
-    client->waiting = true;
-    enum pel_err err =
-        pel_frames_request(client->server->frames, answer->frame, on_frame,
-                           client, &id, &fault);
-    pel_http_answer_finish(answer);
-    if (err != PEL_OK) {
-        client->waiting = false;
-        return send_fault(client, 0, &fault);
-    }
-    if (client->waiting) {
-        client->frame_id = id;
-        suspend(client);
-    }
-    return MHD_YES;
-}
-
-/* --- the surface ---------------------------------------------------------- */
-
-static void on_surface(void *user, enum pel_err err,
-                       const struct pel_fault *fault, double time_s,
-                       const struct pel_surface_sample *samples, size_t count)
-{
-    struct waiter *waiter = user;
-    struct client *client = waiter->client;
-    g_free(waiter);
-    if (!client) {
-        return;
-    }
-    client->waiter = NULL;
-    client->waiting = false;
-    if (err != PEL_OK) {
-        send_fault(client, 0, fault);
-    } else {
-        Pelagos__Surface *surface =
-            pel_surface_message(time_s, samples, count);
-        struct pel_http_answer answer = { .status = 200,
-                                          .type = "application/json" };
-        answer.owned = pel_json_from_message(&surface->base, false);
-        answer.body = answer.owned;
-        answer.size = strlen(answer.owned);
-        pel_surface_message_free(surface);
-        send_answer(client, &answer);
-    }
-    resume(client);
-}
-
-static enum MHD_Result start_surface(struct client *client,
-                                     struct pel_http_answer *answer)
-{
-    struct pel_fault fault;
-    struct waiter *waiter = g_new0(struct waiter, 1);
-    waiter->client = client;
-    client->waiter = waiter;
-    client->waiting = true;
-    enum pel_err err = pel_command_surface(client->server->frames,
-                                           answer->surface, on_surface, waiter,
-                                           &fault);
-    pel_http_answer_finish(answer);
-    if (err != PEL_OK) {
-        client->waiter = NULL;
-        client->waiting = false;
-        g_free(waiter);
-        return send_fault(client, 0, &fault);
-    }
-    if (client->waiting) {
-        suspend(client);
-    }
-    return MHD_YES;
-}
-
-/* --- Motion JPEG ---------------------------------------------------------- */
-
-/* The stream's own memory: it dies with the response, which the library may
- * keep a little longer than the request. */
-struct stream {
-    struct client *client;
-    struct pel_viewer *viewer;
-};
-
-static void wake_stream(void *user)
-{
-    struct stream *stream = user;
-    resume(stream->client);
-}
-
-static ssize_t read_stream(void *user, uint64_t position, char *out,
-                           size_t size)
-{
-    (void)position;
-    struct stream *stream = user;
-    if (stream->client->server->closing ||
-        stream->client->phase == PHASE_CLOSED) {
-        return MHD_CONTENT_READER_END_WITH_ERROR;
-    }
-    ssize_t n = pel_viewer_read(stream->viewer, out, size);
-    if (n == 0) {
-        suspend(stream->client);
-    }
-    return n < 0 ? MHD_CONTENT_READER_END_OF_STREAM : n;
-}
-
-static void free_stream(void *user)
-{
-    struct stream *stream = user;
-    pel_viewer_destroy(stream->viewer);
-    g_free(stream);
-}
-
-static enum MHD_Result start_stream(struct client *client,
-                                    const struct pel_http_answer *answer)
-{
-    struct pel_http_server *server = client->server;
-    struct pel_fault fault;
-    struct stream *stream = g_new0(struct stream, 1);
-    stream->client = client;
-    enum pel_err err = pel_viewer_create(
-        server->frames, answer->view, answer->quality, answer->fps,
-        &server->mjpeg, wake_stream, stream, &stream->viewer, &fault);
-    if (err != PEL_OK) {
-        g_free(stream);
-        return send_fault(client, 0, &fault);
-    }
-    int size = STREAM_SOCKET_BUFFER;
-    setsockopt(client->fd, SOL_SOCKET, SO_SNDBUF, &size, sizeof size);
-    MHD_set_connection_option(client->connection,
-                              MHD_CONNECTION_OPTION_TIMEOUT,
-                              (unsigned)(server->limits.http_stall_s + 0.999));
-    struct MHD_Response *response = MHD_create_response_from_callback(
-        MHD_SIZE_UNKNOWN, STREAM_BLOCK, read_stream, stream, free_stream);
-    MHD_set_response_options(response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT,
-                             MHD_RO_END);
-    add(response, "Content-Type", PEL_MJPEG_TYPE);
-    add(response, "Cache-Control", "no-store");
-    enum MHD_Result result = queue(client, 200, response);
-    client->phase = PHASE_STREAM;
-    return result;
-}
 
 /* --- requests ------------------------------------------------------------- */
 
@@ -413,8 +54,8 @@ static bool describe(struct client *client, const char *method,
                      struct headers *headers, struct pel_http_request *out)
 {
     headers->count = 0;
-    MHD_get_connection_values(client->connection, MHD_HEADER_KIND,
-                              take_header, headers);
+    MHD_get_connection_values(client->connection, MHD_HEADER_KIND, take_header,
+                              headers);
     *out = (struct pel_http_request){
         .method = method,
         .target = client->target ? client->target : "",
@@ -437,21 +78,21 @@ static enum MHD_Result take_head(struct client *client, const char *method)
         pel_fault_set(&fault, PEL_ERR_MALFORMED,
                       "there may be at most %d headers", MAX_HEADERS);
         client->server->malformed++;
-        return send_fault(client, 400, &fault);
+        return pel_http_send_fault(client, 400, &fault);
     }
     if (client->server->context.stopping &&
         strcmp(request.target, "/healthz") != 0) {
         pel_fault_set(&fault, PEL_ERR_BUSY, "the server stops");
-        return send_fault(client, 0, &fault);
+        return pel_http_send_fault(client, 0, &fault);
     }
     bool admitted = pel_http_admit(&client->server->context, &request,
                                    &client->body_limit, &answer);
     if (!admitted) {
         client->server->malformed += answer.status != 404;
-        return send_answer(client, &answer);
+        return pel_http_send(client, &answer);
     }
     client->phase = PHASE_BODY;
-    client->deadline_ns = after(client->server->limits.http_body_s);
+    client->deadline_ns = pel_http_after(client->server->limits.http_body_s);
     return MHD_YES;
 }
 
@@ -493,21 +134,21 @@ static enum MHD_Result take_request(struct client *client, const char *method)
     struct pel_http_request request;
     struct pel_http_answer answer;
     client->phase = PHASE_ANSWER;
-    client->deadline_ns = after(client->server->limits.http_answer_s);
+    client->deadline_ns = pel_http_after(client->server->limits.http_answer_s);
     describe(client, method, &headers, &request);
     pel_http_route(&client->server->context, &request, &answer);
     switch (answer.kind) {
     case PEL_HTTP_FRAME:
-        return start_frame(client, &answer);
+        return pel_http_send_frame(client, &answer);
     case PEL_HTTP_SURFACE:
-        return start_surface(client, &answer);
+        return pel_http_send_surface(client, &answer);
     case PEL_HTTP_MJPEG:
-        return start_stream(client, &answer);
+        return pel_http_send_stream(client, &answer);
     case PEL_HTTP_WHOLE:
         break;
     }
     client->server->malformed += answer.status == 400;
-    return send_answer(client, &answer);
+    return pel_http_send(client, &answer);
 }
 
 static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
@@ -536,8 +177,8 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
 
 static struct client *client_of(struct MHD_Connection *connection)
 {
-    const union MHD_ConnectionInfo *info = MHD_get_connection_info(
-        connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     return info ? info->socket_context : NULL;
 }
 
@@ -554,23 +195,9 @@ static void *on_target(void *user, const char *target,
     return client;
 }
 
-/* Nobody waits for the picture or the surface any more. */
-static void call_off(struct client *client)
-{
-    if (client->frame_id) {
-        pel_frames_cancel(client->server->frames, client->frame_id);
-        client->frame_id = 0;
-    }
-    if (client->waiter) {
-        client->waiter->client = NULL;
-        client->waiter = NULL;
-    }
-    client->waiting = false;
-}
-
 static void forget_request(struct client *client)
 {
-    call_off(client);
+    pel_http_call_off(client);
     g_free(client->target);
     client->target = NULL;
     if (client->body) {
@@ -608,7 +235,8 @@ static void on_completed(void *user, struct MHD_Connection *connection,
     client->consumed = pel_tcp_received(client->fd);
     if (client->phase != PHASE_CLOSED) {
         client->phase = PHASE_HEADERS;
-        client->deadline_ns = after(client->server->limits.http_idle_s);
+        client->deadline_ns =
+            pel_http_after(client->server->limits.http_idle_s);
     }
 }
 
@@ -636,8 +264,8 @@ static void on_connection(void *user, struct MHD_Connection *connection,
         struct client *client = g_new0(struct client, 1);
         client->server = server;
         client->connection = connection;
-        client->fd = MHD_get_connection_info(
-                         connection, MHD_CONNECTION_INFO_CONNECTION_FD)
+        client->fd = MHD_get_connection_info(connection,
+                                             MHD_CONNECTION_INFO_CONNECTION_FD)
                          ->connect_fd;
         const struct sockaddr *address =
             MHD_get_connection_info(connection,
@@ -646,7 +274,7 @@ static void on_connection(void *user, struct MHD_Connection *connection,
         source_of(address, &client->source);
         client->loopback = pel_address_is_loopback(address);
         client->first = true;
-        client->deadline_ns = after(server->limits.http_header_s);
+        client->deadline_ns = pel_http_after(server->limits.http_header_s);
         g_ptr_array_add(server->clients, client);
         *context = client;
         return;
@@ -691,7 +319,8 @@ bool pel_http_server_accept(struct pel_http_server *server, int fd,
         server->refused++;
         pel_log_limited(&limit, PEL_LOG_WARNING, "NET-020",
                         "HTTP client refused: %u connections, %u of them from "
-                        "its source", server->clients->len, same);
+                        "its source",
+                        server->clients->len, same);
         refuse_client(fd, many ? 429 : 503,
                       many ? "Too Many Requests" : "Service Unavailable");
         return false;
@@ -701,7 +330,7 @@ bool pel_http_server_accept(struct pel_http_server *server, int fd,
     server->accepted++;
     /* The library closes the socket itself when it refuses it. */
     MHD_add_connection(server->daemon, fd, address, size);
-    kick(server);
+    pel_http_kick(server);
     return true;
 }
 
@@ -709,10 +338,10 @@ static void shut(struct client *client)
 {
     count_half(client);
     client->phase = PHASE_CLOSED;
-    call_off(client);
+    pel_http_call_off(client);
     shutdown(client->fd, SHUT_RDWR);
-    resume(client);
-    kick(client->server);
+    pel_http_resume(client);
+    pel_http_kick(client->server);
 }
 
 /* The library does not watch a suspended connection, and misses an end that
@@ -740,8 +369,7 @@ static gboolean sweep(gpointer user)
         if (vanished(client)) {
             server->vanished += client->suspended;
             shut(client);
-        } else if (client->phase != PHASE_STREAM &&
-                   now > client->deadline_ns) {
+        } else if (client->phase != PHASE_STREAM && now > client->deadline_ns) {
             bool idle = client->phase == PHASE_HEADERS && !client->first &&
                         pel_tcp_received(client->fd) == client->consumed;
             server->timeouts += !idle;
@@ -759,8 +387,8 @@ static gboolean source_prepare(GSource *source, gint *timeout_ms)
     MHD_UNSIGNED_LONG_LONG ms = 0;
     bool timed = MHD_get_timeout(self->server->daemon, &ms) == MHD_YES;
     *timeout_ms = timed ? (gint)MIN(ms, 60000) : -1;
-    self->due_us = timed ? g_source_get_time(source) + *timeout_ms * 1000LL
-                         : G_MAXINT64;
+    self->due_us =
+        timed ? g_source_get_time(source) + *timeout_ms * 1000LL : G_MAXINT64;
     return self->server->run_again || *timeout_ms == 0;
 }
 
@@ -814,8 +442,9 @@ enum pel_err pel_http_server_create(const struct pel_net_limits *limits,
                                     struct pel_http_server **out,
                                     struct pel_fault *fault)
 {
-    static GSourceFuncs functions = { source_prepare, source_check,
-                                      source_dispatch, NULL, NULL, NULL };
+    static GSourceFuncs functions = {
+        source_prepare, source_check, source_dispatch, NULL, NULL, NULL
+    };
     struct pel_http_server *server = g_new0(struct pel_http_server, 1);
     server->limits = *limits;
     server->context = *context;
@@ -828,8 +457,8 @@ enum pel_err pel_http_server_create(const struct pel_net_limits *limits,
         return pel_fault_set(fault, PEL_ERR_INTERNAL,
                              "libmicrohttpd does not start");
     }
-    int epoll = MHD_get_daemon_info(server->daemon, MHD_DAEMON_INFO_EPOLL_FD)
-                    ->epoll_fd;
+    int epoll =
+        MHD_get_daemon_info(server->daemon, MHD_DAEMON_INFO_EPOLL_FD)->epoll_fd;
     server->source = (struct daemon_source *)g_source_new(
         &functions, sizeof *server->source);
     server->source->server = server;
@@ -884,7 +513,7 @@ static void counter(struct pel_metrics_page *page, const char *name,
 void pel_http_server_collect(const struct pel_http_server *server,
                              struct pel_metrics_page *page)
 {
-    for (int status = 0; status < STATUS_MAX; status++) {
+    for (int status = 0; status < PEL_HTTP_STATUS_MAX; status++) {
         char label[32];
         snprintf(label, sizeof label, "code=\"%d\"", status);
         if (server->answers[status] > 0 || status == 200 || status == 400) {
@@ -900,12 +529,10 @@ void pel_http_server_collect(const struct pel_http_server *server,
     counter(page, "pelagos_http_vanished_total",
             "HTTP clients that left before their answer.", NULL,
             server->vanished);
-    counter(page, "pelagos_refused_total",
-            "Clients turned away at a limit.", "input=\"http\"",
-            server->refused);
-    counter(page, "pelagos_malformed_total",
-            "Messages that could not be read.", "input=\"http\"",
-            server->malformed);
+    counter(page, "pelagos_refused_total", "Clients turned away at a limit.",
+            "input=\"http\"", server->refused);
+    counter(page, "pelagos_malformed_total", "Messages that could not be read.",
+            "input=\"http\"", server->malformed);
     counter(page, "pelagos_timeouts_total",
             "Clients closed for being too slow.", "input=\"http\"",
             server->timeouts);

@@ -15,10 +15,11 @@ struct pel_http_server;
 
 /* INTERNAL if the library refuses. The context is copied, what it points to is
  * borrowed. */
-PEL_CHECK enum pel_err pel_http_server_create(
-    const struct pel_net_limits *limits, const struct pel_http_context *context,
-    struct pel_frames *frames, struct pel_http_server **out,
-    struct pel_fault *fault);
+PEL_CHECK enum pel_err
+pel_http_server_create(const struct pel_net_limits *limits,
+                       const struct pel_http_context *context,
+                       struct pel_frames *frames, struct pel_http_server **out,
+                       struct pel_fault *fault);
 void pel_http_server_destroy(struct pel_http_server *server);
 
 /* Takes over a non-blocking socket, or returns false when a limit is reached;

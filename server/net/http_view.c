@@ -38,8 +38,7 @@ static const Pelagos__View *need_view(const struct pel_http_call *call)
         struct pel_fault fault;
         pel_fault_set(&fault, PEL_ERR_NOT_FOUND,
                       "there is no view called `%.64s`", view_name(call));
-        snprintf(fault.path, sizeof fault.path, "views.%.64s",
-                 view_name(call));
+        snprintf(fault.path, sizeof fault.path, "views.%.64s", view_name(call));
         pel_http_refuse(call, 404, &fault);
     }
     return view;
@@ -184,7 +183,8 @@ static enum pel_err set_parameter(Pelagos__FrameRequest *frame,
                                   const struct pel_http_pair *pair,
                                   struct pel_fault *fault)
 {
-    const ProtobufCMessageDescriptor *type = &pelagos__frame_request__descriptor;
+    const ProtobufCMessageDescriptor *type =
+        &pelagos__frame_request__descriptor;
     double value = 0.0;
     enum pel_err err = PEL_OK;
     if (strcmp(pair->name, "layers") == 0) {
@@ -237,10 +237,9 @@ void pel_http_get_frame(const struct pel_http_call *call)
         &pelagos__frame_request__descriptor);
     frame->view = strdup(view_name(call));
     frame->has_format = true;
-    frame->format = strcmp(ending, ".png") == 0 ? PELAGOS__FRAME_FORMAT__PNG
-                    : strcmp(ending, ".exr") == 0
-                        ? PELAGOS__FRAME_FORMAT__EXR
-                        : PELAGOS__FRAME_FORMAT__JPEG;
+    frame->format = strcmp(ending, ".png") == 0   ? PELAGOS__FRAME_FORMAT__PNG
+                    : strcmp(ending, ".exr") == 0 ? PELAGOS__FRAME_FORMAT__EXR
+                                                  : PELAGOS__FRAME_FORMAT__JPEG;
     for (size_t i = 0; i < call->target->query_count; i++) {
         struct pel_fault fault;
         if (set_parameter(frame, &call->target->query[i], &fault) != PEL_OK) {

@@ -169,8 +169,8 @@ enum pel_err pel_listener_tcp(const char *option, const char *address,
             "password; bind 127.0.0.1 behind nginx, or allow remote clients",
             option, address);
     }
-    int fd = socket(where.ss_family,
-                    SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    int fd =
+        socket(where.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     int on = 1;
     if (fd < 0 ||
         setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0 ||
@@ -180,8 +180,10 @@ enum pel_err pel_listener_tcp(const char *option, const char *address,
         if (fd >= 0) {
             close(fd);
         }
-        return pel_fault_set(fault, PEL_ERR_IO, "%s: cannot listen on %s port "
-                             "%u: %s", option, address, port, strerror(why));
+        return pel_fault_set(fault, PEL_ERR_IO,
+                             "%s: cannot listen on %s port "
+                             "%u: %s",
+                             option, address, port, strerror(why));
     }
     *out = start(fd, accept, user);
     (*out)->port = bound_port(fd);

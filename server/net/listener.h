@@ -25,16 +25,17 @@ struct pel_listener;
 /* TCP on a numeric address. Errors: INVALID (not an address), CONFLICT (not
  * loopback and allow_remote false; `option` names the option in the message),
  * IO (bind). */
-PEL_CHECK enum pel_err
-pel_listener_tcp(const char *option, const char *address, uint16_t port,
-                 bool allow_remote, pel_listener_accept accept, void *user,
-                 struct pel_listener **out, struct pel_fault *fault);
+PEL_CHECK enum pel_err pel_listener_tcp(const char *option, const char *address,
+                                        uint16_t port, bool allow_remote,
+                                        pel_listener_accept accept, void *user,
+                                        struct pel_listener **out,
+                                        struct pel_fault *fault);
 
 /* Unix stream socket with mode 0600. A socket nobody listens on is replaced;
  * CONFLICT if one does, or if the path is something else. */
 PEL_CHECK enum pel_err pel_listener_unix(const char *path,
-                                         pel_listener_accept accept,
-                                         void *user, struct pel_listener **out,
+                                         pel_listener_accept accept, void *user,
+                                         struct pel_listener **out,
                                          struct pel_fault *fault);
 
 void pel_listener_destroy(struct pel_listener *listener); /* NULL allowed */

@@ -60,8 +60,7 @@ enum pel_err pel_viewer_create(struct pel_frames *frames, const char *view,
                                int quality, double fps,
                                struct pel_mjpeg_stats *stats,
                                void (*wake)(void *user), void *user,
-                               struct pel_viewer **out,
-                               struct pel_fault *fault)
+                               struct pel_viewer **out, struct pel_fault *fault)
 {
     struct pel_viewer *self = g_new0(struct pel_viewer, 1);
     self->stats = stats;

@@ -85,9 +85,9 @@ static void collect_process(struct pel_metrics_page *page)
     }
     struct rusage use;
     if (getrusage(RUSAGE_SELF, &use) == 0) {
-        double busy = (double)(use.ru_utime.tv_sec + use.ru_stime.tv_sec) +
-                      1e-6 * (double)(use.ru_utime.tv_usec +
-                                      use.ru_stime.tv_usec);
+        double busy =
+            (double)(use.ru_utime.tv_sec + use.ru_stime.tv_sec) +
+            1e-6 * (double)(use.ru_utime.tv_usec + use.ru_stime.tv_usec);
         pel_metric(page, "process_cpu_seconds_total", PEL_METRIC_COUNTER,
                    "Processor time used.", NULL, busy);
     }
@@ -107,8 +107,8 @@ static void collect(void *user, struct pel_metrics_page *page)
 {
     const struct pel_net *net = user;
     const Pelagos__State *state = pel_scene_state(net->scene);
-    pel_metric(page, "pelagos_info", PEL_METRIC_GAUGE,
-               "The version that runs.", "version=\"" PEL_VERSION "\"", 1);
+    pel_metric(page, "pelagos_info", PEL_METRIC_GAUGE, "The version that runs.",
+               "version=\"" PEL_VERSION "\"", 1);
     pel_metric(page, "pelagos_revision", PEL_METRIC_GAUGE,
                "Edits accepted to the state.", NULL, (double)state->revision);
     pel_metric(page, "pelagos_simulated_time_seconds", PEL_METRIC_GAUGE,

@@ -22,17 +22,17 @@ struct pel_net_limits {
     unsigned http_per_source;   /* of one address that is not loopback */
     unsigned http_per_loopback; /* of 127.0.0.0/8 and ::1 together */
     size_t http_body_bytes;     /* of a JSON body, 1 KiB..1 MiB */
-    double http_header_s;  /* from connecting to the end of the headers */
-    double http_body_s;    /* from there to the end of the body */
-    double http_idle_s;    /* between two requests of one connection */
-    double http_stall_s;   /* a reader that takes nothing */
-    double http_answer_s;  /* a whole answer that is not a stream */
-    unsigned sessions;         /* protobuf, TCP and Unix together */
-    unsigned session_requests; /* in flight in one session */
+    double http_header_s;       /* from connecting to the end of the headers */
+    double http_body_s;         /* from there to the end of the body */
+    double http_idle_s;         /* between two requests of one connection */
+    double http_stall_s;        /* a reader that takes nothing */
+    double http_answer_s;       /* a whole answer that is not a stream */
+    unsigned sessions;          /* protobuf, TCP and Unix together */
+    unsigned session_requests;  /* in flight in one session */
     size_t session_message_bytes; /* of one request */
     size_t session_output_bytes;  /* waiting for one slow reader */
-    double session_message_s; /* from a message's first byte to its last */
-    double session_stall_s;   /* a reader that takes nothing */
+    double session_message_s;     /* from a message's first byte to its last */
+    double session_stall_s;       /* a reader that takes nothing */
 };
 
 /* 256 connections, 16 a source, 128 from loopback, 64 KiB, 8 s, 15 s, 15 s,
@@ -45,7 +45,7 @@ struct pel_net_options {
     const char *tcp_address;  /* as http_address; NULL: no protobuf on TCP */
     uint16_t tcp_port;
     const char *unix_path; /* NULL: no Unix socket; made with mode 0600 */
-    bool allow_remote; /* else an address that is not loopback is refused */
+    bool allow_remote;     /* else an address that is not loopback is refused */
     /* Names besides `localhost` and plain addresses that a Host header may
      * give (a proxy's), NULL-terminated; NULL: none. */
     const char *const *http_hosts;

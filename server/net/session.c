@@ -49,13 +49,13 @@ struct session {
     GPtrArray *jobs; /* of struct job */
     bool watching, watch_due, watch_has_id;
     uint64_t watch_id;
-    bool eof;     /* the client sends no more */
-    bool held;    /* whole messages may wait in `in` */
-    bool closing; /* after the last byte is out */
-    int64_t close_by_ns; /* and then not later than this; 0: not yet */
-    int64_t message_since_ns;  /* a message has begun; 0: none */
-    int64_t progress_ns;       /* the reader took something */
-    int64_t active_ns;         /* last request or reply */
+    bool eof;                 /* the client sends no more */
+    bool held;                /* whole messages may wait in `in` */
+    bool closing;             /* after the last byte is out */
+    int64_t close_by_ns;      /* and then not later than this; 0: not yet */
+    int64_t message_since_ns; /* a message has begun; 0: none */
+    int64_t progress_ns;      /* the reader took something */
+    int64_t active_ns;        /* last request or reply */
 };
 
 struct pel_sessions {
@@ -175,8 +175,10 @@ static void on_frame(void *user, enum pel_err err,
         size_t waiting = self->out.bytes;
         if (err == PEL_OK && waiting > 0 &&
             waiting + frame->size > self->all->limits.session_output_bytes) {
-            err = pel_fault_set(&full, PEL_ERR_BUSY, "%zu bytes of earlier "
-                                "replies are not read yet", waiting);
+            err = pel_fault_set(&full, PEL_ERR_BUSY,
+                                "%zu bytes of earlier "
+                                "replies are not read yet",
+                                waiting);
             fault = &full;
         }
         if (err == PEL_OK) {
@@ -229,8 +231,7 @@ static enum pel_err start_job(struct session *self,
     job->session = self;
     job->has_id = request->has_id;
     job->id = request->id;
-    job->is_frame =
-        request->command_case == PELAGOS__REQUEST__COMMAND_FRAME;
+    job->is_frame = request->command_case == PELAGOS__REQUEST__COMMAND_FRAME;
     /* In the list first: an answer may come before the call returns. */
     g_ptr_array_add(self->jobs, job);
     enum pel_err err;
@@ -256,8 +257,7 @@ static enum pel_err start_job(struct session *self,
     return err;
 }
 
-static enum pel_err apply(struct session *self,
-                          const Pelagos__Request *request,
+static enum pel_err apply(struct session *self, const Pelagos__Request *request,
                           struct pel_fault *fault)
 {
     struct pel_scene *scene = self->all->scene;
@@ -304,17 +304,15 @@ static void malformed(struct session *self, const char *why)
 {
     static struct pel_log_limit limit;
     self->all->malformed[self->transport]++;
-    pel_log_limited(&limit, PEL_LOG_WARNING, "NET-010",
-                    "%s session closed: %s", transport_names[self->transport],
-                    why);
+    pel_log_limited(&limit, PEL_LOG_WARNING, "NET-010", "%s session closed: %s",
+                    transport_names[self->transport], why);
     struct pel_fault fault;
     pel_fault_set(&fault, PEL_ERR_MALFORMED, "%s", why);
     send_fault(self, false, 0, &fault);
     self->closing = true;
 }
 
-static void take_message(struct session *self, const uint8_t *data,
-                         size_t size)
+static void take_message(struct session *self, const uint8_t *data, size_t size)
 {
     Pelagos__Request *request = pelagos__request__unpack(NULL, size, data);
     if (!request) {
@@ -350,10 +348,9 @@ static void take_messages(struct session *self)
     self->held = true;
     for (int i = 0; may_take(self) && i < MESSAGES_A_TURN; i++) {
         size_t offset = 0, length = 0;
-        enum pel_wire found =
-            pel_wire_next(self->in + used, self->in_size - used,
-                          self->all->limits.session_message_bytes, &offset,
-                          &length);
+        enum pel_wire found = pel_wire_next(
+            self->in + used, self->in_size - used,
+            self->all->limits.session_message_bytes, &offset, &length);
         if (found == PEL_WIRE_MORE) {
             self->held = false;
             break;
@@ -380,8 +377,7 @@ static void take_messages(struct session *self)
 
 static void read_some(struct session *self)
 {
-    size_t most =
-        self->all->limits.session_message_bytes + PEL_WIRE_MAX_PREFIX;
+    size_t most = self->all->limits.session_message_bytes + PEL_WIRE_MAX_PREFIX;
     if (self->in_size == self->in_capacity && self->in_capacity < most) {
         self->in_capacity = MIN(MAX(2 * self->in_capacity, 4096), most);
         self->in = g_realloc(self->in, self->in_capacity);
@@ -417,8 +413,7 @@ static bool write_some(struct session *self)
 static bool stalled(struct session *self, int64_t now)
 {
     if (self->out.bytes > 0 &&
-        now - self->progress_ns >
-            seconds(self->all->limits.session_stall_s)) {
+        now - self->progress_ns > seconds(self->all->limits.session_stall_s)) {
         self->all->timeouts[self->transport]++;
         return true;
     }
@@ -557,8 +552,8 @@ static bool make_room(struct pel_sessions *all)
     struct session *oldest = NULL;
     for (guint i = 0; i < all->list->len; i++) {
         struct session *each = g_ptr_array_index(all->list, i);
-        bool idle = each->jobs->len == 0 && each->out.bytes == 0 &&
-                    !each->watching;
+        bool idle =
+            each->jobs->len == 0 && each->out.bytes == 0 && !each->watching;
         if (idle && (!oldest || each->active_ns < oldest->active_ns)) {
             oldest = each;
         }
@@ -647,8 +642,7 @@ static void collect_transport(const struct pel_sessions *all, int transport,
                               struct pel_metrics_page *page)
 {
     char label[32];
-    g_snprintf(label, sizeof label, "input=\"%s\"",
-               transport_names[transport]);
+    g_snprintf(label, sizeof label, "input=\"%s\"", transport_names[transport]);
     double open = 0;
     for (guint i = 0; i < all->list->len; i++) {
         const struct session *each = g_ptr_array_index(all->list, i);
@@ -692,8 +686,8 @@ void pel_sessions_collect(const struct pel_sessions *all,
     pel_metric(page, "pelagos_session_evicted_total", PEL_METRIC_COUNTER,
                "Idle sessions closed to make room.", NULL,
                (double)all->evicted);
-    pel_metric(page, "pelagos_session_received_bytes_total",
-               PEL_METRIC_COUNTER, "Bytes read from protobuf sessions.", NULL,
+    pel_metric(page, "pelagos_session_received_bytes_total", PEL_METRIC_COUNTER,
+               "Bytes read from protobuf sessions.", NULL,
                (double)all->in_bytes);
     pel_metric(page, "pelagos_session_sent_bytes_total", PEL_METRIC_COUNTER,
                "Bytes sent to protobuf sessions.", NULL,

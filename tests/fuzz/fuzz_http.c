@@ -59,9 +59,9 @@ static void serve(char *text, const char *end)
         char *colon = strchr(line, ':');
         if (colon) {
             *colon = '\0';
-            headers[request.header_count++] = (struct pel_http_header){
-                line, colon + 1 + strspn(colon + 1, " ")
-            };
+            headers[request.header_count++] =
+                (struct pel_http_header){ line,
+                                          colon + 1 + strspn(colon + 1, " ") };
         }
     }
     request.body = text;
@@ -74,8 +74,8 @@ static void serve(char *text, const char *end)
         }
         pel_http_route(context(), &request, &answer);
     }
-    if (answer.kind == PEL_HTTP_WHOLE && (answer.status < 200 ||
-                                          answer.status > 599)) {
+    if (answer.kind == PEL_HTTP_WHOLE &&
+        (answer.status < 200 || answer.status > 599)) {
         abort();
     }
     pel_http_answer_finish(&answer);

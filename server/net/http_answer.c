@@ -1,0 +1,319 @@
+#include "net/http_client.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+
+#include "base/clock.h"
+#include "json.h"
+#include "net/command.h"
+
+#define STREAM_BLOCK 65536
+#define STREAM_SOCKET_BUFFER (256 * 1024)
+
+int64_t pel_http_after(double s)
+{
+    return pel_now_ns() + (int64_t)(s * 1e9);
+}
+
+void pel_http_kick(struct pel_http_server *server)
+{
+    server->run_again = true;
+    g_main_context_wakeup(NULL);
+}
+
+void pel_http_resume(struct client *client)
+{
+    if (client->suspended) {
+        client->suspended = false;
+        MHD_resume_connection(client->connection);
+        pel_http_kick(client->server);
+    }
+}
+
+static void suspend(struct client *client)
+{
+    client->suspended = true;
+    MHD_suspend_connection(client->connection);
+}
+
+static void add(struct MHD_Response *response, const char *name,
+                const char *value)
+{
+    MHD_add_response_header(response, name, value);
+}
+
+static void add_safety(struct MHD_Response *response)
+{
+    add(response, "X-Content-Type-Options", "nosniff");
+    add(response, "Cross-Origin-Resource-Policy", "same-origin");
+    add(response, "Referrer-Policy", "no-referrer");
+}
+
+static enum MHD_Result queue(struct client *client, int status,
+                             struct MHD_Response *response)
+{
+    struct pel_http_server *server = client->server;
+    if (status < PEL_HTTP_STATUS_MAX) {
+        server->answers[status]++;
+    }
+    if (client->phase != PHASE_CLOSED) {
+        client->phase = PHASE_ANSWER;
+        client->deadline_ns = pel_http_after(server->limits.http_answer_s);
+    }
+    add_safety(response);
+    enum MHD_Result result =
+        MHD_queue_response(client->connection, (unsigned)status, response);
+    MHD_destroy_response(response);
+    return result;
+}
+
+enum MHD_Result pel_http_send(struct client *client,
+                              struct pel_http_answer *answer)
+{
+    struct MHD_Response *response;
+    if (answer->owned) {
+        response = MHD_create_response_from_buffer(answer->size, answer->owned,
+                                                   MHD_RESPMEM_MUST_FREE);
+        answer->owned = NULL;
+    } else {
+        response = MHD_create_response_from_buffer(
+            answer->size, (void *)answer->body, MHD_RESPMEM_PERSISTENT);
+    }
+    add(response, "Cache-Control", answer->page ? "no-cache" : "no-store");
+    if (answer->type) {
+        add(response, "Content-Type", answer->type);
+    }
+    if (answer->page) {
+        add(response, "Content-Security-Policy",
+            "default-src 'self'; img-src 'self' blob:; base-uri 'none'; "
+            "form-action 'none'; frame-ancestors 'none'");
+    }
+    if (answer->allow) {
+        add(response, "Allow", answer->allow);
+    }
+    if (answer->tag[0]) {
+        add(response, "ETag", answer->tag);
+    }
+    if (answer->location[0]) {
+        add(response, "Location", answer->location);
+    }
+    if (answer->retry_after_s) {
+        add(response, "Retry-After", "1");
+    }
+    if (answer->close) {
+        add(response, "Connection", "close");
+    }
+    int status = answer->status;
+    pel_http_answer_finish(answer);
+    return queue(client, status, response);
+}
+
+enum MHD_Result pel_http_send_fault(struct client *client, int status,
+                                    const struct pel_fault *fault)
+{
+    struct pel_http_answer answer = { .kind = PEL_HTTP_WHOLE };
+    pel_http_problem(&answer, status, fault);
+    return pel_http_send(client, &answer);
+}
+
+/* --- one picture ---------------------------------------------------------- */
+
+static void unref_frame(void *frame)
+{
+    pel_frame_unref(frame);
+}
+
+static void add_frame_headers(struct MHD_Response *response,
+                              const struct pel_frame *frame)
+{
+    static const char *const types[] = {
+        [PELAGOS__FRAME_FORMAT__JPEG] = "image/jpeg",
+        [PELAGOS__FRAME_FORMAT__PNG] = "image/png",
+        [PELAGOS__FRAME_FORMAT__EXR] = "image/x-exr",
+    };
+    char text[64];
+    add(response, "Content-Type", types[frame->format]);
+    add(response, "Cache-Control", "no-store");
+    snprintf(text, sizeof text, "%llu", (unsigned long long)frame->number);
+    add(response, "X-Pelagos-Frame", text);
+    snprintf(text, sizeof text, "%.9g", frame->time_s);
+    add(response, "X-Pelagos-Time", text);
+    snprintf(text, sizeof text, "%llu", (unsigned long long)frame->revision);
+    add(response, "X-Pelagos-Revision", text);
+    snprintf(text, sizeof text, "%.3f", frame->render_ms);
+    add(response, "X-Pelagos-Render-Ms", text);
+    snprintf(text, sizeof text, "%.3f", frame->encode_ms);
+    add(response, "X-Pelagos-Encode-Ms", text);
+}
+
+static void on_frame(void *user, enum pel_err err,
+                     const struct pel_fault *fault, struct pel_frame *frame)
+{
+    struct client *client = user;
+    client->waiting = false;
+    client->frame_id = 0;
+    if (err != PEL_OK) {
+        pel_http_send_fault(client, 0, fault);
+    } else {
+        struct MHD_Response *response =
+            MHD_create_response_from_buffer_with_free_callback_cls(
+                frame->size, (void *)frame->data, unref_frame,
+                pel_frame_ref(frame));
+        add_frame_headers(response, frame);
+        queue(client, 200, response);
+    }
+    pel_http_resume(client);
+}
+
+enum MHD_Result pel_http_send_frame(struct client *client,
+                                    struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    uint64_t id = 0;
+    client->waiting = true;
+    enum pel_err err = pel_frames_request(client->server->frames, answer->frame,
+                                          on_frame, client, &id, &fault);
+    pel_http_answer_finish(answer);
+    if (err != PEL_OK) {
+        client->waiting = false;
+        return pel_http_send_fault(client, 0, &fault);
+    }
+    if (client->waiting) {
+        client->frame_id = id;
+        suspend(client);
+    }
+    return MHD_YES;
+}
+
+/* --- the surface ---------------------------------------------------------- */
+
+static void on_surface(void *user, enum pel_err err,
+                       const struct pel_fault *fault, double time_s,
+                       const struct pel_surface_sample *samples, size_t count)
+{
+    struct waiter *waiter = user;
+    struct client *client = waiter->client;
+    g_free(waiter);
+    if (!client) {
+        return;
+    }
+    client->waiter = NULL;
+    client->waiting = false;
+    if (err != PEL_OK) {
+        pel_http_send_fault(client, 0, fault);
+    } else {
+        Pelagos__Surface *surface = pel_surface_message(time_s, samples, count);
+        struct pel_http_answer answer = { .status = 200,
+                                          .type = "application/json" };
+        answer.owned = pel_json_from_message(&surface->base, false);
+        answer.body = answer.owned;
+        answer.size = strlen(answer.owned);
+        pel_surface_message_free(surface);
+        pel_http_send(client, &answer);
+    }
+    pel_http_resume(client);
+}
+
+enum MHD_Result pel_http_send_surface(struct client *client,
+                                      struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    struct waiter *waiter = g_new0(struct waiter, 1);
+    waiter->client = client;
+    client->waiter = waiter;
+    client->waiting = true;
+    enum pel_err err = pel_command_surface(
+        client->server->frames, answer->surface, on_surface, waiter, &fault);
+    pel_http_answer_finish(answer);
+    if (err != PEL_OK) {
+        client->waiter = NULL;
+        client->waiting = false;
+        g_free(waiter);
+        return pel_http_send_fault(client, 0, &fault);
+    }
+    if (client->waiting) {
+        suspend(client);
+    }
+    return MHD_YES;
+}
+
+/* --- Motion JPEG ---------------------------------------------------------- */
+
+/* The stream's own memory: it dies with the response, which the library may
+ * keep a little longer than the request. */
+struct stream {
+    struct client *client;
+    struct pel_viewer *viewer;
+};
+
+static void wake_stream(void *user)
+{
+    struct stream *stream = user;
+    pel_http_resume(stream->client);
+}
+
+static ssize_t read_stream(void *user, uint64_t position, char *out,
+                           size_t size)
+{
+    (void)position;
+    struct stream *stream = user;
+    if (stream->client->server->closing ||
+        stream->client->phase == PHASE_CLOSED) {
+        return MHD_CONTENT_READER_END_WITH_ERROR;
+    }
+    ssize_t n = pel_viewer_read(stream->viewer, out, size);
+    if (n == 0) {
+        suspend(stream->client);
+    }
+    return n < 0 ? MHD_CONTENT_READER_END_OF_STREAM : n;
+}
+
+static void free_stream(void *user)
+{
+    struct stream *stream = user;
+    pel_viewer_destroy(stream->viewer);
+    g_free(stream);
+}
+
+enum MHD_Result pel_http_send_stream(struct client *client,
+                                     struct pel_http_answer *answer)
+{
+    struct pel_http_server *server = client->server;
+    struct pel_fault fault;
+    struct stream *stream = g_new0(struct stream, 1);
+    stream->client = client;
+    enum pel_err err = pel_viewer_create(
+        server->frames, answer->view, answer->quality, answer->fps,
+        &server->mjpeg, wake_stream, stream, &stream->viewer, &fault);
+    if (err != PEL_OK) {
+        g_free(stream);
+        return pel_http_send_fault(client, 0, &fault);
+    }
+    int size = STREAM_SOCKET_BUFFER;
+    setsockopt(client->fd, SOL_SOCKET, SO_SNDBUF, &size, sizeof size);
+    MHD_set_connection_option(client->connection, MHD_CONNECTION_OPTION_TIMEOUT,
+                              (unsigned)(server->limits.http_stall_s + 0.999));
+    struct MHD_Response *response = MHD_create_response_from_callback(
+        MHD_SIZE_UNKNOWN, STREAM_BLOCK, read_stream, stream, free_stream);
+    MHD_set_response_options(response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT,
+                             MHD_RO_END);
+    add(response, "Content-Type", PEL_MJPEG_TYPE);
+    add(response, "Cache-Control", "no-store");
+    enum MHD_Result result = queue(client, 200, response);
+    client->phase = PHASE_STREAM;
+    return result;
+}
+
+void pel_http_call_off(struct client *client)
+{
+    if (client->frame_id) {
+        pel_frames_cancel(client->server->frames, client->frame_id);
+        client->frame_id = 0;
+    }
+    if (client->waiter) {
+        client->waiter->client = NULL;
+        client->waiter = NULL;
+    }
+    client->waiting = false;
+}

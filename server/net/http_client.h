@@ -1,0 +1,99 @@
+/* Inside of the HTTP server: connections as http_server.c keeps them, answers
+ * as http_answer.c sends them. Both know libmicrohttpd; nothing else does.
+ * Control thread. */
+#pragma once
+
+#include <netinet/in.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <glib.h>
+#include <microhttpd.h>
+
+#include "net/http_server.h"
+#include "net/mjpeg.h"
+
+#define PEL_HTTP_STATUS_MAX 600
+
+enum phase {
+    PHASE_HEADERS, /* from the connection's begin or the last answer */
+    PHASE_BODY,
+    PHASE_ANSWER,
+    PHASE_STREAM,
+    PHASE_CLOSED, /* shut down, the library has yet to notice */
+};
+
+/* One connection, and the request that it is busy with. */
+struct client {
+    struct pel_http_server *server;
+    struct MHD_Connection *connection;
+    int fd;
+    struct in6_addr source;
+    bool loopback;
+    enum phase phase;
+    int64_t deadline_ns;
+    uint64_t consumed; /* bytes received when the last request was done */
+    bool first;        /* nothing has been answered yet */
+
+    char *target;
+    GString *body;
+    size_t body_limit;
+    bool suspended;
+    bool waiting;      /* for frame or surface */
+    uint64_t frame_id; /* 0: not a frame */
+    struct waiter *waiter;
+};
+
+/* A surface query cannot be called off, so this outlives its client. */
+struct waiter {
+    struct client *client; /* NULL: gone */
+};
+
+struct daemon_source;
+
+struct pel_http_server {
+    struct pel_net_limits limits;
+    struct pel_http_context context;
+    struct pel_frames *frames;
+    struct MHD_Daemon *daemon;
+    struct daemon_source *source;
+    bool run_again;
+    bool closing;
+    guint sweeper;
+    GPtrArray *clients;
+    struct pel_mjpeg_stats mjpeg;
+    uint64_t answers[PEL_HTTP_STATUS_MAX];
+    uint64_t accepted, refused, malformed, timeouts, vanished;
+};
+
+/* The moment that many seconds from now [ns, CLOCK_MONOTONIC]. */
+int64_t pel_http_after(double s);
+
+/* Lets the library look at its connections at the loop's next turn: after a
+ * resume it would otherwise wait for the network. */
+void pel_http_kick(struct pel_http_server *server);
+
+/* Lets a suspended connection go on; nothing for any other. */
+void pel_http_resume(struct client *client);
+
+/* Sends a whole answer and finishes it. In the library's handler, or while
+ * the connection is suspended. */
+enum MHD_Result pel_http_send(struct client *client,
+                              struct pel_http_answer *answer);
+
+/* The same for problem+json about a fault. */
+enum MHD_Result pel_http_send_fault(struct client *client, int status,
+                                    const struct pel_fault *fault);
+
+/* Answers that take their time: the connection is suspended until the picture
+ * or the surface is there, or streams until the viewer leaves. They finish
+ * *answer. */
+enum MHD_Result pel_http_send_frame(struct client *client,
+                                    struct pel_http_answer *answer);
+enum MHD_Result pel_http_send_surface(struct client *client,
+                                      struct pel_http_answer *answer);
+enum MHD_Result pel_http_send_stream(struct client *client,
+                                     struct pel_http_answer *answer);
+
+/* Nobody waits for the picture or the surface any more. */
+void pel_http_call_off(struct client *client);
