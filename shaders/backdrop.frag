@@ -1,41 +1,22 @@
 #version 450 core
-// What is not sea: the sky and the Sun's disc.
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 #include "lib/ray.glsl"
+#include "lib/shaded.glsl"
+#include "lib/backdrop.glsl"
 
 layout(location = 0) out vec4 radiance;
 #ifdef PEL_LAYERS
 layout(location = 1) out float depth;
 layout(location = 2) out vec4 normal;
 #endif
-layout(binding = 0) uniform sampler2D transmittance;
-layout(binding = 3) uniform sampler2D eye_table;
 
 void main()
 {
-    vec3 ray = pixel_ray(lattice(ivec2(gl_FragCoord.xy)));
-    float inverse = inversesqrt(dot(ray, ray));
-    vec3 dir = ray * inverse;
-    float angle = max(angle_above_horizon(dir), 0.0);
-    vec2 table = vec2(textureSize(eye_table, 0));
-    vec3 light = textureLod(eye_table, sky_uv(azimuth_from_sun(dir.xy), angle, table), 0.0).rgb;
-    // The disc, its edge softened over a pixel, darkened towards the limb
-    // (Hestroffer and Magnan 1998 at the mean wavelength).
-    vec3 across = cross(dir, sun.xyz);
-    float off = sqrt(dot(across, across));
-    float blur = pixel.x * inverse;
-    if (dot(dir, sun.xyz) > 0.0 && off < sun.w + blur) {
-        float cover = 1.0 - smoothstep(sun.w - 0.5 * blur, sun.w + 0.5 * blur, off);
-        float inside = min(off / sun.w, 1.0);
-        vec3 limb = pow(vec3(max(1.0 - inside * inside, 1e-4)), 0.5 * vec3(0.43, 0.5, 0.6));
-        vec3 norm = 1.0 + 0.5 * vec3(0.43, 0.5, 0.6);
-        light += solar.rgb / solar.w * limb * norm * cover *
-                 transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
-    }
-    radiance = vec4(light, 1.0);
+    shaded s = shade_backdrop(ivec2(gl_FragCoord.xy));
+    radiance = vec4(s.radiance, 1.0);
 #ifdef PEL_LAYERS
-    depth = uintBitsToFloat(0x7F800000u); // no surface: infinity
-    normal = vec4(0.0);
+    depth = s.depth;
+    normal = vec4(s.normal, 0.0);
 #endif
 }

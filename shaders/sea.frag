@@ -1,7 +1,4 @@
 #version 450 core
-// Shades the sea from the triangle numbers: exact place at rest, per-pixel
-// normal (eq. 3), slope variance as total minus resolved (eq. 4), light,
-// haze.
 #ifndef PEL_WAVES
 #define PEL_WAVES 60
 #endif
@@ -11,106 +8,23 @@
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"
 #include "lib/shade.glsl"
+#include "lib/shaded.glsl"
+#include "lib/sea.glsl"
 
+layout(binding = 5) uniform usampler2D triangles;
 layout(location = 0) out vec4 radiance;
 #ifdef PEL_LAYERS
-layout(location = 1) out float depth_out;
-layout(location = 2) out vec4 normal_out;
+layout(location = 1) out float depth;
+layout(location = 2) out vec4 normal;
 #endif
-struct vertex {
-    vec4 position;
-    vec4 rest;
-};
-layout(std430, binding = 0) readonly buffer vertices_block { vertex vertices[]; };
-layout(std430, binding = 3) readonly buffer variance_block { vec2 variance_table[]; };
-layout(binding = 1) uniform sampler2D reflection_map;
-layout(binding = 3) uniform sampler2D eye_table;
-layout(binding = 4) uniform sampler2D eye_haze;
-layout(binding = 5) uniform usampler2D triangles;
 
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    vec3 ray = pixel_ray(lattice(at));
-
-    // The triangle, cut by the ray in homogeneous barycentrics.
-    uint id = max(texelFetch(triangles, at, 0).r, 1u) - 1u;
-    int i0 = int(id >> 1u);
-    vec4 a4 = vertices[i0].position;
-    int columns = int(a4.w);
-    int i2 = (id & 1u) == 1u ? i0 - columns : i0 + columns - 1;
-    vec3 a = a4.xyz;
-    vec3 b = vertices[i0 - 1].position.xyz;
-    vec3 c = vertices[i2].position.xyz;
-    vec3 weight = vec3(dot(ray, cross(b, c - b)), dot(ray, cross(c, a - c)),
-                       dot(ray, cross(a, b - a)));
-    weight = clamp(weight / (weight.x + weight.y + weight.z), 0.0, 1.0);
-    weight /= weight.x + weight.y + weight.z;
-    vec2 x = weight.x * vertices[i0].rest.xy + weight.y * vertices[i0 - 1].rest.xy +
-             weight.z * vertices[i2].rest.xy;
-    float t = -dot(weight.x * a + weight.y * b + weight.z * c, back.xyz);
-
-    // The patch's frame: the sphere's up at its place.
-    float ray_length = sqrt(dot(ray, ray));
-    vec3 dir = ray / ray_length;
-    float range = t * ray_length;
-    vec2 tilt = dir.xy * (range / planet.x);
-    vec3 v = -vec3(dir.xy - tilt * dir.z, dir.z + dot(tilt, dir.xy));
-    v = normalize(v);
-    vec3 sun_dir = normalize(vec3(sun.xy - tilt * sun.z, sun.z + dot(tilt, sun.xy)));
-
-    // Length of the pixel on the surface, along the line of sight.
-    float across = t * pixel.x;
-    float footprint = across / max(v.z, 0.002);
-    float scale = up.w / footprint;
-    float offset = -right.w * up.w;
-    vec3 fold = vec3(0.0);
-    vec2 slope = vec2(0.0);
+    shaded s = shade_sea(at, texelFetch(triangles, at, 0).r);
+    radiance = vec4(s.radiance, 1.0);
 #ifdef PEL_LAYERS
-    vec3 shift = vec3(0.0);
-#define PEL_SHIFT(i, s, c) shift += vec3(-waves[i].shift.xy * s, waves[i].shift.z * c);
-#else
-#define PEL_SHIFT(i, s, c)
-#endif
-#define PEL_SLOPE(i)                                                           \
-    {                                                                          \
-        float w = filter_weight(waves[i].phase.w * scale + offset);             \
-        float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;              \
-        float s = w * sine_turns(turns);                                       \
-        float c = w * sine_turns(turns + 0.25);                                \
-        fold += waves[i].fold.xyz * c;                                          \
-        slope += waves[i].slope.xy * s;                                         \
-        PEL_SHIFT(i, s, c)                                                     \
-    }
-    PEL_EACH_WAVE(PEL_SLOPE)
-    // ∂p/∂x × ∂p/∂y with ∂p/∂x = (1 − A, −B, −Sx), ∂p/∂y = (−B, 1 − C, −Sy).
-    vec3 n = normalize(vec3(fold.y * slope.y + slope.x * (1.0 - fold.z),
-                            fold.y * slope.x + slope.y * (1.0 - fold.x),
-                            max((1.0 - fold.x) * (1.0 - fold.z) - fold.y * fold.y, 1e-3)));
-    // The variance depends on the footprint alone: a table of it.
-    float place = clamp((log2(footprint) - PEL_VARIANCE_FIRST) * PEL_VARIANCE_STEPS, 0.0,
-                        float(PEL_VARIANCE_COUNT) - 1.001);
-    int entry = int(place);
-    vec2 variance = mix(variance_table[entry], variance_table[entry + 1], place - float(entry));
-    vec3 light = sea_radiance(reflection_map, v, sun_dir, n, variance);
-
-    // The air between: towards its equilibrium radiance.
-    vec2 table = vec2(textureSize(eye_table, 0));
-    vec2 uv = sky_uv(azimuth_from_sun(dir.xy), min(angle_above_horizon(dir), -1e-7), table);
-    vec3 through = exp(-textureLod(eye_haze, uv, 0.0).rgb * range);
-    light = mix(textureLod(eye_table, uv, 0.0).rgb, light, through);
-    radiance = vec4(light, 1.0);
-#ifdef PEL_LAYERS
-    // The waves finer than the mesh move the surface off its triangle: once to
-    // the tangent plane through the displaced point.
-    float half_arc = 0.5 * length(x) / planet.x;
-    vec3 point = vec3(x * cos(half_arc) + shift.xy,
-                      shift.z - 2.0 * planet.x * sin(half_arc) * sin(half_arc) - eye.x);
-    vec3 n_eye = vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy));
-    float slant = dot(ray, n_eye);
-    float moved = abs(slant) > 1e-3 * ray_length ? dot(point, n_eye) / slant : t;
-    float most = 2.0 * length(shift) + 0.1;
-    depth_out = ray_length * clamp(moved, t - most, t + most);
-    normal_out = vec4(normalize(n_eye), 0.0);
+    depth = s.depth;
+    normal = vec4(s.normal, 0.0);
 #endif
 }

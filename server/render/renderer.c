@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -56,6 +57,8 @@ struct pel_renderer {
     GLuint mesh_program, surface_program, tone_program;
     GLuint sea_program[2], backdrop_program[2]; /* without, with layers */
     GLuint far_program[2]; /* the sea where FAR_WAVES suffice */
+    bool compute;          /* shade in one dispatch instead of the three */
+    GLuint compute_program[2];
     struct pel_mesh *mesh;
     struct pel_block_waves *wave_block;
     short tiles[PEL_MAX_TILES];
@@ -190,8 +193,19 @@ static void delete_sea_programs(struct pel_renderer *r)
 {
     for (int i = 0; i < 2; i++) {
         glDeleteProgram(r->sea_program[i]);
-        r->sea_program[i] = 0;
+        glDeleteProgram(r->compute_program[i]);
+        r->sea_program[i] = r->compute_program[i] = 0;
     }
+}
+
+/* Software rasterisers are faster with fragments, hardware with compute by up
+ * to thirty times (docs/benchmarks.md). */
+static bool choose_compute(const struct pel_renderer *r, const char *shading)
+{
+    if (!shading || strcmp(shading, "auto") == 0) {
+        return !r->context.software;
+    }
+    return strcmp(shading, "compute") == 0;
 }
 
 static enum pel_err make_sea_program(struct pel_renderer *r, int waves,
@@ -203,6 +217,10 @@ static enum pel_err make_sea_program(struct pel_renderer *r, int waves,
     snprintf(defines, sizeof defines, "#define PEL_WAVES %d\n%s%s", waves,
              unroll ? "#define PEL_UNROLL\n" : "",
              layers ? "#define PEL_LAYERS\n" : "");
+    if (r->compute) {
+        return pel_program_create(r->shader_dir, "shade.comp", NULL, defines, out,
+                                  fault);
+    }
     return pel_program_create(r->shader_dir, "screen.vert", "sea.frag", defines,
                               out, fault);
 }
@@ -212,6 +230,12 @@ static enum pel_err need_sea_program(struct pel_renderer *r, bool layers,
                                      struct pel_fault *fault)
 {
     enum pel_err err = PEL_OK;
+    if (r->compute) {
+        return r->compute_program[layers]
+                   ? PEL_OK
+                   : make_sea_program(r, r->waves, layers,
+                                      &r->compute_program[layers], fault);
+    }
     if (!r->sea_program[layers]) {
         err = make_sea_program(r, r->waves, layers, &r->sea_program[layers],
                                fault);
@@ -269,6 +293,7 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     if (err != PEL_OK) {
         goto fail;
     }
+    r->compute = choose_compute(r, o->shading);
     glCreateVertexArrays(1, &r->vao);
     glBindVertexArray(r->vao);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -458,6 +483,28 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glDisable(GL_DEPTH_TEST);
 }
 
+/* Sky, sea and display colour in one dispatch. */
+static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
+                          bool layers)
+{
+    glDisable(GL_DEPTH_TEST);
+    glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
+    const struct {
+        GLuint texture;
+        GLenum format;
+    } images[] = { { r->targets.radiance, GL_RGBA32F },
+                   { r->targets.color, GL_RGBA8 },
+                   { r->targets.depth, GL_R32F },
+                   { r->targets.normal, GL_RGBA32F } };
+    for (GLuint i = 0; i < (layers ? 4u : 2u); i++) {
+        glBindImageTexture(i, images[i].texture, 0, GL_FALSE, 0, GL_WRITE_ONLY,
+                           images[i].format);
+    }
+    glUseProgram(r->compute_program[layers]);
+    glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
+    glMemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT);
+}
+
 static void tone(struct pel_renderer *r)
 {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
@@ -502,9 +549,13 @@ static enum pel_err draw_view(struct pel_renderer *r,
     glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     raster_surface(r);
     stage_end(r, PEL_STAGE_RASTER);
-    shade(r, c, layers);
+    if (r->compute) {
+        shade_compute(r, c, layers);
+    } else {
+        shade(r, c, layers);
+    }
     stage_end(r, PEL_STAGE_SHADE);
-    if (draw->layers & PEL_LAYER_COLOR) {
+    if (!r->compute && draw->layers & PEL_LAYER_COLOR) {
         tone(r);
     }
     stage_end(r, PEL_STAGE_TONE);

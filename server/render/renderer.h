@@ -17,6 +17,7 @@ struct pel_renderer;
 struct pel_renderer_options {
     const char *device;     /* "auto", "software" or an EGL device number */
     const char *shader_dir; /* NULL: the embedded shaders */
+    const char *shading;    /* NULL or "auto", "fragment", "compute" */
     bool debug;             /* GL debug output to the log */
 };
 

@@ -44,5 +44,6 @@ float filter_weight(float x)
 #define PEL_EACH_WAVE(F) PEL_EACH16(F, 0) PEL_EACH4(F, 16) PEL_EACH4(F, 20)
 #endif
 #else
-#define PEL_EACH_WAVE(F) for (int i_ = 0; i_ < PEL_WAVES; i_++) { F(i_) }
+// Longest first: the sum ends at the first wave without weight.
+#define PEL_EACH_WAVE(F) for (int i_ = 0; i_ < PEL_WAVES && waves[i_].phase.w * scale + offset > 0.0; i_++) { F(i_) }
 #endif

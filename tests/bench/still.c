@@ -20,7 +20,7 @@ static struct setting settings[] = {
     { "width", 1024 }, { "height_px", 768 }, { "time", 10 }, { "vis", 40000 },
     { "ev", 99 },     { "frames", 1 },    { "seed", 1 },    { "waves", 60 },
     { "stages", 0 },  { "chl", 0.2 },     { "hardware", 0 }, { "roll", 0 },
-    { "swell", 0 }, { "loop", 0 },   { "layers", 0 },    { "x", 0 },       { "y", 0 },
+    { "swell", 0 }, { "compute", -1 },   { "layers", 0 },    { "x", 0 },       { "y", 0 },
 };
 
 static double get(const char *name)
@@ -89,7 +89,8 @@ int main(int argc, char **argv)
     struct pel_fault fault = { 0 };
     struct pel_renderer *r;
     const struct pel_renderer_options options = {
-        .device = get("hardware") > 0 ? "auto" : "software", .debug = true
+        .device = get("hardware") > 0 ? "auto" : "software", .debug = true,
+        .shading = get("compute") < 0 ? "auto" : get("compute") > 0 ? "compute" : "fragment"
     };
     if (pel_renderer_create(&options, &r, &fault) != PEL_OK) {
         fprintf(stderr, "%s\n", fault.message);

@@ -1,0 +1,46 @@
+#version 450 core
+// Sky and sea of a picture in one dispatch: chips that are wide in compute and
+// narrow in graphics shade many times faster this way.
+#ifndef PEL_WAVES
+#define PEL_WAVES 60
+#endif
+#include "lib/blocks.h"
+#include "lib/waves.glsl"
+#include "lib/sky.glsl"
+#include "lib/ray.glsl"
+#include "lib/ross.glsl"
+#include "lib/shade.glsl"
+#include "lib/shaded.glsl"
+#include "lib/backdrop.glsl"
+#include "lib/sea.glsl"
+#include "lib/tone.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 5) uniform usampler2D triangles;
+layout(binding = 0, rgba32f) writeonly uniform image2D radiance_image;
+layout(binding = 1, rgba8) writeonly uniform image2D color_image;
+#ifdef PEL_LAYERS
+layout(binding = 2, r32f) writeonly uniform image2D depth_image;
+layout(binding = 3, rgba32f) writeonly uniform image2D normal_image;
+#endif
+
+void main()
+{
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    if (at.x >= int(size.x) || at.y >= int(size.y)) {
+        return;
+    }
+    uint triangle = texelFetch(triangles, at, 0).r;
+    shaded s;
+    if (triangle == 0u) {
+        s = shade_backdrop(at);
+    } else {
+        s = shade_sea(at, triangle);
+    }
+    imageStore(radiance_image, at, vec4(s.radiance, 1.0));
+    imageStore(color_image, at, vec4(display(s.radiance, at), 1.0));
+#ifdef PEL_LAYERS
+    imageStore(depth_image, at, vec4(s.depth));
+    imageStore(normal_image, at, vec4(s.normal, 0.0));
+#endif
+}
