@@ -153,6 +153,7 @@ TESTS += server/optics/brdf_test.c
 TESTS += server/optics/atmosphere_test.c
 TESTS += server/optics/colour_test.c
 TESTS += server/encode/encode_test.c
+TESTS += server/net/net_test.c
 TESTS += server/options_test.c
 TESTS += server/frames/frames_test.c
 TESTS += proto/json_test.c

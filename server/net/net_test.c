@@ -1,0 +1,298 @@
+/* The pieces of the network that are functions of their arguments. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "base/metrics.h"
+#include "net/command.h"
+#include "net/http_request.h"
+#include "net/outbox.h"
+
+static void test_target(void **state)
+{
+    (void)state;
+    struct pel_http_target t;
+    assert_int_equal(pel_http_parse_target("/", &t, NULL), PEL_OK);
+    assert_int_equal(t.segment_count, 0);
+    assert_int_equal(
+        pel_http_parse_target("/v1/a%20b/?x=1+2&y=%2f&z", &t, NULL), PEL_OK);
+    assert_int_equal(t.segment_count, 3);
+    assert_string_equal(t.segments[1], "a b");
+    assert_string_equal(t.segments[2], "");
+    assert_int_equal(t.query_count, 3);
+    assert_string_equal(t.query[0].value, "1 2");
+    assert_string_equal(t.query[1].value, "/");
+    assert_string_equal(t.query[2].value, "");
+    static const char *const bad[] = {
+        "",        "v1",
+        "*",       "http://x/",
+        "/%",      "/%4",
+        "/%zz",    "/a%00b",
+        "/\n",     "/?a=1&a=2",
+        "/?=1",    "/?a=%",
+        "/?a=%7f", "/1/2/3/4/5/6/7/8/9",
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        struct pel_fault fault;
+        assert_int_equal(pel_http_parse_target(bad[i], &t, &fault),
+                         PEL_ERR_MALFORMED);
+    }
+}
+
+static void test_longest_target(void **state)
+{
+    (void)state;
+    /* The most text there can be: every parameter one byte of name. */
+    char target[PEL_HTTP_MAX_TARGET] = "/a/b/c/d/e/f/g/h?";
+    struct pel_http_target t;
+    for (char name = 'a'; name < 'a' + PEL_HTTP_MAX_QUERY; name++) {
+        char part[4] = { name, '=', '&', '\0' };
+        strcat(target, part);
+    }
+    size_t used = strlen(target);
+    memset(target + used - 1, 'x', sizeof target - used);
+    target[sizeof target - 1] = '\0';
+    assert_int_equal(pel_http_parse_target(target, &t, NULL), PEL_OK);
+    assert_int_equal(t.query_count, PEL_HTTP_MAX_QUERY);
+    assert_true(t.used <= sizeof t.text);
+}
+
+static void test_host(void **state)
+{
+    (void)state;
+    const char *const names[] = { "sea.example", NULL };
+    static const char *const ours[] = { "localhost",      "LOCALHOST:8080",
+                                        "127.0.0.1:80",   "10.1.2.3",
+                                        "[::1]",          "[2001:db8::1]:8080",
+                                        "Sea.Example:443" };
+    static const char *const theirs[] = {
+        "",
+        ":80",
+        "evil.example",
+        "localhost.evil",
+        "127.0.0.1.",
+        "127.0.0.1:80x",
+        "[::1",
+        "::1",
+        "[::1]x",
+        "2130706433.ev",
+        "localhost:123456",
+    };
+    for (size_t i = 0; i < sizeof ours / sizeof ours[0]; i++) {
+        assert_true(pel_http_host_is_ours(ours[i], names));
+    }
+    assert_false(pel_http_host_is_ours("sea.example", NULL));
+    for (size_t i = 0; i < sizeof theirs / sizeof theirs[0]; i++) {
+        assert_false(pel_http_host_is_ours(theirs[i], names));
+    }
+    assert_true(pel_http_origin_is_ours("http://a:1", "a:1"));
+    assert_true(pel_http_origin_is_ours("https://a", "A"));
+    assert_false(pel_http_origin_is_ours("null", "a"));
+    assert_false(pel_http_origin_is_ours("http://a:1", "a"));
+    assert_false(pel_http_origin_is_ours("ftp://a", "a"));
+}
+
+static void test_type_and_tags(void **state)
+{
+    (void)state;
+    assert_true(pel_http_type_is_json("application/json"));
+    assert_true(pel_http_type_is_json("Application/JSON; charset=UTF-8"));
+    assert_true(pel_http_type_is_json("application/merge-patch+json"));
+    assert_false(pel_http_type_is_json(""));
+    assert_false(pel_http_type_is_json("application/jsonp"));
+    assert_false(pel_http_type_is_json("application/json; charset=latin1"));
+    assert_true(pel_http_tag_matches("\"a\"", "\"a\"", false));
+    assert_true(pel_http_tag_matches(" \"b\" , \"a\"", "\"a\"", false));
+    assert_true(pel_http_tag_matches("*", "\"a\"", false));
+    assert_true(pel_http_tag_matches("W/\"a\"", "\"a\"", true));
+    assert_false(pel_http_tag_matches("W/\"a\"", "\"a\"", false));
+    assert_false(pel_http_tag_matches("\"ab\"", "\"a\"", false));
+    assert_false(pel_http_tag_matches("\"a", "\"a\"", false));
+    assert_false(pel_http_tag_matches("a", "\"a\"", false));
+}
+
+static void test_command_number(void **state)
+{
+    (void)state;
+    const ProtobufCMessageDescriptor *type =
+        &pelagos__frame_request__descriptor;
+    struct pel_fault fault;
+    double value = 0;
+    assert_int_equal(pel_command_number(type, "width", "640", &value, &fault),
+                     PEL_OK);
+    assert_true(value == 640.0);
+    assert_int_equal(pel_command_number(type, "time", "1.5e1", &value, &fault),
+                     PEL_OK);
+    assert_true(value == 15.0);
+    assert_int_equal(pel_command_number(type, "width", "15", &value, &fault),
+                     PEL_ERR_OUT_OF_RANGE);
+    assert_string_equal(fault.path, "width");
+    assert_string_equal(fault.unit, "px");
+    assert_true(fault.minimum == 16.0 && fault.maximum == 4096.0);
+    static const char *const bad[] = { "",    "x",   "0x20", "20 ", " 20",
+                                       "nan", "inf", "20.5", "1,5" };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_int_equal(
+            pel_command_number(type, "width", bad[i], &value, &fault),
+            PEL_ERR_INVALID);
+    }
+}
+
+static void test_command_check(void **state)
+{
+    (void)state;
+    struct pel_fault fault;
+    Pelagos__Point good = PELAGOS__POINT__INIT, bad = PELAGOS__POINT__INIT;
+    good.has_east = bad.has_east = true;
+    bad.east = NAN;
+    Pelagos__Point *points[] = { &good, &bad };
+    Pelagos__SurfaceQuery query = PELAGOS__SURFACE_QUERY__INIT;
+    query.points = points;
+    query.n_points = 2;
+    assert_int_equal(pel_command_check(&query.base, &fault), PEL_ERR_INVALID);
+    assert_string_equal(fault.path, "points.1.east");
+    bad.east = -1e6 - 1;
+    assert_int_equal(pel_command_check(&query.base, &fault),
+                     PEL_ERR_OUT_OF_RANGE);
+    bad.east = -1e6;
+    assert_int_equal(pel_command_check(&query.base, &fault), PEL_OK);
+    Pelagos__FrameRequest frame = PELAGOS__FRAME_REQUEST__INIT;
+    frame.has_format = true;
+    frame.format = 77;
+    assert_int_equal(pel_command_check(&frame.base, &fault), PEL_ERR_INVALID);
+    assert_string_equal(fault.path, "format");
+}
+
+/* The head written by hand and the picture after it are one Reply. */
+static void test_frame_reply(void **state)
+{
+    (void)state;
+    const uint8_t data[] = "picture";
+    struct pel_frame frame = { .view = "bridge",
+                               .number = 300,
+                               .width = 640,
+                               .height = 480,
+                               .revision = 5,
+                               .time_s = 1.25,
+                               .format = PELAGOS__FRAME_FORMAT__EXR,
+                               .data = data,
+                               .size = sizeof data };
+    size_t head = 0;
+    uint8_t *bytes = pel_frame_reply_head(true, 99, &frame, &head);
+    assert_int_equal(bytes[0] & 0x80, 0); /* one byte of length here */
+    assert_int_equal(bytes[0], head - 1 + sizeof data);
+    bytes = realloc(bytes, head + sizeof data);
+    memcpy(bytes + head, data, sizeof data);
+    Pelagos__Reply *reply =
+        pelagos__reply__unpack(NULL, head - 1 + sizeof data, bytes + 1);
+    assert_non_null(reply);
+    assert_int_equal(reply->id, 99);
+    assert_int_equal(reply->result_case, PELAGOS__REPLY__RESULT_FRAME);
+    assert_string_equal(reply->frame->view, "bridge");
+    assert_int_equal(reply->frame->number, 300);
+    assert_int_equal(reply->frame->format, PELAGOS__FRAME_FORMAT__EXR);
+    assert_int_equal(reply->frame->data.len, sizeof data);
+    assert_memory_equal(reply->frame->data.data, data, sizeof data);
+    pelagos__reply__free_unpacked(reply, NULL);
+    free(bytes);
+}
+
+static void test_outbox(void **state)
+{
+    (void)state;
+    int pair[2];
+    assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, pair), 0);
+    struct pel_outbox box;
+    pel_outbox_init(&box);
+    size_t total = 0, sent = 0;
+    for (int i = 0; i < 50; i++) {
+        size_t size = 40000;
+        uint8_t *data = malloc(size);
+        memset(data, i, size);
+        pel_outbox_add(&box, data, size);
+        total += size;
+    }
+    assert_int_equal(pel_outbox_flush(&box, pair[0], &sent),
+                     PEL_OUTBOX_WAITING);
+    assert_int_equal(box.bytes, total - sent);
+    static uint8_t buffer[33333];
+    size_t got = 0;
+    while (got < total) {
+        ssize_t n = read(pair[1], buffer, sizeof buffer);
+        assert_true(n > 0);
+        for (ssize_t i = 0; i < n; i++) {
+            assert_int_equal(buffer[i], (got + (size_t)i) / 40000);
+        }
+        got += (size_t)n;
+        assert_int_not_equal(pel_outbox_flush(&box, pair[0], &sent),
+                             PEL_OUTBOX_GONE);
+    }
+    assert_int_equal(box.bytes, 0);
+    close(pair[1]);
+    pel_outbox_add(&box, calloc(1, 1), 1);
+    assert_int_equal(pel_outbox_flush(&box, pair[0], &sent), PEL_OUTBOX_GONE);
+    pel_outbox_finish(&box);
+    close(pair[0]);
+}
+
+static void collect_a(void *user, struct pel_metrics_page *page)
+{
+    (void)user;
+    pel_metric(page, "pelagos_b_total", PEL_METRIC_COUNTER, "B.", "x=\"1\"", 3);
+    pel_metric(page, "pelagos_a", PEL_METRIC_GAUGE, "A.", NULL, 0.5);
+}
+
+static void collect_b(void *user, struct pel_metrics_page *page)
+{
+    (void)user;
+    pel_metric(page, "pelagos_b_total", PEL_METRIC_COUNTER, "other", "x=\"2\"",
+               1e15);
+}
+
+static void test_metrics(void **state)
+{
+    (void)state;
+    struct pel_metrics *metrics = pel_metrics_create();
+    pel_metrics_add(metrics, collect_a, NULL);
+    pel_metrics_add(metrics, collect_b, metrics);
+    char *text = pel_metrics_text(metrics, NULL);
+    assert_string_equal(text, "# HELP pelagos_a A.\n"
+                              "# TYPE pelagos_a gauge\n"
+                              "pelagos_a 0.5\n"
+                              "# HELP pelagos_b_total B.\n"
+                              "# TYPE pelagos_b_total counter\n"
+                              "pelagos_b_total{x=\"1\"} 3\n"
+                              "pelagos_b_total{x=\"2\"} 1e+15\n");
+    free(text);
+    pel_metrics_remove(metrics, collect_a, NULL);
+    size_t size = 0;
+    text = pel_metrics_text(metrics, &size);
+    assert_int_equal(size, strlen(text));
+    assert_null(strstr(text, "pelagos_a"));
+    free(text);
+    pel_metrics_destroy(metrics);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_target),
+        cmocka_unit_test(test_longest_target),
+        cmocka_unit_test(test_host),
+        cmocka_unit_test(test_type_and_tags),
+        cmocka_unit_test(test_command_number),
+        cmocka_unit_test(test_command_check),
+        cmocka_unit_test(test_frame_reply),
+        cmocka_unit_test(test_outbox),
+        cmocka_unit_test(test_metrics),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
