@@ -21,6 +21,8 @@ import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 BIN = os.environ.get("PELAGOS_BIN", os.path.join(ROOT, "build/release/bin"))
+# Sanitizers keep freed memory back: figures of growth mean nothing then.
+SANITIZED = "asan" in BIN or "tsan" in BIN
 
 
 def free_port(kind=socket.SOCK_STREAM):

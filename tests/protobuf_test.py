@@ -11,7 +11,8 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import Daemon, Session, receive_all, schema, varint
+from pelagos_daemon import (SANITIZED, Daemon, Session, receive_all, schema,
+                            varint)
 
 pb = schema()
 
@@ -241,7 +242,8 @@ class Hostile(SessionCase):
                     s.sendall((varint(len(data)) + data) * 100)
                     sent += 100
             self.assertLess(sent, 20000000)
-            self.assertLess(self.daemon.rss() - before, 8e6)
+            if not SANITIZED:
+                self.assertLess(self.daemon.rss() - before, 8e6)
         self.assertEqual(self.tcp().ask(get={}).state.sea.seed, 1)
 
     def test_vanished_client(self):
@@ -285,7 +287,7 @@ class UnixSocket(SessionCase):
     def test_taken_and_stale_paths(self):
         with self.assertRaises(RuntimeError):
             Daemon("--unix", self.daemon.unix_path)
-        self.assertTrue(self.daemon.connect_unix())
+        self.daemon.connect_unix().close()
         stale = os.path.join(self.daemon.folder, "stale")
         with socket.socket(socket.AF_UNIX) as s:
             s.bind(stale)
