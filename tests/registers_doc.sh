@@ -3,6 +3,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 bin=${PELAGOS_BIN:-build/release/bin}
+bin=${bin#"$PWD/"}
 [ -x "$bin/registers_doc" ] || make --no-print-directory "$bin/registers_doc"
 if ! "$bin/registers_doc" | diff -u proto/registers.md -; then
     echo "proto/registers.md is old: run \`make registers\`"
