@@ -325,7 +325,7 @@ E2E = $(shell find tests -maxdepth 1 -perm -u+x \( -name '*.sh' -o -name '*.py' 
 asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
 	$(Q)$(MAKE) -s --no-print-directory FLAVOR=asan all tests
 	$(Q)ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1 \
-	    LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 \
+	    LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
 	    UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
 	    PELAGOS_BIN=$(CURDIR)/build/asan/bin \
 	    tests/run $(patsubst $(O)/%,build/asan/%,$(TEST_BIN)) \
