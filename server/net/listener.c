@@ -144,9 +144,17 @@ static uint16_t bound_port(int fd)
     if (getsockname(fd, (struct sockaddr *)&address, &size) != 0) {
         return 0;
     }
-    return ntohs(address.ss_family == AF_INET6
-                     ? ((struct sockaddr_in6 *)&address)->sin6_port
-                     : ((struct sockaddr_in *)&address)->sin_port);
+    in_port_t port = 0;
+    if (address.ss_family == AF_INET6) {
+        struct sockaddr_in6 in6;
+        memcpy(&in6, &address, sizeof in6);
+        port = in6.sin6_port;
+    } else {
+        struct sockaddr_in in;
+        memcpy(&in, &address, sizeof in);
+        port = in.sin_port;
+    }
+    return ntohs(port);
 }
 
 enum pel_err pel_listener_tcp(const char *option, const char *address,
