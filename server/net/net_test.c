@@ -51,14 +51,17 @@ static void test_longest_target(void **state)
 {
     (void)state;
     /* The most text there can be: every parameter one byte of name. */
-    char target[PEL_HTTP_MAX_TARGET] = "/a/b/c/d/e/f/g/h?";
+    static const char path[] = "/a/b/c/d/e/f/g/h?";
+    char target[PEL_HTTP_MAX_TARGET];
     struct pel_http_target t;
-    for (char name = 'a'; name < 'a' + PEL_HTTP_MAX_QUERY; name++) {
-        char part[4] = { name, '=', '&', '\0' };
-        strcat(target, part);
+    memset(target, 'x', sizeof target);
+    memcpy(target, path, strlen(path));
+    for (size_t i = 0; i < PEL_HTTP_MAX_QUERY; i++) {
+        char *part = target + strlen(path) + 3 * i;
+        part[0] = (char)('a' + i);
+        part[1] = '=';
+        part[2] = i + 1 < PEL_HTTP_MAX_QUERY ? '&' : 'x';
     }
-    size_t used = strlen(target);
-    memset(target + used - 1, 'x', sizeof target - used);
     target[sizeof target - 1] = '\0';
     assert_int_equal(pel_http_parse_target(target, &t, NULL), PEL_OK);
     assert_int_equal(t.query_count, PEL_HTTP_MAX_QUERY);
