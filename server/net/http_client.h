@@ -32,6 +32,7 @@ struct client {
     bool loopback;
     enum phase phase;
     int64_t deadline_ns;
+    int64_t since_ns;  /* waiting for headers; the oldest makes room */
     uint64_t consumed; /* bytes received when the last request was done */
     bool first;        /* nothing has been answered yet */
 
@@ -63,7 +64,7 @@ struct pel_http_server {
     GPtrArray *clients;
     struct pel_mjpeg_stats mjpeg;
     uint64_t answers[PEL_HTTP_STATUS_MAX];
-    uint64_t accepted, refused, malformed, timeouts, vanished;
+    uint64_t accepted, refused, evicted, malformed, timeouts, vanished;
 };
 
 /* The moment that many seconds from now [ns, CLOCK_MONOTONIC]. */

@@ -39,9 +39,14 @@ void pel_http_json(struct pel_http_answer *answer, int status, char *owned)
 {
     answer->status = status;
     answer->type = JSON_TYPE;
+    answer->size = strlen(owned);
+    if (answer->size > 0 && owned[answer->size - 1] != '\n') {
+        owned = g_realloc(owned, answer->size + 2);
+        owned[answer->size++] = '\n';
+        owned[answer->size] = '\0';
+    }
     answer->owned = owned;
     answer->body = owned;
-    answer->size = strlen(owned);
 }
 
 void pel_http_refuse(const struct pel_http_call *call, int status,

@@ -20,6 +20,7 @@
 #define MEMORY_BYTES (16 * 1024)
 #define MAX_HEADERS 64
 #define SWEEP_MS 250
+#define CLOSING_ROOM 128 /* connections that are being closed */
 
 struct daemon_source {
     GSource source;
@@ -235,6 +236,7 @@ static void on_completed(void *user, struct MHD_Connection *connection,
     client->consumed = pel_tcp_received(client->fd);
     if (client->phase != PHASE_CLOSED) {
         client->phase = PHASE_HEADERS;
+        client->since_ns = pel_now_ns();
         client->deadline_ns =
             pel_http_after(client->server->limits.http_idle_s);
     }
@@ -274,6 +276,7 @@ static void on_connection(void *user, struct MHD_Connection *connection,
         source_of(address, &client->source);
         client->loopback = pel_address_is_loopback(address);
         client->first = true;
+        client->since_ns = pel_now_ns();
         client->deadline_ns = pel_http_after(server->limits.http_header_s);
         g_ptr_array_add(server->clients, client);
         *context = client;
@@ -300,29 +303,82 @@ static void refuse_client(int fd, int status, const char *words)
     (void)sent; /* a courtesy */
 }
 
-bool pel_http_server_accept(struct pel_http_server *server, int fd,
-                            const struct sockaddr *address, socklen_t size)
+static void shut(struct client *client)
 {
-    bool loopback = pel_address_is_loopback(address);
-    struct in6_addr source;
-    source_of(address, &source);
-    unsigned same = 0;
+    count_half(client);
+    client->phase = PHASE_CLOSED;
+    pel_http_call_off(client);
+    shutdown(client->fd, SHUT_RDWR);
+    pel_http_resume(client);
+    pel_http_kick(client->server);
+}
+
+/* Who is counted together: all of loopback, or one address. */
+static bool same_source(const struct client *client, bool loopback,
+                        const struct in6_addr *source)
+{
+    return loopback ? client->loopback
+                    : IN6_ARE_ADDR_EQUAL(&client->source, source);
+}
+
+/* The one that has been waiting for its headers for longest: whoever sends
+ * whole requests is not crowded out by those who only open connections. */
+static struct client *find_victim(const struct pel_http_server *server,
+                                  bool many, bool loopback,
+                                  const struct in6_addr *source)
+{
+    struct client *oldest = NULL;
+    for (guint i = 0; i < server->clients->len; i++) {
+        struct client *each = g_ptr_array_index(server->clients, i);
+        if (each->phase == PHASE_HEADERS &&
+            (!many || same_source(each, loopback, source)) &&
+            (!oldest || each->since_ns < oldest->since_ns)) {
+            oldest = each;
+        }
+    }
+    return oldest;
+}
+
+/* False: a limit is reached, nobody could make room, and the client has been
+ * told. */
+static bool find_room(struct pel_http_server *server, int fd, bool loopback,
+                      const struct in6_addr *source)
+{
+    unsigned open = 0, same = 0;
     for (guint i = 0; i < server->clients->len; i++) {
         const struct client *each = g_ptr_array_index(server->clients, i);
-        same += loopback ? each->loopback
-                         : IN6_ARE_ADDR_EQUAL(&each->source, &source);
+        bool counts = each->phase != PHASE_CLOSED;
+        open += counts;
+        same += counts && same_source(each, loopback, source);
     }
     bool many = same >= (loopback ? server->limits.http_per_loopback
                                   : server->limits.http_per_source);
-    if (many || server->clients->len >= server->limits.http_connections) {
-        static struct pel_log_limit limit;
-        server->refused++;
-        pel_log_limited(&limit, PEL_LOG_WARNING, "NET-020",
-                        "HTTP client refused: %u connections, %u of them from "
-                        "its source",
-                        server->clients->len, same);
-        refuse_client(fd, many ? 429 : 503,
-                      many ? "Too Many Requests" : "Service Unavailable");
+    if (!many && open < server->limits.http_connections) {
+        return true;
+    }
+    struct client *victim = find_victim(server, many, loopback, source);
+    if (victim) {
+        server->evicted++;
+        shut(victim);
+        return true;
+    }
+    static struct pel_log_limit limit;
+    server->refused++;
+    pel_log_limited(&limit, PEL_LOG_WARNING, "NET-020",
+                    "HTTP client refused: %u connections, %u of them from "
+                    "its source",
+                    open, same);
+    refuse_client(fd, many ? 429 : 503,
+                  many ? "Too Many Requests" : "Service Unavailable");
+    return false;
+}
+
+bool pel_http_server_accept(struct pel_http_server *server, int fd,
+                            const struct sockaddr *address, socklen_t size)
+{
+    struct in6_addr source;
+    source_of(address, &source);
+    if (!find_room(server, fd, pel_address_is_loopback(address), &source)) {
         return false;
     }
     int on = 1;
@@ -332,16 +388,6 @@ bool pel_http_server_accept(struct pel_http_server *server, int fd,
     MHD_add_connection(server->daemon, fd, address, size);
     pel_http_kick(server);
     return true;
-}
-
-static void shut(struct client *client)
-{
-    count_half(client);
-    client->phase = PHASE_CLOSED;
-    pel_http_call_off(client);
-    shutdown(client->fd, SHUT_RDWR);
-    pel_http_resume(client);
-    pel_http_kick(client->server);
 }
 
 /* The library does not watch a suspended connection, and misses an end that
@@ -427,11 +473,11 @@ static struct MHD_Daemon *start_library(struct pel_http_server *server)
             MHD_USE_ERROR_LOG,
         0, NULL, NULL, on_request, server, MHD_OPTION_EXTERNAL_LOGGER,
         on_library_log, NULL, MHD_OPTION_CONNECTION_LIMIT,
-        server->limits.http_connections + 1, MHD_OPTION_CONNECTION_TIMEOUT,
-        (unsigned)IDLE_S, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-        (size_t)MEMORY_BYTES, MHD_OPTION_STRICT_FOR_CLIENT, 1,
-        MHD_OPTION_URI_LOG_CALLBACK, on_target, server,
-        MHD_OPTION_NOTIFY_COMPLETED, on_completed, server,
+        server->limits.http_connections + CLOSING_ROOM,
+        MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE_S,
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)MEMORY_BYTES,
+        MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_URI_LOG_CALLBACK, on_target,
+        server, MHD_OPTION_NOTIFY_COMPLETED, on_completed, server,
         MHD_OPTION_NOTIFY_CONNECTION, on_connection, server,
         MHD_OPTION_SIGPIPE_HANDLED_BY_APP, 1, MHD_OPTION_END);
 }
@@ -526,6 +572,9 @@ void pel_http_server_collect(const struct pel_http_server *server,
                "HTTP connections open.", NULL, server->clients->len);
     counter(page, "pelagos_http_accepted_total", "HTTP connections accepted.",
             NULL, server->accepted);
+    counter(page, "pelagos_http_evicted_total",
+            "Idle or half-sent HTTP connections closed to make room.", NULL,
+            server->evicted);
     counter(page, "pelagos_http_vanished_total",
             "HTTP clients that left before their answer.", NULL,
             server->vanished);
