@@ -431,7 +431,7 @@ static void displace_mesh(struct pel_renderer *r, size_t waves_at)
                       sizeof *r->wave_block);
 }
 
-static void raster_surface(struct pel_renderer *r)
+static void raster_surface(struct pel_renderer *r, bool submerged)
 {
     static const GLuint nothing[4] = { 0 };
     static const GLfloat far_away = 0.0f;
@@ -441,6 +441,11 @@ static void raster_surface(struct pel_renderer *r)
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.surface_fbo);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
+    if (!submerged) {
+        /* The backs of crests would show as specks along their outlines. */
+        glEnable(GL_CULL_FACE);
+        glFrontFace(GL_CW);
+    }
     glUseProgram(r->surface_program);
     for (int i = 0; i < r->mesh->block_count; i++) {
         const struct pel_mesh_block *b = &r->mesh->blocks[i];
@@ -449,6 +454,7 @@ static void raster_surface(struct pel_renderer *r)
         glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 2 * b->columns,
                               b->rings - 1);
     }
+    glDisable(GL_CULL_FACE);
     glDepthMask(GL_FALSE);
 }
 
@@ -547,7 +553,9 @@ static enum pel_err draw_view(struct pel_renderer *r,
     displace_mesh(r, waves_at);
     stage_end(r, PEL_STAGE_MESH);
     glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
-    raster_surface(r);
+    struct pel_surface_sample under;
+    pel_sea_sample(env->sea, c->east_m, c->north_m, env->time_s, &under);
+    raster_surface(r, under.height_m > height_m);
     stage_end(r, PEL_STAGE_RASTER);
     if (r->compute) {
         shade_compute(r, c, layers);

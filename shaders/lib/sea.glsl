@@ -41,9 +41,13 @@ shaded shade_sea(ivec2 at, uint triangle)
     v = normalize(v);
     vec3 sun_dir = normalize(vec3(sun.xy - tilt * sun.z, sun.z + dot(tilt, sun.xy)));
 
-    // Length of the pixel on the surface, along the line of sight.
+    // Length of the pixel on the surface, along the line of sight: on the mean
+    // plane, longer where the waves turn their backs, as crests do before they
+    // hide what is behind.
+    vec3 facet = normalize(cross(b - a, c - a));
+    float facing = clamp(abs(dot(facet, dir)), 0.15 * v.z, v.z);
     float across = t * pixel.x;
-    float footprint = across / max(v.z, 0.002);
+    float footprint = across / max(facing, 0.002);
     float scale = up.w / footprint;
     float offset = -right.w * up.w;
     vec3 fold = vec3(0.0);
@@ -74,7 +78,14 @@ shaded shade_sea(ivec2 at, uint triangle)
                         float(PEL_VARIANCE_COUNT) - 1.001);
     int entry = int(place);
     vec2 variance = mix(variance_table[entry], variance_table[entry + 1], place - float(entry));
-    vec3 light = sea_radiance(reflection_map, v, sun_dir, n, variance);
+    // A normal that faces away belongs to a patch which the mesh shows and the
+    // waves hide. Such pixels dot the crests; they get what their neighbourhood
+    // has on average, the mean plane with all its slopes.
+    float edge = min(0.5 * v.z, 0.06);
+    float hidden = 1.0 - smoothstep(-edge, edge, dot(n, v));
+    vec3 n_seen = normalize(mix(n, vec3(0.0, 0.0, 1.0), hidden));
+    vec3 light = sea_radiance(reflection_map, v, sun_dir, n_seen,
+                              mix(variance, wind.zw, hidden));
 
     // The air between: towards its equilibrium radiance.
     vec2 table = vec2(textureSize(eye_table, 0));

@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# Draws the gallery anew: docs/gallery/make.sh [FOLDER]. Each picture is one
+# `pelagosctl set` on a common scene and one `pelagosctl frame`; the same
+# commands are listed in README.md beside the pictures, which this writes too.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+out=${1:-docs/gallery}
+socket=$(mktemp -u "${TMPDIR:-/tmp}/pelagos-gallery-XXXXXX")
+build/pelagosd --device software --http off --tcp off --modbus off --nmea off \
+    --state off --unix "$socket" --log-level warning &
+daemon=$!
+trap 'kill $daemon 2>/dev/null; wait $daemon 2>/dev/null || true' EXIT
+ctl() { build/pelagosctl --quiet --timeout 60 --server "unix:$socket" "$@"; }
+for _ in $(seq 100); do
+    [ -S "$socket" ] && break
+    sleep 0.1
+done
+
+common="clock.mode=STEPPED clock.time=100 sea.windDirection=250 sea.windSpeed=8 \
+sky.sunElevation=35 sky.sunAzimuth=55 sky.visibility=40000 views.gallery.up=6 \
+views.gallery.pitch=-5 views.gallery.width=640 views.gallery.height=360"
+pictures=(
+    "calm|Calm: wind 1.5 m/s|sea.windSpeed=1.5"
+    "wind-05|Wind 5 m/s|sea.windSpeed=5"
+    "wind-10|Wind 10 m/s|sea.windSpeed=10"
+    "wind-15|Wind 15 m/s, from a bridge at 15 m|sea.windSpeed=15 views.gallery.up=15"
+    "wind-20|Wind 20 m/s, from a bridge at 15 m|sea.windSpeed=20 views.gallery.up=15"
+    "sun-noon|Noon, the Sun behind|sky.sunElevation=61 sky.sunAzimuth=180"
+    "sun-10|Sun 10° above the horizon|sky.sunElevation=10 sky.sunAzimuth=12"
+    "sun-02|Sun 2° above the horizon|sky.sunElevation=2 sky.sunAzimuth=12"
+    "sun-dusk|Dusk: Sun 5° below the horizon|sky.sunElevation=-5 sky.sunAzimuth=12"
+    "height-4|From 4 m|views.gallery.up=4"
+    "height-30|From 30 m|views.gallery.up=30 views.gallery.pitch=-8"
+    "height-1000|From 1000 m|views.gallery.up=1000 views.gallery.pitch=-18 sky.sunAzimuth=30"
+    "height-8000|From 8000 m|views.gallery.up=8000 views.gallery.pitch=-18 sky.sunAzimuth=30"
+    "fog|Visibility 1500 m|sky.visibility=1500"
+    "swell|Swell of 3 m, 12 s under a light wind|sea.windSpeed=3 sea.swell.0.height=3 sea.swell.0.period=12 sea.swell.0.direction=320 views.gallery.up=12"
+)
+mkdir -p "$out"
+{
+    echo "# Gallery"
+    echo
+    echo "Drawn by \`docs/gallery/make.sh\` on the software device: 60 trochoids,"
+    echo "Pierson–Moskowitz, Case 1 water, automatic exposure. Every picture starts"
+    echo "from"
+    echo
+    echo '```sh'
+    echo "build/pelagosctl set $common" | sed 's/  */ /g'
+    echo '```'
+} > "$out/README.md"
+for picture in "${pictures[@]}"; do
+    IFS='|' read -r name title settings <<< "$picture"
+    ctl unset sea.swell >/dev/null
+    # shellcheck disable=SC2086
+    ctl set $common $settings
+    ctl frame gallery "$out/$name.jpg"
+    {
+        echo
+        echo "## $title"
+        echo
+        echo "![$title]($name.jpg)"
+        echo
+        echo '```sh'
+        echo "build/pelagosctl set $settings"
+        echo "build/pelagosctl frame gallery $name.jpg"
+        echo '```'
+    } >> "$out/README.md"
+    echo "gallery: $name"
+done
