@@ -52,7 +52,8 @@ static bool inside(double v, double lo, double hi)
 
 static bool desc_ok(const struct pel_sea_desc *d)
 {
-    bool ok = (d->kind == PEL_SPECTRUM_PIERSON_MOSKOWITZ ||
+    bool ok = d->synthesiser == PEL_SYNTHESISER_TROCHOIDS &&
+              (d->kind == PEL_SPECTRUM_PIERSON_MOSKOWITZ ||
                d->kind == PEL_SPECTRUM_JONSWAP) &&
               inside(d->wind_mps, 0, 30) && isfinite(d->direction_rad) &&
               d->wave_count >= 20 && d->wave_count <= PEL_SEA_MAX_WAVES &&
@@ -443,6 +444,11 @@ enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
     limit_folding(out);
     sum_up(out);
     return PEL_OK;
+}
+
+void pel_sea_finish(struct pel_sea *sea)
+{
+    (void)sea; /* trochoids stand in the sea itself */
 }
 
 double pel_sea_rms_below(const struct pel_sea *sea, double wavelength_m)

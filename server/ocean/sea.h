@@ -21,6 +21,11 @@ enum pel_spectrum_kind {
     PEL_SPECTRUM_JONSWAP,
 };
 
+enum pel_synthesiser {
+    PEL_SYNTHESISER_TROCHOIDS, /* Bruneton et al. 2010 */
+    PEL_SYNTHESISER_FFT,       /* cascades, see cascade.h */
+};
+
 struct pel_swell_desc {
     double height_m;      /* significant wave height, 0..15 */
     double period_s;      /* peak period, 3..30 */
@@ -29,6 +34,7 @@ struct pel_swell_desc {
 };
 
 struct pel_sea_desc {
+    enum pel_synthesiser synthesiser;
     enum pel_spectrum_kind kind;
     double wind_mps;      /* at 10 m, 0..30 */
     double direction_rad; /* the wind blows to */
@@ -55,8 +61,11 @@ struct pel_wave {
     double chop;      /* c, 0..1 */
 };
 
+struct pel_cascades; /* ocean/cascade.h */
+
 struct pel_sea {
     struct pel_sea_desc desc;
+    struct pel_cascades *cascades; /* owned; NULL: the waves below */
     int count;
     struct pel_wave waves[PEL_SEA_MAX_WAVES]; /* longest wavelength first */
     double m0;                                /* Σ h²/2 of the waves, m² */
@@ -92,6 +101,9 @@ struct pel_sea {
 #define PEL_SEA_FOLD_SIGMAS 5.5
 PEL_CHECK enum pel_err pel_sea_build(const struct pel_sea_desc *desc,
                                      struct pel_sea *out);
+
+/* Frees what a built sea owns. */
+void pel_sea_finish(struct pel_sea *sea);
 
 struct pel_surface_sample {
     double height_m;

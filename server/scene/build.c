@@ -102,6 +102,7 @@ enum pel_err pel_shared_sea_get(const Pelagos__State *state, int wave_count,
 void pel_shared_sea_unref(struct pel_shared_sea *sea)
 {
     if (sea && atomic_fetch_sub(&sea->refs, 1) == 1) {
+        pel_sea_finish(&sea->sea);
         free(sea);
     }
 }
