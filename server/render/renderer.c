@@ -375,7 +375,7 @@ static void bind_table_eye(void *user, double height_m)
 {
     struct pel_renderer *r = user;
     struct pel_block_eye block;
-    pel_fill_eye(height_m, height_m, NULL, &block);
+    pel_fill_eye(height_m, height_m, false, NULL, &block);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &block, sizeof block);
 }
 
@@ -539,7 +539,10 @@ static enum pel_err draw_view(struct pel_renderer *r,
     pel_mesh_plan(&mesh_eye, c, r->mesh);
     pel_tiles_plan(c, height_m, mesh_eye.pixel, PEL_N_MIN, env->sea, r->tiles);
     struct pel_block_eye eye;
-    pel_fill_eye(height_m, table_height_m, r->mesh, &eye);
+    struct pel_surface_sample above;
+    pel_sea_sample(env->sea, c->east_m, c->north_m, env->time_s, &above);
+    bool submerged = above.height_m > c->altitude_m;
+    pel_fill_eye(height_m, table_height_m, submerged, r->mesh, &eye);
     pel_fill_waves(env, c->east_m, c->north_m, r->wave_block);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &eye, sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 2, &view, sizeof view);
@@ -553,9 +556,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     displace_mesh(r, waves_at);
     stage_end(r, PEL_STAGE_MESH);
     glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
-    struct pel_surface_sample under;
-    pel_sea_sample(env->sea, c->east_m, c->north_m, env->time_s, &under);
-    raster_surface(r, under.height_m > height_m);
+    raster_surface(r, submerged);
     stage_end(r, PEL_STAGE_RASTER);
     if (r->compute) {
         shade_compute(r, c, layers);

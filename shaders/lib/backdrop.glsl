@@ -24,7 +24,7 @@ shaded shade_backdrop(ivec2 at)
                  transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
     }
     shaded result;
-    result.radiance = light;
+    result.radiance = from_under_water(light, dir.z);
 #ifdef PEL_LAYERS
     result.depth = uintBitsToFloat(0x7F800000u); // no surface: infinity
     result.normal = vec3(0.0);

@@ -43,7 +43,7 @@ PEL_BLOCK(0, frame) {
 PEL_BLOCK(1, eye) {
     vec4 eye; /* x height above the sea, m; y dip of the horizon, rad; z angle
                  between the mesh's columns, rad; w columns around */
-    vec4 lut; /* x height the sky tables were made for, m */
+    vec4 lut; /* x height the sky tables were made for, m; y 1 under water */
 };
 
 /* One for a view. The pixel lattice is X right, Y down, in pixels from the

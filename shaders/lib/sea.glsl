@@ -93,7 +93,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     vec3 through = exp(-textureLod(eye_haze, uv, 0.0).rgb * range);
     light = mix(textureLod(eye_table, uv, 0.0).rgb, light, through);
     shaded result;
-    result.radiance = light;
+    result.radiance = from_under_water(light, dir.z);
 #ifdef PEL_LAYERS
     // The waves finer than the mesh move the surface off its triangle: once to
     // the tangent plane through the displaced point.
