@@ -166,6 +166,9 @@ TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c
 TESTS += server/scene/geodesy_test.c
 TESTS += server/scene/snapshot_test.c
+TESTS += server/render/mesh_test.c
+TESTS += server/render/tiles_test.c
+TESTS += server/render/uniforms_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
 # FUZZERS += lines of each room.

@@ -1,0 +1,141 @@
+/* What the render room's tests share: cameras as the scene makes them, seas,
+ * a repeatable stream of numbers, and pictures copied out of the renderer. */
+#pragma once
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "ocean/sea.h"
+#include "render/renderer.h"
+#include "scene/snapshot.h"
+
+/* Angles of a test view, degrees; heading clockwise from north. */
+struct test_look {
+    double height_m, heading, pitch, roll, fov;
+    uint32_t width, height;
+};
+
+static inline uint64_t test_random_bits(uint64_t *state)
+{
+    uint64_t z = *state += 0x9E3779B97F4A7C15u;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return z ^ (z >> 31);
+}
+
+/* In [low, high). */
+static inline double test_random(uint64_t *state, double low, double high)
+{
+    return low +
+           (high - low) * (double)(test_random_bits(state) >> 11) * 0x1p-53;
+}
+
+/* A camera through the scene's own code, square pixels. */
+static inline struct pel_camera test_camera(struct test_look look)
+{
+    double tan_x = tan(0.5 * look.fov * PEL_DEG);
+    double tan_y = tan_x * look.height / look.width;
+    const struct pel_view_state view = {
+        .entity = -1,
+        .up_m = look.height_m,
+        .yaw_rad = look.heading * PEL_DEG,
+        .pitch_rad = look.pitch * PEL_DEG,
+        .roll_rad = look.roll * PEL_DEG,
+        .tan_left = -tan_x,
+        .tan_right = tan_x,
+        .tan_top = tan_y,
+        .tan_bottom = -tan_y,
+        .width = look.width,
+        .height = look.height,
+        .auto_exposure = true,
+    };
+    const struct pel_snapshot snapshot = { .view_count = 1, .views = &view };
+    struct pel_camera camera;
+    pel_snapshot_camera(&snapshot, 0, 0.0, 0, 0, &camera);
+    return camera;
+}
+
+/* Unit direction of the place (x, y) of a picture, pixels from the top left. */
+static inline struct pel_vec3 test_ray(const struct pel_camera *c, double x,
+                                       double y)
+{
+    double px = (c->tan_right - c->tan_left) / c->width;
+    double py = (c->tan_top - c->tan_bottom) / c->height;
+    const struct pel_vec3 v = { c->tan_left + px * x, c->tan_top - py * y,
+                                -1.0 };
+    return pel_vec3_normalize(pel_mat3_apply(&c->world_from_camera, v));
+}
+
+/* Pierson–Moskowitz, with a swell of swell_m if that is not 0. */
+static inline void test_sea(double wind_mps, double swell_m, uint32_t seed,
+                            struct pel_sea *out)
+{
+    const struct pel_sea_desc desc = {
+        .wind_mps = wind_mps,
+        .direction_rad = 0.4,
+        .fetch_m = 200000.0,
+        .gamma = 3.3,
+        .seed = seed,
+        .wave_count = 60,
+        .swell_count = swell_m > 0.0,
+        .swell = { { swell_m, 12.0, 1.2, 0.2 } },
+    };
+    assert_int_equal(pel_sea_build(&desc, out), PEL_OK);
+}
+
+/* Elevation and azimuth (clockwise from north) in degrees. */
+static inline struct pel_vec3 test_sun(double elevation, double azimuth)
+{
+    double e = elevation * PEL_DEG, a = azimuth * PEL_DEG;
+    return (struct pel_vec3){ cos(e) * sin(a), cos(e) * cos(a), sin(e) };
+}
+
+static inline struct pel_environment test_environment(const struct pel_sea *sea,
+                                                      double time_s)
+{
+    return (struct pel_environment){
+        .time_s = time_s,
+        .sea = sea,
+        .sun = test_sun(30.0, 40.0),
+        .wind_mps = sea->desc.wind_mps,
+        .wind_to_rad = sea->desc.direction_rad,
+        .visibility_m = 40000.0,
+        .chlorophyll_mg_m3 = 0.2,
+    };
+}
+
+static inline struct pel_renderer *test_renderer(const char *shading)
+{
+    const struct pel_renderer_options options = { .device = "software",
+                                                  .shading = shading,
+                                                  .debug = true };
+    struct pel_fault fault = { 0 };
+    struct pel_renderer *r = NULL;
+    if (pel_renderer_create(&options, &r, &fault) != PEL_OK) {
+        fail_msg("%s", fault.message);
+    }
+    return r;
+}
+
+#define TEST_ALL_LAYERS                                                        \
+    (PEL_LAYER_COLOR | PEL_LAYER_RADIANCE | PEL_LAYER_DEPTH | PEL_LAYER_NORMAL)
+
+/* One picture, waited for; release it. */
+static inline struct pel_picture *test_draw(struct pel_renderer *r,
+                                            const struct pel_environment *env,
+                                            const struct pel_camera *camera,
+                                            unsigned layers)
+{
+    const struct pel_draw draw = { .camera = *camera, .layers = layers };
+    assert_int_equal(pel_renderer_submit(r, env, &draw, 1), PEL_OK);
+    struct pel_picture *p = pel_renderer_collect(r, 60000000000);
+    assert_non_null(p);
+    return p;
+}
