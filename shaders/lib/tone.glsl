@@ -4,6 +4,9 @@
 // it for the curve x (a x + b) / (x (c x + d) + e), which has a toe, a nearly
 // straight middle and a long shoulder.
 const float KEY = 2.8;
+// The camera's white balance: daylight of a clear day, Sun at 35°, is grey.
+// From optics/atmosphere.c: its irradiance is Rec. 709 (1.187, 1, 0.900).
+const vec3 DAYLIGHT = vec3(0.870, 1.0325, 1.147);
 
 vec3 tone_curve(vec3 x)
 {
@@ -33,7 +36,7 @@ vec3 display(vec3 light, ivec2 at)
     float ev = size.w > 0.5 ? exposure.x : size.z;
     float scale = 1.0 / (1.2 * exp2(ev));
     vec3 linear = max(vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light)), 0.0);
-    linear = min(linear * (scale * KEY), 1e4);
+    linear = min(linear * DAYLIGHT * (scale * KEY), 1e4);
     // A little of the luminance in every channel, so that glare runs to white.
     linear = mix(linear, vec3(dot(linear, vec3(0.2126, 0.7152, 0.0722))), 0.08);
     vec3 encoded = srgb(clamp(tone_curve(linear), 0.0, 1.0));
