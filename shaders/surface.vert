@@ -15,6 +15,8 @@ layout(location = 1) uniform int base;
 
 flat out uint triangle;
 
+const float MARGIN = 128.0; // as in renderer.c, px
+
 void main()
 {
     int index = base + (gl_InstanceID + (gl_VertexID & 1)) * block.w + (gl_VertexID >> 1);
@@ -23,13 +25,17 @@ void main()
     const float NEAR = 0.05;
     vec2 place = vec2(c.x, -c.y) / pixel.xy;
     vec2 clip;
+    // The viewport reaches MARGIN beyond the picture: a rasteriser that clips
+    // at its edges (llvmpipe) moves what it clips by up to 1/256 pixel.
+    vec2 corner = pixel.zw - MARGIN;
+    vec2 scale = 2.0 / (size.xy + 2.0 * MARGIN);
     if (c.z > NEAR) {
         // Rounded to 1/256 pixel of the lattice, so that pictures that share a
         // lattice share the coverage of every pixel.
         place = floor(place / c.z * 256.0 + 0.5) / 256.0;
-        clip = ((place - pixel.zw) * (2.0 / size.xy) - 1.0) * c.z;
+        clip = ((place - corner) * scale - 1.0) * c.z;
     } else {
-        clip = (place - pixel.zw * c.z) * (2.0 / size.xy) - c.z;
+        clip = (place - corner * c.z) * scale - c.z;
     }
     gl_Position = vec4(clip, NEAR, c.z);
     // 0 means sky. The last vertex of a triangle provokes.

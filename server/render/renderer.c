@@ -23,6 +23,7 @@
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 #define VERTEX_BYTES 32
 #define MAX_UNROLLED_WAVES 128
+#define RASTER_MARGIN 128 /* MARGIN of shaders/surface.vert */
 #define FAR_WAVES 20 /* far pixels resolve no more than these */
 
 /* Pictures are drawn into one corner of targets that only grow. */
@@ -431,7 +432,8 @@ static void displace_mesh(struct pel_renderer *r, size_t waves_at)
                       sizeof *r->wave_block);
 }
 
-static void raster_surface(struct pel_renderer *r, bool submerged)
+static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
+                           bool submerged)
 {
     static const GLuint nothing[4] = { 0 };
     static const GLfloat far_away = 0.0f;
@@ -447,6 +449,11 @@ static void raster_surface(struct pel_renderer *r, bool submerged)
         glFrontFace(GL_CW);
     }
     glUseProgram(r->surface_program);
+    glViewport(-RASTER_MARGIN, -RASTER_MARGIN,
+               (GLsizei)c->width + 2 * RASTER_MARGIN,
+               (GLsizei)c->height + 2 * RASTER_MARGIN);
+    glScissor(0, 0, (GLsizei)c->width, (GLsizei)c->height);
+    glEnable(GL_SCISSOR_TEST);
     for (int i = 0; i < r->mesh->block_count; i++) {
         const struct pel_mesh_block *b = &r->mesh->blocks[i];
         glUniform4i(0, b->first_ring, b->rings, b->first_column, b->columns);
@@ -454,6 +461,8 @@ static void raster_surface(struct pel_renderer *r, bool submerged)
         glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 2 * b->columns,
                               b->rings - 1);
     }
+    glDisable(GL_SCISSOR_TEST);
+    glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     glDisable(GL_CULL_FACE);
     glDepthMask(GL_FALSE);
 }
@@ -555,8 +564,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     stage_end(r, PEL_STAGE_SKY);
     displace_mesh(r, waves_at);
     stage_end(r, PEL_STAGE_MESH);
-    glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
-    raster_surface(r, submerged);
+    raster_surface(r, c, submerged);
     stage_end(r, PEL_STAGE_RASTER);
     if (r->compute) {
         shade_compute(r, c, layers);
