@@ -40,7 +40,8 @@ void main()
         radiance_out = vec4(radiance, 1.0);
         extinction_out = vec4(0.0);
     } else {
-        through = min(through, vec3(0.999999));
+        // Never none: the logarithm of 0 would spoil the table's neighbours.
+        through = clamp(through, vec3(1e-30), vec3(0.999999));
         radiance_out = vec4(radiance / (1.0 - through), 1.0);
         extinction_out = vec4(-log(through) / way, 1.0);
     }
