@@ -169,6 +169,7 @@ TESTS += server/scene/snapshot_test.c
 TESTS += server/render/mesh_test.c
 TESTS += server/render/tiles_test.c
 TESTS += server/render/uniforms_test.c
+TESTS += server/render/renderer_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
 # FUZZERS += lines of each room.
