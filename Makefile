@@ -170,6 +170,8 @@ TESTS += server/render/mesh_test.c
 TESTS += server/render/tiles_test.c
 TESTS += server/render/uniforms_test.c
 TESTS += server/render/renderer_test.c
+TESTS += server/render/depth_test.c
+TESTS += server/render/light_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
 # FUZZERS += lines of each room.

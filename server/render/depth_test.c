@@ -1,0 +1,145 @@
+/* The drawn depth against the surface that queries answer from: pixels and
+ * queries must be one function. */
+#include "optics/atmosphere.h"
+#include "render/rendertest.h"
+#include "render/uniforms.h"
+
+static struct pel_renderer *renderer;
+static struct pel_sea sea;
+
+/* The waves that a pixel blurs or leaves out cannot be in its depth: pixels
+ * count whose filter loses less than this, rms. */
+#define RESOLVED_RMS_M 0.002
+/* The published bound for now. */
+#define BOUND_M 0.01
+
+struct bin {
+    double far_m; /* distances up to here */
+    int count, beyond;
+    double square, worst;
+};
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Height above the mean sea of what is drawn `range` along `dir`, and the place
+ * on the map below it; the sea is a sphere (shaders/mesh.comp). */
+static double drawn_height(const struct pel_camera *c, struct pel_vec3 dir,
+                           double range, struct pel_vec2 *place)
+{
+    struct pel_vec3 p = pel_vec3_scale(dir, range);
+    double half_arc = 0.5 * hypot(p.x, p.y) / PEL_EARTH_RADIUS;
+    double drop = 2.0 * PEL_EARTH_RADIUS * pow(sin(half_arc), 2);
+    place->x = c->east_m + p.x / cos(half_arc);
+    place->y = c->north_m + p.y / cos(half_arc);
+    return c->altitude_m + p.z + drop;
+}
+
+/* Draws, fills the bins, gives the 99th percentile of the resolved. */
+static double compare(double wind_mps, struct test_look look, double east_m)
+{
+    static const double limits[] = { 5, 10, 20, 40, 80, 160, 1e9 };
+    enum { BINS = sizeof limits / sizeof *limits };
+    struct bin bins[BINS] = { { 0 } };
+    test_sea(wind_mps, 0.0, 2, &sea);
+    struct pel_environment env = test_environment(&sea, 77.7);
+    struct pel_camera c = test_camera(look);
+    c.east_m = east_m;
+    struct pel_picture *p =
+        test_draw(renderer, &env, &c, PEL_LAYER_DEPTH | PEL_LAYER_NORMAL);
+    double *errors = malloc(sizeof *errors * c.width * c.height);
+    assert_non_null(errors);
+    int resolved = 0;
+    double pixel = pel_pixel_pitch(c.tan_left, c.tan_right, c.width);
+    for (uint32_t i = 0; i < c.width * c.height; i++) {
+        double range = p->depth[i];
+        if (isinf(range)) {
+            continue;
+        }
+        struct pel_vec3 dir =
+            test_ray(&c, i % c.width + 0.5, (double)(i / c.width) + 0.5);
+        double axis = range * -pel_vec3_dot(dir, c.world_from_camera.z);
+        double footprint = axis * pixel / fmax(-dir.z, 0.002);
+        if (pel_sea_rms_below(&sea, PEL_N_MAX * footprint) > RESOLVED_RMS_M) {
+            continue;
+        }
+        struct pel_vec2 place;
+        double height = drawn_height(&c, dir, range, &place);
+        struct pel_surface_sample s;
+        pel_sea_sample(&sea, place.x, place.y, env.time_s, &s);
+        double error = fabs(height - s.height_m);
+        struct bin *b = bins;
+        for (int k = 0; range > limits[k]; k++) {
+            b = &bins[k + 1];
+        }
+        b->count++;
+        b->square += error * error;
+        b->worst = fmax(b->worst, error);
+        b->beyond += error > BOUND_M;
+        errors[resolved++] = error;
+    }
+    printf("wind %g m/s, eye %g m, pitch %g: %d pixels resolve the waves\n",
+           wind_mps, look.height_m, look.pitch, resolved);
+    for (int k = 0; k < BINS; k++) {
+        if (bins[k].count > 0) {
+            printf("  to %6.0f m: %6d px, rms %6.3f mm, worst %7.3f mm, "
+                   "beyond 1 cm %d\n",
+                   limits[k], bins[k].count,
+                   1e3 * sqrt(bins[k].square / bins[k].count),
+                   1e3 * bins[k].worst, bins[k].beyond);
+        }
+    }
+    qsort(errors, (size_t)resolved, sizeof *errors, by_size);
+    double result = resolved ? errors[(int)(0.99 * (resolved - 1))] : 0.0;
+    free(errors);
+    pel_picture_release(p);
+    return result;
+}
+
+static void depth_is_the_surface(void **state)
+{
+    (void)state;
+    static const struct {
+        double wind;
+        struct test_look look;
+        double east;
+    } cases[] = {
+        { 5.0, { 6.0, 30.0, -12.0, 0.0, 60.0, 320, 240 }, 0.0 },
+        { 15.0, { 6.0, 120.0, -12.0, 7.0, 60.0, 320, 240 }, 0.0 },
+        { 10.0, { 4.0, 250.0, -30.0, 0.0, 40.0, 320, 240 }, 20000.0 },
+        { 10.0, { 30.0, 0.0, -40.0, 0.0, 30.0, 320, 240 }, -300.0 },
+        { 20.0, { 15.0, 77.0, -90.0, 0.0, 50.0, 240, 240 }, 10.0 },
+    };
+    double worst = 0.0;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double error = compare(cases[i].wind, cases[i].look, cases[i].east);
+        printf("  99 of 100 within %.3f mm\n", 1e3 * error);
+        worst = fmax(worst, error);
+    }
+    assert_true(worst <= BOUND_M);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    renderer = test_renderer(NULL);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    pel_renderer_destroy(renderer);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(depth_is_the_surface),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
