@@ -63,7 +63,13 @@ OCEAN := server/ocean/spectrum.c \
 OPTICS := server/optics/brdf.c \
     server/optics/atmosphere.c \
     server/optics/colour.c \
-    server/optics/water.c
+    server/optics/water.c \
+    server/optics/waterbody.c \
+    server/optics/linear.c \
+    server/optics/ordinates.c \
+    server/optics/transport.c \
+    server/optics/watermontecarlo.c \
+    server/optics/watertable.c
 PROTO := proto/fieldset.c \
     proto/registers.c \
     proto/message.c \
@@ -152,6 +158,9 @@ TESTS += server/ocean/surface_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/optics/atmosphere_test.c
 TESTS += server/optics/colour_test.c
+TESTS += server/optics/transport_test.c
+TESTS += server/optics/waterbody_test.c
+TESTS += server/optics/watertable_test.c
 TESTS += server/encode/encode_test.c
 TESTS += server/net/net_test.c
 TESTS += server/options_test.c

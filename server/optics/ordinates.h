@@ -1,0 +1,59 @@
+/* All orders of scattering in plane-parallel water by discrete ordinates
+ * (Chandrasekhar 1950; Stamnes, Tsay, Wiscombe and Jayaweera 1988): azimuth
+ * as a Fourier series, one symmetric eigenproblem a mode, the forward peak
+ * scaled off (delta-M, Wiscombe 1977), the directions that leave the water and
+ * those the surface keeps each with their own Gauss nodes (Jin and Stamnes
+ * 1994), single scattering exact (Nakajima and Tanaka 1988).
+ *
+ * One object, one thread at a time. */
+#pragma once
+
+#include "optics/transport.h"
+
+#define PEL_ORDINATES_MAX 32 /* nodes in each of the two ranges */
+#define PEL_ORDINATES_REFERENCE 24
+#define PEL_ORDINATES_VIEWS 64
+
+struct pel_ordinates;
+
+/* What comes down on the water. */
+struct pel_ordinates_light {
+    double sun_zenith_rad;
+    double sun; /* irradiance normal to the beam above the surface; 0: none */
+    /* Mode m of the sky's radiance above the surface, Σ L_m cos m φ, at the
+     * nodes that pel_ordinates_sky_node names; NULL: no sky. */
+    const double *sky; /* [modes][nodes] */
+    int sky_modes;
+};
+
+/* `nodes` in each range, 2..PEL_ORDINATES_MAX; 2 nodes terms of the phase
+ * function and as many modes at most. The series in azimuth ends after two
+ * modes below `tolerance` of the first. NULL: no memory. */
+struct pel_ordinates *pel_ordinates_create(int nodes, double tolerance);
+void pel_ordinates_destroy(struct pel_ordinates *o); /* NULL allowed */
+
+/* Nodes for which sky radiance is wanted, and the zenith in air of each. */
+int pel_ordinates_sky_nodes(const struct pel_ordinates *o);
+double pel_ordinates_sky_node(const struct pel_ordinates *o, int i);
+
+/* Horizontal irradiance of a sky given by its mode 0 at the nodes. */
+double pel_ordinates_sky_irradiance(const struct pel_ordinates *o,
+                                    const double *mode0);
+
+/* Azimuth modes of the radiance going up just below the surface in `views`
+ * directions of zenith cosine view_mu (in the water, above the critical
+ * angle's), without single scattering of the Sun: out[mode * views + view],
+ * mode < *modes ≤ 2 nodes; modes beyond do not matter. out has room for
+ * 2 nodes × views; dark_bottom (NULL allowed) gets mode 0 over a black
+ * bottom. views 1..PEL_ORDINATES_VIEWS. */
+void pel_ordinates_solve(struct pel_ordinates *o,
+                         const struct pel_medium *medium,
+                         const struct pel_ordinates_light *light,
+                         const double *view_mu, int views, double *out,
+                         int *modes, double *dark_bottom);
+
+/* Single scattering of the Sun with the true phase function and the scaled
+ * extinction, below the surface: what pel_ordinates_solve leaves out. */
+double pel_ordinates_single(const struct pel_ordinates *o,
+                            const struct pel_medium *medium, double beam,
+                            double sun_mu, double view_mu, double scatter_nu);

@@ -1,0 +1,287 @@
+#include "optics/waterbody.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "base/vec.h"
+
+const double pel_water_wavelength_nm[PEL_WATER_WAVELENGTHS] = { 680, 550, 440 };
+
+/* Absorption of pure water, 1/m: Pope and Fry 1997, table 3. */
+static const double a_water[PEL_WATER_WAVELENGTHS] = { 0.465, 0.0565, 0.00635 };
+/* Phytoplankton a_ph = A C^E, 1/m: Bricaud et al. 1998, table 2. */
+static const double a_ph[PEL_WATER_WAVELENGTHS] = { 0.0161, 0.0070, 0.0378 };
+static const double e_ph[PEL_WATER_WAVELENGTHS] = { 0.8284, 0.9312, 0.6266 };
+
+/* Jerlov 1976, table XXVII, 1/m, at 675, 700; 550; 425, 450 nm. */
+static const double jerlov[PEL_JERLOV_COUNT][5] = {
+    { 0.42, 0.56, 0.063, 0.022, 0.019 },  { 0.43, 0.57, 0.067, 0.031, 0.026 },
+    { 0.435, 0.58, 0.072, 0.042, 0.036 }, { 0.465, 0.61, 0.089, 0.081, 0.068 },
+    { 0.52, 0.66, 0.12, 0.16, 0.135 },    { 0.51, 0.65, 0.12, 0.36, 0.25 },
+    { 0.56, 0.71, 0.19, 0.54, 0.39 },     { 0.65, 0.80, 0.30, 0.78, 0.56 },
+    { 0.78, 0.92, 0.46, 1.2, 0.89 },      { 0.92, 1.1, 0.63, 1.9, 1.6 },
+};
+
+/* Backscattered fraction of particles: Petzold 1972, as averaged by Mobley
+ * 1994, sec. 3.8; of San Diego harbour: Mobley 1994, table 3.11. */
+#define PARTICLE_BACK 0.0183
+#define HARBOUR_BACK 0.020
+
+/* San Diego harbour at 514 nm, 1/m: Petzold 1972, station 2240. */
+#define HARBOUR_NM 514.0
+#define HARBOUR_ABSORPTION 0.366
+#define HARBOUR_SCATTERING 1.824
+#define WATER_ABSORPTION_514 0.0361 /* Pope and Fry 1997, interpolated */
+
+/* Fall of the absorption of dissolved and detrital matter with wavelength,
+ * 1/nm: Bricaud, Morel and Prieur 1981. */
+#define YELLOW_SLOPE 0.014
+
+/* Irradiance reflectance, read from graphs and rounded; single bottoms differ
+ * by a factor of two. Sand and mud: Werdell and Roesler 2003, figs. 4F, 4E;
+ * coral: Hochberg, Atkinson and Andréfouët 2003, brown corals; rock: grey
+ * stone under a film of algae, estimated. */
+static const double bottoms[PEL_BOTTOM_ALBEDO][PEL_WATER_WAVELENGTHS] = {
+    [PEL_BOTTOM_BLACK] = { 0.0, 0.0, 0.0 },
+    [PEL_BOTTOM_SAND] = { 0.49, 0.36, 0.25 },
+    [PEL_BOTTOM_MUD] = { 0.12, 0.08, 0.05 },
+    [PEL_BOTTOM_ROCK] = { 0.10, 0.10, 0.07 },
+    [PEL_BOTTOM_CORAL] = { 0.06, 0.11, 0.05 },
+};
+
+static const enum pel_jerlov named[PEL_WATER_HARBOUR] = {
+    [PEL_WATER_TROPICAL] = PEL_JERLOV_IA,
+    [PEL_WATER_NORTH_ATLANTIC] = PEL_JERLOV_II,
+    [PEL_WATER_BALTIC] = PEL_JERLOV_3C,
+};
+
+/* Sea water: Morel 1974, 1/m. Half of it goes back. */
+static double molecular_scattering(int i)
+{
+    return 0.00288 * pow(500.0 / pel_water_wavelength_nm[i], 4.32);
+}
+
+/* Particles: b = 0.30 C^0.62 · 550/λ (Gordon and Morel 1983). */
+static double particle_scattering(double c, int i)
+{
+    return 0.30 * pow(c, 0.62) * 550.0 / pel_water_wavelength_nm[i];
+}
+
+struct pel_case1 pel_water_case1(double chlorophyll, int i)
+{
+    double c = pel_clamp(chlorophyll, PEL_CHLOROPHYLL_MIN, PEL_CHLOROPHYLL_MAX);
+    double nm = pel_water_wavelength_nm[i];
+    double water = molecular_scattering(i);
+    double particles = particle_scattering(c, i);
+    /* b_b/b of particles at 550 nm, and its fall: Morel 1988. */
+    double back =
+        fmax(0.002 + 0.02 * (0.5 - 0.25 * log10(c)) * 550.0 / nm, 0.002);
+    /* Dissolved matter: 0.2 of water and algae at 440 nm, Morel 1991. */
+    double yellow = 0.2 * (a_water[2] + a_ph[2] * pow(c, e_ph[2])) *
+                    exp(-YELLOW_SLOPE * (nm - 440.0));
+    return (struct pel_case1){
+        .absorption = a_water[i] + a_ph[i] * pow(c, e_ph[i]) + yellow,
+        .scattering = water + particles,
+        /* The factor 550/λ of Morel's b_b is in `back`. */
+        .backscattering = 0.5 * water + 0.30 * pow(c, 0.62) * back,
+    };
+}
+
+double pel_jerlov_attenuation(enum pel_jerlov type, int i)
+{
+    const double *k = jerlov[type];
+    return i == 0   ? k[0] + (k[1] - k[0]) * (680.0 - 675.0) / 25.0
+           : i == 1 ? k[2]
+                    : k[3] + (k[4] - k[3]) * (440.0 - 425.0) / 25.0;
+}
+
+#define KIRK 0.235 /* 0.425 μ0 − 0.19, Sun at the zenith */
+
+double pel_kirk_attenuation(double a, double b)
+{
+    return sqrt(a * a + KIRK * a * b);
+}
+
+/* The chlorophyll of Case 1 water that is as clear at 550 nm. */
+static double chlorophyll_like(enum pel_jerlov type)
+{
+    double low = log(PEL_CHLOROPHYLL_MIN), high = log(PEL_CHLOROPHYLL_MAX);
+    double wanted = pel_jerlov_attenuation(type, 1);
+    for (int n = 0; n < 50; n++) {
+        double middle = 0.5 * (low + high);
+        struct pel_case1 w = pel_water_case1(exp(middle), 1);
+        if (pel_kirk_attenuation(w.absorption, w.scattering) < wanted) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return exp(0.5 * (low + high));
+}
+
+/* Water sends light back by a phase function that hardly changes past 90°,
+ * Henyey and Greenstein's falls there all the way, and what leaves the water
+ * was turned by 84° to 180°. So g is chosen to meet the true function at 140°,
+ * where it tells the backscattering: b_b = 2π χ β(140°), χ = 1.08 (Maffione
+ * and Dana 1997). */
+static double asymmetry(double back_fraction)
+{
+    double phase = back_fraction / (2.0 * PEL_PI * 1.08);
+    return pel_hg_asymmetry(cos(140.0 * PEL_DEG), phase);
+}
+
+static double mixed_asymmetry(int i, double particles, double back)
+{
+    double water = molecular_scattering(i);
+    return asymmetry((0.5 * water + back * particles) / (water + particles));
+}
+
+/* Scattering of the Case 1 water that is as clear in the green; absorption
+ * such that Kirk's K_d is Jerlov's, but never less than pure water's. */
+static void resolve_jerlov(enum pel_jerlov type, struct pel_water_body *out)
+{
+    double c = chlorophyll_like(type);
+    for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+        double particles = particle_scattering(c, i);
+        double b = particles + molecular_scattering(i);
+        double k = pel_jerlov_attenuation(type, i), half = 0.5 * KIRK * b;
+        out->absorption[i] = fmax(sqrt(k * k + half * half) - half, a_water[i]);
+        out->scattering[i] = b;
+        out->asymmetry[i] = mixed_asymmetry(i, particles, PARTICLE_BACK);
+    }
+}
+
+static void resolve_harbour(struct pel_water_body *out)
+{
+    for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+        double nm = pel_water_wavelength_nm[i];
+        out->absorption[i] =
+            a_water[i] + (HARBOUR_ABSORPTION - WATER_ABSORPTION_514) *
+                             exp(-YELLOW_SLOPE * (nm - HARBOUR_NM));
+        out->scattering[i] = HARBOUR_SCATTERING * HARBOUR_NM / nm;
+        out->asymmetry[i] = asymmetry(HARBOUR_BACK);
+    }
+}
+
+static void resolve_case1(double chlorophyll, struct pel_water_body *out)
+{
+    for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+        struct pel_case1 w = pel_water_case1(chlorophyll, i);
+        out->absorption[i] = w.absorption;
+        out->scattering[i] = w.scattering;
+        out->asymmetry[i] = asymmetry(w.backscattering / w.scattering);
+    }
+}
+
+static enum pel_err unknown(const char *what, int value,
+                            struct pel_fault *fault)
+{
+    pel_fault_set(fault, PEL_ERR_INVALID, "no %s of number %d", what, value);
+    if (fault) {
+        snprintf(fault->path, sizeof fault->path, "%s", what);
+    }
+    return PEL_ERR_INVALID;
+}
+
+static enum pel_err resolve_water(const struct pel_water_desc *desc,
+                                  struct pel_water_body *out,
+                                  struct pel_fault *fault)
+{
+    double c = desc->chlorophyll_mg_m3;
+    switch (desc->kind) {
+    case PEL_WATER_CHLOROPHYLL:
+        resolve_case1(c, out);
+        return pel_optics_check("chlorophyll", "mg/m3", c, PEL_CHLOROPHYLL_MIN,
+                                PEL_CHLOROPHYLL_MAX, fault);
+    case PEL_WATER_JERLOV:
+        if ((unsigned)desc->jerlov >= PEL_JERLOV_COUNT) {
+            return unknown("jerlov", (int)desc->jerlov, fault);
+        }
+        resolve_jerlov(desc->jerlov, out);
+        return PEL_OK;
+    case PEL_WATER_NAMED:
+        if ((unsigned)desc->name >= PEL_WATER_NAME_COUNT) {
+            return unknown("name", (int)desc->name, fault);
+        }
+        if (desc->name == PEL_WATER_HARBOUR) {
+            resolve_harbour(out);
+        } else {
+            resolve_jerlov(named[desc->name], out);
+        }
+        return PEL_OK;
+    case PEL_WATER_COEFFICIENTS:
+        for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+            out->absorption[i] = desc->absorption[i];
+            out->scattering[i] = desc->scattering[i];
+            out->asymmetry[i] = desc->asymmetry[i];
+        }
+        return PEL_OK;
+    }
+    return unknown("kind", (int)desc->kind, fault);
+}
+
+enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
+                               struct pel_water_body *out,
+                               struct pel_fault *fault)
+{
+    struct pel_water_body body = { .depth_m = desc->depth_m };
+    enum pel_err err = resolve_water(desc, &body, fault);
+    if (err) {
+        return err;
+    }
+    if ((unsigned)desc->bottom >= PEL_BOTTOM_COUNT) {
+        return unknown("bottom", (int)desc->bottom, fault);
+    }
+    for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+        body.albedo[i] = desc->bottom == PEL_BOTTOM_ALBEDO
+                             ? desc->albedo[i]
+                             : bottoms[desc->bottom][i];
+        struct pel_medium medium = pel_water_medium(&body, i);
+        err = pel_medium_check(&medium, fault);
+        if (err) {
+            return err;
+        }
+    }
+    *out = body;
+    return PEL_OK;
+}
+
+struct pel_medium pel_water_medium(const struct pel_water_body *body, int i)
+{
+    return (struct pel_medium){
+        .absorption = body->absorption[i],
+        .scattering = body->scattering[i],
+        .asymmetry = body->asymmetry[i],
+        .depth_m = body->depth_m,
+        .albedo = body->albedo[i],
+    };
+}
+
+const char *pel_jerlov_word(int i)
+{
+    static const char *const words[PEL_JERLOV_COUNT] = {
+        "I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C",
+    };
+    return i >= 0 && i < PEL_JERLOV_COUNT ? words[i] : NULL;
+}
+
+const char *pel_water_name_word(int i)
+{
+    static const char *const words[PEL_WATER_NAME_COUNT] = {
+        [PEL_WATER_TROPICAL] = "tropical",
+        [PEL_WATER_NORTH_ATLANTIC] = "north-atlantic",
+        [PEL_WATER_BALTIC] = "baltic",
+        [PEL_WATER_HARBOUR] = "harbour",
+    };
+    return i >= 0 && i < PEL_WATER_NAME_COUNT ? words[i] : NULL;
+}
+
+const char *pel_bottom_word(int i)
+{
+    static const char *const words[PEL_BOTTOM_COUNT] = {
+        [PEL_BOTTOM_BLACK] = "black", [PEL_BOTTOM_SAND] = "sand",
+        [PEL_BOTTOM_MUD] = "mud",     [PEL_BOTTOM_ROCK] = "rock",
+        [PEL_BOTTOM_CORAL] = "coral", [PEL_BOTTOM_ALBEDO] = "albedo",
+    };
+    return i >= 0 && i < PEL_BOTTOM_COUNT ? words[i] : NULL;
+}

@@ -1,0 +1,107 @@
+/* What water is made of, for light: absorption, scattering and asymmetry at
+ * 680, 550 and 440 nm (in this order), depth and bottom, from any of the ways
+ * in which people describe water. Every number's source is beside it in
+ * waterbody.c and in docs/water.md. Any thread. */
+#pragma once
+
+#include "base/err.h"
+#include "optics/transport.h"
+
+#define PEL_WATER_WAVELENGTHS 3
+extern const double pel_water_wavelength_nm[PEL_WATER_WAVELENGTHS];
+
+/* How the water is described; the other members are then not read. */
+enum pel_water_kind {
+    PEL_WATER_CHLOROPHYLL, /* Case 1 water of a chlorophyll concentration */
+    PEL_WATER_JERLOV,
+    PEL_WATER_NAMED,
+    PEL_WATER_COEFFICIENTS,
+};
+
+/* Jerlov 1976: ocean I..III, coast 1C..9C. */
+enum pel_jerlov {
+    PEL_JERLOV_I,
+    PEL_JERLOV_IA,
+    PEL_JERLOV_IB,
+    PEL_JERLOV_II,
+    PEL_JERLOV_III,
+    PEL_JERLOV_1C,
+    PEL_JERLOV_3C,
+    PEL_JERLOV_5C,
+    PEL_JERLOV_7C,
+    PEL_JERLOV_9C,
+    PEL_JERLOV_COUNT,
+};
+
+enum pel_water_name {
+    PEL_WATER_TROPICAL,       /* Jerlov IA */
+    PEL_WATER_NORTH_ATLANTIC, /* Jerlov II */
+    PEL_WATER_BALTIC,         /* Jerlov 3C */
+    PEL_WATER_HARBOUR,        /* Petzold's San Diego harbour */
+    PEL_WATER_NAME_COUNT,
+};
+
+enum pel_bottom {
+    PEL_BOTTOM_BLACK,
+    PEL_BOTTOM_SAND,
+    PEL_BOTTOM_MUD,
+    PEL_BOTTOM_ROCK,
+    PEL_BOTTOM_CORAL,
+    PEL_BOTTOM_ALBEDO, /* given */
+    PEL_BOTTOM_COUNT,
+};
+
+#define PEL_CHLOROPHYLL_MIN 0.01
+#define PEL_CHLOROPHYLL_MAX 30.0
+
+struct pel_water_desc {
+    enum pel_water_kind kind;
+    double chlorophyll_mg_m3; /* PEL_CHLOROPHYLL_MIN..MAX */
+    enum pel_jerlov jerlov;
+    enum pel_water_name name;
+    double absorption[PEL_WATER_WAVELENGTHS]; /* 1/m; ranges of transport.h */
+    double scattering[PEL_WATER_WAVELENGTHS]; /* 1/m */
+    double asymmetry[PEL_WATER_WAVELENGTHS];
+    double depth_m; /* PEL_DEPTH_MIN..MAX */
+    enum pel_bottom bottom;
+    double albedo[PEL_WATER_WAVELENGTHS]; /* with PEL_BOTTOM_ALBEDO, 0..1 */
+};
+
+/* The water as transport sees it. */
+struct pel_water_body {
+    double absorption[PEL_WATER_WAVELENGTHS]; /* 1/m */
+    double scattering[PEL_WATER_WAVELENGTHS]; /* 1/m */
+    double asymmetry[PEL_WATER_WAVELENGTHS];
+    double albedo[PEL_WATER_WAVELENGTHS];
+    double depth_m;
+};
+
+/* Case 1 water of a chlorophyll concentration (clamped to its range) at
+ * wavelength i: absorption, scattering, backscattering [1/m]. */
+struct pel_case1 {
+    double absorption, scattering, backscattering;
+};
+struct pel_case1 pel_water_case1(double chlorophyll_mg_m3, int i);
+
+/* Attenuation of downward irradiance of a Jerlov type at wavelength i [1/m]:
+ * Jerlov 1976, table XXVII, linear between its wavelengths. */
+double pel_jerlov_attenuation(enum pel_jerlov type, int i);
+
+/* The same of a water with a, b by Kirk 1984, Sun at the zenith:
+ * K_d = √(a² + 0.235 a b). */
+double pel_kirk_attenuation(double absorption, double scattering);
+
+/* Fills *out. OUT_OF_RANGE for a value outside its range or not finite,
+ * INVALID for an unknown word; *fault (NULL allowed) names the member. On
+ * failure *out is not touched. */
+PEL_CHECK enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
+                                         struct pel_water_body *out,
+                                         struct pel_fault *fault);
+
+/* The body at wavelength i of pel_water_wavelength_nm. */
+struct pel_medium pel_water_medium(const struct pel_water_body *body, int i);
+
+/* Words for the enums (`IA`, `north-atlantic`, `sand`); NULL past the last. */
+const char *pel_jerlov_word(int i);
+const char *pel_water_name_word(int i);
+const char *pel_bottom_word(int i);

@@ -1,0 +1,279 @@
+#include "optics/watermontecarlo.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/vec.h"
+#include "optics/brdf.h"
+
+#define FIRST_ANY 0.3
+#define LATER_ANY 0.1
+
+enum order {
+    SINGLE,
+    SECOND,
+    HIGHER,
+    BOTTOM_DIRECT,
+    BOTTOM_SCATTERED,
+    TOTAL,
+    ORDERS,
+};
+
+struct beam {
+    struct pel_vec3 direction; /* of the light, downward */
+    double mu, irradiance;     /* normal to the refracted beam */
+};
+
+struct tally {
+    double sum[ORDERS], square[ORDERS];
+};
+
+struct walk {
+    const struct pel_medium *medium;
+    const struct beam *beams;
+    int beam_count;
+    double extinction;
+    uint64_t key, step;        /* random numbers of this path */
+    struct pel_vec3 direction; /* of the path, against the light */
+    double z, weight;          /* depth, importance */
+    int scatters, bottoms, reflections;
+    double sky;
+    double found[PEL_MONTECARLO_SUNS][ORDERS];
+};
+
+static uint64_t mix(uint64_t x)
+{
+    /* The finaliser of Steele, Lea and Flood's SplitMix (2014). */
+    x ^= x >> 30;
+    x *= 0xbf58476d1ce4e5b9u;
+    x ^= x >> 27;
+    x *= 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+/* In (0, 1). */
+static double uniform(struct walk *w)
+{
+    uint64_t bits = mix(w->key + ++w->step * 0x9e3779b97f4a7c15u);
+    return ((double)(bits >> 11) + 0.5) * 0x1p-53;
+}
+
+static enum order order_of(const struct walk *w)
+{
+    if (w->bottoms) {
+        return w->bottoms == 1 && w->scatters == 0 ? BOTTOM_DIRECT
+                                                   : BOTTOM_SCATTERED;
+    }
+    if (w->scatters == 1) {
+        return SINGLE;
+    }
+    return w->scatters == 2 && w->reflections == 0 ? SECOND : HIGHER;
+}
+
+/* Sunlight met here: `phase` times the beam, attenuated on its way down. */
+static void look_at_suns(struct walk *w, int at_bottom)
+{
+    enum order order = order_of(w);
+    for (int i = 0; i < w->beam_count; i++) {
+        const struct beam *b = &w->beams[i];
+        double into =
+            at_bottom ? b->mu / PEL_PI
+                      : pel_hg_phase(-pel_vec3_dot(b->direction, w->direction),
+                                     w->medium->asymmetry);
+        double light = w->weight * into * b->irradiance *
+                       exp(-w->extinction * w->z / b->mu);
+        w->found[i][order] += light;
+        w->found[i][TOTAL] += light;
+    }
+}
+
+/* A direction of cosine nu about `axis`, at random around it. */
+static struct pel_vec3 deflect(struct walk *w, struct pel_vec3 axis, double nu)
+{
+    double azimuth = 2.0 * PEL_PI * uniform(w);
+    double sine = sqrt(fmax(1.0 - nu * nu, 0.0));
+    struct pel_vec3 other = fabs(axis.z) < 0.9
+                                ? (struct pel_vec3){ 0.0, 0.0, 1.0 }
+                                : (struct pel_vec3){ 1.0, 0.0, 0.0 };
+    struct pel_vec3 x = pel_vec3_normalize(pel_vec3_cross(other, axis));
+    struct pel_vec3 y = pel_vec3_cross(axis, x);
+    return pel_vec3_normalize(
+        pel_vec3_add(pel_vec3_scale(axis, nu),
+                     pel_vec3_add(pel_vec3_scale(x, sine * cos(azimuth)),
+                                  pel_vec3_scale(y, sine * sin(azimuth)))));
+}
+
+static double invert_hg(double u, double g)
+{
+    if (g < 1e-4) {
+        return 1.0 - 2.0 * u;
+    }
+    double t = (1.0 - g * g) / (1.0 - g + 2.0 * g * u);
+    return pel_clamp((1.0 + g * g - t * t) / (2.0 * g), -1.0, 1.0);
+}
+
+static double sample_hg(struct walk *w, double g)
+{
+    /* The light that comes back was turned round at some collision, which
+     * Henyey and Greenstein's function seldom does: now and then take any
+     * direction, and weigh. */
+    double any = w->scatters <= 2 ? FIRST_ANY : LATER_ANY;
+    bool take_any = uniform(w) < any;
+    double u = uniform(w), nu = 1.0 - 2.0 * u;
+    if (!take_any) {
+        nu = invert_hg(u, g);
+    }
+    double p = pel_hg_phase(nu, g);
+    w->weight *= p / ((1.0 - any) * p + any / (4.0 * PEL_PI));
+    return nu;
+}
+
+static void collide(struct walk *w)
+{
+    w->scatters++;
+    w->weight *= w->medium->scattering / w->extinction;
+    look_at_suns(w, 0);
+    w->direction = deflect(w, w->direction, sample_hg(w, w->medium->asymmetry));
+}
+
+static void meet_bottom(struct walk *w)
+{
+    w->z = w->medium->depth_m;
+    w->bottoms++;
+    w->weight *= w->medium->albedo;
+    look_at_suns(w, 1);
+    w->direction =
+        deflect(w, (struct pel_vec3){ 0.0, 0.0, 1.0 }, sqrt(uniform(w)));
+}
+
+static void meet_surface(struct walk *w)
+{
+    double sine = PEL_WATER_INDEX *
+                  sqrt(fmax(1.0 - w->direction.z * w->direction.z, 0.0));
+    double reflected = sine >= 1.0 ? 1.0
+                                   : pel_fresnel_exact(sqrt(1.0 - sine * sine),
+                                                       PEL_WATER_INDEX);
+    /* Skylight comes in where the path goes out; L = 1/π for E = 1. */
+    w->sky += w->weight * (1.0 - reflected) * PEL_WATER_INDEX *
+              PEL_WATER_INDEX / PEL_PI;
+    w->weight *= reflected;
+    w->reflections++;
+    w->z = 0.0;
+    w->direction.z = -w->direction.z;
+}
+
+/* The first flight meets water or bottom by choice, so that shallow water is
+ * not all bottom. */
+static void first_flight(struct walk *w)
+{
+    double through = exp(-w->extinction * w->medium->depth_m / -w->direction.z);
+    double chance =
+        w->medium->albedo > 0.0 ? pel_clamp(through, 0.1, 0.6) : 0.0;
+    if (uniform(w) < chance) {
+        w->weight *= through / chance;
+        meet_bottom(w);
+        return;
+    }
+    w->weight *= (1.0 - through) / (1.0 - chance);
+    double length = -log1p(-uniform(w) * (1.0 - through)) / w->extinction;
+    w->z = length * -w->direction.z;
+    collide(w);
+}
+
+static void fly(struct walk *w)
+{
+    double z = w->z + log(uniform(w)) / w->extinction * w->direction.z;
+    if (z <= 0.0) {
+        meet_surface(w);
+    } else if (z >= w->medium->depth_m) {
+        meet_bottom(w);
+    } else {
+        w->z = z;
+        collide(w);
+    }
+}
+
+static void follow(struct walk *w)
+{
+    first_flight(w);
+    while (w->weight > 0.0) {
+        if (w->weight < 0.05) {
+            if (uniform(w) > 0.25) {
+                return;
+            }
+            w->weight *= 4.0;
+        }
+        fly(w);
+    }
+}
+
+static struct pel_estimate estimate(double sum, double square, uint64_t paths,
+                                    double scale)
+{
+    double n = (double)paths, mean = sum / n;
+    double variance = fmax(square / n - mean * mean, 0.0);
+    return (struct pel_estimate){
+        scale * mean,
+        scale * sqrt(variance / fmax(n - 1.0, 1.0)),
+    };
+}
+
+void pel_montecarlo_leaving(const struct pel_medium *medium,
+                            double view_zenith_rad,
+                            const struct pel_montecarlo_sun *suns, int count,
+                            uint64_t paths, uint64_t seed,
+                            struct pel_montecarlo_result *out,
+                            struct pel_estimate *sky)
+{
+    struct beam beams[PEL_MONTECARLO_SUNS];
+    struct tally tallies[PEL_MONTECARLO_SUNS] = { 0 };
+    struct pel_interface face = { 0 };
+    double sky_sum = 0.0, sky_square = 0.0;
+    for (int i = 0; i < count; i++) {
+        struct pel_geometry at = { suns[i].zenith_rad, view_zenith_rad, 0.0 };
+        face = pel_interface_at(&at);
+        double sine = sqrt(1.0 - face.sun_mu * face.sun_mu);
+        /* The view is in the plane of x; a Sun apart by an azimuth. */
+        beams[i] = (struct beam){
+            { sine * cos(suns[i].azimuth_rad), -sine * sin(suns[i].azimuth_rad),
+              -face.sun_mu },
+            face.sun_mu,
+            face.beam,
+        };
+    }
+    double sine = sqrt(1.0 - face.view_mu * face.view_mu);
+    for (uint64_t path = 0; path < paths; path++) {
+        struct walk w = {
+            .medium = medium,
+            .beams = beams,
+            .beam_count = count,
+            .extinction = medium->absorption + medium->scattering,
+            .key = mix(mix(seed) + path),
+            .direction = { -sine, 0.0, -face.view_mu },
+            .weight = 1.0,
+        };
+        follow(&w);
+        for (int i = 0; i < count; i++) {
+            for (int k = 0; k < ORDERS; k++) {
+                tallies[i].sum[k] += w.found[i][k];
+                tallies[i].square[k] += w.found[i][k] * w.found[i][k];
+            }
+        }
+        sky_sum += w.sky;
+        sky_square += w.sky * w.sky;
+    }
+    for (int i = 0; i < count; i++) {
+        struct pel_estimate all[ORDERS];
+        for (int k = 0; k < ORDERS; k++) {
+            all[k] = estimate(tallies[i].sum[k], tallies[i].square[k], paths,
+                              face.leaving);
+        }
+        out[i] = (struct pel_montecarlo_result){
+            all[SINGLE],        all[SECOND],           all[HIGHER],
+            all[BOTTOM_DIRECT], all[BOTTOM_SCATTERED], all[TOTAL],
+        };
+    }
+    if (sky) {
+        *sky = estimate(sky_sum, sky_square, paths, face.leaving);
+    }
+}

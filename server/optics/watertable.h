@@ -1,0 +1,56 @@
+/* The light that leaves the water, all orders, as a picture that a shader can
+ * fetch: radiance before the surface's own Fresnel factor as a function of the
+ * line of sight, for one Sun and one water. */
+#pragma once
+
+#include "base/err.h"
+#include "optics/atmosphere.h"
+#include "optics/waterbody.h"
+
+#define PEL_WATER_TABLE_SIZE 32
+
+/* Texels [zenith][azimuth] of r, g, b (680, 550, 440 nm) and 0, ready for an
+ * RGBA32F texture with linear filter and clamped edges:
+ *   u = (½ + 31 (1 + cos φ) / 2) / 32, φ between the line of sight and the
+ *       Sun in azimuth, 0 looking towards it;
+ *   v = (½ + 31 sin θ) / 32, θ the zenith angle, above the flat surface, of
+ *       the direction to the eye.
+ * The radiance just above the surface is, with the surface's reflectance F
+ * (Fresnel's, or the mean F̄ of a rough one),
+ *   L_w = (1 − F) (E_sun · sun + E_sky · sky),
+ * E_sun normal to the beam, E_sky horizontal. Sun below the horizon: as at
+ * the horizon, where `sun` is 0. */
+struct pel_water_table {
+    float sun[PEL_WATER_TABLE_SIZE][PEL_WATER_TABLE_SIZE][4]; /* 1/sr */
+    float sky[PEL_WATER_TABLE_SIZE][PEL_WATER_TABLE_SIZE][4]; /* 1/sr */
+};
+
+/* Sky radiance by direction, any unit: only its shape counts, the table is for
+ * a unit of its horizontal irradiance. Zenith i·90°/23, azimuth from the Sun's
+ * j·180°/16; the other half is its mirror image. */
+#define PEL_WATER_SKY_ZENITHS 24
+#define PEL_WATER_SKY_AZIMUTHS 17
+struct pel_water_sky {
+    struct pel_rgb radiance[PEL_WATER_SKY_ZENITHS][PEL_WATER_SKY_AZIMUTHS];
+};
+
+/* The clear sky at sea level (tabulated atmosphere), about 3 ms. */
+void pel_water_sky_clear(const struct pel_atmosphere *air,
+                         double sun_zenith_rad, struct pel_water_sky *out);
+
+/* Builds the table for a Sun at sun_zenith_rad (0..π, NaN: π/2) and a sky
+ * (NULL: equally bright everywhere, half the cost). About 8 ms on one core
+ * with a NULL sky. Within 1/255 of the table's maximum of the reference
+ * (PEL_ORDINATES_REFERENCE nodes), the texels and what a linear filter makes
+ * of them. The body must be one pel_water_resolve made. NO_MEMORY. Any
+ * thread. */
+PEL_CHECK enum pel_err pel_water_table_build(const struct pel_water_body *body,
+                                             double sun_zenith_rad,
+                                             const struct pel_water_sky *sky,
+                                             struct pel_water_table *out);
+
+/* What a linear filter fetches from `texels` (sun or sky of a table): twin of
+ * the shader's fetch. sin_zenith 0..1, cos_azimuth −1..1. */
+struct pel_rgb pel_water_table_fetch(
+    const float texels[PEL_WATER_TABLE_SIZE][PEL_WATER_TABLE_SIZE][4],
+    double sin_zenith, double cos_azimuth);
