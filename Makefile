@@ -80,6 +80,7 @@ PROTO := proto/fieldset.c \
     proto/jsonread.c \
     proto/jsonwrite.c \
     proto/patch.c \
+    proto/pelog.c \
     proto/path.c
 SCENE := server/scene/scene.c \
     server/scene/edit.c \
@@ -88,6 +89,7 @@ SCENE := server/scene/scene.c \
     server/scene/build.c \
     server/scene/snapshot.c \
     server/scene/simclock.c \
+    server/scene/record.c \
     server/scene/reckon.c \
     server/scene/geodesy.c \
     server/scene/sun.c
@@ -145,6 +147,7 @@ CTL := \
     clients/pelagosctl/ctl_picture.c \
     clients/pelagosctl/ctl_record.c \
     clients/pelagosctl/ctl_replay.c \
+    clients/pelagosctl/ctl_replay_log.c \
     clients/pelagosctl/ctl_report.c \
     clients/pelagosctl/ctl_state.c \
     clients/pelagosctl/flatten.c \
@@ -173,6 +176,7 @@ TESTS += server/bridges/nmea_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c
+TESTS += server/scene/record_test.c
 TESTS += server/scene/geodesy_test.c
 TESTS += server/scene/snapshot_test.c
 TESTS += server/render/mesh_test.c
@@ -188,6 +192,7 @@ FUZZERS :=
 FUZZERS += tests/fuzz/fuzz_nmea.c
 FUZZERS += tests/fuzz/fuzz_modbus.c
 FUZZERS += tests/fuzz/fuzz_json.c
+FUZZERS += tests/fuzz/fuzz_log.c
 FUZZERS += tests/fuzz/fuzz_protobuf.c
 FUZZERS += tests/fuzz/fuzz_http.c
 TESTS += clients/lib/pelagos_test.c

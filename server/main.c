@@ -14,6 +14,7 @@
 #include "frames/frames.h"
 #include "net/net.h"
 #include "options.h"
+#include "scene/record.h"
 #include "scene/scene.h"
 #include "service.h"
 
@@ -28,6 +29,7 @@ struct daemon {
     GMainLoop *loop;
     struct pel_scene *scene;
     struct pel_frames *frames;
+    struct pel_record *record;
     struct pel_metrics *metrics;
     struct pel_net *net;
     struct pel_modbus *modbus;
@@ -70,6 +72,25 @@ static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
     enum pel_err err = pel_frames_create(&options, d->scene, &d->frames, fault);
     if (err == PEL_OK) {
         pel_metrics_add(d->metrics, pel_frames_collect, d->frames);
+    }
+    return err;
+}
+
+static enum pel_err start_record(struct daemon *d, struct pel_fault *fault)
+{
+    struct pel_record_options options = {
+        .path = d->options.record,
+        .limit_mib = d->options.record_limit_mib,
+        .program = "pelagosd " PEL_VERSION,
+        .device = pel_frames_device(d->frames),
+        .wave_count = d->options.waves,
+    };
+    if (!*d->options.record) {
+        return PEL_OK;
+    }
+    enum pel_err err = pel_record_create(&options, d->scene, &d->record, fault);
+    if (err == PEL_OK) {
+        pel_metrics_add(d->metrics, pel_record_collect, d->record);
     }
     return err;
 }
@@ -178,7 +199,8 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
 static enum pel_err start(struct daemon *d, struct pel_fault *fault)
 {
     enum pel_err (*const parts[])(struct daemon *, struct pel_fault *) = {
-        start_scene, start_frames, start_net, start_nmea, start_modbus
+        start_scene, start_frames, start_record,
+        start_net,   start_nmea,   start_modbus
     };
     d->metrics = pel_metrics_create();
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
@@ -200,6 +222,10 @@ static bool finish(struct daemon *d)
     if (d->frames) {
         pel_metrics_remove(d->metrics, pel_frames_collect, d->frames);
     }
+    if (d->record) {
+        pel_metrics_remove(d->metrics, pel_record_collect, d->record);
+    }
+    pel_record_destroy(d->record);
     bool joined = pel_frames_destroy(d->frames);
     pel_scene_destroy(d->scene);
     if (joined) {

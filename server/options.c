@@ -32,6 +32,14 @@ const struct pel_option pel_option_table[] = {
     { "state", "scene", PEL_OPTION_PATH, "FILE|off", "off",
       .offset = FIELD(state),
       .help = "Keeps the scene in this file and loads it at start." },
+    { "record", "scene", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(record),
+      .help = "Writes every accepted command with its simulated time into "
+              "this log, for `pelagosctl replay`; a log that is there is kept "
+              "as FILE.1." },
+    { "record-limit", "scene", PEL_OPTION_DOUBLE, "MIB", "1024", 1, 1048576,
+      "MiB", .offset = FIELD(record_limit_mib),
+      .help = "Recording ends before the log is larger." },
     { "waves", "scene", PEL_OPTION_INT, "COUNT", "60", 20, 256, "trochoids",
       .offset = FIELD(waves), .help = "Number of waves the sea is made of." },
 

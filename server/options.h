@@ -32,7 +32,8 @@ struct pel_options {
     char nmea[PEL_OPTION_TEXT], nmea_allow[PEL_OPTION_TEXT];
     int nmea_entity, nmea_wind;
     bool nmea_ais;
-    char state[PEL_OPTION_TEXT];
+    char state[PEL_OPTION_TEXT], record[PEL_OPTION_TEXT];
+    double record_limit_mib;
     int waves;
     char device[PEL_OPTION_TEXT];
     double fps;

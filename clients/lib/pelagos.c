@@ -420,6 +420,19 @@ enum pel_client_code pel_client_step(struct pel_client *client, double seconds,
     return call_for_state(client, &request, out, error);
 }
 
+enum pel_client_code pel_client_step_to(struct pel_client *client,
+                                        double time_s, Pelagos__State **out,
+                                        struct pel_client_error *error)
+{
+    Pelagos__ClockStep step = PELAGOS__CLOCK_STEP__INIT;
+    step.has_until = 1;
+    step.until = time_s;
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_STEP;
+    request.step = &step;
+    return call_for_state(client, &request, out, error);
+}
+
 enum pel_client_code pel_client_watch(struct pel_client *client,
                                       Pelagos__State **out,
                                       struct pel_client_error *error)

@@ -118,6 +118,12 @@ PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_step(struct pel_client *client, double seconds, Pelagos__State **out,
                 struct pel_client_error *error);
 
+/* Advances simulated time to the very moment time_s, from the present time to
+ * 1e9 s; otherwise as pel_client_step. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_step_to(struct pel_client *client, double time_s,
+                   Pelagos__State **out, struct pel_client_error *error);
+
 /* Asks for the state now and after each change. The first is in *out; later
  * ones come from pel_client_next_state. Other calls may be made in between: of
  * the states that arrive meanwhile the newest is kept. */

@@ -1,4 +1,5 @@
-/* replay: a log of NMEA sentences over UDP, at its own pace. */
+/* replay: a log of NMEA sentences over UDP, at its own pace, or a command log
+ * (ctl_replay_log.c). */
 #include "pelagosctl/ctl.h"
 
 #include <errno.h>
@@ -12,6 +13,7 @@
 
 #include "base/clock.h"
 #include "pelagosctl/nmea_log.h"
+#include "pelog.h"
 
 #define DEFAULT_TARGET "127.0.0.1:10110"
 #define MAX_LINE 1024
@@ -215,14 +217,22 @@ enum ctl_exit ctl_replay(struct ctl *ctl)
         .quiet = ctl_flag(ctl, "quiet"),
     };
     replay.target = replay.target ? replay.target : DEFAULT_TARGET;
-    if (ctl_number(ctl, "speed", 0.01, 100, &replay.speed)) {
-        return CTL_USAGE;
-    }
     g_autofree char *text = NULL;
     gsize size = 0;
     g_autoptr(GError) error = NULL;
     if (!g_file_get_contents(ctl->args[0], &text, &size, &error)) {
         return ctl_say(CTL_FAILED, "%s", error->message);
+    }
+    if (pel_log_is(text, size)) {
+        return ctl_replay_log(ctl, text, size);
+    }
+    if (ctl_value(ctl, "frames") || ctl_value(ctl, "at") ||
+        ctl_value(ctl, "every") || ctl_value(ctl, "view")) {
+        return ctl_say(CTL_USAGE, "%s is no command log: it has no frames",
+                       ctl->args[0]);
+    }
+    if (ctl_number(ctl, "speed", 0.01, 100, &replay.speed)) {
+        return CTL_USAGE;
     }
     struct nmea_log log;
     nmea_log_read(text, size, &log);

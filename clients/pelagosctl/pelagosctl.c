@@ -62,10 +62,17 @@ static const struct ctl_option replay_options[] = {
     { 0, "to", "HOST:PORT", "Where NMEA is received (127.0.0.1:10110)", NULL },
     { 'l', "loop", NULL, "Begin again at the end, until interrupted", NULL },
     { 0, "no-clock", NULL, "Leave the clock of pelagosd alone", NULL },
+    { 0, "frames", "DIRECTORY", "Save frames of a command log here, as PNG",
+      NULL },
+    { 0, "view", "VIEW", "The view to save (bridge)", NULL },
+    { 0, "every", "SECONDS", "Simulated time between two frames (1)", NULL },
+    { 0, "at", "LIST", "Save frames of these simulated times only", NULL },
     { 0 },
 };
 static const char *const replay_examples[] = {
     "pelagosctl replay voyage.nmea --speed 10\nTen minutes of log in one.",
+    "pelagosctl replay bug.pelog --frames out --every 0.5\nThe frames of a "
+    "recorded session, two for each of its seconds.",
     NULL,
 };
 
@@ -161,11 +168,16 @@ const struct ctl_command ctl_commands[] = {
       "Advances the clock by SECONDS (1/30) and prints the new time. Only in "
       "clock.mode STEPPED.",
       NULL, NULL, NULL, 0, 1, ctl_step },
-    { "replay", "FILE", "play a log of NMEA sentences",
+    { "replay", "FILE", "play a log of NMEA sentences or of commands",
       "Sends the sentences of FILE over UDP at the pace of their time stamps "
       "(RMC, else GGA, GLL or ZDA; a group a second where there are none), "
       "times --speed. For its duration clock.mode is FREE and clock.rate the "
-      "speed; afterwards they are as before.",
+      "speed; afterwards they are as before.\n\n"
+      "A FILE that pelagosd --record wrote is played as commands instead: the "
+      "state of its beginning, then every command at its recorded simulated "
+      "time, in clock.mode STEPPED, as fast as it goes or at --speed times "
+      "the pace of the recording. Frames saved on the way are the same bits "
+      "each time on the same renderer. The end of the log stays.",
       replay_options, replay_examples, "files", 1, 1, ctl_replay },
     { "record", "VIEW FILE", "save a clip",
       "Records the view into FILE: .mjpeg (bare JPEGs), .mkv "

@@ -257,8 +257,8 @@ static void post_step(const struct pel_http_call *call)
         err = pel_command_check(message, &fault);
     }
     if (err == PEL_OK) {
-        err = pel_scene_step(call->context->scene,
-                             ((Pelagos__ClockStep *)message)->seconds, &fault);
+        err = pel_scene_command_step(call->context->scene,
+                                     (Pelagos__ClockStep *)message, &fault);
     }
     if (message) {
         protobuf_c_message_free_unpacked(message, NULL);

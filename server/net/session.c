@@ -278,7 +278,7 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
     case PELAGOS__REQUEST__COMMAND_STEP:
         err = pel_command_check(&request->step->base, fault);
         if (err == PEL_OK) {
-            err = pel_scene_step(scene, request->step->seconds, fault);
+            err = pel_scene_command_step(scene, request->step, fault);
         }
         break;
     case PELAGOS__REQUEST__COMMAND_FRAME:

@@ -28,7 +28,9 @@ struct pel_scene {
     struct pel_simclock clock;
     struct pel_shared_sea *sea;
     const struct pel_snapshot *snapshot;
-    guint save_timer; /* 0: nothing to write */
+    guint save_timer;            /* 0: nothing to write */
+    pel_scene_listener listener; /* may be NULL */
+    void *listener_user;
     size_t callback_count;
     struct {
         void (*call)(void *user);
@@ -63,6 +65,21 @@ void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
     scene->callbacks[scene->callback_count].call = callback;
     scene->callbacks[scene->callback_count].user = user;
     scene->callback_count++;
+}
+
+void pel_scene_listen(struct pel_scene *scene, pel_scene_listener listener,
+                      void *user)
+{
+    scene->listener = listener;
+    scene->listener_user = user;
+}
+
+static void tell(struct pel_scene *scene, double time_s,
+                 const Pelagos__Patch *patch)
+{
+    if (scene->listener) {
+        scene->listener(scene->listener_user, time_s, patch);
+    }
 }
 
 static void save(struct pel_scene *scene)
@@ -149,37 +166,83 @@ enum pel_err pel_scene_patch(struct pel_scene *scene,
     }
     set_clock(scene, next->clock, time_s, now_ns);
     save_soon(scene);
+    tell(scene, time_s, patch);
     for (size_t i = 0; i < scene->callback_count; i++) {
         scene->callbacks[i].call(scene->callbacks[i].user);
     }
     return PEL_OK;
 }
 
+static enum pel_err refuse_step(const char *path, double value, double minimum,
+                                double maximum, struct pel_fault *fault)
+{
+    pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE, "%s must be %.17g to %g s", path,
+                  minimum, maximum);
+    if (fault) {
+        g_strlcpy(fault->path, path, sizeof fault->path);
+        fault->unit = "s";
+        fault->minimum = minimum;
+        fault->maximum = maximum;
+    }
+    if (fault && isfinite(value)) {
+        pel_json_number(value, fault->value);
+    }
+    return PEL_ERR_OUT_OF_RANGE;
+}
+
+/* The clock stands where a step may move it. */
+static enum pel_err steps(const struct pel_scene *scene,
+                          struct pel_fault *fault)
+{
+    return scene->clock.mode == PEL_CLOCK_FREE
+               ? pel_fault_set(fault, PEL_ERR_CONFLICT,
+                               "the clock runs freely; set clock.mode to "
+                               "STEPPED before a step")
+               : PEL_OK;
+}
+
+static void go_to(struct pel_scene *scene, double time_s)
+{
+    scene->clock.base_s = time_s;
+    save_soon(scene);
+    tell(scene, time_s, NULL);
+}
+
 enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
                             struct pel_fault *fault)
 {
-    if (scene->clock.mode == PEL_CLOCK_FREE) {
-        return pel_fault_set(fault, PEL_ERR_CONFLICT,
-                             "the clock runs freely; set clock.mode to "
-                             "STEPPED before a step");
+    enum pel_err err = steps(scene, fault);
+    if (err) {
+        return err;
     }
     if (!(seconds >= 0 && seconds <= MAX_STEP_S)) {
-        pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE, "a step must be 0 to %g s",
-                      MAX_STEP_S);
-        if (fault) {
-            g_strlcpy(fault->path, "step.seconds", sizeof fault->path);
-            fault->unit = "s";
-            fault->minimum = 0;
-            fault->maximum = MAX_STEP_S;
-        }
-        if (fault && isfinite(seconds)) {
-            pel_json_number(seconds, fault->value);
-        }
-        return PEL_ERR_OUT_OF_RANGE;
+        return refuse_step("step.seconds", seconds, 0, MAX_STEP_S, fault);
     }
-    scene->clock.base_s = fmin(scene->clock.base_s + seconds, PEL_MAX_TIME_S);
-    save_soon(scene);
+    go_to(scene, fmin(scene->clock.base_s + seconds, PEL_MAX_TIME_S));
     return PEL_OK;
+}
+
+enum pel_err pel_scene_step_to(struct pel_scene *scene, double time_s,
+                               struct pel_fault *fault)
+{
+    enum pel_err err = steps(scene, fault);
+    if (err) {
+        return err;
+    }
+    if (!(time_s >= scene->clock.base_s && time_s <= PEL_MAX_TIME_S)) {
+        return refuse_step("step.until", time_s, scene->clock.base_s,
+                           PEL_MAX_TIME_S, fault);
+    }
+    go_to(scene, time_s);
+    return PEL_OK;
+}
+
+enum pel_err pel_scene_command_step(struct pel_scene *scene,
+                                    const Pelagos__ClockStep *step,
+                                    struct pel_fault *fault)
+{
+    return step->has_until ? pel_scene_step_to(scene, step->until, fault)
+                           : pel_scene_step(scene, step->seconds, fault);
 }
 
 /* The state to start with: the file's, or the default one. */

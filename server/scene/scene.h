@@ -49,6 +49,25 @@ double pel_scene_time(struct pel_scene *scene);
 PEL_CHECK enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
                                       struct pel_fault *fault);
 
+/* Advances simulated time to time_s, bit for bit: from the present time to
+ * 1e9, OUT_OF_RANGE otherwise; CONFLICT when FREE. */
+PEL_CHECK enum pel_err pel_scene_step_to(struct pel_scene *scene, double time_s,
+                                         struct pel_fault *fault);
+
+/* The step that a client asks for: by `seconds` or, where present, to
+ * `until`. */
+PEL_CHECK enum pel_err pel_scene_command_step(struct pel_scene *scene,
+                                              const Pelagos__ClockStep *step,
+                                              struct pel_fault *fault);
+
+/* What the scene has accepted at simulated time time_s: a patch, or (NULL) a
+ * step to that time. Called after it took effect and before the commit
+ * callbacks; one listener, NULL for none. It must not change the scene. */
+typedef void (*pel_scene_listener)(void *user, double time_s,
+                                   const Pelagos__Patch *patch);
+void pel_scene_listen(struct pel_scene *scene, pel_scene_listener listener,
+                      void *user);
+
 /* Called after every commit, in order of registration; at most 16. */
 void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
                          void *user);

@@ -1,0 +1,374 @@
+#include "scene/record.h"
+
+#include <glib.h>
+#include <glib/gstdio.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "base/near.h"
+#include "json.h"
+#include "pelog.h"
+#include "wire.h"
+
+struct fixture {
+    char folder[64], path[128];
+    struct pel_scene *scene;
+    struct pel_record *record;
+};
+
+static enum pel_err patch(struct pel_scene *scene, const char *json)
+{
+    Pelagos__Patch *read;
+    struct pel_fault fault;
+    if (pel_json_merge_patch(json, strlen(json), &read, &fault)) {
+        fail_msg("%s", fault.message);
+    }
+    enum pel_err err = pel_scene_patch(scene, read, &fault);
+    pelagos__patch__free_unpacked(read, NULL);
+    return err;
+}
+
+static void start(struct fixture *f, double limit_mib)
+{
+    struct pel_scene_options scene_options = { NULL, 20 };
+    struct pel_fault fault;
+    strcpy(f->folder, "/tmp/pelagos-record-XXXXXX");
+    assert_non_null(mkdtemp(f->folder));
+    snprintf(f->path, sizeof f->path, "%s/log", f->folder);
+    assert_int_equal(pel_scene_create(&scene_options, &f->scene, &fault),
+                     PEL_OK);
+    assert_int_equal(patch(f->scene, "{\"clock\":{\"mode\":\"STEPPED\"}}"),
+                     PEL_OK);
+    struct pel_record_options options = { f->path, limit_mib, "test 1",
+                                          "a device", 20 };
+    assert_int_equal(pel_record_create(&options, f->scene, &f->record, &fault),
+                     PEL_OK);
+}
+
+static void stop(struct fixture *f)
+{
+    pel_record_destroy(f->record);
+    pel_scene_destroy(f->scene);
+    g_unlink(f->path);
+    g_rmdir(f->folder);
+}
+
+/* Reads it all: how many entries; the last one's time. */
+static size_t count(const char *path, struct pel_log_reader *reader,
+                    enum pel_err wanted)
+{
+    struct pel_fault fault;
+    Pelagos__LogEntry *entry;
+    g_autofree char *data = NULL;
+    gsize size;
+    assert_true(g_file_get_contents(path, &data, &size, NULL));
+    enum pel_err err = pel_log_open(reader, data, size, &fault);
+    while (!err && (err = pel_log_next(reader, &entry, &fault)) == PEL_OK &&
+           entry) {
+        pelagos__log_entry__free_unpacked(entry, NULL);
+    }
+    assert_int_equal(err, wanted);
+    return reader->entries;
+}
+
+static double metric(struct fixture *f, const char *name)
+{
+    struct pel_metrics *metrics = pel_metrics_create();
+    pel_metrics_add(metrics, pel_record_collect, f->record);
+    g_autofree char *text = pel_metrics_text(metrics, NULL);
+    g_autofree char *line = g_strdup_printf("\n%s ", name);
+    const char *found = strstr(text, line);
+    assert_non_null(found);
+    double value = strtod(found + strlen(line), NULL);
+    pel_metrics_remove(metrics, pel_record_collect, f->record);
+    pel_metrics_destroy(metrics);
+    return value;
+}
+
+static void accepted_commands_are_there_at_once(void **state)
+{
+    (void)state;
+    struct fixture f;
+    struct pel_log_reader reader;
+    start(&f, 1);
+    assert_int_equal(pel_scene_step(f.scene, 1.0 / 3, NULL), PEL_OK);
+    assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":12}}"), PEL_OK);
+    assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":99}}"),
+                     PEL_ERR_OUT_OF_RANGE);
+    assert_int_equal(pel_scene_step_to(f.scene, 7.1, NULL), PEL_OK);
+    /* not closed: as a killed process would leave it */
+    assert_int_equal(count(f.path, &reader, PEL_OK), 4);
+    assert_true(reader.time_s == 7.1); /* bit for bit */
+    assert_false(reader.torn);
+    stop(&f);
+}
+
+static void replaying_gives_the_same_state(void **state)
+{
+    (void)state;
+    static const char *const edits[] = {
+        "{\"entities\":{\"1\":{\"speed\":7.3,\"course\":33,\"turnRate\":1}}}",
+        "{\"entities\":{\"1\":{\"heading\":77}}}",
+        "{\"clock\":{\"time\":1234.5},\"sky\":{\"sunElevation\":5}}",
+        "{\"sky\":{\"sunElevation\":null},\"clock\":{\"rate\":2}}",
+        "{\"entities\":{\"1\":{\"roll\":3}}}",
+    };
+    struct fixture f;
+    struct pel_log_reader reader;
+    struct pel_fault fault;
+    Pelagos__LogEntry *entry;
+    start(&f, 1);
+    for (size_t i = 0; i < G_N_ELEMENTS(edits); i++) {
+        assert_int_equal(patch(f.scene, edits[i]), PEL_OK);
+        assert_int_equal(pel_scene_step(f.scene, 0.1 + 0.7 * (double)i, NULL),
+                         PEL_OK);
+    }
+    char *wanted =
+        pel_json_from_message(&pel_scene_state(f.scene)->base, false);
+    g_autofree char *data = NULL;
+    gsize size;
+    assert_true(g_file_get_contents(f.path, &data, &size, NULL));
+    struct pel_scene_options options = { NULL, 20 };
+    struct pel_scene *scene;
+    assert_int_equal(pel_scene_create(&options, &scene, &fault), PEL_OK);
+    assert_int_equal(patch(scene, "{\"clock\":{\"mode\":\"STEPPED\"}}"),
+                     PEL_OK);
+    assert_int_equal(pel_log_open(&reader, data, size, &fault), PEL_OK);
+    while (pel_log_next(&reader, &entry, &fault) == PEL_OK && entry) {
+        if (entry->command_case != PELAGOS__LOG_ENTRY__COMMAND_HEAD) {
+            assert_int_equal(pel_scene_step_to(scene, entry->time, &fault),
+                             PEL_OK);
+        }
+        if (entry->command_case == PELAGOS__LOG_ENTRY__COMMAND_PATCH) {
+            assert_int_equal(pel_scene_patch(scene, entry->patch, &fault),
+                             PEL_OK);
+        }
+        pelagos__log_entry__free_unpacked(entry, NULL);
+    }
+    char *got = pel_json_from_message(&pel_scene_state(scene)->base, false);
+    assert_string_equal(got, wanted);
+    free(got);
+    free(wanted);
+    pel_scene_destroy(scene);
+    stop(&f);
+}
+
+static void paced_steps_are_thinned(void **state)
+{
+    (void)state;
+    struct fixture f;
+    struct pel_log_reader reader;
+    start(&f, 1);
+    assert_int_equal(patch(f.scene, "{\"clock\":{\"mode\":\"PACED\"}}"),
+                     PEL_OK);
+    for (int i = 0; i < 600; i++) { /* ten seconds at 60 Hz */
+        assert_int_equal(pel_scene_step(f.scene, 1.0 / 60, NULL), PEL_OK);
+    }
+    size_t entries = count(f.path, &reader, PEL_OK);
+    /* head, patch, and one for a tenth of a second, which is 6 or 7 steps */
+    assert_in_range(entries, 85, 102);
+    stop(&f);
+}
+
+static void cut_and_changed_logs(void **state)
+{
+    (void)state;
+    struct fixture f;
+    struct pel_log_reader reader;
+    start(&f, 1);
+    assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":12}}"), PEL_OK);
+    g_autofree char *data = NULL;
+    gsize size;
+    assert_true(g_file_get_contents(f.path, &data, &size, NULL));
+    for (gsize cut = 1; cut < 5; cut++) {
+        g_file_set_contents(f.path, data, (gssize)(size - cut), NULL);
+        assert_int_equal(count(f.path, &reader, PEL_OK), 1);
+        assert_true(reader.torn);
+    }
+    g_file_set_contents(f.path, data, 12, NULL);
+    count(f.path, &reader, PEL_ERR_MALFORMED);
+    data[3] = 'X';
+    g_file_set_contents(f.path, data, (gssize)size, NULL);
+    count(f.path, &reader, PEL_ERR_MALFORMED);
+    data[3] = 'O';
+    g_autofree char *more = g_malloc0(size + 8);
+    memcpy(more, data, size);
+    memset(more + size, 0xff, 8); /* no length */
+    g_file_set_contents(f.path, more, (gssize)size + 8, NULL);
+    count(f.path, &reader, PEL_ERR_MALFORMED);
+    assert_int_equal(reader.entries, 2);
+    memcpy(more + size, "\3abc", 4); /* no LogEntry */
+    g_file_set_contents(f.path, more, (gssize)size + 4, NULL);
+    count(f.path, &reader, PEL_ERR_MALFORMED);
+    stop(&f);
+}
+
+/* One entry behind a good head. */
+static enum pel_err second(Pelagos__LogEntry *entry)
+{
+    Pelagos__LogEntry first = PELAGOS__LOG_ENTRY__INIT;
+    Pelagos__LogHead head = PELAGOS__LOG_HEAD__INIT;
+    Pelagos__State whole = PELAGOS__STATE__INIT;
+    Pelagos__Clock clock = PELAGOS__CLOCK__INIT;
+    struct pel_log_reader reader;
+    struct pel_fault fault;
+    whole.clock = &clock;
+    head.has_version = first.has_time = true;
+    head.version = 1;
+    head.state = &whole;
+    first.time = 5;
+    first.command_case = PELAGOS__LOG_ENTRY__COMMAND_HEAD;
+    first.head = &head;
+    size_t a, b;
+    uint8_t *one = pel_wire_pack(&first.base, &a);
+    uint8_t *two = pel_wire_pack(&entry->base, &b);
+    uint8_t *all = malloc(8 + a + b);
+    memcpy(all, PEL_LOG_MAGIC, 8);
+    memcpy(all + 8, one, a);
+    memcpy(all + 8 + a, two, b);
+    Pelagos__LogEntry *read;
+    assert_int_equal(pel_log_open(&reader, all, 8 + a + b, &fault), PEL_OK);
+    assert_int_equal(pel_log_next(&reader, &read, &fault), PEL_OK);
+    pelagos__log_entry__free_unpacked(read, NULL);
+    enum pel_err err = pel_log_next(&reader, &read, &fault);
+    if (read) {
+        pelagos__log_entry__free_unpacked(read, NULL);
+    }
+    free(one);
+    free(two);
+    free(all);
+    return err;
+}
+
+static void entries_that_cannot_be(void **state)
+{
+    (void)state;
+    Pelagos__ClockStep step = PELAGOS__CLOCK_STEP__INIT;
+    Pelagos__LogHead head = PELAGOS__LOG_HEAD__INIT;
+    Pelagos__LogEntry entry = PELAGOS__LOG_ENTRY__INIT;
+    entry.has_time = true;
+    entry.time = 6;
+    assert_int_equal(second(&entry), PEL_ERR_MALFORMED); /* no command */
+    entry.command_case = PELAGOS__LOG_ENTRY__COMMAND_STEP;
+    entry.step = &step;
+    step.has_until = true;
+    step.until = 6;
+    assert_int_equal(second(&entry), PEL_OK);
+    const double bad[] = { 4.999, -1, 1.1e9, NAN, INFINITY };
+    for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
+        entry.time = step.until = bad[i];
+        assert_int_equal(second(&entry), PEL_ERR_MALFORMED);
+    }
+    entry.time = 6;
+    step.until = 6.1;
+    assert_int_equal(second(&entry), PEL_ERR_MALFORMED);
+    step.until = 6;
+    entry.has_time = false;
+    assert_int_equal(second(&entry), PEL_ERR_MALFORMED);
+    entry.has_time = true;
+    entry.command_case = PELAGOS__LOG_ENTRY__COMMAND_HEAD;
+    entry.head = &head;
+    assert_int_equal(second(&entry), PEL_ERR_MALFORMED); /* a second head */
+}
+
+static void an_earlier_log_is_kept(void **state)
+{
+    (void)state;
+    struct fixture f;
+    struct pel_log_reader reader;
+    struct pel_fault fault;
+    start(&f, 1);
+    pel_record_destroy(f.record);
+    struct pel_record_options options = { f.path, 1, "test 2", NULL, 20 };
+    assert_int_equal(pel_record_create(&options, f.scene, &f.record, &fault),
+                     PEL_OK);
+    g_autofree char *kept = g_strconcat(f.path, ".1", NULL);
+    assert_int_equal(count(kept, &reader, PEL_OK), 2); /* head and end */
+    assert_int_equal(count(f.path, &reader, PEL_OK), 1);
+    g_unlink(kept);
+    stop(&f);
+}
+
+static void the_limit_ends_it_with_a_whole_entry(void **state)
+{
+    (void)state;
+    struct fixture f;
+    struct pel_log_reader reader;
+    start(&f, 0.01);
+    for (int i = 0; i < 2000; i++) {
+        assert_int_equal(pel_scene_step(f.scene, 0.01, NULL), PEL_OK);
+    }
+    size_t entries = count(f.path, &reader, PEL_OK);
+    assert_in_range(entries, 100, 1000);
+    assert_false(reader.torn);
+    assert_true(metric(&f, "pelagos_record_active") == 0);
+    assert_true(metric(&f, "pelagos_record_bytes") <= 0.01 * 1048576);
+    assert_true(metric(&f, "pelagos_record_lost_total") ==
+                2001 - (double)entries);
+    stop(&f);
+}
+
+/* A full disk, as far as one process can have it: the file may not grow. */
+static void a_failed_write_leaves_a_whole_log(void **state)
+{
+    (void)state;
+    struct fixture f;
+    struct pel_log_reader reader;
+    struct rlimit before, small;
+    signal(SIGXFSZ, SIG_IGN);
+    start(&f, 1);
+    double began_s = pel_scene_time(f.scene);
+    getrlimit(RLIMIT_FSIZE, &before);
+    small = before;
+    small.rlim_cur = 2000;
+    setrlimit(RLIMIT_FSIZE, &small);
+    for (int i = 0; i < 500; i++) {
+        assert_int_equal(pel_scene_step(f.scene, 0.01, NULL), PEL_OK);
+    }
+    setrlimit(RLIMIT_FSIZE, &before);
+    count(f.path, &reader, PEL_OK);
+    assert_false(reader.torn);
+    assert_true(metric(&f, "pelagos_record_active") == 0);
+    /* the scene went on; 500 roundings of 1e-15 */
+    assert_near(pel_scene_time(f.scene), began_s + 5, 1e-12);
+    stop(&f);
+}
+
+static void steps_to_a_moment(void **state)
+{
+    (void)state;
+    struct fixture f;
+    struct pel_fault fault;
+    start(&f, 1);
+    assert_int_equal(pel_scene_step_to(f.scene, 0.1 + 0.2, &fault), PEL_OK);
+    assert_true(pel_scene_time(f.scene) == 0.1 + 0.2);
+    const double bad[] = { 0.3, -1, NAN, INFINITY, 1e9 + 1 };
+    for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
+        assert_int_equal(pel_scene_step_to(f.scene, bad[i], &fault),
+                         PEL_ERR_OUT_OF_RANGE);
+        assert_string_equal(fault.path, "step.until");
+    }
+    assert_int_equal(patch(f.scene, "{\"clock\":{\"mode\":\"FREE\"}}"), PEL_OK);
+    assert_int_equal(pel_scene_step_to(f.scene, 1e6, &fault), PEL_ERR_CONFLICT);
+    stop(&f);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(accepted_commands_are_there_at_once),
+        cmocka_unit_test(replaying_gives_the_same_state),
+        cmocka_unit_test(paced_steps_are_thinned),
+        cmocka_unit_test(cut_and_changed_logs),
+        cmocka_unit_test(entries_that_cannot_be),
+        cmocka_unit_test(an_earlier_log_is_kept),
+        cmocka_unit_test(the_limit_ends_it_with_a_whole_entry),
+        cmocka_unit_test(a_failed_write_leaves_a_whole_log),
+        cmocka_unit_test(steps_to_a_moment),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,209 @@
+#!/usr/bin/python3
+"""--record and pelagosctl replay: the same frames again, bit for bit."""
+import glob
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+from pymodbus.client import ModbusTcpClient
+
+from modbus_test import check, floats
+from pelagos_daemon import BIN, Daemon, free_port, read_varint, schema
+
+VIEW = {"views": {"bridge": {"width": 160, "height": 90, "up": 12}}}
+WIND, COMMIT = 10, 5
+
+
+def sentence(body):
+    total = 0
+    for c in body.encode():
+        total ^= c
+    return f"${body}*{total:02X}\r\n".encode()
+
+
+def ctl(daemon, *words, status=0):
+    done = subprocess.run(
+        [os.path.join(BIN, "pelagosctl"), "--server",
+         f"tcp:127.0.0.1:{daemon.tcp_port}", *words],
+        capture_output=True, text=True, timeout=120, check=False)
+    check(done.returncode == status,
+          f"{words}: {done.returncode} {done.stdout} {done.stderr}")
+    return done.stdout + done.stderr
+
+
+def entries(path):
+    pb = schema()
+    with open(path, "rb") as f:
+        data = f.read()
+    check(data[:8] == b"PELOG1\r\n", "magic")
+    data, out = data[8:], []
+    while data:
+        length, used = read_varint(data)
+        if not used or len(data) - used < length:
+            break
+        out.append(pb.LogEntry.FromString(data[used:used + length]))
+        data = data[used + length:]
+    return out
+
+
+def session(log):
+    """A free-running session by three inputs, ended by kill -9. Returns
+    pictures taken on the way: {simulated time: PNG}."""
+    modbus, nmea = free_port(), free_port(socket.SOCK_DGRAM)
+    pictures = {}
+    daemon = Daemon("--record", log, "--modbus", f"127.0.0.1:{modbus}",
+                    "--nmea", f"127.0.0.1:{nmea}")
+    try:
+        daemon.patch(VIEW)
+        client = ModbusTcpClient("127.0.0.1", port=modbus)
+        client.connect()
+        sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        for i in range(8):
+            daemon.patch({"sky": {"sunElevation": 10 + 3 * i},
+                          "entities": {"1": {"speed": 6, "turnRate": 3.3}}})
+            sender.sendto(sentence(f"HEHDT,{40 + 3.3 * i:.1f},T"),
+                          ("127.0.0.1", nmea))
+            client.write_registers(WIND, floats(6 + i, 200 + i), slave=1)
+            client.write_register(COMMIT, 1, slave=1)
+            time.sleep(0.05)
+            # Later than every command until now, earlier than the next one.
+            at = daemon.state()["clock"]["time"]
+            answer = daemon.get(f"/v1/views/bridge/frame.png?time={at!r}")
+            check(answer.status == 200, f"{answer}")
+            pictures[at] = answer.body
+            time.sleep(0.05)
+        check(daemon.patch({"sea": {"windSpeed": 99}}).status == 400, "refused")
+        client.close()
+        sender.close()
+        revision = int(daemon.state()["revision"])
+    finally:
+        daemon.stop(signal.SIGKILL)
+    read = entries(log)
+    patches = [e for e in read if e.HasField("patch")]
+    check(read[0].head.device and read[0].head.waves == 60, "the head")
+    check(patches[-1].revision == revision,
+          "what was accepted before kill -9 is there")
+    check(len(patches) == revision - read[0].revision, "every edit, once")
+    size = os.path.getsize(log)
+    print(f"  {len(patches)} edits in {size} bytes")
+    return pictures
+
+
+def replayed(daemon, log, folder, *options):
+    out = os.path.join(folder, "frames")
+    ctl(daemon, "replay", log, "--frames", out, *options)
+    files = sorted(glob.glob(out + "/*.png"))
+    pictures = []
+    for name in files:
+        with open(name, "rb") as f:
+            pictures.append(f.read())
+        os.unlink(name)
+    return pictures
+
+
+def same_frames(folder):
+    log = os.path.join(folder, "session.pelog")
+    pictures = session(log)
+    at = ["--at", ",".join(repr(t) for t in pictures)]
+    with Daemon() as daemon:
+        first = replayed(daemon, log, folder, *at)
+        check(len(first) == len(pictures), f"{len(first)} frames")
+        check(len(set(first)) == len(first), "every frame differs")
+        for i, (time_s, picture) in enumerate(pictures.items()):
+            check(first[i] == picture, f"the frame of {time_s} s")
+        # On top of what the first replay left, and of something else.
+        daemon.patch({"entities": {"7": {"name": "other"}},
+                      "sky": {"visibility": 900}, "clock": {"mode": "FREE"}})
+        check(replayed(daemon, log, folder, *at) == first, "a second time")
+        rows = replayed(daemon, log, folder, "--every", "0.25")
+        check(len(rows) >= 3 and len(set(rows)) == len(rows), "frames in a row")
+    with Daemon("--encoder-threads", "1", "--unix", "off") as daemon:
+        check(replayed(daemon, log, folder, *at) == first, "another daemon")
+        paced = replayed(daemon, log, folder, "--every", "0.25", "--speed",
+                         "2")
+        check(paced == rows, "paced")
+
+
+def clock_set_back(folder):
+    """Steps by a client, a clock set back and forth, an edit at one moment."""
+    log = os.path.join(folder, "steps.pelog")
+    with Daemon("--record", log) as daemon:
+        daemon.patch({**VIEW, "clock": {"mode": "STEPPED", "time": 100}})
+        for seconds in (0.1, 0.2, 1 / 3):
+            daemon.request("POST", "/v1/clock/step", {"seconds": seconds})
+        daemon.patch({"clock": {"time": 20}, "sea": {"windSpeed": 15}})
+        daemon.request("POST", "/v1/clock/step", {"until": 21.7})
+        answer = daemon.request("POST", "/v1/clock/step", {"until": 21})
+        check(answer.status == 400
+              and answer.json()["path"] == "step.until", f"{answer}")
+        daemon.patch({"entities": {"1": {"speed": 9, "heading": 50}}})
+        daemon.request("POST", "/v1/clock/step", {"seconds": 2})
+        picture = daemon.get("/v1/views/bridge/frame.png").body
+        state = daemon.state()
+        check(state["clock"]["time"] == 23.7, "time")
+    with Daemon() as daemon:
+        check(replayed(daemon, log, folder, "--at", "23.7")[0] == picture,
+              "the last frame")
+        again = daemon.state()
+        for part in ("sea", "sky", "entities", "views", "clock"):
+            check(again[part] == state[part], part)
+        said = json.loads(ctl(daemon, "replay", log, "--json", "--quiet"))
+        check(said == {"commands": 9, "time": 23.7, "frames": 0}, said)
+
+
+def refused(folder):
+    log = os.path.join(folder, "steps.pelog")
+    with open(log, "rb") as f:
+        good = f.read()
+    bad = os.path.join(folder, "bad.pelog")
+
+    def write(data):
+        with open(bad, "wb") as f:
+            f.write(data)
+
+    with Daemon() as daemon:
+        write(good + b"\xff" * 6)
+        check("entry 11" in ctl(daemon, "replay", bad, status=1), "no length")
+        before = daemon.state()["revision"]
+        write(good[:-5] + b"\xff" * 5)
+        check("entry" in ctl(daemon, "replay", bad, status=1), "garbage")
+        write(good[:40])
+        ctl(daemon, "replay", bad, status=1)
+        write(good[:8] + good[8:].replace(b"\x08\x01", b"\x08\x02", 1))
+        ctl(daemon, "replay", bad, status=1)
+        ctl(daemon, "replay", log, "--loop", status=2)
+        ctl(daemon, "replay", log, "--at", "3,2", status=2)
+        check(daemon.state()["revision"] == before, "nothing was changed")
+        write(good[:-3])
+        check("left out" in ctl(daemon, "replay", bad), "a torn end")
+
+
+def kept(folder):
+    """A restart keeps the earlier log; a full house of them is refused."""
+    log = os.path.join(folder, "steps.pelog")
+    size = os.path.getsize(log)
+    with Daemon("--record", log) as daemon:
+        check(daemon.metrics()["pelagos_record_active"] == 1, "active")
+        check(os.path.getsize(log + ".1") == size, "kept")
+    try:
+        Daemon("--record", "/proc/nowhere/log")
+    except RuntimeError as error:
+        check("--record" in str(error), f"{error}")
+    else:
+        raise AssertionError("a log that cannot be written")
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="pelagos-replay-") as folder:
+        for part in (same_frames, clock_set_back, refused, kept):
+            print(f"== {part.__name__}", flush=True)
+            part(folder)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
