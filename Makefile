@@ -357,6 +357,20 @@ tsan: deps ## the tests with threads under ThreadSanitizer
 	$(Q)TSAN_OPTIONS=suppressions=tests/tsan.supp \
 	    tests/run build/tsan/bin/frames_test
 
+# --- benchmarks -----------------------------------------------------------
+# Few libraries, so that bench can be carried to a machine without packages.
+BENCH_LIBS := -Wl,--as-needed -lepoxy -lspng -lturbojpeg -lOpenEXRCore -lm
+BENCH_BIN := $(O)/bin/bench $(O)/bin/still
+$(BENCH_BIN): $(O)/bin/%: $(O)/tests/bench/%.o $(O)/tests/bench/scene.o $(O)/libserver.a
+	$(Q)mkdir -p $(@D)
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(BENCH_LIBS)
+
+.PHONY: bench
+bench: deps-build ## time frames, views, queries, encoders (ARGS='--quick …')
+	$(Q)$(MAKE) -s --no-print-directory $(BENCH_BIN)
+	$(O)/bin/bench $(ARGS)
+
 # --- style ---------------------------------------------------------------
 C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | sort)
 

@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "encode/encode.h"
 #include "render/renderer.h"
+#include "tests/bench/scene.h"
 
 struct setting {
     const char *name;
@@ -15,12 +16,15 @@ struct setting {
 };
 
 static struct setting settings[] = {
-    { "wind", 8 },    { "winddir", 270 }, { "sun", 30 },    { "sunaz", 0 },
-    { "height", 6 },  { "pitch", -4 },    { "yaw", 0 },     { "fov", 60 },
-    { "width", 1024 }, { "height_px", 768 }, { "time", 10 }, { "vis", 40000 },
-    { "ev", 99 },     { "frames", 1 },    { "seed", 1 },    { "waves", 60 },
-    { "stages", 0 },  { "chl", 0.2 },     { "hardware", 0 }, { "roll", 0 },
-    { "swell", 0 }, { "compute", -1 },   { "layers", 0 },    { "x", 0 },       { "y", 0 },
+    { "wind", 8 },        { "winddir", 270 }, { "sun", 30 },
+    { "sunaz", 0 },       { "height", 6 },    { "pitch", -4 },
+    { "yaw", 0 },         { "fov", 60 },      { "width", 1024 },
+    { "height_px", 768 }, { "time", 10 },     { "vis", 40000 },
+    { "ev", 99 },         { "frames", 1 },    { "seed", 1 },
+    { "waves", 60 },      { "stages", 0 },    { "chl", 0.2 },
+    { "hardware", 0 },    { "roll", 0 },      { "swell", 0 },
+    { "compute", -1 },    { "layers", 0 },    { "x", 0 },
+    { "y", 0 },
 };
 
 static double get(const char *name)
@@ -52,31 +56,30 @@ static void parse(int argc, char **argv)
     }
 }
 
-static struct pel_camera make_camera(void)
+static struct bench_scene scene(void)
 {
-    double yaw = get("yaw") * PEL_DEG, pitch = get("pitch") * PEL_DEG;
-    double roll = get("roll") * PEL_DEG;
-    struct pel_vec3 forward = { sin(yaw) * cos(pitch), cos(yaw) * cos(pitch),
-                                sin(pitch) };
-    struct pel_vec3 right = { cos(yaw), -sin(yaw), 0 };
-    struct pel_vec3 up = pel_vec3_cross(right, forward);
-    struct pel_camera c = { .altitude_m = get("height"),
-                            .east_m = get("x"),
-                            .north_m = get("y") };
-    c.world_from_camera.x = pel_vec3_add(pel_vec3_scale(right, cos(roll)),
-                                         pel_vec3_scale(up, -sin(roll)));
-    c.world_from_camera.y = pel_vec3_add(pel_vec3_scale(up, cos(roll)),
-                                         pel_vec3_scale(right, sin(roll)));
-    c.world_from_camera.z = pel_vec3_scale(forward, -1);
-    c.width = (uint32_t)get("width");
-    c.height = (uint32_t)get("height_px");
-    c.tan_right = tan(0.5 * get("fov") * PEL_DEG);
-    c.tan_left = -c.tan_right;
-    c.tan_top = c.tan_right * c.height / c.width;
-    c.tan_bottom = -c.tan_top;
-    c.auto_exposure = get("ev") > 90;
-    c.exposure_ev = get("ev");
-    return c;
+    return (struct bench_scene){
+        .wind_mps = get("wind"),
+        .wind_from = get("winddir"),
+        .swell_m = get("swell"),
+        .sun_elevation = get("sun"),
+        .sun_azimuth = get("sunaz"),
+        .visibility_m = get("vis"),
+        .chlorophyll = get("chl"),
+        .height_m = get("height"),
+        .east_m = get("x"),
+        .north_m = get("y"),
+        .heading = get("yaw"),
+        .pitch = get("pitch"),
+        .roll = get("roll"),
+        .fov = get("fov"),
+        .width = (uint32_t)get("width"),
+        .height = (uint32_t)get("height_px"),
+        .seed = (uint32_t)get("seed"),
+        .waves = (int)get("waves"),
+        .time_s = get("time"),
+        .ev = get("ev"),
+    };
 }
 
 int main(int argc, char **argv)
@@ -89,40 +92,23 @@ int main(int argc, char **argv)
     struct pel_fault fault = { 0 };
     struct pel_renderer *r;
     const struct pel_renderer_options options = {
-        .device = get("hardware") > 0 ? "auto" : "software", .debug = true,
-        .shading = get("compute") < 0 ? "auto" : get("compute") > 0 ? "compute" : "fragment"
+        .device = get("hardware") > 0 ? "auto" : "software",
+        .debug = true,
+        .shading = get("compute") < 0   ? "auto"
+                   : get("compute") > 0 ? "compute"
+                                        : "fragment"
     };
     if (pel_renderer_create(&options, &r, &fault) != PEL_OK) {
         fprintf(stderr, "%s\n", fault.message);
         return 1;
     }
     static struct pel_sea sea;
-    double to = (90.0 - get("winddir") + 180.0) * PEL_DEG;
-    struct pel_sea_desc desc = { .wind_mps = get("wind"),
-                                 .direction_rad = to,
-                                 .fetch_m = 200000,
-                                 .gamma = 3.3,
-                                 .seed = (uint32_t)get("seed"),
-                                 .wave_count = (int)get("waves") };
-    if (get("swell") > 0) {
-        desc.swell_count = 1;
-        desc.swell[0] = (struct pel_swell_desc){ get("swell"), 12,
-                                                 to + 0.6, 0.15 };
-    }
-    if (pel_sea_build(&desc, &sea) != PEL_OK) {
+    const struct bench_scene shown = scene();
+    if (bench_sea(&shown, &sea) != PEL_OK) {
         return 1;
     }
-    double az = get("sunaz") * PEL_DEG, el = get("sun") * PEL_DEG;
-    struct pel_environment env = {
-        .time_s = get("time"),
-        .sea = &sea,
-        .sun = { sin(az) * cos(el), cos(az) * cos(el), sin(el) },
-        .wind_mps = get("wind"),
-        .wind_to_rad = to,
-        .visibility_m = get("vis"),
-        .chlorophyll_mg_m3 = get("chl"),
-    };
-    struct pel_draw draw = { .camera = make_camera(),
+    struct pel_environment env = bench_environment(&shown, &sea);
+    struct pel_draw draw = { .camera = bench_camera(&shown),
                              .layers = get("layers") > 0
                                            ? PEL_LAYER_COLOR | PEL_LAYER_DEPTH |
                                                  PEL_LAYER_NORMAL
@@ -138,8 +124,8 @@ int main(int argc, char **argv)
         if (!p) {
             return 1;
         }
-        printf("frame %d: %.1f ms, EV %.2f;", i, (double)(pel_now_ns() - start) * 1e-6,
-               p->exposure_ev);
+        printf("frame %d: %.1f ms, EV %.2f;", i,
+               (double)(pel_now_ns() - start) * 1e-6, p->exposure_ev);
         double ms[PEL_STAGE_COUNT];
         pel_renderer_stage_ms(r, ms);
         for (int s = 0; s < PEL_STAGE_COUNT && get("stages") > 0; s++) {
