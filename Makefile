@@ -58,6 +58,13 @@ CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
 BASE := server/base/err.c server/base/log.c server/base/clock.c \
     server/base/metrics.c
 OCEAN := server/ocean/spectrum.c \
+    server/ocean/directional.c \
+    server/ocean/elfouhaily.c \
+    server/ocean/strata.c \
+    server/ocean/fft.c \
+    server/ocean/cascade.c \
+    server/ocean/fields.c \
+    server/ocean/cascade_query.c \
     server/ocean/sea.c \
     server/ocean/surface.c
 OPTICS := server/optics/brdf.c \
@@ -158,6 +165,8 @@ TESTS :=
 TESTS += server/ocean/spectrum_test.c
 TESTS += server/ocean/sea_test.c
 TESTS += server/ocean/surface_test.c
+TESTS += server/ocean/cascade_test.c
+TESTS += server/ocean/directional_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/optics/atmosphere_test.c
 TESTS += server/optics/colour_test.c

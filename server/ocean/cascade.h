@@ -58,11 +58,6 @@
 #define PEL_CASCADE_LOD_STEPS 4
 #define PEL_CASCADE_LODS ((PEL_CASCADE_LEVELS - 1) * PEL_CASCADE_LOD_STEPS + 1)
 
-/* Slope variance along and across the wind, and their covariance. */
-struct pel_slopes {
-    double along, cross, mixed;
-};
-
 struct pel_cascade {
     double length_m;
     double turn_cos, turn_sin;
@@ -82,12 +77,25 @@ struct pel_cascade {
     struct pel_slopes kept[PEL_CASCADE_LODS];
 };
 
+/* What the modes of |k| ≥ a bound carry. */
+struct pel_cascade_beyond {
+    double m0;
+    struct pel_slopes slopes; /* and what lies below the last band */
+};
+#define PEL_CASCADE_BOUNDS 513
+
+struct pel_fields_cache; /* fields.h */
+
 struct pel_cascades {
     struct pel_cascade cascade[PEL_CASCADES]; /* longest waves first */
     float displacement_gain[PEL_CASCADE_N];   /* by index, along one axis */
     float slope_gain[PEL_CASCADE_N];
     double m0;               /* of all bands, m² */
     struct pel_slopes total; /* of the spectrum, also below the last band */
+    /* Bound i is log_k0 + step · i in ln k, the last one the shortest wave. */
+    struct pel_cascade_beyond beyond[PEL_CASCADE_BOUNDS];
+    double log_k0, step;
+    struct pel_fields_cache *cache; /* of queries */
 };
 
 /* Draws the cascades from the spectrum of `desc`, whose synthesiser need not
@@ -97,6 +105,11 @@ struct pel_cascades {
 PEL_CHECK enum pel_err pel_cascades_create(const struct pel_sea_desc *desc,
                                            struct pel_cascades **out);
 void pel_cascades_destroy(struct pel_cascades *c); /* NULL allowed */
+
+/* The same between the bounds: what the waves shorter than wavelength_m carry,
+ * within 2 % of the spectrum's integral. */
+struct pel_cascade_beyond pel_cascades_below(const struct pel_cascades *c,
+                                             double wavelength_m);
 
 /* Slope variance that the textures still show at level of detail `lod`
  * (clamped to 0..8; interpolated between the steps). */

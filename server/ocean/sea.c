@@ -1,11 +1,16 @@
 #include "ocean/sea.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "ocean/cascade.h"
+#include "ocean/directional.h"
+#include "ocean/hash.h"
 #include "ocean/spectrum.h"
+#include "ocean/strata.h"
 
 /* Share of the bins' measure that is slope variance; the rest is energy. */
 #define SLOPE_SHARE 0.65
@@ -18,56 +23,6 @@
 #define GRID 2048      /* points of the cumulative measures over ln ω */
 #define DIRECTIONS 256 /* steps of the cumulative spreading over [0, π] */
 #define DIRECTION_TRIES 32
-
-enum stream {
-    STREAM_PHASE = 1,
-    STREAM_FREQUENCY,
-    STREAM_DIRECTION,
-    STREAM_OFFSET,
-    STREAM_SWELL = 16, /* and one for each train */
-};
-
-/* Counter-based hash in [0, 1): the finaliser of MurmurHash3, twice. */
-static uint64_t mix(uint64_t x)
-{
-    x ^= x >> 33;
-    x *= UINT64_C(0xff51afd7ed558ccd);
-    x ^= x >> 33;
-    x *= UINT64_C(0xc4ceb9fe1a85ec53);
-    x ^= x >> 33;
-    return x;
-}
-
-static double hash01(uint32_t seed, uint32_t stream, uint32_t index)
-{
-    uint64_t key = mix((uint64_t)seed << 32 | stream);
-    uint64_t bits = mix(key + UINT64_C(0x9e3779b97f4a7c15) * (index + 1u));
-    return (double)(bits >> 11) * 0x1p-53;
-}
-
-static bool inside(double v, double lo, double hi)
-{
-    return v >= lo && v <= hi; /* false for NaN */
-}
-
-static bool desc_ok(const struct pel_sea_desc *d)
-{
-    bool ok = d->synthesiser == PEL_SYNTHESISER_TROCHOIDS &&
-              (d->kind == PEL_SPECTRUM_PIERSON_MOSKOWITZ ||
-               d->kind == PEL_SPECTRUM_JONSWAP) &&
-              inside(d->wind_mps, 0, 30) && isfinite(d->direction_rad) &&
-              d->wave_count >= 20 && d->wave_count <= PEL_SEA_MAX_WAVES &&
-              d->swell_count >= 0 && d->swell_count <= PEL_SEA_MAX_SWELLS;
-    if (ok && d->kind == PEL_SPECTRUM_JONSWAP) {
-        ok = inside(d->fetch_m, 1e3, 2e6) && inside(d->gamma, 1, 7);
-    }
-    for (int i = 0; ok && i < d->swell_count; i++) {
-        const struct pel_swell_desc *s = &d->swell[i];
-        ok = inside(s->height_m, 0, 15) && inside(s->period_s, 3, 30) &&
-             isfinite(s->direction_rad) && inside(s->spread_rad, 1e-6, PEL_PI);
-    }
-    return ok;
-}
 
 /* --- wind sea ------------------------------------------------------------ */
 
@@ -183,7 +138,8 @@ static void wind_directions(struct wind_wave *w, int n, uint32_t seed,
                             double offset)
 {
     for (int i = 0; i < n; i++) {
-        double jitter = hash01(seed, STREAM_DIRECTION, (uint32_t)i) - 0.5;
+        double jitter =
+            pel_hash01(seed, PEL_STREAM_DIRECTION, (uint32_t)i) - 0.5;
         double u = offset + 0.61803398874989485 * i + 2.0 * jitter / n;
         u -= floor(u);
         w[i].angle = spreading_invert(&w[i].table, u);
@@ -215,7 +171,7 @@ static void choose_directions(struct wind_wave *w, int n, uint32_t seed)
 {
     double best = INFINITY, chosen = 0;
     for (uint32_t t = 0; t < DIRECTION_TRIES; t++) {
-        double offset = hash01(seed, STREAM_OFFSET, t);
+        double offset = pel_hash01(seed, PEL_STREAM_OFFSET, t);
         wind_directions(w, n, seed, offset);
         double error = direction_error(w, n);
         if (error < best) {
@@ -233,7 +189,7 @@ static void wind_bins(const struct pel_sea_desc *d, const struct band *b,
     double from = 0;
     for (int i = 0; i < n; i++) {
         double to = i + 1 == n ? GRID : band_invert(b, (double)(i + 1) / n);
-        double u = hash01(d->seed, STREAM_FREQUENCY, (uint32_t)i);
+        double u = pel_hash01(d->seed, PEL_STREAM_FREQUENCY, (uint32_t)i);
         double place = band_invert(b, (i + 0.1 + 0.8 * u) / n);
         double omega = exp(b->log_lo + b->step * place);
         double s =
@@ -283,7 +239,7 @@ static enum pel_err add_wind_sea(struct pel_sea *sea, int n)
     for (int i = 0; i < n; i++) {
         const struct wind_wave *w = &work->waves[i];
         add_wave(sea, w->k, d->direction_rad + w->angle, w->energy,
-                 hash01(d->seed, STREAM_PHASE, (uint32_t)i));
+                 pel_hash01(d->seed, PEL_STREAM_PHASE, (uint32_t)i));
     }
     free(work);
     return PEL_OK;
@@ -312,13 +268,13 @@ static void add_swell(struct pel_sea *sea, int index, int n)
 {
     const struct pel_swell_desc *s = &sea->desc.swell[index];
     uint32_t seed = sea->desc.seed;
-    uint32_t stream = STREAM_SWELL + (uint32_t)index;
-    double offset = hash01(seed, stream, 1000);
+    uint32_t stream = PEL_STREAM_SWELL + (uint32_t)index;
+    double offset = pel_hash01(seed, stream, 1000);
     for (int i = 0; i < n; i++) {
         uint32_t at = 3u * (uint32_t)i;
-        double u = (i + 0.2 + 0.6 * hash01(seed, stream, at)) / n;
+        double u = (i + 0.2 + 0.6 * pel_hash01(seed, stream, at)) / n;
         double v = offset + 0.61803398874989485 * i +
-                   0.3 * (hash01(seed, stream, at + 1) - 0.5) / n;
+                   0.3 * (pel_hash01(seed, stream, at + 1) - 0.5) / n;
         v -= floor(v);
         double omega = 2.0 * PEL_PI / s->period_s;
         double angle = s->direction_rad;
@@ -328,7 +284,7 @@ static void add_swell(struct pel_sea *sea, int index, int n)
         }
         double energy = s->height_m * s->height_m / 16.0 / n;
         add_wave(sea, omega * omega / PEL_GRAVITY, angle, energy,
-                 hash01(seed, stream, at + 2));
+                 pel_hash01(seed, stream, at + 2));
     }
 }
 
@@ -401,35 +357,99 @@ static void limit_folding(struct pel_sea *sea)
     }
 }
 
-/* Totals of eq. 4 and the heights. */
-static void sum_up(struct pel_sea *sea)
+/* Eq. 4's terms of one wave, in wind axes. */
+static void add_slopes(const struct pel_sea *sea, const struct pel_wave *w,
+                       struct pel_slopes *to)
 {
     double c = cos(sea->desc.direction_rad);
     double s = sin(sea->desc.direction_rad);
+    double kh = wavenumber(w) * w->amplitude;
+    double ckh = w->chop * kh;
+    double variance = kh * kh / (1.0 + sqrt(1.0 - ckh * ckh));
+    double along = (w->kx * c + w->ky * s) / wavenumber(w);
+    double cross = (w->ky * c - w->kx * s) / wavenumber(w);
+    to->along += along * along * variance;
+    to->cross += cross * cross * variance;
+    to->mixed += along * cross * variance;
+}
+
+/* Totals of eq. 4 and the heights. */
+static void sum_up(struct pel_sea *sea)
+{
+    struct pel_slopes total = { 0 };
     for (int i = 0; i < sea->count; i++) {
         const struct pel_wave *w = &sea->waves[i];
-        double kh = wavenumber(w) * w->amplitude;
-        double ckh = w->chop * kh;
-        double variance = kh * kh / (1.0 + sqrt(1.0 - ckh * ckh));
-        double along = (w->kx * c + w->ky * s) / wavenumber(w);
-        double cross = (w->ky * c - w->kx * s) / wavenumber(w);
-        sea->slope_variance_along += along * along * variance;
-        sea->slope_variance_cross += cross * cross * variance;
-        sea->slope_covariance += along * cross * variance;
+        add_slopes(sea, w, &total);
         sea->m0 += 0.5 * w->amplitude * w->amplitude;
         sea->max_height_m += w->amplitude;
         sea->max_shift_m += w->chop * w->amplitude;
     }
+    sea->slope_variance_along = total.along;
+    sea->slope_variance_cross = total.cross;
+    sea->slope_covariance = total.mixed;
+}
+
+/* Crests of a Gaussian sea pass six standard deviations once in 6e7 waves. */
+#define HIGHEST_SIGMAS 6.0
+
+static enum pel_err build_cascades(struct pel_sea *sea)
+{
+    struct pel_cascades *c;
+    enum pel_err err = pel_cascades_create(&sea->desc, &c);
+    if (err) {
+        return err;
+    }
+    sea->cascades = c;
+    sea->m0 = sea->spectrum_m0 = c->m0;
+    sea->slope_variance_along = c->total.along;
+    sea->slope_variance_cross = c->total.cross;
+    sea->slope_covariance = c->total.mixed;
+    sea->max_height_m = sea->max_shift_m = HIGHEST_SIGMAS * sqrt(c->m0);
+    return PEL_OK;
+}
+
+/* Trochoids of any spectrum but the two that have their own (add_wind_sea). */
+static enum pel_err build_trochoids(struct pel_sea *sea)
+{
+    struct pel_directional *spectrum;
+    enum pel_err err = pel_directional_create(&sea->desc, &spectrum);
+    if (err) {
+        return err;
+    }
+    err = pel_sea_add_spectrum(sea, spectrum);
+    struct pel_band_moments all, below;
+    pel_directional_moments(spectrum, 0, INFINITY, &all);
+    pel_directional_moments(spectrum, 2.0 * PEL_PI / PEL_SEA_SHORTEST_M,
+                            INFINITY, &below);
+    pel_directional_destroy(spectrum);
+    if (err) {
+        return err;
+    }
+    sea->spectrum_m0 = all.m0;
+    sea->below = (struct pel_slopes){ below.along, below.cross, below.mixed };
+    sort_longest_first(sea);
+    limit_folding(sea);
+    sum_up(sea);
+    sea->slope_variance_along += below.along;
+    sea->slope_variance_cross += below.cross;
+    sea->slope_covariance += below.mixed;
+    return PEL_OK;
 }
 
 enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
 {
-    if (!desc_ok(desc)) {
+    if (!pel_sea_desc_ok(desc)) {
         return PEL_ERR_OUT_OF_RANGE;
     }
     memset(out, 0, sizeof *out);
     out->desc = *desc;
     out->desc.direction_rad = remainder(desc->direction_rad, 2.0 * PEL_PI);
+    if (desc->synthesiser == PEL_SYNTHESISER_FFT) {
+        return build_cascades(out);
+    }
+    if (desc->kind > PEL_SPECTRUM_JONSWAP || desc->depth_m > 0) {
+        return build_trochoids(out);
+    }
     add_swells(out);
     enum pel_err err = add_wind_sea(out, desc->wave_count - out->count);
     if (err) {
@@ -448,11 +468,15 @@ enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
 
 void pel_sea_finish(struct pel_sea *sea)
 {
-    (void)sea; /* trochoids stand in the sea itself */
+    pel_cascades_destroy(sea->cascades);
+    sea->cascades = NULL;
 }
 
 double pel_sea_rms_below(const struct pel_sea *sea, double wavelength_m)
 {
+    if (sea->cascades) {
+        return sqrt(pel_cascades_below(sea->cascades, wavelength_m).m0);
+    }
     double sum = 0;
     for (int i = sea->count - 1; i >= 0; i--) {
         const struct pel_wave *w = &sea->waves[i];
@@ -462,4 +486,61 @@ double pel_sea_rms_below(const struct pel_sea *sea, double wavelength_m)
         sum += 0.5 * w->amplitude * w->amplitude;
     }
     return sqrt(sum);
+}
+
+struct pel_slopes pel_sea_slopes_below(const struct pel_sea *sea,
+                                       double wavelength_m)
+{
+    if (sea->cascades) {
+        return pel_cascades_below(sea->cascades, wavelength_m).slopes;
+    }
+    struct pel_slopes sum = sea->below;
+    for (int i = sea->count - 1; i >= 0; i--) {
+        const struct pel_wave *w = &sea->waves[i];
+        if (wavenumber(w) * wavelength_m <= 2.0 * PEL_PI) {
+            break;
+        }
+        add_slopes(sea, w, &sum);
+    }
+    return sum;
+}
+
+static double droppable_cascades(const struct pel_cascades *c, double rms_m)
+{
+    double m0 = rms_m * rms_m;
+    if (c->m0 <= m0) {
+        return DBL_MAX;
+    }
+    int lo = 0, hi = PEL_CASCADE_BOUNDS - 1;
+    while (hi - lo > 1) { /* beyond[lo] > m0 >= beyond[hi] */
+        int mid = (lo + hi) / 2;
+        if (c->beyond[mid].m0 > m0) {
+            lo = mid;
+        } else {
+            hi = mid;
+        }
+    }
+    double f = (c->beyond[lo].m0 - m0) / (c->beyond[lo].m0 - c->beyond[hi].m0);
+    return 2.0 * PEL_PI / exp(c->log_k0 + c->step * (lo + f));
+}
+
+double pel_sea_droppable(const struct pel_sea *sea, double rms_m)
+{
+    if (sea->cascades) {
+        return droppable_cascades(sea->cascades, rms_m);
+    }
+    double below = 0, lambda_below = 0, sum = 0;
+    for (int i = sea->count - 1; i >= 0; i--) {
+        const struct pel_wave *w = &sea->waves[i];
+        double lambda = 2.0 * PEL_PI / hypot(w->kx, w->ky);
+        sum += 0.5 * w->amplitude * w->amplitude;
+        double rms = sqrt(sum);
+        if (rms > rms_m) {
+            double f = (rms_m - below) / (rms - below);
+            return lambda_below + f * (lambda - lambda_below);
+        }
+        below = rms;
+        lambda_below = lambda;
+    }
+    return DBL_MAX;
 }

@@ -19,6 +19,22 @@
 enum pel_spectrum_kind {
     PEL_SPECTRUM_PIERSON_MOSKOWITZ,
     PEL_SPECTRUM_JONSWAP,
+    PEL_SPECTRUM_TMA,        /* JONSWAP in depth_m of water */
+    PEL_SPECTRUM_ELFOUHAILY, /* long and short waves; uses fetch_m */
+    PEL_SPECTRUM_OMEGA2,     /* h ∝ ω⁻², the 2010 paper's other one */
+    PEL_SPECTRUM_MEASURED,   /* `measured`; the wind is not used */
+};
+
+/* A directional spectrum as a buoy reports it. */
+#define PEL_MEASURED_MOST 128
+struct pel_measured {
+    int count;                              /* 3..PEL_MEASURED_MOST */
+    double frequency_hz[PEL_MEASURED_MOST]; /* rising, 0.005..2 */
+    double density[PEL_MEASURED_MOST];      /* m²/Hz, ≥ 0 */
+    /* r1, r2 (0..1) and the mean directions of the first and second moment,
+     * mathematical, that the waves travel to. */
+    double r1[PEL_MEASURED_MOST], r2[PEL_MEASURED_MOST];
+    double alpha1_rad[PEL_MEASURED_MOST], alpha2_rad[PEL_MEASURED_MOST];
 };
 
 enum pel_synthesiser {
@@ -44,6 +60,8 @@ struct pel_sea_desc {
     int wave_count; /* trochoids in all, 20..256; 60 in the 2010 paper */
     int swell_count;
     struct pel_swell_desc swell[PEL_SEA_MAX_SWELLS];
+    double depth_m; /* of the dispersion, 1..11000; 0: deep water */
+    struct pel_measured measured;
 };
 
 /* One trochoid (Bruneton et al. 2010, eq. 2), in phase convention
@@ -61,6 +79,11 @@ struct pel_wave {
     double chop;      /* c, 0..1 */
 };
 
+/* Slope variance along and across the wind, and their covariance. */
+struct pel_slopes {
+    double along, cross, mixed;
+};
+
 struct pel_cascades; /* ocean/cascade.h */
 
 struct pel_sea {
@@ -73,6 +96,7 @@ struct pel_sea {
     double slope_variance_along; /* eq. 4, total, along the wind direction */
     double slope_variance_cross;
     double slope_covariance; /* eq. 4's off-diagonal in wind axes */
+    struct pel_slopes below; /* of the spectrum below the shortest wave */
     double max_height_m;     /* Σ h: no crest is higher */
     double max_shift_m;      /* Σ c h: no particle strays further sideways */
 };
@@ -124,6 +148,15 @@ struct pel_vec3 pel_sea_displace(const struct pel_sea *sea, double x_m,
 
 /* Root mean square height of the waves shorter than wavelength_m. */
 double pel_sea_rms_below(const struct pel_sea *sea, double wavelength_m);
+
+/* Slope variance of the waves shorter than wavelength_m, with what the
+ * spectrum has below the shortest wave drawn. */
+struct pel_slopes pel_sea_slopes_below(const struct pel_sea *sea,
+                                       double wavelength_m);
+
+/* Longest wavelength whose waves, with all shorter ones, keep within rms_m:
+ * continuous in rms_m; DBL_MAX when all do. */
+double pel_sea_droppable(const struct pel_sea *sea, double rms_m);
 
 /* pel_sea_sample at n places of one moment; out[i] answers points[i]. Bit for
  * bit the same as n single calls. */

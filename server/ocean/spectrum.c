@@ -1,6 +1,7 @@
 #include "ocean/spectrum.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 /* Bruneton et al. 2010, below eq. 1. */
 #define PM_ALPHA 8.1e-3
@@ -24,6 +25,12 @@ static double pm_peak(double wind_mps)
     return pow(0.8 * PM_BETA, 0.25) * pm_omega0(wind_mps);
 }
 
+/* TMA is JONSWAP and a factor for the depth (directional.c). */
+static bool fetch_limited(const struct pel_sea_desc *d)
+{
+    return d->kind == PEL_SPECTRUM_JONSWAP || d->kind == PEL_SPECTRUM_TMA;
+}
+
 /* The fetch laws hold until the sea is fully developed; beyond, they would
  * raise 6 m of sea from 5 m/s of wind. */
 static double effective_fetch(const struct pel_sea_desc *d)
@@ -40,7 +47,7 @@ struct tail {
 
 static struct tail wind_tail(const struct pel_sea_desc *d)
 {
-    if (d->kind == PEL_SPECTRUM_JONSWAP) {
+    if (fetch_limited(d)) {
         double u = d->wind_mps;
         double x = u * u / (effective_fetch(d) * PEL_GRAVITY);
         return (struct tail){ 0.076 * pow(x, 0.22),
@@ -55,7 +62,7 @@ double pel_spectrum_peak(const struct pel_sea_desc *d)
     if (!(d->wind_mps > 0)) {
         return 0;
     }
-    if (d->kind == PEL_SPECTRUM_JONSWAP) {
+    if (fetch_limited(d)) {
         double f = effective_fetch(d);
         return 22.0 * cbrt(PEL_GRAVITY * PEL_GRAVITY / (d->wind_mps * f));
     }
@@ -80,7 +87,7 @@ double pel_spectrum_wind(const struct pel_sea_desc *d, double omega)
     double o2 = omega * omega;
     double s = t.alpha * PEL_GRAVITY * PEL_GRAVITY / (o2 * o2 * omega) *
                exp(-t.b / (o2 * o2));
-    if (d->kind == PEL_SPECTRUM_JONSWAP) {
+    if (fetch_limited(d)) {
         s *= enhancement(d, pel_spectrum_peak(d), omega);
     }
     return s;
@@ -139,7 +146,7 @@ double pel_spectrum_m0(const struct pel_sea_desc *d, double lo, double hi)
     if (!(peak > 0) || !(hi > lo)) {
         return 0;
     }
-    if (d->kind != PEL_SPECTRUM_JONSWAP) {
+    if (!fetch_limited(d)) {
         return tail_m0(wind_tail(d), lo, hi);
     }
     /* Below 0.3 ω_p less than 1e-60 of it; beyond 2 ω_p the enhancement is

@@ -3,7 +3,8 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "ocean/sea.h"
+#include "ocean/fields.h"
+#include "ocean/rest.h"
 
 #define MET_M 1e-6
 #define MOST_STEPS 40
@@ -147,23 +148,6 @@ static void surface_of(const struct lanes *l, const struct shift *s,
     out->velocity_mps = (struct pel_vec3){ total(vx), total(vy), total(vz) };
 }
 
-/* The map x0 → x0 + D(x0) is the gradient of a convex function wherever it
- * does not fold, and its derivative is symmetric: Newton's step, with the
- * eigenvalues kept from zero, always leads downhill. */
-static struct pel_vec2 newton_step(const struct shift *f, double rx, double ry)
-{
-    double a = 1.0 + f->xx, b = f->xy, d = 1.0 + f->yy;
-    double half = 0.5 * (a + d);
-    double least = half - sqrt(0.25 * (a - d) * (a - d) + b * b);
-    if (least < 0.02) {
-        a += 0.02 - least;
-        d += 0.02 - least;
-    }
-    double det = a * d - b * b;
-    return (struct pel_vec2){ (d * rx - b * ry) / det,
-                              (a * ry - b * rx) / det };
-}
-
 /* Finds the rest position that is carried to (x, y); returns where its sums
  * are, one of the two. */
 static const struct shift *rest_under(const struct lanes *l, double x, double y,
@@ -175,7 +159,8 @@ static const struct shift *rest_under(const struct lanes *l, double x, double y,
     double rx = -at->dx, ry = -at->dy;
     double error = rx * rx + ry * ry;
     for (int step = 0; step < MOST_STEPS && error > MET_M * MET_M; step++) {
-        struct pel_vec2 s = newton_step(at, rx, ry);
+        struct pel_vec2 s =
+            pel_rest_step(1.0 + at->xx, at->xy, 1.0 + at->yy, rx, ry);
         bool nearer = false;
         for (int i = 0; i < MOST_HALVINGS && !nearer; i++) {
             double nx = x0 + s.x, ny = y0 + s.y;
@@ -206,6 +191,10 @@ static const struct shift *rest_under(const struct lanes *l, double x, double y,
 void pel_sea_query(const struct pel_sea *sea, const struct pel_vec2 *points,
                    size_t n, double time_s, struct pel_surface_sample *out)
 {
+    if (sea->cascades) {
+        pel_cascades_query(sea->cascades, points, n, time_s, out);
+        return;
+    }
     struct lanes lanes;
     struct shift two[2];
     lanes_fill(sea, time_s, &lanes);
@@ -227,6 +216,9 @@ struct pel_vec3 pel_sea_displace(const struct pel_sea *sea, double x_m,
                                  double y_m, double time_s)
 {
     struct pel_vec3 d = { 0, 0, 0 };
+    if (sea->cascades) {
+        return pel_cascades_displace(sea->cascades, x_m, y_m, time_s);
+    }
     for (int i = 0; i < sea->count; i++) {
         const struct pel_wave *w = &sea->waves[i];
         double p = w->kx * x_m + w->ky * y_m +

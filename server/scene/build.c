@@ -62,7 +62,8 @@ static bool same_swell(const struct pel_swell_desc *a,
 
 static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
 {
-    bool same = a->kind == b->kind && a->wind_mps == b->wind_mps &&
+    bool same = a->synthesiser == b->synthesiser && a->kind == b->kind &&
+                a->depth_m == b->depth_m && a->wind_mps == b->wind_mps &&
                 a->direction_rad == b->direction_rad &&
                 a->fetch_m == b->fetch_m && a->gamma == b->gamma &&
                 a->seed == b->seed && a->wave_count == b->wave_count &&

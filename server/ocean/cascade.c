@@ -1,0 +1,496 @@
+#include "ocean/cascade.h"
+
+#include <stdlib.h>
+#include <threads.h>
+
+#include "ocean/directional.h"
+#include "ocean/fields.h"
+#include "ocean/hash.h"
+
+#define N PEL_CASCADE_N
+#define RINGS (PEL_CASCADE_HIGHEST + 1)
+#define FOLD_STEPS PEL_DIRECTIONAL_NODES
+
+/* Angles of the grids: no two are near a multiple of each other's symmetry. */
+static const double turns_rad[PEL_CASCADES] = { 0.111, 0.577, 1.013, 1.417 };
+
+/* A band's modes are those of m_lo ≤ |m| < PEL_CASCADE_HIGHEST. */
+struct ring {
+    double lo, hi; /* of |m| */
+    double drawn;  /* Σ of the modes as drawn, then the factor to the exact */
+};
+
+/* --- fold guard ------------------------------------------------------------
+ */
+
+/* chop over ln k: the continuous form of the trochoids' (sea.h). With
+ * B = 5.5 √(slope variance of all longer waves) kept at f(B), chop² is
+ * d f² / d B² = f f' / B. */
+struct fold {
+    double chop[FOLD_STEPS];
+};
+
+static void fold_fill(const struct pel_directional *d, struct fold *out)
+{
+    double variance = 0, before = 0;
+    for (int i = 0; i < FOLD_STEPS; i++) {
+        struct pel_node_moments at;
+        pel_directional_node(d, i, &at);
+        double k = exp(d->log_k0 + d->step * i);
+        double slope = k * k * at.energy;
+        variance += i > 0 ? 0.5 * d->step * (before + slope) : 0;
+        before = slope;
+        double bound = PEL_SEA_FOLD_SIGMAS * sqrt(variance);
+        out->chop[i] = 1;
+        if (bound > 0.7) {
+            double e = exp(-(bound - 0.7) / 0.28);
+            out->chop[i] = sqrt((0.7 + 0.28 * (1.0 - e)) * e / bound);
+        }
+    }
+}
+
+static double fold_chop(const struct pel_directional *d, const struct fold *f,
+                        double k)
+{
+    double place = (log(k) - d->log_k0) / d->step;
+    place = pel_clamp(place, 0, FOLD_STEPS - 1.001);
+    int i = (int)place;
+    return f->chop[i] + (place - i) * (f->chop[i + 1] - f->chop[i]);
+}
+
+/* --- modes ------------------------------------------------------------------
+ */
+
+struct builder {
+    const struct pel_sea_desc *desc;
+    const struct pel_directional *spectrum;
+    struct fold fold;
+    struct ring rings[RINGS];
+};
+
+static int mode_number(int i)
+{
+    return i < N / 2 ? i : i - N;
+}
+
+/* Samples along the edge of a mode's cell: many where the spectrum is narrow
+ * against it. */
+static int samples(double m)
+{
+    return m < 6 ? 16 : m < 16 ? 6 : m < 40 ? 2 : 1;
+}
+
+/* Energy of the cell of the wave-vector plane around (m, n). */
+static double cell_energy(const struct builder *b, const struct pel_cascade *c,
+                          int m, int n)
+{
+    double step = 2.0 * PEL_PI / c->length_m;
+    int q = samples(hypot(m, n));
+    double sum = 0;
+    for (int j = 0; j < q; j++) {
+        for (int i = 0; i < q; i++) {
+            double u = step * (m + (i + 0.5) / q - 0.5);
+            double v = step * (n + (j + 0.5) / q - 0.5);
+            double kx = u * c->turn_cos - v * c->turn_sin;
+            double ky = u * c->turn_sin + v * c->turn_cos;
+            double k2 = kx * kx + ky * ky;
+            if (k2 > 0) {
+                sum += pel_directional_density(b->spectrum, kx, ky) / k2;
+            }
+        }
+    }
+    return sum * step * step / (q * q);
+}
+
+static int ring_of(double m, double m_lo)
+{
+    int r = (int)(m + 0.5), least = (int)(m_lo + 0.5);
+    least = least < m_lo ? least + 1 : least;
+    r = r < least ? least : r;
+    return r > PEL_CASCADE_HIGHEST - 1 ? PEL_CASCADE_HIGHEST - 1 : r;
+}
+
+/* Rings of modes, one mode number wide: their energy is made exact. */
+static void lay_rings(struct builder *b, double m_lo)
+{
+    for (int r = 0; r < RINGS; r++) {
+        b->rings[r] = (struct ring){ r - 0.5, r + 0.5, 0 };
+    }
+    int first = ring_of(m_lo, m_lo);
+    b->rings[first].lo = m_lo > 1 ? m_lo : 0;
+    b->rings[PEL_CASCADE_HIGHEST - 1].hi = PEL_CASCADE_HIGHEST;
+}
+
+/* Amplitudes by two hashed Gaussian numbers; sums what they carry. */
+static void draw_modes(struct builder *b, struct pel_cascade *c, int index,
+                       double m_lo)
+{
+    double step = 2.0 * PEL_PI / c->length_m;
+    uint32_t stream = PEL_STREAM_CASCADE + (uint32_t)index;
+    for (int j = 0; j < N; j++) {
+        for (int i = 0; i < N; i++) {
+            int at = j * N + i;
+            int m = mode_number(i), n = mode_number(j);
+            double radius = sqrt((double)m * m + (double)n * n);
+            if (radius < m_lo || radius >= PEL_CASCADE_HIGHEST) {
+                continue;
+            }
+            double k = step * radius;
+            c->mode[at][0] = (float)(pel_dispersion_depth(k, b->desc->depth_m) /
+                                     (2.0 * PEL_PI));
+            c->mode[at][1] = (float)fold_chop(b->spectrum, &b->fold, k);
+            double energy = cell_energy(b, c, m, n);
+            if (!(energy > 0)) {
+                continue;
+            }
+            uint32_t place = 2u * (uint32_t)((n + N) * 2 * N + m + N);
+            double u = 1.0 - pel_hash01(b->desc->seed, stream, place);
+            double turn =
+                2.0 * PEL_PI * pel_hash01(b->desc->seed, stream, place + 1);
+            double size = 0.5 * sqrt(-2.0 * log(u) * energy);
+            c->h0[at][0] = (float)(size * cos(turn));
+            c->h0[at][1] = (float)(size * sin(turn));
+            b->rings[ring_of(radius, m_lo)].drawn += 2.0 * size * size;
+        }
+    }
+}
+
+/* Gives each ring the spectrum's energy; the amplitudes' scatter then only
+ * moves it within a ring. */
+static void scale_rings(struct builder *b, struct pel_cascade *c, double m_lo)
+{
+    double step = 2.0 * PEL_PI / c->length_m;
+    double factor[RINGS] = { 0 };
+    for (int r = ring_of(m_lo, m_lo); r < PEL_CASCADE_HIGHEST; r++) {
+        struct pel_band_moments exact;
+        pel_directional_moments(b->spectrum, step * b->rings[r].lo,
+                                step * b->rings[r].hi, &exact);
+        if (b->rings[r].drawn > 0) {
+            factor[r] = sqrt(exact.m0 / b->rings[r].drawn);
+        }
+    }
+    for (int j = 0; j < N; j++) {
+        for (int i = 0; i < N; i++) {
+            double radius = hypot(mode_number(i), mode_number(j));
+            if (radius >= m_lo && radius < PEL_CASCADE_HIGHEST) {
+                double f = factor[ring_of(radius, m_lo)];
+                c->h0[j * N + i][0] = (float)(f * c->h0[j * N + i][0]);
+                c->h0[j * N + i][1] = (float)(f * c->h0[j * N + i][1]);
+            }
+        }
+    }
+}
+
+static void mirror_modes(struct pel_cascade *c)
+{
+    for (int j = 0; j < N; j++) {
+        for (int i = 0; i < N; i++) {
+            const float *there = c->h0[(N - j) % N * N + (N - i) % N];
+            c->h0[j * N + i][2] = there[0];
+            c->h0[j * N + i][3] = -there[1];
+        }
+    }
+}
+
+/* --- statistics --------------------------------------------------------------
+ */
+
+/* Mean over a texel of level l of a_l(x) conj a_{l+d}(x), d = 0 or 1, for a
+ * wave of q radians for each texel of level 0 along one axis: a_l is level l of
+ * the mipmap, interpolated linearly. Both are linear between multiples of half
+ * a texel of level l, so Simpson's rule is exact. */
+static double box(double q, int level)
+{
+    double s = sin(0.5 * q);
+    int n = 1 << level;
+    return fabs(s) < 1e-9 ? 1.0 : sin(0.5 * q * n) / (n * s);
+}
+
+/* Level l's interpolant at x (texels of level 0), over e^{iqx}: (re, im). */
+static void level_at(double q, int level, double x, double out[2])
+{
+    double size = 1 << level;
+    double place = x / size - 0.5, below = floor(place), f = place - below;
+    double gain = box(q, level);
+    double a = q * size * (below + 0.5), b = a + q * size;
+    out[0] = gain * ((1 - f) * cos(a) + f * cos(b));
+    out[1] = gain * ((1 - f) * sin(a) + f * sin(b));
+}
+
+static double level_product(double q, int a, int b)
+{
+    double size = 1 << a, sum = 0;
+    enum { PIECES = 4 }; /* halves of the two texels of b's one */
+    for (int i = 0; i < PIECES; i++) {
+        for (int j = 0; j < 3; j++) {
+            double u[2], v[2];
+            /* just inside the piece, where floor() is of one mind */
+            double at = pel_clamp(0.5 * j, 1e-9, 1 - 1e-9);
+            double x = 0.5 * size * (i + at);
+            level_at(q, a, x, u);
+            level_at(q, b, x, v);
+            sum += (j == 1 ? 4.0 : 1.0) * (u[0] * v[0] + u[1] * v[1]);
+        }
+    }
+    return sum / (6.0 * PIECES);
+}
+
+/* What of a slope texture's variance each level, and each pair of
+ * neighbouring levels, keeps along one axis, by mode number. */
+struct axis_gains {
+    double same[PEL_CASCADE_LEVELS][N], next[PEL_CASCADE_LEVELS][N];
+};
+
+static struct axis_gains axis_gains;
+static once_flag axis_gains_once = ONCE_FLAG_INIT;
+
+static void axis_gains_fill(void)
+{
+    struct axis_gains *g = &axis_gains;
+    for (int l = 0; l < PEL_CASCADE_LEVELS; l++) {
+        for (int i = 0; i < N; i++) {
+            double q = 2.0 * PEL_PI * mode_number(i) / N;
+            double first = (2.0 + cos(q)) / 3.0; /* slope_gain's square, over */
+            g->same[l][i] = level_product(q, l, l) / first;
+            g->next[l][i] = l + 1 < PEL_CASCADE_LEVELS
+                                ? level_product(q, l, l + 1) / first
+                                : 0;
+        }
+    }
+}
+
+static void add_slopes(struct pel_slopes *to, const double s[3], double weight)
+{
+    to->along += weight * s[0];
+    to->cross += weight * s[1];
+    to->mixed += weight * s[2];
+}
+
+/* Slopes of a mode, which stands for one mode number's width of |k|, into the
+ * bins there; summed up when all cascades are drawn. */
+static void count_mode(struct pel_cascades *all, const struct pel_cascade *c,
+                       double radius, const double s[3])
+{
+    double step = 2.0 * PEL_PI / c->length_m;
+    double lo = fmax(radius - 0.5, c->k_lo / step);
+    double hi = fmin(radius + 0.5, PEL_CASCADE_HIGHEST);
+    int pieces = radius < 40 ? 64 / (int)(radius + 1) + 4 : 4;
+    for (int i = 0; i < pieces; i++) {
+        double k = step * (lo + (hi - lo) * (i + 0.5) / pieces);
+        double place = (log(k) - all->log_k0) / all->step;
+        int at = (int)pel_clamp(place, 0, PEL_CASCADE_BOUNDS - 2);
+        add_slopes(&all->beyond[at].slopes, s, 1.0 / pieces);
+    }
+}
+
+static void fill_kept(struct pel_cascades *all, struct pel_cascade *c,
+                      double wind_rad)
+{
+    const struct axis_gains *g = &axis_gains;
+    struct pel_slopes same[PEL_CASCADE_LEVELS] = { 0 };
+    struct pel_slopes next[PEL_CASCADE_LEVELS] = { 0 };
+    double step = 2.0 * PEL_PI / c->length_m;
+    double wx = cos(wind_rad), wy = sin(wind_rad);
+    for (int j = 0; j < N; j++) {
+        for (int i = 0; i < N; i++) {
+            const float *h = c->h0[j * N + i];
+            double p = 2.0 * ((double)h[0] * h[0] + (double)h[1] * h[1]);
+            if (!(p > 0)) {
+                continue;
+            }
+            double u = step * mode_number(i), v = step * mode_number(j);
+            double kx = u * c->turn_cos - v * c->turn_sin;
+            double ky = u * c->turn_sin + v * c->turn_cos;
+            double a = kx * wx + ky * wy, b = ky * wx - kx * wy;
+            const double s[3] = { p * a * a, p * b * b, p * a * b };
+            c->m0 += p;
+            count_mode(all, c, hypot(mode_number(i), mode_number(j)), s);
+            for (int l = 0; l < PEL_CASCADE_LEVELS; l++) {
+                add_slopes(&same[l], s, g->same[l][i] * g->same[l][j]);
+                add_slopes(&next[l], s, g->next[l][i] * g->next[l][j]);
+            }
+        }
+    }
+    for (int i = 0; i < PEL_CASCADE_LODS; i++) {
+        int l = i / PEL_CASCADE_LOD_STEPS;
+        double f = (double)(i % PEL_CASCADE_LOD_STEPS) / PEL_CASCADE_LOD_STEPS;
+        int m = l + 1 < PEL_CASCADE_LEVELS ? l + 1 : l;
+        double aa = (1 - f) * (1 - f), ab = 2 * f * (1 - f), bb = f * f;
+        c->kept[i] = (struct pel_slopes){
+            aa * same[l].along + ab * next[l].along + bb * same[m].along,
+            aa * same[l].cross + ab * next[l].cross + bb * same[m].cross,
+            aa * same[l].mixed + ab * next[l].mixed + bb * same[m].mixed,
+        };
+    }
+}
+
+/* From bins to sums of all beyond each bound. */
+static void sum_beyond(struct pel_cascades *c,
+                       const struct pel_directional *spectrum,
+                       const struct pel_slopes *rest)
+{
+    struct pel_cascade_beyond sum = { 0, *rest };
+    for (int i = PEL_CASCADE_BOUNDS - 1; i >= 0; i--) {
+        const struct pel_slopes *s = &c->beyond[i].slopes;
+        const double add[3] = { s->along, s->cross, s->mixed };
+        double k = exp(c->log_k0 + c->step * i);
+        struct pel_band_moments bin;
+        if (i < PEL_CASCADE_BOUNDS - 1) { /* the rings have just this energy */
+            pel_directional_moments(spectrum, i > 0 ? k : 0,
+                                    exp(c->log_k0 + c->step * (i + 1)), &bin);
+            sum.m0 += bin.m0;
+        }
+        add_slopes(&sum.slopes, add, 1);
+        c->beyond[i] = sum;
+    }
+}
+
+struct pel_cascade_beyond pel_cascades_below(const struct pel_cascades *c,
+                                             double wavelength_m)
+{
+    double place = (log(2.0 * PEL_PI / wavelength_m) - c->log_k0) / c->step;
+    place = pel_clamp(place, 0, PEL_CASCADE_BOUNDS - 1.001);
+    int i = (int)place;
+    double f = place - i;
+    const struct pel_cascade_beyond *a = &c->beyond[i], *b = a + 1;
+    return (struct pel_cascade_beyond){
+        a->m0 + f * (b->m0 - a->m0),
+        { a->slopes.along + f * (b->slopes.along - a->slopes.along),
+          a->slopes.cross + f * (b->slopes.cross - a->slopes.cross),
+          a->slopes.mixed + f * (b->slopes.mixed - a->slopes.mixed) },
+    };
+}
+
+struct pel_slopes pel_cascade_kept(const struct pel_cascade *c, double lod)
+{
+    double place = pel_clamp(lod, 0, PEL_CASCADE_LEVELS - 1);
+    place = fmin(place * PEL_CASCADE_LOD_STEPS, PEL_CASCADE_LODS - 1.001);
+    int i = (int)place;
+    double f = place - i;
+    const struct pel_slopes *a = &c->kept[i], *b = &c->kept[i + 1];
+    return (struct pel_slopes){
+        a->along + f * (b->along - a->along),
+        a->cross + f * (b->cross - a->cross),
+        a->mixed + f * (b->mixed - a->mixed),
+    };
+}
+
+struct pel_slopes pel_cascades_left(const struct pel_cascades *c,
+                                    double footprint_m, double bias)
+{
+    struct pel_slopes left = c->total;
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        double lod = log2(footprint_m / c->cascade[i].texel_m) + bias;
+        struct pel_slopes kept = pel_cascade_kept(&c->cascade[i], lod);
+        left.along -= kept.along;
+        left.cross -= kept.cross;
+        left.mixed -= kept.mixed;
+    }
+    left.along = fmax(left.along, 0);
+    left.cross = fmax(left.cross, 0);
+    return left;
+}
+
+/* --- the whole
+ * ---------------------------------------------------------------- */
+
+static void fill_gains(struct pel_cascades *c)
+{
+    for (int i = 0; i < N; i++) {
+        double q = 2.0 * PEL_PI * mode_number(i) / N;
+        /* Mean square over a texel of B-splines of order 1 and 3: samples of
+         * those of order 3 and 7. */
+        double linear = (2.0 + cos(q)) / 3.0;
+        double cubic = (2416.0 + 2382.0 * cos(q) + 240.0 * cos(2.0 * q) +
+                        2.0 * cos(3.0 * q)) /
+                       5040.0;
+        c->slope_gain[i] = (float)(1.0 / sqrt(linear));
+        c->displacement_gain[i] = (float)(1.0 / sqrt(cubic));
+    }
+}
+
+static bool allocate(struct pel_cascades *c)
+{
+    bool whole = pel_fields_cache_init(&c->cache);
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        c->cascade[i].h0 = calloc(PEL_CASCADE_MODES, sizeof *c->cascade[i].h0);
+        c->cascade[i].mode =
+            calloc(PEL_CASCADE_MODES, sizeof *c->cascade[i].mode);
+        whole = whole && c->cascade[i].h0 && c->cascade[i].mode;
+    }
+    return whole;
+}
+
+static void build_cascade(struct builder *b, struct pel_cascades *all,
+                          int index)
+{
+    struct pel_cascade *c = &all->cascade[index];
+    double m_lo = index == 0 ? 0.5 : PEL_CASCADE_HIGHEST / PEL_CASCADE_RATIO;
+    c->length_m = PEL_CASCADE_HIGHEST * PEL_SEA_SHORTEST_M *
+                  pow(PEL_CASCADE_RATIO, PEL_CASCADES - 1 - index);
+    c->texel_m = c->length_m / N;
+    c->turn_cos = cos(turns_rad[index]);
+    c->turn_sin = sin(turns_rad[index]);
+    c->k_lo = index == 0 ? 0 : 2.0 * PEL_PI / c->length_m * m_lo;
+    c->k_hi = 2.0 * PEL_PI / c->length_m * PEL_CASCADE_HIGHEST;
+    lay_rings(b, m_lo);
+    draw_modes(b, c, index, m_lo);
+    scale_rings(b, c, m_lo);
+    mirror_modes(c);
+    fill_kept(all, c, b->spectrum->wind_to_rad);
+    all->m0 += c->m0;
+}
+
+enum pel_err pel_cascades_create(const struct pel_sea_desc *desc,
+                                 struct pel_cascades **out)
+{
+    struct pel_directional *spectrum = NULL;
+    enum pel_err err = pel_directional_create(desc, &spectrum);
+    if (err) {
+        return err;
+    }
+    struct pel_cascades *c = calloc(1, sizeof *c);
+    struct builder *b = calloc(1, sizeof *b);
+    if (!c || !b || !allocate(c)) {
+        err = PEL_ERR_NO_MEMORY;
+        goto done;
+    }
+    b->desc = desc;
+    b->spectrum = spectrum;
+    fold_fill(spectrum, &b->fold);
+    call_once(&axis_gains_once, axis_gains_fill);
+    fill_gains(c);
+    double longest = 2.0 * PEL_CASCADE_HIGHEST * PEL_SEA_SHORTEST_M *
+                     pow(PEL_CASCADE_RATIO, PEL_CASCADES - 1);
+    c->log_k0 = log(2.0 * PEL_PI / longest);
+    c->step = log(longest / PEL_SEA_SHORTEST_M) / (PEL_CASCADE_BOUNDS - 1);
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        build_cascade(b, c, i);
+    }
+    struct pel_band_moments below;
+    pel_directional_moments(spectrum, 2.0 * PEL_PI / PEL_SEA_SHORTEST_M,
+                            INFINITY, &below);
+    struct pel_slopes rest = { below.along, below.cross, below.mixed };
+    sum_beyond(c, spectrum, &rest);
+    c->total = c->beyond[0].slopes;
+    *out = c;
+    c = NULL;
+done:
+    free(b);
+    pel_cascades_destroy(c);
+    pel_directional_destroy(spectrum);
+    return err;
+}
+
+void pel_cascades_destroy(struct pel_cascades *c)
+{
+    if (!c) {
+        return;
+    }
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        free(c->cascade[i].h0);
+        free(c->cascade[i].mode);
+    }
+    pel_fields_cache_finish(c->cache);
+    free(c);
+}

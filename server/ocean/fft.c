@@ -1,0 +1,126 @@
+#include "ocean/fft.h"
+
+#include <math.h>
+#include <string.h>
+#include <threads.h>
+
+#include "base/vec.h"
+
+#define N PEL_FFT_N
+#define LANES 8
+
+typedef float lanes __attribute__((vector_size(4 * LANES)));
+
+/* The widest registers that are there; without contraction, so that every
+ * clone rounds alike. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&         \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define CLONES
+#endif
+#define INLINE static inline __attribute__((always_inline))
+
+static float twiddle_re[N], twiddle_im[N];
+static once_flag twiddles_once = ONCE_FLAG_INIT;
+
+static void fill_twiddles(void)
+{
+    for (int i = 0; i < N; i++) {
+        twiddle_re[i] = (float)cos(2.0 * PEL_PI * i / N);
+        twiddle_im[i] = (float)sin(2.0 * PEL_PI * i / N);
+    }
+}
+
+struct strip {
+    lanes re[N], im[N];
+};
+
+/* One pass of Stockham's radix-4 transform: n remaining points, `done` = N / n
+ * already apart. */
+INLINE void pass4(int n, int done, const struct strip *a, struct strip *b)
+{
+    int quarter = n / 4;
+    for (int p = 0; p < quarter; p++) {
+        int t = p * done;
+        float w1r = twiddle_re[t], w1i = twiddle_im[t];
+        float w2r = twiddle_re[2 * t], w2i = twiddle_im[2 * t];
+        float w3r = twiddle_re[3 * t], w3i = twiddle_im[3 * t];
+        for (int q = 0; q < done; q++) {
+            const lanes *ar = &a->re[q + done * p];
+            const lanes *ai = &a->im[q + done * p];
+            int s = done * quarter;
+            lanes x0r = ar[0] + ar[2 * s], x0i = ai[0] + ai[2 * s];
+            lanes x1r = ar[0] - ar[2 * s], x1i = ai[0] - ai[2 * s];
+            lanes x2r = ar[s] + ar[3 * s], x2i = ai[s] + ai[3 * s];
+            lanes x3r = ar[s] - ar[3 * s], x3i = ai[s] - ai[3 * s];
+            lanes *br = &b->re[q + done * 4 * p];
+            lanes *bi = &b->im[q + done * 4 * p];
+            lanes y1r = x1r - x3i, y1i = x1i + x3r; /* x1 + i x3 */
+            lanes y2r = x0r - x2r, y2i = x0i - x2i;
+            lanes y3r = x1r + x3i, y3i = x1i - x3r;
+            br[0] = x0r + x2r;
+            bi[0] = x0i + x2i;
+            br[done] = y1r * w1r - y1i * w1i;
+            bi[done] = y1r * w1i + y1i * w1r;
+            br[2 * done] = y2r * w2r - y2i * w2i;
+            bi[2 * done] = y2r * w2i + y2i * w2r;
+            br[3 * done] = y3r * w3r - y3i * w3i;
+            bi[3 * done] = y3r * w3i + y3i * w3r;
+        }
+    }
+}
+
+INLINE void transform(struct strip *a, struct strip *b)
+{
+    pass4(256, 1, a, b);
+    pass4(64, 4, b, a);
+    pass4(16, 16, a, b);
+    pass4(4, 64, b, a);
+}
+
+CLONES static void columns(struct pel_fft_grid *g, int i)
+{
+    struct strip a, b;
+    for (int j = 0; j < N; j++) {
+        memcpy(&a.re[j], &g->re[j][i], sizeof a.re[j]);
+        memcpy(&a.im[j], &g->im[j][i], sizeof a.im[j]);
+    }
+    transform(&a, &b);
+    for (int j = 0; j < N; j++) {
+        memcpy(&g->re[j][i], &a.re[j], sizeof a.re[j]);
+        memcpy(&g->im[j][i], &a.im[j], sizeof a.im[j]);
+    }
+}
+
+/* LANES rows at once, turned on their side and back. */
+CLONES static void rows(struct pel_fft_grid *g, int j)
+{
+    struct strip a, b;
+    for (int l = 0; l < LANES; l++) {
+        for (int i = 0; i < N; i++) {
+            a.re[i][l] = g->re[j + l][i];
+            a.im[i][l] = g->im[j + l][i];
+        }
+    }
+    transform(&a, &b);
+    for (int l = 0; l < LANES; l++) {
+        for (int i = 0; i < N; i++) {
+            g->re[j + l][i] = a.re[i][l];
+            g->im[j + l][i] = a.im[i][l];
+        }
+    }
+}
+
+void pel_fft_inverse(struct pel_fft_grid *g, int highest)
+{
+    call_once(&twiddles_once, fill_twiddles);
+    for (int i = 0; i < N; i += LANES) {
+        if (i <= highest || i + LANES > N - highest) {
+            columns(g, i);
+        }
+    }
+    for (int j = 0; j < N; j += LANES) {
+        rows(g, j);
+    }
+}
