@@ -150,6 +150,7 @@ CTL := \
     clients/pelagosctl/ctl_bench.c \
     clients/pelagosctl/ctl_completion.c \
     clients/pelagosctl/ctl_help.c \
+    clients/pelagosctl/ctl_optics.c \
     clients/pelagosctl/ctl_options.c \
     clients/pelagosctl/ctl_picture.c \
     clients/pelagosctl/ctl_record.c \

@@ -50,6 +50,34 @@ done
 "$ctl" manual | man -l --warnings - >/dev/null 2>"$err"
 [ ! -s "$err" ] || fail "the manual: $(cat "$err")"
 
+
+echo "== optics water"
+run 0 optics water --jerlov IA --depth 8 --bottom sand --sun-zenith 40
+jq -e '.leaving.total[1] > 0.001 and .water.depth == 8 and .orders == "all" and
+    (.leaving | (.single[2] + .second[2] + .higher[2] + .bottomDirect[2] +
+    .bottomScattered[2] - .total[2]) | fabs < 1e-6)' "$out" >/dev/null ||
+    fail "optics water: $(cat "$out")"
+reference=$(jq '.leaving.total[1]' "$out")
+run 0 optics water --jerlov IA --depth 8 --bottom sand --sun-zenith 40 \
+    --from montecarlo --paths 20000
+jq -e "(.leaving.total[1] - $reference) | fabs < 0.03 * $reference" "$out" \
+    >/dev/null || fail "Monte Carlo against $reference: $(cat "$out")"
+run 0 optics water --absorption 0.3,0.06,0.02 --scattering 0.1 --bottom 0.3 \
+    --orders paper
+jq -e '.leaving.higher[1] == 0 and .water.asymmetry[0] == 0.924 and
+    .water.albedo[2] == 0.3' "$out" >/dev/null || fail "paper: $(cat "$out")"
+run 2 optics water --jerlov IV
+says "I, IA, IB"
+run 2 optics water --jerlov I --chlorophyll 1
+says "one way"
+run 2 optics water --absorption 1
+says "go together"
+run 2 optics water --absorption nan --scattering 1
+run 2 optics water --absorption 0 --scattering 1
+says "absorption must be from 0.001 to 100 1/m"
+run 2 optics water --view-zenith 91
+run 2 optics air
+
 start_daemon
 
 echo "== get, set, unset"

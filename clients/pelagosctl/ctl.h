@@ -133,6 +133,7 @@ enum ctl_exit ctl_replay(struct ctl *ctl);
 enum ctl_exit ctl_replay_log(struct ctl *ctl, const char *data, size_t size);
 enum ctl_exit ctl_record(struct ctl *ctl);
 enum ctl_exit ctl_bench(struct ctl *ctl);
+enum ctl_exit ctl_optics(struct ctl *ctl);
 
 /* Set by SIGINT and SIGTERM once ctl_catch_signals has been called: commands
  * that run on end their loop and tidy up. */

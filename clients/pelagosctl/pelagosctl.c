@@ -107,6 +107,40 @@ static const char *const bench_examples[] = {
     NULL,
 };
 
+static const struct ctl_option optics_options[] = {
+    { 0, "absorption", "R,G,B",
+      "Absorption at 680, 550, 440 nm, or one for all, 1/m", NULL },
+    { 0, "scattering", "R,G,B", "Scattering, 1/m", NULL },
+    { 0, "asymmetry", "R,G,B", "Mean cosine of scattering (0.924)", NULL },
+    { 0, "chlorophyll", "MG", "Case 1 water instead, mg/m3 (0.2)", NULL },
+    { 0, "jerlov", "TYPE",
+      "Jerlov's type instead: I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C", NULL },
+    { 0, "name", "WATER", "tropical, north-atlantic, baltic, harbour instead",
+      NULL },
+    { 0, "depth", "METRES", "Depth, 0.1 to 11000 (1000)", NULL },
+    { 0, "bottom", "KIND",
+      "sand, mud, rock, coral, black (black), or an albedo, or R,G,B", NULL },
+    { 0, "sun-zenith", "DEGREES", "From the vertical to the Sun, 0 to 90 (30)",
+      NULL },
+    { 0, "view-zenith", "DEGREES", "From the vertical to the eye, 0 to 90 (0)",
+      NULL },
+    { 0, "azimuth", "DEGREES",
+      "Of the line of sight from the Sun's; 0 looks towards it (0)", NULL },
+    { 0, "orders", "WHICH", "all, 2, or paper: Iwasaki et al. 2003 (all)",
+      NULL },
+    { 0, "from", "CODE", "reference or montecarlo (reference)", NULL },
+    { 0, "paths", "COUNT", "Of the Monte Carlo, a wavelength (100000)", NULL },
+    { 0, "seed", "NUMBER", "Of the Monte Carlo (1)", NULL },
+    { 0 },
+};
+static const char *const optics_examples[] = {
+    "pelagosctl optics water --jerlov IA --depth 8 --bottom sand --sun-zenith "
+    "40\nA lagoon from straight above.",
+    "pelagosctl optics water --absorption 0.02 --scattering 0.3 --from "
+    "montecarlo\nThe same by counting photons.",
+    NULL,
+};
+
 static const char *const get_examples[] = {
     "pelagosctl get\nEverything, one field a line.",
     "pelagosctl get sea.windSpeed\nThe bare value, for scripts.",
@@ -190,6 +224,13 @@ const struct ctl_command ctl_commands[] = {
       "views, and prints frames a second and median and 95th percentile of "
       "drawing and of the whole answer.",
       bench_options, bench_examples, NULL, 0, 0, ctl_bench },
+    { "optics", "water", "print the light that leaves the water, as numbers",
+      "Prints as JSON the radiance just above a flat sea for a unit of solar "
+      "irradiance normal to the beam, at 680, 550 and 440 nm: single, second "
+      "and higher orders, and what touched the bottom, direct and scattered. "
+      "Computed here by the reference code of the server; "
+      "pelagosd is not asked.",
+      optics_options, optics_examples, NULL, 1, 1, ctl_optics },
     { "completion", "bash|zsh|fish", "print the completion of a shell",
       "Prints a script that completes commands, options, and the paths and "
       "views of the running pelagosd.",

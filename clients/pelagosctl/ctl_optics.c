@@ -1,0 +1,300 @@
+/* pelagosctl optics: numbers from the reference code of server/optics. Needs
+ * no daemon. */
+#include "pelagosctl/ctl.h"
+
+#include <stdint.h>
+#include <string.h>
+
+#include <glib.h>
+
+#include "base/vec.h"
+#include "optics/waterbody.h"
+#include "optics/watermontecarlo.h"
+
+enum { N = PEL_WATER_WAVELENGTHS };
+
+static const char *const order_words[] = { "paper", "2", "all", NULL };
+
+struct question {
+    struct pel_water_body body;
+    double sun_zenith, view_zenith, azimuth; /* degrees */
+    enum pel_water_orders orders;
+    bool montecarlo;
+    double paths, seed;
+};
+
+/* One number for all wavelengths or three with commas between; `given` (NULL
+ * allowed) tells whether the option was there. */
+static enum ctl_exit three(const struct ctl *ctl, const char *name,
+                           const char *text, double out[N])
+{
+    g_auto(GStrv) parts = g_strsplit(text, ",", -1);
+    guint count = g_strv_length(parts);
+    for (guint i = 0; i < count && i < N; i++) {
+        if (!ctl_parse_number(parts[i], &out[i])) {
+            count = 0;
+        }
+    }
+    if (count == 1) {
+        out[1] = out[2] = out[0];
+    } else if (count != N) {
+        return ctl_say(CTL_USAGE,
+                       "--%s %s: one number, or three for 680, 550 and 440 nm "
+                       "(0.5,0.06,0.02), are wanted; see `pelagosctl %s "
+                       "--help`",
+                       name, text, ctl->command->name);
+    }
+    return CTL_DONE;
+}
+
+/* The number of the word that option `name` gives; *out keeps its value
+ * without the option. */
+static enum ctl_exit choose(const struct ctl *ctl, const char *name,
+                            const char *(*word)(int), int *out)
+{
+    const char *text = ctl_value(ctl, name);
+    if (!text) {
+        return CTL_DONE;
+    }
+    g_autoptr(GString) all = g_string_new(NULL);
+    for (int i = 0; word(i); i++) {
+        if (g_ascii_strcasecmp(word(i), text) == 0) {
+            *out = i;
+            return CTL_DONE;
+        }
+        g_string_append_printf(all, "%s%s", i ? ", " : "", word(i));
+    }
+    return ctl_say(CTL_USAGE, "--%s %s: one of %s is wanted", name, text,
+                   all->str);
+}
+
+static const char *order_word(int i)
+{
+    return order_words[i];
+}
+
+static const char *source_word(int i)
+{
+    static const char *const words[] = { "reference", "montecarlo", NULL };
+    return words[i];
+}
+
+static const char *named_bottom_word(int i)
+{
+    return i == PEL_BOTTOM_ALBEDO ? NULL : pel_bottom_word(i);
+}
+
+static enum ctl_exit read_bottom(const struct ctl *ctl,
+                                 struct pel_water_desc *desc)
+{
+    const char *text = ctl_value(ctl, "bottom");
+    if (text && (g_ascii_isdigit(text[0]) || strchr(".-+", text[0]))) {
+        desc->bottom = PEL_BOTTOM_ALBEDO;
+        return three(ctl, "bottom", text, desc->albedo);
+    }
+    int bottom = PEL_BOTTOM_BLACK;
+    enum ctl_exit status = choose(ctl, "bottom", named_bottom_word, &bottom);
+    desc->bottom = (enum pel_bottom)bottom;
+    return status;
+}
+
+static enum ctl_exit read_coefficients(const struct ctl *ctl,
+                                       struct pel_water_desc *desc)
+{
+    const char *a = ctl_value(ctl, "absorption");
+    const char *b = ctl_value(ctl, "scattering");
+    const char *g = ctl_value(ctl, "asymmetry");
+    if (!a || !b) {
+        return ctl_say(CTL_USAGE, "--absorption and --scattering go together");
+    }
+    desc->kind = PEL_WATER_COEFFICIENTS;
+    enum ctl_exit status = three(ctl, "absorption", a, desc->absorption);
+    if (status == CTL_DONE) {
+        status = three(ctl, "scattering", b, desc->scattering);
+    }
+    if (status == CTL_DONE) {
+        status = three(ctl, "asymmetry", g ? g : "0.924", desc->asymmetry);
+    }
+    return status;
+}
+
+static enum ctl_exit read_water(struct ctl *ctl, struct pel_water_body *out)
+{
+    bool direct = ctl_flag(ctl, "absorption") || ctl_flag(ctl, "scattering") ||
+                  ctl_flag(ctl, "asymmetry");
+    int ways = direct + ctl_flag(ctl, "chlorophyll") + ctl_flag(ctl, "jerlov") +
+               ctl_flag(ctl, "name");
+    if (ways > 1) {
+        return ctl_say(CTL_USAGE,
+                       "say what the water is in one way: --absorption with "
+                       "--scattering, --chlorophyll, --jerlov or --name");
+    }
+    struct pel_water_desc desc = { .chlorophyll_mg_m3 = 0.2,
+                                   .depth_m = 1000.0 };
+    int jerlov = 0, name = 0;
+    enum ctl_exit status = direct ? read_coefficients(ctl, &desc) : CTL_DONE;
+    if (status == CTL_DONE) {
+        status = ctl_number(ctl, "chlorophyll", PEL_CHLOROPHYLL_MIN,
+                            PEL_CHLOROPHYLL_MAX, &desc.chlorophyll_mg_m3);
+    }
+    if (status == CTL_DONE) {
+        status = choose(ctl, "jerlov", pel_jerlov_word, &jerlov);
+    }
+    if (status == CTL_DONE) {
+        status = choose(ctl, "name", pel_water_name_word, &name);
+    }
+    if (status == CTL_DONE) {
+        status = ctl_number(ctl, "depth", PEL_DEPTH_MIN, PEL_DEPTH_MAX,
+                            &desc.depth_m);
+    }
+    if (status == CTL_DONE) {
+        status = read_bottom(ctl, &desc);
+    }
+    if (status != CTL_DONE) {
+        return status;
+    }
+    if (ctl_flag(ctl, "jerlov") || ctl_flag(ctl, "name")) {
+        desc.kind = ctl_flag(ctl, "name") ? PEL_WATER_NAMED : PEL_WATER_JERLOV;
+        desc.jerlov = (enum pel_jerlov)jerlov;
+        desc.name = (enum pel_water_name)name;
+    }
+    struct pel_fault fault;
+    if (pel_water_resolve(&desc, out, &fault)) {
+        return ctl_say(CTL_USAGE, "%s", fault.message);
+    }
+    return CTL_DONE;
+}
+
+static enum ctl_exit read_question(struct ctl *ctl, struct question *q)
+{
+    int orders = PEL_ORDERS_ALL, source = 0;
+    const struct {
+        const char *name;
+        double minimum, maximum, *out;
+    } numbers[] = {
+        { "sun-zenith", 0.0, 90.0, &q->sun_zenith },
+        { "view-zenith", 0.0, 90.0, &q->view_zenith },
+        { "azimuth", -360.0, 360.0, &q->azimuth },
+        { "paths", 1000.0, 1e9, &q->paths },
+        { "seed", 0.0, 4294967295.0, &q->seed },
+    };
+    enum ctl_exit status = read_water(ctl, &q->body);
+    for (size_t i = 0; i < G_N_ELEMENTS(numbers) && status == CTL_DONE; i++) {
+        status = ctl_number(ctl, numbers[i].name, numbers[i].minimum,
+                            numbers[i].maximum, numbers[i].out);
+    }
+    if (status == CTL_DONE) {
+        status = choose(ctl, "orders", order_word, &orders);
+    }
+    if (status == CTL_DONE) {
+        status = choose(ctl, "from", source_word, &source);
+    }
+    q->orders = (enum pel_water_orders)orders;
+    q->montecarlo = source == 1;
+    if (status == CTL_DONE && q->montecarlo && ctl_flag(ctl, "orders")) {
+        return ctl_say(CTL_USAGE,
+                       "--orders is for --from reference: a Monte Carlo keeps "
+                       "all of them apart");
+    }
+    return status;
+}
+
+static void put_three(const char *name, const double v[N], const char *after)
+{
+    printf("\"%s\": [%.6g, %.6g, %.6g]%s", name, v[0], v[1], v[2], after);
+}
+
+static void put_question(const struct question *q)
+{
+    const struct pel_water_body *b = &q->body;
+    printf("{\n  \"from\": \"%s\",\n", source_word(q->montecarlo));
+    printf("  \"orders\": \"%s\",\n", order_words[q->orders]);
+    printf("  \"sunZenith\": %g,\n  \"viewZenith\": %g,\n  \"azimuth\": %g,\n",
+           q->sun_zenith, q->view_zenith, q->azimuth);
+    printf("  \"water\": {");
+    put_three("wavelength", pel_water_wavelength_nm, ",\n    ");
+    put_three("absorption", b->absorption, ",\n    ");
+    put_three("scattering", b->scattering, ",\n    ");
+    put_three("asymmetry", b->asymmetry, ",\n    ");
+    printf("\"depth\": %g, ", b->depth_m);
+    put_three("albedo", b->albedo, "},\n");
+    printf("  \"unit\": \"1/sr\",\n");
+}
+
+/* Parts of an answer, in the order they are printed. */
+static const char *const parts[] = { "single",          "second",
+                                     "higher",          "bottomDirect",
+                                     "bottomScattered", "total" };
+#define PARTS G_N_ELEMENTS(parts)
+
+static void put_parts(const char *name, double v[PARTS][N], const char *after)
+{
+    printf("  \"%s\": {\n", name);
+    for (size_t k = 0; k < PARTS; k++) {
+        printf("    ");
+        put_three(parts[k], v[k], k + 1 < PARTS ? ",\n" : "\n");
+    }
+    printf("  }%s\n", after);
+}
+
+static enum ctl_exit answer_reference(const struct question *q)
+{
+    struct pel_geometry at = { q->sun_zenith * PEL_DEG,
+                               q->view_zenith * PEL_DEG, q->azimuth * PEL_DEG };
+    double v[PARTS][N];
+    for (int i = 0; i < N; i++) {
+        struct pel_medium m = pel_water_medium(&q->body, i);
+        struct pel_leaving l;
+        if (pel_transport_leaving(&m, &at, q->orders, &l)) {
+            return ctl_say(CTL_FAILED, "no memory");
+        }
+        const double all[PARTS] = { l.single,           l.second,
+                                    l.higher,           l.bottom_direct,
+                                    l.bottom_scattered, l.total };
+        for (size_t k = 0; k < PARTS; k++) {
+            v[k][i] = all[k];
+        }
+    }
+    put_question(q);
+    put_parts("leaving", v, "\n}");
+    return CTL_DONE;
+}
+
+static enum ctl_exit answer_montecarlo(const struct question *q)
+{
+    struct pel_montecarlo_sun sun = { q->sun_zenith * PEL_DEG,
+                                      q->azimuth * PEL_DEG };
+    double v[PARTS][N], error[PARTS][N];
+    for (int i = 0; i < N; i++) {
+        struct pel_medium m = pel_water_medium(&q->body, i);
+        struct pel_montecarlo_result r;
+        pel_montecarlo_leaving(&m, q->view_zenith * PEL_DEG, &sun, 1,
+                               (uint64_t)q->paths, (uint64_t)q->seed + i, &r,
+                               NULL);
+        const struct pel_estimate all[PARTS] = {
+            r.single,        r.second,           r.higher,
+            r.bottom_direct, r.bottom_scattered, r.total
+        };
+        for (size_t k = 0; k < PARTS; k++) {
+            v[k][i] = all[k].mean;
+            error[k][i] = all[k].error;
+        }
+    }
+    put_question(q);
+    put_parts("leaving", v, ",");
+    put_parts("standardError", error, "\n}");
+    return CTL_DONE;
+}
+
+enum ctl_exit ctl_optics(struct ctl *ctl)
+{
+    if (strcmp(ctl->args[0], "water") != 0) {
+        return ctl_say(CTL_USAGE, "optics of what? `pelagosctl optics water`");
+    }
+    struct question q = { .sun_zenith = 30.0, .paths = 1e5, .seed = 1.0 };
+    enum ctl_exit status = read_question(ctl, &q);
+    if (status != CTL_DONE) {
+        return status;
+    }
+    return q.montecarlo ? answer_montecarlo(&q) : answer_reference(&q);
+}
