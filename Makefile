@@ -23,7 +23,8 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good
 TEST_PACKAGES := libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
-    python3-numpy openexr chromium chromium-driver python3-selenium clang \
+    python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
+    python3-wheel openexr chromium chromium-driver python3-selenium clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd json-glib-1.0 \
@@ -297,9 +298,11 @@ $(O)/gen/shaders.c: shaders/embed.py $(SHADERS)
 	$(Q)/usr/bin/python3 shaders/embed.py $@ $(filter-out shaders/lib/%,$(SHADERS))
 
 .PHONY: manual
-manual: ## write proto/manual.md anew from the schema
+manual: ## write proto/manual.md and the Python classes from the schema
 	$(Q)/usr/bin/python3 proto/fields.py manual proto/pelagos.proto \
 	    proto/manual.md proto/manual.in.md
+	$(Q)/usr/bin/python3 proto/fields.py python proto/pelagos.proto \
+	    clients/python/pelagos/schema.py
 
 # A test is one program beside its source: build/<flavor>/bin/NAME_test.
 define test_rule

@@ -4,12 +4,14 @@
 fields.py c PROTO OUT.c                    the table behind fields.h
 fields.py manual PROTO OUT.md TEMPLATE.md  the manual: the template, then
                                            every message and enum
+fields.py python PROTO OUT.py              the state as Python's dataclasses
 """
 import os
 import re
 import subprocess
 import sys
 import tempfile
+import textwrap
 
 from google.protobuf import descriptor_pb2
 
@@ -215,13 +217,89 @@ def write_manual(schema, path, template):
         f.write("\n".join(out) + "\n")
 
 
+PYTHON_TYPES = {F.TYPE_STRING: "str", F.TYPE_BOOL: "bool",
+                F.TYPE_DOUBLE: "float", F.TYPE_FLOAT: "float"}
+
+
+def python_field(field, enums):
+    """`name: type = _field(default, unit, minimum, maximum)`"""
+    proto = field.proto
+    kind = PYTHON_TYPES.get(proto.type, "int")
+    default = "None"
+    if proto.type in (F.TYPE_MESSAGE, F.TYPE_ENUM):
+        kind = proto.type_name.split(".")[-1]
+    if kind in enums:
+        kind = "str"
+    if field.repeated:
+        return f"    {field.name}: tuple[{kind}, ...] = ()"
+    if proto.HasField("default_value"):
+        text = proto.default_value
+        default = (repr(text) if kind == "str" else
+                   text.capitalize() if kind == "bool" else
+                   repr(float(text)) if kind == "float" else text)
+    if default == "None":
+        kind += " | None"
+    ends = [default]
+    if field.minimum is not None:
+        ends += [repr(field.unit), plain(field.minimum), plain(field.maximum)]
+    elif field.unit is not None:
+        ends.append(repr(field.unit))
+    return f"    {field.name}: {kind} = _field({', '.join(ends)})"
+
+
+def python_order(schema, name, out):
+    """The messages below `name`, those first that others need."""
+    for field in schema.messages[name][1]:
+        if field.proto.type == F.TYPE_MESSAGE:
+            python_order(schema, field.proto.type_name.split(".")[-1], out)
+    if name not in out:
+        out.append(name)
+    return out
+
+
+def comment_lines(text, indent, prefix):
+    return textwrap.wrap(text, 79, initial_indent=indent + prefix,
+                         subsequent_indent=indent + prefix)
+
+
+def write_python(schema, path):
+    out = ['"""The state, as dataclasses: made by `make manual` from',
+           'proto/pelagos.proto; edit that.',
+           '',
+           'Names are those of the wire. Angles are degrees. None: absent."""',
+           "from __future__ import annotations", "",
+           "from dataclasses import dataclass", "",
+           "from .record import Record, _field"]
+    for name in python_order(schema, "State", []):
+        doc, fields = schema.messages[name]
+        out += ["", "", "@dataclass(frozen=True)", f"class {name}(Record):"]
+        text = textwrap.wrap(f'"""{doc or name + " of the state."}"""', 79,
+                             initial_indent="    ", subsequent_indent="    ")
+        out += text
+        for field in fields:
+            bracket = ""
+            if field.unit is not None:
+                ends = range_of(field)
+                bracket = f" [{field.unit}{'; ' if ends else ''}{ends}]"
+            out += comment_lines(field.doc + bracket, "    ", "#: ")
+            if field.proto.type == F.TYPE_ENUM:
+                kind = field.proto.type_name.split(".")[-1]
+                values = ", ".join(v for v, _, _ in schema.enums[kind][1])
+                out += comment_lines(f"One of {values}.", "    ", "#: ")
+            out.append(python_field(field, schema.enums))
+    with open(path, "w", encoding="utf-8") as f:
+        f.write("\n".join(out) + "\n")
+
+
 def main(argv):
     if len(argv) == 4 and argv[1] == "c":
         write_c(Schema(argv[2]), argv[3])
+    elif len(argv) == 4 and argv[1] == "python":
+        write_python(Schema(argv[2]), argv[3])
     elif len(argv) == 5 and argv[1] == "manual":
         write_manual(Schema(argv[2]), argv[3], argv[4])
     else:
-        raise SchemaError("usage: fields.py c PROTO OUT | "
+        raise SchemaError("usage: fields.py c|python PROTO OUT | "
                           "manual PROTO OUT TEMPLATE")
 
 

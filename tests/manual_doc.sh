@@ -1,5 +1,5 @@
 #!/bin/sh
-# proto/manual.md says what the schema says; and a schema that lacks a unit, or
+# proto/manual.md and the Python classes say what the schema says; and a schema that lacks a unit, or
 # has a range that cannot be read, does not pass.
 set -eu
 cd "$(dirname "$0")/.."
@@ -10,6 +10,12 @@ trap 'rm -rf "$folder"' EXIT
     "$folder/manual.md" proto/manual.in.md
 diff -u proto/manual.md "$folder/manual.md" || {
     echo "proto/manual.md is not current: run make manual"
+    exit 1
+}
+/usr/bin/python3 proto/fields.py python proto/pelagos.proto \
+    "$folder/schema.py"
+diff -u clients/python/pelagos/schema.py "$folder/schema.py" || {
+    echo "clients/python/pelagos/schema.py is not current: run make manual"
     exit 1
 }
 

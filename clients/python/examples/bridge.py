@@ -1,0 +1,188 @@
+#!/usr/bin/env python3
+"""A ship's bridge with five windows, 225 degrees across: five views of one
+eye with off-axis frusta, as five screens would show them, drawn of one moment;
+stitches them to one panorama and checks that neighbours meet.
+
+    bridge.py --out panorama.png [--url http://127.0.0.1:8080]
+
+A screen's frustum is off-axis where the eye does not stand before its middle:
+the axis goes through the foot of the perpendicular, the window spans from
+`left` to `right` of that. Neighbours meet where yaw + right of the one is
+yaw + left of the next.
+"""
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+
+import numpy as np
+
+from pelagos import Camera, Exr, Ocean, PelagosError
+
+ACROSS = 45.0
+TOP, BOTTOM = 12.0, -25.0
+# Window: its middle and the foot of its perpendicular, from the bow [deg].
+WINDOWS = {"port-wing": (-90, -84), "port": (-45, -48), "ahead": (0, 0),
+           "starboard": (45, 48), "starboard-wing": (90, 84)}
+# Tangents travel as single floats, poses too: a few of their 6e-8.
+RAY_TOLERANCE_RAD = 2e-6
+EYE_TOLERANCE_M = 1e-4
+# The pictures have a sample a pixel; offsets are tried in eighths of one.
+FIT_TOLERANCE_PX = 0.25
+
+
+def add_windows(ocean: Ocean, entity: int, width: int, height: int) -> None:
+    """All in one patch: they come together."""
+    ocean.patch({"views": {
+        name: {"entity": entity, "forward": 10, "right": 0, "up": 18,
+               "yaw": foot, "pitch": 0, "roll": 0,
+               "width": width, "height": height,
+               "frustum": {"left": middle - foot - ACROSS / 2,
+                           "right": middle - foot + ACROSS / 2,
+                           "top": TOP, "bottom": BOTTOM}}
+        for name, (middle, foot) in WINDOWS.items()}})
+
+
+def edge_normal(camera: Camera, right: bool) -> np.ndarray:
+    """Of the plane through the eye and the right or left edge, in the world:
+    unit, (3,)."""
+    i = camera.intrinsics
+    x = i.right if right else i.left
+    rays = np.array([[x, -i.top, 1.0], [x, -i.bottom, 1.0]]) @ camera.rotation
+    normal = np.cross(rays[0], rays[1])
+    return normal / np.linalg.norm(normal)
+
+
+def sample(picture: np.ndarray, camera: Camera, rays: np.ndarray
+           ) -> np.ndarray:
+    """The picture along rays of the world, (..., 3), bilinear; NaN outside."""
+    u, v = np.moveaxis(camera.project(camera.position + rays), -1, 0)
+    height, width = picture.shape[:2]
+    # Edges belong to the picture: half a pixel beyond the last centre.
+    inside = (u >= 0) & (u <= width) & (v >= 0) & (v <= height)
+    x = np.clip(np.where(inside, u, 0) - 0.5, 0, width - 1)
+    y = np.clip(np.where(inside, v, 0) - 0.5, 0, height - 1)
+    x0, y0 = (np.minimum(a.astype(int), n - 2)
+              for a, n in ((x, width), (y, height)))
+    fx, fy = (x - x0)[..., None], (y - y0)[..., None]
+    out = ((picture[y0, x0] * (1 - fx) + picture[y0, x0 + 1] * fx) * (1 - fy)
+           + (picture[y0 + 1, x0] * (1 - fx)
+              + picture[y0 + 1, x0 + 1] * fx) * fy)
+    return np.where(inside[..., None], out, np.nan)
+
+
+def panorama_rays(ahead: Camera, width: int) -> np.ndarray:
+    """Rays of a cylinder round the ship's upright, (height, width, 3)."""
+    azimuth = np.radians(225) * ((np.arange(width) + 0.5) / width - 0.5)
+    # The windows are lowest where they are farthest from their foot: what all
+    # of them show, at every azimuth.
+    widest = math.cos(math.radians(ACROSS / 2 + 6))
+    top = math.tan(math.radians(TOP)) * widest
+    bottom = math.tan(math.radians(BOTTOM)) * widest
+    pitch = np.radians(225) / width
+    rows = np.arange(top, bottom, -pitch)
+    rays = np.empty((len(rows), width, 3))
+    rays[..., 0] = np.sin(azimuth)[None, :]
+    rays[..., 1] = -rows[:, None]
+    rays[..., 2] = np.cos(azimuth)[None, :]
+    return rays @ ahead.rotation
+
+
+def stitch(images: dict[str, np.ndarray], cameras: dict[str, Camera],
+           width: int) -> np.ndarray:
+    rays = panorama_rays(cameras["ahead"], width)
+    out = np.full(rays.shape, np.nan)
+    for name in WINDOWS:
+        part = sample(images[name].astype(float), cameras[name], rays)
+        out = np.where(np.isnan(out), part, out)
+    return np.nan_to_num(out).round().astype(np.uint8)
+
+
+def light_at_edge(picture: np.ndarray, camera: Camera, rays: np.ndarray,
+                  inward: np.ndarray) -> np.ndarray:
+    """Extrapolated from the two columns next to the edge; inward: from a
+    pixel's middle to its neighbour's, away from the edge."""
+    near = sample(picture, camera, (rays + inward / 2)[:, None])[:, 0]
+    far = sample(picture, camera, (rays + inward * 1.5)[:, None])[:, 0]
+    return 1.5 * near - 0.5 * far
+
+
+def check_seam(left: str, right: str, pictures: dict[str, Exr],
+               cameras: dict[str, Camera]) -> bool:
+    """Geometry: both edges are one plane through one eye. Pictures: slid along
+    the seam past each other, they fit best where they are."""
+    a, b = cameras[left], cameras[right]
+    sine = float(np.linalg.norm(np.cross(edge_normal(a, True),
+                                         edge_normal(b, False))))
+    eye = float(np.abs(a.position - b.position).max())
+    i, K = a.intrinsics, a.intrinsics.K
+    v = np.linspace(-i.top, -i.bottom, i.height)[4:-4]
+    edge = np.stack([np.full_like(v, i.right), v, np.ones_like(v)], -1)
+    across = a.rotation[0] / K[0, 0]
+    down = a.rotation[1] / K[1, 1]
+    here = light_at_edge(pictures[left]["radiance"].astype(float), a,
+                         edge @ a.rotation, -across)
+    light = pictures[right]["radiance"].astype(float)
+    offsets = np.arange(-8, 9) / 8
+    misfit = np.array([np.nanmean(np.abs(here - light_at_edge(
+        light, b, edge @ a.rotation + offset * down, across)))
+        for offset in offsets])
+    best = float(offsets[misfit.argmin()])
+    good = (sine <= RAY_TOLERANCE_RAD and eye <= EYE_TOLERANCE_M
+            and abs(best) <= FIT_TOLERANCE_PX)
+    print(f"{left} | {right}: edges {sine:.1e} rad apart, pictures fit best "
+          f"{best:+.3f} px from where they are: "
+          + ("meets" if good else "DOES NOT MEET"))
+    return good
+
+
+def save(image: np.ndarray, path: str) -> None:
+    try:
+        import cv2
+    except ImportError:
+        from PIL import Image
+        Image.fromarray(image).save(path)
+    else:
+        cv2.imwrite(path, image[:, :, ::-1])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--url", help="of the daemon")
+    parser.add_argument("--out", default="panorama.png")
+    parser.add_argument("--size", default="640x480", help="of a window")
+    parser.add_argument("--entity", default=1, type=int)
+    parser.add_argument("--keep", action="store_true",
+                        help="leave the five views in the scene")
+    options = parser.parse_args()
+    width, height = (int(n) for n in options.size.split("x"))
+    with Ocean(options.url) as ocean:
+        add_windows(ocean, options.entity, width, height)
+        try:
+            # One moment for all, though the clock may run.
+            time = float(ocean["clock.time"])
+            frames = ocean.frames(WINDOWS, "exr", time=time,
+                                  float_samples=True)
+            images = {name: frame.image() for name, frame in
+                      ocean.frames(WINDOWS, "png", time=time).items()}
+        finally:
+            if not options.keep:
+                ocean.patch({"views": dict.fromkeys(WINDOWS)})
+    pictures = {name: frame.exr() for name, frame in frames.items()}
+    cameras = {name: Camera.of_exr(p) for name, p in pictures.items()}
+    names = list(WINDOWS)
+    meets = [check_seam(a, b, pictures, cameras)
+             for a, b in zip(names, names[1:])]
+    save(stitch(images, cameras, width * 4), options.out)
+    print(f"{options.out}: 225 degrees at {time:.3f} s")
+    if not all(meets):
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except PelagosError as error:
+        sys.exit(f"bridge.py: {error}")

@@ -1,0 +1,37 @@
+"""Pelagos from Python: an ocean to steer, to look at and to measure.
+
+    from pelagos import Ocean
+
+    ocean = Ocean()                       # http://127.0.0.1:8080
+    ocean["sea.windSpeed"] = 12           # m/s
+    image = ocean.views["bridge"].image() # uint8, (height, width, 3), RGB
+    surface = ocean.surface([[0, 0], [25, -10]])
+    surface.height                        # m, float64, (2,)
+
+Fields have the names of the schema everywhere (`sea.windSpeed`), angles are
+degrees, lengths metres, times seconds. proto/manual.md of the project names
+every field with its unit and range; so does `ocean.fields()`.
+"""
+from .camera import Camera, Intrinsics
+from .client import Ocean
+from .errors import (BadPicture, Busy, Conflict, Internal, Invalid, Malformed,
+                     MissingPackage, NotFound, OutOfRange, PelagosError,
+                     ProtocolError, Refused, TimedOut, Unreachable)
+from .exr import Exr, read_exr
+from .frame import Frame
+from .live import LiveFrame, LiveStream
+from .parts import EntityHandle, ViewHandle
+from .schema import (Clock, Entity, Frustum, Origin, Sea, Sky, State, Swell,
+                     View, Water)
+from .surface import Surface
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "BadPicture", "Busy", "Camera", "Clock", "Conflict", "Entity",
+    "EntityHandle", "Exr", "Frame", "Frustum", "Internal", "Intrinsics",
+    "Invalid", "LiveFrame", "LiveStream", "Malformed", "MissingPackage",
+    "NotFound", "Ocean", "Origin", "OutOfRange", "PelagosError",
+    "ProtocolError", "Refused", "Sea", "Sky", "State", "Surface", "Swell",
+    "TimedOut", "Unreachable", "View", "ViewHandle", "Water", "read_exr",
+]

@@ -1,0 +1,147 @@
+"""From views to the pinhole camera of computer vision.
+
+Axes, as in OpenCV. Picture: u to the right, v down, in pixels; the outer
+corner of the upper left pixel is (0, 0), its centre (0.5, 0.5) (functions that
+count centres in whole numbers want K[:2, 2] - 0.5). Camera: x to the
+right, y down, z along the line of sight. World: metres east, north and up of
+the scene's origin. So for a point X of the world
+
+    x = R @ (X - position)            rotation R, (3, 3)
+    (u, v, 1) = K @ x / x[2]          intrinsics K, (3, 3)
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from . import need
+from .errors import BadPicture
+from .exr import Exr
+from .schema import View
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True)
+class Intrinsics:
+    """Picture of width x height pixels; left, right, top, bottom: tangents of
+    the angles from the camera's axis to the picture's edges, left and bottom
+    negative where they lie left of or below the axis."""
+    width: int
+    height: int
+    left: float
+    right: float
+    top: float
+    bottom: float
+
+    @staticmethod
+    def of_view(view: View, width: int | None = None,
+                height: int | None = None) -> Intrinsics:
+        """Of a view's state; width, height: of the picture asked for, where
+        not the view's own. The vertical field follows the ratio, as the
+        daemon does it."""
+        wide, high = width or view.width, height or view.height
+        if view.frustum is not None:
+            f = view.frustum
+            left, right, top, bottom = (
+                math.tan(math.radians(angle or 0.0))
+                for angle in (f.left, f.right, f.top, f.bottom))
+        else:
+            right = math.tan(math.radians(view.fieldOfView) / 2)
+            top = right * view.height / view.width
+            left, bottom = -right, -top
+        stretch = (high / wide) * (view.width / view.height)
+        return Intrinsics(wide, high, left, right, top * stretch,
+                          bottom * stretch)
+
+    @property
+    def K(self) -> "NDArray[np.float64]":
+        """The matrix K, (3, 3), pixels."""
+        np = need.numpy()
+        fx = self.width / (self.right - self.left)
+        fy = self.height / (self.top - self.bottom)
+        return np.array([[fx, 0.0, -self.left * fx],
+                         [0.0, fy, self.top * fy],
+                         [0.0, 0.0, 1.0]])
+
+    def rays(self) -> "NDArray[np.float64]":
+        """Unit directions through the pixels' centres in the camera's axes,
+        (height, width, 3)."""
+        np = need.numpy()
+        u = (np.arange(self.width) + 0.5) / self.width
+        v = (np.arange(self.height) + 0.5) / self.height
+        x = self.left + u * (self.right - self.left)
+        y = -(self.top - v * (self.top - self.bottom))
+        out = np.empty((self.height, self.width, 3))
+        out[..., 0] = x[None, :]
+        out[..., 1] = y[:, None]
+        out[..., 2] = 1.0
+        return out / np.linalg.norm(out, axis=-1, keepdims=True)
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Intrinsics and pose.
+
+    rotation  world to camera, float64, (3, 3)
+    position  of the eye: east, north, up [m], float64, (3,)
+    """
+    intrinsics: Intrinsics
+    rotation: "NDArray[np.float64]"
+    position: "NDArray[np.float64]"
+
+    @staticmethod
+    def of_exr(picture: Exr) -> Camera:
+        """The camera that took an EXR of pelagosd, from its attributes. They
+        are single floats: the pose is good to a millimetre within 10 km of
+        the origin."""
+        np = need.numpy()
+        try:
+            a = picture.attributes
+            matrix = np.asarray(a["worldToCamera"], np.float64)
+            (center_x, center_y), across = (a["screenWindowCenter"],
+                                            a["screenWindowWidth"])
+            aspect = a["pixelAspectRatio"]
+        except KeyError as error:
+            raise BadPicture(f"the EXR file has no {error.args[0]}: it is not "
+                             "one of pelagosd") from None
+        # Row vectors and y up in the file; columns and y down here.
+        rotation = matrix[:3, :3].T * np.array([[1.0], [-1.0], [1.0]])
+        position = -matrix[:3, :3] @ matrix[3, :3]
+        high = across / aspect * picture.height / picture.width
+        return Camera(
+            Intrinsics(picture.width, picture.height, center_x - across / 2,
+                       center_x + across / 2, center_y + high / 2,
+                       center_y - high / 2),
+            rotation, position)
+
+    def project(self, points: "ArrayLike") -> "NDArray[np.float64]":
+        """Pixels (u, v), (..., 2), of points of the world, (..., 3): east,
+        north, up [m]. NaN for what lies behind the camera."""
+        np = need.numpy()
+        x = (np.asarray(points, np.float64) - self.position) @ self.rotation.T
+        z = np.where(x[..., 2:] > 0, x[..., 2:], np.nan)
+        return ((x / z) @ self.intrinsics.K.T)[..., :2]
+
+    def unproject(self, depth: "ArrayLike") -> "NDArray[np.float64]":
+        """Points of the world, (height, width, 3), from the depth layer
+        (distance along the ray [m], (height, width)). NaN for the sky."""
+        np = need.numpy()
+        distance = np.asarray(depth, np.float64)
+        shape = (self.intrinsics.height, self.intrinsics.width)
+        if distance.shape != shape:
+            raise ValueError(f"depth has the shape {distance.shape}, the "
+                             f"camera {shape}")
+        distance = np.where(np.isfinite(distance), distance, np.nan)
+        rays = self.intrinsics.rays() @ self.rotation
+        return self.position + distance[..., None] * rays
+
+    def to_json(self) -> dict[str, Any]:
+        """K, rotation, position and size, as lists."""
+        i = self.intrinsics
+        return {"width": i.width, "height": i.height, "K": i.K.tolist(),
+                "rotation": self.rotation.tolist(),
+                "position": self.position.tolist()}

@@ -1,0 +1,96 @@
+"""One picture of a view, as it came and as arrays."""
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from . import need
+from .errors import BadPicture, MissingPackage
+from .exr import Exr, read_exr
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Frame:
+    """An encoded picture with what the daemon says of it.
+
+    view       name of the view
+    number     counts frames since the daemon's start; the views of one frame
+               share it
+    time       simulated time [s] (nine digits)
+    revision   of the state it shows
+    format     "jpg", "png" or "exr"
+    data       the file's bytes
+    render_ms, encode_ms   how long it took [ms]
+    """
+    view: str
+    number: int
+    time: float
+    revision: int
+    format: str
+    data: bytes = field(repr=False)
+    render_ms: float = 0.0
+    encode_ms: float = 0.0
+
+    def image(self) -> "NDArray[np.uint8]":
+        """RGB, uint8, (height, width, 3), top row first. JPEG and PNG; needs
+        OpenCV or Pillow."""
+        if self.format == "exr":
+            raise BadPicture("an EXR frame has floats: use .exr()")
+        return decode(self.data)
+
+    def exr(self) -> Exr:
+        """The layers of an EXR frame as float32 arrays."""
+        if self.format != "exr":
+            raise BadPicture(f"a {self.format} frame has no layers; ask for "
+                             "format='exr'")
+        return read_exr(self.data)
+
+    def save(self, path: "str | os.PathLike[str]") -> None:
+        """Writes the file as it came."""
+        with open(path, "wb") as file:
+            file.write(self.data)
+
+
+def from_answer(view: str, form: str, headers: Mapping[str, str],
+                data: bytes) -> Frame:
+    return Frame(view, int(headers.get("X-Pelagos-Frame", 0)),
+                 float(headers.get("X-Pelagos-Time", 0)),
+                 int(headers.get("X-Pelagos-Revision", 0)), form, data,
+                 float(headers.get("X-Pelagos-Render-Ms", 0)),
+                 float(headers.get("X-Pelagos-Encode-Ms", 0)))
+
+
+def decode(data: bytes) -> "NDArray[np.uint8]":
+    """The bytes of a JPEG or PNG file as RGB, uint8, (height, width, 3)."""
+    np = need.numpy()
+    try:
+        import cv2
+    except ImportError:
+        return _decode_with_pillow(data)
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
+    if image is None:
+        raise BadPicture("the picture is damaged")
+    return np.ascontiguousarray(image[:, :, ::-1])
+
+
+def _decode_with_pillow(data: bytes) -> "NDArray[np.uint8]":
+    np = need.numpy()
+    try:
+        from PIL import Image, UnidentifiedImageError
+    except ImportError:
+        raise MissingPackage(
+            "8-bit pictures as arrays need Pillow or OpenCV: apt install "
+            "python3-pil, or pip install Pillow (Frame.data is the file "
+            "itself, without any)") from None
+    try:
+        with Image.open(io.BytesIO(data)) as picture:
+            return np.asarray(picture.convert("RGB"))
+    except (UnidentifiedImageError, OSError, SyntaxError) as error:
+        raise BadPicture(f"the picture is damaged: {error}") from None

@@ -1,0 +1,180 @@
+"""The state, as dataclasses: made by `make manual` from
+proto/pelagos.proto; edit that.
+
+Names are those of the wire. Angles are degrees. None: absent."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .record import Record, _field
+
+
+@dataclass(frozen=True)
+class Clock(Record):
+    """Clock of the state."""
+    #: What makes simulated time advance.
+    #: One of FREE, PACED, STEPPED, HOST.
+    mode: str = _field('FREE')
+    #: Simulated seconds for each second of wall time. [1; 0 to 100]
+    rate: float = _field(1.0, '1', 0, 100)
+    #: Simulated time since the scene's epoch. [s; 0 to 1000000000]
+    time: float = _field(0.0, 's', 0, 1000000000)
+    #: UTC at simulated time 0, ISO 8601 (`2026-06-21T12:00:00Z`): with the
+    #: origin it places the Sun when sky.sunElevation is not set.
+    utc: str = _field('2026-06-21T12:00:00Z')
+
+
+@dataclass(frozen=True)
+class Origin(Record):
+    """Where the local east-north-up frame touches the WGS 84 ellipsoid."""
+    #: Geodetic latitude. [deg; -85 to 85]
+    latitude: float = _field(52.6, 'deg', -85, 85)
+    #: Longitude. [deg; -180 to 180]
+    longitude: float = _field(5.2, 'deg', -180, 180)
+
+
+@dataclass(frozen=True)
+class Swell(Record):
+    """One train of swell."""
+    #: Significant wave height. [m; 0 to 15]
+    height: float = _field(1.0, 'm', 0, 15)
+    #: Peak period. [s; 3 to 30]
+    period: float = _field(10.0, 's', 3, 30)
+    #: Direction it comes from. [deg; 0 to 360]
+    direction: float = _field(270.0, 'deg', 0, 360)
+    #: Standard deviation of direction. [deg; 1 to 60]
+    spread: float = _field(10.0, 'deg', 1, 60)
+
+
+@dataclass(frozen=True)
+class Sea(Record):
+    """Sea of the state."""
+    #: Mean wind speed 10 m above the sea. [m/s; 0 to 30]
+    windSpeed: float = _field(8.0, 'm/s', 0, 30)
+    #: Direction the wind blows from. [deg; 0 to 360]
+    windDirection: float = _field(270.0, 'deg', 0, 360)
+    #: Shape of the wind sea's spectrum.
+    #: One of PIERSON_MOSKOWITZ, JONSWAP.
+    spectrum: str = _field('PIERSON_MOSKOWITZ')
+    #: Distance over which the wind has blown, for JONSWAP. [m; 1000 to
+    #: 2000000]
+    fetch: float = _field(200000.0, 'm', 1000, 2000000)
+    #: Peak enhancement factor, for JONSWAP. [1; 1 to 7]
+    gamma: float = _field(3.3, '1', 1, 7)
+    #: Seed of the waves' phases and directions. [1; 0 to 4294967295]
+    seed: int = _field(1, '1', 0, 4294967295)
+    #: Swell trains, at most 8.
+    swell: tuple[Swell, ...] = ()
+
+
+@dataclass(frozen=True)
+class Water(Record):
+    """Water of the state."""
+    #: Chlorophyll-a concentration of Case 1 water. [mg/m3; 0.01 to 30]
+    chlorophyll: float = _field(0.2, 'mg/m3', 0.01, 30)
+
+
+@dataclass(frozen=True)
+class Sky(Record):
+    """Sky of the state."""
+    #: Azimuth of the Sun; absent: from clock.utc and origin. [deg; 0 to 360]
+    sunAzimuth: float | None = _field(None, 'deg', 0, 360)
+    #: Elevation of the Sun; absent: from clock.utc and origin. [deg; -90 to
+    #: 90]
+    sunElevation: float | None = _field(None, 'deg', -90, 90)
+    #: Meteorological visibility near the sea. [m; 200 to 300000]
+    visibility: float = _field(40000.0, 'm', 200, 300000)
+
+
+@dataclass(frozen=True)
+class Entity(Record):
+    """A body that moves: own ship, target, buoy. Its pose is given at poseTime
+    and reckoned onward from speed, course and turn rate."""
+    #: Number that names the entity.
+    id: int | None = _field(None, None, 0, 65535)
+    #: Name for people; also accepted in paths where it is unique.
+    name: str | None = _field(None)
+    #: Geodetic latitude. [deg; -85 to 85]
+    latitude: float = _field(52.6, 'deg', -85, 85)
+    #: Longitude. [deg; -180 to 180]
+    longitude: float = _field(5.2, 'deg', -180, 180)
+    #: Height of the reference point above mean sea level. [m; -100 to 20000]
+    altitude: float = _field(0.0, 'm', -100, 20000)
+    #: True heading. [deg; 0 to 360]
+    heading: float = _field(0.0, 'deg', 0, 360)
+    #: Pitch, bow up positive (trim). [deg; -90 to 90]
+    pitch: float = _field(0.0, 'deg', -90, 90)
+    #: Roll, starboard down positive (heel). [deg; -180 to 180]
+    roll: float = _field(0.0, 'deg', -180, 180)
+    #: Speed over ground. [m/s; 0 to 200]
+    speed: float = _field(0.0, 'm/s', 0, 200)
+    #: Course over ground. [deg; 0 to 360]
+    course: float = _field(0.0, 'deg', 0, 360)
+    #: Rate of turn, to starboard positive. [deg/s; -90 to 90]
+    turnRate: float = _field(0.0, 'deg/s', -90, 90)
+    #: Simulated time of this pose; set by the server when absent. [s; 0 to
+    #: 1000000000]
+    poseTime: float | None = _field(None, 's', 0, 1000000000)
+
+
+@dataclass(frozen=True)
+class Frustum(Record):
+    """Angles from the camera's axis to the edges of the picture; all four must
+    be given, left < right and bottom < top, at least 0.01 deg apart."""
+    #: To the left edge, negative left of the axis. [deg; -80 to 80]
+    left: float | None = _field(None, 'deg', -80, 80)
+    #: To the right edge. [deg; -80 to 80]
+    right: float | None = _field(None, 'deg', -80, 80)
+    #: To the top edge. [deg; -80 to 80]
+    top: float | None = _field(None, 'deg', -80, 80)
+    #: To the bottom edge. [deg; -80 to 80]
+    bottom: float | None = _field(None, 'deg', -80, 80)
+
+
+@dataclass(frozen=True)
+class View(Record):
+    """One camera. Offsets and angles are relative to the entity (or, without
+    one, to the origin with heading 0), applied yaw, then pitch, then roll."""
+    #: Name, 1 to 64 of A-Z a-z 0-9 _ -.
+    name: str | None = _field(None)
+    #: Entity the camera is fixed to; absent: the world. [1; 0 to 65535]
+    entity: int | None = _field(None, '1', 0, 65535)
+    #: Camera position towards the bow (north without entity). [m; -100000 to
+    #: 100000]
+    forward: float = _field(0.0, 'm', -100000, 100000)
+    #: Camera position to starboard (east without entity). [m; -100000 to
+    #: 100000]
+    right: float = _field(0.0, 'm', -100000, 100000)
+    #: Camera position upward from the reference point. [m; -100 to 20000]
+    up: float = _field(10.0, 'm', -100, 20000)
+    #: Direction of sight, to starboard of the bow. [deg; -360 to 360]
+    yaw: float = _field(0.0, 'deg', -360, 360)
+    #: Direction of sight, upward. [deg; -90 to 90]
+    pitch: float = _field(0.0, 'deg', -90, 90)
+    #: Roll of the camera, its right side down positive. [deg; -180 to 180]
+    roll: float = _field(0.0, 'deg', -180, 180)
+    #: Horizontal field of view of a symmetric frustum. [deg; 1 to 150]
+    fieldOfView: float = _field(60.0, 'deg', 1, 150)
+    #: Off-axis frustum; replaces fieldOfView.
+    frustum: Frustum | None = _field(None)
+    #: Width of the picture. [px; 16 to 4096]
+    width: int = _field(1280, 'px', 16, 4096)
+    #: Height of the picture. [px; 16 to 4096]
+    height: int = _field(720, 'px', 16, 4096)
+    #: Exposure as EV100; absent: from the light that falls on the sea. [EV;
+    #: -10 to 24]
+    exposure: float | None = _field(None, 'EV', -10, 24)
+
+
+@dataclass(frozen=True)
+class State(Record):
+    """The whole world. Lists are keyed: entities by id, views by name."""
+    clock: Clock | None = _field(None)
+    origin: Origin | None = _field(None)
+    sea: Sea | None = _field(None)
+    water: Water | None = _field(None)
+    sky: Sky | None = _field(None)
+    entities: tuple[Entity, ...] = ()
+    views: tuple[View, ...] = ()
+    #: Counts accepted edits; read only, ignored in a patch. [1]
+    revision: int | None = _field(None, '1')

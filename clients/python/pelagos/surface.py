@@ -1,0 +1,70 @@
+"""The sea surface at points, as arrays."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from . import need
+from .errors import ProtocolError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+# A query has at most 10,000 points and 512 KiB; 60 bytes a point is the most.
+_AT_ONCE = 8000
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The surface at points of any shape (...,).
+
+    time      simulated time of all of them [s]
+    height    above mean sea level [m], float64, (...,)
+    normal    unit normal, east, north, up, float64, (..., 3)
+    velocity  of the water particle [m/s], east, north, up, float64, (..., 3)
+    """
+    time: float
+    height: "NDArray[np.float64]"
+    normal: "NDArray[np.float64]"
+    velocity: "NDArray[np.float64]"
+
+
+def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
+          time: float | None) -> Surface:
+    """points: (..., 2), east and north. ask: sends one query."""
+    np = need.numpy()
+    at = np.asarray(points, dtype=np.float64)
+    if at.ndim < 1 or at.shape[-1] != 2:
+        raise ValueError(f"points have the shape (..., 2), not {at.shape}")
+    if not np.isfinite(at).all():
+        raise ValueError("a point is not finite")
+    flat = at.reshape(-1, 2)
+    if len(flat) == 0:
+        raise ValueError("a query has at least one point")
+    values = np.empty((len(flat), 7))
+    for start in range(0, len(flat), _AT_ONCE):
+        part = flat[start:start + _AT_ONCE]
+        content: dict[str, Any] = {"points": part.tolist()}
+        if time is not None:
+            content["time"] = float(time)
+        answer = ask(content)
+        try:
+            # The first answer's time holds for all.
+            time = float(answer["time"])
+            rows = [(p["height"], *_vector(p["normal"]),
+                     *_vector(p["velocity"])) for p in answer["points"]]
+            values[start:start + len(part)] = rows
+        except (KeyError, TypeError, ValueError) as error:
+            raise ProtocolError(f"not a Surface: {error!r}") from None
+    shape = at.shape[:-1]
+    assert time is not None
+    return Surface(time, values[:, 0].reshape(shape),
+                   values[:, 1:4].reshape(*shape, 3),
+                   values[:, 4:7].reshape(*shape, 3))
+
+
+def _vector(value: dict[str, float]) -> tuple[float, float, float]:
+    return (value.get("east", 0.0), value.get("north", 0.0),
+            value.get("up", 0.0))
