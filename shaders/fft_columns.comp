@@ -1,0 +1,31 @@
+#version 450 core
+// The transform along the columns, into the textures that are sampled.
+#include "lib/fft.glsl"
+
+layout(local_size_x = 64) in;
+layout(std430, binding = 0) readonly buffer lines_block { vec4 lines[]; };
+layout(binding = 0, rgba32f) writeonly uniform image2DArray displacement;
+layout(binding = 1, rgba32f) writeonly uniform image2DArray slopes;
+layout(binding = 2, r32f) writeonly uniform image2DArray fold;
+
+void main()
+{
+    int lane = int(gl_LocalInvocationID.x);
+    int column = int(gl_WorkGroupID.y);
+    int c = int(gl_WorkGroupID.z);
+    vec4 ab[4];
+    vec4 cd[4];
+    for (int r = 0; r < 4; r++) {
+        int row = lane + r * FFT_LANES;
+        int at = ((c * FFT_N + row) * FFT_N + column) * 2;
+        ab[r] = lines[at];
+        cd[r] = lines[at + 1];
+    }
+    transform_line(lane, ab, cd);
+    for (int r = 0; r < 4; r++) {
+        ivec3 at = ivec3(column, lane + r * FFT_LANES, c);
+        imageStore(displacement, at, vec4(ab[r].xyz, 0.0));
+        imageStore(slopes, at, cd[r]);
+        imageStore(fold, at, vec4(ab[r].w));
+    }
+}
