@@ -104,7 +104,7 @@ SCENE := server/scene/scene.c \
 RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/renderer.c server/render/arena.c \
     server/render/mesh.c server/render/sky.c server/render/uniforms.c \
-    server/render/tiles.c
+    server/render/tiles.c server/render/fft.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c

@@ -7,7 +7,11 @@
 #define PEL_WAVE_LIMIT 20
 #include "lib/blocks.h"
 #define PEL_WAVES PEL_WAVE_CHUNK
+#ifdef PEL_FFT
+#include "lib/cascades.glsl"
+#else
 #include "lib/waves.glsl"
+#endif
 
 layout(local_size_x = 64) in;
 
@@ -34,6 +38,9 @@ void main()
     vec2 r = rings[ring];
     float angle = float(column) * eye.z;
     vec2 x = r.x * vec2(cos(angle), sin(angle));
+#ifdef PEL_FFT
+    vec3 shift = cascade_shift(x, r.y);
+#else
     float scale = up.w / r.y;
     float offset = -right.w * up.w;
     vec3 shift = vec3(0.0);
@@ -45,6 +52,7 @@ void main()
         shift.z += waves[i].shift.z * (w * sine_turns(turns + 0.25));           \
     }
     PEL_EACH_WAVE(PEL_DISPLACE)
+#endif
     int v = base + index;
     if (first == 1) {
         // The sphere under the eye: arc r.x becomes a chord and a drop.

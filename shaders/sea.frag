@@ -3,7 +3,11 @@
 #define PEL_WAVES 60
 #endif
 #include "lib/blocks.h"
+#ifdef PEL_FFT
+#include "lib/cascades.glsl"
+#else
 #include "lib/waves.glsl"
+#endif
 #include "lib/sky.glsl"
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"

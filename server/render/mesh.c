@@ -83,25 +83,35 @@ static struct reach find_reach(const struct pel_camera *c, double h,
     return r;
 }
 
-/* Longest wavelength whose waves, with all shorter ones, keep within rms_m:
- * interpolated so that it does not jump between neighbours. */
-static double droppable_wavelength(const struct pel_sea *sea, double rms_m)
+void pel_mesh_heights(const struct pel_sea *sea, struct pel_mesh_heights *out)
 {
-    double below = 0.0, lambda_below = 0.0;
-    double sum = 0.0;
-    for (int i = sea->count - 1; i >= 0; i--) {
-        const struct pel_wave *w = &sea->waves[i];
-        double lambda = 2.0 * PEL_PI / hypot(w->kx, w->ky);
-        sum += 0.5 * w->amplitude * w->amplitude;
-        double rms = sqrt(sum);
-        if (rms > rms_m) {
-            double f = (rms_m - below) / (rms - below);
-            return lambda_below + f * (lambda - lambda_below);
-        }
-        below = rms;
-        lambda_below = lambda;
+    const double shortest = log(0.01), longest = log(10000.0);
+    for (int i = 0; i < PEL_MESH_HEIGHTS; i++) {
+        double f = i / (PEL_MESH_HEIGHTS - 1.0);
+        out->wavelength_m[i] = exp(shortest + f * (longest - shortest));
+        out->rms_m[i] = pel_sea_rms_below(sea, out->wavelength_m[i]);
     }
-    return DBL_MAX;
+}
+
+/* Longest wavelength whose waves, with all shorter ones, keep within rms_m. */
+static double droppable_wavelength(const struct pel_mesh_heights *h,
+                                   double rms_m)
+{
+    if (rms_m >= h->rms_m[PEL_MESH_HEIGHTS - 1]) {
+        return DBL_MAX;
+    }
+    int low = 0, high = PEL_MESH_HEIGHTS - 1;
+    while (high - low > 1) {
+        int middle = (low + high) / 2;
+        if (h->rms_m[middle] <= rms_m) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    double f = (rms_m - h->rms_m[low]) / (h->rms_m[high] - h->rms_m[low]);
+    return h->wavelength_m[low] +
+           pel_clamp(f, 0.0, 1.0) * (h->wavelength_m[high] - h->wavelength_m[low]);
 }
 
 /* Rings from start_m to beyond the horizon; their number, or -1 when they are
@@ -120,7 +130,7 @@ static int lay_rings(const struct pel_mesh_eye *eye, double start_m,
         double slant = hypot(r, h);
         double lateral = slant * column_rad;
         double grazing = slant * slant * column_rad / h;
-        double kept = droppable_wavelength(eye->sea, 0.5 * eye->pixel * slant);
+        double kept = droppable_wavelength(eye->heights, 0.5 * eye->pixel * slant);
         double cell = fmin(grazing, fmax(kept / eye->n_max, lateral));
         cell = fmax(cell, lateral) * coarser;
         rings[count++] = (struct pel_mesh_ring){ (float)r, (float)cell };

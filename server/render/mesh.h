@@ -17,12 +17,21 @@
 #define PEL_MESH_MAX_VERTICES 1000000
 #define PEL_MESH_MAX_BLOCKS 10
 
+/* Root mean square height of the waves shorter than a wavelength, tabulated:
+ * wavelengths in equal steps of their logarithm. Made once for a sea. */
+#define PEL_MESH_HEIGHTS 96
+struct pel_mesh_heights {
+    double wavelength_m[PEL_MESH_HEIGHTS], rms_m[PEL_MESH_HEIGHTS];
+};
+void pel_mesh_heights(const struct pel_sea *sea, struct pel_mesh_heights *out);
+
 /* What rings depend on. */
 struct pel_mesh_eye {
     double height_m;    /* of the eye above mean sea level, > 0 */
     double pixel;       /* tangent of one pixel on the axis */
     double n_max;       /* the filter's upper bound, wavelengths per cell */
     const struct pel_sea *sea;
+    const struct pel_mesh_heights *heights; /* of this sea */
 };
 
 struct pel_mesh_ring {

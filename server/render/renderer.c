@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "render/arena.h"
 #include "render/context.h"
+#include "render/fft.h"
 #include "render/mesh.h"
 #include "render/readback.h"
 #include "render/shader.h"
@@ -36,6 +37,14 @@ struct targets {
     GLuint color_fbo;
 };
 
+/* What draws one kind of sea; [1] of a pair also writes depth and normals. */
+struct sea_programs {
+    GLuint mesh;
+    GLuint near[2];    /* fragments, all waves */
+    GLuint far[2];     /* fragments, FAR_WAVES of them */
+    GLuint compute[2]; /* sky, sea and colour in one dispatch */
+};
+
 struct timing {
     bool on;
     int64_t last_ns;
@@ -55,11 +64,13 @@ struct pel_renderer {
     int vertex_capacity;
     int waves; /* what the sea programs are made for */
     int wave_count; /* of the sea being drawn */
-    GLuint mesh_program, surface_program, tone_program;
-    GLuint sea_program[2], backdrop_program[2]; /* without, with layers */
-    GLuint far_program[2]; /* the sea where FAR_WAVES suffice */
-    bool compute;          /* shade in one dispatch instead of the three */
-    GLuint compute_program[2];
+    GLuint surface_program, tone_program;
+    GLuint backdrop_program[2]; /* without, with layers */
+    bool compute;               /* shade in one dispatch instead of three */
+    struct sea_programs trochoids, cascades;
+    struct pel_fft fft;
+    struct pel_mesh_heights heights; /* of the sea of heights_desc */
+    struct pel_sea_desc heights_desc;
     struct pel_mesh *mesh;
     struct pel_block_waves *wave_block;
     short tiles[PEL_MAX_TILES];
@@ -67,7 +78,7 @@ struct pel_renderer {
 
 const char *pel_stage_name(enum pel_stage stage)
 {
-    static const char *const names[] = { "sky",   "mesh", "raster",
+    static const char *const names[] = { "waves", "sky",  "mesh",    "raster",
                                          "shade", "tone", "readback" };
     return (unsigned)stage < PEL_STAGE_COUNT ? names[stage] : "";
 }
@@ -190,13 +201,15 @@ static void fit_targets(struct targets *t, uint32_t width, uint32_t height,
 
 /* --- programs ------------------------------------------------------------- */
 
-static void delete_sea_programs(struct pel_renderer *r)
+static void delete_sea_programs(struct sea_programs *p)
 {
     for (int i = 0; i < 2; i++) {
-        glDeleteProgram(r->sea_program[i]);
-        glDeleteProgram(r->compute_program[i]);
-        r->sea_program[i] = r->compute_program[i] = 0;
+        glDeleteProgram(p->near[i]);
+        glDeleteProgram(p->far[i]);
+        glDeleteProgram(p->compute[i]);
     }
+    glDeleteProgram(p->mesh);
+    *p = (struct sea_programs){ 0 };
 }
 
 /* Software rasterisers are faster with fragments, hardware with compute by up
@@ -209,13 +222,17 @@ static bool choose_compute(const struct pel_renderer *r, const char *shading)
     return strcmp(shading, "compute") == 0;
 }
 
-static enum pel_err make_sea_program(struct pel_renderer *r, int waves,
-                                     bool layers, GLuint *out,
+static enum pel_err make_sea_program(struct pel_renderer *r, bool cascades,
+                                     int waves, bool layers, GLuint *out,
                                      struct pel_fault *fault)
 {
+    if (*out) {
+        return PEL_OK;
+    }
     char defines[128];
     bool unroll = r->context.software && waves <= MAX_UNROLLED_WAVES;
-    snprintf(defines, sizeof defines, "#define PEL_WAVES %d\n%s%s", waves,
+    snprintf(defines, sizeof defines, "#define PEL_WAVES %d\n%s%s%s", waves,
+             cascades ? "#define PEL_FFT\n" : "",
              unroll ? "#define PEL_UNROLL\n" : "",
              layers ? "#define PEL_LAYERS\n" : "");
     if (r->compute) {
@@ -226,23 +243,30 @@ static enum pel_err make_sea_program(struct pel_renderer *r, int waves,
                               out, fault);
 }
 
-/* Makes the programs with layers when they are first wanted: most never are. */
-static enum pel_err need_sea_program(struct pel_renderer *r, bool layers,
-                                     struct pel_fault *fault)
+/* Makes the programs that this kind of sea and picture wants; those with
+ * layers most never are. */
+static enum pel_err need_sea_programs(struct pel_renderer *r, bool cascades,
+                                      bool layers, struct pel_fault *fault)
 {
+    struct sea_programs *p = cascades ? &r->cascades : &r->trochoids;
     enum pel_err err = PEL_OK;
-    if (r->compute) {
-        return r->compute_program[layers]
-                   ? PEL_OK
-                   : make_sea_program(r, r->waves, layers,
-                                      &r->compute_program[layers], fault);
+    if (!p->mesh) {
+        const char *defines = cascades             ? "#define PEL_FFT\n"
+                              : r->context.software ? "#define PEL_UNROLL\n"
+                                                    : NULL;
+        err = pel_program_create(r->shader_dir, "mesh.comp", NULL, defines,
+                                 &p->mesh, fault);
     }
-    if (!r->sea_program[layers]) {
-        err = make_sea_program(r, r->waves, layers, &r->sea_program[layers],
+    if (err == PEL_OK && r->compute) {
+        return make_sea_program(r, cascades, r->waves, layers,
+                                &p->compute[layers], fault);
+    }
+    if (err == PEL_OK) {
+        err = make_sea_program(r, cascades, r->waves, layers, &p->near[layers],
                                fault);
     }
-    if (err == PEL_OK && !r->far_program[layers]) {
-        err = make_sea_program(r, FAR_WAVES, layers, &r->far_program[layers],
+    if (err == PEL_OK && !cascades) {
+        err = make_sea_program(r, cascades, FAR_WAVES, layers, &p->far[layers],
                                fault);
     }
     if (err == PEL_OK && !r->backdrop_program[layers]) {
@@ -253,23 +277,26 @@ static enum pel_err need_sea_program(struct pel_renderer *r, bool layers,
     return err;
 }
 
-static enum pel_err fit_waves(struct pel_renderer *r, int count, bool layers,
-                              struct pel_fault *fault)
+static enum pel_err fit_sea(struct pel_renderer *r, const struct pel_sea *sea,
+                            bool layers, struct pel_fault *fault)
 {
+    if (sea->cascades) {
+        return need_sea_programs(r, true, layers, fault);
+    }
     /* Steps of the written-out sums, so that few programs are ever made. */
     static const int steps[] = { 24, 40, 48, 60, 64, 80, 96, 112, 128, 256 };
     int waves = 256;
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
-        if (count <= steps[i]) {
+        if (sea->count <= steps[i]) {
             waves = steps[i];
             break;
         }
     }
     if (waves > r->waves) {
-        delete_sea_programs(r);
+        delete_sea_programs(&r->trochoids);
         r->waves = waves;
     }
-    return need_sea_program(r, layers, fault);
+    return need_sea_programs(r, false, layers, fault);
 }
 
 /* --- life ----------------------------------------------------------------- */
@@ -313,12 +340,6 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
                                  NULL, &r->surface_program, fault);
     }
     if (err == PEL_OK) {
-        err = pel_program_create(r->shader_dir, "mesh.comp", NULL,
-                                 r->context.software ? "#define PEL_UNROLL\n"
-                                                     : NULL,
-                                 &r->mesh_program, fault);
-    }
-    if (err == PEL_OK) {
         err = pel_program_create(r->shader_dir, "screen.vert", "tone.frag", NULL,
                                  &r->tone_program, fault);
     }
@@ -342,10 +363,9 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_arena_finish(&r->arena);
         pel_sky_finish(&r->sky);
         finish_targets(&r->targets);
-        delete_sea_programs(r);
-        glDeleteProgram(r->far_program[0]);
-        glDeleteProgram(r->far_program[1]);
-        glDeleteProgram(r->mesh_program);
+        delete_sea_programs(&r->trochoids);
+        delete_sea_programs(&r->cascades);
+        pel_fft_finish(&r->fft);
         glDeleteProgram(r->surface_program);
         glDeleteProgram(r->tone_program);
         glDeleteProgram(r->backdrop_program[0]);
@@ -391,9 +411,41 @@ static double shortest_carried(const struct pel_mesh *m,
     return PEL_N_MIN * cell;
 }
 
+static void displace_block(const struct pel_mesh_block *b, bool first)
+{
+    glUniform4i(0, b->first_ring, b->rings, b->first_column, b->columns);
+    glUniform1i(1, b->base);
+    glUniform1i(2, first);
+    glDispatchCompute((GLuint)(b->rings * b->columns + 63) / 64, 1, 1);
+}
+
 /* Chunk by chunk over the blocks, so that a block's dispatches are apart and
  * the barrier between two chunks is waited for once. */
-static void displace_mesh(struct pel_renderer *r, size_t waves_at)
+static void displace_by_waves(struct pel_renderer *r, size_t waves_at)
+{
+    const struct pel_mesh *m = r->mesh;
+    glUseProgram(r->trochoids.mesh);
+    size_t chunk_bytes = sizeof(struct pel_shader_wave) * PEL_WAVE_CHUNK;
+    for (int chunk = 0; chunk == 0 || chunk * PEL_WAVE_CHUNK < r->wave_count;
+         chunk++) {
+        glBindBufferRange(GL_UNIFORM_BUFFER, 3, r->arena.buffer,
+                          (GLintptr)(waves_at + (size_t)chunk * chunk_bytes),
+                          (GLsizeiptr)chunk_bytes);
+        double longest = r->wave_block->waves[chunk * PEL_WAVE_CHUNK].phase.w;
+        for (int i = 0; i < m->block_count; i++) {
+            const struct pel_mesh_block *b = &m->blocks[i];
+            if (chunk == 0 || longest > shortest_carried(m, b)) {
+                displace_block(b, chunk == 0);
+            }
+        }
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    }
+    glBindBufferRange(GL_UNIFORM_BUFFER, 3, r->arena.buffer, (GLintptr)waves_at,
+                      sizeof *r->wave_block);
+}
+
+static void displace_mesh(struct pel_renderer *r, bool cascades,
+                          size_t waves_at)
 {
     const struct pel_mesh *m = r->mesh;
     if (m->vertex_count > r->vertex_capacity) {
@@ -408,28 +460,15 @@ static void displace_mesh(struct pel_renderer *r, size_t waves_at)
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, r->vertices);
     pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 1, m->rings,
                    sizeof *m->rings * (size_t)(m->ring_count ? m->ring_count : 1));
-    glUseProgram(r->mesh_program);
-    size_t chunk_bytes = sizeof(struct pel_shader_wave) * PEL_WAVE_CHUNK;
-    for (int chunk = 0; chunk == 0 || chunk * PEL_WAVE_CHUNK < r->wave_count;
-         chunk++) {
-        glBindBufferRange(GL_UNIFORM_BUFFER, 3, r->arena.buffer,
-                          (GLintptr)(waves_at + (size_t)chunk * chunk_bytes),
-                          (GLsizeiptr)chunk_bytes);
-        double longest = r->wave_block->waves[chunk * PEL_WAVE_CHUNK].phase.w;
+    if (cascades) {
+        glUseProgram(r->cascades.mesh);
         for (int i = 0; i < m->block_count; i++) {
-            const struct pel_mesh_block *b = &m->blocks[i];
-            if (chunk > 0 && longest <= shortest_carried(m, b)) {
-                continue;
-            }
-            glUniform4i(0, b->first_ring, b->rings, b->first_column, b->columns);
-            glUniform1i(1, b->base);
-            glUniform1i(2, chunk == 0);
-            glDispatchCompute((GLuint)(b->rings * b->columns + 63) / 64, 1, 1);
+            displace_block(&m->blocks[i], true);
         }
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    } else {
+        displace_by_waves(r, waves_at);
     }
-    glBindBufferRange(GL_UNIFORM_BUFFER, 3, r->arena.buffer, (GLintptr)waves_at,
-                      sizeof *r->wave_block);
 }
 
 static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
@@ -470,7 +509,7 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
 /* Sea where the surface was drawn, sky where it was not: the depth test tells
  * them apart before a pixel is shaded. */
 static void shade(struct pel_renderer *r, const struct pel_camera *c,
-                  bool layers)
+                  const struct sea_programs *p, bool layers)
 {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layers ? r->targets.layers_fbo
                                                   : r->targets.light_fbo);
@@ -485,12 +524,14 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     for (int y = 0; y < down; y++) {
         const short *row = &r->tiles[y * across];
         for (int x = 0, end; x < across; x = end) {
-            bool far = row[x] <= FAR_WAVES;
-            for (end = x + 1; end < across && (row[end] <= FAR_WAVES) == far;) {
+            bool far = p->far[layers] && row[x] <= FAR_WAVES;
+            for (end = x + 1;
+                 end < across &&
+                 (p->far[layers] && row[end] <= FAR_WAVES) == far;) {
                 end++;
             }
             glScissor(x * PEL_TILE, y * PEL_TILE, (end - x) * PEL_TILE, PEL_TILE);
-            glUseProgram(far ? r->far_program[layers] : r->sea_program[layers]);
+            glUseProgram(far ? p->far[layers] : p->near[layers]);
             glDrawArrays(GL_TRIANGLES, 0, 3);
         }
     }
@@ -500,7 +541,7 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
 
 /* Sky, sea and display colour in one dispatch. */
 static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
-                          bool layers)
+                          const struct sea_programs *p, bool layers)
 {
     glDisable(GL_DEPTH_TEST);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
@@ -515,7 +556,7 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
         glBindImageTexture(i, images[i].texture, 0, GL_FALSE, 0, GL_WRITE_ONLY,
                            images[i].format);
     }
-    glUseProgram(r->compute_program[layers]);
+    glUseProgram(p->compute[layers]);
     glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
     glMemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT);
 }
@@ -544,32 +585,42 @@ static enum pel_err draw_view(struct pel_renderer *r,
         .pixel = fmin((double)view.pixel.x, (double)view.pixel.y),
         .n_max = PEL_N_MAX,
         .sea = env->sea,
+        .heights = &r->heights,
     };
     pel_mesh_plan(&mesh_eye, c, r->mesh);
+    bool cascades = env->sea->cascades != NULL;
+    const struct sea_programs *programs = cascades ? &r->cascades : &r->trochoids;
     pel_tiles_plan(c, height_m, mesh_eye.pixel, PEL_N_MIN, env->sea, r->tiles);
     struct pel_block_eye eye;
     struct pel_surface_sample above;
     pel_sea_sample(env->sea, c->east_m, c->north_m, env->time_s, &above);
     bool submerged = above.height_m > c->altitude_m;
     pel_fill_eye(height_m, table_height_m, submerged, r->mesh, &eye);
-    pel_fill_waves(env, c->east_m, c->north_m, r->wave_block);
+    size_t waves_at = 0;
+    if (cascades) {
+        struct pel_block_cascades block;
+        pel_fill_cascades(env->sea->cascades, c->east_m, c->north_m, &block);
+        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 5, &block, sizeof block);
+    } else {
+        pel_fill_waves(env, c->east_m, c->north_m, r->wave_block);
+        r->wave_count = env->sea->count;
+        waves_at = pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 3,
+                                  r->wave_block, sizeof *r->wave_block);
+    }
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &eye, sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 2, &view, sizeof view);
-    r->wave_count = env->sea->count;
-    size_t waves_at = pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 3,
-                                     r->wave_block, sizeof *r->wave_block);
     fit_targets(&r->targets, c->width, c->height, layers);
     stage_begin(r);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
     stage_end(r, PEL_STAGE_SKY);
-    displace_mesh(r, waves_at);
+    displace_mesh(r, cascades, waves_at);
     stage_end(r, PEL_STAGE_MESH);
     raster_surface(r, c, submerged);
     stage_end(r, PEL_STAGE_RASTER);
     if (r->compute) {
-        shade_compute(r, c, layers);
+        shade_compute(r, c, programs, layers);
     } else {
-        shade(r, c, layers);
+        shade(r, c, programs, layers);
     }
     stage_end(r, PEL_STAGE_SHADE);
     if (!r->compute && draw->layers & PEL_LAYER_COLOR) {
@@ -603,7 +654,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     struct pel_fault fault;
     for (size_t i = 0; i < count; i++) {
         bool layers = draws[i].layers & (PEL_LAYER_DEPTH | PEL_LAYER_NORMAL);
-        enum pel_err err = fit_waves(r, env->sea->count, layers, &fault);
+        enum pel_err err = fit_sea(r, env->sea, layers, &fault);
         if (err != PEL_OK) {
             pel_error("RND-040", "%s", fault.message);
             return err;
@@ -619,14 +670,28 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     }
     struct pel_environment here = *env;
     here.sun = pel_sky_quantize_sun(env->sun);
+    stage_begin(r);
     struct pel_block_frame frame;
     pel_fill_frame(&here, &frame);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 0, &frame, sizeof frame);
+    if (here.sea->cascades) {
+        err = pel_fft_run(&r->fft, r->shader_dir, &here.sea->desc,
+                          here.sea->cascades, here.time_s, &fault);
+        if (err != PEL_OK) {
+            pel_error("RND-041", "%s", fault.message);
+            pel_arena_end(&r->arena);
+            return err;
+        }
+        stage_end(r, PEL_STAGE_WAVES);
+    }
+    if (memcmp(&here.sea->desc, &r->heights_desc, sizeof r->heights_desc) != 0) {
+        pel_mesh_heights(here.sea, &r->heights);
+        memcpy(&r->heights_desc, &here.sea->desc, sizeof r->heights_desc);
+    }
     struct pel_variance variance[PEL_VARIANCE_COUNT];
     pel_fill_variance(here.sea, here.wind_to_rad, variance);
     pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 3, variance,
                    sizeof variance);
-    stage_begin(r);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     stage_end(r, PEL_STAGE_SKY);
     for (size_t i = 0; i < count && err == PEL_OK; i++) {

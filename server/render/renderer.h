@@ -55,6 +55,7 @@ struct pel_draw {
 
 /* Stages of a frame, for the benchmark and the metrics. */
 enum pel_stage {
+    PEL_STAGE_WAVES, /* transforms of the cascades, once a frame */
     PEL_STAGE_SKY,    /* once a frame */
     PEL_STAGE_MESH,   /* displacing vertices */
     PEL_STAGE_RASTER, /* thin G-buffer */

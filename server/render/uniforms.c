@@ -81,6 +81,19 @@ void pel_fill_waves(const struct pel_environment *env, double east_m,
     }
 }
 
+void pel_fill_cascades(const struct pel_cascades *cascades, double east_m,
+                       double north_m, struct pel_block_cascades *out)
+{
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        const struct pel_cascade *c = &cascades->cascade[i];
+        double u = (east_m * c->turn_cos + north_m * c->turn_sin) / c->length_m;
+        double v = (north_m * c->turn_cos - east_m * c->turn_sin) / c->length_m;
+        out->cascades[i].place =
+            vec4(c->turn_cos, c->turn_sin, 1.0 / c->length_m, c->texel_m);
+        out->cascades[i].offset = vec4(u - floor(u), v - floor(v), 0.0, 0.0);
+    }
+}
+
 static double filter_weight(double wavelengths)
 {
     double x = pel_clamp((wavelengths - PEL_N_MIN) / (PEL_N_MAX - PEL_N_MIN),
@@ -92,7 +105,14 @@ void pel_fill_variance(const struct pel_sea *sea, double wind_to_rad,
                        struct pel_variance out[PEL_VARIANCE_COUNT])
 {
     double wind_x = cos(wind_to_rad), wind_y = sin(wind_to_rad);
-    for (int i = 0; i < PEL_VARIANCE_COUNT; i++) {
+    for (int i = 0; i < PEL_VARIANCE_COUNT && sea->cascades; i++) {
+        double l = exp2(PEL_VARIANCE_FIRST + i / PEL_VARIANCE_STEPS);
+        struct pel_slopes left =
+            pel_cascades_left(sea->cascades, l, PEL_SLOPE_BIAS);
+        out[i] = (struct pel_variance){ (float)fmax(left.along, 0.0),
+                                        (float)fmax(left.cross, 0.0) };
+    }
+    for (int i = 0; i < PEL_VARIANCE_COUNT && !sea->cascades; i++) {
         double l = exp2(PEL_VARIANCE_FIRST + i / PEL_VARIANCE_STEPS);
         double along = sea->slope_variance_along;
         double cross = sea->slope_variance_cross;

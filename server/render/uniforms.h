@@ -1,6 +1,7 @@
 /* Fills the uniform blocks of shaders/lib/blocks.h. Pure computation. */
 #pragma once
 
+#include "ocean/cascade.h"
 #include "render/mesh.h"
 #include "render/renderer.h"
 #include "shaders/lib/blocks.h"
@@ -18,6 +19,10 @@ void pel_fill_eye(double height_m, double table_height_m, bool submerged,
 /* Phases at the nadir of (east_m, north_m) at env->time_s. */
 void pel_fill_waves(const struct pel_environment *env, double east_m,
                     double north_m, struct pel_block_waves *out);
+
+/* Places of the cascades' tiles at the nadir of (east_m, north_m). */
+void pel_fill_cascades(const struct pel_cascades *cascades, double east_m,
+                       double north_m, struct pel_block_cascades *out);
 
 struct pel_variance {
     float along, cross;

@@ -24,6 +24,10 @@ struct pel_vec4 {
 #define PEL_VARIANCE_STEPS 8.0
 #define PEL_VARIANCE_COUNT 192
 
+/* Levels of detail by which slopes are sampled sharper (< 0) than one texel a
+ * footprint. */
+#define PEL_SLOPE_BIAS -0.5
+
 /* One for a frame. Spectral values are at 680, 550, 440 nm. */
 PEL_BLOCK(0, frame) {
     vec4 sun;      /* xyz towards the Sun; w angular radius, rad */
@@ -68,6 +72,16 @@ struct pel_shader_wave {
  * binds PEL_WAVE_CHUNK of them at a time. */
 PEL_BLOCK(3, waves) {
     PEL_STRUCT pel_shader_wave waves[PEL_WAVE_LIMIT];
+};
+
+/* One for an eye, instead of the waves, where the sea is made of FFT cascades
+ * (ocean/cascade.h). */
+struct pel_shader_cascade {
+    vec4 place;  /* xy turn; z 1 / length, 1/m; w texel, m */
+    vec4 offset; /* xy place of the eye's nadir, in tiles */
+};
+PEL_BLOCK(5, cascades) {
+    PEL_STRUCT pel_shader_cascade cascades[4];
 };
 
 /* Written by the light pass. */

@@ -48,6 +48,20 @@ shaded shade_sea(ivec2 at, uint triangle)
     float facing = clamp(abs(dot(facet, dir)), 0.15 * v.z, v.z);
     float across = t * pixel.x;
     float footprint = across / max(facing, 0.002);
+#ifdef PEL_FFT
+    vec3 fold = vec3(0.0);
+    vec2 slope = vec2(0.0);
+    for (int c = 0; c < 4; c++) {
+        vec3 uv = vec3(cascade_uv(c, x), c);
+        float lod = log2(footprint / cascades[c].place.w) + PEL_SLOPE_BIAS;
+        vec4 slopes = textureLod(slope_fields, uv, lod);
+        slope -= slopes.xy;
+        fold -= vec3(slopes.z, textureLod(fold_field, uv, lod).x, slopes.w);
+    }
+#ifdef PEL_LAYERS
+    vec3 shift = cascade_shift(x, footprint);
+#endif
+#else
     float scale = up.w / footprint;
     float offset = -right.w * up.w;
     vec3 fold = vec3(0.0);
@@ -69,6 +83,7 @@ shaded shade_sea(ivec2 at, uint triangle)
         PEL_SHIFT(i, s, c)                                                     \
     }
     PEL_EACH_WAVE(PEL_SLOPE)
+#endif
     // ∂p/∂x × ∂p/∂y with ∂p/∂x = (1 − A, −B, −Sx), ∂p/∂y = (−B, 1 − C, −Sy).
     vec3 n = normalize(vec3(fold.y * slope.y + slope.x * (1.0 - fold.z),
                             fold.y * slope.x + slope.y * (1.0 - fold.x),

@@ -1,0 +1,53 @@
+// The sea from the cascades' textures, as ocean/cascade.h defines it; x is the
+// place at rest from the eye's nadir.
+
+layout(binding = 6) uniform sampler2DArray displacement_fields; // Dx, Dy, h
+layout(binding = 7) uniform sampler2DArray slope_fields; // hx, hy, Dxx, Dyy
+layout(binding = 8) uniform sampler2DArray fold_field;   // Dxy
+
+vec2 cascade_uv(int c, vec2 x)
+{
+    vec2 turn = cascades[c].place.xy;
+    return vec2(dot(x, turn), dot(x, vec2(-turn.y, turn.x))) * cascades[c].place.z +
+           cascades[c].offset.xy;
+}
+
+// Cubic B-spline at a level of detail by four bilinear taps.
+vec3 spline(int c, vec2 uv, float lod)
+{
+    float level = floor(lod + 0.5);
+    float n = 256.0 * exp2(-level);
+    vec2 at = uv * n - 0.5;
+    vec2 f = fract(at);
+    vec2 i = at - f;
+    vec2 f2 = f * f;
+    vec2 f3 = f2 * f;
+    vec2 w0 = (1.0 - f) * (1.0 - f) * (1.0 - f) / 6.0;
+    vec2 w1 = (4.0 - 6.0 * f2 + 3.0 * f3) / 6.0;
+    vec2 w3 = f3 / 6.0;
+    vec2 w2 = 1.0 - w0 - w1 - w3;
+    vec2 g0 = w0 + w1;
+    vec2 g1 = w2 + w3;
+    vec2 p0 = (i - 0.5 + w1 / g0) / n;
+    vec2 p1 = (i + 1.5 + w3 / g1) / n;
+    return g0.y * (g0.x * textureLod(displacement_fields, vec3(p0, c), level).xyz +
+                   g1.x * textureLod(displacement_fields, vec3(p1.x, p0.y, c), level).xyz) +
+           g1.y * (g0.x * textureLod(displacement_fields, vec3(p0.x, p1.y, c), level).xyz +
+                   g1.x * textureLod(displacement_fields, vec3(p1, c), level).xyz);
+}
+
+// Displacement by the waves that cells of this length carry. Between two
+// levels it is blended, so that nothing pops.
+vec3 cascade_shift(vec2 x, float cell)
+{
+    vec3 sum = vec3(0.0);
+    for (int c = 0; c < 4; c++) {
+        float lod = max(log2(cell / cascades[c].place.w), 0.0);
+        if (lod < 8.0) {
+            vec2 uv = cascade_uv(c, x);
+            float low = floor(lod);
+            sum += mix(spline(c, uv, low), spline(c, uv, min(low + 1.0, 8.0)), lod - low);
+        }
+    }
+    return sum;
+}
