@@ -104,7 +104,7 @@ SCENE := server/scene/scene.c \
 RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/renderer.c server/render/arena.c \
     server/render/mesh.c server/render/sky.c server/render/uniforms.c \
-    server/render/tiles.c server/render/fft.c
+    server/render/tiles.c server/render/wavefield.c server/render/layer.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c
@@ -196,6 +196,7 @@ TESTS += server/render/uniforms_test.c
 TESTS += server/render/renderer_test.c
 TESTS += server/render/depth_test.c
 TESTS += server/render/light_test.c
+TESTS += server/render/layer_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
 # FUZZERS += lines of each room.

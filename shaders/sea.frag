@@ -14,21 +14,12 @@
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
 #include "lib/sea.glsl"
+#include "lib/outputs.glsl"
 
 layout(binding = 5) uniform usampler2D triangles;
-layout(location = 0) out vec4 radiance;
-#ifdef PEL_LAYERS
-layout(location = 1) out float depth;
-layout(location = 2) out vec4 normal;
-#endif
-
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
     shaded s = shade_sea(at, texelFetch(triangles, at, 0).r);
-    radiance = vec4(s.radiance, 1.0);
-#ifdef PEL_LAYERS
-    depth = s.depth;
-    normal = vec4(s.normal, 0.0);
-#endif
+    write_outputs(s);
 }

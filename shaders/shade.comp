@@ -22,10 +22,16 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 5) uniform usampler2D triangles;
 layout(binding = 0, rgba32f) writeonly uniform image2D radiance_image;
-layout(binding = 1, rgba8) writeonly uniform image2D color_image;
 #ifdef PEL_LAYERS
-layout(binding = 2, r32f) writeonly uniform image2D depth_image;
-layout(binding = 3, rgba32f) writeonly uniform image2D normal_image;
+layout(binding = 1, r32f) writeonly uniform image2D depth_image;
+layout(binding = 2, rgba32f) writeonly uniform image2D normal_image;
+layout(binding = 3, rgba32f) writeonly uniform image2D sun_image;
+layout(binding = 4, rgba32f) writeonly uniform image2D sky_image;
+layout(binding = 5, rgba32f) writeonly uniform image2D water_image;
+layout(binding = 6, rgba32f) writeonly uniform image2D air_image;
+layout(binding = 7, rg32f) writeonly uniform image2D variance_image;
+#else
+layout(binding = 1, rgba8) writeonly uniform image2D color_image;
 #endif
 
 void main()
@@ -42,9 +48,15 @@ void main()
         s = shade_sea(at, triangle);
     }
     imageStore(radiance_image, at, vec4(s.radiance, 1.0));
-    imageStore(color_image, at, vec4(display(s.radiance, at), 1.0));
 #ifdef PEL_LAYERS
     imageStore(depth_image, at, vec4(s.depth));
-    imageStore(normal_image, at, vec4(s.normal, 0.0));
+    imageStore(normal_image, at, s.normal);
+    imageStore(sun_image, at, vec4(s.sun, 1.0));
+    imageStore(sky_image, at, vec4(s.sky, 1.0));
+    imageStore(water_image, at, vec4(s.water, 1.0));
+    imageStore(air_image, at, vec4(s.air, 1.0));
+    imageStore(variance_image, at, vec4(s.variance, 0.0, 0.0));
+#else
+    imageStore(color_image, at, vec4(display(s.radiance, at), 1.0));
 #endif
 }

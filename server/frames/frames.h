@@ -75,6 +75,11 @@ PEL_CHECK enum pel_err pel_frames_request(struct pel_frames *frames,
 
 /* Forgets a request: its callback does not come any more. An id that is
  * unknown or finished is ignored. */
+/* Whether an EXR can have a layer of this name, and all of them for people. */
+bool pel_frames_layer_exists(const char *name);
+#define PEL_FRAMES_LAYERS                                                      \
+    "radiance, sun, sky, water, air, depth, normal, fresnel, slopeVariance"
+
 void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
 
 /* A live view as JPEG: drawn only while someone is subscribed, encoded once

@@ -161,27 +161,20 @@ enum pel_err pel_picture_encode_exr(const struct pel_output *output,
     const struct pel_picture *p = output->job->parts[output->draw].picture;
     const struct pel_camera *c = &output->job->draws[output->draw].camera;
     struct attributes attributes = { .count = 0 };
-    struct pel_exr_layer layers[3];
+    struct pel_exr_layer layers[PEL_LAYERS];
     size_t count = 0;
-    if (output->layers & PEL_LAYER_RADIANCE) {
-        layers[count++] = (struct pel_exr_layer){ .channels = "RGB",
-                                                  .pixels = p->radiance,
-                                                  .stride = 4 };
-    }
-    if (output->layers & PEL_LAYER_DEPTH) {
-        layers[count++] = (struct pel_exr_layer){
-            .name = "depth",
-            .channels = "Z",
-            .pixels = p->depth,
-            .stride = 1,
-            .full_float = true /* a half is 4 m coarse at 5 km */
-        };
-    }
-    if (output->layers & PEL_LAYER_NORMAL) {
-        layers[count++] = (struct pel_exr_layer){ .name = "normal",
-                                                  .channels = "XYZ",
-                                                  .pixels = p->normal,
-                                                  .stride = 4 };
+    for (int i = 0; i < PEL_LAYERS; i++) {
+        const struct pel_layer_info *l = &pel_layer_table[i];
+        if (output->layers & l->bit) {
+            /* Radiance is what viewers show: the layer without a name. */
+            layers[count++] = (struct pel_exr_layer){
+                .name = l->bit == PEL_LAYER_RADIANCE ? NULL : l->name,
+                .channels = l->channels,
+                .pixels = pel_picture_layer(p, l),
+                .stride = l->floats,
+                .full_float = l->full_float,
+            };
+        }
     }
     list_attributes(&attributes, output, device);
     double width = c->tan_right - c->tan_left;

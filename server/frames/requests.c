@@ -35,27 +35,21 @@ static enum pel_err refuse_range(struct pel_frames *frames,
     return PEL_ERR_OUT_OF_RANGE;
 }
 
+bool pel_frames_layer_exists(const char *name)
+{
+    return pel_layer_find(name) != NULL;
+}
+
 /* Layers of an EXR as bits; 0: there is an unknown one. */
 static unsigned read_layers(const Pelagos__FrameRequest *request)
 {
-    static const struct {
-        const char *name;
-        unsigned bit;
-    } known[] = { { "radiance", PEL_LAYER_RADIANCE },
-                  { "depth", PEL_LAYER_DEPTH },
-                  { "normal", PEL_LAYER_NORMAL } };
     unsigned layers = 0;
     for (size_t i = 0; i < request->n_layers; i++) {
-        unsigned bit = 0;
-        for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
-            if (strcmp(request->layers[i], known[k].name) == 0) {
-                bit = known[k].bit;
-            }
-        }
-        if (bit == 0) {
+        const struct pel_layer_info *layer = pel_layer_find(request->layers[i]);
+        if (!layer) {
             return 0;
         }
-        layers |= bit;
+        layers |= layer->bit;
     }
     return layers ? layers : PEL_LAYER_RADIANCE;
 }
@@ -92,7 +86,7 @@ static enum pel_err check(struct pel_frames *frames,
     }
     if (r->n_layers > 16 || read_layers(r) == 0) {
         return refuse(frames, fault, PEL_ERR_INVALID, "layers",
-                      "layers are radiance, depth and normal");
+                      "layers are " PEL_FRAMES_LAYERS);
     }
     if (r->n_layers > 0 && r->format != PELAGOS__FRAME_FORMAT__EXR) {
         return refuse(frames, fault, PEL_ERR_INVALID, "layers",

@@ -77,15 +77,6 @@ static void end_job(struct pel_job *job)
     job->used = false;
 }
 
-static size_t layer_bytes(unsigned layers, uint32_t width, uint32_t height)
-{
-    size_t each = (layers & PEL_LAYER_COLOR ? 4u : 0u) +
-                  (layers & PEL_LAYER_RADIANCE ? 16u : 0u) +
-                  (layers & PEL_LAYER_DEPTH ? 4u : 0u) +
-                  (layers & PEL_LAYER_NORMAL ? 16u : 0u);
-    return each * width * height;
-}
-
 /* Draw of the view at this size, an old one or a new one. */
 static bool add_draw(struct pel_job *job, size_t view, uint32_t width,
                      uint32_t height, unsigned layers, size_t *out)
@@ -112,7 +103,7 @@ static bool add_draw(struct pel_job *job, size_t view, uint32_t width,
         job->draw_count++;
     }
     draw->layers |= layers;
-    part->bytes = layer_bytes(draw->layers, width, height);
+    part->bytes = pel_layer_bytes(draw->layers) * width * height;
     *out = i;
     return true;
 }

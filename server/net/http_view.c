@@ -159,18 +159,13 @@ void pel_http_delete_view(const struct pel_http_call *call)
 static enum pel_err set_layers(Pelagos__FrameRequest *frame, const char *list,
                                struct pel_fault *fault)
 {
-    char **names = g_strsplit(list, ",", 8);
+    char **names = g_strsplit(list, ",", 17);
     enum pel_err err = PEL_OK;
     for (char **name = names; *name; name++) {
-        static const char *const known[] = { "radiance", "depth", "normal" };
-        bool found = false;
-        for (size_t i = 0; i < G_N_ELEMENTS(known); i++) {
-            found = found || strcmp(*name, known[i]) == 0;
-        }
-        if (!found) {
+        if (!pel_frames_layer_exists(*name)) {
             err = pel_fault_value(fault, PEL_ERR_INVALID, "layers", *name,
-                                  "layers are radiance, depth and normal, "
-                                  "separated by commas");
+                                  "layers are " PEL_FRAMES_LAYERS
+                                  ", separated by commas");
             break;
         }
         pel_message_append_string(&frame->layers, &frame->n_layers, *name);

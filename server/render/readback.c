@@ -93,52 +93,71 @@ enum pel_err pel_readback_push(struct pel_readback *r,
                                const struct pel_readback_source *s)
 {
     size_t pixels = (size_t)s->width * s->height;
-    size_t color = s->layers & PEL_LAYER_COLOR ? align_up(pixels * 4) : 0;
-    size_t radiance = s->layers & PEL_LAYER_RADIANCE ? align_up(pixels * 16) : 0;
-    size_t depth = s->layers & PEL_LAYER_DEPTH ? align_up(pixels * 4) : 0;
-    size_t normal = s->layers & PEL_LAYER_NORMAL ? align_up(pixels * 16) : 0;
-    size_t ev_offset = color + radiance + depth + normal;
+    /* Attachments of hdr_fbo in their order; color is its own framebuffer. */
+    static const struct {
+        unsigned layers;
+        GLenum format;
+        size_t floats;
+    } attachments[PEL_HDR_ATTACHMENTS] = {
+        { PEL_LAYER_RADIANCE, GL_RGBA, 4 },
+        { PEL_LAYER_DEPTH, GL_RED, 1 },
+        { PEL_LAYER_NORMAL | PEL_LAYER_FRESNEL, GL_RGBA, 4 },
+        { PEL_LAYER_SUN, GL_RGBA, 4 },
+        { PEL_LAYER_SKY, GL_RGBA, 4 },
+        { PEL_LAYER_WATER, GL_RGBA, 4 },
+        { PEL_LAYER_AIR, GL_RGBA, 4 },
+        { PEL_LAYER_SLOPE_VARIANCE, GL_RG, 2 },
+    };
+    size_t at[PEL_HDR_ATTACHMENTS];
+    size_t size = s->layers & PEL_LAYER_COLOR ? align_up(pixels * 4) : 0;
+    for (int i = 0; i < PEL_HDR_ATTACHMENTS; i++) {
+        at[i] = size;
+        if (s->layers & attachments[i].layers) {
+            size += align_up(pixels * sizeof(float) * attachments[i].floats);
+        }
+    }
+    size_t ev_offset = size;
     struct pel_readback_slot *slot = take_slot(r, ev_offset + 16);
     if (!slot) {
         return PEL_ERR_BUSY;
     }
     GLsizei w = (GLsizei)s->width, h = (GLsizei)s->height;
     uint8_t *base = NULL; /* offsets into the pack buffer */
+    const float *found[PEL_HDR_ATTACHMENTS] = { NULL };
     glBindBuffer(GL_PIXEL_PACK_BUFFER, slot->buffer);
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    if (color) {
+    if (s->layers & PEL_LAYER_COLOR) {
         glBindFramebuffer(GL_READ_FRAMEBUFFER, s->color_fbo);
         glReadBuffer(GL_COLOR_ATTACHMENT0);
         glReadPixels(0, 0, w, h, GL_RGBA, GL_UNSIGNED_BYTE, base);
     }
     glBindFramebuffer(GL_READ_FRAMEBUFFER, s->hdr_fbo);
-    if (radiance) {
-        glReadBuffer(GL_COLOR_ATTACHMENT0);
-        glReadPixels(0, 0, w, h, GL_RGBA, GL_FLOAT, base + color);
-    }
-    if (depth) {
-        glReadBuffer(GL_COLOR_ATTACHMENT1);
-        glReadPixels(0, 0, w, h, GL_RED, GL_FLOAT, base + color + radiance);
-    }
-    if (normal) {
-        glReadBuffer(GL_COLOR_ATTACHMENT2);
-        glReadPixels(0, 0, w, h, GL_RGBA, GL_FLOAT,
-                     base + color + radiance + depth);
+    for (int i = 0; i < PEL_HDR_ATTACHMENTS; i++) {
+        if (s->layers & attachments[i].layers) {
+            glReadBuffer(GL_COLOR_ATTACHMENT0 + (GLenum)i);
+            glReadPixels(0, 0, w, h, attachments[i].format, GL_FLOAT,
+                         base + at[i]);
+            found[i] = (const float *)(slot->map + at[i]);
+        }
     }
     glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
     glCopyNamedBufferSubData(s->light, slot->buffer, 0, (GLintptr)ev_offset, 16);
     slot->fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     glFlush();
-    uint8_t *map = slot->map;
     slot->picture = (struct pel_picture){
         .user = s->user,
         .width = s->width,
         .height = s->height,
         .exposure_ev = s->exposure_ev,
-        .rgba = color ? map : NULL,
-        .radiance = radiance ? (float *)(map + color) : NULL,
-        .depth = depth ? (float *)(map + color + radiance) : NULL,
-        .normal = normal ? (float *)(map + color + radiance + depth) : NULL,
+        .rgba = s->layers & PEL_LAYER_COLOR ? slot->map : NULL,
+        .radiance = found[0],
+        .depth = found[1],
+        .normal = found[2],
+        .sun = found[3],
+        .sky = found[4],
+        .water = found[5],
+        .air = found[6],
+        .slope_variance = found[7],
     };
     slot->started_ns = s->started_ns;
     slot->ev_offset = ev_offset;

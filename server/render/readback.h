@@ -8,6 +8,8 @@
 
 #define PEL_READBACK_SLOTS (PEL_MAX_VIEWS * 2 + 16)
 
+#define PEL_HDR_ATTACHMENTS 8
+
 struct pel_readback_slot;
 
 struct pel_readback {
@@ -19,7 +21,7 @@ struct pel_readback {
 /* Where the layers of one picture are read from. */
 struct pel_readback_source {
     GLuint color_fbo;  /* RGBA8 */
-    GLuint hdr_fbo;    /* attachment 0 radiance, 1 distance, 2 normal */
+    GLuint hdr_fbo;    /* attachments as in readback.c's table */
     GLuint light;      /* buffer that begins with the automatic EV100 (float) */
     bool auto_exposure;
     double exposure_ev; /* where not automatic */

@@ -9,7 +9,7 @@
 #include "base/log.h"
 #include "render/arena.h"
 #include "render/context.h"
-#include "render/fft.h"
+#include "render/wavefield.h"
 #include "render/mesh.h"
 #include "render/readback.h"
 #include "render/shader.h"
@@ -30,10 +30,11 @@
 /* Pictures are drawn into one corner of targets that only grow. */
 struct targets {
     uint32_t width, height;
-    GLuint triangles, depth_test, radiance, depth, normal, color;
+    GLuint triangles, depth_test, color;
+    GLuint hdr[PEL_HDR_ATTACHMENTS]; /* radiance first; others when wanted */
     GLuint surface_fbo; /* triangle numbers and depth test */
     GLuint light_fbo;   /* radiance, tested against the surface's depth */
-    GLuint layers_fbo;  /* radiance, depth, normal, likewise */
+    GLuint layers_fbo;  /* all of hdr, likewise */
     GLuint color_fbo;
 };
 
@@ -68,7 +69,7 @@ struct pel_renderer {
     GLuint backdrop_program[2]; /* without, with layers */
     bool compute;               /* shade in one dispatch instead of three */
     struct sea_programs trochoids, cascades;
-    struct pel_fft fft;
+    struct pel_wavefield wavefield;
     struct pel_mesh_heights heights; /* of the sea of heights_desc */
     struct pel_sea_desc heights_desc;
     struct pel_mesh *mesh;
@@ -132,11 +133,11 @@ void pel_renderer_stage_ms(const struct pel_renderer *r,
 
 static void finish_targets(struct targets *t)
 {
-    const GLuint textures[] = { t->triangles, t->depth_test, t->radiance,
-                                t->depth, t->normal, t->color };
+    const GLuint textures[] = { t->triangles, t->depth_test, t->color };
     const GLuint fbos[] = { t->surface_fbo, t->light_fbo, t->layers_fbo,
                             t->color_fbo };
-    glDeleteTextures(6, textures);
+    glDeleteTextures(3, textures);
+    glDeleteTextures(PEL_HDR_ATTACHMENTS, t->hdr);
     glDeleteFramebuffers(4, fbos);
     *t = (struct targets){ 0 };
 }
@@ -153,20 +154,32 @@ static GLuint make_target(GLenum format, uint32_t width, uint32_t height,
     return texture;
 }
 
+/* Formats and labels of hdr, in the order of the shaders' outputs. */
+static const struct {
+    GLenum format;
+    const char *label;
+} hdr_targets[PEL_HDR_ATTACHMENTS] = {
+    { GL_RGBA32F, "radiance" }, { GL_R32F, "depth" },
+    { GL_RGBA32F, "normal" },   { GL_RGBA32F, "sun" },
+    { GL_RGBA32F, "sky" },      { GL_RGBA32F, "water" },
+    { GL_RGBA32F, "air" },      { GL_RG32F, "slope variance" },
+};
+
 static void make_layer_targets(struct targets *t)
 {
-    t->depth = make_target(GL_R32F, t->width, t->height, "depth");
-    t->normal = make_target(GL_RGBA32F, t->width, t->height, "normal");
-    const GLuint attachments[] = { t->radiance, t->depth, t->normal };
-    GLenum buffers[3];
+    GLenum buffers[PEL_HDR_ATTACHMENTS];
     glCreateFramebuffers(1, &t->layers_fbo);
-    for (unsigned i = 0; i < 3; i++) {
+    for (unsigned i = 0; i < PEL_HDR_ATTACHMENTS; i++) {
+        if (i > 0) {
+            t->hdr[i] = make_target(hdr_targets[i].format, t->width, t->height,
+                                    hdr_targets[i].label);
+        }
         buffers[i] = GL_COLOR_ATTACHMENT0 + i;
-        glNamedFramebufferTexture(t->layers_fbo, buffers[i], attachments[i], 0);
+        glNamedFramebufferTexture(t->layers_fbo, buffers[i], t->hdr[i], 0);
     }
     glNamedFramebufferTexture(t->layers_fbo, GL_DEPTH_ATTACHMENT, t->depth_test,
                               0);
-    glNamedFramebufferDrawBuffers(t->layers_fbo, 3, buffers);
+    glNamedFramebufferDrawBuffers(t->layers_fbo, PEL_HDR_ATTACHMENTS, buffers);
 }
 
 static void fit_targets(struct targets *t, uint32_t width, uint32_t height,
@@ -180,10 +193,11 @@ static void fit_targets(struct targets *t, uint32_t width, uint32_t height,
         t->height = h;
         t->triangles = make_target(GL_R32UI, w, h, "triangles");
         t->depth_test = make_target(GL_DEPTH_COMPONENT32F, w, h, "depth test");
-        t->radiance = make_target(GL_RGBA32F, w, h, "radiance");
+        t->hdr[0] = make_target(hdr_targets[0].format, w, h,
+                                hdr_targets[0].label);
         t->color = make_target(GL_RGBA8, w, h, "color");
         GLuint *fbos[] = { &t->surface_fbo, &t->light_fbo, &t->color_fbo };
-        const GLuint colors[] = { t->triangles, t->radiance, t->color };
+        const GLuint colors[] = { t->triangles, t->hdr[0], t->color };
         for (int i = 0; i < 3; i++) {
             glCreateFramebuffers(1, fbos[i]);
             glNamedFramebufferTexture(*fbos[i], GL_COLOR_ATTACHMENT0, colors[i],
@@ -197,6 +211,12 @@ static void fit_targets(struct targets *t, uint32_t width, uint32_t height,
     if (layers && !t->layers_fbo) {
         make_layer_targets(t);
     }
+}
+
+/* More than the radiance and the colour made of it. */
+static bool wants_layers(unsigned layers)
+{
+    return layers & ~(unsigned)(PEL_LAYER_COLOR | PEL_LAYER_RADIANCE);
 }
 
 /* --- programs ------------------------------------------------------------- */
@@ -365,7 +385,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         finish_targets(&r->targets);
         delete_sea_programs(&r->trochoids);
         delete_sea_programs(&r->cascades);
-        pel_fft_finish(&r->fft);
+        pel_wavefield_finish(&r->wavefield);
         glDeleteProgram(r->surface_program);
         glDeleteProgram(r->tone_program);
         glDeleteProgram(r->backdrop_program[0]);
@@ -539,32 +559,31 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glDisable(GL_DEPTH_TEST);
 }
 
-/* Sky, sea and display colour in one dispatch. */
+/* Sky, sea and, without layers, display colour in one dispatch: eight images
+ * are what OpenGL promises. */
 static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
                           const struct sea_programs *p, bool layers)
 {
     glDisable(GL_DEPTH_TEST);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
-    const struct {
-        GLuint texture;
-        GLenum format;
-    } images[] = { { r->targets.radiance, GL_RGBA32F },
-                   { r->targets.color, GL_RGBA8 },
-                   { r->targets.depth, GL_R32F },
-                   { r->targets.normal, GL_RGBA32F } };
-    for (GLuint i = 0; i < (layers ? 4u : 2u); i++) {
-        glBindImageTexture(i, images[i].texture, 0, GL_FALSE, 0, GL_WRITE_ONLY,
-                           images[i].format);
+    for (GLuint i = 0; i < (layers ? PEL_HDR_ATTACHMENTS : 1u); i++) {
+        glBindImageTexture(i, r->targets.hdr[i], 0, GL_FALSE, 0, GL_WRITE_ONLY,
+                           hdr_targets[i].format);
+    }
+    if (!layers) {
+        glBindImageTexture(1, r->targets.color, 0, GL_FALSE, 0, GL_WRITE_ONLY,
+                           GL_RGBA8);
     }
     glUseProgram(p->compute[layers]);
     glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
-    glMemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT);
+    glMemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT |
+                    GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
 static void tone(struct pel_renderer *r)
 {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
-    glBindTextureUnit(0, r->targets.radiance);
+    glBindTextureUnit(0, r->targets.hdr[0]);
     glUseProgram(r->tone_program);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
@@ -575,7 +594,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
 {
     const struct pel_camera *c = &draw->camera;
     int64_t started_ns = pel_now_ns();
-    bool layers = draw->layers & (PEL_LAYER_DEPTH | PEL_LAYER_NORMAL);
+    bool layers = wants_layers(draw->layers);
     double height_m = fmax(c->altitude_m, 0.3);
     double table_height_m = pel_sky_quantize_height(height_m);
     struct pel_block_view view;
@@ -623,7 +642,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
         shade(r, c, programs, layers);
     }
     stage_end(r, PEL_STAGE_SHADE);
-    if (!r->compute && draw->layers & PEL_LAYER_COLOR) {
+    if ((!r->compute || layers) && draw->layers & PEL_LAYER_COLOR) {
         tone(r);
     }
     stage_end(r, PEL_STAGE_TONE);
@@ -653,7 +672,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     }
     struct pel_fault fault;
     for (size_t i = 0; i < count; i++) {
-        bool layers = draws[i].layers & (PEL_LAYER_DEPTH | PEL_LAYER_NORMAL);
+        bool layers = wants_layers(draws[i].layers);
         enum pel_err err = fit_sea(r, env->sea, layers, &fault);
         if (err != PEL_OK) {
             pel_error("RND-040", "%s", fault.message);
@@ -675,7 +694,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     pel_fill_frame(&here, &frame);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 0, &frame, sizeof frame);
     if (here.sea->cascades) {
-        err = pel_fft_run(&r->fft, r->shader_dir, &here.sea->desc,
+        err = pel_wavefield_run(&r->wavefield, r->shader_dir, &here.sea->desc,
                           here.sea->cascades, here.time_s, &fault);
         if (err != PEL_OK) {
             pel_error("RND-041", "%s", fault.message);

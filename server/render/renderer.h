@@ -42,10 +42,35 @@ struct pel_environment {
 
 enum pel_layer {
     PEL_LAYER_COLOR = 1 << 0,    /* 8-bit sRGB, exposed and tone-mapped */
-    PEL_LAYER_RADIANCE = 1 << 1, /* 680, 550, 440 nm, W m⁻² sr⁻¹ nm⁻¹ */
-    PEL_LAYER_DEPTH = 1 << 2,    /* distance along the ray, m; sky: inf */
-    PEL_LAYER_NORMAL = 1 << 3,   /* east, north, up; sky: 0 */
+    PEL_LAYER_RADIANCE = 1 << 1, /* the sum of the next four */
+    PEL_LAYER_SUN = 1 << 2,      /* the Sun reflected, and its disc */
+    PEL_LAYER_SKY = 1 << 3,      /* the sky reflected, and itself */
+    PEL_LAYER_WATER = 1 << 4,    /* light that comes back out of the water */
+    PEL_LAYER_AIR = 1 << 5,      /* scattered into the ray before the sea */
+    PEL_LAYER_DEPTH = 1 << 6,    /* distance along the ray, m; sky: inf */
+    PEL_LAYER_NORMAL = 1 << 7,   /* east, north, up; sky: 0 */
+    PEL_LAYER_FRESNEL = 1 << 8,  /* effective reflectance F̄; sky: 0 */
+    PEL_LAYER_SLOPE_VARIANCE = 1 << 9, /* unresolved, along, across the wind */
 };
+
+/* The layers that files and protocols name, in the order of their bits after
+ * the colour. Light is at 680, 550, 440 nm, W m⁻² sr⁻¹ nm⁻¹. */
+struct pel_layer_info {
+    const char *name;
+    enum pel_layer bit;
+    const char *channels; /* one letter a component, as OpenEXR names them */
+    int floats;           /* a pixel in its buffer */
+    bool full_float;      /* keeps 32 bits where others are halves */
+    const char *unit;
+};
+#define PEL_LAYERS 9
+extern const struct pel_layer_info pel_layer_table[PEL_LAYERS];
+
+/* The layer called `name`, or NULL. */
+const struct pel_layer_info *pel_layer_find(const char *name);
+
+/* Bytes a pixel takes in the buffers of these layers. */
+size_t pel_layer_bytes(unsigned layers);
 
 struct pel_draw {
     struct pel_camera camera;
@@ -73,9 +98,10 @@ struct pel_picture {
     uint32_t width, height;
     double exposure_ev;      /* EV100 used, also where it was automatic */
     const uint8_t *rgba;     /* 4 bytes a pixel, sRGB, alpha 255 */
-    const float *radiance;   /* 4 floats a pixel: 680, 550, 440 nm, 1 */
-    const float *depth;      /* 1 float a pixel */
-    const float *normal;     /* 4 floats a pixel: east, north, up, 0 */
+    const float *radiance, *sun, *sky, *water, *air; /* 4 floats a pixel */
+    const float *depth;          /* 1 float a pixel */
+    const float *normal;         /* 4 floats a pixel: east, north, up, F̄ */
+    const float *slope_variance; /* 2 floats a pixel */
     int64_t drawn_ns;        /* CLOCK_MONOTONIC when the pixels were there */
     double render_ms;        /* wall time from submission to the pixels */
 };
@@ -92,6 +118,11 @@ PEL_CHECK enum pel_err pel_renderer_submit(struct pel_renderer *r,
  * after waiting wait_ns (0: just look). It stays mapped until released. */
 struct pel_picture *pel_renderer_collect(struct pel_renderer *r,
                                          int64_t wait_ns);
+
+/* First component of a layer's first pixel; pixels are info->floats apart.
+ * NULL when the picture does not have it. */
+const float *pel_picture_layer(const struct pel_picture *picture,
+                               const struct pel_layer_info *layer);
 
 /* Pictures submitted and not yet collected. */
 size_t pel_renderer_in_flight(const struct pel_renderer *r);

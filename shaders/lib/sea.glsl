@@ -99,14 +99,16 @@ shaded shade_sea(ivec2 at, uint triangle)
     float edge = min(0.5 * v.z, 0.06);
     float hidden = 1.0 - smoothstep(-edge, edge, dot(n, v));
     vec3 n_seen = normalize(mix(n, vec3(0.0, 0.0, 1.0), hidden));
-    vec3 light = sea_radiance(reflection_map, v, sun_dir, n_seen,
-                              mix(variance, wind.zw, hidden));
+    vec2 variance_seen = mix(variance, wind.zw, hidden);
+    lit parts = sea_radiance(reflection_map, v, sun_dir, n_seen, variance_seen);
+    vec3 light = parts.sun + parts.sky + parts.water;
 
     // The air between: towards its equilibrium radiance.
     vec2 table = vec2(textureSize(eye_table, 0));
     vec2 uv = sky_uv(azimuth_from_sun(dir.xy), min(angle_above_horizon(dir), -1e-7), table);
     vec3 through = exp(-textureLod(eye_haze, uv, 0.0).rgb * range);
-    light = mix(textureLod(eye_table, uv, 0.0).rgb, light, through);
+    vec3 air = textureLod(eye_table, uv, 0.0).rgb * (1.0 - through);
+    light = light * through + air;
     shaded result;
     result.radiance = from_under_water(light, dir.z);
 #ifdef PEL_LAYERS
@@ -120,7 +122,13 @@ shaded shade_sea(ivec2 at, uint triangle)
     float moved = abs(slant) > 1e-3 * ray_length ? dot(point, n_eye) / slant : t;
     float most = 2.0 * length(shift) + 0.1;
     result.depth = ray_length * clamp(moved, t - most, t + most);
-    result.normal = normalize(n_eye);
+    result.normal = vec4(normalize(n_eye), parts.fresnel);
+    bool dry = lut.y < 0.5;
+    result.sun = dry ? parts.sun * through : vec3(0.0);
+    result.sky = dry ? parts.sky * through : vec3(0.0);
+    result.water = dry ? parts.water * through : result.radiance;
+    result.air = dry ? air : vec3(0.0);
+    result.variance = variance_seen;
 #endif
     return result;
 }

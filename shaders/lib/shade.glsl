@@ -46,7 +46,13 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     return sum;
 }
 
-vec3 sea_radiance(sampler2D map, vec3 v, vec3 sun_dir, vec3 n, vec2 variance)
+// Radiance by its way: reflected Sun, reflected sky, out of the water.
+struct lit {
+    vec3 sun, sky, water;
+    float fresnel;
+};
+
+lit sea_radiance(sampler2D map, vec3 v, vec3 sun_dir, vec3 n, vec2 variance)
 {
     // Facets that face away are reflected into sight (section 3.2).
     float facing = dot(n, v);
@@ -63,5 +69,5 @@ vec3 sea_radiance(sampler2D map, vec3 v, vec3 sun_dir, vec3 n, vec2 variance)
     float fresnel = mean_fresnel(view.z, s);
     vec3 sky = reflected_sky(map, v, n, tx, ty, view, variance);
     vec3 direct = sun_light.rgb * reflected_sun(view, light, variance);
-    return direct + fresnel * sky + (1.0 - fresnel) * sea_light.rgb;
+    return lit(direct, fresnel * sky, (1.0 - fresnel) * sea_light.rgb, fresnel);
 }

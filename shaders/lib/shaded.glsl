@@ -1,9 +1,12 @@
-// What the shading of a pixel gives.
+// What the shading of a pixel gives, and how it is written: the layers of
+// render/renderer.h, in the order of their attachments.
 struct shaded {
     vec3 radiance;
 #ifdef PEL_LAYERS
     float depth;
-    vec3 normal;
+    vec4 normal; // w: F̄
+    vec3 sun, sky, water, air;
+    vec2 variance;
 #endif
 };
 

@@ -15,7 +15,7 @@ enum {
     PEL_UNIT_FOLD = 8,
 };
 
-struct pel_fft {
+struct pel_wavefield {
     GLuint rows_program, columns_program;
     GLuint amplitudes, modes, lines, parameters;
     GLuint displacement, slopes, fold;
@@ -25,8 +25,8 @@ struct pel_fft {
 };
 
 /* Nothing is allocated before the first run. */
-PEL_CHECK enum pel_err pel_fft_run(struct pel_fft *fft, const char *shader_dir,
+PEL_CHECK enum pel_err pel_wavefield_run(struct pel_wavefield *field, const char *shader_dir,
                                    const struct pel_sea_desc *desc,
                                    const struct pel_cascades *cascades,
                                    double time_s, struct pel_fault *fault);
-void pel_fft_finish(struct pel_fft *fft);
+void pel_wavefield_finish(struct pel_wavefield *field);
