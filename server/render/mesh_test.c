@@ -16,11 +16,14 @@ static double horizon_m(double height_m)
 
 static void plan(const struct pel_camera *c)
 {
+    static struct pel_mesh_heights heights;
+    pel_mesh_heights(&sea, &heights);
     const struct pel_mesh_eye eye = {
         .height_m = c->altitude_m,
         .pixel = pel_pixel_pitch(c->tan_left, c->tan_right, c->width),
         .n_max = PEL_N_MAX,
         .sea = &sea,
+        .heights = &heights,
     };
     pel_mesh_plan(&eye, c, &mesh);
 }
