@@ -709,6 +709,12 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     }
     struct pel_variance variance[PEL_VARIANCE_COUNT];
     pel_fill_variance(here.sea, here.wind_to_rad, variance);
+    if (here.constant_brdf) {
+        const int nearest = (int)(5.0 * PEL_VARIANCE_STEPS); /* 3 cm */
+        for (int i = 0; i < PEL_VARIANCE_COUNT; i++) {
+            variance[i] = variance[nearest];
+        }
+    }
     pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 3, variance,
                    sizeof variance);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);

@@ -38,6 +38,10 @@ struct pel_environment {
     double wind_mps, wind_to_rad;
     double visibility_m;
     double chlorophyll_mg_m3;
+    /* For validation: leaves out the air between the sea and the eye; gives
+     * every distance the slope variances of the nearest pixels, the constant
+     * BRDF of the 2010 paper's fig. 10. */
+    bool no_air, constant_brdf;
 };
 
 enum pel_layer {

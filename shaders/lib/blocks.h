@@ -37,7 +37,7 @@ PEL_BLOCK(0, frame) {
     vec4 mie;      /* x extinction, y scattering, 1/m; z scale height; w g */
     vec4 ozone;    /* rgb peak absorption, 1/m; w height of the peak, m */
     vec4 planet;   /* x ground, y top radius, m; z ozone half-width, m; w R0 */
-    vec4 water;    /* rgb L_sea for unit irradiance */
+    vec4 water;    /* rgb L_sea for unit irradiance; w 1 leaves out the air */
     vec4 red;      /* rows of the matrix to Rec. 709 cd/m² */
     vec4 green;
     vec4 blue;

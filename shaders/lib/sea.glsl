@@ -106,7 +106,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     // The air between: towards its equilibrium radiance.
     vec2 table = vec2(textureSize(eye_table, 0));
     vec2 uv = sky_uv(azimuth_from_sun(dir.xy), min(angle_above_horizon(dir), -1e-7), table);
-    vec3 through = exp(-textureLod(eye_haze, uv, 0.0).rgb * range);
+    vec3 through = exp(-textureLod(eye_haze, uv, 0.0).rgb * (range * (1.0 - water.w)));
     vec3 air = textureLod(eye_table, uv, 0.0).rgb * (1.0 - through);
     light = light * through + air;
     shaded result;

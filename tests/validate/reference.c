@@ -1,0 +1,237 @@
+#include "tests/validate/reference.h"
+
+#include <stdlib.h>
+
+#include "optics/brdf.h"
+
+#define AZIMUTHS 256
+#define ELEVATIONS 256
+#define LANES 8
+
+typedef float lanes __attribute__((vector_size(LANES * sizeof(float))));
+typedef int32_t ilanes __attribute__((vector_size(LANES * sizeof(float))));
+
+struct reference {
+    struct reference_light light;
+    struct pel_rgb sky[ELEVATIONS][AZIMUTHS]; /* elevation = π/2 (i/(n−1))² */
+    int blocks;
+    double top_m;
+    /* Waves in blocks: turns/m, phase in turns, c h k̂, h, h k. */
+    lanes kx[32], ky[32], phase[32], sx[32], sy[32], h[32], hx[32], hy[32];
+    lanes fxx[32], fxy[32], fyy[32];
+};
+
+/* sin 2π x to 1e-7, eight at a time. */
+static lanes sine(lanes x)
+{
+    x += 0.25f;
+    /* Truncation leaves (−1, 1); negative ones are lifted by one. */
+    lanes f = x - __builtin_convertvector(
+                      __builtin_convertvector(x, ilanes), lanes);
+    f -= __builtin_convertvector(f < 0.0f, lanes);
+    lanes y = 0.25f - (lanes)((ilanes)(f - 0.5f) & 0x7FFFFFFF);
+    lanes z = y * y;
+    return y * (6.283185160f +
+                z * (-41.34165503f +
+                     z * (81.60100405f + z * (-76.54978184f + z * 39.53670244f))));
+}
+
+static float total(lanes v)
+{
+    float sum = 0.0f;
+    for (int i = 0; i < LANES; i++) {
+        sum += v[i];
+    }
+    return sum;
+}
+
+static void displacement(const struct reference *r, double x, double y,
+                         double out[3])
+{
+    lanes dx = { 0 }, dy = { 0 }, dz = { 0 };
+    for (int b = 0; b < r->blocks; b++) {
+        lanes turns = r->kx[b] * (float)x + r->ky[b] * (float)y + r->phase[b];
+        lanes s = sine(turns), c = sine(turns + 0.25f);
+        dx -= r->sx[b] * s;
+        dy -= r->sy[b] * s;
+        dz += r->h[b] * c;
+    }
+    out[0] = total(dx);
+    out[1] = total(dy);
+    out[2] = total(dz);
+}
+
+static struct pel_vec3 normal(const struct reference *r, double x, double y)
+{
+    lanes a = { 0 }, b = { 0 }, c = { 0 }, sx = { 0 }, sy = { 0 };
+    for (int i = 0; i < r->blocks; i++) {
+        lanes turns = r->kx[i] * (float)x + r->ky[i] * (float)y + r->phase[i];
+        lanes s = sine(turns), co = sine(turns + 0.25f);
+        a += r->fxx[i] * co;
+        b += r->fxy[i] * co;
+        c += r->fyy[i] * co;
+        sx += r->hx[i] * s;
+        sy += r->hy[i] * s;
+    }
+    double A = total(a), B = total(b), C = total(c), X = total(sx), Y = total(sy);
+    return pel_vec3_normalize((struct pel_vec3){
+        B * Y + X * (1 - C), B * X + Y * (1 - A), (1 - A) * (1 - C) - B * B });
+}
+
+/* Height over (x, y); *rest is where the search starts and ends. */
+static double height(const struct reference *r, double x, double y,
+                     double rest[2], int steps)
+{
+    double d[3] = { 0 };
+    for (int i = 0; i < steps; i++) {
+        displacement(r, rest[0], rest[1], d);
+        rest[0] = x - d[0];
+        rest[1] = y - d[1];
+    }
+    displacement(r, rest[0], rest[1], d);
+    return d[2];
+}
+
+struct reference *reference_create(const struct pel_sea *sea, double time_s,
+                                   double visibility_m,
+                                   const struct reference_light *light)
+{
+    struct reference *r = aligned_alloc(64, (sizeof *r + 63) / 64 * 64);
+    struct pel_atmosphere *air = malloc(sizeof *air);
+    if (!r || !air) {
+        free(r);
+        free(air);
+        return NULL;
+    }
+    *r = (struct reference){ .light = *light };
+    r->blocks = (sea->count + LANES - 1) / LANES;
+    r->top_m = fmin(sea->max_height_m, 6.0 * sqrt(sea->m0)) + 0.01;
+    for (int i = 0; i < sea->count; i++) {
+        const struct pel_wave *w = &sea->waves[i];
+        int b = i / LANES, l = i % LANES;
+        double k = hypot(w->kx, w->ky), ux = w->kx / k, uy = w->ky / k;
+        double phase = (w->phase - w->omega * time_s) / (2 * PEL_PI);
+        r->kx[b][l] = (float)(w->kx / (2 * PEL_PI));
+        r->ky[b][l] = (float)(w->ky / (2 * PEL_PI));
+        r->phase[b][l] = (float)(phase - floor(phase));
+        r->sx[b][l] = (float)(w->chop * w->amplitude * ux);
+        r->sy[b][l] = (float)(w->chop * w->amplitude * uy);
+        r->h[b][l] = (float)w->amplitude;
+        r->hx[b][l] = (float)(w->amplitude * w->kx);
+        r->hy[b][l] = (float)(w->amplitude * w->ky);
+        double f = w->chop * w->amplitude * k;
+        r->fxx[b][l] = (float)(f * ux * ux);
+        r->fxy[b][l] = (float)(f * ux * uy);
+        r->fyy[b][l] = (float)(f * uy * uy);
+    }
+    const struct pel_atmosphere_desc desc = { visibility_m };
+    pel_atmosphere_init(&desc, air);
+    pel_atmosphere_tabulate(air);
+    double sun_azimuth = atan2(light->sun.y, light->sun.x);
+    for (int e = 0; e < ELEVATIONS; e++) {
+        double q = e / (ELEVATIONS - 1.0), el = 0.5 * PEL_PI * q * q;
+        for (int a = 0; a < AZIMUTHS; a++) {
+            double az = sun_azimuth + PEL_PI * a / (AZIMUTHS - 1.0);
+            r->sky[e][a] = pel_atmosphere_sky(
+                air, 2.0,
+                (struct pel_vec3){ cos(el) * cos(az), cos(el) * sin(az), sin(el) },
+                light->sun);
+        }
+    }
+    free(air);
+    return r;
+}
+
+void reference_destroy(struct reference *r)
+{
+    free(r);
+}
+
+static struct pel_rgb mix(struct pel_rgb a, struct pel_rgb b, double f)
+{
+    return (struct pel_rgb){ a.r + (b.r - a.r) * f, a.g + (b.g - a.g) * f,
+                             a.b + (b.b - a.b) * f };
+}
+
+struct pel_rgb reference_environment(const struct reference *r,
+                                     struct pel_vec3 dir)
+{
+    const struct pel_vec3 sun = r->light.sun;
+    double across = hypot(dir.x, dir.y) * hypot(sun.x, sun.y);
+    double c = across > 0 ? (dir.x * sun.x + dir.y * sun.y) / across : 1.0;
+    double a = acos(pel_clamp(c, -1, 1)) / PEL_PI * (AZIMUTHS - 1.0);
+    double el = asin(pel_clamp(fabs(dir.z), 0, 1));
+    double e = sqrt(el / (0.5 * PEL_PI)) * (ELEVATIONS - 1.0);
+    int a0 = (int)fmin(a, AZIMUTHS - 2), e0 = (int)fmin(e, ELEVATIONS - 2);
+    struct pel_rgb sky =
+        mix(mix(r->sky[e0][a0], r->sky[e0][a0 + 1], a - a0),
+            mix(r->sky[e0 + 1][a0], r->sky[e0 + 1][a0 + 1], a - a0), e - e0);
+    if (dir.z >= 0) {
+        return sky;
+    }
+    double s = r->light.slope_sigma;
+    const struct pel_vec3 view = { sqrt(1 - dir.z * dir.z), 0, -dir.z };
+    return mix(r->light.sea_radiance, sky,
+               pel_ross_mean_fresnel(view, s * s, s * s));
+}
+
+static void reflect(const struct reference *r, struct pel_vec3 n,
+                    struct pel_vec3 v, struct reference_sample *out)
+{
+    double vn = fmax(pel_vec3_dot(n, v), 0.0);
+    struct pel_vec3 m = pel_vec3_add(pel_vec3_scale(n, 2 * vn),
+                                     pel_vec3_scale(v, -1));
+    double f = pel_fresnel_schlick(vn, PEL_WATER_INDEX);
+    struct pel_rgb l = reference_environment(r, m);
+    out->sky = (struct pel_rgb){ f * l.r, f * l.g, f * l.b };
+    struct pel_rgb w = r->light.sea_radiance;
+    out->water = (struct pel_rgb){ (1 - f) * w.r, (1 - f) * w.g, (1 - f) * w.b };
+    /* The widened Sun: density of the blur at the slope that would mirror it,
+     * times d²ζ = d²ω / (4 h_z³ v·h). */
+    struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(v, r->light.sun));
+    double vh = fmax(pel_vec3_dot(v, h), 1e-6), b2 = r->light.blur * r->light.blur;
+    double dx = n.x / n.z - h.x / h.z, dy = n.y / n.z - h.y / h.z;
+    double kernel = exp(-0.5 * (dx * dx + dy * dy) / b2) / (2 * PEL_PI * b2);
+    double g = kernel * pel_fresnel_schlick(vh, PEL_WATER_INDEX) /
+               (4 * h.z * h.z * h.z * vh);
+    struct pel_rgb e = r->light.sun_irradiance;
+    out->sun = (struct pel_rgb){ g * e.r, g * e.g, g * e.b };
+}
+
+bool reference_trace(const struct reference *r, struct pel_vec3 eye,
+                     struct pel_vec3 dir, struct reference_sample *out)
+{
+    if (dir.z >= -1e-4) {
+        return false;
+    }
+    double t = fmax((r->top_m - eye.z) / dir.z, 0.0);
+    double end = (-r->top_m - eye.z) / dir.z;
+    double grazing = -dir.z / hypot(dir.x, dir.y);
+    double rest[2] = { eye.x + t * dir.x, eye.y + t * dir.y };
+    double before = t;
+    while (t < end) {
+        double x = eye.x + t * dir.x, y = eye.y + t * dir.y;
+        double above = eye.z + t * dir.z - height(r, x, y, rest, 2);
+        if (above < 0) {
+            break;
+        }
+        before = t;
+        /* No slope of the sea reaches 0.7 but on crests a few centimetres
+         * long. */
+        double step = fmax(above / (0.7 + grazing), 0.01);
+        t += step;
+    }
+    if (t >= end) {
+        return false;
+    }
+    double low = before, high = t;
+    for (int i = 0; i < 12; i++) {
+        double middle = 0.5 * (low + high);
+        double x = eye.x + middle * dir.x, y = eye.y + middle * dir.y;
+        bool under = eye.z + middle * dir.z < height(r, x, y, rest, 2);
+        low = under ? low : middle;
+        high = under ? middle : high;
+    }
+    reflect(r, normal(r, rest[0], rest[1]), pel_vec3_scale(dir, -1), out);
+    return true;
+}
