@@ -385,6 +385,23 @@ bench: deps-build ## time frames, views, queries, encoders (ARGS='--quick …')
 	$(Q)$(MAKE) -s --no-print-directory $(BENCH_BIN)
 	$(O)/bin/bench $(ARGS)
 
+# --- validation -----------------------------------------------------------
+$(O)/bin/lighting: $(call obj,tests/validate/lighting.c tests/validate/reference.c) \
+    $(O)/libserver.a
+	$(Q)mkdir -p $(@D)
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(BENCH_LIBS)
+$(O)/tests/validate/%.o: CFLAGS += -O3 -Wno-psabi
+
+.PHONY: validate validate-lighting
+validate: validate-lighting ## compare with brute force: tables and plots in build/validate/
+
+validate-lighting: deps-build ## rows of the picture against brute force (SAMPLES=20000 a row)
+	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/lighting
+	$(Q)mkdir -p build/validate
+	$(O)/bin/lighting build/validate $(or $(SAMPLES),20000)
+	$(Q)cat build/validate/lighting.md
+
 # --- style ---------------------------------------------------------------
 C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | sort)
 

@@ -12,6 +12,7 @@ struct bench_scene {
     double height_m, east_m, north_m, heading, pitch, roll, fov;
     uint32_t width, height, seed;
     int waves;
+    bool fft; /* the sea from FFT cascades instead of trochoids */
     double time_s;
     double ev; /* over 90: automatic */
 };

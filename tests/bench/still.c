@@ -21,7 +21,7 @@ static struct setting settings[] = {
     { "yaw", 0 },         { "fov", 60 },      { "width", 1024 },
     { "height_px", 768 }, { "time", 10 },     { "vis", 40000 },
     { "ev", 99 },         { "frames", 1 },    { "seed", 1 },
-    { "waves", 60 },      { "stages", 0 },    { "chl", 0.2 },
+    { "waves", 60 },      { "fft", 0 },      { "stages", 0 },    { "chl", 0.2 },
     { "hardware", 0 },    { "roll", 0 },      { "swell", 0 },
     { "compute", -1 },    { "layers", 0 },    { "x", 0 },
     { "y", 0 },
@@ -77,6 +77,7 @@ static struct bench_scene scene(void)
         .height = (uint32_t)get("height_px"),
         .seed = (uint32_t)get("seed"),
         .waves = (int)get("waves"),
+        .fft = get("fft") > 0,
         .time_s = get("time"),
         .ev = get("ev"),
     };
