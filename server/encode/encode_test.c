@@ -369,6 +369,44 @@ static void exr_floats_are_the_same_bits(void **state)
     pel_bytes_finish(&bytes);
 }
 
+/* Noise of which ever more is zero: at 69 bytes its compressed size is that
+ * of the noise itself, which no reader can tell from stored noise. */
+static void exr_noise_is_the_same_bits(void **state)
+{
+    (void)state;
+    enum { SIDE = 16, COUNT = SIDE * SIDE };
+    static float noise[COUNT];
+    static uint32_t samples[COUNT];
+    const struct pel_exr_layer layer = { .name = "Z",
+                                         .channels = "Z",
+                                         .pixels = noise,
+                                         .stride = 1,
+                                         .full_float = true };
+    const struct pel_exr_image image = {
+        .width = SIDE, .height = SIDE, .layers = &layer, .layer_count = 1
+    };
+    for (int zeros = 0; zeros < 120; zeros++) {
+        uint32_t random = 1;
+        for (int i = 0; i < COUNT; i++) {
+            random = random * 1664525u + 1013904223u;
+            uint32_t bits = (random >> 3) ^ random << 13;
+            bits &= 0xbfffffff; /* finite */
+            memcpy(&noise[i], &bits, sizeof bits);
+        }
+        memset(noise, 0, (size_t)zeros);
+        struct pel_bytes bytes;
+        assert_int_equal(pel_exr_encode(&image, &bytes), PEL_OK);
+        exr_context_t context = open_exr(&bytes);
+        assert_int_equal(read_channel(context, "Z.Z", SIDE, SIDE, samples),
+                         EXR_PIXEL_FLOAT);
+        for (int i = 0; i < COUNT; i++) {
+            assert_int_equal(samples[i], float_bits(noise[i]));
+        }
+        assert_int_equal(exr_finish(&context), 0);
+        pel_bytes_finish(&bytes);
+    }
+}
+
 static void exr_header_says_what_it_was_told(void **state)
 {
     (void)state;
@@ -455,6 +493,7 @@ int main(void)
         cmocka_unit_test(png_decodes_to_the_same_pixels),
         cmocka_unit_test(exr_halves_are_the_nearest),
         cmocka_unit_test(exr_floats_are_the_same_bits),
+        cmocka_unit_test(exr_noise_is_the_same_bits),
         cmocka_unit_test(exr_header_says_what_it_was_told),
         cmocka_unit_test(bad_input_is_refused),
     };

@@ -22,6 +22,7 @@ struct writer {
     uint8_t *data;
     size_t size, capacity;
     bool no_memory;
+    exr_result_t (*compress)(exr_encode_pipeline_t *pipe); /* the library's */
 };
 
 /* --- the file, in memory ------------------------------------------------- */
@@ -198,7 +199,20 @@ static bool cancelled(const struct writer *w)
     return w->image->cancel && atomic_load(w->image->cancel);
 }
 
-static exr_result_t write_pixels(exr_context_t context, const struct writer *w)
+/* A chunk as long in the file as in memory is read as it is, but the library
+ * (3.1.5) writes the compressed bytes where they happen to be as many. */
+static exr_result_t compress(exr_encode_pipeline_t *pipe)
+{
+    const struct writer *w = pipe->encoding_user_data;
+    exr_result_t rc = w->compress(pipe);
+    if (rc == 0 && pipe->compressed_bytes == pipe->packed_bytes) {
+        memcpy(pipe->compressed_buffer, pipe->packed_buffer,
+               pipe->packed_bytes);
+    }
+    return rc;
+}
+
+static exr_result_t write_pixels(exr_context_t context, struct writer *w)
 {
     exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
     int32_t lines = 0;
@@ -214,6 +228,9 @@ static exr_result_t write_pixels(exr_context_t context, const struct writer *w)
         rc = rc ? rc : aim(w, &pipe, y);
         if (rc == 0 && y == 0) {
             rc = exr_encoding_choose_default_routines(context, 0, &pipe);
+            w->compress = pipe.compress_fn;
+            pipe.compress_fn = compress;
+            pipe.encoding_user_data = w;
         }
         rc = rc ? rc : exr_encoding_run(context, 0, &pipe);
     }
