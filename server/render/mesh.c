@@ -7,6 +7,9 @@
 
 #define CELL_PIXELS 8.0
 #define EDGE_SAMPLES 24 /* rays along each edge of the picture */
+#define MAX_COLUMNS (1 << 18) /* around; finer ones are below a float's angle */
+#define RING_ATTEMPTS 12 /* with larger cells, before columns become fewer */
+#define ATTEMPTS 40
 
 /* What a camera can see of the sea. */
 struct reach {
@@ -149,7 +152,8 @@ static int lay_rings(const struct pel_mesh_eye *eye, double start_m,
     return count;
 }
 
-static void add_block(struct pel_mesh *mesh, const struct reach *r,
+/* False: the vertices are too many. */
+static bool add_block(struct pel_mesh *mesh, const struct reach *r,
                       int first_ring, int last_ring, double margin_rad)
 {
     struct pel_mesh_block *b = &mesh->blocks[mesh->block_count];
@@ -162,20 +166,25 @@ static void add_block(struct pel_mesh *mesh, const struct reach *r,
         first = 0;
         columns = n + 1;
     }
+    int rings = last_ring - first_ring + 1;
+    if (rings > (PEL_MESH_MAX_VERTICES - mesh->vertex_count) / columns) {
+        return false;
+    }
     *b = (struct pel_mesh_block){
         .first_ring = first_ring,
-        .rings = last_ring - first_ring + 1,
+        .rings = rings,
         .first_column = ((first % n) + n) % n,
         .columns = columns,
         .base = mesh->vertex_count,
     };
-    mesh->vertex_count += b->rings * b->columns;
+    mesh->vertex_count += rings * columns;
     mesh->block_count++;
+    return true;
 }
 
 /* Near rings need a wider sector: what rests outside the picture's edge may be
- * carried into it. Each block doubles its distance. */
-static void choose_blocks(struct pel_mesh *mesh, const struct reach *r,
+ * carried into it. Each block doubles its distance. False: too many vertices. */
+static bool choose_blocks(struct pel_mesh *mesh, const struct reach *r,
                           double shift)
 {
     mesh->block_count = 0;
@@ -200,9 +209,12 @@ static void choose_blocks(struct pel_mesh *mesh, const struct reach *r,
                (final || mesh->rings[last].radius_m < (wide ? limit : 2.0 * start))) {
             last++;
         }
-        add_block(mesh, r, ring, last, margin);
+        if (!add_block(mesh, r, ring, last, margin)) {
+            return false;
+        }
         ring = last;
     }
+    return true;
 }
 
 void pel_mesh_plan(const struct pel_mesh_eye *eye,
@@ -214,28 +226,28 @@ void pel_mesh_plan(const struct pel_mesh_eye *eye,
     double dip = acos(pel_clamp(PEL_EARTH_RADIUS / big, -1.0, 1.0));
     double horizon_m = PEL_EARTH_RADIUS * dip;
     struct reach r = find_reach(camera, h, dip, shift);
-    out->columns_around = (int)ceil(2.0 * PEL_PI / (CELL_PIXELS * eye->pixel));
-    out->columns_around = out->columns_around < 24 ? 24 : out->columns_around;
-    out->column_rad = 2.0 * PEL_PI / out->columns_around;
+    double columns = ceil(2.0 * PEL_PI / (CELL_PIXELS * eye->pixel));
+    out->columns_around = (int)pel_clamp(columns, 24.0, MAX_COLUMNS);
     double start = 0.0, coarser = 1.0;
-    for (int attempt = 0; attempt < 40; attempt++) {
+    for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
+        out->column_rad = 2.0 * PEL_PI / out->columns_around;
         out->ring_count = lay_rings(eye, start, horizon_m, out->column_rad,
                                     coarser, out->rings);
-        if (out->ring_count > 0) {
-            choose_blocks(out, &r, shift);
-            if (out->vertex_count <= PEL_MESH_MAX_VERTICES) {
-                return;
-            }
+        if (out->ring_count > 0 && choose_blocks(out, &r, shift)) {
+            return;
         }
         /* First leave out what is nearer than the view needs, in powers of
-         * two so that neighbours agree; then use larger cells. */
+         * two so that neighbours agree; then use larger cells, and where a
+         * whole circle of such columns is too much, fewer of them. */
         double near_power = r.nearest_m > 1.0 && r.nearest_m < horizon_m
                                 ? exp2(floor(log2(r.nearest_m)))
                                 : 0.0;
         if (start < near_power) {
             start = near_power;
-        } else {
+        } else if (attempt < RING_ATTEMPTS || out->columns_around < 48) {
             coarser *= 1.5;
+        } else {
+            out->columns_around /= 2;
         }
     }
     out->ring_count = out->block_count = out->vertex_count = 0;

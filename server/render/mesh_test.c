@@ -239,6 +239,26 @@ static void neighbours_share_rings(void **state)
         }
 }
 
+/* The narrowest frusta that are legal, where whole circles of columns as fine
+ * as their pixels would be: straight up, straight down and level. */
+static void needles_are_bounded(void **state)
+{
+    (void)state;
+    static const double pitches[] = { 90.0, -90.0, 0.0, -45.0 };
+    test_sea(30.0, 15.0, 4, &sea);
+    for (int i = 0; i < 4 * 7; i++) {
+        struct pel_camera c = test_camera((struct test_look){
+            heights[i % 7], 0.0, pitches[i / 7], 0.0, 0.01, 4096, 4096 });
+        plan(&c);
+        assert_in_range(mesh.vertex_count, 0, PEL_MESH_MAX_VERTICES);
+        int sum = 0;
+        for (int b = 0; b < mesh.block_count; b++) {
+            sum += mesh.blocks[b].rings * mesh.blocks[b].columns;
+        }
+        assert_int_equal(sum, mesh.vertex_count);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -246,6 +266,7 @@ int main(void)
         cmocka_unit_test(blocks_hold_their_vertices),
         cmocka_unit_test(all_that_is_seen_is_in_it),
         cmocka_unit_test(neighbours_share_rings),
+        cmocka_unit_test(needles_are_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "optics/atmosphere.h"
 #include "render/shader.h"
 
 #define TRANSMITTANCE_WIDTH 256
@@ -127,7 +128,9 @@ struct pel_vec3 pel_sky_quantize_sun(struct pel_vec3 sun)
 
 double pel_sky_quantize_height(double height_m)
 {
-    return exp2(round(log2(fmax(height_m, 0.5)) * 16.0) / 16.0);
+    /* Above the atmosphere its top is as good: there is no light in between. */
+    double top_m = PEL_ATMOSPHERE_RADIUS - PEL_EARTH_RADIUS;
+    return fmin(exp2(round(log2(fmax(height_m, 0.5)) * 16.0) / 16.0), top_m);
 }
 
 static void draw_screen(GLuint program, GLuint fbo, GLsizei width,
