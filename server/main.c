@@ -57,7 +57,11 @@ static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
         .state_path = or_null(d->options.state),
         .wave_count = d->options.waves,
     };
-    return pel_scene_create(&options, &d->scene, fault);
+    enum pel_err err = pel_scene_create(&options, &d->scene, fault);
+    if (err == PEL_OK) {
+        pel_metrics_add(d->metrics, pel_scene_collect, d->scene);
+    }
+    return err;
 }
 
 static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
@@ -227,6 +231,9 @@ static bool finish(struct daemon *d)
     }
     pel_record_destroy(d->record);
     bool joined = pel_frames_destroy(d->frames);
+    if (d->scene) {
+        pel_metrics_remove(d->metrics, pel_scene_collect, d->scene);
+    }
     pel_scene_destroy(d->scene);
     if (joined) {
         pel_metrics_destroy(d->metrics);
@@ -236,8 +243,7 @@ static bool finish(struct daemon *d)
     return joined;
 }
 
-/* --- signals
- * ------------------------------------------------------------------ */
+/* --- signals -------------------------------------------------------------- */
 
 static gboolean drain(gpointer user)
 {
@@ -303,8 +309,7 @@ static void ready(void *user)
     }
 }
 
-/* --- main
- * --------------------------------------------------------------------- */
+/* --- main ----------------------------------------------------------------- */
 
 static int run(struct daemon *d)
 {

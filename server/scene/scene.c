@@ -18,7 +18,8 @@
 
 #define MAX_CALLBACKS 16
 #define MAX_STEP_S 3600.0
-#define SAVE_INTERVAL_MS 1000
+#define SAVE_INTERVAL_NS 1000000000 /* from one write to the next */
+#define SAVE_AGAIN_NS 5000000000    /* after one that failed */
 #define DEFAULT_WAVES 60
 
 struct pel_scene {
@@ -28,7 +29,9 @@ struct pel_scene {
     struct pel_simclock clock;
     struct pel_shared_sea *sea;
     const struct pel_snapshot *snapshot;
-    guint save_timer;            /* 0: nothing to write */
+    guint save_timer;     /* 0: nothing to write */
+    int64_t save_from_ns; /* not before */
+    uint64_t saves, failed_saves;
     pel_scene_listener listener; /* may be NULL */
     void *listener_user;
     size_t callback_count;
@@ -82,12 +85,24 @@ static void tell(struct pel_scene *scene, double time_s,
     }
 }
 
+static void save_soon(struct pel_scene *scene);
+
 static void save(struct pel_scene *scene)
 {
     static struct pel_log_limit limit;
     struct pel_fault fault;
-    if (pel_store_save(scene->state_path, pel_scene_state(scene), &fault)) {
+    enum pel_err err =
+        pel_store_save(scene->state_path, pel_scene_state(scene), &fault);
+    if (err) {
         pel_log_limited(&limit, PEL_LOG_ERROR, "SCN-003", "%s", fault.message);
+        scene->failed_saves++;
+    } else {
+        scene->saves++;
+    }
+    scene->save_from_ns =
+        pel_now_ns() + (err ? SAVE_AGAIN_NS : SAVE_INTERVAL_NS);
+    if (err) {
+        save_soon(scene);
     }
 }
 
@@ -102,8 +117,10 @@ static gboolean on_save_timer(gpointer user)
 static void save_soon(struct pel_scene *scene)
 {
     if (scene->state_path && scene->save_timer == 0) {
+        int64_t wait_ns = scene->save_from_ns - pel_now_ns();
         scene->save_timer =
-            g_timeout_add(SAVE_INTERVAL_MS, on_save_timer, scene);
+            g_timeout_add(wait_ns > 0 ? (guint)(wait_ns / 1000000) + 1 : 0,
+                          on_save_timer, scene);
     }
 }
 
@@ -299,15 +316,25 @@ void pel_scene_destroy(struct pel_scene *scene)
     if (!scene) {
         return;
     }
-    if (scene->save_timer != 0) {
-        g_source_remove(scene->save_timer);
-    }
     if (scene->state_path) {
         save(scene);
+    }
+    if (scene->save_timer != 0) {
+        g_source_remove(scene->save_timer);
     }
     pel_snapshot_unref(scene->snapshot);
     pel_shared_sea_unref(scene->sea);
     pelagos__state__free_unpacked(scene->state, NULL);
     g_free(scene->state_path);
     g_free(scene);
+}
+
+void pel_scene_collect(void *user, struct pel_metrics_page *page)
+{
+    const struct pel_scene *scene = user;
+    pel_metric(page, "pelagos_scene_saves_total", PEL_METRIC_COUNTER,
+               "Times the state file was written.", NULL, (double)scene->saves);
+    pel_metric(page, "pelagos_scene_save_errors_total", PEL_METRIC_COUNTER,
+               "Times the state file could not be written.", NULL,
+               (double)scene->failed_saves);
 }

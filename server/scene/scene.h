@@ -1,11 +1,13 @@
 /* The one scene: state, edit, test, commit. Control thread only.
  *
  * The state is a Pelagos__State with every field that has a default present;
- * a commit replaces it whole, writes the state file (write, fsync, rename)
- * within a second, and makes a new snapshot. */
+ * a commit replaces it whole and makes a new snapshot. The state file is
+ * written (write, fsync, rename) after the commit, but not twice within a
+ * second; where that fails, again every 5 s. */
 #pragma once
 
 #include "base/err.h"
+#include "base/metrics.h"
 #include "pelagos.pb-c.h"
 #include "scene/geodesy.h"
 #include "scene/snapshot.h"
@@ -71,3 +73,6 @@ void pel_scene_listen(struct pel_scene *scene, pel_scene_listener listener,
 /* Called after every commit, in order of registration; at most 16. */
 void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
                          void *user);
+
+/* Metrics of the state file; user is the scene (pel_metrics_collect). */
+void pel_scene_collect(void *user, struct pel_metrics_page *page);
