@@ -139,7 +139,9 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_parse.c server/bridges/nmea_values.c \
     server/bridges/nmea.c \
     server/bridges/modbus_map.c server/bridges/modbus_adu.c \
-    server/bridges/modbus.c
+    server/bridges/modbus.c \
+    server/bridges/console_table.c \
+    server/bridges/console.c
 OPTIONS := server/options.c server/options_print.c
 DAEMON := server/main.c server/service.c
 CLIENT := \
@@ -184,6 +186,7 @@ TESTS += proto/registers_test.c
 TESTS += server/bridges/nmea_parse_test.c
 TESTS += server/bridges/modbus_test.c
 TESTS += server/bridges/nmea_test.c
+TESTS += server/bridges/console_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c
@@ -203,6 +206,7 @@ TESTS += server/render/layer_test.c
 FUZZERS :=
 FUZZERS += tests/fuzz/fuzz_nmea.c
 FUZZERS += tests/fuzz/fuzz_modbus.c
+FUZZERS += tests/fuzz/fuzz_console.c
 FUZZERS += tests/fuzz/fuzz_json.c
 FUZZERS += tests/fuzz/fuzz_log.c
 FUZZERS += tests/fuzz/fuzz_protobuf.c

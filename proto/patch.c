@@ -1,5 +1,7 @@
 #include <glib.h>
+#include <limits.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -228,4 +230,41 @@ enum pel_err pel_path_set(Pelagos__Patch *patch, const Pelagos__State *now,
         pel_message_mark(message, target.field);
     }
     return PEL_OK;
+}
+
+enum pel_err pel_path_set_number(Pelagos__Patch *patch,
+                                 const Pelagos__State *now, const char *path,
+                                 double value, struct pel_fault *fault)
+{
+    struct pel_path_info info;
+    const ProtobufCEnumValue *named = NULL;
+    char text[40];
+    enum pel_err err = pel_path_find(path, &info, fault);
+    if (err) {
+        return err;
+    }
+    switch (info.field->type) {
+    case PROTOBUF_C_TYPE_ENUM:
+        if (value >= INT_MIN && value <= INT_MAX) {
+            named = protobuf_c_enum_descriptor_get_value(info.field->descriptor,
+                                                         (int)value);
+        }
+        if (!named) {
+            return pel_fault_set(fault, PEL_ERR_INVALID, "%s: no such value",
+                                 path);
+        }
+        return pel_path_set(patch, now, path, named->name, fault);
+    case PROTOBUF_C_TYPE_BOOL:
+        return pel_path_set(patch, now, path, value != 0 ? "true" : "false",
+                            fault);
+    case PROTOBUF_C_TYPE_UINT32:
+    case PROTOBUF_C_TYPE_UINT64:
+        snprintf(text, sizeof text, "%.0f", value);
+        return pel_path_set(patch, now, path, text, fault);
+    case PROTOBUF_C_TYPE_DOUBLE:
+        snprintf(text, sizeof text, "%.17g", value);
+        return pel_path_set(patch, now, path, text, fault);
+    default:
+        return pel_fault_set(fault, PEL_ERR_INVALID, "%s is no number", path);
+    }
 }

@@ -32,6 +32,13 @@ PEL_CHECK enum pel_err pel_path_set(Pelagos__Patch *patch,
                                     const Pelagos__State *now, const char *path,
                                     const char *value, struct pel_fault *fault);
 
+/* As pel_path_set, with a number: an enum's by its value, a bool by 0 and not
+ * 0, a whole number rounded. INVALID also for a field that is no number. */
+PEL_CHECK enum pel_err pel_path_set_number(Pelagos__Patch *patch,
+                                           const Pelagos__State *now,
+                                           const char *path, double value,
+                                           struct pel_fault *fault);
+
 /* A new patch for pel_path_set; pelagos__patch__free_unpacked(p, NULL). */
 Pelagos__Patch *pel_patch_new(void);
 

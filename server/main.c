@@ -9,6 +9,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/metrics.h"
+#include "bridges/console.h"
 #include "bridges/modbus.h"
 #include "bridges/nmea.h"
 #include "frames/frames.h"
@@ -33,6 +34,7 @@ struct daemon {
     struct pel_metrics *metrics;
     struct pel_net *net;
     struct pel_modbus *modbus;
+    struct pel_console *console;
     struct pel_nmea *nmea;
     struct pel_service *service;
     char http_host[64], tcp_host[64]; /* the net keeps pointers */
@@ -141,6 +143,28 @@ static enum pel_err start_nmea(struct daemon *d, struct pel_fault *fault)
     return pel_nmea_create(&options, d->scene, &d->nmea, fault);
 }
 
+/* In the options' order of words. */
+static const enum pel_modbus_order orders[] = {
+    PEL_MODBUS_ABCD, PEL_MODBUS_CDAB, PEL_MODBUS_BADC, PEL_MODBUS_DCBA
+};
+
+static enum pel_err start_console(struct daemon *d, struct pel_fault *fault)
+{
+    struct pel_console_options options = pel_console_default_options();
+    options.server = d->options.console;
+    options.table_path = d->options.console_table;
+    options.order = orders[d->options.console_order];
+    options.rate_hz = d->options.console_rate;
+    options.unit = d->options.console_unit;
+    options.timeout_ms = d->options.console_timeout_ms;
+    options.stale_ms = d->options.console_stale_ms;
+    options.metrics = d->metrics;
+    if (!*d->options.console) {
+        return PEL_OK;
+    }
+    return pel_console_create(&options, d->scene, &d->console, fault);
+}
+
 static uint64_t sum(const uint64_t *values, size_t count)
 {
     uint64_t total = 0;
@@ -180,9 +204,6 @@ static void modbus_status(void *user, struct pel_modbus_status *status)
 
 static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
 {
-    static const enum pel_modbus_order orders[] = {
-        PEL_MODBUS_ABCD, PEL_MODBUS_CDAB, PEL_MODBUS_BADC, PEL_MODBUS_DCBA
-    };
     struct pel_modbus_options options = pel_modbus_default_options();
     options.listen = d->options.modbus;
     options.allow = or_null(d->options.modbus_allow);
@@ -203,8 +224,8 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
 static enum pel_err start(struct daemon *d, struct pel_fault *fault)
 {
     enum pel_err (*const parts[])(struct daemon *, struct pel_fault *) = {
-        start_scene, start_frames, start_record,
-        start_net,   start_nmea,   start_modbus
+        start_scene, start_frames,  start_record, start_net,
+        start_nmea,  start_console, start_modbus
     };
     d->metrics = pel_metrics_create();
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
@@ -221,6 +242,7 @@ static bool finish(struct daemon *d)
 {
     pel_service_stopping(d->service);
     pel_modbus_destroy(d->modbus);
+    pel_console_destroy(d->console);
     pel_nmea_destroy(d->nmea);
     pel_net_destroy(d->net);
     if (d->frames) {

@@ -83,6 +83,26 @@ const struct pel_option pel_option_table[] = {
     { "modbus-extrapolate", "bridges", PEL_OPTION_INT, "MS", "5000", 0, 60000,
       "ms", .offset = FIELD(modbus_extrapolate_ms),
       .help = "How long the ship is reckoned on when its source is stale." },
+    { "console", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
+      .offset = FIELD(console),
+      .help = "Modbus/TCP server of a bridge console, whose registers are "
+              "polled." },
+    { "console-table", "bridges", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(console_table),
+      .help = "Which registers of the console set which fields." },
+    { "console-rate", "bridges", PEL_OPTION_DOUBLE, "HZ", "10", 0.1, 100, "Hz",
+      .offset = FIELD(console_rate), .help = "Polls of the console a second." },
+    { "console-order", "bridges", PEL_OPTION_CHOICE, "ORDER", "abcd",
+      .choices = order_words, .offset = FIELD(console_order),
+      .help = "Order of the bytes of the console's 32-bit values." },
+    { "console-unit", "bridges", PEL_OPTION_INT, "UNIT", "1", 0, 255, "",
+      .offset = FIELD(console_unit), .help = "Unit of the console." },
+    { "console-timeout", "bridges", PEL_OPTION_INT, "MS", "500", 10, 10000,
+      "ms", .offset = FIELD(console_timeout_ms),
+      .help = "How long the console may take to answer." },
+    { "console-stale", "bridges", PEL_OPTION_INT, "MS", "2000", 100, 60000,
+      "ms", .offset = FIELD(console_stale_ms),
+      .help = "Silence of the console that makes it stale." },
     { "nmea", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
       "127.0.0.1:10110", .offset = FIELD(nmea),
       .help = "UDP port that takes NMEA 0183." },
@@ -512,6 +532,10 @@ enum pel_err pel_options_check(const struct pel_options *options,
                              "--device: '%.60s' is neither auto, software nor "
                              "a number within 0 .. 999",
                              options->device);
+    }
+    if (!*options->console != !*options->console_table) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "--console and --console-table go together");
     }
     for (size_t i = 0; i < sizeof open / sizeof *open; i++) {
         if (is_loopback(open[i].address) || (open[i].allow && *open[i].allow)) {

@@ -29,6 +29,9 @@ struct pel_options {
     char modbus[PEL_OPTION_TEXT], modbus_allow[PEL_OPTION_TEXT];
     int modbus_order, modbus_unit, modbus_clients;
     int modbus_heartbeat_ms, modbus_extrapolate_ms;
+    char console[PEL_OPTION_TEXT], console_table[PEL_OPTION_TEXT];
+    int console_order, console_unit, console_timeout_ms, console_stale_ms;
+    double console_rate;
     char nmea[PEL_OPTION_TEXT], nmea_allow[PEL_OPTION_TEXT];
     int nmea_entity, nmea_wind;
     bool nmea_ais;

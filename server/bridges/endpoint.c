@@ -110,8 +110,8 @@ bool pel_allow_has(const struct pel_allow *allow, const struct sockaddr *peer)
 }
 
 /* "HOST:PORT" or "[HOST]:PORT" to a socket address. */
-static bool read_address(const char *text, struct sockaddr_storage *out,
-                         socklen_t *size)
+bool pel_endpoint_read(const char *text, struct sockaddr_storage *out,
+                       socklen_t *size)
 {
     const char *colon = strrchr(text, ':');
     char host[64];
@@ -163,7 +163,7 @@ enum pel_err pel_endpoint_open(const char *what, const char *address,
 {
     struct sockaddr_storage name;
     socklen_t size;
-    if (!read_address(address, &name, &size)) {
+    if (!pel_endpoint_read(address, &name, &size)) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "%s: %s is no ADDRESS:PORT; write 127.0.0.1:1502 "
                              "or [::1]:1502",

@@ -345,35 +345,6 @@ static enum pel_modbus_exception stage(struct pel_modbus_map *map,
     }
 }
 
-static enum pel_err set_number(Pelagos__Patch *patch, const Pelagos__State *now,
-                               const char *path, double value,
-                               struct pel_fault *fault)
-{
-    struct pel_path_info info;
-    char text[40];
-    enum pel_err err = pel_path_find(path, &info, fault);
-    if (err) {
-        return err;
-    }
-    switch (info.field->type) {
-    case PROTOBUF_C_TYPE_ENUM: {
-        const ProtobufCEnumValue *named = protobuf_c_enum_descriptor_get_value(
-            info.field->descriptor, (int)value);
-        if (!named) {
-            return pel_fault_set(fault, PEL_ERR_INVALID, "no such value");
-        }
-        return pel_path_set(patch, now, path, named->name, fault);
-    }
-    case PROTOBUF_C_TYPE_UINT32:
-        snprintf(text, sizeof text, "%.0f", value);
-        break;
-    default:
-        snprintf(text, sizeof text, "%.17g", value);
-        break;
-    }
-    return pel_path_set(patch, now, path, text, fault);
-}
-
 static enum pel_err set_sun(struct pel_modbus_map *map, Pelagos__Patch *patch,
                             bool from_clock, struct pel_fault *fault)
 {
@@ -383,7 +354,7 @@ static enum pel_err set_sun(struct pel_modbus_map *map, Pelagos__Patch *patch,
     for (int i = 0; i < 2; i++) {
         enum pel_err err =
             from_clock ? pel_path_set(patch, NULL, paths[i], NULL, fault)
-                       : set_number(patch, NULL, paths[i], sun[i], fault);
+                       : pel_path_set_number(patch, NULL, paths[i], sun[i], fault);
         if (err) {
             return err;
         }
@@ -409,7 +380,7 @@ static enum pel_err build_patch(struct pel_modbus_map *map,
             return pel_fault_set(fault, PEL_ERR_NOT_FOUND, "%s: no such view",
                                  pel_registers[i].path);
         }
-        err = set_number(patch, pel_scene_state(map->scene), path,
+        err = pel_path_set_number(patch, pel_scene_state(map->scene), path,
                          map->staged[i].value, fault);
     }
     return err;
