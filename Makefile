@@ -20,7 +20,9 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     glslang-tools libmicrohttpd-dev libjson-glib-dev libmodbus-dev \
     libturbojpeg0-dev libspng-dev libopenexr-dev libsystemd-dev \
     libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev \
-    gstreamer1.0-plugins-base gstreamer1.0-plugins-good
+    gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
+    gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
+    libgstrtspserver-1.0-dev libwslay-dev libyuv-dev
 TEST_PACKAGES := libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
     python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
@@ -28,7 +30,8 @@ TEST_PACKAGES := libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd json-glib-1.0 \
-    libprotobuf-c libmodbus libturbojpeg spng OpenEXR libsystemd
+    libprotobuf-c libmodbus libturbojpeg spng OpenEXR libsystemd \
+    gstreamer-1.0 gstreamer-app-1.0 gstreamer-video-1.0
 
 # --- flags ----------------------------------------------------------------
 CC := gcc
@@ -50,7 +53,7 @@ CFLAGS += -std=c17 $(OPT) $(WARN) -ffp-contract=off -fvisibility=hidden -pthread
 # Asked once, and only when something is compiled: pkg-config may not be there
 # before `make deps` has run.
 PKG_CFLAGS = $(eval PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS)))$(PKG_CFLAGS)
-PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -lm)$(PKG_LIBS)
+PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -lyuv -lwslay -lm)$(PKG_LIBS)
 # GStreamer muxes what pelagosctl records; the daemon does not link it.
 CTL_PKGS := gstreamer-1.0 gstreamer-app-1.0
 CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
@@ -107,7 +110,9 @@ RENDER := server/render/context.c server/render/shader.c \
     server/render/tiles.c server/render/wavefield.c server/render/layer.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
-    server/encode/exr.c
+    server/encode/exr.c \
+    server/encode/gst.c \
+    server/encode/video.c
 FRAMES := server/frames/frame.c server/frames/mailbox.c \
     server/frames/pool.c \
     server/frames/renderloop.c \
@@ -178,6 +183,7 @@ TESTS += server/optics/transport_test.c
 TESTS += server/optics/waterbody_test.c
 TESTS += server/optics/watertable_test.c
 TESTS += server/encode/encode_test.c
+TESTS += server/encode/video_test.c
 TESTS += server/net/net_test.c
 TESTS += server/options_test.c
 TESTS += server/frames/frames_test.c

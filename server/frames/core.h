@@ -34,12 +34,19 @@ struct pel_frame_request {
     void *user;
 };
 
-struct pel_stream; /* (view, quality) */
+struct pel_stream; /* (view, profile) */
+
+enum pel_flow {
+    PEL_FLOW_RUNS,
+    PEL_FLOW_AWAITS_KEY,
+    PEL_FLOW_PAUSED,
+};
 
 struct pel_subscription {
     struct pel_frames *frames;
     struct pel_stream *stream; /* NULL: its view is gone */
-    bool dead;                 /* unsubscribed while callbacks run */
+    enum pel_flow flow;
+    bool dead; /* unsubscribed while callbacks run */
     pel_frame_callback on_frame;
     void *user;
     struct pel_subscription *next; /* of all subscriptions */
@@ -48,8 +55,12 @@ struct pel_subscription {
 struct pel_stream {
     uint32_t serial; /* 0: not used */
     char view[PEL_NAME_SIZE];
-    int quality;
+    struct pel_profile profile;
     unsigned subscribers;
+    unsigned paused;         /* of them */
+    struct pel_track *track; /* of H.264 */
+    int64_t key_due_ns;      /* a key frame is wanted from then on; 0: none */
+    int64_t key_ns;          /* when one was last wanted of the encoder */
 };
 
 /* The last PEL_STATS_WINDOW values. */
@@ -77,6 +88,8 @@ struct pel_frames {
     struct pel_stream streams[PEL_MAX_STREAMS];
     struct pel_subscription *subscriptions;
     unsigned subscription_count; /* with a stream */
+    unsigned running_count;      /* of them not paused */
+    const char *video_encoder;
     unsigned calling;            /* depth of callbacks to subscribers */
     unsigned surface_count;
     struct pel_surface_query *surfaces[PEL_MAX_SURFACE_QUERIES];
@@ -84,7 +97,7 @@ struct pel_frames {
     int64_t launched_ns;
     uint64_t stuck_number; /* frame that was last complained about */
     struct pel_frames_stats stats;
-    struct pel_window render_ms, encode_ms;
+    struct pel_window render_ms, encode_ms, video_ms;
 };
 
 /* --- schedule.c: frames begin and end ------------------------------------ */
@@ -115,9 +128,16 @@ void pel_requests_finish_all(struct pel_frames *frames);
 
 /* Ends the streams whose view is not in the snapshot. */
 void pel_live_check(struct pel_frames *frames, const struct pel_snapshot *s);
-/* Gives a frame to the subscribers of stream `serial`. */
+/* What the stream adds to a job that begins now: false nothing, as nobody can
+ * use it or its encoder is behind. */
+bool pel_live_output(struct pel_frames *frames, struct pel_stream *stream,
+                     struct pel_output *want);
+/* It did; `key`: with a key frame. */
+void pel_live_began(struct pel_stream *stream, bool key);
+/* Gives a frame to the subscribers of stream `serial`; why: of the error. */
 void pel_live_deliver(struct pel_frames *frames, uint32_t serial,
-                      enum pel_err err, struct pel_frame *frame);
+                      enum pel_err err, const char *why,
+                      struct pel_frame *frame);
 void pel_live_finish(struct pel_frames *frames);
 
 /* --- surface.c ----------------------------------------------------------- */

@@ -43,3 +43,32 @@ void pel_frame_unref(struct pel_frame *frame)
         free(f);
     }
 }
+
+struct pel_track *pel_track_create(const struct pel_video_config *config)
+{
+    struct pel_track *track = calloc(1, sizeof *track);
+    if (!track) {
+        return NULL;
+    }
+    atomic_init(&track->references, 1);
+    track->video = pel_video_create(config);
+    if (!track->video) {
+        free(track);
+        return NULL;
+    }
+    return track;
+}
+
+struct pel_track *pel_track_ref(struct pel_track *track)
+{
+    atomic_fetch_add(&track->references, 1);
+    return track;
+}
+
+void pel_track_unref(struct pel_track *track)
+{
+    if (track && atomic_fetch_sub(&track->references, 1) == 1) {
+        pel_video_destroy(track->video);
+        free(track);
+    }
+}

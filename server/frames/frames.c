@@ -19,6 +19,8 @@ static void receive(void *user, struct pel_mail *mail)
     case PEL_MAIL_SURFACE:
         pel_surface_answer(frames, (struct pel_surface_query *)mail);
         break;
+    case PEL_MAIL_TRACK:
+        break;
     }
 }
 
@@ -61,6 +63,7 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
     pel_mailbox_init(&frames->box, context, receive, frames);
     frames->scene = scene;
     frames->max_fps = pel_clamp(o->max_fps, 1, 240);
+    frames->video_encoder = o->video_encoder;
     frames->jobs = calloc(PEL_JOB_COUNT, sizeof *frames->jobs);
     if (!frames->jobs) {
         goto fail;
@@ -113,6 +116,7 @@ static void drop_jobs(struct pel_frames *frames)
         struct pel_job *job = &frames->jobs[i];
         for (size_t k = 0; job->used && k < job->output_count; k++) {
             pel_frame_unref(job->outputs[k].frame);
+            pel_track_unref(job->outputs[k].track);
         }
         if (job->used) {
             pel_snapshot_unref(job->snapshot);
@@ -144,6 +148,9 @@ bool pel_frames_destroy(struct pel_frames *frames)
     pel_pool_destroy(frames->pool);
     pel_mailbox_finish(&frames->box);
     drop_jobs(frames);
+    for (int i = 0; i < PEL_MAX_STREAMS; i++) {
+        pel_track_unref(frames->streams[i].track);
+    }
     free(frames);
     return true;
 }
@@ -161,12 +168,13 @@ void pel_frames_get_stats(const struct pel_frames *frames,
     out->render_ms_median = pel_window_rank(&frames->render_ms, 0.5);
     out->render_ms_p95 = pel_window_rank(&frames->render_ms, 0.95);
     out->encode_ms_median = pel_window_rank(&frames->encode_ms, 0.5);
+    out->video_ms_median = pel_window_rank(&frames->video_ms, 0.5);
 }
 
 void pel_frames_set_max_fps(struct pel_frames *frames, double max_fps)
 {
     frames->max_fps = pel_clamp(max_fps, 1, 240);
-    if (frames->subscription_count > 0) {
+    if (frames->running_count > 0) {
         pel_schedule_live(frames);
     }
 }

@@ -24,6 +24,8 @@ struct pel_frames_options {
     bool gl_debug;
     double max_fps;      /* cap of live views, 1..240 */
     int encoder_threads; /* 0: one a core, at most 4 */
+    /* H.264 by this GStreamer element; NULL or "auto": the best there is. */
+    const char *video_encoder;
 };
 
 /* Starts the threads and waits until the GL context stands. */
@@ -41,6 +43,11 @@ bool pel_frames_destroy(struct pel_frames *frames);
 /* GL_RENDERER of the device in use. */
 const char *pel_frames_device(const struct pel_frames *frames);
 
+enum pel_codec {
+    PEL_CODEC_PICTURE, /* JPEG, PNG or EXR, as the format says */
+    PEL_CODEC_H264,    /* an Annex B access unit of a stream */
+};
+
 /* An encoded picture, immutable and reference counted (any thread). */
 struct pel_frame {
     char view[PEL_NAME_SIZE];
@@ -49,7 +56,9 @@ struct pel_frame {
     double time_s;     /* simulated */
     double exposure_ev;
     uint32_t width, height;
-    Pelagos__FrameFormat format;
+    enum pel_codec codec;
+    Pelagos__FrameFormat format; /* of PEL_CODEC_PICTURE */
+    bool key;                    /* can be shown without those before it */
     int64_t requested_ns, drawn_ns, encoded_ns; /* CLOCK_MONOTONIC */
     double render_ms, encode_ms;
     const uint8_t *data;
@@ -96,6 +105,45 @@ pel_frames_subscribe(struct pel_frames *frames, const char *view, int quality,
                      struct pel_subscription **out, struct pel_fault *fault);
 void pel_frames_unsubscribe(struct pel_subscription *subscription);
 
+/* What a live view is encoded as. */
+struct pel_profile {
+    enum pel_codec codec;   /* PICTURE: JPEG */
+    uint32_t width, height; /* 16..4096 px, 0: the view's */
+    int quality;            /* of JPEG, 1..100 */
+    unsigned kbps;          /* of H.264, 100..100000 kbit/s, 0: by the size */
+};
+
+/* As pel_frames_subscribe, in any profile: encoded once for each (view,
+ * profile) whatever the number of subscribers. An H.264 subscription begins
+ * with a key frame, which is asked for at once (five a second at most), and
+ * then gets every frame in order. Its callback gets NOT_FOUND too, once and
+ * for good, when there is no encoder. OUT_OF_RANGE for a bad profile. */
+PEL_CHECK enum pel_err
+pel_frames_open(struct pel_frames *frames, const char *view,
+                const struct pel_profile *profile, pel_frame_callback on_frame,
+                void *user, struct pel_subscription **out,
+                struct pel_fault *fault);
+
+/* Another profile from the next frame on. The only subscriber of an H.264
+ * stream changes its rate in the running encoder; else the subscription moves
+ * and begins with a key frame. Errors leave it as it was; CONFLICT when its
+ * view is gone. */
+PEL_CHECK enum pel_err
+pel_frames_change(struct pel_subscription *subscription,
+                  const struct pel_profile *profile, struct pel_fault *fault);
+
+/* No frames until pel_frames_resync: nothing is drawn or encoded for those who
+ * cannot take it. */
+void pel_frames_pause(struct pel_subscription *subscription);
+
+/* Goes on, in H.264 with the next key frame. `urgent` asks for that as a new
+ * subscriber does; otherwise a stream is asked once a second at most. Also for
+ * a subscriber that has lost frames or wants a key frame from time to time. */
+void pel_frames_resync(struct pel_subscription *subscription, bool urgent);
+
+/* Asks for a key frame among the others, once a second at most. */
+void pel_frames_want_key(struct pel_subscription *subscription);
+
 /* Surface heights off the control thread, from the sea of the present
  * snapshot. points is copied; at most 10,000 and 16 queries waiting. */
 typedef void (*pel_surface_callback)(void *user, enum pel_err err,
@@ -116,6 +164,8 @@ struct pel_frames_stats {
     uint64_t pictures_encoded, encoded_bytes, requests_refused;
     double render_ms_median, render_ms_p95; /* of the last 256 views */
     double encode_ms_median;
+    uint64_t video_frames, video_bytes, video_keys; /* H.264 among them */
+    double video_ms_median;
     unsigned subscriptions, requests_waiting;
 };
 void pel_frames_get_stats(const struct pel_frames *frames,

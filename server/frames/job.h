@@ -8,6 +8,7 @@
 
 #include "base/err.h"
 #include "encode/encode.h"
+#include "encode/video.h"
 #include "frames/frames.h"
 #include "render/renderer.h"
 
@@ -17,6 +18,7 @@ enum pel_mail_kind {
     PEL_MAIL_JOB_DRAWN, /* every picture is with the encoders, or failed */
     PEL_MAIL_OUTPUT,    /* encoded, or failed */
     PEL_MAIL_SURFACE,
+    PEL_MAIL_TRACK, /* to the encoders only: this stream is over */
 };
 
 /* Link of every queue; the first member of what it links. */
@@ -27,6 +29,20 @@ struct pel_mail {
 
 struct pel_job;
 
+/* An H.264 encoder of a stream: its pictures go through it in order, one at a
+ * time. References: the stream's and each output's. */
+struct pel_track {
+    struct pel_mail mail; /* of its end */
+    atomic_int references;
+    bool busy; /* with an encoder thread; the pool's lock protects it */
+    struct pel_video *video;
+};
+/* NULL: no memory. */
+struct pel_track *pel_track_create(const struct pel_video_config *config);
+struct pel_track *pel_track_ref(struct pel_track *track);
+void pel_track_unref(struct pel_track *track); /* NULL allowed; may wait some
+                                                * ms for GStreamer's threads */
+
 struct pel_output {
     struct pel_mail mail;
     struct pel_job *job;
@@ -36,9 +52,13 @@ struct pel_output {
     bool float_samples;
     unsigned layers; /* of enum pel_layer, for EXR */
     uint32_t stream; /* serial of the live stream it feeds, 0: none */
+    struct pel_track *track; /* H.264 by this one, else NULL */
+    unsigned kbps;
+    bool want_key;
     bool done;       /* control thread */
     bool delivered;  /* control thread */
     enum pel_err err;
+    char why[160];           /* of an error, or "" */
     struct pel_frame *frame; /* NULL on error */
 };
 

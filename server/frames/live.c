@@ -2,27 +2,92 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "frames/core.h"
 
-static struct pel_stream *find_stream(struct pel_frames *frames,
-                                      const char *view, int quality)
+/* Between two key frames of a stream: that newcomers make, that those who fell
+ * behind make. */
+#define JOIN_KEY_NS 200000000LL
+#define RESYNC_KEY_NS 1000000000LL
+/* Pictures of an H.264 stream under way: one being drawn, one being encoded,
+ * one to spare. More would only be late. */
+#define MAX_UNDER_WAY 3
+
+/* --- streams ------------------------------------------------------------- */
+
+static bool same_profile(const struct pel_profile *a,
+                         const struct pel_profile *b)
 {
-    struct pel_stream *unused = NULL;
+    return a->codec == b->codec && a->width == b->width &&
+           a->height == b->height &&
+           (a->codec == PEL_CODEC_H264 ? a->kbps == b->kbps
+                                       : a->quality == b->quality);
+}
+
+static struct pel_stream *find_stream(struct pel_frames *frames,
+                                      const char *view,
+                                      const struct pel_profile *profile)
+{
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {
         struct pel_stream *stream = &frames->streams[i];
-        if (stream->serial == 0) {
-            unused = unused ? unused : stream;
-        } else if (stream->quality == quality &&
-                   strcmp(stream->view, view) == 0) {
+        if (stream->serial != 0 && same_profile(&stream->profile, profile) &&
+            strcmp(stream->view, view) == 0) {
             return stream;
         }
     }
-    if (unused) {
-        *unused = (struct pel_stream){ .quality = quality };
-        snprintf(unused->view, sizeof unused->view, "%s", view);
-    }
-    return unused;
+    return NULL;
 }
+
+/* NULL: no room, or no memory. */
+static struct pel_stream *make_stream(struct pel_frames *frames,
+                                      const char *view,
+                                      const struct pel_profile *profile)
+{
+    struct pel_stream *stream = NULL;
+    for (int i = 0; !stream && i < PEL_MAX_STREAMS; i++) {
+        stream = frames->streams[i].serial == 0 ? &frames->streams[i] : NULL;
+    }
+    if (!stream) {
+        return NULL;
+    }
+    *stream = (struct pel_stream){ .profile = *profile };
+    snprintf(stream->view, sizeof stream->view, "%s", view);
+    if (profile->codec == PEL_CODEC_H264) {
+        struct pel_video_config config = {
+            .encoder = frames->video_encoder,
+            .fps = frames->max_fps,
+            .cancel = pel_pool_cancel(frames->pool),
+        };
+        stream->track = pel_track_create(&config);
+        if (!stream->track) {
+            return NULL;
+        }
+    }
+    stream->serial = ++frames->last_serial;
+    return stream;
+}
+
+static void end_stream(struct pel_frames *frames, struct pel_stream *stream)
+{
+    if (stream->track) {
+        pel_pool_push_track(frames->pool, stream->track);
+    }
+    *stream = (struct pel_stream){ 0 };
+}
+
+/* A key frame from `wait` after the last one on, or sooner if that was
+ * wanted already. */
+static void want_key(struct pel_stream *stream, int64_t wait)
+{
+    int64_t now = pel_now_ns();
+    int64_t due = stream->key_ns ? stream->key_ns + wait : now;
+    due = due > now ? due : now;
+    if (stream->key_due_ns == 0 || due < stream->key_due_ns) {
+        stream->key_due_ns = due;
+    }
+}
+
+/* --- refusals ------------------------------------------------------------ */
 
 static enum pel_err refuse(struct pel_frames *frames, struct pel_fault *fault,
                            enum pel_err code, const char *path,
@@ -37,18 +102,54 @@ static enum pel_err refuse(struct pel_frames *frames, struct pel_fault *fault,
     return code;
 }
 
+/* Whether a number of a profile is within its range; 0 may stand for none. */
+static enum pel_err check_number(struct pel_frames *frames, const char *name,
+                                 unsigned value, bool or_zero, unsigned minimum,
+                                 unsigned maximum, struct pel_fault *fault)
+{
+    char text[16], message[96];
+    if ((or_zero && value == 0) || (value >= minimum && value <= maximum)) {
+        return PEL_OK;
+    }
+    snprintf(text, sizeof text, "%d", (int)value);
+    snprintf(message, sizeof message, "%s is outside %u .. %u", name, minimum,
+             maximum);
+    refuse(frames, fault, PEL_ERR_OUT_OF_RANGE, name, text, message);
+    if (fault) {
+        fault->minimum = minimum;
+        fault->maximum = maximum;
+    }
+    return PEL_ERR_OUT_OF_RANGE;
+}
+
+static enum pel_err check_profile(struct pel_frames *frames,
+                                  const struct pel_profile *p,
+                                  struct pel_fault *fault)
+{
+    enum pel_err err = check_number(frames, "width", p->width, true,
+                                    PEL_VIDEO_MIN_SIZE, PEL_VIDEO_MAX_SIZE,
+                                    fault);
+    if (err == PEL_OK) {
+        err = check_number(frames, "height", p->height, true,
+                           PEL_VIDEO_MIN_SIZE, PEL_VIDEO_MAX_SIZE, fault);
+    }
+    if (err == PEL_OK && p->codec == PEL_CODEC_H264) {
+        err = check_number(frames, "bitrate", p->kbps, true, PEL_VIDEO_MIN_KBPS,
+                           PEL_VIDEO_MAX_KBPS, fault);
+    } else if (err == PEL_OK) {
+        err = check_number(frames, "quality", (unsigned)p->quality, false, 1,
+                           100, fault);
+    }
+    return err;
+}
+
 static enum pel_err check(struct pel_frames *frames, const char *view,
-                          int quality, struct pel_fault *fault)
+                          const struct pel_profile *profile,
+                          struct pel_fault *fault)
 {
     if (frames->stopping) {
         return refuse(frames, fault, PEL_ERR_CONFLICT, "", "",
                       "the daemon is stopping");
-    }
-    if (quality < 1 || quality > 100) {
-        char value[16];
-        snprintf(value, sizeof value, "%d", quality);
-        return refuse(frames, fault, PEL_ERR_OUT_OF_RANGE, "quality", value,
-                      "quality is outside 1 .. 100");
     }
     const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
     int index = pel_snapshot_find_view(s, view);
@@ -57,6 +158,77 @@ static enum pel_err check(struct pel_frames *frames, const char *view,
         return refuse(frames, fault, PEL_ERR_NOT_FOUND, "view", view,
                       "no such view");
     }
+    return check_profile(frames, profile, fault);
+}
+
+/* --- subscriptions ------------------------------------------------------- */
+
+static void attach(struct pel_subscription *subscription,
+                   struct pel_stream *stream)
+{
+    struct pel_frames *frames = subscription->frames;
+    bool video = stream->profile.codec == PEL_CODEC_H264;
+    subscription->stream = stream;
+    subscription->flow = video ? PEL_FLOW_AWAITS_KEY : PEL_FLOW_RUNS;
+    stream->subscribers++;
+    frames->subscription_count++;
+    frames->running_count++;
+    if (video) {
+        want_key(stream, JOIN_KEY_NS);
+    }
+}
+
+static void detach(struct pel_subscription *subscription)
+{
+    struct pel_frames *frames = subscription->frames;
+    struct pel_stream *stream = subscription->stream;
+    if (stream) {
+        bool paused = subscription->flow == PEL_FLOW_PAUSED;
+        subscription->stream = NULL;
+        frames->subscription_count--;
+        frames->running_count -= !paused;
+        stream->paused -= paused;
+        if (--stream->subscribers == 0) {
+            end_stream(frames, stream);
+        }
+    }
+}
+
+enum pel_err pel_frames_open(struct pel_frames *frames, const char *view,
+                             const struct pel_profile *profile,
+                             pel_frame_callback on_frame, void *user,
+                             struct pel_subscription **out,
+                             struct pel_fault *fault)
+{
+    enum pel_err err = check(frames, view, profile, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
+    struct pel_stream *stream = find_stream(frames, view, profile);
+    if (frames->subscription_count < PEL_MAX_SUBSCRIPTIONS && !stream) {
+        stream = make_stream(frames, view, profile);
+    }
+    if (!stream || frames->subscription_count == PEL_MAX_SUBSCRIPTIONS) {
+        return refuse(frames, fault, PEL_ERR_BUSY, "", "",
+                      "too many live views are open");
+    }
+    struct pel_subscription *subscription = calloc(1, sizeof *subscription);
+    if (!subscription) {
+        if (stream->subscribers == 0) {
+            end_stream(frames, stream);
+        }
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    }
+    *subscription = (struct pel_subscription){
+        .frames = frames,
+        .on_frame = on_frame,
+        .user = user,
+        .next = frames->subscriptions,
+    };
+    attach(subscription, stream);
+    frames->subscriptions = subscription;
+    *out = subscription;
+    pel_schedule_live(frames);
     return PEL_OK;
 }
 
@@ -65,35 +237,76 @@ enum pel_err pel_frames_subscribe(struct pel_frames *frames, const char *view,
                                   void *user, struct pel_subscription **out,
                                   struct pel_fault *fault)
 {
-    enum pel_err err = check(frames, view, quality, fault);
-    if (err != PEL_OK) {
+    struct pel_profile profile = { .quality = quality };
+    return pel_frames_open(frames, view, &profile, on_frame, user, out, fault);
+}
+
+enum pel_err pel_frames_change(struct pel_subscription *subscription,
+                               const struct pel_profile *profile,
+                               struct pel_fault *fault)
+{
+    struct pel_frames *frames = subscription->frames;
+    struct pel_stream *stream = subscription->stream;
+    if (!stream) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT, "the view is gone");
+    }
+    enum pel_err err = check(frames, stream->view, profile, fault);
+    if (err != PEL_OK || same_profile(&stream->profile, profile)) {
         return err;
     }
-    struct pel_stream *stream = find_stream(frames, view, quality);
-    if (!stream || frames->subscription_count == PEL_MAX_SUBSCRIPTIONS) {
+    struct pel_profile rate = stream->profile;
+    rate.kbps = profile->kbps;
+    struct pel_stream *other = find_stream(frames, stream->view, profile);
+    if (!other && stream->subscribers == 1 && same_profile(&rate, profile)) {
+        stream->profile = *profile;
+        return PEL_OK;
+    }
+    other = other ? other : make_stream(frames, stream->view, profile);
+    if (!other) {
         return refuse(frames, fault, PEL_ERR_BUSY, "", "",
                       "too many live views are open");
     }
-    struct pel_subscription *subscription = calloc(1, sizeof *subscription);
-    if (!subscription) {
-        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
-    }
-    if (stream->serial == 0) {
-        stream->serial = ++frames->last_serial;
-    }
-    stream->subscribers++;
-    *subscription = (struct pel_subscription){
-        .frames = frames,
-        .stream = stream,
-        .on_frame = on_frame,
-        .user = user,
-        .next = frames->subscriptions,
-    };
-    frames->subscriptions = subscription;
-    frames->subscription_count++;
-    *out = subscription;
+    detach(subscription);
+    attach(subscription, other);
     pel_schedule_live(frames);
     return PEL_OK;
+}
+
+void pel_frames_pause(struct pel_subscription *subscription)
+{
+    struct pel_frames *frames = subscription->frames;
+    if (subscription->stream && subscription->flow != PEL_FLOW_PAUSED) {
+        subscription->flow = PEL_FLOW_PAUSED;
+        subscription->stream->paused++;
+        frames->running_count--;
+        pel_schedule_live(frames);
+    }
+}
+
+void pel_frames_resync(struct pel_subscription *subscription, bool urgent)
+{
+    struct pel_frames *frames = subscription->frames;
+    struct pel_stream *stream = subscription->stream;
+    if (!stream) {
+        return;
+    }
+    if (subscription->flow == PEL_FLOW_PAUSED) {
+        stream->paused--;
+        frames->running_count++;
+    }
+    subscription->flow = PEL_FLOW_RUNS;
+    if (stream->profile.codec == PEL_CODEC_H264) {
+        subscription->flow = PEL_FLOW_AWAITS_KEY;
+        want_key(stream, urgent ? JOIN_KEY_NS : RESYNC_KEY_NS);
+    }
+    pel_schedule_live(frames);
+}
+
+void pel_frames_want_key(struct pel_subscription *subscription)
+{
+    if (subscription->stream && subscription->stream->track) {
+        want_key(subscription->stream, RESYNC_KEY_NS);
+    }
 }
 
 /* Frees what was unsubscribed; not while the list is being walked. */
@@ -114,18 +327,6 @@ static void sweep(struct pel_frames *frames)
     }
 }
 
-static void detach(struct pel_subscription *subscription)
-{
-    struct pel_stream *stream = subscription->stream;
-    if (stream) {
-        subscription->stream = NULL;
-        subscription->frames->subscription_count--;
-        if (--stream->subscribers == 0) {
-            stream->serial = 0;
-        }
-    }
-}
-
 void pel_frames_unsubscribe(struct pel_subscription *subscription)
 {
     if (subscription) {
@@ -137,22 +338,141 @@ void pel_frames_unsubscribe(struct pel_subscription *subscription)
     }
 }
 
-void pel_live_deliver(struct pel_frames *frames, uint32_t serial,
-                      enum pel_err err, struct pel_frame *frame)
+/* --- frames -------------------------------------------------------------- */
+
+static unsigned under_way(const struct pel_frames *frames, uint32_t serial)
 {
-    struct pel_fault fault;
-    pel_fault_set(&fault, err, "the frame could not be drawn: %s",
-                  pel_err_name(err));
+    unsigned count = 0;
+    for (int i = 0; i < PEL_JOB_COUNT; i++) {
+        const struct pel_job *job = &frames->jobs[i];
+        for (size_t k = 0; job->used && k < job->output_count; k++) {
+            count += job->outputs[k].stream == serial &&
+                     !job->outputs[k].delivered;
+        }
+    }
+    return count;
+}
+
+/* Whether all who are not paused wait for a key frame. */
+static bool all_await_key(const struct pel_frames *frames,
+                          const struct pel_stream *stream)
+{
+    for (const struct pel_subscription *s = frames->subscriptions; s;
+         s = s->next) {
+        if (s->stream == stream && s->flow == PEL_FLOW_RUNS) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool pel_live_output(struct pel_frames *frames, struct pel_stream *stream,
+                     struct pel_output *want)
+{
+    *want = (struct pel_output){ .format = PELAGOS__FRAME_FORMAT__JPEG,
+                                 .quality = stream->profile.quality,
+                                 .stream = stream->serial };
+    if (stream->paused == stream->subscribers) {
+        return false;
+    }
+    if (stream->profile.codec != PEL_CODEC_H264) {
+        return true;
+    }
+    bool due = stream->key_due_ns && pel_now_ns() >= stream->key_due_ns;
+    want->track = stream->track;
+    want->kbps = stream->profile.kbps;
+    want->want_key = due;
+    return under_way(frames, stream->serial) < MAX_UNDER_WAY &&
+           (due || !all_await_key(frames, stream));
+}
+
+void pel_live_began(struct pel_stream *stream, bool key)
+{
+    if (key) {
+        stream->key_due_ns = 0;
+        stream->key_ns = pel_now_ns();
+    }
+}
+
+static struct pel_stream *stream_of(struct pel_frames *frames, uint32_t serial)
+{
+    for (int i = 0; i < PEL_MAX_STREAMS; i++) {
+        if (frames->streams[i].serial == serial) {
+            return &frames->streams[i];
+        }
+    }
+    return NULL;
+}
+
+static bool takes(struct pel_subscription *s, uint32_t serial,
+                  const struct pel_frame *frame)
+{
+    if (s->dead || !s->stream || s->stream->serial != serial ||
+        s->flow == PEL_FLOW_PAUSED) {
+        return false;
+    }
+    if (s->flow == PEL_FLOW_AWAITS_KEY && frame) {
+        s->flow = frame->key ? PEL_FLOW_RUNS : PEL_FLOW_AWAITS_KEY;
+    }
+    return s->flow == PEL_FLOW_RUNS || !frame;
+}
+
+static void deliver(struct pel_frames *frames, uint32_t serial,
+                    enum pel_err err, const struct pel_fault *fault,
+                    struct pel_frame *frame)
+{
     frames->calling++;
     /* A subscription made by a callback goes to the front: not called yet. */
     for (struct pel_subscription *s = frames->subscriptions; s; s = s->next) {
-        if (!s->dead && s->stream && s->stream->serial == serial) {
-            s->on_frame(s->user, err, err == PEL_OK ? NULL : &fault,
-                        err == PEL_OK ? frame : NULL);
+        if (takes(s, serial, frame)) {
+            s->on_frame(s->user, err, fault, frame);
         }
     }
     frames->calling--;
     sweep(frames);
+}
+
+/* No encoder: the stream and its subscriptions are over. */
+static void give_up(struct pel_frames *frames, uint32_t serial,
+                    const struct pel_fault *fault)
+{
+    frames->calling++;
+    for (struct pel_subscription *s = frames->subscriptions; s; s = s->next) {
+        if (!s->dead && s->stream && s->stream->serial == serial) {
+            detach(s);
+            s->on_frame(s->user, PEL_ERR_NOT_FOUND, fault, NULL);
+        }
+    }
+    frames->calling--;
+    sweep(frames);
+    pel_schedule_live(frames);
+}
+
+void pel_live_deliver(struct pel_frames *frames, uint32_t serial,
+                      enum pel_err err, const char *why,
+                      struct pel_frame *frame)
+{
+    struct pel_stream *stream = stream_of(frames, serial);
+    struct pel_fault fault;
+    if (!stream) {
+        return;
+    }
+    if (err == PEL_OK) {
+        deliver(frames, serial, err, NULL, frame);
+        return;
+    }
+    pel_fault_set(&fault, err, "the frame could not be drawn: %s",
+                  *why ? why : pel_err_name(err));
+    if (stream->track && err == PEL_ERR_NOT_FOUND) {
+        snprintf(fault.path, sizeof fault.path, "codec");
+        snprintf(fault.message, sizeof fault.message, "%s", why);
+        give_up(frames, serial, &fault);
+        return;
+    }
+    if (stream->track) {
+        want_key(stream, RESYNC_KEY_NS); /* it may have been this one */
+    }
+    deliver(frames, serial, err, &fault, NULL);
 }
 
 void pel_live_check(struct pel_frames *frames, const struct pel_snapshot *s)

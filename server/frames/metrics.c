@@ -37,6 +37,15 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
     gauge(page, "pelagos_frames_encode_seconds",
           "Encoding, of the last 256 pictures.", "quantile=\"0.5\"",
           s.encode_ms_median * 1e-3);
+    counter(page, "pelagos_video_frames_total", "H.264 pictures encoded.",
+            s.video_frames);
+    counter(page, "pelagos_video_keys_total", "Key frames among them.",
+            s.video_keys);
+    counter(page, "pelagos_video_bytes_total", "Bytes of encoded H.264.",
+            s.video_bytes);
+    gauge(page, "pelagos_video_encode_seconds",
+          "Encoding H.264, of the last 256 pictures.", "quantile=\"0.5\"",
+          s.video_ms_median * 1e-3);
     gauge(page, "pelagos_frames_subscriptions", "Live views being watched.",
           NULL, s.subscriptions);
     gauge(page, "pelagos_frames_requests_waiting", "Pictures not yet answered.",

@@ -37,10 +37,36 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
     frame->exposure_ev = picture->exposure_ev;
     frame->width = picture->width;
     frame->height = picture->height;
+    frame->codec = output->track ? PEL_CODEC_H264 : PEL_CODEC_PICTURE;
     frame->format = output->format;
     frame->requested_ns = job->requested_ns;
     frame->drawn_ns = picture->drawn_ns;
     frame->render_ms = part->render_ms;
+}
+
+static enum pel_err encode_video(struct pel_output *output,
+                                 struct pel_frame *frame,
+                                 struct pel_bytes *bytes)
+{
+    const struct pel_job *job = output->job;
+    const struct pel_picture *p = job->parts[output->draw].picture;
+    struct pel_fault fault = { 0 };
+    struct pel_video_picture picture = {
+        .rgba = p->rgba,
+        .width = p->width,
+        .height = p->height,
+        .stamp_ns = job->requested_ns,
+        .key = output->want_key,
+    };
+    enum pel_err err = pel_video_encode(output->track->video, &picture,
+                                        output->kbps, bytes, &frame->key,
+                                        &fault);
+    if (err != PEL_OK) {
+        snprintf(output->why, sizeof output->why, "%.159s", fault.message);
+    }
+    frame->width &= ~1u; /* as it leaves the encoder */
+    frame->height &= ~1u;
+    return err;
 }
 
 static enum pel_err encode_bytes(const struct pel_pool *pool,
@@ -65,15 +91,20 @@ static void encode_output(struct pel_pool *pool, struct pel_output *output)
 {
     struct pel_job_draw *part = &output->job->parts[output->draw];
     output->err = part->err;
+    output->why[0] = '\0';
     output->frame = NULL;
     if (output->err == PEL_OK) {
         int64_t start = pel_now_ns();
         struct pel_bytes bytes = { 0 };
         struct pel_frame *frame = pel_frame_create();
-        output->err =
-            frame ? encode_bytes(pool, output, &bytes) : PEL_ERR_NO_MEMORY;
-        if (output->err == PEL_OK) {
+        output->err = PEL_ERR_NO_MEMORY;
+        if (frame) {
             fill_frame(frame, output);
+            frame->key = !output->track;
+            output->err = output->track ? encode_video(output, frame, &bytes)
+                                        : encode_bytes(pool, output, &bytes);
+        }
+        if (output->err == PEL_OK) {
             frame->encoded_ns = pel_now_ns();
             frame->encode_ms = (double)(frame->encoded_ns - start) * 1e-6;
             pel_frame_set_bytes(frame, &bytes);
@@ -82,6 +113,7 @@ static void encode_output(struct pel_pool *pool, struct pel_output *output)
             pel_frame_unref(frame);
         }
     }
+    output->track = NULL; /* its reference is the caller's now */
     if (atomic_fetch_sub(&part->users, 1) == 1 && part->picture) {
         pel_picture_release(part->picture);
         part->picture = NULL;
@@ -104,11 +136,48 @@ static void answer_surface(struct pel_pool *pool,
     pel_mailbox_post(pool->box, &query->mail);
 }
 
+/* The encoder that this work is for, NULL: any thread may do it beside. */
+static struct pel_track *track_of(struct pel_mail *mail)
+{
+    return mail->kind == PEL_MAIL_TRACK ? (struct pel_track *)mail
+           : mail->kind == PEL_MAIL_OUTPUT
+               ? ((struct pel_output *)mail)->track
+               : NULL;
+}
+
+/* First of the queue whose encoder is free: a stream keeps its order, and
+ * waits for nobody else's. */
+static struct pel_mail *pop_free(struct pel_queue *queue)
+{
+    struct pel_mail *before = NULL;
+    for (struct pel_mail *mail = queue->first; mail; mail = mail->next) {
+        struct pel_track *track = track_of(mail);
+        if (track && track->busy) {
+            before = mail;
+            continue;
+        }
+        if (before) {
+            before->next = mail->next;
+        } else {
+            queue->first = mail->next;
+        }
+        if (queue->last == mail) {
+            queue->last = before;
+        }
+        if (track) {
+            track->busy = true;
+        }
+        mail->next = NULL;
+        return mail;
+    }
+    return NULL;
+}
+
 /* Next work under the lock; *slow tells which kind it is. */
 static struct pel_mail *take(struct pel_pool *pool, bool *slow)
 {
     int slow_limit = pool->count > 1 ? pool->count - 1 : 1;
-    struct pel_mail *mail = pel_queue_pop(&pool->fast);
+    struct pel_mail *mail = pop_free(&pool->fast);
     *slow = false;
     if (!mail && pool->slow_busy < slow_limit) {
         mail = pel_queue_pop(&pool->slow);
@@ -116,6 +185,21 @@ static struct pel_mail *take(struct pel_pool *pool, bool *slow)
         pool->slow_busy += *slow;
     }
     return mail;
+}
+
+/* The encoder is free for its next picture, or ends with this one. Each mail
+ * that names a track holds a reference to it. */
+static void free_track(struct pel_pool *pool, struct pel_track *track)
+{
+    if (track) {
+        pthread_mutex_lock(&pool->lock);
+        track->busy = false;
+        if (pool->fast.first) {
+            pthread_cond_signal(&pool->work);
+        }
+        pthread_mutex_unlock(&pool->lock);
+        pel_track_unref(track);
+    }
 }
 
 static void *run(void *argument)
@@ -129,12 +213,14 @@ static void *run(void *argument)
             pthread_cond_wait(&pool->work, &pool->lock);
             continue;
         }
+        struct pel_track *track = track_of(mail);
         pthread_mutex_unlock(&pool->lock);
         if (mail->kind == PEL_MAIL_OUTPUT) {
             encode_output(pool, (struct pel_output *)mail);
-        } else {
+        } else if (mail->kind == PEL_MAIL_SURFACE) {
             answer_surface(pool, (struct pel_surface_query *)mail);
         }
+        free_track(pool, track);
         pthread_mutex_lock(&pool->lock);
         pool->slow_busy -= slow;
         if (slow && pool->slow.first) {
@@ -205,6 +291,12 @@ bool pel_pool_stop(struct pel_pool *pool)
 void pel_pool_destroy(struct pel_pool *pool)
 {
     if (pool) {
+        struct pel_mail *mail;
+        while ((mail = pel_queue_pop(&pool->fast)) != NULL) {
+            if (mail->kind == PEL_MAIL_TRACK) {
+                pel_track_unref((struct pel_track *)mail);
+            }
+        }
         pthread_cond_destroy(&pool->work);
         pthread_mutex_destroy(&pool->lock);
         free(pool);
@@ -223,8 +315,20 @@ static void push(struct pel_pool *pool, struct pel_queue *queue,
 void pel_pool_push_output(struct pel_pool *pool, struct pel_output *output)
 {
     output->mail.kind = PEL_MAIL_OUTPUT;
-    bool fast = output->format == PELAGOS__FRAME_FORMAT__JPEG;
+    bool fast =
+        output->track || output->format == PELAGOS__FRAME_FORMAT__JPEG;
     push(pool, fast ? &pool->fast : &pool->slow, &output->mail);
+}
+
+void pel_pool_push_track(struct pel_pool *pool, struct pel_track *track)
+{
+    track->mail.kind = PEL_MAIL_TRACK;
+    push(pool, &pool->fast, &track->mail);
+}
+
+const atomic_bool *pel_pool_cancel(const struct pel_pool *pool)
+{
+    return &pool->stop;
 }
 
 void pel_pool_push_surface(struct pel_pool *pool,

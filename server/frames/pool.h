@@ -22,6 +22,11 @@ void pel_pool_set_device(struct pel_pool *pool, const char *device);
 bool pel_pool_stop(struct pel_pool *pool);
 void pel_pool_destroy(struct pel_pool *pool); /* after stop; NULL allowed */
 
+/* Ends a stream's encoder off the control thread; takes its reference. */
+void pel_pool_push_track(struct pel_pool *pool, struct pel_track *track);
+/* What tells a long encoding to give up. */
+const atomic_bool *pel_pool_cancel(const struct pel_pool *pool);
+
 /* Any thread. Outputs whose draw failed come back with its error. */
 void pel_pool_push_output(struct pel_pool *pool, struct pel_output *output);
 void pel_pool_push_surface(struct pel_pool *pool,

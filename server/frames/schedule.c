@@ -20,7 +20,7 @@ static int64_t period_ns(const struct pel_frames *frames)
 
 static bool is_live(const struct pel_frames *frames)
 {
-    return frames->subscription_count > 0;
+    return frames->running_count > 0;
 }
 
 void pel_schedule_soon(struct pel_frames *frames)
@@ -110,7 +110,8 @@ static bool add_draw(struct pel_job *job, size_t view, uint32_t width,
 
 static bool same_output(const struct pel_output *a, const struct pel_output *b)
 {
-    if (a->draw != b->draw || a->format != b->format) {
+    if (a->draw != b->draw || a->format != b->format || a->track ||
+        b->track) {
         return false;
     }
     switch (a->format) {
@@ -145,17 +146,24 @@ static struct pel_output *add_output(struct pel_job *job,
 static void add_streams(struct pel_frames *frames, struct pel_job *job)
 {
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {
-        const struct pel_stream *stream = &frames->streams[i];
-        if (stream->serial == 0) {
+        struct pel_stream *stream = &frames->streams[i];
+        struct pel_output want = { 0 };
+        int view = stream->serial
+                       ? pel_snapshot_find_view(job->snapshot, stream->view)
+                       : -1;
+        if (view < 0 || !pel_live_output(frames, stream, &want)) {
             continue;
         }
-        int view = pel_snapshot_find_view(job->snapshot, stream->view);
-        struct pel_output want = { .format = PELAGOS__FRAME_FORMAT__JPEG,
-                                   .quality = stream->quality,
-                                   .stream = stream->serial };
-        if (view >= 0 &&
-            add_draw(job, (size_t)view, 0, 0, PEL_LAYER_COLOR, &want.draw)) {
-            add_output(job, &want);
+        bool added = add_draw(job, (size_t)view, stream->profile.width,
+                              stream->profile.height, PEL_LAYER_COLOR,
+                              &want.draw);
+        if (added && want.track && want.kbps == 0) {
+            const struct pel_camera *c = &job->draws[want.draw].camera;
+            want.kbps = pel_video_kbps(c->width, c->height);
+        }
+        if (added && add_output(job, &want) && want.track) {
+            pel_track_ref(want.track);
+            pel_live_began(stream, want.want_key);
         }
     }
 }
@@ -428,7 +436,8 @@ static void deliver(struct pel_frames *frames, struct pel_output *output)
 {
     output->delivered = true;
     if (output->stream != 0) {
-        pel_live_deliver(frames, output->stream, output->err, output->frame);
+        pel_live_deliver(frames, output->stream, output->err, output->why,
+                         output->frame);
     }
     pel_frame_unref(output->frame);
     output->frame = NULL;
@@ -458,7 +467,14 @@ void pel_schedule_output(struct pel_frames *frames, struct pel_output *output)
     if (output->frame) {
         frames->stats.pictures_encoded++;
         frames->stats.encoded_bytes += output->frame->size;
-        pel_window_add(&frames->encode_ms, output->frame->encode_ms);
+        bool video = output->frame->codec == PEL_CODEC_H264;
+        pel_window_add(video ? &frames->video_ms : &frames->encode_ms,
+                       output->frame->encode_ms);
+        if (video) {
+            frames->stats.video_frames++;
+            frames->stats.video_bytes += output->frame->size;
+            frames->stats.video_keys += output->frame->key;
+        }
     }
     struct pel_fault fault;
     pel_fault_set(&fault, output->err, "the picture could not be made: %s",
