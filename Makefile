@@ -134,7 +134,10 @@ NET := server/net/fdsource.c \
     server/net/http_problem.c \
     server/net/http_view.c \
     server/net/http_route.c \
+    server/net/http_live.c \
     server/net/mjpeg.c \
+    server/net/websocket.c \
+    server/net/liveviewer.c \
     server/net/http_answer.c \
     server/net/http_server.c \
     server/net/net.c

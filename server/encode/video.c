@@ -271,8 +271,8 @@ static GstSample *pull(struct pel_video *video, char *why, size_t size)
     GstSample *sample = NULL;
     g_strlcpy(why, "it gave nothing for 2 s", size);
     while (!sample && !cancelled(video) && pel_now_ns() < end) {
-        sample = gst_app_sink_try_pull_sample(GST_APP_SINK(video->sink),
-                                              SLICE_NS);
+        sample =
+            gst_app_sink_try_pull_sample(GST_APP_SINK(video->sink), SLICE_NS);
         if (!sample && failed(video, why, size)) {
             break;
         }

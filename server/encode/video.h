@@ -43,10 +43,10 @@ void pel_video_destroy(struct pel_video *video); /* NULL allowed */
  * it is there. NOT_FOUND: no encoder works here (*fault says which packages
  * have one); INVALID: size or rate outside their range; CONFLICT: cancelled;
  * INTERNAL: it failed and starts anew with the next picture; NO_MEMORY. */
-PEL_CHECK enum pel_err
-pel_video_encode(struct pel_video *video,
-                 const struct pel_video_picture *picture, unsigned kbps,
-                 struct pel_bytes *out, bool *key, struct pel_fault *fault);
+PEL_CHECK enum pel_err pel_video_encode(struct pel_video *video,
+                                        const struct pel_video_picture *picture,
+                                        unsigned kbps, struct pel_bytes *out,
+                                        bool *key, struct pel_fault *fault);
 
 /* GStreamer's name of the encoder in use, "" before the first picture. */
 const char *pel_video_encoder(const struct pel_video *video);

@@ -212,9 +212,12 @@ static void test_cancel(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_x264),         cmocka_unit_test(test_openh264),
-        cmocka_unit_test(test_rate_changes), cmocka_unit_test(test_size_changes),
-        cmocka_unit_test(test_refusals),     cmocka_unit_test(test_cancel),
+        cmocka_unit_test(test_x264),
+        cmocka_unit_test(test_openh264),
+        cmocka_unit_test(test_rate_changes),
+        cmocka_unit_test(test_size_changes),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_cancel),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -90,7 +90,7 @@ struct pel_frames {
     unsigned subscription_count; /* with a stream */
     unsigned running_count;      /* of them not paused */
     const char *video_encoder;
-    unsigned calling;            /* depth of callbacks to subscribers */
+    unsigned calling; /* depth of callbacks to subscribers */
     unsigned surface_count;
     struct pel_surface_query *surfaces[PEL_MAX_SURFACE_QUERIES];
 

@@ -118,19 +118,20 @@ struct pel_profile {
  * with a key frame, which is asked for at once (five a second at most), and
  * then gets every frame in order. Its callback gets NOT_FOUND too, once and
  * for good, when there is no encoder. OUT_OF_RANGE for a bad profile. */
-PEL_CHECK enum pel_err
-pel_frames_open(struct pel_frames *frames, const char *view,
-                const struct pel_profile *profile, pel_frame_callback on_frame,
-                void *user, struct pel_subscription **out,
-                struct pel_fault *fault);
+PEL_CHECK enum pel_err pel_frames_open(struct pel_frames *frames,
+                                       const char *view,
+                                       const struct pel_profile *profile,
+                                       pel_frame_callback on_frame, void *user,
+                                       struct pel_subscription **out,
+                                       struct pel_fault *fault);
 
 /* Another profile from the next frame on. The only subscriber of an H.264
  * stream changes its rate in the running encoder; else the subscription moves
  * and begins with a key frame. Errors leave it as it was; CONFLICT when its
  * view is gone. */
-PEL_CHECK enum pel_err
-pel_frames_change(struct pel_subscription *subscription,
-                  const struct pel_profile *profile, struct pel_fault *fault);
+PEL_CHECK enum pel_err pel_frames_change(struct pel_subscription *subscription,
+                                         const struct pel_profile *profile,
+                                         struct pel_fault *fault);
 
 /* No frames until pel_frames_resync: nothing is drawn or encoded for those who
  * cannot take it. */

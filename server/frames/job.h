@@ -50,13 +50,13 @@ struct pel_output {
     Pelagos__FrameFormat format;
     int quality;
     bool float_samples;
-    unsigned layers; /* of enum pel_layer, for EXR */
-    uint32_t stream; /* serial of the live stream it feeds, 0: none */
+    unsigned layers;         /* of enum pel_layer, for EXR */
+    uint32_t stream;         /* serial of the live stream it feeds, 0: none */
     struct pel_track *track; /* H.264 by this one, else NULL */
     unsigned kbps;
     bool want_key;
-    bool done;       /* control thread */
-    bool delivered;  /* control thread */
+    bool done;      /* control thread */
+    bool delivered; /* control thread */
     enum pel_err err;
     char why[160];           /* of an error, or "" */
     struct pel_frame *frame; /* NULL on error */

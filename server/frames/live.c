@@ -126,9 +126,9 @@ static enum pel_err check_profile(struct pel_frames *frames,
                                   const struct pel_profile *p,
                                   struct pel_fault *fault)
 {
-    enum pel_err err = check_number(frames, "width", p->width, true,
-                                    PEL_VIDEO_MIN_SIZE, PEL_VIDEO_MAX_SIZE,
-                                    fault);
+    enum pel_err err =
+        check_number(frames, "width", p->width, true, PEL_VIDEO_MIN_SIZE,
+                     PEL_VIDEO_MAX_SIZE, fault);
     if (err == PEL_OK) {
         err = check_number(frames, "height", p->height, true,
                            PEL_VIDEO_MIN_SIZE, PEL_VIDEO_MAX_SIZE, fault);
@@ -346,8 +346,8 @@ static unsigned under_way(const struct pel_frames *frames, uint32_t serial)
     for (int i = 0; i < PEL_JOB_COUNT; i++) {
         const struct pel_job *job = &frames->jobs[i];
         for (size_t k = 0; job->used && k < job->output_count; k++) {
-            count += job->outputs[k].stream == serial &&
-                     !job->outputs[k].delivered;
+            count +=
+                job->outputs[k].stream == serial && !job->outputs[k].delivered;
         }
     }
     return count;

@@ -58,9 +58,9 @@ static enum pel_err encode_video(struct pel_output *output,
         .stamp_ns = job->requested_ns,
         .key = output->want_key,
     };
-    enum pel_err err = pel_video_encode(output->track->video, &picture,
-                                        output->kbps, bytes, &frame->key,
-                                        &fault);
+    enum pel_err err =
+        pel_video_encode(output->track->video, &picture, output->kbps, bytes,
+                         &frame->key, &fault);
     if (err != PEL_OK) {
         snprintf(output->why, sizeof output->why, "%.159s", fault.message);
     }
@@ -139,10 +139,9 @@ static void answer_surface(struct pel_pool *pool,
 /* The encoder that this work is for, NULL: any thread may do it beside. */
 static struct pel_track *track_of(struct pel_mail *mail)
 {
-    return mail->kind == PEL_MAIL_TRACK ? (struct pel_track *)mail
-           : mail->kind == PEL_MAIL_OUTPUT
-               ? ((struct pel_output *)mail)->track
-               : NULL;
+    return mail->kind == PEL_MAIL_TRACK    ? (struct pel_track *)mail
+           : mail->kind == PEL_MAIL_OUTPUT ? ((struct pel_output *)mail)->track
+                                           : NULL;
 }
 
 /* First of the queue whose encoder is free: a stream keeps its order, and
@@ -315,8 +314,7 @@ static void push(struct pel_pool *pool, struct pel_queue *queue,
 void pel_pool_push_output(struct pel_pool *pool, struct pel_output *output)
 {
     output->mail.kind = PEL_MAIL_OUTPUT;
-    bool fast =
-        output->track || output->format == PELAGOS__FRAME_FORMAT__JPEG;
+    bool fast = output->track || output->format == PELAGOS__FRAME_FORMAT__JPEG;
     push(pool, fast ? &pool->fast : &pool->slow, &output->mail);
 }
 

@@ -110,8 +110,7 @@ static bool add_draw(struct pel_job *job, size_t view, uint32_t width,
 
 static bool same_output(const struct pel_output *a, const struct pel_output *b)
 {
-    if (a->draw != b->draw || a->format != b->format || a->track ||
-        b->track) {
+    if (a->draw != b->draw || a->format != b->format || a->track || b->track) {
         return false;
     }
     switch (a->format) {
@@ -154,9 +153,9 @@ static void add_streams(struct pel_frames *frames, struct pel_job *job)
         if (view < 0 || !pel_live_output(frames, stream, &want)) {
             continue;
         }
-        bool added = add_draw(job, (size_t)view, stream->profile.width,
-                              stream->profile.height, PEL_LAYER_COLOR,
-                              &want.draw);
+        bool added =
+            add_draw(job, (size_t)view, stream->profile.width,
+                     stream->profile.height, PEL_LAYER_COLOR, &want.draw);
         if (added && want.track && want.kbps == 0) {
             const struct pel_camera *c = &job->draws[want.draw].camera;
             want.kbps = pel_video_kbps(c->width, c->height);

@@ -101,6 +101,9 @@ enum MHD_Result pel_http_send(struct client *client,
     if (answer->retry_after_s) {
         add(response, "Retry-After", "1");
     }
+    if (answer->upgrade) {
+        add(response, "Upgrade", "websocket");
+    }
     if (answer->close) {
         add(response, "Connection", "close");
     }
@@ -303,6 +306,62 @@ enum MHD_Result pel_http_send_stream(struct client *client,
     enum MHD_Result result = queue(client, 200, response);
     client->phase = PHASE_STREAM;
     return result;
+}
+
+/* --- WebSocket ------------------------------------------------------------ */
+
+static void on_live_closed(void *user)
+{
+    struct client *client = user;
+    pel_http_end_live(client);
+}
+
+/* The socket is ours until MHD_UPGRADE_ACTION_CLOSE. */
+static void on_upgraded(void *user, struct MHD_Connection *connection,
+                        void *state, const char *early, size_t early_size,
+                        MHD_socket fd, struct MHD_UpgradeResponseHandle *handle)
+{
+    (void)connection;
+    (void)user;
+    struct client *client = state;
+    struct pel_http_server *server = client->server;
+    struct pel_fault fault;
+    client->upgraded = handle;
+    if (client->phase != PHASE_CLOSED) {
+        client->phase = PHASE_STREAM;
+        client->live = pel_live_viewer_create(server->frames, &client->wish, fd,
+                                              early, early_size, &server->live,
+                                              on_live_closed, client, &fault);
+    }
+    if (!client->live) {
+        pel_http_end_live(client);
+    }
+}
+
+void pel_http_end_live(struct client *client)
+{
+    pel_live_viewer_destroy(client->live);
+    client->live = NULL;
+    if (client->upgraded) {
+        struct MHD_UpgradeResponseHandle *handle = client->upgraded;
+        client->upgraded = NULL;
+        client->phase = PHASE_CLOSED;
+        MHD_upgrade_action(handle, MHD_UPGRADE_ACTION_CLOSE);
+        pel_http_kick(client->server);
+    }
+}
+
+enum MHD_Result pel_http_send_live(struct client *client,
+                                   const struct pel_http_answer *answer)
+{
+    client->wish = (struct pel_live_wish){ .profile = answer->profile,
+                                           .credit = answer->credit };
+    snprintf(client->wish.view, sizeof client->wish.view, "%s", answer->view);
+    struct MHD_Response *response =
+        MHD_create_response_for_upgrade(on_upgraded, client);
+    add(response, "Upgrade", "websocket");
+    add(response, "Sec-WebSocket-Accept", answer->accept);
+    return queue(client, 101, response);
 }
 
 void pel_http_call_off(struct client *client)

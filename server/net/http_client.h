@@ -11,6 +11,7 @@
 #include <microhttpd.h>
 
 #include "net/http_server.h"
+#include "net/liveviewer.h"
 #include "net/mjpeg.h"
 
 #define PEL_HTTP_STATUS_MAX 600
@@ -43,6 +44,10 @@ struct client {
     bool waiting;      /* for frame or surface */
     uint64_t frame_id; /* 0: not a frame */
     struct waiter *waiter;
+
+    struct pel_live_wish wish;
+    struct pel_live_viewer *live;               /* a WebSocket, or NULL */
+    struct MHD_UpgradeResponseHandle *upgraded; /* the socket is ours */
 };
 
 /* A surface query cannot be called off, so this outlives its client. */
@@ -63,6 +68,7 @@ struct pel_http_server {
     guint sweeper;
     GPtrArray *clients;
     struct pel_mjpeg_stats mjpeg;
+    struct pel_live_stats live;
     uint64_t answers[PEL_HTTP_STATUS_MAX];
     uint64_t accepted, refused, evicted, malformed, timeouts, vanished;
 };
@@ -95,6 +101,12 @@ enum MHD_Result pel_http_send_surface(struct client *client,
                                       struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_stream(struct client *client,
                                      struct pel_http_answer *answer);
+
+/* Switches to WebSocket; the viewer begins when the answer is out. */
+enum MHD_Result pel_http_send_live(struct client *client,
+                                   const struct pel_http_answer *answer);
+/* Ends it and gives the socket back; nothing for any other client. */
+void pel_http_end_live(struct client *client);
 
 /* Nobody waits for the picture or the surface any more. */
 void pel_http_call_off(struct client *client);

@@ -24,6 +24,7 @@ enum route_flags {
     ROUTE_LARGE = 4,    /* with the larger limit */
     ROUTE_NO_HEAD = 8,  /* GET only: an answer that costs a picture */
     ROUTE_REST = 16,    /* the last segment stands for all that follow */
+    ROUTE_QUERY = 32,   /* takes parameters */
 };
 
 struct route {
@@ -342,10 +343,16 @@ static const struct route routes[] = {
     { "GET", "v1/views/*", 0, pel_http_get_view },
     { "PUT", "v1/views/*", ROUTE_BODY, pel_http_put_view },
     { "DELETE", "v1/views/*", 0, pel_http_delete_view },
-    { "GET", "v1/views/*/frame.jpg", ROUTE_NO_HEAD, pel_http_get_frame },
-    { "GET", "v1/views/*/frame.png", ROUTE_NO_HEAD, pel_http_get_frame },
-    { "GET", "v1/views/*/frame.exr", ROUTE_NO_HEAD, pel_http_get_frame },
-    { "GET", "v1/views/*/mjpeg", ROUTE_NO_HEAD, pel_http_get_mjpeg },
+    { "GET", "v1/views/*/frame.jpg", ROUTE_NO_HEAD | ROUTE_QUERY,
+      pel_http_get_frame },
+    { "GET", "v1/views/*/frame.png", ROUTE_NO_HEAD | ROUTE_QUERY,
+      pel_http_get_frame },
+    { "GET", "v1/views/*/frame.exr", ROUTE_NO_HEAD | ROUTE_QUERY,
+      pel_http_get_frame },
+    { "GET", "v1/views/*/mjpeg", ROUTE_NO_HEAD | ROUTE_QUERY,
+      pel_http_get_mjpeg },
+    { "GET", "v1/views/*/live", ROUTE_NO_HEAD | ROUTE_QUERY,
+      pel_http_get_live },
     { "POST", "v1/surface", ROUTE_BODY | ROUTE_LARGE, post_surface },
     { "POST", "v1/clock/step", ROUTE_BODY | ROUTE_EMPTY_OK, post_step },
     { "GET", "*", 0, get_file },
@@ -588,8 +595,7 @@ void pel_http_route(const struct pel_http_context *context,
         return;
     }
     struct pel_http_call call = { context, request, &target, answer };
-    if (target.query_count > 0 && route->handle != pel_http_get_frame &&
-        route->handle != pel_http_get_mjpeg) {
+    if (target.query_count > 0 && !(route->flags & ROUTE_QUERY)) {
         pel_fault_value(&fault, PEL_ERR_NOT_FOUND, target.query[0].name,
                         target.query[0].value, "no parameters are taken here");
         pel_http_problem(answer, 400, &fault);

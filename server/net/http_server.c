@@ -145,6 +145,8 @@ static enum MHD_Result take_request(struct client *client, const char *method)
         return pel_http_send_surface(client, &answer);
     case PEL_HTTP_MJPEG:
         return pel_http_send_stream(client, &answer);
+    case PEL_HTTP_LIVE:
+        return pel_http_send_live(client, &answer);
     case PEL_HTTP_WHOLE:
         break;
     }
@@ -226,7 +228,7 @@ static void on_completed(void *user, struct MHD_Connection *connection,
     (void)why;
     struct client *client = *state;
     *state = NULL;
-    if (!client) {
+    if (!client || client->upgraded) {
         return;
     }
     if (client->phase == PHASE_HEADERS || client->phase == PHASE_BODY) {
@@ -285,6 +287,7 @@ static void on_connection(void *user, struct MHD_Connection *connection,
     struct client *client = *context;
     *context = NULL;
     if (client) {
+        pel_http_end_live(client);
         count_half(client);
         forget_request(client);
         g_ptr_array_remove_fast(server->clients, client);
@@ -308,6 +311,7 @@ static void shut(struct client *client)
     count_half(client);
     client->phase = PHASE_CLOSED;
     pel_http_call_off(client);
+    pel_http_end_live(client);
     shutdown(client->fd, SHUT_RDWR);
     pel_http_resume(client);
     pel_http_kick(client->server);
@@ -469,8 +473,8 @@ static void on_library_log(void *user, const char *format, va_list args)
 static struct MHD_Daemon *start_library(struct pel_http_server *server)
 {
     return MHD_start_daemon(
-        MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_NO_LISTEN_SOCKET |
-            MHD_USE_ERROR_LOG,
+        MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME | MHD_ALLOW_UPGRADE |
+            MHD_USE_NO_LISTEN_SOCKET | MHD_USE_ERROR_LOG,
         0, NULL, NULL, on_request, server, MHD_OPTION_EXTERNAL_LOGGER,
         on_library_log, NULL, MHD_OPTION_CONNECTION_LIMIT,
         server->limits.http_connections + CLOSING_ROOM,
@@ -594,4 +598,5 @@ void pel_http_server_collect(const struct pel_http_server *server,
             server->mjpeg.dropped);
     counter(page, "pelagos_mjpeg_sent_bytes_total",
             "Bytes sent to Motion-JPEG viewers.", NULL, server->mjpeg.bytes);
+    pel_live_collect(&server->live, page);
 }

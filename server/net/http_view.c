@@ -14,7 +14,7 @@
 
 enum { NAME = 2, FILE_NAME = 3 }; /* segments of /v1/views/NAME/FILE */
 
-static const char *view_name(const struct pel_http_call *call)
+const char *pel_http_view_name(const struct pel_http_call *call)
 {
     return call->target->segments[NAME];
 }
@@ -24,21 +24,23 @@ static const Pelagos__View *find_view(const struct pel_http_call *call)
 {
     const Pelagos__State *state = pel_scene_state(call->context->scene);
     for (size_t i = 0; i < state->n_views; i++) {
-        if (strcmp(state->views[i]->name, view_name(call)) == 0) {
+        if (strcmp(state->views[i]->name, pel_http_view_name(call)) == 0) {
             return state->views[i];
         }
     }
     return NULL;
 }
 
-static const Pelagos__View *need_view(const struct pel_http_call *call)
+const Pelagos__View *pel_http_need_view(const struct pel_http_call *call)
 {
     const Pelagos__View *view = find_view(call);
     if (!view) {
         struct pel_fault fault;
         pel_fault_set(&fault, PEL_ERR_NOT_FOUND,
-                      "there is no view called `%.64s`", view_name(call));
-        snprintf(fault.path, sizeof fault.path, "views.%.64s", view_name(call));
+                      "there is no view called `%.64s`",
+                      pel_http_view_name(call));
+        snprintf(fault.path, sizeof fault.path, "views.%.64s",
+                 pel_http_view_name(call));
         pel_http_refuse(call, 404, &fault);
     }
     return view;
@@ -57,7 +59,7 @@ void pel_http_get_views(const struct pel_http_call *call)
 
 static void answer_view(const struct pel_http_call *call, int status)
 {
-    const Pelagos__View *view = need_view(call);
+    const Pelagos__View *view = pel_http_need_view(call);
     if (view) {
         pel_http_json(call->answer, status,
                       pel_json_from_message(&view->base, false));
@@ -89,12 +91,12 @@ static void reset_absent(Pelagos__Patch *patch, const Pelagos__View *view)
 static enum pel_err put(const struct pel_http_call *call, Pelagos__View *view,
                         bool exists, struct pel_fault *fault)
 {
-    if (view->name && strcmp(view->name, view_name(call)) != 0) {
+    if (view->name && strcmp(view->name, pel_http_view_name(call)) != 0) {
         return pel_fault_value(fault, PEL_ERR_INVALID, "name", view->name,
                                "must be the name in the URL, or absent");
     }
     if (!view->name) {
-        view->name = strdup(view_name(call));
+        view->name = strdup(pel_http_view_name(call));
     }
     Pelagos__Patch *patch = pel_patch_new();
     if (exists) {
@@ -132,16 +134,16 @@ void pel_http_put_view(const struct pel_http_call *call)
     }
     answer_view(call, exists ? 200 : 201);
     snprintf(call->answer->location, sizeof call->answer->location,
-             "/v1/views/%.64s", view_name(call));
+             "/v1/views/%.64s", pel_http_view_name(call));
 }
 
 void pel_http_delete_view(const struct pel_http_call *call)
 {
-    if (!need_view(call) || !pel_http_precondition(call)) {
+    if (!pel_http_need_view(call) || !pel_http_precondition(call)) {
         return;
     }
     char path[80];
-    snprintf(path, sizeof path, "views.%.64s", view_name(call));
+    snprintf(path, sizeof path, "views.%.64s", pel_http_view_name(call));
     char *remove[] = { path };
     Pelagos__Patch patch = PELAGOS__PATCH__INIT;
     patch.n_remove = 1;
@@ -224,13 +226,13 @@ static enum pel_err set_parameter(Pelagos__FrameRequest *frame,
 
 void pel_http_get_frame(const struct pel_http_call *call)
 {
-    if (!need_view(call)) {
+    if (!pel_http_need_view(call)) {
         return;
     }
     const char *ending = strrchr(call->target->segments[FILE_NAME], '.');
     Pelagos__FrameRequest *frame = (Pelagos__FrameRequest *)pel_message_new(
         &pelagos__frame_request__descriptor);
-    frame->view = strdup(view_name(call));
+    frame->view = strdup(pel_http_view_name(call));
     frame->has_format = true;
     frame->format = strcmp(ending, ".png") == 0   ? PELAGOS__FRAME_FORMAT__PNG
                     : strcmp(ending, ".exr") == 0 ? PELAGOS__FRAME_FORMAT__EXR
@@ -266,7 +268,7 @@ static enum pel_err set_fps(const char *text, double *out,
 
 void pel_http_get_mjpeg(const struct pel_http_call *call)
 {
-    if (!need_view(call)) {
+    if (!pel_http_need_view(call)) {
         return;
     }
     double fps = 0.0, quality = 80.0;
@@ -294,5 +296,5 @@ void pel_http_get_mjpeg(const struct pel_http_call *call)
     call->answer->fps = fps;
     call->answer->quality = (int)quality;
     snprintf(call->answer->view, sizeof call->answer->view, "%s",
-             view_name(call));
+             pel_http_view_name(call));
 }

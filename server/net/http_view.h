@@ -16,12 +16,17 @@ void pel_http_put_view(const struct pel_http_call *call);
 void pel_http_delete_view(const struct pel_http_call *call);
 void pel_http_get_frame(const struct pel_http_call *call);
 void pel_http_get_mjpeg(const struct pel_http_call *call);
+void pel_http_get_live(const struct pel_http_call *call); /* http_live.c */
 
 /* Answers with JSON text, which is taken over. */
 void pel_http_json(struct pel_http_answer *answer, int status, char *owned);
 
 /* Answers with the whole state and its revision as entity tag. */
 void pel_http_state(const struct pel_http_call *call);
+
+/* Name of the view in the URL; the view itself, or NULL: answered with 404. */
+const char *pel_http_view_name(const struct pel_http_call *call);
+const Pelagos__View *pel_http_need_view(const struct pel_http_call *call);
 
 void pel_http_refuse(const struct pel_http_call *call, int status,
                      const struct pel_fault *fault);
