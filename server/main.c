@@ -74,6 +74,7 @@ static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
         .gl_debug = d->options.gl_debug,
         .max_fps = d->options.fps,
         .encoder_threads = d->options.encoder_threads,
+        .video_encoder = d->options.video_encoder,
     };
     enum pel_err err = pel_frames_create(&options, d->scene, &d->frames, fault);
     if (err == PEL_OK) {

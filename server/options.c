@@ -53,6 +53,11 @@ const struct pel_option pel_option_table[] = {
     { "encoder-threads", "render", PEL_OPTION_INT, "COUNT", "0", 0, 16,
       "threads", .offset = FIELD(encoder_threads),
       .help = "Threads that encode pictures; 0 is one a core, at most 4." },
+    { "video-encoder", "render", PEL_OPTION_TEXT_KIND, "auto|ELEMENT", "auto",
+      .offset = FIELD(video_encoder),
+      .help = "GStreamer element that makes H.264 (nvh264enc, vah264enc, "
+              "vah264lpenc, x264enc, openh264enc); auto is the first of these "
+              "that works." },
     { "shader-dir", "render", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(shader_dir),
       .help = "Reads the shaders from here instead of the built-in ones." },

@@ -41,6 +41,7 @@ struct pel_options {
     char device[PEL_OPTION_TEXT];
     double fps;
     int encoder_threads;
+    char video_encoder[PEL_OPTION_TEXT];
     char shader_dir[PEL_OPTION_TEXT];
     bool gl_debug;
     int log_level; /* enum pel_log_level */

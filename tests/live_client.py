@@ -125,10 +125,12 @@ class Live:
                 return head, message[head.size:]
 
     def text(self, kind):
-        """The next text message of that type; pictures are passed over."""
+        """The next text message of that type; pictures are acknowledged."""
         while True:
             message = self.message()
-            if isinstance(message, dict) and message["type"] == kind:
+            if isinstance(message, bytes):
+                self.ack(Head(message))
+            elif message["type"] == kind:
                 return message
 
     def send_frame(self, opcode, data, final=True, masked=True):

@@ -14,7 +14,9 @@
 #include "base/metrics.h"
 #include "net/command.h"
 #include "net/http_request.h"
+#include "net/liveviewer.h"
 #include "net/outbox.h"
+#include "net/websocket.h"
 
 static void test_target(void **state)
 {
@@ -284,6 +286,74 @@ static void test_metrics(void **state)
     pel_metrics_destroy(metrics);
 }
 
+/* The example of RFC 6455, 1.3. */
+static void test_websocket_key(void **state)
+{
+    (void)state;
+    char out[32];
+    assert_true(pel_websocket_accept_key("dGhlIHNhbXBsZSBub25jZQ==", out));
+    assert_string_equal(out, "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=");
+    assert_false(pel_websocket_accept_key("", out));
+    assert_false(pel_websocket_accept_key("dGhlIHNhbXBsZSBub25j", out));
+    assert_false(pel_websocket_accept_key("dGhlIHNhbXBsZSBub25jZQAA", out));
+}
+
+static void test_live_header(void **state)
+{
+    (void)state;
+    const struct pel_frame frame = {
+        .codec = PEL_CODEC_H264,
+        .key = true,
+        .number = 0x0102030405060708,
+        .revision = 9,
+        .time_s = 1.5,
+        .width = 1280,
+        .height = 720,
+        .requested_ns = 1000000000,
+        .drawn_ns = 1020000000,
+        .encoded_ns = 1025000000,
+    };
+    static const uint8_t wanted[PEL_LIVE_HEADER] = {
+        1,    1,    3,    64, 0,    5,    0xd0, 2,    /* 1280x720 */
+        8,    7,    6,    5,  4,    3,    2,    1,    /* number */
+        0,    0,    0,    0,  0,    0,    0xf8, 0x3f, /* 1.5 s */
+        0,    0,    0,    0,  0,    0,    0,    0,    /* no host */
+        0xb0, 0x7c, 0x1e, 0,  0,    0,    0,    0,    /* 2.028 s - 30 ms */
+        0x20, 0x4e, 0,    0,  0xa8, 0x61, 0,    0,    /* 20 ms, 25 ms */
+        0x30, 0x75, 0,    0,  7,    0,    0,    0,    /* 30 ms, 7 missed */
+        9,    0,    0,    0,  0,    0,    0,    0,
+    };
+    uint8_t out[PEL_LIVE_HEADER];
+    pel_live_header(&frame, 1030000000, 2028000000, 7, true, out);
+    assert_memory_equal(out, wanted, sizeof out);
+}
+
+static void test_live_messages(void **state)
+{
+    (void)state;
+    struct pel_live_order order;
+    uint8_t data[17] = { 1, 0, 0, 0, 0, 0, 0, 0, 5, 1, 0, 0, 0, 0, 0, 0 };
+    assert_true(pel_live_read(data, 16, &order));
+    assert_int_equal(order.type, PEL_LIVE_ACK);
+    assert_int_equal(order.frame, 261);
+    assert_false(pel_live_read(data, 15, &order));
+    assert_false(pel_live_read(data, 17, &order));
+    data[0] = 3;
+    data[1] = 70;
+    data[4] = 0xe8;
+    data[5] = 3;
+    data[10] = 90;
+    assert_true(pel_live_read(data, 16, &order));
+    assert_int_equal(order.profile.quality, 70);
+    assert_int_equal(order.profile.kbps, 1000);
+    assert_int_equal(order.profile.width, 261);
+    assert_int_equal(order.profile.height, 90);
+    data[0] = 0;
+    assert_false(pel_live_read(data, 16, &order));
+    data[0] = 5;
+    assert_false(pel_live_read(data, 16, &order));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -296,6 +366,9 @@ int main(void)
         cmocka_unit_test(test_frame_reply),
         cmocka_unit_test(test_outbox),
         cmocka_unit_test(test_metrics),
+        cmocka_unit_test(test_websocket_key),
+        cmocka_unit_test(test_live_header),
+        cmocka_unit_test(test_live_messages),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

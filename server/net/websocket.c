@@ -39,8 +39,10 @@ struct pel_websocket {
     size_t budget;
     struct picture ring[PEL_WEBSOCKET_MAX_PICTURES];
     unsigned first, count;
-    size_t sent; /* bytes of the first picture; 0: not begun */
-    bool over, closing;
+    size_t sent;              /* bytes of the first picture; 0: not begun */
+    bool over, closing, said; /* a close frame: wanted, with the library */
+    uint16_t code;
+    char reason[121];
     int64_t ping_ns, pong_ns, close_ns; /* next, last, latest */
 };
 
@@ -170,6 +172,14 @@ static bool send_picture(struct pel_websocket *ws)
     return true;
 }
 
+/* The library would send it before the messages that wait. */
+static void say_close(struct pel_websocket *ws)
+{
+    ws->said = true;
+    wslay_event_queue_close(ws->protocol, ws->code, (const uint8_t *)ws->reason,
+                            strlen(ws->reason));
+}
+
 /* Control goes between pictures, never into one. */
 static void flush(struct pel_websocket *ws)
 {
@@ -178,8 +188,10 @@ static void flush(struct pel_websocket *ws)
         if (ws->sent > 0) {
             blocked = !send_picture(ws);
         } else if (wslay_event_want_write(ws->protocol)) {
-            ws->over = wslay_event_send(ws->protocol) != 0;
+            ws->over = wslay_event_send(ws->protocol) != 0 || ws->over;
             blocked = wslay_event_want_write(ws->protocol);
+        } else if (ws->closing && !ws->said) {
+            say_close(ws);
         } else if (ws->count > 0 && !ws->closing) {
             blocked = !send_picture(ws);
         } else {
@@ -222,9 +234,10 @@ static void on_ready(void *user, GIOCondition ready)
     ws->budget = READ_BUDGET;
     if (ready & (G_IO_IN | G_IO_HUP | G_IO_ERR) ||
         ws->early_used < ws->early_size) {
-        ws->over = ws->over || wslay_event_recv(ws->protocol) != 0 ||
-                   (ready & G_IO_ERR) ||
-                   (ready & G_IO_HUP && !wslay_event_want_read(ws->protocol));
+        bool failed =
+            wslay_event_recv(ws->protocol) != 0 || (ready & G_IO_ERR) ||
+            (ready & G_IO_HUP && !wslay_event_want_read(ws->protocol));
+        ws->over = ws->over || failed; /* on_message may have set it */
     }
     if (!ws->over) {
         keep_alive(ws);
@@ -282,7 +295,7 @@ void pel_websocket_destroy(struct pel_websocket *ws)
     }
     if (!ws->over && !ws->closing && ws->sent == 0) {
         pel_websocket_close(ws, WSLAY_CODE_GOING_AWAY, "the server stops");
-        wslay_event_send(ws->protocol);
+        flush(ws);
     }
     pel_fdsource_destroy(ws->source);
     while (ws->count > 0) {
@@ -351,8 +364,8 @@ void pel_websocket_close(struct pel_websocket *ws, uint16_t code,
     if (!ws->closing && !ws->over) {
         ws->closing = true;
         ws->close_ns = pel_now_ns() + CLOSE_LIMIT_NS;
-        wslay_event_queue_close(ws->protocol, code, (const uint8_t *)reason,
-                                MIN(strlen(reason), 120));
+        ws->code = code;
+        g_strlcpy(ws->reason, reason, sizeof ws->reason);
         soon(ws);
     }
 }

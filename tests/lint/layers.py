@@ -16,6 +16,9 @@ LIBRARIES = {
     "modbus": {"server/bridges", "clients/demo"},
     "turbojpeg.h": {"server/encode"},
     "openexr.h": {"server/encode"},
+    "gst/": {"server/encode", "clients/pelagosctl"},
+    "libyuv": {"server/encode"},
+    "wslay/": {"server/net"},
     "spng.h": {"server/encode"},
 }
 GENERATED = {"pelagos.pb-c.h": "proto", "protobuf-c/": None}
