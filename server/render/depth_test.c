@@ -10,6 +10,9 @@ static struct pel_sea sea;
 /* The waves that a pixel blurs or leaves out cannot be in its depth: pixels
  * count whose filter loses less than this, rms. */
 #define RESOLVED_RMS_M 0.002
+/* A pixel whose ray all but slides along the water, at the outline of a crest,
+ * covers a long strip of it: its centre's height stands for nothing. */
+#define LEAST_FACING 0.1
 /* The published bound for now. */
 #define BOUND_M 0.01
 
@@ -38,7 +41,7 @@ static double drawn_height(const struct pel_camera *c, struct pel_vec3 dir,
     return c->altitude_m + p.z + drop;
 }
 
-/* Draws, fills the bins, gives the 99th percentile of the resolved. */
+/* Draws, fills the bins, gives what 997 of 1000 keep within. */
 static double compare(double wind_mps, struct test_look look, double east_m)
 {
     static const double limits[] = { 5, 10, 20, 40, 80, 160, 1e9 };
@@ -52,7 +55,7 @@ static double compare(double wind_mps, struct test_look look, double east_m)
         test_draw(renderer, &env, &c, PEL_LAYER_DEPTH | PEL_LAYER_NORMAL);
     double *errors = malloc(sizeof *errors * c.width * c.height);
     assert_non_null(errors);
-    int resolved = 0;
+    int resolved = 0, grazing = 0;
     double pixel = pel_pixel_pitch(c.tan_left, c.tan_right, c.width);
     for (uint32_t i = 0; i < c.width * c.height; i++) {
         double range = p->depth[i];
@@ -64,6 +67,11 @@ static double compare(double wind_mps, struct test_look look, double east_m)
         double axis = range * -pel_vec3_dot(dir, c.world_from_camera.z);
         double footprint = axis * pixel / fmax(-dir.z, 0.002);
         if (pel_sea_rms_below(&sea, PEL_N_MAX * footprint) > RESOLVED_RMS_M) {
+            continue;
+        }
+        const float *n = p->normal + 4 * (size_t)i;
+        if (-(dir.x * n[0] + dir.y * n[1] + dir.z * n[2]) < LEAST_FACING) {
+            grazing++;
             continue;
         }
         struct pel_vec2 place;
@@ -81,8 +89,9 @@ static double compare(double wind_mps, struct test_look look, double east_m)
         b->beyond += error > BOUND_M;
         errors[resolved++] = error;
     }
-    printf("wind %g m/s, eye %g m, pitch %g: %d pixels resolve the waves\n",
-           wind_mps, look.height_m, look.pitch, resolved);
+    printf("wind %g m/s, eye %g m, pitch %g: %d pixels resolve the waves, "
+           "%d more graze them\n",
+           wind_mps, look.height_m, look.pitch, resolved, grazing);
     for (int k = 0; k < BINS; k++) {
         if (bins[k].count > 0) {
             printf("  to %6.0f m: %6d px, rms %6.3f mm, worst %7.3f mm, "
@@ -93,7 +102,7 @@ static double compare(double wind_mps, struct test_look look, double east_m)
         }
     }
     qsort(errors, (size_t)resolved, sizeof *errors, by_size);
-    double result = resolved ? errors[(int)(0.99 * (resolved - 1))] : 0.0;
+    double result = resolved ? errors[(int)(0.997 * (resolved - 1))] : 0.0;
     free(errors);
     pel_picture_release(p);
     return result;
@@ -116,9 +125,11 @@ static void depth_is_the_surface(void **state)
     double worst = 0.0;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         double error = compare(cases[i].wind, cases[i].look, cases[i].east);
-        printf("  99 of 100 within %.3f mm\n", 1e3 * error);
+        printf("  997 of 1000 within %.3f mm\n", 1e3 * error);
         worst = fmax(worst, error);
     }
+    /* One step of Newton from the mesh: the rest are pixels near the outlines
+     * of crests. */
     assert_true(worst <= BOUND_M);
 }
 
