@@ -121,7 +121,8 @@ shaded shade_sea(ivec2 at, uint triangle)
     float slant = dot(ray, n_eye);
     float moved = abs(slant) > 1e-3 * ray_length ? dot(point, n_eye) / slant : t;
     float most = 2.0 * length(shift) + 0.1;
-    result.depth = ray_length * clamp(moved, t - most, t + most);
+    // Never behind the eye that is all but in the water.
+    result.depth = ray_length * clamp(moved, max(t - most, 0.5 * t), t + most);
     result.normal = vec4(normalize(n_eye), parts.fresnel);
     bool dry = lut.y < 0.5;
     result.sun = dry ? parts.sun * through : vec3(0.0);
