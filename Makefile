@@ -404,16 +404,25 @@ $(O)/bin/lighting: $(call obj,tests/validate/lighting.c tests/validate/reference
 	$(Q)mkdir -p $(@D)
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(BENCH_LIBS)
+$(O)/bin/validate_water: $(O)/tests/validate/water.o $(O)/libserver.a
+	$(Q)mkdir -p $(@D)
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(OPT) -pthread -o $@ $^ -lm
 $(O)/tests/validate/%.o: CFLAGS += -O3 -Wno-psabi
 
-.PHONY: validate validate-lighting
-validate: validate-lighting ## compare with brute force: tables and plots in build/validate/
+.PHONY: validate validate-lighting validate-water
+validate: validate-lighting validate-water ## compare with brute force: tables and plots in build/validate/
 
 validate-lighting: deps-build ## rows of the picture against brute force (SAMPLES=20000 a row)
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/lighting
 	$(Q)mkdir -p build/validate
 	$(O)/bin/lighting build/validate $(or $(SAMPLES),20000)
 	$(Q)cat build/validate/lighting.md
+
+validate-water: deps-build ## light in the water against Monte Carlo, minutes (ARGS=--quick: one)
+	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/validate_water
+	$(O)/bin/validate_water $(ARGS)
+	$(Q)cat build/validate/water.md
 
 # --- style ---------------------------------------------------------------
 C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | sort)

@@ -6,7 +6,7 @@
 #include "base/vec.h"
 #include "optics/brdf.h"
 
-#define FIRST_ANY 0.3
+#define FIRST_ANY 0.25
 #define LATER_ANY 0.1
 
 enum order {
@@ -112,20 +112,31 @@ static double invert_hg(double u, double g)
     return pel_clamp((1.0 + g * g - t * t) / (2.0 * g), -1.0, 1.0);
 }
 
-static double sample_hg(struct walk *w, double g)
+/* Directions by Henyey and Greenstein's function alone seldom turn back and
+ * seldom point at a Sun, and those few carry all the light. So some are taken
+ * from anywhere and some about a Sun, and weighed by the density of all. */
+static void change_direction(struct walk *w)
 {
-    /* The light that comes back was turned round at some collision, which
-     * Henyey and Greenstein's function seldom does: now and then take any
-     * direction, and weigh. */
-    double any = w->scatters <= 2 ? FIRST_ANY : LATER_ANY;
-    bool take_any = uniform(w) < any;
-    double u = uniform(w), nu = 1.0 - 2.0 * u;
-    if (!take_any) {
-        nu = invert_hg(u, g);
+    double g = w->medium->asymmetry;
+    double any = w->scatters <= 2 ? FIRST_ANY : LATER_ANY, choice = uniform(w);
+    struct pel_vec3 axis = w->direction;
+    double u = uniform(w), nu = invert_hg(u, g);
+    if (choice < 0.5 * any) {
+        nu = 1.0 - 2.0 * u;
+    } else if (choice < any) {
+        int k = (int)(uniform(w) * w->beam_count);
+        axis = pel_vec3_scale(w->beams[k].direction, -1.0);
     }
-    double p = pel_hg_phase(nu, g);
-    w->weight *= p / ((1.0 - any) * p + any / (4.0 * PEL_PI));
-    return nu;
+    struct pel_vec3 to = deflect(w, axis, nu);
+    double suns = 0.0;
+    for (int i = 0; i < w->beam_count; i++) {
+        suns += pel_hg_phase(-pel_vec3_dot(w->beams[i].direction, to), g);
+    }
+    double p = pel_hg_phase(pel_vec3_dot(w->direction, to), g);
+    w->weight *=
+        p / ((1.0 - any) * p +
+             0.5 * any * (1.0 / (4.0 * PEL_PI) + suns / w->beam_count));
+    w->direction = to;
 }
 
 static void collide(struct walk *w)
@@ -133,7 +144,7 @@ static void collide(struct walk *w)
     w->scatters++;
     w->weight *= w->medium->scattering / w->extinction;
     look_at_suns(w, 0);
-    w->direction = deflect(w, w->direction, sample_hg(w, w->medium->asymmetry));
+    change_direction(w);
 }
 
 static void meet_bottom(struct walk *w)
