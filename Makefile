@@ -153,6 +153,7 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
 OPTIONS := server/options.c server/options_print.c
 DAEMON := server/main.c server/service.c
 CLIENT := \
+    clients/lib/live.c \
     clients/lib/pelagos.c \
     clients/lib/stream.c
 CTL := \
@@ -221,6 +222,7 @@ FUZZERS += tests/fuzz/fuzz_log.c
 FUZZERS += tests/fuzz/fuzz_protobuf.c
 FUZZERS += tests/fuzz/fuzz_http.c
 TESTS += clients/lib/pelagos_test.c
+TESTS += clients/lib/live_test.c
 TESTS += clients/pelagosctl/ctl_test.c
 TESTS += clients/pelagosctl/nmea_log_test.c
 

@@ -250,6 +250,17 @@ cc $sanitize -Iclients/lib "-I$built/gen" clients/lib/example.c \
     fail "the example does not build"
 "$work/example" "$work/example.jpg" "$PELAGOS_SERVER" || fail "the example"
 file_starts "$work/example.jpg" 3 ffd8ff
+cc $sanitize -Iclients/lib "-I$built/gen" clients/lib/save_live.c \
+    "$built/libpelagos.a" -lprotobuf-c -o "$work/save_live" ||
+    fail "the example of live pictures does not build"
+"$work/save_live" wing "$work/live.mjpeg" 1 "http://127.0.0.1:$http" \
+    >"$out" || fail "the example of live pictures"
+saved=$(ffprobe -v error -count_frames -show_entries stream=nb_read_frames \
+    -of csv=p=0 "$work/live.mjpeg")
+says "$saved frames"
+"$work/save_live" nothing "$work/none.mjpeg" 1 "http://127.0.0.1:$http" \
+    2>"$out" && fail "a stream of no view"
+says "no view called"
 
 echo "== the other port, a daemon that goes"
 run 3 --server "tcp:127.0.0.1:$http" --timeout 3 get

@@ -137,6 +137,46 @@ PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_next_state(struct pel_client *client, int timeout_ms,
                       Pelagos__State **out, struct pel_client_error *error);
 
+/* --- live pictures -------------------------------------------------------
+ *
+ * Motion-JPEG over HTTP, on a connection of its own, without a client. */
+
+/* Where pelagosd's HTTP listens unless told otherwise, and the variable of the
+ * environment that overrides it. */
+#define PEL_LIVE_DEFAULT_URL "http://127.0.0.1:8080"
+#define PEL_LIVE_URL_VARIABLE "PELAGOS_URL"
+
+struct pel_live;
+
+struct pel_live_frame {
+    uint64_t number;     /* of the frame, counted since the daemon's start */
+    double time_s;       /* simulated time */
+    uint64_t revision;   /* of the state it shows */
+    uint64_t dropped;    /* pictures passed over so far for newer ones */
+    const uint8_t *data; /* a whole JPEG file, until the next call */
+    size_t size;
+};
+
+/* Opens the stream of a view at `url` ("http://HOST:PORT"; NULL:
+ * $PELAGOS_URL, else the default). fps: at most so many pictures (0.1..240;
+ * 0: as they are drawn); quality: of JPEG (1..100; 0: the daemon's choice).
+ * Ends within timeout_ms; NOT_FOUND: no such view. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_live_open(const char *url, const char *view, double fps, int quality,
+              int timeout_ms, struct pel_live **out,
+              struct pel_client_error *error);
+
+/* The newest picture that has come; waits at most timeout_ms (-1: for ever)
+ * for one that was not handed out yet. TIMEOUT leaves the stream usable;
+ * CLOSED: the daemon ended it, or the view was removed. A caller who is slow
+ * gets fewer pictures, never old ones. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_live_next(struct pel_live *live, int timeout_ms,
+              struct pel_live_frame *frame, struct pel_client_error *error);
+
+/* Ends and frees; NULL allowed. */
+PEL_CLIENT_API void pel_live_close(struct pel_live *live);
+
 /* Name of a code, e.g. "OUT_OF_RANGE"; never NULL. */
 PEL_CLIENT_API const char *pel_client_code_name(enum pel_client_code code);
 

@@ -184,6 +184,15 @@ enum stream_result stream_write(struct stream *stream,
     if (!bytes) {
         return STREAM_CLOSED;
     }
+    enum stream_result result = stream_send(stream, bytes, size, deadline_ns);
+    free(bytes);
+    return result;
+}
+
+enum stream_result stream_send(struct stream *stream, const void *data,
+                               size_t size, int64_t deadline_ns)
+{
+    const uint8_t *bytes = data;
     size_t sent = 0;
     enum stream_result result = STREAM_OK;
     while (sent < size && result == STREAM_OK) {
@@ -196,7 +205,6 @@ enum stream_result stream_write(struct stream *stream,
             result = STREAM_CLOSED;
         }
     }
-    free(bytes);
     return result;
 }
 
@@ -226,7 +234,7 @@ static int reserve(struct stream *stream, size_t more)
     return 0;
 }
 
-static enum stream_result receive(struct stream *stream, size_t missing,
+enum stream_result stream_receive(struct stream *stream, size_t missing,
                                   int64_t deadline_ns)
 {
     size_t room = missing > FIRST_CAPACITY / 2 ? missing : FIRST_CAPACITY / 2;
@@ -278,8 +286,8 @@ enum stream_result stream_read(struct stream *stream, int64_t deadline_ns,
             }
         }
         size_t whole = length + PEL_WIRE_MAX_PREFIX;
-        enum stream_result result =
-            receive(stream, whole > there ? whole - there : 1, deadline_ns);
+        enum stream_result result = stream_receive(
+            stream, whole > there ? whole - there : 1, deadline_ns);
         if (result != STREAM_OK) {
             return result;
         }

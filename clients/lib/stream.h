@@ -39,6 +39,15 @@ enum stream_result stream_write(struct stream *stream,
                                 const ProtobufCMessage *message,
                                 int64_t deadline_ns);
 
+/* Bytes as they are. */
+enum stream_result stream_send(struct stream *stream, const void *data,
+                               size_t size, int64_t deadline_ns);
+
+/* Appends what comes, at least a byte, to [start, end), which may move; room
+ * is made for `missing` bytes. */
+enum stream_result stream_receive(struct stream *stream, size_t missing,
+                                  int64_t deadline_ns);
+
 /* The next message; its bytes are valid until stream_consume. After TIMEOUT
  * the bytes that came so far are kept. */
 enum stream_result stream_read(struct stream *stream, int64_t deadline_ns,
