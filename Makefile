@@ -27,7 +27,8 @@ TEST_PACKAGES := libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
     python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
     python3-wheel openexr chromium chromium-driver python3-selenium clang \
-    libclang-rt-14-dev clang-tidy clang-format man-db systemd
+    libclang-rt-14-dev clang-tidy clang-format man-db systemd \
+    tshark
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd json-glib-1.0 \
     libprotobuf-c libmodbus libturbojpeg spng OpenEXR libsystemd \
@@ -149,7 +150,14 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/modbus_map.c server/bridges/modbus_adu.c \
     server/bridges/modbus.c \
     server/bridges/console_table.c \
-    server/bridges/console.c
+    server/bridges/console.c \
+    server/bridges/cigi_packet.c \
+    server/bridges/cigi_pose.c \
+    server/bridges/cigi_world.c \
+    server/bridges/cigi_entities.c \
+    server/bridges/cigi_weather.c \
+    server/bridges/cigi_query.c \
+    server/bridges/cigi.c
 OPTIONS := server/options.c server/options_print.c
 DAEMON := server/main.c server/service.c
 CLIENT := \
@@ -197,6 +205,8 @@ TESTS += server/bridges/nmea_parse_test.c
 TESTS += server/bridges/modbus_test.c
 TESTS += server/bridges/nmea_test.c
 TESTS += server/bridges/console_test.c
+TESTS += server/bridges/cigi_packet_test.c
+TESTS += server/bridges/cigi_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c
@@ -343,6 +353,14 @@ $(O)/bin/registers_doc: $(O)/proto/registers_doc.o $(O)/libserver.a
 .PHONY: registers
 registers: $(O)/bin/registers_doc ## write proto/registers.md, the Modbus map for people
 	$(Q)$< >proto/registers.md
+
+$(O)/bin/cigi_doc: $(O)/server/bridges/cigi_doc.o $(O)/libserver.a
+	$(Q)mkdir -p $(@D)
+	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
+
+.PHONY: cigi
+cigi: $(O)/bin/cigi_doc ## write proto/cigi.md, the CIGI conformance table
+	$(Q)$< proto/cigi.in.md >proto/cigi.md
 
 # --- set-up, demonstration, checks ---------------------------------------
 .PHONY: deps deps-build

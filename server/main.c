@@ -9,6 +9,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/metrics.h"
+#include "bridges/cigi.h"
 #include "bridges/console.h"
 #include "bridges/modbus.h"
 #include "bridges/nmea.h"
@@ -36,6 +37,7 @@ struct daemon {
     struct pel_modbus *modbus;
     struct pel_console *console;
     struct pel_nmea *nmea;
+    struct pel_cigi *cigi;
     struct pel_service *service;
     char http_host[64], tcp_host[64]; /* the net keeps pointers */
     char **http_hosts;
@@ -166,6 +168,21 @@ static enum pel_err start_console(struct daemon *d, struct pel_fault *fault)
     return pel_console_create(&options, d->scene, &d->console, fault);
 }
 
+static enum pel_err start_cigi(struct daemon *d, struct pel_fault *fault)
+{
+    struct pel_cigi_options options = pel_cigi_default_options();
+    options.listen = d->options.cigi;
+    options.host = or_null(d->options.cigi_host);
+    options.allow = or_null(d->options.cigi_allow);
+    options.database = d->options.cigi_database;
+    options.rate_hz = d->options.cigi_rate;
+    options.metrics = d->metrics;
+    if (!*d->options.cigi) {
+        return PEL_OK;
+    }
+    return pel_cigi_create(&options, d->scene, &d->cigi, fault);
+}
+
 static uint64_t sum(const uint64_t *values, size_t count)
 {
     uint64_t total = 0;
@@ -225,8 +242,8 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
 static enum pel_err start(struct daemon *d, struct pel_fault *fault)
 {
     enum pel_err (*const parts[])(struct daemon *, struct pel_fault *) = {
-        start_scene, start_frames,  start_record, start_net,
-        start_nmea,  start_console, start_modbus
+        start_scene, start_frames, start_record,  start_net,
+        start_nmea,  start_cigi,   start_console, start_modbus
     };
     d->metrics = pel_metrics_create();
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
@@ -244,6 +261,7 @@ static bool finish(struct daemon *d)
     pel_service_stopping(d->service);
     pel_modbus_destroy(d->modbus);
     pel_console_destroy(d->console);
+    pel_cigi_destroy(d->cigi);
     pel_nmea_destroy(d->nmea);
     pel_net_destroy(d->net);
     if (d->frames) {

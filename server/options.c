@@ -125,6 +125,24 @@ const struct pel_option pel_option_table[] = {
     { "nmea-ais", "bridges", PEL_OPTION_FLAG, "", "no",
       .offset = FIELD(nmea_ais),
       .help = "Shows AIS targets as entities 20000 and up." },
+    { "cigi", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
+      .offset = FIELD(cigi),
+      .help = "UDP port that takes CIGI 3.3 of a simulator host; customary is "
+              "127.0.0.1:8000." },
+    { "cigi-host", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
+      .offset = FIELD(cigi_host),
+      .help = "Where Start of Frame and answers go, from the start on; off is "
+              "to the host that was heard." },
+    { "cigi-allow", "bridges", PEL_OPTION_TEXT_KIND, "PEERS", "",
+      .offset = FIELD(cigi_allow),
+      .help = "Addresses or networks, separated by commas, that may send "
+              "CIGI; empty is this machine only." },
+    { "cigi-database", "bridges", PEL_OPTION_INT, "NUMBER", "0", 0, 127, "",
+      .offset = FIELD(cigi_database),
+      .help = "Database number that a CIGI host may load; 0 is any." },
+    { "cigi-rate", "bridges", PEL_OPTION_DOUBLE, "HZ", "60", 1, 240, "Hz",
+      .offset = FIELD(cigi_rate),
+      .help = "Start of Frame a second, and host frames without timestamps." },
 
     { "log-level", "log", PEL_OPTION_CHOICE, "LEVEL", "info",
       .choices = level_words, .live = true, .offset = FIELD(log_level),
@@ -531,6 +549,7 @@ enum pel_err pel_options_check(const struct pel_options *options,
         { "tcp", options->tcp, NULL },
         { "modbus", options->modbus, options->modbus_allow },
         { "nmea", options->nmea, options->nmea_allow },
+        { "cigi", options->cigi, options->cigi_allow },
     };
     if (!is_device(options->device)) {
         return pel_fault_set(fault, PEL_ERR_INVALID,

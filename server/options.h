@@ -35,6 +35,10 @@ struct pel_options {
     char nmea[PEL_OPTION_TEXT], nmea_allow[PEL_OPTION_TEXT];
     int nmea_entity, nmea_wind;
     bool nmea_ais;
+    char cigi[PEL_OPTION_TEXT], cigi_host[PEL_OPTION_TEXT];
+    char cigi_allow[PEL_OPTION_TEXT];
+    int cigi_database;
+    double cigi_rate;
     char state[PEL_OPTION_TEXT], record[PEL_OPTION_TEXT];
     double record_limit_mib;
     int waves;

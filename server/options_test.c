@@ -94,6 +94,7 @@ static void bad_values_say_what_is_legal(void **state)
         { "--tcp", "[::]:8080", "nginx" },
         { "--modbus", "0.0.0.0:1502", "--modbus-allow" },
         { "--nmea", "192.168.1.5:10110", "--nmea-allow" },
+        { "--cigi", "192.168.1.5:8000", "--cigi-allow" },
         { "--state", "", "off" },
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {

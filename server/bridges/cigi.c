@@ -1,0 +1,823 @@
+#include "bridges/cigi.h"
+
+#include <errno.h>
+#include <glib-unix.h>
+#include <math.h>
+#include <netinet/in.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/metrics.h"
+#include "bridges/cigi_query.h"
+#include "bridges/cigi_world.h"
+#include "bridges/endpoint.h"
+#include "scene/scene.h"
+
+#define MAX_DATAGRAM 65536
+#define MAX_ANSWER 16384 /* bytes of a datagram to the host */
+#define MAX_WAITING 4096 /* answers */
+#define MAX_PERIODIC 256
+#define RECEIVE_BUFFER (4 << 20)
+#define DATAGRAMS_A_TURN 64 /* then the loop serves others */
+#define GONE_NS 2000000000LL
+#define RESTART_NS 500000000LL
+#define RESTART_FRAMES 1000 /* further back than any delay */
+#define TICK_S 1e-5         /* of timestamps */
+#define MAX_STEP_S 10.0     /* a longer one is a jump, and one frame is taken */
+#define EXTRAPOLATE_S 1.0
+#define LOAD_NS 1000000000LL /* a host that never says 0 is told by then */
+
+enum database_state { DATABASE_NONE, DATABASE_LOADING, DATABASE_LOADED };
+
+struct periodic {
+    bool used;
+    unsigned period;      /* frames */
+    uint32_t first_frame; /* of the IG */
+    struct pel_cigi_packet question;
+};
+
+struct pel_cigi {
+    struct pel_cigi_options options;
+    struct pel_scene *scene;
+    struct pel_allow allow;
+    int fd, timer_fd;
+    uint16_t port;
+    guint fd_source, timer_source;
+    struct pel_cigi_counters counters;
+
+    struct sockaddr_storage host;
+    socklen_t host_size; /* 0: nobody to send to */
+    bool host_is_fixed;
+    struct sockaddr_storage speaker; /* who leads */
+    bool shown;                      /* in the metrics */
+
+    bool led;          /* a host is heard; the rest is its session's */
+    bool lead_pending; /* clock.mode is still to be set */
+    bool little;
+    unsigned minor, mode;
+    int64_t opened_ns, heard_ns;
+    uint32_t host_frame, ig_frame, timestamp;
+    bool stamped;
+    double host_time_s;  /* simulated time of host_frame */
+    double period_s;     /* of the host's frames, smoothed */
+    uint32_t on_the_way; /* frames the host had not heard of */
+
+    int database, wanted_database; /* as sent, as the host asks for it */
+    enum database_state database_state;
+    int64_t database_ns;
+
+    struct pel_cigi_world world;
+    struct pel_cigi_edit *edit;
+    struct periodic periodic[MAX_PERIODIC];
+    struct pel_cigi_packet *waiting; /* answers, MAX_WAITING */
+    size_t waiting_first, waiting_count;
+    uint8_t in[MAX_DATAGRAM], out[MAX_ANSWER];
+};
+
+struct pel_cigi_options pel_cigi_default_options(void)
+{
+    return (struct pel_cigi_options){
+        .listen = "127.0.0.1:8000",
+        .rate_hz = 60,
+    };
+}
+
+/* --- answers ------------------------------------------------------------- */
+
+static bool put_waiting(void *user, const struct pel_cigi_packet *answer)
+{
+    struct pel_cigi *cigi = user;
+    if (cigi->waiting_count == MAX_WAITING) {
+        cigi->counters.dropped_answers++;
+        return false;
+    }
+    size_t at = (cigi->waiting_first + cigi->waiting_count) % MAX_WAITING;
+    cigi->waiting[at] = *answer;
+    cigi->waiting_count++;
+    return true;
+}
+
+static void answer(struct pel_cigi *cigi,
+                   const struct pel_cigi_packet *const *questions, size_t count)
+{
+    if (count == 0) {
+        return;
+    }
+    struct pel_cigi_moment moment = {
+        .snapshot = pel_scene_snapshot(cigi->scene),
+        .world = &cigi->world,
+        .time_s = pel_scene_time(cigi->scene),
+        .host_frame = cigi->host_frame,
+    };
+    cigi->counters.answers +=
+        pel_cigi_answer(&moment, questions, count, put_waiting, cigi);
+    pel_snapshot_unref(moment.snapshot);
+}
+
+/* Where a request says how often and which one it is; false: once. */
+static bool is_periodic(const struct pel_cigi_packet *p, unsigned *period,
+                        double *id)
+{
+    switch (p->kind) {
+    case PEL_CIGI_KIND_HAT_REQUEST:
+        *period = (unsigned)pel_cigi_get(p, PEL_CIGI_HAT_REQUEST_PERIOD);
+        *id = pel_cigi_get(p, PEL_CIGI_HAT_REQUEST_ID);
+        return true;
+    case PEL_CIGI_KIND_LOS_SEGMENT:
+        *period = (unsigned)pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_PERIOD);
+        *id = pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_ID);
+        return true;
+    case PEL_CIGI_KIND_LOS_VECTOR:
+        *period = (unsigned)pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_PERIOD);
+        *id = pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_ID);
+        return true;
+    case PEL_CIGI_KIND_POSITION_REQUEST:
+        *period =
+            (unsigned)pel_cigi_get(p, PEL_CIGI_POSITION_REQUEST_CONTINUOUS);
+        *id = pel_cigi_get(p, PEL_CIGI_POSITION_REQUEST_ID) +
+              65536 * pel_cigi_get(p, PEL_CIGI_POSITION_REQUEST_CLASS);
+        return true;
+    default:
+        return false;
+    }
+}
+
+/* Keeps, replaces or ends a periodic request. True: it is answered with the
+ * frames and not now. */
+static bool keep_periodic(struct pel_cigi *cigi,
+                          const struct pel_cigi_packet *p)
+{
+    unsigned period, old_period;
+    double id, old_id;
+    struct periodic *at = NULL, *spare = NULL;
+    if (!is_periodic(p, &period, &id)) {
+        return false;
+    }
+    for (size_t i = 0; i < MAX_PERIODIC && !at; i++) {
+        struct periodic *k = &cigi->periodic[i];
+        if (!k->used) {
+            spare = spare ? spare : k;
+        } else if (k->question.kind == p->kind &&
+                   is_periodic(&k->question, &old_period, &old_id) &&
+                   old_id == id) {
+            at = k;
+        }
+    }
+    if (period == 0) {
+        if (at) {
+            at->used = false;
+        }
+        return false;
+    }
+    at = at ? at : spare;
+    if (!at) {
+        cigi->counters.skipped_packets++;
+        return true;
+    }
+    *at = (struct periodic){ true, period, cigi->ig_frame + 1, *p };
+    return true;
+}
+
+static void answer_periodic(struct pel_cigi *cigi)
+{
+    const struct pel_cigi_packet *due[MAX_PERIODIC];
+    size_t count = 0;
+    for (size_t i = 0; i < MAX_PERIODIC; i++) {
+        const struct periodic *k = &cigi->periodic[i];
+        if (k->used && (cigi->ig_frame - k->first_frame) % k->period == 0) {
+            due[count++] = &k->question;
+        }
+    }
+    answer(cigi, due, count);
+}
+
+/* --- the host's session -------------------------------------------------- */
+
+static void begin_session(struct pel_cigi *cigi)
+{
+    memset(cigi->periodic, 0, sizeof cigi->periodic);
+    pel_cigi_world_init(&cigi->world);
+    cigi->led = cigi->lead_pending = true;
+    cigi->waiting_count = 0;
+    cigi->wanted_database = 0;
+    cigi->period_s = 1 / cigi->options.rate_hz;
+    cigi->host_time_s = pel_scene_time(cigi->scene);
+}
+
+static void load_database(struct pel_cigi *cigi, int wanted)
+{
+    bool ours = cigi->options.database == 0 || wanted == cigi->options.database;
+    if (wanted > 0 && wanted != cigi->wanted_database) {
+        cigi->database = ours ? -wanted : -128;
+        cigi->database_state = ours ? DATABASE_LOADING : DATABASE_NONE;
+        cigi->database_ns = cigi->heard_ns;
+        pel_log(ours ? PEL_LOG_INFO : PEL_LOG_WARNING, "CIG-004",
+                "the CIGI host asks for database %d%s", wanted,
+                ours ? "" : ", which is not here");
+    } else if (cigi->database_state == DATABASE_LOADING &&
+               (wanted == 0 || cigi->heard_ns - cigi->database_ns > LOAD_NS)) {
+        cigi->database = -cigi->database;
+        cigi->database_state = DATABASE_LOADED;
+    }
+    cigi->wanted_database = wanted;
+}
+
+/* Whether this frame is to be applied: newer than all before, or of a host
+ * that began anew. */
+static bool in_order(struct pel_cigi *cigi, uint32_t frame, int64_t now_ns)
+{
+    int32_t ahead = (int32_t)(frame - cigi->host_frame);
+    int64_t silence_ns = now_ns - cigi->heard_ns;
+    if (!cigi->led) {
+        return true;
+    }
+    if (ahead <= 0 && (silence_ns > RESTART_NS || ahead <= -RESTART_FRAMES)) {
+        pel_info("CIG-005", "the CIGI host begins anew at frame %u", frame);
+        cigi->led = false;
+        return true;
+    }
+    cigi->counters.duplicate += ahead == 0;
+    cigi->counters.late += ahead < 0;
+    cigi->counters.lost += ahead > 1 ? (uint64_t)ahead - 1 : 0;
+    return ahead > 0;
+}
+
+/* Simulated seconds from the last frame applied to this one. */
+static double seconds_to(struct pel_cigi *cigi, uint32_t frame, bool stamped,
+                         uint32_t timestamp)
+{
+    double frames = (double)(frame - cigi->host_frame);
+    double seconds = frames / cigi->options.rate_hz;
+    if (stamped && cigi->stamped) {
+        seconds = (double)(timestamp - cigi->timestamp) * TICK_S;
+        if (seconds <= MAX_STEP_S && frames > 0) {
+            cigi->period_s += 0.1 * (seconds / frames - cigi->period_s);
+        }
+    }
+    return seconds <= MAX_STEP_S ? seconds : 1 / cigi->options.rate_hz;
+}
+
+/* Simulated time that the scene goes to; never back. */
+static double time_of_frame(struct pel_cigi *cigi, double now_s)
+{
+    double ahead = cigi->host_time_s - now_s;
+    if (ahead < -EXTRAPOLATE_S - 0.5 || ahead > MAX_STEP_S) {
+        cigi->host_time_s = now_s; /* somebody has set the clock */
+    }
+    return fmax(cigi->host_time_s, now_s);
+}
+
+static void step_to(struct pel_cigi *cigi, double time_s)
+{
+    struct pel_fault fault;
+    double now_s = pel_scene_time(cigi->scene);
+    if (time_s > now_s &&
+        pel_scene_step(cigi->scene, time_s - now_s, &fault) != PEL_OK) {
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_WARNING, "CIG-006",
+                        "time stands still: %s", fault.message);
+    }
+}
+
+static bool host_leads(struct pel_cigi *cigi)
+{
+    const struct pel_snapshot *s = pel_scene_snapshot(cigi->scene);
+    bool leads = s->mode == PEL_CLOCK_HOST;
+    pel_snapshot_unref(s);
+    return leads;
+}
+
+/* --- one datagram -------------------------------------------------------- */
+
+static void refuse_edit(struct pel_cigi *cigi, const char *path,
+                        const char *why)
+{
+    static struct pel_log_limit limit;
+    pel_log_limited(&limit, PEL_LOG_WARNING, "CIG-002",
+                    "an edit by CIGI was refused: %s %s", path, why);
+    cigi->counters.refused_edits++;
+}
+
+/* Makes and commits the patch; false: refused, and nothing has changed. */
+static bool edit(struct pel_cigi *cigi, struct pel_cigi_reader reader,
+                 double time_s, bool lead)
+{
+    struct pel_cigi_world before = cigi->world;
+    struct pel_cigi_packet p;
+    struct pel_fault fault = { 0 };
+    const struct pel_snapshot *s = pel_scene_snapshot(cigi->scene);
+    pel_cigi_edit_begin(cigi->edit, &cigi->world, pel_scene_state(cigi->scene),
+                        s, time_s, lead);
+    while (pel_cigi_next(&reader, &p)) {
+        if (p.kind != PEL_CIGI_KIND_COUNT &&
+            pel_cigi_packets[p.kind].from_host) {
+            pel_cigi_edit_take(cigi->edit, &p);
+        }
+    }
+    const Pelagos__Patch *patch = pel_cigi_edit_end(cigi->edit);
+    pel_snapshot_unref(s);
+    bool good = !cigi->edit->refused;
+    if (!good) {
+        refuse_edit(cigi, "", "a bad number, or too many elements");
+    } else if (patch) {
+        good = pel_scene_patch(cigi->scene, patch, &fault) == PEL_OK;
+        if (good) {
+            cigi->counters.edits++;
+        } else {
+            refuse_edit(cigi, fault.path, fault.message);
+        }
+    }
+    cigi->counters.skipped_packets += good ? cigi->edit->skipped : 0;
+    if (!good) {
+        cigi->world = before;
+    }
+    return good;
+}
+
+static void ask(struct pel_cigi *cigi, struct pel_cigi_reader reader)
+{
+    static struct pel_cigi_packet questions[PEL_CIGI_MAX_QUESTIONS];
+    static const struct pel_cigi_packet *list[PEL_CIGI_MAX_QUESTIONS];
+    size_t count = 0;
+    struct pel_cigi_packet p;
+    while (pel_cigi_next(&reader, &p)) {
+        if (!pel_cigi_is_question(p.kind) || keep_periodic(cigi, &p)) {
+            continue;
+        }
+        if (count == PEL_CIGI_MAX_QUESTIONS) {
+            cigi->counters.dropped_answers++;
+            continue;
+        }
+        questions[count] = p;
+        list[count] = &questions[count];
+        count++;
+    }
+    answer(cigi, list, count);
+}
+
+static void count_packets(struct pel_cigi *cigi, struct pel_cigi_reader reader)
+{
+    struct pel_cigi_packet p;
+    while (pel_cigi_next(&reader, &p)) {
+        if (p.kind == PEL_CIGI_KIND_COUNT) {
+            cigi->counters.unknown_packets++;
+        } else {
+            cigi->counters.packets[p.kind]++;
+        }
+    }
+}
+
+static void set_mode(struct pel_cigi *cigi, unsigned mode)
+{
+    if (mode == 0 && cigi->mode != 0) {
+        memset(cigi->periodic, 0, sizeof cigi->periodic);
+        pel_cigi_world_init(&cigi->world);
+    }
+    cigi->mode = mode;
+}
+
+/* False: not applied, as it is not new. */
+static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
+                 struct pel_cigi_reader reader, int64_t now_ns)
+{
+    uint32_t frame = (uint32_t)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_FRAME);
+    uint32_t timestamp =
+        (uint32_t)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_TIMESTAMP);
+    bool stamped = pel_cigi_get(control, PEL_CIGI_IG_CONTROL_STAMPED) != 0;
+    if (!in_order(cigi, frame, now_ns)) {
+        return false;
+    }
+    bool first = !cigi->led;
+    if (first) {
+        begin_session(cigi);
+        pel_info("CIG-003", "a CIGI host leads, frame %u, %s time", frame,
+                 stamped ? "asynchronous, by timestamps:" : "by frames:");
+    } else {
+        cigi->host_time_s += seconds_to(cigi, frame, stamped, timestamp);
+    }
+    cigi->heard_ns = now_ns;
+    cigi->host_frame = frame;
+    cigi->timestamp = timestamp;
+    cigi->stamped = stamped;
+    cigi->on_the_way =
+        cigi->ig_frame -
+        (uint32_t)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_LAST_IG_FRAME);
+    cigi->little = reader.little;
+    cigi->minor = (unsigned)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_MINOR);
+    set_mode(cigi, (unsigned)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_MODE));
+    load_database(cigi,
+                  (int)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_DATABASE));
+    count_packets(cigi, reader);
+    /* Poses are those of the time that the frame leads to. */
+    double now_s = pel_scene_time(cigi->scene);
+    bool leads = host_leads(cigi) && !first;
+    double time_s = leads ? time_of_frame(cigi, now_s) : now_s;
+    bool good = edit(cigi, reader, time_s, cigi->lead_pending);
+    cigi->lead_pending = cigi->lead_pending && !good;
+    if (leads) {
+        step_to(cigi, time_s);
+    } else {
+        cigi->host_time_s = pel_scene_time(cigi->scene);
+    }
+    if (good) {
+        ask(cigi, reader);
+    }
+    return true;
+}
+
+static bool feed(struct pel_cigi *cigi, const uint8_t *bytes, size_t size)
+{
+    struct pel_cigi_reader reader;
+    struct pel_cigi_packet control;
+    int64_t now_ns = pel_now_ns();
+    cigi->counters.datagrams++;
+    enum pel_cigi_error error =
+        pel_cigi_open(bytes, size, PEL_CIGI_KIND_IG_CONTROL, &reader);
+    if (error) {
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_DEBUG, "CIG-007",
+                        "datagram dropped, %s, %zu bytes",
+                        pel_cigi_error_name(error), size);
+        cigi->counters.malformed[error]++;
+        return false;
+    }
+    struct pel_cigi_reader head = reader;
+    return pel_cigi_next(&head, &control) &&
+           take(cigi, &control, reader, now_ns);
+}
+
+void pel_cigi_feed(struct pel_cigi *cigi, const uint8_t *bytes, size_t size)
+{
+    feed(cigi, bytes, size);
+}
+
+/* --- one frame ----------------------------------------------------------- */
+
+/* The host is late: time goes on by itself, two of its frames behind. */
+static void extrapolate(struct pel_cigi *cigi, int64_t now_ns)
+{
+    double silence_s = (double)(now_ns - cigi->heard_ns) * 1e-9;
+    double ahead_s = fmin(silence_s - 2 * cigi->period_s, EXTRAPOLATE_S);
+    if (!cigi->led || ahead_s <= 0 || silence_s > EXTRAPOLATE_S + 1 ||
+        !host_leads(cigi)) {
+        return;
+    }
+    cigi->counters.extrapolated++;
+    step_to(cigi, cigi->host_time_s + ahead_s);
+}
+
+static void watch_host(struct pel_cigi *cigi, int64_t now_ns)
+{
+    if (cigi->led && now_ns - cigi->heard_ns > GONE_NS) {
+        pel_warn("CIG-008", "the CIGI host is silent since frame %u",
+                 cigi->host_frame);
+        cigi->led = false;
+        memset(cigi->periodic, 0, sizeof cigi->periodic);
+        if (!cigi->host_is_fixed) {
+            cigi->host_size = 0;
+        }
+    }
+}
+
+size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes)
+{
+    int64_t now_ns = pel_now_ns();
+    watch_host(cigi, now_ns);
+    extrapolate(cigi, now_ns);
+    cigi->ig_frame++;
+    answer_periodic(cigi);
+    struct pel_cigi_packet p = pel_cigi_packet_of(PEL_CIGI_KIND_START_OF_FRAME);
+    pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_MAJOR, 3);
+    pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_MINOR, cigi->minor);
+    pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_DATABASE, cigi->database);
+    pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_MODE, cigi->mode);
+    pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_STAMPED, 1);
+    pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_MAGIC, 0x8000);
+    pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_FRAME, cigi->ig_frame);
+    pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_TIMESTAMP,
+                 (uint32_t)((now_ns - cigi->opened_ns) / 10000));
+    pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_LAST_HOST_FRAME, cigi->host_frame);
+    size_t used = pel_cigi_put(&p, cigi->little, cigi->out, MAX_ANSWER);
+    while (cigi->waiting_count > 0) {
+        size_t more =
+            pel_cigi_put(&cigi->waiting[cigi->waiting_first], cigi->little,
+                         cigi->out + used, MAX_ANSWER - used);
+        if (more == 0) {
+            break;
+        }
+        used += more;
+        cigi->waiting_first = (cigi->waiting_first + 1) % MAX_WAITING;
+        cigi->waiting_count--;
+    }
+    cigi->counters.frames++;
+    *bytes = cigi->out;
+    return used;
+}
+
+/* --- sockets ------------------------------------------------------------- */
+
+static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
+{
+    struct pel_cigi *cigi = user;
+    const uint8_t *bytes;
+    uint64_t beats;
+    (void)condition;
+    if (read(fd, &beats, sizeof beats) != sizeof beats) {
+        return G_SOURCE_CONTINUE;
+    }
+    if (cigi->host_size == 0) {
+        return G_SOURCE_CONTINUE;
+    }
+    cigi->counters.skipped_frames += beats - 1;
+    size_t size = pel_cigi_frame(cigi, &bytes);
+    if (cigi->host_size > 0 &&
+        sendto(cigi->fd, bytes, size, MSG_NOSIGNAL,
+               (struct sockaddr *)&cigi->host, cigi->host_size) < 0) {
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_DEBUG, "CIG-009",
+                        "Start of Frame not sent: %s", strerror(errno));
+        cigi->counters.unsent++;
+    }
+    return G_SOURCE_CONTINUE;
+}
+
+static bool same_peer(const struct sockaddr_storage *a,
+                      const struct sockaddr_storage *b)
+{
+    const struct sockaddr_in *a4 = (const struct sockaddr_in *)a;
+    const struct sockaddr_in *b4 = (const struct sockaddr_in *)b;
+    const struct sockaddr_in6 *a6 = (const struct sockaddr_in6 *)a;
+    const struct sockaddr_in6 *b6 = (const struct sockaddr_in6 *)b;
+    if (a->ss_family != b->ss_family) {
+        return false;
+    }
+    return a->ss_family == AF_INET
+               ? a4->sin_port == b4->sin_port &&
+                     a4->sin_addr.s_addr == b4->sin_addr.s_addr
+               : a6->sin6_port == b6->sin6_port &&
+                     memcmp(&a6->sin6_addr, &b6->sin6_addr, 16) == 0;
+}
+
+static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
+{
+    struct pel_cigi *cigi = user;
+    (void)condition;
+    for (int i = 0; i < DATAGRAMS_A_TURN; i++) {
+        struct sockaddr_storage peer = { 0 };
+        socklen_t size = sizeof peer;
+        ssize_t got = recvfrom(fd, cigi->in, sizeof cigi->in, MSG_TRUNC,
+                               (struct sockaddr *)&peer, &size);
+        if (got < 0) {
+            break;
+        }
+        /* While a host leads, only it is listened to. */
+        if (!pel_allow_has(&cigi->allow, (struct sockaddr *)&peer) ||
+            (size_t)got > sizeof cigi->in ||
+            (cigi->led && !same_peer(&peer, &cigi->speaker))) {
+            cigi->counters.refused_datagrams++;
+            continue;
+        }
+        if (!feed(cigi, cigi->in, (size_t)got)) {
+            continue;
+        }
+        cigi->speaker = peer;
+        if (!cigi->host_is_fixed) {
+            cigi->host = peer;
+            cigi->host_size = size;
+        }
+    }
+    return G_SOURCE_CONTINUE;
+}
+
+/* --- metrics ------------------------------------------------------------- */
+
+static void collect_packets(const struct pel_cigi_counters *c,
+                            struct pel_metrics_page *page)
+{
+    char label[96];
+    for (int i = 0; i < PEL_CIGI_KIND_COUNT; i++) {
+        if (pel_cigi_packets[i].from_host) {
+            snprintf(label, sizeof label, "packet=\"%s\"",
+                     pel_cigi_packets[i].text);
+            pel_metric(page, "pelagos_cigi_packets_total", PEL_METRIC_COUNTER,
+                       "CIGI packets taken, by kind.", label,
+                       (double)c->packets[i]);
+        }
+    }
+    for (int i = 1; i < PEL_CIGI_ERROR_COUNT; i++) {
+        snprintf(label, sizeof label, "reason=\"%s\"",
+                 pel_cigi_error_name((enum pel_cigi_error)i));
+        pel_metric(page, "pelagos_cigi_malformed_total", PEL_METRIC_COUNTER,
+                   "CIGI datagrams that could not be read, by reason.", label,
+                   (double)c->malformed[i]);
+    }
+}
+
+static void collect_counters(const struct pel_cigi_counters *c,
+                             struct pel_metrics_page *page)
+{
+    const struct {
+        const char *name, *help;
+        uint64_t value;
+    } counters[] = {
+        { "pelagos_cigi_datagrams_total", "CIGI datagrams taken.",
+          c->datagrams },
+        { "pelagos_cigi_refused_datagrams_total",
+          "CIGI datagrams of a sender not allowed or not leading.",
+          c->refused_datagrams },
+        { "pelagos_cigi_unknown_packets_total",
+          "CIGI packets of an unknown id, skipped.", c->unknown_packets },
+        { "pelagos_cigi_skipped_packets_total",
+          "CIGI packets without their object, or beyond a limit.",
+          c->skipped_packets },
+        { "pelagos_cigi_duplicate_total",
+          "CIGI datagrams of the newest host frame again, dropped.",
+          c->duplicate },
+        { "pelagos_cigi_late_total",
+          "CIGI datagrams older than the newest, dropped.", c->late },
+        { "pelagos_cigi_lost_frames_total",
+          "Host frames that had not come when a newer one did.", c->lost },
+        { "pelagos_cigi_edits_total", "Changes of the scene by CIGI.",
+          c->edits },
+        { "pelagos_cigi_refused_edits_total",
+          "Changes by CIGI that the scene refused.", c->refused_edits },
+        { "pelagos_cigi_frames_total", "Start of Frame datagrams made.",
+          c->frames },
+        { "pelagos_cigi_skipped_frames_total",
+          "Start of Frame datagrams that came too late to be sent.",
+          c->skipped_frames },
+        { "pelagos_cigi_extrapolated_frames_total",
+          "Frames whose time went on without the host.", c->extrapolated },
+        { "pelagos_cigi_answers_total", "Answers to CIGI requests.",
+          c->answers },
+        { "pelagos_cigi_dropped_answers_total",
+          "Answers to CIGI requests that found no room.", c->dropped_answers },
+        { "pelagos_cigi_unsent_total",
+          "Start of Frame datagrams that the system refused.", c->unsent },
+    };
+    for (size_t i = 0; i < sizeof counters / sizeof *counters; i++) {
+        pel_metric(page, counters[i].name, PEL_METRIC_COUNTER, counters[i].help,
+                   NULL, (double)counters[i].value);
+    }
+}
+
+static void collect(void *user, struct pel_metrics_page *page)
+{
+    const struct pel_cigi *cigi = user;
+    struct pel_cigi_status s;
+    double sensors = 0;
+    collect_packets(&cigi->counters, page);
+    collect_counters(&cigi->counters, page);
+    pel_cigi_status(cigi, &s);
+    for (size_t i = 0; i < 256; i++) {
+        sensors += cigi->world.sensors[i];
+    }
+    pel_metric(page, "pelagos_cigi_connected", PEL_METRIC_GAUGE,
+               "1 while a CIGI host was heard within 2 s.", NULL, s.connected);
+    pel_metric(page, "pelagos_cigi_host_age_seconds", PEL_METRIC_GAUGE,
+               "Time since the CIGI host was heard; -1: never.", NULL, s.age_s);
+    pel_metric(page, "pelagos_cigi_host_frame", PEL_METRIC_GAUGE,
+               "Newest host frame applied.", NULL, s.host_frame);
+    pel_metric(page, "pelagos_cigi_host_time_seconds", PEL_METRIC_GAUGE,
+               "Simulated time of the newest host frame.", NULL,
+               cigi->host_time_s);
+    pel_metric(page, "pelagos_cigi_frames_on_the_way", PEL_METRIC_GAUGE,
+               "Frames of ours that the host had not heard of when it sent.",
+               NULL, (double)cigi->on_the_way);
+    pel_metric(page, "pelagos_cigi_sensors_on", PEL_METRIC_GAUGE,
+               "Sensors that the CIGI host switched on.", NULL, sensors);
+}
+
+/* --- life ---------------------------------------------------------------- */
+
+static enum pel_err open_sockets(struct pel_cigi *cigi, struct pel_fault *fault)
+{
+    const struct pel_cigi_options *o = &cigi->options;
+    enum pel_err err = pel_endpoint_open(
+        "cigi", o->listen, o->allow, SOCK_DGRAM, &cigi->fd, &cigi->port, fault);
+    if (err) {
+        return err;
+    }
+    struct sockaddr_storage own;
+    socklen_t size = sizeof own;
+    if (o->host &&
+        (!pel_endpoint_read(o->host, &cigi->host, &cigi->host_size) ||
+         getsockname(cigi->fd, (struct sockaddr *)&own, &size) != 0 ||
+         own.ss_family != cigi->host.ss_family)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "cigi-host: %s is no ADDRESS:PORT of the same "
+                             "kind as cigi's",
+                             o->host);
+    }
+    cigi->host_is_fixed = o->host != NULL;
+    int bytes = RECEIVE_BUFFER;
+    setsockopt(cigi->fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+    cigi->timer_fd =
+        timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+    long period_ns = (long)(1e9 / o->rate_hz);
+    struct itimerspec beat = { 0 };
+    beat.it_interval.tv_sec = period_ns / 1000000000;
+    beat.it_interval.tv_nsec = period_ns % 1000000000;
+    beat.it_value = beat.it_interval;
+    if (cigi->timer_fd < 0 ||
+        timerfd_settime(cigi->timer_fd, 0, &beat, NULL) != 0) {
+        return pel_fault_set(fault, PEL_ERR_IO, "cigi: no timer: %s",
+                             strerror(errno));
+    }
+    cigi->fd_source = g_unix_fd_add(cigi->fd, G_IO_IN, on_readable, cigi);
+    cigi->timer_source = g_unix_fd_add(cigi->timer_fd, G_IO_IN, on_timer, cigi);
+    pel_info("CIG-001", "CIGI 3.3 on UDP %s, port %u, %g frames/s", o->listen,
+             cigi->port, o->rate_hz);
+    return PEL_OK;
+}
+
+enum pel_err pel_cigi_create(const struct pel_cigi_options *options,
+                             struct pel_scene *scene, struct pel_cigi **out,
+                             struct pel_fault *fault)
+{
+    if (options->database < 0 || options->database > 127) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "cigi-database: %d is not in 0..127",
+                             options->database);
+    }
+    if (!(options->rate_hz >= 1 && options->rate_hz <= 240)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "cigi-rate: %g is not in 1..240 Hz",
+                             options->rate_hz);
+    }
+    struct pel_cigi *cigi = g_new0(struct pel_cigi, 1);
+    cigi->options = *options;
+    cigi->scene = scene;
+    cigi->fd = cigi->timer_fd = -1;
+    cigi->minor = 3;
+    cigi->opened_ns = pel_now_ns();
+    cigi->edit = g_new0(struct pel_cigi_edit, 1);
+    cigi->waiting = g_new0(struct pel_cigi_packet, MAX_WAITING);
+    pel_cigi_world_init(&cigi->world);
+    enum pel_err err = pel_allow_parse(options->allow, &cigi->allow, fault);
+    if (!err && options->listen) {
+        err = open_sockets(cigi, fault);
+    }
+    if (err) {
+        pel_cigi_destroy(cigi);
+        return err;
+    }
+    if (options->metrics) {
+        pel_metrics_add(options->metrics, collect, cigi);
+        cigi->shown = true;
+    }
+    *out = cigi;
+    return PEL_OK;
+}
+
+void pel_cigi_destroy(struct pel_cigi *cigi)
+{
+    if (!cigi) {
+        return;
+    }
+    if (cigi->shown) {
+        pel_metrics_remove(cigi->options.metrics, collect, cigi);
+    }
+    if (cigi->fd_source) {
+        g_source_remove(cigi->fd_source);
+    }
+    if (cigi->timer_source) {
+        g_source_remove(cigi->timer_source);
+    }
+    if (cigi->fd >= 0) {
+        close(cigi->fd);
+    }
+    if (cigi->timer_fd >= 0) {
+        close(cigi->timer_fd);
+    }
+    g_free(cigi->edit);
+    g_free(cigi->waiting);
+    g_free(cigi);
+}
+
+const struct pel_cigi_counters *pel_cigi_counters(const struct pel_cigi *cigi)
+{
+    return &cigi->counters;
+}
+
+void pel_cigi_status(const struct pel_cigi *cigi,
+                     struct pel_cigi_status *status)
+{
+    *status = (struct pel_cigi_status){
+        .connected = cigi->led && pel_now_ns() - cigi->heard_ns <= GONE_NS,
+        .host_frame = cigi->host_frame,
+        .ig_frame = cigi->ig_frame,
+        .database = cigi->database,
+        .age_s = cigi->heard_ns ? (double)(pel_now_ns() - cigi->heard_ns) * 1e-9
+                                : -1,
+    };
+}
+
+uint16_t pel_cigi_port(const struct pel_cigi *cigi)
+{
+    return cigi->port;
+}

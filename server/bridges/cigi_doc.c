@@ -1,0 +1,58 @@
+/* Writes the conformance part of proto/cigi.md: every packet and field of the
+ * table, after the text of the file given. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "bridges/cigi_packet.h"
+
+static void print_place(const struct pel_cigi_row *row)
+{
+    static const char *const types[] = {
+        [PEL_CIGI_HEAD] = "",   [PEL_CIGI_U8] = "u8",   [PEL_CIGI_I8] = "i8",
+        [PEL_CIGI_U16] = "u16", [PEL_CIGI_U32] = "u32", [PEL_CIGI_F32] = "f32",
+        [PEL_CIGI_F64] = "f64", [PEL_CIGI_BITS] = "b"
+    };
+    printf("| %u | %s", row->offset, types[row->type]);
+    if (row->type == PEL_CIGI_BITS) {
+        printf(row->bits > 1 ? "%d-%d" : "%d", row->shift,
+               row->shift + row->bits - 1);
+    }
+}
+
+static void print_packet(const struct pel_cigi_info *info)
+{
+    static const char *const grades[] = { "honoured", "approximated",
+                                          "ignored" };
+    printf("\n### %s (%u), %u bytes, %s\n\n", info->text, info->id, info->size,
+           info->from_host ? "host to generator" : "generator to host");
+    printf("| at | type | field | unit | | |\n|---|---|---|---|---|---|\n");
+    for (size_t f = info->first + 1u;
+         f < PEL_CIGI_FIELD_COUNT && pel_cigi_rows[f].type != PEL_CIGI_HEAD;
+         f++) {
+        const struct pel_cigi_row *row = &pel_cigi_rows[f];
+        print_place(row);
+        printf(" | %s | %s | %s | %s |\n", row->text, row->unit,
+               grades[row->grade], row->note);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    FILE *text = argc == 2 ? fopen(argv[1], "r") : NULL;
+    if (!text) {
+        fprintf(stderr, "usage: cigi_doc TEXT\n");
+        return EXIT_FAILURE;
+    }
+    for (int c; (c = fgetc(text)) != EOF;) {
+        putchar(c);
+    }
+    fclose(text);
+    printf("Offsets are bytes from the packet's begin, `b` bits of that byte "
+           "from the low end; at 0 and 1 are the packet's id and size, and "
+           "bytes not named are reserved and not read. Packets that are not "
+           "here are skipped and counted.\n");
+    for (int k = 0; k < PEL_CIGI_KIND_COUNT; k++) {
+        print_packet(&pel_cigi_packets[k]);
+    }
+    return EXIT_SUCCESS;
+}

@@ -1,0 +1,296 @@
+#include <math.h>
+
+#include "base/vec.h"
+#include "bridges/cigi_pose.h"
+#include "bridges/cigi_world.h"
+#include "scene/geodesy.h"
+
+#define MAX_SPEED_MPS 200.0
+#define MAX_TURN_DPS 90.0
+#define MAX_LATITUDE 85.0
+
+static void set_pose(Pelagos__Entity *e, double latitude, double longitude,
+                     double altitude_m, double time_s)
+{
+    e->has_latitude = e->has_longitude = e->has_altitude = true;
+    e->latitude = latitude;
+    e->longitude = longitude;
+    e->altitude = altitude_m;
+    e->has_pose_time = true;
+    e->pose_time = time_s;
+}
+
+static void set_attitude(Pelagos__Entity *e, double heading, double pitch,
+                         double roll)
+{
+    e->has_heading = e->has_pitch = e->has_roll = true;
+    e->heading = pel_cigi_wrap(heading);
+    e->pitch = pitch;
+    e->roll = roll;
+}
+
+static struct pel_cigi_follower *follower_of(struct pel_cigi_edit *edit,
+                                             uint32_t id, bool make)
+{
+    struct pel_cigi_follower *spare = NULL;
+    for (size_t i = 0; i < PEL_CIGI_FOLLOWERS; i++) {
+        struct pel_cigi_follower *f = &edit->world->followers[i];
+        if (f->used && f->id == id) {
+            return f;
+        }
+        spare = !f->used && !spare ? f : spare;
+    }
+    if (!make || !spare) {
+        return NULL;
+    }
+    *spare = (struct pel_cigi_follower){ .used = true, .id = id };
+    return spare;
+}
+
+static void attach(struct pel_cigi_edit *edit, const struct pel_cigi_packet *p)
+{
+    uint32_t id = (uint32_t)pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_ID);
+    uint32_t parent = (uint32_t)pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_PARENT);
+    struct pel_cigi_follower *f =
+        parent == id ? NULL : follower_of(edit, id, true);
+    if (!f) {
+        edit->skipped++;
+        return;
+    }
+    *f = (struct pel_cigi_follower){
+        .used = true,
+        .id = id,
+        .how = PEL_CIGI_ON_PARENT,
+        .parent = parent,
+        .offset_m = { pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_LATITUDE),
+                      pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_LONGITUDE),
+                      pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_ALTITUDE) },
+        .roll_deg = pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_ROLL),
+        .pitch_deg = pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_PITCH),
+        .yaw_deg = pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_YAW),
+    };
+}
+
+/* Clamped to the sea, or no follower any more. */
+static void clamp_to_sea(struct pel_cigi_edit *edit, uint32_t id, bool clamped,
+                         bool conformal, double height_m)
+{
+    struct pel_cigi_follower *f = follower_of(edit, id, clamped);
+    if (!clamped) {
+        if (f) {
+            f->used = false;
+        }
+        return;
+    }
+    if (!f) {
+        edit->skipped++;
+        return;
+    }
+    *f = (struct pel_cigi_follower){
+        .used = true,
+        .id = id,
+        .how = conformal ? PEL_CIGI_ON_SLOPE : PEL_CIGI_ON_SEA,
+        .height_m = height_m,
+    };
+}
+
+void pel_cigi_take_entity(struct pel_cigi_edit *edit,
+                          const struct pel_cigi_packet *p)
+{
+    uint32_t id = (uint32_t)pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_ID);
+    double clamp = pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_CLAMP);
+    double altitude_m = pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_ALTITUDE);
+    if (pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_ATTACH) != 0) {
+        attach(edit, p);
+        return;
+    }
+    Pelagos__Entity *e = pel_cigi_edit_entity(edit, id);
+    if (!e) {
+        return;
+    }
+    set_pose(e, pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_LATITUDE),
+             pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_LONGITUDE), altitude_m,
+             edit->time_s);
+    set_attitude(e, pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_YAW),
+                 pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_PITCH),
+                 pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_ROLL));
+    clamp_to_sea(edit, id, clamp == 1 || clamp == 2, clamp == 2, altitude_m);
+}
+
+void pel_cigi_take_conformal(struct pel_cigi_edit *edit,
+                             const struct pel_cigi_packet *p)
+{
+    uint32_t id = (uint32_t)pel_cigi_get(p, PEL_CIGI_CONFORMAL_ID);
+    Pelagos__Entity *e = pel_cigi_edit_entity(edit, id);
+    if (!e) {
+        return;
+    }
+    set_pose(e, pel_cigi_get(p, PEL_CIGI_CONFORMAL_LATITUDE),
+             pel_cigi_get(p, PEL_CIGI_CONFORMAL_LONGITUDE), 0, edit->time_s);
+    set_attitude(e, pel_cigi_get(p, PEL_CIGI_CONFORMAL_YAW), 0, 0);
+    clamp_to_sea(edit, id, true, true, 0);
+}
+
+/* --- poses as they will be ----------------------------------------------- */
+
+/* Local place and heading of an entity after this edit; false: it is not
+ * there. */
+static bool pose_after(const struct pel_cigi_edit *edit, uint32_t id,
+                       struct pel_vec3 *at, struct pel_mat3 *axes)
+{
+    const struct pel_snapshot *s = edit->snapshot;
+    struct pel_entity_state now = { 0 };
+    int index = pel_cigi_find_entity(s, id);
+    const Pelagos__Entity *with = NULL;
+    for (size_t i = 0; i < edit->state.n_entities; i++) {
+        if (edit->entity_list[i]->id == id) {
+            with = edit->entity_list[i];
+        }
+    }
+    if (index < 0 && !with) {
+        return false;
+    }
+    if (index >= 0) {
+        pel_snapshot_entity_at(s, (size_t)index, edit->time_s, &now);
+    }
+    if (with && with->has_latitude) {
+        double latitude = s->origin_latitude_rad / PEL_DEG;
+        double longitude = s->origin_longitude_rad / PEL_DEG;
+        pel_geo_to_local(
+            latitude, longitude, pel_clamp(with->latitude, -90, 90),
+            remainder(with->longitude, 360), &now.east_m, &now.north_m);
+        now.altitude_m = with->altitude;
+    }
+    if (with && with->has_heading) {
+        now.heading_rad =
+            with->heading * PEL_DEG +
+            pel_geo_convergence(s->origin_latitude_rad / PEL_DEG,
+                                s->origin_longitude_rad / PEL_DEG,
+                                pel_clamp(with->latitude, -90, 90),
+                                remainder(with->longitude, 360));
+        now.pitch_rad = with->pitch * PEL_DEG;
+        now.roll_rad = with->roll * PEL_DEG;
+    }
+    *at = (struct pel_vec3){ now.east_m, now.north_m, now.altitude_m };
+    *axes = pel_cigi_axes(now.heading_rad, now.pitch_rad, now.roll_rad);
+    return true;
+}
+
+static void place_attached(struct pel_cigi_edit *edit,
+                           const struct pel_cigi_follower *f)
+{
+    struct pel_vec3 at,
+        offset = { f->offset_m[0], f->offset_m[1], f->offset_m[2] };
+    struct pel_mat3 parent, whole;
+    if (!pose_after(edit, f->parent, &at, &parent)) {
+        edit->skipped++;
+        return;
+    }
+    Pelagos__Entity *e = pel_cigi_edit_entity(edit, f->id);
+    if (!e) {
+        return;
+    }
+    /* The child's own axes, written in its parent's: north is forward there,
+     * east right, up the reverse of down. */
+    struct pel_mat3 own = pel_cigi_axes(
+        f->yaw_deg * PEL_DEG, f->pitch_deg * PEL_DEG, f->roll_deg * PEL_DEG);
+    struct pel_vec3 *from[] = { &own.x, &own.y, &own.z };
+    struct pel_vec3 *to[] = { &whole.x, &whole.y, &whole.z };
+    for (int i = 0; i < 3; i++) {
+        struct pel_vec3 in_parent = { from[i]->y, from[i]->x, -from[i]->z };
+        *to[i] = pel_mat3_apply(&parent, in_parent);
+    }
+    at = pel_vec3_add(at, pel_mat3_apply(&parent, offset));
+    double latitude, longitude, heading, pitch, roll;
+    pel_cigi_geodetic(edit->snapshot, at, &latitude, &longitude);
+    pel_cigi_angles(&whole, &heading, &pitch, &roll);
+    set_pose(e, pel_clamp(latitude, -MAX_LATITUDE, MAX_LATITUDE), longitude,
+             at.z, edit->time_s);
+    set_attitude(e, pel_cigi_true_deg(edit->snapshot, at, heading),
+                 pitch / PEL_DEG, roll / PEL_DEG);
+}
+
+/* Height, and for a conformal one pitch and roll, from the sea of before this
+ * edit at the edit's time. */
+static void place_clamped(struct pel_cigi_edit *edit,
+                          const struct pel_cigi_follower *f)
+{
+    struct pel_vec3 at;
+    struct pel_mat3 axes;
+    struct pel_surface_sample sample;
+    if (!pose_after(edit, f->id, &at, &axes)) {
+        edit->skipped++;
+        return;
+    }
+    Pelagos__Entity *e = pel_cigi_edit_entity(edit, f->id);
+    if (!e) {
+        return;
+    }
+    struct pel_vec2 point = { at.x, at.y };
+    pel_sea_query(edit->snapshot->sea, &point, 1, edit->time_s, &sample);
+    e->has_altitude = true;
+    e->altitude = sample.height_m + f->height_m;
+    e->has_pose_time = true;
+    e->pose_time = edit->time_s;
+    if (f->how == PEL_CIGI_ON_SLOPE) {
+        double heading = atan2(axes.x.x, axes.x.y);
+        struct pel_vec3 n = sample.normal;
+        double ahead = n.x * sin(heading) + n.y * cos(heading);
+        double right = n.x * cos(heading) - n.y * sin(heading);
+        double pitch = atan2(-ahead, n.z);
+        e->has_pitch = e->has_roll = true;
+        e->pitch = pitch / PEL_DEG;
+        e->roll = atan2(right, hypot(ahead, n.z)) / PEL_DEG;
+    }
+}
+
+void pel_cigi_place_followers(struct pel_cigi_edit *edit)
+{
+    for (size_t i = 0; i < PEL_CIGI_FOLLOWERS; i++) {
+        const struct pel_cigi_follower *f = &edit->world->followers[i];
+        if (f->used && f->how != PEL_CIGI_ON_PARENT) {
+            place_clamped(edit, f);
+        }
+    }
+    for (size_t i = 0; i < PEL_CIGI_FOLLOWERS; i++) {
+        const struct pel_cigi_follower *f = &edit->world->followers[i];
+        if (f->used && f->how == PEL_CIGI_ON_PARENT) {
+            place_attached(edit, f);
+        }
+    }
+}
+
+/* --- rates --------------------------------------------------------------- */
+
+void pel_cigi_take_rate(struct pel_cigi_edit *edit,
+                        const struct pel_cigi_packet *p)
+{
+    uint32_t id = (uint32_t)pel_cigi_get(p, PEL_CIGI_RATE_ID);
+    struct pel_vec3 at;
+    struct pel_mat3 axes;
+    if (pel_cigi_get(p, PEL_CIGI_RATE_TO_PART) != 0 ||
+        !pose_after(edit, id, &at, &axes)) {
+        edit->skipped++;
+        return;
+    }
+    double heading =
+        pel_cigi_true_deg(edit->snapshot, at, atan2(axes.x.x, axes.x.y)) *
+        PEL_DEG;
+    double x = pel_cigi_get(p, PEL_CIGI_RATE_X);
+    double y = pel_cigi_get(p, PEL_CIGI_RATE_Y);
+    double course = atan2(y, x);
+    if (pel_cigi_get(p, PEL_CIGI_RATE_LOCAL) != 0) {
+        course += heading;
+    }
+    Pelagos__Entity *e = pel_cigi_edit_entity(edit, id);
+    if (!e) {
+        return;
+    }
+    e->has_speed = e->has_course = e->has_turn_rate = true;
+    e->speed = fmin(hypot(x, y), MAX_SPEED_MPS);
+    e->course = pel_cigi_wrap(course / PEL_DEG);
+    e->turn_rate = pel_clamp(pel_cigi_get(p, PEL_CIGI_RATE_YAW), -MAX_TURN_DPS,
+                             MAX_TURN_DPS);
+    e->has_pose_time = true;
+    e->pose_time = edit->time_s;
+}

@@ -1,0 +1,793 @@
+#include "bridges/cigi.h"
+
+#include <string.h>
+#include <unistd.h>
+
+#include "base/log.h"
+#include "base/near.h"
+#include "bridges/cigi_query.h"
+#include "scene/scene.h"
+
+static struct pel_scene *scene;
+static struct pel_cigi *cigi;
+static uint8_t bytes[65536];
+static size_t used;
+static bool little;
+static uint32_t frame, last_ig;
+
+static int open_bridge(void **state)
+{
+    (void)state;
+    struct pel_scene_options scene_options = { .wave_count = 20 };
+    struct pel_cigi_options options = pel_cigi_default_options();
+    options.listen = NULL;
+    options.database = 5;
+    pel_log_set_level(PEL_LOG_ERROR);
+    assert_int_equal(pel_scene_create(&scene_options, &scene, NULL), PEL_OK);
+    assert_int_equal(pel_cigi_create(&options, scene, &cigi, NULL), PEL_OK);
+    little = false;
+    frame = last_ig = 0;
+    return 0;
+}
+
+static int close_bridge(void **state)
+{
+    (void)state;
+    pel_cigi_destroy(cigi);
+    pel_scene_destroy(scene);
+    return 0;
+}
+
+static void put(const struct pel_cigi_packet *p)
+{
+    used += pel_cigi_put(p, little, bytes + used, sizeof bytes - used);
+}
+
+/* A packet of kind `kind` from pairs of field and value, ended by 0. */
+static void with(enum pel_cigi_kind kind, ...)
+{
+    struct pel_cigi_packet p = pel_cigi_packet_of(kind);
+    va_list args;
+    va_start(args, kind);
+    for (int field; (field = va_arg(args, int)) != 0;) {
+        pel_cigi_set(&p, (enum pel_cigi_field)field, va_arg(args, double));
+    }
+    va_end(args);
+    put(&p);
+}
+
+static void begin_at(uint32_t number)
+{
+    frame = number;
+    used = 0;
+    with(PEL_CIGI_KIND_IG_CONTROL, PEL_CIGI_IG_CONTROL_MAJOR, 3.0,
+         PEL_CIGI_IG_CONTROL_MINOR, 3.0, PEL_CIGI_IG_CONTROL_MAGIC, 32768.0,
+         PEL_CIGI_IG_CONTROL_MODE, 1.0, PEL_CIGI_IG_CONTROL_FRAME,
+         (double)frame, 0);
+}
+
+static void begin(void)
+{
+    begin_at(frame + 1);
+}
+
+static void stamped(double timestamp, double database)
+{
+    frame++;
+    used = 0;
+    with(PEL_CIGI_KIND_IG_CONTROL, PEL_CIGI_IG_CONTROL_MAJOR, 3.0,
+         PEL_CIGI_IG_CONTROL_MINOR, 2.0, PEL_CIGI_IG_CONTROL_MAGIC, 32768.0,
+         PEL_CIGI_IG_CONTROL_STAMPED, 1.0, PEL_CIGI_IG_CONTROL_MODE, 1.0,
+         PEL_CIGI_IG_CONTROL_FRAME, (double)frame,
+         PEL_CIGI_IG_CONTROL_TIMESTAMP, timestamp, PEL_CIGI_IG_CONTROL_DATABASE,
+         database, 0);
+}
+
+static void send(void)
+{
+    pel_cigi_feed(cigi, bytes, used);
+}
+
+static void place_ship(uint32_t id, double latitude, double yaw)
+{
+    with(PEL_CIGI_KIND_ENTITY_CONTROL, PEL_CIGI_ENTITY_CONTROL_ID, (double)id,
+         PEL_CIGI_ENTITY_CONTROL_STATE, 1.0, PEL_CIGI_ENTITY_CONTROL_LATITUDE,
+         latitude, PEL_CIGI_ENTITY_CONTROL_LONGITUDE, 5.2,
+         PEL_CIGI_ENTITY_CONTROL_ALTITUDE, 2.0, PEL_CIGI_ENTITY_CONTROL_YAW,
+         yaw, PEL_CIGI_ENTITY_CONTROL_ROLL, 3.0, 0);
+}
+
+static const Pelagos__Entity *entity(uint32_t id)
+{
+    const Pelagos__State *s = pel_scene_state(scene);
+    for (size_t i = 0; i < s->n_entities; i++) {
+        if (s->entities[i]->id == id) {
+            return s->entities[i];
+        }
+    }
+    return NULL;
+}
+
+static const Pelagos__View *view(const char *name)
+{
+    const Pelagos__State *s = pel_scene_state(scene);
+    for (size_t i = 0; i < s->n_views; i++) {
+        if (strcmp(s->views[i]->name, name) == 0) {
+            return s->views[i];
+        }
+    }
+    return NULL;
+}
+
+/* The next Start of Frame; further packets by next_answer(). */
+static struct pel_cigi_reader answers;
+static struct pel_cigi_packet sof;
+
+static void take_frame(void)
+{
+    const uint8_t *out;
+    size_t size = pel_cigi_frame(cigi, &out);
+    assert_int_equal(
+        pel_cigi_open(out, size, PEL_CIGI_KIND_START_OF_FRAME, &answers),
+        PEL_CIGI_GOOD);
+    assert_int_equal(answers.little, little);
+    assert_true(pel_cigi_next(&answers, &sof));
+    last_ig++;
+    assert_near(pel_cigi_get(&sof, PEL_CIGI_START_OF_FRAME_FRAME), last_ig, 0);
+    assert_near(pel_cigi_get(&sof, PEL_CIGI_START_OF_FRAME_LAST_HOST_FRAME),
+                frame, 0);
+}
+
+static struct pel_cigi_packet next_answer(enum pel_cigi_kind kind)
+{
+    struct pel_cigi_packet p;
+    assert_true(pel_cigi_next(&answers, &p));
+    assert_int_equal(p.kind, kind);
+    return p;
+}
+
+static void no_more_answers(void)
+{
+    struct pel_cigi_packet p;
+    assert_false(pel_cigi_next(&answers, &p));
+}
+
+/* --- the tests ----------------------------------------------------------- */
+
+static void ships_move_in_both_orders(void **state)
+{
+    (void)state;
+    for (int order = 0; order < 2; order++) {
+        little = order;
+        begin();
+        place_ship(1, 52.61 + 0.01 * order, -90);
+        place_ship(700, 52.7, 370);
+        send();
+        assert_near(entity(1)->latitude, 52.61 + 0.01 * order, 0);
+        assert_near(entity(1)->heading, 270, 0);
+        assert_near(entity(1)->roll, 3, 0);
+        assert_near(entity(700)->altitude, 2, 0);
+        assert_near(entity(700)->heading, 10, 0);
+        take_frame();
+    }
+    assert_int_equal(pel_scene_state(scene)->clock->mode,
+                     PELAGOS__CLOCK_MODE__HOST);
+    assert_int_equal(pel_cigi_counters(cigi)->edits, 2);
+}
+
+static void nothing_older_is_applied(void **state)
+{
+    (void)state;
+    begin_at(10);
+    place_ship(1, 50, 0);
+    send();
+    begin_at(12);
+    place_ship(1, 51, 0);
+    send();
+    double time_s = pel_scene_time(scene);
+    begin_at(11); /* overtaken */
+    place_ship(1, 52, 0);
+    send();
+    begin_at(12); /* again */
+    place_ship(1, 53, 0);
+    send();
+    const struct pel_cigi_counters *c = pel_cigi_counters(cigi);
+    assert_near(entity(1)->latitude, 51, 0);
+    assert_near(pel_scene_time(scene), time_s, 0);
+    assert_int_equal(c->late, 1);
+    assert_int_equal(c->duplicate, 1);
+    assert_int_equal(c->lost, 1);
+    frame = 12;
+    take_frame();
+}
+
+static void frame_numbers_wrap(void **state)
+{
+    (void)state;
+    begin_at(UINT32_MAX);
+    send();
+    begin(); /* 0 */
+    place_ship(1, 51, 0);
+    send();
+    assert_near(entity(1)->latitude, 51, 0);
+    assert_int_equal(pel_cigi_counters(cigi)->lost, 0);
+}
+
+static void a_host_that_restarts_is_heard(void **state)
+{
+    (void)state;
+    begin_at(5000);
+    send();
+    begin_at(1);
+    place_ship(1, 51, 0);
+    send();
+    assert_near(entity(1)->latitude, 51, 0);
+    take_frame();
+}
+
+static void frames_lead_time(void **state)
+{
+    (void)state;
+    begin();
+    send();
+    double time_s = pel_scene_time(scene);
+    begin();
+    send();
+    assert_near(pel_scene_time(scene), time_s + 1 / 60.0, 1e-9);
+    begin_at(frame + 3); /* two lost */
+    send();
+    assert_near(pel_scene_time(scene), time_s + 4 / 60.0, 1e-9);
+}
+
+static void timestamps_lead_time(void **state)
+{
+    (void)state;
+    stamped(4294967290.0, 0);
+    send();
+    double time_s = pel_scene_time(scene);
+    stamped(994, 0); /* 1000 ticks of 10 us later, wrapped */
+    send();
+    assert_near(pel_scene_time(scene), time_s + 0.01, 1e-9);
+    stamped(994, 0); /* stands */
+    send();
+    assert_near(pel_scene_time(scene), time_s + 0.01, 1e-9);
+    stamped(900, 0); /* goes back: 12 h by the wrap, taken as one frame */
+    send();
+    assert_near(pel_scene_time(scene), time_s + 0.01 + 1 / 60.0, 1e-9);
+}
+
+static void time_goes_on_without_the_host(void **state)
+{
+    (void)state;
+    begin();
+    send();
+    double time_s = pel_scene_time(scene);
+    take_frame();
+    assert_near(pel_scene_time(scene), time_s, 0);
+    usleep(100000);
+    take_frame();
+    /* Two frames behind the wall clock; a busy machine sleeps longer. */
+    double gone = pel_scene_time(scene) - time_s;
+    assert_true(gone >= 0.1 - 2 / 60.0 && gone < 1);
+    begin(); /* late: its time is over, and time does not go back */
+    send();
+    assert_near(pel_scene_time(scene), time_s + gone, 1e-9);
+}
+
+static void another_clock_mode_is_left_alone(void **state)
+{
+    (void)state;
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    Pelagos__State with_clock = PELAGOS__STATE__INIT;
+    Pelagos__Clock clock = PELAGOS__CLOCK__INIT;
+    begin();
+    send();
+    clock.has_mode = true;
+    clock.mode = PELAGOS__CLOCK_MODE__STEPPED;
+    with_clock.clock = &clock;
+    patch.state = &with_clock;
+    assert_int_equal(pel_scene_patch(scene, &patch, NULL), PEL_OK);
+    double time_s = pel_scene_time(scene);
+    begin();
+    send();
+    assert_near(pel_scene_time(scene), time_s, 0);
+    assert_int_equal(pel_scene_state(scene)->clock->mode,
+                     PELAGOS__CLOCK_MODE__STEPPED);
+}
+
+static void train(double id, double height, double on)
+{
+    with(PEL_CIGI_KIND_WAVE, PEL_CIGI_WAVE_ID, id, PEL_CIGI_WAVE_ENABLE, on,
+         PEL_CIGI_WAVE_HEIGHT, height, PEL_CIGI_WAVE_PERIOD, 9.0,
+         PEL_CIGI_WAVE_DIRECTION, 90.0, 0);
+}
+
+static void a_refused_datagram_changes_nothing(void **state)
+{
+    (void)state;
+    begin();
+    place_ship(1, 51, 0);
+    send();
+    begin();
+    train(1, 2, 1);
+    place_ship(1, 89, 0); /* beyond 85 */
+    with(PEL_CIGI_KIND_HAT_REQUEST, PEL_CIGI_HAT_REQUEST_ID, 1.0, 0);
+    send();
+    const Pelagos__State *s = pel_scene_state(scene);
+    assert_int_equal(pel_cigi_counters(cigi)->refused_edits, 1);
+    assert_near(entity(1)->latitude, 51, 0);
+    assert_int_equal(s->sea->n_swell, 0);
+    take_frame();
+    no_more_answers();
+    begin();
+    send(); /* the wave is not remembered either */
+    assert_int_equal(pel_scene_state(scene)->sea->n_swell, 0);
+}
+
+static void waves_become_swell(void **state)
+{
+    (void)state;
+    begin();
+    train(1, 2, 1);
+    train(9, 1, 1);
+    send();
+    const Pelagos__Sea *sea = pel_scene_state(scene)->sea;
+    assert_int_equal(sea->n_swell, 2);
+    assert_near(sea->swell[0]->height, 2 * sqrt(2), 1e-12);
+    assert_near(sea->swell[0]->period, 9, 0);
+    assert_near(sea->swell[0]->direction, 270, 0);
+    begin();
+    train(1, 2, 0);
+    send();
+    sea = pel_scene_state(scene)->sea;
+    assert_int_equal(sea->n_swell, 1);
+    assert_near(sea->swell[0]->height, sqrt(2), 1e-12);
+    begin();
+    train(9, 2, 0);
+    send();
+    assert_int_equal(pel_scene_state(scene)->sea->n_swell, 0);
+    begin();
+    for (int i = 0; i < 9; i++) {
+        train(i, 1, 1);
+    }
+    send();
+    assert_int_equal(pel_scene_state(scene)->sea->n_swell, 8);
+    assert_int_equal(pel_cigi_counters(cigi)->skipped_packets, 1);
+}
+
+/* A wavelength alone: deep-water dispersion. */
+static void a_wavelength_gives_the_period(void **state)
+{
+    (void)state;
+    begin();
+    with(PEL_CIGI_KIND_WAVE, PEL_CIGI_WAVE_ENABLE, 1.0, PEL_CIGI_WAVE_HEIGHT,
+         1.0, PEL_CIGI_WAVE_LENGTH, 156.07, 0);
+    send();
+    assert_near(pel_scene_state(scene)->sea->swell[0]->period, 10, 1e-3);
+}
+
+static void wind(double mps, double from, double visibility)
+{
+    with(PEL_CIGI_KIND_ATMOSPHERE, PEL_CIGI_ATMOSPHERE_ENABLE, 1.0,
+         PEL_CIGI_ATMOSPHERE_WIND, mps, PEL_CIGI_ATMOSPHERE_WIND_DIRECTION,
+         from, PEL_CIGI_ATMOSPHERE_VISIBILITY, visibility, 0);
+}
+
+static void weather_is_of_the_region_the_view_is_in(void **state)
+{
+    (void)state;
+    begin();
+    wind(5, 100, 20000);
+    with(PEL_CIGI_KIND_REGION, PEL_CIGI_REGION_ID, 3.0, PEL_CIGI_REGION_STATE,
+         1.0, PEL_CIGI_REGION_LATITUDE, 52.6, PEL_CIGI_REGION_LONGITUDE, 5.2,
+         PEL_CIGI_REGION_X, 2000.0, PEL_CIGI_REGION_Y, 2000.0, 0);
+    with(PEL_CIGI_KIND_WEATHER, PEL_CIGI_WEATHER_REGION, 3.0,
+         PEL_CIGI_WEATHER_SCOPE, 1.0, PEL_CIGI_WEATHER_ENABLE, 1.0,
+         PEL_CIGI_WEATHER_VISIBILITY, 900.0, PEL_CIGI_WEATHER_WIND, 12.0,
+         PEL_CIGI_WEATHER_WIND_DIRECTION, 200.0, 0);
+    send();
+    const Pelagos__State *s = pel_scene_state(scene);
+    assert_near(s->sea->wind_speed, 12, 0);
+    assert_near(s->sea->wind_direction, 200, 0);
+    assert_near(s->sky->visibility, 900, 0);
+    begin();
+    place_ship(1, 52.62, 0); /* 2.2 km north */
+    send();
+    begin(); /* the view is where the ship is since the frame before */
+    send();
+    s = pel_scene_state(scene);
+    assert_near(s->sea->wind_speed, 5, 0);
+    assert_near(s->sky->visibility, 20000, 0);
+}
+
+static void components_give_whole_sea_states(void **state)
+{
+    (void)state;
+    float mps = 14, from = 225, fetch = 90000;
+    uint32_t words[3];
+    memcpy(&words[0], &mps, 4);
+    memcpy(&words[1], &from, 4);
+    memcpy(&words[2], &fetch, 4);
+    begin();
+    with(PEL_CIGI_KIND_COMPONENT, PEL_CIGI_COMPONENT_ID, 1.0,
+         PEL_CIGI_COMPONENT_CLASS, 7.0, PEL_CIGI_COMPONENT_STATE, 1.0,
+         PEL_CIGI_COMPONENT_DATA1, (double)words[0], PEL_CIGI_COMPONENT_DATA2,
+         (double)words[1], PEL_CIGI_COMPONENT_DATA3, (double)words[2],
+         PEL_CIGI_COMPONENT_DATA5, 77.0, 0);
+    send();
+    const Pelagos__Sea *sea = pel_scene_state(scene)->sea;
+    assert_near(sea->wind_speed, 14, 0);
+    assert_near(sea->wind_direction, 225, 0);
+    assert_near(sea->fetch, 90000, 0);
+    assert_int_equal(sea->spectrum, PELAGOS__SPECTRUM_KIND__JONSWAP);
+    assert_int_equal(sea->seed, 77);
+    begin();
+    with(PEL_CIGI_KIND_SHORT_COMPONENT, PEL_CIGI_SHORT_COMPONENT_ID, 2.0,
+         PEL_CIGI_SHORT_COMPONENT_CLASS, 7.0, PEL_CIGI_SHORT_COMPONENT_STATE,
+         4.0, PEL_CIGI_SHORT_COMPONENT_DATA1, (double)words[1], 0);
+    send();
+    /* Beaufort 4: 0.836 · 8 m/s */
+    assert_near(pel_scene_state(scene)->sea->wind_speed, 6.688, 1e-12);
+    begin();
+    with(PEL_CIGI_KIND_COMPONENT, PEL_CIGI_COMPONENT_ID, 1.0,
+         PEL_CIGI_COMPONENT_CLASS, 7.0, PEL_CIGI_COMPONENT_DATA1,
+         (double)0x7f800001u, 0);
+    send(); /* NaN */
+    assert_int_equal(pel_cigi_counters(cigi)->refused_edits, 1);
+    assert_near(pel_scene_state(scene)->sea->wind_speed, 6.688, 1e-12);
+}
+
+static void views_hang_on_entities_when_they_come(void **state)
+{
+    (void)state;
+    begin();
+    with(PEL_CIGI_KIND_VIEW_CONTROL, PEL_CIGI_VIEW_CONTROL_VIEW, 4.0,
+         PEL_CIGI_VIEW_CONTROL_ENTITY, 30.0, PEL_CIGI_VIEW_CONTROL_Z_ENABLE,
+         1.0, PEL_CIGI_VIEW_CONTROL_Z, -12.0, PEL_CIGI_VIEW_CONTROL_YAW_ENABLE,
+         1.0, PEL_CIGI_VIEW_CONTROL_YAW, 45.0, 0);
+    with(PEL_CIGI_KIND_VIEW_DEFINITION, PEL_CIGI_VIEW_DEFINITION_VIEW, 0.0,
+         PEL_CIGI_VIEW_DEFINITION_GROUP, 2.0,
+         PEL_CIGI_VIEW_DEFINITION_LEFT_ENABLE, 1.0,
+         PEL_CIGI_VIEW_DEFINITION_LEFT, -40.0, 0);
+    send();
+    assert_false(view("cigi-4")->has_entity);
+    assert_near(view("cigi-4")->up, 12, 0);
+    assert_near(view("cigi-4")->yaw, 45, 0);
+    assert_near(view("bridge")->frustum->left, -40, 0);
+    assert_near(view("bridge")->frustum->right, 30, 1e-9);
+    begin();
+    place_ship(30, 52.6, 0);
+    with(PEL_CIGI_KIND_VIEW_CONTROL, PEL_CIGI_VIEW_CONTROL_GROUP, 2.0,
+         PEL_CIGI_VIEW_CONTROL_ENTITY, 30.0, PEL_CIGI_VIEW_CONTROL_PITCH_ENABLE,
+         1.0, PEL_CIGI_VIEW_CONTROL_PITCH, -5.0, 0);
+    send();
+    assert_int_equal(view("cigi-4")->entity, 30);
+    assert_int_equal(view("bridge")->entity, 30);
+    assert_near(view("bridge")->pitch, -5, 0);
+}
+
+static void camera_of(const char *name, struct pel_camera *out)
+{
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    int index = pel_snapshot_find_view(s, name);
+    assert_true(index >= 0);
+    pel_snapshot_camera(s, (size_t)index, pel_scene_time(scene), 0, 0, out);
+    pel_snapshot_unref(s);
+}
+
+static void a_view_outlives_its_entity(void **state)
+{
+    (void)state;
+    struct pel_camera before, after;
+    begin();
+    place_ship(1, 52.605, 77);
+    with(PEL_CIGI_KIND_VIEW_CONTROL, PEL_CIGI_VIEW_CONTROL_ENTITY, 1.0,
+         PEL_CIGI_VIEW_CONTROL_X_ENABLE, 1.0, PEL_CIGI_VIEW_CONTROL_X, 20.0,
+         PEL_CIGI_VIEW_CONTROL_YAW_ENABLE, 1.0, PEL_CIGI_VIEW_CONTROL_YAW,
+         -100.0, PEL_CIGI_VIEW_CONTROL_PITCH_ENABLE, 1.0,
+         PEL_CIGI_VIEW_CONTROL_PITCH, -20.0, 0);
+    send();
+    camera_of("bridge", &before);
+    begin();
+    with(PEL_CIGI_KIND_ENTITY_CONTROL, PEL_CIGI_ENTITY_CONTROL_ID, 1.0,
+         PEL_CIGI_ENTITY_CONTROL_STATE, 2.0, 0);
+    send();
+    assert_null(entity(1));
+    camera_of("bridge", &after);
+    assert_near(after.east_m, before.east_m, 1e-6);
+    assert_near(after.north_m, before.north_m, 1e-6);
+    assert_near(after.altitude_m, before.altitude_m, 1e-6);
+    assert_near(after.world_from_camera.x.x, before.world_from_camera.x.x,
+                1e-12);
+    assert_near(after.world_from_camera.y.z, before.world_from_camera.y.z,
+                1e-12);
+    assert_near(after.world_from_camera.z.y, before.world_from_camera.z.y,
+                1e-12);
+}
+
+static void rates_carry_ships_on(void **state)
+{
+    (void)state;
+    begin();
+    place_ship(1, 52.6, 90);
+    with(PEL_CIGI_KIND_RATE, PEL_CIGI_RATE_ID, 1.0, PEL_CIGI_RATE_LOCAL, 1.0,
+         PEL_CIGI_RATE_X, 10.0, PEL_CIGI_RATE_YAW, 2.0, 0);
+    with(PEL_CIGI_KIND_RATE, PEL_CIGI_RATE_ID, 99.0, 0); /* not there */
+    send();
+    assert_near(entity(1)->speed, 10, 0);
+    assert_near(entity(1)->course, 90, 1e-9);
+    assert_near(entity(1)->turn_rate, 2, 0);
+    assert_int_equal(pel_cigi_counters(cigi)->skipped_packets, 1);
+    begin_at(frame + 60);
+    place_ship(2, 52.6, 0);
+    send();
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    struct pel_entity_state e;
+    pel_snapshot_entity_at(s, 0, pel_scene_time(scene), &e);
+    pel_snapshot_unref(s);
+    assert_near(e.east_m, 10, 0.01); /* 1 s later, turned by 2 deg */
+}
+
+static void attached_entities_ride_along(void **state)
+{
+    (void)state;
+    begin();
+    place_ship(1, 52.6, 90);
+    with(PEL_CIGI_KIND_ENTITY_CONTROL, PEL_CIGI_ENTITY_CONTROL_ID, 2.0,
+         PEL_CIGI_ENTITY_CONTROL_STATE, 1.0, PEL_CIGI_ENTITY_CONTROL_ATTACH,
+         1.0, PEL_CIGI_ENTITY_CONTROL_PARENT, 1.0,
+         PEL_CIGI_ENTITY_CONTROL_LATITUDE, 30.0,
+         PEL_CIGI_ENTITY_CONTROL_ALTITUDE, -8.0, PEL_CIGI_ENTITY_CONTROL_YAW,
+         30.0, 0);
+    send();
+    /* 30 m ahead of a ship that heads east: 30 m east. */
+    double metre = 1 / (6378137 * PEL_DEG * cos(52.6 * PEL_DEG) * 1.0021);
+    assert_near(entity(2)->longitude, 5.2 + 30 * metre, 0.5 * metre);
+    assert_near(entity(2)->heading, 120, 0.3); /* roll 3 deg of the parent */
+    assert_near(entity(2)->altitude, 2 + 8 * cos(3 * PEL_DEG), 1e-6);
+    begin();
+    place_ship(1, 52.7, 0);
+    send();
+    assert_near(entity(2)->latitude, 52.7 + 30 / 111200.0, 1e-5);
+}
+
+static void clamped_entities_ride_the_waves(void **state)
+{
+    (void)state;
+    begin();
+    with(PEL_CIGI_KIND_CONFORMAL, PEL_CIGI_CONFORMAL_ID, 8.0,
+         PEL_CIGI_CONFORMAL_LATITUDE, 52.6, PEL_CIGI_CONFORMAL_LONGITUDE, 5.2,
+         PEL_CIGI_CONFORMAL_YAW, 30.0, 0);
+    send();
+    for (int i = 0; i < 5; i++) {
+        begin_at(frame + 20);
+        send();
+        const struct pel_snapshot *s = pel_scene_snapshot(scene);
+        struct pel_surface_sample sample;
+        pel_sea_sample(s->sea, 0, 0, pel_scene_time(scene), &sample);
+        pel_snapshot_unref(s);
+        const Pelagos__Entity *e = entity(8);
+        assert_near(e->altitude, sample.height_m, 1e-9);
+        /* The mast is the normal. */
+        double h = 30 * PEL_DEG, p = e->pitch * PEL_DEG, r = e->roll * PEL_DEG;
+        double x = cos(h) * sin(r) - sin(h) * sin(p) * cos(r);
+        assert_near(x, sample.normal.x, 1e-9);
+        assert_near(cos(p) * cos(r), sample.normal.z, 1e-9);
+    }
+}
+
+static void the_date_moves_the_sun(void **state)
+{
+    (void)state;
+    begin();
+    with(PEL_CIGI_KIND_CELESTIAL, PEL_CIGI_CELESTIAL_HOUR, 15.0,
+         PEL_CIGI_CELESTIAL_MINUTE, 30.0, PEL_CIGI_CELESTIAL_VALID, 1.0,
+         PEL_CIGI_CELESTIAL_DATE, 12242025.0, 0);
+    send();
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    /* 2025-12-24T15:30Z, within the time that the packet was on its way. */
+    assert_near(s->epoch_unix_s + pel_scene_time(scene), 1766590200.0, 1e-2);
+    pel_snapshot_unref(s);
+    begin();
+    with(PEL_CIGI_KIND_CELESTIAL, PEL_CIGI_CELESTIAL_VALID, 1.0,
+         PEL_CIGI_CELESTIAL_DATE, 2302025.0, 0); /* 30 February */
+    send();
+    assert_int_equal(pel_cigi_counters(cigi)->refused_edits, 1);
+}
+
+static void databases_are_loaded(void **state)
+{
+    (void)state;
+    const struct {
+        double asked, told;
+    } steps[] = { { 0, 0 },    { 5, -5 },   { 5, -5 }, { 0, 5 }, { 0, 5 },
+                  { 9, -128 }, { 0, -128 }, { 5, -5 }, { 0, 5 } };
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        stamped(0, steps[i].asked);
+        send();
+        take_frame();
+        assert_near(pel_cigi_get(&sof, PEL_CIGI_START_OF_FRAME_DATABASE),
+                    steps[i].told, 0);
+        assert_near(pel_cigi_get(&sof, PEL_CIGI_START_OF_FRAME_MINOR), 2, 0);
+    }
+}
+
+static void heights_are_of_the_sea(void **state)
+{
+    (void)state;
+    begin();
+    wind(15, 30, 9000);
+    send();
+    begin();
+    for (int type = 0; type < 3; type++) {
+        with(PEL_CIGI_KIND_HAT_REQUEST, PEL_CIGI_HAT_REQUEST_ID, type + 1.0,
+             PEL_CIGI_HAT_REQUEST_TYPE, (double)type,
+             PEL_CIGI_HAT_REQUEST_LATITUDE, 52.6,
+             PEL_CIGI_HAT_REQUEST_LONGITUDE, 5.2, PEL_CIGI_HAT_REQUEST_ALTITUDE,
+             20.0, 0);
+    }
+    with(PEL_CIGI_KIND_HAT_REQUEST, PEL_CIGI_HAT_REQUEST_LOCAL, 1.0,
+         PEL_CIGI_HAT_REQUEST_ENTITY, 999.0, 0);
+    with(PEL_CIGI_KIND_ENVIRONMENT_REQUEST, PEL_CIGI_ENVIRONMENT_REQUEST_TYPE,
+         5.0, PEL_CIGI_ENVIRONMENT_REQUEST_ID, 44.0,
+         PEL_CIGI_ENVIRONMENT_REQUEST_LATITUDE, 52.6,
+         PEL_CIGI_ENVIRONMENT_REQUEST_LONGITUDE, 5.2, 0);
+    send();
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    struct pel_surface_sample sea;
+    pel_sea_sample(s->sea, 0, 0, pel_scene_time(scene), &sea);
+    pel_snapshot_unref(s);
+    take_frame();
+    struct pel_cigi_packet a = next_answer(PEL_CIGI_KIND_HAT_RESPONSE);
+    assert_near(pel_cigi_get(&a, PEL_CIGI_HAT_RESPONSE_HEIGHT),
+                20 - sea.height_m, 1e-9);
+    assert_near(pel_cigi_get(&a, PEL_CIGI_HAT_RESPONSE_HOST_FRAME), 2, 0);
+    a = next_answer(PEL_CIGI_KIND_HAT_RESPONSE);
+    assert_near(pel_cigi_get(&a, PEL_CIGI_HAT_RESPONSE_HEIGHT), sea.height_m,
+                1e-9);
+    a = next_answer(PEL_CIGI_KIND_HAT_EXTENDED);
+    assert_near(pel_cigi_get(&a, PEL_CIGI_HAT_EXTENDED_HOT), sea.height_m,
+                1e-9);
+    /* f32 degrees: 1e-5 of 180. */
+    assert_near(pel_cigi_get(&a, PEL_CIGI_HAT_EXTENDED_ELEVATION),
+                asin(sea.normal.z) / PEL_DEG, 2e-5);
+    a = next_answer(PEL_CIGI_KIND_HAT_RESPONSE);
+    assert_near(pel_cigi_get(&a, PEL_CIGI_HAT_RESPONSE_VALID), 0, 0);
+    a = next_answer(PEL_CIGI_KIND_MARITIME_RESPONSE);
+    assert_near(pel_cigi_get(&a, PEL_CIGI_MARITIME_RESPONSE_HEIGHT),
+                sea.height_m, 1e-6);
+    a = next_answer(PEL_CIGI_KIND_WEATHER_RESPONSE);
+    assert_near(pel_cigi_get(&a, PEL_CIGI_WEATHER_RESPONSE_WIND), 15, 0);
+    assert_near(pel_cigi_get(&a, PEL_CIGI_WEATHER_RESPONSE_WIND_DIRECTION), 30,
+                1e-4);
+    no_more_answers();
+}
+
+static void periodic_requests_come_again(void **state)
+{
+    (void)state;
+    unsigned got = 0;
+    begin();
+    with(PEL_CIGI_KIND_HAT_REQUEST, PEL_CIGI_HAT_REQUEST_ID, 6.0,
+         PEL_CIGI_HAT_REQUEST_PERIOD, 3.0, PEL_CIGI_HAT_REQUEST_LATITUDE, 52.6,
+         PEL_CIGI_HAT_REQUEST_LONGITUDE, 5.2, 0);
+    send();
+    for (int i = 0; i < 9; i++) {
+        struct pel_cigi_packet p;
+        take_frame();
+        while (pel_cigi_next(&answers, &p)) {
+            assert_int_equal(i % 3, 0);
+            got++;
+        }
+    }
+    assert_int_equal(got, 3);
+    begin();
+    with(PEL_CIGI_KIND_HAT_REQUEST, PEL_CIGI_HAT_REQUEST_ID, 6.0,
+         PEL_CIGI_HAT_REQUEST_LATITUDE, 52.6, PEL_CIGI_HAT_REQUEST_LONGITUDE,
+         5.2, 0);
+    send(); /* once, and no more */
+    take_frame();
+    next_answer(PEL_CIGI_KIND_HAT_RESPONSE);
+    for (int i = 0; i < 4; i++) {
+        no_more_answers();
+        take_frame();
+    }
+}
+
+static void many_answers_take_several_frames(void **state)
+{
+    (void)state;
+    unsigned got = 0;
+    begin();
+    for (int i = 0; i < 1200; i++) {
+        with(PEL_CIGI_KIND_HAT_REQUEST, PEL_CIGI_HAT_REQUEST_ID, (double)i,
+             PEL_CIGI_HAT_REQUEST_TYPE, 2.0, PEL_CIGI_HAT_REQUEST_LATITUDE,
+             52.6, PEL_CIGI_HAT_REQUEST_LONGITUDE, 5.2, 0);
+    }
+    send();
+    for (int i = 0; i < 3; i++) {
+        struct pel_cigi_packet p;
+        take_frame();
+        while (pel_cigi_next(&answers, &p)) {
+            assert_near(pel_cigi_get(&p, PEL_CIGI_HAT_EXTENDED_ID), got, 0);
+            got++;
+        }
+    }
+    assert_int_equal(got, PEL_CIGI_MAX_QUESTIONS);
+    assert_int_equal(pel_cigi_counters(cigi)->dropped_answers,
+                     1200 - PEL_CIGI_MAX_QUESTIONS);
+}
+
+static void sight(double elevation, double most, double extended)
+{
+    with(PEL_CIGI_KIND_LOS_VECTOR, PEL_CIGI_LOS_VECTOR_ID, 3.0,
+         PEL_CIGI_LOS_VECTOR_TYPE, extended, PEL_CIGI_LOS_VECTOR_LATITUDE, 52.6,
+         PEL_CIGI_LOS_VECTOR_LONGITUDE, 5.2, PEL_CIGI_LOS_VECTOR_ALTITUDE, 25.0,
+         PEL_CIGI_LOS_VECTOR_ELEVATION, elevation, PEL_CIGI_LOS_VECTOR_AZIMUTH,
+         60.0, PEL_CIGI_LOS_VECTOR_MAX_RANGE, most, 0);
+}
+
+static void sight_ends_at_the_waves(void **state)
+{
+    (void)state;
+    begin();
+    wind(12, 250, 9000);
+    send();
+    begin();
+    sight(-90, 100, 1);
+    sight(-8, 1000, 1);
+    sight(2, 1000, 0);
+    send();
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    double time_s = pel_scene_time(scene);
+    struct pel_surface_sample sea;
+    take_frame();
+    struct pel_cigi_packet a = next_answer(PEL_CIGI_KIND_LOS_EXTENDED);
+    pel_sea_sample(s->sea, 0, 0, time_s, &sea);
+    assert_near(pel_cigi_get(&a, PEL_CIGI_LOS_EXTENDED_RANGE),
+                25 - sea.height_m, 1e-3);
+    a = next_answer(PEL_CIGI_KIND_LOS_EXTENDED);
+    double range = pel_cigi_get(&a, PEL_CIGI_LOS_EXTENDED_RANGE);
+    double along = range * cos(8 * PEL_DEG);
+    pel_sea_sample(s->sea, along * sin(60 * PEL_DEG), along * cos(60 * PEL_DEG),
+                   time_s, &sea);
+    assert_near(25 - range * sin(8 * PEL_DEG), sea.height_m, 1e-3);
+    assert_near(pel_cigi_get(&a, PEL_CIGI_LOS_EXTENDED_ALTITUDE), sea.height_m,
+                1e-3);
+    a = next_answer(PEL_CIGI_KIND_LOS_RESPONSE);
+    assert_near(pel_cigi_get(&a, PEL_CIGI_LOS_RESPONSE_VALID), 0, 0);
+    pel_snapshot_unref(s);
+}
+
+int main(void)
+{
+#define TEST(name)                                                             \
+    cmocka_unit_test_setup_teardown(name, open_bridge, close_bridge)
+    const struct CMUnitTest tests[] = {
+        TEST(ships_move_in_both_orders),
+        TEST(nothing_older_is_applied),
+        TEST(frame_numbers_wrap),
+        TEST(a_host_that_restarts_is_heard),
+        TEST(frames_lead_time),
+        TEST(timestamps_lead_time),
+        TEST(time_goes_on_without_the_host),
+        TEST(another_clock_mode_is_left_alone),
+        TEST(a_refused_datagram_changes_nothing),
+        TEST(waves_become_swell),
+        TEST(a_wavelength_gives_the_period),
+        TEST(weather_is_of_the_region_the_view_is_in),
+        TEST(components_give_whole_sea_states),
+        TEST(views_hang_on_entities_when_they_come),
+        TEST(a_view_outlives_its_entity),
+        TEST(rates_carry_ships_on),
+        TEST(attached_entities_ride_along),
+        TEST(clamped_entities_ride_the_waves),
+        TEST(the_date_moves_the_sun),
+        TEST(databases_are_loaded),
+        TEST(heights_are_of_the_sea),
+        TEST(periodic_requests_come_again),
+        TEST(many_answers_take_several_frames),
+        TEST(sight_ends_at_the_waves),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

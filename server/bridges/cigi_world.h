@@ -1,0 +1,149 @@
+/* What CIGI packets mean for the scene: each datagram becomes one patch.
+ * Control thread. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "bridges/cigi_packet.h"
+#include "pelagos.pb-c.h"
+#include "scene/snapshot.h"
+
+#define PEL_CIGI_REGIONS 16
+#define PEL_CIGI_FOLLOWERS 64
+#define PEL_CIGI_VIEWS PEL_MAX_VIEWS
+#define PEL_CIGI_REMOVALS 128
+
+/* A swell train as the schema has it. */
+struct pel_cigi_swell {
+    bool used;
+    unsigned key; /* wave id, or 256 + train of Component Control */
+    double height_m, period_s, from_deg, spread_deg;
+};
+
+/* Commanded weather and water, of the world or of a region. */
+struct pel_cigi_conditions {
+    bool has_visibility, has_wind;             /* Atmosphere, components */
+    bool has_layer_visibility, has_layer_wind; /* Weather: goes before them */
+    bool has_chlorophyll, has_swell;
+    double visibility_m, layer_visibility_m;
+    double wind_mps, wind_deg, layer_wind_mps, layer_wind_deg;
+    double chlorophyll_mg_m3;
+    struct pel_cigi_swell swell[PEL_SEA_MAX_SWELLS];
+};
+
+struct pel_cigi_region {
+    bool used, active;
+    unsigned id;
+    double latitude, longitude, x_m, y_m, radius_m, rotation_deg;
+    struct pel_cigi_conditions conditions;
+};
+
+/* An entity whose pose is made anew with each datagram. */
+struct pel_cigi_follower {
+    bool used;
+    uint32_t id;
+    enum { PEL_CIGI_ON_PARENT, PEL_CIGI_ON_SEA, PEL_CIGI_ON_SLOPE } how;
+    uint32_t parent;
+    double offset_m[3]; /* body axes of the parent */
+    double height_m;    /* above the sea */
+    double roll_deg, pitch_deg, yaw_deg;
+};
+
+struct pel_cigi_view_memo {
+    bool used;
+    unsigned id, group;
+    bool wants_entity; /* not there yet */
+    uint32_t entity;
+};
+
+/* What outlives a datagram. Copied before each one and put back when its
+ * patch is refused: no pointers. */
+struct pel_cigi_world {
+    struct pel_cigi_conditions global, applied;
+    struct pel_cigi_region regions[PEL_CIGI_REGIONS];
+    struct pel_cigi_follower followers[PEL_CIGI_FOLLOWERS];
+    struct pel_cigi_view_memo views[PEL_CIGI_VIEWS];
+    bool dated;
+    double hour, minute, date; /* of the last Celestial Sphere */
+    double humidity, air_temperature, pressure, water_temperature;
+    bool sensors[256];
+};
+
+/* All empty, and what answers give where nothing was commanded. */
+void pel_cigi_world_init(struct pel_cigi_world *world);
+
+/* The patch of one datagram, being made. Large: on the heap. */
+struct pel_cigi_edit {
+    struct pel_cigi_world *world;
+    const Pelagos__State *scene;
+    const struct pel_snapshot *snapshot;
+    double time_s;    /* simulated time of the datagram's host frame */
+    bool refused;     /* more elements than a patch takes, or a bad number */
+    unsigned skipped; /* packets without an object, or beyond a limit */
+    Pelagos__Patch patch;
+    Pelagos__State state;
+    Pelagos__Clock clock;
+    Pelagos__Sea sea;
+    Pelagos__Water water;
+    Pelagos__Sky sky;
+    Pelagos__Entity entities[PEL_MAX_ENTITIES];
+    Pelagos__Entity *entity_list[PEL_MAX_ENTITIES];
+    Pelagos__View views[PEL_MAX_VIEWS];
+    Pelagos__View *view_list[PEL_MAX_VIEWS];
+    Pelagos__Frustum frusta[PEL_MAX_VIEWS];
+    char view_names[PEL_MAX_VIEWS][PEL_NAME_SIZE];
+    Pelagos__Swell swell[PEL_SEA_MAX_SWELLS];
+    Pelagos__Swell *swell_list[PEL_SEA_MAX_SWELLS];
+    char removals[PEL_CIGI_REMOVALS][96];
+    char *removal_list[PEL_CIGI_REMOVALS];
+    char utc[40];
+};
+
+/* Begins; scene and snapshot are of now and must outlive the edit. With
+ * `lead` the patch also sets clock.mode to HOST. */
+void pel_cigi_edit_begin(struct pel_cigi_edit *edit,
+                         struct pel_cigi_world *world,
+                         const Pelagos__State *scene,
+                         const struct pel_snapshot *snapshot, double time_s,
+                         bool lead);
+
+/* Takes one packet from the host; requests are not for here. */
+void pel_cigi_edit_take(struct pel_cigi_edit *edit,
+                        const struct pel_cigi_packet *packet);
+
+/* The whole patch, NULL when nothing is to be changed. */
+const Pelagos__Patch *pel_cigi_edit_end(struct pel_cigi_edit *edit);
+
+/* Name of the view that a CIGI view id means: `cigi-ID` if there is one; else
+ * for 0 the scene's first view; else `cigi-ID`. */
+void pel_cigi_view_name(const struct pel_snapshot *s, unsigned id,
+                        char out[PEL_NAME_SIZE]);
+
+/* --- between the files of this edit -------------------------------------- */
+
+/* Entity `id` in the patch, added if it is not there; NULL: too many. */
+Pelagos__Entity *pel_cigi_edit_entity(struct pel_cigi_edit *edit, uint32_t id);
+
+/* A path to remove. */
+void pel_cigi_edit_remove(struct pel_cigi_edit *edit, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* cigi_entities.c */
+void pel_cigi_take_entity(struct pel_cigi_edit *edit,
+                          const struct pel_cigi_packet *p);
+void pel_cigi_take_conformal(struct pel_cigi_edit *edit,
+                             const struct pel_cigi_packet *p);
+void pel_cigi_take_rate(struct pel_cigi_edit *edit,
+                        const struct pel_cigi_packet *p);
+void pel_cigi_place_followers(struct pel_cigi_edit *edit);
+
+/* cigi_weather.c */
+void pel_cigi_take_environment(struct pel_cigi_edit *edit,
+                               const struct pel_cigi_packet *p);
+void pel_cigi_apply_conditions(struct pel_cigi_edit *edit);
+
+/* Chlorophyll that a clarity of 0..100 % stands for, and back. */
+double pel_cigi_chlorophyll(double clarity);
+double pel_cigi_clarity(double chlorophyll_mg_m3);
