@@ -66,6 +66,7 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/directional.c \
     server/ocean/elfouhaily.c \
     server/ocean/strata.c \
+    server/ocean/ndbc.c \
     server/ocean/fft.c \
     server/ocean/cascade.c \
     server/ocean/fields.c \
@@ -188,6 +189,7 @@ TESTS += server/ocean/sea_test.c
 TESTS += server/ocean/surface_test.c
 TESTS += server/ocean/cascade_test.c
 TESTS += server/ocean/directional_test.c
+TESTS += server/ocean/ndbc_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/optics/atmosphere_test.c
 TESTS += server/optics/colour_test.c
