@@ -67,6 +67,7 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/elfouhaily.c \
     server/ocean/strata.c \
     server/ocean/ndbc.c \
+    server/ocean/seastate.c \
     server/ocean/fft.c \
     server/ocean/cascade.c \
     server/ocean/fields.c \
@@ -212,6 +213,7 @@ TESTS += server/bridges/cigi_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c
+TESTS += server/scene/seas_test.c
 TESTS += server/scene/record_test.c
 TESTS += server/scene/geodesy_test.c
 TESTS += server/scene/snapshot_test.c

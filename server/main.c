@@ -60,6 +60,7 @@ static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
     struct pel_scene_options options = {
         .state_path = or_null(d->options.state),
         .wave_count = d->options.waves,
+        .spectra = or_null(d->options.spectra),
     };
     enum pel_err err = pel_scene_create(&options, &d->scene, fault);
     if (err == PEL_OK) {

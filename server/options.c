@@ -42,6 +42,9 @@ const struct pel_option pel_option_table[] = {
       .help = "Recording ends before the log is larger." },
     { "waves", "scene", PEL_OPTION_INT, "COUNT", "60", 20, 256, "trochoids",
       .offset = FIELD(waves), .help = "Number of waves the sea is made of." },
+    { "spectra", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
+      .offset = FIELD(spectra),
+      .help = "Where the files of buoys lie that sea.measured names." },
 
     { "device", "render", PEL_OPTION_TEXT_KIND, "auto|software|NUMBER", "auto",
       .offset = FIELD(device),

@@ -42,6 +42,7 @@ struct pel_options {
     char state[PEL_OPTION_TEXT], record[PEL_OPTION_TEXT];
     double record_limit_mib;
     int waves;
+    char spectra[PEL_OPTION_TEXT];
     char device[PEL_OPTION_TEXT];
     double fps;
     int encoder_threads;

@@ -8,6 +8,7 @@
 
 #define NODES PEL_DIRECTIONAL_NODES
 #define CUT PEL_DIRECTIONAL_CUT
+#define OMEGA2_LEVEL (8.1e-3 * PEL_GRAVITY * PEL_GRAVITY)
 #define SWELL_BANDWIDTH 0.06 /* in ω, as the trochoids' */
 
 double pel_dispersion_depth(double k, double depth_m)
@@ -171,9 +172,8 @@ static double frequency_spectrum(const struct pel_sea_desc *desc, double k,
         return pel_spectrum_wind(desc, omega) * factor;
     }
     case PEL_SPECTRUM_OMEGA2:
-        return omega < pel_spectrum_peak(desc)
-                   ? 0.0
-                   : 8.1e-3 * PEL_GRAVITY * PEL_GRAVITY / pow(omega, 5.0);
+        return omega < pel_spectrum_peak(desc) ? 0.0
+                                               : OMEGA2_LEVEL / pow(omega, 5.0);
     default:
         return pel_spectrum_wind(desc, omega);
     }
@@ -194,10 +194,12 @@ static void add_frequency_sea(struct pel_directional *d,
         p->shape[i] = s;
         p->log_norm[i] = log_cosine_norm(s);
     }
-    bool exact = desc->kind == PEL_SPECTRUM_PIERSON_MOSKOWITZ ||
-                 desc->kind == PEL_SPECTRUM_JONSWAP;
-    if (exact) {
-        double top = gravity_omega(node_k(d, CUT), desc->depth_m);
+    double top = gravity_omega(node_k(d, CUT), desc->depth_m);
+    if (desc->kind == PEL_SPECTRUM_OMEGA2) {
+        double peak = pel_spectrum_peak(desc);
+        normalise(d, p,
+                  0.25 * OMEGA2_LEVEL * (pow(peak, -4.0) - pow(top, -4.0)));
+    } else if (desc->kind != PEL_SPECTRUM_TMA) {
         normalise(d, p, pel_spectrum_m0(desc, 0, top));
     }
 }

@@ -9,8 +9,9 @@
 #include "ocean/sea.h"
 
 #define PEL_NDBC_STATION_SIZE 33
-#define PEL_NDBC_FILE_LIMIT (4 << 20) /* bytes; a month of records is 0.5 MB   \
-                                       */
+#define PEL_NDBC_FILE_LIMIT                                                    \
+    (4 << 20) /* bytes; a month of records is 0.5 MB                           \
+               */
 
 /* Reads the record nearest to unix_s (UTC; NAN: the newest) and at most 90
  * minutes from it, as waves that travel to, mathematical. `station` is 1 to 32

@@ -1,16 +1,22 @@
 #include "scene/build.h"
 
+#include <glib.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "fault.h"
+#include "ocean/ndbc.h"
+#include "ocean/seastate.h"
+#include "scene/check.h"
 #include "scene/geodesy.h"
 #include "scene/sun.h"
 
 struct pel_shared_sea {
     atomic_uint refs;
     struct pel_sea_desc desc; /* as asked for; the sea's own is normalized */
+    char *record;             /* which one `desc.measured` is; NULL: none */
     struct pel_sea sea;
 };
 
@@ -29,14 +35,26 @@ static double goes_to(double from_deg)
     return remainder(90.0 - (from_deg + 180.0), 360.0) * PEL_DEG;
 }
 
-static void describe_sea(const Pelagos__State *state, int wave_count,
-                         struct pel_sea_desc *out)
+static const enum pel_spectrum_kind kinds[] = {
+    [PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ] =
+        PEL_SPECTRUM_PIERSON_MOSKOWITZ,
+    [PELAGOS__SPECTRUM_KIND__JONSWAP] = PEL_SPECTRUM_JONSWAP,
+    [PELAGOS__SPECTRUM_KIND__TMA] = PEL_SPECTRUM_TMA,
+    [PELAGOS__SPECTRUM_KIND__ELFOUHAILY] = PEL_SPECTRUM_ELFOUHAILY,
+    [PELAGOS__SPECTRUM_KIND__OMEGA2] = PEL_SPECTRUM_OMEGA2,
+    [PELAGOS__SPECTRUM_KIND__MEASURED] = PEL_SPECTRUM_MEASURED,
+};
+
+void pel_sea_describe(const Pelagos__State *state, int wave_count,
+                      struct pel_sea_desc *out)
 {
     const Pelagos__Sea *sea = state->sea;
     *out = (struct pel_sea_desc){ 0 };
-    out->kind = sea->spectrum == PELAGOS__SPECTRUM_KIND__JONSWAP
-                    ? PEL_SPECTRUM_JONSWAP
-                    : PEL_SPECTRUM_PIERSON_MOSKOWITZ;
+    out->synthesiser = sea->synthesiser == PELAGOS__SYNTHESISER__FFT
+                           ? PEL_SYNTHESISER_FFT
+                           : PEL_SYNTHESISER_TROCHOIDS;
+    out->kind = kinds[sea->spectrum];
+    out->depth_m = sea->has_depth ? sea->depth : 0;
     out->wind_mps = sea->wind_speed;
     out->direction_rad = goes_to(sea->wind_direction);
     out->fetch_m = sea->fetch;
@@ -50,6 +68,44 @@ static void describe_sea(const Pelagos__State *state, int wave_count,
         out->swell[i].direction_rad = goes_to(sea->swell[i]->direction);
         out->swell[i].spread_rad = sea->swell[i]->spread * PEL_DEG;
     }
+}
+
+/* Which record the state means; NULL: its spectrum is not measured. */
+static char *record_of(const Pelagos__State *state)
+{
+    const Pelagos__Sea *sea = state->sea;
+    return sea->spectrum == PELAGOS__SPECTRUM_KIND__MEASURED
+               ? g_strdup_printf("%s %s", sea->measured ? sea->measured : "",
+                                 sea->measured_time ? sea->measured_time : "")
+               : NULL;
+}
+
+static enum pel_err read_record(const Pelagos__Sea *sea, const char *spectra,
+                                struct pel_measured *out,
+                                struct pel_fault *fault)
+{
+    double unix_s = NAN;
+    enum pel_err err = PEL_OK;
+    if (!spectra) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "sea.spectrum MEASURED needs pelagosd --spectra");
+    }
+    if (sea->measured_time && *sea->measured_time) {
+        err = pel_utc_parse(sea->measured_time, &unix_s);
+        if (err) {
+            pel_fault_set(fault, err,
+                          "sea.measuredTime must be ISO 8601 with its zone, "
+                          "like 2026-06-21T12:00:00Z");
+            pel_fault_at(fault, "sea.measuredTime", sea->measured_time);
+            return err;
+        }
+    }
+    err = pel_ndbc_read(spectra, sea->measured ? sea->measured : "", unix_s,
+                        out, NULL, fault);
+    if (err) {
+        pel_fault_at(fault, "sea.measured", sea->measured);
+    }
+    return err;
 }
 
 static bool same_swell(const struct pel_swell_desc *a,
@@ -74,36 +130,67 @@ static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
     return same;
 }
 
-enum pel_err pel_shared_sea_get(const Pelagos__State *state, int wave_count,
-                                struct pel_shared_sea *present,
-                                struct pel_shared_sea **out)
+static enum pel_err new_sea(const struct pel_sea_desc *desc, char *record,
+                            struct pel_shared_sea **out,
+                            struct pel_fault *fault)
 {
-    struct pel_sea_desc desc;
-    describe_sea(state, wave_count, &desc);
-    if (present && same_sea(&desc, &present->desc)) {
-        atomic_fetch_add(&present->refs, 1);
-        *out = present;
-        return PEL_OK;
-    }
     struct pel_shared_sea *sea = calloc(1, sizeof *sea);
-    if (!sea) {
-        return PEL_ERR_NO_MEMORY;
-    }
-    enum pel_err err = pel_sea_build(&desc, &sea->sea);
+    enum pel_err err = sea ? pel_sea_build(desc, &sea->sea) : PEL_ERR_NO_MEMORY;
     if (err) {
         free(sea);
+        pel_fault_set(fault, err, "no sea can be made of sea.*: %s",
+                      pel_err_name(err));
+        pel_fault_at(fault, "sea", NULL);
         return err;
     }
-    sea->desc = desc;
+    sea->desc = *desc;
+    sea->record = record;
     atomic_init(&sea->refs, 1);
     *out = sea;
     return PEL_OK;
+}
+
+enum pel_err pel_shared_sea_get(const Pelagos__State *state,
+                                const struct pel_sea_means *means,
+                                struct pel_shared_sea *present,
+                                struct pel_shared_sea **out,
+                                struct pel_fault *fault)
+{
+    struct pel_sea_desc desc;
+    pel_sea_describe(state, means->wave_count, &desc);
+    char *record = record_of(state);
+    bool same_record = present && g_strcmp0(record, present->record) == 0;
+    enum pel_err err = PEL_OK;
+    if (same_record) {
+        desc.measured = present->desc.measured;
+    } else if (record) {
+        err = read_record(state->sea, means->spectra, &desc.measured, fault);
+    }
+    if (!err && same_record && same_sea(&desc, &present->desc)) {
+        atomic_fetch_add(&present->refs, 1);
+        *out = present;
+        g_free(record);
+        return PEL_OK;
+    }
+    if (!err) {
+        err = new_sea(&desc, record, out, fault);
+    }
+    if (err) {
+        g_free(record);
+    }
+    return err;
+}
+
+const struct pel_sea *pel_shared_sea_look(const struct pel_shared_sea *sea)
+{
+    return &sea->sea;
 }
 
 void pel_shared_sea_unref(struct pel_shared_sea *sea)
 {
     if (sea && atomic_fetch_sub(&sea->refs, 1) == 1) {
         pel_sea_finish(&sea->sea);
+        g_free(sea->record);
         free(sea);
     }
 }
@@ -224,4 +311,27 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
         pel_shared_sea_unref(whole->sea);
         free(whole);
     }
+}
+
+enum pel_err pel_sea_settle(Pelagos__State *state, struct pel_fault *fault)
+{
+    Pelagos__Sea *sea = state->sea;
+    if (sea->has_beaufort && sea->has_douglas) {
+        pel_fault_set(fault, PEL_ERR_CONFLICT,
+                      "sea.beaufort and sea.douglas both set the wind; give "
+                      "one");
+        pel_fault_at(fault, "sea.douglas", NULL);
+        return PEL_ERR_CONFLICT;
+    }
+    if (sea->has_beaufort) {
+        sea->wind_speed = pel_beaufort_wind(sea->beaufort);
+    }
+    if (sea->has_douglas) {
+        struct pel_sea_desc desc;
+        pel_sea_describe(state, 60, &desc);
+        sea->wind_speed =
+            pel_wind_for_height(&desc, pel_douglas_height(sea->douglas));
+    }
+    sea->has_beaufort = sea->has_douglas = false;
+    return PEL_OK;
 }

@@ -8,12 +8,26 @@
 /* A sea that several snapshots share. */
 struct pel_shared_sea;
 
+/* What a sea is made with besides the state. */
+struct pel_sea_means {
+    int wave_count;
+    const char *spectra; /* directory of measured spectra; NULL: none */
+};
+
 /* The sea that the state asks for: `present` (NULL allowed) with another
- * reference where it is the same, else a new one. */
+ * reference where it is the same, else a new one. *fault (NULL allowed) says
+ * why no sea could be made; a measured spectrum is read here. */
 PEL_CHECK enum pel_err pel_shared_sea_get(const Pelagos__State *state,
-                                          int wave_count,
+                                          const struct pel_sea_means *means,
                                           struct pel_shared_sea *present,
-                                          struct pel_shared_sea **out);
+                                          struct pel_shared_sea **out,
+                                          struct pel_fault *fault);
+const struct pel_sea *pel_shared_sea_look(const struct pel_shared_sea *sea);
+
+/* The description that a sea of `state` is built from, a measured spectrum
+ * left out. */
+void pel_sea_describe(const Pelagos__State *state, int wave_count,
+                      struct pel_sea_desc *out);
 void pel_shared_sea_unref(struct pel_shared_sea *sea); /* NULL allowed */
 
 /* A snapshot with one reference; takes its own of the sea. */

@@ -10,3 +10,8 @@
  * and range. Absent fields are passed over: fill the state first. */
 PEL_CHECK enum pel_err pel_state_check(const Pelagos__State *state,
                                        struct pel_fault *fault);
+
+/* Replaces sea.beaufort or sea.douglas of a tested state by the windSpeed that
+ * they mean; CONFLICT where both are given. */
+PEL_CHECK enum pel_err pel_sea_settle(Pelagos__State *state,
+                                      struct pel_fault *fault);

@@ -24,7 +24,8 @@
 
 struct pel_scene {
     char *state_path;
-    int wave_count;
+    struct pel_sea_means means;
+    char *spectra;         /* what means.spectra points to */
     Pelagos__State *state; /* clock.time as of the last look at it */
     struct pel_simclock clock;
     struct pel_shared_sea *sea;
@@ -141,11 +142,8 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
 {
     struct pel_shared_sea *sea;
     enum pel_err err =
-        pel_shared_sea_get(state, scene->wave_count, scene->sea, &sea);
+        pel_shared_sea_get(state, &scene->means, scene->sea, &sea, fault);
     if (err) {
-        pel_fault_set(fault, err, "no sea can be made of sea.*: %s",
-                      pel_err_name(err));
-        pel_fault_at(fault, "sea", NULL);
         return err;
     }
     const struct pel_snapshot *snapshot = pel_snapshot_build(state, sea);
@@ -174,6 +172,9 @@ enum pel_err pel_scene_patch(struct pel_scene *scene,
     }
     next->revision = scene->state->revision + 1;
     err = pel_state_check(next, fault);
+    if (!err) {
+        err = pel_sea_settle(next, fault);
+    }
     if (!err) {
         err = commit(scene, next, fault);
     }
@@ -295,12 +296,23 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
         return err;
     }
     struct pel_scene *scene = g_new0(struct pel_scene, 1);
-    scene->wave_count =
+    scene->means.wave_count =
         options->wave_count > 0 ? options->wave_count : DEFAULT_WAVES;
+    scene->means.spectra = scene->spectra = g_strdup(options->spectra);
     scene->state_path = g_strdup(options->state_path);
-    err = commit(scene, state, fault);
+    err = pel_sea_settle(state, fault);
+    if (!err) {
+        err = commit(scene, state, fault);
+    }
+    if (err && state->sea->spectrum == PELAGOS__SPECTRUM_KIND__MEASURED) {
+        pel_error("SCN-005", "the sea is Pierson and Moskowitz's: %s",
+                  fault ? fault->message : "no measured spectrum");
+        state->sea->spectrum = PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ;
+        err = commit(scene, state, fault);
+    }
     if (err) {
         pelagos__state__free_unpacked(state, NULL);
+        g_free(scene->spectra);
         g_free(scene->state_path);
         g_free(scene);
         return err;
@@ -325,6 +337,7 @@ void pel_scene_destroy(struct pel_scene *scene)
     pel_snapshot_unref(scene->snapshot);
     pel_shared_sea_unref(scene->sea);
     pelagos__state__free_unpacked(scene->state, NULL);
+    g_free(scene->spectra);
     g_free(scene->state_path);
     g_free(scene);
 }

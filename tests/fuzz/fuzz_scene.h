@@ -27,19 +27,22 @@ static inline void fuzz_edit(const Pelagos__Patch *patch)
     static Pelagos__State *state;
     static struct pel_shared_sea *sea;
     struct pel_shared_sea *next_sea;
+    static const struct pel_sea_means means = { 60, NULL };
     struct pel_fault fault;
     Pelagos__State *next;
     if (!state) {
         state = pel_state_default();
-        if (pel_shared_sea_get(state, 60, NULL, &sea)) {
+        if (pel_shared_sea_get(state, &means, NULL, &sea, NULL)) {
             abort();
         }
     }
     if (pel_state_apply(state, patch, &next, &fault)) {
         return;
     }
-    if (pel_state_check(next, &fault) == PEL_OK) {
-        if (pel_shared_sea_get(next, 60, sea, &next_sea)) {
+    if (pel_state_check(next, &fault) == PEL_OK &&
+        pel_sea_settle(next, &fault) == PEL_OK &&
+        next->sea->spectrum != PELAGOS__SPECTRUM_KIND__MEASURED) {
+        if (pel_shared_sea_get(next, &means, sea, &next_sea, NULL)) {
             abort(); /* what is in range makes a sea */
         }
         const struct pel_snapshot *s = pel_snapshot_build(next, next_sea);

@@ -54,7 +54,7 @@ class Sea(Record):
     #: Direction the wind blows from. [deg; 0 to 360]
     windDirection: float = _field(270.0, 'deg', 0, 360)
     #: Shape of the wind sea's spectrum.
-    #: One of PIERSON_MOSKOWITZ, JONSWAP.
+    #: One of PIERSON_MOSKOWITZ, JONSWAP, TMA, ELFOUHAILY, OMEGA2, MEASURED.
     spectrum: str = _field('PIERSON_MOSKOWITZ')
     #: Distance over which the wind has blown, for JONSWAP. [m; 1000 to
     #: 2000000]
@@ -65,6 +65,24 @@ class Sea(Record):
     seed: int = _field(1, '1', 0, 4294967295)
     #: Swell trains, at most 8.
     swell: tuple[Swell, ...] = ()
+    #: How the waves are made.
+    #: One of TROCHOIDS, FFT.
+    synthesiser: str = _field('TROCHOIDS')
+    #: Depth of the water, for the speed of the waves and TMA; absent: deep.
+    #: [m; 1 to 11000]
+    depth: float | None = _field(None, 'm', 1, 11000)
+    #: Beaufort number: another way to write windSpeed, which it sets; not
+    #: kept. [1; 0 to 10]
+    beaufort: float | None = _field(None, '1', 0, 10)
+    #: Degree of Douglas's sea scale: sets windSpeed so that the wind sea has
+    #: its significant height; not kept. [1; 0 to 9]
+    douglas: float | None = _field(None, '1', 0, 9)
+    #: Buoy of the spectrum MEASURED: its files STATION.data_spec, .swdir,
+    #: .swdir2, .swr1, .swr2 (NDBC) lie in the directory of pelagosd --spectra.
+    measured: str | None = _field(None)
+    #: UTC of the buoy's record, ISO 8601, within 90 minutes; absent: the
+    #: newest.
+    measuredTime: str | None = _field(None)
 
 
 @dataclass(frozen=True)

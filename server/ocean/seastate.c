@@ -1,0 +1,62 @@
+#include "ocean/seastate.h"
+
+#include "base/vec.h"
+#include "ocean/directional.h"
+#include "ocean/spectrum.h"
+
+#define MOST_WIND 30.0
+
+double pel_beaufort_wind(double number)
+{
+    return 0.836 * pow(number, 1.5);
+}
+
+double pel_douglas_height(double degree)
+{
+    static const double middle[] = { 0,    0.05, 0.3, 0.875, 1.875,
+                                     3.25, 5,    7.5, 11.5,  14 };
+    double d = pel_clamp(degree, 0, 9);
+    int i = d < 9 ? (int)d : 8;
+    return middle[i] + (d - i) * (middle[i + 1] - middle[i]);
+}
+
+static double height(struct pel_sea_desc *d, double wind_mps)
+{
+    d->wind_mps = wind_mps;
+    if (d->kind <= PEL_SPECTRUM_JONSWAP && !(d->depth_m > 0)) {
+        return 4.0 * sqrt(pel_spectrum_m0(d, 0, INFINITY));
+    }
+    struct pel_directional *spectrum;
+    if (pel_directional_create(d, &spectrum)) {
+        return INFINITY; /* ends at no wind */
+    }
+    struct pel_band_moments all;
+    pel_directional_moments(spectrum, 0, INFINITY, &all);
+    pel_directional_destroy(spectrum);
+    return 4.0 * sqrt(all.m0);
+}
+
+double pel_wind_for_height(const struct pel_sea_desc *desc, double height_m)
+{
+    struct pel_sea_desc d = *desc;
+    d.swell_count = 0;
+    if (d.kind == PEL_SPECTRUM_MEASURED) {
+        d.kind = PEL_SPECTRUM_PIERSON_MOSKOWITZ;
+    }
+    double lo = 0, hi = MOST_WIND;
+    if (!(height_m > 0)) {
+        return 0;
+    }
+    if (height(&d, hi) < height_m) {
+        return hi;
+    }
+    for (int i = 0; i < 15; i++) {
+        double mid = 0.5 * (lo + hi);
+        if (height(&d, mid) < height_m) {
+            lo = mid;
+        } else {
+            hi = mid;
+        }
+    }
+    return 0.5 * (lo + hi);
+}

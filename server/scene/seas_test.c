@@ -1,0 +1,177 @@
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "json.h"
+#include "scene/scene.h"
+
+#define REAL "../shared/data/ndbc"
+
+static struct pel_scene *make(const char *state_path, const char *spectra)
+{
+    struct pel_scene_options options = { state_path, 60, spectra };
+    struct pel_scene *scene;
+    struct pel_fault fault;
+    if (pel_scene_create(&options, &scene, &fault)) {
+        fail_msg("%s", fault.message);
+    }
+    return scene;
+}
+
+static enum pel_err patch(struct pel_scene *scene, const char *json,
+                          struct pel_fault *fault)
+{
+    Pelagos__Patch *read;
+    enum pel_err err = pel_json_merge_patch(json, strlen(json), &read, fault);
+    if (err == PEL_OK) {
+        err = pel_scene_patch(scene, read, fault);
+        pelagos__patch__free_unpacked(read, NULL);
+    }
+    return err;
+}
+
+static void must(struct pel_scene *scene, const char *json)
+{
+    struct pel_fault fault;
+    if (patch(scene, json, &fault)) {
+        fail_msg("%s: %s", json, fault.message);
+    }
+}
+
+static double significant_height(struct pel_scene *scene)
+{
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    double hs = 4 * sqrt(s->sea->m0);
+    pel_snapshot_unref(s);
+    return hs;
+}
+
+static void the_wind_has_other_names(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL, NULL);
+    must(scene, "{\"sea\":{\"beaufort\":5}}");
+    const Pelagos__Sea *sea = pel_scene_state(scene)->sea;
+    assert_true(fabs(sea->wind_speed - 0.836 * pow(5, 1.5)) < 1e-12);
+    assert_false(sea->has_beaufort);
+    static const char *const spectra[] = { "PIERSON_MOSKOWITZ", "JONSWAP",
+                                           "TMA", "ELFOUHAILY", "OMEGA2" };
+    for (int i = 0; i < 5; i++) {
+        char json[128];
+        snprintf(json, sizeof json,
+                 "{\"sea\":{\"douglas\":3,\"spectrum\":\"%s\"}}", spectra[i]);
+        must(scene, json);
+        sea = pel_scene_state(scene)->sea;
+        assert_false(sea->has_douglas);
+        double hs = significant_height(scene);
+        print_message("Douglas 3, %s: wind %.1f m/s, Hs %.3f m\n", spectra[i],
+                      sea->wind_speed, hs);
+        /* Of the band that is drawn; the middle of 0.5 to 1.25 m. */
+        assert_true(fabs(hs - 0.875) < 0.01);
+    }
+    struct pel_fault fault;
+    assert_int_equal(patch(scene, "{\"sea\":{\"beaufort\":11}}", &fault),
+                     PEL_ERR_OUT_OF_RANGE);
+    assert_string_equal(fault.path, "sea.beaufort");
+    assert_int_equal(
+        patch(scene, "{\"sea\":{\"beaufort\":3,\"douglas\":3}}", &fault),
+        PEL_ERR_CONFLICT);
+    assert_true(
+        fabs(pel_scene_state(scene)->sea->wind_speed - sea->wind_speed) == 0);
+    pel_scene_destroy(scene);
+}
+
+static void every_spectrum_has_its_sea(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL, NULL);
+    must(scene, "{\"sea\":{\"spectrum\":\"TMA\",\"depth\":6,"
+                "\"windSpeed\":15}}");
+    double shallow = significant_height(scene);
+    must(scene, "{\"sea\":{\"depth\":null}}");
+    assert_true(shallow < 0.8 * significant_height(scene));
+    must(scene, "{\"sea\":{\"synthesiser\":\"FFT\"}}");
+    const struct pel_snapshot *fft = pel_scene_snapshot(scene);
+    assert_non_null(fft->sea->cascades);
+    must(scene, "{\"water\":{\"chlorophyll\":1}}");
+    const struct pel_snapshot *same = pel_scene_snapshot(scene);
+    assert_ptr_equal(fft->sea, same->sea);
+    must(scene, "{\"sea\":{\"synthesiser\":\"TROCHOIDS\"}}");
+    const struct pel_snapshot *other = pel_scene_snapshot(scene);
+    assert_null(other->sea->cascades);
+    assert_int_equal(other->sea->count, 60);
+    pel_snapshot_unref(fft);
+    pel_snapshot_unref(same);
+    pel_snapshot_unref(other);
+    pel_scene_destroy(scene);
+}
+
+static void a_buoy_becomes_the_sea(void **state)
+{
+    (void)state;
+    struct pel_fault fault;
+    struct pel_scene *scene = make(NULL, NULL);
+    assert_int_equal(
+        patch(scene, "{\"sea\":{\"spectrum\":\"MEASURED\"}}", &fault),
+        PEL_ERR_CONFLICT); /* no directory */
+    pel_scene_destroy(scene);
+    if (access(REAL, R_OK) != 0) {
+        print_message("%s is not there: skipped\n", REAL);
+        skip();
+        return;
+    }
+    char path[] = "/tmp/pelagos-seas-XXXXXX";
+    close(mkstemp(path));
+    unlink(path);
+    scene = make(path, REAL);
+    must(scene, "{\"sea\":{\"spectrum\":\"MEASURED\",\"measured\":\"41010\","
+                "\"measuredTime\":\"2020-06-08T03:40:00Z\"}}");
+    /* The station says 1.1 m. */
+    assert_true(fabs(significant_height(scene) - 1.1) < 0.1);
+    const struct pel_snapshot *before = pel_scene_snapshot(scene);
+    must(scene, "{\"sea\":{\"gamma\":2}}");
+    assert_true(significant_height(scene) == 4 * sqrt(before->sea->m0));
+    pel_snapshot_unref(before);
+    assert_int_equal(
+        patch(scene, "{\"sea\":{\"measured\":\"../41010\"}}", &fault),
+        PEL_ERR_INVALID);
+    assert_string_equal(fault.path, "sea.measured");
+    assert_int_equal(patch(scene,
+                           "{\"sea\":{\"measuredTime\":"
+                           "\"2021-06-08T03:40:00Z\"}}",
+                           &fault),
+                     PEL_ERR_NOT_FOUND);
+    assert_int_equal(
+        patch(scene, "{\"sea\":{\"measuredTime\":\"noon\"}}", &fault),
+        PEL_ERR_INVALID);
+    assert_string_equal(fault.path, "sea.measuredTime");
+    pel_scene_destroy(scene);
+
+    /* Kept over a restart; without its files the scene still starts. */
+    scene = make(path, REAL);
+    assert_int_equal(pel_scene_state(scene)->sea->spectrum,
+                     PELAGOS__SPECTRUM_KIND__MEASURED);
+    pel_scene_destroy(scene);
+    scene = make(path, NULL);
+    assert_int_equal(pel_scene_state(scene)->sea->spectrum,
+                     PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ);
+    pel_scene_destroy(scene);
+    unlink(path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_wind_has_other_names),
+        cmocka_unit_test(every_spectrum_has_its_sea),
+        cmocka_unit_test(a_buoy_becomes_the_sea),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
