@@ -91,8 +91,8 @@ class Page(unittest.TestCase):
 
     def pictures(self, count):
         return until(f"{count} pictures", lambda: self.run_js(
-            "return [...document.querySelectorAll('img.picture')]"
-            ".filter(i => i.naturalWidth > 0).length") == count)
+            "return [...document.querySelectorAll('.tile')].filter(t =>"
+            " t.querySelector('.tile-note').hidden).length") == count)
 
     def shot(self, name):
         self.browser.save_screenshot(os.path.join(SHOTS, name + ".png"))
@@ -102,18 +102,94 @@ class Page(unittest.TestCase):
                     "arguments[0].dispatchEvent(new Event('input'))",
                     self.find(selector), value)
 
+    def way(self):
+        return self.find(".tile").get_attribute("data-way")
+
+    def pixels(self):
+        """Mean, spread and a sum of the picture's lower half."""
+        return self.run_js("""
+            const p = [...document.querySelectorAll('.picture')]
+              .find(n => !n.hidden);
+            const c = document.createElement('canvas');
+            c.width = 320; c.height = 180;
+            const g = c.getContext('2d', { willReadFrequently: true });
+            g.drawImage(p, 0, 0, 320, 180);
+            const d = g.getImageData(0, 100, 320, 80).data;
+            let n = 0, s = 0, q = 0, m = 0;
+            for (let i = 0; i < d.length; i += 4) {
+              const y = 0.3 * d[i] + 0.6 * d[i + 1] + 0.1 * d[i + 2];
+              n++; s += y; q += y * y; m = (m * 31 + d[i + 1]) % 1000003;
+            }
+            return [s / n, Math.sqrt(Math.max(0, q / n - s * s / n / n)), m];
+            """)
+
     def test_picture_moves(self):
-        first = self.find("img.picture").get_attribute("src")
-        until("a newer picture",
-              lambda: self.find("img.picture").get_attribute("src") != first)
-        size = self.run_js("const i = document.querySelector('img.picture');"
-                           "return [i.naturalWidth, i.naturalHeight]")
+        first = self.pixels()[2]
+        until("a newer picture", lambda: self.pixels()[2] != first)
+        if self.way() == "webcodecs":
+            size = self.run_js("const c = document.querySelector("
+                               "'canvas.picture'); return [c.width, c.height]")
+        else:
+            why = self.find(".why").text
+            self.assertIn("Motion-JPEG: ", why)
+            print(why)
+            size = self.run_js("const i = document.querySelector("
+                               "'img.picture');"
+                               "return [i.naturalWidth, i.naturalHeight]")
         self.assertEqual(size, [640, 360])
+        until("latency", lambda: " ms" in self.find(".rate").text
+              or self.way() == "mjpeg")
+        time.sleep(2)
+        print(f"{self.way()}: {self.find('.rate').text}")
         until("the controls", lambda: self.find("#wind-speed")
               .get_attribute("aria-valuetext") == "8 metres per second")
         until("a rate", lambda: "fps" in self.find("#fps").text)
         self.assertIn("2026-06-21 12:", self.find("#time").text)
         self.shot("wide")
+
+    def test_picture_shows_the_sea_state(self):
+        self.daemon.patch({"sea": {"windSpeed": 1}, "sky": {
+            "sunElevation": 30, "sunAzimuth": 180}})
+        time.sleep(1)
+        calm = self.pixels()
+        self.daemon.patch({"sea": {"windSpeed": 20}})
+        time.sleep(1)
+        rough = self.pixels()
+        self.daemon.patch({"sea": {"windSpeed": None}, "sky": {
+            "sunElevation": None, "sunAzimuth": None}})
+        print(f"spread of the sea's brightness: calm {calm[1]:.1f}, "
+              f"rough {rough[1]:.1f}")
+        # Waves of 20 m/s have slopes, foam and shadows that 1 m/s has not.
+        self.assertGreater(abs(rough[1] - calm[1]) +
+                           abs(rough[0] - calm[0]), 3)
+
+    def test_falls_back_and_says_why(self):
+        script = self.browser.execute_cdp_cmd(
+            "Page.addScriptToEvaluateOnNewDocument",
+            {"source": "delete window.VideoDecoder;"})
+        try:
+            self.browser.get(self.daemon.url("/"))
+            self.pictures(1)
+            self.assertEqual(self.way(), "mjpeg")
+            self.assertEqual(self.find(".why").text,
+                             "Motion-JPEG: this browser has no VideoDecoder")
+            self.assertIn("Motion-JPEG", self.find(".rate").text)
+            self.shot("fallback")
+        finally:
+            self.browser.execute_cdp_cmd(
+                "Page.removeScriptToEvaluateOnNewDocument",
+                {"identifier": script["identifier"]})
+
+    def test_server_without_encoder(self):
+        with Daemon("--video-encoder", "none") as daemon:
+            daemon.patch({"views": [{"name": "bridge", "width": 320,
+                                     "height": 180}]})
+            self.browser.get(daemon.url("/"))
+            self.pictures(1)
+            until("the reason", lambda: "no H.264 encoder" in
+                  self.find(".why").text)
+            self.assertEqual(self.way(), "mjpeg")
+            self.browser.get("about:blank")
 
     def test_wind_slider_sets_the_state(self):
         self.slide("#wind-speed", 14.5)

@@ -1,10 +1,10 @@
 // The grid of live views.
 
-import { Live } from "/stream.js";
+import { Player } from "/player.js";
 
-// A browser opens six connections to one host: four for streams, one for
-// single pictures in turn, one for everything else.
-const STREAMS = 4;
+// A browser opens six HTTP connections to one host: four for streams, one for
+// single pictures in turn, one for everything else. WebSockets do not count.
+const STREAMS = { mjpeg: 4, webcodecs: 16 };
 const TURN_MS = 150;
 
 function element(tag, className, text) {
@@ -36,7 +36,11 @@ class Tile {
     this.image = element("img", "picture");
     this.image.alt = `The sea from view ${view.name}`;
     this.image.draggable = false;
+    this.canvas = element("canvas", "picture");
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", this.image.alt);
     this.note = element("p", "tile-note", "waiting for a picture");
+    this.why = element("p", "why");
     const caption = element("figcaption", "caption");
     this.title = element("strong", "", view.name);
     this.rate = element("span", "rate", "–");
@@ -46,11 +50,14 @@ class Tile {
     this.full.title = "Full screen (F)";
     this.full.setAttribute("aria-label", `Full screen: ${view.name}`);
     caption.append(this.title, this.rate, this.full);
-    this.node.append(this.image, this.note, caption);
-    this.live = new Live(view.name, this.image, (frame) => this.told(frame));
+    this.node.append(this.image, this.canvas, this.note, this.why, caption);
+    this.live = new Player(view.name, this.canvas, this.image,
+      (frame) => this.told(frame), () => this.showWay());
+    this.showWay();
     this.node.addEventListener("focusin", () => grid.choose(this.name));
     this.node.addEventListener("pointerdown", () => grid.choose(this.name));
     this.image.addEventListener("click", () => this.fullScreen());
+    this.canvas.addEventListener("click", () => this.fullScreen());
     this.full.addEventListener("click", () => this.fullScreen());
     this.update(view);
   }
@@ -60,6 +67,12 @@ class Tile {
     this.image.width = view.width;
     this.image.height = view.height;
     this.node.style.setProperty("--aspect", `${view.width} / ${view.height}`);
+  }
+
+  showWay() {
+    this.node.dataset.way = this.live.way;
+    this.why.hidden = this.live.why === "";
+    this.why.textContent = `Motion-JPEG: ${this.live.why}`;
   }
 
   told(frame) {
@@ -75,7 +88,8 @@ class Tile {
   refresh() {
     const rate = this.live.rate;
     this.rate.textContent =
-      `${this.size} · ${rate ? rate.toFixed(rate < 10 ? 1 : 0) : "–"} fps`;
+      `${this.size} · ${rate ? rate.toFixed(rate < 10 ? 1 : 0) : "–"} fps` +
+      ` · ${this.live.facts}`;
     return rate;
   }
 
@@ -168,10 +182,12 @@ export class Views {
 
   arrange() {
     const wanted = this.up && !document.hidden;
-    let streams = 0;
+    const streams = { mjpeg: 0, webcodecs: 0 };
     for (const tile of this.tiles.values()) {
-      if (wanted && streams < STREAMS) {
-        streams += 1;
+      const way = tile.live.way;
+      if (wanted && streams[way] < STREAMS[way]) {
+        streams[way] += 1;
+        tile.live.arrange();
         tile.live.start();
       } else {
         tile.live.stop();

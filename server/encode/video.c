@@ -1,5 +1,6 @@
 #include "encode/video.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,6 +16,7 @@
 
 #define POOL_BUFFERS 2
 #define SLICE_NS (50 * 1000000LL) /* how long a cancel may wait */
+#define MAX_SLOW 10.0
 #define PATIENCE_NS 2000000000LL
 
 /* Encoders and what makes them give one access unit for one picture, at once,
@@ -48,7 +50,9 @@ struct pel_video {
     const struct kind *kind; /* NULL: none chosen yet */
     unsigned refused;        /* bits of kinds that did not work */
     uint32_t width, height;  /* of the pipeline, even */
-    unsigned kbps;
+    unsigned kbps;           /* of the stream */
+    double period_ns;        /* between pictures, a mean of the last ones */
+    double slow, set_slow;   /* nominal rate over the real one: now, as set */
     GstElement *pipeline, *source, *encoder, *sink;
     GstBufferPool *pool;
     GstVideoInfo info;
@@ -60,7 +64,7 @@ struct pel_video {
 unsigned pel_video_kbps(uint32_t width, uint32_t height)
 {
     double pixels = (double)width * height;
-    double kbps = 5000.0 * pixels / (1280.0 * 720.0);
+    double kbps = 5000.0 * pow(pixels / (1280.0 * 720.0), 0.75);
     return kbps < 300.0 ? 300 : kbps > 40000.0 ? 40000 : (unsigned)kbps;
 }
 
@@ -115,11 +119,28 @@ static void set_properties(GstElement *element, const char *text)
     g_strfreev(pairs);
 }
 
+/* Without latency an encoder counts bits by its nominal frame rate; where
+ * pictures come less often each may have more of them. */
 static void set_rate(struct pel_video *video, unsigned kbps)
 {
+    double rate = MIN(kbps * video->slow, (double)PEL_VIDEO_MAX_KBPS);
     g_object_set(video->encoder, "bitrate",
-                 (guint)(kbps * 1000ull / video->kind->rate_unit), NULL);
+                 (guint)(rate * 1000.0 / video->kind->rate_unit), NULL);
     video->kbps = kbps;
+    video->set_slow = video->slow;
+}
+
+static void follow_rate(struct pel_video *video, unsigned kbps,
+                        int64_t period_ns)
+{
+    double period = CLAMP((double)period_ns, 1e6, 1e9);
+    video->period_ns += (period - video->period_ns) / 8.0;
+    video->slow =
+        CLAMP(video->period_ns * 1e-9 * video->config.fps, 1.0, MAX_SLOW);
+    double ratio = video->slow / video->set_slow;
+    if (kbps != video->kbps || ratio > 1.25 || ratio < 0.8) {
+        set_rate(video, kbps);
+    }
 }
 
 static bool make_pool(struct pel_video *video, GstCaps *caps)
@@ -356,9 +377,7 @@ static enum pel_err run(struct pel_video *video,
                         struct pel_fault *fault)
 {
     char why[160] = "it takes no picture";
-    if (kbps != video->kbps) {
-        set_rate(video, kbps);
-    }
+    follow_rate(video, kbps, p->stamp_ns - video->first_ns - video->last_ns);
     GstSample *sample = push(video, p) ? pull(video, why, sizeof why) : NULL;
     if (!sample) {
         return cancelled(video)
@@ -415,7 +434,9 @@ static enum pel_err begin(struct pel_video *video,
                 "(gstreamer1.0-plugins-bad) that works as wanted");
         }
         video->first_ns = p->stamp_ns;
-        video->last_ns = -1000000;
+        video->last_ns = -(int64_t)(1e9 / video->config.fps);
+        video->period_ns = 1e9 / video->config.fps;
+        video->slow = 1.0;
         err = set_up(video, kbps)
                   ? run(video, p, kbps, out, key, fault)
                   : pel_fault_set(fault, PEL_ERR_INTERNAL, "it does not start");

@@ -34,6 +34,7 @@ struct stream {
     uint8_t *rgba;
     uint32_t width, height;
     int frame;
+    int64_t period_ns;
     struct pel_fault fault;
 };
 
@@ -44,7 +45,8 @@ static struct stream open_stream(const char *encoder, uint32_t width,
     struct stream s = { .video = pel_video_create(&config),
                         .rgba = malloc((size_t)4 * width * height),
                         .width = width,
-                        .height = height };
+                        .height = height,
+                        .period_ns = 33333333 };
     assert_non_null(s.video);
     assert_non_null(s.rgba);
     return s;
@@ -66,7 +68,7 @@ static enum pel_err encode(struct stream *s, unsigned kbps, bool want_key,
         .rgba = s->rgba,
         .width = s->width,
         .height = s->height,
-        .stamp_ns = s->frame++ * 33333333LL,
+        .stamp_ns = s->frame++ * s->period_ns,
         .key = want_key,
     };
     return pel_video_encode(s->video, &picture, kbps, out, key, &s->fault);
@@ -159,6 +161,20 @@ static void test_rate_changes(void **state)
     close_stream(&s);
 }
 
+/* A machine that draws 6 frames a second has the same bits for them. */
+static void test_rate_is_of_time(void **state)
+{
+    (void)state;
+    struct stream s = open_stream("auto", 640, 360);
+    s.period_ns = 166666667;
+    bytes_of(&s, 1500, 30); /* until it has noticed */
+    size_t six = bytes_of(&s, 1500, 30);
+    print_message("%.0f kbit/s of 1500 at 6 Hz\n", six * 8e-3 / 5.0);
+    assert_true(six * 8e-3 / 5.0 < 2000.0);
+    assert_true(six * 8e-3 / 5.0 > 1000.0); /* it sets out short */
+    close_stream(&s);
+}
+
 static void test_size_changes(void **state)
 {
     (void)state;
@@ -215,6 +231,7 @@ int main(void)
         cmocka_unit_test(test_x264),
         cmocka_unit_test(test_openh264),
         cmocka_unit_test(test_rate_changes),
+        cmocka_unit_test(test_rate_is_of_time),
         cmocka_unit_test(test_size_changes),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_cancel),

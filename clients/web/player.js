@@ -1,0 +1,71 @@
+// One view's pictures, the best way that browser and server agree on: H.264 by
+// WebCodecs, or Motion-JPEG and the reason for it.
+
+import { Live } from "/stream.js";
+import { noVideo, Video } from "/video.js";
+
+export class Player {
+  // `told` as in stream.js; `changed()` when the way has changed.
+  constructor(name, canvas, image, told, changed) {
+    this.canvas = canvas;
+    this.image = image;
+    this.changed = changed;
+    this.why = noVideo;
+    this.jpeg = new Live(name, image, told);
+    this.video = noVideo ? null : new Video(name, canvas, told, (why) => {
+      this.why = why;
+      this.arrange();
+      this.jpeg.start();
+      changed();
+    });
+    this.arrange();
+  }
+
+  get way() {
+    return this.why ? "mjpeg" : "webcodecs";
+  }
+
+  get current() {
+    return this.why ? this.jpeg : this.video;
+  }
+
+  arrange() {
+    this.canvas.hidden = this.why !== "";
+    this.image.hidden = this.why === "";
+  }
+
+  get running() {
+    return this.current.running;
+  }
+
+  get rate() {
+    return this.current.rate;
+  }
+
+  // One line for people.
+  get facts() {
+    if (this.why) {
+      return "Motion-JPEG";
+    }
+    const ms = this.video.latencyMs;
+    return `${ms === undefined ? "–" : ms.toFixed(0)} ms · ` +
+      `${this.video.missed} dropped`;
+  }
+
+  start() {
+    this.current.start();
+  }
+
+  stop() {
+    this.current.stop();
+  }
+
+  // A single picture, for views beyond the number of streams.
+  once() {
+    if (!this.why) {
+      this.canvas.hidden = true;
+      this.image.hidden = false;
+    }
+    return this.jpeg.once();
+  }
+}

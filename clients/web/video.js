@@ -1,0 +1,267 @@
+// Live pictures in H.264 over a WebSocket, decoded by WebCodecs: see
+// proto/live.md. Each picture is acknowledged when it is decoded, so the
+// server sends a slow browser fewer of them.
+
+const RETRY_MS = 1000;
+const RATE_WINDOW_MS = 3000;
+const CLOCK_MS = 5000;
+const MAX_ERRORS = 3;
+const VERSION = 1;
+const H264 = 1;
+const KEY = 1;
+
+async function refusal() {
+  if (typeof VideoDecoder === "undefined") {
+    return window.isSecureContext
+      ? "this browser has no VideoDecoder"
+      : "browsers decode video only over https or from localhost";
+  }
+  const answer = await VideoDecoder.isConfigSupported({
+    codec: "avc1.42c01f", optimizeForLatency: true,
+  }).catch(() => null);
+  return answer?.supported ? "" : "this browser does not decode H.264";
+}
+
+// Why this browser cannot play video, or "".
+export const noVideo = await refusal();
+
+function readHead(buffer) {
+  const at = new DataView(buffer);
+  const flags = at.getUint8(2);
+  return {
+    version: at.getUint8(0),
+    kind: at.getUint8(1),
+    key: (flags & KEY) !== 0,
+    size: at.getUint8(3),
+    width: at.getUint16(4, true),
+    height: at.getUint16(6, true),
+    number: at.getBigUint64(8, true),
+    time: at.getFloat64(16, true),
+    stampMs: Number(at.getBigUint64(32, true)) / 1000,
+    missed: at.getUint32(52, true),
+  };
+}
+
+// The codec string that a key frame's SPS calls for.
+function codecOf(data) {
+  for (let i = 0; i + 6 < data.length; i++) {
+    const begins = data[i] === 0 && data[i + 1] === 0 && data[i + 2] === 1;
+    if (begins && (data[i + 3] & 31) === 7) {
+      const hex = [...data.subarray(i + 4, i + 7)]
+        .map((byte) => byte.toString(16).padStart(2, "0"));
+      return `avc1.${hex.join("")}`;
+    }
+  }
+  return "";
+}
+
+const unixMs = () => performance.timeOrigin + performance.now();
+
+export class Video {
+  // `told` as in stream.js; `failed(why)` when video will not work here.
+  constructor(name, canvas, told, failed) {
+    this.name = name;
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d", { alpha: false });
+    this.told = told;
+    this.failed = failed;
+    this.socket = null;
+    this.stamps = [];
+    this.latencies = [];
+    this.missed = 0;
+    this.errors = 0;
+    this.refused = 0;
+    this.clockMs = 0; // server's clock minus ours
+  }
+
+  get running() {
+    return this.wanted === true;
+  }
+
+  get rate() {
+    const now = performance.now();
+    this.stamps = this.stamps.filter((t) => now - t < RATE_WINDOW_MS);
+    const span = now - (this.stamps[0] ?? now);
+    return span > 200 ? (this.stamps.length - 1) * 1000 / span : 0;
+  }
+
+  // Median from the frame's stamp to its decoded picture, of the last ones.
+  get latencyMs() {
+    const sorted = [...this.latencies].sort((a, b) => a - b);
+    return sorted[sorted.length >> 1];
+  }
+
+  start() {
+    if (!this.wanted) {
+      this.wanted = true;
+      this.connect();
+    }
+  }
+
+  stop() {
+    this.wanted = false;
+    clearTimeout(this.retry);
+    clearInterval(this.clock);
+    this.socket?.close();
+    this.socket = null;
+    this.closeDecoder();
+    this.stamps = [];
+    this.latencies = [];
+  }
+
+  connect() {
+    const url = new URL(`/v1/views/${encodeURIComponent(this.name)}/live`,
+      location.href);
+    url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+    const socket = new WebSocket(url);
+    socket.binaryType = "arraybuffer";
+    this.socket = socket;
+    this.opened = false;
+    socket.onopen = () => {
+      this.opened = true;
+      this.refused = 0;
+      this.askTime();
+      this.clock = setInterval(() => this.askTime(), CLOCK_MS);
+    };
+    socket.onmessage = (event) => {
+      if (socket !== this.socket) {
+        return;
+      }
+      if (typeof event.data === "string") {
+        this.hear(JSON.parse(event.data));
+      } else {
+        this.take(event.data);
+      }
+    };
+    socket.onclose = () => {
+      if (socket === this.socket) {
+        this.lost();
+      }
+    };
+  }
+
+  lost() {
+    clearInterval(this.clock);
+    this.closeDecoder();
+    this.socket = null;
+    this.told(null);
+    if (this.wanted) {
+      this.retry = setTimeout(() => this.connect(), RETRY_MS);
+    }
+  }
+
+  send(type, fill) {
+    const message = new DataView(new ArrayBuffer(16));
+    message.setUint8(0, type);
+    fill?.(message);
+    if (this.socket?.readyState === WebSocket.OPEN) {
+      this.socket.send(message);
+    }
+  }
+
+  askTime() {
+    this.send(4, (m) => m.setFloat64(8, unixMs()));
+  }
+
+  hear(message) {
+    if (message.type === "time") {
+      const bits = new DataView(new ArrayBuffer(8));
+      bits.setBigUint64(0, BigInt(`0x${message.echo}`), true);
+      const asked = bits.getFloat64(0);
+      this.clockMs = message.unix * 1000 - (asked + unixMs()) / 2;
+    } else if (message.type === "end" && /encoder|codec/.test(message.message)) {
+      this.giveUp(`the server says: ${message.message}`);
+    }
+  }
+
+  giveUp(why) {
+    this.stop();
+    this.failed(why);
+  }
+
+  // --- decoding -------------------------------------------------------------
+
+  closeDecoder() {
+    if (this.decoder && this.decoder.state !== "closed") {
+      this.decoder.close();
+    }
+    this.decoder = null;
+    this.codec = "";
+    this.heads = new Map();
+  }
+
+  openDecoder(codec) {
+    this.closeDecoder();
+    this.codec = codec;
+    this.decoder = new VideoDecoder({
+      output: (frame) => this.show(frame),
+      error: (error) => this.stumble(error),
+    });
+    this.decoder.configure({ codec, optimizeForLatency: true });
+  }
+
+  stumble(error) {
+    this.errors += 1;
+    this.closeDecoder();
+    if (this.errors >= MAX_ERRORS) {
+      this.giveUp(`this browser's decoder fails: ${error.message}`);
+    } else {
+      this.send(2); // a key frame, please
+    }
+  }
+
+  take(buffer) {
+    const head = readHead(buffer);
+    const data = new Uint8Array(buffer, head.size);
+    if (head.version !== VERSION || head.kind !== H264) {
+      this.giveUp("the server's stream is not understood");
+      return;
+    }
+    this.missed = head.missed;
+    if (head.key) {
+      const codec = codecOf(data);
+      if (codec !== this.codec) {
+        this.openDecoder(codec);
+      }
+    }
+    if (!this.decoder) {
+      this.acknowledge(head); // waits for a key frame
+      return;
+    }
+    const timestamp = Math.round(head.time * 1e6);
+    this.heads.set(timestamp, head);
+    try {
+      this.decoder.decode(new EncodedVideoChunk({
+        type: head.key ? "key" : "delta", timestamp, data,
+      }));
+    } catch (error) {
+      this.acknowledge(head);
+      this.stumble(error);
+    }
+  }
+
+  acknowledge(head) {
+    this.send(1, (m) => m.setBigUint64(8, head.number, true));
+  }
+
+  show(frame) {
+    const head = this.heads.get(frame.timestamp);
+    this.heads.delete(frame.timestamp);
+    if (this.canvas.width !== frame.displayWidth ||
+        this.canvas.height !== frame.displayHeight) {
+      this.canvas.width = frame.displayWidth;
+      this.canvas.height = frame.displayHeight;
+    }
+    this.context.drawImage(frame, 0, 0);
+    frame.close();
+    if (!head) {
+      return;
+    }
+    this.errors = 0;
+    this.acknowledge(head);
+    this.stamps.push(performance.now());
+    this.latencies.push(unixMs() + this.clockMs - head.stampMs);
+    this.latencies.splice(0, this.latencies.length - 31);
+    this.told({ number: Number(head.number), time: head.time });
+  }
+}
