@@ -448,6 +448,11 @@ validate-water: deps-build ## light in the water against Monte Carlo, minutes (A
 	$(O)/bin/validate_water $(ARGS)
 	$(Q)cat build/validate/water.md
 
+.PHONY: soak
+soak: deps ## load every input for SOAK_SECONDS (600), watching for growth
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/soak/soak.py
+
 # --- style ---------------------------------------------------------------
 C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | sort)
 

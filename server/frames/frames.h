@@ -176,7 +176,7 @@ void pel_frames_get_stats(const struct pel_frames *frames,
 void pel_frames_set_max_fps(struct pel_frames *frames, double max_fps);
 
 /* Whether the renderer has given nothing for more than 2 s with frames to
- * draw; on a software device for 1 us a pixel more. */
+ * draw; on a software device for 4 us a pixel more. */
 bool pel_frames_stuck(const struct pel_frames *frames);
 
 /* Writes the counters as metrics `pelagos_frames_...`; user: the frames. */

@@ -11,7 +11,7 @@
 #define STUCK_NS 2000000000LL
 /* The processor's time for a pixel, generously: what a large picture may take
  * beyond that without being stuck. */
-#define SOFTWARE_PIXEL_NS 1000
+#define SOFTWARE_PIXEL_NS 4000
 
 static int64_t period_ns(const struct pel_frames *frames)
 {
