@@ -201,13 +201,13 @@ static int different(const struct pel_picture *whole,
     return count;
 }
 
-static int seam(double wind_mps, struct test_look look, bool degrees)
+/* Of the sea in force. */
+static int seam_here(struct test_look look, bool degrees)
 {
     static const struct box boxes[] = {
         { 0, 288, 0, 256 },   { 224, 512, 0, 256 },  { 0, 512, 0, 144 },
         { 0, 512, 112, 256 }, { 300, 377, 90, 171 }, /* odd, in the middle */
     };
-    test_sea(wind_mps, 0.0, 1, &sea);
     struct pel_environment env = test_environment(&sea, 50.0);
     struct pel_camera c = test_camera(look);
     struct pel_picture *whole = test_draw(renderer, &env, &c, TEST_ALL_LAYERS);
@@ -218,14 +218,21 @@ static int seam(double wind_mps, struct test_look look, bool degrees)
             test_draw(renderer, &env, &part, TEST_ALL_LAYERS);
         int n = different(whole, p, boxes[i]);
         if (n > 0) {
-            printf("wind %g height %g pitch %g roll %g part %zu: %d pixels\n",
-                   wind_mps, look.height_m, look.pitch, look.roll, i, n);
+            printf("wind %g, height %g pitch %g roll %g part %zu: %d pixels\n",
+                   sea.desc.wind_mps, look.height_m, look.pitch, look.roll, i,
+                   n);
         }
         wrong += n;
         pel_picture_release(p);
     }
     pel_picture_release(whole);
     return wrong;
+}
+
+static int seam(double wind_mps, struct test_look look, bool degrees)
+{
+    test_sea(wind_mps, 0.0, 1, &sea);
+    return seam_here(look, degrees);
 }
 
 static const struct test_look seam_looks[] = {
@@ -247,6 +254,43 @@ static void tiles_have_no_seam(void **state)
     wrong += seam(5.0, seam_looks[0], true);
     wrong += seam(15.0, seam_looks[2], true);
     assert_int_equal(wrong, 0);
+}
+
+static void cascades_have_no_seam(void **state)
+{
+    (void)state;
+    int wrong = 0;
+    test_fft_sea(12.0, 1, &sea);
+    wrong += seam_here(seam_looks[1], true);
+    wrong += seam_here(seam_looks[2], false);
+    wrong += seam_here(seam_looks[3], true);
+    pel_sea_finish(&sea);
+    assert_int_equal(wrong, 0);
+}
+
+/* A sea that takes the memory of the one before is not taken for it. */
+static void cascades_are_not_mixed_up(void **state)
+{
+    (void)state;
+    static const double winds[] = { 5.0, 15.0, 5.0 };
+    struct pel_camera c =
+        test_camera((struct test_look){ 6.0, 30.0, -10.0, 0.0, 60.0, 96, 64 });
+    struct copy kept[3];
+    for (int i = 0; i < 3; i++) {
+        test_fft_sea(winds[i], 1, &sea);
+        struct pel_environment env = test_environment(&sea, 5.0);
+        env.wind_mps = 5.0;
+        struct pel_picture *p = test_draw(renderer, &env, &c, TEST_ALL_LAYERS);
+        kept[i] = copy_of(p);
+        pel_picture_release(p);
+        pel_sea_finish(&sea);
+    }
+    assert_same(&kept[0].picture, &kept[2].picture);
+    assert_memory_not_equal(kept[0].picture.depth, kept[1].picture.depth,
+                            96 * 64 * 4);
+    for (int i = 0; i < 3; i++) {
+        free(kept[i].pixels);
+    }
 }
 
 static void tiles_have_no_seam_in_compute(void **state)
@@ -309,8 +353,12 @@ static void no_scene_gives_nonsense(void **state)
     uint64_t random = 11;
     for (int i = 0; i < 60; i++) {
         double swell = i % 3 ? 0.0 : test_random(&random, 0.1, 15.0);
-        test_sea(i % 10 ? test_random(&random, 0.0, 30.0) : 0.0, swell,
-                 (uint32_t)i, &sea);
+        double wind = i % 10 ? test_random(&random, 0.0, 30.0) : 0.0;
+        if (i % 5 == 4) {
+            test_fft_sea(wind, (uint32_t)i, &sea);
+        } else {
+            test_sea(wind, swell, (uint32_t)i, &sea);
+        }
         struct pel_environment env =
             test_environment(&sea, test_random(&random, 0.0, 1e5));
         double elevation = i % 7 ? test_random(&random, -18.0, 90.0) : 90.0;
@@ -351,6 +399,7 @@ static void no_scene_gives_nonsense(void **state)
                    look.pitch, look.fov, env.visibility_m);
         }
         pel_picture_release(p);
+        pel_sea_finish(&sea);
         assert_int_equal(bad, 0);
     }
 }
@@ -559,6 +608,8 @@ int main(void)
         cmocka_unit_test(same_scene_same_bytes),
         cmocka_unit_test(layers_do_not_disturb),
         cmocka_unit_test(tiles_have_no_seam),
+        cmocka_unit_test(cascades_have_no_seam),
+        cmocka_unit_test(cascades_are_not_mixed_up),
         cmocka_unit_test(tiles_have_no_seam_in_compute),
         cmocka_unit_test(compute_draws_the_same_sea),
         cmocka_unit_test(no_scene_gives_nonsense),

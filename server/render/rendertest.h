@@ -90,6 +90,22 @@ static inline void test_sea(double wind_mps, double swell_m, uint32_t seed,
     assert_int_equal(pel_sea_build(&desc, out), PEL_OK);
 }
 
+/* The same wind by FFT cascades. */
+static inline void test_fft_sea(double wind_mps, uint32_t seed,
+                                struct pel_sea *out)
+{
+    const struct pel_sea_desc desc = {
+        .wind_mps = wind_mps,
+        .synthesiser = PEL_SYNTHESISER_FFT,
+        .direction_rad = 0.4,
+        .fetch_m = 200000.0,
+        .gamma = 3.3,
+        .seed = seed,
+        .wave_count = 60,
+    };
+    assert_int_equal(pel_sea_build(&desc, out), PEL_OK);
+}
+
 /* Elevation and azimuth (clockwise from north) in degrees. */
 static inline struct pel_vec3 test_sun(double elevation, double azimuth)
 {

@@ -79,6 +79,7 @@ static void open_renderer(void)
 
 static void make_sea(const struct bench_scene *s)
 {
+    pel_sea_finish(&sea);
     if (bench_sea(s, &sea) != PEL_OK) {
         die("the sea cannot be built");
     }
@@ -185,15 +186,17 @@ static void bench_frames(void)
         const char *name;
         uint32_t width, height;
         double height_m, pitch;
-        bool quick;
+        bool quick, fft;
     } cases[] = {
-        { "peers 1024x768", 1024, 768, 6.0, 0.0, true },
-        { "peers 1280x720", 1280, 720, 6.0, 0.0, false },
-        { "peers 1920x1080", 1920, 1080, 6.0, 0.0, true },
-        { "4 m 1024x768", 1024, 768, 4.0, 0.0, false },
-        { "1000 m 1024x768", 1024, 768, 1000.0, 0.0, true },
-        { "8000 m 1024x768", 1024, 768, 8000.0, 0.0, false },
-        { "1000 m, 20° down", 1024, 768, 1000.0, -20.0, false },
+        { "peers 1024x768", 1024, 768, 6.0, 0.0, true, false },
+        { "peers 1280x720", 1280, 720, 6.0, 0.0, false, false },
+        { "peers 1920x1080", 1920, 1080, 6.0, 0.0, true, false },
+        { "FFT 1024x768", 1024, 768, 6.0, 0.0, true, true },
+        { "FFT 1920x1080", 1920, 1080, 6.0, 0.0, false, true },
+        { "4 m 1024x768", 1024, 768, 4.0, 0.0, false, false },
+        { "1000 m 1024x768", 1024, 768, 1000.0, 0.0, true, false },
+        { "8000 m 1024x768", 1024, 768, 8000.0, 0.0, false, false },
+        { "1000 m, 20° down", 1024, 768, 1000.0, -20.0, false, false },
     };
     printf("\nframes, ms          wall  CPU/2  piped |");
     for (int s = 0; s < PEL_STAGE_COUNT; s++) {
@@ -211,6 +214,7 @@ static void bench_frames(void)
         s.height = cases[i].height;
         s.height_m = cases[i].height_m;
         s.pitch = cases[i].pitch;
+        s.fft = cases[i].fft;
         make_sea(&s);
         struct pel_environment env = bench_environment(&s, &sea);
         const struct pel_draw draw = { .camera = bench_camera(&s),
@@ -441,6 +445,7 @@ static int child(void)
     }
     printf("%.3f\n", memory ? resident_mb() : first);
     pel_renderer_destroy(renderer);
+    pel_sea_finish(&sea);
     return 0;
 }
 
@@ -607,5 +612,6 @@ int main(int argc, char **argv)
     fprintf(json, "}\n");
     fclose(json);
     pel_renderer_destroy(renderer);
+    pel_sea_finish(&sea);
     return 0;
 }
