@@ -444,9 +444,9 @@ class SurfaceQueries(OceanCase):
 
 
 class Live(OceanCase):
-    def test_newest_only(self):
+    def newest_only(self, **options):
         self.ocean.set(clock={"mode": "FREE"})
-        with self.ocean.views["bridge"].live() as stream:
+        with self.ocean.views["bridge"].live(**options) as stream:
             first = next(stream)
             self.assertEqual(first.image().shape, (180, 320, 3))
             time.sleep(1.0)
@@ -460,28 +460,111 @@ class Live(OceanCase):
         with self.assertRaises(StopIteration):
             next(stream)
         stream.close()
+        return stream, newest
+
+    def test_websocket(self):
+        stream, frame = self.newest_only()
+        self.assertEqual(stream.protocol, "websocket")
+        # The same machine, the same clock.
+        self.assertLess(abs(time.time() - frame.stamp), 5)
+        with self.ocean.views["bridge"].live(width=64, height=48,
+                                             quality=40) as stream:
+            self.assertEqual(next(stream).image().shape, (48, 64, 3))
+
+    def test_mjpeg(self):
+        stream, _ = self.newest_only(fps=30)
+        self.assertEqual(stream.protocol, "mjpeg")
+
+    def test_a_daemon_without_websocket(self):
+        """404 for the route, not for the view: Motion-JPEG it is."""
+        part = (b"HTTP/1.1 200 OK\r\nContent-Type: multipart/x\r\n\r\n"
+                b"--pelagos\r\nContent-Length: 3\r\nX-Pelagos-Frame: 7\r\n"
+                b"\r\nabc\r\n--pelagos\r\n")
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            def answer():
+                for data in (b"HTTP/1.1 404 Not Found\r\nContent-Length: 2"
+                             b"\r\n\r\n{}", part):
+                    s, _ = server.accept()
+                    s.recv(1000)
+                    s.sendall(data)
+                    s.close()
+            threading.Thread(target=answer, daemon=True).start()
+            ocean = Ocean(f"http://127.0.0.1:{server.getsockname()[1]}")
+            with pelagos.LiveStream(ocean.transport, "bridge") as stream:
+                frame = next(stream)
+                self.assertEqual((frame.number, frame.data), (7, b"abc"))
+                with self.assertRaises(pelagos.Unreachable):
+                    next(stream)
+
+    def test_noise_is_refused(self):
+        """Frames that no WebSocket server sends, or no picture of ours."""
+        import base64
+        import hashlib
+        import re
+        for noise in (b"\x82\x05hello", b"\x02\x00", b"\x82\xff",
+                      b"\x82\x7f" + b"\xff" * 8, b"\x81\x01{",
+                      b"\x82\x40" + b"\x09" * 64):
+            with socket.create_server(("127.0.0.1", 0)) as server:
+                def answer():
+                    s, _ = server.accept()
+                    key = re.search(rb"Sec-WebSocket-Key: (\S+)",
+                                    s.recv(2000)).group(1)
+                    accept = base64.b64encode(hashlib.sha1(
+                        key + b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
+                        ).digest())
+                    s.sendall(b"HTTP/1.1 101 X\r\nSec-WebSocket-Accept: "
+                              + accept + b"\r\n\r\n" + noise)
+                    s.recv(100)
+                    s.close()
+                thread = threading.Thread(target=answer, daemon=True)
+                thread.start()
+                ocean = Ocean(f"http://127.0.0.1:{server.getsockname()[1]}")
+                with pelagos.LiveStream(ocean.transport, "bridge") as stream:
+                    with self.assertRaises(pelagos.ProtocolError, msg=noise):
+                        next(stream)
+                thread.join()
+
+    def test_video(self):
+        """Twenty access units in a row are twenty pictures for ffmpeg."""
+        self.ocean.set(clock={"mode": "FREE"})
+        with self.ocean.views["bridge"].video(bitrate=2000) as video:
+            packets = [packet for packet, _ in zip(video, range(20))]
+        self.assertTrue(packets[0].key and packets[0].format == "h264")
+        self.assertEqual(packets[0].data[:3], b"\0\0\0")
+        with tempfile.NamedTemporaryFile(suffix=".h264") as file:
+            file.write(b"".join(packet.data for packet in packets))
+            file.flush()
+            read = subprocess.run(
+                ["ffprobe", "-v", "error", "-count_frames", "-show_entries",
+                 "stream=nb_read_frames,width,height", "-of", "csv=p=0",
+                 file.name], capture_output=True, text=True, check=True)
+        self.assertEqual(read.stdout.strip(), "320,180,20")
 
     def test_end_and_refusal(self):
-        with self.assertRaises(pelagos.NotFound):
-            pelagos.LiveStream(self.ocean.transport, "none")
+        for options in ({}, {"fps": 5}):
+            with self.assertRaises(pelagos.NotFound):
+                pelagos.LiveStream(self.ocean.transport, "none", **options)
         with self.assertRaises(pelagos.OutOfRange):
             self.ocean.views["bridge"].live(fps=1000)
-        view = self.ocean.views.add("short", width=64, height=48)
+        with self.assertRaises(pelagos.OutOfRange):
+            self.ocean.views["bridge"].live(width=9, height=9)
         self.ocean.set(clock={"mode": "FREE"})
-        with view.live(fps=10, quality=50) as stream:
-            next(stream)
-            view.remove()
-            with self.assertRaises(pelagos.Unreachable):
-                for _ in stream:
-                    pass
+        for options in ({}, {"fps": 10, "quality": 50}):
+            view = self.ocean.views.add("short", width=64, height=48)
+            with view.live(**options) as stream:
+                next(stream)
+                view.remove()
+                with self.assertRaises(pelagos.Unreachable):
+                    for _ in stream:
+                        pass
 
     def test_close_from_elsewhere(self):
         view = self.ocean.views["bridge"]
-        stream = view.live()
-        next(stream)
-        threading.Timer(0.3, stream.close).start()
-        for _ in stream:  # the clock stands: it waits, until the close
-            pass
+        for stream in (view.live(), view.live(fps=10), view.video()):
+            next(stream)
+            threading.Timer(0.3, stream.close).start()
+            for _ in stream:  # the clock stands: it waits, until the close
+                pass
 
 
 class Examples(OceanCase):

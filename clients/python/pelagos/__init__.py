@@ -19,7 +19,7 @@ from .errors import (BadPicture, Busy, Conflict, Internal, Invalid, Malformed,
                      ProtocolError, Refused, TimedOut, Unreachable)
 from .exr import Exr, read_exr
 from .frame import Frame
-from .live import LiveFrame, LiveStream
+from .live import LiveFrame, LiveStream, VideoStream
 from .parts import EntityHandle, ViewHandle
 from .schema import (Clock, Entity, Frustum, Origin, Sea, Sky, State, Swell,
                      View, Water)
@@ -33,5 +33,5 @@ __all__ = [
     "Invalid", "LiveFrame", "LiveStream", "Malformed", "MissingPackage",
     "NotFound", "Ocean", "Origin", "OutOfRange", "PelagosError",
     "ProtocolError", "Refused", "Sea", "Sky", "State", "Surface", "Swell",
-    "TimedOut", "Unreachable", "View", "ViewHandle", "Water", "read_exr",
+    "TimedOut", "Unreachable", "VideoStream", "View", "ViewHandle", "Water", "read_exr",
 ]

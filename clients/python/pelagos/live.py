@@ -1,32 +1,45 @@
-"""Live pictures: Motion-JPEG, of which only the newest is kept."""
+"""Live pictures: the newest one, or all of a video."""
 from __future__ import annotations
 
-import contextlib
-import http.client
-import socket
 import threading
 import time
-import urllib.parse
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import IO
 
-from .errors import PelagosError, ProtocolError, TimedOut, Unreachable, refusal
-from .frame import Frame, from_answer
+from .errors import NotFound, PelagosError, TimedOut
+from .frame import Frame
+from .mjpeg import MjpegSocket
 from .transport import Transport
-
-_MAX_LINE = 8192
-_MAX_LINES = 64
-_MAX_PICTURE = 64 << 20
+from .websocket import JPEG, Head, LiveSocket
 
 
 @dataclass(frozen=True)
 class LiveFrame(Frame):
-    """A frame of a stream. received: time.monotonic() when it was there [s];
-    dropped: pictures passed over since the one before, because nobody took
-    them in time."""
+    """A frame of a stream.
+
+    received  time.monotonic() when it was there [s]
+    dropped   pictures passed over since the one before, because nobody took
+              them in time
+    stamp     when its state was taken, by the server's clock [s since 1970];
+              0 over Motion-JPEG
+    host      frame number of the simulator host, 0: none
+    key, gap  of video: it can be shown without those before it; pictures were
+              left out just before it
+    """
     received: float = 0.0
     dropped: int = 0
+    stamp: float = 0.0
+    host: int = 0
+    key: bool = True
+    gap: bool = False
+
+
+def _frame(view: str, head: Head, data: bytes) -> LiveFrame:
+    return LiveFrame(view, head.number, head.time, head.revision,
+                     "jpg" if head.kind == JPEG else "h264", data,
+                     head.drawn / 1e3, (head.encoded - head.drawn) / 1e3,
+                     time.monotonic(), 0, head.stamp / 1e6, head.host,
+                     head.key, head.gap)
 
 
 class LiveStream:
@@ -39,11 +52,17 @@ class LiveStream:
     A thread reads; it holds one picture, and a newer one takes its place, so
     a slow loop sees fewer pictures, never old ones. Ends (StopIteration) after
     close(); raises TimedOut when no picture comes within `timeout` seconds and
-    Unreachable when the daemon goes away or the view is deleted."""
+    Unreachable when the daemon goes away or the view is deleted.
+
+    protocol: "websocket", or "mjpeg" where a rate (fps) is asked for or the
+    daemon has no WebSocket."""
 
     def __init__(self, transport: Transport, view: str,
                  fps: float | None = None, quality: int | None = None,
+                 width: int | None = None, height: int | None = None,
                  timeout: float = 10.0) -> None:
+        if fps is not None and (width or height):
+            raise ValueError("a stream has fps, or width and height")
         self.view = view
         self.timeout = timeout
         self.received = 0  # pictures that came
@@ -53,26 +72,20 @@ class LiveStream:
         self._failure: PelagosError | None = None
         self._passed = 0
         self._changed = threading.Condition()
-        asked = {name: value for name, value in
-                 (("fps", fps), ("quality", quality)) if value is not None}
-        path = (f"/v1/views/{urllib.parse.quote(view, safe='')}/mjpeg"
-                + ("?" + urllib.parse.urlencode(asked) if asked else ""))
-        self._connection = transport.connect(timeout)
-        self._socket: socket.socket = self._connection.sock
+        self._source: LiveSocket | MjpegSocket
+        self.protocol = "websocket"
         try:
-            transport.send(self._connection, "GET", path)
-            self._response = self._connection.getresponse()
-            if self._response.status >= 400:
-                raise refusal(self._response.status, self._response.read(65536))
-        except (OSError, http.client.HTTPException) as error:
-            self._connection.close()
-            if isinstance(error, PelagosError):
-                raise
-            raise Unreachable(f"no stream from {transport.url}: "
-                              f"{error}") from None
-        except PelagosError:
-            self._connection.close()
-            raise
+            if fps is not None:
+                raise NotFound(404, {})
+            self._source = LiveSocket(
+                transport, view, {"codec": "jpeg", "quality": quality,
+                                  "width": width, "height": height}, timeout)
+        except NotFound as error:
+            if error.path is not None or width or height:
+                raise  # there is no such view, or no such stream of it
+            self.protocol = "mjpeg"
+            self._source = MjpegSocket(
+                transport, view, {"fps": fps, "quality": quality}, timeout)
         self._thread = threading.Thread(target=self._read, daemon=True,
                                         name=f"pelagos-live-{view}")
         self._thread.start()
@@ -103,11 +116,9 @@ class LiveStream:
             self._over = True
             self._newest = None
             self._changed.notify_all()
-        with contextlib.suppress(OSError):
-            self._socket.shutdown(socket.SHUT_RDWR)
+        self._source.stop()
         self._thread.join()
-        self._response.close()
-        self._connection.close()
+        self._source.close()
 
     def __enter__(self) -> LiveStream:
         return self
@@ -117,23 +128,25 @@ class LiveStream:
 
     # --- the reading thread -------------------------------------------------
 
+    def _next(self) -> LiveFrame:
+        if isinstance(self._source, MjpegSocket):
+            return LiveFrame(**vars(self._source.read()),
+                             received=time.monotonic())
+        head, data = self._source.read()
+        # At once, not when it is taken: only so the newest is at hand.
+        self._source.acknowledge(head.number)
+        return _frame(self.view, head, data)
+
     def _read(self) -> None:
-        failure: PelagosError
         try:
             while True:
-                self._keep(self._part(self._response))
+                self._keep(self._next())
         except PelagosError as error:
-            failure = error
-        except TimeoutError:
-            failure = TimedOut(f"no picture of {self.view} within "
-                               f"{self.timeout:g} s")
-        except (OSError, ValueError, http.client.HTTPException) as error:
-            failure = Unreachable(f"the stream of {self.view} broke: {error}")
-        with self._changed:
-            self._failure = failure
-            self._changed.notify_all()
+            with self._changed:
+                self._failure = error
+                self._changed.notify_all()
 
-    def _keep(self, frame: Frame) -> None:
+    def _keep(self, frame: LiveFrame) -> None:
         with self._changed:
             self.received += 1
             if self._newest is not None:
@@ -142,30 +155,57 @@ class LiveStream:
             else:
                 self._passed = 0
             self._newest = LiveFrame(**{**vars(frame),
-                                        "received": time.monotonic(),
                                         "dropped": self._passed})
             self._changed.notify_all()
 
-    def _part(self, stream: IO[bytes]) -> Frame:
-        headers: dict[str, str] = {}
-        for _ in range(_MAX_LINES):
-            line = stream.readline(_MAX_LINE)
-            if not line:
-                raise Unreachable(f"the stream of {self.view} has ended")
-            if line == b"\r\n" and "Content-Length" in headers:
-                break
-            name, colon, value = line.decode("latin-1").partition(":")
-            if colon:
-                headers[name.strip()] = value.strip()
-        else:
-            raise ProtocolError("no Motion-JPEG comes")
-        size = int(headers["Content-Length"])
-        if not 0 < size <= _MAX_PICTURE:
-            raise ProtocolError(f"a picture of {size} bytes")
-        data = bytearray()
-        while len(data) < size:
-            chunk = stream.read(size - len(data))
-            if not chunk:
-                raise Unreachable(f"the stream of {self.view} has ended")
-            data += chunk
-        return from_answer(self.view, "jpg", headers, bytes(data))
+
+class VideoStream:
+    """Iterates over H.264 access units (Annex B), in order, the first a key:
+
+        with ocean.views["bridge"].video() as video:
+            for packet in video:
+                file.write(packet.data)
+
+    Each is acknowledged when the next is asked for. A loop that falls behind
+    loses pictures at the daemon and goes on with a key, its `gap` set: what
+    comes can always be decoded."""
+
+    def __init__(self, transport: Transport, view: str,
+                 bitrate: int | None = None, width: int | None = None,
+                 height: int | None = None, timeout: float = 10.0) -> None:
+        self.view = view
+        self._last: int | None = None
+        self._over = False
+        self._source = LiveSocket(
+            transport, view, {"codec": "h264", "bitrate": bitrate,
+                              "width": width, "height": height}, timeout)
+
+    def __iter__(self) -> Iterator[LiveFrame]:
+        return self
+
+    def __next__(self) -> LiveFrame:
+        """The next access unit; waits for it."""
+        if self._over:
+            raise StopIteration
+        try:
+            if self._last is not None:
+                self._source.acknowledge(self._last)
+            head, data = self._source.read()
+        except PelagosError:
+            if self._over:
+                raise StopIteration from None
+            raise
+        self._last = head.number
+        return _frame(self.view, head, data)
+
+    def close(self) -> None:
+        """Ends it; also a loop that waits in another thread."""
+        self._over = True
+        self._source.stop()
+        self._source.close()
+
+    def __enter__(self) -> VideoStream:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

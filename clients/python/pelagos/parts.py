@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from .camera import Camera, Intrinsics
 from .errors import NotFound
 from .frame import Frame
-from .live import LiveStream
+from .live import LiveStream, VideoStream
 from .schema import Entity, View
 
 if TYPE_CHECKING:
@@ -120,12 +120,22 @@ class ViewHandle(_Handle):
                       pose.position)
 
     def live(self, *, fps: float | None = None, quality: int | None = None,
+             width: int | None = None, height: int | None = None,
              timeout: float = 10.0) -> LiveStream:
-        """A live iterator over its pictures, always the newest. fps: 0.1 to
-        240, none: as they are drawn; quality: of JPEG, 1 to 100 (80);
-        timeout: the longest wait for a picture [s]."""
+        """A live iterator over its pictures, always the newest. fps: at most
+        so many, 0.1 to 240, over Motion-JPEG; quality: of JPEG, 1 to 100 (80);
+        width, height [px]: instead of the view's, without fps; timeout: the
+        longest wait for a picture [s]."""
         return LiveStream(self._ocean.transport, self.key, fps, quality,
-                          timeout)
+                          width, height, timeout)
+
+    def video(self, *, bitrate: int | None = None, width: int | None = None,
+              height: int | None = None, timeout: float = 10.0) -> VideoStream:
+        """Its H.264 access units as they are drawn, to save or to decode.
+        bitrate: 100 to 100000 [kbit/s]; width, height [px]: instead of the
+        view's; timeout: of the connection [s]."""
+        return VideoStream(self._ocean.transport, self.key, bitrate, width,
+                           height, timeout)
 
 
 class Views:
