@@ -49,7 +49,7 @@ class OceanCase(unittest.TestCase):
         self.addCleanup(self.ocean.close)
         self.ocean.patch({
             "clock": {"mode": "STEPPED", "time": 5, "rate": None},
-            "sea": None, "sky": None,
+            "origin": None, "sea": None, "sky": None,
             "entities": [{"id": 1, "name": "ownship"}],
             "views": [{"name": "bridge", "entity": 1, "width": 320,
                        "height": 180}]})
@@ -82,6 +82,18 @@ class State(OceanCase):
         self.assertEqual(len(o.state().sea.swell), 1)
         with self.assertRaises(LookupError):
             o["sea.swell.4.height"] = 1
+        # Somebody else's swell comes between reading and writing.
+        read = o.state
+
+        def interrupted():
+            state = read()
+            with Ocean(self.url) as other:
+                other.set(sea={"swell": [[5, 15, 0, 10]]})
+            return state
+        o.state = interrupted
+        with self.assertRaises(pelagos.Conflict):
+            o["sea.swell.0.height"] = 9
+        self.assertEqual(o["sea.swell.0.height"], 5)
 
     def test_errors_say_all(self):
         before = self.ocean.state()
@@ -167,6 +179,7 @@ class State(OceanCase):
     def test_steps(self):
         self.assertEqual(self.ocean.step(0.5).clock.time, 5.5)
         self.assertEqual(self.ocean.step(0.25).clock.time, 5.75)
+        self.assertEqual(self.ocean.step(until=6.1).clock.time, 6.1)
 
 
 class Connection(OceanCase):
@@ -291,6 +304,12 @@ class Pictures(OceanCase):
         np.testing.assert_allclose(length, 1, atol=1e-3)  # halves
         with self.assertRaises(KeyError):
             exr["colour"]
+        # What light there is, is the sum of its parts (halves each).
+        parts = view.layers("radiance", "sun", "sky", "water", "air",
+                            float_samples=True)
+        np.testing.assert_allclose(
+            parts["sun"] + parts["sky"] + parts["water"] + parts["air"],
+            parts["radiance"], rtol=1e-4, atol=1e-7)
 
     def test_depth_and_rays_reach_the_surface(self):
         """Every pixel's ray times its depth is a point of the sea that the
@@ -592,7 +611,9 @@ class Examples(OceanCase):
                          (before.sea, before.views, before.entities,
                           before.clock))
         # Whatever the daemon did meanwhile.
-        self.ocean.set(sea={"windSpeed": 25}, sky={"visibility": 900},
+        self.ocean.set(sea={"windSpeed": 25, "synthesiser": "FFT",
+                            "depth": 20, "spectrum": "TMA"},
+                       sky={"visibility": 900}, origin={"latitude": 10},
                        clock={"time": 77, "mode": "FREE"})
         self.run_example("dataset.py", "--out", str(self.folder / "b"),
                          "--frames", "4", "--size", "160x96")

@@ -22,7 +22,8 @@ import sys
 
 import numpy as np
 
-from pelagos import Camera, Ocean, PelagosError
+from pelagos import (Camera, Clock, Ocean, Origin, PelagosError, Sea, Sky,
+                     Swell, Water)
 from pelagos.exr import with_number
 
 SCENE_FRAMES = 10
@@ -41,17 +42,19 @@ def scene(seed: int, number: int, width: int, height: int) -> dict:
 
     wind_from = pick(0, 360)
     course = pick(0, 360)
+    # Every field is said, the defaults too: nothing is left of what was.
     return {
-        "clock": {"mode": "STEPPED", "rate": 1, "time": 100.0 * number,
-                  "utc": None},
-        "origin": None, "water": None,
-        "sea": {"windSpeed": pick(2, 16), "windDirection": wind_from,
-                "spectrum": None, "fetch": None, "gamma": None,
-                "seed": int(random.integers(1, 1 << 31)),
-                "swell": [{"height": pick(0, 2), "period": pick(7, 13),
-                           "direction": pick(0, 360), "spread": 10}]},
-        "sky": {"sunAzimuth": pick(0, 360), "sunElevation": pick(3, 60),
-                "visibility": pick(5000, 40000)},
+        "clock": Clock(mode="STEPPED", time=100.0 * number
+                       ).to_json(nulls=True),
+        "origin": Origin().to_json(nulls=True),
+        "water": Water().to_json(nulls=True),
+        "sea": Sea(windSpeed=pick(2, 16), windDirection=wind_from,
+                   seed=int(random.integers(1, 1 << 31)),
+                   swell=(Swell(height=pick(0, 2), period=pick(7, 13),
+                                direction=pick(0, 360)),)
+                   ).to_json(nulls=True),
+        "sky": Sky(sunAzimuth=pick(0, 360), sunElevation=pick(3, 60),
+                   visibility=pick(5000, 40000)).to_json(nulls=True),
         "entities": [{"id": 1, "name": "ship", "heading": course,
                       "course": course, "speed": pick(2, 9),
                       "pitch": pick(-2, 2), "roll": pick(-6, 6)}],

@@ -129,13 +129,16 @@ class Ocean:
         finally:
             self.patch(before.to_json(nulls=True))
 
-    def step(self, seconds: float = 1 / 30) -> State:
-        """Advances simulated time [s; 0 to 3600]; the clock's mode must be
-        STEPPED (`ocean.set(clock={"mode": "STEPPED", "time": 0})`). The state
-        after it."""
+    def step(self, seconds: float = 1 / 30, *, until: float | None = None
+             ) -> State:
+        """Advances simulated time by seconds [s; 0 to 3600], or until that
+        very moment [s]; the clock's mode must be STEPPED
+        (`ocean.set(clock={"mode": "STEPPED", "time": 0})`). The state after
+        it."""
+        content = ({"seconds": float(seconds)} if until is None
+                   else {"until": float(until)})
         return State.from_json(self.transport.request(
-            "POST", "/v1/clock/step", {"seconds": float(seconds)},
-            repeatable=False).json())
+            "POST", "/v1/clock/step", content, repeatable=False).json())
 
     def fields(self) -> dict[str, dict[str, Any]]:
         """Every path of the state with its `unit`, `minimum`, `maximum` (where

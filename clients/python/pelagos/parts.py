@@ -78,7 +78,9 @@ class ViewHandle(_Handle):
         width, height [px] instead of the view's
         time          simulated time [s] instead of the clock's
         quality       of JPEG, 1 to 100
-        layers        of EXR: "radiance", "depth", "normal"; none: radiance
+        layers        of EXR: "radiance" and its parts "sun", "sky", "water",
+                      "air"; "depth", "normal", "fresnel", "slopeVariance";
+                      none: radiance
         float_samples EXR with 32-bit floats instead of halves (depth always)
         """
         return self._ocean.frame(self.key, format, width=width, height=height,
@@ -93,7 +95,8 @@ class ViewHandle(_Handle):
     def layers(self, *names: str, width: int | None = None,
                height: int | None = None, time: float | None = None,
                float_samples: bool = False) -> "dict[str, NDArray[np.float32]]":
-        """Layers of one picture, float32 (all three where none is named):
+        """Layers of one picture, float32 (these three where none is named;
+        see `frame` for the others):
 
         radiance  (height, width, 3), 680, 550, 440 nm [W m-2 sr-1 nm-1]
         depth     (height, width), distance along the ray [m], sky infinite
