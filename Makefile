@@ -77,6 +77,7 @@ OCEAN := server/ocean/spectrum.c \
 OPTICS := server/optics/brdf.c \
     server/optics/atmosphere.c \
     server/optics/colour.c \
+    server/optics/facets.c \
     server/optics/water.c \
     server/optics/waterbody.c \
     server/optics/linear.c \
@@ -194,6 +195,7 @@ TESTS += server/ocean/ndbc_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/optics/atmosphere_test.c
 TESTS += server/optics/colour_test.c
+TESTS += server/optics/facets_test.c
 TESTS += server/optics/transport_test.c
 TESTS += server/optics/waterbody_test.c
 TESTS += server/optics/watertable_test.c
@@ -224,6 +226,7 @@ TESTS += server/render/renderer_test.c
 TESTS += server/render/depth_test.c
 TESTS += server/render/light_test.c
 TESTS += server/render/layer_test.c
+TESTS += server/frames/layers_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
 # FUZZERS += lines of each room.

@@ -7,7 +7,6 @@
 
 #include <cmocka.h>
 
-#include "frames/frames.h"
 #include "render/renderer.h"
 
 static const unsigned all_layers = PEL_LAYER_COLOR | PEL_LAYER_RADIANCE |
@@ -127,24 +126,11 @@ static void wrappers_agree(void **state)
     pel_renderer_destroy(r);
 }
 
-static void names_are_told_once(void **state)
-{
-    (void)state;
-    char names[256] = "";
-    for (int i = 0; i < PEL_LAYERS; i++) {
-        strcat(names, i ? ", " : "");
-        strcat(names, pel_layer_table[i].name);
-    }
-    assert_string_equal(names, PEL_FRAMES_LAYERS);
-    assert_null(pel_layer_find("color"));
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_make_the_radiance),
         cmocka_unit_test(wrappers_agree),
-        cmocka_unit_test(names_are_told_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

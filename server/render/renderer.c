@@ -61,7 +61,7 @@ struct pel_renderer {
     struct pel_sky sky;
     struct targets targets;
     struct timing timing;
-    GLuint vao, vertices;
+    GLuint vao, vertices, facets;
     int vertex_capacity;
     int waves; /* what the sea programs are made for */
     int wave_count; /* of the sea being drawn */
@@ -345,6 +345,12 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     glCreateVertexArrays(1, &r->vao);
     glBindVertexArray(r->vao);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    struct pel_block_facets facets;
+    pel_fill_facets(&facets);
+    glCreateBuffers(1, &r->facets);
+    glNamedBufferStorage(r->facets, sizeof facets, &facets, 0);
+    glObjectLabel(GL_BUFFER, r->facets, -1, "facets");
+    glBindBufferBase(GL_UNIFORM_BUFFER, 6, r->facets);
     glCreateQueries(GL_TIMESTAMP, 2, r->timing.queries);
     err = pel_readback_init(&r->readback);
     if (err == PEL_OK) {
@@ -391,6 +397,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         glDeleteProgram(r->backdrop_program[0]);
         glDeleteProgram(r->backdrop_program[1]);
         glDeleteBuffers(1, &r->vertices);
+        glDeleteBuffers(1, &r->facets);
         glDeleteVertexArrays(1, &r->vao);
         glDeleteQueries(2, r->timing.queries);
     }

@@ -40,8 +40,9 @@ struct pel_environment {
     double chlorophyll_mg_m3;
     /* For validation: leaves out the air between the sea and the eye; gives
      * every distance the slope variances of the nearest pixels, the constant
-     * BRDF of the 2010 paper's fig. 10. */
+     * BRDF of the 2010 paper's fig. 10; widens the Sun as brute force must. */
     bool no_air, constant_brdf;
+    double sun_blur; /* slopes by which the Sun is widened; 0: its disc */
 };
 
 enum pel_layer {

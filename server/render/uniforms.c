@@ -5,6 +5,7 @@
 #include "optics/atmosphere.h"
 #include "optics/brdf.h"
 #include "optics/colour.h"
+#include "optics/facets.h"
 #include "optics/water.h"
 
 static struct pel_vec4 vec4(double x, double y, double z, double w)
@@ -24,6 +25,9 @@ void pel_fill_frame(const struct pel_environment *env,
     const struct pel_atmosphere_desc desc = { env->visibility_m };
     pel_atmosphere_init(&desc, &air);
     double r0 = (PEL_WATER_INDEX - 1.0) / (PEL_WATER_INDEX + 1.0);
+    /* A uniform disc has a quarter of its squared radius as variance an axis;
+     * facets turn half as far as what they mirror. */
+    const double disc = PEL_SUN_ANGULAR_RADIUS * PEL_SUN_ANGULAR_RADIUS / 16.0;
     const struct pel_rgb unit = { 1.0, 1.0, 1.0 };
     double m[9];
     pel_colour_matrix(m);
@@ -41,6 +45,8 @@ void pel_fill_frame(const struct pel_environment *env,
                        air.ozone_width_m, r0 * r0),
         .water = rgb4(pel_water_radiance(env->chlorophyll_mg_m3, unit),
                       env->no_air ? 1.0 : 0.0),
+        .disc = vec4(env->sun_blur > 0.0 ? env->sun_blur * env->sun_blur : disc,
+                     0.0, 0.0, 0.0),
         .red = vec4(m[0], m[1], m[2], 0.0),
         .green = vec4(m[3], m[4], m[5], 0.0),
         .blue = vec4(m[6], m[7], m[8], 0.0),
@@ -92,6 +98,23 @@ void pel_fill_cascades(const struct pel_cascades *cascades, double east_m,
         out->cascades[i].place =
             vec4(c->turn_cos, c->turn_sin, 1.0 / c->length_m, c->texel_m);
         out->cascades[i].offset = vec4(u - floor(u), v - floor(v), 0.0, 0.0);
+    }
+}
+
+void pel_fill_facets(struct pel_block_facets *out)
+{
+    for (int i = 0; i <= PEL_FACET_STEPS; i++) {
+        double q = (double)i / PEL_FACET_STEPS, z[3], w[3];
+        pel_facet_quadrature(i < PEL_FACET_STEPS ? q / (1.0 - q) : INFINITY, z, w);
+        /* Ross takes heights and slopes as independent (Smith's masking). On
+         * the trochoids themselves, cut by rays, what is seen at grazing
+         * angles stands on the crests and is steeper: fitted by this to 2 % of
+         * sky and 1 % of refracted light (make validate; without it 3.5 and
+         * 3 %). */
+        double steeper = 0.3 * (1.0 - q);
+        out->facets[i].node =
+            vec4(z[0] + steeper, z[1] + steeper, z[2] + steeper, 0.0);
+        out->facets[i].weight = vec4(w[0], w[1], w[2], 0.0);
     }
 }
 

@@ -24,6 +24,9 @@ void pel_fill_waves(const struct pel_environment *env, double east_m,
 void pel_fill_cascades(const struct pel_cascades *cascades, double east_m,
                        double north_m, struct pel_block_cascades *out);
 
+/* Never changes. */
+void pel_fill_facets(struct pel_block_facets *out);
+
 struct pel_variance {
     float along, cross;
 };

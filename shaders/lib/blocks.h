@@ -38,6 +38,7 @@ PEL_BLOCK(0, frame) {
     vec4 ozone;    /* rgb peak absorption, 1/m; w height of the peak, m */
     vec4 planet;   /* x ground, y top radius, m; z ozone half-width, m; w R0 */
     vec4 water;    /* rgb L_sea for unit irradiance; w 1 leaves out the air */
+    vec4 disc;     /* x variance of slopes that mirror some of the Sun's disc */
     vec4 red;      /* rows of the matrix to Rec. 709 cd/m² */
     vec4 green;
     vec4 blue;
@@ -82,6 +83,17 @@ struct pel_shader_cascade {
 };
 PEL_BLOCK(5, cascades) {
     PEL_STRUCT pel_shader_cascade cascades[4];
+};
+
+/* Gauss quadrature over the facets an eye sees (optics/facets.h), by
+ * q = μ / (1 + μ) in PEL_FACET_STEPS equal steps from 0 to 1. */
+#define PEL_FACET_STEPS 64
+struct pel_shader_facets {
+    vec4 node;   /* slopes towards the eye, standard deviations */
+    vec4 weight; /* sum 1 */
+};
+PEL_BLOCK(6, facets) {
+    PEL_STRUCT pel_shader_facets facets[PEL_FACET_STEPS + 1];
 };
 
 /* Written by the light pass. */

@@ -18,6 +18,8 @@
 
 #define COLUMNS 160
 #define ROWS 120
+/* Slopes: rays hit the Sun's own disc too seldom. */
+#define SUN_BLUR 0.05
 #define FINE 4 /* the renderer's picture is this much finer */
 
 enum part { SUN, SKY, WATER, PARTS };
@@ -260,6 +262,7 @@ static bool run_scene(struct pel_renderer *r, const struct scene *scene,
         .visibility_m = visibility,
         .chlorophyll_mg_m3 = 0.3,
         .no_air = true,
+        .sun_blur = SUN_BLUR,
     };
     struct pel_atmosphere *air = malloc(sizeof *air);
     const struct pel_atmosphere_desc air_desc = { visibility };
@@ -277,7 +280,7 @@ static bool run_scene(struct pel_renderer *r, const struct scene *scene,
         .sea_radiance = pel_water_radiance(env.chlorophyll_mg_m3, down),
         .slope_sigma = sqrt(0.5 * (sea.slope_variance_along +
                                    sea.slope_variance_cross)),
-        .blur = 0.02,
+        .blur = SUN_BLUR,
     };
     static double energy[METHODS][PARTS][ROWS];
     static float pictures[METHODS][PARTS][3 * COLUMNS * ROWS];
