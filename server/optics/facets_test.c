@@ -14,7 +14,8 @@ static double moment(double mu, int power)
 {
     double sum = 0.0, mass = 0.0;
     for (int i = 0; i < 200000; i++) {
-        double z = -fmin(mu, 10.0) + (i + 0.5) * (10.0 + fmin(mu, 10.0)) / 200000;
+        double z =
+            -fmin(mu, 10.0) + (i + 0.5) * (10.0 + fmin(mu, 10.0)) / 200000;
         double w = (mu + z) * exp(-0.5 * z * z);
         mass += w;
         sum += w * pow(z, power);

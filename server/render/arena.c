@@ -7,8 +7,8 @@
 
 static enum pel_err allocate(struct pel_arena *a, size_t capacity)
 {
-    const GLbitfield bits = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT |
-                            GL_MAP_COHERENT_BIT;
+    const GLbitfield bits =
+        GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
     /* Every part starts on the alignment of what is bound from it. */
     capacity = (capacity + a->alignment - 1) / a->alignment * a->alignment;
     size_t size = capacity * PEL_ARENA_FRAMES;

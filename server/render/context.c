@@ -45,7 +45,8 @@ static EGLDisplay open_display(const char *wanted, struct pel_fault *fault)
 {
     EGLDeviceEXT devices[MAX_DEVICES];
     EGLint count = 0;
-    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration") ||
+    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY,
+                                 "EGL_EXT_device_enumeration") ||
         !eglQueryDevicesEXT(MAX_DEVICES, devices, &count)) {
         count = 0;
     }
@@ -54,8 +55,8 @@ static EGLDisplay open_display(const char *wanted, struct pel_fault *fault)
     bool numbered = *wanted && *end == 0;
     if (numbered && (number < 0 || number >= count)) {
         pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
-                      "device %ld: this machine has EGL devices 0 to %d", number,
-                      count - 1);
+                      "device %ld: this machine has EGL devices 0 to %d",
+                      number, count - 1);
         return EGL_NO_DISPLAY;
     }
     bool only_software = strcmp(wanted, "software") == 0;
@@ -75,8 +76,8 @@ static EGLDisplay open_display(const char *wanted, struct pel_fault *fault)
                       eglGetError());
         }
     }
-    if (!numbered &&
-        epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
+    if (!numbered && epoxy_has_egl_extension(EGL_NO_DISPLAY,
+                                             "EGL_MESA_platform_surfaceless")) {
         EGLDisplay display = eglGetPlatformDisplayEXT(
             EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
         if (display != EGL_NO_DISPLAY && eglInitialize(display, NULL, NULL)) {
@@ -85,7 +86,8 @@ static EGLDisplay open_display(const char *wanted, struct pel_fault *fault)
     }
     pel_fault_set(fault, PEL_ERR_GPU,
                   "no EGL device (asked for '%s'); install libgl1-mesa-dri and "
-                  "libegl-mesa0 for the software device", wanted);
+                  "libegl-mesa0 for the software device",
+                  wanted);
     return EGL_NO_DISPLAY;
 }
 
@@ -142,9 +144,15 @@ enum pel_err pel_context_init(struct pel_context *context, const char *device,
         config = EGL_NO_CONFIG_KHR;
     }
     const EGLint attributes[] = {
-        EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
-        EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-        EGL_CONTEXT_OPENGL_DEBUG, debug ? EGL_TRUE : EGL_FALSE, EGL_NONE,
+        EGL_CONTEXT_MAJOR_VERSION,
+        4,
+        EGL_CONTEXT_MINOR_VERSION,
+        5,
+        EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+        EGL_CONTEXT_OPENGL_DEBUG,
+        debug ? EGL_TRUE : EGL_FALSE,
+        EGL_NONE,
     };
     eglBindAPI(EGL_OPENGL_API);
     context->context =
@@ -156,21 +164,25 @@ enum pel_err pel_context_init(struct pel_context *context, const char *device,
         pel_context_finish(context);
         return pel_fault_set(fault, PEL_ERR_GPU,
                              "no OpenGL 4.5 core context without a surface "
-                             "(EGL error 0x%x)", code);
+                             "(EGL error 0x%x)",
+                             code);
     }
     pin_driver();
     const char *renderer = (const char *)glGetString(GL_RENDERER);
     snprintf(context->description, sizeof context->description, "%s, OpenGL %s",
              renderer, (const char *)glGetString(GL_VERSION));
-    context->software = strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe");
+    context->software =
+        strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe");
     glEnable(GL_DEBUG_OUTPUT);
     if (debug) {
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
     }
     glDebugMessageCallback(on_message, NULL);
     if (context->software && strcmp(device ? device : "auto", "auto") == 0) {
-        pel_warn("RND-001", "no graphics hardware found: drawing on the "
-                 "processor (%s)", context->description);
+        pel_warn("RND-001",
+                 "no graphics hardware found: drawing on the "
+                 "processor (%s)",
+                 context->description);
     } else {
         pel_info("RND-002", "drawing on %s", context->description);
     }

@@ -9,20 +9,17 @@
 
 #include "render/renderer.h"
 
-static const unsigned all_layers = PEL_LAYER_COLOR | PEL_LAYER_RADIANCE |
-                                   PEL_LAYER_SUN | PEL_LAYER_SKY |
-                                   PEL_LAYER_WATER | PEL_LAYER_AIR |
-                                   PEL_LAYER_DEPTH | PEL_LAYER_NORMAL |
-                                   PEL_LAYER_FRESNEL | PEL_LAYER_SLOPE_VARIANCE;
+static const unsigned all_layers =
+    PEL_LAYER_COLOR | PEL_LAYER_RADIANCE | PEL_LAYER_SUN | PEL_LAYER_SKY |
+    PEL_LAYER_WATER | PEL_LAYER_AIR | PEL_LAYER_DEPTH | PEL_LAYER_NORMAL |
+    PEL_LAYER_FRESNEL | PEL_LAYER_SLOPE_VARIANCE;
 
 static struct pel_picture *draw(struct pel_renderer *r, unsigned layers)
 {
     static struct pel_sea sea;
-    const struct pel_sea_desc desc = { .wind_mps = 9,
-                                       .fetch_m = 2e5,
-                                       .gamma = 3.3,
-                                       .seed = 3,
-                                       .wave_count = 60 };
+    const struct pel_sea_desc desc = {
+        .wind_mps = 9, .fetch_m = 2e5, .gamma = 3.3, .seed = 3, .wave_count = 60
+    };
     assert_int_equal(pel_sea_build(&desc, &sea), PEL_OK);
     const struct pel_environment env = { .time_s = 7,
                                          .sea = &sea,
@@ -32,7 +29,9 @@ static struct pel_picture *draw(struct pel_renderer *r, unsigned layers)
                                          .chlorophyll_mg_m3 = 0.3 };
     const struct pel_draw d = {
         .camera = { .altitude_m = 9,
-                    .world_from_camera = { { 1, 0, 0 }, { 0, 0, 1 }, { 0, -1, 0 } },
+                    .world_from_camera = { { 1, 0, 0 },
+                                           { 0, 0, 1 },
+                                           { 0, -1, 0 } },
                     .tan_left = -0.5,
                     .tan_right = 0.5,
                     .tan_top = 0.4,
@@ -75,7 +74,8 @@ static void parts_make_the_radiance(void **state)
         }
         if (isfinite(p->depth[i])) {
             sea++;
-            assert_true(p->normal[4 * i + 3] > 0.0f && p->normal[4 * i + 3] <= 1);
+            assert_true(p->normal[4 * i + 3] > 0.0f &&
+                        p->normal[4 * i + 3] <= 1);
             assert_true(p->slope_variance[2 * i] >= 0.0f);
             assert_true(p->water[4 * i + 2] > 0.0f);
         }
@@ -100,7 +100,8 @@ static void wrappers_agree(void **state)
         const struct pel_layer_info *l = &pel_layer_table[i];
         const float *from = pel_picture_layer(p, l);
         /* F̄ starts inside its pixel. */
-        size_t floats = (size_t)l->floats * PIXELS - (l->bit == PEL_LAYER_FRESNEL ? 3 : 0);
+        size_t floats =
+            (size_t)l->floats * PIXELS - (l->bit == PEL_LAYER_FRESNEL ? 3 : 0);
         memcpy(layers[i], from, floats * sizeof(float));
     }
     pel_picture_release(p);

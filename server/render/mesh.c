@@ -6,8 +6,9 @@
 #include "optics/atmosphere.h"
 
 #define CELL_PIXELS 8.0
-#define EDGE_SAMPLES 24 /* rays along each edge of the picture */
-#define MAX_COLUMNS (1 << 18) /* around; finer ones are below a float's angle */
+#define EDGE_SAMPLES 24       /* rays along each edge of the picture */
+#define MAX_COLUMNS (1 << 18) /* around; finer ones are below a float's angle  \
+                               */
 #define RING_ATTEMPTS 12 /* with larger cells, before columns become fewer */
 #define ATTEMPTS 40
 
@@ -60,8 +61,8 @@ static void reach_ray(struct reach *r, struct pel_vec3 d, double h, double dip,
     }
 }
 
-static struct reach find_reach(const struct pel_camera *c, double h,
-                               double dip, double rise)
+static struct reach find_reach(const struct pel_camera *c, double h, double dip,
+                               double rise)
 {
     struct pel_vec3 middle = ray(c, 0.5 * (c->tan_left + c->tan_right),
                                  0.5 * (c->tan_top + c->tan_bottom));
@@ -114,7 +115,8 @@ static double droppable_wavelength(const struct pel_mesh_heights *h,
     }
     double f = (rms_m - h->rms_m[low]) / (h->rms_m[high] - h->rms_m[low]);
     return h->wavelength_m[low] +
-           pel_clamp(f, 0.0, 1.0) * (h->wavelength_m[high] - h->wavelength_m[low]);
+           pel_clamp(f, 0.0, 1.0) *
+               (h->wavelength_m[high] - h->wavelength_m[low]);
 }
 
 /* Rings from start_m to beyond the horizon; their number, or -1 when they are
@@ -133,7 +135,8 @@ static int lay_rings(const struct pel_mesh_eye *eye, double start_m,
         double slant = hypot(r, h);
         double lateral = slant * column_rad;
         double grazing = slant * slant * column_rad / h;
-        double kept = droppable_wavelength(eye->heights, 0.5 * eye->pixel * slant);
+        double kept =
+            droppable_wavelength(eye->heights, 0.5 * eye->pixel * slant);
         double cell = fmin(grazing, fmax(kept / eye->n_max, lateral));
         cell = fmax(cell, lateral) * coarser;
         rings[count++] = (struct pel_mesh_ring){ (float)r, (float)cell };
@@ -183,7 +186,8 @@ static bool add_block(struct pel_mesh *mesh, const struct reach *r,
 }
 
 /* Near rings need a wider sector: what rests outside the picture's edge may be
- * carried into it. Each block doubles its distance. False: too many vertices. */
+ * carried into it. Each block doubles its distance. False: too many vertices.
+ */
 static bool choose_blocks(struct pel_mesh *mesh, const struct reach *r,
                           double shift)
 {
@@ -195,7 +199,8 @@ static bool choose_blocks(struct pel_mesh *mesh, const struct reach *r,
         ring++;
     }
     int end = ring;
-    while (end + 1 < mesh->ring_count && mesh->rings[end].radius_m < r->farthest_m) {
+    while (end + 1 < mesh->ring_count &&
+           mesh->rings[end].radius_m < r->farthest_m) {
         end++;
     }
     double limit = fmax(1.5 * shift, 1e-3);
@@ -205,8 +210,8 @@ static bool choose_blocks(struct pel_mesh *mesh, const struct reach *r,
         double margin = wide ? 2.0 * PEL_PI : asin(fmin(shift / start, 1.0));
         int last = ring + 1;
         bool final = mesh->block_count == PEL_MESH_MAX_BLOCKS - 1;
-        while (last < end &&
-               (final || mesh->rings[last].radius_m < (wide ? limit : 2.0 * start))) {
+        while (last < end && (final || mesh->rings[last].radius_m <
+                                           (wide ? limit : 2.0 * start))) {
             last++;
         }
         if (!add_block(mesh, r, ring, last, margin)) {

@@ -27,9 +27,9 @@ void pel_mesh_heights(const struct pel_sea *sea, struct pel_mesh_heights *out);
 
 /* What rings depend on. */
 struct pel_mesh_eye {
-    double height_m;    /* of the eye above mean sea level, > 0 */
-    double pixel;       /* tangent of one pixel on the axis */
-    double n_max;       /* the filter's upper bound, wavelengths per cell */
+    double height_m; /* of the eye above mean sea level, > 0 */
+    double pixel;    /* tangent of one pixel on the axis */
+    double n_max;    /* the filter's upper bound, wavelengths per cell */
     const struct pel_sea *sea;
     const struct pel_mesh_heights *heights; /* of this sea */
 };

@@ -66,7 +66,8 @@ static struct pel_readback_slot *take_slot(struct pel_readback *r, size_t size)
         if (atomic_load_explicit(&slot->busy, memory_order_acquire)) {
             continue;
         }
-        if (slot->capacity >= size && (!fit || slot->capacity < fit->capacity)) {
+        if (slot->capacity >= size &&
+            (!fit || slot->capacity < fit->capacity)) {
             fit = slot;
         }
         if (!largest || slot->capacity > largest->capacity) {
@@ -76,8 +77,8 @@ static struct pel_readback_slot *take_slot(struct pel_readback *r, size_t size)
     if (fit || !largest) {
         return fit;
     }
-    const GLbitfield bits = GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT |
-                            GL_MAP_COHERENT_BIT;
+    const GLbitfield bits =
+        GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
     glDeleteBuffers(1, &largest->buffer);
     glCreateBuffers(1, &largest->buffer);
     glNamedBufferStorage(largest->buffer, (GLsizeiptr)size, NULL,
@@ -141,7 +142,8 @@ enum pel_err pel_readback_push(struct pel_readback *r,
         }
     }
     glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-    glCopyNamedBufferSubData(s->light, slot->buffer, 0, (GLintptr)ev_offset, 16);
+    glCopyNamedBufferSubData(s->light, slot->buffer, 0, (GLintptr)ev_offset,
+                             16);
     slot->fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     glFlush();
     slot->picture = (struct pel_picture){
@@ -179,7 +181,8 @@ struct pel_picture *pel_readback_pop(struct pel_readback *r, int64_t wait_ns)
         return NULL;
     }
     if (state == GL_WAIT_FAILED) {
-        pel_error("RND-020", "waiting for pixels failed (GL 0x%x)", glGetError());
+        pel_error("RND-020", "waiting for pixels failed (GL 0x%x)",
+                  glGetError());
     }
     glDeleteSync(slot->fence);
     slot->fence = NULL;

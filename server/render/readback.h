@@ -20,9 +20,9 @@ struct pel_readback {
 
 /* Where the layers of one picture are read from. */
 struct pel_readback_source {
-    GLuint color_fbo;  /* RGBA8 */
-    GLuint hdr_fbo;    /* attachments as in readback.c's table */
-    GLuint light;      /* buffer that begins with the automatic EV100 (float) */
+    GLuint color_fbo; /* RGBA8 */
+    GLuint hdr_fbo;   /* attachments as in readback.c's table */
+    GLuint light;     /* buffer that begins with the automatic EV100 (float) */
     bool auto_exposure;
     double exposure_ev; /* where not automatic */
     uint32_t width, height;

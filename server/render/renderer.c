@@ -9,13 +9,13 @@
 #include "base/log.h"
 #include "render/arena.h"
 #include "render/context.h"
-#include "render/wavefield.h"
 #include "render/mesh.h"
 #include "render/readback.h"
 #include "render/shader.h"
 #include "render/sky.h"
 #include "render/tiles.h"
 #include "render/uniforms.h"
+#include "render/wavefield.h"
 
 /* Uniform blocks and rings of one view, with alignment. */
 #define VIEW_UNIFORM_BYTES                                                     \
@@ -25,16 +25,16 @@
 #define VERTEX_BYTES 32
 #define MAX_UNROLLED_WAVES 128
 #define RASTER_MARGIN 128 /* MARGIN of shaders/surface.vert */
-#define FAR_WAVES 20 /* far pixels resolve no more than these */
+#define FAR_WAVES 20      /* far pixels resolve no more than these */
 
 /* Pictures are drawn into one corner of targets that only grow. */
 struct targets {
     uint32_t width, height;
     GLuint triangles, depth_test, color;
     GLuint hdr[PEL_HDR_ATTACHMENTS]; /* radiance first; others when wanted */
-    GLuint surface_fbo; /* triangle numbers and depth test */
-    GLuint light_fbo;   /* radiance, tested against the surface's depth */
-    GLuint layers_fbo;  /* all of hdr, likewise */
+    GLuint surface_fbo;              /* triangle numbers and depth test */
+    GLuint light_fbo;  /* radiance, tested against the surface's depth */
+    GLuint layers_fbo; /* all of hdr, likewise */
     GLuint color_fbo;
 };
 
@@ -63,7 +63,7 @@ struct pel_renderer {
     struct timing timing;
     GLuint vao, vertices, facets;
     int vertex_capacity;
-    int waves; /* what the sea programs are made for */
+    int waves;      /* what the sea programs are made for */
     int wave_count; /* of the sea being drawn */
     GLuint surface_program, tone_program;
     GLuint backdrop_program[2]; /* without, with layers */
@@ -193,8 +193,8 @@ static void fit_targets(struct targets *t, uint32_t width, uint32_t height,
         t->height = h;
         t->triangles = make_target(GL_R32UI, w, h, "triangles");
         t->depth_test = make_target(GL_DEPTH_COMPONENT32F, w, h, "depth test");
-        t->hdr[0] = make_target(hdr_targets[0].format, w, h,
-                                hdr_targets[0].label);
+        t->hdr[0] =
+            make_target(hdr_targets[0].format, w, h, hdr_targets[0].label);
         t->color = make_target(GL_RGBA8, w, h, "color");
         GLuint *fbos[] = { &t->surface_fbo, &t->light_fbo, &t->color_fbo };
         const GLuint colors[] = { t->triangles, t->hdr[0], t->color };
@@ -256,8 +256,8 @@ static enum pel_err make_sea_program(struct pel_renderer *r, bool cascades,
              unroll ? "#define PEL_UNROLL\n" : "",
              layers ? "#define PEL_LAYERS\n" : "");
     if (r->compute) {
-        return pel_program_create(r->shader_dir, "shade.comp", NULL, defines, out,
-                                  fault);
+        return pel_program_create(r->shader_dir, "shade.comp", NULL, defines,
+                                  out, fault);
     }
     return pel_program_create(r->shader_dir, "screen.vert", "sea.frag", defines,
                               out, fault);
@@ -271,7 +271,7 @@ static enum pel_err need_sea_programs(struct pel_renderer *r, bool cascades,
     struct sea_programs *p = cascades ? &r->cascades : &r->trochoids;
     enum pel_err err = PEL_OK;
     if (!p->mesh) {
-        const char *defines = cascades             ? "#define PEL_FFT\n"
+        const char *defines = cascades              ? "#define PEL_FFT\n"
                               : r->context.software ? "#define PEL_UNROLL\n"
                                                     : NULL;
         err = pel_program_create(r->shader_dir, "mesh.comp", NULL, defines,
@@ -366,8 +366,8 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
                                  NULL, &r->surface_program, fault);
     }
     if (err == PEL_OK) {
-        err = pel_program_create(r->shader_dir, "screen.vert", "tone.frag", NULL,
-                                 &r->tone_program, fault);
+        err = pel_program_create(r->shader_dir, "screen.vert", "tone.frag",
+                                 NULL, &r->tone_program, fault);
     }
     if (err != PEL_OK) {
         goto fail;
@@ -486,7 +486,8 @@ static void displace_mesh(struct pel_renderer *r, bool cascades,
     }
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, r->vertices);
     pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 1, m->rings,
-                   sizeof *m->rings * (size_t)(m->ring_count ? m->ring_count : 1));
+                   sizeof *m->rings *
+                       (size_t)(m->ring_count ? m->ring_count : 1));
     if (cascades) {
         glUseProgram(r->cascades.mesh);
         for (int i = 0; i < m->block_count; i++) {
@@ -538,8 +539,8 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
 static void shade(struct pel_renderer *r, const struct pel_camera *c,
                   const struct sea_programs *p, bool layers)
 {
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, layers ? r->targets.layers_fbo
-                                                  : r->targets.light_fbo);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER,
+                      layers ? r->targets.layers_fbo : r->targets.light_fbo);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
     glDepthFunc(GL_EQUAL);
     glUseProgram(r->backdrop_program[layers]);
@@ -552,12 +553,12 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
         const short *row = &r->tiles[y * across];
         for (int x = 0, end; x < across; x = end) {
             bool far = p->far[layers] && row[x] <= FAR_WAVES;
-            for (end = x + 1;
-                 end < across &&
-                 (p->far[layers] && row[end] <= FAR_WAVES) == far;) {
+            for (end = x + 1; end < across && (p->far[layers] &&
+                                               row[end] <= FAR_WAVES) == far;) {
                 end++;
             }
-            glScissor(x * PEL_TILE, y * PEL_TILE, (end - x) * PEL_TILE, PEL_TILE);
+            glScissor(x * PEL_TILE, y * PEL_TILE, (end - x) * PEL_TILE,
+                      PEL_TILE);
             glUseProgram(far ? p->far[layers] : p->near[layers]);
             glDrawArrays(GL_TRIANGLES, 0, 3);
         }
@@ -615,7 +616,8 @@ static enum pel_err draw_view(struct pel_renderer *r,
     };
     pel_mesh_plan(&mesh_eye, c, r->mesh);
     bool cascades = env->sea->cascades != NULL;
-    const struct sea_programs *programs = cascades ? &r->cascades : &r->trochoids;
+    const struct sea_programs *programs =
+        cascades ? &r->cascades : &r->trochoids;
     pel_tiles_plan(c, height_m, mesh_eye.pixel, PEL_N_MIN, env->sea, r->tiles);
     struct pel_block_eye eye;
     struct pel_surface_sample above;
@@ -702,7 +704,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 0, &frame, sizeof frame);
     if (here.sea->cascades) {
         err = pel_wavefield_run(&r->wavefield, r->shader_dir, &here.sea->desc,
-                          here.sea->cascades, here.time_s, &fault);
+                                here.sea->cascades, here.time_s, &fault);
         if (err != PEL_OK) {
             pel_error("RND-041", "%s", fault.message);
             pel_arena_end(&r->arena);
@@ -710,7 +712,8 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         }
         stage_end(r, PEL_STAGE_WAVES);
     }
-    if (memcmp(&here.sea->desc, &r->heights_desc, sizeof r->heights_desc) != 0) {
+    if (memcmp(&here.sea->desc, &r->heights_desc, sizeof r->heights_desc) !=
+        0) {
         pel_mesh_heights(here.sea, &r->heights);
         memcpy(&r->heights_desc, &here.sea->desc, sizeof r->heights_desc);
     }

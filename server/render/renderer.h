@@ -85,7 +85,7 @@ struct pel_draw {
 
 /* Stages of a frame, for the benchmark and the metrics. */
 enum pel_stage {
-    PEL_STAGE_WAVES, /* transforms of the cascades, once a frame */
+    PEL_STAGE_WAVES,  /* transforms of the cascades, once a frame */
     PEL_STAGE_SKY,    /* once a frame */
     PEL_STAGE_MESH,   /* displacing vertices */
     PEL_STAGE_RASTER, /* thin G-buffer */
@@ -101,14 +101,14 @@ const char *pel_stage_name(enum pel_stage stage);
 struct pel_picture {
     void *user;
     uint32_t width, height;
-    double exposure_ev;      /* EV100 used, also where it was automatic */
-    const uint8_t *rgba;     /* 4 bytes a pixel, sRGB, alpha 255 */
+    double exposure_ev;  /* EV100 used, also where it was automatic */
+    const uint8_t *rgba; /* 4 bytes a pixel, sRGB, alpha 255 */
     const float *radiance, *sun, *sky, *water, *air; /* 4 floats a pixel */
-    const float *depth;          /* 1 float a pixel */
+    const float *depth;                              /* 1 float a pixel */
     const float *normal;         /* 4 floats a pixel: east, north, up, F̄ */
     const float *slope_variance; /* 2 floats a pixel */
-    int64_t drawn_ns;        /* CLOCK_MONOTONIC when the pixels were there */
-    double render_ms;        /* wall time from submission to the pixels */
+    int64_t drawn_ns; /* CLOCK_MONOTONIC when the pixels were there */
+    double render_ms; /* wall time from submission to the pixels */
 };
 
 /* Submits drawing of `count` views of one moment (1..PEL_MAX_VIEWS) and their

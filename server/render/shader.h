@@ -27,7 +27,6 @@ extern const struct pel_shader_source pel_shader_sources[];
  * for compute). `defines` is inserted after #version, NULL for none. GPU with
  * the compiler's words, traced to file and line, when it fails. */
 PEL_CHECK enum pel_err pel_program_create(const char *shader_dir,
-                                          const char *first,
-                                          const char *second,
+                                          const char *first, const char *second,
                                           const char *defines, GLuint *out,
                                           struct pel_fault *fault);

@@ -70,10 +70,9 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
         { &sky->light_program, "light.comp", NULL },
     };
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
-        enum pel_err err =
-            pel_program_create(shader_dir, programs[i].first,
-                               programs[i].second, NULL, programs[i].program,
-                               fault);
+        enum pel_err err = pel_program_create(shader_dir, programs[i].first,
+                                              programs[i].second, NULL,
+                                              programs[i].program, fault);
         if (err != PEL_OK) {
             return err;
         }
@@ -119,8 +118,7 @@ void pel_sky_finish(struct pel_sky *sky)
 struct pel_vec3 pel_sky_quantize_sun(struct pel_vec3 sun)
 {
     const double step = 0.005 * PEL_DEG;
-    double elevation =
-        step * round(asin(pel_clamp(sun.z, -1.0, 1.0)) / step);
+    double elevation = step * round(asin(pel_clamp(sun.z, -1.0, 1.0)) / step);
     double azimuth = step * round(atan2(sun.y, sun.x) / step);
     return (struct pel_vec3){ cos(elevation) * cos(azimuth),
                               cos(elevation) * sin(azimuth), sin(elevation) };
@@ -167,7 +165,8 @@ static void draw_table(struct pel_sky *sky, struct pel_sky_table *t)
 static void table_key(const struct pel_environment *env, double height_m,
                       double key[PEL_SKY_KEYS])
 {
-    /* The table is counted from the Sun's azimuth, but its last bits are not. */
+    /* The table is counted from the Sun's azimuth, but its last bits are not.
+     */
     key[0] = env->sun.x;
     key[1] = env->sun.y;
     key[2] = env->sun.z;
@@ -196,7 +195,8 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
                                   env->sea->slope_variance_along,
                                   env->sea->slope_variance_cross,
                                   0.0 };
-    if (!sky->light_made || memcmp(light_key, sky->light_key, sizeof light_key)) {
+    if (!sky->light_made ||
+        memcmp(light_key, sky->light_key, sizeof light_key)) {
         glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
         glBindTextureUnit(PEL_UNIT_SEA_TABLE, sky->sea.radiance);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, sky->light);

@@ -18,7 +18,7 @@
 /* Texture units of the tables, as in the shaders. */
 enum {
     PEL_UNIT_TRANSMITTANCE = 0,
-    PEL_UNIT_MULTIPLE = 1, /* building the tables */
+    PEL_UNIT_MULTIPLE = 1,   /* building the tables */
     PEL_UNIT_REFLECTION = 1, /* shading */
     PEL_UNIT_SEA_TABLE = 2,
     PEL_UNIT_EYE_TABLE = 3,

@@ -53,10 +53,10 @@ void pel_tiles_plan(const struct pel_camera *camera, double height_m,
                     n_min * shortest_footprint(camera, low_m, pixel, x0,
                                                x0 + px * PEL_TILE,
                                                y0 - py * PEL_TILE, y0);
-                while (count > 0 &&
-                       2.0 * PEL_PI / hypot(sea->waves[count - 1].kx,
-                                            sea->waves[count - 1].ky) <
-                           shortest) {
+                while (count > 0 && 2.0 * PEL_PI /
+                                            hypot(sea->waves[count - 1].kx,
+                                                  sea->waves[count - 1].ky) <
+                                        shortest) {
                     count--;
                 }
             }

@@ -10,7 +10,8 @@
 
 /* For each tile, row by row from the top left, the number of waves (longest
  * first) that any of its pixels may resolve with wavelengths of n_min pixels or
- * more; every pixel's length on the sea is taken as short as the crests allow. */
+ * more; every pixel's length on the sea is taken as short as the crests allow.
+ */
 void pel_tiles_plan(const struct pel_camera *camera, double height_m,
                     double pixel, double n_min, const struct pel_sea *sea,
                     short waves[PEL_MAX_TILES]);

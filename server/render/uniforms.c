@@ -78,11 +78,9 @@ void pel_fill_waves(const struct pel_environment *env, double east_m,
                        (2.0 * PEL_PI);
         double fold = w->chop * k * h;
         struct pel_shader_wave *to = &out->waves[i];
-        to->phase =
-            vec4(w->kx / (2.0 * PEL_PI), w->ky / (2.0 * PEL_PI),
-                 phase - floor(phase), 2.0 * PEL_PI / k);
-        to->fold =
-            vec4(fold * ux * ux, fold * ux * uy, fold * uy * uy, 0.0);
+        to->phase = vec4(w->kx / (2.0 * PEL_PI), w->ky / (2.0 * PEL_PI),
+                         phase - floor(phase), 2.0 * PEL_PI / k);
+        to->fold = vec4(fold * ux * ux, fold * ux * uy, fold * uy * uy, 0.0);
         to->slope = vec4(h * w->kx, h * w->ky, 0.0, 0.0);
         to->shift = vec4(w->chop * h * ux, w->chop * h * uy, h, 0.0);
     }
@@ -105,7 +103,8 @@ void pel_fill_facets(struct pel_block_facets *out)
 {
     for (int i = 0; i <= PEL_FACET_STEPS; i++) {
         double q = (double)i / PEL_FACET_STEPS, z[3], w[3];
-        pel_facet_quadrature(i < PEL_FACET_STEPS ? q / (1.0 - q) : INFINITY, z, w);
+        pel_facet_quadrature(i < PEL_FACET_STEPS ? q / (1.0 - q) : INFINITY, z,
+                             w);
         /* Ross takes heights and slopes as independent (Smith's masking). On
          * the trochoids themselves, cut by rays, what is seen at grazing
          * angles stands on the crests and is steeper: fitted by this to 2 % of

@@ -42,8 +42,8 @@ static enum pel_err make(struct pel_wavefield *field, const char *shader_dir,
     field->slopes = make_array(GL_RGBA32F, LEVELS, "slopes");
     field->fold = make_array(GL_R32F, LEVELS, "fold");
     glCreateBuffers(1, &field->lines);
-    glNamedBufferStorage(field->lines, (GLsizeiptr)N * N * PEL_CASCADES * 32, NULL,
-                         0);
+    glNamedBufferStorage(field->lines, (GLsizeiptr)N * N * PEL_CASCADES * 32,
+                         NULL, 0);
     glObjectLabel(GL_BUFFER, field->lines, -1, "transform lines");
     glCreateBuffers(1, &field->parameters);
     glNamedBufferStorage(field->parameters, sizeof(struct parameters), NULL,
@@ -53,7 +53,8 @@ static enum pel_err make(struct pel_wavefield *field, const char *shader_dir,
     return PEL_OK;
 }
 
-static void upload(struct pel_wavefield *field, const struct pel_cascades *cascades)
+static void upload(struct pel_wavefield *field,
+                   const struct pel_cascades *cascades)
 {
     struct parameters p;
     for (int c = 0; c < PEL_CASCADES; c++) {
@@ -87,7 +88,8 @@ static void transform(struct pel_wavefield *field, double time_s)
     glUseProgram(field->columns_program);
     glBindImageTexture(0, field->displacement, 0, GL_TRUE, 0, GL_WRITE_ONLY,
                        GL_RGBA32F);
-    glBindImageTexture(1, field->slopes, 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(1, field->slopes, 0, GL_TRUE, 0, GL_WRITE_ONLY,
+                       GL_RGBA32F);
     glBindImageTexture(2, field->fold, 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32F);
     glDispatchCompute(1, N, PEL_CASCADES);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
@@ -96,10 +98,11 @@ static void transform(struct pel_wavefield *field, double time_s)
     glGenerateTextureMipmap(field->fold);
 }
 
-enum pel_err pel_wavefield_run(struct pel_wavefield *field, const char *shader_dir,
-                         const struct pel_sea_desc *desc,
-                         const struct pel_cascades *cascades, double time_s,
-                         struct pel_fault *fault)
+enum pel_err pel_wavefield_run(struct pel_wavefield *field,
+                               const char *shader_dir,
+                               const struct pel_sea_desc *desc,
+                               const struct pel_cascades *cascades,
+                               double time_s, struct pel_fault *fault)
 {
     if (!field->made) {
         enum pel_err err = make(field, shader_dir, fault);
@@ -125,8 +128,9 @@ enum pel_err pel_wavefield_run(struct pel_wavefield *field, const char *shader_d
 
 void pel_wavefield_finish(struct pel_wavefield *field)
 {
-    const GLuint textures[] = { field->amplitudes, field->modes, field->displacement,
-                                field->slopes, field->fold };
+    const GLuint textures[] = { field->amplitudes, field->modes,
+                                field->displacement, field->slopes,
+                                field->fold };
     const GLuint buffers[] = { field->lines, field->parameters };
     glDeleteTextures(5, textures);
     glDeleteBuffers(2, buffers);

@@ -25,8 +25,10 @@ struct pel_wavefield {
 };
 
 /* Nothing is allocated before the first run. */
-PEL_CHECK enum pel_err pel_wavefield_run(struct pel_wavefield *field, const char *shader_dir,
-                                   const struct pel_sea_desc *desc,
-                                   const struct pel_cascades *cascades,
-                                   double time_s, struct pel_fault *fault);
+PEL_CHECK enum pel_err pel_wavefield_run(struct pel_wavefield *field,
+                                         const char *shader_dir,
+                                         const struct pel_sea_desc *desc,
+                                         const struct pel_cascades *cascades,
+                                         double time_s,
+                                         struct pel_fault *fault);
 void pel_wavefield_finish(struct pel_wavefield *field);

@@ -21,10 +21,10 @@ static struct setting settings[] = {
     { "yaw", 0 },         { "fov", 60 },      { "width", 1024 },
     { "height_px", 768 }, { "time", 10 },     { "vis", 40000 },
     { "ev", 99 },         { "frames", 1 },    { "seed", 1 },
-    { "waves", 60 },      { "fft", 0 },      { "stages", 0 },    { "chl", 0.2 },
-    { "hardware", 0 },    { "roll", 0 },      { "swell", 0 },
-    { "compute", -1 },    { "layers", 0 },    { "x", 0 },
-    { "y", 0 },
+    { "waves", 60 },      { "fft", 0 },       { "stages", 0 },
+    { "chl", 0.2 },       { "hardware", 0 },  { "roll", 0 },
+    { "swell", 0 },       { "compute", -1 },  { "layers", 0 },
+    { "x", 0 },           { "y", 0 },
 };
 
 static double get(const char *name)

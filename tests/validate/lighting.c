@@ -39,9 +39,9 @@ struct work {
     const struct pel_camera *camera;
     int samples;
     atomic_int next_row;
-    double (*energy)[ROWS];        /* [PARTS] of the reference, 550 nm */
-    double error[PARTS][ROWS];     /* standard error of the mean, relative */
-    float *picture[PARTS];         /* RGB of COLUMNS × ROWS */
+    double (*energy)[ROWS];    /* [PARTS] of the reference, 550 nm */
+    double error[PARTS][ROWS]; /* standard error of the mean, relative */
+    float *picture[PARTS];     /* RGB of COLUMNS × ROWS */
 };
 
 static double random_unit(uint64_t *s)
@@ -61,10 +61,9 @@ static void trace_row(struct work *w, int row)
         int column = i % COLUMNS;
         double x = (column + random_unit(&seed)) / COLUMNS;
         double y = (row + random_unit(&seed)) / ROWS;
-        struct pel_vec3 ray = {
-            c->tan_left + x * (c->tan_right - c->tan_left),
-            c->tan_top - y * (c->tan_top - c->tan_bottom), -1.0
-        };
+        struct pel_vec3 ray = { c->tan_left + x * (c->tan_right - c->tan_left),
+                                c->tan_top - y * (c->tan_top - c->tan_bottom),
+                                -1.0 };
         ray = pel_vec3_normalize(pel_mat3_apply(&c->world_from_camera, ray));
         struct reference_sample s;
         const struct pel_vec3 eye = { 0, 0, c->altitude_m };
@@ -106,8 +105,8 @@ static void *work_rows(void *data)
 
 /* Row means of the renderer's layers, over pixels that are sea. */
 static bool draw_rows(struct pel_renderer *r, const struct pel_environment *env,
-                      const struct pel_camera *camera, double energy[PARTS][ROWS],
-                      float *pictures[PARTS])
+                      const struct pel_camera *camera,
+                      double energy[PARTS][ROWS], float *pictures[PARTS])
 {
     struct pel_draw draw = { .camera = *camera,
                              .layers = PEL_LAYER_SUN | PEL_LAYER_SKY |
@@ -158,7 +157,8 @@ static void save_picture(const char *folder, const char *scene, enum part part,
         }
         rgba[4 * i + 3] = 255;
     }
-    static const char *const short_names[] = { "reference", "ours", "constant" };
+    static const char *const short_names[] = { "reference", "ours",
+                                               "constant" };
     char path[512];
     snprintf(path, sizeof path, "%s/%s-%s-%s.png", folder, scene,
              part_names[part], short_names[method]);
@@ -177,7 +177,8 @@ static void save_plot(const char *folder, const char *scene, enum part part,
                       double energy[METHODS][PARTS][ROWS], int first)
 {
     char path[512];
-    snprintf(path, sizeof path, "%s/%s-%s.svg", folder, scene, part_names[part]);
+    snprintf(path, sizeof path, "%s/%s-%s.svg", folder, scene,
+             part_names[part]);
     FILE *f = fopen(path, "w");
     if (!f) {
         return;
@@ -199,11 +200,14 @@ static void save_plot(const char *folder, const char *scene, enum part part,
             scene, part_names[part], most);
     static const char *const colors[] = { "black", "#0a6ebd", "#c0392b" };
     for (int m = 0; m < METHODS; m++) {
-        fprintf(f, "<text x='380' y='%d' fill='%s'>%s</text>\n<polyline fill='none' "
-                   "stroke='%s' points='", 44 + 16 * m, colors[m],
-                method_names[m], colors[m]);
+        fprintf(
+            f,
+            "<text x='380' y='%d' fill='%s'>%s</text>\n<polyline fill='none' "
+            "stroke='%s' points='",
+            44 + 16 * m, colors[m], method_names[m], colors[m]);
         for (int row = first; row < ROWS; row++) {
-            fprintf(f, "%.1f,%.1f ", 60 + 440.0 * (row - first) / (ROWS - first),
+            fprintf(f, "%.1f,%.1f ",
+                    60 + 440.0 * (row - first) / (ROWS - first),
                     280 - 245 * energy[m][part][row] / most);
         }
         fprintf(f, "'/>\n");
@@ -215,7 +219,9 @@ static void save_plot(const char *folder, const char *scene, enum part part,
 static struct pel_camera make_camera(void)
 {
     const double pitch = -14 * PEL_DEG;
-    struct pel_camera c = { .altitude_m = 12, .width = COLUMNS, .height = ROWS,
+    struct pel_camera c = { .altitude_m = 12,
+                            .width = COLUMNS,
+                            .height = ROWS,
                             .auto_exposure = true };
     c.world_from_camera = (struct pel_mat3){
         { 1, 0, 0 },
@@ -278,8 +284,8 @@ static bool run_scene(struct pel_renderer *r, const struct scene *scene,
         .sun = env.sun,
         .sun_irradiance = sun,
         .sea_radiance = pel_water_radiance(env.chlorophyll_mg_m3, down),
-        .slope_sigma = sqrt(0.5 * (sea.slope_variance_along +
-                                   sea.slope_variance_cross)),
+        .slope_sigma =
+            sqrt(0.5 * (sea.slope_variance_along + sea.slope_variance_cross)),
         .blur = SUN_BLUR,
     };
     static double energy[METHODS][PARTS][ROWS];
@@ -333,8 +339,9 @@ static bool run_scene(struct pel_renderer *r, const struct scene *scene,
                 scene->name, scene->wind_mps, part_names[p],
                 100 * error[OURS] / rows, 100 * error[CONSTANT] / rows,
                 100 * noise / rows);
-        fprintf(json, "  {\"sea\": \"%s\", \"part\": \"%s\", \"error\": %.5f, "
-                      "\"constantBrdf\": %.5f, \"referenceNoise\": %.5f}%s\n",
+        fprintf(json,
+                "  {\"sea\": \"%s\", \"part\": \"%s\", \"error\": %.5f, "
+                "\"constantBrdf\": %.5f, \"referenceNoise\": %.5f}%s\n",
                 scene->name, part_names[p], error[OURS] / rows,
                 error[CONSTANT] / rows, noise / rows,
                 last && p == PARTS - 1 ? "" : ",");
@@ -375,10 +382,12 @@ int main(int argc, char **argv)
     }
     FILE *table = open_in(argv[1], "lighting.md");
     FILE *json = open_in(argv[1], "lighting.json");
-    fprintf(table, "Energy of the rows under the horizon, mean relative error "
-                   "against brute force (%d rays a row)\n\n"
-                   "| sea | light | Pelagos | constant BRDF | noise of the "
-                   "reference |\n|---|---|---|---|---|\n", samples);
+    fprintf(table,
+            "Energy of the rows under the horizon, mean relative error "
+            "against brute force (%d rays a row)\n\n"
+            "| sea | light | Pelagos | constant BRDF | noise of the "
+            "reference |\n|---|---|---|---|---|\n",
+            samples);
     fprintf(json, "[\n");
     bool ok = true;
     size_t count = sizeof scenes / sizeof *scenes;

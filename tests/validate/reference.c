@@ -26,14 +26,15 @@ static lanes sine(lanes x)
 {
     x += 0.25f;
     /* Truncation leaves (−1, 1); negative ones are lifted by one. */
-    lanes f = x - __builtin_convertvector(
-                      __builtin_convertvector(x, ilanes), lanes);
+    lanes f =
+        x - __builtin_convertvector(__builtin_convertvector(x, ilanes), lanes);
     f -= __builtin_convertvector(f < 0.0f, lanes);
     lanes y = 0.25f - (lanes)((ilanes)(f - 0.5f) & 0x7FFFFFFF);
     lanes z = y * y;
-    return y * (6.283185160f +
-                z * (-41.34165503f +
-                     z * (81.60100405f + z * (-76.54978184f + z * 39.53670244f))));
+    return y *
+           (6.283185160f +
+            z * (-41.34165503f +
+                 z * (81.60100405f + z * (-76.54978184f + z * 39.53670244f))));
 }
 
 static float total(lanes v)
@@ -73,7 +74,8 @@ static struct pel_vec3 normal(const struct reference *r, double x, double y)
         sx += r->hx[i] * s;
         sy += r->hy[i] * s;
     }
-    double A = total(a), B = total(b), C = total(c), X = total(sx), Y = total(sy);
+    double A = total(a), B = total(b), C = total(c), X = total(sx),
+           Y = total(sy);
     return pel_vec3_normalize((struct pel_vec3){
         B * Y + X * (1 - C), B * X + Y * (1 - A), (1 - A) * (1 - C) - B * B });
 }
@@ -134,7 +136,8 @@ struct reference *reference_create(const struct pel_sea *sea, double time_s,
             double az = sun_azimuth + PEL_PI * a / (AZIMUTHS - 1.0);
             r->sky[e][a] = pel_atmosphere_sky(
                 air, 2.0,
-                (struct pel_vec3){ cos(el) * cos(az), cos(el) * sin(az), sin(el) },
+                (struct pel_vec3){ cos(el) * cos(az), cos(el) * sin(az),
+                                   sin(el) },
                 light->sun);
         }
     }
@@ -179,17 +182,19 @@ static void reflect(const struct reference *r, struct pel_vec3 n,
                     struct pel_vec3 v, struct reference_sample *out)
 {
     double vn = fmax(pel_vec3_dot(n, v), 0.0);
-    struct pel_vec3 m = pel_vec3_add(pel_vec3_scale(n, 2 * vn),
-                                     pel_vec3_scale(v, -1));
+    struct pel_vec3 m =
+        pel_vec3_add(pel_vec3_scale(n, 2 * vn), pel_vec3_scale(v, -1));
     double f = pel_fresnel_schlick(vn, PEL_WATER_INDEX);
     struct pel_rgb l = reference_environment(r, m);
     out->sky = (struct pel_rgb){ f * l.r, f * l.g, f * l.b };
     struct pel_rgb w = r->light.sea_radiance;
-    out->water = (struct pel_rgb){ (1 - f) * w.r, (1 - f) * w.g, (1 - f) * w.b };
+    out->water =
+        (struct pel_rgb){ (1 - f) * w.r, (1 - f) * w.g, (1 - f) * w.b };
     /* The widened Sun: density of the blur at the slope that would mirror it,
      * times d²ζ = d²ω / (4 h_z³ v·h). */
     struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(v, r->light.sun));
-    double vh = fmax(pel_vec3_dot(v, h), 1e-6), b2 = r->light.blur * r->light.blur;
+    double vh = fmax(pel_vec3_dot(v, h), 1e-6),
+           b2 = r->light.blur * r->light.blur;
     double dx = n.x / n.z - h.x / h.z, dy = n.y / n.z - h.y / h.z;
     double kernel = exp(-0.5 * (dx * dx + dy * dy) / b2) / (2 * PEL_PI * b2);
     double g = kernel * pel_fresnel_schlick(vh, PEL_WATER_INDEX) /
