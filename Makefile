@@ -233,6 +233,7 @@ TESTS += server/frames/layers_test.c
 FUZZERS :=
 FUZZERS += tests/fuzz/fuzz_nmea.c
 FUZZERS += tests/fuzz/fuzz_modbus.c
+FUZZERS += tests/fuzz/fuzz_cigi.c
 FUZZERS += tests/fuzz/fuzz_console.c
 FUZZERS += tests/fuzz/fuzz_json.c
 FUZZERS += tests/fuzz/fuzz_log.c

@@ -291,9 +291,9 @@ class Host:
         self.last_ig = frame.sof["frame"]
         return frame
 
-    def drain(self):
+    def drain(self, timeout=0.001):
         frames = []
-        while (frame := self.receive(0.001)) is not None:
+        while (frame := self.receive(timeout)) is not None:
             frames.append(frame)
         return frames
 

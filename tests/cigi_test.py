@@ -16,7 +16,10 @@ import threading
 import time
 
 import cigi_host as cigi
-from pelagos_daemon import Daemon, SANITIZED, free_port
+from pelagos_daemon import ROOT, Daemon, SANITIZED, free_port
+
+sys.path.insert(0, os.path.join(ROOT, "tests", "fuzz"))
+import cigi_corpus  # noqa: E402
 
 LATITUDE, LONGITUDE = 52.6, 5.2  # the scene's origin
 LOGS = []  # (host port, generator port, log) of every host
@@ -205,17 +208,22 @@ def synchronous_host(seconds, requests=100):
             s.daemon, "/v1/views/bridge/mjpeg", pictures, stop), daemon=True)
         viewer.start()
         points = places(requests)
-        sent, answered, frames = {}, {}, []
+        sent, answered = {}, {}
+
+        def take(frame):
+            for _, a in frame.answers:
+                # The newest host frame with these low 4 bits.
+                host_frame = s.host.frame - (s.host.frame - a["frame"]) % 16
+                answered.setdefault(host_frame, []).append(frame.sof["frame"])
+
         before = metrics(s.daemon)
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             frame = s.host.receive()
             check(frame, "no Start of Frame for 2 s")
-            frames.append(frame)
-            for name, a in frame.answers:
-                # The newest host frame with these low 4 bits.
-                host_frame = s.host.frame - (s.host.frame - a["frame"]) % 16
-                answered.setdefault(host_frame, []).append(frame.sof["frame"])
+            # A host that was held up answers the newest.
+            for frame in [frame] + s.host.drain(0):
+                take(frame)
             number = s.host.frame + 1
             s.host.send(
                 cigi.entity(1, LATITUDE + 1e-6 * number, LONGITUDE, 0,
@@ -223,9 +231,7 @@ def synchronous_host(seconds, requests=100):
                 *(cigi.hat_hot(i, p[0], p[1]) for i, p in enumerate(points)))
             sent[number] = (time.monotonic(), frame.sof["frame"])
         for frame in s.host.settle():
-            for name, a in frame.answers:
-                host_frame = s.host.frame - (s.host.frame - a["frame"]) % 16
-                answered.setdefault(host_frame, []).append(frame.sof["frame"])
+            take(frame)
         stop.set()
         viewer.join(5)
         after = metrics(s.daemon)
@@ -405,20 +411,7 @@ def malformed_datagrams_change_nothing():
     with Stand() as s:
         s.host.ask(cigi.entity(1, LATITUDE, LONGITUDE))
         before = s.daemon.state()
-        sound = s.host.log
-        pick = random.Random(3)
-        bad = [b"", b"x", bytes(8), bytes(24), bytes(65000),
-               sound[0][1][:23], b"\x65" + sound[0][1][1:]]
-        whole = s.host.datagram(cigi.entity(1, 10, 10), cigi.wave(1, 2, 8, 0))
-        bad += [whole[:n] for n in range(1, len(whole)) if n not in (24, 72)]
-        bad += [s.host.datagram(cigi.entity(1, float(v), 5))
-                for v in ("nan", "inf", "-inf")]
-        bad += [s.host.datagram(cigi.raw(bytes([id, size, 0, 0, 0, 0, 0, 0])))
-                for id in (2, 14, 200) for size in (0, 4, 9, 16, 255)]
-        for _ in range(200):
-            noise = bytearray(pick.randbytes(pick.randrange(8, 200)))
-            noise[0:3] = bytes([pick.choice((0, 2, 101, 255)), 24, 3])
-            bad.append(bytes(noise))
+        bad = [data for _, data in cigi_corpus.malformed()]
         for i, data in enumerate(bad):
             s.host.socket.sendto(data, s.host.to)
             if i % 32 == 31:
@@ -485,28 +478,53 @@ def tshark_understands_both_directions():
     if not shutil.which("tshark"):
         print("  left out: there is no tshark")
         return
+    fields = ["frame.protocols", "_ws.malformed", "_ws.expert.message",
+              "cigi.packet_id", "cigi.sof.ig_frame_number",
+              "cigi.sof.last_host_frame_number",
+              "cigi.hat_hot_response.height", "cigi.position_response.yaw",
+              "cigi.ig_control.host_frame_number"]
+    logs = [(a, b, log[:300]) for a, b, log in LOGS]
+    both = [(sent, data) for _, _, log in logs for sent, data in log]
     with tempfile.TemporaryDirectory() as folder:
-        total = 0
-        for i, (host_port, port, log) in enumerate(LOGS):
-            path = os.path.join(folder, f"{i}.pcap")
-            log = log[:200]
-            total += len(log)
+        lines = []
+        for host_port, port, log in logs:
+            path = os.path.join(folder, "pcap")
             cigi.write_pcap(path, host_port, port, log)
-            run = subprocess.run(
-                ["tshark", "-r", path, "-d", f"udp.port=={port},cigi", "-T",
-                 "fields", "-e", "frame.protocols", "-e", "_ws.malformed",
-                 "-e", "_ws.expert.message", "-e", "cigi.packet_id", "-e",
-                 "cigi.unknown", "-e", "data.data"],
-                capture_output=True, text=True, check=True)
-            lines = run.stdout.splitlines()
-            check(len(lines) == len(log), f"{len(lines)} of {len(log)}")
-            for (sent, data), line in zip(log, lines):
-                protocols, malformed, expert, ids = line.split("\t")[:4]
-                check(protocols.endswith("cigi") and not malformed and
-                      not expert, line)
-                check(ids.split(",") == [str(id) for id in ids_of(data)],
-                      f"{ids} is not {ids_of(data)}")
-        print(f"  {total} datagrams without a note")
+            command = ["tshark", "-n", "-r", path, "-d",
+                       f"udp.port=={port},cigi", "-T", "fields"]
+            for field in fields:
+                command += ["-e", field]
+            run = subprocess.run(command, capture_output=True, text=True,
+                                 check=True)
+            lines += run.stdout.splitlines()
+    check(len(lines) == len(both), f"{len(lines)} of {len(both)}")
+    for (sent, data), line in zip(both, lines):
+        (protocols, malformed, expert, ids, frame, last, heights, yaws,
+         host_frame) = line.split("\t")
+        check(protocols.endswith("cigi") and not malformed and not expert,
+              line)
+        check(ids.split(",") == [str(id) for id in ids_of(data)],
+              f"{ids} is not {ids_of(data)}")
+        order = ">" if data[6] else "<"
+        if sent:
+            check(int(host_frame) ==
+                  int.from_bytes(data[8:12], "big" if data[6] else "little"),
+                  line)
+            continue
+        packets = cigi.parse(order, data)
+        check((int(frame), int(last)) ==
+              (packets[0][1]["frame"], packets[0][1]["last_host"]), line)
+        same(heights, [a["height"] for n, a in packets if n == "hat_hot"])
+        same(yaws, [a["yaw"] for n, a in packets if n == "position"])
+    print(f"  {len(lines)} datagrams without a note")
+
+
+def same(text, values):
+    """tshark prints six digits or more."""
+    told = [float(v) for v in text.split(",") if v]
+    check(len(told) == len(values), (text, values))
+    for a, b in zip(told, values):
+        near(a, b, 1e-5 * max(1, abs(b)), "tshark's value")
 
 
 def ids_of(data):

@@ -16,6 +16,7 @@
 #include "bridges/cigi_world.h"
 #include "bridges/endpoint.h"
 #include "scene/scene.h"
+#include "scene/simclock.h"
 
 #define MAX_DATAGRAM 65536
 #define MAX_ANSWER 16384 /* bytes of a datagram to the host */
@@ -215,9 +216,10 @@ static void load_database(struct pel_cigi *cigi, int wanted)
         cigi->database = ours ? -wanted : -128;
         cigi->database_state = ours ? DATABASE_LOADING : DATABASE_NONE;
         cigi->database_ns = cigi->heard_ns;
-        pel_log(ours ? PEL_LOG_INFO : PEL_LOG_WARNING, "CIG-004",
-                "the CIGI host asks for database %d%s", wanted,
-                ours ? "" : ", which is not here");
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, ours ? PEL_LOG_INFO : PEL_LOG_WARNING,
+                        "CIG-004", "the CIGI host asks for database %d%s",
+                        wanted, ours ? "" : ", which is not here");
     } else if (cigi->database_state == DATABASE_LOADING &&
                (wanted == 0 || cigi->heard_ns - cigi->database_ns > LOAD_NS)) {
         cigi->database = -cigi->database;
@@ -236,7 +238,9 @@ static bool in_order(struct pel_cigi *cigi, uint32_t frame, int64_t now_ns)
         return true;
     }
     if (ahead <= 0 && (silence_ns > RESTART_NS || ahead <= -RESTART_FRAMES)) {
-        pel_info("CIG-005", "the CIGI host begins anew at frame %u", frame);
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_INFO, "CIG-005",
+                        "the CIGI host begins anew at frame %u", frame);
         cigi->led = false;
         return true;
     }
@@ -268,7 +272,7 @@ static double time_of_frame(struct pel_cigi *cigi, double now_s)
     if (ahead < -EXTRAPOLATE_S - 0.5 || ahead > MAX_STEP_S) {
         cigi->host_time_s = now_s; /* somebody has set the clock */
     }
-    return fmax(cigi->host_time_s, now_s);
+    return fmin(fmax(cigi->host_time_s, now_s), PEL_MAX_TIME_S);
 }
 
 static void step_to(struct pel_cigi *cigi, double time_s)
@@ -276,7 +280,7 @@ static void step_to(struct pel_cigi *cigi, double time_s)
     struct pel_fault fault;
     double now_s = pel_scene_time(cigi->scene);
     if (time_s > now_s &&
-        pel_scene_step(cigi->scene, time_s - now_s, &fault) != PEL_OK) {
+        pel_scene_step_to(cigi->scene, time_s, &fault) != PEL_OK) {
         static struct pel_log_limit limit;
         pel_log_limited(&limit, PEL_LOG_WARNING, "CIG-006",
                         "time stands still: %s", fault.message);
@@ -394,8 +398,10 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
     bool first = !cigi->led;
     if (first) {
         begin_session(cigi);
-        pel_info("CIG-003", "a CIGI host leads, frame %u, %s time", frame,
-                 stamped ? "asynchronous, by timestamps:" : "by frames:");
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_INFO, "CIG-003",
+                        "a CIGI host leads from frame %u on, by %s", frame,
+                        stamped ? "timestamps" : "frames");
     } else {
         cigi->host_time_s += seconds_to(cigi, frame, stamped, timestamp);
     }
