@@ -36,10 +36,11 @@ def conformal(id, latitude, longitude, yaw=0):
                                      latitude, longitude)
 
 
-def component(id, state, values=(), instance=0, kind=7, seed=0):
+def component(id, state, values=(), instance=0, kind=7, seed=0, depth=0):
     data = (list(values) + [0.0] * 4)[:4]
-    return lambda order: struct.pack(order + "BBHHBBffffII", 4, 32, id,
-                                     instance, kind, state, *data, seed, 0)
+    return lambda order: struct.pack(order + "BBHHBBffffIf", 4, 32, id,
+                                     instance, kind, state, *data, seed,
+                                     depth)
 
 
 def short_component(id, state, first=0.0, second=0.0, instance=0, kind=7):

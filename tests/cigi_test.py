@@ -175,6 +175,27 @@ def answers_are_of_the_sea_drawn():
         near(answers["position"]["latitude"], LATITUDE, 1e-9, "latitude")
 
 
+def answers_of_fft_come_later():
+    """Its moments take longer than a frame; the heights are the same sea's."""
+    with Stand() as s:
+        s.host.ask(cigi.component(5, 1), cigi.component(1, 3, (10, 90)))
+        state = s.daemon.state()["sea"]
+        check((state["synthesiser"], state["spectrum"]) ==
+              ("FFT", "ELFOUHAILY"), state)
+        points = places(20)
+        s.host.send(*(cigi.hat_hot(i, p[0], p[1])
+                      for i, p in enumerate(points)))
+        answers = [a for frame in s.host.settle() for a in frame.answers]
+        at = s.metric("host_time_seconds")
+        end = time.monotonic() + 10
+        while len(answers) < 20 and time.monotonic() < end:
+            answers += s.host.receive().answers
+        want = surface(s.daemon, [p[2:] for p in points], at)
+        check(len(answers) == 20, f"{len(answers)} answers")
+        for _, a in answers:
+            near(a["height"], want[a["id"]], 1e-3, "height, m")
+
+
 def frame_headers(daemon, url, out, stop):
     """(time of receipt, simulated time, revision) of live pictures."""
     with daemon.connect_http() as c:
@@ -481,7 +502,7 @@ def tshark_understands_both_directions():
     fields = ["frame.protocols", "_ws.malformed", "_ws.expert.message",
               "cigi.packet_id", "cigi.sof.ig_frame_number",
               "cigi.sof.last_host_frame_number",
-              "cigi.hat_hot_response.height", "cigi.position_response.yaw",
+              "cigi.hat_hot_response.height", "cigi.pos_response.yaw",
               "cigi.ig_control.host_frame_number"]
     logs = [(a, b, log[:300]) for a, b, log in LOGS]
     both = [(sent, data) for _, _, log in logs for sent, data in log]
@@ -536,6 +557,7 @@ def ids_of(data):
 
 
 TESTS = [scene_follows_in_both_orders, answers_are_of_the_sea_drawn,
+         answers_of_fft_come_later,
          synchronous_sixty_hertz, asynchronous_host,
          sea_state_shows_in_the_next_frame, loss_duplicates_and_reordering,
          malformed_datagrams_change_nothing, database_and_silence,

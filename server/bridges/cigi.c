@@ -12,7 +12,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/metrics.h"
-#include "bridges/cigi_query.h"
+#include "bridges/cigi_answers.h"
 #include "bridges/cigi_world.h"
 #include "bridges/endpoint.h"
 #include "scene/scene.h"
@@ -20,7 +20,6 @@
 
 #define MAX_DATAGRAM 65536
 #define MAX_ANSWER 16384 /* bytes of a datagram to the host */
-#define MAX_WAITING 4096 /* answers */
 #define MAX_PERIODIC 256
 #define RECEIVE_BUFFER (4 << 20)
 #define DATAGRAMS_A_TURN 64 /* then the loop serves others */
@@ -64,6 +63,7 @@ struct pel_cigi {
     uint32_t host_frame, ig_frame, timestamp;
     bool stamped;
     double host_time_s;  /* simulated time of host_frame */
+    double applied_s;    /* that the scene had when it took effect */
     double period_s;     /* of the host's frames, smoothed */
     uint32_t on_the_way; /* frames the host had not heard of */
 
@@ -74,8 +74,8 @@ struct pel_cigi {
     struct pel_cigi_world world;
     struct pel_cigi_edit *edit;
     struct periodic periodic[MAX_PERIODIC];
-    struct pel_cigi_packet *waiting; /* answers, MAX_WAITING */
-    size_t waiting_first, waiting_count;
+    struct pel_cigi_answers *answers;
+    uint64_t dropped_questions;
     uint8_t in[MAX_DATAGRAM], out[MAX_ANSWER];
 };
 
@@ -89,19 +89,6 @@ struct pel_cigi_options pel_cigi_default_options(void)
 
 /* --- answers ------------------------------------------------------------- */
 
-static bool put_waiting(void *user, const struct pel_cigi_packet *answer)
-{
-    struct pel_cigi *cigi = user;
-    if (cigi->waiting_count == MAX_WAITING) {
-        cigi->counters.dropped_answers++;
-        return false;
-    }
-    size_t at = (cigi->waiting_first + cigi->waiting_count) % MAX_WAITING;
-    cigi->waiting[at] = *answer;
-    cigi->waiting_count++;
-    return true;
-}
-
 static void answer(struct pel_cigi *cigi,
                    const struct pel_cigi_packet *const *questions, size_t count)
 {
@@ -114,8 +101,7 @@ static void answer(struct pel_cigi *cigi,
         .time_s = pel_scene_time(cigi->scene),
         .host_frame = cigi->host_frame,
     };
-    cigi->counters.answers +=
-        pel_cigi_answer(&moment, questions, count, put_waiting, cigi);
+    pel_cigi_answers_ask(cigi->answers, &moment, questions, count);
     pel_snapshot_unref(moment.snapshot);
 }
 
@@ -203,7 +189,7 @@ static void begin_session(struct pel_cigi *cigi)
     memset(cigi->periodic, 0, sizeof cigi->periodic);
     pel_cigi_world_init(&cigi->world);
     cigi->led = cigi->lead_pending = true;
-    cigi->waiting_count = 0;
+    pel_cigi_answers_clear(cigi->answers);
     cigi->wanted_database = 0;
     cigi->period_s = 1 / cigi->options.rate_hz;
     cigi->host_time_s = pel_scene_time(cigi->scene);
@@ -353,7 +339,7 @@ static void ask(struct pel_cigi *cigi, struct pel_cigi_reader reader)
             continue;
         }
         if (count == PEL_CIGI_MAX_QUESTIONS) {
-            cigi->counters.dropped_answers++;
+            cigi->dropped_questions++;
             continue;
         }
         questions[count] = p;
@@ -429,6 +415,7 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
     } else {
         cigi->host_time_s = pel_scene_time(cigi->scene);
     }
+    cigi->applied_s = pel_scene_time(cigi->scene);
     if (good) {
         ask(cigi, reader);
     }
@@ -508,17 +495,19 @@ size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes)
                  (uint32_t)((now_ns - cigi->opened_ns) / 10000));
     pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_LAST_HOST_FRAME, cigi->host_frame);
     size_t used = pel_cigi_put(&p, cigi->little, cigi->out, MAX_ANSWER);
-    while (cigi->waiting_count > 0) {
-        size_t more =
-            pel_cigi_put(&cigi->waiting[cigi->waiting_first], cigi->little,
-                         cigi->out + used, MAX_ANSWER - used);
+    const struct pel_cigi_packet *next;
+    while ((next = pel_cigi_answers_peek(cigi->answers))) {
+        size_t more = pel_cigi_put(next, cigi->little, cigi->out + used,
+                                   MAX_ANSWER - used);
         if (more == 0) {
             break;
         }
         used += more;
-        cigi->waiting_first = (cigi->waiting_first + 1) % MAX_WAITING;
-        cigi->waiting_count--;
+        pel_cigi_answers_pop(cigi->answers);
     }
+    cigi->counters.answers = pel_cigi_answers_made(cigi->answers);
+    cigi->counters.dropped_answers =
+        cigi->dropped_questions + pel_cigi_answers_dropped(cigi->answers);
     cigi->counters.frames++;
     *bytes = cigi->out;
     return used;
@@ -689,8 +678,8 @@ static void collect(void *user, struct pel_metrics_page *page)
     pel_metric(page, "pelagos_cigi_host_frame", PEL_METRIC_GAUGE,
                "Newest host frame applied.", NULL, s.host_frame);
     pel_metric(page, "pelagos_cigi_host_time_seconds", PEL_METRIC_GAUGE,
-               "Simulated time of the newest host frame.", NULL,
-               cigi->host_time_s);
+               "Simulated time that the newest host frame led to.", NULL,
+               cigi->applied_s);
     pel_metric(page, "pelagos_cigi_frames_on_the_way", PEL_METRIC_GAUGE,
                "Frames of ours that the host had not heard of when it sent.",
                NULL, (double)cigi->on_the_way);
@@ -762,7 +751,7 @@ enum pel_err pel_cigi_create(const struct pel_cigi_options *options,
     cigi->minor = 3;
     cigi->opened_ns = pel_now_ns();
     cigi->edit = g_new0(struct pel_cigi_edit, 1);
-    cigi->waiting = g_new0(struct pel_cigi_packet, MAX_WAITING);
+    cigi->answers = pel_cigi_answers_create(options->listen != NULL);
     pel_cigi_world_init(&cigi->world);
     enum pel_err err = pel_allow_parse(options->allow, &cigi->allow, fault);
     if (!err && options->listen) {
@@ -801,7 +790,7 @@ void pel_cigi_destroy(struct pel_cigi *cigi)
         close(cigi->timer_fd);
     }
     g_free(cigi->edit);
-    g_free(cigi->waiting);
+    pel_cigi_answers_destroy(cigi->answers);
     g_free(cigi);
 }
 

@@ -1,5 +1,5 @@
 /* Answers to CIGI's requests, from the sea of one snapshot at one time: the
- * one that a frame of that time draws. Control thread. */
+ * one that a frame of that time draws. One thread at a time. */
 #pragma once
 
 #include <stddef.h>

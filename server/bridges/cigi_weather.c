@@ -334,8 +334,8 @@ static void take_celestial(struct pel_cigi_edit *edit,
 struct component {
     unsigned id, instance, state;
     size_t count;     /* data words */
-    uint32_t word[5]; /* absent ones 0 */
-    double value[5];  /* as floats */
+    uint32_t word[6]; /* absent ones 0 */
+    double value[6];  /* as floats */
 };
 
 static bool read_component(const struct pel_cigi_packet *p,
@@ -351,7 +351,7 @@ static bool read_component(const struct pel_cigi_packet *p,
                 p->values[PEL_CIGI_COMPONENT_INSTANCE - PEL_CIGI_COMPONENT],
         .state =
             (unsigned)p->values[PEL_CIGI_COMPONENT_STATE - PEL_CIGI_COMPONENT],
-        .count = whole ? 5 : 2,
+        .count = whole ? 6 : 2,
     };
     enum pel_cigi_field data =
         whole ? PEL_CIGI_COMPONENT_DATA1 : PEL_CIGI_SHORT_COMPONENT_DATA1;
@@ -370,9 +370,7 @@ static void wind_sea(struct pel_cigi_edit *edit, const struct component *c)
     set_wind(&edit->world->global, c->value[0], c->value[1]);
     edit->state.sea = &edit->sea;
     edit->sea.has_spectrum = true;
-    edit->sea.spectrum = c->state == 1
-                             ? PELAGOS__SPECTRUM_KIND__JONSWAP
-                             : PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ;
+    edit->sea.spectrum = (Pelagos__SpectrumKind)c->state;
     if (c->value[2] != 0) {
         edit->sea.has_fetch = true;
         edit->sea.fetch = c->value[2];
@@ -384,6 +382,10 @@ static void wind_sea(struct pel_cigi_edit *edit, const struct component *c)
     if (c->word[4] != 0) {
         edit->sea.has_seed = true;
         edit->sea.seed = c->word[4];
+    }
+    if (c->value[5] != 0) {
+        edit->sea.has_depth = true;
+        edit->sea.depth = c->value[5];
     }
 }
 
@@ -397,13 +399,13 @@ static void take_component(struct pel_cigi_edit *edit,
         return;
     }
     /* The fifth word is an integer. */
-    for (size_t i = 0; i < c.count && i < 4; i++) {
-        edit->refused = edit->refused || !isfinite(c.value[i]);
+    for (size_t i = 0; i < c.count; i++) {
+        edit->refused = edit->refused || (i != 4 && !isfinite(c.value[i]));
     }
     if (edit->refused) {
         return;
     }
-    if (c.id == 1 && c.state <= 1) {
+    if (c.id == 1 && c.state <= PELAGOS__SPECTRUM_KIND__OMEGA2) {
         wind_sea(edit, &c);
     } else if (c.id == 2 && c.state <= 12) {
         /* WMO: v = 0.836 B^1.5 m/s */
@@ -423,6 +425,10 @@ static void take_component(struct pel_cigi_edit *edit,
     } else if (c.id == 4) {
         global->has_chlorophyll = true;
         global->chlorophyll_mg_m3 = c.value[0];
+    } else if (c.id == 5 && c.state <= PELAGOS__SYNTHESISER__FFT) {
+        edit->state.sea = &edit->sea;
+        edit->sea.has_synthesiser = true;
+        edit->sea.synthesiser = (Pelagos__Synthesiser)c.state;
     } else {
         edit->skipped++;
     }
