@@ -68,6 +68,7 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/strata.c \
     server/ocean/ndbc.c \
     server/ocean/seastate.c \
+    server/ocean/report.c \
     server/ocean/fft.c \
     server/ocean/cascade.c \
     server/ocean/fields.c \
@@ -102,6 +103,7 @@ SCENE := server/scene/scene.c \
     server/scene/check.c \
     server/scene/store.c \
     server/scene/build.c \
+    server/scene/numbers.c \
     server/scene/snapshot.c \
     server/scene/simclock.c \
     server/scene/record.c \
@@ -181,6 +183,7 @@ CTL := \
     clients/pelagosctl/ctl_replay.c \
     clients/pelagosctl/ctl_replay_log.c \
     clients/pelagosctl/ctl_report.c \
+    clients/pelagosctl/ctl_spectrum.c \
     clients/pelagosctl/ctl_state.c \
     clients/pelagosctl/flatten.c \
     clients/pelagosctl/nearest.c \
@@ -193,6 +196,7 @@ TESTS += server/ocean/surface_test.c
 TESTS += server/ocean/cascade_test.c
 TESTS += server/ocean/directional_test.c
 TESTS += server/ocean/ndbc_test.c
+TESTS += server/ocean/welch_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/optics/atmosphere_test.c
 TESTS += server/optics/colour_test.c

@@ -164,6 +164,14 @@ run 0 --json surface 0 0 -20 35.5 --time 10
 jq -e '.time == 10 and (.points | length) == 2 and
     (.points[1].normal[2] > 0.3)' "$out" >/dev/null || fail "surface"
 run 2 surface 0
+run 0 --json spectrum -w 1 -n 3 -d 4
+jq -e '.drawn.significantHeight > 0 and (.rows | length) == 3 and
+    (.rows[0].directional | length) == 4 and
+    .drawnBelow.slopeAlong < .drawn.slopeAlong' "$out" >/dev/null \
+    || fail "spectrum"
+run 0 spectrum sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.beaufort=5
+run 4 spectrum sea.windSpeed=31
+run 2 spectrum --directions 99
 run 0 surface -5 -.5
 
 echo "== clock"

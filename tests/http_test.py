@@ -216,6 +216,28 @@ class Endpoints(HttpCase):
         self.refused(self.daemon.get("/v1/views/bridge/mjpeg?fps=0"), 400,
                      code="OUT_OF_RANGE", path="fps", maximum=240)
 
+    def test_spectrum(self):
+        now = self.daemon.request("GET", "/v1/spectrum").json()
+        self.assertGreater(now["drawn"]["significantHeight"], 0)
+        self.assertAlmostEqual(now["drawn"]["significantHeight"],
+                               now["spectrum"]["significantHeight"], 2)
+        before = self.daemon.request("GET", "/v1/state").json()["sea"]
+        other = self.daemon.request("POST", "/v1/spectrum", {
+            "patch": {"state": {"sea": {"windSpeed": 20}}},
+            "wavelength": 1, "frequencies": 5, "directions": 8}).json()
+        self.assertGreater(other["drawn"]["significantHeight"],
+                           now["drawn"]["significantHeight"])
+        self.assertEqual([len(row["directional"]) for row in other["rows"]],
+                         [8] * 5)
+        self.assertEqual(
+            self.daemon.request("GET", "/v1/state").json()["sea"], before)
+        self.refused(self.daemon.request(
+            "POST", "/v1/spectrum", {"frequencies": 201}), 400,
+            path="frequencies", maximum=200)
+        self.refused(self.daemon.request("POST", "/v1/spectrum", {
+            "patch": {"state": {"sea": {"windSpeed": 31}}}}), 400,
+            path="sea.windSpeed", maximum=30)
+
     def test_surface(self):
         answer = self.daemon.request("POST", "/v1/surface", {
             "points": [[0, 0], [10.5, -3]], "time": 7})

@@ -99,6 +99,17 @@ class Commands(SessionCase):
         self.assertEqual(frame.data[:4], b"\x76\x2f\x31\x01")
         self.assertGreater(len(frame.data), 1000000)
 
+    def test_spectrum(self):
+        session = self.tcp()
+        spectrum = session.ask(spectrum={"frequencies": 4}).spectrum
+        self.assertEqual(len(spectrum.rows), 4)
+        http = self.daemon.request(
+            "POST", "/v1/spectrum", {"frequencies": 4}).json()
+        self.assertEqual(spectrum.drawn.slope_along,
+                         http["drawn"]["slopeAlong"])
+        error = session.ask(spectrum={"directions": 73}).error
+        self.assertEqual(error.path, "directions")
+
     def test_surface(self):
         session = self.tcp()
         query = {"points": [{"east": 1, "north": 2}] * 100, "time": 5}

@@ -407,6 +407,26 @@ enum pel_client_code pel_client_surface(struct pel_client *client,
     return code;
 }
 
+enum pel_client_code pel_client_spectrum(struct pel_client *client,
+                                         const Pelagos__SpectrumQuery *query,
+                                         Pelagos__Spectrum **out,
+                                         struct pel_client_error *error)
+{
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_SPECTRUM;
+    request.spectrum = (Pelagos__SpectrumQuery *)query;
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code =
+        call(client, &request, PELAGOS__REPLY__RESULT_SPECTRUM, &reply, error);
+    if (code == PEL_CLIENT_OK) {
+        *out = reply->spectrum;
+        reply->spectrum = NULL;
+        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+        pelagos__reply__free_unpacked(reply, NULL);
+    }
+    return code;
+}
+
 enum pel_client_code pel_client_step(struct pel_client *client, double seconds,
                                      Pelagos__State **out,
                                      struct pel_client_error *error)

@@ -112,6 +112,13 @@ pel_client_surface(struct pel_client *client, const double (*east_north_m)[2],
                    size_t count, const double *time_s, Pelagos__Surface **out,
                    struct pel_client_error *error);
 
+/* The numbers of the sea in force, or of the one that query->patch would make;
+ * the scene stays as it is. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_spectrum(struct pel_client *client,
+                    const Pelagos__SpectrumQuery *query,
+                    Pelagos__Spectrum **out, struct pel_client_error *error);
+
 /* Advances simulated time by `seconds` (0..3600) in mode STEPPED; CONFLICT in
  * any other. *out (NULL allowed): the state after it. */
 PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code

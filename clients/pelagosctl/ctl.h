@@ -111,6 +111,12 @@ void ctl_print_leaf(FILE *out, const struct ctl_leaf *leaf, bool json);
 /* `text` as a JSON string. */
 void ctl_print_string(FILE *out, const char *text);
 
+/* ctl_state.c: adds PATH=VALUE to the patch; USAGE after having said why.
+ * *path: the PATH, g_free(). */
+enum ctl_exit ctl_assign(struct ctl *ctl, Pelagos__Patch *patch,
+                         const Pelagos__State *now, const char *text,
+                         char **path);
+
 /* ctl_help.c, ctl_completion.c */
 void ctl_print_help(FILE *out, const struct ctl_command *command);
 void ctl_print_manual(FILE *out);
@@ -131,6 +137,7 @@ enum ctl_exit ctl_surface(struct ctl *ctl);
 enum ctl_exit ctl_replay(struct ctl *ctl);
 /* replay, where the file is a command log. */
 enum ctl_exit ctl_replay_log(struct ctl *ctl, const char *data, size_t size);
+enum ctl_exit ctl_spectrum(struct ctl *ctl);
 enum ctl_exit ctl_record(struct ctl *ctl);
 enum ctl_exit ctl_bench(struct ctl *ctl);
 enum ctl_exit ctl_optics(struct ctl *ctl);

@@ -107,9 +107,9 @@ static enum ctl_exit send_patch(struct ctl *ctl, const Pelagos__Patch *patch,
     return CTL_DONE;
 }
 
-static enum ctl_exit add_assignment(struct ctl *ctl, Pelagos__Patch *patch,
-                                    const Pelagos__State *now, const char *text,
-                                    char **path)
+enum ctl_exit ctl_assign(struct ctl *ctl, Pelagos__Patch *patch,
+                         const Pelagos__State *now, const char *text,
+                         char **path)
 {
     const char *equals = strchr(text, '=');
     if (!equals || equals == text) {
@@ -136,7 +136,7 @@ enum ctl_exit ctl_set(struct ctl *ctl)
     Pelagos__Patch *patch = pel_patch_new();
     g_auto(GStrv) paths = g_new0(char *, ctl->arg_count + 1);
     for (size_t i = 0; i < ctl->arg_count && status == CTL_DONE; i++) {
-        status = add_assignment(ctl, patch, now, ctl->args[i], &paths[i]);
+        status = ctl_assign(ctl, patch, now, ctl->args[i], &paths[i]);
     }
     if (status == CTL_DONE) {
         status = send_patch(ctl, patch, paths);

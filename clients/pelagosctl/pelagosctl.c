@@ -25,7 +25,8 @@ static const struct ctl_option frame_options[] = {
     { 0, "width", "PIXELS", "Width instead of the view's", NULL },
     { 0, "height", "PIXELS", "Height instead of the view's", NULL },
     { 0, "time", "SECONDS", "Simulated time instead of the clock's", NULL },
-    { 0, "layers", "LIST", "Layers of an EXR, by commas: radiance, sun, sky, water, air, depth,"
+    { 0, "layers", "LIST",
+      "Layers of an EXR, by commas: radiance, sun, sky, water, air, depth,"
       " normal, fresnel, slopeVariance (radiance)",
       NULL },
     { 0, "float", NULL, "EXR samples of 32 bits instead of 16", NULL },
@@ -48,6 +49,25 @@ static const struct ctl_option surface_options[] = {
 static const char *const surface_examples[] = {
     "pelagosctl surface 0 0 -20 35\nTwo points, metres east and north of the "
     "scene's origin.",
+    NULL,
+};
+
+static const struct ctl_option spectrum_options[] = {
+    { 'w', "wavelength", "METRES", "Sum up the waves shorter than this too",
+      NULL },
+    { 'n', "frequencies", "COUNT", "List S(omega) at so many, 0 to 200 (12)",
+      NULL },
+    { 'd', "directions", "COUNT",
+      "List S(omega, theta) for so many directions too, 0 to 72 (0)", NULL },
+    { 0, "lowest", "RAD/S", "The lowest frequency listed (0.2)", NULL },
+    { 0, "highest", "RAD/S", "The highest (10)", NULL },
+    { 0 },
+};
+static const char *const spectrum_examples[] = {
+    "pelagosctl spectrum --wavelength 1\nThe sea in force, and its waves "
+    "shorter than a metre.",
+    "pelagosctl --json spectrum sea.spectrum=ELFOUHAILY sea.windSpeed=10 "
+    "--directions 36\nAnother sea, for a program.",
     NULL,
 };
 
@@ -199,6 +219,14 @@ const struct ctl_command ctl_commands[] = {
       "Answers from the very surface that is drawn. EAST and NORTH are metres "
       "from the scene's origin.",
       surface_options, surface_examples, NULL, 2, 20000, ctl_surface },
+    { "spectrum", "[PATH=VALUE…]", "print the numbers of the sea",
+      "Prints significant wave height, peak period, mean direction, slope "
+      "variances along and across the wind, and the spectrum S(omega), of the "
+      "sea in force or of the one that the assignments would make of it; "
+      "nothing is changed. `spectrum` is its integral, `drawn` the sum of the "
+      "waves that are drawn and of the slopes that only shading shows. "
+      "Directions are those the waves come from.",
+      spectrum_options, spectrum_examples, "paths", 0, SIZE_MAX, ctl_spectrum },
     { "step", "[SECONDS]", "advance simulated time in mode STEPPED",
       "Advances the clock by SECONDS (1/30) and prints the new time. Only in "
       "clock.mode STEPPED.",

@@ -11,6 +11,7 @@
 #include "fields.h"
 #include "json.h"
 #include "message.h"
+#include "scene/numbers.h"
 #include "wire.h"
 
 #define MAX_POINTS 10000
@@ -150,6 +151,18 @@ enum pel_err pel_command_check(const ProtobufCMessage *command,
                                struct pel_fault *fault)
 {
     return check_below(command, "", fault);
+}
+
+enum pel_err pel_command_spectrum(struct pel_scene *scene,
+                                  const Pelagos__SpectrumQuery *query,
+                                  Pelagos__Spectrum **out,
+                                  struct pel_fault *fault)
+{
+    /* The patch keeps the paths and the words of a patch. */
+    Pelagos__SpectrumQuery own = *query;
+    own.patch = NULL;
+    enum pel_err err = pel_command_check(&own.base, fault);
+    return err ? err : pel_scene_spectrum(scene, query, out, fault);
 }
 
 enum pel_err pel_command_surface(struct pel_frames *frames,

@@ -36,6 +36,13 @@ PEL_CHECK enum pel_err pel_command_surface(struct pel_frames *frames,
                                            pel_surface_callback done,
                                            void *user, struct pel_fault *fault);
 
+/* Tests a spectrum query, the patch in it as any other, and answers it; free
+ * *out with pelagos__spectrum__free_unpacked(). */
+PEL_CHECK enum pel_err pel_command_spectrum(struct pel_scene *scene,
+                                            const Pelagos__SpectrumQuery *query,
+                                            Pelagos__Spectrum **out,
+                                            struct pel_fault *fault);
+
 /* Samples as a message; free with pel_surface_message_free. */
 Pelagos__Surface *pel_surface_message(double time_s,
                                       const struct pel_surface_sample *samples,

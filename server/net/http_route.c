@@ -286,6 +286,33 @@ static void post_surface(const struct pel_http_call *call)
     call->answer->surface = (Pelagos__SurfaceQuery *)message;
 }
 
+/* GET asks about the sea in force. */
+static void spectrum(const struct pel_http_call *call)
+{
+    struct pel_fault fault;
+    ProtobufCMessage *message = NULL;
+    Pelagos__Spectrum *out = NULL;
+    bool empty = call->request->body_size == 0;
+    enum pel_err err = pel_json_to_message(empty ? "{}" : call->request->body,
+                                           empty ? 2 : call->request->body_size,
+                                           &pelagos__spectrum_query__descriptor,
+                                           &message, &fault);
+    if (err == PEL_OK) {
+        err = pel_command_spectrum(call->context->scene,
+                                   (Pelagos__SpectrumQuery *)message, &out,
+                                   &fault);
+    }
+    if (message) {
+        protobuf_c_message_free_unpacked(message, NULL);
+    }
+    if (err != PEL_OK) {
+        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
+        return;
+    }
+    pel_http_json(call->answer, 200, pel_json_from_message(&out->base, false));
+    pelagos__spectrum__free_unpacked(out, NULL);
+}
+
 static void get_page(const struct pel_http_call *call, const char *path)
 {
     struct pel_http_answer *answer = call->answer;
@@ -354,6 +381,8 @@ static const struct route routes[] = {
     { "GET", "v1/views/*/live", ROUTE_NO_HEAD | ROUTE_QUERY,
       pel_http_get_live },
     { "POST", "v1/surface", ROUTE_BODY | ROUTE_LARGE, post_surface },
+    { "GET", "v1/spectrum", 0, spectrum },
+    { "POST", "v1/spectrum", ROUTE_BODY | ROUTE_EMPTY_OK, spectrum },
     { "POST", "v1/clock/step", ROUTE_BODY | ROUTE_EMPTY_OK, post_step },
     { "GET", "*", 0, get_file },
 };

@@ -24,7 +24,7 @@
 /* A full house lets the longest-idle session go after this. */
 #define EVICT_IDLE_NS (60 * INT64_C(1000000000))
 #define LINGER_NS (2 * INT64_C(1000000000))
-#define COMMANDS 8
+#define COMMANDS 9
 
 struct session;
 
@@ -78,6 +78,7 @@ static const char *const command_names[COMMANDS] = {
     [PELAGOS__REQUEST__COMMAND_SURFACE] = "surface",
     [PELAGOS__REQUEST__COMMAND_STEP] = "step",
     [PELAGOS__REQUEST__COMMAND_WATCH] = "watch",
+    [PELAGOS__REQUEST__COMMAND_SPECTRUM] = "spectrum",
 };
 
 static int64_t seconds(double s)
@@ -257,6 +258,23 @@ static enum pel_err start_job(struct session *self,
     return err;
 }
 
+static enum pel_err send_spectrum(struct session *self,
+                                  const Pelagos__Request *request,
+                                  struct pel_fault *fault)
+{
+    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+    enum pel_err err = pel_command_spectrum(self->all->scene, request->spectrum,
+                                            &reply.spectrum, fault);
+    if (err == PEL_OK) {
+        reply.has_id = request->has_id;
+        reply.id = request->id;
+        reply.result_case = PELAGOS__REPLY__RESULT_SPECTRUM;
+        send_reply(self, &reply);
+        pelagos__spectrum__free_unpacked(reply.spectrum, NULL);
+    }
+    return err;
+}
+
 static enum pel_err apply(struct session *self, const Pelagos__Request *request,
                           struct pel_fault *fault)
 {
@@ -284,6 +302,8 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
     case PELAGOS__REQUEST__COMMAND_FRAME:
     case PELAGOS__REQUEST__COMMAND_SURFACE:
         return start_job(self, request, fault);
+    case PELAGOS__REQUEST__COMMAND_SPECTRUM:
+        return send_spectrum(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_WATCH:
         self->watching = true;
         self->watch_has_id = request->has_id;

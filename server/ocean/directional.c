@@ -252,6 +252,46 @@ static struct pel_entropy entropy(double complex c1, double complex c2)
     return (struct pel_entropy){ creal(p), cimag(p), creal(q), cimag(q), top };
 }
 
+static double complex first_moment(const struct pel_measured *m, int i)
+{
+    return m->r1[i] * cexp(I * m->alpha1_rad[i]);
+}
+
+static double complex second_moment(const struct pel_measured *m, int i)
+{
+    return m->r2[i] * cexp(2.0 * I * m->alpha2_rad[i]);
+}
+
+/* What lies beyond a buoy's frequencies. A large hull answers ever less to the
+ * last of them, often not at all, so they all speak, from BUOY_TAIL of the
+ * highest on. */
+#define BUOY_TAIL 0.6
+struct tail {
+    double level; /* S f⁵, m² Hz⁴ */
+    double complex c[2];
+};
+
+static struct tail tail_of(const struct pel_measured *m)
+{
+    struct tail t = { 0 };
+    double sum = 0;
+    int n = 0;
+    for (int i = 0; i < m->count; i++) {
+        double f = m->frequency_hz[i];
+        if (f >= BUOY_TAIL * m->frequency_hz[m->count - 1]) {
+            double level = m->density[i] * pow(f, 5.0);
+            t.c[0] += level * first_moment(m, i);
+            t.c[1] += level * second_moment(m, i);
+            sum += level;
+            n++;
+        }
+    }
+    t.level = sum / n;
+    t.c[0] = sum > 0 ? t.c[0] / sum : 0;
+    t.c[1] = sum > 0 ? t.c[1] / sum : 0;
+    return t;
+}
+
 static enum pel_err add_measured(struct pel_directional *d,
                                  const struct pel_measured *m)
 {
@@ -260,6 +300,7 @@ static enum pel_err add_measured(struct pel_directional *d,
     if (!p->entropy) {
         return PEL_ERR_NO_MEMORY;
     }
+    struct tail tail = tail_of(m);
     int last = m->count - 1, at = 0;
     for (int i = 0; i <= CUT; i++) {
         double k = node_k(d, i);
@@ -269,23 +310,21 @@ static enum pel_err add_measured(struct pel_directional *d,
         }
         double span = m->frequency_hz[at + 1] - m->frequency_hz[at];
         double u = pel_clamp((f - m->frequency_hz[at]) / span, 0, 1);
-        double density =
-            m->density[at] + u * (m->density[at + 1] - m->density[at]);
-        double beyond = f / m->frequency_hz[last];
+        double density = (1.0 - u) * m->density[at] + u * m->density[at + 1];
+        double complex c1 =
+            (1.0 - u) * first_moment(m, at) + u * first_moment(m, at + 1);
+        double complex c2 =
+            (1.0 - u) * second_moment(m, at) + u * second_moment(m, at + 1);
         if (f < m->frequency_hz[0]) {
             density = 0;
-        } else if (beyond > 1) {
-            density /= pow(beyond, 5.0);
+        } else if (f > m->frequency_hz[last]) {
+            density = tail.level / pow(f, 5.0);
+            c1 = tail.c[0];
+            c2 = tail.c[1];
         }
         p->energy[i] =
             density / (2.0 * PEL_PI) * omega_for_log_k(k, d->depth_m);
-        double complex c[2] = { 0, 0 };
-        for (int j = 0; j < 2; j++) {
-            double w = j ? u : 1.0 - u;
-            c[0] += w * m->r1[at + j] * cexp(I * m->alpha1_rad[at + j]);
-            c[1] += w * m->r2[at + j] * cexp(2.0 * I * m->alpha2_rad[at + j]);
-        }
-        p->entropy[i] = entropy(c[0], c[1]);
+        p->entropy[i] = entropy(c1, c2);
     }
     return PEL_OK;
 }

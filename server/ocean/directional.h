@@ -56,7 +56,8 @@ struct pel_directional {
  * Chapron, Katsaros and Vandemark 1997: eq. 30–32, 34–37, 40, 41, 43, 44, 49,
  * 57, 66; his density does not tell a wave from its opposite, here all run
  * with the wind. Swell: Gaussian, 6 % in ω, and in direction. Measured: linear
- * between the record's frequencies, ω⁻⁵ beyond them. */
+ * between the record's frequencies; beyond them ω⁻⁵ with the mean level and
+ * moments of the highest four tenths. */
 PEL_CHECK enum pel_err pel_directional_create(const struct pel_sea_desc *desc,
                                               struct pel_directional **out);
 void pel_directional_destroy(struct pel_directional *d); /* NULL allowed */

@@ -216,6 +216,17 @@ static void test_measured(void **state)
     pel_directional_moments(s, lo, hi, &m);
     assert_near(m.m0, 2 * 0.06, 1e-3);
     assert_near(atan2(m.north, m.east), 0.8, 1e-6);
+    /* Beyond 0.16 Hz: the mean of S f⁵ at 0.12 and 0.16 Hz, and their moments.
+     */
+    double beyond = 2 * PEL_PI * 0.5, level = 0;
+    for (int i = 1; i < 3; i++) {
+        level += 0.5 * 2 * pow(d.measured.frequency_hz[i] / 0.5, 5);
+    }
+    sum = 0;
+    for (int j = 0; j < 1440; j++) {
+        sum += pel_directional_at(s, beyond, 2 * PEL_PI * j / 1440) / 1440;
+    }
+    assert_near(sum, level / (2 * PEL_PI) / (2 * PEL_PI), 2e-3 * sum);
     pel_directional_destroy(s);
 
     d.measured.r1[1] = d.measured.r2[1] = d.measured.r1[2] = 1;

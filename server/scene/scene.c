@@ -158,6 +158,44 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     return PEL_OK;
 }
 
+/* The state after the patch, tested. */
+static enum pel_err edited(struct pel_scene *scene, const Pelagos__Patch *patch,
+                           double time_s, Pelagos__State **out,
+                           struct pel_fault *fault)
+{
+    scene->state->clock->time = time_s;
+    enum pel_err err = pel_state_apply(scene->state, patch, out, fault);
+    if (err) {
+        return err;
+    }
+    (*out)->revision = scene->state->revision + 1;
+    err = pel_state_check(*out, fault);
+    if (!err) {
+        err = pel_sea_settle(*out, fault);
+    }
+    if (err) {
+        pelagos__state__free_unpacked(*out, NULL);
+    }
+    return err;
+}
+
+enum pel_err pel_scene_try(struct pel_scene *scene, const Pelagos__Patch *patch,
+                           struct pel_shared_sea **sea, struct pel_fault *fault)
+{
+    if (!patch) {
+        return pel_shared_sea_get(scene->state, &scene->means, scene->sea, sea,
+                                  fault);
+    }
+    Pelagos__State *next;
+    enum pel_err err =
+        edited(scene, patch, pel_scene_time(scene), &next, fault);
+    if (!err) {
+        err = pel_shared_sea_get(next, &scene->means, scene->sea, sea, fault);
+        pelagos__state__free_unpacked(next, NULL);
+    }
+    return err;
+}
+
 enum pel_err pel_scene_patch(struct pel_scene *scene,
                              const Pelagos__Patch *patch,
                              struct pel_fault *fault)
@@ -165,19 +203,11 @@ enum pel_err pel_scene_patch(struct pel_scene *scene,
     Pelagos__State *next;
     int64_t now_ns = pel_now_ns();
     double time_s = pel_simclock_at(&scene->clock, now_ns);
-    scene->state->clock->time = time_s;
-    enum pel_err err = pel_state_apply(scene->state, patch, &next, fault);
+    enum pel_err err = edited(scene, patch, time_s, &next, fault);
     if (err) {
         return err;
     }
-    next->revision = scene->state->revision + 1;
-    err = pel_state_check(next, fault);
-    if (!err) {
-        err = pel_sea_settle(next, fault);
-    }
-    if (!err) {
-        err = commit(scene, next, fault);
-    }
+    err = commit(scene, next, fault);
     if (err) {
         pelagos__state__free_unpacked(next, NULL);
         return err;

@@ -37,6 +37,15 @@ PEL_CHECK enum pel_err pel_scene_patch(struct pel_scene *scene,
                                        const Pelagos__Patch *patch,
                                        struct pel_fault *fault);
 
+/* The sea that the scene would have after the patch, NULL for the one it has;
+ * the scene stays as it is. Faults as of pel_scene_patch. Give *sea back with
+ * pel_shared_sea_unref (build.h). */
+struct pel_shared_sea;
+PEL_CHECK enum pel_err pel_scene_try(struct pel_scene *scene,
+                                     const Pelagos__Patch *patch,
+                                     struct pel_shared_sea **sea,
+                                     struct pel_fault *fault);
+
 /* The state with clock.time of now; owned by the scene, valid until its next
  * call. */
 const Pelagos__State *pel_scene_state(struct pel_scene *scene);

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "json.h"
+#include "scene/numbers.h"
 #include "scene/scene.h"
 
 #define REAL "../shared/data/ndbc"
@@ -166,12 +167,106 @@ static void a_buoy_becomes_the_sea(void **state)
     unlink(path);
 }
 
+static Pelagos__Spectrum *ask(struct pel_scene *scene,
+                              const Pelagos__SpectrumQuery *query)
+{
+    Pelagos__Spectrum *out;
+    struct pel_fault fault;
+    if (pel_scene_spectrum(scene, query, &out, &fault)) {
+        fail_msg("%s", fault.message);
+    }
+    return out;
+}
+
+/* The numbers are those of the sea that is drawn, and of its spectrum. */
+static void the_sea_has_numbers(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL, NULL);
+    must(scene, "{\"sea\":{\"spectrum\":\"JONSWAP\",\"windSpeed\":11,"
+                "\"windDirection\":200}}");
+    Pelagos__SpectrumQuery query = PELAGOS__SPECTRUM_QUERY__INIT;
+    query.has_wavelength = query.has_frequencies = query.has_directions = true;
+    query.wavelength = 2;
+    query.frequencies = 200;
+    query.directions = 72;
+    query.lowest = 0.3;
+    query.highest = 20;
+    Pelagos__Spectrum *s = ask(scene, &query);
+    const struct pel_snapshot *now = pel_scene_snapshot(scene);
+    double hs = significant_height(scene);
+    assert_true(fabs(s->drawn->significant_height - hs) < 1e-12);
+    assert_true(fabs(s->spectrum->significant_height - hs) < 1e-3 * hs);
+    assert_true(s->drawn->slope_along == now->sea->slope_variance_along);
+    assert_true(fabs(s->drawn_below->significant_height -
+                     4 * pel_sea_rms_below(now->sea, 2)) < 1e-12);
+    assert_true(s->drawn_below->slope_along < s->drawn->slope_along);
+    assert_true(fabs(s->mean_direction - 200) < 1e-6);
+    pel_snapshot_unref(now);
+    /* Tp = 2π/ω_p of JONSWAP: 22 (g²/(U F))^(1/3). */
+    double peak = 22 * cbrt(9.81 * 9.81 / (11 * 2e5));
+    assert_true(fabs(s->peak_period - 2 * 3.14159265 / peak) < 0.01);
+    double sum = 0, all = 0, step = log(20 / 0.3) / 199;
+    for (size_t i = 0; i < s->n_rows; i++) {
+        const Pelagos__SpectrumRow *r = s->rows[i];
+        assert_int_equal(r->n_directional, 72);
+        sum += r->omega * r->density * step;
+        for (size_t k = 0; k < 72; k++) {
+            all += r->omega * r->directional[k] * step * 3.14159265 / 36;
+        }
+    }
+    assert_true(fabs(4 * sqrt(sum) - hs) < 0.01 * hs);
+    assert_true(fabs(all - sum) < 1e-3 * sum);
+    pelagos__spectrum__free_unpacked(s, NULL);
+    pel_scene_destroy(scene);
+}
+
+/* Another sea is asked about and not made. */
+static void numbers_change_nothing(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL, NULL);
+    double hs = significant_height(scene);
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    Pelagos__State with = PELAGOS__STATE__INIT;
+    Pelagos__Sea sea = PELAGOS__SEA__INIT;
+    patch.state = &with;
+    with.sea = &sea;
+    sea.has_wind_speed = sea.has_synthesiser = true;
+    sea.wind_speed = 16;
+    sea.synthesiser = PELAGOS__SYNTHESISER__FFT;
+    Pelagos__SpectrumQuery query = PELAGOS__SPECTRUM_QUERY__INIT;
+    query.patch = &patch;
+    Pelagos__Spectrum *s = ask(scene, &query);
+    assert_true(s->drawn->significant_height > 3 * hs);
+    assert_true(fabs(s->drawn->significant_height -
+                     s->spectrum->significant_height) < 0.02 * hs);
+    assert_int_equal(s->n_rows, 0);
+    assert_null(s->drawn_below);
+    pelagos__spectrum__free_unpacked(s, NULL);
+    assert_true(significant_height(scene) == hs);
+    assert_true(pel_scene_state(scene)->sea->wind_speed == 8);
+    sea.wind_speed = 31;
+    struct pel_fault fault;
+    assert_int_equal(pel_scene_spectrum(scene, &query, &s, &fault),
+                     PEL_ERR_OUT_OF_RANGE);
+    assert_string_equal(fault.path, "sea.windSpeed");
+    sea.wind_speed = 0;
+    s = ask(scene, &query);
+    assert_true(s->drawn->significant_height == 0);
+    assert_false(s->has_peak_period);
+    pelagos__spectrum__free_unpacked(s, NULL);
+    pel_scene_destroy(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_wind_has_other_names),
         cmocka_unit_test(every_spectrum_has_its_sea),
         cmocka_unit_test(a_buoy_becomes_the_sea),
+        cmocka_unit_test(the_sea_has_numbers),
+        cmocka_unit_test(numbers_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
