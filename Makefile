@@ -79,7 +79,6 @@ OPTICS := server/optics/brdf.c \
     server/optics/atmosphere.c \
     server/optics/colour.c \
     server/optics/facets.c \
-    server/optics/water.c \
     server/optics/waterbody.c \
     server/optics/linear.c \
     server/optics/ordinates.c \
@@ -113,7 +112,7 @@ SCENE := server/scene/scene.c \
 RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/renderer.c server/render/arena.c \
     server/render/mesh.c server/render/sky.c server/render/uniforms.c \
-    server/render/tiles.c server/render/wavefield.c server/render/layer.c
+    server/render/tiles.c server/render/waterlight.c server/render/wavefield.c server/render/layer.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c \

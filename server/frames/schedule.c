@@ -65,7 +65,7 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
         .wind_mps = s->wind_mps,
         .wind_to_rad = s->wind_to_rad,
         .visibility_m = s->visibility_m,
-        .chlorophyll_mg_m3 = s->chlorophyll_mg_m3,
+        .water = s->water,
     };
     return job;
 }

@@ -2,7 +2,6 @@
 
 #include "base/near.h"
 #include "base/vec.h"
-#include "optics/water.h"
 
 static const struct pel_rgb sun = { 1.474, 1.850, 1.912 };
 
@@ -65,48 +64,12 @@ static void test_exposure(void **state)
     assert_near(pel_colour_exposure_scale(15), 1 / (1.2 * 32768), 1e-15);
 }
 
-/* Morel and Prieur's R = 0.33 b_b / a written out for C = 1: the table of
- * each number is in water.c. */
-static void test_water_reflectance(void **state)
-{
-    (void)state;
-    struct pel_rgb r = pel_water_reflectance(1);
-    double bw = 0.00288 * pow(500 / 440.0, 4.32);
-    double bb = 0.5 * bw + 0.30 * (0.002 + 0.01 * 550 / 440.0);
-    double a = (0.00635 + 0.0378) * 1.2;
-    assert_near(r.b, 0.33 * bb / a, 1e-12);
-    /* Clear water is blue, rich water green, none is red; Morel and Prieur
-     * 1977 measured 2–10 % in the blue of clear water. */
-    r = pel_water_reflectance(0.05);
-    assert_true(r.b > 0.05 && r.b < 0.12 && r.b > r.g && r.g > r.r);
-    r = pel_water_reflectance(10);
-    assert_true(r.g > r.b && r.g > r.r && r.g < 0.1);
-    for (double c = 1e-3; c < 100; c *= 1.3) {
-        r = pel_water_reflectance(c);
-        assert_true(r.r > 0 && r.r < 0.2 && r.g < 0.2 && r.b < 0.2);
-    }
-}
-
-static void test_water_radiance(void **state)
-{
-    (void)state;
-    struct pel_rgb e = { 1, 2, 3 };
-    struct pel_rgb l = pel_water_radiance(0.3, e);
-    struct pel_rgb r = pel_water_reflectance(0.3);
-    assert_near(l.g, 2 * 0.96 * r.g / (PEL_PI * 1.34 * 1.34 * (1 - 0.48 * r.g)),
-                1e-12);
-    /* Leaving never exceeds what came: π L < E. */
-    assert_true(PEL_PI * l.b < e.b);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sun),
         cmocka_unit_test(test_spectrum_between_samples),
         cmocka_unit_test(test_exposure),
-        cmocka_unit_test(test_water_reflectance),
-        cmocka_unit_test(test_water_radiance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -246,6 +246,13 @@ enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
     return PEL_OK;
 }
 
+struct pel_water_body pel_water_deep(double chlorophyll)
+{
+    struct pel_water_body body = { .depth_m = 1000.0 };
+    resolve_case1(chlorophyll, &body);
+    return body;
+}
+
 struct pel_medium pel_water_medium(const struct pel_water_body *body, int i)
 {
     return (struct pel_medium){

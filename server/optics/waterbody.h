@@ -98,6 +98,10 @@ PEL_CHECK enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
                                          struct pel_water_body *out,
                                          struct pel_fault *fault);
 
+/* Case 1 water of a chlorophyll concentration (clamped to its range), 1000 m
+ * deep over a black bottom. */
+struct pel_water_body pel_water_deep(double chlorophyll_mg_m3);
+
 /* The body at wavelength i of pel_water_wavelength_nm. */
 struct pel_medium pel_water_medium(const struct pel_water_body *body, int i);
 

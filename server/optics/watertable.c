@@ -182,3 +182,30 @@ struct pel_rgb pel_water_table_fetch(const float texels[SIZE][SIZE][4],
     }
     return (struct pel_rgb){ rgb[0], rgb[1], rgb[2] };
 }
+
+struct pel_rgb pel_water_table_leaving(const struct pel_water_table *table,
+                                       struct pel_vec3 view,
+                                       struct pel_vec3 normal,
+                                       struct pel_vec3 sun,
+                                       struct pel_rgb sun_irradiance,
+                                       struct pel_rgb sky_irradiance)
+{
+    const double eta = 1.0 / PEL_WATER_INDEX;
+    double facing = fmax(pel_vec3_dot(normal, view), 0.0);
+    /* The line of sight refracted, its horizontal part. */
+    double along =
+        eta * facing - sqrt(1.0 - eta * eta * (1.0 - facing * facing));
+    double x = normal.x * along - eta * view.x;
+    double y = normal.y * along - eta * view.y;
+    double sine = hypot(x, y), across = hypot(sun.x, sun.y) * sine;
+    double cosine = across > 1e-6 ? (x * sun.x + y * sun.y) / across : 0.0;
+    struct pel_rgb a =
+        pel_water_table_fetch(table->sun, PEL_WATER_INDEX * sine, cosine);
+    struct pel_rgb b =
+        pel_water_table_fetch(table->sky, PEL_WATER_INDEX * sine, cosine);
+    return (struct pel_rgb){
+        sun_irradiance.r * a.r + sky_irradiance.r * b.r,
+        sun_irradiance.g * a.g + sky_irradiance.g * b.g,
+        sun_irradiance.b * a.b + sky_irradiance.b * b.b,
+    };
+}

@@ -49,6 +49,17 @@ PEL_CHECK enum pel_err pel_water_table_build(const struct pel_water_body *body,
                                              const struct pel_water_sky *sky,
                                              struct pel_water_table *out);
 
+/* What leaves the water towards the unit vector `view` through a facet of unit
+ * normal `normal` (facing the view), before the facet's Fresnel factor, with
+ * the Sun in direction `sun` and its light on the sea: twin of leaving_water
+ * in shaders/lib/shade.glsl. The table is of that Sun. */
+struct pel_rgb pel_water_table_leaving(const struct pel_water_table *table,
+                                       struct pel_vec3 view,
+                                       struct pel_vec3 normal,
+                                       struct pel_vec3 sun,
+                                       struct pel_rgb sun_irradiance,
+                                       struct pel_rgb sky_irradiance);
+
 /* What a linear filter fetches from `texels` (sun or sky of a table): twin of
  * the shader's fetch. sin_zenith 0..1, cos_azimuth −1..1. */
 struct pel_rgb pel_water_table_fetch(

@@ -26,7 +26,7 @@ static struct pel_picture *draw(struct pel_renderer *r, unsigned layers)
                                          .sun = { 0.2, 0.9, 0.387298 },
                                          .wind_mps = 9,
                                          .visibility_m = 20000,
-                                         .chlorophyll_mg_m3 = 0.3 };
+                                         .water = pel_water_deep(0.3) };
     const struct pel_draw d = {
         .camera = { .altitude_m = 9,
                     .world_from_camera = { { 1, 0, 0 },

@@ -2,7 +2,7 @@
  * optics/atmosphere.c, the sea against optics/brdf.c and optics/water.c. */
 #include "optics/atmosphere.h"
 #include "optics/brdf.h"
-#include "optics/water.h"
+#include "optics/watertable.h"
 #include "render/rendertest.h"
 #include "render/sky.h"
 
@@ -120,14 +120,23 @@ static struct pel_rgb mul_rgb(struct pel_rgb a, struct pel_rgb b)
     return (struct pel_rgb){ a.r * b.r, a.g * b.g, a.b * b.b };
 }
 
-/* Light of the water for the light that falls on it. */
-static struct pel_rgb water_light(const struct pel_environment *env,
-                                  struct pel_vec3 sun)
+/* Light of the water towards `view` through a level facet. */
+static struct pel_water_table leaving;
+static struct pel_rgb sun_on_sea, sky_on_sea;
+
+static void light_water(const struct pel_environment *env, struct pel_vec3 sun)
 {
-    struct pel_rgb down = add_rgb(
-        pel_atmosphere_sky_irradiance(&air, sun),
-        scale_rgb(pel_atmosphere_sun_irradiance(&air, 0.0, sun), sun.z));
-    return pel_water_radiance(env->chlorophyll_mg_m3, down);
+    assert_int_equal(
+        pel_water_table_build(&env->water, acos(sun.z), NULL, &leaving), 0);
+    sky_on_sea = pel_atmosphere_sky_irradiance(&air, sun);
+    sun_on_sea = pel_atmosphere_sun_irradiance(&air, 0.0, sun);
+}
+
+static struct pel_rgb water_light(struct pel_vec3 view, struct pel_vec3 sun)
+{
+    const struct pel_vec3 level = { 0.0, 0.0, 1.0 };
+    return pel_water_table_leaving(&leaving, view, level, sun, sun_on_sea,
+                                   sky_on_sea);
 }
 
 /* A flat sea mirrors: F̄ sky + (1 − F̄) water. */
@@ -146,12 +155,13 @@ static void flat_sea_mirrors(void **state)
             (struct test_look){ 2.0, 180.0, -36.0, 0.0, 52.0, 24, 24 });
         struct pel_picture *p =
             test_draw(renderer, &env, &c, PEL_LAYER_RADIANCE);
-        struct pel_rgb water = water_light(&env, sun);
+        light_water(&env, sun);
         struct error e = { 0 }, exact = { 0 };
         for (uint32_t i = 0; i < c.width * c.height; i += 7) {
             struct pel_vec3 dir =
                 test_ray(&c, i % c.width + 0.5, (double)(i / c.width) + 0.5);
             struct pel_vec3 view = pel_vec3_scale(dir, -1.0);
+            struct pel_rgb water = water_light(view, sun);
             struct pel_vec3 up = { dir.x, dir.y, -dir.z };
             double f =
                 pel_ross_mean_fresnel(view, FLAT_VARIANCE, FLAT_VARIANCE);
@@ -198,7 +208,7 @@ static void glitter_is_eq_15(void **state)
             (struct test_look){ h, 0.0, -90.0, 0.0, cases[k].fov, 16, 16 });
         struct pel_picture *p =
             test_draw(renderer, &env, &c, PEL_LAYER_RADIANCE);
-        struct pel_rgb water = water_light(&env, sun);
+        light_water(&env, sun);
         struct pel_rgb sun_light =
             pel_atmosphere_sun_irradiance(&air, 0.0, sun);
         struct pel_vec3 wind = { cos(env.wind_to_rad), sin(env.wind_to_rad),
@@ -212,6 +222,7 @@ static void glitter_is_eq_15(void **state)
             struct pel_vec3 dir =
                 test_ray(&c, i % 16 + 0.5, (double)(i / 16) + 0.5);
             struct pel_vec3 v = pel_vec3_scale(dir, -1.0);
+            struct pel_rgb water = water_light(v, sun);
             struct pel_vec3 view = { pel_vec3_dot(v, wind),
                                      pel_vec3_dot(v, side), v.z };
             struct pel_vec3 light = { pel_vec3_dot(sun, wind),

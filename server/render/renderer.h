@@ -37,7 +37,7 @@ struct pel_environment {
     struct pel_vec3 sun; /* unit, towards the Sun */
     double wind_mps, wind_to_rad;
     double visibility_m;
-    double chlorophyll_mg_m3;
+    struct pel_water_body water;
     /* For validation: leaves out the air between the sea and the eye; gives
      * every distance the slope variances of the nearest pixels, the constant
      * BRDF of the 2010 paper's fig. 10; widens the Sun as brute force must. */

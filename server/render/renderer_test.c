@@ -71,7 +71,7 @@ static void same_scene_same_bytes(void **state)
         struct pel_environment other = test_environment(&other_sea, 7.0 + i);
         other.sun = test_sun(2.0 + 20.0 * i, 200.0);
         other.visibility_m = 3000.0 + 1e5 * i;
-        other.chlorophyll_mg_m3 = 5.0;
+        other.water = pel_water_deep(5.0);
         struct pel_camera elsewhere = test_camera(
             (struct test_look){ 40.0 * i + 2.0, 100.0, -30.0 * i, 0.0, 90.0,
                                 200 + 30 * (unsigned)i, 64 });
@@ -364,7 +364,9 @@ static void no_scene_gives_nonsense(void **state)
         double elevation = i % 7 ? test_random(&random, -18.0, 90.0) : 90.0;
         env.sun = test_sun(elevation, test_random(&random, 0.0, 360.0));
         env.visibility_m = 200.0 * pow(1500.0, test_random(&random, 0.0, 1.0));
-        env.chlorophyll_mg_m3 = 0.01 * pow(3000.0, test_random(&random, 0, 1));
+        env.water =
+            pel_water_deep(0.01 * pow(3000.0, test_random(&random, 0, 1)));
+        env.water.depth_m = pow(10.0, test_random(&random, -1, 3));
         const struct test_look look = {
             .height_m = some_height(i, &random),
             .heading = test_random(&random, 0.0, 360.0),

@@ -123,7 +123,7 @@ static inline struct pel_environment test_environment(const struct pel_sea *sea,
         .wind_mps = sea->desc.wind_mps,
         .wind_to_rad = sea->desc.direction_rad,
         .visibility_m = 40000.0,
-        .chlorophyll_mg_m3 = 0.2,
+        .water = pel_water_deep(0.2),
     };
 }
 

@@ -84,6 +84,7 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
         make_texture(MULTIPLE_SIZE, MULTIPLE_SIZE, 1, "multiple scattering");
     sky->multiple_fbo = make_fbo(sky->multiple, 0);
     make_table(&sky->sea);
+    pel_water_light_init(&sky->water);
     sky->reflection =
         make_texture(PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE, 7, "reflection map");
     sky->reflection_fbo = make_fbo(sky->reflection, 0);
@@ -111,6 +112,7 @@ void pel_sky_finish(struct pel_sky *sky)
     for (int i = 0; i < PEL_SKY_EYES; i++) {
         finish_table(&sky->eyes[i]);
     }
+    pel_water_light_finish(&sky->water);
     glDeleteBuffers(1, &sky->light);
     *sky = (struct pel_sky){ 0 };
 }
@@ -187,11 +189,12 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         memcpy(sky->sea.key, key, sizeof key);
         sky->sea.made = true;
     }
+    pel_water_light_update(&sky->water, &env->water, env->sun.z);
     const double light_key[8] = { env->sun.x,
                                   env->sun.y,
                                   env->sun.z,
                                   env->visibility_m,
-                                  env->chlorophyll_mg_m3,
+                                  (double)sky->water.version,
                                   env->sea->slope_variance_along,
                                   env->sea->slope_variance_cross,
                                   0.0 };
@@ -200,9 +203,14 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
         glBindTextureUnit(PEL_UNIT_SEA_TABLE, sky->sea.radiance);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, sky->light);
+        glBindTextureUnit(PEL_UNIT_WATER_SUN, sky->water.sun);
+        glBindTextureUnit(PEL_UNIT_WATER_SKY, sky->water.sky);
+        glBindImageTexture(0, sky->water.map, 0, GL_FALSE, 0, GL_WRITE_ONLY,
+                           GL_RGBA32F);
         glUseProgram(sky->light_program);
         glDispatchCompute(1, 1, 1);
-        glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+        glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                        GL_TEXTURE_FETCH_BARRIER_BIT);
         glBindBufferBase(GL_UNIFORM_BUFFER, 4, sky->light);
         glProgramUniform2f(sky->reflection_program, 0, PEL_SKY_MAP_SIZE,
                            PEL_SKY_MAP_HALF_WIDTH);
@@ -242,6 +250,7 @@ void pel_sky_bind_eye(struct pel_sky *sky, const struct pel_environment *env,
     t->last_used = ++sky->uses;
     glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
     glBindTextureUnit(PEL_UNIT_REFLECTION, sky->reflection);
+    glBindTextureUnit(PEL_UNIT_WATER, sky->water.map);
     glBindTextureUnit(PEL_UNIT_EYE_TABLE, t->radiance);
     glBindTextureUnit(PEL_UNIT_EYE_HAZE, t->haze);
 }

@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "render/renderer.h"
+#include "render/waterlight.h"
 
 #define PEL_SKY_EYES 16
 #define PEL_SKY_KEYS 5
@@ -42,6 +43,7 @@ struct pel_sky {
     struct pel_sky_table sea;
     struct pel_sky_table eyes[PEL_SKY_EYES];
     GLuint reflection, reflection_fbo;
+    struct pel_water_light water;
     GLuint light; /* buffer, block `light` */
     double light_key[8];
     bool light_made;

@@ -6,7 +6,6 @@
 #include "optics/brdf.h"
 #include "optics/colour.h"
 #include "optics/facets.h"
-#include "optics/water.h"
 
 static struct pel_vec4 vec4(double x, double y, double z, double w)
 {
@@ -28,7 +27,6 @@ void pel_fill_frame(const struct pel_environment *env,
     /* A uniform disc has a quarter of its squared radius as variance an axis;
      * facets turn half as far as what they mirror. */
     const double disc = PEL_SUN_ANGULAR_RADIUS * PEL_SUN_ANGULAR_RADIUS / 16.0;
-    const struct pel_rgb unit = { 1.0, 1.0, 1.0 };
     double m[9];
     pel_colour_matrix(m);
     *out = (struct pel_block_frame){
@@ -43,8 +41,7 @@ void pel_fill_frame(const struct pel_environment *env,
         .ozone = rgb4(air.ozone, air.ozone_center_m),
         .planet = vec4(PEL_EARTH_RADIUS, PEL_ATMOSPHERE_RADIUS,
                        air.ozone_width_m, r0 * r0),
-        .water = rgb4(pel_water_radiance(env->chlorophyll_mg_m3, unit),
-                      env->no_air ? 1.0 : 0.0),
+        .water = vec4(0.0, 0.0, 0.0, env->no_air ? 1.0 : 0.0),
         .disc = vec4(env->sun_blur > 0.0 ? env->sun_blur * env->sun_blur : disc,
                      0.0, 0.0, 0.0),
         .red = vec4(m[0], m[1], m[2], 0.0),

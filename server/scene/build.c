@@ -252,6 +252,33 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
     open_view(from, to);
 }
 
+static void place_water(const Pelagos__Water *from, struct pel_water_body *to)
+{
+    /* Jerlov's types, names and bottoms are numbered as in the schema. */
+    const struct pel_water_desc desc = {
+        .kind = from->has_jerlov           ? PEL_WATER_JERLOV
+                : from->has_named          ? PEL_WATER_NAMED
+                : from->has_absorption_680 ? PEL_WATER_COEFFICIENTS
+                                           : PEL_WATER_CHLOROPHYLL,
+        .chlorophyll_mg_m3 = from->chlorophyll,
+        .jerlov = (enum pel_jerlov)from->jerlov,
+        .name = (enum pel_water_name)from->named,
+        .absorption = { from->absorption_680, from->absorption_550,
+                        from->absorption_440 },
+        .scattering = { from->scattering_680, from->scattering_550,
+                        from->scattering_440 },
+        .asymmetry = { from->asymmetry_680, from->asymmetry_550,
+                       from->asymmetry_440 },
+        .depth_m = from->depth,
+        .bottom = from->has_albedo_680 ? PEL_BOTTOM_ALBEDO
+                                       : (enum pel_bottom)from->bottom,
+        .albedo = { from->albedo_680, from->albedo_550, from->albedo_440 },
+    };
+    if (pel_water_resolve(&desc, to, NULL)) {
+        *to = pel_water_deep(0.2); /* not reached: the state was tested */
+    }
+}
+
 static void fill(const Pelagos__State *state, struct pel_snapshot *out)
 {
     const Pelagos__Sky *sky = state->sky;
@@ -265,6 +292,7 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     out->origin_longitude_rad = state->origin->longitude * PEL_DEG;
     out->wind_mps = state->sea->wind_speed;
     out->wind_to_rad = goes_to(state->sea->wind_direction);
+    place_water(state->water, &out->water);
     out->chlorophyll_mg_m3 = state->water->chlorophyll;
     out->sun_azimuth_fixed = sky->has_sun_azimuth;
     out->sun_elevation_fixed = sky->has_sun_elevation;

@@ -266,6 +266,51 @@ static enum pel_err check_utc(const Pelagos__Clock *clock,
                : PEL_OK;
 }
 
+/* All of `count` values, or none: *present says which. */
+static bool whole(const protobuf_c_boolean *const has[], int count,
+                  bool *present)
+{
+    int found = 0;
+    for (int i = 0; i < count; i++) {
+        found += *has[i] ? 1 : 0;
+    }
+    *present = found > 0;
+    return found == 0 || found == count;
+}
+
+static enum pel_err check_water(const Pelagos__Water *w,
+                                struct pel_fault *fault)
+{
+    const protobuf_c_boolean *const coefficients[] = {
+        &w->has_absorption_680, &w->has_absorption_550, &w->has_absorption_440,
+        &w->has_scattering_680, &w->has_scattering_550, &w->has_scattering_440,
+    };
+    const protobuf_c_boolean *const albedos[] = {
+        &w->has_albedo_680,
+        &w->has_albedo_550,
+        &w->has_albedo_440,
+    };
+    bool direct, given;
+    if (!whole(coefficients, 6, &direct)) {
+        return refuse(PEL_ERR_INVALID, "water", NULL,
+                      "needs absorption and scattering at all of 680, 550 and "
+                      "440 nm, or none of the six",
+                      fault);
+    }
+    if (!whole(albedos, 3, &given)) {
+        return refuse(PEL_ERR_INVALID, "water", NULL,
+                      "needs albedo at all of 680, 550 and 440 nm, or none",
+                      fault);
+    }
+    if (direct + (w->has_jerlov != 0) + (w->has_named != 0) > 1) {
+        return refuse(PEL_ERR_CONFLICT, "water", NULL,
+                      "is described twice: only one of jerlov, named, and "
+                      "absorption with scattering; remove the other",
+                      fault);
+    }
+    return PEL_OK;
+}
+
 enum pel_err pel_state_check(const Pelagos__State *state,
                              struct pel_fault *fault)
 {
@@ -284,6 +329,9 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     }
     if (!err && state->clock) {
         err = check_utc(state->clock, fault);
+    }
+    if (!err && state->water) {
+        err = check_water(state->water, fault);
     }
     for (size_t i = 0; !err && i < state->n_entities; i++) {
         err = check_entity(state, i, fault);

@@ -111,6 +111,13 @@ static void refusals_change_nothing(void **state)
         { "{\"entities\":[{\"heading\":5}],\"views\":[]}", PEL_ERR_NOT_FOUND,
           "entities." },
         { "{\"views\":{\"stern\":null}}", PEL_ERR_NOT_FOUND, "views.stern" },
+        { "{\"water\":{\"depth\":0}}", PEL_ERR_OUT_OF_RANGE, "water.depth" },
+        { "{\"water\":{\"jerlov\":\"IV\"}}", PEL_ERR_INVALID, "water.jerlov" },
+        { "{\"water\":{\"absorption680\":0.5,\"scattering680\":1}}",
+          PEL_ERR_INVALID, "water" },
+        { "{\"water\":{\"albedo550\":0.5}}", PEL_ERR_INVALID, "water" },
+        { "{\"water\":{\"jerlov\":\"IA\",\"named\":\"BALTIC\"}}",
+          PEL_ERR_CONFLICT, "water" },
         { "{\"clock\":{\"utc\":\"yesterday\"}}", PEL_ERR_INVALID, "clock.utc" },
         { "{\"clock\":{\"utc\":\"2026-06-21T12:00:00\"}}", PEL_ERR_INVALID,
           "clock.utc" },
@@ -424,10 +431,55 @@ static void a_bad_file_is_set_aside(void **state)
     }
 }
 
+/* Each way of saying what the water is reaches the snapshot. */
+static void water_is_described(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL);
+    struct pel_water_body wanted = pel_water_deep(0.2);
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    assert_memory_equal(&s->water, &wanted, sizeof wanted);
+    pel_snapshot_unref(s);
+
+    must(scene, "{\"water\":{\"jerlov\":\"C3\",\"depth\":7.9,"
+                "\"bottom\":\"SAND\"}}");
+    struct pel_water_desc desc = { .kind = PEL_WATER_JERLOV,
+                                   .jerlov = PEL_JERLOV_3C,
+                                   .depth_m = 7.9,
+                                   .bottom = PEL_BOTTOM_SAND };
+    assert_int_equal(pel_water_resolve(&desc, &wanted, NULL), PEL_OK);
+    s = pel_scene_snapshot(scene);
+    assert_memory_equal(&s->water, &wanted, sizeof wanted);
+    pel_snapshot_unref(s);
+
+    must(scene, "{\"water\":{\"jerlov\":null,\"named\":\"HARBOUR\"}}");
+    desc.kind = PEL_WATER_NAMED;
+    desc.name = PEL_WATER_HARBOUR;
+    assert_int_equal(pel_water_resolve(&desc, &wanted, NULL), PEL_OK);
+    s = pel_scene_snapshot(scene);
+    assert_memory_equal(&s->water, &wanted, sizeof wanted);
+    pel_snapshot_unref(s);
+
+    must(scene, "{\"water\":{\"named\":null,\"absorption680\":0.5,"
+                "\"absorption550\":0.06,\"absorption440\":0.02,"
+                "\"scattering680\":1,\"scattering550\":2,\"scattering440\":3,"
+                "\"asymmetry550\":0.75,\"albedo680\":0.1,\"albedo550\":0.2,"
+                "\"albedo440\":0.3}}");
+    s = pel_scene_snapshot(scene);
+    assert_true(s->water.absorption[2] == 0.02);
+    assert_true(s->water.scattering[0] == 1.0);
+    assert_true(s->water.asymmetry[0] == 0.924);
+    assert_true(s->water.asymmetry[1] == 0.75);
+    assert_true(s->water.albedo[2] == 0.3 && s->water.depth_m == 7.9);
+    pel_snapshot_unref(s);
+    pel_scene_destroy(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults_are_all_there),
+        cmocka_unit_test(water_is_described),
         cmocka_unit_test(refusals_change_nothing),
         cmocka_unit_test(binary_values_are_tested_too),
         cmocka_unit_test(edits_merge_and_reset),

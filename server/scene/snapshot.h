@@ -11,6 +11,7 @@
 
 #include "base/vec.h"
 #include "ocean/sea.h"
+#include "optics/waterbody.h"
 
 #define PEL_MAX_VIEWS 64
 #define PEL_MAX_ENTITIES 256
@@ -50,7 +51,8 @@ struct pel_snapshot {
     double origin_latitude_rad, origin_longitude_rad;
     const struct pel_sea *sea;    /* lives as long as the snapshot */
     double wind_mps, wind_to_rad; /* mathematical direction it blows to */
-    double chlorophyll_mg_m3;
+    struct pel_water_body water;
+    double chlorophyll_mg_m3; /* the field, whatever describes the water */
     bool sun_azimuth_fixed, sun_elevation_fixed; /* else from the time */
     double sun_azimuth_rad, sun_elevation_rad;   /* where fixed */
     double visibility_m;

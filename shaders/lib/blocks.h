@@ -37,7 +37,7 @@ PEL_BLOCK(0, frame) {
     vec4 mie;      /* x extinction, y scattering, 1/m; z scale height; w g */
     vec4 ozone;    /* rgb peak absorption, 1/m; w height of the peak, m */
     vec4 planet;   /* x ground, y top radius, m; z ozone half-width, m; w R0 */
-    vec4 water;    /* rgb L_sea for unit irradiance; w 1 leaves out the air */
+    vec4 water;    /* w 1 leaves out the air */
     vec4 disc;     /* x variance of slopes that mirror some of the Sun's disc */
     vec4 red;      /* rows of the matrix to Rec. 709 cd/m² */
     vec4 green;
@@ -101,7 +101,7 @@ PEL_BLOCK(4, light) {
     vec4 exposure;  /* x automatic EV100 */
     vec4 sun_light; /* rgb irradiance of the Sun normal to its beam, sea level */
     vec4 sky_light; /* rgb horizontal irradiance of the sky */
-    vec4 sea_light; /* rgb L_sea, the water's radiance under its surface */
+    vec4 sea_light; /* rgb the water's radiance, seen at 37° across the Sun */
 };
 
 #ifdef __STDC__

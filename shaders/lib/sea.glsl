@@ -10,6 +10,7 @@ layout(std430, binding = 0) readonly buffer vertices_block { vertex vertices[]; 
 layout(std430, binding = 3) readonly buffer variance_block { vec2 variance_table[]; };
 layout(binding = 1) uniform sampler2D reflection_map;
 layout(binding = 4) uniform sampler2D eye_haze;
+layout(binding = 9) uniform sampler2D water_map; // what leaves the water, by line of sight
 
 shaded shade_sea(ivec2 at, uint triangle)
 {
@@ -100,7 +101,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     float hidden = 1.0 - smoothstep(-edge, edge, dot(n, v));
     vec3 n_seen = normalize(mix(n, vec3(0.0, 0.0, 1.0), hidden));
     vec2 variance_seen = mix(variance, wind.zw, hidden);
-    lit parts = sea_radiance(reflection_map, v, sun_dir, n_seen, variance_seen);
+    lit parts = sea_radiance(reflection_map, water_map, v, sun_dir, n_seen, variance_seen);
     vec3 light = parts.sun + parts.sky + parts.water;
 
     // The air between: towards its equilibrium radiance.

@@ -41,6 +41,7 @@ struct pel_environment bench_environment(const struct bench_scene *s,
                                          const struct pel_sea *sea)
 {
     double e = s->sun_elevation * PEL_DEG, a = s->sun_azimuth * PEL_DEG;
+    struct pel_water_body water = pel_water_deep(s->chlorophyll);
     return (struct pel_environment){
         .time_s = s->time_s,
         .sea = sea,
@@ -48,7 +49,7 @@ struct pel_environment bench_environment(const struct bench_scene *s,
         .wind_mps = s->wind_mps,
         .wind_to_rad = wind_to(s),
         .visibility_m = s->visibility_m,
-        .chlorophyll_mg_m3 = s->chlorophyll,
+        .water = water,
     };
 }
 

@@ -13,7 +13,6 @@
 
 #include "encode/encode.h"
 #include "optics/brdf.h"
-#include "optics/water.h"
 #include "tests/validate/reference.h"
 
 #define COLUMNS 160
@@ -266,7 +265,7 @@ static bool run_scene(struct pel_renderer *r, const struct scene *scene,
         .wind_mps = scene->wind_mps,
         .wind_to_rad = desc.direction_rad,
         .visibility_m = visibility,
-        .chlorophyll_mg_m3 = 0.3,
+        .water = pel_water_deep(0.3),
         .no_air = true,
         .sun_blur = SUN_BLUR,
     };
@@ -275,15 +274,17 @@ static bool run_scene(struct pel_renderer *r, const struct scene *scene,
     pel_atmosphere_init(&air_desc, air);
     pel_atmosphere_tabulate(air);
     struct pel_rgb sun = pel_atmosphere_sun_irradiance(air, 0, env.sun);
-    struct pel_rgb down = pel_atmosphere_sky_irradiance(air, env.sun);
-    down.r += sun.r * env.sun.z;
-    down.g += sun.g * env.sun.z;
-    down.b += sun.b * env.sun.z;
+    struct pel_rgb sky = pel_atmosphere_sky_irradiance(air, env.sun);
     free(air);
+    static struct pel_water_table leaving;
+    if (pel_water_table_build(&env.water, acos(env.sun.z), NULL, &leaving)) {
+        return false;
+    }
     const struct reference_light light = {
         .sun = env.sun,
         .sun_irradiance = sun,
-        .sea_radiance = pel_water_radiance(env.chlorophyll_mg_m3, down),
+        .sky_irradiance = sky,
+        .water = &leaving,
         .slope_sigma =
             sqrt(0.5 * (sea.slope_variance_along + sea.slope_variance_cross)),
         .blur = SUN_BLUR,

@@ -156,6 +156,16 @@ static struct pel_rgb mix(struct pel_rgb a, struct pel_rgb b, double f)
                              a.b + (b.b - a.b) * f };
 }
 
+/* Light of the water where the line of sight is not known: 37° aside. */
+static struct pel_rgb sea_in_the_mean(const struct reference_light *l)
+{
+    struct pel_rgb a = pel_water_table_fetch(l->water->sun, 0.6, 0.0);
+    struct pel_rgb b = pel_water_table_fetch(l->water->sky, 0.6, 0.0);
+    struct pel_rgb e = l->sun_irradiance, s = l->sky_irradiance;
+    return (struct pel_rgb){ e.r * a.r + s.r * b.r, e.g * a.g + s.g * b.g,
+                             e.b * a.b + s.b * b.b };
+}
+
 struct pel_rgb reference_environment(const struct reference *r,
                                      struct pel_vec3 dir)
 {
@@ -174,7 +184,7 @@ struct pel_rgb reference_environment(const struct reference *r,
     }
     double s = r->light.slope_sigma;
     const struct pel_vec3 view = { sqrt(1 - dir.z * dir.z), 0, -dir.z };
-    return mix(r->light.sea_radiance, sky,
+    return mix(sea_in_the_mean(&r->light), sky,
                pel_ross_mean_fresnel(view, s * s, s * s));
 }
 
@@ -187,7 +197,9 @@ static void reflect(const struct reference *r, struct pel_vec3 n,
     double f = pel_fresnel_schlick(vn, PEL_WATER_INDEX);
     struct pel_rgb l = reference_environment(r, m);
     out->sky = (struct pel_rgb){ f * l.r, f * l.g, f * l.b };
-    struct pel_rgb w = r->light.sea_radiance;
+    struct pel_rgb w = pel_water_table_leaving(
+        r->light.water, v, n, r->light.sun, r->light.sun_irradiance,
+        r->light.sky_irradiance);
     out->water =
         (struct pel_rgb){ (1 - f) * w.r, (1 - f) * w.g, (1 - f) * w.b };
     /* The widened Sun: density of the blur at the slope that would mirror it,

@@ -3,15 +3,17 @@
 #pragma once
 
 #include "optics/atmosphere.h"
+#include "optics/watertable.h"
 #include "render/renderer.h"
 
 struct reference_light {
     struct pel_vec3 sun;
-    struct pel_rgb sun_irradiance; /* normal to the beam */
-    struct pel_rgb sea_radiance;   /* L_sea */
-    double slope_sigma;            /* for the environment below the horizon */
-    double blur;                   /* slopes: the Sun is widened by a Gaussian
-                                      of this standard deviation */
+    struct pel_rgb sun_irradiance;       /* normal to the beam */
+    struct pel_rgb sky_irradiance;       /* horizontal */
+    const struct pel_water_table *water; /* of this Sun */
+    double slope_sigma; /* for the environment below the horizon */
+    double blur;        /* slopes: the Sun is widened by a Gaussian
+                           of this standard deviation */
 };
 
 struct reference;

@@ -87,9 +87,49 @@ class Sea(Record):
 
 @dataclass(frozen=True)
 class Water(Record):
-    """Water of the state."""
+    """What the water is made of, for light: by chlorophyll, unless one of
+    jerlov, named, or the six coefficients of absorption and scattering says
+    otherwise. docs/water.md has the sources of all numbers."""
     #: Chlorophyll-a concentration of Case 1 water. [mg/m3; 0.01 to 30]
     chlorophyll: float = _field(0.2, 'mg/m3', 0.01, 30)
+    #: Jerlov's type, instead of chlorophyll.
+    #: One of I, IA, IB, II, III, C1, C3, C5, C7, C9.
+    jerlov: str | None = _field(None)
+    #: A known water, instead of chlorophyll.
+    #: One of TROPICAL, NORTH_ATLANTIC, BALTIC, HARBOUR.
+    named: str | None = _field(None)
+    #: Absorption at 680 nm; with the other two and scattering, instead of
+    #: chlorophyll. [1/m; 0.001 to 100]
+    absorption680: float | None = _field(None, '1/m', 0.001, 100)
+    #: Absorption at 550 nm. [1/m; 0.001 to 100]
+    absorption550: float | None = _field(None, '1/m', 0.001, 100)
+    #: Absorption at 440 nm. [1/m; 0.001 to 100]
+    absorption440: float | None = _field(None, '1/m', 0.001, 100)
+    #: Scattering at 680 nm. [1/m; 0 to 100]
+    scattering680: float | None = _field(None, '1/m', 0, 100)
+    #: Scattering at 550 nm. [1/m; 0 to 100]
+    scattering550: float | None = _field(None, '1/m', 0, 100)
+    #: Scattering at 440 nm. [1/m; 0 to 100]
+    scattering440: float | None = _field(None, '1/m', 0, 100)
+    #: Mean cosine of scattering (Henyey and Greenstein's g) at 680 nm; read
+    #: with the coefficients only. [1; 0 to 0.98]
+    asymmetry680: float = _field(0.924, '1', 0, 0.98)
+    #: The same at 550 nm. [1; 0 to 0.98]
+    asymmetry550: float = _field(0.924, '1', 0, 0.98)
+    #: The same at 440 nm. [1; 0 to 0.98]
+    asymmetry440: float = _field(0.924, '1', 0, 0.98)
+    #: Depth, the same everywhere. [m; 0.1 to 11000]
+    depth: float = _field(1000.0, 'm', 0.1, 11000)
+    #: What the bottom is.
+    #: One of BLACK, SAND, MUD, ROCK, CORAL.
+    bottom: str = _field('BLACK')
+    #: Albedo of the bottom at 680 nm; with the other two, instead of bottom.
+    #: [1; 0 to 1]
+    albedo680: float | None = _field(None, '1', 0, 1)
+    #: Albedo at 550 nm. [1; 0 to 1]
+    albedo550: float | None = _field(None, '1', 0, 1)
+    #: Albedo at 440 nm. [1; 0 to 1]
+    albedo440: float | None = _field(None, '1', 0, 1)
 
 
 @dataclass(frozen=True)
