@@ -184,7 +184,7 @@ static void refuses_and_changes_nothing(void **state)
     assert_int_equal(write_float(f, 10, -0.001), -3);
     assert_int_equal(write_float(f, 10, NAN), -3);
     assert_int_equal(write_float(f, 10, INFINITY), -3);
-    assert_int_equal(write_one(f, 26, 2), -3);    /* no such spectrum */
+    assert_int_equal(write_one(f, 26, 99), -3);   /* no such spectrum */
     assert_int_equal(write_one(f, 10, 0), -2);    /* half a value */
     assert_int_equal(write_one(f, 6, 0), -2);     /* reserved */
     assert_int_equal(write_one(f, 999, 0), -2);   /* outside */
