@@ -186,7 +186,7 @@ static enum pel_err set_number(const struct pel_option *option,
     bool is_number = end != value && *end == 0;
     if (!is_number || errno == ERANGE ||
         !(number >= option->minimum && number <= option->maximum)) {
-        snprintf(why, sizeof why, "is not %s within %g .. %g%s%s",
+        snprintf(why, sizeof why, "is not %s within %.12g .. %.12g%s%s",
                  whole ? "a whole number" : "a number", option->minimum,
                  option->maximum, *option->unit ? " " : "", option->unit);
         return refuse(fault, option, where, value, why);

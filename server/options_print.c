@@ -43,7 +43,7 @@ static bool begins_section(const struct pel_option *option)
 static void describe(const struct pel_option *o, char *text, size_t size)
 {
     if (o->kind == PEL_OPTION_DOUBLE || o->kind == PEL_OPTION_INT) {
-        snprintf(text, size, "%g .. %g%s%s; %s", o->minimum, o->maximum,
+        snprintf(text, size, "%.12g .. %.12g%s%s; %s", o->minimum, o->maximum,
                  *o->unit ? " " : "", o->unit, o->initial);
         return;
     }

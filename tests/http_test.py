@@ -67,10 +67,11 @@ class Endpoints(HttpCase):
         self.assertEqual(self.daemon.request("HEAD", "/healthz").body, b"")
 
     def test_metrics_are_prometheus_text(self):
+        """What promtool's linter asks for, and no series twice."""
         answer = self.daemon.get("/metrics")
         self.assertEqual(answer.headers["Content-Type"],
                          "text/plain; version=0.0.4; charset=utf-8")
-        family, kind, seen = None, None, set()
+        family, kind, seen, series, helps = None, None, set(), set(), set()
         sample = re.compile(r'([a-z_0-9]+)(\{([a-z_]+="[^"\\\n]*",?)*\})? '
                             r"(-?[0-9.]+(e[+-]?[0-9]+)?|NaN|[+-]Inf)$")
         for line in answer.body.decode().splitlines():
@@ -78,15 +79,27 @@ class Endpoints(HttpCase):
                 family = line.split()[2]
                 self.assertNotIn(family, seen, "a family in two places")
                 seen.add(family)
+                self.assertRegex(family, "^(pelagos|process)_[a-z0-9_]+$")
+                words = line.split(" ", 3)[3]
+                self.assertNotIn(words, helps, "two families say the same")
+                self.assertRegex(words, r"^[A-Z0-9].*[.a-z0-9]$")
+                helps.add(words)
+                for unit in ("_ms", "_milliseconds", "_kb", "_percent"):
+                    self.assertNotIn(unit, family, "not a base unit")
             elif line.startswith("# TYPE "):
                 self.assertEqual(line.split()[2], family)
                 kind = line.split()[3]
-                self.assertIn(kind, ("counter", "gauge"))
+                self.assertIn(kind, ("counter", "gauge", "summary"))
                 self.assertEqual(kind == "counter", family.endswith("_total"))
             else:
                 match = sample.match(line)
                 self.assertTrue(match, line)
                 self.assertEqual(match.group(1), family, line)
+                self.assertNotIn(line.rsplit(" ", 1)[0], series)
+                series.add(line.rsplit(" ", 1)[0])
+                self.assertEqual("quantile=" in line, kind == "summary", line)
+                if kind == "counter":
+                    self.assertGreaterEqual(float(match.group(4)), 0, line)
         for name in ("pelagos_frames_drawn_total", "pelagos_revision",
                      "process_resident_memory_bytes"):
             self.assertIn(name, seen)

@@ -117,14 +117,26 @@ void pel_metrics_remove(struct pel_metrics *metrics,
     }
 }
 
+static const char *type_name(enum pel_metric_type type)
+{
+    switch (type) {
+    case PEL_METRIC_COUNTER:
+        return "counter";
+    case PEL_METRIC_SUMMARY:
+        return "summary";
+    case PEL_METRIC_GAUGE:
+        break;
+    }
+    return "gauge";
+}
+
 static gboolean append_family(void *key, void *value, void *user)
 {
     (void)key;
     const struct family *family = value;
-    g_string_append_printf(
-        user, "# HELP %s %s\n# TYPE %s %s\n%s", family->name, family->help,
-        family->name, family->type == PEL_METRIC_COUNTER ? "counter" : "gauge",
-        family->samples->str);
+    g_string_append_printf(user, "# HELP %s %s\n# TYPE %s %s\n%s", family->name,
+                           family->help, family->name, type_name(family->type),
+                           family->samples->str);
     return FALSE;
 }
 

@@ -7,6 +7,7 @@
 enum pel_metric_type {
     PEL_METRIC_COUNTER, /* only grows; the name ends in _total */
     PEL_METRIC_GAUGE,
+    PEL_METRIC_SUMMARY, /* samples with the label `quantile` */
 };
 
 struct pel_metrics_page;

@@ -7,9 +7,16 @@ static void counter(struct pel_metrics_page *page, const char *name,
 }
 
 static void gauge(struct pel_metrics_page *page, const char *name,
-                  const char *help, const char *labels, double value)
+                  const char *help, double value)
 {
-    pel_metric(page, name, PEL_METRIC_GAUGE, help, labels, value);
+    pel_metric(page, name, PEL_METRIC_GAUGE, help, NULL, value);
+}
+
+/* One quantile of the last 256, in seconds. */
+static void quantile(struct pel_metrics_page *page, const char *name,
+                     const char *help, const char *label, double ms)
+{
+    pel_metric(page, name, PEL_METRIC_SUMMARY, help, label, ms * 1e-3);
 }
 
 void pel_frames_collect(void *user, struct pel_metrics_page *page)
@@ -28,26 +35,26 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
             "Bytes of encoded pictures.", s.encoded_bytes);
     counter(page, "pelagos_frames_refused_total",
             "Requests for pictures and queries refused.", s.requests_refused);
-    gauge(page, "pelagos_frames_render_seconds",
-          "From submission to pixels, of the last 256 views.",
-          "quantile=\"0.5\"", s.render_ms_median * 1e-3);
-    gauge(page, "pelagos_frames_render_seconds",
-          "From submission to pixels, of the last 256 views.",
-          "quantile=\"0.95\"", s.render_ms_p95 * 1e-3);
-    gauge(page, "pelagos_frames_encode_seconds",
-          "Encoding, of the last 256 pictures.", "quantile=\"0.5\"",
-          s.encode_ms_median * 1e-3);
+    quantile(page, "pelagos_frames_render_seconds",
+             "From submission to pixels, of the last 256 views.",
+             "quantile=\"0.5\"", s.render_ms_median);
+    quantile(page, "pelagos_frames_render_seconds",
+             "From submission to pixels, of the last 256 views.",
+             "quantile=\"0.95\"", s.render_ms_p95);
+    quantile(page, "pelagos_frames_encode_seconds",
+             "Encoding, of the last 256 pictures.", "quantile=\"0.5\"",
+             s.encode_ms_median);
     counter(page, "pelagos_video_frames_total", "H.264 pictures encoded.",
             s.video_frames);
-    counter(page, "pelagos_video_keys_total", "Key frames among them.",
+    counter(page, "pelagos_video_keys_total", "H.264 key frames encoded.",
             s.video_keys);
     counter(page, "pelagos_video_bytes_total", "Bytes of encoded H.264.",
             s.video_bytes);
-    gauge(page, "pelagos_video_encode_seconds",
-          "Encoding H.264, of the last 256 pictures.", "quantile=\"0.5\"",
-          s.video_ms_median * 1e-3);
+    quantile(page, "pelagos_video_encode_seconds",
+             "Encoding H.264, of the last 256 pictures.", "quantile=\"0.5\"",
+             s.video_ms_median);
     gauge(page, "pelagos_frames_subscriptions", "Live views being watched.",
-          NULL, s.subscriptions);
+          s.subscriptions);
     gauge(page, "pelagos_frames_requests_waiting", "Pictures not yet answered.",
-          NULL, s.requests_waiting);
+          s.requests_waiting);
 }

@@ -414,7 +414,7 @@ void pel_live_collect(const struct pel_live_stats *stats,
     } counters[] = {
         { "pelagos_live_frames_sent_total", "Pictures sent over WebSockets.",
           stats->sent },
-        { "pelagos_live_sent_bytes_total", "Bytes of them.", stats->bytes },
+        { "pelagos_live_sent_bytes_total", "Bytes sent over WebSockets.", stats->bytes },
         { "pelagos_live_frames_skipped_total",
           "Pictures that slow WebSocket viewers were not sent.",
           stats->skipped },
