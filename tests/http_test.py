@@ -18,6 +18,7 @@ from pelagos_daemon import ROOT, SANITIZED, Daemon, receive_all
 
 MERGE = {"Content-Type": "application/merge-patch+json"}
 MALFORMED = 'pelagos_malformed_total{input="http"}'
+ENCODED = "pelagos_frames_encoded_total"
 DROPPED = "pelagos_mjpeg_frames_dropped_total"
 
 
@@ -411,6 +412,13 @@ class Hostile(HttpCase):
     def unchanged(self):
         self.assertEqual(without_time(self.daemon.state()), self.before)
 
+    def test_one_host(self):
+        for head in (b"", b"Host: localhost\r\nHost: localhost\r\n"):
+            answer = self.daemon.raw(
+                b"GET /v1/state HTTP/1.1\r\n" + head + b"\r\n")
+            self.assertEqual(answer.count(b"HTTP/1.1 400"), 1, answer)
+            self.assertIn(b"application/problem+json", answer)
+
     def test_smuggling(self):
         host = b"Host: localhost\r\n"
         kind = b"Content-Type: application/json\r\n"
@@ -594,8 +602,9 @@ class Hostile(HttpCase):
         waits.sort()
         # The bar of p99 is 50 ms; this machine may be busy with other tests.
         self.assertLess(waits[95], 0.25)
+        # 128 open ones, and as many that are being closed.
         self.assertLessEqual(
-            self.daemon.metrics()["pelagos_http_connections"], 140)
+            self.daemon.metrics()["pelagos_http_connections"], 256)
 
     def test_connection_limit(self):
         sockets = []
@@ -682,7 +691,7 @@ class Streams(HttpCase):
         good = Viewer(self.daemon)
         self.addCleanup(good.close)
         time.sleep(3)
-        alone, before = good.rate(2), self.daemon.rss()
+        before = self.daemon.rss()
         stalled = []
         for _ in range(20):
             s = socket.socket()
@@ -693,12 +702,16 @@ class Streams(HttpCase):
                       b"Host: localhost\r\n\r\n")
             stalled.append(s)
         time.sleep(5)
-        together = good.rate(3)
+        encoded = self.daemon.metrics()[ENCODED]
+        seen = 4 * good.rate(4)
+        encoded = self.daemon.metrics()[ENCODED] - encoded
         grown = self.daemon.rss() - before
         metrics = self.daemon.metrics()
         self.assertEqual(metrics["pelagos_mjpeg_viewers"], 21)
         self.assertGreater(metrics[DROPPED], 20)
-        self.assertGreater(together, 0.7 * alone)
+        # One may be on its way at either end.
+        self.assertGreater(encoded, 4)
+        self.assertGreaterEqual(seen, encoded - 2)
         if not SANITIZED:
             # Two pictures and 64 KiB each would be 20 × 0.4 MB.
             self.assertLess(grown, 16e6)

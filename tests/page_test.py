@@ -173,7 +173,8 @@ class Page(unittest.TestCase):
             self.assertEqual(self.way(), "mjpeg")
             self.assertEqual(self.find(".why").text,
                              "Motion-JPEG: this browser has no VideoDecoder")
-            self.assertIn("Motion-JPEG", self.find(".rate").text)
+            until("the rate names the way",
+                  lambda: "Motion-JPEG" in self.find(".rate").text)
             self.shot("fallback")
         finally:
             self.browser.execute_cdp_cmd(

@@ -76,7 +76,7 @@ enum pel_err pel_fault_value(struct pel_fault *fault, enum pel_err code,
                              const char *path, const char *value,
                              const char *message)
 {
-    pel_fault_set(fault, code, "%s", message);
+    pel_fault_set(fault, code, "%.60s: %s", path, message);
     if (fault) {
         snprintf(fault->path, sizeof fault->path, "%s", path);
         snprintf(fault->value, sizeof fault->value, "%s", value ? value : "");

@@ -24,7 +24,8 @@ PEL_CHECK enum pel_err
 pel_command_number(const ProtobufCMessageDescriptor *type, const char *name,
                    const char *text, double *out, struct pel_fault *fault);
 
-/* Sets *fault (NULL allowed) with path and value as given; returns code. */
+/* Sets *fault (NULL allowed) with path and value as given and a message that
+ * begins with the path; returns code. */
 enum pel_err pel_fault_value(struct pel_fault *fault, enum pel_err code,
                              const char *path, const char *value,
                              const char *message);

@@ -166,7 +166,7 @@ static enum pel_err set_layers(Pelagos__FrameRequest *frame, const char *list,
     for (char **name = names; *name; name++) {
         if (!pel_frames_layer_exists(*name)) {
             err = pel_fault_value(fault, PEL_ERR_INVALID, "layers", *name,
-                                  "layers are " PEL_FRAMES_LAYERS
+                                  "these are known: " PEL_FRAMES_LAYERS
                                   ", separated by commas");
             break;
         }
