@@ -6,9 +6,10 @@
 #include "optics/atmosphere.h"
 
 #define CELL_PIXELS 8.0
-#define EDGE_SAMPLES 24       /* rays along each edge of the picture */
-#define MAX_COLUMNS (1 << 18) /* around; finer ones are below a float's angle  \
-                               */
+#define EDGE_SAMPLES 24 /* rays along each edge of the picture */
+#define MAX_COLUMNS                                                            \
+    (1 << 18)            /* around; finer ones are below a float's angle       \
+                          */
 #define RING_ATTEMPTS 12 /* with larger cells, before columns become fewer */
 #define ATTEMPTS 40
 

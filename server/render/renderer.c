@@ -53,6 +53,13 @@ struct timing {
     double ms[PEL_STAGE_COUNT];
 };
 
+/* What the tables of a sea depend on; zeroed before it is filled. */
+struct statistics_key {
+    struct pel_sea_desc desc;
+    double wind_to_rad;
+    bool constant_brdf;
+};
+
 struct pel_renderer {
     struct pel_context context;
     const char *shader_dir;
@@ -70,8 +77,9 @@ struct pel_renderer {
     bool compute;               /* shade in one dispatch instead of three */
     struct sea_programs trochoids, cascades;
     struct pel_wavefield wavefield;
-    struct pel_mesh_heights heights; /* of the sea of heights_desc */
-    struct pel_sea_desc heights_desc;
+    struct pel_mesh_heights heights; /* of the sea of statistics_key */
+    struct pel_variance variance[PEL_VARIANCE_COUNT];
+    struct statistics_key statistics_key;
     struct pel_mesh *mesh;
     struct pel_block_waves *wave_block;
     short tiles[PEL_MAX_TILES];
@@ -672,6 +680,30 @@ static enum pel_err draw_view(struct pel_renderer *r,
     return err;
 }
 
+/* Heights below each wavelength and slopes below each footprint: of an FFT sea
+ * they take milliseconds, so they are kept until the sea changes. */
+static void need_statistics(struct pel_renderer *r,
+                            const struct pel_environment *env)
+{
+    struct statistics_key key;
+    memset(&key, 0, sizeof key);
+    memcpy(&key.desc, &env->sea->desc, sizeof key.desc);
+    key.wind_to_rad = env->wind_to_rad;
+    key.constant_brdf = env->constant_brdf;
+    if (memcmp(&key, &r->statistics_key, sizeof key) == 0) {
+        return;
+    }
+    memcpy(&r->statistics_key, &key, sizeof key);
+    pel_mesh_heights(env->sea, &r->heights);
+    pel_fill_variance(env->sea, env->wind_to_rad, r->variance);
+    if (env->constant_brdf) {
+        const int nearest = (int)(5.0 * PEL_VARIANCE_STEPS); /* 3 cm */
+        for (int i = 0; i < PEL_VARIANCE_COUNT; i++) {
+            r->variance[i] = r->variance[nearest];
+        }
+    }
+}
+
 enum pel_err pel_renderer_submit(struct pel_renderer *r,
                                  const struct pel_environment *env,
                                  const struct pel_draw *draws, size_t count)
@@ -712,21 +744,9 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         }
         stage_end(r, PEL_STAGE_WAVES);
     }
-    if (memcmp(&here.sea->desc, &r->heights_desc, sizeof r->heights_desc) !=
-        0) {
-        pel_mesh_heights(here.sea, &r->heights);
-        memcpy(&r->heights_desc, &here.sea->desc, sizeof r->heights_desc);
-    }
-    struct pel_variance variance[PEL_VARIANCE_COUNT];
-    pel_fill_variance(here.sea, here.wind_to_rad, variance);
-    if (here.constant_brdf) {
-        const int nearest = (int)(5.0 * PEL_VARIANCE_STEPS); /* 3 cm */
-        for (int i = 0; i < PEL_VARIANCE_COUNT; i++) {
-            variance[i] = variance[nearest];
-        }
-    }
-    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 3, variance,
-                   sizeof variance);
+    need_statistics(r, &here);
+    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 3, r->variance,
+                   sizeof r->variance);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     stage_end(r, PEL_STAGE_SKY);
     for (size_t i = 0; i < count && err == PEL_OK; i++) {

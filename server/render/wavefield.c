@@ -33,6 +33,10 @@ static enum pel_err make(struct pel_wavefield *field, const char *shader_dir,
         err = pel_program_create(shader_dir, "fft_columns.comp", NULL, NULL,
                                  &field->columns_program, fault);
     }
+    if (err == PEL_OK) {
+        err = pel_program_create(shader_dir, "fft_mips.comp", NULL, NULL,
+                                 &field->mips_program, fault);
+    }
     if (err != PEL_OK) {
         return err;
     }
@@ -75,6 +79,38 @@ static void upload(struct pel_wavefield *field,
     glNamedBufferSubData(field->parameters, 0, sizeof p, &p);
 }
 
+static void bind_fields(const struct pel_wavefield *field)
+{
+    glBindTextureUnit(PEL_UNIT_DISPLACEMENT, field->displacement);
+    glBindTextureUnit(PEL_UNIT_SLOPES, field->slopes);
+    glBindTextureUnit(PEL_UNIT_FOLD, field->fold);
+}
+
+static void bind_images(const struct pel_wavefield *field, GLint level)
+{
+    glBindImageTexture(0, field->displacement, level, GL_TRUE, 0, GL_WRITE_ONLY,
+                       GL_RGBA32F);
+    glBindImageTexture(1, field->slopes, level, GL_TRUE, 0, GL_WRITE_ONLY,
+                       GL_RGBA32F);
+    glBindImageTexture(2, field->fold, level, GL_TRUE, 0, GL_WRITE_ONLY,
+                       GL_R32F);
+}
+
+/* glGenerateTextureMipmap takes a draw for each layer and level: a
+ * millisecond on hardware. */
+static void make_levels(const struct pel_wavefield *field)
+{
+    bind_fields(field);
+    glUseProgram(field->mips_program);
+    for (GLint level = 1; level < LEVELS; level++) {
+        GLuint groups = (GLuint)((N >> level) + 7) / 8;
+        bind_images(field, level);
+        glUniform1i(0, level - 1);
+        glDispatchCompute(groups, groups, PEL_CASCADES);
+        glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    }
+}
+
 static void transform(struct pel_wavefield *field, double time_s)
 {
     glBindTextureUnit(0, field->amplitudes);
@@ -86,16 +122,10 @@ static void transform(struct pel_wavefield *field, double time_s)
     glDispatchCompute(1, N, PEL_CASCADES);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glUseProgram(field->columns_program);
-    glBindImageTexture(0, field->displacement, 0, GL_TRUE, 0, GL_WRITE_ONLY,
-                       GL_RGBA32F);
-    glBindImageTexture(1, field->slopes, 0, GL_TRUE, 0, GL_WRITE_ONLY,
-                       GL_RGBA32F);
-    glBindImageTexture(2, field->fold, 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32F);
+    bind_images(field, 0);
     glDispatchCompute(1, N, PEL_CASCADES);
-    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
-    glGenerateTextureMipmap(field->displacement);
-    glGenerateTextureMipmap(field->slopes);
-    glGenerateTextureMipmap(field->fold);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    make_levels(field);
 }
 
 enum pel_err pel_wavefield_run(struct pel_wavefield *field,
@@ -120,9 +150,7 @@ enum pel_err pel_wavefield_run(struct pel_wavefield *field,
         field->time_s = time_s;
         field->computed = true;
     }
-    glBindTextureUnit(PEL_UNIT_DISPLACEMENT, field->displacement);
-    glBindTextureUnit(PEL_UNIT_SLOPES, field->slopes);
-    glBindTextureUnit(PEL_UNIT_FOLD, field->fold);
+    bind_fields(field);
     return PEL_OK;
 }
 
@@ -136,5 +164,6 @@ void pel_wavefield_finish(struct pel_wavefield *field)
     glDeleteBuffers(2, buffers);
     glDeleteProgram(field->rows_program);
     glDeleteProgram(field->columns_program);
+    glDeleteProgram(field->mips_program);
     *field = (struct pel_wavefield){ 0 };
 }

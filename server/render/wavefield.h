@@ -16,7 +16,7 @@ enum {
 };
 
 struct pel_wavefield {
-    GLuint rows_program, columns_program;
+    GLuint rows_program, columns_program, mips_program;
     GLuint amplitudes, modes, lines, parameters;
     GLuint displacement, slopes, fold;
     struct pel_sea_desc desc; /* of the modes that are uploaded */
