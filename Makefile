@@ -227,6 +227,7 @@ TESTS += server/render/mesh_test.c
 TESTS += server/render/tiles_test.c
 TESTS += server/render/uniforms_test.c
 TESTS += server/render/renderer_test.c
+TESTS += server/render/wavefield_test.c
 TESTS += server/render/depth_test.c
 TESTS += server/render/light_test.c
 TESTS += server/render/layer_test.c
