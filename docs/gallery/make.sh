@@ -19,6 +19,7 @@ done
 common="clock.mode=STEPPED clock.time=100 sea.windDirection=250 sea.windSpeed=8 \
 sky.sunElevation=35 sky.sunAzimuth=55 sky.visibility=40000 views.gallery.up=6 \
 views.gallery.pitch=-5 views.gallery.width=640 views.gallery.height=360"
+lagoon="sea.windSpeed=4 views.gallery.up=10 views.gallery.pitch=-16 sky.sunAzimuth=110"
 pictures=(
     "calm|Calm: wind 1.5 m/s|sea.windSpeed=1.5"
     "wind-05|Wind 5 m/s|sea.windSpeed=5"
@@ -35,13 +36,19 @@ pictures=(
     "height-8000|From 8000 m|views.gallery.up=8000 views.gallery.pitch=-18 sky.sunAzimuth=30"
     "fog|Visibility 1500 m|sky.visibility=1500"
     "swell|Swell of 3 m, 12 s under a light wind|sea.windSpeed=3 sea.swell.0.height=3 sea.swell.0.period=12 sea.swell.0.direction=320 views.gallery.up=12"
+    "water-tropical|Tropical water at noon|$lagoon sky.sunElevation=61 water.named=TROPICAL"
+    "water-sunset|The same at sunset|$lagoon sky.sunElevation=3 water.named=TROPICAL"
+    "water-8m|7.9 m of tropical water over sand|$lagoon water.named=TROPICAL water.bottom=SAND water.depth=7.9"
+    "water-40m|39.9 m of it|$lagoon water.named=TROPICAL water.bottom=SAND water.depth=39.9"
+    "water-baltic|The Baltic|$lagoon water.named=BALTIC"
+    "water-harbour|A harbour|$lagoon water.named=HARBOUR water.depth=8 water.bottom=MUD"
 )
 mkdir -p "$out"
 {
     echo "# Gallery"
     echo
     echo "Drawn by \`docs/gallery/make.sh\` on the software device: 60 trochoids,"
-    echo "Pierson–Moskowitz, Case 1 water, automatic exposure. Every picture starts"
+    echo "Pierson–Moskowitz, Case 1 water unless said, automatic exposure. Every picture starts"
     echo "from"
     echo
     echo '```sh'
@@ -50,7 +57,7 @@ mkdir -p "$out"
 } > "$out/README.md"
 for picture in "${pictures[@]}"; do
     IFS='|' read -r name title settings <<< "$picture"
-    ctl unset sea.swell >/dev/null
+    ctl unset sea.swell water.named water.depth water.bottom >/dev/null
     # shellcheck disable=SC2086
     ctl set $common $settings
     ctl frame gallery "$out/$name.jpg"
