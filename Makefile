@@ -105,6 +105,7 @@ SCENE := server/scene/scene.c \
     server/scene/numbers.c \
     server/scene/snapshot.c \
     server/scene/simclock.c \
+    server/scene/ship.c \
     server/scene/record.c \
     server/scene/reckon.c \
     server/scene/geodesy.c \
@@ -221,6 +222,7 @@ TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c
 TESTS += server/scene/seas_test.c
 TESTS += server/scene/record_test.c
+TESTS += server/scene/ship_test.c
 TESTS += server/scene/geodesy_test.c
 TESTS += server/scene/snapshot_test.c
 TESTS += server/render/mesh_test.c

@@ -73,6 +73,8 @@ static void print_field(const struct pel_register *reg)
             printf("%s%d %s", i ? ", " : "", values->values[i].value,
                    values->values[i].name);
         }
+    } else if (info.field->type == PROTOBUF_C_TYPE_BOOL) {
+        printf("0 no, 1 yes");
     } else if (info.info->ranged) {
         printf("%.10g … %.10g", info.info->minimum, info.info->maximum);
     }

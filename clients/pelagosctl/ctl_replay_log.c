@@ -15,6 +15,7 @@
 #include "pelog.h"
 
 #define MAX_TIMES 10000
+#define MOST_AT_ONCE_S 5.0
 #define PACE_S 0.04 /* between two steps of the clock while waiting */
 
 struct play {
@@ -27,7 +28,8 @@ struct play {
     bool drawn[MAX_TIMES];
     size_t time_count, time_next;
     const char *folder, *view;
-    double speed; /* 0: as fast as it goes */
+    bool own_ship; /* moves by itself: no long steps */
+    double speed;  /* 0: as fast as it goes */
     int64_t start_ns;
     double start_s;
     size_t commands, frames;
@@ -38,6 +40,13 @@ struct play {
 static enum ctl_exit go_to(struct play *play, double time_s)
 {
     struct pel_client_error error;
+    while (play->own_ship && time_s - play->time_s > MOST_AT_ONCE_S) {
+        double next_s = play->time_s + MOST_AT_ONCE_S;
+        if (pel_client_step_to(play->ctl->client, next_s, NULL, &error)) {
+            return ctl_report(play->ctl, &error);
+        }
+        play->time_s = next_s;
+    }
     if (pel_client_step_to(play->ctl->client, time_s, NULL, &error)) {
         return ctl_report(play->ctl, &error);
     }
@@ -76,6 +85,7 @@ static enum ctl_exit send_patch(struct play *play, Pelagos__Patch *patch)
         fprintf(stderr, "  entry %zu of the log\n", play->reader.entries);
     } else {
         play->time_s = now->clock->time;
+        play->own_ship = now->own_ship && now->own_ship->on;
         pelagos__state__free_unpacked(now, NULL);
     }
     if (state && !clock) {
@@ -177,6 +187,9 @@ static enum ctl_exit draw(struct play *play, double end_s)
     double at;
     while (play->folder && isfinite(at = next_frame(play, end_s))) {
         enum ctl_exit status = pace(play, at);
+        if (status == CTL_DONE && at > play->time_s) {
+            status = go_to(play, at);
+        }
         if (status == CTL_DONE) {
             status = save_frame(play, at);
         }

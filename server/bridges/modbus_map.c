@@ -297,6 +297,8 @@ static enum pel_modbus_exception check_field(struct pel_modbus_map *map,
     if (info.field->type == PROTOBUF_C_TYPE_ENUM) {
         legal = protobuf_c_enum_descriptor_get_value(info.field->descriptor,
                                                      (int)*value) != NULL;
+    } else if (info.field->type == PROTOBUF_C_TYPE_BOOL) {
+        legal = *value == 0 || *value == 1;
     } else if (info.info && info.info->ranged) {
         legal = in_range(reg, info.info, value);
     }
@@ -353,8 +355,9 @@ static enum pel_err set_sun(struct pel_modbus_map *map, Pelagos__Patch *patch,
     sun_now(map, &sun[0], &sun[1]);
     for (int i = 0; i < 2; i++) {
         enum pel_err err =
-            from_clock ? pel_path_set(patch, NULL, paths[i], NULL, fault)
-                       : pel_path_set_number(patch, NULL, paths[i], sun[i], fault);
+            from_clock
+                ? pel_path_set(patch, NULL, paths[i], NULL, fault)
+                : pel_path_set_number(patch, NULL, paths[i], sun[i], fault);
         if (err) {
             return err;
         }
@@ -381,7 +384,7 @@ static enum pel_err build_patch(struct pel_modbus_map *map,
                                  pel_registers[i].path);
         }
         err = pel_path_set_number(patch, pel_scene_state(map->scene), path,
-                         map->staged[i].value, fault);
+                                  map->staged[i].value, fault);
     }
     return err;
 }
@@ -396,7 +399,8 @@ static enum pel_modbus_exception commit_staged(struct pel_modbus_map *map)
     bool steers = false;
     enum pel_err err = build_patch(map, patch, &fault);
     if (!err) {
-        steers = patch->state && patch->state->n_entities > 0;
+        steers = patch->state &&
+                 (patch->state->n_entities > 0 || patch->state->own_ship);
         err = pel_scene_patch(map->scene, patch, &fault);
     }
     pelagos__patch__free_unpacked(patch, NULL);
@@ -455,11 +459,17 @@ void pel_modbus_map_stop_ship(struct pel_modbus_map *map)
     Pelagos__Entity entity = PELAGOS__ENTITY__INIT;
     Pelagos__Entity *list = &entity;
     struct pel_fault fault;
+    Pelagos__OwnShip orders = PELAGOS__OWN_SHIP__INIT;
     entity.has_id = entity.has_speed = entity.has_turn_rate = 1;
     entity.id = OWN_SHIP;
     patch.state = &state;
-    state.entities = &list;
-    state.n_entities = 1;
+    if (pel_scene_state(map->scene)->own_ship->on) {
+        orders.has_throttle = orders.has_rudder = 1; /* to zero; it drifts */
+        state.own_ship = &orders;
+    } else {
+        state.entities = &list;
+        state.n_entities = 1;
+    }
     if (pel_scene_patch(map->scene, &patch, &fault) != PEL_OK) {
         pel_warn("MBS-003", "own ship could not be stopped: %s", fault.message);
     }

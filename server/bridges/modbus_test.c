@@ -187,6 +187,7 @@ static void refuses_and_changes_nothing(void **state)
     assert_int_equal(write_one(f, 26, 99), -3);   /* no such spectrum */
     assert_int_equal(write_one(f, 10, 0), -2);    /* half a value */
     assert_int_equal(write_one(f, 6, 0), -2);     /* reserved */
+    assert_int_equal(write_one(f, 90, 2), -3);    /* neither no nor yes */
     assert_int_equal(write_one(f, 999, 0), -2);   /* outside */
     assert_int_equal(write_float(f, 120, 0), -2); /* no second view */
     uint16_t words[5]; /* good speed, bad direction, commit */

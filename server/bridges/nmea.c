@@ -11,6 +11,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/metrics.h"
+#include "base/vec.h"
 #include "bridges/ais.h"
 #include "bridges/endpoint.h"
 #include "bridges/nmea_values.h"
@@ -23,6 +24,7 @@
 #define WIND_MEAN_S 120.0
 #define WIND_STEP_MPS 0.5
 #define WIND_STEP_DEG 5.0
+#define MAX_RUDDER_DEG 45.0 /* ownShip.rudder */
 #define MAX_TARGETS 100
 #define TARGET_ID 20000
 #define TARGET_NS 600000000000LL /* a target unheard for 10 min goes */
@@ -165,6 +167,7 @@ static void commit_own_ship(struct pel_nmea *nmea)
     Pelagos__Entity entity = PELAGOS__ENTITY__INIT;
     Pelagos__Entity *entities = &entity;
     Pelagos__Sea sea = PELAGOS__SEA__INIT;
+    Pelagos__OwnShip orders = PELAGOS__OWN_SHIP__INIT;
     double deg, mps;
     if (nmea->values.changed & PEL_NMEA_CHANGED_POSE) {
         own_ship(nmea, &entity);
@@ -179,8 +182,16 @@ static void commit_own_ship(struct pel_nmea *nmea)
         sea.wind_direction = deg;
         state.sea = &sea;
     }
+    if ((nmea->values.changed & PEL_NMEA_CHANGED_RUDDER) &&
+        pel_scene_state(nmea->scene)->own_ship->on) {
+        orders.has_rudder = 1;
+        orders.rudder = pel_clamp(nmea->values.rudder.value, -MAX_RUDDER_DEG,
+                                  MAX_RUDDER_DEG);
+        state.own_ship = &orders;
+    }
     nmea->values.changed = 0;
-    if ((state.n_entities > 0 || wind) && apply(nmea, &state) && wind) {
+    if ((state.n_entities > 0 || wind || state.own_ship) &&
+        apply(nmea, &state) && wind) {
         nmea->wind_applied = true;
         nmea->applied_deg = deg;
         nmea->applied_mps = mps;

@@ -315,7 +315,8 @@ void pel_nmea_values_take(struct pel_nmea_values *v,
         break;
     case PEL_NMEA_RSA:
         if (s->valid) {
-            set(v, &v->rudder, s->rudder, -90, 90, now_ns, 0);
+            set(v, &v->rudder, s->rudder, -90, 90, now_ns,
+                PEL_NMEA_CHANGED_RUDDER);
         }
         break;
     case PEL_NMEA_DPT:

@@ -38,6 +38,7 @@ enum {
     PEL_NMEA_CHANGED_POSE = 1,
     PEL_NMEA_CHANGED_FIX = 2, /* with POSE: the position is new */
     PEL_NMEA_CHANGED_WIND = 4,
+    PEL_NMEA_CHANGED_RUDDER = 8,
 };
 
 struct pel_nmea_values {

@@ -301,8 +301,70 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     out->visibility_m = sky->visibility;
 }
 
-const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,
-                                              struct pel_shared_sea *sea)
+/* The schema's limit. */
+#define MAX_LATITUDE 85.0
+
+static void read_orders(const Pelagos__OwnShip *from,
+                        struct pel_ship_orders *to)
+{
+    double heave_s = pel_ship_heave_period(from->beam);
+    *to = (struct pel_ship_orders){
+        .rudder_rad = from->rudder * PEL_DEG,
+        .throttle = from->throttle,
+        .length_m = from->length,
+        .beam_m = from->beam,
+        .max_speed_mps = from->max_speed,
+        .surge_time_s = from->surge_time,
+        .turn_gain = from->turn_gain,
+        .turn_time = from->turn_time,
+        .heave_period_s = from->has_heave_period ? from->heave_period : heave_s,
+        .pitch_period_s = from->has_pitch_period ? from->pitch_period : heave_s,
+        .roll_period_s = from->has_roll_period
+                             ? from->roll_period
+                             : pel_ship_roll_period(from->beam),
+        .roll_damping = from->roll_damping,
+    };
+}
+
+static void place_ship(const Pelagos__State *state,
+                       const struct pel_ship *going, struct pel_snapshot *out)
+{
+    const Pelagos__OwnShip *own = state->own_ship;
+    out->ship_entity = -1;
+    for (size_t i = 0; own && own->on && i < state->n_entities; i++) {
+        if (state->entities[i]->id == own->entity) {
+            out->ship_entity = (int)i;
+        }
+    }
+    if (out->ship_entity < 0) {
+        return;
+    }
+    if (going) {
+        out->ship = *going;
+        return;
+    }
+    const struct pel_entity_state *e = &out->entities[out->ship_entity];
+    struct pel_ship_orders orders;
+    struct pel_ship_motion motion = {
+        .east_m = e->east_m,
+        .north_m = e->north_m,
+        .heading_rad = e->heading_rad,
+        /* what does not go ahead or astern is not kept */
+        .speed_mps = e->speed_mps * cos(e->course_rad - e->heading_rad),
+        .turn_rate_rps = e->turn_rate_rps,
+        .heave = { e->altitude_m, own->heave_rate },
+        .pitch = { e->pitch_rad, own->pitch_rate * PEL_DEG },
+        .roll = { e->roll_rad, own->roll_rate * PEL_DEG },
+    };
+    read_orders(own, &orders);
+    pel_ship_start(&out->ship, &orders, &motion, e->pose_time_s, out->rate,
+                   out->sea);
+}
+
+const struct pel_snapshot *
+pel_snapshot_build_going(const Pelagos__State *state,
+                         struct pel_shared_sea *sea,
+                         const struct pel_ship *going)
 {
     struct snapshot *s = calloc(1, sizeof *s);
     if (!s) {
@@ -323,7 +385,70 @@ const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,
     for (size_t i = 0; i < state->n_views; i++) {
         place_view(state, state->views[i], &s->views[i]);
     }
+    place_ship(state, going, &s->public);
     return &s->public;
+}
+
+const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,
+                                              struct pel_shared_sea *sea)
+{
+    return pel_snapshot_build_going(state, sea, NULL);
+}
+
+const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
+                                                  const struct pel_ship *ship)
+{
+    const struct snapshot *from = (const struct snapshot *)s;
+    struct snapshot *to = malloc(sizeof *to);
+    if (!to) {
+        abort();
+    }
+    *to = (struct snapshot){ .public = from->public, .sea = from->sea };
+    memcpy(to->entities, from->entities, sizeof to->entities);
+    memcpy(to->views, from->views, sizeof to->views);
+    atomic_init(&to->refs, 1);
+    atomic_fetch_add(&to->sea->refs, 1);
+    to->public.entities = to->entities;
+    to->public.views = to->views;
+    to->public.ship = *ship;
+    return &to->public;
+}
+
+static double degrees(double radians)
+{
+    double turned = fmod(radians / PEL_DEG, 360.0);
+    turned = turned < 0 ? turned + 360.0 : turned;
+    return turned < 360.0 ? turned : 0;
+}
+
+void pel_snapshot_ship_to_state(const struct pel_snapshot *s, double time_s,
+                                Pelagos__State *state)
+{
+    struct pel_entity_state at;
+    struct pel_ship_motion m;
+    if (s->ship_entity < 0 || (size_t)s->ship_entity >= state->n_entities) {
+        return;
+    }
+    Pelagos__Entity *e = state->entities[s->ship_entity];
+    pel_snapshot_entity_at(s, (size_t)s->ship_entity, time_s, &at);
+    pel_ship_at(&s->ship, time_s, s->sea, &m);
+    pel_geo_from_local(state->origin->latitude, state->origin->longitude,
+                       at.east_m, at.north_m, &e->latitude, &e->longitude);
+    e->latitude = pel_clamp(e->latitude, -MAX_LATITUDE, MAX_LATITUDE);
+    double turned =
+        pel_geo_convergence(state->origin->latitude, state->origin->longitude,
+                            e->latitude, e->longitude);
+    e->altitude = at.altitude_m;
+    e->heading = degrees(at.heading_rad - turned);
+    e->pitch = at.pitch_rad / PEL_DEG;
+    e->roll = at.roll_rad / PEL_DEG;
+    e->speed = at.speed_mps;
+    e->course = degrees(at.course_rad - turned);
+    e->turn_rate = pel_clamp(at.turn_rate_rps / PEL_DEG, -90, 90);
+    e->pose_time = time_s;
+    state->own_ship->heave_rate = pel_clamp(m.heave.rate, -100, 100);
+    state->own_ship->pitch_rate = pel_clamp(m.pitch.rate / PEL_DEG, -1e3, 1e3);
+    state->own_ship->roll_rate = pel_clamp(m.roll.rate / PEL_DEG, -1e3, 1e3);
 }
 
 const struct pel_snapshot *pel_snapshot_ref(const struct pel_snapshot *s)

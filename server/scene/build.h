@@ -30,6 +30,23 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
                       struct pel_sea_desc *out);
 void pel_shared_sea_unref(struct pel_shared_sea *sea); /* NULL allowed */
 
-/* A snapshot with one reference; takes its own of the sea. */
+/* A snapshot with one reference; takes its own of the sea. Own ship, where
+ * ownShip.on, goes on from `going` or, if that is NULL, begins with the pose
+ * of its entity at its time. */
+const struct pel_snapshot *
+pel_snapshot_build_going(const Pelagos__State *state,
+                         struct pel_shared_sea *sea,
+                         const struct pel_ship *going);
+
+/* The same snapshot with own ship further on. */
+const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
+                                                  const struct pel_ship *ship);
+
+/* Writes own ship's motion at time_s as the pose of its entity and the rates
+ * of ownShip; `state` is what the snapshot was built from, or like it. */
+void pel_snapshot_ship_to_state(const struct pel_snapshot *s, double time_s,
+                                Pelagos__State *state);
+
+/* pel_snapshot_build_going from the state's pose. */
 const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,
                                               struct pel_shared_sea *sea);

@@ -381,6 +381,22 @@ static void carry_poses(Pelagos__State *state, double before, double after)
     }
 }
 
+/* Whether the patch gives own ship a pose and does not say that the model is
+ * to go on from there. */
+static bool leads(const Pelagos__State *state, const Pelagos__State *brought)
+{
+    const Pelagos__OwnShip *own = state->own_ship;
+    bool says = brought->own_ship && brought->own_ship->has_on;
+    for (size_t i = 0; own && own->on && !says && i < brought->n_entities;
+         i++) {
+        if (brought->entities[i]->id == own->entity &&
+            touches_pose(brought->entities[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
 enum pel_err pel_state_apply(const Pelagos__State *from,
                              const Pelagos__Patch *patch, Pelagos__State **out,
                              struct pel_fault *fault)
@@ -405,6 +421,9 @@ enum pel_err pel_state_apply(const Pelagos__State *from,
     if (!err && brought) {
         reckon_patched(state, brought, time_s);
         merge(&state->base, &brought->base);
+    }
+    if (!err && brought && leads(state, brought)) {
+        state->own_ship->on = false;
     }
     if (brought) {
         pelagos__state__free_unpacked(brought, NULL);

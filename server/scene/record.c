@@ -87,21 +87,22 @@ static void put_entry(struct pel_record *record, Pelagos__LogEntry *entry)
     free(data);
 }
 
-static void fill(struct pel_record *record, double time_s,
+static void fill(struct pel_record *record, double time_s, uint64_t revision,
                  Pelagos__LogEntry *entry)
 {
     pelagos__log_entry__init(entry);
     entry->has_time = entry->has_revision = true;
     entry->time = time_s;
-    entry->revision = pel_scene_state(record->scene)->revision;
+    entry->revision = revision;
     record->step_s = time_s;
 }
 
-static void put_step(struct pel_record *record, double time_s)
+static void put_step(struct pel_record *record, double time_s,
+                     uint64_t revision)
 {
     Pelagos__LogEntry entry;
     Pelagos__ClockStep step = PELAGOS__CLOCK_STEP__INIT;
-    fill(record, time_s, &entry);
+    fill(record, time_s, revision, &entry);
     step.has_until = true;
     step.until = time_s;
     entry.command_case = PELAGOS__LOG_ENTRY__COMMAND_STEP;
@@ -115,31 +116,34 @@ static void on_command(void *user, double time_s, const Pelagos__Patch *patch)
     const Pelagos__State *state = pel_scene_state(record->scene);
     if (patch) {
         Pelagos__LogEntry entry;
-        fill(record, time_s, &entry);
+        fill(record, time_s, state->revision, &entry);
         entry.command_case = PELAGOS__LOG_ENTRY__COMMAND_PATCH;
         entry.patch = (Pelagos__Patch *)patch;
         put_entry(record, &entry);
     } else if (state->clock->mode == PELAGOS__CLOCK_MODE__STEPPED ||
                time_s - record->step_s >= STEP_INTERVAL_S ||
                time_s < record->step_s) {
-        put_step(record, time_s);
+        put_step(record, time_s, state->revision);
     }
 }
 
 /* --- life ----------------------------------------------------------------- */
 
 static void put_head(struct pel_record *record,
-                     const struct pel_record_options *o)
+                     const struct pel_record_options *o,
+                     const Pelagos__State *state)
 {
     Pelagos__LogEntry entry;
     Pelagos__LogHead head = PELAGOS__LOG_HEAD__INIT;
-    const Pelagos__State *state = pel_scene_state(record->scene);
     char began[32];
     time_t now = time(NULL);
     struct tm utc;
     gmtime_r(&now, &utc);
     strftime(began, sizeof began, "%Y-%m-%dT%H:%M:%SZ", &utc);
-    fill(record, state->clock->time, &entry);
+    pelagos__log_entry__init(&entry);
+    entry.has_time = entry.has_revision = true;
+    entry.time = record->step_s = state->clock->time;
+    entry.revision = state->revision;
     head.has_version = head.has_waves = true;
     head.version = PEL_LOG_VERSION;
     head.waves = (uint32_t)o->wave_count;
@@ -147,7 +151,6 @@ static void put_head(struct pel_record *record,
     head.device = (char *)o->device;
     head.began = began;
     head.state = (Pelagos__State *)state;
-    entry.time = state->clock->time;
     entry.command_case = PELAGOS__LOG_ENTRY__COMMAND_HEAD;
     entry.head = &head;
     put_entry(record, &entry);
@@ -197,14 +200,13 @@ enum pel_err pel_record_create(const struct pel_record_options *o,
     record->fd = fd;
     record->limit = o->limit_mib * MIB;
     if (put(record, (const uint8_t *)PEL_LOG_MAGIC, PEL_LOG_MAGIC_SIZE)) {
-        put_head(record, o);
+        put_head(record, o, pel_scene_listen(scene, on_command, record));
     }
     if (record->fd < 0) {
         pel_record_destroy(record);
         return pel_fault_set(fault, PEL_ERR_IO,
                              "--record: %s cannot be written", o->path);
     }
-    pel_scene_listen(scene, on_command, record);
     pel_info("REC-001", "recording to %s", o->path);
     *out = record;
     return PEL_OK;
@@ -215,9 +217,10 @@ void pel_record_destroy(struct pel_record *record)
     if (!record) {
         return;
     }
-    pel_scene_listen(record->scene, NULL, NULL);
+    (void)pel_scene_listen(record->scene, NULL, NULL);
     if (record->fd >= 0) {
-        put_step(record, pel_scene_time(record->scene));
+        const Pelagos__State *state = pel_scene_state(record->scene);
+        put_step(record, state->clock->time, state->revision);
     }
     if (record->fd >= 0) {
         if (fdatasync(record->fd) != 0) {

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -18,6 +19,7 @@
 
 #define MAX_CALLBACKS 16
 #define MAX_STEP_S 3600.0
+#define SHIP_MS 500
 #define SAVE_INTERVAL_NS 1000000000 /* from one write to the next */
 #define SAVE_AGAIN_NS 5000000000    /* after one that failed */
 #define DEFAULT_WAVES 60
@@ -33,6 +35,7 @@ struct pel_scene {
     guint save_timer;     /* 0: nothing to write */
     int64_t save_from_ns; /* not before */
     uint64_t saves, failed_saves;
+    guint ship_timer;            /* 0: own ship is not the model's */
     pel_scene_listener listener; /* may be NULL */
     void *listener_user;
     size_t callback_count;
@@ -47,15 +50,53 @@ double pel_scene_time(struct pel_scene *scene)
     return pel_simclock_at(&scene->clock, pel_now_ns());
 }
 
+/* Takes own ship's steps up to time_s. */
+static void advance_ship(struct pel_scene *scene, double time_s)
+{
+    if (scene->snapshot->ship_entity < 0) {
+        return;
+    }
+    struct pel_ship ship = scene->snapshot->ship;
+    if (pel_ship_advance(&ship, time_s, scene->snapshot->sea)) {
+        const struct pel_snapshot *next =
+            pel_snapshot_with_ship(scene->snapshot, &ship);
+        pel_snapshot_unref(scene->snapshot);
+        scene->snapshot = next;
+    }
+}
+
+/* The state as of time_s. */
+static void look(struct pel_scene *scene, double time_s)
+{
+    scene->state->clock->time = time_s;
+    if (scene->snapshot->ship_entity >= 0) {
+        advance_ship(scene, time_s);
+        pel_snapshot_ship_to_state(scene->snapshot, time_s, scene->state);
+    }
+}
+
 const Pelagos__State *pel_scene_state(struct pel_scene *scene)
 {
-    scene->state->clock->time = pel_scene_time(scene);
+    look(scene, pel_scene_time(scene));
     return scene->state;
 }
 
 const struct pel_snapshot *pel_scene_snapshot(struct pel_scene *scene)
 {
+    advance_ship(scene, pel_scene_time(scene));
     return pel_snapshot_ref(scene->snapshot);
+}
+
+/* So that little is left to do when nobody has looked for long. */
+static gboolean on_ship_timer(gpointer user)
+{
+    struct pel_scene *scene = user;
+    if (scene->snapshot->ship_entity < 0) {
+        scene->ship_timer = 0;
+        return G_SOURCE_REMOVE;
+    }
+    advance_ship(scene, pel_scene_time(scene));
+    return G_SOURCE_CONTINUE;
 }
 
 void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
@@ -71,11 +112,20 @@ void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
     scene->callback_count++;
 }
 
-void pel_scene_listen(struct pel_scene *scene, pel_scene_listener listener,
-                      void *user)
+const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
+                                       pel_scene_listener listener, void *user)
 {
     scene->listener = listener;
     scene->listener_user = user;
+    look(scene, pel_scene_time(scene));
+    if (listener && scene->snapshot->ship_entity >= 0) {
+        /* Whoever begins with this state begins own ship's steps here. */
+        const struct pel_snapshot *anew =
+            pel_snapshot_build(scene->state, scene->sea);
+        pel_snapshot_unref(scene->snapshot);
+        scene->snapshot = anew;
+    }
+    return scene->state;
 }
 
 static void tell(struct pel_scene *scene, double time_s,
@@ -138,7 +188,7 @@ static void set_clock(struct pel_scene *scene, const Pelagos__Clock *to,
 
 /* Takes `state`, which is tested, over or leaves it to the caller. */
 static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
-                           struct pel_fault *fault)
+                           bool ship_goes_on, struct pel_fault *fault)
 {
     struct pel_shared_sea *sea;
     enum pel_err err =
@@ -146,7 +196,10 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     if (err) {
         return err;
     }
-    const struct pel_snapshot *snapshot = pel_snapshot_build(state, sea);
+    const struct pel_ship *going =
+        ship_goes_on && sea == scene->sea ? &scene->snapshot->ship : NULL;
+    const struct pel_snapshot *snapshot =
+        pel_snapshot_build_going(state, sea, going);
     pel_shared_sea_unref(scene->sea);
     pel_snapshot_unref(scene->snapshot);
     if (scene->state) {
@@ -155,7 +208,37 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     scene->sea = sea;
     scene->snapshot = snapshot;
     scene->state = state;
+    if (snapshot->ship_entity >= 0 && scene->ship_timer == 0) {
+        scene->ship_timer = g_timeout_add(SHIP_MS, on_ship_timer, scene);
+    }
     return PEL_OK;
+}
+
+static bool equal(const ProtobufCMessage *a, const ProtobufCMessage *b)
+{
+    size_t size = protobuf_c_message_get_packed_size(a);
+    if (size != protobuf_c_message_get_packed_size(b)) {
+        return false;
+    }
+    g_autofree uint8_t *bytes = g_malloc(2 * size + 1);
+    protobuf_c_message_pack(a, bytes);
+    protobuf_c_message_pack(b, bytes + size);
+    return memcmp(bytes, bytes + size, size) == 0;
+}
+
+/* Whether the edit leaves own ship alone, so that its steps go on; the state
+ * was looked at. (The sea is compared when it is made.) */
+static bool ship_goes_on(const struct pel_scene *scene,
+                         const Pelagos__State *next)
+{
+    int i = scene->snapshot->ship_entity;
+    const Pelagos__State *now = scene->state;
+    return i >= 0 && (size_t)i < next->n_entities &&
+           equal(&now->entities[i]->base, &next->entities[i]->base) &&
+           equal(&now->own_ship->base, &next->own_ship->base) &&
+           equal(&now->origin->base, &next->origin->base) &&
+           now->clock->time == next->clock->time &&
+           now->clock->rate == next->clock->rate;
 }
 
 /* The state after the patch, tested. */
@@ -163,7 +246,7 @@ static enum pel_err edited(struct pel_scene *scene, const Pelagos__Patch *patch,
                            double time_s, Pelagos__State **out,
                            struct pel_fault *fault)
 {
-    scene->state->clock->time = time_s;
+    look(scene, time_s);
     enum pel_err err = pel_state_apply(scene->state, patch, out, fault);
     if (err) {
         return err;
@@ -207,7 +290,7 @@ enum pel_err pel_scene_patch(struct pel_scene *scene,
     if (err) {
         return err;
     }
-    err = commit(scene, next, fault);
+    err = commit(scene, next, ship_goes_on(scene, next), fault);
     if (err) {
         pelagos__state__free_unpacked(next, NULL);
         return err;
@@ -249,9 +332,16 @@ static enum pel_err steps(const struct pel_scene *scene,
                : PEL_OK;
 }
 
+/* Own ship takes each of its steps through the sea: not too many at once. */
+static double longest_step(const struct pel_scene *scene)
+{
+    return scene->snapshot->ship_entity >= 0 ? PEL_SHIP_AHEAD_S : MAX_STEP_S;
+}
+
 static void go_to(struct pel_scene *scene, double time_s)
 {
     scene->clock.base_s = time_s;
+    advance_ship(scene, time_s);
     save_soon(scene);
     tell(scene, time_s, NULL);
 }
@@ -263,8 +353,9 @@ enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
     if (err) {
         return err;
     }
-    if (!(seconds >= 0 && seconds <= MAX_STEP_S)) {
-        return refuse_step("step.seconds", seconds, 0, MAX_STEP_S, fault);
+    double most_s = longest_step(scene);
+    if (!(seconds >= 0 && seconds <= most_s)) {
+        return refuse_step("step.seconds", seconds, 0, most_s, fault);
     }
     go_to(scene, fmin(scene->clock.base_s + seconds, PEL_MAX_TIME_S));
     return PEL_OK;
@@ -277,9 +368,13 @@ enum pel_err pel_scene_step_to(struct pel_scene *scene, double time_s,
     if (err) {
         return err;
     }
-    if (!(time_s >= scene->clock.base_s && time_s <= PEL_MAX_TIME_S)) {
-        return refuse_step("step.until", time_s, scene->clock.base_s,
-                           PEL_MAX_TIME_S, fault);
+    double most_s =
+        scene->snapshot->ship_entity >= 0
+            ? fmin(scene->clock.base_s + longest_step(scene), PEL_MAX_TIME_S)
+            : PEL_MAX_TIME_S;
+    if (!(time_s >= scene->clock.base_s && time_s <= most_s)) {
+        return refuse_step("step.until", time_s, scene->clock.base_s, most_s,
+                           fault);
     }
     go_to(scene, time_s);
     return PEL_OK;
@@ -332,13 +427,13 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     scene->state_path = g_strdup(options->state_path);
     err = pel_sea_settle(state, fault);
     if (!err) {
-        err = commit(scene, state, fault);
+        err = commit(scene, state, false, fault);
     }
     if (err && state->sea->spectrum == PELAGOS__SPECTRUM_KIND__MEASURED) {
         pel_error("SCN-005", "the sea is Pierson and Moskowitz's: %s",
                   fault ? fault->message : "no measured spectrum");
         state->sea->spectrum = PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ;
-        err = commit(scene, state, fault);
+        err = commit(scene, state, false, fault);
     }
     if (err) {
         pelagos__state__free_unpacked(state, NULL);
@@ -363,6 +458,9 @@ void pel_scene_destroy(struct pel_scene *scene)
     }
     if (scene->save_timer != 0) {
         g_source_remove(scene->save_timer);
+    }
+    if (scene->ship_timer != 0) {
+        g_source_remove(scene->ship_timer);
     }
     pel_snapshot_unref(scene->snapshot);
     pel_shared_sea_unref(scene->sea);

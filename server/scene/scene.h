@@ -56,7 +56,9 @@ const struct pel_snapshot *pel_scene_snapshot(struct pel_scene *scene);
 /* Simulated time now [s]. FREE: follows CLOCK_MONOTONIC × rate. */
 double pel_scene_time(struct pel_scene *scene);
 
-/* Advances simulated time: STEPPED by commands, PACED by the frame path, HOST
+/* While ownShip.on a step is 10 s at most, here and below.
+ *
+ * Advances simulated time: STEPPED by commands, PACED by the frame path, HOST
  * by the host. seconds 0..3600, OUT_OF_RANGE otherwise; CONFLICT when FREE. */
 PEL_CHECK enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
                                       struct pel_fault *fault);
@@ -77,8 +79,10 @@ PEL_CHECK enum pel_err pel_scene_command_step(struct pel_scene *scene,
  * callbacks; one listener, NULL for none. It must not change the scene. */
 typedef void (*pel_scene_listener)(void *user, double time_s,
                                    const Pelagos__Patch *patch);
-void pel_scene_listen(struct pel_scene *scene, pel_scene_listener listener,
-                      void *user);
+/* The state that the listener begins with, as pel_scene_state: own ship goes
+ * on from it, so that whoever begins with it too has the same motion. */
+const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
+                                       pel_scene_listener listener, void *user);
 
 /* Called after every commit, in order of registration; at most 16. */
 void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),

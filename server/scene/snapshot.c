@@ -15,10 +15,32 @@ int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name)
     return -1;
 }
 
+static void ship_at(const struct pel_snapshot *s, double time_s,
+                    struct pel_entity_state *out)
+{
+    struct pel_ship_motion m;
+    pel_ship_at(&s->ship, time_s, s->sea, &m);
+    *out = s->entities[s->ship_entity];
+    out->east_m = m.east_m;
+    out->north_m = m.north_m;
+    out->altitude_m = m.heave.x;
+    out->heading_rad = m.heading_rad;
+    out->pitch_rad = m.pitch.x;
+    out->roll_rad = m.roll.x;
+    out->speed_mps = fabs(m.speed_mps);
+    out->course_rad = m.heading_rad + (m.speed_mps < 0 ? PEL_PI : 0);
+    out->turn_rate_rps = m.turn_rate_rps;
+    out->pose_time_s = time_s;
+}
+
 void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out)
 {
     const struct pel_entity_state *at = &s->entities[index];
+    if ((int)index == s->ship_entity) {
+        ship_at(s, time_s, out);
+        return;
+    }
     double seconds = pel_reckon_seconds(at->pose_time_s, time_s);
     double east, north, turned = at->turn_rate_rps * seconds;
     pel_reckon_move(at->speed_mps, at->course_rad, at->turn_rate_rps, seconds,

@@ -12,6 +12,7 @@
 #include "base/vec.h"
 #include "ocean/sea.h"
 #include "optics/waterbody.h"
+#include "scene/ship.h"
 
 #define PEL_MAX_VIEWS 64
 #define PEL_MAX_ENTITIES 256
@@ -60,6 +61,8 @@ struct pel_snapshot {
     const struct pel_entity_state *entities;
     size_t view_count;
     const struct pel_view_state *views;
+    int ship_entity; /* index into entities that the ship moves, -1: none */
+    struct pel_ship ship;
 };
 
 const struct pel_snapshot *pel_snapshot_ref(const struct pel_snapshot *s);
@@ -69,7 +72,8 @@ void pel_snapshot_unref(const struct pel_snapshot *s); /* NULL allowed */
 int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name);
 
 /* Pose of entity `index` at simulated time time_s: reckoned from its speed,
- * course and turn rate (arc of a circle) for at most 60 s from its pose. */
+ * course and turn rate (arc of a circle) for at most 60 s from its pose; or
+ * the ship's motion, for at most 10 s ahead of its last step. */
 void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out);
 

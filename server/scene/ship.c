@@ -1,0 +1,203 @@
+#include "scene/ship.h"
+
+#include <math.h>
+
+#include "base/vec.h"
+
+#define HEAVE_DAMPING 0.35 /* of critical; ships lie at 0.3 to 0.5 */
+#define SLOWEST 0.05       /* of the speed: below, steering grows no slower */
+#define MOST_HEAVE_M 50.0
+#define MOST_ANGLE_RAD (60.0 * PEL_DEG)
+
+double pel_ship_heave_period(double beam_m)
+{
+    return 2 * PEL_PI * sqrt(1.6 * beam_m / 2.5 / PEL_GRAVITY);
+}
+
+double pel_ship_roll_period(double beam_m)
+{
+    return 0.8 * beam_m / sqrt(beam_m / 20);
+}
+
+struct pel_ship_mode pel_ship_respond(struct pel_ship_mode start,
+                                      double period_s, double damping,
+                                      double from, double to, double span_s,
+                                      double seconds)
+{
+    double omega = 2 * PEL_PI / period_s;
+    double slope = (to - from) / span_s;
+    double decay = damping * omega;
+    double turning = omega * sqrt(1 - damping * damping);
+    /* A particular solution is the ramp itself, late by 2 ζ / ω. */
+    double late = from - 2 * damping * slope / omega;
+    double x = start.x - late, rate = start.rate - slope;
+    double shrink = exp(-decay * seconds);
+    double c = cos(turning * seconds), s = sin(turning * seconds);
+    return (struct pel_ship_mode){
+        .x = late + slope * seconds +
+             shrink * (x * c + (rate + decay * x) / turning * s),
+        .rate =
+            slope + shrink * (rate * c -
+                              (omega * omega * x + decay * rate) / turning * s),
+    };
+}
+
+void pel_ship_steer(const struct pel_ship_orders *o, double seconds,
+                    struct pel_ship_motion *m)
+{
+    double pace = fmax(fabs(m->speed_mps), SLOWEST * o->max_speed_mps);
+    double turn_time_s = o->turn_time * o->length_m / pace;
+    double steady = o->turn_gain * m->speed_mps / o->length_m * o->rudder_rad;
+    double ordered = o->throttle * o->max_speed_mps;
+    double east = 0, north = 0;
+    const struct pel_ship_motion start = *m;
+    /* Speed and heading in closed form; the track by Simpson's rule. */
+    for (int i = 0; i <= 2; i++) {
+        double t = 0.5 * i * seconds;
+        double turned = exp(-t / turn_time_s);
+        double rate = start.turn_rate_rps - steady;
+        m->speed_mps =
+            ordered + (start.speed_mps - ordered) * exp(-t / o->surge_time_s);
+        m->turn_rate_rps = steady + rate * turned;
+        m->heading_rad =
+            start.heading_rad + steady * t + rate * turn_time_s * (1 - turned);
+        double weight = (i == 1 ? 4 : 1) * seconds / 6;
+        east += weight * m->speed_mps * sin(m->heading_rad);
+        north += weight * m->speed_mps * cos(m->heading_rad);
+    }
+    m->east_m += east;
+    m->north_m += north;
+}
+
+void pel_ship_sea(const struct pel_ship_orders *o,
+                  const struct pel_ship_motion *m, double time_s,
+                  const struct pel_sea *sea, double out[3])
+{
+    static const double along[] = { -0.4, -0.2, 0, 0.2, 0.4 };
+    static const double across[] = { -0.4, 0, 0.4 };
+    struct pel_vec2 points[PEL_SHIP_POINTS];
+    struct pel_surface_sample samples[PEL_SHIP_POINTS];
+    double sh = sin(m->heading_rad), ch = cos(m->heading_rad);
+    double height = 0, bow = 0, starboard = 0, bow2 = 0, starboard2 = 0;
+    for (int i = 0; i < PEL_SHIP_POINTS; i++) {
+        double x = along[i / 3] * o->length_m, y = across[i % 3] * o->beam_m;
+        points[i].x = m->east_m + x * sh + y * ch;
+        points[i].y = m->north_m + x * ch - y * sh;
+    }
+    pel_sea_query(sea, points, PEL_SHIP_POINTS, time_s, samples);
+    for (int i = 0; i < PEL_SHIP_POINTS; i++) {
+        double x = along[i / 3] * o->length_m, y = across[i % 3] * o->beam_m;
+        height += samples[i].height_m;
+        bow += x * samples[i].height_m;
+        bow2 += x * x;
+        starboard += y * samples[i].height_m;
+        starboard2 += y * y;
+    }
+    out[0] = height / PEL_SHIP_POINTS;
+    out[1] = atan(bow / bow2);
+    out[2] = -atan(starboard / starboard2); /* starboard down is positive */
+}
+
+/* A sea beyond what the filters are for does not capsize the camera. */
+static void hold(struct pel_ship_mode *mode, double most)
+{
+    if (!(fabs(mode->x) <= most)) {
+        mode->x = copysign(most, mode->x);
+        mode->rate = 0;
+    }
+}
+
+/* The motion `seconds` into a step. */
+static void move(const struct pel_ship *ship, const struct pel_ship_step *step,
+                 double seconds, struct pel_ship_motion *out)
+{
+    const struct pel_ship_orders *o = &ship->orders;
+    struct pel_ship_mode *modes[] = { &out->heave, &out->pitch, &out->roll };
+    const double periods[] = { o->heave_period_s, o->pitch_period_s,
+                               o->roll_period_s };
+    const double damping[] = { HEAVE_DAMPING, HEAVE_DAMPING, o->roll_damping };
+    *out = step->motion;
+    if (seconds <= 0) {
+        return;
+    }
+    pel_ship_steer(o, seconds, out);
+    for (int i = 0; i < 3; i++) {
+        *modes[i] =
+            pel_ship_respond(*modes[i], periods[i], damping[i], step->sea[i],
+                             step->sea_after[i], ship->step_s, seconds);
+        hold(modes[i], i == 0 ? MOST_HEAVE_M : MOST_ANGLE_RAD);
+    }
+}
+
+/* The step that begins with this motion; the sea at its end is looked up where
+ * the ship will then be. */
+static void open_step(const struct pel_ship *ship, const struct pel_sea *sea,
+                      struct pel_ship_step *step)
+{
+    struct pel_ship_motion after = step->motion;
+    pel_ship_steer(&ship->orders, ship->step_s, &after);
+    pel_ship_sea(&ship->orders, &after, step->time_s + ship->step_s, sea,
+                 step->sea_after);
+}
+
+/* Times come from the start, so that they do not depend on the way there. */
+static void next_step(const struct pel_ship *ship, uint64_t count,
+                      const struct pel_ship_step *last,
+                      const struct pel_sea *sea, struct pel_ship_step *next)
+{
+    move(ship, last, ship->step_s, &next->motion);
+    next->time_s = ship->start_s + (double)count * ship->step_s;
+    for (int i = 0; i < 3; i++) {
+        next->sea[i] = last->sea_after[i];
+    }
+    open_step(ship, sea, next);
+}
+
+void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
+                    const struct pel_ship_motion *motion, double time_s,
+                    double rate, const struct pel_sea *sea)
+{
+    *ship = (struct pel_ship){
+        .orders = *orders,
+        .step_s = PEL_SHIP_STEP_S * fmax(1, rate / 4),
+        .start_s = time_s,
+        .steps[0] = { .time_s = time_s, .motion = *motion },
+    };
+    pel_ship_sea(orders, motion, time_s, sea, ship->steps[0].sea);
+    open_step(ship, sea, &ship->steps[0]);
+}
+
+bool pel_ship_advance(struct pel_ship *ship, double time_s,
+                      const struct pel_sea *sea)
+{
+    bool moved = false;
+    for (;;) {
+        uint64_t next = ship->count + 1;
+        if (!(ship->start_s + (double)next * ship->step_s <= time_s)) {
+            return moved;
+        }
+        next_step(ship, next, &ship->steps[ship->count % PEL_SHIP_HISTORY], sea,
+                  &ship->steps[next % PEL_SHIP_HISTORY]);
+        ship->count = next;
+        moved = true;
+    }
+}
+
+void pel_ship_at(const struct pel_ship *ship, double time_s,
+                 const struct pel_sea *sea, struct pel_ship_motion *out)
+{
+    uint64_t count = ship->count;
+    struct pel_ship_step step = ship->steps[count % PEL_SHIP_HISTORY];
+    double latest_s = step.time_s + PEL_SHIP_AHEAD_S;
+    time_s = fmin(time_s, latest_s);
+    while (ship->start_s + (double)(count + 1) * ship->step_s <= time_s) {
+        struct pel_ship_step next = { 0 };
+        next_step(ship, ++count, &step, sea, &next);
+        step = next;
+    }
+    while (step.time_s > time_s && count > 0 &&
+           ship->count - count < PEL_SHIP_HISTORY - 1) {
+        step = ship->steps[--count % PEL_SHIP_HISTORY];
+    }
+    move(ship, &step, time_s - step.time_s, out);
+}

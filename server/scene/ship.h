@@ -1,0 +1,99 @@
+/* Own ship for when there is no simulator: steered by rudder and throttle,
+ * carried by the sea that is drawn. docs/physics.md has the equations.
+ *
+ * The motion is a function of the start (state, orders, time) and of simulated
+ * time: it goes in steps of PEL_SHIP_STEP_S from the start, each solved in
+ * closed form, so it does not matter how often or when it is looked at. Pure
+ * functions, any thread. Local frame of scene/snapshot.h. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ocean/sea.h"
+
+#define PEL_SHIP_STEP_S 0.2
+/* Steps that are kept, so that moments just past are answered exactly. */
+#define PEL_SHIP_HISTORY 8
+/* How far ahead of the last step it is looked; later it stays there. */
+#define PEL_SHIP_AHEAD_S 10.0
+#define PEL_SHIP_POINTS 15 /* of the hull, where the sea lifts it */
+
+/* What steers it and what it is. Constant between two starts. */
+struct pel_ship_orders {
+    double
+        rudder_rad;  /* ordered and met at once; positive turns to starboard */
+    double throttle; /* -1..1 */
+    double length_m, beam_m;
+    double max_speed_mps, surge_time_s;
+    double turn_gain, turn_time; /* Nomoto's K' and T', not dimensional */
+    double heave_period_s, pitch_period_s, roll_period_s;
+    double roll_damping; /* of critical, 0.01..0.95 */
+};
+
+/* One degree of freedom that the sea drives: position and rate. */
+struct pel_ship_mode {
+    double x, rate;
+};
+
+struct pel_ship_motion {
+    double east_m, north_m, heading_rad;
+    double speed_mps, turn_rate_rps;
+    struct pel_ship_mode heave, pitch, roll; /* m, rad (bow up, starb. down) */
+};
+
+/* A step: the motion at its start, and what the sea asks at both ends. */
+struct pel_ship_step {
+    double time_s;
+    struct pel_ship_motion motion;
+    double sea[3], sea_after[3]; /* heave, pitch, roll */
+};
+
+struct pel_ship {
+    struct pel_ship_orders orders;
+    double step_s;
+    double start_s;
+    uint64_t count; /* steps done; the last is steps[count % HISTORY] */
+    struct pel_ship_step steps[PEL_SHIP_HISTORY];
+};
+
+/* Natural periods where none are given: heave and pitch 2π √(1.6 d / g) with
+ * the draught d = beam / 2.5 (added mass as large as the ship's, block over
+ * waterplane coefficient 0.8), roll 0.8 B / √GM with GM = B / 20 (weather
+ * criterion of the IMO's Intact Stability Code 2008, C = 0.4). */
+double pel_ship_heave_period(double beam_m);
+double pel_ship_roll_period(double beam_m);
+
+/* Begins at time_s. rate: of simulated time; above 4 the steps are longer by
+ * rate / 4, so that their number in real time is bounded. */
+void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
+                    const struct pel_ship_motion *motion, double time_s,
+                    double rate, const struct pel_sea *sea);
+
+/* Does every step that ends at or before time_s; true: there was one. */
+bool pel_ship_advance(struct pel_ship *ship, double time_s,
+                      const struct pel_sea *sea);
+
+/* The motion at time_s; before the oldest step kept: that one's start. */
+void pel_ship_at(const struct pel_ship *ship, double time_s,
+                 const struct pel_sea *sea, struct pel_ship_motion *out);
+
+/* Solves x'' + 2 ζ ω x' + ω² x = ω² (from + (to - from) t / span) in closed
+ * form over `seconds`, 0 < ζ < 1. */
+struct pel_ship_mode pel_ship_respond(struct pel_ship_mode start,
+                                      double period_s, double damping,
+                                      double from, double to, double span_s,
+                                      double seconds);
+
+/* Nomoto's first-order steering T r' + r = K δ and first-order surge
+ * Tu u' + u = throttle umax over `seconds`, the sea left out: T = T' L / |U|,
+ * K = K' U / L, U the speed at the start. */
+void pel_ship_steer(const struct pel_ship_orders *orders, double seconds,
+                    struct pel_ship_motion *motion);
+
+/* What the sea asks of the hull at a place and time: mean height, and the
+ * angles of the plane that fits it best at the hull's points. */
+void pel_ship_sea(const struct pel_ship_orders *orders,
+                  const struct pel_ship_motion *motion, double time_s,
+                  const struct pel_sea *sea, double out[3]);
