@@ -463,6 +463,7 @@ validate-water: deps-build ## light in the water against Monte Carlo, minutes (A
 soak: deps ## load every input for SOAK_SECONDS (600), watching for growth
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/soak/soak.py
+	$(Q)/usr/bin/python3 -B tests/soak/cigi.py
 
 # --- style ---------------------------------------------------------------
 C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | sort)

@@ -4,6 +4,7 @@
 The last part has tshark dissect both directions of everything that was sent;
 where there is no tshark it is left out, with a message.
 """
+import collections
 import math
 import os
 import random
@@ -217,9 +218,13 @@ def frame_headers(daemon, url, out, stop):
                 now = {}
 
 
-def synchronous_host(seconds, requests=100):
-    """The host answers each Start of Frame, with HAT/HOT requests."""
+def synchronous_host(seconds, requests=100, late=0.5):
+    """The host answers each Start of Frame, with HAT/HOT requests. late: the
+    share of pictures that may come more than 2 host frames after theirs, and
+    of host frames that may be answered later than in the next frame.
+    Returns the daemon's growth in bytes after a warm-up."""
     with Stand("--fps", "60") as s:
+        s.host.log = collections.deque(maxlen=20000)
         s.daemon.patch({"views": [{"name": "bridge", "width": 64,
                                    "height": 36}]})
         s.host.ask(cigi.entity(1, LATITUDE, LONGITUDE))
@@ -238,8 +243,11 @@ def synchronous_host(seconds, requests=100):
                 answered.setdefault(host_frame, []).append(frame.sof["frame"])
 
         before = metrics(s.daemon)
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
+        start_of_load = time.monotonic()
+        warm = grown = 0
+        while time.monotonic() < start_of_load + seconds:
+            if not warm and time.monotonic() > start_of_load + seconds / 5:
+                warm = s.daemon.rss()
             frame = s.host.receive()
             check(frame, "no Start of Frame for 2 s")
             # A host that was held up answers the newest.
@@ -253,19 +261,19 @@ def synchronous_host(seconds, requests=100):
             sent[number] = (time.monotonic(), frame.sof["frame"])
         for frame in s.host.settle():
             take(frame)
+        grown = s.daemon.rss() - warm
         stop.set()
         viewer.join(5)
         after = metrics(s.daemon)
 
+        behind = []
         for number, (_, ig) in sent.items():
             got = answered.get(number, [])
             check(len(got) == requests,
                   f"host frame {number}: {len(got)} answers")
-            # Answered "within that frame or the next": the Start of Frame
-            # that follows the request, or the one after where the request
-            # met the beat.
-            check(max(got) - ig <= 2, f"frame {number} answered {got[-1]-ig} "
-                  "frames later")
+            # "In that frame or the next": the Start of Frame that follows the
+            # request, or the one after.
+            behind.append(max(got) - ig)
         for name in ("refused_edits", "late", "duplicate", "lost_frames"):
             name = f"pelagos_cigi_{name}_total"
             check(after[name] == before[name], name)
@@ -288,14 +296,19 @@ def synchronous_host(seconds, requests=100):
               f"frames: median {median}, p95 "
               f"{latencies[int(len(latencies) * 0.95)]}; frames skipped "
               f"{after['pelagos_cigi_skipped_frames_total']:.0f}")
-        # A busy machine draws late; half of the pictures are the bar here,
-        # `make soak` has the figures.
+        slow = sum(x > 2 for x in behind) / len(behind)
+        print(f"  answers later than the next frame: {slow:.2%} of the frames")
+        # A busy machine draws late: half of the pictures are the bar of the
+        # test, `make soak` asks for 95 %.
+        share = sum(x > 2 for x in latencies) / len(latencies)
         if not SANITIZED:
-            check(median <= 2, f"median latency {median} host frames")
+            check(share <= late, f"{share:.1%} of the pictures are late")
+            check(slow <= late, f"{slow:.1%} of the answers are late")
+        return grown
 
 
 def synchronous_sixty_hertz():
-    synchronous_host(float(os.environ.get("CIGI_SECONDS", "5")))
+    synchronous_host(5)
 
 
 def asynchronous_host():
@@ -495,7 +508,7 @@ def start_of_frame_before_any_host():
         check("cigi" not in daemon.get("/metrics").body.decode(), "metrics")
 
 
-def tshark_understands_both_directions():
+def tshark_understands_both_directions(limit=300):
     if not shutil.which("tshark"):
         print("  left out: there is no tshark")
         return
@@ -504,7 +517,7 @@ def tshark_understands_both_directions():
               "cigi.sof.last_host_frame_number",
               "cigi.hat_hot_response.height", "cigi.pos_response.yaw",
               "cigi.ig_control.host_frame_number"]
-    logs = [(a, b, log[:300]) for a, b, log in LOGS]
+    logs = [(a, b, list(log)[:limit]) for a, b, log in LOGS]
     both = [(sent, data) for _, _, log in logs for sent, data in log]
     with tempfile.TemporaryDirectory() as folder:
         lines = []
