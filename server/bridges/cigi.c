@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "base/metrics.h"
 #include "bridges/cigi_answers.h"
+#include "bridges/cigi_metrics.h"
 #include "bridges/cigi_world.h"
 #include "bridges/endpoint.h"
 #include "scene/scene.h"
@@ -540,23 +541,6 @@ static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
     return G_SOURCE_CONTINUE;
 }
 
-static bool same_peer(const struct sockaddr_storage *a,
-                      const struct sockaddr_storage *b)
-{
-    const struct sockaddr_in *a4 = (const struct sockaddr_in *)a;
-    const struct sockaddr_in *b4 = (const struct sockaddr_in *)b;
-    const struct sockaddr_in6 *a6 = (const struct sockaddr_in6 *)a;
-    const struct sockaddr_in6 *b6 = (const struct sockaddr_in6 *)b;
-    if (a->ss_family != b->ss_family) {
-        return false;
-    }
-    return a->ss_family == AF_INET
-               ? a4->sin_port == b4->sin_port &&
-                     a4->sin_addr.s_addr == b4->sin_addr.s_addr
-               : a6->sin6_port == b6->sin6_port &&
-                     memcmp(&a6->sin6_addr, &b6->sin6_addr, 16) == 0;
-}
-
 static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
 {
     struct pel_cigi *cigi = user;
@@ -572,7 +556,7 @@ static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
         /* While a host leads, only it is listened to. */
         if (!pel_allow_has(&cigi->allow, (struct sockaddr *)&peer) ||
             (size_t)got > sizeof cigi->in ||
-            (cigi->led && !same_peer(&peer, &cigi->speaker))) {
+            (cigi->led && memcmp(&peer, &cigi->speaker, sizeof peer) != 0)) {
             cigi->counters.refused_datagrams++;
             continue;
         }
@@ -590,83 +574,12 @@ static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
 
 /* --- metrics ------------------------------------------------------------- */
 
-static void collect_packets(const struct pel_cigi_counters *c,
-                            struct pel_metrics_page *page)
-{
-    char label[96];
-    for (int i = 0; i < PEL_CIGI_KIND_COUNT; i++) {
-        if (pel_cigi_packets[i].from_host) {
-            snprintf(label, sizeof label, "packet=\"%s\"",
-                     pel_cigi_packets[i].text);
-            pel_metric(page, "pelagos_cigi_packets_total", PEL_METRIC_COUNTER,
-                       "CIGI packets taken, by kind.", label,
-                       (double)c->packets[i]);
-        }
-    }
-    for (int i = 1; i < PEL_CIGI_ERROR_COUNT; i++) {
-        snprintf(label, sizeof label, "reason=\"%s\"",
-                 pel_cigi_error_name((enum pel_cigi_error)i));
-        pel_metric(page, "pelagos_cigi_malformed_total", PEL_METRIC_COUNTER,
-                   "CIGI datagrams that could not be read, by reason.", label,
-                   (double)c->malformed[i]);
-    }
-}
-
-static void collect_counters(const struct pel_cigi_counters *c,
-                             struct pel_metrics_page *page)
-{
-    const struct {
-        const char *name, *help;
-        uint64_t value;
-    } counters[] = {
-        { "pelagos_cigi_datagrams_total", "CIGI datagrams taken.",
-          c->datagrams },
-        { "pelagos_cigi_refused_datagrams_total",
-          "CIGI datagrams of a sender not allowed or not leading.",
-          c->refused_datagrams },
-        { "pelagos_cigi_unknown_packets_total",
-          "CIGI packets of an unknown id, skipped.", c->unknown_packets },
-        { "pelagos_cigi_skipped_packets_total",
-          "CIGI packets without their object, or beyond a limit.",
-          c->skipped_packets },
-        { "pelagos_cigi_duplicate_total",
-          "CIGI datagrams of the newest host frame again, dropped.",
-          c->duplicate },
-        { "pelagos_cigi_late_total",
-          "CIGI datagrams older than the newest, dropped.", c->late },
-        { "pelagos_cigi_lost_frames_total",
-          "Host frames that had not come when a newer one did.", c->lost },
-        { "pelagos_cigi_edits_total", "Changes of the scene by CIGI.",
-          c->edits },
-        { "pelagos_cigi_refused_edits_total",
-          "Changes by CIGI that the scene refused.", c->refused_edits },
-        { "pelagos_cigi_frames_total", "Start of Frame datagrams made.",
-          c->frames },
-        { "pelagos_cigi_skipped_frames_total",
-          "Start of Frame datagrams that came too late to be sent.",
-          c->skipped_frames },
-        { "pelagos_cigi_extrapolated_frames_total",
-          "Frames whose time went on without the host.", c->extrapolated },
-        { "pelagos_cigi_answers_total", "Answers to CIGI requests.",
-          c->answers },
-        { "pelagos_cigi_dropped_answers_total",
-          "Answers to CIGI requests that found no room.", c->dropped_answers },
-        { "pelagos_cigi_unsent_total",
-          "Start of Frame datagrams that the system refused.", c->unsent },
-    };
-    for (size_t i = 0; i < sizeof counters / sizeof *counters; i++) {
-        pel_metric(page, counters[i].name, PEL_METRIC_COUNTER, counters[i].help,
-                   NULL, (double)counters[i].value);
-    }
-}
-
 static void collect(void *user, struct pel_metrics_page *page)
 {
     const struct pel_cigi *cigi = user;
     struct pel_cigi_status s;
     double sensors = 0;
-    collect_packets(&cigi->counters, page);
-    collect_counters(&cigi->counters, page);
+    pel_cigi_collect_counters(&cigi->counters, page);
     pel_cigi_status(cigi, &s);
     for (size_t i = 0; i < 256; i++) {
         sensors += cigi->world.sensors[i];
@@ -697,7 +610,7 @@ static enum pel_err open_sockets(struct pel_cigi *cigi, struct pel_fault *fault)
     if (err) {
         return err;
     }
-    struct sockaddr_storage own;
+    struct sockaddr_storage own = { 0 };
     socklen_t size = sizeof own;
     if (o->host &&
         (!pel_endpoint_read(o->host, &cigi->host, &cigi->host_size) ||

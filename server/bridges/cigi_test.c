@@ -322,6 +322,10 @@ static void a_refused_datagram_changes_nothing(void **state)
     begin();
     send(); /* the wave is not remembered either */
     assert_int_equal(pel_scene_state(scene)->sea->n_swell, 0);
+    begin();
+    train(1, 2, 1);
+    send(); /* nor is it taken for old news */
+    assert_int_equal(pel_scene_state(scene)->sea->n_swell, 1);
 }
 
 static void waves_become_swell(void **state)
