@@ -32,7 +32,8 @@ TEST_PACKAGES := libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd json-glib-1.0 \
     libprotobuf-c libmodbus libturbojpeg spng OpenEXR libsystemd \
-    gstreamer-1.0 gstreamer-app-1.0 gstreamer-video-1.0
+    gstreamer-1.0 gstreamer-app-1.0 gstreamer-video-1.0 \
+    gstreamer-rtsp-server-1.0
 
 # --- flags ----------------------------------------------------------------
 CC := gcc
@@ -141,6 +142,8 @@ NET := server/net/fdsource.c \
     server/net/http_view.c \
     server/net/http_route.c \
     server/net/http_live.c \
+    server/net/rtsp.c \
+    server/net/rtspstream.c \
     server/net/mjpeg.c \
     server/net/websocket.c \
     server/net/liveviewer.c \

@@ -39,7 +39,8 @@ struct daemon {
     struct pel_nmea *nmea;
     struct pel_cigi *cigi;
     struct pel_service *service;
-    char http_host[64], tcp_host[64]; /* the net keeps pointers */
+    char http_host[64], tcp_host[64],
+        rtsp_host[64]; /* the net keeps pointers */
     char **http_hosts;
     bool stopping;
     int64_t drain_end_ns;
@@ -121,6 +122,11 @@ static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
         pel_options_split_address(d->options.tcp, d->tcp_host,
                                   &options.tcp_port)) {
         options.tcp_address = d->tcp_host;
+    }
+    if (*d->options.rtsp &&
+        pel_options_split_address(d->options.rtsp, d->rtsp_host,
+                                  &options.rtsp_port)) {
+        options.rtsp_address = d->rtsp_host;
     }
     if (*d->options.http_hosts) {
         d->http_hosts = g_strsplit(d->options.http_hosts, ",", 16);

@@ -26,6 +26,7 @@ struct pel_options {
     char http[PEL_OPTION_TEXT], tcp[PEL_OPTION_TEXT];
     char unix_path[PEL_OPTION_TEXT];
     char http_hosts[PEL_OPTION_TEXT];
+    char rtsp[PEL_OPTION_TEXT];
     char modbus[PEL_OPTION_TEXT], modbus_allow[PEL_OPTION_TEXT];
     int modbus_order, modbus_unit, modbus_clients;
     int modbus_heartbeat_ms, modbus_extrapolate_ms;

@@ -47,7 +47,7 @@ wait_log() {
 
 start() { # options...
     : >"$work/log"
-    "$daemon" --device software --http 127.0.0.1:0 --tcp 127.0.0.1:0 \
+    "$daemon" --device software --http 127.0.0.1:0 --tcp 127.0.0.1:0 --rtsp off \
         --modbus 127.0.0.1:0 --nmea 127.0.0.1:0 --log-level debug "$@" \
         2>"$work/log" &
     pid=$!
@@ -160,7 +160,7 @@ check 'and the daemon goes on' curl -sf -o /dev/null "$url/healthz"
 
 # --- a port that is taken ---------------------------------------------------------------
 port=${url##*:}
-"$daemon" --device software --http "127.0.0.1:$port" --tcp off --modbus off \
+"$daemon" --device software --http "127.0.0.1:$port" --tcp off --rtsp off --modbus off \
     --nmea off 2>"$work/second"
 check 'a port that is taken: status 1' test $? -eq 1
 check 'with a message' grep -q "DMN-009.*$port" "$work/second"

@@ -59,6 +59,7 @@ class Daemon:
                    "--unix", self.unix_path or "off",
                    "--log-level", log_level]
         for name, value in (("--device", "software"), ("--modbus", "off"),
+                            ("--rtsp", "off"),
                             ("--nmea", "off")):
             if name not in given:
                 command += [name, value]

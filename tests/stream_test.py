@@ -1,12 +1,14 @@
 #!/usr/bin/python3
-"""Live streams: WebSocket end to end, with slow, late and hostile clients.
+"""Live streams: WebSocket and RTSP end to end, with slow, late and hostile clients.
 
 Figures are printed; what is asserted has room for a machine that is busy.
 SOAK=1 runs the crowd for 60 s instead of a few.
 """
 import os
+import re
 import selectors
 import shutil
+import socket
 import struct
 import subprocess
 import sys
@@ -414,6 +416,177 @@ class Hostile(Case):
             for _ in range(5):
                 head, _ = live.picture()
                 live.ack(head)
+
+
+class RtspClient:
+    """RTP over the RTSP connection itself (interleaved), as far as needed."""
+
+    def __init__(self, port, view, buffer=None):
+        self.url = f"rtsp://127.0.0.1:{port}/{view}"
+        self.socket = socket.socket()
+        if buffer:
+            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
+        self.socket.settimeout(SLOW_S)
+        self.socket.connect(("127.0.0.1", port))
+        self.buffer = b""
+        self.sequence = 0
+        self.session = None
+
+    def take(self, count):
+        while len(self.buffer) < count:
+            data = self.socket.recv(1 << 16)
+            if not data:
+                raise ConnectionResetError("closed")
+            self.buffer += data
+        data, self.buffer = self.buffer[:count], self.buffer[count:]
+        return data
+
+    def ask(self, method, url, **headers):
+        self.sequence += 1
+        headers["CSeq"] = self.sequence
+        if self.session:
+            headers["Session"] = self.session
+        lines = "".join(f"{k}: {v}\r\n" for k, v in headers.items())
+        self.socket.sendall(f"{method} {url} RTSP/1.0\r\n{lines}\r\n".encode())
+        self.asked = time.monotonic()
+        while True:  # pictures may come before the answer
+            first = self.take(1)
+            if first != b"$":
+                break
+            self.take(struct.unpack(">BH", self.take(3))[1])
+        head = first
+        while not head.endswith(b"\r\n\r\n"):
+            head += self.take(1)
+        lines = head.decode().split("\r\n")
+        answer = dict(line.split(": ", 1) for line in lines[1:] if ": " in line)
+        body = self.take(int(answer.get("Content-Length", 0)))
+        return int(lines[0].split()[1]), answer, body.decode()
+
+    def play(self):
+        status, _, sdp = self.ask("DESCRIBE", self.url,
+                                  Accept="application/sdp")
+        assert status == 200, status
+        control = [line.split(":", 1)[1] for line in sdp.split("\r\n")
+                   if line.startswith("a=control:")][-1]
+        status, answer, _ = self.ask(
+            "SETUP", f"{self.url}/{control}",
+            Transport="RTP/AVP/TCP;unicast;interleaved=0-1")
+        assert status == 200, status
+        self.session = answer["Session"].split(";")[0]
+        status, _, _ = self.ask("PLAY", self.url)
+        assert status == 200, status
+        return sdp
+
+    def picture(self):
+        """Whether the next whole picture is a key frame."""
+        key = False
+        while True:
+            mark, channel, size = struct.unpack(">cBH", self.take(4))
+            data = self.take(size)
+            assert mark == b"$", mark
+            if channel == 0:
+                kind = data[12] & 31
+                key = key or kind == 5 or (kind == 28 and data[13] & 31 == 5)
+                if data[1] & 0x80:
+                    return key
+
+    def close(self):
+        self.socket.close()
+
+
+class Rtsp(Case):
+    options = ("--rtsp", "127.0.0.1:0")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.port = int(re.search(r"NET-006 .*:(\d+)/VIEW",
+                                 cls.daemon.log()).group(1))
+
+    def probe(self, *options):
+        return subprocess.run(
+            ["ffprobe", "-v", "error", *options, "-select_streams", "v",
+             "-read_intervals", "%+1", "-count_frames", "-show_entries",
+             "stream=codec_name,width,height,nb_read_frames", "-of",
+             "default=nk=0:nw=1"],
+            capture_output=True, text=True, timeout=3 * SLOW_S).stdout
+
+    @unittest.skipUnless(shutil.which("ffprobe"), "no ffprobe")
+    def test_ffprobe_by_udp_and_tcp(self):
+        for transport in "udp", "tcp":
+            out = self.probe("-rtsp_transport", transport,
+                             f"rtsp://127.0.0.1:{self.port}/bridge")
+            self.assertIn("codec_name=h264", out)
+            self.assertIn("width=320", out)
+            frames = int(re.search(r"nb_read_frames=(\d+)", out).group(1))
+            print(f"{transport}: {frames} frames decoded in a second")
+            self.assertGreater(frames, 1)
+
+    def test_late_joiner_gets_a_key_frame_after_play(self):
+        early = RtspClient(self.port, "bridge")
+        early.play()
+        figures = []
+        for _ in range(3):
+            for _ in range(10):
+                early.picture()
+            late = RtspClient(self.port, "bridge")
+            late.play()
+            while not late.picture():
+                pass
+            figures.append(time.monotonic() - late.asked)
+            late.close()
+        early.close()
+        print("first key frame after PLAY: " +
+              ", ".join(f"{1e3 * f:.0f} ms" for f in figures))
+        self.assertLess(max(figures), SLOW_S)
+
+    def test_stalled_client_delays_nobody(self):
+        stalled = [RtspClient(self.port, "bridge", buffer=4096)
+                   for _ in range(2)]
+        good = RtspClient(self.port, "bridge")
+        for client in stalled + [good]:
+            client.play()
+        before = self.daemon.rss()
+        seconds = 60 if SOAK else 5
+        end, count, longest = time.monotonic() + seconds, 0, 0.0
+        last = time.monotonic()
+        while time.monotonic() < end:
+            good.picture()
+            now = time.monotonic()
+            longest, last = max(longest, now - last), now
+            count += 1
+        growth = self.daemon.rss() - before
+        print(f"beside two stalled clients: {count / seconds:.1f} frames a "
+              f"second, longest wait {1e3 * longest:.0f} ms, growth "
+              f"{growth / 1e6:.1f} MB")
+        self.assertGreater(count, seconds)
+        if not SANITIZED:
+            self.assertLess(growth, 32e6)
+        for client in stalled + [good]:
+            client.close()
+        until("no stream left",
+              lambda: self.metric("pelagos_rtsp_streams") == 0)
+
+    def test_refusals(self):
+        client = RtspClient(self.port, "nothing")
+        self.assertEqual(client.ask("DESCRIBE", client.url)[0], 404)
+        client.close()
+        for junk in b"GET / HTTP/1.1\r\n\r\n", os.urandom(5000):
+            with socket.create_connection(("127.0.0.1", self.port)) as s:
+                s.sendall(junk)
+        self.assertTrue(self.daemon.alive())
+        self.daemon.request("PUT", "/v1/views/gone", {"width": 64,
+                                                      "height": 64})
+        client = RtspClient(self.port, "gone")
+        client.play()
+        client.picture()
+        self.daemon.request("DELETE", "/v1/views/gone")
+        until("no stream left",
+              lambda: self.metric("pelagos_rtsp_streams") == 0 or
+              client.close())
+        other = RtspClient(self.port, "gone")
+        self.assertEqual(other.ask("DESCRIBE", other.url)[0], 404)
+        other.close()
 
 
 class Without(Case):

@@ -46,7 +46,7 @@ class Daemon:
             self.process = subprocess.Popen(
                 [self.binaries / "pelagosd", "--device", "software",
                  "--http", f"127.0.0.1:{self.http}",
-                 "--tcp", f"127.0.0.1:{self.tcp}",
+                 "--tcp", f"127.0.0.1:{self.tcp}", "--rtsp", "off",
                  "--modbus", f"127.0.0.1:{self.modbus}",
                  "--nmea", f"127.0.0.1:{self.nmea}",
                  "--unix", "off", "--state", "off"],

@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 out=${1:-docs/gallery}
 socket=$(mktemp -u "${TMPDIR:-/tmp}/pelagos-gallery-XXXXXX")
-build/pelagosd --device software --http off --tcp off --modbus off --nmea off \
+build/pelagosd --device software --http off --tcp off --rtsp off --modbus off --nmea off \
     --state off --unix "$socket" --log-level warning &
 daemon=$!
 trap 'kill $daemon 2>/dev/null; wait $daemon 2>/dev/null || true' EXIT

@@ -139,11 +139,11 @@ void pel_frames_pause(struct pel_subscription *subscription);
 
 /* Goes on, in H.264 with the next key frame. `urgent` asks for that as a new
  * subscriber does; otherwise a stream is asked once a second at most. Also for
- * a subscriber that has lost frames or wants a key frame from time to time. */
+ * a subscriber that has lost frames. */
 void pel_frames_resync(struct pel_subscription *subscription, bool urgent);
 
-/* Asks for a key frame among the others, once a second at most. */
-void pel_frames_want_key(struct pel_subscription *subscription);
+/* Asks for a key frame among the others; `urgent` as above. */
+void pel_frames_want_key(struct pel_subscription *subscription, bool urgent);
 
 /* Surface heights off the control thread, from the sea of the present
  * snapshot. points is copied; at most 10,000 and 16 queries waiting. */

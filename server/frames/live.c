@@ -302,10 +302,10 @@ void pel_frames_resync(struct pel_subscription *subscription, bool urgent)
     pel_schedule_live(frames);
 }
 
-void pel_frames_want_key(struct pel_subscription *subscription)
+void pel_frames_want_key(struct pel_subscription *subscription, bool urgent)
 {
     if (subscription->stream && subscription->stream->track) {
-        want_key(subscription->stream, RESYNC_KEY_NS);
+        want_key(subscription->stream, urgent ? JOIN_KEY_NS : RESYNC_KEY_NS);
     }
 }
 

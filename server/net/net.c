@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "net/http_server.h"
 #include "net/listener.h"
+#include "net/rtsp.h"
 #include "net/session.h"
 
 struct pel_net {
@@ -18,6 +19,7 @@ struct pel_net {
     struct pel_frames *frames;
     struct pel_http_server *http;
     struct pel_sessions *sessions;
+    struct pel_rtsp *rtsp; /* NULL: off */
     struct pel_listener *http_listener, *tcp_listener, *unix_listener;
     uint16_t http_port, tcp_port;
     bool joined; /* the metrics */
@@ -123,6 +125,9 @@ static void collect(void *user, struct pel_metrics_page *page)
     if (net->http) {
         pel_http_server_collect(net->http, page);
     }
+    if (net->rtsp) {
+        pel_rtsp_collect(net->rtsp, page);
+    }
 }
 
 static void on_commit(void *user)
@@ -130,6 +135,9 @@ static void on_commit(void *user)
     struct pel_net *net = user;
     if (net->sessions) {
         pel_sessions_changed(net->sessions);
+    }
+    if (net->rtsp) {
+        pel_rtsp_changed(net->rtsp);
     }
 }
 
@@ -153,6 +161,10 @@ static enum pel_err listen_all(struct pel_net *net, struct pel_fault *fault)
         err = pel_listener_unix(o->unix_path, accept_unix, net,
                                 &net->unix_listener, fault);
     }
+    if (err == PEL_OK && o->rtsp_address) {
+        err = pel_rtsp_create(o->rtsp_address, o->rtsp_port, o->allow_remote,
+                              net->scene, net->frames, &net->rtsp, fault);
+    }
     net->http_port = pel_listener_port(net->http_listener);
     net->tcp_port = pel_listener_port(net->tcp_listener);
     return err;
@@ -169,6 +181,12 @@ static void tell(const struct pel_net *net)
     if (o->tcp_address) {
         pel_info("NET-003", "protobuf on TCP %s port %u", o->tcp_address,
                  net->tcp_port);
+    }
+    if (o->rtsp_address) {
+        pel_info("NET-006", "RTSP on rtsp://%s%s%s:%u/VIEW",
+                 strchr(o->rtsp_address, ':') ? "[" : "", o->rtsp_address,
+                 strchr(o->rtsp_address, ':') ? "]" : "",
+                 pel_rtsp_port(net->rtsp));
     }
     if (o->unix_path) {
         pel_info("NET-004", "protobuf on %s", o->unix_path);
@@ -223,6 +241,9 @@ void pel_net_stop_listening(struct pel_net *net)
 {
     close_listeners(net);
     pel_sessions_stop(net->sessions);
+    if (net->rtsp) {
+        pel_rtsp_stop(net->rtsp);
+    }
     if (net->http) {
         pel_http_server_stop(net->http);
     }
@@ -244,6 +265,8 @@ void pel_net_destroy(struct pel_net *net)
         pel_metrics_remove(net->options.metrics, collect, net);
     }
     pel_http_server_destroy(net->http);
+    pel_rtsp_destroy(net->rtsp);
+    net->rtsp = NULL;
     pel_sessions_destroy(net->sessions);
     g_free(net);
 }

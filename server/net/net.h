@@ -44,6 +44,8 @@ struct pel_net_options {
     uint16_t http_port;       /* 0: any free one */
     const char *tcp_address;  /* as http_address; NULL: no protobuf on TCP */
     uint16_t tcp_port;
+    const char *rtsp_address; /* as http_address; NULL: no RTSP */
+    uint16_t rtsp_port;
     const char *unix_path; /* NULL: no Unix socket; made with mode 0600 */
     bool allow_remote;     /* else an address that is not loopback is refused */
     /* Names besides `localhost` and plain addresses that a Host header may

@@ -57,7 +57,7 @@ start_daemon() {
     read -r http tcp modbus nmea < <(free_ports)
     socket=$work/socket
     "$PELAGOS_BIN/pelagosd" --device software --http "127.0.0.1:$http" \
-        --tcp "127.0.0.1:$tcp" --modbus "127.0.0.1:$modbus" \
+        --tcp "127.0.0.1:$tcp" --rtsp off --modbus "127.0.0.1:$modbus" \
         --nmea "127.0.0.1:$nmea" --unix "$socket" "$@" >>"$work/log" 2>&1 &
     daemon=$!
     export PELAGOS_SERVER=tcp:127.0.0.1:$tcp

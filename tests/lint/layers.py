@@ -16,7 +16,7 @@ LIBRARIES = {
     "modbus": {"server/bridges", "clients/demo"},
     "turbojpeg.h": {"server/encode"},
     "openexr.h": {"server/encode"},
-    "gst/": {"server/encode", "clients/pelagosctl"},
+    "gst/": {"server/encode", "server/net", "clients/pelagosctl"},
     "libyuv": {"server/encode"},
     "wslay/": {"server/net"},
     "spng.h": {"server/encode"},

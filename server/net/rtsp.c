@@ -1,0 +1,399 @@
+#include "net/rtsp.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <gio/gio.h>
+#include <gst/rtsp-server/rtsp-server.h>
+
+#include "base/log.h"
+#include "encode/gst.h"
+#include "net/listener.h"
+#include "net/rtspstream.h"
+
+#define MAX_CLIENTS 64
+#define MAX_SESSIONS 64
+#define MAX_WAITING 8 /* clients, while GStreamer starts */
+#define CLEAN_S 2
+/* Frames arrive stamped as they come; the queue of a client is bounded where
+ * it is filled (rtspstream.c). */
+#define LAUNCH                                                                 \
+    "( appsrc name=source is-live=true format=time do-timestamp=true "         \
+    "block=false max-bytes=0 max-buffers=0 max-time=0 "                        \
+    "caps=video/x-h264,stream-format=byte-stream,alignment=au ! "              \
+    "rtph264pay name=pay0 pt=96 config-interval=-1 )"
+#define STREAM_KEY "pelagos-stream"
+#define VIEW_KEY "pelagos-view"
+
+enum state {
+    STATE_ASLEEP, /* nobody has come yet */
+    STATE_STARTING,
+    STATE_RUNS,
+    STATE_BROKEN, /* GStreamer does not start or lacks a part */
+};
+
+struct waiting {
+    int fd;
+    char host[64];
+    int port;
+};
+
+struct pel_rtsp {
+    struct pel_scene *scene;
+    struct pel_rtsp_hub *hub;
+    struct pel_listener *listener;
+    uint16_t port;
+    enum state state;
+    pthread_t starter;
+    enum pel_err start_err;
+    struct pel_fault start_fault;
+    struct waiting waiting[MAX_WAITING];
+    unsigned waiting_count;
+    GstRTSPServer *server;
+    GHashTable *mounted; /* names of views */
+    guint cleaner;
+    atomic_uint clients;
+    uint64_t accepted, refused;
+};
+
+/* --- threads of gst-rtsp-server ------------------------------------------ */
+
+static void on_unprepared(GstRTSPMedia *media, gpointer user)
+{
+    (void)user;
+    struct pel_rtsp_stream *stream =
+        g_object_steal_data(G_OBJECT(media), STREAM_KEY);
+    if (stream) {
+        pel_rtsp_stream_close(stream);
+    }
+}
+
+static void on_configure(GstRTSPMediaFactory *factory, GstRTSPMedia *media,
+                         gpointer user)
+{
+    struct pel_rtsp_hub *hub = user;
+    GstElement *bin = gst_rtsp_media_get_element(media);
+    GstElement *source = gst_bin_get_by_name_recurse_up(GST_BIN(bin), "source");
+    const char *view = g_object_get_data(G_OBJECT(factory), VIEW_KEY);
+    struct pel_rtsp_stream *stream =
+        pel_rtsp_stream_create(hub, view, GST_APP_SRC(source));
+    g_object_set_data_full(G_OBJECT(media), STREAM_KEY, stream,
+                           (GDestroyNotify)pel_rtsp_stream_close);
+    g_signal_connect(media, "unprepared", G_CALLBACK(on_unprepared), NULL);
+    gst_object_unref(source);
+    gst_object_unref(bin);
+}
+
+static void on_play(GstRTSPClient *client, GstRTSPContext *context,
+                    gpointer user)
+{
+    (void)client;
+    (void)user;
+    GstRTSPMedia *media =
+        context->sessmedia
+            ? gst_rtsp_session_media_get_media(context->sessmedia)
+            : NULL;
+    struct pel_rtsp_stream *stream =
+        media ? g_object_get_data(G_OBJECT(media), STREAM_KEY) : NULL;
+    if (stream) {
+        pel_rtsp_stream_play(stream);
+    }
+}
+
+static void on_closed(GstRTSPClient *client, gpointer user)
+{
+    (void)client;
+    struct pel_rtsp *rtsp = user;
+    atomic_fetch_sub(&rtsp->clients, 1);
+}
+
+/* --- the server ---------------------------------------------------------- */
+
+static void on_connected(GstRTSPServer *server, GstRTSPClient *client,
+                         gpointer user)
+{
+    (void)server;
+    g_signal_connect(client, "play-request", G_CALLBACK(on_play), NULL);
+    g_signal_connect(client, "closed", G_CALLBACK(on_closed), user);
+}
+
+static void mount(struct pel_rtsp *rtsp, GstRTSPMountPoints *points,
+                  const char *view)
+{
+    char path[PEL_NAME_SIZE + 1];
+    GstRTSPMediaFactory *factory = gst_rtsp_media_factory_new();
+    snprintf(path, sizeof path, "/%s", view);
+    gst_rtsp_media_factory_set_launch(factory, LAUNCH);
+    gst_rtsp_media_factory_set_shared(factory, FALSE);
+    gst_rtsp_media_factory_set_latency(factory, 0);
+    g_object_set_data_full(G_OBJECT(factory), VIEW_KEY, g_strdup(view), g_free);
+    g_signal_connect_data(factory, "media-configure", G_CALLBACK(on_configure),
+                          pel_rtsp_hub_ref(rtsp->hub),
+                          (GClosureNotify)(void (*)(void))pel_rtsp_hub_unref,
+                          0);
+    gst_rtsp_mount_points_add_factory(points, path, factory);
+    g_hash_table_add(rtsp->mounted, g_strdup(view));
+}
+
+void pel_rtsp_changed(struct pel_rtsp *rtsp)
+{
+    if (rtsp->state != STATE_RUNS) {
+        return;
+    }
+    GstRTSPMountPoints *points = gst_rtsp_server_get_mount_points(rtsp->server);
+    const struct pel_snapshot *s = pel_scene_snapshot(rtsp->scene);
+    GHashTableIter at;
+    gpointer name;
+    g_hash_table_iter_init(&at, rtsp->mounted);
+    while (g_hash_table_iter_next(&at, &name, NULL)) {
+        if (pel_snapshot_find_view(s, name) < 0) {
+            char path[PEL_NAME_SIZE + 1];
+            snprintf(path, sizeof path, "/%s", (const char *)name);
+            gst_rtsp_mount_points_remove_factory(points, path);
+            g_hash_table_iter_remove(&at);
+        }
+    }
+    for (size_t i = 0; i < s->view_count; i++) {
+        if (!g_hash_table_contains(rtsp->mounted, s->views[i].name)) {
+            mount(rtsp, points, s->views[i].name);
+        }
+    }
+    pel_snapshot_unref(s);
+    g_object_unref(points);
+}
+
+static gboolean clean(gpointer user)
+{
+    struct pel_rtsp *rtsp = user;
+    GstRTSPSessionPool *pool = gst_rtsp_server_get_session_pool(rtsp->server);
+    gst_rtsp_session_pool_cleanup(pool);
+    g_object_unref(pool);
+    return G_SOURCE_CONTINUE;
+}
+
+static void start_server(struct pel_rtsp *rtsp)
+{
+    rtsp->server = gst_rtsp_server_new();
+    GstRTSPSessionPool *pool = gst_rtsp_server_get_session_pool(rtsp->server);
+    gst_rtsp_session_pool_set_max_sessions(pool, MAX_SESSIONS);
+    g_object_unref(pool);
+    g_signal_connect(rtsp->server, "client-connected", G_CALLBACK(on_connected),
+                     rtsp);
+    rtsp->cleaner = g_timeout_add_seconds(CLEAN_S, clean, rtsp);
+    rtsp->state = STATE_RUNS;
+    pel_rtsp_changed(rtsp);
+}
+
+static void hand_over(struct pel_rtsp *rtsp, const struct waiting *client)
+{
+    GSocket *socket = g_socket_new_from_fd(client->fd, NULL);
+    if (!socket) {
+        close(client->fd);
+        return;
+    }
+    atomic_fetch_add(&rtsp->clients, 1);
+    if (!gst_rtsp_server_transfer_connection(rtsp->server, socket, client->host,
+                                             client->port, NULL)) {
+        atomic_fetch_sub(&rtsp->clients, 1);
+    }
+}
+
+/* --- coming to life ------------------------------------------------------ */
+
+static gboolean on_started(gpointer user)
+{
+    struct pel_rtsp *rtsp = user;
+    pthread_join(rtsp->starter, NULL);
+    rtsp->state = STATE_BROKEN;
+    if (rtsp->start_err == PEL_OK) {
+        start_server(rtsp);
+    } else {
+        pel_error("NET-031", "no RTSP: %s", rtsp->start_fault.message);
+    }
+    for (unsigned i = 0; i < rtsp->waiting_count; i++) {
+        if (rtsp->state == STATE_RUNS) {
+            hand_over(rtsp, &rtsp->waiting[i]);
+        } else {
+            close(rtsp->waiting[i].fd);
+        }
+    }
+    rtsp->waiting_count = 0;
+    return G_SOURCE_REMOVE;
+}
+
+static void *start(void *user)
+{
+    struct pel_rtsp *rtsp = user;
+    static const char *const needed[] = { "appsrc", "rtph264pay", "rtpbin",
+                                          "udpsrc" };
+    rtsp->start_err = pel_gst_start(&rtsp->start_fault);
+    for (size_t i = 0; rtsp->start_err == PEL_OK && i < G_N_ELEMENTS(needed);
+         i++) {
+        GstElementFactory *factory = gst_element_factory_find(needed[i]);
+        if (factory) {
+            gst_object_unref(factory);
+        } else {
+            rtsp->start_err = pel_fault_set(
+                &rtsp->start_fault, PEL_ERR_NOT_FOUND,
+                "GStreamer has no %s: gstreamer1.0-plugins-base and -good "
+                "have what is needed",
+                needed[i]);
+        }
+    }
+    g_idle_add_full(G_PRIORITY_DEFAULT, on_started, rtsp, NULL);
+    return NULL;
+}
+
+static bool accept_client(void *user, int fd, const struct sockaddr *address,
+                          socklen_t size)
+{
+    struct pel_rtsp *rtsp = user;
+    struct waiting client = { .fd = fd };
+    GSocketAddress *from =
+        g_socket_address_new_from_native((gpointer)address, size);
+    if (G_IS_INET_SOCKET_ADDRESS(from)) {
+        GInetSocketAddress *inet = G_INET_SOCKET_ADDRESS(from);
+        char *text =
+            g_inet_address_to_string(g_inet_socket_address_get_address(inet));
+        g_strlcpy(client.host, text, sizeof client.host);
+        client.port = g_inet_socket_address_get_port(inet);
+        g_free(text);
+    }
+    g_clear_object(&from);
+    if (rtsp->state == STATE_ASLEEP) {
+        rtsp->state = pthread_create(&rtsp->starter, NULL, start, rtsp) == 0
+                          ? STATE_STARTING
+                          : STATE_ASLEEP;
+    }
+    bool room = rtsp->state == STATE_STARTING
+                    ? rtsp->waiting_count < MAX_WAITING
+                    : rtsp->state == STATE_RUNS &&
+                          atomic_load(&rtsp->clients) < MAX_CLIENTS;
+    if (!room) {
+        rtsp->refused++;
+        return false;
+    }
+    rtsp->accepted++;
+    if (rtsp->state == STATE_STARTING) {
+        rtsp->waiting[rtsp->waiting_count++] = client;
+    } else {
+        hand_over(rtsp, &client);
+    }
+    return true;
+}
+
+/* --- life ---------------------------------------------------------------- */
+
+enum pel_err pel_rtsp_create(const char *address, uint16_t port,
+                             bool allow_remote, struct pel_scene *scene,
+                             struct pel_frames *frames, struct pel_rtsp **out,
+                             struct pel_fault *fault)
+{
+    struct pel_rtsp *rtsp = g_new0(struct pel_rtsp, 1);
+    enum pel_err err =
+        pel_listener_tcp("rtsp", address, port, allow_remote, accept_client,
+                         rtsp, &rtsp->listener, fault);
+    if (err != PEL_OK) {
+        g_free(rtsp);
+        return err;
+    }
+    rtsp->scene = scene;
+    rtsp->hub = pel_rtsp_hub_create(frames);
+    rtsp->port = pel_listener_port(rtsp->listener);
+    rtsp->mounted =
+        g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+    *out = rtsp;
+    return PEL_OK;
+}
+
+void pel_rtsp_stop(struct pel_rtsp *rtsp)
+{
+    pel_listener_destroy(rtsp->listener);
+    rtsp->listener = NULL;
+}
+
+static GstRTSPFilterResult drop_client(GstRTSPServer *server,
+                                       GstRTSPClient *client, gpointer user)
+{
+    (void)server;
+    g_signal_handlers_disconnect_by_data(client, user);
+    gst_rtsp_client_close(client);
+    return GST_RTSP_FILTER_REMOVE;
+}
+
+static GstRTSPFilterResult drop_session(GstRTSPSessionPool *pool,
+                                        GstRTSPSession *session, gpointer user)
+{
+    (void)pool;
+    (void)session;
+    (void)user;
+    return GST_RTSP_FILTER_REMOVE;
+}
+
+static void stop_server(struct pel_rtsp *rtsp)
+{
+    g_source_remove(rtsp->cleaner);
+    GstRTSPSessionPool *pool = gst_rtsp_server_get_session_pool(rtsp->server);
+    gst_rtsp_server_client_filter(rtsp->server, drop_client, rtsp);
+    gst_rtsp_session_pool_filter(pool, drop_session, NULL);
+    g_object_unref(pool);
+    g_object_unref(rtsp->server);
+}
+
+void pel_rtsp_destroy(struct pel_rtsp *rtsp)
+{
+    if (!rtsp) {
+        return;
+    }
+    pel_listener_destroy(rtsp->listener);
+    if (rtsp->state == STATE_STARTING) {
+        pthread_join(rtsp->starter, NULL);
+        g_idle_remove_by_data(rtsp);
+        for (unsigned i = 0; i < rtsp->waiting_count; i++) {
+            close(rtsp->waiting[i].fd);
+        }
+    }
+    pel_rtsp_hub_close(rtsp->hub);
+    if (rtsp->state == STATE_RUNS) {
+        stop_server(rtsp);
+    }
+    pel_rtsp_hub_unref(rtsp->hub);
+    g_hash_table_destroy(rtsp->mounted);
+    g_free(rtsp);
+}
+
+uint16_t pel_rtsp_port(const struct pel_rtsp *rtsp)
+{
+    return rtsp->port;
+}
+
+void pel_rtsp_collect(const struct pel_rtsp *rtsp,
+                      struct pel_metrics_page *page)
+{
+    const struct pel_rtsp_hub *hub = rtsp->hub;
+    const struct {
+        const char *name, *help;
+        uint64_t value;
+    } counters[] = {
+        { "pelagos_rtsp_accepted_total", "RTSP connections accepted.",
+          rtsp->accepted },
+        { "pelagos_rtsp_frames_sent_total", "Pictures given to RTSP clients.",
+          hub->sent },
+        { "pelagos_rtsp_sent_bytes_total", "Bytes of them.", hub->bytes },
+        { "pelagos_rtsp_frames_dropped_total",
+          "Times that an RTSP client's queue was full.", hub->dropped },
+    };
+    pel_metric(page, "pelagos_rtsp_clients", PEL_METRIC_GAUGE,
+               "RTSP connections open.", NULL, atomic_load(&rtsp->clients));
+    pel_metric(page, "pelagos_rtsp_streams", PEL_METRIC_GAUGE,
+               "RTSP streams prepared or playing.", NULL, hub->streaming);
+    for (size_t i = 0; i < G_N_ELEMENTS(counters); i++) {
+        pel_metric(page, counters[i].name, PEL_METRIC_COUNTER, counters[i].help,
+                   NULL, (double)counters[i].value);
+    }
+    pel_metric(page, "pelagos_refused_total", PEL_METRIC_COUNTER,
+               "Clients turned away at a limit.", "input=\"rtsp\"",
+               (double)rtsp->refused);
+}

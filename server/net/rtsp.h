@@ -1,0 +1,31 @@
+/* RTSP: every view at rtsp://ADDRESS:PORT/NAME in H.264, over UDP or TCP, by
+ * gst-rtsp-server. It comes to life with its first client; its own threads
+ * serve the clients, and each client has its own queue, so that none waits for
+ * another. Control thread. */
+#pragma once
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/err.h"
+#include "base/metrics.h"
+#include "frames/frames.h"
+#include "scene/scene.h"
+
+struct pel_rtsp;
+
+/* Listens. Errors as pel_listener_tcp. */
+PEL_CHECK enum pel_err
+pel_rtsp_create(const char *address, uint16_t port, bool allow_remote,
+                struct pel_scene *scene, struct pel_frames *frames,
+                struct pel_rtsp **out, struct pel_fault *fault);
+void pel_rtsp_stop(struct pel_rtsp *rtsp);    /* no new clients */
+void pel_rtsp_destroy(struct pel_rtsp *rtsp); /* NULL allowed */
+
+uint16_t pel_rtsp_port(const struct pel_rtsp *rtsp);
+
+/* The scene's views may have changed. */
+void pel_rtsp_changed(struct pel_rtsp *rtsp);
+
+void pel_rtsp_collect(const struct pel_rtsp *rtsp,
+                      struct pel_metrics_page *page);
