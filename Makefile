@@ -119,6 +119,7 @@ ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c \
     server/encode/gst.c \
+    server/encode/ts.c \
     server/encode/video.c
 FRAMES := server/frames/frame.c server/frames/mailbox.c \
     server/frames/pool.c \
@@ -144,6 +145,7 @@ NET := server/net/fdsource.c \
     server/net/http_live.c \
     server/net/rtsp.c \
     server/net/rtspstream.c \
+    server/net/tsviewer.c \
     server/net/mjpeg.c \
     server/net/websocket.c \
     server/net/liveviewer.c \

@@ -418,6 +418,70 @@ class Hostile(Case):
                 live.ack(head)
 
 
+class Ts(Case):
+    @unittest.skipUnless(shutil.which("ffprobe"), "no ffprobe")
+    def test_ffprobe_opens_it(self):
+        begun = time.monotonic()
+        out = subprocess.run(
+            ["ffprobe", "-v", "error", "-read_intervals", "%+1",
+             "-count_frames", "-show_entries",
+             "format=format_name:stream=codec_name,width,nb_read_frames",
+             "-of", "default=nk=0:nw=1",
+             self.daemon.url("/v1/views/bridge/ts?width=480&bitrate=900")],
+            capture_output=True, text=True, timeout=3 * SLOW_S)
+        print(f"ffprobe, a second of it: {time.monotonic() - begun:.1f} s")
+        self.assertEqual(out.stderr, "")
+        for text in "mpegts", "codec_name=h264", "width=480":
+            self.assertIn(text, out.stdout)
+        frames = int(re.search(r"nb_read_frames=(\d+)", out.stdout).group(1))
+        self.assertGreater(frames, 1)
+
+    def test_packets(self):
+        with self.daemon.connect_http() as s:
+            s.sendall(b"GET /v1/views/bridge/ts HTTP/1.0\r\n"
+                      b"Host: localhost\r\n\r\n")
+            data = b""
+            while len(data) < 60000:
+                data += s.recv(65536)
+        head, body = data.split(b"\r\n\r\n", 1)
+        self.assertIn(b"video/mp2t", head)
+        counters = {}
+        for at in range(0, len(body) - 187, 188):
+            self.assertEqual(body[at], 0x47)
+            pid = (body[at + 1] & 31) << 8 | body[at + 2]
+            count = body[at + 3] & 15
+            self.assertEqual(count, (counters.get(pid, count - 1) + 1) & 15)
+            counters[pid] = count
+        self.assertEqual(set(counters), {0, 0x100, 0x101})
+
+    def test_stalled_reader_costs_nothing(self):
+        stalled = self.daemon.connect_http()
+        stalled.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        stalled.sendall(b"GET /v1/views/bridge/ts?width=1280&height=720"
+                        b"&bitrate=20000 HTTP/1.0\r\n"
+                        b"Host: localhost\r\n\r\n")
+        until("it falls behind",
+              lambda: self.metric("pelagos_ts_starved_total") > 0, 60)
+        before = self.daemon.rss()
+        drawn = self.metric("pelagos_video_frames_total")
+        time.sleep(2)
+        if not SANITIZED:
+            self.assertLess(self.daemon.rss() - before, 8e6)
+        # One was under way.
+        self.assertLess(self.metric("pelagos_video_frames_total") - drawn, 5)
+        while stalled.recv(65536):  # it goes on
+            if self.metric("pelagos_ts_sent_bytes_total") > 3e6:
+                break
+        stalled.close()
+        until("it is gone", lambda: self.metric("pelagos_ts_viewers") == 0)
+
+    def test_refusals(self):
+        for query in "?quality=5", "?bitrate=1", "?codec=h264", "?width=x":
+            self.assertEqual(
+                self.daemon.get("/v1/views/bridge/ts" + query).status, 400)
+        self.assertEqual(self.daemon.get("/v1/views/nothing/ts").status, 404)
+
+
 class RtspClient:
     """RTP over the RTSP connection itself (interleaved), as far as needed."""
 

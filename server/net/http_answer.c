@@ -241,13 +241,15 @@ enum MHD_Result pel_http_send_surface(struct client *client,
     return MHD_YES;
 }
 
-/* --- Motion JPEG ---------------------------------------------------------- */
+/* --- Motion JPEG and MPEG-TS
+ * ---------------------------------------------------------- */
 
 /* The stream's own memory: it dies with the response, which the library may
  * keep a little longer than the request. */
 struct stream {
     struct client *client;
-    struct pel_viewer *viewer;
+    struct pel_viewer *viewer; /* or: */
+    struct pel_ts_viewer *ts;
 };
 
 static void wake_stream(void *user)
@@ -265,7 +267,8 @@ static ssize_t read_stream(void *user, uint64_t position, char *out,
         stream->client->phase == PHASE_CLOSED) {
         return MHD_CONTENT_READER_END_WITH_ERROR;
     }
-    ssize_t n = pel_viewer_read(stream->viewer, out, size);
+    ssize_t n = stream->ts ? pel_ts_viewer_read(stream->ts, out, size)
+                           : pel_viewer_read(stream->viewer, out, size);
     if (n == 0) {
         suspend(stream->client);
     }
@@ -276,6 +279,7 @@ static void free_stream(void *user)
 {
     struct stream *stream = user;
     pel_viewer_destroy(stream->viewer);
+    pel_ts_viewer_destroy(stream->ts);
     g_free(stream);
 }
 
@@ -286,9 +290,14 @@ enum MHD_Result pel_http_send_stream(struct client *client,
     struct pel_fault fault;
     struct stream *stream = g_new0(struct stream, 1);
     stream->client = client;
-    enum pel_err err = pel_viewer_create(
-        server->frames, answer->view, answer->quality, answer->fps,
-        &server->mjpeg, wake_stream, stream, &stream->viewer, &fault);
+    bool ts = answer->kind == PEL_HTTP_TS;
+    enum pel_err err =
+        ts ? pel_ts_viewer_create(server->frames, answer->view,
+                                  &answer->profile, &server->ts, wake_stream,
+                                  stream, &stream->ts, &fault)
+           : pel_viewer_create(server->frames, answer->view, answer->quality,
+                               answer->fps, &server->mjpeg, wake_stream, stream,
+                               &stream->viewer, &fault);
     if (err != PEL_OK) {
         g_free(stream);
         return pel_http_send_fault(client, 0, &fault);
@@ -301,7 +310,7 @@ enum MHD_Result pel_http_send_stream(struct client *client,
         MHD_SIZE_UNKNOWN, STREAM_BLOCK, read_stream, stream, free_stream);
     MHD_set_response_options(response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT,
                              MHD_RO_END);
-    add(response, "Content-Type", PEL_MJPEG_TYPE);
+    add(response, "Content-Type", ts ? PEL_TS_TYPE : PEL_MJPEG_TYPE);
     add(response, "Cache-Control", "no-store");
     enum MHD_Result result = queue(client, 200, response);
     client->phase = PHASE_STREAM;

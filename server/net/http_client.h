@@ -13,6 +13,7 @@
 #include "net/http_server.h"
 #include "net/liveviewer.h"
 #include "net/mjpeg.h"
+#include "net/tsviewer.h"
 
 #define PEL_HTTP_STATUS_MAX 600
 
@@ -69,6 +70,7 @@ struct pel_http_server {
     GPtrArray *clients;
     struct pel_mjpeg_stats mjpeg;
     struct pel_live_stats live;
+    struct pel_ts_stats ts;
     uint64_t answers[PEL_HTTP_STATUS_MAX];
     uint64_t accepted, refused, evicted, malformed, timeouts, vanished;
 };

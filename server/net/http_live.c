@@ -1,5 +1,5 @@
-/* GET /v1/views/NAME/live: the handshake of a WebSocket as request and
- * answer. */
+/* GET /v1/views/NAME/live, the handshake of a WebSocket as request and answer;
+ * and GET /v1/views/NAME/ts, the same video for players. */
 #include <stdio.h>
 #include <string.h>
 
@@ -146,6 +146,38 @@ void pel_http_get_live(const struct pel_http_call *call)
         return;
     }
     call->answer->kind = PEL_HTTP_LIVE;
+    snprintf(call->answer->view, sizeof call->answer->view, "%s",
+             pel_http_view_name(call));
+}
+
+static bool is_of_video(const char *name)
+{
+    return strcmp(name, "width") == 0 || strcmp(name, "height") == 0 ||
+           strcmp(name, "bitrate") == 0;
+}
+
+void pel_http_get_ts(const struct pel_http_call *call)
+{
+    struct pel_fault fault;
+    if (!pel_http_need_view(call)) {
+        return;
+    }
+    call->answer->profile = (struct pel_profile){ .codec = PEL_CODEC_H264 };
+    for (size_t i = 0; i < call->target->query_count; i++) {
+        const struct pel_http_pair *pair = &call->target->query[i];
+        enum pel_err err =
+            is_of_video(pair->name)
+                ? read_pair(pair, call->answer, &fault)
+                : pel_fault_value(&fault, PEL_ERR_NOT_FOUND, pair->name,
+                                  pair->value,
+                                  "no such parameter: width, height and "
+                                  "bitrate are known");
+        if (err != PEL_OK) {
+            pel_http_refuse(call, 400, &fault);
+            return;
+        }
+    }
+    call->answer->kind = PEL_HTTP_TS;
     snprintf(call->answer->view, sizeof call->answer->view, "%s",
              pel_http_view_name(call));
 }

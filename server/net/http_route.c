@@ -378,6 +378,7 @@ static const struct route routes[] = {
       pel_http_get_frame },
     { "GET", "v1/views/*/mjpeg", ROUTE_NO_HEAD | ROUTE_QUERY,
       pel_http_get_mjpeg },
+    { "GET", "v1/views/*/ts", ROUTE_NO_HEAD | ROUTE_QUERY, pel_http_get_ts },
     { "GET", "v1/views/*/live", ROUTE_NO_HEAD | ROUTE_QUERY,
       pel_http_get_live },
     { "POST", "v1/surface", ROUTE_BODY | ROUTE_LARGE, post_surface },

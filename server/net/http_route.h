@@ -26,6 +26,7 @@ enum pel_http_kind {
     PEL_HTTP_WHOLE,   /* status, type and body are there */
     PEL_HTTP_FRAME,   /* carry out `frame`, answer with the picture */
     PEL_HTTP_MJPEG,   /* stream `view` */
+    PEL_HTTP_TS,      /* stream `view` in `profile` */
     PEL_HTTP_LIVE,    /* a WebSocket: 101, then `live` */
     PEL_HTTP_SURFACE, /* carry out `surface`, answer with JSON */
 };
@@ -48,7 +49,7 @@ struct pel_http_answer {
     char view[PEL_NAME_SIZE];
     double fps; /* at most; 0: every frame */
     int quality;
-    struct pel_profile profile; /* of LIVE */
+    struct pel_profile profile; /* of LIVE and TS */
     unsigned credit;            /* of LIVE: pictures not acknowledged */
     char accept[32];            /* of LIVE: Sec-WebSocket-Accept */
     bool upgrade;               /* Upgrade header of a 426 */

@@ -144,6 +144,7 @@ static enum MHD_Result take_request(struct client *client, const char *method)
     case PEL_HTTP_SURFACE:
         return pel_http_send_surface(client, &answer);
     case PEL_HTTP_MJPEG:
+    case PEL_HTTP_TS:
         return pel_http_send_stream(client, &answer);
     case PEL_HTTP_LIVE:
         return pel_http_send_live(client, &answer);
@@ -600,4 +601,13 @@ void pel_http_server_collect(const struct pel_http_server *server,
     counter(page, "pelagos_mjpeg_sent_bytes_total",
             "Bytes sent to Motion-JPEG viewers.", NULL, server->mjpeg.bytes);
     pel_live_collect(&server->live, page);
+    pel_metric(page, "pelagos_ts_viewers", PEL_METRIC_GAUGE,
+               "Readers of MPEG transport streams.", NULL, server->ts.viewers);
+    counter(page, "pelagos_ts_frames_sent_total",
+            "Pictures for readers of MPEG transport streams.", NULL,
+            server->ts.sent);
+    counter(page, "pelagos_ts_sent_bytes_total", "Bytes sent to them.", NULL,
+            server->ts.bytes);
+    counter(page, "pelagos_ts_starved_total", "Times that one fell behind.",
+            NULL, server->ts.starved);
 }
