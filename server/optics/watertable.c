@@ -38,8 +38,7 @@ static void sky_modes(const struct pel_ordinates *o,
                       double *modes)
 {
     enum { LAST = PEL_WATER_SKY_AZIMUTHS - 1 };
-    int nodes = pel_ordinates_sky_nodes(o);
-    for (int i = 0; i < nodes; i++) {
+    for (int i = 0; i < NODES; i++) {
         double at = pel_ordinates_sky_node(o, i) / (0.5 * PEL_PI) *
                     (PEL_WATER_SKY_ZENITHS - 1);
         int row = (int)fmin(at, PEL_WATER_SKY_ZENITHS - 2);
@@ -53,11 +52,11 @@ static void sky_modes(const struct pel_ordinates *o,
                     part * channel(sky->radiance[row + 1][j], wavelength);
                 sum += end * value * cos(m * PEL_PI * j / LAST);
             }
-            modes[m * nodes + i] = sum / LAST * (m ? 2.0 : 1.0);
+            modes[m * NODES + i] = sum / LAST * (m ? 2.0 : 1.0);
         }
     }
     double irradiance = pel_ordinates_sky_irradiance(o, modes);
-    for (int i = 0; i < MODES * nodes; i++) {
+    for (int i = 0; i < MODES * NODES; i++) {
         modes[i] = irradiance > 0.0 ? modes[i] / irradiance : 0.0;
     }
 }
