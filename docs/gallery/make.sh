@@ -34,6 +34,10 @@ pictures=(
     "height-30|From 30 m|views.gallery.up=30 views.gallery.pitch=-8"
     "height-1000|From 1000 m|views.gallery.up=1000 views.gallery.pitch=-18 sky.sunAzimuth=30"
     "height-8000|From 8000 m|views.gallery.up=8000 views.gallery.pitch=-18 sky.sunAzimuth=30"
+    "fft|FFT cascades, Elfouhaily, wind 12 m/s, from 9 m|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=12 views.gallery.up=9"
+    "fft-glitter|The same into the Sun|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=7 sky.sunElevation=25 sky.sunAzimuth=10"
+    "baltic|Baltic water|water.named=BALTIC sky.sunElevation=50 sky.sunAzimuth=150"
+    "tropical|A tropical lagoon: clear water over 6 m of sand|water.named=TROPICAL water.depth=6 water.bottom=SAND sky.sunElevation=60 sky.sunAzimuth=150 sea.windSpeed=4"
     "fog|Visibility 1500 m|sky.visibility=1500"
     "swell|Swell of 3 m, 12 s under a light wind|sea.windSpeed=3 sea.swell.0.height=3 sea.swell.0.period=12 sea.swell.0.direction=320 views.gallery.up=12"
     "water-tropical|Tropical water at noon|$lagoon sky.sunElevation=61 water.named=TROPICAL"
@@ -48,7 +52,8 @@ mkdir -p "$out"
     echo "# Gallery"
     echo
     echo "Drawn by \`docs/gallery/make.sh\` on the software device: 60 trochoids,"
-    echo "Pierson–Moskowitz, Case 1 water unless said, automatic exposure. Every picture starts"
+    echo "Pierson–Moskowitz, Case 1 water, automatic exposure where nothing else is"
+    echo "said. Every picture starts"
     echo "from"
     echo
     echo '```sh'
@@ -57,7 +62,7 @@ mkdir -p "$out"
 } > "$out/README.md"
 for picture in "${pictures[@]}"; do
     IFS='|' read -r name title settings <<< "$picture"
-    ctl unset sea.swell water.named water.depth water.bottom >/dev/null
+    ctl unset sea water >/dev/null
     # shellcheck disable=SC2086
     ctl set $common $settings
     ctl frame gallery "$out/$name.jpg"
