@@ -604,6 +604,20 @@ static void tone(struct pel_renderer *r)
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
+/* Asked only where waves may reach the eye: the answer of an FFT sea costs its
+ * transforms on the processor. */
+static bool is_submerged(const struct pel_environment *env,
+                         const struct pel_camera *c)
+{
+    if (c->altitude_m >
+        fmin(env->sea->max_height_m, 6.0 * sqrt(env->sea->m0))) {
+        return false;
+    }
+    struct pel_surface_sample above;
+    pel_sea_sample(env->sea, c->east_m, c->north_m, env->time_s, &above);
+    return above.height_m > c->altitude_m;
+}
+
 static enum pel_err draw_view(struct pel_renderer *r,
                               const struct pel_environment *env,
                               const struct pel_draw *draw)
@@ -628,9 +642,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
         cascades ? &r->cascades : &r->trochoids;
     pel_tiles_plan(c, height_m, mesh_eye.pixel, PEL_N_MIN, env->sea, r->tiles);
     struct pel_block_eye eye;
-    struct pel_surface_sample above;
-    pel_sea_sample(env->sea, c->east_m, c->north_m, env->time_s, &above);
-    bool submerged = above.height_m > c->altitude_m;
+    bool submerged = is_submerged(env, c);
     pel_fill_eye(height_m, table_height_m, submerged, r->mesh, &eye);
     size_t waves_at = 0;
     if (cascades) {
