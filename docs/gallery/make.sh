@@ -36,8 +36,6 @@ pictures=(
     "height-8000|From 8000 m|views.gallery.up=8000 views.gallery.pitch=-18 sky.sunAzimuth=30"
     "fft|FFT cascades, Elfouhaily, wind 12 m/s, from 9 m|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=12 views.gallery.up=9"
     "fft-glitter|The same into the Sun|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=7 sky.sunElevation=25 sky.sunAzimuth=10"
-    "baltic|Baltic water|water.named=BALTIC sky.sunElevation=50 sky.sunAzimuth=150"
-    "tropical|A tropical lagoon: clear water over 6 m of sand|water.named=TROPICAL water.depth=6 water.bottom=SAND sky.sunElevation=60 sky.sunAzimuth=150 sea.windSpeed=4"
     "fog|Visibility 1500 m|sky.visibility=1500"
     "swell|Swell of 3 m, 12 s under a light wind|sea.windSpeed=3 sea.swell.0.height=3 sea.swell.0.period=12 sea.swell.0.direction=320 views.gallery.up=12"
     "water-tropical|Tropical water at noon|$lagoon sky.sunElevation=61 water.named=TROPICAL"
