@@ -23,7 +23,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev
-TEST_PACKAGES := libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
+TEST_PACKAGES := gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
     python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
     python3-wheel openexr chromium chromium-driver python3-selenium clang \
@@ -160,6 +160,7 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/modbus_map.c server/bridges/modbus_adu.c \
     server/bridges/modbus.c \
     server/bridges/console_table.c \
+    server/bridges/nmea_out.c \
     server/bridges/console.c \
     server/bridges/cigi_packet.c \
     server/bridges/cigi_pose.c \
@@ -221,6 +222,7 @@ TESTS += server/bridges/nmea_parse_test.c
 TESTS += server/bridges/modbus_test.c
 TESTS += server/bridges/nmea_test.c
 TESTS += server/bridges/console_test.c
+TESTS += server/bridges/nmea_out_test.c
 TESTS += server/bridges/cigi_packet_test.c
 TESTS += server/bridges/cigi_test.c
 TESTS += proto/path_test.c

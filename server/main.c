@@ -13,6 +13,7 @@
 #include "bridges/console.h"
 #include "bridges/modbus.h"
 #include "bridges/nmea.h"
+#include "bridges/nmea_out.h"
 #include "frames/frames.h"
 #include "net/net.h"
 #include "options.h"
@@ -37,6 +38,7 @@ struct daemon {
     struct pel_modbus *modbus;
     struct pel_console *console;
     struct pel_nmea *nmea;
+    struct pel_nmea_out *nmea_out;
     struct pel_cigi *cigi;
     struct pel_service *service;
     char http_host[64], tcp_host[64],
@@ -153,6 +155,20 @@ static enum pel_err start_nmea(struct daemon *d, struct pel_fault *fault)
     return pel_nmea_create(&options, d->scene, &d->nmea, fault);
 }
 
+static enum pel_err start_nmea_out(struct daemon *d, struct pel_fault *fault)
+{
+    struct pel_nmea_out_options options = {
+        .to = d->options.nmea_out,
+        .rate_hz = d->options.nmea_out_rate,
+        .entity = (uint32_t)d->options.nmea_entity,
+        .metrics = d->metrics,
+    };
+    if (!*d->options.nmea_out) {
+        return PEL_OK;
+    }
+    return pel_nmea_out_create(&options, d->scene, &d->nmea_out, fault);
+}
+
 /* In the options' order of words. */
 static const enum pel_modbus_order orders[] = {
     PEL_MODBUS_ABCD, PEL_MODBUS_CDAB, PEL_MODBUS_BADC, PEL_MODBUS_DCBA
@@ -249,8 +265,8 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
 static enum pel_err start(struct daemon *d, struct pel_fault *fault)
 {
     enum pel_err (*const parts[])(struct daemon *, struct pel_fault *) = {
-        start_scene, start_frames, start_record,  start_net,
-        start_nmea,  start_cigi,   start_console, start_modbus
+        start_scene,    start_frames, start_record,  start_net,   start_nmea,
+        start_nmea_out, start_cigi,   start_console, start_modbus
     };
     d->metrics = pel_metrics_create();
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
@@ -269,6 +285,7 @@ static bool finish(struct daemon *d)
     pel_modbus_destroy(d->modbus);
     pel_console_destroy(d->console);
     pel_cigi_destroy(d->cigi);
+    pel_nmea_out_destroy(d->nmea_out);
     pel_nmea_destroy(d->nmea);
     pel_net_destroy(d->net);
     if (d->frames) {

@@ -128,6 +128,11 @@ const struct pel_option pel_option_table[] = {
       .choices = wind_words, .offset = FIELD(nmea_wind),
       .help = "Whether true wind sets the sea: not, as given, or its mean "
               "over two minutes." },
+    { "nmea-out", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
+      .offset = FIELD(nmea_out),
+      .help = "Where own ship (--nmea-entity) is told as NMEA 0183 over UDP." },
+    { "nmea-out-rate", "bridges", PEL_OPTION_DOUBLE, "HZ", "1", 0.1, 50, "Hz",
+      .offset = FIELD(nmea_out_rate), .help = "How often it is told." },
     { "nmea-ais", "bridges", PEL_OPTION_FLAG, "", "no",
       .offset = FIELD(nmea_ais),
       .help = "Shows AIS targets as entities 20000 and up." },
@@ -563,6 +568,11 @@ enum pel_err pel_options_check(const struct pel_options *options,
                              "--device: '%.60s' is neither auto, software nor "
                              "a number within 0 .. 999",
                              options->device);
+    }
+    if (*options->nmea_out && strcmp(options->nmea_out, options->nmea) == 0) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "--nmea-out: %s is where --nmea listens",
+                             options->nmea_out);
     }
     if (!*options->console != !*options->console_table) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,

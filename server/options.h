@@ -35,6 +35,8 @@ struct pel_options {
     double console_rate;
     char nmea[PEL_OPTION_TEXT], nmea_allow[PEL_OPTION_TEXT];
     int nmea_entity, nmea_wind;
+    char nmea_out[PEL_OPTION_TEXT];
+    double nmea_out_rate;
     bool nmea_ais;
     char cigi[PEL_OPTION_TEXT], cigi_host[PEL_OPTION_TEXT];
     char cigi_allow[PEL_OPTION_TEXT];

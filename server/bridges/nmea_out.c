@@ -1,0 +1,268 @@
+#include "bridges/nmea_out.h"
+
+#include <errno.h>
+#include <glib.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/log.h"
+#include "base/vec.h"
+#include "bridges/endpoint.h"
+#include "scene/geodesy.h"
+
+#define DEEP_M 1000.0 /* the schema's default, which is no sounding */
+#define KNOT (1852.0 / 3600.0)
+
+/* --- the sentences -------------------------------------------------------- */
+
+struct writer {
+    char *out;
+    size_t used, count;
+};
+
+static void say(struct writer *w, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* Appends `$`, the body, its sum and the line's end. */
+static void say(struct writer *w, const char *format, ...)
+{
+    char body[80];
+    unsigned sum = 0;
+    va_list args;
+    va_start(args, format);
+    int length = vsnprintf(body, sizeof body, format, args);
+    va_end(args);
+    if (length < 0 || length > 76 ||
+        w->used + (size_t)length + 7 > PEL_NMEA_OUT_SIZE) {
+        return; /* longer than a sentence may be */
+    }
+    for (int i = 0; i < length; i++) {
+        sum ^= (unsigned char)body[i];
+    }
+    w->used += (size_t)snprintf(w->out + w->used, PEL_NMEA_OUT_SIZE - w->used,
+                                "$%s*%02X\r\n", body, sum);
+    w->count++;
+}
+
+/* 0 <= angle < 360 also after rounding to a tenth. */
+static double bearing(double degrees)
+{
+    double tenths = round(fmod(degrees, 360) * 10);
+    tenths += tenths < 0 ? 3600 : 0;
+    return tenths >= 3600 ? 0 : tenths / 10;
+}
+
+/* "5236.00000,N": minutes of five decimals, 2 cm, never 60. */
+static void angle(double degrees, int width, const char *signs, char out[24])
+{
+    long long units = llround(fabs(degrees) * 6e6);
+    snprintf(out, 24, "%0*lld%02lld.%05lld,%c", width, units / 6000000,
+             units % 6000000 / 100000, units % 100000, signs[degrees < 0]);
+}
+
+static void say_place(struct writer *w, const struct pel_nmea_report *r)
+{
+    char lat[24], lon[24], clock[16];
+    double whole_s = floor(r->unix_s);
+    time_t seconds = (time_t)whole_s;
+    struct tm utc;
+    gmtime_r(&seconds, &utc);
+    snprintf(clock, sizeof clock, "%02d%02d%02d.%02d", utc.tm_hour, utc.tm_min,
+             utc.tm_sec, (int)((r->unix_s - whole_s) * 100));
+    angle(r->latitude, 2, "NS", lat);
+    angle(r->longitude, 3, "EW", lon);
+    say(w, "GPRMC,%s,A,%s,%s,%.2f,%.1f,%02d%02d%02d,,,A", clock, lat, lon,
+        r->speed_mps / KNOT, bearing(r->course), utc.tm_mday, utc.tm_mon + 1,
+        utc.tm_year % 100);
+    say(w, "GPGGA,%s,%s,%s,1,12,0.9,%.1f,M,0.0,M,,", clock, lat, lon,
+        r->altitude_m);
+    say(w, "GPVTG,%.1f,T,,M,%.2f,N,%.2f,K,A", bearing(r->course),
+        r->speed_mps / KNOT, r->speed_mps * 3.6);
+    say(w, "GPZDA,%s,%02d,%02d,%04d,00,00", clock, utc.tm_mday, utc.tm_mon + 1,
+        utc.tm_year + 1900);
+}
+
+/* The wind on board: what blows, less what the ship makes. */
+static void say_wind(struct writer *w, const struct pel_nmea_report *r)
+{
+    double to = (r->wind_from + 180) * PEL_DEG, over = r->course * PEL_DEG;
+    double east = r->wind_mps * sin(to) - r->speed_mps * sin(over);
+    double north = r->wind_mps * cos(to) - r->speed_mps * cos(over);
+    double from = atan2(-east, -north) / PEL_DEG;
+    say(w, "WIMWD,%.1f,T,,M,%.2f,N,%.2f,M", bearing(r->wind_from),
+        r->wind_mps / KNOT, r->wind_mps);
+    say(w, "WIMWV,%.1f,R,%.2f,N,A", bearing(from - r->heading),
+        hypot(east, north) / KNOT);
+}
+
+size_t pel_nmea_out_write(const struct pel_nmea_report *r,
+                          char out[PEL_NMEA_OUT_SIZE], size_t *count)
+{
+    struct writer w = { .out = out };
+    say_place(&w, r);
+    say(&w, "HEHDT,%.1f,T", bearing(r->heading));
+    say(&w, "HEROT,%.1f,A", r->turn_rate * 60); /* degrees a minute */
+    if (!isnan(r->wind_mps)) {
+        say_wind(&w, r);
+    }
+    if (!isnan(r->depth_m)) {
+        say(&w, "SDDPT,%.1f,0.0", r->depth_m);
+    }
+    say(&w, "YXXDR,A,%.2f,D,PITCH,A,%.2f,D,ROLL", r->pitch, r->roll);
+    if (!isnan(r->rudder)) {
+        say(&w, "AGRSA,%.1f,A,,", r->rudder);
+    }
+    *count = w.count;
+    return w.used;
+}
+
+/* --- own ship ------------------------------------------------------------- */
+
+/* Depth where somebody has said one. */
+static double depth(const Pelagos__State *state)
+{
+    if (state->sea->has_depth) {
+        return state->sea->depth;
+    }
+    return state->water->depth < DEEP_M ? state->water->depth : NAN;
+}
+
+bool pel_nmea_out_look(struct pel_scene *scene, uint32_t entity,
+                       struct pel_nmea_report *out)
+{
+    const Pelagos__State *state = pel_scene_state(scene);
+    double time_s = state->clock->time;
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    bool found = false;
+    for (size_t i = 0; i < s->entity_count && !found; i++) {
+        struct pel_entity_state e;
+        if (s->entities[i].id != entity) {
+            continue;
+        }
+        double lat0 = state->origin->latitude, lon0 = state->origin->longitude;
+        found = true;
+        pel_snapshot_entity_at(s, i, time_s, &e);
+        *out = (struct pel_nmea_report){
+            .unix_s = s->epoch_unix_s + time_s,
+            .altitude_m = e.altitude_m,
+            .turn_rate = e.turn_rate_rps / PEL_DEG,
+            .speed_mps = e.speed_mps,
+            .roll = e.roll_rad / PEL_DEG,
+            .pitch = e.pitch_rad / PEL_DEG,
+            .wind_from = state->sea->wind_direction,
+            .wind_mps = state->sea->wind_speed,
+            .depth_m = depth(state),
+            .rudder = (int)i == s->ship_entity ? state->own_ship->rudder : NAN,
+        };
+        pel_geo_from_local(lat0, lon0, e.east_m, e.north_m, &out->latitude,
+                           &out->longitude);
+        double turned =
+            pel_geo_convergence(lat0, lon0, out->latitude, out->longitude);
+        out->heading = (e.heading_rad - turned) / PEL_DEG;
+        out->course = (e.course_rad - turned) / PEL_DEG;
+    }
+    pel_snapshot_unref(s);
+    return found;
+}
+
+/* --- the bridge ----------------------------------------------------------- */
+
+struct pel_nmea_out {
+    struct pel_scene *scene;
+    struct pel_metrics *metrics;
+    uint32_t entity;
+    int fd;
+    struct sockaddr_storage to;
+    socklen_t to_size;
+    guint timer;
+    uint64_t datagrams, sentences, failures;
+};
+
+static gboolean on_timer(gpointer user)
+{
+    struct pel_nmea_out *o = user;
+    static struct pel_log_limit limit;
+    struct pel_nmea_report report;
+    char text[PEL_NMEA_OUT_SIZE];
+    size_t count;
+    if (!pel_nmea_out_look(o->scene, o->entity, &report)) {
+        return G_SOURCE_CONTINUE;
+    }
+    size_t size = pel_nmea_out_write(&report, text, &count);
+    if (sendto(o->fd, text, size, MSG_DONTWAIT | MSG_NOSIGNAL,
+               (struct sockaddr *)&o->to, o->to_size) == (ssize_t)size) {
+        o->datagrams++;
+        o->sentences += count;
+    } else {
+        o->failures++;
+        pel_log_limited(&limit, PEL_LOG_WARNING, "NMO-002",
+                        "NMEA was not sent: %s", strerror(errno));
+    }
+    return G_SOURCE_CONTINUE;
+}
+
+static void collect(void *user, struct pel_metrics_page *page)
+{
+    const struct pel_nmea_out *o = user;
+    pel_metric(page, "pelagos_nmea_out_datagrams_total", PEL_METRIC_COUNTER,
+               "Reports of own ship sent as NMEA.", NULL, (double)o->datagrams);
+    pel_metric(page, "pelagos_nmea_out_sentences_total", PEL_METRIC_COUNTER,
+               "Sentences in them.", NULL, (double)o->sentences);
+    pel_metric(page, "pelagos_nmea_out_failures_total", PEL_METRIC_COUNTER,
+               "Reports that the system did not send.", NULL,
+               (double)o->failures);
+}
+
+enum pel_err pel_nmea_out_create(const struct pel_nmea_out_options *options,
+                                 struct pel_scene *scene,
+                                 struct pel_nmea_out **out,
+                                 struct pel_fault *fault)
+{
+    struct pel_nmea_out made = { .scene = scene,
+                                 .metrics = options->metrics,
+                                 .entity = options->entity };
+    int yes = 1;
+    if (!(options->rate_hz >= 0.1 && options->rate_hz <= 50) ||
+        !pel_endpoint_read(options->to, &made.to, &made.to_size)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "--nmea-out: %s at %g Hz: an ADDRESS:PORT and 0.1 "
+                             "to 50 Hz are wanted",
+                             options->to, options->rate_hz);
+    }
+    made.fd = socket(made.to.ss_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (made.fd < 0) {
+        return pel_fault_set(fault, PEL_ERR_IO, "--nmea-out: %s",
+                             strerror(errno));
+    }
+    setsockopt(made.fd, SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
+    struct pel_nmea_out *o = g_new0(struct pel_nmea_out, 1);
+    *o = made;
+    o->timer =
+        g_timeout_add((guint)lround(1000 / options->rate_hz), on_timer, o);
+    if (o->metrics) {
+        pel_metrics_add(o->metrics, collect, o);
+    }
+    pel_info("NMO-001", "NMEA 0183 of entity %u to UDP %s, %g Hz", o->entity,
+             options->to, options->rate_hz);
+    *out = o;
+    return PEL_OK;
+}
+
+void pel_nmea_out_destroy(struct pel_nmea_out *o)
+{
+    if (!o) {
+        return;
+    }
+    if (o->metrics) {
+        pel_metrics_remove(o->metrics, collect, o);
+    }
+    g_source_remove(o->timer);
+    close(o->fd);
+    g_free(o);
+}
