@@ -468,7 +468,7 @@ validate-water: deps-build ## light in the water against Monte Carlo, minutes (A
 	$(Q)cat build/validate/water.md
 
 .PHONY: soak
-soak: deps ## load every input for SOAK_SECONDS (600), watching for growth
+soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/soak/soak.py
 	$(Q)/usr/bin/python3 -B tests/soak/cigi.py

@@ -252,12 +252,14 @@ static double seconds_to(struct pel_cigi *cigi, uint32_t frame, bool stamped,
     return seconds <= MAX_STEP_S ? seconds : 1 / cigi->options.rate_hz;
 }
 
-/* Simulated time that the scene goes to; never back. */
+/* Simulated time that the scene goes to; never back. A host without timestamps
+ * that held its frames up goes on from where time is by now. */
 static double time_of_frame(struct pel_cigi *cigi, double now_s)
 {
     double ahead = cigi->host_time_s - now_s;
-    if (ahead < -EXTRAPOLATE_S - 0.5 || ahead > MAX_STEP_S) {
-        cigi->host_time_s = now_s; /* somebody has set the clock */
+    bool is_set = ahead < -EXTRAPOLATE_S - 0.5 || ahead > MAX_STEP_S;
+    if (is_set || (ahead < 0 && !cigi->stamped)) {
+        cigi->host_time_s = now_s;
     }
     return fmin(fmax(cigi->host_time_s, now_s), PEL_MAX_TIME_S);
 }

@@ -272,6 +272,27 @@ static void time_goes_on_without_the_host(void **state)
     begin(); /* late: its time is over, and time does not go back */
     send();
     assert_near(pel_scene_time(scene), time_s + gone, 1e-9);
+    begin();
+    send(); /* and goes on from there */
+    assert_near(pel_scene_time(scene), time_s + gone + 1 / 60.0, 1e-9);
+}
+
+static void a_late_timestamp_waits_for_its_time(void **state)
+{
+    (void)state;
+    stamped(0, 0);
+    send();
+    double time_s = pel_scene_time(scene);
+    usleep(100000);
+    take_frame();
+    double gone = pel_scene_time(scene) - time_s;
+    assert_true(gone >= 0.1 - 2 / 60.0 && gone < 1);
+    stamped(1000, 0); /* 10 ms: late */
+    send();
+    assert_near(pel_scene_time(scene), time_s + gone, 1e-9);
+    stamped(110000, 0);
+    send();
+    assert_near(pel_scene_time(scene), time_s + 1.1, 1e-9);
 }
 
 static void another_clock_mode_is_left_alone(void **state)
@@ -775,6 +796,7 @@ int main(void)
         TEST(frames_lead_time),
         TEST(timestamps_lead_time),
         TEST(time_goes_on_without_the_host),
+        TEST(a_late_timestamp_waits_for_its_time),
         TEST(another_clock_mode_is_left_alone),
         TEST(a_refused_datagram_changes_nothing),
         TEST(waves_become_swell),
