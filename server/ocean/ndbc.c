@@ -67,19 +67,33 @@ static const char *time_stamp(const char *p, double *unix_s)
     return p;
 }
 
-/* "value (frequency)" until the line's end; the number of pairs, −1: broken. */
+/* "value (frequency)"; NULL: broken. */
+static const char *pair(const char *p, double *value, double *frequency_hz)
+{
+    const char *at = number(p, value);
+    at = at ? skip_blanks(at) : NULL;
+    if (!at || *at != '(') {
+        return NULL;
+    }
+    at = number(skip_blanks(at + 1), frequency_hz);
+    at = at ? skip_blanks(at) : NULL;
+    return at && *at == ')' ? at + 1 : NULL;
+}
+
+/* Pairs until the line's end; their number, −1: broken. */
 static int pairs(const char *p, double frequency_hz[PEL_MEASURED_MOST],
                  double value[PEL_MEASURED_MOST])
 {
     int count = 0;
-    for (p = skip_blanks(p); *p && *p != '\n'; p = skip_blanks(p)) {
-        if (count == PEL_MEASURED_MOST || !(p = number(p, &value[count])) ||
-            *(p = skip_blanks(p)) != '(' ||
-            !(p = number(skip_blanks(p + 1), &frequency_hz[count])) ||
-            *(p = skip_blanks(p)) != ')') {
+    p = skip_blanks(p);
+    while (*p != '\0' && *p != '\n') {
+        const char *next = count < PEL_MEASURED_MOST
+                               ? pair(p, &value[count], &frequency_hz[count])
+                               : NULL;
+        if (!next) {
             return -1;
         }
-        p++;
+        p = skip_blanks(next);
         count++;
     }
     return count;
@@ -92,7 +106,7 @@ int pel_ndbc_parse(const char *text, double unix_s, bool separation,
     const char *chosen = NULL;
     int line = 0, chosen_line = 0;
     double nearest = INFINITY, at = 0;
-    for (const char *p = text; *p; line++) {
+    for (const char *p = text; *p != '\0'; line++) {
         const char *end = strchr(p, '\n');
         const char *start = skip_blanks(p);
         if (*start != '#' && *start != '\n' && *start != '\0') {
@@ -180,7 +194,7 @@ static enum pel_err read_series(const char *directory, const char *station,
                              station);
     }
     enum pel_err err = read_text(path, &text, fault);
-    if (err) {
+    if (!text) {
         return err;
     }
     out->count = pel_ndbc_parse(text, unix_s, strcmp(ending, "data_spec") == 0,
@@ -274,7 +288,7 @@ enum pel_err pel_ndbc_read(const char *directory, const char *station,
                              "-, without ending");
     }
     struct pel_measured found = { 0 };
-    struct series energy, four[4];
+    struct series energy = { 0 }, four[4] = { { 0 } };
     enum pel_err err =
         read_series(directory, station, "data_spec", unix_s, &energy, fault);
     if (!err && fabs(energy.unix_s - unix_s) > NEAR_S) { /* false for NAN */

@@ -101,9 +101,8 @@ static void test_files(void **state)
         PEL_ERR_NOT_FOUND); /* no directions then */
     assert_int_equal(pel_ndbc_read(directory, "X2", NAN, &m, NULL, &fault),
                      PEL_ERR_NOT_FOUND);
-    static const char *const names[] = { "", "../X1", "a/b", "X1.swdir",
-                                         "12345678901234567890123456789012"
-                                         "3" };
+    static const char too_long[] = "123456789012345678901234567890123";
+    const char *const names[] = { "", "../X1", "a/b", "X1.swdir", too_long };
     for (size_t i = 0; i < 5; i++) {
         assert_int_equal(
             pel_ndbc_read(directory, names[i], NAN, &m, NULL, &fault),
