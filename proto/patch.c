@@ -138,16 +138,22 @@ static ProtobufCMessage *indexed_element(ProtobufCMessage *holder,
     return index == count ? pel_message_append(holder, field) : NULL;
 }
 
-/* Whether indexed_element will succeed. */
-static bool index_fits(const Pelagos__Patch *patch, const Pelagos__State *now,
-                       size_t index)
+static size_t listed(const Pelagos__State *state,
+                     const ProtobufCFieldDescriptor *field)
 {
-    size_t count =
-        patch->state && patch->state->sea ? patch->state->sea->n_swell : 0;
-    if (count == 0 && now && now->sea) {
-        count = now->sea->n_swell;
+    size_t count = 0;
+    if (state && state->sea) {
+        pel_message_list(&state->sea->base, field, &count);
     }
-    return index <= count;
+    return count;
+}
+
+/* Whether indexed_element will succeed: lists without key are the sea's. */
+static bool index_fits(const Pelagos__Patch *patch, const Pelagos__State *now,
+                       const ProtobufCFieldDescriptor *field, size_t index)
+{
+    size_t count = listed(patch->state, field);
+    return index <= (count > 0 ? count : listed(now, field));
 }
 
 static bool indices_fit(const Pelagos__Patch *patch, const Pelagos__State *now,
@@ -164,7 +170,7 @@ static bool indices_fit(const Pelagos__Patch *patch, const Pelagos__State *now,
         if (path_is_list(field) && path_next(&rest, &name, &length) &&
             !pel_field_key(type) &&
             (!path_index(name, length, &index) ||
-             !index_fits(patch, now, index))) {
+             !index_fits(patch, now, field, index))) {
             return false;
         }
     }

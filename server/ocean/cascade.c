@@ -40,6 +40,12 @@ static void fold_fill(const struct pel_directional *d, struct fold *out)
         double slope = k * k * at.energy;
         variance += i > 0 ? 0.5 * d->step * (before + slope) : 0;
         before = slope;
+        for (int j = 0; j < d->line_count; j++) {
+            double kl = hypot(d->line[j].kx, d->line[j].ky);
+            bool here =
+                kl >= k * exp(-0.5 * d->step) && kl < k * exp(0.5 * d->step);
+            variance += here ? kl * kl * d->line[j].energy : 0;
+        }
         double bound = PEL_SEA_FOLD_SIGMAS * sqrt(variance);
         out->chop[i] = 1;
         if (bound > 0.7) {
@@ -163,8 +169,8 @@ static void scale_rings(struct builder *b, struct pel_cascade *c, double m_lo)
     double factor[RINGS] = { 0 };
     for (int r = ring_of(m_lo, m_lo); r < PEL_CASCADE_HIGHEST; r++) {
         struct pel_band_moments exact;
-        pel_directional_moments(b->spectrum, step * b->rings[r].lo,
-                                step * b->rings[r].hi, &exact);
+        pel_directional_continuous(b->spectrum, step * b->rings[r].lo,
+                                   step * b->rings[r].hi, &exact);
         if (b->rings[r].drawn > 0) {
             factor[r] = sqrt(exact.m0 / b->rings[r].drawn);
         }
@@ -177,6 +183,37 @@ static void scale_rings(struct builder *b, struct pel_cascade *c, double m_lo)
                 c->h0[j * N + i][0] = (float)(f * c->h0[j * N + i][0]);
                 c->h0[j * N + i][1] = (float)(f * c->h0[j * N + i][1]);
             }
+        }
+    }
+}
+
+/* Single waves go to the mode nearest to their wave vector: they run straight
+ * over the tile's edges, up to half a mode from their wavelength. */
+static void add_singles(const struct builder *b, struct pel_cascade *c)
+{
+    double step = 2.0 * PEL_PI / c->length_m;
+    for (int i = 0; i < b->spectrum->line_count; i++) {
+        const struct pel_directional_line *l = &b->spectrum->line[i];
+        double k = hypot(l->kx, l->ky);
+        if (!(k >= c->k_lo && k < c->k_hi)) {
+            continue;
+        }
+        double u = (l->kx * c->turn_cos + l->ky * c->turn_sin) / step;
+        double v = (l->ky * c->turn_cos - l->kx * c->turn_sin) / step;
+        int m = (int)lround(u), n = (int)lround(v);
+        int at = (n + N) % N * N + (m + N) % N;
+        int opposite = (N - n) % N * N + (N - m) % N;
+        double size = sqrt(0.5 * l->energy);
+        /* Texels stand half a texel from the origin (cascade.h). */
+        double phase = b->desc->single[i].phase_rad + PEL_PI * (m + n) / N;
+        c->h0[at][0] += (float)(size * cos(phase));
+        c->h0[at][1] += (float)(size * sin(phase));
+        if (!(c->mode[at][0] > 0)) { /* just outside the rounded band */
+            double near = step * hypot(m, n);
+            double f = pel_dispersion_depth(near, b->desc->depth_m);
+            float chop = (float)fold_chop(b->spectrum, &b->fold, near);
+            c->mode[at][0] = c->mode[opposite][0] = (float)(f / (2.0 * PEL_PI));
+            c->mode[at][1] = c->mode[opposite][1] = chop;
         }
     }
 }
@@ -436,6 +473,7 @@ static void build_cascade(struct builder *b, struct pel_cascades *all,
     lay_rings(b, m_lo);
     draw_modes(b, c, index, m_lo);
     scale_rings(b, c, m_lo);
+    add_singles(b, c);
     mirror_modes(c);
     fill_kept(all, c, b->spectrum->wind_to_rad);
     all->m0 += c->m0;

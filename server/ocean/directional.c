@@ -91,6 +91,12 @@ bool pel_sea_desc_ok(const struct pel_sea_desc *d)
         ok = inside(s->height_m, 0, 15) && inside(s->period_s, 3, 30) &&
              isfinite(s->direction_rad) && inside(s->spread_rad, 1e-6, PEL_PI);
     }
+    ok = ok && d->single_count >= 0 && d->single_count <= PEL_SEA_MAX_SINGLES;
+    for (int i = 0; ok && i < d->single_count; i++) {
+        const struct pel_single_desc *w = &d->single[i];
+        ok = inside(w->height_m, 0, 15) && inside(w->period_s, 1, 30) &&
+             isfinite(w->direction_rad) && isfinite(w->phase_rad);
+    }
     return ok;
 }
 
@@ -358,6 +364,14 @@ enum pel_err pel_directional_create(const struct pel_sea_desc *desc,
             add_swell(d, &desc->swell[i]);
         }
     }
+    for (int i = 0; i < desc->single_count; i++) {
+        const struct pel_single_desc *w = &desc->single[i];
+        double k = pel_dispersion_k(2.0 * PEL_PI / w->period_s, d->depth_m);
+        d->line[d->line_count++] =
+            (struct pel_directional_line){ k * cos(w->direction_rad),
+                                           k * sin(w->direction_rad),
+                                           w->height_m * w->height_m / 8.0 };
+    }
     if (err) {
         pel_directional_destroy(d);
         return err;
@@ -522,8 +536,8 @@ static void add_moments(const struct pel_directional *d,
 }
 
 /* Trapezia between nodes, with the ends of the band inside them. */
-void pel_directional_moments(const struct pel_directional *d, double k_lo,
-                             double k_hi, struct pel_band_moments *out)
+void pel_directional_continuous(const struct pel_directional *d, double k_lo,
+                                double k_hi, struct pel_band_moments *out)
 {
     *out = (struct pel_band_moments){ 0 };
     double lo = k_lo > 0 ? (log(k_lo) - d->log_k0) / d->step : 0;
@@ -541,5 +555,22 @@ void pel_directional_moments(const struct pel_directional *d, double k_lo,
         double right = 0.5 * (b * b - a * a), left = b - a - right;
         add_moments(d, &at[0], node_k(d, i), left * d->step, out);
         add_moments(d, &at[1], node_k(d, i + 1), right * d->step, out);
+    }
+}
+
+void pel_directional_moments(const struct pel_directional *d, double k_lo,
+                             double k_hi, struct pel_band_moments *out)
+{
+    pel_directional_continuous(d, k_lo, k_hi, out);
+    for (int i = 0; i < d->line_count; i++) {
+        const struct pel_directional_line *l = &d->line[i];
+        double k = hypot(l->kx, l->ky), x = l->kx / k, y = l->ky / k;
+        const struct pel_node_moments at = { l->energy, l->energy * x,
+                                             l->energy * y,
+                                             l->energy * (x * x - y * y),
+                                             l->energy * 2.0 * x * y };
+        if (k >= k_lo && k < k_hi) {
+            add_moments(d, &at, k, 1.0, out);
+        }
     }
 }

@@ -37,12 +37,19 @@ struct pel_directional_part {
     struct pel_entropy *entropy;            /* NULL or one for each node */
 };
 
+/* A single wave: all its energy at one wave vector. */
+struct pel_directional_line {
+    double kx, ky, energy; /* rad/m, m² */
+};
+
 struct pel_directional {
     double log_k0, step; /* ln k of node i is log_k0 + step · i */
     double depth_m;      /* 0: deep */
     double wind_to_rad;  /* axis of `along` */
     int count;
     struct pel_directional_part part[PEL_DIRECTIONAL_PARTS];
+    int line_count;
+    struct pel_directional_line line[PEL_SEA_MAX_SINGLES];
 };
 
 /* Builds the spectrum of a sea; OUT_OF_RANGE as pel_sea_build, NO_MEMORY.
@@ -65,7 +72,8 @@ void pel_directional_destroy(struct pel_directional *d); /* NULL allowed */
 /* Is `desc` inside its ranges? */
 bool pel_sea_desc_ok(const struct pel_sea_desc *desc);
 
-/* Density over ln k and direction [m²/rad] at the wave vector (kx, ky). */
+/* Density over ln k and direction [m²/rad] at the wave vector (kx, ky); single
+ * waves are no part of it, nor of what follows, but of the moments. */
 double pel_directional_density(const struct pel_directional *d, double kx,
                                double ky);
 
@@ -81,6 +89,10 @@ struct pel_band_moments {
 };
 void pel_directional_moments(const struct pel_directional *d, double k_lo,
                              double k_hi, struct pel_band_moments *out);
+
+/* The same without the single waves. */
+void pel_directional_continuous(const struct pel_directional *d, double k_lo,
+                                double k_hi, struct pel_band_moments *out);
 
 /* Energy of all parts at node i and their first and second angular moments,
  * energy-weighted: Σ E (cos θ, sin θ, cos 2θ, sin 2θ) [m²]. */

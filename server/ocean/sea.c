@@ -299,7 +299,8 @@ static void add_swells(struct pel_sea *sea)
     if (trains == 0) {
         return;
     }
-    int each = (calm ? d->wave_count : d->wave_count / 2) / trains;
+    int left = d->wave_count - sea->count;
+    int each = (calm ? left : left / 2) / trains;
     int most = calm ? SWELL_WAVES_CALM : SWELL_WAVES;
     each = each > most ? most : each < 1 ? 1 : each;
     for (int i = 0; i < d->swell_count; i++) {
@@ -389,6 +390,26 @@ static void sum_up(struct pel_sea *sea)
     sea->slope_covariance = total.mixed;
 }
 
+void pel_sea_add_singles(struct pel_sea *sea)
+{
+    const struct pel_sea_desc *d = &sea->desc;
+    for (int i = 0; i < d->single_count; i++) {
+        const struct pel_single_desc *w = &d->single[i];
+        double omega = 2.0 * PEL_PI / w->period_s;
+        double k = pel_dispersion_k(omega, d->depth_m);
+        if (w->height_m > 0) {
+            sea->waves[sea->count++] = (struct pel_wave){
+                .kx = k * cos(w->direction_rad),
+                .ky = k * sin(w->direction_rad),
+                .amplitude = 0.5 * w->height_m,
+                .omega = omega,
+                .phase = w->phase_rad,
+                .chop = 1.0,
+            };
+        }
+    }
+}
+
 /* Crests of a Gaussian sea pass six standard deviations once in 6e7 waves. */
 #define HIGHEST_SIGMAS 6.0
 
@@ -416,6 +437,7 @@ static enum pel_err build_trochoids(struct pel_sea *sea)
     if (err) {
         return err;
     }
+    pel_sea_add_singles(sea);
     err = pel_sea_add_spectrum(sea, spectrum);
     struct pel_band_moments all, below;
     pel_directional_moments(spectrum, 0, INFINITY, &all);
@@ -450,6 +472,7 @@ enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
     if (desc->kind > PEL_SPECTRUM_JONSWAP || desc->depth_m > 0) {
         return build_trochoids(out);
     }
+    pel_sea_add_singles(out);
     add_swells(out);
     enum pel_err err = add_wind_sea(out, desc->wave_count - out->count);
     if (err) {
@@ -459,6 +482,10 @@ enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
     for (int i = 0; i < desc->swell_count; i++) {
         double h = desc->swell[i].height_m;
         out->spectrum_m0 += h * h / 16.0;
+    }
+    for (int i = 0; i < desc->single_count; i++) {
+        double h = desc->single[i].height_m;
+        out->spectrum_m0 += h * h / 8.0;
     }
     sort_longest_first(out);
     limit_folding(out);

@@ -49,6 +49,15 @@ struct pel_swell_desc {
     double spread_rad;    /* standard deviation of direction, > 0 */
 };
 
+/* One wave of its own: a trochoid, or the cascades' nearest mode. */
+struct pel_single_desc {
+    double height_m;      /* crest to trough, 0..15 */
+    double period_s;      /* 1..30 */
+    double direction_rad; /* travels to */
+    double phase_rad;     /* at the origin at time 0; 0: a crest */
+};
+#define PEL_SEA_MAX_SINGLES 8
+
 struct pel_sea_desc {
     enum pel_synthesiser synthesiser;
     enum pel_spectrum_kind kind;
@@ -60,6 +69,8 @@ struct pel_sea_desc {
     int wave_count; /* trochoids in all, 20..256; 60 in the 2010 paper */
     int swell_count;
     struct pel_swell_desc swell[PEL_SEA_MAX_SWELLS];
+    int single_count;
+    struct pel_single_desc single[PEL_SEA_MAX_SINGLES];
     double depth_m; /* of the dispersion, 1..11000; 0: deep water */
     struct pel_measured measured;
 };
@@ -125,6 +136,10 @@ struct pel_sea {
 #define PEL_SEA_FOLD_SIGMAS 5.5
 PEL_CHECK enum pel_err pel_sea_build(const struct pel_sea_desc *desc,
                                      struct pel_sea *out);
+
+/* Adds the single waves of sea->desc as trochoids of exact height, period,
+ * direction and phase; used by pel_sea_build. */
+void pel_sea_add_singles(struct pel_sea *sea);
 
 /* Frees what a built sea owns. */
 void pel_sea_finish(struct pel_sea *sea);

@@ -224,6 +224,41 @@ static void test_swell_shape(void **state)
     assert_near(sqrt(square), 0.2, 0.04);
 }
 
+/* A wave of its own is where it was said to be: a crest at the origin at time
+ * 0, a trough half a period later, in deep and in shallow water. */
+static void test_single(void **state)
+{
+    (void)state;
+    for (int shallow = 0; shallow < 2; shallow++) {
+        struct pel_sea_desc d = windy(0, 1);
+        d.depth_m = shallow ? 5 : 0;
+        d.single_count = 1;
+        d.single[0] = (struct pel_single_desc){ 1.2, 7, 0.5, 0 };
+        build(&d);
+        assert_int_equal(sea.count, 1);
+        assert_near(sea.spectrum_m0, 1.2 * 1.2 / 8, 1e-12);
+        assert_near(sea.m0, 1.2 * 1.2 / 8, 1e-12);
+        const struct pel_wave *w = &sea.waves[0];
+        double k = hypot(w->kx, w->ky), omega = 2 * PEL_PI / 7;
+        double gk = PEL_GRAVITY * k * (shallow ? tanh(k * 5) : 1);
+        assert_near(gk * (1 + k * k / 370 / 370), omega * omega, 1e-9);
+        assert_near(atan2(w->ky, w->kx), 0.5, 1e-12);
+        struct pel_surface_sample s;
+        pel_sea_sample(&sea, 0, 0, 0, &s);
+        assert_near(s.height_m, 0.6, 1e-9);
+        pel_sea_sample(&sea, 0, 0, 3.5, &s);
+        assert_near(s.height_m, -0.6, 1e-9);
+    }
+    struct pel_sea_desc d = windy(10, 1);
+    d.swell_count = 1;
+    d.swell[0] = (struct pel_swell_desc){ 2, 11, 1, 0.2 };
+    d.single_count = 1;
+    d.single[0] = (struct pel_single_desc){ 1.2, 7, 0.5, 0 };
+    build(&d);
+    assert_int_equal(sea.count, d.wave_count);
+    assert_near(sea.m0, sea.spectrum_m0, 2e-4 * sea.m0);
+}
+
 static void test_flat(void **state)
 {
     (void)state;
@@ -284,6 +319,18 @@ static void test_refusals(void **state)
         refuse(d);
     }
     struct pel_sea_desc d = base;
+    for (int i = 0; i < 4; i++) {
+        d = base;
+        d.single_count = 1;
+        d.single[0] = (struct pel_single_desc){ bad[i], 7, 0, 0 };
+        refuse(d);
+        d.single[0] = (struct pel_single_desc){ 1, bad[i], 0, 0 };
+        refuse(d);
+    }
+    d = base;
+    d.single_count = PEL_SEA_MAX_SINGLES + 1;
+    refuse(d);
+    d = base;
     d.direction_rad = NAN;
     refuse(d);
     d = base;
@@ -304,6 +351,7 @@ int main(void)
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_swell),
         cmocka_unit_test(test_swell_shape),
+        cmocka_unit_test(test_single),
         cmocka_unit_test(test_flat),
         cmocka_unit_test(test_rms_below),
         cmocka_unit_test(test_refusals),

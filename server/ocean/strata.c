@@ -192,7 +192,7 @@ enum pel_err pel_sea_add_spectrum(struct pel_sea *sea,
     }
     band_fill(spectrum, &w->band);
     uint32_t seed = sea->desc.seed;
-    int n = sea->desc.wave_count;
+    int n = sea->desc.wave_count - sea->count;
     if (w->band.energy[CUT] > 0) {
         cut_bins(spectrum, &w->band, w->strata, n, seed);
         choose_directions(spectrum, w->strata, n, seed);

@@ -68,6 +68,13 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
         out->swell[i].direction_rad = goes_to(sea->swell[i]->direction);
         out->swell[i].spread_rad = sea->swell[i]->spread * PEL_DEG;
     }
+    out->single_count = (int)sea->n_wave;
+    for (size_t i = 0; i < sea->n_wave; i++) {
+        out->single[i].height_m = sea->wave[i]->height;
+        out->single[i].period_s = sea->wave[i]->period;
+        out->single[i].direction_rad = goes_to(sea->wave[i]->direction);
+        out->single[i].phase_rad = sea->wave[i]->phase * PEL_DEG;
+    }
 }
 
 /* Which record the state means; NULL: its spectrum is not measured. */
@@ -116,6 +123,13 @@ static bool same_swell(const struct pel_swell_desc *a,
            a->spread_rad == b->spread_rad;
 }
 
+static bool same_single(const struct pel_single_desc *a,
+                        const struct pel_single_desc *b)
+{
+    return a->height_m == b->height_m && a->period_s == b->period_s &&
+           a->direction_rad == b->direction_rad && a->phase_rad == b->phase_rad;
+}
+
 static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
 {
     bool same = a->synthesiser == b->synthesiser && a->kind == b->kind &&
@@ -126,6 +140,10 @@ static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
                 a->swell_count == b->swell_count;
     for (int i = 0; same && i < a->swell_count; i++) {
         same = same_swell(&a->swell[i], &b->swell[i]);
+    }
+    same = same && a->single_count == b->single_count;
+    for (int i = 0; same && i < a->single_count; i++) {
+        same = same_single(&a->single[i], &b->single[i]);
     }
     return same;
 }

@@ -324,6 +324,10 @@ enum pel_err pel_state_check(const Pelagos__State *state,
         err = check_count(state->sea->n_swell, PEL_SEA_MAX_SWELLS, "sea.swell",
                           fault);
     }
+    if (!err && state->sea) {
+        err = check_count(state->sea->n_wave, PEL_SEA_MAX_SINGLES, "sea.wave",
+                          fault);
+    }
     if (!err) {
         err = check_message(&state->base, "", fault);
     }

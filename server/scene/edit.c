@@ -47,6 +47,9 @@ void pel_state_fill(Pelagos__State *state, double time_s)
     for (size_t i = 0; i < state->sea->n_swell; i++) {
         fill_scalars(&state->sea->swell[i]->base);
     }
+    for (size_t i = 0; i < state->sea->n_wave; i++) {
+        fill_scalars(&state->sea->wave[i]->base);
+    }
     for (size_t i = 0; i < state->n_entities; i++) {
         Pelagos__Entity *entity = state->entities[i];
         fill_scalars(&entity->base);
@@ -265,6 +268,9 @@ static enum pel_err bounded(const Pelagos__Patch *patch,
     }
     if (state && state->sea && state->sea->n_swell > MAX_PATCHED) {
         return too_many("sea.swell", fault);
+    }
+    if (state && state->sea && state->sea->n_wave > MAX_PATCHED) {
+        return too_many("sea.wave", fault);
     }
     return PEL_OK;
 }

@@ -104,7 +104,10 @@ static void every_spectrum_has_its_sea(void **state)
     must(scene, "{\"water\":{\"chlorophyll\":1}}");
     const struct pel_snapshot *same = pel_scene_snapshot(scene);
     assert_ptr_equal(fft->sea, same->sea);
-    must(scene, "{\"sea\":{\"synthesiser\":\"TROCHOIDS\"}}");
+    must(scene, "{\"sea\":{\"synthesiser\":\"TROCHOIDS\",\"windSpeed\":0,"
+                "\"wave\":[{\"height\":2,\"period\":9}]}}");
+    assert_true(fabs(significant_height(scene) - 4 * sqrt(0.5)) < 1e-9);
+    must(scene, "{\"sea\":{\"windSpeed\":8,\"wave\":[]}}");
     const struct pel_snapshot *other = pel_scene_snapshot(scene);
     assert_null(other->sea->cascades);
     assert_int_equal(other->sea->count, 60);

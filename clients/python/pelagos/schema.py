@@ -47,6 +47,20 @@ class Swell(Record):
 
 
 @dataclass(frozen=True)
+class Wave(Record):
+    """One wave of its own, for tests and tanks: exact as a trochoid; with
+    synthesiser FFT of the nearest wavelength of its grids."""
+    #: From crest to trough. [m; 0 to 15]
+    height: float = _field(1.0, 'm', 0, 15)
+    #: Period. [s; 1 to 30]
+    period: float = _field(8.0, 's', 1, 30)
+    #: Direction it comes from. [deg; 0 to 360]
+    direction: float = _field(270.0, 'deg', 0, 360)
+    #: Phase at the origin at simulated time 0; 0 is a crest. [deg; 0 to 360]
+    phase: float = _field(0.0, 'deg', 0, 360)
+
+
+@dataclass(frozen=True)
 class Sea(Record):
     """Sea of the state."""
     #: Mean wind speed 10 m above the sea. [m/s; 0 to 30]
@@ -83,6 +97,8 @@ class Sea(Record):
     #: UTC of the buoy's record, ISO 8601, within 90 minutes; absent: the
     #: newest.
     measuredTime: str | None = _field(None)
+    #: Single waves, at most 8.
+    wave: tuple[Wave, ...] = ()
 
 
 @dataclass(frozen=True)
