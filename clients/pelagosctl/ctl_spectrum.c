@@ -61,8 +61,10 @@ static void print_spectrum(const Pelagos__Spectrum *s)
         print_moments(name, s->drawn_below);
     }
     if (s->has_peak_period) {
-        printf("peak period %.3f s, waves from %.1f deg\n", s->peak_period,
-               s->mean_direction);
+        printf("peak period %.3f s, ", s->peak_period);
+    }
+    if (s->has_mean_direction) {
+        printf("waves from %.1f deg\n", s->mean_direction);
     } else {
         puts("no waves");
     }

@@ -91,8 +91,11 @@ static Pelagos__Spectrum *answer(const struct pel_sea *sea,
     out->spectrum = moments(&report.spectrum);
     out->drawn = moments(&report.drawn);
     if (report.peak_omega > 0) {
-        out->has_peak_period = out->has_mean_direction = true;
+        out->has_peak_period = true;
         out->peak_period = 2.0 * PEL_PI / report.peak_omega;
+    }
+    if (report.spectrum.m0 > 0) {
+        out->has_mean_direction = true;
         out->mean_direction = comes_from(report.mean_to_rad);
     }
     if (query->has_wavelength) {
