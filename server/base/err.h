@@ -30,7 +30,8 @@ struct pel_fault {
     char message[256];
 };
 
-/* Name of the code in the schema's spelling, e.g. "OUT_OF_RANGE"; never NULL. */
+/* Name of the code in the schema's spelling, e.g. "OUT_OF_RANGE"; never NULL.
+ */
 const char *pel_err_name(enum pel_err err);
 
 /* Fills *fault (NULL allowed) with a code and a printf message, no path and no

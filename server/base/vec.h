@@ -50,9 +50,9 @@ static inline struct pel_vec3 pel_vec3_normalize(struct pel_vec3 a)
 static inline struct pel_vec3 pel_mat3_apply(const struct pel_mat3 *m,
                                              struct pel_vec3 v)
 {
-    return pel_vec3_add(pel_vec3_add(pel_vec3_scale(m->x, v.x),
-                                     pel_vec3_scale(m->y, v.y)),
-                        pel_vec3_scale(m->z, v.z));
+    return pel_vec3_add(
+        pel_vec3_add(pel_vec3_scale(m->x, v.x), pel_vec3_scale(m->y, v.y)),
+        pel_vec3_scale(m->z, v.z));
 }
 
 static inline double pel_clamp(double v, double lo, double hi)

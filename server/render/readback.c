@@ -6,6 +6,9 @@
 #include "base/clock.h"
 #include "base/log.h"
 
+/* A buffer larger than this goes when so many pictures did not need it. */
+#define KEPT_BYTES (16u << 20)
+#define PASSED_BY (2 * PEL_READBACK_SLOTS)
 #define ALIGN 256 /* layers start on cache lines and SIMD boundaries */
 
 struct pel_readback_slot {
@@ -13,6 +16,7 @@ struct pel_readback_slot {
     GLuint buffer;
     uint8_t *map;
     size_t capacity;
+    uint64_t filled_at; /* pictures until one needed a quarter of it */
     GLsync fence;
     int64_t started_ns;
     size_t ev_offset;
@@ -55,6 +59,21 @@ size_t pel_readback_free(const struct pel_readback *r)
         count += !atomic_load_explicit(&r->slots[i].busy, memory_order_acquire);
     }
     return count;
+}
+
+static void trim(struct pel_readback *r)
+{
+    for (size_t i = 0; i < PEL_READBACK_SLOTS; i++) {
+        struct pel_readback_slot *slot = &r->slots[i];
+        if (slot->capacity > KEPT_BYTES &&
+            r->pushed - slot->filled_at > PASSED_BY &&
+            !atomic_load_explicit(&slot->busy, memory_order_acquire)) {
+            glDeleteBuffers(1, &slot->buffer);
+            slot->buffer = 0;
+            slot->map = NULL;
+            slot->capacity = 0;
+        }
+    }
 }
 
 /* The free slot that fits best; growing one only when none is large enough. */
@@ -118,9 +137,14 @@ enum pel_err pel_readback_push(struct pel_readback *r,
         }
     }
     size_t ev_offset = size;
+    trim(r);
     struct pel_readback_slot *slot = take_slot(r, ev_offset + 16);
     if (!slot) {
         return PEL_ERR_BUSY;
+    }
+    r->pushed++;
+    if (4 * ev_offset > slot->capacity) {
+        slot->filled_at = r->pushed;
     }
     GLsizei w = (GLsizei)s->width, h = (GLsizei)s->height;
     uint8_t *base = NULL; /* offsets into the pack buffer */

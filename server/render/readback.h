@@ -15,6 +15,7 @@ struct pel_readback_slot;
 struct pel_readback {
     struct pel_readback_slot *slots; /* PEL_READBACK_SLOTS */
     size_t head, in_flight;          /* ring of submission order */
+    uint64_t pushed;                 /* pictures so far */
     struct pel_readback_slot *order[PEL_READBACK_SLOTS];
 };
 

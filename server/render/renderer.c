@@ -27,9 +27,12 @@
 #define RASTER_MARGIN 128 /* MARGIN of shaders/surface.vert */
 #define FAR_WAVES 20      /* far pixels resolve no more than these */
 
-/* Pictures are drawn into one corner of targets that only grow. */
+/* Pictures are drawn into one corner of targets that grow as they must, and
+ * start anew when SMALL_DRAWS pictures in a row left most of them unused. */
+#define SMALL_DRAWS 256
 struct targets {
     uint32_t width, height;
+    unsigned small_draws;
     GLuint triangles, depth_test, color;
     GLuint hdr[PEL_HDR_ATTACHMENTS]; /* radiance first; others when wanted */
     GLuint surface_fbo;              /* triangle numbers and depth test */
@@ -193,6 +196,11 @@ static void make_layer_targets(struct targets *t)
 static void fit_targets(struct targets *t, uint32_t width, uint32_t height,
                         bool layers)
 {
+    bool small = (size_t)width * height * 4 < (size_t)t->width * t->height;
+    t->small_draws = small ? t->small_draws + 1 : 0;
+    if (t->small_draws > SMALL_DRAWS) {
+        finish_targets(t);
+    }
     if (width > t->width || height > t->height) {
         uint32_t w = width > t->width ? width : t->width;
         uint32_t h = height > t->height ? height : t->height;

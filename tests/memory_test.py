@@ -1,0 +1,38 @@
+#!/usr/bin/python3
+"""What one large picture took, smaller ones give back."""
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from pelagos_daemon import SANITIZED, Daemon, Session
+
+ALL = "radiance,sun,sky,water,air,depth,normal,fresnel,slopeVariance"
+SIDE = 2048
+# 116 bytes of targets and 108 of readback a pixel.
+TAKEN = SIDE * SIDE * 200
+
+
+class Memory(unittest.TestCase):
+    @unittest.skipIf(SANITIZED, "sanitizers keep freed memory back")
+    def test_large_picture(self):
+        with Daemon(unix=True) as daemon:
+            daemon.patch({"views": {"bridge": {"width": SIDE,
+                                               "height": SIDE}}})
+            answer = daemon.get(f"/v1/views/bridge/frame.exr?layers={ALL}",
+                                timeout=120)
+            self.assertEqual(answer.status, 200, answer.status)
+            large = daemon.rss()
+            daemon.patch({"views": {"bridge": {"width": 64, "height": 36}}})
+            with Session(daemon.connect_unix()) as session:
+                for _ in range(400):
+                    reply = session.ask(frame={"view": "bridge"})
+                    self.assertTrue(reply.frame.data)
+            small = daemon.rss()
+            print(f"{large / 1e6:.0f} MB, then {small / 1e6:.0f} MB")
+            self.assertGreater(large - small, 0.8 * TAKEN)
+            self.assertLess(small, 300e6)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
