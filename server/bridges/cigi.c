@@ -23,7 +23,7 @@
 #define MAX_ANSWER 16384 /* bytes of a datagram to the host */
 #define MAX_PERIODIC 256
 #define RECEIVE_BUFFER (4 << 20)
-#define DATAGRAMS_A_TURN 64 /* then the loop serves others */
+#define TURN_NS 2000000LL /* then the loop serves others */
 #define GONE_NS 2000000000LL
 #define RESTART_NS 500000000LL
 #define RESTART_FRAMES 1000 /* further back than any delay */
@@ -547,7 +547,8 @@ static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
 {
     struct pel_cigi *cigi = user;
     (void)condition;
-    for (int i = 0; i < DATAGRAMS_A_TURN; i++) {
+    int64_t end_ns = pel_now_ns() + TURN_NS;
+    while (pel_now_ns() < end_ns) {
         struct sockaddr_storage peer = { 0 };
         socklen_t size = sizeof peer;
         ssize_t got = recvfrom(fd, cigi->in, sizeof cigi->in, MSG_TRUNC,
