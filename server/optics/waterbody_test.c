@@ -69,6 +69,8 @@ static void test_jerlov(void **state)
         assert_true(w.asymmetry[1] > 0.7 && w.asymmetry[1] < 0.93);
         before = w;
     }
+    /* √(0.1² + 0.235 · 0.1 · 0.4) */
+    assert_near(pel_kirk_attenuation(0.1, 0.4), 0.139284, 1e-6);
     /* Table XXVII as printed, and between 425 and 450 nm. */
     assert_near(pel_jerlov_attenuation(PEL_JERLOV_3C, 1), 0.19, 1e-12);
     assert_near(pel_jerlov_attenuation(PEL_JERLOV_I, 2), 0.0202, 1e-12);

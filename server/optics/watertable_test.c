@@ -229,6 +229,34 @@ static double formula(double chlorophyll, int i, double e)
     return e * 0.96 * r / (PEL_PI * 1.34 * 1.34 * (1.0 - 0.48 * r));
 }
 
+/* The corners of what the schema allows: finite, not negative, at most what a
+ * white Lambertian surface sends back (and 6 % where the flat surface lets
+ * through better than on average). */
+static void test_corners(void **state)
+{
+    (void)state;
+    static struct pel_water_table table;
+    const double a[] = { PEL_ABSORPTION_MIN, PEL_COEFFICIENT_MAX };
+    const double b[] = { 0.0, 1e-3, PEL_COEFFICIENT_MAX };
+    const double g[] = { 0.0, 0.5, PEL_ASYMMETRY_MAX };
+    const double d[] = { PEL_DEPTH_MIN, PEL_DEPTH_MAX };
+    for (int k = 0; k < 2 * 3 * 3 * 2 * 2; k++) {
+        struct pel_water_body body = { .depth_m = d[k / 18 % 2] };
+        for (int i = 0; i < 3; i++) {
+            body.absorption[i] = a[k % 2];
+            body.scattering[i] = b[k / 2 % 3];
+            body.asymmetry[i] = g[k / 6 % 3];
+            body.albedo[i] = k / 36;
+        }
+        double sun = (const double[]){ 0.0, 0.7, 1.5 }[k % 3];
+        assert_int_equal(pel_water_table_build(&body, sun, NULL, &table), 0);
+        const float *all = &table.sun[0][0][0];
+        for (size_t i = 0; i < sizeof table / sizeof *all; i++) {
+            assert_true(all[i] >= 0.0F && all[i] <= 1.06F / 3.14159F);
+        }
+    }
+}
+
 /* Against the formula that such pictures use, R = 0.33 b_b/a: the same colour,
  * within the 40 % that taking the light under water as isotropic leaves open.
  */
@@ -277,6 +305,7 @@ int main(void)
         cmocka_unit_test(test_skies),
         cmocka_unit_test(test_clear_sky),
         cmocka_unit_test(test_bounds),
+        cmocka_unit_test(test_corners),
         cmocka_unit_test(test_against_morel_and_prieur),
         cmocka_unit_test(test_time),
     };
