@@ -361,7 +361,14 @@ static void place_ship(const Pelagos__State *state,
         out->ship = *going;
         return;
     }
-    const struct pel_entity_state *e = &out->entities[out->ship_entity];
+    /* It begins now, wherever an older pose has been reckoned to. */
+    struct pel_entity_state at;
+    const struct pel_entity_state *e = &at;
+    double now_s = state->clock->time;
+    int index = out->ship_entity;
+    out->ship_entity = -1;
+    pel_snapshot_entity_at(out, (size_t)index, now_s, &at);
+    out->ship_entity = index;
     struct pel_ship_orders orders;
     struct pel_ship_motion motion = {
         .east_m = e->east_m,
@@ -375,8 +382,7 @@ static void place_ship(const Pelagos__State *state,
         .roll = { e->roll_rad, own->roll_rate * PEL_DEG },
     };
     read_orders(own, &orders);
-    pel_ship_start(&out->ship, &orders, &motion, e->pose_time_s, out->rate,
-                   out->sea);
+    pel_ship_start(&out->ship, &orders, &motion, now_s, out->rate, out->sea);
 }
 
 const struct pel_snapshot *

@@ -31,8 +31,8 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
 void pel_shared_sea_unref(struct pel_shared_sea *sea); /* NULL allowed */
 
 /* A snapshot with one reference; takes its own of the sea. Own ship, where
- * ownShip.on, goes on from `going` or, if that is NULL, begins with the pose
- * of its entity at its time. */
+ * ownShip.on, goes on from `going` or, if that is NULL, begins at
+ * clock.time with the pose of its entity then. */
 const struct pel_snapshot *
 pel_snapshot_build_going(const Pelagos__State *state,
                          struct pel_shared_sea *sea,

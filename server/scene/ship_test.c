@@ -203,6 +203,31 @@ static void long_swell_carries_it(void **state)
     pel_sea_finish(&sea);
 }
 
+/* The plane of the hull's points is that of a surface which bends little over
+ * the ship (wavelength 156 m, 40 by 9 m: cubic terms of a few per cent). */
+static void hull_lies_on_the_surface(void **state)
+{
+    (void)state;
+    struct pel_sea sea;
+    struct pel_ship_orders o = usual();
+    make_sea(0, 1, 10, 0, &sea); /* swell towards east */
+    for (double t = 0; t < 30; t += 1.7) {
+        struct pel_surface_sample s;
+        double north[3], east[3];
+        struct pel_ship_motion m = { .east_m = 5, .north_m = -3 };
+        pel_sea_sample(&sea, 5, -3, t, &s);
+        double slope = -s.normal.x / s.normal.z; /* up towards the east */
+        pel_ship_sea(&o, &m, t, &sea, north);
+        m.heading_rad = PEL_PI / 2;
+        pel_ship_sea(&o, &m, t, &sea, east);
+        assert_near(north[2], -atan(slope), 0.004); /* port lifted: st. down */
+        assert_near(east[1], atan(slope), 0.004);   /* bow lifted: bow up */
+        assert_near(north[0], s.height_m, 0.03);
+        assert_near(east[2], -north[1], 0.004);
+    }
+    pel_sea_finish(&sea);
+}
+
 /* The same motion, bit for bit, however often it is looked at. */
 static void looked_at_at_15_and_60_hz(void **state)
 {
@@ -389,6 +414,36 @@ static void others_take_the_lead(void **state)
     pel_scene_destroy(scene);
 }
 
+/* Turned on late it begins there and then, not at the pose of long ago. */
+static void begins_now(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make_scene();
+    assert_int_equal(patch(scene,
+                           "{\"clock\":{\"mode\":\"STEPPED\",\"time\":0},"
+                           "\"entities\":{\"1\":{\"heading\":20,\"roll\":0}}}"),
+                     PEL_OK);
+    for (int i = 0; i < 1000; i++) { /* 3.6e6 s: 18 million steps of a ship */
+        step(scene, 3600);
+    }
+    assert_int_equal(patch(scene, "{\"ownShip\":{\"on\":true}}"), PEL_OK);
+    assert_near(own(scene)->pose_time, 3.6e6, 0);
+    assert_near(own(scene)->latitude, 52.6, 1e-12);
+    assert_near(own(scene)->roll, 0, 1e-12);
+    step(scene, 1);
+    assert_near(own(scene)->heading, 20, 1e-9);
+    assert_int_equal(patch(scene,
+                           "{\"ownShip\":{\"on\":true},\"entities\":{\"1\":"
+                           "{\"poseTime\":0,\"heading\":30}}}"),
+                     PEL_OK);
+    assert_near(own(scene)->heading, 30, 1e-9);
+    assert_near(own(scene)->pose_time, 3600001, 0);
+    /* and the clock may be set far away */
+    assert_int_equal(patch(scene, "{\"clock\":{\"time\":1e9}}"), PEL_OK);
+    assert_near(own(scene)->heading, 30, 1e-9);
+    pel_scene_destroy(scene);
+}
+
 static void what_is_drawn_moves(void **state)
 {
     (void)state;
@@ -418,10 +473,12 @@ int main(void)
         cmocka_unit_test(rolls_with_its_period),
         cmocka_unit_test(response_solves_the_equation),
         cmocka_unit_test(long_swell_carries_it),
+        cmocka_unit_test(hull_lies_on_the_surface),
         cmocka_unit_test(looked_at_at_15_and_60_hz),
         cmocka_unit_test(no_sea_breaks_it),
         cmocka_unit_test(frame_rate_does_not_matter),
         cmocka_unit_test(others_take_the_lead),
+        cmocka_unit_test(begins_now),
         cmocka_unit_test(what_is_drawn_moves),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
