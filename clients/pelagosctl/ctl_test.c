@@ -40,6 +40,8 @@ static void test_nearest(void **state)
                         "sky.visibility");
     assert_null(ctl_nearest("entirely.other", words, 4));
     assert_null(ctl_nearest("", words, 4));
+    static const char *const view[] = { "views.bridge.entity" };
+    assert_null(ctl_nearest("views.bridge.heading", view, 1));
     char endless[4096];
     memset(endless, 'x', sizeof endless - 1);
     endless[sizeof endless - 1] = '\0';

@@ -53,8 +53,9 @@ const char *ctl_nearest(const char *text, const char *const *words,
                         size_t count)
 {
     const char *best = NULL;
-    /* A third of the letters wrong is still a typing error. */
-    size_t best_distance = strlen(text) / 3 + 2;
+    /* A third of the last word's letters wrong is still a typing error. */
+    const char *dot = strrchr(text, '.');
+    size_t best_distance = strlen(dot ? dot + 1 : text) / 3 + 2;
     for (size_t i = 0; i < count; i++) {
         if (is_tail(words[i], text)) {
             return words[i];
