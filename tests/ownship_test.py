@@ -103,6 +103,18 @@ def restart(folder):
     with Daemon("--state", state) as daemon:
         check(daemon.state()["entities"] == before["entities"], "the pose")
         check(daemon.state()["ownShip"] == before["ownShip"], "the rates")
+        daemon.patch({"clock": {"mode": "FREE"}, "views": VIEW})
+        time.sleep(0.3)
+    # A recording that begins under way, in the middle of a roll.
+    log = os.path.join(folder, "under-way.pelog")
+    with Daemon("--state", state, "--record", log) as daemon:
+        time.sleep(0.5)
+        daemon.patch({"sky": {"sunElevation": 30}})
+        at = daemon.state()["clock"]["time"]
+        picture = daemon.get(f"/v1/views/bridge/frame.png?time={at!r}").body
+    with Daemon() as daemon:
+        check(replayed(daemon, log, folder, "--at", repr(at)) == [picture],
+              "the frame under way")
 
 
 def main():
