@@ -363,7 +363,7 @@ endef
 $(foreach t,$(TESTS),$(eval $(call test_rule,$(t))))
 
 .PHONY: tests
-tests: $(TEST_BIN) ## build the test programs
+tests: $(TEST_BIN) $(O)/bin/registers_doc $(O)/bin/cigi_doc ## build the test programs
 
 .PHONY: unit
 unit: $(TEST_BIN) ## run the C test programs
