@@ -468,10 +468,12 @@ validate-water: deps-build ## light in the water against Monte Carlo, minutes (A
 	$(Q)cat build/validate/water.md
 
 .PHONY: soak
-soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each
+soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/soak/soak.py
 	$(Q)/usr/bin/python3 -B tests/soak/cigi.py
+	$(Q)SOAK=1 /usr/bin/python3 -B tests/stream_test.py \
+	    Crowd.test_stalled_among_good Rtsp.test_stalled_client_delays_nobody
 
 # --- style ---------------------------------------------------------------
 C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | sort)
