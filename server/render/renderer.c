@@ -78,6 +78,7 @@ struct pel_renderer {
     GLuint surface_program, tone_program;
     GLuint backdrop_program[2]; /* without, with layers */
     bool compute;               /* shade in one dispatch instead of three */
+    bool settled;               /* a picture has been drawn */
     struct sea_programs trochoids, cascades;
     struct pel_wavefield wavefield;
     struct pel_mesh_heights heights; /* of the sea of statistics_key */
@@ -301,7 +302,9 @@ static enum pel_err need_sea_programs(struct pel_renderer *r, bool cascades,
         err = make_sea_program(r, cascades, r->waves, layers, &p->near[layers],
                                fault);
     }
-    if (err == PEL_OK && !cascades) {
+    /* The first picture does without it, a quarter of a second sooner: zero
+     * weights add nothing, so the bits are the same. */
+    if (err == PEL_OK && !cascades && r->settled) {
         err = make_sea_program(r, cascades, FAR_WAVES, layers, &p->far[layers],
                                fault);
     }
@@ -520,7 +523,10 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
 {
     static const GLuint nothing[4] = { 0 };
     static const GLfloat far_away = 0.0f;
-    glDepthMask(GL_TRUE); /* clearing obeys it */
+    /* Clearing obeys both: the targets may be larger than this picture. */
+    glDepthMask(GL_TRUE);
+    glScissor(0, 0, (GLsizei)c->width, (GLsizei)c->height);
+    glEnable(GL_SCISSOR_TEST);
     glClearNamedFramebufferuiv(r->targets.surface_fbo, GL_COLOR, 0, nothing);
     glClearNamedFramebufferfv(r->targets.surface_fbo, GL_DEPTH, 0, &far_away);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.surface_fbo);
@@ -535,8 +541,6 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     glViewport(-RASTER_MARGIN, -RASTER_MARGIN,
                (GLsizei)c->width + 2 * RASTER_MARGIN,
                (GLsizei)c->height + 2 * RASTER_MARGIN);
-    glScissor(0, 0, (GLsizei)c->width, (GLsizei)c->height);
-    glEnable(GL_SCISSOR_TEST);
     for (int i = 0; i < r->mesh->block_count; i++) {
         const struct pel_mesh_block *b = &r->mesh->blocks[i];
         glUniform4i(0, b->first_ring, b->rings, b->first_column, b->columns);
@@ -773,6 +777,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         err = draw_view(r, &here, &draws[i]);
     }
     pel_arena_end(&r->arena);
+    r->settled = true;
     return err;
 }
 
