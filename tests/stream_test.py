@@ -309,8 +309,9 @@ class Crowd(Case):
             live.close()
         if not SANITIZED:
             self.assertLess(growth, 64e6)
-        # A few gaps are this script's: it shares the machine's cores.
-        self.assertGreater(got / 48, 0.25 * drawn)
+        # This script shares the machine's cores: where it acknowledges late, a
+        # viewer's rate is halved, by design. One halving is let pass, two not.
+        self.assertGreater(got / 48, 0.26 * drawn)
         self.no_viewers()
 
     def frames(self):
