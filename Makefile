@@ -112,7 +112,8 @@ SCENE := server/scene/scene.c \
     server/scene/geodesy.c \
     server/scene/sun.c
 RENDER := server/render/context.c server/render/shader.c \
-    server/render/readback.c server/render/renderer.c server/render/arena.c \
+    server/render/readback.c server/render/targets.c \
+    server/render/programs.c server/render/renderer.c server/render/arena.c \
     server/render/mesh.c server/render/sky.c server/render/uniforms.c \
     server/render/tiles.c server/render/waterlight.c server/render/wavefield.c server/render/layer.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \

@@ -10,9 +10,11 @@
 #include "render/arena.h"
 #include "render/context.h"
 #include "render/mesh.h"
+#include "render/programs.h"
 #include "render/readback.h"
 #include "render/shader.h"
 #include "render/sky.h"
+#include "render/targets.h"
 #include "render/tiles.h"
 #include "render/uniforms.h"
 #include "render/wavefield.h"
@@ -23,31 +25,7 @@
      sizeof(struct pel_block_eye) * 2 +                                        \
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 #define VERTEX_BYTES 32
-#define MAX_UNROLLED_WAVES 128
 #define RASTER_MARGIN 128 /* MARGIN of shaders/surface.vert */
-#define FAR_WAVES 20      /* far pixels resolve no more than these */
-
-/* Pictures are drawn into one corner of targets that grow as they must, and
- * start anew when SMALL_DRAWS pictures in a row left most of them unused. */
-#define SMALL_DRAWS 256
-struct targets {
-    uint32_t width, height;
-    unsigned small_draws;
-    GLuint triangles, depth_test, color;
-    GLuint hdr[PEL_HDR_ATTACHMENTS]; /* radiance first; others when wanted */
-    GLuint surface_fbo;              /* triangle numbers and depth test */
-    GLuint light_fbo;  /* radiance, tested against the surface's depth */
-    GLuint layers_fbo; /* all of hdr, likewise */
-    GLuint color_fbo;
-};
-
-/* What draws one kind of sea; [1] of a pair also writes depth and normals. */
-struct sea_programs {
-    GLuint mesh;
-    GLuint near[2];    /* fragments, all waves */
-    GLuint far[2];     /* fragments, FAR_WAVES of them */
-    GLuint compute[2]; /* sky, sea and colour in one dispatch */
-};
 
 struct timing {
     bool on;
@@ -69,17 +47,12 @@ struct pel_renderer {
     struct pel_readback readback;
     struct pel_arena arena;
     struct pel_sky sky;
-    struct targets targets;
+    struct pel_targets targets;
     struct timing timing;
     GLuint vao, vertices, facets;
     int vertex_capacity;
-    int waves;      /* what the sea programs are made for */
     int wave_count; /* of the sea being drawn */
-    GLuint surface_program, tone_program;
-    GLuint backdrop_program[2]; /* without, with layers */
-    bool compute;               /* shade in one dispatch instead of three */
-    bool settled;               /* a picture has been drawn */
-    struct sea_programs trochoids, cascades;
+    struct pel_programs programs;
     struct pel_wavefield wavefield;
     struct pel_mesh_heights heights; /* of the sea of statistics_key */
     struct pel_variance variance[PEL_VARIANCE_COUNT];
@@ -141,201 +114,10 @@ void pel_renderer_stage_ms(const struct pel_renderer *r,
     }
 }
 
-/* --- targets -------------------------------------------------------------- */
-
-static void finish_targets(struct targets *t)
-{
-    const GLuint textures[] = { t->triangles, t->depth_test, t->color };
-    const GLuint fbos[] = { t->surface_fbo, t->light_fbo, t->layers_fbo,
-                            t->color_fbo };
-    glDeleteTextures(3, textures);
-    glDeleteTextures(PEL_HDR_ATTACHMENTS, t->hdr);
-    glDeleteFramebuffers(4, fbos);
-    *t = (struct targets){ 0 };
-}
-
-static GLuint make_target(GLenum format, uint32_t width, uint32_t height,
-                          const char *label)
-{
-    GLuint texture = 0;
-    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
-    glTextureStorage2D(texture, 1, format, (GLsizei)width, (GLsizei)height);
-    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    glObjectLabel(GL_TEXTURE, texture, -1, label);
-    return texture;
-}
-
-/* Formats and labels of hdr, in the order of the shaders' outputs. */
-static const struct {
-    GLenum format;
-    const char *label;
-} hdr_targets[PEL_HDR_ATTACHMENTS] = {
-    { GL_RGBA32F, "radiance" }, { GL_R32F, "depth" },
-    { GL_RGBA32F, "normal" },   { GL_RGBA32F, "sun" },
-    { GL_RGBA32F, "sky" },      { GL_RGBA32F, "water" },
-    { GL_RGBA32F, "air" },      { GL_RG32F, "slope variance" },
-};
-
-static void make_layer_targets(struct targets *t)
-{
-    GLenum buffers[PEL_HDR_ATTACHMENTS];
-    glCreateFramebuffers(1, &t->layers_fbo);
-    for (unsigned i = 0; i < PEL_HDR_ATTACHMENTS; i++) {
-        if (i > 0) {
-            t->hdr[i] = make_target(hdr_targets[i].format, t->width, t->height,
-                                    hdr_targets[i].label);
-        }
-        buffers[i] = GL_COLOR_ATTACHMENT0 + i;
-        glNamedFramebufferTexture(t->layers_fbo, buffers[i], t->hdr[i], 0);
-    }
-    glNamedFramebufferTexture(t->layers_fbo, GL_DEPTH_ATTACHMENT, t->depth_test,
-                              0);
-    glNamedFramebufferDrawBuffers(t->layers_fbo, PEL_HDR_ATTACHMENTS, buffers);
-}
-
-static void fit_targets(struct targets *t, uint32_t width, uint32_t height,
-                        bool layers)
-{
-    bool small = (size_t)width * height * 4 < (size_t)t->width * t->height;
-    t->small_draws = small ? t->small_draws + 1 : 0;
-    if (t->small_draws > SMALL_DRAWS) {
-        finish_targets(t);
-    }
-    if (width > t->width || height > t->height) {
-        uint32_t w = width > t->width ? width : t->width;
-        uint32_t h = height > t->height ? height : t->height;
-        finish_targets(t);
-        t->width = w;
-        t->height = h;
-        t->triangles = make_target(GL_R32UI, w, h, "triangles");
-        t->depth_test = make_target(GL_DEPTH_COMPONENT32F, w, h, "depth test");
-        t->hdr[0] =
-            make_target(hdr_targets[0].format, w, h, hdr_targets[0].label);
-        t->color = make_target(GL_RGBA8, w, h, "color");
-        GLuint *fbos[] = { &t->surface_fbo, &t->light_fbo, &t->color_fbo };
-        const GLuint colors[] = { t->triangles, t->hdr[0], t->color };
-        for (int i = 0; i < 3; i++) {
-            glCreateFramebuffers(1, fbos[i]);
-            glNamedFramebufferTexture(*fbos[i], GL_COLOR_ATTACHMENT0, colors[i],
-                                      0);
-            if (i < 2) {
-                glNamedFramebufferTexture(*fbos[i], GL_DEPTH_ATTACHMENT,
-                                          t->depth_test, 0);
-            }
-        }
-    }
-    if (layers && !t->layers_fbo) {
-        make_layer_targets(t);
-    }
-}
-
 /* More than the radiance and the colour made of it. */
 static bool wants_layers(unsigned layers)
 {
     return layers & ~(unsigned)(PEL_LAYER_COLOR | PEL_LAYER_RADIANCE);
-}
-
-/* --- programs ------------------------------------------------------------- */
-
-static void delete_sea_programs(struct sea_programs *p)
-{
-    for (int i = 0; i < 2; i++) {
-        glDeleteProgram(p->near[i]);
-        glDeleteProgram(p->far[i]);
-        glDeleteProgram(p->compute[i]);
-    }
-    glDeleteProgram(p->mesh);
-    *p = (struct sea_programs){ 0 };
-}
-
-/* Software rasterisers are faster with fragments, hardware with compute by up
- * to thirty times (docs/benchmarks.md). */
-static bool choose_compute(const struct pel_renderer *r, const char *shading)
-{
-    if (!shading || strcmp(shading, "auto") == 0) {
-        return !r->context.software;
-    }
-    return strcmp(shading, "compute") == 0;
-}
-
-static enum pel_err make_sea_program(struct pel_renderer *r, bool cascades,
-                                     int waves, bool layers, GLuint *out,
-                                     struct pel_fault *fault)
-{
-    if (*out) {
-        return PEL_OK;
-    }
-    char defines[128];
-    bool unroll = r->context.software && waves <= MAX_UNROLLED_WAVES;
-    snprintf(defines, sizeof defines, "#define PEL_WAVES %d\n%s%s%s", waves,
-             cascades ? "#define PEL_FFT\n" : "",
-             unroll ? "#define PEL_UNROLL\n" : "",
-             layers ? "#define PEL_LAYERS\n" : "");
-    if (r->compute) {
-        return pel_program_create(r->shader_dir, "shade.comp", NULL, defines,
-                                  out, fault);
-    }
-    return pel_program_create(r->shader_dir, "screen.vert", "sea.frag", defines,
-                              out, fault);
-}
-
-/* Makes the programs that this kind of sea and picture wants; those with
- * layers most never are. */
-static enum pel_err need_sea_programs(struct pel_renderer *r, bool cascades,
-                                      bool layers, struct pel_fault *fault)
-{
-    struct sea_programs *p = cascades ? &r->cascades : &r->trochoids;
-    enum pel_err err = PEL_OK;
-    if (!p->mesh) {
-        const char *defines = cascades              ? "#define PEL_FFT\n"
-                              : r->context.software ? "#define PEL_UNROLL\n"
-                                                    : NULL;
-        err = pel_program_create(r->shader_dir, "mesh.comp", NULL, defines,
-                                 &p->mesh, fault);
-    }
-    if (err == PEL_OK && r->compute) {
-        return make_sea_program(r, cascades, r->waves, layers,
-                                &p->compute[layers], fault);
-    }
-    if (err == PEL_OK) {
-        err = make_sea_program(r, cascades, r->waves, layers, &p->near[layers],
-                               fault);
-    }
-    /* The first picture does without it, a quarter of a second sooner: zero
-     * weights add nothing, so the bits are the same. */
-    if (err == PEL_OK && !cascades && r->settled) {
-        err = make_sea_program(r, cascades, FAR_WAVES, layers, &p->far[layers],
-                               fault);
-    }
-    if (err == PEL_OK && !r->backdrop_program[layers]) {
-        err = pel_program_create(r->shader_dir, "screen.vert", "backdrop.frag",
-                                 layers ? "#define PEL_LAYERS\n" : NULL,
-                                 &r->backdrop_program[layers], fault);
-    }
-    return err;
-}
-
-static enum pel_err fit_sea(struct pel_renderer *r, const struct pel_sea *sea,
-                            bool layers, struct pel_fault *fault)
-{
-    if (sea->cascades) {
-        return need_sea_programs(r, true, layers, fault);
-    }
-    /* Steps of the written-out sums, so that few programs are ever made. */
-    static const int steps[] = { 24, 40, 48, 60, 64, 80, 96, 112, 128, 256 };
-    int waves = 256;
-    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
-        if (sea->count <= steps[i]) {
-            waves = steps[i];
-            break;
-        }
-    }
-    if (waves > r->waves) {
-        delete_sea_programs(&r->trochoids);
-        r->waves = waves;
-    }
-    return need_sea_programs(r, false, layers, fault);
 }
 
 /* --- life ----------------------------------------------------------------- */
@@ -360,7 +142,6 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     if (err != PEL_OK) {
         goto fail;
     }
-    r->compute = choose_compute(r, o->shading);
     glCreateVertexArrays(1, &r->vao);
     glBindVertexArray(r->vao);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -381,12 +162,8 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     }
     err = pel_sky_init(&r->sky, r->shader_dir, fault);
     if (err == PEL_OK) {
-        err = pel_program_create(r->shader_dir, "surface.vert", "surface.frag",
-                                 NULL, &r->surface_program, fault);
-    }
-    if (err == PEL_OK) {
-        err = pel_program_create(r->shader_dir, "screen.vert", "tone.frag",
-                                 NULL, &r->tone_program, fault);
+        err = pel_programs_init(&r->programs, r->shader_dir,
+                                r->context.software, o->shading, fault);
     }
     if (err != PEL_OK) {
         goto fail;
@@ -407,14 +184,9 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_readback_finish(&r->readback);
         pel_arena_finish(&r->arena);
         pel_sky_finish(&r->sky);
-        finish_targets(&r->targets);
-        delete_sea_programs(&r->trochoids);
-        delete_sea_programs(&r->cascades);
+        pel_targets_finish(&r->targets);
+        pel_programs_finish(&r->programs);
         pel_wavefield_finish(&r->wavefield);
-        glDeleteProgram(r->surface_program);
-        glDeleteProgram(r->tone_program);
-        glDeleteProgram(r->backdrop_program[0]);
-        glDeleteProgram(r->backdrop_program[1]);
         glDeleteBuffers(1, &r->vertices);
         glDeleteBuffers(1, &r->facets);
         glDeleteVertexArrays(1, &r->vao);
@@ -470,7 +242,7 @@ static void displace_block(const struct pel_mesh_block *b, bool first)
 static void displace_by_waves(struct pel_renderer *r, size_t waves_at)
 {
     const struct pel_mesh *m = r->mesh;
-    glUseProgram(r->trochoids.mesh);
+    glUseProgram(r->programs.trochoids.mesh);
     size_t chunk_bytes = sizeof(struct pel_shader_wave) * PEL_WAVE_CHUNK;
     for (int chunk = 0; chunk == 0 || chunk * PEL_WAVE_CHUNK < r->wave_count;
          chunk++) {
@@ -508,7 +280,7 @@ static void displace_mesh(struct pel_renderer *r, bool cascades,
                    sizeof *m->rings *
                        (size_t)(m->ring_count ? m->ring_count : 1));
     if (cascades) {
-        glUseProgram(r->cascades.mesh);
+        glUseProgram(r->programs.cascades.mesh);
         for (int i = 0; i < m->block_count; i++) {
             displace_block(&m->blocks[i], true);
         }
@@ -537,7 +309,7 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
         glEnable(GL_CULL_FACE);
         glFrontFace(GL_CW);
     }
-    glUseProgram(r->surface_program);
+    glUseProgram(r->programs.surface);
     glViewport(-RASTER_MARGIN, -RASTER_MARGIN,
                (GLsizei)c->width + 2 * RASTER_MARGIN,
                (GLsizei)c->height + 2 * RASTER_MARGIN);
@@ -557,13 +329,13 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
 /* Sea where the surface was drawn, sky where it was not: the depth test tells
  * them apart before a pixel is shaded. */
 static void shade(struct pel_renderer *r, const struct pel_camera *c,
-                  const struct sea_programs *p, bool layers)
+                  const struct pel_sea_programs *p, bool layers)
 {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER,
                       layers ? r->targets.layers_fbo : r->targets.light_fbo);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
     glDepthFunc(GL_EQUAL);
-    glUseProgram(r->backdrop_program[layers]);
+    glUseProgram(r->programs.backdrop[layers]);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glDepthFunc(GL_LESS);
     glEnable(GL_SCISSOR_TEST);
@@ -572,9 +344,10 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     for (int y = 0; y < down; y++) {
         const short *row = &r->tiles[y * across];
         for (int x = 0, end; x < across; x = end) {
-            bool far = p->far[layers] && row[x] <= FAR_WAVES;
-            for (end = x + 1; end < across && (p->far[layers] &&
-                                               row[end] <= FAR_WAVES) == far;) {
+            bool far = p->far[layers] && row[x] <= PEL_FAR_WAVES;
+            for (end = x + 1;
+                 end < across &&
+                 (p->far[layers] && row[end] <= PEL_FAR_WAVES) == far;) {
                 end++;
             }
             glScissor(x * PEL_TILE, y * PEL_TILE, (end - x) * PEL_TILE,
@@ -590,13 +363,13 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
 /* Sky, sea and, without layers, display colour in one dispatch: eight images
  * are what OpenGL promises. */
 static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
-                          const struct sea_programs *p, bool layers)
+                          const struct pel_sea_programs *p, bool layers)
 {
     glDisable(GL_DEPTH_TEST);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
     for (GLuint i = 0; i < (layers ? PEL_HDR_ATTACHMENTS : 1u); i++) {
         glBindImageTexture(i, r->targets.hdr[i], 0, GL_FALSE, 0, GL_WRITE_ONLY,
-                           hdr_targets[i].format);
+                           pel_hdr_formats[i]);
     }
     if (!layers) {
         glBindImageTexture(1, r->targets.color, 0, GL_FALSE, 0, GL_WRITE_ONLY,
@@ -612,7 +385,7 @@ static void tone(struct pel_renderer *r)
 {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
     glBindTextureUnit(0, r->targets.hdr[0]);
-    glUseProgram(r->tone_program);
+    glUseProgram(r->programs.tone);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
@@ -650,8 +423,8 @@ static enum pel_err draw_view(struct pel_renderer *r,
     };
     pel_mesh_plan(&mesh_eye, c, r->mesh);
     bool cascades = env->sea->cascades != NULL;
-    const struct sea_programs *programs =
-        cascades ? &r->cascades : &r->trochoids;
+    const struct pel_sea_programs *programs =
+        cascades ? &r->programs.cascades : &r->programs.trochoids;
     pel_tiles_plan(c, height_m, mesh_eye.pixel, PEL_N_MIN, env->sea, r->tiles);
     struct pel_block_eye eye;
     bool submerged = is_submerged(env, c);
@@ -669,7 +442,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     }
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &eye, sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 2, &view, sizeof view);
-    fit_targets(&r->targets, c->width, c->height, layers);
+    pel_targets_fit(&r->targets, c->width, c->height, layers);
     stage_begin(r);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
     stage_end(r, PEL_STAGE_SKY);
@@ -677,13 +450,13 @@ static enum pel_err draw_view(struct pel_renderer *r,
     stage_end(r, PEL_STAGE_MESH);
     raster_surface(r, c, submerged);
     stage_end(r, PEL_STAGE_RASTER);
-    if (r->compute) {
+    if (r->programs.compute) {
         shade_compute(r, c, programs, layers);
     } else {
         shade(r, c, programs, layers);
     }
     stage_end(r, PEL_STAGE_SHADE);
-    if ((!r->compute || layers) && draw->layers & PEL_LAYER_COLOR) {
+    if ((!r->programs.compute || layers) && draw->layers & PEL_LAYER_COLOR) {
         tone(r);
     }
     stage_end(r, PEL_STAGE_TONE);
@@ -738,7 +511,8 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     struct pel_fault fault;
     for (size_t i = 0; i < count; i++) {
         bool layers = wants_layers(draws[i].layers);
-        enum pel_err err = fit_sea(r, env->sea, layers, &fault);
+        enum pel_err err =
+            pel_programs_need(&r->programs, env->sea, layers, &fault);
         if (err != PEL_OK) {
             pel_error("RND-040", "%s", fault.message);
             return err;
@@ -777,7 +551,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         err = draw_view(r, &here, &draws[i]);
     }
     pel_arena_end(&r->arena);
-    r->settled = true;
+    r->programs.settled = true;
     return err;
 }
 

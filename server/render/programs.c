@@ -1,0 +1,137 @@
+#include "render/programs.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define MAX_UNROLLED_WAVES 128
+
+static void delete_sea_programs(struct pel_sea_programs *p)
+{
+    for (int i = 0; i < 2; i++) {
+        glDeleteProgram(p->near[i]);
+        glDeleteProgram(p->far[i]);
+        glDeleteProgram(p->compute[i]);
+    }
+    glDeleteProgram(p->mesh);
+    *p = (struct pel_sea_programs){ 0 };
+}
+
+/* Software rasterisers are faster with fragments, hardware with compute by up
+ * to thirty times (docs/benchmarks.md). */
+static bool choose_compute(bool software, const char *shading)
+{
+    if (!shading || strcmp(shading, "auto") == 0) {
+        return !software;
+    }
+    return strcmp(shading, "compute") == 0;
+}
+
+static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
+                                     int waves, bool layers, GLuint *out,
+                                     struct pel_fault *fault)
+{
+    if (*out) {
+        return PEL_OK;
+    }
+    char defines[128];
+    bool unroll = all->software && waves <= MAX_UNROLLED_WAVES;
+    snprintf(defines, sizeof defines, "#define PEL_WAVES %d\n%s%s%s", waves,
+             cascades ? "#define PEL_FFT\n" : "",
+             unroll ? "#define PEL_UNROLL\n" : "",
+             layers ? "#define PEL_LAYERS\n" : "");
+    if (all->compute) {
+        return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
+                                  out, fault);
+    }
+    return pel_program_create(all->shader_dir, "screen.vert", "sea.frag",
+                              defines, out, fault);
+}
+
+/* Makes the programs that this kind of sea and picture wants; those with
+ * layers most never are. */
+static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
+                                      bool layers, struct pel_fault *fault)
+{
+    struct pel_sea_programs *p = cascades ? &all->cascades : &all->trochoids;
+    enum pel_err err = PEL_OK;
+    if (!p->mesh) {
+        const char *defines = cascades        ? "#define PEL_FFT\n"
+                              : all->software ? "#define PEL_UNROLL\n"
+                                              : NULL;
+        err = pel_program_create(all->shader_dir, "mesh.comp", NULL, defines,
+                                 &p->mesh, fault);
+    }
+    if (err == PEL_OK && all->compute) {
+        return make_sea_program(all, cascades, all->waves, layers,
+                                &p->compute[layers], fault);
+    }
+    if (err == PEL_OK) {
+        err = make_sea_program(all, cascades, all->waves, layers,
+                               &p->near[layers], fault);
+    }
+    /* The first picture does without it, a quarter of a second sooner: zero
+     * weights add nothing, so the bits are the same. */
+    if (err == PEL_OK && !cascades && all->settled) {
+        err = make_sea_program(all, cascades, PEL_FAR_WAVES, layers,
+                               &p->far[layers], fault);
+    }
+    if (err == PEL_OK && !all->backdrop[layers]) {
+        err =
+            pel_program_create(all->shader_dir, "screen.vert", "backdrop.frag",
+                               layers ? "#define PEL_LAYERS\n" : NULL,
+                               &all->backdrop[layers], fault);
+    }
+    return err;
+}
+
+enum pel_err pel_programs_need(struct pel_programs *all,
+                               const struct pel_sea *sea, bool layers,
+                               struct pel_fault *fault)
+{
+    if (sea->cascades) {
+        return need_sea_programs(all, true, layers, fault);
+    }
+    /* Steps of the written-out sums, so that few programs are ever made. */
+    static const int steps[] = { 24, 40, 48, 60, 64, 80, 96, 112, 128, 256 };
+    int waves = 256;
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        if (sea->count <= steps[i]) {
+            waves = steps[i];
+            break;
+        }
+    }
+    if (waves > all->waves) {
+        delete_sea_programs(&all->trochoids);
+        all->waves = waves;
+    }
+    return need_sea_programs(all, false, layers, fault);
+}
+
+enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
+                               bool software, const char *shading,
+                               struct pel_fault *fault)
+{
+    *p = (struct pel_programs){
+        .shader_dir = shader_dir,
+        .software = software,
+        .compute = choose_compute(software, shading),
+    };
+    enum pel_err err = pel_program_create(
+        shader_dir, "surface.vert", "surface.frag", NULL, &p->surface, fault);
+    if (err == PEL_OK) {
+        err = pel_program_create(shader_dir, "screen.vert", "tone.frag", NULL,
+                                 &p->tone, fault);
+    }
+    return err;
+}
+
+void pel_programs_finish(struct pel_programs *p)
+{
+    delete_sea_programs(&p->trochoids);
+    delete_sea_programs(&p->cascades);
+    glDeleteProgram(p->surface);
+    glDeleteProgram(p->tone);
+    glDeleteProgram(p->backdrop[0]);
+    glDeleteProgram(p->backdrop[1]);
+    *p = (struct pel_programs){ 0 };
+}
