@@ -37,7 +37,7 @@ PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd json-glib-1.0 \
 
 # --- flags ----------------------------------------------------------------
 CC := gcc
-WARN := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes \
+WARN := -Wno-psabi -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes \
     -Wpointer-arith -Wvla -Wformat=2 -Wno-format-nonliteral -Wundef \
     -Wunused-result $(if $(DEV),-Werror)
 OPT_release := -O2 -g
@@ -452,7 +452,7 @@ $(O)/bin/validate_water: $(O)/tests/validate/water.o $(O)/libserver.a
 	$(Q)mkdir -p $(@D)
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ -lm
-$(O)/tests/validate/%.o: CFLAGS += -O3 -Wno-psabi
+$(O)/tests/validate/%.o: CFLAGS += -O3
 
 .PHONY: validate validate-lighting validate-water
 validate: validate-lighting validate-water ## compare with brute force: tables and plots in build/validate/

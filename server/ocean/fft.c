@@ -4,22 +4,13 @@
 #include <string.h>
 #include <threads.h>
 
+#include "base/simd.h"
 #include "base/vec.h"
 
 #define N PEL_FFT_N
 #define LANES 8
 
 typedef float lanes __attribute__((vector_size(4 * LANES)));
-
-/* The widest registers that are there; without contraction, so that every
- * clone rounds alike. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&         \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define CLONES
-#endif
-#define INLINE static inline __attribute__((always_inline))
 
 static float twiddle_re[N], twiddle_im[N];
 static once_flag twiddles_once = ONCE_FLAG_INIT;
@@ -38,7 +29,7 @@ struct strip {
 
 /* One pass of Stockham's radix-4 transform: n remaining points, `done` = N / n
  * already apart. */
-INLINE void pass4(int n, int done, const struct strip *a, struct strip *b)
+PEL_INLINE void pass4(int n, int done, const struct strip *a, struct strip *b)
 {
     int quarter = n / 4;
     for (int p = 0; p < quarter; p++) {
@@ -71,7 +62,7 @@ INLINE void pass4(int n, int done, const struct strip *a, struct strip *b)
     }
 }
 
-INLINE void transform(struct strip *a, struct strip *b)
+PEL_INLINE void transform(struct strip *a, struct strip *b)
 {
     pass4(256, 1, a, b);
     pass4(64, 4, b, a);
@@ -79,7 +70,7 @@ INLINE void transform(struct strip *a, struct strip *b)
     pass4(4, 64, b, a);
 }
 
-CLONES static void columns(struct pel_fft_grid *g, int i)
+PEL_CLONES static void columns(struct pel_fft_grid *g, int i)
 {
     struct strip a, b;
     for (int j = 0; j < N; j++) {
@@ -94,7 +85,7 @@ CLONES static void columns(struct pel_fft_grid *g, int i)
 }
 
 /* LANES rows at once, turned on their side and back. */
-CLONES static void rows(struct pel_fft_grid *g, int j)
+PEL_CLONES static void rows(struct pel_fft_grid *g, int j)
 {
     struct strip a, b;
     for (int l = 0; l < LANES; l++) {
