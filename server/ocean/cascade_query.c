@@ -1,5 +1,8 @@
+#include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/simd.h"
 #include "ocean/fields.h"
 #include "ocean/rest.h"
 
@@ -14,7 +17,8 @@ struct place {
     double fi, fj;
 };
 
-static struct place place_of(const struct pel_cascade *c, double x, double y)
+PEL_INLINE struct place place_of(const struct pel_cascade *c, double x,
+                                 double y)
 {
     double u = (x * c->turn_cos + y * c->turn_sin) / c->length_m;
     double v = (y * c->turn_cos - x * c->turn_sin) / c->length_m;
@@ -25,7 +29,7 @@ static struct place place_of(const struct pel_cascade *c, double x, double y)
 }
 
 /* Uniform cubic B-spline of the four texels around, and its derivative. */
-static void spline(double f, double w[4], double d[4])
+PEL_INLINE void spline(double f, double w[4], double d[4])
 {
     double g = 1.0 - f;
     w[0] = g * g * g / 6.0;
@@ -38,60 +42,64 @@ static void spline(double f, double w[4], double d[4])
     d[3] = 0.5 * f * f;
 }
 
+/* East, north, up and nothing, at once. */
+typedef double lanes4 __attribute__((vector_size(32)));
+typedef float texel4 __attribute__((vector_size(16)));
+
+PEL_INLINE lanes4 texel_at(float (*texels)[4], int i, int j)
+{
+    texel4 t;
+    memcpy(&t, texels[j % N * N + i % N], sizeof t);
+    return __builtin_convertvector(t, lanes4);
+}
+
 /* What the cascades do to one rest position. */
 struct shift {
-    double x, y, z;
-    double xx, xy, yy; /* derivatives of (x, y) as interpolated */
+    lanes4 d;      /* displacement */
+    lanes4 dx, dy; /* its derivatives as interpolated */
 };
 
-static void sample_spline(float (*texels)[4], struct place p, double out[3])
+PEL_INLINE lanes4 sample_spline(float (*texels)[4], struct place p)
 {
     double wi[4], wj[4], unused[4];
     spline(p.fi, wi, unused);
     spline(p.fj, wj, unused);
-    out[0] = out[1] = out[2] = 0;
+    lanes4 sum = { 0, 0, 0, 0 };
     for (int b = 0; b < 4; b++) {
         for (int a = 0; a < 4; a++) {
-            const float *t = texels[(p.j + b - 1) % N * N + (p.i + a - 1) % N];
-            double w = wi[a] * wj[b];
-            out[0] += w * t[0];
-            out[1] += w * t[1];
-            out[2] += w * t[2];
+            sum += wi[a] * wj[b] * texel_at(texels, p.i + a - 1, p.j + b - 1);
         }
     }
+    return sum;
 }
 
-static void add_shift(const struct pel_cascade *c, float (*texels)[4], double x,
-                      double y, struct shift *s)
+PEL_INLINE void add_shift(const struct pel_cascade *c, float (*texels)[4],
+                          double x, double y, struct shift *s)
 {
     struct place p = place_of(c, x, y);
     double wi[4], wj[4], di[4], dj[4];
     spline(p.fi, wi, di);
     spline(p.fj, wj, dj);
-    double xu = 0, xv = 0, yu = 0, yv = 0;
+    lanes4 du = { 0, 0, 0, 0 }, dv = { 0, 0, 0, 0 };
     for (int b = 0; b < 4; b++) {
+        lanes4 row = { 0, 0, 0, 0 }, along = { 0, 0, 0, 0 };
         for (int a = 0; a < 4; a++) {
-            const float *t = texels[(p.j + b - 1) % N * N + (p.i + a - 1) % N];
-            double w = wi[a] * wj[b];
-            s->x += w * t[0];
-            s->y += w * t[1];
-            s->z += w * t[2];
-            xu += di[a] * wj[b] * t[0];
-            xv += wi[a] * dj[b] * t[0];
-            yu += di[a] * wj[b] * t[1];
-            yv += wi[a] * dj[b] * t[1];
+            lanes4 t = texel_at(texels, p.i + a - 1, p.j + b - 1);
+            row += wi[a] * t;
+            along += di[a] * t;
         }
+        s->d += wj[b] * row;
+        du += wj[b] * along;
+        dv += dj[b] * row;
     }
-    double xy = xu * c->turn_sin + xv * c->turn_cos;
-    double yx = yu * c->turn_cos - yv * c->turn_sin;
-    s->xx += (xu * c->turn_cos - xv * c->turn_sin) / c->texel_m;
-    s->yy += (yu * c->turn_sin + yv * c->turn_cos) / c->texel_m;
-    s->xy += 0.5 * (xy + yx) / c->texel_m;
+    double cosine = c->turn_cos / c->texel_m, sine = c->turn_sin / c->texel_m;
+    s->dx += du * cosine - dv * sine;
+    s->dy += du * sine + dv * cosine;
 }
 
-static void shift_at(const struct pel_cascades *c,
-                     const struct pel_cascade_fields *f, double x, double y,
-                     struct shift *s)
+PEL_INLINE void shift_at(const struct pel_cascades *c,
+                         const struct pel_cascade_fields *f, double x, double y,
+                         struct shift *s)
 {
     *s = (struct shift){ 0 };
     for (int i = 0; i < PEL_CASCADES; i++) {
@@ -99,24 +107,25 @@ static void shift_at(const struct pel_cascades *c,
     }
 }
 
-/* The rest position that is carried to (x, y). */
-static struct pel_vec2 rest_under(const struct pel_cascades *c,
-                                  const struct pel_cascade_fields *f, double x,
-                                  double y, struct shift *at)
+/* The rest position that is carried to (x, y), and the height there. */
+PEL_INLINE struct pel_vec2 rest_under(const struct pel_cascades *c,
+                                      const struct pel_cascade_fields *f,
+                                      double x, double y, double *height)
 {
     struct pel_vec2 rest = { x, y };
-    shift_at(c, f, x, y, at);
-    double rx = -at->x, ry = -at->y;
+    struct shift at, next;
+    shift_at(c, f, x, y, &at);
+    double rx = -at.d[0], ry = -at.d[1];
     double error = rx * rx + ry * ry;
     for (int step = 0; step < MOST_STEPS && error > MET_M * MET_M; step++) {
         struct pel_vec2 s =
-            pel_rest_step(1.0 + at->xx, at->xy, 1.0 + at->yy, rx, ry);
+            pel_rest_step(1.0 + at.dx[0], 0.5 * (at.dx[1] + at.dy[0]),
+                          1.0 + at.dy[1], rx, ry);
         bool nearer = false;
         for (int i = 0; i < MOST_HALVINGS && !nearer; i++) {
-            struct shift next;
             double nx = rest.x + s.x, ny = rest.y + s.y;
             shift_at(c, f, nx, ny, &next);
-            double ex = x - nx - next.x, ey = y - ny - next.y;
+            double ex = x - nx - next.d[0], ey = y - ny - next.d[1];
             double e = ex * ex + ey * ey;
             if (e < error) {
                 nearer = true;
@@ -124,7 +133,7 @@ static struct pel_vec2 rest_under(const struct pel_cascades *c,
                 rx = ex;
                 ry = ey;
                 error = e;
-                *at = next;
+                at = next;
             }
             s.x *= 0.5;
             s.y *= 0.5;
@@ -133,39 +142,43 @@ static struct pel_vec2 rest_under(const struct pel_cascades *c,
             break; /* the rounding of far places: as near as doubles go */
         }
     }
+    *height = at.d[2];
     return rest;
 }
 
-static double bilinear(const float *texels, int stride, struct place p)
+PEL_INLINE double bilinear(const float *texels, struct place p)
 {
     int i0 = p.i % N, i1 = (p.i + 1) % N, j0 = p.j % N, j1 = (p.j + 1) % N;
-    double a = texels[(j0 * N + i0) * stride];
-    double b = texels[(j0 * N + i1) * stride];
-    double c = texels[(j1 * N + i0) * stride];
-    double d = texels[(j1 * N + i1) * stride];
+    double a = texels[j0 * N + i0], b = texels[j0 * N + i1];
+    double c = texels[j1 * N + i0], d = texels[j1 * N + i1];
     return (1 - p.fj) * ((1 - p.fi) * a + p.fi * b) +
            p.fj * ((1 - p.fi) * c + p.fi * d);
 }
 
-static void surface_at(const struct pel_cascades *c,
-                       const struct pel_cascade_fields *f, struct pel_vec2 rest,
-                       double height, struct pel_surface_sample *out)
+PEL_INLINE lanes4 bilinear4(float (*texels)[4], struct place p)
 {
-    double s[5] = { 0 }, v[3] = { 0 };
+    lanes4 below = (1 - p.fi) * texel_at(texels, p.i, p.j) +
+                   p.fi * texel_at(texels, p.i + 1, p.j);
+    lanes4 above = (1 - p.fi) * texel_at(texels, p.i, p.j + 1) +
+                   p.fi * texel_at(texels, p.i + 1, p.j + 1);
+    return (1 - p.fj) * below + p.fj * above;
+}
+
+PEL_INLINE void surface_at(const struct pel_cascades *c,
+                           const struct pel_cascade_fields *f,
+                           struct pel_vec2 rest, double height,
+                           struct pel_surface_sample *out)
+{
+    lanes4 s = { 0, 0, 0, 0 }, v = { 0, 0, 0, 0 };
+    double fold = 0;
     for (int i = 0; i < PEL_CASCADES; i++) {
         struct place p = place_of(&c->cascade[i], rest.x, rest.y);
-        for (int j = 0; j < 4; j++) {
-            s[j] += bilinear(f->slopes[i][0] + j, 4, p);
-        }
-        s[4] += bilinear(f->fold[i], 1, p);
-        double w[3];
-        sample_spline(f->velocity[i], p, w);
-        for (int j = 0; j < 3; j++) {
-            v[j] += w[j];
-        }
+        s += bilinear4(f->slopes[i], p);
+        fold += bilinear(f->fold[i], p);
+        v += sample_spline(f->velocity[i], p);
     }
-    struct pel_vec3 along_x = { 1.0 + s[2], s[4], s[0] };
-    struct pel_vec3 along_y = { s[4], 1.0 + s[3], s[1] };
+    struct pel_vec3 along_x = { 1.0 + s[2], fold, s[0] };
+    struct pel_vec3 along_y = { fold, 1.0 + s[3], s[1] };
     out->height_m = height;
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
     out->velocity_mps = (struct pel_vec3){ v[0], v[1], v[2] };
@@ -180,6 +193,20 @@ static struct pel_kept_fields *take(const struct pel_cascades *c, double time_s)
     return kept;
 }
 
+PEL_CLONES
+static void query(const struct pel_cascades *c,
+                  const struct pel_cascade_fields *f,
+                  const struct pel_vec2 *points, size_t n,
+                  struct pel_surface_sample *out)
+{
+    for (size_t i = 0; i < n; i++) {
+        double height;
+        struct pel_vec2 rest =
+            rest_under(c, f, points[i].x, points[i].y, &height);
+        surface_at(c, f, rest, height, &out[i]);
+    }
+}
+
 void pel_cascades_query(const struct pel_cascades *c,
                         const struct pel_vec2 *points, size_t n, double time_s,
                         struct pel_surface_sample *out)
@@ -188,12 +215,7 @@ void pel_cascades_query(const struct pel_cascades *c,
         return;
     }
     struct pel_kept_fields *kept = take(c, time_s);
-    for (size_t i = 0; i < n; i++) {
-        struct shift at;
-        struct pel_vec2 rest =
-            rest_under(c, kept->fields, points[i].x, points[i].y, &at);
-        surface_at(c, kept->fields, rest, at.z, &out[i]);
-    }
+    query(c, kept->fields, points, n, out);
     pel_fields_give(c, kept);
 }
 
@@ -204,5 +226,5 @@ struct pel_vec3 pel_cascades_displace(const struct pel_cascades *c, double x_m,
     struct shift s;
     shift_at(c, kept->fields, x_m, y_m, &s);
     pel_fields_give(c, kept);
-    return (struct pel_vec3){ s.x, s.y, s.z };
+    return (struct pel_vec3){ s.d[0], s.d[1], s.d[2] };
 }
