@@ -1,3 +1,4 @@
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,9 +8,11 @@
 #include "ocean/rest.h"
 
 #define N PEL_CASCADE_N
-#define MET_M 1e-6
+/* So near the last step needs no new sums. */
+#define NEAR_M 1e-4
 #define MOST_STEPS 40
 #define MOST_HALVINGS 10
+#define TOGETHER 8 /* points whose searches take turns */
 
 /* Where a place lies in a cascade's grid: texel below and fraction. */
 struct place {
@@ -107,43 +110,122 @@ PEL_INLINE void shift_at(const struct pel_cascades *c,
     }
 }
 
-/* The rest position that is carried to (x, y), and the height there. */
-PEL_INLINE struct pel_vec2 rest_under(const struct pel_cascades *c,
-                                      const struct pel_cascade_fields *f,
-                                      double x, double y, double *height)
+/* Asks for the texels of a spline there, which another place's sums hide. */
+PEL_INLINE void fetch_spline(float (*texels)[4], struct place p)
 {
-    struct pel_vec2 rest = { x, y };
-    struct shift at, next;
-    shift_at(c, f, x, y, &at);
-    double rx = -at.d[0], ry = -at.d[1];
-    double error = rx * rx + ry * ry;
-    for (int step = 0; step < MOST_STEPS && error > MET_M * MET_M; step++) {
-        struct pel_vec2 s =
-            pel_rest_step(1.0 + at.dx[0], 0.5 * (at.dx[1] + at.dy[0]),
-                          1.0 + at.dy[1], rx, ry);
-        bool nearer = false;
-        for (int i = 0; i < MOST_HALVINGS && !nearer; i++) {
-            double nx = rest.x + s.x, ny = rest.y + s.y;
-            shift_at(c, f, nx, ny, &next);
-            double ex = x - nx - next.d[0], ey = y - ny - next.d[1];
-            double e = ex * ex + ey * ey;
-            if (e < error) {
-                nearer = true;
-                rest = (struct pel_vec2){ nx, ny };
-                rx = ex;
-                ry = ey;
-                error = e;
-                at = next;
-            }
-            s.x *= 0.5;
-            s.y *= 0.5;
-        }
-        if (!nearer) {
-            break; /* the rounding of far places: as near as doubles go */
+    for (int b = -1; b <= 2; b++) {
+        int row = (p.j + b) % N * N;
+        __builtin_prefetch(texels[row + (p.i - 1) % N]);
+        __builtin_prefetch(texels[row + (p.i + 2) % N]);
+    }
+}
+
+PEL_INLINE void fetch_shift(const struct pel_cascades *c,
+                            const struct pel_cascade_fields *f,
+                            struct pel_vec2 at)
+{
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        fetch_spline(f->displacement[i], place_of(&c->cascade[i], at.x, at.y));
+    }
+}
+
+PEL_INLINE void fetch_surface(const struct pel_cascades *c,
+                              const struct pel_cascade_fields *f,
+                              struct pel_vec2 at)
+{
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        struct place p = place_of(&c->cascade[i], at.x, at.y);
+        fetch_spline(f->velocity[i], p);
+        for (int b = 0; b < 2; b++) {
+            int texel = (p.j + b) % N * N + p.i % N;
+            __builtin_prefetch(f->slopes[i][texel]);
+            __builtin_prefetch(&f->fold[i][texel]);
         }
     }
-    *height = at.d[2];
-    return rest;
+}
+
+/* The search for the rest position that is carried to `to`. */
+struct search {
+    struct pel_vec2 to, rest, trial, step;
+    struct shift at;   /* what the cascades do to `rest` */
+    double rx, ry;     /* from there to `to` */
+    double error;      /* squared */
+    int steps, halved; /* so far; of this step */
+    bool done;
+};
+
+/* Chooses Newton's step; of a last short one the sums follow by their
+ * derivatives, and it leaves its square times the curvature, < 1e-7 m. */
+PEL_INLINE void search_step(struct search *s)
+{
+    struct shift *at = &s->at;
+    s->step = pel_rest_step(1.0 + at->dx[0], 0.5 * (at->dx[1] + at->dy[0]),
+                            1.0 + at->dy[1], s->rx, s->ry);
+    s->trial =
+        (struct pel_vec2){ s->rest.x + s->step.x, s->rest.y + s->step.y };
+    s->halved = 0;
+    s->done = ++s->steps > MOST_STEPS;
+    if (s->step.x * s->step.x + s->step.y * s->step.y < NEAR_M * NEAR_M) {
+        s->rest = s->trial;
+        at->d += s->step.x * at->dx + s->step.y * at->dy;
+        s->done = true;
+    }
+}
+
+/* Judges the place tried last and chooses the next. */
+PEL_INLINE void search_turn(struct search *s, const struct shift *there)
+{
+    double rx = s->to.x - s->trial.x - there->d[0];
+    double ry = s->to.y - s->trial.y - there->d[1];
+    double error = rx * rx + ry * ry;
+    if (error < s->error) {
+        s->rest = s->trial;
+        s->at = *there;
+        s->rx = rx;
+        s->ry = ry;
+        s->error = error;
+        search_step(s);
+    } else if (++s->halved < MOST_HALVINGS) {
+        s->step.x *= 0.5;
+        s->step.y *= 0.5;
+        s->trial =
+            (struct pel_vec2){ s->rest.x + s->step.x, s->rest.y + s->step.y };
+    } else {
+        s->done = true; /* the rounding of far places: as near as doubles go */
+    }
+}
+
+/* Searches for all, in turns: while one place computes, the texels of the
+ * others arrive. */
+PEL_INLINE void search_all(const struct pel_cascades *c,
+                           const struct pel_cascade_fields *f,
+                           const struct pel_vec2 *points, int n,
+                           struct search *searches)
+{
+    int left = n;
+    for (int i = 0; i < n; i++) {
+        searches[i] = (struct search){ .to = points[i],
+                                       .trial = points[i],
+                                       .error = INFINITY };
+        fetch_shift(c, f, points[i]);
+    }
+    while (left > 0) {
+        left = 0;
+        for (int i = 0; i < n; i++) {
+            struct search *s = &searches[i];
+            if (!s->done) {
+                struct shift there;
+                shift_at(c, f, s->trial.x, s->trial.y, &there);
+                search_turn(s, &there);
+                if (s->done) {
+                    fetch_surface(c, f, s->rest);
+                } else {
+                    fetch_shift(c, f, s->trial);
+                    left++;
+                }
+            }
+        }
+    }
 }
 
 PEL_INLINE double bilinear(const float *texels, struct place p)
@@ -199,11 +281,14 @@ static void query(const struct pel_cascades *c,
                   const struct pel_vec2 *points, size_t n,
                   struct pel_surface_sample *out)
 {
-    for (size_t i = 0; i < n; i++) {
-        double height;
-        struct pel_vec2 rest =
-            rest_under(c, f, points[i].x, points[i].y, &height);
-        surface_at(c, f, rest, height, &out[i]);
+    struct search searches[TOGETHER];
+    for (size_t from = 0; from < n; from += TOGETHER) {
+        int count = (int)(n - from < TOGETHER ? n - from : TOGETHER);
+        search_all(c, f, points + from, count, searches);
+        for (int i = 0; i < count; i++) {
+            surface_at(c, f, searches[i].rest, searches[i].at.d[2],
+                       &out[from + (size_t)i]);
+        }
     }
 }
 
