@@ -64,6 +64,62 @@ static gpointer run_asker(gpointer data)
     return NULL;
 }
 
+/* Surface queries beside the pictures, 60 a second, until `stop`. */
+struct pointer {
+    const char *server;
+    guint points;
+    gint stop;
+    GArray *answer_ms; /* double */
+    struct pel_client_error error;
+};
+
+/* A ship's hull under way: a grid that moves. */
+static void place_points(double (*points)[2], guint count, guint turn)
+{
+    for (guint i = 0; i < count; i++) {
+        points[i][0] = i % 40 * 0.5 + turn * 0.1;
+        points[i][1] = i / 40 * 4.0;
+    }
+}
+
+static enum pel_client_code point(struct pointer *pointer,
+                                  struct pel_client *client)
+{
+    g_autofree double(*points)[2] = g_malloc_n(pointer->points, sizeof *points);
+    for (guint turn = 0; !g_atomic_int_get(&pointer->stop); turn++) {
+        place_points(points, pointer->points, turn);
+        int64_t start_ns = pel_now_ns();
+        Pelagos__Surface *surface = NULL;
+        enum pel_client_code code = pel_client_surface(
+            client, points, pointer->points, NULL, &surface, &pointer->error);
+        if (code != PEL_CLIENT_OK) {
+            return code;
+        }
+        int64_t spent_ns = pel_now_ns() - start_ns;
+        double ms = (double)spent_ns * 1e-6;
+        pelagos__surface__free_unpacked(surface, NULL);
+        g_array_append_val(pointer->answer_ms, ms);
+        if (spent_ns < 16666667) {
+            g_usleep((gulong)(16666667 - spent_ns) / 1000);
+        }
+    }
+    return PEL_CLIENT_OK;
+}
+
+static gpointer run_pointer(gpointer data)
+{
+    struct pointer *pointer = data;
+    struct pel_client *client = NULL;
+    if (pel_client_connect(pointer->server, 30000, &client, &pointer->error) ==
+        PEL_CLIENT_OK) {
+        if (point(pointer, client) == PEL_CLIENT_OK) {
+            pointer->error.code = PEL_CLIENT_OK;
+        }
+    }
+    pel_client_close(client);
+    return NULL;
+}
+
 static int compare(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
@@ -83,8 +139,9 @@ static double percentile(GArray *values, double p)
 
 struct row {
     uint32_t width, height;
-    guint views, frames;
+    guint views, points, frames;
     double seconds, render_median, render_p95, answer_median, answer_p95;
+    double points_median, points_p99; /* ms of a query of `points` */
 };
 
 static void print_row(const struct row *row, bool json, bool first)
@@ -94,17 +151,23 @@ static void print_row(const struct row *row, bool json, bool first)
         printf("%s{\"width\":%u,\"height\":%u,\"views\":%u,\"frames\":%u,"
                "\"framesPerSecond\":%.2f,\"renderMsMedian\":%.3f,"
                "\"renderMsP95\":%.3f,\"answerMsMedian\":%.3f,"
-               "\"answerMsP95\":%.3f}",
+               "\"answerMsP95\":%.3f,\"points\":%u,"
+               "\"pointsMsMedian\":%.3f,\"pointsMsP99\":%.3f}",
                first ? "" : ",\n", row->width, row->height, row->views,
                row->frames, rate, row->render_median, row->render_p95,
-               row->answer_median, row->answer_p95);
+               row->answer_median, row->answer_p95, row->points,
+               row->points_median, row->points_p99);
         return;
     }
     char size[32];
     g_snprintf(size, sizeof size, "%ux%u", row->width, row->height);
-    printf("%-11s %5u %9.1f %9.1f %7.1f %9.1f %7.1f\n", size, row->views, rate,
+    printf("%-11s %5u %9.1f %9.1f %7.1f %9.1f %7.1f", size, row->views, rate,
            row->render_median, row->render_p95, row->answer_median,
            row->answer_p95);
+    if (row->points) {
+        printf(" %9.2f %7.2f", row->points_median, row->points_p99);
+    }
+    printf("\n");
     fflush(stdout);
 }
 
@@ -126,6 +189,13 @@ static enum ctl_exit run_row(struct ctl *ctl, char *const *views,
         };
         threads[i] = g_thread_new("asker", run_asker, &askers[i]);
     }
+    struct pointer pointer = {
+        .server = pel_client_address(ctl->client),
+        .points = row->points,
+        .answer_ms = g_array_new(FALSE, FALSE, sizeof(double)),
+    };
+    GThread *pointing =
+        row->points ? g_thread_new("pointer", run_pointer, &pointer) : NULL;
     GArray *render = g_array_new(FALSE, FALSE, sizeof(double));
     GArray *answer = g_array_new(FALSE, FALSE, sizeof(double));
     const struct pel_client_error *error = NULL;
@@ -141,6 +211,14 @@ static enum ctl_exit run_row(struct ctl *ctl, char *const *views,
         g_array_unref(askers[i].answer_ms);
     }
     row->seconds = (double)(pel_now_ns() - start_ns) * 1e-9;
+    if (pointing) {
+        g_atomic_int_set(&pointer.stop, 1);
+        g_thread_join(pointing);
+        error = pointer.error.code != PEL_CLIENT_OK ? &pointer.error : error;
+    }
+    row->points_median = percentile(pointer.answer_ms, 0.5);
+    row->points_p99 = percentile(pointer.answer_ms, 0.99);
+    g_array_unref(pointer.answer_ms);
     row->frames = render->len;
     row->render_median = percentile(render, 0.5);
     row->render_p95 = percentile(render, 0.95);
@@ -152,18 +230,19 @@ static enum ctl_exit run_row(struct ctl *ctl, char *const *views,
 }
 
 static enum ctl_exit run_rows(struct ctl *ctl, char *const *sizes, char **views,
-                              double seconds)
+                              guint points, double seconds)
 {
     bool json = ctl_flag(ctl, "json");
     enum ctl_exit status = CTL_DONE;
     if (json) {
         printf("[");
     } else {
-        printf("%-11s %5s %9s %9s %7s %9s %7s\n", "size", "views", "frames/s",
-               "draw ms", "p95", "answer ms", "p95");
+        printf("%-11s %5s %9s %9s %7s %9s %7s%s\n", "size", "views", "frames/s",
+               "draw ms", "p95", "answer ms", "p95",
+               points ? " points ms     p99" : "");
     }
     for (size_t i = 0; sizes[i] && status == CTL_DONE; i++) {
-        struct row row = { .views = g_strv_length(views) };
+        struct row row = { .views = g_strv_length(views), .points = points };
         if (sscanf(sizes[i], "%ux%u", &row.width, &row.height) != 2) {
             return ctl_say(CTL_USAGE, "\"%s\" is not WIDTHxHEIGHT", sizes[i]);
         }
@@ -180,8 +259,9 @@ static enum ctl_exit run_rows(struct ctl *ctl, char *const *sizes, char **views,
 
 enum ctl_exit ctl_bench(struct ctl *ctl)
 {
-    double seconds = 3.0;
-    if (ctl_number(ctl, "seconds", 0.1, 600, &seconds)) {
+    double seconds = 3.0, points = 0.0;
+    if (ctl_number(ctl, "seconds", 0.1, 600, &seconds) ||
+        ctl_number(ctl, "points", 1, 10000, &points)) {
         return CTL_USAGE;
     }
     Pelagos__State *state = NULL;
@@ -201,7 +281,7 @@ enum ctl_exit ctl_bench(struct ctl *ctl)
     if (count == 0 || count > MAX_VIEWS) {
         status = ctl_say(CTL_USAGE, "1 to %d views are wanted", MAX_VIEWS);
     } else {
-        status = run_rows(ctl, sizes, views, seconds);
+        status = run_rows(ctl, sizes, views, (guint)points, seconds);
     }
     pelagos__state__free_unpacked(state, NULL);
     return status;

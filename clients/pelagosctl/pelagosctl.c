@@ -120,6 +120,8 @@ static const struct ctl_option bench_options[] = {
     { 0, "seconds", "SECONDS", "How long each row runs (3)", NULL },
     { 0, "sizes", "LIST", "Sizes to try (640x360,1280x720,1920x1080)", NULL },
     { 0, "views", "LIST", "Views, asked for at once (the first view)", NULL },
+    { 0, "points", "N",
+      "Ask for the surface at N points beside, 60 times a second", NULL },
     { 0 },
 };
 static const char *const bench_examples[] = {
@@ -251,7 +253,8 @@ const struct ctl_command ctl_commands[] = {
     { "bench", "", "measure the running pelagosd",
       "Asks for JPEGs as fast as they come, for each size with each set of "
       "views, and prints frames a second and median and 95th percentile of "
-      "drawing and of the whole answer.",
+      "drawing and of the whole answer; with --points also median and 99th "
+      "percentile of a surface query.",
       bench_options, bench_examples, NULL, 0, 0, ctl_bench },
     { "optics", "water", "print the light that leaves the water, as numbers",
       "Prints as JSON the radiance just above a flat sea for a unit of solar "

@@ -12,11 +12,11 @@
 
 struct pel_pool {
     pthread_mutex_t lock; /* protects the queues, slow_busy, count, ended */
-    pthread_cond_t work;
-    struct pel_queue fast, slow;
+    pthread_cond_t work, asked; /* for encoders; for surface queries */
+    struct pel_queue fast, slow, surface;
     int slow_busy;
-    int count, ended;
-    pthread_t threads[MAX_THREADS];
+    int count, ended; /* `answerer` is counted when it has ended only */
+    pthread_t threads[MAX_THREADS], answerer;
     atomic_bool stop;
     struct pel_mailbox *box;
     void (*released)(void *user, size_t bytes);
@@ -201,6 +201,33 @@ static void free_track(struct pel_pool *pool, struct pel_track *track)
     }
 }
 
+/* Has the lock. */
+static void end(struct pel_pool *pool)
+{
+    pool->ended++;
+    pthread_cond_broadcast(&pool->work);
+}
+
+/* Surface queries wait for no encoder. */
+static void *run_surface(void *argument)
+{
+    struct pel_pool *pool = argument;
+    pthread_mutex_lock(&pool->lock);
+    while (!atomic_load(&pool->stop)) {
+        struct pel_mail *mail = pel_queue_pop(&pool->surface);
+        if (!mail) {
+            pthread_cond_wait(&pool->asked, &pool->lock);
+            continue;
+        }
+        pthread_mutex_unlock(&pool->lock);
+        answer_surface(pool, (struct pel_surface_query *)mail);
+        pthread_mutex_lock(&pool->lock);
+    }
+    end(pool);
+    pthread_mutex_unlock(&pool->lock);
+    return NULL;
+}
+
 static void *run(void *argument)
 {
     struct pel_pool *pool = argument;
@@ -216,8 +243,6 @@ static void *run(void *argument)
         pthread_mutex_unlock(&pool->lock);
         if (mail->kind == PEL_MAIL_OUTPUT) {
             encode_output(pool, (struct pel_output *)mail);
-        } else if (mail->kind == PEL_MAIL_SURFACE) {
-            answer_surface(pool, (struct pel_surface_query *)mail);
         }
         free_track(pool, track);
         pthread_mutex_lock(&pool->lock);
@@ -226,8 +251,7 @@ static void *run(void *argument)
             pthread_cond_signal(&pool->work);
         }
     }
-    pool->ended++;
-    pthread_cond_broadcast(&pool->work);
+    end(pool);
     pthread_mutex_unlock(&pool->lock);
     return NULL;
 }
@@ -246,6 +270,12 @@ enum pel_err pel_pool_create(int threads, struct pel_mailbox *box,
     pool->device = "";
     pthread_mutex_init(&pool->lock, NULL);
     pel_cond_init(&pool->work);
+    pel_cond_init(&pool->asked);
+    if (pthread_create(&pool->answerer, NULL, run_surface, pool) != 0) {
+        pel_pool_destroy(pool);
+        return PEL_ERR_IO;
+    }
+    pthread_setname_np(pool->answerer, "surface");
     threads = threads > MAX_THREADS ? MAX_THREADS : threads;
     pthread_mutex_lock(&pool->lock);
     for (int i = 0; i < threads; i++) {
@@ -257,7 +287,9 @@ enum pel_err pel_pool_create(int threads, struct pel_mailbox *box,
     }
     pthread_mutex_unlock(&pool->lock);
     if (pool->count == 0) {
-        pel_pool_destroy(pool);
+        if (pel_pool_stop(pool)) {
+            pel_pool_destroy(pool);
+        }
         return PEL_ERR_IO;
     }
     *out = pool;
@@ -275,14 +307,18 @@ bool pel_pool_stop(struct pel_pool *pool)
     pthread_mutex_lock(&pool->lock);
     atomic_store(&pool->stop, true);
     pthread_cond_broadcast(&pool->work);
-    while (pool->ended < pool->count && left > 0) {
+    pthread_cond_signal(&pool->asked);
+    while (pool->ended < pool->count + 1 && left > 0) {
         pel_cond_wait_ns(&pool->work, &pool->lock, left);
         left = end - pel_now_ns();
     }
-    bool ended = pool->ended == pool->count;
+    bool ended = pool->ended == pool->count + 1;
     pthread_mutex_unlock(&pool->lock);
     for (int i = 0; ended && i < pool->count; i++) {
         pthread_join(pool->threads[i], NULL);
+    }
+    if (ended) {
+        pthread_join(pool->answerer, NULL);
     }
     return ended;
 }
@@ -297,6 +333,7 @@ void pel_pool_destroy(struct pel_pool *pool)
             }
         }
         pthread_cond_destroy(&pool->work);
+        pthread_cond_destroy(&pool->asked);
         pthread_mutex_destroy(&pool->lock);
         free(pool);
     }
@@ -307,7 +344,7 @@ static void push(struct pel_pool *pool, struct pel_queue *queue,
 {
     pthread_mutex_lock(&pool->lock);
     pel_queue_push(queue, mail);
-    pthread_cond_signal(&pool->work);
+    pthread_cond_signal(queue == &pool->surface ? &pool->asked : &pool->work);
     pthread_mutex_unlock(&pool->lock);
 }
 
@@ -333,5 +370,5 @@ void pel_pool_push_surface(struct pel_pool *pool,
                            struct pel_surface_query *query)
 {
     query->mail.kind = PEL_MAIL_SURFACE;
-    push(pool, &pool->slow, &query->mail);
+    push(pool, &pool->surface, &query->mail);
 }

@@ -2,6 +2,8 @@
 
 #include <pthread.h>
 #include <stdlib.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -237,10 +239,16 @@ static void draw_jobs(struct pel_renderloop *loop)
     }
 }
 
+/* Drawing may take every core for a long time; sockets, encoders and surface
+ * queries take little and are waited for. Threads of the driver inherit. */
+#define RENDER_NICE 5
+
 static void *run(void *argument)
 {
     struct pel_renderloop *loop = argument;
     struct pel_fault fault = { 0 };
+    /* Linux has a nice value a thread; being nicer is always allowed. */
+    setpriority(PRIO_PROCESS, (id_t)gettid(), RENDER_NICE);
     enum pel_err err =
         pel_renderer_create(&loop->options, &loop->renderer, &fault);
     pthread_mutex_lock(&loop->lock);
