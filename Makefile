@@ -71,6 +71,7 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/seastate.c \
     server/ocean/report.c \
     server/ocean/fft.c \
+    server/ocean/evolve.c \
     server/ocean/cascade.c \
     server/ocean/fields.c \
     server/ocean/cascade_query.c \
@@ -321,6 +322,10 @@ $(O)/%.o: %.c | $(GEN_HEADERS)
 	$(Q)mkdir -p $(@D)
 	@echo "  CC    $<"
 	$(Q)$(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+
+# Vectors throughout; square roots of what is never negative.
+$(O)/server/ocean/fft.o $(O)/server/ocean/evolve.o: CFLAGS += -O3 \
+    -fno-math-errno
 
 $(O)/gen/%.o: $(O)/gen/%.c | $(GEN_HEADERS)
 	@echo "  CC    $<"

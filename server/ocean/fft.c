@@ -1,16 +1,14 @@
 #include "ocean/fft.h"
 
 #include <math.h>
-#include <string.h>
 #include <threads.h>
 
 #include "base/simd.h"
 #include "base/vec.h"
 
 #define N PEL_FFT_N
-#define LANES 8
 
-typedef float lanes __attribute__((vector_size(4 * LANES)));
+typedef pel_lanes lanes;
 
 static float twiddle_re[N], twiddle_im[N];
 static once_flag twiddles_once = ONCE_FLAG_INIT;
@@ -23,13 +21,10 @@ static void fill_twiddles(void)
     }
 }
 
-struct strip {
-    lanes re[N], im[N];
-};
-
 /* One pass of Stockham's radix-4 transform: n remaining points, `done` = N / n
  * already apart. */
-PEL_INLINE void pass4(int n, int done, const struct strip *a, struct strip *b)
+PEL_INLINE void pass4(int n, int done, const struct pel_fft_strip *a,
+                      struct pel_fft_strip *b)
 {
     int quarter = n / 4;
     for (int p = 0; p < quarter; p++) {
@@ -62,56 +57,17 @@ PEL_INLINE void pass4(int n, int done, const struct strip *a, struct strip *b)
     }
 }
 
-PEL_INLINE void transform(struct strip *a, struct strip *b)
+PEL_CLONES static void transform(struct pel_fft_strip *a)
 {
-    pass4(256, 1, a, b);
-    pass4(64, 4, b, a);
-    pass4(16, 16, a, b);
-    pass4(4, 64, b, a);
+    struct pel_fft_strip b;
+    pass4(256, 1, a, &b);
+    pass4(64, 4, &b, a);
+    pass4(16, 16, a, &b);
+    pass4(4, 64, &b, a);
 }
 
-PEL_CLONES static void columns(struct pel_fft_grid *g, int i)
-{
-    struct strip a, b;
-    for (int j = 0; j < N; j++) {
-        memcpy(&a.re[j], &g->re[j][i], sizeof a.re[j]);
-        memcpy(&a.im[j], &g->im[j][i], sizeof a.im[j]);
-    }
-    transform(&a, &b);
-    for (int j = 0; j < N; j++) {
-        memcpy(&g->re[j][i], &a.re[j], sizeof a.re[j]);
-        memcpy(&g->im[j][i], &a.im[j], sizeof a.im[j]);
-    }
-}
-
-/* LANES rows at once, turned on their side and back. */
-PEL_CLONES static void rows(struct pel_fft_grid *g, int j)
-{
-    struct strip a, b;
-    for (int l = 0; l < LANES; l++) {
-        for (int i = 0; i < N; i++) {
-            a.re[i][l] = g->re[j + l][i];
-            a.im[i][l] = g->im[j + l][i];
-        }
-    }
-    transform(&a, &b);
-    for (int l = 0; l < LANES; l++) {
-        for (int i = 0; i < N; i++) {
-            g->re[j + l][i] = a.re[i][l];
-            g->im[j + l][i] = a.im[i][l];
-        }
-    }
-}
-
-void pel_fft_inverse(struct pel_fft_grid *g, int highest)
+void pel_fft_strip(struct pel_fft_strip *strip)
 {
     call_once(&twiddles_once, fill_twiddles);
-    for (int i = 0; i < N; i += LANES) {
-        if (i <= highest || i + LANES > N - highest) {
-            columns(g, i);
-        }
-    }
-    for (int j = 0; j < N; j += LANES) {
-        rows(g, j);
-    }
+    transform(strip);
 }

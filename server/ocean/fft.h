@@ -1,18 +1,17 @@
-/* Inverse Fourier transform of one square grid, single precision. */
+/* Inverse Fourier transforms of PEL_FFT_N points, single precision,
+ * PEL_FFT_LANES of them side by side. */
 #pragma once
 
-#include <stdbool.h>
-
 #define PEL_FFT_N 256
+#define PEL_FFT_LANES 8
 
-/* Complex grid, row after row, parts apart; aligned to 64 bytes. */
-struct pel_fft_grid {
-    _Alignas(64) float re[PEL_FFT_N][PEL_FFT_N];
-    _Alignas(64) float im[PEL_FFT_N][PEL_FFT_N];
+typedef float pel_lanes __attribute__((vector_size(4 * PEL_FFT_LANES)));
+
+/* Point i of transform l is re[i][l] + i · im[i][l]. */
+struct pel_fft_strip {
+    pel_lanes re[PEL_FFT_N], im[PEL_FFT_N];
 };
 
-/* g[y][x] = Σ g[j][i] e^{+2πi (i x + j y) / N} in place, no 1/N². Columns i
- * with highest < i < N − highest must be zero and are skipped. Relative error
- * about 2e-7 of the root sum of squares. Any thread; the same bits on every
- * processor. */
-void pel_fft_inverse(struct pel_fft_grid *g, int highest);
+/* g[x] = Σ g[m] e^{+2πi m x / N} in place, no 1/N. Relative error about 2e-7 of
+ * the root sum of squares. Any thread; the same bits on every processor. */
+void pel_fft_strip(struct pel_fft_strip *strip);
