@@ -142,6 +142,7 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     if (err != PEL_OK) {
         goto fail;
     }
+    r->wavefield.on_processor = r->context.software;
     glCreateVertexArrays(1, &r->vao);
     glBindVertexArray(r->vao);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);

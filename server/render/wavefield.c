@@ -1,9 +1,16 @@
 #include "render/wavefield.h"
 
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+#include "ocean/evolve.h"
+#include "render/crew.h"
 
 #define N PEL_CASCADE_N
-#define LEVELS 9
+#define LEVELS PEL_CASCADE_LEVELS
+#define LEVEL_TEXELS (N * N / 3 * 4 + 4) /* of all levels, and a little */
+#define MOST_THREADS PEL_CASCADES
 
 static GLuint make_array(GLenum format, GLsizei levels, const char *label)
 {
@@ -19,13 +26,125 @@ static GLuint make_array(GLenum format, GLsizei levels, const char *label)
     return texture;
 }
 
+static void make_set(struct pel_wavefield_textures *set)
+{
+    set->displacement = make_array(GL_RGBA32F, LEVELS, "displacement");
+    set->slopes = make_array(GL_RGBA32F, LEVELS, "slopes");
+    set->fold = make_array(GL_R32F, LEVELS, "fold");
+}
+
+/* --- on the processor ----------------------------------------------------- */
+
+/* Every level of one cascade's fields, finest first, as they are uploaded. */
+struct levels {
+    float displacement[LEVEL_TEXELS][4], slopes[LEVEL_TEXELS][4];
+    float fold[LEVEL_TEXELS];
+};
+
+struct pel_wavefield_cpu {
+    struct pel_crew *crew;
+    struct pel_evolve_work *work[MOST_THREADS]; /* one a member */
+    struct levels *levels;                      /* one a cascade */
+    const struct pel_cascades *cascades;        /* of the work under way */
+    double time_s;
+};
+
+static void cpu_destroy(struct pel_wavefield_cpu *cpu)
+{
+    if (!cpu) {
+        return;
+    }
+    pel_crew_destroy(cpu->crew);
+    for (int i = 0; i < MOST_THREADS; i++) {
+        pel_evolve_work_destroy(cpu->work[i]);
+    }
+    free(cpu->levels);
+    free(cpu);
+}
+
+static enum pel_err cpu_create(int threads, struct pel_wavefield_cpu **out)
+{
+    struct pel_wavefield_cpu *cpu = calloc(1, sizeof *cpu);
+    if (!cpu) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    if (threads <= 0) {
+        threads = (int)sysconf(_SC_NPROCESSORS_ONLN);
+    }
+    threads = threads < 1 ? 1 : threads;
+    threads = threads > MOST_THREADS ? MOST_THREADS : threads;
+    enum pel_err err = pel_crew_create(threads, &cpu->crew);
+    cpu->levels = malloc(PEL_CASCADES * sizeof *cpu->levels);
+    bool whole = err == PEL_OK && cpu->levels;
+    for (int i = 0; whole && i < pel_crew_members(cpu->crew); i++) {
+        cpu->work[i] = pel_evolve_work_create();
+        whole = cpu->work[i] != NULL;
+    }
+    if (!whole) {
+        cpu_destroy(cpu);
+        return PEL_ERR_NO_MEMORY;
+    }
+    *out = cpu;
+    return PEL_OK;
+}
+
+static void evolve_cascade(void *user, int member, int index)
+{
+    struct pel_wavefield_cpu *cpu = user;
+    struct levels *to = &cpu->levels[index];
+    const struct pel_evolve_target target = { to->displacement, to->slopes,
+                                              to->fold, NULL };
+    pel_evolve(cpu->cascades, index, cpu->time_s, cpu->work[member], &target);
+    for (int n = N, at = 0; n > 1; at += n * n, n /= 2) {
+        int next = at + n * n;
+        pel_evolve_halve(to->displacement[at], n, 4, to->displacement[next]);
+        pel_evolve_halve(to->slopes[at], n, 4, to->slopes[next]);
+        pel_evolve_halve(&to->fold[at], n, 1, &to->fold[next]);
+    }
+}
+
+static void upload_levels(const struct pel_wavefield_textures *set, int cascade,
+                          const struct levels *from)
+{
+    for (int level = 0, n = N, at = 0; level < LEVELS;
+         level++, at += n * n, n /= 2) {
+        glTextureSubImage3D(set->displacement, level, 0, 0, cascade, n, n, 1,
+                            GL_RGBA, GL_FLOAT, from->displacement[at]);
+        glTextureSubImage3D(set->slopes, level, 0, 0, cascade, n, n, 1, GL_RGBA,
+                            GL_FLOAT, from->slopes[at]);
+        glTextureSubImage3D(set->fold, level, 0, 0, cascade, n, n, 1, GL_RED,
+                            GL_FLOAT, &from->fold[at]);
+    }
+}
+
+static void transform_on_processor(struct pel_wavefield *field,
+                                   const struct pel_cascades *cascades,
+                                   double time_s)
+{
+    struct pel_wavefield_cpu *cpu = field->cpu;
+    cpu->cascades = cascades;
+    cpu->time_s = time_s;
+    pel_crew_run(cpu->crew, PEL_CASCADES, evolve_cascade, cpu);
+    field->current = (field->current + 1) % PEL_WAVEFIELD_SETS;
+    struct pel_wavefield_textures *set = &field->sets[field->current];
+    if (!set->displacement) {
+        make_set(set);
+    }
+    for (int c = 0; c < PEL_CASCADES; c++) {
+        upload_levels(set, c, &cpu->levels[c]);
+    }
+}
+
+/* --- by compute shaders --------------------------------------------------- */
+
 struct parameters {
     float cascade[PEL_CASCADES][4];
     float gain[N][2];
 };
 
-static enum pel_err make(struct pel_wavefield *field, const char *shader_dir,
-                         struct pel_fault *fault)
+static enum pel_err make_programs(struct pel_wavefield *field,
+                                  const char *shader_dir,
+                                  struct pel_fault *fault)
 {
     enum pel_err err = pel_program_create(shader_dir, "fft_rows.comp", NULL,
                                           NULL, &field->rows_program, fault);
@@ -42,9 +161,7 @@ static enum pel_err make(struct pel_wavefield *field, const char *shader_dir,
     }
     field->amplitudes = make_array(GL_RGBA32F, 1, "amplitudes");
     field->modes = make_array(GL_RG32F, 1, "modes");
-    field->displacement = make_array(GL_RGBA32F, LEVELS, "displacement");
-    field->slopes = make_array(GL_RGBA32F, LEVELS, "slopes");
-    field->fold = make_array(GL_R32F, LEVELS, "fold");
+    make_set(&field->sets[0]);
     glCreateBuffers(1, &field->lines);
     glNamedBufferStorage(field->lines, (GLsizeiptr)N * N * PEL_CASCADES * 32,
                          NULL, 0);
@@ -53,7 +170,6 @@ static enum pel_err make(struct pel_wavefield *field, const char *shader_dir,
     glNamedBufferStorage(field->parameters, sizeof(struct parameters), NULL,
                          GL_DYNAMIC_STORAGE_BIT);
     glObjectLabel(GL_BUFFER, field->parameters, -1, "cascades");
-    field->made = true;
     return PEL_OK;
 }
 
@@ -81,19 +197,20 @@ static void upload(struct pel_wavefield *field,
 
 static void bind_fields(const struct pel_wavefield *field)
 {
-    glBindTextureUnit(PEL_UNIT_DISPLACEMENT, field->displacement);
-    glBindTextureUnit(PEL_UNIT_SLOPES, field->slopes);
-    glBindTextureUnit(PEL_UNIT_FOLD, field->fold);
+    const struct pel_wavefield_textures *set = &field->sets[field->current];
+    glBindTextureUnit(PEL_UNIT_DISPLACEMENT, set->displacement);
+    glBindTextureUnit(PEL_UNIT_SLOPES, set->slopes);
+    glBindTextureUnit(PEL_UNIT_FOLD, set->fold);
 }
 
 static void bind_images(const struct pel_wavefield *field, GLint level)
 {
-    glBindImageTexture(0, field->displacement, level, GL_TRUE, 0, GL_WRITE_ONLY,
+    const struct pel_wavefield_textures *set = &field->sets[field->current];
+    glBindImageTexture(0, set->displacement, level, GL_TRUE, 0, GL_WRITE_ONLY,
                        GL_RGBA32F);
-    glBindImageTexture(1, field->slopes, level, GL_TRUE, 0, GL_WRITE_ONLY,
+    glBindImageTexture(1, set->slopes, level, GL_TRUE, 0, GL_WRITE_ONLY,
                        GL_RGBA32F);
-    glBindImageTexture(2, field->fold, level, GL_TRUE, 0, GL_WRITE_ONLY,
-                       GL_R32F);
+    glBindImageTexture(2, set->fold, level, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32F);
 }
 
 /* glGenerateTextureMipmap takes a draw for each layer and level: a
@@ -111,7 +228,7 @@ static void make_levels(const struct pel_wavefield *field)
     }
 }
 
-static void transform(struct pel_wavefield *field, double time_s)
+static void transform_by_shaders(struct pel_wavefield *field, double time_s)
 {
     glBindTextureUnit(0, field->amplitudes);
     glBindTextureUnit(1, field->modes);
@@ -128,6 +245,24 @@ static void transform(struct pel_wavefield *field, double time_s)
     make_levels(field);
 }
 
+/* --- a frame -------------------------------------------------------------- */
+
+static enum pel_err make(struct pel_wavefield *field, const char *shader_dir,
+                         struct pel_fault *fault)
+{
+    enum pel_err err;
+    if (field->on_processor) {
+        err = cpu_create(field->threads, &field->cpu);
+        if (err != PEL_OK) {
+            return pel_fault_set(fault, err, "no memory for transforms");
+        }
+    } else {
+        err = make_programs(field, shader_dir, fault);
+    }
+    field->made = err == PEL_OK;
+    return err;
+}
+
 enum pel_err pel_wavefield_run(struct pel_wavefield *field,
                                const char *shader_dir,
                                const struct pel_sea_desc *desc,
@@ -141,12 +276,18 @@ enum pel_err pel_wavefield_run(struct pel_wavefield *field,
         }
     }
     if (!field->computed || memcmp(desc, &field->desc, sizeof *desc) != 0) {
-        upload(field, cascades);
+        if (!field->on_processor) {
+            upload(field, cascades);
+        }
         memcpy(&field->desc, desc, sizeof *desc);
         field->computed = false;
     }
     if (!field->computed || field->time_s != time_s) {
-        transform(field, time_s);
+        if (field->on_processor) {
+            transform_on_processor(field, cascades, time_s);
+        } else {
+            transform_by_shaders(field, time_s);
+        }
         field->time_s = time_s;
         field->computed = true;
     }
@@ -156,14 +297,18 @@ enum pel_err pel_wavefield_run(struct pel_wavefield *field,
 
 void pel_wavefield_finish(struct pel_wavefield *field)
 {
-    const GLuint textures[] = { field->amplitudes, field->modes,
-                                field->displacement, field->slopes,
-                                field->fold };
+    const GLuint textures[] = { field->amplitudes, field->modes };
     const GLuint buffers[] = { field->lines, field->parameters };
-    glDeleteTextures(5, textures);
+    glDeleteTextures(2, textures);
     glDeleteBuffers(2, buffers);
+    for (int i = 0; i < PEL_WAVEFIELD_SETS; i++) {
+        const struct pel_wavefield_textures *set = &field->sets[i];
+        const GLuint fields[] = { set->displacement, set->slopes, set->fold };
+        glDeleteTextures(3, fields);
+    }
     glDeleteProgram(field->rows_program);
     glDeleteProgram(field->columns_program);
     glDeleteProgram(field->mips_program);
+    cpu_destroy(field->cpu);
     *field = (struct pel_wavefield){ 0 };
 }

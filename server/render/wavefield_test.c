@@ -78,9 +78,10 @@ static void fields_are_the_reference(void **state)
                                   &fault)) {
                 fail_msg("%s", fault.message);
             }
-            float *d = texture(field.displacement, 0, GL_RGBA, 4);
-            float *h = texture(field.slopes, 0, GL_RGBA, 4);
-            float *x = texture(field.fold, 0, GL_RED, 1);
+            float *d =
+                texture(field.sets[field.current].displacement, 0, GL_RGBA, 4);
+            float *h = texture(field.sets[field.current].slopes, 0, GL_RGBA, 4);
+            float *x = texture(field.sets[field.current].fold, 0, GL_RED, 1);
             double shift = 0, slope = 0, fold = 0;
             for (int c = 0; c < PEL_CASCADES; c++) {
                 size_t at = (size_t)c * PEL_CASCADE_MODES;
@@ -117,8 +118,10 @@ static void levels_are_means(void **state)
         pel_wavefield_run(&field, NULL, &desc, cascades, 3, &fault), PEL_OK);
     for (int level = 1; level < PEL_CASCADE_LEVELS; level++) {
         int n = N >> level;
-        float *fine = texture(field.slopes, level - 1, GL_RGBA, 4);
-        float *coarse = texture(field.slopes, level, GL_RGBA, 4);
+        float *fine =
+            texture(field.sets[field.current].slopes, level - 1, GL_RGBA, 4);
+        float *coarse =
+            texture(field.sets[field.current].slopes, level, GL_RGBA, 4);
         for (int i = 0; i < PEL_CASCADES * n * n * 4; i++) {
             int channel = i % 4, x = i / 4 % n, y = i / 4 / n % n;
             int c = i / 4 / n / n;
@@ -132,6 +135,68 @@ static void levels_are_means(void **state)
         free(fine);
         free(coarse);
     }
+    pel_cascades_destroy(cascades);
+}
+
+/* The processor's textures hold the fields that queries read, bit for bit,
+ * whatever the number of its threads; levels of both ways are the same means.
+ */
+static void processor_uploads_the_fields(void **state)
+{
+    (void)state;
+    const struct pel_sea_desc desc = { .wind_mps = 12,
+                                       .seed = 1,
+                                       .wave_count = 60 };
+    struct pel_cascades *cascades;
+    struct pel_cascade_fields *want;
+    struct pel_fault fault;
+    assert_int_equal(pel_cascades_create(&desc, &cascades), PEL_OK);
+    assert_int_equal(pel_cascade_fields_create(cascades, 77, &want), PEL_OK);
+    float *last[PEL_CASCADE_LEVELS] = { NULL };
+    for (int threads = 1; threads <= 4; threads++) {
+        struct pel_wavefield own = { .on_processor = true, .threads = threads };
+        for (int i = 0; i < 3; i++) { /* both sets, the first one twice */
+            assert_int_equal(pel_wavefield_run(&own, NULL, &desc, cascades,
+                                               i < 2 ? 5 + i : 77, &fault),
+                             PEL_OK);
+        }
+        const struct pel_wavefield_textures *set = &own.sets[own.current];
+        float *d = texture(set->displacement, 0, GL_RGBA, 4);
+        float *h = texture(set->slopes, 0, GL_RGBA, 4);
+        float *x = texture(set->fold, 0, GL_RED, 1);
+        for (size_t c = 0; c < PEL_CASCADES; c++) {
+            size_t at = c * PEL_CASCADE_MODES, n = PEL_CASCADE_MODES;
+            assert_memory_equal(d + 4 * at, want->displacement[c], 16 * n);
+            assert_memory_equal(h + 4 * at, want->slopes[c], 16 * n);
+            assert_memory_equal(x + at, want->fold[c], 4 * n);
+        }
+        free(d);
+        free(h);
+        free(x);
+        for (int level = 1; level < PEL_CASCADE_LEVELS; level++) {
+            size_t n = (size_t)(N >> level) * (size_t)(N >> level);
+            float *now = texture(set->slopes, level, GL_RGBA, 4);
+            if (last[level]) {
+                assert_memory_equal(now, last[level], 16 * n * PEL_CASCADES);
+            }
+            free(last[level]);
+            last[level] = now;
+        }
+        pel_wavefield_finish(&own);
+    }
+    assert_int_equal(
+        pel_wavefield_run(&field, NULL, &desc, cascades, 77, &fault), PEL_OK);
+    for (int level = 1; level < PEL_CASCADE_LEVELS; level++) {
+        size_t n = (size_t)(N >> level) * (size_t)(N >> level);
+        float *shaders =
+            texture(field.sets[field.current].slopes, level, GL_RGBA, 4);
+        for (size_t i = 0; i < 4 * n * PEL_CASCADES; i++) {
+            assert_true(fabs((double)shaders[i] - last[level][i]) < 2e-6);
+        }
+        free(shaders);
+        free(last[level]);
+    }
+    pel_cascade_fields_destroy(want);
     pel_cascades_destroy(cascades);
 }
 
@@ -155,6 +220,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fields_are_the_reference),
         cmocka_unit_test(levels_are_means),
+        cmocka_unit_test(processor_uploads_the_fields),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
