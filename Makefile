@@ -115,7 +115,7 @@ SCENE := server/scene/scene.c \
 RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/targets.c \
     server/render/programs.c server/render/renderer.c server/render/arena.c \
-    server/render/mesh.c server/render/sky.c server/render/uniforms.c \
+    server/render/mesh.c server/render/mark.c server/render/sky.c server/render/uniforms.c \
     server/render/tiles.c server/render/waterlight.c server/render/crew.c server/render/wavefield.c server/render/layer.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \

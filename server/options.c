@@ -12,6 +12,7 @@
 static const char *const order_words[] = { "abcd", "cdab", "badc", "dcba",
                                            NULL };
 static const char *const wind_words[] = { "off", "given", "mean", NULL };
+static const char *const gone_words[] = { "resume", "hold", NULL };
 static const char *const level_words[] = { "error", "warning", "info", "debug",
                                            NULL };
 
@@ -148,6 +149,10 @@ const struct pel_option pel_option_table[] = {
       .offset = FIELD(cigi_allow),
       .help = "Addresses or networks, separated by commas, that may send "
               "CIGI; empty is this machine only." },
+    { "cigi-gone", "bridges", PEL_OPTION_CHOICE, "HOW", "resume",
+      .choices = gone_words, .offset = FIELD(cigi_gone),
+      .help = "When the CIGI host falls silent: clock.mode becomes what it was "
+              "before, or time holds." },
     { "cigi-database", "bridges", PEL_OPTION_INT, "NUMBER", "0", 0, 127, "",
       .offset = FIELD(cigi_database),
       .help = "Database number that a CIGI host may load; 0 is any." },

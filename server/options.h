@@ -42,6 +42,7 @@ struct pel_options {
     char cigi_allow[PEL_OPTION_TEXT];
     int cigi_database;
     double cigi_rate;
+    int cigi_gone;
     char state[PEL_OPTION_TEXT], record[PEL_OPTION_TEXT];
     double record_limit_mib;
     int waves;

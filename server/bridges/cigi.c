@@ -58,6 +58,7 @@ struct pel_cigi {
 
     bool led;          /* a host is heard; the rest is its session's */
     bool lead_pending; /* clock.mode is still to be set */
+    enum pel_clock_mode mode_before; /* the host, FREE, PACED or STEPPED */
     bool little;
     unsigned minor, mode;
     int64_t opened_ns, heard_ns;
@@ -190,6 +191,12 @@ static void begin_session(struct pel_cigi *cigi)
     memset(cigi->periodic, 0, sizeof cigi->periodic);
     pel_cigi_world_init(&cigi->world);
     cigi->led = cigi->lead_pending = true;
+    const struct pel_snapshot *s = pel_scene_snapshot(cigi->scene);
+    if (s->mode != PEL_CLOCK_HOST) {
+        cigi->mode_before = s->mode;
+    }
+    pel_snapshot_unref(s);
+    pel_scene_set_stale(cigi->scene, PEL_STALE_CIGI, false);
     pel_cigi_answers_clear(cigi->answers);
     cigi->wanted_database = 0;
     cigi->period_s = 1 / cigi->options.rate_hz;
@@ -420,6 +427,7 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
     }
     cigi->applied_s = pel_scene_time(cigi->scene);
     if (good) {
+        pel_scene_set_host_frame(cigi->scene, frame);
         ask(cigi, reader);
     }
     return true;
@@ -466,17 +474,35 @@ static void extrapolate(struct pel_cigi *cigi, int64_t now_ns)
     step_to(cigi, cigi->host_time_s + ahead_s);
 }
 
+/* Time is given back, and what the host left moving stands. */
+static void resume(struct pel_cigi *cigi)
+{
+    struct pel_fault fault;
+    Pelagos__Patch *patch = pel_cigi_world_end(
+        &cigi->world, pel_scene_state(cigi->scene), cigi->mode_before);
+    if (pel_scene_patch(cigi->scene, patch, &fault) != PEL_OK) {
+        pel_warn("CIG-010", "time is not given back: %s", fault.message);
+    }
+    pelagos__patch__free_unpacked(patch, NULL);
+}
+
 static void watch_host(struct pel_cigi *cigi, int64_t now_ns)
 {
-    if (cigi->led && now_ns - cigi->heard_ns > GONE_NS) {
-        pel_warn("CIG-008", "the CIGI host is silent since frame %u",
-                 cigi->host_frame);
-        cigi->led = false;
-        memset(cigi->periodic, 0, sizeof cigi->periodic);
-        if (!cigi->host_is_fixed) {
-            cigi->host_size = 0;
-        }
+    if (!cigi->led || now_ns - cigi->heard_ns <= GONE_NS) {
+        return;
     }
+    pel_warn("CIG-008", "the CIGI host is silent since frame %u; time %s",
+             cigi->host_frame, cigi->options.hold ? "stands" : "goes on");
+    cigi->led = false;
+    memset(cigi->periodic, 0, sizeof cigi->periodic);
+    if (!cigi->host_is_fixed) {
+        cigi->host_size = 0;
+    }
+    pel_scene_set_host_frame(cigi->scene, 0);
+    if (!cigi->options.hold && host_leads(cigi)) {
+        resume(cigi);
+    }
+    pel_scene_set_stale(cigi->scene, PEL_STALE_CIGI, true);
 }
 
 size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes)

@@ -7,8 +7,8 @@
  * by its timestamps where they are valid, else by its frame numbers at
  * `rate_hz`. Datagrams that are late or double are counted and dropped; where
  * the host's are missing, time goes on by itself for at most 1 s. A host
- * unheard for 2 s is gone; the next datagram begins anew, from any allowed
- * address. */
+ * unheard for 2 s is gone and `sources.cigiStale`; the next datagram begins
+ * anew, from any allowed address. */
 #pragma once
 
 #include <stdbool.h>
@@ -29,6 +29,9 @@ struct pel_cigi_options {
     const char *allow;  /* as pel_nmea_options */
     int database;       /* number that can be loaded, 1..127; 0: any */
     double rate_hz;     /* Start of Frame, 1..240 */
+    bool hold;          /* time stands while the host is gone; else clock.mode
+                         * becomes what it was before the host, and what had
+                         * rates stands */
     struct pel_metrics *metrics; /* NULL: none are shown */
 };
 

@@ -227,7 +227,7 @@ static void place_clamped(struct pel_cigi_edit *edit,
         return;
     }
     struct pel_vec2 point = { at.x, at.y };
-    pel_sea_query(edit->snapshot->sea, &point, 1, edit->time_s, &sample);
+    pel_snapshot_surface(edit->snapshot, &point, 1, edit->time_s, &sample);
     e->has_altitude = true;
     e->altitude = sample.height_m + f->height_m;
     e->has_pose_time = true;
@@ -262,6 +262,18 @@ void pel_cigi_place_followers(struct pel_cigi_edit *edit)
 
 /* --- rates --------------------------------------------------------------- */
 
+static void remember_rated(struct pel_cigi_world *world, uint32_t id)
+{
+    for (size_t i = 0; i < world->rated_count; i++) {
+        if (world->rated[i] == id) {
+            return;
+        }
+    }
+    if (world->rated_count < PEL_MAX_ENTITIES) {
+        world->rated[world->rated_count++] = id;
+    }
+}
+
 void pel_cigi_take_rate(struct pel_cigi_edit *edit,
                         const struct pel_cigi_packet *p)
 {
@@ -291,6 +303,7 @@ void pel_cigi_take_rate(struct pel_cigi_edit *edit,
     e->course = pel_cigi_wrap(course / PEL_DEG);
     e->turn_rate = pel_clamp(pel_cigi_get(p, PEL_CIGI_RATE_YAW), -MAX_TURN_DPS,
                              MAX_TURN_DPS);
+    remember_rated(edit->world, id);
     e->has_pose_time = true;
     e->pose_time = edit->time_s;
 }

@@ -5,8 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/log.h"
 #include "base/vec.h"
 #include "bridges/cigi_pose.h"
+#include "path.h"
 
 #define NEW_VIEW_HALF_DEG 30.0 /* the schema's field of view of 60 */
 
@@ -17,6 +19,40 @@ void pel_cigi_world_init(struct pel_cigi_world *world)
         .pressure = 1013.25,
         .water_temperature = 15,
     };
+}
+
+/* Paths of the schema and of entities that are there: nothing to refuse. */
+static void set_number(Pelagos__Patch *patch, const Pelagos__State *scene,
+                       const char *path, double value)
+{
+    struct pel_fault fault;
+    if (pel_path_set_number(patch, scene, path, value, &fault) != PEL_OK) {
+        pel_warn("CIG-011", "%s: %s", path, fault.message);
+    }
+}
+
+Pelagos__Patch *pel_cigi_world_end(const struct pel_cigi_world *world,
+                                   const Pelagos__State *scene,
+                                   enum pel_clock_mode mode)
+{
+    Pelagos__Patch *patch = pel_patch_new();
+    char path[48];
+    set_number(patch, scene, "clock.mode", mode);
+    for (size_t i = 0; i < scene->n_entities; i++) {
+        bool rated = false;
+        for (size_t k = 0; k < world->rated_count; k++) {
+            rated = rated || world->rated[k] == scene->entities[i]->id;
+        }
+        if (rated) {
+            snprintf(path, sizeof path, "entities.%u.speed",
+                     scene->entities[i]->id);
+            set_number(patch, scene, path, 0);
+            snprintf(path, sizeof path, "entities.%u.turnRate",
+                     scene->entities[i]->id);
+            set_number(patch, scene, path, 0);
+        }
+    }
+    return patch;
 }
 
 void pel_cigi_edit_begin(struct pel_cigi_edit *edit,

@@ -65,6 +65,8 @@ struct pel_cigi_world {
     struct pel_cigi_region regions[PEL_CIGI_REGIONS];
     struct pel_cigi_follower followers[PEL_CIGI_FOLLOWERS];
     struct pel_cigi_view_memo views[PEL_CIGI_VIEWS];
+    uint32_t rated[PEL_MAX_ENTITIES]; /* entities that were given rates */
+    size_t rated_count;
     bool dated;
     double hour, minute, date; /* of the last Celestial Sphere */
     double humidity, air_temperature, pressure, water_temperature;
@@ -73,6 +75,13 @@ struct pel_cigi_world {
 
 /* All empty, and what answers give where nothing was commanded. */
 void pel_cigi_world_init(struct pel_cigi_world *world);
+
+/* What the scene becomes when the host is gone: clock.mode `mode`, and every
+ * entity that was given rates stands. Free with pelagos__patch__free_unpacked.
+ */
+Pelagos__Patch *pel_cigi_world_end(const struct pel_cigi_world *world,
+                                   const Pelagos__State *scene,
+                                   enum pel_clock_mode mode);
 
 /* The patch of one datagram, being made. Large: on the heap. */
 struct pel_cigi_edit {

@@ -118,6 +118,7 @@ static void become_live(struct pel_console *c, int64_t now_ns)
     if (c->state != PEL_CONSOLE_LIVE) {
         pel_info("CON-002", "the console at %s is polled", c->name);
         c->state = PEL_CONSOLE_LIVE;
+        pel_scene_set_stale(c->scene, PEL_STALE_CONSOLE, false);
     }
 }
 
@@ -129,6 +130,7 @@ static void become_stale(struct pel_console *c)
              c->name, c->options.stale_ms);
     c->state = PEL_CONSOLE_STALE;
     c->counters.stale++;
+    pel_scene_set_stale(c->scene, PEL_STALE_CONSOLE, true);
     for (size_t i = 0; i < c->table.row_count; i++) {
         const struct pel_console_row *row = &c->table.rows[i];
         safe[i] = row->has_stale ? row->stale : NAN;

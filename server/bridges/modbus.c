@@ -81,6 +81,7 @@ static void watch(struct pel_modbus *m, int64_t now_ns)
         m->counters.heartbeats++;
         if (m->source != PEL_MODBUS_LIVE) {
             pel_info("MBS-004", "the Modbus source is alive");
+            pel_scene_set_stale(m->scene, PEL_STALE_MODBUS, false);
         }
         m->source = PEL_MODBUS_LIVE;
     }
@@ -92,6 +93,7 @@ static void watch(struct pel_modbus *m, int64_t now_ns)
                  m->options.heartbeat_ms, m->options.extrapolate_ms);
         m->source = PEL_MODBUS_STALE;
         m->counters.stale++;
+        pel_scene_set_stale(m->scene, PEL_STALE_MODBUS, true);
     }
     if (m->source == PEL_MODBUS_STALE &&
         silent > m->options.extrapolate_ms * MS) {

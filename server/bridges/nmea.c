@@ -398,6 +398,9 @@ static gboolean on_tick(gpointer user)
     } else if (!status.stale && nmea->was_stale) {
         pel_info("NME-006", "position is fresh again");
     }
+    if (status.stale != nmea->was_stale) {
+        pel_scene_set_stale(nmea->scene, PEL_STALE_NMEA, status.stale);
+    }
     nmea->was_stale = status.stale;
     expire_targets(nmea);
     return G_SOURCE_CONTINUE;

@@ -127,10 +127,11 @@ size_t pel_nmea_out_write(const struct pel_nmea_report *r,
 /* Depth where somebody has said one. */
 static double depth(const Pelagos__State *state)
 {
+    double level = state->sea->level;
     if (state->sea->has_depth) {
-        return state->sea->depth;
+        return state->sea->depth + level;
     }
-    return state->water->depth < DEEP_M ? state->water->depth : NAN;
+    return state->water->depth < DEEP_M ? state->water->depth + level : NAN;
 }
 
 bool pel_nmea_out_look(struct pel_scene *scene, uint32_t entity,

@@ -51,9 +51,11 @@ enum pel_codec {
 /* An encoded picture, immutable and reference counted (any thread). */
 struct pel_frame {
     char view[PEL_NAME_SIZE];
-    uint64_t number;   /* the views of one frame share it */
-    uint64_t revision; /* of the scene it shows */
-    double time_s;     /* simulated */
+    uint64_t number;     /* the views of one frame share it */
+    uint64_t revision;   /* of the scene it shows */
+    uint32_t host_frame; /* newest of a simulator host, 0: none leads */
+    unsigned stale;      /* silent inputs, of enum pel_stale */
+    double time_s;       /* simulated */
     double exposure_ev;
     uint32_t width, height;
     enum pel_codec codec;

@@ -79,6 +79,7 @@ struct pel_job {
     struct pel_mail mail;
     bool used, live, drawn; /* control thread */
     uint64_t number;
+    uint32_t host_frame;
     int64_t requested_ns;
     const struct pel_snapshot *snapshot;
     struct pel_environment environment;

@@ -33,6 +33,8 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
              job->snapshot->views[part->view].name);
     frame->number = job->number;
     frame->revision = job->snapshot->revision;
+    frame->host_frame = job->host_frame;
+    frame->stale = job->snapshot->stale;
     frame->time_s = job->environment.time_s;
     frame->exposure_ev = picture->exposure_ev;
     frame->width = picture->width;
@@ -129,9 +131,9 @@ static void answer_surface(struct pel_pool *pool,
     for (size_t i = 0; i < query->count && !atomic_load(&pool->stop);
          i += batch) {
         size_t left = query->count - i;
-        pel_sea_query(query->snapshot->sea, query->points + i,
-                      left < batch ? left : batch, query->time_s,
-                      query->samples + i);
+        pel_snapshot_surface(query->snapshot, query->points + i,
+                             left < batch ? left : batch, query->time_s,
+                             query->samples + i);
     }
     pel_mailbox_post(pool->box, &query->mail);
 }

@@ -55,12 +55,15 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
     job->drawn = false;
     job->requested_ns = pel_now_ns();
     job->snapshot = s;
+    job->host_frame = pel_scene_host_frame(frames->scene);
     job->draw_count = 0;
     job->output_count = 0;
     job->collected = 0;
     job->environment = (struct pel_environment){
         .time_s = time_s,
         .sea = s->sea,
+        .sea_level_m = s->sea_level_m,
+        .stale = s->mark_stale ? s->stale : 0,
         .sun = pel_snapshot_sun(s, time_s),
         .wind_mps = s->wind_mps,
         .wind_to_rad = s->wind_to_rad,

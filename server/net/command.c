@@ -264,6 +264,10 @@ uint8_t *pel_frame_reply_head(bool has_id, uint64_t id,
     message.number = frame->number;
     message.time = frame->time_s;
     message.revision = frame->revision;
+    message.has_stale = true;
+    message.stale = frame->stale != 0;
+    message.has_host_frame = frame->host_frame != 0;
+    message.host_frame = frame->host_frame;
     message.has_width = message.has_height = message.has_format = true;
     message.width = frame->width;
     message.height = frame->height;

@@ -135,7 +135,7 @@ static void add_frame_headers(struct MHD_Response *response,
         [PELAGOS__FRAME_FORMAT__PNG] = "image/png",
         [PELAGOS__FRAME_FORMAT__EXR] = "image/x-exr",
     };
-    char text[64];
+    char text[64], stale[PEL_STALE_TEXT];
     add(response, "Content-Type", types[frame->format]);
     add(response, "Cache-Control", "no-store");
     snprintf(text, sizeof text, "%llu", (unsigned long long)frame->number);
@@ -144,6 +144,11 @@ static void add_frame_headers(struct MHD_Response *response,
     add(response, "X-Pelagos-Time", text);
     snprintf(text, sizeof text, "%llu", (unsigned long long)frame->revision);
     add(response, "X-Pelagos-Revision", text);
+    add(response, "X-Pelagos-Stale", pel_stale_text(frame->stale, stale));
+    if (frame->host_frame != 0) {
+        snprintf(text, sizeof text, "%u", frame->host_frame);
+        add(response, "X-Pelagos-Host-Frame", text);
+    }
     snprintf(text, sizeof text, "%.3f", frame->render_ms);
     add(response, "X-Pelagos-Render-Ms", text);
     snprintf(text, sizeof text, "%.3f", frame->encode_ms);

@@ -74,13 +74,14 @@ void pel_live_header(const struct pel_frame *frame, int64_t now_ns,
     memset(out, 0, PEL_LIVE_HEADER);
     out[0] = PEL_LIVE_VERSION;
     out[1] = frame->codec == PEL_CODEC_H264 ? 1 : 2;
-    out[2] = (uint8_t)((frame->key ? 1 : 0) | (gap ? 2 : 0));
+    out[2] = (uint8_t)((frame->key ? 1 : 0) | (gap ? 2 : 0) |
+                       (frame->stale ? 4 : 0));
     out[3] = PEL_LIVE_HEADER;
     put(out + 4, frame->width, 2);
     put(out + 6, frame->height, 2);
     put(out + 8, frame->number, 8);
     put(out + 16, time, 8);
-    /* 24: the host's frame; 0 as no host has numbered this one. */
+    put(out + 24, frame->host_frame, 8);
     put(out + 32, (uint64_t)(stamp_ns / 1000), 8);
     put(out + 40, since_us(frame->requested_ns, frame->drawn_ns), 4);
     put(out + 44, since_us(frame->requested_ns, frame->encoded_ns), 4);

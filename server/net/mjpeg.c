@@ -15,7 +15,7 @@ struct pel_viewer {
     void (*wake)(void *user);
     void *user;
     struct pel_frame *pending, *current;
-    char head[320];
+    char head[400];
     size_t head_size, offset;
     int64_t interval_ns, due_ns; /* of the next picture wanted */
     bool begun, idle, over;
@@ -96,14 +96,17 @@ static void begin_picture(struct pel_viewer *self)
     self->current = self->pending;
     self->pending = NULL;
     self->offset = 0;
-    int n = snprintf(self->head, sizeof self->head,
-                     "%sContent-Type: image/jpeg\r\nContent-Length: %zu\r\n"
-                     "X-Pelagos-Frame: %llu\r\nX-Pelagos-Time: %.6f\r\n"
-                     "X-Pelagos-Revision: %llu\r\n\r\n",
-                     self->begun ? "" : "--pelagos\r\n", self->current->size,
-                     (unsigned long long)self->current->number,
-                     self->current->time_s,
-                     (unsigned long long)self->current->revision);
+    char stale[PEL_STALE_TEXT];
+    int n = snprintf(
+        self->head, sizeof self->head,
+        "%sContent-Type: image/jpeg\r\nContent-Length: %zu\r\n"
+        "X-Pelagos-Frame: %llu\r\nX-Pelagos-Time: %.6f\r\n"
+        "X-Pelagos-Revision: %llu\r\nX-Pelagos-Stale: %s\r\n"
+        "X-Pelagos-Host-Frame: %u\r\n\r\n",
+        self->begun ? "" : "--pelagos\r\n", self->current->size,
+        (unsigned long long)self->current->number, self->current->time_s,
+        (unsigned long long)self->current->revision,
+        pel_stale_text(self->current->stale, stale), self->current->host_frame);
     self->head_size = (size_t)n;
     self->begun = true;
 }

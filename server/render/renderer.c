@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "render/arena.h"
 #include "render/context.h"
+#include "render/mark.h"
 #include "render/mesh.h"
 #include "render/programs.h"
 #include "render/readback.h"
@@ -408,7 +409,9 @@ static enum pel_err draw_view(struct pel_renderer *r,
                               const struct pel_environment *env,
                               const struct pel_draw *draw)
 {
-    const struct pel_camera *c = &draw->camera;
+    struct pel_camera camera = draw->camera; /* above the sea's zero */
+    camera.altitude_m -= env->sea_level_m;
+    const struct pel_camera *c = &camera;
     int64_t started_ns = pel_now_ns();
     bool layers = wants_layers(draw->layers);
     double height_m = fmax(c->altitude_m, 0.3);
@@ -459,6 +462,9 @@ static enum pel_err draw_view(struct pel_renderer *r,
     stage_end(r, PEL_STAGE_SHADE);
     if ((!r->programs.compute || layers) && draw->layers & PEL_LAYER_COLOR) {
         tone(r);
+    }
+    if (env->stale && draw->layers & PEL_LAYER_COLOR) {
+        pel_mark_stale(r->targets.color_fbo, c->width, c->height, env->stale);
     }
     stage_end(r, PEL_STAGE_TONE);
     const struct pel_readback_source source = {

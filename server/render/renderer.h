@@ -34,6 +34,8 @@ bool pel_renderer_is_software(const struct pel_renderer *r);
 struct pel_environment {
     double time_s;
     const struct pel_sea *sea;
+    double sea_level_m;  /* of its zero above altitude 0 */
+    unsigned stale;      /* of enum pel_stale: the colour layer says so */
     struct pel_vec3 sun; /* unit, towards the Sun */
     double wind_mps, wind_to_rad;
     double visibility_m;

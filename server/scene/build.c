@@ -297,6 +297,17 @@ static void place_water(const Pelagos__Water *from, struct pel_water_body *to)
     }
 }
 
+static void place_sources(const Pelagos__Sources *from,
+                          struct pel_snapshot *out)
+{
+    out->stale = (from->cigi_stale ? PEL_STALE_CIGI : 0) |
+                 (from->modbus_stale ? PEL_STALE_MODBUS : 0) |
+                 (from->nmea_stale ? PEL_STALE_NMEA : 0) |
+                 (from->console_stale ? PEL_STALE_CONSOLE : 0) |
+                 (from->other_stale ? PEL_STALE_OTHER : 0);
+    out->mark_stale = from->mark;
+}
+
 static void fill(const Pelagos__State *state, struct pel_snapshot *out)
 {
     const Pelagos__Sky *sky = state->sky;
@@ -306,6 +317,9 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     if (pel_utc_parse(state->clock->utc, &out->epoch_unix_s)) {
         out->epoch_unix_s = 0; /* not reached: the state was tested */
     }
+    out->reckoning_s = state->clock->reckoning;
+    out->sea_level_m = state->sea->level;
+    place_sources(state->sources, out);
     out->origin_latitude_rad = state->origin->latitude * PEL_DEG;
     out->origin_longitude_rad = state->origin->longitude * PEL_DEG;
     out->wind_mps = state->sea->wind_speed;
@@ -377,7 +391,7 @@ static void place_ship(const Pelagos__State *state,
         /* what does not go ahead or astern is not kept */
         .speed_mps = e->speed_mps * cos(e->course_rad - e->heading_rad),
         .turn_rate_rps = e->turn_rate_rps,
-        .heave = { e->altitude_m, own->heave_rate },
+        .heave = { e->altitude_m - out->sea_level_m, own->heave_rate },
         .pitch = { e->pitch_rad, own->pitch_rate * PEL_DEG },
         .roll = { e->roll_rad, own->roll_rate * PEL_DEG },
     };

@@ -172,9 +172,9 @@ static double wrapped(double degrees)
 }
 
 /* Brings a pose to time_s as the snapshot would, and stamps it. */
-static void reckon(Pelagos__Entity *e, double time_s)
+static void reckon(Pelagos__Entity *e, double time_s, double most_s)
 {
-    double seconds = pel_reckon_seconds(e->pose_time, time_s);
+    double seconds = pel_reckon_seconds(e->pose_time, time_s, most_s);
     double east, north, lat, lon;
     pel_reckon_move(e->speed, e->course * PEL_DEG, e->turn_rate * PEL_DEG,
                     seconds, &east, &north);
@@ -218,7 +218,7 @@ static void reckon_patched(Pelagos__State *state, const Pelagos__State *patch,
         Pelagos__Entity *entity = entity_of(state, with->id);
         double at = with->has_pose_time ? with->pose_time : time_s;
         if (entity && touches_pose(with) && isfinite(at)) {
-            reckon(entity, at);
+            reckon(entity, at, state->clock->reckoning);
         }
     }
 }
@@ -238,7 +238,8 @@ static void reckon_removed(Pelagos__State *state, const char *path,
     snprintf(element, sizeof element, "%.*s.id", (int)(field - path), path);
     if (strcmp(info.info->name, "name") != 0 &&
         pel_path_get(state, element, id, sizeof id, NULL) == PEL_OK) {
-        reckon(entity_of(state, (uint32_t)strtoul(id, NULL, 10)), time_s);
+        reckon(entity_of(state, (uint32_t)strtoul(id, NULL, 10)), time_s,
+               state->clock->reckoning);
     }
 }
 
@@ -382,7 +383,7 @@ static double time_after(const Pelagos__State *from,
 static void carry_poses(Pelagos__State *state, double before, double after)
 {
     for (size_t i = 0; i < state->n_entities; i++) {
-        reckon(state->entities[i], before);
+        reckon(state->entities[i], before, state->clock->reckoning);
         state->entities[i]->pose_time = after;
     }
 }

@@ -129,9 +129,10 @@ static void ships_turn_in_circles(void **state)
     pel_reckon_move(10, 1, 0.02, 10, &e, &n);
     near(e, se, 1e-6);
     near(n, sn, 1e-6);
-    near(pel_reckon_seconds(100, 130), 30, 0);
-    near(pel_reckon_seconds(100, 1e6), 60, 0);
-    near(pel_reckon_seconds(100, 0), -60, 0);
+    near(pel_reckon_seconds(100, 130, 60), 30, 0);
+    near(pel_reckon_seconds(100, 1e6, 60), 60, 0);
+    near(pel_reckon_seconds(100, 0, 60), -60, 0);
+    near(pel_reckon_seconds(100, 1e6, 0), 0, 0);
 }
 
 static double utc(const char *text)

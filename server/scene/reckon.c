@@ -4,9 +4,9 @@
 
 #include "base/vec.h"
 
-double pel_reckon_seconds(double pose_time_s, double time_s)
+double pel_reckon_seconds(double pose_time_s, double time_s, double most_s)
 {
-    return pel_clamp(time_s - pose_time_s, -PEL_RECKON_MAX_S, PEL_RECKON_MAX_S);
+    return pel_clamp(time_s - pose_time_s, -most_s, most_s);
 }
 
 void pel_reckon_move(double speed_mps, double course_rad, double turn_rate_rps,

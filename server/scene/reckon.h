@@ -1,11 +1,9 @@
 /* Dead reckoning on a circular arc. Pure functions, any thread. */
 #pragma once
 
-/* The pose is held from this many seconds away from its time on. */
-#define PEL_RECKON_MAX_S 60.0
-
-/* Seconds to reckon from pose_time_s to time_s, limited. */
-double pel_reckon_seconds(double pose_time_s, double time_s);
+/* Seconds to reckon from pose_time_s to time_s, at most most_s
+ * (clock.reckoning) either way: farther from its time the pose is held. */
+double pel_reckon_seconds(double pose_time_s, double time_s, double most_s);
 
 /* Displacement after seconds at speed_mps on a course that turns steadily:
  * a chord of the circle, length v t sin(x)/x, bearing course + x, x = ω t / 2.

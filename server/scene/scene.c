@@ -35,7 +35,8 @@ struct pel_scene {
     guint save_timer;     /* 0: nothing to write */
     int64_t save_from_ns; /* not before */
     uint64_t saves, failed_saves;
-    guint ship_timer;            /* 0: own ship is not the model's */
+    guint ship_timer; /* 0: own ship is not the model's */
+    uint32_t host_frame;
     pel_scene_listener listener; /* may be NULL */
     void *listener_user;
     size_t callback_count;
@@ -133,6 +134,40 @@ static void tell(struct pel_scene *scene, double time_s,
 {
     if (scene->listener) {
         scene->listener(scene->listener_user, time_s, patch);
+    }
+}
+
+void pel_scene_set_host_frame(struct pel_scene *scene, uint32_t number)
+{
+    scene->host_frame = number;
+}
+
+uint32_t pel_scene_host_frame(const struct pel_scene *scene)
+{
+    return scene->host_frame;
+}
+
+void pel_scene_set_stale(struct pel_scene *scene, enum pel_stale source,
+                         bool stale)
+{
+    Pelagos__Sources sources = PELAGOS__SOURCES__INIT;
+    Pelagos__State state = PELAGOS__STATE__INIT;
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    struct pel_fault fault;
+    if (stale == ((scene->snapshot->stale & source) != 0)) {
+        return;
+    }
+    sources.has_cigi_stale = source == PEL_STALE_CIGI;
+    sources.has_modbus_stale = source == PEL_STALE_MODBUS;
+    sources.has_nmea_stale = source == PEL_STALE_NMEA;
+    sources.has_console_stale = source == PEL_STALE_CONSOLE;
+    sources.has_other_stale = source == PEL_STALE_OTHER;
+    sources.cigi_stale = sources.modbus_stale = sources.nmea_stale = stale;
+    sources.console_stale = sources.other_stale = stale;
+    state.sources = &sources;
+    patch.state = &state;
+    if (pel_scene_patch(scene, &patch, &fault) != PEL_OK) {
+        pel_error("SCN-006", "no mark of a silent source: %s", fault.message);
     }
 }
 
@@ -411,6 +446,13 @@ static enum pel_err first_state(const char *path, Pelagos__State **out,
     return PEL_OK;
 }
 
+/* Who was silent when the file was written may speak now. */
+static void nobody_stale(Pelagos__Sources *s)
+{
+    s->cigi_stale = s->modbus_stale = s->nmea_stale = false;
+    s->console_stale = s->other_stale = false;
+}
+
 enum pel_err pel_scene_create(const struct pel_scene_options *options,
                               struct pel_scene **out, struct pel_fault *fault)
 {
@@ -425,6 +467,7 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
         options->wave_count > 0 ? options->wave_count : DEFAULT_WAVES;
     scene->means.spectra = scene->spectra = g_strdup(options->spectra);
     scene->state_path = g_strdup(options->state_path);
+    nobody_stale(state->sources);
     err = pel_sea_settle(state, fault);
     if (!err) {
         err = commit(scene, state, false, fault);

@@ -84,6 +84,15 @@ typedef void (*pel_scene_listener)(void *user, double time_s,
 const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
                                        pel_scene_listener listener, void *user);
 
+/* The newest frame of a simulator host that the scene shows, 0: none leads.
+ * No part of the state: pictures and streams tell it. */
+void pel_scene_set_host_frame(struct pel_scene *scene, uint32_t number);
+uint32_t pel_scene_host_frame(const struct pel_scene *scene);
+
+/* Whether one input is silent: an edit of `sources` where that is news. */
+void pel_scene_set_stale(struct pel_scene *scene, enum pel_stale source,
+                         bool stale);
+
 /* Called after every commit, in order of registration; at most 16. */
 void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
                          void *user);

@@ -1,5 +1,6 @@
 #include "scene/snapshot.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "scene/reckon.h"
@@ -23,7 +24,7 @@ static void ship_at(const struct pel_snapshot *s, double time_s,
     *out = s->entities[s->ship_entity];
     out->east_m = m.east_m;
     out->north_m = m.north_m;
-    out->altitude_m = m.heave.x;
+    out->altitude_m = m.heave.x + s->sea_level_m;
     out->heading_rad = m.heading_rad;
     out->pitch_rad = m.pitch.x;
     out->roll_rad = m.roll.x;
@@ -41,7 +42,8 @@ void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
         ship_at(s, time_s, out);
         return;
     }
-    double seconds = pel_reckon_seconds(at->pose_time_s, time_s);
+    double seconds =
+        pel_reckon_seconds(at->pose_time_s, time_s, s->reckoning_s);
     double east, north, turned = at->turn_rate_rps * seconds;
     pel_reckon_move(at->speed_mps, at->course_rad, at->turn_rate_rps, seconds,
                     &east, &north);
@@ -51,6 +53,31 @@ void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
     out->heading_rad = at->heading_rad + turned;
     out->course_rad = at->course_rad + turned;
     out->pose_time_s = at->pose_time_s + seconds;
+}
+
+void pel_snapshot_surface(const struct pel_snapshot *s,
+                          const struct pel_vec2 *points, size_t n,
+                          double time_s, struct pel_surface_sample *out)
+{
+    pel_sea_query(s->sea, points, n, time_s, out);
+    for (size_t i = 0; i < n; i++) {
+        out[i].height_m += s->sea_level_m;
+    }
+}
+
+const char *pel_stale_text(unsigned stale, char out[PEL_STALE_TEXT])
+{
+    static const char *const names[] = { "cigi", "modbus", "nmea", "console",
+                                         "other" };
+    size_t used = 0;
+    strcpy(out, "none");
+    for (unsigned i = 0; i < sizeof names / sizeof *names; i++) {
+        if (stale >> i & 1) {
+            used += (size_t)snprintf(out + used, PEL_STALE_TEXT - used, "%s%s",
+                                     used > 0 ? "," : "", names[i]);
+        }
+    }
+    return out;
 }
 
 struct pel_vec3 pel_snapshot_sun(const struct pel_snapshot *s, double time_s)

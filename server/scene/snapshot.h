@@ -44,13 +44,26 @@ struct pel_view_state {
     double exposure_ev; /* EV100, where not automatic */
 };
 
+/* Inputs that have fallen silent (the schema's Sources). */
+enum pel_stale {
+    PEL_STALE_CIGI = 1 << 0,
+    PEL_STALE_MODBUS = 1 << 1,
+    PEL_STALE_NMEA = 1 << 2,
+    PEL_STALE_CONSOLE = 1 << 3,
+    PEL_STALE_OTHER = 1 << 4,
+};
+
 struct pel_snapshot {
     uint64_t revision;
     enum pel_clock_mode mode;
     double rate;
     double epoch_unix_s; /* UTC at simulated time 0 */
+    double reckoning_s;  /* how long poses are reckoned on */
+    unsigned stale;      /* of enum pel_stale */
+    bool mark_stale;     /* pictures show it */
     double origin_latitude_rad, origin_longitude_rad;
     const struct pel_sea *sea;    /* lives as long as the snapshot */
+    double sea_level_m;           /* of the sea's zero above altitude 0 */
     double wind_mps, wind_to_rad; /* mathematical direction it blows to */
     struct pel_water_body water;
     double chlorophyll_mg_m3; /* the field, whatever describes the water */
@@ -72,10 +85,20 @@ void pel_snapshot_unref(const struct pel_snapshot *s); /* NULL allowed */
 int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name);
 
 /* Pose of entity `index` at simulated time time_s: reckoned from its speed,
- * course and turn rate (arc of a circle) for at most 60 s from its pose; or
- * the ship's motion, for at most 10 s ahead of its last step. */
+ * course and turn rate (arc of a circle) for at most reckoning_s from its pose;
+ * or the ship's motion, for at most 10 s ahead of its last step. */
 void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out);
+
+/* The surface at n places at time_s, heights above altitude 0: pel_sea_query
+ * with the sea's level. */
+void pel_snapshot_surface(const struct pel_snapshot *s,
+                          const struct pel_vec2 *points, size_t n,
+                          double time_s, struct pel_surface_sample *out);
+
+/* "cigi,nmea" of the bits of `stale`, "none" of 0. */
+#define PEL_STALE_TEXT 40
+const char *pel_stale_text(unsigned stale, char out[PEL_STALE_TEXT]);
 
 /* Unit vector towards the Sun's centre (no refraction) at time_s. */
 struct pel_vec3 pel_snapshot_sun(const struct pel_snapshot *s, double time_s);

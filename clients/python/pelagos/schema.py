@@ -22,6 +22,9 @@ class Clock(Record):
     #: UTC at simulated time 0, ISO 8601 (`2026-06-21T12:00:00Z`): with the
     #: origin it places the Sun when sky.sunElevation is not set.
     utc: str = _field('2026-06-21T12:00:00Z')
+    #: How long an entity goes on from its last pose by speed, course and turn
+    #: rate; then it stands. [s; 0 to 1000000000]
+    reckoning: float = _field(60.0, 's', 0, 1000000000)
 
 
 @dataclass(frozen=True)
@@ -99,6 +102,8 @@ class Sea(Record):
     measuredTime: str | None = _field(None)
     #: Single waves, at most 8.
     wave: tuple[Wave, ...] = ()
+    #: Height of the calm sea above altitude 0: tide and surge. [m; -20 to 20]
+    level: float = _field(0.0, 'm', -20, 20)
 
 
 @dataclass(frozen=True)
@@ -286,6 +291,27 @@ class OwnShip(Record):
 
 
 @dataclass(frozen=True)
+class Sources(Record):
+    """Inputs that led and have fallen silent. The server sets and clears them
+    as it notices, and a client may, for a source of its own. At a start none
+    is stale."""
+    #: Whether pictures say so: an amber border, STALE and the input's name.
+    #: EXR layers stay as they are.
+    mark: bool = _field(False)
+    #: The CIGI host (--cigi) has been silent for 2 s.
+    cigiStale: bool = _field(False)
+    #: The heartbeat register of a Modbus unit has been silent (--modbus-
+    #: heartbeat).
+    modbusStale: bool = _field(False)
+    #: NMEA 0183 had a position and has had none for 10 s.
+    nmeaStale: bool = _field(False)
+    #: The console that is polled (--console) does not answer.
+    consoleStale: bool = _field(False)
+    #: A source of a client's own.
+    otherStale: bool = _field(False)
+
+
+@dataclass(frozen=True)
 class State(Record):
     """The whole world. Lists are keyed: entities by id, views by name."""
     clock: Clock | None = _field(None)
@@ -298,3 +324,4 @@ class State(Record):
     #: Counts accepted edits; read only, ignored in a patch. [1]
     revision: int | None = _field(None, '1')
     ownShip: OwnShip | None = _field(None)
+    sources: Sources | None = _field(None)
