@@ -220,6 +220,9 @@ ANSWERS = {101: ("sof", 24, _sof), 102: ("hat_hot", 16, _hat_hot),
            111: ("maritime", 16, _maritime)}
 
 
+QUESTIONS = (24, 25, 26, 27, 28)
+
+
 def parse(order, data):
     """List of (name, fields); raises on anything the tables do not have."""
     packets = []
@@ -314,9 +317,14 @@ class Host:
                            f"{frames[-1].sof if frames else None}")
 
     def ask(self, *packets):
-        """Sends a frame; the answers in the frame that knows of it."""
+        """Sends a frame; the answers in the frame that knows of it or, where
+        one is still missing there, in the next."""
         self.send(*packets)
-        return [answer for frame in self.settle() for answer in frame.answers]
+        asked = sum(packet(self.order)[0] in QUESTIONS for packet in packets)
+        frames = self.settle()
+        if sum(len(frame.answers) for frame in frames) < asked:
+            frames.append(self.receive())
+        return [answer for frame in frames if frame for answer in frame.answers]
 
     def close(self):
         self.socket.close()

@@ -5,6 +5,7 @@ The last part has tshark dissect both directions of everything that was sent;
 where there is no tshark it is left out, with a message.
 """
 import collections
+import io
 import math
 import os
 import random
@@ -15,6 +16,8 @@ import sys
 import tempfile
 import threading
 import time
+
+from PIL import Image
 
 import cigi_host as cigi
 from pelagos_daemon import ROOT, Daemon, SANITIZED, free_port
@@ -500,7 +503,7 @@ def a_flood_leaves_others_served():
         check(SANITIZED or grown < 64, f"grown by {grown} MiB")
 
 
-def database_and_silence():
+def database_and_refusals():
     with Stand("--cigi-database", "3") as s:
         def told(asked):
             s.host.database = asked
@@ -513,17 +516,64 @@ def database_and_silence():
         s.host.ask()
         check(s.metric("refused_datagrams_total") == 1, "a second host")
         check(s.metric("connected") == 1, "connected")
-        at = s.daemon.state()["clock"]["time"]
-        time.sleep(2.3)
-        check(s.metric("connected") == 0, "gone")
-        gone = s.daemon.state()["clock"]["time"] - at
-        check(0 < gone < 1.3, f"went on for {gone} s")
-        time.sleep(0.1)
-        near(s.daemon.state()["clock"]["time"], at + gone, 1e-9, "stands")
-        check("CIG-008" in s.daemon.log(), "log")
-        other.ask(cigi.entity(1, LATITUDE + 0.1, LONGITUDE))
-        near(ship(s.daemon.state())["latitude"], LATITUDE + 0.1, 0, "anew")
         other.close()
+
+
+AMBER = (255, 176, 0)
+
+
+def pixels(answer):
+    return Image.open(io.BytesIO(answer.body)).convert("RGB")
+
+
+def a_silent_host_is_noticed():
+    """Time is held, or given back with all at rest; the picture says so, and
+    another host may lead."""
+    for gone in ("hold", "resume"):
+        with Stand("--cigi-gone", gone) as s:
+            url = "/v1/views/bridge/frame.png?width=320&height=180"
+            s.daemon.patch({"sources": {"mark": True}})
+            s.host.ask(cigi.entity(1, LATITUDE, LONGITUDE), cigi.rate(1, x=9))
+            fresh = s.daemon.get(url)
+            check(fresh.headers["X-Pelagos-Stale"] == "none", fresh.headers)
+            check(int(fresh.headers["X-Pelagos-Host-Frame"]) == s.host.frame,
+                  fresh.headers)
+            check(pixels(fresh).getpixel((0, 0)) != AMBER, "a mark")
+            at = s.metric("host_time_seconds")
+            time.sleep(2.3)
+            check(s.metric("connected") == 0, "gone")
+            check("CIG-008" in s.daemon.log(), "log")
+            state = s.daemon.state()
+            check(state["sources"]["cigiStale"], state["sources"])
+            moved = (ship(state)["latitude"] - LATITUDE) * 111270
+            if gone == "hold":
+                stands = state["clock"]["time"] - at
+                check(0 < stands < 1.3, f"went on for {stands} s")
+                time.sleep(0.1)
+                near(s.daemon.state()["clock"]["time"], at + stands, 1e-9,
+                     "stands")
+                check(state["clock"]["mode"] == "HOST", state["clock"])
+            else:
+                check(state["clock"]["mode"] == "FREE", state["clock"])
+                check(ship(state)["speed"] == 0, ship(state))
+                # Extrapolated for 1 s, then at rest.
+                check(0 < moved < 9 * 1.1, f"moved by {moved} m")
+            old = s.daemon.get(url)
+            check(old.headers["X-Pelagos-Stale"] == "cigi", old.headers)
+            check("X-Pelagos-Host-Frame" not in old.headers, old.headers)
+            corners = [pixels(old).getpixel(p)
+                       for p in ((0, 0), (319, 0), (0, 179), (319, 179))]
+            check(corners == [AMBER] * 4, corners)
+            check(pixels(old).getpixel((160, 120)) != AMBER, "the middle")
+            s.daemon.patch({"sources": {"mark": False}})
+            check(pixels(s.daemon.get(url)).getpixel((0, 0)) != AMBER, "mark")
+            other = cigi.Host(("127.0.0.1", s.port))
+            other.ask(cigi.entity(1, LATITUDE + 0.1, LONGITUDE))
+            state = s.daemon.state()
+            near(ship(state)["latitude"], LATITUDE + 0.1, 0, "anew")
+            check(not state["sources"]["cigiStale"], state["sources"])
+            check(state["clock"]["mode"] == "HOST", state["clock"])
+            other.close()
 
 
 def start_of_frame_before_any_host():
@@ -610,7 +660,7 @@ TESTS = [scene_follows_in_both_orders, answers_are_of_the_sea_drawn,
          synchronous_sixty_hertz, asynchronous_host,
          sea_state_shows_in_the_next_frame, loss_duplicates_and_reordering,
          malformed_datagrams_change_nothing, a_flood_leaves_others_served,
-         database_and_silence,
+         database_and_refusals, a_silent_host_is_noticed,
          start_of_frame_before_any_host, tshark_understands_both_directions]
 
 if __name__ == "__main__":
