@@ -201,7 +201,7 @@ def answers_of_fft_come_later():
 
 
 def frame_headers(daemon, url, out, stop):
-    """(time of receipt, simulated time, revision) of live pictures."""
+    """(time of receipt, the host's frame shown) of live pictures."""
     with daemon.connect_http() as c:
         c.sendall(f"GET {url} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
         file = c.makefile("rb")
@@ -211,13 +211,13 @@ def frame_headers(daemon, url, out, stop):
             if not line:
                 return
             name, _, value = line.decode("latin-1").strip().partition(": ")
-            if name.startswith("X-Pelagos-"):
-                now[name[10:]] = float(value)
+            if name == "X-Pelagos-Host-Frame":
+                now["frame"] = int(value)
             if name == "Content-Length":
                 size = int(value)
-            if not name and "Time" in now:
+            if not name and "frame" in now:
                 file.read(size)
-                out.append((time.monotonic(), now["Time"], now["Revision"]))
+                out.append((time.monotonic(), now["frame"]))
                 now = {}
 
 
@@ -231,9 +231,6 @@ def synchronous_host(seconds, requests=100, late=0.5):
         s.daemon.patch({"views": [{"name": "bridge", "width": 64,
                                    "height": 36}]})
         s.host.ask(cigi.entity(1, LATITUDE, LONGITUDE))
-        # From here on each host frame is one edit: a picture's revision says
-        # which it shows.
-        start = int(s.daemon.state()["revision"]) - s.host.frame
         pictures, stop = [], threading.Event()
         viewer = threading.Thread(target=frame_headers, args=(
             s.daemon, "/v1/views/bridge/mjpeg", pictures, stop), daemon=True)
@@ -287,8 +284,7 @@ def synchronous_host(seconds, requests=100, late=0.5):
         # the picture of one came.
         latencies = []
         times = sorted((t, n) for n, (t, _) in sent.items())
-        for at, _, shown in pictures:
-            number = shown - start
+        for at, number in pictures:
             newest = sum(1 for t, _ in times if t <= at) + times[0][1] - 1
             if number in sent:
                 latencies.append(newest - number)

@@ -83,11 +83,25 @@ class Daemon:
             if http_line and tcp_line:
                 self.http_port = int(http_line.group(1))
                 self.tcp_port = int(tcp_line.group(1))
+                self._await_all(end)
                 return
             if self.process.poll() is not None:
                 raise RuntimeError(f"pelagosd ended at start:\n{log}")
             time.sleep(0.02)
         raise RuntimeError(f"pelagosd does not listen:\n{self.log()}")
+
+    def _await_all(self, end):
+        """HTTP is answered once everything listens, UDP too."""
+        while time.monotonic() < end:
+            try:
+                self.get("/healthz")
+                return
+            except OSError:  # it may end before it answers
+                if self.process.poll() is not None:
+                    raise RuntimeError("pelagosd ended at start:\n"
+                                       + self.log()) from None
+                time.sleep(0.02)
+        raise RuntimeError(f"pelagosd does not answer:\n{self.log()}")
 
     def log(self):
         with open(self.log_path, encoding="utf-8", errors="replace") as f:
