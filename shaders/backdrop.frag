@@ -2,6 +2,7 @@
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 #include "lib/ray.glsl"
+#include "lib/water.glsl"
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"
 #include "lib/outputs.glsl"

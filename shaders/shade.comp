@@ -13,6 +13,7 @@
 #include "lib/sky.glsl"
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"
+#include "lib/water.glsl"
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"
@@ -21,7 +22,14 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 5) uniform usampler2D triangles;
+#ifdef PEL_WATER_PARTS
+layout(binding = 0, rgba32f) writeonly uniform image2D single_image;
+layout(binding = 1, rgba32f) writeonly uniform image2D second_image;
+layout(binding = 2, rgba32f) writeonly uniform image2D higher_image;
+layout(binding = 3, rgba32f) writeonly uniform image2D bottom_image;
+#else
 layout(binding = 0, rgba32f) writeonly uniform image2D radiance_image;
+#endif
 #ifdef PEL_LAYERS
 layout(binding = 1, r32f) writeonly uniform image2D depth_image;
 layout(binding = 2, rgba32f) writeonly uniform image2D normal_image;
@@ -30,7 +38,7 @@ layout(binding = 4, rgba32f) writeonly uniform image2D sky_image;
 layout(binding = 5, rgba32f) writeonly uniform image2D water_image;
 layout(binding = 6, rgba32f) writeonly uniform image2D air_image;
 layout(binding = 7, rg32f) writeonly uniform image2D variance_image;
-#else
+#elif !defined(PEL_WATER_PARTS)
 layout(binding = 1, rgba8) writeonly uniform image2D color_image;
 #endif
 
@@ -47,7 +55,14 @@ void main()
     } else {
         s = shade_sea(at, triangle);
     }
+#ifdef PEL_WATER_PARTS
+    imageStore(single_image, at, vec4(s.parts.single, 1.0));
+    imageStore(second_image, at, vec4(s.parts.second, 1.0));
+    imageStore(higher_image, at, vec4(s.parts.higher, 1.0));
+    imageStore(bottom_image, at, vec4(s.parts.bottom, 1.0));
+#else
     imageStore(radiance_image, at, vec4(s.radiance, 1.0));
+#endif
 #ifdef PEL_LAYERS
     imageStore(depth_image, at, vec4(s.depth));
     imageStore(normal_image, at, s.normal);
@@ -56,7 +71,7 @@ void main()
     imageStore(water_image, at, vec4(s.water, 1.0));
     imageStore(air_image, at, vec4(s.air, 1.0));
     imageStore(variance_image, at, vec4(s.variance, 0.0, 0.0));
-#else
+#elif !defined(PEL_WATER_PARTS)
     imageStore(color_image, at, vec4(display(s.radiance, at), 1.0));
 #endif
 }

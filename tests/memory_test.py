@@ -7,7 +7,8 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from pelagos_daemon import SANITIZED, Daemon, Session
 
-ALL = "radiance,sun,sky,water,air,depth,normal,fresnel,slopeVariance"
+ALL = ("radiance,sun,sky,water,air,depth,normal,fresnel,slopeVariance,"
+       "waterSingle,waterSecond,waterHigher,bottom")
 SIDE = 2048
 # 116 bytes of targets and 108 of readback a pixel.
 TAKEN = SIDE * SIDE * 200

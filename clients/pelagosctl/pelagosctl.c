@@ -27,7 +27,8 @@ static const struct ctl_option frame_options[] = {
     { 0, "time", "SECONDS", "Simulated time instead of the clock's", NULL },
     { 0, "layers", "LIST",
       "Layers of an EXR, by commas: radiance, sun, sky, water, air, depth,"
-      " normal, fresnel, slopeVariance (radiance)",
+      " normal, fresnel, slopeVariance, waterSingle, waterSecond, waterHigher,"
+      " bottom (radiance)",
       NULL },
     { 0, "float", NULL, "EXR samples of 32 bits instead of 16", NULL },
     { 0, "quality", "1..100", "Quality of a JPEG (90)", NULL },

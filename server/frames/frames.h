@@ -89,7 +89,8 @@ PEL_CHECK enum pel_err pel_frames_request(struct pel_frames *frames,
 /* Whether an EXR can have a layer of this name, and all of them for people. */
 bool pel_frames_layer_exists(const char *name);
 #define PEL_FRAMES_LAYERS                                                      \
-    "radiance, sun, sky, water, air, depth, normal, fresnel, slopeVariance"
+    "radiance, sun, sky, water, air, depth, normal, fresnel, slopeVariance, "  \
+    "waterSingle, waterSecond, waterHigher, bottom"
 
 void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
 

@@ -26,6 +26,13 @@ void pel_water_sky_clear(const struct pel_atmosphere *air, double sun_zenith,
     }
 }
 
+double pel_water_depth(const struct pel_water_depths *d, int i)
+{
+    return d->levels > 1 ? d->first_m * pow(d->last_m / d->first_m,
+                                            (double)i / (d->levels - 1))
+                         : d->first_m;
+}
+
 static double channel(struct pel_rgb c, int i)
 {
     return i == 0 ? c.r : i == 1 ? c.g : c.b;

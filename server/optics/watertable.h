@@ -9,6 +9,28 @@
 
 #define PEL_WATER_TABLE_SIZE 32
 
+/* What befell the light between the surface and the surface. */
+enum pel_water_part {
+    PEL_WATER_SINGLE, /* scattered once */
+    PEL_WATER_SECOND, /* scattered twice */
+    PEL_WATER_HIGHER, /* more often, or mirrored by the surface from below */
+    PEL_WATER_BOTTOM, /* reflected by the bottom, scattered or not */
+    PEL_WATER_PARTS,
+};
+
+/* Depths that tables are made for: `levels` of them, 1..PEL_WATER_LEVELS_MAX,
+ * level with each other on a logarithmic scale from first_m to last_m
+ * (PEL_DEPTH_MIN..MAX); one level: first_m. Looked up as in
+ * shaders/lib/water.glsl. */
+#define PEL_WATER_LEVELS_MAX 24
+struct pel_water_depths {
+    int levels;
+    double first_m, last_m;
+};
+
+/* Depth of level i of a set [m]. */
+double pel_water_depth(const struct pel_water_depths *depths, int i);
+
 /* Texels [zenith][azimuth] of r, g, b (680, 550, 440 nm) and 0, ready for an
  * RGBA32F texture with linear filter and clamped edges:
  *   u = (½ + 31 (1 + cos φ) / 2) / 32, φ between the line of sight and the

@@ -15,6 +15,10 @@ const struct pel_layer_info pel_layer_table[PEL_LAYERS] = {
     { "normal", PEL_LAYER_NORMAL, "XYZ", 4, false, "1" },
     { "fresnel", PEL_LAYER_FRESNEL, "V", 4, false, "1" },
     { "slopeVariance", PEL_LAYER_SLOPE_VARIANCE, "XY", 2, false, "1" },
+    { "waterSingle", PEL_LAYER_WATER_SINGLE, "RGB", 4, false, LIGHT },
+    { "waterSecond", PEL_LAYER_WATER_SECOND, "RGB", 4, false, LIGHT },
+    { "waterHigher", PEL_LAYER_WATER_HIGHER, "RGB", 4, false, LIGHT },
+    { "bottom", PEL_LAYER_BOTTOM, "RGB", 4, false, LIGHT },
 };
 
 const struct pel_layer_info *pel_layer_find(const char *name)
@@ -64,6 +68,14 @@ const float *pel_picture_layer(const struct pel_picture *p,
         return p->normal ? p->normal + 3 : NULL;
     case PEL_LAYER_SLOPE_VARIANCE:
         return p->slope_variance;
+    case PEL_LAYER_WATER_SINGLE:
+        return p->water_part[PEL_WATER_SINGLE];
+    case PEL_LAYER_WATER_SECOND:
+        return p->water_part[PEL_WATER_SECOND];
+    case PEL_LAYER_WATER_HIGHER:
+        return p->water_part[PEL_WATER_HIGHER];
+    case PEL_LAYER_BOTTOM:
+        return p->water_part[PEL_WATER_BOTTOM];
     case PEL_LAYER_COLOR:
         break;
     }

@@ -12,7 +12,7 @@
 static const unsigned all_layers =
     PEL_LAYER_COLOR | PEL_LAYER_RADIANCE | PEL_LAYER_SUN | PEL_LAYER_SKY |
     PEL_LAYER_WATER | PEL_LAYER_AIR | PEL_LAYER_DEPTH | PEL_LAYER_NORMAL |
-    PEL_LAYER_FRESNEL | PEL_LAYER_SLOPE_VARIANCE;
+    PEL_LAYER_FRESNEL | PEL_LAYER_SLOPE_VARIANCE | PEL_WATER_PART_LAYERS;
 
 static struct pel_picture *draw(struct pel_renderer *r, unsigned layers)
 {
@@ -71,6 +71,13 @@ static void parts_make_the_radiance(void **state)
             double whole = p->radiance[4 * i + c];
             assert_true(fabs(sum - whole) <= 1e-5 * whole + 1e-9);
             assert_true(p->sun[4 * i + c] >= 0 && p->water[4 * i + c] >= 0);
+            double water = 0.0;
+            for (int k = 0; k < PEL_WATER_PARTS; k++) {
+                assert_true(p->water_part[k][4 * i + c] >= 0);
+                water += p->water_part[k][4 * i + c];
+            }
+            whole = p->water[4 * i + c];
+            assert_true(fabs(water - whole) <= 1e-5 * whole + 1e-9);
         }
         if (isfinite(p->depth[i])) {
             sea++;

@@ -7,7 +7,7 @@
 
 static void delete_sea_programs(struct pel_sea_programs *p)
 {
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->near[i]);
         glDeleteProgram(p->far[i]);
         glDeleteProgram(p->compute[i]);
@@ -26,9 +26,15 @@ static bool choose_compute(bool software, const char *shading)
     return strcmp(shading, "compute") == 0;
 }
 
+static const char *const kind_defines[PEL_SHADE_COUNT] = {
+    [PEL_SHADE_LIGHT] = "",
+    [PEL_SHADE_LAYERS] = "#define PEL_LAYERS\n",
+    [PEL_SHADE_PARTS] = "#define PEL_WATER_PARTS\n",
+};
+
 static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
-                                     int waves, bool layers, GLuint *out,
-                                     struct pel_fault *fault)
+                                     int waves, enum pel_shading kind,
+                                     GLuint *out, struct pel_fault *fault)
 {
     if (*out) {
         return PEL_OK;
@@ -37,8 +43,7 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
     bool unroll = all->software && waves <= MAX_UNROLLED_WAVES;
     snprintf(defines, sizeof defines, "#define PEL_WAVES %d\n%s%s%s", waves,
              cascades ? "#define PEL_FFT\n" : "",
-             unroll ? "#define PEL_UNROLL\n" : "",
-             layers ? "#define PEL_LAYERS\n" : "");
+             unroll ? "#define PEL_UNROLL\n" : "", kind_defines[kind]);
     if (all->compute) {
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);
@@ -50,7 +55,8 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
 /* Makes the programs that this kind of sea and picture wants; those with
  * layers most never are. */
 static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
-                                      bool layers, struct pel_fault *fault)
+                                      enum pel_shading kind,
+                                      struct pel_fault *fault)
 {
     struct pel_sea_programs *p = cascades ? &all->cascades : &all->trochoids;
     enum pel_err err = PEL_OK;
@@ -62,34 +68,33 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
                                  &p->mesh, fault);
     }
     if (err == PEL_OK && all->compute) {
-        return make_sea_program(all, cascades, all->waves, layers,
-                                &p->compute[layers], fault);
+        return make_sea_program(all, cascades, all->waves, kind,
+                                &p->compute[kind], fault);
     }
     if (err == PEL_OK) {
-        err = make_sea_program(all, cascades, all->waves, layers,
-                               &p->near[layers], fault);
+        err = make_sea_program(all, cascades, all->waves, kind, &p->near[kind],
+                               fault);
     }
     /* The first picture does without it, a quarter of a second sooner: zero
      * weights add nothing, so the bits are the same. */
     if (err == PEL_OK && !cascades && all->settled) {
-        err = make_sea_program(all, cascades, PEL_FAR_WAVES, layers,
-                               &p->far[layers], fault);
+        err = make_sea_program(all, cascades, PEL_FAR_WAVES, kind,
+                               &p->far[kind], fault);
     }
-    if (err == PEL_OK && !all->backdrop[layers]) {
+    if (err == PEL_OK && !all->backdrop[kind]) {
         err =
             pel_program_create(all->shader_dir, "screen.vert", "backdrop.frag",
-                               layers ? "#define PEL_LAYERS\n" : NULL,
-                               &all->backdrop[layers], fault);
+                               kind_defines[kind], &all->backdrop[kind], fault);
     }
     return err;
 }
 
 enum pel_err pel_programs_need(struct pel_programs *all,
-                               const struct pel_sea *sea, bool layers,
+                               const struct pel_sea *sea, enum pel_shading kind,
                                struct pel_fault *fault)
 {
     if (sea->cascades) {
-        return need_sea_programs(all, true, layers, fault);
+        return need_sea_programs(all, true, kind, fault);
     }
     /* Steps of the written-out sums, so that few programs are ever made. */
     static const int steps[] = { 24, 40, 48, 60, 64, 80, 96, 112, 128, 256 };
@@ -104,7 +109,7 @@ enum pel_err pel_programs_need(struct pel_programs *all,
         delete_sea_programs(&all->trochoids);
         all->waves = waves;
     }
-    return need_sea_programs(all, false, layers, fault);
+    return need_sea_programs(all, false, kind, fault);
 }
 
 enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
@@ -131,7 +136,8 @@ void pel_programs_finish(struct pel_programs *p)
     delete_sea_programs(&p->cascades);
     glDeleteProgram(p->surface);
     glDeleteProgram(p->tone);
-    glDeleteProgram(p->backdrop[0]);
-    glDeleteProgram(p->backdrop[1]);
+    for (int i = 0; i < PEL_SHADE_COUNT; i++) {
+        glDeleteProgram(p->backdrop[i]);
+    }
     *p = (struct pel_programs){ 0 };
 }

@@ -10,12 +10,20 @@
 
 #define PEL_FAR_WAVES 20 /* far pixels resolve no more than these */
 
-/* What draws one kind of sea; [1] of a pair also writes the layers. */
+/* What the shading of a picture writes. */
+enum pel_shading {
+    PEL_SHADE_LIGHT,  /* radiance; in one dispatch also the colour */
+    PEL_SHADE_LAYERS, /* radiance and the layers of a surface */
+    PEL_SHADE_PARTS,  /* the water's light taken apart */
+    PEL_SHADE_COUNT,
+};
+
+/* What draws one kind of sea, by enum pel_shading. */
 struct pel_sea_programs {
     GLuint mesh;
-    GLuint near[2];    /* fragments, all waves */
-    GLuint far[2];     /* fragments, PEL_FAR_WAVES of them */
-    GLuint compute[2]; /* sky, sea and colour in one dispatch */
+    GLuint near[PEL_SHADE_COUNT];    /* fragments, all waves */
+    GLuint far[PEL_SHADE_COUNT];     /* fragments, PEL_FAR_WAVES of them */
+    GLuint compute[PEL_SHADE_COUNT]; /* sky, sea and colour in one dispatch */
 };
 
 struct pel_programs {
@@ -25,7 +33,7 @@ struct pel_programs {
     bool settled; /* a picture has been drawn */
     int waves;    /* what the trochoids' programs are made for */
     GLuint surface, tone;
-    GLuint backdrop[2]; /* without, with layers */
+    GLuint backdrop[PEL_SHADE_COUNT];
     struct pel_sea_programs trochoids, cascades;
 };
 
@@ -36,8 +44,8 @@ PEL_CHECK enum pel_err pel_programs_init(struct pel_programs *p,
                                          struct pel_fault *fault);
 void pel_programs_finish(struct pel_programs *p);
 
-/* Makes the programs that this sea wants for a picture with or without
- * layers. */
+/* Makes the programs that this sea wants for a picture. */
 PEL_CHECK enum pel_err pel_programs_need(struct pel_programs *p,
-                                         const struct pel_sea *sea, bool layers,
+                                         const struct pel_sea *sea,
+                                         enum pel_shading kind,
                                          struct pel_fault *fault);

@@ -2,6 +2,7 @@
 
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -109,28 +110,59 @@ static struct pel_readback_slot *take_slot(struct pel_readback *r, size_t size)
     return largest->map ? largest : NULL;
 }
 
+/* Attachments of hdr_fbo in their order, then of parts_fbo; color is its own
+ * framebuffer. */
+#define ATTACHMENTS (PEL_HDR_ATTACHMENTS + PEL_WATER_PARTS)
+static const struct {
+    unsigned layers;
+    GLenum format;
+    size_t floats;
+} attachments[ATTACHMENTS] = {
+    { PEL_LAYER_RADIANCE, GL_RGBA, 4 },
+    { PEL_LAYER_DEPTH, GL_RED, 1 },
+    { PEL_LAYER_NORMAL | PEL_LAYER_FRESNEL, GL_RGBA, 4 },
+    { PEL_LAYER_SUN, GL_RGBA, 4 },
+    { PEL_LAYER_SKY, GL_RGBA, 4 },
+    { PEL_LAYER_WATER, GL_RGBA, 4 },
+    { PEL_LAYER_AIR, GL_RGBA, 4 },
+    { PEL_LAYER_SLOPE_VARIANCE, GL_RG, 2 },
+    [PEL_HDR_ATTACHMENTS +
+        PEL_WATER_SINGLE] = { PEL_LAYER_WATER_SINGLE, GL_RGBA, 4 },
+    [PEL_HDR_ATTACHMENTS +
+        PEL_WATER_SECOND] = { PEL_LAYER_WATER_SECOND, GL_RGBA, 4 },
+    [PEL_HDR_ATTACHMENTS +
+        PEL_WATER_HIGHER] = { PEL_LAYER_WATER_HIGHER, GL_RGBA, 4 },
+    [PEL_HDR_ATTACHMENTS + PEL_WATER_BOTTOM] = { PEL_LAYER_BOTTOM, GL_RGBA, 4 },
+};
+
+/* Queues the copy of every wanted attachment to the bound pack buffer. */
+static void copy_attachments(const struct pel_readback_source *s,
+                             const uint8_t *map, const size_t at[ATTACHMENTS],
+                             const float *found[ATTACHMENTS])
+{
+    const uint8_t *base = NULL; /* offsets into the pack buffer */
+    for (int i = 0; i < ATTACHMENTS; i++) {
+        if (!(s->layers & attachments[i].layers)) {
+            continue;
+        }
+        bool part = i >= PEL_HDR_ATTACHMENTS;
+        int number = part ? i - PEL_HDR_ATTACHMENTS : i;
+        glBindFramebuffer(GL_READ_FRAMEBUFFER,
+                          part ? s->parts_fbo : s->hdr_fbo);
+        glReadBuffer(GL_COLOR_ATTACHMENT0 + (GLenum)number);
+        glReadPixels(0, 0, (GLsizei)s->width, (GLsizei)s->height,
+                     attachments[i].format, GL_FLOAT, (void *)(base + at[i]));
+        found[i] = (const float *)(map + at[i]);
+    }
+}
+
 enum pel_err pel_readback_push(struct pel_readback *r,
                                const struct pel_readback_source *s)
 {
     size_t pixels = (size_t)s->width * s->height;
-    /* Attachments of hdr_fbo in their order; color is its own framebuffer. */
-    static const struct {
-        unsigned layers;
-        GLenum format;
-        size_t floats;
-    } attachments[PEL_HDR_ATTACHMENTS] = {
-        { PEL_LAYER_RADIANCE, GL_RGBA, 4 },
-        { PEL_LAYER_DEPTH, GL_RED, 1 },
-        { PEL_LAYER_NORMAL | PEL_LAYER_FRESNEL, GL_RGBA, 4 },
-        { PEL_LAYER_SUN, GL_RGBA, 4 },
-        { PEL_LAYER_SKY, GL_RGBA, 4 },
-        { PEL_LAYER_WATER, GL_RGBA, 4 },
-        { PEL_LAYER_AIR, GL_RGBA, 4 },
-        { PEL_LAYER_SLOPE_VARIANCE, GL_RG, 2 },
-    };
-    size_t at[PEL_HDR_ATTACHMENTS];
+    size_t at[ATTACHMENTS];
     size_t size = s->layers & PEL_LAYER_COLOR ? align_up(pixels * 4) : 0;
-    for (int i = 0; i < PEL_HDR_ATTACHMENTS; i++) {
+    for (int i = 0; i < ATTACHMENTS; i++) {
         at[i] = size;
         if (s->layers & attachments[i].layers) {
             size += align_up(pixels * sizeof(float) * attachments[i].floats);
@@ -148,7 +180,7 @@ enum pel_err pel_readback_push(struct pel_readback *r,
     }
     GLsizei w = (GLsizei)s->width, h = (GLsizei)s->height;
     uint8_t *base = NULL; /* offsets into the pack buffer */
-    const float *found[PEL_HDR_ATTACHMENTS] = { NULL };
+    const float *found[ATTACHMENTS] = { NULL };
     glBindBuffer(GL_PIXEL_PACK_BUFFER, slot->buffer);
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
     if (s->layers & PEL_LAYER_COLOR) {
@@ -156,15 +188,7 @@ enum pel_err pel_readback_push(struct pel_readback *r,
         glReadBuffer(GL_COLOR_ATTACHMENT0);
         glReadPixels(0, 0, w, h, GL_RGBA, GL_UNSIGNED_BYTE, base);
     }
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, s->hdr_fbo);
-    for (int i = 0; i < PEL_HDR_ATTACHMENTS; i++) {
-        if (s->layers & attachments[i].layers) {
-            glReadBuffer(GL_COLOR_ATTACHMENT0 + (GLenum)i);
-            glReadPixels(0, 0, w, h, attachments[i].format, GL_FLOAT,
-                         base + at[i]);
-            found[i] = (const float *)(slot->map + at[i]);
-        }
-    }
+    copy_attachments(s, slot->map, at, found);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
     glCopyNamedBufferSubData(s->light, slot->buffer, 0, (GLintptr)ev_offset,
                              16);
@@ -185,6 +209,8 @@ enum pel_err pel_readback_push(struct pel_readback *r,
         .air = found[6],
         .slope_variance = found[7],
     };
+    memcpy(slot->picture.water_part, found + PEL_HDR_ATTACHMENTS,
+           sizeof slot->picture.water_part);
     slot->started_ns = s->started_ns;
     slot->ev_offset = ev_offset;
     slot->auto_exposure = s->auto_exposure;

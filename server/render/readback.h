@@ -23,6 +23,7 @@ struct pel_readback {
 struct pel_readback_source {
     GLuint color_fbo; /* RGBA8 */
     GLuint hdr_fbo;   /* attachments as in readback.c's table */
+    GLuint parts_fbo; /* the water's, likewise */
     GLuint light;     /* buffer that begins with the automatic EV100 (float) */
     bool auto_exposure;
     double exposure_ev; /* where not automatic */

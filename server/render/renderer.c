@@ -116,9 +116,11 @@ void pel_renderer_stage_ms(const struct pel_renderer *r,
 }
 
 /* More than the radiance and the colour made of it. */
-static bool wants_layers(unsigned layers)
+static enum pel_shading shading_of(unsigned layers)
 {
-    return layers & ~(unsigned)(PEL_LAYER_COLOR | PEL_LAYER_RADIANCE);
+    const unsigned light = PEL_LAYER_COLOR | PEL_LAYER_RADIANCE;
+    return layers & ~(light | PEL_WATER_PART_LAYERS) ? PEL_SHADE_LAYERS
+                                                     : PEL_SHADE_LIGHT;
 }
 
 /* --- life ----------------------------------------------------------------- */
@@ -331,13 +333,16 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
 /* Sea where the surface was drawn, sky where it was not: the depth test tells
  * them apart before a pixel is shaded. */
 static void shade(struct pel_renderer *r, const struct pel_camera *c,
-                  const struct pel_sea_programs *p, bool layers)
+                  const struct pel_sea_programs *p, enum pel_shading kind)
 {
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER,
-                      layers ? r->targets.layers_fbo : r->targets.light_fbo);
+    const GLuint fbos[PEL_SHADE_COUNT] = { r->targets.light_fbo,
+                                           r->targets.layers_fbo,
+                                           r->targets.parts_fbo };
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbos[kind]);
+    glEnable(GL_DEPTH_TEST);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
     glDepthFunc(GL_EQUAL);
-    glUseProgram(r->programs.backdrop[layers]);
+    glUseProgram(r->programs.backdrop[kind]);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glDepthFunc(GL_LESS);
     glEnable(GL_SCISSOR_TEST);
@@ -346,15 +351,15 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     for (int y = 0; y < down; y++) {
         const short *row = &r->tiles[y * across];
         for (int x = 0, end; x < across; x = end) {
-            bool far = p->far[layers] && row[x] <= PEL_FAR_WAVES;
+            bool far = p->far[kind] && row[x] <= PEL_FAR_WAVES;
             for (end = x + 1;
                  end < across &&
-                 (p->far[layers] && row[end] <= PEL_FAR_WAVES) == far;) {
+                 (p->far[kind] && row[end] <= PEL_FAR_WAVES) == far;) {
                 end++;
             }
             glScissor(x * PEL_TILE, y * PEL_TILE, (end - x) * PEL_TILE,
                       PEL_TILE);
-            glUseProgram(far ? p->far[layers] : p->near[layers]);
+            glUseProgram(far ? p->far[kind] : p->near[kind]);
             glDrawArrays(GL_TRIANGLES, 0, 3);
         }
     }
@@ -365,19 +370,24 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
 /* Sky, sea and, without layers, display colour in one dispatch: eight images
  * are what OpenGL promises. */
 static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
-                          const struct pel_sea_programs *p, bool layers)
+                          const struct pel_sea_programs *p,
+                          enum pel_shading kind)
 {
     glDisable(GL_DEPTH_TEST);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
-    for (GLuint i = 0; i < (layers ? PEL_HDR_ATTACHMENTS : 1u); i++) {
-        glBindImageTexture(i, r->targets.hdr[i], 0, GL_FALSE, 0, GL_WRITE_ONLY,
-                           pel_hdr_formats[i]);
+    static const GLuint images[PEL_SHADE_COUNT] = { 1, PEL_HDR_ATTACHMENTS,
+                                                    PEL_WATER_PARTS };
+    for (GLuint i = 0; i < images[kind]; i++) {
+        bool parts = kind == PEL_SHADE_PARTS;
+        glBindImageTexture(i, parts ? r->targets.parts[i] : r->targets.hdr[i],
+                           0, GL_FALSE, 0, GL_WRITE_ONLY,
+                           parts ? GL_RGBA32F : pel_hdr_formats[i]);
     }
-    if (!layers) {
+    if (kind == PEL_SHADE_LIGHT) {
         glBindImageTexture(1, r->targets.color, 0, GL_FALSE, 0, GL_WRITE_ONLY,
                            GL_RGBA8);
     }
-    glUseProgram(p->compute[layers]);
+    glUseProgram(p->compute[kind]);
     glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
     glMemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT |
                     GL_TEXTURE_FETCH_BARRIER_BIT);
@@ -413,7 +423,9 @@ static enum pel_err draw_view(struct pel_renderer *r,
     camera.altitude_m -= env->sea_level_m;
     const struct pel_camera *c = &camera;
     int64_t started_ns = pel_now_ns();
-    bool layers = wants_layers(draw->layers);
+    enum pel_shading kind = shading_of(draw->layers);
+    bool layers = kind == PEL_SHADE_LAYERS;
+    bool parts = draw->layers & PEL_WATER_PART_LAYERS;
     double height_m = fmax(c->altitude_m, 0.3);
     double table_height_m = pel_sky_quantize_height(height_m);
     struct pel_block_view view;
@@ -446,7 +458,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     }
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &eye, sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 2, &view, sizeof view);
-    pel_targets_fit(&r->targets, c->width, c->height, layers);
+    pel_targets_fit(&r->targets, c->width, c->height, layers, parts);
     stage_begin(r);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
     stage_end(r, PEL_STAGE_SKY);
@@ -454,10 +466,13 @@ static enum pel_err draw_view(struct pel_renderer *r,
     stage_end(r, PEL_STAGE_MESH);
     raster_surface(r, c, submerged);
     stage_end(r, PEL_STAGE_RASTER);
-    if (r->programs.compute) {
-        shade_compute(r, c, programs, layers);
-    } else {
-        shade(r, c, programs, layers);
+    for (int pass = 0; pass <= parts; pass++) {
+        enum pel_shading now = pass ? PEL_SHADE_PARTS : kind;
+        if (r->programs.compute) {
+            shade_compute(r, c, programs, now);
+        } else {
+            shade(r, c, programs, now);
+        }
     }
     stage_end(r, PEL_STAGE_SHADE);
     if ((!r->programs.compute || layers) && draw->layers & PEL_LAYER_COLOR) {
@@ -470,6 +485,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     const struct pel_readback_source source = {
         .color_fbo = r->targets.color_fbo,
         .hdr_fbo = layers ? r->targets.layers_fbo : r->targets.light_fbo,
+        .parts_fbo = r->targets.parts_fbo,
         .light = r->sky.light,
         .auto_exposure = c->auto_exposure,
         .exposure_ev = c->exposure_ev,
@@ -517,9 +533,12 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     }
     struct pel_fault fault;
     for (size_t i = 0; i < count; i++) {
-        bool layers = wants_layers(draws[i].layers);
-        enum pel_err err =
-            pel_programs_need(&r->programs, env->sea, layers, &fault);
+        enum pel_err err = pel_programs_need(
+            &r->programs, env->sea, shading_of(draws[i].layers), &fault);
+        if (!err && (draws[i].layers & PEL_WATER_PART_LAYERS)) {
+            err = pel_programs_need(&r->programs, env->sea, PEL_SHADE_PARTS,
+                                    &fault);
+        }
         if (err != PEL_OK) {
             pel_error("RND-040", "%s", fault.message);
             return err;

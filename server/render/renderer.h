@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "optics/watertable.h"
 #include "scene/snapshot.h"
 
 struct pel_renderer;
@@ -40,6 +41,9 @@ struct pel_environment {
     double wind_mps, wind_to_rad;
     double visibility_m;
     struct pel_water_body water;
+    /* Depths to have the water's light for, over a bottom that is not flat;
+     * levels 0: that of `water` alone. */
+    struct pel_water_depths depths;
     /* For validation: leaves out the air between the sea and the eye; gives
      * every distance the slope variances of the nearest pixels, the constant
      * BRDF of the 2010 paper's fig. 10; widens the Sun as brute force must. */
@@ -58,6 +62,11 @@ enum pel_layer {
     PEL_LAYER_NORMAL = 1 << 7,   /* east, north, up; sky: 0 */
     PEL_LAYER_FRESNEL = 1 << 8,  /* effective reflectance F̄; sky: 0 */
     PEL_LAYER_SLOPE_VARIANCE = 1 << 9, /* unresolved, along, across the wind */
+    /* PEL_LAYER_WATER taken apart by what befell the light in the water. */
+    PEL_LAYER_WATER_SINGLE = 1 << 10, /* scattered once */
+    PEL_LAYER_WATER_SECOND = 1 << 11, /* scattered twice */
+    PEL_LAYER_WATER_HIGHER = 1 << 12, /* more often, or mirrored from below */
+    PEL_LAYER_BOTTOM = 1 << 13,       /* reflected by the bottom */
 };
 
 /* The layers that files and protocols name, in the order of their bits after
@@ -70,7 +79,10 @@ struct pel_layer_info {
     bool full_float;      /* keeps 32 bits where others are halves */
     const char *unit;
 };
-#define PEL_LAYERS 9
+#define PEL_LAYERS 13
+#define PEL_WATER_PART_LAYERS                                                  \
+    (PEL_LAYER_WATER_SINGLE | PEL_LAYER_WATER_SECOND |                         \
+     PEL_LAYER_WATER_HIGHER | PEL_LAYER_BOTTOM)
 extern const struct pel_layer_info pel_layer_table[PEL_LAYERS];
 
 /* The layer called `name`, or NULL. */
@@ -109,6 +121,7 @@ struct pel_picture {
     const float *depth;                              /* 1 float a pixel */
     const float *normal;         /* 4 floats a pixel: east, north, up, F̄ */
     const float *slope_variance; /* 2 floats a pixel */
+    const float *water_part[PEL_WATER_PARTS]; /* 4 floats a pixel */
     int64_t drawn_ns; /* CLOCK_MONOTONIC when the pixels were there */
     double render_ms; /* wall time from submission to the pixels */
 };

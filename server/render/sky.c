@@ -189,7 +189,7 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         memcpy(sky->sea.key, key, sizeof key);
         sky->sea.made = true;
     }
-    pel_water_light_update(&sky->water, &env->water, env->sun.z);
+    pel_water_light_update(&sky->water, env);
     const double light_key[8] = { env->sun.x,
                                   env->sun.y,
                                   env->sun.z,
@@ -205,7 +205,7 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, sky->light);
         glBindTextureUnit(PEL_UNIT_WATER_SUN, sky->water.sun);
         glBindTextureUnit(PEL_UNIT_WATER_SKY, sky->water.sky);
-        glBindImageTexture(0, sky->water.map, 0, GL_FALSE, 0, GL_WRITE_ONLY,
+        glBindImageTexture(0, sky->water.map, 0, GL_TRUE, 0, GL_WRITE_ONLY,
                            GL_RGBA32F);
         glUseProgram(sky->light_program);
         glDispatchCompute(1, 1, 1);

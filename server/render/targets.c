@@ -8,10 +8,11 @@ void pel_targets_finish(struct pel_targets *t)
 {
     const GLuint textures[] = { t->triangles, t->depth_test, t->color };
     const GLuint fbos[] = { t->surface_fbo, t->light_fbo, t->layers_fbo,
-                            t->color_fbo };
+                            t->color_fbo, t->parts_fbo };
     glDeleteTextures(3, textures);
     glDeleteTextures(PEL_HDR_ATTACHMENTS, t->hdr);
-    glDeleteFramebuffers(4, fbos);
+    glDeleteTextures(PEL_WATER_PARTS, t->parts);
+    glDeleteFramebuffers(5, fbos);
     *t = (struct pel_targets){ 0 };
 }
 
@@ -53,8 +54,23 @@ static void make_layer_targets(struct pel_targets *t)
     glNamedFramebufferDrawBuffers(t->layers_fbo, PEL_HDR_ATTACHMENTS, buffers);
 }
 
+static void make_part_targets(struct pel_targets *t)
+{
+    GLenum buffers[PEL_WATER_PARTS];
+    glCreateFramebuffers(1, &t->parts_fbo);
+    for (unsigned i = 0; i < PEL_WATER_PARTS; i++) {
+        t->parts[i] =
+            make_target(GL_RGBA32F, t->width, t->height, "part of the water");
+        buffers[i] = GL_COLOR_ATTACHMENT0 + i;
+        glNamedFramebufferTexture(t->parts_fbo, buffers[i], t->parts[i], 0);
+    }
+    glNamedFramebufferTexture(t->parts_fbo, GL_DEPTH_ATTACHMENT, t->depth_test,
+                              0);
+    glNamedFramebufferDrawBuffers(t->parts_fbo, PEL_WATER_PARTS, buffers);
+}
+
 void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
-                     bool layers)
+                     bool layers, bool parts)
 {
     bool small = (size_t)width * height * 4 < (size_t)t->width * t->height;
     t->small_draws = small ? t->small_draws + 1 : 0;
@@ -85,5 +101,8 @@ void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
     }
     if (layers && !t->layers_fbo) {
         make_layer_targets(t);
+    }
+    if (parts && !t->parts_fbo) {
+        make_part_targets(t);
     }
 }

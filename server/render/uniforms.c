@@ -6,6 +6,7 @@
 #include "optics/brdf.h"
 #include "optics/colour.h"
 #include "optics/facets.h"
+#include "render/waterlight.h"
 
 static struct pel_vec4 vec4(double x, double y, double z, double w)
 {
@@ -23,6 +24,7 @@ void pel_fill_frame(const struct pel_environment *env,
     struct pel_atmosphere air;
     const struct pel_atmosphere_desc desc = { env->visibility_m };
     pel_atmosphere_init(&desc, &air);
+    struct pel_water_depths depths = pel_water_light_depths(env);
     double r0 = (PEL_WATER_INDEX - 1.0) / (PEL_WATER_INDEX + 1.0);
     /* A uniform disc has a quarter of its squared radius as variance an axis;
      * facets turn half as far as what they mirror. */
@@ -41,7 +43,12 @@ void pel_fill_frame(const struct pel_environment *env,
         .ozone = rgb4(air.ozone, air.ozone_center_m),
         .planet = vec4(PEL_EARTH_RADIUS, PEL_ATMOSPHERE_RADIUS,
                        air.ozone_width_m, r0 * r0),
-        .water = vec4(0.0, 0.0, 0.0, env->no_air ? 1.0 : 0.0),
+        .water =
+            vec4(depths.levels, log2(depths.first_m),
+                 depths.levels > 1 ? (depths.levels - 1) /
+                                         log2(depths.last_m / depths.first_m)
+                                   : 0.0,
+                 env->no_air ? 1.0 : 0.0),
         .disc = vec4(env->sun_blur > 0.0 ? env->sun_blur * env->sun_blur : disc,
                      0.0, 0.0, 0.0),
         .red = vec4(m[0], m[1], m[2], 0.0),

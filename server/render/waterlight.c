@@ -8,11 +8,11 @@
 #define SIZE PEL_WATER_TABLE_SIZE
 #define LAST ((int)(90.0 / PEL_WATER_SUN_STEP_DEG))
 
-static GLuint make_texture(const char *label)
+static GLuint make_texture(const char *label, int layers)
 {
     GLuint texture = 0;
-    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
-    glTextureStorage2D(texture, 1, GL_RGBA32F, SIZE, SIZE);
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &texture);
+    glTextureStorage3D(texture, 1, GL_RGBA32F, SIZE, SIZE, layers);
     glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -24,10 +24,16 @@ static GLuint make_texture(const char *label)
 void pel_water_light_init(struct pel_water_light *w)
 {
     memset(w, 0, sizeof *w);
-    w->sun = make_texture("water by sun");
-    w->sky = make_texture("water by sky");
-    w->map = make_texture("water");
     w->nodes[0] = w->nodes[1] = -1;
+}
+
+/* Textures for so many levels of depth. */
+static void fit(struct pel_water_light *w, int levels)
+{
+    pel_water_light_finish(w);
+    w->sun = make_texture("water by sun", levels);
+    w->sky = make_texture("water by sky", levels);
+    w->map = make_texture("water", levels * (1 + PEL_WATER_PARTS));
 }
 
 void pel_water_light_finish(struct pel_water_light *w)
@@ -48,14 +54,19 @@ static int slot_of(struct pel_water_light *w, int node, int keep)
     }
     int slot = w->nodes[0] == keep ? 1 : 0;
     double zenith = node * PEL_WATER_SUN_STEP_DEG * PEL_DEG;
-    if (pel_water_table_build(&w->body, zenith, NULL, &w->tables[slot])) {
-        memset(&w->tables[slot], 0, sizeof w->tables[slot]); /* no memory */
+    for (int i = 0; i < w->depths.levels; i++) {
+        struct pel_water_table *to = &w->tables[slot][i];
+        struct pel_water_body body = w->body;
+        body.depth_m = pel_water_depth(&w->depths, i);
+        if (pel_water_table_build(&body, zenith, NULL, to)) {
+            memset(to, 0, sizeof *to); /* no memory */
+        }
     }
     w->nodes[slot] = node;
     return slot;
 }
 
-static void upload(GLuint texture, const void *low, const void *high,
+static void upload(GLuint texture, int level, const void *low, const void *high,
                    double part)
 {
     float texels[SIZE * SIZE * 4];
@@ -63,28 +74,47 @@ static void upload(GLuint texture, const void *low, const void *high,
     for (int i = 0; i < SIZE * SIZE * 4; i++) {
         texels[i] = a[i] + (float)part * (b[i] - a[i]);
     }
-    glTextureSubImage2D(texture, 0, 0, 0, SIZE, SIZE, GL_RGBA, GL_FLOAT,
-                        texels);
+    glTextureSubImage3D(texture, 0, 0, 0, level, SIZE, SIZE, 1, GL_RGBA,
+                        GL_FLOAT, texels);
+}
+
+struct pel_water_depths pel_water_light_depths(const struct pel_environment *e)
+{
+    return e->depths.levels > 1
+               ? e->depths
+               : (struct pel_water_depths){ 1, e->water.depth_m,
+                                            e->water.depth_m };
 }
 
 void pel_water_light_update(struct pel_water_light *w,
-                            const struct pel_water_body *body, double sun_z)
+                            const struct pel_environment *env)
 {
-    bool same_water = memcmp(body, &w->body, sizeof *body) == 0;
-    if (w->version && same_water && w->sun_z == sun_z) {
+    struct pel_water_depths depths = pel_water_light_depths(env);
+    bool same_water = memcmp(&env->water, &w->body, sizeof w->body) == 0 &&
+                      depths.levels == w->depths.levels &&
+                      depths.first_m == w->depths.first_m &&
+                      depths.last_m == w->depths.last_m;
+    if (w->version && same_water && w->sun_z == env->sun.z) {
         return;
     }
+    if (depths.levels != w->depths.levels) {
+        fit(w, depths.levels);
+    }
     if (!same_water) {
-        w->body = *body;
+        w->body = env->water;
+        w->depths = depths;
         w->nodes[0] = w->nodes[1] = -1;
     }
-    double zenith = acos(pel_clamp(sun_z, 0.0, 1.0)) / PEL_DEG;
+    double zenith = acos(pel_clamp(env->sun.z, 0.0, 1.0)) / PEL_DEG;
     double at = pel_clamp(zenith / PEL_WATER_SUN_STEP_DEG, 0.0, LAST);
     int low = (int)fmin(at, LAST - 1);
     int a = slot_of(w, low, low + 1), b = slot_of(w, low + 1, low);
-    const struct pel_water_table *from = &w->tables[a], *to = &w->tables[b];
-    upload(w->sun, from->sun, to->sun, at - low);
-    upload(w->sky, from->sky, to->sky, at - low);
-    w->sun_z = sun_z;
+    for (int i = 0; i < depths.levels; i++) {
+        const struct pel_water_table *from = &w->tables[a][i];
+        const struct pel_water_table *to = &w->tables[b][i];
+        upload(w->sun, i, from->sun, to->sun, at - low);
+        upload(w->sky, i, from->sky, to->sky, at - low);
+    }
+    w->sun_z = env->sun.z;
     w->version++;
 }

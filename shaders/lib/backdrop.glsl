@@ -35,5 +35,8 @@ shaded shade_backdrop(ivec2 at)
     result.air = vec3(0.0);
     result.variance = vec2(0.0);
 #endif
+#ifdef PEL_WATER_PARTS
+    result.parts = water_from_below(lut.y > 0.5 ? result.radiance : vec3(0.0));
+#endif
     return result;
 }

@@ -37,7 +37,8 @@ PEL_BLOCK(0, frame) {
     vec4 mie;      /* x extinction, y scattering, 1/m; z scale height; w g */
     vec4 ozone;    /* rgb peak absorption, 1/m; w height of the peak, m */
     vec4 planet;   /* x ground, y top radius, m; z ozone half-width, m; w R0 */
-    vec4 water;    /* w 1 leaves out the air */
+    vec4 water;    /* levels of depth (lib/water.glsl): x their number, y log2 of the
+                      first, m, z levels an octave; w 1 leaves out the air */
     vec4 disc;     /* x variance of slopes that mirror some of the Sun's disc */
     vec4 red;      /* rows of the matrix to Rec. 709 cd/m² */
     vec4 green;

@@ -1,5 +1,12 @@
 // The attachments of a fragment shader that shades.
+#ifdef PEL_WATER_PARTS
+layout(location = 0) out vec4 single_out;
+layout(location = 1) out vec4 second_out;
+layout(location = 2) out vec4 higher_out;
+layout(location = 3) out vec4 bottom_out;
+#else
 layout(location = 0) out vec4 radiance_out;
+#endif
 #ifdef PEL_LAYERS
 layout(location = 1) out float depth_out;
 layout(location = 2) out vec4 normal_out;
@@ -12,7 +19,14 @@ layout(location = 7) out vec2 variance_out;
 
 void write_outputs(shaded s)
 {
+#ifdef PEL_WATER_PARTS
+    single_out = vec4(s.parts.single, 1.0);
+    second_out = vec4(s.parts.second, 1.0);
+    higher_out = vec4(s.parts.higher, 1.0);
+    bottom_out = vec4(s.parts.bottom, 1.0);
+#else
     radiance_out = vec4(s.radiance, 1.0);
+#endif
 #ifdef PEL_LAYERS
     depth_out = s.depth;
     normal_out = s.normal;

@@ -10,7 +10,6 @@ layout(std430, binding = 0) readonly buffer vertices_block { vertex vertices[]; 
 layout(std430, binding = 3) readonly buffer variance_block { vec2 variance_table[]; };
 layout(binding = 1) uniform sampler2D reflection_map;
 layout(binding = 4) uniform sampler2D eye_haze;
-layout(binding = 9) uniform sampler2D water_map; // what leaves the water, by line of sight
 
 shaded shade_sea(ivec2 at, uint triangle)
 {
@@ -101,7 +100,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     float hidden = 1.0 - smoothstep(-edge, edge, dot(n, v));
     vec3 n_seen = normalize(mix(n, vec3(0.0, 0.0, 1.0), hidden));
     vec2 variance_seen = mix(variance, wind.zw, hidden);
-    lit parts = sea_radiance(reflection_map, water_map, v, sun_dir, n_seen, variance_seen);
+    lit parts = sea_radiance(reflection_map, v, sun_dir, n_seen, variance_seen, 1e3);
     vec3 light = parts.sun + parts.sky + parts.water;
 
     // The air between: towards its equilibrium radiance.
@@ -131,6 +130,16 @@ shaded shade_sea(ivec2 at, uint triangle)
     result.water = dry ? parts.water * through : result.radiance;
     result.air = dry ? air : vec3(0.0);
     result.variance = variance_seen;
+#endif
+#ifdef PEL_WATER_PARTS
+    result.parts = parts.parts;
+    result.parts.single *= through;
+    result.parts.second *= through;
+    result.parts.higher *= through;
+    result.parts.bottom *= through;
+    if (lut.y > 0.5) {
+        result.parts = water_from_below(result.radiance);
+    }
 #endif
     return result;
 }

@@ -54,25 +54,13 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
 struct lit {
     vec3 sun, sky, water;
     float fresnel;
+#ifdef PEL_WATER_PARTS
+    water_light parts;
+#endif
 };
 
-// What leaves the water towards v through a facet n, before the facet's own
-// Fresnel factor: L_sea of eq. 28, from the map over the refracted line of
-// sight (optics/watertable.h).
-vec3 leaving_water(sampler2D water_map, vec3 v, vec3 n, vec3 sun_dir)
-{
-    float facing = max(dot(n, v), 0.0);
-    const float eta = 1.0 / 1.34;
-    vec2 line = n.xy * (eta * facing - sqrt(1.0 - eta * eta * (1.0 - facing * facing))) - eta * v.xy;
-    float sine = length(line);
-    float across = length(sun_dir.xy) * sine;
-    float cosine = across > 1e-6 ? dot(line, sun_dir.xy) / across : 0.0;
-    vec2 size = vec2(textureSize(water_map, 0));
-    vec2 place = clamp(vec2(0.5 + 0.5 * cosine, 1.34 * sine), 0.0, 1.0);
-    return textureLod(water_map, (0.5 + place * (size - 1.0)) / size, 0.0).rgb;
-}
-
-lit sea_radiance(sampler2D map, sampler2D water_map, vec3 v, vec3 sun_dir, vec3 n, vec2 variance)
+// `depth` of the water there, m (lib/water.glsl).
+lit sea_radiance(sampler2D map, vec3 v, vec3 sun_dir, vec3 n, vec2 variance, float depth)
 {
     // Facets that face away are reflected into sight (section 3.2).
     float facing = dot(n, v);
@@ -88,6 +76,13 @@ lit sea_radiance(sampler2D map, sampler2D water_map, vec3 v, vec3 sun_dir, vec3 
     float fresnel;
     vec3 sky = reflected_sky(map, v, n, tx, ty, view, variance, fresnel);
     vec3 direct = sun_light.rgb * reflected_sun(view, light, variance);
-    vec3 below = leaving_water(water_map, v, n, sun_dir);
-    return lit(direct, sky, (1.0 - fresnel) * below, fresnel);
+    lit result;
+    result.sun = direct;
+    result.sky = sky;
+    result.fresnel = fresnel;
+    result.water = (1.0 - fresnel) * leaving_water(v, n, sun_dir, depth);
+#ifdef PEL_WATER_PARTS
+    result.parts = water_parts(v, n, sun_dir, depth, 1.0 - fresnel);
+#endif
+    return result;
 }

@@ -8,6 +8,9 @@ struct shaded {
     vec3 sun, sky, water, air;
     vec2 variance;
 #endif
+#ifdef PEL_WATER_PARTS
+    water_light parts; // of the light out of the water, as it reaches the eye
+#endif
 };
 
 layout(binding = 3) uniform sampler2D eye_table;

@@ -80,6 +80,8 @@ class ViewHandle(_Handle):
         quality       of JPEG, 1 to 100
         layers        of EXR: "radiance" and its parts "sun", "sky", "water",
                       "air"; "depth", "normal", "fresnel", "slopeVariance";
+                      "waterSingle", "waterSecond", "waterHigher",
+                      "bottom", parts of "water";
                       none: radiance
         float_samples EXR with 32-bit floats instead of halves (depth always)
         """

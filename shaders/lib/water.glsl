@@ -1,0 +1,76 @@
+// The light that leaves the water, from the maps that the light pass fills
+// (light.comp) for the Sun, the sky and the water of the frame.
+//
+// water_map is a texture array of pictures over the refracted line of sight
+// (optics/watertable.h), one for each part of the light and each of
+// WATER_LEVELS depths: layer part · levels + level. Depths are level with each
+// other on a logarithmic scale; `frame.water` has x the number of levels, y
+// log2 of the first depth in m, z levels an octave. A flat sea has one level
+// and any depth finds it; over a sloping bottom
+//
+//     vec3 light = (1 − F̄) · leaving_water(v, n, sun_dir, depth)
+//
+// with the depth below the place where the line of sight meets the surface
+// mixes the two levels around it, and holds the first and the last beyond them.
+
+layout(binding = 9) uniform sampler2DArray water_map;
+
+const float WATER_TOTAL = 0.0; // parts, in the order of the layers
+const float WATER_SINGLE = 1.0;
+const float WATER_SECOND = 2.0;
+const float WATER_HIGHER = 3.0;
+const float WATER_BOTTOM = 4.0;
+
+struct water_light {
+    vec3 single, second, higher, bottom;
+};
+
+// What an eye under the surface sees is not taken apart.
+water_light water_from_below(vec3 radiance)
+{
+    return water_light(vec3(0.0), vec3(0.0), radiance, vec3(0.0));
+}
+
+// Where on the maps the line of sight towards v lies that leaves the water
+// through a facet n: refracted there, the part of it along the surface.
+vec2 water_place(vec3 v, vec3 n, vec3 sun_dir)
+{
+    float facing = max(dot(n, v), 0.0);
+    const float eta = 1.0 / 1.34;
+    vec2 line = n.xy * (eta * facing - sqrt(1.0 - eta * eta * (1.0 - facing * facing))) - eta * v.xy;
+    float sine = length(line);
+    float across = length(sun_dir.xy) * sine;
+    float cosine = across > 1e-6 ? dot(line, sun_dir.xy) / across : 0.0;
+    vec2 size = vec2(textureSize(water_map, 0).xy);
+    vec2 place = clamp(vec2(0.5 + 0.5 * cosine, 1.34 * sine), 0.0, 1.0);
+    return (0.5 + place * (size - 1.0)) / size;
+}
+
+vec3 water_part(vec2 place, float part, float depth)
+{
+    float first = part * water.x;
+    if (water.x < 1.5) {
+        return textureLod(water_map, vec3(place, first), 0.0).rgb;
+    }
+    float level = clamp((log2(max(depth, 1e-6)) - water.y) * water.z, 0.0, water.x - 1.0);
+    float below = min(floor(level), water.x - 2.0);
+    return mix(textureLod(water_map, vec3(place, first + below), 0.0).rgb,
+               textureLod(water_map, vec3(place, first + below + 1.0), 0.0).rgb, level - below);
+}
+
+// Towards v through a facet n over water of this depth, before the facet's own
+// Fresnel factor: L_sea of Bruneton et al. 2010, eq. 28.
+vec3 leaving_water(vec3 v, vec3 n, vec3 sun_dir, float depth)
+{
+    return water_part(water_place(v, n, sun_dir), WATER_TOTAL, depth);
+}
+
+// The same taken apart, times `factor`.
+water_light water_parts(vec3 v, vec3 n, vec3 sun_dir, float depth, float factor)
+{
+    vec2 place = water_place(v, n, sun_dir);
+    return water_light(factor * water_part(place, WATER_SINGLE, depth),
+                       factor * water_part(place, WATER_SECOND, depth),
+                       factor * water_part(place, WATER_HIGHER, depth),
+                       factor * water_part(place, WATER_BOTTOM, depth));
+}
