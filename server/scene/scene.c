@@ -314,6 +314,31 @@ enum pel_err pel_scene_try(struct pel_scene *scene, const Pelagos__Patch *patch,
     return err;
 }
 
+enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
+                                    const Pelagos__Patch *patch,
+                                    const struct pel_snapshot **out,
+                                    struct pel_fault *fault)
+{
+    if (!patch) {
+        *out = pel_scene_snapshot(scene);
+        return PEL_OK;
+    }
+    Pelagos__State *next;
+    struct pel_shared_sea *sea = NULL;
+    enum pel_err err =
+        edited(scene, patch, pel_scene_time(scene), &next, fault);
+    if (err) {
+        return err;
+    }
+    err = pel_shared_sea_get(next, &scene->means, scene->sea, &sea, fault);
+    if (!err) {
+        *out = pel_snapshot_build(next, sea);
+        pel_shared_sea_unref(sea);
+    }
+    pelagos__state__free_unpacked(next, NULL);
+    return err;
+}
+
 enum pel_err pel_scene_patch(struct pel_scene *scene,
                              const Pelagos__Patch *patch,
                              struct pel_fault *fault)

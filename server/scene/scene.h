@@ -46,6 +46,12 @@ PEL_CHECK enum pel_err pel_scene_try(struct pel_scene *scene,
                                      struct pel_shared_sea **sea,
                                      struct pel_fault *fault);
 
+/* The same as a whole snapshot, at the present time; pel_snapshot_unref. */
+PEL_CHECK enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
+                                              const Pelagos__Patch *patch,
+                                              const struct pel_snapshot **out,
+                                              struct pel_fault *fault);
+
 /* The state with clock.time of now; owned by the scene, valid until its next
  * call. */
 const Pelagos__State *pel_scene_state(struct pel_scene *scene);
