@@ -81,6 +81,7 @@ OPTICS := server/optics/brdf.c \
     server/optics/atmosphere.c \
     server/optics/colour.c \
     server/optics/facets.c \
+    server/optics/lightreport.c \
     server/optics/waterbody.c \
     server/optics/linear.c \
     server/optics/ordinates.c \
@@ -114,7 +115,7 @@ SCENE := server/scene/scene.c \
     server/scene/sun.c
 RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/targets.c \
-    server/render/programs.c server/render/renderer.c server/render/arena.c \
+    server/render/programs.c server/render/renderer.c server/render/arena.c server/render/probe.c \
     server/render/mesh.c server/render/mark.c server/render/sky.c server/render/uniforms.c \
     server/render/tiles.c server/render/waterlight.c server/render/crew.c server/render/wavefield.c server/render/layer.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
@@ -131,6 +132,7 @@ FRAMES := server/frames/frame.c server/frames/mailbox.c \
     server/frames/requests.c \
     server/frames/live.c \
     server/frames/surface.c \
+    server/frames/optics.c \
     server/frames/metrics.c \
     server/frames/schedule.c \
     server/frames/frames.c
@@ -142,7 +144,7 @@ NET := server/net/fdsource.c \
     server/net/session.c \
     server/net/http_request.c \
     server/net/http_problem.c \
-    server/net/http_view.c \
+    server/net/http_view.c server/net/http_optics.c \
     server/net/http_route.c \
     server/net/http_live.c \
     server/net/rtsp.c \
@@ -185,7 +187,7 @@ CTL := \
     clients/pelagosctl/ctl_bench.c \
     clients/pelagosctl/ctl_completion.c \
     clients/pelagosctl/ctl_help.c \
-    clients/pelagosctl/ctl_optics.c \
+    clients/pelagosctl/ctl_optics.c clients/pelagosctl/ctl_light.c \
     clients/pelagosctl/ctl_options.c \
     clients/pelagosctl/ctl_picture.c \
     clients/pelagosctl/ctl_record.c \
@@ -243,6 +245,7 @@ TESTS += server/render/wavefield_test.c
 TESTS += server/render/depth_test.c
 TESTS += server/render/light_test.c
 TESTS += server/render/layer_test.c
+TESTS += server/render/probe_test.c
 TESTS += server/frames/layers_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:

@@ -77,8 +77,30 @@ run 2 optics water --absorption 0 --scattering 1
 says "absorption must be from 0.001 to 100 1/m"
 run 2 optics water --view-zenith 91
 run 2 optics air
+run 2 optics water sea.windSpeed=3
 
 start_daemon
+
+echo "== optics brdf, sky"
+run 0 --json optics brdf --wind 10 --sun-elevation 25 --view-zenith 70
+cp "$out" "$work/reference"
+jq -e '.brdf | .slopeDensity > 0 and .fresnel > 0 and .shadowing <= 1 and
+    .reflectedSun > 0' "$out" >/dev/null || fail "optics brdf: $(cat "$out")"
+run 0 --json optics brdf --wind 10 --sun-elevation 25 --view-zenith 70 \
+    --from gpu
+jq -es '(.[0].brdf.meanFresnel / .[1].brdf.meanFresnel - 1 | fabs) < 1e-3 and
+    (.[0].brdf.slopeAlong == .[1].brdf.slopeAlong)' "$work/reference" "$out" \
+    >/dev/null || fail "optics brdf of the device: $(cat "$out")"
+run 0 optics brdf --slope-along 0.03 --slope-cross 0.02 sky.sunElevation=20
+says "slope variance across            0.02"
+run 0 optics sky --sun-elevation 20 --elevation 10 --visibility 20000
+says "sky radiance"
+run 0 optics sky --sun-elevation 20 --elevation 10 --from gpu
+says "llvmpipe"
+run 2 optics sky --elevation 91
+run 2 optics brdf --from montecarlo
+run 4 optics brdf --wind 99
+says "it must be 0 to 30 m/s"
 
 echo "== get, set, unset"
 run 0 set sea.windSpeed=12.5 views.bridge.yaw=-30

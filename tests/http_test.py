@@ -252,6 +252,39 @@ class Endpoints(HttpCase):
             "patch": {"state": {"sea": {"windSpeed": 31}}}}), 400,
             path="sea.windSpeed", maximum=30)
 
+    def test_optics(self):
+        reference = self.daemon.get(
+            "/v1/optics/brdf?sky.sunElevation=30&viewZenith=70"
+            "&sea.windSpeed=11").json()
+        drawn = self.daemon.get(
+            "/v1/optics/brdf?sky.sunElevation=30&viewZenith=70"
+            "&sea.windSpeed=11&from=GPU").json()
+        self.assertAlmostEqual(reference["sunElevation"], 30, 6)
+        self.assertIn("llvmpipe", drawn["device"])
+        for name in ("lambdaView", "shadowing", "meanFresnel"):
+            self.assertAlmostEqual(reference["brdf"][name],
+                                   drawn["brdf"][name], 4)
+        # Wider slopes, the same view: more of the Sun from far aside.
+        calm = self.daemon.get("/v1/optics/brdf?slopeAlong=0.01"
+                               "&slopeCross=0.01").json()["brdf"]
+        self.assertEqual(calm["slopeAlong"], 0.01)
+        sky = [self.daemon.request("POST", "/v1/optics", {
+            "sky": {"elevation": 20, "azimuth": 90}, "from": source,
+            "patch": {"state": {"sky": {"sunElevation": 40}}},
+        }).json()["sky"] for source in ("REFERENCE", "GPU")]
+        for a, b in zip(sky[0]["radiance"], sky[1]["radiance"]):
+            self.assertLess(abs(a / b - 1), 0.04)
+        self.refused(self.daemon.get("/v1/optics/brdf?viewZenith=91"), 400,
+                     path="brdf.viewZenith", maximum=90)
+        self.refused(self.daemon.get("/v1/optics/sky?viewZenith=9"), 400,
+                     code="NOT_FOUND", path="viewZenith")
+        self.refused(self.daemon.get("/v1/optics/sky?sky.visibility=1"), 400,
+                     path="sky.visibility", minimum=200)
+        self.refused(self.daemon.get("/v1/optics/sky?elevation=nan"), 400,
+                     code="INVALID", path="elevation")
+        self.refused(self.daemon.get("/v1/optics/patch"), 404)
+        self.refused(self.daemon.request("POST", "/v1/optics", {}), 400)
+
     def test_surface(self):
         answer = self.daemon.request("POST", "/v1/surface", {
             "points": [[0, 0], [10.5, -3]], "time": 7})

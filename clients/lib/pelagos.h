@@ -119,6 +119,13 @@ pel_client_spectrum(struct pel_client *client,
                     const Pelagos__SpectrumQuery *query,
                     Pelagos__Spectrum **out, struct pel_client_error *error);
 
+/* Numbers of light (query->brdf or query->sky), of the state in force or of
+ * what query->patch would make of it; the scene stays as it is. Free *out with
+ * pelagos__optics__free_unpacked(). */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_optics(struct pel_client *client, const Pelagos__OpticsQuery *query,
+                  Pelagos__Optics **out, struct pel_client_error *error);
+
 /* Advances simulated time by `seconds` (0..3600) in mode STEPPED; CONFLICT in
  * any other. *out (NULL allowed): the state after it. */
 PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code

@@ -43,7 +43,7 @@ struct ctl_command {
 extern const struct ctl_command ctl_commands[]; /* ends with name NULL */
 extern const struct ctl_option ctl_global_options[];
 
-#define CTL_MAX_OPTIONS 24
+#define CTL_MAX_OPTIONS 40
 
 struct ctl {
     const struct ctl_command *command;
@@ -141,6 +141,8 @@ enum ctl_exit ctl_spectrum(struct ctl *ctl);
 enum ctl_exit ctl_record(struct ctl *ctl);
 enum ctl_exit ctl_bench(struct ctl *ctl);
 enum ctl_exit ctl_optics(struct ctl *ctl);
+/* optics brdf, optics sky. */
+enum ctl_exit ctl_light(struct ctl *ctl);
 
 /* Set by SIGINT and SIGTERM once ctl_catch_signals has been called: commands
  * that run on end their loop and tidy up. */

@@ -1,5 +1,5 @@
-/* pelagosctl optics: numbers from the reference code of server/optics. Needs
- * no daemon. */
+/* pelagosctl optics water: numbers from the reference code of server/optics.
+ * Needs no daemon. */
 #include "pelagosctl/ctl.h"
 
 #include <stdint.h>
@@ -288,8 +288,20 @@ static enum ctl_exit answer_montecarlo(const struct question *q)
 
 enum ctl_exit ctl_optics(struct ctl *ctl)
 {
-    if (strcmp(ctl->args[0], "water") != 0) {
-        return ctl_say(CTL_USAGE, "optics of what? `pelagosctl optics water`");
+    const char *what = ctl->args[0];
+    if (strcmp(what, "brdf") == 0 || strcmp(what, "sky") == 0) {
+        return ctl_light(ctl);
+    }
+    if (strcmp(what, "water") != 0) {
+        return ctl_say(CTL_USAGE,
+                       "optics of what? `pelagosctl optics water`, `brdf`, "
+                       "`sky`");
+    }
+    if (ctl->arg_count > 1) {
+        return ctl_say(CTL_USAGE,
+                       "optics water asks no pelagosd: %s has no "
+                       "meaning",
+                       ctl->args[1]);
     }
     struct question q = { .sun_zenith = 30.0, .paths = 1e5, .seed = 1.0 };
     enum ctl_exit status = read_question(ctl, &q);

@@ -146,15 +146,32 @@ static const struct ctl_option optics_options[] = {
       "sand, mud, rock, coral, black (black), or an albedo, or R,G,B", NULL },
     { 0, "sun-zenith", "DEGREES", "From the vertical to the Sun, 0 to 90 (30)",
       NULL },
-    { 0, "view-zenith", "DEGREES", "From the vertical to the eye, 0 to 90 (0)",
-      NULL },
+    { 0, "view-zenith", "DEGREES",
+      "From the vertical to the eye, 0 to 90 (water 0, brdf 60)", NULL },
     { 0, "azimuth", "DEGREES",
-      "Of the line of sight from the Sun's; 0 looks towards it (0)", NULL },
+      "water: of the line of sight from the Sun's, 0 looks towards it; sky: of "
+      "the direction (0)",
+      NULL },
     { 0, "orders", "WHICH", "all, 2, or paper: Iwasaki et al. 2003 (all)",
       NULL },
-    { 0, "from", "CODE", "reference or montecarlo (reference)", NULL },
+    { 0, "from", "CODE",
+      "reference, or for the water montecarlo, or else gpu (reference)", NULL },
     { 0, "paths", "COUNT", "Of the Monte Carlo, a wavelength (100000)", NULL },
     { 0, "seed", "NUMBER", "Of the Monte Carlo (1)", NULL },
+    { 0, "wind", "M/S", "brdf: short for sea.windSpeed=", NULL },
+    { 0, "slope-along", "VARIANCE",
+      "brdf: slope variance along the wind (that of the sea)", NULL },
+    { 0, "slope-cross", "VARIANCE", "brdf: across the wind", NULL },
+    { 0, "view-azimuth", "DEGREES",
+      "brdf: compass direction to the eye (opposite the Sun)", NULL },
+    { 0, "height", "METRES", "sky: of the eye, 0.5 to 1e6 (2)", NULL },
+    { 0, "elevation", "DEGREES", "sky: of the direction, -90 to 90 (45)",
+      NULL },
+    { 0, "sun-elevation", "DEGREES",
+      "brdf, sky: short for sky.sunElevation=", NULL },
+    { 0, "sun-azimuth", "DEGREES",
+      "brdf, sky: short for sky.sunAzimuth=", NULL },
+    { 0, "visibility", "METRES", "sky: short for sky.visibility=", NULL },
     { 0 },
 };
 static const char *const optics_examples[] = {
@@ -162,6 +179,10 @@ static const char *const optics_examples[] = {
     "40\nA lagoon from straight above.",
     "pelagosctl optics water --absorption 0.02 --scattering 0.3 --from "
     "montecarlo\nThe same by counting photons.",
+    "pelagosctl optics brdf --wind 10 --sun-elevation 20 --view-zenith 75\n"
+    "How the sea of 10 m/s reflects the Sun.",
+    "pelagosctl optics sky --sun-elevation 5 --elevation 10 --from gpu\n"
+    "The sky over a low Sun, as the shaders have it.",
     NULL,
 };
 
@@ -257,13 +278,22 @@ const struct ctl_command ctl_commands[] = {
       "drawing and of the whole answer; with --points also median and 99th "
       "percentile of a surface query.",
       bench_options, bench_examples, NULL, 0, 0, ctl_bench },
-    { "optics", "water", "print the light that leaves the water, as numbers",
-      "Prints as JSON the radiance just above a flat sea for a unit of solar "
+    { "optics", "water|brdf|sky [PATH=VALUE…]",
+      "print numbers of light: water, reflection, sky",
+      "water prints as JSON the radiance just above a flat sea for a unit of "
+      "solar "
       "irradiance normal to the beam, at 680, 550 and 440 nm: single, second "
       "and higher orders, and what touched the bottom, direct and scattered. "
       "Computed here by the reference code of the server; "
-      "pelagosd is not asked.",
-      optics_options, optics_examples, NULL, 1, 1, ctl_optics },
+      "pelagosd is not asked.\n\n"
+      "brdf prints the terms of Ross's BRDF for one direction of view: slope "
+      "density, shadowing, effective Fresnel reflectance, the Sun's "
+      "reflection. sky prints the sky's radiance and the air's transmittance "
+      "in a direction and towards the Sun, at 680, 550 and 440 nm. Both ask "
+      "pelagosd about the state in force, or about what the PATHs make of it, "
+      "for this answer only: its reference code or, --from gpu, the shader "
+      "functions that draw, on the device that draws.",
+      optics_options, optics_examples, "paths", 1, SIZE_MAX, ctl_optics },
     { "completion", "bash|zsh|fish", "print the completion of a shell",
       "Prints a script that completes commands, options, and the paths and "
       "views of the running pelagosd.",

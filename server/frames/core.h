@@ -15,6 +15,7 @@
 #define PEL_MAX_STREAMS 64
 #define PEL_MAX_SUBSCRIPTIONS 256
 #define PEL_MAX_SURFACE_QUERIES 16
+#define PEL_MAX_OPTICS_QUERIES 16
 #define PEL_MAX_SURFACE_POINTS 10000
 #define PEL_STATS_WINDOW 256
 
@@ -93,6 +94,8 @@ struct pel_frames {
     unsigned calling; /* depth of callbacks to subscribers */
     unsigned surface_count;
     struct pel_surface_query *surfaces[PEL_MAX_SURFACE_QUERIES];
+    unsigned optics_count;
+    struct pel_optics_query *optics[PEL_MAX_OPTICS_QUERIES];
 
     int64_t launched_ns;
     uint64_t stuck_number; /* frame that was last complained about */
@@ -115,6 +118,9 @@ void pel_schedule_watch(void *user);
 /* A job or output comes back. */
 void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job);
 void pel_schedule_output(struct pel_frames *frames, struct pel_output *output);
+/* What a frame of this snapshot is drawn in. */
+struct pel_environment pel_environment_of(const struct pel_snapshot *s,
+                                          double time_s);
 
 /* --- requests.c ---------------------------------------------------------- */
 
@@ -144,6 +150,12 @@ void pel_live_finish(struct pel_frames *frames);
 void pel_surface_answer(struct pel_frames *frames,
                         struct pel_surface_query *query);
 void pel_surface_finish_all(struct pel_frames *frames);
+
+/* --- optics.c ------------------------------------------------------------ */
+void pel_optics_answer(struct pel_frames *frames,
+                       struct pel_optics_query *query);
+/* joined: no thread has them any more. */
+void pel_optics_finish_all(struct pel_frames *frames, bool joined);
 
 /* --- window.c: medians --------------------------------------------------- */
 void pel_window_add(struct pel_window *window, double value);

@@ -19,6 +19,9 @@ static void receive(void *user, struct pel_mail *mail)
     case PEL_MAIL_SURFACE:
         pel_surface_answer(frames, (struct pel_surface_query *)mail);
         break;
+    case PEL_MAIL_OPTICS:
+        pel_optics_answer(frames, (struct pel_optics_query *)mail);
+        break;
     case PEL_MAIL_TRACK:
         break;
     }
@@ -138,6 +141,7 @@ bool pel_frames_destroy(struct pel_frames *frames)
     joined = joined && (!frames->loop || pel_renderloop_stop(frames->loop));
     pel_requests_finish_all(frames);
     pel_surface_finish_all(frames);
+    pel_optics_finish_all(frames, joined);
     pel_live_finish(frames);
     if (!joined) {
         /* They still use all this: leaving it is the only safe way. */

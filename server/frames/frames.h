@@ -162,6 +162,18 @@ PEL_CHECK enum pel_err pel_frames_surface(struct pel_frames *frames,
                                           pel_surface_callback done, void *user,
                                           struct pel_fault *fault);
 
+/* Numbers of light, from the reference or from the device that draws, of the
+ * present state or of what its patch would make of it. The numbers of the query
+ * were tested (pel_command_check). The answer is borrowed for the call, NULL
+ * with an error. At most 16 queries waiting: BUSY; faults as of a patch. */
+typedef void (*pel_optics_callback)(void *user, enum pel_err err,
+                                    const struct pel_fault *fault,
+                                    const Pelagos__Optics *answer);
+PEL_CHECK enum pel_err pel_frames_optics(struct pel_frames *frames,
+                                         const Pelagos__OpticsQuery *question,
+                                         pel_optics_callback done, void *user,
+                                         struct pel_fault *fault);
+
 /* Counters since the start, for /metrics and the log. */
 struct pel_frames_stats {
     uint64_t frames_drawn, views_drawn, frames_skipped;

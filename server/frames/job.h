@@ -10,6 +10,7 @@
 #include "encode/encode.h"
 #include "encode/video.h"
 #include "frames/frames.h"
+#include "render/probe.h"
 #include "render/renderer.h"
 
 #define PEL_MAX_OUTPUTS 128 /* 64 streams and 64 requests */
@@ -18,6 +19,7 @@ enum pel_mail_kind {
     PEL_MAIL_JOB_DRAWN, /* every picture is with the encoders, or failed */
     PEL_MAIL_OUTPUT,    /* encoded, or failed */
     PEL_MAIL_SURFACE,
+    PEL_MAIL_OPTICS,
     PEL_MAIL_TRACK, /* to the encoders only: this stream is over */
 };
 
@@ -102,6 +104,24 @@ struct pel_surface_query {
     pel_surface_callback done;
     void *user;
 };
+
+/* To the encoder threads for the reference's answer, to the render thread for
+ * the device's. */
+struct pel_optics_query {
+    struct pel_mail mail;
+    const struct pel_snapshot *snapshot;
+    struct pel_environment environment;
+    Pelagos__OpticsQuery__QuestionCase question;
+    bool gpu;
+    struct pel_probe probe;
+    struct pel_probe_answer answer;
+    enum pel_err err;
+    struct pel_fault fault;
+    pel_optics_callback done;
+    void *user;
+};
+/* Answers by the reference; any thread. */
+void pel_optics_reference(struct pel_optics_query *query);
 
 /* A picture of `view` with room for what the encoder gives; NULL: no memory. */
 struct pel_frame *pel_frame_create(void);

@@ -245,6 +245,9 @@ static void *run(void *argument)
         pthread_mutex_unlock(&pool->lock);
         if (mail->kind == PEL_MAIL_OUTPUT) {
             encode_output(pool, (struct pel_output *)mail);
+        } else if (mail->kind == PEL_MAIL_OPTICS) {
+            pel_optics_reference((struct pel_optics_query *)mail);
+            pel_mailbox_post(pool->box, mail);
         }
         free_track(pool, track);
         pthread_mutex_lock(&pool->lock);
@@ -373,4 +376,9 @@ void pel_pool_push_surface(struct pel_pool *pool,
 {
     query->mail.kind = PEL_MAIL_SURFACE;
     push(pool, &pool->surface, &query->mail);
+}
+
+void pel_pool_push_optics(struct pel_pool *pool, struct pel_optics_query *query)
+{
+    push(pool, &pool->slow, &query->mail);
 }

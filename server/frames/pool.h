@@ -29,5 +29,7 @@ const atomic_bool *pel_pool_cancel(const struct pel_pool *pool);
 
 /* Any thread. Outputs whose draw failed come back with its error. */
 void pel_pool_push_output(struct pel_pool *pool, struct pel_output *output);
+void pel_pool_push_optics(struct pel_pool *pool,
+                          struct pel_optics_query *query);
 void pel_pool_push_surface(struct pel_pool *pool,
                            struct pel_surface_query *query);

@@ -203,7 +203,7 @@ static void submit(struct pel_renderloop *loop, struct pel_job *job)
 
 /* --- the thread ---------------------------------------------------------- */
 
-static struct pel_job *next_job(struct pel_renderloop *loop)
+static struct pel_mail *next_mail(struct pel_renderloop *loop)
 {
     struct pel_mail *mail = NULL;
     pthread_mutex_lock(&loop->lock);
@@ -217,7 +217,16 @@ static struct pel_job *next_job(struct pel_renderloop *loop)
         pthread_cond_wait(&loop->wake, &loop->lock);
     }
     pthread_mutex_unlock(&loop->lock);
-    return (struct pel_job *)mail;
+    return mail;
+}
+
+static void answer_optics(struct pel_renderloop *loop,
+                          struct pel_optics_query *query)
+{
+    query->err =
+        pel_renderer_probe(loop->renderer, &query->environment, &query->probe,
+                           &query->answer, &query->fault);
+    pel_mailbox_post(loop->box, &query->mail);
 }
 
 static void draw_jobs(struct pel_renderloop *loop)
@@ -227,9 +236,11 @@ static void draw_jobs(struct pel_renderloop *loop)
          * take commands, and the next job would hold it up for a frame. */
         while (loop->submitted > 0 && collect_one(loop, 0)) {
         }
-        struct pel_job *job = next_job(loop);
-        if (job) {
-            submit(loop, job);
+        struct pel_mail *mail = next_mail(loop);
+        if (mail && mail->kind == PEL_MAIL_OPTICS) {
+            answer_optics(loop, (struct pel_optics_query *)mail);
+        } else if (mail) {
+            submit(loop, (struct pel_job *)mail);
         } else if (loop->submitted == MAX_SUBMITTED) {
             collect_one(loop, 50000000);
         } else if (loop->submitted > 0) {
@@ -319,12 +330,23 @@ bool pel_renderloop_is_software(const struct pel_renderloop *loop)
     return pel_renderer_is_software(loop->renderer);
 }
 
-void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job)
+static void push(struct pel_renderloop *loop, struct pel_mail *mail)
 {
     pthread_mutex_lock(&loop->lock);
-    pel_queue_push(&loop->queue, &job->mail);
+    pel_queue_push(&loop->queue, mail);
     pthread_cond_signal(&loop->wake);
     pthread_mutex_unlock(&loop->lock);
+}
+
+void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job)
+{
+    push(loop, &job->mail);
+}
+
+void pel_renderloop_push_optics(struct pel_renderloop *loop,
+                                struct pel_optics_query *query)
+{
+    push(loop, &query->mail);
 }
 
 void pel_renderloop_released(struct pel_renderloop *loop, size_t bytes)

@@ -20,6 +20,10 @@ bool pel_renderloop_is_software(const struct pel_renderloop *loop);
 /* Hands a job over; it comes back as PEL_MAIL_JOB_DRAWN. Control thread. */
 void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job);
 
+/* The same of a question; it comes back as PEL_MAIL_OPTICS. Control thread. */
+void pel_renderloop_push_optics(struct pel_renderloop *loop,
+                                struct pel_optics_query *query);
+
 /* A readback buffer is free again; any thread. */
 void pel_renderloop_released(struct pel_renderloop *loop, size_t bytes);
 

@@ -45,6 +45,22 @@ static bool has_room(struct pel_frames *frames)
     return frames->drawing < PEL_MAX_DRAWING && free_job(frames) != NULL;
 }
 
+struct pel_environment pel_environment_of(const struct pel_snapshot *s,
+                                          double time_s)
+{
+    return (struct pel_environment){
+        .time_s = time_s,
+        .sea = s->sea,
+        .sea_level_m = s->sea_level_m,
+        .stale = s->mark_stale ? s->stale : 0,
+        .sun = pel_snapshot_sun(s, time_s),
+        .wind_mps = s->wind_mps,
+        .wind_to_rad = s->wind_to_rad,
+        .visibility_m = s->visibility_m,
+        .water = s->water,
+    };
+}
+
 static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
                                  bool live)
 {
@@ -59,17 +75,7 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
     job->draw_count = 0;
     job->output_count = 0;
     job->collected = 0;
-    job->environment = (struct pel_environment){
-        .time_s = time_s,
-        .sea = s->sea,
-        .sea_level_m = s->sea_level_m,
-        .stale = s->mark_stale ? s->stale : 0,
-        .sun = pel_snapshot_sun(s, time_s),
-        .wind_mps = s->wind_mps,
-        .wind_to_rad = s->wind_to_rad,
-        .visibility_m = s->visibility_m,
-        .water = s->water,
-    };
+    job->environment = pel_environment_of(s, time_s);
     return job;
 }
 

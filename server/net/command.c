@@ -165,6 +165,17 @@ enum pel_err pel_command_spectrum(struct pel_scene *scene,
     return err ? err : pel_scene_spectrum(scene, query, out, fault);
 }
 
+enum pel_err pel_command_optics(struct pel_frames *frames,
+                                const Pelagos__OpticsQuery *query,
+                                pel_optics_callback done, void *user,
+                                struct pel_fault *fault)
+{
+    Pelagos__OpticsQuery own = *query;
+    own.patch = NULL;
+    enum pel_err err = pel_command_check(&own.base, fault);
+    return err ? err : pel_frames_optics(frames, query, done, user, fault);
+}
+
 enum pel_err pel_command_surface(struct pel_frames *frames,
                                  const Pelagos__SurfaceQuery *query,
                                  pel_surface_callback done, void *user,

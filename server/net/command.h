@@ -50,6 +50,12 @@ Pelagos__Surface *pel_surface_message(double time_s,
                                       size_t count);
 void pel_surface_message_free(Pelagos__Surface *surface);
 
+/* Checks the query's numbers and asks; as pel_frames_optics. */
+PEL_CHECK enum pel_err pel_command_optics(struct pel_frames *frames,
+                                          const Pelagos__OpticsQuery *query,
+                                          pel_optics_callback done, void *user,
+                                          struct pel_fault *fault);
+
 /* The delimited bytes of a Reply with this frame, up to the picture itself,
  * which must follow; malloc()ed. */
 uint8_t *pel_frame_reply_head(bool has_id, uint64_t id,

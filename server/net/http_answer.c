@@ -194,31 +194,68 @@ enum MHD_Result pel_http_send_frame(struct client *client,
     return MHD_YES;
 }
 
-/* --- the surface ---------------------------------------------------------- */
+/* --- the surface, light ----------------------------------------------------
+ */
+
+static struct waiter *wait_begin(struct client *client)
+{
+    struct waiter *waiter = g_new0(struct waiter, 1);
+    waiter->client = client;
+    client->waiter = waiter;
+    client->waiting = true;
+    return waiter;
+}
+
+/* Whose waiter this was; NULL: gone. */
+static struct client *wait_end(struct waiter *waiter)
+{
+    struct client *client = waiter->client;
+    g_free(waiter);
+    if (client) {
+        client->waiter = NULL;
+        client->waiting = false;
+    }
+    return client;
+}
+
+/* After the command was given; the answer may have come already. */
+static enum MHD_Result wait_on(struct client *client, struct waiter *waiter,
+                               enum pel_err err, const struct pel_fault *fault)
+{
+    if (err != PEL_OK) {
+        wait_end(waiter);
+        return pel_http_send_fault(client, 0, fault);
+    }
+    if (client->waiting) {
+        suspend(client);
+    }
+    return MHD_YES;
+}
+
+static void send_json(struct client *client, const ProtobufCMessage *message)
+{
+    struct pel_http_answer answer = { .status = 200,
+                                      .type = "application/json" };
+    answer.owned = pel_json_from_message(message, false);
+    answer.body = answer.owned;
+    answer.size = strlen(answer.owned);
+    pel_http_send(client, &answer);
+}
 
 static void on_surface(void *user, enum pel_err err,
                        const struct pel_fault *fault, double time_s,
                        const struct pel_surface_sample *samples, size_t count)
 {
-    struct waiter *waiter = user;
-    struct client *client = waiter->client;
-    g_free(waiter);
+    struct client *client = wait_end(user);
     if (!client) {
         return;
     }
-    client->waiter = NULL;
-    client->waiting = false;
     if (err != PEL_OK) {
         pel_http_send_fault(client, 0, fault);
     } else {
         Pelagos__Surface *surface = pel_surface_message(time_s, samples, count);
-        struct pel_http_answer answer = { .status = 200,
-                                          .type = "application/json" };
-        answer.owned = pel_json_from_message(&surface->base, false);
-        answer.body = answer.owned;
-        answer.size = strlen(answer.owned);
+        send_json(client, &surface->base);
         pel_surface_message_free(surface);
-        pel_http_send(client, &answer);
     }
     pel_http_resume(client);
 }
@@ -227,23 +264,38 @@ enum MHD_Result pel_http_send_surface(struct client *client,
                                       struct pel_http_answer *answer)
 {
     struct pel_fault fault;
-    struct waiter *waiter = g_new0(struct waiter, 1);
-    waiter->client = client;
-    client->waiter = waiter;
-    client->waiting = true;
+    struct waiter *waiter = wait_begin(client);
     enum pel_err err = pel_command_surface(
         client->server->frames, answer->surface, on_surface, waiter, &fault);
     pel_http_answer_finish(answer);
+    return wait_on(client, waiter, err, &fault);
+}
+
+static void on_optics(void *user, enum pel_err err,
+                      const struct pel_fault *fault,
+                      const Pelagos__Optics *answer)
+{
+    struct client *client = wait_end(user);
+    if (!client) {
+        return;
+    }
     if (err != PEL_OK) {
-        client->waiter = NULL;
-        client->waiting = false;
-        g_free(waiter);
-        return pel_http_send_fault(client, 0, &fault);
+        pel_http_send_fault(client, 0, fault);
+    } else {
+        send_json(client, &answer->base);
     }
-    if (client->waiting) {
-        suspend(client);
-    }
-    return MHD_YES;
+    pel_http_resume(client);
+}
+
+enum MHD_Result pel_http_send_optics(struct client *client,
+                                     struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    struct waiter *waiter = wait_begin(client);
+    enum pel_err err = pel_command_optics(
+        client->server->frames, answer->optics, on_optics, waiter, &fault);
+    pel_http_answer_finish(answer);
+    return wait_on(client, waiter, err, &fault);
 }
 
 /* --- Motion JPEG and MPEG-TS

@@ -99,6 +99,8 @@ enum MHD_Result pel_http_send_fault(struct client *client, int status,
  * *answer. */
 enum MHD_Result pel_http_send_frame(struct client *client,
                                     struct pel_http_answer *answer);
+enum MHD_Result pel_http_send_optics(struct client *client,
+                                     struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_surface(struct client *client,
                                       struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_stream(struct client *client,

@@ -384,6 +384,8 @@ static const struct route routes[] = {
     { "POST", "v1/surface", ROUTE_BODY | ROUTE_LARGE, post_surface },
     { "GET", "v1/spectrum", 0, spectrum },
     { "POST", "v1/spectrum", ROUTE_BODY | ROUTE_EMPTY_OK, spectrum },
+    { "GET", "v1/optics/*", ROUTE_QUERY, pel_http_get_optics },
+    { "POST", "v1/optics", ROUTE_BODY, pel_http_post_optics },
     { "POST", "v1/clock/step", ROUTE_BODY | ROUTE_EMPTY_OK, post_step },
     { "GET", "*", 0, get_file },
 };

@@ -29,6 +29,7 @@ enum pel_http_kind {
     PEL_HTTP_TS,      /* stream `view` in `profile` */
     PEL_HTTP_LIVE,    /* a WebSocket: 101, then `live` */
     PEL_HTTP_SURFACE, /* carry out `surface`, answer with JSON */
+    PEL_HTTP_OPTICS,  /* carry out `optics`, answer with JSON */
 };
 
 struct pel_http_answer {
@@ -46,6 +47,7 @@ struct pel_http_answer {
     int retry_after_s; /* Retry-After header, or 0 */
     Pelagos__FrameRequest *frame;
     Pelagos__SurfaceQuery *surface;
+    Pelagos__OpticsQuery *optics;
     char view[PEL_NAME_SIZE];
     double fps; /* at most; 0: every frame */
     int quality;

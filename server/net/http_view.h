@@ -16,6 +16,9 @@ void pel_http_put_view(const struct pel_http_call *call);
 void pel_http_delete_view(const struct pel_http_call *call);
 void pel_http_get_frame(const struct pel_http_call *call);
 void pel_http_get_mjpeg(const struct pel_http_call *call);
+/* http_optics.c */
+void pel_http_get_optics(const struct pel_http_call *call);
+void pel_http_post_optics(const struct pel_http_call *call);
 /* http_live.c */
 void pel_http_get_live(const struct pel_http_call *call);
 void pel_http_get_ts(const struct pel_http_call *call);

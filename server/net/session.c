@@ -24,7 +24,7 @@
 /* A full house lets the longest-idle session go after this. */
 #define EVICT_IDLE_NS (60 * INT64_C(1000000000))
 #define LINGER_NS (2 * INT64_C(1000000000))
-#define COMMANDS 9
+#define COMMANDS 10
 
 struct session;
 
@@ -79,6 +79,7 @@ static const char *const command_names[COMMANDS] = {
     [PELAGOS__REQUEST__COMMAND_STEP] = "step",
     [PELAGOS__REQUEST__COMMAND_WATCH] = "watch",
     [PELAGOS__REQUEST__COMMAND_SPECTRUM] = "spectrum",
+    [PELAGOS__REQUEST__COMMAND_OPTICS] = "optics",
 };
 
 static int64_t seconds(double s)
@@ -217,6 +218,27 @@ static void on_surface(void *user, enum pel_err err,
     g_free(job);
 }
 
+static void on_optics(void *user, enum pel_err err,
+                      const struct pel_fault *fault,
+                      const Pelagos__Optics *answer)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        if (err == PEL_OK) {
+            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+            reply.has_id = job->has_id;
+            reply.id = job->id;
+            reply.result_case = PELAGOS__REPLY__RESULT_OPTICS;
+            reply.optics = (Pelagos__Optics *)answer;
+            send_reply(self, &reply);
+        } else {
+            send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
 /* --- requests ------------------------------------------------------------- */
 
 static enum pel_err start_job(struct session *self,
@@ -247,6 +269,9 @@ static enum pel_err start_job(struct session *self,
                 job->frame_id = frame_id;
             }
         }
+    } else if (request->command_case == PELAGOS__REQUEST__COMMAND_OPTICS) {
+        err = pel_command_optics(self->all->frames, request->optics, on_optics,
+                                 job, fault);
     } else {
         err = pel_command_surface(self->all->frames, request->surface,
                                   on_surface, job, fault);
@@ -301,6 +326,7 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
         break;
     case PELAGOS__REQUEST__COMMAND_FRAME:
     case PELAGOS__REQUEST__COMMAND_SURFACE:
+    case PELAGOS__REQUEST__COMMAND_OPTICS:
         return start_job(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_SPECTRUM:
         return send_spectrum(self, request, fault);

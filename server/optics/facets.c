@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "base/vec.h"
+#include "optics/brdf.h"
 
 #define SAMPLES 4096
 #define REACH 9.0 /* p(9) is 1e-18 */
@@ -82,4 +82,31 @@ void pel_facet_quadrature(double mu, double node[PEL_FACET_NODES],
         }
         weight[k] = 1.0 / sum;
     }
+}
+
+void pel_facets_seen(double mu, double node[PEL_FACET_NODES],
+                     double weight[PEL_FACET_NODES])
+{
+    pel_facet_quadrature(mu, node, weight);
+    for (int k = 0; k < PEL_FACET_NODES; k++) {
+        node[k] += 0.3 / (1.0 + mu);
+    }
+}
+
+double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y)
+{
+    double sine = sqrt(fmax(1.0 - view.z * view.z, 1e-8));
+    double x = view.x / sine, y = view.y / sine;
+    double along = var_x * x * x + var_y * y * y;
+    double s = sqrt(along), across = var_x * var_y / along;
+    double node[PEL_FACET_NODES], weight[PEL_FACET_NODES], sum = 0.0;
+    pel_facets_seen(view.z / (sine * s), node, weight);
+    for (int k = 0; k < PEL_FACET_NODES; k++) {
+        double zx = var_x * x / s * node[k], zy = var_y * y / s * node[k];
+        double facet2 = 1.0 + zx * zx + zy * zy;
+        double facing = view.z + view.x * zx + view.y * zy;
+        double cosine = facing / sqrt(facet2 * (1.0 + across / facet2));
+        sum += weight[k] * pel_fresnel_schlick(cosine, PEL_WATER_INDEX);
+    }
+    return sum;
 }

@@ -2,6 +2,8 @@
  * slopes. Any thread. */
 #pragma once
 
+#include "base/vec.h"
+
 #define PEL_FACET_NODES 3
 
 /* Facets are seen in proportion to (μ + z)⁺ p(z), where z is their slope
@@ -13,3 +15,15 @@
  * the Gauss–Hermite rule. */
 void pel_facet_quadrature(double mu, double node[PEL_FACET_NODES],
                           double weight[PEL_FACET_NODES]);
+
+/* The same for the sea as brute force sees it, its nodes steeper towards the
+ * eye by 0.3 / (1 + mu): Ross takes heights and slopes as independent (Smith's
+ * masking); on waves cut by rays what is seen at grazing angles stands on the
+ * crests and is steeper. Fitted with `make validate`. */
+void pel_facets_seen(double mu, double node[PEL_FACET_NODES],
+                     double weight[PEL_FACET_NODES]);
+
+/* Mean Fresnel reflectance (Schlick) of the facets seen: eq. 24 by the nodes of
+ * pel_facets_seen along the view, and one root-mean-square slope across. `view`
+ * as in brdf.h. Twin of reflected_sky in shaders/lib/shade.glsl. */
+double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y);

@@ -11,6 +11,7 @@
 #include "render/context.h"
 #include "render/mark.h"
 #include "render/mesh.h"
+#include "render/probe.h"
 #include "render/programs.h"
 #include "render/readback.h"
 #include "render/shader.h"
@@ -54,6 +55,7 @@ struct pel_renderer {
     int vertex_capacity;
     int wave_count; /* of the sea being drawn */
     struct pel_programs programs;
+    struct pel_prober prober;
     struct pel_wavefield wavefield;
     struct pel_mesh_heights heights; /* of the sea of statistics_key */
     struct pel_variance variance[PEL_VARIANCE_COUNT];
@@ -190,6 +192,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_sky_finish(&r->sky);
         pel_targets_finish(&r->targets);
         pel_programs_finish(&r->programs);
+        pel_prober_finish(&r->prober);
         pel_wavefield_finish(&r->wavefield);
         glDeleteBuffers(1, &r->vertices);
         glDeleteBuffers(1, &r->facets);
@@ -590,4 +593,34 @@ struct pel_picture *pel_renderer_collect(struct pel_renderer *r,
 size_t pel_renderer_in_flight(const struct pel_renderer *r)
 {
     return r->readback.in_flight;
+}
+
+enum pel_err pel_renderer_probe(struct pel_renderer *r,
+                                const struct pel_environment *env,
+                                const struct pel_probe *probe,
+                                struct pel_probe_answer *out,
+                                struct pel_fault *fault)
+{
+    enum pel_err err = pel_prober_init(&r->prober, r->shader_dir, fault);
+    if (err == PEL_OK &&
+        (err = pel_arena_begin(&r->arena, 2 * VIEW_UNIFORM_BYTES)) != PEL_OK) {
+        pel_fault_set(fault, err, "no memory for the frame's buffers");
+    }
+    if (err != PEL_OK) {
+        return err;
+    }
+    struct pel_environment here = *env;
+    here.sun = pel_sky_quantize_sun(env->sun);
+    struct pel_block_frame frame;
+    pel_fill_frame(&here, &frame);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 0, &frame, sizeof frame);
+    pel_sky_update(&r->sky, &here, bind_table_eye, r);
+    double table_height_m = pel_sky_quantize_height(probe->height_m);
+    struct pel_block_eye eye;
+    pel_fill_eye(probe->height_m, table_height_m, false, NULL, &eye);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &eye, sizeof eye);
+    pel_sky_bind_eye(&r->sky, &here, table_height_m);
+    pel_prober_run(&r->prober, probe, out);
+    pel_arena_end(&r->arena);
+    return PEL_OK;
 }

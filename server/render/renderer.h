@@ -156,3 +156,14 @@ void pel_picture_release(struct pel_picture *picture);
 void pel_renderer_measure(struct pel_renderer *r, bool on);
 void pel_renderer_stage_ms(const struct pel_renderer *r,
                            double ms[PEL_STAGE_COUNT]);
+
+/* One question to the shading functions (render/probe.h): waits for the answer,
+ * some milliseconds, more when the Sun, the air or the water are not those of
+ * the last frame. GPU or NO_MEMORY with a fault. */
+struct pel_probe;
+struct pel_probe_answer;
+PEL_CHECK enum pel_err pel_renderer_probe(struct pel_renderer *r,
+                                          const struct pel_environment *env,
+                                          const struct pel_probe *probe,
+                                          struct pel_probe_answer *out,
+                                          struct pel_fault *fault);

@@ -107,16 +107,8 @@ void pel_fill_facets(struct pel_block_facets *out)
 {
     for (int i = 0; i <= PEL_FACET_STEPS; i++) {
         double q = (double)i / PEL_FACET_STEPS, z[3], w[3];
-        pel_facet_quadrature(i < PEL_FACET_STEPS ? q / (1.0 - q) : INFINITY, z,
-                             w);
-        /* Ross takes heights and slopes as independent (Smith's masking). On
-         * the trochoids themselves, cut by rays, what is seen at grazing
-         * angles stands on the crests and is steeper: fitted by this to 2 % of
-         * sky and 1 % of refracted light (make validate; without it 3.5 and
-         * 3 %). */
-        double steeper = 0.3 * (1.0 - q);
-        out->facets[i].node =
-            vec4(z[0] + steeper, z[1] + steeper, z[2] + steeper, 0.0);
+        pel_facets_seen(i < PEL_FACET_STEPS ? q / (1.0 - q) : INFINITY, z, w);
+        out->facets[i].node = vec4(z[0], z[1], z[2], 0.0);
         out->facets[i].weight = vec4(w[0], w[1], w[2], 0.0);
     }
 }

@@ -1,0 +1,233 @@
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "frames/core.h"
+#include "message.h"
+#include "optics/colour.h"
+
+static void query_free(struct pel_optics_query *query)
+{
+    pel_snapshot_unref(query->snapshot);
+    free(query);
+}
+
+static struct pel_vec3 towards(double elevation_deg, double azimuth_deg)
+{
+    double e = elevation_deg * PEL_DEG, a = azimuth_deg * PEL_DEG;
+    return (struct pel_vec3){ cos(e) * sin(a), cos(e) * cos(a), sin(e) };
+}
+
+static void read_question(const Pelagos__OpticsQuery *from,
+                          struct pel_optics_query *to)
+{
+    const struct pel_sea *sea = to->snapshot->sea;
+    struct pel_probe *p = &to->probe;
+    p->height_m = 2.0;
+    p->slope_along = sea->slope_variance_along;
+    p->slope_cross = sea->slope_variance_cross;
+    if (from->question_case == PELAGOS__OPTICS_QUERY__QUESTION_SKY) {
+        const Pelagos__SkyQuery *q = from->sky;
+        p->height_m = q->height;
+        p->dir = towards(q->elevation, q->azimuth);
+        return;
+    }
+    const Pelagos__BrdfQuery *q = from->brdf;
+    struct pel_vec3 sun = to->environment.sun;
+    double opposite = atan2(-sun.x, -sun.y) / PEL_DEG;
+    p->dir = towards(90.0 - q->view_zenith,
+                     q->has_view_azimuth ? q->view_azimuth : opposite);
+    p->slope_along = q->has_slope_along ? q->slope_along : p->slope_along;
+    p->slope_cross = q->has_slope_cross ? q->slope_cross : p->slope_cross;
+    p->slope_along = fmax(p->slope_along, 1e-8);
+    p->slope_cross = fmax(p->slope_cross, 1e-8);
+}
+
+enum pel_err pel_frames_optics(struct pel_frames *frames,
+                               const Pelagos__OpticsQuery *question,
+                               pel_optics_callback done, void *user,
+                               struct pel_fault *fault)
+{
+    if (frames->stopping) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT, "the daemon is stopping");
+    }
+    if (frames->optics_count == PEL_MAX_OPTICS_QUERIES) {
+        return pel_fault_set(fault, PEL_ERR_BUSY,
+                             "16 queries of optics are waiting already");
+    }
+    if (!question->brdf) { /* any member of the union */
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "the query asks for nothing: give brdf or sky");
+    }
+    const struct pel_snapshot *s = NULL;
+    enum pel_err err =
+        pel_scene_try_snapshot(frames->scene, question->patch, &s, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
+    struct pel_optics_query *query = calloc(1, sizeof *query);
+    if (!query) {
+        pel_snapshot_unref(s);
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    }
+    double time_s = pel_scene_time(frames->scene);
+    query->mail.kind = PEL_MAIL_OPTICS;
+    query->snapshot = s;
+    query->environment = pel_environment_of(s, time_s);
+    query->question = question->question_case;
+    query->gpu = question->from == PELAGOS__OPTICS_SOURCE__GPU;
+    query->done = done;
+    query->user = user;
+    read_question(question, query);
+    frames->optics[frames->optics_count++] = query;
+    if (query->gpu) {
+        pel_renderloop_push_optics(frames->loop, query);
+    } else {
+        pel_pool_push_optics(frames->pool, query);
+    }
+    return PEL_OK;
+}
+
+static struct pel_vec3 in_wind(const struct pel_environment *env,
+                               struct pel_vec3 v)
+{
+    double c = cos(env->wind_to_rad), s = sin(env->wind_to_rad);
+    return (struct pel_vec3){ c * v.x + s * v.y, c * v.y - s * v.x, v.z };
+}
+
+void pel_optics_reference(struct pel_optics_query *query)
+{
+    const struct pel_environment *env = &query->environment;
+    const struct pel_probe *p = &query->probe;
+    if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_SKY) {
+        query->err = pel_sky_terms(env->visibility_m, p->height_m, p->dir,
+                                   env->sun, &query->answer.sky);
+    } else {
+        pel_brdf_terms(in_wind(env, p->dir), in_wind(env, env->sun),
+                       p->slope_along, p->slope_cross, &query->answer.sea);
+    }
+    if (query->err != PEL_OK) {
+        pel_fault_set(&query->fault, query->err, "out of memory");
+    }
+}
+
+/* --- the answer as a message ---------------------------------------------- */
+
+#define SET(message, field, value)                                             \
+    ((message)->has_##field = true, (message)->field = (value))
+
+static Pelagos__Brdf *brdf_message(const struct pel_optics_query *q)
+{
+    const struct pel_brdf_terms *t = &q->answer.sea;
+    Pelagos__Brdf *out =
+        (Pelagos__Brdf *)pel_message_new(&pelagos__brdf__descriptor);
+    SET(out, slope_along, q->probe.slope_along);
+    SET(out, slope_cross, q->probe.slope_cross);
+    SET(out, half_zenith, acos(pel_clamp(t->half_cosine, -1.0, 1.0)) / PEL_DEG);
+    SET(out, lambda_view, t->lambda_view);
+    SET(out, lambda_sun, t->lambda_light);
+    SET(out, shadowing, 1.0 / (1.0 + t->lambda_view + t->lambda_light));
+    SET(out, mean_fresnel, t->mean_fresnel);
+    SET(out, seen_fresnel, t->seen_fresnel);
+    SET(out, brdf, t->brdf);
+    SET(out, reflected_sun, t->reflected_sun);
+    if (!q->gpu) {
+        SET(out, slope_density, t->slope_density);
+        SET(out, fresnel, t->fresnel);
+    }
+    return out;
+}
+
+static void set_list(size_t *n, double **list, struct pel_rgb c)
+{
+    double *v = malloc(3 * sizeof *v);
+    if (!v) {
+        abort();
+    }
+    v[0] = c.r;
+    v[1] = c.g;
+    v[2] = c.b;
+    *n = 3;
+    *list = v;
+}
+
+static Pelagos__SkyLight *sky_message(const struct pel_optics_query *q)
+{
+    const struct pel_sky_terms *t = &q->answer.sky;
+    Pelagos__SkyLight *out =
+        (Pelagos__SkyLight *)pel_message_new(&pelagos__sky_light__descriptor);
+    struct pel_atmosphere air;
+    const struct pel_atmosphere_desc desc = { q->environment.visibility_m };
+    pel_atmosphere_init(&desc, &air);
+    struct pel_rgb e = air.solar_irradiance, s = t->sun_transmittance;
+    e = (struct pel_rgb){ e.r * s.r, e.g * s.g, e.b * s.b };
+    set_list(&out->n_radiance, &out->radiance, t->radiance);
+    set_list(&out->n_transmittance, &out->transmittance, t->transmittance);
+    set_list(&out->n_sun_transmittance, &out->sun_transmittance, s);
+    set_list(&out->n_sun_irradiance, &out->sun_irradiance, e);
+    /* Luminance is to radiance what illuminance is to irradiance. */
+    SET(out, luminance, pel_colour_illuminance(t->radiance));
+    return out;
+}
+
+static Pelagos__Optics *message(const struct pel_frames *frames,
+                                const struct pel_optics_query *q)
+{
+    Pelagos__Optics *out =
+        (Pelagos__Optics *)pel_message_new(&pelagos__optics__descriptor);
+    struct pel_vec3 sun = q->environment.sun;
+    double azimuth = atan2(sun.x, sun.y) / PEL_DEG;
+    SET(out, from,
+        q->gpu ? PELAGOS__OPTICS_SOURCE__GPU
+               : PELAGOS__OPTICS_SOURCE__REFERENCE);
+    SET(out, sun_elevation, asin(pel_clamp(sun.z, -1.0, 1.0)) / PEL_DEG);
+    SET(out, sun_azimuth, azimuth < 0.0 ? azimuth + 360.0 : azimuth);
+    if (q->gpu) {
+        out->device = strdup(pel_frames_device(frames));
+    }
+    if (q->question == PELAGOS__OPTICS_QUERY__QUESTION_SKY) {
+        out->answer_case = PELAGOS__OPTICS__ANSWER_SKY;
+        out->sky = sky_message(q);
+    } else {
+        out->answer_case = PELAGOS__OPTICS__ANSWER_BRDF;
+        out->brdf = brdf_message(q);
+    }
+    return out;
+}
+
+static void forget(struct pel_frames *frames, struct pel_optics_query *query)
+{
+    unsigned last = --frames->optics_count;
+    for (unsigned i = 0; i < last; i++) {
+        if (frames->optics[i] == query) {
+            frames->optics[i] = frames->optics[last];
+            break;
+        }
+    }
+}
+
+void pel_optics_answer(struct pel_frames *frames,
+                       struct pel_optics_query *query)
+{
+    forget(frames, query);
+    Pelagos__Optics *answer =
+        query->err == PEL_OK ? message(frames, query) : NULL;
+    query->done(query->user, query->err, &query->fault, answer);
+    if (answer) {
+        pelagos__optics__free_unpacked(answer, NULL);
+    }
+    query_free(query);
+}
+
+void pel_optics_finish_all(struct pel_frames *frames, bool joined)
+{
+    struct pel_fault fault;
+    pel_fault_set(&fault, PEL_ERR_CONFLICT, "the daemon is stopping");
+    while (frames->optics_count > 0) {
+        struct pel_optics_query *query = frames->optics[--frames->optics_count];
+        query->done(query->user, PEL_ERR_CONFLICT, &fault, NULL);
+        if (joined) { /* else a thread that hangs may still write to it */
+            query_free(query);
+        }
+    }
+}

@@ -1,0 +1,49 @@
+#include "optics/lightreport.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "optics/brdf.h"
+#include "optics/facets.h"
+
+void pel_brdf_terms(struct pel_vec3 view, struct pel_vec3 light, double var_x,
+                    double var_y, struct pel_brdf_terms *out)
+{
+    struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(view, light));
+    double z = fmax(h.z, 1e-9);
+    *out = (struct pel_brdf_terms){
+        .half_cosine = h.z,
+        .slope_density =
+            pel_ross_slope_density(-h.x / z, -h.y / z, var_x, var_y),
+        .lambda_view = pel_ross_lambda(pel_ross_a(view, var_x, var_y)),
+        .lambda_light = pel_ross_lambda(pel_ross_a(light, var_x, var_y)),
+        .fresnel = pel_fresnel_schlick(pel_vec3_dot(view, h), PEL_WATER_INDEX),
+        .mean_fresnel = pel_ross_mean_fresnel(view, var_x, var_y),
+        .seen_fresnel = pel_facet_fresnel(view, var_x, var_y),
+        .brdf = pel_ross_brdf(view, light, var_x, var_y),
+        .reflected_sun = pel_ross_sun(view, light, var_x, var_y, 0.0),
+    };
+}
+
+enum pel_err pel_sky_terms(double visibility_m, double height_m,
+                           struct pel_vec3 dir, struct pel_vec3 sun,
+                           struct pel_sky_terms *out)
+{
+    struct pel_atmosphere *air = malloc(sizeof *air);
+    if (!air) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    const struct pel_atmosphere_desc desc = { visibility_m };
+    pel_atmosphere_init(&desc, air);
+    pel_atmosphere_tabulate(air);
+    struct pel_rgb light = pel_atmosphere_sun_irradiance(air, height_m, sun);
+    struct pel_rgb above = air->solar_irradiance;
+    *out = (struct pel_sky_terms){
+        .radiance = pel_atmosphere_sky(air, height_m, dir, sun),
+        .transmittance = pel_atmosphere_transmittance(air, height_m, dir.z),
+        .sun_transmittance = { light.r / above.r, light.g / above.g,
+                               light.b / above.b },
+    };
+    free(air);
+    return PEL_OK;
+}

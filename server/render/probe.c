@@ -1,0 +1,59 @@
+#include "render/probe.h"
+
+#include "render/shader.h"
+
+#define ANSWERS 5 /* vec4, as in shaders/probe.comp */
+#define BINDING 5
+
+enum pel_err pel_prober_init(struct pel_prober *p, const char *shader_dir,
+                             struct pel_fault *fault)
+{
+    if (p->program) {
+        return PEL_OK;
+    }
+    enum pel_err err = pel_program_create(shader_dir, "probe.comp", NULL, NULL,
+                                          &p->program, fault);
+    if (err == PEL_OK) {
+        glCreateBuffers(1, &p->buffer);
+        glNamedBufferStorage(p->buffer, sizeof(GLfloat) * 4 * ANSWERS, NULL, 0);
+        glObjectLabel(GL_BUFFER, p->buffer, -1, "probe");
+    }
+    return err;
+}
+
+void pel_prober_finish(struct pel_prober *p)
+{
+    glDeleteProgram(p->program);
+    glDeleteBuffers(1, &p->buffer);
+    *p = (struct pel_prober){ 0 };
+}
+
+static struct pel_rgb rgb(const GLfloat v[4])
+{
+    return (struct pel_rgb){ (double)v[0], (double)v[1], (double)v[2] };
+}
+
+void pel_prober_run(struct pel_prober *p, const struct pel_probe *probe,
+                    struct pel_probe_answer *out)
+{
+    GLfloat v[ANSWERS][4];
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING, p->buffer);
+    glProgramUniform3f(p->program, 0, (GLfloat)probe->dir.x,
+                       (GLfloat)probe->dir.y, (GLfloat)probe->dir.z);
+    glProgramUniform2f(p->program, 1, (GLfloat)probe->slope_along,
+                       (GLfloat)probe->slope_cross);
+    glUseProgram(p->program);
+    glDispatchCompute(1, 1, 1);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glGetNamedBufferSubData(p->buffer, 0, sizeof v, v);
+    *out = (struct pel_probe_answer){
+        .sea = { .lambda_view = (double)v[0][0],
+                 .lambda_light = (double)v[0][1],
+                 .mean_fresnel = (double)v[0][2],
+                 .seen_fresnel = (double)v[0][3],
+                 .half_cosine = (double)v[1][0],
+                 .brdf = (double)v[1][1],
+                 .reflected_sun = (double)v[1][2] },
+        .sky = { rgb(v[2]), rgb(v[3]), rgb(v[4]) },
+    };
+}

@@ -1,0 +1,41 @@
+#version 450 core
+// One value of each function that shades (render/probe.h).
+#include "lib/blocks.h"
+#include "lib/sky.glsl"
+#include "lib/ray.glsl"
+#include "lib/ross.glsl"
+#include "lib/shade.glsl"
+
+layout(local_size_x = 1) in;
+layout(binding = 0) uniform sampler2D transmittance;
+layout(binding = 1) uniform sampler2D reflection_map;
+layout(binding = 3) uniform sampler2D eye_table;
+layout(location = 0) uniform vec3 direction;
+layout(location = 1) uniform vec2 slopes; // variance along, across the wind
+layout(std430, binding = 5) writeonly buffer answer_block { vec4 answer[5]; };
+
+void main()
+{
+    const vec3 n = vec3(0.0, 0.0, 1.0);
+    vec3 tx = vec3(wind.xy, 0.0);
+    vec3 ty = cross(n, tx);
+    vec3 view = vec3(dot(direction, tx), dot(direction, ty), max(direction.z, 1e-3));
+    vec3 light = vec3(dot(sun.xyz, tx), dot(sun.xyz, ty), sun.z);
+    float s_view = sqrt(directional_variance(view, slopes));
+    float s_light = sqrt(directional_variance(light, slopes));
+    float seen;
+    reflected_sky(reflection_map, direction, n, tx, ty, view, slopes, seen);
+    answer[0] = vec4(smith_lambda_cos(view.z, s_view) / view.z,
+                     smith_lambda_cos(light.z, s_light) / max(light.z, 1e-4),
+                     mean_fresnel(view.z, s_view), seen);
+    float reflected = reflected_sun(view, light, slopes);
+    answer[1] = vec4(normalize(view + light).z, reflected / max(light.z, 1e-4), reflected, 0.0);
+
+    vec2 table = vec2(textureSize(eye_table, 0));
+    vec2 uv = sky_uv(azimuth_from_sun(direction.xy), angle_above_horizon(direction), table);
+    answer[2] = textureLod(eye_table, uv, 0.0);
+    float horizon = horizon_cosine(eye.x);
+    answer[3] = vec4(direction.z < horizon ? vec3(0.0)
+                                           : transmittance_to_top(transmittance, eye.x, direction.z), 0.0);
+    answer[4] = vec4(sun_transmittance(transmittance, eye.x, sun.z), 0.0);
+}
