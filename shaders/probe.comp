@@ -4,6 +4,7 @@
 #include "lib/sky.glsl"
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"
+#include "lib/water.glsl"
 #include "lib/shade.glsl"
 
 layout(local_size_x = 1) in;
