@@ -114,7 +114,7 @@ def scene_follows_in_both_orders():
                        cigi.celestial(17, 5, 3, 1, 2026),
                        cigi.view_control(0, 1, x=5, z=-18, yaw=30),
                        cigi.view_definition(2, -20, 25, 12, -13),
-                       cigi.maritime(50, 8), cigi.wave(4, 1.5, 8, 100),
+                       cigi.maritime(50, 8, height=-1.25), cigi.wave(4, 1.5, 8, 100),
                        cigi.sensor(0, 3), cigi.raw(bytes([240, 16] + [7] * 14)))
             state = s.daemon.state()
             e = ship(state)
@@ -128,8 +128,8 @@ def scene_follows_in_both_orders():
             near(state["sky"]["visibility"], 7000, 0, "visibility")
             check((state["sea"]["windSpeed"], state["sea"]["windDirection"])
                   == (11, 210), state["sea"])
-            near(state["sea"]["swell"][0]["height"], 1.5 * math.sqrt(2), 1e-6,
-                 "swell")
+            near(state["sea"]["wave"][0]["height"], 1.5, 0, "wave")
+            near(state["sea"]["level"], -1.25, 0, "tide")
             near(state["water"]["chlorophyll"], 30 * 10 ** -1.5, 1e-6,
                  "chlorophyll")
             views = {v["name"]: v for v in state["views"]}

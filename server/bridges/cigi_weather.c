@@ -13,7 +13,6 @@
 #define MAX_VISIBILITY_M 300000.0
 #define SURFACE_LAYER_M 10.0
 #define GRAVITY 9.80665
-#define COMPONENT_KEY 256u /* swell of Component Control, beyond wave ids */
 #define GLOBAL_SEA 7
 #define CLOCK_SLACK_S 2.0
 
@@ -78,88 +77,7 @@ static void take_region(struct pel_cigi_edit *edit,
     r->y_m = pel_cigi_get(p, PEL_CIGI_REGION_Y);
     r->radius_m = pel_cigi_get(p, PEL_CIGI_REGION_RADIUS);
     r->rotation_deg = pel_cigi_get(p, PEL_CIGI_REGION_ROTATION);
-}
-
-/* A rectangle of sides x and y about the centre, its corners rounded off
- * outside: the corner radius goes around it. */
-static bool inside(const struct pel_cigi_edit *edit,
-                   const struct pel_cigi_region *r, struct pel_vec2 eye)
-{
-    double place[3] = { r->latitude, r->longitude, 0 };
-    struct pel_vec3 centre;
-    if (!pel_cigi_place(edit->snapshot, edit->time_s, false, 0, place,
-                        &centre)) {
-        return false;
-    }
-    double dx = eye.x - centre.x, dy = eye.y - centre.y;
-    double turn = r->rotation_deg * PEL_DEG;
-    double along = fabs(dx * sin(turn) + dy * cos(turn));
-    double across = fabs(dx * cos(turn) - dy * sin(turn));
-    double out_x = fmax(along - 0.5 * r->x_m, 0);
-    double out_y = fmax(across - 0.5 * r->y_m, 0);
-    return hypot(out_x, out_y) <= fmax(r->radius_m, 0);
-}
-
-static void overlay(struct pel_cigi_conditions *on,
-                    const struct pel_cigi_conditions *with)
-{
-    if (with->has_visibility) {
-        on->has_visibility = true;
-        on->visibility_m = with->visibility_m;
-    }
-    if (with->has_layer_visibility) {
-        on->has_layer_visibility = true;
-        on->layer_visibility_m = with->layer_visibility_m;
-    }
-    if (with->has_wind) {
-        on->has_wind = true;
-        on->wind_mps = with->wind_mps;
-        on->wind_deg = with->wind_deg;
-    }
-    if (with->has_layer_wind) {
-        on->has_layer_wind = true;
-        on->layer_wind_mps = with->layer_wind_mps;
-        on->layer_wind_deg = with->layer_wind_deg;
-    }
-    if (with->has_chlorophyll) {
-        on->has_chlorophyll = true;
-        on->chlorophyll_mg_m3 = with->chlorophyll_mg_m3;
-    }
-    if (with->has_swell) {
-        on->has_swell = true;
-        memcpy(on->swell, with->swell, sizeof on->swell);
-    }
-}
-
-/* The world's, overlaid by those of the regions the first view is in. */
-static struct pel_cigi_conditions effective(const struct pel_cigi_edit *edit)
-{
-    struct pel_cigi_conditions all = edit->world->global;
-    struct pel_vec2 eye = { 0, 0 };
-    if (edit->snapshot->view_count > 0) {
-        struct pel_camera camera;
-        pel_snapshot_camera(edit->snapshot, 0, edit->time_s, 0, 0, &camera);
-        eye = (struct pel_vec2){ camera.east_m, camera.north_m };
-    }
-    bool done[PEL_CIGI_REGIONS] = { false };
-    for (size_t n = 0; n < PEL_CIGI_REGIONS; n++) {
-        const struct pel_cigi_region *next = NULL;
-        for (size_t i = 0; i < PEL_CIGI_REGIONS; i++) {
-            const struct pel_cigi_region *r = &edit->world->regions[i];
-            if (r->used && r->active && !done[i] &&
-                (!next || r->id < next->id)) {
-                next = r;
-            }
-        }
-        if (!next) {
-            break;
-        }
-        done[next - edit->world->regions] = true;
-        if (inside(edit, next, eye)) {
-            overlay(&all, &next->conditions);
-        }
-    }
-    return all;
+    r->transition_m = fmax(pel_cigi_get(p, PEL_CIGI_REGION_TRANSITION), 0);
 }
 
 /* --- packets ------------------------------------------------------------- */
@@ -226,20 +144,22 @@ static void take_maritime(struct pel_cigi_edit *edit,
     c->has_chlorophyll = pel_cigi_get(p, PEL_CIGI_MARITIME_ENABLE) != 0;
     c->chlorophyll_mg_m3 =
         pel_cigi_chlorophyll(pel_cigi_get(p, PEL_CIGI_MARITIME_CLARITY));
+    c->has_level = c->has_chlorophyll;
+    c->level_m = pel_cigi_get(p, PEL_CIGI_MARITIME_HEIGHT);
     if (c->has_chlorophyll) {
         edit->world->water_temperature =
             pel_cigi_get(p, PEL_CIGI_MARITIME_TEMPERATURE);
     }
 }
 
-static void set_swell(struct pel_cigi_edit *edit, struct pel_cigi_conditions *c,
-                      const struct pel_cigi_swell *with)
+/* Puts one of a list of trains in the place of its key, or in a free one. */
+static void set_train(struct pel_cigi_edit *edit, struct pel_cigi_train *list,
+                      const struct pel_cigi_train *with)
 {
-    struct pel_cigi_swell *spare = NULL, *at = NULL;
-    for (size_t i = 0; i < PEL_SEA_MAX_SWELLS && !at; i++) {
-        struct pel_cigi_swell *s = &c->swell[i];
-        at = s->used && s->key == with->key ? s : NULL;
-        spare = !s->used && !spare ? s : spare;
+    struct pel_cigi_train *spare = NULL, *at = NULL;
+    for (size_t i = 0; i < PEL_CIGI_TRAINS && !at; i++) {
+        at = list[i].used && list[i].key == with->key ? &list[i] : NULL;
+        spare = !list[i].used && !spare ? &list[i] : spare;
     }
     at = at ? at : spare;
     if (!at && with->used) {
@@ -247,7 +167,6 @@ static void set_swell(struct pel_cigi_edit *edit, struct pel_cigi_conditions *c,
     } else if (at) {
         *at = *with;
     }
-    c->has_swell = true;
 }
 
 static void take_wave(struct pel_cigi_edit *edit,
@@ -264,16 +183,17 @@ static void take_wave(struct pel_cigi_edit *edit,
     if (period_s <= 0) {
         period_s = sqrt(2 * PEL_PI * fmax(length_m, 0) / GRAVITY);
     }
-    struct pel_cigi_swell s = {
+    struct pel_cigi_train wave = {
         .used = pel_cigi_get(p, PEL_CIGI_WAVE_ENABLE) != 0,
         .key = (unsigned)pel_cigi_get(p, PEL_CIGI_WAVE_ID),
-        .height_m = sqrt(2) * pel_cigi_get(p, PEL_CIGI_WAVE_HEIGHT),
-        .period_s = pel_clamp(period_s, 3, 30),
+        .height_m = pel_cigi_get(p, PEL_CIGI_WAVE_HEIGHT),
+        .period_s = pel_clamp(period_s, 1, 30),
         .from_deg =
             pel_cigi_wrap(pel_cigi_get(p, PEL_CIGI_WAVE_DIRECTION) + 180),
-        .spread_deg = 1, /* the narrowest that the schema has */
+        .phase_deg = pel_cigi_wrap(pel_cigi_get(p, PEL_CIGI_WAVE_PHASE)),
     };
-    set_swell(edit, c, &s);
+    c->has_waves = true;
+    set_train(edit, c->waves, &wave);
 }
 
 static void take_celestial(struct pel_cigi_edit *edit,
@@ -410,10 +330,10 @@ static void take_component(struct pel_cigi_edit *edit,
     } else if (c.id == 2 && c.state <= 12) {
         /* WMO: v = 0.836 B^1.5 m/s */
         set_wind(global, 0.836 * pow(c.state, 1.5), c.value[0]);
-    } else if (c.id == 3 && c.instance < PEL_SEA_MAX_SWELLS && c.state <= 1) {
-        struct pel_cigi_swell s = {
+    } else if (c.id == 3 && c.instance < PEL_CIGI_TRAINS && c.state <= 1) {
+        struct pel_cigi_train s = {
             .used = c.state == 1,
-            .key = COMPONENT_KEY + c.instance,
+            .key = c.instance,
             .height_m = c.value[0],
             .period_s = c.value[1],
             .from_deg = p->kind == PEL_CIGI_KIND_COMPONENT
@@ -421,7 +341,8 @@ static void take_component(struct pel_cigi_edit *edit,
                             : edit->scene->sea->wind_direction,
             .spread_deg = c.value[3] > 0 ? c.value[3] : 10,
         };
-        set_swell(edit, global, &s);
+        global->has_swell = true;
+        set_train(edit, global->swell, &s);
     } else if (c.id == 4) {
         global->has_chlorophyll = true;
         global->chlorophyll_mg_m3 = c.value[0];
@@ -462,106 +383,5 @@ void pel_cigi_take_environment(struct pel_cigi_edit *edit,
         break;
     default:
         break; /* requests, and what is not for the scene */
-    }
-}
-
-/* --- into the patch ------------------------------------------------------ */
-
-static void apply_wind(struct pel_cigi_edit *edit,
-                       const struct pel_cigi_conditions *now)
-{
-    struct pel_cigi_conditions *was = &edit->world->applied;
-    bool layer = now->has_layer_wind;
-    double mps = layer ? now->layer_wind_mps : now->wind_mps;
-    double deg = layer ? now->layer_wind_deg : now->wind_deg;
-    if ((!layer && !now->has_wind) ||
-        (was->has_wind && was->wind_mps == mps && was->wind_deg == deg)) {
-        return;
-    }
-    was->has_wind = true;
-    was->wind_mps = mps;
-    was->wind_deg = deg;
-    edit->state.sea = &edit->sea;
-    edit->sea.has_wind_speed = edit->sea.has_wind_direction = true;
-    edit->sea.wind_speed = mps;
-    edit->sea.wind_direction = deg;
-}
-
-static void apply_visibility(struct pel_cigi_edit *edit,
-                             const struct pel_cigi_conditions *now)
-{
-    struct pel_cigi_conditions *was = &edit->world->applied;
-    bool layer = now->has_layer_visibility;
-    double metres = layer ? now->layer_visibility_m : now->visibility_m;
-    if ((!layer && !now->has_visibility) ||
-        (was->has_visibility && was->visibility_m == metres)) {
-        return;
-    }
-    was->has_visibility = true;
-    was->visibility_m = metres;
-    edit->state.sky = &edit->sky;
-    edit->sky.has_visibility = true;
-    edit->sky.visibility = metres;
-}
-
-static bool same_swell(const struct pel_cigi_swell *a,
-                       const struct pel_cigi_swell *b)
-{
-    return a->used == b->used &&
-           (!a->used ||
-            (a->height_m == b->height_m && a->period_s == b->period_s &&
-             a->from_deg == b->from_deg && a->spread_deg == b->spread_deg));
-}
-
-static void apply_swell(struct pel_cigi_edit *edit,
-                        const struct pel_cigi_conditions *now)
-{
-    struct pel_cigi_conditions *was = &edit->world->applied;
-    bool same = was->has_swell;
-    for (size_t i = 0; i < PEL_SEA_MAX_SWELLS; i++) {
-        same = same && same_swell(&now->swell[i], &was->swell[i]);
-    }
-    if (!now->has_swell || same) {
-        return;
-    }
-    was->has_swell = true;
-    memcpy(was->swell, now->swell, sizeof was->swell);
-    for (size_t i = 0; i < PEL_SEA_MAX_SWELLS; i++) {
-        const struct pel_cigi_swell *s = &now->swell[i];
-        if (!s->used) {
-            continue;
-        }
-        Pelagos__Swell *to = &edit->swell[edit->sea.n_swell];
-        pelagos__swell__init(to);
-        to->has_height = to->has_period = true;
-        to->has_direction = to->has_spread = true;
-        to->height = s->height_m;
-        to->period = s->period_s;
-        to->direction = s->from_deg;
-        to->spread = s->spread_deg;
-        edit->swell_list[edit->sea.n_swell++] = to;
-    }
-    if (edit->sea.n_swell > 0) {
-        edit->state.sea = &edit->sea;
-    } else {
-        pel_cigi_edit_remove(edit, "sea.swell");
-    }
-}
-
-void pel_cigi_apply_conditions(struct pel_cigi_edit *edit)
-{
-    struct pel_cigi_conditions now = effective(edit);
-    struct pel_cigi_conditions *was = &edit->world->applied;
-    apply_wind(edit, &now);
-    apply_visibility(edit, &now);
-    apply_swell(edit, &now);
-    if (now.has_chlorophyll &&
-        !(was->has_chlorophyll &&
-          was->chlorophyll_mg_m3 == now.chlorophyll_mg_m3)) {
-        was->has_chlorophyll = true;
-        was->chlorophyll_mg_m3 = now.chlorophyll_mg_m3;
-        edit->state.water = &edit->water;
-        edit->water.has_chlorophyll = true;
-        edit->water.chlorophyll = now.chlorophyll_mg_m3;
     }
 }

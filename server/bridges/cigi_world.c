@@ -78,6 +78,7 @@ void pel_cigi_edit_begin(struct pel_cigi_edit *edit,
     edit->state.entities = edit->entity_list;
     edit->state.views = edit->view_list;
     edit->sea.swell = edit->swell_list;
+    edit->sea.wave = edit->wave_list;
     if (lead) {
         edit->clock.has_mode = true;
         edit->clock.mode = PELAGOS__CLOCK_MODE__HOST;

@@ -15,28 +15,33 @@
 #define PEL_CIGI_VIEWS PEL_MAX_VIEWS
 #define PEL_CIGI_REMOVALS 128
 
-/* A swell train as the schema has it. */
-struct pel_cigi_swell {
+/* A swell train or a single wave as the schema has it. */
+#define PEL_CIGI_TRAINS PEL_SEA_MAX_SWELLS
+struct pel_cigi_train {
     bool used;
-    unsigned key; /* wave id, or 256 + train of Component Control */
-    double height_m, period_s, from_deg, spread_deg;
+    unsigned key; /* train of Component Control, or wave id */
+    double height_m, period_s, from_deg;
+    double spread_deg; /* of swell */
+    double phase_deg;  /* of a wave */
 };
 
 /* Commanded weather and water, of the world or of a region. */
 struct pel_cigi_conditions {
     bool has_visibility, has_wind;             /* Atmosphere, components */
     bool has_layer_visibility, has_layer_wind; /* Weather: goes before them */
-    bool has_chlorophyll, has_swell;
+    bool has_chlorophyll, has_level, has_swell, has_waves;
     double visibility_m, layer_visibility_m;
     double wind_mps, wind_deg, layer_wind_mps, layer_wind_deg;
-    double chlorophyll_mg_m3;
-    struct pel_cigi_swell swell[PEL_SEA_MAX_SWELLS];
+    double chlorophyll_mg_m3, level_m;
+    struct pel_cigi_train swell[PEL_CIGI_TRAINS];
+    struct pel_cigi_train waves[PEL_CIGI_TRAINS];
 };
 
 struct pel_cigi_region {
     bool used, active;
     unsigned id;
     double latitude, longitude, x_m, y_m, radius_m, rotation_deg;
+    double transition_m;
     struct pel_cigi_conditions conditions;
 };
 
@@ -105,6 +110,8 @@ struct pel_cigi_edit {
     char view_names[PEL_MAX_VIEWS][PEL_NAME_SIZE];
     Pelagos__Swell swell[PEL_SEA_MAX_SWELLS];
     Pelagos__Swell *swell_list[PEL_SEA_MAX_SWELLS];
+    Pelagos__Wave wave[PEL_SEA_MAX_SINGLES];
+    Pelagos__Wave *wave_list[PEL_SEA_MAX_SINGLES];
     char removals[PEL_CIGI_REMOVALS][96];
     char *removal_list[PEL_CIGI_REMOVALS];
     char utc[40];
@@ -151,6 +158,8 @@ void pel_cigi_place_followers(struct pel_cigi_edit *edit);
 /* cigi_weather.c */
 void pel_cigi_take_environment(struct pel_cigi_edit *edit,
                                const struct pel_cigi_packet *p);
+
+/* cigi_conditions.c */
 void pel_cigi_apply_conditions(struct pel_cigi_edit *edit);
 
 /* Chlorophyll that a clarity of 0..100 % stands for, and back. */
