@@ -112,7 +112,8 @@ SCENE := server/scene/scene.c \
     server/scene/record.c \
     server/scene/reckon.c \
     server/scene/geodesy.c \
-    server/scene/sun.c
+    server/scene/sun.c \
+    server/scene/utc.c
 RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/targets.c \
     server/render/programs.c server/render/renderer.c server/render/arena.c server/render/probe.c \
