@@ -2,11 +2,19 @@
 // Displaces the mesh: rings around the eye's nadir, columns of equal azimuth
 // counted from east. A vertex depends on the eye, its ring and its column
 // only, so all views from one eye see one surface.
-// One dispatch adds PEL_WAVE_CHUNK waves, the first one also the sphere: a
-// block goes without the dispatches whose waves its cells cannot carry.
+// With PEL_CHUNKS a dispatch adds PEL_WAVE_CHUNK waves, the first one also the
+// sphere: a block goes without the dispatches whose waves its cells cannot
+// carry. Else one dispatch does all.
+#ifdef PEL_CHUNKS
 #define PEL_WAVE_LIMIT 20
+#endif
 #include "lib/blocks.h"
+#ifdef PEL_CHUNKS
 #define PEL_WAVES PEL_WAVE_CHUNK
+#else
+#define PEL_WAVES PEL_WAVE_LIMIT
+#endif
+#include "lib/vertex.glsl"
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else
@@ -15,26 +23,32 @@
 
 layout(local_size_x = 64) in;
 
-struct vertex {
-    vec4 position; // from the eye; w: column count of its block
-    vec4 rest;     // place at rest, from the eye's nadir
-};
 layout(std430, binding = 0) buffer vertices_block { vertex vertices[]; };
 // Radius of each ring and the length of its cells.
 layout(std430, binding = 1) readonly buffer rings_block { vec2 rings[]; };
 
-layout(location = 0) uniform ivec4 block; // first ring, rings, first column, columns
-layout(location = 1) uniform int base;    // first vertex
-layout(location = 2) uniform int first;   // 1: vertices are not there yet
+const int MOST_BLOCKS = 10; // PEL_MESH_MAX_BLOCKS
+layout(location = 0) uniform int block_count; // of those displaced
+layout(location = 1) uniform int first; // 1: vertices are not there yet
+layout(location = 2) uniform ivec4 blocks[MOST_BLOCKS]; // first ring, rings, first column, columns
+layout(location = 12) uniform int bases[MOST_BLOCKS];   // first vertex
 
 void main()
 {
-    int index = int(gl_GlobalInvocationID.x);
+    int v = bases[0] + int(gl_GlobalInvocationID.x);
+    int b = 0;
+    while (b + 1 < block_count && v >= bases[b + 1]) {
+        b++;
+    }
+    ivec4 block = blocks[b];
+    int index = v - bases[b];
     if (index >= block.y * block.w) {
         return;
     }
-    int ring = block.x + index / block.w;
-    int column = (block.z + index % block.w) % int(eye.w);
+    int row = index / block.w;
+    int place_in_row = index % block.w;
+    int ring = block.x + row;
+    int column = (block.z + place_in_row) % int(eye.w);
     vec2 r = rings[ring];
     float angle = float(column) * eye.z;
     vec2 x = r.x * vec2(cos(angle), sin(angle));
@@ -53,14 +67,15 @@ void main()
     }
     PEL_EACH_WAVE(PEL_DISPLACE)
 #endif
-    int v = base + index;
     if (first == 1) {
+        uint beside = (place_in_row > 0 ? VERTEX_LEFT : 0u) | (row > 0 ? VERTEX_INNER : 0u) |
+                      (row + 1 < block.y ? VERTEX_OUTER : 0u);
         // The sphere under the eye: arc r.x becomes a chord and a drop.
         float half_arc = 0.5 * r.x / planet.x;
         float drop = 2.0 * planet.x * sin(half_arc) * sin(half_arc);
         vec3 place = vec3(x * cos(half_arc), -drop - eye.x);
         vertices[v].position = vec4(place + shift, float(block.w));
-        vertices[v].rest = vec4(x, 0.0, 0.0);
+        vertices[v].rest = vec4(x, float(beside), 0.0);
     } else {
         vertices[v].position.xyz += shift;
     }

@@ -14,6 +14,7 @@
 #include "lib/water.glsl"
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
+#include "lib/vertex.glsl"
 #include "lib/sea.glsl"
 #include "lib/outputs.glsl"
 

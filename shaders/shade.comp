@@ -17,11 +17,17 @@
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"
+#include "lib/vertex.glsl"
 #include "lib/sea.glsl"
 #include "lib/tone.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 5) uniform usampler2D triangles;
+const int WANTS_RADIANCE = 1;
+const int WANTS_COLOR = 2;
+const int LAST_PASS = 4; // of this picture: sets the keys back to 0
+layout(location = 0) uniform int wanted;
+// Of search.comp.
+layout(std430, binding = 4) restrict buffer keys_block { uint keys[]; };
 #ifdef PEL_WATER_PARTS
 layout(binding = 0, rgba32f) writeonly uniform image2D single_image;
 layout(binding = 1, rgba32f) writeonly uniform image2D second_image;
@@ -48,12 +54,17 @@ void main()
     if (at.x >= int(size.x) || at.y >= int(size.y)) {
         return;
     }
-    uint triangle = texelFetch(triangles, at, 0).r;
+    int place = at.y * int(size.x) + at.x;
+    uint key = keys[place];
+    uint triangle = 0xFFFFFFFFu - key;
     shaded s;
-    if (triangle == 0u) {
+    if (key == 0u) {
         s = shade_backdrop(at);
     } else {
         s = shade_sea(at, triangle);
+    }
+    if ((wanted & LAST_PASS) != 0) {
+        keys[place] = 0u;
     }
 #ifdef PEL_WATER_PARTS
     imageStore(single_image, at, vec4(s.parts.single, 1.0));
@@ -61,7 +72,9 @@ void main()
     imageStore(higher_image, at, vec4(s.parts.higher, 1.0));
     imageStore(bottom_image, at, vec4(s.parts.bottom, 1.0));
 #else
-    imageStore(radiance_image, at, vec4(s.radiance, 1.0));
+    if ((wanted & WANTS_RADIANCE) != 0) {
+        imageStore(radiance_image, at, vec4(s.radiance, 1.0));
+    }
 #endif
 #ifdef PEL_LAYERS
     imageStore(depth_image, at, vec4(s.depth));
@@ -72,6 +85,8 @@ void main()
     imageStore(air_image, at, vec4(s.air, 1.0));
     imageStore(variance_image, at, vec4(s.variance, 0.0, 0.0));
 #elif !defined(PEL_WATER_PARTS)
-    imageStore(color_image, at, vec4(display(s.radiance, at), 1.0));
+    if ((wanted & WANTS_COLOR) != 0) {
+        imageStore(color_image, at, vec4(display(s.radiance, at), 1.0));
+    }
 #endif
 }

@@ -4,10 +4,8 @@
 // that a pixel does not depend on how its picture was rasterised.
 #include "lib/blocks.h"
 
-struct vertex {
-    vec4 position;
-    vec4 rest;
-};
+#include "lib/vertex.glsl"
+
 layout(std430, binding = 0) readonly buffer vertices_block { vertex vertices[]; };
 
 layout(location = 0) uniform ivec4 block; // first ring, rings, first column, columns

@@ -61,11 +61,16 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
     struct pel_sea_programs *p = cascades ? &all->cascades : &all->trochoids;
     enum pel_err err = PEL_OK;
     if (!p->mesh) {
-        const char *defines = cascades        ? "#define PEL_FFT\n"
-                              : all->software ? "#define PEL_UNROLL\n"
-                                              : NULL;
+        const char *defines = cascades ? "#define PEL_FFT\n"
+                              : all->software
+                                  ? "#define PEL_CHUNKS\n#define PEL_UNROLL\n"
+                                  : NULL;
         err = pel_program_create(all->shader_dir, "mesh.comp", NULL, defines,
                                  &p->mesh, fault);
+    }
+    if (err == PEL_OK && all->compute && !all->search) {
+        err = pel_program_create(all->shader_dir, "search.comp", NULL, NULL,
+                                 &all->search, fault);
     }
     if (err == PEL_OK && all->compute) {
         return make_sea_program(all, cascades, all->waves, kind,
@@ -135,6 +140,7 @@ void pel_programs_finish(struct pel_programs *p)
     delete_sea_programs(&p->trochoids);
     delete_sea_programs(&p->cascades);
     glDeleteProgram(p->surface);
+    glDeleteProgram(p->search);
     glDeleteProgram(p->tone);
     for (int i = 0; i < PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->backdrop[i]);

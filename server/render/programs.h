@@ -32,7 +32,7 @@ struct pel_programs {
     bool compute; /* shade in one dispatch instead of three */
     bool settled; /* a picture has been drawn */
     int waves;    /* what the trochoids' programs are made for */
-    GLuint surface, tone;
+    GLuint surface, search, tone;
     GLuint backdrop[PEL_SHADE_COUNT];
     struct pel_sea_programs trochoids, cascades;
 };

@@ -236,17 +236,33 @@ static double shortest_carried(const struct pel_mesh *m,
     return PEL_N_MIN * cell;
 }
 
-static void displace_block(const struct pel_mesh_block *b, bool first)
+/* Blocks [from, from + count) of the mesh in one dispatch. */
+static void displace_blocks(const struct pel_mesh *m, int from, int count,
+                            bool first)
 {
-    glUniform4i(0, b->first_ring, b->rings, b->first_column, b->columns);
-    glUniform1i(1, b->base);
-    glUniform1i(2, first);
-    glDispatchCompute((GLuint)(b->rings * b->columns + 63) / 64, 1, 1);
+    GLint blocks[PEL_MESH_MAX_BLOCKS][4], bases[PEL_MESH_MAX_BLOCKS];
+    int vertices = 0;
+    for (int i = 0; i < count; i++) {
+        const struct pel_mesh_block *b = &m->blocks[from + i];
+        const GLint block[4] = { b->first_ring, b->rings, b->first_column,
+                                 b->columns };
+        memcpy(blocks[i], block, sizeof block);
+        bases[i] = b->base;
+        vertices += b->rings * b->columns;
+    }
+    if (vertices == 0) {
+        return;
+    }
+    glUniform1i(0, count);
+    glUniform1i(1, first);
+    glUniform4iv(2, count, blocks[0]);
+    glUniform1iv(2 + PEL_MESH_MAX_BLOCKS, count, bases);
+    glDispatchCompute((GLuint)(vertices + 63) / 64, 1, 1);
 }
 
 /* Chunk by chunk over the blocks, so that a block's dispatches are apart and
  * the barrier between two chunks is waited for once. */
-static void displace_by_waves(struct pel_renderer *r, size_t waves_at)
+static void displace_by_chunks(struct pel_renderer *r, size_t waves_at)
 {
     const struct pel_mesh *m = r->mesh;
     glUseProgram(r->programs.trochoids.mesh);
@@ -260,7 +276,7 @@ static void displace_by_waves(struct pel_renderer *r, size_t waves_at)
         for (int i = 0; i < m->block_count; i++) {
             const struct pel_mesh_block *b = &m->blocks[i];
             if (chunk == 0 || longest > shortest_carried(m, b)) {
-                displace_block(b, chunk == 0);
+                displace_blocks(m, i, 1, chunk == 0);
             }
         }
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
@@ -286,14 +302,27 @@ static void displace_mesh(struct pel_renderer *r, bool cascades,
     pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 1, m->rings,
                    sizeof *m->rings *
                        (size_t)(m->ring_count ? m->ring_count : 1));
-    if (cascades) {
-        glUseProgram(r->programs.cascades.mesh);
-        for (int i = 0; i < m->block_count; i++) {
-            displace_block(&m->blocks[i], true);
-        }
+    if (cascades || !r->context.software) {
+        glUseProgram(cascades ? r->programs.cascades.mesh
+                              : r->programs.trochoids.mesh);
+        displace_blocks(m, 0, m->block_count, true);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     } else {
-        displace_by_waves(r, waves_at);
+        displace_by_chunks(r, waves_at);
+    }
+}
+
+/* The nearest triangle of each pixel, in compute. */
+static void search_surface(struct pel_renderer *r, bool submerged)
+{
+    int triangles = 2 * r->mesh->vertex_count;
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, r->targets.keys);
+    if (triangles > 0) {
+        glUseProgram(r->programs.search);
+        glUniform1i(0, r->mesh->vertex_count);
+        glUniform1i(1, submerged);
+        glDispatchCompute((GLuint)(triangles + 63) / 64, 1, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
 }
 
@@ -370,14 +399,15 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glDisable(GL_DEPTH_TEST);
 }
 
+/* Bits of shaders/shade.comp. */
+enum { WANTS_RADIANCE = 1, WANTS_COLOR = 2, LAST_PASS = 4 };
+
 /* Sky, sea and, without layers, display colour in one dispatch: eight images
  * are what OpenGL promises. */
 static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
                           const struct pel_sea_programs *p,
-                          enum pel_shading kind)
+                          enum pel_shading kind, int wanted)
 {
-    glDisable(GL_DEPTH_TEST);
-    glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
     static const GLuint images[PEL_SHADE_COUNT] = { 1, PEL_HDR_ATTACHMENTS,
                                                     PEL_WATER_PARTS };
     for (GLuint i = 0; i < images[kind]; i++) {
@@ -391,13 +421,17 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
                            GL_RGBA8);
     }
     glUseProgram(p->compute[kind]);
+    glUniform1i(0, wanted);
     glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
     glMemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT |
-                    GL_TEXTURE_FETCH_BARRIER_BIT);
+                    GL_TEXTURE_FETCH_BARRIER_BIT |
+                    GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-static void tone(struct pel_renderer *r)
+static void tone(struct pel_renderer *r, const struct pel_camera *c)
 {
+    glDisable(GL_DEPTH_TEST);
+    glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
     glBindTextureUnit(0, r->targets.hdr[0]);
     glUseProgram(r->programs.tone);
@@ -467,19 +501,28 @@ static enum pel_err draw_view(struct pel_renderer *r,
     stage_end(r, PEL_STAGE_SKY);
     displace_mesh(r, cascades, waves_at);
     stage_end(r, PEL_STAGE_MESH);
-    raster_surface(r, c, submerged);
+    if (r->programs.compute) {
+        search_surface(r, submerged);
+    } else {
+        raster_surface(r, c, submerged);
+    }
     stage_end(r, PEL_STAGE_RASTER);
     for (int pass = 0; pass <= parts; pass++) {
         enum pel_shading now = pass ? PEL_SHADE_PARTS : kind;
         if (r->programs.compute) {
-            shade_compute(r, c, programs, now);
+            bool light = layers || (draw->layers & PEL_LAYER_RADIANCE);
+            shade_compute(
+                r, c, programs, now,
+                (light ? WANTS_RADIANCE : 0) |
+                    (draw->layers & PEL_LAYER_COLOR ? WANTS_COLOR : 0) |
+                    (pass == parts ? LAST_PASS : 0));
         } else {
             shade(r, c, programs, now);
         }
     }
     stage_end(r, PEL_STAGE_SHADE);
     if ((!r->programs.compute || layers) && draw->layers & PEL_LAYER_COLOR) {
-        tone(r);
+        tone(r, c);
     }
     if (env->stale && draw->layers & PEL_LAYER_COLOR) {
         pel_mark_stale(r->targets.color_fbo, c->width, c->height, env->stale);

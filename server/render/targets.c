@@ -10,6 +10,7 @@ void pel_targets_finish(struct pel_targets *t)
     const GLuint fbos[] = { t->surface_fbo, t->light_fbo, t->layers_fbo,
                             t->color_fbo, t->parts_fbo };
     glDeleteTextures(3, textures);
+    glDeleteBuffers(1, &t->keys);
     glDeleteTextures(PEL_HDR_ATTACHMENTS, t->hdr);
     glDeleteTextures(PEL_WATER_PARTS, t->parts);
     glDeleteFramebuffers(5, fbos);
@@ -84,6 +85,11 @@ void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
         t->width = w;
         t->height = h;
         t->triangles = make_target(GL_R32UI, w, h, "triangles");
+        glCreateBuffers(1, &t->keys);
+        glNamedBufferStorage(t->keys, (GLsizeiptr)w * h * 4, NULL, 0);
+        glClearNamedBufferData(t->keys, GL_R32UI, GL_RED_INTEGER,
+                               GL_UNSIGNED_INT, NULL);
+        glObjectLabel(GL_BUFFER, t->keys, -1, "keys");
         t->depth_test = make_target(GL_DEPTH_COMPONENT32F, w, h, "depth test");
         t->hdr[0] = make_target(pel_hdr_formats[0], w, h, hdr_labels[0]);
         t->color = make_target(GL_RGBA8, w, h, "color");

@@ -14,6 +14,7 @@ struct pel_targets {
     uint32_t width, height;
     unsigned small_draws;
     GLuint triangles, depth_test, color;
+    GLuint keys; /* buffer of shaders/search.comp; 0 between pictures */
     GLuint hdr[PEL_HDR_ATTACHMENTS]; /* radiance first; others when wanted */
     GLuint surface_fbo;              /* triangle numbers and depth test */
     GLuint light_fbo;  /* radiance, tested against the surface's depth */
