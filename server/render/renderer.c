@@ -507,15 +507,13 @@ static enum pel_err draw_view(struct pel_renderer *r,
         raster_surface(r, c, submerged);
     }
     stage_end(r, PEL_STAGE_RASTER);
+    int wanted = (layers || draw->layers & PEL_LAYER_RADIANCE) * WANTS_RADIANCE;
+    wanted |= draw->layers & PEL_LAYER_COLOR ? WANTS_COLOR : 0;
     for (int pass = 0; pass <= parts; pass++) {
         enum pel_shading now = pass ? PEL_SHADE_PARTS : kind;
         if (r->programs.compute) {
-            bool light = layers || (draw->layers & PEL_LAYER_RADIANCE);
-            shade_compute(
-                r, c, programs, now,
-                (light ? WANTS_RADIANCE : 0) |
-                    (draw->layers & PEL_LAYER_COLOR ? WANTS_COLOR : 0) |
-                    (pass == parts ? LAST_PASS : 0));
+            shade_compute(r, c, programs, now,
+                          pass == parts ? wanted | LAST_PASS : wanted);
         } else {
             shade(r, c, programs, now);
         }

@@ -2,8 +2,8 @@
 // rest, per-pixel normal (eq. 3), slope variance as total minus resolved
 // (eq. 4), light, haze. Included by a fragment and by a compute wrapper.
 
-layout(std430, binding = 0) readonly buffer vertices_block { vertex vertices[]; };
-layout(std430, binding = 3) readonly buffer variance_block { vec2 variance_table[]; };
+layout(std430, binding = 0) restrict readonly buffer vertices_block { vertex vertices[]; };
+layout(std430, binding = 3) restrict readonly buffer variance_block { vec2 variance_table[]; };
 layout(binding = 1) uniform sampler2D reflection_map;
 layout(binding = 4) uniform sampler2D eye_haze;
 
