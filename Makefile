@@ -22,7 +22,8 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
-    libgstrtspserver-1.0-dev libwslay-dev libyuv-dev
+    libgstrtspserver-1.0-dev libwslay-dev libyuv-dev glib-networking \
+    libssl-dev
 TEST_PACKAGES := gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
     python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
@@ -31,9 +32,9 @@ TEST_PACKAGES := gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodb
     tshark
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd json-glib-1.0 \
-    libprotobuf-c libmodbus libturbojpeg spng OpenEXR libsystemd \
+    libprotobuf-c libmodbus libturbojpeg spng OpenEXR libsystemd openssl \
     gstreamer-1.0 gstreamer-app-1.0 gstreamer-video-1.0 \
-    gstreamer-rtsp-server-1.0
+    gstreamer-rtsp-server-1.0 gstreamer-rtsp-1.0
 
 # --- flags ----------------------------------------------------------------
 CC := gcc
@@ -146,8 +147,12 @@ NET := server/net/fdsource.c \
     server/net/http_request.c \
     server/net/http_problem.c \
     server/net/http_view.c server/net/http_optics.c \
+    server/net/http_auth.c \
     server/net/http_route.c \
     server/net/http_live.c \
+    server/net/token.c \
+    server/net/tls.c \
+    server/net/rtspauth.c \
     server/net/rtsp.c \
     server/net/rtspstream.c \
     server/net/tsviewer.c \

@@ -21,6 +21,8 @@ static Pelagos__ErrorCode code_of(enum pel_err err)
         return PELAGOS__ERROR_CODE__CONFLICT;
     case PEL_ERR_BUSY:
         return PELAGOS__ERROR_CODE__BUSY;
+    case PEL_ERR_UNAUTHORIZED:
+        return PELAGOS__ERROR_CODE__UNAUTHORIZED;
     default:
         return PELAGOS__ERROR_CODE__INTERNAL;
     }

@@ -113,6 +113,11 @@ static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
     struct pel_net_options options = {
         .unix_path = or_null(d->options.unix_path),
         .metrics = d->metrics,
+        .token_path = or_null(d->options.token_file),
+        .tls_cert_path = or_null(d->options.tls_cert),
+        .tls_key_path = or_null(d->options.tls_key),
+        /* pel_options_check has seen to TLS or --plain. */
+        .allow_remote = *d->options.token_file != 0,
     };
     pel_net_limits_default(&options.limits);
     if (*d->options.http &&
@@ -363,6 +368,7 @@ static gboolean reload(gpointer user)
         }
     }
     apply_live(d, &fresh);
+    pel_net_reload(d->net);
     pel_info("DMN-022", "options read again");
     return G_SOURCE_CONTINUE;
 }

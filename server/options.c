@@ -32,6 +32,22 @@ const struct pel_option pel_option_table[] = {
     { "http-hosts", "network", PEL_OPTION_TEXT_KIND, "NAMES", "",
       .offset = FIELD(http_hosts),
       .help = "Names, separated by commas, that a proxy may give as Host." },
+    { "token-file", "network", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(token_file),
+      .help = "Clients of HTTP, RTSP and the protobuf port must give the "
+              "token in this file (mode 600 or 640); needed where one of them "
+              "is not on loopback. SIGHUP reads it again." },
+    { "tls-cert", "network", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(tls_cert),
+      .help = "Certificate in PEM: the RTSP and protobuf ports speak TLS "
+              "only. HTTP gets its TLS from nginx. SIGHUP reads it again." },
+    { "tls-key", "network", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(tls_key),
+      .help = "Key of --tls-cert in PEM (mode 600 or 640)." },
+    { "plain", "network", PEL_OPTION_FLAG, "", "no", .offset = FIELD(plain),
+      .help = "Lets HTTP, RTSP and protobuf leave loopback without TLS: for a "
+              "container or a network of its own behind a proxy. Whoever "
+              "hears the traffic then has the token." },
 
     { "state", "scene", PEL_OPTION_PATH, "FILE|off", "off",
       .offset = FIELD(state),
@@ -555,6 +571,31 @@ static bool is_device(const char *text)
             strspn(text, "0123456789") == strlen(text));
 }
 
+/* An interface with a token of its own, on a network. */
+static enum pel_err check_open(const struct pel_options *options,
+                               const char *name, const char *address,
+                               struct pel_fault *fault)
+{
+    bool http = strcmp(name, "http") == 0;
+    if (!*options->token_file) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "--%s: '%s' is not loopback, and nobody is asked "
+                             "who he is; name a token's file with "
+                             "--token-file, or bind 127.0.0.1",
+                             name, address);
+    }
+    if (options->plain || (!http && *options->tls_cert)) {
+        return PEL_OK;
+    }
+    return pel_fault_set(
+        fault, PEL_ERR_CONFLICT,
+        http ? "--%s: '%s' is not loopback, and HTTP has no TLS of its own; "
+               "bind 127.0.0.1 behind nginx (packaging/nginx), or say --plain"
+             : "--%s: '%s' is not loopback and has no TLS; name a certificate "
+               "with --tls-cert and --tls-key, or say --plain",
+        name, address);
+}
+
 enum pel_err pel_options_check(const struct pel_options *options,
                                struct pel_fault *fault)
 {
@@ -579,6 +620,10 @@ enum pel_err pel_options_check(const struct pel_options *options,
                              "--nmea-out: %s is where --nmea listens",
                              options->nmea_out);
     }
+    if (!*options->tls_cert != !*options->tls_key) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "--tls-cert and --tls-key go together");
+    }
     if (!*options->console != !*options->console_table) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
                              "--console and --console-table go together");
@@ -593,12 +638,11 @@ enum pel_err pel_options_check(const struct pel_options *options,
                                  "--%s-allow who may use it",
                                  open[i].name, open[i].address, open[i].name);
         }
-        return pel_fault_set(
-            fault, PEL_ERR_CONFLICT,
-            "--%s: '%s' is not loopback, and nothing there asks who is "
-            "calling; bind 127.0.0.1 or ::1 and put nginx (TLS, passwords) "
-            "in front, with its name in --http-hosts",
-            open[i].name, open[i].address);
+        enum pel_err err =
+            check_open(options, open[i].name, open[i].address, fault);
+        if (err != PEL_OK) {
+            return err;
+        }
     }
     return PEL_OK;
 }

@@ -27,6 +27,9 @@ struct pel_options {
     char unix_path[PEL_OPTION_TEXT];
     char http_hosts[PEL_OPTION_TEXT];
     char rtsp[PEL_OPTION_TEXT];
+    char token_file[PEL_OPTION_TEXT];
+    char tls_cert[PEL_OPTION_TEXT], tls_key[PEL_OPTION_TEXT];
+    bool plain;
     char modbus[PEL_OPTION_TEXT], modbus_allow[PEL_OPTION_TEXT];
     int modbus_order, modbus_unit, modbus_clients;
     int modbus_heartbeat_ms, modbus_extrapolate_ms;

@@ -172,7 +172,8 @@ static void member(const char *json, const char *name, char *out, size_t size)
 
 static enum pel_client_code code_of(const char *name, int status)
 {
-    for (int code = PEL_CLIENT_MALFORMED; code <= PEL_CLIENT_INTERNAL; code++) {
+    for (int code = PEL_CLIENT_MALFORMED; code <= PEL_CLIENT_UNAUTHORIZED;
+         code++) {
         if (strcmp(name, pel_client_code_name((enum pel_client_code)code)) ==
             0) {
             return (enum pel_client_code)code;

@@ -45,7 +45,8 @@ static enum pel_client_code refuse(const Pelagos__Error *from,
                                    struct pel_client_error *error)
 {
     enum pel_client_code code = PEL_CLIENT_INTERNAL;
-    if (from->has_code && from->code >= 1 && from->code <= 7) {
+    if (from->has_code && (int)from->code >= PEL_CLIENT_MALFORMED &&
+        (int)from->code <= PEL_CLIENT_UNAUTHORIZED) {
         code = (enum pel_client_code)from->code;
     }
     if (error) {
@@ -536,6 +537,8 @@ const char *pel_client_code_name(enum pel_client_code code)
         return "BUSY";
     case PEL_CLIENT_INTERNAL:
         return "INTERNAL";
+    case PEL_CLIENT_UNAUTHORIZED:
+        return "UNAUTHORIZED";
     case PEL_CLIENT_BAD_ADDRESS:
         return "BAD_ADDRESS";
     case PEL_CLIENT_UNREACHABLE:

@@ -33,7 +33,7 @@ extern "C" {
 /* The environment variable that overrides it. */
 #define PEL_CLIENT_SERVER_VARIABLE "PELAGOS_SERVER"
 
-/* Why a call failed. The first seven are ErrorCode of the schema: the daemon
+/* Why a call failed. The first eight are ErrorCode of the schema: the daemon
  * refused. From 100 on the request did not get an answer. */
 enum pel_client_code {
     PEL_CLIENT_OK = 0,
@@ -44,6 +44,7 @@ enum pel_client_code {
     PEL_CLIENT_CONFLICT = 5,
     PEL_CLIENT_BUSY = 6,
     PEL_CLIENT_INTERNAL = 7,
+    PEL_CLIENT_UNAUTHORIZED = 8,
     PEL_CLIENT_BAD_ADDRESS = 100, /* not tcp:HOST:PORT or unix:PATH */
     PEL_CLIENT_UNREACHABLE = 101, /* nothing listens there */
     PEL_CLIENT_TIMEOUT = 102,     /* no reply in time */

@@ -11,6 +11,7 @@ enum pel_err {
     PEL_ERR_INVALID,      /* wrong type or form */
     PEL_ERR_CONFLICT,     /* contradicts the state */
     PEL_ERR_BUSY,         /* a limit is reached; later may work */
+    PEL_ERR_UNAUTHORIZED, /* the token is missing or wrong */
     PEL_ERR_IO,           /* the system refused; errno said why */
     PEL_ERR_GPU,          /* EGL, OpenGL or a shader failed */
     PEL_ERR_NO_MEMORY,

@@ -104,6 +104,12 @@ enum MHD_Result pel_http_send(struct client *client,
     if (answer->upgrade) {
         add(response, "Upgrade", "websocket");
     }
+    if (answer->challenge) {
+        add(response, "WWW-Authenticate", "Bearer realm=\"pelagos\"");
+    }
+    if (answer->challenge_basic) {
+        add(response, "WWW-Authenticate", "Basic realm=\"pelagos\"");
+    }
     if (answer->close) {
         add(response, "Connection", "close");
     }
@@ -427,6 +433,9 @@ enum MHD_Result pel_http_send_live(struct client *client,
         MHD_create_response_for_upgrade(on_upgraded, client);
     add(response, "Upgrade", "websocket");
     add(response, "Sec-WebSocket-Accept", answer->accept);
+    if (answer->subprotocol) {
+        add(response, "Sec-WebSocket-Protocol", "pelagos");
+    }
     return queue(client, 101, response);
 }
 

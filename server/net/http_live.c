@@ -119,6 +119,8 @@ static int check_handshake(const struct pel_http_call *call,
                       "Sec-WebSocket-Key must be 16 bytes in base64");
         return 400;
     }
+    call->answer->subprotocol = has_word(
+        pel_http_find_header(r, "Sec-WebSocket-Protocol", NULL), "pelagos");
     return 0;
 }
 

@@ -22,6 +22,8 @@ int pel_http_status(enum pel_err err)
         return 409;
     case PEL_ERR_BUSY:
         return 503;
+    case PEL_ERR_UNAUTHORIZED:
+        return 401;
     case PEL_ERR_IO:
     case PEL_ERR_GPU:
     case PEL_ERR_NO_MEMORY:
@@ -36,6 +38,8 @@ static const char *title_of(int status)
     switch (status) {
     case 400:
         return "Bad Request";
+    case 401:
+        return "Unauthorized";
     case 403:
         return "Forbidden";
     case 404:

@@ -11,6 +11,7 @@
 #include "json.h"
 #include "message.h"
 #include "net/command.h"
+#include "net/http_auth.h"
 #include "net/http_view.h"
 #include "net/pages.h"
 #include "path.h"
@@ -25,6 +26,7 @@ enum route_flags {
     ROUTE_NO_HEAD = 8,  /* GET only: an answer that costs a picture */
     ROUTE_REST = 16,    /* the last segment stands for all that follow */
     ROUTE_QUERY = 32,   /* takes parameters */
+    ROUTE_OPEN = 64,    /* for those without the token too */
 };
 
 struct route {
@@ -101,10 +103,14 @@ static void get_health(const struct pel_http_call *call)
                                            : "ok";
     const Pelagos__State *state = pel_scene_state(context->scene);
     GString *out = g_string_new(NULL);
-    g_string_append_printf(
-        out, "{\"status\":\"%s\",\"version\":\"%s\",\"revision\":\"%llu\"",
-        status, PEL_VERSION, (unsigned long long)state->revision);
-    if (context->frames) {
+    bool known = pel_http_is_authorized(context, call->request);
+    g_string_append_printf(out, "{\"status\":\"%s\"", status);
+    if (known) {
+        g_string_append_printf(out, ",\"version\":\"%s\",\"revision\":\"%llu\"",
+                               PEL_VERSION,
+                               (unsigned long long)state->revision);
+    }
+    if (context->frames && known) {
         char *device = g_strescape(pel_frames_device(context->frames), NULL);
         g_string_append_printf(out, ",\"device\":\"%s\"", device);
         g_free(device);
@@ -358,8 +364,8 @@ static void get_file(const struct pel_http_call *call)
 /* --- routes --------------------------------------------------------------- */
 
 static const struct route routes[] = {
-    { "GET", "", 0, get_file },
-    { "GET", "healthz", 0, get_health },
+    { "GET", "", ROUTE_OPEN, get_file },
+    { "GET", "healthz", ROUTE_OPEN, get_health },
     { "GET", "metrics", 0, get_metrics },
     { "GET", "v1/schema", 0, get_schema },
     { "GET", "v1/fields", 0, get_fields },
@@ -387,7 +393,7 @@ static const struct route routes[] = {
     { "GET", "v1/optics/*", ROUTE_QUERY, pel_http_get_optics },
     { "POST", "v1/optics", ROUTE_BODY, pel_http_post_optics },
     { "POST", "v1/clock/step", ROUTE_BODY | ROUTE_EMPTY_OK, post_step },
-    { "GET", "*", 0, get_file },
+    { "GET", "*", ROUTE_OPEN, get_file },
 };
 
 static bool pattern_matches(const struct route *route,
@@ -598,6 +604,11 @@ bool pel_http_admit(const struct pel_http_context *context,
     }
     const struct route *route = find_route(request, &target, answer);
     if (!route) {
+        return false;
+    }
+    if (!(route->flags & ROUTE_OPEN) &&
+        !pel_http_is_authorized(context, request)) {
+        pel_http_refuse_stranger(request, answer);
         return false;
     }
     err = check_body(context, request, route, &limit, &status, &fault);

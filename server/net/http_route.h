@@ -10,6 +10,7 @@
 #include "base/metrics.h"
 #include "frames/frames.h"
 #include "net/http_request.h"
+#include "net/token.h"
 #include "pelagos.pb-c.h"
 #include "scene/scene.h"
 
@@ -18,6 +19,7 @@ struct pel_http_context {
     const struct pel_frames *frames; /* NULL: no picture is ever drawn */
     struct pel_metrics *metrics;
     const char *const *hosts; /* as pel_http_host_is_ours */
+    struct pel_token *token;  /* what clients must give; NULL: nothing */
     size_t body_limit;        /* bytes; eight times that for /v1/surface */
     bool stopping;            /* /healthz says so */
 };
@@ -55,6 +57,9 @@ struct pel_http_answer {
     unsigned credit;            /* of LIVE: pictures not acknowledged */
     char accept[32];            /* of LIVE: Sec-WebSocket-Accept */
     bool upgrade;               /* Upgrade header of a 426 */
+    bool subprotocol;           /* of LIVE: the viewer offered `pelagos` */
+    bool challenge;             /* WWW-Authenticate headers of a 401 */
+    bool challenge_basic;       /* Basic too: not for a page's own requests */
 };
 
 void pel_http_answer_finish(struct pel_http_answer *answer);

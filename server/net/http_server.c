@@ -89,7 +89,8 @@ static enum MHD_Result take_head(struct client *client, const char *method)
     bool admitted = pel_http_admit(&client->server->context, &request,
                                    &client->body_limit, &answer);
     if (!admitted) {
-        client->server->malformed += answer.status != 404;
+        client->server->malformed +=
+            answer.status != 404 && answer.status != 401;
         return pel_http_send(client, &answer);
     }
     client->phase = PHASE_BODY;

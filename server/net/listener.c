@@ -173,8 +173,8 @@ enum pel_err pel_listener_tcp(const char *option, const char *address,
     if (!allow_remote && !pel_address_is_loopback((struct sockaddr *)&where)) {
         return pel_fault_set(
             fault, PEL_ERR_CONFLICT,
-            "%s: %s would serve other machines without encryption or "
-            "password; bind 127.0.0.1 behind nginx, or allow remote clients",
+            "%s: %s would serve other machines without a password; bind "
+            "127.0.0.1, or give a token",
             option, address);
     }
     int fd =

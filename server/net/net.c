@@ -12,11 +12,15 @@
 #include "net/listener.h"
 #include "net/rtsp.h"
 #include "net/session.h"
+#include "net/tls.h"
+#include "net/token.h"
 
 struct pel_net {
     struct pel_net_options options;
     struct pel_scene *scene;
     struct pel_frames *frames;
+    struct pel_token *token; /* NULL: none is asked for */
+    struct pel_tls *tls;     /* NULL: TCP and RTSP are plain */
     struct pel_http_server *http;
     struct pel_sessions *sessions;
     struct pel_rtsp *rtsp; /* NULL: off */
@@ -41,6 +45,7 @@ void pel_net_limits_default(struct pel_net_limits *limits)
         .session_requests = 16,
         .session_message_bytes = 64 * 1024,
         .session_output_bytes = 64 * 1024 * 1024,
+        .session_login_s = 8.0,
         .session_message_s = 15.0,
         .session_stall_s = 20.0,
     };
@@ -59,7 +64,16 @@ static bool accept_tcp(void *user, int fd, const struct sockaddr *address,
     (void)address;
     (void)size;
     struct pel_net *net = user;
-    return pel_sessions_accept(net->sessions, fd, PEL_TRANSPORT_TCP);
+    if (!net->tls) {
+        return pel_sessions_accept(net->sessions, fd, PEL_TRANSPORT_TCP);
+    }
+    int plain = pel_tls_serve(net->tls, fd, net->options.limits.session_login_s,
+                              net->options.limits.session_stall_s);
+    if (plain >= 0 &&
+        !pel_sessions_accept(net->sessions, plain, PEL_TRANSPORT_TCP)) {
+        close(plain); /* the refusal still goes out */
+    }
+    return true;
 }
 
 static bool accept_unix(void *user, int fd, const struct sockaddr *address,
@@ -143,27 +157,60 @@ static void on_commit(void *user)
 
 /* --- life ----------------------------------------------------------------- */
 
-static enum pel_err listen_all(struct pel_net *net, struct pel_fault *fault)
+static enum pel_err load_secrets(struct pel_net *net, struct pel_fault *fault)
 {
     const struct pel_net_options *o = &net->options;
     enum pel_err err = PEL_OK;
+    if (o->token_path) {
+        err = pel_token_create(o->token_path, &net->token, fault);
+    }
+    if (err == PEL_OK && o->tls_cert_path) {
+        err =
+            pel_tls_create(o->tls_cert_path, o->tls_key_path, &net->tls, fault);
+    }
+    return err;
+}
+
+void pel_net_reload(struct pel_net *net)
+{
+    struct pel_fault fault;
+    if (net->token && pel_token_reload(net->token, &fault) != PEL_OK) {
+        pel_error("NET-008", "the token stays: %s", fault.message);
+    }
+    if (net->tls && pel_tls_reload(net->tls, &fault) != PEL_OK) {
+        pel_error("NET-009", "the certificate stays: %s", fault.message);
+    } else if (net->tls && net->rtsp) {
+        pel_rtsp_set_certificate(net->rtsp, pel_tls_certificate(net->tls));
+    }
+}
+
+static enum pel_err listen_all(struct pel_net *net, struct pel_fault *fault)
+{
+    const struct pel_net_options *o = &net->options;
+    const bool remote = o->allow_remote && net->token;
+    enum pel_err err = PEL_OK;
     if (o->http_address) {
-        err = pel_listener_tcp("http", o->http_address, o->http_port,
-                               o->allow_remote, accept_http, net,
-                               &net->http_listener, fault);
+        err = pel_listener_tcp("http", o->http_address, o->http_port, remote,
+                               accept_http, net, &net->http_listener, fault);
     }
     if (err == PEL_OK && o->tcp_address) {
-        err = pel_listener_tcp("tcp", o->tcp_address, o->tcp_port,
-                               o->allow_remote, accept_tcp, net,
-                               &net->tcp_listener, fault);
+        err = pel_listener_tcp("tcp", o->tcp_address, o->tcp_port, remote,
+                               accept_tcp, net, &net->tcp_listener, fault);
     }
     if (err == PEL_OK && o->unix_path) {
         err = pel_listener_unix(o->unix_path, accept_unix, net,
                                 &net->unix_listener, fault);
     }
     if (err == PEL_OK && o->rtsp_address) {
-        err = pel_rtsp_create(o->rtsp_address, o->rtsp_port, o->allow_remote,
-                              net->scene, net->frames, &net->rtsp, fault);
+        struct pel_rtsp_options rtsp = {
+            .address = o->rtsp_address,
+            .port = o->rtsp_port,
+            .allow_remote = remote,
+            .token = net->token,
+            .certificate = net->tls ? pel_tls_certificate(net->tls) : NULL,
+        };
+        err =
+            pel_rtsp_create(&rtsp, net->scene, net->frames, &net->rtsp, fault);
     }
     net->http_port = pel_listener_port(net->http_listener);
     net->tcp_port = pel_listener_port(net->tcp_listener);
@@ -179,14 +226,17 @@ static void tell(const struct pel_net *net)
                  o->http_address, six ? "]" : "", net->http_port);
     }
     if (o->tcp_address) {
-        pel_info("NET-003", "protobuf on TCP %s port %u", o->tcp_address,
-                 net->tcp_port);
+        pel_info("NET-003", "protobuf on %s %s port %u",
+                 net->tls ? "TLS" : "TCP", o->tcp_address, net->tcp_port);
     }
     if (o->rtsp_address) {
-        pel_info("NET-006", "RTSP on rtsp://%s%s%s:%u/VIEW",
-                 strchr(o->rtsp_address, ':') ? "[" : "", o->rtsp_address,
-                 strchr(o->rtsp_address, ':') ? "]" : "",
+        pel_info("NET-006", "RTSP on rtsp%s://%s%s%s:%u/VIEW",
+                 net->tls ? "s" : "", strchr(o->rtsp_address, ':') ? "[" : "",
+                 o->rtsp_address, strchr(o->rtsp_address, ':') ? "]" : "",
                  pel_rtsp_port(net->rtsp));
+    }
+    if (net->token) {
+        pel_info("NET-007", "clients must give the token of %s", o->token_path);
     }
     if (o->unix_path) {
         pel_info("NET-004", "protobuf on %s", o->unix_path);
@@ -201,14 +251,16 @@ enum pel_err pel_net_create(const struct pel_net_options *options,
     net->options = *options;
     net->scene = scene;
     net->frames = frames;
-    net->sessions = pel_sessions_create(&options->limits, scene, frames);
-    enum pel_err err = PEL_OK;
-    if (options->http_address) {
+    enum pel_err err = load_secrets(net, fault);
+    net->sessions =
+        pel_sessions_create(&options->limits, scene, frames, net->token);
+    if (err == PEL_OK && options->http_address) {
         struct pel_http_context context = {
             .scene = scene,
             .frames = frames,
             .metrics = options->metrics,
             .hosts = options->http_hosts,
+            .token = net->token,
             .body_limit = options->limits.http_body_bytes,
         };
         err = pel_http_server_create(&options->limits, &context, frames,
@@ -268,6 +320,8 @@ void pel_net_destroy(struct pel_net *net)
     pel_rtsp_destroy(net->rtsp);
     net->rtsp = NULL;
     pel_sessions_destroy(net->sessions);
+    pel_tls_destroy(net->tls);
+    pel_token_destroy(net->token);
     g_free(net);
 }
 

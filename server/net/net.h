@@ -31,12 +31,13 @@ struct pel_net_limits {
     unsigned session_requests;  /* in flight in one session */
     size_t session_message_bytes; /* of one request */
     size_t session_output_bytes;  /* waiting for one slow reader */
+    double session_login_s;       /* from connecting to the token */
     double session_message_s;     /* from a message's first byte to its last */
     double session_stall_s;       /* a reader that takes nothing */
 };
 
 /* 256 connections, 16 a source, 128 from loopback, 64 KiB, 8 s, 15 s, 15 s,
- * 30 s, 120 s; 64 sessions, 16 requests, 64 KiB, 64 MiB, 15 s, 20 s. */
+ * 30 s, 120 s; 64 sessions, 16 requests, 64 KiB, 64 MiB, 8 s, 15 s, 20 s. */
 void pel_net_limits_default(struct pel_net_limits *limits);
 
 struct pel_net_options {
@@ -46,8 +47,13 @@ struct pel_net_options {
     uint16_t tcp_port;
     const char *rtsp_address; /* as http_address; NULL: no RTSP */
     uint16_t rtsp_port;
-    const char *unix_path; /* NULL: no Unix socket; made with mode 0600 */
-    bool allow_remote;     /* else an address that is not loopback is refused */
+    const char *unix_path;  /* NULL: no Unix socket; made with mode 0600 */
+    bool allow_remote;      /* else an address that is not loopback is refused;
+                             * means something with a token only */
+    const char *token_path; /* clients of HTTP, TCP and RTSP must give this
+                             * file's token (net/token.h); NULL: nothing */
+    const char *tls_cert_path, *tls_key_path; /* PEM; TCP and RTSP speak TLS
+                                               * only; NULL: none */
     /* Names besides `localhost` and plain addresses that a Host header may
      * give (a proxy's), NULL-terminated; NULL: none. */
     const char *const *http_hosts;
@@ -56,14 +62,19 @@ struct pel_net_options {
 };
 
 /* Binds and listens. Errors: INVALID (an address), CONFLICT (not loopback
- * without allow_remote; a Unix path in use or not a socket), IO (bind). The
- * strings of *options must live as long as the net; the scene must not be
- * edited after the net's end. */
+ * without allow_remote and token; a Unix path in use or not a socket), IO
+ * (bind), and those of pel_token_create and pel_tls_create. The strings of
+ * *options must live as long as the net; the scene must not be edited after the
+ * net's end. */
 PEL_CHECK enum pel_err pel_net_create(const struct pel_net_options *options,
                                       struct pel_scene *scene,
                                       struct pel_frames *frames,
                                       struct pel_net **out,
                                       struct pel_fault *fault);
+
+/* Reads the token and the certificate again, for clients to come; what cannot
+ * be read stays as it was, and the log says why. */
+void pel_net_reload(struct pel_net *net);
 
 /* Refuses new clients and new requests from now on, for a drain at shutdown;
  * what is under way goes on. */

@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "encode/gst.h"
 #include "net/listener.h"
+#include "net/rtspauth.h"
 #include "net/rtspstream.h"
 
 #define MAX_CLIENTS 64
@@ -45,6 +46,8 @@ struct pel_rtsp {
     struct pel_rtsp_hub *hub;
     struct pel_listener *listener;
     uint16_t port;
+    struct pel_token *token;      /* NULL: none is asked for */
+    GTlsCertificate *certificate; /* NULL: plain */
     enum state state;
     pthread_t starter;
     enum pel_err start_err;
@@ -111,10 +114,29 @@ static void on_closed(GstRTSPClient *client, gpointer user)
 
 /* --- the server ---------------------------------------------------------- */
 
+/* Before the connection is read for the first time. */
+static void secure(GstRTSPClient *client, GTlsCertificate *certificate)
+{
+    GstRTSPConnection *connection = gst_rtsp_client_get_connection(client);
+    GError *error = NULL;
+    GTlsConnection *tls = gst_rtsp_connection_get_tls(connection, &error);
+    if (!tls) {
+        pel_error("NET-032", "no TLS for RTSP: %s", error->message);
+        g_clear_error(&error);
+        gst_rtsp_client_close(client);
+        return;
+    }
+    g_tls_connection_set_certificate(tls, certificate);
+}
+
 static void on_connected(GstRTSPServer *server, GstRTSPClient *client,
                          gpointer user)
 {
     (void)server;
+    const struct pel_rtsp *rtsp = user;
+    if (rtsp->certificate) {
+        secure(client, rtsp->certificate);
+    }
     g_signal_connect(client, "play-request", G_CALLBACK(on_play), NULL);
     g_signal_connect(client, "closed", G_CALLBACK(on_closed), user);
 }
@@ -128,6 +150,9 @@ static void mount(struct pel_rtsp *rtsp, GstRTSPMountPoints *points,
     gst_rtsp_media_factory_set_launch(factory, LAUNCH);
     gst_rtsp_media_factory_set_shared(factory, FALSE);
     gst_rtsp_media_factory_set_latency(factory, 0);
+    if (rtsp->certificate) {
+        gst_rtsp_media_factory_set_protocols(factory, GST_RTSP_LOWER_TRANS_TCP);
+    }
     g_object_set_data_full(G_OBJECT(factory), VIEW_KEY, g_strdup(view), g_free);
     g_signal_connect_data(factory, "media-configure", G_CALLBACK(on_configure),
                           pel_rtsp_hub_ref(rtsp->hub),
@@ -179,6 +204,11 @@ static void start_server(struct pel_rtsp *rtsp)
     GstRTSPSessionPool *pool = gst_rtsp_server_get_session_pool(rtsp->server);
     gst_rtsp_session_pool_set_max_sessions(pool, MAX_SESSIONS);
     g_object_unref(pool);
+    if (rtsp->token) {
+        GstRTSPAuth *auth = pel_rtsp_auth_new(rtsp->token);
+        gst_rtsp_server_set_auth(rtsp->server, auth);
+        g_object_unref(auth);
+    }
     g_signal_connect(rtsp->server, "client-connected", G_CALLBACK(on_connected),
                      rtsp);
     rtsp->cleaner = g_timeout_add_seconds(CLEAN_S, clean, rtsp);
@@ -286,18 +316,21 @@ static bool accept_client(void *user, int fd, const struct sockaddr *address,
 
 /* --- life ---------------------------------------------------------------- */
 
-enum pel_err pel_rtsp_create(const char *address, uint16_t port,
-                             bool allow_remote, struct pel_scene *scene,
-                             struct pel_frames *frames, struct pel_rtsp **out,
-                             struct pel_fault *fault)
+enum pel_err pel_rtsp_create(const struct pel_rtsp_options *options,
+                             struct pel_scene *scene, struct pel_frames *frames,
+                             struct pel_rtsp **out, struct pel_fault *fault)
 {
     struct pel_rtsp *rtsp = g_new0(struct pel_rtsp, 1);
-    enum pel_err err =
-        pel_listener_tcp("rtsp", address, port, allow_remote, accept_client,
-                         rtsp, &rtsp->listener, fault);
+    enum pel_err err = pel_listener_tcp("rtsp", options->address, options->port,
+                                        options->allow_remote, accept_client,
+                                        rtsp, &rtsp->listener, fault);
     if (err != PEL_OK) {
         g_free(rtsp);
         return err;
+    }
+    rtsp->token = options->token;
+    if (options->certificate) {
+        rtsp->certificate = g_object_ref(options->certificate);
     }
     rtsp->scene = scene;
     rtsp->hub = pel_rtsp_hub_create(frames);
@@ -306,6 +339,14 @@ enum pel_err pel_rtsp_create(const char *address, uint16_t port,
         g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
     *out = rtsp;
     return PEL_OK;
+}
+
+void pel_rtsp_set_certificate(struct pel_rtsp *rtsp,
+                              GTlsCertificate *certificate)
+{
+    g_object_ref(certificate);
+    g_clear_object(&rtsp->certificate);
+    rtsp->certificate = certificate;
 }
 
 void pel_rtsp_stop(struct pel_rtsp *rtsp)
@@ -361,6 +402,7 @@ void pel_rtsp_destroy(struct pel_rtsp *rtsp)
     }
     pel_rtsp_hub_unref(rtsp->hub);
     g_hash_table_destroy(rtsp->mounted);
+    g_clear_object(&rtsp->certificate);
     g_free(rtsp);
 }
 

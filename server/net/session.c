@@ -24,7 +24,7 @@
 /* A full house lets the longest-idle session go after this. */
 #define EVICT_IDLE_NS (60 * INT64_C(1000000000))
 #define LINGER_NS (2 * INT64_C(1000000000))
-#define COMMANDS 10
+#define COMMANDS 21
 
 struct session;
 
@@ -49,6 +49,7 @@ struct session {
     GPtrArray *jobs; /* of struct job */
     bool watching, watch_due, watch_has_id;
     uint64_t watch_id;
+    bool stranger;            /* has yet to give the token */
     bool eof;                 /* the client sends no more */
     bool held;                /* whole messages may wait in `in` */
     bool closing;             /* after the last byte is out */
@@ -62,11 +63,13 @@ struct pel_sessions {
     struct pel_net_limits limits;
     struct pel_scene *scene;
     struct pel_frames *frames;
-    GPtrArray *list; /* of struct session */
+    struct pel_token *token; /* NULL: none is asked for */
+    GPtrArray *list;         /* of struct session */
     bool stopped;
     uint64_t accepted[PEL_TRANSPORT_COUNT], refused[PEL_TRANSPORT_COUNT];
     uint64_t malformed[PEL_TRANSPORT_COUNT], timeouts[PEL_TRANSPORT_COUNT];
     uint64_t requests[COMMANDS], errors, evicted, in_bytes, out_bytes;
+    uint64_t unauthorized;
 };
 
 static const char *const transport_names[] = { "tcp", "unix" };
@@ -80,6 +83,7 @@ static const char *const command_names[COMMANDS] = {
     [PELAGOS__REQUEST__COMMAND_WATCH] = "watch",
     [PELAGOS__REQUEST__COMMAND_SPECTRUM] = "spectrum",
     [PELAGOS__REQUEST__COMMAND_OPTICS] = "optics",
+    [PELAGOS__REQUEST__COMMAND_LOGIN] = "login",
 };
 
 static int64_t seconds(double s)
@@ -314,6 +318,7 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
     }
     switch (request->command_case) {
     case PELAGOS__REQUEST__COMMAND_GET:
+    case PELAGOS__REQUEST__COMMAND_LOGIN: /* admitted already */
         break;
     case PELAGOS__REQUEST__COMMAND_PATCH:
         err = pel_scene_patch(scene, request->patch, fault);
@@ -358,6 +363,30 @@ static void malformed(struct session *self, const char *why)
     self->closing = true;
 }
 
+/* False: the request is no Login, or one with a wrong token. */
+static bool admit(struct session *self, const Pelagos__Request *request,
+                  struct pel_fault *fault)
+{
+    struct pel_token *token = self->all->token;
+    bool login = request->command_case == PELAGOS__REQUEST__COMMAND_LOGIN;
+    if (login && token && self->transport == PEL_TRANSPORT_TCP) {
+        const char *text = request->login->token ? request->login->token : "";
+        self->stranger = !pel_token_is(token, text, strlen(text));
+    }
+    if (!self->stranger) {
+        return true;
+    }
+    static struct pel_log_limit limit;
+    self->all->unauthorized++;
+    pel_log_limited(&limit, PEL_LOG_WARNING, "NET-012",
+                    "a session over TCP gave %s token",
+                    login ? "a wrong" : "no");
+    pel_fault_set(fault, PEL_ERR_UNAUTHORIZED,
+                  login ? "the token is wrong"
+                        : "this server asks for a token: begin with Login");
+    return false;
+}
+
 static void take_message(struct session *self, const uint8_t *data, size_t size)
 {
     Pelagos__Request *request = pelagos__request__unpack(NULL, size, data);
@@ -374,7 +403,10 @@ static void take_message(struct session *self, const uint8_t *data, size_t size)
     }
     self->active_ns = pel_now_ns();
     struct pel_fault fault;
-    if (apply(self, request, &fault) != PEL_OK) {
+    if (!admit(self, request, &fault)) {
+        send_fault(self, request->has_id, request->id, &fault);
+        self->closing = true;
+    } else if (apply(self, request, &fault) != PEL_OK) {
         send_fault(self, request->has_id, request->id, &fault);
     }
     pelagos__request__free_unpacked(request, NULL);
@@ -477,6 +509,21 @@ static bool half_sent(struct session *self, int64_t now)
     return false;
 }
 
+/* When a client that has not given the token has had its time. */
+static int64_t stranger_time(const struct session *self)
+{
+    return self->active_ns + seconds(self->all->limits.session_login_s);
+}
+
+static bool loiters(struct session *self, int64_t now)
+{
+    if (self->stranger && now > stranger_time(self)) {
+        self->all->timeouts[self->transport]++;
+        return true;
+    }
+    return false;
+}
+
 static int64_t stall_time(const struct session *self)
 {
     return self->progress_ns + seconds(self->all->limits.session_stall_s) +
@@ -531,6 +578,10 @@ static void plan_next(struct session *self)
         wanted |= G_IO_OUT;
         wake = wake < 0 ? stall_time(self) : MIN(wake, stall_time(self));
     }
+    if (self->stranger) {
+        int64_t end = stranger_time(self) + 1000000;
+        wake = wake < 0 ? end : MIN(wake, end);
+    }
     pel_fdsource_want(self->source, wanted);
     pel_fdsource_wake_at(self->source, wake);
 }
@@ -564,7 +615,8 @@ static void session_run(void *user, GIOCondition ready)
         return;
     }
     int64_t now = pel_now_ns();
-    if (!alive || stalled(self, now) || half_sent(self, now)) {
+    if (!alive || stalled(self, now) || half_sent(self, now) ||
+        loiters(self, now)) {
         session_close(self);
         return;
     }
@@ -575,12 +627,14 @@ static void session_run(void *user, GIOCondition ready)
 
 struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
                                          struct pel_scene *scene,
-                                         struct pel_frames *frames)
+                                         struct pel_frames *frames,
+                                         struct pel_token *token)
 {
     struct pel_sessions *all = g_new0(struct pel_sessions, 1);
     all->limits = *limits;
     all->scene = scene;
     all->frames = frames;
+    all->token = token;
     all->list = g_ptr_array_new_with_free_func(session_free);
     return all;
 }
@@ -600,11 +654,15 @@ static bool make_room(struct pel_sessions *all)
         struct session *each = g_ptr_array_index(all->list, i);
         bool idle =
             each->jobs->len == 0 && each->out.bytes == 0 && !each->watching;
-        if (idle && (!oldest || each->active_ns < oldest->active_ns)) {
+        bool better = !oldest || each->stranger > oldest->stranger ||
+                      (each->stranger == oldest->stranger &&
+                       each->active_ns < oldest->active_ns);
+        if (idle && better) {
             oldest = each;
         }
     }
-    if (!oldest || pel_now_ns() - oldest->active_ns < EVICT_IDLE_NS) {
+    if (!oldest || (!oldest->stranger &&
+                    pel_now_ns() - oldest->active_ns < EVICT_IDLE_NS)) {
         return false;
     }
     all->evicted++;
@@ -651,8 +709,12 @@ bool pel_sessions_accept(struct pel_sessions *all, int fd,
     self->fd = fd;
     self->jobs = g_ptr_array_new();
     self->active_ns = pel_now_ns();
+    self->stranger = all->token && transport == PEL_TRANSPORT_TCP;
     pel_outbox_init(&self->out);
     self->source = pel_fdsource_create(fd, G_IO_IN, session_run, self);
+    if (self->stranger) {
+        pel_fdsource_wake_at(self->source, stranger_time(self) + 1000000);
+    }
     g_ptr_array_add(all->list, self);
     all->accepted[transport]++;
     return true;
@@ -729,6 +791,9 @@ void pel_sessions_collect(const struct pel_sessions *all,
     pel_metric(page, "pelagos_session_errors_total", PEL_METRIC_COUNTER,
                "Error replies to protobuf sessions.", NULL,
                (double)all->errors);
+    pel_metric(page, "pelagos_session_unauthorized_total", PEL_METRIC_COUNTER,
+               "Requests over TCP without the token.", NULL,
+               (double)all->unauthorized);
     pel_metric(page, "pelagos_session_evicted_total", PEL_METRIC_COUNTER,
                "Idle sessions closed to make room.", NULL,
                (double)all->evicted);

@@ -4,6 +4,7 @@
  * Requests are taken in order; replies come when they are ready and carry the
  * request's id. A message that cannot be read gets an Error and the end of the
  * session; a command that is refused gets an Error and the session goes on.
+ * Where there is a token a session over TCP begins with Login.
  * While replies wait for a slow reader nothing more is read from it. Closing
  * the sending side ends the session: requests in flight are cancelled. */
 #pragma once
@@ -14,6 +15,7 @@
 #include "base/metrics.h"
 #include "frames/frames.h"
 #include "net/net.h"
+#include "net/token.h"
 #include "scene/scene.h"
 
 struct pel_sessions;
@@ -24,9 +26,11 @@ enum pel_transport {
     PEL_TRANSPORT_COUNT,
 };
 
+/* token: what clients over TCP must give; NULL: nothing. Borrowed. */
 struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
                                          struct pel_scene *scene,
-                                         struct pel_frames *frames);
+                                         struct pel_frames *frames,
+                                         struct pel_token *token);
 void pel_sessions_destroy(struct pel_sessions *sessions); /* NULL allowed */
 
 /* Takes over a non-blocking socket, or returns false: all places are taken and

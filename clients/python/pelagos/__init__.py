@@ -16,7 +16,8 @@ from .camera import Camera, Intrinsics
 from .client import Ocean
 from .errors import (BadPicture, Busy, Conflict, Internal, Invalid, Malformed,
                      MissingPackage, NotFound, OutOfRange, PelagosError,
-                     ProtocolError, Refused, TimedOut, Unreachable)
+                     ProtocolError, Refused, TimedOut, Unauthorized,
+                     Unreachable)
 from .exr import Exr, read_exr
 from .frame import Frame
 from .live import LiveFrame, LiveStream, VideoStream
@@ -33,5 +34,6 @@ __all__ = [
     "Invalid", "LiveFrame", "LiveStream", "Malformed", "MissingPackage",
     "NotFound", "Ocean", "Origin", "OutOfRange", "PelagosError",
     "ProtocolError", "Refused", "Sea", "Sky", "State", "Surface", "Swell",
-    "TimedOut", "Unreachable", "VideoStream", "View", "ViewHandle", "Water", "read_exr",
+    "TimedOut", "Unauthorized", "Unreachable", "VideoStream", "View", "ViewHandle",
+    "Water", "read_exr",
 ]

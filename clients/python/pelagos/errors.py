@@ -78,6 +78,10 @@ class Busy(Refused):
     """A limit is reached; try again later."""
 
 
+class Unauthorized(Refused, PermissionError):
+    """The token is missing or wrong: Ocean(token=…) or $PELAGOS_TOKEN."""
+
+
 class Internal(Refused):
     """The daemon failed; its log says more."""
 
@@ -85,9 +89,9 @@ class Internal(Refused):
 _KINDS: dict[str, type[Refused]] = {
     "MALFORMED": Malformed, "NOT_FOUND": NotFound,
     "OUT_OF_RANGE": OutOfRange, "INVALID": Invalid, "CONFLICT": Conflict,
-    "BUSY": Busy, "INTERNAL": Internal,
+    "BUSY": Busy, "INTERNAL": Internal, "UNAUTHORIZED": Unauthorized,
 }
-_BY_STATUS = {404: NotFound, 409: Conflict, 412: Conflict, 429: Busy,
+_BY_STATUS = {401: Unauthorized, 404: NotFound, 409: Conflict, 412: Conflict, 429: Busy,
               503: Busy}
 
 

@@ -1,0 +1,15 @@
+/* Who may use HTTP: whoever has the token, where there is one. Any thread. */
+#pragma once
+
+#include <stdbool.h>
+
+#include "net/http_route.h"
+
+/* Whether the request has the token, or none is asked for: in Authorization
+ * (pel_token_authorizes), or as subprotocol `bearer.TOKEN` of a WebSocket. */
+bool pel_http_is_authorized(const struct pel_http_context *context,
+                            const struct pel_http_request *request);
+
+/* Answers 401. */
+void pel_http_refuse_stranger(const struct pel_http_request *request,
+                              struct pel_http_answer *answer);

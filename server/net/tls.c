@@ -1,0 +1,365 @@
+#include "net/tls.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <openssl/err.h>
+#include <openssl/ssl.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "net/fdsource.h"
+#include "net/token.h"
+
+#define BLOCK 16384      /* a TLS record */
+#define ROUNDS_A_TURN 16 /* of BLOCK bytes, then the others have theirs */
+
+struct pel_tls {
+    char *cert_path, *key_path;
+    SSL_CTX *context;
+    GTlsCertificate *certificate; /* the same for GIO */
+    GPtrArray *pumps;             /* of struct pump */
+};
+
+struct block {
+    uint8_t data[BLOCK];
+    size_t start, end;
+    bool over; /* nothing more comes after it */
+};
+
+/* One connection: bytes between the client's TLS and our plain socket. */
+struct pump {
+    struct pel_tls *tls;
+    SSL *ssl;
+    int fd, plain;
+    struct pel_fdsource *fd_source, *plain_source;
+    struct block in, out;         /* from the client, to the client */
+    bool wants_read, wants_write; /* what OpenSSL waits for */
+    int64_t handshake_end_ns, progress_ns, stall_ns;
+};
+
+/* --- certificates --------------------------------------------------------- */
+
+static enum pel_err check_key(const char *path, struct pel_fault *fault)
+{
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0) {
+        return pel_fault_set(fault, PEL_ERR_IO, "cannot read %s: %s", path,
+                             strerror(errno));
+    }
+    enum pel_err err = pel_token_check_file(fd, path, fault);
+    close(fd);
+    return err;
+}
+
+static SSL_CTX *make_context(const char *cert_path, const char *key_path)
+{
+    SSL_CTX *context = SSL_CTX_new(TLS_server_method());
+    if (!context) {
+        return NULL;
+    }
+    SSL_CTX_set_min_proto_version(context, TLS1_2_VERSION);
+    SSL_CTX_set_options(context, SSL_OP_NO_RENEGOTIATION |
+                                     SSL_OP_NO_COMPRESSION |
+                                     SSL_OP_IGNORE_UNEXPECTED_EOF);
+    SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE |
+                                  SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER |
+                                  SSL_MODE_RELEASE_BUFFERS);
+    if (SSL_CTX_use_certificate_chain_file(context, cert_path) != 1 ||
+        SSL_CTX_use_PrivateKey_file(context, key_path, SSL_FILETYPE_PEM) != 1 ||
+        SSL_CTX_check_private_key(context) != 1) {
+        SSL_CTX_free(context);
+        return NULL;
+    }
+    return context;
+}
+
+static enum pel_err load(struct pel_tls *tls, struct pel_fault *fault)
+{
+    enum pel_err err = check_key(tls->key_path, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
+    ERR_clear_error();
+    SSL_CTX *context = make_context(tls->cert_path, tls->key_path);
+    GError *error = NULL;
+    GTlsCertificate *certificate =
+        g_tls_certificate_new_from_files(tls->cert_path, tls->key_path, &error);
+    if (!context || !certificate) {
+        unsigned long code = ERR_peek_last_error();
+        const char *why = code ? ERR_reason_error_string(code) : NULL;
+        pel_fault_set(fault, PEL_ERR_INVALID,
+                      "no certificate from %s and %s: %s", tls->cert_path,
+                      tls->key_path,
+                      error ? error->message : (why ? why : "unreadable"));
+        g_clear_error(&error);
+        g_clear_object(&certificate);
+        SSL_CTX_free(context);
+        return PEL_ERR_INVALID;
+    }
+    SSL_CTX_free(tls->context);
+    g_clear_object(&tls->certificate);
+    tls->context = context;
+    tls->certificate = certificate;
+    return PEL_OK;
+}
+
+enum pel_err pel_tls_create(const char *cert_path, const char *key_path,
+                            struct pel_tls **out, struct pel_fault *fault)
+{
+    if (!g_tls_backend_supports_tls(g_tls_backend_get_default())) {
+        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                             "there is no TLS for RTSP here: install "
+                             "glib-networking");
+    }
+    struct pel_tls *tls = g_new0(struct pel_tls, 1);
+    tls->cert_path = g_strdup(cert_path);
+    tls->key_path = g_strdup(key_path);
+    tls->pumps = g_ptr_array_new();
+    enum pel_err err = load(tls, fault);
+    if (err != PEL_OK) {
+        pel_tls_destroy(tls);
+        return err;
+    }
+    *out = tls;
+    return PEL_OK;
+}
+
+enum pel_err pel_tls_reload(struct pel_tls *tls, struct pel_fault *fault)
+{
+    return load(tls, fault);
+}
+
+GTlsCertificate *pel_tls_certificate(const struct pel_tls *tls)
+{
+    return tls->certificate;
+}
+
+/* --- one connection ------------------------------------------------------- */
+
+static void pump_free(struct pump *pump)
+{
+    g_ptr_array_remove_fast(pump->tls->pumps, pump);
+    pel_fdsource_destroy(pump->fd_source);
+    pel_fdsource_destroy(pump->plain_source);
+    SSL_free(pump->ssl);
+    close(pump->fd);
+    close(pump->plain);
+    g_free(pump);
+}
+
+static void say_failure(void)
+{
+    static struct pel_log_limit limit;
+    unsigned long code = ERR_peek_error();
+    const char *why = code ? ERR_reason_error_string(code) : NULL;
+    pel_log_limited(&limit, PEL_LOG_WARNING, "NET-040",
+                    "no TLS with a client: %s", why ? why : "it left");
+}
+
+/* What a call of OpenSSL that did not succeed waits for; false: the connection
+ * is over. */
+static bool may_go_on(struct pump *pump, int result)
+{
+    switch (SSL_get_error(pump->ssl, result)) {
+    case SSL_ERROR_WANT_READ:
+        pump->wants_read = true;
+        return true;
+    case SSL_ERROR_WANT_WRITE:
+        pump->wants_write = true;
+        return true;
+    case SSL_ERROR_ZERO_RETURN:
+        return false;
+    default:
+        if (!SSL_is_init_finished(pump->ssl)) {
+            say_failure();
+        }
+        return false;
+    }
+}
+
+static bool is_empty(const struct block *block)
+{
+    return block->start == block->end;
+}
+
+static void fill(struct block *block, size_t size)
+{
+    block->start = 0;
+    block->end = size;
+}
+
+/* True: bytes moved. */
+static bool take_in(struct pump *pump)
+{
+    struct block *in = &pump->in;
+    bool moved = false;
+    if (is_empty(in) && !in->over) {
+        ERR_clear_error();
+        int n = SSL_read(pump->ssl, in->data, BLOCK);
+        moved = n > 0;
+        if (n > 0) {
+            fill(in, (size_t)n);
+        } else {
+            in->over = !may_go_on(pump, n);
+        }
+    }
+    if (!is_empty(in)) {
+        ssize_t n = send(pump->plain, in->data + in->start, in->end - in->start,
+                         MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (n > 0) {
+            in->start += (size_t)n;
+            moved = true;
+        } else if (errno != EAGAIN && errno != EINTR) {
+            fill(in, 0); /* nobody reads it: our side has closed */
+        }
+    }
+    return moved;
+}
+
+static bool give_out(struct pump *pump)
+{
+    struct block *out = &pump->out;
+    bool moved = false;
+    if (is_empty(out) && !out->over) {
+        ssize_t n = recv(pump->plain, out->data, BLOCK, MSG_DONTWAIT);
+        moved = n > 0;
+        if (n > 0) {
+            fill(out, (size_t)n);
+            pump->progress_ns = pel_now_ns();
+        } else if (n == 0 || (errno != EAGAIN && errno != EINTR)) {
+            out->over = true;
+        }
+    }
+    if (!is_empty(out)) {
+        ERR_clear_error();
+        int n = SSL_write(pump->ssl, out->data + out->start,
+                          (int)(out->end - out->start));
+        if (n > 0) {
+            out->start += (size_t)n;
+            pump->progress_ns = pel_now_ns();
+            moved = true;
+        } else if (!may_go_on(pump, n)) {
+            pump->in.over = true;
+            fill(&pump->in, 0);
+        }
+    }
+    return moved;
+}
+
+static void plan(struct pump *pump, bool more)
+{
+    GIOCondition secure =
+        (pump->wants_read ? G_IO_IN : 0) | (pump->wants_write ? G_IO_OUT : 0);
+    GIOCondition plain =
+        (is_empty(&pump->out) && !pump->out.over ? G_IO_IN : 0) |
+        (is_empty(&pump->in) ? 0 : G_IO_OUT);
+    int64_t wake = -1;
+    if (more) {
+        wake = 0;
+    } else if (!SSL_is_init_finished(pump->ssl)) {
+        wake = pump->handshake_end_ns + 1000000;
+    } else if (!is_empty(&pump->out)) {
+        wake = pump->progress_ns + pump->stall_ns + 1000000;
+    }
+    pel_fdsource_want(pump->fd_source, secure);
+    pel_fdsource_want(pump->plain_source, plain);
+    pel_fdsource_wake_at(pump->fd_source, wake);
+}
+
+static bool is_late(const struct pump *pump)
+{
+    int64_t now = pel_now_ns();
+    return SSL_is_init_finished(pump->ssl)
+               ? !is_empty(&pump->out) &&
+                     now > pump->progress_ns + pump->stall_ns
+               : now > pump->handshake_end_ns;
+}
+
+static void run(void *user, GIOCondition ready)
+{
+    (void)ready;
+    struct pump *pump = user;
+    bool more = true;
+    for (int i = 0; more && i < ROUNDS_A_TURN; i++) {
+        pump->wants_read = pump->wants_write = false;
+        more = take_in(pump);
+        more = give_out(pump) || more;
+    }
+    bool client_left = pump->in.over && is_empty(&pump->in);
+    bool we_left = pump->out.over && is_empty(&pump->out);
+    if (we_left && SSL_is_init_finished(pump->ssl) && !pump->in.over) {
+        SSL_shutdown(pump->ssl); /* says so; nobody waits for the answer */
+    }
+    if (client_left || we_left || is_late(pump)) {
+        pump_free(pump);
+        return;
+    }
+    plan(pump, more);
+}
+
+/* The client has gone while nothing is read from it: the loop would spin. */
+static void run_client(void *user, GIOCondition ready)
+{
+    struct pump *pump = user;
+    if (ready & (G_IO_ERR | G_IO_HUP) && !pump->wants_read &&
+        !pump->wants_write) {
+        pump_free(pump);
+        return;
+    }
+    run(pump, ready);
+}
+
+int pel_tls_serve(struct pel_tls *tls, int fd, double handshake_s,
+                  double stall_s)
+{
+    int pair[2], on = 1;
+    SSL *ssl = SSL_new(tls->context);
+    if (!ssl || SSL_set_fd(ssl, fd) != 1 ||
+        socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0,
+                   pair) != 0) {
+        SSL_free(ssl);
+        close(fd);
+        return -1;
+    }
+    SSL_set_accept_state(ssl);
+    setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+    struct pump *pump = g_new0(struct pump, 1);
+    pump->tls = tls;
+    pump->ssl = ssl;
+    pump->fd = fd;
+    pump->plain = pair[1];
+    pump->progress_ns = pel_now_ns();
+    pump->handshake_end_ns = pump->progress_ns + (int64_t)(handshake_s * 1e9);
+    pump->stall_ns = (int64_t)(stall_s * 1e9);
+    pump->fd_source = pel_fdsource_create(fd, G_IO_IN, run_client, pump);
+    pump->plain_source = pel_fdsource_create(pair[1], G_IO_IN, run, pump);
+    pump->wants_read = true;
+    pel_fdsource_wake_at(pump->fd_source, 0);
+    g_ptr_array_add(tls->pumps, pump);
+    return pair[0];
+}
+
+void pel_tls_destroy(struct pel_tls *tls)
+{
+    if (!tls) {
+        return;
+    }
+    while (tls->pumps->len > 0) {
+        pump_free(g_ptr_array_index(tls->pumps, 0));
+    }
+    g_ptr_array_free(tls->pumps, TRUE);
+    SSL_CTX_free(tls->context);
+    g_clear_object(&tls->certificate);
+    g_free(tls->cert_path);
+    g_free(tls->key_path);
+    g_free(tls);
+}

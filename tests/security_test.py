@@ -1,0 +1,432 @@
+#!/usr/bin/python3
+"""Who may come in: tokens, TLS, and what is refused at the start."""
+import base64
+import contextlib
+import json
+import os
+import shutil
+import signal
+import socket
+import ssl
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from pelagos_daemon import BIN, Daemon, Session, free_port, receive_all
+
+TOKEN = "0123456789abcdef-._~+XYZ"
+OTHER = "another-token-of-enough-length"
+UNAUTHORIZED = 8
+KEY = base64.b64encode(bytes(16)).decode()
+UPGRADE = {"Upgrade": "websocket", "Connection": "Upgrade",
+           "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": KEY}
+
+
+def write(path, text, mode=0o600):
+    with open(path, "w", encoding="ascii") as f:
+        f.write(text)
+    os.chmod(path, mode)
+    return path
+
+
+def make_certificate(folder, name="server"):
+    """Self-made, for localhost and 127.0.0.1."""
+    cert = os.path.join(folder, name + ".crt")
+    key = os.path.join(folder, name + ".key")
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt",
+         "ec_paramgen_curve:P-256", "-nodes", "-keyout", key, "-out", cert,
+         "-days", "2", "-subj", f"/CN={name}", "-addext",
+         "subjectAltName=DNS:localhost,IP:127.0.0.1"],
+        check=True, capture_output=True)
+    os.chmod(key, 0o600)
+    return cert, key
+
+
+class Case(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="pelagos-security-")
+        cls.token = write(os.path.join(cls.folder, "token"), TOKEN + "\n")
+        cls.cert, cls.key = make_certificate(cls.folder)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+
+class Start(Case):
+    def start(self, *options):
+        """(status, what it said) of a start that is refused."""
+        done = subprocess.run(
+            [os.path.join(BIN, "pelagosd"), "--http", "off", "--tcp", "off",
+             "--rtsp", "off", "--modbus", "off", "--nmea", "off", "--device",
+             "software", *options], capture_output=True, text=True,
+            timeout=20)
+        return done.returncode, done.stderr + done.stdout
+
+    def refused(self, *options, says):
+        status, text = self.start(*options)
+        self.assertNotEqual(status, 0, options)
+        self.assertIn(says, text)
+
+    def test_networks_need_a_token_and_tls(self):
+        token = ("--token-file", self.token)
+        for name in ("--http", "--tcp", "--rtsp"):
+            for address in ("0.0.0.0:0", "[::]:0", "192.0.2.1:0"):
+                self.refused(name, address, says="--token-file")
+                self.refused(name, address, "--tls-cert", self.cert,
+                             "--tls-key", self.key, says="--token-file")
+        self.refused("--http", "0.0.0.0:0", *token, says="nginx")
+        self.refused("--http", "0.0.0.0:0", *token, "--tls-cert", self.cert,
+                     "--tls-key", self.key, says="nginx")
+        for name in ("--tcp", "--rtsp"):
+            self.refused(name, "0.0.0.0:0", *token, says="--tls-cert")
+        for name in ("modbus", "nmea", "cigi"):
+            self.refused(f"--{name}", "0.0.0.0:0", *token,
+                         says=f"--{name}-allow")
+        self.refused("--tls-cert", self.cert, says="go together")
+
+    def test_they_listen_then(self):
+        with Daemon("--token-file", self.token, "--tls-cert", self.cert,
+                    "--tls-key", self.key, "--tcp", "0.0.0.0:0", "--rtsp",
+                    "0.0.0.0:0") as daemon:
+            self.assertEqual(daemon.get("/healthz").status, 200)
+        with Daemon("--token-file", self.token, "--plain", "--http",
+                    "0.0.0.0:0", "--tcp", "0.0.0.0:0") as daemon:
+            self.assertEqual(daemon.get("/v1/state").status, 401)
+
+    def test_files(self):
+        """Whose they are, who may read them, what is in them."""
+        def token(text, mode=0o600):
+            return write(os.path.join(self.folder, "t"), text, mode)
+        for mode in (0o644, 0o604, 0o660, 0o602):
+            self.refused("--token-file", token(TOKEN, mode), says="chmod 600")
+        for text in ("", "\n", "short", "x" * 15, "x" * 129,
+                     TOKEN + "\n" + TOKEN, TOKEN + " ", "a/b=" * 8,
+                     "\u007f" * 20, TOKEN + "\0"):
+            self.refused("--token-file", token(text), says="openssl rand")
+        self.refused("--token-file", "/nonexistent", says="cannot read")
+        self.refused("--token-file", self.folder, says="is no file")
+        if os.geteuid() == 0:
+            os.chown(token(TOKEN), 65534, 65534)
+            self.refused("--token-file", os.path.join(self.folder, "t"),
+                         says="belongs to user 65534")
+            os.remove(os.path.join(self.folder, "t"))
+        key = shutil.copy(self.key, os.path.join(self.folder, "k"))
+        os.chmod(key, 0o644)
+        self.refused("--tls-cert", self.cert, "--tls-key", key,
+                     says="chmod 600")
+        self.refused("--tls-cert", self.token, "--tls-key", self.key,
+                     says="no certificate")
+        with Daemon("--token-file", token(TOKEN + "\r\n", 0o640)) as daemon:
+            self.assertEqual(daemon.get("/v1/state", headers={
+                "Authorization": "Bearer " + TOKEN}).status, 200)
+
+
+class Http(Case):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.daemon = Daemon("--token-file", cls.token)
+        cls.known = {"Authorization": "Bearer " + TOKEN}
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.stop()
+        super().tearDownClass()
+
+    def test_every_way_in_asks(self):
+        revision = self.daemon.get("/v1/state",
+                                   headers=self.known).json()["revision"]
+        for method, path, body in (
+                ("GET", "/v1/state", None), ("HEAD", "/v1/state", None),
+                ("PATCH", "/v1/state", {"sea": {"windSpeed": 1}}),
+                ("GET", "/v1/state/sea.windSpeed", None),
+                ("GET", "/v1/views", None), ("GET", "/v1/fields", None),
+                ("GET", "/v1/schema", None), ("GET", "/metrics", None),
+                ("PUT", "/v1/views/x", {}),
+                ("DELETE", "/v1/views/bridge", None),
+                ("GET", "/v1/views/bridge/frame.jpg", None),
+                ("GET", "/v1/views/bridge/mjpeg", None),
+                ("GET", "/v1/views/bridge/ts", None),
+                ("GET", "/v1/views/bridge/live", None),
+                ("POST", "/v1/surface", {"points": [[0, 0]]}),
+                ("POST", "/v1/spectrum", {}), ("GET", "/v1/spectrum", None),
+                ("POST", "/v1/clock/step", {})):
+            answer = self.daemon.request(method, path, body)
+            self.assertEqual(answer.status, 401, path)
+            self.assertEqual(answer.headers["Content-Type"],
+                             "application/problem+json")
+            if method != "HEAD":
+                self.assertEqual(answer.json()["code"], "UNAUTHORIZED")
+        self.assertEqual(self.daemon.get(
+            "/v1/state", headers=self.known).json()["revision"], revision)
+
+    def test_what_is_taken(self):
+        def status(value):
+            return self.daemon.get("/v1/state", headers={
+                "Authorization": value}).status
+
+        def basic(user, password):
+            return "Basic " + base64.b64encode(
+                f"{user}:{password}".encode()).decode()
+        for value in ("Bearer " + TOKEN, "bearer  " + TOKEN,
+                      basic("anyone", TOKEN), basic("", TOKEN)):
+            self.assertEqual(status(value), 200, value)
+        for value in ("", "Bearer", "Bearer ", "Bearer " + TOKEN[:-1],
+                      "Bearer " + TOKEN + "x", "Bearer " + OTHER, TOKEN,
+                      "Token " + TOKEN, basic(TOKEN, ""), basic("x", OTHER),
+                      "Basic " + TOKEN, "Basic ????", "Basic",
+                      "Bearer " + "x" * 4000):
+            self.assertEqual(status(value), 401, value)
+        with contextlib.closing(socket.create_connection(
+                ("127.0.0.1", self.daemon.http_port))) as s:
+            s.sendall(f"GET /v1/state HTTP/1.1\r\nHost: localhost\r\n"
+                      f"Authorization: Bearer {TOKEN}\r\nAuthorization: "
+                      f"Bearer {OTHER}\r\nConnection: close\r\n\r\n".encode())
+            self.assertIn(b" 401 ", receive_all(s)[:20])
+
+    def test_challenges(self):
+        """Players get Basic, a page's own requests do not: the browser would
+        open a window of its own."""
+        def challenges(headers):
+            answer = self.daemon.get("/v1/state", headers=headers)
+            return answer.headers.get_all("WWW-Authenticate")
+        both = ['Bearer realm="pelagos"', 'Basic realm="pelagos"']
+        self.assertEqual(challenges({}), both)
+        self.assertEqual(challenges({"Sec-Fetch-Mode": "navigate"}), both)
+        self.assertEqual(challenges({"Sec-Fetch-Mode": "cors"}), both[:1])
+
+    def test_page_and_health_are_open(self):
+        for path in ("/", "/app.js", "/style.css"):
+            self.assertEqual(self.daemon.get(path).status, 200)
+        self.assertEqual(self.daemon.get("/healthz").json(),
+                         {"status": "ok"})
+        self.assertIn("device", self.daemon.get(
+            "/healthz", headers=self.known).json())
+
+    def test_websocket(self):
+        def status(headers):
+            lines = "".join(f"{k}: {v}\r\n" for k, v in headers.items())
+            with contextlib.closing(socket.create_connection(
+                    ("127.0.0.1", self.daemon.http_port))) as s:
+                s.settimeout(5)
+                s.sendall(("GET /v1/views/bridge/live?codec=jpeg HTTP/1.1\r\n"
+                           f"Host: localhost\r\n{lines}\r\n").encode())
+                head = b""
+                while b"\r\n\r\n" not in head:
+                    head += s.recv(4096)
+                return int(head.split()[1]), head.decode("latin-1")
+        code, head = status({**UPGRADE, "Sec-WebSocket-Protocol":
+                             f"pelagos, bearer.{TOKEN}"})
+        self.assertEqual(code, 101)
+        self.assertIn("Sec-WebSocket-Protocol: pelagos\r\n", head)
+        self.assertNotIn(TOKEN, head)
+        self.assertEqual(status({**UPGRADE, **self.known})[0], 101)
+        for wrong in ({}, {"Sec-WebSocket-Protocol": "pelagos"},
+                      {"Sec-WebSocket-Protocol": f"bearer.{OTHER}"},
+                      {"Sec-WebSocket-Protocol": TOKEN}):
+            self.assertEqual(status({**UPGRADE, **wrong})[0], 401, wrong)
+
+    def test_players(self):
+        for name in ("ts", "mjpeg"):
+            for user, good in ((f"x:{TOKEN}@", True), ("", False),
+                               (f"x:{OTHER}@", False)):
+                done = subprocess.run(
+                    ["ffprobe", "-v", "error", "-analyzeduration", "500000",
+                     "-i", f"http://{user}127.0.0.1:"
+                     f"{self.daemon.http_port}/v1/views/bridge/{name}"],
+                    capture_output=True, timeout=30)
+                self.assertEqual(done.returncode == 0, good, done.stderr)
+
+
+class Protobuf(Case):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.file = write(os.path.join(cls.folder, "changing"), TOKEN)
+        cls.daemon = Daemon("--token-file", cls.file, unix=True)
+        cls.secure = Daemon("--token-file", cls.file, "--tls-cert", cls.cert,
+                            "--tls-key", cls.key, "--rtsp",
+                            f"127.0.0.1:{free_port()}")
+
+    @classmethod
+    def tearDownClass(cls):
+        assert cls.daemon.stop() == 0
+        assert cls.secure.stop() == 0
+        super().tearDownClass()
+
+    def session(self, daemon=None, context=None):
+        s = socket.create_connection(
+            ("127.0.0.1", (daemon or self.daemon).tcp_port), timeout=10)
+        if context:
+            s = context.wrap_socket(s, server_hostname="localhost")
+        session = Session(s)
+        self.addCleanup(session.close)
+        return session
+
+    def trust(self, cert=None):
+        return ssl.create_default_context(cafile=cert or self.cert)
+
+    def test_login_comes_first(self):
+        for command in ({"get": {}}, {"patch": {}}, {"login": {}},
+                        {"login": {"token": OTHER}},
+                        {"login": {"token": ""}}):
+            session = self.session()
+            self.assertEqual(session.ask(**command).error.code, UNAUTHORIZED)
+            self.assertIsNone(session.receive(), "and the end")
+        session = self.session()
+        self.assertTrue(session.ask(login={"token": TOKEN}).HasField("state"))
+        self.assertTrue(session.ask(get={}).HasField("state"))
+        # A wrong one later ends it as well.
+        self.assertEqual(session.ask(login={"token": "x"}).error.code,
+                         UNAUTHORIZED)
+        self.assertIsNone(session.receive())
+
+    def test_unix_socket_needs_none(self):
+        s = socket.socket(socket.AF_UNIX)
+        s.connect(self.daemon.unix_path)
+        with Session(s) as session:
+            self.assertTrue(session.ask(get={}).HasField("state"))
+            self.assertTrue(session.ask(login={}).HasField("state"))
+
+    def test_strangers_make_room_and_leave(self):
+        """64 silent connections do not keep a client with the token out, and
+        are gone after 8 s; so are half-done TLS handshakes."""
+        began = time.monotonic()
+        silent = [socket.create_connection(("127.0.0.1", d.tcp_port))
+                  for d in (self.daemon, self.secure) for _ in range(70)]
+        for s in silent:
+            self.addCleanup(s.close)
+        for session in (self.session(),
+                        self.session(self.secure, self.trust())):
+            answer = session.ask(login={"token": TOKEN})
+            self.assertTrue(answer.HasField("state"), answer)
+        for s in silent:
+            s.settimeout(15)
+            with contextlib.suppress(ConnectionResetError):
+                while s.recv(1 << 16):
+                    pass
+        spent = time.monotonic() - began
+        print(f"70 + 70 silent connections were gone after {spent:.1f} s")
+
+    def test_tls(self):
+        session = self.session(self.secure, self.trust())
+        self.assertTrue(session.ask(login={"token": TOKEN}).HasField("state"))
+        asked = {"view": "bridge", "format": 2, "time": 5, "width": 1024,
+                 "height": 1024, "float_samples": True}
+        data = session.ask(frame=asked).frame.data
+        self.assertGreater(len(data), 4 << 20)
+        again = session.ask(frame=asked).frame.data
+        self.assertEqual(data, again, "every byte came")
+        # Strangers: without the certificate, without TLS, without token.
+        with self.assertRaises(ssl.SSLCertVerificationError):
+            self.session(self.secure, ssl.create_default_context())
+        with contextlib.suppress(ConnectionResetError):
+            self.assertIsNone(self.session(self.secure).ask(get={}))
+        session = self.session(self.secure, self.trust())
+        self.assertEqual(session.ask(get={}).error.code, UNAUTHORIZED)
+        self.assertIsNone(session.receive())
+
+    def test_openssl(self):
+        done = subprocess.run(
+            ["openssl", "s_client", "-connect",
+             f"127.0.0.1:{self.secure.tcp_port}", "-CAfile", self.cert,
+             "-verify_return_error", "-brief"], input=b"",
+            capture_output=True, timeout=15)
+        text = (done.stdout + done.stderr).decode()
+        self.assertIn("Verification: OK", text)
+        self.assertIn("TLSv1.3", text)
+        old = subprocess.run(
+            ["openssl", "s_client", "-connect",
+             f"127.0.0.1:{self.secure.tcp_port}", "-tls1_1"], input=b"",
+            capture_output=True, timeout=15)
+        self.assertNotEqual(old.returncode, 0, "TLS 1.1 is too old")
+
+    def test_tls_reader_that_stalls(self):
+        """Bounded: it is closed, and others are served meanwhile."""
+        session = self.session(self.secure, self.trust())
+        self.assertTrue(session.ask(login={"token": TOKEN}).HasField("state"))
+        session.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        for i in range(8):
+            session.send(session.pb.Request(id=i, frame={
+                "view": "bridge", "format": 2, "width": 1024,
+                "height": 1024}))
+        other = self.session(self.secure, self.trust())
+        self.assertTrue(other.ask(login={"token": TOKEN}).HasField("state"))
+        self.assertTrue(other.ask(frame={"view": "bridge"}).frame.data)
+
+    def test_rtsps(self):
+        port = int(self.secure.log().split("rtsps://127.0.0.1:")[1]
+                   .split("/")[0])
+
+        def probe(user):
+            return subprocess.run(
+                ["ffprobe", "-v", "error", "-rtsp_transport", "tcp",
+                 "-analyzeduration", "500000",
+                 "-show_entries", "stream=codec_name", "-of", "csv",
+                 f"rtsps://{user}127.0.0.1:{port}/bridge"],
+                capture_output=True, text=True, timeout=30)
+        self.assertIn("h264", probe(f"x:{TOKEN}@").stdout)
+        for user in ("", f"x:{OTHER}@"):
+            self.assertIn("401", probe(user).stderr)
+        # RTP over UDP would be plain.
+        for protocol in ("tcp", "udp"):
+            saved = os.path.join(self.folder, protocol)
+            done = subprocess.run(
+                ["gst-launch-1.0", "-q", "rtspsrc", f"protocols={protocol}",
+                 "tls-validation-flags=0",
+                 f"location=rtsps://x:{TOKEN}@127.0.0.1:{port}/bridge", "!",
+                 "identity", "eos-after=10", "!", "filesink",
+                 f"location={saved}"], capture_output=True, timeout=30)
+            self.assertEqual(os.path.getsize(saved) > 1000, protocol == "tcp",
+                             done.stderr)
+
+    def test_sighup(self):
+        """Another token and certificate; what is bad changes nothing."""
+        def hup(daemon):
+            before = daemon.log().count("DMN-022")
+            daemon.process.send_signal(signal.SIGHUP)
+            end = time.monotonic() + 5
+            while daemon.log().count("DMN-022") == before:
+                self.assertLess(time.monotonic(), end)
+                time.sleep(0.02)
+
+        def status(token):
+            return self.daemon.get("/v1/state", headers={
+                "Authorization": "Bearer " + token}).status
+        first = self.session()
+        first.ask(login={"token": TOKEN})
+        write(self.file, OTHER)
+        hup(self.daemon)
+        self.assertEqual((status(TOKEN), status(OTHER)), (401, 200))
+        self.assertTrue(first.ask(get={}).HasField("state"),
+                        "who is in stays in")
+        write(self.file, OTHER, 0o644)
+        hup(self.daemon)
+        self.assertIn("chmod 600", self.daemon.log())
+        self.assertEqual(status(OTHER), 200)
+        cert, key = make_certificate(self.folder, "renewed")
+        with open(self.cert, encoding="ascii") as f:
+            old = f.read()
+        write(self.cert, "nonsense")
+        hup(self.secure)
+        self.assertIn("no certificate", self.secure.log())
+        write(self.cert, old)
+        self.session(self.secure, self.trust())  # the old one
+        shutil.copy(cert, self.cert)
+        shutil.copy(key, self.key)
+        hup(self.secure)
+        self.session(self.secure, self.trust(cert))
+        write(self.file, TOKEN)
+        hup(self.daemon)
+        hup(self.secure)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
