@@ -124,9 +124,9 @@ ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c \
     server/encode/gst.c \
-    server/encode/ts.c \
+    server/encode/ts.c server/encode/planes.c \
     server/encode/video.c
-FRAMES := server/frames/frame.c server/frames/mailbox.c \
+FRAMES := server/frames/frame.c server/frames/quality.c server/frames/mailbox.c \
     server/frames/pool.c \
     server/frames/renderloop.c \
     server/frames/picture_exr.c \
@@ -226,6 +226,7 @@ TESTS += server/encode/encode_test.c
 TESTS += server/encode/video_test.c
 TESTS += server/net/net_test.c
 TESTS += server/options_test.c
+TESTS += server/frames/quality_test.c
 TESTS += server/frames/frames_test.c
 TESTS += proto/json_test.c
 TESTS += proto/registers_test.c
@@ -445,7 +446,7 @@ tsan: deps ## the tests with threads under ThreadSanitizer
 
 # --- benchmarks -----------------------------------------------------------
 # Few libraries, so that bench can be carried to a machine without packages.
-BENCH_LIBS := -Wl,--as-needed -lepoxy -lspng -lturbojpeg -lOpenEXRCore -lm
+BENCH_LIBS := -Wl,--as-needed -lepoxy -lspng -lturbojpeg -lyuv -lOpenEXRCore -lm
 BENCH_BIN := $(O)/bin/bench $(O)/bin/still
 $(BENCH_BIN): $(O)/bin/%: $(O)/tests/bench/%.o $(O)/tests/bench/scene.o $(O)/libserver.a
 	$(Q)mkdir -p $(@D)

@@ -79,6 +79,7 @@ static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
         .shader_dir = or_null(d->options.shader_dir),
         .gl_debug = d->options.gl_debug,
         .max_fps = d->options.fps,
+        .quality = d->options.quality,
         .encoder_threads = d->options.encoder_threads,
         .video_encoder = d->options.video_encoder,
     };
@@ -345,8 +346,10 @@ static void apply_live(struct daemon *d, const struct pel_options *fresh)
 {
     d->options.log_level = fresh->log_level;
     d->options.fps = fresh->fps;
+    d->options.quality = fresh->quality;
     pel_log_set_level((enum pel_log_level)d->options.log_level);
     pel_frames_set_max_fps(d->frames, d->options.fps);
+    pel_frames_set_quality(d->frames, d->options.quality);
 }
 
 static gboolean reload(gpointer user)

@@ -13,6 +13,8 @@ static const char *const order_words[] = { "abcd", "cdab", "badc", "dcba",
                                            NULL };
 static const char *const wind_words[] = { "off", "given", "mean", NULL };
 static const char *const gone_words[] = { "resume", "hold", NULL };
+static const char *const quality_words[] = { "auto", "full", NULL };
+static const double quality_values[] = { 0.0, 1.0 };
 static const char *const level_words[] = { "error", "warning", "info", "debug",
                                            NULL };
 
@@ -73,6 +75,12 @@ const struct pel_option pel_option_table[] = {
     { "fps", "render", PEL_OPTION_DOUBLE, "HZ", "30", 1, 240, "Hz",
       .live = true, .offset = FIELD(fps),
       .help = "Most frames a second of live views." },
+    { "quality", "render", PEL_OPTION_DOUBLE, "auto|full|SCALE", "auto", 0.25,
+      1, "of width and height", .choices = quality_words,
+      .values = quality_values, .live = true, .offset = FIELD(quality),
+      .help = "How finely live views are drawn before they are scaled to "
+              "their size: as finely as holds --fps, in full, or at a fixed "
+              "scale. Pictures that are asked for are always drawn in full." },
     { "encoder-threads", "render", PEL_OPTION_INT, "COUNT", "0", 0, 16,
       "threads", .offset = FIELD(encoder_threads),
       .help = "Threads that encode pictures; 0 is one a core, at most 4." },
@@ -206,16 +214,25 @@ static enum pel_err set_number(const struct pel_option *option,
                                struct pel_options *options,
                                struct pel_fault *fault)
 {
-    char why[128];
+    char why[160], words[64] = "";
     char *end = NULL;
     bool whole = option->kind == PEL_OPTION_INT;
     errno = 0;
     double number =
         whole ? (double)strtol(value, &end, 10) : g_ascii_strtod(value, &end);
     bool is_number = end != value && *end == 0;
+    for (int i = 0; option->choices && option->choices[i]; i++) {
+        if (strcmp(value, option->choices[i]) == 0) {
+            *(double *)field(option, options) = option->values[i];
+            return PEL_OK;
+        }
+        g_strlcat(words, i > 0 ? ", " : "neither ", sizeof words);
+        g_strlcat(words, option->choices[i], sizeof words);
+    }
+    g_strlcat(words, *words ? " nor" : "not", sizeof words);
     if (!is_number || errno == ERANGE ||
         !(number >= option->minimum && number <= option->maximum)) {
-        snprintf(why, sizeof why, "is not %s within %.12g .. %.12g%s%s",
+        snprintf(why, sizeof why, "is %s %s within %.12g .. %.12g%s%s", words,
                  whole ? "a whole number" : "a number", option->minimum,
                  option->maximum, *option->unit ? " " : "", option->unit);
         return refuse(fault, option, where, value, why);

@@ -15,7 +15,7 @@ enum pel_option_kind {
     PEL_OPTION_TEXT_KIND, /* any text */
     PEL_OPTION_ADDRESS,   /* ADDRESS:PORT, [IPV6]:PORT or off */
     PEL_OPTION_PATH,      /* a file, or off */
-    PEL_OPTION_DOUBLE,
+    PEL_OPTION_DOUBLE,    /* or a word of `choices`, each with its value */
     PEL_OPTION_INT,
     PEL_OPTION_CHOICE, /* index of the word in `choices` */
     PEL_OPTION_FLAG,
@@ -51,7 +51,7 @@ struct pel_options {
     int waves;
     char spectra[PEL_OPTION_TEXT];
     char device[PEL_OPTION_TEXT];
-    double fps;
+    double fps, quality; /* quality: 0 is auto */
     int encoder_threads;
     char video_encoder[PEL_OPTION_TEXT];
     char shader_dir[PEL_OPTION_TEXT];
@@ -67,7 +67,8 @@ struct pel_option {
     const char *initial;     /* default, as it would be given */
     double minimum, maximum; /* of DOUBLE and INT */
     const char *unit;
-    const char *const *choices; /* NULL-terminated, for CHOICE */
+    const char *const *choices; /* NULL-terminated, for CHOICE and DOUBLE */
+    const double *values;       /* of the words of a DOUBLE */
     bool live;                  /* SIGHUP changes it, else a restart does */
     size_t offset;              /* in struct pel_options */
     const char *help;           /* a sentence */

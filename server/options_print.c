@@ -2,6 +2,8 @@
 
 #include "options.h"
 
+#include <glib.h>
+
 struct action_text {
     const char *name, *help;
 };
@@ -43,8 +45,12 @@ static bool begins_section(const struct pel_option *option)
 static void describe(const struct pel_option *o, char *text, size_t size)
 {
     if (o->kind == PEL_OPTION_DOUBLE || o->kind == PEL_OPTION_INT) {
-        snprintf(text, size, "%.12g .. %.12g%s%s; %s", o->minimum, o->maximum,
+        char *words =
+            o->choices ? g_strjoinv(", ", (char **)o->choices) : g_strdup("");
+        snprintf(text, size, "%s%s%.12g .. %.12g%s%s; %s", words,
+                 *words ? ", " : "", o->minimum, o->maximum,
                  *o->unit ? " " : "", o->unit, o->initial);
+        g_free(words);
         return;
     }
     if (o->kind != PEL_OPTION_CHOICE) {
@@ -205,7 +211,7 @@ void pel_options_print_man(FILE *to)
 
 static void print_words(FILE *to, const struct pel_option *o)
 {
-    if (o->kind == PEL_OPTION_CHOICE) {
+    if (o->choices) {
         for (int i = 0; o->choices[i]; i++) {
             fprintf(to, "%s%s", i > 0 ? " " : "", o->choices[i]);
         }

@@ -11,9 +11,10 @@ import socket
 import struct
 import time
 
-HEADER = struct.Struct("<BBBBHHQdQQIIIIQ")
+HEADER = struct.Struct("<BBBBHHQdQQIIIIQQHH4x")
 FIELDS = ("version kind flags size width height number time host stamp drawn "
-          "encoded queued missed revision").split()
+          "encoded queued missed revision present drawn_width "
+          "drawn_height").split()
 KEY, GAP = 1, 2
 
 

@@ -19,6 +19,7 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from live_client import Closed, Live, Refused
 from pelagos_daemon import SANITIZED, Daemon
+from rtsp_client import RtspClient
 
 SOAK = os.environ.get("SOAK") == "1"
 # A shared machine, software rendering, sanitizers: what "at once" may take.
@@ -44,14 +45,17 @@ def until(what, test, seconds=SLOW_S):
     raise AssertionError(f"not within {seconds} s: {what}")
 
 
+VIEW = {"views": [
+    {"name": "bridge", "entity": 1, "width": 320, "height": 180}]}
+
+
 class Case(unittest.TestCase):
     options = ()
 
     @classmethod
     def setUpClass(cls):
         cls.daemon = Daemon(*cls.options)
-        cls.daemon.patch({"views": [
-            {"name": "bridge", "entity": 1, "width": 320, "height": 180}]})
+        cls.daemon.patch(VIEW)
 
     @classmethod
     def tearDownClass(cls):
@@ -72,7 +76,7 @@ class Pictures(Case):
             head, data = live.picture()
             print(f"first picture after "
                   f"{1e3 * (time.monotonic() - live.opened):.0f} ms")
-            self.assertEqual((head.version, head.kind, head.size), (1, 1, 64))
+            self.assertEqual((head.version, head.kind, head.size), (1, 1, 80))
             self.assertTrue(head.key)
             self.assertFalse(head.gap)
             self.assertEqual((head.width, head.height), (320, 180))
@@ -483,82 +487,6 @@ class Ts(Case):
         self.assertEqual(self.daemon.get("/v1/views/nothing/ts").status, 404)
 
 
-class RtspClient:
-    """RTP over the RTSP connection itself (interleaved), as far as needed."""
-
-    def __init__(self, port, view, buffer=None):
-        self.url = f"rtsp://127.0.0.1:{port}/{view}"
-        self.socket = socket.socket()
-        if buffer:
-            self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
-        self.socket.settimeout(SLOW_S)
-        self.socket.connect(("127.0.0.1", port))
-        self.buffer = b""
-        self.sequence = 0
-        self.session = None
-
-    def take(self, count):
-        while len(self.buffer) < count:
-            data = self.socket.recv(1 << 16)
-            if not data:
-                raise ConnectionResetError("closed")
-            self.buffer += data
-        data, self.buffer = self.buffer[:count], self.buffer[count:]
-        return data
-
-    def ask(self, method, url, **headers):
-        self.sequence += 1
-        headers["CSeq"] = self.sequence
-        if self.session:
-            headers["Session"] = self.session
-        lines = "".join(f"{k}: {v}\r\n" for k, v in headers.items())
-        self.socket.sendall(f"{method} {url} RTSP/1.0\r\n{lines}\r\n".encode())
-        self.asked = time.monotonic()
-        while True:  # pictures may come before the answer
-            first = self.take(1)
-            if first != b"$":
-                break
-            self.take(struct.unpack(">BH", self.take(3))[1])
-        head = first
-        while not head.endswith(b"\r\n\r\n"):
-            head += self.take(1)
-        lines = head.decode().split("\r\n")
-        answer = dict(line.split(": ", 1) for line in lines[1:] if ": " in line)
-        body = self.take(int(answer.get("Content-Length", 0)))
-        return int(lines[0].split()[1]), answer, body.decode()
-
-    def play(self):
-        status, _, sdp = self.ask("DESCRIBE", self.url,
-                                  Accept="application/sdp")
-        assert status == 200, status
-        control = [line.split(":", 1)[1] for line in sdp.split("\r\n")
-                   if line.startswith("a=control:")][-1]
-        status, answer, _ = self.ask(
-            "SETUP", f"{self.url}/{control}",
-            Transport="RTP/AVP/TCP;unicast;interleaved=0-1")
-        assert status == 200, status
-        self.session = answer["Session"].split(";")[0]
-        status, _, _ = self.ask("PLAY", self.url)
-        assert status == 200, status
-        return sdp
-
-    def picture(self):
-        """Whether the next whole picture is a key frame."""
-        key = False
-        while True:
-            mark, channel, size = struct.unpack(">cBH", self.take(4))
-            data = self.take(size)
-            assert mark == b"$", mark
-            if channel == 0:
-                kind = data[12] & 31
-                key = key or kind == 5 or (kind == 28 and data[13] & 31 == 5)
-                if data[1] & 0x80:
-                    return key
-
-    def close(self):
-        self.socket.close()
-
-
 class Rtsp(Case):
     options = ("--rtsp", "127.0.0.1:0")
 
@@ -652,6 +580,70 @@ class Rtsp(Case):
         other = RtspClient(self.port, "gone")
         self.assertEqual(other.ask("DESCRIBE", other.url)[0], 404)
         other.close()
+
+
+class Quality(unittest.TestCase):
+    """Live views may be drawn coarser than they are; stills never are."""
+
+    STILL = "/v1/views/bridge/frame.png?time=7"
+
+    def still(self, *options):
+        with Daemon(*options) as daemon:
+            daemon.patch(VIEW)
+            return daemon.get(self.STILL).body
+
+    def drawn(self, daemon, query=""):
+        with Live(daemon, "bridge", query) as live:
+            head, data = live.picture()
+            return head, data, live.texts[0]
+
+    def test_fixed(self):
+        full = self.still("--quality", "full")
+        with Daemon("--quality", "0.5") as daemon:
+            daemon.patch(VIEW)
+            head, _, told = self.drawn(daemon)
+            self.assertEqual((head.width, head.height), (320, 180))
+            self.assertEqual((head.drawn_width, head.drawn_height), (160, 90))
+            self.assertEqual((told["drawnWidth"], told["drawnHeight"]),
+                             (160, 90))
+            head, data, _ = self.drawn(daemon, "?codec=jpeg&width=200&height=90")
+            self.assertEqual((head.width, head.drawn_width), (200, 100))
+            # SOF0: the picture itself has the size that was asked for.
+            at = data.index(b"\xff\xc0") + 5
+            self.assertEqual(struct.unpack_from(">HH", data, at), (90, 200))
+            self.assertEqual(daemon.metrics()["pelagos_frames_quality"], 0.5)
+            self.assertEqual(daemon.get("/healthz").json()["quality"], 0.5)
+            with Live(daemon, "bridge") as live:  # a viewer changes no still
+                live.picture()
+                self.assertEqual(daemon.get(self.STILL).body, full)
+
+    def test_by_itself(self):
+        """Frames that cannot hold their rate in full are drawn coarser."""
+        with Daemon("--fps", "240") as daemon:
+            daemon.patch(VIEW)
+            daemon.patch({"views": {"bridge": {"width": 1280, "height": 720}}})
+            with Live(daemon, "bridge") as live:
+                head, _ = live.picture()
+                self.assertEqual(head.drawn_width, 1280)
+                first, count = head, 0
+                end = time.monotonic() + SLOW_S
+                while head.drawn_width > 400 and time.monotonic() < end:
+                    live.ack(head)
+                    head, _ = live.picture()
+                    count += 1
+                self.assertEqual((head.width, head.height), (1280, 720))
+                print(f"from {first.drawn_width} to {head.drawn_width} pixels "
+                      f"of width in {count} pictures, "
+                      f"{(head.stamp - first.stamp) / 1e6:.1f} s")
+                self.assertLessEqual(head.drawn_width, 400)
+            self.assertIn("FRM-006", daemon.log())
+
+    def test_refused(self):
+        for value in "0.2", "1.1", "nan", "best", "":
+            with self.assertRaises(RuntimeError) as refused:
+                Daemon("--quality", value)
+            self.assertIn("neither auto, full nor a number within 0.25 .. 1",
+                          str(refused.exception))
 
 
 class Without(Case):

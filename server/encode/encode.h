@@ -19,12 +19,19 @@ void pel_bytes_finish(struct pel_bytes *bytes);
 /* Largest width and height of a picture [px]. */
 #define PEL_ENCODE_MAX_SIZE 16384
 
-/* RGBA to JPEG 4:2:0 (libturbojpeg); quality 1..100. INVALID for a size
- * outside 1..PEL_ENCODE_MAX_SIZE or a quality out of range, NO_MEMORY. The same
- * pixels give the same bytes. */
+/* RGBA to JPEG 4:2:0 (libyuv's planes, libturbojpeg); quality 1..100. INVALID
+ * for a size outside 1..PEL_ENCODE_MAX_SIZE or a quality out of range,
+ * NO_MEMORY. The same pixels give the same bytes. */
 PEL_CHECK enum pel_err pel_jpeg_encode(const uint8_t *rgba, uint32_t width,
                                        uint32_t height, int quality,
                                        struct pel_bytes *out);
+
+/* The same, scaled to out_width x out_height. */
+PEL_CHECK enum pel_err pel_jpeg_encode_scaled(const uint8_t *rgba,
+                                              uint32_t width, uint32_t height,
+                                              uint32_t out_width,
+                                              uint32_t out_height, int quality,
+                                              struct pel_bytes *out);
 
 /* RGBA to 8-bit RGB PNG (libspng), sRGB chunk set; alpha is dropped. Errors as
  * above. */

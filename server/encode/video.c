@@ -8,11 +8,11 @@
 #include <gst/app/gstappsrc.h>
 #include <gst/gst.h>
 #include <gst/video/video.h>
-#include <libyuv.h>
 
 #include "base/clock.h"
 #include "base/log.h"
 #include "encode/gst.h"
+#include "encode/planes.h"
 
 #define POOL_BUFFERS 2
 #define SLICE_NS (50 * 1000000LL) /* how long a cancel may wait */
@@ -59,6 +59,7 @@ struct pel_video {
     int64_t first_ns, last_ns;
     uint8_t *headers; /* last SPS and PPS seen */
     size_t header_size;
+    struct pel_planes_scratch scratch;
 };
 
 unsigned pel_video_kbps(uint32_t width, uint32_t height)
@@ -97,6 +98,7 @@ void pel_video_destroy(struct pel_video *video)
 {
     if (video) {
         tear_down(video);
+        pel_planes_scratch_finish(&video->scratch);
         free(video->headers);
         free(video);
     }
@@ -211,29 +213,32 @@ static bool set_up(struct pel_video *video, unsigned kbps)
 
 /* --- one picture --------------------------------------------------------- */
 
-/* From the readback buffer itself into the encoder's memory. */
-static bool convert(const struct pel_video *video,
-                    const struct pel_video_picture *p, GstBuffer *buffer)
+/* From the readback buffer itself into the encoder's memory. Of the same size
+ * an odd last column or row is left out; else the whole picture is scaled. */
+static bool convert(struct pel_video *video, const struct pel_video_picture *p,
+                    GstBuffer *buffer)
 {
     GstVideoFrame frame;
     if (!gst_video_frame_map(&frame, &video->info, buffer, GST_MAP_WRITE)) {
         return false;
     }
-    uint8_t *y = GST_VIDEO_FRAME_PLANE_DATA(&frame, 0);
-    uint8_t *u = GST_VIDEO_FRAME_PLANE_DATA(&frame, 1);
-    int y_stride = GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0);
-    int u_stride = GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 1);
-    int stride = (int)p->width * 4;
-    int width = (int)video->width, height = (int)video->height;
-    if (video->kind->format == GST_VIDEO_FORMAT_NV12) {
-        ABGRToNV12(p->rgba, stride, y, y_stride, u, u_stride, width, height);
-    } else {
-        ABGRToI420(p->rgba, stride, y, y_stride, u, u_stride,
-                   GST_VIDEO_FRAME_PLANE_DATA(&frame, 2),
-                   GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 2), width, height);
-    }
+    bool planar = video->kind->format == GST_VIDEO_FORMAT_I420;
+    const struct pel_planes out = {
+        .y = GST_VIDEO_FRAME_PLANE_DATA(&frame, 0),
+        .u = GST_VIDEO_FRAME_PLANE_DATA(&frame, 1),
+        .v = planar ? GST_VIDEO_FRAME_PLANE_DATA(&frame, 2) : NULL,
+        .y_stride = GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0),
+        .u_stride = GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 1),
+        .v_stride = planar ? GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 2) : 0,
+        .width = video->width,
+        .height = video->height,
+    };
+    bool scaled = p->out_width != 0;
+    enum pel_err err = pel_planes_fill(
+        p->rgba, (int)p->width * 4, scaled ? p->width : video->width,
+        scaled ? p->height : video->height, false, &video->scratch, &out);
     gst_video_frame_unmap(&frame);
-    return true;
+    return err == PEL_OK;
 }
 
 static bool push(struct pel_video *video, const struct pel_video_picture *p)
@@ -463,15 +468,17 @@ enum pel_err pel_video_encode(struct pel_video *video,
                               struct pel_fault *fault)
 {
     struct pel_fault own;
-    uint32_t width = picture->width & ~1u, height = picture->height & ~1u;
+    bool scaled = picture->out_width != 0;
+    uint32_t full_width = scaled ? picture->out_width : picture->width;
+    uint32_t full_height = scaled ? picture->out_height : picture->height;
+    uint32_t width = full_width & ~1u, height = full_height & ~1u;
     fault = fault ? fault : &own;
     *out = (struct pel_bytes){ 0 };
     *key = false;
-    if (!picture->rgba || picture->width < PEL_VIDEO_MIN_SIZE ||
-        picture->height < PEL_VIDEO_MIN_SIZE ||
-        picture->width > PEL_VIDEO_MAX_SIZE ||
-        picture->height > PEL_VIDEO_MAX_SIZE || kbps < PEL_VIDEO_MIN_KBPS ||
-        kbps > PEL_VIDEO_MAX_KBPS) {
+    if (!picture->rgba || picture->width == 0 || picture->height == 0 ||
+        full_width < PEL_VIDEO_MIN_SIZE || full_height < PEL_VIDEO_MIN_SIZE ||
+        full_width > PEL_VIDEO_MAX_SIZE || full_height > PEL_VIDEO_MAX_SIZE ||
+        kbps < PEL_VIDEO_MIN_KBPS || kbps > PEL_VIDEO_MAX_KBPS) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "a size or rate that H.264 is not made for");
     }

@@ -23,8 +23,9 @@ struct pel_video;
 struct pel_video_picture {
     const uint8_t *rgba; /* top row first, tightly packed */
     uint32_t width, height;
-    int64_t stamp_ns; /* any clock that does not run backwards */
-    bool key;         /* make it a key frame */
+    uint32_t out_width, out_height; /* scaled to it; 0: as it is */
+    int64_t stamp_ns;               /* any clock that does not run backwards */
+    bool key;                       /* make it a key frame */
 };
 
 struct pel_video_config {

@@ -227,7 +227,9 @@ static void test_cancel(void **state)
     struct pel_video_config config = { .fps = 30.0, .cancel = &cancel };
     static uint8_t rgba[64 * 64 * 4];
     struct pel_video *video = pel_video_create(&config);
-    struct pel_video_picture picture = { rgba, 64, 64, 0, false };
+    struct pel_video_picture picture = { .rgba = rgba,
+                                         .width = 64,
+                                         .height = 64 };
     struct pel_bytes out;
     bool key;
     assert_int_equal(pel_video_encode(video, &picture, 500, &out, &key, NULL),

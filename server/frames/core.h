@@ -7,6 +7,7 @@
 #include "frames/job.h"
 #include "frames/mailbox.h"
 #include "frames/pool.h"
+#include "frames/quality.h"
 #include "frames/renderloop.h"
 
 #define PEL_JOB_COUNT 8
@@ -18,6 +19,7 @@
 #define PEL_MAX_OPTICS_QUERIES 16
 #define PEL_MAX_SURFACE_POINTS 10000
 #define PEL_STATS_WINDOW 256
+#define PEL_MOMENTS 16
 
 struct pel_frame_request {
     bool used;
@@ -70,6 +72,14 @@ struct pel_window {
     uint64_t count;
 };
 
+/* What a frame shows is a function of these. */
+struct pel_moment {
+    uint64_t number; /* 0: none */
+    uint64_t revision;
+    unsigned stale;
+    double time_s;
+};
+
 struct pel_frames {
     struct pel_scene *scene;
     struct pel_mailbox box;
@@ -79,8 +89,14 @@ struct pel_frames {
     double max_fps;
     int64_t next_tick_ns;
     bool stopping;
+    bool moving; /* simulated time runs by itself */
 
-    uint64_t number, last_id, last_order;
+    uint64_t number, job_order, last_id, last_order;
+    struct pel_moment moments[PEL_MOMENTS]; /* the last ones */
+    size_t next_moment;
+    struct pel_quality quality;
+    int64_t last_drawn_ns;    /* when the last job's pictures were there */
+    int64_t present_delay_ns; /* of live frames, after their stamp */
     uint32_t last_serial;
     unsigned drawing; /* jobs with the render thread */
     bool last_was_live;
@@ -98,9 +114,10 @@ struct pel_frames {
     struct pel_optics_query *optics[PEL_MAX_OPTICS_QUERIES];
 
     int64_t launched_ns;
-    uint64_t stuck_number; /* frame that was last complained about */
+    uint64_t stuck_order; /* job that was last complained about */
     struct pel_frames_stats stats;
     struct pel_window render_ms, encode_ms, video_ms;
+    struct pel_window ready_ms; /* live frames: stamp to bytes */
 };
 
 /* --- schedule.c: frames begin and end ------------------------------------ */

@@ -6,6 +6,9 @@
 #include "base/log.h"
 #include "frames/core.h"
 
+/* Of presentation, before anything is known: three frames at 30 Hz. */
+#define FIRST_DELAY_NS 100000000LL
+
 static void receive(void *user, struct pel_mail *mail)
 {
     struct pel_frames *frames = user;
@@ -66,6 +69,8 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
     pel_mailbox_init(&frames->box, context, receive, frames);
     frames->scene = scene;
     frames->max_fps = pel_clamp(o->max_fps, 1, 240);
+    pel_frames_set_quality(frames, o->quality);
+    frames->present_delay_ns = FIRST_DELAY_NS;
     frames->video_encoder = o->video_encoder;
     frames->jobs = calloc(PEL_JOB_COUNT, sizeof *frames->jobs);
     if (!frames->jobs) {
@@ -172,7 +177,16 @@ void pel_frames_get_stats(const struct pel_frames *frames,
     out->render_ms_median = pel_window_rank(&frames->render_ms, 0.5);
     out->render_ms_p95 = pel_window_rank(&frames->render_ms, 0.95);
     out->encode_ms_median = pel_window_rank(&frames->encode_ms, 0.5);
+    out->quality = pel_quality_scale(&frames->quality);
+    out->quality_changes = frames->quality.changes;
+    out->present_delay_ms = (double)frames->present_delay_ns * 1e-6;
     out->video_ms_median = pel_window_rank(&frames->video_ms, 0.5);
+}
+
+void pel_frames_set_quality(struct pel_frames *frames, double quality)
+{
+    pel_quality_set(&frames->quality,
+                    quality > 0 ? pel_clamp(quality, PEL_QUALITY_MIN, 1) : 0);
 }
 
 void pel_frames_set_max_fps(struct pel_frames *frames, double max_fps)

@@ -22,7 +22,8 @@ struct pel_frames_options {
     const char *device; /* as pel_renderer_options */
     const char *shader_dir;
     bool gl_debug;
-    double max_fps;      /* cap of live views, 1..240 */
+    double max_fps; /* cap of live views, 1..240 */
+    double quality; /* scale of live views, 0.25..1; 0: as holds their rate */
     int encoder_threads; /* 0: one a core, at most 4 */
     /* H.264 by this GStreamer element; NULL or "auto": the best there is. */
     const char *video_encoder;
@@ -51,17 +52,20 @@ enum pel_codec {
 /* An encoded picture, immutable and reference counted (any thread). */
 struct pel_frame {
     char view[PEL_NAME_SIZE];
-    uint64_t number;     /* the views of one frame share it */
+    uint64_t number;     /* the views of one frame share it; pictures that are
+                          * asked for, all of one revision and time */
     uint64_t revision;   /* of the scene it shows */
     uint32_t host_frame; /* newest of a simulator host, 0: none leads */
     unsigned stale;      /* silent inputs, of enum pel_stale */
     double time_s;       /* simulated */
     double exposure_ev;
     uint32_t width, height;
+    uint32_t drawn_width, drawn_height; /* less where quality is less than 1 */
     enum pel_codec codec;
     Pelagos__FrameFormat format; /* of PEL_CODEC_PICTURE */
     bool key;                    /* can be shown without those before it */
     int64_t requested_ns, drawn_ns, encoded_ns; /* CLOCK_MONOTONIC */
+    int64_t present_ns; /* when the views of this frame are to be shown */
     double render_ms, encode_ms;
     const uint8_t *data;
     size_t size;
@@ -179,6 +183,9 @@ struct pel_frames_stats {
     uint64_t frames_drawn, views_drawn, frames_skipped;
     uint64_t pictures_encoded, encoded_bytes, requests_refused;
     double render_ms_median, render_ms_p95; /* of the last 256 views */
+    double quality; /* scale of width and height of live views, 0.25..1 */
+    uint64_t quality_changes;
+    double present_delay_ms; /* of live views, from the stamp */
     double encode_ms_median;
     uint64_t video_frames, video_bytes, video_keys; /* H.264 among them */
     double video_ms_median;
@@ -189,6 +196,9 @@ void pel_frames_get_stats(const struct pel_frames *frames,
 
 /* Changes the cap of live views, 1..240 Hz, from the next frame on. */
 void pel_frames_set_max_fps(struct pel_frames *frames, double max_fps);
+
+/* Changes pel_frames_options.quality. */
+void pel_frames_set_quality(struct pel_frames *frames, double quality);
 
 /* Whether the renderer has given nothing for more than 2 s with frames to
  * draw; on a software device for 4 us a pixel more. */

@@ -67,8 +67,11 @@ struct pel_output {
 /* The render thread's and the encoders' side of one draw. */
 struct pel_job_draw {
     struct pel_job *job;
-    size_t view;  /* index in the snapshot */
-    size_t bytes; /* of its readback buffer */
+    size_t view;            /* index in the snapshot */
+    uint32_t width, height; /* asked for; what is drawn may be coarser */
+    bool live;              /* a stream's, perhaps a request's too */
+    bool coarse;            /* of it: drawn at the job's scale */
+    size_t bytes;           /* of its readback buffer */
     enum pel_err err;
     struct pel_picture *picture;
     atomic_int users;     /* outputs that still read the picture */
@@ -80,9 +83,15 @@ struct pel_job_draw {
 struct pel_job {
     struct pel_mail mail;
     bool used, live, drawn; /* control thread */
-    uint64_t number;
+    uint64_t order;         /* of beginning, never twice */
+    uint64_t number;        /* of live pictures: see pel_frame */
+    uint64_t moment; /* of others: the first frame that showed the same */
     uint32_t host_frame;
     int64_t requested_ns;
+    int64_t present_ns;
+    double scale; /* of live draws */
+    int64_t launched_ns;
+    int64_t drawn_ns; /* when the last picture was there */
     const struct pel_snapshot *snapshot;
     struct pel_environment environment;
     size_t draw_count;

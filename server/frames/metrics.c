@@ -44,6 +44,13 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
     quantile(page, "pelagos_frames_encode_seconds",
              "Encoding, of the last 256 pictures.", "quantile=\"0.5\"",
              s.encode_ms_median);
+    gauge(page, "pelagos_frames_quality",
+          "Scale of width and height that live views are drawn at.", s.quality);
+    counter(page, "pelagos_frames_quality_changes_total",
+            "Times that the scale changed.", s.quality_changes);
+    gauge(page, "pelagos_frames_present_delay_seconds",
+          "From the stamp of a live frame to its time of presentation.",
+          s.present_delay_ms * 1e-3);
     counter(page, "pelagos_video_frames_total", "H.264 pictures encoded.",
             s.video_frames);
     counter(page, "pelagos_video_keys_total", "H.264 key frames encoded.",

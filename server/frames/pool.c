@@ -31,17 +31,20 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
     const struct pel_picture *picture = part->picture;
     snprintf(frame->view, sizeof frame->view, "%s",
              job->snapshot->views[part->view].name);
-    frame->number = job->number;
+    frame->number = output->stream ? job->number : job->moment;
     frame->revision = job->snapshot->revision;
     frame->host_frame = job->host_frame;
     frame->stale = job->snapshot->stale;
     frame->time_s = job->environment.time_s;
     frame->exposure_ev = picture->exposure_ev;
-    frame->width = picture->width;
-    frame->height = picture->height;
+    frame->width = part->width;
+    frame->height = part->height;
+    frame->drawn_width = picture->width;
+    frame->drawn_height = picture->height;
     frame->codec = output->track ? PEL_CODEC_H264 : PEL_CODEC_PICTURE;
     frame->format = output->format;
     frame->requested_ns = job->requested_ns;
+    frame->present_ns = job->present_ns;
     frame->drawn_ns = picture->drawn_ns;
     frame->render_ms = part->render_ms;
 }
@@ -51,12 +54,16 @@ static enum pel_err encode_video(struct pel_output *output,
                                  struct pel_bytes *bytes)
 {
     const struct pel_job *job = output->job;
-    const struct pel_picture *p = job->parts[output->draw].picture;
+    const struct pel_job_draw *part = &job->parts[output->draw];
+    const struct pel_picture *p = part->picture;
+    bool scaled = p->width != part->width || p->height != part->height;
     struct pel_fault fault = { 0 };
     struct pel_video_picture picture = {
         .rgba = p->rgba,
         .width = p->width,
         .height = p->height,
+        .out_width = scaled ? part->width : 0,
+        .out_height = scaled ? part->height : 0,
         .stamp_ns = job->requested_ns,
         .key = output->want_key,
     };
@@ -75,11 +82,12 @@ static enum pel_err encode_bytes(const struct pel_pool *pool,
                                  const struct pel_output *output,
                                  struct pel_bytes *bytes)
 {
-    const struct pel_picture *p = output->job->parts[output->draw].picture;
+    const struct pel_job_draw *part = &output->job->parts[output->draw];
+    const struct pel_picture *p = part->picture;
     switch (output->format) {
     case PELAGOS__FRAME_FORMAT__JPEG:
-        return pel_jpeg_encode(p->rgba, p->width, p->height, output->quality,
-                               bytes);
+        return pel_jpeg_encode_scaled(p->rgba, p->width, p->height, part->width,
+                                      part->height, output->quality, bytes);
     case PELAGOS__FRAME_FORMAT__PNG:
         return pel_png_encode(p->rgba, p->width, p->height, bytes);
     case PELAGOS__FRAME_FORMAT__EXR:

@@ -53,6 +53,7 @@ static void finish_part(struct pel_renderloop *loop, struct pel_job_draw *part)
     }
     progress(loop);
     if (last) {
+        job->drawn_ns = pel_now_ns();
         loop->submitted--;
         job->mail.kind = PEL_MAIL_JOB_DRAWN;
         pel_mailbox_post(loop->box, &job->mail);

@@ -6,9 +6,15 @@
 
 /* Live frames that come sooner than this take waiting requests along; one that
  * found no place in them for so long gets its own. */
+/* Requests for the moving present wait so long for others: what a client asks
+ * for in parallel is of one frame. */
+#define GATHER_NS 3000000
 #define JOIN_NS 50000000
 #define JOIN_LIMIT_NS 500000000
 #define STUCK_NS 2000000000LL
+/* What a network and a decoder may take: a frame time and some. */
+#define DELIVERY_NS 40000000LL
+#define READY_FRAMES 16 /* between two looks at how late frames are */
 /* The processor's time for a pixel, generously: what a large picture may take
  * beyond that without being stuck. */
 #define SOFTWARE_PIXEL_NS 4000
@@ -61,6 +67,45 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
     };
 }
 
+/* The first frame that showed this moment, 0: none did lately. */
+static uint64_t first_number(const struct pel_frames *frames,
+                             const struct pel_job *job)
+{
+    for (size_t i = 0; i < PEL_MOMENTS; i++) {
+        const struct pel_moment *m = &frames->moments[i];
+        if (m->number && m->revision == job->snapshot->revision &&
+            m->time_s == job->environment.time_s &&
+            m->stale == job->environment.stale) {
+            return m->number;
+        }
+    }
+    return 0;
+}
+
+/* Every live frame has a number of its own; pictures that are asked for have
+ * the one of their moment. */
+static void number_job(const struct pel_frames *frames, struct pel_job *job)
+{
+    uint64_t next = frames->number + 1;
+    job->moment = first_number(frames, job);
+    job->moment = job->moment ? job->moment : next;
+    job->number = job->live ? next : job->moment;
+}
+
+static void keep_number(struct pel_frames *frames, const struct pel_job *job)
+{
+    if (job->moment > frames->number) {
+        frames->moments[frames->next_moment] =
+            (struct pel_moment){ job->moment, job->snapshot->revision,
+                                 job->environment.stale,
+                                 job->environment.time_s };
+        frames->next_moment = (frames->next_moment + 1) % PEL_MOMENTS;
+    }
+    if (job->number > frames->number) {
+        frames->number = job->number;
+    }
+}
+
 static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
                                  bool live)
 {
@@ -70,12 +115,15 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
     job->live = live;
     job->drawn = false;
     job->requested_ns = pel_now_ns();
+    job->present_ns = job->requested_ns + frames->present_delay_ns;
+    job->scale = pel_quality_scale(&frames->quality);
     job->snapshot = s;
     job->host_frame = pel_scene_host_frame(frames->scene);
     job->draw_count = 0;
     job->output_count = 0;
     job->collected = 0;
     job->environment = pel_environment_of(s, time_s);
+    number_job(frames, job);
     return job;
 }
 
@@ -86,17 +134,19 @@ static void end_job(struct pel_job *job)
     job->used = false;
 }
 
-/* Draw of the view at this size, an old one or a new one. */
+/* Draw of the view at this size, an old one or a new one; live: at the scale
+ * of live views, within the same frustum. */
 static bool add_draw(struct pel_job *job, size_t view, uint32_t width,
-                     uint32_t height, unsigned layers, size_t *out)
+                     uint32_t height, bool live, unsigned layers, size_t *out)
 {
     const struct pel_view_state *v = &job->snapshot->views[view];
     width = width ? width : v->width;
     height = height ? height : v->height;
     size_t i = 0;
+    bool coarse = live && job->scale < 1;
     while (i < job->draw_count &&
-           (job->parts[i].view != view || job->draws[i].camera.width != width ||
-            job->draws[i].camera.height != height)) {
+           (job->parts[i].view != view || job->parts[i].width != width ||
+            job->parts[i].height != height || job->parts[i].coarse != coarse)) {
         i++;
     }
     struct pel_draw *draw = &job->draws[i];
@@ -105,14 +155,24 @@ static bool add_draw(struct pel_job *job, size_t view, uint32_t width,
         if (i == PEL_MAX_VIEWS) {
             return false;
         }
-        *part = (struct pel_job_draw){ .job = job, .view = view };
+        *part = (struct pel_job_draw){ .job = job,
+                                       .view = view,
+                                       .width = width,
+                                       .height = height,
+                                       .coarse = coarse };
         *draw = (struct pel_draw){ .user = part };
         pel_snapshot_camera(job->snapshot, view, job->environment.time_s, width,
                             height, &draw->camera);
+        if (coarse) {
+            draw->camera.width = pel_quality_size(job->scale, width);
+            draw->camera.height = pel_quality_size(job->scale, height);
+        }
         job->draw_count++;
     }
     draw->layers |= layers;
-    part->bytes = pel_layer_bytes(draw->layers) * width * height;
+    part->live = part->live || live;
+    part->bytes = pel_layer_bytes(draw->layers) * draw->camera.width *
+                  draw->camera.height;
     *out = i;
     return true;
 }
@@ -137,7 +197,9 @@ static struct pel_output *add_output(struct pel_job *job,
                                      const struct pel_output *want)
 {
     for (size_t i = 0; i < job->output_count; i++) {
-        if (same_output(&job->outputs[i], want)) {
+        bool numbered_alike = job->number == job->moment ||
+                              job->outputs[i].stream == want->stream;
+        if (numbered_alike && same_output(&job->outputs[i], want)) {
             return &job->outputs[i];
         }
     }
@@ -164,10 +226,10 @@ static void add_streams(struct pel_frames *frames, struct pel_job *job)
         }
         bool added =
             add_draw(job, (size_t)view, stream->profile.width,
-                     stream->profile.height, PEL_LAYER_COLOR, &want.draw);
+                     stream->profile.height, true, PEL_LAYER_COLOR, &want.draw);
         if (added && want.track && want.kbps == 0) {
-            const struct pel_camera *c = &job->draws[want.draw].camera;
-            want.kbps = pel_video_kbps(c->width, c->height);
+            const struct pel_job_draw *part = &job->parts[want.draw];
+            want.kbps = pel_video_kbps(part->width, part->height);
         }
         if (added && add_output(job, &want) && want.track) {
             pel_track_ref(want.track);
@@ -194,7 +256,8 @@ static bool add_request(struct pel_frames *frames, struct pel_job *job,
                                .quality = r->quality,
                                .float_samples = r->float_samples,
                                .layers = layers };
-    if (!add_draw(job, (size_t)view, r->width, r->height, layers, &want.draw)) {
+    if (!add_draw(job, (size_t)view, r->width, r->height, false, layers,
+                  &want.draw)) {
         return false;
     }
     r->output = add_output(job, &want);
@@ -228,11 +291,12 @@ static void launch(struct pel_frames *frames, struct pel_job *job)
         end_job(job);
         return;
     }
-    job->number = ++frames->number;
+    job->order = ++frames->job_order;
+    keep_number(frames, job);
     frames->drawing++;
     frames->last_was_live = job->live;
     frames->stats.frames_drawn++;
-    frames->launched_ns = pel_now_ns();
+    frames->launched_ns = job->launched_ns = pel_now_ns();
     pel_schedule_watch(frames);
     pel_renderloop_push(frames->loop, job);
 }
@@ -277,11 +341,22 @@ void pel_schedule_tick(void *user)
     launch(frames, job);
 }
 
+/* Whether others may still join a request for a present that moves. */
+static bool gathers(const struct pel_frames *frames,
+                    const struct pel_frame_request *request)
+{
+    return frames->moving && !request->has_time &&
+           pel_now_ns() - request->requested_ns < GATHER_NS;
+}
+
 /* Whether a request has to wait although there is room: for a live frame that
  * comes soon, or, with a time of its own, for its turn between live frames. */
 static bool must_wait(const struct pel_frames *frames,
                       const struct pel_frame_request *request)
 {
+    if (gathers(frames, request)) {
+        return true;
+    }
     if (!is_live(frames)) {
         return false;
     }
@@ -306,12 +381,33 @@ static struct pel_frame_request *next_starter(struct pel_frames *frames)
     return oldest;
 }
 
+static void await_gathering(struct pel_frames *frames)
+{
+    for (int i = 0; i < PEL_MAX_REQUESTS; i++) {
+        const struct pel_frame_request *r = &frames->requests[i];
+        if (r->used && !r->output && gathers(frames, r)) {
+            g_source_set_ready_time(frames->start,
+                                    (pel_now_ns() + GATHER_NS) / 1000);
+        }
+    }
+}
+
+static void note_clock(struct pel_frames *frames)
+{
+    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    frames->moving = (s->mode == PEL_CLOCK_FREE && s->rate != 0) ||
+                     s->mode == PEL_CLOCK_HOST;
+    pel_snapshot_unref(s);
+}
+
 void pel_schedule_start(void *user)
 {
     struct pel_frames *frames = user;
+    note_clock(frames);
     while (!frames->stopping && has_room(frames)) {
         struct pel_frame_request *first = next_starter(frames);
         if (!first) {
+            await_gathering(frames);
             return;
         }
         bool has_time = first->has_time;
@@ -380,8 +476,8 @@ bool pel_frames_stuck(const struct pel_frames *frames)
 void pel_schedule_watch(void *user)
 {
     struct pel_frames *frames = user;
-    if (pel_frames_stuck(frames) && frames->stuck_number != frames->number) {
-        frames->stuck_number = frames->number;
+    if (pel_frames_stuck(frames) && frames->stuck_order != frames->job_order) {
+        frames->stuck_order = frames->job_order;
         pel_error("FRM-002",
                   "the renderer has been silent for more than %.1f s (%u "
                   "frames wait, the last is %llu)",
@@ -407,6 +503,53 @@ static void end_if_complete(struct pel_job *job)
     }
 }
 
+/* How long the renderer was busy with live views alone, and what follows. */
+static void feed_quality(struct pel_frames *frames, const struct pel_job *job)
+{
+    static struct pel_log_limit limit;
+    int64_t since = job->launched_ns > frames->last_drawn_ns
+                        ? job->launched_ns
+                        : frames->last_drawn_ns;
+    double busy_ms = (double)(job->drawn_ns - since) * 1e-6;
+    double period_ms = 1000.0 / frames->max_fps;
+    bool alone = true;
+    uint64_t pixels = 0;
+    for (size_t i = 0; i < job->draw_count; i++) {
+        const struct pel_job_draw *part = &job->parts[i];
+        pixels += (uint64_t)part->width * part->height;
+        alone = alone && part->live && part->err == PEL_OK;
+    }
+    frames->last_drawn_ns = job->drawn_ns;
+    if (alone && pel_quality_feed(&frames->quality, job->scale, pixels, busy_ms,
+                                  period_ms, job->drawn_ns)) {
+        pel_log_limited(&limit, PEL_LOG_INFO, "FRM-006",
+                        "live views are drawn at %.2f of their size to hold "
+                        "%.3g Hz (a frame took %.0f ms)",
+                        pel_quality_scale(&frames->quality), frames->max_fps,
+                        busy_ms);
+        frames->ready_ms.count = 0;
+    }
+}
+
+/* Live frames are to be shown when nearly all of them can have come: as late
+ * as the slowest of the last ones, and what networks and decoders need. It
+ * grows at once, and shrinks by little, so that pictures are shown evenly; at
+ * a new scale it begins anew. */
+static void note_ready(struct pel_frames *frames, const struct pel_frame *frame)
+{
+    struct pel_window *window = &frames->ready_ms;
+    pel_window_add(window,
+                   (double)(frame->encoded_ns - frame->requested_ns) * 1e-6);
+    if (window->count % READY_FRAMES != 0) {
+        return;
+    }
+    int64_t delay =
+        (int64_t)(1e6 * pel_window_rank(window, 0.98)) + DELIVERY_NS;
+    int64_t least = frames->present_delay_ns - frames->present_delay_ns / 16;
+    bool anew = window->count == READY_FRAMES;
+    frames->present_delay_ns = anew || delay > least ? delay : least;
+}
+
 void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job)
 {
     for (size_t i = 0; i < job->draw_count; i++) {
@@ -415,6 +558,7 @@ void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job)
             frames->stats.views_drawn++;
         }
     }
+    feed_quality(frames, job);
     frames->drawing--;
     job->drawn = true;
     end_if_complete(job);
@@ -427,7 +571,7 @@ static bool overtakes(const struct pel_frames *frames,
 {
     for (int i = 0; i < PEL_JOB_COUNT; i++) {
         const struct pel_job *job = &frames->jobs[i];
-        if (!job->used || job->number >= output->job->number) {
+        if (!job->used || job->order >= output->job->order) {
             continue;
         }
         for (size_t k = 0; k < job->output_count; k++) {
@@ -476,6 +620,9 @@ void pel_schedule_output(struct pel_frames *frames, struct pel_output *output)
         frames->stats.pictures_encoded++;
         frames->stats.encoded_bytes += output->frame->size;
         bool video = output->frame->codec == PEL_CODEC_H264;
+        if (output->stream) {
+            note_ready(frames, output->frame);
+        }
         pel_window_add(video ? &frames->video_ms : &frames->encode_ms,
                        output->frame->encode_ms);
         if (video) {

@@ -112,7 +112,10 @@ static void get_health(const struct pel_http_call *call)
     }
     if (context->frames && known) {
         char *device = g_strescape(pel_frames_device(context->frames), NULL);
-        g_string_append_printf(out, ",\"device\":\"%s\"", device);
+        struct pel_frames_stats stats;
+        pel_frames_get_stats(context->frames, &stats);
+        g_string_append_printf(out, ",\"device\":\"%s\",\"quality\":%.3f",
+                               device, stats.quality);
         g_free(device);
     }
     g_string_append(out, "}\n");

@@ -37,6 +37,7 @@ struct pel_live_viewer {
     unsigned level; /* how often the rate was halved */
     int64_t level_ns, up_wait_ns, change_ns;
     uint32_t width, height; /* of the last picture */
+    uint32_t drawn_width, drawn_height;
     unsigned told_kbps;
 };
 
@@ -88,6 +89,11 @@ void pel_live_header(const struct pel_frame *frame, int64_t now_ns,
     put(out + 48, since_us(frame->requested_ns, now_ns), 4);
     put(out + 52, missed, 4);
     put(out + 56, frame->revision, 8);
+    put(out + 64,
+        (uint64_t)((stamp_ns + frame->present_ns - frame->requested_ns) / 1000),
+        8);
+    put(out + 72, frame->drawn_width, 2);
+    put(out + 74, frame->drawn_height, 2);
 }
 
 bool pel_live_read(const uint8_t *data, size_t size, struct pel_live_order *out)
@@ -162,14 +168,16 @@ static unsigned rate_at(const struct pel_live_viewer *self, unsigned level)
 
 static void tell_stream(struct pel_live_viewer *self)
 {
-    char text[256];
+    char text[384];
     bool video = self->wish.profile.codec == PEL_CODEC_H264;
     unsigned kbps = video ? rate_at(self, self->level) : 0;
     snprintf(text, sizeof text,
              "{\"type\":\"stream\",\"view\":\"%s\",\"codec\":\"%s\","
-             "\"width\":%u,\"height\":%u,\"bitrate\":%u,\"credit\":%u}",
+             "\"width\":%u,\"height\":%u,\"drawnWidth\":%u,"
+             "\"drawnHeight\":%u,\"bitrate\":%u,\"credit\":%u}",
              self->wish.view, video ? "h264" : "jpeg", self->width,
-             self->height, kbps, self->wish.credit);
+             self->height, self->drawn_width, self->drawn_height, kbps,
+             self->wish.credit);
     self->told_kbps = kbps;
     pel_websocket_text(self->ws, text);
 }
@@ -234,9 +242,14 @@ static void send_picture(struct pel_live_viewer *self, struct pel_frame *frame)
 {
     uint8_t header[PEL_LIVE_HEADER];
     bool first = self->last_number == 0;
-    bool resized = frame->width != self->width || frame->height != self->height;
+    bool resized = frame->width != self->width ||
+                   frame->height != self->height ||
+                   frame->drawn_width != self->drawn_width ||
+                   frame->drawn_height != self->drawn_height;
     self->width = frame->width;
     self->height = frame->height;
+    self->drawn_width = frame->drawn_width;
+    self->drawn_height = frame->drawn_height;
     note_gap(self, frame->number);
     pel_live_header(frame, pel_now_ns(), unix_ns(), self->missed,
                     self->gap && !first, header);

@@ -11,7 +11,7 @@
 #include "base/metrics.h"
 #include "frames/frames.h"
 
-#define PEL_LIVE_HEADER 64  /* bytes before each picture */
+#define PEL_LIVE_HEADER 80  /* bytes before each picture */
 #define PEL_LIVE_MESSAGE 16 /* bytes of each of the viewer's messages */
 #define PEL_LIVE_VERSION 1
 

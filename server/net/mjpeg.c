@@ -2,6 +2,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 #include <glib.h>
 
@@ -15,7 +16,7 @@ struct pel_viewer {
     void (*wake)(void *user);
     void *user;
     struct pel_frame *pending, *current;
-    char head[400];
+    char head[512];
     size_t head_size, offset;
     int64_t interval_ns, due_ns; /* of the next picture wanted */
     bool begun, idle, over;
@@ -89,6 +90,15 @@ void pel_viewer_destroy(struct pel_viewer *self)
     }
 }
 
+/* When the picture is to be shown, by the clock on the wall. */
+static double present_unix_s(const struct pel_frame *frame)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    int64_t ahead_ns = frame->present_ns - pel_now_ns();
+    return (double)now.tv_sec + 1e-9 * (double)(now.tv_nsec + ahead_ns);
+}
+
 /* The boundary follows each picture at once: browsers show a part when they
  * see the next boundary. */
 static void begin_picture(struct pel_viewer *self)
@@ -102,11 +112,14 @@ static void begin_picture(struct pel_viewer *self)
         "%sContent-Type: image/jpeg\r\nContent-Length: %zu\r\n"
         "X-Pelagos-Frame: %llu\r\nX-Pelagos-Time: %.6f\r\n"
         "X-Pelagos-Revision: %llu\r\nX-Pelagos-Stale: %s\r\n"
-        "X-Pelagos-Host-Frame: %u\r\n\r\n",
+        "X-Pelagos-Host-Frame: %u\r\nX-Pelagos-Drawn: %ux%u\r\n"
+        "X-Pelagos-Present: %.6f\r\n\r\n",
         self->begun ? "" : "--pelagos\r\n", self->current->size,
         (unsigned long long)self->current->number, self->current->time_s,
         (unsigned long long)self->current->revision,
-        pel_stale_text(self->current->stale, stale), self->current->host_frame);
+        pel_stale_text(self->current->stale, stale), self->current->host_frame,
+        self->current->drawn_width, self->current->drawn_height,
+        present_unix_s(self->current));
     self->head_size = (size_t)n;
     self->begun = true;
 }

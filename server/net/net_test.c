@@ -312,16 +312,21 @@ static void test_live_header(void **state)
         .requested_ns = 1000000000,
         .drawn_ns = 1020000000,
         .encoded_ns = 1025000000,
+        .present_ns = 1110000000,
+        .drawn_width = 640,
+        .drawn_height = 360,
     };
     static const uint8_t wanted[PEL_LIVE_HEADER] = {
-        1,    1,    3,    64, 0,    5,    0xd0, 2,    /* 1280x720 */
+        1,    1,    3,    80, 0,    5,    0xd0, 2,    /* 1280x720 */
         8,    7,    6,    5,  4,    3,    2,    1,    /* number */
         0,    0,    0,    0,  0,    0,    0xf8, 0x3f, /* 1.5 s */
         0,    0,    0,    0,  0,    0,    0,    0,    /* no host */
         0xb0, 0x7c, 0x1e, 0,  0,    0,    0,    0,    /* 2.028 s - 30 ms */
         0x20, 0x4e, 0,    0,  0xa8, 0x61, 0,    0,    /* 20 ms, 25 ms */
         0x30, 0x75, 0,    0,  7,    0,    0,    0,    /* 30 ms, 7 missed */
-        9,    0,    0,    0,  0,    0,    0,    0,
+        9,    0,    0,    0,  0,    0,    0,    0,    /* revision */
+        0x60, 0x2a, 0x20, 0,  0,    0,    0,    0,    /* 110 ms after stamp */
+        0x80, 2,    0x68, 1,  0,    0,    0,    0,    /* drawn 640x360 */
     };
     uint8_t out[PEL_LIVE_HEADER];
     pel_live_header(&frame, 1030000000, 2028000000, 7, true, out);

@@ -18,8 +18,8 @@
 #define MAX_SESSIONS 64
 #define MAX_WAITING 8 /* clients, while GStreamer starts */
 #define CLEAN_S 2
-/* Frames arrive stamped as they come; the queue of a client is bounded where
- * it is filled (rtspstream.c). */
+/* Frames that come without a time get that of their coming; the queue of a
+ * client is bounded where it is filled (rtspstream.c). */
 #define LAUNCH                                                                 \
     "( appsrc name=source is-live=true format=time do-timestamp=true "         \
     "block=false max-bytes=0 max-buffers=0 max-time=0 "                        \

@@ -70,12 +70,32 @@ static void on_control(struct pel_rtsp_stream *stream, GSourceFunc call,
 
 /* --- on the control thread ----------------------------------------------- */
 
+/* The frame's stamp in the pipeline's running time. RTP's sender reports tie
+ * that to the wall's clock, the same for every view: players can align them.
+ * NONE where the pipeline does not run yet. */
+static GstClockTime running_time(GstAppSrc *source,
+                                 const struct pel_frame *frame)
+{
+    GstClockTime time = GST_CLOCK_TIME_NONE;
+    GstClock *clock = gst_element_get_clock(GST_ELEMENT(source));
+    if (clock) {
+        GstClockTime base = gst_element_get_base_time(GST_ELEMENT(source));
+        int64_t age_ns = pel_now_ns() - frame->requested_ns;
+        GstClockTimeDiff at =
+            GST_CLOCK_DIFF(base, gst_clock_get_time(clock)) - age_ns;
+        time = at >= 0 ? (GstClockTime)at : GST_CLOCK_TIME_NONE;
+        gst_object_unref(clock);
+    }
+    return time;
+}
+
 /* The encoder's bytes themselves; the buffer holds the frame. */
-static GstBuffer *wrap(struct pel_frame *frame)
+static GstBuffer *wrap(GstAppSrc *source, struct pel_frame *frame)
 {
     GstBuffer *buffer = gst_buffer_new_wrapped_full(
         GST_MEMORY_FLAG_READONLY, (gpointer)frame->data, frame->size, 0,
         frame->size, pel_frame_ref(frame), (GDestroyNotify)pel_frame_unref);
+    GST_BUFFER_PTS(buffer) = running_time(source, frame);
     if (!frame->key) {
         GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT);
     }
@@ -106,7 +126,7 @@ static void on_frame(void *user, enum pel_err err,
     }
     self->hub->sent++;
     self->hub->bytes += frame->size;
-    gst_app_src_push_buffer(self->source, wrap(frame));
+    gst_app_src_push_buffer(self->source, wrap(self->source, frame));
 }
 
 static gboolean open_stream(gpointer user)

@@ -14,7 +14,6 @@ struct pel_ts_viewer {
     void (*wake)(void *user);
     void *user;
     struct pel_ts ts;
-    int64_t first_ns; /* 0: nothing yet */
     struct pel_bytes waiting[MAX_WAITING];
     unsigned first, count;
     size_t offset; /* taken of the first */
@@ -24,10 +23,9 @@ struct pel_ts_viewer {
 static void add(struct pel_ts_viewer *self, const struct pel_frame *frame)
 {
     unsigned at = (self->first + self->count) % MAX_WAITING;
-    self->first_ns = self->first_ns ? self->first_ns : frame->requested_ns;
-    if (pel_ts_write(&self->ts, frame->data, frame->size,
-                     frame->requested_ns - self->first_ns, frame->key,
-                     &self->waiting[at]) == PEL_OK) {
+    /* The same clock in every view: those of one frame have one time. */
+    if (pel_ts_write(&self->ts, frame->data, frame->size, frame->requested_ns,
+                     frame->key, &self->waiting[at]) == PEL_OK) {
         self->count++;
         self->stats->sent++;
     } else {

@@ -9,7 +9,7 @@
 
 #include "frames/frames.h"
 
-#define PEL_WEBSOCKET_MAX_HEAD 64     /* bytes before a picture */
+#define PEL_WEBSOCKET_MAX_HEAD 80     /* bytes before a picture */
 #define PEL_WEBSOCKET_MAX_PICTURES 16 /* that wait or are being sent */
 #define PEL_WEBSOCKET_MAX_CONTROL 32  /* messages that wait */
 #define PEL_WEBSOCKET_MAX_MESSAGE (64 * 1024)

@@ -1,0 +1,93 @@
+#include "encode/planes.h"
+
+#include <stdlib.h>
+
+#include <libyuv.h>
+
+#define MAX_SIZE 16384
+
+void pel_planes_scratch_finish(struct pel_planes_scratch *scratch)
+{
+    free(scratch->data);
+    *scratch = (struct pel_planes_scratch){ 0 };
+}
+
+/* libyuv names channels from the last byte of a little-endian word to the
+ * first: its ABGR is our RGBA. */
+static int convert(const uint8_t *rgba, int stride, bool full_range,
+                   const struct pel_planes *out)
+{
+    int width = (int)out->width, height = (int)out->height;
+    if (!out->v) {
+        return ABGRToNV12(rgba, stride, out->y, out->y_stride, out->u,
+                          out->u_stride, width, height);
+    }
+    return (full_range ? ABGRToJ420 : ABGRToI420)(
+        rgba, stride, out->y, out->y_stride, out->u, out->u_stride, out->v,
+        out->v_stride, width, height);
+}
+
+static int scale(const struct pel_planes *from, const struct pel_planes *to)
+{
+    bool smaller = to->width < from->width || to->height < from->height;
+    enum FilterMode filter = smaller ? kFilterBox : kFilterBilinear;
+    if (!to->v) {
+        return NV12Scale(from->y, from->y_stride, from->u, from->u_stride,
+                         (int)from->width, (int)from->height, to->y,
+                         to->y_stride, to->u, to->u_stride, (int)to->width,
+                         (int)to->height, filter);
+    }
+    return I420Scale(from->y, from->y_stride, from->u, from->u_stride, from->v,
+                     from->v_stride, (int)from->width, (int)from->height, to->y,
+                     to->y_stride, to->u, to->u_stride, to->v, to->v_stride,
+                     (int)to->width, (int)to->height, filter);
+}
+
+/* Planes of this size in the scratch, laid out as `like`. */
+static bool lay_out(struct pel_planes_scratch *scratch, uint32_t width,
+                    uint32_t height, const struct pel_planes *like,
+                    struct pel_planes *out)
+{
+    size_t columns = (width + 1) / 2, rows = (height + 1) / 2;
+    size_t luma = (size_t)width * height, size = luma + 2 * columns * rows;
+    if (size > scratch->size) {
+        free(scratch->data);
+        scratch->data = malloc(size);
+        scratch->size = scratch->data ? size : 0;
+    }
+    uint8_t *u = scratch->data + luma;
+    *out = (struct pel_planes){
+        .y = scratch->data,
+        .u = u,
+        .v = like->v ? u + columns * rows : NULL,
+        .y_stride = (int)width,
+        .u_stride = (int)(like->v ? columns : 2 * columns),
+        .v_stride = (int)columns,
+        .width = width,
+        .height = height,
+    };
+    return scratch->data != NULL;
+}
+
+enum pel_err pel_planes_fill(const uint8_t *rgba, int stride, uint32_t width,
+                             uint32_t height, bool full_range,
+                             struct pel_planes_scratch *scratch,
+                             const struct pel_planes *out)
+{
+    struct pel_planes between;
+    if (!rgba || width - 1 >= MAX_SIZE || height - 1 >= MAX_SIZE ||
+        out->width - 1 >= MAX_SIZE || out->height - 1 >= MAX_SIZE) {
+        return PEL_ERR_INVALID;
+    }
+    if (width == out->width && height == out->height) {
+        return convert(rgba, stride, full_range, out) == 0 ? PEL_OK
+                                                           : PEL_ERR_INVALID;
+    }
+    if (!lay_out(scratch, width, height, out, &between)) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    return convert(rgba, stride, full_range, &between) == 0 &&
+                   scale(&between, out) == 0
+               ? PEL_OK
+               : PEL_ERR_INVALID;
+}
