@@ -76,6 +76,8 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/cascade.c \
     server/ocean/fields.c \
     server/ocean/cascade_query.c \
+    server/ocean/filter.c \
+    server/ocean/filtered_cascades.c \
     server/ocean/sea.c \
     server/ocean/surface.c
 OPTICS := server/optics/brdf.c \
@@ -119,7 +121,8 @@ RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/targets.c \
     server/render/programs.c server/render/renderer.c server/render/arena.c server/render/probe.c \
     server/render/mesh.c server/render/mark.c server/render/sky.c server/render/uniforms.c \
-    server/render/tiles.c server/render/waterlight.c server/render/crew.c server/render/wavefield.c server/render/layer.c
+    server/render/tiles.c server/render/waterlight.c server/render/crew.c server/render/wavefield.c server/render/layer.c \
+    server/render/filtering.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c \
@@ -212,6 +215,7 @@ TESTS += server/ocean/spectrum_test.c
 TESTS += server/ocean/sea_test.c
 TESTS += server/ocean/surface_test.c
 TESTS += server/ocean/cascade_test.c
+TESTS += server/ocean/filter_test.c
 TESTS += server/ocean/directional_test.c
 TESTS += server/ocean/ndbc_test.c
 TESTS += server/ocean/welch_test.c
@@ -250,6 +254,7 @@ TESTS += server/render/tiles_test.c
 TESTS += server/render/uniforms_test.c
 TESTS += server/render/renderer_test.c
 TESTS += server/render/wavefield_test.c
+TESTS += server/render/filtered_test.c
 TESTS += server/render/depth_test.c
 TESTS += server/render/light_test.c
 TESTS += server/render/layer_test.c

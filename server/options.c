@@ -15,6 +15,8 @@ static const char *const wind_words[] = { "off", "given", "mean", NULL };
 static const char *const gone_words[] = { "resume", "hold", NULL };
 static const char *const quality_words[] = { "auto", "full", NULL };
 static const double quality_values[] = { 0.0, 1.0 };
+static const char *const sky_words[] = { "auto", "facets", "nine",
+                                         "anisotropic", NULL };
 static const char *const level_words[] = { "error", "warning", "info", "debug",
                                            NULL };
 
@@ -92,6 +94,28 @@ const struct pel_option pel_option_table[] = {
     { "shader-dir", "render", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(shader_dir),
       .help = "Reads the shaders from here instead of the built-in ones." },
+    { "filter-min", "render", PEL_OPTION_DOUBLE, "N", "1", 0.5, 4,
+      "wavelengths", .offset = FIELD(filter_min),
+      .help = "Waves of fewer than so many pixels or cells of the mesh are "
+              "left to the statistics; below --filter-max." },
+    { "filter-max", "render", PEL_OPTION_DOUBLE, "N", "2.5", 1, 8,
+      "wavelengths", .offset = FIELD(filter_max),
+      .help = "Waves of more than so many pixels are drawn whole; more is "
+              "softer and calmer, less sharper and less calm." },
+    { "mesh-cell", "render", PEL_OPTION_DOUBLE, "PIXELS", "8", 2, 64, "px",
+      .offset = FIELD(mesh_cell),
+      .help = "Side of the mesh's cells on calm water." },
+    { "anisotropy", "render", PEL_OPTION_INT, "RATIO", "1", 1, 16, "",
+      .offset = FIELD(anisotropy),
+      .help = "Follows a pixel's footprint at grazing angles up to this many "
+              "times its width; 1 filters every wave by its length along the "
+              "line of sight." },
+    { "sky-filter", "render", PEL_OPTION_CHOICE, "HOW", "auto",
+      .choices = sky_words, .offset = FIELD(sky_filter),
+      .help = "How the reflected sky is averaged: over the facets seen "
+              "(facets, which auto is), or as in the 2010 paper by its fit of "
+              "the reflectance and nine samples or the device's anisotropic "
+              "sampler." },
     { "gl-debug", "render", PEL_OPTION_FLAG, "", "no",
       .offset = FIELD(gl_debug),
       .help = "Sends the OpenGL driver's messages to the log." },
@@ -631,6 +655,11 @@ enum pel_err pel_options_check(const struct pel_options *options,
                              "--device: '%.60s' is neither auto, software nor "
                              "a number within 0 .. 999",
                              options->device);
+    }
+    if (options->filter_min >= options->filter_max) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "--filter-min: %g is not below --filter-max, %g",
+                             options->filter_min, options->filter_max);
     }
     if (*options->nmea_out && strcmp(options->nmea_out, options->nmea) == 0) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,

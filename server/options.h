@@ -56,6 +56,8 @@ struct pel_options {
     char video_encoder[PEL_OPTION_TEXT];
     char shader_dir[PEL_OPTION_TEXT];
     bool gl_debug;
+    double filter_min, filter_max, mesh_cell;
+    int anisotropy, sky_filter;
     int log_level; /* enum pel_log_level */
 };
 

@@ -8,7 +8,9 @@
 #else
 #include "lib/waves.glsl"
 #endif
+#include "lib/filtered.glsl"
 #include "lib/sky.glsl"
+#include "lib/variance.glsl"
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"
 #include "lib/water.glsl"

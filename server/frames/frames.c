@@ -86,6 +86,7 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
         .device = o->device,
         .shader_dir = o->shader_dir,
         .debug = o->gl_debug,
+        .filtering = o->filtering,
     };
     err = pel_renderloop_create(&renderer, frames->pool, &frames->box,
                                 &frames->loop, fault);

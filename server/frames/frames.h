@@ -14,6 +14,7 @@
 
 #include "base/err.h"
 #include "base/metrics.h"
+#include "render/filtering.h"
 #include "scene/scene.h"
 
 struct pel_frames;
@@ -22,6 +23,7 @@ struct pel_frames_options {
     const char *device; /* as pel_renderer_options */
     const char *shader_dir;
     bool gl_debug;
+    struct pel_filtering filtering;
     double max_fps; /* cap of live views, 1..240 */
     double quality; /* scale of live views, 0.25..1; 0: as holds their rate */
     int encoder_threads; /* 0: one a core, at most 4 */

@@ -1,6 +1,8 @@
 #include "ocean/cascade.h"
 
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <threads.h>
 
 #include "ocean/directional.h"
@@ -17,7 +19,6 @@ static const double turns_rad[PEL_CASCADES] = { 0.111, 0.577, 1.013, 1.417 };
 /* A band's modes are those of m_lo ≤ |m| < PEL_CASCADE_HIGHEST. */
 struct ring {
     double lo, hi; /* of |m| */
-    double drawn;  /* Σ of the modes as drawn, then the factor to the exact */
 };
 
 /* --- fold guard ------------------------------------------------------------
@@ -120,7 +121,7 @@ static int ring_of(double m, double m_lo)
 static void lay_rings(struct builder *b, double m_lo)
 {
     for (int r = 0; r < RINGS; r++) {
-        b->rings[r] = (struct ring){ r - 0.5, r + 0.5, 0 };
+        b->rings[r] = (struct ring){ r - 0.5, r + 0.5 };
     }
     int first = ring_of(m_lo, m_lo);
     b->rings[first].lo = m_lo > 1 ? m_lo : 0;
@@ -156,33 +157,78 @@ static void draw_modes(struct builder *b, struct pel_cascade *c, int index,
             double size = 0.5 * sqrt(-2.0 * log(u) * energy);
             c->h0[at][0] = (float)(size * cos(turn));
             c->h0[at][1] = (float)(size * sin(turn));
-            b->rings[ring_of(radius, m_lo)].drawn += 2.0 * size * size;
         }
     }
 }
 
-/* Gives each ring the spectrum's energy; the amplitudes' scatter then only
- * moves it within a ring. */
+/* Factor of a ring's energies, α + β cos 2θ from the wind, that gives it the
+ * spectrum's energy and anisotropy. */
+struct ring_fit {
+    double s0, s2, s22; /* Σ p, Σ p cos 2θ, Σ p cos² 2θ as drawn */
+    double alpha, beta;
+};
+
+static double cos_2(const struct pel_cascade *c, double wind_rad, int i, int j)
+{
+    double m = mode_number(i), n = mode_number(j);
+    double to_wind = atan2(c->turn_sin, c->turn_cos) - wind_rad;
+    return ((m * m - n * n) * cos(2 * to_wind) - 2 * m * n * sin(2 * to_wind)) /
+           (m * m + n * n);
+}
+
+static void fit_ring(const struct builder *b, double step, int r,
+                     struct ring_fit *f)
+{
+    struct pel_band_moments exact;
+    pel_directional_continuous(b->spectrum, step * b->rings[r].lo,
+                               step * b->rings[r].hi, &exact);
+    double slopes = exact.along + exact.cross;
+    if (!(f->s0 > 0) || !(slopes > 0)) {
+        return;
+    }
+    double e2 = exact.m0 * (exact.along - exact.cross) / slopes;
+    double det = f->s0 * f->s22 - f->s2 * f->s2;
+    f->alpha = (exact.m0 * f->s22 - e2 * f->s2) / det;
+    f->beta = (e2 * f->s0 - exact.m0 * f->s2) / det;
+    /* A few modes all one way cannot be turned. */
+    if (!(det > 1e-3 * f->s0 * f->s0) || fabs(f->beta) > 0.8 * f->alpha) {
+        f->alpha = exact.m0 / f->s0;
+        f->beta = 0;
+    }
+}
+
+/* Gives each ring the spectrum's energy and its slopes along and across the
+ * wind; the amplitudes' scatter then only moves them within a ring. */
 static void scale_rings(struct builder *b, struct pel_cascade *c, double m_lo)
 {
     double step = 2.0 * PEL_PI / c->length_m;
-    double factor[RINGS] = { 0 };
-    for (int r = ring_of(m_lo, m_lo); r < PEL_CASCADE_HIGHEST; r++) {
-        struct pel_band_moments exact;
-        pel_directional_continuous(b->spectrum, step * b->rings[r].lo,
-                                   step * b->rings[r].hi, &exact);
-        if (b->rings[r].drawn > 0) {
-            factor[r] = sqrt(exact.m0 / b->rings[r].drawn);
+    double wind_rad = b->spectrum->wind_to_rad;
+    struct ring_fit fits[RINGS] = { 0 };
+    for (int at = 0; at < N * N; at++) {
+        const float *h = c->h0[at];
+        double p = 2.0 * ((double)h[0] * h[0] + (double)h[1] * h[1]);
+        if (p > 0) {
+            int i = at % N, j = at / N;
+            double c2 = cos_2(c, wind_rad, i, j);
+            double radius = hypot(mode_number(i), mode_number(j));
+            struct ring_fit *f = &fits[ring_of(radius, m_lo)];
+            f->s0 += p;
+            f->s2 += p * c2;
+            f->s22 += p * c2 * c2;
         }
     }
-    for (int j = 0; j < N; j++) {
-        for (int i = 0; i < N; i++) {
+    for (int r = ring_of(m_lo, m_lo); r < PEL_CASCADE_HIGHEST; r++) {
+        fit_ring(b, step, r, &fits[r]);
+    }
+    for (int at = 0; at < N * N; at++) {
+        float *h = c->h0[at];
+        if (h[0] != 0 || h[1] != 0) {
+            int i = at % N, j = at / N;
             double radius = hypot(mode_number(i), mode_number(j));
-            if (radius >= m_lo && radius < PEL_CASCADE_HIGHEST) {
-                double f = factor[ring_of(radius, m_lo)];
-                c->h0[j * N + i][0] = (float)(f * c->h0[j * N + i][0]);
-                c->h0[j * N + i][1] = (float)(f * c->h0[j * N + i][1]);
-            }
+            const struct ring_fit *f = &fits[ring_of(radius, m_lo)];
+            double g = sqrt(f->alpha + f->beta * cos_2(c, wind_rad, i, j));
+            h[0] = (float)(g * h[0]);
+            h[1] = (float)(g * h[1]);
         }
     }
 }
@@ -320,12 +366,36 @@ static void count_mode(struct pel_cascades *all, const struct pel_cascade *c,
     }
 }
 
+/* Variance of one sector at the levels and between neighbours. */
+struct sector_sums {
+    struct pel_slopes same[PEL_CASCADE_LEVELS], next[PEL_CASCADE_LEVELS];
+};
+
+/* Between two levels the texture is their mean, weighted. */
+static void blend_levels(const struct sector_sums *sum,
+                         struct pel_slopes kept[PEL_CASCADE_LODS])
+{
+    for (int i = 0; i < PEL_CASCADE_LODS; i++) {
+        int l = i / PEL_CASCADE_LOD_STEPS;
+        double f = (double)(i % PEL_CASCADE_LOD_STEPS) / PEL_CASCADE_LOD_STEPS;
+        int m = l + 1 < PEL_CASCADE_LEVELS ? l + 1 : l;
+        const struct pel_slopes *a = &sum->same[l], *ab = &sum->next[l];
+        const struct pel_slopes *b = &sum->same[m];
+        double fa = (1 - f) * (1 - f), fab = 2 * f * (1 - f), fb = f * f;
+        kept[i] = (struct pel_slopes){
+            fa * a->along + fab * ab->along + fb * b->along,
+            fa * a->cross + fab * ab->cross + fb * b->cross,
+            fa * a->mixed + fab * ab->mixed + fb * b->mixed,
+        };
+    }
+}
+
 static void fill_kept(struct pel_cascades *all, struct pel_cascade *c,
                       double wind_rad)
 {
     const struct axis_gains *g = &axis_gains;
-    struct pel_slopes same[PEL_CASCADE_LEVELS] = { 0 };
-    struct pel_slopes next[PEL_CASCADE_LEVELS] = { 0 };
+    struct sector_sums sums[PEL_CASCADE_SECTORS];
+    memset(sums, 0, sizeof sums);
     double step = 2.0 * PEL_PI / c->length_m;
     double wx = cos(wind_rad), wy = sin(wind_rad);
     for (int j = 0; j < N; j++) {
@@ -340,24 +410,18 @@ static void fill_kept(struct pel_cascades *all, struct pel_cascade *c,
             double ky = u * c->turn_sin + v * c->turn_cos;
             double a = kx * wx + ky * wy, b = ky * wx - kx * wy;
             const double s[3] = { p * a * a, p * b * b, p * a * b };
+            double turn = (atan2(b, a) / PEL_PI + 1.0) * PEL_CASCADE_SECTORS;
+            struct sector_sums *to = &sums[(int)turn % PEL_CASCADE_SECTORS];
             c->m0 += p;
             count_mode(all, c, hypot(mode_number(i), mode_number(j)), s);
             for (int l = 0; l < PEL_CASCADE_LEVELS; l++) {
-                add_slopes(&same[l], s, g->same[l][i] * g->same[l][j]);
-                add_slopes(&next[l], s, g->next[l][i] * g->next[l][j]);
+                add_slopes(&to->same[l], s, g->same[l][i] * g->same[l][j]);
+                add_slopes(&to->next[l], s, g->next[l][i] * g->next[l][j]);
             }
         }
     }
-    for (int i = 0; i < PEL_CASCADE_LODS; i++) {
-        int l = i / PEL_CASCADE_LOD_STEPS;
-        double f = (double)(i % PEL_CASCADE_LOD_STEPS) / PEL_CASCADE_LOD_STEPS;
-        int m = l + 1 < PEL_CASCADE_LEVELS ? l + 1 : l;
-        double aa = (1 - f) * (1 - f), ab = 2 * f * (1 - f), bb = f * f;
-        c->kept[i] = (struct pel_slopes){
-            aa * same[l].along + ab * next[l].along + bb * same[m].along,
-            aa * same[l].cross + ab * next[l].cross + bb * same[m].cross,
-            aa * same[l].mixed + ab * next[l].mixed + bb * same[m].mixed,
-        };
+    for (int i = 0; i < PEL_CASCADE_SECTORS; i++) {
+        blend_levels(&sums[i], c->kept[i]);
     }
 }
 
@@ -398,13 +462,14 @@ struct pel_cascade_beyond pel_cascades_below(const struct pel_cascades *c,
     };
 }
 
-struct pel_slopes pel_cascade_kept(const struct pel_cascade *c, double lod)
+static struct pel_slopes kept_of_sector(const struct pel_cascade *c, int sector,
+                                        double lod)
 {
     double place = pel_clamp(lod, 0, PEL_CASCADE_LEVELS - 1);
     place = fmin(place * PEL_CASCADE_LOD_STEPS, PEL_CASCADE_LODS - 1.001);
     int i = (int)place;
     double f = place - i;
-    const struct pel_slopes *a = &c->kept[i], *b = &c->kept[i + 1];
+    const struct pel_slopes *a = &c->kept[sector][i], *b = a + 1;
     return (struct pel_slopes){
         a->along + f * (b->along - a->along),
         a->cross + f * (b->cross - a->cross),
@@ -412,16 +477,34 @@ struct pel_slopes pel_cascade_kept(const struct pel_cascade *c, double lod)
     };
 }
 
+struct pel_slopes pel_cascade_kept(const struct pel_cascade *c, double lod)
+{
+    struct pel_slopes sum = { 0 };
+    for (int i = 0; i < PEL_CASCADE_SECTORS; i++) {
+        struct pel_slopes s = kept_of_sector(c, i, lod);
+        sum.along += s.along;
+        sum.cross += s.cross;
+        sum.mixed += s.mixed;
+    }
+    return sum;
+}
+
 struct pel_slopes pel_cascades_left(const struct pel_cascades *c,
-                                    double footprint_m, double bias)
+                                    const struct pel_footprint *footprint,
+                                    double bias, double wind_to_rad)
 {
     struct pel_slopes left = c->total;
-    for (int i = 0; i < PEL_CASCADES; i++) {
-        double lod = log2(footprint_m / c->cascade[i].texel_m) + bias;
-        struct pel_slopes kept = pel_cascade_kept(&c->cascade[i], lod);
-        left.along -= kept.along;
-        left.cross -= kept.cross;
-        left.mixed -= kept.mixed;
+    for (int s = 0; s < PEL_CASCADE_SECTORS; s++) {
+        double direction =
+            wind_to_rad + (s + 0.5) * PEL_PI / PEL_CASCADE_SECTORS;
+        double level = log2(pel_footprint_length(footprint, direction)) + bias;
+        for (int i = 0; i < PEL_CASCADES; i++) {
+            struct pel_slopes kept = kept_of_sector(
+                &c->cascade[i], s, level - log2(c->cascade[i].texel_m));
+            left.along -= kept.along;
+            left.cross -= kept.cross;
+            left.mixed -= kept.mixed;
+        }
     }
     left.along = fmax(left.along, 0);
     left.cross = fmax(left.cross, 0);

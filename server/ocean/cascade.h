@@ -40,7 +40,7 @@
 #pragma once
 
 #include "base/err.h"
-#include "ocean/sea.h"
+#include "ocean/filter.h"
 
 #define PEL_CASCADES 4
 #define PEL_CASCADE_N 256
@@ -56,6 +56,7 @@
  * texel for the whole tile), PEL_CASCADE_LOD_STEPS of them a level. */
 #define PEL_CASCADE_LEVELS 9
 #define PEL_CASCADE_LOD_STEPS 4
+#define PEL_CASCADE_SECTORS 16
 #define PEL_CASCADE_LODS ((PEL_CASCADE_LEVELS - 1) * PEL_CASCADE_LOD_STEPS + 1)
 
 struct pel_cascade {
@@ -73,8 +74,10 @@ struct pel_cascade {
 
     /* Variance of the slope texture (level 0 is N · N, each next one the mean
      * of 2 × 2) as sampled bilinearly, or trilinearly between levels, at
-     * level i / PEL_CASCADE_LOD_STEPS. kept[0] is the band's whole. */
-    struct pel_slopes kept[PEL_CASCADE_LODS];
+     * level i / PEL_CASCADE_LOD_STEPS, by the direction of the waves: sector s
+     * is that of (s + ½) π / PEL_CASCADE_SECTORS from the wind, either way.
+     * kept[…][0] is the band's whole. */
+    struct pel_slopes kept[PEL_CASCADE_SECTORS][PEL_CASCADE_LODS];
 };
 
 /* What the modes of |k| ≥ a bound carry. */
@@ -116,9 +119,11 @@ struct pel_cascade_beyond pel_cascades_below(const struct pel_cascades *c,
 struct pel_slopes pel_cascade_kept(const struct pel_cascade *c, double lod);
 
 /* Slope variance left to the BRDF where every cascade is sampled at the level
- * log2(footprint_m / its texel) + bias: the total less what is kept. */
+ * log2(ℓ / its texel) + bias, with ℓ the footprint's length in the direction of
+ * the waves: the total less what is kept. wind_to_rad: of the spectrum. */
 struct pel_slopes pel_cascades_left(const struct pel_cascades *c,
-                                    double footprint_m, double bias);
+                                    const struct pel_footprint *footprint,
+                                    double bias, double wind_to_rad);
 
 /* The fields of one moment. Texture layout: `displacement` (Dx, Dy, h, 0),
  * `slopes` (∂h/∂x, ∂h/∂y, ∂Dx/∂x, ∂Dy/∂y), `fold` (∂Dx/∂y), `velocity`

@@ -144,7 +144,7 @@ static void test_contract(void **state)
         for (int c = 0; c < PEL_CASCADES; c++) {
             const struct pel_cascade *cascade = &sea.cascades->cascade[c];
             double height = 1e-5 * sqrt(cascade->m0);
-            double slope = 1e-5 * sqrt(cascade->kept[0].along);
+            double slope = 1e-5 * sqrt(pel_cascade_kept(cascade, 0).along);
             for (int i = 0; i < 4; i++) {
                 int x = (int)(N * uniform(&rng)), y = (int)(N * uniform(&rng));
                 double want[8];
@@ -286,9 +286,11 @@ static void test_levels(void **state)
             assert_near(seen[c][q], want, (c == 0 ? 0.08 : 0.04) * want + 1e-9);
         }
     }
-    struct pel_slopes all = pel_cascades_left(sea.cascades, 1e9, 0);
+    struct pel_slopes all = pel_cascades_left(
+        sea.cascades, &(struct pel_footprint){ 1e9, 1e9, 0 }, 0, 0);
     assert_near(all.along, sea.slope_variance_along, 1e-6 * all.along);
-    struct pel_slopes none = pel_cascades_left(sea.cascades, 1e-9, 0);
+    struct pel_slopes none = pel_cascades_left(
+        sea.cascades, &(struct pel_footprint){ 1e-9, 1e-9, 0 }, 0, 0);
     assert_near(none.along, 0, 1e-6 * all.along);
 }
 

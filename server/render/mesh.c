@@ -5,7 +5,6 @@
 
 #include "optics/atmosphere.h"
 
-#define CELL_PIXELS 8.0
 #define EDGE_SAMPLES 24 /* rays along each edge of the picture */
 #define MAX_COLUMNS                                                            \
     (1 << 18)            /* around; finer ones are below a float's angle       \
@@ -232,7 +231,7 @@ void pel_mesh_plan(const struct pel_mesh_eye *eye,
     double dip = acos(pel_clamp(PEL_EARTH_RADIUS / big, -1.0, 1.0));
     double horizon_m = PEL_EARTH_RADIUS * dip;
     struct reach r = find_reach(camera, h, dip, shift);
-    double columns = ceil(2.0 * PEL_PI / (CELL_PIXELS * eye->pixel));
+    double columns = ceil(2.0 * PEL_PI / (eye->cell_px * eye->pixel));
     out->columns_around = (int)pel_clamp(columns, 24.0, MAX_COLUMNS);
     double start = 0.0, coarser = 1.0;
     for (int attempt = 0; attempt < ATTEMPTS; attempt++) {

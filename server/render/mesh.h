@@ -3,7 +3,7 @@
  * only; a view chooses which of them it draws. Pure computation, no GL.
  *
  * It stands in for the paper's screen-space grid: cells are as large on the
- * screen (8 × 8 pixels on calm water), but they do not turn with the camera,
+ * screen (cell_px pixels on calm water), but they do not turn with the camera,
  * reach under and behind it, and stay fine enough for waves that a grazing
  * screen cell would drop. */
 #pragma once
@@ -29,6 +29,7 @@ void pel_mesh_heights(const struct pel_sea *sea, struct pel_mesh_heights *out);
 struct pel_mesh_eye {
     double height_m; /* of the eye above mean sea level, > 0 */
     double pixel;    /* tangent of one pixel on the axis */
+    double cell_px;  /* side of a cell on calm water, pixels */
     double n_max;    /* the filter's upper bound, wavelengths per cell */
     const struct pel_sea *sea;
     const struct pel_mesh_heights *heights; /* of this sea */

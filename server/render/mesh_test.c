@@ -21,7 +21,8 @@ static void plan(const struct pel_camera *c)
     const struct pel_mesh_eye eye = {
         .height_m = c->altitude_m,
         .pixel = pel_pixel_pitch(c->tan_left, c->tan_right, c->width),
-        .n_max = PEL_N_MAX,
+        .cell_px = PEL_CELL_PX_DEFAULT,
+        .n_max = PEL_FILTER_DEFAULT.n_max,
         .sea = &sea,
         .heights = &heights,
     };

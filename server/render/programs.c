@@ -39,11 +39,14 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
     if (*out) {
         return PEL_OK;
     }
-    char defines[128];
+    char defines[192];
     bool unroll = all->software && waves <= MAX_UNROLLED_WAVES;
-    snprintf(defines, sizeof defines, "#define PEL_WAVES %d\n%s%s%s", waves,
-             cascades ? "#define PEL_FFT\n" : "",
-             unroll ? "#define PEL_UNROLL\n" : "", kind_defines[kind]);
+    snprintf(defines, sizeof defines,
+             "#define PEL_WAVES %d\n%s%s%s"
+             "#define PEL_ANISOTROPY %d\n#define PEL_SKY_FILTER %d\n",
+             waves, cascades ? "#define PEL_FFT\n" : "",
+             unroll ? "#define PEL_UNROLL\n" : "", kind_defines[kind],
+             all->filtering->anisotropy, (int)all->filtering->sky);
     if (all->compute) {
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);
@@ -119,10 +122,12 @@ enum pel_err pel_programs_need(struct pel_programs *all,
 
 enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
                                bool software, const char *shading,
+                               const struct pel_filtering *filtering,
                                struct pel_fault *fault)
 {
     *p = (struct pel_programs){
         .shader_dir = shader_dir,
+        .filtering = filtering,
         .software = software,
         .compute = choose_compute(software, shading),
     };

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "ocean/sea.h"
+#include "render/filtering.h"
 #include "render/shader.h"
 
 #define PEL_FAR_WAVES 20 /* far pixels resolve no more than these */
@@ -28,6 +29,7 @@ struct pel_sea_programs {
 
 struct pel_programs {
     const char *shader_dir;
+    const struct pel_filtering *filtering; /* settled */
     bool software;
     bool compute; /* shade in one dispatch instead of three */
     bool settled; /* a picture has been drawn */
@@ -37,10 +39,12 @@ struct pel_programs {
     struct pel_sea_programs trochoids, cascades;
 };
 
-/* `shading` as in pel_renderer_options. GPU when one does not compile. */
+/* `shading` as in pel_renderer_options; `filtering`, settled, outlives the
+ * programs. GPU when one does not compile. */
 PEL_CHECK enum pel_err pel_programs_init(struct pel_programs *p,
                                          const char *shader_dir, bool software,
                                          const char *shading,
+                                         const struct pel_filtering *filtering,
                                          struct pel_fault *fault);
 void pel_programs_finish(struct pel_programs *p);
 

@@ -46,12 +46,15 @@ struct statistics_key {
 struct pel_renderer {
     struct pel_context context;
     const char *shader_dir;
+    struct pel_filtering filtering;
+    struct pel_filter filter; /* its bounds */
     struct pel_readback readback;
     struct pel_arena arena;
     struct pel_sky sky;
     struct pel_targets targets;
     struct timing timing;
     GLuint vao, vertices, facets;
+    GLuint long_variance; /* 0: round footprints only */
     int vertex_capacity;
     int wave_count; /* of the sea being drawn */
     struct pel_programs programs;
@@ -136,7 +139,13 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
     r->shader_dir = o->shader_dir;
-    enum pel_err err = PEL_ERR_NO_MEMORY;
+    enum pel_err err =
+        pel_filtering_settle(&o->filtering, &r->filtering, fault);
+    if (err != PEL_OK) {
+        goto fail;
+    }
+    r->filter = (struct pel_filter){ r->filtering.n_min, r->filtering.n_max };
+    err = PEL_ERR_NO_MEMORY;
     r->mesh = malloc(sizeof *r->mesh);
     r->wave_block = malloc(sizeof *r->wave_block);
     if (!r->mesh || !r->wave_block) {
@@ -166,10 +175,11 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
         pel_fault_set(fault, err, "no memory for the frame's buffers");
         goto fail;
     }
-    err = pel_sky_init(&r->sky, r->shader_dir, fault);
+    err = pel_sky_init(&r->sky, r->shader_dir, r->filtering.sky, fault);
     if (err == PEL_OK) {
-        err = pel_programs_init(&r->programs, r->shader_dir,
-                                r->context.software, o->shading, fault);
+        err =
+            pel_programs_init(&r->programs, r->shader_dir, r->context.software,
+                              o->shading, &r->filtering, fault);
     }
     if (err != PEL_OK) {
         goto fail;
@@ -196,6 +206,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_wavefield_finish(&r->wavefield);
         glDeleteBuffers(1, &r->vertices);
         glDeleteBuffers(1, &r->facets);
+        glDeleteTextures(1, &r->long_variance);
         glDeleteVertexArrays(1, &r->vao);
         glDeleteQueries(2, r->timing.queries);
     }
@@ -226,14 +237,14 @@ static void bind_table_eye(void *user, double height_m)
 }
 
 /* Wavelengths shorter than this have no weight in the block's finest cells. */
-static double shortest_carried(const struct pel_mesh *m,
+static double shortest_carried(double n_min, const struct pel_mesh *m,
                                const struct pel_mesh_block *b)
 {
     double cell = m->rings[b->first_ring].cell_m;
     for (int i = 1; i < b->rings; i++) {
         cell = fmin(cell, m->rings[b->first_ring + i].cell_m);
     }
-    return PEL_N_MIN * cell;
+    return n_min * cell;
 }
 
 /* Blocks [from, from + count) of the mesh in one dispatch. */
@@ -275,7 +286,8 @@ static void displace_by_chunks(struct pel_renderer *r, size_t waves_at)
         double longest = r->wave_block->waves[chunk * PEL_WAVE_CHUNK].phase.w;
         for (int i = 0; i < m->block_count; i++) {
             const struct pel_mesh_block *b = &m->blocks[i];
-            if (chunk == 0 || longest > shortest_carried(m, b)) {
+            if (chunk == 0 ||
+                longest > shortest_carried(r->filter.n_min, m, b)) {
                 displace_blocks(m, i, 1, chunk == 0);
             }
         }
@@ -466,11 +478,12 @@ static enum pel_err draw_view(struct pel_renderer *r,
     double height_m = fmax(c->altitude_m, 0.3);
     double table_height_m = pel_sky_quantize_height(height_m);
     struct pel_block_view view;
-    pel_fill_view(c, &view);
+    pel_fill_view(c, &r->filter, &view);
     const struct pel_mesh_eye mesh_eye = {
         .height_m = height_m,
         .pixel = fmin((double)view.pixel.x, (double)view.pixel.y),
-        .n_max = PEL_N_MAX,
+        .cell_px = r->filtering.cell_px,
+        .n_max = r->filter.n_max,
         .sea = env->sea,
         .heights = &r->heights,
     };
@@ -478,7 +491,8 @@ static enum pel_err draw_view(struct pel_renderer *r,
     bool cascades = env->sea->cascades != NULL;
     const struct pel_sea_programs *programs =
         cascades ? &r->programs.cascades : &r->programs.trochoids;
-    pel_tiles_plan(c, height_m, mesh_eye.pixel, PEL_N_MIN, env->sea, r->tiles);
+    pel_tiles_plan(c, height_m, mesh_eye.pixel, &r->filtering, env->sea,
+                   r->tiles);
     struct pel_block_eye eye;
     bool submerged = is_submerged(env, c);
     pel_fill_eye(height_m, table_height_m, submerged, r->mesh, &eye);
@@ -544,6 +558,33 @@ static enum pel_err draw_view(struct pel_renderer *r,
     return err;
 }
 
+static void fill_long_variance(struct pel_renderer *r,
+                               const struct pel_environment *env)
+{
+    if (!r->long_variance) {
+        GLuint t = 0;
+        glCreateTextures(GL_TEXTURE_3D, 1, &t);
+        glTextureStorage3D(t, 1, GL_RG32F, PEL_LENGTH_COUNT, PEL_ASPECT_COUNT,
+                           PEL_AZIMUTH_COUNT);
+        glTextureParameteri(t, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+        glTextureParameteri(t, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+        glTextureParameteri(t, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+        glTextureParameteri(t, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+        glTextureParameteri(t, GL_TEXTURE_WRAP_R, GL_REPEAT);
+        glObjectLabel(GL_TEXTURE, t, -1, "variance by azimuth");
+        r->long_variance = t;
+    }
+    static struct pel_variance table[PEL_LONG_VARIANCES];
+    pel_fill_long_variance(env->sea, &r->filter, table);
+    for (int i = 0; i < PEL_LONG_VARIANCES && env->constant_brdf; i++) {
+        table[i] = r->variance[0];
+    }
+    glTextureSubImage3D(r->long_variance, 0, 0, 0, 0, PEL_LENGTH_COUNT,
+                        PEL_ASPECT_COUNT, PEL_AZIMUTH_COUNT, GL_RG, GL_FLOAT,
+                        table);
+    glBindTextureUnit(PEL_UNIT_VARIANCE, r->long_variance);
+}
+
 /* Heights below each wavelength and slopes below each footprint: of an FFT sea
  * they take milliseconds, so they are kept until the sea changes. */
 static void need_statistics(struct pel_renderer *r,
@@ -559,12 +600,15 @@ static void need_statistics(struct pel_renderer *r,
     }
     memcpy(&r->statistics_key, &key, sizeof key);
     pel_mesh_heights(env->sea, &r->heights);
-    pel_fill_variance(env->sea, env->wind_to_rad, r->variance);
+    pel_fill_variance(env->sea, &r->filter, r->variance);
     if (env->constant_brdf) {
         const int nearest = (int)(5.0 * PEL_VARIANCE_STEPS); /* 3 cm */
         for (int i = 0; i < PEL_VARIANCE_COUNT; i++) {
             r->variance[i] = r->variance[nearest];
         }
+    }
+    if (r->filtering.anisotropy > 1) {
+        fill_long_variance(r, env);
     }
 }
 

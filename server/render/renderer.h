@@ -11,6 +11,7 @@
 
 #include "base/err.h"
 #include "optics/watertable.h"
+#include "render/filtering.h"
 #include "scene/snapshot.h"
 
 struct pel_renderer;
@@ -20,6 +21,7 @@ struct pel_renderer_options {
     const char *shader_dir; /* NULL: the embedded shaders */
     const char *shading;    /* NULL or "auto", "fragment", "compute" */
     bool debug;             /* GL debug output to the log */
+    struct pel_filtering filtering;
 };
 
 PEL_CHECK enum pel_err pel_renderer_create(const struct pel_renderer_options *o,

@@ -25,6 +25,7 @@ enum {
     PEL_UNIT_EYE_TABLE = 3,
     PEL_UNIT_EYE_HAZE = 4,
     PEL_UNIT_TRIANGLES = 5,
+    PEL_UNIT_VARIANCE = 11, /* by azimuth; renderer.c */
 };
 
 struct pel_sky_table {
@@ -51,6 +52,7 @@ struct pel_sky {
 };
 
 PEL_CHECK enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
+                                    enum pel_sky_filter filter,
                                     struct pel_fault *fault);
 void pel_sky_finish(struct pel_sky *sky);
 

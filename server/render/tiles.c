@@ -13,8 +13,8 @@ static double depression(const struct pel_camera *c, double x, double y,
 
 /* Shortest length of a pixel on the sea within the tile. */
 static double shortest_footprint(const struct pel_camera *c, double low_m,
-                                 double pixel, double x0, double x1, double y0,
-                                 double y1)
+                                 double pixel, double anisotropy, double x0,
+                                 double x1, double y0, double y1)
 {
     const double xs[] = { x0, x1, x0, x1, 0.5 * (x0 + x1) };
     const double ys[] = { y0, y0, y1, y1, 0.5 * (y0 + y1) };
@@ -31,12 +31,13 @@ static double shortest_footprint(const struct pel_camera *c, double low_m,
     }
     steepest = fmin(steepest, 0.5 * PEL_PI);
     double slant = low_m / sin(steepest);
-    return slant * least_cos * pixel / sin(steepest);
+    double across = slant * least_cos * pixel;
+    return across * fmax(1.0, 1.0 / (sin(steepest) * anisotropy));
 }
 
 void pel_tiles_plan(const struct pel_camera *camera, double height_m,
-                    double pixel, double n_min, const struct pel_sea *sea,
-                    short waves[PEL_MAX_TILES])
+                    double pixel, const struct pel_filtering *filtering,
+                    const struct pel_sea *sea, short waves[PEL_MAX_TILES])
 {
     double rise = fmin(sea->max_height_m, 5.0 * sqrt(sea->m0));
     double low_m = height_m - rise;
@@ -49,10 +50,11 @@ void pel_tiles_plan(const struct pel_camera *camera, double height_m,
             if (low_m > 0.0) {
                 double x0 = camera->tan_left + px * x;
                 double y0 = camera->tan_top - py * y;
-                double shortest =
-                    n_min * shortest_footprint(camera, low_m, pixel, x0,
-                                               x0 + px * PEL_TILE,
-                                               y0 - py * PEL_TILE, y0);
+                double shortest = filtering->n_min *
+                                  shortest_footprint(camera, low_m, pixel,
+                                                     filtering->anisotropy, x0,
+                                                     x0 + px * PEL_TILE,
+                                                     y0 - py * PEL_TILE, y0);
                 while (count > 0 && 2.0 * PEL_PI /
                                             hypot(sea->waves[count - 1].kx,
                                                   sea->waves[count - 1].ky) <

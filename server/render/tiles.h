@@ -3,6 +3,7 @@
 #pragma once
 
 #include "ocean/sea.h"
+#include "render/filtering.h"
 #include "scene/snapshot.h"
 
 #define PEL_TILE 64
@@ -13,5 +14,5 @@
  * more; every pixel's length on the sea is taken as short as the crests allow.
  */
 void pel_tiles_plan(const struct pel_camera *camera, double height_m,
-                    double pixel, double n_min, const struct pel_sea *sea,
-                    short waves[PEL_MAX_TILES]);
+                    double pixel, const struct pel_filtering *filtering,
+                    const struct pel_sea *sea, short waves[PEL_MAX_TILES]);

@@ -6,6 +6,7 @@
 #include "render/uniforms.h"
 
 static struct pel_sea sea;
+static const struct pel_filtering filtering = { .n_min = 1.0, .anisotropy = 1 };
 static short tiles[PEL_MAX_TILES];
 
 /* Length of a pixel on the sea as shaders/lib/sea.glsl has it, where the ray
@@ -32,7 +33,7 @@ static int resolved(double length_m)
     int count = 0;
     for (int i = 0; i < sea.count; i++) {
         double lambda = 2.0 * PEL_PI / hypot(sea.waves[i].kx, sea.waves[i].ky);
-        count = lambda > PEL_N_MIN * length_m ? i + 1 : count;
+        count = lambda > PEL_FILTER_DEFAULT.n_min * length_m ? i + 1 : count;
     }
     return count;
 }
@@ -41,7 +42,7 @@ static void plan(const struct pel_camera *c)
 {
     double px = pel_pixel_pitch(c->tan_left, c->tan_right, c->width);
     double py = pel_pixel_pitch(c->tan_bottom, c->tan_top, c->height);
-    pel_tiles_plan(c, c->altitude_m, fmin(px, py), PEL_N_MIN, &sea, tiles);
+    pel_tiles_plan(c, c->altitude_m, fmin(px, py), &filtering, &sea, tiles);
 }
 
 static void no_tile_claims_too_few(void **state)

@@ -113,47 +113,41 @@ void pel_fill_facets(struct pel_block_facets *out)
     }
 }
 
-static double filter_weight(double wavelengths)
+static struct pel_variance left_by(const struct pel_sea *sea,
+                                   const struct pel_filter *filter,
+                                   double along_m, double across_m,
+                                   double from_wind_rad)
 {
-    double x = pel_clamp((wavelengths - PEL_N_MIN) / (PEL_N_MAX - PEL_N_MIN),
-                         0.0, 1.0);
-    return x * x * (3.0 - 2.0 * x);
+    const struct pel_footprint footprint = {
+        along_m, across_m, sea->desc.direction_rad + from_wind_rad
+    };
+    struct pel_slopes left = pel_sea_slopes_left(sea, filter, &footprint);
+    return (struct pel_variance){ (float)left.along, (float)left.cross };
 }
 
-void pel_fill_variance(const struct pel_sea *sea, double wind_to_rad,
+void pel_fill_variance(const struct pel_sea *sea,
+                       const struct pel_filter *filter,
                        struct pel_variance out[PEL_VARIANCE_COUNT])
 {
-    double wind_x = cos(wind_to_rad), wind_y = sin(wind_to_rad);
-    for (int i = 0; i < PEL_VARIANCE_COUNT && sea->cascades; i++) {
+    for (int i = 0; i < PEL_VARIANCE_COUNT; i++) {
         double l = exp2(PEL_VARIANCE_FIRST + i / PEL_VARIANCE_STEPS);
-        struct pel_slopes left =
-            pel_cascades_left(sea->cascades, l, PEL_SLOPE_BIAS);
-        out[i] = (struct pel_variance){ (float)fmax(left.along, 0.0),
-                                        (float)fmax(left.cross, 0.0) };
+        out[i] = left_by(sea, filter, l, l, 0.0);
     }
-    for (int i = 0; i < PEL_VARIANCE_COUNT && !sea->cascades; i++) {
-        double l = exp2(PEL_VARIANCE_FIRST + i / PEL_VARIANCE_STEPS);
-        double along = sea->slope_variance_along;
-        double cross = sea->slope_variance_cross;
-        for (int j = 0; j < sea->count; j++) {
-            const struct pel_wave *w = &sea->waves[j];
-            double k = hypot(w->kx, w->ky);
-            double weight = filter_weight(2.0 * PEL_PI / (k * l));
-            if (weight == 0.0) {
-                break;
+}
+
+void pel_fill_long_variance(const struct pel_sea *sea,
+                            const struct pel_filter *filter,
+                            struct pel_variance out[PEL_LONG_VARIANCES])
+{
+    for (int a = 0; a < PEL_AZIMUTH_COUNT; a++) {
+        double turn = a * PEL_PI / PEL_AZIMUTH_COUNT;
+        for (int i = 0; i < PEL_ASPECT_COUNT; i++) {
+            double aspect = exp2(i / PEL_ASPECT_STEPS);
+            for (int j = 0; j < PEL_LENGTH_COUNT; j++) {
+                double l = exp2(PEL_VARIANCE_FIRST + j / PEL_LENGTH_STEPS);
+                *out++ = left_by(sea, filter, l, l / aspect, turn);
             }
-            double kh = k * w->amplitude;
-            double ch = w->chop * kh;
-            double variance = kh * kh / (1.0 + sqrt(1.0 - ch * ch));
-            double x = 0.5 * k * l;
-            double sinc = sin(x) / x;
-            double kept = weight * weight * sinc * sinc * variance;
-            double u = (w->kx * wind_x + w->ky * wind_y) / k;
-            along -= kept * u * u;
-            cross -= kept * (1.0 - u * u);
         }
-        out[i] = (struct pel_variance){ (float)fmax(along, 0.0),
-                                        (float)fmax(cross, 0.0) };
     }
 }
 
@@ -173,7 +167,8 @@ static double lattice_place(double tangent, double pitch)
     return fabs(place - whole) < 1e-2 ? whole : round(place * 256.0) / 256.0;
 }
 
-void pel_fill_view(const struct pel_camera *camera, struct pel_block_view *out)
+void pel_fill_view(const struct pel_camera *camera,
+                   const struct pel_filter *filter, struct pel_block_view *out)
 {
     double px =
         pel_pixel_pitch(camera->tan_left, camera->tan_right, camera->width);
@@ -181,9 +176,10 @@ void pel_fill_view(const struct pel_camera *camera, struct pel_block_view *out)
         pel_pixel_pitch(camera->tan_bottom, camera->tan_top, camera->height);
     const struct pel_mat3 *m = &camera->world_from_camera;
     *out = (struct pel_block_view){
-        .right = vec4(m->x.x, m->x.y, m->x.z, PEL_N_MIN),
-        .up = vec4(m->y.x, m->y.y, m->y.z, 1.0 / (PEL_N_MAX - PEL_N_MIN)),
-        .back = vec4(m->z.x, m->z.y, m->z.z, 1.0),
+        .right = vec4(m->x.x, m->x.y, m->x.z, filter->n_min),
+        .up =
+            vec4(m->y.x, m->y.y, m->y.z, 1.0 / (filter->n_max - filter->n_min)),
+        .back = vec4(m->z.x, m->z.y, m->z.z, pel_filter_slope_bias(filter)),
         .pixel = vec4(px, py, lattice_place(camera->tan_left, px),
                       lattice_place(-camera->tan_top, py)),
         .size = vec4(camera->width, camera->height, camera->exposure_ev,

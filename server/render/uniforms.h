@@ -2,13 +2,10 @@
 #pragma once
 
 #include "ocean/cascade.h"
+#include "render/filtering.h"
 #include "render/mesh.h"
 #include "render/renderer.h"
 #include "shaders/lib/blocks.h"
-
-/* Bounds of the filter, wavelengths for each cell or pixel (section 7.1). */
-#define PEL_N_MIN 1.0
-#define PEL_N_MAX 2.5
 
 void pel_fill_frame(const struct pel_environment *env,
                     struct pel_block_frame *out);
@@ -31,15 +28,20 @@ struct pel_variance {
     float along, cross;
 };
 
-/* Table of the slope variance that a footprint leaves unresolved (section 3.2:
- * total minus resolved). Of a wave's variance σ² the filtered normal keeps
- * w² σ², and of that the pixel itself averages away 1 − sinc²(k ℓ / 2), which
- * the paper does not count: without it near pixels glitter. */
-void pel_fill_variance(const struct pel_sea *sea, double wind_to_rad,
+/* Tables of the slope variance that a footprint leaves unresolved
+ * (pel_sea_slopes_left), of round footprints and of long ones. */
+void pel_fill_variance(const struct pel_sea *sea,
+                       const struct pel_filter *filter,
                        struct pel_variance out[PEL_VARIANCE_COUNT]);
+#define PEL_LONG_VARIANCES                                                     \
+    (PEL_AZIMUTH_COUNT * PEL_ASPECT_COUNT * PEL_LENGTH_COUNT)
+void pel_fill_long_variance(const struct pel_sea *sea,
+                            const struct pel_filter *filter,
+                            struct pel_variance out[PEL_LONG_VARIANCES]);
 
 /* Also rounds the camera's pixel lattice: see pel_pixel_pitch. */
-void pel_fill_view(const struct pel_camera *camera, struct pel_block_view *out);
+void pel_fill_view(const struct pel_camera *camera,
+                   const struct pel_filter *filter, struct pel_block_view *out);
 
 /* Tangent of a pixel from the frustum, rounded to 20 bits so that pictures
  * which tile one frustum agree to the last bit. */

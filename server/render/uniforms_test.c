@@ -4,6 +4,7 @@
 #include "render/rendertest.h"
 
 static struct pel_sea sea;
+static const struct pel_filter filter = PEL_FILTER_DEFAULT;
 
 /* Cuts columns and rows out of a camera, edges in plain double arithmetic. */
 static struct pel_camera cut(const struct pel_camera *whole, uint32_t x0,
@@ -48,7 +49,7 @@ static void tiles_share_the_lattice(void **state)
             struct pel_camera whole = test_camera((struct test_look){
                 6.0, 0.0, 0.0, 0.0, fields[f], width, height });
             struct pel_block_view all;
-            pel_fill_view(&whole, &all);
+            pel_fill_view(&whole, &filter, &all);
             for (int i = 0; i < 50; i++) {
                 uint32_t x0 = (uint32_t)test_random(&random, 0, width - 64);
                 uint32_t y0 = (uint32_t)test_random(&random, 0, height - 64);
@@ -63,7 +64,7 @@ static void tiles_share_the_lattice(void **state)
                     part = through_degrees(part);
                 }
                 struct pel_block_view view;
-                pel_fill_view(&part, &view);
+                pel_fill_view(&part, &filter, &view);
                 assert_memory_equal(&view.pixel.x, &all.pixel.x,
                                     2 * sizeof(float));
                 assert_true(view.pixel.z == all.pixel.z + (float)x0);
@@ -105,7 +106,7 @@ static double kept_by_box(double lambda, double l)
 
 static double smooth(double x)
 {
-    x = pel_clamp((x - PEL_N_MIN) / (PEL_N_MAX - PEL_N_MIN), 0.0, 1.0);
+    x = pel_clamp((x - filter.n_min) / (filter.n_max - filter.n_min), 0.0, 1.0);
     return x * x * (3.0 - 2.0 * x);
 }
 
@@ -114,7 +115,7 @@ static void variance_is_the_direct_sum(void **state)
     (void)state;
     static struct pel_variance table[PEL_VARIANCE_COUNT];
     test_sea(9.0, 2.0, 5, &sea);
-    pel_fill_variance(&sea, sea.desc.direction_rad, table);
+    pel_fill_variance(&sea, &filter, table);
     double wx = cos(sea.desc.direction_rad), wy = sin(sea.desc.direction_rad);
     for (int i = 0; i < PEL_VARIANCE_COUNT; i += 5) {
         double l = exp2(PEL_VARIANCE_FIRST + i / PEL_VARIANCE_STEPS);
@@ -152,7 +153,7 @@ static void variance_grows_with_the_footprint(void **state)
     static struct pel_variance t[PEL_VARIANCE_COUNT];
     for (size_t i = 0; i < sizeof winds / sizeof *winds; i++) {
         test_sea(winds[i], 0.0, 1, &sea);
-        pel_fill_variance(&sea, sea.desc.direction_rad, t);
+        pel_fill_variance(&sea, &filter, t);
         for (int j = 1; j < PEL_VARIANCE_COUNT; j++) {
             assert_true(t[j].along >= t[j - 1].along);
             assert_true(t[j].cross >= t[j - 1].cross);

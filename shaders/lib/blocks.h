@@ -24,9 +24,20 @@ struct pel_vec4 {
 #define PEL_VARIANCE_STEPS 8.0
 #define PEL_VARIANCE_COUNT 192
 
-/* Levels of detail by which slopes are sampled sharper (< 0) than one texel a
- * footprint. */
-#define PEL_SLOPE_BIAS -0.5
+/* The same by the footprint's azimuth from the wind (π is a turn), by how many
+ * times it is longer along that than across, and by its length along. */
+#define PEL_AZIMUTH_COUNT 16
+#define PEL_ASPECT_STEPS 2.0 /* an octave */
+#define PEL_ASPECT_COUNT 9   /* 1 to 16 */
+#define PEL_LENGTH_STEPS 4.0 /* an octave from 2^PEL_VARIANCE_FIRST m */
+#define PEL_LENGTH_COUNT 96
+
+/* Levels of detail by which positions are sampled sharper than slopes. */
+#define PEL_SHIFT_SHARPER 1.5
+
+/* Width of the taps along a footprint, of its length: their variance with the
+ * ends' is that of the level of detail they stand for. */
+#define PEL_TAP_SPAN 1.2
 
 /* One for a frame. Spectral values are at 680, 550, 440 nm. */
 PEL_BLOCK(0, frame) {
@@ -57,7 +68,7 @@ PEL_BLOCK(1, eye) {
 PEL_BLOCK(2, view) {
     vec4 right; /* camera axes in the world; w of right: N_min */
     vec4 up;    /* w: 1 / (N_max − N_min) */
-    vec4 back;
+    vec4 back;  /* w: levels of detail that slopes are sampled coarser */
     vec4 pixel; /* px, py; lattice place of the picture's top left corner */
     vec4 size;  /* width, height, px; z fixed EV100; w 1 when automatic */
 };

@@ -36,18 +36,24 @@ vec3 spline(int c, vec2 uv, float lod)
                    g1.x * textureLod(displacement_fields, vec3(p1, c), level).xyz);
 }
 
-// Displacement by the waves that cells of this length carry. Between two
-// levels it is blended, so that nothing pops.
+// Displacement at a level of detail. Between two levels it is blended, so that
+// nothing pops.
+vec3 cascade_displacement(int c, vec2 uv, float lod)
+{
+    lod = max(lod, 0.0);
+    if (lod >= 8.0) {
+        return vec3(0.0);
+    }
+    float low = floor(lod);
+    return mix(spline(c, uv, low), spline(c, uv, min(low + 1.0, 8.0)), lod - low);
+}
+
+// By the waves that cells of this length carry.
 vec3 cascade_shift(vec2 x, float cell)
 {
     vec3 sum = vec3(0.0);
     for (int c = 0; c < 4; c++) {
-        float lod = max(log2(cell / cascades[c].place.w), 0.0);
-        if (lod < 8.0) {
-            vec2 uv = cascade_uv(c, x);
-            float low = floor(lod);
-            sum += mix(spline(c, uv, low), spline(c, uv, min(low + 1.0, 8.0)), lod - low);
-        }
+        sum += cascade_displacement(c, cascade_uv(c, x), log2(cell / cascades[c].place.w));
     }
     return sum;
 }

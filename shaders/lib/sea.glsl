@@ -3,9 +3,42 @@
 // (eq. 4), light, haze. Included by a fragment and by a compute wrapper.
 
 layout(std430, binding = 0) restrict readonly buffer vertices_block { vertex vertices[]; };
-layout(std430, binding = 3) restrict readonly buffer variance_block { vec2 variance_table[]; };
 layout(binding = 1) uniform sampler2D reflection_map;
 layout(binding = 4) uniform sampler2D eye_haze;
+
+#ifdef PEL_LAYERS
+// The waves finer than the mesh move the surface off its triangle: Newton's
+// steps from there, each to the tangent plane through the displaced point.
+float surface_distance(filtered f, vec2 x, vec3 ray, float t, vec2 sight, float along, float across)
+{
+    float most = 2.0 * length(f.shift) + 0.1;
+    float moved = t;
+    for (int i = 0; i < 3; i++) {
+        float half_arc = 0.5 * length(x) / planet.x;
+        vec3 point = vec3(x * cos(half_arc) + f.shift.xy,
+                          f.shift.z - 2.0 * planet.x * sin(half_arc) * sin(half_arc) - eye.x);
+        vec3 n = filtered_normal(f);
+        vec2 tilt = x / planet.x;
+        n = vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy));
+        float slant = dot(ray, n);
+        if (abs(slant) < 1e-3 * length(ray)) {
+            break;
+        }
+        // Never behind the eye that is all but in the water.
+        moved = clamp(dot(point, n) / slant, max(t - most, 0.5 * t), t + most);
+        if (i == 2) {
+            break;
+        }
+        // The particle that is carried there, to first order.
+        vec2 off = moved * ray.xy - point.xy;
+        vec3 d = vec3(1.0 - f.fold.x, -f.fold.y, 1.0 - f.fold.z);
+        float det = max(d.x * d.z - d.y * d.y, 0.05);
+        x += vec2(d.z * off.x - d.y * off.y, d.x * off.y - d.y * off.x) / det;
+        f = filtered_sea(x, sight, along, across);
+    }
+    return moved;
+}
+#endif
 
 shaded shade_sea(ivec2 at, uint triangle)
 {
@@ -44,51 +77,11 @@ shaded shade_sea(ivec2 at, uint triangle)
     float facing = clamp(abs(dot(facet, dir)), 0.15 * v.z, v.z);
     float across = t * pixel.x;
     float footprint = across / max(facing, 0.002);
-#ifdef PEL_FFT
-    vec3 fold = vec3(0.0);
-    vec2 slope = vec2(0.0);
-    for (int c = 0; c < 4; c++) {
-        vec3 uv = vec3(cascade_uv(c, x), c);
-        float lod = log2(footprint / cascades[c].place.w) + PEL_SLOPE_BIAS;
-        vec4 slopes = textureLod(slope_fields, uv, lod);
-        slope -= slopes.xy;
-        fold -= vec3(slopes.z, textureLod(fold_field, uv, lod).x, slopes.w);
-    }
-#ifdef PEL_LAYERS
-    vec3 shift = cascade_shift(x, footprint);
-#endif
-#else
-    float scale = up.w / footprint;
-    float offset = -right.w * up.w;
-    vec3 fold = vec3(0.0);
-    vec2 slope = vec2(0.0);
-#ifdef PEL_LAYERS
-    vec3 shift = vec3(0.0);
-#define PEL_SHIFT(i, s, c) shift += vec3(-waves[i].shift.xy * s, waves[i].shift.z * c);
-#else
-#define PEL_SHIFT(i, s, c)
-#endif
-#define PEL_SLOPE(i)                                                           \
-    {                                                                          \
-        float w = filter_weight(waves[i].phase.w * scale + offset);             \
-        float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;              \
-        float s = w * sine_turns(turns);                                       \
-        float c = w * sine_turns(turns + 0.25);                                \
-        fold += waves[i].fold.xyz * c;                                          \
-        slope += waves[i].slope.xy * s;                                         \
-        PEL_SHIFT(i, s, c)                                                     \
-    }
-    PEL_EACH_WAVE(PEL_SLOPE)
-#endif
-    // ∂p/∂x × ∂p/∂y with ∂p/∂x = (1 − A, −B, −Sx), ∂p/∂y = (−B, 1 − C, −Sy).
-    vec3 n = normalize(vec3(fold.y * slope.y + slope.x * (1.0 - fold.z),
-                            fold.y * slope.x + slope.y * (1.0 - fold.x),
-                            max((1.0 - fold.x) * (1.0 - fold.z) - fold.y * fold.y, 1e-3)));
-    // The variance depends on the footprint alone: a table of it.
-    float place = clamp((log2(footprint) - PEL_VARIANCE_FIRST) * PEL_VARIANCE_STEPS, 0.0,
-                        float(PEL_VARIANCE_COUNT) - 1.001);
-    int entry = int(place);
-    vec2 variance = mix(variance_table[entry], variance_table[entry + 1], place - float(entry));
+    vec2 sight = dir.xy * inversesqrt(max(dot(dir.xy, dir.xy), 1e-12));
+    float least = max(across, footprint * (1.0 / float(PEL_ANISOTROPY)));
+    filtered f = filtered_sea(x, sight, footprint, least);
+    vec3 n = filtered_normal(f);
+    vec2 variance = variance_left(sight, footprint, least);
     // A normal that faces away belongs to a patch which the mesh shows and the
     // waves hide. Such pixels dot the crests; they get what their neighbourhood
     // has on average, the mean plane with all its slopes.
@@ -108,18 +101,8 @@ shaded shade_sea(ivec2 at, uint triangle)
     shaded result;
     result.radiance = from_under_water(light, dir.z);
 #ifdef PEL_LAYERS
-    // The waves finer than the mesh move the surface off its triangle: once to
-    // the tangent plane through the displaced point.
-    float half_arc = 0.5 * length(x) / planet.x;
-    vec3 point = vec3(x * cos(half_arc) + shift.xy,
-                      shift.z - 2.0 * planet.x * sin(half_arc) * sin(half_arc) - eye.x);
-    vec3 n_eye = vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy));
-    float slant = dot(ray, n_eye);
-    float moved = abs(slant) > 1e-3 * ray_length ? dot(point, n_eye) / slant : t;
-    float most = 2.0 * length(shift) + 0.1;
-    // Never behind the eye that is all but in the water.
-    result.depth = ray_length * clamp(moved, max(t - most, 0.5 * t), t + most);
-    result.normal = vec4(normalize(n_eye), parts.fresnel);
+    result.depth = ray_length * surface_distance(f, x, ray, t, sight, footprint, least);
+    result.normal = vec4(normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy))), parts.fresnel);
     bool dry = lut.y < 0.5;
     result.sun = dry ? parts.sun * through : vec3(0.0);
     result.sky = dry ? parts.sky * through : vec3(0.0);

@@ -5,6 +5,15 @@
 const float MAP_HALF_WIDTH = 1.4; // of the reflection map, horizon at 1
 const float MIN_VARIANCE = 1e-8; // of slopes, against division by zero
 
+// Which integral over the sky: render/filtering.h.
+#define PEL_SKY_FACETS 1
+#define PEL_SKY_NINE 2
+#define PEL_SKY_ANISOTROPIC 3
+#ifndef PEL_SKY_FILTER
+#define PEL_SKY_FILTER PEL_SKY_FACETS
+#endif
+
+#if PEL_SKY_FILTER == PEL_SKY_FACETS
 // Reflected sky radiance, and in `fresnel` the reflectance it was weighted
 // with. The integral of eq. 20 over visible facets, Fresnel's term inside it,
 // by three Gauss nodes along the view (optics/facets.h); across it by the levels
@@ -49,6 +58,43 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     }
     return sum;
 }
+#else
+// U(ζ) of algorithm 5.1: where in the map the facet of slopes ζ mirrors.
+vec2 mirrored(vec2 slope, vec3 v, vec3 n, vec3 tx, vec3 ty)
+{
+    vec3 f = normalize(n - slope.x * tx - slope.y * ty);
+    vec3 r = 2.0 * dot(f, v) * f - v;
+    return r.xy / (1.0 + max(r.z, -0.3)) * (0.5 / MAP_HALF_WIDTH) + 0.5;
+}
+
+// The paper's product of means, eq. 21: F̄ by its fit, L̄ by the map over an
+// ellipse of twice the standard deviations (eq. 27), by the sampler or by the
+// mean of nine samples inside it.
+vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, vec2 variance,
+                   out float fresnel)
+{
+    const float EPSILON = 1e-3;
+    vec2 s = sqrt(variance);
+    fresnel = mean_fresnel(view.z, sqrt(directional_variance(view, variance)));
+    vec2 u0 = mirrored(vec2(0.0), v, n, tx, ty);
+    vec2 ux = 2.0 * s.x * (mirrored(vec2(EPSILON, 0.0), v, n, tx, ty) - u0) / EPSILON;
+    vec2 uy = 2.0 * s.y * (mirrored(vec2(0.0, EPSILON), v, n, tx, ty) - u0) / EPSILON;
+#if PEL_SKY_FILTER == PEL_SKY_ANISOTROPIC
+    return fresnel * textureGrad(map, u0, ux, uy).rgb;
+#else
+    // A standard deviation apart; each stands for its surroundings.
+    float texels = 0.5 * float(textureSize(map, 0).x);
+    float level = log2(max(texels * sqrt(length(ux) * length(uy)), 1.0));
+    vec3 sum = vec3(0.0);
+    for (int j = -1; j <= 1; j++) {
+        for (int i = -1; i <= 1; i++) {
+            sum += textureLod(map, u0 + 0.5 * (ux * float(i) + uy * float(j)), level).rgb;
+        }
+    }
+    return fresnel / 9.0 * sum;
+#endif
+}
+#endif
 
 // Radiance by its way: reflected Sun, reflected sky, out of the water.
 struct lit {

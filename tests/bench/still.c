@@ -1,6 +1,7 @@
 /* Draws one picture of a sea straight from the renderer and times it:
  *   still OUT.png [name=value …]
- * for looking at one thing at a time while developing shaders. */
+ * (sky: 1 facets, 2 nine samples, 3 anisotropic sampler) for looking at one
+ * thing at a time while developing shaders. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,7 +25,9 @@ static struct setting settings[] = {
     { "waves", 60 },      { "fft", 0 },       { "stages", 0 },
     { "chl", 0.2 },       { "hardware", 0 },  { "roll", 0 },
     { "swell", 0 },       { "compute", -1 },  { "layers", 0 },
-    { "x", 0 },           { "y", 0 },
+    { "nmin", 0 },        { "nmax", 0 },      { "cell", 0 },
+    { "aniso", 0 },       { "sky", 0 },       { "x", 0 },
+    { "y", 0 },
 };
 
 static double get(const char *name)
@@ -95,6 +98,11 @@ int main(int argc, char **argv)
     const struct pel_renderer_options options = {
         .device = get("hardware") > 0 ? "auto" : "software",
         .debug = true,
+        .filtering = { .n_min = get("nmin"),
+                       .n_max = get("nmax"),
+                       .cell_px = get("cell"),
+                       .anisotropy = (int)get("aniso"),
+                       .sky = (enum pel_sky_filter)get("sky") },
         .shading = get("compute") < 0   ? "auto"
                    : get("compute") > 0 ? "compute"
                                         : "fragment"

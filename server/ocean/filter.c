@@ -1,0 +1,146 @@
+#include "ocean/filter.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "ocean/cascade.h"
+#include "ocean/filtered_cascades.h"
+
+double pel_footprint_length(const struct pel_footprint *f, double direction_rad)
+{
+    double turn = direction_rad - f->azimuth_rad;
+    return hypot(f->along_m * cos(turn), f->across_m * sin(turn));
+}
+
+double pel_filter_weight(const struct pel_filter *f, double wavelengths)
+{
+    double x =
+        pel_clamp((wavelengths - f->n_min) / (f->n_max - f->n_min), 0.0, 1.0);
+    return x * x * (3.0 - 2.0 * x);
+}
+
+/* The default bounds' middle is 1.75 wavelengths. */
+static double finer(const struct pel_filter *f)
+{
+    return log2((f->n_min + f->n_max) / 3.5);
+}
+
+double pel_filter_slope_bias(const struct pel_filter *f)
+{
+    return finer(f) - 0.5;
+}
+
+double pel_filter_shift_bias(const struct pel_filter *f)
+{
+    return finer(f) - 2.0;
+}
+
+/* Eq. 4's resolved part of one wave, in wind axes. */
+static void take_resolved(const struct pel_sea *sea, const struct pel_wave *w,
+                          double length_m, double weight,
+                          struct pel_slopes *left)
+{
+    double k = hypot(w->kx, w->ky);
+    double kh = k * w->amplitude, ckh = w->chop * kh;
+    double variance = kh * kh / (1.0 + sqrt(1.0 - ckh * ckh));
+    double x = 0.5 * k * length_m;
+    double sinc = x > 1e-9 ? sin(x) / x : 1.0;
+    double kept = weight * weight * sinc * sinc * variance;
+    double c = cos(sea->desc.direction_rad), s = sin(sea->desc.direction_rad);
+    double along = (w->kx * c + w->ky * s) / k;
+    double cross = (w->ky * c - w->kx * s) / k;
+    left->along -= along * along * kept;
+    left->cross -= cross * cross * kept;
+    left->mixed -= along * cross * kept;
+}
+
+static double wave_weight(const struct pel_filter *filter,
+                          const struct pel_footprint *footprint,
+                          const struct pel_wave *w, double *length_m)
+{
+    double k = hypot(w->kx, w->ky);
+    *length_m = pel_footprint_length(footprint, atan2(w->ky, w->kx));
+    return pel_filter_weight(filter, 2.0 * PEL_PI / (k * *length_m));
+}
+
+struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
+                                      const struct pel_filter *filter,
+                                      const struct pel_footprint *footprint)
+{
+    if (sea->cascades) {
+        return pel_cascades_left(sea->cascades, footprint,
+                                 pel_filter_slope_bias(filter),
+                                 sea->desc.direction_rad);
+    }
+    struct pel_slopes left = { sea->slope_variance_along,
+                               sea->slope_variance_cross,
+                               sea->slope_covariance };
+    for (int i = 0; i < sea->count; i++) {
+        double length_m;
+        double w = wave_weight(filter, footprint, &sea->waves[i], &length_m);
+        if (w > 0) {
+            take_resolved(sea, &sea->waves[i], length_m, w, &left);
+        }
+    }
+    left.along = fmax(left.along, 0);
+    left.cross = fmax(left.cross, 0);
+    return left;
+}
+
+static void filtered_trochoids(const struct pel_sea *sea,
+                               const struct pel_filter *filter,
+                               const struct pel_footprint *footprint,
+                               struct pel_vec2 at, double time_s,
+                               struct pel_filtered *out)
+{
+    struct pel_vec3 d = { 0, 0, 0 };
+    double xx = 0, xy = 0, yy = 0, zx = 0, zy = 0;
+    for (int i = 0; i < sea->count; i++) {
+        const struct pel_wave *w = &sea->waves[i];
+        double length_m;
+        double h = w->amplitude * wave_weight(filter, footprint, w, &length_m);
+        if (h == 0) {
+            continue;
+        }
+        double p = w->kx * at.x + w->ky * at.y +
+                   remainder(w->phase - w->omega * time_s, 2.0 * PEL_PI);
+        double s = sin(p), c = cos(p), k = hypot(w->kx, w->ky);
+        double across = w->chop * h / k;
+        d.x -= w->kx * across * s;
+        d.y -= w->ky * across * s;
+        d.z += h * c;
+        xx += w->kx * w->kx * across * c;
+        xy += w->kx * w->ky * across * c;
+        yy += w->ky * w->ky * across * c;
+        zx -= w->kx * h * s;
+        zy -= w->ky * h * s;
+    }
+    struct pel_vec3 along_x = { 1.0 - xx, -xy, zx };
+    struct pel_vec3 along_y = { -xy, 1.0 - yy, zy };
+    out->shift = d;
+    out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
+}
+
+enum pel_err pel_sea_filtered(const struct pel_sea *sea,
+                              const struct pel_filter *filter,
+                              const struct pel_footprint *footprint,
+                              const struct pel_vec2 *points, size_t n,
+                              double time_s, struct pel_filtered *out)
+{
+    if (sea->cascades) {
+        enum pel_err err = pel_cascades_filtered(
+            sea->cascades, filter, footprint, points, n, time_s, out);
+        if (err) {
+            return err;
+        }
+    }
+    struct pel_slopes left = pel_sea_slopes_left(sea, filter, footprint);
+    for (size_t i = 0; i < n; i++) {
+        if (!sea->cascades) {
+            filtered_trochoids(sea, filter, footprint, points[i], time_s,
+                               &out[i]);
+        }
+        out[i].left = left;
+    }
+    return PEL_OK;
+}

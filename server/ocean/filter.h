@@ -1,0 +1,64 @@
+/* The sea as a footprint sees it: mean position, mean normal, and the variance
+ * of the slopes that the mean leaves out (Bruneton et al. 2010, section 3.2),
+ * in double precision, for either synthesiser. The shaders' twin is
+ * shaders/lib/filtered.glsl.
+ *
+ * A footprint is an ellipse on the mean plane. A wave is filtered by the
+ * footprint's length in the wave's own direction, ℓ(k̂) = |(a k̂·â, c k̂·ĉ)| with
+ * a along â and c across: a round one takes the same from all. */
+#pragma once
+
+#include "base/err.h"
+#include "base/vec.h"
+#include "ocean/sea.h"
+
+struct pel_footprint {
+    double along_m;     /* ≥ across_m */
+    double across_m;    /* > 0 */
+    double azimuth_rad; /* of `along`, from east towards north */
+};
+
+/* Length of the footprint for waves that travel to direction_rad. */
+double pel_footprint_length(const struct pel_footprint *footprint,
+                            double direction_rad);
+
+/* Bounds of the filter in wavelengths a footprint, n_min < n_max: shorter
+ * waves are gone, longer ones whole (section 7.1: 1 and 2.5). */
+struct pel_filter {
+    double n_min, n_max; /* 0.5..4, 1..8 */
+};
+#define PEL_FILTER_DEFAULT ((struct pel_filter){ 1.0, 2.5 })
+
+/* w(n_min, n_max, wavelengths) of section 3.2. */
+double pel_filter_weight(const struct pel_filter *filter, double wavelengths);
+
+/* Cascades are filtered by levels of detail instead (cascade.h): a length is
+ * read at log2(length / texel) plus these, which bring their half-gain between
+ * the bounds. Slopes are interpolated linearly over a texel, positions by a
+ * spline over four. */
+double pel_filter_slope_bias(const struct pel_filter *filter); /* −0.5 */
+double pel_filter_shift_bias(const struct pel_filter *filter); /* −2 */
+
+struct pel_filtered {
+    struct pel_vec3 shift;  /* of the point at rest, metres */
+    struct pel_vec3 normal; /* unit: of eq. 3 */
+    struct pel_slopes left; /* to the BRDF, in wind axes */
+};
+
+/* The filtered surface where points[i] lies at rest, at time_s; out[i] answers
+ * it. Position by eq. 2, normal by eq. 3, with the same footprint. For cascades
+ * it takes about 10 ms once a call, and NO_MEMORY. Any thread. */
+PEL_CHECK enum pel_err pel_sea_filtered(const struct pel_sea *sea,
+                                        const struct pel_filter *filter,
+                                        const struct pel_footprint *footprint,
+                                        const struct pel_vec2 *points, size_t n,
+                                        double time_s,
+                                        struct pel_filtered *out);
+
+/* pel_filtered.left alone: it does not depend on place and time. Total minus
+ * resolved (eq. 4); of a resolved wave's variance the footprint averages away
+ * 1 − sinc²(k ℓ / 2), which the paper does not count: without it near pixels
+ * glitter. */
+struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
+                                      const struct pel_filter *filter,
+                                      const struct pel_footprint *footprint);

@@ -1,0 +1,210 @@
+/* What a footprint sees: the mean surface and the variance it leaves out, of
+ * both synthesisers. */
+#include "ocean/filter.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "ocean/cascade.h"
+#include "ocean/directional.h"
+
+static struct pel_sea sea;
+static const struct pel_filter filter = PEL_FILTER_DEFAULT;
+
+static void build(enum pel_synthesiser synthesiser, double wind_mps, int waves)
+{
+    const struct pel_sea_desc desc = {
+        .synthesiser = synthesiser,
+        .kind = PEL_SPECTRUM_ELFOUHAILY,
+        .wind_mps = wind_mps,
+        .direction_rad = 0.7,
+        .fetch_m = 2e5,
+        .gamma = 3.3,
+        .seed = 11,
+        .wave_count = waves,
+    };
+    pel_sea_finish(&sea);
+    assert_int_equal(pel_sea_build(&desc, &sea), PEL_OK);
+}
+
+static double uniform(uint64_t *state)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*state >> 11) * 0x1p-53;
+}
+
+static void weights(void **state)
+{
+    (void)state;
+    assert_true(pel_filter_weight(&filter, 1.0) == 0);
+    assert_true(pel_filter_weight(&filter, 2.5) == 1);
+    assert_float_equal(pel_filter_weight(&filter, 1.75), 0.5, 1e-12);
+    assert_float_equal(pel_filter_weight(&filter, 1.375), 0.15625, 1e-12);
+    const struct pel_footprint long_one = { 8, 2, 0.3 };
+    assert_float_equal(pel_footprint_length(&long_one, 0.3), 8, 1e-12);
+    assert_float_equal(pel_footprint_length(&long_one, 0.3 + PEL_PI), 8, 1e-12);
+    assert_float_equal(pel_footprint_length(&long_one, 0.3 + PEL_PI / 2), 2,
+                       1e-12);
+    assert_float_equal(pel_footprint_length(&long_one, 0.3 + PEL_PI / 4),
+                       sqrt(34), 1e-12);
+}
+
+/* No footprint: the surface itself. A great one: the plane, all left over. */
+static void limits(void **state)
+{
+    (void)state;
+    for (int fft = 0; fft < 2; fft++) {
+        build(fft ? PEL_SYNTHESISER_FFT : PEL_SYNTHESISER_TROCHOIDS, 9, 256);
+        const struct pel_footprint none = { 1e-6, 1e-6, 0 };
+        const struct pel_footprint all = { 1e7, 1e7, 0 };
+        uint64_t rng = 1;
+        for (int i = 0; i < 20; i++) {
+            struct pel_vec2 rest = { 1e4 * uniform(&rng), 1e4 * uniform(&rng) };
+            struct pel_filtered f;
+            assert_int_equal(
+                pel_sea_filtered(&sea, &filter, &none, &rest, 1, 33, &f),
+                PEL_OK);
+            struct pel_vec3 d = pel_sea_displace(&sea, rest.x, rest.y, 33);
+            struct pel_surface_sample s;
+            pel_sea_sample(&sea, rest.x + d.x, rest.y + d.y, 33, &s);
+            assert_float_equal(f.shift.x, d.x, 1e-9);
+            assert_float_equal(f.shift.y, d.y, 1e-9);
+            assert_float_equal(f.shift.z, s.height_m, 1e-5);
+            assert_float_equal(f.normal.x, s.normal.x, 1e-4);
+            assert_float_equal(f.normal.y, s.normal.y, 1e-4);
+            assert_int_equal(
+                pel_sea_filtered(&sea, &filter, &all, &rest, 1, 33, &f),
+                PEL_OK);
+            assert_float_equal(f.normal.z, 1, 1e-9);
+            assert_float_equal(f.shift.z, 0, 1e-3);
+            assert_float_equal(f.left.along, sea.slope_variance_along, 1e-6);
+            assert_float_equal(f.left.cross, sea.slope_variance_cross, 1e-6);
+        }
+    }
+}
+
+/* What the mean normals show and what is left to the BRDF make the total, also
+ * along and across the wind, of round and of long footprints. Trochoids'
+ * normals are point samples of the filtered waves: of a wave's variance w² is
+ * shown, of which the footprint then averages 1 − sinc² away. */
+static void compare_variance(const struct pel_footprint *footprint,
+                             double tolerance)
+{
+    enum { POINTS = 4000, MOMENTS = 6 };
+    static struct pel_vec2 points[POINTS];
+    static struct pel_filtered out[POINTS];
+    double along = 0, cross = 0;
+    uint64_t rng = 3;
+    double c = cos(sea.desc.direction_rad), s = sin(sea.desc.direction_rad);
+    for (int m = 0; m < MOMENTS; m++) {
+        for (int i = 0; i < POINTS; i++) {
+            points[i] =
+                (struct pel_vec2){ 1e5 * uniform(&rng), 1e5 * uniform(&rng) };
+        }
+        assert_int_equal(pel_sea_filtered(&sea, &filter, footprint, points,
+                                          POINTS, 977.0 * m, out),
+                         PEL_OK);
+        for (int i = 0; i < POINTS; i++) {
+            struct pel_vec3 n = out[i].normal;
+            double zx = -n.x / n.z, zy = -n.y / n.z;
+            along += pow(zx * c + zy * s, 2) / (POINTS * MOMENTS);
+            cross += pow(zy * c - zx * s, 2) / (POINTS * MOMENTS);
+        }
+    }
+    struct pel_slopes left = pel_sea_slopes_left(&sea, &filter, footprint);
+    double total_along = sea.slope_variance_along;
+    double total_cross = sea.slope_variance_cross;
+    print_message("%s %6.2f x %5.2f m at %4.2f: along %.5f + %.5f of %.5f, "
+                  "cross %.5f + %.5f of %.5f\n",
+                  sea.cascades ? "FFT      " : "trochoids", footprint->along_m,
+                  footprint->across_m, footprint->azimuth_rad, along,
+                  left.along, total_along, cross, left.cross, total_cross);
+    assert_float_equal(along + left.along, total_along,
+                       tolerance * total_along);
+    assert_float_equal(cross + left.cross, total_cross,
+                       tolerance * total_cross);
+}
+
+static void shown_and_left_make_the_total(void **state)
+{
+    (void)state;
+    static const struct pel_footprint footprints[] = {
+        { 0.1, 0.1, 0 }, { 1, 1, 0 },   { 10, 10, 0 },  { 1, 0.25, 0.7 },
+        { 4, 1, 2.2 },   { 8, 0.5, 0 }, { 16, 1, -1.2 }
+    };
+    for (int fft = 0; fft < 2; fft++) {
+        build(fft ? PEL_SYNTHESISER_FFT : PEL_SYNTHESISER_TROCHOIDS, 8, 256);
+        for (size_t i = 0; i < sizeof footprints / sizeof *footprints; i++) {
+            compare_variance(&footprints[i], 0.06);
+        }
+    }
+}
+
+/* The long footprint keeps what runs across it. */
+static void direction_matters(void **state)
+{
+    (void)state;
+    for (int fft = 0; fft < 2; fft++) {
+        build(fft ? PEL_SYNTHESISER_FFT : PEL_SYNTHESISER_TROCHOIDS, 8, 256);
+        const struct pel_footprint down = { 8, 1, 0.7 };
+        const struct pel_footprint over = { 8, 1, 0.7 + PEL_PI / 2 };
+        const struct pel_footprint wide = { 8, 8, 0 }, small = { 1, 1, 0 };
+        struct pel_slopes a = pel_sea_slopes_left(&sea, &filter, &down);
+        struct pel_slopes b = pel_sea_slopes_left(&sea, &filter, &over);
+        struct pel_slopes most = pel_sea_slopes_left(&sea, &filter, &wide);
+        struct pel_slopes least = pel_sea_slopes_left(&sea, &filter, &small);
+        assert_true(a.along > b.along && a.cross < b.cross);
+        assert_true(a.along <= most.along && a.along >= least.along);
+        assert_true(b.cross <= most.cross && b.cross >= least.cross);
+    }
+}
+
+/* The table of what lies below a wavelength against the spectrum's integral. */
+static void below_is_the_spectrums_integral(void **state)
+{
+    (void)state;
+    for (double wind = 4; wind <= 20; wind += 8) {
+        build(PEL_SYNTHESISER_FFT, wind, 60);
+        struct pel_directional *spectrum;
+        assert_int_equal(pel_directional_create(&sea.desc, &spectrum), PEL_OK);
+        double worst = 0;
+        for (double length = 0.021; length < 1000; length *= 1.23) {
+            struct pel_band_moments want;
+            pel_directional_moments(spectrum, 2 * PEL_PI / length, INFINITY,
+                                    &want);
+            struct pel_slopes got = pel_sea_slopes_below(&sea, length);
+            worst = fmax(worst, fabs(got.along / want.along - 1));
+            worst = fmax(worst, fabs(got.cross / want.cross - 1));
+        }
+        pel_directional_destroy(spectrum);
+        print_message("%g m/s: within %.2f %% of the integral, 2 cm to 1 km\n",
+                      wind, 100 * worst);
+        assert_true(worst < 0.02);
+    }
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    pel_sea_finish(&sea);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(weights),
+        cmocka_unit_test(limits),
+        cmocka_unit_test(shown_and_left_make_the_total),
+        cmocka_unit_test(direction_matters),
+        cmocka_unit_test(below_is_the_spectrums_integral),
+    };
+    return cmocka_run_group_tests(tests, NULL, tear_down);
+}

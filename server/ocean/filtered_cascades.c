@@ -1,0 +1,191 @@
+#include "ocean/filtered_cascades.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ocean/fields.h"
+
+#define N PEL_CASCADE_N
+#define LEVELS PEL_CASCADE_LEVELS
+#define PYRAMID ((4 * N * N - 1) / 3) /* texels of all levels */
+#define MOST_TAPS 16                  /* as the shaders' greatest anisotropy */
+#define TAP_SPAN 1.2                  /* PEL_TAP_SPAN */
+
+/* The levels of detail of one cascade, the largest first. */
+struct pyramid {
+    float displacement[PYRAMID][4];
+    float slopes[PYRAMID][4];
+    float fold[PYRAMID];
+};
+
+static int level_start(int level)
+{
+    int at = 0;
+    for (int l = 0; l < level; l++) {
+        at += (N >> l) * (N >> l);
+    }
+    return at;
+}
+
+static float mean4(const float *from, int n, int stride)
+{
+    return 0.25f * (from[0] + from[stride] + from[2 * n * stride] +
+                    from[(2 * n + 1) * stride]);
+}
+
+static void fill(const struct pel_cascade_fields *f, int index,
+                 struct pyramid *p)
+{
+    memcpy(p->displacement, f->displacement[index],
+           N * N * sizeof *p->displacement);
+    memcpy(p->slopes, f->slopes[index], N * N * sizeof *p->slopes);
+    memcpy(p->fold, f->fold[index], N * N * sizeof *p->fold);
+    for (int l = 1; l < LEVELS; l++) {
+        int n = N >> l, to = level_start(l), from = level_start(l - 1);
+        for (int i = 0; i < n * n; i++) {
+            int at = from + (i / n) * 4 * n + (i % n) * 2;
+            for (int k = 0; k < 4; k++) {
+                p->displacement[to + i][k] =
+                    mean4(p->displacement[at] + k, n, 4);
+                p->slopes[to + i][k] = mean4(p->slopes[at] + k, n, 4);
+            }
+            p->fold[to + i] = mean4(p->fold + at, n, 1);
+        }
+    }
+}
+
+/* Texel below a place in tiles, and the fraction, at n texels a tile. */
+static int texel_below(double tiles, int n, double *fraction)
+{
+    double at = (tiles - floor(tiles)) * n - 0.5, below = floor(at);
+    *fraction = at - below;
+    return (int)below + n;
+}
+
+/* Adds what bilinear interpolation at a level gives of the five. */
+static void add_slopes(const struct pyramid *p, int level, double weight,
+                       double u, double v, double sum[5])
+{
+    int n = N >> level, start = level_start(level);
+    double f[2];
+    int i = texel_below(u, n, &f[0]), j = texel_below(v, n, &f[1]);
+    for (int corner = 0; corner < 4; corner++) {
+        int a = corner % 2, b = corner / 2;
+        int at = start + (j + b) % n * n + (i + a) % n;
+        double w = weight * (a ? f[0] : 1 - f[0]) * (b ? f[1] : 1 - f[1]);
+        for (int k = 0; k < 4; k++) {
+            sum[k] += w * p->slopes[at][k];
+        }
+        sum[4] += w * p->fold[at];
+    }
+}
+
+static void add_shift(const struct pyramid *p, int level, double weight,
+                      double u, double v, double sum[3])
+{
+    int n = N >> level, start = level_start(level);
+    double f[2], w[2][4];
+    int i = texel_below(u, n, &f[0]), j = texel_below(v, n, &f[1]);
+    for (int k = 0; k < 2; k++) {
+        double g = 1 - f[k], h = f[k];
+        w[k][0] = g * g * g / 6;
+        w[k][1] = (4 - 6 * h * h + 3 * h * h * h) / 6;
+        w[k][2] = (4 - 6 * g * g + 3 * g * g * g) / 6;
+        w[k][3] = h * h * h / 6;
+    }
+    for (int b = 0; b < 4; b++) {
+        for (int a = 0; a < 4; a++) {
+            /* + n: of the smallest levels the spline goes around twice */
+            int at = start + (j + b - 1 + n) % n * n + (i + a - 1 + n) % n;
+            for (int k = 0; k < 3; k++) {
+                sum[k] += weight * w[0][a] * w[1][b] * p->displacement[at][k];
+            }
+        }
+    }
+}
+
+/* What one cascade is read with: shaders/lib/filtered.glsl. */
+struct reading {
+    int taps;
+    double span_x, span_y; /* from the first tap's side to the last's */
+    double slope_level, shift_level;
+};
+
+static struct reading reading_of(const struct pel_cascade *c,
+                                 const struct pel_filter *filter,
+                                 const struct pel_footprint *f)
+{
+    double least = fmax(f->across_m, 1.5 * c->texel_m);
+    double level = log2(f->across_m / c->texel_m);
+    double span =
+        TAP_SPAN * sqrt(fmax(f->along_m * f->along_m - least * least, 0.0));
+    return (struct reading){
+        .taps = (int)pel_clamp(ceil(f->along_m / least), 1, MOST_TAPS),
+        .span_x = span * cos(f->azimuth_rad),
+        .span_y = span * sin(f->azimuth_rad),
+        .slope_level =
+            pel_clamp(level + pel_filter_slope_bias(filter), 0, LEVELS - 1),
+        .shift_level = fmax(level + pel_filter_shift_bias(filter), 0),
+    };
+}
+
+static void add_cascade(const struct pel_cascade *c, const struct pyramid *p,
+                        const struct reading *r, struct pel_vec2 at,
+                        double slopes[5], double shift[3])
+{
+    double share = 1.0 / r->taps;
+    for (int t = 0; t < r->taps; t++) {
+        double off = (t + 0.5) * share - 0.5;
+        double x = at.x + off * r->span_x, y = at.y + off * r->span_y;
+        double u = (x * c->turn_cos + y * c->turn_sin) / c->length_m;
+        double v = (y * c->turn_cos - x * c->turn_sin) / c->length_m;
+        int low = (int)r->slope_level;
+        double f = r->slope_level - low;
+        add_slopes(p, low, share * (1 - f), u, v, slopes);
+        if (f > 0) {
+            add_slopes(p, low + 1, share * f, u, v, slopes);
+        }
+        if (r->shift_level < LEVELS - 1) {
+            low = (int)r->shift_level;
+            f = r->shift_level - low;
+            add_shift(p, low, share * (1 - f), u, v, shift);
+            add_shift(p, low + 1, share * f, u, v, shift);
+        }
+    }
+}
+
+enum pel_err pel_cascades_filtered(const struct pel_cascades *c,
+                                   const struct pel_filter *filter,
+                                   const struct pel_footprint *footprint,
+                                   const struct pel_vec2 *points, size_t n,
+                                   double time_s, struct pel_filtered *out)
+{
+    struct pel_kept_fields *kept;
+    struct pyramid *pyramids = malloc(PEL_CASCADES * sizeof *pyramids);
+    enum pel_err err =
+        pyramids ? pel_fields_take(c, time_s, &kept) : PEL_ERR_NO_MEMORY;
+    if (err) {
+        free(pyramids);
+        return err;
+    }
+    struct reading readings[PEL_CASCADES];
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        fill(kept->fields, i, &pyramids[i]);
+        readings[i] = reading_of(&c->cascade[i], filter, footprint);
+    }
+    pel_fields_give(c, kept);
+    for (size_t p = 0; p < n; p++) {
+        double s[5] = { 0 }, d[3] = { 0 };
+        for (int i = 0; i < PEL_CASCADES; i++) {
+            add_cascade(&c->cascade[i], &pyramids[i], &readings[i], points[p],
+                        s, d);
+        }
+        struct pel_vec3 along_x = { 1.0 + s[2], s[4], s[0] };
+        struct pel_vec3 along_y = { s[4], 1.0 + s[3], s[1] };
+        out[p].shift = (struct pel_vec3){ d[0], d[1], d[2] };
+        out[p].normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
+    }
+    free(pyramids);
+    return PEL_OK;
+}

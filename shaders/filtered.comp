@@ -1,0 +1,43 @@
+#version 450 core
+// The filtered surface at places of one moment: the shaders' side of
+// ocean/filter.h, for comparison with it.
+#ifndef PEL_WAVES
+#define PEL_WAVES 256
+#endif
+#define PEL_LAYERS
+#include "lib/blocks.h"
+#ifdef PEL_FFT
+#include "lib/cascades.glsl"
+#else
+#include "lib/waves.glsl"
+#endif
+#include "lib/filtered.glsl"
+#include "lib/sky.glsl"
+#include "lib/variance.glsl"
+
+layout(local_size_x = 64) in;
+struct probe {
+    vec4 place; // at rest, from the eye's nadir; footprint along and across
+    vec4 sight; // xy: direction of `along`
+};
+layout(std430, binding = 0) readonly buffer probes_block { probe probes[]; };
+struct answer {
+    vec4 shift;
+    vec4 normal;
+    vec4 left; // xy: slope variance along and across the wind
+};
+layout(std430, binding = 1) writeonly buffer answers_block { answer answers[]; };
+
+void main()
+{
+    uint i = gl_GlobalInvocationID.x;
+    if (i >= uint(probes.length())) {
+        return;
+    }
+    vec4 p = probes[i].place;
+    vec2 sight = probes[i].sight.xy;
+    filtered f = filtered_sea(p.xy, sight, p.z, p.w);
+    answers[i].shift = vec4(f.shift, 0.0);
+    answers[i].normal = vec4(filtered_normal(f), 0.0);
+    answers[i].left = vec4(variance_left(sight, p.z, p.w), 0.0, 0.0);
+}
