@@ -90,6 +90,7 @@ OPTICS := server/optics/brdf.c \
     server/optics/ordinates.c \
     server/optics/transport.c \
     server/optics/watermontecarlo.c \
+    server/optics/waterkernel.c \
     server/optics/watertable.c
 PROTO := proto/fieldset.c \
     proto/registers.c \

@@ -13,7 +13,7 @@
 
 enum { N = PEL_WATER_WAVELENGTHS };
 
-static const char *const order_words[] = { "paper", "2", "all", NULL };
+static const char *const order_words[] = { "all", "2", "paper", NULL };
 
 struct question {
     struct pel_water_body body;
@@ -130,6 +130,8 @@ static enum ctl_exit read_water(struct ctl *ctl, struct pel_water_body *out)
                        "--scattering, --chlorophyll, --jerlov or --name");
     }
     struct pel_water_desc desc = { .chlorophyll_mg_m3 = 0.2,
+                                   .salinity_g_kg = PEL_SALINITY_USUAL,
+                                   .temperature_c = PEL_TEMPERATURE_USUAL,
                                    .depth_m = 1000.0 };
     int jerlov = 0, name = 0;
     enum ctl_exit status = direct ? read_coefficients(ctl, &desc) : CTL_DONE;
@@ -142,6 +144,14 @@ static enum ctl_exit read_water(struct ctl *ctl, struct pel_water_body *out)
     }
     if (status == CTL_DONE) {
         status = choose(ctl, "name", pel_water_name_word, &name);
+    }
+    if (status == CTL_DONE) {
+        status = ctl_number(ctl, "salinity", 0.0, PEL_SALINITY_MAX,
+                            &desc.salinity_g_kg);
+    }
+    if (status == CTL_DONE) {
+        status = ctl_number(ctl, "temperature", PEL_TEMPERATURE_MIN,
+                            PEL_TEMPERATURE_MAX, &desc.temperature_c);
     }
     if (status == CTL_DONE) {
         status = ctl_number(ctl, "depth", PEL_DEPTH_MIN, PEL_DEPTH_MAX,

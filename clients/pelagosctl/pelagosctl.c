@@ -141,6 +141,8 @@ static const struct ctl_option optics_options[] = {
       "Jerlov's type instead: I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C", NULL },
     { 0, "name", "WATER", "tropical, north-atlantic, baltic, harbour instead",
       NULL },
+    { 0, "salinity", "G/KG", "Salinity, 0 to 42 (35)", NULL },
+    { 0, "temperature", "DEGREES", "Celsius, -2 to 40 (15)", NULL },
     { 0, "depth", "METRES", "Depth, 0.1 to 11000 (1000)", NULL },
     { 0, "bottom", "KIND",
       "sand, mud, rock, coral, black (black), or an albedo, or R,G,B", NULL },

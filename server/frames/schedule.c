@@ -64,6 +64,7 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
         .wind_to_rad = s->wind_to_rad,
         .visibility_m = s->visibility_m,
         .water = s->water,
+        .orders = s->water_orders,
     };
 }
 

@@ -98,58 +98,119 @@ void pel_upper_solve(const double *c, const double *v, int n, double *out)
     }
 }
 
-static void rotate(double *a, double *b, int count, double cosine, double sine)
+/* Mirrors by Householder that leave a symmetric m with a diagonal d and beside
+ * it e; the rows of `basis` become the vectors they are written in. */
+static void tridiagonal(double *m, int n, double *d, double *e, double *basis)
 {
-    for (int i = 0; i < count; i++) {
-        double x = a[i], y = b[i];
-        a[i] = cosine * x - sine * y;
-        b[i] = sine * x + cosine * y;
+    double v[PEL_LINEAR_MAX], p[PEL_LINEAR_MAX];
+    for (int k = 0; k + 2 < n; k++) {
+        double square = 0.0, dot = 0.0;
+        for (int i = k + 1; i < n; i++) {
+            v[i] = m[k * n + i];
+            square += v[i] * v[i];
+        }
+        double rest = square - v[k + 1] * v[k + 1];
+        e[k] = v[k + 1];
+        if (rest <= 0.0) {
+            continue;
+        }
+        double alpha = v[k + 1] > 0.0 ? -sqrt(square) : sqrt(square);
+        v[k + 1] -= alpha;
+        double beta = 2.0 / (rest + v[k + 1] * v[k + 1]);
+        e[k] = alpha;
+        for (int i = k + 1; i < n; i++) {
+            double sum = 0.0;
+            for (int j = k + 1; j < n; j++) {
+                sum += m[i * n + j] * v[j];
+            }
+            p[i] = beta * sum;
+            dot += p[i] * v[i];
+        }
+        for (int i = k + 1; i < n; i++) {
+            p[i] -= 0.5 * beta * dot * v[i];
+        }
+        for (int i = k + 1; i < n; i++) {
+            for (int j = k + 1; j < n; j++) {
+                m[i * n + j] -= v[i] * p[j] + p[i] * v[j];
+            }
+        }
+        memset(p, 0, sizeof p);
+        for (int i = k + 1; i < n; i++) {
+            for (int j = 0; j < n; j++) {
+                p[j] += beta * v[i] * basis[i * n + j];
+            }
+        }
+        for (int i = k + 1; i < n; i++) {
+            for (int j = 0; j < n; j++) {
+                basis[i * n + j] -= v[i] * p[j];
+            }
+        }
     }
+    for (int k = 0; k < n; k++) {
+        d[k] = m[k * n + k];
+    }
+    if (n > 1) {
+        e[n - 2] = m[(n - 2) * n + n - 1];
+    }
+    e[n - 1] = 0.0;
 }
 
-/* One rotation that makes m[p][q] vanish; rows of `vectors` turn with it. */
-static void annul(double *m, int n, int p, int q, double *vectors)
+/* One sweep of implicitly shifted QL over l..last. */
+static void sweep(double *d, double *e, int n, int l, int last, double *basis)
 {
-    double apq = m[p * n + q];
-    double theta = (m[q * n + q] - m[p * n + p]) / (2.0 * apq);
-    double t = 1.0 / (fabs(theta) + sqrt(theta * theta + 1.0));
-    t = theta < 0.0 ? -t : t;
-    double cosine = 1.0 / sqrt(t * t + 1.0), sine = t * cosine;
-    double app = m[p * n + p] - t * apq, aqq = m[q * n + q] + t * apq;
-    rotate(m + p * n, m + q * n, n, cosine, sine);
-    for (int i = 0; i < n; i++) {
-        m[i * n + p] = m[p * n + i];
-        m[i * n + q] = m[q * n + i];
+    double g = (d[l + 1] - d[l]) / (2.0 * e[l]);
+    double sine = 1.0, cosine = 1.0, moved = 0.0;
+    g = d[last] - d[l] + e[l] / (g + copysign(sqrt(g * g + 1.0), g));
+    for (int i = last - 1; i >= l; i--) {
+        double f = sine * e[i], b = cosine * e[i], r = hypot(f, g);
+        e[i + 1] = r;
+        if (r == 0.0) {
+            d[i + 1] -= moved;
+            e[last] = 0.0;
+            return;
+        }
+        sine = f / r;
+        cosine = g / r;
+        g = d[i + 1] - moved;
+        r = (d[i] - g) * sine + 2.0 * cosine * b;
+        moved = sine * r;
+        d[i + 1] = g + moved;
+        g = cosine * r - b;
+        double *x = basis + i * n, *y = x + n;
+        for (int j = 0; j < n; j++) {
+            double old = x[j];
+            x[j] = cosine * old - sine * y[j];
+            y[j] = sine * old + cosine * y[j];
+        }
     }
-    m[p * n + p] = app;
-    m[q * n + q] = aqq;
-    m[p * n + q] = m[q * n + p] = 0.0;
-    rotate(vectors + p * n, vectors + q * n, n, cosine, sine);
+    d[l] -= moved;
+    e[l] = g;
+    e[last] = 0.0;
 }
 
 void pel_symmetric_eigen(double *m, int n, double *values, double *vectors)
 {
+    double e[PEL_LINEAR_MAX];
     memset(vectors, 0, (size_t)(n * n) * sizeof *vectors);
     for (int i = 0; i < n; i++) {
         vectors[i * n + i] = 1.0;
     }
-    for (int sweep = 0; sweep < 30; sweep++) {
-        int turned = 0;
-        for (int p = 0; p < n; p++) {
-            for (int q = p + 1; q < n; q++) {
-                double scale = sqrt(fabs(m[p * n + p] * m[q * n + q]));
-                if (fabs(m[p * n + q]) > 1e-15 * scale + 1e-300) {
-                    annul(m, n, p, q, vectors);
-                    turned++;
-                }
+    tridiagonal(m, n, values, e, vectors);
+    for (int l = 0; l < n; l++) {
+        for (int tries = 0; tries < 60; tries++) {
+            int last = l;
+            while (last + 1 < n &&
+                   fabs(e[last]) >
+                       1e-16 * (fabs(values[last]) + fabs(values[last + 1]))) {
+                last++;
             }
-        }
-        if (!turned) {
-            break;
+            if (last == l) {
+                break;
+            }
+            sweep(values, e, n, l, last, vectors);
         }
     }
     for (int i = 0; i < n; i++) {
-        values[i] = m[i * n + i];
         for (int j = 0; j < i; j++) {
             double x = vectors[i * n + j];
             vectors[i * n + j] = vectors[j * n + i];
@@ -167,7 +228,7 @@ static void swap_rows(double *m, int n, int a, int b)
     }
 }
 
-void pel_lu_solve(double *m, int n, int *pivot, double *right)
+void pel_lu_factor(double *m, int n, int *pivot)
 {
     for (int k = 0; k < n; k++) {
         int best = k;
@@ -177,21 +238,33 @@ void pel_lu_solve(double *m, int n, int *pivot, double *right)
         pivot[k] = best;
         if (best != k) {
             swap_rows(m, n, k, best);
-            double x = right[k];
-            right[k] = right[best];
-            right[best] = x;
         }
         double inverse = m[k * n + k] != 0.0 ? 1.0 / m[k * n + k] : 0.0;
         for (int i = k + 1; i < n; i++) {
-            double f = m[i * n + k] * inverse;
+            double f = m[i * n + k] *= inverse;
             if (f == 0.0) {
                 continue;
             }
             for (int j = k + 1; j < n; j++) {
                 m[i * n + j] -= f * m[k * n + j];
             }
-            right[i] -= f * right[k];
         }
+    }
+}
+
+void pel_lu_apply(const double *m, int n, const int *pivot, double *right)
+{
+    for (int k = 0; k < n; k++) {
+        double x = right[pivot[k]];
+        right[pivot[k]] = right[k];
+        right[k] = x;
+    }
+    for (int i = 0; i < n; i++) {
+        double s = right[i];
+        for (int j = 0; j < i; j++) {
+            s -= m[i * n + j] * right[j];
+        }
+        right[i] = s;
     }
     for (int i = n - 1; i >= 0; i--) {
         double s = right[i];
@@ -200,4 +273,10 @@ void pel_lu_solve(double *m, int n, int *pivot, double *right)
         }
         right[i] = m[i * n + i] != 0.0 ? s / m[i * n + i] : 0.0;
     }
+}
+
+void pel_lu_solve(double *m, int n, int *pivot, double *right)
+{
+    pel_lu_factor(m, n, pivot);
+    pel_lu_apply(m, n, pivot, right);
 }

@@ -20,8 +20,14 @@ void pel_lower_times(const double *c, const double *v, int n, double *out);
 void pel_upper_solve(const double *c, const double *v, int n, double *out);
 
 /* Eigenvalues and, as columns, eigenvectors of a symmetric m, which is
- * destroyed: Jacobi's rotations. */
+ * destroyed: Householder's mirrors, then implicit QL. */
 void pel_symmetric_eigen(double *m, int n, double *values, double *vectors);
+
+/* Overwrites m with its triangular factors and the row that each step put
+ * first; n up to 2 PEL_LINEAR_MAX. pel_lu_apply then solves m x = right in
+ * place, for any number of right sides. */
+void pel_lu_factor(double *m, int n, int *pivot);
+void pel_lu_apply(const double *m, int n, const int *pivot, double *right);
 
 /* Solves m x = right in place by elimination with partial pivots; n up to
  * 2 PEL_LINEAR_MAX. m is destroyed, pivot is room for n. */

@@ -123,12 +123,18 @@ static double peak(const struct pel_ordinates *o, double g)
     return pow(g, o->terms);
 }
 
+double pel_ordinates_extinction(const struct pel_ordinates *o,
+                                const struct pel_medium *medium)
+{
+    return medium->absorption +
+           medium->scattering * (1.0 - peak(o, medium->asymmetry));
+}
+
 double pel_ordinates_single(const struct pel_ordinates *o,
                             const struct pel_medium *medium, double beam,
                             double sun_mu, double view_mu, double scatter_nu)
 {
-    double c = medium->absorption +
-               medium->scattering * (1.0 - peak(o, medium->asymmetry));
+    double c = pel_ordinates_extinction(o, medium);
     double rate = c * (1.0 / sun_mu + 1.0 / view_mu);
     return beam * medium->scattering *
            pel_hg_phase(scatter_nu, medium->asymmetry) *
@@ -462,4 +468,207 @@ void pel_ordinates_solve(struct pel_ordinates *o,
                     : 0;
         *modes = p.mode + 1;
     }
+}
+
+#define BEAMS PEL_ORDINATES_BEAMS
+
+/* What the beams and views of a response share in one mode. */
+struct response {
+    int beams;
+    double rate[BEAMS];               /* 1 / μ, off every eigenvalue */
+    double sum[BEAMS][N_MAX];         /* beam_sum and beam_difference */
+    double difference[BEAMS][N_MAX];  /* of each beam */
+    double total_s[BEAMS][N_MAX];     /* at the nodes, halved */
+    double total_d[BEAMS][N_MAX];     /* */
+    double view_s[BEAMS][N_MAX];      /* eigenmodes' source at a view */
+    double view_d[BEAMS][N_MAX];      /* */
+    double beam_source[BEAMS][BEAMS]; /* [beam][view], the beams' own */
+    double top[BEAMS][N_MAX];         /* [view][eigenmode] */
+    double bottom[BEAMS][N_MAX];      /* */
+    double right[2 * N_MAX];
+};
+
+static void respond_beams(struct pel_ordinates *o, struct problem *p,
+                          const double *mu, struct response *r)
+{
+    int n = o->n;
+    for (int b = 0; b < r->beams; b++) {
+        p->sun_mu = mu[b];
+        p->rate = 1.0 / mu[b];
+        leave_resonance(o, p);
+        beam_modes(o, p);
+        r->rate[b] = p->rate;
+        memcpy(r->sum[b], o->beam_sum, (size_t)n * sizeof(double));
+        memcpy(r->difference[b], o->beam_difference,
+               (size_t)n * sizeof(double));
+        for (int i = 0; i < n; i++) {
+            double s = 0.0, d = 0.0;
+            for (int j = 0; j < n; j++) {
+                s += o->sum[i * n + j] * o->beam_sum[j];
+                d += o->difference[i * n + j] * o->beam_difference[j];
+            }
+            r->total_s[b][i] = 0.5 * s;
+            r->total_d[b][i] = 0.5 * d;
+        }
+    }
+}
+
+/* Sources of eigenmodes and beams towards each view; uses up `even`, `odd`. */
+static void respond_views(struct pel_ordinates *o, const struct problem *p,
+                          const double *mu, struct response *r)
+{
+    int n = o->n;
+    for (int v = 0; v < r->beams; v++) {
+        double at_view[N_MAX], weight_s[N_MAX], weight_d[N_MAX];
+        legendre(p->mode, o->terms, mu[v], at_view, 1);
+        for (int i = 0; i < n; i++) {
+            double sum[2] = { 0.0, 0.0 };
+            for (int l = p->mode; l < o->terms; l++) {
+                sum[(l + p->mode) & 1] +=
+                    o->moment[l] * at_view[l] * o->legendre[l][i];
+            }
+            weight_s[i] = o->weight[i] * sum[0];
+            weight_d[i] = o->weight[i] * sum[1];
+        }
+        memset(r->view_s[v], 0, sizeof r->view_s[v]);
+        memset(r->view_d[v], 0, sizeof r->view_d[v]);
+        for (int i = 0; i < n; i++) {
+            for (int j = 0; j < n; j++) {
+                r->view_s[v][j] += weight_s[i] * o->sum[i * n + j];
+                r->view_d[v][j] += weight_d[i] * o->difference[i * n + j];
+            }
+        }
+        for (int b = 0; b < r->beams; b++) {
+            double source = 0.0;
+            for (int j = 0; j < n; j++) {
+                source += r->view_s[v][j] * r->sum[b][j] +
+                          r->view_d[v][j] * r->difference[b][j];
+            }
+            r->beam_source[b][v] = source;
+        }
+    }
+}
+
+/* Right side for one beam, as boundary_right without a sky. */
+static void respond_right(const struct pel_ordinates *o,
+                          const struct problem *p, double albedo, double mu,
+                          const struct response *from, int beam, double *right)
+{
+    int n = o->n;
+    double e = exp(-from->rate[beam] * p->tau), down = 0.0;
+    for (int i = 0; i < n; i++) {
+        double s = from->total_s[beam][i], d = from->total_d[beam][i];
+        double r = o->reflected[i];
+        right[i] = -((1.0 - r) * s - (1.0 + r) * d);
+        right[n + i] = -e * (s + d);
+        down += 2.0 * o->weight[i] * o->mu[i] * e * (s - d);
+    }
+    if (p->mode == 0) {
+        down += mu * exp(-p->tau / mu) / PEL_PI;
+        for (int i = 0; i < n; i++) {
+            right[n + i] += albedo * down;
+        }
+    }
+}
+
+/* What a bottom, equally bright everywhere, sends up. */
+static double respond_bottom(const struct pel_ordinates *o,
+                             const struct problem *p,
+                             const struct response *from, int beam,
+                             const double *right)
+{
+    int n = o->n;
+    const double *a = right, *b = right + n;
+    double e_beam = exp(-from->rate[beam] * p->tau), up = 0.0;
+    for (int j = 0; j < n; j++) {
+        double k = o->k[j], e = exp(-k * p->tau);
+        up +=
+            0.5 * o->sum[j] * (a[j] * e + b[j] + from->sum[beam][j] * e_beam) +
+            0.5 * o->difference[j] *
+                (k * (b[j] - a[j] * e) + from->difference[beam][j] * e_beam);
+    }
+    return up;
+}
+
+/* Every beam to every view at one depth: out[beam][view]. */
+static void respond(struct pel_ordinates *o, const struct problem *p,
+                    double albedo, const double *mu, struct response *r,
+                    double *out)
+{
+    int n = o->n;
+    for (int v = 0; v < r->beams; v++) {
+        for (int j = 0; j < n; j++) {
+            double k = o->k[j];
+            double s = r->view_s[v][j], d = k * r->view_d[v][j];
+            r->top[v][j] = (s - d) * -expm1(-p->tau * (k + 1.0 / mu[v])) /
+                           (1.0 + k * mu[v]);
+            r->bottom[v][j] = (s + d) * from_below(k, mu[v], p->tau);
+        }
+    }
+    boundary_matrix(o, p, albedo);
+    pel_lu_factor(o->matrix, 2 * n, o->pivot);
+    for (int b = 0; b < r->beams; b++) {
+        respond_right(o, p, albedo, mu[b], r, b, r->right);
+        pel_lu_apply(o->matrix, 2 * n, o->pivot, r->right);
+        double up = p->mode == 0 && albedo > 0.0
+                        ? respond_bottom(o, p, r, b, r->right)
+                        : 0.0;
+        for (int v = 0; v < r->beams; v++) {
+            double total = 0.0, rate = r->rate[b];
+            for (int j = 0; j < n; j++) {
+                total += r->right[j] * r->top[v][j] +
+                         r->right[n + j] * r->bottom[v][j];
+            }
+            total += r->beam_source[b][v] *
+                     -expm1(-p->tau * (rate + 1.0 / mu[v])) /
+                     (1.0 + rate * mu[v]);
+            out[b * r->beams + v] =
+                0.5 * p->omega * total + up * exp(-p->tau / mu[v]);
+        }
+    }
+}
+
+enum pel_err pel_ordinates_respond(struct pel_ordinates *o,
+                                   const struct pel_medium *medium,
+                                   const double *depths, int levels,
+                                   const double *mu, int beams, int modes,
+                                   double *dark, double *bottom)
+{
+    struct response *r = malloc(sizeof *r);
+    if (!r) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    struct problem p = { .beam = 1.0 };
+    struct pel_medium unit = *medium;
+    unit.depth_m = 1.0;
+    scale(o, &unit, &p);
+    double extinction = p.tau, first = 0.0;
+    int block = beams * beams, quiet = 0;
+    r->beams = beams;
+    memset(dark, 0, (size_t)(levels * modes * block) * sizeof *dark);
+    memset(bottom, 0, (size_t)(levels * block) * sizeof *bottom);
+    for (p.mode = 0; p.mode < modes && p.mode < o->terms && quiet < 2;
+         p.mode++) {
+        double most = 0.0;
+        eigenmodes(o, &p);
+        respond_beams(o, &p, mu, r);
+        respond_views(o, &p, mu, r);
+        for (int i = 0; i < levels; i++) {
+            double *to = dark + (i * modes + p.mode) * block;
+            p.tau = extinction * depths[i];
+            respond(o, &p, 0.0, mu, r, to);
+            most = fmax(most, largest(to, block));
+            if (p.mode == 0 && p.albedo > 0.0) {
+                double *lit = bottom + i * block;
+                respond(o, &p, p.albedo, mu, r, lit);
+                for (int k = 0; k < block; k++) {
+                    lit[k] -= to[k];
+                }
+            }
+        }
+        first = p.mode == 0 ? most : first;
+        quiet = most < o->tolerance * first ? quiet + 1 : 0;
+    }
+    free(r);
+    return PEL_OK;
 }

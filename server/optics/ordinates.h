@@ -52,6 +52,24 @@ void pel_ordinates_solve(struct pel_ordinates *o,
                          const double *view_mu, int views, double *out,
                          int *modes, double *dark_bottom);
 
+/* The answer of the water to sunbeams of zenith cosines mu (in the water, of
+ * what has come through the surface; irradiance 1 normal to the beam), seen in
+ * the same directions, at several depths (medium->depth_m is not read): modes
+ * of the radiance going up just below the surface without single scattering,
+ * over a black bottom dark[levels][modes][beams][views], and what the bottom
+ * adds, which is the same all around, bottom[levels][beams][views]. A depth
+ * costs a tenth of the first. beams 1..PEL_ORDINATES_BEAMS. NO_MEMORY. */
+#define PEL_ORDINATES_BEAMS 16
+PEL_CHECK enum pel_err
+pel_ordinates_respond(struct pel_ordinates *o, const struct pel_medium *medium,
+                      const double *depths, int levels, const double *mu,
+                      int beams, int modes, double *dark, double *bottom);
+
+/* The scaled extinction of a medium [1/m]: the forward peak that the solver
+ * takes as not scattered left out. */
+double pel_ordinates_extinction(const struct pel_ordinates *o,
+                                const struct pel_medium *medium);
+
 /* Single scattering of the Sun with the true phase function and the scaled
  * extinction, below the surface: what pel_ordinates_solve leaves out. */
 double pel_ordinates_single(const struct pel_ordinates *o,

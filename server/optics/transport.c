@@ -165,10 +165,8 @@ static double decayed_slope(double s, double x, double d)
                     : (-expm1(-u) - u * exp(-u)) / (t * t);
 }
 
-/* ∫₀^{z_d} G(z) first_path(z, μ) dz: the depth integral of I eq. 6 along the
- * line of sight, in closed form [m²]. */
-static double second_path(const struct pel_medium *m, double sun_mu,
-                          double view_mu, double mu)
+double pel_transport_second_path(const struct pel_medium *m, double sun_mu,
+                                 double view_mu, double mu)
 {
     double c = extinction(m), d = m->depth_m;
     double s = c * (1.0 / view_mu + 1.0 / sun_mu);
@@ -238,7 +236,7 @@ double pel_transport_second(const struct pel_medium *m,
             double down = side * mu[i];
             sum += weight[i] *
                    azimuth_sum(&f, &d, m->asymmetry, down, circle, AZIMUTHS) *
-                   second_path(m, f.sun_mu, f.view_mu, down);
+                   pel_transport_second_path(m, f.sun_mu, f.view_mu, down);
         }
     }
     return f.leaving * f.beam * m->scattering * m->scattering * sum / f.view_mu;

@@ -82,6 +82,12 @@ double pel_transport_single(const struct pel_medium *medium,
 double pel_transport_first_path(const struct pel_medium *medium, double sun_mu,
                                 double depth_m, double mu);
 
+/* The depth integral of I eq. 6 for light that was scattered into zenith
+ * cosine mu: attenuation towards the view times first_path, in closed form
+ * [m²]. */
+double pel_transport_second_path(const struct pel_medium *medium, double sun_mu,
+                                 double view_mu, double mu);
+
 /* Second order, I eq. 6–8, full extinction: quadrature over directions, in
  * closed form over depth. About 2 ms, good to 1e-4. */
 double pel_transport_second(const struct pel_medium *medium,
@@ -98,10 +104,11 @@ double pel_transport_bottom(const struct pel_medium *medium,
                             const struct pel_geometry *geometry);
 
 enum pel_water_orders {
-    PEL_ORDERS_PAPER, /* single with reduced extinction, second with full */
-    PEL_ORDERS_TWO,   /* both with full extinction */
     PEL_ORDERS_ALL,   /* every order, internal reflection, light to and from
                          the bottom scattered on its way */
+    PEL_ORDERS_TWO,   /* single and second, both with full extinction */
+    PEL_ORDERS_PAPER, /* single with reduced extinction, second with full */
+    PEL_ORDERS_COUNT,
 };
 
 struct pel_leaving {

@@ -55,10 +55,19 @@ static const enum pel_jerlov named[PEL_WATER_HARBOUR] = {
     [PEL_WATER_BALTIC] = PEL_JERLOV_3C,
 };
 
-/* Sea water: Morel 1974, 1/m. Half of it goes back. */
-static double molecular_scattering(int i)
+/* Morel 1974, 1/m, whose sea water scatters 1.3 times as much as pure water;
+ * in proportion to its salt (Boss and Pegau 2001). Half of it goes back. */
+static double molecular_scattering(double salinity, int i)
 {
-    return 0.00288 * pow(500.0 / pel_water_wavelength_nm[i], 4.32);
+    return 0.00288 / 1.3 * (1.0 + 0.3 * salinity / 37.0) *
+           pow(500.0 / pel_water_wavelength_nm[i], 4.32);
+}
+
+double pel_water_index(double s, double t, double nm)
+{
+    return 1.31405 + (1.779e-4 - 1.05e-6 * t + 1.6e-8 * t * t) * s -
+           2.02e-6 * t * t + (15.868 + 0.01155 * s - 0.00423 * t) / nm -
+           4382.0 / (nm * nm) + 1.1455e6 / (nm * nm * nm);
 }
 
 /* Particles: b = 0.30 C^0.62 · 550/λ (Gordon and Morel 1983). */
@@ -67,11 +76,11 @@ static double particle_scattering(double c, int i)
     return 0.30 * pow(c, 0.62) * 550.0 / pel_water_wavelength_nm[i];
 }
 
-struct pel_case1 pel_water_case1(double chlorophyll, int i)
+struct pel_case1 pel_water_case1(double chlorophyll, double salinity, int i)
 {
     double c = pel_clamp(chlorophyll, PEL_CHLOROPHYLL_MIN, PEL_CHLOROPHYLL_MAX);
     double nm = pel_water_wavelength_nm[i];
-    double water = molecular_scattering(i);
+    double water = molecular_scattering(salinity, i);
     double particles = particle_scattering(c, i);
     /* b_b/b of particles at 550 nm, and its fall: Morel 1988. */
     double back =
@@ -103,13 +112,13 @@ double pel_kirk_attenuation(double a, double b)
 }
 
 /* The chlorophyll of Case 1 water that is as clear at 550 nm. */
-static double chlorophyll_like(enum pel_jerlov type)
+static double chlorophyll_like(enum pel_jerlov type, double salinity)
 {
     double low = log(PEL_CHLOROPHYLL_MIN), high = log(PEL_CHLOROPHYLL_MAX);
     double wanted = pel_jerlov_attenuation(type, 1);
     for (int n = 0; n < 50; n++) {
         double middle = 0.5 * (low + high);
-        struct pel_case1 w = pel_water_case1(exp(middle), 1);
+        struct pel_case1 w = pel_water_case1(exp(middle), salinity, 1);
         if (pel_kirk_attenuation(w.absorption, w.scattering) < wanted) {
             low = middle;
         } else {
@@ -130,24 +139,25 @@ static double asymmetry(double back_fraction)
     return pel_hg_asymmetry(cos(140.0 * PEL_DEG), phase);
 }
 
-static double mixed_asymmetry(int i, double particles, double back)
+static double mixed_asymmetry(double water, double particles, double back)
 {
-    double water = molecular_scattering(i);
     return asymmetry((0.5 * water + back * particles) / (water + particles));
 }
 
 /* Scattering of the Case 1 water that is as clear in the green; absorption
  * such that Kirk's K_d is Jerlov's, but never less than pure water's. */
-static void resolve_jerlov(enum pel_jerlov type, struct pel_water_body *out)
+static void resolve_jerlov(enum pel_jerlov type, double salinity,
+                           struct pel_water_body *out)
 {
-    double c = chlorophyll_like(type);
+    double c = chlorophyll_like(type, salinity);
     for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
         double particles = particle_scattering(c, i);
-        double b = particles + molecular_scattering(i);
+        double water = molecular_scattering(salinity, i);
+        double b = particles + water;
         double k = pel_jerlov_attenuation(type, i), half = 0.5 * KIRK * b;
         out->absorption[i] = fmax(sqrt(k * k + half * half) - half, a_water[i]);
         out->scattering[i] = b;
-        out->asymmetry[i] = mixed_asymmetry(i, particles, PARTICLE_BACK);
+        out->asymmetry[i] = mixed_asymmetry(water, particles, PARTICLE_BACK);
     }
 }
 
@@ -163,10 +173,11 @@ static void resolve_harbour(struct pel_water_body *out)
     }
 }
 
-static void resolve_case1(double chlorophyll, struct pel_water_body *out)
+static void resolve_case1(double chlorophyll, double salinity,
+                          struct pel_water_body *out)
 {
     for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
-        struct pel_case1 w = pel_water_case1(chlorophyll, i);
+        struct pel_case1 w = pel_water_case1(chlorophyll, salinity, i);
         out->absorption[i] = w.absorption;
         out->scattering[i] = w.scattering;
         out->asymmetry[i] = asymmetry(w.backscattering / w.scattering);
@@ -187,17 +198,17 @@ static enum pel_err resolve_water(const struct pel_water_desc *desc,
                                   struct pel_water_body *out,
                                   struct pel_fault *fault)
 {
-    double c = desc->chlorophyll_mg_m3;
+    double c = desc->chlorophyll_mg_m3, salinity = desc->salinity_g_kg;
     switch (desc->kind) {
     case PEL_WATER_CHLOROPHYLL:
-        resolve_case1(c, out);
+        resolve_case1(c, salinity, out);
         return pel_optics_check("chlorophyll", "mg/m3", c, PEL_CHLOROPHYLL_MIN,
                                 PEL_CHLOROPHYLL_MAX, fault);
     case PEL_WATER_JERLOV:
         if ((unsigned)desc->jerlov >= PEL_JERLOV_COUNT) {
             return unknown("jerlov", (int)desc->jerlov, fault);
         }
-        resolve_jerlov(desc->jerlov, out);
+        resolve_jerlov(desc->jerlov, salinity, out);
         return PEL_OK;
     case PEL_WATER_NAMED:
         if ((unsigned)desc->name >= PEL_WATER_NAME_COUNT) {
@@ -206,7 +217,7 @@ static enum pel_err resolve_water(const struct pel_water_desc *desc,
         if (desc->name == PEL_WATER_HARBOUR) {
             resolve_harbour(out);
         } else {
-            resolve_jerlov(named[desc->name], out);
+            resolve_jerlov(named[desc->name], salinity, out);
         }
         return PEL_OK;
     case PEL_WATER_COEFFICIENTS:
@@ -224,8 +235,21 @@ enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
                                struct pel_water_body *out,
                                struct pel_fault *fault)
 {
-    struct pel_water_body body = { .depth_m = desc->depth_m };
-    enum pel_err err = resolve_water(desc, &body, fault);
+    enum pel_err err = pel_optics_check("salinity", "g/kg", desc->salinity_g_kg,
+                                        0.0, PEL_SALINITY_MAX, fault);
+    if (!err) {
+        err = pel_optics_check("temperature", "degC", desc->temperature_c,
+                               PEL_TEMPERATURE_MIN, PEL_TEMPERATURE_MAX, fault);
+    }
+    if (err) {
+        return err;
+    }
+    struct pel_water_body body = {
+        .depth_m = desc->depth_m,
+        .index = pel_water_index(desc->salinity_g_kg, desc->temperature_c,
+                                 pel_water_wavelength_nm[1]),
+    };
+    err = resolve_water(desc, &body, fault);
     if (err) {
         return err;
     }
@@ -248,8 +272,12 @@ enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
 
 struct pel_water_body pel_water_deep(double chlorophyll)
 {
-    struct pel_water_body body = { .depth_m = 1000.0 };
-    resolve_case1(chlorophyll, &body);
+    struct pel_water_body body = {
+        .depth_m = 1000.0,
+        .index = pel_water_index(PEL_SALINITY_USUAL, PEL_TEMPERATURE_USUAL,
+                                 pel_water_wavelength_nm[1]),
+    };
+    resolve_case1(chlorophyll, PEL_SALINITY_USUAL, &body);
     return body;
 }
 

@@ -53,6 +53,11 @@ enum pel_bottom {
 
 #define PEL_CHLOROPHYLL_MIN 0.01
 #define PEL_CHLOROPHYLL_MAX 30.0
+#define PEL_SALINITY_MAX 42.0
+#define PEL_TEMPERATURE_MIN -2.0
+#define PEL_TEMPERATURE_MAX 40.0
+#define PEL_SALINITY_USUAL 35.0 /* where nobody says another */
+#define PEL_TEMPERATURE_USUAL 15.0
 
 struct pel_water_desc {
     enum pel_water_kind kind;
@@ -62,7 +67,9 @@ struct pel_water_desc {
     double absorption[PEL_WATER_WAVELENGTHS]; /* 1/m; ranges of transport.h */
     double scattering[PEL_WATER_WAVELENGTHS]; /* 1/m */
     double asymmetry[PEL_WATER_WAVELENGTHS];
-    double depth_m; /* PEL_DEPTH_MIN..MAX */
+    double salinity_g_kg; /* 0..PEL_SALINITY_MAX */
+    double temperature_c; /* PEL_TEMPERATURE_MIN..MAX */
+    double depth_m;       /* PEL_DEPTH_MIN..MAX */
     enum pel_bottom bottom;
     double albedo[PEL_WATER_WAVELENGTHS]; /* with PEL_BOTTOM_ALBEDO, 0..1 */
 };
@@ -74,6 +81,7 @@ struct pel_water_body {
     double asymmetry[PEL_WATER_WAVELENGTHS];
     double albedo[PEL_WATER_WAVELENGTHS];
     double depth_m;
+    double index; /* of refraction, at 550 nm */
 };
 
 /* Case 1 water of a chlorophyll concentration (clamped to its range) at
@@ -81,7 +89,12 @@ struct pel_water_body {
 struct pel_case1 {
     double absorption, scattering, backscattering;
 };
-struct pel_case1 pel_water_case1(double chlorophyll_mg_m3, int i);
+struct pel_case1 pel_water_case1(double chlorophyll_mg_m3, double salinity_g_kg,
+                                 int i);
+
+/* Refractive index of sea water at a wavelength: Quan and Fry 1995, eq. 3. */
+double pel_water_index(double salinity_g_kg, double temperature_c,
+                       double wavelength_nm);
 
 /* Attenuation of downward irradiance of a Jerlov type at wavelength i [1/m]:
  * Jerlov 1976, table XXVII, linear between its wavelengths. */

@@ -11,6 +11,8 @@ static struct pel_water_body resolved(struct pel_water_desc desc)
     struct pel_water_body body;
     struct pel_fault fault = { 0 };
     desc.depth_m = desc.depth_m > 0.0 ? desc.depth_m : 100.0;
+    desc.salinity_g_kg = PEL_SALINITY_USUAL;
+    desc.temperature_c = PEL_TEMPERATURE_USUAL;
     assert_int_equal(pel_water_resolve(&desc, &body, &fault), PEL_OK);
     return body;
 }
@@ -32,13 +34,13 @@ static void test_case1(void **state)
         struct pel_water_body w =
             resolved((struct pel_water_desc){ .chlorophyll_mg_m3 = c });
         for (int i = 0; i < 3; i++) {
-            struct pel_case1 from = pel_water_case1(c, i);
+            struct pel_case1 from = pel_water_case1(c, PEL_SALINITY_USUAL, i);
             assert_near(w.absorption[i], from.absorption, 1e-15);
             assert_near(w.scattering[i], from.scattering, 1e-15);
             assert_near(backscattering(&w, i), from.backscattering, 1e-7);
         }
     }
-    struct pel_case1 one = pel_water_case1(1.0, 1);
+    struct pel_case1 one = pel_water_case1(1.0, PEL_SALINITY_USUAL, 1);
     /* 0.0565 + 0.0070 + 0.2 (0.00635 + 0.0378) e^(−1.54) */
     assert_near(one.absorption, 0.06539, 1e-5);
     /* 0.00288 (500/550)^4.32 + 0.30 */
@@ -118,6 +120,16 @@ static void test_refusals(void **state)
                      PEL_ERR_OUT_OF_RANGE);
     assert_string_equal(fault.path, "depth");
     desc.depth_m = 10.0;
+    desc.salinity_g_kg = 43.0;
+    assert_int_equal(pel_water_resolve(&desc, &body, &fault),
+                     PEL_ERR_OUT_OF_RANGE);
+    assert_string_equal(fault.path, "salinity");
+    desc.salinity_g_kg = 0.0;
+    desc.temperature_c = -3.0;
+    assert_int_equal(pel_water_resolve(&desc, &body, &fault),
+                     PEL_ERR_OUT_OF_RANGE);
+    assert_string_equal(fault.path, "temperature");
+    desc.temperature_c = 0.0;
     desc.bottom = (enum pel_bottom)99;
     assert_int_equal(pel_water_resolve(&desc, &body, NULL), PEL_ERR_INVALID);
     desc.bottom = PEL_BOTTOM_ALBEDO;
@@ -138,10 +150,26 @@ static void test_refusals(void **state)
     assert_string_equal(fault.path, "absorption");
 }
 
+/* Salt scatters and refracts: Morel's 1.30 between pure and ocean water; pure
+ * water at 20 °C has 1.3330 at the sodium line and sea water at 20 °C and
+ * 35 g/kg 1.3394 (Austin and Halikas 1976, which the fit holds to 1.5e-4). */
+static void test_salt(void **state)
+{
+    (void)state;
+    struct pel_case1 fresh = pel_water_case1(0.01, 0.0, 2);
+    struct pel_case1 salt = pel_water_case1(0.01, 37.0, 2);
+    double particles = 0.30 * pow(0.01, 0.62) * 550.0 / 440.0;
+    assert_near((salt.scattering - particles) / (fresh.scattering - particles),
+                1.3, 1e-9);
+    assert_near(pel_water_index(0.0, 20.0, 589.3), 1.3330, 2e-4);
+    assert_near(pel_water_index(35.0, 20.0, 589.3), 1.3394, 2e-4);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_case1),
+        cmocka_unit_test(test_salt),
         cmocka_unit_test(test_jerlov),
         cmocka_unit_test(test_names),
         cmocka_unit_test(test_refusals),

@@ -224,7 +224,7 @@ static void test_bounds(void **state)
  * through t = 0.96, r = 0.48 (Mobley 1994, sec. 4.2). */
 static double formula(double chlorophyll, int i, double e)
 {
-    struct pel_case1 w = pel_water_case1(chlorophyll, i);
+    struct pel_case1 w = pel_water_case1(chlorophyll, PEL_SALINITY_USUAL, i);
     double r = 0.33 * w.backscattering / w.absorption;
     return e * 0.96 * r / (PEL_PI * 1.34 * 1.34 * (1.0 - 0.48 * r));
 }
@@ -266,6 +266,7 @@ static void test_against_morel_and_prieur(void **state)
     static struct pel_water_table table;
     for (double c = 0.03; c < 10.0; c *= 3.0) {
         struct pel_water_desc desc = { .chlorophyll_mg_m3 = c,
+                                       .salinity_g_kg = PEL_SALINITY_USUAL,
                                        .depth_m = 1000.0 };
         struct pel_water_body body;
         assert_int_equal(pel_water_resolve(&desc, &body, NULL), 0);

@@ -43,6 +43,7 @@ struct pel_environment {
     double wind_mps, wind_to_rad;
     double visibility_m;
     struct pel_water_body water;
+    enum pel_water_orders orders;
     /* Depths to have the water's light for, over a bottom that is not flat;
      * levels 0: that of `water` alone. */
     struct pel_water_depths depths;

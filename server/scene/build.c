@@ -272,7 +272,8 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
 
 static void place_water(const Pelagos__Water *from, struct pel_water_body *to)
 {
-    /* Jerlov's types, names and bottoms are numbered as in the schema. */
+    /* Jerlov's types, names, bottoms and orders are numbered as in the schema.
+     */
     const struct pel_water_desc desc = {
         .kind = from->has_jerlov           ? PEL_WATER_JERLOV
                 : from->has_named          ? PEL_WATER_NAMED
@@ -287,6 +288,8 @@ static void place_water(const Pelagos__Water *from, struct pel_water_body *to)
                         from->scattering_440 },
         .asymmetry = { from->asymmetry_680, from->asymmetry_550,
                        from->asymmetry_440 },
+        .salinity_g_kg = from->salinity,
+        .temperature_c = from->temperature,
         .depth_m = from->depth,
         .bottom = from->has_albedo_680 ? PEL_BOTTOM_ALBEDO
                                        : (enum pel_bottom)from->bottom,
@@ -325,6 +328,7 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     out->wind_mps = state->sea->wind_speed;
     out->wind_to_rad = goes_to(state->sea->wind_direction);
     place_water(state->water, &out->water);
+    out->water_orders = (enum pel_water_orders)state->water->orders;
     out->chlorophyll_mg_m3 = state->water->chlorophyll;
     out->sun_azimuth_fixed = sky->has_sun_azimuth;
     out->sun_elevation_fixed = sky->has_sun_elevation;

@@ -445,6 +445,8 @@ static void water_is_described(void **state)
                 "\"bottom\":\"SAND\"}}");
     struct pel_water_desc desc = { .kind = PEL_WATER_JERLOV,
                                    .jerlov = PEL_JERLOV_3C,
+                                   .salinity_g_kg = PEL_SALINITY_USUAL,
+                                   .temperature_c = PEL_TEMPERATURE_USUAL,
                                    .depth_m = 7.9,
                                    .bottom = PEL_BOTTOM_SAND };
     assert_int_equal(pel_water_resolve(&desc, &wanted, NULL), PEL_OK);

@@ -66,6 +66,7 @@ struct pel_snapshot {
     double sea_level_m;           /* of the sea's zero above altitude 0 */
     double wind_mps, wind_to_rad; /* mathematical direction it blows to */
     struct pel_water_body water;
+    enum pel_water_orders water_orders;
     double chlorophyll_mg_m3; /* the field, whatever describes the water */
     bool sun_azimuth_fixed, sun_elevation_fixed; /* else from the time */
     double sun_azimuth_rad, sun_elevation_rad;   /* where fixed */

@@ -151,6 +151,14 @@ class Water(Record):
     albedo550: float | None = _field(None, '1', 0, 1)
     #: Albedo at 440 nm. [1; 0 to 1]
     albedo440: float | None = _field(None, '1', 0, 1)
+    #: Orders of scattering to draw.
+    #: One of ALL, TWO, PAPER.
+    orders: str = _field('ALL')
+    #: Salinity: the water's own scattering, and with temperature its
+    #: refractive index. [g/kg; 0 to 42]
+    salinity: float = _field(35.0, 'g/kg', 0, 42)
+    #: Temperature. [degC; -2 to 40]
+    temperature: float = _field(15.0, 'degC', -2, 40)
 
 
 @dataclass(frozen=True)
