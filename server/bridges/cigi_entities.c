@@ -227,7 +227,8 @@ static void place_clamped(struct pel_cigi_edit *edit,
         return;
     }
     struct pel_vec2 point = { at.x, at.y };
-    pel_snapshot_surface(edit->snapshot, &point, 1, edit->time_s, &sample);
+    pel_snapshot_surface(edit->snapshot, &point, 1, edit->time_s, false,
+                         &sample);
     e->has_altitude = true;
     e->altitude = sample.height_m + f->height_m;
     e->has_pose_time = true;

@@ -156,7 +156,7 @@ static void clearances(const struct pel_cigi_moment *m, const struct ray *ray,
         points[i].x = ray->from.x + range_m[i] * ray->along.x;
         points[i].y = ray->from.y + range_m[i] * ray->along.y;
     }
-    pel_snapshot_surface(m->snapshot, points, count, m->time_s, samples);
+    pel_snapshot_surface(m->snapshot, points, count, m->time_s, false, samples);
     for (size_t i = 0; i < count; i++) {
         out[i] = ray->from.z + range_m[i] * ray->along.z - samples[i].height_m;
     }
@@ -193,7 +193,8 @@ static void meet(const struct pel_cigi_moment *m, const struct ray *ray,
     out->range_m = far_m;
     out->at = pel_vec3_add(ray->from, pel_vec3_scale(ray->along, far_m));
     struct pel_vec2 point = { out->at.x, out->at.y };
-    pel_snapshot_surface(m->snapshot, &point, 1, m->time_s, &out->sample);
+    pel_snapshot_surface(m->snapshot, &point, 1, m->time_s, false,
+                         &out->sample);
 }
 
 /* The first place where the ray goes from one side of the surface to the
@@ -464,7 +465,7 @@ size_t pel_cigi_answer(const struct pel_cigi_moment *moment,
             sample_of[i] = (int)asked++;
         }
     }
-    pel_snapshot_surface(moment->snapshot, points, asked, moment->time_s,
+    pel_snapshot_surface(moment->snapshot, points, asked, moment->time_s, false,
                          samples);
     sights = sights < MAX_SIGHTS ? sights : MAX_SIGHTS;
     m.sight_steps =

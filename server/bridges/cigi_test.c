@@ -398,7 +398,7 @@ static void a_crest_stands_where_it_was_ordered(void **state)
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
     struct pel_vec2 origin = { 0, 0 };
     struct pel_surface_sample crest;
-    pel_snapshot_surface(s, &origin, 1, 0, &crest);
+    pel_snapshot_surface(s, &origin, 1, 0, false, &crest);
     pel_snapshot_unref(s);
     assert_near(crest.height_m, 4.5, 1e-9);
     begin();

@@ -18,6 +18,7 @@
 #define PEL_MAX_SURFACE_QUERIES 16
 #define PEL_MAX_OPTICS_QUERIES 16
 #define PEL_MAX_SURFACE_POINTS 10000
+#define PEL_MAX_SHOWN 64
 #define PEL_STATS_WINDOW 256
 #define PEL_MOMENTS 16
 
@@ -66,6 +67,13 @@ struct pel_stream {
     int64_t key_ns;          /* when one was last wanted of the encoder */
 };
 
+/* What a frame shows, for questions about it. */
+struct pel_shown {
+    uint64_t number;
+    const struct pel_snapshot *snapshot; /* NULL: none */
+    double time_s;
+};
+
 /* The last PEL_STATS_WINDOW values. */
 struct pel_window {
     float values[PEL_STATS_WINDOW];
@@ -109,6 +117,7 @@ struct pel_frames {
     const char *video_encoder;
     unsigned calling; /* depth of callbacks to subscribers */
     unsigned surface_count;
+    struct pel_shown shown[PEL_MAX_SHOWN]; /* newest first */
     struct pel_surface_query *surfaces[PEL_MAX_SURFACE_QUERIES];
     unsigned optics_count;
     struct pel_optics_query *optics[PEL_MAX_OPTICS_QUERIES];
@@ -164,6 +173,8 @@ void pel_live_deliver(struct pel_frames *frames, uint32_t serial,
 void pel_live_finish(struct pel_frames *frames);
 
 /* --- surface.c ----------------------------------------------------------- */
+/* Remembers what a job shows that begins now. */
+void pel_surface_keep(struct pel_frames *frames, const struct pel_job *job);
 void pel_surface_answer(struct pel_frames *frames,
                         struct pel_surface_query *query);
 void pel_surface_finish_all(struct pel_frames *frames);

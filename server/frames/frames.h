@@ -154,17 +154,27 @@ void pel_frames_resync(struct pel_subscription *subscription, bool urgent);
 /* Asks for a key frame among the others; `urgent` as above. */
 void pel_frames_want_key(struct pel_subscription *subscription, bool urgent);
 
-/* Surface heights off the control thread, from the sea of the present
- * snapshot. points is copied; at most 10,000 and 16 queries waiting. */
+/* What is asked of the surface. */
+struct pel_surface_wish {
+    const struct pel_vec2 *points_m; /* copied */
+    size_t count;                    /* at most 10,000 */
+    bool has_time;                   /* else the clock's */
+    double time_s;
+    bool moving;    /* accelerations too */
+    uint64_t frame; /* 0: the present state; else the surface, and where no time
+                     * is given the moment, of this frame: one of the last 64
+                     * begun that show one of the last two seas */
+};
+
+/* The surface off the control thread. At most 16 queries wait: BUSY;
+ * NOT_FOUND: the frame. */
 typedef void (*pel_surface_callback)(void *user, enum pel_err err,
                                      const struct pel_fault *fault,
                                      double time_s,
                                      const struct pel_surface_sample *samples,
                                      size_t count);
 PEL_CHECK enum pel_err pel_frames_surface(struct pel_frames *frames,
-                                          const struct pel_vec2 *points_m,
-                                          size_t count, bool has_time,
-                                          double time_s,
+                                          const struct pel_surface_wish *wish,
                                           pel_surface_callback done, void *user,
                                           struct pel_fault *fault);
 

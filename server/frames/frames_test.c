@@ -662,14 +662,23 @@ static void take_surface(void *user, enum pel_err err,
     }
 }
 
+static enum pel_err ask_surface(const struct pel_vec2 *points, size_t count,
+                                bool has_time, double time_s,
+                                struct surface *surface)
+{
+    const struct pel_surface_wish wish = { .points_m = points,
+                                           .count = count,
+                                           .has_time = has_time,
+                                           .time_s = time_s };
+    return pel_frames_surface(frames, &wish, take_surface, surface, NULL);
+}
+
 static void surface_queries_are_answered(void **state)
 {
     (void)state;
     struct surface surface = { 0 };
     struct pel_vec2 points[3] = { { 0, 0 }, { 100, -50 }, { 1e6, -1e6 } };
-    assert_int_equal(pel_frames_surface(frames, points, 3, true, 20,
-                                        take_surface, &surface, NULL),
-                     PEL_OK);
+    assert_int_equal(ask_surface(points, 3, true, 20, &surface), PEL_OK);
     points[0].x = 1e9; /* it has its own copy */
     run_until(&surface.calls, 1);
     assert_int_equal(surface.err, PEL_OK);
@@ -680,27 +689,19 @@ static void surface_queries_are_answered(void **state)
     pel_sea_sample(s->sea, 100, -50, 20, &want);
     pel_snapshot_unref(s);
     assert_memory_equal(&want, &surface.samples[1], sizeof want);
-    assert_int_equal(pel_frames_surface(frames, points, 1, false, 0,
-                                        take_surface, &surface, NULL),
+    assert_int_equal(ask_surface(points, 1, false, 0, &surface),
                      PEL_ERR_OUT_OF_RANGE);
     points[0].x = NAN;
-    assert_int_equal(pel_frames_surface(frames, points, 1, false, 0,
-                                        take_surface, &surface, NULL),
+    assert_int_equal(ask_surface(points, 1, false, 0, &surface),
                      PEL_ERR_OUT_OF_RANGE);
-    assert_int_equal(pel_frames_surface(frames, points, 10001, false, 0,
-                                        take_surface, &surface, NULL),
+    assert_int_equal(ask_surface(points, 10001, false, 0, &surface),
                      PEL_ERR_OUT_OF_RANGE);
-    assert_int_equal(pel_frames_surface(frames, points, 0, true, -1,
-                                        take_surface, &surface, NULL),
+    assert_int_equal(ask_surface(points, 0, true, -1, &surface),
                      PEL_ERR_OUT_OF_RANGE);
     for (int i = 0; i < 16; i++) {
-        assert_int_equal(pel_frames_surface(frames, points, 0, false, 0,
-                                            take_surface, &surface, NULL),
-                         PEL_OK);
+        assert_int_equal(ask_surface(points, 0, false, 0, &surface), PEL_OK);
     }
-    assert_int_equal(pel_frames_surface(frames, points, 0, false, 0,
-                                        take_surface, &surface, NULL),
-                     PEL_ERR_BUSY);
+    assert_int_equal(ask_surface(points, 0, false, 0, &surface), PEL_ERR_BUSY);
     run_until(&surface.calls, 17);
 }
 
@@ -743,9 +744,7 @@ static void destroying_answers_what_waits(void **state)
         request.time = i;
         ask(&request, &answers[i]);
     }
-    assert_int_equal(pel_frames_surface(frames, &point, 1, false, 0,
-                                        take_surface, &surface, NULL),
-                     PEL_OK);
+    assert_int_equal(ask_surface(&point, 1, false, 0, &surface), PEL_OK);
     run_until(&answers[0].calls, 1);
     int64_t start = pel_now_ns();
     assert_true(pel_frames_destroy(frames));

@@ -107,6 +107,7 @@ struct pel_surface_query {
     struct pel_mail mail;
     const struct pel_snapshot *snapshot;
     double time_s;
+    bool moving; /* accelerations too */
     size_t count;
     struct pel_vec2 *points;
     struct pel_surface_sample *samples;

@@ -141,7 +141,7 @@ static void answer_surface(struct pel_pool *pool,
         size_t left = query->count - i;
         pel_snapshot_surface(query->snapshot, query->points + i,
                              left < batch ? left : batch, query->time_s,
-                             query->samples + i);
+                             query->moving, query->samples + i);
     }
     pel_mailbox_post(pool->box, &query->mail);
 }

@@ -294,6 +294,7 @@ static void launch(struct pel_frames *frames, struct pel_job *job)
     }
     job->order = ++frames->job_order;
     keep_number(frames, job);
+    pel_surface_keep(frames, job);
     frames->drawing++;
     frames->last_was_live = job->live;
     frames->stats.frames_drawn++;

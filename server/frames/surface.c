@@ -15,22 +15,23 @@ static void query_free(struct pel_surface_query *query)
 }
 
 static enum pel_err check(struct pel_frames *frames,
-                          const struct pel_vec2 *points_m, size_t count,
-                          bool has_time, double time_s, struct pel_fault *fault)
+                          const struct pel_surface_wish *wish,
+                          struct pel_fault *fault)
 {
     if (frames->stopping) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT, "the daemon is stopping");
     }
-    if (count > PEL_MAX_SURFACE_POINTS) {
+    if (wish->count > PEL_MAX_SURFACE_POINTS) {
         return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
-                             "%zu points are more than 10000", count);
+                             "%zu points are more than 10000", wish->count);
     }
-    if (has_time && !(time_s >= 0 && time_s <= 1e9)) {
+    if (wish->has_time && !(wish->time_s >= 0 && wish->time_s <= 1e9)) {
         return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
-                             "time = %g is outside 0 .. 1e+09 s", time_s);
+                             "time = %g is outside 0 .. 1e+09 s", wish->time_s);
     }
-    for (size_t i = 0; i < count; i++) {
-        if (!(fabs(points_m[i].x) <= 1e6 && fabs(points_m[i].y) <= 1e6)) {
+    for (size_t i = 0; i < wish->count; i++) {
+        struct pel_vec2 p = wish->points_m[i];
+        if (!(fabs(p.x) <= 1e6 && fabs(p.y) <= 1e6)) {
             return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
                                  "point %zu is outside -1e6 .. 1e6 m", i);
         }
@@ -42,32 +43,101 @@ static enum pel_err check(struct pel_frames *frames,
     return PEL_OK;
 }
 
+/* --- the moments of frames ------------------------------------------------ */
+
+void pel_surface_keep(struct pel_frames *frames, const struct pel_job *job)
+{
+    const struct pel_sea *seas[2] = { job->snapshot->sea, NULL };
+    struct pel_shown *moments = frames->shown;
+    for (size_t i = 0; i < PEL_MAX_SHOWN; i++) {
+        if (moments[i].snapshot && moments[i].number == job->number) {
+            return; /* another job of the same frame */
+        }
+    }
+    pel_snapshot_unref(moments[PEL_MAX_SHOWN - 1].snapshot);
+    memmove(moments + 1, moments, (PEL_MAX_SHOWN - 1) * sizeof *moments);
+    moments[0] =
+        (struct pel_shown){ job->number, pel_snapshot_ref(job->snapshot),
+                             job->environment.time_s };
+    /* A sea may be large: of each but the newest two every frame goes. */
+    for (size_t i = 1; i < PEL_MAX_SHOWN && moments[i].snapshot; i++) {
+        const struct pel_sea *sea = moments[i].snapshot->sea;
+        seas[1] = seas[1] || sea == seas[0] ? seas[1] : sea;
+        if (sea != seas[0] && sea != seas[1]) {
+            pel_snapshot_unref(moments[i].snapshot);
+            memmove(moments + i, moments + i + 1,
+                    (PEL_MAX_SHOWN - 1 - i) * sizeof *moments);
+            moments[PEL_MAX_SHOWN - 1] = (struct pel_shown){ 0 };
+            i--;
+        }
+    }
+}
+
+static void forget_moments(struct pel_frames *frames)
+{
+    for (size_t i = 0; i < PEL_MAX_SHOWN; i++) {
+        pel_snapshot_unref(frames->shown[i].snapshot);
+        frames->shown[i] = (struct pel_shown){ 0 };
+    }
+}
+
+/* Which snapshot and when: of the frame asked for, or of now. */
+static enum pel_err find_moment(struct pel_frames *frames,
+                                const struct pel_surface_wish *wish,
+                                struct pel_surface_query *query,
+                                struct pel_fault *fault)
+{
+    if (wish->frame == 0) {
+        query->snapshot = pel_scene_snapshot(frames->scene);
+        query->time_s = pel_scene_time(frames->scene);
+        return PEL_OK;
+    }
+    for (size_t i = 0; i < PEL_MAX_SHOWN; i++) {
+        const struct pel_shown *m = &frames->shown[i];
+        if (m->snapshot && m->number == wish->frame) {
+            query->snapshot = pel_snapshot_ref(m->snapshot);
+            query->time_s = m->time_s;
+            return PEL_OK;
+        }
+    }
+    pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                  "frame %llu is not among the last frames",
+                  (unsigned long long)wish->frame);
+    memcpy(fault->path, "frame", sizeof "frame");
+    return PEL_ERR_NOT_FOUND;
+}
+
+/* --- queries -------------------------------------------------------------- */
+
 enum pel_err pel_frames_surface(struct pel_frames *frames,
-                                const struct pel_vec2 *points_m, size_t count,
-                                bool has_time, double time_s,
+                                const struct pel_surface_wish *wish,
                                 pel_surface_callback done, void *user,
                                 struct pel_fault *fault)
 {
-    enum pel_err err = check(frames, points_m, count, has_time, time_s, fault);
-    if (err != PEL_OK) {
+    struct pel_surface_query *query = NULL;
+    enum pel_err err = check(frames, wish, fault);
+    if (!err) {
+        query = calloc(1, sizeof *query);
+        if (query) {
+            query->points = calloc(wish->count + 1, sizeof *query->points);
+            query->samples = calloc(wish->count + 1, sizeof *query->samples);
+        }
+        err = query && query->points && query->samples
+                  ? find_moment(frames, wish, query, fault)
+                  : pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    }
+    if (err) {
         frames->stats.requests_refused++;
+        query_free(query);
         return err;
     }
-    struct pel_surface_query *query = calloc(1, sizeof *query);
-    if (query) {
-        query->points = calloc(count + 1, sizeof *query->points);
-        query->samples = calloc(count + 1, sizeof *query->samples);
+    if (wish->count > 0) {
+        memcpy(query->points, wish->points_m,
+               wish->count * sizeof *wish->points_m);
     }
-    if (!query || !query->points || !query->samples) {
-        query_free(query);
-        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
-    }
-    if (count > 0) {
-        memcpy(query->points, points_m, count * sizeof *points_m);
-    }
-    query->count = count;
-    query->snapshot = pel_scene_snapshot(frames->scene);
-    query->time_s = has_time ? time_s : pel_scene_time(frames->scene);
+    query->count = wish->count;
+    query->time_s = wish->has_time ? wish->time_s : query->time_s;
+    query->moving = wish->moving;
     query->done = done;
     query->user = user;
     frames->surfaces[frames->surface_count++] = query;
@@ -99,6 +169,7 @@ void pel_surface_finish_all(struct pel_frames *frames)
 {
     struct pel_fault fault;
     pel_fault_set(&fault, PEL_ERR_CONFLICT, "the daemon is stopping");
+    forget_moments(frames);
     while (frames->surface_count > 0) {
         struct pel_surface_query *query =
             frames->surfaces[--frames->surface_count];

@@ -202,16 +202,23 @@ enum pel_err pel_command_surface(struct pel_frames *frames,
         }
         points[i] = (struct pel_vec2){ point->east, point->north };
     }
-    err = pel_frames_surface(frames, points, query->n_points, query->has_time,
-                             query->time, done, user, fault);
+    const struct pel_surface_wish wish = {
+        .points_m = points,
+        .count = query->n_points,
+        .has_time = query->has_time,
+        .time_s = query->time,
+        .moving = query->has_acceleration && query->acceleration,
+        .frame = query->has_frame ? query->frame : 0,
+    };
+    err = pel_frames_surface(frames, &wish, done, user, fault);
     g_free(points);
     return err;
 }
 
-/* One allocation holds a point and its two vectors. */
+/* One allocation holds a point and its vectors. */
 struct point_block {
     Pelagos__SurfacePoint point;
-    Pelagos__Vector normal, velocity;
+    Pelagos__Vector normal, velocity, acceleration;
 };
 
 static void set_vector(Pelagos__Vector *out, struct pel_vec3 v)
@@ -243,6 +250,10 @@ Pelagos__Surface *pel_surface_message(double time_s,
         set_vector(&block->velocity, samples[i].velocity_mps);
         block->point.normal = &block->normal;
         block->point.velocity = &block->velocity;
+        if (!isnan(samples[i].acceleration_mps2.x)) {
+            set_vector(&block->acceleration, samples[i].acceleration_mps2);
+            block->point.acceleration = &block->acceleration;
+        }
         surface->points[i] = &block->point;
     }
     surface->points[count] = &blocks[0].point; /* kept for the free */

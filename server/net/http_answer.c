@@ -146,7 +146,7 @@ static void add_frame_headers(struct MHD_Response *response,
     add(response, "Cache-Control", "no-store");
     snprintf(text, sizeof text, "%llu", (unsigned long long)frame->number);
     add(response, "X-Pelagos-Frame", text);
-    snprintf(text, sizeof text, "%.9g", frame->time_s);
+    pel_json_number(frame->time_s, text);
     add(response, "X-Pelagos-Time", text);
     snprintf(text, sizeof text, "%llu", (unsigned long long)frame->revision);
     add(response, "X-Pelagos-Revision", text);

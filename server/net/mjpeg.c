@@ -7,6 +7,7 @@
 #include <glib.h>
 
 #include "base/clock.h"
+#include "json.h"
 
 #define TAIL "\r\n--pelagos\r\n"
 
@@ -106,20 +107,21 @@ static void begin_picture(struct pel_viewer *self)
     self->current = self->pending;
     self->pending = NULL;
     self->offset = 0;
-    char stale[PEL_STALE_TEXT];
-    int n = snprintf(
-        self->head, sizeof self->head,
-        "%sContent-Type: image/jpeg\r\nContent-Length: %zu\r\n"
-        "X-Pelagos-Frame: %llu\r\nX-Pelagos-Time: %.6f\r\n"
-        "X-Pelagos-Revision: %llu\r\nX-Pelagos-Stale: %s\r\n"
-        "X-Pelagos-Host-Frame: %u\r\nX-Pelagos-Drawn: %ux%u\r\n"
-        "X-Pelagos-Present: %.6f\r\n\r\n",
-        self->begun ? "" : "--pelagos\r\n", self->current->size,
-        (unsigned long long)self->current->number, self->current->time_s,
-        (unsigned long long)self->current->revision,
-        pel_stale_text(self->current->stale, stale), self->current->host_frame,
-        self->current->drawn_width, self->current->drawn_height,
-        present_unix_s(self->current));
+    char stale[PEL_STALE_TEXT], time[32];
+    pel_json_number(self->current->time_s, time);
+    int n =
+        snprintf(self->head, sizeof self->head,
+                 "%sContent-Type: image/jpeg\r\nContent-Length: %zu\r\n"
+                 "X-Pelagos-Frame: %llu\r\nX-Pelagos-Time: %s\r\n"
+                 "X-Pelagos-Revision: %llu\r\nX-Pelagos-Stale: %s\r\n"
+                 "X-Pelagos-Host-Frame: %u\r\nX-Pelagos-Drawn: %ux%u\r\n"
+                 "X-Pelagos-Present: %.6f\r\n\r\n",
+                 self->begun ? "" : "--pelagos\r\n", self->current->size,
+                 (unsigned long long)self->current->number, time,
+                 (unsigned long long)self->current->revision,
+                 pel_stale_text(self->current->stale, stale),
+                 self->current->host_frame, self->current->drawn_width,
+                 self->current->drawn_height, present_unix_s(self->current));
     self->head_size = (size_t)n;
     self->begun = true;
 }

@@ -264,6 +264,20 @@ PEL_INLINE void surface_at(const struct pel_cascades *c,
     out->height_m = height;
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
     out->velocity_mps = (struct pel_vec3){ v[0], v[1], v[2] };
+    out->acceleration_mps2 = (struct pel_vec3){ NAN, NAN, NAN };
+}
+
+/* `second` are the fields of the accelerations. */
+PEL_INLINE struct pel_vec3
+acceleration_at(const struct pel_cascades *c,
+                const struct pel_cascade_fields *second, struct pel_vec2 rest)
+{
+    lanes4 a = { 0, 0, 0, 0 };
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        a += sample_spline(second->displacement[i],
+                           place_of(&c->cascade[i], rest.x, rest.y));
+    }
+    return (struct pel_vec3){ a[0], a[1], a[2] };
 }
 
 static struct pel_kept_fields *take(const struct pel_cascades *c, double time_s)
@@ -278,6 +292,7 @@ static struct pel_kept_fields *take(const struct pel_cascades *c, double time_s)
 PEL_CLONES
 static void query(const struct pel_cascades *c,
                   const struct pel_cascade_fields *f,
+                  const struct pel_cascade_fields *second,
                   const struct pel_vec2 *points, size_t n,
                   struct pel_surface_sample *out)
 {
@@ -286,21 +301,33 @@ static void query(const struct pel_cascades *c,
         int count = (int)(n - from < TOGETHER ? n - from : TOGETHER);
         search_all(c, f, points + from, count, searches);
         for (int i = 0; i < count; i++) {
-            surface_at(c, f, searches[i].rest, searches[i].at.d[2],
-                       &out[from + (size_t)i]);
+            struct pel_surface_sample *to = &out[from + (size_t)i];
+            surface_at(c, f, searches[i].rest, searches[i].at.d[2], to);
+            if (second) {
+                to->acceleration_mps2 =
+                    acceleration_at(c, second, searches[i].rest);
+            }
         }
     }
 }
 
 void pel_cascades_query(const struct pel_cascades *c,
                         const struct pel_vec2 *points, size_t n, double time_s,
-                        struct pel_surface_sample *out)
+                        bool moving, struct pel_surface_sample *out)
 {
+    const struct pel_cascades *second = NULL;
     if (n == 0) {
         return;
     }
+    if (moving && pel_fields_second(c, &second)) {
+        abort();
+    }
     struct pel_kept_fields *kept = take(c, time_s);
-    query(c, kept->fields, points, n, out);
+    struct pel_kept_fields *kept_second = second ? take(second, time_s) : NULL;
+    query(c, kept->fields, second ? kept_second->fields : NULL, points, n, out);
+    if (second) {
+        pel_fields_give(second, kept_second);
+    }
     pel_fields_give(c, kept);
 }
 

@@ -407,6 +407,43 @@ static void test_velocity(void **state)
     }
 }
 
+/* Velocity of the particle that rests at (x, y). */
+static struct pel_vec3 velocity_of(double x, double y, double t)
+{
+    struct pel_vec3 d = pel_sea_displace(&sea, x, y, t);
+    struct pel_surface_sample p;
+    pel_sea_sample(&sea, x + d.x, y + d.y, t, &p);
+    return p.velocity_mps;
+}
+
+static void test_acceleration(void **state)
+{
+    (void)state;
+    struct pel_sea_desc d = legal_sea(4);
+    build(&d);
+    const double e = 2e-3;
+    uint64_t rng = 31;
+    double sum = 0;
+    for (int i = 0; i < 20; i++) {
+        double x = 1e3 * uniform(&rng), y = 1e3 * uniform(&rng), t = 50;
+        struct pel_vec3 at = pel_sea_displace(&sea, x, y, t);
+        struct pel_vec3 before = velocity_of(x, y, t - e);
+        struct pel_vec3 after = velocity_of(x, y, t + e);
+        struct pel_vec2 place = { x + at.x, y + at.y };
+        struct pel_surface_sample p;
+        pel_sea_query_moving(&sea, &place, 1, t, &p);
+        /* Single precision of velocities over 4 ms, and ripples of 12 Hz. */
+        assert_near(p.acceleration_mps2.x, (after.x - before.x) / (2 * e),
+                    2e-2);
+        assert_near(p.acceleration_mps2.y, (after.y - before.y) / (2 * e),
+                    2e-2);
+        assert_near(p.acceleration_mps2.z, (after.z - before.z) / (2 * e),
+                    2e-2);
+        sum += fabs(p.acceleration_mps2.z);
+    }
+    assert_true(sum > 20 * 0.2); /* so that the tolerance says something */
+}
+
 static void test_same_bits(void **state)
 {
     (void)state;
@@ -513,6 +550,7 @@ int main(void)
         cmocka_unit_test(test_inverse),
         cmocka_unit_test(test_no_folding),
         cmocka_unit_test(test_velocity),
+        cmocka_unit_test(test_acceleration),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_single),
         cmocka_unit_test(test_flat),

@@ -50,8 +50,7 @@ void pel_cascade_fields_destroy(struct pel_cascade_fields *f)
     free(f);
 }
 
-/* --- the moments kept
- * --------------------------------------------------------- */
+/* --- the moments kept ---------------------------------------------------- */
 
 #define KEPT 2
 
@@ -61,6 +60,7 @@ struct pel_fields_cache {
     pthread_mutex_t lock;
     struct pel_kept_fields *kept[KEPT];
     uint64_t clock;
+    struct pel_cascades *second; /* accelerations; NULL until asked for */
 };
 
 bool pel_fields_cache_init(struct pel_fields_cache **out)
@@ -84,6 +84,64 @@ static void drop(struct pel_kept_fields *k)
     }
 }
 
+/* Shares all but the amplitudes with the cascades it was made of. */
+static void destroy_second(struct pel_cascades *second)
+{
+    if (!second) {
+        return;
+    }
+    pel_fields_cache_finish(second->cache);
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        free(second->cascade[i].h0);
+    }
+    free(second);
+}
+
+static enum pel_err make_second(const struct pel_cascades *c,
+                                struct pel_cascades **out)
+{
+    struct pel_cascades *second = malloc(sizeof *second);
+    if (!second) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    *second = *c;
+    bool whole = pel_fields_cache_init(&second->cache);
+    second->cache = whole ? second->cache : NULL;
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        const struct pel_cascade *from = &c->cascade[i];
+        float(*h0)[4] = malloc(PEL_CASCADE_MODES * sizeof *h0);
+        second->cascade[i].h0 = h0;
+        whole = whole && h0;
+        for (size_t m = 0; h0 && m < PEL_CASCADE_MODES; m++) {
+            double omega = 2.0 * PEL_PI * (double)from->mode[m][0];
+            for (int part = 0; part < 4; part++) {
+                h0[m][part] =
+                    (float)(-omega * omega * (double)from->h0[m][part]);
+            }
+        }
+    }
+    if (!whole) {
+        destroy_second(second);
+        return PEL_ERR_NO_MEMORY;
+    }
+    *out = second;
+    return PEL_OK;
+}
+
+enum pel_err pel_fields_second(const struct pel_cascades *c,
+                               const struct pel_cascades **out)
+{
+    struct pel_fields_cache *cache = c->cache;
+    enum pel_err err = PEL_OK;
+    pthread_mutex_lock(&cache->lock);
+    if (!cache->second) {
+        err = make_second(c, &cache->second);
+    }
+    *out = cache->second;
+    pthread_mutex_unlock(&cache->lock);
+    return err;
+}
+
 void pel_fields_cache_finish(struct pel_fields_cache *cache)
 {
     if (!cache) {
@@ -93,6 +151,7 @@ void pel_fields_cache_finish(struct pel_fields_cache *cache)
         drop(cache->kept[i]);
     }
     pthread_mutex_destroy(&cache->lock);
+    destroy_second(cache->second);
     free(cache);
 }
 

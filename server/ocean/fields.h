@@ -25,10 +25,15 @@ PEL_CHECK enum pel_err pel_fields_take(const struct pel_cascades *c,
 void pel_fields_give(const struct pel_cascades *c,
                      struct pel_kept_fields *kept);
 
-/* pel_sea_query and pel_sea_displace over the cascades; abort without memory
- * for the fields of one moment (about 20 MB). */
+/* The cascades whose displacement is the acceleration of those of `c`: every
+ * amplitude times −ω². Made when first asked for, kept with `c`; NO_MEMORY. */
+PEL_CHECK enum pel_err pel_fields_second(const struct pel_cascades *c,
+                                         const struct pel_cascades **out);
+
+/* pel_sea_query (moving: pel_sea_query_moving) and pel_sea_displace over the
+ * cascades; abort without memory for the fields of one moment (about 20 MB). */
 void pel_cascades_query(const struct pel_cascades *c,
                         const struct pel_vec2 *points, size_t n, double time_s,
-                        struct pel_surface_sample *out);
+                        bool moving, struct pel_surface_sample *out);
 struct pel_vec3 pel_cascades_displace(const struct pel_cascades *c, double x_m,
                                       double y_m, double time_s);

@@ -148,6 +148,7 @@ struct pel_surface_sample {
     double height_m;
     struct pel_vec3 normal;
     struct pel_vec3 velocity_mps;
+    struct pel_vec3 acceleration_mps2; /* NaN where it was not asked for */
 };
 
 /* The surface above the horizontal place (x, y) at time_s: solves
@@ -177,3 +178,10 @@ double pel_sea_droppable(const struct pel_sea *sea, double rms_m);
  * bit the same as n single calls. */
 void pel_sea_query(const struct pel_sea *sea, const struct pel_vec2 *points,
                    size_t n, double time_s, struct pel_surface_sample *out);
+
+/* The same with the acceleration of the water particle, ∂²D/∂t² at its rest
+ * position: −ω² times each wave's displacement. On an FFT sea it costs a moment
+ * of its own, and 5 MB more the first time. */
+void pel_sea_query_moving(const struct pel_sea *sea,
+                          const struct pel_vec2 *points, size_t n,
+                          double time_s, struct pel_surface_sample *out);

@@ -151,6 +151,20 @@ PEL_INLINE void surface_of(const struct lanes *l, const struct shift *s,
     out->height_m = total(dz);
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
     out->velocity_mps = (struct pel_vec3){ total(vx), total(vy), total(vz) };
+    out->acceleration_mps2 = (struct pel_vec3){ NAN, NAN, NAN };
+}
+
+PEL_INLINE struct pel_vec3 acceleration_of(const struct lanes *l,
+                                           const struct shift *s)
+{
+    lanes4 x = all(0), y = all(0), z = all(0);
+    for (int i = 0; i < l->count; i++) {
+        lanes4 square = l->omega[i] * l->omega[i];
+        x += l->ax[i] * square * s->sn[i];
+        y += l->ay[i] * square * s->sn[i];
+        z -= l->h[i] * square * s->cs[i];
+    }
+    return (struct pel_vec3){ total(x), total(y), total(z) };
 }
 
 /* Newton's last step, shorter than NEAR_M: the phases turn by so little that
@@ -224,25 +238,42 @@ PEL_INLINE struct shift *rest_under(const struct lanes *l, double x, double y,
 
 PEL_CLONES
 static void query(const struct lanes *l, const struct pel_vec2 *points,
-                  size_t n, struct pel_surface_sample *out)
+                  size_t n, bool moving, struct pel_surface_sample *out)
 {
     struct shift two[2];
     for (size_t i = 0; i < n; i++) {
         const struct shift *s = rest_under(l, points[i].x, points[i].y, two);
         surface_of(l, s, &out[i]);
+        if (moving) {
+            out[i].acceleration_mps2 = acceleration_of(l, s);
+        }
     }
+}
+
+static void query_sea(const struct pel_sea *sea, const struct pel_vec2 *points,
+                      size_t n, double time_s, bool moving,
+                      struct pel_surface_sample *out)
+{
+    if (sea->cascades) {
+        pel_cascades_query(sea->cascades, points, n, time_s, moving, out);
+        return;
+    }
+    struct lanes lanes;
+    lanes_fill(sea, time_s, &lanes);
+    query(&lanes, points, n, moving, out);
 }
 
 void pel_sea_query(const struct pel_sea *sea, const struct pel_vec2 *points,
                    size_t n, double time_s, struct pel_surface_sample *out)
 {
-    if (sea->cascades) {
-        pel_cascades_query(sea->cascades, points, n, time_s, out);
-        return;
-    }
-    struct lanes lanes;
-    lanes_fill(sea, time_s, &lanes);
-    query(&lanes, points, n, out);
+    query_sea(sea, points, n, time_s, false, out);
+}
+
+void pel_sea_query_moving(const struct pel_sea *sea,
+                          const struct pel_vec2 *points, size_t n,
+                          double time_s, struct pel_surface_sample *out)
+{
+    query_sea(sea, points, n, time_s, true, out);
 }
 
 void pel_sea_sample(const struct pel_sea *sea, double x_m, double y_m,

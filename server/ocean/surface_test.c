@@ -201,6 +201,46 @@ static void test_velocity(void **state)
     }
 }
 
+/* Velocity of the particle that rests at (x, y). */
+static struct pel_vec3 velocity_of(double x, double y, double t)
+{
+    struct pel_vec3 d = pel_sea_displace(&sea, x, y, t);
+    struct pel_surface_sample p;
+    pel_sea_sample(&sea, x + d.x, y + d.y, t, &p);
+    return p.velocity_mps;
+}
+
+static void test_acceleration(void **state)
+{
+    (void)state;
+    const double e = 1e-3;
+    for (int s = 0; s < LEGAL_SEAS; s++) {
+        build(legal_sea(s));
+        uint64_t rng = 5;
+        for (int i = 0; i < 100; i++) {
+            double x = 1e3 * uniform(&rng), y = 1e3 * uniform(&rng);
+            struct pel_vec3 d = pel_sea_displace(&sea, x, y, 7);
+            struct pel_vec3 before = velocity_of(x, y, 7 - e);
+            struct pel_vec3 after = velocity_of(x, y, 7 + e);
+            struct pel_vec2 place = { x + d.x, y + d.y };
+            struct pel_surface_sample p, plain;
+            pel_sea_query_moving(&sea, &place, 1, 7, &p);
+            pel_sea_sample(&sea, place.x, place.y, 7, &plain);
+            assert_true(isnan(plain.acceleration_mps2.x));
+            assert_near(p.height_m, plain.height_m, 0);
+            /* The third derivative of ripples over e², and 1e-7 m of the place
+             * where waves are steep. */
+            double tolerance = 1e-2 + 1e-3 * sea.max_height_m;
+            assert_near(p.acceleration_mps2.x, (after.x - before.x) / (2 * e),
+                        tolerance);
+            assert_near(p.acceleration_mps2.y, (after.y - before.y) / (2 * e),
+                        tolerance);
+            assert_near(p.acceleration_mps2.z, (after.z - before.z) / (2 * e),
+                        tolerance);
+        }
+    }
+}
+
 /* Least eigenvalue of the derivative of x → x + D(x): the surface folds where
  * it is not positive. */
 static double least_stretch(double x, double y, double t)
@@ -356,6 +396,7 @@ int main(void)
         cmocka_unit_test(test_far_away),
         cmocka_unit_test(test_normal),
         cmocka_unit_test(test_velocity),
+        cmocka_unit_test(test_acceleration),
         cmocka_unit_test(test_no_self_intersection),
         cmocka_unit_test(test_trochoid_slope_variance),
         cmocka_unit_test(test_slope_variance),

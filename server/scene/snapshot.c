@@ -57,9 +57,14 @@ void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
 
 void pel_snapshot_surface(const struct pel_snapshot *s,
                           const struct pel_vec2 *points, size_t n,
-                          double time_s, struct pel_surface_sample *out)
+                          double time_s, bool moving,
+                          struct pel_surface_sample *out)
 {
-    pel_sea_query(s->sea, points, n, time_s, out);
+    if (moving) {
+        pel_sea_query_moving(s->sea, points, n, time_s, out);
+    } else {
+        pel_sea_query(s->sea, points, n, time_s, out);
+    }
     for (size_t i = 0; i < n; i++) {
         out[i].height_m += s->sea_level_m;
     }

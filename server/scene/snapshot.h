@@ -92,10 +92,11 @@ void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out);
 
 /* The surface at n places at time_s, heights above altitude 0: pel_sea_query
- * with the sea's level. */
+ * (moving: pel_sea_query_moving) with the sea's level. */
 void pel_snapshot_surface(const struct pel_snapshot *s,
                           const struct pel_vec2 *points, size_t n,
-                          double time_s, struct pel_surface_sample *out);
+                          double time_s, bool moving,
+                          struct pel_surface_sample *out);
 
 /* "cigi,nmea" of the bits of `stale`, "none" of 0. */
 #define PEL_STALE_TEXT 40
