@@ -23,8 +23,8 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev glib-networking \
-    libssl-dev
-TEST_PACKAGES := gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
+    libssl-dev libgdal-dev
+TEST_PACKAGES := gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
     python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
     python3-wheel openexr chromium chromium-driver python3-selenium clang \
@@ -59,6 +59,10 @@ PKG_CFLAGS = $(eval PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS)))$(PKG_CFL
 PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -lyuv -lwslay -lm)$(PKG_LIBS)
 # GStreamer muxes what pelagosctl records; the daemon does not link it.
 CTL_PKGS := gstreamer-1.0 gstreamer-app-1.0
+READER_PKGS := gdal OpenEXR
+# As a system header: it is not clean of our warnings.
+READER_CFLAGS = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(READER_PKGS)))
+READER_LIBS = $(eval READER_LIBS := $(shell pkg-config --libs $(READER_PKGS)) -lOpenEXRCore -lm)$(READER_LIBS)
 CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
 
 # --- sources, by room -----------------------------------------------------
@@ -80,6 +84,10 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/filtered_cascades.c \
     server/ocean/sea.c \
     server/ocean/surface.c
+SEABED := server/seabed/seabed.c server/seabed/wire.c server/seabed/load.c
+# A program of its own: GDAL is not the daemon's.
+SEABED_READER := server/seabed/reader/reader.c server/seabed/reader/geo.c \
+    server/seabed/reader/exr.c
 OPTICS := server/optics/brdf.c \
     server/optics/atmosphere.c \
     server/optics/colour.c \
@@ -109,6 +117,7 @@ SCENE := server/scene/scene.c \
     server/scene/check.c \
     server/scene/store.c \
     server/scene/build.c \
+    server/scene/ground.c \
     server/scene/numbers.c \
     server/scene/snapshot.c \
     server/scene/simclock.c \
@@ -220,6 +229,8 @@ TESTS += server/ocean/filter_test.c
 TESTS += server/ocean/directional_test.c
 TESTS += server/ocean/ndbc_test.c
 TESTS += server/ocean/welch_test.c
+TESTS += server/seabed/seabed_test.c
+TESTS += server/scene/ground_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/optics/atmosphere_test.c
 TESTS += server/optics/colour_test.c
@@ -273,13 +284,14 @@ FUZZERS += tests/fuzz/fuzz_json.c
 FUZZERS += tests/fuzz/fuzz_log.c
 FUZZERS += tests/fuzz/fuzz_protobuf.c
 FUZZERS += tests/fuzz/fuzz_http.c
+FUZZERS += tests/fuzz/fuzz_seabed.c
 TESTS += clients/lib/pelagos_test.c
 TESTS += clients/lib/live_test.c
 TESTS += clients/pelagosctl/ctl_test.c
 TESTS += clients/pelagosctl/nmea_log_test.c
 
 # --- rules ----------------------------------------------------------------
-SERVER := $(BASE) $(OCEAN) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
+SERVER := $(BASE) $(OCEAN) $(SEABED) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
     $(FRAMES) $(NET) $(BRIDGES) $(OPTIONS)
 GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c \
     $(O)/gen/pages.c
@@ -294,7 +306,7 @@ SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
 PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\
-    pelagosd pelagosctl)
+    pelagosd pelagosctl pelagos-seabed)
 
 .PHONY: all
 all: $(PROGRAMS) ## build the daemon and its command line
@@ -306,6 +318,13 @@ $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(O)/libserver.a
 	$(Q)mkdir -p $(@D)
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
+
+$(call obj,$(SEABED_READER)): CPPFLAGS += $(READER_CFLAGS)
+
+$(O)/bin/pelagos-seabed: $(call obj,$(SEABED_READER)) $(O)/libserver.a
+	$(Q)mkdir -p $(@D)
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(READER_LIBS)
 
 $(O)/clients/pelagosctl/clip.o: CPPFLAGS += $(shell pkg-config --cflags $(CTL_PKGS))
 
@@ -327,7 +346,7 @@ $(O)/libctl.a: $(filter-out $(CTL_MAIN),$(CTL_OBJ))
 # Names every missing library at once, before the compiler stumbles over one.
 $(O)/gen/packages: Makefile
 	$(Q)mkdir -p $(@D)
-	$(Q)missing=; for p in $(PKGS) $(CTL_PKGS); do \
+	$(Q)missing=; for p in $(PKGS) $(CTL_PKGS) $(READER_PKGS); do \
 	    pkg-config --exists $$p 2>/dev/null || missing="$$missing $$p"; done; \
 	for c in protoc protoc-c glslangValidator; do \
 	    command -v $$c >/dev/null || missing="$$missing $$c"; done; \
@@ -384,6 +403,7 @@ $(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(O)/libctl.a $(O)/libpela
 	$$(Q)$$(CC) $$(OPT) -pthread -o $$@ $$^ $$(PKG_LIBS) $$(CTL_LIBS) -lcmocka
 endef
 $(foreach t,$(TESTS),$(eval $(call test_rule,$(t))))
+$(O)/bin/ground_test: | $(O)/bin/pelagos-seabed
 
 .PHONY: tests
 tests: $(TEST_BIN) $(O)/bin/registers_doc $(O)/bin/cigi_doc ## build the test programs
@@ -525,7 +545,7 @@ lint-tidy: $(GEN_HEADERS)
 	    2>/dev/null' tidy
 	@echo "tidy: $(words $(filter %.c,$(C_FILES))) files"
 TIDY_FLAGS = $(subst ','"'"',$(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS)) \
-    $(shell pkg-config --cflags $(CTL_PKGS))
+    $(shell pkg-config --cflags $(CTL_PKGS)) $(READER_CFLAGS)
 
 .PHONY: format
 format: ## rewrite the C sources as .clang-format says
@@ -583,12 +603,13 @@ $(O)/pelagos.pc: Makefile
 
 .PHONY: install
 install: all man $(O)/pelagos.pc ## install below PREFIX (/usr/local) and DESTDIR
-	install -d $(D)/bin $(D)/lib/pkgconfig $(D)/include/pelagos \
+	install -d $(D)/bin $(D)/libexec/pelagos $(D)/lib/pkgconfig $(D)/include/pelagos \
 	    $(D)/share/man/man1 $(D)/share/man/man8 $(D)/share/pelagos \
 	    $(D)/share/bash-completion/completions \
 	    $(D)/share/zsh/site-functions $(D)/share/fish/vendor_completions.d \
 	    $(DESTDIR)$(UNITDIR) $(DESTDIR)$(SYSCONFDIR)/pelagos
 	install -m755 $(O)/bin/pelagosd $(O)/bin/pelagosctl $(D)/bin
+	install -m755 $(O)/bin/pelagos-seabed $(D)/libexec/pelagos
 	install -m644 $(O)/libpelagos.a $(D)/lib
 	install -m644 $(O)/pelagos.pc $(D)/lib/pkgconfig
 	install -m644 clients/lib/pelagos.h $(O)/gen/pelagos.pb-c.h \

@@ -64,6 +64,7 @@ static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
         .state_path = or_null(d->options.state),
         .wave_count = d->options.waves,
         .spectra = or_null(d->options.spectra),
+        .bathymetry = or_null(d->options.bathymetry),
     };
     enum pel_err err = pel_scene_create(&options, &d->scene, fault);
     if (err == PEL_OK) {

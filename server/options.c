@@ -69,6 +69,10 @@ const struct pel_option pel_option_table[] = {
     { "spectra", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(spectra),
       .help = "Where the files of buoys lie that sea.measured names." },
+    { "bathymetry", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
+      .offset = FIELD(bathymetry),
+      .help = "Where the files of heights lie that seabed.file names: GeoTIFF, "
+              "NetCDF, OpenEXR, whatever GDAL reads." },
 
     { "device", "render", PEL_OPTION_TEXT_KIND, "auto|software|NUMBER", "auto",
       .offset = FIELD(device),

@@ -49,7 +49,7 @@ struct pel_options {
     char state[PEL_OPTION_TEXT], record[PEL_OPTION_TEXT];
     double record_limit_mib;
     int waves;
-    char spectra[PEL_OPTION_TEXT];
+    char spectra[PEL_OPTION_TEXT], bathymetry[PEL_OPTION_TEXT];
     char device[PEL_OPTION_TEXT];
     double fps, quality; /* quality: 0 is auto */
     int encoder_threads;

@@ -136,17 +136,33 @@ enum ctl_exit ctl_frame(struct ctl *ctl)
     return status;
 }
 
+/* What is known as text, else `none`. */
+static void metres(bool known, double value, const char *format,
+                   const char *none, char out[32])
+{
+    if (known) {
+        g_snprintf(out, 32, format, value);
+    } else {
+        g_strlcpy(out, none, 32);
+    }
+}
+
 static void print_points(const Pelagos__Surface *surface,
                          const double (*points)[2])
 {
-    printf("# at %.3f s\n%12s %12s %9s  %23s  %23s\n", surface->time, "east m",
-           "north m", "height m", "normal east, north, up", "velocity m/s");
+    printf("# at %.3f s\n%12s %12s %9s  %23s  %23s %9s %9s\n", surface->time,
+           "east m", "north m", "height m", "normal east, north, up",
+           "velocity m/s", "depth m", "sounding");
     for (size_t i = 0; i < surface->n_points; i++) {
         const Pelagos__SurfacePoint *p = surface->points[i];
-        printf("%12.3f %12.3f %9.4f  %7.4f %7.4f %7.4f  %7.3f %7.3f %7.3f\n",
+        char depth[32], sounding[32];
+        metres(p->has_depth, p->depth, "%.2f", "-", depth);
+        metres(p->has_sounding, p->sounding, "%.2f", "-", sounding);
+        printf("%12.3f %12.3f %9.4f  %7.4f %7.4f %7.4f  %7.3f %7.3f %7.3f "
+               "%9s %9s\n",
                points[i][0], points[i][1], p->height, p->normal->east,
                p->normal->north, p->normal->up, p->velocity->east,
-               p->velocity->north, p->velocity->up);
+               p->velocity->north, p->velocity->up, depth, sounding);
     }
 }
 
@@ -156,12 +172,17 @@ static void print_points_json(const Pelagos__Surface *surface,
     printf("{\"time\":%.17g,\"points\":[", surface->time);
     for (size_t i = 0; i < surface->n_points; i++) {
         const Pelagos__SurfacePoint *p = surface->points[i];
+        char depth[32], sounding[32];
+        metres(p->has_depth, p->depth, "%.17g", "null", depth);
+        metres(p->has_sounding, p->sounding, "%.17g", "null", sounding);
         printf("%s\n{\"east\":%.17g,\"north\":%.17g,\"height\":%.17g,"
                "\"normal\":[%.17g,%.17g,%.17g],"
-               "\"velocity\":[%.17g,%.17g,%.17g]}",
+               "\"velocity\":[%.17g,%.17g,%.17g],"
+               "\"depth\":%s,\"sounding\":%s}",
                i ? "," : "", points[i][0], points[i][1], p->height,
                p->normal->east, p->normal->north, p->normal->up,
-               p->velocity->east, p->velocity->north, p->velocity->up);
+               p->velocity->east, p->velocity->north, p->velocity->up, depth,
+               sounding);
     }
     puts("]}");
 }

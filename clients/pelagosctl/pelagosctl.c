@@ -241,9 +241,10 @@ const struct ctl_command ctl_commands[] = {
       "file, by the ending of FILE. `-` is standard output, with --format.",
       frame_options, frame_examples, "views", 2, 2, ctl_frame },
     { "surface", "EAST NORTH [EAST NORTH…]",
-      "ask for height, normal and velocity of the sea",
+      "ask for the sea's height, normal, velocity and depth",
       "Answers from the very surface that is drawn. EAST and NORTH are metres "
-      "from the scene's origin.",
+      "from the scene's origin. Depth is below mean sea level, sounding below "
+      "the surface of the moment; where seabed.file has no data they are `-`.",
       surface_options, surface_examples, NULL, 2, 20000, ctl_surface },
     { "spectrum", "[PATH=VALUE…]", "print the numbers of the sea",
       "Prints significant wave height, peak period, mean direction, slope "

@@ -124,10 +124,15 @@ size_t pel_nmea_out_write(const struct pel_nmea_report *r,
 
 /* --- own ship ------------------------------------------------------------- */
 
-/* Depth where somebody has said one. */
-static double depth(const Pelagos__State *state)
+/* Depth at a place: by the height field, else where somebody has said one. */
+static double depth(const Pelagos__State *state, const struct pel_snapshot *s,
+                    double east_m, double north_m)
 {
     double level = state->sea->level;
+    if (s->seabed) {
+        double depth_m = level + pel_snapshot_depth(s, east_m, north_m);
+        return depth_m > 0 ? depth_m : NAN;
+    }
     if (state->sea->has_depth) {
         return state->sea->depth + level;
     }
@@ -158,7 +163,7 @@ bool pel_nmea_out_look(struct pel_scene *scene, uint32_t entity,
             .pitch = e.pitch_rad / PEL_DEG,
             .wind_from = state->sea->wind_direction,
             .wind_mps = state->sea->wind_speed,
-            .depth_m = depth(state),
+            .depth_m = depth(state, s, e.east_m, e.north_m),
             .rudder = (int)i == s->ship_entity ? state->own_ship->rudder : NAN,
         };
         pel_geo_from_local(lat0, lon0, e.east_m, e.north_m, &out->latitude,

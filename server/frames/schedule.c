@@ -65,6 +65,8 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
         .visibility_m = s->visibility_m,
         .water = s->water,
         .orders = s->water_orders,
+        .seabed = s->seabed,
+        .caustics = s->caustics,
     };
 }
 

@@ -246,6 +246,12 @@ Pelagos__Surface *pel_surface_message(double time_s,
         pelagos__surface_point__init(&block->point);
         block->point.has_height = true;
         block->point.height = samples[i].height_m;
+        if (!isnan(samples[i].depth_m)) {
+            block->point.has_depth = block->point.has_sounding = true;
+            block->point.depth = samples[i].depth_m;
+            block->point.sounding =
+                fmax(samples[i].depth_m + samples[i].height_m, 0.0);
+        }
         set_vector(&block->normal, samples[i].normal);
         set_vector(&block->velocity, samples[i].velocity_mps);
         block->point.normal = &block->normal;

@@ -329,6 +329,7 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     out->wind_to_rad = goes_to(state->sea->wind_direction);
     place_water(state->water, &out->water);
     out->water_orders = (enum pel_water_orders)state->water->orders;
+    out->caustics = state->seabed->caustics;
     out->chlorophyll_mg_m3 = state->water->chlorophyll;
     out->sun_azimuth_fixed = sky->has_sun_azimuth;
     out->sun_elevation_fixed = sky->has_sun_elevation;
@@ -403,10 +404,9 @@ static void place_ship(const Pelagos__State *state,
     pel_ship_start(&out->ship, &orders, &motion, now_s, out->rate, out->sea);
 }
 
-const struct pel_snapshot *
-pel_snapshot_build_going(const Pelagos__State *state,
-                         struct pel_shared_sea *sea,
-                         const struct pel_ship *going)
+const struct pel_snapshot *pel_snapshot_build_going(
+    const Pelagos__State *state, struct pel_shared_sea *sea,
+    const struct pel_seabed *seabed, const struct pel_ship *going)
 {
     struct snapshot *s = calloc(1, sizeof *s);
     if (!s) {
@@ -416,6 +416,7 @@ pel_snapshot_build_going(const Pelagos__State *state,
     atomic_fetch_add(&sea->refs, 1);
     s->sea = sea;
     s->public.sea = &sea->sea;
+    s->public.seabed = pel_seabed_ref(seabed);
     fill(state, &s->public);
     s->public.entities = s->entities;
     s->public.entity_count = state->n_entities;
@@ -432,9 +433,10 @@ pel_snapshot_build_going(const Pelagos__State *state,
 }
 
 const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,
-                                              struct pel_shared_sea *sea)
+                                              struct pel_shared_sea *sea,
+                                              const struct pel_seabed *seabed)
 {
-    return pel_snapshot_build_going(state, sea, NULL);
+    return pel_snapshot_build_going(state, sea, seabed, NULL);
 }
 
 const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
@@ -450,6 +452,7 @@ const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
     memcpy(to->views, from->views, sizeof to->views);
     atomic_init(&to->refs, 1);
     atomic_fetch_add(&to->sea->refs, 1);
+    pel_seabed_ref(to->public.seabed);
     to->public.entities = to->entities;
     to->public.views = to->views;
     to->public.ship = *ship;
@@ -504,6 +507,7 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
     struct snapshot *whole = (struct snapshot *)s;
     if (whole && atomic_fetch_sub(&whole->refs, 1) == 1) {
         pel_shared_sea_unref(whole->sea);
+        pel_seabed_unref(whole->public.seabed);
         free(whole);
     }
 }

@@ -30,13 +30,13 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
                       struct pel_sea_desc *out);
 void pel_shared_sea_unref(struct pel_shared_sea *sea); /* NULL allowed */
 
-/* A snapshot with one reference; takes its own of the sea. Own ship, where
+/* A snapshot with one reference; takes its own of the sea and of the bottom
+ * (NULL: flat). Own ship, where
  * ownShip.on, goes on from `going` or, if that is NULL, begins at
  * clock.time with the pose of its entity then. */
-const struct pel_snapshot *
-pel_snapshot_build_going(const Pelagos__State *state,
-                         struct pel_shared_sea *sea,
-                         const struct pel_ship *going);
+const struct pel_snapshot *pel_snapshot_build_going(
+    const Pelagos__State *state, struct pel_shared_sea *sea,
+    const struct pel_seabed *seabed, const struct pel_ship *going);
 
 /* The same snapshot with own ship further on. */
 const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
@@ -49,4 +49,5 @@ void pel_snapshot_ship_to_state(const struct pel_snapshot *s, double time_s,
 
 /* pel_snapshot_build_going from the state's pose. */
 const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,
-                                              struct pel_shared_sea *sea);
+                                              struct pel_shared_sea *sea,
+                                              const struct pel_seabed *seabed);

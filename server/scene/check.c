@@ -311,6 +311,22 @@ static enum pel_err check_water(const Pelagos__Water *w,
     return PEL_OK;
 }
 
+static enum pel_err check_seabed(const Pelagos__Seabed *s,
+                                 struct pel_fault *fault)
+{
+    const protobuf_c_boolean *const place[] = {
+        &s->has_latitude,
+        &s->has_longitude,
+        &s->has_spacing,
+    };
+    bool given;
+    return whole(place, 3, &given)
+               ? PEL_OK
+               : refuse(PEL_ERR_INVALID, "seabed", NULL,
+                        "needs all of latitude, longitude and spacing, or none",
+                        fault);
+}
+
 enum pel_err pel_state_check(const Pelagos__State *state,
                              struct pel_fault *fault)
 {
@@ -336,6 +352,9 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     }
     if (!err && state->water) {
         err = check_water(state->water, fault);
+    }
+    if (!err && state->seabed) {
+        err = check_seabed(state->seabed, fault);
     }
     for (size_t i = 0; !err && i < state->n_entities; i++) {
         err = check_entity(state, i, fault);

@@ -14,6 +14,7 @@
 #include "scene/build.h"
 #include "scene/check.h"
 #include "scene/edit.h"
+#include "scene/ground.h"
 #include "scene/simclock.h"
 #include "scene/store.h"
 
@@ -28,9 +29,11 @@ struct pel_scene {
     char *state_path;
     struct pel_sea_means means;
     char *spectra;         /* what means.spectra points to */
+    char *bathymetry;      /* directory of height fields; may be NULL */
     Pelagos__State *state; /* clock.time as of the last look at it */
     struct pel_simclock clock;
     struct pel_shared_sea *sea;
+    struct pel_ground ground;
     const struct pel_snapshot *snapshot;
     guint save_timer;     /* 0: nothing to write */
     int64_t save_from_ns; /* not before */
@@ -122,7 +125,7 @@ const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
     if (listener && scene->snapshot->ship_entity >= 0) {
         /* Whoever begins with this state begins own ship's steps here. */
         const struct pel_snapshot *anew =
-            pel_snapshot_build(scene->state, scene->sea);
+            pel_snapshot_build(scene->state, scene->sea, scene->ground.bed);
         pel_snapshot_unref(scene->snapshot);
         scene->snapshot = anew;
     }
@@ -226,21 +229,30 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
                            bool ship_goes_on, struct pel_fault *fault)
 {
     struct pel_shared_sea *sea;
+    struct pel_ground ground;
     enum pel_err err =
         pel_shared_sea_get(state, &scene->means, scene->sea, &sea, fault);
     if (err) {
         return err;
     }
+    err = pel_ground_get(state, scene->bathymetry, &scene->ground, &ground,
+                         fault);
+    if (err) {
+        pel_shared_sea_unref(sea);
+        return err;
+    }
     const struct pel_ship *going =
         ship_goes_on && sea == scene->sea ? &scene->snapshot->ship : NULL;
     const struct pel_snapshot *snapshot =
-        pel_snapshot_build_going(state, sea, going);
+        pel_snapshot_build_going(state, sea, ground.bed, going);
     pel_shared_sea_unref(scene->sea);
+    pel_ground_finish(&scene->ground);
     pel_snapshot_unref(scene->snapshot);
     if (scene->state) {
         pelagos__state__free_unpacked(scene->state, NULL);
     }
     scene->sea = sea;
+    scene->ground = ground;
     scene->snapshot = snapshot;
     scene->state = state;
     if (snapshot->ship_entity >= 0 && scene->ship_timer == 0) {
@@ -332,7 +344,8 @@ enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
     }
     err = pel_shared_sea_get(next, &scene->means, scene->sea, &sea, fault);
     if (!err) {
-        *out = pel_snapshot_build(next, sea);
+        /* Light as numbers is of the water, wherever its bottom is. */
+        *out = pel_snapshot_build(next, sea, NULL);
         pel_shared_sea_unref(sea);
     }
     pelagos__state__free_unpacked(next, NULL);
@@ -491,6 +504,7 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     scene->means.wave_count =
         options->wave_count > 0 ? options->wave_count : DEFAULT_WAVES;
     scene->means.spectra = scene->spectra = g_strdup(options->spectra);
+    scene->bathymetry = g_strdup(options->bathymetry);
     scene->state_path = g_strdup(options->state_path);
     nobody_stale(state->sources);
     err = pel_sea_settle(state, fault);
@@ -503,8 +517,15 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
         state->sea->spectrum = PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ;
         err = commit(scene, state, false, fault);
     }
+    if (err && state->seabed->file) {
+        pel_error("SCN-006", "the bottom is flat: %s",
+                  fault ? fault->message : "no height field");
+        pel_ground_forget(state);
+        err = commit(scene, state, false, fault);
+    }
     if (err) {
         pelagos__state__free_unpacked(state, NULL);
+        g_free(scene->bathymetry);
         g_free(scene->spectra);
         g_free(scene->state_path);
         g_free(scene);
@@ -532,7 +553,9 @@ void pel_scene_destroy(struct pel_scene *scene)
     }
     pel_snapshot_unref(scene->snapshot);
     pel_shared_sea_unref(scene->sea);
+    pel_ground_finish(&scene->ground);
     pelagos__state__free_unpacked(scene->state, NULL);
+    g_free(scene->bathymetry);
     g_free(scene->spectra);
     g_free(scene->state_path);
     g_free(scene);

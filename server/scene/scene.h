@@ -18,6 +18,7 @@ struct pel_scene_options {
     const char *state_path; /* NULL: not kept */
     int wave_count;         /* trochoids of a sea, 20..256 */
     const char *spectra;    /* directory of measured spectra; NULL: none */
+    const char *bathymetry; /* directory of height fields; NULL: none */
 };
 
 /* Loads options->state_path if it exists (a file that does not load is kept

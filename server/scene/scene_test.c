@@ -18,7 +18,7 @@
 
 static struct pel_scene *make(const char *path)
 {
-    struct pel_scene_options options = { path, 60, NULL };
+    struct pel_scene_options options = { path, 60, NULL, NULL };
     struct pel_scene *scene;
     struct pel_fault fault;
     if (pel_scene_create(&options, &scene, &fault)) {

@@ -17,7 +17,7 @@
 
 static struct pel_scene *make(const char *state_path, const char *spectra)
 {
-    struct pel_scene_options options = { state_path, 60, spectra };
+    struct pel_scene_options options = { state_path, 60, spectra, NULL };
     struct pel_scene *scene;
     struct pel_fault fault;
     if (pel_scene_create(&options, &scene, &fault)) {

@@ -67,6 +67,7 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
     }
     for (size_t i = 0; i < n; i++) {
         out[i].height_m += s->sea_level_m;
+        out[i].depth_m = pel_snapshot_depth(s, points[i].x, points[i].y);
     }
 }
 
@@ -83,6 +84,16 @@ const char *pel_stale_text(unsigned stale, char out[PEL_STALE_TEXT])
         }
     }
     return out;
+}
+
+double pel_snapshot_depth(const struct pel_snapshot *s, double east_m,
+                          double north_m)
+{
+    double height_m = -s->water.depth_m;
+    return s->seabed &&
+                   !pel_seabed_height(s->seabed, east_m, north_m, &height_m)
+               ? NAN
+               : -height_m;
 }
 
 struct pel_vec3 pel_snapshot_sun(const struct pel_snapshot *s, double time_s)

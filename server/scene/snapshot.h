@@ -13,6 +13,7 @@
 #include "ocean/sea.h"
 #include "optics/waterbody.h"
 #include "scene/ship.h"
+#include "seabed/seabed.h"
 
 #define PEL_MAX_VIEWS 64
 #define PEL_MAX_ENTITIES 256
@@ -67,6 +68,8 @@ struct pel_snapshot {
     double wind_mps, wind_to_rad; /* mathematical direction it blows to */
     struct pel_water_body water;
     enum pel_water_orders water_orders;
+    const struct pel_seabed *seabed; /* NULL: flat, at the water's depth */
+    bool caustics;
     double chlorophyll_mg_m3; /* the field, whatever describes the water */
     bool sun_azimuth_fixed, sun_elevation_fixed; /* else from the time */
     double sun_azimuth_rad, sun_elevation_rad;   /* where fixed */
@@ -92,7 +95,8 @@ void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out);
 
 /* The surface at n places at time_s, heights above altitude 0: pel_sea_query
- * (moving: pel_sea_query_moving) with the sea's level. */
+ * (moving: pel_sea_query_moving) with the sea's level, and the bottom's depth
+ * below altitude 0. */
 void pel_snapshot_surface(const struct pel_snapshot *s,
                           const struct pel_vec2 *points, size_t n,
                           double time_s, bool moving,
@@ -101,6 +105,11 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
 /* "cigi,nmea" of the bits of `stale`, "none" of 0. */
 #define PEL_STALE_TEXT 40
 const char *pel_stale_text(unsigned stale, char out[PEL_STALE_TEXT]);
+
+/* Depth of the bottom below altitude 0 [m], negative on land, NaN where
+ * its height field has no data. */
+double pel_snapshot_depth(const struct pel_snapshot *s, double east_m,
+                          double north_m);
 
 /* Unit vector towards the Sun's centre (no refraction) at time_s. */
 struct pel_vec3 pel_snapshot_sun(const struct pel_snapshot *s, double time_s);

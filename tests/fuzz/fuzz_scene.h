@@ -45,7 +45,7 @@ static inline void fuzz_edit(const Pelagos__Patch *patch)
         if (pel_shared_sea_get(next, &means, sea, &next_sea, NULL)) {
             abort(); /* what is in range makes a sea */
         }
-        const struct pel_snapshot *s = pel_snapshot_build(next, next_sea);
+        const struct pel_snapshot *s = pel_snapshot_build(next, next_sea, NULL);
         pel_shared_sea_unref(next_sea);
         fuzz_cameras(s);
         pel_snapshot_unref(s);

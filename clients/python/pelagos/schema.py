@@ -320,6 +320,31 @@ class Sources(Record):
 
 
 @dataclass(frozen=True)
+class Seabed(Record):
+    """The bottom as a height field, with the land beside it. Light in the
+    water and soundings follow it; the waves keep to sea.depth. water.bottom or
+    the albedos say what it is made of; beyond the field water.depth holds."""
+    #: File in the directory of pelagosd --bathymetry: GeoTIFF, NetCDF
+    #: (EMODnet, GEBCO), whatever GDAL reads, or OpenEXR; absent: water.depth
+    #: everywhere. Of more than 2048 x 2048 heights those about the origin are
+    #: taken.
+    file: str | None = _field(None)
+    #: One of ELEVATION, DEPTH.
+    values: str = _field('ELEVATION')
+    #: Of the file's zero (chart datum) above mean sea level. [m; -100 to 100]
+    offset: float = _field(0.0, 'm', -100, 100)
+    #: Latitude of the field's middle; with the next two, for a file that has
+    #: no georeference. [deg; -85 to 85]
+    latitude: float | None = _field(None, 'deg', -85, 85)
+    #: Longitude of its middle. [deg; -180 to 180]
+    longitude: float | None = _field(None, 'deg', -180, 180)
+    #: Distance of its pixels. [m; 0.1 to 10000]
+    spacing: float | None = _field(None, 'm', 0.1, 10000)
+    #: Whether the waves focus sunlight on the bottom.
+    caustics: bool = _field(True)
+
+
+@dataclass(frozen=True)
 class State(Record):
     """The whole world. Lists are keyed: entities by id, views by name."""
     clock: Clock | None = _field(None)
@@ -333,3 +358,4 @@ class State(Record):
     revision: int | None = _field(None, '1')
     ownShip: OwnShip | None = _field(None)
     sources: Sources | None = _field(None)
+    seabed: Seabed | None = _field(None)

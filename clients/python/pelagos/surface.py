@@ -1,6 +1,7 @@
 """The sea surface at points, as arrays."""
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -24,11 +25,16 @@ class Surface:
     height    above mean sea level [m], float64, (...,)
     normal    unit normal, east, north, up, float64, (..., 3)
     velocity  of the water particle [m/s], east, north, up, float64, (..., 3)
+    depth     of the bottom below mean sea level [m], negative on land, NaN
+              where seabed.file has no data, float64, (...,)
+    sounding  depth below the surface at this time [m], 0 where it is dry
     """
     time: float
     height: "NDArray[np.float64]"
     normal: "NDArray[np.float64]"
     velocity: "NDArray[np.float64]"
+    depth: "NDArray[np.float64]"
+    sounding: "NDArray[np.float64]"
 
 
 def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
@@ -43,7 +49,7 @@ def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
     flat = at.reshape(-1, 2)
     if len(flat) == 0:
         raise ValueError("a query has at least one point")
-    values = np.empty((len(flat), 7))
+    values = np.empty((len(flat), 9))
     for start in range(0, len(flat), _AT_ONCE):
         part = flat[start:start + _AT_ONCE]
         content: dict[str, Any] = {"points": part.tolist()}
@@ -54,7 +60,8 @@ def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
             # The first answer's time holds for all.
             time = float(answer["time"])
             rows = [(p["height"], *_vector(p["normal"]),
-                     *_vector(p["velocity"])) for p in answer["points"]]
+                     *_vector(p["velocity"]), p.get("depth", math.nan),
+                     p.get("sounding", math.nan)) for p in answer["points"]]
             values[start:start + len(part)] = rows
         except (KeyError, TypeError, ValueError) as error:
             raise ProtocolError(f"not a Surface: {error!r}") from None
@@ -62,7 +69,8 @@ def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
     assert time is not None
     return Surface(time, values[:, 0].reshape(shape),
                    values[:, 1:4].reshape(*shape, 3),
-                   values[:, 4:7].reshape(*shape, 3))
+                   values[:, 4:7].reshape(*shape, 3),
+                   values[:, 7].reshape(shape), values[:, 8].reshape(shape))
 
 
 def _vector(value: dict[str, float]) -> tuple[float, float, float]:

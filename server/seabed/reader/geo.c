@@ -1,0 +1,463 @@
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <gdal.h>
+#include <gdal_alg.h>
+#include <gdal_utils.h>
+#include <math.h>
+#include <ogr_srs_api.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "seabed/reader/raster.h"
+#include "seabed/seabed.h"
+
+#define EDGE 32             /* samples along an edge */
+#define FARTHEST_M 200000.0 /* from the origin to the nearest of the raster */
+
+/* Drivers that fetch from elsewhere, or hand on to other files. */
+static const char skipped[] =
+    "VRT,WMS,WCS,WMTS,HTTP,DAAS,EEDA,EEDAI,PLMOSAIC,PLSCENES,NGW,WFS,OGCAPI,"
+    "STACTA,STACIT,Rasterlite,PostGISRaster,GeoRaster,RDA,DERIVED";
+
+static void say_nothing(CPLErr class, CPLErrorNum number, const char *text)
+{
+    (void)class;
+    (void)number;
+    (void)text;
+}
+
+/* --- opening -------------------------------------------------------------- */
+
+/* Whether the subdataset's name ends in one of the words for heights. */
+static bool is_height_name(const char *name)
+{
+    static const char *const words[] = { "elevation", "z",         "topo",
+                                         "height",    "altitude",  "Band1",
+                                         "depth",     "bathymetry" };
+    const char *last = strrchr(name, ':');
+    for (size_t i = 0; last && i < sizeof words / sizeof *words; i++) {
+        if (strcasecmp(last + 1, words[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A file of several rasters: the one that is called like heights. */
+static GDALDatasetH open_part(GDALDatasetH whole)
+{
+    char **parts = GDALGetMetadata(whole, "SUBDATASETS");
+    const char *name = NULL;
+    for (int i = 1; !name; i++) {
+        char key[40];
+        snprintf(key, sizeof key, "SUBDATASET_%d_NAME", i);
+        const char *part = CSLFetchNameValue(parts, key);
+        if (!part) {
+            break;
+        }
+        name = is_height_name(part) ? part : NULL;
+    }
+    return name ? GDALOpenEx(name, GDAL_OF_RASTER, NULL, NULL, NULL) : NULL;
+}
+
+static enum pel_err open_raster(const char *path, GDALDatasetH *out,
+                                struct pel_fault *fault)
+{
+    *out = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, NULL, NULL,
+                      NULL);
+    if (!*out) {
+        const char *why = CPLGetLastErrorMsg();
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "GDAL reads no raster from it%s%.120s",
+                             *why ? ": " : "", why);
+    }
+    if (GDALGetRasterCount(*out) == 0) {
+        *out = open_part(*out);
+    }
+    if (!*out || GDALGetRasterCount(*out) == 0) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "it has several rasters and none is called "
+                             "elevation, z, topo, height, depth or bathymetry");
+    }
+    if (GDALGetRasterXSize(*out) < 2 || GDALGetRasterYSize(*out) < 2) {
+        return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                             "the raster is less than 2 × 2");
+    }
+    return PEL_OK;
+}
+
+/* --- placing -------------------------------------------------------------- */
+
+static void local_frame(double latitude, double longitude, char out[160])
+{
+    snprintf(out, 160,
+             "+proj=aeqd +lat_0=%.12f +lon_0=%.12f +datum=WGS84 +units=m "
+             "+no_defs",
+             latitude, longitude);
+}
+
+/* A raster in memory of the values, its middle at the place of the request. */
+static GDALDatasetH place_plain(const struct pel_raster_request *request,
+                                const struct pel_raster_plain *plain)
+{
+    char place[96], frame[160];
+    double s = request->spacing_m;
+    double transform[] = { -0.5 * s * plain->columns, s, 0,
+                           0.5 * s * plain->rows,     0, -s };
+    GDALDatasetH set =
+        GDALCreate(GDALGetDriverByName("MEM"), "", plain->columns, plain->rows,
+                   0, GDT_Float32, NULL);
+    snprintf(place, sizeof place, "DATAPOINTER=%llu",
+             (unsigned long long)(uintptr_t)plain->values);
+    char **options = CSLAddString(NULL, place);
+    local_frame(request->latitude, request->longitude, frame);
+    OGRSpatialReferenceH srs = OSRNewSpatialReference(NULL);
+    if (!set || GDALAddBand(set, GDT_Float32, options) ||
+        OSRImportFromProj4(srs, frame) || GDALSetSpatialRef(set, srs) ||
+        GDALSetGeoTransform(set, transform)) {
+        return NULL;
+    }
+    return set;
+}
+
+/* The first band in memory, as it is, with what has no data as NaN. */
+static enum pel_err read_plain(GDALDatasetH set, struct pel_raster_plain *out,
+                               struct pel_fault *fault)
+{
+    int columns = GDALGetRasterXSize(set), rows = GDALGetRasterYSize(set);
+    if ((int64_t)columns * rows > PEL_RASTER_MOST_PIXELS) {
+        return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                             "%d × %d pixels without a georeference; at most "
+                             "%d in all",
+                             columns, rows, PEL_RASTER_MOST_PIXELS);
+    }
+    GDALRasterBandH band = GDALGetRasterBand(set, 1);
+    *out = (struct pel_raster_plain){ columns, rows, NULL };
+    out->values = malloc(sizeof *out->values * (size_t)columns * (size_t)rows);
+    if (!out->values ||
+        GDALRasterIO(band, GF_Read, 0, 0, columns, rows, out->values, columns,
+                     rows, GDT_Float32, 0, 0)) {
+        return pel_fault_set(fault, PEL_ERR_MALFORMED, "%.160s",
+                             CPLGetLastErrorMsg());
+    }
+    int has = 0;
+    float none = (float)GDALGetRasterNoDataValue(band, &has);
+    for (int64_t i = 0; has && i < (int64_t)columns * rows; i++) {
+        out->values[i] = out->values[i] == none ? NAN : out->values[i];
+    }
+    return PEL_OK;
+}
+
+/* Whether degrees can be meant: rasters of plain latitude and longitude often
+ * come without saying so. */
+static bool looks_geographic(GDALDatasetH set, const double t[6])
+{
+    double east = t[0] + t[1] * GDALGetRasterXSize(set);
+    double south = t[3] + t[5] * GDALGetRasterYSize(set);
+    return t[2] == 0 && t[4] == 0 && fabs(t[0]) <= 361 && fabs(east) <= 361 &&
+           fabs(t[3]) <= 91 && fabs(south) <= 91;
+}
+
+/* The raster with a place: by the request or by itself. */
+static enum pel_err place_raster(const struct pel_raster_request *request,
+                                 GDALDatasetH *set, bool *assume_wgs84,
+                                 struct pel_fault *fault)
+{
+    double transform[6];
+    bool has = GDALGetGeoTransform(*set, transform) == CE_None;
+    OGRSpatialReferenceH srs = GDALGetSpatialRef(*set);
+    *assume_wgs84 = false;
+    if (request->placed) {
+        struct pel_raster_plain plain;
+        enum pel_err err = read_plain(*set, &plain, fault);
+        *set = err ? NULL : place_plain(request, &plain);
+        return !err && !*set ? pel_fault_set(fault, PEL_ERR_NO_MEMORY, "%s",
+                                             CPLGetLastErrorMsg())
+                             : err;
+    }
+    if (!has && GDALGetGCPCount(*set) == 0) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "it has no georeference: set seabed.latitude, "
+                             "seabed.longitude and seabed.spacing");
+    }
+    *assume_wgs84 = !srs && has && looks_geographic(*set, transform);
+    if (!srs && !*assume_wgs84 && GDALGetGCPCount(*set) == 0) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "it does not say its coordinate reference system");
+    }
+    return PEL_OK;
+}
+
+/* --- the area ------------------------------------------------------------- */
+
+/* From pixels of the raster to metres of the frame; false: none are finite. */
+static bool project(void *transformer, double x, double y, double *east_m,
+                    double *north_m)
+{
+    double z = 0;
+    int ok = 0;
+    *east_m = x;
+    *north_m = y;
+    return GDALGenImgProjTransform(transformer, FALSE, 1, east_m, north_m, &z,
+                                   &ok) &&
+           ok && isfinite(*east_m) && isfinite(*north_m);
+}
+
+/* Spacing of the raster where it is nearest to the origin. */
+static double spacing_of(void *transformer, int columns, int rows)
+{
+    double x = 0, y = 0, z = 0, at[3][2];
+    int ok = 0;
+    if (!GDALGenImgProjTransform(transformer, TRUE, 1, &x, &y, &z, &ok) ||
+        !ok || !isfinite(x) || !isfinite(y)) {
+        x = 0.5 * columns;
+        y = 0.5 * rows;
+    }
+    x = fmin(fmax(x, 0), columns - 1.0);
+    y = fmin(fmax(y, 0), rows - 1.0);
+    if (!project(transformer, x, y, &at[0][0], &at[0][1]) ||
+        !project(transformer, x + 1, y, &at[1][0], &at[1][1]) ||
+        !project(transformer, x, y + 1, &at[2][0], &at[2][1])) {
+        return NAN;
+    }
+    double across = hypot(at[1][0] - at[0][0], at[1][1] - at[0][1]);
+    double down = hypot(at[2][0] - at[0][0], at[2][1] - at[0][1]);
+    /* Never coarser than the raster in either direction, or GDAL would smooth;
+     * near the poles four times as fine is enough. */
+    return fmax(fmin(across, down), 0.25 * fmax(across, down));
+}
+
+struct area {
+    double west, south, east, north;
+};
+
+/* What the raster covers. Where its edge does not project, without end. */
+static struct area cover(void *transformer, int columns, int rows)
+{
+    const double far = 1e7;
+    struct area a = { far, far, -far, -far };
+    for (int i = 0; i < 4 * (EDGE + 1); i++) {
+        double f = (double)(i / 4) / EDGE, x, y;
+        if (!project(transformer, i & 1 ? f * columns : (i & 2 ? columns : 0),
+                     i & 1 ? (i & 2 ? rows : 0) : f * rows, &x, &y)) {
+            return (struct area){ -far, -far, far, far };
+        }
+        a.west = fmin(a.west, x);
+        a.east = fmax(a.east, x);
+        a.south = fmin(a.south, y);
+        a.north = fmax(a.north, y);
+    }
+    return a;
+}
+
+/* The part of `a` that fits into PEL_SEABED_MOST nodes, about the origin. */
+static enum pel_err choose(struct area *a, double spacing_m,
+                           struct pel_fault *fault)
+{
+    double x = fmin(fmax(0, a->west), a->east);
+    double y = fmin(fmax(0, a->south), a->north);
+    if (hypot(x, y) > FARTHEST_M) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "the raster lies %.0f km from the scene's origin; "
+                             "at most %.0f km: set origin.latitude and "
+                             "origin.longitude near it",
+                             hypot(x, y) / 1000, FARTHEST_M / 1000);
+    }
+    double most = PEL_SEABED_MOST * spacing_m;
+    if (a->east - a->west > most) {
+        double low = fmin(fmax(x - 0.5 * most, a->west), a->east - most);
+        a->west = low;
+        a->east = low + most;
+    }
+    if (a->north - a->south > most) {
+        double low = fmin(fmax(y - 0.5 * most, a->south), a->north - most);
+        a->south = low;
+        a->north = low + most;
+    }
+    return PEL_OK;
+}
+
+static enum pel_err plan(const struct pel_raster_request *request,
+                         GDALDatasetH set, bool assume_wgs84, const char *frame,
+                         struct pel_raster_field *out, struct pel_fault *fault)
+{
+    char target[176];
+    snprintf(target, sizeof target, "DST_SRS=%s", frame);
+    char **options = CSLAddString(NULL, target);
+    if (assume_wgs84) {
+        options = CSLAddString(options, "SRC_SRS=EPSG:4326");
+    }
+    int columns = GDALGetRasterXSize(set), rows = GDALGetRasterYSize(set);
+    void *transformer = GDALCreateGenImgProjTransformer2(set, NULL, options);
+    double spacing = transformer ? spacing_of(transformer, columns, rows) : NAN;
+    if (!isfinite(spacing)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "it cannot be brought into the scene's frame: "
+                             "%.120s",
+                             CPLGetLastErrorMsg());
+    }
+    if (request->placed) {
+        spacing = request->spacing_m;
+    }
+    if (!(spacing >= PEL_SEABED_SPACING_MIN &&
+          spacing <= PEL_SEABED_SPACING_MAX)) {
+        return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                             "its heights are %g m apart; it must be %g to %g "
+                             "m",
+                             spacing, PEL_SEABED_SPACING_MIN,
+                             PEL_SEABED_SPACING_MAX);
+    }
+    struct area a = cover(transformer, columns, rows);
+    enum pel_err err = choose(&a, spacing, fault);
+    *out = (struct pel_raster_field){
+        .columns = (int)fmax(2, round((a.east - a.west) / spacing)),
+        .rows = (int)fmax(2, round((a.north - a.south) / spacing)),
+        .spacing_m = spacing,
+        .west_m = a.west + 0.5 * spacing,
+        .south_m = a.south + 0.5 * spacing,
+    };
+    return err;
+}
+
+/* --- the heights ---------------------------------------------------------- */
+
+static enum pel_err warp(GDALDatasetH set, bool assume_wgs84, const char *frame,
+                         const struct pel_raster_field *to, GDALDatasetH *out,
+                         struct pel_fault *fault)
+{
+    char numbers[6][32];
+    const double edges[] = {
+        to->west_m - 0.5 * to->spacing_m,
+        to->south_m - 0.5 * to->spacing_m,
+        to->west_m + (to->columns - 0.5) * to->spacing_m,
+        to->south_m + (to->rows - 0.5) * to->spacing_m,
+    };
+    for (int i = 0; i < 4; i++) {
+        snprintf(numbers[i], sizeof *numbers, "%.9f", edges[i]);
+    }
+    snprintf(numbers[4], sizeof *numbers, "%d", to->columns);
+    snprintf(numbers[5], sizeof *numbers, "%d", to->rows);
+    const char *const words[] = {
+        "-of",      "MEM",      "-ot",      "Float32",    "-b_srs",
+        "",         "-t_srs",   frame,      "-te",        numbers[0],
+        numbers[1], numbers[2], numbers[3], "-ts",        numbers[4],
+        numbers[5], "-r",       "bilinear", "-dstnodata", "nan",
+        "-wm",      "64",       "-et",      "0.001",      "-q"
+    };
+    char **list = NULL;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        if (strcmp(words[i], "-b_srs") == 0) {
+            i++; /* the source's, which it says itself or which is assumed */
+            if (assume_wgs84) {
+                list = CSLAddString(CSLAddString(list, "-s_srs"), "EPSG:4326");
+            }
+            continue;
+        }
+        list = CSLAddString(list, words[i]);
+    }
+    int usage = FALSE;
+    GDALWarpAppOptions *options = GDALWarpAppOptionsNew(list, NULL);
+    *out = options ? GDALWarp("", NULL, 1, &set, options, &usage) : NULL;
+    return *out ? PEL_OK
+                : pel_fault_set(fault, PEL_ERR_MALFORMED, "%.160s",
+                                CPLGetLastErrorMsg());
+}
+
+/* What the file's numbers mean: a factor to heights in metres. */
+static double unit_of(GDALRasterBandH band, bool depths)
+{
+    const char *unit = GDALGetRasterUnitType(band);
+    const char *down = GDALGetMetadataItem(band, "positive", NULL);
+    bool feet = unit && (strncasecmp(unit, "f", 1) == 0 ||
+                         strcasecmp(unit, "US survey foot") == 0);
+    bool below = depths || (down && strcasecmp(down, "down") == 0);
+    return (feet ? 0.3048 : 1.0) * (below ? -1.0 : 1.0);
+}
+
+static enum pel_err take(GDALDatasetH warped, double scale, double offset,
+                         struct pel_raster_field *out, struct pel_fault *fault)
+{
+    int columns = out->columns, rows = out->rows;
+    size_t count = (size_t)columns * (size_t)rows;
+    float *from = malloc(sizeof *from * count);
+    out->heights = malloc(sizeof *out->heights * count);
+    if (!from || !out->heights ||
+        GDALRasterIO(GDALGetRasterBand(warped, 1), GF_Read, 0, 0, columns, rows,
+                     from, columns, rows, GDT_Float32, 0, 0)) {
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "%.160s",
+                             CPLGetLastErrorMsg());
+    }
+    for (int y = 0; y < rows; y++) {
+        const float *row = from + (size_t)(rows - 1 - y) * (size_t)columns;
+        for (int x = 0; x < columns; x++) {
+            out->heights[(size_t)y * (size_t)columns + (size_t)x] =
+                (float)((double)row[x] * scale + offset);
+        }
+    }
+    free(from);
+    return PEL_OK;
+}
+
+static bool is_exr(const char *path)
+{
+    unsigned char magic[4] = { 0 };
+    FILE *file = fopen(path, "rb");
+    bool exr = file && fread(magic, 1, 4, file) == 4 &&
+               memcmp(magic, "\x76\x2f\x31\x01", 4) == 0;
+    if (file) {
+        fclose(file);
+    }
+    return exr;
+}
+
+static enum pel_err open_exr(const struct pel_raster_request *request,
+                             GDALDatasetH *out, struct pel_fault *fault)
+{
+    struct pel_raster_plain plain;
+    if (!request->placed) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "an OpenEXR has no georeference: set "
+                             "seabed.latitude, seabed.longitude and "
+                             "seabed.spacing");
+    }
+    enum pel_err err = pel_raster_read_exr(request->path, &plain, fault);
+    *out = err ? NULL : place_plain(request, &plain);
+    return !err && !*out ? pel_fault_set(fault, PEL_ERR_NO_MEMORY, "%s",
+                                         CPLGetLastErrorMsg())
+                         : err;
+}
+
+enum pel_err pel_raster_read(const struct pel_raster_request *request,
+                             struct pel_raster_field *out,
+                             struct pel_fault *fault)
+{
+    GDALDatasetH set = NULL, warped = NULL;
+    bool assume_wgs84 = false, exr = is_exr(request->path);
+    char frame[160];
+    double scale = request->depths ? -1.0 : 1.0, offset = 0;
+    CPLSetErrorHandler(say_nothing);
+    CPLSetConfigOption("GDAL_SKIP", skipped);
+    CPLSetConfigOption("GDAL_DRIVER_PATH", "disable");
+    CPLSetConfigOption("GDAL_CACHEMAX", "64");
+    CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
+    GDALAllRegister();
+    local_frame(request->origin_latitude, request->origin_longitude, frame);
+    enum pel_err err = exr ? open_exr(request, &set, fault)
+                           : open_raster(request->path, &set, fault);
+    if (!err && !exr) {
+        GDALRasterBandH band = GDALGetRasterBand(set, 1);
+        double unit = unit_of(band, request->depths);
+        scale = GDALGetRasterScale(band, NULL) * unit;
+        offset = GDALGetRasterOffset(band, NULL) * unit;
+        err = place_raster(request, &set, &assume_wgs84, fault);
+    }
+    if (!err) {
+        err = plan(request, set, assume_wgs84, frame, out, fault);
+    }
+    if (!err) {
+        err = warp(set, assume_wgs84, frame, out, &warped, fault);
+    }
+    return err ? err : take(warped, scale, offset, out, fault);
+}

@@ -1,0 +1,48 @@
+/* Rasters of heights from files, for pelagos-seabed alone: a process that is
+ * thrown away, so memory is freed by its end and files may be as bad as they
+ * like. One thread. */
+#pragma once
+
+#include <stdbool.h>
+
+#include "base/err.h"
+
+/* How a file is to be read and where it goes. Degrees, metres. */
+struct pel_raster_request {
+    const char *path;
+    double origin_latitude, origin_longitude; /* of the local frame */
+    bool placed;                              /* by the next three */
+    double latitude, longitude;               /* of the middle */
+    double spacing_m;
+    bool depths; /* positive downward */
+};
+
+/* Heights about the origin: rows from south, nodes from west, NaN: no data. */
+struct pel_raster_field {
+    int columns, rows;
+    double west_m, south_m, spacing_m;
+    float *heights;
+};
+
+/* Heights as the file has them, rows from north. */
+struct pel_raster_plain {
+    int columns, rows;
+    float *values;
+};
+
+/* Pixels of a plain picture: an OpenEXR, or a raster without georeference. */
+#define PEL_RASTER_MOST_PIXELS (64 << 20)
+
+/* An OpenEXR of one part in scan lines: channel Y, Z or height, else its
+ * first. */
+PEL_CHECK enum pel_err pel_raster_read_exr(const char *path,
+                                           struct pel_raster_plain *out,
+                                           struct pel_fault *fault);
+
+/* Whatever GDAL reads from this one file, resampled bilinearly at the raster's
+ * own spacing to azimuthal equidistant metres about the origin (the scene's
+ * local frame, scene/geodesy.h). A raster of more than PEL_SEABED_MOST nodes
+ * each way: those about the origin. */
+PEL_CHECK enum pel_err pel_raster_read(const struct pel_raster_request *request,
+                                       struct pel_raster_field *out,
+                                       struct pel_fault *fault);

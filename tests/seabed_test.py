@@ -1,0 +1,200 @@
+#!/usr/bin/python3
+"""Bathymetry: rasters written by GDAL's own tools, soundings by every socket,
+files that are not what they seem."""
+import glob
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from pelagos_daemon import BIN, ROOT, SANITIZED, Daemon, Session
+
+DAMAGED = os.path.join(ROOT, "../shared/data/exr")
+COLUMNS, ROWS, CELL = 160, 120, 1 / 960
+WEST, NORTH = 5.1, 52.65
+
+
+def height(lat, lon):
+    """A slope from -25 m up to land."""
+    return -25 + 200 * (lon - WEST) + 30 * (lat - 52.6)
+
+
+def write_grid(path):
+    with open(path, "w") as f:
+        f.write(f"ncols {COLUMNS}\nnrows {ROWS}\nxllcorner {WEST}\n"
+                f"yllcorner {NORTH - ROWS * CELL}\ncellsize {CELL}\n")
+        for y in range(ROWS):
+            f.write(" ".join(f"{height(NORTH - (y + .5) * CELL, WEST + (x + .5) * CELL):.4f}"
+                             for x in range(COLUMNS)) + "\n")
+
+
+def gdal(*command):
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=60)
+
+
+@unittest.skipUnless(shutil.which("gdal_translate"), "needs gdal-bin")
+class Seabed(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="pelagos-seabed-")
+        at = lambda name: os.path.join(cls.folder, name)
+        write_grid(at("plain.asc"))
+        gdal("gdal_translate", "-q", "-a_srs", "EPSG:4326", at("plain.asc"),
+             at("geographic.tif"))
+        gdal("gdalwarp", "-q", "-t_srs", "EPSG:32631", "-tr", "60", "60", "-r", "bilinear",
+             "-dstnodata", "-32768", at("geographic.tif"), at("utm31.tif"))
+        # as EMODnet and GEBCO publish: NetCDF; integers with a scale
+        gdal("gdal_translate", "-q", "-of", "netCDF", at("geographic.tif"),
+             at("grid.nc"))
+        gdal("gdal_translate", "-q", "-ot", "Int16", "-scale", "-100", "100",
+             "-10000", "10000", "-a_scale", "0.01", at("geographic.tif"),
+             at("centimetres.tif"))
+        with open(at("geographic.tif"), "rb") as f:
+            whole = f.read()
+        with open(at("cut.tif"), "wb") as f:
+            f.write(whole[:len(whole) // 3])
+        gdal("gdal_translate", "-q", "-of", "PNG", "-ot", "Byte", "-scale",
+             "-25", "10", "0", "250", at("geographic.tif"), at("picture.png"))
+        os.remove(at("picture.png.aux.xml"))
+        cls.daemon = Daemon("--bathymetry", cls.folder, unix=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.stop()
+        shutil.rmtree(cls.folder)
+
+    def choose(self, **seabed):
+        answer = self.daemon.patch({"seabed": seabed})
+        self.assertEqual(answer.status, 200, answer)
+
+    def points(self, points):
+        answer = self.daemon.request("POST", "/v1/surface",
+                                     {"points": points, "time": 3})
+        self.assertEqual(answer.status, 200, answer)
+        return answer.json()["points"]
+
+    def test_files_of_others(self):
+        # The origin is 52.6 N, 5.2 E; 1 km of latitude is 0.008987 deg.
+        for name in ("plain.asc", "geographic.tif", "utm31.tif", "grid.nc",
+                     "centimetres.tif"):
+            self.choose(file=name)
+            got = [p["depth"] for p in self.points([[0, 0], [0, 1000],
+                                                    [0, -3000]])]
+            for depth, km in zip(got, (0, 1, -3)):
+                want = -height(52.6 + km * 0.0089866, 5.2)
+                # centimetres, and a second resampling through UTM
+                self.assertAlmostEqual(depth, want, delta=0.02, msg=name)
+
+    def test_soundings(self):
+        self.choose(file="geographic.tif")
+        wet, dry, beyond = self.points([[0, 0], [4500, 0], [9000, 0]])
+        self.assertAlmostEqual(wet["sounding"], wet["depth"] + wet["height"],
+                               places=9)
+        self.assertLess(dry["depth"], -5)
+        self.assertEqual(dry["sounding"], 0)
+        self.assertNotIn("depth", beyond)
+        self.assertNotIn("sounding", beyond)
+        with Session(self.daemon.connect_unix()) as session:
+            query = session.pb.SurfaceQuery(
+                points=[{"east": 0, "north": 0}, {"east": 9000, "north": 0}],
+                time=3)
+            points = session.ask(surface=query).surface.points
+            self.assertEqual(points[0].depth, wet["depth"])
+            self.assertEqual(points[0].sounding, wet["sounding"])
+            self.assertFalse(points[1].HasField("depth"))
+        ctl = subprocess.run(
+            [os.path.join(BIN, "pelagosctl"), "--server",
+             f"unix:{self.daemon.unix_path}", "surface", "0", "0", "9000", "0",
+             "--time", "3", "--json"], capture_output=True, timeout=30)
+        points = json.loads(ctl.stdout)["points"]
+        self.assertEqual(points[0]["sounding"], wet["sounding"])
+        self.assertIsNone(points[1]["depth"])
+
+    def test_python(self):
+        sys.path.insert(0, os.path.join(ROOT, "clients/python"))
+        import numpy
+        import pelagos
+        self.choose(file="geographic.tif")
+        ocean = pelagos.Ocean(self.daemon.url("").rstrip("/"))
+        surface = ocean.surface([[0, 0], [4500, 0], [9000, 0]])
+        self.assertAlmostEqual(surface.depth[0], -height(52.6, 5.2), delta=.02)
+        self.assertEqual(surface.sounding[1], 0)
+        self.assertTrue(numpy.isnan(surface.depth[2]))
+
+    def test_nmea_out(self):
+        receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(10)
+        port = receiver.getsockname()[1]
+        with Daemon("--bathymetry", self.folder, "--nmea-out",
+                    f"127.0.0.1:{port}") as daemon:
+            daemon.patch({"seabed": {"file": "geographic.tif"}})
+            end = time.monotonic() + 10
+            data = b""
+            while b"$SDDPT" not in data and time.monotonic() < end:
+                data = receiver.recv(4096)
+            receiver.close()
+            line = [l for l in data.split(b"\r\n") if l[:6] == b"$SDDPT"]
+            self.assertTrue(line, data)
+            self.assertAlmostEqual(float(line[0].split(b",")[1]),
+                                   -height(52.6, 5.2), delta=0.06)
+
+    def test_refusals(self):
+        self.choose(file="geographic.tif")
+        before = self.daemon.state()["revision"]
+        for name, words in (("cut.tif", "cut.tif"),
+                            ("picture.png", "no georeference"),
+                            ("none.tif", "no such file"),
+                            ("/etc/passwd", "without /")):
+            answer = self.daemon.patch({"seabed": {"file": name}})
+            self.assertNotEqual(answer.status, 200, name)
+            text = answer.body.decode()
+            self.assertIn(words, text)
+            self.assertIn("seabed.file", text)
+        answer = self.daemon.patch({"origin": {"latitude": 10}})
+        self.assertIn("km from the scene's origin", answer.body.decode())
+        self.assertEqual(self.daemon.state()["revision"], before)
+        self.choose(file="picture.png", latitude=52.6, longitude=5.2,
+                    spacing=50)
+        answer = self.daemon.patch(
+            {"seabed": {k: None for k in ("file", "latitude", "longitude",
+                                          "spacing")}})
+        self.assertEqual(answer.status, 200, answer)
+        self.assertEqual(self.points([[0, 0]])[0]["depth"],
+                         self.daemon.state()["water"]["depth"])
+
+    @unittest.skipUnless(os.path.isdir(DAMAGED), "no shared data")
+    def test_damaged_files(self):
+        folder = tempfile.mkdtemp(prefix="pelagos-damaged-")
+        names = sorted(glob.glob(os.path.join(DAMAGED, "damaged-*")))
+        slowest = 0
+        try:
+            for i, name in enumerate(names):
+                shutil.copy(name, os.path.join(folder, f"{i}.exr"))
+            with Daemon("--bathymetry", folder) as daemon:
+                rss = daemon.rss()
+                for i in range(len(names)):
+                    start = time.monotonic()
+                    daemon.patch({"seabed": {
+                        "file": f"{i}.exr", "latitude": 52.6,
+                        "longitude": 5.2, "spacing": 10}})
+                    slowest = max(slowest, time.monotonic() - start)
+                    self.assertTrue(daemon.alive(), names[i])
+                print(f"  {len(names)} damaged files, the slowest in "
+                      f"{slowest * 1e3:.0f} ms, resident "
+                      f"{(daemon.rss() - rss) / 1e6:+.1f} MB")
+                if not SANITIZED:
+                    # a height field of 2048 x 2048 and its mask are 21 MB
+                    self.assertLess(daemon.rss() - rss, 64e6)
+        finally:
+            shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
