@@ -203,7 +203,7 @@ CLIENT := \
     clients/lib/stream.c
 CTL := \
     clients/pelagosctl/pelagosctl.c \
-    clients/pelagosctl/clip.c \
+    clients/pelagosctl/clip.c clients/pelagosctl/clip_stream.c \
     clients/pelagosctl/ctl_bench.c \
     clients/pelagosctl/ctl_completion.c \
     clients/pelagosctl/ctl_help.c \
@@ -211,6 +211,7 @@ CTL := \
     clients/pelagosctl/ctl_options.c \
     clients/pelagosctl/ctl_picture.c \
     clients/pelagosctl/ctl_record.c \
+    clients/pelagosctl/ctl_sequence.c \
     clients/pelagosctl/ctl_replay.c \
     clients/pelagosctl/ctl_replay_log.c \
     clients/pelagosctl/ctl_report.c \
@@ -326,7 +327,8 @@ $(O)/bin/pelagos-seabed: $(call obj,$(SEABED_READER)) $(O)/libserver.a
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(READER_LIBS)
 
-$(O)/clients/pelagosctl/clip.o: CPPFLAGS += $(shell pkg-config --cflags $(CTL_PKGS))
+$(O)/clients/pelagosctl/clip.o $(O)/clients/pelagosctl/clip_stream.o: \
+    CPPFLAGS += $(shell pkg-config --cflags $(CTL_PKGS))
 
 $(O)/bin/pelagosctl: $(CTL_MAIN) $(O)/libctl.a $(O)/libpelagos.a $(O)/libserver.a
 	$(Q)mkdir -p $(@D)

@@ -148,6 +148,7 @@ class Demo:
     def film(self):
         done = self.daemon.ctl("record", "bridge", OUT / "clip.mkv",
                                "--exact", "--seconds", 5, "--fps", 10,
+                               "--overwrite",
                                "--width", 640, "--height", 360)
         say(f"clip.mkv: {done['frames']} frames of the bridge, 5 s, "
             f"{done['bytes'] // 1000} kB")

@@ -144,6 +144,12 @@ enum ctl_exit ctl_optics(struct ctl *ctl);
 /* optics brdf, optics sky. */
 enum ctl_exit ctl_light(struct ctl *ctl);
 
+/* ctl_sequence.c: record, where FILE is one of a numbered sequence. `request`
+ * has the view and the size. */
+bool ctl_sequence_is(const char *path);
+enum ctl_exit ctl_record_sequence(struct ctl *ctl, double fps, size_t wanted,
+                                  const Pelagos__FrameRequest *request);
+
 /* Set by SIGINT and SIGTERM once ctl_catch_signals has been called: commands
  * that run on end their loop and tidy up. */
 extern volatile int ctl_interrupted;

@@ -1,4 +1,4 @@
-/* record: a view as a clip. */
+/* record: a view as a clip, drawn for it or as it is streamed. */
 #include "pelagosctl/ctl.h"
 
 #include <errno.h>
@@ -24,7 +24,8 @@ struct recording {
 static enum ctl_exit read_options(struct ctl *ctl, struct recording *r)
 {
     double width = 0, height = 0, quality = 90;
-    if (ctl_number(ctl, "seconds", 0.1, 86400, &r->seconds) ||
+    if (ctl_number(ctl, "from", 0, 1e9, &r->first_time_s) ||
+        ctl_number(ctl, "seconds", 0.1, 86400, &r->seconds) ||
         ctl_number(ctl, "fps", 1, 60, &r->fps) ||
         ctl_number(ctl, "width", 1, 65535, &width) ||
         ctl_number(ctl, "height", 1, 65535, &height) ||
@@ -113,13 +114,22 @@ static void report_done(struct ctl *ctl, const struct recording *r)
 {
     struct stat file = { 0 };
     stat(r->path, &file);
+    bool stream = ctl_flag(ctl, "stream");
     if (ctl_flag(ctl, "json")) {
         fputs("{\"file\":", stdout);
         ctl_print_string(stdout, r->path);
+        if (stream) {
+            printf(",\"frames\":%zu,\"bytes\":%lld}\n", r->written,
+                   (long long)file.st_size);
+            return;
+        }
         printf(",\"frames\":%zu,\"wanted\":%zu,\"width\":%u,\"height\":%u,"
                "\"bytes\":%lld}\n",
                r->written, r->wanted, r->request.width, r->request.height,
                (long long)file.st_size);
+    } else if (stream && !ctl_flag(ctl, "quiet")) {
+        printf("%s: %zu pictures, %lld kB\n", r->path, r->written,
+               (long long)(file.st_size + 999) / 1000);
     } else if (!ctl_flag(ctl, "quiet")) {
         printf("%s: %zu frames of %ux%u, %lld kB", r->path, r->written,
                r->request.width, r->request.height,
@@ -127,6 +137,107 @@ static void report_done(struct ctl *ctl, const struct recording *r)
         printf(r->written < r->wanted ? "; %zu were not drawn in time\n" : "\n",
                r->wanted - r->written);
     }
+}
+
+/* --- as it is streamed --------------------------------------------------- */
+
+static void show_stream(void *user, double seconds, size_t frames)
+{
+    const struct recording *r = user;
+    if (r->terminal) {
+        struct stat file = { 0 };
+        stat(r->path, &file);
+        fprintf(stderr, "\r%5.1f of %.1f s, %zu pictures, %.1f MB ", seconds,
+                r->seconds, frames, (double)file.st_size * 1e-6);
+    }
+}
+
+/* The stream's address: of --url, else of the daemon's host. */
+static char *stream_url(struct ctl *ctl, const struct recording *r)
+{
+    const char *base = ctl_value(ctl, "url");
+    base = base ? base : g_getenv(PEL_LIVE_URL_VARIABLE);
+    base = base ? base : PEL_LIVE_DEFAULT_URL;
+    size_t length = strlen(base);
+    GString *url = g_string_new(NULL);
+    g_string_printf(url, "%.*s/v1/views/%s/ts?",
+                    (int)(length - (length > 0 && base[length - 1] == '/')),
+                    base, r->request.view);
+    if (r->request.has_width) {
+        g_string_append_printf(url, "width=%u&", r->request.width);
+    }
+    if (r->request.has_height) {
+        g_string_append_printf(url, "height=%u&", r->request.height);
+    }
+    if (ctl_flag(ctl, "bitrate")) {
+        g_string_append_printf(url, "bitrate=%s&", ctl_value(ctl, "bitrate"));
+    }
+    g_string_truncate(url, url->len - 1); /* ? or & */
+    return g_string_free(url, FALSE);
+}
+
+static enum ctl_exit record_stream(struct ctl *ctl, struct recording *r)
+{
+    double kbps = 0;
+    if (ctl_number(ctl, "bitrate", 100, 100000, &kbps)) {
+        return CTL_USAGE;
+    }
+    g_autofree char *url = stream_url(ctl, r), *why = NULL;
+    const struct clip_stream wish = { .url = url,
+                                      .path = r->path,
+                                      .seconds = r->seconds,
+                                      .token = g_getenv("PELAGOS_TOKEN"),
+                                      .stop = &ctl_interrupted,
+                                      .progress = show_stream,
+                                      .user = r };
+    ctl_catch_signals();
+    int result = clip_stream(&wish, &r->written, &why);
+    if (r->terminal) {
+        fputs("\r\033[K", stderr);
+    }
+    if (result != 0) {
+        return ctl_say(CTL_FAILED, "%s", why);
+    }
+    r->wanted = r->written;
+    report_done(ctl, r);
+    return CTL_DONE;
+}
+
+/* --- the command --------------------------------------------------------- */
+
+/* Options that say nothing for this kind of file would be passed over. */
+static enum ctl_exit check_options(const struct ctl *ctl, bool sequence)
+{
+    static const char *const of_sequences[] = { "layers", "float", "resume" };
+    static const char *const of_streams[] = { "url", "bitrate" };
+    static const char *const of_drawings[] = { "exact", "from", "fps",
+                                               "quality" };
+    bool stream = ctl_flag(ctl, "stream");
+    for (size_t i = 0; !sequence && i < G_N_ELEMENTS(of_sequences); i++) {
+        if (ctl_flag(ctl, of_sequences[i])) {
+            return ctl_say(CTL_USAGE,
+                           "--%s is for sequences: .exr, .png or .jpg",
+                           of_sequences[i]);
+        }
+    }
+    for (size_t i = 0; !stream && i < G_N_ELEMENTS(of_streams); i++) {
+        if (ctl_flag(ctl, of_streams[i])) {
+            return ctl_say(CTL_USAGE, "--%s needs --stream", of_streams[i]);
+        }
+    }
+    for (size_t i = 0; stream && i < G_N_ELEMENTS(of_drawings); i++) {
+        if (ctl_flag(ctl, of_drawings[i])) {
+            return ctl_say(CTL_USAGE, "--stream is as it is streamed: no --%s",
+                           of_drawings[i]);
+        }
+    }
+    if (stream && sequence) {
+        return ctl_say(CTL_USAGE, "--stream goes into .mkv or .mp4");
+    }
+    if (!sequence && ctl_flag(ctl, "from") && !ctl_flag(ctl, "exact")) {
+        return ctl_say(CTL_USAGE, "--from needs --exact");
+    }
+    return CTL_DONE;
 }
 
 enum ctl_exit ctl_record(struct ctl *ctl)
@@ -141,11 +252,30 @@ enum ctl_exit ctl_record(struct ctl *ctl)
     };
     r.request.view = (char *)ctl->args[0];
     enum ctl_exit status = read_options(ctl, &r);
+    bool sequence = ctl_sequence_is(r.path);
+    if (status == CTL_DONE) {
+        status = check_options(ctl, sequence);
+    }
+    if (status == CTL_DONE && sequence) {
+        return ctl_record_sequence(ctl, r.fps, r.wanted, &r.request);
+    }
+    if (status == CTL_DONE && !ctl_flag(ctl, "overwrite") &&
+        access(r.path, F_OK) == 0) {
+        status = ctl_say(CTL_FAILED,
+                         "%s exists already: --overwrite replaces it", r.path);
+    }
+    if (status == CTL_DONE && ctl_flag(ctl, "stream")) {
+        return record_stream(ctl, &r);
+    }
     if (status == CTL_DONE) {
         status = ctl_connect(ctl);
     }
     if (status != CTL_DONE) {
         return status;
+    }
+    if (ctl_flag(ctl, "from")) { /* else from the present on */
+        r.request.has_time = 1;
+        r.request.time = r.first_time_s;
     }
     ctl_catch_signals();
     status = record_frames(ctl, &r);

@@ -105,15 +105,34 @@ static const struct ctl_option record_options[] = {
       "Draw each frame for its own moment however long that takes, instead of "
       "live",
       NULL },
+    { 0, "from", "SECONDS", "Simulated time of the first frame (the present)",
+      NULL },
+    { 0, "stream", NULL,
+      "Save the H.264 that viewers get, as it comes, without encoding again",
+      NULL },
+    { 0, "url", "URL",
+      "pelagosd's HTTP, for --stream ($PELAGOS_URL or http://127.0.0.1:8080)",
+      NULL },
+    { 0, "bitrate", "KBPS", "Of --stream, 100 to 100000 (by the size)", NULL },
     { 0, "width", "PIXELS", "Width instead of the view's", NULL },
     { 0, "height", "PIXELS", "Height instead of the view's", NULL },
     { 0, "quality", "1..100", "Quality of the JPEGs (90)", NULL },
+    { 0, "layers", "LIST", "Layers of the EXRs (radiance)",
+      "radiance depth normal sun sky water air fresnel slopeVariance" },
+    { 0, "float", NULL, "EXRs in 32-bit samples instead of 16", NULL },
+    { 0, "resume", NULL, "Draw only the files of the sequence that are missing",
+      NULL },
+    { 0, "overwrite", NULL, "Replace what is there", NULL },
     { 0 },
 };
 static const char *const record_examples[] = {
     "pelagosctl record bridge clip.mkv --seconds 20\nMotion-JPEG in Matroska.",
     "pelagosctl record bridge clip.mp4 --fps 30 --exact\nH.264, every frame "
     "exactly 1/30 s after the last.",
+    "pelagosctl record bridge clip.mp4 --stream --seconds 60\nA minute of "
+    "what viewers see.",
+    "pelagosctl record bridge out/b_%05d.exr --fps 25 --layers "
+    "radiance,depth\nA sequence of EXRs, 1/25 s apart.",
     NULL,
 };
 
@@ -273,7 +292,15 @@ const struct ctl_command ctl_commands[] = {
       "Records the view into FILE: .mjpeg (bare JPEGs), .mkv "
       "(Motion-JPEG as pelagosd encoded it), .mp4 (H.264; needs GStreamer's "
       "x264enc or openh264enc). Live, frames that are not drawn in time are "
-      "left out; with --exact none is.",
+      "left out; with --exact none is.\n\n"
+      "With --stream it is the live stream itself, H.264 by pelagosd's rate, "
+      "scale and encoder, into .mkv or .mp4, over HTTP. Its time stamps are "
+      "those of the frames.\n\n"
+      "A FILE that ends in .exr, .png or .jpg is a sequence of files, each "
+      "frame drawn in full for its exact simulated time; %05d in the name is "
+      "the number's place. Each file is written whole or not at all, so that "
+      "an interrupted sequence goes on with --resume, at the same times. "
+      "Nothing that exists is replaced without --overwrite.",
       record_options, record_examples, "views", 2, 2, ctl_record },
     { "bench", "", "measure the running pelagosd",
       "Asks for JPEGs as fast as they come, for each size with each set of "
