@@ -8,7 +8,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from pelagos_daemon import SANITIZED, Daemon, Session
 
 ALL = ("radiance,sun,sky,water,air,depth,normal,fresnel,slopeVariance,"
-       "waterSingle,waterSecond,waterHigher,bottom")
+       "waterSingle,waterSecond,waterHigher,bottom,position")
 SIDE = 2048
 # 116 bytes of targets and 108 of readback a pixel.
 TAKEN = SIDE * SIDE * 200

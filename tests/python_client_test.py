@@ -311,6 +311,25 @@ class Pictures(OceanCase):
             parts["sun"] + parts["sky"] + parts["water"] + parts["air"],
             parts["radiance"], rtol=1e-4, atol=1e-7)
 
+    def test_positions_are_the_surface(self):
+        """The layer's places are those that the daemon answers with, far
+        from the origin too."""
+        self.ocean.set(sea={"windSpeed": 8, "level": 1.5})
+        view = self.ocean.views["bridge"]
+        view.set(up=20, pitch=-40)
+        for longitude in (5.2, 12.0):
+            self.ocean.entities[1].set(latitude=52.6, longitude=longitude)
+            exr = view.frame("exr", layers=("depth", "position")).exr()
+            place = exr["position"]
+            near = exr["depth"] < 60
+            self.assertEqual(place.dtype.name, "float64")
+            self.assertEqual(abs(place).max() > 4e5, longitude > 6)
+            surface = self.ocean.surface(place[near][:, :2])
+            off = np.abs(surface.height - place[near][:, 2])
+            # Pixels at this distance do not resolve the shortest waves.
+            self.assertLess(np.quantile(off, 0.99), 0.02)
+            self.assertTrue((place[np.isinf(exr["depth"])] == 0).all())
+
     def test_depth_and_rays_reach_the_surface(self):
         """Every pixel's ray times its depth is a point of the sea that the
         daemon answers with when asked for the surface there."""

@@ -28,7 +28,7 @@ static const struct ctl_option frame_options[] = {
     { 0, "layers", "LIST",
       "Layers of an EXR, by commas: radiance, sun, sky, water, air, depth,"
       " normal, fresnel, slopeVariance, waterSingle, waterSecond, waterHigher,"
-      " bottom (radiance)",
+      " bottom, position (radiance)",
       NULL },
     { 0, "float", NULL, "EXR samples of 32 bits instead of 16", NULL },
     { 0, "quality", "1..100", "Quality of a JPEG (90)", NULL },

@@ -76,7 +76,7 @@ struct pel_exr_image {
 };
 
 /* Single-part scan-line OpenEXR, ZIP compressed (OpenEXRCore). INVALID for a
- * bad size, no or too many (32) channels, a name twice; CONFLICT when
+ * bad size, no or too many (64) channels, a name twice; CONFLICT when
  * cancelled; NO_MEMORY; INTERNAL for what the library refuses. NaN and
  * infinity are kept. */
 PEL_CHECK enum pel_err pel_exr_encode(const struct pel_exr_image *image,

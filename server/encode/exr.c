@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAX_CHANNELS 32
+#define MAX_CHANNELS 64
 #define NAME_SIZE 64
 
 struct channel {

@@ -96,7 +96,7 @@ PEL_CHECK enum pel_err pel_frames_request(struct pel_frames *frames,
 bool pel_frames_layer_exists(const char *name);
 #define PEL_FRAMES_LAYERS                                                      \
     "radiance, sun, sky, water, air, depth, normal, fresnel, slopeVariance, "  \
-    "waterSingle, waterSecond, waterHigher, bottom"
+    "waterSingle, waterSecond, waterHigher, bottom, position"
 
 void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
 

@@ -1,5 +1,6 @@
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -22,6 +23,8 @@
  *   pelagos.windSpeed     [m/s] at 10 m, pelagos.windDirection [deg] from
  *   pelagos.visibility    [m]
  *   pelagos.originLatitude, pelagos.originLongitude [deg]
+ *   pelagos.positionEast, pelagos.positionNorth [m] to be added to the layer
+ *                         position, multiples of 131072: 0 near the origin
  *   pelagos.radiance      unit of R, G, B and their wavelengths
  *   pelagos.device        GL renderer and version */
 struct attributes {
@@ -151,6 +154,12 @@ static void list_attributes(struct attributes *a, const struct pel_output *o,
     add_text(a, "pelagos.device", device);
     add_place_and_date(a, job, camera);
     add_matrices(a, camera);
+    if (o->layers & PEL_LAYER_POSITION) {
+        double east, north;
+        pel_picture_position_origin(camera, &east, &north);
+        add_number(a, "pelagos.positionEast", east);
+        add_number(a, "pelagos.positionNorth", north);
+    }
 }
 
 enum pel_err pel_picture_encode_exr(const struct pel_output *output,
@@ -163,6 +172,15 @@ enum pel_err pel_picture_encode_exr(const struct pel_output *output,
     struct attributes attributes = { .count = 0 };
     struct pel_exr_layer layers[PEL_LAYERS];
     size_t count = 0;
+    float *position = NULL;
+    if (output->layers & PEL_LAYER_POSITION) {
+        position = malloc((size_t)p->width * p->height * 3 * sizeof *position);
+        if (!position) {
+            return PEL_ERR_NO_MEMORY;
+        }
+        pel_picture_position(p, c, output->job->environment.sea_level_m,
+                             position);
+    }
     for (int i = 0; i < PEL_LAYERS; i++) {
         const struct pel_layer_info *l = &pel_layer_table[i];
         if (output->layers & l->bit) {
@@ -170,7 +188,9 @@ enum pel_err pel_picture_encode_exr(const struct pel_output *output,
             layers[count++] = (struct pel_exr_layer){
                 .name = l->bit == PEL_LAYER_RADIANCE ? NULL : l->name,
                 .channels = l->channels,
-                .pixels = pel_picture_layer(p, l),
+                .pixels = l->bit == PEL_LAYER_POSITION
+                              ? position
+                              : pel_picture_layer(p, l),
                 .stride = l->floats,
                 .full_float = l->full_float,
             };
@@ -193,5 +213,7 @@ enum pel_err pel_picture_encode_exr(const struct pel_output *output,
         .pixel_aspect = (float)((width / p->width) / (height / p->height)),
         .cancel = cancel,
     };
-    return pel_exr_encode(&image, out);
+    enum pel_err err = pel_exr_encode(&image, out);
+    free(position);
+    return err;
 }

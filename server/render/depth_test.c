@@ -62,7 +62,16 @@ static double compare(double wind_mps, bool fft, struct test_look look,
     struct pel_camera c = test_camera(look);
     c.east_m = east_m;
     struct pel_picture *p =
-        test_draw(renderer, &env, &c, PEL_LAYER_DEPTH | PEL_LAYER_NORMAL);
+        test_draw(renderer, &env, &c, PEL_LAYER_POSITION | PEL_LAYER_NORMAL);
+    double from_east, from_north;
+    float *positions = malloc(sizeof *positions * 3 * c.width * c.height);
+    assert_non_null(positions);
+    /* As if both the camera and the sea stood higher. */
+    struct pel_camera higher = c;
+    higher.altitude_m += 2.5;
+    pel_picture_position(p, &higher, 2.5, positions);
+    pel_picture_position_origin(&c, &from_east, &from_north);
+    assert_true(fabs(from_east - east_m) <= 0.5 * PEL_POSITION_STEP_M);
     double *errors = malloc(sizeof *errors * c.width * c.height);
     assert_non_null(errors);
     int resolved = 0, grazing = 0;
@@ -87,6 +96,11 @@ static double compare(double wind_mps, bool fft, struct test_look look,
         }
         struct pel_vec2 place;
         double height = drawn_height(&c, dir, range, &place);
+        /* The layer rounds twice to single precision, at 100 km. */
+        const float *xyz = &positions[3 * i];
+        assert_true(fabs(place.x - (double)xyz[0] - from_east) < 5e-3);
+        assert_true(fabs(place.y - (double)xyz[1] - from_north) < 5e-3);
+        assert_true(fabs(height + 2.5 - (double)xyz[2]) < 1e-3);
         struct pel_surface_sample s;
         pel_sea_sample(&sea, place.x, place.y, env.time_s, &s);
         double error = fabs(height - s.height_m);
@@ -116,6 +130,7 @@ static double compare(double wind_mps, bool fft, struct test_look look,
     qsort(errors, (size_t)resolved, sizeof *errors, by_size);
     double result = resolved ? errors[(int)(0.997 * (resolved - 1))] : 0.0;
     free(errors);
+    free(positions);
     pel_picture_release(p);
     pel_sea_finish(&sea);
     return result;
@@ -133,7 +148,7 @@ static void depth_is_the_surface(void **state)
         { 5.0, false, { 6.0, 30.0, -12.0, 0.0, 60.0, 320, 240 }, 0.0 },
         { 15.0, false, { 6.0, 120.0, -12.0, 7.0, 60.0, 320, 240 }, 0.0 },
         { 10.0, false, { 4.0, 250.0, -30.0, 0.0, 40.0, 320, 240 }, 20000.0 },
-        { 10.0, false, { 30.0, 0.0, -40.0, 0.0, 30.0, 320, 240 }, -300.0 },
+        { 10.0, false, { 30.0, 0.0, -40.0, 0.0, 30.0, 320, 240 }, -9e5 },
         { 20.0, false, { 15.0, 77.0, -90.0, 0.0, 50.0, 240, 240 }, 10.0 },
         { 5.0, true, { 6.0, 30.0, -12.0, 0.0, 60.0, 320, 240 }, 0.0 },
         { 15.0, true, { 6.0, 120.0, -12.0, 7.0, 60.0, 320, 240 }, 0.0 },

@@ -119,7 +119,7 @@ static const struct {
     size_t floats;
 } attachments[ATTACHMENTS] = {
     { PEL_LAYER_RADIANCE, GL_RGBA, 4 },
-    { PEL_LAYER_DEPTH, GL_RED, 1 },
+    { PEL_LAYER_DEPTH | PEL_LAYER_POSITION, GL_RED, 1 },
     { PEL_LAYER_NORMAL | PEL_LAYER_FRESNEL, GL_RGBA, 4 },
     { PEL_LAYER_SUN, GL_RGBA, 4 },
     { PEL_LAYER_SKY, GL_RGBA, 4 },

@@ -475,7 +475,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     enum pel_shading kind = shading_of(draw->layers);
     bool layers = kind == PEL_SHADE_LAYERS;
     bool parts = draw->layers & PEL_WATER_PART_LAYERS;
-    double height_m = fmax(c->altitude_m, 0.3);
+    double height_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
     double table_height_m = pel_sky_quantize_height(height_m);
     struct pel_block_view view;
     pel_fill_view(c, &r->filter, &view);

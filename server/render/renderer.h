@@ -72,6 +72,7 @@ enum pel_layer {
     PEL_LAYER_WATER_SECOND = 1 << 11, /* scattered twice */
     PEL_LAYER_WATER_HIGHER = 1 << 12, /* more often, or mirrored from below */
     PEL_LAYER_BOTTOM = 1 << 13,       /* reflected by the bottom */
+    PEL_LAYER_POSITION = 1 << 14,     /* pel_picture_position; sky: 0 */
 };
 
 /* The layers that files and protocols name, in the order of their bits after
@@ -84,7 +85,7 @@ struct pel_layer_info {
     bool full_float;      /* keeps 32 bits where others are halves */
     const char *unit;
 };
-#define PEL_LAYERS 13
+#define PEL_LAYERS 14
 #define PEL_WATER_PART_LAYERS                                                  \
     (PEL_LAYER_WATER_SINGLE | PEL_LAYER_WATER_SECOND |                         \
      PEL_LAYER_WATER_HIGHER | PEL_LAYER_BOTTOM)
@@ -145,9 +146,24 @@ struct pel_picture *pel_renderer_collect(struct pel_renderer *r,
                                          int64_t wait_ns);
 
 /* First component of a layer's first pixel; pixels are info->floats apart.
- * NULL when the picture does not have it. */
+ * NULL when the picture does not have it, as it never has the position. */
 const float *pel_picture_layer(const struct pel_picture *picture,
                                const struct pel_layer_info *layer);
+
+/* The places of the picture's pixels, east, north, up, from its depth, which it
+ * must have: 3 floats a pixel, metres. East and north are those of the map that
+ * surface queries ask by, from the origin plus *east_m and *north_m, which are
+ * multiples of PEL_POSITION_STEP_M near the camera, 0 as long as it is within
+ * half of that; up is above
+ * altitude 0, as their answers. sea_level_m: as in the environment. So a float
+ * is good to 4 mm within 65 km of the camera, wherever that is. Any thread. */
+#define PEL_POSITION_STEP_M 131072.0
+#define PEL_LEAST_EYE_M 0.3 /* no eye is drawn lower above the mean sea */
+void pel_picture_position(const struct pel_picture *picture,
+                          const struct pel_camera *camera, double sea_level_m,
+                          float *xyz);
+void pel_picture_position_origin(const struct pel_camera *camera,
+                                 double *east_m, double *north_m);
 
 /* Pictures submitted and not yet collected. */
 size_t pel_renderer_in_flight(const struct pel_renderer *r);

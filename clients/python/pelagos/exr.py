@@ -46,7 +46,7 @@ class Exr:
 
         Of pelagosd: radiance (680, 550, 440 nm) [W m-2 sr-1 nm-1]; depth:
         distance along the ray [m], sky infinite; normal: east, north, up,
-        sky 0."""
+        sky 0; position (float64): east, north, up of the origin [m], sky 0."""
         np = need.numpy()
         groups: dict[str, list[str]] = {}
         for name in self.channels:
@@ -61,6 +61,12 @@ class Exr:
             names.sort(key=rank)
             planes = [self.channels[name] for name in names]
             out[layer] = planes[0] if len(planes) == 1 else np.stack(planes, -1)
+        if "pelagos.positionEast" in self.attributes and "position" in out:
+            place = out["position"].astype(np.float64)
+            sea = place.any(axis=-1)
+            place[sea, 0] += self.attributes["pelagos.positionEast"]
+            place[sea, 1] += self.attributes["pelagos.positionNorth"]
+            out["position"] = place
         return out
 
     def __getitem__(self, layer: str) -> "NDArray[Any]":

@@ -81,7 +81,7 @@ class ViewHandle(_Handle):
         layers        of EXR: "radiance" and its parts "sun", "sky", "water",
                       "air"; "depth", "normal", "fresnel", "slopeVariance";
                       "waterSingle", "waterSecond", "waterHigher",
-                      "bottom", parts of "water";
+                      "bottom", parts of "water"; "position";
                       none: radiance
         float_samples EXR with 32-bit floats instead of halves (depth always)
         """
@@ -103,6 +103,11 @@ class ViewHandle(_Handle):
         radiance  (height, width, 3), 680, 550, 440 nm [W m-2 sr-1 nm-1]
         depth     (height, width), distance along the ray [m], sky infinite
         normal    (height, width, 3), unit, east, north, up; sky 0
+
+        and of the others
+
+        position  (height, width, 3), float64: east, north, up of the origin
+                  [m], as `Ocean.surface` takes and gives; sky 0
         """
         wanted = names or ("radiance", "depth", "normal")
         return self.frame("exr", width=width, height=height, time=time,
