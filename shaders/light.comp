@@ -1,5 +1,5 @@
 #version 450 core
-// The light on the sea and in it, and the exposure an incident-light meter
+// The light on the sea, and the exposure an incident-light meter
 // would choose, from the sky table of sea level.
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
@@ -7,14 +7,10 @@
 layout(local_size_x = 64) in;
 layout(binding = 0) uniform sampler2D transmittance;
 layout(binding = 2) uniform sampler2D sky_table;
-layout(binding = 9) uniform sampler2DArray water_by_sun; // optics/watertable.h
-layout(binding = 10) uniform sampler2DArray water_by_sky;
-layout(binding = 0, rgba32f) writeonly uniform image2DArray water_map;
 layout(std430, binding = 2) writeonly buffer out_block {
     vec4 out_exposure;
     vec4 out_sun;
     vec4 out_sky;
-    vec4 out_sea;
 };
 
 shared vec3 partial[64];
@@ -52,17 +48,6 @@ void main()
     }
     vec3 sky = partial[0];
     vec3 direct = solar.rgb * sun_transmittance(transmittance, 0.0, sun.z);
-    // Parts as in lib/water.glsl.
-    ivec2 size = imageSize(water_map).xy;
-    int levels = int(water.x);
-    for (int i = int(lane); i < size.x * size.y * levels; i += 64) {
-        ivec3 at = ivec3(i % size.x, i / size.x % size.y, i / (size.x * size.y));
-        vec4 total = vec4(direct * texelFetch(water_by_sun, at, 0).rgb +
-                              sky * texelFetch(water_by_sky, at, 0).rgb, 0.0);
-        for (int part = 0; part < 5; part++) {
-            imageStore(water_map, at + ivec3(0, 0, part * levels), part % 3 == 0 ? total : vec4(0.0));
-        }
-    }
     if (lane == 0u) {
         vec3 down = sky + direct * max(sun.z, 0.0);
         // A camera at sea meets the low Sun's glare, not only what falls on
@@ -79,9 +64,5 @@ void main()
                             level, 0.0, 0.0);
         out_sun = vec4(direct, 0.0);
         out_sky = vec4(sky, 0.0);
-        // One value for where the line of sight is not known: 37° aside.
-        vec3 middle = vec3(0.5, 0.6, water.x - 1.0);
-        out_sea = vec4(direct * textureLod(water_by_sun, middle, 0.0).rgb +
-                           sky * textureLod(water_by_sky, middle, 0.0).rgb, 0.0);
     }
 }

@@ -43,10 +43,10 @@ static void test_case1(void **state)
     struct pel_case1 one = pel_water_case1(1.0, PEL_SALINITY_USUAL, 1);
     /* 0.0565 + 0.0070 + 0.2 (0.00635 + 0.0378) e^(−1.54) */
     assert_near(one.absorption, 0.06539, 1e-5);
-    /* 0.00288 (500/550)^4.32 + 0.30 */
-    assert_near(one.scattering, 0.30191, 1e-5);
-    /* half of 0.00191, and 0.30 · 0.012 */
-    assert_near(one.backscattering, 0.004554, 2e-6);
+    /* 0.00288 (1 + 0.3 35/37) / 1.3 (500/550)^4.32 + 0.30 */
+    assert_near(one.scattering, 0.30188, 1e-5);
+    /* half of 0.00188, and 0.30 · 0.012 */
+    assert_near(one.backscattering, 0.004542, 2e-6);
 }
 
 /* Jerlov's K_d comes back from a and b by Kirk's formula, except where pure
@@ -168,10 +168,8 @@ static void test_salt(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_case1),
-        cmocka_unit_test(test_salt),
-        cmocka_unit_test(test_jerlov),
-        cmocka_unit_test(test_names),
+        cmocka_unit_test(test_case1),    cmocka_unit_test(test_salt),
+        cmocka_unit_test(test_jerlov),   cmocka_unit_test(test_names),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -14,7 +14,7 @@
 #define ORDINATES 16
 #define N2 (PEL_WATER_INDEX * PEL_WATER_INDEX)
 
-const struct pel_water_sampling pel_water_sampling_default = { 12, 48, 64 };
+const struct pel_water_sampling pel_water_sampling_default = { 10, 48, 48 };
 
 double pel_kernel_sine(int i)
 {

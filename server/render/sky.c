@@ -84,7 +84,10 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
         make_texture(MULTIPLE_SIZE, MULTIPLE_SIZE, 1, "multiple scattering");
     sky->multiple_fbo = make_fbo(sky->multiple, 0);
     make_table(&sky->sea);
-    pel_water_light_init(&sky->water);
+    enum pel_err err = pel_water_light_init(&sky->water, shader_dir, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
     sky->reflection =
         make_texture(PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE, 7, "reflection map");
     if (filter == PEL_SKY_ANISOTROPIC) {
@@ -207,15 +210,13 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
         glBindTextureUnit(PEL_UNIT_SEA_TABLE, sky->sea.radiance);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, sky->light);
-        glBindTextureUnit(PEL_UNIT_WATER_SUN, sky->water.sun);
-        glBindTextureUnit(PEL_UNIT_WATER_SKY, sky->water.sky);
-        glBindImageTexture(0, sky->water.map, 0, GL_TRUE, 0, GL_WRITE_ONLY,
-                           GL_RGBA32F);
         glUseProgram(sky->light_program);
         glDispatchCompute(1, 1, 1);
         glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                         GL_TEXTURE_FETCH_BARRIER_BIT);
         glBindBufferBase(GL_UNIFORM_BUFFER, 4, sky->light);
+        pel_water_light_map(&sky->water, env->sun.z, sky->sea.radiance,
+                            sky->light);
         glProgramUniform2f(sky->reflection_program, 0, PEL_SKY_MAP_SIZE,
                            PEL_SKY_MAP_HALF_WIDTH);
         draw_screen(sky->reflection_program, sky->reflection_fbo,

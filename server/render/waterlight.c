@@ -1,81 +1,173 @@
 #include "render/waterlight.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/log.h"
 #include "base/vec.h"
+#include "optics/brdf.h"
+#include "optics/linear.h"
+#include "render/shader.h"
+#include "render/uniforms.h"
 
-#define SIZE PEL_WATER_TABLE_SIZE
-#define LAST ((int)(90.0 / PEL_WATER_SUN_STEP_DEG))
+#define SIZE PEL_WATER_MAP_SIZE
+#define NODES PEL_WATER_NODES
+#define DIRECTIONS (2 * PEL_WATER_ZENITHS)
 
-static GLuint make_texture(const char *label, int layers)
+_Static_assert(PEL_WATER_NODES == PEL_KERNEL_NODES, "one set of nodes");
+_Static_assert(PEL_WATER_MODES == PEL_KERNEL_MODES, "one series");
+
+/* Texture and image units while the maps are made. */
+enum {
+    UNIT_SKY = 2,
+    UNIT_PHASE = 12,
+    UNIT_RADIANCE = 13,
+    UNIT_ATTENUATION = 14,
+};
+
+static const char *const buffer_names[PEL_WATER_BUFFERS] = {
+    "water directions", "water nodes",    "water planes",
+    "water kernel",     "water sky rows", "water map rows",
+    "water sky beams",  "water medium",   "water sunbeam",
+};
+
+static GLuint make_texture(GLenum target, GLsizei width, GLsizei height,
+                           GLsizei layers, const char *label)
 {
     GLuint texture = 0;
-    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &texture);
-    glTextureStorage3D(texture, 1, GL_RGBA32F, SIZE, SIZE, layers);
-    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glCreateTextures(target, 1, &texture);
+    if (target == GL_TEXTURE_2D) {
+        glTextureStorage2D(texture, 1, GL_RGBA32F, width, height);
+    } else {
+        glTextureStorage3D(texture, 1, GL_RGBA32F, width, height, layers);
+    }
+    GLint filter = target == GL_TEXTURE_2D_ARRAY ? GL_LINEAR : GL_NEAREST;
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, filter);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, filter);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     glObjectLabel(GL_TEXTURE, texture, -1, label);
     return texture;
 }
 
-void pel_water_light_init(struct pel_water_light *w)
+/* A buffer anew: with these bytes, or (NULL) with room for them. */
+static void make_buffer(struct pel_water_light *w, enum pel_water_buffer which,
+                        size_t size, const void *bytes)
 {
-    memset(w, 0, sizeof *w);
-    w->nodes[0] = w->nodes[1] = -1;
+    glDeleteBuffers(1, &w->buffers[which]);
+    glCreateBuffers(1, &w->buffers[which]);
+    glNamedBufferStorage(w->buffers[which], (GLsizeiptr)size, bytes,
+                         bytes ? 0 : GL_DYNAMIC_STORAGE_BIT);
+    glObjectLabel(GL_BUFFER, w->buffers[which], -1, buffer_names[which]);
 }
 
-/* Textures for so many levels of depth. */
-static void fit(struct pel_water_light *w, int levels)
+static void bind(const struct pel_water_light *w, GLuint binding,
+                 enum pel_water_buffer which)
 {
-    pel_water_light_finish(w);
-    w->sun = make_texture("water by sun", levels);
-    w->sky = make_texture("water by sky", levels);
-    w->map = make_texture("water", levels * (1 + PEL_WATER_PARTS));
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, w->buffers[which]);
+}
+
+static void put_nodes(struct pel_vec4 to[3], double sine)
+{
+    double weight[NODES];
+    pel_kernel_weights(sine, weight);
+    for (int i = 0; i < 3; i++) {
+        to[i] =
+            (struct pel_vec4){ (float)weight[4 * i], (float)weight[4 * i + 1],
+                               (float)weight[4 * i + 2],
+                               (float)weight[4 * i + 3] };
+    }
+}
+
+static void make_directions(struct pel_water_light *w)
+{
+    double mu[PEL_WATER_ZENITHS], weight[PEL_WATER_ZENITHS];
+    GLfloat all[DIRECTIONS][2], nodes[NODES][2];
+    pel_gauss_legendre(PEL_WATER_ZENITHS, 0.0, 1.0, mu, weight);
+    for (int i = 0; i < DIRECTIONS; i++) {
+        int k = i % PEL_WATER_ZENITHS;
+        all[i][0] = (GLfloat)(i < PEL_WATER_ZENITHS ? mu[k] : -mu[k]);
+        all[i][1] = (GLfloat)weight[k];
+    }
+    for (int i = 0; i < NODES; i++) {
+        double sine = pel_kernel_sine(i);
+        nodes[i][0] = (GLfloat)sine;
+        nodes[i][1] = (GLfloat)sqrt(1.0 - sine * sine);
+    }
+    make_buffer(w, PEL_WATER_BUFFER_DIRECTIONS, sizeof all, all);
+    make_buffer(w, PEL_WATER_BUFFER_KNOTS, sizeof nodes, nodes);
+}
+
+/* The sky's rows lie at e = π/2 x², as in shaders/light.comp: close together
+ * near the horizon. */
+static void make_rows(struct pel_water_light *w)
+{
+    struct pel_shader_row sky[PEL_WATER_SKY_ROWS], map[SIZE];
+    const double step = 1.0 / PEL_WATER_SKY_ROWS;
+    for (int i = 0; i < PEL_WATER_SKY_ROWS; i++) {
+        double x = (i + 0.5) * step, e = 0.5 * PEL_PI * x * x;
+        const struct pel_geometry at = { .sun_zenith_rad = 0.5 * PEL_PI - e };
+        double azimuth_step = 2.0 * PEL_PI / 32.0; /* both halves */
+        double solid = azimuth_step * PEL_PI * x * step * cos(e);
+        sky[i].at = (struct pel_vec4){
+            (float)e, (float)(solid * pel_interface_at(&at).beam), 0, 0
+        };
+        put_nodes(sky[i].at_nodes, cos(e) / PEL_WATER_INDEX);
+    }
+    for (int i = 0; i < SIZE; i++) {
+        double sine = (double)i / (SIZE - 1) / PEL_WATER_INDEX;
+        map[i].at = (struct pel_vec4){ (float)sine,
+                                       (float)sqrt(1.0 - sine * sine), 0, 0 };
+        put_nodes(map[i].at_nodes, sine);
+    }
+    make_buffer(w, PEL_WATER_BUFFER_SKY_ROW, sizeof sky, sky);
+    make_buffer(w, PEL_WATER_BUFFER_MAP_ROW, sizeof map, map);
+}
+
+enum pel_err pel_water_light_init(struct pel_water_light *w,
+                                  const char *shader_dir,
+                                  struct pel_fault *fault)
+{
+    static const char *const files[PEL_WATER_PROGRAMS] = {
+        "water_phase.comp", "water_radiance.comp", "water_scatter.comp",
+        "water_sky.comp", "water_map.comp"
+    };
+    memset(w, 0, sizeof *w);
+    for (int i = 0; i < PEL_WATER_PROGRAMS; i++) {
+        enum pel_err err = pel_program_create(shader_dir, files[i], NULL, NULL,
+                                              &w->programs[i], fault);
+        if (err) {
+            return err;
+        }
+    }
+    w->phase_map = make_texture(GL_TEXTURE_3D, DIRECTIONS, NODES,
+                                PEL_WATER_MODES, "water volume scattering");
+    w->radiance_map = make_texture(GL_TEXTURE_3D, DIRECTIONS, NODES,
+                                   PEL_WATER_PLANES, "water radiance");
+    w->attenuation_map = make_texture(GL_TEXTURE_2D, NODES, PEL_WATER_PLANES, 1,
+                                      "water attenuation");
+    make_directions(w);
+    make_rows(w);
+    make_buffer(w, PEL_WATER_BUFFER_COEFFICIENTS,
+                sizeof(struct pel_vec4) * PEL_WATER_MODES * NODES, NULL);
+    make_buffer(w, PEL_WATER_BUFFER_MEDIUM, sizeof(struct pel_block_medium),
+                NULL);
+    make_buffer(w, PEL_WATER_BUFFER_SUNBEAM, sizeof(struct pel_block_sunbeam),
+                NULL);
+    return PEL_OK;
 }
 
 void pel_water_light_finish(struct pel_water_light *w)
 {
-    const GLuint textures[] = { w->sun, w->sky, w->map };
-    glDeleteTextures(3, textures);
-    w->sun = w->sky = w->map = 0;
-}
-
-/* Slot of the node's table, built if it is not there, in place of the one that
- * is not `keep`. */
-static int slot_of(struct pel_water_light *w, int node, int keep)
-{
-    for (int i = 0; i < 2; i++) {
-        if (w->nodes[i] == node) {
-            return i;
-        }
+    const GLuint textures[] = { w->phase_map, w->radiance_map,
+                                w->attenuation_map, w->map };
+    glDeleteTextures(4, textures);
+    glDeleteBuffers(PEL_WATER_BUFFERS, w->buffers);
+    for (int i = 0; i < PEL_WATER_PROGRAMS; i++) {
+        glDeleteProgram(w->programs[i]);
     }
-    int slot = w->nodes[0] == keep ? 1 : 0;
-    double zenith = node * PEL_WATER_SUN_STEP_DEG * PEL_DEG;
-    for (int i = 0; i < w->depths.levels; i++) {
-        struct pel_water_table *to = &w->tables[slot][i];
-        struct pel_water_body body = w->body;
-        body.depth_m = pel_water_depth(&w->depths, i);
-        if (pel_water_table_build(&body, zenith, NULL, to)) {
-            memset(to, 0, sizeof *to); /* no memory */
-        }
-    }
-    w->nodes[slot] = node;
-    return slot;
-}
-
-static void upload(GLuint texture, int level, const void *low, const void *high,
-                   double part)
-{
-    float texels[SIZE * SIZE * 4];
-    const float *a = low, *b = high;
-    for (int i = 0; i < SIZE * SIZE * 4; i++) {
-        texels[i] = a[i] + (float)part * (b[i] - a[i]);
-    }
-    glTextureSubImage3D(texture, 0, 0, 0, level, SIZE, SIZE, 1, GL_RGBA,
-                        GL_FLOAT, texels);
+    memset(w, 0, sizeof *w);
 }
 
 struct pel_water_depths pel_water_light_depths(const struct pel_environment *e)
@@ -86,35 +178,174 @@ struct pel_water_depths pel_water_light_depths(const struct pel_environment *e)
                                             e->water.depth_m };
 }
 
+/* --- a new water ---------------------------------------------------------- */
+
+static struct pel_vec4 vec4(const double v[3], double last)
+{
+    return (struct pel_vec4){ (float)v[0], (float)v[1], (float)v[2],
+                              (float)last };
+}
+
+static void put_medium(struct pel_water_light *w)
+{
+    double full[3], single[3];
+    for (int i = 0; i < 3; i++) {
+        struct pel_medium m = pel_water_medium(&w->body, i);
+        full[i] = m.absorption + m.scattering;
+        single[i] = full[i];
+        if (w->orders == PEL_ORDERS_PAPER) {
+            single[i] -= m.scattering * pel_hg_forward_fraction(m.asymmetry);
+        }
+    }
+    struct pel_block_medium block = {
+        .full_extinction = vec4(full, w->orders == PEL_ORDERS_ALL),
+        .single_extinction = vec4(single, 0.0),
+        .scattering = vec4(w->body.scattering, 0.0),
+        .asymmetry = vec4(w->body.asymmetry, 0.0),
+    };
+    for (int i = 0; i < w->depths.levels; i++) {
+        block.depth[i].x = (float)pel_water_depth(&w->depths, i);
+    }
+    glNamedBufferSubData(w->buffers[PEL_WATER_BUFFER_MEDIUM], 0, sizeof block,
+                         &block);
+}
+
+static void put_planes(struct pel_water_light *w)
+{
+    struct pel_vec4 planes[PEL_WATER_LEVELS_MAX * PEL_WATER_PLANES][2];
+    int count = w->depths.levels * PEL_WATER_PLANES;
+    for (int k = 0; k < count; k++) {
+        double depth[3], weight[3];
+        for (int i = 0; i < 3; i++) {
+            struct pel_medium m = pel_water_medium(&w->body, i);
+            m.depth_m = pel_water_depth(&w->depths, k / PEL_WATER_PLANES);
+            depth[i] = pel_sampling_plane(&m, PEL_WATER_PLANES,
+                                          k % PEL_WATER_PLANES, &weight[i]);
+        }
+        planes[k][0] = vec4(depth, 0.0);
+        planes[k][1] = vec4(weight, 0.0);
+    }
+    make_buffer(w, PEL_WATER_BUFFER_PLANE, sizeof planes[0] * (size_t)count,
+                planes);
+}
+
+static void put_kernel(struct pel_water_light *w)
+{
+    size_t size = sizeof(struct pel_water_kernel) * (size_t)w->depths.levels;
+    struct pel_water_kernel *kernel = malloc(size);
+    if (!kernel ||
+        pel_water_kernel_build(&w->body, &w->depths, w->orders, kernel)) {
+        pel_error("RND-042", "no memory for the light in the water");
+        if (!kernel) {
+            return;
+        }
+        memset(kernel, 0, size);
+    }
+    glNamedBufferSubData(w->buffers[PEL_WATER_BUFFER_KERNEL], 0,
+                         (GLsizeiptr)size, kernel);
+    free(kernel);
+}
+
+/* The second order, by the maps. */
+static void scatter(struct pel_water_light *w)
+{
+    glBindBufferBase(GL_UNIFORM_BUFFER, 10,
+                     w->buffers[PEL_WATER_BUFFER_MEDIUM]);
+    bind(w, 1, PEL_WATER_BUFFER_KERNEL);
+    bind(w, 5, PEL_WATER_BUFFER_DIRECTIONS);
+    bind(w, 6, PEL_WATER_BUFFER_KNOTS);
+    bind(w, 7, PEL_WATER_BUFFER_PLANE);
+    glBindTextureUnit(UNIT_PHASE, w->phase_map);
+    glBindTextureUnit(UNIT_RADIANCE, w->radiance_map);
+    glBindTextureUnit(UNIT_ATTENUATION, w->attenuation_map);
+    glBindImageTexture(0, w->phase_map, 0, GL_TRUE, 0, GL_WRITE_ONLY,
+                       GL_RGBA32F);
+    glUseProgram(w->programs[PEL_WATER_PHASE_MAP]);
+    glDispatchCompute(DIRECTIONS / 32, NODES, 1);
+    glBindImageTexture(0, w->radiance_map, 0, GL_TRUE, 0, GL_WRITE_ONLY,
+                       GL_RGBA32F);
+    glBindImageTexture(1, w->attenuation_map, 0, GL_FALSE, 0, GL_WRITE_ONLY,
+                       GL_RGBA32F);
+    GLuint radiance = w->programs[PEL_WATER_RADIANCE_MAP];
+    GLuint scattering = w->programs[PEL_WATER_SCATTER_MAP];
+    for (int level = 0; level < w->depths.levels; level++) {
+        glProgramUniform1i(radiance, 0, level);
+        glUseProgram(radiance);
+        glDispatchCompute(DIRECTIONS / 32, NODES, PEL_WATER_PLANES);
+        glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+        glProgramUniform1i(scattering, 0, level);
+        glUseProgram(scattering);
+        glDispatchCompute(NODES, NODES, 1);
+        glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
+                        GL_SHADER_STORAGE_BARRIER_BIT);
+    }
+}
+
 void pel_water_light_update(struct pel_water_light *w,
                             const struct pel_environment *env)
 {
     struct pel_water_depths depths = pel_water_light_depths(env);
-    bool same_water = memcmp(&env->water, &w->body, sizeof w->body) == 0 &&
-                      depths.levels == w->depths.levels &&
-                      depths.first_m == w->depths.first_m &&
-                      depths.last_m == w->depths.last_m;
-    if (w->version && same_water && w->sun_z == env->sun.z) {
+    if (w->version && w->orders == env->orders &&
+        memcmp(&env->water, &w->body, sizeof w->body) == 0 &&
+        depths.levels == w->depths.levels &&
+        depths.first_m == w->depths.first_m &&
+        depths.last_m == w->depths.last_m) {
         return;
     }
     if (depths.levels != w->depths.levels) {
-        fit(w, depths.levels);
+        glDeleteTextures(1, &w->map);
+        w->map = make_texture(GL_TEXTURE_2D_ARRAY, SIZE, SIZE,
+                              depths.levels * (1 + PEL_WATER_PARTS), "water");
+        make_buffer(w, PEL_WATER_BUFFER_KERNEL,
+                    sizeof(struct pel_water_kernel) * (size_t)depths.levels,
+                    NULL);
     }
-    if (!same_water) {
-        w->body = env->water;
-        w->depths = depths;
-        w->nodes[0] = w->nodes[1] = -1;
-    }
-    double zenith = acos(pel_clamp(env->sun.z, 0.0, 1.0)) / PEL_DEG;
-    double at = pel_clamp(zenith / PEL_WATER_SUN_STEP_DEG, 0.0, LAST);
-    int low = (int)fmin(at, LAST - 1);
-    int a = slot_of(w, low, low + 1), b = slot_of(w, low + 1, low);
-    for (int i = 0; i < depths.levels; i++) {
-        const struct pel_water_table *from = &w->tables[a][i];
-        const struct pel_water_table *to = &w->tables[b][i];
-        upload(w->sun, i, from->sun, to->sun, at - low);
-        upload(w->sky, i, from->sky, to->sky, at - low);
-    }
-    w->sun_z = env->sun.z;
+    w->body = env->water;
+    w->depths = depths;
+    w->orders = env->orders;
+    put_medium(w);
+    put_planes(w);
+    put_kernel(w);
+    scatter(w);
     w->version++;
+}
+
+/* --- a new Sun ------------------------------------------------------------ */
+
+static void put_sunbeam(struct pel_water_light *w, double sun_z)
+{
+    double zenith = acos(pel_clamp(sun_z, 0.0, 1.0));
+    const struct pel_geometry at = { .sun_zenith_rad = zenith };
+    struct pel_interface face = pel_interface_at(&at);
+    double sine = sin(zenith) / PEL_WATER_INDEX;
+    struct pel_block_sunbeam block = {
+        .sunbeam = { (float)sine, (float)face.sun_mu, (float)face.beam, 0 },
+    };
+    put_nodes(block.at_nodes, sine);
+    glNamedBufferSubData(w->buffers[PEL_WATER_BUFFER_SUNBEAM], 0, sizeof block,
+                         &block);
+}
+
+void pel_water_light_map(struct pel_water_light *w, double sun_z,
+                         GLuint sky_table, GLuint light)
+{
+    put_sunbeam(w, sun_z);
+    glBindBufferBase(GL_UNIFORM_BUFFER, 10,
+                     w->buffers[PEL_WATER_BUFFER_MEDIUM]);
+    glBindBufferBase(GL_UNIFORM_BUFFER, 11,
+                     w->buffers[PEL_WATER_BUFFER_SUNBEAM]);
+    bind(w, 5, PEL_WATER_BUFFER_COEFFICIENTS);
+    bind(w, 6, PEL_WATER_BUFFER_SKY_ROW);
+    glBindTextureUnit(UNIT_SKY, sky_table);
+    glUseProgram(w->programs[PEL_WATER_SKY]);
+    glDispatchCompute(PEL_WATER_MODES, 1, 1);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    bind(w, 1, PEL_WATER_BUFFER_KERNEL);
+    bind(w, 6, PEL_WATER_BUFFER_MAP_ROW);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, light);
+    glBindImageTexture(0, w->map, 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glUseProgram(w->programs[PEL_WATER_MAP]);
+    glDispatchCompute(SIZE, (GLuint)w->depths.levels, 1);
+    glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                    GL_TEXTURE_FETCH_BARRIER_BIT);
 }

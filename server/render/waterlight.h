@@ -1,45 +1,69 @@
-/* The light that leaves the water, as a texture over the line of sight: from
- * optics/watertable.h, times the light of Sun and sky that the light pass
- * finds. Render thread only. */
+/* The light that leaves the water, as maps over the line of sight for every
+ * pixel of a frame (shaders/lib/water.glsl). A new water costs its answer to
+ * beams from every height (optics/waterkernel.h, on the processor; the second
+ * order by the maps of Iwasaki et al. 2003, on the device): some 25 ms on a
+ * software device. A new Sun or sky costs a sum over that: 2 ms there, 0.1 ms
+ * on hardware. Both happen in the frame that first shows them, so a picture is
+ * a function of its scene and no frame waits for more. Render thread only. */
 #pragma once
 
 #include <epoxy/gl.h>
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "optics/watertable.h"
+#include "optics/waterkernel.h"
 #include "render/renderer.h"
 
-/* Texture units: of the map while shading, of its parts in the light pass. */
-enum {
-    PEL_UNIT_WATER = 9,
-    PEL_UNIT_WATER_SUN = 9,
-    PEL_UNIT_WATER_SKY = 10,
+#define PEL_UNIT_WATER 9 /* texture unit of the maps */
+
+enum pel_water_program {
+    PEL_WATER_PHASE_MAP,    /* volume-scattering map */
+    PEL_WATER_RADIANCE_MAP, /* with the attenuation map */
+    PEL_WATER_SCATTER_MAP,
+    PEL_WATER_SKY,
+    PEL_WATER_MAP,
+    PEL_WATER_PROGRAMS,
 };
 
-/* Tables are built for Suns this far apart, and interpolated: a moving Sun
- * costs one table (some 10 ms) each two minutes. */
-#define PEL_WATER_SUN_STEP_DEG 0.5
+enum pel_water_buffer {
+    PEL_WATER_BUFFER_DIRECTIONS, /* of the sampling: cosine, weight */
+    PEL_WATER_BUFFER_KNOTS,      /* nodes of beams and sights: sine, cosine */
+    PEL_WATER_BUFFER_PLANE,      /* depths and weights of the planes */
+    PEL_WATER_BUFFER_KERNEL,
+    PEL_WATER_BUFFER_SKY_ROW, /* places of the sky's and of the maps' rows */
+    PEL_WATER_BUFFER_MAP_ROW,
+    PEL_WATER_BUFFER_COEFFICIENTS, /* the sky as beams at the nodes */
+    PEL_WATER_BUFFER_MEDIUM,
+    PEL_WATER_BUFFER_SUNBEAM,
+    PEL_WATER_BUFFERS,
+};
 
 struct pel_water_light {
-    GLuint sun, sky, map;       /* arrays; map as in shaders/lib/water.glsl */
-    struct pel_water_body body; /* of the tables */
+    GLuint programs[PEL_WATER_PROGRAMS];
+    GLuint buffers[PEL_WATER_BUFFERS];
+    GLuint phase_map, radiance_map, attenuation_map;
+    GLuint map; /* texture array, as in shaders/lib/water.glsl */
+    struct pel_water_body body; /* of the kernel */
     struct pel_water_depths depths;
-    double sun_z;
-    /* At nodes[0], nodes[1], for each depth. */
-    struct pel_water_table tables[2][PEL_WATER_LEVELS_MAX];
-    int nodes[2];     /* zenith / step; −1: none */
-    uint64_t version; /* counts changes of sun and sky */
+    enum pel_water_orders orders;
+    uint64_t version; /* counts changes of the kernel */
 };
 
-void pel_water_light_init(struct pel_water_light *w);
+PEL_CHECK enum pel_err pel_water_light_init(struct pel_water_light *w,
+                                            const char *shader_dir,
+                                            struct pel_fault *fault);
 void pel_water_light_finish(struct pel_water_light *w);
-
-/* Brings `sun` and `sky` up to date with the water, its depths and the Sun's
- * zenith cosine; a function of these alone. */
-void pel_water_light_update(struct pel_water_light *w,
-                            const struct pel_environment *env);
 
 /* The depths that are made for an environment. */
 struct pel_water_depths
 pel_water_light_depths(const struct pel_environment *env);
+
+/* Brings the kernel up to date with the water, its depths and the orders. */
+void pel_water_light_update(struct pel_water_light *w,
+                            const struct pel_environment *env);
+
+/* Fills the maps for a Sun of zenith cosine sun_z and the sky of `sky_table`;
+ * the blocks `frame` and `light` are bound, the buffer of the latter is
+ * `light` and gets sea_light. */
+void pel_water_light_map(struct pel_water_light *w, double sun_z,
+                         GLuint sky_table, GLuint light);

@@ -116,6 +116,35 @@ PEL_BLOCK(4, light) {
     vec4 sea_light; /* rgb the water's radiance, seen at 37° across the Sun */
 };
 
+/* Light inside the water (render/waterlight.h). Sizes of its maps: nodes of
+ * beams and of lines of sight, modes in azimuth, planes, zenith angles in each
+ * hemisphere and azimuths in half a circle, texels a side, rows of sky. */
+#define PEL_WATER_NODES 12
+#define PEL_WATER_MODES 10
+#define PEL_WATER_PLANES 10
+#define PEL_WATER_ZENITHS 48
+#define PEL_WATER_AZIMUTHS 48
+#define PEL_WATER_MAP_SIZE 64
+#define PEL_WATER_SKY_ROWS 32
+PEL_BLOCK(10, medium) {
+    vec4 full_extinction;   /* rgb, 1/m; w 1: every order is drawn */
+    vec4 single_extinction; /* rgb, of single scattering */
+    vec4 scattering;        /* rgb, 1/m */
+    vec4 asymmetry;         /* rgb */
+    vec4 depth[24];         /* x m, of each level */
+};
+PEL_BLOCK(11, sunbeam) {
+    vec4 sunbeam;      /* in the water: x sine, y cosine of its zenith angle; z
+                          irradiance normal to it for 1 above the surface */
+    vec4 at_nodes[3];  /* weights of the nodes that make its sine */
+};
+/* A row of the sky or of the map: its place among the nodes. */
+struct pel_shader_row {
+    vec4 at; /* sky: x elevation, rad, y what a texel's radiance adds to the beam
+                below; map: x sine, y cosine of the zenith angle in the water */
+    vec4 at_nodes[3];
+};
+
 #ifdef __STDC__
 #undef vec4
 #undef PEL_STRUCT

@@ -1,0 +1,82 @@
+#version 450 core
+// What leaves the water under this Sun and sky, for every line of sight: the
+// maps that lib/water.glsl looks up. One workgroup a row, that is a zenith
+// angle, and level of depth; its lanes first are the modes of the parts, then
+// the azimuths.
+#include "lib/blocks.h"
+#include "lib/medium.glsl"
+
+layout(local_size_x = PEL_WATER_MAP_SIZE) in;
+layout(std430, binding = 1) restrict readonly buffer kernel_block { vec4 kernel[]; };
+layout(std430, binding = 2) restrict writeonly buffer out_block { vec4 out_light[]; };
+layout(std430, binding = 5) restrict readonly buffer coefficients_block { vec4 coefficients[]; };
+layout(std430, binding = 6) restrict readonly buffer rows_block { pel_shader_row rows[]; };
+layout(binding = 0, rgba32f) restrict writeonly uniform image2DArray water_map;
+
+shared vec3 series[PARTS * PEL_WATER_MODES];
+
+// Look-up of single scattering: eq. 5 of the 2003 paper but for the surface on
+// the way out, for the Sun's beam of unit irradiance.
+vec3 single(int level, float nu, float mu)
+{
+    vec3 rate = single_extinction.rgb * (1.0 / sunbeam.y + 1.0 / mu);
+    return scattering.rgb * phase(nu) * mean_decay(rate * depth[level].x) * depth[level].x /
+           (mu * 1.34 * 1.34);
+}
+
+void main()
+{
+    int lane = int(gl_LocalInvocationID.x);
+    int row = int(gl_WorkGroupID.x);
+    int level = int(gl_WorkGroupID.y);
+    vec3 beam = sun_light.rgb * sunbeam.z;
+    if (lane < PARTS * PEL_WATER_MODES) {
+        int part = lane / PEL_WATER_MODES;
+        int mode = lane % PEL_WATER_MODES;
+        vec3 direct = part == SINGLE ? vec3(0.0) : beam; // the Sun's is exact
+        vec3 sum = vec3(0.0);
+        for (int i = 0; i < PEL_WATER_NODES; i++) {
+            vec3 seen = vec3(0.0);
+            for (int j = 0; j < PEL_WATER_NODES; j++) {
+                seen += kernel[kernel_at(level, part, mode, i, j)].rgb *
+                        rows[row].at_nodes[j / 4][j % 4];
+            }
+            sum += seen * (direct * at_nodes[i / 4][i % 4] +
+                           coefficients[mode * PEL_WATER_NODES + i].rgb);
+        }
+        series[lane] = sum;
+    }
+    barrier();
+    float x = 2.0 * float(lane) / float(PEL_WATER_MAP_SIZE - 1) - 1.0;
+    float sine = rows[row].at.x;
+    float mu = rows[row].at.y;
+    vec3 part[PARTS];
+    for (int p = 0; p < PARTS; p++) {
+        float before = x;
+        float now = 1.0;
+        part[p] = vec3(0.0);
+        for (int m = 0; m < PEL_WATER_MODES; m++) {
+            part[p] += series[p * PEL_WATER_MODES + m] * now;
+            float next = 2.0 * x * now - before;
+            before = now;
+            now = next;
+        }
+    }
+    part[SINGLE] += beam * single(level, sunbeam.x * sine * x - sunbeam.y * mu, mu);
+    if (full_extinction.w > 0.5) {
+        part[BEYOND] -= part[SECOND];
+    }
+    vec3 total = vec3(0.0);
+    int levels = imageSize(water_map).z / (1 + PARTS);
+    for (int p = 0; p < PARTS; p++) {
+        part[p] = max(part[p], 0.0);
+        total += part[p];
+        imageStore(water_map, ivec3(lane, row, (1 + p) * levels + level), vec4(part[p], 0.0));
+    }
+    imageStore(water_map, ivec3(lane, row, level), vec4(total, 0.0));
+    // One value for where the line of sight is not known: 37° aside, over the
+    // deepest water.
+    if (row == PEL_WATER_MAP_SIZE * 3 / 5 && lane == PEL_WATER_MAP_SIZE / 2 && level == levels - 1) {
+        out_light[3] = vec4(total, 0.0);
+    }
+}

@@ -1,0 +1,56 @@
+#version 450 core
+// The scattering maps of Iwasaki et al. 2003: radiance map times
+// volume-scattering map over the directions, times attenuation map, accumulated
+// over the planes (eq. 6, 8), for every beam and every line of sight. The
+// planes are added up first: the phase functions do not depend on them.
+#include "lib/blocks.h"
+#include "lib/medium.glsl"
+
+layout(local_size_x = 32) in;
+layout(std430, binding = 5) restrict readonly buffer directions_block { vec2 directions[]; };
+layout(std430, binding = 6) restrict readonly buffer nodes_block { vec2 nodes[]; };
+layout(std430, binding = 1) restrict writeonly buffer kernel_block { vec4 kernel[]; };
+layout(binding = 12) uniform sampler3D phase_map;
+layout(binding = 13) uniform sampler3D radiance_map;
+layout(binding = 14) uniform sampler2D attenuation_map;
+layout(location = 0) uniform int level;
+
+shared vec3 partial[PEL_WATER_MODES][32];
+
+void main()
+{
+    int lane = int(gl_LocalInvocationID.x);
+    int beam = int(gl_WorkGroupID.x);
+    int sight = int(gl_WorkGroupID.y);
+    vec3 sum[PEL_WATER_MODES];
+    for (int m = 0; m < PEL_WATER_MODES; m++) {
+        sum[m] = vec3(0.0);
+    }
+    for (int i = lane; i < 2 * PEL_WATER_ZENITHS; i += 32) {
+        vec3 light = vec3(0.0);
+        for (int k = 0; k < PEL_WATER_PLANES; k++) {
+            light += texelFetch(radiance_map, ivec3(i, beam, k), 0).rgb *
+                     texelFetch(attenuation_map, ivec2(sight, k), 0).rgb;
+        }
+        light *= directions[i].y;
+        // Seen from the line of sight, a direction's mirror image.
+        int mirrored = i < PEL_WATER_ZENITHS ? i + PEL_WATER_ZENITHS : i - PEL_WATER_ZENITHS;
+        for (int m = 0; m < PEL_WATER_MODES; m++) {
+            sum[m] += light * texelFetch(phase_map, ivec3(i, beam, m), 0).rgb *
+                      texelFetch(phase_map, ivec3(mirrored, sight, m), 0).rgb;
+        }
+    }
+    for (int m = 0; m < PEL_WATER_MODES; m++) {
+        partial[m][lane] = sum[m];
+    }
+    barrier();
+    if (lane < PEL_WATER_MODES) {
+        vec3 total = vec3(0.0);
+        for (int i = 0; i < 32; i++) {
+            total += partial[lane][i];
+        }
+        vec3 b = scattering.rgb;
+        total *= b * b * ((lane > 0 ? 1.0 : 2.0) * 3.14159265359 / (1.34 * 1.34 * nodes[sight].y));
+        kernel[kernel_at(level, SECOND, lane, beam, sight)] = vec4(total, 0.0);
+    }
+}
