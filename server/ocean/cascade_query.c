@@ -265,6 +265,7 @@ PEL_INLINE void surface_at(const struct pel_cascades *c,
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
     out->velocity_mps = (struct pel_vec3){ v[0], v[1], v[2] };
     out->acceleration_mps2 = (struct pel_vec3){ NAN, NAN, NAN };
+    out->depth_m = NAN;
 }
 
 /* `second` are the fields of the accelerations. */

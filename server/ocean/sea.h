@@ -149,8 +149,8 @@ struct pel_surface_sample {
     struct pel_vec3 normal;
     struct pel_vec3 velocity_mps;
     struct pel_vec3 acceleration_mps2; /* NaN where it was not asked for */
-    /* Of the bottom below mean sea level, NaN: not known. The sea does not
-     * touch it: whoever knows the bottom fills it in. */
+    /* Of the bottom below mean sea level; NaN from here, for whoever knows the
+     * bottom to fill in. */
     double depth_m;
 };
 

@@ -152,6 +152,7 @@ PEL_INLINE void surface_of(const struct lanes *l, const struct shift *s,
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
     out->velocity_mps = (struct pel_vec3){ total(vx), total(vy), total(vz) };
     out->acceleration_mps2 = (struct pel_vec3){ NAN, NAN, NAN };
+    out->depth_m = NAN;
 }
 
 PEL_INLINE struct pel_vec3 acceleration_of(const struct lanes *l,
