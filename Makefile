@@ -487,7 +487,8 @@ bench: deps-build ## time frames, views, queries, encoders (ARGS='--quick …')
 	$(O)/bin/bench $(ARGS)
 
 # --- validation -----------------------------------------------------------
-$(O)/bin/lighting: $(call obj,tests/validate/lighting.c tests/validate/reference.c) \
+$(O)/bin/lighting: $(call obj,tests/validate/lighting.c tests/validate/rowtrace.c \
+    tests/validate/reference.c) \
     $(O)/libserver.a
 	$(Q)mkdir -p $(@D)
 	@echo "  LINK  $@"
