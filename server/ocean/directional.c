@@ -219,7 +219,7 @@ static void add_elfouhaily(struct pel_directional *d,
     for (int i = 0; i < NODES; i++) {
         double k = node_k(d, i), s, delta;
         pel_elfouhaily(k, desc->wind_mps, desc->fetch_m, &s, &delta);
-        p->energy[i] = k * s;
+        p->energy[i] = k * s * pel_wind_over_viscosity(k, desc->wind_mps);
         p->shape[i] = delta;
     }
 }

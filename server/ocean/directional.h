@@ -62,9 +62,10 @@ struct pel_directional {
  * peak. These spread as Hasselmann 1980 with the floor of sea.h. Elfouhaily,
  * Chapron, Katsaros and Vandemark 1997: eq. 30–32, 34–37, 40, 41, 43, 44, 49,
  * 57, 66; his density does not tell a wave from its opposite, here all run
- * with the wind. Swell: Gaussian, 6 % in ω, and in direction. Measured: linear
- * between the record's frequencies; beyond them ω⁻⁵ with the mean level and
- * moments of the highest four tenths. */
+ * with the wind, and have the share that it can keep up
+ * (pel_wind_over_viscosity). Swell: Gaussian, 6 % in ω, and in direction.
+ * Measured: linear between the record's frequencies; beyond them ω⁻⁵ with the
+ * mean level and moments of the highest four tenths. */
 PEL_CHECK enum pel_err pel_directional_create(const struct pel_sea_desc *desc,
                                               struct pel_directional **out);
 void pel_directional_destroy(struct pel_directional *d); /* NULL allowed */
@@ -111,3 +112,11 @@ double pel_dispersion_k(double omega, double depth_m);
  * of its spreading, for wind at 10 m and inverse wave age from the fetch. */
 void pel_elfouhaily(double k, double wind_mps, double fetch_m, double *density,
                     double *delta);
+
+/* Share of a wave's growth by the wind that viscosity leaves, 0..1:
+ * 1 − 4 ν k² / β with β = 0.05 ω (v/c)², v the friction velocity (Plant 1982:
+ * 0.04 ± 0.02). Elfouhaily's long waves do not know the calm below which wind
+ * raises no ripples: alone they have a mean-square slope of 0.021 at any wind,
+ * more than Cox and Munk saw in all below 3.5 m/s. This takes the ripples of
+ * light winds away and changes little above 5 m/s. */
+double pel_wind_over_viscosity(double k, double wind_mps);

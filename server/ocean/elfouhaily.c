@@ -8,6 +8,21 @@ static double speed(double k)
     return sqrt(PEL_GRAVITY / k * (1.0 + (k / KM) * (k / KM)));
 }
 
+/* Drag of Wu 1982: it has no need of the roughness of eq. 66. */
+static double friction_velocity(double wind_mps)
+{
+    return wind_mps * sqrt(1e-3 * (0.8 + 0.065 * wind_mps));
+}
+
+double pel_wind_over_viscosity(double k, double wind_mps)
+{
+    const double gain = 0.05, viscosity = 1.05e-6; /* sea water of 20 °C */
+    double c = speed(k);
+    double ratio = friction_velocity(wind_mps) / c;
+    double growth = gain * k * c * ratio * ratio;
+    return fmax(1.0 - 4.0 * viscosity * k * k / growth, 0.0);
+}
+
 void pel_elfouhaily(double k, double wind_mps, double fetch_m, double *density,
                     double *delta)
 {
@@ -17,8 +32,7 @@ void pel_elfouhaily(double k, double wind_mps, double fetch_m, double *density,
     age = fmin(age, 5.0); /* the parameters below are given up to 5 */
     double kp = k0 * age * age;
     double c = speed(k), cp = speed(kp);
-    /* Drag of Wu 1982: it has no need of the roughness of eq. 66. */
-    double friction = wind_mps * sqrt(1e-3 * (0.8 + 0.065 * wind_mps));
+    double friction = friction_velocity(wind_mps);
 
     double root = sqrt(k / kp) - 1.0;
     double gamma = age < 1.0 ? 1.7 : 1.7 + 6.0 * log10(age);
