@@ -472,6 +472,8 @@ tsan: deps ## the tests with threads under ThreadSanitizer
 	$(Q)TSAN_OPTIONS=suppressions=tests/tsan.supp \
 	    tests/run build/tsan/bin/frames_test
 
+comma := ,
+
 # --- benchmarks -----------------------------------------------------------
 # Few libraries, so that bench can be carried to a machine without packages.
 BENCH_LIBS := -Wl,--as-needed -lepoxy -lspng -lturbojpeg -lyuv -lOpenEXRCore -lm
@@ -480,6 +482,17 @@ $(BENCH_BIN): $(O)/bin/%: $(O)/tests/bench/%.o $(O)/tests/bench/scene.o $(O)/lib
 	$(Q)mkdir -p $(@D)
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(BENCH_LIBS)
+
+$(O)/bin/bench_streams: $(O)/tests/bench/streams.o $(O)/tests/bench/scene.o $(O)/libserver.a
+	$(Q)mkdir -p $(@D)
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
+
+.PHONY: bench-streams
+bench-streams: deps ## what streams cost, and their latency in Chromium
+	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/bench_streams
+	$(O)/bin/bench_streams $(or $(ARGS),--views 1$(comma)4)
+	$(Q)/usr/bin/python3 -B tests/bench/latency.py
 
 .PHONY: bench
 bench: deps-build ## time frames, views, queries, encoders (ARGS='--quick …')

@@ -174,6 +174,12 @@ class Daemon:
         with open(f"/proc/{self.process.pid}/statm") as f:
             return int(f.read().split()[1]) * os.sysconf("SC_PAGESIZE")
 
+    def control_cpu(self):
+        """Seconds that the control thread, which serves all clients, ran."""
+        pid = self.process.pid
+        with open(f"/proc/{pid}/task/{pid}/schedstat") as f:
+            return int(f.read().split()[0]) * 1e-9
+
     def alive(self):
         return self.process.poll() is None
 

@@ -278,9 +278,21 @@ class Crowd(Case):
             self.assertLess(live.texts[-1]["bitrate"],
                             live.texts[0]["bitrate"])  # it follows the client
 
+    def one_viewer(self, seconds):
+        """The control thread's time with one viewer, s a picture."""
+        with Live(self.daemon, "bridge") as live:
+            live.picture()
+            cpu, count = self.daemon.control_cpu(), 0
+            end = time.monotonic() + seconds
+            while time.monotonic() < end:
+                live.ack(live.picture()[0])
+                count += 1
+            return (self.daemon.control_cpu() - cpu) / count
+
     def test_stalled_among_good(self):
         """16 of 64 viewers stall; the others miss nothing."""
         seconds = 60 if SOAK else 4
+        alone = self.one_viewer(seconds / 4)
         good = [Live(self.daemon, "bridge") for _ in range(48)]
         stalled = [Live(self.daemon, "bridge", buffer=4096)
                    for _ in range(16)]
@@ -293,6 +305,7 @@ class Crowd(Case):
             chosen.register(live.socket, selectors.EVENT_READ, live)
         before, drawn = self.daemon.rss(), self.frames()
         cpu = self.metric("process_cpu_seconds_total")
+        control = self.daemon.control_cpu()
         end = time.monotonic() + seconds
         got = 0
         while time.monotonic() < end:
@@ -301,14 +314,16 @@ class Crowd(Case):
                 key.data.ack(head)
                 key.data.gaps += head.gap
                 got += 1
+        control = self.daemon.control_cpu() - control
         drawn = self.frames() - drawn
         growth = self.daemon.rss() - before
         cpu = self.metric("process_cpu_seconds_total") - cpu
         gaps = sum(live.gaps for live in good)
         print(f"{seconds} s, 48 good and 16 stalled viewers: {drawn:.0f} "
               f"frames drawn, {got / 48:.0f} received by each, {gaps} gaps, "
-              f"growth {growth / 1e6:.1f} MB, {100 * cpu / seconds:.0f} % of a "
-              f"core in all")
+              f"growth {growth / 1e6:.1f} MB, {100 * cpu / seconds:.1f} % of a "
+              f"core in all, {30 * 100 * (control / drawn - alone) / 63:.3f} % "
+              f"a viewer more at 30 Hz")
         for live in good + stalled:
             live.close()
         if not SANITIZED:
@@ -624,7 +639,7 @@ class Quality(unittest.TestCase):
             daemon.patch({"views": {"bridge": {"width": 1280, "height": 720}}})
             with Live(daemon, "bridge") as live:
                 head, _ = live.picture()
-                self.assertEqual(head.drawn_width, 1280)
+                self.assertLess(head.drawn_width, 1280)  # as is foreseen
                 first, count = head, 0
                 end = time.monotonic() + SLOW_S
                 while head.drawn_width > 400 and time.monotonic() < end:

@@ -6,6 +6,8 @@
 #include "base/log.h"
 #include "frames/core.h"
 
+/* One core's time for a pixel of a sea, before any was drawn. */
+#define SOFTWARE_PIXEL_MS 2.2e-4
 /* Of presentation, before anything is known: three frames at 30 Hz. */
 #define FIRST_DELAY_NS 100000000LL
 
@@ -69,7 +71,6 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
     pel_mailbox_init(&frames->box, context, receive, frames);
     frames->scene = scene;
     frames->max_fps = pel_clamp(o->max_fps, 1, 240);
-    pel_frames_set_quality(frames, o->quality);
     frames->present_delay_ns = FIRST_DELAY_NS;
     frames->video_encoder = o->video_encoder;
     frames->jobs = calloc(PEL_JOB_COUNT, sizeof *frames->jobs);
@@ -93,6 +94,11 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
     if (err != PEL_OK) {
         goto fail;
     }
+    if (pel_renderloop_is_software(frames->loop)) {
+        long cores = sysconf(_SC_NPROCESSORS_ONLN);
+        frames->quality.pixel_ms = SOFTWARE_PIXEL_MS / (cores > 1 ? cores : 1);
+    }
+    pel_frames_set_quality(frames, o->quality);
     pel_pool_set_device(frames->pool, pel_frames_device(frames));
     frames->tick =
         pel_alarm_create(context, "live frames", pel_schedule_tick, frames);

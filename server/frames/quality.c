@@ -22,6 +22,7 @@ void pel_quality_set(struct pel_quality *quality, double fixed)
     if (quality->fixed != fixed || quality->wait_ns == 0) {
         uint64_t changes = quality->changes;
         *quality = (struct pel_quality){ .fixed = fixed,
+                                         .pixel_ms = quality->pixel_ms,
                                          .wait_ns = WAIT_NS,
                                          .changes = changes };
     }
@@ -75,6 +76,25 @@ static unsigned step_for(const struct pel_quality *quality, double load)
     return step;
 }
 
+bool pel_quality_expect(struct pel_quality *quality, uint64_t pixels,
+                        double period_ms)
+{
+    bool more = pixels > quality->expected;
+    double scale = scale_of(quality->step);
+    double load =
+        quality->pixel_ms * scale * scale * (double)pixels / period_ms;
+    quality->expected = pixels;
+    if (quality->fixed > 0 || !more || load <= FAR_TOO_MUCH) {
+        return false;
+    }
+    unsigned step = step_for(quality, load);
+    bool changed = step != quality->step;
+    if (changed) {
+        go_to(quality, step);
+    }
+    return changed;
+}
+
 static bool go_down(struct pel_quality *quality, double load, int64_t now_ns)
 {
     unsigned step = step_for(quality, load);
@@ -124,6 +144,7 @@ bool pel_quality_feed(struct pel_quality *quality, double scale,
         return false;
     }
     double load = median(quality) / period_ms;
+    quality->pixel_ms = median(quality) / ((double)pixels * scale * scale);
     bool many = quality->count >= PEL_QUALITY_SAMPLES;
     if (load > (many ? TOO_MUCH : FAR_TOO_MUCH)) {
         return go_down(quality, load, now_ns);

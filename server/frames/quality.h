@@ -18,9 +18,11 @@
 #define PEL_QUALITY_SAMPLES 9
 
 struct pel_quality {
-    double fixed;    /* a scale that stays, 0: by itself */
-    unsigned step;   /* 0: full */
-    uint64_t pixels; /* of a frame in full, of the samples */
+    double fixed;      /* a scale that stays, 0: by itself */
+    double pixel_ms;   /* what a drawn pixel costs, 0: not known */
+    unsigned step;     /* 0: full */
+    uint64_t pixels;   /* of a frame in full, of the samples */
+    uint64_t expected; /* the same, of the next frame */
     double samples[PEL_QUALITY_SAMPLES]; /* [ms], at this step */
     size_t count;
     int64_t calm_ns;  /* since then a finer step would do; 0: it would not */
@@ -29,7 +31,8 @@ struct pel_quality {
     uint64_t changes; /* of the step so far */
 };
 
-/* fixed: PEL_QUALITY_MIN .. 1, or 0: by itself, beginning in full. A scale that
+/* All zero at the start, but for pixel_ms if there is an idea of it.
+ * fixed: PEL_QUALITY_MIN .. 1, or 0: by itself, beginning in full. A scale that
  * was found stays when only that is said again. */
 void pel_quality_set(struct pel_quality *quality, double fixed);
 
@@ -38,6 +41,13 @@ double pel_quality_scale(const struct pel_quality *quality);
 
 /* That size in pixels: even, 16 or more, `full` where the scale is 1. */
 uint32_t pel_quality_size(double scale, uint32_t full);
+
+/* The next frame has so many pixels in full. Where there are more than before
+ * and what is known of their cost says that they will take far too long, the
+ * scale is chosen before they do: the first picture comes soon. True when it
+ * has changed. */
+bool pel_quality_expect(struct pel_quality *quality, uint64_t pixels,
+                        double period_ms);
 
 /* A frame that was drawn at `scale` kept the renderer for busy_ms; `pixels`:
  * its size in full; period_ms: between frames; now_ns: of any clock that does

@@ -150,6 +150,31 @@ static void test_fixed(void **state)
     assert_true(pel_quality_scale(&m.quality) == 1.0);
 }
 
+static void test_what_is_known_is_used_at_once(void **state)
+{
+    (void)state;
+    struct pel_quality q = { .pixel_ms = 106.0 / PIXELS };
+    pel_quality_set(&q, 0);
+    assert_false(pel_quality_expect(&q, 320 * 180, PERIOD_MS));
+    assert_true(pel_quality_expect(&q, PIXELS, PERIOD_MS));
+    double scale = pel_quality_scale(&q);
+    assert_true(106.0 * scale * scale < PERIOD_MS && scale > 0.4);
+    assert_false(pel_quality_expect(&q, PIXELS, PERIOD_MS));
+    /* Frames cost a third of what was thought: that is learnt. */
+    for (int i = 0; i < 20; i++) {
+        pel_quality_feed(&q, pel_quality_scale(&q), PIXELS,
+                         35.0 * scale * scale, PERIOD_MS, 0);
+    }
+    assert_true(fabs(q.pixel_ms * PIXELS - 35.0) < 1e-6);
+    /* Nothing is known: nothing is done. */
+    q = (struct pel_quality){ 0 };
+    pel_quality_set(&q, 0);
+    assert_false(pel_quality_expect(&q, 64 * PIXELS, PERIOD_MS));
+    pel_quality_set(&q, 0.9);
+    q.pixel_ms = 1;
+    assert_false(pel_quality_expect(&q, 65 * PIXELS, PERIOD_MS));
+}
+
 static void test_sizes(void **state)
 {
     (void)state;
@@ -176,6 +201,7 @@ int main(void)
         cmocka_unit_test(test_frames_under_way_do_not_count),
         cmocka_unit_test(test_hopeless_frames_stay_at_the_coarsest),
         cmocka_unit_test(test_fixed),
+        cmocka_unit_test(test_what_is_known_is_used_at_once),
         cmocka_unit_test(test_sizes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -216,8 +216,48 @@ static struct pel_output *add_output(struct pel_job *job,
     return output;
 }
 
+/* Chooses the scale by what is about to be drawn. */
+static void expect_streams(struct pel_frames *frames, struct pel_job *job)
+{
+    struct {
+        int view;
+        uint32_t width, height;
+    } seen[PEL_MAX_STREAMS];
+    size_t count = 0;
+    uint64_t pixels = 0;
+    for (int i = 0; i < PEL_MAX_STREAMS; i++) {
+        const struct pel_stream *s = &frames->streams[i];
+        int view = s->serial && s->paused < s->subscribers
+                       ? pel_snapshot_find_view(job->snapshot, s->view)
+                       : -1;
+        if (view < 0) {
+            continue;
+        }
+        const struct pel_view_state *v = &job->snapshot->views[view];
+        uint32_t width = s->profile.width ? s->profile.width : v->width;
+        uint32_t height = s->profile.height ? s->profile.height : v->height;
+        size_t k = 0;
+        while (k < count && (seen[k].view != view || seen[k].width != width ||
+                             seen[k].height != height)) {
+            k++;
+        }
+        if (k == count) {
+            seen[count].view = view;
+            seen[count].width = width;
+            seen[count++].height = height;
+            pixels += (uint64_t)width * height;
+        }
+    }
+    if (pel_quality_expect(&frames->quality, pixels,
+                           1000.0 / frames->max_fps)) {
+        job->scale = pel_quality_scale(&frames->quality);
+        frames->ready_ms.count = 0;
+    }
+}
+
 static void add_streams(struct pel_frames *frames, struct pel_job *job)
 {
+    expect_streams(frames, job);
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {
         struct pel_stream *stream = &frames->streams[i];
         struct pel_output want = { 0 };

@@ -58,7 +58,7 @@ void pel_surface_keep(struct pel_frames *frames, const struct pel_job *job)
     memmove(moments + 1, moments, (PEL_MAX_SHOWN - 1) * sizeof *moments);
     moments[0] =
         (struct pel_shown){ job->number, pel_snapshot_ref(job->snapshot),
-                             job->environment.time_s };
+                            job->environment.time_s };
     /* A sea may be large: of each but the newest two every frame goes. */
     for (size_t i = 1; i < PEL_MAX_SHOWN && moments[i].snapshot; i++) {
         const struct pel_sea *sea = moments[i].snapshot->sea;
