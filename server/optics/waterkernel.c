@@ -11,7 +11,7 @@
 
 #define N PEL_KERNEL_NODES
 #define M PEL_KERNEL_MODES
-#define ORDINATES 16
+#define ORDINATES 20
 #define N2 (PEL_WATER_INDEX * PEL_WATER_INDEX)
 
 const struct pel_water_sampling pel_water_sampling_default = { 10, 48, 48 };

@@ -13,6 +13,14 @@ static struct pel_vec4 vec4(double x, double y, double z, double w)
     return (struct pel_vec4){ (float)x, (float)y, (float)z, (float)w };
 }
 
+struct pel_vec4 pel_water_levels(const struct pel_environment *env, double last)
+{
+    struct pel_water_depths d = pel_water_light_depths(env);
+    return vec4(
+        d.levels, log2(d.first_m),
+        d.levels > 1 ? (d.levels - 1) / log2(d.last_m / d.first_m) : 0.0, last);
+}
+
 static struct pel_vec4 rgb4(struct pel_rgb c, double w)
 {
     return vec4(c.r, c.g, c.b, w);
@@ -24,7 +32,6 @@ void pel_fill_frame(const struct pel_environment *env,
     struct pel_atmosphere air;
     const struct pel_atmosphere_desc desc = { env->visibility_m };
     pel_atmosphere_init(&desc, &air);
-    struct pel_water_depths depths = pel_water_light_depths(env);
     double r0 = (PEL_WATER_INDEX - 1.0) / (PEL_WATER_INDEX + 1.0);
     /* A uniform disc has a quarter of its squared radius as variance an axis;
      * facets turn half as far as what they mirror. */
@@ -43,12 +50,7 @@ void pel_fill_frame(const struct pel_environment *env,
         .ozone = rgb4(air.ozone, air.ozone_center_m),
         .planet = vec4(PEL_EARTH_RADIUS, PEL_ATMOSPHERE_RADIUS,
                        air.ozone_width_m, r0 * r0),
-        .water =
-            vec4(depths.levels, log2(depths.first_m),
-                 depths.levels > 1 ? (depths.levels - 1) /
-                                         log2(depths.last_m / depths.first_m)
-                                   : 0.0,
-                 env->no_air ? 1.0 : 0.0),
+        .water = pel_water_levels(env, env->no_air ? 1.0 : 0.0),
         .disc = vec4(env->sun_blur > 0.0 ? env->sun_blur * env->sun_blur : disc,
                      0.0, 0.0, 0.0),
         .red = vec4(m[0], m[1], m[2], 0.0),

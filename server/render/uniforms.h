@@ -7,6 +7,10 @@
 #include "render/renderer.h"
 #include "shaders/lib/blocks.h"
 
+/* The levels of depth as lib/water.glsl finds them, and a last component. */
+struct pel_vec4 pel_water_levels(const struct pel_environment *env,
+                                 double last);
+
 void pel_fill_frame(const struct pel_environment *env,
                     struct pel_block_frame *out);
 

@@ -1,0 +1,298 @@
+/* The maps that colour the sea against the quadrature of optics/transport.c,
+ * as the pixels look them up. */
+#include "render/waterprobe.h"
+
+#include <time.h>
+
+#include "base/clock.h"
+#include "render/context.h"
+#include "render/rendertest.h"
+
+static struct pel_water_prober prober;
+
+static void look(const struct pel_water_body *body,
+                 enum pel_water_orders orders, double sun_zenith,
+                 const double (*views)[2], int count,
+                 struct pel_water_parts *out)
+{
+    const struct pel_water_depths depths = { 1, body->depth_m, body->depth_m };
+    struct pel_fault fault;
+    enum pel_err err =
+        pel_water_prober_run(&prober, NULL, body, &depths, body->depth_m,
+                             orders, sun_zenith, views, count, out, &fault);
+    if (err) {
+        fail_msg("%s", fault.message);
+    }
+}
+
+/* Three media to a body, one a wavelength. */
+static struct pel_water_body body_of(const double (*medium)[3], double depth_m,
+                                     double albedo)
+{
+    struct pel_water_body body = { .depth_m = depth_m };
+    for (int i = 0; i < 3; i++) {
+        body.absorption[i] = medium[i][0];
+        body.scattering[i] = medium[i][1];
+        body.asymmetry[i] = medium[i][2];
+        body.albedo[i] = albedo;
+    }
+    return body;
+}
+
+/* Clear, middling and turbid; those of the Monte Carlo (make validate). */
+static const double media[3][3][3] = {
+    { { 0.05, 0.1, 0.924 }, { 0.05, 0.4, 0.924 }, { 0.15, 1.7, 0.924 } },
+    { { 0.05, 0.1, 0.75 }, { 0.05, 0.4, 0.75 }, { 0.4, 0.2, 0.75 } },
+    { { 0.4, 0.2, 0.924 }, { 0.465, 0.07, 0.85 }, { 0.006, 0.003, 0.0 } },
+};
+
+#define ZENITHS 6
+#define AZIMUTHS 4
+#define VIEWS (ZENITHS * AZIMUTHS)
+
+static void fill_views(double views[VIEWS][2])
+{
+    for (int i = 0; i < VIEWS; i++) {
+        static const double zenith[ZENITHS] = { 0, 17, 40, 61, 78, 88 };
+        static const double azimuth[AZIMUTHS] = { 0, 50, 123, 180 };
+        views[i][0] = zenith[i / AZIMUTHS] * PEL_DEG;
+        views[i][1] = azimuth[i % AZIMUTHS] * PEL_DEG;
+    }
+}
+
+struct worst {
+    double most, error;
+};
+
+static void compare(struct worst *w, double got, double want)
+{
+    w->most = fmax(w->most, want);
+    w->error = fmax(w->error, fabs(got - want));
+}
+
+static double share(struct worst w, double *worst)
+{
+    double e = w.most > 0.0 ? w.error / w.most : 0.0;
+    *worst = fmax(*worst, e);
+    return e;
+}
+
+/* ≤ 1/1000 of the maximum over the views, where 1/255 shows in 8 bits: each
+ * order by itself, and all together; Sun 90° to 2° high. */
+static void maps_are_the_quadrature(void **state)
+{
+    (void)state;
+    static const double suns[] = { 0, 33, 60, 80, 88 };
+    static const double depths[] = { 1, 10, 1000 };
+    double views[VIEWS][2], single = 0, second = 0, bottom = 0, all = 0;
+    fill_views(views);
+    for (int k = 0; k < 3 * 3; k++) {
+        struct pel_water_body body =
+            body_of(media[k % 3], depths[k / 3], k / 3 == 2 ? 0.0 : 0.3);
+        for (int s = 0; s < 5; s++) {
+            struct pel_water_parts two[VIEWS], every[VIEWS];
+            double zenith = suns[s] * PEL_DEG;
+            look(&body, PEL_ORDERS_TWO, zenith, views, VIEWS, two);
+            look(&body, PEL_ORDERS_ALL, zenith, views, VIEWS, every);
+            for (int c = 0; c < 3; c++) {
+                struct pel_medium m = pel_water_medium(&body, c);
+                struct worst w[4] = { 0 };
+                for (int v = 0; v < VIEWS; v++) {
+                    struct pel_geometry at = { zenith, views[v][0],
+                                               views[v][1] };
+                    struct pel_leaving l;
+                    assert_int_equal(
+                        pel_transport_leaving(&m, &at, PEL_ORDERS_TWO, &l),
+                        PEL_OK);
+                    compare(&w[0], two[v].part[PEL_WATER_SINGLE][c], l.single);
+                    compare(&w[1], two[v].part[PEL_WATER_SECOND][c], l.second);
+                    compare(&w[2], two[v].part[PEL_WATER_BOTTOM][c],
+                            l.bottom_direct);
+                    double sum = 0.0;
+                    for (int p = 0; p < PEL_WATER_PARTS; p++) {
+                        sum += every[v].part[p][c];
+                    }
+                    if (v % 5 == 0) { /* 30 ms each */
+                        assert_int_equal(
+                            pel_transport_leaving(&m, &at, PEL_ORDERS_ALL, &l),
+                            PEL_OK);
+                        compare(&w[3], sum, l.total);
+                    }
+                }
+                share(w[0], &single);
+                share(w[1], &second);
+                share(w[2], &bottom);
+                share(w[3], &all);
+            }
+        }
+    }
+    print_message("of the maximum: single 1/%.0f, second 1/%.0f, bottom "
+                  "1/%.0f, all orders 1/%.0f\n",
+                  1 / single, 1 / second, 1 / bottom, 1 / all);
+    assert_true(single <= 1e-3 && second <= 1e-3 && all <= 1e-3);
+    /* Where next to nothing comes back from the bottom it falls too steeply
+     * with the zenith angle for twelve nodes. */
+    assert_true(bottom <= 1.0 / 500.0);
+}
+
+/* The paper's form: its single scattering by the reduced extinction, the rest
+ * as with two orders. */
+static void paper_is_eq_5(void **state)
+{
+    (void)state;
+    double views[VIEWS][2];
+    struct pel_water_parts paper[VIEWS], two[VIEWS];
+    struct pel_water_body body = body_of(media[0], 10.0, 0.3);
+    fill_views(views);
+    look(&body, PEL_ORDERS_PAPER, 0.7, views, VIEWS, paper);
+    look(&body, PEL_ORDERS_TWO, 0.7, views, VIEWS, two);
+    for (int v = 0; v < VIEWS; v++) {
+        for (int c = 0; c < 3; c++) {
+            struct pel_medium m = pel_water_medium(&body, c);
+            struct pel_geometry at = { 0.7, views[v][0], views[v][1] };
+            double want = pel_transport_single(&m, &at, PEL_EXTINCTION_REDUCED);
+            assert_true(fabs(paper[v].part[PEL_WATER_SINGLE][c] - want) <=
+                        1e-3 * want);
+            assert_true(paper[v].part[PEL_WATER_SECOND][c] ==
+                        two[v].part[PEL_WATER_SECOND][c]);
+            assert_true(paper[v].part[PEL_WATER_HIGHER][c] == 0.0);
+        }
+    }
+}
+
+/* Any legal water at any Sun: no part negative, the whole at most what a white
+ * Lambertian surface would send of the light that enters; finite. */
+static void light_is_kept(void **state)
+{
+    (void)state;
+    uint64_t random = 7;
+    double views[VIEWS][2];
+    fill_views(views);
+    for (int k = 0; k < 60; k++) {
+        struct pel_water_body body = {
+            .depth_m = exp(
+                test_random(&random, log(PEL_DEPTH_MIN), log(PEL_DEPTH_MAX))),
+        };
+        for (int i = 0; i < 3; i++) {
+            bool corner = test_random(&random, 0, 1) < 0.25;
+            body.absorption[i] =
+                corner ? PEL_ABSORPTION_MIN
+                       : exp(test_random(&random, log(PEL_ABSORPTION_MIN),
+                                         log(PEL_COEFFICIENT_MAX)));
+            body.scattering[i] =
+                k % 9 == 0 ? 0.0
+                           : exp(test_random(&random, log(1e-4),
+                                             log(PEL_COEFFICIENT_MAX)));
+            body.asymmetry[i] =
+                corner ? PEL_ASYMMETRY_MAX
+                       : test_random(&random, 0.0, PEL_ASYMMETRY_MAX);
+            body.albedo[i] = corner ? 1.0 : test_random(&random, 0.0, 1.0);
+        }
+        double sun = test_random(&random, 0.0, 0.5 * PEL_PI);
+        struct pel_water_parts got[VIEWS];
+        look(&body, (enum pel_water_orders)(k % PEL_ORDERS_COUNT), sun, views,
+             VIEWS, got);
+        struct pel_geometry at = { .sun_zenith_rad = sun };
+        struct pel_interface f = pel_interface_at(&at);
+        for (int i = 0; i < VIEWS * 3; i++) {
+            double sum = 0.0;
+            for (int p = 0; p < PEL_WATER_PARTS; p++) {
+                double value = got[i / 3].part[p][i % 3];
+                assert_true(isfinite(value) && value >= 0.0);
+                sum += value;
+            }
+            if (k % PEL_ORDERS_COUNT != PEL_ORDERS_PAPER) {
+                assert_true(sum <= 1.06 * f.beam * f.sun_mu / PEL_PI + 1e-9);
+            }
+        }
+    }
+}
+
+/* A set of depths finds at its levels what a flat sea of that depth has, and
+ * in between something in between. */
+static void depths_are_levels(void **state)
+{
+    (void)state;
+    const double views[1][2] = { { 0.5, 1.0 } };
+    struct pel_water_body body = body_of(media[1], 10.0, 0.4);
+    const struct pel_water_depths depths = { 5, 2.0, 32.0 };
+    struct pel_fault fault;
+    for (int i = 0; i < 5; i++) {
+        struct pel_water_parts level, flat, between;
+        double at_m = pel_water_depth(&depths, i);
+        assert_int_equal(pel_water_prober_run(&prober, NULL, &body, &depths,
+                                              at_m, PEL_ORDERS_ALL, 0.6, views,
+                                              1, &level, &fault),
+                         PEL_OK);
+        assert_int_equal(pel_water_prober_run(&prober, NULL, &body, &depths,
+                                              at_m * sqrt(2.0), PEL_ORDERS_ALL,
+                                              0.6, views, 1, &between, &fault),
+                         PEL_OK);
+        body.depth_m = at_m;
+        look(&body, PEL_ORDERS_ALL, 0.6, views, 1, &flat);
+        for (int c = 0; c < 3; c++) {
+            double a = level.part[PEL_WATER_BOTTOM][c];
+            double b = flat.part[PEL_WATER_BOTTOM][c];
+            assert_true(fabs(a - b) <= 1e-5 * b + 1e-9);
+            double m = between.part[PEL_WATER_BOTTOM][c];
+            assert_true(i == 4 ? m == a : m < a);
+        }
+    }
+}
+
+static int64_t cpu_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+/* Says what a new water and a new Sun cost; asserts nothing. */
+static void costs(void **state)
+{
+    (void)state;
+    enum { ROUNDS = 10 };
+    struct pel_water_light *w = &prober.light;
+    struct pel_environment env = { .water = body_of(media[1], 10.0, 0.4) };
+    double water_ms = 0, sun_ms = 0, water_cpu = 0, sun_cpu = 0;
+    for (int i = 0; i < ROUNDS; i++) {
+        env.water.depth_m = 10.0 + i;
+        glFinish();
+        int64_t start = pel_now_ns(), cpu = cpu_ns();
+        pel_water_light_update(w, &env);
+        glFinish();
+        int64_t middle = pel_now_ns(), used = cpu_ns();
+        pel_water_light_map(w, 0.5 + 0.01 * i, prober.black, prober.sun);
+        glFinish();
+        water_ms += 1e-6 * (double)(middle - start) / ROUNDS;
+        sun_ms += 1e-6 * (double)(pel_now_ns() - middle) / ROUNDS;
+        water_cpu += 1e-6 * (double)(used - cpu) / ROUNDS;
+        sun_cpu += 1e-6 * (double)(cpu_ns() - used) / ROUNDS;
+    }
+    print_message("a new water %.1f ms (%.1f ms of processor), a new Sun %.2f "
+                  "ms (%.2f)\n",
+                  water_ms, water_cpu, sun_ms, sun_cpu);
+}
+
+/* With a device as argument, on that one. */
+int main(int argc, char **argv)
+{
+    struct pel_context context;
+    struct pel_fault fault;
+    if (pel_context_init(&context, argc > 1 ? argv[1] : "software", true,
+                         &fault)) {
+        fprintf(stderr, "%s\n", fault.message);
+        return 1;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(maps_are_the_quadrature),
+        cmocka_unit_test(paper_is_eq_5),
+        cmocka_unit_test(light_is_kept),
+        cmocka_unit_test(depths_are_levels),
+        cmocka_unit_test(costs),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    pel_water_prober_finish(&prober);
+    pel_context_finish(&context);
+    return failed;
+}
