@@ -30,6 +30,8 @@ TEST_PACKAGES := gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll pytho
     python3-wheel openexr chromium chromium-driver python3-selenium clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
     tshark
+# Of npm's registry, into build/npm: clients that tests speak to.
+NPM_PACKAGES := modbus-serial@8.0.25
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd json-glib-1.0 \
     libprotobuf-c libmodbus libturbojpeg spng OpenEXR libsystemd openssl \
@@ -180,7 +182,7 @@ PAGES := $(wildcard clients/web/*.html clients/web/*.css clients/web/*.js \
 BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_parse.c server/bridges/nmea_values.c \
     server/bridges/nmea.c \
-    server/bridges/modbus_map.c server/bridges/modbus_adu.c \
+    server/bridges/modbus_map.c server/bridges/modbus_units.c server/bridges/modbus_adu.c \
     server/bridges/modbus.c \
     server/bridges/console_table.c \
     server/bridges/nmea_out.c \
@@ -433,8 +435,9 @@ cigi: $(O)/bin/cigi_doc ## write proto/cigi.md, the CIGI conformance table
 
 # --- set-up, demonstration, checks ---------------------------------------
 .PHONY: deps deps-build
-deps: ## install the Debian packages that building and testing need
+deps: ## install what building and testing need: Debian packages, npm clients
 	$(Q)packaging/deps.sh $(BUILD_PACKAGES) $(TEST_PACKAGES)
+	$(Q)packaging/npm.sh $(NPM_PACKAGES)
 
 deps-build:
 	$(Q)packaging/deps.sh $(BUILD_PACKAGES)

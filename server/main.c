@@ -262,7 +262,8 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
     options.listen = d->options.modbus;
     options.allow = or_null(d->options.modbus_allow);
     options.order = orders[d->options.modbus_order];
-    options.unit = d->options.modbus_unit;
+    options.units = d->options.modbus_units;
+    options.safe = d->options.modbus_safe;
     options.max_clients = d->options.modbus_clients;
     options.heartbeat_ms = d->options.modbus_heartbeat_ms;
     options.extrapolate_ms = d->options.modbus_extrapolate_ms;

@@ -134,9 +134,10 @@ const struct pel_option pel_option_table[] = {
     { "modbus-order", "bridges", PEL_OPTION_CHOICE, "ORDER", "abcd",
       .choices = order_words, .offset = FIELD(modbus_order),
       .help = "Order of the bytes of 32-bit values." },
-    { "modbus-unit", "bridges", PEL_OPTION_INT, "UNIT", "-1", -1, 247, "",
-      .offset = FIELD(modbus_unit),
-      .help = "Unit that answers; -1 is any of 0, 1 and 255." },
+    { "modbus-units", "bridges", PEL_OPTION_TEXT_KIND, "any|LIST", "any",
+      .offset = FIELD(modbus_units),
+      .help = "Units that answer: any is 0, 1 and 255; or a list of "
+              "UNIT[:ORDER[:ENTITY[:VIEW]]], each a source of its own." },
     { "modbus-clients", "bridges", PEL_OPTION_INT, "COUNT", "32", 1, 256,
       "clients", .offset = FIELD(modbus_clients),
       .help = "Most Modbus clients at once." },
@@ -147,6 +148,10 @@ const struct pel_option pel_option_table[] = {
     { "modbus-extrapolate", "bridges", PEL_OPTION_INT, "MS", "5000", 0, 60000,
       "ms", .offset = FIELD(modbus_extrapolate_ms),
       .help = "How long the ship is reckoned on when its source is stale." },
+    { "modbus-safe", "bridges", PEL_OPTION_TEXT_KIND, "PATH=VALUE,…", "",
+      .offset = FIELD(modbus_safe),
+      .help = "Fields that are set after that, like "
+              "views.bridge.yaw=0,views.bridge.pitch=0: a safe view." },
     { "console", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
       .offset = FIELD(console),
       .help = "Modbus/TCP server of a bridge console, whose registers are "

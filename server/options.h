@@ -31,7 +31,8 @@ struct pel_options {
     char tls_cert[PEL_OPTION_TEXT], tls_key[PEL_OPTION_TEXT];
     bool plain;
     char modbus[PEL_OPTION_TEXT], modbus_allow[PEL_OPTION_TEXT];
-    int modbus_order, modbus_unit, modbus_clients;
+    int modbus_order, modbus_clients;
+    char modbus_units[PEL_OPTION_TEXT], modbus_safe[PEL_OPTION_TEXT];
     int modbus_heartbeat_ms, modbus_extrapolate_ms;
     char console[PEL_OPTION_TEXT], console_table[PEL_OPTION_TEXT];
     int console_order, console_unit, console_timeout_ms, console_stale_ms;

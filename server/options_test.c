@@ -51,7 +51,7 @@ static void both_forms_of_the_command_line(void **state)
     assert_int_equal(READ(&options, &action, &fault, "--fps", "12.5",
                           "--http=[::1]:0", "--tcp", "off", "--gl-debug",
                           "--modbus-order=dcba", "--nmea", "localhost:9",
-                          "--modbus-unit", "-1"),
+                          "--modbus-units", "7"),
                      PEL_OK);
     assert_true(options.fps == 12.5);
     assert_string_equal(options.http, "[::1]:0");

@@ -1,5 +1,8 @@
 #!/usr/bin/python3
 """Modbus/TCP of a running pelagosd with real clients: pymodbus and mbpoll."""
+import io
+import json
+import os
 import random
 import shutil
 import socket
@@ -12,9 +15,11 @@ from pymodbus.client import ModbusTcpClient
 from pymodbus.constants import Endian
 from pymodbus.payload import BinaryPayloadBuilder, BinaryPayloadDecoder
 
-from pelagos_daemon import Daemon, free_port
+from PIL import Image
 
-WIND, HEADING, COMMIT, HEARTBEAT, SPEED = 10, 64, 5, 4, 70
+from pelagos_daemon import ROOT, Daemon, free_port
+
+WIND, HEADING, COMMIT, HEARTBEAT, SPEED, VIEW_YAW = 10, 64, 5, 4, 70, 100
 VIEW = {"views": [{"name": "bridge", "width": 160, "height": 90}]}
 
 
@@ -131,6 +136,110 @@ def by_mbpoll(daemon, port):
     check(status == 0 and "9.25" in text and "200" in text, text)
 
 
+def by_modbus_serial(daemon, port, unit=1):
+    """npm's client, from another language and another hand."""
+    if not shutil.which("node") or not os.path.isdir(
+            os.path.join(ROOT, "build", "npm", "node_modules",
+                         "modbus-serial")):
+        print("modbus-serial is not installed: left out")
+        return
+    done = subprocess.run(
+        ["node", os.path.join(ROOT, "tests", "modbus_serial.js"), str(port),
+         str(unit)], capture_output=True, text=True, timeout=60, check=False)
+    check(done.returncode == 0, done.stderr)
+    saw = json.loads(done.stdout)
+    check(saw == {"probe": [0x01020304, 3.5], "wind": 7.25, "many": 50,
+                  "alarms": [False] * 5, "coils": [True, True],
+                  "refused": [3, 2, 2]}, saw)
+    state = daemon.state()
+    check((state["sea"]["windSpeed"], state["sea"]["windDirection"]) ==
+          (7.25, 100), "wind by modbus-serial")
+    check(own_ship(daemon)["heading"] == 33.5, "heading by modbus-serial")
+
+
+def several_units():
+    """Three sources, each with its order, ship, view, stage and heartbeat."""
+    port = free_port()
+    safe = "views.wing.yaw=0,views.wing.pitch=-5"
+    with Daemon("--modbus", f"127.0.0.1:{port}", "--modbus-units",
+                "1,2:cdab:7:1,3:dcba:8", "--modbus-heartbeat", "300",
+                "--modbus-extrapolate", "300", "--modbus-safe", safe,
+                "--nmea", "off") as daemon:
+        done = daemon.patch({
+            "entities": {"7": {}, "8": {}}, "sources": {"mark": True},
+            "views": {"bridge": {"width": 160, "height": 90},
+                      "wing": {"entity": 7}}})
+        check(done.status == 200, f"{done}")
+        client = ModbusTcpClient("127.0.0.1", port, timeout=5)
+        check(client.connect(), "connect")
+
+        def words(value, order):
+            raw = struct.pack(">f", value)
+            raw = {"abcd": raw, "cdab": raw[2:] + raw[:2],
+                   "dcba": raw[::-1]}[order]
+            return list(struct.unpack(">HH", raw))
+
+        def entity(id):
+            return next(e for e in daemon.state()["entities"]
+                        if int(e["id"]) == id)
+
+        for unit, order in ((1, "abcd"), (2, "cdab"), (3, "dcba")):
+            probe = client.read_input_registers(2, 2, slave=unit)
+            check(probe.registers == words(3.5, order), f"probe of {unit}")
+            client.write_registers(HEADING, words(unit * 11.5, order),
+                                   slave=unit)
+        client.write_registers(VIEW_YAW, words(40, "cdab"), slave=2)
+        client.write_registers(SPEED, words(4, "cdab"), slave=2)
+        client.write_register(COMMIT, 1, slave=2)  # of unit 2 alone
+        check([entity(i)["heading"] for i in (1, 7, 8)] == [0, 23, 0],
+              "stages of units are not one")
+        view = daemon.state()["views"][1]
+        check((view["name"], view["yaw"]) == ("wing", 40), f"{view}")
+        for unit in (1, 3):
+            client.write_register(COMMIT, 1, slave=unit)
+        check([entity(i)["heading"] for i in (1, 7, 8)] == [11.5, 23, 34.5],
+              "each its own")
+        answer = client.read_holding_registers(0, 2, slave=4)
+        check(answer.exception_code == 11, "unit 4")
+
+        # Unit 2 falls silent; unit 3 does not.
+        for unit in (2, 3):
+            client.write_register(HEARTBEAT, 1, slave=unit)
+        for i in range(12):
+            client.write_register(HEARTBEAT, i, slave=3)
+            time.sleep(0.1)
+        metrics = daemon.metrics()
+        sources = [metrics[f'pelagos_modbus_source{{unit="{u}"}}']
+                   for u in (1, 2, 3)]
+        check(sources == [0, 3, 1], f"{sources}")
+        check(entity(7)["speed"] == 0, "its ship is stopped")
+        view = daemon.state()["views"][1]
+        check((view["yaw"], view["pitch"]) == (0, -5), f"no safe view: {view}")
+        answer = daemon.get("/v1/views/bridge/frame.png")
+        check(answer.headers["X-Pelagos-Stale"] == "modbus", answer.headers)
+        corner = Image.open(io.BytesIO(answer.body)).convert("RGB")
+        check(corner.getpixel((0, 0)) == (255, 176, 0), "no mark")
+        client.write_register(HEARTBEAT, 9, slave=2)
+        check(not daemon.state()["sources"]["modbusStale"], "stale")
+        client.close()
+
+
+def bad_options():
+    for options, says in (
+            (("--modbus-units", "1,1"), "twice"),
+            (("--modbus-units", "1:bacd"), "1:bacd"),
+            (("--modbus-units", "248"), "248"),
+            (("--modbus-units", ""), "modbus-units"),
+            (("--modbus-safe", "views.bridge.jaw=0"), "views.bridge.jaw"),
+            (("--modbus-safe", "views.bridge.yaw"), "PATH=VALUE")):
+        port = free_port()
+        try:
+            with Daemon("--modbus", f"127.0.0.1:{port}", *options):
+                raise AssertionError(f"{options} were taken")
+        except RuntimeError as error:
+            check(says in str(error), f"{options}: {error}")
+
+
 def heartbeat(daemon, client):
     client.write_registers(SPEED, floats(6), slave=1)
     client.write_register(COMMIT, 1, slave=1)
@@ -140,7 +249,9 @@ def heartbeat(daemon, client):
     time.sleep(0.5)
     check(client.read_discrete_inputs(0, 5, slave=1).bits[:2] == [True, True],
           "alarm")
-    check(daemon.metrics()["pelagos_modbus_source"] == 2, "stale in metrics")
+    check(daemon.metrics()['pelagos_modbus_source{unit="any"}'] == 2,
+          "stale in metrics")
+    check(daemon.state()["sources"]["modbusStale"], "stale in the state")
     check(own_ship(daemon)["speed"] == 6, "reckoned on")
     time.sleep(0.7)
     source = client.read_input_registers(16, 1, slave=1).registers[0]
@@ -231,11 +342,15 @@ def main():
         by_pymodbus(daemon, client)
         refusals(daemon, client)
         by_mbpoll(daemon, port)
+        by_modbus_serial(daemon, port)
         heartbeat(daemon, client)
         client.close()
         malformed(daemon, port)
         slow_client(port)
-    print("pymodbus, mbpoll, heartbeat, 1000 bad ADUs, a slow client")
+    several_units()
+    bad_options()
+    print("pymodbus, mbpoll, modbus-serial, heartbeat, 1000 bad ADUs, a slow "
+          "client, three units, a safe view")
 
 
 if __name__ == "__main__":

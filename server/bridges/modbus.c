@@ -15,6 +15,7 @@
 #include "base/metrics.h"
 #include "bridges/endpoint.h"
 #include "bridges/modbus_adu.h"
+#include "bridges/modbus_units.h"
 #include "scene/scene.h"
 
 #define MS 1000000LL
@@ -48,15 +49,19 @@ struct pel_modbus {
     struct pel_modbus_options options;
     struct pel_scene *scene;
     struct pel_allow allow;
-    struct pel_modbus_map map;
+    struct unit {
+        struct pel_modbus_map map;
+        enum pel_modbus_source source;
+        int64_t heartbeat_ns;
+    } units[PEL_MODBUS_MAX_UNITS];
+    size_t unit_count;
+    Pelagos__Patch *safe; /* NULL: nothing but the ship is stopped */
     struct pel_modbus_answerer answerer;
     struct pel_modbus_counters counters;
     int fd, reserve_fd;
     uint16_t port;
     guint accept_source, sweep_source;
     GPtrArray *clients; /* struct client */
-    enum pel_modbus_source source;
-    int64_t heartbeat_ns;
 };
 
 struct pel_modbus_options pel_modbus_default_options(void)
@@ -64,50 +69,84 @@ struct pel_modbus_options pel_modbus_default_options(void)
     return (struct pel_modbus_options){
         .listen = "127.0.0.1:1502",
         .order = PEL_MODBUS_ABCD,
-        .unit = -1,
+        .units = "any",
         .max_clients = 32,
         .heartbeat_ms = 1000,
         .extrapolate_ms = 5000,
+        .safe = "",
     };
 }
 
-/* --- the source's heartbeat --------------------------------------------- */
+/* --- the sources' heartbeats -------------------------------------------- */
 
-static void watch(struct pel_modbus *m, int64_t now_ns)
+static const char *unit_name(const struct unit *u, char out[12])
 {
-    if (m->map.heard) {
-        m->map.heard = false;
-        m->heartbeat_ns = now_ns;
-        m->counters.heartbeats++;
-        if (m->source != PEL_MODBUS_LIVE) {
-            pel_info("MBS-004", "the Modbus source is alive");
-            pel_scene_set_stale(m->scene, PEL_STALE_MODBUS, false);
-        }
-        m->source = PEL_MODBUS_LIVE;
+    if (u->map.unit.number < 0) {
+        return "any";
     }
-    int64_t silent = now_ns - m->heartbeat_ns - m->options.heartbeat_ms * MS;
-    if (m->source == PEL_MODBUS_LIVE && silent > 0) {
-        pel_warn("MBS-005",
-                 "the Modbus source is stale: no heartbeat for %d "
-                 "ms; own ship is reckoned on for %d ms",
-                 m->options.heartbeat_ms, m->options.extrapolate_ms);
-        m->source = PEL_MODBUS_STALE;
-        m->counters.stale++;
-        pel_scene_set_stale(m->scene, PEL_STALE_MODBUS, true);
+    snprintf(out, 12, "%d", u->map.unit.number);
+    return out;
+}
+
+static void tell_stale(struct pel_modbus *m)
+{
+    bool stale = false;
+    for (size_t i = 0; i < m->unit_count; i++) {
+        stale = stale || m->units[i].source >= PEL_MODBUS_STALE;
     }
-    if (m->source == PEL_MODBUS_STALE &&
-        silent > m->options.extrapolate_ms * MS) {
-        m->source = PEL_MODBUS_HELD;
-        if (m->map.steers) { /* else another input moves the ship */
-            pel_warn("MBS-006", "own ship is stopped where it was reckoned");
-            pel_modbus_map_stop_ship(&m->map);
-        }
+    pel_scene_set_stale(m->scene, PEL_STALE_MODBUS, stale);
+}
+
+/* The source stays away: its ship stops, and the view is a safe one. */
+static void hold(struct pel_modbus *m, struct unit *u)
+{
+    struct pel_fault fault;
+    if (u->map.steers) { /* else another input moves the ship */
+        pel_warn("MBS-006", "own ship is stopped where it was reckoned");
+        pel_modbus_map_stop_ship(&u->map);
+    }
+    if (m->safe && pel_scene_patch(m->scene, m->safe, &fault) != PEL_OK) {
+        pel_warn("MBS-009", "the safe values are refused: %s", fault.message);
     }
 }
 
-static void refresh_inputs(struct pel_modbus *m, int64_t now_ns)
+static void watch(struct pel_modbus *m, struct unit *u, int64_t now_ns)
 {
-    struct pel_modbus_inputs *in = &m->map.inputs;
+    enum pel_modbus_source before = u->source;
+    char name[12];
+    if (u->map.heard) {
+        u->map.heard = false;
+        u->heartbeat_ns = now_ns;
+        m->counters.heartbeats++;
+        if (u->source != PEL_MODBUS_LIVE) {
+            pel_info("MBS-004", "the source of Modbus unit %s is alive",
+                     unit_name(u, name));
+        }
+        u->source = PEL_MODBUS_LIVE;
+    }
+    int64_t silent = now_ns - u->heartbeat_ns - m->options.heartbeat_ms * MS;
+    if (u->source == PEL_MODBUS_LIVE && silent > 0) {
+        pel_warn("MBS-005",
+                 "the source of Modbus unit %s is stale: no heartbeat for %d "
+                 "ms; own ship is reckoned on for %d ms",
+                 unit_name(u, name), m->options.heartbeat_ms,
+                 m->options.extrapolate_ms);
+        u->source = PEL_MODBUS_STALE;
+        m->counters.stale++;
+    }
+    if (u->source == PEL_MODBUS_STALE &&
+        silent > m->options.extrapolate_ms * MS) {
+        u->source = PEL_MODBUS_HELD;
+        hold(m, u);
+    }
+    if (u->source != before) {
+        tell_stale(m);
+    }
+}
+
+static void refresh_inputs(struct pel_modbus *m, struct unit *u, int64_t now_ns)
+{
+    struct pel_modbus_inputs *in = &u->map.inputs;
     uint64_t refused = 0;
     for (size_t i = 0; i < G_N_ELEMENTS(m->counters.exceptions); i++) {
         refused += m->counters.exceptions[i];
@@ -116,24 +155,37 @@ static void refresh_inputs(struct pel_modbus *m, int64_t now_ns)
     if (m->options.status) {
         m->options.status(m->options.user, &in->status);
     }
-    in->source = m->source;
+    in->source = u->source;
     in->clients = m->clients->len;
-    in->heartbeat_age_s = m->source == PEL_MODBUS_NEVER
+    in->heartbeat_age_s = u->source == PEL_MODBUS_NEVER
                               ? NAN
-                              : (double)(now_ns - m->heartbeat_ns) * 1e-9;
-    in->commits = m->map.commits;
+                              : (double)(now_ns - u->heartbeat_ns) * 1e-9;
+    in->commits = u->map.commits;
     in->refused = refused;
     in->malformed = m->counters.malformed;
 }
 
 /* --- a stream of ADUs --------------------------------------------------- */
 
-static bool our_unit(const struct pel_modbus *m, unsigned unit)
+static struct unit *find_unit(struct pel_modbus *m, unsigned number)
 {
-    if (m->options.unit >= 0) {
-        return unit == (unsigned)m->options.unit;
+    for (size_t i = 0; i < m->unit_count; i++) {
+        int ours = m->units[i].map.unit.number;
+        if (ours < 0 ? number <= 1 || number == 255
+                     : number == (unsigned)ours) {
+            return &m->units[i];
+        }
     }
-    return unit <= 1 || unit == 255;
+    return NULL;
+}
+
+static void count_commits(struct pel_modbus *m)
+{
+    m->counters.commits = m->counters.refused_commits = 0;
+    for (size_t i = 0; i < m->unit_count; i++) {
+        m->counters.commits += m->units[i].map.commits;
+        m->counters.refused_commits += m->units[i].map.refused_commits;
+    }
 }
 
 static size_t answer_adu(struct pel_modbus_session *s, uint8_t *answer)
@@ -143,14 +195,14 @@ static size_t answer_adu(struct pel_modbus_session *s, uint8_t *answer)
     enum pel_modbus_exception code;
     size_t size;
     m->counters.requests++;
-    if (our_unit(m, s->adu[6])) {
-        watch(m, now_ns);
-        refresh_inputs(m, now_ns);
-        size = pel_modbus_answer(&m->answerer, &m->map, s->adu, s->used, answer,
+    struct unit *u = find_unit(m, s->adu[6]);
+    if (u) {
+        watch(m, u, now_ns);
+        refresh_inputs(m, u, now_ns);
+        size = pel_modbus_answer(&m->answerer, &u->map, s->adu, s->used, answer,
                                  &code);
-        watch(m, now_ns);
-        m->counters.commits = m->map.commits;
-        m->counters.refused_commits = m->map.refused_commits;
+        watch(m, u, now_ns);
+        count_commits(m);
     } else {
         m->counters.wrong_unit++;
         code = PEL_MODBUS_NO_TARGET;
@@ -373,7 +425,9 @@ static gboolean on_sweep(gpointer user)
 {
     struct pel_modbus *m = user;
     int64_t now_ns = pel_now_ns();
-    watch(m, now_ns);
+    for (size_t i = 0; i < m->unit_count; i++) {
+        watch(m, &m->units[i], now_ns);
+    }
     for (guint i = m->clients->len; i-- > 0;) {
         struct client *c = g_ptr_array_index(m->clients, i);
         bool late = c->session.used > 0 &&
@@ -430,9 +484,15 @@ static void collect(void *user, struct pel_metrics_page *page)
     pel_metric(page, "pelagos_modbus_clients", PEL_METRIC_GAUGE,
                "Modbus clients connected.", NULL,
                (double)pel_modbus_clients(m));
-    pel_metric(page, "pelagos_modbus_source", PEL_METRIC_GAUGE,
-               "Modbus source: 0 no heartbeat yet, 1 live, 2 stale, 3 held.",
-               NULL, m->source);
+    for (size_t i = 0; i < m->unit_count; i++) {
+        char label[32], name[12];
+        snprintf(label, sizeof label, "unit=\"%s\"",
+                 unit_name(&m->units[i], name));
+        pel_metric(page, "pelagos_modbus_source", PEL_METRIC_GAUGE,
+                   "Source of a Modbus unit: 0 no heartbeat yet, 1 live, 2 "
+                   "stale, 3 held.",
+                   label, m->units[i].source);
+    }
 }
 
 /* --- life --------------------------------------------------------------- */
@@ -444,7 +504,6 @@ static enum pel_err check_options(const struct pel_modbus_options *o,
         const char *name;
         int value, minimum, maximum;
     } numbers[] = {
-        { "modbus-unit", o->unit, -1, 247 },
         { "modbus-clients", o->max_clients, 1, 256 },
         { "modbus-heartbeat", o->heartbeat_ms, 100, 60000 },
         { "modbus-extrapolate", o->extrapolate_ms, 0, 60000 },
@@ -460,6 +519,20 @@ static enum pel_err check_options(const struct pel_modbus_options *o,
         }
     }
     return PEL_OK;
+}
+
+static enum pel_err open_units(struct pel_modbus *m, struct pel_fault *fault)
+{
+    struct pel_modbus_unit units[PEL_MODBUS_MAX_UNITS];
+    enum pel_err err = pel_modbus_units_read(m->options.units, m->options.order,
+                                             units, &m->unit_count, fault);
+    for (size_t i = 0; i < m->unit_count && !err; i++) {
+        err = pel_modbus_map_init(&m->units[i].map, m->scene, &units[i], fault);
+    }
+    if (!err) {
+        err = pel_modbus_safe_read(m->options.safe, &m->safe, fault);
+    }
+    return err;
 }
 
 enum pel_err pel_modbus_create(const struct pel_modbus_options *options,
@@ -478,7 +551,7 @@ enum pel_err pel_modbus_create(const struct pel_modbus_options *options,
     m->clients = g_ptr_array_new();
     err = pel_modbus_answerer_init(&m->answerer, fault);
     if (!err) {
-        err = pel_modbus_map_init(&m->map, scene, options->order, fault);
+        err = open_units(m, fault);
     }
     if (!err) {
         err = pel_allow_parse(options->allow, &m->allow, fault);
@@ -523,6 +596,9 @@ void pel_modbus_destroy(struct pel_modbus *m)
     }
     g_ptr_array_free(m->clients, TRUE);
     pel_modbus_answerer_finish(&m->answerer);
+    if (m->safe) {
+        pelagos__patch__free_unpacked(m->safe, NULL);
+    }
     if (m->fd >= 0) {
         close(m->fd);
     }
@@ -545,7 +621,7 @@ size_t pel_modbus_clients(const struct pel_modbus *modbus)
 
 enum pel_modbus_source pel_modbus_source(const struct pel_modbus *modbus)
 {
-    return modbus->source;
+    return modbus->units[0].source;
 }
 
 uint16_t pel_modbus_port(const struct pel_modbus *modbus)

@@ -5,8 +5,8 @@
  * edit: when 1 is written to the commit register, alone or inside a
  * write-multiple request. A value out of range gets exception 03, an address
  * that is not there (or half a 32-bit value) exception 02, and then nothing of
- * the request is staged. There is one stage for all connections, as a client
- * may connect anew for each write (mbpoll does).
+ * the request is staged. Each unit has a stage, for all connections, as a
+ * client may connect anew for each write (mbpoll does), and a heartbeat.
  *
  * libmodbus makes the answers; it owns no socket of a client. ADUs are framed
  * here without blocking: whole within 500 ms of their first byte, protocol id
@@ -37,11 +37,13 @@ struct pel_modbus_options {
     const char *listen; /* ADDRESS:PORT; NULL: no socket, feed only */
     const char *allow;  /* peers, `10.0.0.7,192.168.1.0/24`; NULL: loopback.
                          * Any other `listen` than loopback needs it */
-    enum pel_modbus_order order;
-    int unit;           /* 1..247, or -1: 0, 1 and 255 all answer */
-    int max_clients;    /* 1..256 */
+    enum pel_modbus_order order; /* of units that say no other */
+    const char *units;           /* pel_modbus_units_read (modbus_units.h) */
+    int max_clients;             /* 1..256 */
     int heartbeat_ms;   /* silence that makes the source stale, 100..60000 */
     int extrapolate_ms; /* then the scene reckons on for so long, 0..60000 */
+    const char *safe;   /* then it stops, and these fields are set:
+                         * pel_modbus_safe_read */
     struct pel_metrics *metrics; /* NULL: none are shown */
     /* Fills the status; NULL: zeros. */
     void (*status)(void *user, struct pel_modbus_status *status);
@@ -55,7 +57,8 @@ enum pel_modbus_source {
     PEL_MODBUS_NEVER, /* no heartbeat yet: no watch either */
     PEL_MODBUS_LIVE,
     PEL_MODBUS_STALE, /* silent; the ship is reckoned on */
-    PEL_MODBUS_HELD,  /* silent for longer; own ship stopped where it was */
+    PEL_MODBUS_HELD,  /* silent for longer; its ship stopped where it was, and
+                       * the safe values were set */
 };
 
 struct pel_modbus_counters {
@@ -77,6 +80,7 @@ void pel_modbus_destroy(struct pel_modbus *modbus); /* NULL allowed */
 const struct pel_modbus_counters *
 pel_modbus_counters(const struct pel_modbus *modbus);
 size_t pel_modbus_clients(const struct pel_modbus *modbus);
+/* Of the first unit. */
 enum pel_modbus_source pel_modbus_source(const struct pel_modbus *modbus);
 
 /* The port bound (useful after port 0), 0 without a socket. */

@@ -10,16 +10,16 @@
 #include "path.h"
 #include "scene/scene.h"
 
-#define OWN_SHIP 1
+#define FIRST_ENTITY "entities.1." /* of the table */
 
 enum pel_err pel_modbus_map_init(struct pel_modbus_map *map,
                                  struct pel_scene *scene,
-                                 enum pel_modbus_order order,
+                                 const struct pel_modbus_unit *unit,
                                  struct pel_fault *fault)
 {
     static const unsigned limits[] = { PEL_HOLDING_COUNT, PEL_INPUT_COUNT,
                                        PEL_DISCRETE_COUNT, PEL_COIL_COUNT };
-    *map = (struct pel_modbus_map){ .scene = scene, .order = order };
+    *map = (struct pel_modbus_map){ .scene = scene, .unit = *unit };
     if (pel_register_count > PEL_MODBUS_MAX_ROWS) {
         return pel_fault_set(fault, PEL_ERR_INTERNAL, "registers.def: %zu rows",
                              pel_register_count);
@@ -56,13 +56,19 @@ static const char *row_path(struct pel_modbus_map *map,
     if (pel_register_path(reg, name, out, size, &view) != PEL_OK) {
         return NULL;
     }
+    if (strncmp(out, FIRST_ENTITY, strlen(FIRST_ENTITY)) == 0) {
+        snprintf(out, size, "entities.%u.%s", map->unit.entity,
+                 reg->path + strlen(FIRST_ENTITY));
+        return out;
+    }
     if (view < 0) {
         return out;
     }
-    if ((size_t)view >= state->n_views) {
+    size_t index = map->unit.first_view + (size_t)view;
+    if (index >= state->n_views) {
         return NULL;
     }
-    name = state->views[view]->name;
+    name = state->views[index]->name;
     return pel_register_path(reg, name, out, size, &view) == PEL_OK ? out
                                                                     : NULL;
 }
@@ -112,7 +118,7 @@ static double ship_value(struct pel_modbus_map *map,
     double latitude, longitude, value = NAN;
     for (size_t i = 0; i < s->entity_count; i++) {
         struct pel_entity_state e;
-        if (s->entities[i].id != OWN_SHIP) {
+        if (s->entities[i].id != map->unit.entity) {
             continue;
         }
         pel_snapshot_entity_at(s, i, pel_scene_time(map->scene), &e);
@@ -255,7 +261,7 @@ void pel_modbus_map_read(struct pel_modbus_map *map,
                            ? map->staged[stage].value / reg->scale
                            : source_value(map, reg);
         uint16_t encoded[4];
-        pel_register_encode(reg->type, map->order, value, encoded);
+        pel_register_encode(reg->type, map->unit.order, value, encoded);
         for (unsigned k = reg->address; k < reg_end; k++) {
             if (k >= address && k < end) {
                 words[k - address] = encoded[k - reg->address];
@@ -437,7 +443,8 @@ enum pel_modbus_exception pel_modbus_map_write(struct pel_modbus_map *map,
             code = PEL_MODBUS_ILLEGAL_ADDRESS;
             break;
         }
-        double value = pel_register_decode(reg->type, map->order, words + i);
+        double value =
+            pel_register_decode(reg->type, map->unit.order, words + i);
         code = stage(map, reg, value, &commit);
         i += width;
     }
@@ -461,9 +468,10 @@ void pel_modbus_map_stop_ship(struct pel_modbus_map *map)
     struct pel_fault fault;
     Pelagos__OwnShip orders = PELAGOS__OWN_SHIP__INIT;
     entity.has_id = entity.has_speed = entity.has_turn_rate = 1;
-    entity.id = OWN_SHIP;
+    entity.id = map->unit.entity;
     patch.state = &state;
-    if (pel_scene_state(map->scene)->own_ship->on) {
+    const Pelagos__OwnShip *own = pel_scene_state(map->scene)->own_ship;
+    if (own->on && own->entity == map->unit.entity) {
         orders.has_throttle = orders.has_rudder = 1; /* to zero; it drifts */
         state.own_ship = &orders;
     } else {

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "bridges/modbus.h"
+#include "bridges/modbus_units.h"
 
 #define PEL_MODBUS_MAX_ROWS 128
 
@@ -32,7 +33,7 @@ struct pel_modbus_inputs {
 
 struct pel_modbus_map {
     struct pel_scene *scene;
-    enum pel_modbus_order order;
+    struct pel_modbus_unit unit;
     struct pel_modbus_inputs inputs;
     struct {
         bool set;
@@ -47,7 +48,7 @@ struct pel_modbus_map {
 /* Tests the table against the schema; INTERNAL names the row at fault. */
 PEL_CHECK enum pel_err pel_modbus_map_init(struct pel_modbus_map *map,
                                            struct pel_scene *scene,
-                                           enum pel_modbus_order order,
+                                           const struct pel_modbus_unit *unit,
                                            struct pel_fault *fault);
 
 /* Writes `count` registers (or coils, 0 or 1 each) of one request: all of
@@ -63,5 +64,5 @@ void pel_modbus_map_read(struct pel_modbus_map *map,
                          enum pel_register_space space, unsigned address,
                          size_t count, uint16_t *words);
 
-/* Own ship (entity 1) stops where it is reckoned to be now. */
+/* The unit's ship stops where it is reckoned to be now. */
 void pel_modbus_map_stop_ship(struct pel_modbus_map *map);
