@@ -186,6 +186,7 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/modbus.c \
     server/bridges/console_table.c \
     server/bridges/nmea_out.c \
+    server/bridges/nmea_tcp.c \
     server/bridges/console.c \
     server/bridges/cigi_packet.c \
     server/bridges/cigi_pose.c \

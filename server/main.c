@@ -14,6 +14,7 @@
 #include "bridges/modbus.h"
 #include "bridges/nmea.h"
 #include "bridges/nmea_out.h"
+#include "bridges/nmea_tcp.h"
 #include "frames/frames.h"
 #include "net/net.h"
 #include "options.h"
@@ -38,6 +39,7 @@ struct daemon {
     struct pel_modbus *modbus;
     struct pel_console *console;
     struct pel_nmea *nmea;
+    struct pel_nmea_tcp *nmea_tcp;
     struct pel_nmea_out *nmea_out;
     struct pel_cigi *cigi;
     struct pel_service *service;
@@ -155,16 +157,24 @@ static enum pel_err start_nmea(struct daemon *d, struct pel_fault *fault)
                                                 PEL_NMEA_WIND_GIVEN,
                                                 PEL_NMEA_WIND_MEAN };
     struct pel_nmea_options options = pel_nmea_default_options();
-    options.listen = d->options.nmea;
+    const struct pel_nmea_tcp_options tcp = {
+        .listen = d->options.nmea_tcp,
+        .allow = or_null(d->options.nmea_allow),
+        .metrics = d->metrics,
+    };
+    options.listen = or_null(d->options.nmea);
     options.allow = or_null(d->options.nmea_allow);
     options.entity = (uint32_t)d->options.nmea_entity;
     options.wind = winds[d->options.nmea_wind];
     options.ais = d->options.nmea_ais;
     options.metrics = d->metrics;
-    if (!*d->options.nmea) {
+    if (!*d->options.nmea && !*d->options.nmea_tcp) {
         return PEL_OK;
     }
-    return pel_nmea_create(&options, d->scene, &d->nmea, fault);
+    enum pel_err err = pel_nmea_create(&options, d->scene, &d->nmea, fault);
+    return err || !*tcp.listen
+               ? err
+               : pel_nmea_tcp_create(&tcp, d->nmea, &d->nmea_tcp, fault);
 }
 
 static enum pel_err start_nmea_out(struct daemon *d, struct pel_fault *fault)
@@ -300,6 +310,7 @@ static bool finish(struct daemon *d)
     pel_console_destroy(d->console);
     pel_cigi_destroy(d->cigi);
     pel_nmea_out_destroy(d->nmea_out);
+    pel_nmea_tcp_destroy(d->nmea_tcp);
     pel_nmea_destroy(d->nmea);
     pel_net_destroy(d->net);
     if (d->frames) {

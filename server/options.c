@@ -175,6 +175,9 @@ const struct pel_option pel_option_table[] = {
     { "nmea", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
       "127.0.0.1:10110", .offset = FIELD(nmea),
       .help = "UDP port that takes NMEA 0183." },
+    { "nmea-tcp", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
+      .offset = FIELD(nmea_tcp),
+      .help = "TCP port that takes NMEA 0183; 10110 is customary." },
     { "nmea-allow", "bridges", PEL_OPTION_TEXT_KIND, "PEERS", "",
       .offset = FIELD(nmea_allow),
       .help = "Addresses or networks, separated by commas, that may send "

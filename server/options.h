@@ -38,6 +38,7 @@ struct pel_options {
     int console_order, console_unit, console_timeout_ms, console_stale_ms;
     double console_rate;
     char nmea[PEL_OPTION_TEXT], nmea_allow[PEL_OPTION_TEXT];
+    char nmea_tcp[PEL_OPTION_TEXT];
     int nmea_entity, nmea_wind;
     char nmea_out[PEL_OPTION_TEXT];
     double nmea_out_rate;

@@ -320,6 +320,63 @@ def malformed():
         print(f"malformed: 1000 datagrams, {dropped:.0f} bad lines counted")
 
 
+def by_tcp():
+    """The yacht's log by TCP, in odd pieces; the places are taken and given
+    back; a line without end, bytes that drip and a flood delay nobody."""
+    tcp = free_port()
+    log = DATA / "nmea/bundg_zeus_9.log"
+    with Daemon("--nmea-tcp", f"127.0.0.1:{tcp}") as daemon:
+        def metric(name):
+            return daemon.metrics()["pelagos_nmea_" + name]
+
+        def until(text, truth):
+            end = time.monotonic() + 10
+            while not truth():
+                check(time.monotonic() < end, text)
+                time.sleep(0.02)
+
+        def heads(degrees):  # it may be turning
+            ship = daemon.state()["entities"][0]
+            return angle_between(ship["heading"], degrees) < 20
+
+        whole = log.read_bytes() if log.exists() else VOYAGE.read_bytes()
+        whole = b"".join(line + b"\r\n" for line in whole.splitlines()
+                         if line.startswith((b"$", b"!")))
+        drip = socket.create_connection(("127.0.0.1", tcp), 5)
+        drip.sendall(b"$GPRMC,1")
+        endless = socket.create_connection(("127.0.0.1", tcp), 5)
+        endless.sendall(b"x" * 500000)
+        with socket.create_connection(("127.0.0.1", tcp), 5) as sender:
+            for i in range(0, len(whole), 997):
+                sender.sendall(whole[i:i + 997])
+            sender.sendall(sum_of("HEHDT,77.0,T"))
+            until("the last sentence", lambda: heads(77))
+        lines = whole.count(b"\n")
+        until("every sentence",
+              lambda: metric_sum(daemon, "sentences_total") +
+              metric_sum(daemon, "dropped_total") == lines + 1)
+        until("gone", lambda: metric("tcp_clients") == 2)
+        drip.sendall(sum_of("HEHDT,12.0,T")[:6])
+        endless.sendall(b"\r\n" + sum_of("HEHDT,177.0,T"))
+        until("after an endless line", lambda: heads(177))
+        check(metric('dropped_total{reason="too_long"}') == 1,
+              "the endless line")
+        many = [socket.create_connection(("127.0.0.1", tcp), 5)
+                for _ in range(20)]
+        until("16 places", lambda: metric("tcp_refused_total") == 6)
+        for s in [*many, drip, endless]:
+            s.close()
+        until("all are free", lambda: metric("tcp_clients") == 0)
+        check(daemon.alive(), "alive")
+        print(f"TCP: {lines} sentences in pieces of 997 bytes, an endless "
+              "line, 22 connections")
+
+
+def metric_sum(daemon, name):
+    return sum(v for k, v in daemon.metrics().items()
+               if k.startswith("pelagos_nmea_" + name))
+
+
 def silence():
     """After 10 s without sentences the fix is stale and the turn is over;
     position and heading stay, and the next fix ends it."""
@@ -354,6 +411,7 @@ def voyage_is_current():
 def main():
     voyage_is_current()
     malformed()
+    by_tcp()
     silence()
     # 12 knots, four fixes a second at twice the pace: what 0.1 s of a busy
     # machine does, 1.2 m.

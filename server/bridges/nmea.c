@@ -312,12 +312,9 @@ static void take_line(void *user, const char *line, size_t length)
     }
 }
 
-void pel_nmea_feed(struct pel_nmea *nmea, const void *bytes, size_t size)
+/* What the lines fed since the last time have changed is one edit. */
+static void commit_lines(struct pel_nmea *nmea)
 {
-    nmea->counters.datagrams++;
-    nmea->now_ns = pel_now_ns();
-    pel_nmea_lines_feed(&nmea->lines, bytes, size, take_line, nmea);
-    pel_nmea_lines_end(&nmea->lines, take_line, nmea);
     nmea->counters.out_of_range = nmea->values.out_of_range;
     nmea->counters.void_fixes = nmea->values.void_fixes;
     if (nmea->values.changed) {
@@ -326,6 +323,23 @@ void pel_nmea_feed(struct pel_nmea *nmea, const void *bytes, size_t size)
     if (nmea->pending_count > 0) {
         commit_targets(nmea);
     }
+}
+
+void pel_nmea_feed(struct pel_nmea *nmea, const void *bytes, size_t size)
+{
+    nmea->counters.datagrams++;
+    nmea->now_ns = pel_now_ns();
+    pel_nmea_lines_feed(&nmea->lines, bytes, size, take_line, nmea);
+    pel_nmea_lines_end(&nmea->lines, take_line, nmea);
+    commit_lines(nmea);
+}
+
+void pel_nmea_feed_stream(struct pel_nmea *nmea, struct pel_nmea_lines *lines,
+                          const void *bytes, size_t size)
+{
+    nmea->now_ns = pel_now_ns();
+    pel_nmea_lines_feed(lines, bytes, size, take_line, nmea);
+    commit_lines(nmea);
 }
 
 static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)

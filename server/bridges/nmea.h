@@ -86,6 +86,10 @@ void pel_nmea_destroy(struct pel_nmea *nmea); /* NULL allowed */
 /* Treats bytes as one datagram of an allowed sender. */
 void pel_nmea_feed(struct pel_nmea *nmea, const void *bytes, size_t size);
 
+/* Treats bytes as the next of a stream, whose unfinished line is in `lines`. */
+void pel_nmea_feed_stream(struct pel_nmea *nmea, struct pel_nmea_lines *lines,
+                          const void *bytes, size_t size);
+
 const struct pel_nmea_counters *pel_nmea_counters(const struct pel_nmea *nmea);
 void pel_nmea_status(const struct pel_nmea *nmea,
                      struct pel_nmea_status *status);
