@@ -34,7 +34,7 @@ static enum pel_err patch(struct pel_scene *scene, const char *json)
 
 static void start(struct fixture *f, double limit_mib)
 {
-    struct pel_scene_options scene_options = { NULL, 20, NULL };
+    struct pel_scene_options scene_options = { .wave_count = 20 };
     struct pel_fault fault;
     strcpy(f->folder, "/tmp/pelagos-record-XXXXXX");
     assert_non_null(mkdtemp(f->folder));
@@ -132,7 +132,7 @@ static void replaying_gives_the_same_state(void **state)
     g_autofree char *data = NULL;
     gsize size;
     assert_true(g_file_get_contents(f.path, &data, &size, NULL));
-    struct pel_scene_options options = { NULL, 20, NULL };
+    struct pel_scene_options options = { .wave_count = 20 };
     struct pel_scene *scene;
     assert_int_equal(pel_scene_create(&options, &scene, &fault), PEL_OK);
     assert_int_equal(patch(scene, "{\"clock\":{\"mode\":\"STEPPED\"}}"),

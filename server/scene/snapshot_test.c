@@ -32,7 +32,7 @@ static void near3(struct pel_vec3 got, double x, double y, double z)
 
 static const struct pel_snapshot *snapshot_of(const char *json)
 {
-    struct pel_scene_options options = { NULL, 60, NULL };
+    struct pel_scene_options options = { .wave_count = 60 };
     struct pel_scene *scene;
     struct pel_fault fault;
     Pelagos__Patch *patch;
