@@ -216,6 +216,16 @@ static struct pel_output *add_output(struct pel_job *job,
     return output;
 }
 
+static void tell_quality(struct pel_frames *frames)
+{
+    static struct pel_log_limit limit;
+    pel_log_limited(&limit, PEL_LOG_INFO, "FRM-006",
+                    "live views are drawn at %.2f of their size to hold %.3g "
+                    "Hz",
+                    pel_quality_scale(&frames->quality), frames->max_fps);
+    frames->ready_ms.count = 0;
+}
+
 /* Chooses the scale by what is about to be drawn. */
 static void expect_streams(struct pel_frames *frames, struct pel_job *job)
 {
@@ -251,7 +261,7 @@ static void expect_streams(struct pel_frames *frames, struct pel_job *job)
     if (pel_quality_expect(&frames->quality, pixels,
                            1000.0 / frames->max_fps)) {
         job->scale = pel_quality_scale(&frames->quality);
-        frames->ready_ms.count = 0;
+        tell_quality(frames);
     }
 }
 
@@ -550,7 +560,6 @@ static void end_if_complete(struct pel_job *job)
 /* How long the renderer was busy with live views alone, and what follows. */
 static void feed_quality(struct pel_frames *frames, const struct pel_job *job)
 {
-    static struct pel_log_limit limit;
     int64_t since = job->launched_ns > frames->last_drawn_ns
                         ? job->launched_ns
                         : frames->last_drawn_ns;
@@ -566,12 +575,7 @@ static void feed_quality(struct pel_frames *frames, const struct pel_job *job)
     frames->last_drawn_ns = job->drawn_ns;
     if (alone && pel_quality_feed(&frames->quality, job->scale, pixels, busy_ms,
                                   period_ms, job->drawn_ns)) {
-        pel_log_limited(&limit, PEL_LOG_INFO, "FRM-006",
-                        "live views are drawn at %.2f of their size to hold "
-                        "%.3g Hz (a frame took %.0f ms)",
-                        pel_quality_scale(&frames->quality), frames->max_fps,
-                        busy_ms);
-        frames->ready_ms.count = 0;
+        tell_quality(frames);
     }
 }
 
