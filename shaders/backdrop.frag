@@ -5,10 +5,12 @@
 #include "lib/water.glsl"
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"
+#include "lib/tone.glsl"
 #include "lib/outputs.glsl"
 
 void main()
 {
-    shaded s = shade_backdrop(ivec2(gl_FragCoord.xy));
-    write_outputs(s);
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    shaded s = shade_backdrop(at);
+    write_outputs(s, at);
 }

@@ -18,6 +18,7 @@
 #include "lib/shaded.glsl"
 #include "lib/vertex.glsl"
 #include "lib/sea.glsl"
+#include "lib/tone.glsl"
 #include "lib/outputs.glsl"
 
 layout(binding = 5) uniform usampler2D triangles;
@@ -25,5 +26,5 @@ void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
     shaded s = shade_sea(at, texelFetch(triangles, at, 0).r);
-    write_outputs(s);
+    write_outputs(s, at);
 }

@@ -27,6 +27,7 @@ static bool choose_compute(bool software, const char *shading)
 }
 
 static const char *const kind_defines[PEL_SHADE_COUNT] = {
+    [PEL_SHADE_COLOR] = "#define PEL_COLOR\n",
     [PEL_SHADE_LIGHT] = "",
     [PEL_SHADE_LAYERS] = "#define PEL_LAYERS\n",
     [PEL_SHADE_PARTS] = "#define PEL_WATER_PARTS\n",

@@ -13,6 +13,7 @@
 
 /* What the shading of a picture writes. */
 enum pel_shading {
+    PEL_SHADE_COLOR,  /* the colour only */
     PEL_SHADE_LIGHT,  /* radiance; in one dispatch also the colour */
     PEL_SHADE_LAYERS, /* radiance and the layers of a surface */
     PEL_SHADE_PARTS,  /* the water's light taken apart */

@@ -120,12 +120,16 @@ void pel_renderer_stage_ms(const struct pel_renderer *r,
     }
 }
 
-/* More than the radiance and the colour made of it. */
-static enum pel_shading shading_of(unsigned layers)
+static enum pel_shading shading_of(const struct pel_renderer *r,
+                                   unsigned layers)
 {
     const unsigned light = PEL_LAYER_COLOR | PEL_LAYER_RADIANCE;
-    return layers & ~(light | PEL_WATER_PART_LAYERS) ? PEL_SHADE_LAYERS
-                                                     : PEL_SHADE_LIGHT;
+    if (layers & ~(light | PEL_WATER_PART_LAYERS)) {
+        return PEL_SHADE_LAYERS;
+    }
+    /* In one dispatch the same program writes either. */
+    return layers == PEL_LAYER_COLOR && !r->programs.compute ? PEL_SHADE_COLOR
+                                                             : PEL_SHADE_LIGHT;
 }
 
 /* --- life ----------------------------------------------------------------- */
@@ -379,7 +383,8 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
 static void shade(struct pel_renderer *r, const struct pel_camera *c,
                   const struct pel_sea_programs *p, enum pel_shading kind)
 {
-    const GLuint fbos[PEL_SHADE_COUNT] = { r->targets.light_fbo,
+    const GLuint fbos[PEL_SHADE_COUNT] = { r->targets.color_fbo,
+                                           r->targets.light_fbo,
                                            r->targets.layers_fbo,
                                            r->targets.parts_fbo };
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbos[kind]);
@@ -420,7 +425,7 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
                           const struct pel_sea_programs *p,
                           enum pel_shading kind, int wanted)
 {
-    static const GLuint images[PEL_SHADE_COUNT] = { 1, PEL_HDR_ATTACHMENTS,
+    static const GLuint images[PEL_SHADE_COUNT] = { 0, 1, PEL_HDR_ATTACHMENTS,
                                                     PEL_WATER_PARTS };
     for (GLuint i = 0; i < images[kind]; i++) {
         bool parts = kind == PEL_SHADE_PARTS;
@@ -472,7 +477,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     camera.altitude_m -= env->sea_level_m;
     const struct pel_camera *c = &camera;
     int64_t started_ns = pel_now_ns();
-    enum pel_shading kind = shading_of(draw->layers);
+    enum pel_shading kind = shading_of(r, draw->layers);
     bool layers = kind == PEL_SHADE_LAYERS;
     bool parts = draw->layers & PEL_WATER_PART_LAYERS;
     double height_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
@@ -533,7 +538,8 @@ static enum pel_err draw_view(struct pel_renderer *r,
         }
     }
     stage_end(r, PEL_STAGE_SHADE);
-    if ((!r->programs.compute || layers) && draw->layers & PEL_LAYER_COLOR) {
+    bool toned = kind == PEL_SHADE_COLOR || (r->programs.compute && !layers);
+    if (!toned && draw->layers & PEL_LAYER_COLOR) {
         tone(r, c);
     }
     if (env->stale && draw->layers & PEL_LAYER_COLOR) {
@@ -622,7 +628,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     struct pel_fault fault;
     for (size_t i = 0; i < count; i++) {
         enum pel_err err = pel_programs_need(
-            &r->programs, env->sea, shading_of(draws[i].layers), &fault);
+            &r->programs, env->sea, shading_of(r, draws[i].layers), &fault);
         if (!err && (draws[i].layers & PEL_WATER_PART_LAYERS)) {
             err = pel_programs_need(&r->programs, env->sea, PEL_SHADE_PARTS,
                                     &fault);

@@ -99,10 +99,8 @@ void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
             glCreateFramebuffers(1, fbos[i]);
             glNamedFramebufferTexture(*fbos[i], GL_COLOR_ATTACHMENT0, colors[i],
                                       0);
-            if (i < 2) {
-                glNamedFramebufferTexture(*fbos[i], GL_DEPTH_ATTACHMENT,
-                                          t->depth_test, 0);
-            }
+            glNamedFramebufferTexture(*fbos[i], GL_DEPTH_ATTACHMENT,
+                                      t->depth_test, 0);
         }
     }
     if (layers && !t->layers_fbo) {

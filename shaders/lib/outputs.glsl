@@ -1,5 +1,7 @@
 // The attachments of a fragment shader that shades.
-#ifdef PEL_WATER_PARTS
+#if defined(PEL_COLOR)
+layout(location = 0) out vec4 color_out;
+#elif defined(PEL_WATER_PARTS)
 layout(location = 0) out vec4 single_out;
 layout(location = 1) out vec4 second_out;
 layout(location = 2) out vec4 higher_out;
@@ -17,9 +19,11 @@ layout(location = 6) out vec4 air_out;
 layout(location = 7) out vec2 variance_out;
 #endif
 
-void write_outputs(shaded s)
+void write_outputs(shaded s, ivec2 at)
 {
-#ifdef PEL_WATER_PARTS
+#if defined(PEL_COLOR)
+    color_out = vec4(display(s.radiance, at), 1.0);
+#elif defined(PEL_WATER_PARTS)
     single_out = vec4(s.parts.single, 1.0);
     second_out = vec4(s.parts.second, 1.0);
     higher_out = vec4(s.parts.higher, 1.0);
