@@ -27,11 +27,13 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
 TEST_PACKAGES := gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
     python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
-    python3-wheel openexr chromium chromium-driver python3-selenium clang \
+    python3-wheel openexr chromium chromium-driver python3-selenium \
+    nginx-light openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
     tshark
-# Of npm's registry, into build/npm: clients that tests speak to.
-NPM_PACKAGES := modbus-serial@8.0.25
+# Of npm's registry, into build/npm: clients that tests speak to, what drives
+# Debian's Chromium, what judges the page.
+NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd json-glib-1.0 \
     libprotobuf-c libmodbus libturbojpeg spng OpenEXR libsystemd openssl \
@@ -459,7 +461,7 @@ check: deps ## build, then run every test
 	$(Q)tests/run $(TEST_BIN) $(E2E)
 
 # Executable scripts only: what they share is not executable.
-E2E = $(shell find tests -maxdepth 1 -perm -u+x \( -name '*.sh' -o -name '*.py' \) | sort)
+E2E = $(shell find tests -maxdepth 1 -perm -u+x \( -name '*.sh' -o -name '*.py' -o -name '*.mjs' \) | sort)
 
 .PHONY: asan
 asan: deps ## unit tests and a short end-to-end run under ASan and UBSan

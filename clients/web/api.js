@@ -1,7 +1,10 @@
 // The server's HTTP interface: one request at a time, so that the browser's
-// few connections to one host are left to the pictures.
+// few connections to one host are left to the pictures. A server that asks for
+// a token gets it from the address (#token=…) or from a person; it is kept as
+// long as the tab.
 
 const TIMEOUT_MS = 5000;
+const KEY = "pelagos-token";
 
 export class Problem extends Error {
   constructor(body, status) {
@@ -26,6 +29,35 @@ export class Problem extends Error {
 // Thrown when the server cannot be reached at all.
 export class Gone extends Error {}
 
+// --- the token ----------------------------------------------------------------
+
+// Out of the address, where it would end in bookmarks and over shoulders.
+function takeFromAddress() {
+  const given = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (given) {
+    sessionStorage.setItem(KEY, given);
+    history.replaceState(null, "", location.pathname + location.search);
+  }
+}
+takeFromAddress();
+addEventListener("hashchange", takeFromAddress);
+
+const token = () => sessionStorage.getItem(KEY) ?? "";
+
+export function setToken(text) {
+  sessionStorage.setItem(KEY, text);
+}
+
+export function headers(more = {}) {
+  return token() ? { ...more, Authorization: `Bearer ${token()}` } : more;
+}
+
+// A WebSocket takes no headers from a page: the token is a subprotocol's name.
+export const subprotocols = () =>
+  token() ? ["pelagos", `bearer.${token()}`] : [];
+
+// --- requests -------------------------------------------------------------------
+
 let last = Promise.resolve();
 
 async function perform(method, path, body, type) {
@@ -35,7 +67,7 @@ async function perform(method, path, body, type) {
       method,
       cache: "no-store",
       signal: AbortSignal.timeout(TIMEOUT_MS),
-      headers: body === undefined ? {} : { "Content-Type": type },
+      headers: headers(body === undefined ? {} : { "Content-Type": type }),
       body: body === undefined ? undefined : JSON.stringify(body),
     });
   } catch (error) {
@@ -49,6 +81,9 @@ async function perform(method, path, body, type) {
     json = text ? JSON.parse(text) : {};
   } catch {
     json = { title: `HTTP ${response.status}` };
+  }
+  if (response.status === 502 || response.status === 504) {
+    throw new Gone("the proxy does not reach pelagosd");
   }
   if (!response.ok) {
     throw new Problem(json, response.status);

@@ -49,8 +49,9 @@ export class Control {
     this.node.append(input, ...others, this.error);
   }
 
+  // What does not apply is not shown.
   set enabled(enabled) {
-    this.node.classList.toggle("off", !enabled);
+    this.node.hidden = !enabled;
     for (const input of this.inputs) {
       input.disabled = !enabled;
     }
@@ -98,12 +99,20 @@ export class Control {
   }
 }
 
-// A number: slider and entry. `scale: "log"` for ranges over decades.
+// For ranges over decades, evenly spread: their logarithm, or where zero is
+// among them, what is linear around it.
+const CURVES = {
+  log: [Math.log, Math.exp],
+  asinh: [(x) => Math.asinh(x / 5), (x) => 5 * Math.sinh(x)],
+};
+
+// A number: slider and entry. `scale`: of the slider.
 export class Range extends Control {
   constructor(parent, options) {
     super(parent, options);
+    this.options = options;
     this.step = options.step;
-    this.log = options.scale === "log";
+    this.curved = Boolean(options.scale);
     this.minimum = options.minimum;
     this.maximum = options.maximum;
     const name = options.label;
@@ -113,6 +122,8 @@ export class Range extends Control {
     this.entry.inputMode = "decimal";
     this.entry.setAttribute("aria-label", `${name}, ${options.unitName}`);
     this.unit = element("span", "unit", options.unit);
+    Object.assign(this.node.dataset, { path: options.path,
+      minimum: options.minimum, maximum: options.maximum });
     this.slider = element("input", "slider");
     this.slider.type = "range";
     this.setLimits(options.minimum, options.maximum);
@@ -140,27 +151,29 @@ export class Range extends Control {
         this.set(this.known);
       }
     });
-    this.options = options;
   }
 
   setLimits(minimum, maximum) {
     this.minimum = minimum;
     this.maximum = maximum;
-    this.slider.min = this.log ? 0 : minimum;
-    this.slider.max = this.log ? 1000 : maximum;
-    this.slider.step = this.log ? 1 : this.step;
+    const curve = CURVES[this.options.scale];
+    if (curve) {
+      const [low, high] = [curve[0](minimum), curve[0](maximum)];
+      this.bend = (value) => 1000 * (curve[0](value) - low) / (high - low);
+      this.unbend = (x) => curve[1](low + (high - low) * x / 1000);
+    }
+    this.slider.min = curve ? 0 : minimum;
+    this.slider.max = curve ? 1000 : maximum;
+    this.slider.step = curve ? 1 : this.step;
   }
 
   fromSlider() {
     const x = Number(this.slider.value);
-    return this.log
-      ? this.minimum * (this.maximum / this.minimum) ** (x / 1000) : x;
+    return this.curved ? this.unbend(x) : x;
   }
 
   toSlider(value) {
-    this.slider.value = this.log
-      ? 1000 * Math.log(value / this.minimum) /
-        Math.log(this.maximum / this.minimum) : value;
+    this.slider.value = this.curved ? this.bend(value) : value;
     const low = Number(this.slider.min);
     const high = Number(this.slider.max);
     const part = (Number(this.slider.value) - low) / (high - low);

@@ -42,14 +42,14 @@ export class Player {
     return this.current.rate;
   }
 
-  // One line for people.
-  get facts() {
-    if (this.why) {
-      return "Motion-JPEG";
-    }
-    const ms = this.video.latencyMs;
-    return `${ms === undefined ? "–" : ms.toFixed(0)} ms · ` +
-      `${this.video.missed} dropped`;
+  // From the frame's stamp to its picture, or undefined.
+  get latencyMs() {
+    return this.current.latencyMs;
+  }
+
+  // Pictures that the server did not send to us.
+  get missed() {
+    return this.current.missed;
   }
 
   start() {

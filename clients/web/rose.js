@@ -40,10 +40,10 @@ export class Rose {
     shape(this.sun, "circle", { cy: -36, r: 4.5, class: "rose-sun" });
   }
 
-  show({ wind, speed, sun, ship }) {
+  show({ wind, speed, force, sun, ship }) {
     turn(this.wind, wind);
     document.getElementById("rose-wind").textContent =
-      `${bearing(wind)}, ${speed.toFixed(1)} m/s`;
+      `${bearing(wind)}, ${speed.toFixed(1)} m/s, force ${force}`;
     this.ship.style.display = ship === undefined ? "none" : "";
     turn(this.ship, ship ?? 0);
     document.getElementById("rose-ship").textContent =

@@ -3,6 +3,8 @@
 // is decoded before the next is read: a slow browser makes the server drop
 // pictures, not queue them.
 
+import { headers } from "/api.js";
+
 const RETRY_MS = 1000;
 const RATE_WINDOW_MS = 3000;
 
@@ -64,6 +66,8 @@ class Parts {
   }
 }
 
+const unixMs = () => performance.timeOrigin + performance.now();
+
 async function show(image, blob) {
   const url = URL.createObjectURL(blob);
   const before = image.dataset.url;
@@ -87,6 +91,8 @@ export class Live {
     this.image = image;
     this.told = told;
     this.stamps = [];
+    this.latencies = [];
+    this.missed = 0;
     this.abort = null;
   }
 
@@ -95,6 +101,12 @@ export class Live {
     this.stamps = this.stamps.filter((t) => now - t < RATE_WINDOW_MS);
     const span = now - (this.stamps[0] ?? now);
     return span > 200 ? (this.stamps.length - 1) * 1000 / span : 0;
+  }
+
+  // Median from the frame's stamp to its decoded picture, of the last ones.
+  get latencyMs() {
+    const sorted = [...this.latencies].sort((a, b) => a - b);
+    return sorted[sorted.length >> 1];
   }
 
   get running() {
@@ -112,6 +124,7 @@ export class Live {
     this.abort?.abort();
     this.abort = null;
     this.stamps = [];
+    this.latencies = [];
   }
 
   async run(signal) {
@@ -130,16 +143,25 @@ export class Live {
   async read(signal) {
     const response = await fetch(
       `/v1/views/${encodeURIComponent(this.name)}/mjpeg`,
-      { signal, cache: "no-store" });
+      { signal, cache: "no-store", headers: headers() });
     if (!response.ok) {
       throw new Error(`HTTP ${response.status}`);
     }
+    // Its clock minus ours, by less than the time that the answer took.
+    const clockMs = 1000 * Number(response.headers.get("X-Pelagos-Unix")) -
+      unixMs();
     const parts = new Parts(response.body.getReader());
     while (!signal.aborted) {
       const head = await parts.head();
       const data = await parts.take(Number(head["content-length"]));
       await show(this.image, new Blob([data], { type: "image/jpeg" }));
       this.stamps.push(performance.now());
+      this.missed = Number(head["x-pelagos-missed"] ?? 0);
+      const stampMs = Number(head["x-pelagos-stamp"]) / 1000;
+      if (stampMs > 0) {
+        this.latencies.push(Math.max(unixMs() + clockMs - stampMs, 0));
+        this.latencies.splice(0, this.latencies.length - 31);
+      }
       this.told({
         number: Number(head["x-pelagos-frame"]),
         time: Number(head["x-pelagos-time"]),
@@ -152,7 +174,8 @@ export class Live {
   async once() {
     const response = await fetch(
       `/v1/views/${encodeURIComponent(this.name)}/frame.jpg?quality=80`,
-      { cache: "no-store", signal: AbortSignal.timeout(10000) });
+      { cache: "no-store", signal: AbortSignal.timeout(10000),
+        headers: headers() });
     if (!response.ok) {
       throw new Error(`HTTP ${response.status}`);
     }

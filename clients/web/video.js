@@ -2,6 +2,8 @@
 // proto/live.md. Each picture is acknowledged when it is decoded, so the
 // server sends a slow browser fewer of them.
 
+import { subprotocols } from "/api.js";
+
 const RETRY_MS = 1000;
 const RATE_WINDOW_MS = 3000;
 const CLOCK_MS = 5000;
@@ -113,7 +115,7 @@ export class Video {
     const url = new URL(`/v1/views/${encodeURIComponent(this.name)}/live`,
       location.href);
     url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
-    const socket = new WebSocket(url);
+    const socket = new WebSocket(url, subprotocols());
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     this.opened = false;

@@ -1,11 +1,15 @@
-// The grid of live views.
+// The live views: all in a grid as large as the window allows, or one alone.
 
+import { Hud } from "/hud.js";
+import { followPointers, Look } from "/look.js";
 import { Player } from "/player.js";
+import { Pose } from "/pose.js";
 
 // A browser opens six HTTP connections to one host: four for streams, one for
 // single pictures in turn, one for everything else. WebSockets do not count.
 const STREAMS = { mjpeg: 4, webcodecs: 16 };
 const TURN_MS = 150;
+const PHONE_PX = 992;
 
 function element(tag, className, text) {
   const node = document.createElement(tag);
@@ -32,41 +36,86 @@ class Tile {
     this.node = element("figure", "tile");
     this.node.tabIndex = 0;
     this.node.dataset.view = view.name;
-    this.node.setAttribute("aria-label", `View ${view.name}`);
+    this.node.setAttribute("aria-label",
+      `View ${view.name}: arrow keys look around, F is full screen`);
     this.image = element("img", "picture");
     this.image.alt = `The sea from view ${view.name}`;
     this.image.draggable = false;
     this.canvas = element("canvas", "picture");
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", this.image.alt);
+    this.glass = element("canvas", "glass");
+    this.glass.setAttribute("aria-hidden", "true");
+    this.hud = new Hud(this.glass);
     this.note = element("p", "tile-note", "waiting for a picture");
     this.why = element("p", "why");
+    this.node.append(this.image, this.canvas, this.glass, this.note, this.why,
+      this.makeCaption());
+    this.live = new Player(view.name, this.canvas, this.image,
+      (frame) => this.told(frame), () => this.showWay());
+    this.look = new Look(view.name, {
+      limits: (field) => grid.limits(field),
+      asked: (change) => this.expect(change),
+      told: (state) => grid.told(state),
+    });
+    this.showWay();
+    this.node.addEventListener("focusin", () => grid.choose(this.name));
+    this.node.addEventListener("pointerdown", () => grid.choose(this.name));
+    followPointers(this.glass, { look: this.look, view: () => this.view,
+      tapped: () => this.fullScreen() });
+    this.update(view);
+  }
+
+  makeCaption() {
     const caption = element("figcaption", "caption");
-    this.title = element("strong", "", view.name);
-    this.rate = element("span", "rate", "–");
+    const facts = element("span", "rate");
+    this.facts = {};
+    for (const [name, title] of [["size", "Size of the picture"],
+      ["fps", "Pictures a second"], ["ms", "Age of the picture when shown"],
+      ["dropped", "Pictures left out for this browser"],
+      ["way", "How the pictures come"]]) {
+      this.facts[name] = element("span", `fact ${name}`);
+      this.facts[name].title = title;
+      facts.append(this.facts[name]);
+    }
     this.full = element("button", "full");
     this.full.append(corners());
     this.full.type = "button";
     this.full.title = "Full screen (F)";
-    this.full.setAttribute("aria-label", `Full screen: ${view.name}`);
-    caption.append(this.title, this.rate, this.full);
-    this.node.append(this.image, this.canvas, this.note, this.why, caption);
-    this.live = new Player(view.name, this.canvas, this.image,
-      (frame) => this.told(frame), () => this.showWay());
-    this.showWay();
-    this.node.addEventListener("focusin", () => grid.choose(this.name));
-    this.node.addEventListener("pointerdown", () => grid.choose(this.name));
-    this.image.addEventListener("click", () => this.fullScreen());
-    this.canvas.addEventListener("click", () => this.fullScreen());
+    this.full.setAttribute("aria-label", `Full screen: ${this.name}`);
     this.full.addEventListener("click", () => this.fullScreen());
-    this.update(view);
+    caption.append(element("strong", "", this.name), facts, this.full);
+    return caption;
   }
 
   update(view) {
-    this.size = `${view.width}×${view.height}`;
+    this.view = { ...view, ...this.look.wish };
     this.image.width = view.width;
     this.image.height = view.height;
     this.node.style.setProperty("--aspect", `${view.width} / ${view.height}`);
+    this.drawHud();
+  }
+
+  // What was asked for, shown before the server has it.
+  expect(change) {
+    this.view = { ...this.view, ...change };
+    this.grid.expect(this.name, change);
+    this.drawHud();
+  }
+
+  drawHud() {
+    this.glass.classList.toggle("clear", !this.grid.instruments);
+    if (this.grid.instruments && this.grid.state) {
+      this.hud.draw(this.pose(), this.grid.marks());
+    }
+  }
+
+  pose() {
+    const { state } = this.grid;
+    const entity = (state.entities ?? []).find((e) =>
+      this.view.entity !== undefined && (e.id ?? 0) === this.view.entity);
+    return new Pose(this.view, entity, this.frame?.time ?? state.clock?.time,
+      state.clock?.reckoning);
   }
 
   showWay() {
@@ -79,6 +128,7 @@ class Tile {
     this.note.hidden = frame !== null;
     if (frame) {
       this.frame = frame;
+      this.drawHud();
       this.grid.frameShown(frame);
     } else {
       this.note.textContent = "no picture, trying again";
@@ -86,22 +136,32 @@ class Tile {
   }
 
   refresh() {
-    const rate = this.live.rate;
-    this.rate.textContent =
-      `${this.size} · ${rate ? rate.toFixed(rate < 10 ? 1 : 0) : "–"} fps` +
-      ` · ${this.live.facts}`;
+    const { rate, latencyMs, missed } = this.live;
+    const { size, fps, ms, dropped, way } = this.facts;
+    size.textContent = `${this.view.width}×${this.view.height}`;
+    fps.textContent = `${rate ? rate.toFixed(rate < 10 ? 1 : 0) : "–"} fps`;
+    ms.textContent =
+      `${latencyMs === undefined ? "–" : latencyMs.toFixed(0)} ms`;
+    dropped.textContent = `${missed} dropped`;
+    way.textContent = this.live.why ? "Motion-JPEG" : "H.264";
     return rate;
+  }
+
+  get isFull() {
+    return document.fullscreenElement === this.node ||
+      this.node.classList.contains("filled");
   }
 
   fullScreen() {
     if (document.fullscreenElement) {
       document.exitFullscreen();
-    } else if (this.node.requestFullscreen) {
+    } else if (this.node.classList.contains("filled") ||
+        !this.node.requestFullscreen) {
+      this.node.classList.toggle("filled");
+    } else {
       this.node.requestFullscreen().catch(() => {
         this.node.classList.toggle("filled");
       });
-    } else {
-      this.node.classList.toggle("filled");
     }
   }
 
@@ -112,18 +172,40 @@ class Tile {
 }
 
 export class Views {
-  // `chosen(name)` when another view is chosen, `frameShown(frame)` for each
-  // picture.
-  constructor(node, chosen, frameShown) {
+  // limits(field): of a view, by the schema; chosen(name): another view is;
+  // told(state), frameShown(frame), expect(name, change): as they say.
+  constructor(node, { limits, chosen, told, frameShown, expect }) {
     this.node = node;
+    this.limits = limits;
     this.onChosen = chosen;
+    this.told = told;
     this.frameShown = frameShown;
+    this.expect = expect;
     this.tiles = new Map();
     this.name = "";
     this.up = true;
     this.turn = 0;
+    this.instruments = true;
     document.addEventListener("visibilitychange", () => this.arrange());
+    new ResizeObserver(() => this.lay()).observe(node);
+    addEventListener("resize", () => this.lay());
     setTimeout(() => this.takeTurns(), TURN_MS);
+  }
+
+  setInstruments(on) {
+    this.instruments = on;
+    for (const tile of this.tiles.values()) {
+      tile.drawHud();
+    }
+  }
+
+  // Bearings that the compass shows.
+  marks() {
+    const { sky, sea } = this.state;
+    return {
+      sun: sky?.sunElevation === undefined ? undefined : sky.sunAzimuth,
+      wind: (sea?.windSpeed ?? 0) > 0 ? sea.windDirection : undefined,
+    };
   }
 
   choose(name) {
@@ -144,9 +226,11 @@ export class Views {
     return this.tiles.get(this.name);
   }
 
-  // The views of a new state.
-  show(views) {
+  show(state) {
+    this.state = state;
+    const views = state.views ?? [];
     const names = new Set(views.map((view) => view.name));
+    const before = this.tiles.size;
     for (const [name, tile] of this.tiles) {
       if (!names.has(name)) {
         tile.remove();
@@ -163,12 +247,42 @@ export class Views {
         this.node.append(made.node);
       }
     }
-    this.node.dataset.count = String(Math.min(views.length, 9));
     if (!names.has(this.name) && views.length > 0) {
       this.choose(views[0].name);
     }
     this.mark();
     this.arrange();
+    if (before !== views.length || !this.laid) {
+      this.lay();
+    }
+  }
+
+  // As many columns as make the pictures largest within the window.
+  lay() {
+    const tiles = [...this.tiles.values()];
+    if (tiles.length === 0) {
+      return;
+    }
+    this.laid = true;
+    const gap = 14;
+    const width = this.node.clientWidth;
+    const height = innerHeight - this.node.getBoundingClientRect().top -
+      scrollY - 52;
+    const aspect = Math.max(...tiles.map((t) => t.view.width / t.view.height));
+    let best = { columns: 1, across: 0 };
+    for (let columns = 1; columns <= tiles.length; columns++) {
+      const rows = Math.ceil(tiles.length / columns);
+      const across = Math.min((width - gap * (columns - 1)) / columns,
+        aspect * (height - gap * (rows - 1)) / rows);
+      best = across > best.across ? { columns, across } : best;
+    }
+    const phone = innerWidth < PHONE_PX || best.across < 160;
+    this.node.style.setProperty("--columns", phone
+      ? `repeat(${Math.max(1, Math.floor(width / 330))}, minmax(0, 1fr))`
+      : `repeat(${best.columns}, ${Math.floor(best.across)}px)`);
+    for (const tile of tiles) {
+      tile.drawHud();
+    }
   }
 
   // The server is there, or is not.

@@ -5,3 +5,7 @@
 
 /* CLOCK_MONOTONIC in nanoseconds; any thread. */
 int64_t pel_now_ns(void);
+
+/* Nanoseconds since 1970 by this machine's clock, which may be set; any
+ * thread. */
+int64_t pel_unix_ns(void);

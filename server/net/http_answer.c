@@ -304,8 +304,7 @@ enum MHD_Result pel_http_send_optics(struct client *client,
     return wait_on(client, waiter, err, &fault);
 }
 
-/* --- Motion JPEG and MPEG-TS
- * ---------------------------------------------------------- */
+/* --- Motion JPEG and MPEG-TS ---------------------------------------------- */
 
 /* The stream's own memory: it dies with the response, which the library may
  * keep a little longer than the request. */
@@ -373,6 +372,9 @@ enum MHD_Result pel_http_send_stream(struct client *client,
         MHD_SIZE_UNKNOWN, STREAM_BLOCK, read_stream, stream, free_stream);
     MHD_set_response_options(response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT,
                              MHD_RO_END);
+    char unix_s[32]; /* for viewers whose clock is another */
+    snprintf(unix_s, sizeof unix_s, "%.3f", (double)pel_unix_ns() * 1e-9);
+    add(response, "X-Pelagos-Unix", unix_s);
     add(response, "Content-Type", ts ? PEL_TS_TYPE : PEL_MJPEG_TYPE);
     add(response, "Cache-Control", "no-store");
     enum MHD_Result result = queue(client, 200, response);

@@ -164,6 +164,20 @@ static char *path_of_segments(const struct pel_http_call *call)
     return g_string_free(path, FALSE);
 }
 
+/* What an enum's field may be. */
+static void append_names(GString *out, const ProtobufCFieldDescriptor *field)
+{
+    if (field->type != PROTOBUF_C_TYPE_ENUM) {
+        return;
+    }
+    const ProtobufCEnumDescriptor *names = field->descriptor;
+    for (unsigned i = 0; i < names->n_values; i++) {
+        g_string_append_printf(out, "%s\"%s\"", i ? "," : ",\"values\":[",
+                               names->values[i].name);
+    }
+    g_string_append_c(out, ']');
+}
+
 static void append_info(GString *out, const struct pel_field *info)
 {
     if (info->unit) {
@@ -241,6 +255,7 @@ static void append_field(const char *path, const struct pel_path_info *info,
     g_string_append_printf(out, "%s\n{\"path\":\"%s\"",
                            out->str[out->len - 1] == '[' ? "" : ",", path);
     append_info(out, info->info);
+    append_names(out, info->field);
     g_string_append(out, ",\"doc\":");
     append_quoted(out, info->info->doc ? info->info->doc : "");
     g_string_append_c(out, '}');

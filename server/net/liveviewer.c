@@ -2,7 +2,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 #include <glib.h>
 
@@ -121,13 +120,6 @@ bool pel_live_read(const uint8_t *data, size_t size, struct pel_live_order *out)
         break;
     }
     return true;
-}
-
-static int64_t unix_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    return now.tv_sec * 1000000000LL + now.tv_nsec;
 }
 
 /* --- telling ------------------------------------------------------------- */
@@ -251,7 +243,7 @@ static void send_picture(struct pel_live_viewer *self, struct pel_frame *frame)
     self->drawn_width = frame->drawn_width;
     self->drawn_height = frame->drawn_height;
     note_gap(self, frame->number);
-    pel_live_header(frame, pel_now_ns(), unix_ns(), self->missed,
+    pel_live_header(frame, pel_now_ns(), pel_unix_ns(), self->missed,
                     self->gap && !first, header);
     if (first || resized) {
         tell_stream(self);
@@ -335,7 +327,7 @@ static void tell_time(struct pel_live_viewer *self, uint64_t echo)
     char text[128];
     snprintf(text, sizeof text,
              "{\"type\":\"time\",\"echo\":\"%016llx\",\"unix\":%.6f}",
-             (unsigned long long)echo, (double)unix_ns() * 1e-9);
+             (unsigned long long)echo, (double)pel_unix_ns() * 1e-9);
     pel_websocket_text(self->ws, text);
 }
 

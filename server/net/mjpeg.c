@@ -17,9 +17,10 @@ struct pel_viewer {
     void (*wake)(void *user);
     void *user;
     struct pel_frame *pending, *current;
-    char head[512];
+    char head[640];
     size_t head_size, offset;
     int64_t interval_ns, due_ns; /* of the next picture wanted */
+    unsigned missed;             /* pictures passed over for newer ones */
     bool begun, idle, over;
 };
 
@@ -49,6 +50,7 @@ static void on_frame(void *user, enum pel_err err,
         return;
     } else {
         self->stats->dropped += self->pending != NULL;
+        self->missed += self->pending != NULL;
         pel_frame_unref(self->pending);
         self->pending = pel_frame_ref(frame);
     }
@@ -94,10 +96,13 @@ void pel_viewer_destroy(struct pel_viewer *self)
 /* When the picture is to be shown, by the clock on the wall. */
 static double present_unix_s(const struct pel_frame *frame)
 {
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    int64_t ahead_ns = frame->present_ns - pel_now_ns();
-    return (double)now.tv_sec + 1e-9 * (double)(now.tv_nsec + ahead_ns);
+    return 1e-9 * (double)(pel_unix_ns() + frame->present_ns - pel_now_ns());
+}
+
+/* Microseconds since 1970 when the frame was begun. */
+static int64_t stamp_us(const struct pel_frame *frame)
+{
+    return (pel_unix_ns() - (pel_now_ns() - frame->requested_ns)) / 1000;
 }
 
 /* The boundary follows each picture at once: browsers show a part when they
@@ -109,19 +114,20 @@ static void begin_picture(struct pel_viewer *self)
     self->offset = 0;
     char stale[PEL_STALE_TEXT], time[32];
     pel_json_number(self->current->time_s, time);
-    int n =
-        snprintf(self->head, sizeof self->head,
-                 "%sContent-Type: image/jpeg\r\nContent-Length: %zu\r\n"
-                 "X-Pelagos-Frame: %llu\r\nX-Pelagos-Time: %s\r\n"
-                 "X-Pelagos-Revision: %llu\r\nX-Pelagos-Stale: %s\r\n"
-                 "X-Pelagos-Host-Frame: %u\r\nX-Pelagos-Drawn: %ux%u\r\n"
-                 "X-Pelagos-Present: %.6f\r\n\r\n",
-                 self->begun ? "" : "--pelagos\r\n", self->current->size,
-                 (unsigned long long)self->current->number, time,
-                 (unsigned long long)self->current->revision,
-                 pel_stale_text(self->current->stale, stale),
-                 self->current->host_frame, self->current->drawn_width,
-                 self->current->drawn_height, present_unix_s(self->current));
+    int n = snprintf(self->head, sizeof self->head,
+                     "%sContent-Type: image/jpeg\r\nContent-Length: %zu\r\n"
+                     "X-Pelagos-Frame: %llu\r\nX-Pelagos-Time: %s\r\n"
+                     "X-Pelagos-Revision: %llu\r\nX-Pelagos-Stale: %s\r\n"
+                     "X-Pelagos-Host-Frame: %u\r\nX-Pelagos-Drawn: %ux%u\r\n"
+                     "X-Pelagos-Present: %.6f\r\nX-Pelagos-Stamp: %lld\r\n"
+                     "X-Pelagos-Missed: %u\r\n\r\n",
+                     self->begun ? "" : "--pelagos\r\n", self->current->size,
+                     (unsigned long long)self->current->number, time,
+                     (unsigned long long)self->current->revision,
+                     pel_stale_text(self->current->stale, stale),
+                     self->current->host_frame, self->current->drawn_width,
+                     self->current->drawn_height, present_unix_s(self->current),
+                     (long long)stamp_us(self->current), self->missed);
     self->head_size = (size_t)n;
     self->begun = true;
 }

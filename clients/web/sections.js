@@ -1,0 +1,346 @@
+// The sections of the panel: which field of the state each control sets. What
+// is legal comes from the schema (/v1/fields).
+
+import { Gone, Problem, stepClock } from "/api.js";
+import { button, Check, Choice, Range, Text } from "/panel.js";
+
+const byId = (id) => document.getElementById(id);
+const UNITS = { "m/s": "metres per second", "°": "degrees", m: "metres",
+  km: "kilometres", s: "seconds", "×": "times", "°/s": "degrees per second",
+  "mg/m³": "milligrams per cubic metre", "1/m": "per metre", "": "" };
+
+export const entities = (s) => s.entities ?? [];
+export const sunFixed = (s) => s.sky?.sunElevation !== undefined &&
+  s.sky?.sunAzimuth !== undefined;
+
+const NAMES = { PIERSON_MOSKOWITZ: "Pierson–Moskowitz", FFT: "FFT cascades",
+  NORTH_ATLANTIC: "North Atlantic", FREE: "with the wall clock",
+  PACED: "frame by frame", STEPPED: "by steps only",
+  HOST: "as a simulator says", OMEGA2: "ω⁻²", C1: "1C", C3: "3C", C5: "5C",
+  C7: "7C", C9: "9C" };
+const words = (name) => NAMES[name] ?? (name.length < 5 || name === "JONSWAP"
+  ? name : name.charAt(0) + name.slice(1).toLowerCase());
+
+// Wind speeds at which each Beaufort number begins [m/s] (WMO).
+const BEAUFORT = [0.3, 1.6, 3.4, 5.5, 8, 10.8, 13.9, 17.2, 20.8, 24.5, 28.5];
+export const beaufort = (speed) => BEAUFORT.filter((v) => speed >= v).length;
+
+export class Sections {
+  // fields: Map of /v1/fields; views: the grid; told(state): a new one.
+  constructor(fields, views, told) {
+    this.fields = fields;
+    this.views = views;
+    this.told = told;
+    this.controls = [];
+    this.state = {};
+    this.train = 0;
+    this.buildSea();
+    this.buildSwell();
+    this.buildSky();
+    this.buildWater();
+    this.buildView();
+    this.buildShip();
+    this.buildClock();
+  }
+
+  // --- building blocks --------------------------------------------------------
+
+  add(control, depends) {
+    control.depends = depends;
+    this.controls.push(control);
+    return control;
+  }
+
+  // path: of the field that gives the range, and the value unless `get` and
+  // `patch` say otherwise.
+  range(parent, label, path, unit, step, more = {}) {
+    const field = this.fields.get(path) ?? {};
+    const keys = path.split(".");
+    return this.add(new Range(byId(parent), {
+      id: more.id, path, label, unit, unitName: UNITS[unit] ?? unit, step,
+      minimum: field.minimum ?? 0, maximum: field.maximum ?? 100,
+      scale: more.scale,
+      get: more.get ?? ((s) => keys.reduce((at, key) => at?.[key], s)),
+      patch: more.patch ??
+        ((v) => keys.reduceRight((value, key) => ({ [key]: value }), v)),
+    }), more.depends);
+  }
+
+  choice(parent, id, label, path, depends) {
+    const [part, name] = path.split(".");
+    const control = new Choice(byId(parent), {
+      id, label, get: (s) => s[part]?.[name],
+      options: (this.fields.get(path)?.values ?? []).map((v) => [v, words(v)]),
+      patch: (v) => ({ [part]: { [name]: v } }),
+    });
+    control.node.dataset.path = path;
+    return this.add(control, depends);
+  }
+
+  // --- wind and swell -----------------------------------------------------------
+
+  buildSea() {
+    const is = (...kinds) => (s) => kinds.includes(s.sea?.spectrum);
+    this.range("sea", "Wind speed", "sea.windSpeed", "m/s", 0.1,
+      { id: "wind-speed" });
+    this.range("sea", "Wind from", "sea.windDirection", "°", 1,
+      { id: "wind-direction" });
+    this.choice("sea", "spectrum", "Spectrum", "sea.spectrum");
+    this.range("sea", "Fetch", "sea.fetch", "m", 1000, { scale: "log",
+      depends: is("JONSWAP", "TMA", "ELFOUHAILY") });
+    this.range("sea", "Peak enhancement", "sea.gamma", "", 0.1,
+      { depends: is("JONSWAP", "TMA") });
+    this.choice("sea", "synthesiser", "Waves made by", "sea.synthesiser");
+    this.range("sea", "Level of the sea", "sea.level", "m", 0.1);
+    const seed = this.add(new Text(byId("sea"), {
+      id: "seed", label: "Seed of the waves", type: "number",
+      get: (s) => String(s.sea?.seed ?? 1),
+      patch: (v) => ({ sea: { seed: Number(v) } }),
+    }));
+    seed.node.classList.add("with-button");
+    seed.input.after(button(seed.node, "⚄", "Another seed", () => {
+      seed.input.value = Math.floor(Math.random() * 100000);
+      seed.write(seed.input.value);
+    }));
+  }
+
+  // The list goes whole.
+  patchTrain(change) {
+    const trains = structuredClone(this.state.sea?.swell ?? []);
+    trains[this.train] = { ...trains[this.train], ...change };
+    return { sea: { swell: trains } };
+  }
+
+  buildSwell() {
+    const trains = (s) => s.sea?.swell ?? [];
+    const on = (s) => trains(s)[this.train] !== undefined;
+    this.add(new Check(byId("swell"), {
+      id: "swell-on", label: "A swell runs", get: (s) => trains(s).length > 0,
+      patch: (v) => {
+        this.train = 0;
+        return { sea: { swell: v ? [{}] : [] } };
+      },
+    }));
+    const choice = this.add(new Choice(byId("swell"), {
+      id: "swell-train", label: "Train", get: () => String(this.train),
+      chosen: (v) => {
+        this.train = Number(v);
+        this.show(this.state, true);
+      },
+    }), (s) => trains(s).length > 0);
+    choice.options = (s) => trains(s).map((t, i) => [String(i),
+      `${i + 1}: ${t.height ?? 1} m from ${Math.round(t.direction ?? 270)}°`]);
+    const set = (swell, train) => {
+      this.train = train;
+      choice.write({ swell });
+    };
+    choice.patch = ({ swell }) => ({ sea: { swell } });
+    choice.node.classList.add("with-button");
+    const pair = document.createElement("span");
+    pair.className = "pair";
+    choice.select.after(pair);
+    button(pair, "+", "Add a train of swell", () => {
+      const list = trains(this.state);
+      set([...list, {}], list.length);
+    });
+    button(pair, "−", "Remove this train of swell", () => {
+      set(trains(this.state).filter((_, i) => i !== this.train),
+        Math.max(0, this.train - 1));
+    });
+    const range = (label, name, unit, step, id) =>
+      this.range("swell", label, `sea.swell.*.${name}`, unit, step, {
+        id, depends: on, get: (s) => trains(s)[this.train]?.[name],
+        patch: (v) => this.patchTrain({ [name]: v }) });
+    range("Height", "height", "m", 0.1, "swell-height");
+    range("Period", "period", "s", 0.5, "swell-period");
+    range("From", "direction", "°", 1, "swell-direction");
+    range("Spread", "spread", "°", 1, "swell-spread");
+  }
+
+  // --- light and water ----------------------------------------------------------
+
+  buildSky() {
+    this.add(new Check(byId("sky"), {
+      id: "sun-clock", label: "Sun from the clock",
+      get: (s) => !sunFixed(s),
+      patch: (v) => ({ sky: v ? { sunElevation: null, sunAzimuth: null }
+        : { sunElevation: 30, sunAzimuth: 200 } }),
+    }));
+    this.range("sky", "Sun elevation", "sky.sunElevation", "°", 0.5,
+      { id: "sun-elevation", depends: sunFixed });
+    this.range("sky", "Sun azimuth", "sky.sunAzimuth", "°", 1,
+      { id: "sun-azimuth", depends: sunFixed });
+    this.range("sky", "Visibility", "sky.visibility", "m", 100,
+      { id: "visibility", scale: "log" });
+  }
+
+  // Water is described in one of four ways; going over to one clears the rest.
+  buildWater() {
+    const names = ["absorption680", "absorption550", "absorption440",
+      "scattering680", "scattering550", "scattering440"];
+    const way = (s) => s.water?.jerlov !== undefined ? "jerlov"
+      : s.water?.named !== undefined ? "named"
+        : names.some((n) => s.water?.[n] !== undefined) ? "numbers"
+          : "chlorophyll";
+    const is = (kind) => (s) => way(s) === kind;
+    const nothing = Object.fromEntries(
+      ["jerlov", "named", ...names].map((n) => [n, null]));
+    const clear = [0.46, 0.06, 0.02, 0.03, 0.03, 0.04];
+    const given = {
+      chlorophyll: {}, jerlov: { jerlov: "IB" },
+      named: { named: "NORTH_ATLANTIC" },
+      numbers: Object.fromEntries(names.map((n, i) => [n, clear[i]])),
+    };
+    this.add(new Choice(byId("water"), {
+      id: "water-way", label: "Described by",
+      options: [["chlorophyll", "chlorophyll"], ["jerlov", "Jerlov's type"],
+        ["named", "a known water"], ["numbers", "coefficients"]],
+      get: way, patch: (v) => ({ water: { ...nothing, ...given[v] } }),
+    }));
+    this.range("water", "Chlorophyll", "water.chlorophyll", "mg/m³", 0.01,
+      { id: "chlorophyll", scale: "log", depends: is("chlorophyll") });
+    this.choice("water", "jerlov", "Jerlov's type", "water.jerlov",
+      is("jerlov"));
+    this.choice("water", "named", "Known water", "water.named", is("named"));
+    for (const name of names) {
+      const [, kind, band] = name.match(/^(\w+?)(\d+)$/);
+      this.range("water", `${words(kind.toUpperCase())} at ${band} nm`,
+        `water.${name}`, "1/m", 0.001,
+        { scale: kind === "absorption" ? "log" : "asinh",
+          depends: is("numbers") });
+    }
+    this.range("water", "Depth, for its colour", "water.depth", "m", 0.1,
+      { id: "water-depth", scale: "log" });
+    this.choice("water", "bottom", "Bottom", "water.bottom");
+  }
+
+  // --- camera and ship --------------------------------------------------------------
+
+  buildView() {
+    const view = (s) => (s.views ?? []).find((v) => v.name === this.views.name);
+    const there = (s) => view(s) !== undefined;
+    const patch = (name) => (v) =>
+      ({ views: { [this.views.name]: { [name]: v } } });
+    const range = (label, name, unit, step, more = {}) =>
+      this.range("view", label, `views.*.${name}`, unit, step, {
+        depends: there, get: (s) => view(s)?.[name], patch: patch(name),
+        ...more });
+    this.add(new Choice(byId("view"), {
+      id: "view-name", label: "View", get: () => this.views.name,
+      chosen: (v) => this.views.choose(v),
+    })).options = (s) => (s.views ?? []).map((v) => [v.name, v.name]);
+    range("Yaw, to starboard of the bow", "yaw", "°", 1, { id: "yaw" });
+    range("Pitch, upward", "pitch", "°", 0.5, { id: "pitch" });
+    range("Roll, right side down", "roll", "°", 0.5, { id: "roll" });
+    range("Field of view", "fieldOfView", "°", 1, { id: "field-of-view",
+      depends: (s) => there(s) && view(s).frustum === undefined });
+    range("Height above the ship's reference", "up", "m", 0.5,
+      { id: "up", scale: "asinh" });
+    range("Towards the bow", "forward", "m", 0.5, { scale: "asinh" });
+    range("To starboard", "right", "m", 0.5, { scale: "asinh" });
+    this.add(new Check(byId("view"), {
+      id: "auto-exposure", label: "Exposure by the light",
+      get: (s) => view(s)?.exposure === undefined,
+      patch: (v) => patch("exposure")(v ? null : 14),
+    }), there);
+    range("Exposure", "exposure", "EV", 0.1, { id: "exposure",
+      depends: (s) => view(s)?.exposure !== undefined });
+    const level = button(byId("view"), "Ahead and level",
+      "Look ahead, level, with a field of view of 60 degrees", () => {
+        this.views.chosen?.look.want({ yaw: 0, pitch: 0, roll: 0,
+          ...(this.views.chosen.view.frustum ? {} : { fieldOfView: 60 }) });
+      });
+    level.id = "level";
+  }
+
+  ship(s) {
+    return entities(s).find((e) => String(e.id ?? 0) === this.shipId);
+  }
+
+  buildShip() {
+    this.add(new Choice(byId("ship"), {
+      id: "ship-id", label: "Ship", get: () => this.shipId,
+      chosen: (v) => {
+        this.shipId = v;
+        this.show(this.state, true);
+      },
+    })).options = (s) => entities(s).map((e) =>
+      [String(e.id ?? 0), e.name || `entity ${e.id ?? 0}`]);
+    const there = (s) => this.ship(s) !== undefined;
+    const range = (label, name, unit, step, id) =>
+      this.range("ship", label, `entities.*.${name}`, unit, step, { id,
+        depends: there, get: (s) => this.ship(s)?.[name],
+        patch: (v) => ({ entities: { [this.shipId]: { [name]: v } } }) });
+    range("Heading", "heading", "°", 1, "heading");
+    range("Course", "course", "°", 1, "course");
+    range("Speed", "speed", "m/s", 0.1, "speed");
+    range("Turn rate", "turnRate", "°/s", 0.1, "turn-rate");
+    range("Pitch, bow up", "pitch", "°", 0.1, "ship-pitch");
+    range("Roll, starboard down", "roll", "°", 0.1, "ship-roll");
+    this.add(new Check(byId("ship"), {
+      id: "own-ship", label: "The sea moves it (own ship)",
+      get: (s) => Boolean(s.ownShip?.on), patch: (v) => ({ ownShip: { on: v } }),
+    }));
+    const sails = (s) => Boolean(s.ownShip?.on);
+    this.range("ship", "Rudder", "ownShip.rudder", "°", 1, { depends: sails });
+    this.range("ship", "Throttle", "ownShip.throttle", "", 0.05,
+      { depends: sails });
+  }
+
+  buildClock() {
+    this.choice("clock", "clock-mode", "Time runs", "clock.mode");
+    this.range("clock", "Rate", "clock.rate", "×", 0.1, { id: "rate",
+      depends: (s) => ["FREE", "PACED"].includes(s.clock?.mode) });
+    this.add(new Text(byId("clock"), {
+      id: "utc", label: "UTC at simulated time 0", type: "datetime-local",
+      get: (s) => (s.clock?.utc ?? "").replace(/(\.\d+)?Z$/, ""),
+      patch: (v) => ({ clock: { utc: `${v.length === 16 ? `${v}:00` : v}Z` } }),
+    }));
+    const step = button(byId("clock"), "Step 1 s", "Advance time by one second",
+      async () => {
+        try {
+          this.told(await stepClock(1));
+        } catch (error) {
+          if (!(error instanceof Problem || error instanceof Gone)) {
+            throw error;
+          }
+        }
+      });
+    this.controls.push({
+      show: () => {},
+      depends: (s) => s.clock?.mode === "STEPPED",
+      set enabled(enabled) {
+        step.hidden = !enabled;
+      },
+    });
+  }
+
+  // --- showing ----------------------------------------------------------------------
+
+  find(id) {
+    return this.controls.find((control) => control.id === id);
+  }
+
+  show(state, chosen = false) {
+    this.state = state;
+    if (!this.ship(state)) {
+      const first = entities(state)[0];
+      this.shipId = first ? String(first.id ?? 0) : null;
+    }
+    const trains = state.sea?.swell?.length ?? 0;
+    this.train = Math.min(this.train, Math.max(trains - 1, 0));
+    for (const control of this.controls) {
+      if (control.options instanceof Function) {
+        control.setOptions(control.options(state));
+      }
+      if (chosen && control.fail) {
+        control.touched = -Infinity;
+        control.fail("");
+      }
+      control.show(state);
+      if (control.depends) {
+        control.enabled = control.depends(state);
+      }
+    }
+  }
+}
