@@ -274,6 +274,7 @@ TESTS += server/render/renderer_test.c
 TESTS += server/render/wavefield_test.c
 TESTS += server/render/filtered_test.c
 TESTS += server/render/depth_test.c
+TESTS += server/render/climb_test.c
 TESTS += server/render/light_test.c
 TESTS += server/render/layer_test.c
 TESTS += server/render/probe_test.c

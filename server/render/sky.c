@@ -137,7 +137,11 @@ double pel_sky_quantize_height(double height_m)
 {
     /* Above the atmosphere its top is as good: there is no light in between. */
     double top_m = PEL_ATMOSPHERE_RADIUS - PEL_EARTH_RADIUS;
-    return fmin(exp2(round(log2(fmax(height_m, 0.5)) * 16.0) / 16.0), top_m);
+    double octave = log2(fmax(height_m, 0.5));
+    /* A ship's heave is to find its tables again; what is seen from high up
+     * lies in the air and would jump (climb_test). */
+    double steps = octave < 6.0 ? 16.0 : octave < 8.0 ? 64.0 : 256.0;
+    return fmin(exp2(round(octave * steps) / steps), top_m);
 }
 
 static void draw_screen(GLuint program, GLuint fbo, GLsizei width,
