@@ -446,7 +446,8 @@ def malformed_datagrams_change_nothing():
     with Stand() as s:
         s.host.ask(cigi.entity(1, LATITUDE, LONGITUDE))
         before = s.daemon.state()
-        bad = [data for _, data in cigi_corpus.malformed()]
+        bad = [data for _, data in cigi_corpus.committed()]
+        check(len(bad) == 2000, f"{len(bad)} in the archive")
         for i, data in enumerate(bad):
             s.host.socket.sendto(data, s.host.to)
             if i % 32 == 31:
@@ -457,12 +458,16 @@ def malformed_datagrams_change_nothing():
                       if k.startswith("pelagos_cigi_malformed_total"))
         check(dropped == len(bad), f"{dropped} of {len(bad)} counted")
         after = s.daemon.state()
+        check(after["revision"] == before["revision"], "an edit")
         for part in ("entities", "sea", "views", "sky", "water"):
             check(after.get(part) == before.get(part), part)
+        reasons = {k.split('"')[1]: int(v) for k, v in page.items()
+                   if k.startswith("pelagos_cigi_malformed_total")}
+        check(all(reasons[k] > 50 for k in ("size", "number")), reasons)
         s.host.ask(cigi.entity(1, 89, 0), cigi.atmosphere(5000, 5, 5))
         check(s.metric("refused_edits_total") == 1, "refused")
         check(s.daemon.state()["sea"] == before["sea"], "half applied")
-        print(f"  {len(bad)} malformed datagrams")
+        print(f"  {len(bad)} malformed datagrams: {reasons}")
 
 
 def a_flood_leaves_others_served():

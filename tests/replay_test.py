@@ -12,6 +12,7 @@ import time
 
 from pymodbus.client import ModbusTcpClient
 
+import cigi_host as cigi
 from modbus_test import check, floats
 from pelagos_daemon import BIN, Daemon, free_port, read_varint, schema
 
@@ -89,8 +90,57 @@ def session(log):
     check(patches[-1].revision == revision,
           "what was accepted before kill -9 is there")
     check(len(patches) == revision - read[0].revision, "every edit, once")
+    tell_size(log, read)
+    return pictures
+
+
+def tell_size(log, read):
     size = os.path.getsize(log)
-    print(f"  {len(patches)} edits in {size} bytes")
+    head = len(read[0].SerializeToString())
+    print(f"  {len(read) - 1} commands in {size} bytes: "
+          f"{(size - head) / (len(read) - 1):.1f} bytes a command behind a "
+          f"head of {head}")
+
+
+def session_of_a_host(log):
+    """A CIGI host leads; Modbus and HTTP edit too. Ended by kill -9."""
+    modbus, cigi_port = free_port(), free_port(socket.SOCK_DGRAM)
+    pictures = {}
+    daemon = Daemon("--record", log, "--modbus", f"127.0.0.1:{modbus}",
+                    "--cigi", f"127.0.0.1:{cigi_port}")
+    host = cigi.Host(("127.0.0.1", cigi_port), big=False, stamped=True)
+    try:
+        daemon.patch(VIEW)
+        client = ModbusTcpClient("127.0.0.1", port=modbus)
+        client.connect()
+        host.ask(cigi.entity(1, 52.6, 5.2), cigi.atmosphere(20000, 7, 250),
+                 cigi.view_control(0, 1, z=-11, yaw=10))
+        for i in range(8):
+            # 0.25 s a frame, which is longer than what is done in one: time
+            # does not go on by itself behind a picture.
+            host.send(cigi.entity(1, 52.6 + 1e-4 * i, 5.2, 1, yaw=8 * i,
+                                  pitch=i / 2, roll=-i),
+                      cigi.rate(1, x=6, yaw=2),
+                      cigi.wave(i % 3, 0.5 + i / 10, 6 + i, 30 * i),
+                      cigi.maritime(60, height=i / 8),
+                      *([cigi.component(5, 1)] if i == 4 else []),
+                      cigi.hat_hot(i, 52.6, 5.2), ticks=25000)
+            host.settle()
+            client.write_registers(WIND, floats(6 + i, 200 + i), slave=1)
+            client.write_register(COMMIT, 1, slave=1)
+            daemon.patch({"sky": {"sunElevation": 10 + 3 * i}})
+            answer = daemon.get("/v1/views/bridge/frame.png")
+            check(answer.status == 200, f"{answer}")
+            pictures[float(answer.headers["X-Pelagos-Time"])] = answer.body
+        client.close()
+        state = daemon.state()
+    finally:
+        daemon.stop(signal.SIGKILL)
+        host.close()
+    check(len(pictures) == 8 and state["clock"]["mode"] == "HOST", "session")
+    read = entries(log)
+    check(read[-1].revision == int(state["revision"]), "all of it is there")
+    tell_size(log, read)
     return pictures
 
 
@@ -127,6 +177,24 @@ def same_frames(folder):
         paced = replayed(daemon, log, folder, "--every", "0.25", "--speed",
                          "2")
         check(paced == rows, "paced")
+
+
+def same_frames_of_a_host(folder):
+    """Again bit for bit, whatever the number of threads that draw."""
+    log = os.path.join(folder, "host.pelog")
+    pictures = session_of_a_host(log)
+    at = ["--at", ",".join(repr(t) for t in pictures)]
+    for threads in ("1", "2", "8"):
+        os.environ["LP_NUM_THREADS"] = threads
+        try:
+            with Daemon("--encoder-threads", threads) as daemon:
+                again = replayed(daemon, log, folder, *at)
+        finally:
+            del os.environ["LP_NUM_THREADS"]
+        check(len(set(again)) == 8, "every frame differs")
+        for i, (time_s, picture) in enumerate(pictures.items()):
+            check(again[i] == picture,
+                  f"the frame of {time_s} s with {threads} threads")
 
 
 def clock_set_back(folder):
@@ -200,7 +268,7 @@ def kept(folder):
 
 def main():
     with tempfile.TemporaryDirectory(prefix="pelagos-replay-") as folder:
-        for part in (same_frames, clock_set_back, refused, kept):
+        for part in (same_frames, same_frames_of_a_host, clock_set_back, refused, kept):
             print(f"== {part.__name__}", flush=True)
             part(folder)
 

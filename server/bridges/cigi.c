@@ -418,11 +418,12 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
     double now_s = pel_scene_time(cigi->scene);
     bool leads = host_leads(cigi) && !first;
     double time_s = leads ? time_of_frame(cigi, now_s) : now_s;
+    if (leads) {
+        step_to(cigi, time_s); /* the edit is one of that moment */
+    }
     bool good = edit(cigi, reader, time_s, cigi->lead_pending);
     cigi->lead_pending = cigi->lead_pending && !good;
-    if (leads) {
-        step_to(cigi, time_s);
-    } else {
+    if (!leads) {
         cigi->host_time_s = pel_scene_time(cigi->scene);
     }
     cigi->applied_s = pel_scene_time(cigi->scene);

@@ -3,14 +3,19 @@
 
     cigi_corpus.py seeds FOLDER          inputs of fuzz_cigi, sound ones
     cigi_corpus.py malformed FOLDER [N]  N (2000) datagrams that are no CIGI
+    cigi_corpus.py archive               writes cigi_malformed.z anew
+    cigi_corpus.py unpack FOLDER         the files of cigi_malformed.z
 
-tests/cigi_test.py sends the malformed ones to a running daemon. Each of them
-is wrong by its making, and says how in its name.
+cigi_malformed.z holds 2,000 malformed datagrams; tests/cigi_test.py sends them
+to a running daemon. Each is wrong by its making, and says how in its name. It
+is a zlib stream of records: a byte of length and the name, two bytes of length
+(most significant first) and the datagram.
 """
 import pathlib
 import random
 import struct
 import sys
+import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import cigi_host as cigi  # noqa: E402
@@ -135,13 +140,38 @@ def malformed(count=2000, seed=20260621):
         yield f"{i:04}-{how}-{name}", data
 
 
+ARCHIVE = pathlib.Path(__file__).with_name("cigi_malformed.z")
+
+
+def pack(made):
+    return zlib.compress(b"".join(
+        struct.pack(">B", len(name)) + name.encode() +
+        struct.pack(">H", len(data)) + data for name, data in made), 9)
+
+
+def committed():
+    """(name, datagram) of the archive."""
+    left = zlib.decompress(ARCHIVE.read_bytes())
+    out = []
+    while left:
+        name, left = left[1:1 + left[0]].decode(), left[1 + left[0]:]
+        size = int.from_bytes(left[:2], "big")
+        out.append((name, left[2:2 + size]))
+        left = left[2 + size:]
+    return out
+
+
 def main():
-    if len(sys.argv) < 3 or sys.argv[1] not in ("seeds", "malformed"):
+    makers = {"seeds": seeds, "unpack": committed,
+              "malformed": lambda: malformed(*map(int, sys.argv[3:4]))}
+    if sys.argv[1:] == ["archive"]:
+        ARCHIVE.write_bytes(pack(malformed()))
+        return
+    if len(sys.argv) < 3 or sys.argv[1] not in makers:
         sys.exit(__doc__)
     folder = pathlib.Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
-    made = (seeds() if sys.argv[1] == "seeds" else
-            malformed(*map(int, sys.argv[3:4])))
+    made = makers[sys.argv[1]]()
     count = 0
     for name, data in made:
         (folder / name).write_bytes(data)
