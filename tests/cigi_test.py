@@ -221,12 +221,28 @@ def frame_headers(daemon, url, out, stop):
                 now = {}
 
 
-def synchronous_host(seconds, requests=100, late=0.5):
-    """The host answers each Start of Frame, with HAT/HOT requests. late: the
-    share of pictures that may come more than 2 host frames after theirs, and
-    of host frames that may be answered later than in the next frame.
+def next_frames(host, due):
+    """What has come when the host's next frame is due: in synchronous mode
+    the next Start of Frame, else what comes until the time `due`."""
+    if not host.stamped:
+        frame = host.receive()
+        check(frame, "no Start of Frame for 2 s")
+        # A host that was held up answers the newest.
+        return [frame] + host.drain(0)
+    frames = []
+    while (left := due - time.monotonic()) > 0:
+        if (frame := host.receive(left)) is not None:
+            frames.append(frame)
+    return frames
+
+
+def host_at_sixty_hertz(seconds, requests=100, late=0.5, **kind):
+    """A host at 60 Hz, by Start of Frame or by its own clock (stamped), with
+    HAT/HOT requests in every frame. late: the share of pictures that may come
+    more than 2 host frames after theirs, and of host frames that may be
+    answered later than in the next frame.
     Returns the daemon's growth in bytes after a warm-up."""
-    with Stand("--fps", "60") as s:
+    with Stand("--fps", "60", **kind) as s:
         s.host.log = collections.deque(maxlen=20000)
         s.daemon.patch({"views": [{"name": "bridge", "width": 64,
                                    "height": 36}]})
@@ -245,22 +261,20 @@ def synchronous_host(seconds, requests=100, late=0.5):
                 answered.setdefault(host_frame, []).append(frame.sof["frame"])
 
         before = metrics(s.daemon)
-        start_of_load = time.monotonic()
+        start_of_load = due = time.monotonic()
         warm = grown = 0
         while time.monotonic() < start_of_load + seconds:
             if not warm and time.monotonic() > start_of_load + seconds / 5:
                 warm = s.daemon.rss()
-            frame = s.host.receive()
-            check(frame, "no Start of Frame for 2 s")
-            # A host that was held up answers the newest.
-            for frame in [frame] + s.host.drain(0):
+            due += 1 / 60
+            for frame in next_frames(s.host, due):
                 take(frame)
             number = s.host.frame + 1
             s.host.send(
                 cigi.entity(1, LATITUDE + 1e-6 * number, LONGITUDE, 0,
                             yaw=number / 10 % 360),
                 *(cigi.hat_hot(i, p[0], p[1]) for i, p in enumerate(points)))
-            sent[number] = (time.monotonic(), frame.sof["frame"])
+            sent[number] = (time.monotonic(), s.host.last_ig)
         for frame in s.host.settle():
             take(frame)
         grown = s.daemon.rss() - warm
@@ -309,7 +323,11 @@ def synchronous_host(seconds, requests=100, late=0.5):
 
 
 def synchronous_sixty_hertz():
-    synchronous_host(5)
+    host_at_sixty_hertz(5)
+
+
+def asynchronous_sixty_hertz():
+    host_at_sixty_hertz(3, stamped=True, big=False, minor=2)
 
 
 def asynchronous_host():
@@ -658,7 +676,8 @@ def ids_of(data):
 
 TESTS = [scene_follows_in_both_orders, answers_are_of_the_sea_drawn,
          answers_of_fft_come_later,
-         synchronous_sixty_hertz, asynchronous_host,
+         synchronous_sixty_hertz, asynchronous_sixty_hertz,
+         asynchronous_host,
          sea_state_shows_in_the_next_frame, loss_duplicates_and_reordering,
          malformed_datagrams_change_nothing, a_flood_leaves_others_served,
          database_and_refusals, a_silent_host_is_noticed,
