@@ -151,7 +151,7 @@ FRAMES := server/frames/frame.c server/frames/quality.c server/frames/mailbox.c 
     server/frames/requests.c \
     server/frames/live.c \
     server/frames/surface.c \
-    server/frames/optics.c \
+    server/frames/optics.c server/frames/optics_water.c \
     server/frames/metrics.c \
     server/frames/schedule.c \
     server/frames/frames.c

@@ -82,6 +82,9 @@ run 2 optics water sea.windSpeed=3
 start_daemon
 
 echo "== optics brdf, sky"
+run 0 optics water --jerlov IA --depth 8 --bottom sand --sun-zenith 40 --from gpu
+jq -e "(.leaving.total[1] - $reference) | fabs < 0.001 * $reference" "$out" \
+    >/dev/null || fail "optics water of the device: $(cat "$out")"
 run 0 --json optics brdf --wind 10 --sun-elevation 25 --view-zenith 70
 cp "$out" "$work/reference"
 jq -e '.brdf | .slopeDensity > 0 and .fresnel > 0 and .shadowing <= 1 and

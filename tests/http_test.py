@@ -283,6 +283,29 @@ class Endpoints(HttpCase):
         self.refused(self.daemon.get("/v1/optics/sky?elevation=nan"), 400,
                      code="INVALID", path="elevation")
         self.refused(self.daemon.get("/v1/optics/patch"), 404)
+        self.refused(self.daemon.get("/v1/optics/brdf?from=MONTECARLO"), 400,
+                     path="from")
+        self.refused(self.daemon.get("/v1/optics/water?sunZenith=91"), 400,
+                     path="water.sunZenith", maximum=90)
+        where = ("sunZenith=40&viewZenith=30&azimuth=70&water.jerlov=IA"
+                 "&water.depth=8&water.bottom=SAND")
+        drawn, reference, followed = [
+            self.daemon.get("/v1/optics/water?" + where + "&from=" + f
+                            ).json()["water"]
+            for f in ("GPU", "REFERENCE", "MONTECARLO")]
+        for name in "single", "second", "higher", "bottom", "total":
+            for i in range(3):
+                # The maps hold 1/1000 of their maximum.
+                self.assertAlmostEqual(drawn[name][i] / max(reference["total"]),
+                                       reference[name][i]
+                                       / max(reference["total"]), 3)
+        for i in range(3):
+            self.assertLess(abs(followed["total"][i] - reference["total"][i]),
+                            5 * followed["totalError"][i])
+        two = self.daemon.get("/v1/optics/water?" + where
+                              + "&water.orders=TWO").json()["water"]
+        self.assertEqual(two["higher"], [0, 0, 0])
+        self.assertEqual(two["single"], reference["single"])
         self.refused(self.daemon.request("POST", "/v1/optics", {}), 400)
 
     def test_surface(self):

@@ -10,6 +10,7 @@
 #include "base/vec.h"
 #include "optics/waterbody.h"
 #include "optics/watermontecarlo.h"
+#include "path.h"
 
 enum { N = PEL_WATER_WAVELENGTHS };
 
@@ -19,7 +20,7 @@ struct question {
     struct pel_water_body body;
     double sun_zenith, view_zenith, azimuth; /* degrees */
     enum pel_water_orders orders;
-    bool montecarlo;
+    bool montecarlo, gpu;
     double paths, seed;
 };
 
@@ -75,7 +76,8 @@ static const char *order_word(int i)
 
 static const char *source_word(int i)
 {
-    static const char *const words[] = { "reference", "montecarlo", NULL };
+    static const char *const words[] = { "reference", "montecarlo", "gpu",
+                                         NULL };
     return words[i];
 }
 
@@ -201,10 +203,12 @@ static enum ctl_exit read_question(struct ctl *ctl, struct question *q)
     }
     q->orders = (enum pel_water_orders)orders;
     q->montecarlo = source == 1;
+    q->gpu = source == 2;
     if (status == CTL_DONE && q->montecarlo && ctl_flag(ctl, "orders")) {
-        return ctl_say(CTL_USAGE,
-                       "--orders is for --from reference: a Monte Carlo keeps "
-                       "all of them apart");
+        return ctl_say(
+            CTL_USAGE,
+            "--orders is for --from reference and gpu: a Monte Carlo "
+            "keeps all of them apart");
     }
     return status;
 }
@@ -217,7 +221,7 @@ static void put_three(const char *name, const double v[N], const char *after)
 static void put_question(const struct question *q)
 {
     const struct pel_water_body *b = &q->body;
-    printf("{\n  \"from\": \"%s\",\n", source_word(q->montecarlo));
+    printf("{\n  \"from\": \"%s\",\n", source_word(q->gpu ? 2 : q->montecarlo));
     printf("  \"orders\": \"%s\",\n", order_words[q->orders]);
     printf("  \"sunZenith\": %g,\n  \"viewZenith\": %g,\n  \"azimuth\": %g,\n",
            q->sun_zenith, q->view_zenith, q->azimuth);
@@ -296,6 +300,80 @@ static enum ctl_exit answer_montecarlo(const struct question *q)
     return CTL_DONE;
 }
 
+/* The question's water as coefficients: whatever the state says of it, the
+ * answer is for these. */
+static void patch_water(Pelagos__Patch *patch, const struct question *q)
+{
+    static const char *const names[] = { "absorption", "scattering",
+                                         "asymmetry", "albedo" };
+    const double *values[] = { q->body.absorption, q->body.scattering,
+                               q->body.asymmetry, q->body.albedo };
+    static const char *const words[] = { "ALL", "TWO", "PAPER" };
+    int err =
+        pel_path_set(patch, NULL, "water.jerlov", NULL, NULL) |
+        pel_path_set(patch, NULL, "water.named", NULL, NULL) |
+        pel_path_set_number(patch, NULL, "water.depth", q->body.depth_m, NULL) |
+        pel_path_set(patch, NULL, "water.orders", words[q->orders], NULL);
+    for (int k = 0; k < 4 * N; k++) {
+        char path[40];
+        snprintf(path, sizeof path, "water.%s%g", names[k / N],
+                 pel_water_wavelength_nm[k % N]);
+        err |=
+            pel_path_set_number(patch, NULL, path, values[k / N][k % N], NULL);
+    }
+    g_assert(!err); /* our own paths */
+}
+
+/* From the running pelagosd: the code that colours its pictures. */
+static enum ctl_exit answer_gpu(struct ctl *ctl, const struct question *q)
+{
+    enum ctl_exit status = ctl_connect(ctl);
+    if (status != CTL_DONE) {
+        return status;
+    }
+    Pelagos__WaterQuery water = PELAGOS__WATER_QUERY__INIT;
+    water.has_sun_zenith = water.has_view_zenith = water.has_azimuth = true;
+    water.sun_zenith = q->sun_zenith;
+    water.view_zenith = q->view_zenith;
+    water.azimuth = q->azimuth;
+    Pelagos__OpticsQuery query = PELAGOS__OPTICS_QUERY__INIT;
+    query.question_case = PELAGOS__OPTICS_QUERY__QUESTION_WATER;
+    query.water = &water;
+    query.has_from = true;
+    query.from = PELAGOS__OPTICS_SOURCE__GPU;
+    query.patch = pel_patch_new();
+    patch_water(query.patch, q);
+    Pelagos__Optics *answer = NULL;
+    struct pel_client_error error;
+    if (pel_client_optics(ctl->client, &query, &answer, &error)) {
+        status = ctl_report(ctl, &error);
+    }
+    const Pelagos__WaterLight *l = answer ? answer->water : NULL;
+    if (status == CTL_DONE &&
+        (answer->answer_case != PELAGOS__OPTICS__ANSWER_WATER || !l ||
+         l->n_single != N || l->n_second != N || l->n_higher != N ||
+         l->n_bottom != N || l->n_total != N)) {
+        status = ctl_say(CTL_UNREACHABLE, "the answer lacks its numbers");
+    } else if (status == CTL_DONE) {
+        put_question(q);
+        const double *v[] = { l->single, l->second, l->higher, l->bottom,
+                              l->total };
+        static const char *const names[] = { "single", "second", "higher",
+                                             "bottom", "total" };
+        printf("  \"device\": \"%s\",\n  \"leaving\": {\n",
+               answer->device ? answer->device : "");
+        for (int k = 0; k < 5; k++) {
+            printf("    ");
+            put_three(names[k], v[k], k < 4 ? ",\n" : "\n  }\n}\n");
+        }
+    }
+    if (answer) {
+        pelagos__optics__free_unpacked(answer, NULL);
+    }
+    pelagos__patch__free_unpacked(query.patch, NULL);
+    return status;
+}
+
 enum ctl_exit ctl_optics(struct ctl *ctl)
 {
     const char *what = ctl->args[0];
@@ -308,9 +386,7 @@ enum ctl_exit ctl_optics(struct ctl *ctl)
                        "`sky`");
     }
     if (ctl->arg_count > 1) {
-        return ctl_say(CTL_USAGE,
-                       "optics water asks no pelagosd: %s has no "
-                       "meaning",
+        return ctl_say(CTL_USAGE, "optics water takes options, not %s",
                        ctl->args[1]);
     }
     struct question q = { .sun_zenith = 30.0, .paths = 1e5, .seed = 1.0 };
@@ -318,5 +394,7 @@ enum ctl_exit ctl_optics(struct ctl *ctl)
     if (status != CTL_DONE) {
         return status;
     }
-    return q.montecarlo ? answer_montecarlo(&q) : answer_reference(&q);
+    return q.gpu          ? answer_gpu(ctl, &q)
+           : q.montecarlo ? answer_montecarlo(&q)
+                          : answer_reference(&q);
 }

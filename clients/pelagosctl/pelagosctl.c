@@ -176,7 +176,9 @@ static const struct ctl_option optics_options[] = {
     { 0, "orders", "WHICH", "all, 2, or paper: Iwasaki et al. 2003 (all)",
       NULL },
     { 0, "from", "CODE",
-      "reference, or for the water montecarlo, or else gpu (reference)", NULL },
+      "reference; gpu, the code that draws, from a running pelagosd; "
+      "water: montecarlo too (reference)",
+      NULL },
     { 0, "paths", "COUNT", "Of the Monte Carlo, a wavelength (100000)", NULL },
     { 0, "seed", "NUMBER", "Of the Monte Carlo (1)", NULL },
     { 0, "wind", "M/S", "brdf: short for sea.windSpeed=", NULL },

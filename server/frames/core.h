@@ -179,6 +179,11 @@ void pel_surface_answer(struct pel_frames *frames,
                         struct pel_surface_query *query);
 void pel_surface_finish_all(struct pel_frames *frames);
 
+/* --- optics_water.c ------------------------------------------------------ */
+void pel_optics_read_water(const Pelagos__WaterQuery *from,
+                           struct pel_water_question *to);
+Pelagos__WaterLight *pel_optics_water_message(const struct pel_optics_query *q);
+
 /* --- optics.c ------------------------------------------------------------ */
 void pel_optics_answer(struct pel_frames *frames,
                        struct pel_optics_query *query);

@@ -12,6 +12,7 @@
 #include "frames/frames.h"
 #include "render/probe.h"
 #include "render/renderer.h"
+#include "render/waterprobe.h"
 
 #define PEL_MAX_OUTPUTS 128 /* 64 streams and 64 requests */
 
@@ -115,6 +116,16 @@ struct pel_surface_query {
     void *user;
 };
 
+/* The question for light in the water, and its answer by wavelength. */
+struct pel_water_question {
+    struct pel_geometry at;
+    bool montecarlo;
+    unsigned paths, seed;
+    struct pel_water_parts light;
+    double total[PEL_WATER_WAVELENGTHS], error[PEL_WATER_WAVELENGTHS];
+    double bottom_direct[PEL_WATER_WAVELENGTHS];
+};
+
 /* To the encoder threads for the reference's answer, to the render thread for
  * the device's. */
 struct pel_optics_query {
@@ -125,11 +136,14 @@ struct pel_optics_query {
     bool gpu;
     struct pel_probe probe;
     struct pel_probe_answer answer;
+    struct pel_water_question water;
     enum pel_err err;
     struct pel_fault fault;
     pel_optics_callback done;
     void *user;
 };
+/* Answers what is in the water by the reference or the Monte Carlo. */
+PEL_CHECK enum pel_err pel_optics_water(struct pel_optics_query *query);
 /* Answers by the reference; any thread. */
 void pel_optics_reference(struct pel_optics_query *query);
 

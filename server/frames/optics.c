@@ -26,6 +26,11 @@ static void read_question(const Pelagos__OpticsQuery *from,
     p->height_m = 2.0;
     p->slope_along = sea->slope_variance_along;
     p->slope_cross = sea->slope_variance_cross;
+    if (from->question_case == PELAGOS__OPTICS_QUERY__QUESTION_WATER) {
+        pel_optics_read_water(from->water, &to->water);
+        to->water.montecarlo = from->from == PELAGOS__OPTICS_SOURCE__MONTECARLO;
+        return;
+    }
     if (from->question_case == PELAGOS__OPTICS_QUERY__QUESTION_SKY) {
         const Pelagos__SkyQuery *q = from->sky;
         p->height_m = q->height;
@@ -57,7 +62,13 @@ enum pel_err pel_frames_optics(struct pel_frames *frames,
     }
     if (!question->brdf) { /* any member of the union */
         return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "the query asks for nothing: give brdf or sky");
+                             "the query asks for nothing: give brdf, sky or "
+                             "water");
+    }
+    if (question->from == PELAGOS__OPTICS_SOURCE__MONTECARLO &&
+        question->question_case != PELAGOS__OPTICS_QUERY__QUESTION_WATER) {
+        return pel_fault_value(fault, PEL_ERR_INVALID, "from", "MONTECARLO",
+                               "is for water alone");
     }
     const struct pel_snapshot *s = NULL;
     enum pel_err err =
@@ -102,6 +113,8 @@ void pel_optics_reference(struct pel_optics_query *query)
     if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_SKY) {
         query->err = pel_sky_terms(env->visibility_m, p->height_m, p->dir,
                                    env->sun, &query->answer.sky);
+    } else if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_WATER) {
+        query->err = pel_optics_water(query);
     } else {
         pel_brdf_terms(in_wind(env, p->dir), in_wind(env, env->sun),
                        p->slope_along, p->slope_cross, &query->answer.sea);
@@ -177,9 +190,18 @@ static Pelagos__Optics *message(const struct pel_frames *frames,
         (Pelagos__Optics *)pel_message_new(&pelagos__optics__descriptor);
     struct pel_vec3 sun = q->environment.sun;
     double azimuth = atan2(sun.x, sun.y) / PEL_DEG;
+    bool water = q->question == PELAGOS__OPTICS_QUERY__QUESTION_WATER;
     SET(out, from,
-        q->gpu ? PELAGOS__OPTICS_SOURCE__GPU
-               : PELAGOS__OPTICS_SOURCE__REFERENCE);
+        q->gpu                         ? PELAGOS__OPTICS_SOURCE__GPU
+        : water && q->water.montecarlo ? PELAGOS__OPTICS_SOURCE__MONTECARLO
+                                       : PELAGOS__OPTICS_SOURCE__REFERENCE);
+    if (water) {
+        SET(out, sun_elevation, 90.0 - q->water.at.sun_zenith_rad / PEL_DEG);
+        out->answer_case = PELAGOS__OPTICS__ANSWER_WATER;
+        out->water = pel_optics_water_message(q);
+        out->device = q->gpu ? strdup(pel_frames_device(frames)) : NULL;
+        return out;
+    }
     SET(out, sun_elevation, asin(pel_clamp(sun.z, -1.0, 1.0)) / PEL_DEG);
     SET(out, sun_azimuth, azimuth < 0.0 ? azimuth + 360.0 : azimuth);
     if (q->gpu) {

@@ -224,6 +224,13 @@ static struct pel_mail *next_mail(struct pel_renderloop *loop)
 static void answer_optics(struct pel_renderloop *loop,
                           struct pel_optics_query *query)
 {
+    if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_WATER) {
+        query->err = pel_renderer_probe_water(
+            loop->renderer, &query->environment, &query->water.at,
+            &query->water.light, &query->fault);
+        pel_mailbox_post(loop->box, &query->mail);
+        return;
+    }
     query->err =
         pel_renderer_probe(loop->renderer, &query->environment, &query->probe,
                            &query->answer, &query->fault);

@@ -19,6 +19,7 @@
 #include "render/targets.h"
 #include "render/tiles.h"
 #include "render/uniforms.h"
+#include "render/waterprobe.h"
 #include "render/wavefield.h"
 
 /* Uniform blocks and rings of one view, with alignment. */
@@ -59,6 +60,7 @@ struct pel_renderer {
     int wave_count; /* of the sea being drawn */
     struct pel_programs programs;
     struct pel_prober prober;
+    struct pel_water_prober water_prober;
     struct pel_wavefield wavefield;
     struct pel_mesh_heights heights; /* of the sea of statistics_key */
     struct pel_variance variance[PEL_VARIANCE_COUNT];
@@ -207,6 +209,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_targets_finish(&r->targets);
         pel_programs_finish(&r->programs);
         pel_prober_finish(&r->prober);
+        pel_water_prober_finish(&r->water_prober);
         pel_wavefield_finish(&r->wavefield);
         glDeleteBuffers(1, &r->vertices);
         glDeleteBuffers(1, &r->facets);
@@ -714,4 +717,18 @@ enum pel_err pel_renderer_probe(struct pel_renderer *r,
     pel_prober_run(&r->prober, probe, out);
     pel_arena_end(&r->arena);
     return PEL_OK;
+}
+
+enum pel_err pel_renderer_probe_water(struct pel_renderer *r,
+                                      const struct pel_environment *env,
+                                      const struct pel_geometry *at,
+                                      struct pel_water_parts *out,
+                                      struct pel_fault *fault)
+{
+    const double view[1][2] = { { at->view_zenith_rad, at->azimuth_rad } };
+    const struct pel_water_depths depths = { 1, env->water.depth_m,
+                                             env->water.depth_m };
+    return pel_water_prober_run(&r->water_prober, r->shader_dir, &env->water,
+                                &depths, env->water.depth_m, env->orders,
+                                at->sun_zenith_rad, view, 1, out, fault);
 }

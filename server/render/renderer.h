@@ -178,6 +178,16 @@ void pel_renderer_measure(struct pel_renderer *r, bool on);
 void pel_renderer_stage_ms(const struct pel_renderer *r,
                            double ms[PEL_STAGE_COUNT]);
 
+/* What leaves the water of `env` for a unit of sunlight, by the maps that
+ * colour the picture (render/waterprobe.h): waits for the answer. GPU on errors
+ * of the driver. */
+struct pel_water_parts;
+PEL_CHECK enum pel_err
+pel_renderer_probe_water(struct pel_renderer *r,
+                         const struct pel_environment *env,
+                         const struct pel_geometry *at,
+                         struct pel_water_parts *out, struct pel_fault *fault);
+
 /* One question to the shading functions (render/probe.h): waits for the answer,
  * some milliseconds, more when the Sun, the air or the water are not those of
  * the last frame. GPU or NO_MEMORY with a fault. */
