@@ -244,7 +244,7 @@ static void reflect(const struct reference *r, struct pel_vec3 n,
     double dx = n.x / n.z - h.x / h.z, dy = n.y / n.z - h.y / h.z;
     double kernel = exp(-0.5 * (dx * dx + dy * dy) / b2) / (2 * PEL_PI * b2);
     double g = kernel * pel_fresnel_schlick(vh, PEL_WATER_INDEX) /
-               (4 * h.z * h.z * h.z * vh);
+               (4 * h.z * h.z * h.z * h.z * fmax(vn / n.z, 1e-3));
     struct pel_rgb e = r->light.sun_irradiance;
     out->sun = (struct pel_rgb){ g * e.r, g * e.g, g * e.b };
 }
