@@ -523,11 +523,11 @@ $(O)/tests/validate/%.o: CFLAGS += -O3
 .PHONY: validate validate-lighting validate-water
 validate: validate-lighting validate-water ## compare with brute force: tables and plots in build/validate/
 
-validate-lighting: deps-build ## rows of the picture against brute force (SAMPLES=20000 a row)
+validate-lighting: deps-build ## rows of the picture against brute force (ARGS=--quick: half a minute)
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/lighting
 	$(Q)mkdir -p build/validate
-	$(O)/bin/lighting build/validate $(or $(SAMPLES),20000)
-	$(Q)cat build/validate/lighting.md
+	$(O)/bin/lighting build/validate $(ARGS); status=$$?; \
+	    cat build/validate/lighting.md; exit $$status
 
 validate-water: deps-build ## light in the water against Monte Carlo, minutes (ARGS=--quick: one)
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/validate_water

@@ -19,6 +19,12 @@ double pel_filter_weight(const struct pel_filter *f, double wavelengths)
     return x * x * (3.0 - 2.0 * x);
 }
 
+double pel_filter_gain(const struct pel_filter *f, double wavelengths)
+{
+    double y = 1.0 / (wavelengths * wavelengths);
+    return pel_filter_weight(f, wavelengths) * (1.0 - y * (1.6449 - 0.78 * y));
+}
+
 /* The default bounds' middle is 1.75 wavelengths. */
 static double finer(const struct pel_filter *f)
 {
@@ -37,15 +43,12 @@ double pel_filter_shift_bias(const struct pel_filter *f)
 
 /* Eq. 4's resolved part of one wave, in wind axes. */
 static void take_resolved(const struct pel_sea *sea, const struct pel_wave *w,
-                          double length_m, double weight,
-                          struct pel_slopes *left)
+                          double gain, struct pel_slopes *left)
 {
     double k = hypot(w->kx, w->ky);
     double kh = k * w->amplitude, ckh = w->chop * kh;
     double variance = kh * kh / (1.0 + sqrt(1.0 - ckh * ckh));
-    double x = 0.5 * k * length_m;
-    double sinc = x > 1e-9 ? sin(x) / x : 1.0;
-    double kept = weight * weight * sinc * sinc * variance;
+    double kept = gain * gain * variance;
     double c = cos(sea->desc.direction_rad), s = sin(sea->desc.direction_rad);
     double along = (w->kx * c + w->ky * s) / k;
     double cross = (w->ky * c - w->kx * s) / k;
@@ -54,13 +57,13 @@ static void take_resolved(const struct pel_sea *sea, const struct pel_wave *w,
     left->mixed -= along * cross * kept;
 }
 
-static double wave_weight(const struct pel_filter *filter,
-                          const struct pel_footprint *footprint,
-                          const struct pel_wave *w, double *length_m)
+static double wave_gain(const struct pel_filter *filter,
+                        const struct pel_footprint *footprint,
+                        const struct pel_wave *w)
 {
     double k = hypot(w->kx, w->ky);
-    *length_m = pel_footprint_length(footprint, atan2(w->ky, w->kx));
-    return pel_filter_weight(filter, 2.0 * PEL_PI / (k * *length_m));
+    double length_m = pel_footprint_length(footprint, atan2(w->ky, w->kx));
+    return pel_filter_gain(filter, 2.0 * PEL_PI / (k * length_m));
 }
 
 struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
@@ -76,10 +79,9 @@ struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
                                sea->slope_variance_cross,
                                sea->slope_covariance };
     for (int i = 0; i < sea->count; i++) {
-        double length_m;
-        double w = wave_weight(filter, footprint, &sea->waves[i], &length_m);
-        if (w > 0) {
-            take_resolved(sea, &sea->waves[i], length_m, w, &left);
+        double gain = wave_gain(filter, footprint, &sea->waves[i]);
+        if (gain > 0) {
+            take_resolved(sea, &sea->waves[i], gain, &left);
         }
     }
     left.along = fmax(left.along, 0);
@@ -97,8 +99,7 @@ static void filtered_trochoids(const struct pel_sea *sea,
     double xx = 0, xy = 0, yy = 0, zx = 0, zy = 0;
     for (int i = 0; i < sea->count; i++) {
         const struct pel_wave *w = &sea->waves[i];
-        double length_m;
-        double h = w->amplitude * wave_weight(filter, footprint, w, &length_m);
+        double h = w->amplitude * wave_gain(filter, footprint, w);
         if (h == 0) {
             continue;
         }

@@ -32,6 +32,12 @@ struct pel_filter {
 /* w(n_min, n_max, wavelengths) of section 3.2. */
 double pel_filter_weight(const struct pel_filter *filter, double wavelengths);
 
+/* What of a wave's height and slope is left in the mean over a footprint:
+ * the weight times sin(x)/x, x = π / wavelengths (to 0.2 % of where the weight
+ * is 1). The paper leaves the second factor out, and with it counts slopes
+ * twice once they stand in the variance too. */
+double pel_filter_gain(const struct pel_filter *filter, double wavelengths);
+
 /* Cascades are filtered by levels of detail instead (cascade.h): a length is
  * read at log2(length / texel) plus these, which bring their half-gain between
  * the bounds. Slopes are interpolated linearly over a texel, positions by a
@@ -56,9 +62,7 @@ PEL_CHECK enum pel_err pel_sea_filtered(const struct pel_sea *sea,
                                         struct pel_filtered *out);
 
 /* pel_filtered.left alone: it does not depend on place and time. Total minus
- * resolved (eq. 4); of a resolved wave's variance the footprint averages away
- * 1 − sinc²(k ℓ / 2), which the paper does not count: without it near pixels
- * glitter. */
+ * resolved (eq. 4), a wave's resolved part by the square of pel_filter_gain. */
 struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
                                       const struct pel_filter *filter,
                                       const struct pel_footprint *footprint);

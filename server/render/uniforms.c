@@ -86,7 +86,8 @@ void pel_fill_waves(const struct pel_environment *env, double east_m,
         struct pel_shader_wave *to = &out->waves[i];
         to->phase = vec4(w->kx / (2.0 * PEL_PI), w->ky / (2.0 * PEL_PI),
                          phase - floor(phase), 2.0 * PEL_PI / k);
-        to->fold = vec4(fold * ux * ux, fold * ux * uy, fold * uy * uy, 0.0);
+        to->fold = vec4(fold * ux * ux, fold * ux * uy, fold * uy * uy,
+                        k / (2.0 * PEL_PI));
         to->slope = vec4(h * w->kx, h * w->ky, 0.0, 0.0);
         to->shift = vec4(w->chop * h * ux, w->chop * h * uy, h, 0.0);
     }

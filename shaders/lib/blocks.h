@@ -76,7 +76,7 @@ PEL_BLOCK(2, view) {
 /* A wave as the shaders sum it; k̂ unit, c chop, h amplitude. */
 struct pel_shader_wave {
     vec4 phase; /* k / 2π xy, 1/m; phase at the eye's nadir now, turns; λ, m */
-    vec4 fold;  /* c h k (k̂x², k̂x k̂y, k̂y²) */
+    vec4 fold;  /* c h k (k̂x², k̂x k̂y, k̂y²); 1/λ, 1/m */
     vec4 slope; /* h k xy */
     vec4 shift; /* c h k̂ xy; h */
 };

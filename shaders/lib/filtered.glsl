@@ -53,6 +53,12 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
     return f;
 }
 #else
+// sin(x)/x, the mean of a wave over a footprint, by (ℓ/λ)²: pel_filter_gain.
+float footprint_mean(float y)
+{
+    return 1.0 - y * (1.6449 - 0.78 * y);
+}
+
 filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
 {
 #if PEL_ANISOTROPY > 1
@@ -62,10 +68,13 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
     float scale = up.w / across;
 #define PEL_WEIGHT(i)                                                          \
     vec2 p = vec2(dot(waves[i].phase.xy, lengthwise), dot(waves[i].phase.xy, crosswise)); \
-    float w = filter_weight(inversesqrt(dot(p, p)) * up.w + offset);
+    float y = dot(p, p);                                                       \
+    float w = filter_weight(inversesqrt(y) * up.w + offset) * footprint_mean(y);
 #else
     float scale = up.w / along;
-#define PEL_WEIGHT(i) float w = filter_weight(waves[i].phase.w * scale + offset);
+#define PEL_WEIGHT(i)                                                          \
+    float y = along * waves[i].fold.w;                                         \
+    float w = filter_weight(waves[i].phase.w * scale + offset) * footprint_mean(y * y);
 #endif
     float offset = -right.w * up.w;
     filtered f;

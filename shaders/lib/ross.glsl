@@ -29,11 +29,11 @@ float directional_variance(vec3 dir, vec2 variance)
     return dot(variance, d2) / max(d2.x + d2.y, 1e-12);
 }
 
-// Halves the error of the glitter under the horizon; not in the paper.
+// Less than half the error of the glitter under the horizon; not in the paper.
 #if defined PEL_SKY_FILTER && PEL_SKY_FILTER != 1
 const float PEL_SUN_STEEPER = 0.0;
 #else
-const float PEL_SUN_STEEPER = 0.12;
+const float PEL_SUN_STEEPER = 0.125;
 #endif
 
 // Radiance of the reflected Sun for irradiance 1 normal to its beam: eq. 15. The
@@ -45,10 +45,10 @@ float reflected_sun(vec3 view, vec3 light, vec2 variance)
     float hz = max(h.z, 1e-3);
     float s_view = sqrt(directional_variance(view, variance));
     vec2 toward = view.xy * inversesqrt(max(dot(view.xy, view.xy), 1e-12));
-    // Seen facets are steeper at grazing angles than Smith's masking says (see
-    // pel_fill_facets).
-    float sine = sqrt(max(1.0 - view.z * view.z, 1e-8));
-    vec2 slope = -h.xy / hz + toward * (PEL_SUN_STEEPER * s_view * s_view * sine / (s_view * sine + view.z));
+    // Seen facets are steeper at grazing angles than Smith's masking says, as
+    // pel_facets_seen has it for the sky; fitted with `make validate`.
+    float across = s_view * s_view * max(1.0 - view.z * view.z, 1e-8); // (cos θ / μ)²
+    vec2 slope = -h.xy / hz + toward * (PEL_SUN_STEEPER * s_view * across / (across + view.z * view.z / 16.0));
     vec2 wide = variance + disc.x;
     float p = exp(-0.5 * dot(slope * slope, 1.0 / wide)) * inversesqrt(wide.x * wide.y) /
               (2.0 * PI);

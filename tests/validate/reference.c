@@ -236,8 +236,10 @@ static void reflect(const struct reference *r, struct pel_vec3 n,
         r->light.sky_irradiance);
     out->water =
         (struct pel_rgb){ (1 - f) * w.r, (1 - f) * w.g, (1 - f) * w.b };
-    /* The widened Sun: density of the blur at the slope that would mirror it,
-     * times d²ζ = d²ω / (4 h_z³ v·h). */
+    /* The widened Sun: a Gaussian over the slopes that would mirror it, times
+     * d²ζ = d²ω / (4 n_z³ v·n) there, so that its irradiance stays; but for the
+     * slowly varying h_z it is what eq. 15 gives for slopes and blur together.
+     */
     struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(v, r->light.sun));
     double vh = fmax(pel_vec3_dot(v, h), 1e-6),
            b2 = r->light.blur * r->light.blur;
