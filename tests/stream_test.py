@@ -530,6 +530,21 @@ class Rtsp(Case):
             print(f"{transport}: {frames} frames decoded in a second")
             self.assertGreater(frames, 1)
 
+    @unittest.skipUnless(shutil.which("gst-launch-1.0"), "no gst-launch-1.0")
+    def test_gstreamer_by_udp_and_tcp(self):
+        for transport in "udp", "tcp":
+            begun = time.monotonic()
+            out = subprocess.run(
+                ["gst-launch-1.0", "-q", "rtspsrc", "latency=0",
+                 f"location=rtsp://127.0.0.1:{self.port}/bridge",
+                 f"protocols={transport}", "!", "rtph264depay", "!",
+                 "h264parse", "!", "openh264dec", "!", "identity",
+                 "eos-after=15", "!", "fakesink", "sync=false"],
+                capture_output=True, text=True, timeout=3 * SLOW_S)
+            self.assertEqual(out.returncode, 0, out.stderr)
+            print(f"gst-launch by {transport}: 15 frames decoded "
+                  f"{time.monotonic() - begun:.1f} s after its start")
+
     def test_late_joiner_gets_a_key_frame_after_play(self):
         early = RtspClient(self.port, "bridge")
         early.play()

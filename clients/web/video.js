@@ -230,7 +230,7 @@ export class Video {
       this.acknowledge(head); // waits for a key frame
       return;
     }
-    const timestamp = Math.round(head.time * 1e6);
+    const timestamp = Number(head.number); // simulated time may stand still
     this.heads.set(timestamp, head);
     try {
       this.decoder.decode(new EncodedVideoChunk({
