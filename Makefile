@@ -501,6 +501,8 @@ bench-streams: deps ## what streams cost, and their latency in Chromium
 	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/bench_streams
 	$(O)/bin/bench_streams $(or $(ARGS),--views 1$(comma)4)
 	$(Q)/usr/bin/python3 -B tests/bench/latency.py
+	$(Q)/usr/bin/python3 -B tests/stream_test.py Crowd \
+	    Rtsp.test_late_joiner_gets_a_key_frame_after_play
 
 .PHONY: bench
 bench: deps-build ## time frames, views, queries, encoders (ARGS='--quick …')
@@ -541,6 +543,7 @@ soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 6
 	$(Q)/usr/bin/python3 -B tests/soak/cigi.py
 	$(Q)SOAK=1 /usr/bin/python3 -B tests/stream_test.py \
 	    Crowd.test_stalled_among_good Rtsp.test_stalled_client_delays_nobody
+	$(Q)/usr/bin/python3 -B tests/bench/latency.py --seconds 60
 
 # --- style ---------------------------------------------------------------
 C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | sort)

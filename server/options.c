@@ -89,7 +89,8 @@ const struct pel_option pel_option_table[] = {
               "scale. Pictures that are asked for are always drawn in full." },
     { "encoder-threads", "render", PEL_OPTION_INT, "COUNT", "0", 0, 16,
       "threads", .offset = FIELD(encoder_threads),
-      .help = "Threads that encode pictures; 0 is one a core, at most 4." },
+      .help = "Threads that encode pictures; 0 is one a core, of more than 4 "
+              "cores one less, at most 16." },
     { "video-encoder", "render", PEL_OPTION_TEXT_KIND, "auto|ELEMENT", "auto",
       .offset = FIELD(video_encoder),
       .help = "GStreamer element that makes H.264 (nvh264enc, vah264enc, "

@@ -54,7 +54,8 @@ static int encoder_threads(int wanted)
     if (wanted > 0) {
         return wanted;
     }
-    return cores < 1 ? 1 : cores > 4 ? 4 : (int)cores;
+    cores = cores > 4 ? cores - 1 : cores; /* one is for drawing */
+    return cores < 1 ? 1 : cores > 16 ? 16 : (int)cores;
 }
 
 enum pel_err pel_frames_create(const struct pel_frames_options *o,

@@ -533,6 +533,19 @@ static void bench_overhead(FILE *json)
 
 /* --- the table ----------------------------------------------------------- */
 
+/* Which stage gives fewer pictures by itself; when together they give far
+ * fewer than either, they take each other's cores. */
+static const char *limit_of(size_t views, double drawn, double encoded,
+                            double both)
+{
+    int encoders = views < (size_t)line.threads ? (int)views : line.threads;
+    double most = encoded * encoders / line.threads;
+    double less = drawn < most ? drawn : most;
+    return both < 0.8 * less ? "cores"
+           : drawn < most    ? "rendering"
+                             : "encoding";
+}
+
 static void bench_row(FILE *json, size_t views, const double alone[WORKS],
                       bool first)
 {
@@ -545,11 +558,9 @@ static void bench_row(FILE *json, size_t views, const double alone[WORKS],
         fflush(stdout);
     }
     fprintf(json, "%s\n    {\"views\": %zu", first ? "" : ",", views);
-    int encoders = views < (size_t)line.threads ? (int)views : line.threads;
     for (int w = WORK_JPEG; w < WORKS; w++) {
-        double most = alone[w] * encoders / line.threads;
-        printf(" | %s",
-               rates[WORK_NONE].pictures < most ? "rendering" : "encoding");
+        printf(" | %s", limit_of(views, rates[WORK_NONE].pictures, alone[w],
+                                 rates[w].pictures));
     }
     for (int w = 0; w < WORKS; w++) {
         fprintf(json,
