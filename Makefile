@@ -516,7 +516,8 @@ $(O)/bin/lighting: $(call obj,tests/validate/lighting.c tests/validate/rowtrace.
 	$(Q)mkdir -p $(@D)
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(BENCH_LIBS)
-$(O)/bin/validate_water: $(O)/tests/validate/water.o $(O)/libserver.a
+$(O)/bin/validate_water: $(O)/tests/validate/water.o \
+    $(O)/tests/validate/watersampling.o $(O)/libserver.a
 	$(Q)mkdir -p $(@D)
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ -lm

@@ -1,4 +1,5 @@
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -67,8 +68,11 @@ enum pel_err pel_frames_optics(struct pel_frames *frames,
     }
     if (question->from == PELAGOS__OPTICS_SOURCE__MONTECARLO &&
         question->question_case != PELAGOS__OPTICS_QUERY__QUESTION_WATER) {
-        return pel_fault_value(fault, PEL_ERR_INVALID, "from", "MONTECARLO",
-                               "is for water alone");
+        enum pel_err err = pel_fault_set(fault, PEL_ERR_INVALID,
+                                         "from: MONTECARLO is for water alone");
+        snprintf(fault->path, sizeof fault->path, "from");
+        snprintf(fault->value, sizeof fault->value, "MONTECARLO");
+        return err;
     }
     const struct pel_snapshot *s = NULL;
     enum pel_err err =

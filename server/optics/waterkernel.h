@@ -29,6 +29,9 @@ struct pel_water_kernel {
                   [PEL_KERNEL_NODES][4];
 };
 
+/* 1/n²: what the kernel's radiances have over those below the surface. */
+#define PEL_KERNEL_LEAVING (1.0 / (1.34 * 1.34))
+
 /* Sine, in the water, of the zenith angle of node i: Chebyshev's extremes on
  * 0 .. 1/n. */
 double pel_kernel_sine(int i);

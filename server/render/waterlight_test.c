@@ -5,8 +5,11 @@
 #include <time.h>
 
 #include "base/clock.h"
+#include "optics/brdf.h"
+#include "optics/ordinates.h"
 #include "render/context.h"
 #include "render/rendertest.h"
+#include "render/uniforms.h"
 
 static struct pel_water_prober prober;
 
@@ -240,6 +243,110 @@ static void depths_are_levels(void **state)
     }
 }
 
+/* An overcast sky (CIE: three times as bright above as at the horizon), more
+ * of it on the Sun's side. */
+static double overcast(double elevation, double azimuth)
+{
+    return (1.0 + 2.0 * sin(elevation)) / 3.0 *
+           (1.0 + 0.8 * cos(azimuth) * cos(elevation));
+}
+
+/* As shaders/lib/sky.glsl: sky_uv. */
+static GLuint overcast_table(void)
+{
+    enum { WIDTH = 96, HEIGHT = 128, ROWS = HEIGHT / 2 };
+    static GLfloat texels[HEIGHT][WIDTH][4];
+    for (int y = ROWS; y < HEIGHT; y++) {
+        double x = (double)(y - ROWS) / (ROWS - 1), e = 0.5 * PEL_PI * x * x;
+        for (int i = 0; i < WIDTH; i++) {
+            double u = (double)i / (WIDTH - 1);
+            GLfloat v = (GLfloat)overcast(e, PEL_PI * u * u);
+            for (int c = 0; c < 3; c++) {
+                texels[y][i][c] = v;
+            }
+        }
+    }
+    GLuint table = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &table);
+    glTextureStorage2D(table, 1, GL_RGBA32F, WIDTH, HEIGHT);
+    glTextureParameteri(table, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTextureParameteri(table, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(table, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glTextureSubImage2D(table, 0, 0, 0, WIDTH, HEIGHT, GL_RGBA, GL_FLOAT,
+                        texels);
+    return table;
+}
+
+/* The solver's own answer to that sky, above the surface. */
+static void solve_sky(const struct pel_medium *m, const double (*views)[2],
+                      double want[VIEWS])
+{
+    enum { SOLVER = PEL_ORDINATES_REFERENCE };
+    struct pel_ordinates *o = pel_ordinates_create(SOLVER, 1e-7);
+    double modes[2][SOLVER], mu[VIEWS], series[2 * SOLVER * VIEWS];
+    for (int i = 0; i < SOLVER; i++) {
+        double e = 0.5 * PEL_PI - pel_ordinates_sky_node(o, i);
+        modes[0][i] = (1.0 + 2.0 * sin(e)) / 3.0;
+        modes[1][i] = 0.8 * cos(e) * modes[0][i];
+    }
+    for (int v = 0; v < VIEWS; v++) {
+        double sine = sin(views[v][0]) / PEL_WATER_INDEX;
+        mu[v] = sqrt(1.0 - sine * sine);
+    }
+    const struct pel_ordinates_light light = { .sky = modes[0],
+                                               .sky_modes = 2 };
+    int count = 0;
+    pel_ordinates_solve(o, m, &light, mu, VIEWS, series, &count, NULL);
+    for (int v = 0; v < VIEWS; v++) {
+        struct pel_geometry at = { 0.0, views[v][0], 0.0 };
+        want[v] = 0.0;
+        for (int i = 0; i < count; i++) {
+            want[v] += series[i * VIEWS + v] * cos(i * views[v][1]);
+        }
+        want[v] *= pel_interface_at(&at).leaving;
+    }
+    pel_ordinates_destroy(o);
+}
+
+/* The sky lights the water from where it is bright: ≤ 1/255 of the maximum
+ * over the views (the 32 rows and columns it is summed over leave 1/500). */
+static void sky_is_the_solvers(void **state)
+{
+    (void)state;
+    double views[VIEWS][2], want[VIEWS], worst = 0.0;
+    fill_views(views);
+    GLuint sun = prober.sun, black = prober.black;
+    const struct pel_block_light dark = { .sun_light = { 0 } };
+    prober.black = overcast_table();
+    glCreateBuffers(1, &prober.sun);
+    glNamedBufferStorage(prober.sun, sizeof dark, &dark, 0);
+    for (int k = 0; k < 6; k++) {
+        struct pel_water_body body =
+            body_of(media[k % 3], k < 3 ? 8.0 : 200.0, k < 3 ? 0.3 : 0.0);
+        struct pel_water_parts got[VIEWS];
+        look(&body, PEL_ORDERS_ALL, 1.2, views, VIEWS, got);
+        for (int c = 0; c < 3; c++) {
+            struct pel_medium m = pel_water_medium(&body, c);
+            struct worst w = { 0 };
+            solve_sky(&m, views, want);
+            for (int v = 0; v < VIEWS; v++) {
+                double sum = 0.0;
+                for (int p = 0; p < PEL_WATER_PARTS; p++) {
+                    sum += got[v].part[p][c];
+                }
+                compare(&w, sum, want[v]);
+            }
+            share(w, &worst);
+        }
+    }
+    glDeleteTextures(1, &prober.black);
+    glDeleteBuffers(1, &prober.sun);
+    prober.sun = sun;
+    prober.black = black;
+    print_message("an overcast sky: 1/%.0f of the maximum\n", 1.0 / worst);
+    assert_true(worst <= 1.0 / 255.0);
+}
+
 static int64_t cpu_ns(void)
 {
     struct timespec t;
@@ -289,6 +396,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(paper_is_eq_5),
         cmocka_unit_test(light_is_kept),
         cmocka_unit_test(depths_are_levels),
+        cmocka_unit_test(sky_is_the_solvers),
         cmocka_unit_test(costs),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,8 +1,9 @@
 /* `make validate`: the orders of scattering against a Monte Carlo of the same
  * water, over waters, depths, Suns and views; the paper's form beside them;
  * its sampling study (figs. 7 and 8). Prints progress, writes
- * build/validate/water.md and water.json; status 1 when a promise is broken.
- * --quick: a tenth of the paths. */
+ * build/validate/water.md, water.json and sampling.json; status 1 when a
+ * promise is broken. --quick: a tenth of the paths; --sampling: the study
+ * alone. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -14,6 +15,7 @@
 #include "base/clock.h"
 #include "base/vec.h"
 #include "optics/watermontecarlo.h"
+#include "watersampling.h"
 
 #define SUNS 10
 #define VIEWS 4
@@ -178,48 +180,6 @@ static double median_deep(size_t member)
     return all[count / 2];
 }
 
-/* Worst error of second order on `planes` and zeniths, of the maximum over
- * the views of one Sun, as the paper's 1/255. */
-static double sampled_error(int planes, int zeniths)
-{
-    double worst = 0.0;
-    for (int w = 0; w < WATERS; w += 5) {
-        struct pel_medium m = water(w);
-        for (int s = 0; s < SUNS; s += 3) {
-            double most = 0.0, error = 0.0;
-            for (int v = 0; v < VIEWS; v++) {
-                struct pel_geometry at = { suns[s].zenith_rad,
-                                           views[v] * PEL_DEG,
-                                           suns[s].azimuth_rad };
-                double exact = pel_transport_second(&m, &at);
-                double mine =
-                    pel_transport_second_sampled(&m, &at, planes, zeniths);
-                most = fmax(most, exact);
-                error = fmax(error, fabs(mine - exact));
-            }
-            worst = fmax(worst, error / most);
-        }
-    }
-    return worst;
-}
-
-static void sampling_study(FILE *md)
-{
-    static const int planes[] = { 4, 8, 12, 16, 24, 32, 48 };
-    static const int zeniths[] = { 8, 12, 16, 24, 32, 48, 64 };
-    fprintf(md, "\n## Sampling planes and directions (figs. 7, 8)\n\n"
-                "Worst error of the second order of the maximum over views. "
-                "Left with 96 × 192 directions, right with 48 planes. "
-                "1/255 is 0.39 %%.\n\n"
-                "| n_z | error %% | n_d | error %% |\n|---|---|---|---|\n");
-    for (int i = 0; i < 7; i++) {
-        fprintf(md, "| %d | %.3f | %d | %.3f |\n", planes[i],
-                100 * sampled_error(planes[i], 96), 2 * zeniths[i] * zeniths[i],
-                100 * sampled_error(48, zeniths[i]));
-        fprintf(stderr, "\rsampling %d/7 ", i + 1);
-    }
-}
-
 static void put_json(FILE *json)
 {
     fprintf(json, "[\n");
@@ -276,12 +236,8 @@ static int report(FILE *md)
     return total[0].chance > 0.02 || total[1].chance > 0.03;
 }
 
-int main(int argc, char **argv)
+static int validate(bool quick, FILE *md, FILE *json, int64_t start)
 {
-    bool quick = argc > 1 && strcmp(argv[1], "--quick") == 0;
-    int64_t start = pel_now_ns();
-    mkdir("build", 0777);
-    mkdir("build/validate", 0777);
     for (int w = 0; w < WATERS; w++) {
         for (int v = 0; v < VIEWS; v++) {
             struct pel_medium m = water(w);
@@ -295,16 +251,28 @@ int main(int argc, char **argv)
                     v + 1, VIEWS, 1e-9 * (double)(pel_now_ns() - start));
         }
     }
-    FILE *md = fopen("build/validate/water.md", "w");
-    FILE *json = fopen("build/validate/water.json", "w");
-    if (!md || !json) {
+    int broken = report(md);
+    put_json(json);
+    return broken;
+}
+
+int main(int argc, char **argv)
+{
+    bool quick = argc > 1 && strcmp(argv[1], "--quick") == 0;
+    bool study = argc > 1 && strcmp(argv[1], "--sampling") == 0;
+    int64_t start = pel_now_ns();
+    mkdir("build", 0777);
+    mkdir("build/validate", 0777);
+    FILE *md = fopen("build/validate/water.md", study ? "a" : "w");
+    FILE *json = fopen(study ? "/dev/null" : "build/validate/water.json", "w");
+    FILE *sampling = fopen("build/validate/sampling.json", "w");
+    if (!md || !json || !sampling) {
         perror("build/validate");
         return 1;
     }
-    int broken = report(md);
-    sampling_study(md);
-    put_json(json);
-    if (fclose(md) || fclose(json)) {
+    int broken = study ? 0 : validate(quick, md, json, start);
+    broken |= put_sampling(md, sampling) > 1e-3;
+    if (fclose(md) || fclose(json) || fclose(sampling)) {
         perror("build/validate");
         return 1;
     }

@@ -1,8 +1,9 @@
 #!/usr/bin/python3
-"""Draws docs/water.svg from build/validate/water.json: how much of the light
-of all orders each answer brings, sorted, over every geometry.
+"""Draws docs/water.svg and docs/sampling.svg from what `make validate-water`
+wrote: how much of the light of all orders each answer brings, sorted, over
+every geometry; and the error of the maps against what they are made with.
 
-water_plot.py [JSON [SVG]]
+water_plot.py [FOLDER [DOCS]]
 """
 import json
 import math
@@ -32,9 +33,7 @@ def text(x, y, words, anchor="start", colour="#111"):
             f'fill="{colour}">{words}</text>')
 
 
-def main():
-    source = sys.argv[1] if len(sys.argv) > 1 else "build/validate/water.json"
-    target = sys.argv[2] if len(sys.argv) > 2 else "docs/water.svg"
+def draw_orders(source, target):
     with open(source) as f:
         rows = json.load(f)
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" '
@@ -59,6 +58,55 @@ def main():
     out.append("</svg>\n")
     with open(target, "w") as f:
         f.write("\n".join(out))
+
+
+
+STUDY = [("planes", "#0b5fa5", "planes, n_z"), ("zeniths", "#c2410c", "zeniths"),
+         ("azimuths", "#15803d", "azimuths"), ("size", "#6b7280", "texels a side")]
+
+
+def draw_sampling(source, target):
+    """Error against each number of the sampling, both logarithmic."""
+    with open(source) as f:
+        study = json.load(f)
+    least, most, first, last = 1e-4, 1.0, 2, 96
+
+    def at(n, error):
+        x = math.log(n / first) / math.log(last / first)
+        y = math.log(most / max(error, least)) / math.log(most / least)
+        return LEFT + x * PLOT_W, TOP + y * PLOT_H
+
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" '
+           f'height="{HEIGHT}" font-family="sans-serif" font-size="12">',
+           f'<rect width="{WIDTH}" height="{HEIGHT}" fill="#fff"/>']
+    for error, words in ((1, "1"), (0.1, "0.1"), (1 / 255, "1/255"),
+                         (1e-3, "1/1000"), (1e-4, "1e-4")):
+        (x0, y), (x1, _) = at(first, error), at(last, error)
+        out.append(line([(x0, y), (x1, y)], "#d1d5db", 1))
+        out.append(text(x0 - 6, y + 4, words, "end"))
+    for n in (2, 4, 8, 16, 32, 64, 96):
+        x, y = at(n, least)
+        out.append(text(x, y + 16, str(n), "middle"))
+    for i, (name, colour, words) in enumerate(STUDY):
+        out.append(line([at(n, e) for n, e in study[name]], colour))
+        made = study["made"][i]
+        for n, e in study[name]:
+            if n == made:
+                x, y = at(n, e)
+                out.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" '
+                           f'fill="{colour}"/>')
+        out.append(text(LEFT + PLOT_W + 8, TOP + 20 + 18 * i, words, colour=colour))
+    out.append(text(LEFT, 14, "worst error of the maps, of the maximum; dots: as made"))
+    out.append("</svg>\n")
+    with open(target, "w") as f:
+        f.write("\n".join(out))
+
+
+def main():
+    folder = sys.argv[1] if len(sys.argv) > 1 else "build/validate"
+    target = sys.argv[2] if len(sys.argv) > 2 else "docs"
+    draw_orders(f"{folder}/water.json", f"{target}/water.svg")
+    draw_sampling(f"{folder}/sampling.json", f"{target}/sampling.svg")
 
 
 main()
