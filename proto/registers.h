@@ -14,7 +14,7 @@
 /* Registers of each space that can be read, from address 0. */
 #define PEL_HOLDING_COUNT 180
 #define PEL_INPUT_COUNT 40
-#define PEL_DISCRETE_COUNT 5
+#define PEL_DISCRETE_COUNT 7
 #define PEL_COIL_COUNT 2
 
 /* Order of a 32-bit value's bytes on the wire, A the most significant; of a
@@ -73,6 +73,8 @@ enum pel_register_source {
     PEL_SOURCE_ALARM_SOURCE,
     PEL_SOURCE_ALARM_NMEA,
     PEL_SOURCE_ALARM_FRAMES,
+    PEL_SOURCE_ALARM_CIGI,
+    PEL_SOURCE_ALARM_CONSOLE,
     PEL_SOURCE_STAGED,
 };
 

@@ -9,6 +9,7 @@ import socket
 import struct
 import subprocess
 import sys
+import threading
 import time
 
 from pymodbus.client import ModbusTcpClient
@@ -217,6 +218,11 @@ def several_units():
         check((view["yaw"], view["pitch"]) == (0, -5), f"no safe view: {view}")
         answer = daemon.get("/v1/views/bridge/frame.png")
         check(answer.headers["X-Pelagos-Stale"] == "modbus", answer.headers)
+        alarms = client.read_discrete_inputs(0, 7, slave=2).bits[:7]
+        check(alarms == [True, True] + [False] * 5, f"{alarms}")
+        daemon.patch({"sources": {"cigiStale": True}})
+        alarms = client.read_discrete_inputs(0, 7, slave=3).bits[:7]
+        check(alarms == [True] + [False] * 4 + [True, False], f"{alarms}")
         corner = Image.open(io.BytesIO(answer.body)).convert("RGB")
         check(corner.getpixel((0, 0)) == (255, 176, 0), "no mark")
         client.write_register(HEARTBEAT, 9, slave=2)
@@ -309,6 +315,41 @@ def malformed(daemon, port):
     check(daemon.state()["revision"] == revision, "the state changed")
 
 
+def flood(daemon, port):
+    """Sixteen clients ask without end and read what comes; one more is served
+    in its turn. Figures, and a bound that only a stall would miss."""
+    ask = struct.pack(">HHHBBHH", 7, 0, 6, 1, 3, 0, 125) * 20
+    stop, answered = threading.Event(), [0]
+
+    def pour():
+        with socket.create_connection(("127.0.0.1", port), 5) as s:
+            while not stop.is_set():
+                s.sendall(ask)
+                got = 0
+                while got < 20 * 259:
+                    got += len(s.recv(65536))
+                answered[0] += 20
+    threads = [threading.Thread(target=pour, daemon=True) for _ in range(16)]
+    before, waits = daemon.rss(), []
+    for t in threads:
+        t.start()
+    end = time.monotonic() + 2
+    while time.monotonic() < end:
+        begin = time.monotonic()
+        check(len(send_bad(port, ask[:12])) == 259, "a good client's answer")
+        waits.append(1e3 * (time.monotonic() - begin))
+        time.sleep(0.01)
+    stop.set()
+    for t in threads:
+        t.join(5)
+    waits.sort()
+    grown = (daemon.rss() - before) / (1 << 20)
+    print(f"flood: {answered[0] / 2:.0f} requests/s by 16 clients; another "
+          f"waits {waits[len(waits) // 2]:.1f} ms, p99 "
+          f"{waits[int(len(waits) * 0.99)]:.1f} ms; grown by {grown:.1f} MiB")
+    check(waits[len(waits) // 2] < 500 and grown < 8, f"{waits} {grown}")
+
+
 def slow_client(port):
     """A byte every 0.1 s is cut off, and meanwhile delays nobody."""
     good = struct.pack(">HHHBBHH", 7, 0, 6, 1, 3, 0, 2)
@@ -347,6 +388,7 @@ def main():
         client.close()
         malformed(daemon, port)
         slow_client(port)
+        flood(daemon, port)
     several_units()
     bad_options()
     print("pymodbus, mbpoll, modbus-serial, heartbeat, 1000 bad ADUs, a slow "

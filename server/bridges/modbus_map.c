@@ -169,6 +169,7 @@ static double source_value(struct pel_modbus_map *map,
                            const struct pel_register *reg)
 {
     const struct pel_modbus_inputs *in = &map->inputs;
+    const Pelagos__Sources *others = pel_scene_state(map->scene)->sources;
     bool alarm_source =
         in->source == PEL_MODBUS_STALE || in->source == PEL_MODBUS_HELD;
     switch (reg->source) {
@@ -220,7 +221,12 @@ static double source_value(struct pel_modbus_map *map,
         return sun_value(map, reg->source);
     case PEL_SOURCE_ALARM:
         return alarm_source || in->status.nmea_stale ||
-               in->status.frames_stalled;
+               in->status.frames_stalled || others->cigi_stale ||
+               others->console_stale;
+    case PEL_SOURCE_ALARM_CIGI:
+        return others->cigi_stale;
+    case PEL_SOURCE_ALARM_CONSOLE:
+        return others->console_stale;
     case PEL_SOURCE_ALARM_SOURCE:
         return alarm_source;
     case PEL_SOURCE_ALARM_NMEA:

@@ -479,7 +479,8 @@ static void answers_above_1024_descriptors(void **state)
     assert_true(fd > 1024);
     assert_int_equal(send(fd, good, sizeof good, 0), sizeof good);
     double ms = await(fd, 13, 1000);
-    assert_true(ms >= 0 && ms <= 20); /* reliability.md's bar */
+    print_message("1,200 descriptors open, then an answer in %.2f ms\n", ms);
+    assert_true(ms >= 0 && ms <= 20);
     for (int i = 0; i < HELD; i++) {
         close(held[i]);
     }
