@@ -259,6 +259,7 @@ TESTS += server/bridges/console_test.c
 TESTS += server/bridges/nmea_out_test.c
 TESTS += server/bridges/cigi_packet_test.c
 TESTS += server/bridges/cigi_test.c
+TESTS += server/bridges/cigi_weather_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c

@@ -211,20 +211,20 @@ static Pelagos__Entity *entity_of(const Pelagos__State *state, uint32_t id)
 /* Before the edit: poses that it touches are brought to their new time. A NaN
  * or a time out of range leaves the pose: the test will refuse it. */
 static void reckon_patched(Pelagos__State *state, const Pelagos__State *patch,
-                           double time_s)
+                           double time_s, double most_s)
 {
     for (size_t i = 0; i < patch->n_entities; i++) {
         const Pelagos__Entity *with = patch->entities[i];
         Pelagos__Entity *entity = entity_of(state, with->id);
         double at = with->has_pose_time ? with->pose_time : time_s;
         if (entity && touches_pose(with) && isfinite(at)) {
-            reckon(entity, at, state->clock->reckoning);
+            reckon(entity, at, most_s);
         }
     }
 }
 
 static void reckon_removed(Pelagos__State *state, const char *path,
-                           double time_s)
+                           double time_s, double most_s)
 {
     struct pel_path_info info;
     const char *dot = strchr(path, '.');
@@ -239,7 +239,7 @@ static void reckon_removed(Pelagos__State *state, const char *path,
     if (strcmp(info.info->name, "name") != 0 &&
         pel_path_get(state, element, id, sizeof id, NULL) == PEL_OK) {
         reckon(entity_of(state, (uint32_t)strtoul(id, NULL, 10)), time_s,
-               state->clock->reckoning);
+               most_s);
     }
 }
 
@@ -341,14 +341,14 @@ static bool brings_element(const Pelagos__State *patch, const char *path)
 static enum pel_err remove_all(Pelagos__State *state,
                                const Pelagos__Patch *patch,
                                const Pelagos__State *brought, double time_s,
-                               struct pel_fault *fault)
+                               double most_s, struct pel_fault *fault)
 {
     for (size_t i = 0; i < patch->n_remove; i++) {
         const char *path = patch->remove[i];
         struct pel_path_info info;
         enum pel_err err = pel_path_find(path, &info, fault);
         if (!err) {
-            reckon_removed(state, path, time_s);
+            reckon_removed(state, path, time_s, most_s);
             err = pel_path_remove(state, path, fault);
         }
         if (err == PEL_ERR_NOT_FOUND && info.info &&
@@ -380,10 +380,11 @@ static double time_after(const Pelagos__State *from,
 }
 
 /* Poses stay where they are when the clock is set. */
-static void carry_poses(Pelagos__State *state, double before, double after)
+static void carry_poses(Pelagos__State *state, double before, double after,
+                        double most_s)
 {
     for (size_t i = 0; i < state->n_entities; i++) {
-        reckon(state->entities[i], before, state->clock->reckoning);
+        reckon(state->entities[i], before, most_s);
         state->entities[i]->pose_time = after;
     }
 }
@@ -418,15 +419,16 @@ enum pel_err pel_state_apply(const Pelagos__State *from,
         patch->state ? (Pelagos__State *)pel_message_copy(&patch->state->base)
                      : NULL;
     double time_s = time_after(from, patch);
+    double most_s = from->clock->reckoning; /* the patch may remove the clock */
     if (time_s != from->clock->time && isfinite(time_s)) {
-        carry_poses(state, from->clock->time, time_s);
+        carry_poses(state, from->clock->time, time_s, most_s);
     }
-    err = remove_all(state, patch, brought, time_s, fault);
+    err = remove_all(state, patch, brought, time_s, most_s, fault);
     if (!err && brought) {
         err = resolve_names(state, brought, fault);
     }
     if (!err && brought) {
-        reckon_patched(state, brought, time_s);
+        reckon_patched(state, brought, time_s, most_s);
         merge(&state->base, &brought->base);
     }
     if (!err && brought && leads(state, brought)) {

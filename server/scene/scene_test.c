@@ -57,6 +57,29 @@ static double number(struct pel_scene *scene, const char *path)
     return strtod(text, NULL);
 }
 
+/* What a clock that is reset leaves undefined is not used for the poses. */
+static void a_clock_is_reset_with_a_ship_under_way(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL);
+    struct pel_fault fault;
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    Pelagos__State part = PELAGOS__STATE__INIT;
+    Pelagos__Entity ship = PELAGOS__ENTITY__INIT, *ships = &ship;
+    char *paths[] = { "clock", "entities.1.heading" };
+    ship.has_id = ship.has_speed = true;
+    ship.id = 1;
+    ship.speed = 4;
+    part.n_entities = 1;
+    part.entities = &ships;
+    patch.state = &part;
+    patch.n_remove = 2;
+    patch.remove = paths;
+    assert_int_equal(pel_scene_patch(scene, &patch, &fault), PEL_OK);
+    assert_true(pel_scene_state(scene)->clock->reckoning == 60);
+    pel_scene_destroy(scene);
+}
+
 static void defaults_are_all_there(void **state)
 {
     (void)state;
@@ -481,6 +504,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults_are_all_there),
+        cmocka_unit_test(a_clock_is_reset_with_a_ship_under_way),
         cmocka_unit_test(water_is_described),
         cmocka_unit_test(refusals_change_nothing),
         cmocka_unit_test(binary_values_are_tested_too),

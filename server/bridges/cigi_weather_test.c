@@ -1,0 +1,196 @@
+/* CIGI's weather, waves and water on the scene. */
+#include "bridges/cigi_testkit.h"
+
+static void waves_are_of_the_sea(void **state)
+{
+    (void)state;
+    begin();
+    with(PEL_CIGI_KIND_WAVE, PEL_CIGI_WAVE_ID, 1.0, PEL_CIGI_WAVE_ENABLE, 1.0,
+         PEL_CIGI_WAVE_HEIGHT, 2.0, PEL_CIGI_WAVE_PERIOD, 9.0,
+         PEL_CIGI_WAVE_DIRECTION, 90.0, PEL_CIGI_WAVE_PHASE, -90.0, 0);
+    train(9, 1, 1);
+    send();
+    const Pelagos__Sea *sea = pel_scene_state(scene)->sea;
+    assert_int_equal(sea->n_wave, 2);
+    assert_near(sea->wave[0]->height, 2, 0);
+    assert_near(sea->wave[0]->period, 9, 0);
+    assert_near(sea->wave[0]->direction, 270, 0);
+    assert_near(sea->wave[0]->phase, 270, 0);
+    begin();
+    train(1, 2, 0);
+    send();
+    sea = pel_scene_state(scene)->sea;
+    assert_int_equal(sea->n_wave, 1);
+    assert_near(sea->wave[0]->height, 1, 0);
+    begin();
+    train(9, 2, 0);
+    send();
+    assert_int_equal(pel_scene_state(scene)->sea->n_wave, 0);
+    begin();
+    for (int i = 0; i < 9; i++) {
+        train(i, 1, 1);
+    }
+    send();
+    assert_int_equal(pel_scene_state(scene)->sea->n_wave, 8);
+    assert_int_equal(pel_cigi_counters(cigi)->skipped_packets, 1);
+}
+
+/* One wave on a calm sea: its crest, and the tide below it, where HOT asks. */
+static void a_crest_stands_where_it_was_ordered(void **state)
+{
+    (void)state;
+    begin();
+    with(PEL_CIGI_KIND_ATMOSPHERE, PEL_CIGI_ATMOSPHERE_ENABLE, 1.0,
+         PEL_CIGI_ATMOSPHERE_VISIBILITY, 20000.0, 0);
+    train(1, 2, 1);
+    with(PEL_CIGI_KIND_MARITIME, PEL_CIGI_MARITIME_ENABLE, 1.0,
+         PEL_CIGI_MARITIME_HEIGHT, 3.5, PEL_CIGI_MARITIME_CLARITY, 50.0, 0);
+    send();
+    assert_near(pel_scene_state(scene)->sea->level, 3.5, 0);
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    struct pel_vec2 origin = { 0, 0 };
+    struct pel_surface_sample crest;
+    pel_snapshot_surface(s, &origin, 1, 0, false, &crest);
+    pel_snapshot_unref(s);
+    assert_near(crest.height_m, 4.5, 1e-9);
+    begin();
+    with(PEL_CIGI_KIND_MARITIME, PEL_CIGI_MARITIME_ENABLE, 1.0,
+         PEL_CIGI_MARITIME_HEIGHT, 20.5, 0);
+    send();
+    assert_int_equal(pel_cigi_counters(cigi)->refused_edits, 1);
+    assert_near(pel_scene_state(scene)->sea->level, 3.5, 0);
+}
+
+/* A wavelength alone: deep-water dispersion. */
+static void a_wavelength_gives_the_period(void **state)
+{
+    (void)state;
+    begin();
+    with(PEL_CIGI_KIND_WAVE, PEL_CIGI_WAVE_ENABLE, 1.0, PEL_CIGI_WAVE_HEIGHT,
+         1.0, PEL_CIGI_WAVE_LENGTH, 156.07, 0);
+    send();
+    assert_near(pel_scene_state(scene)->sea->wave[0]->period, 10, 1e-3);
+}
+
+static void weather_is_of_the_region_the_view_is_in(void **state)
+{
+    (void)state;
+    begin();
+    wind(5, 100, 20000);
+    with(PEL_CIGI_KIND_REGION, PEL_CIGI_REGION_ID, 3.0, PEL_CIGI_REGION_STATE,
+         1.0, PEL_CIGI_REGION_LATITUDE, 52.6, PEL_CIGI_REGION_LONGITUDE, 5.2,
+         PEL_CIGI_REGION_X, 2000.0, PEL_CIGI_REGION_Y, 2000.0, 0);
+    with(PEL_CIGI_KIND_WEATHER, PEL_CIGI_WEATHER_REGION, 3.0,
+         PEL_CIGI_WEATHER_SCOPE, 1.0, PEL_CIGI_WEATHER_ENABLE, 1.0,
+         PEL_CIGI_WEATHER_VISIBILITY, 900.0, PEL_CIGI_WEATHER_WIND, 12.0,
+         PEL_CIGI_WEATHER_WIND_DIRECTION, 200.0, 0);
+    send();
+    const Pelagos__State *s = pel_scene_state(scene);
+    assert_near(s->sea->wind_speed, 12, 0);
+    assert_near(s->sea->wind_direction, 200, 0);
+    assert_near(s->sky->visibility, 900, 0);
+    begin();
+    place_ship(1, 52.62, 0); /* 2.2 km north */
+    send();
+    begin(); /* the view is where the ship is since the frame before */
+    send();
+    s = pel_scene_state(scene);
+    assert_near(s->sea->wind_speed, 5, 0);
+    assert_near(s->sky->visibility, 20000, 0);
+}
+
+/* A region of 2 km with 1 km around it in which its weather comes. */
+static void weather_goes_over_across_the_transition(void **state)
+{
+    (void)state;
+    /* Latitudes 1000, 1250, 1500 and 2100 m north of the centre. */
+    const double north_m[] = { 999, 1250, 1500, 2001 };
+    const double share[] = { 1, 0.75, 0.5, 0 };
+    double last_mps = 12;
+    begin();
+    wind(4, 200, 20000);
+    with(PEL_CIGI_KIND_REGION, PEL_CIGI_REGION_ID, 3.0, PEL_CIGI_REGION_STATE,
+         1.0, PEL_CIGI_REGION_LATITUDE, 52.6, PEL_CIGI_REGION_LONGITUDE, 5.2,
+         PEL_CIGI_REGION_X, 2000.0, PEL_CIGI_REGION_Y, 2000.0,
+         PEL_CIGI_REGION_TRANSITION, 1000.0, 0);
+    with(PEL_CIGI_KIND_WEATHER, PEL_CIGI_WEATHER_REGION, 3.0,
+         PEL_CIGI_WEATHER_SCOPE, 1.0, PEL_CIGI_WEATHER_ENABLE, 1.0,
+         PEL_CIGI_WEATHER_VISIBILITY, 500.0, PEL_CIGI_WEATHER_WIND, 12.0,
+         PEL_CIGI_WEATHER_WIND_DIRECTION, 200.0, 0);
+    with(PEL_CIGI_KIND_MARITIME, PEL_CIGI_MARITIME_ENABLE, 1.0,
+         PEL_CIGI_MARITIME_CLARITY, 50.0, 0);
+    with(PEL_CIGI_KIND_MARITIME, PEL_CIGI_MARITIME_REGION, 3.0,
+         PEL_CIGI_MARITIME_SCOPE, 1.0, PEL_CIGI_MARITIME_ENABLE, 1.0,
+         PEL_CIGI_MARITIME_HEIGHT, 4.0, PEL_CIGI_MARITIME_CLARITY, 50.0, 0);
+    send();
+    for (size_t i = 0; i < sizeof share / sizeof *share; i++) {
+        begin();
+        /* 111,278 m a degree there; the view follows a frame later. */
+        place_ship(1, 52.6 + north_m[i] / 111278, 0);
+        send();
+        begin();
+        send();
+        const Pelagos__State *s = pel_scene_state(scene);
+        assert_near(s->sea->level, 4 * share[i], 0.01);
+        assert_near(log(s->sky->visibility),
+                    log(20000) + share[i] * log(500.0 / 20000), 0.01);
+        /* To half a step. */
+        assert_near(s->sea->wind_speed, 4 + 8 * share[i], 0.25);
+        assert_near(s->sea->wind_direction, 200, 2.5);
+        assert_true(s->sea->wind_speed <= last_mps);
+        last_mps = s->sea->wind_speed;
+    }
+    assert_near(last_mps, 4, 0);
+}
+
+static void components_give_whole_sea_states(void **state)
+{
+    (void)state;
+    float mps = 14, from = 225, fetch = 90000;
+    uint32_t words[3];
+    memcpy(&words[0], &mps, 4);
+    memcpy(&words[1], &from, 4);
+    memcpy(&words[2], &fetch, 4);
+    begin();
+    with(PEL_CIGI_KIND_COMPONENT, PEL_CIGI_COMPONENT_ID, 1.0,
+         PEL_CIGI_COMPONENT_CLASS, 7.0, PEL_CIGI_COMPONENT_STATE, 1.0,
+         PEL_CIGI_COMPONENT_DATA1, (double)words[0], PEL_CIGI_COMPONENT_DATA2,
+         (double)words[1], PEL_CIGI_COMPONENT_DATA3, (double)words[2],
+         PEL_CIGI_COMPONENT_DATA5, 77.0, 0);
+    send();
+    const Pelagos__Sea *sea = pel_scene_state(scene)->sea;
+    assert_near(sea->wind_speed, 14, 0);
+    assert_near(sea->wind_direction, 225, 0);
+    assert_near(sea->fetch, 90000, 0);
+    assert_int_equal(sea->spectrum, PELAGOS__SPECTRUM_KIND__JONSWAP);
+    assert_int_equal(sea->seed, 77);
+    begin();
+    with(PEL_CIGI_KIND_SHORT_COMPONENT, PEL_CIGI_SHORT_COMPONENT_ID, 2.0,
+         PEL_CIGI_SHORT_COMPONENT_CLASS, 7.0, PEL_CIGI_SHORT_COMPONENT_STATE,
+         4.0, PEL_CIGI_SHORT_COMPONENT_DATA1, (double)words[1], 0);
+    send();
+    /* Beaufort 4: 0.836 · 8 m/s */
+    assert_near(pel_scene_state(scene)->sea->wind_speed, 6.688, 1e-12);
+    begin();
+    with(PEL_CIGI_KIND_COMPONENT, PEL_CIGI_COMPONENT_ID, 1.0,
+         PEL_CIGI_COMPONENT_CLASS, 7.0, PEL_CIGI_COMPONENT_DATA1,
+         (double)0x7f800001u, 0);
+    send(); /* NaN */
+    assert_int_equal(pel_cigi_counters(cigi)->refused_edits, 1);
+    assert_near(pel_scene_state(scene)->sea->wind_speed, 6.688, 1e-12);
+}
+
+int main(void)
+{
+#define TEST(name)                                                             \
+    cmocka_unit_test_setup_teardown(name, open_bridge, close_bridge)
+    const struct CMUnitTest tests[] = {
+        TEST(waves_are_of_the_sea),
+        TEST(a_crest_stands_where_it_was_ordered),
+        TEST(a_wavelength_gives_the_period),
+        TEST(weather_is_of_the_region_the_view_is_in),
+        TEST(weather_goes_over_across_the_transition),
+        TEST(components_give_whole_sea_states),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
