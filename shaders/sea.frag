@@ -16,6 +16,7 @@
 #include "lib/water.glsl"
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
+#include "lib/haze.glsl"
 #include "lib/vertex.glsl"
 #include "lib/sea.glsl"
 #include "lib/tone.glsl"

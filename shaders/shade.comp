@@ -19,8 +19,15 @@
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"
+#include "lib/haze.glsl"
 #include "lib/vertex.glsl"
+#ifdef PEL_SEABED
+#include "lib/seabed.glsl"
+#endif
 #include "lib/sea.glsl"
+#ifdef PEL_SEABED
+#include "lib/coast.glsl"
+#endif
 #include "lib/tone.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -60,11 +67,15 @@ void main()
     uint key = keys[place];
     uint triangle = 0xFFFFFFFFu - key;
     shaded s;
+#ifdef PEL_SEABED
+    s = shade_coast(at, key == 0u ? 0u : triangle);
+#else
     if (key == 0u) {
         s = shade_backdrop(at);
     } else {
         s = shade_sea(at, triangle);
     }
+#endif
     if ((wanted & LAST_PASS) != 0) {
         keys[place] = 0u;
     }

@@ -11,6 +11,7 @@ static void delete_sea_programs(struct pel_sea_programs *p)
         glDeleteProgram(p->near[i]);
         glDeleteProgram(p->far[i]);
         glDeleteProgram(p->compute[i]);
+        glDeleteProgram(p->coast[i]);
     }
     glDeleteProgram(p->mesh);
     *p = (struct pel_sea_programs){ 0 };
@@ -35,31 +36,34 @@ static const char *const kind_defines[PEL_SHADE_COUNT] = {
 
 static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
                                      int waves, enum pel_shading kind,
-                                     GLuint *out, struct pel_fault *fault)
+                                     bool coast, GLuint *out,
+                                     struct pel_fault *fault)
 {
     if (*out) {
         return PEL_OK;
     }
-    char defines[192];
+    char defines[224];
     bool unroll = all->software && waves <= MAX_UNROLLED_WAVES;
     snprintf(defines, sizeof defines,
-             "#define PEL_WAVES %d\n%s%s%s"
+             "#define PEL_WAVES %d\n%s%s%s%s"
              "#define PEL_ANISOTROPY %d\n#define PEL_SKY_FILTER %d\n",
              waves, cascades ? "#define PEL_FFT\n" : "",
              unroll ? "#define PEL_UNROLL\n" : "", kind_defines[kind],
-             all->filtering->anisotropy, (int)all->filtering->sky);
+             coast ? "#define PEL_SEABED\n" : "", all->filtering->anisotropy,
+             (int)all->filtering->sky);
     if (all->compute) {
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);
     }
-    return pel_program_create(all->shader_dir, "screen.vert", "sea.frag",
-                              defines, out, fault);
+    return pel_program_create(all->shader_dir, "screen.vert",
+                              coast ? "coast.frag" : "sea.frag", defines, out,
+                              fault);
 }
 
 /* Makes the programs that this kind of sea and picture wants; those with
  * layers most never are. */
 static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
-                                      enum pel_shading kind,
+                                      enum pel_shading kind, bool coast,
                                       struct pel_fault *fault)
 {
     struct pel_sea_programs *p = cascades ? &all->cascades : &all->trochoids;
@@ -76,18 +80,22 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
         err = pel_program_create(all->shader_dir, "search.comp", NULL, NULL,
                                  &all->search, fault);
     }
+    if (err == PEL_OK && coast) {
+        err = make_sea_program(all, cascades, all->waves, kind, true,
+                               &p->coast[kind], fault);
+    }
     if (err == PEL_OK && all->compute) {
-        return make_sea_program(all, cascades, all->waves, kind,
+        return make_sea_program(all, cascades, all->waves, kind, false,
                                 &p->compute[kind], fault);
     }
     if (err == PEL_OK) {
-        err = make_sea_program(all, cascades, all->waves, kind, &p->near[kind],
-                               fault);
+        err = make_sea_program(all, cascades, all->waves, kind, false,
+                               &p->near[kind], fault);
     }
     /* The first picture does without it, a quarter of a second sooner: zero
      * weights add nothing, so the bits are the same. */
     if (err == PEL_OK && !cascades && all->settled) {
-        err = make_sea_program(all, cascades, PEL_FAR_WAVES, kind,
+        err = make_sea_program(all, cascades, PEL_FAR_WAVES, kind, false,
                                &p->far[kind], fault);
     }
     if (err == PEL_OK && !all->backdrop[kind]) {
@@ -100,10 +108,10 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
 
 enum pel_err pel_programs_need(struct pel_programs *all,
                                const struct pel_sea *sea, enum pel_shading kind,
-                               struct pel_fault *fault)
+                               bool coast, struct pel_fault *fault)
 {
     if (sea->cascades) {
-        return need_sea_programs(all, true, kind, fault);
+        return need_sea_programs(all, true, kind, coast, fault);
     }
     /* Steps of the written-out sums, so that few programs are ever made. */
     static const int steps[] = { 24, 40, 48, 60, 64, 80, 96, 112, 128, 256 };
@@ -118,7 +126,7 @@ enum pel_err pel_programs_need(struct pel_programs *all,
         delete_sea_programs(&all->trochoids);
         all->waves = waves;
     }
-    return need_sea_programs(all, false, kind, fault);
+    return need_sea_programs(all, false, kind, coast, fault);
 }
 
 enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,

@@ -26,6 +26,7 @@ struct pel_sea_programs {
     GLuint near[PEL_SHADE_COUNT];    /* fragments, all waves */
     GLuint far[PEL_SHADE_COUNT];     /* fragments, PEL_FAR_WAVES of them */
     GLuint compute[PEL_SHADE_COUNT]; /* sky, sea and colour in one dispatch */
+    GLuint coast[PEL_SHADE_COUNT];   /* either of them, with land and bottom */
 };
 
 struct pel_programs {
@@ -49,8 +50,9 @@ PEL_CHECK enum pel_err pel_programs_init(struct pel_programs *p,
                                          struct pel_fault *fault);
 void pel_programs_finish(struct pel_programs *p);
 
-/* Makes the programs that this sea wants for a picture. */
+/* Makes the programs that this sea wants for a picture; `coast`: also those
+ * over a height field. */
 PEL_CHECK enum pel_err pel_programs_need(struct pel_programs *p,
                                          const struct pel_sea *sea,
-                                         enum pel_shading kind,
+                                         enum pel_shading kind, bool coast,
                                          struct pel_fault *fault);

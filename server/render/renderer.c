@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "render/arena.h"
+#include "render/coast.h"
 #include "render/context.h"
 #include "render/mark.h"
 #include "render/mesh.h"
@@ -25,7 +26,7 @@
 /* Uniform blocks and rings of one view, with alignment. */
 #define VIEW_UNIFORM_BYTES                                                     \
     (sizeof(struct pel_block_waves) + sizeof(struct pel_block_view) +          \
-     sizeof(struct pel_block_eye) * 2 +                                        \
+     sizeof(struct pel_block_eye) * 2 + sizeof(struct pel_block_seabed) +      \
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 #define VERTEX_BYTES 32
 #define RASTER_MARGIN 128 /* MARGIN of shaders/surface.vert */
@@ -68,6 +69,9 @@ struct pel_renderer {
     struct pel_mesh *mesh;
     struct pel_block_waves *wave_block;
     short tiles[PEL_MAX_TILES];
+    struct pel_seabed_map seabed;
+    uint8_t coast[PEL_MAX_TILES]; /* of the view being drawn */
+    bool any_coast;
 };
 
 const char *pel_stage_name(enum pel_stage stage)
@@ -210,6 +214,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_programs_finish(&r->programs);
         pel_prober_finish(&r->prober);
         pel_water_prober_finish(&r->water_prober);
+        pel_seabed_map_finish(&r->seabed);
         pel_wavefield_finish(&r->wavefield);
         glDeleteBuffers(1, &r->vertices);
         glDeleteBuffers(1, &r->facets);
@@ -381,8 +386,18 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     glDepthMask(GL_FALSE);
 }
 
+/* Runs of tiles of one kind: 0 near, 1 far, 2 coast. */
+static int kind_of_tile(const struct pel_renderer *r, bool has_far, int tile)
+{
+    if (r->any_coast && r->coast[tile]) {
+        return 2;
+    }
+    return has_far && r->tiles[tile] <= PEL_FAR_WAVES;
+}
+
 /* Sea where the surface was drawn, sky where it was not: the depth test tells
- * them apart before a pixel is shaded. */
+ * them apart before a pixel is shaded. Tiles with a coast tell for
+ * themselves. */
 static void shade(struct pel_renderer *r, const struct pel_camera *c,
                   const struct pel_sea_programs *p, enum pel_shading kind)
 {
@@ -401,17 +416,20 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     int across = ((int)c->width + PEL_TILE - 1) / PEL_TILE;
     int down = ((int)c->height + PEL_TILE - 1) / PEL_TILE;
     for (int y = 0; y < down; y++) {
-        const short *row = &r->tiles[y * across];
+        const int row = y * across;
+        const GLuint programs[] = { p->near[kind], p->far[kind],
+                                    p->coast[kind] };
         for (int x = 0, end; x < across; x = end) {
-            bool far = p->far[kind] && row[x] <= PEL_FAR_WAVES;
+            int tile = kind_of_tile(r, p->far[kind], row + x);
             for (end = x + 1;
                  end < across &&
-                 (p->far[kind] && row[end] <= PEL_FAR_WAVES) == far;) {
+                 kind_of_tile(r, p->far[kind], row + end) == tile;) {
                 end++;
             }
             glScissor(x * PEL_TILE, y * PEL_TILE, (end - x) * PEL_TILE,
                       PEL_TILE);
-            glUseProgram(far ? p->far[kind] : p->near[kind]);
+            glUseProgram(programs[tile]);
+            glDepthFunc(tile == 2 ? GL_ALWAYS : GL_LESS);
             glDrawArrays(GL_TRIANGLES, 0, 3);
         }
     }
@@ -440,7 +458,7 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
         glBindImageTexture(1, r->targets.color, 0, GL_FALSE, 0, GL_WRITE_ONLY,
                            GL_RGBA8);
     }
-    glUseProgram(p->compute[kind]);
+    glUseProgram(r->any_coast ? p->coast[kind] : p->compute[kind]);
     glUniform1i(0, wanted);
     glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
     glMemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT |
@@ -501,6 +519,15 @@ static enum pel_err draw_view(struct pel_renderer *r,
         cascades ? &r->programs.cascades : &r->programs.trochoids;
     pel_tiles_plan(c, height_m, mesh_eye.pixel, &r->filtering, env->sea,
                    r->tiles);
+    r->any_coast = env->seabed &&
+                   pel_coast_plan(env, &r->seabed, c,
+                                  pel_seabed_visible_m(&env->water), r->coast);
+    if (r->any_coast) {
+        struct pel_block_seabed block;
+        pel_seabed_map_bind(&r->seabed);
+        pel_fill_seabed(env, &r->seabed, c->east_m, c->north_m, &block);
+        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 9, &block, sizeof block);
+    }
     struct pel_block_eye eye;
     bool submerged = is_submerged(env, c);
     pel_fill_eye(height_m, table_height_m, submerged, r->mesh, &eye);
@@ -629,12 +656,14 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         return PEL_ERR_BUSY;
     }
     struct pel_fault fault;
+    bool coast = env->seabed != NULL;
     for (size_t i = 0; i < count; i++) {
-        enum pel_err err = pel_programs_need(
-            &r->programs, env->sea, shading_of(r, draws[i].layers), &fault);
+        enum pel_err err =
+            pel_programs_need(&r->programs, env->sea,
+                              shading_of(r, draws[i].layers), coast, &fault);
         if (!err && (draws[i].layers & PEL_WATER_PART_LAYERS)) {
             err = pel_programs_need(&r->programs, env->sea, PEL_SHADE_PARTS,
-                                    &fault);
+                                    coast, &fault);
         }
         if (err != PEL_OK) {
             pel_error("RND-040", "%s", fault.message);
@@ -651,6 +680,14 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     }
     struct pel_environment here = *env;
     here.sun = pel_sky_quantize_sun(env->sun);
+    err = pel_seabed_map_fit(&r->seabed, env->seabed);
+    if (err != PEL_OK) {
+        pel_arena_end(&r->arena);
+        return err;
+    }
+    if (env->seabed) {
+        here.depths = pel_seabed_depths(env);
+    }
     stage_begin(r);
     struct pel_block_frame frame;
     pel_fill_frame(&here, &frame);

@@ -116,6 +116,24 @@ PEL_BLOCK(4, light) {
     vec4 sea_light; /* rgb the water's radiance, seen at 37° across the Sun */
 };
 
+/* Levels of seabed_tops, the highest nodes of squares: level k has one for each
+ * square of 2^(k+1) spaces between nodes, borders and all. */
+#define PEL_SEABED_TOP_LEVELS 11
+
+/* One for an eye over a height field (render/seabedmap.h). */
+PEL_BLOCK(9, seabed) {
+    vec4 bed_place;  /* xy the eye's nadir in nodes; z nodes a metre; w metres between nodes */
+    vec4 bed_size;   /* columns, rows; z highest, above the sea's zero, m; w the file's zero
+                        above it, m */
+    vec4 bed_beyond; /* x height beyond the field, m; y up to where waves wet the land, m;
+                        z levels of seabed_tops; w 1 with caustics */
+    vec4 bed_wet;    /* rgb albedo of wet land */
+    vec4 bed_dry;    /* rgb of dry land and under water */
+    vec4 bed_level[PEL_SEABED_TOP_LEVELS]; /* of seabed_tops: x place of the first, y columns,
+                                              z rows */
+    vec4 bed_blur;   /* rgb how much faster the Sun's beam fades than all light, 1/m */
+};
+
 /* Light inside the water (render/waterlight.h). Sizes of its maps: nodes of
  * beams and of lines of sight, modes in azimuth, planes, zenith angles in each
  * hemisphere and azimuths in half a circle, texels a side, rows of sky. */

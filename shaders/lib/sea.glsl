@@ -4,7 +4,6 @@
 
 layout(std430, binding = 0) restrict readonly buffer vertices_block { vertex vertices[]; };
 layout(binding = 1) uniform sampler2D reflection_map;
-layout(binding = 4) uniform sampler2D eye_haze;
 
 #ifdef PEL_LAYERS
 // The waves finer than the mesh move the surface off its triangle: Newton's
@@ -40,11 +39,16 @@ float surface_distance(filtered f, vec2 x, vec3 ray, float t, vec2 sight, float 
 }
 #endif
 
-shaded shade_sea(ivec2 at, uint triangle)
-{
-    vec3 ray = pixel_ray(lattice(at));
+// A triangle of the mesh, cut by a ray.
+struct cut {
+    vec2 x;     // place at rest
+    float t;    // distance, in lengths of the ray
+    vec3 facet; // the triangle's normal
+};
 
-    // The triangle, cut by the ray in homogeneous barycentrics.
+// In homogeneous barycentrics.
+cut cut_triangle(vec3 ray, uint triangle)
+{
     uint id = max(triangle, 1u) - 1u;
     int i0 = int(id >> 1u);
     vec4 a4 = vertices[i0].position;
@@ -57,9 +61,20 @@ shaded shade_sea(ivec2 at, uint triangle)
                        dot(ray, cross(a, b - a)));
     weight = clamp(weight / (weight.x + weight.y + weight.z), 0.0, 1.0);
     weight /= weight.x + weight.y + weight.z;
-    vec2 x = weight.x * vertices[i0].rest.xy + weight.y * vertices[i0 - 1].rest.xy +
-             weight.z * vertices[i2].rest.xy;
-    float t = -dot(weight.x * a + weight.y * b + weight.z * c, back.xyz);
+    cut result;
+    result.x = weight.x * vertices[i0].rest.xy + weight.y * vertices[i0 - 1].rest.xy +
+               weight.z * vertices[i2].rest.xy;
+    result.t = -dot(weight.x * a + weight.y * b + weight.z * c, back.xyz);
+    result.facet = normalize(cross(b - a, c - a));
+    return result;
+}
+
+shaded shade_sea(ivec2 at, uint triangle)
+{
+    vec3 ray = pixel_ray(lattice(at));
+    cut hit = cut_triangle(ray, triangle);
+    vec2 x = hit.x;
+    float t = hit.t;
 
     // The patch's frame: the sphere's up at its place.
     float ray_length = sqrt(dot(ray, ray));
@@ -73,8 +88,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     // Length of the pixel on the surface, along the line of sight: on the mean
     // plane, longer where the waves turn their backs, as crests do before they
     // hide what is behind.
-    vec3 facet = normalize(cross(b - a, c - a));
-    float facing = clamp(abs(dot(facet, dir)), 0.15 * v.z, v.z);
+    float facing = clamp(abs(dot(hit.facet, dir)), 0.15 * v.z, v.z);
     float across = t * pixel.x;
     float footprint = across / max(facing, 0.002);
     vec2 sight = dir.xy * inversesqrt(max(dot(dir.xy, dir.xy), 1e-12));
@@ -89,14 +103,17 @@ shaded shade_sea(ivec2 at, uint triangle)
     float hidden = 1.0 - smoothstep(-edge, edge, dot(n, v));
     vec3 n_seen = normalize(mix(n, vec3(0.0, 0.0, 1.0), hidden));
     vec2 variance_seen = mix(variance, wind.zw, hidden);
-    lit parts = sea_radiance(reflection_map, v, sun_dir, n_seen, variance_seen, 1e3);
+#ifdef PEL_SEABED
+    vec2 bottom;
+    float depth = seabed_depth(dir.xy * range, sight_height(dir, range), v, n_seen, bottom);
+#else
+    const float depth = 1e5; // the deepest there is
+#endif
+    lit parts = sea_radiance(reflection_map, v, sun_dir, n_seen, variance_seen, depth);
     vec3 light = parts.sun + parts.sky + parts.water;
 
-    // The air between: towards its equilibrium radiance.
-    vec2 table = vec2(textureSize(eye_table, 0));
-    vec2 uv = sky_uv(azimuth_from_sun(dir.xy), min(angle_above_horizon(dir), -1e-7), table);
-    vec3 through = exp(-textureLod(eye_haze, uv, 0.0).rgb * (range * (1.0 - water.w)));
-    vec3 air = textureLod(eye_table, uv, 0.0).rgb * (1.0 - through);
+    vec3 air;
+    vec3 through = haze(dir, range, air);
     light = light * through + air;
     shaded result;
     result.radiance = from_under_water(light, dir.z);

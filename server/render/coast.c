@@ -1,0 +1,164 @@
+#include "render/coast.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/vec.h"
+#include "optics/atmosphere.h"
+
+#define BINS 512        /* of azimuth */
+#define MOST_SQUARES 64 /* a side: so coarse a field is enough */
+
+/* What there is to see in a direction: from where to where, and how high its
+ * top stands, as a tangent above the level. */
+struct bin {
+    double near_m, far_m, top;
+};
+
+struct panorama {
+    double height_m; /* of the eye */
+    bool everywhere;
+    struct bin bins[BINS];
+};
+
+static int bin_of(double azimuth)
+{
+    double turns = azimuth / (2.0 * PEL_PI);
+    int bin = (int)((turns - floor(turns)) * BINS);
+    return bin < BINS ? bin : BINS - 1;
+}
+
+/* A disc on the ground, of height top_m above the sea (-HUGE_VAL: below it). */
+static void add_disc(struct panorama *p, double east_m, double north_m,
+                     double radius_m, double top_m)
+{
+    double distance = hypot(east_m, north_m);
+    double near = distance - radius_m, far = distance + radius_m;
+    double half = near > 0 ? asin(fmin(radius_m / distance, 1.0)) : PEL_PI;
+    double rise = top_m - p->height_m;
+    double at = rise > 0 ? fmax(near, 1.0) : far;
+    double top = near > 0 || isinf(top_m)
+                     ? rise / at - at / (2.0 * PEL_EARTH_RADIUS)
+                     : HUGE_VAL;
+    int first =
+        (int)floor((atan2(north_m, east_m) - half) * BINS / (2.0 * PEL_PI));
+    int count = (int)ceil(half * BINS / PEL_PI) + 2;
+    for (int i = 0; i < count && i < BINS; i++) {
+        struct bin *b = &p->bins[((first + i) % BINS + BINS) % BINS];
+        b->near_m = fmin(b->near_m, fmax(near, 0.0));
+        b->far_m = fmax(b->far_m, far);
+        b->top = fmax(b->top, top);
+    }
+}
+
+static void look_around(struct panorama *p, const struct pel_environment *env,
+                        const struct pel_seabed_map *map,
+                        const struct pel_camera *c, double visible_m)
+{
+    const struct pel_seabed *bed = env->seabed;
+    const struct pel_seabed_tops *t = &map->squares;
+    int k = 0;
+    while (k + 1 < t->levels &&
+           (t->columns[k] > MOST_SQUARES || t->rows[k] > MOST_SQUARES)) {
+        k++;
+    }
+    double side = bed->spacing_m * exp2(k + 1);
+    /* Refracted, a line of sight runs on by its depth at most; waves carry
+     * the surface aside. */
+    double waves = 5.0 * sqrt(env->sea->m0);
+    double margin = visible_m + waves;
+    for (int y = 0; y < t->rows[k]; y++) {
+        for (int x = 0; x < t->columns[k]; x++) {
+            double top =
+                (double)
+                    t->highest[t->first[k] + (size_t)(y * t->columns[k] + x)] -
+                env->sea_level_m;
+            if (top < -visible_m) {
+                continue;
+            }
+            /* The last square of a row may be up to twice as wide. */
+            double wide = side * (x + 1 < t->columns[k] ? 1 : 2);
+            double tall = side * (y + 1 < t->rows[k] ? 1 : 2);
+            double east = bed->west_m + side * x + 0.5 * wide - c->east_m;
+            double north = bed->south_m + side * y + 0.5 * tall - c->north_m;
+            double radius = 0.5 * hypot(wide, tall);
+            add_disc(p, east, north, radius + margin, -HUGE_VAL);
+            if (top > -waves) {
+                add_disc(p, east, north, radius, top);
+            }
+        }
+    }
+    p->everywhere = env->water.depth_m + env->sea_level_m < visible_m;
+}
+
+/* Azimuths, distances and heights that a tile sees. */
+static bool sees_any(const struct panorama *p, const struct pel_camera *c,
+                     double x0, double x1, double y0, double y1)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL, middle = 0, left = 0, right = 0;
+    for (int i = 0; i < 9; i++) {
+        /* The middle first; azimuths count from there. */
+        int at = (i + 4) % 9;
+        struct pel_vec3 v = { x0 + 0.5 * (x1 - x0) * (at % 3),
+                              y0 + 0.5 * (y1 - y0) * (at / 3), -1.0 };
+        struct pel_vec3 d =
+            pel_vec3_normalize(pel_mat3_apply(&c->world_from_camera, v));
+        double level = hypot(d.x, d.y);
+        double slope = d.z / fmax(level, 1e-6);
+        double azimuth = atan2(d.y, d.x);
+        if (level < 0.2) {
+            return true; /* straight up or down */
+        }
+        middle = i == 0 ? azimuth : middle;
+        double turn = remainder(azimuth - middle, 2.0 * PEL_PI);
+        left = fmax(left, turn);
+        right = fmin(right, turn);
+        low = fmin(low, slope);
+        high = fmax(high, slope);
+    }
+    double slack = 0.1 * (x1 - x0 + y1 - y0);
+    low -= slack;
+    high += slack;
+    double horizon = sqrt(2.0 * p->height_m / PEL_EARTH_RADIUS);
+    double nearest = low < -1e-6 ? 0.9 * p->height_m / -low - 5.0 : 0.0;
+    double farthest =
+        high < -1.5 * horizon ? 1.3 * p->height_m / -high + 5.0 : HUGE_VAL;
+    if (low >= -1e-6) {
+        nearest = HUGE_VAL;
+    }
+    int first = bin_of(middle + right - slack);
+    int count = (int)((left - right + 2 * slack) / (2.0 * PEL_PI) * BINS) + 2;
+    for (int i = 0; i < count; i++) {
+        const struct bin *b = &p->bins[(first + i) % BINS];
+        if ((b->near_m <= farthest && b->far_m >= nearest) || b->top >= low) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool pel_coast_plan(const struct pel_environment *env,
+                    const struct pel_seabed_map *map,
+                    const struct pel_camera *c, double visible_m,
+                    uint8_t tiles[PEL_MAX_TILES])
+{
+    struct panorama p = { .height_m = fmax(c->altitude_m, 0.3) };
+    for (int i = 0; i < BINS; i++) {
+        p.bins[i] = (struct bin){ HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
+    }
+    look_around(&p, env, map, c, visible_m);
+    double px = (c->tan_right - c->tan_left) / c->width;
+    double py = (c->tan_top - c->tan_bottom) / c->height;
+    bool any = false;
+    int index = 0;
+    for (uint32_t y = 0; y < c->height; y += PEL_TILE) {
+        for (uint32_t x = 0; x < c->width; x += PEL_TILE) {
+            double x0 = c->tan_left + px * x, y1 = c->tan_top - py * y;
+            bool is = p.everywhere || sees_any(&p, c, x0, x0 + px * PEL_TILE,
+                                               y1 - py * PEL_TILE, y1);
+            any = any || is;
+            tiles[index++] = is;
+        }
+    }
+    return any;
+}

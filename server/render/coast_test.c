@@ -1,0 +1,215 @@
+/* Land and bottom as drawn against the height field that soundings answer
+ * from, and against a flat bottom. */
+#include "optics/atmosphere.h"
+#include "render/coast.h"
+#include "render/rendertest.h"
+
+#define SIDE 64
+#define SPACING 50.0
+
+static struct pel_sea sea;
+
+/* An island of 30 m in a sea of 400 m, 600 m north of the origin, and a bank at
+ * 12 m in the east. */
+static double island(double east_m, double north_m)
+{
+    double r = hypot(east_m - 160, north_m - 600) / 400;
+    return east_m > 1000 ? -12 : -400 + 430 / (1 + r * r * r);
+}
+
+static const struct pel_seabed *make_bed(double (*height)(double, double))
+{
+    static float heights[SIDE * SIDE];
+    const double west = -0.5 * SIDE * SPACING, south = -800;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        heights[i] = (float)height(west + SPACING * (i % SIDE),
+                                   south + SPACING * (i / SIDE));
+    }
+    const struct pel_seabed *bed = NULL;
+    assert_int_equal(pel_seabed_create(SIDE, SIDE, west, south, SPACING,
+                                       heights, &bed, NULL),
+                     PEL_OK);
+    return bed;
+}
+
+static double eight_metres(double east_m, double north_m)
+{
+    return -8 + 1e-9 * (east_m + north_m);
+}
+
+static struct pel_environment over(const struct pel_seabed *bed)
+{
+    struct pel_environment env = test_environment(&sea, 3);
+    const struct pel_water_desc water = { .kind = PEL_WATER_NAMED,
+                                          .name = PEL_WATER_TROPICAL,
+                                          .depth_m = 1000,
+                                          .bottom = PEL_BOTTOM_SAND };
+    assert_int_equal(pel_water_resolve(&water, &env.water, NULL), PEL_OK);
+    env.seabed = bed;
+    return env;
+}
+
+static void squares_hold_their_highest(void **state)
+{
+    (void)state;
+    uint64_t random = 5;
+    static float heights[37 * 21];
+    for (int i = 0; i < 37 * 21; i++) {
+        heights[i] = (float)test_random(&random, -50, 50);
+    }
+    const struct pel_seabed *bed = NULL;
+    struct pel_seabed_tops tops;
+    assert_int_equal(pel_seabed_create(37, 21, 0, 0, 1, heights, &bed, NULL),
+                     PEL_OK);
+    assert_int_equal(pel_seabed_tops_init(&tops, bed), PEL_OK);
+    for (int k = 0; k < tops.levels; k++) {
+        for (int i = 0; i < 37 * 21; i++) {
+            /* Each square that the node borders on. */
+            for (int corner = 0; corner < 4; corner++) {
+                int x = (i % 37 - (corner & 1)) >> (k + 1);
+                int y = (i / 37 - (corner >> 1)) >> (k + 1);
+                x = x < 0 ? 0 : x < tops.columns[k] ? x : tops.columns[k] - 1;
+                y = y < 0 ? 0 : y < tops.rows[k] ? y : tops.rows[k] - 1;
+                assert_true(tops.highest[tops.first[k] +
+                                         (size_t)(y * tops.columns[k] + x)] >=
+                            heights[i]);
+            }
+        }
+    }
+    assert_true((double)tops.highest[tops.first[tops.levels - 1]] ==
+                bed->highest_m);
+    pel_seabed_tops_finish(&tops);
+    pel_seabed_unref(bed);
+}
+
+/* Every pixel of land lies on the field that queries answer from. */
+static void land_is_where_the_field_is(void **state)
+{
+    (void)state;
+    const struct pel_seabed *bed = make_bed(island);
+    struct pel_environment env = over(bed);
+    struct pel_camera camera =
+        test_camera((struct test_look){ 25, 10, -4, 0, 60, 320, 200 });
+    const char *const shadings[] = { "fragment", "compute" };
+    for (int s = 0; s < 2; s++) {
+        struct pel_renderer *r = test_renderer(shadings[s]);
+        struct pel_picture *p = test_draw(r, &env, &camera, TEST_ALL_LAYERS);
+        int land = 0;
+        for (int i = 0; i < 320 * 200; i++) {
+            struct pel_vec3 d = test_ray(&camera, i % 320 + 0.5, i / 320 + 0.5);
+            double t = (double)p->depth[i], arc = t * hypot(d.x, d.y);
+            double z = 25 + t * d.z + arc * arc / (2 * PEL_EARTH_RADIUS);
+            if (!isfinite(t) || (double)p->normal[4 * i + 3] != 0 || z < 1) {
+                continue; /* sky, and sea, which has a reflectance */
+            }
+            double h = pel_seabed_drawn(bed, t * d.x, t * d.y, -99);
+            land++;
+            /* Floats of positions some hundred metres away. */
+            if (!(fabs(z - h) < 0.01)) {
+                fail_msg("%s: %d, %d: drawn at %f m, is at %f m, range %f",
+                         shadings[s], i % 320, i / 320, z, h, t);
+            }
+        }
+        assert_true(land > 500);
+        pel_picture_release(p);
+        pel_renderer_destroy(r);
+    }
+    pel_seabed_unref(bed);
+}
+
+#define LOOKS 5
+#define LOOK_WIDTH 256
+#define LOOK_HEIGHT 192
+#define LOOK_BYTES ((size_t)4 * LOOK_WIDTH * LOOK_HEIGHT)
+
+static void draw_looks(const char *shading, const struct pel_environment *env,
+                       uint8_t *out)
+{
+    static const struct test_look looks[LOOKS] = {
+        { 6, 0, -3, 0, 60, LOOK_WIDTH, LOOK_HEIGHT },
+        { 60, 20, -15, 10, 50, LOOK_WIDTH, LOOK_HEIGHT },
+        { 400, 90, -60, 0, 60, LOOK_WIDTH, LOOK_HEIGHT },
+        { 4, 200, -2, 0, 90, LOOK_WIDTH, LOOK_HEIGHT },
+        { 900, 10, -25, 0, 40, LOOK_WIDTH, LOOK_HEIGHT },
+    };
+    struct pel_renderer *r = test_renderer(shading);
+    for (int i = 0; i < LOOKS; i++) {
+        struct pel_camera camera = test_camera(looks[i]);
+        struct pel_picture *p = test_draw(r, env, &camera, PEL_LAYER_COLOR);
+        memcpy(out + (size_t)i * LOOK_BYTES, p->rgba, LOOK_BYTES);
+        pel_picture_release(p);
+    }
+    pel_renderer_destroy(r);
+}
+
+/* By fragments only the tiles of the plan know of the field, in one dispatch
+ * every pixel does: the plan leaves nothing out. */
+static void the_plan_leaves_nothing_out(void **state)
+{
+    (void)state;
+    const struct pel_seabed *bed = make_bed(island);
+    struct pel_environment env = over(bed);
+    uint8_t *a = malloc(LOOKS * LOOK_BYTES), *b = malloc(LOOKS * LOOK_BYTES);
+    draw_looks("fragment", &env, a);
+    draw_looks("compute", &env, b);
+    for (size_t i = 0; i < LOOKS; i++) {
+        double sum = 0, worst = 0;
+        for (size_t k = i * LOOK_BYTES; k < (i + 1) * LOOK_BYTES; k++) {
+            double d = abs(a[k] - b[k]);
+            sum += d;
+            worst = fmax(worst, d);
+        }
+        print_message("look %zu: mean %.4f, worst %.0f of 255\n", i,
+                      sum / LOOK_BYTES, worst);
+        /* The two wrappers round otherwise, and a bottom that gives 1/255 of
+         * its light is left out. */
+        assert_true(sum / LOOK_BYTES < 0.005);
+    }
+    free(a);
+    free(b);
+    pel_seabed_unref(bed);
+}
+
+static void a_level_field_is_a_flat_bottom(void **state)
+{
+    (void)state;
+    const struct pel_seabed *bed = make_bed(eight_metres);
+    struct pel_environment env = over(bed), flat = over(NULL);
+    env.water.depth_m = flat.water.depth_m = 8;
+    struct pel_camera camera =
+        test_camera((struct test_look){ 12, 60, -25, 0, 40, 128, 96 });
+    struct pel_renderer *r = test_renderer("fragment");
+    struct pel_picture *a = test_draw(r, &env, &camera, PEL_LAYER_RADIANCE);
+    struct pel_picture *b = test_draw(r, &flat, &camera, PEL_LAYER_RADIANCE);
+    for (int c = 0; c < 3; c++) {
+        double by_field = 0, by_depth = 0;
+        for (int i = 0; i < 128 * 96; i++) {
+            by_field += (double)a->radiance[4 * i + c];
+            by_depth += (double)b->radiance[4 * i + c];
+        }
+        /* Waves change the depth under them, and levels of depth are mixed. */
+        assert_true(fabs(by_field / by_depth - 1) < 0.02);
+    }
+    pel_picture_release(a);
+    pel_picture_release(b);
+    pel_renderer_destroy(r);
+    pel_seabed_unref(bed);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    test_sea(3, 0, 1, &sea);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(squares_hold_their_highest),
+        cmocka_unit_test(land_is_where_the_field_is),
+        cmocka_unit_test(the_plan_leaves_nothing_out),
+        cmocka_unit_test(a_level_field_is_a_flat_bottom),
+    };
+    return cmocka_run_group_tests(tests, set_up, NULL);
+}

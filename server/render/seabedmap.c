@@ -1,0 +1,204 @@
+#include "render/seabedmap.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vec.h"
+
+/* --- the highest of squares ----------------------------------------------- */
+
+/* Level 0 from nodes, the others from the level before. The last square of a
+ * row or column takes what is over. */
+static void fill_level(struct pel_seabed_tops *t, int k,
+                       const struct pel_seabed *bed)
+{
+    int w = k ? t->columns[k - 1] : bed->columns;
+    int h = k ? t->rows[k - 1] : bed->rows;
+    const float *from = k ? t->highest + t->first[k - 1] : bed->height_m;
+    float *to = t->highest + t->first[k];
+    int reach = k ? 1 : 2; /* a square of nodes has both its borders */
+    for (int y = 0; y < t->rows[k]; y++) {
+        int end_y = y + 1 < t->rows[k] ? 2 * y + reach : h - 1;
+        for (int x = 0; x < t->columns[k]; x++) {
+            int end_x = x + 1 < t->columns[k] ? 2 * x + reach : w - 1;
+            float highest = -HUGE_VALF;
+            for (int j = 2 * y; j <= end_y; j++) {
+                for (int i = 2 * x; i <= end_x; i++) {
+                    highest = fmaxf(highest, from[j * w + i]);
+                }
+            }
+            to[y * t->columns[k] + x] = highest;
+        }
+    }
+}
+
+enum pel_err pel_seabed_tops_init(struct pel_seabed_tops *tops,
+                                  const struct pel_seabed *bed)
+{
+    int w = bed->columns / 2, h = bed->rows / 2;
+    *tops = (struct pel_seabed_tops){ 0 };
+    for (bool more = true; more;) {
+        int k = tops->levels++;
+        tops->columns[k] = w;
+        tops->rows[k] = h;
+        tops->first[k] = tops->count;
+        tops->count += (size_t)w * (size_t)h;
+        more = (w > 1 || h > 1) && tops->levels < PEL_SEABED_TOP_LEVELS;
+        w = w > 1 ? w / 2 : 1;
+        h = h > 1 ? h / 2 : 1;
+    }
+    tops->highest = malloc(sizeof *tops->highest * tops->count);
+    for (int k = 0; k < tops->levels && tops->highest; k++) {
+        fill_level(tops, k, bed);
+    }
+    return tops->highest ? PEL_OK : PEL_ERR_NO_MEMORY;
+}
+
+void pel_seabed_tops_finish(struct pel_seabed_tops *tops)
+{
+    free(tops->highest);
+    *tops = (struct pel_seabed_tops){ 0 };
+}
+
+/* --- textures ------------------------------------------------------------- */
+
+static int levels_of(int columns, int rows)
+{
+    return 1 + (int)floor(log2(columns > rows ? columns : rows));
+}
+
+void pel_seabed_map_finish(struct pel_seabed_map *map)
+{
+    glDeleteTextures(1, &map->heights);
+    glDeleteBuffers(1, &map->tops);
+    pel_seabed_tops_finish(&map->squares);
+    *map = (struct pel_seabed_map){ 0 };
+}
+
+static enum pel_err fill_map(struct pel_seabed_map *map,
+                             const struct pel_seabed *bed)
+{
+    struct pel_seabed_tops *squares = &map->squares;
+    enum pel_err err = pel_seabed_tops_init(squares, bed);
+    if (err) {
+        return err;
+    }
+    glCreateTextures(GL_TEXTURE_2D, 1, &map->heights);
+    glTextureStorage2D(map->heights, levels_of(bed->columns, bed->rows),
+                       GL_R32F, bed->columns, bed->rows);
+    glTextureParameteri(map->heights, GL_TEXTURE_MIN_FILTER,
+                        GL_LINEAR_MIPMAP_LINEAR);
+    glTextureParameteri(map->heights, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(map->heights, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glObjectLabel(GL_TEXTURE, map->heights, -1, "seabed");
+    glTextureSubImage2D(map->heights, 0, 0, 0, bed->columns, bed->rows, GL_RED,
+                        GL_FLOAT, bed->height_m);
+    glGenerateTextureMipmap(map->heights);
+    glCreateBuffers(1, &map->tops);
+    glNamedBufferStorage(map->tops,
+                         (GLsizeiptr)(squares->count * sizeof(float)),
+                         squares->highest, 0);
+    glObjectLabel(GL_BUFFER, map->tops, -1, "highest of the seabed");
+    map->serial = bed->serial;
+    return PEL_OK;
+}
+
+enum pel_err pel_seabed_map_fit(struct pel_seabed_map *map,
+                                const struct pel_seabed *bed)
+{
+    uint64_t serial = bed ? bed->serial : 0;
+    enum pel_err err = PEL_OK;
+    if (map->serial != serial) {
+        pel_seabed_map_finish(map);
+        err = bed ? fill_map(map, bed) : PEL_OK;
+    }
+    if (err) {
+        pel_seabed_map_finish(map);
+    }
+    return err;
+}
+
+void pel_seabed_map_bind(const struct pel_seabed_map *map)
+{
+    glBindTextureUnit(PEL_UNIT_SEABED_HEIGHTS, map->heights);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, map->tops);
+}
+
+/* --- what the shaders know ------------------------------------------------ */
+
+/* Tables of the water's light over depth: steps of about 0.8 octave. */
+#define DEPTH_LEVELS 12
+#define SHALLOWEST_M 0.25
+
+double pel_seabed_visible_m(const struct pel_water_body *water)
+{
+    double clearest = HUGE_VAL;
+    for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+        clearest = fmin(clearest, pel_kirk_attenuation(water->absorption[i],
+                                                       water->scattering[i]));
+    }
+    return 0.5 * log(255.0) / clearest;
+}
+
+struct pel_water_depths pel_seabed_depths(const struct pel_environment *env)
+{
+    double deepest =
+        fmax(env->sea_level_m - env->seabed->lowest_m, env->water.depth_m);
+    deepest = fmin(deepest, pel_seabed_visible_m(&env->water));
+    return (struct pel_water_depths){
+        .levels = DEPTH_LEVELS,
+        .first_m = SHALLOWEST_M,
+        .last_m = fmax(deepest, 4 * SHALLOWEST_M),
+    };
+}
+
+/* Ground under a film of water is darker, for the film sends light back to it
+ * (J. Lekner, M. Dorf, Applied Optics 27(7), 1988). */
+static double wet_albedo(double dry)
+{
+    const double inward = 1 - 0.02, n2 = 1.33 * 1.33;
+    const double kept = 1 - (1 - 0.066) / n2; /* by the film, from below */
+    return 1 - inward * (1 - dry) / (1 - kept * dry);
+}
+
+static struct pel_vec4 vec4(double x, double y, double z, double w)
+{
+    return (struct pel_vec4){ (float)x, (float)y, (float)z, (float)w };
+}
+
+void pel_fill_seabed(const struct pel_environment *env,
+                     const struct pel_seabed_map *map, double east_m,
+                     double north_m, struct pel_block_seabed *out)
+{
+    const struct pel_seabed *bed = env->seabed;
+    const struct pel_water_body *w = &env->water;
+    double blur[PEL_WATER_WAVELENGTHS];
+    for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+        blur[i] =
+            fmax(w->absorption[i] + w->scattering[i] -
+                     pel_kirk_attenuation(w->absorption[i], w->scattering[i]),
+                 0.0);
+    }
+    *out = (struct pel_block_seabed){
+        .bed_place = vec4((east_m - bed->west_m) / bed->spacing_m,
+                          (north_m - bed->south_m) / bed->spacing_m,
+                          1.0 / bed->spacing_m, bed->spacing_m),
+        .bed_size = vec4(bed->columns, bed->rows,
+                         bed->highest_m - env->sea_level_m, -env->sea_level_m),
+        /* Two standard deviations: what one crest in forty reaches. */
+        .bed_beyond = vec4(-w->depth_m - env->sea_level_m,
+                           0.05 + 2.0 * sqrt(env->sea->m0), map->squares.levels,
+                           env->caustics ? 1.0 : 0.0),
+        .bed_wet = vec4(wet_albedo(w->albedo[0]), wet_albedo(w->albedo[1]),
+                        wet_albedo(w->albedo[2]), 0.0),
+        .bed_dry = vec4(w->albedo[0], w->albedo[1], w->albedo[2], 0.0),
+        .bed_blur = vec4(blur[0], blur[1], blur[2], 0.0),
+    };
+    for (int i = 0; i < map->squares.levels; i++) {
+        out->bed_level[i] =
+            vec4((double)map->squares.first[i], map->squares.columns[i],
+                 map->squares.rows[i], 0.0);
+    }
+}

@@ -1,0 +1,36 @@
+#version 450 core
+// Land, shallow water, sea and sky of the tiles that may have either of the
+// first two (render/coast.h).
+#ifndef PEL_WAVES
+#define PEL_WAVES 60
+#endif
+#include "lib/blocks.h"
+#ifdef PEL_FFT
+#include "lib/cascades.glsl"
+#else
+#include "lib/waves.glsl"
+#endif
+#include "lib/filtered.glsl"
+#include "lib/sky.glsl"
+#include "lib/variance.glsl"
+#include "lib/ray.glsl"
+#include "lib/ross.glsl"
+#include "lib/water.glsl"
+#include "lib/shade.glsl"
+#include "lib/shaded.glsl"
+#include "lib/backdrop.glsl"
+#include "lib/haze.glsl"
+#include "lib/vertex.glsl"
+#include "lib/seabed.glsl"
+#include "lib/sea.glsl"
+#include "lib/coast.glsl"
+#include "lib/tone.glsl"
+#include "lib/outputs.glsl"
+
+layout(binding = 5) uniform usampler2D triangles;
+void main()
+{
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    shaded s = shade_coast(at, texelFetch(triangles, at, 0).r);
+    write_outputs(s, at);
+}

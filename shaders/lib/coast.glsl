@@ -1,0 +1,54 @@
+// A pixel where there may be land or shallow water: whichever of land, sea and
+// sky the line of sight meets first.
+
+// The ground as a diffuse reflector, dry or wetted by the waves.
+shaded shade_land(vec3 dir, float range)
+{
+    vec2 x = dir.xy * range;
+    vec2 node = bed_node(x);
+    vec2 tilt = x / planet.x;
+    vec3 v = -normalize(vec3(dir.xy - tilt * dir.z, dir.z + dot(tilt, dir.xy)));
+    vec3 sun_dir = normalize(vec3(sun.xy - tilt * sun.z, sun.z + dot(tilt, sun.xy)));
+    float across = range * pixel.x;
+    vec3 n = seabed_normal(node, across / max(v.z, 0.05));
+    float height = sight_height(dir, range);
+    float wet = 1.0 - smoothstep(0.6 * bed_beyond.y, bed_beyond.y + 0.02, height);
+    vec3 albedo = mix(bed_dry.rgb, bed_wet.rgb, wet) * (1.0 / PI);
+    vec3 by_sun = albedo * sun_light.rgb * max(dot(n, sun_dir), 0.0);
+    vec3 by_sky = albedo * sky_light.rgb * (0.5 + 0.5 * n.z);
+    vec3 air;
+    vec3 through = haze(dir, range, air);
+    shaded result;
+    result.radiance = (by_sun + by_sky) * through + air;
+#ifdef PEL_LAYERS
+    result.depth = range;
+    result.normal = vec4(normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy))), 0.0);
+    result.sun = by_sun * through;
+    result.sky = by_sky * through;
+    result.water = vec3(0.0);
+    result.air = air;
+    result.variance = vec2(0.0);
+#endif
+#ifdef PEL_WATER_PARTS
+    result.parts = water_from_below(vec3(0.0));
+#endif
+    return result;
+}
+
+shaded shade_coast(ivec2 at, uint triangle)
+{
+    vec3 ray = pixel_ray(lattice(at));
+    float ray_length = length(ray);
+    float limit = 1e7;
+    if (triangle != 0u) {
+        limit = cut_triangle(ray, triangle).t * ray_length;
+    }
+    float range = lut.y > 0.5 ? -1.0 : seabed_distance(ray / ray_length, limit);
+    if (range >= 0.0) {
+        return shade_land(ray / ray_length, range);
+    }
+    if (triangle == 0u) {
+        return shade_backdrop(at);
+    }
+    return shade_sea(at, triangle);
+}

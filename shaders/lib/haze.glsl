@@ -1,0 +1,13 @@
+// The air between the eye and a surface: towards its equilibrium radiance.
+layout(binding = 4) uniform sampler2D eye_haze;
+
+// What comes through of light from `range` m along the unit direction; `air`:
+// what the air adds.
+vec3 haze(vec3 dir, float range, out vec3 air)
+{
+    vec2 table = vec2(textureSize(eye_table, 0));
+    vec2 uv = sky_uv(azimuth_from_sun(dir.xy), min(angle_above_horizon(dir), -1e-7), table);
+    vec3 through = exp(-textureLod(eye_haze, uv, 0.0).rgb * (range * (1.0 - water.w)));
+    air = textureLod(eye_table, uv, 0.0).rgb * (1.0 - through);
+    return through;
+}

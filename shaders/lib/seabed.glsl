@@ -1,0 +1,163 @@
+// The bottom and the land as a height field (seabed/seabed.h): where a line of
+// sight meets the land, and how deep the water is that it looks into. Heights
+// are above the sea's zero here, places x from the eye's nadir.
+
+layout(binding = 12) uniform sampler2D seabed_heights; // and their means, m above the file's zero
+// A buffer, since samplers of software devices take one level for four pixels.
+layout(std430, binding = 6) restrict readonly buffer seabed_tops_block { float seabed_tops[]; };
+
+vec2 bed_node(vec2 x)
+{
+    return x * bed_place.z + bed_place.xy;
+}
+
+// Bilinear by hand: samplers interpolate by 1/256. Twin of pel_seabed_drawn.
+float seabed_height(vec2 node)
+{
+    if (any(lessThan(node, vec2(-0.5))) || any(greaterThan(node, bed_size.xy - 0.5))) {
+        return bed_beyond.x;
+    }
+    vec2 p = clamp(node, vec2(0.0), bed_size.xy - 1.0);
+    ivec2 i = ivec2(min(p, bed_size.xy - 2.0));
+    vec2 f = p - vec2(i);
+    float a = texelFetch(seabed_heights, i, 0).r;
+    float b = texelFetch(seabed_heights, i + ivec2(1, 0), 0).r;
+    float c = texelFetch(seabed_heights, i + ivec2(0, 1), 0).r;
+    float d = texelFetch(seabed_heights, i + ivec2(1, 1), 0).r;
+    return mix(mix(a, b, f.x), mix(c, d, f.x), f.y) + bed_size.w;
+}
+
+// Normal of the ground, over `footprint` m and no less than a node each way.
+vec3 seabed_normal(vec2 node, float footprint)
+{
+    float reach = max(0.5 * footprint * bed_place.z, 1.0);
+    float lod = log2(reach);
+    vec2 scale = 1.0 / bed_size.xy;
+    vec2 uv = (node + 0.5) * scale;
+    vec2 across = vec2(reach, 0.0);
+    vec2 slope = vec2(textureLod(seabed_heights, uv + across.xy * scale, lod).r -
+                          textureLod(seabed_heights, uv - across.xy * scale, lod).r,
+                      textureLod(seabed_heights, uv + across.yx * scale, lod).r -
+                          textureLod(seabed_heights, uv - across.yx * scale, lod).r) *
+                 (0.5 / (reach * bed_place.w));
+    return normalize(vec3(-slope, 1.0));
+}
+
+// Height of the line of sight above the sphere.
+float sight_height(vec3 dir, float t)
+{
+    float arc = t * length(dir.xy);
+    return eye.x + t * dir.z + arc * arc * (0.5 / planet.x);
+}
+
+float above_ground(vec3 dir, float t)
+{
+    return sight_height(dir, t) - seabed_height(bed_node(dir.xy * t));
+}
+
+// Where the line of sight is over the field and not above all of it.
+bool clip_to_field(vec3 dir, inout float from, inout float to)
+{
+    vec2 step_ = dir.xy * bed_place.z;
+    vec2 safe = mix(step_, vec2(1e-9), lessThan(abs(step_), vec2(1e-9)));
+    vec2 a = (vec2(-0.5) - bed_place.xy) / safe;
+    vec2 b = (bed_size.xy - 0.5 - bed_place.xy) / safe;
+    vec2 first = min(a, b);
+    vec2 last = max(a, b);
+    from = max(from, max(first.x, first.y));
+    to = min(to, min(last.x, last.y));
+    float bend = max(dot(dir.xy, dir.xy), 1e-9) * (0.5 / planet.x);
+    float over = eye.x - bed_size.z;
+    float root = dir.z * dir.z - 4.0 * bend * over;
+    if (root < 0.0) {
+        return false; // passes above it
+    }
+    root = sqrt(root);
+    // Both roots without cancellation.
+    float q = -0.5 * (dir.z + (dir.z < 0.0 ? -root : root));
+    vec2 roots = vec2(q / bend, abs(q) > 1e-12 ? over / q : 0.0);
+    from = max(from, min(roots.x, roots.y));
+    to = min(to, max(roots.x, roots.y));
+    return from < to;
+}
+
+// Distance to the ground along the unit direction, if nearer than `limit`; else
+// negative. Squares whose highest node lies below the line of sight are passed
+// whole, large ones first.
+float seabed_distance(vec3 dir, float limit)
+{
+    float t = 0.0;
+    float to = limit;
+    if (!clip_to_field(dir, t, to)) {
+        return -1.0;
+    }
+    vec2 step_ = dir.xy * bed_place.z;
+    vec2 ahead = step(vec2(0.0), step_);
+    vec2 inverse = 1.0 / mix(step_, vec2(1e-9), lessThan(abs(step_), vec2(1e-9)));
+    float top = bed_beyond.z - 1.0;
+    float level = min(3.0, top);
+    for (int i = 0; i < 512 && t < to; i++) {
+        vec2 node = dir.xy * (t * bed_place.z) + bed_place.xy;
+        float side = exp2(level + 1.0);
+        // A little ahead, so that a border belongs to what comes.
+        vec2 square = floor((node + (ahead - 0.5) * 0.002) / side);
+        vec2 leave = ((square + ahead) * side - bed_place.xy) * inverse;
+        float end = min(max(min(leave.x, leave.y), t + 0.002 * bed_place.w), to);
+        vec3 table = bed_level[int(level)].xyz;
+        vec2 at = clamp(square, vec2(0.0), table.yz - 1.0);
+        float highest = seabed_tops[int(table.x + at.y * table.y + at.x)] + bed_size.w;
+        float arc = (end - t) * length(dir.xy);
+        float lowest = min(sight_height(dir, t), sight_height(dir, end)) -
+                       arc * arc * (0.125 / planet.x);
+        if (lowest > highest) {
+            t = end;
+            level = min(level + 1.0, top);
+        } else if (level > 0.5) {
+            level -= 1.0;
+        } else {
+            float before = above_ground(dir, t);
+            if (before <= 0.0) {
+                return t;
+            }
+            for (int k = 1; k <= 4; k++) {
+                float next = k == 4 ? end : t + (end - t) / float(5 - k);
+                float after = above_ground(dir, next);
+                if (after <= 0.0) {
+                    for (int s = 0; s < 6; s++) {
+                        float middle = mix(t, next, before / (before - after));
+                        float here = above_ground(dir, middle);
+                        if (here > 0.0) {
+                            t = middle;
+                            before = here;
+                        } else {
+                            next = middle;
+                            after = here;
+                        }
+                    }
+                    return mix(t, next, before / (before - after));
+                }
+                t = next;
+                before = after;
+            }
+        }
+    }
+    return -1.0;
+}
+
+// Depth of the water where the line of sight towards v, refracted by a facet n
+// at place x and height z of the surface, meets the bottom; `place`: there.
+float seabed_depth(vec2 x, float z, vec3 v, vec3 n, out vec2 place)
+{
+    float facing = max(dot(n, v), 0.0);
+    const float eta = 1.0 / 1.34;
+    vec3 down = n * (eta * facing - sqrt(1.0 - eta * eta * (1.0 - facing * facing))) - eta * v;
+    vec2 run = down.xy / max(-down.z, 0.2);
+    place = x;
+    float depth = 0.0;
+    // Slopes of the bottom times that of the sight are small: it converges.
+    for (int i = 0; i < 4; i++) {
+        depth = max(z - seabed_height(bed_node(place)), 0.0);
+        place = x + run * depth;
+    }
+    return max(z - seabed_height(bed_node(place)), 0.0);
+}
