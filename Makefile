@@ -205,6 +205,8 @@ DAEMON := server/main.c server/service.c
 CLIENT := \
     clients/lib/live.c \
     clients/lib/pelagos.c \
+    clients/lib/secure.c \
+    clients/lib/token.c \
     clients/lib/stream.c
 CTL := \
     clients/pelagosctl/pelagosctl.c \
@@ -453,6 +455,11 @@ demo: deps-build ## build, sail a short voyage, leave pictures in build/demo/
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B clients/demo/demo.py
 
+.PHONY: bridge
+bridge: deps-build ## five windows of a bridge, 225 degrees: build/bridge/panorama.png
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)clients/demo/bridge.sh $(ARGS)
+
 .PHONY: run
 run: deps-build ## build and keep pelagosd running (ARGS='--http …')
 	$(Q)$(MAKE) -s --no-print-directory all
@@ -627,7 +634,7 @@ man: $(MANUALS) ## make the manual pages, from the programs' own tables
 $(O)/pelagos.pc: Makefile
 	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'Name: libpelagos' \
 	    'Description: C client of pelagosd, the headless ocean renderer' \
-	    'Version: $(VERSION)' 'Requires: libprotobuf-c' \
+	    'Version: $(VERSION)' 'Requires: libprotobuf-c openssl' \
 	    'Libs: -L$${prefix}/lib -lpelagos' \
 	    'Cflags: -I$${prefix}/include/pelagos' >$@
 

@@ -279,12 +279,12 @@ case $built in
 *) sanitize= ;;
 esac
 cc $sanitize -Iclients/lib "-I$built/gen" clients/lib/example.c \
-    "$built/libpelagos.a" -lprotobuf-c -o "$work/example" ||
+    "$built/libpelagos.a" -lprotobuf-c -lssl -lcrypto -o "$work/example" ||
     fail "the example does not build"
 "$work/example" "$work/example.jpg" "$PELAGOS_SERVER" || fail "the example"
 file_starts "$work/example.jpg" 3 ffd8ff
 cc $sanitize -Iclients/lib "-I$built/gen" clients/lib/save_live.c \
-    "$built/libpelagos.a" -lprotobuf-c -o "$work/save_live" ||
+    "$built/libpelagos.a" -lprotobuf-c -lssl -lcrypto -o "$work/save_live" ||
     fail "the example of live pictures does not build"
 "$work/save_live" wing "$work/live.mjpeg" 1 "http://127.0.0.1:$http" \
     >"$out" || fail "the example of live pictures"

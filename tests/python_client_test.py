@@ -697,10 +697,13 @@ class Examples(OceanCase):
     def test_bridge(self):
         self.ocean.set(sea={"windSpeed": 12})
         self.ocean.entities[1].set(heading=40, roll=6, pitch=2)
+        self.ocean.set(clock={"mode": "FREE"})
         out = self.run_example("bridge.py", "--out",
                                str(self.folder / "panorama.png"), "--size",
-                               "320x240")
+                               "320x240", "--live", "5")
         self.assertEqual(out.count(": meets"), 4, out)
+        self.assertEqual(out.count(": one frame"), 1, out)
+        self.assertEqual(out.count(": each is one frame"), 1, out)
         self.assertEqual(self.ocean.views.names(), ["bridge"])
         image = pelagos.frame.decode(
             (self.folder / "panorama.png").read_bytes())
@@ -709,6 +712,17 @@ class Examples(OceanCase):
 
 
 class Installation(unittest.TestCase):
+    def test_types(self):
+        """By mypy, strictly, as pyproject.toml has it."""
+        if not shutil.which("mypy"):
+            self.skipTest("mypy is not installed")
+        with tempfile.TemporaryDirectory() as cache:
+            done = subprocess.run(
+                ["mypy", "--cache-dir", cache, "pelagos", "examples/live.py",
+                 "examples/dataset.py", "examples/bridge.py"],
+                capture_output=True, text=True, cwd=SOURCE)
+        self.assertEqual(done.returncode, 0, done.stdout)
+
     def test_pip_without_network(self):
         folder = pathlib.Path(tempfile.mkdtemp(prefix="pelagos-test-"))
         self.addCleanup(shutil.rmtree, folder)

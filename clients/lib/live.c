@@ -6,6 +6,7 @@
 
 #include "pelagos.h"
 #include "stream.h"
+#include "token.h"
 
 #define MAX_HEAD 8192
 #define MAX_PICTURE ((size_t)64 << 20)
@@ -73,16 +74,16 @@ static enum pel_client_code stream_fail(const struct pel_live *live,
 
 /* --- opening -------------------------------------------------------------- */
 
-/* http://HOST[:PORT][/] to tcp:HOST:PORT and, for the Host header, the part
- * between. */
+/* http://HOST[:PORT][/] to tcp:HOST:PORT, https to tls, and, for the Host
+ * header, the part between. */
 static bool read_url(const char *url, char *address, size_t size, char *host,
                      size_t host_size)
 {
-    static const char scheme[] = "http://";
-    if (strncmp(url, scheme, sizeof scheme - 1) != 0) {
+    bool secure = strncmp(url, "https://", 8) == 0;
+    if (!secure && strncmp(url, "http://", 7) != 0) {
         return false;
     }
-    const char *start = url + sizeof scheme - 1;
+    const char *start = url + (secure ? 8 : 7);
     size_t length = strcspn(start, "/?# \t\r\n");
     if (length == 0 || length >= host_size ||
         (start[length] && strcmp(start + length, "/") != 0)) {
@@ -92,7 +93,10 @@ static bool read_url(const char *url, char *address, size_t size, char *host,
     host[length] = '\0';
     const char *bracket = strrchr(host, ']');
     bool port = strchr(bracket ? bracket : host, ':') != NULL;
-    int n = snprintf(address, size, "tcp:%s%s", host, port ? "" : ":80");
+    int n = snprintf(address, size, "%s:%s%s", secure ? "tls" : "tcp", host,
+                     port     ? ""
+                     : secure ? ":443"
+                              : ":80");
     return n > 0 && (size_t)n < size;
 }
 
@@ -106,9 +110,9 @@ static bool good_name(const char *view)
 
 static enum stream_result ask(struct pel_live *live, const char *host,
                               const char *view, double fps, int quality,
-                              int64_t deadline_ns)
+                              const char *token, int64_t deadline_ns)
 {
-    char query[64] = "", request[512];
+    char query[64] = "", request[768];
     int n = 0;
     if (fps > 0) {
         n = snprintf(query, sizeof query, "?fps=%.6g", fps);
@@ -120,9 +124,13 @@ static enum stream_result ask(struct pel_live *live, const char *host,
     /* HTTP/1.0: the answer comes unwrapped, through proxies too. */
     n = snprintf(request, sizeof request,
                  "GET /v1/views/%s/mjpeg%s HTTP/1.0\r\nHost: %s\r\n"
-                 "Connection: close\r\n\r\n",
-                 view, query, host);
-    return stream_send(&live->stream, request, (size_t)n, deadline_ns);
+                 "Connection: close\r\n%s%s%s\r\n",
+                 view, query, host, *token ? "Authorization: Bearer " : "",
+                 token, *token ? "\r\n" : "");
+    enum stream_result result =
+        stream_send(&live->stream, request, (size_t)n, deadline_ns);
+    explicit_bzero(request, sizeof request);
+    return result;
 }
 
 /* Bytes up to and with the empty line; 0: it is not there yet. */
@@ -179,7 +187,8 @@ static enum pel_client_code code_of(const char *name, int status)
             return (enum pel_client_code)code;
         }
     }
-    return status == 404                    ? PEL_CLIENT_NOT_FOUND
+    return status == 401                    ? PEL_CLIENT_UNAUTHORIZED
+           : status == 404                  ? PEL_CLIENT_NOT_FOUND
            : status == 429 || status == 503 ? PEL_CLIENT_BUSY
            : status >= 500                  ? PEL_CLIENT_INTERNAL
                                             : PEL_CLIENT_INVALID;
@@ -245,7 +254,7 @@ enum pel_client_code pel_live_open(const char *url, const char *view,
                                    struct pel_live **out,
                                    struct pel_client_error *error)
 {
-    char address[300], host[280], why[128];
+    char address[300], host[280], why[256], token[CLIENT_TOKEN_MAX + 1];
     if (!url) {
         url = getenv(PEL_LIVE_URL_VARIABLE);
     }
@@ -259,6 +268,9 @@ enum pel_client_code pel_live_open(const char *url, const char *view,
     if (!view || !good_name(view)) {
         return fail(error, PEL_CLIENT_INVALID, "\"%.80s\" is no view's name",
                     view ? view : "");
+    }
+    if (client_token(token, why, sizeof why) != 0) {
+        return fail(error, PEL_CLIENT_UNAUTHORIZED, "%s", why);
     }
     int64_t deadline_ns = stream_deadline(timeout_ms);
     struct pel_live *live = calloc(1, sizeof *live);
@@ -276,7 +288,9 @@ enum pel_client_code pel_live_open(const char *url, const char *view,
                    : fail(error, PEL_CLIENT_UNREACHABLE,
                           "pelagosd does not answer at %.150s: %s", url, why);
     }
-    enum stream_result sent = ask(live, host, view, fps, quality, deadline_ns);
+    enum stream_result sent =
+        ask(live, host, view, fps, quality, token, deadline_ns);
+    explicit_bzero(token, sizeof token);
     enum pel_client_code code = sent == STREAM_OK
                                     ? begin(live, deadline_ns, error)
                                     : stream_fail(live, sent, error);

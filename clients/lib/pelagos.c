@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "stream.h"
+#include "token.h"
 
 struct pel_client {
     struct stream stream;
@@ -87,6 +88,21 @@ static enum pel_client_code stream_fail(struct pel_client *client,
     return PEL_CLIENT_CLOSED;
 }
 
+static enum pel_client_code login_by_environment(struct pel_client *client,
+                                                 struct pel_client_error *error)
+{
+    char token[CLIENT_TOKEN_MAX + 1], why[256];
+    enum pel_client_code code = PEL_CLIENT_OK;
+    if (client_token(token, why, sizeof why) != 0) {
+        return fail(error, PEL_CLIENT_UNAUTHORIZED, "%s", why);
+    }
+    if (token[0]) {
+        code = pel_client_login(client, token, error);
+    }
+    explicit_bzero(token, sizeof token);
+    return code;
+}
+
 enum pel_client_code pel_client_connect(const char *address, int timeout_ms,
                                         struct pel_client **out,
                                         struct pel_client_error *error)
@@ -104,7 +120,8 @@ enum pel_client_code pel_client_connect(const char *address, int timeout_ms,
         break;
     case STREAM_BAD_ADDRESS:
         return fail(error, PEL_CLIENT_BAD_ADDRESS,
-                    "\"%s\" is not tcp:HOST:PORT or unix:PATH", address);
+                    "\"%s\" is not tcp:HOST:PORT, tls:HOST:PORT or unix:PATH",
+                    address);
     case STREAM_UNREACHABLE:
         return fail(error, PEL_CLIENT_UNREACHABLE,
                     "pelagosd does not answer at %s: %s", address, why);
@@ -120,6 +137,11 @@ enum pel_client_code pel_client_connect(const char *address, int timeout_ms,
     client->stream = stream;
     client->address = copy;
     client->timeout_ms = timeout_ms;
+    enum pel_client_code code = login_by_environment(client, error);
+    if (code != PEL_CLIENT_OK) {
+        pel_client_close(client);
+        return code;
+    }
     *out = client;
     return PEL_CLIENT_OK;
 }
@@ -255,6 +277,18 @@ static enum pel_client_code call_for_state(struct pel_client *client,
         pelagos__reply__free_unpacked(reply, NULL);
     }
     return code;
+}
+
+enum pel_client_code pel_client_login(struct pel_client *client,
+                                      const char *token,
+                                      struct pel_client_error *error)
+{
+    Pelagos__Login login = PELAGOS__LOGIN__INIT;
+    login.token = (char *)token;
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_LOGIN;
+    request.login = &login;
+    return call_for_state(client, &request, NULL, error);
 }
 
 enum pel_client_code pel_client_get(struct pel_client *client,

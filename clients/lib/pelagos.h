@@ -32,6 +32,12 @@ extern "C" {
 #define PEL_CLIENT_DEFAULT_SERVER "tcp:127.0.0.1:7878"
 /* The environment variable that overrides it. */
 #define PEL_CLIENT_SERVER_VARIABLE "PELAGOS_SERVER"
+/* The token of pelagosd --token-file, itself or the file it is in: connecting
+ * gives it by itself. */
+#define PEL_CLIENT_TOKEN_VARIABLE "PELAGOS_TOKEN"
+#define PEL_CLIENT_TOKEN_FILE_VARIABLE "PELAGOS_TOKEN_FILE"
+/* A file of certificates (PEM) that TLS trusts instead of the system's. */
+#define PEL_CLIENT_CA_VARIABLE "PELAGOS_CA"
 
 /* Why a call failed. The first eight are ErrorCode of the schema: the daemon
  * refused. From 100 on the request did not get an answer. */
@@ -45,7 +51,7 @@ enum pel_client_code {
     PEL_CLIENT_BUSY = 6,
     PEL_CLIENT_INTERNAL = 7,
     PEL_CLIENT_UNAUTHORIZED = 8,
-    PEL_CLIENT_BAD_ADDRESS = 100, /* not tcp:HOST:PORT or unix:PATH */
+    PEL_CLIENT_BAD_ADDRESS = 100, /* not tcp:HOST:PORT, tls: or unix:PATH */
     PEL_CLIENT_UNREACHABLE = 101, /* nothing listens there */
     PEL_CLIENT_TIMEOUT = 102,     /* no reply in time */
     PEL_CLIENT_CLOSED = 103,      /* the connection broke */
@@ -66,12 +72,20 @@ struct pel_client_error {
 
 struct pel_client;
 
-/* Connects to `address`: "tcp:HOST:PORT", "tcp:[IPV6]:PORT", "unix:PATH", or
- * NULL for $PELAGOS_SERVER and, without that, the default. timeout_ms (1 ..)
- * bounds this and every later call. `error` may be NULL here and below. */
+/* Connects to `address`: "tcp:HOST:PORT", "tcp:[IPV6]:PORT", the same with
+ * "tls:" (where pelagosd has --tls-cert), "unix:PATH", or NULL for
+ * $PELAGOS_SERVER and, without that, the default. Where the environment has a
+ * token it is given; a wrong one is UNAUTHORIZED. timeout_ms (1 ..) bounds this
+ * and every later call. `error` may be NULL here and below. */
 PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_connect(const char *address, int timeout_ms, struct pel_client **out,
                    struct pel_client_error *error);
+
+/* Gives the token by hand, before anything else; UNAUTHORIZED: it is wrong, and
+ * the connection is over. A daemon that asks for none takes any. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_login(struct pel_client *client, const char *token,
+                 struct pel_client_error *error);
 
 /* Closes and frees; NULL allowed. */
 PEL_CLIENT_API void pel_client_close(struct pel_client *client);
@@ -84,7 +98,8 @@ PEL_CLIENT_API void pel_client_set_timeout(struct pel_client *client,
                                            int timeout_ms);
 
 /* The socket, to wait on in a loop of the caller's; read through
- * pel_client_next_state only. */
+ * pel_client_next_state only, until nothing is new: TLS may have more than the
+ * socket shows. */
 PEL_CLIENT_API int pel_client_fd(const struct pel_client *client);
 
 /* The whole state, with clock.time of this moment. */
@@ -172,8 +187,9 @@ struct pel_live_frame {
     size_t size;
 };
 
-/* Opens the stream of a view at `url` ("http://HOST:PORT"; NULL:
- * $PELAGOS_URL, else the default). fps: at most so many pictures (0.1..240;
+/* Opens the stream of a view at `url` ("http://HOST:PORT", or "https:" through
+ * a proxy; NULL: $PELAGOS_URL, else the default), with the environment's token.
+ * fps: at most so many pictures (0.1..240;
  * 0: as they are drawn); quality: of JPEG (1..100; 0: the daemon's choice).
  * Ends within timeout_ms; NOT_FOUND: no such view. */
 PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code

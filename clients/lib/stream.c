@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "proto/wire.h"
+#include "secure.h"
 
 /* A 4096 × 4096 EXR with all layers as floats is 470 MB. */
 #define MAX_REPLY ((size_t)512 << 20)
@@ -33,9 +34,7 @@ int64_t stream_deadline(int timeout_ms)
                           : now_ns() + (int64_t)timeout_ms * 1000000;
 }
 
-/* Waits for `events` on fd; OK also when poll reports an error, which the
- * following read or write then meets. */
-static enum stream_result wait_for(int fd, short events, int64_t deadline_ns)
+enum stream_result stream_wait(int fd, short events, int64_t deadline_ns)
 {
     for (;;) {
         int timeout_ms = -1;
@@ -70,7 +69,7 @@ static int connect_to(const struct sockaddr *address, socklen_t size,
         failure = errno;
         if (failure == EINPROGRESS) {
             socklen_t length = sizeof failure;
-            if (wait_for(fd, POLLOUT, deadline_ns) != STREAM_OK) {
+            if (stream_wait(fd, POLLOUT, deadline_ns) != STREAM_OK) {
                 failure = ETIMEDOUT;
             } else if (getsockopt(fd, SOL_SOCKET, SO_ERROR, &failure,
                                   &length) != 0) {
@@ -153,13 +152,19 @@ enum stream_open stream_open(struct stream *stream, const char *address,
     if (strncmp(address, "unix:", 5) == 0 && address[5]) {
         stream->fd = connect_unix(address + 5, deadline_ns);
         snprintf(why, why_size, "%s", strerror(errno));
-    } else if (strncmp(address, "tcp:", 4) == 0) {
+    } else if (strncmp(address, "tcp:", 4) == 0 ||
+               strncmp(address, "tls:", 4) == 0) {
         char host[256];
         const char *port = NULL;
         if (split_host(address + 4, host, sizeof host, &port) != 0) {
             return STREAM_BAD_ADDRESS;
         }
         stream->fd = connect_tcp(host, port, deadline_ns, why, why_size);
+        if (stream->fd >= 0 && address[1] == 'l' &&
+            secure_open(stream->fd, host, deadline_ns, &stream->secure, why,
+                        why_size) != STREAM_OK) {
+            stream_close(stream);
+        }
     } else {
         return STREAM_BAD_ADDRESS;
     }
@@ -168,6 +173,7 @@ enum stream_open stream_open(struct stream *stream, const char *address,
 
 void stream_close(struct stream *stream)
 {
+    secure_close(stream->secure);
     if (stream->fd >= 0) {
         close(stream->fd);
     }
@@ -195,12 +201,15 @@ enum stream_result stream_send(struct stream *stream, const void *data,
     const uint8_t *bytes = data;
     size_t sent = 0;
     enum stream_result result = STREAM_OK;
+    if (stream->secure) {
+        return secure_send(stream->secure, data, size, deadline_ns);
+    }
     while (sent < size && result == STREAM_OK) {
         ssize_t n = send(stream->fd, bytes + sent, size - sent, MSG_NOSIGNAL);
         if (n >= 0) {
             sent += (size_t)n;
         } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
-            result = wait_for(stream->fd, POLLOUT, deadline_ns);
+            result = stream_wait(stream->fd, POLLOUT, deadline_ns);
         } else if (errno != EINTR) {
             result = STREAM_CLOSED;
         }
@@ -241,6 +250,14 @@ enum stream_result stream_receive(struct stream *stream, size_t missing,
     if (reserve(stream, room) != 0) {
         return STREAM_CLOSED;
     }
+    if (stream->secure) {
+        size_t got = 0;
+        enum stream_result result =
+            secure_receive(stream->secure, stream->buffer + stream->end,
+                           stream->capacity - stream->end, deadline_ns, &got);
+        stream->end += got;
+        return result;
+    }
     for (;;) {
         ssize_t n = recv(stream->fd, stream->buffer + stream->end,
                          stream->capacity - stream->end, 0);
@@ -253,7 +270,7 @@ enum stream_result stream_receive(struct stream *stream, size_t missing,
         }
         if (errno == EAGAIN) {
             enum stream_result result =
-                wait_for(stream->fd, POLLIN, deadline_ns);
+                stream_wait(stream->fd, POLLIN, deadline_ns);
             if (result != STREAM_OK) {
                 return result;
             }

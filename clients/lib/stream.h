@@ -6,9 +6,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+struct secure;
+
 struct stream {
     int fd;
-    uint8_t *buffer; /* bytes [start, end) are read and not yet used */
+    struct secure *secure; /* TLS, or NULL */
+    uint8_t *buffer;       /* bytes [start, end) are read and not yet used */
     size_t capacity, start, end;
     size_t used; /* bytes of the message handed out last */
 };
@@ -26,11 +29,15 @@ enum stream_result {
     STREAM_MALFORMED,
 };
 
-/* Connects to tcp:HOST:PORT or unix:PATH; `why` gets the reason of
- * UNREACHABLE. */
+/* Connects to tcp:HOST:PORT, tls:HOST:PORT or unix:PATH; `why` gets the reason
+ * of UNREACHABLE. */
 enum stream_open stream_open(struct stream *stream, const char *address,
                              int timeout_ms, char *why, size_t why_size);
 void stream_close(struct stream *stream);
+
+/* Waits for events of poll(2) on fd: OK or TIMEOUT; OK also where poll reports
+ * an error, which the following read or write then meets. */
+enum stream_result stream_wait(int fd, short events, int64_t deadline_ns);
 
 /* CLOCK_MONOTONIC after timeout_ms; -1: never. */
 int64_t stream_deadline(int timeout_ms);

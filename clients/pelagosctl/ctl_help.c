@@ -179,6 +179,10 @@ static const char *const roff_end =
     ".SH ENVIRONMENT\n"
     ".TP\n\\fBPELAGOS_SERVER\\fR\nWhere pelagosd listens, as for "
     "\\-\\-server.\n"
+    ".TP\n\\fBPELAGOS_TOKEN_FILE\\fR, \\fBPELAGOS_TOKEN\\fR\nThe token that "
+    "pelagosd asks for: its file, as for \\-\\-token\\-file, or itself.\n"
+    ".TP\n\\fBPELAGOS_CA\\fR\nA file of certificates (PEM) that tls: trusts "
+    "instead of the system's.\n"
     ".SH \"SEE ALSO\"\n\\fBpelagosd\\fR(8)\n";
 
 void ctl_print_manual(FILE *out)

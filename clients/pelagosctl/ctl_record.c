@@ -10,6 +10,7 @@
 #include <glib.h>
 
 #include "base/clock.h"
+#include "lib/token.h"
 #include "pelagosctl/clip.h"
 
 struct recording {
@@ -182,11 +183,15 @@ static enum ctl_exit record_stream(struct ctl *ctl, struct recording *r)
     if (ctl_number(ctl, "bitrate", 100, 100000, &kbps)) {
         return CTL_USAGE;
     }
+    char token[CLIENT_TOKEN_MAX + 1], said[256];
+    if (client_token(token, said, sizeof said) != 0) {
+        return ctl_say(CTL_FAILED, "%s", said);
+    }
     g_autofree char *url = stream_url(ctl, r), *why = NULL;
     const struct clip_stream wish = { .url = url,
                                       .path = r->path,
                                       .seconds = r->seconds,
-                                      .token = g_getenv("PELAGOS_TOKEN"),
+                                      .token = *token ? token : NULL,
                                       .stop = &ctl_interrupted,
                                       .progress = show_stream,
                                       .user = r };

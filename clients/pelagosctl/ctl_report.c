@@ -155,6 +155,9 @@ static const char *hint(enum pel_client_code code)
     case PEL_CLIENT_CLOSED:
     case PEL_CLIENT_PROTOCOL:
         return "is that the port of --tcp, not of --http?";
+    case PEL_CLIENT_UNAUTHORIZED:
+        return "name the file with pelagosd's token by --token-file or "
+               "PELAGOS_TOKEN_FILE";
     case PEL_CLIENT_BUSY:
         return "try again in a moment";
     case PEL_CLIENT_INTERNAL:

@@ -4,14 +4,20 @@
 #include <locale.h>
 #include <signal.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <glib.h>
 
 const struct ctl_option ctl_global_options[] = {
     { 's', "server", "ADDRESS",
-      "Where pelagosd listens: tcp:HOST:PORT or unix:PATH (PELAGOS_SERVER, "
+      "Where pelagosd listens: tcp:HOST:PORT, tls:HOST:PORT or unix:PATH "
+      "(PELAGOS_SERVER, "
       "else " PEL_CLIENT_DEFAULT_SERVER ")",
+      NULL },
+    { 0, "token-file", "FILE",
+      "Where the token is that pelagosd asks for (PELAGOS_TOKEN_FILE; "
+      "PELAGOS_TOKEN is the token itself)",
       NULL },
     { 't', "timeout", "SECONDS", "Give up waiting for an answer (10)", NULL },
     { 'j', "json", NULL, "Print JSON, errors too", NULL },
@@ -353,6 +359,12 @@ int main(int argc, char **argv)
         } else if (ctl_flag(&ctl, "version")) {
             puts("pelagosctl " PEL_VERSION);
         } else {
+            /* Every connection of a command gives it. */
+            if (ctl_value(&ctl, "token-file")) {
+                unsetenv(PEL_CLIENT_TOKEN_VARIABLE);
+                setenv(PEL_CLIENT_TOKEN_FILE_VARIABLE,
+                       ctl_value(&ctl, "token-file"), 1);
+            }
             status = ctl.command->run(&ctl);
         }
     }

@@ -5,6 +5,10 @@ stitches them to one panorama and checks that neighbours meet.
 
     bridge.py --out panorama.png [--url http://127.0.0.1:8080]
 
+(`make bridge` starts a daemon for it as well.) With --live it also watches the
+five windows, and checks that the pictures of one frame have the same number,
+simulated time and time of presentation in each.
+
 A screen's frustum is off-axis where the eye does not stand before its middle:
 the axis goes through the foot of the perpendicular, the window spans from
 `left` to `right` of that. Neighbours meet where yaw + right of the one is
@@ -13,13 +17,17 @@ yaw + left of the next.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import math
 import sys
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pelagos import Camera, Exr, Ocean, PelagosError
+from pelagos import Camera, Exr, Frame, LiveFrame, Ocean, PelagosError
 
+Array = NDArray[Any]
 ACROSS = 45.0
 TOP, BOTTOM = 12.0, -25.0
 # Window: its middle and the foot of its perpendicular, from the bow [deg].
@@ -28,6 +36,8 @@ WINDOWS = {"port-wing": (-90, -84), "port": (-45, -48), "ahead": (0, 0),
 # Tangents travel as single floats, poses too: a few of their 6e-8.
 RAY_TOLERANCE_RAD = 2e-6
 EYE_TOLERANCE_M = 1e-4
+# The server's two clocks are read once for each picture that it sends.
+PRESENT_TOLERANCE_S = 1e-3
 # The pictures have a sample a pixel; offsets are tried in eighths of one.
 FIT_TOLERANCE_PX = 0.25
 
@@ -44,7 +54,7 @@ def add_windows(ocean: Ocean, entity: int, width: int, height: int) -> None:
         for name, (middle, foot) in WINDOWS.items()}})
 
 
-def edge_normal(camera: Camera, right: bool) -> np.ndarray:
+def edge_normal(camera: Camera, right: bool) -> Array:
     """Of the plane through the eye and the right or left edge, in the world:
     unit, (3,)."""
     i = camera.intrinsics
@@ -54,8 +64,8 @@ def edge_normal(camera: Camera, right: bool) -> np.ndarray:
     return normal / np.linalg.norm(normal)
 
 
-def sample(picture: np.ndarray, camera: Camera, rays: np.ndarray
-           ) -> np.ndarray:
+def sample(picture: Array, camera: Camera, rays: Array
+           ) -> Array:
     """The picture along rays of the world, (..., 3), bilinear; NaN outside."""
     u, v = np.moveaxis(camera.project(camera.position + rays), -1, 0)
     height, width = picture.shape[:2]
@@ -72,7 +82,7 @@ def sample(picture: np.ndarray, camera: Camera, rays: np.ndarray
     return np.where(inside[..., None], out, np.nan)
 
 
-def panorama_rays(ahead: Camera, width: int) -> np.ndarray:
+def panorama_rays(ahead: Camera, width: int) -> Array:
     """Rays of a cylinder round the ship's upright, (height, width, 3)."""
     azimuth = np.radians(225) * ((np.arange(width) + 0.5) / width - 0.5)
     # The windows are lowest where they are farthest from their foot: what all
@@ -89,8 +99,8 @@ def panorama_rays(ahead: Camera, width: int) -> np.ndarray:
     return rays @ ahead.rotation
 
 
-def stitch(images: dict[str, np.ndarray], cameras: dict[str, Camera],
-           width: int) -> np.ndarray:
+def stitch(images: dict[str, Array], cameras: dict[str, Camera],
+           width: int) -> Array:
     rays = panorama_rays(cameras["ahead"], width)
     out = np.full(rays.shape, np.nan)
     for name in WINDOWS:
@@ -99,8 +109,8 @@ def stitch(images: dict[str, np.ndarray], cameras: dict[str, Camera],
     return np.nan_to_num(out).round().astype(np.uint8)
 
 
-def light_at_edge(picture: np.ndarray, camera: Camera, rays: np.ndarray,
-                  inward: np.ndarray) -> np.ndarray:
+def light_at_edge(picture: Array, camera: Camera, rays: Array,
+                  inward: Array) -> Array:
     """Extrapolated from the two columns next to the edge; inward: from a
     pixel's middle to its neighbour's, away from the edge."""
     near = sample(picture, camera, (rays + inward / 2)[:, None])[:, 0]
@@ -137,7 +147,44 @@ def check_seam(left: str, right: str, pictures: dict[str, Exr],
     return good
 
 
-def save(image: np.ndarray, path: str) -> None:
+def check_one_frame(frames: list[Frame]) -> bool:
+    """Pictures that were asked for together are of one frame."""
+    numbers = {frame.number for frame in frames}
+    good = len(numbers) == 1 and len({frame.time for frame in frames}) == 1
+    print(f"{len(frames)} pictures of frame "
+          f"{', '.join(str(n) for n in sorted(numbers))}: "
+          + ("one frame" if good else "NOT ONE FRAME"))
+    return good
+
+
+def check_live(ocean: Ocean, sets: int) -> bool:
+    """Watches all windows until so many frames came in each of them. A window
+    that is slow leaves frames out; those that come agree."""
+    seen: dict[int, dict[str, LiveFrame]] = {}
+    whole: list[int] = []
+    with contextlib.ExitStack() as stack:
+        streams = {name: stack.enter_context(
+            ocean.views[name].live(width=160, height=120))
+            for name in WINDOWS}
+        for _ in range(50 * sets):
+            for name, stream in streams.items():
+                frame = next(stream)
+                seen.setdefault(frame.number, {})[name] = frame
+            whole = [n for n, views in seen.items()
+                     if len(views) == len(WINDOWS)]
+            if len(whole) >= sets:
+                break
+    times = all(len({f.time for f in seen[n].values()}) == 1 for n in whole)
+    present = [[f.present for f in seen[n].values()] for n in whole]
+    apart = max((max(p) - min(p) for p in present), default=0.0)
+    good = times and apart <= PRESENT_TOLERANCE_S and len(whole) >= sets
+    print(f"live: {len(whole)} of {len(seen)} frames came in all five windows, "
+          f"times of presentation {1e6 * apart:.0f} us apart: "
+          + ("each is one frame" if good else "THEY DO NOT AGREE"))
+    return good
+
+
+def save(image: Array, path: str) -> None:
     try:
         import cv2
     except ImportError:
@@ -154,6 +201,8 @@ def main() -> None:
     parser.add_argument("--out", default="panorama.png")
     parser.add_argument("--size", default="640x480", help="of a window")
     parser.add_argument("--entity", default=1, type=int)
+    parser.add_argument("--live", default=0, type=int, metavar="FRAMES",
+                        help="also watch so many frames in all windows")
     parser.add_argument("--keep", action="store_true",
                         help="leave the five views in the scene")
     options = parser.parse_args()
@@ -165,11 +214,14 @@ def main() -> None:
             time = float(ocean["clock.time"])
             frames = ocean.frames(WINDOWS, "exr", time=time,
                                   float_samples=True)
-            images = {name: frame.image() for name, frame in
-                      ocean.frames(WINDOWS, "png", time=time).items()}
+            shown = ocean.frames(WINDOWS, "png", time=time)
+            good = check_one_frame([*frames.values(), *shown.values()])
+            if options.live:
+                good = check_live(ocean, options.live) and good
         finally:
             if not options.keep:
                 ocean.patch({"views": dict.fromkeys(WINDOWS)})
+    images = {name: frame.image() for name, frame in shown.items()}
     pictures = {name: frame.exr() for name, frame in frames.items()}
     cameras = {name: Camera.of_exr(p) for name, p in pictures.items()}
     names = list(WINDOWS)
@@ -177,7 +229,7 @@ def main() -> None:
              for a, b in zip(names, names[1:])]
     save(stitch(images, cameras, width * 4), options.out)
     print(f"{options.out}: 225 degrees at {time:.3f} s")
-    if not all(meets):
+    if not (good and all(meets)):
         sys.exit(1)
 
 

@@ -19,6 +19,7 @@ import argparse
 import json
 import pathlib
 import sys
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,7 @@ HULL = {"bow": (20, 0), "stern": (-20, 0), "port": (0, -4),
         "starboard": (0, 4), "middle": (0, 0)}
 
 
-def scene(seed: int, number: int, width: int, height: int) -> dict:
+def scene(seed: int, number: int, width: int, height: int) -> dict[str, Any]:
     """A whole state, from the two numbers alone."""
     random = np.random.default_rng([seed, number])
 
@@ -68,7 +69,7 @@ def scene(seed: int, number: int, width: int, height: int) -> dict:
     }
 
 
-def label(ocean: Ocean, time: float, camera: Camera, exposure: float) -> dict:
+def label(ocean: Ocean, time: float, camera: Camera, exposure: float) -> dict[str, Any]:
     state = ocean.state()
     ship = ocean.views["reference"].camera(time=time)
     # Rows of a camera's rotation: right, down, ahead.

@@ -80,10 +80,10 @@ def main() -> None:
     parser.add_argument("--out", default="live", type=pathlib.Path)
     options = parser.parse_args()
     with Ocean(options.url) as ocean:
-        view = (ocean.views[options.view] if options.view
-                else next(iter(ocean.views), None))
-        if view is None:
+        names = [options.view] if options.view else ocean.views.names()
+        if not names:
             sys.exit("live.py: the scene has no view")
+        view = ocean.views[names[0]]
         with view.live(fps=options.fps) as stream:
             if have_window():
                 show(ocean, view, stream, options.frames)

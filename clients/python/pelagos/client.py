@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import ssl
 import urllib.parse
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -19,25 +20,38 @@ if TYPE_CHECKING:
 
 DEFAULT_URL = "http://127.0.0.1:8080"
 URL_VARIABLE = "PELAGOS_URL"
+TOKEN_VARIABLE = "PELAGOS_TOKEN"
+TOKEN_FILE_VARIABLE = "PELAGOS_TOKEN_FILE"
 _ALIASES = {"view": "views", "entity": "entities"}
 
 
 class Ocean:
     """Talks to one daemon over HTTP. Any number of threads may use it.
 
-    url      http://HOST:PORT; none: $PELAGOS_URL, else http://127.0.0.1:8080
+    url      http://HOST:PORT, or https: through a proxy; none: $PELAGOS_URL,
+             else http://127.0.0.1:8080
     timeout  of each wait for the daemon [s]
-    headers  sent with every request, {"Authorization": "Bearer ..."}
+    token    what pelagosd --token-file asks for; none: $PELAGOS_TOKEN, else
+             the line in the file $PELAGOS_TOKEN_FILE, else nothing is given
+    cafile   certificates (PEM) to trust for https instead of the system's
+    headers  sent with every request
 
     A refusal raises a Refused (OutOfRange, NotFound, ...) that names the
     field, its unit and range, and leaves the state as it was.
     """
 
     def __init__(self, url: str | None = None, *, timeout: float = 30.0,
+                 token: str | None = None,
+                 cafile: "str | os.PathLike[str] | None" = None,
                  headers: Mapping[str, str] | None = None) -> None:
+        given = dict(headers or {})
+        if token := token or _token():
+            given["Authorization"] = f"Bearer {token}"
+        context = (ssl.create_default_context(cafile=os.fspath(cafile))
+                   if cafile else None)
         self.transport = Transport(
             url or os.environ.get(URL_VARIABLE) or DEFAULT_URL, timeout,
-            headers)
+            given, context)
         self.views = Views(self)
         self.entities = Entities(self)
 
@@ -194,6 +208,16 @@ class Ocean:
             got = pool.map(lambda name: self.frame(name, format, **options),
                            names)
             return dict(zip(names, got))
+
+
+def _token() -> str | None:
+    """Of the environment."""
+    if token := os.environ.get(TOKEN_VARIABLE):
+        return token
+    if path := os.environ.get(TOKEN_FILE_VARIABLE):
+        with open(path, encoding="ascii") as file:
+            return file.readline().strip()
+    return None
 
 
 def _split(path: str) -> list[str]:

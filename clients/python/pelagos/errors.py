@@ -91,7 +91,7 @@ _KINDS: dict[str, type[Refused]] = {
     "OUT_OF_RANGE": OutOfRange, "INVALID": Invalid, "CONFLICT": Conflict,
     "BUSY": Busy, "INTERNAL": Internal, "UNAUTHORIZED": Unauthorized,
 }
-_BY_STATUS = {401: Unauthorized, 404: NotFound, 409: Conflict, 412: Conflict, 429: Busy,
+_BY_STATUS: dict[int, type[Refused]] = {401: Unauthorized, 404: NotFound, 409: Conflict, 412: Conflict, 429: Busy,
               503: Busy}
 
 
@@ -103,6 +103,6 @@ def refusal(status: int, body: bytes) -> Refused:
         problem = {}
     if not isinstance(problem, dict):
         problem = {}
-    kind = _BY_STATUS.get(status) or _KINDS.get(
-        str(problem.get("code")), Internal if status >= 500 else Invalid)
+    other: type[Refused] = Internal if status >= 500 else Invalid
+    kind = _BY_STATUS.get(status, _KINDS.get(str(problem.get("code")), other))
     return kind(status, problem)

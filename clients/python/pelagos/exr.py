@@ -142,7 +142,8 @@ def _attribute(kind: str, raw: bytes) -> Any:
 
 
 def _channel_list(raw: bytes) -> list[tuple[str, str, int]]:
-    cursor, out = _Cursor(raw), []
+    cursor = _Cursor(raw)
+    out: list[tuple[str, str, int]] = []
     while name := cursor.text():
         kind, _, x, y = cursor.unpack("iIii")
         if kind not in _TYPES or (x, y) != (1, 1) or len(out) == _MAX_CHANNELS:

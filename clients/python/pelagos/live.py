@@ -1,6 +1,7 @@
 """Live pictures: the newest one, or all of a video."""
 from __future__ import annotations
 
+import dataclasses
 import threading
 import time
 from collections.abc import Iterator
@@ -22,6 +23,8 @@ class LiveFrame(Frame):
               them in time
     stamp     when its state was taken, by the server's clock [s since 1970];
               0 over Motion-JPEG
+    present   when all views of this frame are to be shown, by the same clock;
+              0: not said
     host      frame number of the simulator host, 0: none
     key, gap  of video: it can be shown without those before it; pictures were
               left out just before it
@@ -29,6 +32,7 @@ class LiveFrame(Frame):
     received: float = 0.0
     dropped: int = 0
     stamp: float = 0.0
+    present: float = 0.0
     host: int = 0
     key: bool = True
     gap: bool = False
@@ -38,7 +42,8 @@ def _frame(view: str, head: Head, data: bytes) -> LiveFrame:
     return LiveFrame(view, head.number, head.time, head.revision,
                      "jpg" if head.kind == JPEG else "h264", data,
                      head.drawn / 1e3, (head.encoded - head.drawn) / 1e3,
-                     time.monotonic(), 0, head.stamp / 1e6, head.host,
+                     time.monotonic(), 0, head.stamp / 1e6,
+                     head.present / 1e6, head.host,
                      head.key, head.gap)
 
 
@@ -154,8 +159,7 @@ class LiveStream:
                 self._passed += 1
             else:
                 self._passed = 0
-            self._newest = LiveFrame(**{**vars(frame),
-                                        "dropped": self._passed})
+            self._newest = dataclasses.replace(frame, dropped=self._passed)
             self._changed.notify_all()
 
 

@@ -36,7 +36,8 @@ class Record:
     @classmethod
     def from_json(cls: type[Self], content: dict[str, Any]) -> Self:
         """Fields that this class does not know are passed over."""
-        readers = _readers(cls)
+        # A class is hashable, whatever its objects are.
+        readers = _readers(cls)  # type: ignore[arg-type]
         return cls(**{name: readers[name](value)
                       for name, value in content.items()
                       if name in readers and value is not None})

@@ -9,7 +9,7 @@ import ssl
 import threading
 import urllib.parse
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, cast
 
 from .errors import ProtocolError, TimedOut, Unreachable, refusal
 
@@ -33,10 +33,12 @@ class Answer:
 
 
 class Transport:
-    """One server. timeout: of each wait on the connection [s]."""
+    """One server. timeout: of each wait on the connection [s]; context: of
+    TLS, none: the system's certificates."""
 
     def __init__(self, url: str, timeout: float,
-                 headers: Mapping[str, str] | None = None) -> None:
+                 headers: Mapping[str, str] | None = None,
+                 context: ssl.SSLContext | None = None) -> None:
         parts = urllib.parse.urlsplit(url if "://" in url else "http://" + url)
         if parts.scheme not in ("http", "https") or not parts.hostname:
             raise ValueError(f"{url!r} is not http://HOST:PORT")
@@ -46,6 +48,7 @@ class Transport:
         self._host, self._port = parts.hostname, parts.port
         self._prefix = parts.path.rstrip("/")
         self._headers = dict(headers or {})
+        self._context = context
         self._idle: list[http.client.HTTPConnection] = []
         self._lock = threading.Lock()  # of _idle
 
@@ -57,7 +60,7 @@ class Transport:
         if self._secure:
             connection = http.client.HTTPSConnection(
                 self._host, self._port, timeout=timeout,
-                context=ssl.create_default_context())
+                context=self._context or ssl.create_default_context())
         else:
             connection = http.client.HTTPConnection(self._host, self._port,
                                                     timeout=timeout)
@@ -120,7 +123,8 @@ class Transport:
             self._give(connection, response.will_close)
             if response.status >= 400:
                 raise refusal(response.status, data)
-            return Answer(response.status, response.headers, data)
+            return Answer(response.status,
+                          cast("Mapping[str, str]", response.headers), data)
 
     def _take(self) -> tuple[http.client.HTTPConnection, bool]:
         while True:

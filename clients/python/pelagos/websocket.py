@@ -21,6 +21,7 @@ _GUID = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 _TEXT, _BINARY, _CLOSE, _PING, _PONG = 1, 2, 8, 9, 10
 _MAX_MESSAGE = 64 << 20
 _HEADER = struct.Struct("<BBBBHHQdQQIIIIQ")
+_PRESENT = struct.Struct("<Q")  # later versions add to the end
 _KEY, _GAP = 1, 2
 # The server pings every 10 s: longer silence is a connection that is gone.
 _SILENCE_S = 30.0
@@ -44,6 +45,7 @@ class Head(NamedTuple):
     queued: int
     missed: int
     revision: int
+    present: int = 0
 
     @property
     def key(self) -> bool:
@@ -125,6 +127,9 @@ class LiveSocket:
         if (head.version != 1 or head.kind not in (H264, JPEG)
                 or not _HEADER.size <= head.size <= len(data)):
             raise ProtocolError("a picture with a header of another kind")
+        if head.size >= _HEADER.size + _PRESENT.size:
+            present, = _PRESENT.unpack_from(data, _HEADER.size)
+            head = head._replace(present=present)
         return head, data[head.size:]
 
     def _text(self, data: bytes) -> None:
