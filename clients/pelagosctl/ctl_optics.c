@@ -14,7 +14,8 @@
 
 enum { N = PEL_WATER_WAVELENGTHS };
 
-static const char *const order_words[] = { "all", "2", "paper", NULL };
+static const char *const order_words[] = { "all", "2", "paper", "single",
+                                           NULL };
 
 struct question {
     struct pel_water_body body;
@@ -308,7 +309,7 @@ static void patch_water(Pelagos__Patch *patch, const struct question *q)
                                          "asymmetry", "albedo" };
     const double *values[] = { q->body.absorption, q->body.scattering,
                                q->body.asymmetry, q->body.albedo };
-    static const char *const words[] = { "ALL", "TWO", "PAPER" };
+    static const char *const words[] = { "ALL", "TWO", "PAPER", "SINGLE" };
     int err =
         pel_path_set(patch, NULL, "water.jerlov", NULL, NULL) |
         pel_path_set(patch, NULL, "water.named", NULL, NULL) |

@@ -179,8 +179,8 @@ static const struct ctl_option optics_options[] = {
       "water: of the line of sight from the Sun's, 0 looks towards it; sky: of "
       "the direction (0)",
       NULL },
-    { 0, "orders", "WHICH", "all, 2, or paper: Iwasaki et al. 2003 (all)",
-      NULL },
+    { 0, "orders", "WHICH",
+      "all, 2, or as Iwasaki et al. 2003: paper, single (all)", NULL },
     { 0, "from", "CODE",
       "reference; gpu, the code that draws, from a running pelagosd; "
       "water: montecarlo too (reference)",

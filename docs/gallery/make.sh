@@ -20,6 +20,7 @@ common="clock.mode=STEPPED clock.time=100 sea.windDirection=250 sea.windSpeed=8 
 sky.sunElevation=35 sky.sunAzimuth=55 sky.visibility=40000 views.gallery.up=6 \
 views.gallery.pitch=-5 views.gallery.width=640 views.gallery.height=360"
 lagoon="sea.windSpeed=4 views.gallery.up=10 views.gallery.pitch=-16 sky.sunAzimuth=110"
+open="sea.windSpeed=4 views.gallery.up=10 views.gallery.pitch=-16 sky.sunAzimuth=110 sky.sunElevation=55 water.jerlov=IB"
 pictures=(
     "calm|Calm: wind 1.5 m/s|sea.windSpeed=1.5"
     "wind-05|Wind 5 m/s|sea.windSpeed=5"
@@ -38,8 +39,11 @@ pictures=(
     "fft-glitter|The same into the Sun|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=7 sky.sunElevation=25 sky.sunAzimuth=10"
     "fog|Visibility 1500 m|sky.visibility=1500"
     "swell|Swell of 3 m, 12 s under a light wind|sea.windSpeed=3 sea.swell.0.height=3 sea.swell.0.period=12 sea.swell.0.direction=320 views.gallery.up=12"
-    "water-tropical|Tropical water at noon|$lagoon sky.sunElevation=61 water.named=TROPICAL"
-    "water-sunset|The same at sunset|$lagoon sky.sunElevation=3 water.named=TROPICAL"
+    "water-single|Fig. 9 of the 2003 paper: single scattering|$open water.orders=SINGLE"
+    "water-multiple|Fig. 9: every order|$open"
+    "water-tropical|Fig. 10: tropical noon|$lagoon sky.sunElevation=61 water.named=TROPICAL water.bottom=SAND water.depth=6"
+    "water-sunset|Fig. 10: tropical sunset|$lagoon sky.sunElevation=3 sky.sunAzimuth=40 water.named=TROPICAL water.bottom=SAND water.depth=6"
+    "water-dusk|The same under the sky alone, Sun 4° below the horizon|$lagoon sky.sunElevation=-4 sky.sunAzimuth=40 water.named=TROPICAL water.bottom=SAND water.depth=6"
     "water-8m|7.9 m of tropical water over sand|$lagoon water.named=TROPICAL water.bottom=SAND water.depth=7.9"
     "water-40m|39.9 m of it|$lagoon water.named=TROPICAL water.bottom=SAND water.depth=39.9"
     "water-baltic|The Baltic|$lagoon water.named=BALTIC"

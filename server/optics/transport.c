@@ -309,6 +309,13 @@ static enum pel_err higher_orders(const struct pel_medium *m,
     return PEL_OK;
 }
 
+enum pel_extinction pel_orders_extinction(enum pel_water_orders orders)
+{
+    return orders == PEL_ORDERS_PAPER || orders == PEL_ORDERS_SINGLE
+               ? PEL_EXTINCTION_REDUCED
+               : PEL_EXTINCTION_FULL;
+}
+
 enum pel_err pel_transport_leaving(const struct pel_medium *m,
                                    const struct pel_geometry *geometry,
                                    enum pel_water_orders orders,
@@ -316,11 +323,11 @@ enum pel_err pel_transport_leaving(const struct pel_medium *m,
 {
     enum pel_err err = PEL_OK;
     *out = (struct pel_leaving){
-        .single = pel_transport_single(m, geometry,
-                                       orders == PEL_ORDERS_PAPER
-                                           ? PEL_EXTINCTION_REDUCED
-                                           : PEL_EXTINCTION_FULL),
-        .second = pel_transport_second(m, geometry),
+        .single =
+            pel_transport_single(m, geometry, pel_orders_extinction(orders)),
+        .second = orders == PEL_ORDERS_SINGLE
+                      ? 0.0
+                      : pel_transport_second(m, geometry),
         .bottom_direct = pel_transport_bottom(m, geometry),
     };
     if (orders == PEL_ORDERS_ALL) {

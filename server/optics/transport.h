@@ -104,12 +104,16 @@ double pel_transport_bottom(const struct pel_medium *medium,
                             const struct pel_geometry *geometry);
 
 enum pel_water_orders {
-    PEL_ORDERS_ALL,   /* every order, internal reflection, light to and from
-                         the bottom scattered on its way */
-    PEL_ORDERS_TWO,   /* single and second, both with full extinction */
-    PEL_ORDERS_PAPER, /* single with reduced extinction, second with full */
+    PEL_ORDERS_ALL,    /* every order, internal reflection, light to and from
+                          the bottom scattered on its way */
+    PEL_ORDERS_TWO,    /* single and second, both with full extinction */
+    PEL_ORDERS_PAPER,  /* single with reduced extinction, second with full */
+    PEL_ORDERS_SINGLE, /* of these the single alone */
     PEL_ORDERS_COUNT,
 };
+
+/* How these count single scattering. */
+enum pel_extinction pel_orders_extinction(enum pel_water_orders orders);
 
 struct pel_leaving {
     double single, second, higher; /* never touched the bottom */

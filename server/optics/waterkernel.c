@@ -89,7 +89,7 @@ static void put_single(const struct pel_medium *m, const struct work *w,
                        int wavelength, struct pel_water_kernel *out)
 {
     double c = m->absorption + m->scattering, true_c = c;
-    if (orders == PEL_ORDERS_PAPER) {
+    if (pel_orders_extinction(orders) == PEL_EXTINCTION_REDUCED) {
         true_c -= m->scattering * pel_hg_forward_fraction(m->asymmetry);
     }
     for (int i = 0; i < N * N; i++) {

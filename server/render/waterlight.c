@@ -193,7 +193,7 @@ static void put_medium(struct pel_water_light *w)
         struct pel_medium m = pel_water_medium(&w->body, i);
         full[i] = m.absorption + m.scattering;
         single[i] = full[i];
-        if (w->orders == PEL_ORDERS_PAPER) {
+        if (pel_orders_extinction(w->orders) == PEL_EXTINCTION_REDUCED) {
             single[i] -= m.scattering * pel_hg_forward_fraction(m.asymmetry);
         }
     }
@@ -306,7 +306,9 @@ void pel_water_light_update(struct pel_water_light *w,
     put_medium(w);
     put_planes(w);
     put_kernel(w);
-    scatter(w);
+    if (w->orders != PEL_ORDERS_SINGLE) {
+        scatter(w);
+    }
     w->version++;
 }
 

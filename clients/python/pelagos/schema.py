@@ -152,7 +152,7 @@ class Water(Record):
     #: Albedo at 440 nm. [1; 0 to 1]
     albedo440: float | None = _field(None, '1', 0, 1)
     #: Orders of scattering to draw.
-    #: One of ALL, TWO, PAPER.
+    #: One of ALL, TWO, PAPER, SINGLE.
     orders: str = _field('ALL')
     #: Salinity: the water's own scattering, and with temperature its
     #: refractive index. [g/kg; 0 to 42]
