@@ -99,8 +99,8 @@ const struct pel_option pel_option_table[] = {
     { "shader-dir", "render", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(shader_dir),
       .help = "Reads the shaders from here instead of the built-in ones." },
-    { "filter-min", "render", PEL_OPTION_DOUBLE, "N", "1", 0.5, 4,
-      "wavelengths", .offset = FIELD(filter_min),
+    { "filter-min", "render", PEL_OPTION_DOUBLE, "N", "1", 1, 4, "wavelengths",
+      .offset = FIELD(filter_min),
       .help = "Waves of fewer than so many pixels or cells of the mesh are "
               "left to the statistics; below --filter-max." },
     { "filter-max", "render", PEL_OPTION_DOUBLE, "N", "2.5", 1, 8,

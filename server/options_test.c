@@ -78,7 +78,7 @@ static void bad_values_say_what_is_legal(void **state)
         { "--fps", "0", "1 .. 240 Hz" },
         { "--fps", "nan", "1 .. 240 Hz" },
         { "--fps", "inf", "1 .. 240 Hz" },
-        { "--filter-min", "0.4", "0.5 .. 4 wavelengths" },
+        { "--filter-min", "0.9", "1 .. 4 wavelengths" },
         { "--filter-min", "3", "not below --filter-max, 2.5" },
         { "--filter-max", "nan", "1 .. 8 wavelengths" },
         { "--mesh-cell", "1", "2 .. 64 px" },

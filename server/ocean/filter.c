@@ -57,13 +57,12 @@ static void take_resolved(const struct pel_sea *sea, const struct pel_wave *w,
     left->mixed -= along * cross * kept;
 }
 
-static double wave_gain(const struct pel_filter *filter,
-                        const struct pel_footprint *footprint,
-                        const struct pel_wave *w)
+static double wavelengths_of(const struct pel_footprint *footprint,
+                             const struct pel_wave *w)
 {
     double k = hypot(w->kx, w->ky);
     double length_m = pel_footprint_length(footprint, atan2(w->ky, w->kx));
-    return pel_filter_gain(filter, 2.0 * PEL_PI / (k * length_m));
+    return 2.0 * PEL_PI / (k * length_m);
 }
 
 struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
@@ -79,7 +78,8 @@ struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
                                sea->slope_variance_cross,
                                sea->slope_covariance };
     for (int i = 0; i < sea->count; i++) {
-        double gain = wave_gain(filter, footprint, &sea->waves[i]);
+        double gain =
+            pel_filter_gain(filter, wavelengths_of(footprint, &sea->waves[i]));
         if (gain > 0) {
             take_resolved(sea, &sea->waves[i], gain, &left);
         }
@@ -99,17 +99,19 @@ static void filtered_trochoids(const struct pel_sea *sea,
     double xx = 0, xy = 0, yy = 0, zx = 0, zy = 0;
     for (int i = 0; i < sea->count; i++) {
         const struct pel_wave *w = &sea->waves[i];
-        double h = w->amplitude * wave_gain(filter, footprint, w);
-        if (h == 0) {
+        double lengths = wavelengths_of(footprint, w);
+        double moved = w->amplitude * pel_filter_weight(filter, lengths);
+        double h = w->amplitude * pel_filter_gain(filter, lengths);
+        if (moved == 0) {
             continue;
         }
         double p = w->kx * at.x + w->ky * at.y +
                    remainder(w->phase - w->omega * time_s, 2.0 * PEL_PI);
         double s = sin(p), c = cos(p), k = hypot(w->kx, w->ky);
         double across = w->chop * h / k;
-        d.x -= w->kx * across * s;
-        d.y -= w->ky * across * s;
-        d.z += h * c;
+        d.x -= w->kx / k * w->chop * moved * s;
+        d.y -= w->ky / k * w->chop * moved * s;
+        d.z += moved * c;
         xx += w->kx * w->kx * across * c;
         xy += w->kx * w->ky * across * c;
         yy += w->ky * w->ky * across * c;

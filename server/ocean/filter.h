@@ -25,14 +25,14 @@ double pel_footprint_length(const struct pel_footprint *footprint,
 /* Bounds of the filter in wavelengths a footprint, n_min < n_max: shorter
  * waves are gone, longer ones whole (section 7.1: 1 and 2.5). */
 struct pel_filter {
-    double n_min, n_max; /* 0.5..4, 1..8 */
+    double n_min, n_max; /* 1..4, 1..8 */
 };
 #define PEL_FILTER_DEFAULT ((struct pel_filter){ 1.0, 2.5 })
 
 /* w(n_min, n_max, wavelengths) of section 3.2. */
 double pel_filter_weight(const struct pel_filter *filter, double wavelengths);
 
-/* What of a wave's height and slope is left in the mean over a footprint:
+/* What of a wave's slope is left in the mean over a footprint:
  * the weight times sin(x)/x, x = π / wavelengths (to 0.2 % of where the weight
  * is 1). The paper leaves the second factor out, and with it counts slopes
  * twice once they stand in the variance too. */

@@ -14,7 +14,7 @@ enum pel_err pel_filtering_settle(const struct pel_filtering *given,
         const char *name;
         double value, least, most;
     } ranges[] = {
-        { "the filter's lower bound", f.n_min, 0.5, 4.0 },
+        { "the filter's lower bound", f.n_min, 1.0, 4.0 },
         { "the filter's upper bound", f.n_max, 1.0, 8.0 },
         { "the mesh's cell", f.cell_px, 2.0, 64.0 },
         { "the footprint's anisotropy", f.anisotropy, 1, PEL_ANISOTROPY_MOST },

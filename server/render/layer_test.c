@@ -198,7 +198,7 @@ static void filters_draw_one_sea(void **state)
         { { .anisotropy = 4 }, 0.03 },
         { { .anisotropy = 16 }, 0.03 },
         { { .n_min = 2, .n_max = 5 }, 0.03 },
-        { { .n_min = 0.5, .n_max = 1.5 }, 0.03 },
+        { { .n_max = 1.5 }, 0.03 },
         { { .cell_px = 2 }, 0.03 },
         { { .cell_px = 32 }, 0.03 },
     };
@@ -230,7 +230,7 @@ static void bad_filters_are_refused(void **state)
 {
     (void)state;
     static const struct pel_filtering bad[] = {
-        { .n_min = 0.4 }, { .n_min = 3 },       { .n_max = 9 },
+        { .n_min = 0.9 }, { .n_min = 3 },       { .n_max = 9 },
         { .n_max = NAN }, { .cell_px = 1 },     { .cell_px = INFINITY },
         { .sky = 9 },     { .anisotropy = 17 }, { .anisotropy = -1 },
     };

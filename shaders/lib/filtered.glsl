@@ -69,12 +69,14 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
 #define PEL_WEIGHT(i)                                                          \
     vec2 p = vec2(dot(waves[i].phase.xy, lengthwise), dot(waves[i].phase.xy, crosswise)); \
     float y = dot(p, p);                                                       \
-    float w = filter_weight(inversesqrt(y) * up.w + offset) * footprint_mean(y);
+    float w = filter_weight(inversesqrt(y) * up.w + offset);                    \
+    float gain = w * footprint_mean(y);
 #else
     float scale = up.w / along;
 #define PEL_WEIGHT(i)                                                          \
     float y = along * waves[i].fold.w;                                         \
-    float w = filter_weight(waves[i].phase.w * scale + offset) * footprint_mean(y * y);
+    float w = filter_weight(waves[i].phase.w * scale + offset);                 \
+    float gain = w * footprint_mean(y * y);
 #endif
     float offset = -right.w * up.w;
     filtered f;
@@ -82,7 +84,7 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
     f.fold = vec3(0.0);
 #ifdef PEL_LAYERS
     f.shift = vec3(0.0);
-#define PEL_SHIFT(i, s, c) f.shift += vec3(-waves[i].shift.xy * s, waves[i].shift.z * c);
+#define PEL_SHIFT(i, s, c) f.shift += vec3(-waves[i].shift.xy * (w * s), waves[i].shift.z * (w * c));
 #else
 #define PEL_SHIFT(i, s, c)
 #endif
@@ -90,10 +92,10 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
     {                                                                          \
         PEL_WEIGHT(i)                                                          \
         float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;              \
-        float s = w * sine_turns(turns);                                       \
-        float c = w * sine_turns(turns + 0.25);                                \
-        f.fold += waves[i].fold.xyz * c;                                        \
-        f.slope -= waves[i].slope.xy * s;                                       \
+        float s = sine_turns(turns);                                           \
+        float c = sine_turns(turns + 0.25);                                    \
+        f.fold += waves[i].fold.xyz * (gain * c);                               \
+        f.slope -= waves[i].slope.xy * (gain * s);                              \
         PEL_SHIFT(i, s, c)                                                     \
     }
     PEL_EACH_WAVE(PEL_SLOPE)
