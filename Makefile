@@ -283,6 +283,7 @@ TESTS += server/render/sky_test.c
 TESTS += server/render/light_test.c
 TESTS += server/render/layer_test.c
 TESTS += server/render/probe_test.c
+TESTS += tests/golden/shimmer_test.c
 TESTS += server/render/waterlight_test.c
 TESTS += server/frames/layers_test.c
 

@@ -42,6 +42,99 @@ static void test_dispersion(void **state)
     assert_true(pel_dispersion_k(0, 10) == 0);
 }
 
+/* Table C-1 of the Shore Protection Manual (1984): d/L for d/L0, waves without
+ * surface tension, of which a metre of length does not know. And the slowest
+ * wave of clean water: 23 cm/s, 1.7 cm long (Lamb, Hydrodynamics, § 267). */
+static void test_published_dispersion(void **state)
+{
+    (void)state;
+    static const double table[][2] = { { 0.01, 0.04032 },
+                                       { 0.05, 0.09416 },
+                                       { 0.1, 0.1410 },
+                                       { 0.2, 0.2251 },
+                                       { 0.5, 0.5018 } };
+    for (int i = 0; i < 5; i++) {
+        const double depth = 10;
+        double deep_length = depth / table[i][0];
+        double omega = sqrt(2 * PEL_PI * PEL_GRAVITY / deep_length);
+        double length = 2 * PEL_PI / pel_dispersion_k(omega, depth);
+        assert_near(depth / length, table[i][1], 5e-4 * table[i][1]);
+    }
+    double slowest = INFINITY, at = 0;
+    for (double k = 50; k < 2000; k *= 1.001) {
+        double speed = pel_dispersion_depth(k, 0) / k;
+        at = speed < slowest ? 2 * PEL_PI / k : at;
+        slowest = fmin(slowest, speed);
+    }
+    assert_near(slowest, 0.231, 0.001);
+    assert_near(at, 0.017, 0.0001);
+}
+
+static double significant_height(const struct pel_sea_desc *desc)
+{
+    struct pel_band_moments all;
+    struct pel_directional *s = make(desc);
+    pel_directional_moments(s, 0, INFINITY, &all);
+    pel_directional_destroy(s);
+    return 4 * sqrt(all.m0);
+}
+
+/* Heights that others published for the same winds. */
+static void test_published_heights(void **state)
+{
+    (void)state;
+    /* Isherwood 1987: m0 = (0.065 γ^0.803 + 0.135) α g² / ω_p⁴. With the fetch
+     * laws of α and ω_p it is up to a third in height above the law of m0
+     * itself, 1.6e-7 U² F / g: the means of Hasselmann et al. 1973 do not go
+     * together exactly. */
+    for (double u = 8; u <= 20; u += 4) {
+        struct pel_sea_desc d = base;
+        d.wind_mps = u;
+        d.fetch_m = 5e4;
+        double alpha = 0.076 * pow(u * u / (d.fetch_m * PEL_GRAVITY), 0.22);
+        double want = 4 * sqrt((0.065 * pow(3.3, 0.803) + 0.135) * alpha) *
+                      PEL_GRAVITY / pow(pel_spectrum_peak(&d), 2);
+        double law = 4 * sqrt(1.6e-7 * u * u * d.fetch_m / PEL_GRAVITY);
+        print_message("JONSWAP %g m/s, 50 km: Hs %.2f m, Isherwood %.2f m, law "
+                      "of m0 %.2f m\n",
+                      u, significant_height(&d), want, law);
+        assert_near(significant_height(&d), want, 0.01 * want);
+        assert_near(significant_height(&d) / law, 1.2, 0.15);
+    }
+    /* Elfouhaily, fully developed, is made to have what Pierson and Moskowitz
+     * have: 0.24 U²/g at 10 m; his peak is broader. */
+    for (double u = 6; u <= 18; u += 4) {
+        struct pel_sea_desc d = kind(PEL_SPECTRUM_ELFOUHAILY);
+        d.wind_mps = u;
+        d.fetch_m = 2e6;
+        double want = 0.24 * u * u / PEL_GRAVITY;
+        print_message("Elfouhaily %g m/s: Hs %.2f m, 0.24 U2/g %.2f m\n", u,
+                      significant_height(&d), want);
+        assert_near(significant_height(&d), want, 0.15 * want);
+    }
+}
+
+/* TMA's factor against Thompson and Vincent 1983: ω_h²/2 up to 1,
+ * 1 − (2 − ω_h)²/2 up to 2, within 4 %; ω_h = ω √(d/g). */
+static void test_published_tma(void **state)
+{
+    (void)state;
+    struct pel_sea_desc shallow = kind(PEL_SPECTRUM_TMA), deep = base;
+    shallow.depth_m = 8;
+    for (double h = 0.5; h < 2.0; h += 0.1) {
+        double omega = h * sqrt(PEL_GRAVITY / shallow.depth_m);
+        struct pel_directional *s = make(&shallow);
+        double sum = 0;
+        for (int j = 0; j < 720; j++) {
+            sum +=
+                pel_directional_at(s, omega, PEL_PI * j / 360) * PEL_PI / 360;
+        }
+        pel_directional_destroy(s);
+        double want = h < 1 ? 0.5 * h * h : 1 - 0.5 * (2 - h) * (2 - h);
+        assert_near(sum / pel_spectrum_wind(&deep, omega), want, 0.05 * want);
+    }
+}
+
 /* The moments are those of the density itself, summed over the plane. */
 static void test_moments(void **state)
 {
@@ -337,6 +430,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_dispersion),
+        cmocka_unit_test(test_published_dispersion),
+        cmocka_unit_test(test_published_heights),
+        cmocka_unit_test(test_published_tma),
         cmocka_unit_test(test_moments),
         cmocka_unit_test(test_frequency),
         cmocka_unit_test(test_tma),

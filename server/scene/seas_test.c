@@ -62,6 +62,31 @@ static void the_wind_has_other_names(void **state)
     const Pelagos__Sea *sea = pel_scene_state(scene)->sea;
     assert_true(fabs(sea->wind_speed - 0.836 * pow(5, 1.5)) < 1e-12);
     assert_false(sea->has_beaufort);
+    /* WMO's ranges at 10 m, knots made m/s with one decimal. */
+    static const double ranges[][2] = { { 0.3, 1.5 },   { 1.6, 3.3 },
+                                        { 3.4, 5.4 },   { 5.5, 7.9 },
+                                        { 8.0, 10.7 },  { 10.8, 13.8 },
+                                        { 13.9, 17.1 }, { 17.2, 20.7 },
+                                        { 20.8, 24.4 }, { 24.5, 28.4 } };
+    for (int b = 1; b <= 10; b++) {
+        char json[64];
+        snprintf(json, sizeof json, "{\"sea\":{\"beaufort\":%d}}", b);
+        must(scene, json);
+        double wind = pel_scene_state(scene)->sea->wind_speed;
+        assert_true(wind > ranges[b - 1][0] && wind < ranges[b - 1][1]);
+    }
+    /* Degrees of Douglas: within WMO code table 3700. */
+    static const double heights[][2] = { { 0.0, 0.1 },  { 0.1, 0.5 },
+                                         { 0.5, 1.25 }, { 1.25, 2.5 },
+                                         { 2.5, 4.0 },  { 4.0, 6.0 },
+                                         { 6.0, 9.0 } };
+    for (int d = 1; d <= 7; d++) {
+        char json[64];
+        snprintf(json, sizeof json, "{\"sea\":{\"douglas\":%d}}", d);
+        must(scene, json);
+        double hs = significant_height(scene);
+        assert_true(hs > heights[d - 1][0] && hs < heights[d - 1][1]);
+    }
     static const char *const spectra[] = { "PIERSON_MOSKOWITZ", "JONSWAP",
                                            "TMA", "ELFOUHAILY", "OMEGA2" };
     for (int i = 0; i < 5; i++) {
