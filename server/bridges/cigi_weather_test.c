@@ -40,6 +40,10 @@ static void a_crest_stands_where_it_was_ordered(void **state)
 {
     (void)state;
     begin();
+    /* Trochoids draw single waves exactly, cascades the nearest they have. */
+    with(PEL_CIGI_KIND_SHORT_COMPONENT, PEL_CIGI_SHORT_COMPONENT_ID, 5.0,
+         PEL_CIGI_SHORT_COMPONENT_CLASS, 7.0, PEL_CIGI_SHORT_COMPONENT_STATE,
+         0.0, 0);
     with(PEL_CIGI_KIND_ATMOSPHERE, PEL_CIGI_ATMOSPHERE_ENABLE, 1.0,
          PEL_CIGI_ATMOSPHERE_VISIBILITY, 20000.0, 0);
     train(1, 2, 1);

@@ -84,7 +84,7 @@ class Sea(Record):
     swell: tuple[Swell, ...] = ()
     #: How the waves are made.
     #: One of TROCHOIDS, FFT.
-    synthesiser: str = _field('TROCHOIDS')
+    synthesiser: str = _field('FFT')
     #: Depth of the water, for the speed of the waves and TMA; absent: deep.
     #: [m; 1 to 11000]
     depth: float | None = _field(None, 'm', 1, 11000)
