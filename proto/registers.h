@@ -12,7 +12,7 @@
 #define PEL_PROBE_F32 3.5
 
 /* Registers of each space that can be read, from address 0. */
-#define PEL_HOLDING_COUNT 180
+#define PEL_HOLDING_COUNT 240
 #define PEL_INPUT_COUNT 40
 #define PEL_DISCRETE_COUNT 7
 #define PEL_COIL_COUNT 2

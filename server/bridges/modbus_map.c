@@ -295,6 +295,16 @@ static bool in_range(const struct pel_register *reg,
     return true;
 }
 
+/* What a field without a default reads as while it is absent (the register's
+ * not-a-number) takes it away again when it is written. */
+static bool removes(const struct pel_register *reg,
+                    const ProtobufCFieldDescriptor *field, double value)
+{
+    return !field->default_value && strncmp(reg->path, "water.", 6) == 0 &&
+           (reg->type == PEL_TYPE_F32 ? isnan(value) != 0
+                                      : value == (double)UINT16_MAX);
+}
+
 static enum pel_modbus_exception check_field(struct pel_modbus_map *map,
                                              const struct pel_register *reg,
                                              double *value)
@@ -304,6 +314,10 @@ static enum pel_modbus_exception check_field(struct pel_modbus_map *map,
     if (!row_path(map, reg, path, sizeof path) ||
         pel_path_find(path, &info, NULL) != PEL_OK) {
         return PEL_MODBUS_ILLEGAL_ADDRESS;
+    }
+    if (removes(reg, info.field, *value)) {
+        *value = NAN;
+        return PEL_MODBUS_DONE;
     }
     bool legal = isfinite(*value);
     if (info.field->type == PROTOBUF_C_TYPE_ENUM) {
@@ -395,8 +409,11 @@ static enum pel_err build_patch(struct pel_modbus_map *map,
             return pel_fault_set(fault, PEL_ERR_NOT_FOUND, "%s: no such view",
                                  pel_registers[i].path);
         }
-        err = pel_path_set_number(patch, pel_scene_state(map->scene), path,
-                                  map->staged[i].value, fault);
+        double value = map->staged[i].value;
+        const Pelagos__State *now = pel_scene_state(map->scene);
+        err = isnan(value)
+                  ? pel_path_set(patch, now, path, NULL, fault)
+                  : pel_path_set_number(patch, now, path, value, fault);
     }
     return err;
 }

@@ -201,6 +201,49 @@ static void refuses_and_changes_nothing(void **state)
     assert_true(isnan(read_number(f, 3, 120, PEL_TYPE_F32)));
 }
 
+/* All of the water: six coefficients with a commit in one request, and back to
+ * chlorophyll by what absent values read as. */
+static void water_is_described(void **state)
+{
+    struct fixture *f = *state;
+    const Pelagos__Water *water = pel_scene_state(f->scene)->water;
+    assert_true(isnan(read_number(f, 3, 188, PEL_TYPE_F32)));
+    assert_true(read_number(f, 3, 180, PEL_TYPE_U16) == 65535);
+    uint16_t words[25] = { 0 };
+    for (unsigned i = 0; i < 12; i++) {
+        pel_register_encode(PEL_TYPE_F32, PEL_MODBUS_ABCD, 0.25 * (i % 4),
+                            words + 2 * i);
+    }
+    words[24] = 1;
+    assert_int_equal(write_words(f, 188, 25, words), -3); /* absorption 0 */
+    for (unsigned i = 0; i < 12; i++) {
+        pel_register_encode(PEL_TYPE_F32, PEL_MODBUS_ABCD, 0.25 + i / 24.0,
+                            words + 2 * i);
+    }
+    assert_int_equal(write_words(f, 188, 25, words), 16);
+    water = pel_scene_state(f->scene)->water;
+    assert_true(water->has_absorption_680 && water->absorption_680 == 0.25);
+    assert_true(water->has_scattering_440 && water->has_albedo_550);
+    /* Two descriptions at once are refused, one instead of the other is not. */
+    assert_int_equal(write_one(f, 180, 1), 6);
+    assert_int_equal(write_one(f, 212, 1), -3);
+    for (unsigned i = 0; i < 6; i++) {
+        assert_true(write_float(f, 188 + 2 * i, NAN) > 0);
+    }
+    assert_int_equal(write_one(f, 180, 1), 6);
+    assert_int_equal(write_one(f, 212, 1), 6);
+    water = pel_scene_state(f->scene)->water;
+    assert_true(!water->has_absorption_680 && water->has_jerlov);
+    assert_int_equal(write_one(f, 180, 65535), 6);
+    assert_int_equal(write_one(f, 182, 2), 6); /* orders: PAPER */
+    assert_int_equal(write_one(f, 182, 9), -3);
+    assert_int_equal(write_float(f, 184, 7.5), 16);
+    assert_int_equal(write_one(f, 212, 1), 6);
+    water = pel_scene_state(f->scene)->water;
+    assert_true(!water->has_jerlov && water->salinity == 7.5);
+    assert_int_equal(water->orders, PELAGOS__WATER_ORDERS__PAPER);
+}
+
 /* 0.01 mg/m3 is the schema's least; single precision holds a little less. */
 static void limits_are_inside(void **state)
 {
@@ -285,7 +328,7 @@ static void refuses_bad_forms(void **state)
         { { 3, 0, 0, 0, 126 }, 5, -3 },  /* more than fit */
         { { 3, 0, 0, 0 }, 4, -3 },       /* short */
         { { 3, 0, 0, 0, 1, 0 }, 6, -3 }, /* long */
-        { { 3, 0, 179, 0, 2 }, 5, -2 },  /* over the end */
+        { { 3, 0, 239, 0, 2 }, 5, -2 },  /* over the end */
         { { 3, 0xff, 0xff, 0, 1 }, 5, -2 },
         { { 5, 0, 0, 0x12, 0x34 }, 5, -3 }, /* neither on nor off */
         { { 15, 0, 0, 0, 2, 2, 1, 1 }, 8, -3 },
@@ -557,6 +600,7 @@ int main(void)
         TEST(zero_forgets_the_stage),
         TEST(commits_within_one_request),
         TEST(refuses_and_changes_nothing),
+        TEST(water_is_described),
         TEST(limits_are_inside),
         TEST(sets_swell_views_and_place),
         TEST(hands_the_sun_to_the_clock),
