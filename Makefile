@@ -555,6 +555,8 @@ soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 6
 	$(Q)/usr/bin/python3 -B tests/soak/cigi.py
 	$(Q)SOAK=1 /usr/bin/python3 -B tests/stream_test.py \
 	    Crowd.test_stalled_among_good Rtsp.test_stalled_client_delays_nobody
+	$(Q)SOAK=1 /usr/bin/python3 -B tests/security_test.py \
+	    Limits.test_viewer_that_answers_no_ping
 	$(Q)/usr/bin/python3 -B tests/bench/latency.py --seconds 60
 
 # --- style ---------------------------------------------------------------
@@ -653,7 +655,8 @@ install: all man $(O)/pelagos.pc ## install below PREFIX (/usr/local) and DESTDI
 	install -m644 $(O)/pelagos.pc $(D)/lib/pkgconfig
 	install -m644 clients/lib/pelagos.h $(O)/gen/pelagos.pb-c.h \
 	    $(D)/include/pelagos
-	install -m644 proto/pelagos.proto $(D)/share/pelagos
+	install -m644 proto/pelagos.proto packaging/nginx/pelagos.conf \
+	    $(D)/share/pelagos
 	install -m644 $(O)/man/pelagosctl.1 $(D)/share/man/man1
 	install -m644 $(O)/man/pelagosd.8 $(D)/share/man/man8
 	$(O)/bin/pelagosd --print-completion \

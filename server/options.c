@@ -654,14 +654,15 @@ enum pel_err pel_options_check(const struct pel_options *options,
                                struct pel_fault *fault)
 {
     const struct {
-        const char *name, *address, *allow;
+        const char *name, *address, *allow, *list;
     } open[] = {
-        { "http", options->http, NULL },
-        { "tcp", options->tcp, NULL },
-        { "rtsp", options->rtsp, NULL },
-        { "modbus", options->modbus, options->modbus_allow },
-        { "nmea", options->nmea, options->nmea_allow },
-        { "cigi", options->cigi, options->cigi_allow },
+        { "http", options->http, NULL, NULL },
+        { "tcp", options->tcp, NULL, NULL },
+        { "rtsp", options->rtsp, NULL, NULL },
+        { "modbus", options->modbus, options->modbus_allow, "modbus" },
+        { "nmea", options->nmea, options->nmea_allow, "nmea" },
+        { "nmea-tcp", options->nmea_tcp, options->nmea_allow, "nmea" },
+        { "cigi", options->cigi, options->cigi_allow, "cigi" },
     };
     if (!is_device(options->device)) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
@@ -695,7 +696,7 @@ enum pel_err pel_options_check(const struct pel_options *options,
             return pel_fault_set(fault, PEL_ERR_CONFLICT,
                                  "--%s: '%s' is open to a network; say with "
                                  "--%s-allow who may use it",
-                                 open[i].name, open[i].address, open[i].name);
+                                 open[i].name, open[i].address, open[i].list);
         }
         enum pel_err err =
             check_open(options, open[i].name, open[i].address, fault);

@@ -101,6 +101,7 @@ static void bad_values_say_what_is_legal(void **state)
         { "--rtsp", "10.0.0.1:8554", "--token-file" },
         { "--modbus", "0.0.0.0:1502", "--modbus-allow" },
         { "--nmea", "192.168.1.5:10110", "--nmea-allow" },
+        { "--nmea-tcp", "192.168.1.5:10110", "--nmea-allow" },
         { "--cigi", "192.168.1.5:8000", "--cigi-allow" },
         { "--state", "", "off" },
     };

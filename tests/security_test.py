@@ -245,6 +245,51 @@ class Http(Case):
                 self.assertEqual(done.returncode == 0, good, done.stderr)
 
 
+class Limits(Case):
+    def test_connections_of_one_source(self):
+        """16 from another address; what only connects makes room, what is
+        answered does not."""
+        there = [line.split()[1].split("/")[0] for line in subprocess.run(
+            ["ip", "-4", "-o", "addr", "show", "scope", "global"],
+            capture_output=True, text=True).stdout.replace(
+                "inet ", "\ninet ").splitlines() if line.startswith("inet ")
+            ] if shutil.which("ip") else socket.gethostbyname_ex(
+                socket.gethostname())[2]
+        there = [a for a in there if not a.startswith("127.")]
+        if not there:
+            self.skipTest("this machine has no other address")
+        with Daemon("--token-file", self.token, "--plain", "--http",
+                    "0.0.0.0:0") as daemon:
+            watching = []
+            for i in range(17):
+                s = socket.create_connection((there[0], daemon.http_port))
+                self.addCleanup(s.close)
+                s.sendall(f"GET /v1/views/bridge/mjpeg HTTP/1.1\r\n"
+                          f"Host: {there[0]}\r\nAuthorization: Bearer "
+                          f"{TOKEN}\r\n\r\n".encode())
+                watching.append(s.recv(64).split()[1])
+            self.assertEqual(watching, [b"200"] * 16 + [b"429"])
+            self.assertEqual(daemon.get("/healthz").status, 200,
+                             "others are served")
+
+    @unittest.skipUnless(os.environ.get("SOAK"), "30 s; see make soak")
+    def test_viewer_that_answers_no_ping(self):
+        with Daemon() as daemon, contextlib.closing(socket.create_connection(
+                ("127.0.0.1", daemon.http_port))) as s:
+            daemon.patch({"clock": {"mode": "STEPPED"}})
+            lines = "".join(f"{k}: {v}\r\n" for k, v in UPGRADE.items())
+            s.sendall(("GET /v1/views/bridge/live?codec=jpeg HTTP/1.1\r\n"
+                       f"Host: localhost\r\n{lines}\r\n").encode())
+            began = time.monotonic()
+            s.settimeout(40)
+            data = receive_all(s)
+            spent = time.monotonic() - began
+            print(f"closed after {spent:.1f} s, {data.count(bytes([0x89, 0]))}"
+                  " pings")
+            # A ping every 10 s; the second is unanswered at 20, 25 is enough.
+            self.assertTrue(20 < spent < 36, spent)
+
+
 class Clients(Case):
     """Ours, by token and through TLS."""
     @classmethod
