@@ -301,7 +301,7 @@ static void test_websocket_key(void **state)
 static void test_live_header(void **state)
 {
     (void)state;
-    const struct pel_frame frame = {
+    struct pel_frame frame = {
         .codec = PEL_CODEC_H264,
         .key = true,
         .number = 0x0102030405060708,
@@ -331,6 +331,11 @@ static void test_live_header(void **state)
     uint8_t out[PEL_LIVE_HEADER];
     pel_live_header(&frame, 1030000000, 2028000000, 7, true, out);
     assert_memory_equal(out, wanted, sizeof out);
+    frame.host_frame = 0x01020304;
+    frame.stale = PEL_STALE_NMEA;
+    pel_live_header(&frame, 1030000000, 2028000000, 7, true, out);
+    assert_int_equal(out[2], 7);
+    assert_memory_equal(out + 24, "\4\3\2\1\0\0\0\0", 8);
 }
 
 static void test_live_messages(void **state)

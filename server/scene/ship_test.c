@@ -338,6 +338,24 @@ static const char sails[] =
     "{\"clock\":{\"mode\":\"STEPPED\",\"time\":50},\"ownShip\":{\"on\":true,"
     "\"throttle\":0.9,\"rudder\":5},\"sea\":{\"windSpeed\":11}}";
 
+/* A calm sea, and then 3 m more of it: the ship floats on it. */
+static void the_tide_carries_the_ship(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make_scene();
+    assert_int_equal(patch(scene, sails), PEL_OK);
+    assert_int_equal(patch(scene, "{\"sea\":{\"windSpeed\":0,\"level\":3}}"),
+                     PEL_OK);
+    for (int i = 0; i < 20; i++) {
+        step(scene, 3);
+    }
+    /* Its heave of before has died away: e^-40. */
+    assert_near(pel_scene_state(scene)->entities[0]->altitude, 3, 1e-6);
+    assert_int_equal(patch(scene, "{\"sea\":{\"level\":-1}}"), PEL_OK);
+    assert_near(pel_scene_state(scene)->entities[0]->altitude, -1, 1e-6);
+    pel_scene_destroy(scene);
+}
+
 /* 15 Hz, 60 Hz and in one piece, with orders and other edits between. */
 static void frame_rate_does_not_matter(void **state)
 {
@@ -477,6 +495,7 @@ int main(void)
         cmocka_unit_test(looked_at_at_15_and_60_hz),
         cmocka_unit_test(no_sea_breaks_it),
         cmocka_unit_test(frame_rate_does_not_matter),
+        cmocka_unit_test(the_tide_carries_the_ship),
         cmocka_unit_test(others_take_the_lead),
         cmocka_unit_test(begins_now),
         cmocka_unit_test(what_is_drawn_moves),

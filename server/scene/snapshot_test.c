@@ -121,6 +121,55 @@ static void the_world_can_carry_a_view(void **state)
     near3(c.world_from_camera.z, 0, -1, 0);
 }
 
+/* 10 m/s north: for 60 s, or as long as clock.reckoning says. */
+static void poses_are_reckoned_for_a_bounded_time(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *json;
+        double seconds, north_m;
+    } cases[] = {
+        { "{\"entities\":{\"1\":{\"speed\":10}}}", 59, 590 },
+        { "{\"entities\":{\"1\":{\"speed\":10}}}", 90, 600 },
+        { "{\"entities\":{\"1\":{\"speed\":10}},"
+          "\"clock\":{\"reckoning\":100}}",
+          90, 900 },
+        { "{\"entities\":{\"1\":{\"speed\":10}},"
+          "\"clock\":{\"reckoning\":0}}",
+          90, 0 },
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct pel_snapshot *s = snapshot_of(cases[i].json);
+        struct pel_entity_state from, at;
+        double pose_s = s->entities[0].pose_time_s;
+        pel_snapshot_entity_at(s, 0, pose_s, &from);
+        pel_snapshot_entity_at(s, 0, pose_s + cases[i].seconds, &at);
+        near(at.north_m - from.north_m, cases[i].north_m, 1e-9);
+        pel_snapshot_unref(s);
+    }
+}
+
+static void silent_inputs_have_names(void **state)
+{
+    (void)state;
+    char text[PEL_STALE_TEXT];
+    assert_string_equal(pel_stale_text(0, text), "none");
+    assert_string_equal(pel_stale_text(31, text),
+                        "cigi,modbus,nmea,console,other");
+    const struct pel_snapshot *s =
+        snapshot_of("{\"sources\":{\"mark\":true,\"nmeaStale\":true,"
+                    "\"otherStale\":true},\"sea\":{\"level\":-1.5}}");
+    assert_string_equal(pel_stale_text(s->stale, text), "nmea,other");
+    assert_true(s->mark_stale);
+    near(s->sea_level_m, -1.5, 0);
+    struct pel_vec2 place = { 30, -7 };
+    struct pel_surface_sample with, without;
+    pel_snapshot_surface(s, &place, 1, 9, false, &with);
+    pel_sea_sample(s->sea, 30, -7, 9, &without);
+    near(with.height_m, without.height_m - 1.5, 0);
+    pel_snapshot_unref(s);
+}
+
 static void pictures_keep_their_field(void **state)
 {
     (void)state;
@@ -199,6 +248,8 @@ int main(void)
         cmocka_unit_test(the_camera_looks_ahead),
         cmocka_unit_test(the_ships_attitude_moves_the_camera),
         cmocka_unit_test(the_world_can_carry_a_view),
+        cmocka_unit_test(poses_are_reckoned_for_a_bounded_time),
+        cmocka_unit_test(silent_inputs_have_names),
         cmocka_unit_test(pictures_keep_their_field),
         cmocka_unit_test(entities_go_on),
         cmocka_unit_test(the_sun_can_be_fixed),
