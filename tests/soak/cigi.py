@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """A CIGI host at 60 Hz for SOAK_SECONDS (600), synchronous, and a tenth of
-that asynchronous in the other byte order: each host frame moves the ship
+that asynchronous in the other byte order, and a tenth over a sea of FFT: each host frame moves the ship
 and asks 100 heights, and a small view is watched. No host frame may stay
 unanswered, 95 % of the pictures must show one of the last two host frames,
 the daemon must not grow, and tshark must have no note on the last 20,000
@@ -16,8 +16,8 @@ SECONDS = float(os.environ.get("SOAK_SECONDS", "600"))
 MOST_GROWTH = 8 << 20  # of the allocator's arenas; 36,000 frames leave nothing
 
 
-def host(seconds, **kind):
-    grown = cigi_test.host_at_sixty_hertz(seconds, late=0.05, **kind)
+def host(seconds, late=0.05, **kind):
+    grown = cigi_test.host_at_sixty_hertz(seconds, late=late, **kind)
     print(f"  grown by {grown / (1 << 20):.1f} MiB after the warm-up",
           flush=True)
     if not cigi_test.SANITIZED:
@@ -27,6 +27,7 @@ def host(seconds, **kind):
 def main():
     host(SECONDS)
     host(SECONDS / 10, stamped=True, big=False, minor=2)
+    host(SECONDS / 10, late=1, fft=True)  # figures without a bar
     cigi_test.tshark_understands_both_directions(20000)
 
 
