@@ -20,7 +20,6 @@
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"
 #include "lib/haze.glsl"
-#include "lib/vertex.glsl"
 #include "lib/seabed.glsl"
 #include "lib/sea.glsl"
 #include "lib/coast.glsl"

@@ -17,7 +17,6 @@
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
 #include "lib/haze.glsl"
-#include "lib/vertex.glsl"
 #include "lib/sea.glsl"
 #include "lib/tone.glsl"
 #include "lib/outputs.glsl"

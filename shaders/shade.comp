@@ -20,7 +20,6 @@
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"
 #include "lib/haze.glsl"
-#include "lib/vertex.glsl"
 #ifdef PEL_SEABED
 #include "lib/seabed.glsl"
 #endif

@@ -29,6 +29,9 @@
      sizeof(struct pel_block_eye) * 2 + sizeof(struct pel_block_seabed) +      \
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 #define VERTEX_BYTES 32
+/* Vertices are read in every way after they are written. */
+#define VERTEX_BARRIERS                                                        \
+    (GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT)
 #define RASTER_MARGIN 128 /* MARGIN of shaders/surface.vert */
 
 struct timing {
@@ -56,7 +59,8 @@ struct pel_renderer {
     struct pel_targets targets;
     struct timing timing;
     GLuint vao, vertices, facets;
-    GLuint long_variance; /* 0: round footprints only */
+    GLuint vertex_texels, facet_texels; /* the same buffers as textures */
+    GLuint long_variance;               /* 0: round footprints only */
     int vertex_capacity;
     int wave_count; /* of the sea being drawn */
     struct pel_programs programs;
@@ -175,7 +179,10 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     glCreateBuffers(1, &r->facets);
     glNamedBufferStorage(r->facets, sizeof facets, &facets, 0);
     glObjectLabel(GL_BUFFER, r->facets, -1, "facets");
-    glBindBufferBase(GL_UNIFORM_BUFFER, 6, r->facets);
+    glCreateTextures(GL_TEXTURE_BUFFER, 1, &r->vertex_texels);
+    glCreateTextures(GL_TEXTURE_BUFFER, 1, &r->facet_texels);
+    glTextureBuffer(r->facet_texels, GL_RGBA32F, r->facets);
+    glBindTextureUnit(PEL_UNIT_FACETS, r->facet_texels);
     glCreateQueries(GL_TIMESTAMP, 2, r->timing.queries);
     err = pel_readback_init(&r->readback);
     if (err == PEL_OK) {
@@ -218,6 +225,8 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_wavefield_finish(&r->wavefield);
         glDeleteBuffers(1, &r->vertices);
         glDeleteBuffers(1, &r->facets);
+        glDeleteTextures(1, &r->vertex_texels);
+        glDeleteTextures(1, &r->facet_texels);
         glDeleteTextures(1, &r->long_variance);
         glDeleteVertexArrays(1, &r->vao);
         glDeleteQueries(2, r->timing.queries);
@@ -303,7 +312,7 @@ static void displace_by_chunks(struct pel_renderer *r, size_t waves_at)
                 displace_blocks(m, i, 1, chunk == 0);
             }
         }
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+        glMemoryBarrier(VERTEX_BARRIERS);
     }
     glBindBufferRange(GL_UNIFORM_BUFFER, 3, r->arena.buffer, (GLintptr)waves_at,
                       sizeof *r->wave_block);
@@ -321,16 +330,18 @@ static void displace_mesh(struct pel_renderer *r, bool cascades,
                              NULL, 0);
         glObjectLabel(GL_BUFFER, r->vertices, -1, "vertices");
         r->vertex_capacity = capacity;
+        glTextureBuffer(r->vertex_texels, GL_RGBA32F, r->vertices);
     }
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, r->vertices);
     pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 1, m->rings,
                    sizeof *m->rings *
                        (size_t)(m->ring_count ? m->ring_count : 1));
+    glBindTextureUnit(PEL_UNIT_VERTICES, r->vertex_texels);
     if (cascades || !r->context.software) {
         glUseProgram(cascades ? r->programs.cascades.mesh
                               : r->programs.trochoids.mesh);
         displace_blocks(m, 0, m->block_count, true);
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+        glMemoryBarrier(VERTEX_BARRIERS);
     } else {
         displace_by_chunks(r, waves_at);
     }

@@ -25,6 +25,8 @@ enum {
     PEL_UNIT_EYE_TABLE = 3,
     PEL_UNIT_EYE_HAZE = 4,
     PEL_UNIT_TRIANGLES = 5,
+    PEL_UNIT_FACETS = 10,
+    PEL_UNIT_VERTICES = 15,
     PEL_UNIT_VARIANCE = 11, /* by azimuth; renderer.c */
 };
 

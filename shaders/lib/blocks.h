@@ -98,15 +98,18 @@ PEL_BLOCK(5, cascades) {
 };
 
 /* Gauss quadrature over the facets an eye sees (optics/facets.h), by
- * q = μ / (1 + μ) in PEL_FACET_STEPS equal steps from 0 to 1. */
+ * q = μ / (1 + μ) in PEL_FACET_STEPS equal steps from 0 to 1; the shaders read
+ * it as texels. */
 #define PEL_FACET_STEPS 64
+#ifdef __STDC__
 struct pel_shader_facets {
     vec4 node;   /* slopes towards the eye, standard deviations */
     vec4 weight; /* sum 1 */
 };
-PEL_BLOCK(6, facets) {
-    PEL_STRUCT pel_shader_facets facets[PEL_FACET_STEPS + 1];
+struct pel_block_facets {
+    struct pel_shader_facets facets[PEL_FACET_STEPS + 1];
 };
+#endif
 
 /* Written by the light pass. */
 PEL_BLOCK(4, light) {

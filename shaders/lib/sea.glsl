@@ -2,7 +2,19 @@
 // rest, per-pixel normal (eq. 3), slope variance as total minus resolved
 // (eq. 4), light, haze. Included by a fragment and by a compute wrapper.
 
-layout(std430, binding = 0) restrict readonly buffer vertices_block { vertex vertices[]; };
+// The vertices, two texels each: software devices read a texel of four at once,
+// the members of a storage buffer one by one and lane by lane.
+layout(binding = 15) uniform samplerBuffer vertex_texels;
+
+vec4 vertex_position(int i)
+{
+    return texelFetch(vertex_texels, 2 * i);
+}
+
+vec2 vertex_rest(int i)
+{
+    return texelFetch(vertex_texels, 2 * i + 1).xy;
+}
 layout(binding = 1) uniform sampler2D reflection_map;
 
 #ifdef PEL_LAYERS
@@ -51,19 +63,19 @@ cut cut_triangle(vec3 ray, uint triangle)
 {
     uint id = max(triangle, 1u) - 1u;
     int i0 = int(id >> 1u);
-    vec4 a4 = vertices[i0].position;
+    vec4 a4 = vertex_position(i0);
     int columns = int(a4.w);
     int i2 = (id & 1u) == 1u ? i0 - columns : i0 + columns - 1;
     vec3 a = a4.xyz;
-    vec3 b = vertices[i0 - 1].position.xyz;
-    vec3 c = vertices[i2].position.xyz;
+    vec3 b = vertex_position(i0 - 1).xyz;
+    vec3 c = vertex_position(i2).xyz;
     vec3 weight = vec3(dot(ray, cross(b, c - b)), dot(ray, cross(c, a - c)),
                        dot(ray, cross(a, b - a)));
     weight = clamp(weight / (weight.x + weight.y + weight.z), 0.0, 1.0);
     weight /= weight.x + weight.y + weight.z;
     cut result;
-    result.x = weight.x * vertices[i0].rest.xy + weight.y * vertices[i0 - 1].rest.xy +
-               weight.z * vertices[i2].rest.xy;
+    result.x = weight.x * vertex_rest(i0) + weight.y * vertex_rest(i0 - 1) +
+               weight.z * vertex_rest(i2);
     result.t = -dot(weight.x * a + weight.y * b + weight.z * c, back.xyz);
     result.facet = normalize(cross(b - a, c - a));
     return result;

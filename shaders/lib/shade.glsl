@@ -14,6 +14,8 @@ const float MIN_VARIANCE = 1e-8; // of slopes, against division by zero
 #endif
 
 #if PEL_SKY_FILTER == PEL_SKY_FACETS
+layout(binding = 10) uniform samplerBuffer facet_texels; // nodes and weights in turn
+
 // Reflected sky radiance, and in `fresnel` the reflectance it was weighted
 // with. The integral of eq. 20 over visible facets, Fresnel's term inside it,
 // by three Gauss nodes along the view (optics/facets.h); across it by the levels
@@ -34,8 +36,10 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     float place = mu / (1.0 + mu) * float(PEL_FACET_STEPS);
     int entry = min(int(place), PEL_FACET_STEPS - 1);
     float f_place = place - float(entry);
-    vec3 nodes = mix(facets[entry].node.xyz, facets[entry + 1].node.xyz, f_place);
-    vec3 weights = mix(facets[entry].weight.xyz, facets[entry + 1].weight.xyz, f_place);
+    vec3 nodes = mix(texelFetch(facet_texels, 2 * entry).xyz,
+                     texelFetch(facet_texels, 2 * entry + 2).xyz, f_place);
+    vec3 weights = mix(texelFetch(facet_texels, 2 * entry + 1).xyz,
+                       texelFetch(facet_texels, 2 * entry + 3).xyz, f_place);
     vec3 sum = vec3(0.0);
     fresnel = 0.0;
     float texels = float(textureSize(map, 0).x) / (2.0 * MAP_HALF_WIDTH);
