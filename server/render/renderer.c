@@ -364,13 +364,12 @@ static void search_surface(struct pel_renderer *r, bool submerged)
 static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
                            bool submerged)
 {
-    static const GLuint nothing[4] = { 0 };
     static const GLfloat far_away = 0.0f;
-    /* Clearing obeys both: the targets may be larger than this picture. */
+    /* Clearing obeys both: the targets may be larger than this picture. Numbers
+     * are read only where the depth says that there is a triangle. */
     glDepthMask(GL_TRUE);
     glScissor(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     glEnable(GL_SCISSOR_TEST);
-    glClearNamedFramebufferuiv(r->targets.surface_fbo, GL_COLOR, 0, nothing);
     glClearNamedFramebufferfv(r->targets.surface_fbo, GL_DEPTH, 0, &far_away);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.surface_fbo);
     glEnable(GL_DEPTH_TEST);
