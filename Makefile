@@ -132,7 +132,7 @@ SCENE := server/scene/scene.c \
     server/scene/sun.c \
     server/scene/utc.c
 RENDER := server/render/context.c server/render/shader.c \
-    server/render/readback.c server/render/targets.c \
+    server/render/readback.c server/render/targets.c server/render/stages.c server/render/statistics.c \
     server/render/programs.c server/render/renderer.c server/render/arena.c server/render/probe.c \
     server/render/mesh.c server/render/mark.c server/render/sky.c server/render/uniforms.c \
     server/render/tiles.c server/render/waterlight.c server/render/waterprobe.c server/render/seabedmap.c server/render/coast.c server/render/crew.c server/render/wavefield.c server/render/layer.c \

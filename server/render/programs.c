@@ -10,21 +10,13 @@ static void delete_sea_programs(struct pel_sea_programs *p)
     for (int i = 0; i < PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->near[i]);
         glDeleteProgram(p->far[i]);
-        glDeleteProgram(p->compute[i]);
+        glDeleteProgram(p->compute_program[i]);
         glDeleteProgram(p->coast[i]);
     }
+    glDeleteProgram(p->trial);
     glDeleteProgram(p->mesh);
-    *p = (struct pel_sea_programs){ 0 };
-}
-
-/* Software rasterisers are faster with fragments, hardware with compute by up
- * to thirty times (docs/benchmarks.md). */
-static bool choose_compute(bool software, const char *shading)
-{
-    if (!shading || strcmp(shading, "auto") == 0) {
-        return !software;
-    }
-    return strcmp(shading, "compute") == 0;
+    *p = (struct pel_sea_programs){ .compute = p->compute,
+                                    .undecided = p->undecided };
 }
 
 static const char *const kind_defines[PEL_SHADE_COUNT] = {
@@ -80,13 +72,23 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
         err = pel_program_create(all->shader_dir, "search.comp", NULL, NULL,
                                  &all->search, fault);
     }
-    if (err == PEL_OK && coast) {
+    if (err == PEL_OK && coast && !all->on_trial) {
         err = make_sea_program(all, cascades, all->waves, kind, true,
                                &p->coast[kind], fault);
     }
+    if (err == PEL_OK && all->compute && !all->tone_compute &&
+        kind == PEL_SHADE_LAYERS) {
+        err = pel_program_create(all->shader_dir, "tone.comp", NULL, NULL,
+                                 &all->tone_compute, fault);
+    }
+    if (err == PEL_OK && all->compute && all->on_trial) {
+        return make_sea_program(all, cascades,
+                                all->software ? PEL_FAR_WAVES : all->waves,
+                                kind, false, &p->trial, fault);
+    }
     if (err == PEL_OK && all->compute) {
         return make_sea_program(all, cascades, all->waves, kind, false,
-                                &p->compute[kind], fault);
+                                &p->compute_program[kind], fault);
     }
     if (err == PEL_OK) {
         err = make_sea_program(all, cascades, all->waves, kind, false,
@@ -134,12 +136,15 @@ enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
                                const struct pel_filtering *filtering,
                                struct pel_fault *fault)
 {
+    bool automatic = !shading || strcmp(shading, "auto") == 0;
     *p = (struct pel_programs){
         .shader_dir = shader_dir,
         .filtering = filtering,
         .software = software,
-        .compute = choose_compute(software, shading),
     };
+    bool compute = automatic ? !software : strcmp(shading, "compute") == 0;
+    p->trochoids.compute = p->cascades.compute = compute;
+    p->trochoids.undecided = p->cascades.undecided = automatic;
     enum pel_err err = pel_program_create(
         shader_dir, "surface.vert", "surface.frag", NULL, &p->surface, fault);
     if (err == PEL_OK) {
@@ -156,8 +161,26 @@ void pel_programs_finish(struct pel_programs *p)
     glDeleteProgram(p->surface);
     glDeleteProgram(p->search);
     glDeleteProgram(p->tone);
+    glDeleteProgram(p->tone_compute);
     for (int i = 0; i < PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->backdrop[i]);
     }
     *p = (struct pel_programs){ 0 };
+}
+
+struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
+                                         const struct pel_sea *sea)
+{
+    struct pel_sea_programs *of = sea->cascades ? &p->cascades : &p->trochoids;
+    p->compute = of->compute;
+    return of;
+}
+
+void pel_programs_decide(struct pel_programs *p, struct pel_sea_programs *sea,
+                         bool compute)
+{
+    glDeleteProgram(sea->trial);
+    sea->trial = 0;
+    p->compute = sea->compute = compute;
+    sea->undecided = p->on_trial = false;
 }

@@ -22,21 +22,26 @@ enum pel_shading {
 
 /* What draws one kind of sea, by enum pel_shading. */
 struct pel_sea_programs {
+    bool compute;   /* the wrapper that draws it */
+    bool undecided; /* a trial is to find it */
     GLuint mesh;
-    GLuint near[PEL_SHADE_COUNT];    /* fragments, all waves */
-    GLuint far[PEL_SHADE_COUNT];     /* fragments, PEL_FAR_WAVES of them */
-    GLuint compute[PEL_SHADE_COUNT]; /* sky, sea and colour in one dispatch */
-    GLuint coast[PEL_SHADE_COUNT];   /* either of them, with land and bottom */
+    GLuint near[PEL_SHADE_COUNT]; /* fragments, all waves */
+    GLuint far[PEL_SHADE_COUNT];  /* fragments, PEL_FAR_WAVES of them */
+    GLuint compute_program[PEL_SHADE_COUNT]; /* sky, sea and colour in one
+                                                dispatch */
+    GLuint coast[PEL_SHADE_COUNT]; /* either of them, with land and bottom */
+    GLuint trial;                  /* the same for a trial */
 };
 
 struct pel_programs {
     const char *shader_dir;
     const struct pel_filtering *filtering; /* settled */
     bool software;
-    bool compute; /* shade in one dispatch instead of three */
-    bool settled; /* a picture has been drawn */
-    int waves;    /* what the trochoids' programs are made for */
-    GLuint surface, search, tone;
+    bool compute;  /* shade in one dispatch instead of three: this sea */
+    bool on_trial; /* software: with PEL_FAR_WAVES, which compile sooner */
+    bool settled;  /* a picture has been drawn */
+    int waves;     /* what the trochoids' programs are made for */
+    GLuint surface, search, tone, tone_compute;
     GLuint backdrop[PEL_SHADE_COUNT];
     struct pel_sea_programs trochoids, cascades;
 };
@@ -49,6 +54,14 @@ PEL_CHECK enum pel_err pel_programs_init(struct pel_programs *p,
                                          const struct pel_filtering *filtering,
                                          struct pel_fault *fault);
 void pel_programs_finish(struct pel_programs *p);
+
+/* The programs of this kind of sea, whose wrapper is now the one in use. */
+struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
+                                         const struct pel_sea *sea);
+
+/* Ends the trial: what it made for itself goes. */
+void pel_programs_decide(struct pel_programs *p, struct pel_sea_programs *sea,
+                         bool compute);
 
 /* Makes the programs that this sea wants for a picture; `coast`: also those
  * over a height field. */

@@ -17,6 +17,8 @@
 #include "render/readback.h"
 #include "render/shader.h"
 #include "render/sky.h"
+#include "render/stages.h"
+#include "render/statistics.h"
 #include "render/targets.h"
 #include "render/tiles.h"
 #include "render/uniforms.h"
@@ -29,24 +31,14 @@
      sizeof(struct pel_block_eye) * 2 + sizeof(struct pel_block_seabed) +      \
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 #define VERTEX_BYTES 32
+/* Pixels too. */
+#define PIXEL_BARRIERS                                                         \
+    (GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT |                \
+     GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT)
 /* Vertices are read in every way after they are written. */
 #define VERTEX_BARRIERS                                                        \
     (GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT)
 #define RASTER_MARGIN 128 /* MARGIN of shaders/surface.vert */
-
-struct timing {
-    bool on;
-    int64_t last_ns;
-    GLuint queries[2];
-    double ms[PEL_STAGE_COUNT];
-};
-
-/* What the tables of a sea depend on; zeroed before it is filled. */
-struct statistics_key {
-    struct pel_sea_desc desc;
-    double wind_to_rad;
-    bool constant_brdf;
-};
 
 struct pel_renderer {
     struct pel_context context;
@@ -57,19 +49,18 @@ struct pel_renderer {
     struct pel_arena arena;
     struct pel_sky sky;
     struct pel_targets targets;
-    struct timing timing;
+    struct pel_stage_timer timing;
+    struct pel_renderer_path paths[2]; /* of trochoids, of cascades */
+    bool cascades;                     /* of the last frame */
     GLuint vao, vertices, facets;
     GLuint vertex_texels, facet_texels; /* the same buffers as textures */
-    GLuint long_variance;               /* 0: round footprints only */
     int vertex_capacity;
     int wave_count; /* of the sea being drawn */
     struct pel_programs programs;
     struct pel_prober prober;
     struct pel_water_prober water_prober;
     struct pel_wavefield wavefield;
-    struct pel_mesh_heights heights; /* of the sea of statistics_key */
-    struct pel_variance variance[PEL_VARIANCE_COUNT];
-    struct statistics_key statistics_key;
+    struct pel_statistics statistics;
     struct pel_mesh *mesh;
     struct pel_block_waves *wave_block;
     short tiles[PEL_MAX_TILES];
@@ -77,45 +68,6 @@ struct pel_renderer {
     uint8_t coast[PEL_MAX_TILES]; /* of the view being drawn */
     bool any_coast;
 };
-
-const char *pel_stage_name(enum pel_stage stage)
-{
-    static const char *const names[] = { "waves", "sky",  "mesh",    "raster",
-                                         "shade", "tone", "readback" };
-    return (unsigned)stage < PEL_STAGE_COUNT ? names[stage] : "";
-}
-
-/* --- timing --------------------------------------------------------------- */
-
-static void stage_begin(struct pel_renderer *r)
-{
-    if (r->timing.on) {
-        glFinish();
-        r->timing.last_ns = pel_now_ns();
-        glQueryCounter(r->timing.queries[0], GL_TIMESTAMP);
-    }
-}
-
-/* On hardware the GPU's own clock; a software device runs behind its queries,
- * so there the wall clock around a finish. */
-static void stage_end(struct pel_renderer *r, enum pel_stage stage)
-{
-    if (!r->timing.on) {
-        return;
-    }
-    glQueryCounter(r->timing.queries[1], GL_TIMESTAMP);
-    glFinish();
-    int64_t now = pel_now_ns();
-    if (r->context.software) {
-        r->timing.ms[stage] += (double)(now - r->timing.last_ns) * 1e-6;
-    } else {
-        GLuint64 start = 0, end = 0;
-        glGetQueryObjectui64v(r->timing.queries[0], GL_QUERY_RESULT, &start);
-        glGetQueryObjectui64v(r->timing.queries[1], GL_QUERY_RESULT, &end);
-        r->timing.ms[stage] += (double)(end - start) * 1e-6;
-    }
-    stage_begin(r);
-}
 
 void pel_renderer_measure(struct pel_renderer *r, bool on)
 {
@@ -183,7 +135,7 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     glCreateTextures(GL_TEXTURE_BUFFER, 1, &r->facet_texels);
     glTextureBuffer(r->facet_texels, GL_RGBA32F, r->facets);
     glBindTextureUnit(PEL_UNIT_FACETS, r->facet_texels);
-    glCreateQueries(GL_TIMESTAMP, 2, r->timing.queries);
+    pel_stage_timer_init(&r->timing, r->context.software);
     err = pel_readback_init(&r->readback);
     if (err == PEL_OK) {
         err = pel_arena_init(&r->arena, 4 * VIEW_UNIFORM_BYTES);
@@ -227,9 +179,9 @@ void pel_renderer_destroy(struct pel_renderer *r)
         glDeleteBuffers(1, &r->facets);
         glDeleteTextures(1, &r->vertex_texels);
         glDeleteTextures(1, &r->facet_texels);
-        glDeleteTextures(1, &r->long_variance);
+        pel_statistics_finish(&r->statistics);
         glDeleteVertexArrays(1, &r->vao);
-        glDeleteQueries(2, r->timing.queries);
+        pel_stage_timer_finish(&r->timing);
     }
     pel_context_finish(&r->context);
     free(r->mesh);
@@ -468,20 +420,28 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
         glBindImageTexture(1, r->targets.color, 0, GL_FALSE, 0, GL_WRITE_ONLY,
                            GL_RGBA8);
     }
-    glUseProgram(r->any_coast ? p->coast[kind] : p->compute[kind]);
+    glUseProgram(r->programs.on_trial ? p->trial
+                 : r->any_coast       ? p->coast[kind]
+                                      : p->compute_program[kind]);
     glUniform1i(0, wanted);
     glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
-    glMemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT |
-                    GL_TEXTURE_FETCH_BARRIER_BIT |
-                    GL_SHADER_STORAGE_BARRIER_BIT);
+    glMemoryBarrier(PIXEL_BARRIERS);
 }
 
 static void tone(struct pel_renderer *r, const struct pel_camera *c)
 {
+    glBindTextureUnit(0, r->targets.hdr[0]);
+    if (r->programs.compute) {
+        glBindImageTexture(0, r->targets.color, 0, GL_FALSE, 0, GL_WRITE_ONLY,
+                           GL_RGBA8);
+        glUseProgram(r->programs.tone_compute);
+        glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
+        glMemoryBarrier(PIXEL_BARRIERS);
+        return;
+    }
     glDisable(GL_DEPTH_TEST);
     glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
-    glBindTextureUnit(0, r->targets.hdr[0]);
     glUseProgram(r->programs.tone);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
@@ -500,17 +460,14 @@ static bool is_submerged(const struct pel_environment *env,
     return above.height_m > c->altitude_m;
 }
 
-static enum pel_err draw_view(struct pel_renderer *r,
-                              const struct pel_environment *env,
-                              const struct pel_draw *draw)
+/* Everything up to the colour; the camera stands above the sea's zero. */
+static void draw_pixels(struct pel_renderer *r,
+                        const struct pel_environment *env,
+                        const struct pel_camera *c, unsigned asked)
 {
-    struct pel_camera camera = draw->camera; /* above the sea's zero */
-    camera.altitude_m -= env->sea_level_m;
-    const struct pel_camera *c = &camera;
-    int64_t started_ns = pel_now_ns();
-    enum pel_shading kind = shading_of(r, draw->layers);
+    enum pel_shading kind = shading_of(r, asked);
     bool layers = kind == PEL_SHADE_LAYERS;
-    bool parts = draw->layers & PEL_WATER_PART_LAYERS;
+    bool parts = asked & PEL_WATER_PART_LAYERS;
     double height_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
     double table_height_m = pel_sky_quantize_height(height_m);
     struct pel_block_view view;
@@ -521,15 +478,19 @@ static enum pel_err draw_view(struct pel_renderer *r,
         .cell_px = r->filtering.cell_px,
         .n_max = r->filter.n_max,
         .sea = env->sea,
-        .heights = &r->heights,
+        .heights = &r->statistics.heights,
     };
     pel_mesh_plan(&mesh_eye, c, r->mesh);
     bool cascades = env->sea->cascades != NULL;
     const struct pel_sea_programs *programs =
         cascades ? &r->programs.cascades : &r->programs.trochoids;
-    pel_tiles_plan(c, height_m, mesh_eye.pixel, &r->filtering, env->sea,
-                   r->tiles);
-    r->any_coast = env->seabed &&
+    if (r->programs.on_trial) {
+        memset(r->tiles, 0, sizeof r->tiles);
+    } else {
+        pel_tiles_plan(c, height_m, mesh_eye.pixel, &r->filtering, env->sea,
+                       r->tiles);
+    }
+    r->any_coast = env->seabed && !r->programs.on_trial &&
                    pel_coast_plan(env, &r->seabed, c,
                                   pel_seabed_visible_m(&env->water), r->coast);
     if (r->any_coast) {
@@ -555,19 +516,19 @@ static enum pel_err draw_view(struct pel_renderer *r,
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &eye, sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 2, &view, sizeof view);
     pel_targets_fit(&r->targets, c->width, c->height, layers, parts);
-    stage_begin(r);
+    pel_stage_begin(&r->timing);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
-    stage_end(r, PEL_STAGE_SKY);
+    pel_stage_end(&r->timing, PEL_STAGE_SKY);
     displace_mesh(r, cascades, waves_at);
-    stage_end(r, PEL_STAGE_MESH);
+    pel_stage_end(&r->timing, PEL_STAGE_MESH);
     if (r->programs.compute) {
         search_surface(r, submerged);
     } else {
         raster_surface(r, c, submerged);
     }
-    stage_end(r, PEL_STAGE_RASTER);
-    int wanted = (layers || draw->layers & PEL_LAYER_RADIANCE) * WANTS_RADIANCE;
-    wanted |= draw->layers & PEL_LAYER_COLOR ? WANTS_COLOR : 0;
+    pel_stage_end(&r->timing, PEL_STAGE_RASTER);
+    int wanted = (layers || asked & PEL_LAYER_RADIANCE) * WANTS_RADIANCE;
+    wanted |= asked & PEL_LAYER_COLOR ? WANTS_COLOR : 0;
     for (int pass = 0; pass <= parts; pass++) {
         enum pel_shading now = pass ? PEL_SHADE_PARTS : kind;
         if (r->programs.compute) {
@@ -577,15 +538,27 @@ static enum pel_err draw_view(struct pel_renderer *r,
             shade(r, c, programs, now);
         }
     }
-    stage_end(r, PEL_STAGE_SHADE);
+    pel_stage_end(&r->timing, PEL_STAGE_SHADE);
     bool toned = kind == PEL_SHADE_COLOR || (r->programs.compute && !layers);
-    if (!toned && draw->layers & PEL_LAYER_COLOR) {
+    if (!toned && asked & PEL_LAYER_COLOR) {
         tone(r, c);
     }
+}
+
+static enum pel_err draw_view(struct pel_renderer *r,
+                              const struct pel_environment *env,
+                              const struct pel_draw *draw)
+{
+    int64_t started_ns = pel_now_ns();
+    struct pel_camera camera = draw->camera;
+    camera.altitude_m -= env->sea_level_m;
+    const struct pel_camera *c = &camera;
+    bool layers = shading_of(r, draw->layers) == PEL_SHADE_LAYERS;
+    draw_pixels(r, env, c, draw->layers);
     if (env->stale && draw->layers & PEL_LAYER_COLOR) {
         pel_mark_stale(r->targets.color_fbo, c->width, c->height, env->stale);
     }
-    stage_end(r, PEL_STAGE_TONE);
+    pel_stage_end(&r->timing, PEL_STAGE_TONE);
     const struct pel_readback_source source = {
         .color_fbo = r->targets.color_fbo,
         .hdr_fbo = layers ? r->targets.layers_fbo : r->targets.light_fbo,
@@ -600,73 +573,84 @@ static enum pel_err draw_view(struct pel_renderer *r,
         .started_ns = started_ns,
     };
     enum pel_err err = pel_readback_push(&r->readback, &source);
-    stage_end(r, PEL_STAGE_READBACK);
+    pel_stage_end(&r->timing, PEL_STAGE_READBACK);
     return err;
 }
 
-static void fill_long_variance(struct pel_renderer *r,
-                               const struct pel_environment *env)
+/* --- fragments or compute ------------------------------------------------- */
+
+#define TRIAL_RUNS                                                             \
+    4 /* the first one compiles; the least of the others counts */
+#define TRIAL_WIDTH 256
+#define TRIAL_WIDTH_GPU 768
+
+static double trial_ms(struct pel_renderer *r,
+                       const struct pel_environment *env,
+                       const struct pel_camera *c)
 {
-    if (!r->long_variance) {
-        GLuint t = 0;
-        glCreateTextures(GL_TEXTURE_3D, 1, &t);
-        glTextureStorage3D(t, 1, GL_RG32F, PEL_LENGTH_COUNT, PEL_ASPECT_COUNT,
-                           PEL_AZIMUTH_COUNT);
-        glTextureParameteri(t, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-        glTextureParameteri(t, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-        glTextureParameteri(t, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-        glTextureParameteri(t, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-        glTextureParameteri(t, GL_TEXTURE_WRAP_R, GL_REPEAT);
-        glObjectLabel(GL_TEXTURE, t, -1, "variance by azimuth");
-        r->long_variance = t;
+    double least = INFINITY;
+    for (int i = 0; i < TRIAL_RUNS; i++) {
+        pel_timer_begin(&r->timing);
+        draw_pixels(r, env, c, PEL_LAYER_COLOR);
+        double ms = pel_timer_end(&r->timing);
+        least = i > 0 ? fmin(least, ms) : least;
     }
-    static struct pel_variance table[PEL_LONG_VARIANCES];
-    pel_fill_long_variance(env->sea, &r->filter, table);
-    for (int i = 0; i < PEL_LONG_VARIANCES && env->constant_brdf; i++) {
-        table[i] = r->variance[0];
-    }
-    glTextureSubImage3D(r->long_variance, 0, 0, 0, 0, PEL_LENGTH_COUNT,
-                        PEL_ASPECT_COUNT, PEL_AZIMUTH_COUNT, GL_RG, GL_FLOAT,
-                        table);
-    glBindTextureUnit(PEL_UNIT_VARIANCE, r->long_variance);
+    return least;
 }
 
-/* Heights below each wavelength and slopes below each footprint: of an FFT sea
- * they take milliseconds, so they are kept until the sea changes. */
-static void need_statistics(struct pel_renderer *r,
-                            const struct pel_environment *env)
+/* Times both wrappers on a small picture of this moment. The one that such
+ * devices prefer stays unless the other is faster by a tenth: noise is not to
+ * decide. A wrapper that does not compile here has lost. */
+static void decide_path(struct pel_renderer *r,
+                        const struct pel_environment *env,
+                        const struct pel_draw *draw)
 {
-    struct statistics_key key;
-    memset(&key, 0, sizeof key);
-    memcpy(&key.desc, &env->sea->desc, sizeof key.desc);
-    key.wind_to_rad = env->wind_to_rad;
-    key.constant_brdf = env->constant_brdf;
-    if (memcmp(&key, &r->statistics_key, sizeof key) == 0) {
-        return;
-    }
-    memcpy(&r->statistics_key, &key, sizeof key);
-    pel_mesh_heights(env->sea, &r->heights);
-    pel_fill_variance(env->sea, &r->filter, r->variance);
-    if (env->constant_brdf) {
-        const int nearest = (int)(5.0 * PEL_VARIANCE_STEPS); /* 3 cm */
-        for (int i = 0; i < PEL_VARIANCE_COUNT; i++) {
-            r->variance[i] = r->variance[nearest];
+    struct pel_sea_programs *programs = pel_programs_of(&r->programs, env->sea);
+    struct pel_camera c = draw->camera;
+    c.altitude_m -= env->sea_level_m;
+    c.width = r->context.software ? TRIAL_WIDTH : TRIAL_WIDTH_GPU;
+    c.height = c.width * 3 / 4;
+    bool measured = r->timing.on, before = programs->compute;
+    r->timing.on = false;
+    r->programs.on_trial = true;
+    double ms[2];
+    for (int compute = 0; compute < 2; compute++) {
+        struct pel_fault fault;
+        r->programs.compute = compute;
+        enum pel_err err =
+            pel_programs_need(&r->programs, env->sea,
+                              shading_of(r, PEL_LAYER_COLOR), false, &fault);
+        ms[compute] = err == PEL_OK ? trial_ms(r, env, &c) : INFINITY;
+        if (err != PEL_OK) {
+            pel_warn("RND-042", "%s", fault.message);
         }
     }
-    if (r->filtering.anisotropy > 1) {
-        fill_long_variance(r, env);
-    }
+    bool other = ms[!before] < 0.9 * ms[before];
+    pel_programs_decide(&r->programs, programs, other ? !before : before);
+    r->timing.on = measured;
+    struct pel_renderer_path *path = &r->paths[env->sea->cascades != NULL];
+    *path = (struct pel_renderer_path){ true, programs->compute, ms[0], ms[1] };
+    pel_info("RND-043",
+             "%s are shaded %s: %.3f ms as fragments, %.3f ms in compute "
+             "(%u x %u)",
+             env->sea->cascades ? "cascades" : "trochoids",
+             programs->compute ? "in compute" : "as fragments", ms[0], ms[1],
+             c.width, c.height);
 }
 
-enum pel_err pel_renderer_submit(struct pel_renderer *r,
-                                 const struct pel_environment *env,
-                                 const struct pel_draw *draws, size_t count)
+void pel_renderer_get_path(const struct pel_renderer *r,
+                           struct pel_renderer_path *out)
 {
-    if (count > pel_readback_free(&r->readback)) {
-        return PEL_ERR_BUSY;
-    }
-    struct pel_fault fault;
+    *out = r->paths[r->cascades];
+    out->compute = r->programs.compute;
+}
+
+static enum pel_err need_programs(struct pel_renderer *r,
+                                  const struct pel_environment *env,
+                                  const struct pel_draw *draws, size_t count)
+{
     bool coast = env->seabed != NULL;
+    struct pel_fault fault;
     for (size_t i = 0; i < count; i++) {
         enum pel_err err =
             pel_programs_need(&r->programs, env->sea,
@@ -680,8 +664,28 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
             return err;
         }
     }
-    enum pel_err err =
-        pel_arena_begin(&r->arena, (count + 1) * VIEW_UNIFORM_BYTES);
+    return PEL_OK;
+}
+
+enum pel_err pel_renderer_submit(struct pel_renderer *r,
+                                 const struct pel_environment *env,
+                                 const struct pel_draw *draws, size_t count)
+{
+    if (count > pel_readback_free(&r->readback)) {
+        return PEL_ERR_BUSY;
+    }
+    struct pel_fault fault = { 0 };
+    /* Software compiles slowly: its first picture goes without the trial. */
+    r->cascades = env->sea->cascades != NULL;
+    bool trial = pel_programs_of(&r->programs, env->sea)->undecided &&
+                 (r->programs.settled || !r->context.software);
+    enum pel_err err = trial ? PEL_OK : need_programs(r, env, draws, count);
+    if (err != PEL_OK) {
+        return err;
+    }
+    err =
+        pel_arena_begin(&r->arena, (count + 1 + (trial ? 2 * TRIAL_RUNS : 0)) *
+                                       VIEW_UNIFORM_BYTES);
     if (err != PEL_OK) {
         return err;
     }
@@ -698,7 +702,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     if (env->seabed) {
         here.depths = pel_seabed_depths(env);
     }
-    stage_begin(r);
+    pel_stage_begin(&r->timing);
     struct pel_block_frame frame;
     pel_fill_frame(&here, &frame);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 0, &frame, sizeof frame);
@@ -710,13 +714,18 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
             pel_arena_end(&r->arena);
             return err;
         }
-        stage_end(r, PEL_STAGE_WAVES);
+        pel_stage_end(&r->timing, PEL_STAGE_WAVES);
     }
-    need_statistics(r, &here);
-    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 3, r->variance,
-                   sizeof r->variance);
+    pel_statistics_need(&r->statistics, &here, &r->filter,
+                        r->filtering.anisotropy > 1);
+    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 3,
+                   r->statistics.variance, sizeof r->statistics.variance);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
-    stage_end(r, PEL_STAGE_SKY);
+    pel_stage_end(&r->timing, PEL_STAGE_SKY);
+    if (trial) {
+        decide_path(r, &here, &draws[0]);
+        err = need_programs(r, &here, draws, count);
+    }
     for (size_t i = 0; i < count && err == PEL_OK; i++) {
         err = draw_view(r, &here, &draws[i]);
     }

@@ -27,7 +27,7 @@ enum {
     PEL_UNIT_TRIANGLES = 5,
     PEL_UNIT_FACETS = 10,
     PEL_UNIT_VERTICES = 15,
-    PEL_UNIT_VARIANCE = 11, /* by azimuth; renderer.c */
+    PEL_UNIT_VARIANCE = 11, /* by azimuth; statistics.c */
 };
 
 struct pel_sky_table {

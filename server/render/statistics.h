@@ -1,0 +1,33 @@
+/* Heights of a sea below each wavelength and slopes below each footprint. Of an
+ * FFT sea they take milliseconds, so they are kept until the sea changes.
+ * Render thread only. */
+#pragma once
+
+#include <epoxy/gl.h>
+#include <stdbool.h>
+
+#include "render/mesh.h"
+#include "render/renderer.h"
+#include "render/uniforms.h"
+
+/* What they depend on; zeroed before it is filled. */
+struct pel_statistics_key {
+    struct pel_sea_desc desc;
+    double wind_to_rad;
+    bool constant_brdf;
+};
+
+/* Zeroed before its first use. */
+struct pel_statistics {
+    struct pel_statistics_key key;
+    struct pel_mesh_heights heights;
+    struct pel_variance variance[PEL_VARIANCE_COUNT];
+    GLuint by_azimuth; /* texture; 0: round footprints only */
+};
+
+/* Brings them to the sea of `env`; `long_footprints`: also the table by
+ * azimuth, on its unit. */
+void pel_statistics_need(struct pel_statistics *s,
+                         const struct pel_environment *env,
+                         const struct pel_filter *filter, bool long_footprints);
+void pel_statistics_finish(struct pel_statistics *s);
