@@ -77,9 +77,11 @@ static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
 
 static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
 {
+    static const char *const shadings[] = { "auto", "fragment", "compute" };
     struct pel_frames_options options = {
         .device = d->options.device,
         .shader_dir = or_null(d->options.shader_dir),
+        .shading = shadings[d->options.shading],
         .gl_debug = d->options.gl_debug,
         .filtering = { .n_min = d->options.filter_min,
                        .n_max = d->options.filter_max,

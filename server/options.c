@@ -15,6 +15,8 @@ static const char *const wind_words[] = { "off", "given", "mean", NULL };
 static const char *const gone_words[] = { "resume", "hold", NULL };
 static const char *const quality_words[] = { "auto", "full", NULL };
 static const double quality_values[] = { 0.0, 1.0 };
+static const char *const shading_words[] = { "auto", "fragment", "compute",
+                                             NULL };
 static const char *const sky_words[] = { "auto", "facets", "nine",
                                          "anisotropic", NULL };
 static const char *const level_words[] = { "error", "warning", "info", "debug",
@@ -96,6 +98,10 @@ const struct pel_option pel_option_table[] = {
       .help = "GStreamer element that makes H.264 (nvh264enc, vah264enc, "
               "vah264lpenc, x264enc, openh264enc); auto is the first of these "
               "that works." },
+    { "shading", "render", PEL_OPTION_CHOICE, "HOW", "auto",
+      .choices = shading_words, .offset = FIELD(shading),
+      .help = "Whether pixels are shaded as fragments or in compute, by the "
+              "same functions; auto times both on the device." },
     { "shader-dir", "render", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(shader_dir),
       .help = "Reads the shaders from here instead of the built-in ones." },

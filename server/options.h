@@ -59,7 +59,7 @@ struct pel_options {
     char shader_dir[PEL_OPTION_TEXT];
     bool gl_debug;
     double filter_min, filter_max, mesh_cell;
-    int anisotropy, sky_filter;
+    int anisotropy, sky_filter, shading;
     int log_level; /* enum pel_log_level */
 };
 

@@ -87,6 +87,7 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
     struct pel_renderer_options renderer = {
         .device = o->device,
         .shader_dir = o->shader_dir,
+        .shading = o->shading,
         .debug = o->gl_debug,
         .filtering = o->filtering,
     };
@@ -188,6 +189,12 @@ void pel_frames_get_stats(const struct pel_frames *frames,
     out->quality = pel_quality_scale(&frames->quality);
     out->quality_changes = frames->quality.changes;
     out->present_delay_ms = (double)frames->present_delay_ns * 1e-6;
+    struct pel_renderer_path path;
+    pel_renderloop_get_path(frames->loop, &path);
+    out->in_compute = path.compute;
+    out->trial = path.timed;
+    out->trial_fragment_ms = path.fragment_ms;
+    out->trial_compute_ms = path.compute_ms;
     out->video_ms_median = pel_window_rank(&frames->video_ms, 0.5);
 }
 

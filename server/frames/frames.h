@@ -22,6 +22,7 @@ struct pel_frames;
 struct pel_frames_options {
     const char *device; /* as pel_renderer_options */
     const char *shader_dir;
+    const char *shading; /* as pel_renderer_options */
     bool gl_debug;
     struct pel_filtering filtering;
     double max_fps; /* cap of live views, 1..240 */
@@ -202,6 +203,9 @@ struct pel_frames_stats {
     uint64_t video_frames, video_bytes, video_keys; /* H.264 among them */
     double video_ms_median;
     unsigned subscriptions, requests_waiting;
+    bool in_compute; /* the wrapper that shaded the last frame */
+    bool trial;      /* it was chosen by one: ms of a small picture by each */
+    double trial_fragment_ms, trial_compute_ms;
 };
 void pel_frames_get_stats(const struct pel_frames *frames,
                           struct pel_frames_stats *out);

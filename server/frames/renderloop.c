@@ -16,12 +16,13 @@
 
 struct pel_renderloop {
     pthread_t thread;
-    pthread_mutex_t lock; /* protects queue, ready, ended, err, fault */
+    pthread_mutex_t lock; /* protects queue, ready, ended, err, fault, path */
     pthread_cond_t wake;  /* CLOCK_MONOTONIC */
     struct pel_queue queue;
     bool ready, ended, joined;
     enum pel_err err;
     struct pel_fault fault;
+    struct pel_renderer_path path;
     struct pel_renderer_options options;
     struct pel_renderer *renderer; /* render thread */
     struct pel_pool *pool;
@@ -135,6 +136,13 @@ static void fail_parts(struct pel_renderloop *loop, struct pel_job *job,
     }
 }
 
+static void note_path(struct pel_renderloop *loop)
+{
+    pthread_mutex_lock(&loop->lock);
+    pel_renderer_get_path(loop->renderer, &loop->path);
+    pthread_mutex_unlock(&loop->lock);
+}
+
 static void note_submitted(struct pel_job_draw *parts, size_t count,
                            int64_t begun_ns)
 {
@@ -162,6 +170,7 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
         return err;
     }
     note_submitted(&job->parts[first], count, begun_ns);
+    note_path(loop);
     if (err != PEL_OK && pushed < count) {
         pel_log_limited(&limit, PEL_LOG_ERROR, "FRM-003",
                         "frame %llu: drawing failed: %s",
@@ -343,6 +352,14 @@ static void push(struct pel_renderloop *loop, struct pel_mail *mail)
     pthread_mutex_lock(&loop->lock);
     pel_queue_push(&loop->queue, mail);
     pthread_cond_signal(&loop->wake);
+    pthread_mutex_unlock(&loop->lock);
+}
+
+void pel_renderloop_get_path(struct pel_renderloop *loop,
+                             struct pel_renderer_path *out)
+{
+    pthread_mutex_lock(&loop->lock);
+    *out = loop->path;
     pthread_mutex_unlock(&loop->lock);
 }
 

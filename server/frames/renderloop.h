@@ -17,6 +17,10 @@ pel_renderloop_create(const struct pel_renderer_options *o,
 const char *pel_renderloop_device(const struct pel_renderloop *loop);
 bool pel_renderloop_is_software(const struct pel_renderloop *loop);
 
+/* How the last frame was shaded; any thread. */
+void pel_renderloop_get_path(struct pel_renderloop *loop,
+                             struct pel_renderer_path *out);
+
 /* Hands a job over; it comes back as PEL_MAIL_JOB_DRAWN. Control thread. */
 void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job);
 

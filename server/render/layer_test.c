@@ -287,6 +287,44 @@ static void wrappers_agree(void **state)
     pel_renderer_destroy(r);
 }
 
+/* Where nothing is said the device decides, with the second picture; what is
+ * said is not tried. */
+static void wrapper_is_chosen_by_trial(void **state)
+{
+    (void)state;
+    static uint8_t color[PIXELS * 4];
+    struct pel_renderer_path path;
+    struct pel_renderer *r = create("auto");
+    for (int i = 0; i < 3; i++) {
+        struct pel_picture *p = draw(r, PEL_LAYER_COLOR);
+        pel_renderer_get_path(r, &path);
+        assert_int_equal(path.timed, i > 0);
+        if (i == 0) {
+            memcpy(color, p->rgba, sizeof color);
+        }
+        assert_memory_equal(p->rgba, color, sizeof color);
+        pel_picture_release(p);
+    }
+    assert_true(path.fragment_ms > 0 && isfinite(path.fragment_ms));
+    assert_true(path.compute_ms > 0 && isfinite(path.compute_ms));
+    if (path.fragment_ms < 0.9 * path.compute_ms) {
+        assert_false(path.compute);
+    }
+    pel_renderer_destroy(r);
+    const char *const said[] = { "fragment", "compute" };
+    for (int i = 0; i < 2; i++) {
+        r = create(said[i]);
+        for (int n = 0; n < 2; n++) {
+            struct pel_picture *p = draw(r, PEL_LAYER_COLOR);
+            assert_memory_equal(p->rgba, color, sizeof color);
+            pel_picture_release(p);
+        }
+        pel_renderer_get_path(r, &path);
+        assert_true(!path.timed && path.compute == (i == 1));
+        pel_renderer_destroy(r);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -295,6 +333,7 @@ int main(void)
         cmocka_unit_test(filters_draw_one_sea),
         cmocka_unit_test(bad_filters_are_refused),
         cmocka_unit_test(wrappers_agree),
+        cmocka_unit_test(wrapper_is_chosen_by_trial),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
