@@ -13,7 +13,7 @@ layout(binding = 1) uniform sampler2D reflection_map;
 layout(binding = 3) uniform sampler2D eye_table;
 layout(location = 0) uniform vec3 direction;
 layout(location = 1) uniform vec2 slopes; // variance along, across the wind
-layout(std430, binding = 5) writeonly buffer answer_block { vec4 answer[5]; };
+layout(std430, binding = 5) writeonly buffer answer_block { vec4 answer[6]; };
 
 void main()
 {
@@ -30,13 +30,15 @@ void main()
                      smith_lambda_cos(light.z, s_light) / max(light.z, 1e-4),
                      mean_fresnel(view.z, s_view), seen);
     float reflected = reflected_sun(view, light, slopes);
-    answer[1] = vec4(normalize(view + light).z, reflected / max(light.z, 1e-4), reflected, 0.0);
+    vec3 h = normalize(view + light);
+    answer[1] = vec4(h.z, reflected / max(light.z, 1e-4), reflected, schlick(dot(view, h)));
+    answer[2] = vec4(slope_density(-h.xy / max(h.z, 1e-3), slopes));
 
     vec2 table = vec2(textureSize(eye_table, 0));
     vec2 uv = sky_uv(azimuth_from_sun(direction.xy), angle_above_horizon(direction), table);
-    answer[2] = textureLod(eye_table, uv, 0.0);
+    answer[3] = textureLod(eye_table, uv, 0.0);
     float horizon = horizon_cosine(eye.x);
-    answer[3] = vec4(direction.z < horizon ? vec3(0.0)
+    answer[4] = vec4(direction.z < horizon ? vec3(0.0)
                                            : transmittance_to_top(transmittance, eye.x, direction.z), 0.0);
-    answer[4] = vec4(sun_transmittance(transmittance, eye.x, sun.z), 0.0);
+    answer[5] = vec4(sun_transmittance(transmittance, eye.x, sun.z), 0.0);
 }

@@ -148,10 +148,8 @@ static Pelagos__Brdf *brdf_message(const struct pel_optics_query *q)
     SET(out, seen_fresnel, t->seen_fresnel);
     SET(out, brdf, t->brdf);
     SET(out, reflected_sun, t->reflected_sun);
-    if (!q->gpu) {
-        SET(out, slope_density, t->slope_density);
-        SET(out, fresnel, t->fresnel);
-    }
+    SET(out, slope_density, t->slope_density);
+    SET(out, fresnel, t->fresnel);
     return out;
 }
 

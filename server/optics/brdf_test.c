@@ -209,35 +209,48 @@ static void test_brdf(void **state)
     assert_true(pel_ross_brdf(direction(1.6, 0), l, vx, vy) == 0);
 }
 
+/* BRDF over F, times cos θ_l, over the light: on a grid of the facets' slopes,
+ * dω = 4 h_z³ v·h d²ζ, so that narrow lobes are met. */
+static double furnace(struct pel_vec3 v, double vx, double vy)
+{
+    const int n = 400;
+    double sx = sqrt(vx), sy = sqrt(vy), sum = 0;
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j < n; j++) {
+            double zx = sx * 16 * ((i + 0.5) / n - 0.5);
+            double zy = sy * 16 * ((j + 0.5) / n - 0.5);
+            struct pel_vec3 h =
+                pel_vec3_normalize((struct pel_vec3){ -zx, -zy, 1 });
+            double vh = pel_vec3_dot(v, h);
+            struct pel_vec3 l =
+                pel_vec3_add(pel_vec3_scale(h, 2 * vh), pel_vec3_scale(v, -1));
+            if (vh > 0 && l.z > 0) {
+                sum += pel_ross_brdf(v, l, vx, vy) * l.z * 4 * h.z * h.z * h.z *
+                       vh / pel_fresnel_schlick(vh, PEL_WATER_INDEX);
+            }
+        }
+    }
+    return sum * sx * sy * 256 / n / n;
+}
+
 /* With F = 1 no more comes back than arrives, and nearly all of it where few
  * facets are hidden (1 % in the roughest): this is what 4 h_z³ in eq. 13
  * gives; h_z² is 4 % too much for the variances 0.06 and 0.03. */
 static void test_white_furnace(void **state)
 {
     (void)state;
-    const int n = 400;
+    double most = 0;
     for (size_t s = 0; s < SEAS; s++) {
         for (double theta = 0; theta < 1.5; theta += 0.35) {
-            struct pel_vec3 v = direction(theta, 1.0);
-            double sum = 0;
-            for (int i = 0; i < n; i++) {
-                double t = 0.5 * PEL_PI * (i + 0.5) / n;
-                for (int j = 0; j < 2 * n; j++) {
-                    struct pel_vec3 l = direction(t, PEL_PI * (j + 0.5) / n);
-                    double vh = sqrt(0.5 * (1 + pel_vec3_dot(v, l)));
-                    sum += pel_ross_brdf(v, l, seas[s][0], seas[s][1]) *
-                           sin(t) * cos(t) /
-                           pel_fresnel_schlick(vh, PEL_WATER_INDEX);
-                }
-            }
-            sum *= 0.5 * PEL_PI * PEL_PI / n / n;
-            /* 0.1 %: the grid's error on the narrowest lobe. */
-            assert_true(sum < 1.001);
+            double sum = furnace(direction(theta, 1.0), seas[s][0], seas[s][1]);
+            most = fmax(most, sum);
             if (theta < 0.4 && s < 4) {
                 assert_near(sum, 1, s < 2 ? 2e-3 : 2e-2);
             }
         }
     }
+    print_message("white furnace: at most %.6f comes back\n", most);
+    assert_true(most <= 1 + 1e-9);
 }
 
 int main(void)

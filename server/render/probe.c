@@ -2,7 +2,7 @@
 
 #include "render/shader.h"
 
-#define ANSWERS 5 /* vec4, as in shaders/probe.comp */
+#define ANSWERS 6 /* vec4, as in shaders/probe.comp */
 #define BINDING 5
 
 enum pel_err pel_prober_init(struct pel_prober *p, const char *shader_dir,
@@ -53,7 +53,9 @@ void pel_prober_run(struct pel_prober *p, const struct pel_probe *probe,
                  .seen_fresnel = (double)v[0][3],
                  .half_cosine = (double)v[1][0],
                  .brdf = (double)v[1][1],
-                 .reflected_sun = (double)v[1][2] },
-        .sky = { rgb(v[2]), rgb(v[3]), rgb(v[4]) },
+                 .reflected_sun = (double)v[1][2],
+                 .fresnel = (double)v[1][3],
+                 .slope_density = (double)v[2][0] },
+        .sky = { rgb(v[3]), rgb(v[4]), rgb(v[5]) },
     };
 }

@@ -13,8 +13,7 @@ struct pel_probe {
     double height_m; /* of the eye */
 };
 
-/* Of the sea's terms the shader has no slope density and no Fresnel of its own:
- * they are 0. The sea is as `dir` sees it where that points up. */
+/* The sea is as `dir` sees it where that points up. */
 struct pel_probe_answer {
     struct pel_brdf_terms sea;
     struct pel_sky_terms sky;

@@ -62,6 +62,9 @@ static void sea_terms(void **state)
                 fmax(worst[3], off(got.reflected_sun, want.reflected_sun));
         }
         assert_near(got.half_cosine, want.half_cosine, 1e-4);
+        assert_near(got.fresnel, want.fresnel, 1e-5);
+        assert_near(got.slope_density, want.slope_density,
+                    2e-4 * want.slope_density + 1e-12);
         assert_near(got.brdf * sun.z, got.reflected_sun,
                     1e-4 * got.reflected_sun);
     }

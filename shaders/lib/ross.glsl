@@ -36,6 +36,21 @@ const float PEL_SUN_STEEPER = 0.0;
 const float PEL_SUN_STEEPER = 0.125;
 #endif
 
+// Gaussian slope density p(ζ), eq. 7.
+float slope_density(vec2 slope, vec2 variance)
+{
+    return exp(-0.5 * dot(slope * slope, 1.0 / variance)) *
+           inversesqrt(variance.x * variance.y) / (2.0 * PI);
+}
+
+// Schlick 1994, eq. 14.
+float schlick(float cosine)
+{
+    float c = 1.0 - clamp(cosine, 0.0, 1.0);
+    float c2 = c * c;
+    return planet.w + (1.0 - planet.w) * c2 * c2 * c;
+}
+
 // Radiance of the reflected Sun for irradiance 1 normal to its beam: eq. 15. The
 // disc is folded into the slope density (the paper clamps the variance), so
 // that a flat sea shows the disc.
@@ -49,12 +64,8 @@ float reflected_sun(vec3 view, vec3 light, vec2 variance)
     // pel_facets_seen has it for the sky; fitted with `make validate`.
     float across = s_view * s_view * max(1.0 - view.z * view.z, 1e-8); // (cos θ / μ)²
     vec2 slope = -h.xy / hz + toward * (PEL_SUN_STEEPER * s_view * across / (across + view.z * view.z / 16.0));
-    vec2 wide = variance + disc.x;
-    float p = exp(-0.5 * dot(slope * slope, 1.0 / wide)) * inversesqrt(wide.x * wide.y) /
-              (2.0 * PI);
-    float vh = 1.0 - clamp(dot(view, h), 0.0, 1.0);
-    float vh2 = vh * vh;
-    float fresnel = planet.w + (1.0 - planet.w) * vh2 * vh2 * vh;
+    float p = slope_density(slope, variance + disc.x);
+    float fresnel = schlick(dot(view, h));
     float cos_v = max(view.z, 1e-4);
     float view_term = smith_lambda_cos(view.z, s_view);
     float light_term = smith_lambda_cos(light.z, sqrt(directional_variance(light, variance)));
