@@ -41,28 +41,40 @@ double pel_filter_shift_bias(const struct pel_filter *f)
     return finer(f) - 2.0;
 }
 
-/* Eq. 4's resolved part of one wave, in wind axes. */
-static void take_resolved(const struct pel_sea *sea, const struct pel_wave *w,
+/* Eq. 4's resolved part of one wave, in wind axes (c, s). */
+static void take_resolved(const struct pel_wave *w, double c, double s,
                           double gain, struct pel_slopes *left)
 {
-    double k = hypot(w->kx, w->ky);
-    double kh = k * w->amplitude, ckh = w->chop * kh;
-    double variance = kh * kh / (1.0 + sqrt(1.0 - ckh * ckh));
-    double kept = gain * gain * variance;
-    double c = cos(sea->desc.direction_rad), s = sin(sea->desc.direction_rad);
-    double along = (w->kx * c + w->ky * s) / k;
-    double cross = (w->ky * c - w->kx * s) / k;
+    double k2 = w->kx * w->kx + w->ky * w->ky;
+    double h2 = w->amplitude * w->amplitude;
+    double kept =
+        gain * gain * h2 / (1.0 + sqrt(1.0 - w->chop * w->chop * k2 * h2));
+    double along = w->kx * c + w->ky * s;
+    double cross = w->ky * c - w->kx * s;
     left->along -= along * along * kept;
     left->cross -= cross * cross * kept;
     left->mixed -= along * cross * kept;
 }
 
-static double wavelengths_of(const struct pel_footprint *footprint,
-                             const struct pel_wave *w)
+/* A footprint's two axes over 2π. */
+struct axes {
+    double along_x, along_y, across_x, across_y;
+};
+
+static struct axes axes_of(const struct pel_footprint *f)
 {
-    double k = hypot(w->kx, w->ky);
-    double length_m = pel_footprint_length(footprint, atan2(w->ky, w->kx));
-    return 2.0 * PEL_PI / (k * length_m);
+    double c = cos(f->azimuth_rad) / (2.0 * PEL_PI);
+    double s = sin(f->azimuth_rad) / (2.0 * PEL_PI);
+    return (struct axes){ f->along_m * c, f->along_m * s, -f->across_m * s,
+                          f->across_m * c };
+}
+
+/* λ over pel_footprint_length in the wave's direction. */
+static double wavelengths_of(const struct axes *a, const struct pel_wave *w)
+{
+    double u = a->along_x * w->kx + a->along_y * w->ky;
+    double v = a->across_x * w->kx + a->across_y * w->ky;
+    return 1.0 / sqrt(u * u + v * v);
 }
 
 struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
@@ -77,11 +89,13 @@ struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
     struct pel_slopes left = { sea->slope_variance_along,
                                sea->slope_variance_cross,
                                sea->slope_covariance };
+    const struct axes axes = axes_of(footprint);
+    double c = cos(sea->desc.direction_rad), s = sin(sea->desc.direction_rad);
     for (int i = 0; i < sea->count; i++) {
-        double gain =
-            pel_filter_gain(filter, wavelengths_of(footprint, &sea->waves[i]));
-        if (gain > 0) {
-            take_resolved(sea, &sea->waves[i], gain, &left);
+        double lengths = wavelengths_of(&axes, &sea->waves[i]);
+        if (lengths > filter->n_min) {
+            take_resolved(&sea->waves[i], c, s,
+                          pel_filter_gain(filter, lengths), &left);
         }
     }
     left.along = fmax(left.along, 0);
@@ -97,9 +111,10 @@ static void filtered_trochoids(const struct pel_sea *sea,
 {
     struct pel_vec3 d = { 0, 0, 0 };
     double xx = 0, xy = 0, yy = 0, zx = 0, zy = 0;
+    const struct axes axes = axes_of(footprint);
     for (int i = 0; i < sea->count; i++) {
         const struct pel_wave *w = &sea->waves[i];
-        double lengths = wavelengths_of(footprint, w);
+        double lengths = wavelengths_of(&axes, w);
         double moved = w->amplitude * pel_filter_weight(filter, lengths);
         double h = w->amplitude * pel_filter_gain(filter, lengths);
         if (moved == 0) {
