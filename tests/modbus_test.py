@@ -103,7 +103,7 @@ def refusals(daemon, client):
         answer = client.write_register(address, 1, slave=1)
         check(answer.isError() and answer.exception_code == 2,
               f"{address}: {answer}")
-    answer = client.read_holding_registers(170, 20, slave=1)
+    answer = client.read_holding_registers(230, 20, slave=1)
     check(answer.exception_code == 2, f"{answer}")
     answer = client.read_holding_registers(0, 2, slave=9)
     check(answer.exception_code == 11, f"unit 9: {answer}")
@@ -302,7 +302,7 @@ def malformed(daemon, port):
             head = struct.pack(">HHHB", i, 0, len(body) + 1, 1)
         else:
             body = bytes([3]) + struct.pack(
-                ">HH", draw.randrange(180, 65536), 1)
+                ">HH", draw.randrange(240, 65536), 1)
             head = struct.pack(">HHHB", i, 0, len(body) + 1, 1)
         answer = send_bad(port, head + body)
         check(answer == b"" or answer[7] & 0x80, f"{i}: taken: {answer}")
