@@ -247,6 +247,7 @@ TESTS += server/optics/transport_test.c
 TESTS += server/optics/waterbody_test.c
 TESTS += server/optics/watertable_test.c
 TESTS += server/encode/encode_test.c
+TESTS += server/encode/planes_test.c
 TESTS += server/encode/video_test.c
 TESTS += server/net/net_test.c
 TESTS += server/options_test.c
