@@ -310,7 +310,7 @@ class Clients(Case):
         clean = {k: v for k, v in os.environ.items()
                  if not k.startswith("PELAGOS_") or k == "PELAGOS_BIN"}
         done = subprocess.run(
-            [os.path.join(BIN, "pelagosctl"), "--timeout", "5", "--server",
+            [os.path.join(BIN, "pelagosctl"), "--timeout", "30", "--server",
              f"{server}:{self.daemon.tcp_port}", *arguments],
             capture_output=True, text=True, timeout=60,
             env={**clean, "PELAGOS_URL": self.daemon.url(""), **environment})

@@ -75,3 +75,44 @@ export class Pose {
       (this.top - y) / (this.top - this.bottom)];
   }
 }
+
+const KEPT = 24;
+const between = (a, b, part) => a + (((b - a + 540) % 360) - 180) * part;
+
+// How entities moved of late. Pictures are older than the state that was read
+// last: their ships stood as they did then.
+export class Track {
+  constructor() {
+    this.poses = new Map();
+  }
+
+  add(state) {
+    const there = new Map();
+    for (const entity of state.entities ?? []) {
+      const id = entity.id ?? 0;
+      const poses = (this.poses.get(id) ?? []).filter((p) =>
+        (p.poseTime ?? 0) <= (entity.poseTime ?? 0)).slice(-KEPT);
+      const last = poses.at(-1);
+      if (last && last.poseTime === entity.poseTime) {
+        poses.pop();
+      }
+      there.set(id, [...poses, entity]);
+    }
+    this.poses = there;
+  }
+
+  // The entity at a simulated time; undefined: there is none.
+  at(id, time) {
+    const poses = this.poses.get(id) ?? [];
+    const next = poses.findIndex((p) => (p.poseTime ?? 0) > time);
+    if (next < 1) {
+      return next === 0 ? poses[0] : poses.at(-1);
+    }
+    const [a, b] = [poses[next - 1], poses[next]];
+    const part = (time - a.poseTime) / (b.poseTime - a.poseTime);
+    return { ...b, poseTime: time, turnRate: 0,
+      heading: between(a.heading ?? 0, b.heading ?? 0, part),
+      pitch: between(a.pitch ?? 0, b.pitch ?? 0, part),
+      roll: between(a.roll ?? 0, b.roll ?? 0, part) };
+  }
+}

@@ -165,6 +165,7 @@ export class Live {
       this.told({
         number: Number(head["x-pelagos-frame"]),
         time: Number(head["x-pelagos-time"]),
+        drawn: head["x-pelagos-drawn"]?.split("x").map(Number),
       });
     }
   }

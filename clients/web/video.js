@@ -41,6 +41,9 @@ function readHead(buffer) {
     time: at.getFloat64(16, true),
     stampMs: Number(at.getBigUint64(32, true)) / 1000,
     missed: at.getUint32(52, true),
+    // Of what was rendered; later versions of the header have it.
+    drawn: at.getUint8(3) >= 80
+      ? [at.getUint16(72, true), at.getUint16(74, true)] : null,
   };
 }
 
@@ -264,6 +267,7 @@ export class Video {
     this.stamps.push(performance.now());
     this.latencies.push(unixMs() + this.clockMs - head.stampMs);
     this.latencies.splice(0, this.latencies.length - 31);
-    this.told({ number: Number(head.number), time: head.time });
+    this.told({ number: Number(head.number), time: head.time,
+      drawn: head.drawn });
   }
 }

@@ -3,7 +3,7 @@
 import { Hud } from "/hud.js";
 import { followPointers, Look } from "/look.js";
 import { Player } from "/player.js";
-import { Pose } from "/pose.js";
+import { Pose, Track } from "/pose.js";
 
 // A browser opens six HTTP connections to one host: four for streams, one for
 // single pictures in turn, one for everything else. WebSockets do not count.
@@ -112,10 +112,10 @@ class Tile {
 
   pose() {
     const { state } = this.grid;
-    const entity = (state.entities ?? []).find((e) =>
-      this.view.entity !== undefined && (e.id ?? 0) === this.view.entity);
-    return new Pose(this.view, entity, this.frame?.time ?? state.clock?.time,
-      state.clock?.reckoning);
+    const time = this.frame?.time ?? state.clock?.time ?? 0;
+    const entity = this.view.entity === undefined ? undefined
+      : this.grid.track.at(this.view.entity, time);
+    return new Pose(this.view, entity, time, state.clock?.reckoning);
   }
 
   showWay() {
@@ -138,7 +138,12 @@ class Tile {
   refresh() {
     const { rate, latencyMs, missed } = this.live;
     const { size, fps, ms, dropped, way } = this.facts;
-    size.textContent = `${this.view.width}×${this.view.height}`;
+    const [width, height] = this.frame?.drawn ?? [this.view.width];
+    const coarser = width < this.view.width;
+    size.textContent = `${this.view.width}×${this.view.height}` +
+      (coarser ? ` from ${width}×${height}` : "");
+    size.title = coarser ? "Size of the picture, drawn coarser to hold its rate"
+      : "Size of the picture";
     fps.textContent = `${rate ? rate.toFixed(rate < 10 ? 1 : 0) : "–"} fps`;
     ms.textContent =
       `${latencyMs === undefined ? "–" : latencyMs.toFixed(0)} ms`;
@@ -186,6 +191,7 @@ export class Views {
     this.up = true;
     this.turn = 0;
     this.instruments = true;
+    this.track = new Track();
     document.addEventListener("visibilitychange", () => this.arrange());
     new ResizeObserver(() => this.lay()).observe(node);
     addEventListener("resize", () => this.lay());
@@ -228,6 +234,7 @@ export class Views {
 
   show(state) {
     this.state = state;
+    this.track.add(state);
     const views = state.views ?? [];
     const names = new Set(views.map((view) => view.name));
     const before = this.tiles.size;
