@@ -284,6 +284,7 @@ TESTS += server/render/sky_test.c
 TESTS += server/render/light_test.c
 TESTS += server/render/layer_test.c
 TESTS += server/render/probe_test.c
+TESTS += tests/golden/golden_test.c
 TESTS += tests/golden/shimmer_test.c
 TESTS += server/render/waterlight_test.c
 TESTS += server/frames/layers_test.c
@@ -431,6 +432,10 @@ unit: $(TEST_BIN) ## run the C test programs
 $(O)/bin/registers_doc: $(O)/proto/registers_doc.o $(O)/libserver.a
 	$(Q)mkdir -p $(@D)
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
+
+.PHONY: golden
+golden: $(O)/bin/golden_test ## draw the golden pictures anew; look at each of them
+	$(Q)$< --write
 
 .PHONY: registers
 registers: $(O)/bin/registers_doc ## write proto/registers.md, the Modbus map for people
