@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "base/vec.h"
+#include "optics/brdf.h"
 
 const double pel_water_wavelength_nm[PEL_WATER_WAVELENGTHS] = { 680, 550, 440 };
 
@@ -231,6 +232,14 @@ static enum pel_err resolve_water(const struct pel_water_desc *desc,
     return unknown("kind", (int)desc->kind, fault);
 }
 
+/* The papers' round 1.34 for usual water, and from there by Quan and Fry. */
+static double relative_index(double salinity, double temperature)
+{
+    double nm = pel_water_wavelength_nm[1];
+    return PEL_WATER_INDEX + pel_water_index(salinity, temperature, nm) -
+           pel_water_index(PEL_SALINITY_USUAL, PEL_TEMPERATURE_USUAL, nm);
+}
+
 enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
                                struct pel_water_body *out,
                                struct pel_fault *fault)
@@ -246,8 +255,7 @@ enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
     }
     struct pel_water_body body = {
         .depth_m = desc->depth_m,
-        .index = pel_water_index(desc->salinity_g_kg, desc->temperature_c,
-                                 pel_water_wavelength_nm[1]),
+        .index = relative_index(desc->salinity_g_kg, desc->temperature_c),
     };
     err = resolve_water(desc, &body, fault);
     if (err) {
@@ -274,8 +282,7 @@ struct pel_water_body pel_water_deep(double chlorophyll)
 {
     struct pel_water_body body = {
         .depth_m = 1000.0,
-        .index = pel_water_index(PEL_SALINITY_USUAL, PEL_TEMPERATURE_USUAL,
-                                 pel_water_wavelength_nm[1]),
+        .index = PEL_WATER_INDEX,
     };
     resolve_case1(chlorophyll, PEL_SALINITY_USUAL, &body);
     return body;

@@ -81,7 +81,7 @@ struct pel_water_body {
     double asymmetry[PEL_WATER_WAVELENGTHS];
     double albedo[PEL_WATER_WAVELENGTHS];
     double depth_m;
-    double index; /* of refraction, at 550 nm */
+    double index; /* of refraction, for what the surface reflects; 0: 1.34 */
 };
 
 /* Case 1 water of a chlorophyll concentration (clamped to its range) at

@@ -163,6 +163,12 @@ static void test_salt(void **state)
                 1.3, 1e-9);
     assert_near(pel_water_index(0.0, 20.0, 589.3), 1.3330, 2e-4);
     assert_near(pel_water_index(35.0, 20.0, 589.3), 1.3394, 2e-4);
+    struct pel_water_desc lake = { .chlorophyll_mg_m3 = 0.2,
+                                   .temperature_c = 20.0,
+                                   .depth_m = 10.0 };
+    struct pel_water_body body;
+    assert_int_equal(pel_water_resolve(&lake, &body, NULL), PEL_OK);
+    assert_near(body.index, 1.3331, 5e-4);
 }
 
 int main(void)

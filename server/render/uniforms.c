@@ -32,7 +32,8 @@ void pel_fill_frame(const struct pel_environment *env,
     struct pel_atmosphere air;
     const struct pel_atmosphere_desc desc = { env->visibility_m };
     pel_atmosphere_init(&desc, &air);
-    double r0 = (PEL_WATER_INDEX - 1.0) / (PEL_WATER_INDEX + 1.0);
+    double n = env->water.index > 0.0 ? env->water.index : PEL_WATER_INDEX;
+    double r0 = (n - 1.0) / (n + 1.0);
     /* A uniform disc has a quarter of its squared radius as variance an axis;
      * facets turn half as far as what they mirror. */
     const double disc = PEL_SUN_ANGULAR_RADIUS * PEL_SUN_ANGULAR_RADIUS / 16.0;

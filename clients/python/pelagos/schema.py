@@ -154,8 +154,8 @@ class Water(Record):
     #: Orders of scattering to draw.
     #: One of ALL, TWO, PAPER, SINGLE.
     orders: str = _field('ALL')
-    #: Salinity: the water's own scattering, and with temperature its
-    #: refractive index. [g/kg; 0 to 42]
+    #: Salinity: what the water itself scatters, and with the temperature what
+    #: its surface reflects. [g/kg; 0 to 42]
     salinity: float = _field(35.0, 'g/kg', 0, 42)
     #: Temperature. [degC; -2 to 40]
     temperature: float = _field(15.0, 'degC', -2, 40)
