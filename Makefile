@@ -522,9 +522,10 @@ bench-streams: deps ## what streams cost, and their latency in Chromium
 	    Rtsp.test_late_joiner_gets_a_key_frame_after_play
 
 .PHONY: bench
-bench: deps-build ## time frames, views, queries, encoders (ARGS='--quick …')
-	$(Q)$(MAKE) -s --no-print-directory $(BENCH_BIN)
+bench: deps-build ## time frames, views, queries, encoders, streams (ARGS='--quick …')
+	$(Q)$(MAKE) -s --no-print-directory $(BENCH_BIN) $(O)/bin/bench_streams
 	$(O)/bin/bench $(ARGS)
+	$(O)/bin/bench_streams --views 1 --seconds 2
 
 # --- validation -----------------------------------------------------------
 $(O)/bin/lighting: $(call obj,tests/validate/lighting.c tests/validate/rowtrace.c \
