@@ -1,5 +1,6 @@
-/* The light that leaves the water, all orders, as a picture that a shader can
- * fetch: radiance before the surface's own Fresnel factor as a function of the
+/* The light that leaves the water, all orders, as a table for brute-force
+ * renderers (tests/validate; the shaders' maps are made from waterkernel.h):
+ * radiance before the surface's own Fresnel factor as a function of the
  * line of sight, for one Sun and one water. */
 #pragma once
 
@@ -31,8 +32,8 @@ struct pel_water_depths {
 /* Depth of level i of a set [m]. */
 double pel_water_depth(const struct pel_water_depths *depths, int i);
 
-/* Texels [zenith][azimuth] of r, g, b (680, 550, 440 nm) and 0, ready for an
- * RGBA32F texture with linear filter and clamped edges:
+/* Texels [zenith][azimuth] of r, g, b (680, 550, 440 nm) and 0, for a linear
+ * filter with clamped edges:
  *   u = (½ + 31 (1 + cos φ) / 2) / 32, φ between the line of sight and the
  *       Sun in azimuth, 0 looking towards it;
  *   v = (½ + 31 sin θ) / 32, θ the zenith angle, above the flat surface, of
