@@ -118,14 +118,15 @@ static struct reading reading_of(const struct pel_cascade *c,
 {
     double least = fmax(f->across_m, 1.5 * c->texel_m);
     double level = log2(f->across_m / c->texel_m);
+    double slope_level = level + pel_filter_slope_bias(filter);
+    int taps = (int)pel_clamp(ceil(f->along_m / least), 1, MOST_TAPS);
     double span =
         TAP_SPAN * sqrt(fmax(f->along_m * f->along_m - least * least, 0.0));
     return (struct reading){
-        .taps = (int)pel_clamp(ceil(f->along_m / least), 1, MOST_TAPS),
+        .taps = slope_level < LEVELS - 1 ? taps : 0, /* one texel: nothing */
         .span_x = span * cos(f->azimuth_rad),
         .span_y = span * sin(f->azimuth_rad),
-        .slope_level =
-            pel_clamp(level + pel_filter_slope_bias(filter), 0, LEVELS - 1),
+        .slope_level = fmax(slope_level, 0),
         .shift_level = fmax(level + pel_filter_shift_bias(filter), 0),
     };
 }
@@ -134,7 +135,7 @@ static void add_cascade(const struct pel_cascade *c, const struct pyramid *p,
                         const struct reading *r, struct pel_vec2 at,
                         double slopes[5], double shift[3])
 {
-    double share = 1.0 / r->taps;
+    double share = r->taps > 0 ? 1.0 / r->taps : 0;
     for (int t = 0; t < r->taps; t++) {
         double off = (t + 0.5) * share - 0.5;
         double x = at.x + off * r->span_x, y = at.y + off * r->span_y;

@@ -23,6 +23,7 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
 #ifdef PEL_LAYERS
     f.shift = vec3(0.0);
 #endif
+    // Nothing is left of a cascade at level 8, one texel.
     for (int c = 0; c < 4; c++) {
 #if PEL_ANISOTROPY > 1
         // Taps along the line of sight, together as wide as the level of
@@ -33,12 +34,13 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
         float lod = log2(across / texel);
         vec2 span = sight * (PEL_TAP_SPAN * sqrt(max(along * along - least * least, 0.0)));
         float share = 1.0 / taps;
+        taps = lod + back.w < 8.0 ? taps : 0.0;
         for (float j = 0.5; j < taps; j += 1.0) {
             vec2 place = x + span * (j * share - 0.5);
 #else
         float lod = log2(along / cascades[c].place.w);
         const float share = 1.0;
-        {
+        if (lod + back.w < 8.0) {
             vec2 place = x;
 #endif
             vec3 uv = vec3(cascade_uv(c, place), c);
