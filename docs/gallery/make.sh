@@ -6,8 +6,12 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 out=${1:-docs/gallery}
 socket=$(mktemp -u "${TMPDIR:-/tmp}/pelagos-gallery-XXXXXX")
+mkdir -p build/gallery
+for depth in 7.9 39.9; do
+    docs/gallery/shore.py "build/gallery/shore-$depth.asc" "$depth"
+done
 build/pelagosd --device software --http off --tcp off --rtsp off --modbus off --nmea off \
-    --state off --unix "$socket" --log-level warning &
+    --state off --bathymetry build/gallery --unix "$socket" --log-level warning &
 daemon=$!
 trap 'kill $daemon 2>/dev/null; wait $daemon 2>/dev/null || true' EXIT
 ctl() { build/pelagosctl --quiet --timeout 60 --server "unix:$socket" "$@"; }
@@ -18,9 +22,12 @@ done
 
 common="clock.mode=STEPPED clock.time=100 sea.windDirection=250 sea.windSpeed=8 \
 sky.sunElevation=35 sky.sunAzimuth=55 sky.visibility=40000 views.gallery.up=6 \
-views.gallery.pitch=-5 views.gallery.width=640 views.gallery.height=360"
+views.gallery.pitch=-5 views.gallery.yaw=0 views.gallery.right=0 \
+views.gallery.width=640 views.gallery.height=360"
 lagoon="sea.windSpeed=4 views.gallery.up=10 views.gallery.pitch=-16 sky.sunAzimuth=110"
 open="sea.windSpeed=4 views.gallery.up=10 views.gallery.pitch=-16 sky.sunAzimuth=110 sky.sunElevation=55 water.jerlov=IB"
+shore="sea.windSpeed=3 sky.sunElevation=50 sky.sunAzimuth=200 views.gallery.up=9 \
+views.gallery.pitch=-11 views.gallery.yaw=35 water.named=TROPICAL water.bottom=SAND"
 pictures=(
     "calm|Calm: wind 1.5 m/s|sea.windSpeed=1.5"
     "wind-05|Wind 5 m/s|sea.windSpeed=5"
@@ -46,6 +53,12 @@ pictures=(
     "water-dusk|The same under the sky alone, Sun 4° below the horizon|$lagoon sky.sunElevation=-4 sky.sunAzimuth=40 water.named=TROPICAL water.bottom=SAND water.depth=6"
     "water-8m|7.9 m of tropical water over sand|$lagoon water.named=TROPICAL water.bottom=SAND water.depth=7.9"
     "water-40m|39.9 m of it|$lagoon water.named=TROPICAL water.bottom=SAND water.depth=39.9"
+    "shore-8m|A shore, 7.9 m deep (fig. 11 of the 2003 paper)|$shore water.depth=7.9 seabed.file=shore-7.9.asc"
+    "shore-8m-single|The same by single scattering|$shore water.depth=7.9 seabed.file=shore-7.9.asc water.orders=SINGLE"
+    "shore-40m|The shore, 39.9 m deep|$shore water.depth=39.9 seabed.file=shore-39.9.asc"
+    "shore-40m-single|The same by single scattering|$shore water.depth=39.9 seabed.file=shore-39.9.asc water.orders=SINGLE"
+    "shore-caustics|Light on the sand, FFT cascades, from 4 m|$shore sea.windSpeed=4 sea.synthesiser=FFT sea.spectrum=ELFOUHAILY views.gallery.up=4 views.gallery.pitch=-25 views.gallery.yaw=70 views.gallery.right=40 water.depth=39.9 seabed.file=shore-39.9.asc"
+    "shore-above|The shore from 60 m|$shore views.gallery.up=60 views.gallery.pitch=-25 water.depth=39.9 seabed.file=shore-39.9.asc"
     "water-baltic|The Baltic|$lagoon water.named=BALTIC"
     "water-harbour|A harbour|$lagoon water.named=HARBOUR water.depth=8 water.bottom=MUD"
 )
@@ -64,7 +77,7 @@ mkdir -p "$out"
 } > "$out/README.md"
 for picture in "${pictures[@]}"; do
     IFS='|' read -r name title settings <<< "$picture"
-    ctl unset sea water >/dev/null
+    ctl unset sea water seabed >/dev/null
     # shellcheck disable=SC2086
     ctl set $common $settings
     ctl frame gallery "$out/$name.jpg"

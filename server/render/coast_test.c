@@ -196,6 +196,46 @@ static void a_level_field_is_a_flat_bottom(void **state)
     pel_seabed_unref(bed);
 }
 
+static double three_metres(double east_m, double north_m)
+{
+    return -3 + 1e-9 * (east_m + north_m);
+}
+
+/* The waves move light about on the bottom; they make none. */
+static void caustics_keep_the_mean(void **state)
+{
+    (void)state;
+    const struct pel_seabed *bed = make_bed(three_metres);
+    struct pel_environment env = over(bed);
+    struct pel_camera camera =
+        test_camera((struct test_look){ 40, 0, -60, 0, 60, 192, 192 });
+    struct pel_renderer *r = test_renderer("fragment");
+    double mean[2] = { 0 }, deviation = 0;
+    float *even = malloc(sizeof *even * 192 * 192);
+    for (int on = 0; on < 2; on++) {
+        env.caustics = on;
+        struct pel_picture *p = test_draw(r, &env, &camera, PEL_LAYER_BOTTOM);
+        for (int i = 0; i < 192 * 192; i++) {
+            double green = (double)p->water_part[PEL_WATER_BOTTOM][4 * i + 1];
+            mean[on] += green / (192 * 192);
+            if (on) {
+                deviation += fabs(green - (double)even[i]) / (192 * 192);
+            } else {
+                even[i] = (float)green;
+            }
+        }
+        pel_picture_release(p);
+    }
+    print_message("mean %.4f, deviation %.3f of it\n", mean[1] / mean[0],
+                  deviation / mean[0]);
+    /* Rays that cross all the same are cut short: 3 %. */
+    assert_true(fabs(mean[1] / mean[0] - 1) < 0.03);
+    assert_true(deviation > 0.05 * mean[0]);
+    free(even);
+    pel_renderer_destroy(r);
+    pel_seabed_unref(bed);
+}
+
 static int set_up(void **state)
 {
     (void)state;
@@ -210,6 +250,7 @@ int main(void)
         cmocka_unit_test(land_is_where_the_field_is),
         cmocka_unit_test(the_plan_leaves_nothing_out),
         cmocka_unit_test(a_level_field_is_a_flat_bottom),
+        cmocka_unit_test(caustics_keep_the_mean),
     };
     return cmocka_run_group_tests(tests, set_up, NULL);
 }

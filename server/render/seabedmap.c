@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/vec.h"
+#include "optics/brdf.h"
 
 /* --- the highest of squares ----------------------------------------------- */
 
@@ -168,9 +169,45 @@ static struct pel_vec4 vec4(double x, double y, double z, double w)
     return (struct pel_vec4){ (float)x, (float)y, (float)z, (float)w };
 }
 
+/* Rays through the waves that a footprint resolves begin to cross where their
+ * spread, of mean 1, deviates by more than this. */
+#define SPREAD_RMS 0.35
+/* A footprint resolves half of a wave that is so many times as long. */
+#define RESOLVED 1.75
+
+/* Footprints below which the waves' rays would cross, by depth. */
+static void fill_focus(const struct pel_environment *env,
+                       const struct pel_variance left[PEL_VARIANCE_COUNT],
+                       struct pel_vec4 out[PEL_FOCUS_COUNT])
+{
+    const double eta = 1.0 / PEL_WATER_INDEX;
+    double sun_z = pel_clamp(env->sun.z, 0.0, 1.0);
+    double cosine = sqrt(1.0 - eta * eta * (1.0 - sun_z * sun_z));
+    double reach = (cosine - eta * sun_z) / cosine; /* a metre of depth */
+    double bend2 = 0; /* mean square curvature of longer waves, 1/m² */
+    int depth = PEL_FOCUS_COUNT - 1;
+    for (int i = PEL_VARIANCE_COUNT - 2; i >= 0 && depth >= 0; i--) {
+        double footprint = exp2(PEL_VARIANCE_FIRST + i / PEL_VARIANCE_STEPS);
+        double k = 2.0 * PEL_PI / (RESOLVED * footprint);
+        double band = (double)(left[i + 1].along - left[i].along) +
+                      (double)(left[i + 1].cross - left[i].cross);
+        bend2 += k * k * fmax(band, 0.0);
+        while (depth >= 0 &&
+               reach * exp2(PEL_FOCUS_FIRST + 0.5 * depth) * sqrt(bend2) >
+                   SPREAD_RMS) {
+            out[depth--] = vec4(log2(footprint), 0.0, 0.0, 0.0);
+        }
+    }
+    while (depth >= 0) {
+        out[depth--] = vec4(PEL_VARIANCE_FIRST, 0.0, 0.0, 0.0);
+    }
+}
+
 void pel_fill_seabed(const struct pel_environment *env,
-                     const struct pel_seabed_map *map, double east_m,
-                     double north_m, struct pel_block_seabed *out)
+                     const struct pel_seabed_map *map,
+                     const struct pel_variance left[PEL_VARIANCE_COUNT],
+                     double east_m, double north_m,
+                     struct pel_block_seabed *out)
 {
     const struct pel_seabed *bed = env->seabed;
     const struct pel_water_body *w = &env->water;
@@ -196,6 +233,7 @@ void pel_fill_seabed(const struct pel_environment *env,
         .bed_dry = vec4(w->albedo[0], w->albedo[1], w->albedo[2], 0.0),
         .bed_blur = vec4(blur[0], blur[1], blur[2], 0.0),
     };
+    fill_focus(env, left, out->bed_focus);
     for (int i = 0; i < map->squares.levels; i++) {
         out->bed_level[i] =
             vec4((double)map->squares.first[i], map->squares.columns[i],

@@ -5,6 +5,7 @@
 #include <epoxy/gl.h>
 
 #include "render/renderer.h"
+#include "render/uniforms.h"
 #include "shaders/lib/blocks.h"
 
 enum {
@@ -45,7 +46,10 @@ double pel_seabed_visible_m(const struct pel_water_body *water);
 /* Depths that the water's light is wanted for over this field. */
 struct pel_water_depths pel_seabed_depths(const struct pel_environment *env);
 
-/* What the shaders know for an eye over east_m, north_m. */
+/* What the shaders know for an eye over east_m, north_m. `left`: slope variance
+ * that footprints leave (uniforms.h). */
 void pel_fill_seabed(const struct pel_environment *env,
-                     const struct pel_seabed_map *map, double east_m,
-                     double north_m, struct pel_block_seabed *out);
+                     const struct pel_seabed_map *map,
+                     const struct pel_variance left[PEL_VARIANCE_COUNT],
+                     double east_m, double north_m,
+                     struct pel_block_seabed *out);

@@ -123,6 +123,10 @@ PEL_BLOCK(4, light) {
  * square of 2^(k+1) spaces between nodes, borders and all. */
 #define PEL_SEABED_TOP_LEVELS 11
 
+/* Depths in steps of half an octave from 2^PEL_FOCUS_FIRST m. */
+#define PEL_FOCUS_FIRST -2.0
+#define PEL_FOCUS_COUNT 20
+
 /* One for an eye over a height field (render/seabedmap.h). */
 PEL_BLOCK(9, seabed) {
     vec4 bed_place;  /* xy the eye's nadir in nodes; z nodes a metre; w metres between nodes */
@@ -134,6 +138,8 @@ PEL_BLOCK(9, seabed) {
     vec4 bed_dry;    /* rgb of dry land and under water */
     vec4 bed_level[PEL_SEABED_TOP_LEVELS]; /* of seabed_tops: x place of the first, y columns,
                                               z rows */
+    vec4 bed_focus[PEL_FOCUS_COUNT]; /* by depth: x log2 of the footprint, m, whose waves focus
+                                        light without crossing rays */
     vec4 bed_blur;   /* rgb how much faster the Sun's beam fades than all light, 1/m */
 };
 

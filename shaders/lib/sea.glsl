@@ -122,6 +122,14 @@ shaded shade_sea(ivec2 at, uint triangle)
     const float depth = 1e5; // the deepest there is
 #endif
     lit parts = sea_radiance(reflection_map, v, sun_dir, n_seen, variance_seen, depth);
+#ifdef PEL_SEABED
+    vec3 from_bottom = water_part(water_place(v, n_seen, sun_dir), WATER_BOTTOM, depth);
+    vec3 relief = (1.0 - parts.fresnel) * seabed_relief(from_bottom, bottom, depth, footprint, sun_dir);
+    parts.water += relief;
+#ifdef PEL_WATER_PARTS
+    parts.parts.bottom += relief;
+#endif
+#endif
     vec3 light = parts.sun + parts.sky + parts.water;
 
     vec3 air;

@@ -144,6 +144,88 @@ float seabed_distance(vec3 dir, float limit)
     return -1.0;
 }
 
+// Second derivatives of the waves that a footprint resolves: xx, xy, yy; and
+// their slope.
+vec3 wave_bend(vec2 x, float footprint, out vec2 slope)
+{
+    vec3 bend = vec3(0.0);
+    slope = vec2(0.0);
+#ifdef PEL_FFT
+    vec2 half_ = vec2(0.5 * footprint, 0.0);
+    for (int c = 0; c < 4; c++) {
+        float lod = log2(footprint / cascades[c].place.w) + back.w;
+        vec2 e = textureLod(slope_fields, vec3(cascade_uv(c, x + half_.xy), c), lod).xy;
+        vec2 w = textureLod(slope_fields, vec3(cascade_uv(c, x - half_.xy), c), lod).xy;
+        vec2 n = textureLod(slope_fields, vec3(cascade_uv(c, x + half_.yx), c), lod).xy;
+        vec2 s = textureLod(slope_fields, vec3(cascade_uv(c, x - half_.yx), c), lod).xy;
+        slope += 0.25 * (e + w + n + s);
+        bend += vec3(e.x - w.x, 0.5 * (e.y - w.y + n.x - s.x), n.y - s.y) / footprint;
+    }
+#else
+    float scale = up.w / footprint;
+    float offset = -right.w * up.w;
+#define PEL_BEND(i)                                                            \
+    {                                                                          \
+        float w = filter_weight(waves[i].phase.w * scale + offset);             \
+        float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;              \
+        vec2 hk = w * waves[i].slope.xy;                                        \
+        vec2 k = (-2.0 * PI * sine_turns(turns + 0.25)) * waves[i].phase.xy;      \
+        slope -= hk * sine_turns(turns);                                        \
+        bend += vec3(hk.x * k.x, hk.x * k.y, hk.y * k.y);                        \
+    }
+    // Not written out: the program would take seconds to make.
+    for (int i = 0; i < PEL_WAVES && waves[i].phase.w * scale + offset > 0.0; i++) {
+        PEL_BEND(i)
+    }
+#endif
+    return bend;
+}
+
+// How much brighter than under a flat surface the Sun's beam falls on the
+// bottom at `place`, `depth` m down: rays through the waves there are moved
+// aside by `reach` times the slope where they enter, so the light of an area is
+// spread by the determinant of that map; which ray ends here is found by going
+// back along it. Waves so short that their rays would cross are left out, so
+// its mean over the bottom is 1.
+float caustic(vec2 place, float depth, float footprint, vec3 sun_dir, float cosine)
+{
+    const float eta = 1.0 / 1.34;
+    float row = clamp((log2(max(depth, 1e-3)) - PEL_FOCUS_FIRST) * 2.0, 0.0,
+                      float(PEL_FOCUS_COUNT) - 1.001);
+    int entry = int(row);
+    float least = exp2(mix(bed_focus[entry].x, bed_focus[entry + 1].x, row - float(entry)));
+    // The Sun's disc, refracted, blurs what lies deep.
+    least = max(least, max(footprint, 2.0 * sun.w * eta * depth));
+    float reach = depth * (cosine - eta * sun_dir.z) / cosine;
+    vec2 enter = place + sun_dir.xy * (depth * eta / cosine);
+    vec2 slope = vec2(0.0);
+    vec3 bend;
+    for (int i = 0; i < 2; i++) {
+        bend = wave_bend(enter - reach * slope, least, slope);
+    }
+    float spread = (1.0 + reach * bend.x) * (1.0 + reach * bend.z) - reach * reach * bend.y * bend.y;
+    return 1.0 / max(spread, 0.2);
+}
+
+// What waves and slope of the bottom change of the light that comes back from
+// it: a share of `from_bottom`, of either sign.
+vec3 seabed_relief(vec3 from_bottom, vec2 place, float depth, float footprint, vec3 sun_dir)
+{
+    const float eta = 1.0 / 1.34;
+    if (sun_dir.z < 0.02 || max(from_bottom.g, from_bottom.b) <= 0.0) {
+        return vec3(0.0);
+    }
+    float cosine = sqrt(1.0 - eta * eta * (1.0 - sun_dir.z * sun_dir.z));
+    vec3 direct = sun_light.rgb * sun_dir.z;
+    vec3 share = direct / (direct + sky_light.rgb) * exp(bed_blur.rgb * (-depth / cosine));
+    vec3 n = seabed_normal(bed_node(place), footprint);
+    float gain = max(dot(n.xy, sun_dir.xy) * eta + n.z * cosine, 0.0) / cosine;
+    if (bed_beyond.w > 0.5) {
+        gain *= caustic(place, depth, footprint, sun_dir, cosine);
+    }
+    return from_bottom * share * (gain - 1.0);
+}
+
 // Depth of the water where the line of sight towards v, refracted by a facet n
 // at place x and height z of the surface, meets the bottom; `place`: there.
 float seabed_depth(vec2 x, float z, vec3 v, vec3 n, out vec2 place)

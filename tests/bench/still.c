@@ -1,7 +1,9 @@
 /* Draws one picture of a sea straight from the renderer and times it:
  *   still OUT.png [name=value …]
- * (sky: 1 facets, 2 nine samples, 3 anisotropic sampler) for looking at one
- * thing at a time while developing shaders. */
+ * (bed: 1 a beach ahead, 2 deep everywhere; sky: 1 facets, 2 nine samples, 3
+ * anisotropic sampler) for looking at one thing at a time while developing
+ * shaders. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,7 +29,7 @@ static struct setting settings[] = {
     { "swell", 0 },       { "compute", -1 },  { "layers", 0 },
     { "nmin", 0 },        { "nmax", 0 },      { "cell", 0 },
     { "aniso", 0 },       { "sky", 0 },       { "x", 0 },
-    { "y", 0 },
+    { "y", 0 },           { "bed", 0 },       { "caustics", 1 },
 };
 
 static double get(const char *name)
@@ -86,6 +88,25 @@ static struct bench_scene scene(void)
     };
 }
 
+/* bed=1: a beach 100 m ahead in the north; bed=2: 400 m everywhere. */
+static const struct pel_seabed *bottom(void)
+{
+    enum { SIDE = 512 };
+    static float heights[SIDE * SIDE];
+    const double spacing = 2, first = -0.5 * SIDE * spacing;
+    const struct pel_seabed *bed = NULL;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        double north = first + spacing * (i / SIDE);
+        double beach = fmin(fmax(0.05 * (north - 100), -40), 6);
+        heights[i] = (float)(get("bed") > 1 ? -400 : beach);
+    }
+    if (get("bed") <= 0 || pel_seabed_create(SIDE, SIDE, first, first, spacing,
+                                             heights, &bed, NULL)) {
+        return NULL;
+    }
+    return bed;
+}
+
 int main(int argc, char **argv)
 {
     if (argc < 2) {
@@ -117,6 +138,17 @@ int main(int argc, char **argv)
         return 1;
     }
     struct pel_environment env = bench_environment(&shown, &sea);
+    env.seabed = bottom();
+    env.caustics = get("caustics") > 0;
+    if (get("bed") > 0) {
+        const struct pel_water_desc water = { .kind = PEL_WATER_NAMED,
+                                              .name = PEL_WATER_TROPICAL,
+                                              .depth_m = 400,
+                                              .bottom = PEL_BOTTOM_SAND };
+        if (pel_water_resolve(&water, &env.water, &fault)) {
+            return 1;
+        }
+    }
     struct pel_draw draw = { .camera = bench_camera(&shown),
                              .layers = get("layers") > 0
                                            ? PEL_LAYER_COLOR | PEL_LAYER_DEPTH |
