@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Writes a made-up bay for the gallery: shore.py FILE.asc DEPTH
 
-A beach in a wide arc, sand bars before it and low dunes behind, down to DEPTH
+A beach in a wide arc, sand bars before it and dunes behind, down to DEPTH
 metres 300 m off; Esri grid about 52.6 N, 5.2 E.
 """
 import math
@@ -27,7 +27,7 @@ def height(east, north, depth):
         dune = smooth((-off - 25) / 40) * (
             2.2 + 1.3 * math.sin(north / 23 + east / 41)
             + 0.8 * math.sin(north / 9 - east / 13))
-        return min(-off * 0.045, 2.2) + dune
+        return min(-off * 0.045, 2.2) + dune + 9 * smooth((-off - 60) / 160)
     bars = 0.35 * math.sin(off / 9 + math.sin(north / 37)) * smooth(off / 30)
     return -depth * smooth(off / 320) ** 0.8 - 0.02 * off * math.exp(-off / 60) \
         + bars * (1 - smooth(off / 140))
