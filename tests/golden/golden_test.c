@@ -123,7 +123,7 @@ static const struct scene scenes[] = {
       { WIND(9), REST },
       DEEP(0.3),
       LOOK(10, 285, -2, 65),
-      -8,
+      -12,
       290,
       40e3 },
     { "fog-harbour",
