@@ -74,7 +74,7 @@ refused() { # expected words, options...
 check 'a bad number is refused' refused '1 .. 240 Hz' --fps 0
 check 'a bad address is refused' refused 'ADDRESS:PORT' --http 80
 check 'an unknown option is refused' refused 'no-such' --no-such
-check 'another network is refused' refused 'nginx' --http 0.0.0.0:8080
+check 'another network is refused' refused 'token' --http 0.0.0.0:8080
 check 'Modbus to a network needs a list' refused '--modbus-allow' \
     --modbus 0.0.0.0:1502
 check 'a missing key file is refused' refused 'nowhere' --config /nowhere

@@ -165,7 +165,7 @@ static void clearances(const struct pel_cigi_moment *m, const struct ray *ray,
 /* Cuts the ray to where waves can be; false: nowhere. */
 static bool cut_to_waves(const struct pel_cigi_moment *m, struct ray *ray)
 {
-    double top = m->snapshot->sea->max_height_m + MET_M;
+    double top = pel_snapshot_sea(m->snapshot)->max_height_m + MET_M;
     double z = ray->from.z - m->snapshot->sea_level_m, dz = ray->along.z;
     if (fabs(dz) < 1e-9) {
         return fabs(z) <= top && ray->begin_m < ray->end_m;

@@ -317,7 +317,8 @@ static void clamped_entities_ride_the_waves(void **state)
         send();
         const struct pel_snapshot *s = pel_scene_snapshot(scene);
         struct pel_surface_sample sample;
-        pel_sea_sample(s->sea, 0, 0, pel_scene_time(scene), &sample);
+        pel_sea_sample(pel_snapshot_sea(s), 0, 0, pel_scene_time(scene),
+                       &sample);
         pel_snapshot_unref(s);
         const Pelagos__Entity *e = entity(8);
         assert_near(e->altitude, sample.height_m, 1e-9);
@@ -388,7 +389,7 @@ static void heights_are_of_the_sea(void **state)
     send();
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
     struct pel_surface_sample sea;
-    pel_sea_sample(s->sea, 0, 0, pel_scene_time(scene), &sea);
+    pel_sea_sample(pel_snapshot_sea(s), 0, 0, pel_scene_time(scene), &sea);
     pel_snapshot_unref(s);
     take_frame();
     struct pel_cigi_packet a = next_answer(PEL_CIGI_KIND_HAT_RESPONSE);
@@ -496,14 +497,14 @@ static void sight_ends_at_the_waves(void **state)
     struct pel_surface_sample sea;
     take_frame();
     struct pel_cigi_packet a = next_answer(PEL_CIGI_KIND_LOS_EXTENDED);
-    pel_sea_sample(s->sea, 0, 0, time_s, &sea);
+    pel_sea_sample(pel_snapshot_sea(s), 0, 0, time_s, &sea);
     assert_near(pel_cigi_get(&a, PEL_CIGI_LOS_EXTENDED_RANGE),
                 25 - sea.height_m, 1e-3);
     a = next_answer(PEL_CIGI_KIND_LOS_EXTENDED);
     double range = pel_cigi_get(&a, PEL_CIGI_LOS_EXTENDED_RANGE);
     double along = range * cos(8 * PEL_DEG);
-    pel_sea_sample(s->sea, along * sin(60 * PEL_DEG), along * cos(60 * PEL_DEG),
-                   time_s, &sea);
+    pel_sea_sample(pel_snapshot_sea(s), along * sin(60 * PEL_DEG),
+                   along * cos(60 * PEL_DEG), time_s, &sea);
     assert_near(25 - range * sin(8 * PEL_DEG), sea.height_m, 1e-3);
     assert_near(pel_cigi_get(&a, PEL_CIGI_LOS_EXTENDED_ALTITUDE), sea.height_m,
                 1e-3);

@@ -145,6 +145,7 @@ void pel_schedule_watch(void *user);
 void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job);
 void pel_schedule_output(struct pel_frames *frames, struct pel_output *output);
 /* What a frame of this snapshot is drawn in. */
+/* The sea is left out: it is built where it is drawn. */
 struct pel_environment pel_environment_of(const struct pel_snapshot *s,
                                           double time_s);
 

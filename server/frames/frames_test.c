@@ -686,7 +686,7 @@ static void surface_queries_are_answered(void **state)
     assert_true(surface.time_s == 20);
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
     struct pel_surface_sample want;
-    pel_sea_sample(s->sea, 100, -50, 20, &want);
+    pel_sea_sample(pel_snapshot_sea(s), 100, -50, 20, &want);
     want.depth_m = s->water.depth_m;
     pel_snapshot_unref(s);
     assert_memory_equal(&want, &surface.samples[1], sizeof want);

@@ -22,7 +22,7 @@ static struct pel_vec3 towards(double elevation_deg, double azimuth_deg)
 static void read_question(const Pelagos__OpticsQuery *from,
                           struct pel_optics_query *to)
 {
-    const struct pel_sea *sea = to->snapshot->sea;
+    const struct pel_sea *sea = pel_snapshot_sea(to->snapshot);
     struct pel_probe *p = &to->probe;
     p->height_m = 2.0;
     p->slope_along = sea->slope_variance_along;

@@ -161,6 +161,7 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
     static struct pel_log_limit limit;
     size_t before = pel_renderer_in_flight(loop->renderer);
     int64_t begun_ns = pel_now_ns();
+    job->environment.sea = pel_snapshot_sea(job->snapshot);
     atomic_fetch_add(&loop->held_bytes, bytes);
     enum pel_err err = pel_renderer_submit(loop->renderer, &job->environment,
                                            &job->draws[first], count);
@@ -233,6 +234,7 @@ static struct pel_mail *next_mail(struct pel_renderloop *loop)
 static void answer_optics(struct pel_renderloop *loop,
                           struct pel_optics_query *query)
 {
+    query->environment.sea = pel_snapshot_sea(query->snapshot);
     if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_WATER) {
         query->err = pel_renderer_probe_water(
             loop->renderer, &query->environment, &query->water.at,
@@ -371,6 +373,7 @@ void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job)
 void pel_renderloop_push_optics(struct pel_renderloop *loop,
                                 struct pel_optics_query *query)
 {
+    query->environment.sea = pel_snapshot_sea(query->snapshot);
     push(loop, &query->mail);
 }
 

@@ -56,7 +56,6 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
 {
     return (struct pel_environment){
         .time_s = time_s,
-        .sea = s->sea,
         .sea_level_m = s->sea_level_m,
         .stale = s->mark_stale ? s->stale : 0,
         .sun = pel_snapshot_sun(s, time_s),

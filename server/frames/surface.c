@@ -47,7 +47,7 @@ static enum pel_err check(struct pel_frames *frames,
 
 void pel_surface_keep(struct pel_frames *frames, const struct pel_job *job)
 {
-    const struct pel_sea *seas[2] = { job->snapshot->sea, NULL };
+    const struct pel_shared_sea *seas[2] = { job->snapshot->sea, NULL };
     struct pel_shown *moments = frames->shown;
     for (size_t i = 0; i < PEL_MAX_SHOWN; i++) {
         if (moments[i].snapshot && moments[i].number == job->number) {
@@ -61,7 +61,7 @@ void pel_surface_keep(struct pel_frames *frames, const struct pel_job *job)
                             job->environment.time_s };
     /* A sea may be large: of each but the newest two every frame goes. */
     for (size_t i = 1; i < PEL_MAX_SHOWN && moments[i].snapshot; i++) {
-        const struct pel_sea *sea = moments[i].snapshot->sea;
+        const struct pel_shared_sea *sea = moments[i].snapshot->sea;
         seas[1] = seas[1] || sea == seas[0] ? seas[1] : sea;
         if (sea != seas[0] && sea != seas[1]) {
             pel_snapshot_unref(moments[i].snapshot);

@@ -2,11 +2,13 @@
 
 #include <glib.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "fault.h"
+#include "ocean/directional.h"
 #include "ocean/ndbc.h"
 #include "ocean/seastate.h"
 #include "scene/check.h"
@@ -17,13 +19,14 @@ struct pel_shared_sea {
     atomic_uint refs;
     struct pel_sea_desc desc; /* as asked for; the sea's own is normalized */
     char *record;             /* which one `desc.measured` is; NULL: none */
+    pthread_mutex_t lock;     /* while it is built */
+    atomic_bool built;
     struct pel_sea sea;
 };
 
 struct snapshot {
     struct pel_snapshot public; /* first: what the pointer points to */
     atomic_uint refs;
-    struct pel_shared_sea *sea;
     struct pel_entity_state entities[PEL_MAX_ENTITIES];
     struct pel_view_state views[PEL_MAX_VIEWS];
 };
@@ -153,7 +156,9 @@ static enum pel_err new_sea(const struct pel_sea_desc *desc, char *record,
                             struct pel_fault *fault)
 {
     struct pel_shared_sea *sea = calloc(1, sizeof *sea);
-    enum pel_err err = sea ? pel_sea_build(desc, &sea->sea) : PEL_ERR_NO_MEMORY;
+    enum pel_err err = !sea                     ? PEL_ERR_NO_MEMORY
+                       : !pel_sea_desc_ok(desc) ? PEL_ERR_OUT_OF_RANGE
+                                                : PEL_OK;
     if (err) {
         free(sea);
         pel_fault_set(fault, err, "no sea can be made of sea.*: %s",
@@ -164,6 +169,8 @@ static enum pel_err new_sea(const struct pel_sea_desc *desc, char *record,
     sea->desc = *desc;
     sea->record = record;
     atomic_init(&sea->refs, 1);
+    atomic_init(&sea->built, false);
+    pthread_mutex_init(&sea->lock, NULL);
     *out = sea;
     return PEL_OK;
 }
@@ -199,15 +206,31 @@ enum pel_err pel_shared_sea_get(const Pelagos__State *state,
     return err;
 }
 
-const struct pel_sea *pel_shared_sea_look(const struct pel_shared_sea *sea)
+const struct pel_sea *pel_shared_sea_look(struct pel_shared_sea *sea)
 {
+    if (!atomic_load(&sea->built)) {
+        pthread_mutex_lock(&sea->lock);
+        /* The description was tested: only memory can fail. */
+        if (!atomic_load(&sea->built) &&
+            pel_sea_build(&sea->desc, &sea->sea) != PEL_OK) {
+            abort();
+        }
+        atomic_store(&sea->built, true);
+        pthread_mutex_unlock(&sea->lock);
+    }
     return &sea->sea;
+}
+
+const struct pel_sea *pel_snapshot_sea(const struct pel_snapshot *s)
+{
+    return pel_shared_sea_look(s->sea);
 }
 
 void pel_shared_sea_unref(struct pel_shared_sea *sea)
 {
     if (sea && atomic_fetch_sub(&sea->refs, 1) == 1) {
         pel_sea_finish(&sea->sea);
+        pthread_mutex_destroy(&sea->lock);
         g_free(sea->record);
         free(sea);
     }
@@ -401,7 +424,8 @@ static void place_ship(const Pelagos__State *state,
         .roll = { e->roll_rad, own->roll_rate * PEL_DEG },
     };
     read_orders(own, &orders);
-    pel_ship_start(&out->ship, &orders, &motion, now_s, out->rate, out->sea);
+    pel_ship_start(&out->ship, &orders, &motion, now_s, out->rate,
+                   pel_snapshot_sea(out));
 }
 
 const struct pel_snapshot *pel_snapshot_build_going(
@@ -414,8 +438,7 @@ const struct pel_snapshot *pel_snapshot_build_going(
     }
     atomic_init(&s->refs, 1);
     atomic_fetch_add(&sea->refs, 1);
-    s->sea = sea;
-    s->public.sea = &sea->sea;
+    s->public.sea = sea;
     s->public.seabed = pel_seabed_ref(seabed);
     fill(state, &s->public);
     s->public.entities = s->entities;
@@ -447,11 +470,11 @@ const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
     if (!to) {
         abort();
     }
-    *to = (struct snapshot){ .public = from->public, .sea = from->sea };
+    *to = (struct snapshot){ .public = from->public };
     memcpy(to->entities, from->entities, sizeof to->entities);
     memcpy(to->views, from->views, sizeof to->views);
     atomic_init(&to->refs, 1);
-    atomic_fetch_add(&to->sea->refs, 1);
+    atomic_fetch_add(&to->public.sea->refs, 1);
     pel_seabed_ref(to->public.seabed);
     to->public.entities = to->entities;
     to->public.views = to->views;
@@ -476,7 +499,7 @@ void pel_snapshot_ship_to_state(const struct pel_snapshot *s, double time_s,
     }
     Pelagos__Entity *e = state->entities[s->ship_entity];
     pel_snapshot_entity_at(s, (size_t)s->ship_entity, time_s, &at);
-    pel_ship_at(&s->ship, time_s, s->sea, &m);
+    pel_ship_at(&s->ship, time_s, pel_snapshot_sea(s), &m);
     pel_geo_from_local(state->origin->latitude, state->origin->longitude,
                        at.east_m, at.north_m, &e->latitude, &e->longitude);
     e->latitude = pel_clamp(e->latitude, -MAX_LATITUDE, MAX_LATITUDE);
@@ -506,7 +529,7 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
 {
     struct snapshot *whole = (struct snapshot *)s;
     if (whole && atomic_fetch_sub(&whole->refs, 1) == 1) {
-        pel_shared_sea_unref(whole->sea);
+        pel_shared_sea_unref(whole->public.sea);
         pel_seabed_unref(whole->public.seabed);
         free(whole);
     }

@@ -5,7 +5,8 @@
 #include "pelagos.pb-c.h"
 #include "scene/snapshot.h"
 
-/* A sea that several snapshots share. */
+/* A sea that several snapshots share, built when it is first looked at: many
+ * patches may come before a picture or a query. */
 struct pel_shared_sea;
 
 /* What a sea is made with besides the state. */
@@ -22,7 +23,8 @@ PEL_CHECK enum pel_err pel_shared_sea_get(const Pelagos__State *state,
                                           struct pel_shared_sea *present,
                                           struct pel_shared_sea **out,
                                           struct pel_fault *fault);
-const struct pel_sea *pel_shared_sea_look(const struct pel_shared_sea *sea);
+/* Any thread; aborts without memory. */
+const struct pel_sea *pel_shared_sea_look(struct pel_shared_sea *sea);
 
 /* The description that a sea of `state` is built from, a measured spectrum
  * left out. */

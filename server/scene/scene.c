@@ -61,7 +61,7 @@ static void advance_ship(struct pel_scene *scene, double time_s)
         return;
     }
     struct pel_ship ship = scene->snapshot->ship;
-    if (pel_ship_advance(&ship, time_s, scene->snapshot->sea)) {
+    if (pel_ship_advance(&ship, time_s, pel_snapshot_sea(scene->snapshot))) {
         const struct pel_snapshot *next =
             pel_snapshot_with_ship(scene->snapshot, &ship);
         pel_snapshot_unref(scene->snapshot);

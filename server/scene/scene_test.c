@@ -373,9 +373,10 @@ static void snapshots_share_the_sea(void **state)
     assert_int_equal(commits, 2);
     /* From the south: it blows north, π/2 from east. */
     assert_true(fabs(c->wind_to_rad - PEL_PI / 2) < 1e-12);
-    assert_true(c->sea->desc.wind_mps == 12);
+    assert_true(pel_snapshot_sea(c)->desc.wind_mps == 12);
     pel_scene_destroy(scene);
-    assert_true(fabs(a->sea->desc.wind_mps - 8) < 1e-12); /* still there */
+    assert_true(fabs(pel_snapshot_sea(a)->desc.wind_mps - 8) <
+                1e-12); /* still there */
     pel_snapshot_unref(a);
     pel_snapshot_unref(b);
     pel_snapshot_unref(c);

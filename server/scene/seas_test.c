@@ -49,7 +49,7 @@ static void must(struct pel_scene *scene, const char *json)
 static double significant_height(struct pel_scene *scene)
 {
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
-    double hs = 4 * sqrt(s->sea->m0);
+    double hs = 4 * sqrt(pel_snapshot_sea(s)->m0);
     pel_snapshot_unref(s);
     return hs;
 }
@@ -125,7 +125,7 @@ static void every_spectrum_has_its_sea(void **state)
     assert_true(shallow < 0.8 * significant_height(scene));
     must(scene, "{\"sea\":{\"synthesiser\":\"FFT\"}}");
     const struct pel_snapshot *fft = pel_scene_snapshot(scene);
-    assert_non_null(fft->sea->cascades);
+    assert_non_null(pel_snapshot_sea(fft)->cascades);
     must(scene, "{\"water\":{\"chlorophyll\":1}}");
     const struct pel_snapshot *same = pel_scene_snapshot(scene);
     assert_ptr_equal(fft->sea, same->sea);
@@ -134,8 +134,8 @@ static void every_spectrum_has_its_sea(void **state)
     assert_true(fabs(significant_height(scene) - 4 * sqrt(0.5)) < 1e-9);
     must(scene, "{\"sea\":{\"windSpeed\":8,\"wave\":[]}}");
     const struct pel_snapshot *other = pel_scene_snapshot(scene);
-    assert_null(other->sea->cascades);
-    assert_int_equal(other->sea->count, 60);
+    assert_null(pel_snapshot_sea(other)->cascades);
+    assert_int_equal(pel_snapshot_sea(other)->count, 60);
     pel_snapshot_unref(fft);
     pel_snapshot_unref(same);
     pel_snapshot_unref(other);
@@ -166,7 +166,8 @@ static void a_buoy_becomes_the_sea(void **state)
     assert_true(fabs(significant_height(scene) - 1.1) < 0.1);
     const struct pel_snapshot *before = pel_scene_snapshot(scene);
     must(scene, "{\"sea\":{\"gamma\":2}}");
-    assert_true(significant_height(scene) == 4 * sqrt(before->sea->m0));
+    assert_true(significant_height(scene) ==
+                4 * sqrt(pel_snapshot_sea(before)->m0));
     pel_snapshot_unref(before);
     assert_int_equal(
         patch(scene, "{\"sea\":{\"measured\":\"../41010\"}}", &fault),
@@ -225,9 +226,10 @@ static void the_sea_has_numbers(void **state)
     double hs = significant_height(scene);
     assert_true(fabs(s->drawn->significant_height - hs) < 1e-12);
     assert_true(fabs(s->spectrum->significant_height - hs) < 1e-3 * hs);
-    assert_true(s->drawn->slope_along == now->sea->slope_variance_along);
+    assert_true(s->drawn->slope_along ==
+                pel_snapshot_sea(now)->slope_variance_along);
     assert_true(fabs(s->drawn_below->significant_height -
-                     4 * pel_sea_rms_below(now->sea, 2)) < 1e-12);
+                     4 * pel_sea_rms_below(pel_snapshot_sea(now), 2)) < 1e-12);
     assert_true(s->drawn_below->slope_along < s->drawn->slope_along);
     assert_true(fabs(s->mean_direction - 200) < 1e-6);
     pel_snapshot_unref(now);

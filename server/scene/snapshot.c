@@ -20,7 +20,7 @@ static void ship_at(const struct pel_snapshot *s, double time_s,
                     struct pel_entity_state *out)
 {
     struct pel_ship_motion m;
-    pel_ship_at(&s->ship, time_s, s->sea, &m);
+    pel_ship_at(&s->ship, time_s, pel_snapshot_sea(s), &m);
     *out = s->entities[s->ship_entity];
     out->east_m = m.east_m;
     out->north_m = m.north_m;
@@ -61,9 +61,9 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
                           struct pel_surface_sample *out)
 {
     if (moving) {
-        pel_sea_query_moving(s->sea, points, n, time_s, out);
+        pel_sea_query_moving(pel_snapshot_sea(s), points, n, time_s, out);
     } else {
-        pel_sea_query(s->sea, points, n, time_s, out);
+        pel_sea_query(pel_snapshot_sea(s), points, n, time_s, out);
     }
     for (size_t i = 0; i < n; i++) {
         out[i].height_m += s->sea_level_m;

@@ -54,6 +54,8 @@ enum pel_stale {
     PEL_STALE_OTHER = 1 << 4,
 };
 
+struct pel_shared_sea; /* build.h */
+
 struct pel_snapshot {
     uint64_t revision;
     enum pel_clock_mode mode;
@@ -63,7 +65,7 @@ struct pel_snapshot {
     unsigned stale;      /* of enum pel_stale */
     bool mark_stale;     /* pictures show it */
     double origin_latitude_rad, origin_longitude_rad;
-    const struct pel_sea *sea;    /* lives as long as the snapshot */
+    struct pel_shared_sea *sea;   /* pel_snapshot_sea; the same: one sea */
     double sea_level_m;           /* of the sea's zero above altitude 0 */
     double wind_mps, wind_to_rad; /* mathematical direction it blows to */
     struct pel_water_body water;
@@ -81,6 +83,11 @@ struct pel_snapshot {
     int ship_entity; /* index into entities that the ship moves, -1: none */
     struct pel_ship ship;
 };
+
+/* The sea, built by the first that asks, tens of milliseconds where it is of
+ * cascades; others that ask wait. It lives as long as the snapshot. Any thread;
+ * aborts without memory. */
+const struct pel_sea *pel_snapshot_sea(const struct pel_snapshot *s);
 
 const struct pel_snapshot *pel_snapshot_ref(const struct pel_snapshot *s);
 void pel_snapshot_unref(const struct pel_snapshot *s); /* NULL allowed */

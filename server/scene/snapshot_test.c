@@ -165,7 +165,7 @@ static void silent_inputs_have_names(void **state)
     struct pel_vec2 place = { 30, -7 };
     struct pel_surface_sample with, without;
     pel_snapshot_surface(s, &place, 1, 9, false, &with);
-    pel_sea_sample(s->sea, 30, -7, 9, &without);
+    pel_sea_sample(pel_snapshot_sea(s), 30, -7, 9, &without);
     near(with.height_m, without.height_m - 1.5, 0);
     pel_snapshot_unref(s);
 }
