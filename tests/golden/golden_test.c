@@ -23,7 +23,7 @@
 #define SAME_WORST 3
 /* On any other device: sines, filters and roots differ by 1e-4 or so, and
  * specks of glitter move by a pixel. Whole blocks of 16 × 16 px keep their mean
- * to three hundredths, where a wrong sky, water, wave height or horizon moves
+ * to two hundredths, where a wrong sky, water, wave height or horizon moves
  * it by a tenth. */
 #define OTHER_MEAN 2.0
 #define OTHER_BLOCK 5.0
