@@ -108,10 +108,17 @@ run 1 record wing "$work/full.mkv" --stream --seconds 2 --overwrite
 says "space left"
 
 echo "== interrupted"
-timeout -s INT 1 "$PELAGOS_BIN/pelagosctl" record wing "$work/i.png" \
-    --seconds 600 --fps 60 >"$out" 2>"$err"
+"$PELAGOS_BIN/pelagosctl" record wing "$work/i.png" --seconds 600 --fps 60 \
+    >"$out" 2>"$err" &
+recorder=$!
+for _ in $(seq 300); do
+    [ -e "$work/i_00001.png" ] && break
+    sleep 0.1
+done
+kill "$recorder"
+wait "$recorder"
+[ $? = 1 ] || fail "interrupted: another status than 1"
 says "go on with --resume"
-[ -e "$work/i_00000.png" ] || fail "no i_00000.png"
 run 2 record wing "$work/i.png" --layers depth --seconds x
 stop_daemon
 [ "$daemon_status" = 0 ] || fail "the daemon ended with $daemon_status"
