@@ -1,9 +1,6 @@
 #version 450 core
 // Land, shallow water, sea and sky of the tiles that may have either of the
 // first two (render/coast.h).
-#ifndef PEL_WAVES
-#define PEL_WAVES 60
-#endif
 #include "lib/blocks.h"
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"

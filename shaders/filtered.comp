@@ -1,9 +1,6 @@
 #version 450 core
 // The filtered surface at places of one moment: the shaders' side of
 // ocean/filter.h, for comparison with it.
-#ifndef PEL_WAVES
-#define PEL_WAVES 256
-#endif
 #define PEL_LAYERS
 #include "lib/blocks.h"
 #ifdef PEL_FFT

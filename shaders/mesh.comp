@@ -2,18 +2,7 @@
 // Displaces the mesh: rings around the eye's nadir, columns of equal azimuth
 // counted from east. A vertex depends on the eye, its ring and its column
 // only, so all views from one eye see one surface.
-// With PEL_CHUNKS a dispatch adds PEL_WAVE_CHUNK waves, the first one also the
-// sphere: a block goes without the dispatches whose waves its cells cannot
-// carry. Else one dispatch does all.
-#ifdef PEL_CHUNKS
-#define PEL_WAVE_LIMIT 20
-#endif
 #include "lib/blocks.h"
-#ifdef PEL_CHUNKS
-#define PEL_WAVES PEL_WAVE_CHUNK
-#else
-#define PEL_WAVES PEL_WAVE_LIMIT
-#endif
 #include "lib/vertex.glsl"
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
@@ -28,14 +17,13 @@ layout(std430, binding = 0) buffer vertices_block { vertex vertices[]; };
 layout(std430, binding = 1) readonly buffer rings_block { vec2 rings[]; };
 
 const int MOST_BLOCKS = 10; // PEL_MESH_MAX_BLOCKS
-layout(location = 0) uniform int block_count; // of those displaced
-layout(location = 1) uniform int first; // 1: vertices are not there yet
-layout(location = 2) uniform ivec4 blocks[MOST_BLOCKS]; // first ring, rings, first column, columns
-layout(location = 12) uniform int bases[MOST_BLOCKS];   // first vertex
+layout(location = 0) uniform int block_count;
+layout(location = 1) uniform ivec4 blocks[MOST_BLOCKS]; // first ring, rings, first column, columns
+layout(location = 11) uniform int bases[MOST_BLOCKS];   // first vertex
 
 void main()
 {
-    int v = bases[0] + int(gl_GlobalInvocationID.x);
+    int v = int(gl_GlobalInvocationID.x);
     int b = 0;
     while (b + 1 < block_count && v >= bases[b + 1]) {
         b++;
@@ -67,16 +55,12 @@ void main()
     }
     PEL_EACH_WAVE(PEL_DISPLACE)
 #endif
-    if (first == 1) {
-        uint beside = (place_in_row > 0 ? VERTEX_LEFT : 0u) | (row > 0 ? VERTEX_INNER : 0u) |
-                      (row + 1 < block.y ? VERTEX_OUTER : 0u);
-        // The sphere under the eye: arc r.x becomes a chord and a drop.
-        float half_arc = 0.5 * r.x / planet.x;
-        float drop = 2.0 * planet.x * sin(half_arc) * sin(half_arc);
-        vec3 place = vec3(x * cos(half_arc), -drop - eye.x);
-        vertices[v].position = vec4(place + shift, float(block.w));
-        vertices[v].rest = vec4(x, float(beside), 0.0);
-    } else {
-        vertices[v].position.xyz += shift;
-    }
+    uint beside = (place_in_row > 0 ? VERTEX_LEFT : 0u) | (row > 0 ? VERTEX_INNER : 0u) |
+                  (row + 1 < block.y ? VERTEX_OUTER : 0u);
+    // The sphere under the eye: arc r.x becomes a chord and a drop.
+    float half_arc = 0.5 * r.x / planet.x;
+    float drop = 2.0 * planet.x * sin(half_arc) * sin(half_arc);
+    vec3 place = vec3(x * cos(half_arc), -drop - eye.x);
+    vertices[v].position = vec4(place + shift, float(block.w));
+    vertices[v].rest = vec4(x, float(beside), 0.0);
 }

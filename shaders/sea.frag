@@ -1,7 +1,4 @@
 #version 450 core
-#ifndef PEL_WAVES
-#define PEL_WAVES 60
-#endif
 #include "lib/blocks.h"
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"

@@ -1,9 +1,6 @@
 #version 450 core
 // Sky and sea of a picture in one dispatch: chips that are wide in compute and
 // narrow in graphics shade many times faster this way.
-#ifndef PEL_WAVES
-#define PEL_WAVES 60
-#endif
 #include "lib/blocks.h"
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"

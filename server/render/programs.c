@@ -3,17 +3,13 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MAX_UNROLLED_WAVES 128
-
 static void delete_sea_programs(struct pel_sea_programs *p)
 {
     for (int i = 0; i < PEL_SHADE_COUNT; i++) {
-        glDeleteProgram(p->near[i]);
-        glDeleteProgram(p->far[i]);
+        glDeleteProgram(p->fragments[i]);
         glDeleteProgram(p->compute_program[i]);
         glDeleteProgram(p->coast[i]);
     }
-    glDeleteProgram(p->trial);
     glDeleteProgram(p->mesh);
     *p = (struct pel_sea_programs){ .compute = p->compute,
                                     .undecided = p->undecided };
@@ -27,20 +23,17 @@ static const char *const kind_defines[PEL_SHADE_COUNT] = {
 };
 
 static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
-                                     int waves, enum pel_shading kind,
-                                     bool coast, GLuint *out,
-                                     struct pel_fault *fault)
+                                     enum pel_shading kind, bool coast,
+                                     GLuint *out, struct pel_fault *fault)
 {
     if (*out) {
         return PEL_OK;
     }
     char defines[224];
-    bool unroll = all->software && waves <= MAX_UNROLLED_WAVES;
     snprintf(defines, sizeof defines,
-             "#define PEL_WAVES %d\n%s%s%s%s"
+             "%s%s%s"
              "#define PEL_ANISOTROPY %d\n#define PEL_SKY_FILTER %d\n",
-             waves, cascades ? "#define PEL_FFT\n" : "",
-             unroll ? "#define PEL_UNROLL\n" : "", kind_defines[kind],
+             cascades ? "#define PEL_FFT\n" : "", kind_defines[kind],
              coast ? "#define PEL_SEABED\n" : "", all->filtering->anisotropy,
              (int)all->filtering->sky);
     if (all->compute) {
@@ -61,10 +54,7 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
     struct pel_sea_programs *p = cascades ? &all->cascades : &all->trochoids;
     enum pel_err err = PEL_OK;
     if (!p->mesh) {
-        const char *defines = cascades ? "#define PEL_FFT\n"
-                              : all->software
-                                  ? "#define PEL_CHUNKS\n#define PEL_UNROLL\n"
-                                  : NULL;
+        const char *defines = cascades ? "#define PEL_FFT\n" : NULL;
         err = pel_program_create(all->shader_dir, "mesh.comp", NULL, defines,
                                  &p->mesh, fault);
     }
@@ -72,33 +62,22 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
         err = pel_program_create(all->shader_dir, "search.comp", NULL, NULL,
                                  &all->search, fault);
     }
-    if (err == PEL_OK && coast && !all->on_trial) {
-        err = make_sea_program(all, cascades, all->waves, kind, true,
-                               &p->coast[kind], fault);
+    if (err == PEL_OK && coast) {
+        err =
+            make_sea_program(all, cascades, kind, true, &p->coast[kind], fault);
     }
     if (err == PEL_OK && all->compute && !all->tone_compute &&
         kind == PEL_SHADE_LAYERS) {
         err = pel_program_create(all->shader_dir, "tone.comp", NULL, NULL,
                                  &all->tone_compute, fault);
     }
-    if (err == PEL_OK && all->compute && all->on_trial) {
-        return make_sea_program(all, cascades,
-                                all->software ? PEL_FAR_WAVES : all->waves,
-                                kind, false, &p->trial, fault);
-    }
     if (err == PEL_OK && all->compute) {
-        return make_sea_program(all, cascades, all->waves, kind, false,
+        return make_sea_program(all, cascades, kind, false,
                                 &p->compute_program[kind], fault);
     }
     if (err == PEL_OK) {
-        err = make_sea_program(all, cascades, all->waves, kind, false,
-                               &p->near[kind], fault);
-    }
-    /* The first picture does without it, a quarter of a second sooner: zero
-     * weights add nothing, so the bits are the same. */
-    if (err == PEL_OK && !cascades && all->settled) {
-        err = make_sea_program(all, cascades, PEL_FAR_WAVES, kind, false,
-                               &p->far[kind], fault);
+        err = make_sea_program(all, cascades, kind, false, &p->fragments[kind],
+                               fault);
     }
     if (err == PEL_OK && !all->backdrop[kind]) {
         err =
@@ -112,23 +91,7 @@ enum pel_err pel_programs_need(struct pel_programs *all,
                                const struct pel_sea *sea, enum pel_shading kind,
                                bool coast, struct pel_fault *fault)
 {
-    if (sea->cascades) {
-        return need_sea_programs(all, true, kind, coast, fault);
-    }
-    /* Steps of the written-out sums, so that few programs are ever made. */
-    static const int steps[] = { 24, 40, 48, 60, 64, 80, 96, 112, 128, 256 };
-    int waves = 256;
-    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
-        if (sea->count <= steps[i]) {
-            waves = steps[i];
-            break;
-        }
-    }
-    if (waves > all->waves) {
-        delete_sea_programs(&all->trochoids);
-        all->waves = waves;
-    }
-    return need_sea_programs(all, false, kind, coast, fault);
+    return need_sea_programs(all, sea->cascades != NULL, kind, coast, fault);
 }
 
 enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
@@ -179,8 +142,6 @@ struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
 void pel_programs_decide(struct pel_programs *p, struct pel_sea_programs *sea,
                          bool compute)
 {
-    glDeleteProgram(sea->trial);
-    sea->trial = 0;
     p->compute = sea->compute = compute;
-    sea->undecided = p->on_trial = false;
+    sea->undecided = false;
 }

@@ -9,8 +9,6 @@
 #include "render/filtering.h"
 #include "render/shader.h"
 
-#define PEL_FAR_WAVES 20 /* far pixels resolve no more than these */
-
 /* What the shading of a picture writes. */
 enum pel_shading {
     PEL_SHADE_COLOR,  /* the colour only */
@@ -25,22 +23,18 @@ struct pel_sea_programs {
     bool compute;   /* the wrapper that draws it */
     bool undecided; /* a trial is to find it */
     GLuint mesh;
-    GLuint near[PEL_SHADE_COUNT]; /* fragments, all waves */
-    GLuint far[PEL_SHADE_COUNT];  /* fragments, PEL_FAR_WAVES of them */
+    GLuint fragments[PEL_SHADE_COUNT];       /* fragments */
     GLuint compute_program[PEL_SHADE_COUNT]; /* sky, sea and colour in one
                                                 dispatch */
     GLuint coast[PEL_SHADE_COUNT]; /* either of them, with land and bottom */
-    GLuint trial;                  /* the same for a trial */
 };
 
 struct pel_programs {
     const char *shader_dir;
     const struct pel_filtering *filtering; /* settled */
     bool software;
-    bool compute;  /* shade in one dispatch instead of three: this sea */
-    bool on_trial; /* software: with PEL_FAR_WAVES, which compile sooner */
-    bool settled;  /* a picture has been drawn */
-    int waves;     /* what the trochoids' programs are made for */
+    bool compute; /* shade in one dispatch instead of three: this sea */
+    bool settled; /* a picture has been drawn */
     GLuint surface, search, tone, tone_compute;
     GLuint backdrop[PEL_SHADE_COUNT];
     struct pel_sea_programs trochoids, cascades;
@@ -59,7 +53,7 @@ void pel_programs_finish(struct pel_programs *p);
 struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
                                          const struct pel_sea *sea);
 
-/* Ends the trial: what it made for itself goes. */
+/* Ends the trial. */
 void pel_programs_decide(struct pel_programs *p, struct pel_sea_programs *sea,
                          bool compute);
 

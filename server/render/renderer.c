@@ -20,7 +20,6 @@
 #include "render/stages.h"
 #include "render/statistics.h"
 #include "render/targets.h"
-#include "render/tiles.h"
 #include "render/uniforms.h"
 #include "render/waterprobe.h"
 #include "render/wavefield.h"
@@ -55,7 +54,6 @@ struct pel_renderer {
     GLuint vao, vertices, facets;
     GLuint vertex_texels, facet_texels; /* the same buffers as textures */
     int vertex_capacity;
-    int wave_count; /* of the sea being drawn */
     struct pel_programs programs;
     struct pel_prober prober;
     struct pel_water_prober water_prober;
@@ -63,10 +61,10 @@ struct pel_renderer {
     struct pel_statistics statistics;
     struct pel_mesh *mesh;
     struct pel_block_waves *wave_block;
-    short tiles[PEL_MAX_TILES];
     struct pel_seabed_map seabed;
     uint8_t coast[PEL_MAX_TILES]; /* of the view being drawn */
     bool any_coast;
+    bool on_trial; /* without coasts */
 };
 
 void pel_renderer_measure(struct pel_renderer *r, bool on)
@@ -209,69 +207,28 @@ static void bind_table_eye(void *user, double height_m)
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &block, sizeof block);
 }
 
-/* Wavelengths shorter than this have no weight in the block's finest cells. */
-static double shortest_carried(double n_min, const struct pel_mesh *m,
-                               const struct pel_mesh_block *b)
-{
-    double cell = m->rings[b->first_ring].cell_m;
-    for (int i = 1; i < b->rings; i++) {
-        cell = fmin(cell, m->rings[b->first_ring + i].cell_m);
-    }
-    return n_min * cell;
-}
-
-/* Blocks [from, from + count) of the mesh in one dispatch. */
-static void displace_blocks(const struct pel_mesh *m, int from, int count,
-                            bool first)
+/* All blocks in one dispatch. */
+static void displace_blocks(const struct pel_mesh *m)
 {
     GLint blocks[PEL_MESH_MAX_BLOCKS][4], bases[PEL_MESH_MAX_BLOCKS];
-    int vertices = 0;
-    for (int i = 0; i < count; i++) {
-        const struct pel_mesh_block *b = &m->blocks[from + i];
+    for (int i = 0; i < m->block_count; i++) {
+        const struct pel_mesh_block *b = &m->blocks[i];
         const GLint block[4] = { b->first_ring, b->rings, b->first_column,
                                  b->columns };
         memcpy(blocks[i], block, sizeof block);
         bases[i] = b->base;
-        vertices += b->rings * b->columns;
     }
-    if (vertices == 0) {
+    if (m->vertex_count == 0) {
         return;
     }
-    glUniform1i(0, count);
-    glUniform1i(1, first);
-    glUniform4iv(2, count, blocks[0]);
-    glUniform1iv(2 + PEL_MESH_MAX_BLOCKS, count, bases);
-    glDispatchCompute((GLuint)(vertices + 63) / 64, 1, 1);
+    glUniform1i(0, m->block_count);
+    glUniform4iv(1, m->block_count, blocks[0]);
+    glUniform1iv(1 + PEL_MESH_MAX_BLOCKS, m->block_count, bases);
+    glDispatchCompute((GLuint)(m->vertex_count + 63) / 64, 1, 1);
+    glMemoryBarrier(VERTEX_BARRIERS);
 }
 
-/* Chunk by chunk over the blocks, so that a block's dispatches are apart and
- * the barrier between two chunks is waited for once. */
-static void displace_by_chunks(struct pel_renderer *r, size_t waves_at)
-{
-    const struct pel_mesh *m = r->mesh;
-    glUseProgram(r->programs.trochoids.mesh);
-    size_t chunk_bytes = sizeof(struct pel_shader_wave) * PEL_WAVE_CHUNK;
-    for (int chunk = 0; chunk == 0 || chunk * PEL_WAVE_CHUNK < r->wave_count;
-         chunk++) {
-        glBindBufferRange(GL_UNIFORM_BUFFER, 3, r->arena.buffer,
-                          (GLintptr)(waves_at + (size_t)chunk * chunk_bytes),
-                          (GLsizeiptr)chunk_bytes);
-        double longest = r->wave_block->waves[chunk * PEL_WAVE_CHUNK].phase.w;
-        for (int i = 0; i < m->block_count; i++) {
-            const struct pel_mesh_block *b = &m->blocks[i];
-            if (chunk == 0 ||
-                longest > shortest_carried(r->filter.n_min, m, b)) {
-                displace_blocks(m, i, 1, chunk == 0);
-            }
-        }
-        glMemoryBarrier(VERTEX_BARRIERS);
-    }
-    glBindBufferRange(GL_UNIFORM_BUFFER, 3, r->arena.buffer, (GLintptr)waves_at,
-                      sizeof *r->wave_block);
-}
-
-static void displace_mesh(struct pel_renderer *r, bool cascades,
-                          size_t waves_at)
+static void displace_mesh(struct pel_renderer *r, bool cascades)
 {
     const struct pel_mesh *m = r->mesh;
     if (m->vertex_count > r->vertex_capacity) {
@@ -289,14 +246,9 @@ static void displace_mesh(struct pel_renderer *r, bool cascades,
                    sizeof *m->rings *
                        (size_t)(m->ring_count ? m->ring_count : 1));
     glBindTextureUnit(PEL_UNIT_VERTICES, r->vertex_texels);
-    if (cascades || !r->context.software) {
-        glUseProgram(cascades ? r->programs.cascades.mesh
-                              : r->programs.trochoids.mesh);
-        displace_blocks(m, 0, m->block_count, true);
-        glMemoryBarrier(VERTEX_BARRIERS);
-    } else {
-        displace_by_chunks(r, waves_at);
-    }
+    glUseProgram(cascades ? r->programs.cascades.mesh
+                          : r->programs.trochoids.mesh);
+    displace_blocks(m);
 }
 
 /* The nearest triangle of each pixel, in compute. */
@@ -348,13 +300,27 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     glDepthMask(GL_FALSE);
 }
 
-/* Runs of tiles of one kind: 0 near, 1 far, 2 coast. */
-static int kind_of_tile(const struct pel_renderer *r, bool has_far, int tile)
+/* Runs of tiles with and without a coast. */
+static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
+                        const struct pel_sea_programs *p, enum pel_shading kind)
 {
-    if (r->any_coast && r->coast[tile]) {
-        return 2;
+    int across = ((int)c->width + PEL_TILE - 1) / PEL_TILE;
+    int down = ((int)c->height + PEL_TILE - 1) / PEL_TILE;
+    glEnable(GL_SCISSOR_TEST);
+    for (int y = 0; y < down; y++) {
+        const uint8_t *row = &r->coast[y * across];
+        for (int x = 0, end; x < across; x = end) {
+            for (end = x + 1; end < across && row[end] == row[x];) {
+                end++;
+            }
+            glScissor(x * PEL_TILE, y * PEL_TILE, (end - x) * PEL_TILE,
+                      PEL_TILE);
+            glUseProgram(row[x] ? p->coast[kind] : p->fragments[kind]);
+            glDepthFunc(row[x] ? GL_ALWAYS : GL_LESS);
+            glDrawArrays(GL_TRIANGLES, 0, 3);
+        }
     }
-    return has_far && r->tiles[tile] <= PEL_FAR_WAVES;
+    glDisable(GL_SCISSOR_TEST);
 }
 
 /* Sea where the surface was drawn, sky where it was not: the depth test tells
@@ -374,28 +340,12 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glUseProgram(r->programs.backdrop[kind]);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glDepthFunc(GL_LESS);
-    glEnable(GL_SCISSOR_TEST);
-    int across = ((int)c->width + PEL_TILE - 1) / PEL_TILE;
-    int down = ((int)c->height + PEL_TILE - 1) / PEL_TILE;
-    for (int y = 0; y < down; y++) {
-        const int row = y * across;
-        const GLuint programs[] = { p->near[kind], p->far[kind],
-                                    p->coast[kind] };
-        for (int x = 0, end; x < across; x = end) {
-            int tile = kind_of_tile(r, p->far[kind], row + x);
-            for (end = x + 1;
-                 end < across &&
-                 kind_of_tile(r, p->far[kind], row + end) == tile;) {
-                end++;
-            }
-            glScissor(x * PEL_TILE, y * PEL_TILE, (end - x) * PEL_TILE,
-                      PEL_TILE);
-            glUseProgram(programs[tile]);
-            glDepthFunc(tile == 2 ? GL_ALWAYS : GL_LESS);
-            glDrawArrays(GL_TRIANGLES, 0, 3);
-        }
+    if (r->any_coast) {
+        shade_tiles(r, c, p, kind);
+    } else {
+        glUseProgram(p->fragments[kind]);
+        glDrawArrays(GL_TRIANGLES, 0, 3);
     }
-    glDisable(GL_SCISSOR_TEST);
     glDisable(GL_DEPTH_TEST);
 }
 
@@ -420,9 +370,7 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
         glBindImageTexture(1, r->targets.color, 0, GL_FALSE, 0, GL_WRITE_ONLY,
                            GL_RGBA8);
     }
-    glUseProgram(r->programs.on_trial ? p->trial
-                 : r->any_coast       ? p->coast[kind]
-                                      : p->compute_program[kind]);
+    glUseProgram(r->any_coast ? p->coast[kind] : p->compute_program[kind]);
     glUniform1i(0, wanted);
     glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
     glMemoryBarrier(PIXEL_BARRIERS);
@@ -484,13 +432,7 @@ static void draw_pixels(struct pel_renderer *r,
     bool cascades = env->sea->cascades != NULL;
     const struct pel_sea_programs *programs =
         cascades ? &r->programs.cascades : &r->programs.trochoids;
-    if (r->programs.on_trial) {
-        memset(r->tiles, 0, sizeof r->tiles);
-    } else {
-        pel_tiles_plan(c, height_m, mesh_eye.pixel, &r->filtering, env->sea,
-                       r->tiles);
-    }
-    r->any_coast = env->seabed && !r->programs.on_trial &&
+    r->any_coast = env->seabed && !r->on_trial &&
                    pel_coast_plan(env, &r->seabed, c,
                                   pel_seabed_visible_m(&env->water), r->coast);
     if (r->any_coast) {
@@ -503,16 +445,14 @@ static void draw_pixels(struct pel_renderer *r,
     struct pel_block_eye eye;
     bool submerged = is_submerged(env, c);
     pel_fill_eye(height_m, table_height_m, submerged, r->mesh, &eye);
-    size_t waves_at = 0;
     if (cascades) {
         struct pel_block_cascades block;
         pel_fill_cascades(env->sea->cascades, c->east_m, c->north_m, &block);
         pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 5, &block, sizeof block);
     } else {
         pel_fill_waves(env, c->east_m, c->north_m, r->wave_block);
-        r->wave_count = env->sea->count;
-        waves_at = pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 3,
-                                  r->wave_block, sizeof *r->wave_block);
+        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 3, r->wave_block,
+                       sizeof *r->wave_block);
     }
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &eye, sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 2, &view, sizeof view);
@@ -520,7 +460,7 @@ static void draw_pixels(struct pel_renderer *r,
     pel_stage_begin(&r->timing);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
-    displace_mesh(r, cascades, waves_at);
+    displace_mesh(r, cascades);
     pel_stage_end(&r->timing, PEL_STAGE_MESH);
     if (r->programs.compute) {
         search_surface(r, submerged);
@@ -613,7 +553,7 @@ static void decide_path(struct pel_renderer *r,
     c.height = c.width * 3 / 4;
     bool measured = r->timing.on, before = programs->compute;
     r->timing.on = false;
-    r->programs.on_trial = true;
+    r->on_trial = true;
     double ms[2];
     for (int compute = 0; compute < 2; compute++) {
         struct pel_fault fault;
@@ -629,6 +569,7 @@ static void decide_path(struct pel_renderer *r,
     bool other = ms[!before] < 0.9 * ms[before];
     pel_programs_decide(&r->programs, programs, other ? !before : before);
     r->timing.on = measured;
+    r->on_trial = false;
     struct pel_renderer_path *path = &r->paths[env->sea->cascades != NULL];
     *path = (struct pel_renderer_path){ true, programs->compute, ms[0], ms[1] };
     pel_info("RND-043",

@@ -326,8 +326,7 @@ static void compute_draws_the_same_sea(void **state)
             }
         }
     }
-    /* The same text, summed by loop there and written out here, and far tiles
-     * by 20 waves: rounding in the last bits, which a glint can magnify. */
+    /* The same text in two programs: a compiler may round differently. */
     printf("%zu of %zu pixels differ by more than 0.1 %%\n", off, pixels);
     pel_picture_release(b);
     free(kept.pixels);

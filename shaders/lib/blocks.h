@@ -13,10 +13,7 @@ struct pel_vec4 {
 #define PEL_STRUCT
 #endif
 
-#ifndef PEL_WAVE_LIMIT
 #define PEL_WAVE_LIMIT 256
-#endif
-#define PEL_WAVE_CHUNK 20
 
 /* Slope variance left to the BRDF along and across the wind, by the footprint
  * of a pixel: PEL_VARIANCE_STEPS entries an octave from 2^PEL_VARIANCE_FIRST m. */
@@ -81,8 +78,7 @@ struct pel_shader_wave {
     vec4 shift; /* c h k̂ xy; h */
 };
 
-/* One for an eye. Longest first; padded with waves of no height. The mesh
- * binds PEL_WAVE_CHUNK of them at a time. */
+/* One for an eye. Longest first; padded with waves of no length. */
 PEL_BLOCK(3, waves) {
     PEL_STRUCT pel_shader_wave waves[PEL_WAVE_LIMIT];
 };

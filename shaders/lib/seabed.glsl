@@ -174,7 +174,7 @@ vec3 wave_bend(vec2 x, float footprint, out vec2 slope)
         bend += vec3(hk.x * k.x, hk.x * k.y, hk.y * k.y);                        \
     }
     // Not written out: the program would take seconds to make.
-    for (int i = 0; i < PEL_WAVES && waves[i].phase.w * scale + offset > 0.0; i++) {
+    for (int i = 0; i < PEL_WAVE_LIMIT && waves[i].phase.w * scale + offset > 0.0; i++) {
         PEL_BEND(i)
     }
 #endif
