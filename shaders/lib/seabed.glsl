@@ -96,7 +96,11 @@ float seabed_distance(vec3 dir, float limit)
     vec2 inverse = 1.0 / mix(step_, vec2(1e-9), lessThan(abs(step_), vec2(1e-9)));
     float top = bed_beyond.z - 1.0;
     float level = min(3.0, top);
-    for (int i = 0; i < 512 && t < to; i++) {
+    // Half a node at a time where squares are not passed whole. One look at the
+    // ground in the loop: a software device runs through all of it each time.
+    float fine = 0.5 * bed_place.w / max(length(dir.xy), 1e-3);
+    float hit = -1.0;
+    for (int i = 0; i < 768 && t < to; i++) {
         vec2 node = dir.xy * (t * bed_place.z) + bed_place.xy;
         float side = exp2(level + 1.0);
         // A little ahead, so that a border belongs to what comes.
@@ -115,33 +119,34 @@ float seabed_distance(vec3 dir, float limit)
         } else if (level > 0.5) {
             level -= 1.0;
         } else {
-            float before = above_ground(dir, t);
-            if (before <= 0.0) {
-                return t;
+            float next = min(t + fine, end);
+            if (above_ground(dir, next) <= 0.0) {
+                hit = next;
+                break;
             }
-            for (int k = 1; k <= 4; k++) {
-                float next = k == 4 ? end : t + (end - t) / float(5 - k);
-                float after = above_ground(dir, next);
-                if (after <= 0.0) {
-                    for (int s = 0; s < 6; s++) {
-                        float middle = mix(t, next, before / (before - after));
-                        float here = above_ground(dir, middle);
-                        if (here > 0.0) {
-                            t = middle;
-                            before = here;
-                        } else {
-                            next = middle;
-                            after = here;
-                        }
-                    }
-                    return mix(t, next, before / (before - after));
-                }
-                t = next;
-                before = after;
-            }
+            t = next;
         }
     }
-    return -1.0;
+    if (hit < 0.0) {
+        return -1.0;
+    }
+    float before = above_ground(dir, t);
+    float after = above_ground(dir, hit);
+    if (before <= 0.0) {
+        return t;
+    }
+    for (int i = 0; i < 6; i++) {
+        float middle = mix(t, hit, before / (before - after));
+        float here = above_ground(dir, middle);
+        if (here > 0.0) {
+            t = middle;
+            before = here;
+        } else {
+            hit = middle;
+            after = here;
+        }
+    }
+    return mix(t, hit, before / (before - after));
 }
 
 // Second derivatives of the waves that a footprint resolves: xx, xy, yy; and
