@@ -8,6 +8,7 @@
 #include <gio/gio.h>
 #include <gst/rtsp-server/rtsp-server.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "encode/gst.h"
 #include "net/listener.h"
@@ -18,6 +19,10 @@
 #define MAX_SESSIONS 64
 #define MAX_WAITING 8 /* clients, while GStreamer starts */
 #define CLEAN_S 2
+/* A client without a session, silent or in the middle of a request or of its
+ * TLS handshake, has so long, and less where its place is wanted. */
+#define LOITER_NS (8 * INT64_C(1000000000))
+#define WANTED_NS (1 * INT64_C(1000000000))
 /* Frames that come without a time get that of their coming; the queue of a
  * client is bounded where it is filled (rtspstream.c). */
 #define LAUNCH                                                                 \
@@ -27,6 +32,7 @@
     "rtph264pay name=pay0 pt=96 config-interval=-1 )"
 #define STREAM_KEY "pelagos-stream"
 #define VIEW_KEY "pelagos-view"
+#define SINCE_KEY "pelagos-since"
 
 enum state {
     STATE_ASLEEP, /* nobody has come yet */
@@ -58,7 +64,7 @@ struct pel_rtsp {
     GHashTable *mounted; /* names of views */
     guint cleaner;
     atomic_uint clients;
-    uint64_t accepted, refused;
+    uint64_t accepted, refused, timeouts;
 };
 
 /* --- threads of gst-rtsp-server ------------------------------------------ */
@@ -134,6 +140,9 @@ static void on_connected(GstRTSPServer *server, GstRTSPClient *client,
 {
     (void)server;
     const struct pel_rtsp *rtsp = user;
+    int64_t *since_ns = g_new(int64_t, 1);
+    *since_ns = pel_now_ns();
+    g_object_set_data_full(G_OBJECT(client), SINCE_KEY, since_ns, g_free);
     if (rtsp->certificate) {
         secure(client, rtsp->certificate);
     }
@@ -189,9 +198,58 @@ void pel_rtsp_changed(struct pel_rtsp *rtsp)
     g_object_unref(points);
 }
 
+/* --- clients that do nothing ---------------------------------------------- */
+
+struct loiterers {
+    int64_t now_ns, patience_ns;
+    GstRTSPClient *oldest; /* of those beyond patience; a reference */
+    int64_t oldest_ns;
+};
+
+static GstRTSPFilterResult find_loiterer(GstRTSPServer *server,
+                                         GstRTSPClient *client, gpointer user)
+{
+    (void)server;
+    struct loiterers *found = user;
+    const int64_t *since_ns = g_object_get_data(G_OBJECT(client), SINCE_KEY);
+    if (!since_ns || found->now_ns - *since_ns < found->patience_ns ||
+        (found->oldest && *since_ns >= found->oldest_ns)) {
+        return GST_RTSP_FILTER_KEEP;
+    }
+    GList *sessions = gst_rtsp_client_session_filter(client, NULL, NULL);
+    if (!sessions) {
+        g_clear_object(&found->oldest);
+        found->oldest = g_object_ref(client);
+        found->oldest_ns = *since_ns;
+    }
+    g_list_free_full(sessions, g_object_unref);
+    return GST_RTSP_FILTER_KEEP;
+}
+
+/* Closes the one that has been idle for longest; false: there is none. */
+static bool close_loiterer(struct pel_rtsp *rtsp, int64_t patience_ns)
+{
+    struct loiterers found = { pel_now_ns(), patience_ns, NULL, 0 };
+    gst_rtsp_server_client_filter(rtsp->server, find_loiterer, &found);
+    if (!found.oldest) {
+        return false;
+    }
+    rtsp->timeouts++;
+    /* Its own thread sees the end, as if the client had left, and tidies up;
+     * closed from here the socket would stay. */
+    g_object_set_data(G_OBJECT(found.oldest), SINCE_KEY, NULL);
+    g_socket_shutdown(gst_rtsp_connection_get_read_socket(
+                          gst_rtsp_client_get_connection(found.oldest)),
+                      TRUE, TRUE, NULL);
+    g_object_unref(found.oldest);
+    return true;
+}
+
 static gboolean clean(gpointer user)
 {
     struct pel_rtsp *rtsp = user;
+    for (int i = 0; i < MAX_CLIENTS && close_loiterer(rtsp, LOITER_NS); i++) {
+    }
     GstRTSPSessionPool *pool = gst_rtsp_server_get_session_pool(rtsp->server);
     gst_rtsp_session_pool_cleanup(pool);
     g_object_unref(pool);
@@ -297,10 +355,13 @@ static bool accept_client(void *user, int fd, const struct sockaddr *address,
                           ? STATE_STARTING
                           : STATE_ASLEEP;
     }
+    bool made = rtsp->state == STATE_RUNS &&
+                atomic_load(&rtsp->clients) >= MAX_CLIENTS &&
+                close_loiterer(rtsp, WANTED_NS);
     bool room = rtsp->state == STATE_STARTING
                     ? rtsp->waiting_count < MAX_WAITING
                     : rtsp->state == STATE_RUNS &&
-                          atomic_load(&rtsp->clients) < MAX_CLIENTS;
+                          (made || atomic_load(&rtsp->clients) < MAX_CLIENTS);
     if (!room) {
         rtsp->refused++;
         return false;
@@ -438,4 +499,7 @@ void pel_rtsp_collect(const struct pel_rtsp *rtsp,
     pel_metric(page, "pelagos_refused_total", PEL_METRIC_COUNTER,
                "Clients turned away at a limit.", "input=\"rtsp\"",
                (double)rtsp->refused);
+    pel_metric(page, "pelagos_timeouts_total", PEL_METRIC_COUNTER,
+               "Clients closed for being too slow.", "input=\"rtsp\"",
+               (double)rtsp->timeouts);
 }
