@@ -14,7 +14,9 @@
 #define ORDINATES 20
 #define N2 (PEL_WATER_INDEX * PEL_WATER_INDEX)
 
-const struct pel_water_sampling pel_water_sampling_default = { 10, 48, 48 };
+const struct pel_water_sampling pel_water_sampling_default = {
+    PEL_SAMPLING_PLANES, PEL_SAMPLING_ZENITHS, PEL_SAMPLING_AZIMUTHS
+};
 
 double pel_kernel_sine(int i)
 {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "base/err.h"
+#include "optics/brdf.h"
 #include "optics/watertable.h"
 
 #define PEL_KERNEL_NODES 12 /* of beams, and of lines of sight */
@@ -30,7 +31,7 @@ struct pel_water_kernel {
 };
 
 /* 1/n²: what the kernel's radiances have over those below the surface. */
-#define PEL_KERNEL_LEAVING (1.0 / (1.34 * 1.34))
+#define PEL_KERNEL_LEAVING (1.0 / (PEL_WATER_INDEX * PEL_WATER_INDEX))
 
 /* Sine, in the water, of the zenith angle of node i: Chebyshev's extremes on
  * 0 .. 1/n. */
@@ -60,6 +61,9 @@ struct pel_water_sampling {
 #define PEL_SAMPLING_AZIMUTHS_MAX 128
 
 /* What the maps are made with, from `make validate-water`'s study. */
+#define PEL_SAMPLING_PLANES 10
+#define PEL_SAMPLING_ZENITHS 48
+#define PEL_SAMPLING_AZIMUTHS 48
 extern const struct pel_water_sampling pel_water_sampling_default;
 
 /* Depth of plane k of a water [m], and the weight of its scattering map. */

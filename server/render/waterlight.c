@@ -17,6 +17,10 @@
 
 _Static_assert(PEL_WATER_NODES == PEL_KERNEL_NODES, "one set of nodes");
 _Static_assert(PEL_WATER_MODES == PEL_KERNEL_MODES, "one series");
+_Static_assert(PEL_WATER_PLANES == PEL_SAMPLING_PLANES &&
+                   PEL_WATER_ZENITHS == PEL_SAMPLING_ZENITHS &&
+                   PEL_WATER_AZIMUTHS == PEL_SAMPLING_AZIMUTHS,
+               "the sampling that was studied");
 
 /* Texture and image units while the maps are made. */
 enum {
