@@ -1,6 +1,5 @@
 #include "scene/snapshot.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "scene/reckon.h"
@@ -69,21 +68,6 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
         out[i].height_m += s->sea_level_m;
         out[i].depth_m = pel_snapshot_depth(s, points[i].x, points[i].y);
     }
-}
-
-const char *pel_stale_text(unsigned stale, char out[PEL_STALE_TEXT])
-{
-    static const char *const names[] = { "cigi", "modbus", "nmea", "console",
-                                         "other" };
-    size_t used = 0;
-    strcpy(out, "none");
-    for (unsigned i = 0; i < sizeof names / sizeof *names; i++) {
-        if (stale >> i & 1) {
-            used += (size_t)snprintf(out + used, PEL_STALE_TEXT - used, "%s%s",
-                                     used > 0 ? "," : "", names[i]);
-        }
-    }
-    return out;
 }
 
 double pel_snapshot_depth(const struct pel_snapshot *s, double east_m,
