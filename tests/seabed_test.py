@@ -173,6 +173,9 @@ class Seabed(unittest.TestCase):
     def test_damaged_files(self):
         folder = tempfile.mkdtemp(prefix="pelagos-damaged-")
         names = sorted(glob.glob(os.path.join(DAMAGED, "damaged-*")))
+        # one with several channels
+        names += [os.path.join(DAMAGED, "t05.exr"),
+                  os.path.join(DAMAGED, "GrayRampsHorizontal.exr")]
         slowest = 0
         try:
             for i, name in enumerate(names):
@@ -181,12 +184,14 @@ class Seabed(unittest.TestCase):
                 rss = daemon.rss()
                 for i in range(len(names)):
                     start = time.monotonic()
-                    daemon.patch({"seabed": {
+                    answer = daemon.patch({"seabed": {
                         "file": f"{i}.exr", "latitude": 52.6,
                         "longitude": 5.2, "spacing": 10}})
+                    if "damaged" not in names[i]:
+                        self.assertEqual(answer.status, 200, answer)
                     slowest = max(slowest, time.monotonic() - start)
                     self.assertTrue(daemon.alive(), names[i])
-                print(f"  {len(names)} damaged files, the slowest in "
+                print(f"  {len(names)} files, the slowest in "
                       f"{slowest * 1e3:.0f} ms, resident "
                       f"{(daemon.rss() - rss) / 1e6:+.1f} MB")
                 if not SANITIZED:

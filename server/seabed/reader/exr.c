@@ -30,9 +30,10 @@ static int channel_of(const exr_attr_chlist_t *list)
 }
 
 /* Decodes the chunk that begins at line y; the channel named `name` goes to
- * `lines`, the others nowhere. */
+ * `lines`, the others to `rest`: the library writes them whether they have a
+ * place or not. */
 static exr_result_t decode(exr_context_t file, int y, const char *name,
-                           float *lines, int columns)
+                           float *lines, float *rest, int columns)
 {
     exr_chunk_info_t chunk;
     exr_decode_pipeline_t pipe = EXR_DECODE_PIPELINE_INITIALIZER;
@@ -46,7 +47,7 @@ static exr_result_t decode(exr_context_t file, int y, const char *name,
         if (wanted && (c->x_samples != 1 || c->y_samples != 1)) {
             rc = EXR_ERR_INVALID_ATTR;
         }
-        c->decode_to_ptr = wanted ? (uint8_t *)lines : NULL;
+        c->decode_to_ptr = (uint8_t *)(wanted ? lines : rest);
         c->user_bytes_per_element = 4;
         c->user_data_type = EXR_PIXEL_FLOAT;
         c->user_pixel_stride = 4;
@@ -77,14 +78,16 @@ static enum pel_err read_lines(exr_context_t file, const exr_attr_box2i_t *box,
                              "the OpenEXR has no channel");
     }
     const char *name = list->entries[channel_of(list)].name.str;
-    for (int y = box->min.y; y <= box->max.y; y += lines) {
-        rc = decode(file, y, name,
-                    out->values +
-                        (size_t)(y - box->min.y) * (size_t)out->columns,
-                    out->columns);
+    float *rest = calloc((size_t)out->columns * (size_t)lines, sizeof *rest);
+    if (!rest) {
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    }
+    for (int64_t row = 0; row < out->rows; row += lines) {
+        rc = decode(file, (int)(box->min.y + row), name,
+                    out->values + row * out->columns, rest, out->columns);
         if (rc != EXR_ERR_SUCCESS) {
             return pel_fault_set(fault, PEL_ERR_MALFORMED,
-                                 "line %d of the OpenEXR: %s", y,
+                                 "row %d of the OpenEXR: %s", (int)row,
                                  exr_get_default_error_message(rc));
         }
     }
