@@ -221,6 +221,7 @@ def several_units():
         alarms = client.read_discrete_inputs(0, 7, slave=2).bits[:7]
         check(alarms == [True, True] + [False] * 5, f"{alarms}")
         daemon.patch({"sources": {"cigiStale": True}})
+        client.write_register(HEARTBEAT, 77, slave=3)
         alarms = client.read_discrete_inputs(0, 7, slave=3).bits[:7]
         check(alarms == [True] + [False] * 4 + [True, False], f"{alarms}")
         corner = Image.open(io.BytesIO(answer.body)).convert("RGB")

@@ -103,9 +103,10 @@ def tell_size(log, read):
 
 
 def session_of_a_host(log):
-    """A CIGI host leads; Modbus and HTTP edit too. Ended by kill -9."""
+    """A CIGI host leads; Modbus and HTTP edit too. Ended by kill -9. None when
+    the machine was so busy that time went on without the host."""
     modbus, cigi_port = free_port(), free_port(socket.SOCK_DGRAM)
-    pictures = {}
+    pictures, revisions = {}, {}
     daemon = Daemon("--record", log, "--modbus", f"127.0.0.1:{modbus}",
                     "--cigi", f"127.0.0.1:{cigi_port}")
     host = cigi.Host(("127.0.0.1", cigi_port), big=False, stamped=True)
@@ -116,28 +117,36 @@ def session_of_a_host(log):
         host.ask(cigi.entity(1, 52.6, 5.2), cigi.atmosphere(20000, 7, 250),
                  cigi.view_control(0, 1, z=-11, yaw=10))
         for i in range(8):
-            # 0.25 s a frame, which is longer than what is done in one: time
-            # does not go on by itself behind a picture.
+            # A second a frame, which is longer than what is done in one: time
+            # does not go on by itself beyond the next one.
             host.send(cigi.entity(1, 52.6 + 1e-4 * i, 5.2, 1, yaw=8 * i,
                                   pitch=i / 2, roll=-i),
                       cigi.rate(1, x=6, yaw=2),
                       cigi.wave(i % 3, 0.5 + i / 10, 6 + i, 30 * i),
                       cigi.maritime(60, height=i / 8),
                       *([cigi.component(5, 1)] if i == 4 else []),
-                      cigi.hat_hot(i, 52.6, 5.2), ticks=25000)
+                      cigi.hat_hot(i, 52.6, 5.2), ticks=100000)
             host.settle()
             client.write_registers(WIND, floats(6 + i, 200 + i), slave=1)
             client.write_register(COMMIT, 1, slave=1)
             daemon.patch({"sky": {"sunElevation": 10 + 3 * i}})
             answer = daemon.get("/v1/views/bridge/frame.png")
             check(answer.status == 200, f"{answer}")
-            pictures[float(answer.headers["X-Pelagos-Time"])] = answer.body
+            at = float(answer.headers["X-Pelagos-Time"])
+            pictures[at] = answer.body
+            revisions[at] = int(answer.headers["X-Pelagos-Revision"])
         client.close()
-        state = daemon.state()
+        state, told = daemon.state(), daemon.log()
     finally:
         daemon.stop(signal.SIGKILL)
         host.close()
-    check(len(pictures) == 8 and state["clock"]["mode"] == "HOST", "session")
+    # A host that was held up: a command at a picture's time, but after it.
+    for e in entries(log):
+        if e.HasField("patch") and e.revision > revisions.get(e.time, 1 << 63):
+            return None
+    if "CIG-008" in told or len(pictures) < 8:
+        return None
+    check(state["clock"]["mode"] == "HOST", "session")
     read = entries(log)
     check(read[-1].revision == int(state["revision"]), "all of it is there")
     tell_size(log, read)
@@ -182,7 +191,11 @@ def same_frames(folder):
 def same_frames_of_a_host(folder):
     """Again bit for bit, whatever the number of threads that draw."""
     log = os.path.join(folder, "host.pelog")
-    pictures = session_of_a_host(log)
+    for _ in range(5):
+        pictures = session_of_a_host(log)
+        if pictures:
+            break
+    check(pictures, "the machine is too busy for a frame a second")
     at = ["--at", ",".join(repr(t) for t in pictures)]
     for threads in ("1", "2", "8"):
         os.environ["LP_NUM_THREADS"] = threads
