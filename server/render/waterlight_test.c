@@ -216,6 +216,24 @@ static void light_is_kept(void **state)
     }
 }
 
+/* The maps are a function of their scene, whatever was drawn before: the same
+ * bits after another water, another Sun, other orders. */
+static void nothing_is_remembered(void **state)
+{
+    (void)state;
+    double views[VIEWS][2];
+    struct pel_water_parts first[VIEWS], other[VIEWS], again[VIEWS];
+    struct pel_water_body a = body_of(media[0], 10.0, 0.3);
+    struct pel_water_body b = body_of(media[2], 300.0, 0.1);
+    fill_views(views);
+    look(&a, PEL_ORDERS_ALL, 0.7, views, VIEWS, first);
+    look(&b, PEL_ORDERS_PAPER, 1.1, views, VIEWS, other);
+    look(&a, PEL_ORDERS_SINGLE, 0.2, views, VIEWS, other);
+    look(&a, PEL_ORDERS_ALL, 0.7, views, VIEWS, again);
+    assert_memory_equal(first, again, sizeof first);
+    assert_memory_not_equal(first, other, sizeof first);
+}
+
 /* A set of depths finds at its levels what a flat sea of that depth has, and
  * in between something in between. */
 static void depths_are_levels(void **state)
@@ -401,6 +419,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(paper_is_eq_5),
         cmocka_unit_test(light_is_kept),
         cmocka_unit_test(depths_are_levels),
+        cmocka_unit_test(nothing_is_remembered),
         cmocka_unit_test(sky_is_the_solvers),
         cmocka_unit_test(costs),
     };
