@@ -45,8 +45,8 @@ async function main() {
   await client.writeRegister(COMMIT, 0);
   out.refused = [
     await refusal(client.writeRegisters(WIND, floats(99))),
-    await refusal(client.writeRegister(179, 1)),
-    await refusal(client.readHoldingRegisters(170, 20)),
+    await refusal(client.writeRegister(6, 1)),
+    await refusal(client.readHoldingRegisters(5000, 20)),
   ];
   // Many at once, on one connection.
   const many = await Promise.all(Array.from({ length: 50 },
