@@ -124,6 +124,7 @@ SCENE := server/scene/scene.c \
     server/scene/ground.c \
     server/scene/numbers.c \
     server/scene/snapshot.c server/scene/stale.c \
+    server/scene/sharedsea.c \
     server/scene/simclock.c \
     server/scene/ship.c \
     server/scene/record.c \

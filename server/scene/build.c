@@ -13,16 +13,8 @@
 #include "ocean/seastate.h"
 #include "scene/check.h"
 #include "scene/geodesy.h"
+#include "scene/sharedsea.h"
 #include "scene/sun.h"
-
-struct pel_shared_sea {
-    atomic_uint refs;
-    struct pel_sea_desc desc; /* as asked for; the sea's own is normalized */
-    char *record;             /* which one `desc.measured` is; NULL: none */
-    pthread_mutex_t lock;     /* while it is built */
-    atomic_bool built;
-    struct pel_sea sea;
-};
 
 struct snapshot {
     struct pel_snapshot public; /* first: what the pointer points to */
@@ -151,7 +143,7 @@ static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
     return same;
 }
 
-static enum pel_err new_sea(const struct pel_sea_desc *desc, char *record,
+static enum pel_err new_sea(const struct pel_sea_desc *desc, const char *record,
                             struct pel_shared_sea **out,
                             struct pel_fault *fault)
 {
@@ -167,7 +159,7 @@ static enum pel_err new_sea(const struct pel_sea_desc *desc, char *record,
         return err;
     }
     sea->desc = *desc;
-    sea->record = record;
+    sea->record = record ? strdup(record) : NULL;
     atomic_init(&sea->refs, 1);
     atomic_init(&sea->built, false);
     pthread_mutex_init(&sea->lock, NULL);
@@ -200,40 +192,8 @@ enum pel_err pel_shared_sea_get(const Pelagos__State *state,
     if (!err) {
         err = new_sea(&desc, record, out, fault);
     }
-    if (err) {
-        g_free(record);
-    }
+    g_free(record);
     return err;
-}
-
-const struct pel_sea *pel_shared_sea_look(struct pel_shared_sea *sea)
-{
-    if (!atomic_load(&sea->built)) {
-        pthread_mutex_lock(&sea->lock);
-        /* The description was tested: only memory can fail. */
-        if (!atomic_load(&sea->built) &&
-            pel_sea_build(&sea->desc, &sea->sea) != PEL_OK) {
-            abort();
-        }
-        atomic_store(&sea->built, true);
-        pthread_mutex_unlock(&sea->lock);
-    }
-    return &sea->sea;
-}
-
-const struct pel_sea *pel_snapshot_sea(const struct pel_snapshot *s)
-{
-    return pel_shared_sea_look(s->sea);
-}
-
-void pel_shared_sea_unref(struct pel_shared_sea *sea)
-{
-    if (sea && atomic_fetch_sub(&sea->refs, 1) == 1) {
-        pel_sea_finish(&sea->sea);
-        pthread_mutex_destroy(&sea->lock);
-        g_free(sea->record);
-        free(sea);
-    }
 }
 
 static void place_entity(const Pelagos__Origin *origin,

@@ -89,8 +89,9 @@ static struct flicker measure(const struct film *f)
 /* At 100 m a pixel is 0.1 m wide and 0.8 m long, at 240 m 0.2 × 4 m, at 650 m
  * 0.6 × 35 m: from where the longer waves are resolved to where none is. A
  * picture of one sample a pixel that filters well flickers no more than the
- * average of 36, and less where it keeps statistics instead of waves; a sample
- * that does not filter flickers many times as much. A quarter more is allowed:
+ * average of 36, and less where it keeps statistics instead of waves; a
+ * sample that is not filtered has 1.4 to 2 times the variance and 4 to 10 times
+ * the difference from frame to frame. A quarter more is allowed:
  * what 400 pixels over two seconds, which see the same few waves, leave open.
  */
 static void far_patch_is_quiet(void **state)

@@ -1,0 +1,17 @@
+/* A sea that snapshots share: built when it is first looked at. Of the scene
+ * room's own; others have pel_snapshot_sea (snapshot.h). */
+#pragma once
+
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include "ocean/sea.h"
+
+struct pel_shared_sea {
+    atomic_uint refs;
+    struct pel_sea_desc desc; /* as asked for; the sea's own is normalized */
+    char *record;             /* which one `desc.measured` is; NULL: none */
+    pthread_mutex_t lock;     /* while it is built */
+    atomic_bool built;
+    struct pel_sea sea;
+};
