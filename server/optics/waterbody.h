@@ -54,7 +54,7 @@ enum pel_bottom {
 #define PEL_CHLOROPHYLL_MIN 0.01
 #define PEL_CHLOROPHYLL_MAX 30.0
 #define PEL_SALINITY_MAX 42.0
-#define PEL_TEMPERATURE_MIN -2.0
+#define PEL_TEMPERATURE_MIN (-2.0)
 #define PEL_TEMPERATURE_MAX 40.0
 #define PEL_SALINITY_USUAL 35.0 /* where nobody says another */
 #define PEL_TEMPERATURE_USUAL 15.0

@@ -43,9 +43,9 @@ static void sea_terms(void **state)
         env.sun = test_sun(20.0 + 15.0 * (i % 4), 60.0 * (i % 7));
         struct pel_vec3 sun = pel_sky_quantize_sun(env.sun);
         const double *v = slopes[i % 3];
-        /* Up to 2° above the level, all round. */
+        int ring = i / 12; /* up to 2° above the level, all round */
         const struct pel_probe probe = {
-            .dir = test_sun(90.0 - 11.0 * (i / 12), 40.0 * i),
+            .dir = test_sun(90.0 - 11.0 * ring, 40.0 * i),
             .slope_along = v[0],
             .slope_cross = v[1],
             .height_m = 2.0,
