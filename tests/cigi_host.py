@@ -317,12 +317,15 @@ class Host:
                            f"{frames[-1].sof if frames else None}")
 
     def ask(self, *packets):
-        """Sends a frame; the answers in the frame that knows of it or, where
-        one is still missing there, in the next."""
+        """Sends a frame; the answers in the frame that knows of it and, where
+        some are still missing there, in those after it: the next, or on a busy
+        machine one of the next thirty."""
         self.send(*packets)
         asked = sum(packet(self.order)[0] in QUESTIONS for packet in packets)
         frames = self.settle()
-        if sum(len(frame.answers) for frame in frames) < asked:
+        for _ in range(30):
+            if sum(len(frame.answers) for frame in frames if frame) >= asked:
+                break
             frames.append(self.receive())
         return [answer for frame in frames if frame for answer in frame.answers]
 

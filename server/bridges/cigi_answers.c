@@ -129,6 +129,7 @@ void pel_cigi_answers_ask(struct pel_cigi_answers *a,
     if (count == 0) {
         return;
     }
+    collect(a); /* in a flood no frame comes between */
     struct job *job = g_new0(struct job, 1);
     job->era = a->era;
     job->moment = *moment;
