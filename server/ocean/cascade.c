@@ -1,17 +1,23 @@
 #include "ocean/cascade.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <threads.h>
 
+#include "base/simd.h"
 #include "ocean/directional.h"
 #include "ocean/fields.h"
 #include "ocean/hash.h"
 
 #define N PEL_CASCADE_N
 #define RINGS (PEL_CASCADE_HIGHEST + 1)
+#define HIGHEST_SQUARE (PEL_CASCADE_HIGHEST * PEL_CASCADE_HIGHEST)
 #define FOLD_STEPS PEL_DIRECTIONAL_NODES
+
+/* Slopes along, across, mixed, and nothing. */
+typedef double lanes4 __attribute__((vector_size(32), aligned(16)));
 
 /* Angles of the grids: no two are near a multiple of each other's symmetry. */
 static const double turns_rad[PEL_CASCADES] = { 0.111, 0.577, 1.013, 1.417 };
@@ -68,16 +74,29 @@ static double fold_chop(const struct pel_directional *d, const struct fold *f,
 /* --- modes ------------------------------------------------------------------
  */
 
-struct builder {
+struct builder { /* of one cascade */
+    struct pel_cascades *all;
+    int index;
     const struct pel_sea_desc *desc;
     const struct pel_directional *spectrum;
     struct fold fold;
     struct ring rings[RINGS];
+    /* Of the modes at a squared distance from the middle; there are ten times
+     * fewer of these than modes. */
+    float known[HIGHEST_SQUARE][2]; /* as pel_cascade.mode; 0: not yet */
+    lanes4 slopes[HIGHEST_SQUARE];  /* what the modes there carry */
+    struct pel_slopes beyond[PEL_CASCADE_BOUNDS];
 };
 
 static int mode_number(int i)
 {
     return i < N / 2 ? i : i - N;
+}
+
+static double radius_of(int i, int j)
+{
+    int m = mode_number(i), n = mode_number(j);
+    return sqrt(m * m + n * n);
 }
 
 /* Samples along the edge of a mode's cell: many where the spectrum is narrow
@@ -92,7 +111,7 @@ static double cell_energy(const struct builder *b, const struct pel_cascade *c,
                           int m, int n)
 {
     double step = 2.0 * PEL_PI / c->length_m;
-    int q = samples(hypot(m, n));
+    int q = samples(sqrt(m * m + n * n));
     double sum = 0;
     for (int j = 0; j < q; j++) {
         for (int i = 0; i < q; i++) {
@@ -107,6 +126,12 @@ static double cell_energy(const struct builder *b, const struct pel_cascade *c,
         }
     }
     return sum * step * step / (q * q);
+}
+
+/* Least mode number of a cascade: the next coarser one has the others. */
+static double lowest_mode(int index)
+{
+    return index == 0 ? 0.5 : PEL_CASCADE_HIGHEST / PEL_CASCADE_RATIO;
 }
 
 static int ring_of(double m, double m_lo)
@@ -134,18 +159,24 @@ static void draw_modes(struct builder *b, struct pel_cascade *c, int index,
 {
     double step = 2.0 * PEL_PI / c->length_m;
     uint32_t stream = PEL_STREAM_CASCADE + (uint32_t)index;
+    memset(b->known, 0, sizeof b->known);
     for (int j = 0; j < N; j++) {
         for (int i = 0; i < N; i++) {
             int at = j * N + i;
             int m = mode_number(i), n = mode_number(j);
-            double radius = sqrt((double)m * m + (double)n * n);
-            if (radius < m_lo || radius >= PEL_CASCADE_HIGHEST) {
+            int square = m * m + n * n;
+            if (square < m_lo * m_lo || square >= HIGHEST_SQUARE) {
                 continue;
             }
-            double k = step * radius;
-            c->mode[at][0] = (float)(pel_dispersion_depth(k, b->desc->depth_m) /
-                                     (2.0 * PEL_PI));
-            c->mode[at][1] = (float)fold_chop(b->spectrum, &b->fold, k);
+            float *known = b->known[square];
+            if (!(known[0] > 0)) {
+                double k = step * sqrt(square);
+                double f = pel_dispersion_depth(k, b->desc->depth_m);
+                known[0] = (float)(f / (2.0 * PEL_PI));
+                known[1] = (float)fold_chop(b->spectrum, &b->fold, k);
+            }
+            c->mode[at][0] = known[0];
+            c->mode[at][1] = known[1];
             double energy = cell_energy(b, c, m, n);
             if (!(energy > 0)) {
                 continue;
@@ -168,11 +199,23 @@ struct ring_fit {
     double alpha, beta;
 };
 
-static double cos_2(const struct pel_cascade *c, double wind_rad, int i, int j)
+/* Twice the angle from the wind's axis to the grid's: cosine and sine. */
+struct twice {
+    double cosine, sine;
+};
+
+static struct twice twice_from_wind(const struct pel_cascade *c,
+                                    double wind_rad)
+{
+    double to_wind = atan2(c->turn_sin, c->turn_cos) - wind_rad;
+    return (struct twice){ cos(2 * to_wind), sin(2 * to_wind) };
+}
+
+/* cos 2θ of a mode. */
+static double cos_2(const struct twice *t, int i, int j)
 {
     double m = mode_number(i), n = mode_number(j);
-    double to_wind = atan2(c->turn_sin, c->turn_cos) - wind_rad;
-    return ((m * m - n * n) * cos(2 * to_wind) - 2 * m * n * sin(2 * to_wind)) /
+    return ((m * m - n * n) * t->cosine - 2 * m * n * t->sine) /
            (m * m + n * n);
 }
 
@@ -202,15 +245,15 @@ static void fit_ring(const struct builder *b, double step, int r,
 static void scale_rings(struct builder *b, struct pel_cascade *c, double m_lo)
 {
     double step = 2.0 * PEL_PI / c->length_m;
-    double wind_rad = b->spectrum->wind_to_rad;
+    const struct twice t = twice_from_wind(c, b->spectrum->wind_to_rad);
     struct ring_fit fits[RINGS] = { 0 };
     for (int at = 0; at < N * N; at++) {
         const float *h = c->h0[at];
         double p = 2.0 * ((double)h[0] * h[0] + (double)h[1] * h[1]);
         if (p > 0) {
             int i = at % N, j = at / N;
-            double c2 = cos_2(c, wind_rad, i, j);
-            double radius = hypot(mode_number(i), mode_number(j));
+            double c2 = cos_2(&t, i, j);
+            double radius = radius_of(i, j);
             struct ring_fit *f = &fits[ring_of(radius, m_lo)];
             f->s0 += p;
             f->s2 += p * c2;
@@ -224,9 +267,9 @@ static void scale_rings(struct builder *b, struct pel_cascade *c, double m_lo)
         float *h = c->h0[at];
         if (h[0] != 0 || h[1] != 0) {
             int i = at % N, j = at / N;
-            double radius = hypot(mode_number(i), mode_number(j));
+            double radius = radius_of(i, j);
             const struct ring_fit *f = &fits[ring_of(radius, m_lo)];
-            double g = sqrt(f->alpha + f->beta * cos_2(c, wind_rad, i, j));
+            double g = sqrt(f->alpha + f->beta * cos_2(&t, i, j));
             h[0] = (float)(g * h[0]);
             h[1] = (float)(g * h[1]);
         }
@@ -319,17 +362,23 @@ static double level_product(double q, int a, int b)
 }
 
 /* What of a slope texture's variance each level, and each pair of
- * neighbouring levels, keeps along one axis, by mode number. */
-struct axis_gains {
+ * neighbouring levels, keeps along one axis, by mode number; and the directions
+ * from which sectors go on. */
+struct tables {
     double same[PEL_CASCADE_LEVELS][N], next[PEL_CASCADE_LEVELS][N];
+    double edge[PEL_CASCADE_SECTORS][2];
 };
 
-static struct axis_gains axis_gains;
-static once_flag axis_gains_once = ONCE_FLAG_INIT;
+static struct tables tables;
+static once_flag tables_once = ONCE_FLAG_INIT;
 
-static void axis_gains_fill(void)
+static void tables_fill(void)
 {
-    struct axis_gains *g = &axis_gains;
+    struct tables *g = &tables;
+    for (int i = 0; i < PEL_CASCADE_SECTORS; i++) {
+        g->edge[i][0] = cos(PEL_PI * i / PEL_CASCADE_SECTORS);
+        g->edge[i][1] = sin(PEL_PI * i / PEL_CASCADE_SECTORS);
+    }
     for (int l = 0; l < PEL_CASCADE_LEVELS; l++) {
         for (int i = 0; i < N; i++) {
             double q = 2.0 * PEL_PI * mode_number(i) / N;
@@ -349,12 +398,14 @@ static void add_slopes(struct pel_slopes *to, const double s[3], double weight)
     to->mixed += weight * s[2];
 }
 
-/* Slopes of a mode, which stands for one mode number's width of |k|, into the
- * bins there; summed up when all cascades are drawn. */
-static void count_mode(struct pel_cascades *all, const struct pel_cascade *c,
-                       double radius, const double s[3])
+/* Slopes of the modes of a squared radius, which stand for one mode number's
+ * width of |k|, into the bins there; summed up when all cascades are drawn. */
+static void count_modes(struct builder *b, const struct pel_cascades *all,
+                        const struct pel_cascade *c, int square)
 {
+    const lanes4 *s = &b->slopes[square];
     double step = 2.0 * PEL_PI / c->length_m;
+    double radius = sqrt(square);
     double lo = fmax(radius - 0.5, c->k_lo / step);
     double hi = fmin(radius + 0.5, PEL_CASCADE_HIGHEST);
     int pieces = radius < 40 ? 64 / (int)(radius + 1) + 4 : 4;
@@ -362,13 +413,14 @@ static void count_mode(struct pel_cascades *all, const struct pel_cascade *c,
         double k = step * (lo + (hi - lo) * (i + 0.5) / pieces);
         double place = (log(k) - all->log_k0) / all->step;
         int at = (int)pel_clamp(place, 0, PEL_CASCADE_BOUNDS - 2);
-        add_slopes(&all->beyond[at].slopes, s, 1.0 / pieces);
+        const double add[3] = { (*s)[0], (*s)[1], (*s)[2] };
+        add_slopes(&b->beyond[at], add, 1.0 / pieces);
     }
 }
 
 /* Variance of one sector at the levels and between neighbours. */
 struct sector_sums {
-    struct pel_slopes same[PEL_CASCADE_LEVELS], next[PEL_CASCADE_LEVELS];
+    lanes4 same[PEL_CASCADE_LEVELS], next[PEL_CASCADE_LEVELS];
 };
 
 /* Between two levels the texture is their mean, weighted. */
@@ -379,25 +431,34 @@ static void blend_levels(const struct sector_sums *sum,
         int l = i / PEL_CASCADE_LOD_STEPS;
         double f = (double)(i % PEL_CASCADE_LOD_STEPS) / PEL_CASCADE_LOD_STEPS;
         int m = l + 1 < PEL_CASCADE_LEVELS ? l + 1 : l;
-        const struct pel_slopes *a = &sum->same[l], *ab = &sum->next[l];
-        const struct pel_slopes *b = &sum->same[m];
-        double fa = (1 - f) * (1 - f), fab = 2 * f * (1 - f), fb = f * f;
-        kept[i] = (struct pel_slopes){
-            fa * a->along + fab * ab->along + fb * b->along,
-            fa * a->cross + fab * ab->cross + fb * b->cross,
-            fa * a->mixed + fab * ab->mixed + fb * b->mixed,
-        };
+        lanes4 v = (1 - f) * (1 - f) * sum->same[l] +
+                   2 * f * (1 - f) * sum->next[l] + f * f * sum->same[m];
+        kept[i] = (struct pel_slopes){ v[0], v[1], v[2] };
     }
 }
 
-static void fill_kept(struct pel_cascades *all, struct pel_cascade *c,
-                      double wind_rad)
+/* The sector of half a turn, from the wind, that a wave vector is in. */
+PEL_INLINE int sector_of(double along, double cross)
 {
-    const struct axis_gains *g = &axis_gains;
+    int sector = 0;
+    double side = cross < 0 || (cross == 0 && along < 0) ? -1 : 1;
+    for (int i = 1; i < PEL_CASCADE_SECTORS; i++) {
+        sector +=
+            side * (cross * tables.edge[i][0] - along * tables.edge[i][1]) >= 0;
+    }
+    return sector;
+}
+
+PEL_CLONES
+static void fill_kept(struct builder *b, struct pel_cascade *c)
+{
+    const struct tables *g = &tables;
     struct sector_sums sums[PEL_CASCADE_SECTORS];
     memset(sums, 0, sizeof sums);
+    memset(b->slopes, 0, sizeof b->slopes);
     double step = 2.0 * PEL_PI / c->length_m;
-    double wx = cos(wind_rad), wy = sin(wind_rad);
+    double wx = cos(b->spectrum->wind_to_rad);
+    double wy = sin(b->spectrum->wind_to_rad);
     for (int j = 0; j < N; j++) {
         for (int i = 0; i < N; i++) {
             const float *h = c->h0[j * N + i];
@@ -405,18 +466,21 @@ static void fill_kept(struct pel_cascades *all, struct pel_cascade *c,
             if (!(p > 0)) {
                 continue;
             }
-            double u = step * mode_number(i), v = step * mode_number(j);
+            int m = mode_number(i), n = mode_number(j);
+            double u = step * m, v = step * n;
             double kx = u * c->turn_cos - v * c->turn_sin;
             double ky = u * c->turn_sin + v * c->turn_cos;
-            double a = kx * wx + ky * wy, b = ky * wx - kx * wy;
-            const double s[3] = { p * a * a, p * b * b, p * a * b };
-            double turn = (atan2(b, a) / PEL_PI + 1.0) * PEL_CASCADE_SECTORS;
-            struct sector_sums *to = &sums[(int)turn % PEL_CASCADE_SECTORS];
+            double along = kx * wx + ky * wy, cross = ky * wx - kx * wy;
+            lanes4 s = { p * along * along, p * cross * cross,
+                         p * along * cross, 0 };
             c->m0 += p;
-            count_mode(all, c, hypot(mode_number(i), mode_number(j)), s);
+            int square = m * m + n * n;
+            b->slopes[square < HIGHEST_SQUARE ? square : HIGHEST_SQUARE - 1] +=
+                s;
+            struct sector_sums *to = &sums[sector_of(along, cross)];
             for (int l = 0; l < PEL_CASCADE_LEVELS; l++) {
-                add_slopes(&to->same[l], s, g->same[l][i] * g->same[l][j]);
-                add_slopes(&to->next[l], s, g->next[l][i] * g->next[l][j]);
+                to->same[l] += s * (g->same[l][i] * g->same[l][j]);
+                to->next[l] += s * (g->next[l][i] * g->next[l][j]);
             }
         }
     }
@@ -541,25 +605,62 @@ static bool allocate(struct pel_cascades *c)
     return whole;
 }
 
-static void build_cascade(struct builder *b, struct pel_cascades *all,
-                          int index)
+static void place_cascade(struct pel_cascade *c, int index)
 {
-    struct pel_cascade *c = &all->cascade[index];
-    double m_lo = index == 0 ? 0.5 : PEL_CASCADE_HIGHEST / PEL_CASCADE_RATIO;
     c->length_m = PEL_CASCADE_HIGHEST * PEL_SEA_SHORTEST_M *
                   pow(PEL_CASCADE_RATIO, PEL_CASCADES - 1 - index);
     c->texel_m = c->length_m / N;
     c->turn_cos = cos(turns_rad[index]);
     c->turn_sin = sin(turns_rad[index]);
-    c->k_lo = index == 0 ? 0 : 2.0 * PEL_PI / c->length_m * m_lo;
+    c->k_lo = 2.0 * PEL_PI / c->length_m * lowest_mode(index);
+    c->k_lo = index == 0 ? 0 : c->k_lo;
     c->k_hi = 2.0 * PEL_PI / c->length_m * PEL_CASCADE_HIGHEST;
+}
+
+static int build_cascade(void *argument)
+{
+    struct builder *b = argument;
+    struct pel_cascade *c = &b->all->cascade[b->index];
+    double m_lo = lowest_mode(b->index);
+    place_cascade(c, b->index);
     lay_rings(b, m_lo);
-    draw_modes(b, c, index, m_lo);
+    draw_modes(b, c, b->index, m_lo);
     scale_rings(b, c, m_lo);
     add_singles(b, c);
     mirror_modes(c);
-    fill_kept(all, c, b->spectrum->wind_to_rad);
-    all->m0 += c->m0;
+    fill_kept(b, c);
+    for (int i = 0; i < HIGHEST_SQUARE; i++) {
+        if (b->slopes[i][0] + b->slopes[i][1] > 0) {
+            count_modes(b, b->all, c, i);
+        }
+    }
+    return 0;
+}
+
+/* Each on a thread of its own, summed in order: the same bits always. */
+static void build_cascades(struct builder *builders, struct pel_cascades *all)
+{
+    thrd_t threads[PEL_CASCADES];
+    bool running[PEL_CASCADES];
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        running[i] = i + 1 < PEL_CASCADES &&
+                     thrd_create(&threads[i], build_cascade, &builders[i]) ==
+                         thrd_success;
+        if (!running[i]) {
+            build_cascade(&builders[i]);
+        }
+    }
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        if (running[i]) {
+            thrd_join(threads[i], NULL);
+        }
+        all->m0 += all->cascade[i].m0;
+        for (int j = 0; j < PEL_CASCADE_BOUNDS; j++) {
+            const struct pel_slopes *from = &builders[i].beyond[j];
+            const double add[3] = { from->along, from->cross, from->mixed };
+            add_slopes(&all->beyond[j].slopes, add, 1);
+        }
+    }
 }
 
 enum pel_err pel_cascades_create(const struct pel_sea_desc *desc,
@@ -571,23 +672,26 @@ enum pel_err pel_cascades_create(const struct pel_sea_desc *desc,
         return err;
     }
     struct pel_cascades *c = calloc(1, sizeof *c);
-    struct builder *b = calloc(1, sizeof *b);
+    struct builder *b = calloc(PEL_CASCADES, sizeof *b);
     if (!c || !b || !allocate(c)) {
         err = PEL_ERR_NO_MEMORY;
         goto done;
     }
-    b->desc = desc;
-    b->spectrum = spectrum;
     fold_fill(spectrum, &b->fold);
-    call_once(&axis_gains_once, axis_gains_fill);
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        b[i].fold = b->fold;
+        b[i].all = c;
+        b[i].index = i;
+        b[i].desc = desc;
+        b[i].spectrum = spectrum;
+    }
+    call_once(&tables_once, tables_fill);
     fill_gains(c);
     double longest = 2.0 * PEL_CASCADE_HIGHEST * PEL_SEA_SHORTEST_M *
                      pow(PEL_CASCADE_RATIO, PEL_CASCADES - 1);
     c->log_k0 = log(2.0 * PEL_PI / longest);
     c->step = log(longest / PEL_SEA_SHORTEST_M) / (PEL_CASCADE_BOUNDS - 1);
-    for (int i = 0; i < PEL_CASCADES; i++) {
-        build_cascade(b, c, i);
-    }
+    build_cascades(b, c);
     struct pel_band_moments below;
     pel_directional_moments(spectrum, 2.0 * PEL_PI / PEL_SEA_SHORTEST_M,
                             INFINITY, &below);
