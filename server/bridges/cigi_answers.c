@@ -3,7 +3,7 @@
 #include <glib.h>
 #include <string.h>
 
-#define MAX_JOBS 16
+#define MAX_JOBS 8
 #define MAX_WAITING 4096
 
 /* The requests of one moment; then its answers. */
