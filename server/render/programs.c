@@ -29,13 +29,14 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
     if (*out) {
         return PEL_OK;
     }
-    char defines[224];
+    char defines[256];
     snprintf(defines, sizeof defines,
-             "%s%s%s"
+             "%s%s%s%s"
              "#define PEL_ANISOTROPY %d\n#define PEL_SKY_FILTER %d\n",
              cascades ? "#define PEL_FFT\n" : "", kind_defines[kind],
-             coast ? "#define PEL_SEABED\n" : "", all->filtering->anisotropy,
-             (int)all->filtering->sky);
+             coast ? "#define PEL_SEABED\n" : "",
+             all->software ? "" : "#define PEL_EXACT_TEXELS\n",
+             all->filtering->anisotropy, (int)all->filtering->sky);
     if (all->compute) {
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);
@@ -54,7 +55,10 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
     struct pel_sea_programs *p = cascades ? &all->cascades : &all->trochoids;
     enum pel_err err = PEL_OK;
     if (!p->mesh) {
-        const char *defines = cascades ? "#define PEL_FFT\n" : NULL;
+        char defines[64];
+        snprintf(defines, sizeof defines, "%s%s",
+                 cascades ? "#define PEL_FFT\n" : "",
+                 all->software ? "" : "#define PEL_EXACT_TEXELS\n");
         err = pel_program_create(all->shader_dir, "mesh.comp", NULL, defines,
                                  &p->mesh, fault);
     }

@@ -12,7 +12,32 @@ vec2 cascade_uv(int c, vec2 x)
            cascades[c].offset.xy;
 }
 
-// Cubic B-spline at a level of detail by four bilinear taps.
+// Cubic B-spline at a level of detail.
+#ifdef PEL_EXACT_TEXELS
+// Samplers in hardware blend with 8 bits of fraction: on the coarsest cascade
+// that would move the sea by millimetres from where queries find it.
+vec3 spline(int c, vec2 uv, float lod)
+{
+    int level = int(lod + 0.5);
+    int n = 256 >> level;
+    vec2 at = uv * float(n) - 0.5;
+    vec2 f = fract(at);
+    ivec2 i = ivec2(at - f) - 1;
+    vec2 g = 1.0 - f;
+    vec2 w[4] = vec2[4](g * g * g / 6.0, (4.0 - 6.0 * f * f + 3.0 * f * f * f) / 6.0,
+                        (4.0 - 6.0 * g * g + 3.0 * g * g * g) / 6.0, f * f * f / 6.0);
+    vec3 sum = vec3(0.0);
+    for (int b = 0; b < 4; b++) {
+        for (int a = 0; a < 4; a++) {
+            ivec2 texel = (i + ivec2(a, b)) & (n - 1);
+            sum += w[a].x * w[b].y *
+                   texelFetch(displacement_fields, ivec3(texel, c), level).xyz;
+        }
+    }
+    return sum;
+}
+#else
+// By four bilinear taps: cheapest where fractions are whole floats.
 vec3 spline(int c, vec2 uv, float lod)
 {
     float level = floor(lod + 0.5);
@@ -35,6 +60,7 @@ vec3 spline(int c, vec2 uv, float lod)
            g1.y * (g0.x * textureLod(displacement_fields, vec3(p0.x, p1.y, c), level).xyz +
                    g1.x * textureLod(displacement_fields, vec3(p1, c), level).xyz);
 }
+#endif
 
 // Displacement at a level of detail. Between two levels it is blended, so that
 // nothing pops.
