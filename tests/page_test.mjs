@@ -125,7 +125,7 @@ describe("pictures", () => {
     assert.deepEqual(await page.locator("canvas.picture").evaluate((c) =>
       [c.width, c.height]), [640, 360]);
     await until("rate, latency and losses", async () =>
-      /^640×360(?: of \d+×\d+)?[\d.]+ fps\d+ ms\d+ droppedH.264$/.test(await text(".rate")));
+      /^640×360(?: from \d+×\d+)?[\d.]+ fps\d+ ms\d+ droppedH.264$/.test(await text(".rate")));
     console.log(await page.locator(".rate").innerText());
     assert.match(await text("#fps"), /fps/);
     assert.match(await text("#time"), /^2026-06-21 12:/);
