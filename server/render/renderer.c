@@ -271,11 +271,16 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
 {
     static const GLfloat far_away = 0.0f;
     /* Clearing obeys both: the targets may be larger than this picture. Numbers
-     * are read only where the depth says that there is a triangle. */
+     * are read only where the depth says that there is a triangle, but by
+     * coasts everywhere. */
     glDepthMask(GL_TRUE);
     glScissor(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     glEnable(GL_SCISSOR_TEST);
     glClearNamedFramebufferfv(r->targets.surface_fbo, GL_DEPTH, 0, &far_away);
+    if (r->any_coast) {
+        static const GLuint none[4] = { 0 };
+        glClearNamedFramebufferuiv(r->targets.surface_fbo, GL_COLOR, 0, none);
+    }
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.surface_fbo);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
