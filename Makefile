@@ -475,7 +475,7 @@ run: deps-build ## build and keep pelagosd running (ARGS='--http …')
 
 .PHONY: check
 check: deps ## build, then run every test
-	$(Q)$(MAKE) -s --no-print-directory all tests
+	$(Q)$(MAKE) -s --no-print-directory -j$$(nproc) all tests
 	$(Q)tests/run $(TEST_BIN) $(E2E)
 
 # Executable scripts only: what they share is not executable.
