@@ -22,9 +22,9 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
-    libgstrtspserver-1.0-dev libwslay-dev libyuv-dev glib-networking \
+    libgstrtspserver-1.0-dev libwslay-dev libyuv-dev \
     libssl-dev libgdal-dev
-TEST_PACKAGES := gstreamer1.0-tools gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
+TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
     python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
     python3-wheel openexr chromium chromium-driver python3-selenium \

@@ -47,6 +47,16 @@ def make_certificate(folder, name="server"):
     return cert, key
 
 
+def client_hello():
+    """What a TLS client says first."""
+    out = ssl.MemoryBIO()
+    client = ssl.create_default_context().wrap_bio(
+        ssl.MemoryBIO(), out, server_hostname="localhost")
+    with contextlib.suppress(ssl.SSLWantReadError):
+        client.do_handshake()
+    return out.read()
+
+
 class Case(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -307,6 +317,60 @@ class Limits(Case):
             spent = time.monotonic() - began
             print(f"64 idle RTSP connections were gone after {spent:.1f} s")
             self.assertTrue(works())
+
+    def test_rtsps_handshakes_wait_for_nobody(self):
+        """40 that say nothing, half a greeting, a greeting and no more, or
+        finish the handshake and sit there (openssl s_client): none has a
+        thread, and a player comes in as if they were not there."""
+        port = free_port()
+        greeting = client_hello()
+
+        def idle(i):
+            if i % 4 == 0:
+                openssl = subprocess.Popen(
+                    ["openssl", "s_client", "-quiet", "-connect",
+                     f"127.0.0.1:{port}"], stdin=subprocess.PIPE,
+                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                self.addCleanup(openssl.wait)
+                self.addCleanup(openssl.terminate)
+                self.addCleanup(openssl.stdin.close)
+                return
+            s = socket.create_connection(("127.0.0.1", port))
+            self.addCleanup(s.close)
+            s.sendall((b"", greeting[:40], greeting)[i % 4 - 1])
+        with Daemon("--token-file", self.token, "--tls-cert", self.cert,
+                    "--tls-key", self.key, "--rtsp",
+                    f"127.0.0.1:{port}") as daemon:
+            def threads():
+                return len(os.listdir(f"/proc/{daemon.process.pid}/task"))
+
+            def play():
+                began = time.monotonic()
+                done = subprocess.run(
+                    ["ffmpeg", "-v", "error", "-rtsp_transport", "tcp",
+                     "-probesize", "32", "-i",
+                     f"rtsps://x:{TOKEN}@127.0.0.1:{port}/bridge",
+                     "-frames:v", "1", "-f", "null", "-"],
+                    capture_output=True, timeout=30)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                return time.monotonic() - began
+
+            def at_rest():
+                """Threads once GStreamer has tidied up after the last."""
+                seen = [threads()]
+                while len(seen) < 5 or len(set(seen[-5:])) > 1:
+                    time.sleep(0.1)
+                    seen.append(threads())
+                return seen[-1]
+            play()
+            alone, before = play(), at_rest()
+            for i in range(40):
+                idle(i)
+            among, after = play(), at_rest()
+            print(f"a player over RTSPS had a picture after {alone:.2f} s "
+                  f"alone, {among:.2f} s among 40 idle handshakes; threads "
+                  f"{before} and {after}")
+            self.assertLessEqual(after, before + 1)  # a cleaning one may linger
 
     @unittest.skipUnless(os.environ.get("SOAK"), "30 s; see make soak")
     def test_viewer_that_answers_no_ping(self):

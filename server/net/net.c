@@ -179,8 +179,6 @@ void pel_net_reload(struct pel_net *net)
     }
     if (net->tls && pel_tls_reload(net->tls, &fault) != PEL_OK) {
         pel_error("NET-009", "the certificate stays: %s", fault.message);
-    } else if (net->tls && net->rtsp) {
-        pel_rtsp_set_certificate(net->rtsp, pel_tls_certificate(net->tls));
     }
 }
 
@@ -207,7 +205,7 @@ static enum pel_err listen_all(struct pel_net *net, struct pel_fault *fault)
             .port = o->rtsp_port,
             .allow_remote = remote,
             .token = net->token,
-            .certificate = net->tls ? pel_tls_certificate(net->tls) : NULL,
+            .tls = net->tls,
         };
         err =
             pel_rtsp_create(&rtsp, net->scene, net->frames, &net->rtsp, fault);

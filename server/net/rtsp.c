@@ -23,6 +23,12 @@
  * TLS handshake, has so long, and less where its place is wanted. */
 #define LOITER_NS (8 * INT64_C(1000000000))
 #define WANTED_NS (1 * INT64_C(1000000000))
+/* Of TLS, before gst-rtsp-server sees anything. GIO's would give each handshake
+ * a thread of a pool that grows one by one, so that idle ones hold up the rest.
+ * A player that is paused by not reading is left alone as long as RTSP's own
+ * sessions are. */
+#define HANDSHAKE_S 8.0
+#define STALL_S 60.0
 /* Frames that come without a time get that of their coming; the queue of a
  * client is bounded where it is filled (rtspstream.c). */
 #define LAUNCH                                                                 \
@@ -52,8 +58,8 @@ struct pel_rtsp {
     struct pel_rtsp_hub *hub;
     struct pel_listener *listener;
     uint16_t port;
-    struct pel_token *token;      /* NULL: none is asked for */
-    GTlsCertificate *certificate; /* NULL: plain */
+    struct pel_token *token; /* NULL: none is asked for */
+    struct pel_tls *tls;     /* NULL: plain */
     enum state state;
     pthread_t starter;
     enum pel_err start_err;
@@ -120,32 +126,13 @@ static void on_closed(GstRTSPClient *client, gpointer user)
 
 /* --- the server ---------------------------------------------------------- */
 
-/* Before the connection is read for the first time. */
-static void secure(GstRTSPClient *client, GTlsCertificate *certificate)
-{
-    GstRTSPConnection *connection = gst_rtsp_client_get_connection(client);
-    GError *error = NULL;
-    GTlsConnection *tls = gst_rtsp_connection_get_tls(connection, &error);
-    if (!tls) {
-        pel_error("NET-032", "no TLS for RTSP: %s", error->message);
-        g_clear_error(&error);
-        gst_rtsp_client_close(client);
-        return;
-    }
-    g_tls_connection_set_certificate(tls, certificate);
-}
-
 static void on_connected(GstRTSPServer *server, GstRTSPClient *client,
                          gpointer user)
 {
     (void)server;
-    const struct pel_rtsp *rtsp = user;
     int64_t *since_ns = g_new(int64_t, 1);
     *since_ns = pel_now_ns();
     g_object_set_data_full(G_OBJECT(client), SINCE_KEY, since_ns, g_free);
-    if (rtsp->certificate) {
-        secure(client, rtsp->certificate);
-    }
     g_signal_connect(client, "play-request", G_CALLBACK(on_play), NULL);
     g_signal_connect(client, "closed", G_CALLBACK(on_closed), user);
 }
@@ -159,7 +146,7 @@ static void mount(struct pel_rtsp *rtsp, GstRTSPMountPoints *points,
     gst_rtsp_media_factory_set_launch(factory, LAUNCH);
     gst_rtsp_media_factory_set_shared(factory, FALSE);
     gst_rtsp_media_factory_set_latency(factory, 0);
-    if (rtsp->certificate) {
+    if (rtsp->tls) {
         gst_rtsp_media_factory_set_protocols(factory, GST_RTSP_LOWER_TRANS_TCP);
     }
     g_object_set_data_full(G_OBJECT(factory), VIEW_KEY, g_strdup(view), g_free);
@@ -366,6 +353,13 @@ static bool accept_client(void *user, int fd, const struct sockaddr *address,
         rtsp->refused++;
         return false;
     }
+    if (rtsp->tls) {
+        client.fd = pel_tls_serve(rtsp->tls, fd, HANDSHAKE_S, STALL_S);
+        if (client.fd < 0) {
+            rtsp->refused++;
+            return true; /* closed already */
+        }
+    }
     rtsp->accepted++;
     if (rtsp->state == STATE_STARTING) {
         rtsp->waiting[rtsp->waiting_count++] = client;
@@ -390,9 +384,7 @@ enum pel_err pel_rtsp_create(const struct pel_rtsp_options *options,
         return err;
     }
     rtsp->token = options->token;
-    if (options->certificate) {
-        rtsp->certificate = g_object_ref(options->certificate);
-    }
+    rtsp->tls = options->tls;
     rtsp->scene = scene;
     rtsp->hub = pel_rtsp_hub_create(frames);
     rtsp->port = pel_listener_port(rtsp->listener);
@@ -400,14 +392,6 @@ enum pel_err pel_rtsp_create(const struct pel_rtsp_options *options,
         g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
     *out = rtsp;
     return PEL_OK;
-}
-
-void pel_rtsp_set_certificate(struct pel_rtsp *rtsp,
-                              GTlsCertificate *certificate)
-{
-    g_object_ref(certificate);
-    g_clear_object(&rtsp->certificate);
-    rtsp->certificate = certificate;
 }
 
 void pel_rtsp_stop(struct pel_rtsp *rtsp)
@@ -463,7 +447,6 @@ void pel_rtsp_destroy(struct pel_rtsp *rtsp)
     }
     pel_rtsp_hub_unref(rtsp->hub);
     g_hash_table_destroy(rtsp->mounted);
-    g_clear_object(&rtsp->certificate);
     g_free(rtsp);
 }
 

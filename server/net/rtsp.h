@@ -10,20 +10,20 @@
 #include "base/err.h"
 #include "base/metrics.h"
 #include "frames/frames.h"
+#include "net/tls.h"
 #include "net/token.h"
 #include "scene/scene.h"
 
 struct pel_rtsp;
-typedef struct _GTlsCertificate GTlsCertificate; /* GIO's */
 
 struct pel_rtsp_options {
     const char *address; /* numeric IPv4 or IPv6 */
     uint16_t port;       /* 0: any free one */
     bool allow_remote;
     struct pel_token
-        *token; /* the password; NULL: none is asked for; borrowed */
-    GTlsCertificate *certificate; /* RTSPS only, interleaved only: RTP over UDP
-                                   * would be plain; NULL: RTSP */
+        *token;          /* the password; NULL: none is asked for; borrowed */
+    struct pel_tls *tls; /* RTSPS only, interleaved only: RTP over UDP would be
+                          * plain; NULL: RTSP; borrowed */
 };
 
 /* Listens. Errors as pel_listener_tcp. */
@@ -33,9 +33,6 @@ PEL_CHECK enum pel_err pel_rtsp_create(const struct pel_rtsp_options *options,
                                        struct pel_rtsp **out,
                                        struct pel_fault *fault);
 
-/* Another one for clients to come. */
-void pel_rtsp_set_certificate(struct pel_rtsp *rtsp,
-                              GTlsCertificate *certificate);
 void pel_rtsp_stop(struct pel_rtsp *rtsp);    /* no new clients */
 void pel_rtsp_destroy(struct pel_rtsp *rtsp); /* NULL allowed */
 

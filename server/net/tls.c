@@ -10,6 +10,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <glib.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
 
@@ -24,8 +25,7 @@
 struct pel_tls {
     char *cert_path, *key_path;
     SSL_CTX *context;
-    GTlsCertificate *certificate; /* the same for GIO */
-    GPtrArray *pumps;             /* of struct pump */
+    GPtrArray *pumps; /* of struct pump */
 };
 
 struct block {
@@ -89,36 +89,21 @@ static enum pel_err load(struct pel_tls *tls, struct pel_fault *fault)
     }
     ERR_clear_error();
     SSL_CTX *context = make_context(tls->cert_path, tls->key_path);
-    GError *error = NULL;
-    GTlsCertificate *certificate =
-        g_tls_certificate_new_from_files(tls->cert_path, tls->key_path, &error);
-    if (!context || !certificate) {
+    if (!context) {
         unsigned long code = ERR_peek_last_error();
         const char *why = code ? ERR_reason_error_string(code) : NULL;
-        pel_fault_set(fault, PEL_ERR_INVALID,
-                      "no certificate from %s and %s: %s", tls->cert_path,
-                      tls->key_path,
-                      error ? error->message : (why ? why : "unreadable"));
-        g_clear_error(&error);
-        g_clear_object(&certificate);
-        SSL_CTX_free(context);
-        return PEL_ERR_INVALID;
+        return pel_fault_set(
+            fault, PEL_ERR_INVALID, "no certificate from %s and %s: %s",
+            tls->cert_path, tls->key_path, why ? why : "unreadable");
     }
     SSL_CTX_free(tls->context);
-    g_clear_object(&tls->certificate);
     tls->context = context;
-    tls->certificate = certificate;
     return PEL_OK;
 }
 
 enum pel_err pel_tls_create(const char *cert_path, const char *key_path,
                             struct pel_tls **out, struct pel_fault *fault)
 {
-    if (!g_tls_backend_supports_tls(g_tls_backend_get_default())) {
-        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
-                             "there is no TLS for RTSP here: install "
-                             "glib-networking");
-    }
     struct pel_tls *tls = g_new0(struct pel_tls, 1);
     tls->cert_path = g_strdup(cert_path);
     tls->key_path = g_strdup(key_path);
@@ -135,11 +120,6 @@ enum pel_err pel_tls_create(const char *cert_path, const char *key_path,
 enum pel_err pel_tls_reload(struct pel_tls *tls, struct pel_fault *fault)
 {
     return load(tls, fault);
-}
-
-GTlsCertificate *pel_tls_certificate(const struct pel_tls *tls)
-{
-    return tls->certificate;
 }
 
 /* --- one connection ------------------------------------------------------- */
@@ -358,7 +338,6 @@ void pel_tls_destroy(struct pel_tls *tls)
     }
     g_ptr_array_free(tls->pumps, TRUE);
     SSL_CTX_free(tls->context);
-    g_clear_object(&tls->certificate);
     g_free(tls->cert_path);
     g_free(tls->key_path);
     g_free(tls);
