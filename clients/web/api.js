@@ -99,8 +99,9 @@ function inTurn(work) {
 
 export const getState = () => inTurn(() => perform("GET", "/v1/state"));
 export const getFields = () => inTurn(() => perform("GET", "/v1/fields"));
-export const patchState = (patch) =>
-  inTurn(() => perform("PATCH", "/v1/state", patch,
+// make(): the patch, made when its turn has come, of the newest state.
+export const patchState = (make) =>
+  inTurn(() => perform("PATCH", "/v1/state", make(),
     "application/merge-patch+json"));
 export const stepClock = (seconds) =>
   inTurn(() => perform("POST", "/v1/clock/step", { seconds },

@@ -37,7 +37,8 @@ export class Look {
     this.wish = null;
     this.busy = true;
     try {
-      const state = await patchState({ views: { [this.name]: change } });
+      const state = await patchState(() =>
+        ({ views: { [this.name]: change } }));
       if (!this.wish) {
         this.told(state);
       }

@@ -79,7 +79,7 @@ export class Control {
   async send() {
     const value = this.pending;
     try {
-      const state = await patchState(this.patch(value));
+      const state = await patchState(() => this.patch(value));
       this.fail("");
       this.pending = this.pending === value ? null : this.pending;
       document.dispatchEvent(new CustomEvent("state", { detail: state }));

@@ -130,22 +130,22 @@ export class Sections {
     }), (s) => trains(s).length > 0);
     choice.options = (s) => trains(s).map((t, i) => [String(i),
       `${i + 1}: ${t.height ?? 1} m from ${Math.round(t.direction ?? 270)}°`]);
-    const set = (swell, train) => {
+    const set = (change, train) => {
       this.train = train;
-      choice.write({ swell });
+      choice.write(change);
     };
-    choice.patch = ({ swell }) => ({ sea: { swell } });
+    choice.patch = (change) => ({ sea: { swell: change(trains(this.state)) } });
+    this.trainChoice = choice;
     choice.node.classList.add("with-button");
     const pair = document.createElement("span");
     pair.className = "pair";
     choice.select.after(pair);
     button(pair, "+", "Add a train of swell", () => {
-      const list = trains(this.state);
-      set([...list, {}], list.length);
+      set((list) => [...list, {}], trains(this.state).length);
     });
     button(pair, "−", "Remove this train of swell", () => {
-      set(trains(this.state).filter((_, i) => i !== this.train),
-        Math.max(0, this.train - 1));
+      const gone = this.train;
+      set((list) => list.filter((_, i) => i !== gone), Math.max(0, gone - 1));
     });
     const range = (label, name, unit, step, id) =>
       this.range("swell", label, `sea.swell.*.${name}`, unit, step, {
@@ -328,7 +328,9 @@ export class Sections {
       this.shipId = first ? String(first.id ?? 0) : null;
     }
     const trains = state.sea?.swell?.length ?? 0;
-    this.train = Math.min(this.train, Math.max(trains - 1, 0));
+    if (this.trainChoice.pending === null) { // else one is being added
+      this.train = Math.min(this.train, Math.max(trains - 1, 0));
+    }
     for (const control of this.controls) {
       if (control.options instanceof Function) {
         control.setOptions(control.options(state));
