@@ -227,6 +227,7 @@ CTL := \
     clients/pelagosctl/ctl_state.c \
     clients/pelagosctl/flatten.c \
     clients/pelagosctl/nearest.c \
+    clients/pelagosctl/log_run.c \
     clients/pelagosctl/nmea_log.c
 
 TESTS :=

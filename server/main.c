@@ -104,7 +104,9 @@ static enum pel_err start_record(struct daemon *d, struct pel_fault *fault)
 {
     struct pel_record_options options = {
         .path = d->options.record,
-        .limit_mib = d->options.record_limit_mib,
+        .segment_mib = d->options.record_segment_mib,
+        .keep = (unsigned)d->options.record_keep,
+        .again_s = 10,
         .program = "pelagosd " PEL_VERSION,
         .device = pel_frames_device(d->frames),
         .wave_count = d->options.waves,

@@ -61,11 +61,15 @@ const struct pel_option pel_option_table[] = {
     { "record", "scene", PEL_OPTION_PATH, "FILE|off", "off",
       .offset = FIELD(record),
       .help = "Writes every accepted command with its simulated time into "
-              "this log, for `pelagosctl replay`; a log that is there is kept "
-              "as FILE.1." },
-    { "record-limit", "scene", PEL_OPTION_DOUBLE, "MIB", "1024", 1, 1048576,
-      "MiB", .offset = FIELD(record_limit_mib),
-      .help = "Recording ends before the log is larger." },
+              "this log, for `pelagosctl replay`; when it is full it becomes "
+              "FILE.000001 and so on, and FILE begins anew with the whole "
+              "state." },
+    { "record-segment", "scene", PEL_OPTION_DOUBLE, "MIB", "64", 0.0625, 65536,
+      "MiB", .offset = FIELD(record_segment_mib),
+      .help = "Size at which --record begins a new segment." },
+    { "record-keep", "scene", PEL_OPTION_INT, "COUNT", "16", 2, 100000,
+      "segments", .offset = FIELD(record_keep),
+      .help = "Segments of --record that are kept; older ones are removed." },
     { "waves", "scene", PEL_OPTION_INT, "COUNT", "60", 20, 256, "trochoids",
       .offset = FIELD(waves),
       .help = "Number of waves of a sea of TROCHOIDS." },

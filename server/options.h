@@ -49,7 +49,8 @@ struct pel_options {
     double cigi_rate;
     int cigi_gone;
     char state[PEL_OPTION_TEXT], record[PEL_OPTION_TEXT];
-    double record_limit_mib;
+    double record_segment_mib;
+    int record_keep;
     int waves;
     char spectra[PEL_OPTION_TEXT], bathymetry[PEL_OPTION_TEXT];
     char device[PEL_OPTION_TEXT];

@@ -136,7 +136,7 @@ enum ctl_exit ctl_frame(struct ctl *ctl);
 enum ctl_exit ctl_surface(struct ctl *ctl);
 enum ctl_exit ctl_replay(struct ctl *ctl);
 /* replay, where the file is a command log. */
-enum ctl_exit ctl_replay_log(struct ctl *ctl, const char *data, size_t size);
+enum ctl_exit ctl_replay_log(struct ctl *ctl);
 enum ctl_exit ctl_spectrum(struct ctl *ctl);
 enum ctl_exit ctl_record(struct ctl *ctl);
 enum ctl_exit ctl_bench(struct ctl *ctl);

@@ -12,8 +12,8 @@
 #include <glib.h>
 
 #include "base/clock.h"
+#include "pelagosctl/log_run.h"
 #include "pelagosctl/nmea_log.h"
-#include "pelog.h"
 
 #define DEFAULT_TARGET "127.0.0.1:10110"
 #define MAX_LINE 1024
@@ -220,11 +220,17 @@ enum ctl_exit ctl_replay(struct ctl *ctl)
     g_autofree char *text = NULL;
     gsize size = 0;
     g_autoptr(GError) error = NULL;
+    if (log_run_is(ctl->args[0])) {
+        return ctl_replay_log(ctl);
+    }
+    if (ctl->arg_count > 1) {
+        return ctl_say(CTL_USAGE,
+                       "%s is no command log: several files are the segments "
+                       "of one",
+                       ctl->args[0]);
+    }
     if (!g_file_get_contents(ctl->args[0], &text, &size, &error)) {
         return ctl_say(CTL_FAILED, "%s", error->message);
-    }
-    if (pel_log_is(text, size)) {
-        return ctl_replay_log(ctl, text, size);
     }
     if (ctl_value(ctl, "frames") || ctl_value(ctl, "at") ||
         ctl_value(ctl, "every") || ctl_value(ctl, "view")) {

@@ -12,6 +12,7 @@
 
 #include "base/clock.h"
 #include "base/err.h"
+#include "pelagosctl/log_run.h"
 #include "pelog.h"
 
 #define MAX_TIMES 10000
@@ -20,6 +21,7 @@
 
 struct play {
     struct ctl *ctl;
+    const char *name; /* of the segment that is read */
     struct pel_log_reader reader;
     double time_s;           /* simulated, of the daemon */
     double every_s;          /* 0: no frames in a row */
@@ -28,6 +30,7 @@ struct play {
     bool drawn[MAX_TIMES];
     size_t time_count, time_next;
     const char *folder, *view;
+    bool begun;
     bool own_ship; /* moves by itself: no long steps */
     double speed;  /* 0: as fast as it goes */
     int64_t start_ns;
@@ -82,7 +85,8 @@ static enum ctl_exit send_patch(struct play *play, Pelagos__Patch *patch)
     enum ctl_exit status = CTL_DONE;
     if (pel_client_patch(play->ctl->client, patch, &now, &error)) {
         status = ctl_report(play->ctl, &error);
-        fprintf(stderr, "  entry %zu of the log\n", play->reader.entries);
+        fprintf(stderr, "  entry %zu of %s\n", play->reader.entries,
+                play->name);
     } else {
         play->time_s = now->clock->time;
         play->own_ship = now->own_ship && now->own_ship->on;
@@ -95,11 +99,20 @@ static enum ctl_exit send_patch(struct play *play, Pelagos__Patch *patch)
     return status;
 }
 
-/* Everything as the log's head says, whatever the daemon showed before. */
+/* Everything as the log's head says, whatever the daemon showed before. Own
+ * ship is taken away first, so that its steps begin anew as they did when the
+ * head was written. */
 static enum ctl_exit begin(struct play *play, Pelagos__LogHead *head)
 {
-    char *parts[16];
+    char *parts[16], *own_ship[] = { "own_ship" };
     Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    patch.n_remove = 1;
+    patch.remove = own_ship;
+    enum ctl_exit status = send_patch(play, &patch);
+    if (status != CTL_DONE) {
+        return status;
+    }
+    patch.n_remove = 0;
     patch.remove = parts;
     patch.state = head->state;
     head->state->has_revision = 0;
@@ -109,7 +122,7 @@ static enum ctl_exit begin(struct play *play, Pelagos__LogHead *head)
             parts[patch.n_remove++] = (char *)type->fields[i].name;
         }
     }
-    if (!ctl_flag(play->ctl, "quiet")) {
+    if (!play->begun && !ctl_flag(play->ctl, "quiet")) {
         fprintf(stderr, "recorded %s by %s on %s, --waves %u\n",
                 head->began ? head->began : "", head->program,
                 head->device ? head->device : "", head->waves);
@@ -216,15 +229,31 @@ static enum ctl_exit advance(struct play *play, double end_s)
 
 /* --- the log -------------------------------------------------------------- */
 
+/* A further segment's state is the one that the last has led to: it is set all
+ * the same, as own ship's steps begin anew with it. */
+static enum ctl_exit take_head(struct play *play, Pelagos__LogEntry *entry)
+{
+    enum ctl_exit status = CTL_DONE;
+    if (play->begun && entry->time > play->time_s) {
+        status = advance(play, entry->time);
+    }
+    if (status == CTL_DONE) {
+        status = begin(play, entry->head);
+    }
+    if (!play->begun) {
+        play->start_ns = pel_now_ns();
+        play->start_s = play->time_s;
+        play->begun = true;
+    }
+    return status;
+}
+
 static enum ctl_exit take(struct play *play, Pelagos__LogEntry *entry)
 {
     enum ctl_exit status = CTL_DONE;
     switch (entry->command_case) {
     case PELAGOS__LOG_ENTRY__COMMAND_HEAD:
-        status = begin(play, entry->head);
-        play->start_ns = pel_now_ns();
-        play->start_s = play->time_s;
-        return status;
+        return take_head(play, entry);
     case PELAGOS__LOG_ENTRY__COMMAND_STEP:
         status =
             entry->time > play->time_s ? advance(play, entry->time) : CTL_DONE;
@@ -248,33 +277,6 @@ static enum ctl_exit take(struct play *play, Pelagos__LogEntry *entry)
     }
     play->commands++;
     return status;
-}
-
-/* Reads it once without playing: what cannot be read to its end is refused
- * before anything is changed. */
-static enum ctl_exit check(const char *name, const char *data, size_t size)
-{
-    struct pel_log_reader reader;
-    struct pel_fault fault;
-    enum pel_err err = pel_log_open(&reader, data, size, &fault);
-    Pelagos__LogEntry *entry = NULL;
-    while (!err) {
-        err = pel_log_next(&reader, &entry, &fault);
-        if (!entry) {
-            break;
-        }
-        pelagos__log_entry__free_unpacked(entry, NULL);
-    }
-    if (err) {
-        return ctl_say(CTL_FAILED, "%s: %s", name, fault.message);
-    }
-    if (reader.torn) {
-        ctl_say(CTL_DONE,
-                "%s ends inside entry %zu, which is left out: the "
-                "recording was cut off",
-                name, reader.entries + 1);
-    }
-    return CTL_DONE;
 }
 
 static enum ctl_exit read_times(struct play *play, const char *list)
@@ -335,17 +337,22 @@ static enum ctl_exit finish(struct play *play)
                                         : INFINITY);
 }
 
-static enum ctl_exit play_all(struct play *play)
+static enum ctl_exit play_segment(struct play *play,
+                                  const struct log_segment *segment)
 {
-    enum ctl_exit status = ctl_connect(play->ctl);
     struct pel_fault fault;
     Pelagos__LogEntry *entry = NULL;
+    enum ctl_exit status = CTL_DONE;
+    play->name = segment->name;
+    if (pel_log_open(&play->reader, segment->data, segment->size, &fault)) {
+        return ctl_say(CTL_FAILED, "%s: %s", segment->name, fault.message);
+    }
     while (status == CTL_DONE) {
         if (pel_log_next(&play->reader, &entry, &fault)) {
-            return ctl_say(CTL_FAILED, "%s", fault.message);
+            return ctl_say(CTL_FAILED, "%s: %s", segment->name, fault.message);
         }
         if (!entry) {
-            return finish(play);
+            break;
         }
         status = take(play, entry);
         pelagos__log_entry__free_unpacked(entry, NULL);
@@ -353,20 +360,30 @@ static enum ctl_exit play_all(struct play *play)
     return status;
 }
 
-enum ctl_exit ctl_replay_log(struct ctl *ctl, const char *data, size_t size)
+static enum ctl_exit play_all(struct play *play, const struct log_run *run)
 {
-    struct pel_fault fault;
+    enum ctl_exit status = ctl_connect(play->ctl);
+    for (size_t i = 0; i < run->count && status == CTL_DONE; i++) {
+        status = play_segment(play, &run->segments[i]);
+    }
+    return status == CTL_DONE ? finish(play) : status;
+}
+
+enum ctl_exit ctl_replay_log(struct ctl *ctl)
+{
+    struct log_run run;
     g_autofree struct play *play = g_new0(struct play, 1);
     play->ctl = ctl;
-    enum ctl_exit status = check(ctl->args[0], data, size);
+    enum ctl_exit status =
+        log_run_open((const char *const *)ctl->args, ctl->arg_count, &run);
     if (status == CTL_DONE) {
         status = read_options(play);
     }
-    if (status == CTL_DONE &&
-        pel_log_open(&play->reader, data, size, &fault) == PEL_OK) {
+    if (status == CTL_DONE) {
         ctl_catch_signals();
-        status = play_all(play);
+        status = play_all(play, &run);
     }
+    log_run_finish(&run);
     if (status == CTL_DONE && ctl_flag(ctl, "json")) {
         printf("{\"commands\":%zu,\"time\":%.17g,\"frames\":%zu}\n",
                play->commands, play->time_s, play->frames);

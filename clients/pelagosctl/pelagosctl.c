@@ -101,6 +101,8 @@ static const char *const replay_examples[] = {
     "pelagosctl replay voyage.nmea --speed 10\nTen minutes of log in one.",
     "pelagosctl replay bug.pelog --frames out --every 0.5\nThe frames of a "
     "recorded session, two for each of its seconds.",
+    "pelagosctl replay bug.pelog bug.pelog.0*\nAll segments of a long "
+    "recording.",
     NULL,
 };
 
@@ -285,7 +287,7 @@ const struct ctl_command ctl_commands[] = {
       "Advances the clock by SECONDS (1/30) and prints the new time. Only in "
       "clock.mode STEPPED.",
       NULL, NULL, NULL, 0, 1, ctl_step },
-    { "replay", "FILE", "play a log of NMEA sentences or of commands",
+    { "replay", "FILE…", "play a log of NMEA sentences or of commands",
       "Sends the sentences of FILE over UDP at the pace of their time stamps "
       "(RMC, else GGA, GLL or ZDA; a group a second where there are none), "
       "times --speed. For its duration clock.mode is FREE and clock.rate the "
@@ -294,8 +296,10 @@ const struct ctl_command ctl_commands[] = {
       "state of its beginning, then every command at its recorded simulated "
       "time, in clock.mode STEPPED, as fast as it goes or at --speed times "
       "the pace of the recording. Frames saved on the way are the same bits "
-      "each time on the same renderer. The end of the log stays.",
-      replay_options, replay_examples, "files", 1, 1, ctl_replay },
+      "each time on the same renderer. The end of the log stays. Several "
+      "FILEs are the segments of one recording, in any order: they are played "
+      "as one log; each of them can be played alone.",
+      replay_options, replay_examples, "files", 1, SIZE_MAX, ctl_replay },
     { "record", "VIEW FILE", "save a clip",
       "Records the view into FILE: .mjpeg (bare JPEGs), .mkv "
       "(Motion-JPEG as pelagosd encoded it), .mp4 (H.264; needs GStreamer's "

@@ -3,38 +3,63 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <glib.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "pelog.h"
 #include "wire.h"
 
-#define MAX_KEPT 999
 #define MIB 1048576.0
+#define MAX_NUMBER 999999999u
 /* Steps that frames or a host make are written so often [simulated s]; those
  * of clients all are. */
 #define STEP_INTERVAL_S 0.1
 
 struct pel_record {
     struct pel_scene *scene;
-    char *path;
-    int fd; /* -1: the recording has ended */
+    char *path, *program, *device;
+    int wave_count;
+    char *recording; /* what its segments have in common */
+    uint32_t segment;
+    unsigned keep, next_number; /* of PATH.NNNNNN */
+    int fd;                     /* -1: nothing is written at present */
     double limit;
-    uint64_t size; /* bytes that are whole entries */
-    uint64_t entries, lost;
-    double step_s; /* time of the last entry */
+    uint64_t size, head_size; /* bytes that are whole entries; of the first */
+    uint64_t entries, lost, begun, removed;
+    int64_t pause_ns, again_ns; /* no new segment is tried before */
+    double step_s;              /* time of the last entry */
 };
 
 /* --- writing -------------------------------------------------------------- */
 
-static void stop(struct pel_record *record, const char *why)
+static bool write_all(int fd, const uint8_t *data, size_t size)
 {
-    pel_error("REC-002", "%s: recording ended after %llu entries: %s",
+    size_t done = 0;
+    while (done < size) {
+        ssize_t n = write(fd, data + done, size - done);
+        if (n < 0 && errno == EINTR) {
+            continue;
+        }
+        if (n <= 0) {
+            errno = n < 0 ? errno : ENOSPC;
+            return false;
+        }
+        done += (size_t)n;
+    }
+    return true;
+}
+
+static void pause_recording(struct pel_record *record, const char *why)
+{
+    pel_error("REC-002",
+              "%s: not recording, after %llu entries, until a new segment can "
+              "be begun: %s",
               record->path, (unsigned long long)record->entries, why);
     /* What is there of a torn entry goes, so that the log stays readable. */
     if (ftruncate(record->fd, (off_t)record->size) != 0) {
@@ -42,27 +67,16 @@ static void stop(struct pel_record *record, const char *why)
     }
     close(record->fd);
     record->fd = -1;
+    record->again_ns = pel_now_ns() + record->pause_ns;
 }
 
 /* One write a message: what has been accepted is in the file even if the
  * process is killed the next moment. */
 static bool put(struct pel_record *record, const uint8_t *data, size_t size)
 {
-    size_t done = 0;
-    if ((double)(record->size + size) > record->limit) {
-        stop(record, "the limit of its size is reached");
+    if (!write_all(record->fd, data, size)) {
+        pause_recording(record, strerror(errno));
         return false;
-    }
-    while (done < size) {
-        ssize_t n = write(record->fd, data + done, size - done);
-        if (n < 0 && errno == EINTR) {
-            continue;
-        }
-        if (n <= 0) {
-            stop(record, n < 0 ? strerror(errno) : "nothing is written");
-            return false;
-        }
-        done += (size_t)n;
     }
     record->size += size;
     return true;
@@ -78,7 +92,7 @@ static void put_entry(struct pel_record *record, Pelagos__LogEntry *entry)
     uint8_t *data = pel_wire_pack(&entry->base, &size);
     bool done = false;
     if (size > PEL_LOG_MAX_ENTRY) {
-        stop(record, "a command is too large for a log");
+        pause_recording(record, "a command is too large for a log");
     } else {
         done = put(record, data, size);
     }
@@ -110,6 +124,210 @@ static void put_step(struct pel_record *record, double time_s,
     put_entry(record, &entry);
 }
 
+/* --- segments ------------------------------------------------------------- */
+
+static char *numbered(const struct pel_record *record, unsigned number)
+{
+    return g_strdup_printf("%s.%06u", record->path, number);
+}
+
+/* The number of a file named as our closed segments are; 0: it is not. */
+static unsigned number_of(const char *name, const char *base)
+{
+    size_t length = strlen(base);
+    if (strncmp(name, base, length) != 0 || name[length] != '.') {
+        return 0;
+    }
+    const char *digits = name + length + 1;
+    size_t count = strspn(digits, "0123456789");
+    if (count < 6 || count > 9 || digits[count] != '\0') {
+        return 0;
+    }
+    return (unsigned)strtoul(digits, NULL, 10);
+}
+
+static int rising(const void *a, const void *b)
+{
+    unsigned x = *(const unsigned *)a, y = *(const unsigned *)b;
+    return (x > y) - (x < y);
+}
+
+/* Numbers of the closed segments that are there, rising. */
+static GArray *numbers(const struct pel_record *record)
+{
+    GArray *found = g_array_new(FALSE, FALSE, sizeof(unsigned));
+    g_autofree char *folder = g_path_get_dirname(record->path);
+    g_autofree char *base = g_path_get_basename(record->path);
+    GDir *dir = g_dir_open(folder, 0, NULL);
+    const char *name;
+    while (dir && (name = g_dir_read_name(dir))) {
+        unsigned number = number_of(name, base);
+        if (number > 0) {
+            g_array_append_val(found, number);
+        }
+    }
+    if (dir) {
+        g_dir_close(dir);
+    }
+    g_array_sort(found, rising);
+    return found;
+}
+
+static void remove_oldest(struct pel_record *record)
+{
+    GArray *found = numbers(record);
+    for (unsigned i = 0; i + record->keep <= found->len; i++) {
+        g_autofree char *name =
+            numbered(record, g_array_index(found, unsigned, i));
+        if (unlink(name) == 0) {
+            record->removed++;
+        } else {
+            static struct pel_log_limit limit;
+            pel_log_limited(&limit, PEL_LOG_WARNING, "REC-006",
+                            "%s, which is old, stays: %s", name,
+                            strerror(errno));
+        }
+    }
+    g_array_free(found, TRUE);
+}
+
+static uint8_t *pack_head(const struct pel_record *record,
+                          const Pelagos__State *state, size_t *size)
+{
+    Pelagos__LogEntry entry = PELAGOS__LOG_ENTRY__INIT;
+    Pelagos__LogHead head = PELAGOS__LOG_HEAD__INIT;
+    char began[32];
+    time_t now = time(NULL);
+    struct tm utc;
+    gmtime_r(&now, &utc);
+    strftime(began, sizeof began, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    entry.has_time = entry.has_revision = true;
+    entry.time = state->clock->time;
+    entry.revision = state->revision;
+    head.has_version = head.has_waves = head.has_segment = true;
+    head.version = PEL_LOG_VERSION;
+    head.waves = (uint32_t)record->wave_count;
+    head.program = record->program;
+    head.device = record->device;
+    head.began = began;
+    head.recording = record->recording;
+    head.segment = record->segment;
+    head.state = (Pelagos__State *)state;
+    entry.command_case = PELAGOS__LOG_ENTRY__COMMAND_HEAD;
+    entry.head = &head;
+    return pel_wire_pack(&entry.base, size);
+}
+
+static bool write_head(const struct pel_record *record, int fd,
+                       const Pelagos__State *state, uint64_t *total)
+{
+    size_t size;
+    uint8_t *head = pack_head(record, state, &size);
+    bool good = size <= PEL_LOG_MAX_ENTRY;
+    errno = EFBIG;
+    good = good &&
+           write_all(fd, (const uint8_t *)PEL_LOG_MAGIC, PEL_LOG_MAGIC_SIZE);
+    good = good && write_all(fd, head, size);
+    *total = PEL_LOG_MAGIC_SIZE + size;
+    free(head);
+    return good;
+}
+
+/* Gives what is at PATH the next number, and PATH to the new segment. */
+static bool exchange(struct pel_record *record, const char *name)
+{
+    while (record->next_number <= MAX_NUMBER) {
+        g_autofree char *closed = numbered(record, record->next_number);
+        if (renameat2(AT_FDCWD, record->path, AT_FDCWD, closed,
+                      RENAME_NOREPLACE) == 0) {
+            record->next_number++;
+            break;
+        }
+        if (errno == ENOENT) {
+            break;
+        }
+        if (errno != EEXIST) {
+            return false;
+        }
+        record->next_number++;
+    }
+    return rename(name, record->path) == 0;
+}
+
+static void on_command(void *user, double time_s, const Pelagos__Patch *patch);
+
+/* Begins segment `segment` with the whole present state. False, with errno:
+ * the one before is as it was. */
+static bool begin_segment(struct pel_record *record, uint32_t segment)
+{
+    g_autofree char *name = g_strconcat(record->path, ".new", NULL);
+    unlink(name); /* left by a process killed in the middle of this */
+    int fd =
+        open(name, O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0640);
+    if (fd < 0) {
+        return false;
+    }
+    const Pelagos__State *state =
+        pel_scene_listen(record->scene, on_command, record);
+    uint32_t before = record->segment;
+    uint64_t size;
+    record->segment = segment;
+    if (!write_head(record, fd, state, &size) || !exchange(record, name)) {
+        int why = errno;
+        record->segment = before;
+        close(fd);
+        unlink(name);
+        errno = why;
+        return false;
+    }
+    if (record->fd >= 0) {
+        close(record->fd);
+    }
+    record->fd = fd;
+    record->size = record->head_size = size;
+    record->step_s = state->clock->time;
+    record->begun++;
+    record->entries++;
+    remove_oldest(record);
+    return true;
+}
+
+/* The next segment when this one is full. It is twice its head at least, so
+ * that a large state is not written with every command. Where it cannot be
+ * begun this one goes on, for as much again. */
+static void turn(struct pel_record *record)
+{
+    double full = fmax(record->limit, 2 * (double)record->head_size);
+    if (record->fd < 0 || (double)record->size < full) {
+        return;
+    }
+    if (pel_now_ns() >= record->again_ns) {
+        if (begin_segment(record, record->segment + 1)) {
+            return;
+        }
+        pel_warn("REC-007", "%s: no new segment: %s", record->path,
+                 strerror(errno));
+        record->again_ns = pel_now_ns() + record->pause_ns;
+    }
+    if ((double)record->size >= 2 * full) {
+        pause_recording(record, "no new segment can be begun");
+    }
+}
+
+/* What a pause has lost shows as a missing number. */
+static void resume(struct pel_record *record)
+{
+    if (record->fd >= 0 || pel_now_ns() < record->again_ns) {
+        return;
+    }
+    if (begin_segment(record, record->segment + 2)) {
+        pel_info("REC-008", "recording again to %s, segment %u", record->path,
+                 record->segment);
+    } else {
+        record->again_ns = pel_now_ns() + record->pause_ns;
+    }
+}
+
 static void on_command(void *user, double time_s, const Pelagos__Patch *patch)
 {
     struct pel_record *record = user;
@@ -125,89 +343,39 @@ static void on_command(void *user, double time_s, const Pelagos__Patch *patch)
                time_s < record->step_s) {
         put_step(record, time_s, state->revision);
     }
+    resume(record);
+    turn(record);
 }
 
 /* --- life ----------------------------------------------------------------- */
-
-static void put_head(struct pel_record *record,
-                     const struct pel_record_options *o,
-                     const Pelagos__State *state)
-{
-    Pelagos__LogEntry entry;
-    Pelagos__LogHead head = PELAGOS__LOG_HEAD__INIT;
-    char began[32];
-    time_t now = time(NULL);
-    struct tm utc;
-    gmtime_r(&now, &utc);
-    strftime(began, sizeof began, "%Y-%m-%dT%H:%M:%SZ", &utc);
-    pelagos__log_entry__init(&entry);
-    entry.has_time = entry.has_revision = true;
-    entry.time = record->step_s = state->clock->time;
-    entry.revision = state->revision;
-    head.has_version = head.has_waves = true;
-    head.version = PEL_LOG_VERSION;
-    head.waves = (uint32_t)o->wave_count;
-    head.program = (char *)o->program;
-    head.device = (char *)o->device;
-    head.began = began;
-    head.state = (Pelagos__State *)state;
-    entry.command_case = PELAGOS__LOG_ENTRY__COMMAND_HEAD;
-    entry.head = &head;
-    put_entry(record, &entry);
-}
-
-/* Gives an earlier log a name of its own. */
-static enum pel_err keep(const char *path, struct pel_fault *fault)
-{
-    if (access(path, F_OK) != 0) {
-        return PEL_OK;
-    }
-    for (int i = 1; i <= MAX_KEPT; i++) {
-        g_autofree char *other = g_strdup_printf("%s.%d", path, i);
-        if (renameat2(AT_FDCWD, path, AT_FDCWD, other, RENAME_NOREPLACE) == 0) {
-            pel_info("REC-004", "the log that was there is kept as %s", other);
-            return PEL_OK;
-        }
-        if (errno != EEXIST) {
-            return pel_fault_set(fault, PEL_ERR_IO, "--record: %s: %s", other,
-                                 strerror(errno));
-        }
-    }
-    return pel_fault_set(fault, PEL_ERR_CONFLICT,
-                         "--record: %s and its numbers up to %d are there; "
-                         "take some away",
-                         path, MAX_KEPT);
-}
 
 enum pel_err pel_record_create(const struct pel_record_options *o,
                                struct pel_scene *scene, struct pel_record **out,
                                struct pel_fault *fault)
 {
-    *out = NULL;
-    enum pel_err err = keep(o->path, fault);
-    if (err) {
-        return err;
-    }
-    int fd =
-        open(o->path, O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0640);
-    if (fd < 0) {
-        return pel_fault_set(fault, PEL_ERR_IO, "--record: %s: %s", o->path,
-                             strerror(errno));
-    }
     struct pel_record *record = g_new0(struct pel_record, 1);
+    *out = NULL;
     record->scene = scene;
     record->path = g_strdup(o->path);
-    record->fd = fd;
-    record->limit = o->limit_mib * MIB;
-    if (put(record, (const uint8_t *)PEL_LOG_MAGIC, PEL_LOG_MAGIC_SIZE)) {
-        put_head(record, o, pel_scene_listen(scene, on_command, record));
-    }
-    if (record->fd < 0) {
+    record->program = g_strdup(o->program);
+    record->device = g_strdup(o->device);
+    record->recording = g_uuid_string_random();
+    record->wave_count = o->wave_count;
+    record->limit = o->segment_mib * MIB;
+    record->keep = o->keep;
+    record->pause_ns = (int64_t)(o->again_s * 1e9);
+    record->fd = -1;
+    GArray *found = numbers(record);
+    record->next_number =
+        found->len > 0 ? g_array_index(found, unsigned, found->len - 1) + 1 : 1;
+    g_array_free(found, TRUE);
+    if (!begin_segment(record, 1)) {
+        pel_fault_set(fault, PEL_ERR_IO, "--record: %s: %s", o->path,
+                      strerror(errno));
         pel_record_destroy(record);
-        return pel_fault_set(fault, PEL_ERR_IO,
-                             "--record: %s cannot be written", o->path);
+        return PEL_ERR_IO;
     }
-    pel_info("REC-001", "recording to %s", o->path);
+    pel_info("REC-001", "recording %s to %s", record->recording, o->path);
     *out = record;
     return PEL_OK;
 }
@@ -228,6 +396,9 @@ void pel_record_destroy(struct pel_record *record)
         }
         close(record->fd);
     }
+    g_free(record->recording);
+    g_free(record->program);
+    g_free(record->device);
     g_free(record->path);
     g_free(record);
 }
@@ -239,10 +410,16 @@ void pel_record_collect(void *user, struct pel_metrics_page *page)
                "Commands written to the command log.", NULL,
                (double)record->entries);
     pel_metric(page, "pelagos_record_lost_total", PEL_METRIC_COUNTER,
-               "Commands that came after the recording had ended.", NULL,
+               "Commands that came while nothing could be written.", NULL,
                (double)record->lost);
     pel_metric(page, "pelagos_record_bytes", PEL_METRIC_GAUGE,
-               "Bytes of the command log.", NULL, (double)record->size);
+               "Bytes of the segment that is written.", NULL,
+               (double)record->size);
+    pel_metric(page, "pelagos_record_segments_total", PEL_METRIC_COUNTER,
+               "Segments of the command log that were begun.", NULL,
+               (double)record->begun);
+    pel_metric(page, "pelagos_record_removed_total", PEL_METRIC_COUNTER,
+               "Old segments that made room.", NULL, (double)record->removed);
     pel_metric(page, "pelagos_record_active", PEL_METRIC_GAUGE,
                "1 while commands are recorded, 0 after a failure.", NULL,
                record->fd >= 0);

@@ -1,5 +1,5 @@
-/* The recorder: every accepted command with its simulated time into a file,
- * in the form of proto/pelog.md. Control thread. */
+/* The recorder: every accepted command with its simulated time into files, in
+ * the form of proto/pelog.md. Control thread. */
 #pragma once
 
 #include "base/err.h"
@@ -9,16 +9,20 @@
 struct pel_record;
 
 struct pel_record_options {
-    const char *path;
-    double limit_mib;    /* the recording ends before the file is larger */
+    const char *path;    /* of the segment that is written */
+    double segment_mib;  /* a segment ends with the entry that reaches this */
+    unsigned keep;       /* segments on the disk, with the one written; 2.. */
+    double again_s;      /* from a failure to the next attempt */
     const char *program; /* "pelagosd 0.1.0" */
     const char *device;
     int wave_count;
 };
 
-/* Opens the file, writes the head with the present state, and listens to the
- * scene. A file that is there is kept as PATH.1, or the next free number up to
- * 999. IO, CONFLICT (no number is free). */
+/* Begins a recording with its first segment, whose head is the present state,
+ * and listens to the scene. What is at `path` becomes PATH.NNNNNN, numbered on
+ * from the highest that is there, and of these the oldest beyond `keep` are
+ * removed: so at every turn. A turn begins own ship's steps anew
+ * (pel_scene_listen), as whoever reads the segment alone does. IO. */
 PEL_CHECK enum pel_err pel_record_create(const struct pel_record_options *o,
                                          struct pel_scene *scene,
                                          struct pel_record **out,

@@ -32,7 +32,18 @@ static enum pel_err patch(struct pel_scene *scene, const char *json)
     return err;
 }
 
-static void start(struct fixture *f, double limit_mib)
+static double again_s = 1000;
+
+static enum pel_err record(struct fixture *f, double segment_mib, unsigned keep)
+{
+    struct pel_fault fault;
+    struct pel_record_options options = {
+        f->path, segment_mib, keep, again_s, "test 1", "a device", 20,
+    };
+    return pel_record_create(&options, f->scene, &f->record, &fault);
+}
+
+static void start_small(struct fixture *f, double segment_mib, unsigned keep)
 {
     struct pel_scene_options scene_options = { .wave_count = 20 };
     struct pel_fault fault;
@@ -43,18 +54,26 @@ static void start(struct fixture *f, double limit_mib)
                      PEL_OK);
     assert_int_equal(patch(f->scene, "{\"clock\":{\"mode\":\"STEPPED\"}}"),
                      PEL_OK);
-    struct pel_record_options options = { f->path, limit_mib, "test 1",
-                                          "a device", 20 };
-    assert_int_equal(pel_record_create(&options, f->scene, &f->record, &fault),
-                     PEL_OK);
+    assert_int_equal(record(f, segment_mib, keep), PEL_OK);
+}
+
+static void start(struct fixture *f)
+{
+    start_small(f, 1, 2);
 }
 
 static void stop(struct fixture *f)
 {
     pel_record_destroy(f->record);
     pel_scene_destroy(f->scene);
-    g_unlink(f->path);
-    g_rmdir(f->folder);
+    GDir *dir = g_dir_open(f->folder, 0, NULL);
+    const char *name;
+    while ((name = g_dir_read_name(dir))) {
+        g_autofree char *path = g_build_filename(f->folder, name, NULL);
+        g_unlink(path);
+    }
+    g_dir_close(dir);
+    assert_int_equal(g_rmdir(f->folder), 0);
 }
 
 /* Reads it all: how many entries; the last one's time. */
@@ -94,7 +113,7 @@ static void accepted_commands_are_there_at_once(void **state)
     (void)state;
     struct fixture f;
     struct pel_log_reader reader;
-    start(&f, 1);
+    start(&f);
     assert_int_equal(pel_scene_step(f.scene, 1.0 / 3, NULL), PEL_OK);
     assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":12}}"), PEL_OK);
     assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":99}}"),
@@ -105,6 +124,64 @@ static void accepted_commands_are_there_at_once(void **state)
     assert_true(reader.time_s == 7.1); /* bit for bit */
     assert_false(reader.torn);
     stop(&f);
+}
+
+/* Plays one log onto the scene, as pelagosctl does. */
+static void play(struct pel_scene *scene, const char *path)
+{
+    struct pel_log_reader reader;
+    struct pel_fault fault;
+    Pelagos__LogEntry *entry;
+    Pelagos__Patch all = PELAGOS__PATCH__INIT;
+    char *parts[] = { "own_ship", "clock",  "origin",   "sea",   "water",
+                      "sky",      "seabed", "entities", "views", "sources" };
+    g_autofree char *data = NULL;
+    gsize size;
+    all.n_remove = G_N_ELEMENTS(parts);
+    all.remove = parts;
+    assert_true(g_file_get_contents(path, &data, &size, NULL));
+    assert_int_equal(pel_log_open(&reader, data, size, &fault), PEL_OK);
+    while (pel_log_next(&reader, &entry, &fault) == PEL_OK && entry) {
+        Pelagos__Patch *patch = &all;
+        if (entry->command_case == PELAGOS__LOG_ENTRY__COMMAND_HEAD) {
+            /* so that own ship's steps begin anew */
+            all.n_remove = 1;
+            all.state = NULL;
+            assert_int_equal(pel_scene_patch(scene, &all, &fault), PEL_OK);
+            all.n_remove = G_N_ELEMENTS(parts);
+            all.state = entry->head->state;
+            all.state->has_revision = false;
+        } else {
+            assert_int_equal(pel_scene_step_to(scene, entry->time, &fault),
+                             PEL_OK);
+            patch = entry->command_case == PELAGOS__LOG_ENTRY__COMMAND_PATCH
+                        ? entry->patch
+                        : NULL;
+        }
+        if (patch && pel_scene_patch(scene, patch, &fault) != PEL_OK) {
+            fail_msg("%s", fault.message);
+        }
+        pelagos__log_entry__free_unpacked(entry, NULL);
+    }
+}
+
+static struct pel_scene *another_scene(void)
+{
+    struct pel_scene_options options = { .wave_count = 20 };
+    struct pel_scene *scene;
+    struct pel_fault fault;
+    assert_int_equal(pel_scene_create(&options, &scene, &fault), PEL_OK);
+    assert_int_equal(patch(scene, "{\"clock\":{\"mode\":\"STEPPED\"}}"),
+                     PEL_OK);
+    return scene;
+}
+
+/* The state as text, but for its revision, which a replay does not keep. */
+static char *text_of(struct pel_scene *scene)
+{
+    Pelagos__State state = *pel_scene_state(scene);
+    state.has_revision = false;
+    return pel_json_from_message(&state.base, false);
 }
 
 static void replaying_gives_the_same_state(void **state)
@@ -118,38 +195,15 @@ static void replaying_gives_the_same_state(void **state)
         "{\"entities\":{\"1\":{\"roll\":3}}}",
     };
     struct fixture f;
-    struct pel_log_reader reader;
-    struct pel_fault fault;
-    Pelagos__LogEntry *entry;
-    start(&f, 1);
+    start(&f);
     for (size_t i = 0; i < G_N_ELEMENTS(edits); i++) {
         assert_int_equal(patch(f.scene, edits[i]), PEL_OK);
         assert_int_equal(pel_scene_step(f.scene, 0.1 + 0.7 * (double)i, NULL),
                          PEL_OK);
     }
-    char *wanted =
-        pel_json_from_message(&pel_scene_state(f.scene)->base, false);
-    g_autofree char *data = NULL;
-    gsize size;
-    assert_true(g_file_get_contents(f.path, &data, &size, NULL));
-    struct pel_scene_options options = { .wave_count = 20 };
-    struct pel_scene *scene;
-    assert_int_equal(pel_scene_create(&options, &scene, &fault), PEL_OK);
-    assert_int_equal(patch(scene, "{\"clock\":{\"mode\":\"STEPPED\"}}"),
-                     PEL_OK);
-    assert_int_equal(pel_log_open(&reader, data, size, &fault), PEL_OK);
-    while (pel_log_next(&reader, &entry, &fault) == PEL_OK && entry) {
-        if (entry->command_case != PELAGOS__LOG_ENTRY__COMMAND_HEAD) {
-            assert_int_equal(pel_scene_step_to(scene, entry->time, &fault),
-                             PEL_OK);
-        }
-        if (entry->command_case == PELAGOS__LOG_ENTRY__COMMAND_PATCH) {
-            assert_int_equal(pel_scene_patch(scene, entry->patch, &fault),
-                             PEL_OK);
-        }
-        pelagos__log_entry__free_unpacked(entry, NULL);
-    }
-    char *got = pel_json_from_message(&pel_scene_state(scene)->base, false);
+    struct pel_scene *scene = another_scene();
+    play(scene, f.path);
+    char *wanted = text_of(f.scene), *got = text_of(scene);
     assert_string_equal(got, wanted);
     free(got);
     free(wanted);
@@ -162,7 +216,7 @@ static void paced_steps_are_thinned(void **state)
     (void)state;
     struct fixture f;
     struct pel_log_reader reader;
-    start(&f, 1);
+    start(&f);
     assert_int_equal(patch(f.scene, "{\"clock\":{\"mode\":\"PACED\"}}"),
                      PEL_OK);
     for (int i = 0; i < 600; i++) { /* ten seconds at 60 Hz */
@@ -179,7 +233,7 @@ static void cut_and_changed_logs(void **state)
     (void)state;
     struct fixture f;
     struct pel_log_reader reader;
-    start(&f, 1);
+    start(&f);
     assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":12}}"), PEL_OK);
     g_autofree char *data = NULL;
     gsize size;
@@ -275,40 +329,185 @@ static void entries_that_cannot_be(void **state)
     assert_int_equal(second(&entry), PEL_ERR_MALFORMED); /* a second head */
 }
 
+/* Numbers of PATH.NNNNNN that are there, as text. */
+static char *closed_segments(const struct fixture *f)
+{
+    GString *text = g_string_new("");
+    for (int i = 0; i < 200; i++) {
+        g_autofree char *name = g_strdup_printf("%s.%06d", f->path, i);
+        if (g_file_test(name, G_FILE_TEST_EXISTS)) {
+            g_string_append_printf(text, "%s%d", text->len ? " " : "", i);
+        }
+    }
+    return g_string_free(text, FALSE);
+}
+
 static void an_earlier_log_is_kept(void **state)
 {
     (void)state;
     struct fixture f;
     struct pel_log_reader reader;
-    struct pel_fault fault;
-    start(&f, 1);
+    start_small(&f, 1, 3);
+    for (int i = 0; i < 4; i++) {
+        pel_record_destroy(f.record);
+        assert_int_equal(record(&f, 1, 3), PEL_OK);
+    }
+    /* what is not ours stays, and does not count */
+    g_autofree char *other = g_strconcat(f.path, ".bak", NULL);
+    g_autofree char *short_one = g_strconcat(f.path, ".77", NULL);
+    g_file_set_contents(other, "x", 1, NULL);
+    g_file_set_contents(short_one, "x", 1, NULL);
     pel_record_destroy(f.record);
-    struct pel_record_options options = { f.path, 1, "test 2", NULL, 20 };
-    assert_int_equal(pel_record_create(&options, f.scene, &f.record, &fault),
-                     PEL_OK);
-    g_autofree char *kept = g_strconcat(f.path, ".1", NULL);
+    assert_int_equal(record(&f, 1, 3), PEL_OK);
+    g_autofree char *numbers = closed_segments(&f);
+    assert_string_equal(numbers, "4 5");
+    g_autofree char *kept = g_strconcat(f.path, ".000005", NULL);
     assert_int_equal(count(kept, &reader, PEL_OK), 2); /* head and end */
     assert_int_equal(count(f.path, &reader, PEL_OK), 1);
-    g_unlink(kept);
+    assert_true(g_file_test(other, G_FILE_TEST_EXISTS));
+    assert_true(g_file_test(short_one, G_FILE_TEST_EXISTS));
     stop(&f);
 }
 
-static void the_limit_ends_it_with_a_whole_entry(void **state)
+/* Each edit says its number, so that what is missing would be seen: the
+ * heading is a hundredth of it. Own ship is left alone. */
+static void edit_number(struct fixture *f, int i)
+{
+    char text[160];
+    snprintf(text, sizeof text,
+             "{\"entities\":{\"2\":{\"heading\":%.2f,\"speed\":%.2f}}}",
+             0.01 * (i % 36000), 0.001 * i);
+    assert_int_equal(patch(f->scene, text), PEL_OK);
+    assert_int_equal(pel_scene_step(f->scene, 0.0137, NULL), PEL_OK);
+}
+
+/* The entries of a segment follow the last one's without a gap: revisions of
+ * patches are those of its head and up. Returns the last revision. */
+static uint64_t follow(const char *path, uint32_t segment, uint64_t revision)
+{
+    struct pel_log_reader reader;
+    struct pel_fault fault;
+    Pelagos__LogEntry *entry;
+    g_autofree char *data = NULL;
+    gsize size;
+    assert_true(g_file_get_contents(path, &data, &size, NULL));
+    assert_int_equal(pel_log_open(&reader, data, size, &fault), PEL_OK);
+    while (pel_log_next(&reader, &entry, &fault) == PEL_OK && entry) {
+        if (entry->command_case == PELAGOS__LOG_ENTRY__COMMAND_HEAD) {
+            assert_int_equal(entry->head->segment, segment);
+        } else if (entry->command_case == PELAGOS__LOG_ENTRY__COMMAND_PATCH) {
+            revision++;
+        }
+        assert_int_equal(entry->revision, revision);
+        pelagos__log_entry__free_unpacked(entry, NULL);
+    }
+    return revision;
+}
+
+static void nothing_is_lost_at_a_turn(void **state)
+{
+    (void)state;
+    struct fixture f;
+    start_small(&f, 0.02, 100);
+    /* own ship too: its steps begin anew where a segment does */
+    assert_int_equal(patch(f.scene, "{\"ownShip\":{\"on\":true,\"rudder\":5,"
+                                    "\"throttle\":0.5}}"),
+                     PEL_OK);
+    for (int i = 0; i < 1500; i++) {
+        edit_number(&f, i);
+    }
+    double begun = metric(&f, "pelagos_record_segments_total");
+    assert_in_range((int)begun, 4, 30);
+    assert_true(metric(&f, "pelagos_record_lost_total") == 0);
+    uint64_t revision = 1; /* of the first head: see start_small() */
+    struct pel_scene *run = another_scene();
+    char *wanted = text_of(f.scene);
+    for (int i = 1; i <= (int)begun; i++) {
+        g_autofree char *name = i < (int)begun
+                                    ? g_strdup_printf("%s.%06d", f.path, i)
+                                    : g_strdup(f.path);
+        gsize size;
+        g_autofree char *data = NULL;
+        assert_true(g_file_get_contents(name, &data, &size, NULL));
+        /* up to one entry more */
+        assert_in_range(size, 200, 0.02 * 1048576 + 200);
+        revision = follow(name, (uint32_t)i, revision);
+        play(run, name);
+        if (i == (int)begun) {
+            struct pel_scene *alone = another_scene();
+            play(alone, name);
+            char *got = text_of(alone);
+            assert_string_equal(got, wanted);
+            free(got);
+            pel_scene_destroy(alone);
+        }
+    }
+    assert_int_equal(revision, pel_scene_state(f.scene)->revision);
+    char *got = text_of(run);
+    assert_string_equal(got, wanted);
+    free(got);
+    free(wanted);
+    pel_scene_destroy(run);
+    stop(&f);
+}
+
+static void a_bounded_number_is_kept(void **state)
 {
     (void)state;
     struct fixture f;
     struct pel_log_reader reader;
-    start(&f, 0.01);
+    start_small(&f, 0.01, 3);
     for (int i = 0; i < 2000; i++) {
-        assert_int_equal(pel_scene_step(f.scene, 0.01, NULL), PEL_OK);
+        edit_number(&f, i);
     }
-    size_t entries = count(f.path, &reader, PEL_OK);
-    assert_in_range(entries, 100, 1000);
+    int begun = (int)metric(&f, "pelagos_record_segments_total");
+    assert_in_range(begun, 10, 100);
+    g_autofree char *numbers = closed_segments(&f);
+    g_autofree char *wanted = g_strdup_printf("%d %d", begun - 2, begun - 1);
+    assert_string_equal(numbers, wanted);
+    assert_true(metric(&f, "pelagos_record_removed_total") == begun - 3);
+    count(f.path, &reader, PEL_OK);
     assert_false(reader.torn);
+    stop(&f);
+}
+
+/* A segment cannot be begun for a while: this one goes on to twice its size,
+ * and nothing is written behind that, until it can: in the segment after the
+ * next number.
+ */
+static void without_a_new_segment(void **state)
+{
+    (void)state;
+    struct fixture f;
+    struct pel_log_reader reader;
+    again_s = 0.05;
+    start_small(&f, 0.01, 3);
+    again_s = 1000;
+    g_autofree char *block = g_strconcat(f.path, ".new", NULL);
+    g_autofree char *inside = g_build_filename(block, "inside", NULL);
+    g_mkdir(block, 0777);
+    g_file_set_contents(inside, "x", 1, NULL);
+    for (int i = 0; i < 2000; i++) {
+        edit_number(&f, i);
+    }
+    count(f.path, &reader, PEL_OK);
+    assert_true(reader.entries > 100);
+    g_autofree char *numbers = closed_segments(&f);
+    assert_string_equal(numbers, "");
+    assert_true(metric(&f, "pelagos_record_segments_total") == 1);
     assert_true(metric(&f, "pelagos_record_active") == 0);
-    assert_true(metric(&f, "pelagos_record_bytes") <= 0.01 * 1048576);
-    assert_true(metric(&f, "pelagos_record_lost_total") ==
-                2001 - (double)entries);
+    assert_in_range((int)metric(&f, "pelagos_record_bytes"), 2 * 0.01 * 1048576,
+                    2 * 0.01 * 1048576 + 200);
+    double lost = metric(&f, "pelagos_record_lost_total");
+    assert_true(lost > 0);
+    g_unlink(inside);
+    g_rmdir(block);
+    g_usleep(60000); /* again_s has gone by */
+    edit_number(&f, 1);
+    assert_true(metric(&f, "pelagos_record_active") == 1);
+    assert_true(metric(&f, "pelagos_record_lost_total") == lost + 1);
+    uint64_t revision = pel_scene_state(f.scene)->revision;
+    assert_int_equal(follow(f.path, 3, revision), revision);
     stop(&f);
 }
 
@@ -320,7 +519,7 @@ static void a_failed_write_leaves_a_whole_log(void **state)
     struct pel_log_reader reader;
     struct rlimit before, small;
     signal(SIGXFSZ, SIG_IGN);
-    start(&f, 1);
+    start(&f);
     double began_s = pel_scene_time(f.scene);
     getrlimit(RLIMIT_FSIZE, &before);
     small = before;
@@ -343,7 +542,7 @@ static void steps_to_a_moment(void **state)
     (void)state;
     struct fixture f;
     struct pel_fault fault;
-    start(&f, 1);
+    start(&f);
     assert_int_equal(pel_scene_step_to(f.scene, 0.1 + 0.2, &fault), PEL_OK);
     assert_true(pel_scene_time(f.scene) == 0.1 + 0.2);
     const double bad[] = { 0.3, -1, NAN, INFINITY, 1e9 + 1 };
@@ -366,7 +565,9 @@ int main(void)
         cmocka_unit_test(cut_and_changed_logs),
         cmocka_unit_test(entries_that_cannot_be),
         cmocka_unit_test(an_earlier_log_is_kept),
-        cmocka_unit_test(the_limit_ends_it_with_a_whole_entry),
+        cmocka_unit_test(nothing_is_lost_at_a_turn),
+        cmocka_unit_test(a_bounded_number_is_kept),
+        cmocka_unit_test(without_a_new_segment),
         cmocka_unit_test(a_failed_write_leaves_a_whole_log),
         cmocka_unit_test(steps_to_a_moment),
     };
