@@ -102,6 +102,7 @@ OPTICS := server/optics/brdf.c \
     server/optics/ordinates.c \
     server/optics/transport.c \
     server/optics/watermontecarlo.c \
+    server/optics/watersection.c \
     server/optics/waterkernel.c \
     server/optics/watertable.c
 PROTO := proto/fieldset.c \
@@ -246,6 +247,7 @@ TESTS += server/optics/atmosphere_test.c
 TESTS += server/optics/colour_test.c
 TESTS += server/optics/facets_test.c
 TESTS += server/optics/transport_test.c
+TESTS += server/optics/watersection_test.c
 TESTS += server/optics/waterbody_test.c
 TESTS += server/optics/watertable_test.c
 TESTS += server/encode/encode_test.c

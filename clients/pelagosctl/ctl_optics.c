@@ -283,7 +283,7 @@ static enum ctl_exit answer_montecarlo(const struct question *q)
     for (int i = 0; i < N; i++) {
         struct pel_medium m = pel_water_medium(&q->body, i);
         struct pel_montecarlo_result r;
-        pel_montecarlo_leaving(&m, q->view_zenith * PEL_DEG, &sun, 1,
+        pel_montecarlo_leaving(&m, NULL, q->view_zenith * PEL_DEG, &sun, 1,
                                (uint64_t)q->paths, (uint64_t)q->seed + i, &r,
                                NULL);
         const struct pel_estimate all[PARTS] = {

@@ -26,7 +26,7 @@ static void by_montecarlo(struct pel_water_question *q,
     const struct pel_montecarlo_sun sun = { q->at.sun_zenith_rad,
                                             q->at.azimuth_rad };
     struct pel_montecarlo_result r;
-    pel_montecarlo_leaving(m, q->at.view_zenith_rad, &sun, 1, q->paths,
+    pel_montecarlo_leaving(m, NULL, q->at.view_zenith_rad, &sun, 1, q->paths,
                            (uint64_t)q->seed + (uint64_t)i, &r, NULL);
     q->light.part[PEL_WATER_SINGLE][i] = r.single.mean;
     q->light.part[PEL_WATER_SECOND][i] = r.second.mean;

@@ -287,7 +287,8 @@ static void test_monte_carlo(void **state)
     for (int k = 0; k < 3; k++) {
         double view = 35.0 * k * PEL_DEG;
         struct pel_montecarlo_result mc[3];
-        pel_montecarlo_leaving(&some[k], view, suns, 3, 60000, 7, mc, NULL);
+        pel_montecarlo_leaving(&some[k], NULL, view, suns, 3, 60000, 7, mc,
+                               NULL);
         for (int i = 0; i < 3; i++) {
             struct pel_geometry at = { suns[i].zenith_rad, view,
                                        suns[i].azimuth_rad };
@@ -315,8 +316,8 @@ static void test_monte_carlo_sky(void **state)
     struct pel_montecarlo_result a, b;
     struct pel_estimate sky, again;
     double view = 30 * PEL_DEG, sky_mode[PEL_ORDINATES_MAX], modes[64];
-    pel_montecarlo_leaving(&m, view, &sun, 1, 100000, 3, &a, &sky);
-    pel_montecarlo_leaving(&m, view, &sun, 1, 100000, 3, &b, &again);
+    pel_montecarlo_leaving(&m, NULL, view, &sun, 1, 100000, 3, &a, &sky);
+    pel_montecarlo_leaving(&m, NULL, view, &sun, 1, 100000, 3, &b, &again);
     assert_true(a.total.mean == b.total.mean && sky.mean == again.mean);
     struct pel_ordinates *o = pel_ordinates_create(24, 1e-7);
     for (int i = 0; i < pel_ordinates_sky_nodes(o); i++) {

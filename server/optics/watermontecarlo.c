@@ -1,6 +1,7 @@
 #include "optics/watermontecarlo.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "base/vec.h"
@@ -22,6 +23,7 @@ enum order {
 struct beam {
     struct pel_vec3 direction; /* of the light, downward */
     double mu, irradiance;     /* normal to the refracted beam */
+    double along;              /* component of its direction */
 };
 
 struct tally {
@@ -30,12 +32,15 @@ struct tally {
 
 struct walk {
     const struct pel_medium *medium;
+    const struct pel_section *bed;
+    struct pel_vec3 axis; /* the bed's direction */
     const struct beam *beams;
     int beam_count;
     double extinction;
     uint64_t key, step;        /* random numbers of this path */
     struct pel_vec3 direction; /* of the path, against the light */
-    double z, weight;          /* depth, importance */
+    double along, z;           /* place along the bed; depth */
+    double weight;             /* importance */
     int scatters, bottoms, reflections;
     double sky;
     double found[PEL_MONTECARLO_SUNS][ORDERS];
@@ -70,16 +75,29 @@ static enum order order_of(const struct walk *w)
     return w->scatters == 2 && w->reflections == 0 ? SECOND : HIGHER;
 }
 
-/* Sunlight met here: `phase` times the beam, attenuated on its way down. */
-static void look_at_suns(struct walk *w, int at_bottom)
+static bool shaded(const struct walk *w, const struct beam *b)
+{
+    struct pel_section_hit hit;
+    return w->bed->knots > 1 &&
+           pel_section_meet(w->bed, w->along, w->z, -b->along, b->mu, &hit);
+}
+
+/* Sunlight met here: `phase` times the beam, attenuated on its way down; on a
+ * bottom of this normal, or (NULL) in the water. */
+static void look_at_suns(struct walk *w, const struct pel_section_hit *bottom)
 {
     enum order order = order_of(w);
     for (int i = 0; i < w->beam_count; i++) {
         const struct beam *b = &w->beams[i];
+        double onto =
+            bottom ? b->mu * bottom->up - b->along * bottom->along : 1.0;
+        if (onto <= 0.0 || shaded(w, b)) {
+            continue;
+        }
         double into =
-            at_bottom ? b->mu / PEL_PI
-                      : pel_hg_phase(-pel_vec3_dot(b->direction, w->direction),
-                                     w->medium->asymmetry);
+            bottom ? onto / PEL_PI
+                   : pel_hg_phase(-pel_vec3_dot(b->direction, w->direction),
+                                  w->medium->asymmetry);
         double light = w->weight * into * b->irradiance *
                        exp(-w->extinction * w->z / b->mu);
         w->found[i][order] += light;
@@ -143,18 +161,30 @@ static void collide(struct walk *w)
 {
     w->scatters++;
     w->weight *= w->medium->scattering / w->extinction;
-    look_at_suns(w, 0);
+    look_at_suns(w, NULL);
     change_direction(w);
 }
 
-static void meet_bottom(struct walk *w)
+static double along_bed(const struct walk *w)
 {
-    w->z = w->medium->depth_m;
+    return pel_vec3_dot(w->direction, w->axis);
+}
+
+static void advance(struct walk *w, double length)
+{
+    w->along += length * along_bed(w);
+    w->z -= length * w->direction.z;
+}
+
+static void meet_bottom(struct walk *w, const struct pel_section_hit *hit)
+{
+    advance(w, hit->length);
     w->bottoms++;
     w->weight *= w->medium->albedo;
-    look_at_suns(w, 1);
-    w->direction =
-        deflect(w, (struct pel_vec3){ 0.0, 0.0, 1.0 }, sqrt(uniform(w)));
+    look_at_suns(w, hit);
+    struct pel_vec3 normal = pel_vec3_scale(w->axis, hit->along);
+    normal.z = hit->up;
+    w->direction = deflect(w, normal, sqrt(uniform(w)));
 }
 
 static void meet_surface(struct walk *w)
@@ -177,29 +207,36 @@ static void meet_surface(struct walk *w)
  * not all bottom. */
 static void first_flight(struct walk *w)
 {
-    double through = exp(-w->extinction * w->medium->depth_m / -w->direction.z);
+    struct pel_section_hit hit = { 0 };
+    /* It goes down, and the bottom is everywhere. */
+    (void)pel_section_meet(w->bed, w->along, w->z, along_bed(w), w->direction.z,
+                           &hit);
+    double through = exp(-w->extinction * hit.length);
     double chance =
         w->medium->albedo > 0.0 ? pel_clamp(through, 0.1, 0.6) : 0.0;
     if (uniform(w) < chance) {
         w->weight *= through / chance;
-        meet_bottom(w);
+        meet_bottom(w, &hit);
         return;
     }
     w->weight *= (1.0 - through) / (1.0 - chance);
-    double length = -log1p(-uniform(w) * (1.0 - through)) / w->extinction;
-    w->z = length * -w->direction.z;
+    advance(w, -log1p(-uniform(w) * (1.0 - through)) / w->extinction);
     collide(w);
 }
 
 static void fly(struct walk *w)
 {
-    double z = w->z + log(uniform(w)) / w->extinction * w->direction.z;
-    if (z <= 0.0) {
+    struct pel_section_hit hit;
+    double length = -log(uniform(w)) / w->extinction;
+    bool met = pel_section_meet(w->bed, w->along, w->z, along_bed(w),
+                                w->direction.z, &hit);
+    if (met && hit.length <= length) {
+        meet_bottom(w, &hit);
+    } else if (w->z - length * w->direction.z <= 0.0) {
+        advance(w, w->z / w->direction.z);
         meet_surface(w);
-    } else if (z >= w->medium->depth_m) {
-        meet_bottom(w);
     } else {
-        w->z = z;
+        advance(w, length);
         collide(w);
     }
 }
@@ -230,6 +267,7 @@ static struct pel_estimate estimate(double sum, double square, uint64_t paths,
 }
 
 void pel_montecarlo_leaving(const struct pel_medium *medium,
+                            const struct pel_section *bed,
                             double view_zenith_rad,
                             const struct pel_montecarlo_sun *suns, int count,
                             uint64_t paths, uint64_t seed,
@@ -240,6 +278,10 @@ void pel_montecarlo_leaving(const struct pel_medium *medium,
     struct tally tallies[PEL_MONTECARLO_SUNS] = { 0 };
     struct pel_interface face = { 0 };
     double sky_sum = 0.0, sky_square = 0.0;
+    const struct pel_section level = pel_section_level(medium->depth_m);
+    bed = bed ? bed : &level;
+    const struct pel_vec3 axis = { -cos(bed->azimuth_rad),
+                                   -sin(bed->azimuth_rad), 0.0 };
     for (int i = 0; i < count; i++) {
         struct pel_geometry at = { suns[i].zenith_rad, view_zenith_rad, 0.0 };
         face = pel_interface_at(&at);
@@ -250,12 +292,16 @@ void pel_montecarlo_leaving(const struct pel_medium *medium,
               -face.sun_mu },
             face.sun_mu,
             face.beam,
+            0.0,
         };
+        beams[i].along = pel_vec3_dot(beams[i].direction, axis);
     }
     double sine = sqrt(1.0 - face.view_mu * face.view_mu);
     for (uint64_t path = 0; path < paths; path++) {
         struct walk w = {
             .medium = medium,
+            .bed = bed,
+            .axis = axis,
             .beams = beams,
             .beam_count = count,
             .extinction = medium->absorption + medium->scattering,

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "optics/transport.h"
+#include "optics/watersection.h"
 
 #define PEL_MONTECARLO_SUNS 32
 
@@ -27,9 +28,11 @@ struct pel_montecarlo_sun {
 
 /* `paths` paths from a view of zenith view_zenith_rad, for 1..32 Suns of unit
  * irradiance normal to their beams: out[suns]. `sky` (NULL allowed) gets the
- * total for an isotropic sky of unit horizontal irradiance. About a million
- * collisions a second. */
+ * total for an isotropic sky of unit horizontal irradiance. Over a `bed` (NULL:
+ * level) the medium's depth is not read, and the bottom shades what lies behind
+ * it. About a million collisions a second. */
 void pel_montecarlo_leaving(const struct pel_medium *medium,
+                            const struct pel_section *bed,
                             double view_zenith_rad,
                             const struct pel_montecarlo_sun *suns, int count,
                             uint64_t paths, uint64_t seed,

@@ -70,7 +70,7 @@ static void judge(const struct pel_medium *m, double view_deg, double wanted,
     double all[SUNS] = { 0 }, all2[SUNS] = { 0 };
     for (int n = 1; n <= most; n++) {
         double worst = 0.0;
-        pel_montecarlo_leaving(m, view_deg * PEL_DEG, suns, SUNS, 50000,
+        pel_montecarlo_leaving(m, NULL, view_deg * PEL_DEG, suns, SUNS, 50000,
                                seed + (uint64_t)n, r, NULL);
         for (int i = 0; i < SUNS; i++) {
             two[i] +=
