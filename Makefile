@@ -283,6 +283,7 @@ TESTS += server/render/filtered_test.c
 TESTS += server/render/depth_test.c
 TESTS += server/render/climb_test.c
 TESTS += server/render/coast_test.c
+TESTS += server/render/history_test.c
 TESTS += server/render/sky_test.c
 TESTS += server/render/light_test.c
 TESTS += server/render/layer_test.c

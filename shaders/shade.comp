@@ -31,6 +31,7 @@ const int WANTS_RADIANCE = 1;
 const int WANTS_COLOR = 2;
 const int LAST_PASS = 4; // of this picture: sets the keys back to 0
 layout(location = 0) uniform int wanted;
+layout(location = 1) uniform ivec4 region; // pixels from xy to before zw
 // Of search.comp.
 layout(std430, binding = 4) restrict buffer keys_block { uint keys[]; };
 #ifdef PEL_WATER_PARTS
@@ -55,8 +56,8 @@ layout(binding = 1, rgba8) writeonly uniform image2D color_image;
 
 void main()
 {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
-    if (at.x >= int(size.x) || at.y >= int(size.y)) {
+    ivec2 at = region.xy + ivec2(gl_GlobalInvocationID.xy);
+    if (at.x >= region.z || at.y >= region.w) {
         return;
     }
     int place = at.y * int(size.x) + at.x;

@@ -3,50 +3,13 @@
 #include "optics/atmosphere.h"
 #include "render/coast.h"
 #include "render/rendertest.h"
-
-#define SIDE 64
-#define SPACING 50.0
+#include "render/testbed.h"
 
 static struct pel_sea sea;
 
-/* An island of 30 m in a sea of 400 m, 600 m north of the origin, and a bank at
- * 12 m in the east. */
-static double island(double east_m, double north_m)
-{
-    double r = hypot(east_m - 160, north_m - 600) / 400;
-    return east_m > 1000 ? -12 : -400 + 430 / (1 + r * r * r);
-}
-
-static const struct pel_seabed *make_bed(double (*height)(double, double))
-{
-    static float heights[SIDE * SIDE];
-    const double west = -0.5 * SIDE * SPACING, south = -800;
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        heights[i] = (float)height(west + SPACING * (i % SIDE),
-                                   south + SPACING * (i / SIDE));
-    }
-    const struct pel_seabed *bed = NULL;
-    assert_int_equal(pel_seabed_create(SIDE, SIDE, west, south, SPACING,
-                                       heights, &bed, NULL),
-                     PEL_OK);
-    return bed;
-}
-
-static double eight_metres(double east_m, double north_m)
-{
-    return -8 + 1e-9 * (east_m + north_m);
-}
-
 static struct pel_environment over(const struct pel_seabed *bed)
 {
-    struct pel_environment env = test_environment(&sea, 3);
-    const struct pel_water_desc water = { .kind = PEL_WATER_NAMED,
-                                          .name = PEL_WATER_TROPICAL,
-                                          .depth_m = 1000,
-                                          .bottom = PEL_BOTTOM_SAND };
-    assert_int_equal(pel_water_resolve(&water, &env.water, NULL), PEL_OK);
-    env.seabed = bed;
-    return env;
+    return test_over(test_environment(&sea, 3), bed, 1000);
 }
 
 static void squares_hold_their_highest(void **state)
@@ -86,7 +49,7 @@ static void squares_hold_their_highest(void **state)
 static void land_is_where_the_field_is(void **state)
 {
     (void)state;
-    const struct pel_seabed *bed = make_bed(island);
+    const struct pel_seabed *bed = test_bed(test_island);
     struct pel_environment env = over(bed);
     struct pel_camera camera =
         test_camera((struct test_look){ 25, 10, -4, 0, 60, 320, 200 });
@@ -122,8 +85,7 @@ static void land_is_where_the_field_is(void **state)
 #define LOOK_HEIGHT 192
 #define LOOK_BYTES ((size_t)4 * LOOK_WIDTH * LOOK_HEIGHT)
 
-static void draw_looks(const char *shading, const struct pel_environment *env,
-                       uint8_t *out)
+static void draw_looks(const struct pel_environment *env, uint8_t *out)
 {
     static const struct test_look looks[LOOKS] = {
         { 6, 0, -3, 0, 60, LOOK_WIDTH, LOOK_HEIGHT },
@@ -132,7 +94,7 @@ static void draw_looks(const char *shading, const struct pel_environment *env,
         { 4, 200, -2, 0, 90, LOOK_WIDTH, LOOK_HEIGHT },
         { 900, 10, -25, 0, 40, LOOK_WIDTH, LOOK_HEIGHT },
     };
-    struct pel_renderer *r = test_renderer(shading);
+    struct pel_renderer *r = test_renderer("fragment");
     for (int i = 0; i < LOOKS; i++) {
         struct pel_camera camera = test_camera(looks[i]);
         struct pel_picture *p = test_draw(r, env, &camera, PEL_LAYER_COLOR);
@@ -142,16 +104,16 @@ static void draw_looks(const char *shading, const struct pel_environment *env,
     pel_renderer_destroy(r);
 }
 
-/* By fragments only the tiles of the plan know of the field, in one dispatch
- * every pixel does: the plan leaves nothing out. */
+/* Only the tiles of the plan know of the field. */
 static void the_plan_leaves_nothing_out(void **state)
 {
     (void)state;
-    const struct pel_seabed *bed = make_bed(island);
+    const struct pel_seabed *bed = test_bed(test_island);
     struct pel_environment env = over(bed);
     uint8_t *a = malloc(LOOKS * LOOK_BYTES), *b = malloc(LOOKS * LOOK_BYTES);
-    draw_looks("fragment", &env, a);
-    draw_looks("compute", &env, b);
+    draw_looks(&env, a);
+    env.coast_everywhere = true;
+    draw_looks(&env, b);
     for (size_t i = 0; i < LOOKS; i++) {
         double sum = 0, worst = 0;
         for (size_t k = i * LOOK_BYTES; k < (i + 1) * LOOK_BYTES; k++) {
@@ -161,8 +123,7 @@ static void the_plan_leaves_nothing_out(void **state)
         }
         print_message("look %zu: mean %.4f, worst %.0f of 255\n", i,
                       sum / LOOK_BYTES, worst);
-        /* The two wrappers round otherwise, and a bottom that gives 1/255 of
-         * its light is left out. */
+        /* A bottom that gives 1/255 of its light is left out. */
         assert_true(sum / LOOK_BYTES < 0.005);
     }
     free(a);
@@ -173,7 +134,7 @@ static void the_plan_leaves_nothing_out(void **state)
 static void a_level_field_is_a_flat_bottom(void **state)
 {
     (void)state;
-    const struct pel_seabed *bed = make_bed(eight_metres);
+    const struct pel_seabed *bed = test_bed(test_bank);
     struct pel_environment env = over(bed), flat = over(NULL);
     env.water.depth_m = flat.water.depth_m = 8;
     struct pel_camera camera =
@@ -205,7 +166,7 @@ static double three_metres(double east_m, double north_m)
 static void caustics_keep_the_mean(void **state)
 {
     (void)state;
-    const struct pel_seabed *bed = make_bed(three_metres);
+    const struct pel_seabed *bed = test_bed(three_metres);
     struct pel_environment env = over(bed);
     struct pel_camera camera =
         test_camera((struct test_look){ 40, 0, -60, 0, 60, 192, 192 });

@@ -306,27 +306,62 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     glDepthMask(GL_FALSE);
 }
 
-/* Runs of tiles with and without a coast. */
+/* Tiles of a row, side by side, all with or all without a coast; pixels. */
+struct run_of_tiles {
+    GLint x, y, width, height;
+    bool coast;
+};
+
+/* The one after *run, the first after { 0 }; false after the last. */
+static bool next_run(const struct pel_renderer *r, const struct pel_camera *c,
+                     struct run_of_tiles *run)
+{
+    GLint width = (GLint)c->width, height = (GLint)c->height;
+    GLint across = (width + PEL_TILE - 1) / PEL_TILE;
+    GLint x = run->x + run->width, y = run->y;
+    if (x >= width) {
+        x = 0;
+        y += PEL_TILE;
+    }
+    if (y >= height) {
+        return false;
+    }
+    const uint8_t *row = &r->coast[y / PEL_TILE * across];
+    GLint first = x / PEL_TILE, end = first + 1;
+    while (end < across && row[end] == row[first]) {
+        end++;
+    }
+    GLint right = end * PEL_TILE, top = y + PEL_TILE;
+    *run =
+        (struct run_of_tiles){ x, y, (right < width ? right : width) - x,
+                               (top < height ? top : height) - y, row[first] };
+    return true;
+}
+
 static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
                         const struct pel_sea_programs *p, enum pel_shading kind)
 {
-    int across = ((int)c->width + PEL_TILE - 1) / PEL_TILE;
-    int down = ((int)c->height + PEL_TILE - 1) / PEL_TILE;
     glEnable(GL_SCISSOR_TEST);
-    for (int y = 0; y < down; y++) {
-        const uint8_t *row = &r->coast[y * across];
-        for (int x = 0, end; x < across; x = end) {
-            for (end = x + 1; end < across && row[end] == row[x];) {
-                end++;
-            }
-            glScissor(x * PEL_TILE, y * PEL_TILE, (end - x) * PEL_TILE,
-                      PEL_TILE);
-            glUseProgram(row[x] ? p->coast[kind] : p->fragments[kind]);
-            glDepthFunc(row[x] ? GL_ALWAYS : GL_LESS);
-            glDrawArrays(GL_TRIANGLES, 0, 3);
-        }
+    for (struct run_of_tiles run = { 0 }; next_run(r, c, &run);) {
+        glScissor(run.x, run.y, run.width, run.height);
+        glUseProgram(run.coast ? p->coast[kind] : p->fragments[kind]);
+        glDepthFunc(run.coast ? GL_ALWAYS : GL_LESS);
+        glDrawArrays(GL_TRIANGLES, 0, 3);
     }
     glDisable(GL_SCISSOR_TEST);
+}
+
+static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
+                           const struct pel_sea_programs *p,
+                           enum pel_shading kind, int wanted)
+{
+    for (struct run_of_tiles run = { 0 }; next_run(r, c, &run);) {
+        glUseProgram(run.coast ? p->coast[kind] : p->compute_program[kind]);
+        glUniform1i(0, wanted);
+        glUniform4i(1, run.x, run.y, run.x + run.width, run.y + run.height);
+        glDispatchCompute((GLuint)(run.width + 7) / 8,
+                          (GLuint)(run.height + 7) / 8, 1);
+    }
 }
 
 /* Sea where the surface was drawn, sky where it was not: the depth test tells
@@ -376,9 +411,14 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
         glBindImageTexture(1, r->targets.color, 0, GL_FALSE, 0, GL_WRITE_ONLY,
                            GL_RGBA8);
     }
-    glUseProgram(r->any_coast ? p->coast[kind] : p->compute_program[kind]);
-    glUniform1i(0, wanted);
-    glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
+    if (r->any_coast) {
+        dispatch_tiles(r, c, p, kind, wanted);
+    } else {
+        glUseProgram(p->compute_program[kind]);
+        glUniform1i(0, wanted);
+        glUniform4i(1, 0, 0, (GLint)c->width, (GLint)c->height);
+        glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
+    }
     glMemoryBarrier(PIXEL_BARRIERS);
 }
 
@@ -441,6 +481,9 @@ static void draw_pixels(struct pel_renderer *r,
     r->any_coast = env->seabed && !r->on_trial &&
                    pel_coast_plan(env, &r->seabed, c,
                                   pel_seabed_visible_m(&env->water), r->coast);
+    if (r->any_coast && env->coast_everywhere) {
+        memset(r->coast, 1, sizeof r->coast);
+    }
     if (r->any_coast) {
         struct pel_block_seabed block;
         pel_seabed_map_bind(&r->seabed);

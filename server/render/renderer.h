@@ -64,8 +64,10 @@ struct pel_environment {
     bool caustics;                   /* the waves focus light on it */
     /* For validation: leaves out the air between the sea and the eye; gives
      * every distance the slope variances of the nearest pixels, the constant
-     * BRDF of the 2010 paper's fig. 10; widens the Sun as brute force must. */
-    bool no_air, constant_brdf;
+     * BRDF of the 2010 paper's fig. 10; widens the Sun as brute force must;
+     * looks for the height field in every pixel, where it cannot be seen too.
+     */
+    bool no_air, constant_brdf, coast_everywhere;
     double sun_blur; /* slopes by which the Sun is widened; 0: its disc */
 };
 
