@@ -71,7 +71,7 @@ CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
 
 # --- sources, by room -----------------------------------------------------
 BASE := server/base/err.c server/base/log.c server/base/clock.c \
-    server/base/metrics.c
+    server/base/metrics.c server/base/urgent.c
 OCEAN := server/ocean/spectrum.c \
     server/ocean/directional.c \
     server/ocean/elfouhaily.c \
@@ -110,6 +110,7 @@ PROTO := proto/fieldset.c \
     proto/message.c \
     proto/scalar.c \
     proto/wire.c \
+    proto/unpack.c \
     proto/fault.c \
     proto/json.c \
     proto/jsonread.c \
@@ -146,7 +147,7 @@ ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/ts.c server/encode/planes.c \
     server/encode/video.c
 FRAMES := server/frames/frame.c server/frames/quality.c server/frames/mailbox.c \
-    server/frames/pool.c \
+    server/frames/pool.c server/frames/answerers.c \
     server/frames/renderloop.c \
     server/frames/picture_exr.c \
     server/frames/window.c \
@@ -161,7 +162,7 @@ NET := server/net/fdsource.c \
     server/net/listener.c \
     server/net/tcpinfo.c \
     server/net/outbox.c \
-    server/net/command.c \
+    server/net/surfacewire.c server/net/command.c \
     server/net/session.c \
     server/net/http_request.c \
     server/net/http_problem.c \
@@ -253,6 +254,7 @@ TESTS += server/optics/watertable_test.c
 TESTS += server/encode/encode_test.c
 TESTS += server/encode/planes_test.c
 TESTS += server/encode/video_test.c
+TESTS += server/base/urgent_test.c
 TESTS += server/net/net_test.c
 TESTS += server/options_test.c
 TESTS += server/frames/quality_test.c

@@ -9,6 +9,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/metrics.h"
+#include "base/urgent.h"
 #include "bridges/cigi.h"
 #include "bridges/console.h"
 #include "bridges/modbus.h"
@@ -59,6 +60,20 @@ static const char *or_null(const char *text)
 }
 
 /* --- parts --------------------------------------------------------------- */
+
+static enum pel_err start_realtime(struct daemon *d, struct pel_fault *fault)
+{
+    bool real;
+    enum pel_realtime mode = (enum pel_realtime)d->options.realtime;
+    enum pel_err err = pel_urgent_init(mode, &real, fault);
+    if (err == PEL_OK && mode == PEL_REALTIME_AUTO && !real) {
+        pel_info("DMN-013", "no real time for answers: while pictures are "
+                            "drawn on the processor they may wait some ms "
+                            "longer; LimitRTPRIO=2 (systemd) or ulimit -r 2 "
+                            "permits it, --realtime off says no more");
+    }
+    return err;
+}
 
 static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
 {
@@ -293,8 +308,9 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
 static enum pel_err start(struct daemon *d, struct pel_fault *fault)
 {
     enum pel_err (*const parts[])(struct daemon *, struct pel_fault *) = {
-        start_scene,    start_frames, start_record,  start_net,   start_nmea,
-        start_nmea_out, start_cigi,   start_console, start_modbus
+        start_realtime, start_scene, start_frames,   start_record,
+        start_net,      start_nmea,  start_nmea_out, start_cigi,
+        start_console,  start_modbus
     };
     d->metrics = pel_metrics_create();
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
@@ -408,6 +424,14 @@ static void ready(void *user)
 
 /* --- main ----------------------------------------------------------------- */
 
+static struct pel_urgent control; /* GLib's poll function has no data */
+
+static gint account_and_poll(GPollFD *fds, guint count, gint timeout)
+{
+    pel_urgent_account(&control);
+    return g_poll(fds, count, timeout);
+}
+
 static int run(struct daemon *d)
 {
     struct pel_fault fault = { 0 };
@@ -423,6 +447,8 @@ static int run(struct daemon *d)
         g_unix_signal_add(SIGINT, terminate, d);
         g_unix_signal_add(SIGHUP, reload, d);
         pel_service_warm_up(d->frames, d->scene, d->started_ns, ready, d);
+        pel_urgent_begin(&control, PEL_URGENT_CONTROL);
+        g_main_context_set_poll_func(NULL, account_and_poll);
         g_main_loop_run(d->loop);
     }
     if (!finish(d)) {

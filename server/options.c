@@ -17,6 +17,7 @@ static const char *const quality_words[] = { "auto", "full", NULL };
 static const double quality_values[] = { 0.0, 1.0 };
 static const char *const shading_words[] = { "auto", "fragment", "compute",
                                              NULL };
+static const char *const realtime_words[] = { "auto", "off", "on", NULL };
 static const char *const sky_words[] = { "auto", "facets", "nine",
                                          "anisotropic", NULL };
 static const char *const level_words[] = { "error", "warning", "info", "debug",
@@ -110,6 +111,13 @@ const struct pel_option pel_option_table[] = {
     { "shader-dir", "render", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(shader_dir),
       .help = "Reads the shaders from here instead of the built-in ones." },
+    { "realtime", "render", PEL_OPTION_CHOICE, "WHEN", "auto",
+      .choices = realtime_words, .offset = FIELD(realtime),
+      .help = "Whether the threads that read requests and answer surface "
+              "queries run in real time (SCHED_RR) for up to a quarter of a "
+              "core each, so that they do not wait for drawing: auto is where "
+              "the system permits it (ulimit -r 2, systemd's LimitRTPRIO=2), "
+              "on refuses to start where it does not." },
     { "filter-min", "render", PEL_OPTION_DOUBLE, "N", "1", 1, 4, "wavelengths",
       .offset = FIELD(filter_min),
       .help = "Waves of fewer than so many pixels or cells of the mesh are "

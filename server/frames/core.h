@@ -4,6 +4,7 @@
 
 #include <glib.h>
 
+#include "frames/answerers.h"
 #include "frames/job.h"
 #include "frames/mailbox.h"
 #include "frames/pool.h"
@@ -92,6 +93,7 @@ struct pel_frames {
     struct pel_scene *scene;
     struct pel_mailbox box;
     struct pel_pool *pool;
+    struct pel_answerers *answerers;
     struct pel_renderloop *loop;
     GSource *tick, *start, *watch;
     double max_fps;

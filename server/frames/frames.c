@@ -84,6 +84,12 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
         pel_fault_set(fault, err, "cannot start the encoder threads");
         goto fail;
     }
+    err = pel_answerers_create((int)sysconf(_SC_NPROCESSORS_ONLN), &frames->box,
+                               &frames->answerers);
+    if (err != PEL_OK) {
+        pel_fault_set(fault, err, "cannot start the threads of queries");
+        goto fail;
+    }
     struct pel_renderer_options renderer = {
         .device = o->device,
         .shader_dir = o->shader_dir,
@@ -152,6 +158,8 @@ bool pel_frames_destroy(struct pel_frames *frames)
     drop_alarm(&frames->start);
     drop_alarm(&frames->watch);
     bool joined = !frames->pool || pel_pool_stop(frames->pool);
+    joined =
+        joined && (!frames->answerers || pel_answerers_stop(frames->answerers));
     joined = joined && (!frames->loop || pel_renderloop_stop(frames->loop));
     pel_requests_finish_all(frames);
     pel_surface_finish_all(frames);
@@ -164,6 +172,7 @@ bool pel_frames_destroy(struct pel_frames *frames)
     }
     pel_renderloop_destroy(frames->loop);
     pel_pool_destroy(frames->pool);
+    pel_answerers_destroy(frames->answerers);
     pel_mailbox_finish(&frames->box);
     drop_jobs(frames);
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {

@@ -108,8 +108,8 @@ struct pel_surface_query {
     struct pel_mail mail;
     const struct pel_snapshot *snapshot;
     double time_s;
-    bool moving; /* accelerations too */
-    size_t count;
+    bool moving;                   /* accelerations too */
+    size_t count, begun, answered; /* the last two: pel_answerers' */
     struct pel_vec2 *points;
     struct pel_surface_sample *samples;
     pel_surface_callback done;

@@ -24,6 +24,15 @@ struct pel_mail *pel_queue_pop(struct pel_queue *queue)
     return mail;
 }
 
+void pel_lock_init(pthread_mutex_t *lock)
+{
+    pthread_mutexattr_t attributes;
+    pthread_mutexattr_init(&attributes);
+    pthread_mutexattr_setprotocol(&attributes, PTHREAD_PRIO_INHERIT);
+    pthread_mutex_init(lock, &attributes);
+    pthread_mutexattr_destroy(&attributes);
+}
+
 void pel_cond_init(pthread_cond_t *cond)
 {
     pthread_condattr_t attributes;
@@ -97,7 +106,7 @@ void pel_mailbox_init(struct pel_mailbox *box, GMainContext *context,
                       void *user)
 {
     *box = (struct pel_mailbox){ .receive = receive, .user = user };
-    pthread_mutex_init(&box->lock, NULL);
+    pel_lock_init(&box->lock);
     box->source = pel_alarm_create(context, "frames mailbox", receive_all, box);
 }
 

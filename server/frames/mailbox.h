@@ -34,6 +34,10 @@ void pel_mailbox_post(struct pel_mailbox *box, struct pel_mail *mail);
 GSource *pel_alarm_create(GMainContext *context, const char *name,
                           void (*ring)(void *user), void *user);
 
+/* A lock that an urgent thread may share with others: who holds it runs as
+ * urgently as who waits for it. */
+void pel_lock_init(pthread_mutex_t *lock);
+
 /* A condition that counts time by CLOCK_MONOTONIC; and a wait on it of at most
  * wait_ns, with the lock held. */
 void pel_cond_init(pthread_cond_t *cond);

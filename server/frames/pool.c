@@ -12,11 +12,11 @@
 
 struct pel_pool {
     pthread_mutex_t lock; /* protects the queues, slow_busy, count, ended */
-    pthread_cond_t work, asked; /* for encoders; for surface queries */
-    struct pel_queue fast, slow, surface;
+    pthread_cond_t work;
+    struct pel_queue fast, slow;
     int slow_busy;
-    int count, ended; /* `answerer` is counted when it has ended only */
-    pthread_t threads[MAX_THREADS], answerer;
+    int count, ended;
+    pthread_t threads[MAX_THREADS];
     atomic_bool stop;
     struct pel_mailbox *box;
     void (*released)(void *user, size_t bytes);
@@ -132,20 +132,6 @@ static void encode_output(struct pel_pool *pool, struct pel_output *output)
     pel_mailbox_post(pool->box, &output->mail);
 }
 
-static void answer_surface(struct pel_pool *pool,
-                           struct pel_surface_query *query)
-{
-    const size_t batch = 256; /* a few ms: how long a stop may wait */
-    for (size_t i = 0; i < query->count && !atomic_load(&pool->stop);
-         i += batch) {
-        size_t left = query->count - i;
-        pel_snapshot_surface(query->snapshot, query->points + i,
-                             left < batch ? left : batch, query->time_s,
-                             query->moving, query->samples + i);
-    }
-    pel_mailbox_post(pool->box, &query->mail);
-}
-
 /* The encoder that this work is for, NULL: any thread may do it beside. */
 static struct pel_track *track_of(struct pel_mail *mail)
 {
@@ -218,26 +204,6 @@ static void end(struct pel_pool *pool)
     pthread_cond_broadcast(&pool->work);
 }
 
-/* Surface queries wait for no encoder. */
-static void *run_surface(void *argument)
-{
-    struct pel_pool *pool = argument;
-    pthread_mutex_lock(&pool->lock);
-    while (!atomic_load(&pool->stop)) {
-        struct pel_mail *mail = pel_queue_pop(&pool->surface);
-        if (!mail) {
-            pthread_cond_wait(&pool->asked, &pool->lock);
-            continue;
-        }
-        pthread_mutex_unlock(&pool->lock);
-        answer_surface(pool, (struct pel_surface_query *)mail);
-        pthread_mutex_lock(&pool->lock);
-    }
-    end(pool);
-    pthread_mutex_unlock(&pool->lock);
-    return NULL;
-}
-
 static void *run(void *argument)
 {
     struct pel_pool *pool = argument;
@@ -281,14 +247,8 @@ enum pel_err pel_pool_create(int threads, struct pel_mailbox *box,
     pool->released = released;
     pool->user = user;
     pool->device = "";
-    pthread_mutex_init(&pool->lock, NULL);
+    pel_lock_init(&pool->lock);
     pel_cond_init(&pool->work);
-    pel_cond_init(&pool->asked);
-    if (pthread_create(&pool->answerer, NULL, run_surface, pool) != 0) {
-        pel_pool_destroy(pool);
-        return PEL_ERR_IO;
-    }
-    pthread_setname_np(pool->answerer, "surface");
     threads = threads > MAX_THREADS ? MAX_THREADS : threads;
     pthread_mutex_lock(&pool->lock);
     for (int i = 0; i < threads; i++) {
@@ -320,18 +280,14 @@ bool pel_pool_stop(struct pel_pool *pool)
     pthread_mutex_lock(&pool->lock);
     atomic_store(&pool->stop, true);
     pthread_cond_broadcast(&pool->work);
-    pthread_cond_signal(&pool->asked);
-    while (pool->ended < pool->count + 1 && left > 0) {
+    while (pool->ended < pool->count && left > 0) {
         pel_cond_wait_ns(&pool->work, &pool->lock, left);
         left = end - pel_now_ns();
     }
-    bool ended = pool->ended == pool->count + 1;
+    bool ended = pool->ended == pool->count;
     pthread_mutex_unlock(&pool->lock);
     for (int i = 0; ended && i < pool->count; i++) {
         pthread_join(pool->threads[i], NULL);
-    }
-    if (ended) {
-        pthread_join(pool->answerer, NULL);
     }
     return ended;
 }
@@ -346,7 +302,6 @@ void pel_pool_destroy(struct pel_pool *pool)
             }
         }
         pthread_cond_destroy(&pool->work);
-        pthread_cond_destroy(&pool->asked);
         pthread_mutex_destroy(&pool->lock);
         free(pool);
     }
@@ -357,7 +312,7 @@ static void push(struct pel_pool *pool, struct pel_queue *queue,
 {
     pthread_mutex_lock(&pool->lock);
     pel_queue_push(queue, mail);
-    pthread_cond_signal(queue == &pool->surface ? &pool->asked : &pool->work);
+    pthread_cond_signal(&pool->work);
     pthread_mutex_unlock(&pool->lock);
 }
 
@@ -377,13 +332,6 @@ void pel_pool_push_track(struct pel_pool *pool, struct pel_track *track)
 const atomic_bool *pel_pool_cancel(const struct pel_pool *pool)
 {
     return &pool->stop;
-}
-
-void pel_pool_push_surface(struct pel_pool *pool,
-                           struct pel_surface_query *query)
-{
-    query->mail.kind = PEL_MAIL_SURFACE;
-    push(pool, &pool->surface, &query->mail);
 }
 
 void pel_pool_push_optics(struct pel_pool *pool, struct pel_optics_query *query)

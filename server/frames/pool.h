@@ -1,5 +1,5 @@
-/* The encoder threads: pictures to bytes, and surface queries. Live pictures
- * go first; slow work (PNG, EXR, queries) leaves one thread to them. */
+/* The encoder threads: pictures to bytes. Live pictures go first; slow work
+ * (PNG, EXR, numbers of light) leaves one thread to them. */
 #pragma once
 
 #include "frames/job.h"
@@ -31,5 +31,3 @@ const atomic_bool *pel_pool_cancel(const struct pel_pool *pool);
 void pel_pool_push_output(struct pel_pool *pool, struct pel_output *output);
 void pel_pool_push_optics(struct pel_pool *pool,
                           struct pel_optics_query *query);
-void pel_pool_push_surface(struct pel_pool *pool,
-                           struct pel_surface_query *query);

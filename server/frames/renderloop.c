@@ -312,7 +312,7 @@ enum pel_err pel_renderloop_create(const struct pel_renderer_options *o,
     loop->pool = pool;
     loop->box = box;
     progress(loop);
-    pthread_mutex_init(&loop->lock, NULL);
+    pel_lock_init(&loop->lock);
     pel_cond_init(&loop->wake);
     if (pthread_create(&loop->thread, NULL, run, loop) != 0) {
         loop->joined = true;

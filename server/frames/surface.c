@@ -141,7 +141,7 @@ enum pel_err pel_frames_surface(struct pel_frames *frames,
     query->done = done;
     query->user = user;
     frames->surfaces[frames->surface_count++] = query;
-    pel_pool_push_surface(frames->pool, query);
+    pel_answerers_push(frames->answerers, query);
     return PEL_OK;
 }
 

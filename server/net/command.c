@@ -176,6 +176,37 @@ enum pel_err pel_command_optics(struct pel_frames *frames,
     return err ? err : pel_frames_optics(frames, query, done, user, fault);
 }
 
+static bool in_range(const struct pel_field *info, double value)
+{
+    return value >= info->minimum && value <= info->maximum;
+}
+
+/* Somebody waits for the answer: what is good is seen without its path being
+ * written, what is not goes the way of all messages. */
+static enum pel_err take_points(const Pelagos__SurfaceQuery *query,
+                                struct pel_vec2 *out, struct pel_fault *fault)
+{
+    const ProtobufCMessageDescriptor *type = &pelagos__point__descriptor;
+    const struct pel_field *east =
+        pel_field_info(type, pel_field_by_name(type, "east", 4));
+    const struct pel_field *north =
+        pel_field_info(type, pel_field_by_name(type, "north", 5));
+    for (size_t i = 0; i < query->n_points; i++) {
+        const Pelagos__Point *point = query->points[i];
+        if (!point->has_east || !point->has_north ||
+            !in_range(east, point->east) || !in_range(north, point->north)) {
+            char path[96];
+            snprintf(path, sizeof path, "points.%zu", i);
+            enum pel_err err = check_below(&point->base, path, fault);
+            return err ? err
+                       : refuse(fault, PEL_ERR_INVALID, path, NULL, (double)i,
+                                "needs east and north");
+        }
+        out[i] = (struct pel_vec2){ point->east, point->north };
+    }
+    return PEL_OK;
+}
+
 enum pel_err pel_command_surface(struct pel_frames *frames,
                                  const Pelagos__SurfaceQuery *query,
                                  pel_surface_callback done, void *user,
@@ -186,21 +217,17 @@ enum pel_err pel_command_surface(struct pel_frames *frames,
                       (double)query->n_points,
                       "must have at most 10000 elements");
     }
-    enum pel_err err = pel_command_check(&query->base, fault);
+    Pelagos__SurfaceQuery own = *query;
+    own.n_points = 0; /* the points are checked faster below */
+    enum pel_err err = pel_command_check(&own.base, fault);
     if (err != PEL_OK) {
         return err;
     }
     struct pel_vec2 *points = g_new(struct pel_vec2, query->n_points + 1);
-    for (size_t i = 0; i < query->n_points; i++) {
-        const Pelagos__Point *point = query->points[i];
-        if (!point->has_east || !point->has_north) {
-            char path[96];
-            snprintf(path, sizeof path, "points.%zu", i);
-            g_free(points);
-            return refuse(fault, PEL_ERR_INVALID, path, NULL, (double)i,
-                          "needs east and north");
-        }
-        points[i] = (struct pel_vec2){ point->east, point->north };
+    err = take_points(query, points, fault);
+    if (err != PEL_OK) {
+        g_free(points);
+        return err;
     }
     const struct pel_surface_wish wish = {
         .points_m = points,

@@ -16,7 +16,50 @@
 #include "net/http_request.h"
 #include "net/liveviewer.h"
 #include "net/outbox.h"
+#include "net/surfacewire.h"
 #include "net/websocket.h"
+#include "wire.h"
+
+static struct pel_surface_sample some_sample(unsigned i)
+{
+    double x = i * 0.37;
+    return (struct pel_surface_sample){
+        .height_m = i % 5 ? x - 2 : -0.0,
+        .normal = { sin(x), cos(x), 1 / (1 + x) },
+        .velocity_mps = { -x, x, 1e-300 },
+        .acceleration_mps2 = { i % 3 ? NAN : x, i % 3 ? NAN : 2, 3 },
+        .depth_m = i % 2   ? NAN
+                   : i % 4 ? -1e6
+                           : 40,
+    };
+}
+
+/* Against protobuf-c: how the wire is written is theirs to say. */
+static void test_surface_reply(void **state)
+{
+    (void)state;
+    static const size_t counts[] = { 0, 1, 2, 19, 10000 };
+    static struct pel_surface_sample samples[10000];
+    for (unsigned i = 0; i < 10000; i++) {
+        samples[i] = some_sample(i);
+    }
+    for (size_t k = 0; k < 2 * (sizeof counts / sizeof *counts); k++) {
+        size_t count = counts[k / 2], size = 0, want_size = 0;
+        Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+        reply.has_id = k % 2;
+        reply.id = k == 3 ? UINT64_MAX : k;
+        reply.result_case = PELAGOS__REPLY__RESULT_SURFACE;
+        reply.surface = pel_surface_message(1e9 / 3, samples, count);
+        uint8_t *want = pel_wire_pack(&reply.base, &want_size);
+        uint8_t *got = pel_surface_reply(reply.has_id, reply.id, 1e9 / 3,
+                                         samples, count, &size);
+        assert_int_equal(size, want_size);
+        assert_memory_equal(got, want, size);
+        pel_surface_message_free(reply.surface);
+        free(want);
+        free(got);
+    }
+}
 
 static void test_target(void **state)
 {
@@ -367,6 +410,7 @@ static void test_live_messages(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_surface_reply),
         cmocka_unit_test(test_target),
         cmocka_unit_test(test_longest_target),
         cmocka_unit_test(test_host),

@@ -12,9 +12,12 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/urgent.h"
 #include "net/command.h"
 #include "net/fdsource.h"
 #include "net/outbox.h"
+#include "net/surfacewire.h"
+#include "unpack.h"
 #include "wire.h"
 
 #define READ_A_TURN 65536
@@ -50,6 +53,7 @@ struct session {
     bool watching, watch_due, watch_has_id;
     uint64_t watch_id;
     bool stranger;            /* has yet to give the token */
+    bool nudge;               /* somebody waits for what is sent next */
     bool eof;                 /* the client sends no more */
     bool held;                /* whole messages may wait in `in` */
     bool closing;             /* after the last byte is out */
@@ -63,8 +67,9 @@ struct pel_sessions {
     struct pel_net_limits limits;
     struct pel_scene *scene;
     struct pel_frames *frames;
-    struct pel_token *token; /* NULL: none is asked for */
-    GPtrArray *list;         /* of struct session */
+    struct pel_token *token;  /* NULL: none is asked for */
+    GPtrArray *list;          /* of struct session */
+    struct pel_unpack unpack; /* the request being taken */
     bool stopped;
     uint64_t accepted[PEL_TRANSPORT_COUNT], refused[PEL_TRANSPORT_COUNT];
     uint64_t malformed[PEL_TRANSPORT_COUNT], timeouts[PEL_TRANSPORT_COUNT];
@@ -208,13 +213,11 @@ static void on_surface(void *user, enum pel_err err,
     struct session *self = job->session;
     if (job_end(job)) {
         if (err == PEL_OK) {
-            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-            reply.has_id = job->has_id;
-            reply.id = job->id;
-            reply.result_case = PELAGOS__REPLY__RESULT_SURFACE;
-            reply.surface = pel_surface_message(time_s, samples, count);
-            send_reply(self, &reply);
-            pel_surface_message_free(reply.surface);
+            size_t size = 0;
+            uint8_t *data = pel_surface_reply(job->has_id, job->id, time_s,
+                                              samples, count, &size);
+            send_bytes(self, data, size);
+            self->nudge = true;
         } else {
             send_fault(self, job->has_id, job->id, fault);
         }
@@ -389,8 +392,11 @@ static bool admit(struct session *self, const Pelagos__Request *request,
 
 static void take_message(struct session *self, const uint8_t *data, size_t size)
 {
-    Pelagos__Request *request = pelagos__request__unpack(NULL, size, data);
+    struct pel_unpack *unpack = &self->all->unpack;
+    Pelagos__Request *request =
+        pelagos__request__unpack(&unpack->allocator, size, data);
     if (!request) {
+        pel_unpack_reset(unpack);
         malformed(self, "the message is not a pelagos.Request");
         return;
     }
@@ -409,7 +415,7 @@ static void take_message(struct session *self, const uint8_t *data, size_t size)
     } else if (apply(self, request, &fault) != PEL_OK) {
         send_fault(self, request->has_id, request->id, &fault);
     }
-    pelagos__request__free_unpacked(request, NULL);
+    pel_unpack_reset(unpack);
 }
 
 /* Whether another message may be begun now. */
@@ -484,6 +490,10 @@ static bool write_some(struct session *self)
     if (sent > 0) {
         self->progress_ns = pel_now_ns();
         self->all->out_bytes += sent;
+    }
+    if (self->nudge) {
+        pel_nudge();
+        self->nudge = false;
     }
     return result != PEL_OUTBOX_GONE;
 }
@@ -635,6 +645,7 @@ struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
     all->scene = scene;
     all->frames = frames;
     all->token = token;
+    pel_unpack_init(&all->unpack);
     all->list = g_ptr_array_new_with_free_func(session_free);
     return all;
 }
@@ -643,6 +654,7 @@ void pel_sessions_destroy(struct pel_sessions *all)
 {
     if (all) {
         g_ptr_array_free(all->list, TRUE);
+        pel_unpack_finish(&all->unpack);
         g_free(all);
     }
 }

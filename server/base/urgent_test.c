@@ -1,0 +1,123 @@
+/* Real time for answers: its rule, and what the system then says. */
+#include <pthread.h>
+#include <sched.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "base/urgent.h"
+
+#define NS_MS 1000000LL
+
+/* Threads use `used` of each millisecond for `ms`; how many of these the rule
+ * lets it be real time. */
+static int real_ms(struct pel_urgent *self, int ms, double used)
+{
+    int real = 0;
+    for (int i = 0; i < ms; i++) {
+        self->real =
+            pel_urgent_credit(self, self->wall_ns + NS_MS,
+                              self->cpu_ns + (int64_t)(used * (double)NS_MS));
+        real += self->real;
+    }
+    return real;
+}
+
+static void modest_threads_stay_real(void **state)
+{
+    (void)state;
+    struct pel_urgent self = { .real = true, .credit_ns = PEL_URGENT_BURST_NS };
+    assert_int_equal(real_ms(&self, 10000, 0.24), 10000);
+}
+
+static void greedy_threads_have_a_burst(void **state)
+{
+    (void)state;
+    struct pel_urgent self = { .real = true, .credit_ns = PEL_URGENT_BURST_NS };
+    /* 0.75 of each millisecond is beyond its share */
+    int burst = (int)(PEL_URGENT_BURST_NS / NS_MS / (1 - PEL_URGENT_SHARE));
+    assert_in_range(real_ms(&self, 10000, 1.0), burst, burst + 1);
+    /* 30 ms of credit are earned by 120 ms of rest */
+    int rest = (int)(1.5 * PEL_URGENT_BURST_NS / NS_MS / PEL_URGENT_SHARE);
+    assert_int_equal(real_ms(&self, rest - 1, 0.0), 0);
+    assert_int_equal(real_ms(&self, 10, 0.0), 9);
+}
+
+static void bursts_leave_the_share(void **state)
+{
+    (void)state;
+    struct pel_urgent self = { .real = true, .credit_ns = PEL_URGENT_BURST_NS };
+    double used_real = 0; /* works while real, waits while not */
+    for (int i = 0; i < 100000; i++) {
+        used_real += self.real;
+        (void)real_ms(&self, 1, self.real ? 1.0 : 0.0);
+    }
+    assert_in_range((int)(used_real * 1e-3), 24, 26); /* of 100 */
+}
+
+static void *ask(void *out)
+{
+    *(int *)out = sched_getscheduler(0);
+    return NULL;
+}
+
+static int policy_of_child(void)
+{
+    int policy = -1;
+    pthread_t thread;
+    assert_int_equal(pthread_create(&thread, NULL, ask, &policy), 0);
+    pthread_join(thread, NULL);
+    return policy;
+}
+
+static void *be_urgent(void *unused)
+{
+    struct pel_urgent self;
+    (void)unused;
+    pel_urgent_begin(&self, PEL_URGENT_ANSWERS);
+    assert_true(self.real);
+    assert_int_equal(sched_getscheduler(0), SCHED_RR | SCHED_RESET_ON_FORK);
+    assert_int_equal(policy_of_child(), SCHED_OTHER);
+    self.credit_ns = -NS_MS;
+    pel_urgent_account(&self);
+    assert_false(self.real);
+    assert_int_equal(sched_getscheduler(0) & ~SCHED_RESET_ON_FORK, SCHED_OTHER);
+    self.credit_ns = PEL_URGENT_BURST_NS;
+    pel_urgent_account(&self);
+    assert_int_equal(sched_getscheduler(0), SCHED_RR | SCHED_RESET_ON_FORK);
+    return NULL;
+}
+
+static void the_system_agrees(void **state)
+{
+    (void)state;
+    bool real = true;
+    struct pel_fault fault;
+    assert_int_equal(pel_urgent_init(PEL_REALTIME_OFF, &real, &fault), PEL_OK);
+    assert_false(real);
+    assert_int_equal(pel_urgent_init(PEL_REALTIME_AUTO, &real, &fault), PEL_OK);
+    if (!real) {
+        assert_int_equal(pel_urgent_init(PEL_REALTIME_ON, &real, &fault),
+                         PEL_ERR_IO);
+        skip(); /* not permitted here */
+    }
+    assert_int_equal(sched_getscheduler(0), SCHED_OTHER);
+    pthread_t thread;
+    assert_int_equal(pthread_create(&thread, NULL, be_urgent, NULL), 0);
+    pthread_join(thread, NULL);
+    pel_nudge();
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(modest_threads_stay_real),
+        cmocka_unit_test(greedy_threads_have_a_burst),
+        cmocka_unit_test(bursts_leave_the_share),
+        cmocka_unit_test(the_system_agrees),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,23 @@
+/* The threads that answer surface queries, in real time where that is
+ * permitted (base/urgent.h). A large query is cut up among them. */
+#pragma once
+
+#include "frames/job.h"
+#include "frames/mailbox.h"
+
+struct pel_answerers;
+
+/* As many threads as `cores`, at most PEL_MOST_ANSWERERS. Answered queries are
+ * posted to `box`, in the order in which they are done. */
+#define PEL_MOST_ANSWERERS 4
+PEL_CHECK enum pel_err pel_answerers_create(int cores, struct pel_mailbox *box,
+                                            struct pel_answerers **out);
+
+/* Any thread; queries are begun in this order. */
+void pel_answerers_push(struct pel_answerers *self,
+                        struct pel_surface_query *query);
+
+/* Drops what waits, ends the work at hand, joins; false: not within 1 s, and
+ * the threads are left alone. */
+bool pel_answerers_stop(struct pel_answerers *self);
+void pel_answerers_destroy(struct pel_answerers *self); /* after stop; NULL */

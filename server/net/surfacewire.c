@@ -1,0 +1,111 @@
+#include "net/surfacewire.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pelagos.pb-c.h"
+#include "wire.h"
+
+/* Tags: number << 3 | type; a double is fixed64, 1, and a message 2. */
+enum tag {
+    REPLY_ID = 1 << 3,
+    SURFACE_TIME = 1 << 3 | 1,
+    SURFACE_POINTS = 2 << 3 | 2,
+    POINT_HEIGHT = 1 << 3 | 1,
+    POINT_NORMAL = 2 << 3 | 2,
+    POINT_VELOCITY = 3 << 3 | 2,
+    POINT_ACCELERATION = 4 << 3 | 2,
+    POINT_DEPTH = 12 << 3 | 1,
+    POINT_SOUNDING = 13 << 3 | 1,
+    VECTOR_EAST = 1 << 3 | 1,
+    VECTOR_NORTH = 2 << 3 | 1,
+    VECTOR_UP = 3 << 3 | 1,
+};
+enum { DOUBLE = 1 + 8, VECTOR = 3 * DOUBLE, MOST_VARINT = 10 };
+
+static uint8_t *put_double(uint8_t *to, enum tag tag, double value)
+{
+    *to++ = (uint8_t)tag;
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    for (int i = 0; i < 8; i++) {
+        to[i] = (uint8_t)(bits >> 8 * i);
+    }
+    return to + 8;
+}
+
+static uint8_t *put_vector(uint8_t *to, enum tag tag, struct pel_vec3 v)
+{
+    *to++ = (uint8_t)tag;
+    *to++ = VECTOR;
+    to = put_double(to, VECTOR_EAST, v.x);
+    to = put_double(to, VECTOR_NORTH, v.y);
+    return put_double(to, VECTOR_UP, v.z);
+}
+
+static size_t point_size(const struct pel_surface_sample *s)
+{
+    return DOUBLE + 2 * (2 + VECTOR) +
+           (isnan(s->acceleration_mps2.x) ? 0 : 2 + VECTOR) +
+           (isnan(s->depth_m) ? 0 : 2 * DOUBLE);
+}
+_Static_assert(3 * DOUBLE + 3 * (2 + VECTOR) < 128, "a length is one byte");
+
+static uint8_t *put_point(uint8_t *to, const struct pel_surface_sample *s)
+{
+    *to++ = SURFACE_POINTS;
+    *to++ = (uint8_t)point_size(s);
+    to = put_double(to, POINT_HEIGHT, s->height_m);
+    to = put_vector(to, POINT_NORMAL, s->normal);
+    to = put_vector(to, POINT_VELOCITY, s->velocity_mps);
+    if (!isnan(s->acceleration_mps2.x)) {
+        to = put_vector(to, POINT_ACCELERATION, s->acceleration_mps2);
+    }
+    if (!isnan(s->depth_m)) {
+        to = put_double(to, POINT_DEPTH, s->depth_m);
+        to =
+            put_double(to, POINT_SOUNDING, fmax(s->depth_m + s->height_m, 0.0));
+    }
+    return to;
+}
+
+static size_t put_varint(uint8_t *to, uint64_t value)
+{
+    size_t n = 0;
+    for (; value >= 0x80; value >>= 7) {
+        to[n++] = (uint8_t)(value | 0x80);
+    }
+    to[n++] = (uint8_t)value;
+    return n;
+}
+
+uint8_t *pel_surface_reply(bool has_id, uint64_t id, double time_s,
+                           const struct pel_surface_sample *samples,
+                           size_t count, size_t *size)
+{
+    enum { REPLY_SURFACE = PELAGOS__REPLY__RESULT_SURFACE << 3 | 2 };
+    uint8_t head[1 + MOST_VARINT + 1 + MOST_VARINT];
+    size_t surface = DOUBLE, before = 0;
+    for (size_t i = 0; i < count; i++) {
+        surface += 2 + point_size(&samples[i]);
+    }
+    if (has_id) {
+        head[before++] = REPLY_ID;
+        before += put_varint(head + before, id);
+    }
+    head[before++] = REPLY_SURFACE;
+    before += put_varint(head + before, surface);
+    uint8_t *out = malloc(PEL_WIRE_MAX_PREFIX + before + surface);
+    if (!out) {
+        abort();
+    }
+    uint8_t *to = out + pel_wire_prefix(before + surface, out);
+    memcpy(to, head, before);
+    to = put_double(to + before, SURFACE_TIME, time_s);
+    for (size_t i = 0; i < count; i++) {
+        to = put_point(to, &samples[i]);
+    }
+    *size = (size_t)(to - out);
+    return out;
+}
