@@ -8,13 +8,10 @@
 
 #define N PEL_CASCADE_N
 
-enum pel_err pel_cascade_fields_create(const struct pel_cascades *c,
-                                       double time_s,
-                                       struct pel_cascade_fields **out)
+static struct pel_cascade_fields *allocate(void)
 {
     struct pel_cascade_fields *f = calloc(1, sizeof *f);
-    struct pel_evolve_work *work = pel_evolve_work_create();
-    bool whole = f && work;
+    bool whole = f;
     for (int i = 0; f && i < PEL_CASCADES; i++) {
         f->displacement[i] = malloc(N * N * sizeof *f->displacement[i]);
         f->slopes[i] = malloc(N * N * sizeof *f->slopes[i]);
@@ -24,19 +21,38 @@ enum pel_err pel_cascade_fields_create(const struct pel_cascades *c,
                 f->velocity[i];
     }
     if (!whole) {
-        pel_evolve_work_destroy(work);
         pel_cascade_fields_destroy(f);
-        return PEL_ERR_NO_MEMORY;
+        return NULL;
     }
+    return f;
+}
+
+static void compute(const struct pel_cascades *c, double time_s,
+                    struct pel_evolve_work *work, struct pel_cascade_fields *f)
+{
     f->time_s = time_s;
     for (int i = 0; i < PEL_CASCADES; i++) {
         const struct pel_evolve_target to = { f->displacement[i], f->slopes[i],
                                               f->fold[i], f->velocity[i] };
         pel_evolve(c, i, time_s, work, &to);
     }
+}
+
+enum pel_err pel_cascade_fields_create(const struct pel_cascades *c,
+                                       double time_s,
+                                       struct pel_cascade_fields **out)
+{
+    struct pel_cascade_fields *f = allocate();
+    struct pel_evolve_work *work = pel_evolve_work_create();
+    enum pel_err err = f && work ? PEL_OK : PEL_ERR_NO_MEMORY;
+    if (err) {
+        pel_cascade_fields_destroy(f);
+    } else {
+        compute(c, time_s, work, f);
+        *out = f;
+    }
     pel_evolve_work_destroy(work);
-    *out = f;
-    return PEL_OK;
+    return err;
 }
 
 void pel_cascade_fields_destroy(struct pel_cascade_fields *f)
@@ -59,6 +75,7 @@ void pel_cascade_fields_destroy(struct pel_cascade_fields *f)
 struct pel_fields_cache {
     pthread_mutex_t lock;
     struct pel_kept_fields *kept[KEPT];
+    struct pel_evolve_work *work; /* NULL until a moment is asked for */
     uint64_t clock;
     struct pel_cascades *second; /* accelerations; NULL until asked for */
 };
@@ -150,6 +167,7 @@ void pel_fields_cache_finish(struct pel_fields_cache *cache)
     for (int i = 0; i < KEPT; i++) {
         drop(cache->kept[i]);
     }
+    pel_evolve_work_destroy(cache->work);
     pthread_mutex_destroy(&cache->lock);
     destroy_second(cache->second);
     free(cache);
@@ -167,28 +185,46 @@ static struct pel_kept_fields *find(struct pel_fields_cache *cache,
     return NULL;
 }
 
-/* Puts new fields in place of those used longest ago. */
+/* The least used place, without users and with memory for fields: a moment is
+ * 14 MiB, which goes from one to the next: freeing and allocating it anew
+ * would hold several times as much in the heap of the thread that asks. */
+static struct pel_kept_fields *place(struct pel_fields_cache *cache)
+{
+    int oldest = 0;
+    for (int i = 0; i < KEPT && cache->kept[oldest]; i++) {
+        if (!cache->kept[i] ||
+            cache->kept[i]->used < cache->kept[oldest]->used) {
+            oldest = i;
+        }
+    }
+    struct pel_kept_fields **at = &cache->kept[oldest];
+    if (*at && (*at)->users > 0) {
+        drop(*at);
+        *at = NULL;
+    }
+    if (!*at) {
+        struct pel_kept_fields *k = calloc(1, sizeof *k);
+        if (!k || !(k->fields = allocate())) {
+            free(k);
+            return NULL;
+        }
+        *at = k;
+    }
+    return *at;
+}
+
 static enum pel_err add(const struct pel_cascades *c, double time_s,
                         struct pel_kept_fields **out)
 {
     struct pel_fields_cache *cache = c->cache;
-    struct pel_kept_fields *k = calloc(1, sizeof *k);
-    if (!k || pel_cascade_fields_create(c, time_s, &k->fields)) {
-        free(k);
+    if (!cache->work) {
+        cache->work = pel_evolve_work_create();
+    }
+    struct pel_kept_fields *k = cache->work ? place(cache) : NULL;
+    if (!k) {
         return PEL_ERR_NO_MEMORY;
     }
-    int oldest = 0;
-    for (int i = 0; i < KEPT; i++) {
-        if (!cache->kept[i]) {
-            oldest = i;
-            break;
-        }
-        if (cache->kept[i]->used < cache->kept[oldest]->used) {
-            oldest = i;
-        }
-    }
-    drop(cache->kept[oldest]);
-    cache->kept[oldest] = k;
+    compute(c, time_s, cache->work, k->fields);
     *out = k;
     return PEL_OK;
 }
