@@ -151,7 +151,7 @@ FRAMES := server/frames/frame.c server/frames/quality.c server/frames/mailbox.c 
     server/frames/renderloop.c \
     server/frames/picture_exr.c \
     server/frames/window.c \
-    server/frames/requests.c \
+    server/frames/requests.c server/frames/frameset.c \
     server/frames/live.c \
     server/frames/surface.c \
     server/frames/optics.c server/frames/optics_water.c \
@@ -163,7 +163,7 @@ NET := server/net/fdsource.c \
     server/net/tcpinfo.c \
     server/net/outbox.c \
     server/net/surfacewire.c server/net/command.c \
-    server/net/session.c \
+    server/net/session.c server/net/session_answers.c server/net/frame_reply.c \
     server/net/http_request.c \
     server/net/http_problem.c \
     server/net/http_view.c server/net/http_optics.c \
@@ -179,7 +179,7 @@ NET := server/net/fdsource.c \
     server/net/mjpeg.c \
     server/net/websocket.c \
     server/net/liveviewer.c \
-    server/net/http_answer.c \
+    server/net/http_answer.c server/net/http_picture.c server/net/http_set.c \
     server/net/http_server.c \
     server/net/net.c
 PAGES := $(wildcard clients/web/*.html clients/web/*.css clients/web/*.js \

@@ -265,6 +265,20 @@ class Pictures(OceanCase):
         frames = self.ocean.frames(["bridge", "aft"], "png")
         self.assertEqual(list(frames), ["bridge", "aft"])
         self.assertEqual({f.time for f in frames.values()}, {5.0})
+        images = self.ocean.images(["aft", "bridge"], width=64, height=48)
+        self.assertEqual({i.shape for i in images.values()}, {(48, 64, 3)})
+        self.assertEqual(set(self.ocean.frames()),
+                         {v.name for v in self.ocean.state().views})
+        with self.ocean.kept():  # the clock runs, and they stay together
+            self.ocean.set(clock={"mode": "FREE"})
+            for _ in range(10):
+                depth = self.ocean.frames(["bridge", "aft"], "exr", width=64,
+                                          height=48, layers=["depth"])
+                self.assertEqual(len({(f.number, f.time, f.revision)
+                                      for f in depth.values()}), 1)
+        with self.assertRaises(pelagos.NotFound) as caught:
+            self.ocean.frames(["bridge", "nothing"])
+        self.assertEqual(caught.exception.path, "frames.1.view")
 
     def test_layers(self):
         """As ffmpeg's reader has them, which is nobody's of us."""

@@ -2,22 +2,27 @@
 """The windows of one bridge: views of one frame, by whatever way they come.
 
 They share the frame's number, simulated time, stamp and time of presentation;
-pictures that are asked for in parallel are of one frame; RTSP and MPEG-TS carry
+pictures that are asked for by one request are of one frame; RTSP and MPEG-TS carry
 the same clock in every view.
 """
 import concurrent.futures
+import contextlib
+import email
+import email.policy
+import json
 import os
 import re
-import struct
-import subprocess
 import shutil
+import subprocess
 import sys
+import tempfile
+import threading
 import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from live_client import Live
-from pelagos_daemon import Daemon
+from pelagos_daemon import BIN, Daemon, Session
 from rtsp_client import RtspClient
 
 WINDOWS = [f"window{i}" for i in range(5)]
@@ -132,13 +137,156 @@ class Asked(Case):
         finally:
             self.daemon.patch({"clock": {"mode": "FREE"}})
 
-    def test_moving_time_in_parallel(self):
-        """Requests that arrive together wait for each other for 3 ms. This
-        script's threads may start further apart: most sets are whole."""
-        whole = sum(len({number for number, _ in self.ask_all()}) == 1
-                    for _ in range(20))
-        print(f"{whole} of 20 parallel sets were of one frame")
-        self.assertGreater(whole, 5)
+
+class Sets(Case):
+    """Several views of one frame by one request: a promise, not luck."""
+
+    def parts(self, path):
+        """[(view, frame, time, revision, bytes)] of a multipart answer, as the
+        standard library reads it."""
+        answer = self.daemon.get(path)
+        self.assertEqual(answer.status, 200, answer)
+        message = email.message_from_bytes(
+            b"Content-Type: " + answer.headers["Content-Type"].encode()
+            + b"\r\n\r\n" + answer.body, policy=email.policy.HTTP)
+        out = []
+        for part in message.iter_parts():
+            name = part["X-Pelagos-View"]
+            self.assertTrue(part.get_filename().startswith(name + "."))
+            out.append((name, *(part[f"X-Pelagos-{fact}"] for fact in
+                                ("Frame", "Time", "Revision")),
+                        part.get_content()))
+            self.assertEqual(len(out[-1][-1]), int(part["Content-Length"]))
+            for fact in "Frame", "Time", "Revision":
+                self.assertEqual(part[f"X-Pelagos-{fact}"],
+                                 answer.headers[f"X-Pelagos-{fact}"])
+        return out
+
+    def test_two_hundred_sets(self):
+        """While time runs freely, the state changes, others ask for single
+        pictures and watch."""
+        end = threading.Event()
+
+        def disturb():
+            yaw = 0
+            while not end.wait(0.02):
+                yaw = (yaw + 1) % 20
+                self.daemon.patch({"views": {"window2": {"yaw": yaw}}})
+                self.daemon.get("/v1/views/window2/frame.jpg?width=64"
+                                "&height=32")
+        session = Session(self.daemon.connect_tcp())
+        asked = [{"view": name, "width": 32, "height": 18,
+                  "format": i % 3} for i, name in enumerate(WINDOWS)]
+        moments = set()
+        with contextlib.ExitStack() as stack:
+            stack.callback(session.close)
+            other = threading.Thread(target=disturb)
+            other.start()
+            stack.callback(other.join)
+            stack.callback(end.set)
+            live = None
+            for i in range(200):
+                if i == 100:  # beside live frames too
+                    live = stack.enter_context(Live(self.daemon, "window4"))
+                if i % 2:
+                    frames = [(f.view, f.number, f.time, f.revision) for f in
+                              session.ask(frames={"frames": asked})
+                              .frames.frames]
+                else:
+                    frames = [f[:4] for f in self.parts(
+                        f"/v1/frames.png?views={','.join(WINDOWS)}"
+                        "&width=32&height=18")]
+                self.assertEqual([f[0] for f in frames], WINDOWS)
+                self.assertEqual(len({f[1:] for f in frames}), 1, frames)
+                moments.add(frames[0][1])
+                if live:
+                    with contextlib.suppress(TimeoutError):
+                        live.socket.settimeout(0.001)
+                        live.ack(live.picture()[0])
+        print(f"200 sets of five, each of one frame, {len(moments)} frames")
+        self.assertGreater(len(moments), 100)  # time did run
+
+    def test_all_views_and_any_format(self):
+        parts = self.parts("/v1/frames.jpg?time=5")
+        self.assertEqual({p[0] for p in parts} - set(WINDOWS) - {"bridge"},
+                         set())
+        single = self.daemon.get("/v1/views/window1/frame.jpg?time=5")
+        self.assertIn(single.body, [p[-1] for p in parts])
+        exr = self.parts("/v1/frames.exr?time=5&views=window1,window1"
+                         "&layers=depth")
+        self.assertEqual(exr[0], exr[1])
+        self.assertTrue(exr[0][-1].startswith(b"v/1\x01"))
+
+    def test_refusals(self):
+        def refused(query, path, status=400):
+            answer = self.daemon.get("/v1/frames.png?" + query)
+            self.assertEqual(answer.status, status, query)
+            self.assertEqual(answer.json()["path"], path)
+        refused("views=window0,nothing", "frames.1.view", 404)
+        refused("views=", "views")
+        refused("views=" + ",".join(["window0"] * 65), "views")
+        refused("views=window0&width=5", "width")
+        refused("views=" + ",".join(["window0"] * 5) +
+                "&width=4096&height=4096", "frames")
+        refused("view=window0", "view")
+        with Session(self.daemon.connect_tcp()) as session:
+            def error(**command):
+                return session.ask(frames=command).error
+            self.assertEqual(error().path, "frames")
+            self.assertEqual(error(frames=[{"view": "window0"},
+                                           {"view": "window1", "time": 5}]
+                                   ).path, "frames.1.time")
+            self.assertEqual(error(frames=[{"view": "window0", "width": 3}]
+                                   ).path, "frames.0.width")
+            self.assertEqual(error(time=-1, frames=[{"view": "window0"}]
+                                   ).path, "time")
+            many = session.ask(frames={"frames": [
+                {"view": "window0", "width": 16 + i, "height": 16}
+                for i in range(64)]}).frames.frames
+            self.assertEqual(len({f.number for f in many}), 1)
+
+    def test_view_that_goes_and_client_that_leaves(self):
+        """A set is refused whole when a view goes while it waits; one whose
+        client leaves is forgotten."""
+        wide = "&width=1024&height=1024"
+        for i in range(6):
+            self.daemon.request("PUT", "/v1/views/gone", {"width": 64,
+                                                          "height": 64})
+            with Session(self.daemon.connect_tcp()) as session:
+                session.send(session.pb.Request(frame={
+                    "view": "window0", "width": 1024, "height": 1024}))
+                session.send(session.pb.Request(id=2, frames={"frames": [
+                    {"view": "window0"}, {"view": "gone"}]}))
+                if i % 2:
+                    self.daemon.request("DELETE", "/v1/views/gone")
+                    replies = [session.receive(), session.receive()]
+                    last = [r for r in replies if r.id == 2][0]
+                    self.assertTrue(last.HasField("frames") or
+                                    last.error.path.endswith("view"), last)
+            with self.daemon.connect_http() as s:
+                s.sendall(f"GET /v1/frames.png?views=window0,window1{wide} "
+                          "HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+        end = time.monotonic() + SLOW_S
+        while self.daemon.metrics()["pelagos_frames_requests_waiting"]:
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.05)
+
+    def test_command_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            def save(file):
+                return subprocess.run(
+                    [os.path.join(BIN, "pelagosctl"), "--server",
+                     f"tcp:127.0.0.1:{self.daemon.tcp_port}", "frame",
+                     "window0,window3", os.path.join(folder, file),
+                     "--json"], capture_output=True, text=True)
+            lines = save("set_%s.png").stdout.splitlines()
+            facts = [json.loads(line) for line in lines]
+            self.assertEqual([f["view"] for f in facts],
+                             ["window0", "window3"])
+            self.assertEqual(len({f["number"] for f in facts}), 1)
+            self.assertEqual(sorted(os.listdir(folder)),
+                             ["set_window0.png", "set_window3.png"])
+            self.assertIn("%s", save("one.png").stderr)
 
 
 class Clocks(Case):

@@ -333,6 +333,31 @@ enum pel_client_code pel_client_frame(struct pel_client *client,
     return code;
 }
 
+enum pel_client_code pel_client_frames(struct pel_client *client,
+                                       const Pelagos__FramesRequest *wanted,
+                                       Pelagos__Frames **out,
+                                       struct pel_client_error *error)
+{
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_FRAMES;
+    request.frames = (Pelagos__FramesRequest *)wanted;
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code =
+        call(client, &request, PELAGOS__REPLY__RESULT_FRAMES, &reply, error);
+    if (code != PEL_CLIENT_OK) {
+        return code;
+    }
+    if (reply->frames->n_frames != wanted->n_frames) {
+        code = stream_fail(client, STREAM_MALFORMED, error);
+    } else {
+        *out = reply->frames;
+        reply->frames = NULL;
+        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+    }
+    pelagos__reply__free_unpacked(reply, NULL);
+    return code;
+}
+
 #define MAX_POINTS 10000
 /* Points of one request: 20 bytes each, and requests end at 64 KiB. */
 #define POINTS_AT_ONCE 3000

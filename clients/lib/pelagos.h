@@ -119,6 +119,15 @@ pel_client_frame(struct pel_client *client,
                  const Pelagos__FrameRequest *request, Pelagos__Frame **out,
                  struct pel_client_error *error);
 
+/* Pictures of one frame, 1 to 64, by one call: of one state at one simulated
+ * time, with one number, whatever else the daemon does; all of them or none, in
+ * the order of the request ((*out)->frames[i]->data: a whole file each). Free
+ * *out with pelagos__frames__free_unpacked(). */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_frames(struct pel_client *client,
+                  const Pelagos__FramesRequest *request, Pelagos__Frames **out,
+                  struct pel_client_error *error);
+
 /* Height, normal and velocity of the sea surface at `count` points (1..10,000)
  * given as east, north [m] from the scene's origin. time_s: simulated time,
  * NULL for the clock's. The answers are in the order of the points. Above 3,000

@@ -99,6 +99,59 @@ static void describe(FILE *out, const char *path, const Pelagos__Frame *frame,
             frame->encode_ms);
 }
 
+static enum ctl_exit keep(const struct ctl *ctl, const char *path,
+                          const Pelagos__Frame *frame)
+{
+    enum ctl_exit status = save(path, frame);
+    if (status == CTL_DONE && !ctl_flag(ctl, "quiet")) {
+        FILE *out = strcmp(path, "-") == 0 ? stderr : stdout;
+        describe(out, path, frame, ctl_flag(ctl, "json"));
+    }
+    return status;
+}
+
+/* Several views of one frame; each is saved with its name for %s. */
+static enum ctl_exit save_set(struct ctl *ctl, const char *path,
+                              const Pelagos__FrameRequest *each)
+{
+    g_auto(GStrv) place = g_strsplit(path, "%s", 3);
+    if (g_strv_length(place) != 2) {
+        return ctl_say(CTL_USAGE,
+                       "%s: several views need %%s in FILE, once, where their "
+                       "names go",
+                       path);
+    }
+    g_auto(GStrv) names = g_strsplit(each->view, ",", -1);
+    size_t count = g_strv_length(names);
+    g_autofree Pelagos__FrameRequest *requests =
+        g_new(Pelagos__FrameRequest, count);
+    g_autofree Pelagos__FrameRequest **list =
+        g_new(Pelagos__FrameRequest *, count);
+    Pelagos__FramesRequest set = PELAGOS__FRAMES_REQUEST__INIT;
+    for (size_t i = 0; i < count; i++) {
+        requests[i] = *each;
+        requests[i].view = names[i];
+        requests[i].has_time = 0;
+        list[i] = &requests[i];
+    }
+    set.frames = list;
+    set.n_frames = count;
+    set.has_time = each->has_time;
+    set.time = each->time;
+    Pelagos__Frames *frames = NULL;
+    struct pel_client_error error;
+    if (pel_client_frames(ctl->client, &set, &frames, &error)) {
+        return ctl_report(ctl, &error);
+    }
+    enum ctl_exit status = CTL_DONE;
+    for (size_t i = 0; i < count && status == CTL_DONE; i++) {
+        g_autofree char *file = g_strconcat(place[0], names[i], place[1], NULL);
+        status = keep(ctl, file, frames->frames[i]);
+    }
+    pelagos__frames__free_unpacked(frames, NULL);
+    return status;
+}
+
 enum ctl_exit ctl_frame(struct ctl *ctl)
 {
     const char *path = ctl->args[1];
@@ -122,16 +175,15 @@ enum ctl_exit ctl_frame(struct ctl *ctl)
         request.n_layers = g_strv_length(layers);
     }
     request.has_float_samples = request.float_samples = ctl_flag(ctl, "float");
+    if (strchr(request.view, ',')) {
+        return save_set(ctl, path, &request);
+    }
     Pelagos__Frame *frame = NULL;
     struct pel_client_error error;
     if (pel_client_frame(ctl->client, &request, &frame, &error)) {
         return ctl_report(ctl, &error);
     }
-    status = save(path, frame);
-    if (status == CTL_DONE && !ctl_flag(ctl, "quiet")) {
-        FILE *out = strcmp(path, "-") == 0 ? stderr : stdout;
-        describe(out, path, frame, ctl_flag(ctl, "json"));
-    }
+    status = keep(ctl, path, frame);
     pelagos__frame__free_unpacked(frame, NULL);
     return status;
 }

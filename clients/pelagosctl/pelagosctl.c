@@ -46,6 +46,8 @@ static const char *const frame_examples[] = {
     "pelagosctl frame bridge out.jpg\nThe view as it is now.",
     "pelagosctl frame bridge out.exr --layers radiance,depth,normal --float\n"
     "Linear radiance, distance and normals, for instruments.",
+    "pelagosctl frame left,centre,right out_%s.png\n"
+    "Three windows of one moment, to the bit.",
     NULL,
 };
 
@@ -265,9 +267,12 @@ const struct ctl_command ctl_commands[] = {
       "Prints a line for each view: name, size, field of view, the entity it "
       "is fixed to, and the camera.",
       NULL, NULL, NULL, 0, 0, ctl_views },
-    { "frame", "VIEW FILE", "save one picture",
+    { "frame", "VIEW[,VIEW…] FILE", "save a picture, or several of one frame",
       "Saves the view as it is now (or at --time) as a JPEG, PNG or OpenEXR "
-      "file, by the ending of FILE. `-` is standard output, with --format.",
+      "file, by the ending of FILE. `-` is standard output, with --format.\n\n"
+      "Several views, separated by commas, are drawn in one frame, of one "
+      "state at one moment, clock running or not; each is saved into FILE with "
+      "its name in place of %s.",
       frame_options, frame_examples, "views", 2, 2, ctl_frame },
     { "surface", "EAST NORTH [EAST NORTH…]",
       "ask for the sea's height, normal, velocity and depth",

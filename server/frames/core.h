@@ -13,7 +13,7 @@
 
 #define PEL_JOB_COUNT 8
 #define PEL_MAX_DRAWING 2 /* jobs between start and pixels */
-#define PEL_MAX_REQUESTS 64
+#define PEL_MAX_REQUESTS 128
 #define PEL_MAX_STREAMS 64
 #define PEL_MAX_SUBSCRIPTIONS 256
 #define PEL_MAX_SURFACE_QUERIES 16
@@ -23,8 +23,11 @@
 #define PEL_STATS_WINDOW 256
 #define PEL_MOMENTS 16
 
+struct pel_frame_set; /* requests that are of one frame */
+
 struct pel_frame_request {
     bool used;
+    struct pel_frame_set *set; /* NULL: by itself */
     uint64_t id, order;
     char view[PEL_NAME_SIZE];
     uint32_t width, height; /* 0: the view's */
@@ -99,7 +102,6 @@ struct pel_frames {
     double max_fps;
     int64_t next_tick_ns;
     bool stopping;
-    bool moving; /* simulated time runs by itself */
 
     uint64_t number, job_order, last_id, last_order;
     struct pel_moment moments[PEL_MOMENTS]; /* the last ones */
@@ -153,11 +155,36 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
 
 /* --- requests.c ---------------------------------------------------------- */
 
+/* Whether a request may be made as it is; counts a refusal. */
+PEL_CHECK enum pel_err pel_request_check(struct pel_frames *frames,
+                                         const Pelagos__FrameRequest *request,
+                                         struct pel_fault *fault);
+/* Refuses with a path and words of its own; returns code. */
+enum pel_err pel_request_refuse(struct pel_frames *frames,
+                                struct pel_fault *fault, enum pel_err code,
+                                const char *path, const char *message);
+/* Has it wait for a frame; NULL: all places are taken. It was checked. */
+struct pel_frame_request *pel_request_take(struct pel_frames *frames,
+                                           const Pelagos__FrameRequest *request,
+                                           pel_frame_callback done, void *user);
+/* Layers that it reads back, of enum pel_layer. */
+unsigned pel_request_layers(const Pelagos__FrameRequest *request);
+/* Its callback does not come any more. */
+void pel_request_forget(struct pel_frames *frames, uint64_t id);
+unsigned pel_requests_free(const struct pel_frames *frames);
 /* Answers and forgets it; frame NULL with an error. */
 void pel_request_finish(struct pel_frames *frames,
                         struct pel_frame_request *request, enum pel_err err,
                         const struct pel_fault *fault, struct pel_frame *frame);
 void pel_requests_finish_all(struct pel_frames *frames);
+
+/* --- frameset.c ---------------------------------------------------------- */
+
+/* How many requests a set has, all of them waiting. */
+size_t pel_set_count(const struct pel_frame_set *set);
+/* Whether one of its requests is in a job already. */
+bool pel_set_begun(const struct pel_frame_set *set);
+void pel_set_begin(struct pel_frame_set *set);
 
 /* --- live.c -------------------------------------------------------------- */
 

@@ -82,7 +82,7 @@ typedef void (*pel_frame_callback)(void *user, enum pel_err err,
                                    struct pel_frame *frame);
 
 /* One picture. Refusals that can be known at once (no such view, unknown
- * layer, size out of range, more than 64 requests waiting: BUSY) are returned
+ * layer, size out of range, more than 128 requests waiting: BUSY) are returned
  * and the callback is not called; otherwise it is called exactly once.
  * *id (may be NULL) names the request for pel_frames_cancel. */
 PEL_CHECK enum pel_err pel_frames_request(struct pel_frames *frames,
@@ -91,14 +91,31 @@ PEL_CHECK enum pel_err pel_frames_request(struct pel_frames *frames,
                                           uint64_t *id,
                                           struct pel_fault *fault);
 
-/* Forgets a request: its callback does not come any more. An id that is
- * unknown or finished is ignored. */
+/* The pictures of a set in the order of its requests; NULL with an error. They
+ * are borrowed for the call. */
+typedef void (*pel_frame_set_callback)(void *user, enum pel_err err,
+                                       const struct pel_fault *fault,
+                                       struct pel_frame *const *pictures,
+                                       size_t count);
+
+/* 1 to 64 pictures of one frame, in memory at most PEL_FRAME_SET_BYTES before
+ * they are encoded: of one revision, simulated time and number, whatever else
+ * happens meanwhile. All or none; otherwise as pel_frames_request. */
+#define PEL_FRAME_SET_BYTES ((size_t)256 << 20)
+PEL_CHECK enum pel_err
+pel_frames_request_set(struct pel_frames *frames,
+                       const Pelagos__FramesRequest *request,
+                       pel_frame_set_callback done, void *user, uint64_t *id,
+                       struct pel_fault *fault);
+
 /* Whether an EXR can have a layer of this name, and all of them for people. */
 bool pel_frames_layer_exists(const char *name);
 #define PEL_FRAMES_LAYERS                                                      \
     "radiance, sun, sky, water, air, depth, normal, fresnel, slopeVariance, "  \
     "waterSingle, waterSecond, waterHigher, bottom, position"
 
+/* Forgets a request or a set: its callback does not come any more. An id that
+ * is unknown or finished is ignored. */
 void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
 
 /* A live view as JPEG: drawn only while someone is subscribed, encoded once

@@ -392,23 +392,23 @@ static void what_cannot_be_is_refused_at_once(void **state)
 static void waiting_requests_are_bounded(void **state)
 {
     (void)state;
-    struct answer answers[65] = { 0 };
+    struct answer answers[129] = { 0 };
     Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__JPEG);
     request.has_width = true;
-    for (int i = 0; i < 64; i++) {
+    for (int i = 0; i < 128; i++) {
         request.width = 16 + (uint32_t)i % 32;
         ask(&request, &answers[i]);
     }
     struct pel_fault fault;
     assert_int_equal(
-        pel_frames_request(frames, &request, take, &answers[64], NULL, &fault),
+        pel_frames_request(frames, &request, take, &answers[128], NULL, &fault),
         PEL_ERR_BUSY);
-    for (int i = 0; i < 64; i++) {
+    for (int i = 0; i < 128; i++) {
         run_until(&answers[i].calls, 1);
         assert_int_equal(answers[i].err, PEL_OK);
         drop(&answers[i]);
     }
-    assert_int_equal(answers[64].calls, 0);
+    assert_int_equal(answers[128].calls, 0);
 }
 
 static void a_cancelled_request_is_silent(void **state)

@@ -14,7 +14,7 @@
 #include "render/renderer.h"
 #include "render/waterprobe.h"
 
-#define PEL_MAX_OUTPUTS 128 /* 64 streams and 64 requests */
+#define PEL_MAX_OUTPUTS 192 /* 64 streams and 128 requests */
 
 enum pel_mail_kind {
     PEL_MAIL_JOB_DRAWN, /* every picture is with the encoders, or failed */

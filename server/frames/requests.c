@@ -5,9 +5,9 @@
 #include "base/clock.h"
 #include "frames/core.h"
 
-static enum pel_err refuse(struct pel_frames *frames, struct pel_fault *fault,
-                           enum pel_err code, const char *path,
-                           const char *message)
+enum pel_err pel_request_refuse(struct pel_frames *frames,
+                                struct pel_fault *fault, enum pel_err code,
+                                const char *path, const char *message)
 {
     frames->stats.requests_refused++;
     pel_fault_set(fault, code, "%s", message);
@@ -62,10 +62,14 @@ static bool view_exists(struct pel_frames *frames, const char *view)
     return exists;
 }
 
-static enum pel_err check(struct pel_frames *frames,
-                          const Pelagos__FrameRequest *r,
-                          struct pel_fault *fault)
+enum pel_err pel_request_check(struct pel_frames *frames,
+                               const Pelagos__FrameRequest *r,
+                               struct pel_fault *fault)
 {
+    if (frames->stopping) {
+        return pel_request_refuse(frames, fault, PEL_ERR_CONFLICT, "",
+                                  "the daemon is stopping");
+    }
     if (r->has_width && (r->width < 16 || r->width > 4096)) {
         return refuse_range(frames, fault, "width", r->width, "px", 16, 4096);
     }
@@ -81,20 +85,22 @@ static enum pel_err check(struct pel_frames *frames,
     if (r->has_format && r->format != PELAGOS__FRAME_FORMAT__JPEG &&
         r->format != PELAGOS__FRAME_FORMAT__PNG &&
         r->format != PELAGOS__FRAME_FORMAT__EXR) {
-        return refuse(frames, fault, PEL_ERR_INVALID, "format",
-                      "format is none of JPEG, PNG, EXR");
+        return pel_request_refuse(frames, fault, PEL_ERR_INVALID, "format",
+                                  "format is none of JPEG, PNG, EXR");
     }
     if (r->n_layers > 16 || read_layers(r) == 0) {
-        return refuse(frames, fault, PEL_ERR_INVALID, "layers",
-                      "layers are " PEL_FRAMES_LAYERS);
+        return pel_request_refuse(frames, fault, PEL_ERR_INVALID, "layers",
+                                  "layers are " PEL_FRAMES_LAYERS);
     }
     if (r->n_layers > 0 && r->format != PELAGOS__FRAME_FORMAT__EXR) {
-        return refuse(frames, fault, PEL_ERR_INVALID, "layers",
-                      "only EXR has layers: set format to EXR or leave them "
-                      "out");
+        return pel_request_refuse(
+            frames, fault, PEL_ERR_INVALID, "layers",
+            "only EXR has layers: set format to EXR or leave them "
+            "out");
     }
     if (!view_exists(frames, r->view)) {
-        refuse(frames, fault, PEL_ERR_NOT_FOUND, "view", "no such view");
+        pel_request_refuse(frames, fault, PEL_ERR_NOT_FOUND, "view",
+                           "no such view");
         if (fault) {
             snprintf(fault->value, sizeof fault->value, "%s",
                      r->view ? r->view : "");
@@ -104,50 +110,68 @@ static enum pel_err check(struct pel_frames *frames,
     return PEL_OK;
 }
 
-enum pel_err pel_frames_request(struct pel_frames *frames,
-                                const Pelagos__FrameRequest *request,
-                                pel_frame_callback done, void *user,
-                                uint64_t *id, struct pel_fault *fault)
+unsigned pel_request_layers(const Pelagos__FrameRequest *r)
 {
-    if (frames->stopping) {
-        return refuse(frames, fault, PEL_ERR_CONFLICT, "",
-                      "the daemon is stopping");
-    }
-    enum pel_err err = check(frames, request, fault);
-    if (err != PEL_OK) {
-        return err;
-    }
+    bool exr = r->has_format && r->format == PELAGOS__FRAME_FORMAT__EXR;
+    return exr ? read_layers(r) : PEL_LAYER_COLOR;
+}
+
+unsigned pel_requests_free(const struct pel_frames *frames)
+{
+    return PEL_MAX_REQUESTS - frames->stats.requests_waiting;
+}
+
+struct pel_frame_request *pel_request_take(struct pel_frames *frames,
+                                           const Pelagos__FrameRequest *r,
+                                           pel_frame_callback done, void *user)
+{
     struct pel_frame_request *slot = NULL;
     for (int i = 0; i < PEL_MAX_REQUESTS && !slot; i++) {
         slot = frames->requests[i].used ? NULL : &frames->requests[i];
     }
     if (!slot) {
-        return refuse(frames, fault, PEL_ERR_BUSY, "",
-                      "64 pictures are waiting already");
+        return NULL;
     }
     *slot = (struct pel_frame_request){
         .used = true,
         .id = ++frames->last_id,
         .order = ++frames->last_order,
-        .width = request->has_width ? request->width : 0,
-        .height = request->has_height ? request->height : 0,
-        .has_time = request->has_time,
-        .time_s = request->time,
-        .float_samples = request->has_float_samples && request->float_samples,
-        .format =
-            request->has_format ? request->format : PELAGOS__FRAME_FORMAT__JPEG,
-        .quality = request->has_quality ? (int)request->quality : 90,
-        .layers = read_layers(request),
+        .width = r->has_width ? r->width : 0,
+        .height = r->has_height ? r->height : 0,
+        .has_time = r->has_time,
+        .time_s = r->time,
+        .float_samples = r->has_float_samples && r->float_samples,
+        .format = r->has_format ? r->format : PELAGOS__FRAME_FORMAT__JPEG,
+        .quality = r->has_quality ? (int)r->quality : 90,
+        .layers = pel_request_layers(r),
         .requested_ns = pel_now_ns(),
         .done = done,
         .user = user,
     };
-    snprintf(slot->view, sizeof slot->view, "%s", request->view);
+    snprintf(slot->view, sizeof slot->view, "%s", r->view);
     frames->stats.requests_waiting++;
+    pel_schedule_soon(frames);
+    return slot;
+}
+
+enum pel_err pel_frames_request(struct pel_frames *frames,
+                                const Pelagos__FrameRequest *request,
+                                pel_frame_callback done, void *user,
+                                uint64_t *id, struct pel_fault *fault)
+{
+    enum pel_err err = pel_request_check(frames, request, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
+    const struct pel_frame_request *slot =
+        pel_request_take(frames, request, done, user);
+    if (!slot) {
+        return pel_request_refuse(frames, fault, PEL_ERR_BUSY, "",
+                                  "128 pictures are waiting already");
+    }
     if (id) {
         *id = slot->id;
     }
-    pel_schedule_soon(frames);
     return PEL_OK;
 }
 
@@ -158,7 +182,7 @@ static void forget(struct pel_frames *frames, struct pel_frame_request *request)
     frames->stats.requests_waiting--;
 }
 
-void pel_frames_cancel(struct pel_frames *frames, uint64_t id)
+void pel_request_forget(struct pel_frames *frames, uint64_t id)
 {
     for (int i = 0; i < PEL_MAX_REQUESTS; i++) {
         if (frames->requests[i].used && frames->requests[i].id == id) {

@@ -6,9 +6,6 @@
 
 /* Live frames that come sooner than this take waiting requests along; one that
  * found no place in them for so long gets its own. */
-/* Requests for the moving present wait so long for others: what a client asks
- * for in parallel is of one frame. */
-#define GATHER_NS 3000000
 #define JOIN_NS 50000000
 #define JOIN_LIMIT_NS 500000000
 #define STUCK_NS 2000000000LL
@@ -316,6 +313,18 @@ static bool add_request(struct pel_frames *frames, struct pel_job *job,
     return r->output != NULL;
 }
 
+/* A set goes into one frame whole, or waits for another. */
+static bool has_place(const struct pel_job *job,
+                      const struct pel_frame_request *r)
+{
+    if (!r->set || pel_set_begun(r->set)) {
+        return true;
+    }
+    size_t count = pel_set_count(r->set);
+    return job->draw_count + count <= PEL_MAX_VIEWS &&
+           job->output_count + count <= PEL_MAX_OUTPUTS;
+}
+
 /* Requests that a frame of this kind can take: those without a time, or those
  * with this very time. */
 static void add_requests(struct pel_frames *frames, struct pel_job *job,
@@ -331,7 +340,13 @@ static void add_requests(struct pel_frames *frames, struct pel_job *job,
                 next = r;
             }
         }
-        if (!next || !add_request(frames, job, next)) {
+        if (!next || !has_place(job, next)) {
+            return;
+        }
+        if (next->set) {
+            pel_set_begin(next->set);
+        }
+        if (!add_request(frames, job, next)) {
             return;
         }
     }
@@ -394,22 +409,11 @@ void pel_schedule_tick(void *user)
     launch(frames, job);
 }
 
-/* Whether others may still join a request for a present that moves. */
-static bool gathers(const struct pel_frames *frames,
-                    const struct pel_frame_request *request)
-{
-    return frames->moving && !request->has_time &&
-           pel_now_ns() - request->requested_ns < GATHER_NS;
-}
-
 /* Whether a request has to wait although there is room: for a live frame that
  * comes soon, or, with a time of its own, for its turn between live frames. */
 static bool must_wait(const struct pel_frames *frames,
                       const struct pel_frame_request *request)
 {
-    if (gathers(frames, request)) {
-        return true;
-    }
     if (!is_live(frames)) {
         return false;
     }
@@ -434,33 +438,12 @@ static struct pel_frame_request *next_starter(struct pel_frames *frames)
     return oldest;
 }
 
-static void await_gathering(struct pel_frames *frames)
-{
-    for (int i = 0; i < PEL_MAX_REQUESTS; i++) {
-        const struct pel_frame_request *r = &frames->requests[i];
-        if (r->used && !r->output && gathers(frames, r)) {
-            g_source_set_ready_time(frames->start,
-                                    (pel_now_ns() + GATHER_NS) / 1000);
-        }
-    }
-}
-
-static void note_clock(struct pel_frames *frames)
-{
-    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
-    frames->moving = (s->mode == PEL_CLOCK_FREE && s->rate != 0) ||
-                     s->mode == PEL_CLOCK_HOST;
-    pel_snapshot_unref(s);
-}
-
 void pel_schedule_start(void *user)
 {
     struct pel_frames *frames = user;
-    note_clock(frames);
     while (!frames->stopping && has_room(frames)) {
         struct pel_frame_request *first = next_starter(frames);
         if (!first) {
-            await_gathering(frames);
             return;
         }
         bool has_time = first->has_time;

@@ -300,67 +300,6 @@ void pel_surface_message_free(Pelagos__Surface *surface)
     g_free(surface);
 }
 
-static size_t put_tag(uint8_t *out, unsigned field, unsigned type, size_t value)
-{
-    uint8_t prefix[PEL_WIRE_MAX_PREFIX];
-    size_t n = pel_wire_prefix(value, prefix);
-    out[0] = (uint8_t)(field << 3 | type);
-    memcpy(out + 1, prefix, n);
-    return n + 1;
-}
-
-uint8_t *pel_frame_reply_head(bool has_id, uint64_t id,
-                              const struct pel_frame *frame, size_t *size)
-{
-    enum { LENGTH_DELIMITED = 2, FRAME_DATA = 8, REPLY_FRAME = 4 };
-    Pelagos__Frame message = PELAGOS__FRAME__INIT;
-    message.view = (char *)frame->view;
-    message.has_number = message.has_time = message.has_revision = true;
-    message.number = frame->number;
-    message.time = frame->time_s;
-    message.revision = frame->revision;
-    message.has_stale = true;
-    message.stale = frame->stale != 0;
-    message.has_host_frame = frame->host_frame != 0;
-    message.host_frame = frame->host_frame;
-    message.has_width = message.has_height = message.has_format = true;
-    message.width = frame->width;
-    message.height = frame->height;
-    message.format = frame->format;
-    message.has_render_ms = message.has_encode_ms = true;
-    message.render_ms = frame->render_ms;
-    message.encode_ms = frame->encode_ms;
-    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-    reply.has_id = has_id;
-    reply.id = id;
-
-    /* The picture is the last field, so that it need not be copied: the
-     * lengths around it are known before. */
-    uint8_t data_tag[16], frame_tag[16], prefix[PEL_WIRE_MAX_PREFIX];
-    size_t fields = pelagos__frame__get_packed_size(&message);
-    size_t data_tag_size =
-        put_tag(data_tag, FRAME_DATA, LENGTH_DELIMITED, frame->size);
-    size_t inner = fields + data_tag_size + frame->size;
-    size_t frame_tag_size =
-        put_tag(frame_tag, REPLY_FRAME, LENGTH_DELIMITED, inner);
-    size_t head = pelagos__reply__get_packed_size(&reply);
-    size_t prefix_size = pel_wire_prefix(head + frame_tag_size + inner, prefix);
-
-    uint8_t *out =
-        g_malloc(prefix_size + head + frame_tag_size + fields + data_tag_size);
-    uint8_t *at = out;
-    memcpy(at, prefix, prefix_size);
-    at += prefix_size;
-    at += pelagos__reply__pack(&reply, at);
-    memcpy(at, frame_tag, frame_tag_size);
-    at += frame_tag_size;
-    at += pelagos__frame__pack(&message, at);
-    memcpy(at, data_tag, data_tag_size);
-    at += data_tag_size;
-    *size = (size_t)(at - out);
-    return out;
-}
-
 uint8_t *pel_fault_reply(bool has_id, uint64_t id,
                          const struct pel_fault *fault, size_t *size)
 {

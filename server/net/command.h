@@ -56,11 +56,6 @@ PEL_CHECK enum pel_err pel_command_optics(struct pel_frames *frames,
                                           pel_optics_callback done, void *user,
                                           struct pel_fault *fault);
 
-/* The delimited bytes of a Reply with this frame, up to the picture itself,
- * which must follow; malloc()ed. */
-uint8_t *pel_frame_reply_head(bool has_id, uint64_t id,
-                              const struct pel_frame *frame, size_t *size);
-
 /* The delimited bytes of a Reply with an Error; malloc()ed. */
 uint8_t *pel_fault_reply(bool has_id, uint64_t id,
                          const struct pel_fault *fault, size_t *size);

@@ -31,7 +31,7 @@ void pel_http_resume(struct client *client)
     }
 }
 
-static void suspend(struct client *client)
+void pel_http_suspend(struct client *client)
 {
     client->suspended = true;
     MHD_suspend_connection(client->connection);
@@ -50,8 +50,8 @@ static void add_safety(struct MHD_Response *response)
     add(response, "Referrer-Policy", "no-referrer");
 }
 
-static enum MHD_Result queue(struct client *client, int status,
-                             struct MHD_Response *response)
+enum MHD_Result pel_http_queue(struct client *client, int status,
+                               struct MHD_Response *response)
 {
     struct pel_http_server *server = client->server;
     if (status < PEL_HTTP_STATUS_MAX) {
@@ -115,7 +115,7 @@ enum MHD_Result pel_http_send(struct client *client,
     }
     int status = answer->status;
     pel_http_answer_finish(answer);
-    return queue(client, status, response);
+    return pel_http_queue(client, status, response);
 }
 
 enum MHD_Result pel_http_send_fault(struct client *client, int status,
@@ -124,80 +124,6 @@ enum MHD_Result pel_http_send_fault(struct client *client, int status,
     struct pel_http_answer answer = { .kind = PEL_HTTP_WHOLE };
     pel_http_problem(&answer, status, fault);
     return pel_http_send(client, &answer);
-}
-
-/* --- one picture ---------------------------------------------------------- */
-
-static void unref_frame(void *frame)
-{
-    pel_frame_unref(frame);
-}
-
-static void add_frame_headers(struct MHD_Response *response,
-                              const struct pel_frame *frame)
-{
-    static const char *const types[] = {
-        [PELAGOS__FRAME_FORMAT__JPEG] = "image/jpeg",
-        [PELAGOS__FRAME_FORMAT__PNG] = "image/png",
-        [PELAGOS__FRAME_FORMAT__EXR] = "image/x-exr",
-    };
-    char text[64], stale[PEL_STALE_TEXT];
-    add(response, "Content-Type", types[frame->format]);
-    add(response, "Cache-Control", "no-store");
-    snprintf(text, sizeof text, "%llu", (unsigned long long)frame->number);
-    add(response, "X-Pelagos-Frame", text);
-    pel_json_number(frame->time_s, text);
-    add(response, "X-Pelagos-Time", text);
-    snprintf(text, sizeof text, "%llu", (unsigned long long)frame->revision);
-    add(response, "X-Pelagos-Revision", text);
-    add(response, "X-Pelagos-Stale", pel_stale_text(frame->stale, stale));
-    if (frame->host_frame != 0) {
-        snprintf(text, sizeof text, "%u", frame->host_frame);
-        add(response, "X-Pelagos-Host-Frame", text);
-    }
-    snprintf(text, sizeof text, "%.3f", frame->render_ms);
-    add(response, "X-Pelagos-Render-Ms", text);
-    snprintf(text, sizeof text, "%.3f", frame->encode_ms);
-    add(response, "X-Pelagos-Encode-Ms", text);
-}
-
-static void on_frame(void *user, enum pel_err err,
-                     const struct pel_fault *fault, struct pel_frame *frame)
-{
-    struct client *client = user;
-    client->waiting = false;
-    client->frame_id = 0;
-    if (err != PEL_OK) {
-        pel_http_send_fault(client, 0, fault);
-    } else {
-        struct MHD_Response *response =
-            MHD_create_response_from_buffer_with_free_callback_cls(
-                frame->size, (void *)frame->data, unref_frame,
-                pel_frame_ref(frame));
-        add_frame_headers(response, frame);
-        queue(client, 200, response);
-    }
-    pel_http_resume(client);
-}
-
-enum MHD_Result pel_http_send_frame(struct client *client,
-                                    struct pel_http_answer *answer)
-{
-    struct pel_fault fault;
-    uint64_t id = 0;
-    client->waiting = true;
-    enum pel_err err = pel_frames_request(client->server->frames, answer->frame,
-                                          on_frame, client, &id, &fault);
-    pel_http_answer_finish(answer);
-    if (err != PEL_OK) {
-        client->waiting = false;
-        return pel_http_send_fault(client, 0, &fault);
-    }
-    if (client->waiting) {
-        client->frame_id = id;
-        suspend(client);
-    }
-    return MHD_YES;
 }
 
 /* --- the surface, light ----------------------------------------------------
@@ -233,7 +159,7 @@ static enum MHD_Result wait_on(struct client *client, struct waiter *waiter,
         return pel_http_send_fault(client, 0, fault);
     }
     if (client->waiting) {
-        suspend(client);
+        pel_http_suspend(client);
     }
     return MHD_YES;
 }
@@ -332,7 +258,7 @@ static ssize_t read_stream(void *user, uint64_t position, char *out,
     ssize_t n = stream->ts ? pel_ts_viewer_read(stream->ts, out, size)
                            : pel_viewer_read(stream->viewer, out, size);
     if (n == 0) {
-        suspend(stream->client);
+        pel_http_suspend(stream->client);
     }
     return n < 0 ? MHD_CONTENT_READER_END_OF_STREAM : n;
 }
@@ -377,7 +303,7 @@ enum MHD_Result pel_http_send_stream(struct client *client,
     add(response, "X-Pelagos-Unix", unix_s);
     add(response, "Content-Type", ts ? PEL_TS_TYPE : PEL_MJPEG_TYPE);
     add(response, "Cache-Control", "no-store");
-    enum MHD_Result result = queue(client, 200, response);
+    enum MHD_Result result = pel_http_queue(client, 200, response);
     client->phase = PHASE_STREAM;
     return result;
 }
@@ -438,7 +364,7 @@ enum MHD_Result pel_http_send_live(struct client *client,
     if (answer->subprotocol) {
         add(response, "Sec-WebSocket-Protocol", "pelagos");
     }
-    return queue(client, 101, response);
+    return pel_http_queue(client, 101, response);
 }
 
 void pel_http_call_off(struct client *client)

@@ -1,5 +1,6 @@
 /* Inside of the HTTP server: connections as http_server.c keeps them, answers
- * as http_answer.c sends them. Both know libmicrohttpd; nothing else does.
+ * as http_answer.c and http_picture.c send them. They know libmicrohttpd;
+ * nothing else does.
  * Control thread. */
 #pragma once
 
@@ -43,7 +44,7 @@ struct client {
     size_t body_limit;
     bool suspended;
     bool waiting;      /* for frame or surface */
-    uint64_t frame_id; /* 0: not a frame */
+    uint64_t frame_id; /* of a picture or a set; 0: neither */
     struct waiter *waiter;
 
     struct pel_live_wish wish;
@@ -82,6 +83,9 @@ int64_t pel_http_after(double s);
  * resume it would otherwise wait for the network. */
 void pel_http_kick(struct pel_http_server *server);
 
+/* Leaves the connection alone until pel_http_resume. */
+void pel_http_suspend(struct client *client);
+
 /* Lets a suspended connection go on; nothing for any other. */
 void pel_http_resume(struct client *client);
 
@@ -89,6 +93,10 @@ void pel_http_resume(struct client *client);
  * the connection is suspended. */
 enum MHD_Result pel_http_send(struct client *client,
                               struct pel_http_answer *answer);
+
+/* The same with a response of the library's, which it takes over. */
+enum MHD_Result pel_http_queue(struct client *client, int status,
+                               struct MHD_Response *response);
 
 /* The same for problem+json about a fault. */
 enum MHD_Result pel_http_send_fault(struct client *client, int status,
@@ -99,6 +107,8 @@ enum MHD_Result pel_http_send_fault(struct client *client, int status,
  * *answer. */
 enum MHD_Result pel_http_send_frame(struct client *client,
                                     struct pel_http_answer *answer);
+enum MHD_Result pel_http_send_frames(struct client *client,
+                                     struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_optics(struct client *client,
                                      struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_surface(struct client *client,

@@ -136,6 +136,10 @@ void pel_http_answer_finish(struct pel_http_answer *answer)
         pelagos__frame_request__free_unpacked(answer->frame, NULL);
         answer->frame = NULL;
     }
+    if (answer->frames) {
+        pelagos__frames_request__free_unpacked(answer->frames, NULL);
+        answer->frames = NULL;
+    }
     if (answer->optics) {
         pelagos__optics_query__free_unpacked(answer->optics, NULL);
         answer->optics = NULL;

@@ -27,6 +27,7 @@ struct pel_http_context {
 enum pel_http_kind {
     PEL_HTTP_WHOLE,   /* status, type and body are there */
     PEL_HTTP_FRAME,   /* carry out `frame`, answer with the picture */
+    PEL_HTTP_FRAMES,  /* carry out `frames`, answer with the pictures */
     PEL_HTTP_MJPEG,   /* stream `view` */
     PEL_HTTP_TS,      /* stream `view` in `profile` */
     PEL_HTTP_LIVE,    /* a WebSocket: 101, then `live` */
@@ -48,6 +49,7 @@ struct pel_http_answer {
     char location[96]; /* Location header, or "" */
     int retry_after_s; /* Retry-After header, or 0 */
     Pelagos__FrameRequest *frame;
+    Pelagos__FramesRequest *frames;
     Pelagos__SurfaceQuery *surface;
     Pelagos__OpticsQuery *optics;
     char view[PEL_NAME_SIZE];

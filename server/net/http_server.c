@@ -142,6 +142,8 @@ static enum MHD_Result take_request(struct client *client, const char *method)
     switch (answer.kind) {
     case PEL_HTTP_FRAME:
         return pel_http_send_frame(client, &answer);
+    case PEL_HTTP_FRAMES:
+        return pel_http_send_frames(client, &answer);
     case PEL_HTTP_SURFACE:
         return pel_http_send_surface(client, &answer);
     case PEL_HTTP_OPTICS:

@@ -176,9 +176,9 @@ static enum pel_err set_layers(Pelagos__FrameRequest *frame, const char *list,
     return err;
 }
 
-static enum pel_err set_parameter(Pelagos__FrameRequest *frame,
-                                  const struct pel_http_pair *pair,
-                                  struct pel_fault *fault)
+enum pel_err pel_http_frame_parameter(Pelagos__FrameRequest *frame,
+                                      const struct pel_http_pair *pair,
+                                      struct pel_fault *fault)
 {
     const ProtobufCMessageDescriptor *type =
         &pelagos__frame_request__descriptor;
@@ -224,22 +224,28 @@ static enum pel_err set_parameter(Pelagos__FrameRequest *frame,
                            "float and quality are known");
 }
 
+Pelagos__FrameFormat pel_http_frame_format(const char *file)
+{
+    const char *ending = strrchr(file, '.');
+    return strcmp(ending, ".png") == 0   ? PELAGOS__FRAME_FORMAT__PNG
+           : strcmp(ending, ".exr") == 0 ? PELAGOS__FRAME_FORMAT__EXR
+                                         : PELAGOS__FRAME_FORMAT__JPEG;
+}
+
 void pel_http_get_frame(const struct pel_http_call *call)
 {
     if (!pel_http_need_view(call)) {
         return;
     }
-    const char *ending = strrchr(call->target->segments[FILE_NAME], '.');
     Pelagos__FrameRequest *frame = (Pelagos__FrameRequest *)pel_message_new(
         &pelagos__frame_request__descriptor);
     frame->view = strdup(pel_http_view_name(call));
     frame->has_format = true;
-    frame->format = strcmp(ending, ".png") == 0   ? PELAGOS__FRAME_FORMAT__PNG
-                    : strcmp(ending, ".exr") == 0 ? PELAGOS__FRAME_FORMAT__EXR
-                                                  : PELAGOS__FRAME_FORMAT__JPEG;
+    frame->format = pel_http_frame_format(call->target->segments[FILE_NAME]);
     for (size_t i = 0; i < call->target->query_count; i++) {
         struct pel_fault fault;
-        if (set_parameter(frame, &call->target->query[i], &fault) != PEL_OK) {
+        if (pel_http_frame_parameter(frame, &call->target->query[i], &fault) !=
+            PEL_OK) {
             pelagos__frame_request__free_unpacked(frame, NULL);
             pel_http_refuse(call, 400, &fault);
             return;

@@ -15,6 +15,8 @@ void pel_http_get_view(const struct pel_http_call *call);
 void pel_http_put_view(const struct pel_http_call *call);
 void pel_http_delete_view(const struct pel_http_call *call);
 void pel_http_get_frame(const struct pel_http_call *call);
+/* http_set.c */
+void pel_http_get_frames(const struct pel_http_call *call);
 void pel_http_get_mjpeg(const struct pel_http_call *call);
 /* http_optics.c */
 void pel_http_get_optics(const struct pel_http_call *call);
@@ -22,6 +24,14 @@ void pel_http_post_optics(const struct pel_http_call *call);
 /* http_live.c */
 void pel_http_get_live(const struct pel_http_call *call);
 void pel_http_get_ts(const struct pel_http_call *call);
+
+/* Reads one parameter of a picture into a request. */
+PEL_CHECK enum pel_err
+pel_http_frame_parameter(Pelagos__FrameRequest *frame,
+                         const struct pel_http_pair *pair,
+                         struct pel_fault *fault);
+/* By the ending of a file's name. */
+Pelagos__FrameFormat pel_http_frame_format(const char *file);
 
 /* Answers with JSON text, which is taken over. */
 void pel_http_json(struct pel_http_answer *answer, int status, char *owned);

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -12,7 +13,9 @@
 #include <cmocka.h>
 
 #include "base/metrics.h"
+#include "frames/job.h"
 #include "net/command.h"
+#include "net/frame_reply.h"
 #include "net/http_request.h"
 #include "net/liveviewer.h"
 #include "net/outbox.h"
@@ -219,38 +222,77 @@ static void test_command_check(void **state)
     assert_string_equal(fault.path, "format");
 }
 
-/* The head written by hand and the picture after it are one Reply. */
+/* What an outbox sends, as one Reply after its length. */
+static Pelagos__Reply *reply_of(struct pel_outbox *box)
+{
+    static uint8_t bytes[4096];
+    size_t sent = 0, total = box->bytes, offset = 0, length = 0;
+    int pair[2];
+    assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, pair), 0);
+    assert_int_equal(pel_outbox_flush(box, pair[0], &sent), PEL_OUTBOX_EMPTY);
+    assert_int_equal(
+        recv(pair[1], bytes, sizeof bytes, MSG_WAITALL | MSG_DONTWAIT), total);
+    close(pair[0]);
+    close(pair[1]);
+    assert_int_equal(pel_wire_next(bytes, total, 1 << 20, &offset, &length),
+                     PEL_WIRE_MESSAGE);
+    assert_int_equal(offset + length, total);
+    Pelagos__Reply *reply =
+        pelagos__reply__unpack(NULL, length, bytes + offset);
+    assert_non_null(reply);
+    assert_int_equal(reply->id, 99);
+    return reply;
+}
+
+static struct pel_frame *picture_of(const char *view, const char *text)
+{
+    struct pel_frame *frame = pel_frame_create();
+    struct pel_bytes bytes = { (uint8_t *)strdup(text), strlen(text) };
+    snprintf(frame->view, sizeof frame->view, "%s", view);
+    frame->number = 300;
+    frame->width = 640;
+    frame->format = PELAGOS__FRAME_FORMAT__EXR;
+    pel_frame_set_bytes(frame, &bytes);
+    return frame;
+}
+
+static void check_picture(const Pelagos__Frame *frame, const char *view,
+                          const char *text)
+{
+    assert_string_equal(frame->view, view);
+    assert_int_equal(frame->number, 300);
+    assert_int_equal(frame->width, 640);
+    assert_int_equal(frame->format, PELAGOS__FRAME_FORMAT__EXR);
+    assert_int_equal(frame->data.len, strlen(text));
+    assert_memory_equal(frame->data.data, text, strlen(text));
+}
+
+/* The heads written by hand and the pictures between them are one Reply. */
 static void test_frame_reply(void **state)
 {
     (void)state;
-    const uint8_t data[] = "picture";
-    struct pel_frame frame = { .view = "bridge",
-                               .number = 300,
-                               .width = 640,
-                               .height = 480,
-                               .revision = 5,
-                               .time_s = 1.25,
-                               .format = PELAGOS__FRAME_FORMAT__EXR,
-                               .data = data,
-                               .size = sizeof data };
-    size_t head = 0;
-    uint8_t *bytes = pel_frame_reply_head(true, 99, &frame, &head);
-    assert_int_equal(bytes[0] & 0x80, 0); /* one byte of length here */
-    assert_int_equal(bytes[0], head - 1 + sizeof data);
-    bytes = realloc(bytes, head + sizeof data);
-    memcpy(bytes + head, data, sizeof data);
-    Pelagos__Reply *reply =
-        pelagos__reply__unpack(NULL, head - 1 + sizeof data, bytes + 1);
-    assert_non_null(reply);
-    assert_int_equal(reply->id, 99);
+    struct pel_frame *pictures[] = { picture_of("bridge", "one"),
+                                     picture_of("", ""),
+                                     picture_of("wing", "three of them") };
+    struct pel_outbox box;
+    pel_outbox_init(&box);
+    pel_frame_reply_add(&box, true, 99, pictures[2]);
+    Pelagos__Reply *reply = reply_of(&box);
     assert_int_equal(reply->result_case, PELAGOS__REPLY__RESULT_FRAME);
-    assert_string_equal(reply->frame->view, "bridge");
-    assert_int_equal(reply->frame->number, 300);
-    assert_int_equal(reply->frame->format, PELAGOS__FRAME_FORMAT__EXR);
-    assert_int_equal(reply->frame->data.len, sizeof data);
-    assert_memory_equal(reply->frame->data.data, data, sizeof data);
+    check_picture(reply->frame, "wing", "three of them");
     pelagos__reply__free_unpacked(reply, NULL);
-    free(bytes);
+    pel_frames_reply_add(&box, true, 99, pictures, 3);
+    reply = reply_of(&box);
+    assert_int_equal(reply->result_case, PELAGOS__REPLY__RESULT_FRAMES);
+    assert_int_equal(reply->frames->n_frames, 3);
+    check_picture(reply->frames->frames[0], "bridge", "one");
+    check_picture(reply->frames->frames[1], "", "");
+    check_picture(reply->frames->frames[2], "wing", "three of them");
+    pelagos__reply__free_unpacked(reply, NULL);
+    for (int i = 0; i < 3; i++) {
+        pel_frame_unref(pictures[i]);
+    }
+    pel_outbox_finish(&box);
 }
 
 static void test_outbox(void **state)

@@ -14,10 +14,7 @@
 #include "base/log.h"
 #include "base/urgent.h"
 #include "net/command.h"
-#include "net/fdsource.h"
-#include "net/outbox.h"
-#include "net/surfacewire.h"
-#include "unpack.h"
+#include "net/session_parts.h"
 #include "wire.h"
 
 #define READ_A_TURN 65536
@@ -27,62 +24,14 @@
 /* A full house lets the longest-idle session go after this. */
 #define EVICT_IDLE_NS (60 * INT64_C(1000000000))
 #define LINGER_NS (2 * INT64_C(1000000000))
-#define COMMANDS 21
-
-struct session;
-
-/* A request whose answer comes later. It outlives its session where the
- * answer cannot be called off. */
-struct job {
-    struct session *session; /* NULL: gone */
-    bool has_id;
-    uint64_t id;
-    bool is_frame;
-    uint64_t frame_id;
-};
-
-struct session {
-    struct pel_sessions *all;
-    enum pel_transport transport;
-    int fd;
-    struct pel_fdsource *source;
-    uint8_t *in;
-    size_t in_size, in_capacity;
-    struct pel_outbox out;
-    GPtrArray *jobs; /* of struct job */
-    bool watching, watch_due, watch_has_id;
-    uint64_t watch_id;
-    bool stranger;            /* has yet to give the token */
-    bool nudge;               /* somebody waits for what is sent next */
-    bool eof;                 /* the client sends no more */
-    bool held;                /* whole messages may wait in `in` */
-    bool closing;             /* after the last byte is out */
-    int64_t close_by_ns;      /* and then not later than this; 0: not yet */
-    int64_t message_since_ns; /* a message has begun; 0: none */
-    int64_t progress_ns;      /* the reader took something */
-    int64_t active_ns;        /* last request or reply */
-};
-
-struct pel_sessions {
-    struct pel_net_limits limits;
-    struct pel_scene *scene;
-    struct pel_frames *frames;
-    struct pel_token *token;  /* NULL: none is asked for */
-    GPtrArray *list;          /* of struct session */
-    struct pel_unpack unpack; /* the request being taken */
-    bool stopped;
-    uint64_t accepted[PEL_TRANSPORT_COUNT], refused[PEL_TRANSPORT_COUNT];
-    uint64_t malformed[PEL_TRANSPORT_COUNT], timeouts[PEL_TRANSPORT_COUNT];
-    uint64_t requests[COMMANDS], errors, evicted, in_bytes, out_bytes;
-    uint64_t unauthorized;
-};
 
 static const char *const transport_names[] = { "tcp", "unix" };
-static const char *const command_names[COMMANDS] = {
+static const char *const command_names[PEL_SESSION_COMMANDS] = {
     [0] = "none",
     [PELAGOS__REQUEST__COMMAND_GET] = "get",
     [PELAGOS__REQUEST__COMMAND_PATCH] = "patch",
     [PELAGOS__REQUEST__COMMAND_FRAME] = "frame",
+    [PELAGOS__REQUEST__COMMAND_FRAMES] = "frames",
     [PELAGOS__REQUEST__COMMAND_SURFACE] = "surface",
     [PELAGOS__REQUEST__COMMAND_STEP] = "step",
     [PELAGOS__REQUEST__COMMAND_WATCH] = "watch",
@@ -96,25 +45,10 @@ static int64_t seconds(double s)
     return (int64_t)(s * 1e9);
 }
 
-/* Frames are called off; surface answers find that nobody waits. */
-static void cancel_jobs(struct session *self)
-{
-    for (guint i = 0; i < self->jobs->len; i++) {
-        struct job *job = g_ptr_array_index(self->jobs, i);
-        if (job->is_frame) {
-            pel_frames_cancel(self->all->frames, job->frame_id);
-            g_free(job);
-        } else {
-            job->session = NULL;
-        }
-    }
-    g_ptr_array_set_size(self->jobs, 0);
-}
-
 static void session_free(void *data)
 {
     struct session *self = data;
-    cancel_jobs(self);
+    pel_session_cancel(self);
     g_ptr_array_free(self->jobs, TRUE);
     pel_fdsource_destroy(self->source);
     close(self->fd);
@@ -126,185 +60,6 @@ static void session_free(void *data)
 static void session_close(struct session *self)
 {
     g_ptr_array_remove_fast(self->all->list, self);
-}
-
-/* --- replies -------------------------------------------------------------- */
-
-static void send_bytes(struct session *self, uint8_t *data, size_t size)
-{
-    if (self->out.bytes == 0) {
-        self->progress_ns = pel_now_ns();
-    }
-    pel_outbox_add(&self->out, data, size);
-    pel_fdsource_wake_at(self->source, 0);
-}
-
-static void send_reply(struct session *self, Pelagos__Reply *reply)
-{
-    size_t size = 0;
-    uint8_t *data = pel_wire_pack(&reply->base, &size);
-    send_bytes(self, data, size);
-}
-
-static void send_fault(struct session *self, bool has_id, uint64_t id,
-                       const struct pel_fault *fault)
-{
-    self->all->errors++;
-    size_t size = 0;
-    uint8_t *data = pel_fault_reply(has_id, id, fault, &size);
-    send_bytes(self, data, size);
-}
-
-static void send_state(struct session *self, bool has_id, uint64_t id)
-{
-    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-    reply.has_id = has_id;
-    reply.id = id;
-    reply.result_case = PELAGOS__REPLY__RESULT_STATE;
-    reply.state = (Pelagos__State *)pel_scene_state(self->all->scene);
-    send_reply(self, &reply);
-}
-
-/* Takes the job out of its session; false: the session is gone. */
-static bool job_end(struct job *job)
-{
-    if (!job->session) {
-        return false;
-    }
-    g_ptr_array_remove_fast(job->session->jobs, job);
-    job->session->active_ns = pel_now_ns();
-    return true;
-}
-
-static void on_frame(void *user, enum pel_err err,
-                     const struct pel_fault *fault, struct pel_frame *frame)
-{
-    struct job *job = user;
-    struct session *self = job->session;
-    if (job_end(job)) {
-        struct pel_fault full;
-        size_t waiting = self->out.bytes;
-        if (err == PEL_OK && waiting > 0 &&
-            waiting + frame->size > self->all->limits.session_output_bytes) {
-            err = pel_fault_set(&full, PEL_ERR_BUSY,
-                                "%zu bytes of earlier "
-                                "replies are not read yet",
-                                waiting);
-            fault = &full;
-        }
-        if (err == PEL_OK) {
-            size_t size = 0;
-            uint8_t *head =
-                pel_frame_reply_head(job->has_id, job->id, frame, &size);
-            send_bytes(self, head, size);
-            pel_outbox_add_frame(&self->out, frame);
-        } else {
-            send_fault(self, job->has_id, job->id, fault);
-        }
-    }
-    g_free(job);
-}
-
-static void on_surface(void *user, enum pel_err err,
-                       const struct pel_fault *fault, double time_s,
-                       const struct pel_surface_sample *samples, size_t count)
-{
-    struct job *job = user;
-    struct session *self = job->session;
-    if (job_end(job)) {
-        if (err == PEL_OK) {
-            size_t size = 0;
-            uint8_t *data = pel_surface_reply(job->has_id, job->id, time_s,
-                                              samples, count, &size);
-            send_bytes(self, data, size);
-            self->nudge = true;
-        } else {
-            send_fault(self, job->has_id, job->id, fault);
-        }
-    }
-    g_free(job);
-}
-
-static void on_optics(void *user, enum pel_err err,
-                      const struct pel_fault *fault,
-                      const Pelagos__Optics *answer)
-{
-    struct job *job = user;
-    struct session *self = job->session;
-    if (job_end(job)) {
-        if (err == PEL_OK) {
-            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-            reply.has_id = job->has_id;
-            reply.id = job->id;
-            reply.result_case = PELAGOS__REPLY__RESULT_OPTICS;
-            reply.optics = (Pelagos__Optics *)answer;
-            send_reply(self, &reply);
-        } else {
-            send_fault(self, job->has_id, job->id, fault);
-        }
-    }
-    g_free(job);
-}
-
-/* --- requests ------------------------------------------------------------- */
-
-static enum pel_err start_job(struct session *self,
-                              const Pelagos__Request *request,
-                              struct pel_fault *fault)
-{
-    if (self->jobs->len >= self->all->limits.session_requests) {
-        return pel_fault_set(fault, PEL_ERR_BUSY,
-                             "%u requests of this session are waiting",
-                             self->jobs->len);
-    }
-    struct job *job = g_new0(struct job, 1);
-    job->session = self;
-    job->has_id = request->has_id;
-    job->id = request->id;
-    job->is_frame = request->command_case == PELAGOS__REQUEST__COMMAND_FRAME;
-    /* In the list first: an answer may come before the call returns. */
-    g_ptr_array_add(self->jobs, job);
-    enum pel_err err;
-    if (job->is_frame) {
-        err = pel_command_check(&request->frame->base, fault);
-        if (err == PEL_OK) {
-            uint64_t frame_id = 0;
-            guint before = self->jobs->len;
-            err = pel_frames_request(self->all->frames, request->frame,
-                                     on_frame, job, &frame_id, fault);
-            if (err == PEL_OK && self->jobs->len == before) {
-                job->frame_id = frame_id;
-            }
-        }
-    } else if (request->command_case == PELAGOS__REQUEST__COMMAND_OPTICS) {
-        err = pel_command_optics(self->all->frames, request->optics, on_optics,
-                                 job, fault);
-    } else {
-        err = pel_command_surface(self->all->frames, request->surface,
-                                  on_surface, job, fault);
-    }
-    if (err != PEL_OK) {
-        g_ptr_array_remove_fast(self->jobs, job);
-        g_free(job);
-    }
-    return err;
-}
-
-static enum pel_err send_spectrum(struct session *self,
-                                  const Pelagos__Request *request,
-                                  struct pel_fault *fault)
-{
-    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-    enum pel_err err = pel_command_spectrum(self->all->scene, request->spectrum,
-                                            &reply.spectrum, fault);
-    if (err == PEL_OK) {
-        reply.has_id = request->has_id;
-        reply.id = request->id;
-        reply.result_case = PELAGOS__REPLY__RESULT_SPECTRUM;
-        send_reply(self, &reply);
-        pelagos__spectrum__free_unpacked(reply.spectrum, NULL);
-    }
-    return err;
 }
 
 static enum pel_err apply(struct session *self, const Pelagos__Request *request,
@@ -333,11 +88,12 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
         }
         break;
     case PELAGOS__REQUEST__COMMAND_FRAME:
+    case PELAGOS__REQUEST__COMMAND_FRAMES:
     case PELAGOS__REQUEST__COMMAND_SURFACE:
     case PELAGOS__REQUEST__COMMAND_OPTICS:
-        return start_job(self, request, fault);
+        return pel_session_start(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_SPECTRUM:
-        return send_spectrum(self, request, fault);
+        return pel_session_spectrum(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_WATCH:
         self->watching = true;
         self->watch_has_id = request->has_id;
@@ -349,7 +105,7 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
                              "the request's command is not known");
     }
     if (err == PEL_OK) {
-        send_state(self, request->has_id, request->id);
+        pel_session_send_state(self, request->has_id, request->id);
     }
     return err;
 }
@@ -362,7 +118,7 @@ static void malformed(struct session *self, const char *why)
                     transport_names[self->transport], why);
     struct pel_fault fault;
     pel_fault_set(&fault, PEL_ERR_MALFORMED, "%s", why);
-    send_fault(self, false, 0, &fault);
+    pel_session_send_fault(self, false, 0, &fault);
     self->closing = true;
 }
 
@@ -401,7 +157,7 @@ static void take_message(struct session *self, const uint8_t *data, size_t size)
         return;
     }
     unsigned command = request->command_case;
-    if (command < COMMANDS) {
+    if (command < PEL_SESSION_COMMANDS) {
         self->all->requests[command]++;
     }
     if (command == PELAGOS__REQUEST__COMMAND__NOT_SET) {
@@ -410,10 +166,10 @@ static void take_message(struct session *self, const uint8_t *data, size_t size)
     self->active_ns = pel_now_ns();
     struct pel_fault fault;
     if (!admit(self, request, &fault)) {
-        send_fault(self, request->has_id, request->id, &fault);
+        pel_session_send_fault(self, request->has_id, request->id, &fault);
         self->closing = true;
     } else if (apply(self, request, &fault) != PEL_OK) {
-        send_fault(self, request->has_id, request->id, &fault);
+        pel_session_send_fault(self, request->has_id, request->id, &fault);
     }
     pel_unpack_reset(unpack);
 }
@@ -616,11 +372,11 @@ static void session_run(void *user, GIOCondition ready)
     bool alive = write_some(self);
     if (self->watch_due && self->out.bytes == 0 && !self->closing) {
         self->watch_due = false;
-        send_state(self, self->watch_has_id, self->watch_id);
+        pel_session_send_state(self, self->watch_has_id, self->watch_id);
         alive = alive && write_some(self);
     }
     if (self->closing && alive) {
-        cancel_jobs(self);
+        pel_session_cancel(self);
         turn_closing(self, 0);
         return;
     }
@@ -790,7 +546,7 @@ void pel_sessions_collect(const struct pel_sessions *all,
     for (int i = 0; i < PEL_TRANSPORT_COUNT; i++) {
         collect_transport(all, i, page);
     }
-    for (int i = 0; i < COMMANDS; i++) {
+    for (int i = 0; i < PEL_SESSION_COMMANDS; i++) {
         char label[32];
         g_snprintf(label, sizeof label, "command=\"%s\"",
                    command_names[i] ? command_names[i] : "unknown");

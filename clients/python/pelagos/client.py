@@ -6,17 +6,17 @@ import os
 import ssl
 import urllib.parse
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
-from .frame import Frame, from_answer
+from .frame import Frame, from_answer, parts_of
 from .parts import Entities, Views
 from .schema import State
 from .surface import Surface, query
 from .transport import Transport
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
 DEFAULT_URL = "http://127.0.0.1:8080"
 URL_VARIABLE = "PELAGOS_URL"
@@ -185,29 +185,50 @@ class Ocean:
         """One picture of a view; see ViewHandle.frame."""
         if format not in ("jpg", "png", "exr"):
             raise ValueError(f"format is jpg, png or exr, not {format!r}")
-        asked = {"width": width, "height": height, "quality": quality,
-                 "time": None if time is None else repr(float(time)),
-                 "layers": ",".join(layers) or None,
-                 "float": 1 if float_samples else None}
-        text = urllib.parse.urlencode({name: value
-                                       for name, value in asked.items()
-                                       if value is not None})
+        text = _query(width=width, height=height, quality=quality, time=time,
+                      layers=layers, float_samples=float_samples)
         name = urllib.parse.quote(view, safe="")
         answer = self.transport.request(
-            "GET", f"/v1/views/{name}/frame.{format}" + ("?" + text) * bool(
-                text))
+            "GET", f"/v1/views/{name}/frame.{format}{text}")
         return from_answer(view, format, answer.headers, answer.body)
 
-    def frames(self, views: Iterable[str], format: str = "jpg",
-               **options: Any) -> dict[str, Frame]:
-        """One picture of each view, asked for together, so that the daemon
-        draws them together. While the clock runs they are of one moment only
-        where `time` says which."""
-        names = list(views)
-        with ThreadPoolExecutor(max(1, min(8, len(names)))) as pool:
-            got = pool.map(lambda name: self.frame(name, format, **options),
-                           names)
-            return dict(zip(names, got))
+    def frames(self, views: Iterable[str] | None = None, format: str = "jpg",
+               *, width: int | None = None, height: int | None = None,
+               time: float | None = None, quality: int | None = None,
+               layers: Sequence[str] = (), float_samples: bool = False
+               ) -> dict[str, Frame]:
+        """Pictures of several views (none: of all) by one request, of one
+        frame: of one state, simulated time and number, clock running or not.
+        All of them, or a Refused; in the order of the views."""
+        if format not in ("jpg", "png", "exr"):
+            raise ValueError(f"format is jpg, png or exr, not {format!r}")
+        names = None if views is None else ",".join(views)
+        text = _query(views=names, width=width, height=height, quality=quality,
+                      time=time, layers=layers, float_samples=float_samples)
+        answer = self.transport.request("GET", f"/v1/frames.{format}{text}")
+        return {headers["X-Pelagos-View"]:
+                from_answer(headers["X-Pelagos-View"], format, headers, data)
+                for headers, data in parts_of(answer)}
+
+    def images(self, views: Iterable[str] | None = None, *,
+               width: int | None = None, height: int | None = None,
+               time: float | None = None) -> "dict[str, NDArray[np.uint8]]":
+        """The same as arrays: RGB, uint8, (height, width, 3), without loss."""
+        return {name: frame.image() for name, frame in self.frames(
+            views, "png", width=width, height=height, time=time).items()}
+
+
+def _query(*, time: float | None, layers: Sequence[str], float_samples: bool,
+           **more: Any) -> str:
+    """Of a picture, with its question mark; empty where nothing is asked."""
+    asked = {**more,
+             "time": None if time is None else repr(float(time)),
+             "layers": ",".join(layers) or None,
+             "float": 1 if float_samples else None}
+    text = urllib.parse.urlencode(
+        {name: value for name, value in asked.items() if value is not None},
+        safe=",")
+    return "?" + text if text else ""
 
 
 def _token() -> str | None:

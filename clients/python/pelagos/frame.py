@@ -3,13 +3,14 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from . import need
-from .errors import BadPicture, MissingPackage
+from .errors import BadPicture, MissingPackage, ProtocolError
 from .exr import Exr, read_exr
+from .transport import Answer
 
 if TYPE_CHECKING:
     import numpy as np
@@ -65,6 +66,28 @@ def from_answer(view: str, form: str, headers: Mapping[str, str],
                  int(headers.get("X-Pelagos-Revision", 0)), form, data,
                  float(headers.get("X-Pelagos-Render-Ms", 0)),
                  float(headers.get("X-Pelagos-Encode-Ms", 0)))
+
+
+def parts_of(answer: Answer) -> Iterator[tuple[dict[str, str], bytes]]:
+    """Headers and bytes of the parts of multipart/mixed; each says its size."""
+    kind, _, boundary = answer.headers.get("Content-Type", "").partition(
+        "boundary=")
+    if not kind.startswith("multipart/mixed") or not boundary:
+        raise ProtocolError("the answer is not several pictures")
+    mark, body, at = b"--" + boundary.encode(), answer.body, 0
+    while not body.startswith(mark + b"--", at):
+        end = body.find(b"\r\n\r\n", at)
+        if end < 0 or not body.startswith(mark + b"\r\n", at):
+            raise ProtocolError("a part of the answer is damaged")
+        lines = body[at:end].decode("latin-1").split("\r\n")[1:]
+        headers = {name: value for name, _, value in (
+            line.partition(": ") for line in lines)}
+        size = int(headers.get("Content-Length", -1))
+        start = end + 4
+        if size < 0 or body[start + size:start + size + 2] != b"\r\n":
+            raise ProtocolError("a part of the answer has no end")
+        yield headers, body[start:start + size]
+        at = start + size + 2
 
 
 def decode(data: bytes) -> "NDArray[np.uint8]":

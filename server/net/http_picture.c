@@ -1,0 +1,212 @@
+/* Answers with a picture, or with several of one frame. */
+#include <stdio.h>
+#include <string.h>
+
+#include "json.h"
+#include "net/http_client.h"
+
+#define BOUNDARY "pelagos-frame"
+
+static const char *const types[] = {
+    [PELAGOS__FRAME_FORMAT__JPEG] = "image/jpeg",
+    [PELAGOS__FRAME_FORMAT__PNG] = "image/png",
+    [PELAGOS__FRAME_FORMAT__EXR] = "image/x-exr",
+};
+static const char *const endings[] = {
+    [PELAGOS__FRAME_FORMAT__JPEG] = "jpg",
+    [PELAGOS__FRAME_FORMAT__PNG] = "png",
+    [PELAGOS__FRAME_FORMAT__EXR] = "exr",
+};
+
+typedef void (*add_header)(void *to, const char *name, const char *value);
+
+static void add_to_response(void *to, const char *name, const char *value)
+{
+    MHD_add_response_header(to, name, value);
+}
+
+static void add_to_text(void *to, const char *name, const char *value)
+{
+    g_string_append_printf(to, "%s: %s\r\n", name, value);
+}
+
+/* What the pictures of a frame have in common. */
+static void add_moment(add_header add, void *to, const struct pel_frame *frame)
+{
+    char text[64], stale[PEL_STALE_TEXT];
+    snprintf(text, sizeof text, "%llu", (unsigned long long)frame->number);
+    add(to, "X-Pelagos-Frame", text);
+    pel_json_number(frame->time_s, text);
+    add(to, "X-Pelagos-Time", text);
+    snprintf(text, sizeof text, "%llu", (unsigned long long)frame->revision);
+    add(to, "X-Pelagos-Revision", text);
+    add(to, "X-Pelagos-Stale", pel_stale_text(frame->stale, stale));
+    if (frame->host_frame != 0) {
+        snprintf(text, sizeof text, "%u", frame->host_frame);
+        add(to, "X-Pelagos-Host-Frame", text);
+    }
+}
+
+static void add_cost(add_header add, void *to, const struct pel_frame *frame)
+{
+    char text[64];
+    snprintf(text, sizeof text, "%.3f", frame->render_ms);
+    add(to, "X-Pelagos-Render-Ms", text);
+    snprintf(text, sizeof text, "%.3f", frame->encode_ms);
+    add(to, "X-Pelagos-Encode-Ms", text);
+}
+
+/* --- one picture ---------------------------------------------------------- */
+
+static void unref_frame(void *frame)
+{
+    pel_frame_unref(frame);
+}
+
+static void on_frame(void *user, enum pel_err err,
+                     const struct pel_fault *fault, struct pel_frame *frame)
+{
+    struct client *client = user;
+    client->waiting = false;
+    client->frame_id = 0;
+    if (err != PEL_OK) {
+        pel_http_send_fault(client, 0, fault);
+    } else {
+        struct MHD_Response *response =
+            MHD_create_response_from_buffer_with_free_callback_cls(
+                frame->size, (void *)frame->data, unref_frame,
+                pel_frame_ref(frame));
+        add_to_response(response, "Content-Type", types[frame->format]);
+        add_to_response(response, "Cache-Control", "no-store");
+        add_moment(add_to_response, response, frame);
+        add_cost(add_to_response, response, frame);
+        pel_http_queue(client, 200, response);
+    }
+    pel_http_resume(client);
+}
+
+/* After asking; the answer may have come already. */
+static enum MHD_Result await(struct client *client, enum pel_err err,
+                             uint64_t id, const struct pel_fault *fault)
+{
+    if (err != PEL_OK) {
+        client->waiting = false;
+        return pel_http_send_fault(client, 0, fault);
+    }
+    if (client->waiting) {
+        client->frame_id = id;
+        pel_http_suspend(client);
+    }
+    return MHD_YES;
+}
+
+enum MHD_Result pel_http_send_frame(struct client *client,
+                                    struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    uint64_t id = 0;
+    client->waiting = true;
+    enum pel_err err = pel_frames_request(client->server->frames, answer->frame,
+                                          on_frame, client, &id, &fault);
+    pel_http_answer_finish(answer);
+    return await(client, err, id, &fault);
+}
+
+/* --- several, as multipart/mixed ------------------------------------------ */
+
+/* The heads of the parts, and the pictures between them. */
+struct parts {
+    size_t count;
+    struct pel_frame *pictures[PEL_MAX_VIEWS];
+    char *heads[PEL_MAX_VIEWS];
+};
+
+static void free_parts(void *pointer)
+{
+    struct parts *parts = pointer;
+    for (size_t i = 0; i < parts->count; i++) {
+        pel_frame_unref(parts->pictures[i]);
+        g_free(parts->heads[i]);
+    }
+    g_free(parts);
+}
+
+static char *head_of(const struct pel_frame *picture, bool first)
+{
+    GString *text = g_string_new(first ? "" : "\r\n");
+    char size[32];
+    snprintf(size, sizeof size, "%zu", picture->size);
+    g_string_append(text, "--" BOUNDARY "\r\n");
+    add_to_text(text, "Content-Type", types[picture->format]);
+    add_to_text(text, "Content-Length", size);
+    g_string_append_printf(
+        text, "Content-Disposition: attachment; filename=\"%s.%s\"\r\n",
+        picture->view, endings[picture->format]);
+    add_to_text(text, "X-Pelagos-View", picture->view);
+    add_moment(add_to_text, text, picture);
+    add_cost(add_to_text, text, picture);
+    g_string_append(text, "\r\n");
+    return g_string_free(text, FALSE);
+}
+
+static struct MHD_Response *make_parts(struct pel_frame *const *pictures,
+                                       size_t count)
+{
+    static const char end[] = "\r\n--" BOUNDARY "--\r\n";
+    struct MHD_IoVec pieces[2 * PEL_MAX_VIEWS + 1];
+    struct parts *parts = g_new0(struct parts, 1);
+    parts->count = count;
+    for (size_t i = 0; i < count; i++) {
+        parts->pictures[i] = pel_frame_ref(pictures[i]);
+        parts->heads[i] = head_of(pictures[i], i == 0);
+        pieces[2 * i] =
+            (struct MHD_IoVec){ parts->heads[i], strlen(parts->heads[i]) };
+        pieces[2 * i + 1] =
+            (struct MHD_IoVec){ pictures[i]->data, pictures[i]->size };
+    }
+    pieces[2 * count] = (struct MHD_IoVec){ end, sizeof end - 1 };
+    struct MHD_Response *response = MHD_create_response_from_iovec(
+        pieces, (unsigned)(2 * count + 1), free_parts, parts);
+    if (!response) {
+        free_parts(parts);
+    }
+    return response;
+}
+
+static void on_frames(void *user, enum pel_err err,
+                      const struct pel_fault *fault,
+                      struct pel_frame *const *pictures, size_t count)
+{
+    struct client *client = user;
+    client->waiting = false;
+    client->frame_id = 0;
+    struct pel_fault own;
+    struct MHD_Response *response =
+        err == PEL_OK ? make_parts(pictures, count) : NULL;
+    if (response) {
+        add_to_response(response, "Content-Type",
+                        "multipart/mixed; boundary=" BOUNDARY);
+        add_to_response(response, "Cache-Control", "no-store");
+        add_moment(add_to_response, response, pictures[0]);
+        pel_http_queue(client, 200, response);
+    } else {
+        if (err == PEL_OK) {
+            pel_fault_set(&own, PEL_ERR_NO_MEMORY, "out of memory");
+            fault = &own;
+        }
+        pel_http_send_fault(client, 0, fault);
+    }
+    pel_http_resume(client);
+}
+
+enum MHD_Result pel_http_send_frames(struct client *client,
+                                     struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    uint64_t id = 0;
+    client->waiting = true;
+    enum pel_err err = pel_frames_request_set(
+        client->server->frames, answer->frames, on_frames, client, &id, &fault);
+    pel_http_answer_finish(answer);
+    return await(client, err, id, &fault);
+}

@@ -1,0 +1,247 @@
+/* Answers of the protobuf sessions: at once, or when they are there. */
+#include "base/clock.h"
+#include "net/command.h"
+#include "net/frame_reply.h"
+#include "net/session_parts.h"
+#include "net/surfacewire.h"
+#include "wire.h"
+
+/* Frames are called off; surface answers find that nobody waits. */
+void pel_session_cancel(struct session *self)
+{
+    for (guint i = 0; i < self->jobs->len; i++) {
+        struct job *job = g_ptr_array_index(self->jobs, i);
+        if (job->is_picture) {
+            pel_frames_cancel(self->all->frames, job->picture_id);
+            g_free(job);
+        } else {
+            job->session = NULL;
+        }
+    }
+    g_ptr_array_set_size(self->jobs, 0);
+}
+
+/* --- replies -------------------------------------------------------------- */
+
+/* Something is about to be added to what waits. */
+static void note_waiting(struct session *self)
+{
+    if (self->out.bytes == 0) {
+        self->progress_ns = pel_now_ns();
+    }
+    pel_fdsource_wake_at(self->source, 0);
+}
+
+static void send_bytes(struct session *self, uint8_t *data, size_t size)
+{
+    note_waiting(self);
+    pel_outbox_add(&self->out, data, size);
+}
+
+static void send_reply(struct session *self, Pelagos__Reply *reply)
+{
+    size_t size = 0;
+    uint8_t *data = pel_wire_pack(&reply->base, &size);
+    send_bytes(self, data, size);
+}
+
+void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
+                            const struct pel_fault *fault)
+{
+    self->all->errors++;
+    size_t size = 0;
+    uint8_t *data = pel_fault_reply(has_id, id, fault, &size);
+    send_bytes(self, data, size);
+}
+
+void pel_session_send_state(struct session *self, bool has_id, uint64_t id)
+{
+    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+    reply.has_id = has_id;
+    reply.id = id;
+    reply.result_case = PELAGOS__REPLY__RESULT_STATE;
+    reply.state = (Pelagos__State *)pel_scene_state(self->all->scene);
+    send_reply(self, &reply);
+}
+
+/* Takes the job out of its session; false: the session is gone. */
+static bool job_end(struct job *job)
+{
+    if (!job->session) {
+        return false;
+    }
+    g_ptr_array_remove_fast(job->session->jobs, job);
+    job->session->active_ns = pel_now_ns();
+    return true;
+}
+
+/* Whether pictures of so many bytes may wait for the reader too. */
+static enum pel_err has_room(const struct session *self, size_t size,
+                             struct pel_fault *fault)
+{
+    size_t waiting = self->out.bytes;
+    return waiting > 0 &&
+                   waiting + size > self->all->limits.session_output_bytes
+               ? pel_fault_set(fault, PEL_ERR_BUSY,
+                               "%zu bytes of earlier replies are not read yet",
+                               waiting)
+               : PEL_OK;
+}
+
+static void on_frame(void *user, enum pel_err err,
+                     const struct pel_fault *fault, struct pel_frame *frame)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        struct pel_fault full;
+        if (err == PEL_OK) {
+            err = has_room(self, frame->size, &full);
+            fault = &full;
+        }
+        if (err == PEL_OK) {
+            note_waiting(self);
+            pel_frame_reply_add(&self->out, job->has_id, job->id, frame);
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+static void on_surface(void *user, enum pel_err err,
+                       const struct pel_fault *fault, double time_s,
+                       const struct pel_surface_sample *samples, size_t count)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        if (err == PEL_OK) {
+            size_t size = 0;
+            uint8_t *data = pel_surface_reply(job->has_id, job->id, time_s,
+                                              samples, count, &size);
+            send_bytes(self, data, size);
+            self->nudge = true;
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+static void on_optics(void *user, enum pel_err err,
+                      const struct pel_fault *fault,
+                      const Pelagos__Optics *answer)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        if (err == PEL_OK) {
+            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+            reply.has_id = job->has_id;
+            reply.id = job->id;
+            reply.result_case = PELAGOS__REPLY__RESULT_OPTICS;
+            reply.optics = (Pelagos__Optics *)answer;
+            send_reply(self, &reply);
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+static void on_frames(void *user, enum pel_err err,
+                      const struct pel_fault *fault,
+                      struct pel_frame *const *pictures, size_t count)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        struct pel_fault full;
+        size_t size = 0;
+        for (size_t i = 0; i < count; i++) {
+            size += pictures[i]->size;
+        }
+        if (err == PEL_OK) {
+            err = has_room(self, size, &full);
+            fault = &full;
+        }
+        if (err == PEL_OK) {
+            note_waiting(self);
+            pel_frames_reply_add(&self->out, job->has_id, job->id, pictures,
+                                 count);
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+/* --- requests ------------------------------------------------------------- */
+
+static enum pel_err ask(struct job *job, const Pelagos__Request *request,
+                        struct pel_fault *fault)
+{
+    struct pel_frames *frames = job->session->all->frames;
+    enum pel_err err;
+    switch (request->command_case) {
+    case PELAGOS__REQUEST__COMMAND_FRAME:
+        err = pel_command_check(&request->frame->base, fault);
+        return err ? err
+                   : pel_frames_request(frames, request->frame, on_frame, job,
+                                        &job->picture_id, fault);
+    case PELAGOS__REQUEST__COMMAND_FRAMES:
+        err = pel_command_check(&request->frames->base, fault);
+        return err ? err
+                   : pel_frames_request_set(frames, request->frames, on_frames,
+                                            job, &job->picture_id, fault);
+    case PELAGOS__REQUEST__COMMAND_OPTICS:
+        return pel_command_optics(frames, request->optics, on_optics, job,
+                                  fault);
+    default:
+        return pel_command_surface(frames, request->surface, on_surface, job,
+                                   fault);
+    }
+}
+
+enum pel_err pel_session_start(struct session *self,
+                               const Pelagos__Request *request,
+                               struct pel_fault *fault)
+{
+    if (self->jobs->len >= self->all->limits.session_requests) {
+        return pel_fault_set(fault, PEL_ERR_BUSY,
+                             "%u requests of this session are waiting",
+                             self->jobs->len);
+    }
+    struct job *job = g_new0(struct job, 1);
+    job->session = self;
+    job->has_id = request->has_id;
+    job->id = request->id;
+    job->is_picture =
+        request->command_case == PELAGOS__REQUEST__COMMAND_FRAME ||
+        request->command_case == PELAGOS__REQUEST__COMMAND_FRAMES;
+    g_ptr_array_add(self->jobs, job);
+    enum pel_err err = ask(job, request, fault);
+    if (err != PEL_OK) {
+        g_ptr_array_remove_fast(self->jobs, job);
+        g_free(job);
+    }
+    return err;
+}
+
+enum pel_err pel_session_spectrum(struct session *self,
+                                  const Pelagos__Request *request,
+                                  struct pel_fault *fault)
+{
+    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+    enum pel_err err = pel_command_spectrum(self->all->scene, request->spectrum,
+                                            &reply.spectrum, fault);
+    if (err == PEL_OK) {
+        reply.has_id = request->has_id;
+        reply.id = request->id;
+        reply.result_case = PELAGOS__REPLY__RESULT_SPECTRUM;
+        send_reply(self, &reply);
+        pelagos__spectrum__free_unpacked(reply.spectrum, NULL);
+    }
+    return err;
+}

@@ -1,0 +1,83 @@
+/* Inside of the protobuf sessions: a session as session.c keeps it, answers as
+ * session_answers.c gives them. Control thread. */
+#pragma once
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <glib.h>
+
+#include "net/fdsource.h"
+#include "net/outbox.h"
+#include "net/session.h"
+#include "pelagos.pb-c.h"
+#include "unpack.h"
+
+#define PEL_SESSION_COMMANDS 21
+
+struct session;
+
+/* A request whose answer comes later. It outlives its session where the
+ * answer cannot be called off. */
+struct job {
+    struct session *session; /* NULL: gone */
+    bool has_id;
+    uint64_t id;
+    bool is_picture; /* or several of one frame */
+    uint64_t picture_id;
+};
+
+struct session {
+    struct pel_sessions *all;
+    enum pel_transport transport;
+    int fd;
+    struct pel_fdsource *source;
+    uint8_t *in;
+    size_t in_size, in_capacity;
+    struct pel_outbox out;
+    GPtrArray *jobs; /* of struct job */
+    bool watching, watch_due, watch_has_id;
+    uint64_t watch_id;
+    bool stranger;            /* has yet to give the token */
+    bool nudge;               /* somebody waits for what is sent next */
+    bool eof;                 /* the client sends no more */
+    bool held;                /* whole messages may wait in `in` */
+    bool closing;             /* after the last byte is out */
+    int64_t close_by_ns;      /* and then not later than this; 0: not yet */
+    int64_t message_since_ns; /* a message has begun; 0: none */
+    int64_t progress_ns;      /* the reader took something */
+    int64_t active_ns;        /* last request or reply */
+};
+
+struct pel_sessions {
+    struct pel_net_limits limits;
+    struct pel_scene *scene;
+    struct pel_frames *frames;
+    struct pel_token *token;  /* NULL: none is asked for */
+    GPtrArray *list;          /* of struct session */
+    struct pel_unpack unpack; /* the request being taken */
+    bool stopped;
+    uint64_t accepted[PEL_TRANSPORT_COUNT], refused[PEL_TRANSPORT_COUNT];
+    uint64_t malformed[PEL_TRANSPORT_COUNT], timeouts[PEL_TRANSPORT_COUNT];
+    uint64_t requests[PEL_SESSION_COMMANDS], errors, evicted, in_bytes,
+        out_bytes;
+    uint64_t unauthorized;
+};
+
+/* Whole replies, on their way as the reader takes them. */
+void pel_session_send_state(struct session *self, bool has_id, uint64_t id);
+void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
+                            const struct pel_fault *fault);
+
+/* Answers at once. */
+PEL_CHECK enum pel_err pel_session_spectrum(struct session *self,
+                                            const Pelagos__Request *request,
+                                            struct pel_fault *fault);
+
+/* Begins what is answered later: pictures, the surface, light. */
+PEL_CHECK enum pel_err pel_session_start(struct session *self,
+                                         const Pelagos__Request *request,
+                                         struct pel_fault *fault);
+
+/* Nobody waits for those answers any more. */
+void pel_session_cancel(struct session *self);
