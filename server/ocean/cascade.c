@@ -22,6 +22,15 @@ typedef double lanes4 __attribute__((vector_size(32), aligned(16)));
 /* Angles of the grids: no two are near a multiple of each other's symmetry. */
 static const double turns_rad[PEL_CASCADES] = { 0.111, 0.577, 1.013, 1.417 };
 
+/* Of the two shears of a cascade: the direction across which it runs, from the
+ * tile's u, and its period in tiles. So one tile on, either way or both, each
+ * is somewhere else. */
+static const double shear_from_u_rad[2] = { 0.55, 2.02 };
+static const double shear_tiles[2] = { 2.37, 1.83 };
+/* Greatest shear against the next coarser cascade: as little as hides the
+ * tiles, for the longest waves, which cross a whole picture, least. */
+static const double shears[PEL_CASCADES] = { 0.07, 0.09, 0.12, 0.12 };
+
 /* A band's modes are those of m_lo ≤ |m| < PEL_CASCADE_HIGHEST. */
 struct ring {
     double lo, hi; /* of |m| */
@@ -617,6 +626,25 @@ static void place_cascade(struct pel_cascade *c, int index)
     c->k_hi = 2.0 * PEL_PI / c->length_m * PEL_CASCADE_HIGHEST;
 }
 
+static void place_shears(struct pel_cascades *all)
+{
+    for (int i = 0; i < PEL_SHEARS; i++) {
+        const struct pel_cascade *c = &all->cascade[i / 2];
+        double angle = turns_rad[i / 2] + shear_from_u_rad[i % 2];
+        double period = shear_tiles[i % 2] * c->length_m;
+        const double f[2] = { cos(angle) / period, sin(angle) / period };
+        const double v[2] = { -shears[i / 2] * period * sin(angle),
+                              shears[i / 2] * period * cos(angle) };
+        all->shears.fx[i] = f[0];
+        all->shears.fy[i] = f[1];
+        for (int j = 0; j < 2; j++) {
+            all->shears.v[i][j] = v[j];
+            all->shears.turn[i][2 * j] = v[j] * f[0];
+            all->shears.turn[i][2 * j + 1] = v[j] * f[1];
+        }
+    }
+}
+
 static int build_cascade(void *argument)
 {
     struct builder *b = argument;
@@ -692,6 +720,7 @@ enum pel_err pel_cascades_create(const struct pel_sea_desc *desc,
     c->log_k0 = log(2.0 * PEL_PI / longest);
     c->step = log(longest / PEL_SEA_SHORTEST_M) / (PEL_CASCADE_BOUNDS - 1);
     build_cascades(b, c);
+    place_shears(c);
     struct pel_band_moments below;
     pel_directional_moments(spectrum, 2.0 * PEL_PI / PEL_SEA_SHORTEST_M,
                             INFINITY, &below);

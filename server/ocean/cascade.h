@@ -26,7 +26,13 @@
  *
  * Sampling. Texel (i', j') stands at texture coordinates
  * ((i' + ½)/N, (j' + ½)/N); the place (x, y) is at
- *     (x u.x + y u.y, x v.x + y v.y) / length      [repeated].
+ *     (X u.x + Y u.y, X v.x + Y v.y) / length      [repeated]
+ * where (X, Y) is (x, y) sheared (shear.h), back and forth over some two
+ * tiles, for its own tile and for every larger one: one tile on, the water is
+ * not the same. Waves bend by some degrees by that, as in a current (the
+ * longest by two or less), and keep their variance within 1 %, and their times.
+ * Slopes and derivatives of D are by (x, y): those by (X, Y) times
+ * ∂(X, Y)/∂(x, y).
  * Displacement (Dx, Dy, h) is sampled by a uniform cubic B-spline (four
  * bilinear taps), slopes and the derivatives of D by bilinear interpolation.
  * Interpolation weakens waves of few texels; so the modes of a field are
@@ -41,6 +47,7 @@
 
 #include "base/err.h"
 #include "ocean/filter.h"
+#include "ocean/shear.h"
 
 #define PEL_CASCADES 4
 #define PEL_CASCADE_N 256
@@ -91,7 +98,8 @@ struct pel_fields_cache; /* fields.h */
 
 struct pel_cascades {
     struct pel_cascade cascade[PEL_CASCADES]; /* longest waves first */
-    float displacement_gain[PEL_CASCADE_N];   /* by index, along one axis */
+    struct pel_shears shears;
+    float displacement_gain[PEL_CASCADE_N]; /* by index, along one axis */
     float slope_gain[PEL_CASCADE_N];
     double m0;               /* of all bands, m² */
     struct pel_slopes total; /* of the spectrum, also below the last band */

@@ -31,6 +31,22 @@ PEL_INLINE struct place place_of(const struct pel_cascade *c, double x,
     return (struct place){ (int)i + N, (int)j + N, u - i, v - j };
 }
 
+/* Where the cascades are read for a place. */
+struct reading {
+    struct place place[PEL_CASCADES];
+    struct pel_sheared sheared;
+};
+
+PEL_INLINE void read_at(const struct pel_cascades *c, struct pel_vec2 at,
+                        struct reading *r)
+{
+    pel_shear(&c->shears, at.x, at.y, &r->sheared);
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        const double *place = r->sheared.place[i];
+        r->place[i] = place_of(&c->cascade[i], place[0], place[1]);
+    }
+}
+
 /* Uniform cubic B-spline of the four texels around, and its derivative. */
 PEL_INLINE void spline(double f, double w[4], double d[4])
 {
@@ -77,9 +93,8 @@ PEL_INLINE lanes4 sample_spline(float (*texels)[4], struct place p)
 }
 
 PEL_INLINE void add_shift(const struct pel_cascade *c, float (*texels)[4],
-                          double x, double y, struct shift *s)
+                          struct place p, const double by[4], struct shift *s)
 {
-    struct place p = place_of(c, x, y);
     double wi[4], wj[4], di[4], dj[4];
     spline(p.fi, wi, di);
     spline(p.fj, wj, dj);
@@ -96,17 +111,19 @@ PEL_INLINE void add_shift(const struct pel_cascade *c, float (*texels)[4],
         dv += dj[b] * row;
     }
     double cosine = c->turn_cos / c->texel_m, sine = c->turn_sin / c->texel_m;
-    s->dx += du * cosine - dv * sine;
-    s->dy += du * sine + dv * cosine;
+    lanes4 by_x = du * cosine - dv * sine, by_y = du * sine + dv * cosine;
+    s->dx += by_x * by[0] + by_y * by[2];
+    s->dy += by_x * by[1] + by_y * by[3];
 }
 
 PEL_INLINE void shift_at(const struct pel_cascades *c,
-                         const struct pel_cascade_fields *f, double x, double y,
-                         struct shift *s)
+                         const struct pel_cascade_fields *f,
+                         const struct reading *r, struct shift *s)
 {
     *s = (struct shift){ 0 };
     for (int i = 0; i < PEL_CASCADES; i++) {
-        add_shift(&c->cascade[i], f->displacement[i], x, y, s);
+        add_shift(&c->cascade[i], f->displacement[i], r->place[i],
+                  r->sheared.by[i], s);
     }
 }
 
@@ -120,21 +137,19 @@ PEL_INLINE void fetch_spline(float (*texels)[4], struct place p)
     }
 }
 
-PEL_INLINE void fetch_shift(const struct pel_cascades *c,
-                            const struct pel_cascade_fields *f,
-                            struct pel_vec2 at)
+PEL_INLINE void fetch_shift(const struct pel_cascade_fields *f,
+                            const struct reading *r)
 {
     for (int i = 0; i < PEL_CASCADES; i++) {
-        fetch_spline(f->displacement[i], place_of(&c->cascade[i], at.x, at.y));
+        fetch_spline(f->displacement[i], r->place[i]);
     }
 }
 
-PEL_INLINE void fetch_surface(const struct pel_cascades *c,
-                              const struct pel_cascade_fields *f,
-                              struct pel_vec2 at)
+PEL_INLINE void fetch_surface(const struct pel_cascade_fields *f,
+                              const struct reading *r)
 {
     for (int i = 0; i < PEL_CASCADES; i++) {
-        struct place p = place_of(&c->cascade[i], at.x, at.y);
+        struct place p = r->place[i];
         fetch_spline(f->velocity[i], p);
         for (int b = 0; b < 2; b++) {
             int texel = (p.j + b) % N * N + p.i % N;
@@ -147,10 +162,11 @@ PEL_INLINE void fetch_surface(const struct pel_cascades *c,
 /* The search for the rest position that is carried to `to`. */
 struct search {
     struct pel_vec2 to, rest, trial, step;
-    struct shift at;   /* what the cascades do to `rest` */
-    double rx, ry;     /* from there to `to` */
-    double error;      /* squared */
-    int steps, halved; /* so far; of this step */
+    struct shift at;        /* what the cascades do to `rest` */
+    struct reading reading; /* of `trial`; of `rest` when done */
+    double rx, ry;          /* from there to `to` */
+    double error;           /* squared */
+    int steps, halved;      /* so far; of this step */
     bool done;
 };
 
@@ -159,7 +175,7 @@ struct search {
 PEL_INLINE void search_step(struct search *s)
 {
     struct shift *at = &s->at;
-    s->step = pel_rest_step(1.0 + at->dx[0], 0.5 * (at->dx[1] + at->dy[0]),
+    s->step = pel_rest_step(1.0 + at->dx[0], at->dy[0], at->dx[1],
                             1.0 + at->dy[1], s->rx, s->ry);
     s->trial =
         (struct pel_vec2){ s->rest.x + s->step.x, s->rest.y + s->step.y };
@@ -207,7 +223,8 @@ PEL_INLINE void search_all(const struct pel_cascades *c,
         searches[i] = (struct search){ .to = points[i],
                                        .trial = points[i],
                                        .error = INFINITY };
-        fetch_shift(c, f, points[i]);
+        read_at(c, points[i], &searches[i].reading);
+        fetch_shift(f, &searches[i].reading);
     }
     while (left > 0) {
         left = 0;
@@ -215,12 +232,13 @@ PEL_INLINE void search_all(const struct pel_cascades *c,
             struct search *s = &searches[i];
             if (!s->done) {
                 struct shift there;
-                shift_at(c, f, s->trial.x, s->trial.y, &there);
+                shift_at(c, f, &s->reading, &there);
                 search_turn(s, &there);
+                read_at(c, s->done ? s->rest : s->trial, &s->reading);
                 if (s->done) {
-                    fetch_surface(c, f, s->rest);
+                    fetch_surface(f, &s->reading);
                 } else {
-                    fetch_shift(c, f, s->trial);
+                    fetch_shift(f, &s->reading);
                     left++;
                 }
             }
@@ -246,21 +264,23 @@ PEL_INLINE lanes4 bilinear4(float (*texels)[4], struct place p)
     return (1 - p.fj) * below + p.fj * above;
 }
 
-PEL_INLINE void surface_at(const struct pel_cascades *c,
-                           const struct pel_cascade_fields *f,
-                           struct pel_vec2 rest, double height,
+PEL_INLINE void surface_at(const struct pel_cascade_fields *f,
+                           const struct reading *r, double height,
                            struct pel_surface_sample *out)
 {
-    lanes4 s = { 0, 0, 0, 0 }, v = { 0, 0, 0, 0 };
-    double fold = 0;
+    lanes4 by_x = { 1, 0, 0, 0 }, by_y = { 0, 1, 0, 0 }, v = { 0, 0, 0, 0 };
     for (int i = 0; i < PEL_CASCADES; i++) {
-        struct place p = place_of(&c->cascade[i], rest.x, rest.y);
-        s += bilinear4(f->slopes[i], p);
-        fold += bilinear(f->fold[i], p);
+        const struct place p = r->place[i];
+        const double *by = r->sheared.by[i];
+        lanes4 s = bilinear4(f->slopes[i], p);
+        double fold = bilinear(f->fold[i], p);
+        const lanes4 dx = { s[2], fold, s[0], 0 }, dy = { fold, s[3], s[1], 0 };
+        by_x += dx * by[0] + dy * by[2];
+        by_y += dx * by[1] + dy * by[3];
         v += sample_spline(f->velocity[i], p);
     }
-    struct pel_vec3 along_x = { 1.0 + s[2], fold, s[0] };
-    struct pel_vec3 along_y = { fold, 1.0 + s[3], s[1] };
+    struct pel_vec3 along_x = { by_x[0], by_x[1], by_x[2] };
+    struct pel_vec3 along_y = { by_y[0], by_y[1], by_y[2] };
     out->height_m = height;
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
     out->velocity_mps = (struct pel_vec3){ v[0], v[1], v[2] };
@@ -270,13 +290,12 @@ PEL_INLINE void surface_at(const struct pel_cascades *c,
 
 /* `second` are the fields of the accelerations. */
 PEL_INLINE struct pel_vec3
-acceleration_at(const struct pel_cascades *c,
-                const struct pel_cascade_fields *second, struct pel_vec2 rest)
+acceleration_at(const struct pel_cascade_fields *second,
+                const struct reading *r)
 {
     lanes4 a = { 0, 0, 0, 0 };
     for (int i = 0; i < PEL_CASCADES; i++) {
-        a += sample_spline(second->displacement[i],
-                           place_of(&c->cascade[i], rest.x, rest.y));
+        a += sample_spline(second->displacement[i], r->place[i]);
     }
     return (struct pel_vec3){ a[0], a[1], a[2] };
 }
@@ -303,10 +322,10 @@ static void query(const struct pel_cascades *c,
         search_all(c, f, points + from, count, searches);
         for (int i = 0; i < count; i++) {
             struct pel_surface_sample *to = &out[from + (size_t)i];
-            surface_at(c, f, searches[i].rest, searches[i].at.d[2], to);
+            const struct reading *r = &searches[i].reading;
+            surface_at(f, r, searches[i].at.d[2], to);
             if (second) {
-                to->acceleration_mps2 =
-                    acceleration_at(c, second, searches[i].rest);
+                to->acceleration_mps2 = acceleration_at(second, r);
             }
         }
     }
@@ -336,8 +355,10 @@ struct pel_vec3 pel_cascades_displace(const struct pel_cascades *c, double x_m,
                                       double y_m, double time_s)
 {
     struct pel_kept_fields *kept = take(c, time_s);
+    struct reading r;
     struct shift s;
-    shift_at(c, kept->fields, x_m, y_m, &s);
+    read_at(c, (struct pel_vec2){ x_m, y_m }, &r);
+    shift_at(c, kept->fields, &r, &s);
     pel_fields_give(c, kept);
     return (struct pel_vec3){ s.d[0], s.d[1], s.d[2] };
 }

@@ -131,14 +131,21 @@ static struct reading reading_of(const struct pel_cascade *c,
     };
 }
 
-static void add_cascade(const struct pel_cascade *c, const struct pyramid *p,
-                        const struct reading *r, struct pel_vec2 at,
-                        double slopes[5], double shift[3])
+static void add_cascade(const struct pel_cascades *all, int index,
+                        const struct pyramid *p, const struct reading *r,
+                        const struct pel_sheared *at, double tangents[2][3],
+                        double shift[3])
 {
+    const struct pel_cascade *c = &all->cascade[index];
+    double slopes[5] = { 0 };
     double share = r->taps > 0 ? 1.0 / r->taps : 0;
+    const double *by = at->by[index];
+    double span_x = by[0] * r->span_x + by[1] * r->span_y;
+    double span_y = by[2] * r->span_x + by[3] * r->span_y;
     for (int t = 0; t < r->taps; t++) {
         double off = (t + 0.5) * share - 0.5;
-        double x = at.x + off * r->span_x, y = at.y + off * r->span_y;
+        double x = at->place[index][0] + off * span_x;
+        double y = at->place[index][1] + off * span_y;
         double u = (x * c->turn_cos + y * c->turn_sin) / c->length_m;
         double v = (y * c->turn_cos - x * c->turn_sin) / c->length_m;
         int low = (int)r->slope_level;
@@ -153,6 +160,12 @@ static void add_cascade(const struct pel_cascade *c, const struct pyramid *p,
             add_shift(p, low, share * (1 - f), u, v, shift);
             add_shift(p, low + 1, share * f, u, v, shift);
         }
+    }
+    const double by_x[3] = { slopes[2], slopes[4], slopes[0] };
+    const double by_y[3] = { slopes[4], slopes[3], slopes[1] };
+    for (int i = 0; i < 3; i++) {
+        tangents[0][i] += by_x[i] * by[0] + by_y[i] * by[2];
+        tangents[1][i] += by_x[i] * by[1] + by_y[i] * by[3];
     }
 }
 
@@ -177,13 +190,14 @@ enum pel_err pel_cascades_filtered(const struct pel_cascades *c,
     }
     pel_fields_give(c, kept);
     for (size_t p = 0; p < n; p++) {
-        double s[5] = { 0 }, d[3] = { 0 };
+        double t[2][3] = { { 1, 0, 0 }, { 0, 1, 0 } }, d[3] = { 0 };
+        struct pel_sheared at;
+        pel_shear(&c->shears, points[p].x, points[p].y, &at);
         for (int i = 0; i < PEL_CASCADES; i++) {
-            add_cascade(&c->cascade[i], &pyramids[i], &readings[i], points[p],
-                        s, d);
+            add_cascade(c, i, &pyramids[i], &readings[i], &at, t, d);
         }
-        struct pel_vec3 along_x = { 1.0 + s[2], s[4], s[0] };
-        struct pel_vec3 along_y = { s[4], 1.0 + s[3], s[1] };
+        struct pel_vec3 along_x = { t[0][0], t[0][1], t[0][2] };
+        struct pel_vec3 along_y = { t[1][0], t[1][1], t[1][2] };
         out[p].shift = (struct pel_vec3){ d[0], d[1], d[2] };
         out[p].normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
     }

@@ -160,11 +160,12 @@ static struct worst compare(double along, double aspect, double azimuth)
 
 /* The published bounds. Positions: the sines of the trochoids are good to 7e-5
  * each and single precision turns a wave of 2 cm by a hundredth of a radian at
- * 400 m (microns of it, but its slope of 0.04 then by 4e-4); slopes
+ * 400 m (microns of it, but its slope of 0.04 then by 4e-4), and the shears of
+ * the cascades, 0.1 mm off there, by a few of those; slopes
  * blend with 8 bits of fraction in hardware, a 256th of the difference of two
  * texels. The tables of variance are read between entries. */
 #define BOUND_M 3e-4
-#define BOUND_NORMAL 5e-3
+#define BOUND_NORMAL 8e-3
 #define BOUND_LEFT 0.003
 
 static void shaders_are_the_reference(void **state)

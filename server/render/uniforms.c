@@ -97,13 +97,29 @@ void pel_fill_waves(const struct pel_environment *env, double east_m,
 void pel_fill_cascades(const struct pel_cascades *cascades, double east_m,
                        double north_m, struct pel_block_cascades *out)
 {
+    double x = east_m, y = north_m;
     for (int i = 0; i < PEL_CASCADES; i++) {
         const struct pel_cascade *c = &cascades->cascade[i];
-        double u = (east_m * c->turn_cos + north_m * c->turn_sin) / c->length_m;
-        double v = (north_m * c->turn_cos - east_m * c->turn_sin) / c->length_m;
+        const struct pel_shears *s = &cascades->shears;
+        double turns[2];
+        for (int j = 0; j < 2; j++) {
+            int at = 2 * i + j;
+            /* The shaders leave out the constant 1/8 and add 1/2. */
+            double t = s->fx[at] * east_m + s->fy[at] * north_m + 0.75;
+            turns[j] = t - floor(t);
+            x -= 0.125 * s->v[at][0];
+            y -= 0.125 * s->v[at][1];
+        }
+        double u = (x * c->turn_cos + y * c->turn_sin) / c->length_m;
+        double v = (y * c->turn_cos - x * c->turn_sin) / c->length_m;
         out->cascades[i].place =
             vec4(c->turn_cos, c->turn_sin, 1.0 / c->length_m, c->texel_m);
-        out->cascades[i].offset = vec4(u - floor(u), v - floor(v), 0.0, 0.0);
+        out->cascades[i].offset =
+            vec4(u - floor(u), v - floor(v), turns[0], turns[1]);
+        out->cascades[i].across = vec4(s->fx[2 * i], s->fy[2 * i],
+                                       s->fx[2 * i + 1], s->fy[2 * i + 1]);
+        out->cascades[i].along = vec4(s->v[2 * i][0], s->v[2 * i][1],
+                                      s->v[2 * i + 1][0], s->v[2 * i + 1][1]);
     }
 }
 

@@ -87,7 +87,10 @@ PEL_BLOCK(3, waves) {
  * (ocean/cascade.h). */
 struct pel_shader_cascade {
     vec4 place;  /* xy turn; z 1 / length, 1/m; w texel, m */
-    vec4 offset; /* xy place of the eye's nadir, in tiles */
+    vec4 offset; /* xy place of the eye's nadir, in tiles; zw its turns of the
+                    two shears (ocean/shear.h) */
+    vec4 across; /* of the shears: f, 1/m */
+    vec4 along;  /* v, m */
 };
 PEL_BLOCK(5, cascades) {
     PEL_STRUCT pel_shader_cascade cascades[4];

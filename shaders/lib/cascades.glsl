@@ -5,10 +5,37 @@ layout(binding = 6) uniform sampler2DArray displacement_fields; // Dx, Dy, h
 layout(binding = 7) uniform sampler2DArray slope_fields; // hx, hy, Dxx, Dyy
 layout(binding = 8) uniform sampler2DArray fold_field;   // Dxy
 
-vec2 cascade_uv(int c, vec2 x)
+// Where a cascade is read for a place, and the derivative by that place; from
+// one cascade to the next finer one.
+struct reading {
+    vec2 place;
+    vec2 by_x;
+    vec2 by_y;
+};
+
+reading reading_at(vec2 x)
+{
+    return reading(x, vec2(1.0, 0.0), vec2(0.0, 1.0));
+}
+
+// Twin of ocean/shear.h.
+void shear(int c, vec2 x, inout reading at)
+{
+    vec4 f = cascades[c].across;
+    vec4 v = cascades[c].along;
+    vec2 r = fract(vec2(dot(x, f.xy), dot(x, f.zw)) + cascades[c].offset.zw) - 0.5;
+    vec2 size = abs(r);
+    vec2 q = r - 2.0 * r * size;
+    vec2 g = 1.0 - 4.0 * size;
+    at.place += v.xy * q.x + v.zw * q.y;
+    at.by_x += v.xy * (f.x * g.x) + v.zw * (f.z * g.y);
+    at.by_y += v.xy * (f.y * g.x) + v.zw * (f.w * g.y);
+}
+
+vec2 cascade_uv(int c, vec2 place)
 {
     vec2 turn = cascades[c].place.xy;
-    return vec2(dot(x, turn), dot(x, vec2(-turn.y, turn.x))) * cascades[c].place.z +
+    return vec2(dot(place, turn), dot(place, vec2(-turn.y, turn.x))) * cascades[c].place.z +
            cascades[c].offset.xy;
 }
 
@@ -78,8 +105,10 @@ vec3 cascade_displacement(int c, vec2 uv, float lod)
 vec3 cascade_shift(vec2 x, float cell)
 {
     vec3 sum = vec3(0.0);
+    reading at = reading_at(x);
     for (int c = 0; c < 4; c++) {
-        sum += cascade_displacement(c, cascade_uv(c, x), log2(cell / cascades[c].place.w));
+        shear(c, x, at);
+        sum += cascade_displacement(c, cascade_uv(c, at.place), log2(cell / cascades[c].place.w));
     }
     return sum;
 }

@@ -8,7 +8,7 @@
 
 struct filtered {
     vec2 slope;
-    vec3 fold; // A, B, C: ∂p/∂x = (1 − A, −B, slope.x), ∂p/∂y = (−B, 1 − C, slope.y)
+    vec4 fold; // ∂p/∂x = (1 − x, −y, slope.x), ∂p/∂y = (−z, 1 − w, slope.y)
 #ifdef PEL_LAYERS
     vec3 shift;
 #endif
@@ -19,12 +19,14 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
 {
     filtered f;
     f.slope = vec2(0.0);
-    f.fold = vec3(0.0);
+    f.fold = vec4(0.0);
 #ifdef PEL_LAYERS
     f.shift = vec3(0.0);
 #endif
+    reading at = reading_at(x);
     // Nothing is left of a cascade at level 8, one texel.
     for (int c = 0; c < 4; c++) {
+        shear(c, x, at);
 #if PEL_ANISOTROPY > 1
         // Taps along the line of sight, together as wide as the level of
         // detail of that length.
@@ -33,20 +35,25 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
         float taps = clamp(ceil(along / least), 1.0, float(PEL_ANISOTROPY));
         float lod = log2(across / texel);
         vec2 span = sight * (PEL_TAP_SPAN * sqrt(max(along * along - least * least, 0.0)));
+        vec2 along_read = span.x * at.by_x + span.y * at.by_y;
         float share = 1.0 / taps;
         taps = lod + back.w < 8.0 ? taps : 0.0;
         for (float j = 0.5; j < taps; j += 1.0) {
-            vec2 place = x + span * (j * share - 0.5);
+            vec2 place = at.place + along_read * (j * share - 0.5);
 #else
         float lod = log2(along / cascades[c].place.w);
         const float share = 1.0;
         if (lod + back.w < 8.0) {
-            vec2 place = x;
+            vec2 place = at.place;
 #endif
             vec3 uv = vec3(cascade_uv(c, place), c);
             vec4 slopes = textureLod(slope_fields, uv, lod + back.w);
-            f.slope += share * slopes.xy;
-            f.fold -= share * vec3(slopes.z, textureLod(fold_field, uv, lod + back.w).x, slopes.w);
+            float mixed = textureLod(fold_field, uv, lod + back.w).x;
+            slopes *= share;
+            mixed *= share;
+            f.slope += vec2(dot(slopes.xy, at.by_x), dot(slopes.xy, at.by_y));
+            f.fold -= vec4(dot(vec2(slopes.z, mixed), at.by_x), dot(vec2(mixed, slopes.w), at.by_x),
+                           dot(vec2(slopes.z, mixed), at.by_y), dot(vec2(mixed, slopes.w), at.by_y));
 #ifdef PEL_LAYERS
             f.shift += share * cascade_displacement(c, uv.xy, lod + back.w - PEL_SHIFT_SHARPER);
 #endif
@@ -83,7 +90,7 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
     float offset = -right.w * up.w;
     filtered f;
     f.slope = vec2(0.0);
-    f.fold = vec3(0.0);
+    vec3 fold = vec3(0.0);
 #ifdef PEL_LAYERS
     f.shift = vec3(0.0);
 #define PEL_SHIFT(i, s, c) f.shift += vec3(-waves[i].shift.xy * (w * s), waves[i].shift.z * (w * c));
@@ -96,11 +103,12 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
         float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;              \
         float s = sine_turns(turns);                                           \
         float c = sine_turns(turns + 0.25);                                    \
-        f.fold += waves[i].fold.xyz * (gain * c);                               \
+        fold += waves[i].fold.xyz * (gain * c);                                 \
         f.slope -= waves[i].slope.xy * (gain * s);                              \
         PEL_SHIFT(i, s, c)                                                     \
     }
     PEL_EACH_WAVE(PEL_SLOPE)
+    f.fold = fold.xyyz;
     return f;
 }
 #endif
@@ -108,7 +116,7 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
 // ∂p/∂x × ∂p/∂y, eq. 3.
 vec3 filtered_normal(filtered f)
 {
-    return normalize(vec3(-f.fold.y * f.slope.y - f.slope.x * (1.0 - f.fold.z),
-                          -f.fold.y * f.slope.x - f.slope.y * (1.0 - f.fold.x),
-                          max((1.0 - f.fold.x) * (1.0 - f.fold.z) - f.fold.y * f.fold.y, 1e-3)));
+    return normalize(vec3(-f.fold.y * f.slope.y - f.slope.x * (1.0 - f.fold.w),
+                          -f.fold.z * f.slope.x - f.slope.y * (1.0 - f.fold.x),
+                          max((1.0 - f.fold.x) * (1.0 - f.fold.w) - f.fold.y * f.fold.z, 1e-3)));
 }

@@ -24,7 +24,7 @@ float surface_distance(filtered f, vec2 x, vec3 ray, float t, vec2 sight, float 
 {
     float most = 2.0 * length(f.shift) + 0.1;
     float moved = t;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         float half_arc = 0.5 * length(x) / planet.x;
         vec3 point = vec3(x * cos(half_arc) + f.shift.xy,
                           f.shift.z - 2.0 * planet.x * sin(half_arc) * sin(half_arc) - eye.x);
@@ -37,14 +37,14 @@ float surface_distance(filtered f, vec2 x, vec3 ray, float t, vec2 sight, float 
         }
         // Never behind the eye that is all but in the water.
         moved = clamp(dot(point, n) / slant, max(t - most, 0.5 * t), t + most);
-        if (i == 2) {
+        if (i == 3) {
             break;
         }
         // The particle that is carried there, to first order.
         vec2 off = moved * ray.xy - point.xy;
-        vec3 d = vec3(1.0 - f.fold.x, -f.fold.y, 1.0 - f.fold.z);
-        float det = max(d.x * d.z - d.y * d.y, 0.05);
-        x += vec2(d.z * off.x - d.y * off.y, d.x * off.y - d.y * off.x) / det;
+        vec4 d = vec4(1.0 - f.fold.x, -f.fold.yz, 1.0 - f.fold.w);
+        float det = max(d.x * d.w - d.y * d.z, 0.05);
+        x += vec2(d.w * off.x - d.z * off.y, d.x * off.y - d.y * off.x) / det;
         f = filtered_sea(x, sight, along, across);
     }
     return moved;

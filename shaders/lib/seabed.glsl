@@ -157,12 +157,14 @@ vec3 wave_bend(vec2 x, float footprint, out vec2 slope)
     slope = vec2(0.0);
 #ifdef PEL_FFT
     vec2 half_ = vec2(0.5 * footprint, 0.0);
+    reading at = reading_at(x);
     for (int c = 0; c < 4; c++) {
+        shear(c, x, at);
         float lod = log2(footprint / cascades[c].place.w) + back.w;
-        vec2 e = textureLod(slope_fields, vec3(cascade_uv(c, x + half_.xy), c), lod).xy;
-        vec2 w = textureLod(slope_fields, vec3(cascade_uv(c, x - half_.xy), c), lod).xy;
-        vec2 n = textureLod(slope_fields, vec3(cascade_uv(c, x + half_.yx), c), lod).xy;
-        vec2 s = textureLod(slope_fields, vec3(cascade_uv(c, x - half_.yx), c), lod).xy;
+        vec2 e = textureLod(slope_fields, vec3(cascade_uv(c, at.place + half_.xy), c), lod).xy;
+        vec2 w = textureLod(slope_fields, vec3(cascade_uv(c, at.place - half_.xy), c), lod).xy;
+        vec2 n = textureLod(slope_fields, vec3(cascade_uv(c, at.place + half_.yx), c), lod).xy;
+        vec2 s = textureLod(slope_fields, vec3(cascade_uv(c, at.place - half_.yx), c), lod).xy;
         slope += 0.25 * (e + w + n + s);
         bend += vec3(e.x - w.x, 0.5 * (e.y - w.y + n.x - s.x), n.y - s.y) / footprint;
     }
