@@ -47,9 +47,14 @@ else
         "$missing"
 fi
 
+# A mirror may hiccup, another apt-get may be at work.
+apt_get() {
+    $as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq \
+        -o Acquire::Retries=3 -o DPkg::Lock::Timeout=600 "$@" </dev/null
+}
+
 echo "deps: installing $missing"
-$as_root env DEBIAN_FRONTEND=noninteractive apt-get -qq update ||
+apt_get update ||
     echo "deps: apt-get update failed; trying with the lists that are here" >&2
-$as_root env DEBIAN_FRONTEND=noninteractive \
-    apt-get -qq -y --no-install-recommends install $missing >/dev/null ||
+apt_get -y --no-install-recommends install $missing >/dev/null ||
     say_by_hand "apt-get could not install them." "$missing"
