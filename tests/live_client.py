@@ -46,7 +46,7 @@ class Head:
 
 
 class Live:
-    def __init__(self, daemon, view, query="", headers=(), timeout=10,
+    def __init__(self, daemon, view, query="", headers=(), timeout=60,
                  buffer=None):
         self.opened = time.monotonic()
         self.socket = socket.socket()

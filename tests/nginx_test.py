@@ -17,7 +17,8 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import ROOT, Daemon, free_port, receive_all
+from pelagos_daemon import (ROOT, SLOW_S, Daemon, free_port, receive_all,
+                            until)
 from security_test import KEY, TOKEN, make_certificate, write
 
 if not shutil.which("nginx"):
@@ -61,7 +62,7 @@ class Proxied(unittest.TestCase):
         cls.nginx = subprocess.Popen(
             ["nginx", "-p", cls.folder, "-c", config, "-e",
              f"{cls.folder}/error.log"], stdin=subprocess.DEVNULL)
-        end = time.monotonic() + 10
+        end = time.monotonic() + SLOW_S
         while True:
             with socket.socket() as s:
                 if s.connect_ex(("127.0.0.1", cls.port)) == 0:
@@ -76,7 +77,7 @@ class Proxied(unittest.TestCase):
         cls.daemon.stop()
         shutil.rmtree(cls.folder)
 
-    def connect(self, timeout=30):
+    def connect(self, timeout=SLOW_S):
         raw = socket.create_connection(("127.0.0.1", self.port),
                                        timeout=timeout)
         s = ssl.create_default_context(cafile=self.cert).wrap_socket(
@@ -140,8 +141,8 @@ class Proxied(unittest.TestCase):
             self.assertIn(status, (200, 426), path)
 
     def test_slow(self):
-        """Half a head, half a body, a dripping head: all gone within 8 s and
-        a little; a good client is served meanwhile."""
+        """Half a head, half a body, a dripping head: all are sent away; a good
+        client is served meanwhile."""
         began = time.monotonic()
         half = self.connect()
         half.sendall(b"GET /v1/state HTTP/1.1\r\nHost: localh")
@@ -168,8 +169,8 @@ class Proxied(unittest.TestCase):
         over.set()
         thread.join()
         print({k: f"{v:.1f} s" for k, v in spent.items()})
-        # 8 s each from connecting; its own timers look once a second or so.
-        self.assertLess(max(spent.values()), 15)
+        # 8 s each from connecting; later, it was this side that gave up.
+        self.assertLess(max(spent.values()), SLOW_S)
 
     def test_many_of_one_source(self):
         """32 requests at a time: the next is told so, and others go on when
@@ -183,10 +184,7 @@ class Proxied(unittest.TestCase):
         self.assertEqual(self.ask(self.head()), 429)
         for s in watching:
             s.close()
-        end = time.monotonic() + 10
-        while self.ask(self.head()) != 200:
-            self.assertLess(time.monotonic(), end)
-            time.sleep(0.1)
+        until("others go on", lambda: self.ask(self.head()) == 200)
 
     def test_websocket(self):
         s = self.connect()

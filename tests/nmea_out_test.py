@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 from modbus_test import check
-from pelagos_daemon import Daemon, free_port
+from pelagos_daemon import SLOW_S, Daemon, free_port, until
 
 
 def receive(receiver, count):
@@ -35,7 +35,7 @@ def by_gpsdecode(data, steered=False):
         print("gpsdecode is not installed: left out")
         return
     done = subprocess.run(["gpsdecode", "-j", "-D", "1"], input=data,
-                          capture_output=True, timeout=30, check=False)
+                          capture_output=True, timeout=SLOW_S, check=False)
     check(done.returncode == 0, f"{done}")
     check(done.stderr == b"", f"gpsdecode says {done.stderr[:400]}")
     reports = [json.loads(line) for line in done.stdout.splitlines()
@@ -56,13 +56,10 @@ def by_gpsdecode(data, steered=False):
 def other_daemon(first, port):
     """Another pelagosd follows: our own input reads our output."""
     with Daemon("--nmea", f"127.0.0.1:{port}") as daemon:
-        import time
-        end = time.monotonic() + 8
-        while time.monotonic() < end:
+        def ship_now():
             ship = daemon.state()["entities"][0]
-            if ship["speed"] > 5.9 and ship["roll"] == 2.5:
-                break
-            time.sleep(0.05)
+            return ship["speed"] > 5.9 and ship["roll"] == 2.5 and ship
+        ship = until("own ship follows", ship_now)
         check(abs(ship["speed"] - 6) < 0.05 and ship["roll"] == 2.5, f"{ship}")
         check(daemon.state()["sea"]["windSpeed"] > 8.9, "the wind")
         dropped = {k: v for k, v in daemon.metrics().items()
@@ -74,7 +71,7 @@ def other_daemon(first, port):
 def main():
     receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     receiver.bind(("127.0.0.1", 0))
-    receiver.settimeout(10)
+    receiver.settimeout(SLOW_S)
     port = receiver.getsockname()[1]
     with Daemon("--nmea-out", f"127.0.0.1:{port}", "--nmea-out-rate",
                 "20") as daemon:

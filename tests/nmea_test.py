@@ -18,7 +18,7 @@ import sys
 import threading
 import time
 
-from pelagos_daemon import BIN, Daemon, free_port
+from pelagos_daemon import BIN, Daemon, free_port, until
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 DATA = pathlib.Path(os.environ.get("PELAGOS_DATA", ROOT / "../shared/data"))
@@ -57,11 +57,14 @@ def sum_of(body):
 
 
 class Ship:
-    """Own ship as the daemon has it now, reckoned to clock.time."""
+    """Own ship as the daemon has it, reckoned to a simulated time (now)."""
 
-    def __init__(self, state):
+    def __init__(self, state, at=None):
         e = next(e for e in state["entities"] if int(e["id"]) == 1)
-        seconds = state["clock"]["time"] - e.get("poseTime", 0)
+        self.pose_time = e.get("poseTime", 0)
+        seconds = (state["clock"]["time"] if at is None else
+                   at) - self.pose_time
+        self.turn_rate = e.get("turnRate", 0)
         rate = math.radians(e.get("turnRate", 0))
         course = math.radians(e.get("course", 0)) + rate * seconds / 2
         x = rate * seconds / 2
@@ -82,17 +85,21 @@ class Told:
 
     def __init__(self):
         self.place = self.heading = self.heel = self.trim = self.wind = None
+        self.time = self.headed = None  # of the fix, of our passing HDT on
 
     def take(self, line):
         field = line.split("*")[0].split(",")
         kind = field[0][3:]
         if kind == "RMC" and field[2] == "A":
+            self.time = (3600 * int(field[1][:2]) + 60 * int(field[1][2:4]) +
+                         float(field[1][4:]))
             self.place = (coordinate(field[3], field[4], 2),
                           coordinate(field[5], field[6], 3))
         elif kind == "HDT" and field[1]:
-            self.heading = float(field[1])
+            self.heading, self.headed = float(field[1]), time.monotonic()
         elif kind == "HDG" and field[4]:
             self.heading = float(field[1]) + float(field[4])
+            self.headed = time.monotonic()
         elif kind == "MWD" and field[1]:
             self.wind = (float(field[5]) * KNOT, float(field[1]))
         elif kind == "XDR":
@@ -104,19 +111,25 @@ class Told:
 
 
 class Tap:
-    def __init__(self, daemon, nmea_port):
+    """Passes on what is replayed; looks at own ship before and after each fix.
+    Everything is compared at simulated times, so that it makes no difference
+    when this script gets a core."""
+
+    def __init__(self, daemon, nmea_port, speed):
         self.daemon, self.to = daemon, ("127.0.0.1", nmea_port)
+        self.speed = speed
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
         self.socket.settimeout(0.2)
         self.port = self.socket.getsockname()[1]
         self.told, self.fixes = Told(), 0
-        self.before_m, self.after_m, self.errors = [], [], []
+        self.before_m, self.after_m = [], []
+        self.fix = None  # (simulated time it was taken at, its own time)
         self.worst = {"heading": 0, "heel": 0, "trim": 0, "wind": 0,
                       "wind from": 0}
 
-    def ship(self):
-        return Ship(self.daemon.state())
+    def ship(self, at=None):
+        return Ship(self.daemon.state(), at)
 
     def run(self, process):
         while True:
@@ -129,19 +142,29 @@ class Tap:
             line = datagram.decode().strip()
             fix = line[3:6] == "RMC" and ",A," in line
             self.told.take(line)
-            if fix and self.fixes > 0:
+            if fix and self.fix:
+                due = self.fix[0] + self.told.time - self.fix[1]
                 self.before_m.append(
-                    metres_between(self.ship().place, self.told.place))
+                    metres_between(self.ship(due).place, self.told.place))
             self.socket.sendto(datagram, self.to)
             if fix:
                 self.fixes += 1
                 self.compare()
 
     def compare(self):
-        told, ship = self.told, self.ship()
+        told, state = self.told, self.daemon.state()
+        ship = Ship(state)
+        self.fix = ship.pose_time, told.time
+        ship = Ship(state, ship.pose_time)
         self.after_m.append(metres_between(ship.place, told.place))
+        if told.heading is not None:
+            # It turned on since it was told.
+            turned = (abs(ship.turn_rate) * self.speed *
+                      (time.monotonic() - told.headed))
+            self.worst["heading"] = max(
+                self.worst["heading"],
+                angle_between(ship.heading, told.heading) - turned)
         for name, value, wanted in (
-                ("heading", ship.heading, told.heading),
                 ("heel", ship.roll, told.heel),
                 ("trim", ship.pitch, told.trim),
                 ("wind from", ship.wind[1], told.wind and told.wind[1])):
@@ -190,12 +213,13 @@ def follow(path, speed, limit_m):
         check(daemon.patch({"views": SMALL}).status == 200, "view size")
         frames = Frames(daemon)
         frames.start()
-        time.sleep(0.5)
+        until("live pictures", lambda: len(frames.times) > 5)
         frames.times.clear()
-        tap = Tap(daemon, nmea)
+        tap = Tap(daemon, nmea, speed)
         sender = replay(tap.port, daemon, path, speed)
         tap.run(sender)
         times = list(frames.times)
+        until("pictures go on", lambda: len(frames.times) > len(times) + 2)
         frames.stopped = True
         sent = json.loads(sender.communicate()[0])["sentences"]
         check(sender.returncode == 0, "pelagosctl replay failed")
@@ -221,28 +245,28 @@ def follow(path, speed, limit_m):
     check(tap.worst["wind"] < 1e-6 and tap.worst["wind from"] < 1e-6, "wind")
     check(taken + dropped == sent, f"{taken} + {dropped} counted of {sent}")
     check(rate == 1, "the clock's rate is not restored")
-    # Frames go on: on a loaded machine of two cores no more can be asked.
-    check(len(times) > 20 and gaps[-1] < 1.0, "frames stopped")
+    check(len(times) > 2, "no frames meanwhile")
 
 
 def pour(daemon, port, lines):
     """Sends lines, not faster than a socket's buffer is read; what that
     added to the metrics of NMEA."""
     before = daemon.metrics()
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        for line in lines:
-            sender.sendto(line + b"\r\n", ("127.0.0.1", port))
-            time.sleep(0.0005)
-    for _ in range(50):
-        time.sleep(0.02)
+
+    def rose():
         now = daemon.metrics()
-        rose = {k[len("pelagos_nmea_"):]: now[k] - before.get(k, 0)
+        return {k[len("pelagos_nmea_"):]: now[k] - before.get(k, 0)
                 for k in now if k.startswith("pelagos_nmea_")
                 and now[k] != before.get(k, 0)}
-        if rose.get("datagrams_total") == len(lines):
-            break
+
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        for i, line in enumerate(lines):
+            sender.sendto(line + b"\r\n", ("127.0.0.1", port))
+            if i % 64 == 63 or i == len(lines) - 1:
+                until(f"{i + 1} datagrams are read", lambda n=i: rose().get(
+                    "datagrams_total", 0) >= n + 1)
     check(daemon.alive(), "the daemon died")
-    return rose
+    return rose()
 
 
 def counted(rose, name):
@@ -329,12 +353,6 @@ def by_tcp():
         def metric(name):
             return daemon.metrics()["pelagos_nmea_" + name]
 
-        def until(text, truth):
-            end = time.monotonic() + 60  # thousands of edits
-            while not truth():
-                check(time.monotonic() < end, text)
-                time.sleep(0.02)
-
         def heads(degrees):  # it may be turning
             ship = daemon.state()["entities"][0]
             return angle_between(ship["heading"], degrees) < 20
@@ -385,15 +403,20 @@ def silence():
     with Daemon("--nmea", f"127.0.0.1:{nmea}", "--state", "off") as daemon:
         pour(daemon, nmea, [fix, sum_of("HEHDT,90.0,T").strip(),
                             sum_of("HEROT,60.0,A").strip()])
-        entity = daemon.state()["entities"][0]
-        check(entity["turnRate"] == 1, "turn rate")
+        state = daemon.state()
+        check(state["entities"][0]["turnRate"] == 1, "turn rate")
         check(daemon.metrics()["pelagos_nmea_stale"] == 0, "stale at once")
-        time.sleep(12)
-        metrics, entity = daemon.metrics(), daemon.state()["entities"][0]
-        check(metrics["pelagos_nmea_stale"] == 1, "not stale after 12 s")
-        check(entity.get("turnRate", 0) == 0, "still turning")
-        # It turned for 10 s, told once a second.
-        check(abs(entity["heading"] - 100.5) < 1.5, f"{entity['heading']}")
+        until("stale", lambda: daemon.metrics()["pelagos_nmea_stale"] == 1)
+
+        def at_rest():
+            now = daemon.state()
+            return now["entities"][0].get("turnRate", 0) == 0 and now
+        now = until("it turns no more", at_rest)
+        entity = now["entities"][0]
+        # It turned for 10 s, told once a second, or until that was noticed.
+        spent = now["clock"]["time"] - state["clock"]["time"]
+        check(99 < entity["heading"] < 91 + max(spent, 11),
+              f"{entity['heading']}")
         check(metres_between((entity["latitude"], entity["longitude"]),
                              (52 + 41 / 60, 5 + 17 / 60)) < 0.01, "it moved")
         pour(daemon, nmea, [fix])
@@ -413,13 +436,12 @@ def main():
     malformed()
     by_tcp()
     silence()
-    # 12 knots, four fixes a second at twice the pace: what 0.1 s of a busy
-    # machine does, 1.2 m.
-    follow(VOYAGE, 2, 2.0)
+    # Our own voyage keeps what it tells; a yacht's instruments do not.
+    follow(VOYAGE, 2, 0.2)
     if not (DATA / "nmea").is_dir():
         print(f"no {DATA}/nmea: the logs of real devices are left out")
         return
-    follow(DATA / "nmea/bundg_zeus_9.log", 10, 5.0)
+    follow(DATA / "nmea/bundg_zeus_9.log", 10, 3.0)
     odd_logs()
 
 

@@ -10,9 +10,9 @@ import time
 
 from pymodbus.client import ModbusTcpClient
 
-from console_test import Console, ship, until
+from console_test import Console, ship
 from modbus_test import check, floats
-from pelagos_daemon import Daemon, free_port
+from pelagos_daemon import Daemon, free_port, until
 from replay_test import replayed, sentence
 
 TABLE = """
@@ -33,7 +33,7 @@ def console_alone(folder):
     console = Console(console_port)
     pictures = {}
     with Daemon("--console", f"127.0.0.1:{console_port}", "--console-table",
-                table, "--console-unit", "3", "--console-stale", "500",
+                table, "--console-unit", "3", "--console-stale", "3000",
                 "--nmea", f"127.0.0.1:{nmea}", "--modbus",
                 f"127.0.0.1:{modbus}", "--record", log) as daemon:
         start = ship(daemon)

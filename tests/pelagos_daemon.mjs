@@ -12,7 +12,7 @@ const BIN = process.env.PELAGOS_BIN ?? path.join(ROOT, "build/release/bin");
 
 export const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 
-export async function until(what, test, ms = 20000) {
+export async function until(what, test, ms = 60000) {
   const end = performance.now() + ms;
   let last;
   while (performance.now() < end) {
@@ -33,13 +33,20 @@ export function folder() {
   return fs.mkdtempSync(path.join(os.tmpdir(), "pelagos-page-"));
 }
 
+// None of those that the kernel gives to clients, of this test or another.
 export async function freePort() {
-  const server = net.createServer().listen(0, "127.0.0.1");
-  await once(server, "listening");
-  const { port } = server.address();
-  server.close();
-  await once(server, "close");
-  return port;
+  for (;;) {
+    const port = 10000 + Math.floor(Math.random() * 22768);
+    const server = net.createServer().listen(port, "127.0.0.1");
+    const free = await new Promise((done) => {
+      server.on("listening", () => done(true)).on("error", () => done(false));
+    });
+    if (free) {
+      server.close();
+      await once(server, "close");
+      return port;
+    }
+  }
 }
 
 export class Daemon {

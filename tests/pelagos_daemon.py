@@ -10,6 +10,7 @@ import contextlib
 import http.client
 import json
 import os
+import random
 import re
 import shutil
 import signal
@@ -23,13 +24,32 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 BIN = os.environ.get("PELAGOS_BIN", os.path.join(ROOT, "build/release/bin"))
 # Sanitizers keep freed memory back: figures of growth mean nothing then.
 SANITIZED = "asan" in BIN or "tsan" in BIN
+# What "at once" may take: a shared machine, half a core, sanitizers. Tests
+# wait for events, at most this long, and assert no times.
+SLOW_S = 60.0
 
 
 def free_port(kind=socket.SOCK_STREAM):
-    """A port that nobody uses now (for services that do not log theirs)."""
-    with socket.socket(socket.AF_INET, kind) as s:
-        s.bind(("127.0.0.1", 0))
-        return s.getsockname()[1]
+    """A port that nobody uses now (for services that do not log theirs). Not
+    the kernel's choice: it gives those ports to every client as well, of this
+    test or of one beside it."""
+    while True:
+        with socket.socket(socket.AF_INET, kind) as s:
+            port = random.SystemRandom().randrange(10000, 32768)
+            with contextlib.suppress(OSError):
+                s.bind(("127.0.0.1", port))
+                return port
+
+
+def until(what, test, seconds=SLOW_S, pause_s=0.03):
+    """Waits until test() is true; what it gave."""
+    end = time.monotonic() + seconds
+    while True:
+        if result := test():
+            return result
+        if time.monotonic() > end:
+            raise AssertionError(f"not within {seconds:.0f} s: {what}")
+        time.sleep(pause_s)
 
 
 class Response:
@@ -48,7 +68,7 @@ class Daemon:
     unix: a Unix socket in the daemon's own folder; log_level: of the daemon."""
 
     def __init__(self, *options, http_port=0, tcp_port=0, unix=False,
-                 log_level="info", wait_s=20.0):
+                 log_level="info", wait_s=SLOW_S):
         self.folder = tempfile.mkdtemp(prefix="pelagos-test-")
         self.unix_path = os.path.join(self.folder, "socket") if unix else None
         self.log_path = os.path.join(self.folder, "log")
@@ -112,7 +132,7 @@ class Daemon:
     def url(self, path="/"):
         return f"http://127.0.0.1:{self.http_port}{path}"
 
-    def request(self, method, path, body=None, headers=None, timeout=30):
+    def request(self, method, path, body=None, headers=None, timeout=SLOW_S):
         """One request on a connection of its own. body: bytes, str, or
         anything else as JSON (Content-Type set unless given)."""
         headers = dict(headers or {})
@@ -145,7 +165,7 @@ class Daemon:
                 out[name] = float(value)
         return out
 
-    def raw(self, data, timeout=10):
+    def raw(self, data, timeout=SLOW_S):
         """Sends bytes on a new HTTP connection; what comes until it closes or
         goes silent."""
         with self.connect_http(timeout) as s:
@@ -153,15 +173,15 @@ class Daemon:
                 s.sendall(data)
             return receive_all(s)
 
-    def connect_http(self, timeout=10):
+    def connect_http(self, timeout=SLOW_S):
         return socket.create_connection(("127.0.0.1", self.http_port), timeout)
 
     # --- protobuf -----------------------------------------------------------
 
-    def connect_tcp(self, timeout=10):
+    def connect_tcp(self, timeout=SLOW_S):
         return socket.create_connection(("127.0.0.1", self.tcp_port), timeout)
 
-    def connect_unix(self, timeout=10):
+    def connect_unix(self, timeout=SLOW_S):
         s = socket.socket(socket.AF_UNIX)
         s.settimeout(timeout)
         s.connect(self.unix_path)
@@ -183,7 +203,7 @@ class Daemon:
     def alive(self):
         return self.process.poll() is None
 
-    def stop(self, how=signal.SIGTERM, wait_s=15.0):
+    def stop(self, how=signal.SIGTERM, wait_s=SLOW_S):
         """Ends the daemon; its exit status. The log is shown when it was not
         0 and the signal was SIGTERM."""
         if self.process.poll() is None:

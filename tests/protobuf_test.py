@@ -11,8 +11,8 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import (SANITIZED, Daemon, Session, receive_all, schema,
-                            varint)
+from pelagos_daemon import (SANITIZED, SLOW_S, Daemon, Session, receive_all,
+                            schema, until, varint)
 
 pb = schema()
 
@@ -148,10 +148,13 @@ class Commands(SessionCase):
 
     def test_too_many_in_flight(self):
         session = self.tcp()
+        together = b""  # or the first would be done before the last is there
         for i in range(20):
-            session.send(pb.Request(id=i, frame={
+            data = pb.Request(id=i, frame={
                 "view": "bridge", "format": "PNG", "width": 640,
-                "height": 360, "time": i}))
+                "height": 360, "time": i}).SerializeToString()
+            together += varint(len(data)) + data
+        session.socket.sendall(together)
         replies = [session.receive() for _ in range(20)]
         self.assertEqual(sorted(r.id for r in replies), list(range(20)))
         busy = [r for r in replies if r.WhichOneof("result") == "error"]
@@ -222,14 +225,13 @@ class Hostile(SessionCase):
 
     def test_half_sent_and_dripping(self):
         session = self.tcp()
-        session.socket.settimeout(20)
         dripping = self.tcp()
         dripping.socket.settimeout(0.3)
         begin = time.monotonic()
         session.socket.sendall(b"\x10\x08")
         dripping.socket.sendall(varint(60000))
         ended = None
-        while time.monotonic() - begin < 18 and ended is None:
+        while time.monotonic() - begin < SLOW_S and ended is None:
             with contextlib.suppress(socket.timeout):
                 try:
                     dripping.socket.sendall(b"\x0a")
@@ -237,7 +239,8 @@ class Hostile(SessionCase):
                         ended = time.monotonic() - begin
                 except ConnectionError:
                     ended = time.monotonic() - begin
-        self.assertTrue(ended and 14 < ended < 17, ended)
+        # 15 s are given; a busy daemon looks later.
+        self.assertTrue(ended and ended > 14, ended)
         self.assertIsNone(session.receive())
 
     def test_stalled_reader(self):
@@ -269,23 +272,20 @@ class Hostile(SessionCase):
             session.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER,
                                       struct.pack("ii", 1, 0))
             session.close()
-        end = time.monotonic() + 8
-        waiting = "pelagos_frames_requests_waiting"
-        while self.daemon.metrics()[waiting] and time.monotonic() < end:
-            time.sleep(0.1)
-        metrics = self.daemon.metrics()
-        self.assertEqual(metrics[waiting], 0)
-        self.assertEqual(metrics['pelagos_sessions{input="tcp"}'], 0)
+        for left in ("pelagos_frames_requests_waiting",
+                     'pelagos_sessions{input="tcp"}'):
+            until("nothing is left of them",
+                  lambda: self.daemon.metrics()[left] == 0)
 
     def test_session_limit(self):
         sockets = [self.daemon.connect_tcp() for _ in range(64)]
-        time.sleep(0.2)
         with Session(self.daemon.connect_tcp()) as session:
             self.assertEqual(session.receive().error.code, pb.BUSY)
             self.assertIsNone(session.receive())
         for s in sockets:
             s.close()
-        time.sleep(0.2)
+        until("there is room", lambda: self.daemon.metrics()[
+            'pelagos_sessions{input="tcp"}'] == 0)
         self.assertEqual(self.tcp().ask(get={}).state.sea.seed, 1)
 
 

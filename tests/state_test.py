@@ -15,18 +15,9 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import Daemon
+from pelagos_daemon import Daemon, until
 
 KILLS = int(os.environ.get("KILLS", "25"))
-
-
-def until(test, seconds=10):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if test():
-            return True
-        time.sleep(0.02)
-    return False
 
 
 class StateFile(unittest.TestCase):
@@ -51,7 +42,7 @@ class StateFile(unittest.TestCase):
             end = time.monotonic() + chance.uniform(0, 0.2)
             seed = chance.randrange(1, 1 << 32)
             daemon.patch({"sea": {"seed": seed}})
-            self.assertTrue(until(lambda: self.seed_on_disk() == seed))
+            until("it is written", lambda: self.seed_on_disk() == seed)
             agreed.append(seed)
             while time.monotonic() < end:
                 seed = chance.randrange(1, 1 << 32)
@@ -76,14 +67,14 @@ class StateFile(unittest.TestCase):
         with Daemon("--state", path) as daemon:
             self.assertEqual(daemon.patch({"sea": {"windSpeed": 3}}).status,
                              200)
-            self.assertTrue(until(lambda: "SCN-003" in daemon.log()))
+            until("it is told", lambda: "SCN-003" in daemon.log())
             self.assertGreaterEqual(
                 daemon.metrics()["pelagos_scene_save_errors_total"], 1)
             self.assertEqual(
                 daemon.get("/v1/views/bridge/frame.jpg?width=64&height=36")
                 .status, 200)
             os.mkdir(folder)
-            self.assertTrue(until(lambda: os.path.exists(path)))
+            until("it is written", lambda: os.path.exists(path))
             with open(path) as f:
                 self.assertEqual(json.load(f)["sea"]["windSpeed"], 3)
             self.assertEqual(daemon.metrics()["pelagos_scene_saves_total"], 1)

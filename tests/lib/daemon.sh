@@ -44,13 +44,10 @@ trap clean_up EXIT
 trap 'exit 130' INT TERM
 
 free_ports() {
-    /usr/bin/python3 -c '
+    PYTHONPATH=tests /usr/bin/python3 -B -c '
 import socket
-kinds = [socket.SOCK_STREAM] * 3 + [socket.SOCK_DGRAM]
-sockets = [socket.socket(socket.AF_INET, kind) for kind in kinds]
-for s in sockets:
-    s.bind(("127.0.0.1", 0))
-print(*(s.getsockname()[1] for s in sockets))'
+from pelagos_daemon import free_port
+print(free_port(), free_port(), free_port(), free_port(socket.SOCK_DGRAM))'
 }
 
 start_daemon() {
@@ -61,7 +58,7 @@ start_daemon() {
         --nmea "127.0.0.1:$nmea" --unix "$socket" "$@" >>"$work/log" 2>&1 &
     daemon=$!
     export PELAGOS_SERVER=tcp:127.0.0.1:$tcp
-    for _ in $(seq 200); do
+    for _ in $(seq 600); do
         kill -0 "$daemon" 2>/dev/null || fail "pelagosd ended at once"
         if curl -sf "http://127.0.0.1:$http/healthz" >/dev/null; then
             return
