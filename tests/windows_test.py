@@ -337,7 +337,7 @@ class Clocks(Case):
     @unittest.skipUnless(shutil.which("ffprobe"), "no ffprobe")
     def test_ts_views_share_a_clock(self):
         jobs = [subprocess.Popen(
-            ["ffprobe", "-v", "error", "-read_intervals", "%+1.5",
+            ["ffprobe", "-v", "error", "-read_intervals", "%+#60",
              "-show_entries", "packet=pts", "-of", "csv=p=0",
              self.daemon.url(f"/v1/views/{name}/ts")],
             stdout=subprocess.PIPE, text=True) for name in WINDOWS[:2]]
