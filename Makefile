@@ -238,6 +238,7 @@ TESTS += server/ocean/sea_test.c
 TESTS += server/ocean/surface_test.c
 TESTS += server/ocean/cascade_test.c
 TESTS += server/ocean/tiling_test.c
+TESTS += server/ocean/fields_test.c
 TESTS += server/ocean/filter_test.c
 TESTS += server/ocean/directional_test.c
 TESTS += server/ocean/ndbc_test.c

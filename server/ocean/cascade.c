@@ -8,6 +8,7 @@
 
 #include "base/simd.h"
 #include "ocean/directional.h"
+#include "ocean/evolve.h"
 #include "ocean/fields.h"
 #include "ocean/hash.h"
 
@@ -656,6 +657,7 @@ static int build_cascade(void *argument)
     scale_rings(b, c, m_lo);
     add_singles(b, c);
     mirror_modes(c);
+    c->modes = pel_evolve_modes_create(c);
     fill_kept(b, c);
     for (int i = 0; i < HIGHEST_SQUARE; i++) {
         if (b->slopes[i][0] + b->slopes[i][1] > 0) {
@@ -721,6 +723,12 @@ enum pel_err pel_cascades_create(const struct pel_sea_desc *desc,
     c->step = log(longest / PEL_SEA_SHORTEST_M) / (PEL_CASCADE_BOUNDS - 1);
     build_cascades(b, c);
     place_shears(c);
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        if (!c->cascade[i].modes) {
+            err = PEL_ERR_NO_MEMORY;
+            goto done;
+        }
+    }
     struct pel_band_moments below;
     pel_directional_moments(spectrum, 2.0 * PEL_PI / PEL_SEA_SHORTEST_M,
                             INFINITY, &below);
@@ -744,6 +752,7 @@ void pel_cascades_destroy(struct pel_cascades *c)
     for (int i = 0; i < PEL_CASCADES; i++) {
         free(c->cascade[i].h0);
         free(c->cascade[i].mode);
+        pel_evolve_modes_destroy(c->cascade[i].modes);
     }
     pel_fields_cache_finish(c->cache);
     free(c);

@@ -66,6 +66,8 @@
 #define PEL_CASCADE_SECTORS 16
 #define PEL_CASCADE_LODS ((PEL_CASCADE_LEVELS - 1) * PEL_CASCADE_LOD_STEPS + 1)
 
+struct pel_evolve_modes; /* evolve.h */
+
 struct pel_cascade {
     double length_m;
     double turn_cos, turn_sin;
@@ -78,6 +80,7 @@ struct pel_cascade {
      * are zero. */
     float (*h0)[4];
     float (*mode)[2];
+    struct pel_evolve_modes *modes; /* the same for evolve.h */
 
     /* Variance of the slope texture (level 0 is N · N, each next one the mean
      * of 2 × 2) as sampled bilinearly, or trilinearly between levels, at
@@ -135,13 +138,15 @@ struct pel_slopes pel_cascades_left(const struct pel_cascades *c,
 
 /* The fields of one moment. Texture layout: `displacement` (Dx, Dy, h, 0),
  * `slopes` (∂h/∂x, ∂h/∂y, ∂Dx/∂x, ∂Dy/∂y), `fold` (∂Dx/∂y), `velocity`
- * (∂/∂t of Dx, Dy, h; 0), N · N texels for each cascade, first row first. */
+ * (∂/∂t of Dx, Dy, h; ∂²h/∂t²), `surge` (∂²/∂t² of Dx, Dy), N · N texels for
+ * each cascade, first row first. */
 struct pel_cascade_fields {
     double time_s;
     float (*displacement[PEL_CASCADES])[4];
     float (*slopes[PEL_CASCADES])[4];
     float *fold[PEL_CASCADES];
     float (*velocity[PEL_CASCADES])[4];
+    float (*surge[PEL_CASCADES])[2];
 };
 
 /* Computes the fields at time_s: the reference for the shaders' FFT. */

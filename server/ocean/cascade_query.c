@@ -284,26 +284,35 @@ PEL_INLINE void surface_at(const struct pel_cascade_fields *f,
     out->height_m = height;
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
     out->velocity_mps = (struct pel_vec3){ v[0], v[1], v[2] };
-    out->acceleration_mps2 = (struct pel_vec3){ NAN, NAN, NAN };
+    out->acceleration_mps2 = (struct pel_vec3){ NAN, NAN, v[3] };
     out->depth_m = NAN;
 }
 
-/* `second` are the fields of the accelerations. */
-PEL_INLINE struct pel_vec3
-acceleration_at(const struct pel_cascade_fields *second,
-                const struct reading *r)
+PEL_INLINE struct pel_vec2 surge_at(const struct pel_cascade_fields *f,
+                                    const struct reading *r)
 {
-    lanes4 a = { 0, 0, 0, 0 };
+    struct pel_vec2 sum = { 0, 0 };
     for (int i = 0; i < PEL_CASCADES; i++) {
-        a += sample_spline(second->displacement[i], r->place[i]);
+        const struct place p = r->place[i];
+        double wi[4], wj[4], unused[4];
+        spline(p.fi, wi, unused);
+        spline(p.fj, wj, unused);
+        for (int b = 0; b < 4; b++) {
+            for (int a = 0; a < 4; a++) {
+                int at = (p.j + b - 1) % N * N + (p.i + a - 1) % N;
+                sum.x += wi[a] * wj[b] * (double)f->surge[i][at][0];
+                sum.y += wi[a] * wj[b] * (double)f->surge[i][at][1];
+            }
+        }
     }
-    return (struct pel_vec3){ a[0], a[1], a[2] };
+    return sum;
 }
 
-static struct pel_kept_fields *take(const struct pel_cascades *c, double time_s)
+static struct pel_kept_fields *take(const struct pel_cascades *c, double time_s,
+                                    enum pel_fields_depth depth)
 {
     struct pel_kept_fields *kept;
-    if (pel_fields_take(c, time_s, &kept)) {
+    if (pel_fields_take(c, time_s, depth, &kept)) {
         abort();
     }
     return kept;
@@ -311,8 +320,7 @@ static struct pel_kept_fields *take(const struct pel_cascades *c, double time_s)
 
 PEL_CLONES
 static void query(const struct pel_cascades *c,
-                  const struct pel_cascade_fields *f,
-                  const struct pel_cascade_fields *second,
+                  const struct pel_cascade_fields *f, bool moving,
                   const struct pel_vec2 *points, size_t n,
                   struct pel_surface_sample *out)
 {
@@ -324,8 +332,12 @@ static void query(const struct pel_cascades *c,
             struct pel_surface_sample *to = &out[from + (size_t)i];
             const struct reading *r = &searches[i].reading;
             surface_at(f, r, searches[i].at.d[2], to);
-            if (second) {
-                to->acceleration_mps2 = acceleration_at(second, r);
+            struct pel_vec3 *a = &to->acceleration_mps2;
+            if (moving) {
+                struct pel_vec2 surge = surge_at(f, r);
+                *a = (struct pel_vec3){ surge.x, surge.y, a->z };
+            } else {
+                *a = (struct pel_vec3){ NAN, NAN, NAN };
             }
         }
     }
@@ -335,30 +347,23 @@ void pel_cascades_query(const struct pel_cascades *c,
                         const struct pel_vec2 *points, size_t n, double time_s,
                         bool moving, struct pel_surface_sample *out)
 {
-    const struct pel_cascades *second = NULL;
     if (n == 0) {
         return;
     }
-    if (moving && pel_fields_second(c, &second)) {
-        abort();
-    }
-    struct pel_kept_fields *kept = take(c, time_s);
-    struct pel_kept_fields *kept_second = second ? take(second, time_s) : NULL;
-    query(c, kept->fields, second ? kept_second->fields : NULL, points, n, out);
-    if (second) {
-        pel_fields_give(second, kept_second);
-    }
+    struct pel_kept_fields *kept =
+        take(c, time_s, moving ? PEL_FIELDS_SURGE : PEL_FIELDS_VELOCITY);
+    query(c, pel_fields_of(kept), moving, points, n, out);
     pel_fields_give(c, kept);
 }
 
 struct pel_vec3 pel_cascades_displace(const struct pel_cascades *c, double x_m,
                                       double y_m, double time_s)
 {
-    struct pel_kept_fields *kept = take(c, time_s);
+    struct pel_kept_fields *kept = take(c, time_s, PEL_FIELDS_REST);
     struct reading r;
     struct shift s;
     read_at(c, (struct pel_vec2){ x_m, y_m }, &r);
-    shift_at(c, kept->fields, &r, &s);
+    shift_at(c, pel_fields_of(kept), &r, &s);
     pel_fields_give(c, kept);
     return (struct pel_vec3){ s.d[0], s.d[1], s.d[2] };
 }

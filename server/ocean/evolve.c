@@ -1,6 +1,7 @@
 #include "ocean/evolve.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,20 +27,20 @@ enum pair {
     PAIR_SLOPE,  /* ∂h/∂x, ∂h/∂y */
     PAIR_FOLD,   /* ∂Dx/∂x, ∂Dy/∂y */
     PAIR_DRIFT,  /* ∂Dx/∂t, ∂Dy/∂t */
-    PAIR_HEAVE,  /* ∂h/∂t, 0 */
+    PAIR_HEAVE,  /* ∂h/∂t, ∂²h/∂t² */
+    PAIR_SURGE,  /* ∂²Dx/∂t², ∂²Dy/∂t² */
     PAIRS,
-    PAIRS_AT_REST = PAIR_DRIFT, /* without velocity */
 };
 
-/* After the transform along the rows: blocks of LANES columns, each N rows of
- * LANES, so that a block is read straight by the transform down its columns. */
-struct grid {
-    lanes re[N / LANES][N], im[N / LANES][N];
+struct range { /* of pairs */
+    int first, end;
 };
 
 struct pel_evolve_work {
-    struct grid grid[PAIRS];
-    struct pel_fft_strip strip[PAIRS];
+    struct pel_fft_strip strip[PAIRS]; /* LANES rows */
+    /* After the transform along the rows: blocks of LANES columns, so that the
+     * transform down the columns is done in place. */
+    struct pel_fft_strip block[PAIRS][N / LANES];
 };
 
 struct pel_evolve_work *pel_evolve_work_create(void)
@@ -87,38 +88,47 @@ PEL_INLINE void turn(lanes x, lanes *cosine, lanes *sine)
     *sine = (lanes)((ints)second ^ ((quarter & 2) << 30));
 }
 
-/* Modes i of rows j … j + LANES − 1, side by side. */
+/* --- modes as they are read -------------------------------------------------
+ */
+
+/* Column i of rows j … j + LANES − 1, side by side: amplitudes at k and −k,
+ * turns a second, and the displacement's direction, chop k/|k|. */
 struct bunch {
-    lanes h0r, h0i, mr, mi, chop, turns;
+    lanes h0r, h0i, mr, mi, frequency, ux, uy;
 };
 
-PEL_INLINE struct bunch gather(const struct pel_cascade *c, int j, int i,
-                               double time_s)
+/* A strip of rows has modes in columns 0 … reach and N − reach … N − 1. */
+struct strip {
+    bool any;
+    int reach;
+    size_t first; /* its bunches, in that order */
+};
+
+struct pel_evolve_modes {
+    struct strip strip[N / LANES];
+    struct bunch bunch[];
+};
+
+/* Modes lie within PEL_CASCADE_HIGHEST of the middle, single waves half a mode
+ * farther. */
+static struct strip strip_of(int j, size_t first)
 {
-    struct bunch b;
-    doubles turns;
+    int least = N;
     for (int l = 0; l < LANES; l++) {
-        const float *h = c->h0[(j + l) * N + i];
-        const float *m = c->mode[(j + l) * N + i];
-        b.h0r[l] = h[0];
-        b.h0i[l] = h[1];
-        b.mr[l] = h[2];
-        b.mi[l] = h[3];
-        turns[l] = m[0];
-        b.chop[l] = m[1];
+        int n = j + l < N / 2 ? j + l : N - j - l;
+        least = n < least ? n : least;
     }
-    turns *= time_s;
-    const double magic = 6755399441055744.0; /* 1.5 · 2⁵² */
-    turns -= (turns + magic) - magic;
-    b.turns = __builtin_convertvector(turns, lanes);
-    return b;
+    struct strip s = { .any = least <= HIGHEST, .first = first };
+    while (s.any && s.reach < HIGHEST &&
+           s.reach * s.reach + least * least < (HIGHEST + 1) * (HIGHEST + 1)) {
+        s.reach++;
+    }
+    return s;
 }
 
-PEL_INLINE void put(struct pel_fft_strip *s, int i, lanes hr, lanes hi, lanes p,
-                    lanes q)
+static int columns_of(const struct strip *s)
 {
-    s->re[i] = hr * p - hi * q;
-    s->im[i] = hr * q + hi * p;
+    return s->any ? 2 * s->reach + 1 : 0;
 }
 
 PEL_INLINE lanes square_root(lanes x)
@@ -129,59 +139,151 @@ PEL_INLINE lanes square_root(lanes x)
     return x;
 }
 
-/* One column of a strip of rows, all pairs (cascade.h). */
-PEL_INLINE void put_bunch(const struct pel_cascades *all,
-                          const struct pel_cascade *c, int j, int i,
-                          double time_s, int pairs, struct pel_fft_strip *out)
+/* Of LANES rows from j on. */
+PEL_INLINE lanes numbers_of(int j)
 {
-    struct bunch b = gather(c, j, i, time_s);
-    lanes cs, sn, n, rows_d, rows_s, omega;
-    turn(b.turns, &cs, &sn);
+    lanes n;
     for (int l = 0; l < LANES; l++) {
         n[l] = (float)(j + l < N / 2 ? j + l : j + l - N);
-        rows_d[l] = all->displacement_gain[j + l];
-        rows_s[l] = all->slope_gain[j + l];
-        omega[l] = 6.28318530718f * c->mode[(j + l) * N + i][0];
     }
-    lanes ar = b.h0r * cs + b.h0i * sn, ai = b.h0i * cs - b.h0r * sn;
-    lanes br = b.mr * cs - b.mi * sn, bi = b.mi * cs + b.mr * sn;
-    lanes hr = ar + br, hi = ai + bi;
+    return n;
+}
+
+PEL_INLINE void wave_vector(const struct pel_cascade *c, int i, lanes n,
+                            lanes *kx, lanes *ky)
+{
     float step = (float)(2.0 * PEL_PI / c->length_m);
     float tc = (float)c->turn_cos, ts = (float)c->turn_sin;
     float m = (float)(i < N / 2 ? i : i - N);
-    lanes kx = (m * tc - n * ts) * step, ky = (m * ts + n * tc) * step;
+    *kx = (m * tc - n * ts) * step;
+    *ky = (m * ts + n * tc) * step;
+}
+
+static void gather(const struct pel_cascade *c, int j, int i, struct bunch *out)
+{
+    lanes chop, kx, ky;
+    for (int l = 0; l < LANES; l++) {
+        const float *h = c->h0[(j + l) * N + i];
+        const float *m = c->mode[(j + l) * N + i];
+        out->h0r[l] = h[0];
+        out->h0i[l] = h[1];
+        out->mr[l] = h[2];
+        out->mi[l] = h[3];
+        out->frequency[l] = m[0];
+        chop[l] = m[1];
+    }
+    wave_vector(c, i, numbers_of(j), &kx, &ky);
     lanes k2 = kx * kx + ky * ky;
     ints none = (ints)(k2 == 0.0f);
     lanes k = square_root(choose(none, spread(1.0f), k2));
-    lanes ux = b.chop * kx / k, uy = b.chop * ky / k;
+    out->ux = chop * kx / k;
+    out->uy = chop * ky / k;
+}
+
+struct pel_evolve_modes *pel_evolve_modes_create(const struct pel_cascade *c)
+{
+    struct strip strips[N / LANES];
+    size_t count = 0;
+    for (int s = 0; s < N / LANES; s++) {
+        strips[s] = strip_of(s * LANES, count);
+        count += (size_t)columns_of(&strips[s]);
+    }
+    struct pel_evolve_modes *modes = aligned_alloc(
+        64, (sizeof *modes + count * sizeof *modes->bunch + 63) / 64 * 64);
+    if (!modes) {
+        return NULL;
+    }
+    memcpy(modes->strip, strips, sizeof strips);
+    for (int s = 0; s < N / LANES; s++) {
+        struct bunch *to = &modes->bunch[strips[s].first];
+        for (int i = 0; strips[s].any && i < N; i++) {
+            if (i <= strips[s].reach || i >= N - strips[s].reach) {
+                gather(c, s * LANES, i, to++);
+            }
+        }
+    }
+    return modes;
+}
+
+void pel_evolve_modes_destroy(struct pel_evolve_modes *modes)
+{
+    free(modes);
+}
+
+/* --- modes at a moment ------------------------------------------------------
+ */
+
+PEL_INLINE void put(struct pel_fft_strip *s, int i, lanes hr, lanes hi, lanes p,
+                    lanes q)
+{
+    s->re[i] = hr * p - hi * q;
+    s->im[i] = hr * q + hi * p;
+}
+
+PEL_INLINE lanes fraction_of(lanes frequency, double time_s)
+{
+    doubles turns = __builtin_convertvector(frequency, doubles) * time_s;
+    const double magic = 6755399441055744.0; /* 1.5 · 2⁵² */
+    turns -= (turns + magic) - magic;
+    return __builtin_convertvector(turns, lanes);
+}
+
+/* One column of a strip of rows, the pairs in `range` (cascade.h). */
+PEL_INLINE void put_bunch(const struct pel_cascades *all,
+                          const struct pel_cascade *c, const struct bunch *b,
+                          int j, int i, lanes n, double time_s,
+                          struct range range, struct pel_fft_strip *out)
+{
+    lanes cs, sn, kx, ky, rows_d, rows_s;
+    turn(fraction_of(b->frequency, time_s), &cs, &sn);
+    lanes ar = b->h0r * cs + b->h0i * sn, ai = b->h0i * cs - b->h0r * sn;
+    lanes br = b->mr * cs - b->mi * sn, bi = b->mi * cs + b->mr * sn;
+    lanes hr = ar + br, hi = ai + bi;
+    memcpy(&rows_d, &all->displacement_gain[j], sizeof rows_d);
     lanes gd = rows_d * all->displacement_gain[i];
-    lanes gs = rows_s * all->slope_gain[i];
-    lanes zero = { 0 };
-    put(&out[PAIR_SHIFT], i, hr, hi, -gd * uy, gd * ux);
-    put(&out[PAIR_HEIGHT], i, hr, hi, gd, -gs * ux * ky);
-    put(&out[PAIR_SLOPE], i, hr, hi, -gs * ky, gs * kx);
-    put(&out[PAIR_FOLD], i, hr, hi, -gs * ux * kx, -gs * uy * ky);
-    if (pairs > PAIRS_AT_REST) {
+    if (range.first == PAIR_SHIFT) {
+        memcpy(&rows_s, &all->slope_gain[j], sizeof rows_s);
+        lanes gs = rows_s * all->slope_gain[i];
+        wave_vector(c, i, n, &kx, &ky);
+        put(&out[PAIR_SHIFT], i, hr, hi, -gd * b->uy, gd * b->ux);
+        put(&out[PAIR_HEIGHT], i, hr, hi, gd, -gs * b->ux * ky);
+        put(&out[PAIR_SLOPE], i, hr, hi, -gs * ky, gs * kx);
+        put(&out[PAIR_FOLD], i, hr, hi, -gs * b->ux * kx, -gs * b->uy * ky);
+    }
+    lanes omega = 6.28318530718f * b->frequency;
+    if (range.end > PAIR_DRIFT && range.first <= PAIR_DRIFT) {
         lanes vr = omega * (ai - bi), vi = omega * (br - ar);
-        put(&out[PAIR_DRIFT], i, vr, vi, -gd * uy, gd * ux);
-        put(&out[PAIR_HEAVE], i, vr, vi, gd, zero);
+        lanes wr = omega * omega * hi, wi = -(omega * omega * hr);
+        put(&out[PAIR_DRIFT], i, vr, vi, -gd * b->uy, gd * b->ux);
+        out[PAIR_HEAVE].re[i] = gd * (vr + wr); /* − ω² h rides on i */
+        out[PAIR_HEAVE].im[i] = gd * (vi + wi);
+    }
+    if (range.end > PAIR_SURGE) {
+        lanes square = -(omega * omega);
+        put(&out[PAIR_SURGE], i, square * hr, square * hi, -gd * b->uy,
+            gd * b->ux);
     }
 }
 
 PEL_CLONES static void put_strip(const struct pel_cascades *all, int index,
-                                 int j, double time_s, int pairs,
+                                 int j, double time_s, struct range range,
                                  struct pel_fft_strip *out)
 {
     const struct pel_cascade *c = &all->cascade[index];
-    for (int p = 0; p < pairs; p++) {
-        size_t none = sizeof(lanes) * (size_t)(N - 2 * HIGHEST - 1);
-        memset(&out[p].re[HIGHEST + 1], 0, none);
-        memset(&out[p].im[HIGHEST + 1], 0, none);
+    const struct strip *strip = &c->modes->strip[j / LANES];
+    const struct bunch *bunch = &c->modes->bunch[strip->first];
+    lanes n = numbers_of(j);
+    int reach = strip->reach;
+    for (int p = range.first; p < range.end; p++) {
+        size_t none = sizeof(lanes) * (size_t)(N - 2 * reach - 1);
+        memset(&out[p].re[reach + 1], 0, none);
+        memset(&out[p].im[reach + 1], 0, none);
     }
-    for (int i = 0; i < N; i++) {
-        if (i <= HIGHEST || i >= N - HIGHEST) {
-            put_bunch(all, c, j, i, time_s, pairs, out);
-        }
+    for (int i = 0; i <= reach; i++) {
+        put_bunch(all, c, bunch++, j, i, n, time_s, range, out);
+    }
+    for (int i = N - reach; i < N; i++) {
+        put_bunch(all, c, bunch++, j, i, n, time_s, range, out);
     }
 }
 
@@ -216,39 +318,104 @@ PEL_INLINE void turn_over(const lanes *in, lanes *out)
     out[7] = RIGHT(b3, b7);
 }
 
-/* A strip of rows into the grid's blocks of columns. */
+/* A strip of rows into the blocks of columns. */
 PEL_CLONES static void lay_rows(const struct pel_fft_strip *s, int j,
-                                struct grid *g)
+                                struct pel_fft_strip block[N / LANES])
 {
     for (int b = 0; b < N / LANES; b++) {
-        turn_over(&s->re[b * LANES], &g->re[b][j]);
-        turn_over(&s->im[b * LANES], &g->im[b][j]);
+        turn_over(&s->re[b * LANES], &block[b].re[j]);
+        turn_over(&s->im[b * LANES], &block[b].im[j]);
     }
 }
+
+static void lay_none(int j, struct pel_fft_strip block[N / LANES])
+{
+    for (int b = 0; b < N / LANES; b++) {
+        memset(&block[b].re[j], 0, sizeof(lanes) * LANES);
+        memset(&block[b].im[j], 0, sizeof(lanes) * LANES);
+    }
+}
+
+/* Lanes wherever floats may lie: memcpy of a vector goes by way of the integer
+ * registers. */
+typedef float loose
+    __attribute__((vector_size(4 * LANES), aligned(4), may_alias));
 
 /* LANES texels of four components. */
 PEL_INLINE void store4(float (*to)[4], lanes x, lanes y, lanes z, lanes w)
 {
     lanes a = LOW(x, y), b = HIGH(x, y), c = LOW(z, w), d = HIGH(z, w);
     lanes e = LOW2(a, c), f = HIGH2(a, c), g = LOW2(b, d), h = HIGH2(b, d);
-    const lanes out[4] = { LEFT(e, f), LEFT(g, h), RIGHT(e, f), RIGHT(g, h) };
-    memcpy(to, out, sizeof out);
+    loose *out = (loose *)to;
+    out[0] = LEFT(e, f);
+    out[1] = LEFT(g, h);
+    out[2] = RIGHT(e, f);
+    out[3] = RIGHT(g, h);
 }
 
-PEL_CLONES static void store_columns(const struct pel_fft_strip *s, int i,
-                                     const struct pel_evolve_target *out)
+/* LANES texels of two. */
+PEL_INLINE void store2(float (*to)[2], lanes x, lanes y)
 {
+    lanes a = LOW(x, y), b = HIGH(x, y);
+    loose *out = (loose *)to;
+    out[0] = LEFT(a, b);
+    out[1] = RIGHT(a, b);
+}
+
+PEL_CLONES static void store_rest(const struct pel_evolve_work *work, int b,
+                                  const struct pel_evolve_target *out)
+{
+    const struct pel_fft_strip *shift = &work->block[PAIR_SHIFT][b];
+    const struct pel_fft_strip *height = &work->block[PAIR_HEIGHT][b];
+    const struct pel_fft_strip *slope = &work->block[PAIR_SLOPE][b];
+    const struct pel_fft_strip *fold = &work->block[PAIR_FOLD][b];
     const lanes zero = { 0 };
     for (int j = 0; j < N; j++) {
-        int at = j * N + i;
-        store4(&out->displacement[at], s[PAIR_SHIFT].re[j], s[PAIR_SHIFT].im[j],
-               s[PAIR_HEIGHT].re[j], zero);
-        store4(&out->slopes[at], s[PAIR_SLOPE].re[j], s[PAIR_SLOPE].im[j],
-               s[PAIR_FOLD].re[j], s[PAIR_FOLD].im[j]);
-        memcpy(&out->fold[at], &s[PAIR_HEIGHT].im[j], sizeof(lanes));
-        if (out->velocity) {
-            store4(&out->velocity[at], s[PAIR_DRIFT].re[j], s[PAIR_DRIFT].im[j],
-                   s[PAIR_HEAVE].re[j], zero);
+        int at = j * N + b * LANES;
+        store4(&out->displacement[at], shift->re[j], shift->im[j],
+               height->re[j], zero);
+        store4(&out->slopes[at], slope->re[j], slope->im[j], fold->re[j],
+               fold->im[j]);
+        *(loose *)&out->fold[at] = height->im[j];
+    }
+}
+
+PEL_CLONES static void store_velocity(const struct pel_evolve_work *work, int b,
+                                      float (*velocity)[4])
+{
+    const struct pel_fft_strip *drift = &work->block[PAIR_DRIFT][b];
+    const struct pel_fft_strip *heave = &work->block[PAIR_HEAVE][b];
+    for (int j = 0; j < N; j++) {
+        store4(&velocity[j * N + b * LANES], drift->re[j], drift->im[j],
+               heave->re[j], heave->im[j]);
+    }
+}
+
+PEL_CLONES static void store_surge(const struct pel_evolve_work *work, int b,
+                                   float (*surge)[2])
+{
+    const struct pel_fft_strip *from = &work->block[PAIR_SURGE][b];
+    for (int j = 0; j < N; j++) {
+        store2(&surge[j * N + b * LANES], from->re[j], from->im[j]);
+    }
+}
+
+static void evolve_pairs(const struct pel_cascades *all, int index,
+                         double time_s, struct range range,
+                         struct pel_evolve_work *work)
+{
+    for (int j = 0; j < N; j += LANES) {
+        bool any = all->cascade[index].modes->strip[j / LANES].any;
+        if (any) {
+            put_strip(all, index, j, time_s, range, work->strip);
+        }
+        for (int p = range.first; p < range.end; p++) {
+            if (any) {
+                pel_fft_strip(&work->strip[p]);
+                lay_rows(&work->strip[p], j, work->block[p]);
+            } else {
+                lay_none(j, work->block[p]);
+            }
         }
     }
 }
@@ -257,33 +424,26 @@ void pel_evolve(const struct pel_cascades *all, int index, double time_s,
                 struct pel_evolve_work *work,
                 const struct pel_evolve_target *out)
 {
-    int pairs = out->velocity ? PAIRS : PAIRS_AT_REST;
-    for (int j = 0; j < N; j += LANES) {
-        bool any = j <= HIGHEST || j + LANES > N - HIGHEST;
-        if (any) {
-            put_strip(all, index, j, time_s, pairs, work->strip);
-        }
-        for (int p = 0; p < pairs; p++) {
-            struct grid *g = &work->grid[p];
-            if (any) {
-                pel_fft_strip(&work->strip[p]);
-                lay_rows(&work->strip[p], j, g);
-                continue;
-            }
-            for (int b = 0; b < N / LANES; b++) {
-                memset(&g->re[b][j], 0, sizeof(lanes) * LANES);
-                memset(&g->im[b][j], 0, sizeof(lanes) * LANES);
-            }
-        }
-    }
+    struct range range = { out->displacement ? PAIR_SHIFT
+                           : out->velocity   ? PAIR_DRIFT
+                                             : PAIR_SURGE,
+                           out->surge      ? PAIRS
+                           : out->velocity ? PAIR_SURGE
+                                           : PAIR_DRIFT };
+    evolve_pairs(all, index, time_s, range, work);
     for (int b = 0; b < N / LANES; b++) {
-        for (int p = 0; p < pairs; p++) {
-            struct pel_fft_strip *s = &work->strip[p];
-            memcpy(s->re, work->grid[p].re[b], sizeof s->re);
-            memcpy(s->im, work->grid[p].im[b], sizeof s->im);
-            pel_fft_strip(s);
+        for (int p = range.first; p < range.end; p++) {
+            pel_fft_strip(&work->block[p][b]);
         }
-        store_columns(work->strip, b * LANES, out);
+        if (out->displacement) {
+            store_rest(work, b, out);
+        }
+        if (out->velocity) {
+            store_velocity(work, b, out->velocity);
+        }
+        if (out->surge) {
+            store_surge(work, b, out->surge);
+        }
     }
 }
 

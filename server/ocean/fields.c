@@ -8,76 +8,114 @@
 
 #define N PEL_CASCADE_N
 
-static struct pel_cascade_fields *allocate(void)
+/* --- the fields of one moment --------------------------------------------- */
+
+static bool need(void *array, size_t texel)
 {
-    struct pel_cascade_fields *f = calloc(1, sizeof *f);
-    bool whole = f;
-    for (int i = 0; f && i < PEL_CASCADES; i++) {
-        f->displacement[i] = malloc(N * N * sizeof *f->displacement[i]);
-        f->slopes[i] = malloc(N * N * sizeof *f->slopes[i]);
-        f->fold[i] = malloc(N * N * sizeof *f->fold[i]);
-        f->velocity[i] = malloc(N * N * sizeof *f->velocity[i]);
-        whole = whole && f->displacement[i] && f->slopes[i] && f->fold[i] &&
-                f->velocity[i];
-    }
-    if (!whole) {
-        pel_cascade_fields_destroy(f);
-        return NULL;
-    }
-    return f;
+    void **at = array;
+    *at = *at ? *at : malloc(N * N * texel);
+    return *at != NULL;
 }
 
-static void compute(const struct pel_cascades *c, double time_s,
-                    struct pel_evolve_work *work, struct pel_cascade_fields *f)
+/* Room for all down to `depth`. */
+static bool make_room(struct pel_cascade_fields *f, enum pel_fields_depth depth)
 {
-    f->time_s = time_s;
+    bool whole = true;
     for (int i = 0; i < PEL_CASCADES; i++) {
-        const struct pel_evolve_target to = { f->displacement[i], f->slopes[i],
-                                              f->fold[i], f->velocity[i] };
-        pel_evolve(c, i, time_s, work, &to);
+        whole = whole && need(&f->displacement[i], sizeof(float[4])) &&
+                need(&f->slopes[i], sizeof(float[4])) &&
+                need(&f->fold[i], sizeof(float));
+        if (depth >= PEL_FIELDS_VELOCITY) {
+            whole = whole && need(&f->velocity[i], sizeof(float[4]));
+        }
+        if (depth >= PEL_FIELDS_SURGE) {
+            whole = whole && need(&f->surge[i], sizeof(float[2]));
+        }
     }
+    return whole;
+}
+
+static void drop_room(struct pel_cascade_fields *f)
+{
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        free(f->displacement[i]);
+        free(f->slopes[i]);
+        free(f->fold[i]);
+        free(f->velocity[i]);
+        free(f->surge[i]);
+    }
+}
+
+/* Fields of cascade i below depth `from`, down to `to`. */
+static void fill(const struct pel_cascades *c, int i,
+                 struct pel_evolve_work *work, enum pel_fields_depth from,
+                 enum pel_fields_depth to, const struct pel_cascade_fields *f)
+{
+    struct pel_evolve_target target = { 0 };
+    if (from < PEL_FIELDS_REST) {
+        target.displacement = f->displacement[i];
+        target.slopes = f->slopes[i];
+        target.fold = f->fold[i];
+    }
+    if (from < PEL_FIELDS_VELOCITY && to >= PEL_FIELDS_VELOCITY) {
+        target.velocity = f->velocity[i];
+    }
+    if (to >= PEL_FIELDS_SURGE) {
+        target.surge = f->surge[i];
+    }
+    pel_evolve(c, i, f->time_s, work, &target);
 }
 
 enum pel_err pel_cascade_fields_create(const struct pel_cascades *c,
                                        double time_s,
                                        struct pel_cascade_fields **out)
 {
-    struct pel_cascade_fields *f = allocate();
+    struct pel_cascade_fields *f = calloc(1, sizeof *f);
     struct pel_evolve_work *work = pel_evolve_work_create();
-    enum pel_err err = f && work ? PEL_OK : PEL_ERR_NO_MEMORY;
-    if (err) {
+    if (!f || !work || !make_room(f, PEL_FIELDS_SURGE)) {
+        pel_evolve_work_destroy(work);
         pel_cascade_fields_destroy(f);
-    } else {
-        compute(c, time_s, work, f);
-        *out = f;
+        return PEL_ERR_NO_MEMORY;
+    }
+    f->time_s = time_s;
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        fill(c, i, work, PEL_FIELDS_NONE, PEL_FIELDS_SURGE, f);
     }
     pel_evolve_work_destroy(work);
-    return err;
+    *out = f;
+    return PEL_OK;
 }
 
 void pel_cascade_fields_destroy(struct pel_cascade_fields *f)
 {
-    for (int i = 0; f && i < PEL_CASCADES; i++) {
-        free(f->displacement[i]);
-        free(f->slopes[i]);
-        free(f->fold[i]);
-        free(f->velocity[i]);
+    if (f) {
+        drop_room(f);
+        free(f);
     }
-    free(f);
 }
 
-/* --- the moments kept ---------------------------------------------------- */
+/* --- the moments kept ------------------------------------------------------
+ */
 
-#define KEPT 2
+#define KEPT 3
+#define MOST_WORKS 4 /* scratches kept */
 
-/* `lock` guards the cache and is held while fields are computed, so that
- * threads asking for one moment compute it once. */
+/* `begun` and `done` say how deep each cascade's fields are being computed and
+ * are computed. */
+struct pel_kept_fields {
+    struct pel_cascade_fields fields;
+    enum pel_fields_depth begun[PEL_CASCADES], done[PEL_CASCADES];
+    unsigned users;
+    bool stale; /* out of the cache: its last user frees it */
+    uint64_t used;
+};
+
 struct pel_fields_cache {
-    pthread_mutex_t lock;
+    pthread_mutex_t lock; /* guards all, but not the texels being computed */
+    pthread_cond_t changed;
     struct pel_kept_fields *kept[KEPT];
-    struct pel_evolve_work *work; /* NULL until a moment is asked for */
     uint64_t clock;
-    struct pel_cascades *second; /* accelerations; NULL until asked for */
+    struct pel_evolve_work *works[MOST_WORKS]; /* idle ones */
 };
 
 bool pel_fields_cache_init(struct pel_fields_cache **out)
@@ -86,7 +124,12 @@ bool pel_fields_cache_init(struct pel_fields_cache **out)
     if (!c) {
         return false;
     }
-    pthread_mutex_init(&c->lock, NULL);
+    pthread_mutexattr_t inherit; /* urgent threads take it too */
+    pthread_mutexattr_init(&inherit);
+    pthread_mutexattr_setprotocol(&inherit, PTHREAD_PRIO_INHERIT);
+    pthread_mutex_init(&c->lock, &inherit);
+    pthread_mutexattr_destroy(&inherit);
+    pthread_cond_init(&c->changed, NULL);
     *out = c;
     return true;
 }
@@ -94,69 +137,11 @@ bool pel_fields_cache_init(struct pel_fields_cache **out)
 static void drop(struct pel_kept_fields *k)
 {
     if (k && k->users == 0) {
-        pel_cascade_fields_destroy(k->fields);
+        drop_room(&k->fields);
         free(k);
     } else if (k) {
         k->stale = true;
     }
-}
-
-/* Shares all but the amplitudes with the cascades it was made of. */
-static void destroy_second(struct pel_cascades *second)
-{
-    if (!second) {
-        return;
-    }
-    pel_fields_cache_finish(second->cache);
-    for (int i = 0; i < PEL_CASCADES; i++) {
-        free(second->cascade[i].h0);
-    }
-    free(second);
-}
-
-static enum pel_err make_second(const struct pel_cascades *c,
-                                struct pel_cascades **out)
-{
-    struct pel_cascades *second = malloc(sizeof *second);
-    if (!second) {
-        return PEL_ERR_NO_MEMORY;
-    }
-    *second = *c;
-    bool whole = pel_fields_cache_init(&second->cache);
-    second->cache = whole ? second->cache : NULL;
-    for (int i = 0; i < PEL_CASCADES; i++) {
-        const struct pel_cascade *from = &c->cascade[i];
-        float(*h0)[4] = malloc(PEL_CASCADE_MODES * sizeof *h0);
-        second->cascade[i].h0 = h0;
-        whole = whole && h0;
-        for (size_t m = 0; h0 && m < PEL_CASCADE_MODES; m++) {
-            double omega = 2.0 * PEL_PI * (double)from->mode[m][0];
-            for (int part = 0; part < 4; part++) {
-                h0[m][part] =
-                    (float)(-omega * omega * (double)from->h0[m][part]);
-            }
-        }
-    }
-    if (!whole) {
-        destroy_second(second);
-        return PEL_ERR_NO_MEMORY;
-    }
-    *out = second;
-    return PEL_OK;
-}
-
-enum pel_err pel_fields_second(const struct pel_cascades *c,
-                               const struct pel_cascades **out)
-{
-    struct pel_fields_cache *cache = c->cache;
-    enum pel_err err = PEL_OK;
-    pthread_mutex_lock(&cache->lock);
-    if (!cache->second) {
-        err = make_second(c, &cache->second);
-    }
-    *out = cache->second;
-    pthread_mutex_unlock(&cache->lock);
-    return err;
 }
 
 void pel_fields_cache_finish(struct pel_fields_cache *cache)
@@ -167,93 +152,214 @@ void pel_fields_cache_finish(struct pel_fields_cache *cache)
     for (int i = 0; i < KEPT; i++) {
         drop(cache->kept[i]);
     }
-    pel_evolve_work_destroy(cache->work);
+    for (int i = 0; i < MOST_WORKS; i++) {
+        pel_evolve_work_destroy(cache->works[i]);
+    }
     pthread_mutex_destroy(&cache->lock);
-    destroy_second(cache->second);
+    pthread_cond_destroy(&cache->changed);
     free(cache);
 }
+
+/* --- under the lock --- */
 
 static struct pel_kept_fields *find(struct pel_fields_cache *cache,
                                     double time_s)
 {
     for (int i = 0; i < KEPT; i++) {
         struct pel_kept_fields *k = cache->kept[i];
-        if (k && k->fields->time_s == time_s) {
+        if (k && k->fields.time_s == time_s) {
             return k;
         }
     }
     return NULL;
 }
 
-/* The least used place, without users and with memory for fields: a moment is
- * 14 MiB, which goes from one to the next: freeing and allocating it anew
- * would hold several times as much in the heap of the thread that asks. */
-static struct pel_kept_fields *place(struct pel_fields_cache *cache)
+/* Makes the place used longest ago one of another moment. */
+static struct pel_kept_fields *add(struct pel_fields_cache *cache,
+                                   double time_s)
 {
     int oldest = 0;
-    for (int i = 0; i < KEPT && cache->kept[oldest]; i++) {
-        if (!cache->kept[i] ||
-            cache->kept[i]->used < cache->kept[oldest]->used) {
+    for (int i = 0; i < KEPT; i++) {
+        if (!cache->kept[i]) {
+            oldest = i;
+            break;
+        }
+        if (cache->kept[i]->used < cache->kept[oldest]->used) {
             oldest = i;
         }
     }
-    struct pel_kept_fields **at = &cache->kept[oldest];
-    if (*at && (*at)->users > 0) {
-        drop(*at);
-        *at = NULL;
+    struct pel_kept_fields *k = cache->kept[oldest];
+    if (!k || k->users > 0) {
+        drop(k);
+        k = calloc(1, sizeof *k);
+        cache->kept[oldest] = k;
     }
-    if (!*at) {
-        struct pel_kept_fields *k = calloc(1, sizeof *k);
-        if (!k || !(k->fields = allocate())) {
-            free(k);
-            return NULL;
-        }
-        *at = k;
+    if (k) {
+        memset(k->begun, 0, sizeof k->begun);
+        memset(k->done, 0, sizeof k->done);
+        k->fields.time_s = time_s;
     }
-    return *at;
+    return k;
 }
 
-static enum pel_err add(const struct pel_cascades *c, double time_s,
-                        struct pel_kept_fields **out)
+static struct pel_kept_fields *open_moment(struct pel_fields_cache *cache,
+                                           double time_s,
+                                           enum pel_fields_depth depth)
+{
+    struct pel_kept_fields *k = find(cache, time_s);
+    k = k ? k : add(cache, time_s);
+    if (!k || !make_room(&k->fields, depth)) {
+        return NULL;
+    }
+    k->users++;
+    k->used = ++cache->clock;
+    return k;
+}
+
+static void close_moment(struct pel_kept_fields *k)
+{
+    k->users--;
+    if (k->stale) {
+        drop(k);
+    }
+}
+
+static struct pel_evolve_work *take_work(struct pel_fields_cache *cache)
+{
+    for (int i = 0; i < MOST_WORKS; i++) {
+        struct pel_evolve_work *work = cache->works[i];
+        if (work) {
+            cache->works[i] = NULL;
+            return work;
+        }
+    }
+    return pel_evolve_work_create();
+}
+
+static void give_work(struct pel_fields_cache *cache,
+                      struct pel_evolve_work *work)
+{
+    for (int i = 0; i < MOST_WORKS; i++) {
+        if (!cache->works[i]) {
+            cache->works[i] = work;
+            return;
+        }
+    }
+    pel_evolve_work_destroy(work);
+}
+
+/* A cascade nobody has begun so deep; −1: none. */
+static int next_cascade(const struct pel_kept_fields *k,
+                        enum pel_fields_depth depth)
+{
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        /* whoever computes less of it now must have finished */
+        if (k->begun[i] < depth && k->begun[i] == k->done[i]) {
+            return i;
+        }
+    }
+    return -1;
+}
+
+static bool is_whole(const struct pel_kept_fields *k,
+                     enum pel_fields_depth depth)
+{
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        if (k->done[i] < depth) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Computes cascade i, without the lock meanwhile. */
+static void compute(const struct pel_cascades *c, struct pel_kept_fields *k,
+                    int i, enum pel_fields_depth depth,
+                    struct pel_evolve_work *work)
 {
     struct pel_fields_cache *cache = c->cache;
-    if (!cache->work) {
-        cache->work = pel_evolve_work_create();
-    }
-    struct pel_kept_fields *k = cache->work ? place(cache) : NULL;
-    if (!k) {
-        return PEL_ERR_NO_MEMORY;
-    }
-    compute(c, time_s, cache->work, k->fields);
-    *out = k;
-    return PEL_OK;
+    enum pel_fields_depth from = k->begun[i];
+    k->begun[i] = depth;
+    pthread_mutex_unlock(&cache->lock);
+    fill(c, i, work, from, depth, &k->fields);
+    pthread_mutex_lock(&cache->lock);
+    k->done[i] = depth;
+    pthread_cond_broadcast(&cache->changed);
 }
 
+/* --- for all ----------------------------------------------------------------
+ */
+
 enum pel_err pel_fields_take(const struct pel_cascades *c, double time_s,
+                             enum pel_fields_depth depth,
                              struct pel_kept_fields **out)
 {
     struct pel_fields_cache *cache = c->cache;
+    struct pel_evolve_work *work = NULL;
     enum pel_err err = PEL_OK;
     pthread_mutex_lock(&cache->lock);
-    struct pel_kept_fields *k = find(cache, time_s);
+    struct pel_kept_fields *k = open_moment(cache, time_s, depth);
     if (!k) {
-        err = add(c, time_s, &k);
+        err = PEL_ERR_NO_MEMORY;
     }
-    if (!err) {
-        k->users++;
-        k->used = ++cache->clock;
-        *out = k;
+    while (!err && !is_whole(k, depth)) {
+        int i = next_cascade(k, depth);
+        if (i < 0) {
+            pthread_cond_wait(&cache->changed, &cache->lock);
+            continue;
+        }
+        work = work ? work : take_work(cache);
+        if (!work) {
+            close_moment(k);
+            err = PEL_ERR_NO_MEMORY;
+            break;
+        }
+        compute(c, k, i, depth, work);
+    }
+    if (work) {
+        give_work(cache, work);
     }
     pthread_mutex_unlock(&cache->lock);
+    *out = err ? NULL : k;
     return err;
+}
+
+const struct pel_cascade_fields *
+pel_fields_of(const struct pel_kept_fields *kept)
+{
+    return &kept->fields;
 }
 
 void pel_fields_give(const struct pel_cascades *c, struct pel_kept_fields *kept)
 {
     pthread_mutex_lock(&c->cache->lock);
-    kept->users--;
-    if (kept->stale) {
-        drop(kept);
-    }
+    close_moment(kept);
     pthread_mutex_unlock(&c->cache->lock);
+}
+
+bool pel_fields_prepare(const struct pel_cascades *c, double time_s,
+                        enum pel_fields_depth depth, bool (*go_on)(void *user),
+                        void *user)
+{
+    struct pel_fields_cache *cache = c->cache;
+    bool whole = false;
+    pthread_mutex_lock(&cache->lock);
+    struct pel_kept_fields *k = open_moment(cache, time_s, depth);
+    struct pel_evolve_work *work = k ? take_work(cache) : NULL;
+    while (work && go_on(user)) {
+        int i = next_cascade(k, depth);
+        if (i < 0) {
+            break;
+        }
+        compute(c, k, i, depth, work);
+    }
+    if (work) {
+        give_work(cache, work);
+    }
+    if (k) {
+        whole = is_whole(k, depth);
+        close_moment(k);
+    }
+    pthread_mutex_unlock(&cache->lock);
+    return whole;
 }

@@ -1,4 +1,6 @@
-/* The fields of the cascades kept for the moments that queries ask about. */
+/* The fields of the cascades at the moments that queries ask about: kept for
+ * the next who asks, computed by all who wait for them. What is in them never
+ * depends on what was kept. */
 #pragma once
 
 #include <stdbool.h>
@@ -10,28 +12,38 @@ struct pel_fields_cache;
 bool pel_fields_cache_init(struct pel_fields_cache **out); /* false: memory */
 void pel_fields_cache_finish(struct pel_fields_cache *cache); /* NULL allowed */
 
-struct pel_kept_fields {
-    struct pel_cascade_fields *fields;
-    unsigned users;
-    bool stale; /* out of the cache: its last user frees it */
-    uint64_t used;
+/* How much of struct pel_cascade_fields is wanted; each with those before. */
+enum pel_fields_depth {
+    PEL_FIELDS_NONE,
+    PEL_FIELDS_REST, /* displacement, slopes, fold */
+    PEL_FIELDS_VELOCITY,
+    PEL_FIELDS_SURGE,
+    PEL_FIELDS_DEPTHS,
 };
 
-/* The fields at time_s, from the cache or computed; NO_MEMORY. Any thread;
- * others that want the same moment wait for it. Give it back. */
+struct pel_kept_fields; /* of one moment */
+
+/* The fields at time_s, kept or computed: a cascade at a time by each thread
+ * that is in this call for the same moment. Any thread; NO_MEMORY. Give it
+ * back. */
 PEL_CHECK enum pel_err pel_fields_take(const struct pel_cascades *c,
                                        double time_s,
+                                       enum pel_fields_depth depth,
                                        struct pel_kept_fields **out);
+const struct pel_cascade_fields *
+pel_fields_of(const struct pel_kept_fields *kept);
 void pel_fields_give(const struct pel_cascades *c,
                      struct pel_kept_fields *kept);
 
-/* The cascades whose displacement is the acceleration of those of `c`: every
- * amplitude times −ω². Made when first asked for, kept with `c`; NO_MEMORY. */
-PEL_CHECK enum pel_err pel_fields_second(const struct pel_cascades *c,
-                                         const struct pel_cascades **out);
+/* Computes what is missing of the fields at time_s, to be kept, cascade by
+ * cascade while go_on(user), if nobody else does; true: they are whole. Any
+ * thread. */
+bool pel_fields_prepare(const struct pel_cascades *c, double time_s,
+                        enum pel_fields_depth depth, bool (*go_on)(void *user),
+                        void *user);
 
 /* pel_sea_query (moving: pel_sea_query_moving) and pel_sea_displace over the
- * cascades; abort without memory for the fields of one moment (about 20 MB). */
+ * cascades; abort without memory for the fields of one moment (about 15 MB). */
 void pel_cascades_query(const struct pel_cascades *c,
                         const struct pel_vec2 *points, size_t n, double time_s,
                         bool moving, struct pel_surface_sample *out);

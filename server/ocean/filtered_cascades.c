@@ -177,15 +177,16 @@ enum pel_err pel_cascades_filtered(const struct pel_cascades *c,
 {
     struct pel_kept_fields *kept;
     struct pyramid *pyramids = malloc(PEL_CASCADES * sizeof *pyramids);
-    enum pel_err err =
-        pyramids ? pel_fields_take(c, time_s, &kept) : PEL_ERR_NO_MEMORY;
+    enum pel_err err = pyramids
+                           ? pel_fields_take(c, time_s, PEL_FIELDS_REST, &kept)
+                           : PEL_ERR_NO_MEMORY;
     if (err) {
         free(pyramids);
         return err;
     }
     struct reading readings[PEL_CASCADES];
     for (int i = 0; i < PEL_CASCADES; i++) {
-        fill(kept->fields, i, &pyramids[i]);
+        fill(pel_fields_of(kept), i, &pyramids[i]);
         readings[i] = reading_of(&c->cascade[i], filter, footprint);
     }
     pel_fields_give(c, kept);

@@ -183,8 +183,8 @@ void pel_sea_query(const struct pel_sea *sea, const struct pel_vec2 *points,
                    size_t n, double time_s, struct pel_surface_sample *out);
 
 /* The same with the acceleration of the water particle, ∂²D/∂t² at its rest
- * position: −ω² times each wave's displacement. On an FFT sea it costs a moment
- * of its own, and 5 MB more the first time. */
+ * position: −ω² times each wave's displacement. On an FFT sea a
+ * moment's fields are a sixth dearer. */
 void pel_sea_query_moving(const struct pel_sea *sea,
                           const struct pel_vec2 *points, size_t n,
                           double time_s, struct pel_surface_sample *out);

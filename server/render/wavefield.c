@@ -93,7 +93,7 @@ static void evolve_cascade(void *user, int member, int index)
     struct pel_wavefield_cpu *cpu = user;
     struct levels *to = &cpu->levels[index];
     const struct pel_evolve_target target = { to->displacement, to->slopes,
-                                              to->fold, NULL };
+                                              to->fold, NULL, NULL };
     pel_evolve(cpu->cascades, index, cpu->time_s, cpu->work[member], &target);
     for (int n = N, at = 0; n > 1; at += n * n, n /= 2) {
         int next = at + n * n;
