@@ -6,26 +6,16 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import fs from "node:fs";
-import { createRequire } from "node:module";
 import path from "node:path";
 import { after, afterEach, before, beforeEach, describe, test } from "node:test";
 
+import { openBrowser, wanted } from "./browser.mjs";
 import { Daemon, folder, Proxy, ROOT, sleep, until }
   from "./pelagos_daemon.mjs";
 
-const BROWSER = "/usr/bin/chromium";
 const SHOTS = path.join(ROOT, "build/page");
 const TOKEN = "0123456789abcdef0123456789abcdef";
-const need = createRequire(path.join(ROOT, "build/npm/node_modules/"));
-let chromium, axe;
-try {
-  ({ chromium } = need("playwright-core"));
-  axe = need("axe-core");
-  fs.accessSync(BROWSER);
-} catch (error) {
-  console.log(`no browser to test with: ${error.message.split("\n")[0]}`);
-  process.exit(77);
-}
+const axe = wanted("axe-core");
 fs.mkdirSync(SHOTS, { recursive: true });
 
 let browser, daemon, page, errors;
@@ -91,10 +81,7 @@ const pixels = () => page.evaluate(() => {
 });
 
 before(async () => {
-  browser = await chromium.launch({ executablePath: BROWSER, args: [
-    "--no-sandbox", "--disable-gpu", "--disable-quic",
-    "--disable-dev-shm-usage", "--disable-background-networking",
-    "--disable-component-update"] });
+  browser = await openBrowser();
   daemon = await Daemon.start();
 });
 
@@ -496,6 +483,139 @@ describe("controls", () => {
     await entry.fill("9");
     await until("the wind", async () => (await state()).sea.windSpeed === 9);
     await until("no error", () => error.isHidden());
+  });
+});
+
+describe("on a slow link", () => {
+  const SLOW_MS = 600;
+  beforeEach(async () => {
+    await fresh();
+    await open(daemon.url);
+    await openSections();
+    await until("the controls", () => page.locator("#wind-speed").count());
+    await page.route("**/v1/state", async (route) => {
+      await sleep(SLOW_MS);
+      await route.continue().catch(() => {}); // the page is closed
+    });
+  });
+
+  // Every value that a control shows from now on.
+  const watch = (id) => page.locator(`#${id}`).evaluate((node) => {
+    const seen = [];
+    window.pelagosSeen = seen;
+    setInterval(() => {
+      if (seen.at(-1) !== node.value) {
+        seen.push(node.value);
+      }
+    }, 5);
+  });
+  const seen = () => page.evaluate(() => window.pelagosSeen);
+  const swell = async () => (await state()).sea.swell ?? [];
+
+  test("nothing older sets back what a person sets", async () => {
+    await slide("wind-speed", 10);
+    await watch("wind-speed");
+    for (const speed of [11, 12, 13]) {
+      await slide("wind-speed", speed);
+      await sleep(SLOW_MS);
+    }
+    await until("the wind", async () => (await state()).sea.windSpeed === 13);
+    await sleep(3 * SLOW_MS);
+    const order = (await seen()).map(Number);
+    assert.deepEqual(order, [10, 11, 12, 13]);
+  });
+
+  test("nor what a person holds, until it is let go", async () => {
+    const box = await page.locator("#wind-speed").boundingBox();
+    const y = box.y + box.height / 2;
+    await page.mouse.move(box.x + box.width / 2, y);
+    await page.mouse.down();
+    await until("the middle", async () =>
+      Math.abs((await state()).sea.windSpeed - 15) < 0.5);
+    await watch("wind-speed");
+    await daemon.patch({ sea: { windSpeed: 3 } });
+    await sleep(1000 + 3 * SLOW_MS);
+    assert.equal((await seen()).length, 1);
+    await page.mouse.up();
+    await until("what others set", async () =>
+      await page.locator("#wind-speed").inputValue() === "3");
+  });
+
+  test("each change goes where it was meant", async () => {
+    await daemon.patch({ views: { stern: { name: "stern", entity: 1, width: 320,
+      height: 180, yaw: 180 } } });
+    await pictures(2);
+    await slide("yaw", 7);
+    await page.locator("#view-name").selectOption("stern");
+    await slide("yaw", 170);
+    await slide("pitch", -3);
+    await until("yaw and pitch of both", async () => {
+      const [a, b] = (await state()).views;
+      return a.yaw === 7 && a.pitch === 0 && b.yaw === 170 && b.pitch === -3;
+    });
+  });
+
+  test("a view that is deleted in one's hand stays so", async () => {
+    await daemon.patch({ views: { stern: { name: "stern", entity: 1, width: 320,
+      height: 180, yaw: 180 } } });
+    await pictures(2);
+    await page.locator("#view-name").selectOption("stern");
+    await page.locator("#yaw").focus();
+    await daemon.request("DELETE", "/v1/views/stern");
+    await slide("yaw", 90);
+    await until("the choice of another", async () =>
+      await page.locator("#view-name").inputValue() === "bridge");
+    await slide("yaw", 60);
+    await sleep(3 * SLOW_MS);
+    assert.deepEqual((await state()).views.map((v) => [v.name, v.yaw]),
+      [["bridge", 0]]);
+  });
+
+  test("keys turn from where the view is to be", async () => {
+    for (let i = 0; i < 5; i++) {
+      await page.keyboard.press("ArrowRight");
+      await sleep(0.7 * SLOW_MS);
+    }
+    await until("yaw 25", async () => (await view()).yaw === 25);
+  });
+
+  test("trains of swell are made and set without waiting", async () => {
+    const add = page.getByRole("button", { name: "Add a train of swell" });
+    await page.locator("#swell-on").click();
+    await slide("swell-height", 2.5);
+    await add.click();
+    await slide("swell-period", 15);
+    await slide("swell-height", 0.5);
+    await add.click();
+    await slide("swell-direction", 90);
+    await page.locator("#swell-train").selectOption({ index: 0 });
+    await slide("swell-spread", 20);
+    await until("three trains", async () => {
+      const [a, b, c] = await swell();
+      return a?.height === 2.5 && a.period === 10 && a.spread === 20 &&
+        b?.height === 0.5 && b.period === 15 && b.spread === 10 &&
+        c?.height === 1 && c.direction === 90 && c.spread === 10;
+    });
+  });
+
+  test("a train is known again when others change the list", async () => {
+    await daemon.patch({ sea: { swell: [1, 2, 3].map((height) =>
+      ({ height })) } });
+    const trains = page.locator("#swell-train");
+    await until("three", async () =>
+      await trains.locator("option").count() === 3);
+    await trains.selectOption({ index: 1 });
+    await slide("swell-period", 12);
+    await sleep(SLOW_MS / 2); // on its way, made of the old list
+    await daemon.patch({ sea: { swell: [2, 3].map((height) =>
+      ({ height })) } });
+    await until("the same train's period", async () => {
+      const list = await swell();
+      return list.length === 2 && list[0].period === 12 &&
+        list[1].period === 10 && list[1].height === 3;
+    });
+    await until("its choice", async () =>
+      /^1: 2 m/.test(await trains.locator("option:checked").textContent()));
   });
 });
 

@@ -95,6 +95,13 @@ export class Daemon {
     return this.request("GET", "/v1/state");
   }
 
+  async metric(name) {
+    const answer = await fetch(`${this.url}/metrics`);
+    const line = (await answer.text()).split("\n").find((l) =>
+      l.startsWith(`${name} `));
+    return Number(line.slice(name.length));
+  }
+
   async stop(signal = "SIGTERM") {
     if (this.process.exitCode === null) {
       this.process.kill(signal);

@@ -60,14 +60,21 @@ export const subprotocols = () =>
 
 let last = Promise.resolve();
 
-async function perform(method, path, body, type) {
+// One after the other.
+export function inTurn(work) {
+  const turn = last.then(work, work);
+  last = turn.catch(() => {});
+  return turn;
+}
+
+export async function perform(method, path, body, more) {
   let response;
   try {
     response = await fetch(path, {
       method,
       cache: "no-store",
       signal: AbortSignal.timeout(TIMEOUT_MS),
-      headers: headers(body === undefined ? {} : { "Content-Type": type }),
+      headers: headers(more),
       body: body === undefined ? undefined : JSON.stringify(body),
     });
   } catch (error) {
@@ -90,19 +97,3 @@ async function perform(method, path, body, type) {
   }
   return json;
 }
-
-function inTurn(work) {
-  const turn = last.then(work, work);
-  last = turn.catch(() => {});
-  return turn;
-}
-
-export const getState = () => inTurn(() => perform("GET", "/v1/state"));
-export const getFields = () => inTurn(() => perform("GET", "/v1/fields"));
-// make(): the patch, made when its turn has come, of the newest state.
-export const patchState = (make) =>
-  inTurn(() => perform("PATCH", "/v1/state", make(),
-    "application/merge-patch+json"));
-export const stepClock = (seconds) =>
-  inTurn(() => perform("POST", "/v1/clock/step", { seconds },
-    "application/json"));

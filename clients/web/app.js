@@ -1,40 +1,33 @@
-// The page: reads the state every second, shows it, writes what people set.
+// The page: the pictures first, then the state every second; what the controls
+// need is loaded when a picture is there.
 
-import { getFields, getState, Gone, Problem } from "/api.js";
-import { askToken } from "/login.js";
-import { Rose } from "/rose.js";
-import { beaufort, Sections, sunFixed } from "/sections.js";
+import { Gone, inTurn, perform, Problem } from "/api.js";
+import { Store } from "/store.js";
 import { Views } from "/views.js";
 
 const POLL_MS = 1000;
 const MOVING_MS = 250; // while the ship's attitude changes by itself
+const PATIENCE_MS = 700; // with a first picture, before the controls
 const byId = (id) => document.getElementById(id);
 
-let state = {};
+let soon = null;
 let fields = new Map();
-let sections = null;
+let controls = null; // controls.js
 let frame = null;
 
-const rose = new Rose(byId("rose"));
-const views = new Views(byId("views"), {
+const store = new Store({
+  shown: () => showSoon(),
+  followed: (before, after) => controls?.followed(before, after),
+});
+const views = new Views(byId("views"), store, {
   limits: (name) => {
     const field = fields.get(`views.*.${name}`) ?? {};
     return [field.minimum ?? 1, field.maximum ?? 150];
   },
-  chosen: () => sections?.show(state, true),
-  told: (next) => showState(next),
+  chosen: () => controls?.show(true),
   frameShown: (shown) => {
     frame = shown;
-  },
-  expect: (name, change) => {
-    for (const [field, value] of Object.entries(change)) {
-      const control = name === views.name &&
-        sections?.find(field === "fieldOfView" ? "field-of-view" : field);
-      if (control) {
-        control.touched = performance.now();
-        control.set(value);
-      }
-    }
+    firstPicture();
   },
 });
 
@@ -50,18 +43,19 @@ function timeText(s) {
   return `${at.slice(0, 10)} ${at.slice(11, 19)} UTC`;
 }
 
-function showState(next) {
-  state = next;
-  views.show(state);
-  sections.show(state);
+function show() {
+  clearTimeout(soon);
+  soon = null;
+  const { state } = store;
+  views.show();
+  controls?.show();
   byId("no-views").hidden = (state.views ?? []).length > 0;
   byId("revision").textContent = state.revision ?? "0";
-  const wind = state.sea?.windSpeed ?? 0;
-  rose.show({
-    wind: state.sea?.windDirection ?? 0, speed: wind, force: beaufort(wind),
-    sun: sunFixed(state) ? state.sky.sunAzimuth : undefined,
-    ship: sections.ship(state)?.heading,
-  });
+}
+
+// Once for all that is asked for within one frame of the screen.
+function showSoon() {
+  soon ??= setTimeout(show, 8);
 }
 
 function showLink(up, text) {
@@ -76,7 +70,7 @@ function refresh() {
   const total = views.refresh();
   byId("fps").textContent = total ? `${total.toFixed(total < 10 ? 1 : 0)} fps`
     : "–";
-  byId("time").textContent = timeText(state);
+  byId("time").textContent = timeText(store.state);
 }
 
 // --- what is shown besides pictures ---------------------------------------------
@@ -139,23 +133,42 @@ function onKey(event) {
 
 // --- life -------------------------------------------------------------------
 
-function begin(answer) {
+let firstPicture;
+const pictured = Promise.race([
+  new Promise((resolve) => {
+    firstPicture = resolve;
+  }),
+  new Promise((resolve) => {
+    setTimeout(resolve, PATIENCE_MS);
+  }),
+]);
+
+async function begin() {
+  await pictured;
+  const [{ Controls }, answer] = await Promise.all([import("/controls.js"),
+    inTurn(() => perform("GET", "/v1/fields"))]);
   fields = new Map(answer.fields.map((f) => [f.path, f]));
-  sections = new Sections(fields, views, showState);
+  controls = new Controls(fields, views, store);
+  show();
 }
 
+let beginning = null;
+
 async function poll() {
-  let next = state.ownShip?.on ? MOVING_MS : POLL_MS;
+  let next = POLL_MS;
   try {
-    if (!sections) {
-      begin(await getFields());
-    }
-    showState(await getState());
+    await store.read();
+    show();
+    next = store.told.ownShip?.on ? MOVING_MS : POLL_MS;
+    controls?.heard();
     showLink(true);
+    beginning ??= begin().catch(() => {
+      beginning = null; // again, with the next answer
+    });
   } catch (error) {
     if (error instanceof Problem && error.status === 401) {
       showLink(false, "The server asks for a token.");
-      askToken(error.message, poll);
+      (await import("/login.js")).askToken(error.message, poll);
       next = null; // goes on with the token
     } else if (error instanceof Problem) {
       showLink(false, `The server refuses: ${error.message}`);
@@ -172,7 +185,6 @@ async function poll() {
   }
 }
 
-document.addEventListener("state", (event) => showState(event.detail));
 document.addEventListener("keydown", onKey);
 byId("panel").addEventListener("submit", (event) => event.preventDefault());
 setInterval(refresh, 500);

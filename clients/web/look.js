@@ -2,7 +2,7 @@
 // to zoom, double-click for full screen. What is wanted is sent as fast as the
 // server answers, never faster.
 
-import { patchState, Gone, Problem } from "/api.js";
+import { Gone, Problem } from "/api.js";
 
 const clamp = (x, low, high) => Math.max(low, Math.min(high, x));
 const DOUBLE_MS = 350;
@@ -12,44 +12,29 @@ const STILL_PX = 6;
 export const half = (angle) => ((angle + 180) % 360 + 360) % 360 - 180;
 
 export class Look {
-  // limits: ranges of the schema {fieldOfView: [low, high]}; asked(change): the
-  // state that is wanted, before the server has it.
-  constructor(name, { limits, asked, told }) {
+  // limits: ranges of the schema {fieldOfView: [low, high]}.
+  constructor(name, store, limits) {
     this.name = name;
+    this.store = store;
     this.limits = limits;
-    this.asked = asked;
-    this.told = told;
-    this.wish = null;
-    this.busy = false;
+    this.wish = {}; // of the change that was asked for last
   }
 
-  want(change) {
-    this.wish = { ...this.wish, ...change };
-    this.asked(change);
-    this.send();
-  }
-
-  async send() {
-    if (this.busy || !this.wish) {
-      return;
-    }
-    const change = this.wish;
-    this.wish = null;
-    this.busy = true;
+  async want(change) {
+    const key = `look ${this.name}`;
+    this.wish = this.store.waits(key) ? { ...this.wish, ...change } : change;
+    const { wish } = this;
+    const make = (state) => {
+      const there = state.views?.some((view) => view.name === this.name);
+      return there ? { views: { [this.name]: wish } } : null;
+    };
     try {
-      const state = await patchState(() =>
-        ({ views: { [this.name]: change } }));
-      if (!this.wish) {
-        this.told(state);
-      }
+      await this.store.ask(key, make, { sure: 1 });
     } catch (error) {
       if (!(error instanceof Problem || error instanceof Gone)) {
         throw error;
       }
-    } finally {
-      this.busy = false;
     }
-    this.send();
   }
 
   // By degrees from the view's present direction.

@@ -2,10 +2,10 @@
 // comes from the schema (/v1/fields), what the server refuses is said next to
 // the control that asked for it.
 
-import { patchState, Problem } from "/api.js";
+import { Problem } from "/api.js";
 
-const DEBOUNCE_MS = 120;
-const HOLD_MS = 1500;
+const TYPING_MS = 150;
+const DRAGGING_MS = 150;
 
 let numbers = 0;
 
@@ -21,15 +21,25 @@ function round(value, step) {
   return Number(value.toFixed(Math.min(digits, 6)));
 }
 
-// What all controls share: a label, a place for errors, writing with delay,
-// and holding still while a person is using it.
+// What all controls share: a label, a place for errors, writing, and holding
+// still while a person has hold of it.
 export class Control {
-  constructor(parent, { id, label, patch, get }) {
+  // get(state): the value; patch(value): the merge patch that sets it, or a
+  // function that makes it of a state; target(): which of several things
+  // (views, ships, trains) it is about now, and what to call that; sure: as
+  // Store.ask says.
+  constructor(parent, { store, id, label, patch, get, target, targetName,
+    sure }) {
+    this.store = store;
     this.id = id || `control-${numbers++}`;
     this.patch = patch;
     this.get = get;
-    this.touched = -Infinity;
-    this.pending = null;
+    this.target = target ?? (() => "");
+    this.targetName = targetName;
+    this.sure = sure;
+    this.writes = 0;
+    this.held = false; // while a person has hold of it
+    this.meant = undefined; // the target when the person took it
     this.node = element("div", "control");
     this.label = element("label", "label", label);
     this.label.htmlFor = this.id;
@@ -47,6 +57,13 @@ export class Control {
     input.setAttribute("aria-describedby", this.error.id);
     this.inputs = [input, ...others].filter((n) => n.matches("input,select"));
     this.node.append(input, ...others, this.error);
+    this.node.addEventListener("focusin", () => {
+      this.meant = this.target();
+    });
+    this.node.addEventListener("focusout", () => {
+      this.meant = undefined;
+      this.left();
+    });
   }
 
   // What does not apply is not shown.
@@ -57,11 +74,22 @@ export class Control {
     }
   }
 
-  get held() {
-    return this.pending !== null || performance.now() - this.touched < HOLD_MS;
+  // From pointerdown on, wherever the pointer is let go.
+  hold() {
+    this.held = true;
+    this.meant = this.target();
+    const end = () => {
+      this.held = false;
+      removeEventListener("pointerup", end, true);
+      removeEventListener("pointercancel", end, true);
+      this.show(this.store.state);
+    };
+    addEventListener("pointerup", end, true);
+    addEventListener("pointercancel", end, true);
   }
 
-  fail(text) {
+  fail(text, passing = false) {
+    this.passing = passing; // until the server answers again
     this.error.textContent = text;
     this.error.hidden = !text;
     for (const input of this.inputs) {
@@ -69,32 +97,55 @@ export class Control {
     }
   }
 
-  write(value) {
-    this.touched = performance.now();
-    clearTimeout(this.timer);
-    this.pending = value;
-    this.timer = setTimeout(() => this.send(), DEBOUNCE_MS);
-  }
-
-  async send() {
-    const value = this.pending;
+  // Sets what was meant when the person took hold of it, or nothing.
+  async write(value, { key = "", ...pace } = {}) {
+    const target = this.target();
+    if (this.meant !== undefined && this.meant !== target) {
+      this.fail(`Not sent: ${this.targetName} is gone.`, true);
+      return;
+    }
+    const made = this.patch(value);
+    const mine = ++this.writes;
+    const current = () => mine === this.writes && target === this.target();
     try {
-      const state = await patchState(() => this.patch(value));
-      this.fail("");
-      this.pending = this.pending === value ? null : this.pending;
-      document.dispatchEvent(new CustomEvent("state", { detail: state }));
+      await this.store.ask(`${this.id} ${target} ${key}`,
+        typeof made === "function" ? made : () => made,
+        { sure: this.sure, ...pace });
+      if (current()) {
+        this.fail("");
+      }
     } catch (error) {
-      this.pending = this.pending === value ? null : this.pending;
-      this.fail(error instanceof Problem
-        ? error.line : "Not sent: the server does not answer.");
+      if (current()) {
+        const said = error instanceof Problem;
+        this.fail(said ? error.line
+          : "Not sent: the server does not answer.", !said);
+      }
     }
   }
 
-  // Shows the value of a new state unless someone is using the control.
+  // The person goes elsewhere: what was refused gives way to what is.
+  left() {
+    this.fail("");
+    this.show(this.store.state);
+  }
+
+  // Another view, ship or train is shown: what was said is not about it.
+  renew() {
+    this.writes += 1;
+    this.fail("");
+  }
+
   show(state) {
     const value = this.get(state);
     if (!this.held && this.error.hidden) {
       this.set(value);
+    }
+  }
+
+  // The server answers.
+  heard() {
+    if (this.passing) {
+      this.fail("");
     }
   }
 }
@@ -132,25 +183,27 @@ export class Range extends Control {
     this.adopt(this.slider, row);
     this.inputs = [this.slider, this.entry];
     this.node.classList.add("range");
+    this.slider.addEventListener("pointerdown", () => this.hold());
     this.slider.addEventListener("input", () => {
-      const value = round(this.fromSlider(), this.step);
+      const value = this.fromSlider();
       this.entry.value = value;
       this.speak(value);
-      this.write(value);
+      this.known = value;
+      this.write(value, { everyMs: DRAGGING_MS });
     });
     this.entry.addEventListener("input", () => {
       const value = Number.parseFloat(this.entry.value);
       if (Number.isFinite(value)) {
         this.toSlider(value);
-        this.write(value);
+        this.known = value;
+        this.write(value, { afterMs: TYPING_MS });
       }
     });
-    this.entry.addEventListener("blur", () => {
-      if (!this.error.hidden && this.known !== undefined) {
-        this.fail("");
-        this.set(this.known);
-      }
-    });
+  }
+
+  left() {
+    this.known = NaN; // another number may stand in the entry
+    super.left();
   }
 
   setLimits(minimum, maximum) {
@@ -167,9 +220,15 @@ export class Range extends Control {
     this.slider.step = curve ? 1 : this.step;
   }
 
+  // A bent slider counts in thousandths of its length: three digits, so that
+  // each of its steps is another value, and its ends are the range's.
   fromSlider() {
     const x = Number(this.slider.value);
-    return this.curved ? this.unbend(x) : x;
+    if (!this.curved) {
+      return round(x, this.step);
+    }
+    return x <= 0 ? this.minimum : x >= 1000 ? this.maximum
+      : Number(this.unbend(x).toPrecision(3));
   }
 
   toSlider(value) {
@@ -187,13 +246,17 @@ export class Range extends Control {
   }
 
   set(value) {
+    if (value === this.known) {
+      return;
+    }
     this.known = value;
     if (value === undefined) {
       this.entry.value = "";
       this.toSlider(this.minimum);
       return;
     }
-    const shown = round(value, this.step);
+    const shown = this.curved ? Number(value.toPrecision(6))
+      : round(value, this.step);
     if (document.activeElement !== this.entry) {
       this.entry.value = shown;
     }
@@ -207,6 +270,15 @@ export class Choice extends Control {
     this.select = element("select", "select");
     this.setOptions(options.options || []);
     this.adopt(this.select);
+    // Its list stays as it is while it is open.
+    this.select.addEventListener("pointerdown", () => {
+      this.held = true;
+    });
+    for (const type of ["change", "blur", "keyup"]) {
+      this.select.addEventListener(type, () => {
+        this.held = false;
+      });
+    }
     this.select.addEventListener("change", () => {
       if (options.chosen) {
         options.chosen(this.select.value);
@@ -219,7 +291,7 @@ export class Choice extends Control {
   // options: [[value, text], …]
   setOptions(options) {
     const key = JSON.stringify(options);
-    if (key !== this.key) {
+    if (key !== this.key && !this.held) {
       this.key = key;
       const value = this.select.value;
       this.select.replaceChildren(...options.map(([v, text]) => {

@@ -1,8 +1,9 @@
 // The sections of the panel: which field of the state each control sets. What
 // is legal comes from the schema (/v1/fields).
 
-import { Gone, Problem, stepClock } from "/api.js";
+import { Gone, Problem } from "/api.js";
 import { button, Check, Choice, Range, Text } from "/panel.js";
+import { Swell } from "/swell.js";
 
 const byId = (id) => document.getElementById(id);
 const UNITS = { "m/s": "metres per second", "°": "degrees", m: "metres",
@@ -26,16 +27,14 @@ const BEAUFORT = [0.3, 1.6, 3.4, 5.5, 8, 10.8, 13.9, 17.2, 20.8, 24.5, 28.5];
 export const beaufort = (speed) => BEAUFORT.filter((v) => speed >= v).length;
 
 export class Sections {
-  // fields: Map of /v1/fields; views: the grid; told(state): a new one.
-  constructor(fields, views, told) {
+  // fields: Map of /v1/fields; views: the grid.
+  constructor(fields, views, store) {
     this.fields = fields;
     this.views = views;
-    this.told = told;
+    this.store = store;
     this.controls = [];
-    this.state = {};
-    this.train = 0;
     this.buildSea();
-    this.buildSwell();
+    new Swell(this).build();
     this.buildSky();
     this.buildWater();
     this.buildView();
@@ -51,25 +50,37 @@ export class Sections {
     return control;
   }
 
+  check(parent, id, label, { depends, ...more }) {
+    return this.add(new Check(byId(parent), { store: this.store, id, label,
+      ...more }), depends);
+  }
+
+  // One of a list that may change: options(state).
+  pick(parent, id, label, { depends, options, ...more }) {
+    const control = this.add(new Choice(byId(parent), { store: this.store, id,
+      label, ...more }), depends);
+    control.options = options;
+    return control;
+  }
+
   // path: of the field that gives the range, and the value unless `get` and
   // `patch` say otherwise.
-  range(parent, label, path, unit, step, more = {}) {
+  range(parent, label, path, unit, step, { depends, ...more } = {}) {
     const field = this.fields.get(path) ?? {};
     const keys = path.split(".");
-    return this.add(new Range(byId(parent), {
-      id: more.id, path, label, unit, unitName: UNITS[unit] ?? unit, step,
+    return this.add(new Range(byId(parent), { store: this.store,
+      path, label, unit, unitName: UNITS[unit] ?? unit, step,
       minimum: field.minimum ?? 0, maximum: field.maximum ?? 100,
-      scale: more.scale,
-      get: more.get ?? ((s) => keys.reduce((at, key) => at?.[key], s)),
-      patch: more.patch ??
-        ((v) => keys.reduceRight((value, key) => ({ [key]: value }), v)),
-    }), more.depends);
+      get: (s) => keys.reduce((at, key) => at?.[key], s),
+      patch: (v) => keys.reduceRight((value, key) => ({ [key]: value }), v),
+      ...more,
+    }), depends);
   }
 
   choice(parent, id, label, path, depends) {
     const [part, name] = path.split(".");
     const control = new Choice(byId(parent), {
-      id, label, get: (s) => s[part]?.[name],
+      store: this.store, id, label, get: (s) => s[part]?.[name],
       options: (this.fields.get(path)?.values ?? []).map((v) => [v, words(v)]),
       patch: (v) => ({ [part]: { [name]: v } }),
     });
@@ -92,7 +103,7 @@ export class Sections {
       { depends: is("JONSWAP", "TMA") });
     this.choice("sea", "synthesiser", "Waves made by", "sea.synthesiser");
     this.range("sea", "Level of the sea", "sea.level", "m", 0.1);
-    const seed = this.add(new Text(byId("sea"), {
+    const seed = this.add(new Text(byId("sea"), { store: this.store,
       id: "seed", label: "Seed of the waves", type: "number",
       get: (s) => String(s.sea?.seed ?? 1),
       patch: (v) => ({ sea: { seed: Number(v) } }),
@@ -104,68 +115,14 @@ export class Sections {
     }));
   }
 
-  // The list goes whole.
-  patchTrain(change) {
-    const trains = structuredClone(this.state.sea?.swell ?? []);
-    trains[this.train] = { ...trains[this.train], ...change };
-    return { sea: { swell: trains } };
-  }
-
-  buildSwell() {
-    const trains = (s) => s.sea?.swell ?? [];
-    const on = (s) => trains(s)[this.train] !== undefined;
-    this.add(new Check(byId("swell"), {
-      id: "swell-on", label: "A swell runs", get: (s) => trains(s).length > 0,
-      patch: (v) => {
-        this.train = 0;
-        return { sea: { swell: v ? [{}] : [] } };
-      },
-    }));
-    const choice = this.add(new Choice(byId("swell"), {
-      id: "swell-train", label: "Train", get: () => String(this.train),
-      chosen: (v) => {
-        this.train = Number(v);
-        this.show(this.state, true);
-      },
-    }), (s) => trains(s).length > 0);
-    choice.options = (s) => trains(s).map((t, i) => [String(i),
-      `${i + 1}: ${t.height ?? 1} m from ${Math.round(t.direction ?? 270)}°`]);
-    const set = (change, train) => {
-      this.train = train;
-      choice.write(change);
-    };
-    choice.patch = (change) => ({ sea: { swell: change(trains(this.state)) } });
-    this.trainChoice = choice;
-    choice.node.classList.add("with-button");
-    const pair = document.createElement("span");
-    pair.className = "pair";
-    choice.select.after(pair);
-    button(pair, "+", "Add a train of swell", () => {
-      set((list) => [...list, {}], trains(this.state).length);
-    });
-    button(pair, "−", "Remove this train of swell", () => {
-      const gone = this.train;
-      set((list) => list.filter((_, i) => i !== gone), Math.max(0, gone - 1));
-    });
-    const range = (label, name, unit, step, id) =>
-      this.range("swell", label, `sea.swell.*.${name}`, unit, step, {
-        id, depends: on, get: (s) => trains(s)[this.train]?.[name],
-        patch: (v) => this.patchTrain({ [name]: v }) });
-    range("Height", "height", "m", 0.1, "swell-height");
-    range("Period", "period", "s", 0.5, "swell-period");
-    range("From", "direction", "°", 1, "swell-direction");
-    range("Spread", "spread", "°", 1, "swell-spread");
-  }
-
   // --- light and water ----------------------------------------------------------
 
   buildSky() {
-    this.add(new Check(byId("sky"), {
-      id: "sun-clock", label: "Sun from the clock",
+    this.check("sky", "sun-clock", "Sun from the clock", {
       get: (s) => !sunFixed(s),
       patch: (v) => ({ sky: v ? { sunElevation: null, sunAzimuth: null }
         : { sunElevation: 30, sunAzimuth: 200 } }),
-    }));
+    });
     this.range("sky", "Sun elevation", "sky.sunElevation", "°", 0.5,
       { id: "sun-elevation", depends: sunFixed });
     this.range("sky", "Sun azimuth", "sky.sunAzimuth", "°", 1,
@@ -191,7 +148,7 @@ export class Sections {
       named: { named: "NORTH_ATLANTIC" },
       numbers: Object.fromEntries(names.map((n, i) => [n, clear[i]])),
     };
-    this.add(new Choice(byId("water"), {
+    this.add(new Choice(byId("water"), { store: this.store,
       id: "water-way", label: "Described by",
       options: [["chlorophyll", "chlorophyll"], ["jerlov", "Jerlov's type"],
         ["named", "a known water"], ["numbers", "coefficients"]],
@@ -217,18 +174,24 @@ export class Sections {
   // --- camera and ship --------------------------------------------------------------
 
   buildView() {
-    const view = (s) => (s.views ?? []).find((v) => v.name === this.views.name);
+    const view = (s, name = this.views.name) =>
+      (s.views ?? []).find((v) => v.name === name);
     const there = (s) => view(s) !== undefined;
-    const patch = (name) => (v) =>
-      ({ views: { [this.views.name]: { [name]: v } } });
+    // Of the view that is chosen now, even when another is when it is sent.
+    const about = { target: () => this.views.name,
+      targetName: "that view", sure: 1 };
+    const patch = (field) => (v) => {
+      const { name } = this.views;
+      return (s) => view(s, name) ? { views: { [name]: { [field]: v } } } : null;
+    };
     const range = (label, name, unit, step, more = {}) =>
       this.range("view", label, `views.*.${name}`, unit, step, {
         depends: there, get: (s) => view(s)?.[name], patch: patch(name),
-        ...more });
-    this.add(new Choice(byId("view"), {
-      id: "view-name", label: "View", get: () => this.views.name,
-      chosen: (v) => this.views.choose(v),
-    })).options = (s) => (s.views ?? []).map((v) => [v.name, v.name]);
+        ...about, ...more });
+    this.pick("view", "view-name", "View", {
+      get: () => this.views.name, chosen: (v) => this.views.choose(v),
+      options: (s) => (s.views ?? []).map((v) => [v.name, v.name]),
+    });
     range("Yaw, to starboard of the bow", "yaw", "°", 1, { id: "yaw" });
     range("Pitch, upward", "pitch", "°", 0.5, { id: "pitch" });
     range("Roll, right side down", "roll", "°", 0.5, { id: "roll" });
@@ -238,11 +201,10 @@ export class Sections {
       { id: "up", scale: "asinh" });
     range("Towards the bow", "forward", "m", 0.5, { scale: "asinh" });
     range("To starboard", "right", "m", 0.5, { scale: "asinh" });
-    this.add(new Check(byId("view"), {
-      id: "auto-exposure", label: "Exposure by the light",
-      get: (s) => view(s)?.exposure === undefined,
+    this.check("view", "auto-exposure", "Exposure by the light", { ...about,
+      depends: there, get: (s) => view(s)?.exposure === undefined,
       patch: (v) => patch("exposure")(v ? null : 14),
-    }), there);
+    });
     range("Exposure", "exposure", "EV", 0.1, { id: "exposure",
       depends: (s) => view(s)?.exposure !== undefined });
     const level = button(byId("view"), "Ahead and level",
@@ -253,34 +215,39 @@ export class Sections {
     level.id = "level";
   }
 
-  ship(s) {
-    return entities(s).find((e) => String(e.id ?? 0) === this.shipId);
+  ship(s, id = this.shipId) {
+    return entities(s).find((e) => String(e.id ?? 0) === id);
   }
 
   buildShip() {
-    this.add(new Choice(byId("ship"), {
-      id: "ship-id", label: "Ship", get: () => this.shipId,
+    this.pick("ship", "ship-id", "Ship", {
+      get: () => this.shipId,
       chosen: (v) => {
         this.shipId = v;
-        this.show(this.state, true);
+        this.show(true);
       },
-    })).options = (s) => entities(s).map((e) =>
-      [String(e.id ?? 0), e.name || `entity ${e.id ?? 0}`]);
-    const there = (s) => this.ship(s) !== undefined;
+      options: (s) => entities(s).map((e) =>
+        [String(e.id ?? 0), e.name || `entity ${e.id ?? 0}`]),
+    });
     const range = (label, name, unit, step, id) =>
       this.range("ship", label, `entities.*.${name}`, unit, step, { id,
-        depends: there, get: (s) => this.ship(s)?.[name],
-        patch: (v) => ({ entities: { [this.shipId]: { [name]: v } } }) });
+        depends: (s) => this.ship(s) !== undefined,
+        get: (s) => this.ship(s)?.[name],
+        target: () => this.shipId, targetName: "that ship", sure: 1,
+        patch: (v) => {
+          const ship = this.shipId;
+          return (s) => this.ship(s, ship)
+            ? { entities: { [ship]: { [name]: v } } } : null;
+        } });
     range("Heading", "heading", "°", 1, "heading");
     range("Course", "course", "°", 1, "course");
     range("Speed", "speed", "m/s", 0.1, "speed");
     range("Turn rate", "turnRate", "°/s", 0.1, "turn-rate");
     range("Pitch, bow up", "pitch", "°", 0.1, "ship-pitch");
     range("Roll, starboard down", "roll", "°", 0.1, "ship-roll");
-    this.add(new Check(byId("ship"), {
-      id: "own-ship", label: "The sea moves it (own ship)",
+    this.check("ship", "own-ship", "The sea moves it (own ship)", {
       get: (s) => Boolean(s.ownShip?.on), patch: (v) => ({ ownShip: { on: v } }),
-    }));
+    });
     const sails = (s) => Boolean(s.ownShip?.on);
     this.range("ship", "Rudder", "ownShip.rudder", "°", 1, { depends: sails });
     this.range("ship", "Throttle", "ownShip.throttle", "", 0.05,
@@ -291,7 +258,7 @@ export class Sections {
     this.choice("clock", "clock-mode", "Time runs", "clock.mode");
     this.range("clock", "Rate", "clock.rate", "×", 0.1, { id: "rate",
       depends: (s) => ["FREE", "PACED"].includes(s.clock?.mode) });
-    this.add(new Text(byId("clock"), {
+    this.add(new Text(byId("clock"), { store: this.store,
       id: "utc", label: "UTC at simulated time 0", type: "datetime-local",
       get: (s) => (s.clock?.utc ?? "").replace(/(\.\d+)?Z$/, ""),
       patch: (v) => ({ clock: { utc: `${v.length === 16 ? `${v}:00` : v}Z` } }),
@@ -299,50 +266,48 @@ export class Sections {
     const step = button(byId("clock"), "Step 1 s", "Advance time by one second",
       async () => {
         try {
-          this.told(await stepClock(1));
+          await this.store.step(1);
         } catch (error) {
           if (!(error instanceof Problem || error instanceof Gone)) {
             throw error;
           }
         }
       });
-    this.controls.push({
+    this.add({
       show: () => {},
-      depends: (s) => s.clock?.mode === "STEPPED",
       set enabled(enabled) {
         step.hidden = !enabled;
       },
-    });
+    }, (s) => s.clock?.mode === "STEPPED");
   }
 
   // --- showing ----------------------------------------------------------------------
 
-  find(id) {
-    return this.controls.find((control) => control.id === id);
-  }
-
-  show(state, chosen = false) {
-    this.state = state;
+  // renewed: another view, ship or train is chosen.
+  show(renewed = false) {
+    const { state } = this.store;
     if (!this.ship(state)) {
       const first = entities(state)[0];
       this.shipId = first ? String(first.id ?? 0) : null;
     }
-    const trains = state.sea?.swell?.length ?? 0;
-    if (this.trainChoice.pending === null) { // else one is being added
-      this.train = Math.min(this.train, Math.max(trains - 1, 0));
-    }
     for (const control of this.controls) {
+      if (renewed) {
+        control.renew?.();
+      }
       if (control.options instanceof Function) {
         control.setOptions(control.options(state));
-      }
-      if (chosen && control.fail) {
-        control.touched = -Infinity;
-        control.fail("");
       }
       control.show(state);
       if (control.depends) {
         control.enabled = control.depends(state);
       }
+    }
+  }
+
+  // The server answers.
+  heard() {
+    for (const control of this.controls) {
+      control.heard?.();
     }
   }
 }

@@ -53,17 +53,14 @@ class Tile {
       this.makeCaption());
     this.live = new Player(view.name, this.canvas, this.image,
       (frame) => this.told(frame), () => this.showWay());
-    this.look = new Look(view.name, {
-      limits: (field) => grid.limits(field),
-      asked: (change) => this.expect(change),
-      told: (state) => grid.told(state),
-    });
+    this.look = new Look(view.name, grid.store,
+      (field) => grid.limits(field));
     this.showWay();
     this.node.addEventListener("focusin", () => grid.choose(this.name));
     this.node.addEventListener("pointerdown", () => grid.choose(this.name));
     followPointers(this.glass, { look: this.look, view: () => this.view,
       tapped: () => this.fullScreen() });
-    this.update(view);
+    this.update();
   }
 
   makeCaption() {
@@ -88,30 +85,30 @@ class Tile {
     return caption;
   }
 
-  update(view) {
-    this.view = { ...view, ...this.look.wish };
+  // Of the newest state: what was asked for, before the server has it.
+  get view() {
+    this.last = this.grid.store.state.views?.find((v) =>
+      v.name === this.name) ?? this.last;
+    return this.last;
+  }
+
+  update() {
+    const { view } = this;
     this.image.width = view.width;
     this.image.height = view.height;
     this.node.style.setProperty("--aspect", `${view.width} / ${view.height}`);
     this.drawHud();
   }
 
-  // What was asked for, shown before the server has it.
-  expect(change) {
-    this.view = { ...this.view, ...change };
-    this.grid.expect(this.name, change);
-    this.drawHud();
-  }
-
   drawHud() {
     this.glass.classList.toggle("clear", !this.grid.instruments);
-    if (this.grid.instruments && this.grid.state) {
+    if (this.grid.instruments) {
       this.hud.draw(this.pose(), this.grid.marks());
     }
   }
 
   pose() {
-    const { state } = this.grid;
+    const { state } = this.grid.store;
     const time = this.frame?.time ?? state.clock?.time ?? 0;
     const entity = this.view.entity === undefined ? undefined
       : this.grid.track.at(this.view.entity, time);
@@ -178,14 +175,13 @@ class Tile {
 
 export class Views {
   // limits(field): of a view, by the schema; chosen(name): another view is;
-  // told(state), frameShown(frame), expect(name, change): as they say.
-  constructor(node, { limits, chosen, told, frameShown, expect }) {
+  // frameShown(frame): as it says.
+  constructor(node, store, { limits, chosen, frameShown }) {
     this.node = node;
+    this.store = store;
     this.limits = limits;
     this.onChosen = chosen;
-    this.told = told;
     this.frameShown = frameShown;
-    this.expect = expect;
     this.tiles = new Map();
     this.name = "";
     this.up = true;
@@ -207,7 +203,7 @@ export class Views {
 
   // Bearings that the compass shows.
   marks() {
-    const { sky, sea } = this.state;
+    const { sky, sea } = this.store.state;
     return {
       sun: sky?.sunElevation === undefined ? undefined : sky.sunAzimuth,
       wind: (sea?.windSpeed ?? 0) > 0 ? sea.windDirection : undefined,
@@ -232,8 +228,8 @@ export class Views {
     return this.tiles.get(this.name);
   }
 
-  show(state) {
-    this.state = state;
+  show() {
+    const { state } = this.store;
     this.track.add(state);
     const views = state.views ?? [];
     const names = new Set(views.map((view) => view.name));
@@ -247,7 +243,7 @@ export class Views {
     for (const view of views) {
       const tile = this.tiles.get(view.name);
       if (tile) {
-        tile.update(view);
+        tile.update();
       } else {
         const made = new Tile(this, view);
         this.tiles.set(view.name, made);
