@@ -27,7 +27,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
 TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
     python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
-    python3-wheel openexr chromium chromium-driver python3-selenium \
+    python3-wheel openexr chromium \
     nginx-light openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
     tshark
@@ -525,7 +525,7 @@ $(O)/bin/bench_streams: $(O)/tests/bench/streams.o $(O)/tests/bench/scene.o $(O)
 bench-streams: deps ## what streams cost, and their latency in Chromium
 	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/bench_streams
 	$(O)/bin/bench_streams $(or $(ARGS),--views 1$(comma)4)
-	$(Q)/usr/bin/python3 -B tests/bench/latency.py
+	$(Q)node tests/bench/latency.mjs
 	$(Q)/usr/bin/python3 -B tests/stream_test.py Crowd \
 	    Rtsp.test_late_joiner_gets_a_key_frame_after_play
 
@@ -580,7 +580,7 @@ soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 6
 	    Crowd.test_stalled_among_good Rtsp.test_stalled_client_delays_nobody
 	$(Q)SOAK=1 /usr/bin/python3 -B tests/security_test.py \
 	    Limits.test_viewer_that_answers_no_ping
-	$(Q)/usr/bin/python3 -B tests/bench/latency.py --seconds 60
+	$(Q)node tests/bench/latency.mjs --seconds 60
 
 # --- style ---------------------------------------------------------------
 C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | sort)

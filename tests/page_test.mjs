@@ -54,11 +54,14 @@ const slide = (id, value) => page.locator(`#${id}`).evaluate((node, v) => {
 const state = () => daemon.state();
 const view = async () => (await state()).views[0];
 const text = (selector) => page.locator(selector).first().textContent();
-const openSections = () => page.evaluate(() => {
-  document.querySelectorAll("details").forEach((d) => {
-    d.open = true;
+const openSections = async () => {
+  await until("the controls", () => page.locator("#wind-speed").count());
+  await page.evaluate(() => {
+    document.querySelectorAll("details").forEach((d) => {
+      d.open = true;
+    });
   });
-});
+};
 
 // Mean, spread and a sum of the picture's lower half.
 const pixels = () => page.evaluate(() => {
@@ -492,7 +495,6 @@ describe("on a slow link", () => {
     await fresh();
     await open(daemon.url);
     await openSections();
-    await until("the controls", () => page.locator("#wind-speed").count());
     await page.route("**/v1/state", async (route) => {
       await sleep(SLOW_MS);
       await route.continue().catch(() => {}); // the page is closed

@@ -2,6 +2,7 @@
 // need is loaded when a picture is there.
 
 import { Gone, inTurn, perform, Problem } from "/api.js";
+import { firstState } from "/early.js";
 import { Store } from "/store.js";
 import { Views } from "/views.js";
 
@@ -154,10 +155,10 @@ async function begin() {
 
 let beginning = null;
 
-async function poll() {
+async function poll(first) {
   let next = POLL_MS;
   try {
-    await store.read();
+    await store.read(first);
     show();
     next = store.told.ownShip?.on ? MOVING_MS : POLL_MS;
     controls?.heard();
@@ -168,7 +169,7 @@ async function poll() {
   } catch (error) {
     if (error instanceof Problem && error.status === 401) {
       showLink(false, "The server asks for a token.");
-      (await import("/login.js")).askToken(error.message, poll);
+      (await import("/login.js")).askToken(error.message, () => poll());
       next = null; // goes on with the token
     } else if (error instanceof Problem) {
       showLink(false, `The server refuses: ${error.message}`);
@@ -180,7 +181,7 @@ async function poll() {
     }
   } finally {
     if (next !== null) {
-      setTimeout(poll, next);
+      setTimeout(() => poll(), next);
     }
   }
 }
@@ -188,4 +189,4 @@ async function poll() {
 document.addEventListener("keydown", onKey);
 byId("panel").addEventListener("submit", (event) => event.preventDefault());
 setInterval(refresh, 500);
-poll();
+poll(firstState);

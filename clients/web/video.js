@@ -2,7 +2,7 @@
 // proto/live.md. Each picture is acknowledged when it is decoded, so the
 // server sends a slow browser fewer of them.
 
-import { subprotocols } from "/api.js";
+import { acknowledge, connect } from "/early.js";
 
 const RETRY_MS = 1000;
 const RATE_WINDOW_MS = 3000;
@@ -75,7 +75,6 @@ export class Video {
     this.latencies = [];
     this.missed = 0;
     this.errors = 0;
-    this.refused = 0;
     this.clockMs = 0; // server's clock minus ours
   }
 
@@ -115,19 +114,8 @@ export class Video {
   }
 
   connect() {
-    const url = new URL(`/v1/views/${encodeURIComponent(this.name)}/live`,
-      location.href);
-    url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
-    const socket = new WebSocket(url, subprotocols());
-    socket.binaryType = "arraybuffer";
+    const { socket, kept } = connect(this.name);
     this.socket = socket;
-    this.opened = false;
-    socket.onopen = () => {
-      this.opened = true;
-      this.refused = 0;
-      this.askTime();
-      this.clock = setInterval(() => this.askTime(), CLOCK_MS);
-    };
     socket.onmessage = (event) => {
       if (socket !== this.socket) {
         return;
@@ -143,6 +131,14 @@ export class Video {
         this.lost();
       }
     };
+    socket.onopen = () => {
+      this.askTime();
+      this.clock = setInterval(() => this.askTime(), CLOCK_MS);
+    };
+    if (socket.readyState === WebSocket.OPEN) {
+      socket.onopen();
+    }
+    kept.forEach(socket.onmessage);
   }
 
   lost() {
@@ -246,7 +242,7 @@ export class Video {
   }
 
   acknowledge(head) {
-    this.send(1, (m) => m.setBigUint64(8, head.number, true));
+    acknowledge(this.socket, head.number);
   }
 
   show(frame) {

@@ -1,5 +1,6 @@
 // The live views: all in a grid as large as the window allows, or one alone.
 
+import { MOST_VIDEOS } from "/early.js";
 import { Hud } from "/hud.js";
 import { followPointers, Look } from "/look.js";
 import { Player } from "/player.js";
@@ -7,7 +8,7 @@ import { Pose, Track } from "/pose.js";
 
 // A browser opens six HTTP connections to one host: four for streams, one for
 // single pictures in turn, one for everything else. WebSockets do not count.
-const STREAMS = { mjpeg: 4, webcodecs: 16 };
+const STREAMS = { mjpeg: 4, webcodecs: MOST_VIDEOS };
 const TURN_MS = 150;
 const PHONE_PX = 992;
 
