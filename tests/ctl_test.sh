@@ -188,6 +188,9 @@ echo "== surface"
 run 0 --json surface 0 0 -20 35.5 --time 10
 jq -e '.time == 10 and (.points | length) == 2 and
     (.points[1].normal[2] > 0.3)' "$out" >/dev/null || fail "surface"
+run 0 --json surface --acceleration --time 10 0 0
+jq -e '.points[0].acceleration | length == 3 and (map(fabs) | add) > 1e-3' \
+    "$out" >/dev/null || fail "acceleration"
 run 2 surface 0
 run 0 --json spectrum -w 1 -n 3 -d 4
 jq -e '.drawn.significantHeight > 0 and (.rows | length) == 3 and

@@ -484,6 +484,39 @@ class SurfaceQueries(OceanCase):
         with self.assertRaises(pelagos.OutOfRange):
             self.ocean.surface([[2e6, 0]])
 
+    def test_acceleration_is_of_the_water(self):
+        points = np.array([[0, 0], [12, -7], [-30, 40.0]])
+        surface = self.ocean.surface(points, 5, acceleration=True)
+        self.assertIsNone(self.ocean.surface(points, 5).acceleration)
+        # Central difference of the velocity where the water goes. Over 4 ms
+        # its third derivative counts: the shortest waves, of some 10 rad/s and
+        # 1 m/s2, change the slope by 1e2 * 4e-6 / 6 of themselves.
+        step = 2e-3
+        along = surface.velocity[:, :2] * step
+        after, before = (self.ocean.surface(points + s * along,
+                                            5 + s * step).velocity
+                         for s in (1, -1))
+        slope = (after - before) / (2 * step)
+        self.assertGreater(np.abs(slope).max(), 0.5)
+        np.testing.assert_allclose(surface.acceleration, slope, atol=0.02)
+
+    def test_of_the_sea_in_a_frame(self):
+        self.ocean.set(clock={"mode": "FREE"})
+        frame = self.ocean.frame("bridge", width=64, height=36)
+        there = self.ocean.surface([[3, 4]], frame=frame.number)
+        self.assertAlmostEqual(there.time, frame.time, delta=1e-9)
+        self.assertEqual(self.ocean.surface([[3, 4]], frame.time).height,
+                         there.height)
+
+    def test_frames_tell_of_silent_inputs(self):
+        def stale():
+            return self.ocean.frame("bridge", width=64, height=36).stale
+        self.assertFalse(stale())
+        self.ocean.set(sources={"otherStale": True})
+        self.assertTrue(stale())
+        with self.ocean.views["bridge"].live(width=64, height=36) as stream:
+            self.assertTrue(next(iter(stream)).stale)
+
     def test_batches_are_of_one_time(self):
         """More points than one query takes, with the clock running."""
         self.ocean.set(clock={"mode": "FREE"})

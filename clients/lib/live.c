@@ -27,6 +27,8 @@ struct part {
     size_t picture, size;
     uint64_t number, revision;
     double time_s;
+    uint32_t host_frame;
+    bool stale;
 };
 
 enum parsed {
@@ -323,6 +325,12 @@ static const char *header(const char *head, const char *name)
     return at + strspn(at, " \t");
 }
 
+/* X-Pelagos-Stale names the inputs, or says "none". */
+static bool is_stale(const char *value)
+{
+    return *value && strncmp(value, "none", 4) != 0;
+}
+
 /* The part that begins `skip` bytes after the buffer's start. */
 static enum parsed parse(const struct stream *stream, size_t skip,
                          struct part *part, size_t *missing)
@@ -349,6 +357,9 @@ static enum parsed parse(const struct stream *stream, size_t skip,
         .number = strtoull(header(head, "X-Pelagos-Frame:"), NULL, 10),
         .revision = strtoull(header(head, "X-Pelagos-Revision:"), NULL, 10),
         .time_s = strtod(header(head, "X-Pelagos-Time:"), NULL),
+        .host_frame =
+            (uint32_t)strtoul(header(head, "X-Pelagos-Host-Frame:"), NULL, 10),
+        .stale = is_stale(header(head, "X-Pelagos-Stale:")),
     };
     if (there - size < part->size) {
         *missing = part->size - (there - size);
@@ -406,6 +417,8 @@ enum pel_client_code pel_live_next(struct pel_live *live, int timeout_ms,
     live->used = part.picture + part.size;
     *frame = (struct pel_live_frame){
         .number = part.number,
+        .host_frame = part.host_frame,
+        .stale = part.stale,
         .time_s = part.time_s,
         .revision = part.revision,
         .dropped = live->dropped,

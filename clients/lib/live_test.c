@@ -80,7 +80,8 @@ static void stop(struct fake *fake)
 #define PART(number, text, length)                                             \
     "Content-Type: image/jpeg\r\nContent-Length: " length "\r\n"               \
     "X-Pelagos-Frame: " number "\r\nX-Pelagos-Time: " number ".5\r\n"          \
-    "X-Pelagos-Revision: 3\r\n\r\n" text "\r\n--pelagos\r\n"
+    "X-Pelagos-Revision: 3\r\nX-Pelagos-Stale: cigi,nmea\r\n"                  \
+    "X-Pelagos-Host-Frame: 77\r\n\r\n" text "\r\n--pelagos\r\n"
 
 static const char three[] = OK_HEAD "--pelagos\r\n" PART("7", "abc", "3")
     PART("8", "defg", "4") PART("9", "\r\n\r\nhi", "6");
@@ -100,6 +101,8 @@ static void test_newest_of_three(void **state)
     assert_int_equal(pel_live_next(live, 2000, &frame, &error), PEL_CLIENT_OK);
     assert_int_equal(frame.number, 9);
     assert_int_equal(frame.revision, 3);
+    assert_int_equal(frame.host_frame, 77);
+    assert_true(frame.stale);
     assert_true(frame.time_s == 9.5);
     assert_int_equal(frame.dropped, 2);
     assert_int_equal(frame.size, 6);

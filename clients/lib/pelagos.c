@@ -406,7 +406,7 @@ static bool join_points(Pelagos__Surface *all, Pelagos__Surface *more)
 /* `list` in as many requests as it takes, all at the time of the first. */
 static enum pel_client_code ask_points(struct pel_client *client,
                                        Pelagos__Point **list, size_t count,
-                                       const double *time_s,
+                                       const struct pel_client_sea *sea,
                                        Pelagos__Surface **out,
                                        struct pel_client_error *error)
 {
@@ -416,8 +416,11 @@ static enum pel_client_code ask_points(struct pel_client *client,
         Pelagos__SurfaceQuery query = PELAGOS__SURFACE_QUERY__INIT;
         query.n_points = left < POINTS_AT_ONCE ? left : POINTS_AT_ONCE;
         query.points = list + done;
-        query.has_time = time_s != NULL || all != NULL;
-        query.time = all ? all->time : time_s ? *time_s : 0.0;
+        query.has_time = sea->time_s != NULL || all != NULL;
+        query.time = all ? all->time : sea->time_s ? *sea->time_s : 0.0;
+        query.has_frame = sea->frame != 0;
+        query.frame = sea->frame;
+        query.has_acceleration = query.acceleration = sea->acceleration;
         Pelagos__Surface *part = NULL;
         enum pel_client_code code = send_points(client, &query, &part, error);
         if (code == PEL_CLIENT_OK && !all) {
@@ -437,12 +440,12 @@ static enum pel_client_code ask_points(struct pel_client *client,
     return PEL_CLIENT_OK;
 }
 
-enum pel_client_code pel_client_surface(struct pel_client *client,
-                                        const double (*east_north_m)[2],
-                                        size_t count, const double *time_s,
-                                        Pelagos__Surface **out,
-                                        struct pel_client_error *error)
+enum pel_client_code
+pel_client_surface(struct pel_client *client, const double (*east_north_m)[2],
+                   size_t count, const struct pel_client_sea *sea,
+                   Pelagos__Surface **out, struct pel_client_error *error)
 {
+    static const struct pel_client_sea present = { 0 };
     if (count < 1 || count > MAX_POINTS) {
         return fail(error, PEL_CLIENT_OUT_OF_RANGE,
                     "%zu points; a query has 1 to %d", count, MAX_POINTS);
@@ -458,7 +461,8 @@ enum pel_client_code pel_client_surface(struct pel_client *client,
             points[i].north = east_north_m[i][1];
             list[i] = &points[i];
         }
-        code = ask_points(client, list, count, time_s, out, error);
+        code =
+            ask_points(client, list, count, sea ? sea : &present, out, error);
     } else {
         fail(error, code, "out of memory");
     }

@@ -11,6 +11,7 @@
  * pel_client_close. A refusal by the daemon leaves it usable. */
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -128,14 +129,23 @@ pel_client_frames(struct pel_client *client,
                   const Pelagos__FramesRequest *request, Pelagos__Frames **out,
                   struct pel_client_error *error);
 
-/* Height, normal and velocity of the sea surface at `count` points (1..10,000)
- * given as east, north [m] from the scene's origin. time_s: simulated time,
- * NULL for the clock's. The answers are in the order of the points. Above 3,000
- * points it takes several requests, all for the time of the first. */
+/* Which sea is asked for, and what of it. */
+struct pel_client_sea {
+    const double *time_s; /* simulated time, 0..1e9; NULL: the clock's, or the
+                           * frame's */
+    uint64_t frame;       /* number of one of the last 64 frames: the sea that
+                           * it shows; 0: the present one */
+    bool acceleration;    /* of the water too [m/s2] */
+};
+
+/* Height, normal and velocity (and acceleration) of the sea surface at `count`
+ * points (1..10,000) given as east, north [m] from the scene's origin. sea:
+ * NULL for the present one. The answers are in the order of the points. Above
+ * 3,000 points it takes several requests, all for the time of the first. */
 PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_surface(struct pel_client *client, const double (*east_north_m)[2],
-                   size_t count, const double *time_s, Pelagos__Surface **out,
-                   struct pel_client_error *error);
+                   size_t count, const struct pel_client_sea *sea,
+                   Pelagos__Surface **out, struct pel_client_error *error);
 
 /* The numbers of the sea in force, or of the one that query->patch would make;
  * the scene stays as it is. */
@@ -192,6 +202,8 @@ struct pel_live_frame {
     double time_s;       /* simulated time */
     uint64_t revision;   /* of the state it shows */
     uint64_t dropped;    /* pictures passed over so far for newer ones */
+    uint32_t host_frame; /* of the simulator host that it shows, 0: none */
+    bool stale; /* an input of `sources` was silent when it was drawn */
     const uint8_t *data; /* a whole JPEG file, until the next call */
     size_t size;
 };

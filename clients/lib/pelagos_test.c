@@ -223,6 +223,11 @@ static bool answer_points(struct fake *fake, const Pelagos__Request *request)
         pelagos__surface_point__init(&points[i]);
         points[i].has_height = 1;
         points[i].height = query->points[i]->east + query->points[i]->north;
+        /* What else was asked for, where the caller sees it. */
+        points[i].sounding = query->acceleration ? 1 : 0;
+        points[i].has_sounding = 1;
+        points[i].depth = (double)query->frame;
+        points[i].has_depth = 1;
         list[i] = &points[i];
     }
     Pelagos__Reply reply = PELAGOS__REPLY__INIT;
@@ -253,6 +258,18 @@ static void test_many_points_keep_order_and_time(void **state)
     assert_true(surface->time == 42.0);
     for (size_t i = 0; i < 10000; i++) {
         assert_true(surface->points[i]->height == (double)i + 0.5);
+    }
+    assert_true(surface->points[0]->sounding == 0);
+    pelagos__surface__free_unpacked(surface, NULL);
+    const double when = 7.5;
+    const struct pel_client_sea sea = { &when, 12, true };
+    assert_int_equal(pel_client_surface(client, (const double(*)[2])points,
+                                        5000, &sea, &surface, &error),
+                     PEL_CLIENT_OK);
+    assert_true(surface->time == 7.5);
+    for (size_t i = 0; i < 5000; i++) {
+        assert_true(surface->points[i]->sounding == 1);
+        assert_true(surface->points[i]->depth == 12);
     }
     pelagos__surface__free_unpacked(surface, NULL);
     assert_int_equal(pel_client_surface(client, (const double(*)[2])points, 0,

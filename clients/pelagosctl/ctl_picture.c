@@ -200,26 +200,37 @@ static void metres(bool known, double value, const char *format,
 }
 
 static void print_points(const Pelagos__Surface *surface,
-                         const double (*points)[2])
+                         const double (*points)[2], bool acceleration)
 {
-    printf("# at %.3f s\n%12s %12s %9s  %23s  %23s %9s %9s\n", surface->time,
+    printf("# at %.3f s\n%12s %12s %9s  %23s  %23s %9s %9s%s\n", surface->time,
            "east m", "north m", "height m", "normal east, north, up",
-           "velocity m/s", "depth m", "sounding");
+           "velocity m/s", "depth m", "sounding",
+           acceleration ? "       acceleration m/s2" : "");
     for (size_t i = 0; i < surface->n_points; i++) {
         const Pelagos__SurfacePoint *p = surface->points[i];
         char depth[32], sounding[32];
         metres(p->has_depth, p->depth, "%.2f", "-", depth);
         metres(p->has_sounding, p->sounding, "%.2f", "-", sounding);
         printf("%12.3f %12.3f %9.4f  %7.4f %7.4f %7.4f  %7.3f %7.3f %7.3f "
-               "%9s %9s\n",
+               "%9s %9s",
                points[i][0], points[i][1], p->height, p->normal->east,
                p->normal->north, p->normal->up, p->velocity->east,
                p->velocity->north, p->velocity->up, depth, sounding);
+        if (acceleration) {
+            printf(" %7.3f %7.3f %7.3f", p->acceleration->east,
+                   p->acceleration->north, p->acceleration->up);
+        }
+        putchar('\n');
     }
 }
 
+static void print_vector(const char *name, const Pelagos__Vector *v)
+{
+    printf(",\"%s\":[%.17g,%.17g,%.17g]", name, v->east, v->north, v->up);
+}
+
 static void print_points_json(const Pelagos__Surface *surface,
-                              const double (*points)[2])
+                              const double (*points)[2], bool acceleration)
 {
     printf("{\"time\":%.17g,\"points\":[", surface->time);
     for (size_t i = 0; i < surface->n_points; i++) {
@@ -227,26 +238,44 @@ static void print_points_json(const Pelagos__Surface *surface,
         char depth[32], sounding[32];
         metres(p->has_depth, p->depth, "%.17g", "null", depth);
         metres(p->has_sounding, p->sounding, "%.17g", "null", sounding);
-        printf("%s\n{\"east\":%.17g,\"north\":%.17g,\"height\":%.17g,"
-               "\"normal\":[%.17g,%.17g,%.17g],"
-               "\"velocity\":[%.17g,%.17g,%.17g],"
-               "\"depth\":%s,\"sounding\":%s}",
-               i ? "," : "", points[i][0], points[i][1], p->height,
-               p->normal->east, p->normal->north, p->normal->up,
-               p->velocity->east, p->velocity->north, p->velocity->up, depth,
-               sounding);
+        printf("%s\n{\"east\":%.17g,\"north\":%.17g,\"height\":%.17g",
+               i ? "," : "", points[i][0], points[i][1], p->height);
+        print_vector("normal", p->normal);
+        print_vector("velocity", p->velocity);
+        if (acceleration) {
+            print_vector("acceleration", p->acceleration);
+        }
+        printf(",\"depth\":%s,\"sounding\":%s}", depth, sounding);
     }
     puts("]}");
 }
 
-/* Whether every point came with a normal and a velocity. */
-static bool is_whole(const Pelagos__Surface *surface)
+/* Whether every point came with what was asked for. */
+static bool is_whole(const Pelagos__Surface *surface, bool acceleration)
 {
     for (size_t i = 0; i < surface->n_points; i++) {
-        if (!surface->points[i]->normal || !surface->points[i]->velocity) {
+        const Pelagos__SurfacePoint *p = surface->points[i];
+        if (!p->normal || !p->velocity || (acceleration && !p->acceleration)) {
             return false;
         }
     }
+    return true;
+}
+
+/* The options: which sea is asked for. */
+static bool read_sea(struct ctl *ctl, double *time_s,
+                     struct pel_client_sea *sea)
+{
+    double frame = 0;
+    if (ctl_number(ctl, "time", 0, 1e9, time_s) ||
+        ctl_number(ctl, "frame", 1, 9007199254740992.0, &frame)) {
+        return false;
+    }
+    *sea = (struct pel_client_sea){
+        .time_s = ctl_flag(ctl, "time") ? time_s : NULL,
+        .frame = (uint64_t)frame,
+        .acceleration = ctl_flag(ctl, "acceleration"),
+    };
     return true;
 }
 
@@ -257,7 +286,8 @@ enum ctl_exit ctl_surface(struct ctl *ctl)
         return ctl_say(CTL_USAGE, "points are pairs: EAST NORTH, in metres");
     }
     double time_s = 0;
-    if (ctl_number(ctl, "time", 0, 1e9, &time_s)) {
+    struct pel_client_sea sea;
+    if (!read_sea(ctl, &time_s, &sea)) {
         return CTL_USAGE;
     }
     g_autofree double(*points)[2] = g_malloc_n(count, sizeof *points);
@@ -273,17 +303,17 @@ enum ctl_exit ctl_surface(struct ctl *ctl)
     }
     Pelagos__Surface *surface = NULL;
     struct pel_client_error error;
-    const double *when = ctl_flag(ctl, "time") ? &time_s : NULL;
-    if (pel_client_surface(ctl->client, (const double(*)[2])points, count, when,
+    if (pel_client_surface(ctl->client, (const double(*)[2])points, count, &sea,
                            &surface, &error)) {
         return ctl_report(ctl, &error);
     }
-    if (!is_whole(surface)) {
+    if (!is_whole(surface, sea.acceleration)) {
         status = ctl_say(CTL_UNREACHABLE, "the answer lacks normals");
     } else if (ctl_flag(ctl, "json")) {
-        print_points_json(surface, (const double(*)[2])points);
+        print_points_json(surface, (const double(*)[2])points,
+                          sea.acceleration);
     } else {
-        print_points(surface, (const double(*)[2])points);
+        print_points(surface, (const double(*)[2])points, sea.acceleration);
     }
     pelagos__surface__free_unpacked(surface, NULL);
     return status;

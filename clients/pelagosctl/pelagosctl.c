@@ -53,11 +53,17 @@ static const char *const frame_examples[] = {
 
 static const struct ctl_option surface_options[] = {
     { 0, "time", "SECONDS", "Simulated time instead of the clock's", NULL },
+    { 0, "frame", "NUMBER",
+      "Of the sea in that frame, one of the last 64, instead of the present",
+      NULL },
+    { 'a', "acceleration", NULL, "The water's acceleration too", NULL },
     { 0 },
 };
 static const char *const surface_examples[] = {
     "pelagosctl surface 0 0 -20 35\nTwo points, metres east and north of the "
     "scene's origin.",
+    "pelagosctl surface --acceleration --time 10 0 0\nWhat a buoy feels 10 s "
+    "after the start.",
     NULL,
 };
 

@@ -29,6 +29,8 @@ class Frame:
     format     "jpg", "png" or "exr"
     data       the file's bytes
     render_ms, encode_ms   how long it took [ms]
+    stale      an input of `sources` was silent when it was drawn
+    host       frame number of the simulator host that it shows, 0: none
     """
     view: str
     number: int
@@ -38,6 +40,8 @@ class Frame:
     data: bytes = field(repr=False)
     render_ms: float = 0.0
     encode_ms: float = 0.0
+    stale: bool = False
+    host: int = 0
 
     def image(self) -> "NDArray[np.uint8]":
         """RGB, uint8, (height, width, 3), top row first. JPEG and PNG; needs
@@ -65,7 +69,9 @@ def from_answer(view: str, form: str, headers: Mapping[str, str],
                  float(headers.get("X-Pelagos-Time", 0)),
                  int(headers.get("X-Pelagos-Revision", 0)), form, data,
                  float(headers.get("X-Pelagos-Render-Ms", 0)),
-                 float(headers.get("X-Pelagos-Encode-Ms", 0)))
+                 float(headers.get("X-Pelagos-Encode-Ms", 0)),
+                 headers.get("X-Pelagos-Stale", "none") != "none",
+                 int(headers.get("X-Pelagos-Host-Frame", 0)))
 
 
 def parts_of(answer: Answer) -> Iterator[tuple[dict[str, str], bytes]]:

@@ -25,7 +25,6 @@ class LiveFrame(Frame):
               0 over Motion-JPEG
     present   when all views of this frame are to be shown, by the same clock;
               0: not said
-    host      frame number of the simulator host, 0: none
     key, gap  of video: it can be shown without those before it; pictures were
               left out just before it
     """
@@ -33,7 +32,6 @@ class LiveFrame(Frame):
     dropped: int = 0
     stamp: float = 0.0
     present: float = 0.0
-    host: int = 0
     key: bool = True
     gap: bool = False
 
@@ -42,9 +40,8 @@ def _frame(view: str, head: Head, data: bytes) -> LiveFrame:
     return LiveFrame(view, head.number, head.time, head.revision,
                      "jpg" if head.kind == JPEG else "h264", data,
                      head.drawn / 1e3, (head.encoded - head.drawn) / 1e3,
-                     time.monotonic(), 0, head.stamp / 1e6,
-                     head.present / 1e6, head.host,
-                     head.key, head.gap)
+                     head.stale, head.host, time.monotonic(), 0,
+                     head.stamp / 1e6, head.present / 1e6, head.key, head.gap)
 
 
 class LiveStream:

@@ -28,6 +28,8 @@ class Surface:
     depth     of the bottom below mean sea level [m], negative on land, NaN
               where seabed.file has no data, float64, (...,)
     sounding  depth below the surface at this time [m], 0 where it is dry
+    acceleration  of the water particle [m/s2], east, north, up, float64,
+              (..., 3); None unless it was asked for
     """
     time: float
     height: "NDArray[np.float64]"
@@ -35,10 +37,12 @@ class Surface:
     velocity: "NDArray[np.float64]"
     depth: "NDArray[np.float64]"
     sounding: "NDArray[np.float64]"
+    acceleration: "NDArray[np.float64] | None" = None
 
 
 def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
-          time: float | None) -> Surface:
+          time: float | None = None, frame: int | None = None,
+          acceleration: bool = False) -> Surface:
     """points: (..., 2), east and north. ask: sends one query."""
     np = need.numpy()
     at = np.asarray(points, dtype=np.float64)
@@ -49,10 +53,13 @@ def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
     flat = at.reshape(-1, 2)
     if len(flat) == 0:
         raise ValueError("a query has at least one point")
-    values = np.empty((len(flat), 9))
+    values = np.empty((len(flat), 12))
+    fixed: dict[str, Any] = {"acceleration": True} if acceleration else {}
+    if frame is not None:
+        fixed["frame"] = str(int(frame))
     for start in range(0, len(flat), _AT_ONCE):
         part = flat[start:start + _AT_ONCE]
-        content: dict[str, Any] = {"points": part.tolist()}
+        content: dict[str, Any] = {"points": part.tolist(), **fixed}
         if time is not None:
             content["time"] = float(time)
         answer = ask(content)
@@ -61,7 +68,9 @@ def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
             time = float(answer["time"])
             rows = [(p["height"], *_vector(p["normal"]),
                      *_vector(p["velocity"]), p.get("depth", math.nan),
-                     p.get("sounding", math.nan)) for p in answer["points"]]
+                     p.get("sounding", math.nan),
+                     *_vector(p["acceleration"] if acceleration else {}))
+                    for p in answer["points"]]
             values[start:start + len(part)] = rows
         except (KeyError, TypeError, ValueError) as error:
             raise ProtocolError(f"not a Surface: {error!r}") from None
@@ -70,7 +79,9 @@ def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
     return Surface(time, values[:, 0].reshape(shape),
                    values[:, 1:4].reshape(*shape, 3),
                    values[:, 4:7].reshape(*shape, 3),
-                   values[:, 7].reshape(shape), values[:, 8].reshape(shape))
+                   values[:, 7].reshape(shape), values[:, 8].reshape(shape),
+                   values[:, 9:12].reshape(*shape, 3) if acceleration
+                   else None)
 
 
 def _vector(value: dict[str, float]) -> tuple[float, float, float]:

@@ -22,7 +22,7 @@ _TEXT, _BINARY, _CLOSE, _PING, _PONG = 1, 2, 8, 9, 10
 _MAX_MESSAGE = 64 << 20
 _HEADER = struct.Struct("<BBBBHHQdQQIIIIQ")
 _PRESENT = struct.Struct("<Q")  # later versions add to the end
-_KEY, _GAP = 1, 2
+_KEY, _GAP, _STALE = 1, 2, 4
 # The server pings every 10 s: longer silence is a connection that is gone.
 _SILENCE_S = 30.0
 H264, JPEG = 1, 2
@@ -54,6 +54,10 @@ class Head(NamedTuple):
     @property
     def gap(self) -> bool:
         return bool(self.flags & _GAP)
+
+    @property
+    def stale(self) -> bool:
+        return bool(self.flags & _STALE)
 
 
 class LiveSocket:
