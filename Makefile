@@ -18,7 +18,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     protobuf-compiler protobuf-c-compiler libprotobuf-c-dev libglib2.0-dev \
     libepoxy-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri \
     glslang-tools libmicrohttpd-dev libjson-glib-dev libmodbus-dev \
-    libturbojpeg0-dev libspng-dev libopenexr-dev libsystemd-dev \
+    libjpeg62-turbo-dev libturbojpeg0-dev libspng-dev libopenexr-dev libsystemd-dev \
     libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
@@ -36,7 +36,7 @@ TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmo
 NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd json-glib-1.0 \
-    libprotobuf-c libmodbus libturbojpeg spng OpenEXR libsystemd openssl \
+    libprotobuf-c libmodbus libjpeg libturbojpeg spng OpenEXR libsystemd openssl \
     gstreamer-1.0 gstreamer-app-1.0 gstreamer-video-1.0 \
     gstreamer-rtsp-server-1.0 gstreamer-rtsp-1.0
 
@@ -509,7 +509,7 @@ comma := ,
 
 # --- benchmarks -----------------------------------------------------------
 # Few libraries, so that bench can be carried to a machine without packages.
-BENCH_LIBS := -Wl,--as-needed -lepoxy -lspng -lturbojpeg -lyuv -lOpenEXRCore -lm
+BENCH_LIBS := -Wl,--as-needed -lepoxy -lspng -ljpeg -lturbojpeg -lyuv -lOpenEXRCore -lm
 BENCH_BIN := $(O)/bin/bench $(O)/bin/still
 $(BENCH_BIN): $(O)/bin/%: $(O)/tests/bench/%.o $(O)/tests/bench/scene.o $(O)/libserver.a
 	$(Q)mkdir -p $(@D)

@@ -19,7 +19,7 @@ void pel_bytes_finish(struct pel_bytes *bytes);
 /* Largest width and height of a picture [px]. */
 #define PEL_ENCODE_MAX_SIZE 16384
 
-/* RGBA to JPEG 4:2:0 (libyuv's planes, libturbojpeg); quality 1..100. INVALID
+/* RGBA to JPEG 4:2:0 (libyuv's planes, libjpeg-turbo); quality 1..100. INVALID
  * for a size outside 1..PEL_ENCODE_MAX_SIZE or a quality out of range,
  * NO_MEMORY. The same pixels give the same bytes. */
 PEL_CHECK enum pel_err pel_jpeg_encode(const uint8_t *rgba, uint32_t width,

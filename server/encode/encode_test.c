@@ -13,6 +13,8 @@
 #include <string.h>
 #include <turbojpeg.h>
 
+#include "encode/planes.h"
+
 #include <cmocka.h>
 
 enum { WIDTH = 131, HEIGHT = 77 };
@@ -99,6 +101,52 @@ static void jpeg_decodes_to_the_picture(void **state)
         assert_null(bytes.data);
         free(rgba);
         free(back);
+    }
+}
+
+/* Strips, one after another, are what turbojpeg makes of whole planes. */
+static void jpeg_is_turbojpegs(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[][2] = { { 64, 48 }, { 2, 2 },   { 18, 34 },
+                                         { 32, 8 },  { 34, 18 }, { 640, 362 } };
+    for (size_t i = 0; i < 2 * (sizeof sizes / sizeof *sizes); i++) {
+        uint32_t width = sizes[i / 2][0], height = sizes[i / 2][1];
+        int quality = i % 2 ? 96 : 80;
+        size_t columns = (width + 1) / 2, luma = (size_t)width * height;
+        size_t chroma = columns * ((height + 1) / 2);
+        uint8_t *rgba = make_rgba(width, height);
+        uint8_t *yuv = malloc(luma + 2 * chroma);
+        const struct pel_planes planes = { .y = yuv,
+                                           .u = yuv + luma,
+                                           .v = yuv + luma + chroma,
+                                           .y_stride = (int)width,
+                                           .u_stride = (int)columns,
+                                           .v_stride = (int)columns,
+                                           .width = width,
+                                           .height = height };
+        assert_int_equal(pel_planes_fill(rgba, (int)width * 4, width, height,
+                                         true, NULL, &planes),
+                         PEL_OK);
+        const unsigned char *parts[] = { planes.y, planes.u, planes.v };
+        const int strides[] = { (int)width, (int)columns, (int)columns };
+        unsigned char *want = NULL;
+        unsigned long want_size = 0;
+        tjhandle writer = tjInitCompress();
+        assert_int_equal(tjCompressFromYUVPlanes(
+                             writer, parts, (int)width, strides, (int)height,
+                             TJSAMP_420, &want, &want_size, quality, 0),
+                         0);
+        struct pel_bytes bytes;
+        assert_int_equal(pel_jpeg_encode(rgba, width, height, quality, &bytes),
+                         PEL_OK);
+        assert_int_equal(bytes.size, want_size);
+        assert_memory_equal(bytes.data, want, want_size);
+        pel_bytes_finish(&bytes);
+        tjFree(want);
+        tjDestroy(writer);
+        free(yuv);
+        free(rgba);
     }
 }
 
@@ -490,6 +538,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(jpeg_decodes_to_the_picture),
+        cmocka_unit_test(jpeg_is_turbojpegs),
         cmocka_unit_test(png_decodes_to_the_same_pixels),
         cmocka_unit_test(exr_halves_are_the_nearest),
         cmocka_unit_test(exr_floats_are_the_same_bits),

@@ -1,20 +1,28 @@
 #include "encode/encode.h"
 
 #include <pthread.h>
+#include <setjmp.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <turbojpeg.h>
+
+#include <jpeglib.h>
 
 #include "encode/planes.h"
+
+/* Rows that the library takes at a time: of luma, of the others half. */
+#define ROWS (2 * DCTSIZE)
 
 /* What a thread keeps between pictures, so that the frame path allocates no
  * more than the bytes it hands out. */
 struct compressor {
-    tjhandle handle;
-    unsigned char *scratch;
+    struct jpeg_compress_struct library;
+    struct jpeg_error_mgr errors;
+    jmp_buf failed;
+    unsigned char *scratch; /* the file being made */
     unsigned long scratch_size;
-    uint8_t *yuv; /* the planes */
-    size_t yuv_size;
+    uint8_t *planes; /* a strip, or a whole picture of another size */
+    size_t planes_size;
     struct pel_planes_scratch between;
 };
 
@@ -25,11 +33,9 @@ static int compressor_key_error;
 static void compressor_destroy(void *pointer)
 {
     struct compressor *compressor = pointer;
-    if (compressor->handle) {
-        tjDestroy(compressor->handle);
-    }
+    jpeg_destroy_compress(&compressor->library);
     free(compressor->scratch);
-    free(compressor->yuv);
+    free(compressor->planes);
     pel_planes_scratch_finish(&compressor->between);
     free(compressor);
 }
@@ -38,6 +44,18 @@ static void compressor_make_key(void)
 {
     compressor_key_error =
         pthread_key_create(&compressor_key, compressor_destroy);
+}
+
+/* The library's way out: it must not return. */
+static void give_up(j_common_ptr library)
+{
+    struct compressor *compressor = (struct compressor *)library;
+    longjmp(compressor->failed, 1);
+}
+
+static void keep_silent(j_common_ptr library)
+{
+    (void)library;
 }
 
 static struct compressor *compressor_get(void)
@@ -54,66 +72,159 @@ static struct compressor *compressor_get(void)
     if (!compressor) {
         return NULL;
     }
-    compressor->handle = tjInitCompress();
-    if (!compressor->handle ||
-        pthread_setspecific(compressor_key, compressor) != 0) {
+    compressor->library.err = jpeg_std_error(&compressor->errors);
+    compressor->errors.error_exit = give_up;
+    compressor->errors.output_message = keep_silent;
+    if (setjmp(compressor->failed) != 0) {
+        compressor_destroy(compressor);
+        return NULL;
+    }
+    jpeg_create_compress(&compressor->library);
+    if (pthread_setspecific(compressor_key, compressor) != 0) {
         compressor_destroy(compressor);
         return NULL;
     }
     return compressor;
 }
 
-/* Makes room for the largest JPEG of this size, and lays out its planes. */
-static enum pel_err compressor_reserve(struct compressor *compressor,
-                                       uint32_t width, uint32_t height,
-                                       struct pel_planes *planes)
+/* Makes room for the largest JPEG of this size, as turbojpeg reckons it, and
+ * for `rows` rows of planes, as wide as blocks go. */
+static enum pel_err reserve(struct compressor *compressor, uint32_t width,
+                            uint32_t height, uint32_t rows,
+                            struct pel_planes *planes)
 {
-    unsigned long need = tjBufSize((int)width, (int)height, TJSAMP_420);
-    if (need == (unsigned long)-1) {
-        return PEL_ERR_INVALID;
-    }
+    size_t wide = ((size_t)width + ROWS - 1) / ROWS * ROWS;
+    size_t high = ((size_t)height + ROWS - 1) / ROWS * ROWS;
+    size_t need = wide * high * 3 + 2048;
+    size_t luma = wide * rows, size = luma * 3 / 2;
     if (need > compressor->scratch_size) {
         free(compressor->scratch);
         compressor->scratch = malloc(need);
         compressor->scratch_size = compressor->scratch ? need : 0;
     }
-    size_t columns = (width + 1) / 2, rows = (height + 1) / 2;
-    size_t luma = (size_t)width * height, size = luma + 2 * columns * rows;
-    if (size > compressor->yuv_size) {
-        free(compressor->yuv);
-        compressor->yuv = malloc(size);
-        compressor->yuv_size = compressor->yuv ? size : 0;
+    if (size > compressor->planes_size) {
+        free(compressor->planes);
+        compressor->planes = malloc(size);
+        compressor->planes_size = compressor->planes ? size : 0;
     }
-    if (!compressor->scratch || !compressor->yuv) {
+    if (!compressor->scratch || !compressor->planes) {
         return PEL_ERR_NO_MEMORY;
     }
     *planes = (struct pel_planes){
-        .y = compressor->yuv,
-        .u = compressor->yuv + luma,
-        .v = compressor->yuv + luma + columns * rows,
-        .y_stride = (int)width,
-        .u_stride = (int)columns,
-        .v_stride = (int)columns,
+        .y = compressor->planes,
+        .u = compressor->planes + luma,
+        .v = compressor->planes + luma * 5 / 4,
+        .y_stride = (int)wide,
+        .u_stride = (int)(wide / 2),
+        .v_stride = (int)(wide / 2),
         .width = width,
         .height = height,
     };
     return PEL_OK;
 }
 
-static enum pel_err compress(struct compressor *compressor,
-                             const struct pel_planes *planes, int quality,
+/* --- blocks are whole ----------------------------------------------------- */
+
+/* The last column and the last row, repeated to the end of the blocks. */
+static void extend(uint8_t *plane, size_t stride, size_t width, size_t height,
+                   size_t rows)
+{
+    for (size_t i = 0; width < stride && i < height; i++) {
+        uint8_t *row = plane + i * stride;
+        memset(row + width, row[width - 1], stride - width);
+    }
+    for (size_t i = height; i < rows; i++) {
+        memcpy(plane + i * stride, plane + (height - 1) * stride, stride);
+    }
+}
+
+static void extend_all(const struct pel_planes *p, size_t height, size_t rows)
+{
+    size_t columns = (p->width + 1) / 2;
+    extend(p->y, (size_t)p->y_stride, p->width, height, rows);
+    extend(p->u, (size_t)p->u_stride, columns, (height + 1) / 2, rows / 2);
+    extend(p->v, (size_t)p->v_stride, columns, (height + 1) / 2, rows / 2);
+}
+
+/* --- compression ---------------------------------------------------------- */
+
+static void set_up(struct compressor *compressor, uint32_t width,
+                   uint32_t height, int quality)
+{
+    struct jpeg_compress_struct *library = &compressor->library;
+    jpeg_mem_dest(library, &compressor->scratch, &compressor->scratch_size);
+    library->image_width = width;
+    library->image_height = height;
+    library->input_components = 3;
+    library->in_color_space = JCS_YCbCr;
+    jpeg_set_defaults(library);
+    jpeg_set_quality(library, quality, TRUE);
+    library->raw_data_in = TRUE;
+    /* As turbojpeg does: the exact transform where it can be seen. */
+    library->dct_method = quality >= 96 ? JDCT_ISLOW : JDCT_FASTEST;
+    library->comp_info[0].h_samp_factor = 2;
+    library->comp_info[0].v_samp_factor = 2;
+    jpeg_start_compress(library, TRUE);
+}
+
+/* ROWS rows from row `first` of the planes on. */
+static void write_rows(struct compressor *compressor,
+                       const struct pel_planes *p, size_t first)
+{
+    JSAMPROW y[ROWS], u[ROWS / 2], v[ROWS / 2];
+    JSAMPARRAY parts[] = { y, u, v };
+    for (size_t i = 0; i < ROWS; i++) {
+        y[i] = p->y + (first + i) * (size_t)p->y_stride;
+    }
+    for (size_t i = 0; i < ROWS / 2; i++) {
+        u[i] = p->u + (first / 2 + i) * (size_t)p->u_stride;
+        v[i] = p->v + (first / 2 + i) * (size_t)p->v_stride;
+    }
+    jpeg_write_raw_data(&compressor->library, parts, ROWS);
+}
+
+/* A strip of the picture is converted when its turn has come, so that its
+ * planes never leave the processor's cache, and the pixels of the next one are
+ * fetched while it is compressed. */
+static enum pel_err write_strips(struct compressor *compressor,
+                                 const uint8_t *rgba, uint32_t width,
+                                 uint32_t height, struct pel_planes *strip)
+{
+    size_t stride = (size_t)width * 4;
+    for (uint32_t first = 0; first < height; first += ROWS) {
+        uint32_t left = height - first;
+        strip->height = left < ROWS ? left : ROWS;
+        enum pel_err err =
+            pel_planes_fill(rgba + first * stride, (int)stride, width,
+                            strip->height, true, NULL, strip);
+        if (err != PEL_OK) {
+            return err;
+        }
+        if (left > ROWS) {
+            uint32_t next = left - ROWS < ROWS ? left - ROWS : ROWS;
+            pel_planes_fetch(rgba + (first + ROWS) * stride, next * stride);
+        }
+        extend_all(strip, strip->height, ROWS);
+        write_rows(compressor, strip, 0);
+    }
+    return PEL_OK;
+}
+
+static void write_planes(struct compressor *compressor,
+                         const struct pel_planes *planes, uint32_t rows)
+{
+    extend_all(planes, planes->height, rows);
+    for (uint32_t first = 0; first < planes->height; first += ROWS) {
+        write_rows(compressor, planes, first);
+    }
+}
+
+/* What was made, in memory of the caller's. */
+static enum pel_err hand_out(struct compressor *compressor,
                              struct pel_bytes *out)
 {
-    const unsigned char *parts[] = { planes->y, planes->u, planes->v };
-    const int strides[] = { planes->y_stride, planes->u_stride,
-                            planes->v_stride };
-    unsigned long size = compressor->scratch_size;
-    if (tjCompressFromYUVPlanes(compressor->handle, parts, (int)planes->width,
-                                strides, (int)planes->height, TJSAMP_420,
-                                &compressor->scratch, &size, quality,
-                                TJFLAG_NOREALLOC) != 0) {
-        return PEL_ERR_INTERNAL;
-    }
+    jpeg_finish_compress(&compressor->library);
+    size_t size = compressor->scratch_size;
     out->data = malloc(size);
     if (!out->data) {
         return PEL_ERR_NO_MEMORY;
@@ -121,6 +232,33 @@ static enum pel_err compress(struct compressor *compressor,
     memcpy(out->data, compressor->scratch, size);
     out->size = size;
     return PEL_OK;
+}
+
+/* RGBA, or NULL: the planes are filled already. */
+static enum pel_err compress(struct compressor *compressor, const uint8_t *rgba,
+                             struct pel_planes *planes, uint32_t rows,
+                             int quality, struct pel_bytes *out)
+{
+    uint32_t width = planes->width, height = planes->height;
+    unsigned char *own = compressor->scratch;
+    unsigned long own_size = compressor->scratch_size;
+    enum pel_err err = PEL_OK;
+    if (setjmp(compressor->failed) == 0) {
+        set_up(compressor, width, height, quality);
+        if (rgba) {
+            err = write_strips(compressor, rgba, width, height, planes);
+        } else {
+            write_planes(compressor, planes, rows);
+        }
+        err = err == PEL_OK ? hand_out(compressor, out) : err;
+    } else {
+        err = PEL_ERR_INTERNAL;
+    }
+    jpeg_abort_compress(&compressor->library);
+    /* The file has its size in the library's variables; the room stays. */
+    compressor->scratch = own;
+    compressor->scratch_size = own_size;
+    return err;
 }
 
 enum pel_err pel_jpeg_encode_scaled(const uint8_t *rgba, uint32_t width,
@@ -140,13 +278,17 @@ enum pel_err pel_jpeg_encode_scaled(const uint8_t *rgba, uint32_t width,
     if (!compressor) {
         return PEL_ERR_NO_MEMORY;
     }
+    bool as_it_is = width == out_width && height == out_height;
+    uint32_t rows = as_it_is ? ROWS : (out_height + ROWS - 1) / ROWS * ROWS;
     enum pel_err err =
-        compressor_reserve(compressor, out_width, out_height, &planes);
-    if (err == PEL_OK) {
+        reserve(compressor, out_width, out_height, rows, &planes);
+    if (err == PEL_OK && !as_it_is) {
         err = pel_planes_fill(rgba, (int)width * 4, width, height, true,
                               &compressor->between, &planes);
     }
-    return err == PEL_OK ? compress(compressor, &planes, quality, out) : err;
+    return err == PEL_OK ? compress(compressor, as_it_is ? rgba : NULL, &planes,
+                                    rows, quality, out)
+                         : err;
 }
 
 enum pel_err pel_jpeg_encode(const uint8_t *rgba, uint32_t width,

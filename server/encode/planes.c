@@ -5,6 +5,8 @@
 #include <libyuv.h>
 
 #define MAX_SIZE 16384
+#define ROWS 8 /* at a time; even, as chroma is of two */
+#define CACHE_LINE 64
 
 void pel_planes_scratch_finish(struct pel_planes_scratch *scratch)
 {
@@ -14,17 +16,44 @@ void pel_planes_scratch_finish(struct pel_planes_scratch *scratch)
 
 /* libyuv names channels from the last byte of a little-endian word to the
  * first: its ABGR is our RGBA. */
+static int convert_rows(const uint8_t *rgba, int stride, bool full_range,
+                        const struct pel_planes *out, int first, int rows)
+{
+    int width = (int)out->width;
+    const uint8_t *from = rgba + (ptrdiff_t)first * stride;
+    uint8_t *y = out->y + (ptrdiff_t)first * out->y_stride;
+    uint8_t *u = out->u + (ptrdiff_t)first / 2 * out->u_stride;
+    if (!out->v) {
+        return ABGRToNV12(from, stride, y, out->y_stride, u, out->u_stride,
+                          width, rows);
+    }
+    uint8_t *v = out->v + (ptrdiff_t)first / 2 * out->v_stride;
+    return (full_range ? ABGRToJ420 : ABGRToI420)(
+        from, stride, y, out->y_stride, u, out->u_stride, v, out->v_stride,
+        width, rows);
+}
+
+void pel_planes_fetch(const uint8_t *rgba, size_t size)
+{
+    for (size_t i = 0; i < size; i += CACHE_LINE) {
+        __builtin_prefetch(rgba + i);
+    }
+}
+
+/* Memory is slower than the conversion: the next rows are on their way while
+ * these are converted. */
 static int convert(const uint8_t *rgba, int stride, bool full_range,
                    const struct pel_planes *out)
 {
-    int width = (int)out->width, height = (int)out->height;
-    if (!out->v) {
-        return ABGRToNV12(rgba, stride, out->y, out->y_stride, out->u,
-                          out->u_stride, width, height);
+    int height = (int)out->height, status = 0;
+    for (int first = 0; first < height && status == 0; first += ROWS) {
+        int rows = height - first < ROWS ? height - first : ROWS;
+        int next = height - first - rows < ROWS ? height - first - rows : ROWS;
+        pel_planes_fetch(rgba + (ptrdiff_t)(first + rows) * stride,
+                         (size_t)next * (size_t)stride);
+        status = convert_rows(rgba, stride, full_range, out, first, rows);
     }
-    return (full_range ? ABGRToJ420 : ABGRToI420)(
-        rgba, stride, out->y, out->y_stride, out->u, out->u_stride, out->v,
-        out->v_stride, width, height);
+    return status;
 }
 
 static int scale(const struct pel_planes *from, const struct pel_planes *to)

@@ -22,11 +22,14 @@ struct pel_planes_scratch {
 };
 void pel_planes_scratch_finish(struct pel_planes_scratch *scratch);
 
+/* Has the processor fetch so many bytes of a picture, to be read soon. */
+void pel_planes_fetch(const uint8_t *rgba, size_t size);
+
 /* Fills `out` from `rgba`, width x height pixels (1 .. 16384), rows `stride`
  * bytes apart, top row first. BT.601, studio range (16 .. 235) or, full_range,
  * JPEG's. Of the same size the pixels go straight into `out`; else through the
- * scratch, bilinear, by means of 2x2 or more where it becomes smaller.
- * NO_MEMORY; INVALID for a size out of range. */
+ * scratch (else it may be NULL), bilinear, by means of 2x2 or more where it
+ * becomes smaller. NO_MEMORY; INVALID for a size out of range. */
 PEL_CHECK enum pel_err pel_planes_fill(const uint8_t *rgba, int stride,
                                        uint32_t width, uint32_t height,
                                        bool full_range,

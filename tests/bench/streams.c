@@ -358,6 +358,38 @@ static double encoders_alone(enum work work, int count)
 
 /* --- the libraries alone ------------------------------------------------- */
 
+/* The samples as an encoder takes them: more than the processor's caches hold,
+ * as the pictures that we are given. */
+static void make_planes(uint8_t *planes[SAMPLES], bool planar)
+{
+    size_t luma = (size_t)WIDTH * HEIGHT;
+    struct pel_planes_scratch none = { 0 };
+    for (int i = 0; i < SAMPLES; i++) {
+        planes[i] = malloc(luma * 3 / 2);
+        const struct pel_planes p = {
+            .y = planes[i],
+            .u = planes[i] + luma,
+            .v = planar ? planes[i] + luma * 5 / 4 : NULL,
+            .y_stride = WIDTH,
+            .u_stride = planar ? WIDTH / 2 : WIDTH,
+            .v_stride = WIDTH / 2,
+            .width = WIDTH,
+            .height = HEIGHT,
+        };
+        if (pel_planes_fill(samples[i], WIDTH * 4, WIDTH, HEIGHT, planar, &none,
+                            &p) != PEL_OK) {
+            die("converting failed");
+        }
+    }
+}
+
+static void free_planes(uint8_t *planes[SAMPLES])
+{
+    for (int i = 0; i < SAMPLES; i++) {
+        free(planes[i]);
+    }
+}
+
 /* NV12 samples straight into x264enc, as video.c sets it: CPU ms a picture. */
 static double x264_ms(int rounds)
 {
@@ -373,22 +405,9 @@ static double x264_ms(int rounds)
     }
     GstElement *in = gst_bin_get_by_name(GST_BIN(pipeline), "in");
     GstElement *out = gst_bin_get_by_name(GST_BIN(pipeline), "out");
-    size_t luma = (size_t)WIDTH * HEIGHT, size = luma * 3 / 2;
+    size_t size = (size_t)WIDTH * HEIGHT * 3 / 2;
     uint8_t *planes[SAMPLES];
-    struct pel_planes_scratch none = { 0 };
-    for (int i = 0; i < SAMPLES; i++) {
-        planes[i] = malloc(size);
-        const struct pel_planes p = { .y = planes[i],
-                                      .u = planes[i] + luma,
-                                      .y_stride = WIDTH,
-                                      .u_stride = WIDTH,
-                                      .width = WIDTH,
-                                      .height = HEIGHT };
-        if (pel_planes_fill(samples[i], WIDTH * 4, WIDTH, HEIGHT, false, &none,
-                            &p) != PEL_OK) {
-            die("converting failed");
-        }
-    }
+    make_planes(planes, false);
     gst_element_set_state(pipeline, GST_STATE_PLAYING);
     double cpu = 0.0;
     for (int i = 0; i < rounds + 3; i++) {
@@ -409,46 +428,41 @@ static double x264_ms(int rounds)
     gst_object_unref(in);
     gst_object_unref(out);
     gst_object_unref(pipeline);
-    for (int i = 0; i < SAMPLES; i++) {
-        free(planes[i]);
-    }
+    free_planes(planes);
     return cpu;
 }
 
-static double jpeg_ms(int rounds)
+/* The same of turbojpeg; cached: the planes are in the processor's caches. */
+static double jpeg_ms(bool cached, int rounds)
 {
     tjhandle handle = tjInitCompress();
     size_t luma = (size_t)WIDTH * HEIGHT;
-    uint8_t *yuv = malloc(luma * 3 / 2);
     unsigned long room = tjBufSize(WIDTH, HEIGHT, TJSAMP_420);
     unsigned char *out = malloc(room);
-    struct pel_planes_scratch none = { 0 };
-    const struct pel_planes p = { .y = yuv,
-                                  .u = yuv + luma,
-                                  .v = yuv + luma * 5 / 4,
-                                  .y_stride = WIDTH,
-                                  .u_stride = WIDTH / 2,
-                                  .v_stride = WIDTH / 2,
-                                  .width = WIDTH,
-                                  .height = HEIGHT };
+    uint8_t *planes[SAMPLES];
+    make_planes(planes, true);
+    uint8_t *near = malloc(luma * 3 / 2);
     double spent = 0.0;
     for (int i = 0; i < rounds; i++) {
-        if (pel_planes_fill(samples[sample_at(i)], WIDTH * 4, WIDTH, HEIGHT,
-                            true, &none, &p) != PEL_OK) {
-            die("converting failed");
+        uint8_t *y = planes[sample_at(i)];
+        if (cached) {
+            y = memcpy(near, y, luma * 3 / 2);
         }
-        const unsigned char *planes[] = { p.y, p.u, p.v };
-        const int strides[] = { p.y_stride, p.u_stride, p.v_stride };
-        unsigned long size = room;
         double cpu = cpu_ms();
-        tjCompressFromYUVPlanes(handle, planes, WIDTH, strides, HEIGHT,
-                                TJSAMP_420, &out, &size, QUALITY,
-                                TJFLAG_NOREALLOC);
+        const unsigned char *parts[] = { y, y + luma, y + luma * 5 / 4 };
+        const int strides[] = { WIDTH, WIDTH / 2, WIDTH / 2 };
+        unsigned long size = room;
+        if (tjCompressFromYUVPlanes(handle, parts, WIDTH, strides, HEIGHT,
+                                    TJSAMP_420, &out, &size, QUALITY,
+                                    TJFLAG_NOREALLOC) != 0) {
+            die("turbojpeg gives nothing");
+        }
         spent += cpu_ms() - cpu;
     }
     tjDestroy(handle);
     free(out);
-    free(yuv);
+    free(near);
+    free_planes(planes);
     return spent / rounds;
 }
 
@@ -501,17 +515,15 @@ static double convert_ms(bool planar, int rounds)
 static void bench_overhead(FILE *json)
 {
     enum { TURNS = 5, ROUNDS = 60 };
-    double least[6] = { 1e9, 1e9, 1e9, 1e9, 1e9, 1e9 };
+    double least[7] = { 1e9, 1e9, 1e9, 1e9, 1e9, 1e9, 1e9 };
     for (int t = 0; t < TURNS; t++) {
-        const double now[6] = {
-            ours_ms(WORK_H264, ROUNDS),
-            x264_ms(ROUNDS),
-            convert_ms(false, ROUNDS),
-            ours_ms(WORK_JPEG, ROUNDS),
-            jpeg_ms(ROUNDS),
-            convert_ms(true, ROUNDS),
+        const double now[7] = {
+            ours_ms(WORK_H264, ROUNDS), x264_ms(ROUNDS),
+            convert_ms(false, ROUNDS),  ours_ms(WORK_JPEG, ROUNDS),
+            jpeg_ms(false, ROUNDS),     convert_ms(true, ROUNDS),
+            jpeg_ms(true, ROUNDS),
         };
-        for (int i = 0; i < 6; i++) {
+        for (int i = 0; i < 7; i++) {
             least[i] = now[i] < least[i] ? now[i] : least[i];
         }
     }
@@ -528,6 +540,9 @@ static void bench_overhead(FILE *json)
                 "\"conversion\": %.3f},\n",
                 work_keys[k == 0 ? WORK_H264 : WORK_JPEG], m[0], m[1], m[2]);
     }
+    printf("turbojpeg with its planes in the caches: %.2f, ours over it %+.0f "
+           "%%\n",
+           least[6], 100.0 * (least[3] / least[6] - 1.0));
     fflush(stdout);
 }
 

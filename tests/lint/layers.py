@@ -16,6 +16,7 @@ LIBRARIES = {
     "modbus": {"server/bridges", "clients/demo"},
     # The benchmark of streams (tests) times these two by themselves.
     "turbojpeg.h": {"server/encode", "tests"},
+    "jpeglib.h": {"server/encode"},
     "openexr.h": {"server/encode", "server/seabed/reader"},
     "gdal": {"server/seabed/reader"},
     "cpl_": {"server/seabed/reader"},
