@@ -5,12 +5,13 @@
 // Skipped (77) without Chromium or playwright-core. Screenshots: build/page/.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
+import dgram from "node:dgram";
 import fs from "node:fs";
 import path from "node:path";
 import { after, afterEach, before, beforeEach, describe, test } from "node:test";
 
 import { openBrowser, wanted } from "./browser.mjs";
-import { Daemon, folder, Proxy, ROOT, sleep, until }
+import { Daemon, folder, freePort, Proxy, ROOT, sleep, until }
   from "./pelagos_daemon.mjs";
 
 const SHOTS = path.join(ROOT, "build/page");
@@ -100,6 +101,7 @@ afterEach(async () => {
 
 const fresh = () => daemon.patch({
   sea: null, sky: null, water: null, clock: null, ownShip: null,
+  sources: null,
   entities: [{ id: 1, name: "ownship" }],
   views: [{ name: "bridge", entity: 1, width: 640, height: 360 }] });
 
@@ -286,6 +288,74 @@ describe("instruments", () => {
       "aria-pressed"), "false");
     await page.keyboard.press("o");
     assert.equal(await opacity(), "1");
+  });
+});
+
+describe("inputs", () => {
+  beforeEach(fresh);
+
+  for (const way of ["webcodecs", "mjpeg"]) {
+    test(`that are silent are named (${way})`, async () => {
+      await open(daemon.url, { init: way === "mjpeg" && (() => {
+        delete window.VideoDecoder;
+      }) });
+      const note = page.locator(".stale-note");
+      assert.equal(await note.isVisible(), false);
+      assert.equal(await page.locator("#silent").isVisible(), false);
+      await daemon.patch({ sources: { nmeaStale: true, otherStale: true } });
+      await until("their names", async () => await text("#silent-names") ===
+        "NMEA 0183, a client's source");
+      await until("the pictures' note", async () => await note.isVisible() &&
+        await note.textContent() === "Silent: NMEA 0183, a client's source");
+      await shot(`stale-${way}`);
+      await openSections();
+      await page.locator("#mark").click();
+      await until("the mark", async () => (await state()).sources.mark);
+      assert.ok(await note.isVisible());
+      await page.locator("#instruments").click();
+      await until("pictures that say so themselves", async () =>
+        !await note.isVisible());
+      await shot(`marked-${way}`);
+      await daemon.patch({ sources: null });
+      await until("none", async () =>
+        !await page.locator("#silent").isVisible());
+    });
+  }
+
+  test("of a simulator: its frame is shown", async () => {
+    const port = await freePort("udp");
+    const led = await Daemon.start(["--cigi", `127.0.0.1:${port}`]);
+    await led.patch({ views: [{ name: "bridge", entity: 1, width: 320,
+      height: 180 }] });
+    // IG Control of CIGI 3.3, operating; its frame number at byte 8.
+    const control = Buffer.alloc(24);
+    control.set([1, 24, 3, 0, 1 << 0 | 3 << 4]);
+    control.writeUInt16BE(0x8000, 6);
+    const socket = dgram.createSocket("udp4");
+    let count = 4000;
+    const beat = setInterval(() => {
+      control.writeUInt32BE(count++, 8);
+      socket.send(control, port, "127.0.0.1");
+    }, 16);
+    try {
+      await open(led.url);
+      const shown = async () => Number(await text("#host-frame"));
+      await until("the host's frame", async () => await shown() > 4000 &&
+        await shown() <= count);
+      const before = await shown();
+      await until("a later one", async () => await shown() > before);
+      await until("in the view's facts", async () =>
+        /^host frame 4\d+$/.test(await text(".fact.host")));
+      await shot("host");
+      clearInterval(beat);
+      await until("its silence", async () =>
+        await text("#silent-names") === "CIGI host");
+      await page.goto("about:blank");
+    } finally {
+      clearInterval(beat);
+      socket.close();
+      await led.stop();
+    }
   });
 });
 

@@ -1,5 +1,6 @@
 // Starts pelagosd (and nginx before it) for a test in JavaScript.
 import { spawn } from "node:child_process";
+import dgram from "node:dgram";
 import { once } from "node:events";
 import fs from "node:fs";
 import net from "node:net";
@@ -34,16 +35,18 @@ export function folder() {
 }
 
 // None of those that the kernel gives to clients, of this test or another.
-export async function freePort() {
+export async function freePort(kind = "tcp") {
   for (;;) {
     const port = 10000 + Math.floor(Math.random() * 22768);
-    const server = net.createServer().listen(port, "127.0.0.1");
+    const socket = kind === "udp"
+      ? dgram.createSocket("udp4").bind(port, "127.0.0.1")
+      : net.createServer().listen(port, "127.0.0.1");
     const free = await new Promise((done) => {
-      server.on("listening", () => done(true)).on("error", () => done(false));
+      socket.on("listening", () => done(true)).on("error", () => done(false));
     });
     if (free) {
-      server.close();
-      await once(server, "close");
+      socket.close();
+      await once(socket, "close");
       return port;
     }
   }

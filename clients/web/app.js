@@ -3,6 +3,7 @@
 
 import { Gone, inTurn, perform, Problem } from "/api.js";
 import { firstState } from "/early.js";
+import { silentInputs } from "/inputs.js";
 import { Store } from "/store.js";
 import { Views } from "/views.js";
 
@@ -52,6 +53,9 @@ function show() {
   controls?.show();
   byId("no-views").hidden = (state.views ?? []).length > 0;
   byId("revision").textContent = state.revision ?? "0";
+  const silent = silentInputs(state);
+  byId("silent").hidden = silent === "";
+  byId("silent-names").textContent = silent;
 }
 
 // Once for all that is asked for within one frame of the screen.
@@ -72,6 +76,8 @@ function refresh() {
   byId("fps").textContent = total ? `${total.toFixed(total < 10 ? 1 : 0)} fps`
     : "–";
   byId("time").textContent = timeText(store.state);
+  byId("host").hidden = !frame?.host;
+  byId("host-frame").textContent = frame?.host ?? "–";
 }
 
 // --- what is shown besides pictures ---------------------------------------------

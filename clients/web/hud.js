@@ -190,7 +190,7 @@ export class Hud {
     const [x, y] = [w / 2, h / 2];
     this.line([[x - 22, y], [x - 9, y], [x, y + 6], [x + 9, y], [x + 22, y]],
       ACCENT, 2);
-    g.font = "12px ui-monospace, monospace";
+    g.font = "12px system-ui, sans-serif";
     const sign = (v) => `${v < -0.05 ? "−" : "+"}${Math.abs(v).toFixed(1)}°`;
     this.text(`pitch ${sign(pose.elevation)}`, 10, STRIP + 32, LINE, "left");
     this.text(`roll ${sign(pose.roll)}`, w - 10, STRIP + 32, LINE, "right");

@@ -2,6 +2,7 @@
 // is legal comes from the schema (/v1/fields).
 
 import { Gone, Problem } from "/api.js";
+import { silentInputs } from "/inputs.js";
 import { button, Check, Choice, Range, Text } from "/panel.js";
 import { Swell } from "/swell.js";
 
@@ -40,6 +41,7 @@ export class Sections {
     this.buildView();
     this.buildShip();
     this.buildClock();
+    this.buildSources();
   }
 
   // --- building blocks --------------------------------------------------------
@@ -279,6 +281,18 @@ export class Sections {
         step.hidden = !enabled;
       },
     }, (s) => s.clock?.mode === "STEPPED");
+  }
+
+  buildSources() {
+    this.check("sources", "mark", "Pictures say which one is silent", {
+      get: (s) => Boolean(s.sources?.mark),
+      patch: (v) => ({ sources: { mark: v } }),
+    });
+    this.add({ show: (s) => {
+      const silent = silentInputs(s);
+      byId("inputs").textContent = silent ? `silent: ${silent}`
+        : "none is silent";
+    } });
   }
 
   // --- showing ----------------------------------------------------------------------

@@ -66,6 +66,13 @@ class Parts {
   }
 }
 
+// Whether an input was silent, and the simulator's frame: of a picture's
+// header lines.
+const inputs = (line) => ({
+  stale: (line("x-pelagos-stale") ?? "none") !== "none",
+  host: Number(line("x-pelagos-host-frame") ?? 0),
+});
+
 const unixMs = () => performance.timeOrigin + performance.now();
 
 async function show(image, blob) {
@@ -84,8 +91,8 @@ async function show(image, blob) {
 }
 
 export class Live {
-  // `told` is called after each picture with {number, time} and after the
-  // stream broke with null.
+  // `told` is called after each picture with {number, time, drawn, stale, host}
+  // and after the stream broke with null.
   constructor(name, image, told) {
     this.name = name;
     this.image = image;
@@ -166,6 +173,7 @@ export class Live {
         number: Number(head["x-pelagos-frame"]),
         time: Number(head["x-pelagos-time"]),
         drawn: head["x-pelagos-drawn"]?.split("x").map(Number),
+        ...inputs((name) => head[name]),
       });
     }
   }
@@ -185,6 +193,7 @@ export class Live {
     this.told({
       number: Number(response.headers.get("X-Pelagos-Frame")),
       time: Number(response.headers.get("X-Pelagos-Time")),
+      ...inputs((name) => response.headers.get(name)),
     });
   }
 }

@@ -11,6 +11,7 @@ const MAX_ERRORS = 3;
 const VERSION = 1;
 const H264 = 1;
 const KEY = 1;
+const STALE = 4;
 
 async function refusal() {
   if (typeof VideoDecoder === "undefined") {
@@ -40,6 +41,8 @@ function readHead(buffer) {
     number: at.getBigUint64(8, true),
     time: at.getFloat64(16, true),
     stampMs: Number(at.getBigUint64(32, true)) / 1000,
+    stale: (flags & STALE) !== 0,
+    host: Number(at.getBigUint64(24, true)),
     missed: at.getUint32(52, true),
     // Of what was rendered; later versions of the header have it.
     drawn: at.getUint8(3) >= 80
@@ -264,6 +267,6 @@ export class Video {
     this.latencies.push(unixMs() + this.clockMs - head.stampMs);
     this.latencies.splice(0, this.latencies.length - 31);
     this.told({ number: Number(head.number), time: head.time,
-      drawn: head.drawn });
+      drawn: head.drawn, stale: head.stale, host: head.host });
   }
 }

@@ -2,6 +2,7 @@
 
 import { MOST_VIDEOS } from "/early.js";
 import { Hud } from "/hud.js";
+import { silentInputs } from "/inputs.js";
 import { followPointers, Look } from "/look.js";
 import { Player } from "/player.js";
 import { Pose, Track } from "/pose.js";
@@ -50,8 +51,10 @@ class Tile {
     this.hud = new Hud(this.glass);
     this.note = element("p", "tile-note", "waiting for a picture");
     this.why = element("p", "why");
+    this.stale = element("p", "stale-note");
+    this.stale.hidden = true;
     this.node.append(this.image, this.canvas, this.glass, this.note, this.why,
-      this.makeCaption());
+      this.stale, this.makeCaption());
     this.live = new Player(view.name, this.canvas, this.image,
       (frame) => this.told(frame), () => this.showWay());
     this.look = new Look(view.name, grid.store,
@@ -68,7 +71,9 @@ class Tile {
     const caption = element("figcaption", "caption");
     const facts = element("span", "rate");
     this.facts = {};
-    for (const [name, title] of [["size", "Size of the picture"],
+    for (const [name, title] of [
+      ["host", "Frame of the simulator host that is shown"],
+      ["size", "Size of the picture"],
       ["fps", "Pictures a second"], ["ms", "Age of the picture when shown"],
       ["dropped", "Pictures left out for this browser"],
       ["way", "How the pictures come"]]) {
@@ -99,6 +104,7 @@ class Tile {
     this.image.height = view.height;
     this.node.style.setProperty("--aspect", `${view.width} / ${view.height}`);
     this.drawHud();
+    this.showStale();
   }
 
   drawHud() {
@@ -126,6 +132,7 @@ class Tile {
     this.note.hidden = frame !== null;
     if (frame) {
       this.frame = frame;
+      this.showStale();
       this.drawHud();
       this.grid.frameShown(frame);
     } else {
@@ -133,9 +140,20 @@ class Tile {
     }
   }
 
+  // Of the picture that is shown. One that is marked says so itself, where
+  // the instruments do not hide it.
+  showStale() {
+    const { state } = this.grid.store;
+    this.stale.hidden = !this.frame?.stale ||
+      (Boolean(state.sources?.mark) && !this.grid.instruments);
+    this.stale.textContent = `Silent: ${silentInputs(state) || "an input"}`;
+  }
+
   refresh() {
     const { rate, latencyMs, missed } = this.live;
-    const { size, fps, ms, dropped, way } = this.facts;
+    const { host, size, fps, ms, dropped, way } = this.facts;
+    host.textContent = this.frame?.host ? `host frame ${this.frame.host}` : "";
+    host.hidden = !this.frame?.host;
     const [width, height] = this.frame?.drawn ?? [this.view.width];
     const coarser = width < this.view.width;
     size.textContent = `${this.view.width}×${this.view.height}` +
@@ -199,6 +217,7 @@ export class Views {
     this.instruments = on;
     for (const tile of this.tiles.values()) {
       tile.drawHud();
+      tile.showStale();
     }
   }
 

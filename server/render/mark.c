@@ -83,7 +83,7 @@ static void draw_glyph(const struct brush *b, const uint8_t *rows, int x, int y,
 static void draw_text(const struct brush *b, const char *text, int margin)
 {
     int length = (int)strlen(text);
-    int dot = b->height / TEXT_SHARE;
+    int dot = b->height > TEXT_SHARE ? b->height / TEXT_SHARE : 1;
     int fits = (b->width - 4 * margin) / (ADVANCE * length + 1);
     dot = dot < fits ? dot : fits;
     if (dot < 1) {
