@@ -560,7 +560,7 @@ describe("controls", () => {
 });
 
 describe("on a slow link", () => {
-  const SLOW_MS = 600;
+  const SLOW_MS = 300;
   beforeEach(async () => {
     await fresh();
     await open(daemon.url);

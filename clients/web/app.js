@@ -157,6 +157,7 @@ async function begin() {
   fields = new Map(answer.fields.map((f) => [f.path, f]));
   controls = new Controls(fields, views, store);
   show();
+  byId("panel").classList.remove("waiting");
 }
 
 let beginning = null;
