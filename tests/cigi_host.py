@@ -283,7 +283,7 @@ class Host:
         self.socket.sendto(data, self.to)
         return self.frame
 
-    def receive(self, timeout=2.0):
+    def receive(self, timeout=20.0):
         """The next frame, or None."""
         self.socket.settimeout(timeout)
         try:
@@ -301,7 +301,7 @@ class Host:
             frames.append(frame)
         return frames
 
-    def settle(self, number=None, timeout=2.0):
+    def settle(self, number=None, timeout=60.0):
         """Frames until one knows host frame `number` (the newest)."""
         number = self.frame if number is None else number
         frames = []

@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "base/clock.h"
 #include "json.h"
 #include "path.h"
 
@@ -287,11 +288,12 @@ static void the_clock_has_modes(void **state)
     struct pel_fault fault;
     assert_int_equal(pel_scene_step(scene, 1, &fault), PEL_ERR_CONFLICT);
     must(scene, "{\"clock\":{\"rate\":100}}");
+    int64_t start = pel_now_ns();
     double before = pel_scene_time(scene);
-    g_usleep(20000);
+    g_usleep(20000); /* at least that */
     double passed = pel_scene_time(scene) - before;
-    /* usleep sleeps at least that; 20 × is room for a busy machine. */
-    assert_true(passed >= 2.0 && passed < 40);
+    double outside_s = (double)(pel_now_ns() - start) * 1e-9;
+    assert_true(passed >= 2.0 && passed <= 100 * outside_s + 1e-6);
     must(scene, "{\"clock\":{\"mode\":\"STEPPED\",\"time\":50}}");
     g_usleep(2000);
     assert_true(pel_scene_time(scene) == 50);
@@ -412,7 +414,7 @@ static void the_state_outlives_the_daemon(void **state)
                 "\"views\":{\"stern\":{\"yaw\":180}}}");
     char *before = pel_json_from_message(&pel_scene_state(scene)->base, true);
     /* The timer writes it without a destroy: a kill -9 loses at most 1 s. */
-    for (int i = 0; i < 300 && !g_file_test(path, G_FILE_TEST_EXISTS); i++) {
+    for (int i = 0; i < 6000 && !g_file_test(path, G_FILE_TEST_EXISTS); i++) {
         g_usleep(10000);
         g_main_context_iteration(NULL, FALSE);
     }

@@ -18,7 +18,7 @@ CMOCKA = re.compile(r"^\[  ERROR   \] --- (.*)")
 OTHERS = re.compile(
     r"^(FAILED|FAIL|ERROR|Error|error): |Sanitizer: |runtime error: |^✖ |"
     r"Segmentation fault|Aborted|core dumped|Assertion .*failed|"
-    r"^Traceback |^\[   LINE   \]|^[\w/.-]+: line \d+: ")
+    r"^\[   LINE   \]|^[\w/.-]+: line \d+: |" + RAISED.pattern)
 # Only where nothing above is found: a daemon's log may say it in passing.
 WEAK = re.compile(r"\b(error|failed|fatal|cannot|not found|refused)\b", re.I)
 BEFORE, AFTER, MOST, TAIL = 2, 24, 100, 15
