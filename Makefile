@@ -199,7 +199,8 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/cigi_entities.c \
     server/bridges/cigi_weather.c \
     server/bridges/cigi_conditions.c \
-    server/bridges/cigi_query.c \
+    server/bridges/cigi_periodic.c server/bridges/cigi_query.c \
+    server/bridges/cigi_sensor.c \
     server/bridges/cigi_answers.c \
     server/bridges/cigi_metrics.c \
     server/bridges/cigi.c
@@ -270,6 +271,7 @@ TESTS += server/bridges/console_test.c
 TESTS += server/bridges/nmea_out_test.c
 TESTS += server/bridges/cigi_packet_test.c
 TESTS += server/bridges/cigi_test.c
+TESTS += server/bridges/cigi_sensor_test.c
 TESTS += server/bridges/cigi_weather_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c

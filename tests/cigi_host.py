@@ -53,10 +53,10 @@ def rate(id, x=0, y=0, z=0, roll=0, pitch=0, yaw=0, local=False):
                                      local << 1, 0, x, y, z, roll, pitch, yaw)
 
 
-def celestial(hour, minute, month, day, year, valid=True):
+def celestial(hour, minute, month, day, year, valid=True, ephemeris=True):
     date = month * 1000000 + day * 10000 + year
     return lambda order: struct.pack(order + "BBBBB3xIf", 9, 16, hour, minute,
-                                     3 | valid << 4, date, 0)
+                                     ephemeris | 2 | valid << 4, date, 0)
 
 
 def atmosphere(visibility, wind, direction, humidity=50, celsius=12,
@@ -102,9 +102,12 @@ def view_control(view, entity, x=None, y=None, z=None, roll=None, pitch=None,
                                      *(part or 0 for part in parts))
 
 
-def sensor(view, sensor_id, on=True):
+def sensor(view, sensor_id, on=True, black_hot=False, gain=0.5, level=0.5,
+           noise=0.0, dropout=False, auto=False, track=0, extended=False):
+    flags = on | black_hot << 1 | dropout << 2 | auto << 3 | track << 5
     return lambda order: struct.pack(order + "BBHBBBBffff", 17, 24, view,
-                                     sensor_id, on, 0, 0, 0, 0, 0, 0)
+                                     sensor_id, flags, extended, 0, gain,
+                                     level, 0, noise)
 
 
 def view_definition(view, left=None, right=None, top=None, bottom=None,
@@ -193,6 +196,22 @@ def _los_extended(o, b):
                 elevation=elevation)
 
 
+def _sensor(o, b):
+    view, id, flags, across, up, x, y, frame = struct.unpack_from(
+        o + "HBBxxHHffI", b, 2)
+    return dict(view=view, id=id, status=flags & 3, size=(across, up), x=x,
+                y=y, frame=frame)
+
+
+def _sensor_extended(o, b):
+    view, id, flags, entity_id, across, up, x, y, frame = struct.unpack_from(
+        o + "HBBHHHffI", b, 2)
+    latitude, longitude, altitude = struct.unpack_from(o + "ddd", b, 24)
+    return dict(view=view, id=id, status=flags & 3, valid=flags >> 2 & 1,
+                entity=entity_id, size=(across, up), x=x, y=y, frame=frame,
+                latitude=latitude, longitude=longitude, altitude=altitude)
+
+
 def _position(o, b):
     id, part, flags, latitude, longitude, altitude, roll, pitch, yaw = \
         struct.unpack_from(o + "HBBxxdddfff", b, 2)
@@ -216,6 +235,8 @@ def _maritime(o, b):
 ANSWERS = {101: ("sof", 24, _sof), 102: ("hat_hot", 16, _hat_hot),
            103: ("extended", 40, _extended), 104: ("los", 16, _los),
            105: ("los_extended", 56, _los_extended),
+           106: ("sensor", 24, _sensor),
+           107: ("sensor_extended", 48, _sensor_extended),
            108: ("position", 48, _position), 109: ("weather", 32, _weather),
            111: ("maritime", 16, _maritime)}
 

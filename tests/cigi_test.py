@@ -10,6 +10,7 @@ import math
 import os
 import random
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -374,6 +375,93 @@ def sea_state_shows_in_the_next_frame():
                   int(state["revision"]), "the picture is older")
 
 
+def sensors_change_the_picture():
+    """On, off, polarity, gain and level, by the picture; trackers by their
+    responses, which tshark dissects too."""
+    url = "/v1/views/bridge/frame.png?width=96&height=54&time=100"
+    with Stand() as s:
+
+        def light(**kind):
+            s.host.ask(cigi.sensor(0, 1, **kind))
+            picture = pixels(s.daemon.get(url)).convert("RGB")
+            bands = [list(band.getdata()) for band in picture.split()]
+            if kind:
+                check(bands[0] == bands[1] == bands[2] or "eye" in kind,
+                      "a sensor's picture is grey")
+            return bands[1]
+
+        s.host.ask(cigi.entity(1, LATITUDE, LONGITUDE, yaw=90))
+        eye = pixels(s.daemon.get(url))
+        white = light(auto=True)
+        black = light(auto=True, black_hot=True)
+        # To the dither of half a step on either side, twice.
+        check(all(abs(a + b - 255) <= 2 for a, b in zip(white, black)),
+              "black hot is not the negative")
+        bright = light(level=0.6)
+        check(all(abs(b - min(a + 25.5, 255)) <= 2
+                  for a, b in zip(white, bright)), "level")
+        strong = light(gain=0.75, level=0.5)
+        check(all(abs(b - min(2 * a, 255)) <= 3
+                  for a, b in zip(white, strong)), "gain")
+        check(light(noise=0.5) != white, "noise")
+        check(max(light(on=False)) == 0, "off is not black")
+        s.host.ask(cigi.sensor(0, 2, on=False))
+        s.host.ask(cigi.sensor(0, 1, auto=True))
+        check(s.metric("sensors_on") == 1, "one is on")
+        # Mode 0, Reset: the eye's picture again.
+        s.host.mode = 0
+        s.host.ask()
+        s.host.mode = 1
+        check(list(pixels(s.daemon.get(url)).getdata()) ==
+              list(eye.getdata()), "reset")
+        tracked(s)
+
+
+def tracked(s):
+    def answers(name, *packets):
+        s.host.send(*packets)
+        return s.host.settle()[-1].all(name)[0]
+
+    # 0.03 degrees of longitude to the east, a little north of the axis.
+    s.host.ask(cigi.entity(1, LATITUDE, LONGITUDE, yaw=90),
+               cigi.entity(9, LATITUDE + 0.002, LONGITUDE + 0.03))
+    plain = answers("sensor", cigi.sensor(0, 1, track=4))
+    check(plain["status"] == 1 and plain["frame"] == s.host.frame, plain)
+    near(plain["x"], -math.degrees(math.atan2(222.5, 2033)), 0.05, "gate")
+    check(plain["size"][0] > 8, plain)
+    far = answers("sensor_extended",
+                  cigi.sensor(0, 1, track=4, extended=True))
+    check((far["valid"], far["entity"]) == (1, 9), far)
+    near(far["latitude"], LATITUDE + 0.002, 1e-9, "track point")
+    lost = answers("sensor_extended", cigi.entity(9, LATITUDE, LONGITUDE - 1))
+    check(lost["status"] == 3 and not lost["valid"], lost)
+    s.host.send(cigi.sensor(0, 1))
+    check(not s.host.settle()[-1].answers, "track off")
+
+
+def ended_while_a_host_leads():
+    """Nobody leads a daemon that starts again: its clock is not left standing,
+    whether it ended in order or was killed."""
+    for end, mode in ((signal.SIGTERM, "PACED"), (signal.SIGKILL, "FREE")):
+        with tempfile.TemporaryDirectory() as folder:
+            state = os.path.join(folder, "state.json")
+            with Stand("--state", state) as s:
+                s.daemon.patch({"clock": {"mode": "PACED"}})
+                s.host.ask(cigi.entity(1, LATITUDE, LONGITUDE),
+                           cigi.rate(1, x=5))
+                check(s.daemon.state()["clock"]["mode"] == "HOST", "leads")
+                written = time.monotonic() + 10
+                while "HOST" not in open(state).read():
+                    check(time.monotonic() < written, "no state file")
+                    time.sleep(0.05)
+                s.daemon.stop(end)
+            with Daemon("--state", state) as daemon:
+                after = daemon.state()
+                check(after["clock"]["mode"] == mode, after["clock"])
+                check((ship(after)["speed"] == 0) == (mode == "PACED"),
+                      ship(after))
+
+
 class Proxy:
     """UDP between host and generator, host to generator with losses: each
     datagram is dropped, doubled or held back with these chances."""
@@ -725,7 +813,8 @@ TESTS = [scene_follows_in_both_orders, answers_are_of_the_sea_drawn,
          answers_of_fft_come_later,
          synchronous_sixty_hertz, asynchronous_sixty_hertz,
          asynchronous_host,
-         sea_state_shows_in_the_next_frame, loss_duplicates_and_reordering,
+         sea_state_shows_in_the_next_frame, sensors_change_the_picture,
+         ended_while_a_host_leads, loss_duplicates_and_reordering,
          malformed_datagrams_change_nothing, a_flood_leaves_others_served,
          database_and_refusals, a_silent_host_is_noticed,
          start_of_frame_before_any_host, tshark_understands_both_directions]

@@ -13,7 +13,9 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import BIN, ROOT, SANITIZED, SLOW_S, Daemon, Session
+import cigi_host as cigi
+from pelagos_daemon import (BIN, ROOT, SANITIZED, SLOW_S, Daemon, Session,
+                            free_port)
 
 DAMAGED = os.path.join(ROOT, "../shared/data/exr")
 COLUMNS, ROWS, CELL = 160, 120, 1 / 960
@@ -62,7 +64,9 @@ class Seabed(unittest.TestCase):
         gdal("gdal_translate", "-q", "-of", "PNG", "-ot", "Byte", "-scale",
              "-25", "10", "0", "250", at("geographic.tif"), at("picture.png"))
         os.remove(at("picture.png.aux.xml"))
-        cls.daemon = Daemon("--bathymetry", cls.folder, unix=True)
+        cls.cigi_port = free_port(socket.SOCK_DGRAM)
+        cls.daemon = Daemon("--bathymetry", cls.folder, "--cigi",
+                            f"127.0.0.1:{cls.cigi_port}", unix=True)
 
     @classmethod
     def tearDownClass(cls):
@@ -90,6 +94,35 @@ class Seabed(unittest.TestCase):
                 want = -height(52.6 + km * 0.0089866, 5.2)
                 # centimetres, and a second resampling through UTM
                 self.assertAlmostEqual(depth, want, delta=0.02, msg=name)
+
+    def test_a_simulator_finds_land(self):
+        self.choose(file="geographic.tif")
+        # 4 km east of the origin is land; a slope
+        # of 200 m a degree of longitude, 30 a degree of latitude
+        lon = 5.2 + 4000 / 67756
+        with cigi.Host(("127.0.0.1", self.cigi_port)) as host:
+            (_, land), (_, sea), (_, hot), (_, sight) = host.ask(
+                cigi.hat_hot(1, 52.6, lon, 50, kind=2),
+                cigi.hat_hot(2, 52.6, 5.2, 50, kind=2),
+                cigi.hat_hot(3, 52.6, lon, 50, kind=1),
+                cigi.los_vector(4, (52.6, lon - 0.01, 20), 90, -2, 5000,
+                                extended=True))
+        want = height(52.6, lon)
+        self.assertGreater(want, 4)
+        self.assertEqual((land["material"], sea["material"]), (2, 1))
+        # the raster's bilinear cells
+        self.assertAlmostEqual(land["hot"], want, delta=0.02)
+        self.assertAlmostEqual(hot["height"], want, delta=0.02)
+        self.assertAlmostEqual(land["hat"], 50 - land["hot"], places=9)
+        self.assertLess(abs(sea["hot"]), 3)
+        # It looks down the slope, west by south: 200 / 67756 and 30 / 111280
+        # a metre.
+        self.assertAlmostEqual(land["azimuth"], -95.2, delta=0.3)
+        # 20 m up, 2 deg down, over ground that rises by 3 mm a metre
+        self.assertEqual((sight["valid"], sight["material"]), (1, 2))
+        rise = 200 / 67756
+        eye = 20 - height(52.6, lon - 0.01)
+        self.assertAlmostEqual(sight["range"], eye / (0.0349 + rise), delta=1)
 
     def test_soundings(self):
         self.choose(file="geographic.tif")

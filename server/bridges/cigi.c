@@ -14,6 +14,8 @@
 #include "base/metrics.h"
 #include "bridges/cigi_answers.h"
 #include "bridges/cigi_metrics.h"
+#include "bridges/cigi_periodic.h"
+#include "bridges/cigi_sensor.h"
 #include "bridges/cigi_world.h"
 #include "bridges/endpoint.h"
 #include "scene/scene.h"
@@ -21,7 +23,6 @@
 
 #define MAX_DATAGRAM 65536
 #define MAX_ANSWER 16384 /* bytes of a datagram to the host */
-#define MAX_PERIODIC 256
 #define RECEIVE_BUFFER (4 << 20)
 #define TURN_NS 2000000LL /* then the loop serves others */
 #define GONE_NS 2000000000LL
@@ -33,13 +34,6 @@
 #define LOAD_NS 1000000000LL /* a host that never says 0 is told by then */
 
 enum database_state { DATABASE_NONE, DATABASE_LOADING, DATABASE_LOADED };
-
-struct periodic {
-    bool used;
-    unsigned period;      /* frames */
-    uint32_t first_frame; /* of the IG */
-    struct pel_cigi_packet question;
-};
 
 struct pel_cigi {
     struct pel_cigi_options options;
@@ -56,6 +50,7 @@ struct pel_cigi {
     struct sockaddr_storage speaker; /* who leads */
     bool shown;                      /* in the metrics */
 
+    bool refused;      /* the newest host frame's packets were */
     bool led;          /* a host is heard; the rest is its session's */
     bool lead_pending; /* clock.mode is still to be set */
     enum pel_clock_mode mode_before; /* the host, FREE, PACED or STEPPED */
@@ -75,7 +70,7 @@ struct pel_cigi {
 
     struct pel_cigi_world world;
     struct pel_cigi_edit *edit;
-    struct periodic periodic[MAX_PERIODIC];
+    struct pel_cigi_periodic periodic;
     struct pel_cigi_answers *answers;
     uint64_t dropped_questions;
     uint8_t in[MAX_DATAGRAM], out[MAX_ANSWER];
@@ -107,88 +102,18 @@ static void answer(struct pel_cigi *cigi,
     pel_snapshot_unref(moment.snapshot);
 }
 
-/* Where a request says how often and which one it is; false: once. */
-static bool is_periodic(const struct pel_cigi_packet *p, unsigned *period,
-                        double *id)
-{
-    switch (p->kind) {
-    case PEL_CIGI_KIND_HAT_REQUEST:
-        *period = (unsigned)pel_cigi_get(p, PEL_CIGI_HAT_REQUEST_PERIOD);
-        *id = pel_cigi_get(p, PEL_CIGI_HAT_REQUEST_ID);
-        return true;
-    case PEL_CIGI_KIND_LOS_SEGMENT:
-        *period = (unsigned)pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_PERIOD);
-        *id = pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_ID);
-        return true;
-    case PEL_CIGI_KIND_LOS_VECTOR:
-        *period = (unsigned)pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_PERIOD);
-        *id = pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_ID);
-        return true;
-    case PEL_CIGI_KIND_POSITION_REQUEST:
-        *period =
-            (unsigned)pel_cigi_get(p, PEL_CIGI_POSITION_REQUEST_CONTINUOUS);
-        *id = pel_cigi_get(p, PEL_CIGI_POSITION_REQUEST_ID) +
-              65536 * pel_cigi_get(p, PEL_CIGI_POSITION_REQUEST_CLASS);
-        return true;
-    default:
-        return false;
-    }
-}
-
-/* Keeps, replaces or ends a periodic request. True: it is answered with the
- * frames and not now. */
-static bool keep_periodic(struct pel_cigi *cigi,
-                          const struct pel_cigi_packet *p)
-{
-    unsigned period, old_period;
-    double id, old_id;
-    struct periodic *at = NULL, *spare = NULL;
-    if (!is_periodic(p, &period, &id)) {
-        return false;
-    }
-    for (size_t i = 0; i < MAX_PERIODIC && !at; i++) {
-        struct periodic *k = &cigi->periodic[i];
-        if (!k->used) {
-            spare = spare ? spare : k;
-        } else if (k->question.kind == p->kind &&
-                   is_periodic(&k->question, &old_period, &old_id) &&
-                   old_id == id) {
-            at = k;
-        }
-    }
-    if (period == 0) {
-        if (at) {
-            at->used = false;
-        }
-        return false;
-    }
-    at = at ? at : spare;
-    if (!at) {
-        cigi->counters.skipped_packets++;
-        return true;
-    }
-    *at = (struct periodic){ true, period, cigi->ig_frame + 1, *p };
-    return true;
-}
-
 static void answer_periodic(struct pel_cigi *cigi)
 {
-    const struct pel_cigi_packet *due[MAX_PERIODIC];
-    size_t count = 0;
-    for (size_t i = 0; i < MAX_PERIODIC; i++) {
-        const struct periodic *k = &cigi->periodic[i];
-        if (k->used && (cigi->ig_frame - k->first_frame) % k->period == 0) {
-            due[count++] = &k->question;
-        }
-    }
-    answer(cigi, due, count);
+    const struct pel_cigi_packet *due[PEL_CIGI_MAX_PERIODIC];
+    answer(cigi, due,
+           pel_cigi_periodic_due(&cigi->periodic, cigi->ig_frame, due));
 }
 
 /* --- the host's session -------------------------------------------------- */
 
 static void begin_session(struct pel_cigi *cigi)
 {
-    memset(cigi->periodic, 0, sizeof cigi->periodic);
+    pel_cigi_periodic_clear(&cigi->periodic);
     pel_cigi_world_init(&cigi->world);
     cigi->led = cigi->lead_pending = true;
     const struct pel_snapshot *s = pel_scene_snapshot(cigi->scene);
@@ -304,7 +229,7 @@ static void refuse_edit(struct pel_cigi *cigi, const char *path,
 
 /* Makes and commits the patch; false: refused, and nothing has changed. */
 static bool edit(struct pel_cigi *cigi, struct pel_cigi_reader reader,
-                 double time_s, bool lead)
+                 double time_s, bool lead, bool reset)
 {
     struct pel_cigi_world before = cigi->world;
     struct pel_cigi_packet p;
@@ -312,6 +237,9 @@ static bool edit(struct pel_cigi *cigi, struct pel_cigi_reader reader,
     const struct pel_snapshot *s = pel_scene_snapshot(cigi->scene);
     pel_cigi_edit_begin(cigi->edit, &cigi->world, pel_scene_state(cigi->scene),
                         s, time_s, lead);
+    if (reset) {
+        pel_cigi_edit_reset(cigi->edit);
+    }
     while (pel_cigi_next(&reader, &p)) {
         if (p.kind != PEL_CIGI_KIND_COUNT &&
             pel_cigi_packets[p.kind].from_host) {
@@ -345,7 +273,13 @@ static void ask(struct pel_cigi *cigi, struct pel_cigi_reader reader)
     size_t count = 0;
     struct pel_cigi_packet p;
     while (pel_cigi_next(&reader, &p)) {
-        if (!pel_cigi_is_question(p.kind) || keep_periodic(cigi, &p)) {
+        if (!pel_cigi_is_question(p.kind)) {
+            continue;
+        }
+        enum pel_cigi_turn turn =
+            pel_cigi_periodic_take(&cigi->periodic, &p, cigi->ig_frame);
+        cigi->counters.skipped_packets += turn == PEL_CIGI_NEVER;
+        if (turn != PEL_CIGI_NOW) {
             continue;
         }
         if (count == PEL_CIGI_MAX_QUESTIONS) {
@@ -371,13 +305,15 @@ static void count_packets(struct pel_cigi *cigi, struct pel_cigi_reader reader)
     }
 }
 
-static void set_mode(struct pel_cigi *cigi, unsigned mode)
+/* True: the host has entered Reset/Standby. */
+static bool set_mode(struct pel_cigi *cigi, unsigned mode)
 {
-    if (mode == 0 && cigi->mode != 0) {
-        memset(cigi->periodic, 0, sizeof cigi->periodic);
-        pel_cigi_world_init(&cigi->world);
+    bool reset = mode == 0 && cigi->mode != 0;
+    if (reset) {
+        pel_cigi_periodic_clear(&cigi->periodic);
     }
     cigi->mode = mode;
+    return reset;
 }
 
 /* False: not applied, as it is not new. */
@@ -410,7 +346,8 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
         (uint32_t)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_LAST_IG_FRAME);
     cigi->little = reader.little;
     cigi->minor = (unsigned)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_MINOR);
-    set_mode(cigi, (unsigned)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_MODE));
+    bool reset = set_mode(
+        cigi, (unsigned)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_MODE));
     load_database(cigi,
                   (int)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_DATABASE));
     count_packets(cigi, reader);
@@ -421,7 +358,8 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
     if (leads) {
         step_to(cigi, time_s); /* the edit is one of that moment */
     }
-    bool good = edit(cigi, reader, time_s, cigi->lead_pending);
+    bool good = edit(cigi, reader, time_s, cigi->lead_pending, reset);
+    cigi->refused = !good;
     cigi->lead_pending = cigi->lead_pending && !good;
     if (!leads) {
         cigi->host_time_s = pel_scene_time(cigi->scene);
@@ -495,7 +433,7 @@ static void watch_host(struct pel_cigi *cigi, int64_t now_ns)
     pel_warn("CIG-008", "the CIGI host is silent since frame %u; time %s",
              cigi->host_frame, cigi->options.hold ? "stands" : "goes on");
     cigi->led = false;
-    memset(cigi->periodic, 0, sizeof cigi->periodic);
+    pel_cigi_periodic_clear(&cigi->periodic);
     if (!cigi->host_is_fixed) {
         cigi->host_size = 0;
     }
@@ -504,6 +442,33 @@ static void watch_host(struct pel_cigi *cigi, int64_t now_ns)
         resume(cigi);
     }
     pel_scene_set_stale(cigi->scene, PEL_STALE_CIGI, true);
+}
+
+struct letter {
+    struct pel_cigi *cigi;
+    size_t used;
+};
+
+static bool put_one(void *user, const struct pel_cigi_packet *answer)
+{
+    struct letter *l = user;
+    size_t more = pel_cigi_put(answer, l->cigi->little, l->cigi->out + l->used,
+                               MAX_ANSWER - l->used);
+    l->used += more;
+    return more > 0;
+}
+
+/* Where trackers stand belongs to this frame alone: first, as there is room. */
+static size_t put_sensors(struct pel_cigi *cigi, size_t used)
+{
+    struct letter letter = { cigi, used };
+    if (cigi->led) {
+        const struct pel_snapshot *s = pel_scene_snapshot(cigi->scene);
+        pel_cigi_sensor_answers(&cigi->world, s, pel_scene_time(cigi->scene),
+                                cigi->host_frame, put_one, &letter);
+        pel_snapshot_unref(s);
+    }
+    return letter.used;
 }
 
 size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes)
@@ -518,6 +483,7 @@ size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes)
     pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_MINOR, cigi->minor);
     pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_DATABASE, cigi->database);
     pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_MODE, cigi->mode);
+    pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_STATUS, cigi->refused);
     pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_STAMPED, 1);
     pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_MAGIC, 0x8000);
     pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_FRAME, cigi->ig_frame);
@@ -525,6 +491,7 @@ size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes)
                  (uint32_t)((now_ns - cigi->opened_ns) / 10000));
     pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_LAST_HOST_FRAME, cigi->host_frame);
     size_t used = pel_cigi_put(&p, cigi->little, cigi->out, MAX_ANSWER);
+    used = put_sensors(cigi, used);
     const struct pel_cigi_packet *next;
     while ((next = pel_cigi_answers_peek(cigi->answers))) {
         size_t more = pel_cigi_put(next, cigi->little, cigi->out + used,
@@ -608,12 +575,8 @@ static void collect(void *user, struct pel_metrics_page *page)
 {
     const struct pel_cigi *cigi = user;
     struct pel_cigi_status s;
-    double sensors = 0;
     pel_cigi_collect_counters(&cigi->counters, page);
     pel_cigi_status(cigi, &s);
-    for (size_t i = 0; i < 256; i++) {
-        sensors += cigi->world.sensors[i];
-    }
     pel_metric(page, "pelagos_cigi_connected", PEL_METRIC_GAUGE,
                "1 while a CIGI host was heard within 2 s.", NULL, s.connected);
     pel_metric(page, "pelagos_cigi_host_age_seconds", PEL_METRIC_GAUGE,
@@ -627,7 +590,8 @@ static void collect(void *user, struct pel_metrics_page *page)
                "Frames of ours that the host had not heard of when it sent.",
                NULL, (double)cigi->on_the_way);
     pel_metric(page, "pelagos_cigi_sensors_on", PEL_METRIC_GAUGE,
-               "Sensors that the CIGI host switched on.", NULL, sensors);
+               "Sensors that the CIGI host switched on.", NULL,
+               pel_cigi_sensors_on(&cigi->world));
 }
 
 /* --- life ---------------------------------------------------------------- */
@@ -716,6 +680,10 @@ void pel_cigi_destroy(struct pel_cigi *cigi)
 {
     if (!cigi) {
         return;
+    }
+    /* Who starts again with this state has no host yet. */
+    if (cigi->heard_ns != 0 && host_leads(cigi)) {
+        resume(cigi);
     }
     if (cigi->shown) {
         pel_metrics_remove(cigi->options.metrics, collect, cigi);

@@ -275,6 +275,11 @@ static void remember_rated(struct pel_cigi_world *world, uint32_t id)
     }
 }
 
+static double turn(const struct pel_cigi_packet *p, enum pel_cigi_field field)
+{
+    return pel_clamp(pel_cigi_get(p, field), -MAX_TURN_DPS, MAX_TURN_DPS);
+}
+
 void pel_cigi_take_rate(struct pel_cigi_edit *edit,
                         const struct pel_cigi_packet *p)
 {
@@ -289,21 +294,31 @@ void pel_cigi_take_rate(struct pel_cigi_edit *edit,
     double heading =
         pel_cigi_true_deg(edit->snapshot, at, atan2(axes.x.x, axes.x.y)) *
         PEL_DEG;
-    double x = pel_cigi_get(p, PEL_CIGI_RATE_X);
-    double y = pel_cigi_get(p, PEL_CIGI_RATE_Y);
-    double course = atan2(y, x);
+    /* North, east, down; or bow, starboard, keel, turned to there. */
+    struct pel_vec3 rate = { pel_cigi_get(p, PEL_CIGI_RATE_X),
+                             pel_cigi_get(p, PEL_CIGI_RATE_Y),
+                             pel_cigi_get(p, PEL_CIGI_RATE_Z) };
     if (pel_cigi_get(p, PEL_CIGI_RATE_LOCAL) != 0) {
-        course += heading;
+        double flat = atan2(axes.x.x, axes.x.y);
+        struct pel_vec3 v = pel_mat3_apply(&axes, rate);
+        double ahead = v.x * sin(flat) + v.y * cos(flat);
+        double right = v.x * cos(flat) - v.y * sin(flat);
+        rate = (struct pel_vec3){ ahead * cos(heading) - right * sin(heading),
+                                  ahead * sin(heading) + right * cos(heading),
+                                  -v.z };
     }
     Pelagos__Entity *e = pel_cigi_edit_entity(edit, id);
     if (!e) {
         return;
     }
     e->has_speed = e->has_course = e->has_turn_rate = true;
-    e->speed = fmin(hypot(x, y), MAX_SPEED_MPS);
-    e->course = pel_cigi_wrap(course / PEL_DEG);
-    e->turn_rate = pel_clamp(pel_cigi_get(p, PEL_CIGI_RATE_YAW), -MAX_TURN_DPS,
-                             MAX_TURN_DPS);
+    e->has_climb_rate = e->has_pitch_rate = e->has_roll_rate = true;
+    e->speed = fmin(hypot(rate.x, rate.y), MAX_SPEED_MPS);
+    e->course = pel_cigi_wrap(atan2(rate.y, rate.x) / PEL_DEG);
+    e->climb_rate = pel_clamp(-rate.z, -MAX_SPEED_MPS, MAX_SPEED_MPS);
+    e->turn_rate = turn(p, PEL_CIGI_RATE_YAW);
+    e->pitch_rate = turn(p, PEL_CIGI_RATE_PITCH);
+    e->roll_rate = turn(p, PEL_CIGI_RATE_ROLL);
     remember_rated(edit->world, id);
     e->has_pose_time = true;
     e->pose_time = edit->time_s;

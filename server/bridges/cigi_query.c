@@ -6,7 +6,9 @@
 #include "base/vec.h"
 #include "bridges/cigi_pose.h"
 
-#define SEA_WATER 1 /* material code */
+#define SEA_WATER 1 /* material codes */
+#define LAND 2
+#define SLOPE_M 1.0 /* over which land slopes */
 #define STEP_M 0.25
 #define MAX_STEPS 1024
 #define ALL_STEPS 8192 /* of the sights of one datagram */
@@ -56,6 +58,37 @@ static void direction(const struct pel_cigi_moment *m, struct pel_vec3 at,
     *elevation = asin(pel_clamp(n.z, -1, 1)) / PEL_DEG;
 }
 
+/* What is on top at a place: the sea, or land that stands out of it. */
+struct top {
+    double height_m;
+    struct pel_vec3 normal;
+    unsigned material;
+};
+
+static double top_m(const struct pel_surface_sample *s)
+{
+    /* no depth where the height field has no data: the sea */
+    return -s->depth_m > s->height_m ? -s->depth_m : s->height_m;
+}
+
+static struct top top_of(const struct pel_cigi_moment *m, double x, double y,
+                         const struct pel_surface_sample *s)
+{
+    if (top_m(s) == s->height_m) {
+        return (struct top){ s->height_m, s->normal, SEA_WATER };
+    }
+    const struct pel_snapshot *at = m->snapshot;
+    double east = pel_snapshot_depth(at, x + 0.5 * SLOPE_M, y) -
+                  pel_snapshot_depth(at, x - 0.5 * SLOPE_M, y);
+    double north = pel_snapshot_depth(at, x, y + 0.5 * SLOPE_M) -
+                   pel_snapshot_depth(at, x, y - 0.5 * SLOPE_M);
+    struct pel_vec3 n = { east / SLOPE_M, north / SLOPE_M, 1 };
+    double length = sqrt(pel_vec3_dot(n, n));
+    n = isfinite(length) ? pel_vec3_scale(n, 1 / length)
+                         : (struct pel_vec3){ 0, 0, 1 };
+    return (struct top){ -s->depth_m, n, LAND };
+}
+
 /* --- heights ------------------------------------------------------------- */
 
 static struct pel_cigi_packet answer_height(const struct pel_cigi_moment *m,
@@ -64,7 +97,8 @@ static struct pel_cigi_packet answer_height(const struct pel_cigi_moment *m,
                                             const struct pel_surface_sample *s)
 {
     bool extended = pel_cigi_get(p, PEL_CIGI_HAT_REQUEST_TYPE) >= 2;
-    double hot = s->height_m, hat = at.z - s->height_m;
+    struct top top = top_of(m, at.x, at.y, s);
+    double hot = top.height_m, hat = at.z - hot;
     double id = pel_cigi_get(p, PEL_CIGI_HAT_REQUEST_ID);
     struct pel_cigi_packet a = pel_cigi_packet_of(
         extended ? PEL_CIGI_KIND_HAT_EXTENDED : PEL_CIGI_KIND_HAT_RESPONSE);
@@ -85,10 +119,10 @@ static struct pel_cigi_packet answer_height(const struct pel_cigi_moment *m,
     pel_cigi_set(&a, PEL_CIGI_HAT_EXTENDED_HOST_FRAME, m->host_frame & 15);
     if (valid) {
         double azimuth, elevation;
-        direction(m, at, s->normal, &azimuth, &elevation);
+        direction(m, at, top.normal, &azimuth, &elevation);
         pel_cigi_set(&a, PEL_CIGI_HAT_EXTENDED_HAT, hat);
         pel_cigi_set(&a, PEL_CIGI_HAT_EXTENDED_HOT, hot);
-        pel_cigi_set(&a, PEL_CIGI_HAT_EXTENDED_MATERIAL, SEA_WATER);
+        pel_cigi_set(&a, PEL_CIGI_HAT_EXTENDED_MATERIAL, top.material);
         pel_cigi_set(&a, PEL_CIGI_HAT_EXTENDED_AZIMUTH, azimuth);
         pel_cigi_set(&a, PEL_CIGI_HAT_EXTENDED_ELEVATION, elevation);
     }
@@ -128,6 +162,8 @@ static struct pel_cigi_packet answer_weather(const struct pel_cigi_moment *m,
     pel_cigi_set(&a, PEL_CIGI_WEATHER_RESPONSE_VISIBILITY, s->visibility_m);
     pel_cigi_set(&a, PEL_CIGI_WEATHER_RESPONSE_WIND, s->wind_mps);
     pel_cigi_set(&a, PEL_CIGI_WEATHER_RESPONSE_WIND_DIRECTION, from_deg);
+    pel_cigi_set(&a, PEL_CIGI_WEATHER_RESPONSE_VERTICAL_WIND,
+                 m->world->vertical_wind_mps);
     pel_cigi_set(&a, PEL_CIGI_WEATHER_RESPONSE_PRESSURE, m->world->pressure);
     return a;
 }
@@ -143,7 +179,7 @@ struct hit {
     bool met;
     double range_m;
     struct pel_vec3 at;
-    struct pel_surface_sample sample;
+    struct top top;
 };
 
 /* Height of the ray above the sea at `count` ranges. */
@@ -158,19 +194,24 @@ static void clearances(const struct pel_cigi_moment *m, const struct ray *ray,
     }
     pel_snapshot_surface(m->snapshot, points, count, m->time_s, false, samples);
     for (size_t i = 0; i < count; i++) {
-        out[i] = ray->from.z + range_m[i] * ray->along.z - samples[i].height_m;
+        out[i] = ray->from.z + range_m[i] * ray->along.z - top_m(&samples[i]);
     }
 }
 
-/* Cuts the ray to where waves can be; false: nowhere. */
+/* Cuts the ray to where waves or land can be; false: nowhere. */
 static bool cut_to_waves(const struct pel_cigi_moment *m, struct ray *ray)
 {
-    double top = pel_snapshot_sea(m->snapshot)->max_height_m + MET_M;
-    double z = ray->from.z - m->snapshot->sea_level_m, dz = ray->along.z;
-    if (fabs(dz) < 1e-9) {
-        return fabs(z) <= top && ray->begin_m < ray->end_m;
+    double waves = pel_snapshot_sea(m->snapshot)->max_height_m + MET_M;
+    double level = m->snapshot->sea_level_m;
+    double top = level + waves, low = level - waves;
+    if (m->snapshot->seabed) {
+        top = fmax(top, m->snapshot->seabed->highest_m + MET_M);
     }
-    double one = (top - z) / dz, other = (-top - z) / dz;
+    double z = ray->from.z, dz = ray->along.z;
+    if (fabs(dz) < 1e-9) {
+        return z <= top && z >= low && ray->begin_m < ray->end_m;
+    }
+    double one = (top - z) / dz, other = (low - z) / dz;
     ray->begin_m = fmax(ray->begin_m, fmin(one, other));
     ray->end_m = fmin(ray->end_m, fmax(one, other));
     return ray->begin_m < ray->end_m;
@@ -193,8 +234,9 @@ static void meet(const struct pel_cigi_moment *m, const struct ray *ray,
     out->range_m = far_m;
     out->at = pel_vec3_add(ray->from, pel_vec3_scale(ray->along, far_m));
     struct pel_vec2 point = { out->at.x, out->at.y };
-    pel_snapshot_surface(m->snapshot, &point, 1, m->time_s, false,
-                         &out->sample);
+    struct pel_surface_sample sample;
+    pel_snapshot_surface(m->snapshot, &point, 1, m->time_s, false, &sample);
+    out->top = top_of(m, point.x, point.y, &sample);
 }
 
 /* The first place where the ray goes from one side of the surface to the
@@ -234,6 +276,7 @@ static struct hit follow(const struct pel_cigi_moment *m, struct ray ray)
 static struct pel_cigi_packet answer_sight(const struct pel_cigi_moment *m,
                                            double id, bool extended,
                                            bool segment, bool valid,
+                                           const uint32_t *along,
                                            const struct hit *hit)
 {
     struct pel_cigi_packet a = pel_cigi_packet_of(
@@ -256,14 +299,25 @@ static struct pel_cigi_packet answer_sight(const struct pel_cigi_moment *m,
     pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_HOST_FRAME, m->host_frame & 15);
     pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_COUNT, 1);
     if (hit->met) {
-        double latitude, longitude, azimuth, elevation;
-        pel_cigi_geodetic(m->snapshot, hit->at, &latitude, &longitude);
-        direction(m, hit->at, hit->sample.normal, &azimuth, &elevation);
+        double latitude, longitude, altitude = hit->at.z, azimuth, elevation;
+        struct pel_vec3 from;
+        struct pel_mat3 body;
+        if (along && pel_cigi_entity_axes(m->snapshot, *along, m->time_s, &from,
+                                          &body)) {
+            struct pel_vec3 to =
+                pel_vec3_add(hit->at, pel_vec3_scale(from, -1));
+            latitude = pel_vec3_dot(to, body.x);
+            longitude = pel_vec3_dot(to, body.y);
+            altitude = pel_vec3_dot(to, body.z);
+        } else {
+            pel_cigi_geodetic(m->snapshot, hit->at, &latitude, &longitude);
+        }
+        direction(m, hit->at, hit->top.normal, &azimuth, &elevation);
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_RANGE, hit->range_m);
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_LATITUDE, latitude);
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_LONGITUDE, longitude);
-        pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_ALTITUDE, hit->at.z);
-        pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_MATERIAL, SEA_WATER);
+        pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_ALTITUDE, altitude);
+        pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_MATERIAL, hit->top.material);
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_AZIMUTH, azimuth);
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_ELEVATION, elevation);
     }
@@ -278,6 +332,7 @@ static struct pel_cigi_packet answer_segment(const struct pel_cigi_moment *m,
         pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_DESTINATION_VALID) != 0
             ? (uint32_t)pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_DESTINATION_ENTITY)
             : source;
+    bool local = pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_RESPONSE) != 0;
     struct pel_vec3 from, to;
     struct hit hit = { 0 };
     bool valid =
@@ -297,7 +352,7 @@ static struct pel_cigi_packet answer_segment(const struct pel_cigi_moment *m,
     }
     return answer_sight(m, pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_ID),
                         pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_TYPE) != 0, true,
-                        valid, &hit);
+                        valid, local ? &source : NULL, &hit);
 }
 
 static struct pel_cigi_packet answer_vector(const struct pel_cigi_moment *m,
@@ -305,6 +360,7 @@ static struct pel_cigi_packet answer_vector(const struct pel_cigi_moment *m,
 {
     uint32_t entity = (uint32_t)pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_ENTITY);
     bool local = pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_LOCAL) != 0;
+    bool answer_local = pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_RESPONSE) != 0;
     double azimuth = pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_AZIMUTH) * PEL_DEG;
     double elevation = pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_ELEVATION) * PEL_DEG;
     double least = fmax(pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_MIN_RANGE), 0);
@@ -328,7 +384,7 @@ static struct pel_cigi_packet answer_vector(const struct pel_cigi_moment *m,
     }
     return answer_sight(m, pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_ID),
                         pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_TYPE) != 0, false,
-                        valid, &hit);
+                        valid, answer_local ? &entity : NULL, &hit);
 }
 
 /* --- positions ----------------------------------------------------------- */

@@ -264,12 +264,18 @@ static void rates_carry_ships_on(void **state)
     begin();
     place_ship(1, 52.6, 90);
     with(PEL_CIGI_KIND_RATE, PEL_CIGI_RATE_ID, 1.0, PEL_CIGI_RATE_LOCAL, 1.0,
-         PEL_CIGI_RATE_X, 10.0, PEL_CIGI_RATE_YAW, 2.0, 0);
+         PEL_CIGI_RATE_X, 10.0, PEL_CIGI_RATE_Z, -0.5, PEL_CIGI_RATE_YAW, 2.0,
+         PEL_CIGI_RATE_ROLL, -4.0, PEL_CIGI_RATE_PITCH, 120.0, 0);
     with(PEL_CIGI_KIND_RATE, PEL_CIGI_RATE_ID, 99.0, 0); /* not there */
     send();
-    assert_near(entity(1)->speed, 10, 0);
-    assert_near(entity(1)->course, 90, 1e-9);
+    /* Rolled by 3 degrees, its keel points to port. */
+    double drift = -0.5 * -sin(3 * PEL_DEG);
+    assert_near(entity(1)->speed, hypot(10, drift), 1e-12);
+    assert_near(entity(1)->course, 90 + atan2(drift, 10) / PEL_DEG, 1e-9);
+    assert_near(entity(1)->climb_rate, 0.5 * cos(3 * PEL_DEG), 1e-12);
     assert_near(entity(1)->turn_rate, 2, 0);
+    assert_near(entity(1)->roll_rate, -4, 0);
+    assert_near(entity(1)->pitch_rate, 90, 0); /* limited */
     assert_int_equal(pel_cigi_counters(cigi)->skipped_packets, 1);
     begin_at(frame + 60);
     place_ship(2, 52.6, 0);
@@ -279,6 +285,8 @@ static void rates_carry_ships_on(void **state)
     pel_snapshot_entity_at(s, 0, pel_scene_time(scene), &e);
     pel_snapshot_unref(s);
     assert_near(e.east_m, 10, 0.01); /* 1 s later, turned by 2 deg */
+    assert_near(e.roll_rad / PEL_DEG, 3 - 4, 0.01);
+    assert_near(e.altitude_m, 2 + 0.5 * cos(3 * PEL_DEG), 0.01);
 }
 
 static void attached_entities_ride_along(void **state)
@@ -336,7 +344,8 @@ static void the_date_moves_the_sun(void **state)
     begin();
     with(PEL_CIGI_KIND_CELESTIAL, PEL_CIGI_CELESTIAL_HOUR, 15.0,
          PEL_CIGI_CELESTIAL_MINUTE, 30.0, PEL_CIGI_CELESTIAL_VALID, 1.0,
-         PEL_CIGI_CELESTIAL_DATE, 12242025.0, 0);
+         PEL_CIGI_CELESTIAL_EPHEMERIS, 1.0, PEL_CIGI_CELESTIAL_DATE, 12242025.0,
+         0);
     send();
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
     /* 2025-12-24T15:30Z, within the time that the packet was on its way. */

@@ -7,13 +7,16 @@
 #include "bridges/cigi_pose.h"
 #include "bridges/cigi_world.h"
 #include "scene/geodesy.h"
+#include "scene/sun.h"
 
 #define MAX_WIND_MPS 30.0
 #define MIN_VISIBILITY_M 200.0
 #define MAX_VISIBILITY_M 300000.0
 #define SURFACE_LAYER_M 10.0
 #define GRAVITY 9.80665
+#define REGIONAL_SEA 4
 #define GLOBAL_SEA 7
+#define FIRST_TRAIN 16 /* component id of a region's swell train 0 */
 #define CLOCK_SLACK_S 2.0
 
 double pel_cigi_chlorophyll(double clarity)
@@ -109,6 +112,7 @@ static void take_atmosphere(struct pel_cigi_edit *edit,
     w->humidity = pel_cigi_get(p, PEL_CIGI_ATMOSPHERE_HUMIDITY);
     w->air_temperature = pel_cigi_get(p, PEL_CIGI_ATMOSPHERE_TEMPERATURE);
     w->pressure = pel_cigi_get(p, PEL_CIGI_ATMOSPHERE_PRESSURE);
+    w->vertical_wind_mps = pel_cigi_get(p, PEL_CIGI_ATMOSPHERE_VERTICAL_WIND);
 }
 
 static void take_weather(struct pel_cigi_edit *edit,
@@ -196,6 +200,19 @@ static void take_wave(struct pel_cigi_edit *edit,
     set_train(edit, c->waves, &wave);
 }
 
+/* The Sun of a moment, which stays whatever the clock does. */
+static void stop_sun(struct pel_cigi_edit *edit, double unix_s)
+{
+    double azimuth, elevation;
+    pel_sun_position(unix_s, edit->snapshot->origin_latitude_rad,
+                     edit->snapshot->origin_longitude_rad, &azimuth,
+                     &elevation);
+    edit->sky.has_sun_azimuth = edit->sky.has_sun_elevation = true;
+    edit->sky.sun_azimuth = pel_cigi_wrap(azimuth / PEL_DEG);
+    edit->sky.sun_elevation = pel_clamp(elevation / PEL_DEG, -90, 90);
+    edit->state.sky = &edit->sky;
+}
+
 static void take_celestial(struct pel_cigi_edit *edit,
                            const struct pel_cigi_packet *p)
 {
@@ -203,9 +220,10 @@ static void take_celestial(struct pel_cigi_edit *edit,
     double hour = pel_cigi_get(p, PEL_CIGI_CELESTIAL_HOUR);
     double minute = pel_cigi_get(p, PEL_CIGI_CELESTIAL_MINUTE);
     double date = pel_cigi_get(p, PEL_CIGI_CELESTIAL_DATE);
+    bool stands = pel_cigi_get(p, PEL_CIGI_CELESTIAL_EPHEMERIS) == 0;
     if (pel_cigi_get(p, PEL_CIGI_CELESTIAL_VALID) == 0 ||
-        (w->dated && w->hour == hour && w->minute == minute &&
-         w->date == date)) {
+        (w->dated && w->sun_stands == stands && w->hour == hour &&
+         w->minute == minute && w->date == date)) {
         return;
     }
     unsigned mmddyyyy = (unsigned)date;
@@ -226,6 +244,12 @@ static void take_celestial(struct pel_cigi_edit *edit,
     w->hour = hour;
     w->minute = minute;
     w->date = date;
+    w->sun_stands = stands;
+    if (stands) {
+        stop_sun(edit, (double)wanted);
+        return;
+    }
+    edit->sky.has_sun_azimuth = edit->sky.has_sun_elevation = false;
     if (edit->scene->sky->has_sun_azimuth) {
         pel_cigi_edit_remove(edit, "sky.sunAzimuth");
     }
@@ -252,6 +276,7 @@ static void take_celestial(struct pel_cigi_edit *edit,
 /* --- whole sea states ---------------------------------------------------- */
 
 struct component {
+    bool regional;
     unsigned id, instance, state;
     size_t count;     /* data words */
     uint32_t word[6]; /* absent ones 0 */
@@ -282,12 +307,13 @@ static bool read_component(const struct pel_cigi_packet *p,
         out->value[i] = f;
     }
     double class = p->values[PEL_CIGI_COMPONENT_CLASS - PEL_CIGI_COMPONENT];
-    return class == GLOBAL_SEA;
+    out->regional = class == REGIONAL_SEA;
+    return class == GLOBAL_SEA || out->regional;
 }
 
-static void wind_sea(struct pel_cigi_edit *edit, const struct component *c)
+/* The whole sea's: a region has no spectrum of its own. */
+static void shape_sea(struct pel_cigi_edit *edit, const struct component *c)
 {
-    set_wind(&edit->world->global, c->value[0], c->value[1]);
     edit->state.sea = &edit->sea;
     edit->sea.has_spectrum = true;
     edit->sea.spectrum = (Pelagos__SpectrumKind)c->state;
@@ -313,10 +339,20 @@ static void take_component(struct pel_cigi_edit *edit,
                            const struct pel_cigi_packet *p)
 {
     struct component c;
-    struct pel_cigi_conditions *global = &edit->world->global;
     if (!read_component(p, &c)) {
         edit->skipped++;
         return;
+    }
+    struct pel_cigi_conditions *to =
+        conditions_of(edit, c.regional, c.instance);
+    if (!to) {
+        return;
+    }
+    if (c.regional && c.id >= FIRST_TRAIN) {
+        c.instance = c.id - FIRST_TRAIN;
+        c.id = 3;
+    } else if (c.regional) {
+        c.instance = 0;
     }
     /* The fifth word is an integer. */
     for (size_t i = 0; i < c.count; i++) {
@@ -326,10 +362,13 @@ static void take_component(struct pel_cigi_edit *edit,
         return;
     }
     if (c.id == 1 && c.state <= PELAGOS__SPECTRUM_KIND__OMEGA2) {
-        wind_sea(edit, &c);
+        set_wind(to, c.value[0], c.value[1]);
+        if (!c.regional) {
+            shape_sea(edit, &c);
+        }
     } else if (c.id == 2 && c.state <= 12) {
         /* WMO: v = 0.836 B^1.5 m/s */
-        set_wind(global, 0.836 * pow(c.state, 1.5), c.value[0]);
+        set_wind(to, 0.836 * pow(c.state, 1.5), c.value[0]);
     } else if (c.id == 3 && c.instance < PEL_CIGI_TRAINS && c.state <= 1) {
         struct pel_cigi_train s = {
             .used = c.state == 1,
@@ -341,12 +380,13 @@ static void take_component(struct pel_cigi_edit *edit,
                             : edit->scene->sea->wind_direction,
             .spread_deg = c.value[3] > 0 ? c.value[3] : 10,
         };
-        global->has_swell = true;
-        set_train(edit, global->swell, &s);
+        to->has_swell = true;
+        set_train(edit, to->swell, &s);
     } else if (c.id == 4) {
-        global->has_chlorophyll = true;
-        global->chlorophyll_mg_m3 = c.value[0];
-    } else if (c.id == 5 && c.state <= PELAGOS__SYNTHESISER__FFT) {
+        to->has_chlorophyll = true;
+        to->chlorophyll_mg_m3 = c.value[0];
+    } else if (c.id == 5 && !c.regional &&
+               c.state <= PELAGOS__SYNTHESISER__FFT) {
         edit->state.sea = &edit->sea;
         edit->sea.has_synthesiser = true;
         edit->sea.synthesiser = (Pelagos__Synthesiser)c.state;

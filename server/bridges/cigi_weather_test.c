@@ -184,6 +184,67 @@ static void components_give_whole_sea_states(void **state)
     assert_near(pel_scene_state(scene)->sea->wind_speed, 6.688, 1e-12);
 }
 
+/* With the ephemeris off the Sun stands where the date puts it. */
+static void the_sun_stands_without_ephemeris(void **state)
+{
+    (void)state;
+    double elevation[2];
+    for (int i = 0; i < 2; i++) {
+        begin();
+        with(PEL_CIGI_KIND_CELESTIAL, PEL_CIGI_CELESTIAL_HOUR, 16.0,
+             PEL_CIGI_CELESTIAL_VALID, 1.0, PEL_CIGI_CELESTIAL_EPHEMERIS,
+             (double)i, PEL_CIGI_CELESTIAL_DATE, 6212026.0, 0);
+        send();
+        const Pelagos__Sky *sky = pel_scene_state(scene)->sky;
+        assert_true(sky->has_sun_elevation == (i == 0));
+        assert_true(sky->has_sun_azimuth == (i == 0));
+        const struct pel_snapshot *s = pel_scene_snapshot(scene);
+        elevation[i] = asin(pel_snapshot_sun(s, pel_scene_time(scene)).z);
+        pel_snapshot_unref(s);
+    }
+    /* The same Sun, to a frame's time: 7e-5 rad a second. */
+    assert_near(elevation[0], elevation[1], 1e-5);
+}
+
+static void component(double id, double class, double instance, double state,
+                      float first, float second)
+{
+    uint32_t words[2];
+    memcpy(&words[0], &first, 4);
+    memcpy(&words[1], &second, 4);
+    with(PEL_CIGI_KIND_COMPONENT, PEL_CIGI_COMPONENT_ID, id,
+         PEL_CIGI_COMPONENT_CLASS, class, PEL_CIGI_COMPONENT_INSTANCE, instance,
+         PEL_CIGI_COMPONENT_STATE, state, PEL_CIGI_COMPONENT_DATA1,
+         (double)words[0], PEL_CIGI_COMPONENT_DATA2, (double)words[1], 0);
+}
+
+static void components_of_a_region(void **state)
+{
+    (void)state;
+    begin();
+    component(1, 7, 0, 0, 6, 100);
+    component(1, 4, 3, 1, 15, 200); /* wind of region 3, not its spectrum */
+    component(17, 4, 3, 1, 2, 12);  /* swell train 1 there */
+    with(PEL_CIGI_KIND_REGION, PEL_CIGI_REGION_ID, 3.0, PEL_CIGI_REGION_STATE,
+         1.0, PEL_CIGI_REGION_LATITUDE, 52.6, PEL_CIGI_REGION_LONGITUDE, 5.2,
+         PEL_CIGI_REGION_X, 2000.0, PEL_CIGI_REGION_Y, 2000.0, 0);
+    send();
+    const Pelagos__Sea *sea = pel_scene_state(scene)->sea;
+    assert_near(sea->wind_speed, 15, 0);
+    assert_int_equal(sea->spectrum, PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ);
+    assert_int_equal(sea->n_swell, 1);
+    assert_near(sea->swell[0]->height, 2, 0);
+    begin();
+    component(5, 4, 3, 1, 0, 0);  /* there is one synthesiser */
+    component(1, 13, 0, 0, 9, 9); /* system */
+    place_ship(1, 52.7, 0);
+    send();
+    begin();
+    send();
+    assert_near(pel_scene_state(scene)->sea->wind_speed, 6, 0);
+    assert_int_equal(pel_cigi_counters(cigi)->skipped_packets, 2);
+}
+
 int main(void)
 {
 #define TEST(name)                                                             \
@@ -195,6 +256,8 @@ int main(void)
         TEST(weather_is_of_the_region_the_view_is_in),
         TEST(weather_goes_over_across_the_transition),
         TEST(components_give_whole_sea_states),
+        TEST(components_of_a_region),
+        TEST(the_sun_stands_without_ephemeris),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,6 +35,8 @@ Pelagos__Patch *pel_cigi_world_end(const struct pel_cigi_world *world,
                                    const Pelagos__State *scene,
                                    enum pel_clock_mode mode)
 {
+    static const char *const rates[] = { "speed", "turnRate", "climbRate",
+                                         "pitchRate", "rollRate" };
     Pelagos__Patch *patch = pel_patch_new();
     char path[48];
     set_number(patch, scene, "clock.mode", mode);
@@ -44,12 +46,11 @@ Pelagos__Patch *pel_cigi_world_end(const struct pel_cigi_world *world,
             rated = rated || world->rated[k] == scene->entities[i]->id;
         }
         if (rated) {
-            snprintf(path, sizeof path, "entities.%u.speed",
-                     scene->entities[i]->id);
-            set_number(patch, scene, path, 0);
-            snprintf(path, sizeof path, "entities.%u.turnRate",
-                     scene->entities[i]->id);
-            set_number(patch, scene, path, 0);
+            for (size_t k = 0; k < sizeof rates / sizeof *rates; k++) {
+                snprintf(path, sizeof path, "entities.%u.%s",
+                         scene->entities[i]->id, rates[k]);
+                set_number(patch, scene, path, 0);
+            }
         }
     }
     return patch;
@@ -155,15 +156,15 @@ static Pelagos__View *view_called(struct pel_cigi_edit *edit, const char *name)
     return view;
 }
 
-static Pelagos__View *view_of(struct pel_cigi_edit *edit, unsigned id)
+Pelagos__View *pel_cigi_edit_view(struct pel_cigi_edit *edit, unsigned id)
 {
     char name[PEL_NAME_SIZE];
     pel_cigi_view_name(edit->snapshot, id, name);
     return view_called(edit, name);
 }
 
-static struct pel_cigi_view_memo *memo_of(struct pel_cigi_edit *edit,
-                                          unsigned id)
+struct pel_cigi_view_memo *pel_cigi_edit_memo(struct pel_cigi_edit *edit,
+                                              unsigned id)
 {
     struct pel_cigi_view_memo *spare = NULL;
     for (size_t i = 0; i < PEL_CIGI_VIEWS; i++) {
@@ -182,8 +183,8 @@ static struct pel_cigi_view_memo *memo_of(struct pel_cigi_edit *edit,
 static void control_view(struct pel_cigi_edit *edit, unsigned id,
                          const struct pel_cigi_packet *p)
 {
-    struct pel_cigi_view_memo *memo = memo_of(edit, id);
-    Pelagos__View *view = memo ? view_of(edit, id) : NULL;
+    struct pel_cigi_view_memo *memo = pel_cigi_edit_memo(edit, id);
+    Pelagos__View *view = memo ? pel_cigi_edit_view(edit, id) : NULL;
     if (!view) {
         edit->skipped++;
         return;
@@ -237,6 +238,20 @@ static void take_view_control(struct pel_cigi_edit *edit,
     edit->skipped += !found;
 }
 
+void pel_cigi_edit_reset(struct pel_cigi_edit *edit)
+{
+    for (size_t i = 0; i < PEL_CIGI_VIEWS; i++) {
+        const struct pel_cigi_view_memo *memo = &edit->world->views[i];
+        char name[PEL_NAME_SIZE];
+        pel_cigi_view_name(edit->snapshot, memo->id, name);
+        if (memo->used && memo->has_sensor &&
+            pel_snapshot_find_view(edit->snapshot, name) >= 0) {
+            pel_cigi_edit_remove(edit, "views.%s.sensor", name);
+        }
+    }
+    pel_cigi_world_init(edit->world);
+}
+
 /* The frustum the view has now, degrees. */
 static void present_frustum(const struct pel_cigi_edit *edit, const char *name,
                             Pelagos__Frustum *out)
@@ -261,8 +276,8 @@ static void take_view_definition(struct pel_cigi_edit *edit,
                                  const struct pel_cigi_packet *p)
 {
     unsigned id = (unsigned)pel_cigi_get(p, PEL_CIGI_VIEW_DEFINITION_VIEW);
-    struct pel_cigi_view_memo *memo = memo_of(edit, id);
-    Pelagos__View *view = memo ? view_of(edit, id) : NULL;
+    struct pel_cigi_view_memo *memo = pel_cigi_edit_memo(edit, id);
+    Pelagos__View *view = memo ? pel_cigi_edit_view(edit, id) : NULL;
     if (!view) {
         edit->skipped++;
         return;
@@ -319,7 +334,7 @@ static void hang_views(struct pel_cigi_edit *edit)
             !entity_will_be(edit, memo->entity)) {
             continue;
         }
-        Pelagos__View *view = view_of(edit, memo->id);
+        Pelagos__View *view = pel_cigi_edit_view(edit, memo->id);
         if (view) {
             view->has_entity = true;
             view->entity = memo->entity;
@@ -414,9 +429,7 @@ void pel_cigi_edit_take(struct pel_cigi_edit *edit,
         take_view_definition(edit, p);
         break;
     case PEL_CIGI_KIND_SENSOR:
-        edit->world
-            ->sensors[(unsigned)pel_cigi_get(p, PEL_CIGI_SENSOR_SENSOR)] =
-            pel_cigi_get(p, PEL_CIGI_SENSOR_ON) != 0;
+        pel_cigi_take_sensor(edit, p);
         break;
     default:
         pel_cigi_take_environment(edit, p);

@@ -13,7 +13,8 @@
 #define PEL_CIGI_REGIONS 16
 #define PEL_CIGI_FOLLOWERS 64
 #define PEL_CIGI_VIEWS PEL_MAX_VIEWS
-#define PEL_CIGI_REMOVALS 128
+#define PEL_CIGI_REMOVALS 192
+#define PEL_CIGI_SENSORS 64
 
 /* A swell train or a single wave as the schema has it. */
 #define PEL_CIGI_TRAINS PEL_SEA_MAX_SWELLS
@@ -56,8 +57,27 @@ struct pel_cigi_follower {
     double roll_deg, pitch_deg, yaw_deg;
 };
 
+/* Where a sensor's tracker stands, as Sensor Response numbers it. */
+enum pel_cigi_lock {
+    PEL_CIGI_SEARCHING,
+    PEL_CIGI_TRACKING,
+    PEL_CIGI_LOSING,
+    PEL_CIGI_LOST,
+};
+
+/* A sensor that the host has spoken of. */
+struct pel_cigi_sensor {
+    bool used, on, extended; /* extended: so are its responses */
+    unsigned view, id, track;
+    bool has_target;
+    uint32_t target; /* entity */
+    enum pel_cigi_lock lock;
+};
+
 struct pel_cigi_view_memo {
     bool used;
+    bool has_sensor; /* the view shows `sensor` */
+    unsigned sensor;
     unsigned id, group;
     bool wants_entity; /* not there yet */
     uint32_t entity;
@@ -74,8 +94,10 @@ struct pel_cigi_world {
     size_t rated_count;
     bool dated;
     double hour, minute, date; /* of the last Celestial Sphere */
+    bool sun_stands;           /* sky.sunAzimuth and sunElevation are ours */
     double humidity, air_temperature, pressure, water_temperature;
-    bool sensors[256];
+    double vertical_wind_mps;
+    struct pel_cigi_sensor sensors[PEL_CIGI_SENSORS];
 };
 
 /* All empty, and what answers give where nothing was commanded. */
@@ -107,6 +129,7 @@ struct pel_cigi_edit {
     Pelagos__View views[PEL_MAX_VIEWS];
     Pelagos__View *view_list[PEL_MAX_VIEWS];
     Pelagos__Frustum frusta[PEL_MAX_VIEWS];
+    Pelagos__Sensor sensors[PEL_MAX_VIEWS];
     char view_names[PEL_MAX_VIEWS][PEL_NAME_SIZE];
     Pelagos__Swell swell[PEL_SEA_MAX_SWELLS];
     Pelagos__Swell *swell_list[PEL_SEA_MAX_SWELLS];
@@ -125,6 +148,10 @@ void pel_cigi_edit_begin(struct pel_cigi_edit *edit,
                          const struct pel_snapshot *snapshot, double time_s,
                          bool lead);
 
+/* Everything the host has said is forgotten, and views show what the eye sees;
+ * before the packets. */
+void pel_cigi_edit_reset(struct pel_cigi_edit *edit);
+
 /* Takes one packet from the host; requests are not for here. */
 void pel_cigi_edit_take(struct pel_cigi_edit *edit,
                         const struct pel_cigi_packet *packet);
@@ -138,6 +165,13 @@ void pel_cigi_view_name(const struct pel_snapshot *s, unsigned id,
                         char out[PEL_NAME_SIZE]);
 
 /* --- between the files of this edit -------------------------------------- */
+
+/* View `id` in the patch, added if it is not there; NULL: too many. */
+Pelagos__View *pel_cigi_edit_view(struct pel_cigi_edit *edit, unsigned id);
+
+/* What is remembered of view `id`; NULL: of too many already. */
+struct pel_cigi_view_memo *pel_cigi_edit_memo(struct pel_cigi_edit *edit,
+                                              unsigned id);
 
 /* Entity `id` in the patch, added if it is not there; NULL: too many. */
 Pelagos__Entity *pel_cigi_edit_entity(struct pel_cigi_edit *edit, uint32_t id);
@@ -154,6 +188,10 @@ void pel_cigi_take_conformal(struct pel_cigi_edit *edit,
 void pel_cigi_take_rate(struct pel_cigi_edit *edit,
                         const struct pel_cigi_packet *p);
 void pel_cigi_place_followers(struct pel_cigi_edit *edit);
+
+/* cigi_sensor.c */
+void pel_cigi_take_sensor(struct pel_cigi_edit *edit,
+                          const struct pel_cigi_packet *p);
 
 /* cigi_weather.c */
 void pel_cigi_take_environment(struct pel_cigi_edit *edit,

@@ -54,7 +54,7 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
     return (struct pel_environment){
         .time_s = time_s,
         .sea_level_m = s->sea_level_m,
-        .stale = s->mark_stale ? s->stale : 0,
+        .stale = s->mark_stale ? pel_snapshot_stale(s, time_s) : 0,
         .sun = pel_snapshot_sun(s, time_s),
         .wind_mps = s->wind_mps,
         .wind_to_rad = s->wind_to_rad,

@@ -187,6 +187,8 @@ static double lattice_place(double tangent, double pitch)
     return fabs(place - whole) < 1e-2 ? whole : round(place * 256.0) / 256.0;
 }
 
+#define DROPOUT (1.0 / 64) /* of the lines */
+
 void pel_fill_view(const struct pel_camera *camera,
                    const struct pel_filter *filter, struct pel_block_view *out)
 {
@@ -195,6 +197,7 @@ void pel_fill_view(const struct pel_camera *camera,
     double py =
         pel_pixel_pitch(camera->tan_bottom, camera->tan_top, camera->height);
     const struct pel_mat3 *m = &camera->world_from_camera;
+    const struct pel_sensor *sensor = &camera->sensor;
     *out = (struct pel_block_view){
         .right = vec4(m->x.x, m->x.y, m->x.z, filter->n_min),
         .up =
@@ -204,5 +207,9 @@ void pel_fill_view(const struct pel_camera *camera,
                       lattice_place(-camera->tan_top, py)),
         .size = vec4(camera->width, camera->height, camera->exposure_ev,
                      camera->auto_exposure ? 1.0 : 0.0),
+        .sensor =
+            vec4(sensor->kind, sensor->scale, sensor->offset, sensor->noise),
+        .sensor_seed = vec4(sensor->seed & 0xffff, sensor->seed >> 16,
+                            sensor->dropout ? DROPOUT : 0, 0),
     };
 }

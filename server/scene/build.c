@@ -212,6 +212,9 @@ static void place_entity(const Pelagos__Origin *origin,
     to->speed_mps = from->speed;
     to->course_rad = from->course * PEL_DEG + turned;
     to->turn_rate_rps = from->turn_rate * PEL_DEG;
+    to->climb_mps = from->climb_rate;
+    to->pitch_rate_rps = from->pitch_rate * PEL_DEG;
+    to->roll_rate_rps = from->roll_rate * PEL_DEG;
     to->pose_time_s = from->pose_time;
 }
 
@@ -228,6 +231,20 @@ static void open_view(const Pelagos__View *from, struct pel_view_state *to)
     to->tan_left = -to->tan_right;
     to->tan_top = to->tan_right * from->height / from->width;
     to->tan_bottom = -to->tan_top;
+}
+
+/* Gain and level of CIGI's sensors: half is as exposed. */
+static void place_sensor(const Pelagos__Sensor *from, struct pel_sensor *to)
+{
+    double scale = from->auto_gain ? 1 : pow(4, 2 * from->gain - 1);
+    double offset = from->auto_gain ? 0 : from->level - 0.5;
+    *to = (struct pel_sensor){
+        .kind = from->on ? PEL_SENSOR_ON : PEL_SENSOR_OFF,
+        .scale = from->black_hot ? -scale : scale,
+        .offset = from->black_hot ? 1 - offset : offset,
+        .noise = from->noise,
+        .dropout = from->dropout,
+    };
 }
 
 static void place_view(const Pelagos__State *state, const Pelagos__View *from,
@@ -250,6 +267,9 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
     to->height = from->height;
     to->auto_exposure = !from->has_exposure;
     to->exposure_ev = from->exposure;
+    if (from->sensor) {
+        place_sensor(from->sensor, &to->sensor);
+    }
     open_view(from, to);
 }
 

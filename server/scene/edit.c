@@ -60,6 +60,9 @@ void pel_state_fill(Pelagos__State *state, double time_s)
     }
     for (size_t i = 0; i < state->n_views; i++) {
         fill_scalars(&state->views[i]->base);
+        if (state->views[i]->sensor) {
+            fill_scalars(&state->views[i]->sensor->base);
+        }
     }
     state->has_revision = true;
 }
@@ -187,6 +190,10 @@ static void reckon(Pelagos__Entity *e, double time_s, double most_s)
         e->heading = wrapped(e->heading + e->turn_rate * seconds);
         e->course = wrapped(e->course + e->turn_rate * seconds);
     }
+    e->altitude = pel_clamp(e->altitude + e->climb_rate * seconds, PEL_LOWEST_M,
+                            PEL_HIGHEST_M);
+    e->pitch = pel_clamp(e->pitch + e->pitch_rate * seconds, -90, 90);
+    e->roll = remainder(e->roll + e->roll_rate * seconds, 360);
     e->has_pose_time = true;
     e->pose_time = time_s;
 }
@@ -195,7 +202,8 @@ static bool touches_pose(const Pelagos__Entity *e)
 {
     return e->has_latitude || e->has_longitude || e->has_altitude ||
            e->has_heading || e->has_pitch || e->has_roll || e->has_speed ||
-           e->has_course || e->has_turn_rate || e->has_pose_time;
+           e->has_course || e->has_turn_rate || e->has_pose_time ||
+           e->has_climb_rate || e->has_pitch_rate || e->has_roll_rate;
 }
 
 static Pelagos__Entity *entity_of(const Pelagos__State *state, uint32_t id)

@@ -484,9 +484,14 @@ static enum pel_err first_state(const char *path, Pelagos__State **out,
     return PEL_OK;
 }
 
-/* Who was silent when the file was written may speak now. */
-static void nobody_stale(Pelagos__Sources *s)
+/* Who was silent when the file was written may speak now, and who led time has
+ * to come again. */
+static void nobody_yet(Pelagos__State *state)
 {
+    Pelagos__Sources *s = state->sources;
+    if (state->clock->mode == PELAGOS__CLOCK_MODE__HOST) {
+        state->clock->mode = PELAGOS__CLOCK_MODE__FREE;
+    }
     s->cigi_stale = s->modbus_stale = s->nmea_stale = false;
     s->console_stale = s->other_stale = false;
 }
@@ -506,7 +511,7 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     scene->means.spectra = scene->spectra = g_strdup(options->spectra);
     scene->bathymetry = g_strdup(options->bathymetry);
     scene->state_path = g_strdup(options->state_path);
-    nobody_stale(state->sources);
+    nobody_yet(state);
     err = pel_sea_settle(state, fault);
     if (!err) {
         err = commit(scene, state, false, fault);

@@ -51,7 +51,31 @@ void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
     out->north_m += north;
     out->heading_rad = at->heading_rad + turned;
     out->course_rad = at->course_rad + turned;
+    out->altitude_m = pel_clamp(at->altitude_m + at->climb_mps * seconds,
+                                PEL_LOWEST_M, PEL_HIGHEST_M);
+    out->pitch_rad = pel_clamp(at->pitch_rad + at->pitch_rate_rps * seconds,
+                               -PEL_PI / 2, PEL_PI / 2);
+    out->roll_rad = at->roll_rad + at->roll_rate_rps * seconds;
     out->pose_time_s = at->pose_time_s + seconds;
+}
+
+static bool goes_on(const struct pel_entity_state *e)
+{
+    return e->speed_mps != 0 || e->turn_rate_rps != 0 || e->climb_mps != 0 ||
+           e->pitch_rate_rps != 0 || e->roll_rate_rps != 0;
+}
+
+unsigned pel_snapshot_stale(const struct pel_snapshot *s, double time_s)
+{
+    unsigned stale = s->stale;
+    for (size_t i = 0; i < s->entity_count; i++) {
+        const struct pel_entity_state *e = &s->entities[i];
+        if ((int)i != s->ship_entity && goes_on(e) &&
+            fabs(time_s - e->pose_time_s) > s->reckoning_s) {
+            stale |= PEL_STALE_POSES;
+        }
+    }
+    return stale;
 }
 
 void pel_snapshot_surface(const struct pel_snapshot *s,
@@ -155,4 +179,9 @@ void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
     size_camera(view, width, height, out);
     out->auto_exposure = view->auto_exposure;
     out->exposure_ev = view->exposure_ev;
+    out->sensor = view->sensor;
+    uint64_t bits;
+    memcpy(&bits, &time_s, sizeof bits);
+    bits *= UINT64_C(0x9e3779b97f4a7c15); /* 2^64 / golden ratio: spreads */
+    out->sensor.seed = (uint32_t)(bits >> 32);
 }

@@ -26,12 +26,26 @@ enum pel_clock_mode {
     PEL_CLOCK_HOST,
 };
 
+/* Limits of altitude in the schema. */
+#define PEL_LOWEST_M -100.0
+#define PEL_HIGHEST_M 20000.0
+
 struct pel_entity_state {
     uint32_t id;
     double east_m, north_m, altitude_m;
     double heading_rad, pitch_rad, roll_rad;
     double speed_mps, course_rad, turn_rate_rps;
+    double climb_mps, pitch_rate_rps, roll_rate_rps;
     double pose_time_s; /* simulated time of the pose above */
+};
+
+/* What a sensor makes of a picture: grey · scale + offset. */
+struct pel_sensor {
+    enum { PEL_SENSOR_NONE, PEL_SENSOR_ON, PEL_SENSOR_OFF } kind;
+    double scale, offset;
+    double noise; /* 0..1 of white */
+    bool dropout;
+    uint32_t seed; /* of noise and dropout: of the moment */
 };
 
 struct pel_view_state {
@@ -43,6 +57,7 @@ struct pel_view_state {
     uint32_t width, height;
     bool auto_exposure;
     double exposure_ev; /* EV100, where not automatic */
+    struct pel_sensor sensor;
 };
 
 /* Inputs that have fallen silent (the schema's Sources). */
@@ -52,6 +67,7 @@ enum pel_stale {
     PEL_STALE_NMEA = 1 << 2,
     PEL_STALE_CONSOLE = 1 << 3,
     PEL_STALE_OTHER = 1 << 4,
+    PEL_STALE_POSES = 1 << 5, /* no input: see pel_snapshot_stale() */
 };
 
 struct pel_shared_sea; /* build.h */
@@ -109,6 +125,10 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
                           double time_s, bool moving,
                           struct pel_surface_sample *out);
 
+/* The inputs that are stale, and with PEL_STALE_POSES whether an entity that
+ * moves stands at time_s since its pose is older than reckoning_s. */
+unsigned pel_snapshot_stale(const struct pel_snapshot *s, double time_s);
+
 /* "cigi,nmea" of the bits of `stale`, "none" of 0. */
 #define PEL_STALE_TEXT 40
 const char *pel_stale_text(unsigned stale, char out[PEL_STALE_TEXT]);
@@ -129,6 +149,7 @@ struct pel_camera {
     uint32_t width, height;
     bool auto_exposure;
     double exposure_ev;
+    struct pel_sensor sensor;
 };
 
 /* Camera of view `index` at time_s. width or height 0: the view's own; when

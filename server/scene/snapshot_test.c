@@ -149,6 +149,30 @@ static void poses_are_reckoned_for_a_bounded_time(void **state)
     }
 }
 
+static void poses_grow_stale(void **state)
+{
+    (void)state;
+    const struct pel_snapshot *s = snapshot_of(
+        "{\"clock\":{\"mode\":\"STEPPED\",\"time\":10,\"reckoning\":5},"
+        "\"sources\":{\"nmeaStale\":true},\"entities\":{"
+        "\"1\":{\"climbRate\":2,\"rollRate\":3,\"altitude\":4},"
+        "\"2\":{\"poseTime\":0}}}"); /* this one lies still */
+    struct pel_entity_state e;
+    pel_snapshot_entity_at(s, 0, 12, &e);
+    near(e.altitude_m, 8, EPS);
+    near(e.roll_rad, 6 * PEL_DEG, EPS);
+    assert_int_equal(pel_snapshot_stale(s, 15), PEL_STALE_NMEA);
+    assert_int_equal(pel_snapshot_stale(s, 15.1),
+                     PEL_STALE_NMEA | PEL_STALE_POSES);
+    pel_snapshot_entity_at(s, 0, 99, &e);
+    near(e.altitude_m, 14, EPS); /* it stands */
+    pel_snapshot_unref(s);
+    s = snapshot_of("{\"ownShip\":{\"on\":true,\"throttle\":1},"
+                    "\"clock\":{\"mode\":\"STEPPED\",\"reckoning\":5}}");
+    assert_int_equal(pel_snapshot_stale(s, 100), 0); /* the model moves it */
+    pel_snapshot_unref(s);
+}
+
 static void silent_inputs_have_names(void **state)
 {
     (void)state;
@@ -249,6 +273,7 @@ int main(void)
         cmocka_unit_test(the_ships_attitude_moves_the_camera),
         cmocka_unit_test(the_world_can_carry_a_view),
         cmocka_unit_test(poses_are_reckoned_for_a_bounded_time),
+        cmocka_unit_test(poses_grow_stale),
         cmocka_unit_test(silent_inputs_have_names),
         cmocka_unit_test(pictures_keep_their_field),
         cmocka_unit_test(entities_go_on),

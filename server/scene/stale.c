@@ -6,8 +6,8 @@
 
 const char *pel_stale_text(unsigned stale, char out[PEL_STALE_TEXT])
 {
-    static const char *const names[] = { "cigi", "modbus", "nmea", "console",
-                                         "other" };
+    static const char *const names[] = { "cigi",    "modbus", "nmea",
+                                         "console", "other",  "poses" };
     size_t used = 0;
     strcpy(out, "none");
     for (unsigned i = 0; i < sizeof names / sizeof *names; i++) {

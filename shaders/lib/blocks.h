@@ -68,6 +68,9 @@ PEL_BLOCK(2, view) {
     vec4 back;  /* w: levels of detail that slopes are sampled coarser */
     vec4 pixel; /* px, py; lattice place of the picture's top left corner */
     vec4 size;  /* width, height, px; z fixed EV100; w 1 when automatic */
+    vec4 sensor; /* x 0 none, 1 a sensor's grey, 2 no picture; grey · y + z; w
+                    noise */
+    vec4 sensor_seed; /* xy 0..65535; z share of lines that drop out */
 };
 
 /* A wave as the shaders sum it; k̂ unit, c chop, h amplitude. */

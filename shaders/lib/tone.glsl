@@ -30,6 +30,21 @@ float noise(uvec2 p)
     return float(x >> 8u) / 16777216.0;
 }
 
+// What a sensor shows of the eye's colour; p: the place on the lattice.
+vec3 sensed(vec3 encoded, uvec2 p)
+{
+    uvec2 seed = uvec2(sensor_seed.xy);
+    bool dropped = noise(uvec2(seed.x, p.y + seed.y)) < sensor_seed.z;
+    if (sensor.x > 1.5 || dropped) {
+        return vec3(0.0);
+    }
+    // Twice: one hash alone shows its lattice.
+    uint once = uint(noise(p + seed) * 16777216.0);
+    float grain = 2.0 * noise(uvec2(once, once ^ (p.x + (p.y << 16u)))) - 1.0;
+    float grey = dot(encoded, vec3(0.2126, 0.7152, 0.0722));
+    return vec3(clamp(grey * sensor.y + sensor.z + grain * sensor.w, 0.0, 1.0));
+}
+
 // Eight-bit colour of a spectral radiance at a pixel.
 vec3 display(vec3 light, ivec2 at)
 {
@@ -40,6 +55,10 @@ vec3 display(vec3 light, ivec2 at)
     // A little of the luminance in every channel, so that glare runs to white.
     linear = mix(linear, vec3(dot(linear, vec3(0.2126, 0.7152, 0.0722))), 0.08);
     vec3 encoded = srgb(clamp(tone_curve(linear), 0.0, 1.0));
-    float dither = noise(uvec2(ivec2(floor(pixel.zw)) + at + 65536));
-    return encoded + (dither - 0.5) / 255.0;
+    uvec2 place = uvec2(ivec2(floor(pixel.zw)) + at + 65536);
+    if (sensor.x > 0.5) {
+        encoded = sensed(encoded, place);
+    }
+    // Black is black.
+    return encoded + (sensor.x > 1.5 ? 0.0 : (noise(place) - 0.5) / 255.0);
 }

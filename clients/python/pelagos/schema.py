@@ -22,8 +22,9 @@ class Clock(Record):
     #: UTC at simulated time 0, ISO 8601 (`2026-06-21T12:00:00Z`): with the
     #: origin it places the Sun when sky.sunElevation is not set.
     utc: str = _field('2026-06-21T12:00:00Z')
-    #: How long an entity goes on from its last pose by speed, course and turn
-    #: rate; then it stands. [s; 0 to 1000000000]
+    #: How long an entity goes on from its last pose by its rates; then it
+    #: stands, and pictures of such a moment are stale (`poses`). [s; 0 to
+    #: 1000000000]
     reckoning: float = _field(60.0, 's', 0, 1000000000)
 
 
@@ -202,6 +203,12 @@ class Entity(Record):
     #: Simulated time of this pose; set by the server when absent. [s; 0 to
     #: 1000000000]
     poseTime: float | None = _field(None, 's', 0, 1000000000)
+    #: Rate of climb. [m/s; -200 to 200]
+    climbRate: float = _field(0.0, 'm/s', -200, 200)
+    #: Rate of pitch, bow up positive. [deg/s; -90 to 90]
+    pitchRate: float = _field(0.0, 'deg/s', -90, 90)
+    #: Rate of roll, starboard down positive. [deg/s; -90 to 90]
+    rollRate: float = _field(0.0, 'deg/s', -90, 90)
 
 
 @dataclass(frozen=True)
@@ -216,6 +223,26 @@ class Frustum(Record):
     top: float | None = _field(None, 'deg', -80, 80)
     #: To the bottom edge. [deg; -80 to 80]
     bottom: float | None = _field(None, 'deg', -80, 80)
+
+
+@dataclass(frozen=True)
+class Sensor(Record):
+    """What a sensor shows of the eye's picture: its luminance as displayed,
+    times 4^(2 gain - 1), plus level - 0.5."""
+    #: No: no picture, black.
+    on: bool = _field(True)
+    #: Bright is dark: the negative.
+    blackHot: bool = _field(False)
+    #: gain and level are left to the exposure.
+    autoGain: bool = _field(False)
+    #: Contrast. [1; 0 to 1]
+    gain: float = _field(0.5, '1', 0, 1)
+    #: Brightness. [1; 0 to 1]
+    level: float = _field(0.5, '1', 0, 1)
+    #: Grain: the most it adds or takes, of white. [1; 0 to 1]
+    noise: float = _field(0.0, '1', 0, 1)
+    #: One line in 64, another with each moment, is black.
+    dropout: bool = _field(False)
 
 
 @dataclass(frozen=True)
@@ -251,6 +278,9 @@ class View(Record):
     #: Exposure as EV100; absent: from the light that falls on the sea. [EV;
     #: -10 to 24]
     exposure: float | None = _field(None, 'EV', -10, 24)
+    #: A sensor's grey picture instead of the eye's; absent: the eye's. Of
+    #: eight bits a channel; linear layers are what they are.
+    sensor: Sensor | None = _field(None)
 
 
 @dataclass(frozen=True)
@@ -303,8 +333,9 @@ class Sources(Record):
     """Inputs that led and have fallen silent. The server sets and clears them
     as it notices, and a client may, for a source of its own. At a start none
     is stale."""
-    #: Whether pictures say so: an amber border, STALE and the input's name.
-    #: EXR layers stay as they are.
+    #: Whether pictures say so: an amber border, STALE and the input's name, or
+    #: POSES where a moving entity has no new pose (clock.reckoning). EXR
+    #: layers stay as they are.
     mark: bool = _field(False)
     #: The CIGI host (--cigi) has been silent for 2 s.
     cigiStale: bool = _field(False)
