@@ -1,0 +1,81 @@
+// What the tests of the page share: a browser, a daemon, a page of its own for
+// each test.
+import assert from "node:assert/strict";
+import fs from "node:fs";
+import path from "node:path";
+import { after, afterEach, before } from "node:test";
+
+import { openBrowser, wanted } from "./browser.mjs";
+import { Daemon, ROOT, until } from "./pelagos_daemon.mjs";
+
+export const SHOTS = path.join(ROOT, "build/page");
+wanted("playwright-core"); // or the test is skipped
+fs.mkdirSync(SHOTS, { recursive: true });
+
+export let browser, daemon, page;
+let errors;
+
+// A page of its own, whose errors fail the test.
+export async function open(url, { wait = true, init, ...options } = {}) {
+  const context = await browser.newContext({
+    viewport: { width: 1360, height: 900 }, ...options });
+  page = await context.newPage();
+  errors = [];
+  page.on("pageerror", (error) => errors.push(error.message));
+  page.on("console", (message) => {
+    if (message.type() === "error" && !/Failed to load|ERR_|WebSocket/.test(
+      message.text())) {
+      errors.push(message.text());
+    }
+  });
+  if (init) {
+    await page.addInitScript(init);
+  }
+  await page.goto(url);
+  if (wait) {
+    await pictures(1);
+  }
+  return page;
+}
+
+export const pictures = (count) => until(`${count} pictures`, async () =>
+  await page.locator(".tile:has(.tile-note[hidden])").count() === count);
+export const shot = (name) =>
+  page.screenshot({ path: path.join(SHOTS, `${name}.png`) });
+export const slide = (id, value) =>
+  page.locator(`#${id}`).evaluate((node, v) => {
+    node.value = v;
+    node.dispatchEvent(new Event("input"));
+  }, value);
+export const state = () => daemon.state();
+export const view = async () => (await state()).views[0];
+export const text = (selector) => page.locator(selector).first().textContent();
+export const openSections = async () => {
+  await until("the controls", () => page.locator("#wind-speed").count());
+  await page.evaluate(() => {
+    document.querySelectorAll("details").forEach((d) => {
+      d.open = true;
+    });
+  });
+};
+
+export const fresh = () => daemon.patch({
+  sea: null, sky: null, water: null, clock: null, ownShip: null,
+  sources: null,
+  entities: [{ id: 1, name: "ownship" }],
+  views: [{ name: "bridge", entity: 1, width: 640, height: 360 }] });
+
+before(async () => {
+  browser = await openBrowser();
+  daemon = await Daemon.start();
+});
+
+after(async () => {
+  await browser.close();
+  await daemon.stop();
+});
+
+afterEach(async () => {
+  await page?.context().close();
+  assert.deepEqual(errors, [], "errors of the page");
+});
