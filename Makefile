@@ -103,6 +103,7 @@ OPTICS := server/optics/brdf.c \
     server/optics/transport.c \
     server/optics/watermontecarlo.c \
     server/optics/watersection.c \
+    server/optics/waterslope.c \
     server/optics/waterkernel.c \
     server/optics/watertable.c
 PROTO := proto/fieldset.c \
@@ -252,6 +253,7 @@ TESTS += server/optics/colour_test.c
 TESTS += server/optics/facets_test.c
 TESTS += server/optics/transport_test.c
 TESTS += server/optics/watersection_test.c
+TESTS += server/optics/waterslope_test.c
 TESTS += server/optics/waterbody_test.c
 TESTS += server/optics/watertable_test.c
 TESTS += server/encode/encode_test.c
@@ -545,7 +547,7 @@ $(O)/bin/lighting: $(call obj,tests/validate/lighting.c tests/validate/rowtrace.
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(BENCH_LIBS)
 $(O)/bin/validate_water: $(O)/tests/validate/water.o \
-    $(O)/tests/validate/watersampling.o $(O)/libserver.a
+    $(O)/tests/validate/watersampling.o $(O)/tests/validate/waterslopes.o $(O)/libserver.a
 	$(Q)mkdir -p $(@D)
 	@echo "  LINK  $@"
 	$(Q)$(CC) $(OPT) -pthread -o $@ $^ -lm

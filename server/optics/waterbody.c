@@ -288,6 +288,16 @@ struct pel_water_body pel_water_deep(double chlorophyll)
     return body;
 }
 
+double pel_water_visible_m(const struct pel_water_body *body)
+{
+    double clearest = HUGE_VAL;
+    for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+        clearest = fmin(clearest, pel_kirk_attenuation(body->absorption[i],
+                                                       body->scattering[i]));
+    }
+    return 0.5 * log(255.0) / clearest;
+}
+
 struct pel_medium pel_water_medium(const struct pel_water_body *body, int i)
 {
     return (struct pel_medium){

@@ -118,6 +118,10 @@ struct pel_water_body pel_water_deep(double chlorophyll_mg_m3);
 /* The body at wavelength i of pel_water_wavelength_nm. */
 struct pel_medium pel_water_medium(const struct pel_water_body *body, int i);
 
+/* Depth below which the bottom cannot be seen: 1/255 of its light comes back,
+ * by pel_kirk_attenuation of the clearest wavelength [m]. */
+double pel_water_visible_m(const struct pel_water_body *body);
+
 /* Words for the enums (`IA`, `north-atlantic`, `sand`); NULL past the last. */
 const char *pel_jerlov_word(int i);
 const char *pel_water_name_word(int i);

@@ -75,7 +75,7 @@ PEL_CHECK enum pel_err pel_water_table_build(const struct pel_water_body *body,
 /* What leaves the water towards the unit vector `view` through a facet of unit
  * normal `normal` (facing the view), before the facet's Fresnel factor, with
  * the Sun in direction `sun` and its light on the sea: twin of leaving_water
- * in shaders/lib/shade.glsl. The table is of that Sun. */
+ * in shaders/lib/water.glsl. The table is of that Sun. */
 struct pel_rgb pel_water_table_leaving(const struct pel_water_table *table,
                                        struct pel_vec3 view,
                                        struct pel_vec3 normal,

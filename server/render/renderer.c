@@ -480,7 +480,7 @@ static void draw_pixels(struct pel_renderer *r,
         cascades ? &r->programs.cascades : &r->programs.trochoids;
     r->any_coast = env->seabed && !r->on_trial &&
                    pel_coast_plan(env, &r->seabed, c,
-                                  pel_seabed_visible_m(&env->water), r->coast);
+                                  pel_water_visible_m(&env->water), r->coast);
     if (r->any_coast && env->coast_everywhere) {
         memset(r->coast, 1, sizeof r->coast);
     }

@@ -7,6 +7,7 @@
 
 #include "base/vec.h"
 #include "optics/brdf.h"
+#include "optics/waterkernel.h"
 
 /* --- the highest of squares ----------------------------------------------- */
 
@@ -78,6 +79,23 @@ void pel_seabed_map_finish(struct pel_seabed_map *map)
     *map = (struct pel_seabed_map){ 0 };
 }
 
+/* The steepest of the field's squares, as a tangent. */
+static double steepest(const struct pel_seabed *bed)
+{
+    float most = 0.0f;
+    int w = bed->columns;
+    for (int y = 0; y + 1 < bed->rows; y++) {
+        const float *row = bed->height_m + (size_t)y * (size_t)w;
+        for (int x = 0; x + 1 < w; x++) {
+            float a = row[x + 1] - row[x], b = row[x + w] - row[x];
+            float c = row[x + w + 1] - row[x + w];
+            float d = row[x + w + 1] - row[x + 1];
+            most = fmaxf(most, fmaxf(a * a, c * c) + fmaxf(b * b, d * d));
+        }
+    }
+    return sqrt((double)most) / bed->spacing_m;
+}
+
 static enum pel_err fill_map(struct pel_seabed_map *map,
                              const struct pel_seabed *bed)
 {
@@ -102,6 +120,7 @@ static enum pel_err fill_map(struct pel_seabed_map *map,
                          (GLsizeiptr)(squares->count * sizeof(float)),
                          squares->highest, 0);
     glObjectLabel(GL_BUFFER, map->tops, -1, "highest of the seabed");
+    map->steepest = steepest(bed);
     map->serial = bed->serial;
     return PEL_OK;
 }
@@ -133,21 +152,11 @@ void pel_seabed_map_bind(const struct pel_seabed_map *map)
 #define DEPTH_LEVELS 12
 #define SHALLOWEST_M 0.25
 
-double pel_seabed_visible_m(const struct pel_water_body *water)
-{
-    double clearest = HUGE_VAL;
-    for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
-        clearest = fmin(clearest, pel_kirk_attenuation(water->absorption[i],
-                                                       water->scattering[i]));
-    }
-    return 0.5 * log(255.0) / clearest;
-}
-
 struct pel_water_depths pel_seabed_depths(const struct pel_environment *env)
 {
     double deepest =
         fmax(env->sea_level_m - env->seabed->lowest_m, env->water.depth_m);
-    deepest = fmin(deepest, pel_seabed_visible_m(&env->water));
+    deepest = fmin(deepest, pel_water_visible_m(&env->water));
     return (struct pel_water_depths){
         .levels = DEPTH_LEVELS,
         .first_m = SHALLOWEST_M,
@@ -211,13 +220,18 @@ void pel_fill_seabed(const struct pel_environment *env,
 {
     const struct pel_seabed *bed = env->seabed;
     const struct pel_water_body *w = &env->water;
-    double blur[PEL_WATER_WAVELENGTHS];
+    bool all = env->orders == PEL_ORDERS_ALL;
+    double turned[PEL_WATER_WAVELENGTHS], fall[PEL_WATER_WAVELENGTHS];
     for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
-        blur[i] =
-            fmax(w->absorption[i] + w->scattering[i] -
-                     pel_kirk_attenuation(w->absorption[i], w->scattering[i]),
-                 0.0);
+        turned[i] = w->scattering[i] * (1.0 - w->asymmetry[i]);
+        fall[i] = (w->absorption[i] + turned[i]) / log(2.0);
+        turned[i] = all ? turned[i] : 0.0;
     }
+    const struct pel_geometry at = {
+        .sun_zenith_rad = acos(pel_clamp(env->sun.z, 0.0, 1.0)),
+    };
+    struct pel_interface f = pel_interface_at(&at);
+    double sun_slope = f.sun_mu / sqrt(fmax(1.0 - f.sun_mu * f.sun_mu, 1e-9));
     *out = (struct pel_block_seabed){
         .bed_place = vec4((east_m - bed->west_m) / bed->spacing_m,
                           (north_m - bed->south_m) / bed->spacing_m,
@@ -231,7 +245,16 @@ void pel_fill_seabed(const struct pel_environment *env,
         .bed_wet = vec4(wet_albedo(w->albedo[0]), wet_albedo(w->albedo[1]),
                         wet_albedo(w->albedo[2]), 0.0),
         .bed_dry = vec4(w->albedo[0], w->albedo[1], w->albedo[2], 0.0),
-        .bed_blur = vec4(blur[0], blur[1], blur[2], 0.0),
+        .bed_extinction = vec4(w->absorption[0] + w->scattering[0],
+                               w->absorption[1] + w->scattering[1],
+                               w->absorption[2] + w->scattering[2],
+                               f.beam * f.sun_mu * PEL_KERNEL_LEAVING / PEL_PI),
+        .bed_fall = vec4(fall[0], fall[1], fall[2], 0.0),
+        .bed_absorption =
+            vec4(all ? w->absorption[0] : 0.0, all ? w->absorption[1] : 0.0,
+                 all ? w->absorption[2] : 0.0, 0.0),
+        .bed_turned = vec4(turned[0], turned[1], turned[2],
+                           map->steepest > sun_slope ? 1.0 : 0.0),
     };
     fill_focus(env, left, out->bed_focus);
     for (int i = 0; i < map->squares.levels; i++) {

@@ -24,6 +24,7 @@ struct pel_seabed_tops {
 struct pel_seabed_map {
     uint64_t serial;      /* of the field that is there; 0: none */
     GLuint heights, tops; /* texture; buffer */
+    double steepest;      /* of its slopes, a tangent */
     struct pel_seabed_tops squares;
 };
 
@@ -38,10 +39,6 @@ PEL_CHECK enum pel_err pel_seabed_map_fit(struct pel_seabed_map *map,
 /* For shading; other passes have uses of their own for these places. */
 void pel_seabed_map_bind(const struct pel_seabed_map *map);
 void pel_seabed_map_finish(struct pel_seabed_map *map);
-
-/* Depth below which the bottom cannot be seen: 1/255 of its light comes back,
- * by the attenuation of the clearest wavelength (waterbody.h). */
-double pel_seabed_visible_m(const struct pel_water_body *water);
 
 /* Depths that the water's light is wanted for over this field. */
 struct pel_water_depths pel_seabed_depths(const struct pel_environment *env);

@@ -142,7 +142,12 @@ PEL_BLOCK(9, seabed) {
                                               z rows */
     vec4 bed_focus[PEL_FOCUS_COUNT]; /* by depth: x log2 of the footprint, m, whose waves focus
                                         light without crossing rays */
-    vec4 bed_blur;   /* rgb how much faster the Sun's beam fades than all light, 1/m */
+    vec4 bed_extinction; /* rgb of the water, 1/m; w radiance above the water that the Sun's
+                            beam of unit irradiance leaves on a white level bottom, 1/sr */
+    vec4 bed_fall;       /* rgb of scattered light by length, octaves a metre */
+    vec4 bed_absorption; /* rgb, 1/m; 0 where only two orders are drawn */
+    vec4 bed_turned;     /* rgb scattering (1 − asymmetry), 1/m, or 0; w 1 where slopes are
+                            steeper than the Sun's beam in the water */
 };
 
 /* Light inside the water (render/waterlight.h). Sizes of its maps: nodes of

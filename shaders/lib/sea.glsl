@@ -115,21 +115,18 @@ shaded shade_sea(ivec2 at, uint triangle)
     float hidden = 1.0 - smoothstep(-edge, edge, dot(n, v));
     vec3 n_seen = normalize(mix(n, vec3(0.0, 0.0, 1.0), hidden));
     vec2 variance_seen = mix(variance, wind.zw, hidden);
+    vec3 n_lit = facet_in_sight(n_seen, v);
+    vec2 on_maps = water_place(v, n_lit, sun_dir);
 #ifdef PEL_SEABED
-    vec2 bottom;
-    float depth = seabed_depth(dir.xy * range, sight_height(dir, range), v, n_seen, bottom);
+    bed_view seen = seabed_seen(dir.xy * range, sight_height(dir, range), v, n_lit);
+    bed_light below = seabed_light(on_maps, seen, footprint, sun_dir);
+    vec3 leaving = below.volume + below.bottom;
+    float depth = seen.depth;
 #else
     const float depth = 1e5; // the deepest there is
+    vec3 leaving = leaving_water(on_maps, depth);
 #endif
-    lit parts = sea_radiance(reflection_map, v, sun_dir, n_seen, variance_seen, depth);
-#ifdef PEL_SEABED
-    vec3 from_bottom = water_part(water_place(v, n_seen, sun_dir), WATER_BOTTOM, depth);
-    vec3 relief = (1.0 - parts.fresnel) * seabed_relief(from_bottom, bottom, depth, footprint, sun_dir);
-    parts.water += relief;
-#ifdef PEL_WATER_PARTS
-    parts.parts.bottom += relief;
-#endif
-#endif
+    lit parts = sea_radiance(reflection_map, v, sun_dir, n_lit, variance_seen, leaving);
     vec3 light = parts.sun + parts.sky + parts.water;
 
     vec3 air;
@@ -148,7 +145,15 @@ shaded shade_sea(ivec2 at, uint triangle)
     result.variance = variance_seen;
 #endif
 #ifdef PEL_WATER_PARTS
-    result.parts = parts.parts;
+    result.parts = water_parts(on_maps, depth, 1.0 - parts.fresnel);
+#ifdef PEL_SEABED
+    // The sum is what was drawn.
+    vec3 volume = (1.0 - parts.fresnel) * below.volume;
+    result.parts.single = min(result.parts.single, volume);
+    result.parts.second = min(result.parts.second, volume - result.parts.single);
+    result.parts.higher = volume - result.parts.single - result.parts.second;
+    result.parts.bottom = (1.0 - parts.fresnel) * below.bottom;
+#endif
     result.parts.single *= through;
     result.parts.second *= through;
     result.parts.higher *= through;

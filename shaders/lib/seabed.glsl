@@ -214,39 +214,115 @@ float caustic(vec2 place, float depth, float footprint, vec3 sun_dir, float cosi
     return 1.0 / max(spread, 0.2);
 }
 
-// What waves and slope of the bottom change of the light that comes back from
-// it: a share of `from_bottom`, of either sign.
-vec3 seabed_relief(vec3 from_bottom, vec2 place, float depth, float footprint, vec3 sun_dir)
+// Of the Sun's beam, what no rise of the bottom between the surface and a place
+// `depth` m down hides: only slopes steeper than the refracted beam can.
+float seabed_lit(vec2 place, float depth, vec3 sun_dir, float cosine)
 {
-    const float eta = 1.0 / 1.34;
-    if (sun_dir.z < 0.02 || max(from_bottom.g, from_bottom.b) <= 0.0) {
-        return vec3(0.0);
+    if (bed_turned.w < 0.5) {
+        return 1.0;
     }
-    float cosine = sqrt(1.0 - eta * eta * (1.0 - sun_dir.z * sun_dir.z));
-    vec3 direct = sun_light.rgb * sun_dir.z;
-    vec3 share = direct / (direct + sky_light.rgb) * exp(bed_blur.rgb * (-depth / cosine));
-    vec3 n = seabed_normal(bed_node(place), footprint);
-    float gain = max(dot(n.xy, sun_dir.xy) * eta + n.z * cosine, 0.0) / cosine;
-    if (bed_beyond.w > 0.5) {
-        gain *= caustic(place, depth, footprint, sun_dir, cosine);
+    float hidden = 0.0;
+    vec2 run = sun_dir.xy * (depth / (1.34 * cosine));
+    float floor_ = seabed_height(bed_node(place));
+    for (int i = 1; i <= 8; i++) {
+        float t = float(i) / 8.5;
+        hidden = max(hidden, seabed_height(bed_node(place + run * t)) - floor_ - depth * t);
     }
-    return from_bottom * share * (gain - 1.0);
+    return 1.0 - smoothstep(0.0, 0.05 * depth, hidden);
 }
 
-// Depth of the water where the line of sight towards v, refracted by a facet n
-// at place x and height z of the surface, meets the bottom; `place`: there.
-float seabed_depth(vec2 x, float z, vec3 v, vec3 n, out vec2 place)
+// A place of the bottom that is looked at.
+struct bed_view {
+    vec2 place;
+    float depth; // of the water, below where the line of sight enters it
+    float under; // the same below that place itself
+    float rise;  // cosine of the line of sight in the water to the vertical
+};
+
+// Where the line of sight towards v, refracted by a facet n at place x and
+// height z of the surface, meets the bottom.
+bed_view seabed_seen(vec2 x, float z, vec3 v, vec3 n)
 {
     float facing = max(dot(n, v), 0.0);
     const float eta = 1.0 / 1.34;
     vec3 down = n * (eta * facing - sqrt(1.0 - eta * eta * (1.0 - facing * facing))) - eta * v;
-    vec2 run = down.xy / max(-down.z, 0.2);
-    place = x;
-    float depth = 0.0;
+    bed_view seen;
+    seen.rise = max(-down.z, 0.2);
+    vec2 run = down.xy / seen.rise;
+    seen.under = max(z - seabed_height(bed_node(x)), 0.0);
+    seen.depth = seen.under;
+    seen.place = x + run * seen.depth;
     // Slopes of the bottom times that of the sight are small: it converges.
     for (int i = 0; i < 4; i++) {
-        depth = max(z - seabed_height(bed_node(place)), 0.0);
-        place = x + run * depth;
+        seen.depth = max(z - seabed_height(bed_node(seen.place)), 0.0);
+        seen.place = x + run * seen.depth;
     }
-    return max(z - seabed_height(bed_node(place)), 0.0);
+    return seen;
+}
+
+// The water's light over a bottom that is not level.
+struct bed_light {
+    vec3 volume; // never touched it
+    vec3 bottom;
+};
+
+// From the maps of level water, `at` on them: sunlight straight to the bottom
+// and back by its own equation (eq. 9 of the 2003 paper with cos γ, shade and
+// the waves' focusing), what was scattered as well from level water of another
+// depth, by how deep it is under the line of sight and how steep the bottom.
+// Twin of pel_slope_light.
+bed_light seabed_light(vec2 at, bed_view seen, float footprint, vec3 sun_dir)
+{
+    const float eta = 1.0 / 1.34;
+    float depth = max(seen.depth, 0.01);
+    float cosine = sqrt(1.0 - eta * eta * (1.0 - sun_dir.z * sun_dir.z));
+    vec3 n = seabed_normal(bed_node(seen.place), footprint);
+    float gain = max(dot(n.xy, sun_dir.xy) * eta + n.z * cosine, 0.0) / cosine;
+    gain *= seabed_lit(seen.place, depth, sun_dir, cosine);
+
+    float under = 1.0 - seen.under / depth;
+    float steep = 1.0 - n.z * n.z;
+    vec3 turned = bed_turned.rgb * depth;
+    vec3 reach = 0.45 * depth * bed_absorption.rgb + turned;
+    vec3 shift = reach * (0.25 * under + 0.2 * steep);
+    float last = exp2(water.y + (water.x - 1.0) / water.z); // the sea beyond has that bottom
+    vec3 for_bottom = min(depth * (1.0 - clamp(shift, -1.0, 0.6)), last);
+    shift = reach * (0.18 * under + 0.39 * steep);
+    vec3 for_volume = min(depth * (1.0 - clamp(shift, -1.0, 0.6)), last);
+    vec3 kept = 1.0 / (1.0 + turned);
+
+    float level = clamp((log2(for_bottom.g) - water.y) * water.z, 0.0, water.x - 1.0);
+    float below = min(floor(level), water.x - 2.0);
+    float first = WATER_TOTAL * water.x + below;
+    vec3 total0 = textureLod(water_map, vec3(at, first), 0.0).rgb;
+    vec3 total1 = textureLod(water_map, vec3(at, first + 1.0), 0.0).rgb;
+    first = WATER_BOTTOM * water.x + below;
+    vec3 bottom0 = textureLod(water_map, vec3(at, first), 0.0).rgb;
+    vec3 bottom1 = textureLod(water_map, vec3(at, first + 1.0), 0.0).rgb;
+    float z0 = exp2(water.y + below / water.z);
+    float z1 = exp2(water.y + (below + 1.0) / water.z);
+
+    vec3 way = bed_extinction.rgb * (1.0 / cosine + 1.0 / seen.rise);
+    vec3 beam = bed_dry.rgb * sun_light.rgb * bed_extinction.w;
+    vec3 around0 = max(bottom0 - beam * exp(-way * z0), vec3(1e-12));
+    vec3 around1 = max(bottom1 - beam * exp(-way * z1), vec3(1e-12));
+    // Between levels a power of the depth times e^(−fall depth).
+    vec3 fall = bed_fall.rgb * (1.0 / cosine + 1.0 / seen.rise);
+    vec3 part = clamp((log2(for_bottom) - water.y) * water.z - below, -1.0, 2.0);
+    vec3 around = exp2(mix(log2(around0) + fall * z0, log2(around1) + fall * z1, part) -
+                       fall * for_bottom);
+    vec3 most = beam + bed_dry.rgb * sky_light.rgb * (eta * eta / PI);
+    around = min(around, most / (1.0 - 0.5 * bed_dry.rgb));
+
+    vec3 direct = sun_light.rgb * max(sun_dir.z, 0.0);
+    vec3 sunny = direct / (direct + sky_light.rgb + 1e-20);
+    bed_light light;
+    light.bottom = around * (1.0 + kept * (mix(vec3(n.z), vec3(gain), sunny) - 1.0));
+    if (bed_beyond.w > 0.5 && sun_dir.z > 0.02) {
+        gain *= caustic(seen.place, depth, footprint, sun_dir, cosine);
+    }
+    light.bottom += beam * exp(-way * min(depth, last)) * gain;
+    part = clamp((log2(for_volume) - water.y) * water.z - below, -1.0, 2.0);
+    light.volume = max(mix(total0 - bottom0, total1 - bottom1, part), vec3(0.0));
+    return light;
 }

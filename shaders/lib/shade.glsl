@@ -104,19 +104,17 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
 struct lit {
     vec3 sun, sky, water;
     float fresnel;
-#ifdef PEL_WATER_PARTS
-    water_light parts;
-#endif
 };
 
-// `depth` of the water there, m (lib/water.glsl).
-lit sea_radiance(sampler2D map, vec3 v, vec3 sun_dir, vec3 n, vec2 variance, float depth)
+// Facets that face away are reflected into sight (section 3.2).
+vec3 facet_in_sight(vec3 n, vec3 v)
 {
-    // Facets that face away are reflected into sight (section 3.2).
-    float facing = dot(n, v);
-    if (facing < 0.0) {
-        n -= 2.0 * facing * v;
-    }
+    return n - 2.0 * min(dot(n, v), 0.0) * v;
+}
+
+// `leaving`: of the water there (leaving_water).
+lit sea_radiance(sampler2D map, vec3 v, vec3 sun_dir, vec3 n, vec2 variance, vec3 leaving)
+{
     variance = max(variance, vec2(MIN_VARIANCE));
     vec3 along = vec3(wind.xy, 0.0);
     vec3 tx = normalize(along - n * dot(n, along));
@@ -130,9 +128,6 @@ lit sea_radiance(sampler2D map, vec3 v, vec3 sun_dir, vec3 n, vec2 variance, flo
     result.sun = direct;
     result.sky = sky;
     result.fresnel = fresnel;
-    result.water = (1.0 - fresnel) * leaving_water(v, n, sun_dir, depth);
-#ifdef PEL_WATER_PARTS
-    result.parts = water_parts(v, n, sun_dir, depth, 1.0 - fresnel);
-#endif
+    result.water = (1.0 - fresnel) * leaving;
     return result;
 }

@@ -6,12 +6,12 @@
 // WATER_LEVELS depths: layer part · levels + level. Depths are level with each
 // other on a logarithmic scale; `frame.water` has x the number of levels, y
 // log2 of the first depth in m, z levels an octave. A flat sea has one level
-// and any depth finds it; over a sloping bottom
+// and any depth finds it:
 //
-//     vec3 light = (1 − F̄) · leaving_water(v, n, sun_dir, depth)
+//     vec3 light = (1 − F̄) · leaving_water(water_place(v, n, sun_dir), depth)
 //
-// with the depth below the place where the line of sight meets the surface
-// mixes the two levels around it, and holds the first and the last beyond them.
+// mixes the two levels around a depth, and holds the first and the last beyond
+// them. Over a height field lib/seabed.glsl looks into them by itself.
 
 layout(binding = 9) uniform sampler2DArray water_map;
 
@@ -58,17 +58,16 @@ vec3 water_part(vec2 place, float part, float depth)
                textureLod(water_map, vec3(place, first + below + 1.0), 0.0).rgb, level - below);
 }
 
-// Towards v through a facet n over water of this depth, before the facet's own
+// At a place of the maps, over water of this depth, before the facet's own
 // Fresnel factor: L_sea of Bruneton et al. 2010, eq. 28.
-vec3 leaving_water(vec3 v, vec3 n, vec3 sun_dir, float depth)
+vec3 leaving_water(vec2 place, float depth)
 {
-    return water_part(water_place(v, n, sun_dir), WATER_TOTAL, depth);
+    return water_part(place, WATER_TOTAL, depth);
 }
 
 // The same taken apart, times `factor`.
-water_light water_parts(vec3 v, vec3 n, vec3 sun_dir, float depth, float factor)
+water_light water_parts(vec2 place, float depth, float factor)
 {
-    vec2 place = water_place(v, n, sun_dir);
     return water_light(factor * water_part(place, WATER_SINGLE, depth),
                        factor * water_part(place, WATER_SECOND, depth),
                        factor * water_part(place, WATER_HIGHER, depth),
