@@ -2,7 +2,7 @@
 // comes from the schema (/v1/fields), what the server refuses is said next to
 // the control that asked for it.
 
-import { Problem } from "/api.js";
+import { Gone, Problem } from "/api.js";
 
 const TYPING_MS = 150;
 const DRAGGING_MS = 150;
@@ -115,10 +115,12 @@ export class Control {
         this.fail("");
       }
     } catch (error) {
+      if (!(error instanceof Problem || error instanceof Gone)) {
+        throw error;
+      }
       if (current()) {
-        const said = error instanceof Problem;
-        this.fail(said ? error.line
-          : "Not sent: the server does not answer.", !said);
+        this.fail(error.line ?? "Not sent: the server does not answer.",
+          error instanceof Gone);
       }
     }
   }

@@ -68,7 +68,7 @@ export class Store {
     this.asked = this.asked.filter((a) => a !== before);
     before?.done();
     return new Promise((done, failed) => {
-      this.asked.push({ key, make, sure, done, failed, due:
+      this.asked.push({ key, make, sure, everyMs, done, failed, due:
         Math.max(now + afterMs, (this.sent.get(key) ?? 0) + everyMs) });
       this.changed();
       this.pump();
@@ -138,7 +138,9 @@ export class Store {
       const patch = change.make(this.told);
       const answer = patch && await this.attempt(patch, left > 0);
       if (answer !== undefined) {
-        this.sent.set(change.key, performance.now());
+        if (change.everyMs > 0) {
+          this.sent.set(change.key, performance.now());
+        }
         this.asked = this.asked.filter((a) => a !== change);
         if (answer) {
           this.hear(answer, merged(this.told, patch));
