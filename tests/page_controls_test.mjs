@@ -25,6 +25,12 @@ describe("controls", () => {
       nodes.map((n) => ({ ...n.dataset, options:
         [...n.querySelectorAll("option")].map((o) => o.value) })));
     const shown = new Map(found.map((f) => [f.path, f]));
+    await until("a train", () => page.locator("#swell-train").isVisible());
+    const wide = await page.locator(".control:visible > *").evaluateAll(
+      (nodes) => nodes.filter((n) => n.getBoundingClientRect().right >
+        n.closest(".section").getBoundingClientRect().right)
+        .map((n) => n.outerHTML));
+    assert.deepEqual(wide, [], "wider than their section");
     for (const part of ["sea.windSpeed", "sea.windDirection",
       ...["height", "period", "direction", "spread"].map((n) =>
         `sea.swell.*.${n}`), "sky.sunElevation", "sky.sunAzimuth",
