@@ -264,6 +264,7 @@ TESTS += server/net/net_test.c
 TESTS += server/options_test.c
 TESTS += server/frames/quality_test.c
 TESTS += server/frames/frames_test.c
+TESTS += server/frames/frames_live_test.c
 TESTS += proto/json_test.c
 TESTS += proto/registers_test.c
 TESTS += server/bridges/nmea_parse_test.c
@@ -505,9 +506,10 @@ asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
 
 .PHONY: tsan
 tsan: deps ## the tests with threads under ThreadSanitizer
-	$(Q)$(MAKE) -s --no-print-directory FLAVOR=tsan build/tsan/bin/frames_test
+	$(Q)$(MAKE) -s --no-print-directory FLAVOR=tsan build/tsan/bin/frames_test \
+	    build/tsan/bin/frames_live_test
 	$(Q)TSAN_OPTIONS=suppressions=tests/tsan.supp \
-	    tests/run build/tsan/bin/frames_test
+	    tests/run build/tsan/bin/frames_test build/tsan/bin/frames_live_test
 
 comma := ,
 

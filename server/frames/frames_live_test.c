@@ -1,0 +1,199 @@
+/* Pictures for whoever subscribed to them. */
+#include "frames/core.h"
+#include "frames/frames_testkit.h"
+
+static void live_frames_come_in_order(void **state)
+{
+    (void)state;
+    struct answer a = { 0 }, b = { 0 };
+    struct pel_subscription *first, *second;
+    add_view("other", 48, 32);
+    assert_int_equal(
+        pel_frames_subscribe(frames, "test", 80, take, &a, &first, NULL),
+        PEL_OK);
+    assert_int_equal(
+        pel_frames_subscribe(frames, "other", 80, take, &b, &second, NULL),
+        PEL_OK);
+    run_until(&a.frame_count, 10);
+    run_until(&b.frame_count, 10);
+    int count = a.frame_count < 64 ? a.frame_count : 64;
+    for (int i = 1; i < count; i++) {
+        assert_true(a.numbers[i] > a.numbers[i - 1]);
+    }
+    /* The views of one frame share its number: b has no number of its own. */
+    int shared = 0;
+    for (int i = 0; i < count; i++) {
+        for (int k = 0; k < 64 && k < b.frame_count; k++) {
+            shared += a.numbers[i] == b.numbers[k];
+        }
+    }
+    assert_true(shared >= 9);
+    /* Asked for meanwhile, a picture comes with the live ones. */
+    struct answer one = { 0 }, timed = { 0 };
+    Pelagos__FrameRequest request = small(PELAGOS__FRAME_FORMAT__PNG);
+    ask(&request, &one);
+    request.has_time = true;
+    request.time = 77;
+    ask(&request, &timed);
+    run_until(&one.calls, 1);
+    run_until(&timed.calls, 1);
+    assert_true(timed.frame->time_s == 77);
+    drop(&one);
+    drop(&timed);
+    pel_frames_unsubscribe(first);
+    pel_frames_unsubscribe(second);
+    run_until_still();
+    int calls = a.calls;
+    struct pel_frames_stats before, after;
+    pel_frames_get_stats(frames, &before);
+    run_for(200);
+    pel_frames_get_stats(frames, &after);
+    assert_int_equal(a.calls, calls);
+    assert_int_equal(after.frames_drawn, before.frames_drawn);
+    assert_int_equal(after.subscriptions, 0);
+    drop(&a);
+    drop(&b);
+}
+
+static void paced_time_advances_by_the_frame(void **state)
+{
+    (void)state;
+    struct answer answer = { 0 };
+    struct pel_subscription *subscription;
+    set_clock(PELAGOS__CLOCK_MODE__PACED, 100);
+    pel_frames_set_max_fps(frames, 50);
+    run_for(100);
+    assert_true(pel_scene_time(scene) == 100); /* nobody watches */
+    assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &answer,
+                                          &subscription, NULL),
+                     PEL_OK);
+    run_until(&answer.frame_count, 10);
+    pel_frames_unsubscribe(subscription);
+    for (int i = 1; i < 10; i++) {
+        /* 1/50 s to the rounding of sums near 100. */
+        assert_true(fabs(answer.times[i] - answer.times[i - 1] - 0.02) < 1e-9);
+        assert_int_equal(answer.numbers[i] - answer.numbers[i - 1], 1);
+    }
+    pel_frames_set_max_fps(frames, 60);
+    run_for(100);
+    drop(&answer);
+    set_clock(PELAGOS__CLOCK_MODE__STEPPED, 10);
+}
+
+static void a_deleted_view_ends_its_subscription(void **state)
+{
+    (void)state;
+    struct answer answer = { 0 };
+    struct pel_subscription *subscription;
+    add_view("short", 32, 32);
+    assert_int_equal(pel_frames_subscribe(frames, "short", 80, take, &answer,
+                                          &subscription, NULL),
+                     PEL_OK);
+    run_until(&answer.frame_count, 2);
+    remove_path("views.short");
+    assert_int_equal(answer.err, PEL_ERR_NOT_FOUND);
+    int calls = answer.calls;
+    run_for(100);
+    assert_int_equal(answer.calls, calls);
+    pel_frames_unsubscribe(subscription);
+    drop(&answer);
+}
+
+static void size_changes_while_watched(void **state)
+{
+    (void)state;
+    struct answer answer = { 0 };
+    struct pel_subscription *subscription;
+    assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &answer,
+                                          &subscription, NULL),
+                     PEL_OK);
+    run_until(&answer.frame_count, 2);
+    add_view("test", 80, 40);
+    for (int i = 0; i < 3000 && answer.frame->width != 80; i++) {
+        run_for(20);
+    }
+    assert_int_equal(answer.frame->width, 80);
+    assert_int_equal(answer.frame->height, 40);
+    pel_frames_unsubscribe(subscription);
+    add_view("test", 64, 48);
+    drop(&answer);
+}
+
+struct quitter {
+    struct answer answer;
+    struct pel_subscription *mine, *other;
+};
+
+static void quit_both(void *user, enum pel_err err,
+                      const struct pel_fault *fault, struct pel_frame *frame)
+{
+    struct quitter *quitter = user;
+    take(&quitter->answer, err, fault, frame);
+    pel_frames_unsubscribe(quitter->mine);
+    pel_frames_unsubscribe(quitter->other);
+    quitter->mine = quitter->other = NULL;
+}
+
+static void subscribers_may_leave_in_their_callback(void **state)
+{
+    (void)state;
+    struct quitter quitter = { 0 };
+    struct answer other = { 0 };
+    assert_int_equal(pel_frames_subscribe(frames, "test", 80, take, &other,
+                                          &quitter.other, NULL),
+                     PEL_OK);
+    assert_int_equal(pel_frames_subscribe(frames, "test", 80, quit_both,
+                                          &quitter, &quitter.mine, NULL),
+                     PEL_OK);
+    run_until(&quitter.answer.calls, 1);
+    run_for(100);
+    assert_int_equal(quitter.answer.calls, 1);
+    assert_true(other.calls <= 1);
+    drop(&other);
+    drop(&quitter.answer);
+}
+
+static void subscriptions_are_bounded(void **state)
+{
+    (void)state;
+    struct pel_subscription *all[PEL_MAX_SUBSCRIPTIONS], *more;
+    struct answer answer = { 0 };
+    int streams = 0;
+    for (int q = 1; q <= 100; q++) {
+        streams += pel_frames_subscribe(frames, "test", q, take, &answer,
+                                        &all[streams], NULL) == PEL_OK;
+    }
+    assert_int_equal(streams, PEL_MAX_STREAMS);
+    for (int i = streams; i < PEL_MAX_SUBSCRIPTIONS; i++) {
+        assert_int_equal(pel_frames_subscribe(frames, "test", 1, take, &answer,
+                                              &all[i], NULL),
+                         PEL_OK);
+    }
+    assert_int_equal(
+        pel_frames_subscribe(frames, "test", 1, take, &answer, &more, NULL),
+        PEL_ERR_BUSY);
+    assert_int_equal(
+        pel_frames_subscribe(frames, "test", 0, take, &answer, &more, NULL),
+        PEL_ERR_OUT_OF_RANGE);
+    assert_int_equal(
+        pel_frames_subscribe(frames, "none", 9, take, &answer, &more, NULL),
+        PEL_ERR_NOT_FOUND);
+    for (int i = 0; i < PEL_MAX_SUBSCRIPTIONS; i++) {
+        pel_frames_unsubscribe(all[i]);
+    }
+    run_for(100);
+    drop(&answer);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(live_frames_come_in_order),
+        cmocka_unit_test(paced_time_advances_by_the_frame),
+        cmocka_unit_test(a_deleted_view_ends_its_subscription),
+        cmocka_unit_test(size_changes_while_watched),
+        cmocka_unit_test(subscribers_may_leave_in_their_callback),
+        cmocka_unit_test(subscriptions_are_bounded),
+    };
+    return cmocka_run_group_tests_name("live frames", tests, set_up, tear_down);
+}
