@@ -2,7 +2,7 @@
 import json
 import unittest
 
-from pelagos_daemon import Daemon
+from pelagos_daemon import SLOW_S, Daemon, until
 
 
 def without_time(state):
@@ -17,6 +17,12 @@ class HttpCase(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.daemon = Daemon()
+        # Compiling for the first pictures takes long enough on a busy machine
+        # for the watchdog to speak of it.
+        cls.daemon.get("/v1/views/bridge/frame.jpg?width=64&height=36",
+                       timeout=SLOW_S)
+        until("well", lambda: cls.daemon.get("/healthz").status == 200
+              and "RND-043" in cls.daemon.log())
 
     @classmethod
     def tearDownClass(cls):
