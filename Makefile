@@ -148,7 +148,7 @@ ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/ts.c server/encode/planes.c \
     server/encode/video.c
 FRAMES := server/frames/frame.c server/frames/quality.c server/frames/mailbox.c \
-    server/frames/pool.c server/frames/answerers.c \
+    server/frames/pool.c server/frames/answerers.c server/frames/foresight.c \
     server/frames/renderloop.c \
     server/frames/picture_exr.c \
     server/frames/window.c \
@@ -262,6 +262,7 @@ TESTS += server/encode/video_test.c
 TESTS += server/base/urgent_test.c
 TESTS += server/net/net_test.c
 TESTS += server/options_test.c
+TESTS += server/frames/foresight_test.c
 TESTS += server/frames/quality_test.c
 TESTS += server/frames/frames_test.c
 TESTS += server/frames/frames_live_test.c

@@ -113,11 +113,12 @@ const struct pel_option pel_option_table[] = {
       .help = "Reads the shaders from here instead of the built-in ones." },
     { "realtime", "render", PEL_OPTION_CHOICE, "WHEN", "auto",
       .choices = realtime_words, .offset = FIELD(realtime),
-      .help = "Whether the threads that read requests and answer surface "
-              "queries run in real time (SCHED_RR) for up to a quarter of a "
-              "core each, so that they do not wait for drawing: auto is where "
-              "the system permits it (ulimit -r 2, systemd's LimitRTPRIO=2), "
-              "on refuses to start where it does not." },
+      .help =
+          "Whether the threads that read requests and answer surface "
+          "queries run in real time (SCHED_RR) for up to two fifths "
+          "of a core each, so that they do not wait for drawing: auto is where "
+          "the system permits it (ulimit -r 2, systemd's LimitRTPRIO=2), "
+          "on refuses to start where it does not." },
     { "filter-min", "render", PEL_OPTION_DOUBLE, "N", "1", 1, 4, "wavelengths",
       .offset = FIELD(filter_min),
       .help = "Waves of fewer than so many pixels or cells of the mesh are "

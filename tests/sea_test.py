@@ -154,6 +154,43 @@ def hull_points_by_every_way():
                   "by HTTP, the same by protobuf and CIGI")
 
 
+def foreseen_answers_are_the_seas():
+    """In step and about now, while the clock runs and pictures are drawn: what
+    is answered is what another daemon answers about the same time, to the bit,
+    whether the moment was foreseen, prepared in part, or not."""
+    sea = {"sea": {"synthesiser": "FFT", "windSpeed": 9, "seed": 5}}
+    plane = [(0.7 * i, 3.1 * (i % 40)) for i in range(400)]
+    with Daemon() as daemon, Daemon() as other, \
+            Session(daemon.connect_tcp()) as session, \
+            Session(other.connect_tcp()) as judge:
+        pb = session.pb
+        points = [pb.Point(east=e, north=n) for e, n in plane]
+        for each in (daemon, other):
+            each.patch({**sea, **VIEW})
+        answers = []
+        for turn in range(60):
+            if turn % 10 == 0:
+                daemon.request("GET", "/v1/views/bridge/frame?width=64&height=48")
+            moving = turn % 20 == 13
+            reply = session.ask(surface=pb.SurfaceQuery(
+                points=points, acceleration=moving)).surface
+            answers.append((moving, reply))
+            time.sleep(1 / 60)
+        times = [reply.time for _, reply in answers]
+        check(times == sorted(times), "time goes on")
+        for moving, reply in answers:
+            again = judge.ask(surface=pb.SurfaceQuery(
+                points=points, time=reply.time, acceleration=moving)).surface
+            check(again.SerializeToString() == reply.SerializeToString(),
+                  f"the answer about {reply.time} s")
+        foreseen = metrics(daemon)["pelagos_surface_foreseen_total"]
+        check(metrics(other)["pelagos_surface_foreseen_total"] == 0,
+              "a time that is named is the time that is answered")
+        check(foreseen > 0, "nothing was foreseen")
+        print(f"  60 answers about now, {foreseen:.0f} of them foreseen, are "
+              "those about their times")
+
+
 def follow(daemon, plane, at, velocity, acceleration, height):
     """A particle is a moment later where its velocity says, as fast as its
     acceleration says."""
@@ -185,7 +222,7 @@ def the_tide_lifts_the_sea():
 
 def main():
     for part in (drawn_is_answered, hull_points_by_every_way,
-                 the_tide_lifts_the_sea):
+                 foreseen_answers_are_the_seas, the_tide_lifts_the_sea):
         print(f"== {part.__name__}", flush=True)
         part()
 

@@ -31,7 +31,7 @@ PEL_CHECK enum pel_err pel_urgent_init(enum pel_realtime mode, bool *real,
  * PEL_URGENT_SHARE of the time that passes, by PEL_URGENT_BURST_NS, and again
  * when it has half of that to its credit. Threads that it starts are not
  * urgent. */
-#define PEL_URGENT_SHARE 0.25
+#define PEL_URGENT_SHARE 0.4
 #define PEL_URGENT_BURST_NS 20000000
 struct pel_urgent {
     int priority; /* 0: never real time */

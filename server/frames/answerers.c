@@ -1,7 +1,9 @@
 #include "frames/answerers.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 #include "base/urgent.h"
@@ -10,10 +12,20 @@
 #define SLICE 128
 #define STOP_NS 1000000000LL
 
+/* A moment to be prepared. */
+struct foreseen {
+    const struct pel_snapshot *snapshot; /* NULL: none */
+    double time_s;
+    bool moving;
+    int64_t begin_ns;
+};
+
 struct pel_answerers {
     pthread_mutex_t lock; /* protects all below and the queries' counts */
     pthread_cond_t asked, over;
     struct pel_queue queue;
+    struct foreseen foreseen[PEL_MOST_PREPARED]; /* newest first */
+    atomic_bool hurry; /* somebody asks, or all ends */
     bool stop;
     int count, ended;
     pthread_t threads[PEL_MOST_ANSWERERS];
@@ -36,27 +48,113 @@ static struct pel_surface_query *take(struct pel_answerers *self, size_t *first,
             pel_queue_pop(&self->queue);
         }
     }
+    atomic_store(&self->hurry, self->queue.first != NULL);
     return query;
 }
 
+/* --- preparing -------------------------------------------------------------
+ */
+
+struct worker {
+    struct pel_answerers *all;
+    struct pel_urgent urgent;
+};
+
+static bool go_on(void *user)
+{
+    struct worker *worker = user;
+    pel_urgent_account(&worker->urgent);
+    return !atomic_load(&worker->all->hurry);
+}
+
+/* Index of the next moment to prepare, −1: none. */
+static int next_foreseen(const struct pel_answerers *self)
+{
+    int next = -1;
+    for (int i = 0; i < PEL_MOST_PREPARED; i++) {
+        const struct foreseen *f = &self->foreseen[i];
+        if (f->snapshot &&
+            (next < 0 || f->begin_ns < self->foreseen[next].begin_ns)) {
+            next = i;
+        }
+    }
+    return next;
+}
+
+/* Has the lock, not while it computes. Threads that are idle prepare the same
+ * moment; whoever finds nothing left of it takes it off. */
+static void prepare(struct worker *worker, int index)
+{
+    struct pel_answerers *self = worker->all;
+    struct foreseen f = self->foreseen[index];
+    pel_snapshot_ref(f.snapshot);
+    pthread_mutex_unlock(&self->lock);
+    bool whole =
+        pel_snapshot_prepare(f.snapshot, f.time_s, f.moving, go_on, worker);
+    pthread_mutex_lock(&self->lock);
+    for (int i = 0; i < PEL_MOST_PREPARED; i++) {
+        struct foreseen *still = &self->foreseen[i];
+        bool this = still->snapshot == f.snapshot && still->time_s == f.time_s;
+        if (this && (whole || !atomic_load(&self->hurry))) {
+            pel_snapshot_unref(still->snapshot);
+            still->snapshot = NULL;
+        }
+    }
+    pel_snapshot_unref(f.snapshot);
+}
+
+/* Nobody asks: prepares, or waits. */
+static void idle(struct worker *worker)
+{
+    struct pel_answerers *self = worker->all;
+    int next = next_foreseen(self);
+    if (next < 0) {
+        pthread_cond_wait(&self->asked, &self->lock);
+        return;
+    }
+    int64_t wait_ns = self->foreseen[next].begin_ns - pel_now_ns();
+    if (wait_ns > 0) {
+        pel_cond_wait_ns(&self->asked, &self->lock, wait_ns);
+    } else {
+        prepare(worker, next);
+    }
+}
+
+void pel_answerers_prepare(struct pel_answerers *self,
+                           const struct pel_snapshot *snapshot, double time_s,
+                           bool moving, int64_t begin_ns)
+{
+    struct foreseen *f = self->foreseen;
+    pthread_mutex_lock(&self->lock);
+    pel_snapshot_unref(f[PEL_MOST_PREPARED - 1].snapshot);
+    memmove(f + 1, f, (PEL_MOST_PREPARED - 1) * sizeof *f);
+    f[0] = (struct foreseen){ pel_snapshot_ref(snapshot), time_s, moving,
+                              begin_ns };
+    pthread_cond_broadcast(&self->asked);
+    pthread_mutex_unlock(&self->lock);
+}
+
+/* --- answering --------------------------------------------------------------
+ */
+
 static void *run(void *argument)
 {
+    struct worker worker = { .all = argument };
     struct pel_answerers *self = argument;
-    struct pel_urgent urgent;
-    pel_urgent_begin(&urgent, PEL_URGENT_ANSWERS);
+    pel_urgent_begin(&worker.urgent, PEL_URGENT_ANSWERS);
     pthread_mutex_lock(&self->lock);
     while (!self->stop) {
         size_t first, count;
         struct pel_surface_query *query = take(self, &first, &count);
         if (!query) {
-            pthread_cond_wait(&self->asked, &self->lock);
+            idle(&worker);
             continue;
         }
         pthread_mutex_unlock(&self->lock);
         pel_snapshot_surface(query->snapshot, query->points + first, count,
                              query->time_s, query->moving,
                              query->samples + first);
-        pel_urgent_account(&urgent);
+        pel_urgent_account(&worker.urgent);
         pthread_mutex_lock(&self->lock);
         query->answered += count;
         if (query->answered == query->count) {
@@ -103,6 +201,7 @@ void pel_answerers_push(struct pel_answerers *self,
     query->begun = query->answered = 0;
     pthread_mutex_lock(&self->lock);
     pel_queue_push(&self->queue, &query->mail);
+    atomic_store(&self->hurry, true);
     if (query->count > SLICE) {
         pthread_cond_broadcast(&self->asked);
     } else {
@@ -116,6 +215,7 @@ bool pel_answerers_stop(struct pel_answerers *self)
     int64_t end = pel_now_ns() + STOP_NS, left = STOP_NS;
     pthread_mutex_lock(&self->lock);
     self->stop = true;
+    atomic_store(&self->hurry, true);
     pthread_cond_broadcast(&self->asked);
     while (self->ended < self->count && left > 0) {
         pel_cond_wait_ns(&self->over, &self->lock, left);
@@ -132,6 +232,9 @@ bool pel_answerers_stop(struct pel_answerers *self)
 void pel_answerers_destroy(struct pel_answerers *self)
 {
     if (self) {
+        for (int i = 0; i < PEL_MOST_PREPARED; i++) {
+            pel_snapshot_unref(self->foreseen[i].snapshot);
+        }
         pthread_cond_destroy(&self->asked);
         pthread_cond_destroy(&self->over);
         pthread_mutex_destroy(&self->lock);

@@ -17,6 +17,13 @@ PEL_CHECK enum pel_err pel_answerers_create(int cores, struct pel_mailbox *box,
 void pel_answerers_push(struct pel_answerers *self,
                         struct pel_surface_query *query);
 
+/* Computes what a query about time_s will wait for from begin_ns on, while
+ * nobody asks; of more than PEL_MOST_PREPARED such the oldest is left. */
+#define PEL_MOST_PREPARED 3
+void pel_answerers_prepare(struct pel_answerers *self,
+                           const struct pel_snapshot *snapshot, double time_s,
+                           bool moving, int64_t begin_ns);
+
 /* Drops what waits, ends the work at hand, joins; false: not within 1 s, and
  * the threads are left alone. */
 bool pel_answerers_stop(struct pel_answerers *self);

@@ -5,6 +5,7 @@
 #include <glib.h>
 
 #include "frames/answerers.h"
+#include "frames/foresight.h"
 #include "frames/job.h"
 #include "frames/mailbox.h"
 #include "frames/pool.h"
@@ -121,6 +122,7 @@ struct pel_frames {
     const char *video_encoder;
     unsigned calling; /* depth of callbacks to subscribers */
     unsigned surface_count;
+    struct pel_foresight foresight;
     struct pel_shown shown[PEL_MAX_SHOWN]; /* newest first */
     struct pel_surface_query *surfaces[PEL_MAX_SURFACE_QUERIES];
     unsigned optics_count;

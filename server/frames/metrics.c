@@ -35,6 +35,12 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
             "Bytes of encoded pictures.", s.encoded_bytes);
     counter(page, "pelagos_frames_refused_total",
             "Requests for pictures and queries refused.", s.requests_refused);
+    counter(page, "pelagos_surface_queries_total", "Surface queries taken.",
+            s.surfaces);
+    counter(page, "pelagos_surface_foreseen_total",
+            "Surface queries about now, answered for a moment that was "
+            "prepared.",
+            s.surfaces_foreseen);
     quantile(page, "pelagos_frames_render_seconds",
              "From submission to pixels, of the last 256 views.",
              "quantile=\"0.5\"", s.render_ms_median);

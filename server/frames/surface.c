@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "frames/core.h"
 
 static void query_free(struct pel_surface_query *query)
@@ -81,6 +82,30 @@ static void forget_moments(struct pel_frames *frames)
     }
 }
 
+/* The clock's time, or a moment near it that was prepared; and what the asker
+ * will want next is prepared. */
+static double now(struct pel_frames *frames,
+                  const struct pel_surface_wish *wish,
+                  const struct pel_surface_query *query)
+{
+    const struct pel_snapshot *s = query->snapshot;
+    double time_s = pel_scene_time(frames->scene), next_s;
+    int64_t begin_ns;
+    if (!wish->asker || s->mode != PEL_CLOCK_FREE || !(s->rate > 0) ||
+        !pel_snapshot_transforms(s)) {
+        return time_s;
+    }
+    double answered_s =
+        pel_foresight_now(&frames->foresight, s->sea, time_s, s->rate);
+    if (pel_foresight_next(&frames->foresight, wish->asker, s->sea,
+                           pel_now_ns(), time_s, s->rate, &next_s, &begin_ns)) {
+        pel_answerers_prepare(frames->answerers, s, next_s, wish->moving,
+                              begin_ns);
+    }
+    frames->stats.surfaces_foreseen += answered_s != time_s;
+    return answered_s;
+}
+
 /* Which snapshot and when: of the frame asked for, or of now. */
 static enum pel_err find_moment(struct pel_frames *frames,
                                 const struct pel_surface_wish *wish,
@@ -89,7 +114,8 @@ static enum pel_err find_moment(struct pel_frames *frames,
 {
     if (wish->frame == 0) {
         query->snapshot = pel_scene_snapshot(frames->scene);
-        query->time_s = pel_scene_time(frames->scene);
+        query->time_s =
+            wish->has_time ? wish->time_s : now(frames, wish, query);
         return PEL_OK;
     }
     for (size_t i = 0; i < PEL_MAX_SHOWN; i++) {
@@ -141,6 +167,7 @@ enum pel_err pel_frames_surface(struct pel_frames *frames,
     query->done = done;
     query->user = user;
     frames->surfaces[frames->surface_count++] = query;
+    frames->stats.surfaces++;
     pel_answerers_push(frames->answerers, query);
     return PEL_OK;
 }

@@ -209,8 +209,8 @@ static enum pel_err take_points(const Pelagos__SurfaceQuery *query,
 
 enum pel_err pel_command_surface(struct pel_frames *frames,
                                  const Pelagos__SurfaceQuery *query,
-                                 pel_surface_callback done, void *user,
-                                 struct pel_fault *fault)
+                                 const void *asker, pel_surface_callback done,
+                                 void *user, struct pel_fault *fault)
 {
     if (query->n_points > MAX_POINTS) {
         return refuse(fault, PEL_ERR_OUT_OF_RANGE, "points", NULL,
@@ -235,6 +235,7 @@ enum pel_err pel_command_surface(struct pel_frames *frames,
         .has_time = query->has_time,
         .time_s = query->time,
         .moving = query->has_acceleration && query->acceleration,
+        .asker = asker,
         .frame = query->has_frame ? query->frame : 0,
     };
     err = pel_frames_surface(frames, &wish, done, user, fault);

@@ -197,8 +197,9 @@ enum MHD_Result pel_http_send_surface(struct client *client,
 {
     struct pel_fault fault;
     struct waiter *waiter = wait_begin(client);
-    enum pel_err err = pel_command_surface(
-        client->server->frames, answer->surface, on_surface, waiter, &fault);
+    enum pel_err err =
+        pel_command_surface(client->server->frames, answer->surface, NULL,
+                            on_surface, waiter, &fault);
     pel_http_answer_finish(answer);
     return wait_on(client, waiter, err, &fault);
 }

@@ -199,8 +199,8 @@ static enum pel_err ask(struct job *job, const Pelagos__Request *request,
         return pel_command_optics(frames, request->optics, on_optics, job,
                                   fault);
     default:
-        return pel_command_surface(frames, request->surface, on_surface, job,
-                                   fault);
+        return pel_command_surface(frames, request->surface, job->session,
+                                   on_surface, job, fault);
     }
 }
 

@@ -6,6 +6,7 @@
  * mathematical, the way waves travel to, radians from east towards north. */
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -188,3 +189,9 @@ void pel_sea_query(const struct pel_sea *sea, const struct pel_vec2 *points,
 void pel_sea_query_moving(const struct pel_sea *sea,
                           const struct pel_vec2 *points, size_t n,
                           double time_s, struct pel_surface_sample *out);
+
+/* Computes ahead what a query (moving: with accelerations) about time_s would
+ * wait for, piece by piece while go_on(user); true: it will not wait. Answers
+ * are the same with and without. */
+bool pel_sea_prepare(const struct pel_sea *sea, double time_s, bool moving,
+                     bool (*go_on)(void *user), void *user);

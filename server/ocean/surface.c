@@ -277,6 +277,15 @@ void pel_sea_query_moving(const struct pel_sea *sea,
     query_sea(sea, points, n, time_s, true, out);
 }
 
+bool pel_sea_prepare(const struct pel_sea *sea, double time_s, bool moving,
+                     bool (*go_on)(void *user), void *user)
+{
+    return !sea->cascades ||
+           pel_fields_prepare(sea->cascades, time_s,
+                              moving ? PEL_FIELDS_SURGE : PEL_FIELDS_VELOCITY,
+                              go_on, user);
+}
+
 void pel_sea_sample(const struct pel_sea *sea, double x_m, double y_m,
                     double time_s, struct pel_surface_sample *out)
 {

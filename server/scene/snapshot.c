@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "scene/reckon.h"
+#include "scene/sharedsea.h"
 #include "scene/sun.h"
 
 int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name)
@@ -92,6 +93,17 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
         out[i].height_m += s->sea_level_m;
         out[i].depth_m = pel_snapshot_depth(s, points[i].x, points[i].y);
     }
+}
+
+bool pel_snapshot_transforms(const struct pel_snapshot *s)
+{
+    return s->sea->desc.synthesiser == PEL_SYNTHESISER_FFT;
+}
+
+bool pel_snapshot_prepare(const struct pel_snapshot *s, double time_s,
+                          bool moving, bool (*go_on)(void *user), void *user)
+{
+    return pel_sea_prepare(pel_snapshot_sea(s), time_s, moving, go_on, user);
 }
 
 double pel_snapshot_depth(const struct pel_snapshot *s, double east_m,

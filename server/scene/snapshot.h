@@ -129,6 +129,12 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
  * moves stands at time_s since its pose is older than reckoning_s. */
 unsigned pel_snapshot_stale(const struct pel_snapshot *s, double time_s);
 
+/* Whether a moment's first query waits for transforms (an FFT sea); and
+ * pel_sea_prepare for it. */
+bool pel_snapshot_transforms(const struct pel_snapshot *s);
+bool pel_snapshot_prepare(const struct pel_snapshot *s, double time_s,
+                          bool moving, bool (*go_on)(void *user), void *user);
+
 /* "cigi,nmea" of the bits of `stale`, "none" of 0. */
 #define PEL_STALE_TEXT 40
 const char *pel_stale_text(unsigned stale, char out[PEL_STALE_TEXT]);
