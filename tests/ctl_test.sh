@@ -9,7 +9,7 @@ ctl=$work/pelagosctl
 cat >"$ctl" <<SH
 #!/bin/sh
 ASAN_OPTIONS="\$ASAN_OPTIONS:fast_unwind_on_malloc=0" \
-    exec "$PELAGOS_BIN/pelagosctl" "\$@"
+    exec "$PELAGOS_BIN/pelagosctl" --timeout 60 "\$@"
 SH
 chmod +x "$ctl"
 out=$work/out err=$work/err

@@ -148,7 +148,8 @@ def by_modbus_serial(daemon, port, unit=1):
         return
     done = subprocess.run(
         ["node", os.path.join(ROOT, "tests", "modbus_serial.js"), str(port),
-         str(unit)], capture_output=True, text=True, timeout=SLOW_S, check=False)
+         str(unit)], capture_output=True, text=True, timeout=SLOW_S,
+        check=False)
     check(done.returncode == 0, done.stderr)
     saw = json.loads(done.stdout)
     check(saw == {"probe": [0x01020304, 3.5], "wind": 7.25, "many": 50,

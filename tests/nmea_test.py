@@ -199,7 +199,7 @@ class Frames(threading.Thread):
 
 def replay(port, daemon, path, speed):
     return subprocess.Popen(
-        [os.path.join(BIN, "pelagosctl"), "--server",
+        [os.path.join(BIN, "pelagosctl"), "--timeout", "60", "--server",
          f"tcp:127.0.0.1:{daemon.tcp_port}", "replay", str(path), "--speed",
          str(speed), "--to", f"127.0.0.1:{port}", "--json"],
         stdout=subprocess.PIPE, text=True)

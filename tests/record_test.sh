@@ -12,7 +12,7 @@ out=$work/out err=$work/err
 run() {
     local want=$1
     shift
-    timeout 300 "$PELAGOS_BIN/pelagosctl" "$@" >"$out" 2>"$err"
+    timeout 300 "$PELAGOS_BIN/pelagosctl" --timeout 60 "$@" >"$out" 2>"$err"
     local status=$?
     [ $status = "$want" ] ||
         fail "pelagosctl $*: status $status, not $want: $(cat "$out" "$err")"
@@ -108,7 +108,7 @@ run 1 record wing "$work/full.mkv" --stream --seconds 2 --overwrite
 says "space left"
 
 echo "== interrupted"
-"$PELAGOS_BIN/pelagosctl" record wing "$work/i.png" --seconds 600 --fps 60 \
+"$PELAGOS_BIN/pelagosctl" --timeout 60 record wing "$work/i.png" --seconds 600 --fps 60 \
     >"$out" 2>"$err" &
 recorder=$!
 for _ in $(seq 600); do

@@ -37,7 +37,8 @@ def write_grid(path):
 
 
 def gdal(*command):
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=SLOW_S)
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL,
+                   timeout=SLOW_S)
 
 
 @unittest.skipUnless(shutil.which("gdal_translate"), "needs gdal-bin")
@@ -142,7 +143,7 @@ class Seabed(unittest.TestCase):
             self.assertEqual(points[0].sounding, wet["sounding"])
             self.assertFalse(points[1].HasField("depth"))
         ctl = subprocess.run(
-            [os.path.join(BIN, "pelagosctl"), "--server",
+            [os.path.join(BIN, "pelagosctl"), "--timeout", "60", "--server",
              f"unix:{self.daemon.unix_path}", "surface", "0", "0", "9000", "0",
              "--time", "3", "--json"], capture_output=True, timeout=SLOW_S)
         points = json.loads(ctl.stdout)["points"]

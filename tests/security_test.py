@@ -301,7 +301,8 @@ class Limits(Case):
             idle = []
             trust = ssl.create_default_context(cafile=self.cert)
             for i in range(64):
-                s = socket.create_connection(("127.0.0.1", port), timeout=SLOW_S)
+                s = socket.create_connection(("127.0.0.1", port),
+                                             timeout=SLOW_S)
                 self.addCleanup(s.close)
                 if i % 8 == 0:
                     s = trust.wrap_socket(s, server_hostname="localhost")

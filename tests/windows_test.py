@@ -279,7 +279,8 @@ class Sets(Case):
         with tempfile.TemporaryDirectory() as folder:
             def save(file):
                 return subprocess.run(
-                    [os.path.join(BIN, "pelagosctl"), "--server",
+                    [os.path.join(BIN, "pelagosctl"), "--timeout", "60",
+                     "--server",
                      f"tcp:127.0.0.1:{self.daemon.tcp_port}", "frame",
                      "window0,window3", os.path.join(folder, file),
                      "--json"], capture_output=True, text=True)

@@ -32,7 +32,7 @@ int main(int argc, char **argv)
     Pelagos__Frame *frame = NULL;
     int status = 1;
 
-    if (pel_client_connect(argc > 2 ? argv[2] : NULL, 5000, &client, &error) ||
+    if (pel_client_connect(argc > 2 ? argv[2] : NULL, 30000, &client, &error) ||
         pel_client_get(client, &state, &error)) {
         fprintf(stderr, "%s\n", error.message);
     } else if (state->n_views == 0) {

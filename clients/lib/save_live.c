@@ -41,7 +41,7 @@ int main(int argc, char **argv)
     double seconds = argc > 3 ? strtod(argv[3], NULL) : 5.0;
     struct pel_client_error error;
     struct pel_live *live = NULL;
-    if (pel_live_open(argc > 4 ? argv[4] : NULL, argv[1], 0, 0, 5000, &live,
+    if (pel_live_open(argc > 4 ? argv[4] : NULL, argv[1], 0, 0, 30000, &live,
                       &error)) {
         fprintf(stderr, "%s\n", error.message);
         return 1;
