@@ -203,6 +203,9 @@ async function main() {
     await take(page);
     await sleep(1000 * given.seconds);
     const pictures = await take(page);
+    if (pictures.length < 2) {
+      throw new Error("no pictures came");
+    }
     const changes = await patches(daemon, page, 20);
     const quality = await daemon.metric("pelagos_frames_quality");
     const figures = { firstPictureMs: first,
