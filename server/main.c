@@ -90,32 +90,6 @@ static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
     return err;
 }
 
-static void warmed(void *user, enum pel_err err, const struct pel_fault *fault,
-                   struct pel_frame *frame)
-{
-    (void)user, (void)err, (void)fault, (void)frame;
-}
-
-/* Drivers compile with the first picture: a small one, before anybody waits
- * for it. It is asked for like any other, so time stands where it stood. */
-static void warm_up(struct daemon *d)
-{
-    const Pelagos__State *state = pel_scene_state(d->scene);
-    Pelagos__FrameRequest request = PELAGOS__FRAME_REQUEST__INIT;
-    struct pel_fault fault;
-    if (state->n_views == 0) {
-        return;
-    }
-    request.view = state->views[0]->name;
-    request.has_width = request.has_height = true;
-    request.width = 64;
-    request.height = 36;
-    if (pel_frames_request(d->frames, &request, warmed, NULL, NULL, &fault) !=
-        PEL_OK) {
-        pel_debug("DMN-014", "no picture to begin with: %s", fault.message);
-    }
-}
-
 static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
 {
     static const char *const shadings[] = { "auto", "fragment", "compute" };
@@ -137,7 +111,6 @@ static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
     enum pel_err err = pel_frames_create(&options, d->scene, &d->frames, fault);
     if (err == PEL_OK) {
         pel_metrics_add(d->metrics, pel_frames_collect, d->frames);
-        warm_up(d);
     }
     return err;
 }
@@ -466,13 +439,14 @@ static int run(struct daemon *d)
     d->loop = g_main_loop_new(NULL, FALSE);
     pel_info("DMN-001", "pelagosd %s", PEL_VERSION);
     pel_service_limits();
+    /* Before anybody can know that we are there. */
+    g_unix_signal_add(SIGTERM, terminate, d);
+    g_unix_signal_add(SIGINT, terminate, d);
+    g_unix_signal_add(SIGHUP, reload, d);
     if (start(d, &fault) != PEL_OK) {
         pel_error("DMN-009", "cannot start: %s", fault.message);
         status = EXIT_FAILURE;
     } else {
-        g_unix_signal_add(SIGTERM, terminate, d);
-        g_unix_signal_add(SIGINT, terminate, d);
-        g_unix_signal_add(SIGHUP, reload, d);
         pel_service_warm_up(d->frames, d->scene, d->started_ns, ready, d);
         pel_urgent_begin(&control, PEL_URGENT_CONTROL);
         g_main_context_set_poll_func(NULL, account_and_poll);
