@@ -31,6 +31,8 @@ TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmo
     nginx-light openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
     tshark
+# Players that `make players` tries; nothing else needs these 323 MB.
+PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
 # Of npm's registry, into build/npm: clients that tests speak to, what drives
 # Debian's Chromium, what judges the page.
 NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2
@@ -471,6 +473,12 @@ deps: ## install what building and testing need: Debian packages, npm clients
 
 deps-build:
 	$(Q)packaging/deps.sh $(BUILD_PACKAGES)
+
+.PHONY: players
+players: deps ## play the streams with OpenCV, mpv and VLC, and compare pictures
+	$(Q)packaging/deps.sh $(PLAYER_PACKAGES)
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)tests/players_test.py
 
 .PHONY: demo
 demo: deps-build ## build, sail a short voyage, leave pictures in build/demo/
