@@ -163,6 +163,11 @@ class Http(Case):
                 ("PUT", "/v1/views/x", {}),
                 ("DELETE", "/v1/views/bridge", None),
                 ("GET", "/v1/views/bridge/frame.jpg", None),
+                ("GET", "/v1/frames.jpg", None),
+                ("GET", "/v1/frames.png?views=bridge", None),
+                ("GET", "/v1/frames.exr", None),
+                ("GET", "/v1/optics/sky", None), ("POST", "/v1/optics", {}),
+                ("GET", "/v1/%73tate", None),
                 ("GET", "/v1/views/bridge/mjpeg", None),
                 ("GET", "/v1/views/bridge/ts", None),
                 ("GET", "/v1/views/bridge/live", None),
@@ -177,6 +182,26 @@ class Http(Case):
                 self.assertEqual(answer.json()["code"], "UNAUTHORIZED")
         self.assertEqual(self.daemon.get(
             "/v1/state", headers=self.known).json()["revision"], revision)
+
+    def test_no_way_around(self):
+        """By the path, the method, headers of proxies, a good request before."""
+        for path in ("//v1/state", "/v1//state", "/./v1/state", "/V1/state",
+                     "/app.js/../v1/state", "/app.js/%2e%2e/v1/state",
+                     "/v1/state%00", "/v1/state?token=" + TOKEN, "*",
+                     "http://127.0.0.1/v1/state"):
+            for method in "GET", "HEAD", "OPTIONS", "TRACE", "get":
+                answer = self.daemon.raw(
+                    f"{method} {path} HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+                    "X-Forwarded-For: 127.0.0.1\r\nX-Real-IP: 127.0.0.1\r\n"
+                    f"Cookie: token={TOKEN}\r\nConnection: close\r\n\r\n"
+                    .encode())
+                self.assertNotIn(b" 200 ", answer[:20], (method, path))
+        answers = self.daemon.raw(
+            f"GET /v1/state HTTP/1.1\r\nHost: 127.0.0.1\r\nAuthorization: "
+            f"Bearer {TOKEN}\r\n\r\nGET /v1/state HTTP/1.1\r\nHost: 127.0.0.1"
+            "\r\nConnection: close\r\n\r\n".encode())
+        self.assertEqual([part[1:4] for part in
+                          answers.split(b"HTTP/1.1")[1:]], [b"200", b"401"])
 
     def test_what_is_taken(self):
         def status(value):

@@ -13,6 +13,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
@@ -178,6 +179,31 @@ class Pictures(Case):
                   lambda: "outside" in live.text("error")["message"])
             live.ack(head)
             self.assertEqual(live.picture()[0].width, 160)
+
+    def test_size_of_the_view_changes_under_three(self):
+        """Each goes on with a key frame of the new size, at the same frame."""
+        lives = [Live(self.daemon, "bridge") for _ in range(3)]
+        try:
+            for size in (64, 48), (401, 99), (320, 180):
+                answer = self.daemon.patch({"views": {"bridge": {
+                    "width": size[0], "height": size[1]}}})
+                revision = int(answer.json()["revision"])
+                first = set()
+                for live in lives:
+                    head, _ = live.picture()
+                    while head.revision < revision:
+                        live.ack(head)
+                        head, _ = live.picture()
+                    live.ack(head)
+                    self.assertEqual((head.width, head.height),
+                                     (size[0] & ~1, size[1] & ~1))
+                    self.assertTrue(head.key)
+                    first.add(head.number)
+                self.assertEqual(len(first), 1)
+        finally:
+            for live in lives:
+                live.close()
+        self.no_viewers()
 
     def test_key_frames_at_most_one_a_second(self):
         with Live(self.daemon, "bridge") as live:
@@ -586,6 +612,29 @@ class Rtsp(Case):
             client.close()
         until("no stream left",
               lambda: self.metric("pelagos_rtsp_streams") == 0)
+
+    def test_many_come_and_go(self):
+        """80 that leave without a word: more than there are places, and each
+        is served; nothing of them stays."""
+        failed = []
+
+        def visit():
+            try:
+                client = RtspClient(self.port, "bridge", timeout=2 * SLOW_S)
+                client.play()
+                client.close()
+            except (AssertionError, OSError) as error:
+                failed.append(error)
+        for _ in range(5):
+            visitors = [threading.Thread(target=visit) for _ in range(16)]
+            for visitor in visitors:
+                visitor.start()
+            for visitor in visitors:
+                visitor.join()
+        self.assertEqual(failed, [])
+        until("no client left",
+              lambda: self.metric("pelagos_rtsp_clients") == 0 and
+              self.metric("pelagos_rtsp_streams") == 0)
 
     def test_refusals(self):
         client = RtspClient(self.port, "nothing")

@@ -17,12 +17,16 @@
 
 #define MAX_CLIENTS 64
 #define MAX_SESSIONS 64
-#define MAX_WAITING 8 /* clients, while GStreamer starts */
+#define THREADS 8      /* setting up and tearing down takes time */
+#define MAX_WAITING 32 /* clients, while GStreamer starts */
 #define CLEAN_S 2
 /* A client without a session, silent or in the middle of a request or of its
  * TLS handshake, has so long, and less where its place is wanted. */
 #define LOITER_NS (8 * INT64_C(1000000000))
 #define WANTED_NS (1 * INT64_C(1000000000))
+/* Beyond that while we are at what it asked for: a first picture may take a
+ * busy machine some seconds. */
+#define BUSY_NS (22 * INT64_C(1000000000))
 /* Of TLS, before gst-rtsp-server sees anything. GIO's would give each handshake
  * a thread of a pool that grows one by one, so that idle ones hold up the rest.
  * A player that is paused by not reading is left alone as long as RTSP's own
@@ -38,7 +42,13 @@
     "rtph264pay name=pay0 pt=96 config-interval=-1 )"
 #define STREAM_KEY "pelagos-stream"
 #define VIEW_KEY "pelagos-view"
-#define SINCE_KEY "pelagos-since"
+#define VISIT_KEY "pelagos-visit"
+
+/* What is known of a client; it lives as long. */
+struct visit {
+    _Atomic int64_t since_ns; /* it does nothing; INT64_MAX: it was sent away */
+    GPtrArray *sessions;      /* its thread's */
+};
 
 enum state {
     STATE_ASLEEP, /* nobody has come yet */
@@ -117,10 +127,51 @@ static void on_play(GstRTSPClient *client, GstRTSPContext *context,
     }
 }
 
+static struct visit *visit_of(GstRTSPClient *client)
+{
+    return g_object_get_data(G_OBJECT(client), VISIT_KEY);
+}
+
+static void free_visit(gpointer pointer)
+{
+    struct visit *visit = pointer;
+    g_ptr_array_unref(visit->sessions);
+    g_free(visit);
+}
+
+/* Before a description is made or a stream is set up, of one who may ask. */
+static GstRTSPStatusCode on_asked(GstRTSPClient *client,
+                                  GstRTSPContext *context, gpointer user)
+{
+    (void)context;
+    (void)user;
+    struct visit *visit = visit_of(client);
+    if (atomic_load(&visit->since_ns) != INT64_MAX) {
+        atomic_store(&visit->since_ns, pel_now_ns() + BUSY_NS);
+    }
+    return GST_RTSP_STS_OK;
+}
+
+static void on_session(GstRTSPClient *client, GstRTSPSession *session,
+                       gpointer user)
+{
+    (void)user;
+    const struct visit *visit = visit_of(client);
+    g_ptr_array_add(visit->sessions, g_object_ref(session));
+}
+
+/* Without TEARDOWN sessions would stay for a minute, and 64 who came and went
+ * would keep everybody out. */
 static void on_closed(GstRTSPClient *client, gpointer user)
 {
-    (void)client;
     struct pel_rtsp *rtsp = user;
+    GPtrArray *sessions = visit_of(client)->sessions;
+    GstRTSPSessionPool *pool = gst_rtsp_client_get_session_pool(client);
+    for (guint i = 0; pool && i < sessions->len; i++) {
+        gst_rtsp_session_pool_remove(pool, g_ptr_array_index(sessions, i));
+    }
+    g_ptr_array_set_size(sessions, 0);
+    g_clear_object(&pool);
     atomic_fetch_sub(&rtsp->clients, 1);
 }
 
@@ -130,9 +181,14 @@ static void on_connected(GstRTSPServer *server, GstRTSPClient *client,
                          gpointer user)
 {
     (void)server;
-    int64_t *since_ns = g_new(int64_t, 1);
-    *since_ns = pel_now_ns();
-    g_object_set_data_full(G_OBJECT(client), SINCE_KEY, since_ns, g_free);
+    struct visit *visit = g_new0(struct visit, 1);
+    atomic_init(&visit->since_ns, pel_now_ns());
+    visit->sessions = g_ptr_array_new_with_free_func(g_object_unref);
+    g_object_set_data_full(G_OBJECT(client), VISIT_KEY, visit, free_visit);
+    g_signal_connect(client, "pre-describe-request", G_CALLBACK(on_asked),
+                     NULL);
+    g_signal_connect(client, "pre-setup-request", G_CALLBACK(on_asked), NULL);
+    g_signal_connect(client, "new-session", G_CALLBACK(on_session), NULL);
     g_signal_connect(client, "play-request", G_CALLBACK(on_play), NULL);
     g_signal_connect(client, "closed", G_CALLBACK(on_closed), user);
 }
@@ -198,16 +254,16 @@ static GstRTSPFilterResult find_loiterer(GstRTSPServer *server,
 {
     (void)server;
     struct loiterers *found = user;
-    const int64_t *since_ns = g_object_get_data(G_OBJECT(client), SINCE_KEY);
-    if (!since_ns || found->now_ns - *since_ns < found->patience_ns ||
-        (found->oldest && *since_ns >= found->oldest_ns)) {
+    int64_t since_ns = atomic_load(&visit_of(client)->since_ns);
+    if (since_ns > found->now_ns - found->patience_ns ||
+        (found->oldest && since_ns >= found->oldest_ns)) {
         return GST_RTSP_FILTER_KEEP;
     }
     GList *sessions = gst_rtsp_client_session_filter(client, NULL, NULL);
     if (!sessions) {
         g_clear_object(&found->oldest);
         found->oldest = g_object_ref(client);
-        found->oldest_ns = *since_ns;
+        found->oldest_ns = since_ns;
     }
     g_list_free_full(sessions, g_object_unref);
     return GST_RTSP_FILTER_KEEP;
@@ -224,7 +280,7 @@ static bool close_loiterer(struct pel_rtsp *rtsp, int64_t patience_ns)
     rtsp->timeouts++;
     /* Its own thread sees the end, as if the client had left, and tidies up;
      * closed from here the socket would stay. */
-    g_object_set_data(G_OBJECT(found.oldest), SINCE_KEY, NULL);
+    atomic_store(&visit_of(found.oldest)->since_ns, INT64_MAX);
     g_socket_shutdown(gst_rtsp_connection_get_read_socket(
                           gst_rtsp_client_get_connection(found.oldest)),
                       TRUE, TRUE, NULL);
@@ -249,6 +305,9 @@ static void start_server(struct pel_rtsp *rtsp)
     GstRTSPSessionPool *pool = gst_rtsp_server_get_session_pool(rtsp->server);
     gst_rtsp_session_pool_set_max_sessions(pool, MAX_SESSIONS);
     g_object_unref(pool);
+    GstRTSPThreadPool *threads = gst_rtsp_server_get_thread_pool(rtsp->server);
+    gst_rtsp_thread_pool_set_max_threads(threads, THREADS);
+    g_object_unref(threads);
     if (rtsp->token) {
         GstRTSPAuth *auth = pel_rtsp_auth_new(rtsp->token);
         gst_rtsp_server_set_auth(rtsp->server, auth);
