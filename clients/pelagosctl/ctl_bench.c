@@ -7,6 +7,7 @@
 #include <glib.h>
 
 #include "base/clock.h"
+#include "base/urgent.h"
 
 #define MAX_VIEWS 64
 #define MAX_FRAMES 100000
@@ -69,6 +70,7 @@ struct pointer {
     const char *server;
     guint points;
     gint stop;
+    bool real;         /* ran in real time, as a simulator's loop may */
     GArray *answer_ms; /* double */
     struct pel_client_error error;
 };
@@ -110,6 +112,9 @@ static gpointer run_pointer(gpointer data)
 {
     struct pointer *pointer = data;
     struct pel_client *client = NULL;
+    struct pel_urgent urgent;
+    pel_urgent_begin(&urgent, PEL_URGENT_CONTROL);
+    pointer->real = urgent.real;
     if (pel_client_connect(pointer->server, 30000, &client, &pointer->error) ==
         PEL_CLIENT_OK) {
         if (point(pointer, client) == PEL_CLIENT_OK) {
@@ -142,6 +147,7 @@ struct row {
     guint views, points, frames;
     double seconds, render_median, render_p95, answer_median, answer_p95;
     double points_median, points_p99; /* ms of a query of `points` */
+    bool points_real;                 /* the asker ran in real time */
 };
 
 static void print_row(const struct row *row, bool json, bool first)
@@ -152,11 +158,13 @@ static void print_row(const struct row *row, bool json, bool first)
                "\"framesPerSecond\":%.2f,\"renderMsMedian\":%.3f,"
                "\"renderMsP95\":%.3f,\"answerMsMedian\":%.3f,"
                "\"answerMsP95\":%.3f,\"points\":%u,"
-               "\"pointsMsMedian\":%.3f,\"pointsMsP99\":%.3f}",
+               "\"pointsMsMedian\":%.3f,\"pointsMsP99\":%.3f,"
+               "\"pointsRealTime\":%s}",
                first ? "" : ",\n", row->width, row->height, row->views,
                row->frames, rate, row->render_median, row->render_p95,
                row->answer_median, row->answer_p95, row->points,
-               row->points_median, row->points_p99);
+               row->points_median, row->points_p99,
+               row->points_real ? "true" : "false");
         return;
     }
     char size[32];
@@ -165,7 +173,8 @@ static void print_row(const struct row *row, bool json, bool first)
            row->render_median, row->render_p95, row->answer_median,
            row->answer_p95);
     if (row->points) {
-        printf(" %9.2f %7.2f", row->points_median, row->points_p99);
+        printf(" %9.2f %7.2f %s", row->points_median, row->points_p99,
+               row->points_real ? "real time" : "normal");
     }
     printf("\n");
     fflush(stdout);
@@ -218,6 +227,7 @@ static enum ctl_exit run_row(struct ctl *ctl, char *const *views,
     }
     row->points_median = percentile(pointer.answer_ms, 0.5);
     row->points_p99 = percentile(pointer.answer_ms, 0.99);
+    row->points_real = pointer.real;
     g_array_unref(pointer.answer_ms);
     row->frames = render->len;
     row->render_median = percentile(render, 0.5);
@@ -239,7 +249,7 @@ static enum ctl_exit run_rows(struct ctl *ctl, char *const *sizes, char **views,
     } else {
         printf("%-11s %5s %9s %9s %7s %9s %7s%s\n", "size", "views", "frames/s",
                "draw ms", "p95", "answer ms", "p95",
-               points ? " points ms     p99" : "");
+               points ? " points ms     p99 class" : "");
     }
     for (size_t i = 0; sizes[i] && status == CTL_DONE; i++) {
         struct row row = { .views = g_strv_length(views), .points = points };
@@ -262,6 +272,11 @@ enum ctl_exit ctl_bench(struct ctl *ctl)
     double seconds = 3.0, points = 0.0;
     if (ctl_number(ctl, "seconds", 0.1, 600, &seconds) ||
         ctl_number(ctl, "points", 1, 10000, &points)) {
+        return CTL_USAGE;
+    }
+    bool real;
+    if (points > 0 &&
+        pel_urgent_init(PEL_REALTIME_AUTO, &real, NULL) != PEL_OK) {
         return CTL_USAGE;
     }
     Pelagos__State *state = NULL;

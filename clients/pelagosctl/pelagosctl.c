@@ -329,7 +329,9 @@ const struct ctl_command ctl_commands[] = {
       "Asks for JPEGs as fast as they come, for each size with each set of "
       "views, and prints frames a second and median and 95th percentile of "
       "drawing and of the whole answer; with --points also median and 99th "
-      "percentile of a surface query.",
+      "percentile of a surface query, asked in real time (SCHED_RR) where the "
+      "system permits it, as the loop of a simulator on this machine should "
+      "be run (chrt -r 2 PROGRAM); the class says whether it was.",
       bench_options, bench_examples, NULL, 0, 0, ctl_bench },
     { "optics", "water|brdf|sky [PATH=VALUE…]",
       "print numbers of light: water, reflection, sky",
