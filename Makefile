@@ -478,7 +478,7 @@ deps-build:
 players: deps ## play the streams with OpenCV, mpv and VLC, and compare pictures
 	$(Q)packaging/deps.sh $(PLAYER_PACKAGES)
 	$(Q)$(MAKE) -s --no-print-directory all
-	$(Q)tests/players_test.py
+	$(Q)/usr/bin/python3 -B tests/players_test.py
 
 .PHONY: demo
 demo: deps-build ## build, sail a short voyage, leave pictures in build/demo/

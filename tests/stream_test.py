@@ -182,7 +182,7 @@ class Pictures(Case):
 
     def test_size_of_the_view_changes_under_three(self):
         """Each goes on with a key frame of the new size, at the same frame."""
-        lives = [Live(self.daemon, "bridge") for _ in range(3)]
+        lives = [Live(self.daemon, "bridge", "?credit=12") for _ in range(3)]
         try:
             for size in (64, 48), (401, 99), (320, 180):
                 answer = self.daemon.patch({"views": {"bridge": {
