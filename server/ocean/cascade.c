@@ -26,8 +26,8 @@ static const double turns_rad[PEL_CASCADES] = { 0.111, 0.577, 1.013, 1.417 };
 /* Of the two shears of a cascade: the direction across which it runs, from the
  * tile's u, and its period in tiles. So one tile on, either way or both, each
  * is somewhere else. */
-static const double shear_from_u_rad[2] = { 0.55, 2.02 };
-static const double shear_tiles[2] = { 2.37, 1.83 };
+static const double shear_from_u_rad[2] = { 0.55, 0.55 + 0.5 * PEL_PI };
+static const double shear_tiles[2] = { 2.37, 2.37 / PEL_SHEAR_RATIO };
 /* Greatest shear against the next coarser cascade: as little as hides the
  * tiles, for the longest waves, which cross a whole picture, least. */
 static const double shears[PEL_CASCADES] = { 0.07, 0.09, 0.12, 0.12 };

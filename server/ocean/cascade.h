@@ -31,9 +31,9 @@
  * tiles, for its own tile and for every larger one: one tile on, the water is
  * not the same. Waves bend by some degrees by that, as in a current (the
  * longest by two or less), and keep their variance within 1 %, and their times.
- * Slopes and derivatives of D are by (x, y): those by (X, Y) times
- * ∂(X, Y)/∂(x, y).
- * Displacement (Dx, Dy, h) is sampled by a uniform cubic B-spline (four
+ * Slopes are by (x, y): those by (X, Y) times ∂(X, Y)/∂(x, y). The derivatives
+ * of D in normals are left as they are read, which turns normals by 0.2° or
+ * less. Displacement (Dx, Dy, h) is sampled by a uniform cubic B-spline (four
  * bilinear taps), slopes and the derivatives of D by bilinear interpolation.
  * Interpolation weakens waves of few texels; so the modes of a field are
  * multiplied by gain[i] · gain[j], which is 1 over the interpolation's root

@@ -274,9 +274,8 @@ PEL_INLINE void surface_at(const struct pel_cascade_fields *f,
         const double *by = r->sheared.by[i];
         lanes4 s = bilinear4(f->slopes[i], p);
         double fold = bilinear(f->fold[i], p);
-        const lanes4 dx = { s[2], fold, s[0], 0 }, dy = { fold, s[3], s[1], 0 };
-        by_x += dx * by[0] + dy * by[2];
-        by_y += dx * by[1] + dy * by[3];
+        by_x += (lanes4){ s[2], fold, s[0] * by[0] + s[1] * by[2], 0 };
+        by_y += (lanes4){ fold, s[3], s[0] * by[1] + s[1] * by[3], 0 };
         v += sample_spline(f->velocity[i], p);
     }
     struct pel_vec3 along_x = { by_x[0], by_x[1], by_x[2] };

@@ -161,12 +161,12 @@ static void add_cascade(const struct pel_cascades *all, int index,
             add_shift(p, low + 1, share * f, u, v, shift);
         }
     }
-    const double by_x[3] = { slopes[2], slopes[4], slopes[0] };
-    const double by_y[3] = { slopes[4], slopes[3], slopes[1] };
-    for (int i = 0; i < 3; i++) {
-        tangents[0][i] += by_x[i] * by[0] + by_y[i] * by[2];
-        tangents[1][i] += by_x[i] * by[1] + by_y[i] * by[3];
-    }
+    tangents[0][0] += slopes[2];
+    tangents[0][1] += slopes[4];
+    tangents[0][2] += slopes[0] * by[0] + slopes[1] * by[2];
+    tangents[1][0] += slopes[4];
+    tangents[1][1] += slopes[3];
+    tangents[1][2] += slopes[0] * by[1] + slopes[1] * by[3];
 }
 
 enum pel_err pel_cascades_filtered(const struct pel_cascades *c,

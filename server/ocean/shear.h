@@ -9,6 +9,9 @@
 #include "base/simd.h"
 
 #define PEL_SHEARS 8 /* two a cascade */
+/* How many times shorter the second of each is than the first, to which it is
+ * normal (also in shaders/lib/blocks.h). */
+#define PEL_SHEAR_RATIO 1.29
 
 /* Shear i carries a place x by v q(f · x), q(t) = r − 2 r |r| − 1/8 with r what
  * is left of t + 1/4 beyond the nearest whole number: smooth, of period 1, and

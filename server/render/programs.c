@@ -83,10 +83,15 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
         err = make_sea_program(all, cascades, kind, false, &p->fragments[kind],
                                fault);
     }
-    if (err == PEL_OK && !all->backdrop[kind]) {
-        err =
-            pel_program_create(all->shader_dir, "screen.vert", "backdrop.frag",
-                               kind_defines[kind], &all->backdrop[kind], fault);
+    for (int disc = 0; disc < 2; disc++) {
+        GLuint *program = disc ? &all->disc[kind] : &all->backdrop[kind];
+        char defines[64];
+        snprintf(defines, sizeof defines, "%s%s", kind_defines[kind],
+                 disc ? "" : "#define PEL_NO_DISC\n");
+        if (err == PEL_OK && !*program) {
+            err = pel_program_create(all->shader_dir, "screen.vert",
+                                     "backdrop.frag", defines, program, fault);
+        }
     }
     return err;
 }
@@ -131,6 +136,7 @@ void pel_programs_finish(struct pel_programs *p)
     glDeleteProgram(p->tone_compute);
     for (int i = 0; i < PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->backdrop[i]);
+        glDeleteProgram(p->disc[i]);
     }
     *p = (struct pel_programs){ 0 };
 }

@@ -36,7 +36,8 @@ struct pel_programs {
     bool compute; /* shade in one dispatch instead of three: this sea */
     bool settled; /* a picture has been drawn */
     GLuint surface, search, tone, tone_compute;
-    GLuint backdrop[PEL_SHADE_COUNT];
+    GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
+    GLuint disc[PEL_SHADE_COUNT];     /* and with it */
     struct pel_sea_programs trochoids, cascades;
 };
 

@@ -11,6 +11,7 @@
 #include "render/arena.h"
 #include "render/coast.h"
 #include "render/context.h"
+#include "render/disc.h"
 #include "render/mark.h"
 #include "render/mesh.h"
 #include "render/probe.h"
@@ -368,7 +369,8 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
  * them apart before a pixel is shaded. Tiles with a coast tell for
  * themselves. */
 static void shade(struct pel_renderer *r, const struct pel_camera *c,
-                  const struct pel_sea_programs *p, enum pel_shading kind)
+                  struct pel_vec3 sun, const struct pel_sea_programs *p,
+                  enum pel_shading kind)
 {
     const GLuint fbos[PEL_SHADE_COUNT] = { r->targets.color_fbo,
                                            r->targets.light_fbo,
@@ -380,6 +382,14 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glDepthFunc(GL_EQUAL);
     glUseProgram(r->programs.backdrop[kind]);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+    struct pel_disc_box disc;
+    if (pel_disc_place(c, sun, &disc)) {
+        glEnable(GL_SCISSOR_TEST);
+        glScissor(disc.x, disc.y, disc.width, disc.height);
+        glUseProgram(r->programs.disc[kind]);
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        glDisable(GL_SCISSOR_TEST);
+    }
     glDepthFunc(GL_LESS);
     if (r->any_coast) {
         shade_tiles(r, c, p, kind);
@@ -525,7 +535,7 @@ static void draw_pixels(struct pel_renderer *r,
             shade_compute(r, c, programs, now,
                           pass == parts ? wanted | LAST_PASS : wanted);
         } else {
-            shade(r, c, programs, now);
+            shade(r, c, env->sun, programs, now);
         }
     }
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);

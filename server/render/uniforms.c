@@ -116,10 +116,9 @@ void pel_fill_cascades(const struct pel_cascades *cascades, double east_m,
             vec4(c->turn_cos, c->turn_sin, 1.0 / c->length_m, c->texel_m);
         out->cascades[i].offset =
             vec4(u - floor(u), v - floor(v), turns[0], turns[1]);
-        out->cascades[i].across = vec4(s->fx[2 * i], s->fy[2 * i],
-                                       s->fx[2 * i + 1], s->fy[2 * i + 1]);
-        out->cascades[i].along = vec4(s->v[2 * i][0], s->v[2 * i][1],
-                                      s->v[2 * i + 1][0], s->v[2 * i + 1][1]);
+        double fx = s->fx[2 * i], fy = s->fy[2 * i];
+        double shear = hypot(s->v[2 * i][0], s->v[2 * i][1]);
+        out->cascades[i].shear = vec4(fx, fy, shear / hypot(fx, fy), 0.0);
     }
 }
 

@@ -11,6 +11,7 @@ shaded shade_backdrop(ivec2 at)
     vec2 table = vec2(textureSize(eye_table, 0));
     vec3 disc = vec3(0.0);
     vec3 light = textureLod(eye_table, sky_uv(azimuth_from_sun(dir.xy), angle, table), 0.0).rgb;
+#ifndef PEL_NO_DISC
     // The disc, its edge softened over a pixel, darkened towards the limb
     // (Hestroffer and Magnan 1998 at the mean wavelength).
     vec3 across = cross(dir, sun.xyz);
@@ -24,6 +25,7 @@ shaded shade_backdrop(ivec2 at)
         disc = solar.rgb / solar.w * limb * norm * cover *
                  transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
     }
+#endif
     shaded result;
     result.radiance = from_under_water(light + disc, dir.z);
 #ifdef PEL_LAYERS

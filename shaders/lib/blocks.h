@@ -86,14 +86,16 @@ PEL_BLOCK(3, waves) {
     PEL_STRUCT pel_shader_wave waves[PEL_WAVE_LIMIT];
 };
 
+/* As in ocean/shear.h. */
+#define PEL_SHEAR_RATIO 1.29
+
 /* One for an eye, instead of the waves, where the sea is made of FFT cascades
  * (ocean/cascade.h). */
 struct pel_shader_cascade {
     vec4 place;  /* xy turn; z 1 / length, 1/m; w texel, m */
     vec4 offset; /* xy place of the eye's nadir, in tiles; zw its turns of the
                     two shears (ocean/shear.h) */
-    vec4 across; /* of the shears: f, 1/m */
-    vec4 along;  /* v, m */
+    vec4 shear;  /* xy f of the first, 1/m; z shear / |f|², m² */
 };
 PEL_BLOCK(5, cascades) {
     PEL_STRUCT pel_shader_cascade cascades[4];

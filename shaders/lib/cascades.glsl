@@ -9,27 +9,30 @@ layout(binding = 8) uniform sampler2DArray fold_field;   // Dxy
 // one cascade to the next finer one.
 struct reading {
     vec2 place;
-    vec2 by_x;
-    vec2 by_y;
+    vec4 by; // ∂X/∂x, ∂X/∂y, ∂Y/∂x, ∂Y/∂y
 };
 
 reading reading_at(vec2 x)
 {
-    return reading(x, vec2(1.0, 0.0), vec2(0.0, 1.0));
+    return reading(x, vec4(1.0, 0.0, 0.0, 1.0));
 }
 
-// Twin of ocean/shear.h.
+// Twin of ocean/shear.h; the constant 1/8 is in the place of the eye's nadir.
 void shear(int c, vec2 x, inout reading at)
 {
-    vec4 f = cascades[c].across;
-    vec4 v = cascades[c].along;
-    vec2 r = fract(vec2(dot(x, f.xy), dot(x, f.zw)) + cascades[c].offset.zw) - 0.5;
-    vec2 size = abs(r);
-    vec2 q = r - 2.0 * r * size;
-    vec2 g = 1.0 - 4.0 * size;
-    at.place += v.xy * q.x + v.zw * q.y;
-    at.by_x += v.xy * (f.x * g.x) + v.zw * (f.z * g.y);
-    at.by_y += v.xy * (f.y * g.x) + v.zw * (f.w * g.y);
+    vec3 shear = cascades[c].shear.xyz;
+    vec2 f = shear.xy;
+    vec2 r = fract(vec2(dot(x, f), PEL_SHEAR_RATIO * (f.x * x.y - f.y * x.x)) +
+                   cascades[c].offset.zw) - 0.5;
+    vec2 rest = 1.0 - 2.0 * abs(r);
+    vec2 q = r * rest;
+    vec2 g = rest + rest - 1.0;
+    vec2 v = shear.z * f;
+    at.place += q.x * vec2(-v.y, v.x) - (q.y / PEL_SHEAR_RATIO) * v;
+    float xx = v.x * f.x;
+    float xy = v.x * f.y * (g.x - g.y);
+    float yy = v.y * f.y;
+    at.by += vec4(-xy, -yy * g.x - xx * g.y, xx * g.x + yy * g.y, xy);
 }
 
 vec2 cascade_uv(int c, vec2 place)

@@ -8,7 +8,7 @@
 
 struct filtered {
     vec2 slope;
-    vec4 fold; // ∂p/∂x = (1 − x, −y, slope.x), ∂p/∂y = (−z, 1 − w, slope.y)
+    vec3 fold; // A, B, C: ∂p/∂x = (1 − A, −B, slope.x), ∂p/∂y = (−B, 1 − C, slope.y)
 #ifdef PEL_LAYERS
     vec3 shift;
 #endif
@@ -19,7 +19,7 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
 {
     filtered f;
     f.slope = vec2(0.0);
-    f.fold = vec4(0.0);
+    f.fold = vec3(0.0);
 #ifdef PEL_LAYERS
     f.shift = vec3(0.0);
 #endif
@@ -35,7 +35,7 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
         float taps = clamp(ceil(along / least), 1.0, float(PEL_ANISOTROPY));
         float lod = log2(across / texel);
         vec2 span = sight * (PEL_TAP_SPAN * sqrt(max(along * along - least * least, 0.0)));
-        vec2 along_read = span.x * at.by_x + span.y * at.by_y;
+        vec2 along_read = at.by.xz * span.x + at.by.yw * span.y;
         float share = 1.0 / taps;
         taps = lod + back.w < 8.0 ? taps : 0.0;
         for (float j = 0.5; j < taps; j += 1.0) {
@@ -51,9 +51,8 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
             float mixed = textureLod(fold_field, uv, lod + back.w).x;
             slopes *= share;
             mixed *= share;
-            f.slope += vec2(dot(slopes.xy, at.by_x), dot(slopes.xy, at.by_y));
-            f.fold -= vec4(dot(vec2(slopes.z, mixed), at.by_x), dot(vec2(mixed, slopes.w), at.by_x),
-                           dot(vec2(slopes.z, mixed), at.by_y), dot(vec2(mixed, slopes.w), at.by_y));
+            f.slope += slopes.x * at.by.xy + slopes.y * at.by.zw;
+            f.fold -= vec3(slopes.z, mixed, slopes.w);
 #ifdef PEL_LAYERS
             f.shift += share * cascade_displacement(c, uv.xy, lod + back.w - PEL_SHIFT_SHARPER);
 #endif
@@ -90,7 +89,7 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
     float offset = -right.w * up.w;
     filtered f;
     f.slope = vec2(0.0);
-    vec3 fold = vec3(0.0);
+    f.fold = vec3(0.0);
 #ifdef PEL_LAYERS
     f.shift = vec3(0.0);
 #define PEL_SHIFT(i, s, c) f.shift += vec3(-waves[i].shift.xy * (w * s), waves[i].shift.z * (w * c));
@@ -103,12 +102,11 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
         float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;              \
         float s = sine_turns(turns);                                           \
         float c = sine_turns(turns + 0.25);                                    \
-        fold += waves[i].fold.xyz * (gain * c);                                 \
+        f.fold += waves[i].fold.xyz * (gain * c);                               \
         f.slope -= waves[i].slope.xy * (gain * s);                              \
         PEL_SHIFT(i, s, c)                                                     \
     }
     PEL_EACH_WAVE(PEL_SLOPE)
-    f.fold = fold.xyyz;
     return f;
 }
 #endif
@@ -116,7 +114,7 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
 // ∂p/∂x × ∂p/∂y, eq. 3.
 vec3 filtered_normal(filtered f)
 {
-    return normalize(vec3(-f.fold.y * f.slope.y - f.slope.x * (1.0 - f.fold.w),
-                          -f.fold.z * f.slope.x - f.slope.y * (1.0 - f.fold.x),
-                          max((1.0 - f.fold.x) * (1.0 - f.fold.w) - f.fold.y * f.fold.z, 1e-3)));
+    return normalize(vec3(-f.fold.y * f.slope.y - f.slope.x * (1.0 - f.fold.z),
+                          -f.fold.y * f.slope.x - f.slope.y * (1.0 - f.fold.x),
+                          max((1.0 - f.fold.x) * (1.0 - f.fold.z) - f.fold.y * f.fold.y, 1e-3)));
 }

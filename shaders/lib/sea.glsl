@@ -42,9 +42,9 @@ float surface_distance(filtered f, vec2 x, vec3 ray, float t, vec2 sight, float 
         }
         // The particle that is carried there, to first order.
         vec2 off = moved * ray.xy - point.xy;
-        vec4 d = vec4(1.0 - f.fold.x, -f.fold.yz, 1.0 - f.fold.w);
-        float det = max(d.x * d.w - d.y * d.z, 0.05);
-        x += vec2(d.w * off.x - d.z * off.y, d.x * off.y - d.y * off.x) / det;
+        vec3 d = vec3(1.0 - f.fold.x, -f.fold.y, 1.0 - f.fold.z);
+        float det = max(d.x * d.z - d.y * d.y, 0.05);
+        x += vec2(d.z * off.x - d.y * off.y, d.x * off.y - d.y * off.x) / det;
         f = filtered_sea(x, sight, along, across);
     }
     return moved;

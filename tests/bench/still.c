@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "base/clock.h"
 #include "encode/encode.h"
@@ -157,6 +158,7 @@ int main(int argc, char **argv)
     pel_renderer_measure(r, get("stages") > 0);
     for (int i = 0; i < (int)get("frames"); i++) {
         int64_t start = pel_now_ns();
+        clock_t busy = clock();
         env.time_s = get("time") + i / 30.0;
         if (pel_renderer_submit(r, &env, &draw, 1) != PEL_OK) {
             return 1;
@@ -165,8 +167,10 @@ int main(int argc, char **argv)
         if (!p) {
             return 1;
         }
-        printf("frame %d: %.1f ms, EV %.2f;", i,
-               (double)(pel_now_ns() - start) * 1e-6, p->exposure_ev);
+        printf("frame %d: %.1f ms, CPU/2 %.1f, EV %.2f;", i,
+               (double)(pel_now_ns() - start) * 1e-6,
+               (double)(clock() - busy) * 500.0 / CLOCKS_PER_SEC,
+               p->exposure_ev);
         double ms[PEL_STAGE_COUNT];
         pel_renderer_stage_ms(r, ms);
         for (int s = 0; s < PEL_STAGE_COUNT && get("stages") > 0; s++) {
