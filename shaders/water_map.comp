@@ -24,6 +24,13 @@ vec3 single(int level, float nu, float mu)
            (mu * 1.34 * 1.34);
 }
 
+// Look-up of the Sun's light straight from the bottom: eq. 9.
+vec3 straight(int level, float mu)
+{
+    vec3 way = full_extinction.rgb * (1.0 / sunbeam.y + 1.0 / mu);
+    return ground.rgb * exp(-way * depth[level].x) * (sunbeam.y / (3.14159265359 * 1.34 * 1.34));
+}
+
 void main()
 {
     int lane = int(gl_LocalInvocationID.x);
@@ -33,7 +40,8 @@ void main()
     if (lane < PARTS * PEL_WATER_MODES) {
         int part = lane / PEL_WATER_MODES;
         int mode = lane % PEL_WATER_MODES;
-        vec3 direct = part == SINGLE ? vec3(0.0) : beam; // the Sun's is exact
+        // The Sun's own single scattering and eq. 9 are exact.
+        vec3 direct = part == SINGLE || part == STRAIGHT ? vec3(0.0) : beam;
         vec3 sum = vec3(0.0);
         for (int i = 0; i < PEL_WATER_NODES; i++) {
             vec3 seen = vec3(0.0);
@@ -63,12 +71,13 @@ void main()
         }
     }
     part[SINGLE] += beam * single(level, sunbeam.x * sine * x - sunbeam.y * mu, mu);
+    part[BOTTOM] += part[STRAIGHT] + beam * straight(level, mu);
     if (full_extinction.w > 0.5) {
         part[BEYOND] -= part[SECOND];
     }
     vec3 total = vec3(0.0);
-    int levels = imageSize(water_map).z / (1 + PARTS);
-    for (int p = 0; p < PARTS; p++) {
+    int levels = imageSize(water_map).z / PARTS;
+    for (int p = 0; p < STRAIGHT; p++) {
         part[p] = max(part[p], 0.0);
         total += part[p];
         imageStore(water_map, ivec3(lane, row, (1 + p) * levels + level), vec4(part[p], 0.0));

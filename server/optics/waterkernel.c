@@ -111,16 +111,23 @@ static void put_single(const struct pel_medium *m, const struct work *w,
     }
 }
 
-static void put_bottom(const struct pel_medium *m, const struct work *w,
-                       int wavelength, struct pel_water_kernel *out)
+/* Sunlight straight to the bottom and back, which the solver's answer holds as
+ * well: it falls too steeply for the nodes where little comes back. */
+static void put_straight(const struct pel_medium *m, const struct work *w,
+                         enum pel_water_orders orders, int wavelength,
+                         struct pel_water_kernel *out)
 {
     double c = m->absorption + m->scattering;
     for (int i = 0; i < N * N; i++) {
         int b = i / N, v = i % N;
         double way = 1.0 / w->mu[b] + 1.0 / w->mu[v];
-        out->response[PEL_KERNEL_BOTTOM][0][b][v][wavelength] =
-            (float)(m->albedo / PEL_PI * w->mu[b] * exp(-c * m->depth_m * way) /
-                    N2);
+        double light =
+            m->albedo / PEL_PI * w->mu[b] * exp(-c * m->depth_m * way) / N2;
+        float *all = &out->response[PEL_KERNEL_BOTTOM][0][b][v][wavelength];
+        if (orders == PEL_ORDERS_ALL) {
+            *all = (float)fmax((double)*all - light, 0.0);
+        }
+        out->response[PEL_KERNEL_STRAIGHT][0][b][v][wavelength] = (float)light;
     }
 }
 
@@ -171,9 +178,7 @@ static enum pel_err build(struct pel_ordinates *o,
     for (int k = 0; k < depths->levels && !err; k++) {
         m.depth_m = at[k];
         put_single(&m, w, scaled, orders, wavelength, &out[k]);
-        if (orders != PEL_ORDERS_ALL) {
-            put_bottom(&m, w, wavelength, &out[k]);
-        }
+        put_straight(&m, w, orders, wavelength, &out[k]);
     }
     return err;
 }

@@ -16,7 +16,9 @@ enum pel_kernel_part {
     PEL_KERNEL_SINGLE, /* scattered once */
     PEL_KERNEL_SECOND, /* twice: pel_kernel_second, or its maps on the GPU */
     PEL_KERNEL_BEYOND, /* every order but the first, over a black bottom */
-    PEL_KERNEL_BOTTOM, /* reflected by the bottom, scattered or not */
+    PEL_KERNEL_BOTTOM, /* reflected by the bottom, and scattered or mirrored by
+                          the surface as well */
+    PEL_KERNEL_STRAIGHT, /* reflected by the bottom only: I eq. 9 */
     PEL_KERNEL_PARTS,
 };
 
@@ -40,9 +42,9 @@ double pel_kernel_sine(int i);
 /* Weights by which the values at the nodes make that at a sine (0 .. 1/n). */
 void pel_kernel_weights(double sine, double weights[PEL_KERNEL_NODES]);
 
-/* Fills `single`, `beyond` and `bottom` at every depth; `beyond` is 0 and
- * `bottom` only I eq. 9 but with PEL_ORDERS_ALL; `second` stays 0. About
- * 10 ms, and 1.5 ms for each depth after the first. NO_MEMORY. */
+/* Fills `single`, `beyond`, `bottom` and `straight` at every depth; `beyond`
+ * and `bottom` are 0 but with PEL_ORDERS_ALL; `second` stays 0. About 10 ms,
+ * and 1.5 ms for each depth after the first. NO_MEMORY. */
 PEL_CHECK enum pel_err pel_water_kernel_build(
     const struct pel_water_body *body, const struct pel_water_depths *depths,
     enum pel_water_orders orders, struct pel_water_kernel *out);

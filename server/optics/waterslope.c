@@ -96,9 +96,9 @@ void pel_slope_light(const struct pel_water_body *body,
                 look_up(at_level, PEL_KERNEL_BEYOND, at, beams, views, c) +
                 pel_transport_single(&m, at, PEL_EXTINCTION_FULL) *
                     PEL_KERNEL_LEAVING / (f.leaving * f.beam);
-            double bottom =
-                look_up(at_level, PEL_KERNEL_BOTTOM, at, beams, views, c);
-            scattered[k] = fmax(bottom - beam * exp(-way * z[k]), 1e-12);
+            scattered[k] =
+                fmax(look_up(at_level, PEL_KERNEL_BOTTOM, at, beams, views, c),
+                     1e-12);
         }
         /* A power of the depth times e^(−fall depth). */
         double fall = (m.absorption + m.scattering * (1.0 - m.asymmetry)) *

@@ -205,6 +205,7 @@ static void put_medium(struct pel_water_light *w)
         .full_extinction = vec4(full, w->orders == PEL_ORDERS_ALL),
         .single_extinction = vec4(single, 0.0),
         .scattering = vec4(w->body.scattering, 0.0),
+        .ground = vec4(w->body.albedo, 0.0),
         .asymmetry = vec4(w->body.asymmetry, 0.0),
     };
     for (int i = 0; i < w->depths.levels; i++) {

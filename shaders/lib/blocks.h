@@ -166,6 +166,7 @@ PEL_BLOCK(10, medium) {
     vec4 full_extinction;   /* rgb, 1/m; w 1: every order is drawn */
     vec4 single_extinction; /* rgb, of single scattering */
     vec4 scattering;        /* rgb, 1/m */
+    vec4 ground;            /* rgb albedo of the bottom */
     vec4 asymmetry;         /* rgb */
     vec4 depth[24];         /* x m, of each level */
 };

@@ -5,7 +5,8 @@ const int SINGLE = 0;
 const int SECOND = 1;
 const int BEYOND = 2;
 const int BOTTOM = 3;
-const int PARTS = 4;
+const int STRAIGHT = 4;
+const int PARTS = 5;
 
 int kernel_at(int level, int part, int mode, int beam, int sight)
 {
