@@ -215,18 +215,17 @@ float caustic(vec2 place, float depth, float footprint, vec3 sun_dir, float cosi
 }
 
 // Of the Sun's beam, what no rise of the bottom between the surface and a place
-// `depth` m down hides: only slopes steeper than the refracted beam can.
-float seabed_lit(vec2 place, float depth, vec3 sun_dir, float cosine)
+// at this height, `depth` m down, hides: only slopes steeper than the refracted beam can.
+float seabed_lit(vec2 place, float height, float depth, vec3 sun_dir, float cosine)
 {
     if (bed_turned.w < 0.5) {
         return 1.0;
     }
     float hidden = 0.0;
     vec2 run = sun_dir.xy * (depth / (1.34 * cosine));
-    float floor_ = seabed_height(bed_node(place));
     for (int i = 1; i <= 8; i++) {
         float t = float(i) / 8.5;
-        hidden = max(hidden, seabed_height(bed_node(place + run * t)) - floor_ - depth * t);
+        hidden = max(hidden, seabed_height(bed_node(place + run * t)) - height - depth * t);
     }
     return 1.0 - smoothstep(0.0, 0.05 * depth, hidden);
 }
@@ -234,6 +233,7 @@ float seabed_lit(vec2 place, float depth, vec3 sun_dir, float cosine)
 // A place of the bottom that is looked at.
 struct bed_view {
     vec2 place;
+    float height; // of the bottom there, above the sea's zero
     float depth; // of the water, below where the line of sight enters it
     float under; // the same below that place itself
     float rise;  // cosine of the line of sight in the water to the vertical
@@ -257,6 +257,7 @@ bed_view seabed_seen(vec2 x, float z, vec3 v, vec3 n)
         seen.depth = max(z - seabed_height(bed_node(seen.place)), 0.0);
         seen.place = x + run * seen.depth;
     }
+    seen.height = z - seen.depth;
     return seen;
 }
 
@@ -265,6 +266,12 @@ struct bed_light {
     vec3 volume; // never touched it
     vec3 bottom;
 };
+
+// log2(1 − x) for x from −1 to 0.6, within 0.024.
+vec3 log2_less(vec3 x)
+{
+    return x * (x - 6.0) / (4.158883 - 2.772589 * x);
+}
 
 // From the maps of level water, `at` on them: sunlight straight to the bottom
 // and back by its own equation (eq. 9 of the 2003 paper with cos γ, shade and
@@ -278,21 +285,25 @@ bed_light seabed_light(vec2 at, bed_view seen, float footprint, vec3 sun_dir)
     float cosine = sqrt(1.0 - eta * eta * (1.0 - sun_dir.z * sun_dir.z));
     vec3 n = seabed_normal(bed_node(seen.place), footprint);
     float gain = max(dot(n.xy, sun_dir.xy) * eta + n.z * cosine, 0.0) / cosine;
-    gain *= seabed_lit(seen.place, depth, sun_dir, cosine);
+    gain *= seabed_lit(seen.place, seen.height, depth, sun_dir, cosine);
 
     float under = 1.0 - seen.under / depth;
     float steep = 1.0 - n.z * n.z;
     vec3 turned = bed_turned.rgb * depth;
     vec3 reach = 0.45 * depth * bed_absorption.rgb + turned;
-    vec3 shift = reach * (0.25 * under + 0.2 * steep);
-    float last = exp2(water.y + (water.x - 1.0) / water.z); // the sea beyond has that bottom
-    vec3 for_bottom = min(depth * (1.0 - clamp(shift, -1.0, 0.6)), last);
-    shift = reach * (0.18 * under + 0.39 * steep);
-    vec3 for_volume = min(depth * (1.0 - clamp(shift, -1.0, 0.6)), last);
+    // Levels of the depths that are looked up, none beyond the last: the sea
+    // beyond the field's tiles has its bottom.
+    float last = water.x - 1.0;
+    float here = (log2(depth) - water.y) * water.z;
+    vec3 shift = clamp(reach * (0.25 * under + 0.2 * steep), -1.0, 0.6);
+    vec3 deepest = vec3(exp2(water.y + last / water.z));
+    vec3 for_bottom = min(depth * (1.0 - shift), deepest);
+    vec3 bottom_level = min(here + log2_less(shift) * water.z, last);
+    shift = clamp(reach * (0.18 * under + 0.39 * steep), -1.0, 0.6);
+    vec3 volume_level = min(here + log2_less(shift) * water.z, last);
     vec3 kept = 1.0 / (1.0 + turned);
 
-    float level = clamp((log2(for_bottom.g) - water.y) * water.z, 0.0, water.x - 1.0);
-    float below = min(floor(level), water.x - 2.0);
+    float below = clamp(floor(bottom_level.g), 0.0, last - 1.0);
     float first = WATER_TOTAL * water.x + below;
     vec3 total0 = textureLod(water_map, vec3(at, first), 0.0).rgb;
     vec3 total1 = textureLod(water_map, vec3(at, first + 1.0), 0.0).rgb;
@@ -308,7 +319,7 @@ bed_light seabed_light(vec2 at, bed_view seen, float footprint, vec3 sun_dir)
     vec3 around1 = max(bottom1 - beam * exp(-way * z1), vec3(1e-12));
     // Between levels a power of the depth times e^(−fall depth).
     vec3 fall = bed_fall.rgb * (1.0 / cosine + 1.0 / seen.rise);
-    vec3 part = clamp((log2(for_bottom) - water.y) * water.z - below, -1.0, 2.0);
+    vec3 part = clamp(bottom_level - below, -1.0, 2.0);
     vec3 around = exp2(mix(log2(around0) + fall * z0, log2(around1) + fall * z1, part) -
                        fall * for_bottom);
     vec3 most = beam + bed_dry.rgb * sky_light.rgb * (eta * eta / PI);
@@ -321,8 +332,8 @@ bed_light seabed_light(vec2 at, bed_view seen, float footprint, vec3 sun_dir)
     if (bed_beyond.w > 0.5 && sun_dir.z > 0.02) {
         gain *= caustic(seen.place, depth, footprint, sun_dir, cosine);
     }
-    light.bottom += beam * exp(-way * min(depth, last)) * gain;
-    part = clamp((log2(for_volume) - water.y) * water.z - below, -1.0, 2.0);
+    light.bottom += beam * exp(-way * min(depth, deepest.r)) * gain;
+    part = clamp(volume_level - below, -1.0, 2.0);
     light.volume = max(mix(total0 - bottom0, total1 - bottom1, part), vec3(0.0));
     return light;
 }
