@@ -14,6 +14,9 @@
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
 #include "lib/haze.glsl"
+#ifdef PEL_SEABED
+#include "lib/seabed.glsl"
+#endif
 #include "lib/sea.glsl"
 #include "lib/tone.glsl"
 #include "lib/outputs.glsl"

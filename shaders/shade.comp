@@ -21,7 +21,7 @@
 #include "lib/seabed.glsl"
 #endif
 #include "lib/sea.glsl"
-#ifdef PEL_SEABED
+#ifdef PEL_LAND
 #include "lib/coast.glsl"
 #endif
 #include "lib/tone.glsl"
@@ -64,7 +64,7 @@ void main()
     uint key = keys[place];
     uint triangle = 0xFFFFFFFFu - key;
     shaded s;
-#ifdef PEL_SEABED
+#ifdef PEL_LAND
     s = shade_coast(at, key == 0u ? 0u : triangle);
 #else
     if (key == 0u) {

@@ -9,10 +9,10 @@
 #define BINS 512        /* of azimuth */
 #define MOST_SQUARES 64 /* a side: so coarse a field is enough */
 
-/* What there is to see in a direction: from where to where, and how high its
- * top stands, as a tangent above the level. */
+/* What there is to see in a direction: the bottom from where to where, land,
+ * and how high its top stands, as a tangent above the level. */
 struct bin {
-    double near_m, far_m, top;
+    double near_m[2], far_m[2], top; /* [1]: of land */
 };
 
 struct panorama {
@@ -32,21 +32,21 @@ static int bin_of(double azimuth)
 static void add_disc(struct panorama *p, double east_m, double north_m,
                      double radius_m, double top_m)
 {
+    bool land = !isinf(top_m);
     double distance = hypot(east_m, north_m);
     double near = distance - radius_m, far = distance + radius_m;
     double half = near > 0 ? asin(fmin(radius_m / distance, 1.0)) : PEL_PI;
     double rise = top_m - p->height_m;
     double at = rise > 0 ? fmax(near, 1.0) : far;
-    double top = near > 0 || isinf(top_m)
-                     ? rise / at - at / (2.0 * PEL_EARTH_RADIUS)
-                     : HUGE_VAL;
+    double top = near > 0 || !land ? rise / at - at / (2.0 * PEL_EARTH_RADIUS)
+                                   : HUGE_VAL;
     int first =
         (int)floor((atan2(north_m, east_m) - half) * BINS / (2.0 * PEL_PI));
     int count = (int)ceil(half * BINS / PEL_PI) + 2;
     for (int i = 0; i < count && i < BINS; i++) {
         struct bin *b = &p->bins[((first + i) % BINS + BINS) % BINS];
-        b->near_m = fmin(b->near_m, fmax(near, 0.0));
-        b->far_m = fmax(b->far_m, far);
+        b->near_m[land] = fmin(b->near_m[land], fmax(near, 0.0));
+        b->far_m[land] = fmax(b->far_m[land], far);
         b->top = fmax(b->top, top);
     }
 }
@@ -84,16 +84,17 @@ static void look_around(struct panorama *p, const struct pel_environment *env,
             double radius = 0.5 * hypot(wide, tall);
             add_disc(p, east, north, radius + margin, -HUGE_VAL);
             if (top > -waves) {
-                add_disc(p, east, north, radius, top);
+                add_disc(p, east, north, radius + waves, top);
             }
         }
     }
     p->everywhere = env->water.depth_m + env->sea_level_m < visible_m;
 }
 
-/* Azimuths, distances and heights that a tile sees. */
-static bool sees_any(const struct panorama *p, const struct pel_camera *c,
-                     double x0, double x1, double y0, double y1)
+/* By the azimuths, distances and heights that a tile sees. */
+static enum pel_coast_tile tile_of(const struct panorama *p,
+                                   const struct pel_camera *c, double x0,
+                                   double x1, double y0, double y1)
 {
     double low = HUGE_VAL, high = -HUGE_VAL, middle = 0, left = 0, right = 0;
     for (int i = 0; i < 9; i++) {
@@ -107,7 +108,7 @@ static bool sees_any(const struct panorama *p, const struct pel_camera *c,
         double slope = d.z / fmax(level, 1e-6);
         double azimuth = atan2(d.y, d.x);
         if (level < 0.2) {
-            return true; /* straight up or down */
+            return PEL_COAST_LAND; /* straight up or down */
         }
         middle = i == 0 ? azimuth : middle;
         double turn = remainder(azimuth - middle, 2.0 * PEL_PI);
@@ -128,13 +129,20 @@ static bool sees_any(const struct panorama *p, const struct pel_camera *c,
     }
     int first = bin_of(middle + right - slack);
     int count = (int)((left - right + 2 * slack) / (2.0 * PEL_PI) * BINS) + 2;
+    enum pel_coast_tile tile = PEL_COAST_NONE;
     for (int i = 0; i < count; i++) {
         const struct bin *b = &p->bins[(first + i) % BINS];
-        if ((b->near_m <= farthest && b->far_m >= nearest) || b->top >= low) {
-            return true;
+        /* Land stands in the way of sights that reach it above the water. */
+        if (b->near_m[1] <= farthest &&
+            (b->far_m[1] >= nearest || b->top >= low)) {
+            return PEL_COAST_LAND;
+        }
+        if (p->everywhere ||
+            (b->near_m[0] <= farthest && b->far_m[0] >= nearest)) {
+            tile = PEL_COAST_BOTTOM;
         }
     }
-    return false;
+    return tile;
 }
 
 bool pel_coast_plan(const struct pel_environment *env,
@@ -144,7 +152,9 @@ bool pel_coast_plan(const struct pel_environment *env,
 {
     struct panorama p = { .height_m = fmax(c->altitude_m, 0.3) };
     for (int i = 0; i < BINS; i++) {
-        p.bins[i] = (struct bin){ HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
+        p.bins[i] = (struct bin){ { HUGE_VAL, HUGE_VAL },
+                                  { -HUGE_VAL, -HUGE_VAL },
+                                  -HUGE_VAL };
     }
     look_around(&p, env, map, c, visible_m);
     double px = (c->tan_right - c->tan_left) / c->width;
@@ -154,10 +164,10 @@ bool pel_coast_plan(const struct pel_environment *env,
     for (uint32_t y = 0; y < c->height; y += PEL_TILE) {
         for (uint32_t x = 0; x < c->width; x += PEL_TILE) {
             double x0 = c->tan_left + px * x, y1 = c->tan_top - py * y;
-            bool is = p.everywhere || sees_any(&p, c, x0, x0 + px * PEL_TILE,
-                                               y1 - py * PEL_TILE, y1);
-            any = any || is;
-            tiles[index++] = is;
+            enum pel_coast_tile tile =
+                tile_of(&p, c, x0, x0 + px * PEL_TILE, y1 - py * PEL_TILE, y1);
+            any = any || tile != PEL_COAST_NONE;
+            tiles[index++] = (uint8_t)tile;
         }
     }
     return any;

@@ -10,10 +10,16 @@
 #define PEL_TILE 64
 #define PEL_MAX_TILES (4096 / PEL_TILE * 4096 / PEL_TILE)
 
-/* For each tile, row by row from the top left, 1 where a line of sight of it
- * can meet land, or water whose bottom lies less than visible_m below it; the
- * waves are at most rise_m high. The camera's altitude is above the sea's zero.
- * Returns whether there is any. */
+enum pel_coast_tile {
+    PEL_COAST_NONE,
+    PEL_COAST_BOTTOM, /* water whose bottom lies less than visible_m below it */
+    PEL_COAST_LAND,   /* land, and such water */
+    PEL_COAST_TILES,
+};
+
+/* For each tile, row by row from the top left, what its lines of sight can
+ * meet. The camera's altitude is above the sea's zero. Returns whether there is
+ * any but NONE. */
 bool pel_coast_plan(const struct pel_environment *env,
                     const struct pel_seabed_map *map,
                     const struct pel_camera *camera, double visible_m,

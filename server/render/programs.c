@@ -3,12 +3,15 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "render/coast.h"
+
 static void delete_sea_programs(struct pel_sea_programs *p)
 {
     for (int i = 0; i < PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->fragments[i]);
         glDeleteProgram(p->compute_program[i]);
         glDeleteProgram(p->coast[i]);
+        glDeleteProgram(p->shallow[i]);
     }
     glDeleteProgram(p->mesh);
     *p = (struct pel_sea_programs){ .compute = p->compute,
@@ -23,9 +26,16 @@ static const char *const kind_defines[PEL_SHADE_COUNT] = {
 };
 
 static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
-                                     enum pel_shading kind, bool coast,
-                                     GLuint *out, struct pel_fault *fault)
+                                     enum pel_shading kind,
+                                     enum pel_coast_tile tile, GLuint *out,
+                                     struct pel_fault *fault)
 {
+    static const char *const tiles[PEL_COAST_TILES] = {
+        [PEL_COAST_NONE] = "",
+        [PEL_COAST_BOTTOM] = "#define PEL_SEABED\n",
+        [PEL_COAST_LAND] = "#define PEL_SEABED\n#define PEL_LAND\n",
+    };
+
     if (*out) {
         return PEL_OK;
     }
@@ -34,16 +44,16 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
              "%s%s%s%s"
              "#define PEL_ANISOTROPY %d\n#define PEL_SKY_FILTER %d\n",
              cascades ? "#define PEL_FFT\n" : "", kind_defines[kind],
-             coast ? "#define PEL_SEABED\n" : "",
-             all->software ? "" : "#define PEL_EXACT_TEXELS\n",
+             tiles[tile], all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->anisotropy, (int)all->filtering->sky);
     if (all->compute) {
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);
     }
     return pel_program_create(all->shader_dir, "screen.vert",
-                              coast ? "coast.frag" : "sea.frag", defines, out,
-                              fault);
+                              tile == PEL_COAST_LAND ? "coast.frag"
+                                                     : "sea.frag",
+                              defines, out, fault);
 }
 
 /* Makes the programs that this kind of sea and picture wants; those with
@@ -67,8 +77,12 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
                                  &all->search, fault);
     }
     if (err == PEL_OK && coast) {
-        err =
-            make_sea_program(all, cascades, kind, true, &p->coast[kind], fault);
+        err = make_sea_program(all, cascades, kind, PEL_COAST_LAND,
+                               &p->coast[kind], fault);
+    }
+    if (err == PEL_OK && coast) {
+        err = make_sea_program(all, cascades, kind, PEL_COAST_BOTTOM,
+                               &p->shallow[kind], fault);
     }
     if (err == PEL_OK && all->compute && !all->tone_compute &&
         kind == PEL_SHADE_LAYERS) {
@@ -76,12 +90,12 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
                                  &all->tone_compute, fault);
     }
     if (err == PEL_OK && all->compute) {
-        return make_sea_program(all, cascades, kind, false,
+        return make_sea_program(all, cascades, kind, PEL_COAST_NONE,
                                 &p->compute_program[kind], fault);
     }
     if (err == PEL_OK) {
-        err = make_sea_program(all, cascades, kind, false, &p->fragments[kind],
-                               fault);
+        err = make_sea_program(all, cascades, kind, PEL_COAST_NONE,
+                               &p->fragments[kind], fault);
     }
     for (int disc = 0; disc < 2; disc++) {
         GLuint *program = disc ? &all->disc[kind] : &all->backdrop[kind];
@@ -152,6 +166,12 @@ struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
 void pel_programs_decide(struct pel_programs *p, struct pel_sea_programs *sea,
                          bool compute)
 {
+    for (int i = 0; i < PEL_SHADE_COUNT && sea->compute != compute; i++) {
+        /* They were made for the other wrapper. */
+        glDeleteProgram(sea->coast[i]);
+        glDeleteProgram(sea->shallow[i]);
+        sea->coast[i] = sea->shallow[i] = 0;
+    }
     p->compute = sea->compute = compute;
     sea->undecided = false;
 }

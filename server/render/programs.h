@@ -26,7 +26,8 @@ struct pel_sea_programs {
     GLuint fragments[PEL_SHADE_COUNT];       /* fragments */
     GLuint compute_program[PEL_SHADE_COUNT]; /* sky, sea and colour in one
                                                 dispatch */
-    GLuint coast[PEL_SHADE_COUNT]; /* either of them, with land and bottom */
+    GLuint coast[PEL_SHADE_COUNT];   /* either wrapper, with land and bottom */
+    GLuint shallow[PEL_SHADE_COUNT]; /* with the bottom alone */
 };
 
 struct pel_programs {

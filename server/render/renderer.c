@@ -307,10 +307,10 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     glDepthMask(GL_FALSE);
 }
 
-/* Tiles of a row, side by side, all with or all without a coast; pixels. */
+/* Tiles of a row, side by side, of one kind; pixels. */
 struct run_of_tiles {
     GLint x, y, width, height;
-    bool coast;
+    enum pel_coast_tile tile;
 };
 
 /* The one after *run, the first after { 0 }; false after the last. */
@@ -339,14 +339,23 @@ static bool next_run(const struct pel_renderer *r, const struct pel_camera *c,
     return true;
 }
 
+static GLuint program_of(const struct pel_sea_programs *p,
+                         enum pel_coast_tile tile, enum pel_shading kind,
+                         GLuint deep)
+{
+    return tile == PEL_COAST_LAND     ? p->coast[kind]
+           : tile == PEL_COAST_BOTTOM ? p->shallow[kind]
+                                      : deep;
+}
+
 static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
                         const struct pel_sea_programs *p, enum pel_shading kind)
 {
     glEnable(GL_SCISSOR_TEST);
     for (struct run_of_tiles run = { 0 }; next_run(r, c, &run);) {
         glScissor(run.x, run.y, run.width, run.height);
-        glUseProgram(run.coast ? p->coast[kind] : p->fragments[kind]);
-        glDepthFunc(run.coast ? GL_ALWAYS : GL_LESS);
+        glUseProgram(program_of(p, run.tile, kind, p->fragments[kind]));
+        glDepthFunc(run.tile == PEL_COAST_LAND ? GL_ALWAYS : GL_LESS);
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
     glDisable(GL_SCISSOR_TEST);
@@ -357,7 +366,7 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
                            enum pel_shading kind, int wanted)
 {
     for (struct run_of_tiles run = { 0 }; next_run(r, c, &run);) {
-        glUseProgram(run.coast ? p->coast[kind] : p->compute_program[kind]);
+        glUseProgram(program_of(p, run.tile, kind, p->compute_program[kind]));
         glUniform1i(0, wanted);
         glUniform4i(1, run.x, run.y, run.x + run.width, run.y + run.height);
         glDispatchCompute((GLuint)(run.width + 7) / 8,
@@ -492,7 +501,7 @@ static void draw_pixels(struct pel_renderer *r,
                    pel_coast_plan(env, &r->seabed, c,
                                   pel_water_visible_m(&env->water), r->coast);
     if (r->any_coast && env->coast_everywhere) {
-        memset(r->coast, 1, sizeof r->coast);
+        memset(r->coast, PEL_COAST_LAND, sizeof r->coast);
     }
     if (r->any_coast) {
         struct pel_block_seabed block;

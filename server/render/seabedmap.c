@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/vec.h"
+#include "ocean/cascade.h"
 #include "optics/brdf.h"
 #include "optics/waterkernel.h"
 
@@ -249,7 +250,7 @@ void pel_fill_seabed(const struct pel_environment *env,
                                w->absorption[1] + w->scattering[1],
                                w->absorption[2] + w->scattering[2],
                                f.beam * f.sun_mu * PEL_KERNEL_LEAVING / PEL_PI),
-        .bed_fall = vec4(fall[0], fall[1], fall[2], 0.0),
+        .bed_fall = vec4(fall[0], fall[1], fall[2], PEL_CASCADES),
         .bed_absorption =
             vec4(all ? w->absorption[0] : 0.0, all ? w->absorption[1] : 0.0,
                  all ? w->absorption[2] : 0.0, 0.0),

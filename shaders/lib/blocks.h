@@ -97,6 +97,7 @@ struct pel_shader_cascade {
                     two shears (ocean/shear.h) */
     vec4 shear;  /* xy f of the first, 1/m; z shear / |f|², m² */
 };
+#define PEL_LONGEST_OF_CASCADE 0.1548 /* wave of all but the first, in its lengths */
 PEL_BLOCK(5, cascades) {
     PEL_STRUCT pel_shader_cascade cascades[4];
 };
@@ -146,7 +147,8 @@ PEL_BLOCK(9, seabed) {
                                         light without crossing rays */
     vec4 bed_extinction; /* rgb of the water, 1/m; w radiance above the water that the Sun's
                             beam of unit irradiance leaves on a white level bottom, 1/sr */
-    vec4 bed_fall;       /* rgb of scattered light by length, octaves a metre */
+    vec4 bed_fall;       /* rgb of scattered light by length, octaves a metre; w the number
+                            of cascades */
     vec4 bed_absorption; /* rgb, 1/m; 0 where only two orders are drawn */
     vec4 bed_turned;     /* rgb scattering (1 − asymmetry), 1/m, or 0; w 1 where slopes are
                             steeper than the Sun's beam in the water */

@@ -127,15 +127,14 @@ float seabed_distance(vec3 dir, float limit)
             t = next;
         }
     }
-    if (hit < 0.0) {
-        return -1.0;
-    }
+    // Software devices run through what follows for every line of sight, and
+    // through a loop once where nothing is to be done.
+    bool found = hit >= 0.0;
+    hit = found ? hit : t;
     float before = above_ground(dir, t);
     float after = above_ground(dir, hit);
-    if (before <= 0.0) {
-        return t;
-    }
-    for (int i = 0; i < 6; i++) {
+    float near_enough = 1e-6 * hit;
+    for (int i = 0; i < 6 && before > 0.0 && hit - t > near_enough; i++) {
         float middle = mix(t, hit, before / (before - after));
         float here = above_ground(dir, middle);
         if (here > 0.0) {
@@ -146,43 +145,72 @@ float seabed_distance(vec3 dir, float limit)
             after = here;
         }
     }
-    return mix(t, hit, before / (before - after));
+    if (!found) {
+        return -1.0;
+    }
+    return before <= 0.0 ? t : mix(t, hit, before / max(before - after, 1e-9));
 }
 
-// Second derivatives of the waves that a footprint resolves: xx, xy, yy; and
-// their slope.
-vec3 wave_bend(vec2 x, float footprint, out vec2 slope)
+#ifdef PEL_FFT
+// Of the cascades from the second on: the first has no waves short enough to
+// focus light. Ends where a footprint leaves nothing of the next one; how many
+// there are is a uniform, for a loop that is written out is run to its end, and
+// the condition stands last, for software devices run a loop's body once more
+// than it holds.
+#define PEL_EACH_CASCADE(BODY)                                                 \
+    reading at = reading_at(x);                                                \
+    shear(0, x, at);                                                           \
+    int c = 1;                                                                 \
+    do {                                                                       \
+        shear(c, x, at);                                                       \
+        float lod = log2(footprint / cascades[c].place.w) + back.w;              \
+        BODY                                                                   \
+        c++;                                                                   \
+    } while (c < int(bed_fall.w) &&                                            \
+             footprint * cascades[min(c, 3)].place.z < PEL_LONGEST_OF_CASCADE);
+#endif
+
+// Slope of the waves that a footprint resolves.
+vec2 wave_slope(vec2 x, float footprint)
+{
+    vec2 slope = vec2(0.0);
+#ifdef PEL_FFT
+    PEL_EACH_CASCADE(slope += textureLod(slope_fields, vec3(cascade_uv(c, at.place), c), lod).xy;)
+#else
+    float scale = up.w / footprint;
+    float offset = -right.w * up.w;
+    // Not written out: the program would take seconds to make.
+    for (int i = 0; i < PEL_WAVE_LIMIT && waves[i].phase.w * scale + offset > 0.0; i++) {
+        float w = filter_weight(waves[i].phase.w * scale + offset);
+        slope -= w * waves[i].slope.xy * sine_turns(dot(waves[i].phase.xy, x) + waves[i].phase.z);
+    }
+#endif
+    return slope;
+}
+
+// Their second derivatives: xx, xy, yy.
+vec3 wave_bend(vec2 x, float footprint)
 {
     vec3 bend = vec3(0.0);
-    slope = vec2(0.0);
 #ifdef PEL_FFT
     vec2 half_ = vec2(0.5 * footprint, 0.0);
-    reading at = reading_at(x);
-    for (int c = 0; c < 4; c++) {
-        shear(c, x, at);
-        float lod = log2(footprint / cascades[c].place.w) + back.w;
+    PEL_EACH_CASCADE(
         vec2 e = textureLod(slope_fields, vec3(cascade_uv(c, at.place + half_.xy), c), lod).xy;
         vec2 w = textureLod(slope_fields, vec3(cascade_uv(c, at.place - half_.xy), c), lod).xy;
         vec2 n = textureLod(slope_fields, vec3(cascade_uv(c, at.place + half_.yx), c), lod).xy;
         vec2 s = textureLod(slope_fields, vec3(cascade_uv(c, at.place - half_.yx), c), lod).xy;
-        slope += 0.25 * (e + w + n + s);
-        bend += vec3(e.x - w.x, 0.5 * (e.y - w.y + n.x - s.x), n.y - s.y) / footprint;
-    }
+        bend += vec3(e.x - w.x, 0.5 * (e.y - w.y + n.x - s.x), n.y - s.y);
+    )
+    bend /= footprint;
 #else
     float scale = up.w / footprint;
     float offset = -right.w * up.w;
-#define PEL_BEND(i)                                                            \
-    {                                                                          \
-        float w = filter_weight(waves[i].phase.w * scale + offset);             \
-        float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;              \
-        vec2 hk = w * waves[i].slope.xy;                                        \
-        vec2 k = (-2.0 * PI * sine_turns(turns + 0.25)) * waves[i].phase.xy;      \
-        slope -= hk * sine_turns(turns);                                        \
-        bend += vec3(hk.x * k.x, hk.x * k.y, hk.y * k.y);                        \
-    }
-    // Not written out: the program would take seconds to make.
     for (int i = 0; i < PEL_WAVE_LIMIT && waves[i].phase.w * scale + offset > 0.0; i++) {
-        PEL_BEND(i)
+        float w = filter_weight(waves[i].phase.w * scale + offset);
+        float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;
+        vec2 hk = w * waves[i].slope.xy;
+        vec2 k = (-2.0 * PI * sine_turns(turns + 0.25)) * waves[i].phase.xy;
+        bend += vec3(hk.x * k.x, hk.x * k.y, hk.y * k.y);
     }
 #endif
     return bend;
@@ -205,11 +233,7 @@ float caustic(vec2 place, float depth, float footprint, vec3 sun_dir, float cosi
     least = max(least, max(footprint, 2.0 * sun.w * eta * depth));
     float reach = depth * (cosine - eta * sun_dir.z) / cosine;
     vec2 enter = place + sun_dir.xy * (depth * eta / cosine);
-    vec2 slope = vec2(0.0);
-    vec3 bend;
-    for (int i = 0; i < 2; i++) {
-        bend = wave_bend(enter - reach * slope, least, slope);
-    }
+    vec3 bend = wave_bend(enter - reach * wave_slope(enter, least), least);
     float spread = (1.0 + reach * bend.x) * (1.0 + reach * bend.z) - reach * reach * bend.y * bend.y;
     return 1.0 / max(spread, 0.2);
 }
