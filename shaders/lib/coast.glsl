@@ -35,6 +35,16 @@ shaded shade_land(vec3 dir, float range)
     return result;
 }
 
+// Whether waves that stand `height` above the sea's zero wet the land there:
+// they lose their height as they run up, so that what the unbroken waves behind
+// would reach on their own stays dry.
+bool runs_up(vec2 x, float height)
+{
+    float ground = seabed_height(bed_node(x));
+    float tallest = 0.125 * bed_beyond.y;
+    return ground <= 0.0 || height > ground * (1.0 + ground / tallest);
+}
+
 shaded shade_coast(ivec2 at, uint triangle)
 {
     vec3 ray = pixel_ray(lattice(at));
@@ -42,6 +52,10 @@ shaded shade_coast(ivec2 at, uint triangle)
     float limit = 1e7;
     if (triangle != 0u) {
         limit = cut_triangle(ray, triangle).t * ray_length;
+        vec3 dir = ray / ray_length;
+        if (!runs_up(dir.xy * limit, sight_height(dir, limit))) {
+            limit = 1e7;
+        }
     }
     float range = lut.y > 0.5 ? -1.0 : seabed_distance(ray / ray_length, limit);
     if (range >= 0.0) {
