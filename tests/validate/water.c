@@ -259,9 +259,18 @@ static int validate(bool quick, FILE *md, FILE *json, int64_t start)
 
 int main(int argc, char **argv)
 {
-    bool quick = argc > 1 && strcmp(argv[1], "--quick") == 0;
-    bool study = argc > 1 && strcmp(argv[1], "--sampling") == 0;
-    bool slopes = argc > 1 && strcmp(argv[1], "--slopes") == 0;
+    bool quick = false, study = false, slopes = false;
+    for (int i = 1; i < argc; i++) {
+        bool *named = strcmp(argv[i], "--quick") == 0      ? &quick
+                      : strcmp(argv[i], "--sampling") == 0 ? &study
+                      : strcmp(argv[i], "--slopes") == 0   ? &slopes
+                                                           : NULL;
+        if (!named) {
+            fprintf(stderr, "usage: water [--quick] [--sampling] [--slopes]\n");
+            return 2;
+        }
+        *named = true;
+    }
     int64_t start = pel_now_ns();
     mkdir("build", 0777);
     mkdir("build/validate", 0777);
