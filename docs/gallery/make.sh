@@ -66,7 +66,7 @@ mkdir -p "$out"
 {
     echo "# Gallery"
     echo
-    echo "Drawn by \`docs/gallery/make.sh\` on the software device: 60 trochoids,"
+    echo "Drawn by \`docs/gallery/make.sh\` on the software device: FFT cascades,"
     echo "Pierson–Moskowitz, Case 1 water, automatic exposure where nothing else is"
     echo "said. Every picture starts"
     echo "from"
@@ -74,6 +74,10 @@ mkdir -p "$out"
     echo '```sh'
     echo "build/pelagosctl set $common" | sed 's/  */ /g'
     echo '```'
+    echo
+    echo "The shores are made by"
+    echo "\`docs/gallery/shore.py build/gallery/shore-7.9.asc 7.9\` (and 39.9), for"
+    echo "a daemon with \`--bathymetry build/gallery\`."
 } > "$out/README.md"
 for picture in "${pictures[@]}"; do
     IFS='|' read -r name title settings <<< "$picture"
