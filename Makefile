@@ -513,12 +513,12 @@ asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
 	    tests/run $(patsubst $(O)/%,build/asan/%,$(TEST_BIN)) \
 	    tests/ctl_test.sh tests/daemon_test.sh
 
+THREADED := $(addprefix build/tsan/bin/,fields_test frames_test \
+    frames_live_test)
 .PHONY: tsan
 tsan: deps ## the tests with threads under ThreadSanitizer
-	$(Q)$(MAKE) -s --no-print-directory FLAVOR=tsan build/tsan/bin/frames_test \
-	    build/tsan/bin/frames_live_test
-	$(Q)TSAN_OPTIONS=suppressions=tests/tsan.supp \
-	    tests/run build/tsan/bin/frames_test build/tsan/bin/frames_live_test
+	$(Q)$(MAKE) -s --no-print-directory FLAVOR=tsan $(THREADED)
+	$(Q)TSAN_OPTIONS=suppressions=tests/tsan.supp tests/run $(THREADED)
 
 comma := ,
 

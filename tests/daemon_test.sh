@@ -115,8 +115,7 @@ for format in png jpg exr; do
         "$url/v1/views/bridge/frame.$format?width=160&height=90" ||
         fail "no $format"
 done
-check 'the picture is a PNG' grep -q 'PNG image' \
-    <(file "$work/before.png")
+check 'the picture is a PNG' grep -q PNG <(head -c 4 "$work/before.png")
 written() {
     [ -f "$state" ] && [ "$(jq .sea.windSpeed "$state")" = 13.5 ]
 }

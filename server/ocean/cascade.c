@@ -1,10 +1,10 @@
 #include "ocean/cascade.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <threads.h>
 
 #include "base/simd.h"
 #include "ocean/directional.h"
@@ -380,7 +380,7 @@ struct tables {
 };
 
 static struct tables tables;
-static once_flag tables_once = ONCE_FLAG_INIT;
+static pthread_once_t tables_once = PTHREAD_ONCE_INIT;
 
 static void tables_fill(void)
 {
@@ -646,7 +646,7 @@ static void place_shears(struct pel_cascades *all)
     }
 }
 
-static int build_cascade(void *argument)
+static void *build_cascade(void *argument)
 {
     struct builder *b = argument;
     struct pel_cascade *c = &b->all->cascade[b->index];
@@ -664,25 +664,25 @@ static int build_cascade(void *argument)
             count_modes(b, b->all, c, i);
         }
     }
-    return 0;
+    return NULL;
 }
 
 /* Each on a thread of its own, summed in order: the same bits always. */
 static void build_cascades(struct builder *builders, struct pel_cascades *all)
 {
-    thrd_t threads[PEL_CASCADES];
+    pthread_t threads[PEL_CASCADES];
     bool running[PEL_CASCADES];
     for (int i = 0; i < PEL_CASCADES; i++) {
-        running[i] = i + 1 < PEL_CASCADES &&
-                     thrd_create(&threads[i], build_cascade, &builders[i]) ==
-                         thrd_success;
+        running[i] =
+            i + 1 < PEL_CASCADES &&
+            pthread_create(&threads[i], NULL, build_cascade, &builders[i]) == 0;
         if (!running[i]) {
             build_cascade(&builders[i]);
         }
     }
     for (int i = 0; i < PEL_CASCADES; i++) {
         if (running[i]) {
-            thrd_join(threads[i], NULL);
+            pthread_join(threads[i], NULL);
         }
         all->m0 += all->cascade[i].m0;
         for (int j = 0; j < PEL_CASCADE_BOUNDS; j++) {
@@ -715,7 +715,7 @@ enum pel_err pel_cascades_create(const struct pel_sea_desc *desc,
         b[i].desc = desc;
         b[i].spectrum = spectrum;
     }
-    call_once(&tables_once, tables_fill);
+    pthread_once(&tables_once, tables_fill);
     fill_gains(c);
     double longest = 2.0 * PEL_CASCADE_HIGHEST * PEL_SEA_SHORTEST_M *
                      pow(PEL_CASCADE_RATIO, PEL_CASCADES - 1);

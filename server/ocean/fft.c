@@ -1,7 +1,7 @@
 #include "ocean/fft.h"
 
 #include <math.h>
-#include <threads.h>
+#include <pthread.h>
 
 #include "base/simd.h"
 #include "base/vec.h"
@@ -11,7 +11,7 @@
 typedef pel_lanes lanes;
 
 static float twiddle_re[N], twiddle_im[N];
-static once_flag twiddles_once = ONCE_FLAG_INIT;
+static pthread_once_t twiddles_once = PTHREAD_ONCE_INIT;
 
 static void fill_twiddles(void)
 {
@@ -68,6 +68,6 @@ PEL_CLONES static void transform(struct pel_fft_strip *a)
 
 void pel_fft_strip(struct pel_fft_strip *strip)
 {
-    call_once(&twiddles_once, fill_twiddles);
+    pthread_once(&twiddles_once, fill_twiddles);
     transform(strip);
 }

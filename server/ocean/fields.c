@@ -10,10 +10,13 @@
 
 /* --- the fields of one moment --------------------------------------------- */
 
+/* Writes nothing where there is room: others may be filling it. */
 static bool need(void *array, size_t texel)
 {
     void **at = array;
-    *at = *at ? *at : malloc(N * N * texel);
+    if (!*at) {
+        *at = malloc(N * N * texel);
+    }
     return *at != NULL;
 }
 

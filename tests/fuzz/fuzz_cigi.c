@@ -11,6 +11,21 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
+/* Cascades take a sanitizer a second for each new wind. */
+static void use_trochoids(struct pel_scene *scene)
+{
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    Pelagos__State state = PELAGOS__STATE__INIT;
+    Pelagos__Sea sea = PELAGOS__SEA__INIT;
+    sea.has_synthesiser = true;
+    sea.synthesiser = PELAGOS__SYNTHESISER__TROCHOIDS;
+    state.sea = &sea;
+    patch.state = &state;
+    if (pel_scene_patch(scene, &patch, NULL)) {
+        abort();
+    }
+}
+
 static struct pel_cigi *open_bridge(void)
 {
     struct pel_scene_options scene_options = { .wave_count = 20 };
@@ -23,6 +38,7 @@ static struct pel_cigi *open_bridge(void)
         pel_cigi_create(&options, scene, &cigi, NULL) != PEL_OK) {
         abort();
     }
+    use_trochoids(scene);
     return cigi;
 }
 
