@@ -77,7 +77,7 @@ BASE := server/base/err.c server/base/log.c server/base/clock.c \
 OCEAN := server/ocean/spectrum.c \
     server/ocean/directional.c \
     server/ocean/elfouhaily.c \
-    server/ocean/strata.c \
+    server/ocean/stratified.c \
     server/ocean/ndbc.c \
     server/ocean/seastate.c \
     server/ocean/report.c \
@@ -141,7 +141,7 @@ RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/targets.c server/render/stages.c server/render/statistics.c \
     server/render/programs.c server/render/renderer.c server/render/arena.c server/render/probe.c \
     server/render/mesh.c server/render/mark.c server/render/sky.c server/render/uniforms.c \
-    server/render/waterlight.c server/render/waterprobe.c server/render/seabedmap.c server/render/coast.c server/render/crew.c server/render/disc.c server/render/wavefield.c server/render/layer.c \
+    server/render/waterlight.c server/render/waterprobe.c server/render/seabedmap.c server/render/coast.c server/render/worker_pool.c server/render/disc.c server/render/wavefield.c server/render/layer.c \
     server/render/filtering.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
@@ -150,7 +150,7 @@ ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/ts.c server/encode/planes.c \
     server/encode/video.c
 FRAMES := server/frames/frame.c server/frames/quality.c server/frames/mailbox.c \
-    server/frames/pool.c server/frames/answerers.c server/frames/foresight.c \
+    server/frames/encoder_pool.c server/frames/surface_pool.c server/frames/prefetch.c \
     server/frames/renderloop.c \
     server/frames/picture_exr.c \
     server/frames/window.c \
@@ -264,7 +264,7 @@ TESTS += server/encode/video_test.c
 TESTS += server/base/urgent_test.c
 TESTS += server/net/net_test.c
 TESTS += server/options_test.c
-TESTS += server/frames/foresight_test.c
+TESTS += server/frames/prefetch_test.c
 TESTS += server/frames/quality_test.c
 TESTS += server/frames/frames_test.c
 TESTS += server/frames/frames_live_test.c

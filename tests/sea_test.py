@@ -157,7 +157,7 @@ def hull_points_by_every_way():
 def foreseen_answers_are_the_seas():
     """In step and about now, while the clock runs and pictures are drawn: what
     is answered is what another daemon answers about the same time, to the bit,
-    whether the moment was foreseen, prepared in part, or not."""
+    whether the moment was prefetched, prepared in part, or not."""
     sea = {"sea": {"synthesiser": "FFT", "windSpeed": 9, "seed": 5}}
     plane = [(0.7 * i, 3.1 * (i % 40)) for i in range(400)]
     with Daemon() as daemon, Daemon() as other, \
@@ -183,11 +183,11 @@ def foreseen_answers_are_the_seas():
                 points=points, time=reply.time, acceleration=moving)).surface
             check(again.SerializeToString() == reply.SerializeToString(),
                   f"the answer about {reply.time} s")
-        foreseen = metrics(daemon)["pelagos_surface_foreseen_total"]
-        check(metrics(other)["pelagos_surface_foreseen_total"] == 0,
+        prefetched = metrics(daemon)["pelagos_surface_prefetched_total"]
+        check(metrics(other)["pelagos_surface_prefetched_total"] == 0,
               "a time that is named is the time that is answered")
-        check(foreseen > 0, "nothing was foreseen")
-        print(f"  60 answers about now, {foreseen:.0f} of them foreseen, are "
+        check(prefetched > 0, "nothing was prefetched")
+        print(f"  60 answers about now, {prefetched:.0f} of them prefetched, are "
               "those about their times")
 
 

@@ -56,7 +56,7 @@ struct pel_modbus {
     } units[PEL_MODBUS_MAX_UNITS];
     size_t unit_count;
     Pelagos__Patch *safe; /* NULL: nothing but the ship is stopped */
-    struct pel_modbus_answerer answerer;
+    struct pel_modbus_responder responder;
     struct pel_modbus_counters counters;
     int fd, reserve_fd;
     uint16_t port;
@@ -88,7 +88,7 @@ static const char *unit_name(const struct unit *u, char out[12])
     return out;
 }
 
-static void tell_stale(struct pel_modbus *m)
+static void report_stale(struct pel_modbus *m)
 {
     bool stale = false;
     for (size_t i = 0; i < m->unit_count; i++) {
@@ -140,7 +140,7 @@ static void watch(struct pel_modbus *m, struct unit *u, int64_t now_ns)
         hold(m, u);
     }
     if (u->source != before) {
-        tell_stale(m);
+        report_stale(m);
     }
 }
 
@@ -199,14 +199,14 @@ static size_t answer_adu(struct pel_modbus_session *s, uint8_t *answer)
     if (u) {
         watch(m, u, now_ns);
         refresh_inputs(m, u, now_ns);
-        size = pel_modbus_answer(&m->answerer, &u->map, s->adu, s->used, answer,
-                                 &code);
+        size = pel_modbus_answer(&m->responder, &u->map, s->adu, s->used,
+                                 answer, &code);
         watch(m, u, now_ns);
         count_commits(m);
     } else {
         m->counters.wrong_unit++;
         code = PEL_MODBUS_NO_TARGET;
-        size = pel_modbus_refuse(&m->answerer, s->adu, code, answer);
+        size = pel_modbus_refuse(&m->responder, s->adu, code, answer);
     }
     if (code) {
         m->counters.exceptions[code]++;
@@ -549,7 +549,7 @@ enum pel_err pel_modbus_create(const struct pel_modbus_options *options,
     m->fd = -1;
     m->reserve_fd = open("/dev/null", O_RDONLY | O_CLOEXEC);
     m->clients = g_ptr_array_new();
-    err = pel_modbus_answerer_init(&m->answerer, fault);
+    err = pel_modbus_responder_init(&m->responder, fault);
     if (!err) {
         err = open_units(m, fault);
     }
@@ -595,7 +595,7 @@ void pel_modbus_destroy(struct pel_modbus *m)
         close_client(g_ptr_array_index(m->clients, 0));
     }
     g_ptr_array_free(m->clients, TRUE);
-    pel_modbus_answerer_finish(&m->answerer);
+    pel_modbus_responder_finish(&m->responder);
     if (m->safe) {
         pelagos__patch__free_unpacked(m->safe, NULL);
     }

@@ -5,10 +5,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum pel_err pel_modbus_answerer_init(struct pel_modbus_answerer *a,
-                                      struct pel_fault *fault)
+enum pel_err pel_modbus_responder_init(struct pel_modbus_responder *a,
+                                       struct pel_fault *fault)
 {
-    *a = (struct pel_modbus_answerer){ .ends = { -1, -1 } };
+    *a = (struct pel_modbus_responder){ .ends = { -1, -1 } };
     /* Sequential packets: one answer is one read. */
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0,
                    a->ends) != 0) {
@@ -28,7 +28,7 @@ enum pel_err pel_modbus_answerer_init(struct pel_modbus_answerer *a,
     return PEL_OK;
 }
 
-void pel_modbus_answerer_finish(struct pel_modbus_answerer *a)
+void pel_modbus_responder_finish(struct pel_modbus_responder *a)
 {
     modbus_mapping_free(a->mapping);
     modbus_free(a->context);
@@ -189,7 +189,7 @@ static enum pel_modbus_exception parse(struct request *r,
 }
 
 /* Puts the values asked for where libmodbus reads them. */
-static void fill_mapping(struct pel_modbus_answerer *a,
+static void fill_mapping(struct pel_modbus_responder *a,
                          struct pel_modbus_map *map, const struct request *r)
 {
     uint16_t words[MODBUS_MAX_READ_BITS];
@@ -212,13 +212,13 @@ static void fill_mapping(struct pel_modbus_answerer *a,
     }
 }
 
-static size_t take_answer(struct pel_modbus_answerer *a, uint8_t *answer)
+static size_t take_answer(struct pel_modbus_responder *a, uint8_t *answer)
 {
     ssize_t size = recv(a->ends[1], answer, PEL_MODBUS_MAX_ADU, MSG_DONTWAIT);
     return size > 0 ? (size_t)size : 0;
 }
 
-size_t pel_modbus_refuse(struct pel_modbus_answerer *a, const uint8_t *adu,
+size_t pel_modbus_refuse(struct pel_modbus_responder *a, const uint8_t *adu,
                          enum pel_modbus_exception code, uint8_t *answer)
 {
     modbus_reply_exception(a->context, adu, code);
@@ -229,7 +229,7 @@ size_t pel_modbus_refuse(struct pel_modbus_answerer *a, const uint8_t *adu,
     return size;
 }
 
-size_t pel_modbus_answer(struct pel_modbus_answerer *a,
+size_t pel_modbus_answer(struct pel_modbus_responder *a,
                          struct pel_modbus_map *map, const uint8_t *adu,
                          size_t size, uint8_t *answer,
                          enum pel_modbus_exception *code)

@@ -139,8 +139,8 @@ static double depth(const Pelagos__State *state, const struct pel_snapshot *s,
     return state->water->depth < DEEP_M ? state->water->depth + level : NAN;
 }
 
-bool pel_nmea_out_look(struct pel_scene *scene, uint32_t entity,
-                       struct pel_nmea_report *out)
+bool pel_nmea_out_report_of(struct pel_scene *scene, uint32_t entity,
+                            struct pel_nmea_report *out)
 {
     const Pelagos__State *state = pel_scene_state(scene);
     double time_s = state->clock->time;
@@ -197,7 +197,7 @@ static gboolean on_timer(gpointer user)
     struct pel_nmea_report report;
     char text[PEL_NMEA_OUT_SIZE];
     size_t count;
-    if (!pel_nmea_out_look(o->scene, o->entity, &report)) {
+    if (!pel_nmea_out_report_of(o->scene, o->entity, &report)) {
         return G_SOURCE_CONTINUE;
     }
     size_t size = pel_nmea_out_write(&report, text, &count);

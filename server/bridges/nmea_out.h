@@ -35,8 +35,8 @@ size_t pel_nmea_out_write(const struct pel_nmea_report *report,
                           char out[PEL_NMEA_OUT_SIZE], size_t *count);
 
 /* Reads own ship from the scene; false: the entity is not there. */
-bool pel_nmea_out_look(struct pel_scene *scene, uint32_t entity,
-                       struct pel_nmea_report *out);
+bool pel_nmea_out_report_of(struct pel_scene *scene, uint32_t entity,
+                            struct pel_nmea_report *out);
 
 struct pel_nmea_out_options {
     const char *to; /* "127.0.0.1:10111"; a broadcast address is allowed */

@@ -124,12 +124,12 @@ static void looks_at_the_scene(void **state)
     struct pel_scene *scene;
     struct pel_nmea_report r;
     assert_int_equal(pel_scene_create(&options, &scene, NULL), PEL_OK);
-    assert_true(pel_nmea_out_look(scene, 1, &r));
+    assert_true(pel_nmea_out_report_of(scene, 1, &r));
     assert_near(r.latitude, 52.6, 1e-9);
     assert_near(r.heading, 0, 1e-9);
     assert_near(r.wind_mps, 8, 0);
     assert_true(isnan(r.rudder));
-    assert_false(pel_nmea_out_look(scene, 2, &r));
+    assert_false(pel_nmea_out_report_of(scene, 2, &r));
     pel_scene_destroy(scene);
 }
 

@@ -4,13 +4,13 @@
 
 #include <glib.h>
 
-#include "frames/answerers.h"
-#include "frames/foresight.h"
+#include "frames/encoder_pool.h"
 #include "frames/job.h"
 #include "frames/mailbox.h"
-#include "frames/pool.h"
+#include "frames/prefetch.h"
 #include "frames/quality.h"
 #include "frames/renderloop.h"
+#include "frames/surface_pool.h"
 
 #define PEL_JOB_COUNT 8
 #define PEL_MAX_DRAWING 2 /* jobs between start and pixels */
@@ -96,8 +96,8 @@ struct pel_moment {
 struct pel_frames {
     struct pel_scene *scene;
     struct pel_mailbox box;
-    struct pel_pool *pool;
-    struct pel_answerers *answerers;
+    struct pel_encoder_pool *pool;
+    struct pel_surface_pool *surface_pool;
     struct pel_renderloop *loop;
     GSource *tick, *start, *watch;
     double max_fps;
@@ -122,7 +122,7 @@ struct pel_frames {
     const char *video_encoder;
     unsigned calling; /* depth of callbacks to subscribers */
     unsigned surface_count;
-    struct pel_foresight foresight;
+    struct pel_prefetch prefetch;
     struct pel_shown shown[PEL_MAX_SHOWN]; /* newest first */
     struct pel_surface_query *surfaces[PEL_MAX_SURFACE_QUERIES];
     unsigned optics_count;

@@ -78,14 +78,15 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
     if (!frames->jobs) {
         goto fail;
     }
-    err = pel_pool_create(encoder_threads(o->encoder_threads), &frames->box,
-                          picture_released, frames, &frames->pool);
+    err = pel_encoder_pool_create(encoder_threads(o->encoder_threads),
+                                  &frames->box, picture_released, frames,
+                                  &frames->pool);
     if (err != PEL_OK) {
         pel_fault_set(fault, err, "cannot start the encoder threads");
         goto fail;
     }
-    err = pel_answerers_create((int)sysconf(_SC_NPROCESSORS_ONLN), &frames->box,
-                               &frames->answerers);
+    err = pel_surface_pool_create((int)sysconf(_SC_NPROCESSORS_ONLN),
+                                  &frames->box, &frames->surface_pool);
     if (err != PEL_OK) {
         pel_fault_set(fault, err, "cannot start the threads of queries");
         goto fail;
@@ -107,7 +108,7 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
         frames->quality.pixel_ms = SOFTWARE_PIXEL_MS / (cores > 1 ? cores : 1);
     }
     pel_frames_set_quality(frames, o->quality);
-    pel_pool_set_device(frames->pool, pel_frames_device(frames));
+    pel_encoder_pool_set_device(frames->pool, pel_frames_device(frames));
     frames->tick =
         pel_alarm_create(context, "live frames", pel_schedule_tick, frames);
     frames->start =
@@ -157,9 +158,9 @@ bool pel_frames_destroy(struct pel_frames *frames)
     drop_alarm(&frames->tick);
     drop_alarm(&frames->start);
     drop_alarm(&frames->watch);
-    bool joined = !frames->pool || pel_pool_stop(frames->pool);
-    joined =
-        joined && (!frames->answerers || pel_answerers_stop(frames->answerers));
+    bool joined = !frames->pool || pel_encoder_pool_stop(frames->pool);
+    joined = joined && (!frames->surface_pool ||
+                        pel_surface_pool_stop(frames->surface_pool));
     joined = joined && (!frames->loop || pel_renderloop_stop(frames->loop));
     pel_requests_finish_all(frames);
     pel_surface_finish_all(frames);
@@ -171,8 +172,8 @@ bool pel_frames_destroy(struct pel_frames *frames)
         return false;
     }
     pel_renderloop_destroy(frames->loop);
-    pel_pool_destroy(frames->pool);
-    pel_answerers_destroy(frames->answerers);
+    pel_encoder_pool_destroy(frames->pool);
+    pel_surface_pool_destroy(frames->surface_pool);
     pel_mailbox_finish(&frames->box);
     drop_jobs(frames);
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {

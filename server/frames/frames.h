@@ -177,10 +177,11 @@ struct pel_surface_wish {
     const struct pel_vec2 *points_m; /* copied */
     size_t count;                    /* at most 10,000 */
     bool has_time;                   /* else the clock's, or a moment near it
-                                      * that was prepared (foresight.h) */
+                                      * that was prepared (prefetch.h) */
     double time_s;
-    bool moving;       /* accelerations too */
-    const void *asker; /* whose next question may be foreseen; NULL: nobody's */
+    bool moving; /* accelerations too */
+    const void
+        *asker;     /* whose next question may be predicted; NULL: nobody's */
     uint64_t frame; /* 0: the present state; else the surface, and where no time
                      * is given the moment, of this frame: one of the last 64
                      * begun that show one of the last two seas */
@@ -214,7 +215,7 @@ PEL_CHECK enum pel_err pel_frames_optics(struct pel_frames *frames,
 struct pel_frames_stats {
     uint64_t frames_drawn, views_drawn, frames_skipped;
     uint64_t pictures_encoded, encoded_bytes, requests_refused;
-    uint64_t surfaces, surfaces_foreseen;   /* queries taken */
+    uint64_t surfaces, surfaces_prefetched; /* queries taken */
     double render_ms_median, render_ms_p95; /* of the last 256 views */
     double quality; /* scale of width and height of live views, 0.25..1 */
     uint64_t quality_changes;

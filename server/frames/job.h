@@ -109,7 +109,7 @@ struct pel_surface_query {
     const struct pel_snapshot *snapshot;
     double time_s;
     bool moving;                   /* accelerations too */
-    size_t count, begun, answered; /* the last two: pel_answerers' */
+    size_t count, begun, answered; /* the last two: pel_surface_pool' */
     struct pel_vec2 *points;
     struct pel_surface_sample *samples;
     pel_surface_callback done;

@@ -56,7 +56,7 @@ static struct pel_stream *make_stream(struct pel_frames *frames,
         struct pel_video_config config = {
             .encoder = frames->video_encoder,
             .fps = frames->max_fps,
-            .cancel = pel_pool_cancel(frames->pool),
+            .cancel = pel_encoder_pool_cancel(frames->pool),
         };
         stream->track = pel_track_create(&config);
         if (!stream->track) {
@@ -70,7 +70,7 @@ static struct pel_stream *make_stream(struct pel_frames *frames,
 static void end_stream(struct pel_frames *frames, struct pel_stream *stream)
 {
     if (stream->track) {
-        pel_pool_push_track(frames->pool, stream->track);
+        pel_encoder_pool_push_track(frames->pool, stream->track);
     }
     *stream = (struct pel_stream){ 0 };
 }

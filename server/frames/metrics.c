@@ -37,10 +37,10 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
             "Requests for pictures and queries refused.", s.requests_refused);
     counter(page, "pelagos_surface_queries_total", "Surface queries taken.",
             s.surfaces);
-    counter(page, "pelagos_surface_foreseen_total",
+    counter(page, "pelagos_surface_prefetched_total",
             "Surface queries about now, answered for a moment that was "
             "prepared.",
-            s.surfaces_foreseen);
+            s.surfaces_prefetched);
     quantile(page, "pelagos_frames_render_seconds",
              "From submission to pixels, of the last 256 views.",
              "quantile=\"0.5\"", s.render_ms_median);

@@ -98,7 +98,7 @@ enum pel_err pel_frames_optics(struct pel_frames *frames,
     if (query->gpu) {
         pel_renderloop_push_optics(frames->loop, query);
     } else {
-        pel_pool_push_optics(frames->pool, query);
+        pel_encoder_pool_push_optics(frames->pool, query);
     }
     return PEL_OK;
 }

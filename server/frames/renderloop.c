@@ -25,7 +25,7 @@ struct pel_renderloop {
     struct pel_renderer_path path;
     struct pel_renderer_options options;
     struct pel_renderer *renderer; /* render thread */
-    struct pel_pool *pool;
+    struct pel_encoder_pool *pool;
     struct pel_mailbox *box;
     int submitted;    /* jobs with GL; render thread */
     int64_t drawn_ns; /* when the last picture was there; render thread */
@@ -49,7 +49,7 @@ static void finish_part(struct pel_renderloop *loop, struct pel_job_draw *part)
     bool last = ++job->collected == job->draw_count;
     for (size_t i = 0; i < job->output_count; i++) {
         if (job->outputs[i].draw == draw) {
-            pel_pool_push_output(loop->pool, &job->outputs[i]);
+            pel_encoder_pool_push_output(loop->pool, &job->outputs[i]);
         }
     }
     progress(loop);
@@ -299,7 +299,7 @@ static void *run(void *argument)
 }
 
 enum pel_err pel_renderloop_create(const struct pel_renderer_options *o,
-                                   struct pel_pool *pool,
+                                   struct pel_encoder_pool *pool,
                                    struct pel_mailbox *box,
                                    struct pel_renderloop **out,
                                    struct pel_fault *fault)

@@ -3,15 +3,15 @@
  * encoders as it comes. */
 #pragma once
 
+#include "frames/encoder_pool.h"
 #include "frames/job.h"
-#include "frames/pool.h"
 
 struct pel_renderloop;
 
 /* Starts the thread and waits until its renderer stands or failed. */
 PEL_CHECK enum pel_err
 pel_renderloop_create(const struct pel_renderer_options *o,
-                      struct pel_pool *pool, struct pel_mailbox *box,
+                      struct pel_encoder_pool *pool, struct pel_mailbox *box,
                       struct pel_renderloop **out, struct pel_fault *fault);
 
 const char *pel_renderloop_device(const struct pel_renderloop *loop);

@@ -212,7 +212,7 @@ static struct pel_output *add_output(struct pel_job *job,
     return output;
 }
 
-static void tell_quality(struct pel_frames *frames)
+static void publish_quality(struct pel_frames *frames)
 {
     static struct pel_log_limit limit;
     pel_log_limited(&limit, PEL_LOG_INFO, "FRM-006",
@@ -257,7 +257,7 @@ static void expect_streams(struct pel_frames *frames, struct pel_job *job)
     if (pel_quality_expect(&frames->quality, pixels,
                            1000.0 / frames->max_fps)) {
         job->scale = pel_quality_scale(&frames->quality);
-        tell_quality(frames);
+        publish_quality(frames);
     }
 }
 
@@ -557,7 +557,7 @@ static void feed_quality(struct pel_frames *frames, const struct pel_job *job)
     frames->last_drawn_ns = job->drawn_ns;
     if (alone && pel_quality_feed(&frames->quality, job->scale, pixels, busy_ms,
                                   period_ms, job->drawn_ns)) {
-        tell_quality(frames);
+        publish_quality(frames);
     }
 }
 

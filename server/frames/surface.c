@@ -96,13 +96,13 @@ static double now(struct pel_frames *frames,
         return time_s;
     }
     double answered_s =
-        pel_foresight_now(&frames->foresight, s->sea, time_s, s->rate);
-    if (pel_foresight_next(&frames->foresight, wish->asker, s->sea,
-                           pel_now_ns(), time_s, s->rate, &next_s, &begin_ns)) {
-        pel_answerers_prepare(frames->answerers, s, next_s, wish->moving,
-                              begin_ns);
+        pel_prefetch_now(&frames->prefetch, s->sea, time_s, s->rate);
+    if (pel_prefetch_next(&frames->prefetch, wish->asker, s->sea, pel_now_ns(),
+                          time_s, s->rate, &next_s, &begin_ns)) {
+        pel_surface_pool_prepare(frames->surface_pool, s, next_s, wish->moving,
+                                 begin_ns);
     }
-    frames->stats.surfaces_foreseen += answered_s != time_s;
+    frames->stats.surfaces_prefetched += answered_s != time_s;
     return answered_s;
 }
 
@@ -168,7 +168,7 @@ enum pel_err pel_frames_surface(struct pel_frames *frames,
     query->user = user;
     frames->surfaces[frames->surface_count++] = query;
     frames->stats.surfaces++;
-    pel_answerers_push(frames->answerers, query);
+    pel_surface_pool_push(frames->surface_pool, query);
     return PEL_OK;
 }
 

@@ -134,7 +134,7 @@ static void plain(char *text)
     }
 }
 
-static void tell_fault(struct pel_live_viewer *self, const char *type,
+static void send_fault(struct pel_live_viewer *self, const char *type,
                        enum pel_err err, const struct pel_fault *fault)
 {
     char message[256], text[400];
@@ -158,7 +158,7 @@ static unsigned rate_at(const struct pel_live_viewer *self, unsigned level)
     return MAX(kbps >> level, kbps ? PEL_VIDEO_MIN_KBPS : 0);
 }
 
-static void tell_stream(struct pel_live_viewer *self)
+static void send_stream(struct pel_live_viewer *self)
 {
     char text[384];
     bool video = self->wish.profile.codec == PEL_CODEC_H264;
@@ -183,7 +183,7 @@ static void set_level(struct pel_live_viewer *self, unsigned level)
     profile.kbps = level == 0 ? profile.kbps : rate_at(self, level);
     if (pel_frames_change(self->subscription, &profile, NULL) == PEL_OK) {
         self->level = level;
-        tell_stream(self);
+        send_stream(self);
     }
 }
 
@@ -246,7 +246,7 @@ static void send_picture(struct pel_live_viewer *self, struct pel_frame *frame)
     pel_live_header(frame, pel_now_ns(), pel_unix_ns(), self->missed,
                     self->gap && !first, header);
     if (first || resized) {
-        tell_stream(self);
+        send_stream(self);
     }
     if (pel_websocket_picture(self->ws, header, sizeof header, frame)) {
         self->in_flight[self->in_flight_count++] = frame->number;
@@ -263,7 +263,7 @@ static void on_frame(void *user, enum pel_err err,
 {
     struct pel_live_viewer *self = user;
     if (err == PEL_ERR_NOT_FOUND) {
-        tell_fault(self, "end", err, fault);
+        send_fault(self, "end", err, fault);
         pel_websocket_close(self->ws, CODE_GONE, "there is nothing to see");
     } else if (err != PEL_OK) {
         self->gap = true;
@@ -310,7 +310,7 @@ static void change(struct pel_live_viewer *self, const struct pel_profile *wish)
         err = pel_frames_change(self->subscription, &profile, &fault);
     }
     if (err != PEL_OK) {
-        tell_fault(self, "error", err, &fault);
+        send_fault(self, "error", err, &fault);
         return;
     }
     if (self->starved && profile.codec == PEL_CODEC_H264) {
@@ -319,10 +319,10 @@ static void change(struct pel_live_viewer *self, const struct pel_profile *wish)
     self->wish.profile = profile;
     self->level = 0;
     self->level_ns = now;
-    tell_stream(self);
+    send_stream(self);
 }
 
-static void tell_time(struct pel_live_viewer *self, uint64_t echo)
+static void send_time(struct pel_live_viewer *self, uint64_t echo)
 {
     char text[128];
     snprintf(text, sizeof text,
@@ -356,7 +356,7 @@ static void on_message(void *user, const uint8_t *data, size_t size)
         change(self, &order.profile);
         break;
     case PEL_LIVE_TIME:
-        tell_time(self, order.echo);
+        send_time(self, order.echo);
         break;
     }
 }
@@ -394,7 +394,7 @@ struct pel_live_viewer *pel_live_viewer_create(
         pel_frames_open(frames, wish->view, &wish->profile, on_frame, self,
                         &self->subscription, fault);
     if (err != PEL_OK) {
-        tell_fault(self, "end", err, fault);
+        send_fault(self, "end", err, fault);
         pel_websocket_close(self->ws, err == PEL_ERR_BUSY ? 1013 : CODE_GONE,
                             pel_err_name(err));
     }

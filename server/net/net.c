@@ -215,7 +215,7 @@ static enum pel_err listen_all(struct pel_net *net, struct pel_fault *fault)
     return err;
 }
 
-static void tell(const struct pel_net *net)
+static void log_addresses(const struct pel_net *net)
 {
     const struct pel_net_options *o = &net->options;
     bool six = o->http_address && strchr(o->http_address, ':');
@@ -274,7 +274,7 @@ enum pel_err pel_net_create(const struct pel_net_options *options,
     pel_metrics_add(options->metrics, collect, net);
     net->joined = true;
     pel_scene_on_commit(scene, on_commit, net);
-    tell(net);
+    log_addresses(net);
     *out = net;
     return PEL_OK;
 }

@@ -5,7 +5,7 @@
 
 #include "base/simd.h"
 #include "ocean/fields.h"
-#include "ocean/rest.h"
+#include "ocean/newton.h"
 
 #define N PEL_CASCADE_N
 /* So near the last step needs no new sums. */
@@ -175,8 +175,8 @@ struct search {
 PEL_INLINE void search_step(struct search *s)
 {
     struct shift *at = &s->at;
-    s->step = pel_rest_step(1.0 + at->dx[0], at->dy[0], at->dx[1],
-                            1.0 + at->dy[1], s->rx, s->ry);
+    s->step = pel_newton_step(1.0 + at->dx[0], at->dy[0], at->dx[1],
+                              1.0 + at->dy[1], s->rx, s->ry);
     s->trial =
         (struct pel_vec2){ s->rest.x + s->step.x, s->rest.y + s->step.y };
     s->halved = 0;

@@ -10,7 +10,7 @@
 #include "ocean/directional.h"
 #include "ocean/hash.h"
 #include "ocean/spectrum.h"
-#include "ocean/strata.h"
+#include "ocean/stratified.h"
 
 /* Share of the bins' measure that is slope variance; the rest is energy. */
 #define SLOPE_SHARE 0.65

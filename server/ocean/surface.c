@@ -5,7 +5,7 @@
 
 #include "base/simd.h"
 #include "ocean/fields.h"
-#include "ocean/rest.h"
+#include "ocean/newton.h"
 
 #define MET_M 1e-6
 #define MOST_STEPS 40
@@ -205,7 +205,7 @@ PEL_INLINE struct shift *rest_under(const struct lanes *l, double x, double y,
     double error = rx * rx + ry * ry;
     for (int step = 0; step < MOST_STEPS && error > MET_M * MET_M; step++) {
         struct pel_vec2 s =
-            pel_rest_step(1.0 + at->xx, at->xy, at->xy, 1.0 + at->yy, rx, ry);
+            pel_newton_step(1.0 + at->xx, at->xy, at->xy, 1.0 + at->yy, rx, ry);
         if (s.x * s.x + s.y * s.y < NEAR_M * NEAR_M) {
             finish(l, s, at);
             break;

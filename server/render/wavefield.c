@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "ocean/evolve.h"
-#include "render/crew.h"
+#include "render/worker_pool.h"
 
 #define N PEL_CASCADE_N
 #define LEVELS PEL_CASCADE_LEVELS
@@ -42,7 +42,7 @@ struct levels {
 };
 
 struct pel_wavefield_cpu {
-    struct pel_crew *crew;
+    struct pel_worker_pool *pool;
     struct pel_evolve_work *work[MOST_THREADS]; /* one a member */
     struct levels *levels;                      /* one a cascade */
     const struct pel_cascades *cascades;        /* of the work under way */
@@ -54,7 +54,7 @@ static void cpu_destroy(struct pel_wavefield_cpu *cpu)
     if (!cpu) {
         return;
     }
-    pel_crew_destroy(cpu->crew);
+    pel_worker_pool_destroy(cpu->pool);
     for (int i = 0; i < MOST_THREADS; i++) {
         pel_evolve_work_destroy(cpu->work[i]);
     }
@@ -73,10 +73,10 @@ static enum pel_err cpu_create(int threads, struct pel_wavefield_cpu **out)
     }
     threads = threads < 1 ? 1 : threads;
     threads = threads > MOST_THREADS ? MOST_THREADS : threads;
-    enum pel_err err = pel_crew_create(threads, &cpu->crew);
+    enum pel_err err = pel_worker_pool_create(threads, &cpu->pool);
     cpu->levels = malloc(PEL_CASCADES * sizeof *cpu->levels);
     bool whole = err == PEL_OK && cpu->levels;
-    for (int i = 0; whole && i < pel_crew_members(cpu->crew); i++) {
+    for (int i = 0; whole && i < pel_worker_pool_members(cpu->pool); i++) {
         cpu->work[i] = pel_evolve_work_create();
         whole = cpu->work[i] != NULL;
     }
@@ -124,7 +124,7 @@ static void transform_on_processor(struct pel_wavefield *field,
     struct pel_wavefield_cpu *cpu = field->cpu;
     cpu->cascades = cascades;
     cpu->time_s = time_s;
-    pel_crew_run(cpu->crew, PEL_CASCADES, evolve_cascade, cpu);
+    pel_worker_pool_run(cpu->pool, PEL_CASCADES, evolve_cascade, cpu);
     field->current = (field->current + 1) % PEL_WAVEFIELD_SETS;
     struct pel_wavefield_textures *set = &field->sets[field->current];
     if (!set->displacement) {

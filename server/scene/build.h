@@ -24,7 +24,7 @@ PEL_CHECK enum pel_err pel_shared_sea_get(const Pelagos__State *state,
                                           struct pel_shared_sea **out,
                                           struct pel_fault *fault);
 /* Any thread; aborts without memory. */
-const struct pel_sea *pel_shared_sea_look(struct pel_shared_sea *sea);
+const struct pel_sea *pel_shared_sea_value(struct pel_shared_sea *sea);
 
 /* The description that a sea of `state` is built from, a measured spectrum
  * left out. */

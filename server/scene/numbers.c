@@ -120,7 +120,7 @@ enum pel_err pel_scene_spectrum(struct pel_scene *scene,
     if (err) {
         return err;
     }
-    const struct pel_sea *sea = pel_shared_sea_look(shared);
+    const struct pel_sea *sea = pel_shared_sea_value(shared);
     err = pel_directional_create(&sea->desc, &spectrum);
     if (err) {
         pel_fault_set(fault, err, "the spectrum: %s", pel_err_name(err));

@@ -70,7 +70,7 @@ static void advance_ship(struct pel_scene *scene, double time_s)
 }
 
 /* The state as of time_s. */
-static void look(struct pel_scene *scene, double time_s)
+static void refresh(struct pel_scene *scene, double time_s)
 {
     scene->state->clock->time = time_s;
     if (scene->snapshot->ship_entity >= 0) {
@@ -81,7 +81,7 @@ static void look(struct pel_scene *scene, double time_s)
 
 const Pelagos__State *pel_scene_state(struct pel_scene *scene)
 {
-    look(scene, pel_scene_time(scene));
+    refresh(scene, pel_scene_time(scene));
     return scene->state;
 }
 
@@ -121,7 +121,7 @@ const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
 {
     scene->listener = listener;
     scene->listener_user = user;
-    look(scene, pel_scene_time(scene));
+    refresh(scene, pel_scene_time(scene));
     if (listener && scene->snapshot->ship_entity >= 0) {
         /* Whoever begins with this state begins own ship's steps here. */
         const struct pel_snapshot *anew =
@@ -132,8 +132,8 @@ const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
     return scene->state;
 }
 
-static void tell(struct pel_scene *scene, double time_s,
-                 const Pelagos__Patch *patch)
+static void notify(struct pel_scene *scene, double time_s,
+                   const Pelagos__Patch *patch)
 {
     if (scene->listener) {
         scene->listener(scene->listener_user, time_s, patch);
@@ -293,7 +293,7 @@ static enum pel_err edited(struct pel_scene *scene, const Pelagos__Patch *patch,
                            double time_s, Pelagos__State **out,
                            struct pel_fault *fault)
 {
-    look(scene, time_s);
+    refresh(scene, time_s);
     enum pel_err err = pel_state_apply(scene->state, patch, out, fault);
     if (err) {
         return err;
@@ -370,7 +370,7 @@ enum pel_err pel_scene_patch(struct pel_scene *scene,
     }
     set_clock(scene, next->clock, time_s, now_ns);
     save_soon(scene);
-    tell(scene, time_s, patch);
+    notify(scene, time_s, patch);
     for (size_t i = 0; i < scene->callback_count; i++) {
         scene->callbacks[i].call(scene->callbacks[i].user);
     }
@@ -416,7 +416,7 @@ static void go_to(struct pel_scene *scene, double time_s)
     scene->clock.base_s = time_s;
     advance_ship(scene, time_s);
     save_soon(scene);
-    tell(scene, time_s, NULL);
+    notify(scene, time_s, NULL);
 }
 
 enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,

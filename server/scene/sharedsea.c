@@ -4,7 +4,7 @@
 
 #include "scene/build.h"
 
-const struct pel_sea *pel_shared_sea_look(struct pel_shared_sea *sea)
+const struct pel_sea *pel_shared_sea_value(struct pel_shared_sea *sea)
 {
     if (!atomic_load(&sea->built)) {
         pthread_mutex_lock(&sea->lock);
@@ -21,7 +21,7 @@ const struct pel_sea *pel_shared_sea_look(struct pel_shared_sea *sea)
 
 const struct pel_sea *pel_snapshot_sea(const struct pel_snapshot *s)
 {
-    return pel_shared_sea_look(s->sea);
+    return pel_shared_sea_value(s->sea);
 }
 
 void pel_shared_sea_unref(struct pel_shared_sea *sea)

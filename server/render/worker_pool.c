@@ -1,16 +1,16 @@
-#include "render/crew.h"
+#include "render/worker_pool.h"
 
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdlib.h>
 
 struct member {
-    struct pel_crew *crew;
+    struct pel_worker_pool *pool;
     pthread_t thread;
     int number;
 };
 
-struct pel_crew {
+struct pel_worker_pool {
     pthread_mutex_t lock; /* protects all below */
     pthread_cond_t wake, done;
     void (*work)(void *user, int member, int i);
@@ -18,11 +18,11 @@ struct pel_crew {
     int count, next, finished;
     bool stop;
     int members;
-    struct member member[PEL_CREW_MOST];
+    struct member member[PEL_WORKER_POOL_MAX];
 };
 
 /* Takes pieces while there are any; with the lock held. */
-static void take_part(struct pel_crew *c, int member)
+static void take_part(struct pel_worker_pool *c, int member)
 {
     while (c->next < c->count) {
         int i = c->next++;
@@ -38,7 +38,7 @@ static void take_part(struct pel_crew *c, int member)
 static void *run(void *argument)
 {
     struct member *m = argument;
-    struct pel_crew *c = m->crew;
+    struct pel_worker_pool *c = m->pool;
     pthread_mutex_lock(&c->lock);
     while (!c->stop) {
         take_part(c, m->number);
@@ -48,9 +48,9 @@ static void *run(void *argument)
     return NULL;
 }
 
-enum pel_err pel_crew_create(int members, struct pel_crew **out)
+enum pel_err pel_worker_pool_create(int members, struct pel_worker_pool **out)
 {
-    struct pel_crew *c = calloc(1, sizeof *c);
+    struct pel_worker_pool *c = calloc(1, sizeof *c);
     if (!c) {
         return PEL_ERR_NO_MEMORY;
     }
@@ -58,9 +58,9 @@ enum pel_err pel_crew_create(int members, struct pel_crew **out)
     pthread_cond_init(&c->wake, NULL);
     pthread_cond_init(&c->done, NULL);
     c->members = 1;
-    while (c->members < members && c->members < PEL_CREW_MOST) {
+    while (c->members < members && c->members < PEL_WORKER_POOL_MAX) {
         struct member *m = &c->member[c->members];
-        *m = (struct member){ .crew = c, .number = c->members };
+        *m = (struct member){ .pool = c, .number = c->members };
         if (pthread_create(&m->thread, NULL, run, m) != 0) {
             break;
         }
@@ -71,7 +71,7 @@ enum pel_err pel_crew_create(int members, struct pel_crew **out)
     return PEL_OK;
 }
 
-void pel_crew_destroy(struct pel_crew *c)
+void pel_worker_pool_destroy(struct pel_worker_pool *c)
 {
     if (!c) {
         return;
@@ -89,8 +89,9 @@ void pel_crew_destroy(struct pel_crew *c)
     free(c);
 }
 
-void pel_crew_run(struct pel_crew *c, int count,
-                  void (*work)(void *user, int member, int i), void *user)
+void pel_worker_pool_run(struct pel_worker_pool *c, int count,
+                         void (*work)(void *user, int member, int i),
+                         void *user)
 {
     pthread_mutex_lock(&c->lock);
     c->work = work;
@@ -105,7 +106,7 @@ void pel_crew_run(struct pel_crew *c, int count,
     pthread_mutex_unlock(&c->lock);
 }
 
-int pel_crew_members(const struct pel_crew *c)
+int pel_worker_pool_members(const struct pel_worker_pool *c)
 {
     return c->members;
 }

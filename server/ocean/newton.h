@@ -7,8 +7,8 @@
  * still to go. The map is all but the gradient of a convex function wherever it
  * does not fold, and its derivative all but symmetric: Newton's step, with the
  * eigenvalues of its symmetric part kept from zero, always leads downhill. */
-static inline struct pel_vec2 pel_rest_step(double a, double b, double c,
-                                            double d, double rx, double ry)
+static inline struct pel_vec2 pel_newton_step(double a, double b, double c,
+                                              double d, double rx, double ry)
 {
     double half = 0.5 * (a + d), mean = 0.5 * (b + c);
     double least = half - sqrt(0.25 * (a - d) * (a - d) + mean * mean);

@@ -1,4 +1,4 @@
-#include "frames/pool.h"
+#include "frames/encoder_pool.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -10,7 +10,7 @@
 #define MAX_THREADS 16
 #define STOP_NS 1000000000LL
 
-struct pel_pool {
+struct pel_encoder_pool {
     pthread_mutex_t lock; /* protects the queues, slow_busy, count, ended */
     pthread_cond_t work;
     struct pel_queue fast, slow;
@@ -78,7 +78,7 @@ static enum pel_err encode_video(struct pel_output *output,
     return err;
 }
 
-static enum pel_err encode_bytes(const struct pel_pool *pool,
+static enum pel_err encode_bytes(const struct pel_encoder_pool *pool,
                                  const struct pel_output *output,
                                  struct pel_bytes *bytes)
 {
@@ -97,7 +97,8 @@ static enum pel_err encode_bytes(const struct pel_pool *pool,
     }
 }
 
-static void encode_output(struct pel_pool *pool, struct pel_output *output)
+static void encode_output(struct pel_encoder_pool *pool,
+                          struct pel_output *output)
 {
     struct pel_job_draw *part = &output->job->parts[output->draw];
     output->err = part->err;
@@ -169,7 +170,7 @@ static struct pel_mail *pop_free(struct pel_queue *queue)
 }
 
 /* Next work under the lock; *slow tells which kind it is. */
-static struct pel_mail *take(struct pel_pool *pool, bool *slow)
+static struct pel_mail *take(struct pel_encoder_pool *pool, bool *slow)
 {
     int slow_limit = pool->count > 1 ? pool->count - 1 : 1;
     struct pel_mail *mail = pop_free(&pool->fast);
@@ -184,7 +185,7 @@ static struct pel_mail *take(struct pel_pool *pool, bool *slow)
 
 /* The encoder is free for its next picture, or ends with this one. Each mail
  * that names a track holds a reference to it. */
-static void free_track(struct pel_pool *pool, struct pel_track *track)
+static void free_track(struct pel_encoder_pool *pool, struct pel_track *track)
 {
     if (track) {
         pthread_mutex_lock(&pool->lock);
@@ -198,7 +199,7 @@ static void free_track(struct pel_pool *pool, struct pel_track *track)
 }
 
 /* Has the lock. */
-static void end(struct pel_pool *pool)
+static void end(struct pel_encoder_pool *pool)
 {
     pool->ended++;
     pthread_cond_broadcast(&pool->work);
@@ -206,7 +207,7 @@ static void end(struct pel_pool *pool)
 
 static void *run(void *argument)
 {
-    struct pel_pool *pool = argument;
+    struct pel_encoder_pool *pool = argument;
     pthread_mutex_lock(&pool->lock);
     while (!atomic_load(&pool->stop)) {
         bool slow;
@@ -235,11 +236,11 @@ static void *run(void *argument)
     return NULL;
 }
 
-enum pel_err pel_pool_create(int threads, struct pel_mailbox *box,
-                             void (*released)(void *user, size_t bytes),
-                             void *user, struct pel_pool **out)
+enum pel_err pel_encoder_pool_create(int threads, struct pel_mailbox *box,
+                                     void (*released)(void *user, size_t bytes),
+                                     void *user, struct pel_encoder_pool **out)
 {
-    struct pel_pool *pool = calloc(1, sizeof *pool);
+    struct pel_encoder_pool *pool = calloc(1, sizeof *pool);
     if (!pool) {
         return PEL_ERR_NO_MEMORY;
     }
@@ -260,8 +261,8 @@ enum pel_err pel_pool_create(int threads, struct pel_mailbox *box,
     }
     pthread_mutex_unlock(&pool->lock);
     if (pool->count == 0) {
-        if (pel_pool_stop(pool)) {
-            pel_pool_destroy(pool);
+        if (pel_encoder_pool_stop(pool)) {
+            pel_encoder_pool_destroy(pool);
         }
         return PEL_ERR_IO;
     }
@@ -269,12 +270,13 @@ enum pel_err pel_pool_create(int threads, struct pel_mailbox *box,
     return PEL_OK;
 }
 
-void pel_pool_set_device(struct pel_pool *pool, const char *device)
+void pel_encoder_pool_set_device(struct pel_encoder_pool *pool,
+                                 const char *device)
 {
     pool->device = device;
 }
 
-bool pel_pool_stop(struct pel_pool *pool)
+bool pel_encoder_pool_stop(struct pel_encoder_pool *pool)
 {
     int64_t end = pel_now_ns() + STOP_NS, left = STOP_NS;
     pthread_mutex_lock(&pool->lock);
@@ -292,7 +294,7 @@ bool pel_pool_stop(struct pel_pool *pool)
     return ended;
 }
 
-void pel_pool_destroy(struct pel_pool *pool)
+void pel_encoder_pool_destroy(struct pel_encoder_pool *pool)
 {
     if (pool) {
         struct pel_mail *mail;
@@ -307,7 +309,7 @@ void pel_pool_destroy(struct pel_pool *pool)
     }
 }
 
-static void push(struct pel_pool *pool, struct pel_queue *queue,
+static void push(struct pel_encoder_pool *pool, struct pel_queue *queue,
                  struct pel_mail *mail)
 {
     pthread_mutex_lock(&pool->lock);
@@ -316,25 +318,28 @@ static void push(struct pel_pool *pool, struct pel_queue *queue,
     pthread_mutex_unlock(&pool->lock);
 }
 
-void pel_pool_push_output(struct pel_pool *pool, struct pel_output *output)
+void pel_encoder_pool_push_output(struct pel_encoder_pool *pool,
+                                  struct pel_output *output)
 {
     output->mail.kind = PEL_MAIL_OUTPUT;
     bool fast = output->track || output->format == PELAGOS__FRAME_FORMAT__JPEG;
     push(pool, fast ? &pool->fast : &pool->slow, &output->mail);
 }
 
-void pel_pool_push_track(struct pel_pool *pool, struct pel_track *track)
+void pel_encoder_pool_push_track(struct pel_encoder_pool *pool,
+                                 struct pel_track *track)
 {
     track->mail.kind = PEL_MAIL_TRACK;
     push(pool, &pool->fast, &track->mail);
 }
 
-const atomic_bool *pel_pool_cancel(const struct pel_pool *pool)
+const atomic_bool *pel_encoder_pool_cancel(const struct pel_encoder_pool *pool)
 {
     return &pool->stop;
 }
 
-void pel_pool_push_optics(struct pel_pool *pool, struct pel_optics_query *query)
+void pel_encoder_pool_push_optics(struct pel_encoder_pool *pool,
+                                  struct pel_optics_query *query)
 {
     push(pool, &pool->slow, &query->mail);
 }

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "frames/foresight.h"
+#include "frames/prefetch.h"
 
 #define MS INT64_C(1000000)
 
@@ -16,10 +16,10 @@ static const int sea, other_sea, who[8];
 
 /* A clock that showed `start_s` at 0 ns. */
 struct asking {
-    struct pel_foresight foresight;
+    struct pel_prefetch prefetch;
     double start_s, rate;
     double answered_s; /* the last answer's time */
-    int foreseen, exact, begun;
+    int prefetched, exact, begun;
 };
 
 static double clock_s(const struct asking *a, int64_t ns)
@@ -31,14 +31,14 @@ static void ask(struct asking *a, int asker, int64_t now_ns)
 {
     double next_s = NAN, time_s = clock_s(a, now_ns);
     int64_t begin_ns = -1;
-    double answer_s = pel_foresight_now(&a->foresight, &sea, time_s, a->rate);
-    assert_true(fabs(answer_s - time_s) <= PEL_FORESIGHT_S * a->rate);
+    double answer_s = pel_prefetch_now(&a->prefetch, &sea, time_s, a->rate);
+    assert_true(fabs(answer_s - time_s) <= PEL_PREFETCH_S * a->rate);
     assert_true(answer_s >= a->answered_s);
     a->answered_s = answer_s;
     a->exact += answer_s == time_s;
-    a->foreseen += answer_s != time_s;
-    if (pel_foresight_next(&a->foresight, &who[asker], &sea, now_ns, time_s,
-                           a->rate, &next_s, &begin_ns)) {
+    a->prefetched += answer_s != time_s;
+    if (pel_prefetch_next(&a->prefetch, &who[asker], &sea, now_ns, time_s,
+                          a->rate, &next_s, &begin_ns)) {
         a->begun++;
         assert_true(next_s > time_s);
         assert_true(begin_ns > now_ns);
@@ -65,7 +65,7 @@ static void in_step(void **state)
                 i * 50 * MS / 3 + (int64_t)(1.5 * (double)MS * jitter(&seed)));
         }
         assert_int_equal(a.exact, 2); /* the first two */
-        assert_int_equal(a.foreseen, 598);
+        assert_int_equal(a.prefetched, 598);
         assert_int_equal(a.begun, 599);
     }
 }
@@ -97,7 +97,7 @@ static void out_of_step(void **state)
     }
     assert_true(a.exact > 800);
     /* too seldom, and too often */
-    memset(&a.foresight, 0, sizeof a.foresight);
+    memset(&a.prefetch, 0, sizeof a.prefetch);
     a.begun = 0;
     for (int i = 0; i < 100; i++) {
         ask(&a, 0, now_ns += 251 * MS);
@@ -115,23 +115,23 @@ static void jumps_are_not_followed(void **state)
     for (int i = 0; i < 10; i++) {
         ask(&a, 0, i * 20 * MS);
     }
-    /* another sea, a clock set back or on: none of what was foreseen */
+    /* another sea, a clock set back or on: none of what was prefetched */
     double time_s = clock_s(&a, 200 * MS);
-    assert_true(pel_foresight_now(&a.foresight, &sea, time_s + 0.001, 1) ==
+    assert_true(pel_prefetch_now(&a.prefetch, &sea, time_s + 0.001, 1) ==
                 time_s);
-    assert_true(pel_foresight_now(&a.foresight, &other_sea, time_s + 0.001,
-                                  1) == time_s + 0.001);
-    assert_true(pel_foresight_now(&a.foresight, &sea, 50.0, 1) == 50.0);
-    assert_true(pel_foresight_now(&a.foresight, &sea, 150.0, 1) == 150.0);
+    assert_true(pel_prefetch_now(&a.prefetch, &other_sea, time_s + 0.001, 1) ==
+                time_s + 0.001);
+    assert_true(pel_prefetch_now(&a.prefetch, &sea, 50.0, 1) == 50.0);
+    assert_true(pel_prefetch_now(&a.prefetch, &sea, 150.0, 1) == 150.0);
     /* more askers than there is room for: the oldest goes */
     for (int i = 1; i < 8; i++) {
         ask(&a, i, (200 + i) * MS);
     }
     ask(&a, 0, 221 * MS);
-    assert_ptr_equal(a.foresight.askers[0].who == &who[0] ||
-                             a.foresight.askers[1].who == &who[0] ||
-                             a.foresight.askers[2].who == &who[0] ||
-                             a.foresight.askers[3].who == &who[0]
+    assert_ptr_equal(a.prefetch.askers[0].who == &who[0] ||
+                             a.prefetch.askers[1].who == &who[0] ||
+                             a.prefetch.askers[2].who == &who[0] ||
+                             a.prefetch.askers[3].who == &who[0]
                          ? &who[0]
                          : NULL,
                      &who[0]);

@@ -1,4 +1,4 @@
-#include "frames/answerers.h"
+#include "frames/surface_pool.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -13,29 +13,29 @@
 #define STOP_NS 1000000000LL
 
 /* A moment to be prepared. */
-struct foreseen {
+struct prefetched {
     const struct pel_snapshot *snapshot; /* NULL: none */
     double time_s;
     bool moving;
     int64_t begin_ns;
 };
 
-struct pel_answerers {
+struct pel_surface_pool {
     pthread_mutex_t lock; /* protects all below and the queries' counts */
     pthread_cond_t asked, over;
     struct pel_queue queue;
-    struct foreseen foreseen[PEL_MOST_PREPARED]; /* newest first */
+    struct prefetched prefetched[PEL_MOST_PREPARED]; /* newest first */
     atomic_bool hurry; /* somebody asks, or all ends */
     bool stop;
     int count, ended;
-    pthread_t threads[PEL_MOST_ANSWERERS];
+    pthread_t threads[PEL_SURFACE_POOL_MAX];
     struct pel_mailbox *box;
 };
 
 /* The next slice of the first query; has the lock. A query leaves the queue
  * with its last slice. */
-static struct pel_surface_query *take(struct pel_answerers *self, size_t *first,
-                                      size_t *count)
+static struct pel_surface_query *take(struct pel_surface_pool *self,
+                                      size_t *first, size_t *count)
 {
     struct pel_surface_query *query =
         (struct pel_surface_query *)self->queue.first;
@@ -56,7 +56,7 @@ static struct pel_surface_query *take(struct pel_answerers *self, size_t *first,
  */
 
 struct worker {
-    struct pel_answerers *all;
+    struct pel_surface_pool *all;
     struct pel_urgent urgent;
 };
 
@@ -68,13 +68,13 @@ static bool go_on(void *user)
 }
 
 /* Index of the next moment to prepare, −1: none. */
-static int next_foreseen(const struct pel_answerers *self)
+static int next_prefetch(const struct pel_surface_pool *self)
 {
     int next = -1;
     for (int i = 0; i < PEL_MOST_PREPARED; i++) {
-        const struct foreseen *f = &self->foreseen[i];
+        const struct prefetched *f = &self->prefetched[i];
         if (f->snapshot &&
-            (next < 0 || f->begin_ns < self->foreseen[next].begin_ns)) {
+            (next < 0 || f->begin_ns < self->prefetched[next].begin_ns)) {
             next = i;
         }
     }
@@ -85,15 +85,15 @@ static int next_foreseen(const struct pel_answerers *self)
  * moment; whoever finds nothing left of it takes it off. */
 static void prepare(struct worker *worker, int index)
 {
-    struct pel_answerers *self = worker->all;
-    struct foreseen f = self->foreseen[index];
+    struct pel_surface_pool *self = worker->all;
+    struct prefetched f = self->prefetched[index];
     pel_snapshot_ref(f.snapshot);
     pthread_mutex_unlock(&self->lock);
     bool whole =
         pel_snapshot_prepare(f.snapshot, f.time_s, f.moving, go_on, worker);
     pthread_mutex_lock(&self->lock);
     for (int i = 0; i < PEL_MOST_PREPARED; i++) {
-        struct foreseen *still = &self->foreseen[i];
+        struct prefetched *still = &self->prefetched[i];
         bool this = still->snapshot == f.snapshot && still->time_s == f.time_s;
         if (this && (whole || !atomic_load(&self->hurry))) {
             pel_snapshot_unref(still->snapshot);
@@ -106,13 +106,13 @@ static void prepare(struct worker *worker, int index)
 /* Nobody asks: prepares, or waits. */
 static void idle(struct worker *worker)
 {
-    struct pel_answerers *self = worker->all;
-    int next = next_foreseen(self);
+    struct pel_surface_pool *self = worker->all;
+    int next = next_prefetch(self);
     if (next < 0) {
         pthread_cond_wait(&self->asked, &self->lock);
         return;
     }
-    int64_t wait_ns = self->foreseen[next].begin_ns - pel_now_ns();
+    int64_t wait_ns = self->prefetched[next].begin_ns - pel_now_ns();
     if (wait_ns > 0) {
         pel_cond_wait_ns(&self->asked, &self->lock, wait_ns);
     } else {
@@ -120,16 +120,16 @@ static void idle(struct worker *worker)
     }
 }
 
-void pel_answerers_prepare(struct pel_answerers *self,
-                           const struct pel_snapshot *snapshot, double time_s,
-                           bool moving, int64_t begin_ns)
+void pel_surface_pool_prepare(struct pel_surface_pool *self,
+                              const struct pel_snapshot *snapshot,
+                              double time_s, bool moving, int64_t begin_ns)
 {
-    struct foreseen *f = self->foreseen;
+    struct prefetched *f = self->prefetched;
     pthread_mutex_lock(&self->lock);
     pel_snapshot_unref(f[PEL_MOST_PREPARED - 1].snapshot);
     memmove(f + 1, f, (PEL_MOST_PREPARED - 1) * sizeof *f);
-    f[0] = (struct foreseen){ pel_snapshot_ref(snapshot), time_s, moving,
-                              begin_ns };
+    f[0] = (struct prefetched){ pel_snapshot_ref(snapshot), time_s, moving,
+                                begin_ns };
     pthread_cond_broadcast(&self->asked);
     pthread_mutex_unlock(&self->lock);
 }
@@ -140,7 +140,7 @@ void pel_answerers_prepare(struct pel_answerers *self,
 static void *run(void *argument)
 {
     struct worker worker = { .all = argument };
-    struct pel_answerers *self = argument;
+    struct pel_surface_pool *self = argument;
     pel_urgent_begin(&worker.urgent, PEL_URGENT_ANSWERS);
     pthread_mutex_lock(&self->lock);
     while (!self->stop) {
@@ -167,14 +167,14 @@ static void *run(void *argument)
     return NULL;
 }
 
-enum pel_err pel_answerers_create(int cores, struct pel_mailbox *box,
-                                  struct pel_answerers **out)
+enum pel_err pel_surface_pool_create(int cores, struct pel_mailbox *box,
+                                     struct pel_surface_pool **out)
 {
-    struct pel_answerers *self = calloc(1, sizeof *self);
+    struct pel_surface_pool *self = calloc(1, sizeof *self);
     if (!self) {
         return PEL_ERR_NO_MEMORY;
     }
-    int threads = cores < PEL_MOST_ANSWERERS ? cores : PEL_MOST_ANSWERERS;
+    int threads = cores < PEL_SURFACE_POOL_MAX ? cores : PEL_SURFACE_POOL_MAX;
     self->box = box;
     pel_lock_init(&self->lock);
     pel_cond_init(&self->asked);
@@ -187,15 +187,15 @@ enum pel_err pel_answerers_create(int cores, struct pel_mailbox *box,
         self->count = i + 1;
     }
     if (self->count == 0) {
-        pel_answerers_destroy(self);
+        pel_surface_pool_destroy(self);
         return PEL_ERR_IO;
     }
     *out = self;
     return PEL_OK;
 }
 
-void pel_answerers_push(struct pel_answerers *self,
-                        struct pel_surface_query *query)
+void pel_surface_pool_push(struct pel_surface_pool *self,
+                           struct pel_surface_query *query)
 {
     query->mail.kind = PEL_MAIL_SURFACE;
     query->begun = query->answered = 0;
@@ -210,7 +210,7 @@ void pel_answerers_push(struct pel_answerers *self,
     pthread_mutex_unlock(&self->lock);
 }
 
-bool pel_answerers_stop(struct pel_answerers *self)
+bool pel_surface_pool_stop(struct pel_surface_pool *self)
 {
     int64_t end = pel_now_ns() + STOP_NS, left = STOP_NS;
     pthread_mutex_lock(&self->lock);
@@ -229,11 +229,11 @@ bool pel_answerers_stop(struct pel_answerers *self)
     return ended;
 }
 
-void pel_answerers_destroy(struct pel_answerers *self)
+void pel_surface_pool_destroy(struct pel_surface_pool *self)
 {
     if (self) {
         for (int i = 0; i < PEL_MOST_PREPARED; i++) {
-            pel_snapshot_unref(self->foreseen[i].snapshot);
+            pel_snapshot_unref(self->prefetched[i].snapshot);
         }
         pthread_cond_destroy(&self->asked);
         pthread_cond_destroy(&self->over);

@@ -1,4 +1,4 @@
-#include "ocean/strata.h"
+#include "ocean/stratified.h"
 
 #include <stdlib.h>
 

@@ -1,0 +1,37 @@
+/* The encoder threads: pictures to bytes. Live pictures go first; slow work
+ * (PNG, EXR, numbers of light) leaves one thread to them. */
+#pragma once
+
+#include "frames/job.h"
+#include "frames/mailbox.h"
+
+struct pel_encoder_pool;
+
+/* `released` is called (any encoder thread) after a picture was given back to
+ * the renderer, with the bytes of its buffer. */
+PEL_CHECK enum pel_err
+pel_encoder_pool_create(int threads, struct pel_mailbox *box,
+                        void (*released)(void *user, size_t bytes), void *user,
+                        struct pel_encoder_pool **out);
+
+/* Name of the GL renderer for the files' attributes; lives as long. */
+void pel_encoder_pool_set_device(struct pel_encoder_pool *pool,
+                                 const char *device);
+
+/* Drops what waits, ends the work at hand, joins; false: not within 1 s, and
+ * the threads are left alone. */
+bool pel_encoder_pool_stop(struct pel_encoder_pool *pool);
+void pel_encoder_pool_destroy(
+    struct pel_encoder_pool *pool); /* after stop; NULL allowed */
+
+/* Ends a stream's encoder off the control thread; takes its reference. */
+void pel_encoder_pool_push_track(struct pel_encoder_pool *pool,
+                                 struct pel_track *track);
+/* What tells a long encoding to give up. */
+const atomic_bool *pel_encoder_pool_cancel(const struct pel_encoder_pool *pool);
+
+/* Any thread. Outputs whose draw failed come back with its error. */
+void pel_encoder_pool_push_output(struct pel_encoder_pool *pool,
+                                  struct pel_output *output);
+void pel_encoder_pool_push_optics(struct pel_encoder_pool *pool,
+                                  struct pel_optics_query *query);

@@ -1,0 +1,32 @@
+/* The threads that answer surface queries, in real time where that is
+ * permitted (base/urgent.h). A large query is cut up among them. */
+#pragma once
+
+#include "frames/job.h"
+#include "frames/mailbox.h"
+
+struct pel_surface_pool;
+
+/* As many threads as `cores`, at most PEL_SURFACE_POOL_MAX. Answered queries
+ * are posted to `box`, in the order in which they are done. */
+#define PEL_SURFACE_POOL_MAX 4
+PEL_CHECK enum pel_err pel_surface_pool_create(int cores,
+                                               struct pel_mailbox *box,
+                                               struct pel_surface_pool **out);
+
+/* Any thread; queries are begun in this order. */
+void pel_surface_pool_push(struct pel_surface_pool *self,
+                           struct pel_surface_query *query);
+
+/* Computes what a query about time_s will wait for from begin_ns on, while
+ * nobody asks; of more than PEL_MOST_PREPARED such the oldest is left. */
+#define PEL_MOST_PREPARED 3
+void pel_surface_pool_prepare(struct pel_surface_pool *self,
+                              const struct pel_snapshot *snapshot,
+                              double time_s, bool moving, int64_t begin_ns);
+
+/* Drops what waits, ends the work at hand, joins; false: not within 1 s, and
+ * the threads are left alone. */
+bool pel_surface_pool_stop(struct pel_surface_pool *self);
+void pel_surface_pool_destroy(
+    struct pel_surface_pool *self); /* after stop; NULL */
