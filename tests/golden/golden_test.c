@@ -1,4 +1,4 @@
-/* Twelve scenes against the pictures that were judged good.
+/* Sixteen scenes against the pictures that were judged good.
  *   golden_test           compares with tests/golden/NAME.png
  *   golden_test --write   draws them anew (make golden): look at each
  * Those that fail are written beside a difference, ten times as bright, to
@@ -8,6 +8,7 @@
 
 #include "encode/encode.h"
 #include "render/rendertest.h"
+#include "render/testbed.h"
 
 #define FOLDER "tests/golden"
 #define FAILED "build/golden"
@@ -34,6 +35,9 @@ struct scene {
     struct pel_water_desc water;
     struct test_look look;
     double sun_elevation, sun_azimuth, visibility_m;
+    double (*bed)(double east_m, double north_m); /* NULL: level */
+    struct pel_sensor sensor;
+    unsigned stale;
 };
 
 #define WIND(speed) .wind_mps = (speed), .direction_rad = 0.4
@@ -43,26 +47,37 @@ struct scene {
     {                                                                          \
         height, heading, pitch, 0.0, fov, WIDTH, HEIGHT                        \
     }
+/* Degrees, azimuth clockwise from north; metres. */
+#define LIGHT(elevation, azimuth, visibility)                                  \
+    .sun_elevation = (elevation), .sun_azimuth = (azimuth),                    \
+    .visibility_m = (visibility)
 #define DEEP(c)                                                                \
     {                                                                          \
         .chlorophyll_mg_m3 = (c), .depth_m = 1000.0                            \
     }
+#define TROPICAL(depth)                                                        \
+    {                                                                          \
+        .kind = PEL_WATER_NAMED, .name = PEL_WATER_TROPICAL,                   \
+        .depth_m = (depth), .bottom = PEL_BOTTOM_SAND                          \
+    }
+
+/* A bank at 3 m that falls to 15 m in the east, with caustics. */
+static double reef(double east_m, double north_m)
+{
+    return -3 - fmin(fmax(0.1 * east_m, 0), 12) + 1e-3 * north_m;
+}
 
 static const struct scene scenes[] = {
     { "bridge-trochoids",
       { WIND(8), REST },
       DEEP(0.2),
       LOOK(12, 20, -4, 60),
-      35,
-      60,
-      40e3 },
+      LIGHT(35, 60, 40e3) },
     { "low-sun-glitter-fft",
       { .kind = PEL_SPECTRUM_JONSWAP, WIND(7), FFT, REST },
       DEEP(0.3),
       LOOK(6, 90, -3, 60),
-      8,
-      92,
-      40e3 },
+      LIGHT(8, 92, 40e3) },
     { "lagoon-2m",
       { WIND(2.5), REST },
       { .kind = PEL_WATER_JERLOV,
@@ -70,24 +85,18 @@ static const struct scene scenes[] = {
         .depth_m = 5.0,
         .bottom = PEL_BOTTOM_SAND },
       LOOK(2, 200, -12, 60),
-      60,
-      70,
-      60e3 },
+      LIGHT(60, 70, 60e3) },
     { "storm-fft",
       { WIND(22), FFT, REST },
       DEEP(1.0),
       LOOK(15, 110, -4, 60),
-      25,
-      300,
-      9e3 },
+      LIGHT(25, 300, 9e3) },
     { "swell-30m",
       { WIND(5), .swell_count = 1, .swell = { { 4.0, 13.0, 1.2, 0.15 } },
         REST },
       DEEP(0.1),
       LOOK(30, 250, -8, 60),
-      20,
-      200,
-      60e3 },
+      LIGHT(20, 200, 60e3) },
     { "shallow-tma-300m",
       { .kind = PEL_SPECTRUM_TMA, .depth_m = 12.0, WIND(11), FFT, REST },
       { .kind = PEL_WATER_NAMED,
@@ -95,51 +104,61 @@ static const struct scene scenes[] = {
         .depth_m = 12.0,
         .bottom = PEL_BOTTOM_MUD },
       LOOK(300, 40, -20, 55),
-      45,
-      160,
-      30e3 },
+      LIGHT(45, 160, 30e3) },
     { "glitter-2km",
       { WIND(12), REST },
       DEEP(0.2),
       LOOK(2000, 180, -35, 60),
-      40,
-      180,
-      80e3 },
+      LIGHT(40, 180, 80e3) },
     { "horizon-8km-fft",
       { WIND(6), FFT, REST },
       DEEP(0.05),
       LOOK(8000, 270, -8, 70),
-      15,
-      262,
-      150e3 },
+      LIGHT(15, 262, 150e3) },
     { "twilight-fft",
       { WIND(5), FFT, REST },
       DEEP(0.3),
       LOOK(10, 285, 4, 65),
-      -4,
-      290,
-      40e3 },
+      LIGHT(-4, 290, 40e3) },
     { "night-trochoids",
       { WIND(9), REST },
       DEEP(0.3),
       LOOK(10, 285, -2, 65),
-      -12,
-      290,
-      40e3 },
+      LIGHT(-12, 290, 40e3) },
     { "fog-harbour",
       { WIND(6), REST },
       { .kind = PEL_WATER_NAMED, .name = PEL_WATER_HARBOUR, .depth_m = 15.0 },
       LOOK(8, 0, -3, 60),
-      30,
-      40,
-      700 },
+      LIGHT(30, 40, 700) },
     { "elfouhaily-nadir-1km",
       { .kind = PEL_SPECTRUM_ELFOUHAILY, WIND(4), FFT, REST },
       DEEP(0.2),
       LOOK(1000, 0, -80, 60),
-      70,
-      20,
-      100e3 },
+      LIGHT(70, 20, 100e3) },
+    { "island-fft",
+      { WIND(6), FFT, REST },
+      TROPICAL(400.0),
+      LOOK(25, 8, -3, 60),
+      LIGHT(35, 120, 40e3),
+      .bed = test_island },
+    { "bank-caustics-trochoids",
+      { WIND(4), REST },
+      TROPICAL(1000.0),
+      LOOK(12, 60, -30, 50),
+      LIGHT(50, 100, 40e3),
+      .bed = reef },
+    { "sensor-fft",
+      { WIND(8), FFT, REST },
+      DEEP(0.2),
+      LOOK(12, 20, -4, 60),
+      LIGHT(35, 60, 40e3),
+      .sensor = { PEL_SENSOR_ON, -0.9, 0.95, 0.08, true, 0x12345678 } },
+    { "stale-trochoids",
+      { WIND(8), REST },
+      DEEP(0.2),
+      LOOK(12, 200, -4, 60),
+      LIGHT(20, 60, 40e3),
+      .stale = PEL_STALE_CIGI | PEL_STALE_NMEA },
 };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
@@ -159,10 +178,15 @@ static void draw(const struct scene *scene, uint8_t *rgba)
     env.sun = test_sun(scene->sun_elevation, scene->sun_azimuth);
     env.visibility_m = scene->visibility_m;
     env.water = water;
+    env.seabed = scene->bed ? test_bed(scene->bed) : NULL;
+    env.caustics = scene->bed != NULL;
+    env.stale = scene->stale;
     struct pel_camera camera = test_camera(scene->look);
+    camera.sensor = scene->sensor;
     struct pel_picture *p = test_draw(renderer, &env, &camera, PEL_LAYER_COLOR);
     memcpy(rgba, p->rgba, BYTES);
     pel_picture_release(p);
+    pel_seabed_unref(env.seabed);
     pel_sea_finish(&sea);
 }
 
