@@ -1,12 +1,13 @@
 #version 450 core
 // The transform along the columns, into the textures that are sampled.
+#include "lib/blocks.h"
 #include "lib/fft.glsl"
 
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer lines_block { vec4 lines[]; };
-layout(binding = 0, rgba32f) writeonly uniform image2DArray displacement;
-layout(binding = 1, rgba32f) writeonly uniform image2DArray slopes;
-layout(binding = 2, r32f) writeonly uniform image2DArray fold;
+layout(std430, binding = PEL_STORE_LINES) readonly buffer lines_block { vec4 lines[]; };
+layout(binding = PEL_IMAGE_DISPLACEMENT, rgba32f) writeonly uniform image2DArray displacement;
+layout(binding = PEL_IMAGE_SLOPES, rgba32f) writeonly uniform image2DArray slopes;
+layout(binding = PEL_IMAGE_FOLD, r32f) writeonly uniform image2DArray fold;
 
 void main()
 {
@@ -17,7 +18,7 @@ void main()
     vec4 cd[4];
     for (int r = 0; r < 4; r++) {
         int row = lane + r * FFT_LANES;
-        int at = ((c * FFT_N + row) * FFT_N + column) * 2;
+        int at = ((c * PEL_CASCADE_N + row) * PEL_CASCADE_N + column) * 2;
         ab[r] = lines[at];
         cd[r] = lines[at + 1];
     }

@@ -1,13 +1,15 @@
 #version 450 core
 // One level of detail of the cascades' fields from the one before: the mean of
 // 2 × 2 texels. All fields and cascades in one dispatch.
+#include "lib/blocks.h"
+
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 6) uniform sampler2DArray displacement;
-layout(binding = 7) uniform sampler2DArray slopes;
-layout(binding = 8) uniform sampler2DArray fold;
-layout(binding = 0, rgba32f) writeonly uniform image2DArray displacement_to;
-layout(binding = 1, rgba32f) writeonly uniform image2DArray slopes_to;
-layout(binding = 2, r32f) writeonly uniform image2DArray fold_to;
+layout(binding = PEL_UNIT_DISPLACEMENT) uniform sampler2DArray displacement;
+layout(binding = PEL_UNIT_SLOPES) uniform sampler2DArray slopes;
+layout(binding = PEL_UNIT_FOLD) uniform sampler2DArray fold;
+layout(binding = PEL_IMAGE_DISPLACEMENT, rgba32f) writeonly uniform image2DArray displacement_to;
+layout(binding = PEL_IMAGE_SLOPES, rgba32f) writeonly uniform image2DArray slopes_to;
+layout(binding = PEL_IMAGE_FOLD, r32f) writeonly uniform image2DArray fold_to;
 layout(location = 0) uniform int from; // level that is read
 
 vec4 mean(sampler2DArray field, ivec3 at)

@@ -1,15 +1,16 @@
 #version 450 core
 // The modes of the sea at this time, and the transform along their rows. The
 // contract is in ocean/cascade.h; one workgroup a row, z the cascade.
+#include "lib/blocks.h"
 #include "lib/fft.glsl"
 
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform sampler2DArray amplitudes; // h0(k), conj h0(−k)
-layout(binding = 1) uniform sampler2DArray modes;      // turns/s, chop
-layout(std430, binding = 0) writeonly buffer lines_block { vec4 lines[]; };
-layout(std430, binding = 1) readonly buffer cascades_block {
-    vec4 cascade[4];  // length, turn cos, turn sin
-    vec2 gain[FFT_N]; // displacement, slopes, along one axis
+layout(binding = PEL_UNIT_AMPLITUDES) uniform sampler2DArray amplitudes; // h0(k), conj h0(−k)
+layout(binding = PEL_UNIT_MODES) uniform sampler2DArray modes;      // turns/s, chop
+layout(std430, binding = PEL_STORE_LINES) writeonly buffer lines_block { vec4 lines[]; };
+layout(std430, binding = PEL_STORE_MODES) readonly buffer modes_block {
+    vec4 cascade[PEL_CASCADES];  // length, turn cos, turn sin
+    vec2 gain[PEL_CASCADE_N]; // displacement, slopes, along one axis
 };
 layout(location = 0) uniform double time;
 
@@ -32,8 +33,8 @@ void main()
         float si = sin(angle);
         vec2 h = vec2(h0.x * co + h0.y * si + h0.z * co - h0.w * si,
                       h0.y * co - h0.x * si + h0.w * co + h0.z * si);
-        vec2 at = vec2(column < FFT_N / 2 ? column : column - FFT_N,
-                       row < FFT_N / 2 ? row : row - FFT_N);
+        vec2 at = vec2(column < PEL_CASCADE_N / 2 ? column : column - PEL_CASCADE_N,
+                       row < PEL_CASCADE_N / 2 ? row : row - PEL_CASCADE_N);
         vec2 k = unit * (at.x * turn + at.y * vec2(-turn.y, turn.x));
         vec2 chop = mode.y * k * inversesqrt(max(dot(k, k), 1e-20));
         float shift_gain = gain[column].x * gain[row].x;
@@ -46,7 +47,7 @@ void main()
                                   turned(h, -chop * k));
     }
     transform_line(lane, ab, cd);
-    int base = ((c * FFT_N + row) * FFT_N) * 2;
+    int base = ((c * PEL_CASCADE_N + row) * PEL_CASCADE_N) * 2;
     for (int r = 0; r < 4; r++) {
         int column = lane + r * FFT_LANES;
         lines[base + 2 * column] = ab[r];

@@ -17,13 +17,13 @@ struct probe {
     vec4 place; // at rest, from the eye's nadir; footprint along and across
     vec4 sight; // xy: direction of `along`
 };
-layout(std430, binding = 0) readonly buffer probes_block { probe probes[]; };
+layout(std430, binding = PEL_STORE_FILTERED) readonly buffer probes_block { probe probes[]; };
 struct answer {
     vec4 shift;
     vec4 normal;
     vec4 left; // xy: slope variance along and across the wind
 };
-layout(std430, binding = 1) writeonly buffer answers_block { answer answers[]; };
+layout(std430, binding = PEL_STORE_FILTERED_ANSWERS) writeonly buffer answers_block { answer answers[]; };
 
 void main()
 {

@@ -5,9 +5,9 @@
 #include "lib/sky.glsl"
 
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform sampler2D transmittance;
-layout(binding = 2) uniform sampler2D sky_table;
-layout(std430, binding = 2) writeonly buffer out_block {
+layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
+layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2D sky_table;
+layout(std430, binding = PEL_STORE_LIGHT) writeonly buffer out_block {
     vec4 out_exposure;
     vec4 out_sun;
     vec4 out_sky;

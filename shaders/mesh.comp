@@ -10,16 +10,15 @@
 #include "lib/waves.glsl"
 #endif
 
-layout(local_size_x = 64) in;
+layout(local_size_x = PEL_GROUP_LINE) in;
 
-layout(std430, binding = 0) buffer vertices_block { vertex vertices[]; };
+layout(std430, binding = PEL_STORE_VERTICES) buffer vertices_block { vertex vertices[]; };
 // Radius of each ring and the length of its cells.
-layout(std430, binding = 1) readonly buffer rings_block { vec2 rings[]; };
+layout(std430, binding = PEL_STORE_RINGS) readonly buffer rings_block { vec2 rings[]; };
 
-const int MOST_BLOCKS = 10; // PEL_MESH_MAX_BLOCKS
 layout(location = 0) uniform int block_count;
-layout(location = 1) uniform ivec4 blocks[MOST_BLOCKS]; // first ring, rings, first column, columns
-layout(location = 11) uniform int bases[MOST_BLOCKS];   // first vertex
+layout(location = 1) uniform ivec4 blocks[PEL_MESH_MAX_BLOCKS]; // first ring, rings, first column, columns
+layout(location = 1 + PEL_MESH_MAX_BLOCKS) uniform int bases[PEL_MESH_MAX_BLOCKS];   // first vertex
 
 void main()
 {

@@ -5,12 +5,11 @@
 #include "lib/sky.glsl"
 
 layout(location = 0) out vec4 gain;
-layout(binding = 0) uniform sampler2D transmittance;
+layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 
-const vec2 SIZE = vec2(32.0, 32.0);
+const vec2 SIZE = vec2(PEL_MULTIPLE_SIZE);
 const int DIRECTIONS = 10; // squared
 const int STEPS = 16;
-const float GROUND_ALBEDO = 0.06; // the sea's
 
 void main()
 {
@@ -54,7 +53,7 @@ void main()
         }
         if (ground > 0.0) {
             float mu_g = clamp((r * sun_mu + ground * nu) / planet.x, -1.0, 1.0);
-            second += through * GROUND_ALBEDO / PI * max(mu_g, 0.0) *
+            second += through * PEL_SEA_ALBEDO / PI * max(mu_g, 0.0) *
                       sun_transmittance(transmittance, 0.0, mu_g);
         }
     }

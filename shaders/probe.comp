@@ -8,12 +8,12 @@
 #include "lib/shade.glsl"
 
 layout(local_size_x = 1) in;
-layout(binding = 0) uniform sampler2D transmittance;
-layout(binding = 1) uniform sampler2D reflection_map;
-layout(binding = 3) uniform sampler2D eye_table;
+layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
+layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
+layout(binding = PEL_UNIT_EYE_TABLE) uniform sampler2D eye_table;
 layout(location = 0) uniform vec3 direction;
 layout(location = 1) uniform vec2 slopes; // variance along, across the wind
-layout(std430, binding = 5) writeonly buffer answer_block { vec4 answer[6]; };
+layout(std430, binding = PEL_STORE_PROBE) writeonly buffer answer_block { vec4 answer[PEL_PROBE_ANSWERS]; };
 
 void main()
 {

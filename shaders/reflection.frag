@@ -8,7 +8,7 @@
 #include "lib/ross.glsl"
 
 layout(location = 0) out vec4 radiance;
-layout(binding = 2) uniform sampler2D sky_table;
+layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2D sky_table;
 layout(location = 0) uniform vec2 map; // size in px, half width in units
 
 void main()

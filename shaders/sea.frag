@@ -21,7 +21,7 @@
 #include "lib/tone.glsl"
 #include "lib/outputs.glsl"
 
-layout(binding = 5) uniform usampler2D triangles;
+layout(binding = PEL_UNIT_TRIANGLES) uniform usampler2D triangles;
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);

@@ -8,10 +8,10 @@
 #include "lib/blocks.h"
 #include "lib/vertex.glsl"
 
-layout(local_size_x = 64) in;
-layout(std430, binding = 0) restrict readonly buffer vertices_block { vertex vertices[]; };
+layout(local_size_x = PEL_GROUP_LINE) in;
+layout(std430, binding = PEL_STORE_VERTICES) restrict readonly buffer vertices_block { vertex vertices[]; };
 // Of each pixel: all ones less the triangle's number; 0 where there is none.
-layout(std430, binding = 4) restrict buffer keys_block { uint keys[]; };
+layout(std430, binding = PEL_STORE_KEYS) restrict buffer keys_block { uint keys[]; };
 
 layout(location = 0) uniform int vertex_count;
 layout(location = 1) uniform int both_sides; // 1: also the surface's underside

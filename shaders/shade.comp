@@ -26,14 +26,11 @@
 #endif
 #include "lib/tone.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
-const int WANTS_RADIANCE = 1;
-const int WANTS_COLOR = 2;
-const int LAST_PASS = 4; // of this picture: sets the keys back to 0
+layout(local_size_x = PEL_GROUP_SIDE, local_size_y = PEL_GROUP_SIDE) in;
 layout(location = 0) uniform int wanted;
 layout(location = 1) uniform ivec4 region; // pixels from xy to before zw
 // Of search.comp.
-layout(std430, binding = 4) restrict buffer keys_block { uint keys[]; };
+layout(std430, binding = PEL_STORE_KEYS) restrict buffer keys_block { uint keys[]; };
 #ifdef PEL_WATER_PARTS
 layout(binding = 0, rgba32f) writeonly uniform image2D single_image;
 layout(binding = 1, rgba32f) writeonly uniform image2D second_image;
@@ -73,7 +70,7 @@ void main()
         s = shade_sea(at, triangle);
     }
 #endif
-    if ((wanted & LAST_PASS) != 0) {
+    if ((wanted & PEL_LAST_PASS) != 0) {
         keys[place] = 0u;
     }
 #ifdef PEL_WATER_PARTS
@@ -82,7 +79,7 @@ void main()
     imageStore(higher_image, at, vec4(s.parts.higher, 1.0));
     imageStore(bottom_image, at, vec4(s.parts.bottom, 1.0));
 #else
-    if ((wanted & WANTS_RADIANCE) != 0) {
+    if ((wanted & PEL_WANTS_RADIANCE) != 0) {
         imageStore(radiance_image, at, vec4(s.radiance, 1.0));
     }
 #endif
@@ -95,7 +92,7 @@ void main()
     imageStore(air_image, at, vec4(s.air, 1.0));
     imageStore(variance_image, at, vec4(s.variance, 0.0, 0.0));
 #elif !defined(PEL_WATER_PARTS)
-    if ((wanted & WANTS_COLOR) != 0) {
+    if ((wanted & PEL_WANTS_COLOR) != 0) {
         imageStore(color_image, at, vec4(display(s.radiance, at), 1.0));
     }
 #endif

@@ -8,8 +8,8 @@
 
 layout(location = 0) out vec4 radiance_out;
 layout(location = 1) out vec4 extinction_out;
-layout(binding = 0) uniform sampler2D transmittance;
-layout(binding = 1) uniform sampler2D multiple;
+layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
+layout(binding = PEL_UNIT_MULTIPLE) uniform sampler2D multiple;
 layout(location = 0) uniform vec2 table_size;
 
 const int STEPS = 32;

@@ -6,14 +6,14 @@
 
 #include "lib/vertex.glsl"
 
-layout(std430, binding = 0) readonly buffer vertices_block { vertex vertices[]; };
+layout(std430, binding = PEL_STORE_VERTICES) readonly buffer vertices_block { vertex vertices[]; };
 
 layout(location = 0) uniform ivec4 block; // first ring, rings, first column, columns
 layout(location = 1) uniform int base;
 
 flat out uint triangle;
 
-const float MARGIN = 128.0; // as in renderer.c, px
+const float MARGIN = float(PEL_RASTER_MARGIN); // px
 
 void main()
 {

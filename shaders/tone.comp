@@ -3,8 +3,8 @@
 #include "lib/blocks.h"
 #include "lib/tone.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 0) uniform sampler2D radiance;
+layout(local_size_x = PEL_GROUP_SIDE, local_size_y = PEL_GROUP_SIDE) in;
+layout(binding = PEL_UNIT_RADIANCE) uniform sampler2D radiance;
 layout(binding = 0, rgba8) writeonly uniform image2D color_image;
 
 void main()

@@ -4,7 +4,7 @@
 #include "lib/tone.glsl"
 
 layout(location = 0) out vec4 color;
-layout(binding = 0) uniform sampler2D radiance;
+layout(binding = PEL_UNIT_RADIANCE) uniform sampler2D radiance;
 
 void main()
 {

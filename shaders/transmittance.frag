@@ -5,7 +5,7 @@
 
 layout(location = 0) out vec4 transmittance;
 
-const vec2 SIZE = vec2(256.0, 64.0);
+const vec2 SIZE = vec2(PEL_TRANSMITTANCE_WIDTH, PEL_TRANSMITTANCE_HEIGHT);
 const int STEPS = 64;
 
 void main()

@@ -7,11 +7,11 @@
 #include "lib/medium.glsl"
 
 layout(local_size_x = PEL_WATER_MAP_SIZE) in;
-layout(std430, binding = 1) restrict readonly buffer kernel_block { vec4 kernel[]; };
-layout(std430, binding = 2) restrict writeonly buffer out_block { vec4 out_light[]; };
-layout(std430, binding = 5) restrict readonly buffer coefficients_block { vec4 coefficients[]; };
-layout(std430, binding = 6) restrict readonly buffer rows_block { pel_shader_row rows[]; };
-layout(binding = 0, rgba32f) restrict writeonly uniform image2DArray water_map;
+layout(std430, binding = PEL_STORE_WATER_KERNEL) restrict readonly buffer kernel_block { vec4 kernel[]; };
+layout(std430, binding = PEL_STORE_LIGHT) restrict writeonly buffer out_block { vec4 out_light[]; };
+layout(std430, binding = PEL_STORE_WATER_COEFFICIENTS) restrict readonly buffer coefficients_block { vec4 coefficients[]; };
+layout(std430, binding = PEL_STORE_WATER_ROWS) restrict readonly buffer rows_block { pel_shader_row rows[]; };
+layout(binding = PEL_IMAGE_WATER_MAP, rgba32f) restrict writeonly uniform image2DArray water_map;
 
 shared vec3 series[PARTS * PEL_WATER_MODES];
 
@@ -21,14 +21,14 @@ vec3 single(int level, float nu, float mu)
 {
     vec3 rate = single_extinction.rgb * (1.0 / sunbeam.y + 1.0 / mu);
     return scattering.rgb * phase(nu) * mean_decay(rate * depth[level].x) * depth[level].x /
-           (mu * 1.34 * 1.34);
+           (mu * PEL_WATER_INDEX * PEL_WATER_INDEX);
 }
 
 // Look-up of the Sun's light straight from the bottom: eq. 9.
 vec3 straight(int level, float mu)
 {
     vec3 way = full_extinction.rgb * (1.0 / sunbeam.y + 1.0 / mu);
-    return ground.rgb * exp(-way * depth[level].x) * (sunbeam.y / (3.14159265359 * 1.34 * 1.34));
+    return ground.rgb * exp(-way * depth[level].x) * (sunbeam.y / (3.14159265359 * PEL_WATER_INDEX * PEL_WATER_INDEX));
 }
 
 void main()

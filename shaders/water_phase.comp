@@ -5,10 +5,10 @@
 #include "lib/blocks.h"
 #include "lib/medium.glsl"
 
-layout(local_size_x = 32) in;
-layout(std430, binding = 5) restrict readonly buffer directions_block { vec2 directions[]; };
-layout(std430, binding = 6) restrict readonly buffer nodes_block { vec2 nodes[]; };
-layout(binding = 0, rgba32f) restrict writeonly uniform image3D phase_map;
+layout(local_size_x = PEL_GROUP_WATER) in;
+layout(std430, binding = PEL_STORE_WATER_DIRECTIONS) restrict readonly buffer directions_block { vec2 directions[]; };
+layout(std430, binding = PEL_STORE_WATER_NODES) restrict readonly buffer nodes_block { vec2 nodes[]; };
+layout(binding = PEL_IMAGE_WATER_PHASE, rgba32f) restrict writeonly uniform image3D phase_map;
 
 void main()
 {

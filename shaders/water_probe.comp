@@ -4,9 +4,9 @@
 #include "lib/blocks.h"
 #include "lib/water.glsl"
 
-layout(local_size_x = 32) in;
-layout(std430, binding = 5) restrict readonly buffer views_block { vec4 views[]; }; // to the eye
-layout(std430, binding = 6) restrict writeonly buffer answers_block { vec4 answers[]; };
+layout(local_size_x = PEL_GROUP_WATER) in;
+layout(std430, binding = PEL_STORE_PROBE) restrict readonly buffer views_block { vec4 views[]; }; // to the eye
+layout(std430, binding = PEL_STORE_PROBE_ANSWERS) restrict writeonly buffer answers_block { vec4 answers[]; };
 
 void main()
 {

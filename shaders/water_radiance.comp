@@ -6,12 +6,12 @@
 #include "lib/blocks.h"
 #include "lib/medium.glsl"
 
-layout(local_size_x = 32) in;
-layout(std430, binding = 5) restrict readonly buffer directions_block { vec2 directions[]; };
-layout(std430, binding = 6) restrict readonly buffer nodes_block { vec2 nodes[]; };
-layout(std430, binding = 7) restrict readonly buffer planes_block { vec4 planes[]; };
-layout(binding = 0, rgba32f) restrict writeonly uniform image3D radiance_map;
-layout(binding = 1, rgba32f) restrict writeonly uniform image2D attenuation_map;
+layout(local_size_x = PEL_GROUP_WATER) in;
+layout(std430, binding = PEL_STORE_WATER_DIRECTIONS) restrict readonly buffer directions_block { vec2 directions[]; };
+layout(std430, binding = PEL_STORE_WATER_NODES) restrict readonly buffer nodes_block { vec2 nodes[]; };
+layout(std430, binding = PEL_STORE_WATER_PLANES) restrict readonly buffer planes_block { vec4 planes[]; };
+layout(binding = PEL_IMAGE_WATER_RADIANCE, rgba32f) restrict writeonly uniform image3D radiance_map;
+layout(binding = PEL_IMAGE_WATER_ATTENUATION, rgba32f) restrict writeonly uniform image2D attenuation_map;
 layout(location = 0) uniform int level;
 
 void main()

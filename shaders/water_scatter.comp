@@ -6,16 +6,16 @@
 #include "lib/blocks.h"
 #include "lib/medium.glsl"
 
-layout(local_size_x = 32) in;
-layout(std430, binding = 5) restrict readonly buffer directions_block { vec2 directions[]; };
-layout(std430, binding = 6) restrict readonly buffer nodes_block { vec2 nodes[]; };
-layout(std430, binding = 1) restrict writeonly buffer kernel_block { vec4 kernel[]; };
-layout(binding = 12) uniform sampler3D phase_map;
-layout(binding = 13) uniform sampler3D radiance_map;
-layout(binding = 14) uniform sampler2D attenuation_map;
+layout(local_size_x = PEL_GROUP_WATER) in;
+layout(std430, binding = PEL_STORE_WATER_DIRECTIONS) restrict readonly buffer directions_block { vec2 directions[]; };
+layout(std430, binding = PEL_STORE_WATER_NODES) restrict readonly buffer nodes_block { vec2 nodes[]; };
+layout(std430, binding = PEL_STORE_WATER_KERNEL) restrict writeonly buffer kernel_block { vec4 kernel[]; };
+layout(binding = PEL_UNIT_WATER_PHASE) uniform sampler3D phase_map;
+layout(binding = PEL_UNIT_WATER_RADIANCE) uniform sampler3D radiance_map;
+layout(binding = PEL_UNIT_WATER_ATTENUATION) uniform sampler2D attenuation_map;
 layout(location = 0) uniform int level;
 
-shared vec3 partial[PEL_WATER_MODES][32];
+shared vec3 partial[PEL_WATER_MODES][PEL_GROUP_WATER];
 
 void main()
 {
@@ -26,7 +26,7 @@ void main()
     for (int m = 0; m < PEL_WATER_MODES; m++) {
         sum[m] = vec3(0.0);
     }
-    for (int i = lane; i < 2 * PEL_WATER_ZENITHS; i += 32) {
+    for (int i = lane; i < 2 * PEL_WATER_ZENITHS; i += PEL_GROUP_WATER) {
         vec3 light = vec3(0.0);
         for (int k = 0; k < PEL_WATER_PLANES; k++) {
             light += texelFetch(radiance_map, ivec3(i, beam, k), 0).rgb *
@@ -46,11 +46,11 @@ void main()
     barrier();
     if (lane < PEL_WATER_MODES) {
         vec3 total = vec3(0.0);
-        for (int i = 0; i < 32; i++) {
+        for (int i = 0; i < PEL_GROUP_WATER; i++) {
             total += partial[lane][i];
         }
         vec3 b = scattering.rgb;
-        total *= b * b * ((lane > 0 ? 1.0 : 2.0) * 3.14159265359 / (1.34 * 1.34 * nodes[sight].y));
+        total *= b * b * ((lane > 0 ? 1.0 : 2.0) * 3.14159265359 / (PEL_WATER_INDEX * PEL_WATER_INDEX * nodes[sight].y));
         kernel[kernel_at(level, SECOND, lane, beam, sight)] = vec4(total, 0.0);
     }
 }

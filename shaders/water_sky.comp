@@ -6,9 +6,9 @@
 #include "lib/sky.glsl"
 
 layout(local_size_x = PEL_WATER_SKY_ROWS) in;
-layout(std430, binding = 5) restrict writeonly buffer coefficients_block { vec4 coefficients[]; };
-layout(std430, binding = 6) restrict readonly buffer rows_block { pel_shader_row rows[]; };
-layout(binding = 2) uniform sampler2D sky_table;
+layout(std430, binding = PEL_STORE_WATER_COEFFICIENTS) restrict writeonly buffer coefficients_block { vec4 coefficients[]; };
+layout(std430, binding = PEL_STORE_WATER_ROWS) restrict readonly buffer rows_block { pel_shader_row rows[]; };
+layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2D sky_table;
 
 shared vec3 lit[PEL_WATER_SKY_ROWS];
 
@@ -18,8 +18,8 @@ void main()
     float mode = float(gl_WorkGroupID.x);
     vec2 table = vec2(textureSize(sky_table, 0));
     vec3 sum = vec3(0.0);
-    for (int j = 0; j < 32; j++) {
-        float azimuth = PI * (float(j) + 0.5) / 32.0;
+    for (int j = 0; j < PEL_WATER_SKY_COLUMNS; j++) {
+        float azimuth = PI * (float(j) + 0.5) / float(PEL_WATER_SKY_COLUMNS);
         sum += textureLod(sky_table, sky_uv(azimuth, rows[row].at.x, table), 0.0).rgb *
                cos(mode * azimuth);
     }

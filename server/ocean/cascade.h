@@ -49,8 +49,6 @@
 #include "ocean/filter.h"
 #include "ocean/shear.h"
 
-#define PEL_CASCADES 4
-#define PEL_CASCADE_N 256
 #define PEL_CASCADE_MODES (PEL_CASCADE_N * PEL_CASCADE_N)
 
 /* Highest mode number of a cascade: its shortest wave has N/88 = 2.9 texels. */
@@ -61,7 +59,6 @@
 
 /* Steps of the table of kept slope variance: levels of detail 0 to 8 (one
  * texel for the whole tile), PEL_CASCADE_LOD_STEPS of them a level. */
-#define PEL_CASCADE_LEVELS 9
 #define PEL_CASCADE_LOD_STEPS 4
 #define PEL_CASCADE_SECTORS 16
 #define PEL_CASCADE_LODS ((PEL_CASCADE_LEVELS - 1) * PEL_CASCADE_LOD_STEPS + 1)

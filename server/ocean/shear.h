@@ -1,17 +1,15 @@
 /* Where the cascades are read: the water at rest, sheared a little and slowly,
- * so that no tile comes back (cascade.h, Sampling). Twin of
- * shaders/lib/cascades.glsl: cascade_place. */
+ * so that a tile does not visibly repeat (cascade.h, Sampling). Twin of
+ * shaders/lib/cascades.glsl: shear. */
 #pragma once
 
 #include <stdint.h>
 #include <string.h>
 
 #include "base/simd.h"
+#include "shaders/lib/blocks.h"
 
-#define PEL_SHEARS 8 /* two a cascade */
-/* How many times shorter the second of each is than the first, to which it is
- * normal (also in shaders/lib/blocks.h). */
-#define PEL_SHEAR_RATIO 1.29
+#define PEL_SHEARS (2 * PEL_CASCADES) /* two a cascade; PEL_SHEAR_RATIO */
 
 /* Shear i carries a place x by v q(f · x), q(t) = r − 2 r |r| − 1/8 with r what
  * is left of t + 1/4 beyond the nearest whole number: smooth, of period 1, and

@@ -1,7 +1,7 @@
 /* The clear atmosphere: Rayleigh, aerosols (by visibility) and ozone on a
  * sphere; single scattering integrated along the ray, higher orders by the
  * isotropic series of Hillaire 2020. Double precision reference for
- * shaders/lib/atmosphere.glsl. Any thread once built.
+ * shaders/lib/sky.glsl. Any thread once built.
  *
  * Spectral quantities are at 680, 550 and 440 nm in this order (`rgb`):
  * radiance W m⁻² sr⁻¹ nm⁻¹, irradiance W m⁻² nm⁻¹. Lengths in metres. */
@@ -9,6 +9,7 @@
 
 #include "base/err.h"
 #include "base/vec.h"
+#include "shaders/lib/blocks.h"
 
 #define PEL_EARTH_RADIUS 6360000.0
 #define PEL_ATMOSPHERE_RADIUS 6420000.0
@@ -91,8 +92,7 @@ double pel_phase_mie(double nu, double g);
 
 /* Multiple-scattering gain Ψ_ms at a height for a Sun zenith cosine, per unit
  * solar irradiance [1/sr] (Hillaire 2020, eq. 5–10) with a ground of albedo
- * PEL_SEA_ALBEDO, from the table (tabulated). */
-#define PEL_SEA_ALBEDO 0.06
+ * PEL_SEA_ALBEDO (shaders/lib/blocks.h), from the table (tabulated). */
 struct pel_rgb pel_atmosphere_multiple(const struct pel_atmosphere *a,
                                        double height_m, double sun_mu);
 

@@ -100,6 +100,6 @@ double pel_ross_mean_fresnel(struct pel_vec3 view, double var_x, double var_y)
     double sigma = sqrt(variance);
     double r = normal_reflectance(PEL_WATER_INDEX);
     double m = 1.0 - pel_clamp(view.z, 0, 1);
-    return r + (1.0 - r) * pow(m, 5.0 * exp(-2.69 * sigma)) /
-                   (1.0 + 22.7 * pow(sigma, 1.5));
+    return r + (1.0 - r) * pow(m, 5.0 * exp(PEL_MEAN_FRESNEL_FALL * sigma)) /
+                   (1.0 + PEL_MEAN_FRESNEL_ROUGH * pow(sigma, 1.5));
 }

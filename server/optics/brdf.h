@@ -6,8 +6,7 @@
 #pragma once
 
 #include "base/vec.h"
-
-#define PEL_WATER_INDEX 1.34
+#include "shaders/lib/blocks.h"
 
 /* Reflectance of unpolarised light at a flat surface, exact Fresnel, from air
  * into index n; cos_theta in [0, 1]. */

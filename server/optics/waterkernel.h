@@ -8,17 +8,21 @@
 #include "base/err.h"
 #include "optics/brdf.h"
 #include "optics/watertable.h"
+#include "shaders/lib/blocks.h"
 
-#define PEL_KERNEL_NODES 12 /* of beams, and of lines of sight */
-#define PEL_KERNEL_MODES 10
+#define PEL_KERNEL_NODES PEL_WATER_NODES /* of beams, and of sights */
+#define PEL_KERNEL_MODES PEL_WATER_MODES
 
 enum pel_kernel_part {
-    PEL_KERNEL_SINGLE, /* scattered once */
-    PEL_KERNEL_SECOND, /* twice: pel_kernel_second, or its maps on the GPU */
-    PEL_KERNEL_BEYOND, /* every order but the first, over a black bottom */
-    PEL_KERNEL_BOTTOM, /* reflected by the bottom, and scattered or mirrored by
-                          the surface as well */
-    PEL_KERNEL_STRAIGHT, /* reflected by the bottom only: I eq. 9 */
+    PEL_KERNEL_SINGLE = PEL_PART_SINGLE, /* scattered once */
+    PEL_KERNEL_SECOND =
+        PEL_PART_SECOND, /* twice: pel_kernel_second, or its maps on the GPU */
+    PEL_KERNEL_BEYOND =
+        PEL_PART_HIGHER, /* every order but the first, over a black bottom */
+    PEL_KERNEL_BOTTOM = PEL_PART_BOTTOM, /* reflected by the bottom, and
+                          scattered or mirrored by the surface as well */
+    PEL_KERNEL_STRAIGHT =
+        PEL_PART_STRAIGHT, /* reflected by the bottom only: I eq. 9 */
     PEL_KERNEL_PARTS,
 };
 
@@ -63,9 +67,9 @@ struct pel_water_sampling {
 #define PEL_SAMPLING_AZIMUTHS_MAX 128
 
 /* What the maps are made with, from `make validate-water`'s study. */
-#define PEL_SAMPLING_PLANES 10
-#define PEL_SAMPLING_ZENITHS 48
-#define PEL_SAMPLING_AZIMUTHS 48
+#define PEL_SAMPLING_PLANES PEL_WATER_PLANES
+#define PEL_SAMPLING_ZENITHS PEL_WATER_ZENITHS
+#define PEL_SAMPLING_AZIMUTHS PEL_WATER_AZIMUTHS
 extern const struct pel_water_sampling pel_water_sampling_default;
 
 /* Depth of plane k of a water [m], and the weight of its scattering map. */

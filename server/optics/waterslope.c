@@ -4,18 +4,6 @@
 
 #include "base/vec.h"
 
-/* Found by least squares against the Monte Carlo over planes, ridges and steps
- * (docs/water.md). In units of a reduced optical depth, light comes from where
- * the bottom lies less deep under the line of sight (UNDER) and from uphill
- * (STEEP); turning by scattering takes from the gain. Twin: bed_light. */
-#define ABSORBED 0.45
-#define BOTTOM_UNDER 0.25
-#define BOTTOM_STEEP 0.2
-#define VOLUME_UNDER 0.18
-#define VOLUME_STEEP 0.39
-#define SHIFT_LEAST (-1.0)
-#define SHIFT_MOST 0.6
-
 struct pel_slope_change pel_slope_change(const struct pel_medium *m,
                                          enum pel_water_orders orders,
                                          const struct pel_slope_place *p)
@@ -24,14 +12,18 @@ struct pel_slope_change pel_slope_change(const struct pel_medium *m,
         return (struct pel_slope_change){ p->depth_m, p->depth_m, 1.0 };
     }
     double turned = m->scattering * (1.0 - m->asymmetry) * p->depth_m;
-    double reach = ABSORBED * m->absorption * p->depth_m + turned;
+    double reach = PEL_SLOPE_ABSORBED * m->absorption * p->depth_m + turned;
     double under = 1.0 - p->under_m / p->depth_m;
     double steep = p->slope * p->slope / (1.0 + p->slope * p->slope);
-    double volume = reach * (VOLUME_UNDER * under + VOLUME_STEEP * steep);
-    double bottom = reach * (BOTTOM_UNDER * under + BOTTOM_STEEP * steep);
+    double volume = reach * (PEL_SLOPE_VOLUME_UNDER * under +
+                             PEL_SLOPE_VOLUME_STEEP * steep);
+    double bottom = reach * (PEL_SLOPE_BOTTOM_UNDER * under +
+                             PEL_SLOPE_BOTTOM_STEEP * steep);
     return (struct pel_slope_change){
-        p->depth_m * (1.0 - pel_clamp(volume, SHIFT_LEAST, SHIFT_MOST)),
-        p->depth_m * (1.0 - pel_clamp(bottom, SHIFT_LEAST, SHIFT_MOST)),
+        p->depth_m * (1.0 - pel_clamp(volume, PEL_SLOPE_SHIFT_LEAST,
+                                      PEL_SLOPE_SHIFT_MOST)),
+        p->depth_m * (1.0 - pel_clamp(bottom, PEL_SLOPE_SHIFT_LEAST,
+                                      PEL_SLOPE_SHIFT_MOST)),
         1.0 / (1.0 + turned),
     };
 }

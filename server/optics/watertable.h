@@ -7,15 +7,18 @@
 #include "base/err.h"
 #include "optics/atmosphere.h"
 #include "optics/waterbody.h"
+#include "shaders/lib/blocks.h"
 
 #define PEL_WATER_TABLE_SIZE 32
 
 /* What befell the light between the surface and the surface. */
 enum pel_water_part {
-    PEL_WATER_SINGLE, /* scattered once */
-    PEL_WATER_SECOND, /* scattered twice */
-    PEL_WATER_HIGHER, /* more often, or mirrored by the surface from below */
-    PEL_WATER_BOTTOM, /* reflected by the bottom, scattered or not */
+    PEL_WATER_SINGLE = PEL_PART_SINGLE, /* scattered once */
+    PEL_WATER_SECOND = PEL_PART_SECOND, /* scattered twice */
+    PEL_WATER_HIGHER =
+        PEL_PART_HIGHER, /* more often, or mirrored by the surface from below */
+    PEL_WATER_BOTTOM =
+        PEL_PART_BOTTOM, /* reflected by the bottom, scattered or not */
     PEL_WATER_PARTS,
 };
 
@@ -23,7 +26,6 @@ enum pel_water_part {
  * level with each other on a logarithmic scale from first_m to last_m
  * (PEL_DEPTH_MIN..MAX); one level: first_m. Looked up as in
  * shaders/lib/water.glsl. */
-#define PEL_WATER_LEVELS_MAX 24
 struct pel_water_depths {
     int levels;
     double first_m, last_m;

@@ -150,7 +150,7 @@ bool pel_coast_plan(const struct pel_environment *env,
                     const struct pel_camera *c, double visible_m,
                     uint8_t tiles[PEL_MAX_TILES])
 {
-    struct panorama p = { .height_m = fmax(c->altitude_m, 0.3) };
+    struct panorama p = { .height_m = fmax(c->altitude_m, PEL_LEAST_EYE_M) };
     for (int i = 0; i < BINS; i++) {
         p.bins[i] = (struct bin){ { HUGE_VAL, HUGE_VAL },
                                   { -HUGE_VAL, -HUGE_VAL },

@@ -12,10 +12,10 @@
 
 #include "ocean/sea.h"
 #include "scene/snapshot.h"
+#include "shaders/lib/blocks.h"
 
 #define PEL_MESH_MAX_RINGS 4096
 #define PEL_MESH_MAX_VERTICES 1000000
-#define PEL_MESH_MAX_BLOCKS 10
 
 /* Root mean square height of the waves shorter than a wavelength, tabulated:
  * wavelengths in equal steps of their logarithm. Made once for a sea. */

@@ -1,9 +1,7 @@
 #include "render/probe.h"
 
 #include "render/shader.h"
-
-#define ANSWERS 6 /* vec4, as in shaders/probe.comp */
-#define BINDING 5
+#include "shaders/lib/blocks.h"
 
 enum pel_err pel_prober_init(struct pel_prober *p, const char *shader_dir,
                              struct pel_fault *fault)
@@ -15,7 +13,8 @@ enum pel_err pel_prober_init(struct pel_prober *p, const char *shader_dir,
                                           &p->program, fault);
     if (err == PEL_OK) {
         glCreateBuffers(1, &p->buffer);
-        glNamedBufferStorage(p->buffer, sizeof(GLfloat) * 4 * ANSWERS, NULL, 0);
+        glNamedBufferStorage(p->buffer, sizeof(GLfloat) * 4 * PEL_PROBE_ANSWERS,
+                             NULL, 0);
         glObjectLabel(GL_BUFFER, p->buffer, -1, "probe");
     }
     return err;
@@ -36,8 +35,8 @@ static struct pel_rgb rgb(const GLfloat v[4])
 void pel_prober_run(struct pel_prober *p, const struct pel_probe *probe,
                     struct pel_probe_answer *out)
 {
-    GLfloat v[ANSWERS][4];
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, BINDING, p->buffer);
+    GLfloat v[PEL_PROBE_ANSWERS][4];
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_PROBE, p->buffer);
     glProgramUniform3f(p->program, 0, (GLfloat)probe->dir.x,
                        (GLfloat)probe->dir.y, (GLfloat)probe->dir.z);
     glProgramUniform2f(p->program, 1, (GLfloat)probe->slope_along,

@@ -39,7 +39,6 @@
 /* Vertices are read in every way after they are written. */
 #define VERTEX_BARRIERS                                                        \
     (GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT)
-#define RASTER_MARGIN 128 /* MARGIN of shaders/surface.vert */
 
 struct pel_renderer {
     struct pel_context context;
@@ -206,7 +205,14 @@ static void bind_table_eye(void *user, double height_m)
     struct pel_renderer *r = user;
     struct pel_block_eye block;
     pel_fill_eye(height_m, height_m, false, NULL, &block);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &block, sizeof block);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &block,
+                   sizeof block);
+}
+
+/* Groups of `size` that cover `count`. */
+static GLuint groups(int count, int size)
+{
+    return (GLuint)((count + size - 1) / size);
 }
 
 /* All blocks in one dispatch. */
@@ -226,7 +232,7 @@ static void displace_blocks(const struct pel_mesh *m)
     glUniform1i(0, m->block_count);
     glUniform4iv(1, m->block_count, blocks[0]);
     glUniform1iv(1 + PEL_MESH_MAX_BLOCKS, m->block_count, bases);
-    glDispatchCompute((GLuint)(m->vertex_count + 63) / 64, 1, 1);
+    glDispatchCompute(groups(m->vertex_count, PEL_GROUP_LINE), 1, 1);
     glMemoryBarrier(VERTEX_BARRIERS);
 }
 
@@ -243,10 +249,10 @@ static void displace_mesh(struct pel_renderer *r, bool cascades)
         r->vertex_capacity = capacity;
         glTextureBuffer(r->vertex_texels, GL_RGBA32F, r->vertices);
     }
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, r->vertices);
-    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 1, m->rings,
-                   sizeof *m->rings *
-                       (size_t)(m->ring_count ? m->ring_count : 1));
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_VERTICES, r->vertices);
+    pel_arena_bind(
+        &r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_RINGS, m->rings,
+        sizeof *m->rings * (size_t)(m->ring_count ? m->ring_count : 1));
     glBindTextureUnit(PEL_UNIT_VERTICES, r->vertex_texels);
     glUseProgram(cascades ? r->programs.cascades.mesh
                           : r->programs.trochoids.mesh);
@@ -257,12 +263,12 @@ static void displace_mesh(struct pel_renderer *r, bool cascades)
 static void search_surface(struct pel_renderer *r, bool submerged)
 {
     int triangles = 2 * r->mesh->vertex_count;
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, r->targets.keys);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_KEYS, r->targets.keys);
     if (triangles > 0) {
         glUseProgram(r->programs.search);
         glUniform1i(0, r->mesh->vertex_count);
         glUniform1i(1, submerged);
-        glDispatchCompute((GLuint)(triangles + 63) / 64, 1, 1);
+        glDispatchCompute(groups(triangles, PEL_GROUP_LINE), 1, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
 }
@@ -291,9 +297,9 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
         glFrontFace(GL_CW);
     }
     glUseProgram(r->programs.surface);
-    glViewport(-RASTER_MARGIN, -RASTER_MARGIN,
-               (GLsizei)c->width + 2 * RASTER_MARGIN,
-               (GLsizei)c->height + 2 * RASTER_MARGIN);
+    glViewport(-PEL_RASTER_MARGIN, -PEL_RASTER_MARGIN,
+               (GLsizei)c->width + 2 * PEL_RASTER_MARGIN,
+               (GLsizei)c->height + 2 * PEL_RASTER_MARGIN);
     for (int i = 0; i < r->mesh->block_count; i++) {
         const struct pel_mesh_block *b = &r->mesh->blocks[i];
         glUniform4i(0, b->first_ring, b->rings, b->first_column, b->columns);
@@ -369,8 +375,8 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
         glUseProgram(program_of(p, run.tile, kind, p->compute_program[kind]));
         glUniform1i(0, wanted);
         glUniform4i(1, run.x, run.y, run.x + run.width, run.y + run.height);
-        glDispatchCompute((GLuint)(run.width + 7) / 8,
-                          (GLuint)(run.height + 7) / 8, 1);
+        glDispatchCompute(groups(run.width, PEL_GROUP_SIDE),
+                          groups(run.height, PEL_GROUP_SIDE), 1);
     }
 }
 
@@ -409,9 +415,6 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glDisable(GL_DEPTH_TEST);
 }
 
-/* Bits of shaders/shade.comp. */
-enum { WANTS_RADIANCE = 1, WANTS_COLOR = 2, LAST_PASS = 4 };
-
 /* Sky, sea and, without layers, display colour in one dispatch: eight images
  * are what OpenGL promises. */
 static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
@@ -436,19 +439,21 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
         glUseProgram(p->compute_program[kind]);
         glUniform1i(0, wanted);
         glUniform4i(1, 0, 0, (GLint)c->width, (GLint)c->height);
-        glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
+        glDispatchCompute(groups((int)c->width, PEL_GROUP_SIDE),
+                          groups((int)c->height, PEL_GROUP_SIDE), 1);
     }
     glMemoryBarrier(PIXEL_BARRIERS);
 }
 
 static void tone(struct pel_renderer *r, const struct pel_camera *c)
 {
-    glBindTextureUnit(0, r->targets.hdr[0]);
+    glBindTextureUnit(PEL_UNIT_RADIANCE, r->targets.hdr[0]);
     if (r->programs.compute) {
         glBindImageTexture(0, r->targets.color, 0, GL_FALSE, 0, GL_WRITE_ONLY,
                            GL_RGBA8);
         glUseProgram(r->programs.tone_compute);
-        glDispatchCompute((c->width + 7) / 8, (c->height + 7) / 8, 1);
+        glDispatchCompute(groups((int)c->width, PEL_GROUP_SIDE),
+                          groups((int)c->height, PEL_GROUP_SIDE), 1);
         glMemoryBarrier(PIXEL_BARRIERS);
         return;
     }
@@ -508,7 +513,8 @@ static void draw_pixels(struct pel_renderer *r,
         pel_seabed_map_bind(&r->seabed);
         pel_fill_seabed(env, &r->seabed, r->statistics.variance, c->east_m,
                         c->north_m, &block);
-        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 9, &block, sizeof block);
+        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SEABED, &block,
+                       sizeof block);
     }
     struct pel_block_eye eye;
     bool submerged = is_submerged(env, c);
@@ -516,14 +522,17 @@ static void draw_pixels(struct pel_renderer *r,
     if (cascades) {
         struct pel_block_cascades block;
         pel_fill_cascades(env->sea->cascades, c->east_m, c->north_m, &block);
-        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 5, &block, sizeof block);
+        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_CASCADES, &block,
+                       sizeof block);
     } else {
         pel_fill_waves(env, c->east_m, c->north_m, r->wave_block);
-        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 3, r->wave_block,
-                       sizeof *r->wave_block);
+        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_WAVES,
+                       r->wave_block, sizeof *r->wave_block);
     }
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &eye, sizeof eye);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 2, &view, sizeof view);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
+                   sizeof eye);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_VIEW, &view,
+                   sizeof view);
     pel_targets_fit(&r->targets, c->width, c->height, layers, parts);
     pel_stage_begin(&r->timing);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
@@ -536,13 +545,13 @@ static void draw_pixels(struct pel_renderer *r,
         raster_surface(r, c, submerged);
     }
     pel_stage_end(&r->timing, PEL_STAGE_RASTER);
-    int wanted = (layers || asked & PEL_LAYER_RADIANCE) * WANTS_RADIANCE;
-    wanted |= asked & PEL_LAYER_COLOR ? WANTS_COLOR : 0;
+    int wanted = (layers || asked & PEL_LAYER_RADIANCE) * PEL_WANTS_RADIANCE;
+    wanted |= asked & PEL_LAYER_COLOR ? PEL_WANTS_COLOR : 0;
     for (int pass = 0; pass <= parts; pass++) {
         enum pel_shading now = pass ? PEL_SHADE_PARTS : kind;
         if (r->programs.compute) {
             shade_compute(r, c, programs, now,
-                          pass == parts ? wanted | LAST_PASS : wanted);
+                          pass == parts ? wanted | PEL_LAST_PASS : wanted);
         } else {
             shade(r, c, env->sun, programs, now);
         }
@@ -724,7 +733,8 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     pel_stage_begin(&r->timing);
     struct pel_block_frame frame;
     pel_fill_frame(&here, &frame);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 0, &frame, sizeof frame);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, &frame,
+                   sizeof frame);
     if (here.sea->cascades) {
         err = pel_wavefield_run(&r->wavefield, r->shader_dir, &here.sea->desc,
                                 here.sea->cascades, here.time_s, &fault);
@@ -737,7 +747,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     }
     pel_statistics_need(&r->statistics, &here, &r->filter,
                         r->filtering.anisotropy > 1);
-    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, 3,
+    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_VARIANCE,
                    r->statistics.variance, sizeof r->statistics.variance);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
@@ -782,12 +792,14 @@ enum pel_err pel_renderer_probe(struct pel_renderer *r,
     here.sun = pel_sky_quantize_sun(env->sun);
     struct pel_block_frame frame;
     pel_fill_frame(&here, &frame);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 0, &frame, sizeof frame);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, &frame,
+                   sizeof frame);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     double table_height_m = pel_sky_quantize_height(probe->height_m);
     struct pel_block_eye eye;
     pel_fill_eye(probe->height_m, table_height_m, false, NULL, &eye);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, 1, &eye, sizeof eye);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
+                   sizeof eye);
     pel_sky_bind_eye(&r->sky, &here, table_height_m);
     pel_prober_run(&r->prober, probe, out);
     pel_arena_end(&r->arena);

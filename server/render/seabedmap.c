@@ -144,7 +144,8 @@ enum pel_err pel_seabed_map_fit(struct pel_seabed_map *map,
 void pel_seabed_map_bind(const struct pel_seabed_map *map)
 {
     glBindTextureUnit(PEL_UNIT_SEABED_HEIGHTS, map->heights);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, map->tops);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_SEABED_TOPS,
+                     map->tops);
 }
 
 /* --- what the shaders know ------------------------------------------------ */
@@ -203,7 +204,8 @@ static void fill_focus(const struct pel_environment *env,
                       (double)(left[i + 1].cross - left[i].cross);
         bend2 += k * k * fmax(band, 0.0);
         while (depth >= 0 &&
-               reach * exp2(PEL_FOCUS_FIRST + 0.5 * depth) * sqrt(bend2) >
+               reach * exp2(PEL_FOCUS_FIRST + depth / PEL_FOCUS_STEPS) *
+                       sqrt(bend2) >
                    SPREAD_RMS) {
             out[depth--] = vec4(log2(footprint), 0.0, 0.0, 0.0);
         }

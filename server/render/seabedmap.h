@@ -8,10 +8,6 @@
 #include "render/uniforms.h"
 #include "shaders/lib/blocks.h"
 
-enum {
-    PEL_UNIT_SEABED_HEIGHTS = 12,
-};
-
 /* The highest nodes of squares (blocks.h), one level behind the other. */
 struct pel_seabed_tops {
     int levels;

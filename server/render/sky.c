@@ -5,10 +5,8 @@
 
 #include "optics/atmosphere.h"
 #include "render/shader.h"
+#include "shaders/lib/blocks.h"
 
-#define TRANSMITTANCE_WIDTH 256
-#define TRANSMITTANCE_HEIGHT 64
-#define MULTIPLE_SIZE 32
 #define TABLE_WIDTH 96
 #define TABLE_HEIGHT 128
 
@@ -77,11 +75,11 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
             return err;
         }
     }
-    sky->transmittance = make_texture(TRANSMITTANCE_WIDTH, TRANSMITTANCE_HEIGHT,
-                                      1, "transmittance");
+    sky->transmittance = make_texture(
+        PEL_TRANSMITTANCE_WIDTH, PEL_TRANSMITTANCE_HEIGHT, 1, "transmittance");
     sky->transmittance_fbo = make_fbo(sky->transmittance, 0);
-    sky->multiple =
-        make_texture(MULTIPLE_SIZE, MULTIPLE_SIZE, 1, "multiple scattering");
+    sky->multiple = make_texture(PEL_MULTIPLE_SIZE, PEL_MULTIPLE_SIZE, 1,
+                                 "multiple scattering");
     sky->multiple_fbo = make_fbo(sky->multiple, 0);
     make_table(&sky->sea);
     enum pel_err err = pel_water_light_init(&sky->water, shader_dir, fault);
@@ -96,7 +94,7 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
     }
     sky->reflection_fbo = make_fbo(sky->reflection, 0);
     glCreateBuffers(1, &sky->light);
-    glNamedBufferStorage(sky->light, 64, NULL, 0);
+    glNamedBufferStorage(sky->light, sizeof(struct pel_block_light), NULL, 0);
     glObjectLabel(GL_BUFFER, sky->light, -1, "light");
     return PEL_OK;
 }
@@ -159,10 +157,10 @@ static void update_air(struct pel_sky *sky, double visibility_m)
         return;
     }
     draw_screen(sky->transmittance_program, sky->transmittance_fbo,
-                TRANSMITTANCE_WIDTH, TRANSMITTANCE_HEIGHT);
+                PEL_TRANSMITTANCE_WIDTH, PEL_TRANSMITTANCE_HEIGHT);
     glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
-    draw_screen(sky->multiple_program, sky->multiple_fbo, MULTIPLE_SIZE,
-                MULTIPLE_SIZE);
+    draw_screen(sky->multiple_program, sky->multiple_fbo, PEL_MULTIPLE_SIZE,
+                PEL_MULTIPLE_SIZE);
     sky->air_key = visibility_m;
     sky->air_made = true;
 }
@@ -212,24 +210,24 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
     if (!sky->light_made ||
         memcmp(light_key, sky->light_key, sizeof light_key)) {
         glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
-        glBindTextureUnit(PEL_UNIT_SEA_TABLE, sky->sea.radiance);
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, sky->light);
+        glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky->sea.radiance);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LIGHT, sky->light);
         glUseProgram(sky->light_program);
         glDispatchCompute(1, 1, 1);
         glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                         GL_TEXTURE_FETCH_BARRIER_BIT);
-        glBindBufferBase(GL_UNIFORM_BUFFER, 4, sky->light);
+        glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_LIGHT, sky->light);
         pel_water_light_map(&sky->water, env->sun.z, sky->sea.radiance,
                             sky->light);
         glProgramUniform2f(sky->reflection_program, 0, PEL_SKY_MAP_SIZE,
-                           PEL_SKY_MAP_HALF_WIDTH);
+                           (float)PEL_REFLECTION_HALF_WIDTH);
         draw_screen(sky->reflection_program, sky->reflection_fbo,
                     PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE);
         glGenerateTextureMipmap(sky->reflection);
         memcpy(sky->light_key, light_key, sizeof light_key);
         sky->light_made = true;
     }
-    glBindBufferBase(GL_UNIFORM_BUFFER, 4, sky->light);
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_LIGHT, sky->light);
 }
 
 void pel_sky_bind_eye(struct pel_sky *sky, const struct pel_environment *env,

@@ -14,21 +14,6 @@
 #define PEL_SKY_EYES 16
 #define PEL_SKY_KEYS 5
 #define PEL_SKY_MAP_SIZE 128
-#define PEL_SKY_MAP_HALF_WIDTH 1.4f /* shaders/lib/shade.glsl */
-
-/* Texture units of the tables, as in the shaders. */
-enum {
-    PEL_UNIT_TRANSMITTANCE = 0,
-    PEL_UNIT_MULTIPLE = 1,   /* building the tables */
-    PEL_UNIT_REFLECTION = 1, /* shading */
-    PEL_UNIT_SEA_TABLE = 2,
-    PEL_UNIT_EYE_TABLE = 3,
-    PEL_UNIT_EYE_HAZE = 4,
-    PEL_UNIT_TRIANGLES = 5,
-    PEL_UNIT_FACETS = 10,
-    PEL_UNIT_VERTICES = 15,
-    PEL_UNIT_VARIANCE = 11, /* by azimuth; statistics.c */
-};
 
 struct pel_sky_table {
     double key[PEL_SKY_KEYS]; /* Sun, visibility, height */

@@ -22,7 +22,7 @@ static void bind_eye(void *user, double height_m)
     (void)user;
     pel_fill_eye(height_m, height_m, false, NULL, &eye);
     glNamedBufferSubData(eye_buffer, 0, sizeof eye, &eye);
-    glBindBufferBase(GL_UNIFORM_BUFFER, 1, eye_buffer);
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, eye_buffer);
 }
 
 static void make_map(double sun_elevation)
@@ -34,7 +34,7 @@ static void make_map(double sun_elevation)
     pel_fill_frame(&env, &frame);
     glCreateBuffers(1, &buffer);
     glNamedBufferStorage(buffer, sizeof frame, &frame, 0);
-    glBindBufferBase(GL_UNIFORM_BUFFER, 0, buffer);
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, buffer);
     pel_sky_update(&sky, &env, bind_eye, NULL);
     glGetTextureImage(sky.reflection, 0, GL_RGBA, GL_FLOAT, sizeof map, map);
     glGetNamedBufferSubData(sky.light, 0, sizeof light, light);
@@ -44,8 +44,8 @@ static void make_map(double sun_elevation)
 /* The map at u, linear between its pixels. */
 static double at(double u, double v, int channel)
 {
-    double x = (u / PEL_SKY_MAP_HALF_WIDTH * 0.5 + 0.5) * SIZE - 0.5;
-    double y = (v / PEL_SKY_MAP_HALF_WIDTH * 0.5 + 0.5) * SIZE - 0.5;
+    double x = (u / PEL_REFLECTION_HALF_WIDTH * 0.5 + 0.5) * SIZE - 0.5;
+    double y = (v / PEL_REFLECTION_HALF_WIDTH * 0.5 + 0.5) * SIZE - 0.5;
     int i = (int)floor(x), j = (int)floor(y);
     double f = x - i, g = y - j;
     return (1 - g) *
@@ -76,8 +76,10 @@ static void waves_reflect_waves(void **state)
         int checked = 0;
         for (int j = 1; j < SIZE - 1; j++) {
             for (int i = 1; i < SIZE - 1; i++) {
-                double u = ((i + 0.5) / SIZE * 2 - 1) * PEL_SKY_MAP_HALF_WIDTH;
-                double v = ((j + 0.5) / SIZE * 2 - 1) * PEL_SKY_MAP_HALF_WIDTH;
+                double u =
+                    ((i + 0.5) / SIZE * 2 - 1) * PEL_REFLECTION_HALF_WIDTH;
+                double v =
+                    ((j + 0.5) / SIZE * 2 - 1) * PEL_REFLECTION_HALF_WIDTH;
                 double rho2 = u * u + v * v;
                 double down = (rho2 - 1) / (rho2 + 1); /* −z */
                 if (down < 0.08 || rho2 > 1.9) {

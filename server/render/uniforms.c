@@ -186,6 +186,9 @@ static double lattice_place(double tangent, double pitch)
     return fabs(place - whole) < 1e-2 ? whole : round(place * 256.0) / 256.0;
 }
 
+_Static_assert(PEL_SENSOR_NONE == 0 && PEL_SENSOR_ON == PEL_SHADER_SENSOR_ON &&
+                   PEL_SENSOR_OFF == PEL_SHADER_SENSOR_OFF,
+               "the kinds that shaders/lib/tone.glsl knows");
 #define DROPOUT (1.0 / 64) /* of the lines */
 
 void pel_fill_view(const struct pel_camera *camera,

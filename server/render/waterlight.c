@@ -15,20 +15,8 @@
 #define NODES PEL_WATER_NODES
 #define DIRECTIONS (2 * PEL_WATER_ZENITHS)
 
-_Static_assert(PEL_WATER_NODES == PEL_KERNEL_NODES, "one set of nodes");
-_Static_assert(PEL_WATER_MODES == PEL_KERNEL_MODES, "one series");
-_Static_assert(PEL_WATER_PLANES == PEL_SAMPLING_PLANES &&
-                   PEL_WATER_ZENITHS == PEL_SAMPLING_ZENITHS &&
-                   PEL_WATER_AZIMUTHS == PEL_SAMPLING_AZIMUTHS,
-               "the sampling that was studied");
-
-/* Texture and image units while the maps are made. */
-enum {
-    UNIT_SKY = 2,
-    UNIT_PHASE = 12,
-    UNIT_RADIANCE = 13,
-    UNIT_ATTENUATION = 14,
-};
+_Static_assert(DIRECTIONS % PEL_GROUP_WATER == 0, "whole groups");
+_Static_assert(PEL_WATER_NODES == 12, "three vec4 of weights a row");
 
 static const char *const buffer_names[PEL_WATER_BUFFERS] = {
     "water directions", "water nodes",    "water planes",
@@ -112,7 +100,8 @@ static void make_rows(struct pel_water_light *w)
     for (int i = 0; i < PEL_WATER_SKY_ROWS; i++) {
         double x = (i + 0.5) * step, e = 0.5 * PEL_PI * x * x;
         const struct pel_geometry at = { .sun_zenith_rad = 0.5 * PEL_PI - e };
-        double azimuth_step = 2.0 * PEL_PI / 32.0; /* both halves */
+        double azimuth_step =
+            PEL_PI / PEL_WATER_SKY_COLUMNS * 2.0; /* both halves */
         double solid = azimuth_step * PEL_PI * x * step * cos(e);
         sky[i].at = (struct pel_vec4){
             (float)e, (float)(solid * pel_interface_at(&at).beam), 0, 0
@@ -254,29 +243,30 @@ static void put_kernel(struct pel_water_light *w)
 /* The second order, by the maps. */
 static void scatter(struct pel_water_light *w)
 {
-    glBindBufferBase(GL_UNIFORM_BUFFER, 10,
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_MEDIUM,
                      w->buffers[PEL_WATER_BUFFER_MEDIUM]);
-    bind(w, 1, PEL_WATER_BUFFER_KERNEL);
-    bind(w, 5, PEL_WATER_BUFFER_DIRECTIONS);
-    bind(w, 6, PEL_WATER_BUFFER_KNOTS);
-    bind(w, 7, PEL_WATER_BUFFER_PLANE);
-    glBindTextureUnit(UNIT_PHASE, w->phase_map);
-    glBindTextureUnit(UNIT_RADIANCE, w->radiance_map);
-    glBindTextureUnit(UNIT_ATTENUATION, w->attenuation_map);
-    glBindImageTexture(0, w->phase_map, 0, GL_TRUE, 0, GL_WRITE_ONLY,
-                       GL_RGBA32F);
+    bind(w, PEL_STORE_WATER_KERNEL, PEL_WATER_BUFFER_KERNEL);
+    bind(w, PEL_STORE_WATER_DIRECTIONS, PEL_WATER_BUFFER_DIRECTIONS);
+    bind(w, PEL_STORE_WATER_NODES, PEL_WATER_BUFFER_KNOTS);
+    bind(w, PEL_STORE_WATER_PLANES, PEL_WATER_BUFFER_PLANE);
+    glBindTextureUnit(PEL_UNIT_WATER_PHASE, w->phase_map);
+    glBindTextureUnit(PEL_UNIT_WATER_RADIANCE, w->radiance_map);
+    glBindTextureUnit(PEL_UNIT_WATER_ATTENUATION, w->attenuation_map);
+    glBindImageTexture(PEL_IMAGE_WATER_PHASE, w->phase_map, 0, GL_TRUE, 0,
+                       GL_WRITE_ONLY, GL_RGBA32F);
     glUseProgram(w->programs[PEL_WATER_PHASE_MAP]);
-    glDispatchCompute(DIRECTIONS / 32, NODES, 1);
-    glBindImageTexture(0, w->radiance_map, 0, GL_TRUE, 0, GL_WRITE_ONLY,
-                       GL_RGBA32F);
-    glBindImageTexture(1, w->attenuation_map, 0, GL_FALSE, 0, GL_WRITE_ONLY,
-                       GL_RGBA32F);
+    glDispatchCompute(DIRECTIONS / PEL_GROUP_WATER, NODES, 1);
+    glBindImageTexture(PEL_IMAGE_WATER_RADIANCE, w->radiance_map, 0, GL_TRUE, 0,
+                       GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(PEL_IMAGE_WATER_ATTENUATION, w->attenuation_map, 0,
+                       GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     GLuint radiance = w->programs[PEL_WATER_RADIANCE_MAP];
     GLuint scattering = w->programs[PEL_WATER_SCATTER_MAP];
     for (int level = 0; level < w->depths.levels; level++) {
         glProgramUniform1i(radiance, 0, level);
         glUseProgram(radiance);
-        glDispatchCompute(DIRECTIONS / 32, NODES, PEL_WATER_PLANES);
+        glDispatchCompute(DIRECTIONS / PEL_GROUP_WATER, NODES,
+                          PEL_WATER_PLANES);
         glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
         glProgramUniform1i(scattering, 0, level);
         glUseProgram(scattering);
@@ -337,20 +327,21 @@ void pel_water_light_map(struct pel_water_light *w, double sun_z,
                          GLuint sky_table, GLuint light)
 {
     put_sunbeam(w, sun_z);
-    glBindBufferBase(GL_UNIFORM_BUFFER, 10,
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_MEDIUM,
                      w->buffers[PEL_WATER_BUFFER_MEDIUM]);
-    glBindBufferBase(GL_UNIFORM_BUFFER, 11,
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_BEAM,
                      w->buffers[PEL_WATER_BUFFER_SUNBEAM]);
-    bind(w, 5, PEL_WATER_BUFFER_COEFFICIENTS);
-    bind(w, 6, PEL_WATER_BUFFER_SKY_ROW);
-    glBindTextureUnit(UNIT_SKY, sky_table);
+    bind(w, PEL_STORE_WATER_COEFFICIENTS, PEL_WATER_BUFFER_COEFFICIENTS);
+    bind(w, PEL_STORE_WATER_ROWS, PEL_WATER_BUFFER_SKY_ROW);
+    glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky_table);
     glUseProgram(w->programs[PEL_WATER_SKY]);
     glDispatchCompute(PEL_WATER_MODES, 1, 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    bind(w, 1, PEL_WATER_BUFFER_KERNEL);
-    bind(w, 6, PEL_WATER_BUFFER_MAP_ROW);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, light);
-    glBindImageTexture(0, w->map, 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    bind(w, PEL_STORE_WATER_KERNEL, PEL_WATER_BUFFER_KERNEL);
+    bind(w, PEL_STORE_WATER_ROWS, PEL_WATER_BUFFER_MAP_ROW);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LIGHT, light);
+    glBindImageTexture(PEL_IMAGE_WATER_MAP, w->map, 0, GL_TRUE, 0,
+                       GL_WRITE_ONLY, GL_RGBA32F);
     glUseProgram(w->programs[PEL_WATER_MAP]);
     glDispatchCompute(SIZE, (GLuint)w->depths.levels, 1);
     glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |

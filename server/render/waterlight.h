@@ -14,8 +14,6 @@
 #include "optics/waterkernel.h"
 #include "render/renderer.h"
 
-#define PEL_UNIT_WATER 9 /* texture unit of the maps */
-
 enum pel_water_program {
     PEL_WATER_PHASE_MAP,    /* volume-scattering map */
     PEL_WATER_RADIANCE_MAP, /* with the attenuation map */

@@ -66,11 +66,13 @@ static void look(struct pel_water_prober *p, const double (*views)[2],
     glNamedBufferStorage(buffers[0], (GLsizeiptr)sizeof *to * count, to, 0);
     glNamedBufferStorage(buffers[1], (GLsizeiptr)sizeof *found * count, NULL,
                          0);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, buffers[0]);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, buffers[1]);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_PROBE, buffers[0]);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_PROBE_ANSWERS,
+                     buffers[1]);
     glBindTextureUnit(PEL_UNIT_WATER, p->light.map);
     glUseProgram(p->program);
-    glDispatchCompute((GLuint)(count + 31) / 32, 1, 1);
+    glDispatchCompute((GLuint)(count + PEL_GROUP_WATER - 1) / PEL_GROUP_WATER,
+                      1, 1);
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(buffers[1], 0, (GLsizeiptr)sizeof *found * count,
                             found);
@@ -110,8 +112,8 @@ pel_water_prober_run(struct pel_water_prober *p, const char *shader_dir,
     GLuint block = 0;
     glCreateBuffers(1, &block);
     glNamedBufferStorage(block, sizeof frame, &frame, 0);
-    glBindBufferBase(GL_UNIFORM_BUFFER, 0, block);
-    glBindBufferBase(GL_UNIFORM_BUFFER, 4, p->sun);
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, block);
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_LIGHT, p->sun);
     pel_water_light_update(&p->light, &env);
     pel_water_light_map(&p->light, cosine, p->black, p->sun);
     look(p, views, depth_m, count, out);

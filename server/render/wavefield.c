@@ -6,6 +6,7 @@
 
 #include "ocean/evolve.h"
 #include "render/worker_pool.h"
+#include "shaders/lib/blocks.h"
 
 #define N PEL_CASCADE_N
 #define LEVELS PEL_CASCADE_LEVELS
@@ -206,11 +207,12 @@ static void bind_fields(const struct pel_wavefield *field)
 static void bind_images(const struct pel_wavefield *field, GLint level)
 {
     const struct pel_wavefield_textures *set = &field->sets[field->current];
-    glBindImageTexture(0, set->displacement, level, GL_TRUE, 0, GL_WRITE_ONLY,
-                       GL_RGBA32F);
-    glBindImageTexture(1, set->slopes, level, GL_TRUE, 0, GL_WRITE_ONLY,
-                       GL_RGBA32F);
-    glBindImageTexture(2, set->fold, level, GL_TRUE, 0, GL_WRITE_ONLY, GL_R32F);
+    glBindImageTexture(PEL_IMAGE_DISPLACEMENT, set->displacement, level,
+                       GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(PEL_IMAGE_SLOPES, set->slopes, level, GL_TRUE, 0,
+                       GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(PEL_IMAGE_FOLD, set->fold, level, GL_TRUE, 0,
+                       GL_WRITE_ONLY, GL_R32F);
 }
 
 /* glGenerateTextureMipmap takes a draw for each layer and level: a
@@ -230,10 +232,11 @@ static void make_levels(const struct pel_wavefield *field)
 
 static void transform_by_shaders(struct pel_wavefield *field, double time_s)
 {
-    glBindTextureUnit(0, field->amplitudes);
-    glBindTextureUnit(1, field->modes);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, field->lines);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, field->parameters);
+    glBindTextureUnit(PEL_UNIT_AMPLITUDES, field->amplitudes);
+    glBindTextureUnit(PEL_UNIT_MODES, field->modes);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LINES, field->lines);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_MODES,
+                     field->parameters);
     glUseProgram(field->rows_program);
     glUniform1d(0, time_s);
     glDispatchCompute(1, N, PEL_CASCADES);

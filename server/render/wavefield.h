@@ -8,13 +8,6 @@
 #include "ocean/cascade.h"
 #include "render/shader.h"
 
-/* Texture units of the fields, as in shaders/lib/cascades.glsl. */
-enum {
-    PEL_UNIT_DISPLACEMENT = 6,
-    PEL_UNIT_SLOPES = 7,
-    PEL_UNIT_FOLD = 8,
-};
-
 /* The fields of one moment, with their levels of detail. */
 struct pel_wavefield_textures {
     GLuint displacement, slopes, fold;

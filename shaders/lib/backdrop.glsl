@@ -1,6 +1,6 @@
 // What is not sea: the sky and the Sun's disc.
 
-layout(binding = 0) uniform sampler2D transmittance;
+layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 
 shaded shade_backdrop(ivec2 at)
 {

@@ -1,5 +1,6 @@
-/* Uniform blocks, one text for C and GLSL: vec4 only, so that std140 and C lay
- * them out alike. */
+/* Constants, bindings and uniform blocks, one text for C and GLSL: a number
+ * that both know stands here and nowhere else. Blocks hold vec4 only, so that
+ * std140 and C lay them out alike. */
 #ifdef __STDC__
 #pragma once
 struct pel_vec4 {
@@ -9,14 +10,125 @@ struct pel_vec4 {
 #define PEL_STRUCT struct
 #define PEL_BLOCK(index, name) struct pel_block_##name
 #else
-#define PEL_BLOCK(index, name) layout(std140, binding = index) uniform name##_block
+#define PEL_BLOCK(index, name)                                                 \
+    layout(std140, binding = index) uniform name##_block
 #define PEL_STRUCT
 #endif
+
+/* --- bindings ------------------------------------------------------------- */
+
+/* Uniform blocks. */
+#define PEL_BLOCK_FRAME 0
+#define PEL_BLOCK_EYE 1
+#define PEL_BLOCK_VIEW 2
+#define PEL_BLOCK_WAVES 3
+#define PEL_BLOCK_LIGHT 4
+#define PEL_BLOCK_CASCADES 5
+#define PEL_BLOCK_SEABED 9
+#define PEL_BLOCK_MEDIUM 10
+#define PEL_BLOCK_BEAM 11
+
+/* Texture units of shading. */
+#define PEL_UNIT_TRANSMITTANCE 0
+#define PEL_UNIT_REFLECTION 1
+#define PEL_UNIT_EYE_TABLE 3
+#define PEL_UNIT_EYE_HAZE 4
+#define PEL_UNIT_TRIANGLES 5
+#define PEL_UNIT_DISPLACEMENT 6 /* 6 to 8: the cascades' fields */
+#define PEL_UNIT_SLOPES 7
+#define PEL_UNIT_FOLD 8
+#define PEL_UNIT_WATER 9
+#define PEL_UNIT_FACETS 10
+#define PEL_UNIT_VARIANCE 11
+#define PEL_UNIT_SEABED_HEIGHTS 12
+#define PEL_UNIT_VERTICES 15
+/* Of passes that do not shade, in places of the above. */
+#define PEL_UNIT_RADIANCE 0     /* tone */
+#define PEL_UNIT_MULTIPLE 1     /* tables of the sky */
+#define PEL_UNIT_SKY_TABLE 2    /* light, water, reflection map */
+#define PEL_UNIT_WATER_PHASE 12 /* 12 to 14: maps of the water */
+#define PEL_UNIT_WATER_RADIANCE 13
+#define PEL_UNIT_WATER_ATTENUATION 14
+#define PEL_UNIT_AMPLITUDES 0 /* 0, 1: transforms of the cascades */
+#define PEL_UNIT_MODES 1
+
+/* Storage buffers of the mesh and of shading. */
+#define PEL_STORE_VERTICES 0
+#define PEL_STORE_RINGS 1
+#define PEL_STORE_VARIANCE 3
+#define PEL_STORE_KEYS 4
+#define PEL_STORE_SEABED_TOPS 6
+/* Of other passes, in places of the above. */
+#define PEL_STORE_LIGHT 2        /* block `light`, where it is written */
+#define PEL_STORE_WATER_KERNEL 1 /* 1, 5 to 7: maps of the water */
+#define PEL_STORE_WATER_DIRECTIONS 5
+#define PEL_STORE_WATER_COEFFICIENTS 5
+#define PEL_STORE_WATER_NODES 6
+#define PEL_STORE_WATER_ROWS 6
+#define PEL_STORE_WATER_PLANES 7
+#define PEL_STORE_LINES 0 /* 0, 1: transforms of the cascades */
+#define PEL_STORE_MODES 1
+#define PEL_STORE_PROBE 5 /* 5, 6: probes */
+#define PEL_STORE_PROBE_ANSWERS 6
+#define PEL_STORE_FILTERED 0 /* 0, 1: filtered.comp */
+#define PEL_STORE_FILTERED_ANSWERS 1
+
+/* Images that passes before shading write. */
+#define PEL_IMAGE_DISPLACEMENT 0
+#define PEL_IMAGE_SLOPES 1
+#define PEL_IMAGE_FOLD 2
+#define PEL_IMAGE_WATER_PHASE 0
+#define PEL_IMAGE_WATER_RADIANCE 0
+#define PEL_IMAGE_WATER_ATTENUATION 1
+#define PEL_IMAGE_WATER_MAP 0
+
+/* --- what C and the shaders agree on -------------------------------------- */
+
+/* Invocations of a group along a line, and along a side of a square. */
+#define PEL_GROUP_LINE 64
+#define PEL_GROUP_WATER 32
+#define PEL_GROUP_SIDE 8
+
+/* Refractive index of sea water for its light, n: as in the 2010 paper. */
+#define PEL_WATER_INDEX 1.34
+
+/* Albedo of the sea as the ground of the atmosphere. */
+#define PEL_SEA_ALBEDO 0.06
+
+/* The mean reflectance's fit, B eq. 26: R + (1 - R) (1 - cos)^(5 e^(FALL s)) /
+ * (1 + ROUGH s^1.5). */
+#define PEL_MEAN_FRESNEL_FALL -2.69
+#define PEL_MEAN_FRESNEL_ROUGH 22.7
+
+/* Tables of the atmosphere, texels; half width of the reflection map, whose
+ * horizon is at 1. */
+#define PEL_TRANSMITTANCE_WIDTH 256
+#define PEL_TRANSMITTANCE_HEIGHT 64
+#define PEL_MULTIPLE_SIZE 32
+#define PEL_REFLECTION_HALF_WIDTH 1.4
+
+/* Viewport beyond each edge of a picture that is rasterised, px. */
+#define PEL_RASTER_MARGIN 128
+
+#define PEL_MESH_MAX_BLOCKS 10
+
+/* What shade.comp writes, and whether it sets the keys back to 0. */
+#define PEL_WANTS_RADIANCE 1
+#define PEL_WANTS_COLOR 2
+#define PEL_LAST_PASS 4
+
+/* Kinds of sensor (scene/snapshot.h). */
+#define PEL_SHADER_SENSOR_ON 1
+#define PEL_SHADER_SENSOR_OFF 2
+
+/* vec4 that a probe answers with (probe.comp). */
+#define PEL_PROBE_ANSWERS 6
 
 #define PEL_WAVE_LIMIT 256
 
 /* Slope variance left to the BRDF along and across the wind, by the footprint
- * of a pixel: PEL_VARIANCE_STEPS entries an octave from 2^PEL_VARIANCE_FIRST m. */
+ * of a pixel: PEL_VARIANCE_STEPS entries an octave from 2^PEL_VARIANCE_FIRST m.
+ */
 #define PEL_VARIANCE_FIRST -10.0
 #define PEL_VARIANCE_STEPS 8.0
 #define PEL_VARIANCE_COUNT 192
@@ -37,7 +149,8 @@ struct pel_vec4 {
 #define PEL_TAP_SPAN 1.2
 
 /* One for a frame. Spectral values are at 680, 550, 440 nm. */
-PEL_BLOCK(0, frame) {
+PEL_BLOCK(PEL_BLOCK_FRAME, frame)
+{
     vec4 sun;      /* xyz towards the Sun; w angular radius, rad */
     vec4 solar;    /* rgb irradiance above the air; w solid angle, sr */
     vec4 wind;     /* xy unit, blows to; zw total slope variance along, cross */
@@ -45,16 +158,17 @@ PEL_BLOCK(0, frame) {
     vec4 mie;      /* x extinction, y scattering, 1/m; z scale height; w g */
     vec4 ozone;    /* rgb peak absorption, 1/m; w height of the peak, m */
     vec4 planet;   /* x ground, y top radius, m; z ozone half-width, m; w R0 */
-    vec4 water;    /* levels of depth (lib/water.glsl): x their number, y log2 of the
-                      first, m, z levels an octave; w 1 leaves out the air */
-    vec4 disc;     /* x variance of slopes that mirror some of the Sun's disc */
-    vec4 red;      /* rows of the matrix to Rec. 709 cd/m² */
+    vec4 water; /* levels of depth (lib/water.glsl): x their number, y log2 of
+                   the first, m, z levels an octave; w 1 leaves out the air */
+    vec4 disc;  /* x variance of slopes that mirror some of the Sun's disc */
+    vec4 red;   /* rows of the matrix to Rec. 709 cd/m² */
     vec4 green;
     vec4 blue;
 };
 
 /* One for an eye, a camera position of this frame. */
-PEL_BLOCK(1, eye) {
+PEL_BLOCK(PEL_BLOCK_EYE, eye)
+{
     vec4 eye; /* x height above the sea, m; y dip of the horizon, rad; z angle
                  between the mesh's columns, rad; w columns around */
     vec4 lut; /* x height the sky tables were made for, m; y 1 under water */
@@ -62,12 +176,13 @@ PEL_BLOCK(1, eye) {
 
 /* One for a view. The pixel lattice is X right, Y down, in pixels from the
  * axis: a ray is right·X·px − up·Y·py − back. */
-PEL_BLOCK(2, view) {
-    vec4 right; /* camera axes in the world; w of right: N_min */
-    vec4 up;    /* w: 1 / (N_max − N_min) */
-    vec4 back;  /* w: levels of detail that slopes are sampled coarser */
-    vec4 pixel; /* px, py; lattice place of the picture's top left corner */
-    vec4 size;  /* width, height, px; z fixed EV100; w 1 when automatic */
+PEL_BLOCK(PEL_BLOCK_VIEW, view)
+{
+    vec4 right;  /* camera axes in the world; w of right: N_min */
+    vec4 up;     /* w: 1 / (N_max − N_min) */
+    vec4 back;   /* w: levels of detail that slopes are sampled coarser */
+    vec4 pixel;  /* px, py; lattice place of the picture's top left corner */
+    vec4 size;   /* width, height, px; z fixed EV100; w 1 when automatic */
     vec4 sensor; /* x 0 none, 1 a sensor's grey, 2 no picture; grey · y + z; w
                     noise */
     vec4 sensor_seed; /* xy 0..65535; z share of lines that drop out */
@@ -82,11 +197,19 @@ struct pel_shader_wave {
 };
 
 /* One for an eye. Longest first; padded with waves of no length. */
-PEL_BLOCK(3, waves) {
+PEL_BLOCK(PEL_BLOCK_WAVES, waves)
+{
     PEL_STRUCT pel_shader_wave waves[PEL_WAVE_LIMIT];
 };
 
-/* As in ocean/shear.h. */
+/* The cascades (ocean/cascade.h): how many, modes along a side, levels of
+ * detail (256, 128 .. 1). */
+#define PEL_CASCADES 4
+#define PEL_CASCADE_N 256
+#define PEL_CASCADE_LEVELS 9
+
+/* How many times shorter the second shear of each is than the first, to which
+ * it is normal (ocean/shear.h). */
 #define PEL_SHEAR_RATIO 1.29
 
 /* One for an eye, instead of the waves, where the sea is made of FFT cascades
@@ -97,9 +220,11 @@ struct pel_shader_cascade {
                     two shears (ocean/shear.h) */
     vec4 shear;  /* xy f of the first, 1/m; z shear / |f|², m² */
 };
-#define PEL_LONGEST_OF_CASCADE 0.1548 /* wave of all but the first, in its lengths */
-PEL_BLOCK(5, cascades) {
-    PEL_STRUCT pel_shader_cascade cascades[4];
+/* Longest wave of all cascades but the first, in lengths of the tile. */
+#define PEL_LONGEST_OF_CASCADE 0.1548
+PEL_BLOCK(PEL_BLOCK_CASCADES, cascades)
+{
+    PEL_STRUCT pel_shader_cascade cascades[PEL_CASCADES];
 };
 
 /* Gauss quadrature over the facets an eye sees (optics/facets.h), by
@@ -117,9 +242,10 @@ struct pel_block_facets {
 #endif
 
 /* Written by the light pass. */
-PEL_BLOCK(4, light) {
+PEL_BLOCK(PEL_BLOCK_LIGHT, light)
+{
     vec4 exposure;  /* x automatic EV100 */
-    vec4 sun_light; /* rgb irradiance of the Sun normal to its beam, sea level */
+    vec4 sun_light; /* rgb irradiance normal to the Sun's beam, sea level */
     vec4 sky_light; /* rgb horizontal irradiance of the sky */
     vec4 sea_light; /* rgb the water's radiance, seen at 37° across the Sun */
 };
@@ -128,30 +254,48 @@ PEL_BLOCK(4, light) {
  * square of 2^(k+1) spaces between nodes, borders and all. */
 #define PEL_SEABED_TOP_LEVELS 11
 
-/* Depths in steps of half an octave from 2^PEL_FOCUS_FIRST m. */
+/* The light of level water made that of a slope (optics/waterslope.h): found by
+ * least squares against the Monte Carlo over planes, ridges and steps
+ * (docs/water.md). In units of a reduced optical depth, light comes from where
+ * the bottom lies less deep under the line of sight (UNDER) and from uphill
+ * (STEEP); ABSORBED is the share of absorption in it. */
+#define PEL_SLOPE_ABSORBED 0.45
+#define PEL_SLOPE_BOTTOM_UNDER 0.25
+#define PEL_SLOPE_BOTTOM_STEEP 0.2
+#define PEL_SLOPE_VOLUME_UNDER 0.18
+#define PEL_SLOPE_VOLUME_STEEP 0.39
+#define PEL_SLOPE_SHIFT_LEAST -1.0
+#define PEL_SLOPE_SHIFT_MOST 0.6
+
+/* Depths, PEL_FOCUS_STEPS an octave from 2^PEL_FOCUS_FIRST m. */
 #define PEL_FOCUS_FIRST -2.0
+#define PEL_FOCUS_STEPS 2.0
 #define PEL_FOCUS_COUNT 20
 
 /* One for an eye over a height field (render/seabedmap.h). */
-PEL_BLOCK(9, seabed) {
-    vec4 bed_place;  /* xy the eye's nadir in nodes; z nodes a metre; w metres between nodes */
-    vec4 bed_size;   /* columns, rows; z highest, above the sea's zero, m; w the file's zero
-                        above it, m */
-    vec4 bed_beyond; /* x height beyond the field, m; y up to where waves wet the land, m;
-                        z levels of seabed_tops; w 1 with caustics */
+PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
+{
+    vec4 bed_place;  /* xy the eye's nadir in nodes; z nodes a metre; w metres
+                        between nodes */
+    vec4 bed_size;   /* columns, rows; z highest, above the sea's zero, m; w the
+                        file's zero above it, m */
+    vec4 bed_beyond; /* x height beyond the field, m; y up to where waves wet
+                        the land, m; z levels of seabed_tops; w 1: caustics */
     vec4 bed_wet;    /* rgb albedo of wet land */
     vec4 bed_dry;    /* rgb of dry land and under water */
-    vec4 bed_level[PEL_SEABED_TOP_LEVELS]; /* of seabed_tops: x place of the first, y columns,
-                                              z rows */
-    vec4 bed_focus[PEL_FOCUS_COUNT]; /* by depth: x log2 of the footprint, m, whose waves focus
-                                        light without crossing rays */
-    vec4 bed_extinction; /* rgb of the water, 1/m; w radiance above the water that the Sun's
-                            beam of unit irradiance leaves on a white level bottom, 1/sr */
-    vec4 bed_fall;       /* rgb of scattered light by length, octaves a metre; w the number
-                            of cascades */
+    vec4 bed_level[PEL_SEABED_TOP_LEVELS]; /* of seabed_tops: x place of the
+                                              first, y columns, z rows */
+    vec4 bed_focus[PEL_FOCUS_COUNT]; /* by depth: x log2 of the footprint, m,
+                                        whose waves focus light without crossing
+                                        rays */
+    vec4 bed_extinction; /* rgb of the water, 1/m; w radiance above the water
+                            that the Sun's beam of unit irradiance leaves on a
+                            white level bottom, 1/sr */
+    vec4 bed_fall; /* rgb of scattered light by length, octaves a metre; w the
+                      number of cascades */
     vec4 bed_absorption; /* rgb, 1/m; 0 where only two orders are drawn */
-    vec4 bed_turned;     /* rgb scattering (1 − asymmetry), 1/m, or 0; w 1 where slopes are
-                            steeper than the Sun's beam in the water */
+    vec4 bed_turned; /* rgb scattering (1 − asymmetry), 1/m, or 0; w 1 where
+                        slopes are steeper than the Sun's beam in the water */
 };
 
 /* Light inside the water (render/waterlight.h). Sizes of its maps: nodes of
@@ -164,23 +308,38 @@ PEL_BLOCK(9, seabed) {
 #define PEL_WATER_AZIMUTHS 48
 #define PEL_WATER_MAP_SIZE 64
 #define PEL_WATER_SKY_ROWS 32
-PEL_BLOCK(10, medium) {
-    vec4 full_extinction;   /* rgb, 1/m; w 1: every order is drawn */
-    vec4 single_extinction; /* rgb, of single scattering */
-    vec4 scattering;        /* rgb, 1/m */
-    vec4 ground;            /* rgb albedo of the bottom */
-    vec4 asymmetry;         /* rgb */
-    vec4 depth[24];         /* x m, of each level */
+#define PEL_WATER_SKY_COLUMNS 32 /* in half a circle */
+/* Most depths that there are maps for. */
+#define PEL_WATER_LEVELS_MAX 24
+/* Parts of the light, as layers of the maps after their sum and as layers of
+ * pictures (optics/watertable.h). */
+#define PEL_PART_SINGLE 0 /* scattered once */
+#define PEL_PART_SECOND 1 /* scattered twice */
+#define PEL_PART_HIGHER 2 /* more often, or mirrored from below */
+#define PEL_PART_BOTTOM 3 /* reflected by the bottom, scattered or not */
+/* Only of the buffer of the answers (optics/waterkernel.h): reflected by the
+ * bottom, and not scattered. */
+#define PEL_PART_STRAIGHT 4
+PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
+{
+    vec4 full_extinction;             /* rgb, 1/m; w 1: every order is drawn */
+    vec4 single_extinction;           /* rgb, of single scattering */
+    vec4 scattering;                  /* rgb, 1/m */
+    vec4 ground;                      /* rgb albedo of the bottom */
+    vec4 asymmetry;                   /* rgb */
+    vec4 depth[PEL_WATER_LEVELS_MAX]; /* x m, of each level */
 };
-PEL_BLOCK(11, sunbeam) {
-    vec4 sunbeam;      /* in the water: x sine, y cosine of its zenith angle; z
-                          irradiance normal to it for 1 above the surface */
-    vec4 at_nodes[3];  /* weights of the nodes that make its sine */
+PEL_BLOCK(PEL_BLOCK_BEAM, sunbeam)
+{
+    vec4 sunbeam;     /* in the water: x sine, y cosine of its zenith angle; z
+                         irradiance normal to it for 1 above the surface */
+    vec4 at_nodes[3]; /* weights of the nodes that make its sine */
 };
 /* A row of the sky or of the map: its place among the nodes. */
 struct pel_shader_row {
-    vec4 at; /* sky: x elevation, rad, y what a texel's radiance adds to the beam
-                below; map: x sine, y cosine of the zenith angle in the water */
+    vec4
+        at; /* sky: x elevation, rad, y what a texel's radiance adds to the
+               beam below; map: x sine, y cosine of its zenith angle in water */
     vec4 at_nodes[3];
 };
 

@@ -1,9 +1,11 @@
 // The sea from the cascades' textures, as ocean/cascade.h defines it; x is the
 // place at rest from the eye's nadir.
 
-layout(binding = 6) uniform sampler2DArray displacement_fields; // Dx, Dy, h
-layout(binding = 7) uniform sampler2DArray slope_fields; // hx, hy, Dxx, Dyy
-layout(binding = 8) uniform sampler2DArray fold_field;   // Dxy
+layout(binding = PEL_UNIT_DISPLACEMENT) uniform sampler2DArray displacement_fields; // Dx, Dy, h
+layout(binding = PEL_UNIT_SLOPES) uniform sampler2DArray slope_fields; // hx, hy, Dxx, Dyy
+layout(binding = PEL_UNIT_FOLD) uniform sampler2DArray fold_field;   // Dxy
+
+const float COARSEST = float(PEL_CASCADE_LEVELS - 1); // one texel
 
 // Where a cascade is read for a place, and the derivative by that place; from
 // one cascade to the next finer one.
@@ -49,7 +51,7 @@ vec2 cascade_uv(int c, vec2 place)
 vec3 spline(int c, vec2 uv, float lod)
 {
     int level = int(lod + 0.5);
-    int n = 256 >> level;
+    int n = PEL_CASCADE_N >> level;
     vec2 at = uv * float(n) - 0.5;
     vec2 f = fract(at);
     ivec2 i = ivec2(at - f) - 1;
@@ -71,7 +73,7 @@ vec3 spline(int c, vec2 uv, float lod)
 vec3 spline(int c, vec2 uv, float lod)
 {
     float level = floor(lod + 0.5);
-    float n = 256.0 * exp2(-level);
+    float n = float(PEL_CASCADE_N) * exp2(-level);
     vec2 at = uv * n - 0.5;
     vec2 f = fract(at);
     vec2 i = at - f;
@@ -97,11 +99,11 @@ vec3 spline(int c, vec2 uv, float lod)
 vec3 cascade_displacement(int c, vec2 uv, float lod)
 {
     lod = max(lod, 0.0);
-    if (lod >= 8.0) {
+    if (lod >= COARSEST) {
         return vec3(0.0);
     }
     float low = floor(lod);
-    return mix(spline(c, uv, low), spline(c, uv, min(low + 1.0, 8.0)), lod - low);
+    return mix(spline(c, uv, low), spline(c, uv, min(low + 1.0, COARSEST)), lod - low);
 }
 
 // By the waves that cells of this length carry.
@@ -109,7 +111,7 @@ vec3 cascade_shift(vec2 x, float cell)
 {
     vec3 sum = vec3(0.0);
     reading at = reading_at(x);
-    for (int c = 0; c < 4; c++) {
+    for (int c = 0; c < PEL_CASCADES; c++) {
         shear(c, x, at);
         sum += cascade_displacement(c, cascade_uv(c, at.place), log2(cell / cascades[c].place.w));
     }

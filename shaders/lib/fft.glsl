@@ -1,10 +1,12 @@
 // A line of 256 complex numbers by 64 invocations: Stockham's radix-4 inverse
 // transform without the factor 1/N, four packed transforms at once.
-const int FFT_N = 256;
+#if PEL_CASCADE_N != 256
+#error "four stages of radix 4"
+#endif
 const int FFT_LANES = 64;
 
-shared vec4 line_ab[FFT_N];
-shared vec4 line_cd[FFT_N];
+shared vec4 line_ab[PEL_CASCADE_N];
+shared vec4 line_cd[PEL_CASCADE_N];
 
 vec2 turned(vec2 a, vec2 b)
 {

@@ -24,8 +24,8 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
     f.shift = vec3(0.0);
 #endif
     reading at = reading_at(x);
-    // Nothing is left of a cascade at level 8, one texel.
-    for (int c = 0; c < 4; c++) {
+    // Nothing is left of a cascade at its coarsest level.
+    for (int c = 0; c < PEL_CASCADES; c++) {
         shear(c, x, at);
 #if PEL_ANISOTROPY > 1
         // Taps along the line of sight, together as wide as the level of
@@ -37,13 +37,13 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
         vec2 span = sight * (PEL_TAP_SPAN * sqrt(max(along * along - least * least, 0.0)));
         vec2 along_read = at.by.xz * span.x + at.by.yw * span.y;
         float share = 1.0 / taps;
-        taps = lod + back.w < 8.0 ? taps : 0.0;
+        taps = lod + back.w < COARSEST ? taps : 0.0;
         for (float j = 0.5; j < taps; j += 1.0) {
             vec2 place = at.place + along_read * (j * share - 0.5);
 #else
         float lod = log2(along / cascades[c].place.w);
         const float share = 1.0;
-        if (lod + back.w < 8.0) {
+        if (lod + back.w < COARSEST) {
             vec2 place = at.place;
 #endif
             vec3 uv = vec3(cascade_uv(c, place), c);

@@ -1,5 +1,5 @@
 // The air between the eye and a surface: towards its equilibrium radiance.
-layout(binding = 4) uniform sampler2D eye_haze;
+layout(binding = PEL_UNIT_EYE_HAZE) uniform sampler2D eye_haze;
 
 // What comes through of light from `range` m along the unit direction; `air`:
 // what the air adds.

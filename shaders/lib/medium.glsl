@@ -1,11 +1,11 @@
 // The water as its maps are made (optics/waterkernel.h).
 
 // The buffer of the answers, by level of depth.
-const int SINGLE = 0;
-const int SECOND = 1;
-const int BEYOND = 2;
-const int BOTTOM = 3;
-const int STRAIGHT = 4;
+const int SINGLE = PEL_PART_SINGLE;
+const int SECOND = PEL_PART_SECOND;
+const int BEYOND = PEL_PART_HIGHER; // and SECOND, until they are told apart
+const int BOTTOM = PEL_PART_BOTTOM;
+const int STRAIGHT = PEL_PART_STRAIGHT;
 const int PARTS = 5;
 
 int kernel_at(int level, int part, int mode, int beam, int sight)

@@ -18,8 +18,8 @@ float smith_lambda_cos(float cos_theta, float s)
 float mean_fresnel(float cos_theta, float s)
 {
     return planet.w + (1.0 - planet.w) *
-           pow(max(1.0 - cos_theta, 1e-6), 5.0 * exp(-2.69 * s)) /
-           (1.0 + 22.7 * s * sqrt(s));
+           pow(max(1.0 - cos_theta, 1e-6), 5.0 * exp(PEL_MEAN_FRESNEL_FALL * s)) /
+           (1.0 + PEL_MEAN_FRESNEL_ROUGH * s * sqrt(s));
 }
 
 // Slope variance in the azimuth of a direction given in tangent space.

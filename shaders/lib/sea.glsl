@@ -4,7 +4,7 @@
 
 // The vertices, two texels each: software devices read a texel of four at once,
 // the members of a storage buffer one by one and lane by lane.
-layout(binding = 15) uniform samplerBuffer vertex_texels;
+layout(binding = PEL_UNIT_VERTICES) uniform samplerBuffer vertex_texels;
 
 vec4 vertex_position(int i)
 {
@@ -15,7 +15,7 @@ vec2 vertex_rest(int i)
 {
     return texelFetch(vertex_texels, 2 * i + 1).xy;
 }
-layout(binding = 1) uniform sampler2D reflection_map;
+layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 
 #ifdef PEL_LAYERS
 // The waves finer than the mesh move the surface off its triangle: Newton's

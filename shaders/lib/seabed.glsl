@@ -2,9 +2,9 @@
 // sight meets the land, and how deep the water is that it looks into. Heights
 // are above the sea's zero here, places x from the eye's nadir.
 
-layout(binding = 12) uniform sampler2D seabed_heights; // and their means, m above the file's zero
+layout(binding = PEL_UNIT_SEABED_HEIGHTS) uniform sampler2D seabed_heights; // and their means, m above the file's zero
 // A buffer, since samplers of software devices take one level for four pixels.
-layout(std430, binding = 6) restrict readonly buffer seabed_tops_block { float seabed_tops[]; };
+layout(std430, binding = PEL_STORE_SEABED_TOPS) restrict readonly buffer seabed_tops_block { float seabed_tops[]; };
 
 vec2 bed_node(vec2 x)
 {
@@ -167,7 +167,7 @@ float seabed_distance(vec3 dir, float limit)
         BODY                                                                   \
         c++;                                                                   \
     } while (c < int(bed_fall.w) &&                                            \
-             footprint * cascades[min(c, 3)].place.z < PEL_LONGEST_OF_CASCADE);
+             footprint * cascades[min(c, PEL_CASCADES - 1)].place.z < PEL_LONGEST_OF_CASCADE);
 #endif
 
 // Slope of the waves that a footprint resolves.
@@ -224,8 +224,8 @@ vec3 wave_bend(vec2 x, float footprint)
 // its mean over the bottom is 1.
 float caustic(vec2 place, float depth, float footprint, vec3 sun_dir, float cosine)
 {
-    const float eta = 1.0 / 1.34;
-    float row = clamp((log2(max(depth, 1e-3)) - PEL_FOCUS_FIRST) * 2.0, 0.0,
+    const float eta = 1.0 / PEL_WATER_INDEX;
+    float row = clamp((log2(max(depth, 1e-3)) - PEL_FOCUS_FIRST) * PEL_FOCUS_STEPS, 0.0,
                       float(PEL_FOCUS_COUNT) - 1.001);
     int entry = int(row);
     float least = exp2(mix(bed_focus[entry].x, bed_focus[entry + 1].x, row - float(entry)));
@@ -246,7 +246,7 @@ float seabed_lit(vec2 place, float height, float depth, vec3 sun_dir, float cosi
         return 1.0;
     }
     float hidden = 0.0;
-    vec2 run = sun_dir.xy * (depth / (1.34 * cosine));
+    vec2 run = sun_dir.xy * (depth / (PEL_WATER_INDEX * cosine));
     for (int i = 1; i <= 8; i++) {
         float t = float(i) / 8.5;
         hidden = max(hidden, seabed_height(bed_node(place + run * t)) - height - depth * t);
@@ -268,7 +268,7 @@ struct bed_view {
 bed_view seabed_seen(vec2 x, float z, vec3 v, vec3 n)
 {
     float facing = max(dot(n, v), 0.0);
-    const float eta = 1.0 / 1.34;
+    const float eta = 1.0 / PEL_WATER_INDEX;
     vec3 down = n * (eta * facing - sqrt(1.0 - eta * eta * (1.0 - facing * facing))) - eta * v;
     bed_view seen;
     seen.rise = max(-down.z, 0.2);
@@ -304,7 +304,7 @@ vec3 log2_less(vec3 x)
 // Twin of pel_slope_light.
 bed_light seabed_light(vec2 at, bed_view seen, float footprint, vec3 sun_dir)
 {
-    const float eta = 1.0 / 1.34;
+    const float eta = 1.0 / PEL_WATER_INDEX;
     float depth = max(seen.depth, 0.01);
     float cosine = sqrt(1.0 - eta * eta * (1.0 - sun_dir.z * sun_dir.z));
     vec3 n = seabed_normal(bed_node(seen.place), footprint);
@@ -314,16 +314,18 @@ bed_light seabed_light(vec2 at, bed_view seen, float footprint, vec3 sun_dir)
     float under = 1.0 - seen.under / depth;
     float steep = 1.0 - n.z * n.z;
     vec3 turned = bed_turned.rgb * depth;
-    vec3 reach = 0.45 * depth * bed_absorption.rgb + turned;
+    vec3 reach = PEL_SLOPE_ABSORBED * depth * bed_absorption.rgb + turned;
     // Levels of the depths that are looked up, none beyond the last: the sea
     // beyond the field's tiles has its bottom.
     float last = water.x - 1.0;
     float here = (log2(depth) - water.y) * water.z;
-    vec3 shift = clamp(reach * (0.25 * under + 0.2 * steep), -1.0, 0.6);
+    vec3 shift = clamp(reach * (PEL_SLOPE_BOTTOM_UNDER * under + PEL_SLOPE_BOTTOM_STEEP * steep),
+                       PEL_SLOPE_SHIFT_LEAST, PEL_SLOPE_SHIFT_MOST);
     vec3 deepest = vec3(exp2(water.y + last / water.z));
     vec3 for_bottom = min(depth * (1.0 - shift), deepest);
     vec3 bottom_level = min(here + log2_less(shift) * water.z, last);
-    shift = clamp(reach * (0.18 * under + 0.39 * steep), -1.0, 0.6);
+    shift = clamp(reach * (PEL_SLOPE_VOLUME_UNDER * under + PEL_SLOPE_VOLUME_STEEP * steep),
+                  PEL_SLOPE_SHIFT_LEAST, PEL_SLOPE_SHIFT_MOST);
     vec3 volume_level = min(here + log2_less(shift) * water.z, last);
     vec3 kept = 1.0 / (1.0 + turned);
 

@@ -2,7 +2,6 @@
 // 2010. All directions are in the local frame of the patch (z up), `n` its
 // mean normal, `variance` its slope variances along and across the wind.
 
-const float MAP_HALF_WIDTH = 1.4; // of the reflection map, horizon at 1
 const float MIN_VARIANCE = 1e-8; // of slopes, against division by zero
 
 // Which integral over the sky: render/filtering.h.
@@ -14,7 +13,7 @@ const float MIN_VARIANCE = 1e-8; // of slopes, against division by zero
 #endif
 
 #if PEL_SKY_FILTER == PEL_SKY_FACETS
-layout(binding = 10) uniform samplerBuffer facet_texels; // nodes and weights in turn
+layout(binding = PEL_UNIT_FACETS) uniform samplerBuffer facet_texels; // nodes and weights in turn
 
 // Reflected sky radiance, and in `fresnel` the reflectance it was weighted
 // with. The integral of eq. 20 over visible facets, Fresnel's term inside it,
@@ -42,7 +41,7 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
                        texelFetch(facet_texels, 2 * entry + 3).xyz, f_place);
     vec3 sum = vec3(0.0);
     fresnel = 0.0;
-    float texels = float(textureSize(map, 0).x) / (2.0 * MAP_HALF_WIDTH);
+    float texels = float(textureSize(map, 0).x) / (2.0 * PEL_REFLECTION_HALF_WIDTH);
     for (int i = 0; i < 3; i++) {
         vec2 slope = axis * nodes[i];
         vec3 facet = tx * slope.x + ty * slope.y + n;
@@ -56,7 +55,7 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
         vec3 r = 2.0 * fv * f - v;
         float inverse = 1.0 / (1.0 + max(r.z, -0.3));
         float width = max(4.0 * sqrt(cross2) * abs(fv), 1.5 * s) * inverse * texels;
-        vec2 uv = r.xy * inverse * (0.5 / MAP_HALF_WIDTH) + 0.5;
+        vec2 uv = r.xy * inverse * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
         vec3 sample_ = textureLod(map, uv, log2(max(width, 1.0))).rgb;
         sum += sample_ * share;
     }
@@ -68,7 +67,7 @@ vec2 mirrored(vec2 slope, vec3 v, vec3 n, vec3 tx, vec3 ty)
 {
     vec3 f = normalize(n - slope.x * tx - slope.y * ty);
     vec3 r = 2.0 * dot(f, v) * f - v;
-    return r.xy / (1.0 + max(r.z, -0.3)) * (0.5 / MAP_HALF_WIDTH) + 0.5;
+    return r.xy / (1.0 + max(r.z, -0.3)) * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
 }
 
 // The paper's product of means, eq. 21: F̄ by its fit, L̄ by the map over an

@@ -13,10 +13,10 @@ struct shaded {
 #endif
 };
 
-layout(binding = 3) uniform sampler2D eye_table;
+layout(binding = PEL_UNIT_EYE_TABLE) uniform sampler2D eye_table;
 
 // What an eye under the surface sees: the water's own light, more from above.
 vec3 from_under_water(vec3 radiance, float up)
 {
-    return lut.y > 0.5 ? sea_light.rgb * (1.34 * 1.34 * (0.7 + 0.3 * up)) : radiance;
+    return lut.y > 0.5 ? sea_light.rgb * (PEL_WATER_INDEX * PEL_WATER_INDEX * (0.7 + 0.3 * up)) : radiance;
 }

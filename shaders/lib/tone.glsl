@@ -35,7 +35,7 @@ vec3 sensed(vec3 encoded, uvec2 p)
 {
     uvec2 seed = uvec2(sensor_seed.xy);
     bool dropped = noise(uvec2(seed.x, p.y + seed.y)) < sensor_seed.z;
-    if (sensor.x > 1.5 || dropped) {
+    if (sensor.x == float(PEL_SHADER_SENSOR_OFF) || dropped) {
         return vec3(0.0);
     }
     // Twice: one hash alone shows its lattice.
@@ -60,5 +60,5 @@ vec3 display(vec3 light, ivec2 at)
         encoded = sensed(encoded, place);
     }
     // Black is black.
-    return encoded + (sensor.x > 1.5 ? 0.0 : (noise(place) - 0.5) / 255.0);
+    return encoded + (sensor.x == float(PEL_SHADER_SENSOR_OFF) ? 0.0 : (noise(place) - 0.5) / 255.0);
 }

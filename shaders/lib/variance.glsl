@@ -1,8 +1,8 @@
 // What a footprint leaves to the BRDF: total minus resolved (eq. 4), from tables
 // of pel_sea_slopes_left (ocean/filter.h).
 
-layout(std430, binding = 3) restrict readonly buffer variance_block { vec2 variance_table[]; };
-layout(binding = 11) uniform sampler3D variance_by_azimuth;
+layout(std430, binding = PEL_STORE_VARIANCE) restrict readonly buffer variance_block { vec2 variance_table[]; };
+layout(binding = PEL_UNIT_VARIANCE) uniform sampler3D variance_by_azimuth;
 
 // Slope variance along and across the wind.
 vec2 variance_left(vec2 sight, float along, float across)

@@ -13,13 +13,13 @@
 // mixes the two levels around a depth, and holds the first and the last beyond
 // them. Over a height field lib/seabed.glsl looks into them by itself.
 
-layout(binding = 9) uniform sampler2DArray water_map;
+layout(binding = PEL_UNIT_WATER) uniform sampler2DArray water_map;
 
 const float WATER_TOTAL = 0.0; // parts, in the order of the layers
-const float WATER_SINGLE = 1.0;
-const float WATER_SECOND = 2.0;
-const float WATER_HIGHER = 3.0;
-const float WATER_BOTTOM = 4.0;
+const float WATER_SINGLE = 1.0 + float(PEL_PART_SINGLE);
+const float WATER_SECOND = 1.0 + float(PEL_PART_SECOND);
+const float WATER_HIGHER = 1.0 + float(PEL_PART_HIGHER);
+const float WATER_BOTTOM = 1.0 + float(PEL_PART_BOTTOM);
 
 struct water_light {
     vec3 single, second, higher, bottom;
@@ -36,13 +36,13 @@ water_light water_from_below(vec3 radiance)
 vec2 water_place(vec3 v, vec3 n, vec3 sun_dir)
 {
     float facing = max(dot(n, v), 0.0);
-    const float eta = 1.0 / 1.34;
+    const float eta = 1.0 / PEL_WATER_INDEX;
     vec2 line = n.xy * (eta * facing - sqrt(1.0 - eta * eta * (1.0 - facing * facing))) - eta * v.xy;
     float sine = length(line);
     float across = length(sun_dir.xy) * sine;
     float cosine = across > 1e-6 ? dot(line, sun_dir.xy) / across : 0.0;
     vec2 size = vec2(textureSize(water_map, 0).xy);
-    vec2 place = clamp(vec2(0.5 + 0.5 * cosine, 1.34 * sine), 0.0, 1.0);
+    vec2 place = clamp(vec2(0.5 + 0.5 * cosine, PEL_WATER_INDEX * sine), 0.0, 1.0);
     return (0.5 + place * (size - 1.0)) / size;
 }
 
