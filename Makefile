@@ -23,7 +23,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev \
-    libssl-dev libgdal-dev
+    libssl-dev libgdal-dev libhdf5-dev
 TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
     python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
@@ -65,7 +65,7 @@ PKG_CFLAGS = $(eval PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS)))$(PKG_CFL
 PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -lyuv -lwslay -lm)$(PKG_LIBS)
 # GStreamer muxes what pelagosctl records; the daemon does not link it.
 CTL_PKGS := gstreamer-1.0 gstreamer-app-1.0
-READER_PKGS := gdal OpenEXR
+READER_PKGS := gdal hdf5-serial OpenEXR
 # As a system header: it is not clean of our warnings.
 READER_CFLAGS = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(READER_PKGS)))
 READER_LIBS = $(eval READER_LIBS := $(shell pkg-config --libs $(READER_PKGS)) -lOpenEXRCore -lm)$(READER_LIBS)
@@ -73,7 +73,8 @@ CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
 
 # --- sources, by room -----------------------------------------------------
 BASE := server/base/err.c server/base/log.c server/base/clock.c \
-    server/base/metrics.c server/base/urgent.c
+    server/base/metrics.c server/base/urgent.c server/base/file.c \
+    server/base/helper.c server/base/sandbox.c
 OCEAN := server/ocean/spectrum.c \
     server/ocean/directional.c \
     server/ocean/elfouhaily.c \
@@ -93,7 +94,7 @@ OCEAN := server/ocean/spectrum.c \
 SEABED := server/seabed/seabed.c server/seabed/wire.c server/seabed/load.c
 # A program of its own: GDAL is not the daemon's.
 SEABED_READER := server/seabed/reader/reader.c server/seabed/reader/geo.c \
-    server/seabed/reader/exr.c
+    server/seabed/reader/exr.c server/seabed/reader/hdf5.c
 OPTICS := server/optics/brdf.c \
     server/optics/atmosphere.c \
     server/optics/colour.c \
@@ -261,7 +262,8 @@ TESTS += server/optics/watertable_test.c
 TESTS += server/encode/encode_test.c
 TESTS += server/encode/planes_test.c
 TESTS += server/encode/video_test.c
-TESTS += server/base/urgent_test.c
+TESTS += server/base/urgent_test.c server/base/sandbox_test.c \
+    server/base/file_test.c
 TESTS += server/net/net_test.c
 TESTS += server/options_test.c
 TESTS += server/frames/prefetch_test.c
@@ -438,8 +440,15 @@ endef
 $(foreach t,$(TESTS),$(eval $(call test_rule,$(t))))
 $(O)/bin/ground_test: | $(O)/bin/pelagos-seabed
 
+# Every driver of GDAL, for files that the reader must not read.
+$(O)/tests/any_raster.o: CPPFLAGS += $(READER_CFLAGS)
+$(O)/bin/any_raster: $(O)/tests/any_raster.o $(O)/libserver.a
+	$(Q)mkdir -p $(@D)
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(READER_LIBS)
+
 .PHONY: tests
-tests: $(TEST_BIN) $(O)/bin/registers_doc $(O)/bin/cigi_doc ## build the test programs
+tests: $(TEST_BIN) $(O)/bin/registers_doc $(O)/bin/cigi_doc $(O)/bin/any_raster ## build the test programs
 
 .PHONY: unit
 unit: $(TEST_BIN) ## run the C test programs

@@ -80,7 +80,7 @@ const struct pel_option pel_option_table[] = {
     { "bathymetry", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(bathymetry),
       .help = "Where the files of heights lie that seabed.file names: GeoTIFF, "
-              "NetCDF, OpenEXR, whatever GDAL reads." },
+              "NetCDF, HDF5, BAG, ENVI, ESRI .hdr and ASCII grids, OpenEXR." },
 
     { "device", "render", PEL_OPTION_TEXT_KIND, "auto|software|NUMBER", "auto",
       .offset = FIELD(device),

@@ -62,9 +62,21 @@ class Seabed(unittest.TestCase):
             whole = f.read()
         with open(at("cut.tif"), "wb") as f:
             f.write(whole[:len(whole) // 3])
-        gdal("gdal_translate", "-q", "-of", "PNG", "-ot", "Byte", "-scale",
-             "-25", "10", "0", "250", at("geographic.tif"), at("picture.png"))
-        os.remove(at("picture.png.aux.xml"))
+        gdal("gdal_translate", "-q", "-of", "ENVI", at("geographic.tif"),
+             at("envi.bin"))
+        gdal("gdal_translate", "-q", "-of", "EHdr", at("geographic.tif"),
+             at("ehdr.bil"))
+        gdal("gdal_translate", "-q", "-of", "netCDF", "-co", "FORMAT=NC4",
+             at("geographic.tif"), at("grid4.nc"))
+        gdal("gdal_translate", "-q", "-of", "BAG", at("utm31.tif"),
+             at("survey.bag"))
+        gdal("gdal_translate", "-q", "-co", "PROFILE=BASELINE", "-ot", "Byte",
+             "-scale", "-25", "10", "0", "250", at("geographic.tif"),
+             at("picture.tif"))
+        if os.path.exists(at("picture.tif.aux.xml")):
+            os.remove(at("picture.tif.aux.xml"))
+        with open(at("drawn.png"), "wb") as f:
+            f.write(b"\x89PNG\r\n\x1a\n" + bytes(64))
         cls.cigi_port = free_port(socket.SOCK_DGRAM)
         cls.daemon = Daemon("--bathymetry", cls.folder, "--cigi",
                             f"127.0.0.1:{cls.cigi_port}", unix=True)
@@ -87,7 +99,8 @@ class Seabed(unittest.TestCase):
     def test_files_of_others(self):
         # The origin is 52.6 N, 5.2 E; 1 km of latitude is 0.008987 deg.
         for name in ("plain.asc", "geographic.tif", "utm31.tif", "grid.nc",
-                     "centimetres.tif"):
+                     "centimetres.tif", "grid4.nc", "envi.bin", "ehdr.bil",
+                     "survey.bag"):
             self.choose(file=name)
             got = [p["depth"] for p in self.points([[0, 0], [0, 1000],
                                                     [0, -3000]])]
@@ -189,7 +202,8 @@ class Seabed(unittest.TestCase):
         self.choose(file="geographic.tif")
         before = self.described()
         for name, words in (("cut.tif", "cut.tif"),
-                            ("picture.png", "no georeference"),
+                            ("picture.tif", "no georeference"),
+                            ("drawn.png", "no raster that is read"),
                             ("none.tif", "no such file"),
                             ("/etc/passwd", "without /")):
             answer = self.daemon.patch({"seabed": {"file": name}})
@@ -200,7 +214,7 @@ class Seabed(unittest.TestCase):
         answer = self.daemon.patch({"origin": {"latitude": 10}})
         self.assertIn("km from the scene's origin", answer.body.decode())
         self.assertEqual(self.described(), before)
-        self.choose(file="picture.png", latitude=52.6, longitude=5.2,
+        self.choose(file="picture.tif", latitude=52.6, longitude=5.2,
                     spacing=50)
         answer = self.daemon.patch(
             {"seabed": {k: None for k in ("file", "latitude", "longitude",

@@ -271,7 +271,7 @@ static void refusals_say_why_and_change_nothing(void **state)
         { "{\"seabed\":{\"file\":\"none.tif\"}}", "no such file" },
         { "{\"seabed\":{\"file\":\"../shore.asc\"}}", "without /" },
         { "{\"seabed\":{\"file\":\".hidden\"}}", "name of a file" },
-        { "{\"seabed\":{\"file\":\"text.tif\"}}", "GDAL reads no raster" },
+        { "{\"seabed\":{\"file\":\"text.tif\"}}", "no raster that is read" },
         { "{\"seabed\":{\"offset\":101}}", "-100 to 100 m" },
         { "{\"seabed\":{\"spacing\":0}}", "0.1 to 10000 m" },
     };

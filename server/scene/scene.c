@@ -8,6 +8,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/sandbox.h"
 #include "fault.h"
 #include "json.h"
 #include "message.h"
@@ -510,6 +511,10 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
         options->wave_count > 0 ? options->wave_count : DEFAULT_WAVES;
     scene->means.spectra = scene->spectra = g_strdup(options->spectra);
     scene->bathymetry = g_strdup(options->bathymetry);
+    if (options->bathymetry && pel_sandbox_lack(pel_sandbox_walls())) {
+        pel_warn("SCN-010", "height files are read in a process with %s",
+                 pel_sandbox_lack(pel_sandbox_walls()));
+    }
     scene->state_path = g_strdup(options->state_path);
     nobody_yet(state);
     err = pel_sea_settle(state, fault);

@@ -356,9 +356,9 @@ class Seabed(Record):
     water and soundings follow it; the waves keep to sea.depth. water.bottom or
     the albedos say what it is made of; beyond the field water.depth holds."""
     #: File in the directory of pelagosd --bathymetry: GeoTIFF, NetCDF
-    #: (EMODnet, GEBCO), whatever GDAL reads, or OpenEXR; absent: water.depth
-    #: everywhere. Of more than 2048 x 2048 heights those about the origin are
-    #: taken.
+    #: (EMODnet, GEBCO), HDF5, BAG, ENVI, ESRI .hdr or ASCII grid, or OpenEXR,
+    #: that needs no file of another name; absent: water.depth everywhere. Of
+    #: more than 2048 x 2048 heights those about the origin are taken.
     file: str | None = _field(None)
     #: One of ELEVATION, DEPTH.
     values: str = _field('ELEVATION')

@@ -3,6 +3,7 @@
 #include <cpl_string.h>
 #include <gdal.h>
 #include <gdal_alg.h>
+#include <gdal_frmts.h>
 #include <gdal_utils.h>
 #include <math.h>
 #include <ogr_srs_api.h>
@@ -16,10 +17,20 @@
 #define EDGE 32             /* samples along an edge */
 #define FARTHEST_M 200000.0 /* from the origin to the nearest of the raster */
 
-/* Drivers that fetch from elsewhere, or hand on to other files. */
-static const char skipped[] =
-    "VRT,WMS,WCS,WMTS,HTTP,DAAS,EEDA,EEDAI,PLMOSAIC,PLSCENES,NGW,WFS,OGCAPI,"
-    "STACTA,STACIT,Rasterlite,PostGISRaster,GeoRaster,RDA,DERIVED";
+/* All the drivers there are in this process. Each reads the file that it is
+ * given and those of the same name beside it; none takes the names of others
+ * from a file, nor speaks to the network. */
+static const struct {
+    void (*add)(void);
+    const char *name;
+} drivers[] = {
+    { GDALRegister_GTiff, "GTiff" },     { GDALRegister_netCDF, "netCDF" },
+    { GDALRegister_BAG, "BAG" },         { GDALRegister_HDF5, "HDF5" },
+    { GDALRegister_AAIGrid, "AAIGrid" }, { GDALRegister_EHdr, "EHdr" },
+    { GDALRegister_ENVI, "ENVI" },       { GDALRegister_MEM, "MEM" },
+};
+static const char formats[] =
+    "GeoTIFF, netCDF, BAG, HDF5, ASCII grid, ESRI .hdr, ENVI or OpenEXR";
 
 static void say_nothing(CPLErr class, CPLErrorNum number, const char *text)
 {
@@ -70,7 +81,7 @@ static enum pel_err open_raster(const char *path, GDALDatasetH *out,
     if (!*out) {
         const char *why = CPLGetLastErrorMsg();
         return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "GDAL reads no raster from it%s%.120s",
+                             "no raster that is read (%s)%s%.100s", formats,
                              *why ? ": " : "", why);
     }
     if (GDALGetRasterCount(*out) == 0) {
@@ -429,6 +440,40 @@ static enum pel_err open_exr(const struct pel_raster_request *request,
                          : err;
 }
 
+void pel_raster_prepare(const char *places[PEL_RASTER_MOST_PLACES + 1])
+{
+    static const char *const settings[][2] = {
+        { "GDAL_DRIVER_PATH", "disable" },
+        { "GDAL_CACHEMAX", "64" },
+        { "GDAL_NUM_THREADS", "1" },
+        { "GDAL_PAM_ENABLED", "NO" }, /* no .aux.xml, read or written */
+        { "GDAL_HTTP_MAX_RETRY", "0" },
+        { "CPL_VSIL_CURL_ALLOWED_FILENAME", "none" },
+    };
+    size_t count = 0;
+    CPLSetErrorHandler(say_nothing);
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
+        CPLSetConfigOption(settings[i][0], settings[i][1]);
+    }
+    /* The C library's own name for no file locking: that is a system call
+     * which the sandbox has not. */
+    setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
+    for (size_t i = 0; i < sizeof drivers / sizeof *drivers; i++) {
+        drivers[i].add();
+    }
+    OSRSetPROJEnableNetwork(FALSE);
+    char **proj = OSRGetPROJSearchPaths();
+    for (int i = 0; proj && proj[i] && count + 1 < PEL_RASTER_MOST_PLACES;
+         i++) {
+        places[count++] = proj[i];
+    }
+    const char *own = CPLFindFile("gdal", "gdalvrt.xsd");
+    if (own) {
+        places[count++] = strdup(CPLGetPath(own));
+    }
+    places[count] = NULL;
+}
+
 enum pel_err pel_raster_read(const struct pel_raster_request *request,
                              struct pel_raster_field *out,
                              struct pel_fault *fault)
@@ -437,15 +482,12 @@ enum pel_err pel_raster_read(const struct pel_raster_request *request,
     bool assume_wgs84 = false, exr = is_exr(request->path);
     char frame[160];
     double scale = request->depths ? -1.0 : 1.0, offset = 0;
-    CPLSetErrorHandler(say_nothing);
-    CPLSetConfigOption("GDAL_SKIP", skipped);
-    CPLSetConfigOption("GDAL_DRIVER_PATH", "disable");
-    CPLSetConfigOption("GDAL_CACHEMAX", "64");
-    CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
-    GDALAllRegister();
     local_frame(request->origin_latitude, request->origin_longitude, frame);
-    enum pel_err err = exr ? open_exr(request, &set, fault)
-                           : open_raster(request->path, &set, fault);
+    enum pel_err err = pel_raster_check_hdf5(request->path, fault);
+    if (!err) {
+        err = exr ? open_exr(request, &set, fault)
+                  : open_raster(request->path, &set, fault);
+    }
     if (!err && !exr) {
         GDALRasterBandH band = GDALGetRasterBand(set, 1);
         double unit = unit_of(band, request->depths);

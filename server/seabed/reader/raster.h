@@ -9,7 +9,7 @@
 
 /* How a file is to be read and where it goes. Degrees, metres. */
 struct pel_raster_request {
-    const char *path;
+    const char *path; /* a plain name in the working directory */
     double origin_latitude, origin_longitude; /* of the local frame */
     bool placed;                              /* by the next three */
     double latitude, longitude;               /* of the middle */
@@ -39,10 +39,22 @@ PEL_CHECK enum pel_err pel_raster_read_exr(const char *path,
                                            struct pel_raster_plain *out,
                                            struct pel_fault *fault);
 
-/* Whatever GDAL reads from this one file, resampled bilinearly at the raster's
- * own spacing to azimuthal equidistant metres about the origin (the scene's
- * local frame, scene/geodesy.h). A raster of more than PEL_SEABED_MOST nodes
- * each way: those about the origin. */
+/* Refuses an HDF5 file (netCDF 4 and BAG are such) that hands on to other
+ * files: external links, external storage, virtual data sets. OK: any other
+ * file. */
+PEL_CHECK enum pel_err pel_raster_check_hdf5(const char *path,
+                                             struct pel_fault *fault);
+
+#define PEL_RASTER_MOST_PLACES 8
+
+/* Before the sandbox is closed: GDAL with the drivers that it may use, and
+ * where its own files lie (NULL-terminated, at most PEL_RASTER_MOST_PLACES). */
+void pel_raster_prepare(const char *places[PEL_RASTER_MOST_PLACES + 1]);
+
+/* What GDAL's allowed drivers read from this one file, resampled bilinearly at
+ * the raster's own spacing to azimuthal equidistant metres about the origin
+ * (the scene's local frame, scene/geodesy.h). A raster of more than
+ * PEL_SEABED_MOST nodes each way: those about the origin. */
 PEL_CHECK enum pel_err pel_raster_read(const struct pel_raster_request *request,
                                        struct pel_raster_field *out,
                                        struct pel_fault *fault);

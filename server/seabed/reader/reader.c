@@ -2,36 +2,26 @@
  * in the form of seabed/wire.h. The daemon starts one for a file and throws it
  * away: what a file makes GDAL do, crash or take, it does here.
  *
- *   pelagos-seabed LATITUDE LONGITUDE elevation|depth FILE [LAT LON SPACING]
+ *   pelagos-seabed LATITUDE LONGITUDE elevation|depth DIRECTORY FILE
+ *                  [LAT LON SPACING]
  *
  * The first place is the scene's origin, the last that of the raster's middle.
+ * Of the directory's files it may read all, since many formats have a second
+ * file beside the first; nothing elsewhere (base/sandbox.h).
  * On failure a sentence on standard error, status 1, or 2 for wrong use. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
+#include <unistd.h>
 
+#include "base/sandbox.h"
 #include "seabed/reader/raster.h"
 #include "seabed/wire.h"
 
 #define MOST_MEMORY (1 << 30)
 #define MOST_CPU_S 10
-
-/* A sandbox may not let a process set them, and then has limits of its own. */
-static void limit(void)
-{
-    __attribute__((unused))
-    const struct rlimit memory = { MOST_MEMORY, MOST_MEMORY };
-    const struct rlimit cpu = { MOST_CPU_S, MOST_CPU_S };
-    const struct rlimit none = { 0, 0 };
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    (void)!setrlimit(RLIMIT_AS, &memory); /* sanitizers map far more */
-#endif
-    (void)!setrlimit(RLIMIT_CPU, &cpu);
-    (void)!setrlimit(RLIMIT_CORE, &none);
-}
 
 static bool number(const char *text, double low, double high, double *out)
 {
@@ -44,19 +34,42 @@ static bool number(const char *text, double low, double high, double *out)
 static bool read_arguments(int argc, char **argv,
                            struct pel_raster_request *out)
 {
-    if ((argc != 5 && argc != 8) ||
+    if ((argc != 6 && argc != 9) ||
         !number(argv[1], -90, 90, &out->origin_latitude) ||
         !number(argv[2], -180, 180, &out->origin_longitude) ||
         (strcmp(argv[3], "elevation") != 0 && strcmp(argv[3], "depth") != 0)) {
         return false;
     }
     out->depths = strcmp(argv[3], "depth") == 0;
-    out->path = argv[4];
-    out->placed = argc == 8;
-    return !out->placed || (number(argv[5], -90, 90, &out->latitude) &&
-                            number(argv[6], -180, 180, &out->longitude) &&
-                            number(argv[7], PEL_SEABED_SPACING_MIN,
+    out->path = argv[5];
+    out->placed = argc == 9;
+    return !out->placed || (number(argv[6], -90, 90, &out->latitude) &&
+                            number(argv[7], -180, 180, &out->longitude) &&
+                            number(argv[8], PEL_SEABED_SPACING_MIN,
                                    PEL_SEABED_SPACING_MAX, &out->spacing_m));
+}
+
+_Noreturn static void refuse(const char *why)
+{
+    fprintf(stderr, "%s\n", why);
+    fflush(stderr);
+    _Exit(1);
+}
+
+/* Into the directory, and the sandbox closed behind us. */
+static enum pel_err enter(const char *directory, struct pel_fault *fault)
+{
+    const char *readable[PEL_RASTER_MOST_PLACES + 2] = { "." };
+    const struct pel_sandbox sandbox = { .readable = readable,
+                                         .cpu_s = MOST_CPU_S,
+                                         .memory_bytes = MOST_MEMORY,
+                                         .walls = PEL_SANDBOX_ALL };
+    if (chdir(directory)) {
+        return pel_fault_set(fault, PEL_ERR_IO, "%.160s: %s", directory,
+                             strerror(errno));
+    }
+    pel_raster_prepare(readable + 1);
+    return pel_sandbox_close(&sandbox, fault);
 }
 
 int main(int argc, char **argv)
@@ -64,16 +77,19 @@ int main(int argc, char **argv)
     struct pel_raster_request request = { 0 };
     struct pel_raster_field field;
     struct pel_fault fault = { 0 };
+    char name[512];
     unsigned char head[PEL_SEABED_WIRE_HEAD];
     if (!read_arguments(argc, argv, &request)) {
         fprintf(stderr, "usage: pelagos-seabed LATITUDE LONGITUDE "
-                        "elevation|depth FILE [LATITUDE LONGITUDE SPACING]\n");
+                        "elevation|depth DIRECTORY FILE "
+                        "[LATITUDE LONGITUDE SPACING]\n");
         return 2;
     }
-    limit();
-    if (pel_raster_read(&request, &field, &fault)) {
-        fprintf(stderr, "%s\n", fault.message);
-        return 1;
+    /* No name is one of GDAL's prefixes then. */
+    snprintf(name, sizeof name, "./%.500s", request.path);
+    request.path = name;
+    if (enter(argv[4], &fault) || pel_raster_read(&request, &field, &fault)) {
+        refuse(fault.message);
     }
     pel_seabed_wire_head(field.columns, field.rows, field.west_m, field.south_m,
                          field.spacing_m, head);
@@ -81,8 +97,7 @@ int main(int argc, char **argv)
     if (fwrite(head, sizeof head, 1, stdout) != 1 ||
         fwrite(field.heights, sizeof *field.heights, count, stdout) != count ||
         fflush(stdout)) {
-        fprintf(stderr, "%s\n", strerror(errno));
-        return 1;
+        refuse(strerror(errno));
     }
     /* No tidying up: the system does it faster. */
     fflush(stderr);

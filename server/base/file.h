@@ -1,0 +1,19 @@
+/* Reading files that others name or write. Only regular files are opened, and
+ * without blocking: a FIFO, a device or a directory in a file's place is a
+ * fault in words, never a thread that hangs. Any thread. */
+#pragma once
+
+#include <stddef.h>
+
+#include "base/err.h"
+
+/* Opens a regular file for reading; close(*out) is the caller's. NOT_FOUND,
+ * INVALID (no regular file), IO: *fault (NULL allowed) says what and where. */
+PEL_CHECK enum pel_err pel_file_open(const char *path, int *out,
+                                     struct pel_fault *fault);
+
+/* The whole of a regular file of at most `most` bytes, which stops growing
+ * while it is read, with a NUL behind it; free(*out). Faults as of
+ * pel_file_open, OUT_OF_RANGE (larger), NO_MEMORY. */
+PEL_CHECK enum pel_err pel_file_read(const char *path, size_t most, char **out,
+                                     size_t *size, struct pel_fault *fault);
