@@ -15,12 +15,20 @@ static const double a_ph[PEL_WATER_WAVELENGTHS] = { 0.0161, 0.0070, 0.0378 };
 static const double e_ph[PEL_WATER_WAVELENGTHS] = { 0.8284, 0.9312, 0.6266 };
 
 /* Jerlov 1976, table XXVII, 1/m, at 675, 700; 550; 425, 450 nm. */
-static const double jerlov[PEL_JERLOV_COUNT][5] = {
-    { 0.42, 0.56, 0.063, 0.022, 0.019 },  { 0.43, 0.57, 0.067, 0.031, 0.026 },
-    { 0.435, 0.58, 0.072, 0.042, 0.036 }, { 0.465, 0.61, 0.089, 0.081, 0.068 },
-    { 0.52, 0.66, 0.12, 0.16, 0.135 },    { 0.51, 0.65, 0.12, 0.36, 0.25 },
-    { 0.56, 0.71, 0.19, 0.54, 0.39 },     { 0.65, 0.80, 0.30, 0.78, 0.56 },
-    { 0.78, 0.92, 0.46, 1.2, 0.89 },      { 0.92, 1.1, 0.63, 1.9, 1.6 },
+static const struct {
+    const char *word;
+    double attenuation[5];
+} jerlov[PEL_JERLOV_COUNT] = {
+    [PEL_JERLOV_I] = { "I", { 0.42, 0.56, 0.063, 0.022, 0.019 } },
+    [PEL_JERLOV_IA] = { "IA", { 0.43, 0.57, 0.067, 0.031, 0.026 } },
+    [PEL_JERLOV_IB] = { "IB", { 0.435, 0.58, 0.072, 0.042, 0.036 } },
+    [PEL_JERLOV_II] = { "II", { 0.465, 0.61, 0.089, 0.081, 0.068 } },
+    [PEL_JERLOV_III] = { "III", { 0.52, 0.66, 0.12, 0.16, 0.135 } },
+    [PEL_JERLOV_1C] = { "1C", { 0.51, 0.65, 0.12, 0.36, 0.25 } },
+    [PEL_JERLOV_3C] = { "3C", { 0.56, 0.71, 0.19, 0.54, 0.39 } },
+    [PEL_JERLOV_5C] = { "5C", { 0.65, 0.80, 0.30, 0.78, 0.56 } },
+    [PEL_JERLOV_7C] = { "7C", { 0.78, 0.92, 0.46, 1.2, 0.89 } },
+    [PEL_JERLOV_9C] = { "9C", { 0.92, 1.1, 0.63, 1.9, 1.6 } },
 };
 
 /* Backscattered fraction of particles: Petzold 1972, as averaged by Mobley
@@ -42,18 +50,16 @@ static const double jerlov[PEL_JERLOV_COUNT][5] = {
  * by a factor of two. Sand and mud: Werdell and Roesler 2003, figs. 4F, 4E;
  * coral: Hochberg, Atkinson and Andréfouët 2003, brown corals; rock: grey
  * stone under a film of algae, estimated. */
-static const double bottoms[PEL_BOTTOM_ALBEDO][PEL_WATER_WAVELENGTHS] = {
-    [PEL_BOTTOM_BLACK] = { 0.0, 0.0, 0.0 },
-    [PEL_BOTTOM_SAND] = { 0.49, 0.36, 0.25 },
-    [PEL_BOTTOM_MUD] = { 0.12, 0.08, 0.05 },
-    [PEL_BOTTOM_ROCK] = { 0.10, 0.10, 0.07 },
-    [PEL_BOTTOM_CORAL] = { 0.06, 0.11, 0.05 },
-};
-
-static const enum pel_jerlov named[PEL_WATER_HARBOUR] = {
-    [PEL_WATER_TROPICAL] = PEL_JERLOV_IA,
-    [PEL_WATER_NORTH_ATLANTIC] = PEL_JERLOV_II,
-    [PEL_WATER_BALTIC] = PEL_JERLOV_3C,
+static const struct {
+    const char *word;
+    double albedo[PEL_WATER_WAVELENGTHS];
+} bottoms[PEL_BOTTOM_COUNT] = {
+    [PEL_BOTTOM_BLACK] = { "black", { 0.0, 0.0, 0.0 } },
+    [PEL_BOTTOM_SAND] = { "sand", { 0.49, 0.36, 0.25 } },
+    [PEL_BOTTOM_MUD] = { "mud", { 0.12, 0.08, 0.05 } },
+    [PEL_BOTTOM_ROCK] = { "rock", { 0.10, 0.10, 0.07 } },
+    [PEL_BOTTOM_CORAL] = { "coral", { 0.06, 0.11, 0.05 } },
+    [PEL_BOTTOM_ALBEDO] = { "albedo", { 0.0 } }, /* that of the description */
 };
 
 /* Morel 1974, 1/m, whose sea water scatters 1.3 times as much as pure water;
@@ -99,7 +105,7 @@ struct pel_case1 pel_water_case1(double chlorophyll, double salinity, int i)
 
 double pel_jerlov_attenuation(enum pel_jerlov type, int i)
 {
-    const double *k = jerlov[type];
+    const double *k = jerlov[type].attenuation;
     return i == 0   ? k[0] + (k[1] - k[0]) * (680.0 - 675.0) / 25.0
            : i == 1 ? k[2]
                     : k[3] + (k[4] - k[3]) * (440.0 - 425.0) / 25.0;
@@ -162,8 +168,9 @@ static void resolve_jerlov(enum pel_jerlov type, double salinity,
     }
 }
 
-static void resolve_harbour(struct pel_water_body *out)
+static void resolve_harbour(double salinity, struct pel_water_body *out)
 {
+    (void)salinity; /* measured as it was */
     for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
         double nm = pel_water_wavelength_nm[i];
         out->absorption[i] =
@@ -173,6 +180,32 @@ static void resolve_harbour(struct pel_water_body *out)
         out->asymmetry[i] = asymmetry(HARBOUR_BACK);
     }
 }
+
+static void resolve_tropical(double salinity, struct pel_water_body *out)
+{
+    resolve_jerlov(PEL_JERLOV_IA, salinity, out);
+}
+
+static void resolve_north_atlantic(double salinity, struct pel_water_body *out)
+{
+    resolve_jerlov(PEL_JERLOV_II, salinity, out);
+}
+
+static void resolve_baltic(double salinity, struct pel_water_body *out)
+{
+    resolve_jerlov(PEL_JERLOV_3C, salinity, out);
+}
+
+/* The waters that have a name: a new one is a row. */
+static const struct {
+    const char *word;
+    void (*resolve)(double salinity, struct pel_water_body *out);
+} named[PEL_WATER_NAME_COUNT] = {
+    [PEL_WATER_TROPICAL] = { "tropical", resolve_tropical },
+    [PEL_WATER_NORTH_ATLANTIC] = { "north-atlantic", resolve_north_atlantic },
+    [PEL_WATER_BALTIC] = { "baltic", resolve_baltic },
+    [PEL_WATER_HARBOUR] = { "harbour", resolve_harbour },
+};
 
 static void resolve_case1(double chlorophyll, double salinity,
                           struct pel_water_body *out)
@@ -215,11 +248,7 @@ static enum pel_err resolve_water(const struct pel_water_desc *desc,
         if ((unsigned)desc->name >= PEL_WATER_NAME_COUNT) {
             return unknown("name", (int)desc->name, fault);
         }
-        if (desc->name == PEL_WATER_HARBOUR) {
-            resolve_harbour(out);
-        } else {
-            resolve_jerlov(named[desc->name], salinity, out);
-        }
+        named[desc->name].resolve(salinity, out);
         return PEL_OK;
     case PEL_WATER_COEFFICIENTS:
         for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
@@ -267,7 +296,7 @@ enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
     for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
         body.albedo[i] = desc->bottom == PEL_BOTTOM_ALBEDO
                              ? desc->albedo[i]
-                             : bottoms[desc->bottom][i];
+                             : bottoms[desc->bottom].albedo[i];
         struct pel_medium medium = pel_water_medium(&body, i);
         err = pel_medium_check(&medium, fault);
         if (err) {
@@ -311,29 +340,15 @@ struct pel_medium pel_water_medium(const struct pel_water_body *body, int i)
 
 const char *pel_jerlov_word(int i)
 {
-    static const char *const words[PEL_JERLOV_COUNT] = {
-        "I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C",
-    };
-    return i >= 0 && i < PEL_JERLOV_COUNT ? words[i] : NULL;
+    return i >= 0 && i < PEL_JERLOV_COUNT ? jerlov[i].word : NULL;
 }
 
 const char *pel_water_name_word(int i)
 {
-    static const char *const words[PEL_WATER_NAME_COUNT] = {
-        [PEL_WATER_TROPICAL] = "tropical",
-        [PEL_WATER_NORTH_ATLANTIC] = "north-atlantic",
-        [PEL_WATER_BALTIC] = "baltic",
-        [PEL_WATER_HARBOUR] = "harbour",
-    };
-    return i >= 0 && i < PEL_WATER_NAME_COUNT ? words[i] : NULL;
+    return i >= 0 && i < PEL_WATER_NAME_COUNT ? named[i].word : NULL;
 }
 
 const char *pel_bottom_word(int i)
 {
-    static const char *const words[PEL_BOTTOM_COUNT] = {
-        [PEL_BOTTOM_BLACK] = "black", [PEL_BOTTOM_SAND] = "sand",
-        [PEL_BOTTOM_MUD] = "mud",     [PEL_BOTTOM_ROCK] = "rock",
-        [PEL_BOTTOM_CORAL] = "coral", [PEL_BOTTOM_ALBEDO] = "albedo",
-    };
-    return i >= 0 && i < PEL_BOTTOM_COUNT ? words[i] : NULL;
+    return i >= 0 && i < PEL_BOTTOM_COUNT ? bottoms[i].word : NULL;
 }

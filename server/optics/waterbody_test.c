@@ -98,6 +98,11 @@ static void test_names(void **state)
     assert_string_equal(pel_jerlov_word(PEL_JERLOV_9C), "9C");
     assert_string_equal(pel_water_name_word(1), "north-atlantic");
     assert_string_equal(pel_bottom_word(PEL_BOTTOM_CORAL), "coral");
+    for (int i = 0; i < PEL_WATER_NAME_COUNT; i++) {
+        struct pel_water_body each = resolved((struct pel_water_desc){
+            .kind = PEL_WATER_NAMED, .name = (enum pel_water_name)i });
+        assert_true(each.absorption[1] > 0.0 && each.scattering[1] > 0.0);
+    }
     assert_null(pel_jerlov_word(PEL_JERLOV_COUNT));
     assert_null(pel_water_name_word(-1));
 }

@@ -1,5 +1,6 @@
 #include "scene/snapshot.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -266,6 +267,48 @@ static void the_sun_can_be_fixed(void **state)
     pel_snapshot_unref(s);
 }
 
+/* "NORTH_ATLANTIC" as "north-atlantic", Jerlov's "C1" as "1C". */
+static void spoken(const char *name, char out[32])
+{
+    bool turned = name[0] == 'C' && isdigit((unsigned char)name[1]);
+    size_t n = strlen(name);
+    assert_true(n < 32);
+    for (size_t i = 0; i <= n; i++) {
+        char c = turned && i < n ? name[n - 1 - i] : name[i];
+        out[i] = (char)(c == '_' ? '-' : tolower((unsigned char)c));
+    }
+}
+
+static void numbered_alike(const ProtobufCEnumDescriptor *schema,
+                           unsigned count, const char *(*word)(int))
+{
+    assert_int_equal(schema->n_values, count);
+    for (unsigned i = 0; i < count; i++) {
+        char want[32], have[32];
+        assert_int_equal(schema->values[i].value, i);
+        spoken(schema->values[i].name, want);
+        assert_non_null(word((int)i));
+        spoken(word((int)i), have);
+        assert_string_equal(have, want);
+    }
+}
+
+/* A name that is appended to the schema alone would index past a table. */
+static void waters_are_numbered_as_in_the_schema(void **state)
+{
+    (void)state;
+    numbered_alike(&pelagos__jerlov_type__descriptor, PEL_JERLOV_COUNT,
+                   pel_jerlov_word);
+    numbered_alike(&pelagos__water_name__descriptor, PEL_WATER_NAME_COUNT,
+                   pel_water_name_word);
+    numbered_alike(&pelagos__bottom__descriptor, PEL_BOTTOM_ALBEDO,
+                   pel_bottom_word);
+    assert_int_equal(pelagos__water_orders__descriptor.n_values,
+                     PEL_ORDERS_COUNT);
+    assert_int_equal(pelagos__clock_mode__descriptor.n_values,
+                     PEL_CLOCK_HOST + 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -278,6 +321,7 @@ int main(void)
         cmocka_unit_test(pictures_keep_their_field),
         cmocka_unit_test(entities_go_on),
         cmocka_unit_test(the_sun_can_be_fixed),
+        cmocka_unit_test(waters_are_numbered_as_in_the_schema),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
