@@ -176,7 +176,7 @@ NET := server/net/fdsource.c \
     server/net/http_live.c \
     server/net/token.c \
     server/net/tls.c \
-    server/net/rtspauth.c \
+    server/net/rtspauth.c server/net/rtspguard.c \
     server/net/rtsp.c \
     server/net/rtspstream.c \
     server/net/tsviewer.c \

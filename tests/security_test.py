@@ -12,12 +12,13 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import (BIN, ROOT, SLOW_S, Daemon, Session, free_port,
-                            receive_all, until)
+from pelagos_daemon import (BIN, ROOT, SANITIZED, SLOW_S, Daemon, Session,
+                            free_port, receive_all, until, varint)
 
 TOKEN = "0123456789abcdef-._~+XYZ"
 OTHER = "another-token-of-enough-length"
@@ -415,6 +416,90 @@ class Limits(Case):
                   " pings")
             # A ping every 10 s; the second is unanswered at 20, 25 is enough.
             self.assertTrue(20 < spent < 36, spent)
+
+
+class Bytes(Case):
+    """What somebody may send before he has said who he is: 64 KiB a
+    connection, whatever he says that it is."""
+    AT_ONCE = 4
+    EACH = 48 << 20
+
+    def pour(self, port, head, block, context=None):
+        """How much was taken of one connection."""
+        sent = 0
+        with contextlib.suppress(OSError, ssl.SSLError), \
+                contextlib.closing(socket.create_connection(
+                    ("127.0.0.1", port), timeout=SLOW_S)) as plain, \
+                (context.wrap_socket(plain, server_hostname="localhost")
+                 if context else plain) as s:
+            s.sendall(head)
+            while sent < self.EACH:
+                s.sendall(block)
+                sent += len(block)
+            s.recv(1)
+        return sent
+
+    @unittest.skipIf(SANITIZED, "sanitizers keep freed memory back")
+    def test_before_the_token(self):
+        zeros = bytes(1 << 16)
+        lines = b"X-A: b\r\n" * 8192
+        rtsp = b"OPTIONS * RTSP/1.0\r\nCSeq: 1\r\n"
+        long = b"Content-Length: 2000000000\r\n\r\n"
+        http = (b"PATCH /v1/state HTTP/1.1\r\nHost: localhost\r\n"
+                b"Content-Type: application/json\r\n")
+        ports = free_port(), free_port()
+        trust = ssl.create_default_context(cafile=self.cert)
+        with Daemon("--token-file", self.token, "--rtsp",
+                    f"127.0.0.1:{ports[0]}") as plain, \
+            Daemon("--token-file", self.token, "--tls-cert", self.cert,
+                   "--tls-key", self.key, "--rtsp",
+                   f"127.0.0.1:{ports[1]}") as tls:
+            cases = [
+                ("RTSP body", plain, ports[0], rtsp + long, zeros, None),
+                ("RTSP body, folded", plain, ports[0],
+                 rtsp + long.replace(b" ", b"\r\n "), zeros, None),
+                ("RTSP header lines", plain, ports[0], rtsp, lines, None),
+                ("RTSP by HTTP", plain, ports[0],
+                 b"POST / HTTP/1.0\r\nx-sessioncookie: a\r\n" + long, zeros,
+                 None),
+                ("RTSPS body", tls, ports[1], rtsp + long, zeros, trust),
+                ("RTSPS header lines", tls, ports[1], rtsp, lines, trust),
+                ("HTTP body", plain, plain.http_port, http + long, zeros,
+                 None),
+                ("HTTP chunks", plain, plain.http_port, http +
+                 b"Transfer-Encoding: chunked\r\n\r\n",
+                 b"10000\r\n" + zeros + b"\r\n", None),
+                ("HTTP header lines", plain, plain.http_port, http, lines,
+                 None),
+                ("WebSocket", plain, plain.http_port,
+                 b"GET /v1/views/bridge/live HTTP/1.1\r\nHost: localhost\r\n"
+                 + "".join(f"{k}: {v}\r\n" for k, v in UPGRADE.items())
+                 .encode() + b"\r\n", zeros, None),
+                ("protobuf", plain, plain.tcp_port, varint(2000000000), zeros,
+                 None),
+                ("protobuf, TLS", tls, tls.tcp_port, varint(2000000000), zeros,
+                 trust),
+                ("TLS greeting", tls, tls.tcp_port, b"",
+                 b"\x16\x03\x01\x40\x00" + bytes(0x4000), None),
+            ]
+            for name, daemon, port, head, block, context in cases:
+                before, most, done = daemon.rss(), 0, []
+                threads = [threading.Thread(target=lambda: done.append(
+                    self.pour(port, head, block, context)))
+                    for _ in range(self.AT_ONCE)]
+                for thread in threads:
+                    thread.start()
+                while any(thread.is_alive() for thread in threads):
+                    most = max(most, daemon.rss() - before)
+                    time.sleep(0.002)
+                for thread in threads:
+                    thread.join()
+                print(f"{name}: {most / 1e6:.1f} MB more, {max(done) / 1e6:.1f}"
+                      " MB of a connection taken")
+                # Beside 64 KiB each: GStreamer, which comes to life with the
+                # first, its threads and their arenas of memory.
+                self.assertLess(most, self.AT_ONCE * 65536 + 24e6, name)
+                self.assertTrue(daemon.alive())
 
 
 class Clients(Case):

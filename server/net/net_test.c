@@ -19,6 +19,7 @@
 #include "net/http_request.h"
 #include "net/liveviewer.h"
 #include "net/outbox.h"
+#include "net/rtspguard.h"
 #include "net/surfacewire.h"
 #include "net/websocket.h"
 #include "wire.h"
@@ -449,10 +450,67 @@ static void test_live_messages(void **state)
     assert_false(pel_live_read(data, 16, &order));
 }
 
+/* Whole and byte by byte: whether all of it may come. */
+static bool rtsp_takes(const char *text, size_t size)
+{
+    struct pel_rtsp_framing whole = { 0 }, bytes = { 0 };
+    bool good = pel_rtsp_framing_take(&whole, (const uint8_t *)text, size);
+    bool same = true;
+    for (size_t i = 0; i < size; i++) {
+        same = pel_rtsp_framing_take(&bytes, (const uint8_t *)text + i, 1);
+    }
+    assert_int_equal(good, same);
+    return good;
+}
+
+static void test_rtsp_framing(void **state)
+{
+    (void)state;
+#define OPTIONS "OPTIONS * RTSP/1.0\r\nCSeq: 1\r\n"
+    static const struct {
+        const char *text;
+        bool good;
+    } cases[] = {
+        { OPTIONS "\r\n" OPTIONS "\r\n", true },
+        { OPTIONS "\n", true },
+        { OPTIONS "Content-Length: 3\r\n\r\nabc" OPTIONS "\r\n", true },
+        { OPTIONS "content-length:0\r\n\r\n" OPTIONS "\r\n", true },
+        { OPTIONS "Content-Length: 32768\r\n\r\n", true },
+        { OPTIONS "Content-Length: 32769\r\n\r\n", false },
+        { OPTIONS "Content-Length: 99999999999999999999999\r\n", false },
+        { OPTIONS "Content-Length: 3\r\nContent-Length: 3\r\n", false },
+        { OPTIONS "Content-Length : 3\r\n", false },
+        { OPTIONS "Content-Length: -3\r\n", false },
+        { OPTIONS "Content-Length:\r\n 3\r\n", false },
+        { OPTIONS "X: y\r\n z\r\n", false },
+        { OPTIONS "X: y\rz\r\n", false },
+        { "GET / HTTP/1.0\r\n", false },
+        { "GET_PARAMETER * RTSP/1.0\r\nCSeq: 1\r\n\r\n", true },
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_int_equal(rtsp_takes(cases[i].text, strlen(cases[i].text)),
+                         cases[i].good);
+    }
+    /* Receiver reports among requests, for as long as anybody plays. */
+    static char reports[200 * 400];
+    for (size_t i = 0; i < 400; i++) {
+        memcpy(reports + 200 * i, "$\1\0\304", 4);
+    }
+    assert_true(rtsp_takes(reports, sizeof reports));
+    static char head[PEL_RTSP_HEAD_BYTES + 1];
+    for (size_t i = 0; i + 6 < sizeof head; i += 6) {
+        memcpy(head + i, "A: b\r\n", 6);
+    }
+    memset(head + sizeof head - 5, 'x', 5);
+    assert_false(rtsp_takes(head, sizeof head));
+    assert_true(rtsp_takes(head, sizeof head - 1));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_surface_reply),
+        cmocka_unit_test(test_rtsp_framing),
         cmocka_unit_test(test_target),
         cmocka_unit_test(test_longest_target),
         cmocka_unit_test(test_host),

@@ -13,6 +13,7 @@
 #include "encode/gst.h"
 #include "net/listener.h"
 #include "net/rtspauth.h"
+#include "net/rtspguard.h"
 #include "net/rtspstream.h"
 
 #define MAX_CLIENTS 64
@@ -302,6 +303,7 @@ static gboolean clean(gpointer user)
 static void start_server(struct pel_rtsp *rtsp)
 {
     rtsp->server = gst_rtsp_server_new();
+    gst_rtsp_server_set_content_length_limit(rtsp->server, PEL_RTSP_BODY_BYTES);
     GstRTSPSessionPool *pool = gst_rtsp_server_get_session_pool(rtsp->server);
     gst_rtsp_session_pool_set_max_sessions(pool, MAX_SESSIONS);
     g_object_unref(pool);
@@ -322,7 +324,7 @@ static void start_server(struct pel_rtsp *rtsp)
 
 static void hand_over(struct pel_rtsp *rtsp, const struct waiting *client)
 {
-    GSocket *socket = g_socket_new_from_fd(client->fd, NULL);
+    GSocket *socket = pel_rtsp_guarded_socket(client->fd);
     if (!socket) {
         close(client->fd);
         return;

@@ -1,0 +1,40 @@
+/* What an RTSP client may send before its message is over. GStreamer bounds a
+ * body, not the number of header lines, and reads whatever has come; so its
+ * connections read through a stream of ours, which breaks off. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <gio/gio.h>
+
+#define PEL_RTSP_BODY_BYTES (32 * 1024)
+#define PEL_RTSP_HEAD_BYTES (16 * 1024)
+
+/* Where in the stream of messages a connection is; { 0 } at its begin. */
+struct pel_rtsp_framing {
+    enum {
+        PEL_RTSP_AT_MESSAGE,
+        PEL_RTSP_IN_HEAD,
+        PEL_RTSP_IN_BODY,
+        PEL_RTSP_IN_CHUNK, /* '$', channel, length in two bytes, data */
+    } state;
+    bool broken;
+    size_t head;        /* bytes of this head */
+    char line[64];      /* the begin of this line */
+    size_t line_length; /* of all of it */
+    bool has_length;
+    size_t left;     /* of the body or the chunk */
+    unsigned prefix; /* bytes of the chunk's */
+};
+
+/* Takes what came. False from then on when a head or a body is larger than
+ * allowed, when it is no RTSP (its tunnel through HTTP is not spoken), or when
+ * two readers could disagree about its end. */
+bool pel_rtsp_framing_take(struct pel_rtsp_framing *framing,
+                           const uint8_t *data, size_t size);
+
+/* A socket whose connection, as GIO makes it, breaks off so; NULL: it is none,
+ * and the descriptor stays the caller's. */
+GSocket *pel_rtsp_guarded_socket(int fd);
