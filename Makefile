@@ -1,5 +1,6 @@
 # Pelagos. `make help` lists the targets; V=1 shows commands; DEV=1 turns
 # warnings into errors; FLAVOR=asan|tsan|fuzz builds beside the release.
+# Objects of other flags are other objects (build/FLAVOR/obj-KEY).
 
 .DEFAULT_GOAL := all
 SHELL := /bin/bash
@@ -67,8 +68,9 @@ PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -
 CTL_PKGS := gstreamer-1.0 gstreamer-app-1.0
 READER_PKGS := gdal hdf5-serial OpenEXR
 # As a system header: it is not clean of our warnings.
-READER_CFLAGS = $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(READER_PKGS)))
+READER_CFLAGS = $(eval READER_CFLAGS := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(READER_PKGS))))$(READER_CFLAGS)
 READER_LIBS = $(eval READER_LIBS := $(shell pkg-config --libs $(READER_PKGS)) -lOpenEXRCore -lm)$(READER_LIBS)
+CTL_CFLAGS = $(eval CTL_CFLAGS := $(shell pkg-config --cflags $(CTL_PKGS)))$(CTL_CFLAGS)
 CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
 
 # --- sources, by room -----------------------------------------------------
@@ -324,18 +326,36 @@ TESTS += clients/lib/live_test.c
 TESTS += clients/pelagosctl/ctl_test.c
 TESTS += clients/pelagosctl/nmea_log_test.c
 
+# --- flags of one source --------------------------------------------------
+# Vectors throughout; square roots of what is never negative.
+VECTORS := -O3 -fno-math-errno
+FLAGS_server/ocean/fft := $(VECTORS)
+FLAGS_server/ocean/evolve := $(VECTORS)
+FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)
+FLAGS_clients/pelagosctl/clip_stream = $(CTL_CFLAGS)
+$(foreach f,$(SEABED_READER:.c=) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
+$(foreach f,$(basename $(wildcard tests/validate/*.c)),$(eval FLAGS_$(f) := -O3))
+compile = $(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) $(FLAGS_$(1))
+
+# What decides about an object beside its sources.
+quoted = '$(subst ','\'',$(1))'
+KEY := $(shell printf %s $(call quoted,$(CC) $(CPPFLAGS) $(CFLAGS) $(VECTORS) \
+    $(PKGS) $(CTL_PKGS) $(READER_PKGS)) | sha1sum | cut -c 1-10)
+OBJ := $(O)/obj-$(KEY)
+
 # --- rules ----------------------------------------------------------------
 SERVER := $(BASE) $(OCEAN) $(SEABED) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
     $(FRAMES) $(NET) $(BRIDGES) $(OPTIONS)
 GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c \
     $(O)/gen/pages.c
 GEN_HEADERS := $(O)/gen/pelagos.pb-c.h
-obj = $(patsubst %.c,$(O)/%.o,$(1))
-SERVER_OBJ := $(call obj,$(SERVER)) $(patsubst %.c,%.o,$(GEN))
+obj = $(patsubst %.c,$(OBJ)/%.o,$(1))
+SERVER_OBJ := $(call obj,$(SERVER)) $(patsubst $(O)/%.c,$(OBJ)/%.o,$(GEN))
 CLIENT_OBJ := $(call obj,$(CLIENT))
 CTL_OBJ := $(call obj,$(CTL))
-CTL_MAIN := $(O)/clients/pelagosctl/pelagosctl.o
+CTL_MAIN := $(OBJ)/clients/pelagosctl/pelagosctl.o
 TEST_BIN := $(patsubst %.c,$(O)/bin/%,$(notdir $(TESTS)))
+fuzz_bin := $(patsubst %.c,$(O)/bin/%,$(notdir $(FUZZERS)))
 SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*.glsl shaders/lib/*.h)
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
@@ -348,34 +368,40 @@ all: $(PROGRAMS) ## build the daemon and its command line
 build/%: $(O)/bin/%
 	$(Q)mkdir -p $(@D) && ln -sf $(FLAVOR)/bin/$* $@
 
-$(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(O)/libserver.a
-	$(Q)mkdir -p $(@D)
-	@echo "  LINK  $@"
-	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
+# Programs take of the libraries what they use. They lie in one place whatever
+# the flags: other flags link them anew.
+define LINK
+$(Q)mkdir -p $(@D)
+@echo "  LINK  $@"
+$(Q)$(CC) $(OPT) $(LDFLAGS) -pthread -Wl,--as-needed -o $@ $(filter %.o %.a,$^)
+endef
+$(O)/flags: FORCE
+	$(Q)mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = $(KEY) ] || echo $(KEY) >$@
+.PHONY: FORCE
+$(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosctl \
+    pelagos-seabed registers_doc cigi_doc bench still bench_streams \
+    any_raster lighting validate_water): $(O)/flags
 
-$(call obj,$(SEABED_READER)): CPPFLAGS += $(READER_CFLAGS)
+$(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
+	$(LINK) $(PKG_LIBS)
 
-$(O)/bin/pelagos-seabed: $(call obj,$(SEABED_READER)) $(O)/libserver.a
-	$(Q)mkdir -p $(@D)
-	@echo "  LINK  $@"
-	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(READER_LIBS)
+$(O)/bin/pelagos-seabed: $(call obj,$(SEABED_READER)) $(OBJ)/libserver.a
+	$(LINK) $(READER_LIBS)
 
-$(O)/clients/pelagosctl/clip.o $(O)/clients/pelagosctl/clip_stream.o: \
-    CPPFLAGS += $(shell pkg-config --cflags $(CTL_PKGS))
+$(O)/bin/pelagosctl: $(CTL_MAIN) $(OBJ)/libctl.a $(OBJ)/libpelagos.a $(OBJ)/libserver.a
+	$(LINK) $(PKG_LIBS) $(CTL_LIBS)
 
-$(O)/bin/pelagosctl: $(CTL_MAIN) $(O)/libctl.a $(O)/libpelagos.a $(O)/libserver.a
-	$(Q)mkdir -p $(@D)
-	@echo "  LINK  $@"
-	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS) $(CTL_LIBS)
-
-$(O)/libserver.a: $(SERVER_OBJ)
+$(OBJ)/libserver.a: $(SERVER_OBJ)
 	$(Q)rm -f $@ && ar rcs $@ $^
 
 # Whole by itself: with the messages and the framing, without the server.
-$(O)/libpelagos.a: $(CLIENT_OBJ) $(O)/gen/pelagos.pb-c.o $(O)/proto/wire.o
+$(OBJ)/libpelagos.a: $(CLIENT_OBJ) $(OBJ)/gen/pelagos.pb-c.o $(OBJ)/proto/wire.o
 	$(Q)rm -f $@ && ar rcs $@ $^
 
-$(O)/libctl.a: $(filter-out $(CTL_MAIN),$(CTL_OBJ))
+$(O)/libpelagos.a: $(OBJ)/libpelagos.a $(O)/flags
+	$(Q)cp $< $@
+
+$(OBJ)/libctl.a: $(filter-out $(CTL_MAIN),$(CTL_OBJ))
 	$(Q)rm -f $@ && ar rcs $@ $^
 
 # Names every missing library at once, before the compiler stumbles over one.
@@ -389,18 +415,15 @@ $(O)/gen/packages: Makefile
 	    echo "run \`make deps\` (Debian 12), or install them by hand"; exit 1; fi
 	$(Q)touch $@
 
-$(O)/%.o: %.c | $(GEN_HEADERS)
+$(OBJ)/%.o: %.c | $(GEN_HEADERS)
 	$(Q)mkdir -p $(@D)
 	@echo "  CC    $<"
-	$(Q)$(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(Q)$(call compile,$*) -MMD -MP -c -o $@ $<
 
-# Vectors throughout; square roots of what is never negative.
-$(O)/server/ocean/fft.o $(O)/server/ocean/evolve.o: CFLAGS += -O3 \
-    -fno-math-errno
-
-$(O)/gen/%.o: $(O)/gen/%.c | $(GEN_HEADERS)
+$(OBJ)/gen/%.o: $(O)/gen/%.c | $(GEN_HEADERS)
+	$(Q)mkdir -p $(@D)
 	@echo "  CC    $<"
-	$(Q)$(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) -w -MMD -MP -c -o $@ $<
+	$(Q)$(call compile,) -w -MMD -MP -c -o $@ $<
 
 $(O)/gen/pelagos.pb-c.c: proto/pelagos.proto | $(O)/gen/packages
 	$(Q)mkdir -p $(@D)
@@ -432,31 +455,27 @@ manual: ## write proto/manual.md and the Python classes from the schema
 
 # A test is one program beside its source: build/<flavor>/bin/NAME_test.
 define test_rule
-$(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(O)/libctl.a $(O)/libpelagos.a $(O)/libserver.a
-	$$(Q)mkdir -p $$(@D)
-	@echo "  LINK  $$@"
-	$$(Q)$$(CC) $$(OPT) -pthread -o $$@ $$^ $$(PKG_LIBS) $$(CTL_LIBS) -lcmocka
+$(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(OBJ)/libctl.a $(OBJ)/libpelagos.a $(OBJ)/libserver.a
+	$$(LINK) $$(PKG_LIBS) $$(CTL_LIBS) -lcmocka
 endef
 $(foreach t,$(TESTS),$(eval $(call test_rule,$(t))))
 $(O)/bin/ground_test: | $(O)/bin/pelagos-seabed
 
 # Every driver of GDAL, for files that the reader must not read.
-$(O)/tests/any_raster.o: CPPFLAGS += $(READER_CFLAGS)
-$(O)/bin/any_raster: $(O)/tests/any_raster.o $(O)/libserver.a
-	$(Q)mkdir -p $(@D)
-	@echo "  LINK  $@"
-	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(READER_LIBS)
+$(O)/bin/any_raster: $(OBJ)/tests/any_raster.o $(OBJ)/libserver.a
+	$(LINK) $(READER_LIBS)
 
 .PHONY: tests
-tests: $(TEST_BIN) $(O)/bin/registers_doc $(O)/bin/cigi_doc $(O)/bin/any_raster ## build the test programs
+tests: $(TEST_BIN) $(O)/bin/registers_doc $(O)/bin/cigi_doc \
+    $(O)/bin/any_raster $(O)/bin/lighting $(O)/bin/validate_water $(O)/libpelagos.a \
+    build/compile_commands.json ## build the test programs
 
 .PHONY: unit
 unit: $(TEST_BIN) ## run the C test programs
 	$(Q)for t in $(TEST_BIN); do echo "== $$t"; $$t || exit 1; done
 
-$(O)/bin/registers_doc: $(O)/proto/registers_doc.o $(O)/libserver.a
-	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
+$(O)/bin/registers_doc: $(OBJ)/proto/registers_doc.o $(OBJ)/libserver.a
+	$(LINK) $(PKG_LIBS)
 
 .PHONY: golden
 golden: $(O)/bin/golden_test ## draw the golden pictures anew; look at each of them
@@ -466,9 +485,8 @@ golden: $(O)/bin/golden_test ## draw the golden pictures anew; look at each of t
 registers: $(O)/bin/registers_doc ## write proto/registers.md, the Modbus map for people
 	$(Q)$< >proto/registers.md
 
-$(O)/bin/cigi_doc: $(O)/server/bridges/cigi_doc.o $(O)/libserver.a
-	$(Q)mkdir -p $(@D)
-	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
+$(O)/bin/cigi_doc: $(OBJ)/server/bridges/cigi_doc.o $(OBJ)/libserver.a
+	$(LINK) $(PKG_LIBS)
 
 .PHONY: cigi
 cigi: $(O)/bin/cigi_doc ## write proto/cigi.md, the CIGI conformance table
@@ -505,12 +523,12 @@ run: deps-build ## build and keep pelagosd running (ARGS='--http …')
 	build/pelagosd $(ARGS)
 
 .PHONY: check
-check: deps ## build, then run every test
+check: deps ## build, then lint, every test and the quick form of validate
 	$(Q)$(MAKE) -s --no-print-directory -j$$(nproc) all tests
-	$(Q)tests/run $(TEST_BIN) $(E2E)
+	$(Q)tests/run $(TEST_BIN) $(E2E) $(LINT)
 
 # Executable scripts only: what they share is not executable.
-E2E = $(shell find tests -maxdepth 1 -perm -u+x \( -name '*.sh' -o -name '*.py' -o -name '*.mjs' \) | sort)
+E2E = $(shell find tests -maxdepth 1 -type f -perm -u+x \( -name '*.sh' -o -name '*.py' -o -name '*.mjs' -o -name '*_test' \) | sort)
 
 .PHONY: asan
 asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
@@ -533,17 +551,13 @@ comma := ,
 
 # --- benchmarks -----------------------------------------------------------
 # Few libraries, so that bench can be carried to a machine without packages.
-BENCH_LIBS := -Wl,--as-needed -lepoxy -lspng -ljpeg -lturbojpeg -lyuv -lOpenEXRCore -lm
+BENCH_LIBS := -lepoxy -lspng -ljpeg -lturbojpeg -lyuv -lOpenEXRCore -lm
 BENCH_BIN := $(O)/bin/bench $(O)/bin/still
-$(BENCH_BIN): $(O)/bin/%: $(O)/tests/bench/%.o $(O)/tests/bench/scene.o $(O)/libserver.a
-	$(Q)mkdir -p $(@D)
-	@echo "  LINK  $@"
-	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(BENCH_LIBS)
+$(BENCH_BIN): $(O)/bin/%: $(OBJ)/tests/bench/%.o $(OBJ)/tests/bench/scene.o $(OBJ)/libserver.a
+	$(LINK) $(BENCH_LIBS)
 
-$(O)/bin/bench_streams: $(O)/tests/bench/streams.o $(O)/tests/bench/scene.o $(O)/libserver.a
-	$(Q)mkdir -p $(@D)
-	@echo "  LINK  $@"
-	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(PKG_LIBS)
+$(O)/bin/bench_streams: $(OBJ)/tests/bench/streams.o $(OBJ)/tests/bench/scene.o $(OBJ)/libserver.a
+	$(LINK) $(PKG_LIBS)
 
 .PHONY: bench-streams
 bench-streams: deps ## what streams cost, and their latency in Chromium
@@ -562,19 +576,15 @@ bench: deps-build ## time frames, views, queries, encoders, streams (ARGS='--qui
 # --- validation -----------------------------------------------------------
 $(O)/bin/lighting: $(call obj,tests/validate/lighting.c tests/validate/rowtrace.c \
     tests/validate/reference.c) \
-    $(O)/libserver.a
-	$(Q)mkdir -p $(@D)
-	@echo "  LINK  $@"
-	$(Q)$(CC) $(OPT) -pthread -o $@ $^ $(BENCH_LIBS)
-$(O)/bin/validate_water: $(O)/tests/validate/water.o \
-    $(O)/tests/validate/watersampling.o $(O)/tests/validate/waterslopes.o $(O)/libserver.a
-	$(Q)mkdir -p $(@D)
-	@echo "  LINK  $@"
-	$(Q)$(CC) $(OPT) -pthread -o $@ $^ -lm
-$(O)/tests/validate/%.o: CFLAGS += -O3
+    $(OBJ)/libserver.a
+	$(LINK) $(BENCH_LIBS)
+$(O)/bin/validate_water: $(OBJ)/tests/validate/water.o \
+    $(OBJ)/tests/validate/watersampling.o $(OBJ)/tests/validate/waterslopes.o $(OBJ)/libserver.a
+	$(LINK) -lm
 
 .PHONY: validate validate-lighting validate-numbers validate-water
-validate: validate-numbers validate-lighting validate-water ## compare with brute force: tables and plots in build/validate/
+validate: validate-numbers validate-lighting validate-water ## compare with brute force: tables and plots in build/validate/ (ARGS=--quick: a minute, as make check does)
+VALIDATED = build/validate$(if $(filter --quick,$(ARGS)),/quick)
 
 # Each fails where its figures leave their bounds.
 NUMBERS := brdf_test facets_test directional_test ndbc_test welch_test \
@@ -586,14 +596,14 @@ validate-numbers: $(addprefix $(O)/bin/,$(NUMBERS)) ## BRDF, slopes, spectra, sh
 
 validate-lighting: deps-build ## rows of the picture against brute force (ARGS=--quick: half a minute)
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/lighting
-	$(Q)mkdir -p build/validate
-	$(O)/bin/lighting build/validate $(ARGS); status=$$?; \
-	    cat build/validate/lighting.md; exit $$status
+	$(Q)mkdir -p $(VALIDATED)
+	$(O)/bin/lighting $(VALIDATED) $(ARGS); status=$$?; \
+	    cat $(VALIDATED)/lighting.md; exit $$status
 
-validate-water: deps-build ## light in the water against Monte Carlo, minutes (ARGS=--quick: one)
+validate-water: deps-build ## light in the water against Monte Carlo, minutes (ARGS=--quick: half of one)
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/validate_water
 	$(O)/bin/validate_water $(ARGS)
-	$(Q)cat build/validate/water.md
+	$(Q)cat $(VALIDATED)/water.md
 
 .PHONY: soak
 soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers
@@ -609,41 +619,35 @@ soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 6
 # --- style ---------------------------------------------------------------
 C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | sort)
 
-.PHONY: lint
-lint: deps lint-layers lint-headers lint-format lint-tidy ## walls, headers, format, clang-tidy
+.PHONY: lint lint-layers lint-headers lint-format lint-tidy
+LINT = $(shell find tests/lint -maxdepth 1 -type f -perm -u+x | sort)
+lint: deps build/compile_commands.json ## walls, headers, format, clang-tidy: all of tests/lint/
+	$(Q)tests/run $(LINT)
+lint-layers lint-headers lint-format lint-tidy: lint-%: build/compile_commands.json
+	$(Q)tests/lint/$*.py
 
-.PHONY: lint-layers lint-headers lint-format lint-tidy
-lint-layers:
-	$(Q)tests/lint/layers.py
+# clangd finds it there; so does what lints.
+.PHONY: compile_commands.json
+compile_commands.json: build/compile_commands.json ## how each source is compiled, for clangd: build/compile_commands.json
+define command
+{ "directory": "$(CURDIR)", "file": "$(1)",
+  "command": "$(subst ",\",$(subst \,\\,$(call compile,$(basename $(1))))) -c $(1)" },
+endef
+define newline
 
-lint-headers: $(GEN_HEADERS)
-	$(Q)bad=0; for h in $(filter %.h,$(C_FILES)); do \
-	    echo "#include \"$$h\"" | $(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) \
-	        -Werror -fsyntax-only -x c - || { echo "alone: $$h"; bad=1; }; \
-	done; exit $$bad
-	@echo "headers: $(words $(filter %.h,$(C_FILES))) compile alone"
 
-lint-format:
-	$(Q)clang-format --dry-run --Werror $(C_FILES)
-	@echo "format: $(words $(C_FILES)) files"
-
-lint-tidy: $(GEN_HEADERS)
-	$(Q)printf '%s\n' $(filter %.c,$(C_FILES)) | xargs -P 2 -n 6 sh -c \
-	    'clang-tidy --quiet --warnings-as-errors="*" "$$@" -- $(TIDY_FLAGS) \
-	    2>/dev/null' tidy
-	@echo "tidy: $(words $(filter %.c,$(C_FILES))) files"
-TIDY_FLAGS = $(subst ','"'"',$(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS)) \
-    $(shell pkg-config --cflags $(CTL_PKGS)) $(READER_CFLAGS)
+endef
+build/compile_commands.json: FORCE | $(GEN_HEADERS)
+	$(Q)$(file >$@.new,[$(foreach f,$(filter %.c,$(C_FILES)),$(newline)$(call command,$(f))))
+	$(Q)sed -i '$$s/,$$/ ]/' $@.new; cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 
 .PHONY: format
 format: ## rewrite the C sources as .clang-format says
 	$(Q)clang-format -i $(C_FILES)
 FUZZ_SECONDS ?= 60
-fuzz_bin = $(patsubst %.c,$(O)/bin/%,$(notdir $(FUZZERS)))
 define fuzz_rule
-$(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(O)/libserver.a
-	$$(Q)mkdir -p $$(@D)
-	$$(Q)$$(CC) $$(OPT) -fsanitize=fuzzer -pthread -o $$@ $$^ $$(PKG_LIBS)
+$(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(OBJ)/libserver.a
+	$$(LINK) -fsanitize=fuzzer $$(PKG_LIBS)
 endef
 $(foreach t,$(FUZZERS),$(eval $(call fuzz_rule,$(t))))
 
@@ -682,7 +686,8 @@ $(O)/man/pelagosctl.1: $(O)/bin/pelagosctl
 .PHONY: man
 man: $(MANUALS) ## make the manual pages, from the programs' own tables
 
-$(O)/pelagos.pc: Makefile
+# Of this PREFIX, whatever the last one was.
+$(O)/pelagos.pc: FORCE
 	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'Name: libpelagos' \
 	    'Description: C client of pelagosd, the headless ocean renderer' \
 	    'Version: $(VERSION)' 'Requires: libprotobuf-c openssl' \
@@ -690,7 +695,7 @@ $(O)/pelagos.pc: Makefile
 	    'Cflags: -I$${prefix}/include/pelagos' >$@
 
 .PHONY: install
-install: all man $(O)/pelagos.pc ## install below PREFIX (/usr/local) and DESTDIR
+install: all man $(O)/pelagos.pc $(O)/libpelagos.a ## install below PREFIX (/usr/local) and DESTDIR
 	install -d $(D)/bin $(D)/libexec/pelagos $(D)/lib/pkgconfig $(D)/include/pelagos \
 	    $(D)/share/man/man1 $(D)/share/man/man8 $(D)/share/pelagos \
 	    $(D)/share/bash-completion/completions \
@@ -724,6 +729,6 @@ clean: ## remove build/
 
 .PHONY: help
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t16
+	@grep -hE '^[a-z_.-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t16
 
--include $(shell find $(O) -name '*.d' 2>/dev/null)
+-include $(shell find $(OBJ) -name '*.d' 2>/dev/null)

@@ -34,10 +34,13 @@ export function folder() {
   return fs.mkdtempSync(path.join(os.tmpdir(), "pelagos-page-"));
 }
 
-// None of those that the kernel gives to clients, of this test or another.
+// Of those that tests/run keeps for this test; none of those that the kernel
+// gives to clients, of this test or another.
 export async function freePort(kind = "tcp") {
+  const [first, last] = (process.env.PELAGOS_TEST_PORTS ?? "10000-32767")
+    .split("-").map(Number);
   for (;;) {
-    const port = 10000 + Math.floor(Math.random() * 22768);
+    const port = first + Math.floor(Math.random() * (last - first + 1));
     const socket = kind === "udp"
       ? dgram.createSocket("udp4").bind(port, "127.0.0.1")
       : net.createServer().listen(port, "127.0.0.1");

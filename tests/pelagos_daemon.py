@@ -30,12 +30,14 @@ SLOW_S = 60.0
 
 
 def free_port(kind=socket.SOCK_STREAM):
-    """A port that nobody uses now (for services that do not log theirs). Not
-    the kernel's choice: it gives those ports to every client as well, of this
-    test or of one beside it."""
+    """A port that nobody uses now (for services that do not log theirs): of
+    those that tests/run keeps for this test. Not the kernel's choice: it gives
+    those ports to every client as well, of this test or of one beside it."""
+    first, last = map(int, os.environ.get("PELAGOS_TEST_PORTS",
+                                          "10000-32767").split("-"))
     while True:
         with socket.socket(socket.AF_INET, kind) as s:
-            port = random.SystemRandom().randrange(10000, 32768)
+            port = random.SystemRandom().randint(first, last)
             with contextlib.suppress(OSError):
                 s.bind(("127.0.0.1", port))
                 return port
@@ -245,8 +247,12 @@ def schema():
     made = os.path.join(folder, "pelagos_pb2.py")
     if (not os.path.exists(made)
             or os.path.getmtime(made) < os.path.getmtime(source)):
-        subprocess.run(["protoc", f"--proto_path={os.path.dirname(source)}",
-                        f"--python_out={folder}", source], check=True)
+        with tempfile.TemporaryDirectory(dir=folder) as fresh:
+            subprocess.run(["protoc",
+                            f"--proto_path={os.path.dirname(source)}",
+                            f"--python_out={fresh}", source], check=True)
+            # At once: a test beside this one may be reading it.
+            os.replace(os.path.join(fresh, "pelagos_pb2.py"), made)
     if folder not in sys.path:
         sys.path.insert(0, folder)
     import pelagos_pb2

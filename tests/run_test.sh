@@ -1,6 +1,8 @@
 #!/bin/bash
 # tests/run says at the end of its output what failed and why, however long the
-# log of the failed test and wherever in it the failure stands.
+# log of the failed test and wherever in it the failure stands. Tests run side by
+# side, with folders and ports of their own, and their lines keep their order;
+# what is left out is counted, and fails where CI is true.
 set -u
 cd "$(dirname "$0")/.."
 work=$(mktemp -d)
@@ -59,6 +61,7 @@ exit 77
 END
 
 export TEST_LOGS=$work/logs
+unset CI
 said=$(tests/run "$work"/{cmocka,tap,python,crash,fine,left_out} 2>&1)
 status=$?
 end=$(tail -n 8 <<<"$said")
@@ -85,6 +88,66 @@ fi
 if [ $failed -ne 0 ]; then
     echo "$said"
 fi
+
+# Each waits for the others: one after the other they never end. What they
+# leave behind goes with them.
+for name in first second third; do
+    make_test $name <<END
+cd '$work'
+echo "\$TMPDIR \$PELAGOS_TEST_PORTS" >$name.place
+until [ -e first.place ] && [ -e second.place ] && [ -e third.place ]; do
+    sleep 0.05
+done
+[ $name = first ] && sleep 0.5
+sleep 600 &
+echo \$! >$name.left
+touch "\$TMPDIR/rest"
+END
+done
+end=$(TEST_JOBS=3 TEST_TIMEOUT=60 tests/run "$work"/{first,second,third} 2>&1)
+for word in first second third; do
+    expect "  $word"
+    state=$(cut -d ' ' -f 3 "/proc/$(cat "$work/$word.left")/stat" 2>/dev/null)
+    if [ -n "$state" ] && [ "$state" != Z ]; then
+        echo "FAILED: $word left a process"
+        failed=1
+    fi
+done
+if [ "$(awk '$1 == "ok" { print $4 }' <<<"$end" | xargs)" != \
+    'first second third' ]; then
+    echo "FAILED: the order is not that of the tests: $end"
+    failed=1
+fi
+if [ "$(cat "$work"/*.place | tr ' ' '\n' | sort -u | wc -l)" -ne 6 ]; then
+    echo "FAILED: tests share a folder or ports: $(cat "$work"/*.place)"
+    failed=1
+fi
+for place in $(cut -d ' ' -f 1 "$work"/*.place); do
+    if [ -e "$place" ]; then
+        echo "FAILED: $place is left"
+        failed=1
+    fi
+done
+
+# What is left out, as each kind of test says it.
+make_test cases <<'END'
+echo '[  SKIPPED ] stars'
+echo '[  SKIPPED ] 1 test(s), listed below:'
+echo '[  SKIPPED ] stars'
+echo 'ok 3 - tides # SKIP no Moon'
+echo "test_pier (X) ... skipped 'no pier'" >&2
+echo 'OK (skipped=2)' >&2
+END
+end=$(tests/run "$work"/{cases,left_out} 2>&1)
+expect '1 passed, 0 failed, 5 skipped'
+end=$(CI=true tests/run "$work"/{cases,left_out} 2>&1)
+expect '0 passed, 2 failed, 0 skipped'
+expect 'FAILED: left_out (skipped where CI=true: no ship here)'
+expect 'FAILED: cases (skipped where CI=true: no pier; stars; no Moon)'
+printf '%s\n' 'left_out 1 0.1 may-skip ships are rare' >"$work/schedule"
+end=$(CI=true TEST_SCHEDULE=$work/schedule tests/run "$work/left_out" 2>&1)
+expect 'no ship here [ships are rare]'
+expect '0 passed, 0 failed, 1 skipped'
 
 end=$(TEST_TIMEOUT=1 tests/run "$work/hangs" 2>&1 | tail -n 2)
 expect 'FAILED: hangs (stopped after 1 s) — waiting for the tide'

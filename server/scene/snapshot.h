@@ -27,7 +27,7 @@ enum pel_clock_mode {
 };
 
 /* Limits of altitude in the schema. */
-#define PEL_LOWEST_M -100.0
+#define PEL_LOWEST_M (-100.0)
 #define PEL_HIGHEST_M 20000.0
 
 struct pel_entity_state {

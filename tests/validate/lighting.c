@@ -3,6 +3,9 @@
  * with the paper's own sky and with a constant BRDF, and of brute force. Writes
  * pictures, plots (SVG), a table (Markdown) and figures (JSON) to a folder:
  *   lighting FOLDER [--quick] [--rays MOST]
+ * Status 3 where a part of the light misses what is wanted of it. --quick takes
+ * so few rays that the reference itself is uncertain: what its energies moved
+ * by when the rays doubled last is added to each bound.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,7 +45,7 @@ static const struct scene scenes[] = {
 
 struct options {
     const char *folder;
-    long most;
+    long most; /* rays of a row */
     bool quick;
 };
 
@@ -322,8 +325,13 @@ static void write_rows(FILE *f, const char *name, const double *v, int first)
     fprintf(f, "]");
 }
 
+/* A reference that moves by more than this is none: twice what the quick form
+ * is seen to do. */
+#define MOVE_MOST 0.04
+
 static bool report_part(const struct scene *scene, const struct results *r,
-                        int part, FILE *table, FILE *json, bool last)
+                        bool quick, int part, FILE *table, FILE *json,
+                        bool last)
 {
     int first, rows, still = 0;
     struct pel_camera camera = make_camera();
@@ -339,7 +347,9 @@ static bool report_part(const struct scene *scene, const struct results *r,
     for (int m = OURS; m < METHODS; m++) {
         error[m] = mean_error(r, m, part, first);
     }
-    bool met = error[OURS] <= scene->wanted[part];
+    double room = quick ? mean_move : 0.0;
+    bool met =
+        error[OURS] <= scene->wanted[part] + room && mean_move <= MOVE_MOST;
     fprintf(table,
             "| %s, %.0f m/s | %s | %.1f %% | %.0f %% | %s | %.1f %% | %.1f %% "
             "| %.2f %%, %.1f %% | %d of %d |\n",
@@ -386,7 +396,7 @@ static bool run_scene(const struct scene *scene, const struct options *o,
         for (int row = first; row < ROWS; row++) {
             white = fmax(white, results.energy[REFERENCE][p][row]);
         }
-        *missed += !report_part(scene, &results, p, table, json,
+        *missed += !report_part(scene, &results, o->quick, p, table, json,
                                 last && p == PARTS - 1);
         for (int m = 0; m < METHODS; m++) {
             save_picture(o->folder, scene->name, (enum part)p, (enum method)m,
@@ -454,5 +464,5 @@ int main(int argc, char **argv)
     fprintf(json, "]\n");
     fclose(table);
     fclose(json);
-    return !ok ? 1 : missed > 0 && !o.quick ? 3 : 0;
+    return !ok ? 1 : missed > 0 ? 3 : 0;
 }
