@@ -133,6 +133,9 @@ SCENE := server/scene/scene.c \
     server/scene/numbers.c \
     server/scene/snapshot.c server/scene/stale.c \
     server/scene/sharedsea.c \
+    server/scene/worker.c \
+    server/scene/submit.c \
+    server/scene/prepare.c \
     server/scene/simclock.c \
     server/scene/ship.c \
     server/scene/record.c \
@@ -287,6 +290,7 @@ TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c
 TESTS += server/scene/seas_test.c
+TESTS += server/scene/submit_test.c
 TESTS += server/scene/record_test.c
 TESTS += server/scene/ship_test.c
 TESTS += server/scene/geodesy_test.c

@@ -231,6 +231,41 @@ enum MHD_Result pel_http_send_optics(struct client *client,
     return wait_on(client, waiter, err, &fault);
 }
 
+static void on_patch(void *user, enum pel_err err,
+                     const struct pel_fault *fault)
+{
+    struct client *client = wait_end(user);
+    struct pel_http_answer answer = { .kind = PEL_HTTP_WHOLE };
+    if (!client) {
+        return;
+    }
+    if (err == PEL_OK) {
+        pel_http_answer_state(&client->server->context, &answer);
+    } else {
+        pel_http_answer_refused(&answer, fault);
+        client->server->malformed += answer.status == 400;
+    }
+    pel_http_send(client, &answer);
+    pel_http_resume(client);
+}
+
+enum MHD_Result pel_http_send_patched(struct client *client,
+                                      struct pel_http_answer *answer)
+{
+    const struct pel_scene_wish wish = {
+        .patch = answer->patch,
+        .if_unchanged = answer->if_unchanged,
+    };
+    struct waiter *waiter = wait_begin(client);
+    bool waits = pel_scene_submit(client->server->context.scene, &wish,
+                                  on_patch, waiter);
+    pel_http_answer_finish(answer);
+    if (waits) {
+        pel_http_suspend(client);
+    }
+    return MHD_YES;
+}
+
 /* --- Motion JPEG and MPEG-TS ---------------------------------------------- */
 
 /* The stream's own memory: it dies with the response, which the library may

@@ -140,6 +140,10 @@ void pel_http_answer_finish(struct pel_http_answer *answer)
         pelagos__frames_request__free_unpacked(answer->frames, NULL);
         answer->frames = NULL;
     }
+    if (answer->patch) {
+        pelagos__patch__free_unpacked(answer->patch, NULL);
+        answer->patch = NULL;
+    }
     if (answer->optics) {
         pelagos__optics_query__free_unpacked(answer->optics, NULL);
         answer->optics = NULL;

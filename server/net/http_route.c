@@ -58,11 +58,17 @@ void pel_http_refuse(const struct pel_http_call *call, int status,
     pel_http_problem(call->answer, status, fault);
 }
 
+static void set_revision(const struct pel_http_context *context,
+                         struct pel_http_answer *answer)
+{
+    const Pelagos__State *state = pel_scene_state(context->scene);
+    snprintf(answer->tag, sizeof answer->tag, "\"%llu\"",
+             (unsigned long long)state->revision);
+}
+
 static void set_tag(const struct pel_http_call *call)
 {
-    const Pelagos__State *state = pel_scene_state(call->context->scene);
-    snprintf(call->answer->tag, sizeof call->answer->tag, "\"%llu\"",
-             (unsigned long long)state->revision);
+    set_revision(call->context, call->answer);
 }
 
 bool pel_http_precondition(const struct pel_http_call *call)
@@ -84,12 +90,24 @@ bool pel_http_precondition(const struct pel_http_call *call)
     return false;
 }
 
+void pel_http_answer_state(const struct pel_http_context *context,
+                           struct pel_http_answer *answer)
+{
+    const Pelagos__State *state = pel_scene_state(context->scene);
+    pel_http_json(answer, 200, pel_json_from_message(&state->base, false));
+    set_revision(context, answer);
+}
+
+void pel_http_answer_refused(struct pel_http_answer *answer,
+                             const struct pel_fault *fault)
+{
+    /* A field that does not exist is the body's fault, not the URL's. */
+    pel_http_problem(answer, fault->code == PEL_ERR_NOT_FOUND ? 400 : 0, fault);
+}
+
 void pel_http_state(const struct pel_http_call *call)
 {
-    const Pelagos__State *state = pel_scene_state(call->context->scene);
-    pel_http_json(call->answer, 200,
-                  pel_json_from_message(&state->base, false));
-    set_tag(call);
+    pel_http_answer_state(call->context, call->answer);
 }
 
 /* --- handlers ------------------------------------------------------------- */
@@ -142,16 +160,14 @@ static void patch_state(const struct pel_http_call *call)
     Pelagos__Patch *patch = NULL;
     enum pel_err err = pel_json_merge_patch(
         call->request->body, call->request->body_size, &patch, &fault);
-    if (err == PEL_OK) {
-        err = pel_scene_patch(call->context->scene, patch, &fault);
-        pelagos__patch__free_unpacked(patch, NULL);
+    if (err != PEL_OK) {
+        pel_http_answer_refused(call->answer, &fault);
+        return;
     }
-    if (err == PEL_OK) {
-        pel_http_state(call);
-    } else {
-        /* A field that does not exist is the body's fault, not the URL's. */
-        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
-    }
+    call->answer->kind = PEL_HTTP_PATCH;
+    call->answer->patch = patch;
+    call->answer->if_unchanged =
+        pel_http_find_header(call->request, "If-Match", NULL) != NULL;
 }
 
 static char *path_of_segments(const struct pel_http_call *call)

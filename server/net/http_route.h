@@ -33,6 +33,7 @@ enum pel_http_kind {
     PEL_HTTP_LIVE,    /* a WebSocket: 101, then `live` */
     PEL_HTTP_SURFACE, /* carry out `surface`, answer with JSON */
     PEL_HTTP_OPTICS,  /* carry out `optics`, answer with JSON */
+    PEL_HTTP_PATCH,   /* commit `patch`, answer with the state */
 };
 
 struct pel_http_answer {
@@ -52,6 +53,8 @@ struct pel_http_answer {
     Pelagos__FramesRequest *frames;
     Pelagos__SurfaceQuery *surface;
     Pelagos__OpticsQuery *optics;
+    Pelagos__Patch *patch;
+    bool if_unchanged; /* of PATCH: If-Match named the state of now */
     char view[PEL_NAME_SIZE];
     double fps; /* at most; 0: every frame */
     int quality;
@@ -77,6 +80,12 @@ bool pel_http_admit(const struct pel_http_context *context,
 void pel_http_route(const struct pel_http_context *context,
                     const struct pel_http_request *request,
                     struct pel_http_answer *answer);
+
+/* The state, with its revision as tag; or why a patch of it was refused. */
+void pel_http_answer_state(const struct pel_http_context *context,
+                           struct pel_http_answer *answer);
+void pel_http_answer_refused(struct pel_http_answer *answer,
+                             const struct pel_fault *fault);
 
 /* An answer that says what is wrong, as RFC 9457 problem+json. The fault's
  * code becomes the status unless `status` is not 0. */

@@ -79,8 +79,8 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
     case PELAGOS__REQUEST__COMMAND_LOGIN: /* admitted already */
         break;
     case PELAGOS__REQUEST__COMMAND_PATCH:
-        err = pel_scene_patch(scene, request->patch, fault);
-        break;
+        pel_session_patch(self, request);
+        return PEL_OK;
     case PELAGOS__REQUEST__COMMAND_STEP:
         err = pel_command_check(&request->step->base, fault);
         if (err == PEL_OK) {
@@ -177,7 +177,7 @@ static void take_message(struct session *self, const uint8_t *data, size_t size)
 /* Whether another message may be begun now. */
 static bool may_take(const struct session *self)
 {
-    return !self->closing && self->out.bytes <= OUTPUT_PAUSE;
+    return !self->closing && !self->patching && self->out.bytes <= OUTPUT_PAUSE;
 }
 
 /* Takes whole messages from the buffer. `held` afterwards: it may hold more

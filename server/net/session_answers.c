@@ -229,6 +229,34 @@ enum pel_err pel_session_start(struct session *self,
     return err;
 }
 
+static void on_patch(void *user, enum pel_err err,
+                     const struct pel_fault *fault)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        self->patching = false;
+        if (err == PEL_OK) {
+            pel_session_send_state(self, job->has_id, job->id);
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+void pel_session_patch(struct session *self, const Pelagos__Request *request)
+{
+    struct job *job = g_new0(struct job, 1);
+    const struct pel_scene_wish wish = { .patch = request->patch };
+    job->session = self;
+    job->has_id = request->has_id;
+    job->id = request->id;
+    g_ptr_array_add(self->jobs, job);
+    self->patching = true;
+    pel_scene_submit(self->all->scene, &wish, on_patch, job);
+}
+
 enum pel_err pel_session_spectrum(struct session *self,
                                   const Pelagos__Request *request,
                                   struct pel_fault *fault)

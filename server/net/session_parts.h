@@ -39,6 +39,7 @@ struct session {
     bool watching, watch_due, watch_has_id;
     uint64_t watch_id;
     bool stranger;            /* has yet to give the token */
+    bool patching;            /* later requests wait for a patch's commit */
     bool nudge;               /* somebody waits for what is sent next */
     bool eof;                 /* the client sends no more */
     bool held;                /* whole messages may wait in `in` */
@@ -73,6 +74,9 @@ void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
 PEL_CHECK enum pel_err pel_session_spectrum(struct session *self,
                                             const Pelagos__Request *request,
                                             struct pel_fault *fault);
+
+/* Answers when the patch is committed or refused. */
+void pel_session_patch(struct session *self, const Pelagos__Request *request);
 
 /* Begins what is answered later: pictures, the surface, light. */
 PEL_CHECK enum pel_err pel_session_start(struct session *self,

@@ -184,8 +184,7 @@ enum pel_err pel_shared_sea_get(const Pelagos__State *state,
         err = read_record(state->sea, means->spectra, &desc.measured, fault);
     }
     if (!err && same_record && same_sea(&desc, &present->desc)) {
-        atomic_fetch_add(&present->refs, 1);
-        *out = present;
+        *out = pel_shared_sea_ref(present);
         g_free(record);
         return PEL_OK;
     }
@@ -194,6 +193,24 @@ enum pel_err pel_shared_sea_get(const Pelagos__State *state,
     }
     g_free(record);
     return err;
+}
+
+bool pel_shared_sea_same_record(const struct pel_shared_sea *sea,
+                                const Pelagos__State *state)
+{
+    g_autofree char *record = record_of(state);
+    return g_strcmp0(record, sea->record) == 0;
+}
+
+bool pel_shared_sea_is(const struct pel_shared_sea *sea,
+                       const Pelagos__State *state,
+                       const struct pel_sea_means *means)
+{
+    struct pel_sea_desc desc;
+    pel_sea_describe(state, means->wave_count, &desc);
+    desc.measured = sea->desc.measured;
+    return pel_shared_sea_same_record(sea, state) &&
+           same_sea(&desc, &sea->desc);
 }
 
 static void place_entity(const Pelagos__Origin *origin,
@@ -432,8 +449,7 @@ static void place_ship(const Pelagos__State *state,
         .roll = { e->roll_rad, own->roll_rate * PEL_DEG },
     };
     read_orders(own, &orders);
-    pel_ship_start(&out->ship, &orders, &motion, now_s, out->rate,
-                   pel_snapshot_sea(out));
+    pel_ship_start(&out->ship, &orders, &motion, now_s, out->rate);
 }
 
 const struct pel_snapshot *pel_snapshot_build_going(
@@ -507,7 +523,7 @@ void pel_snapshot_ship_to_state(const struct pel_snapshot *s, double time_s,
     }
     Pelagos__Entity *e = state->entities[s->ship_entity];
     pel_snapshot_entity_at(s, (size_t)s->ship_entity, time_s, &at);
-    pel_ship_at(&s->ship, time_s, pel_snapshot_sea(s), &m);
+    pel_snapshot_ship_motion(s, time_s, &m);
     pel_geo_from_local(state->origin->latitude, state->origin->longitude,
                        at.east_m, at.north_m, &e->latitude, &e->longitude);
     e->latitude = pel_clamp(e->latitude, -MAX_LATITUDE, MAX_LATITUDE);

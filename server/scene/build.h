@@ -1,5 +1,8 @@
-/* Making a snapshot from a tested, complete state. Control thread. */
+/* Making a snapshot from a tested, complete state. Control thread; seas any
+ * thread. */
 #pragma once
+
+#include <stdbool.h>
 
 #include "base/err.h"
 #include "pelagos.pb-c.h"
@@ -23,6 +26,18 @@ PEL_CHECK enum pel_err pel_shared_sea_get(const Pelagos__State *state,
                                           struct pel_shared_sea *present,
                                           struct pel_shared_sea **out,
                                           struct pel_fault *fault);
+/* Whether `sea` is the one that the state asks for. */
+bool pel_shared_sea_is(const struct pel_shared_sea *sea,
+                       const Pelagos__State *state,
+                       const struct pel_sea_means *means);
+/* Whether that one would be of the same measured spectrum, or of none. */
+bool pel_shared_sea_same_record(const struct pel_shared_sea *sea,
+                                const Pelagos__State *state);
+struct pel_shared_sea *pel_shared_sea_ref(struct pel_shared_sea *sea);
+
+/* Whether it is built, so that looking at it takes no time. Any thread. */
+bool pel_shared_sea_built(const struct pel_shared_sea *sea);
+
 /* Any thread; aborts without memory. */
 const struct pel_sea *pel_shared_sea_value(struct pel_shared_sea *sea);
 
@@ -43,6 +58,10 @@ const struct pel_snapshot *pel_snapshot_build_going(
 /* The same snapshot with own ship further on. */
 const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
                                                   const struct pel_ship *ship);
+
+/* Own ship's motion, of a snapshot that has one. Any thread. */
+void pel_snapshot_ship_motion(const struct pel_snapshot *s, double time_s,
+                              struct pel_ship_motion *out);
 
 /* Writes own ship's motion at time_s as the pose of its entity and the rates
  * of ownShip; `state` is what the snapshot was built from, or like it. */

@@ -56,6 +56,12 @@ enum pel_err pel_ground_get(const Pelagos__State *state, const char *directory,
     return err;
 }
 
+bool pel_ground_is(const struct pel_ground *ground, const Pelagos__State *state)
+{
+    g_autofree char *key = key_of(state);
+    return g_strcmp0(key, ground->key) == 0;
+}
+
 void pel_ground_finish(struct pel_ground *ground)
 {
     pel_seabed_unref(ground->bed);

@@ -1,5 +1,7 @@
-/* The height field that a state names. Control thread. */
+/* The height field that a state names. Any thread. */
 #pragma once
+
+#include <stdbool.h>
 
 #include "base/err.h"
 #include "pelagos.pb-c.h"
@@ -20,6 +22,9 @@ PEL_CHECK enum pel_err pel_ground_get(const Pelagos__State *state,
                                       const struct pel_ground *present,
                                       struct pel_ground *out,
                                       struct pel_fault *fault);
+/* Whether `ground` is that of the state. */
+bool pel_ground_is(const struct pel_ground *ground,
+                   const Pelagos__State *state);
 void pel_ground_finish(struct pel_ground *ground);
 
 /* Makes the state one that names no file. */

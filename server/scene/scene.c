@@ -15,40 +15,14 @@
 #include "scene/build.h"
 #include "scene/check.h"
 #include "scene/edit.h"
-#include "scene/ground.h"
-#include "scene/simclock.h"
+#include "scene/scene_parts.h"
 #include "scene/store.h"
 
-#define MAX_CALLBACKS 16
 #define MAX_STEP_S 3600.0
 #define SHIP_MS 500
 #define SAVE_INTERVAL_NS 1000000000 /* from one write to the next */
 #define SAVE_AGAIN_NS 5000000000    /* after one that failed */
 #define DEFAULT_WAVES 60
-
-struct pel_scene {
-    char *state_path;
-    struct pel_sea_means means;
-    char *spectra;         /* what means.spectra points to */
-    char *bathymetry;      /* directory of height fields; may be NULL */
-    Pelagos__State *state; /* clock.time as of the last look at it */
-    struct pel_simclock clock;
-    struct pel_shared_sea *sea;
-    struct pel_ground ground;
-    const struct pel_snapshot *snapshot;
-    guint save_timer;     /* 0: nothing to write */
-    int64_t save_from_ns; /* not before */
-    uint64_t saves, failed_saves;
-    guint ship_timer; /* 0: own ship is not the model's */
-    uint32_t host_frame;
-    pel_scene_listener listener; /* may be NULL */
-    void *listener_user;
-    size_t callback_count;
-    struct {
-        void (*call)(void *user);
-        void *user;
-    } callbacks[MAX_CALLBACKS];
-};
 
 double pel_scene_time(struct pel_scene *scene)
 {
@@ -58,20 +32,19 @@ double pel_scene_time(struct pel_scene *scene)
 /* Takes own ship's steps up to time_s. */
 static void advance_ship(struct pel_scene *scene, double time_s)
 {
-    if (scene->snapshot->ship_entity < 0) {
+    if (scene->snapshot->ship_entity < 0 ||
+        !pel_ship_steps(&scene->snapshot->ship, time_s)) {
         return;
     }
     struct pel_ship ship = scene->snapshot->ship;
-    if (pel_ship_advance(&ship, time_s, pel_snapshot_sea(scene->snapshot))) {
-        const struct pel_snapshot *next =
-            pel_snapshot_with_ship(scene->snapshot, &ship);
-        pel_snapshot_unref(scene->snapshot);
-        scene->snapshot = next;
-    }
+    (void)pel_ship_advance(&ship, time_s, pel_snapshot_sea(scene->snapshot));
+    const struct pel_snapshot *next =
+        pel_snapshot_with_ship(scene->snapshot, &ship);
+    pel_snapshot_unref(scene->snapshot);
+    scene->snapshot = next;
 }
 
-/* The state as of time_s. */
-static void refresh(struct pel_scene *scene, double time_s)
+void pel_scene_refresh(struct pel_scene *scene, double time_s)
 {
     scene->state->clock->time = time_s;
     if (scene->snapshot->ship_entity >= 0) {
@@ -82,7 +55,7 @@ static void refresh(struct pel_scene *scene, double time_s)
 
 const Pelagos__State *pel_scene_state(struct pel_scene *scene)
 {
-    refresh(scene, pel_scene_time(scene));
+    pel_scene_refresh(scene, pel_scene_time(scene));
     return scene->state;
 }
 
@@ -107,9 +80,9 @@ static gboolean on_ship_timer(gpointer user)
 void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
                          void *user)
 {
-    if (scene->callback_count == MAX_CALLBACKS) {
+    if (scene->callback_count == PEL_MAX_CALLBACKS) {
         pel_error("SCN-004", "more than %d rooms listen to the scene",
-                  MAX_CALLBACKS);
+                  PEL_MAX_CALLBACKS);
         return;
     }
     scene->callbacks[scene->callback_count].call = callback;
@@ -122,11 +95,11 @@ const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
 {
     scene->listener = listener;
     scene->listener_user = user;
-    refresh(scene, pel_scene_time(scene));
+    pel_scene_refresh(scene, pel_scene_time(scene));
     if (listener && scene->snapshot->ship_entity >= 0) {
         /* Whoever begins with this state begins own ship's steps here. */
-        const struct pel_snapshot *anew =
-            pel_snapshot_build(scene->state, scene->sea, scene->ground.bed);
+        const struct pel_snapshot *anew = pel_snapshot_build(
+            scene->state, scene->has.sea, scene->has.ground.bed);
         pel_snapshot_unref(scene->snapshot);
         scene->snapshot = anew;
     }
@@ -225,35 +198,31 @@ static void set_clock(struct pel_scene *scene, const Pelagos__Clock *to,
     }
 }
 
-/* Takes `state`, which is tested, over or leaves it to the caller. */
+/* Takes `state`, which is tested, over or leaves it to the caller. `ready`
+ * (NULL allowed): what was prepared for it. */
 static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
-                           bool ship_goes_on, struct pel_fault *fault)
+                           bool ship_goes_on, const struct pel_provision *ready,
+                           struct pel_fault *fault)
 {
-    struct pel_shared_sea *sea;
-    struct pel_ground ground;
+    struct pel_provision next;
+    bool fits = ready && pel_provision_fits(ready, state, &scene->means);
     enum pel_err err =
-        pel_shared_sea_get(state, &scene->means, scene->sea, &sea, fault);
+        pel_provision_get(state, &scene->means, scene->bathymetry,
+                          fits ? ready : &scene->has, &next, fault);
     if (err) {
         return err;
     }
-    err = pel_ground_get(state, scene->bathymetry, &scene->ground, &ground,
-                         fault);
-    if (err) {
-        pel_shared_sea_unref(sea);
-        return err;
-    }
-    const struct pel_ship *going =
-        ship_goes_on && sea == scene->sea ? &scene->snapshot->ship : NULL;
+    const struct pel_ship *going = ship_goes_on && next.sea == scene->has.sea
+                                       ? &scene->snapshot->ship
+                                       : NULL;
     const struct pel_snapshot *snapshot =
-        pel_snapshot_build_going(state, sea, ground.bed, going);
-    pel_shared_sea_unref(scene->sea);
-    pel_ground_finish(&scene->ground);
+        pel_snapshot_build_going(state, next.sea, next.ground.bed, going);
+    pel_provision_finish(&scene->has);
     pel_snapshot_unref(scene->snapshot);
     if (scene->state) {
         pelagos__state__free_unpacked(scene->state, NULL);
     }
-    scene->sea = sea;
-    scene->ground = ground;
+    scene->has = next;
     scene->snapshot = snapshot;
     scene->state = state;
     if (snapshot->ship_entity >= 0 && scene->ship_timer == 0) {
@@ -289,12 +258,11 @@ static bool ship_goes_on(const struct pel_scene *scene,
            now->clock->rate == next->clock->rate;
 }
 
-/* The state after the patch, tested. */
-static enum pel_err edited(struct pel_scene *scene, const Pelagos__Patch *patch,
-                           double time_s, Pelagos__State **out,
-                           struct pel_fault *fault)
+enum pel_err pel_scene_edited(struct pel_scene *scene,
+                              const Pelagos__Patch *patch, double time_s,
+                              Pelagos__State **out, struct pel_fault *fault)
 {
-    refresh(scene, time_s);
+    pel_scene_refresh(scene, time_s);
     enum pel_err err = pel_state_apply(scene->state, patch, out, fault);
     if (err) {
         return err;
@@ -314,14 +282,15 @@ enum pel_err pel_scene_try(struct pel_scene *scene, const Pelagos__Patch *patch,
                            struct pel_shared_sea **sea, struct pel_fault *fault)
 {
     if (!patch) {
-        return pel_shared_sea_get(scene->state, &scene->means, scene->sea, sea,
-                                  fault);
+        return pel_shared_sea_get(scene->state, &scene->means, scene->has.sea,
+                                  sea, fault);
     }
     Pelagos__State *next;
     enum pel_err err =
-        edited(scene, patch, pel_scene_time(scene), &next, fault);
+        pel_scene_edited(scene, patch, pel_scene_time(scene), &next, fault);
     if (!err) {
-        err = pel_shared_sea_get(next, &scene->means, scene->sea, sea, fault);
+        err =
+            pel_shared_sea_get(next, &scene->means, scene->has.sea, sea, fault);
         pelagos__state__free_unpacked(next, NULL);
     }
     return err;
@@ -339,11 +308,11 @@ enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
     Pelagos__State *next;
     struct pel_shared_sea *sea = NULL;
     enum pel_err err =
-        edited(scene, patch, pel_scene_time(scene), &next, fault);
+        pel_scene_edited(scene, patch, pel_scene_time(scene), &next, fault);
     if (err) {
         return err;
     }
-    err = pel_shared_sea_get(next, &scene->means, scene->sea, &sea, fault);
+    err = pel_shared_sea_get(next, &scene->means, scene->has.sea, &sea, fault);
     if (!err) {
         /* Light as numbers is of the water, wherever its bottom is. */
         *out = pel_snapshot_build(next, sea, NULL);
@@ -353,6 +322,31 @@ enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
     return err;
 }
 
+enum pel_err pel_scene_take_over(struct pel_scene *scene, Pelagos__State *next,
+                                 const Pelagos__Patch *patch,
+                                 const struct pel_provision *ready,
+                                 double time_s, int64_t now_ns,
+                                 struct pel_fault *fault)
+{
+    enum pel_err err =
+        commit(scene, next, ship_goes_on(scene, next), ready, fault);
+    if (err) {
+        pelagos__state__free_unpacked(next, NULL);
+        return err;
+    }
+    set_clock(scene, next->clock, time_s, now_ns);
+    notify(scene, time_s, patch);
+    return PEL_OK;
+}
+
+void pel_scene_tell_commit(struct pel_scene *scene)
+{
+    save_soon(scene);
+    for (size_t i = 0; i < scene->callback_count; i++) {
+        scene->callbacks[i].call(scene->callbacks[i].user);
+    }
+}
+
 enum pel_err pel_scene_patch(struct pel_scene *scene,
                              const Pelagos__Patch *patch,
                              struct pel_fault *fault)
@@ -360,22 +354,15 @@ enum pel_err pel_scene_patch(struct pel_scene *scene,
     Pelagos__State *next;
     int64_t now_ns = pel_now_ns();
     double time_s = pel_simclock_at(&scene->clock, now_ns);
-    enum pel_err err = edited(scene, patch, time_s, &next, fault);
-    if (err) {
-        return err;
+    enum pel_err err = pel_scene_edited(scene, patch, time_s, &next, fault);
+    if (!err) {
+        err = pel_scene_take_over(scene, next, patch, NULL, time_s, now_ns,
+                                  fault);
     }
-    err = commit(scene, next, ship_goes_on(scene, next), fault);
-    if (err) {
-        pelagos__state__free_unpacked(next, NULL);
-        return err;
+    if (!err) {
+        pel_scene_tell_commit(scene);
     }
-    set_clock(scene, next->clock, time_s, now_ns);
-    save_soon(scene);
-    notify(scene, time_s, patch);
-    for (size_t i = 0; i < scene->callback_count; i++) {
-        scene->callbacks[i].call(scene->callbacks[i].user);
-    }
-    return PEL_OK;
+    return err;
 }
 
 static enum pel_err refuse_step(const char *path, double value, double minimum,
@@ -497,6 +484,21 @@ static void nobody_yet(Pelagos__State *state)
     s->console_stale = s->other_stale = false;
 }
 
+/* Who waits is told; the snapshot may not be there. */
+static void scene_free(struct pel_scene *scene)
+{
+    pel_scene_end_waiting(scene);
+    pel_snapshot_unref(scene->snapshot);
+    pel_provision_finish(&scene->has);
+    if (scene->state) {
+        pelagos__state__free_unpacked(scene->state, NULL);
+    }
+    g_free(scene->bathymetry);
+    g_free(scene->spectra);
+    g_free(scene->state_path);
+    g_free(scene);
+}
+
 enum pel_err pel_scene_create(const struct pel_scene_options *options,
                               struct pel_scene **out, struct pel_fault *fault)
 {
@@ -516,29 +518,27 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
                  pel_sandbox_lack(pel_sandbox_walls()));
     }
     scene->state_path = g_strdup(options->state_path);
+    pel_scene_begin_waiting(scene);
     nobody_yet(state);
     err = pel_sea_settle(state, fault);
     if (!err) {
-        err = commit(scene, state, false, fault);
+        err = commit(scene, state, false, NULL, fault);
     }
     if (err && state->sea->spectrum == PELAGOS__SPECTRUM_KIND__MEASURED) {
         pel_error("SCN-005", "the sea is Pierson and Moskowitz's: %s",
                   fault ? fault->message : "no measured spectrum");
         state->sea->spectrum = PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ;
-        err = commit(scene, state, false, fault);
+        err = commit(scene, state, false, NULL, fault);
     }
     if (err && state->seabed->file) {
         pel_error("SCN-006", "the bottom is flat: %s",
                   fault ? fault->message : "no height field");
         pel_ground_forget(state);
-        err = commit(scene, state, false, fault);
+        err = commit(scene, state, false, NULL, fault);
     }
     if (err) {
         pelagos__state__free_unpacked(state, NULL);
-        g_free(scene->bathymetry);
-        g_free(scene->spectra);
-        g_free(scene->state_path);
-        g_free(scene);
+        scene_free(scene);
         return err;
     }
     pel_simclock_set(&scene->clock, (enum pel_clock_mode)state->clock->mode,
@@ -561,14 +561,7 @@ void pel_scene_destroy(struct pel_scene *scene)
     if (scene->ship_timer != 0) {
         g_source_remove(scene->ship_timer);
     }
-    pel_snapshot_unref(scene->snapshot);
-    pel_shared_sea_unref(scene->sea);
-    pel_ground_finish(&scene->ground);
-    pelagos__state__free_unpacked(scene->state, NULL);
-    g_free(scene->bathymetry);
-    g_free(scene->spectra);
-    g_free(scene->state_path);
-    g_free(scene);
+    scene_free(scene);
 }
 
 void pel_scene_collect(void *user, struct pel_metrics_page *page)
@@ -579,4 +572,10 @@ void pel_scene_collect(void *user, struct pel_metrics_page *page)
     pel_metric(page, "pelagos_scene_save_errors_total", PEL_METRIC_COUNTER,
                "Times the state file could not be written.", NULL,
                (double)scene->failed_saves);
+    pel_metric(page, "pelagos_scene_prepared_total", PEL_METRIC_COUNTER,
+               "Seas built and files read before a patch was committed.", NULL,
+               (double)scene->prepared);
+    pel_metric(page, "pelagos_scene_waiting", PEL_METRIC_GAUGE,
+               "Patches that wait for a sea or a file.", NULL,
+               (double)scene->waiting->len);
 }

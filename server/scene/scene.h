@@ -6,6 +6,8 @@
  * second; where that fails, again every 5 s. */
 #pragma once
 
+#include <stdbool.h>
+
 #include "base/err.h"
 #include "base/metrics.h"
 #include "pelagos.pb-c.h"
@@ -33,10 +35,45 @@ void pel_scene_destroy(struct pel_scene *scene); /* flushes the file */
  * value, unit and range. A patch that touches the pose or the rates of an
  * entity first reckons it to its new pose_time (the present time where the
  * patch gives none), so that what it does not name goes on from where the ship
- * is. A patch of clock.time carries the poses along. */
+ * is. A patch of clock.time carries the poses along. A file that the patch
+ * names is read here, and its sea is built by who looks at it first: for what
+ * names neither, and for tests; else pel_scene_submit. */
 PEL_CHECK enum pel_err pel_scene_patch(struct pel_scene *scene,
                                        const Pelagos__Patch *patch,
                                        struct pel_fault *fault);
+
+/* How a patch ends that may have to wait. fault: where err, else empty. */
+typedef void (*pel_scene_done)(void *user, enum pel_err err,
+                               const struct pel_fault *fault);
+
+struct pel_scene_wish {
+    const Pelagos__Patch *patch; /* copied where it waits */
+    /* Who asks: patches of one source take effect in the order in which they
+     * came. NULL: nobody in particular. */
+    const void *source;
+    bool if_unchanged; /* refused where another edit comes before it */
+};
+
+/* pel_scene_patch as the control thread of a daemon does it: a patch that asks
+ * for another sea or another bottom is committed when a thread has built or
+ * read it, one that touches sea, seabed or origin after those, and all others
+ * at once. What waits is committed in its order, several in one moment: of a
+ * slider's many seas the newest is built. The log of commands has each at the
+ * moment when it took effect. `done` (NULL allowed) is called once; false: it
+ * has been. At most 256 wait, BUSY beyond. */
+bool pel_scene_submit(struct pel_scene *scene,
+                      const struct pel_scene_wish *wish, pel_scene_done done,
+                      void *user);
+
+/* Nobody of this source waits any more; its patches are committed all the same.
+ */
+void pel_scene_forget(struct pel_scene *scene, const void *source);
+
+/* How many seas or files were prepared for patches. */
+uint64_t pel_scene_prepared(const struct pel_scene *scene);
+
+/* Waits until nothing waits: for tests and programs without a main loop. */
+void pel_scene_settle(struct pel_scene *scene);
 
 /* The sea that the scene would have after the patch, NULL for the one it has;
  * the scene stays as it is. Faults as of pel_scene_patch. Give *sea back with

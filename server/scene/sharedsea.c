@@ -19,6 +19,17 @@ const struct pel_sea *pel_shared_sea_value(struct pel_shared_sea *sea)
     return &sea->sea;
 }
 
+bool pel_shared_sea_built(const struct pel_shared_sea *sea)
+{
+    return atomic_load(&sea->built);
+}
+
+struct pel_shared_sea *pel_shared_sea_ref(struct pel_shared_sea *sea)
+{
+    atomic_fetch_add(&sea->refs, 1);
+    return sea;
+}
+
 const struct pel_sea *pel_snapshot_sea(const struct pel_snapshot *s)
 {
     return pel_shared_sea_value(s->sea);

@@ -155,7 +155,7 @@ static void next_step(const struct pel_ship *ship, uint64_t count,
 
 void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
                     const struct pel_ship_motion *motion, double time_s,
-                    double rate, const struct pel_sea *sea)
+                    double rate)
 {
     *ship = (struct pel_ship){
         .orders = *orders,
@@ -163,8 +163,25 @@ void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
         .start_s = time_s,
         .steps[0] = { .time_s = time_s, .motion = *motion },
     };
-    pel_ship_sea(orders, motion, time_s, sea, ship->steps[0].sea);
-    open_step(ship, sea, &ship->steps[0]);
+}
+
+/* The sea of the first step. */
+static void ask_first(const struct pel_ship *ship, const struct pel_sea *sea,
+                      struct pel_ship_step *first)
+{
+    pel_ship_sea(&ship->orders, &first->motion, first->time_s, sea, first->sea);
+    open_step(ship, sea, first);
+}
+
+bool pel_ship_steps(const struct pel_ship *ship, double time_s)
+{
+    return ship->start_s + (double)(ship->count + 1) * ship->step_s <= time_s;
+}
+
+bool pel_ship_asks(const struct pel_ship *ship, double time_s)
+{
+    return pel_ship_steps(ship, time_s) ||
+           (!ship->asked && time_s > ship->start_s);
 }
 
 bool pel_ship_advance(struct pel_ship *ship, double time_s,
@@ -175,6 +192,10 @@ bool pel_ship_advance(struct pel_ship *ship, double time_s,
         uint64_t next = ship->count + 1;
         if (!(ship->start_s + (double)next * ship->step_s <= time_s)) {
             return moved;
+        }
+        if (!ship->asked) {
+            ask_first(ship, sea, &ship->steps[0]);
+            ship->asked = true;
         }
         next_step(ship, next, &ship->steps[ship->count % PEL_SHIP_HISTORY], sea,
                   &ship->steps[next % PEL_SHIP_HISTORY]);
@@ -190,6 +211,9 @@ void pel_ship_at(const struct pel_ship *ship, double time_s,
     struct pel_ship_step step = ship->steps[count % PEL_SHIP_HISTORY];
     double latest_s = step.time_s + PEL_SHIP_AHEAD_S;
     time_s = fmin(time_s, latest_s);
+    if (!ship->asked && time_s > step.time_s) {
+        ask_first(ship, sea, &step);
+    }
     while (ship->start_s + (double)(count + 1) * ship->step_s <= time_s) {
         struct pel_ship_step next = { 0 };
         next_step(ship, ++count, &step, sea, &next);

@@ -55,6 +55,7 @@ struct pel_ship {
     double step_s;
     double start_s;
     uint64_t count; /* steps done; the last is steps[count % HISTORY] */
+    bool asked;     /* the sea of the first step is known */
     struct pel_ship_step steps[PEL_SHIP_HISTORY];
 };
 
@@ -66,10 +67,16 @@ double pel_ship_heave_period(double beam_m);
 double pel_ship_roll_period(double beam_m);
 
 /* Begins at time_s. rate: of simulated time; above 4 the steps are longer by
- * rate / 4, so that their number in real time is bounded. */
+ * rate / 4, so that their number in real time is bounded. The sea is asked when
+ * a later moment is. */
 void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
                     const struct pel_ship_motion *motion, double time_s,
-                    double rate, const struct pel_sea *sea);
+                    double rate);
+
+/* Whether pel_ship_at looks at the sea for time_s, and pel_ship_advance; else
+ * they take NULL for it. */
+bool pel_ship_asks(const struct pel_ship *ship, double time_s);
+bool pel_ship_steps(const struct pel_ship *ship, double time_s);
 
 /* Does every step that ends at or before time_s; true: there was one. */
 bool pel_ship_advance(struct pel_ship *ship, double time_s,

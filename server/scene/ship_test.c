@@ -56,7 +56,7 @@ static void nomoto_step_response(void **state)
     o.throttle = 0.5;
     o.rudder_rad = 10 * PEL_DEG;
     double T = 1.5 * 40 / 4, K = 1.5 * 4 / 40.0, step = K * o.rudder_rad;
-    pel_ship_start(&ship, &o, &m, 100, 1, &calm);
+    pel_ship_start(&ship, &o, &m, 100, 1);
     for (double t = 0.37; t < 60; t += 3.1) {
         pel_ship_advance(&ship, 100 + t, &calm);
         pel_ship_at(&ship, 100 + t, &calm, &at);
@@ -80,7 +80,7 @@ static void surge_step_response(void **state)
     struct pel_ship_orders o = usual();
     make_sea(0, 0, 0, 0, &calm);
     o.throttle = 1;
-    pel_ship_start(&ship, &o, &m, 0, 1, &calm);
+    pel_ship_start(&ship, &o, &m, 0, 1);
     pel_ship_advance(&ship, 50.1, &calm);
     pel_ship_at(&ship, 50.1, &calm, &at);
     double gone = 1 - exp(-50.1 / 20);
@@ -102,7 +102,7 @@ static void turning_circle(void **state)
     o.rudder_rad = 20 * PEL_DEG;
     double rate = 1.5 * 8 / 40 * o.rudder_rad, radius = 8 / rate;
     struct pel_ship_motion m = { .speed_mps = 8, .turn_rate_rps = rate }, at;
-    pel_ship_start(&ship, &o, &m, 0, 1, &calm);
+    pel_ship_start(&ship, &o, &m, 0, 1);
     double half_s = PEL_PI / rate;
     pel_ship_advance(&ship, half_s, &calm);
     pel_ship_at(&ship, half_s, &calm, &at);
@@ -120,7 +120,7 @@ static void calm_water_keeps_it_level(void **state)
     struct pel_ship_orders o = usual();
     struct pel_ship_motion m = { .east_m = 3, .north_m = -7 }, at;
     make_sea(0, 0, 0, 0, &calm);
-    pel_ship_start(&ship, &o, &m, 5, 1, &calm);
+    pel_ship_start(&ship, &o, &m, 5, 1);
     pel_ship_advance(&ship, 605, &calm);
     pel_ship_at(&ship, 605, &calm, &at);
     assert_memory_equal(&at, &m, sizeof m); /* to the bit */
@@ -138,7 +138,7 @@ static void rolls_with_its_period(void **state)
     struct pel_ship_motion m = { .roll = { 0.2, 0 } }, at;
     make_sea(0, 0, 0, 0, &calm);
     double root = sqrt(1 - 0.1 * 0.1), period = o.roll_period_s / root;
-    pel_ship_start(&ship, &o, &m, 0, 1, &calm);
+    pel_ship_start(&ship, &o, &m, 0, 1);
     for (int n = 1; n <= 5; n++) {
         pel_ship_advance(&ship, n * period, &calm);
         pel_ship_at(&ship, n * period, &calm, &at);
@@ -184,7 +184,7 @@ static void long_swell_carries_it(void **state)
     struct pel_ship_orders o = usual();
     struct pel_ship_motion m = { 0 }, at;
     make_sea(0, 2, 25, PEL_PI / 2, &sea); /* towards north, from astern */
-    pel_ship_start(&ship, &o, &m, 0, 1, &sea);
+    pel_ship_start(&ship, &o, &m, 0, 1);
     double worst = 0, most = 0;
     for (double t = 60; t < 300; t += 1) {
         struct pel_surface_sample s;
@@ -239,7 +239,7 @@ static void looked_at_at_15_and_60_hz(void **state)
     make_sea(12, 1, 9, 1, &sea);
     o.throttle = 0.8;
     o.rudder_rad = 0.1;
-    pel_ship_start(&slow, &o, &m, 7.7, 1, &sea);
+    pel_ship_start(&slow, &o, &m, 7.7, 1);
     fast = once = slow;
     for (int i = 1; i <= 15 * 30; i++) {
         double t = 7.7 + i / 15.0;
@@ -257,7 +257,7 @@ static void looked_at_at_15_and_60_hz(void **state)
         pel_ship_at(&fast, t - 0.9, &sea, &past);
         if (i % 45 == 0) {
             struct pel_ship again;
-            pel_ship_start(&again, &o, &m, 7.7, 1, &sea);
+            pel_ship_start(&again, &o, &m, 7.7, 1);
             pel_ship_advance(&again, t - 0.9, &sea);
             pel_ship_at(&again, t - 0.9, &sea, &b);
             assert_memory_equal(&past, &b, sizeof past);
@@ -288,7 +288,7 @@ static void no_sea_breaks_it(void **state)
     o.roll_period_s = 7; /* resonance */
     o.throttle = 1;
     o.rudder_rad = 45 * PEL_DEG;
-    pel_ship_start(&ship, &o, &m, 0, 1, &sea);
+    pel_ship_start(&ship, &o, &m, 0, 1);
     for (double t = 0; t < 120; t += 0.5) {
         pel_ship_advance(&ship, t, &sea);
         pel_ship_at(&ship, t, &sea, &at);

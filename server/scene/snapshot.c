@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "scene/build.h"
 #include "scene/reckon.h"
 #include "scene/sharedsea.h"
 #include "scene/sun.h"
@@ -16,11 +17,19 @@ int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name)
     return -1;
 }
 
+void pel_snapshot_ship_motion(const struct pel_snapshot *s, double time_s,
+                              struct pel_ship_motion *out)
+{
+    const struct pel_sea *sea =
+        pel_ship_asks(&s->ship, time_s) ? pel_snapshot_sea(s) : NULL;
+    pel_ship_at(&s->ship, time_s, sea, out);
+}
+
 static void ship_at(const struct pel_snapshot *s, double time_s,
                     struct pel_entity_state *out)
 {
     struct pel_ship_motion m;
-    pel_ship_at(&s->ship, time_s, pel_snapshot_sea(s), &m);
+    pel_snapshot_ship_motion(s, time_s, &m);
     *out = s->entities[s->ship_entity];
     out->east_m = m.east_m;
     out->north_m = m.north_m;

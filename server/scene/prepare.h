@@ -1,0 +1,56 @@
+/* What a state needs before it can be committed, and what takes too long for
+ * the control thread: its sea, built, and its bottom, read. */
+#pragma once
+
+#include "pelagos.pb-c.h"
+#include "scene/build.h"
+#include "scene/ground.h"
+#include "scene/worker.h"
+
+/* The sea and the bottom of a state. Zeroed: none. */
+struct pel_provision {
+    struct pel_shared_sea *sea;
+    struct pel_ground ground;
+};
+void pel_provision_finish(struct pel_provision *provision);
+
+/* Whether `state`, tested, has this very sea and this bottom. */
+bool pel_provision_fits(const struct pel_provision *provision,
+                        const Pelagos__State *state,
+                        const struct pel_sea_means *means);
+
+/* The sea and the bottom of `state`, tested: those of `present` where they are
+ * the same. Reads files, and waits for them; the sea is built when it is first
+ * looked at. Any thread. */
+PEL_CHECK enum pel_err pel_provision_get(const Pelagos__State *state,
+                                         const struct pel_sea_means *means,
+                                         const char *bathymetry,
+                                         const struct pel_provision *present,
+                                         struct pel_provision *out,
+                                         struct pel_fault *fault);
+
+/* One state's, on its way: pushed to a worker, then told on the control
+ * thread. `means` and `bathymetry` outlive it. */
+struct pel_preparation {
+    struct pel_task task; /* first */
+    void (*done)(void *user, struct pel_preparation *ready);
+    void *user;
+    bool dropped; /* the worker ended before it */
+    enum pel_err err;
+    struct pel_fault fault;
+    struct pel_provision got; /* built; where !err && !dropped */
+    /* Its own: */
+    Pelagos__State *state;
+    const struct pel_sea_means *means;
+    const char *bathymetry;
+    struct pel_provision present;
+};
+
+/* Begins; takes `state` over and keeps what it needs of `present`. */
+struct pel_preparation *
+pel_preparation_begin(struct pel_worker *worker, Pelagos__State *state,
+                      const struct pel_sea_means *means, const char *bathymetry,
+                      const struct pel_provision *present,
+                      void (*done)(void *user, struct pel_preparation *ready),
+                      void *user);
+void pel_preparation_free(struct pel_preparation *preparation); /* after done */

@@ -1,0 +1,64 @@
+/* Inside of the scene: what scene.c keeps, and what submit.c makes of patches
+ * that wait. Control thread. */
+#pragma once
+
+#include <glib.h>
+
+#include "scene/prepare.h"
+#include "scene/scene.h"
+#include "scene/simclock.h"
+#include "scene/worker.h"
+
+#define PEL_MAX_CALLBACKS 16
+
+struct pel_scene {
+    char *state_path;
+    struct pel_sea_means means;
+    char *spectra;         /* what means.spectra points to */
+    char *bathymetry;      /* directory of height fields; may be NULL */
+    Pelagos__State *state; /* clock.time as of the last look at it */
+    struct pel_simclock clock;
+    struct pel_provision has; /* what the snapshot was made with */
+    const struct pel_snapshot *snapshot;
+    struct pel_worker *worker;
+    GPtrArray *waiting;   /* struct waiting, oldest first */
+    guint batch;          /* so many of them are being prepared */
+    uint64_t prepared;    /* batches */
+    guint save_timer;     /* 0: nothing to write */
+    int64_t save_from_ns; /* not before */
+    uint64_t saves, failed_saves;
+    guint ship_timer; /* 0: own ship is not the model's */
+    uint32_t host_frame;
+    pel_scene_listener listener; /* may be NULL */
+    void *listener_user;
+    size_t callback_count;
+    struct {
+        void (*call)(void *user);
+        void *user;
+    } callbacks[PEL_MAX_CALLBACKS];
+};
+
+/* The state as of time_s. */
+void pel_scene_refresh(struct pel_scene *scene, double time_s);
+
+/* The state after the patch, tested; pelagos__state__free_unpacked. */
+PEL_CHECK enum pel_err pel_scene_edited(struct pel_scene *scene,
+                                        const Pelagos__Patch *patch,
+                                        double time_s, Pelagos__State **out,
+                                        struct pel_fault *fault);
+
+/* Commits `next`, made by `patch` at time_s, now_ns, and writes it to the log;
+ * or it is freed. `ready` (NULL allowed): what was prepared for it. */
+PEL_CHECK enum pel_err pel_scene_take_over(struct pel_scene *scene,
+                                           Pelagos__State *next,
+                                           const Pelagos__Patch *patch,
+                                           const struct pel_provision *ready,
+                                           double time_s, int64_t now_ns,
+                                           struct pel_fault *fault);
+
+/* After one or more of those. */
+void pel_scene_tell_commit(struct pel_scene *scene);
+
+/* submit.c */
+void pel_scene_begin_waiting(struct pel_scene *scene);
+void pel_scene_end_waiting(struct pel_scene *scene);

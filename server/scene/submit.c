@@ -1,0 +1,252 @@
+/* Patches that wait for a sea to be built or a file to be read. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "message.h"
+#include "scene/check.h"
+#include "scene/edit.h"
+#include "scene/scene_parts.h"
+
+#define MAX_WAITING 256
+
+/* A patch that waits for its sea or its bottom. */
+struct waiting {
+    Pelagos__Patch *patch; /* ours */
+    const void *source;
+    bool has_revision;
+    uint64_t revision;
+    pel_scene_done done; /* may be NULL */
+    void *user;
+};
+
+static void waiting_free(gpointer data)
+{
+    struct waiting *w = data;
+    pelagos__patch__free_unpacked(w->patch, NULL);
+    g_free(w);
+}
+
+static bool is_waiting(const struct pel_scene *scene, const void *source)
+{
+    for (guint i = 0; source && i < scene->waiting->len; i++) {
+        const struct waiting *w = g_ptr_array_index(scene->waiting, i);
+        if (w->source == source) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whether a patch says what those that wait may say too. */
+static bool touches_sea(const Pelagos__Patch *patch)
+{
+    const Pelagos__State *to = patch->state;
+    bool touches = to && (to->sea || to->seabed || to->origin);
+    for (size_t i = 0; i < patch->n_remove && !touches; i++) {
+        touches = strncmp(patch->remove[i], "sea", 3) == 0 ||
+                  strncmp(patch->remove[i], "origin", 6) == 0;
+    }
+    return touches;
+}
+
+/* Whether the state needs a file that is not read yet. */
+static bool reads(const struct pel_scene *scene, const Pelagos__State *state)
+{
+    return !pel_ground_is(&scene->has.ground, state) ||
+           !pel_shared_sea_same_record(scene->has.sea, state);
+}
+
+static void prepared(void *user, struct pel_preparation *ready);
+
+/* Prepares the state that the oldest patches lead to: as many as change no more
+ * than the sea's numbers, or one that names a file, whose refusal is its own.
+ */
+static void prepare_next(struct pel_scene *scene)
+{
+    struct pel_fault fault;
+    Pelagos__State *state = NULL;
+    if (scene->batch > 0 || scene->waiting->len == 0) {
+        return;
+    }
+    pel_scene_refresh(scene, pel_scene_time(scene));
+    for (guint i = 0; i < scene->waiting->len; i++) {
+        const struct waiting *w = g_ptr_array_index(scene->waiting, i);
+        Pelagos__State *next;
+        if (pel_state_apply(state ? state : scene->state, w->patch, &next,
+                            &fault) == PEL_OK) {
+            bool good = pel_sea_settle(next, &fault) == PEL_OK &&
+                        pel_state_check(next, &fault) == PEL_OK;
+            bool file = good && reads(scene, next);
+            if (file && i > 0) {
+                pelagos__state__free_unpacked(next, NULL);
+                break;
+            }
+            if (good && state) {
+                pelagos__state__free_unpacked(state, NULL);
+            }
+            if (good) {
+                state = next;
+            } else {
+                pelagos__state__free_unpacked(next, NULL);
+            }
+            if (file) {
+                scene->batch = 1;
+                break;
+            }
+        }
+        scene->batch = i + 1; /* what became bad is refused with its batch */
+    }
+    if (!state) {
+        state = (Pelagos__State *)pel_message_copy(&scene->state->base);
+    }
+    scene->prepared++;
+    pel_preparation_begin(scene->worker, state, &scene->means,
+                          scene->bathymetry, &scene->has, prepared, scene);
+}
+
+static enum pel_err commit_one(struct pel_scene *scene, const struct waiting *w,
+                               struct pel_preparation *ready, int64_t now_ns,
+                               struct pel_fault *fault)
+{
+    Pelagos__State *next;
+    double time_s = pel_simclock_at(&scene->clock, now_ns);
+    if (ready->dropped) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT, "the daemon is stopping");
+    }
+    if (ready->err) {
+        *fault = ready->fault;
+        return ready->err;
+    }
+    if (w->has_revision && w->revision != scene->state->revision) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "the state is at revision %llu, not %llu",
+                             (unsigned long long)scene->state->revision,
+                             (unsigned long long)w->revision);
+    }
+    enum pel_err err = pel_scene_edited(scene, w->patch, time_s, &next, fault);
+    return err ? err
+               : pel_scene_take_over(scene, next, w->patch, &ready->got, time_s,
+                                     now_ns, fault);
+}
+
+/* All of a batch at one moment: nobody looks at the seas between. */
+static void prepared(void *user, struct pel_preparation *ready)
+{
+    struct pel_scene *scene = user;
+    guint count = ready->dropped ? scene->waiting->len : scene->batch;
+    int64_t now_ns = pel_now_ns();
+    bool any = false;
+    enum pel_err *errs = g_new0(enum pel_err, count);
+    struct pel_fault *faults = g_new0(struct pel_fault, count);
+    struct waiting **batch = g_new(struct waiting *, count);
+    for (guint i = 0; i < count; i++) {
+        batch[i] = g_ptr_array_index(scene->waiting, i);
+        errs[i] = commit_one(scene, batch[i], ready, now_ns, &faults[i]);
+        any = any || !errs[i];
+    }
+    for (guint i = 0; i < count; i++) {
+        g_ptr_array_steal_index(scene->waiting, 0);
+    }
+    scene->batch = 0;
+    bool dropped = ready->dropped;
+    pel_preparation_free(ready);
+    if (any) {
+        pel_scene_tell_commit(scene);
+    }
+    for (guint i = 0; i < count; i++) {
+        if (batch[i]->done) {
+            batch[i]->done(batch[i]->user, errs[i], &faults[i]);
+        }
+        waiting_free(batch[i]);
+    }
+    g_free(batch);
+    g_free(faults);
+    g_free(errs);
+    if (!dropped) {
+        prepare_next(scene);
+    }
+}
+
+bool pel_scene_submit(struct pel_scene *scene,
+                      const struct pel_scene_wish *wish, pel_scene_done done,
+                      void *user)
+{
+    Pelagos__State *next = NULL;
+    struct pel_fault fault = { 0 };
+    int64_t now_ns = pel_now_ns();
+    double time_s = pel_simclock_at(&scene->clock, now_ns);
+    enum pel_err err = PEL_OK;
+    bool behind = is_waiting(scene, wish->source) ||
+                  (scene->waiting->len > 0 && touches_sea(wish->patch));
+    if (!behind) {
+        err = pel_scene_edited(scene, wish->patch, time_s, &next, &fault);
+    }
+    if (!err && !behind &&
+        pel_provision_fits(&scene->has, next, &scene->means)) {
+        err = pel_scene_take_over(scene, next, wish->patch, NULL, time_s,
+                                  now_ns, &fault);
+        if (!err) {
+            pel_scene_tell_commit(scene);
+        }
+    } else if (!err) {
+        if (next) {
+            pelagos__state__free_unpacked(next, NULL);
+        }
+        if (scene->waiting->len < MAX_WAITING) {
+            struct waiting *w = g_new(struct waiting, 1);
+            *w = (struct waiting){
+                .patch = (Pelagos__Patch *)pel_message_copy(&wish->patch->base),
+                .source = wish->source,
+                .has_revision = wish->if_unchanged,
+                .revision = scene->state->revision,
+                .done = done,
+                .user = user,
+            };
+            g_ptr_array_add(scene->waiting, w);
+            prepare_next(scene);
+            return true;
+        }
+        err = pel_fault_set(&fault, PEL_ERR_BUSY,
+                            "%d patches wait for a sea or a file already",
+                            MAX_WAITING);
+    }
+    if (done) {
+        done(user, err, &fault);
+    }
+    return false;
+}
+
+void pel_scene_forget(struct pel_scene *scene, const void *source)
+{
+    for (guint i = 0; i < scene->waiting->len; i++) {
+        struct waiting *w = g_ptr_array_index(scene->waiting, i);
+        if (w->source == source) {
+            w->done = NULL;
+        }
+    }
+}
+
+uint64_t pel_scene_prepared(const struct pel_scene *scene)
+{
+    return scene->prepared;
+}
+
+void pel_scene_settle(struct pel_scene *scene)
+{
+    while (pel_worker_wait(scene->worker)) {
+    }
+}
+
+void pel_scene_begin_waiting(struct pel_scene *scene)
+{
+    scene->waiting = g_ptr_array_new();
+    scene->worker = pel_worker_create("preparing");
+}
+
+void pel_scene_end_waiting(struct pel_scene *scene)
+{
+    pel_worker_destroy(scene->worker);
+    scene->worker = NULL;
+    g_ptr_array_free(scene->waiting, TRUE);
+}

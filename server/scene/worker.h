@@ -1,0 +1,35 @@
+/* A thread for what takes longer than the control thread may: seas, files,
+ * numbers of a spectrum. Tasks are done one after the other, in the order in
+ * which they came; their ends are told on the control thread. All calls are
+ * the control thread's. */
+#pragma once
+
+#include <stdbool.h>
+
+#include "base/err.h"
+
+struct pel_worker;
+
+/* Lies in the caller's own struct, which stays until `done` has run. */
+struct pel_task {
+    void (*work)(struct pel_task *task); /* on the worker's thread */
+    /* On the control thread, once for each task. dropped: its work was never
+     * begun, as the worker ends. */
+    void (*done)(struct pel_task *task, bool dropped);
+};
+
+/* The thread is started by the first task; `name` of at most 15 characters,
+ * static. */
+struct pel_worker *pel_worker_create(const char *name);
+
+void pel_worker_push(struct pel_worker *worker, struct pel_task *task);
+
+/* Tasks whose end is not told yet. */
+unsigned pel_worker_count(const struct pel_worker *worker);
+
+/* Waits for the oldest task and tells its end; false: there is none. For
+ * programs without a main loop, and tests. */
+bool pel_worker_wait(struct pel_worker *worker);
+
+/* Waits for the task at hand, drops the others. NULL allowed. */
+void pel_worker_destroy(struct pel_worker *worker);
