@@ -195,7 +195,7 @@ PAGES := $(wildcard clients/web/*.html clients/web/*.css clients/web/*.js \
     clients/web/*.svg)
 BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_parse.c server/bridges/nmea_values.c \
-    server/bridges/nmea.c \
+    server/bridges/nmea.c server/bridges/nmea_targets.c \
     server/bridges/modbus_map.c server/bridges/modbus_units.c server/bridges/modbus_adu.c \
     server/bridges/modbus.c \
     server/bridges/console_table.c \
@@ -280,6 +280,7 @@ TESTS += proto/registers_test.c
 TESTS += server/bridges/nmea_parse_test.c
 TESTS += server/bridges/modbus_test.c
 TESTS += server/bridges/nmea_test.c
+TESTS += server/bridges/nmea_targets_test.c
 TESTS += server/bridges/console_test.c
 TESTS += server/bridges/nmea_out_test.c
 TESTS += server/bridges/cigi_packet_test.c
@@ -383,7 +384,7 @@ $(O)/flags: FORCE
 	$(Q)mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = $(KEY) ] || echo $(KEY) >$@
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosctl \
-    pelagos-seabed registers_doc cigi_doc bench still bench_streams \
+    pelagos-seabed registers_doc cigi_doc nmea_doc bench still bench_streams \
     any_raster lighting validate_water): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
@@ -470,7 +471,7 @@ $(O)/bin/any_raster: $(OBJ)/tests/any_raster.o $(OBJ)/libserver.a
 	$(LINK) $(READER_LIBS)
 
 .PHONY: tests
-tests: $(TEST_BIN) $(O)/bin/registers_doc $(O)/bin/cigi_doc \
+tests: $(TEST_BIN) $(O)/bin/registers_doc $(O)/bin/cigi_doc $(O)/bin/nmea_doc \
     $(O)/bin/any_raster $(O)/bin/lighting $(O)/bin/validate_water $(O)/libpelagos.a \
     build/compile_commands.json ## build the test programs
 
@@ -495,6 +496,13 @@ $(O)/bin/cigi_doc: $(OBJ)/server/bridges/cigi_doc.o $(OBJ)/libserver.a
 .PHONY: cigi
 cigi: $(O)/bin/cigi_doc ## write proto/cigi.md, the CIGI conformance table
 	$(Q)$< proto/cigi.in.md >proto/cigi.md
+
+$(O)/bin/nmea_doc: $(OBJ)/server/bridges/nmea_doc.o
+	$(LINK)
+
+.PHONY: nmea
+nmea: $(O)/bin/nmea_doc ## write proto/nmea.md, the NMEA manual with its sentences
+	$(Q)$< proto/nmea.in.md >proto/nmea.md
 
 # --- set-up, demonstration, checks ---------------------------------------
 .PHONY: deps deps-build

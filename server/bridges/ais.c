@@ -35,44 +35,137 @@ static int32_t signed_bits(const struct bits *b, size_t start, size_t width)
     return (int32_t)value;
 }
 
-static void text_bits(const struct bits *b, size_t start, char out[21])
+/* Adds `count` six-bit characters to `out`, which has room for them; false:
+ * one of them was '@', the end. */
+static bool text_bits(const struct bits *b, size_t start, size_t count,
+                      char *out)
 {
-    size_t end = 0;
-    for (size_t i = 0; i < 20; i++) {
+    size_t end = strlen(out);
+    for (size_t i = 0; i < count; i++) {
         uint32_t six = unsigned_bits(b, start + i * 6, 6);
-        if (six == 0) { /* '@': the end */
-            break;
+        if (six == 0) {
+            return false;
         }
-        out[i] = (char)(six < 32 ? six + 64 : six);
-        end = out[i] == ' ' ? end : i + 1;
+        out[end++] = (char)(six < 32 ? six + 64 : six);
+        out[end] = 0;
     }
-    out[end] = 0;
+    return true;
 }
 
-/* Speed, longitude, latitude, course and heading lie together in all position
- * reports, at different starts. */
-static void position_report(const struct bits *b, size_t speed_at,
-                            struct pel_ais *out)
+/* The name, of an aid to navigation with what stands at the message's end. */
+static void read_name(const struct bits *b, size_t start, size_t more_at,
+                      char out[PEL_AIS_NAME + 1])
 {
-    size_t at = speed_at + 11; /* 10 bits of speed, 1 of accuracy */
-    uint32_t speed = unsigned_bits(b, speed_at, 10);
-    double longitude = signed_bits(b, at, 28) / 600000.0;
-    double latitude = signed_bits(b, at + 28, 27) / 600000.0;
-    uint32_t course = unsigned_bits(b, at + 55, 12);
-    uint32_t heading = unsigned_bits(b, at + 67, 9);
-    out->has_position_report = true;
-    if (speed < 1023) {
-        out->speed = speed / 10.0 * KNOT_MPS;
+    out[0] = 0;
+    if (text_bits(b, start, 20, out) && more_at && b->count > more_at) {
+        size_t more = (b->count - more_at) / 6;
+        text_bits(b, more_at, more < 14 ? more : 14, out);
     }
+    for (size_t end = strlen(out); end > 0 && out[end - 1] == ' ';) {
+        out[--end] = 0;
+    }
+}
+
+/* A field of an integer of `width` bits at `at`, times `unit`; at 0: the
+ * message has none. */
+struct place {
+    uint16_t at;
+    uint8_t width;
+    double unit;
+};
+
+/* Where the fields of each message lie. A new type is a row here and a line
+ * in proto/nmea.in.md. */
+static const struct layout {
+    uint8_t type;
+    bool coarse;
+    uint16_t least_bits, most_bits;      /* the latter with six of padding */
+    struct place longitude, latitude;    /* signed; deg */
+    struct place speed, course, heading; /* m/s, deg, deg */
+    struct place altitude;               /* m */
+    uint16_t turn_rate_at, part_at, name_at, more_name_at; /* 0: none */
+} layouts[] = {
+#define FINE (1 / 600000.0)
+#define COARSE (1 / 600.0)
+#define CLASS_A(type)                                                          \
+    {                                                                          \
+        type, false, 168, 174, { 61, 28, FINE }, { 89, 27, FINE },             \
+            { 50, 10, KNOT_MPS / 10 }, { 116, 12, 0.1 }, { 128, 9, 1 }, { 0 }, \
+            42, 0, 0, 0                                                        \
+    }
+#define CLASS_B(type, least, most, name)                                       \
+    {                                                                          \
+        type, false, least, most, { 57, 28, FINE }, { 85, 27, FINE },          \
+            { 46, 10, KNOT_MPS / 10 }, { 112, 12, 0.1 }, { 124, 9, 1 }, { 0 }, \
+            0, 0, name, 0                                                      \
+    }
+    CLASS_A(1),
+    CLASS_A(2),
+    CLASS_A(3),
+    { .type = 4,
+      .least_bits = 168,
+      .most_bits = 174,
+      .longitude = { 79, 28, FINE },
+      .latitude = { 107, 27, FINE } },
+    { .type = 5, .least_bits = 232, .most_bits = 430, .name_at = 112 },
+    { .type = 9,
+      .least_bits = 168,
+      .most_bits = 174,
+      .longitude = { 61, 28, FINE },
+      .latitude = { 89, 27, FINE },
+      .speed = { 50, 10, KNOT_MPS },
+      .course = { 116, 12, 0.1 },
+      .altitude = { 38, 12, 1 } },
+    CLASS_B(18, 168, 174, 0),
+    CLASS_B(19, 263, 318, 143),
+    { .type = 21,
+      .least_bits = 272,
+      .most_bits = 366,
+      .longitude = { 164, 28, FINE },
+      .latitude = { 192, 27, FINE },
+      .name_at = 43,
+      .more_name_at = 272 },
+    { .type = 24,
+      .least_bits = 160,
+      .most_bits = 174,
+      .part_at = 38,
+      .name_at = 40 },
+    { .type = 27,
+      .coarse = true,
+      .least_bits = 96,
+      .most_bits = 102,
+      .longitude = { 44, 18, COARSE },
+      .latitude = { 62, 17, COARSE },
+      .speed = { 79, 6, KNOT_MPS },
+      .course = { 85, 9, 1 } },
+};
+
+/* All bits set is "not available" of speeds and altitudes. */
+static double quantity(const struct bits *b, const struct place *p)
+{
+    uint32_t value = p->at ? unsigned_bits(b, p->at, p->width) : 0;
+    return p->at && value != (1U << p->width) - 1 ? value * p->unit : NAN;
+}
+
+/* 360 and more is "not available". */
+static double angle(const struct bits *b, const struct place *p)
+{
+    double deg = quantity(b, p);
+    return deg < 359.95 ? deg : NAN;
+}
+
+static void position(const struct bits *b, const struct layout *l,
+                     struct pel_ais *out)
+{
+    double longitude =
+        signed_bits(b, l->longitude.at, l->longitude.width) * l->longitude.unit;
+    double latitude =
+        signed_bits(b, l->latitude.at, l->latitude.width) * l->latitude.unit;
+    out->has_position_report = true;
+    out->coarse = l->coarse;
     if (fabs(longitude) <= 180 && fabs(latitude) <= 90) {
         out->longitude = longitude;
         out->latitude = latitude;
-    }
-    if (course < 3600) {
-        out->course = course / 10.0;
-    }
-    if (heading < 360) {
-        out->heading = heading;
     }
 }
 
@@ -93,56 +186,39 @@ bool pel_ais_decode(const char *payload, size_t length, struct pel_ais *out)
     if (b.count < 38) {
         return false;
     }
+    uint32_t type = unsigned_bits(&b, 0, 6);
+    const struct layout *l = NULL;
+    for (size_t i = 0; i < sizeof layouts / sizeof layouts[0]; i++) {
+        const struct layout *row = &layouts[i];
+        if (row->type == type && b.count >= row->least_bits &&
+            b.count <= row->most_bits) {
+            l = row;
+        }
+    }
+    if (!l) {
+        return false;
+    }
     *out = (struct pel_ais){
-        .type = (int)unsigned_bits(&b, 0, 6),
+        .type = (int)type,
         .mmsi = unsigned_bits(&b, 8, 30),
         .latitude = NAN,
         .longitude = NAN,
-        .speed = NAN,
-        .course = NAN,
-        .heading = NAN,
-        .turn_rate = NAN,
+        .altitude = quantity(&b, &l->altitude),
+        .speed = quantity(&b, &l->speed),
+        .course = angle(&b, &l->course),
+        .heading = angle(&b, &l->heading),
+        .turn_rate = l->turn_rate_at
+                         ? turn_rate(signed_bits(&b, l->turn_rate_at, 8))
+                         : NAN,
     };
-    switch (out->type) {
-    case 1:
-    case 2:
-    case 3:
-        if (b.count < 168) {
-            return false;
-        }
-        position_report(&b, 50, out);
-        out->turn_rate = turn_rate(signed_bits(&b, 42, 8));
-        return true;
-    case 5:
-        if (b.count < 232) {
-            return false;
-        }
-        text_bits(&b, 112, out->name);
-        return true;
-    case 18:
-        if (b.count < 168) {
-            return false;
-        }
-        position_report(&b, 46, out);
-        return true;
-    case 19:
-        if (b.count < 263) {
-            return false;
-        }
-        position_report(&b, 46, out);
-        text_bits(&b, 143, out->name);
-        return true;
-    case 24:
-        if (b.count < 160) {
-            return false;
-        }
-        if (unsigned_bits(&b, 38, 2) == 0) {
-            text_bits(&b, 40, out->name);
-        }
-        return true;
-    default:
-        return false;
+    if (l->longitude.at) {
+        position(&b, l, out);
     }
+    /* Of the parts of type 24 A alone has a name. */
+    if (l->name_at && !(l->part_at && unsigned_bits(&b, l->part_at, 2) != 0)) {
+        read_name(&b, l->name_at, l->more_name_at, out->name);
+    }
+    return true;
 }
 
 static int find_slot(struct pel_ais_assembler *a,

@@ -1,5 +1,7 @@
 /* AIS messages (ITU-R M.1371-5, annex 8) from the six-bit payloads of VDM and
- * VDO: position reports 1, 2, 3, 18, 19 and the names of 5, 19 and 24 A.
+ * VDO: the types of the table in ais.c, that is positions of ships (1, 2, 3,
+ * 18, 19, 27), base stations (4), search and rescue aircraft (9) and aids to
+ * navigation (21), and names (5, 19, 21, 24 A).
  * Pure functions and caller's memory; one thread at a time for an assembler.
  */
 #pragma once
@@ -12,17 +14,19 @@
 
 #define PEL_AIS_MAX_PAYLOAD 512
 #define PEL_AIS_SLOTS 8
+#define PEL_AIS_NAME 34 /* characters; 20 but for aids to navigation */
 
-/* NaN or "": not available. deg, m/s, deg/s; north and east positive. */
+/* NaN or "": not available. deg, m, m/s, deg/s; north and east positive. */
 struct pel_ais {
     int type;
     uint32_t mmsi;
     bool has_position_report;
-    double latitude, longitude, speed, course, heading, turn_rate;
-    char name[21];
+    bool coarse; /* the position is rounded to 0.1 minute (type 27) */
+    double latitude, longitude, altitude, speed, course, heading, turn_rate;
+    char name[PEL_AIS_NAME + 1];
 };
 
-/* False: another type, too short, or no bits. */
+/* False: another type, or a length that the type does not have. */
 bool pel_ais_decode(const char *payload, size_t length, struct pel_ais *out);
 
 /* Joins the parts of multi-sentence messages; zero it before first use. The

@@ -14,6 +14,7 @@
 #include "base/vec.h"
 #include "bridges/ais.h"
 #include "bridges/endpoint.h"
+#include "bridges/nmea_targets.h"
 #include "bridges/nmea_values.h"
 #include "scene/scene.h"
 
@@ -25,16 +26,6 @@
 #define WIND_STEP_MPS 0.5
 #define WIND_STEP_DEG 5.0
 #define MAX_RUDDER_DEG 45.0 /* ownShip.rudder */
-#define MAX_TARGETS 100
-#define TARGET_ID 20000
-#define TARGET_NS 600000000000LL /* a target unheard for 10 min goes */
-#define TARGETS_AN_EDIT 16
-
-struct target {
-    uint32_t mmsi;    /* 0: free */
-    int64_t heard_ns; /* 0: only its name is known */
-    char name[40];
-};
 
 struct wind_mean {
     bool started;
@@ -53,11 +44,11 @@ struct pel_nmea {
     struct pel_nmea_values values;
     struct pel_nmea_lines lines;
     struct pel_ais_assembler assembler;
-    struct target targets[MAX_TARGETS];
-    struct pel_ais pending[TARGETS_AN_EDIT]; /* of the datagram at hand */
-    size_t pending_count;
+    struct pel_nmea_targets targets;
     int64_t now_ns; /* receipt of the datagram at hand */
-    bool turning, stopped, was_stale;
+    bool moved;     /* NMEA set these: */
+    double set_speed, set_turn_rate;
+    bool silent, was_stale; /* no fix for RECKON_NS; for PEL_NMEA_FRESH_NS */
     struct wind_mean mean;
     bool wind_applied;
     double applied_mps, applied_deg;
@@ -89,6 +80,12 @@ static bool apply(struct pel_nmea *nmea, Pelagos__State *state)
     return true;
 }
 
+static bool came_now(const struct pel_nmea *nmea,
+                     const struct pel_nmea_value *value)
+{
+    return value->at_ns == nmea->now_ns;
+}
+
 /* What is new of own ship; the scene reckons the rest to this moment. */
 static void own_ship(struct pel_nmea *nmea, Pelagos__Entity *out)
 {
@@ -100,7 +97,7 @@ static void own_ship(struct pel_nmea *nmea, Pelagos__Entity *out)
         out->has_latitude = out->has_longitude = 1;
         out->latitude = v->latitude;
         out->longitude = v->longitude;
-        nmea->stopped = false;
+        nmea->silent = false;
     }
     unsigned news = pel_nmea_news(v, now);
     if (pel_nmea_heading(v, now, &out->heading)) {
@@ -108,16 +105,61 @@ static void own_ship(struct pel_nmea *nmea, Pelagos__Entity *out)
     }
     if (pel_nmea_motion(v, now, &out->course, &out->speed)) {
         out->has_course = (news & PEL_NMEA_NEW_COURSE) != 0;
-        out->has_speed = (news & PEL_NMEA_NEW_SPEED) != 0 || nmea->stopped;
-        out->speed = nmea->stopped ? 0 : out->speed;
+        out->has_speed = (news & PEL_NMEA_NEW_SPEED) != 0;
+        out->speed = nmea->silent ? 0 : out->speed;
     }
-    out->has_turn_rate = v->turn_rate[PEL_TURN_ROT].at_ns != 0 ||
-                         v->turn_rate[PEL_TURN_VDO].at_ns != 0;
-    out->turn_rate = nmea->stopped ? 0 : pel_nmea_turn_rate(v, now);
-    out->has_roll = v->roll.at_ns != 0;
+    out->turn_rate = nmea->silent ? 0 : pel_nmea_turn_rate(v, now);
+    out->has_turn_rate = came_now(nmea, &v->turn_rate[PEL_TURN_ROT]) ||
+                         came_now(nmea, &v->turn_rate[PEL_TURN_VDO]) ||
+                         (nmea->set_turn_rate != 0 && out->turn_rate == 0);
+    out->has_roll = came_now(nmea, &v->roll);
     out->roll = v->roll.value;
-    out->has_pitch = v->pitch.at_ns != 0;
+    out->has_pitch = came_now(nmea, &v->pitch);
     out->pitch = v->pitch.value;
+    out->has_altitude = came_now(nmea, &v->heave);
+    out->altitude = v->heave.value;
+}
+
+static const Pelagos__Entity *entity_now(struct pel_nmea *nmea)
+{
+    const Pelagos__State *state = pel_scene_state(nmea->scene);
+    for (size_t i = 0; i < state->n_entities; i++) {
+        if (state->entities[i]->id == nmea->options.entity) {
+            return state->entities[i];
+        }
+    }
+    return NULL;
+}
+
+static bool model_leads(struct pel_nmea *nmea)
+{
+    const Pelagos__OwnShip *own = pel_scene_state(nmea->scene)->own_ship;
+    return own->on && own->entity == nmea->options.entity;
+}
+
+/* Who moves the entity, for the log; NULL: nobody but NMEA. */
+static const char *other_leader(struct pel_nmea *nmea)
+{
+    const Pelagos__Entity *e = entity_now(nmea);
+    if (!e) {
+        return "nobody: it was removed";
+    }
+    if (model_leads(nmea)) {
+        return "own ship's model (ownShip.on)";
+    }
+    return nmea->moved && e->speed == nmea->set_speed &&
+                   e->turn_rate == nmea->set_turn_rate
+               ? NULL
+               : "another client or bridge";
+}
+
+/* Remembers the motion that the last edit left. */
+static void remember_motion(struct pel_nmea *nmea)
+{
+    const Pelagos__Entity *e = entity_now(nmea);
+    nmea->moved = e != NULL;
+    nmea->set_speed = e ? e->speed : 0;
+    nmea->set_turn_rate = e ? e->turn_rate : 0;
 }
 
 /* Replaces the wind by its running mean: of the speed, and of the direction as
@@ -171,10 +213,10 @@ static void commit_own_ship(struct pel_nmea *nmea)
     double deg, mps;
     if (nmea->values.changed & PEL_NMEA_CHANGED_POSE) {
         own_ship(nmea, &entity);
-        nmea->turning = entity.has_turn_rate && entity.turn_rate != 0;
         state.n_entities = 1;
         state.entities = &entities;
     }
+    bool takes_over = state.n_entities > 0 && model_leads(nmea);
     bool wind = new_wind(nmea, &deg, &mps);
     if (wind) {
         sea.has_wind_speed = sea.has_wind_direction = 1;
@@ -190,65 +232,39 @@ static void commit_own_ship(struct pel_nmea *nmea)
         state.own_ship = &orders;
     }
     nmea->values.changed = 0;
-    if ((state.n_entities > 0 || wind || state.own_ship) &&
-        apply(nmea, &state) && wind) {
+    if ((state.n_entities == 0 && !wind && !state.own_ship) ||
+        !apply(nmea, &state)) {
+        return;
+    }
+    if (state.n_entities > 0) {
+        remember_motion(nmea);
+    }
+    if (takes_over && !model_leads(nmea)) {
+        pel_info("NME-008",
+                 "NMEA moves entity %u again; own ship's model is off "
+                 "(ownShip.on)",
+                 nmea->options.entity);
+    }
+    if (wind) {
         nmea->wind_applied = true;
         nmea->applied_deg = deg;
         nmea->applied_mps = mps;
     }
 }
 
-static struct target *find_target(struct pel_nmea *nmea, uint32_t mmsi)
-{
-    struct target *free_slot = NULL;
-    for (size_t i = 0; i < MAX_TARGETS; i++) {
-        if (nmea->targets[i].mmsi == mmsi) {
-            return &nmea->targets[i];
-        }
-        if (nmea->targets[i].mmsi == 0 && !free_slot) {
-            free_slot = &nmea->targets[i];
-        }
-    }
-    if (free_slot) {
-        *free_slot = (struct target){ .mmsi = mmsi };
-        snprintf(free_slot->name, sizeof free_slot->name, "mmsi-%u", mmsi);
-    }
-    return free_slot;
-}
-
-static void commit_targets(struct pel_nmea *nmea)
+/* Ends the speed, or only the rate of turn, that NMEA set. */
+static void stop(struct pel_nmea *nmea, bool speed)
 {
     Pelagos__State state = PELAGOS__STATE__INIT;
-    Pelagos__Entity entities[TARGETS_AN_EDIT];
-    Pelagos__Entity *list[TARGETS_AN_EDIT];
-    state.entities = list;
-    for (size_t i = 0; i < nmea->pending_count; i++) {
-        const struct pel_ais *ais = &nmea->pending[i];
-        struct target *target = find_target(nmea, ais->mmsi);
-        if (!target || isnan(ais->latitude) || fabs(ais->latitude) > 85) {
-            nmea->counters.ais_ignored++;
-            continue;
-        }
-        bool moves = !isnan(ais->course) && ais->speed <= 200;
-        Pelagos__Entity *e = &entities[state.n_entities];
-        pelagos__entity__init(e);
-        e->has_id = e->has_latitude = e->has_longitude = 1;
-        e->id = TARGET_ID + (uint32_t)(target - nmea->targets);
-        e->name = target->name;
-        e->latitude = ais->latitude;
-        e->longitude = ais->longitude;
-        e->has_speed = e->has_course = e->has_turn_rate = 1;
-        e->speed = moves ? ais->speed : 0;
-        e->course = isnan(ais->course) ? 0 : ais->course;
-        e->turn_rate = isnan(ais->turn_rate) ? 0 : ais->turn_rate;
-        e->has_heading = !isnan(ais->heading) || (moves && ais->speed > 0.5);
-        e->heading = isnan(ais->heading) ? e->course : ais->heading;
-        target->heard_ns = nmea->now_ns;
-        list[state.n_entities++] = e;
-    }
-    nmea->pending_count = 0;
-    if (state.n_entities > 0) {
-        apply(nmea, &state);
+    Pelagos__Entity entity = PELAGOS__ENTITY__INIT;
+    Pelagos__Entity *entities = &entity;
+    state.n_entities = 1;
+    state.entities = &entities;
+    entity.has_id = entity.has_turn_rate = 1;
+    entity.id = nmea->options.entity;
+    entity.has_speed = speed;
+    if (apply(nmea, &state)) {
+        remember_motion(nmea);
     }
 }
 
@@ -275,18 +291,8 @@ static void take_ais(struct pel_nmea *nmea, const struct pel_nmea_sentence *s)
         pel_nmea_values_take_ais(&nmea->values, &ais, nmea->now_ns);
         return;
     }
-    if (!nmea->options.ais) {
-        return;
-    }
-    struct target *target = find_target(nmea, ais.mmsi);
-    if (target && ais.name[0]) {
-        snprintf(target->name, sizeof target->name, "%s", ais.name);
-    }
-    if (ais.has_position_report) {
-        nmea->pending[nmea->pending_count++] = ais;
-        if (nmea->pending_count == TARGETS_AN_EDIT) {
-            commit_targets(nmea);
-        }
+    if (nmea->options.ais) {
+        pel_nmea_targets_take_ais(&nmea->targets, &ais, nmea->now_ns);
     }
 }
 
@@ -304,11 +310,14 @@ static void take_line(void *user, const char *line, size_t length)
         return;
     }
     nmea->counters.sentences++;
+    nmea->counters.resynchronised += s.resynchronised;
     nmea->counters.kinds[s.kind]++;
     if (s.kind == PEL_NMEA_VDM || s.kind == PEL_NMEA_VDO) {
         take_ais(nmea, &s);
-    } else {
+    } else if (s.kind != PEL_NMEA_TTM && s.kind != PEL_NMEA_TLL) {
         pel_nmea_values_take(&nmea->values, &s, nmea->now_ns);
+    } else if (nmea->options.ais) {
+        pel_nmea_targets_take_radar(&nmea->targets, &s, nmea->now_ns);
     }
 }
 
@@ -320,9 +329,7 @@ static void commit_lines(struct pel_nmea *nmea)
     if (nmea->values.changed) {
         commit_own_ship(nmea);
     }
-    if (nmea->pending_count > 0) {
-        commit_targets(nmea);
-    }
+    pel_nmea_targets_commit(&nmea->targets, nmea->now_ns);
 }
 
 void pel_nmea_feed(struct pel_nmea *nmea, const void *bytes, size_t size)
@@ -370,45 +377,70 @@ static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
     return G_SOURCE_CONTINUE;
 }
 
-static void expire_targets(struct pel_nmea *nmea)
+static void status_at(const struct pel_nmea *nmea, int64_t now,
+                      struct pel_nmea_status *status)
 {
-    for (size_t i = 0; i < MAX_TARGETS; i++) {
-        struct target *t = &nmea->targets[i];
-        if (t->heard_ns == 0 || nmea->now_ns - t->heard_ns < TARGET_NS) {
-            continue;
-        }
-        char path[32];
-        char *paths = path;
-        snprintf(path, sizeof path, "entities.%zu", TARGET_ID + i);
-        Pelagos__Patch patch = PELAGOS__PATCH__INIT;
-        struct pel_fault fault;
-        patch.n_remove = 1;
-        patch.remove = &paths;
-        if (pel_scene_patch(nmea->scene, &patch, &fault) != PEL_OK) {
-            nmea->counters.refused_edits++; /* somebody removed it before */
-        }
-        *t = (struct target){ 0 };
+    const struct pel_nmea_values *v = &nmea->values;
+    *status = (struct pel_nmea_status){
+        .fix_fresh =
+            v->fix_at_ns != 0 && now - v->fix_at_ns <= PEL_NMEA_FRESH_NS,
+        .attitude_fresh =
+            pel_nmea_fresh(&v->roll, now) || pel_nmea_fresh(&v->pitch, now),
+        .fix_age_s = v->fix_at_ns ? (double)(now - v->fix_at_ns) * 1e-9 : -1,
+        .depth_m = v->depth.at_ns ? v->depth.value : NAN,
+        .rudder_deg = v->rudder.at_ns ? v->rudder.value : NAN,
+    };
+    for (int i = 0; i < PEL_HEADINGS; i++) {
+        status->heading_fresh |= pel_nmea_fresh(&v->heading[i], now);
+    }
+    for (int i = 0; i < PEL_WINDS; i++) {
+        status->wind_fresh |= pel_nmea_fresh(&v->wind_speed[i], now);
+    }
+    status->stale = v->fix_at_ns != 0 && !status->fix_fresh;
+    status->targets = pel_nmea_targets_count(&nmea->targets);
+}
+
+/* The fix has become stale: what becomes of the ship, in the log. */
+static void say_stale(struct pel_nmea *nmea, double age_s)
+{
+    const char *leader = other_leader(nmea);
+    if (leader) {
+        pel_warn("NME-005",
+                 "position is stale: no fix for %.0f s; entity %u is moved by "
+                 "%s and goes on",
+                 age_s, nmea->options.entity, leader);
+    } else {
+        pel_warn("NME-005",
+                 "position is stale: no fix for %.0f s; entity %u goes on by "
+                 "its last speed and stops %d s after the fix",
+                 age_s, nmea->options.entity, (int)(RECKON_NS / 1000000000));
     }
 }
 
-/* Once a second: what silence changes. */
-static gboolean on_tick(gpointer user)
+/* The end of dead reckoning. Only a motion of NMEA's own is stopped. */
+static void fall_silent(struct pel_nmea *nmea)
 {
-    struct pel_nmea *nmea = user;
-    struct pel_nmea_values *v = &nmea->values;
-    nmea->now_ns = pel_now_ns();
-    bool stop = v->fix_at_ns != 0 && nmea->now_ns - v->fix_at_ns > RECKON_NS;
-    bool turn_ends = nmea->turning && pel_nmea_turn_rate(v, nmea->now_ns) == 0;
-    if ((stop && !nmea->stopped) || turn_ends) {
-        nmea->stopped = nmea->stopped || stop;
-        v->changed |= PEL_NMEA_CHANGED_POSE;
-        commit_own_ship(nmea);
+    const char *leader = other_leader(nmea);
+    nmea->silent = true;
+    if (leader) {
+        pel_info("NME-009",
+                 "no fix for %d s; entity %u is not stopped, it is moved by %s",
+                 (int)(RECKON_NS / 1000000000), nmea->options.entity, leader);
+        return;
     }
+    stop(nmea, true);
+    pel_warn("NME-010", "no fix for %d s; entity %u is stopped",
+             (int)(RECKON_NS / 1000000000), nmea->options.entity);
+}
+
+void pel_nmea_tick(struct pel_nmea *nmea, int64_t now_ns)
+{
+    struct pel_nmea_values *v = &nmea->values;
     struct pel_nmea_status status;
-    pel_nmea_status(nmea, &status);
+    nmea->now_ns = now_ns;
+    status_at(nmea, now_ns, &status);
     if (status.stale && !nmea->was_stale) {
-        pel_warn("NME-005", "position is stale: no fix for %.0f s",
-                 status.fix_age_s);
+        say_stale(nmea, status.fix_age_s);
     } else if (!status.stale && nmea->was_stale) {
         pel_info("NME-006", "position is fresh again");
     }
@@ -416,7 +448,23 @@ static gboolean on_tick(gpointer user)
         pel_scene_set_stale(nmea->scene, PEL_STALE_NMEA, status.stale);
     }
     nmea->was_stale = status.stale;
-    expire_targets(nmea);
+    if (!nmea->silent && v->fix_at_ns != 0 &&
+        nmea->now_ns - v->fix_at_ns > RECKON_NS) {
+        fall_silent(nmea);
+    }
+    if (nmea->moved && nmea->set_turn_rate != 0 &&
+        pel_nmea_turn_rate(v, nmea->now_ns) == 0) {
+        if (!other_leader(nmea)) {
+            stop(nmea, false);
+        }
+        nmea->set_turn_rate = 0;
+    }
+    pel_nmea_targets_expire(&nmea->targets, nmea->now_ns);
+}
+
+static gboolean on_tick(gpointer user)
+{
+    pel_nmea_tick(user, pel_now_ns());
     return G_SOURCE_CONTINUE;
 }
 
@@ -453,14 +501,24 @@ static void collect(void *user, struct pel_metrics_page *page)
         { "pelagos_nmea_void_fixes_total",
           "NMEA position sentences without a fix.", c->void_fixes },
         { "pelagos_nmea_edits_total", "Changes of the scene by NMEA.",
-          c->edits },
+          c->edits + c->targets.edits },
         { "pelagos_nmea_refused_edits_total",
-          "Changes by NMEA that the scene refused.", c->refused_edits },
+          "Changes by NMEA that the scene refused.",
+          c->refused_edits + c->targets.refused_edits },
         { "pelagos_nmea_ais_messages_total", "AIS messages decoded.",
           c->ais_messages },
         { "pelagos_nmea_ais_ignored_total",
           "AIS messages of other types, incomplete or damaged.",
-          c->ais_ignored },
+          c->ais_ignored + c->targets.ignored },
+        { "pelagos_nmea_resynchronised_total",
+          "Sentences read after what a broken line left before them.",
+          c->resynchronised },
+        { "pelagos_nmea_targets_evicted_total",
+          "AIS and radar targets that gave way to nearer or newer ones.",
+          c->targets.evicted },
+        { "pelagos_nmea_targets_refused_total",
+          "AIS and radar targets farther than all, with every place taken.",
+          c->targets.refused },
     };
     for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++) {
         pel_metric(page, counters[i].name, PEL_METRIC_COUNTER, counters[i].help,
@@ -474,7 +532,7 @@ static void collect(void *user, struct pel_metrics_page *page)
     pel_metric(page, "pelagos_nmea_fix_age_seconds", PEL_METRIC_GAUGE,
                "Time since the last fix; -1: never.", NULL, s.fix_age_s);
     pel_metric(page, "pelagos_nmea_ais_targets", PEL_METRIC_GAUGE,
-               "AIS targets shown.", NULL, (double)s.ais_targets);
+               "AIS and radar targets shown.", NULL, (double)s.targets);
     if (!isnan(s.depth_m)) {
         pel_metric(page, "pelagos_nmea_depth_meters", PEL_METRIC_GAUGE,
                    "Depth of water that DPT or DBT gave last.", NULL,
@@ -499,6 +557,9 @@ enum pel_err pel_nmea_create(const struct pel_nmea_options *options,
     struct pel_nmea *nmea = g_new0(struct pel_nmea, 1);
     nmea->options = *options;
     nmea->scene = scene;
+    nmea->targets.scene = scene;
+    nmea->targets.own_ship = options->entity;
+    nmea->targets.counters = &nmea->counters.targets;
     nmea->fd = -1;
     enum pel_err err = pel_allow_parse(options->allow, &nmea->allow, fault);
     if (!err && options->listen) {
@@ -554,27 +615,7 @@ const struct pel_nmea_counters *pel_nmea_counters(const struct pel_nmea *nmea)
 void pel_nmea_status(const struct pel_nmea *nmea,
                      struct pel_nmea_status *status)
 {
-    const struct pel_nmea_values *v = &nmea->values;
-    int64_t now = pel_now_ns();
-    *status = (struct pel_nmea_status){
-        .fix_fresh =
-            v->fix_at_ns != 0 && now - v->fix_at_ns <= PEL_NMEA_FRESH_NS,
-        .attitude_fresh =
-            pel_nmea_fresh(&v->roll, now) || pel_nmea_fresh(&v->pitch, now),
-        .fix_age_s = v->fix_at_ns ? (double)(now - v->fix_at_ns) * 1e-9 : -1,
-        .depth_m = v->depth.at_ns ? v->depth.value : NAN,
-        .rudder_deg = v->rudder.at_ns ? v->rudder.value : NAN,
-    };
-    for (int i = 0; i < PEL_HEADINGS; i++) {
-        status->heading_fresh |= pel_nmea_fresh(&v->heading[i], now);
-    }
-    for (int i = 0; i < PEL_WINDS; i++) {
-        status->wind_fresh |= pel_nmea_fresh(&v->wind_speed[i], now);
-    }
-    status->stale = v->fix_at_ns != 0 && !status->fix_fresh;
-    for (size_t i = 0; i < MAX_TARGETS; i++) {
-        status->ais_targets += nmea->targets[i].heard_ns != 0;
-    }
+    status_at(nmea, pel_now_ns(), status);
 }
 
 uint16_t pel_nmea_port(const struct pel_nmea *nmea)

@@ -1,22 +1,23 @@
 /* NMEA 0183 to the scene: a UDP port whose sentences move one entity, set the
- * wind and, if wanted, show AIS targets. Control thread only.
+ * wind and, if wanted, show the targets of AIS and radar. Control thread only.
  *
- * What a sentence sets, in SI and degrees:
- *   position   RMC; without it for 10 s GGA; then GLL; then AIS VDO (a void
- *              fix keeps the last one)
- *   heading    HDT; without it for 10 s HDG (+ deviation + variation); then
- *              VHW; then VDO; then the course while faster than 0.5 m/s
- *   course, speed   RMC, VTG; without them for 10 s VHW (through water) or VDO
- *   turn rate  ROT, or VDO without it
- *   heel       XDR HEEL or ROLL, starboard down positive (the entity's roll)
- *   trim       XDR TRIM or PITCH, bow up positive (the entity's pitch)
- *   wind       MWD; without it for 10 s MWV true, or MWV relative made true by
- *              heading, course and speed
- * ZDA, RSA, DPT, DBT and TTM are decoded and counted; the scene has no place
- * for them. The sentences of one datagram are one edit. Poses carry the
- * scene's time of receipt, and the scene reckons onward from them; 60 s after
- * the last fix the ship is stopped where it is. A log replayed at speed X
- * wants clock.rate X meanwhile, or reckoning falls behind between fixes. */
+ * Sentences are listed in nmea_sentences.def. Where several give the same
+ * value, the first of these that came within the last 10 s counts:
+ *   position   RMC, GGA, GNS, GLL, AIS VDO (a void fix keeps the last one)
+ *   heading    HDT, THS, PASHR, HDG (+ deviation + variation), HDM (+ the last
+ *              known variation), VHW, VDO, the course while faster than 0.5 m/s
+ *   course, speed   RMC and VTG, VDO, VHW (through water)
+ *   turn rate  ROT, VDO
+ *   wind       MWD, MWV true, MWV relative made true by heading, course, speed
+ * Heel (roll, starboard down positive), trim (pitch, bow up positive) come from
+ * XDR and PASHR, heave (altitude, up positive) from PASHR.
+ *
+ * The sentences of one datagram are one edit. Poses carry the scene's time of
+ * receipt, and the scene reckons onward from them. 60 s after the last fix the
+ * ship is stopped where it is, if its speed and rate of turn are still those
+ * that NMEA set: a ship that own ship's model, another bridge or a client moves
+ * by then is left alone. A log replayed at speed X wants clock.rate X
+ * meanwhile, or reckoning falls behind between fixes. */
 #pragma once
 
 #include <stdbool.h>
@@ -25,6 +26,7 @@
 
 #include "base/err.h"
 #include "bridges/nmea_parse.h"
+#include "bridges/nmea_targets.h"
 
 struct pel_metrics;
 struct pel_nmea;
@@ -44,7 +46,7 @@ struct pel_nmea_options {
                          * Any other `listen` than loopback needs it */
     uint32_t entity;    /* id of the entity moved, 0..65535 */
     enum pel_nmea_wind wind;
-    bool ais; /* AIS targets become entities 20000 and up, at most 100 */
+    bool ais; /* targets become entities 20000 and up: nmea_targets.h */
     struct pel_metrics *metrics; /* NULL: none are shown */
 };
 
@@ -57,12 +59,14 @@ struct pel_nmea_counters {
     uint64_t sentences;         /* read and understood, by kind: */
     uint64_t kinds[PEL_NMEA_KIND_COUNT];
     uint64_t errors[PEL_NMEA_ERROR_COUNT];
-    uint64_t out_of_range;  /* values dropped */
-    uint64_t void_fixes;    /* position sentences without a fix */
-    uint64_t edits;         /* commits to the scene */
-    uint64_t refused_edits; /* the scene said no */
-    uint64_t ais_messages;  /* decoded */
-    uint64_t ais_ignored;   /* other types, unknown parts, damaged */
+    uint64_t out_of_range;   /* values dropped */
+    uint64_t void_fixes;     /* position sentences without a fix */
+    uint64_t edits;          /* commits to the scene */
+    uint64_t refused_edits;  /* the scene said no */
+    uint64_t ais_messages;   /* decoded */
+    uint64_t ais_ignored;    /* other types, unknown parts, damaged */
+    uint64_t resynchronised; /* read after what a broken line left */
+    struct pel_nmea_target_counters targets;
 };
 
 /* Fresh: came within the last 10 s of wall time. */
@@ -72,7 +76,7 @@ struct pel_nmea_status {
     double fix_age_s;  /* -1: never had one */
     double depth_m;    /* below transducer plus offset, NaN: unknown */
     double rudder_deg; /* RSA, starboard positive, NaN: unknown */
-    size_t ais_targets;
+    size_t targets;    /* of AIS and radar, shown */
 };
 
 /* Opens the port in the default GMainContext. Errors: IO (port taken), INVALID
@@ -89,6 +93,10 @@ void pel_nmea_feed(struct pel_nmea *nmea, const void *bytes, size_t size);
 /* Treats bytes as the next of a stream, whose unfinished line is in `lines`. */
 void pel_nmea_feed_stream(struct pel_nmea *nmea, struct pel_nmea_lines *lines,
                           const void *bytes, size_t size);
+
+/* What silence changes by now_ns (CLOCK_MONOTONIC): stale marks, the stop,
+ * targets that go. A timer does it once a second; tests give times to come. */
+void pel_nmea_tick(struct pel_nmea *nmea, int64_t now_ns);
 
 const struct pel_nmea_counters *pel_nmea_counters(const struct pel_nmea *nmea);
 void pel_nmea_status(const struct pel_nmea *nmea,

@@ -91,7 +91,8 @@ static int whole(struct fields *f, size_t i, int limit)
     return (int)value;
 }
 
-/* dddmm.mmm and its hemisphere letter in fields i and i + 1 [deg]. */
+/* dddmm.mmm and its hemisphere letter in fields i and i + 1 [deg]. Devices that
+ * round their minutes write 60.000 just below a whole degree. */
 static double coordinate(struct fields *f, size_t i, char positive,
                          char negative, double limit)
 {
@@ -103,7 +104,7 @@ static double coordinate(struct fields *f, size_t i, char positive,
     double degrees = floor(value / 100);
     double minutes = value - degrees * 100;
     double angle = degrees + minutes / 60;
-    if (value < 0 || minutes >= 60 || angle > limit ||
+    if (value < 0 || minutes > 60 || angle > limit ||
         (side != positive && side != negative)) {
         f->bad = true;
         return NAN;
@@ -193,6 +194,18 @@ static void parse_gga(struct fields *f, struct pel_nmea_sentence *s)
     s->altitude = number(f, 8);
 }
 
+/* The mode has a letter for each satellite system, N: no fix by it. */
+static void parse_gns(struct fields *f, struct pel_nmea_sentence *s)
+{
+    s->utc_s = time_of_day(f, 0);
+    position(f, 1, s);
+    s->valid = false;
+    for (size_t i = 0; f->count > 5 && i < f->length[5]; i++) {
+        s->valid = s->valid || f->text[5][i] != 'N';
+    }
+    s->altitude = number(f, 8);
+}
+
 static void parse_gll(struct fields *f, struct pel_nmea_sentence *s)
 {
     position(f, 0, s);
@@ -204,6 +217,30 @@ static void parse_gll(struct fields *f, struct pel_nmea_sentence *s)
 static void parse_hdt(struct fields *f, struct pel_nmea_sentence *s)
 {
     s->heading = number(f, 0);
+}
+
+static void parse_ths(struct fields *f, struct pel_nmea_sentence *s)
+{
+    s->heading = number(f, 0);
+    s->valid = letter(f, 1) != 'V';
+}
+
+static void parse_hdm(struct fields *f, struct pel_nmea_sentence *s)
+{
+    s->magnetic_heading = number(f, 0);
+}
+
+/* Time, heading, T, roll, pitch, heave, accuracies. */
+static void parse_pashr(struct fields *f, struct pel_nmea_sentence *s)
+{
+    s->utc_s = time_of_day(f, 0);
+    s->heading = number(f, 1);
+    if (letter(f, 2) != 'T' && !isnan(s->heading)) {
+        f->bad = true;
+    }
+    s->roll = number(f, 3);
+    s->pitch = number(f, 4);
+    s->heave = number(f, 5);
 }
 
 static void parse_hdg(struct fields *f, struct pel_nmea_sentence *s)
@@ -282,6 +319,17 @@ static void parse_mwd(struct fields *f, struct pel_nmea_sentence *s)
     }
 }
 
+/* Copies a field's text, cut to size - 1 characters. */
+static void text(struct fields *f, size_t i, char *out, size_t size)
+{
+    size_t length = i < f->count ? f->length[i] : 0;
+    length = length < size ? length : size - 1;
+    if (length > 0) {
+        memcpy(out, f->text[i], length);
+    }
+    out[length] = 0;
+}
+
 static void parse_xdr(struct fields *f, struct pel_nmea_sentence *s)
 {
     for (size_t i = 0; i + 3 < f->count; i += 4) {
@@ -292,9 +340,7 @@ static void parse_xdr(struct fields *f, struct pel_nmea_sentence *s)
         t->type = letter(f, i);
         t->value = number(f, i + 1);
         t->unit = letter(f, i + 2);
-        size_t length = f->length[i + 3];
-        length = length < sizeof t->name ? length : sizeof t->name - 1;
-        memcpy(t->name, f->text[i + 3], length);
+        text(f, i + 3, t->name, sizeof t->name);
         s->transducer_count++;
     }
 }
@@ -323,13 +369,25 @@ static void parse_dbt(struct fields *f, struct pel_nmea_sentence *s)
 static void parse_ttm(struct fields *f, struct pel_nmea_sentence *s)
 {
     s->target = whole(f, 0, 999);
-    s->target_range = number(f, 1);
     char unit = letter(f, 9);
-    s->target_range *= unit == 'K' ? 1000 : unit == 'S' ? 1609.344 : 1852;
+    double unit_m = unit == 'K' ? 1000 : unit == 'S' ? 1609.344 : 1852;
+    s->target_range = number(f, 1) * unit_m;
     s->target_bearing = number(f, 2);
-    if (letter(f, 3) == 'R') {
-        s->target_bearing = NAN;
-    }
+    s->bearing_true = letter(f, 3) != 'R';
+    s->speed = number(f, 4) * unit_m / 3600;
+    s->course = number(f, 5);
+    s->course_true = letter(f, 6) != 'R';
+    text(f, 10, s->target_name, sizeof s->target_name);
+    s->target_status = letter(f, 11);
+}
+
+static void parse_tll(struct fields *f, struct pel_nmea_sentence *s)
+{
+    s->target = whole(f, 0, 999);
+    position(f, 1, s);
+    text(f, 5, s->target_name, sizeof s->target_name);
+    s->utc_s = time_of_day(f, 6);
+    s->target_status = letter(f, 7);
 }
 
 static void parse_vdm(struct fields *f, struct pel_nmea_sentence *s)
@@ -356,33 +414,19 @@ static void parse_vdm(struct fields *f, struct pel_nmea_sentence *s)
 }
 
 static const struct format {
-    char name[4];
+    const char *address;
     void (*parse)(struct fields *f, struct pel_nmea_sentence *s);
 } formats[PEL_NMEA_KIND_COUNT] = {
     [PEL_NMEA_OTHER] = { "", NULL },
-    [PEL_NMEA_HDT] = { "HDT", parse_hdt },
-    [PEL_NMEA_HDG] = { "HDG", parse_hdg },
-    [PEL_NMEA_RMC] = { "RMC", parse_rmc },
-    [PEL_NMEA_GGA] = { "GGA", parse_gga },
-    [PEL_NMEA_GLL] = { "GLL", parse_gll },
-    [PEL_NMEA_VTG] = { "VTG", parse_vtg },
-    [PEL_NMEA_VHW] = { "VHW", parse_vhw },
-    [PEL_NMEA_ROT] = { "ROT", parse_rot },
-    [PEL_NMEA_ZDA] = { "ZDA", parse_zda },
-    [PEL_NMEA_MWV] = { "MWV", parse_mwv },
-    [PEL_NMEA_MWD] = { "MWD", parse_mwd },
-    [PEL_NMEA_XDR] = { "XDR", parse_xdr },
-    [PEL_NMEA_RSA] = { "RSA", parse_rsa },
-    [PEL_NMEA_DPT] = { "DPT", parse_dpt },
-    [PEL_NMEA_DBT] = { "DBT", parse_dbt },
-    [PEL_NMEA_TTM] = { "TTM", parse_ttm },
-    [PEL_NMEA_VDM] = { "VDM", parse_vdm },
-    [PEL_NMEA_VDO] = { "VDO", parse_vdm },
+#define NMEA_SENTENCE(kind, address, parse, take, text)                        \
+    [PEL_NMEA_##kind] = { address, parse_##parse },
+#include "bridges/nmea_sentences.def"
+#undef NMEA_SENTENCE
 };
 
 const char *pel_nmea_kind_name(enum pel_nmea_kind kind)
 {
-    return kind == PEL_NMEA_OTHER ? "other" : formats[kind].name;
+    return kind == PEL_NMEA_OTHER ? "other" : formats[kind].address;
 }
 
 const char *pel_nmea_error_name(enum pel_nmea_error error)
@@ -410,18 +454,24 @@ static int hex_digit(char c)
     return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-/* Finds the text between `$` and `*hh` and tests frame and sum. */
-static enum pel_nmea_error unwrap(const char **line, size_t *length)
+/* The end of the sentence that begins at p: behind `*hh`, where the line ends
+ * or a receiver's suffix begins; NULL: no checksum. */
+static const char *end_of_sum(const char *p, const char *end)
+{
+    const char *star = memchr(p, '*', (size_t)(end - p));
+    bool whole = star && end - star >= 3 && hex_digit(star[1]) >= 0 &&
+                 hex_digit(star[2]) >= 0;
+    return whole && (star + 3 == end || star[3] == ',') ? star + 3 : NULL;
+}
+
+/* Finds the text between the last `$` or `!` and `*hh`; tests frame and sum. */
+static enum pel_nmea_error unwrap(const char **line, size_t *length,
+                                  bool *resynchronised)
 {
     const char *p = *line;
     const char *end = p + *length;
     if (*length > PEL_NMEA_MAX_SENTENCE) {
         return PEL_NMEA_TOO_LONG;
-    }
-    for (size_t i = 0; i < *length; i++) {
-        if (p[i] < 0x20 || p[i] > 0x7e) {
-            return PEL_NMEA_BAD_BYTE;
-        }
     }
     if (p < end && *p == '\\') { /* a tag block: time stamps, line counts */
         p = memchr(p + 1, '\\', (size_t)(end - p - 1));
@@ -430,12 +480,22 @@ static enum pel_nmea_error unwrap(const char **line, size_t *length)
         }
         p++;
     }
-    if (p == end || (*p != '$' && *p != '!')) {
+    const char *begin = NULL;
+    for (const char *q = p; q < end; q++) {
+        begin = *q == '$' || *q == '!' ? q : begin;
+    }
+    if (!begin) {
         return PEL_NMEA_NO_START;
     }
-    p++;
-    if (end - p < 3 || end[-3] != '*' || hex_digit(end[-2]) < 0 ||
-        hex_digit(end[-1]) < 0) {
+    *resynchronised = begin > p;
+    for (p = begin + 1; p < end; p++) {
+        if (*p < 0x20 || *p > 0x7e) {
+            return PEL_NMEA_BAD_BYTE;
+        }
+    }
+    p = begin + 1;
+    end = end_of_sum(p, end);
+    if (!end) {
         return PEL_NMEA_NO_CHECKSUM;
     }
     unsigned sum = 0;
@@ -452,58 +512,76 @@ static enum pel_nmea_error unwrap(const char **line, size_t *length)
 
 static void clear(struct pel_nmea_sentence *s)
 {
+    static const double empty = NAN;
     memset(s, 0, sizeof *s);
     s->valid = true;
-    double *const numbers[] = {
-        &s->latitude,       &s->longitude,        &s->utc_s,
-        &s->heading,        &s->magnetic_heading, &s->deviation,
-        &s->variation,      &s->course,           &s->speed,
-        &s->turn_rate,      &s->altitude,         &s->wind_direction,
-        &s->wind_angle,     &s->wind_speed,       &s->rudder,
-        &s->depth,          &s->depth_offset,     &s->target_range,
-        &s->target_bearing,
-    };
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        *numbers[i] = NAN;
+    for (size_t at = offsetof(struct pel_nmea_sentence, latitude);
+         at <= offsetof(struct pel_nmea_sentence, target_bearing);
+         at += sizeof empty) {
+        memcpy((char *)s + at, &empty, sizeof empty);
     }
     s->target = -1;
+}
+
+/* Which of ours an address of five letters is: a formatter behind any talker,
+ * or (P) a maker's own sentence. PASHR has messages with a name in the first
+ * field, which are not ours. */
+static enum pel_nmea_kind kind_of(const char *address, const char *rest,
+                                  size_t length)
+{
+    bool makers = address[0] == 'P';
+    for (int kind = 1; kind < PEL_NMEA_KIND_COUNT; kind++) {
+        const char *ours = formats[kind].address;
+        size_t size = makers ? 5 : 3;
+        if (strlen(ours) != size || memcmp(address + 5 - size, ours, size)) {
+            continue;
+        }
+        if (kind == PEL_NMEA_PASHR && length > 0 && rest[0] >= 'A') {
+            return PEL_NMEA_OTHER;
+        }
+        return (enum pel_nmea_kind)kind;
+    }
+    return PEL_NMEA_OTHER;
 }
 
 enum pel_nmea_error pel_nmea_parse(const char *line, size_t length,
                                    struct pel_nmea_sentence *out)
 {
-    enum pel_nmea_error error = unwrap(&line, &length);
+    bool resynchronised = false;
+    enum pel_nmea_error error = unwrap(&line, &length, &resynchronised);
     if (error) {
         return error;
     }
     clear(out);
+    out->resynchronised = resynchronised;
     const char *comma = memchr(line, ',', length);
     size_t address = comma ? (size_t)(comma - line) : length;
-    if (address != 5 || line[0] == 'P') { /* P: a maker's own sentence */
+    if (address != 5) {
         return PEL_NMEA_OK;
     }
-    memcpy(out->talker, line, 2);
-    for (int kind = 1; kind < PEL_NMEA_KIND_COUNT; kind++) {
-        if (memcmp(line + 2, formats[kind].name, 3) != 0) {
-            continue;
-        }
-        /* `!` starts packed data only: anything else is a `$` gone bad, and
-         * the sum does not cover it. */
-        if (line[-1] == '!' && kind != PEL_NMEA_VDM && kind != PEL_NMEA_VDO) {
-            return PEL_NMEA_NO_START;
-        }
-        struct fields fields;
-        split(&fields, comma ? comma + 1 : line + length,
-              comma ? length - address - 1 : 0);
-        if (!fields.bad) {
-            formats[kind].parse(&fields, out);
-        }
-        if (fields.bad) {
-            return PEL_NMEA_BAD_FIELD;
-        }
-        out->kind = (enum pel_nmea_kind)kind;
+    const char *rest = comma ? comma + 1 : line + length;
+    size_t rest_length = comma ? length - address - 1 : 0;
+    enum pel_nmea_kind kind = kind_of(line, rest, rest_length);
+    if (line[0] != 'P') {
+        memcpy(out->talker, line, 2);
+    }
+    if (kind == PEL_NMEA_OTHER) {
         return PEL_NMEA_OK;
     }
+    /* `!` starts packed data only: anything else is a `$` gone bad, and the sum
+     * does not cover it. */
+    if (line[-1] == '!' && kind != PEL_NMEA_VDM && kind != PEL_NMEA_VDO) {
+        return PEL_NMEA_NO_START;
+    }
+    struct fields fields;
+    split(&fields, rest, rest_length);
+    if (!fields.bad) {
+        formats[kind].parse(&fields, out);
+    }
+    if (fields.bad) {
+        return PEL_NMEA_BAD_FIELD;
+    }
+    out->kind = kind;
     return PEL_NMEA_OK;
 }
 

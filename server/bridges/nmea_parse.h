@@ -2,9 +2,11 @@
  * no allocation, any thread.
  *
  * A sentence is `$` or `!`, talker and type, fields, `*hh`, CR and LF, with an
- * optional tag block `\...*hh\` before it. The checksum is wanted always.
- * Sentences longer than 82 characters are out of the standard but common:
- * taken up to 256. */
+ * optional tag block `\...*hh\` before it. It begins at the line's last `$` or
+ * `!`: what a broken line before it left is passed over. A receiver's suffix
+ * after the checksum (`,station,time`) is passed over too. The checksum is
+ * always required. Sentences longer than 82 characters are out of the standard
+ * but common: lines of up to 256 are read. */
 #pragma once
 
 #include <stdbool.h>
@@ -16,30 +18,15 @@
 
 enum pel_nmea_kind {
     PEL_NMEA_OTHER, /* good checksum, not one of ours */
-    PEL_NMEA_HDT,
-    PEL_NMEA_HDG,
-    PEL_NMEA_RMC,
-    PEL_NMEA_GGA,
-    PEL_NMEA_GLL,
-    PEL_NMEA_VTG,
-    PEL_NMEA_VHW,
-    PEL_NMEA_ROT,
-    PEL_NMEA_ZDA,
-    PEL_NMEA_MWV,
-    PEL_NMEA_MWD,
-    PEL_NMEA_XDR,
-    PEL_NMEA_RSA,
-    PEL_NMEA_DPT,
-    PEL_NMEA_DBT,
-    PEL_NMEA_TTM,
-    PEL_NMEA_VDM,
-    PEL_NMEA_VDO,
+#define NMEA_SENTENCE(kind, address, parse, take, text) PEL_NMEA_##kind,
+#include "bridges/nmea_sentences.def"
+#undef NMEA_SENTENCE
     PEL_NMEA_KIND_COUNT
 };
 
 enum pel_nmea_error {
     PEL_NMEA_OK,
-    PEL_NMEA_NO_START,     /* does not begin with $, ! or a tag block */
+    PEL_NMEA_NO_START,     /* has no $ or !, or a tag block without an end */
     PEL_NMEA_TOO_LONG,     /* more than PEL_NMEA_MAX_SENTENCE characters */
     PEL_NMEA_BAD_BYTE,     /* outside printable ASCII */
     PEL_NMEA_NO_CHECKSUM,  /* no `*hh` at the end */
@@ -49,32 +36,39 @@ enum pel_nmea_error {
 };
 
 /* NaN: the field is empty. Angles deg, true unless said; speeds m/s; depths
- * and heights m; latitude north, longitude east positive. */
+ * and heights m; latitude north, longitude east positive. The numbers from
+ * latitude to target_bearing stand together: clear() makes them NaN. */
 struct pel_nmea_sentence {
-    enum pel_nmea_kind kind;
-    char talker[3];
-    bool valid; /* status A, or fix quality > 0; true where there is none */
     double latitude, longitude;
-    double utc_s;         /* of the day: RMC, GGA, GLL, ZDA */
-    int year, month, day; /* 0: empty. RMC, ZDA */
+    double utc_s; /* of the day: RMC, GGA, GNS, GLL, ZDA */
     double heading, magnetic_heading, deviation, variation;
-    double course, speed; /* over ground; VHW: through water */
+    double course, speed; /* over ground; VHW: through water; TTM: target's */
     double turn_rate;     /* deg/s, to starboard positive */
     double altitude;
-    double wind_direction; /* MWD: true, blows from */
-    double wind_angle;     /* MWV: from the bow, clockwise */
-    bool wind_true;        /* MWV T, not R */
+    double roll, pitch, heave; /* PASHR; starboard down, bow up, up positive */
+    double wind_direction;     /* MWD: true, blows from */
+    double wind_angle;         /* MWV: from the bow, clockwise */
     double wind_speed;
     double rudder; /* RSA: starboard or single, starboard positive */
     double depth, depth_offset;
+    double target_range, target_bearing; /* m; deg */
+    enum pel_nmea_kind kind;
+    char talker[3];       /* "" of a maker's own sentence */
+    bool valid;           /* status A, or fix quality > 0; true without one */
+    bool resynchronised;  /* something stood before its beginning */
+    int year, month, day; /* 0: empty. RMC, ZDA */
+    bool wind_true;       /* MWV T, not R */
     struct pel_nmea_transducer {
         char type, unit;
         double value; /* NaN: empty */
         char name[16];
     } transducers[PEL_NMEA_MAX_TRANSDUCERS];
     size_t transducer_count;
-    int target;                          /* TTM: number, -1 empty */
-    double target_range, target_bearing; /* m; deg true, NaN if relative */
+    int target;           /* TTM, TLL: number, -1 empty */
+    bool bearing_true;    /* target_bearing is from north, not from the bow */
+    bool course_true;     /* course and speed are over ground, not relative */
+    char target_name[21]; /* "" empty */
+    char target_status;   /* L lost, Q being acquired, T tracked; 0 empty */
     struct {
         int count, index, sequence; /* sequence -1: none */
         char channel;               /* 0: none */

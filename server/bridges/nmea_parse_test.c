@@ -211,7 +211,10 @@ static void refuses_fields_that_are_no_numbers(void **state)
         "$GPHDT,1.2.3,T",
         "$GPHDT,1234567890123456,T",
         "$GPRMC,250000,A,,,,,,,,,,A",
-        "$GPRMC,120000,A,5260.0,N,00100.0,W,,,,,,A",
+        "$GPRMC,120000,A,5260.1,N,00100.0,W,,,,,,A",
+        "$GPRMC,120000,A,9060.0,N,00100.0,W,,,,,,A",
+        "$PASHR,120000,1.0,M,1.0,1.0,0.1",
+        "$RATTM,1000,1.0,0.0,T",
         "$GPRMC,120000,A,9100.0,N,00100.0,W,,,,,,A",
         "$GPRMC,120000,A,5200.0,X,00100.0,W,,,,,,A",
         "$GPRMC,120000,A,5200.0,,00100.0,W,,,,,,A",
@@ -282,6 +285,89 @@ static void cuts_streams_into_lines(void **state)
     pel_nmea_lines_feed(&lines, "\n$D*00\n", 7, count_line, &c);
     assert_int_equal(c.lines, 5);
     assert_string_equal(c.text, "$D*00");
+}
+
+/* A rounded 59.99999 is 60.000: the next degree, not a lost fix. */
+static void rounded_minutes_roll_over(void **state)
+{
+    (void)state;
+    struct pel_nmea_sentence s;
+    assert_int_equal(
+        parse(frame("$GPGLL,5260.000,N,17960.0000,W,120000,A"), &s),
+        PEL_NMEA_OK);
+    assert_near(s.latitude, 53, EPS);
+    assert_near(s.longitude, -180, EPS);
+}
+
+/* The sentence is what begins at the last `$` or `!`. */
+static void resynchronises(void **state)
+{
+    (void)state;
+    static const char *const lines[] = {
+        "$$GPHDT,,T*1B",
+        "$GPRMC,1200$GPHDT,,T*1B",
+        "\xb5\x62\x01$GPHDT,,T*1B",
+        "2011-06-01 12:00 $GPHDT,,T*1B",
+        "\\c:1*52\\$$GPHDT,,T*1B",
+    };
+    struct pel_nmea_sentence s;
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        assert_int_equal(parse(lines[i], &s), PEL_NMEA_OK);
+        assert_int_equal(s.kind, PEL_NMEA_HDT);
+        assert_true(s.resynchronised);
+    }
+    /* A receiver's station and time behind the sum. */
+    assert_int_equal(parse("$GPHDT,,T*1B,rnhjel,1325376012.83", &s),
+                     PEL_NMEA_OK);
+    assert_int_equal(s.kind, PEL_NMEA_HDT);
+    assert_false(s.resynchronised);
+}
+
+static void reads_gns_ths_hdm_pashr(void **state)
+{
+    (void)state;
+    struct pel_nmea_sentence s;
+    assert_int_equal(parse(frame("$GNGNS,014035.00,4332.69262,S,17235.48549,E,"
+                                 "RR,13,0.9,25.63,11.24,,"),
+                           &s),
+                     PEL_NMEA_OK);
+    assert_true(s.valid);
+    assert_near(s.latitude, -(43 + 32.69262 / 60), EPS);
+    assert_near(s.longitude, 172 + 35.48549 / 60, EPS);
+    assert_near(s.altitude, 25.63, EPS);
+    assert_int_equal(parse(frame("$GNGNS,014035.00,,,,,NNN,00,,,,,"), &s),
+                     PEL_NMEA_OK);
+    assert_false(s.valid);
+    assert_int_equal(parse(frame("$HETHS,77.5,A"), &s), PEL_NMEA_OK);
+    assert_true(s.valid && s.heading == 77.5);
+    assert_int_equal(parse(frame("$HETHS,77.5,V"), &s), PEL_NMEA_OK);
+    assert_false(s.valid);
+    assert_int_equal(parse(frame("$PASHR,130533.620,0.311,T,-80.467,-1.395,"
+                                 "0.25,0.066,0.067,0.215,2,3"),
+                           &s),
+                     PEL_NMEA_OK);
+    assert_int_equal(s.kind, PEL_NMEA_PASHR);
+    assert_near(s.heading, 0.311, EPS);
+    assert_near(s.roll, -80.467, EPS);
+    assert_near(s.pitch, -1.395, EPS);
+    assert_near(s.heave, 0.25, EPS);
+    assert_int_equal(parse(frame("$PASHR,POS,2,8,124110.00,4028.58,N"), &s),
+                     PEL_NMEA_OK);
+    assert_int_equal(s.kind, PEL_NMEA_OTHER);
+
+    struct pel_nmea_values v = { 0 };
+    double deg;
+    take(&v, "$HCHDM,90.0,M", 1); /* no variation known */
+    assert_true(pel_nmea_heading(&v, 1, &deg) && deg == 90);
+    take(&v, "$GPRMC,120000,A,5200.0,N,00500.0,E,0.0,,210626,3.0,W,A", 2);
+    take(&v, "$HCHDM,90.0,M", 2);
+    assert_true(pel_nmea_heading(&v, 2, &deg) && deg == 87);
+    take(&v, "$HETHS,77.5,V", 3);
+    assert_true(pel_nmea_heading(&v, 3, &deg) && deg == 87);
+    take(&v, "$HETHS,77.5,A", 3);
+    assert_true(pel_nmea_heading(&v, 3, &deg) && deg == 77.5);
+    take(&v, "$GNGNS,120000,5300.0,N,00500.0,E,AN,9,,,,,", 20000000000);
+    assert_near(v.latitude, 53, EPS);
 }
 
 /* The transponder's own report against the same ship's RMC, and a name joined
@@ -460,6 +546,9 @@ int main(void)
         cmocka_unit_test(refuses_fields_that_are_no_numbers),
         cmocka_unit_test(long_sentences_end_at_256),
         cmocka_unit_test(cuts_streams_into_lines),
+        cmocka_unit_test(rounded_minutes_roll_over),
+        cmocka_unit_test(resynchronises),
+        cmocka_unit_test(reads_gns_ths_hdm_pashr),
         cmocka_unit_test(decodes_ais),
         cmocka_unit_test(unfinished_ais_messages_give_way),
         cmocka_unit_test(ranks_heading_sources),

@@ -200,7 +200,7 @@ static void ais_targets_become_entities(void **state)
     assert_true(near(e->latitude, 53, 1) && near(e->longitude, 5.5, 1));
     struct pel_nmea_status status;
     pel_nmea_status(f->nmea, &status);
-    assert_int_equal(status.ais_targets, 2);
+    assert_int_equal(status.targets, 2);
     feed(f, "!AIVDO,1,1,,B,13`kvwO005wJnb0Lfo:@7P8F05`L,0", NULL);
     assert_true(near(entity(f, 1)->latitude, 50.21319, 1e-4));
 }
@@ -217,9 +217,108 @@ static void more_targets_than_places(void **state)
     }
     struct pel_nmea_status status;
     pel_nmea_status(f->nmea, &status);
-    assert_int_equal(status.ais_targets, 100);
-    assert_int_equal(pel_nmea_counters(f->nmea)->ais_ignored, 200);
-    assert_int_equal(pel_nmea_counters(f->nmea)->refused_edits, 0);
+    assert_int_equal(status.targets, 100);
+    assert_int_equal(pel_nmea_counters(f->nmea)->targets.refused, 200);
+    assert_int_equal(pel_nmea_counters(f->nmea)->targets.refused_edits, 0);
+}
+
+static void patch_own(struct fixture *f, const Pelagos__Entity *entity,
+                      const Pelagos__OwnShip *own)
+{
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    Pelagos__State other = PELAGOS__STATE__INIT;
+    Pelagos__Entity *entities = (Pelagos__Entity *)entity;
+    other.n_entities = entity != NULL;
+    other.entities = &entities;
+    other.own_ship = (Pelagos__OwnShip *)own;
+    patch.state = &other;
+    assert_int_equal(pel_scene_patch(f->scene, &patch, NULL), PEL_OK);
+}
+
+#define SECOND 1000000000LL
+#define UNDER_WAY "$GPRMC,120000,A,5300.0,N,00530.0,E,10.0,90.0,210626,,,A"
+
+/* Dead reckoning ends 60 s after the last fix. */
+static void silence_stops_what_nmea_moved(void **state)
+{
+    struct fixture *f = *state;
+    feed(f, UNDER_WAY, "$HEROT,12.0,A", NULL);
+    int64_t now = pel_now_ns();
+    pel_nmea_tick(f->nmea, now + 9 * SECOND);
+    assert_true(near(entity(f, 1)->turn_rate, 0.2, 1e-9));
+    pel_nmea_tick(f->nmea, now + 12 * SECOND);
+    assert_true(entity(f, 1)->turn_rate == 0);
+    assert_true(near(entity(f, 1)->speed, 10 * KNOT, 1e-9));
+    assert_true(pel_scene_state(f->scene)->sources->nmea_stale);
+    pel_nmea_tick(f->nmea, now + 61 * SECOND);
+    assert_true(entity(f, 1)->speed == 0);
+    uint64_t before = pel_scene_state(f->scene)->revision;
+    pel_nmea_tick(f->nmea, now + 62 * SECOND);
+    assert_int_equal(pel_scene_state(f->scene)->revision, before);
+    feed(f, UNDER_WAY, NULL);
+    assert_true(near(entity(f, 1)->speed, 10 * KNOT, 1e-9));
+}
+
+static void silence_leaves_the_ships_model_alone(void **state)
+{
+    struct fixture *f = *state;
+    feed(f, UNDER_WAY, "$HEROT,12.0,A", "$IIXDR,A,-4.0,D,HEEL", NULL);
+    int64_t now = pel_now_ns();
+    Pelagos__OwnShip own = PELAGOS__OWN_SHIP__INIT;
+    own.has_on = own.has_throttle = own.on = 1;
+    own.throttle = 0.7;
+    patch_own(f, NULL, &own);
+    uint64_t edits = pel_nmea_counters(f->nmea)->edits;
+    for (int s = 9; s < 200; s += 3) {
+        pel_nmea_tick(f->nmea, now + s * SECOND);
+    }
+    assert_true(pel_scene_state(f->scene)->own_ship->on);
+    assert_int_equal(pel_nmea_counters(f->nmea)->edits, edits);
+    feed(f, UNDER_WAY, NULL); /* it speaks again, and leads */
+    assert_false(pel_scene_state(f->scene)->own_ship->on);
+}
+
+static void silence_leaves_other_clients_alone(void **state)
+{
+    struct fixture *f = *state;
+    feed(f, UNDER_WAY, NULL);
+    int64_t now = pel_now_ns();
+    Pelagos__Entity other = PELAGOS__ENTITY__INIT;
+    other.has_id = other.id = 1;
+    other.has_speed = other.has_turn_rate = 1;
+    other.speed = 3;
+    other.turn_rate = 0.5;
+    patch_own(f, &other, NULL);
+    for (int s = 9; s < 200; s += 3) {
+        pel_nmea_tick(f->nmea, now + s * SECOND);
+    }
+    assert_true(entity(f, 1)->speed == 3 && entity(f, 1)->turn_rate == 0.5);
+    /* Heel by another client is no motion: NMEA's own one still ends. */
+    feed(f, UNDER_WAY, "$HEROT,0.0,A", NULL);
+    now = pel_now_ns();
+    other = (Pelagos__Entity)PELAGOS__ENTITY__INIT;
+    other.has_id = other.id = other.has_roll = 1;
+    other.roll = 7;
+    patch_own(f, &other, NULL);
+    pel_nmea_tick(f->nmea, now + 61 * SECOND);
+    assert_true(entity(f, 1)->speed == 0 && entity(f, 1)->roll == 7);
+}
+
+/* An attitude of long ago is not said again with each fix. */
+static void old_attitudes_are_not_repeated(void **state)
+{
+    struct fixture *f = *state;
+    feed(f, UNDER_WAY, "$PASHR,120000.000,91.5,T,-4.0,1.5,0.75,0.1,0.1,0.1,1",
+         NULL);
+    assert_true(entity(f, 1)->roll == -4 && entity(f, 1)->pitch == 1.5);
+    assert_true(entity(f, 1)->altitude == 0.75);
+    assert_true(near(entity(f, 1)->heading, 91.5, 1e-9));
+    Pelagos__Entity other = PELAGOS__ENTITY__INIT;
+    other.has_id = other.id = other.has_roll = 1;
+    other.roll = 7;
+    patch_own(f, &other, NULL);
+    feed(f, UNDER_WAY, NULL);
+    assert_true(entity(f, 1)->roll == 7);
 }
 
 static void void_fixes_change_nothing(void **state)
@@ -323,6 +422,10 @@ int main(void)
         cmocka_unit_test(mean_wind_ignores_gusts),
         TEST(ais_targets_become_entities),
         TEST(more_targets_than_places),
+        TEST(silence_stops_what_nmea_moved),
+        TEST(silence_leaves_the_ships_model_alone),
+        TEST(silence_leaves_other_clients_alone),
+        TEST(old_attitudes_are_not_repeated),
         TEST(void_fixes_change_nothing),
         TEST(a_thousand_bad_datagrams),
         cmocka_unit_test(listens_to_its_list_only),

@@ -195,10 +195,13 @@ static void set_wind(struct pel_nmea_values *v, int source, double direction,
     }
 }
 
+#define TAKE(name)                                                             \
+    static void take_##name(struct pel_nmea_values *v,                         \
+                            const struct pel_nmea_sentence *s, int64_t now_ns)
+
 /* MWV is measured from the bow. Relative wind is the air's motion past the
  * ship, so the ship's own motion is added to get the true one. */
-static void take_mwv(struct pel_nmea_values *v,
-                     const struct pel_nmea_sentence *s, int64_t now_ns)
+TAKE(mwv)
 {
     double heading, course, speed;
     if (!s->valid || !in_range(v, s->wind_angle, 0, 360) ||
@@ -221,23 +224,46 @@ static void take_mwv(struct pel_nmea_values *v,
              hypot(east, north), now_ns);
 }
 
-static void take_hdg(struct pel_nmea_values *v,
-                     const struct pel_nmea_sentence *s, int64_t now_ns)
+/* Without any variation yet it counts as 0: better than no heading at all. */
+static void take_magnetic(struct pel_nmea_values *v, int source,
+                          const struct pel_nmea_sentence *s, int64_t now_ns)
 {
-    set(v, &v->variation, s->variation, -180, 180, now_ns, 0);
     double deviation = isnan(s->deviation) ? 0 : s->deviation;
-    /* Never told: 0 until then, better than no heading at all. */
     double variation = v->variation.at_ns ? v->variation.value : 0;
     if (in_range(v, s->magnetic_heading, 0, 360)) {
-        set_heading(v, PEL_HEADING_HDG,
+        set_heading(v, source,
                     wrap(s->magnetic_heading + deviation + variation), now_ns);
     }
 }
 
+TAKE(hdg)
+{
+    set(v, &v->variation, s->variation, -180, 180, now_ns, 0);
+    take_magnetic(v, PEL_HEADING_HDG, s, now_ns);
+}
+
+TAKE(hdm)
+{
+    take_magnetic(v, PEL_HEADING_HDM, s, now_ns);
+}
+
+static void set_attitude(struct pel_nmea_values *v, double roll, double pitch,
+                         int64_t now_ns)
+{
+    set(v, &v->roll, roll, -180, 180, now_ns, PEL_NMEA_CHANGED_POSE);
+    set(v, &v->pitch, pitch, -90, 90, now_ns, PEL_NMEA_CHANGED_POSE);
+}
+
+TAKE(pashr)
+{
+    set_heading(v, PEL_HEADING_PASHR, s->heading, now_ns);
+    set_attitude(v, s->roll, s->pitch, now_ns);
+    set(v, &v->heave, s->heave, -50, 50, now_ns, PEL_NMEA_CHANGED_POSE);
+}
+
 /* Names seen: HEEL and TRIM (B&G), ROLL and PITCH (gpsd's and most others),
  * PTCH (Airmar). Angular, in degrees. */
-static void take_xdr(struct pel_nmea_values *v,
-                     const struct pel_nmea_sentence *s, int64_t now_ns)
+TAKE(xdr)
 {
     for (size_t i = 0; i < s->transducer_count; i++) {
         const struct pel_nmea_transducer *t = &s->transducers[i];
@@ -245,18 +271,16 @@ static void take_xdr(struct pel_nmea_values *v,
             continue;
         }
         if (strcmp(t->name, "HEEL") == 0 || strcmp(t->name, "ROLL") == 0) {
-            set(v, &v->roll, t->value, -180, 180, now_ns,
-                PEL_NMEA_CHANGED_POSE);
+            set_attitude(v, t->value, NAN, now_ns);
         } else if (strcmp(t->name, "TRIM") == 0 ||
                    strcmp(t->name, "PITCH") == 0 ||
                    strcmp(t->name, "PTCH") == 0) {
-            set(v, &v->pitch, t->value, -90, 90, now_ns, PEL_NMEA_CHANGED_POSE);
+            set_attitude(v, NAN, t->value, now_ns);
         }
     }
 }
 
-static void take_vhw(struct pel_nmea_values *v,
-                     const struct pel_nmea_sentence *s, int64_t now_ns)
+TAKE(vhw)
 {
     set_heading(v, PEL_HEADING_VHW, s->heading, now_ns);
     if (!isnan(s->heading) && !isnan(s->magnetic_heading)) {
@@ -267,69 +291,99 @@ static void take_vhw(struct pel_nmea_values *v,
         PEL_NMEA_CHANGED_POSE);
 }
 
+TAKE(rmc)
+{
+    take_fix(v, PEL_FIX_RMC, s, now_ns);
+    set(v, &v->variation, s->variation, -180, 180, now_ns, 0);
+    if (s->valid) {
+        set_motion(v, PEL_MOTION_GNSS, s->course, s->speed, now_ns);
+    }
+}
+
+TAKE(gga)
+{
+    take_fix(v, PEL_FIX_GGA, s, now_ns);
+}
+
+TAKE(gns)
+{
+    take_fix(v, PEL_FIX_GNS, s, now_ns);
+}
+
+TAKE(gll)
+{
+    take_fix(v, PEL_FIX_GLL, s, now_ns);
+}
+
+TAKE(vtg)
+{
+    if (s->valid) {
+        set_motion(v, PEL_MOTION_GNSS, s->course, s->speed, now_ns);
+    }
+}
+
+TAKE(hdt)
+{
+    set_heading(v, PEL_HEADING_HDT, s->heading, now_ns);
+}
+
+TAKE(ths)
+{
+    if (s->valid) {
+        set_heading(v, PEL_HEADING_THS, s->heading, now_ns);
+    }
+}
+
+TAKE(rot)
+{
+    if (s->valid) {
+        set(v, &v->turn_rate[PEL_TURN_ROT], s->turn_rate, -90, 90, now_ns,
+            PEL_NMEA_CHANGED_POSE);
+    }
+}
+
+TAKE(mwd)
+{
+    set_wind(v, PEL_WIND_MWD, s->wind_direction, s->wind_speed, now_ns);
+}
+
+TAKE(rsa)
+{
+    if (s->valid) {
+        set(v, &v->rudder, s->rudder, -90, 90, now_ns, PEL_NMEA_CHANGED_RUDDER);
+    }
+}
+
+TAKE(dpt)
+{
+    set(v, &v->depth, s->depth + (isnan(s->depth_offset) ? 0 : s->depth_offset),
+        0, 12000, now_ns, 0);
+}
+
+TAKE(dbt)
+{
+    set(v, &v->depth, s->depth, 0, 12000, now_ns, 0);
+}
+
+TAKE(nothing) /* says nothing of own ship, or comes by another way */
+{
+    (void)v;
+    (void)s;
+    (void)now_ns;
+}
+
 void pel_nmea_values_take(struct pel_nmea_values *v,
                           const struct pel_nmea_sentence *s, int64_t now_ns)
 {
-    switch (s->kind) {
-    case PEL_NMEA_RMC:
-        take_fix(v, PEL_FIX_RMC, s, now_ns);
-        set(v, &v->variation, s->variation, -180, 180, now_ns, 0);
-        if (s->valid) {
-            set_motion(v, PEL_MOTION_GNSS, s->course, s->speed, now_ns);
-        }
-        break;
-    case PEL_NMEA_GGA:
-        take_fix(v, PEL_FIX_GGA, s, now_ns);
-        break;
-    case PEL_NMEA_GLL:
-        take_fix(v, PEL_FIX_GLL, s, now_ns);
-        break;
-    case PEL_NMEA_VTG:
-        if (s->valid) {
-            set_motion(v, PEL_MOTION_GNSS, s->course, s->speed, now_ns);
-        }
-        break;
-    case PEL_NMEA_HDT:
-        set_heading(v, PEL_HEADING_HDT, s->heading, now_ns);
-        break;
-    case PEL_NMEA_HDG:
-        take_hdg(v, s, now_ns);
-        break;
-    case PEL_NMEA_VHW:
-        take_vhw(v, s, now_ns);
-        break;
-    case PEL_NMEA_ROT:
-        if (s->valid) {
-            set(v, &v->turn_rate[PEL_TURN_ROT], s->turn_rate, -90, 90, now_ns,
-                PEL_NMEA_CHANGED_POSE);
-        }
-        break;
-    case PEL_NMEA_MWD:
-        set_wind(v, PEL_WIND_MWD, s->wind_direction, s->wind_speed, now_ns);
-        break;
-    case PEL_NMEA_MWV:
-        take_mwv(v, s, now_ns);
-        break;
-    case PEL_NMEA_XDR:
-        take_xdr(v, s, now_ns);
-        break;
-    case PEL_NMEA_RSA:
-        if (s->valid) {
-            set(v, &v->rudder, s->rudder, -90, 90, now_ns,
-                PEL_NMEA_CHANGED_RUDDER);
-        }
-        break;
-    case PEL_NMEA_DPT:
-        set(v, &v->depth,
-            s->depth + (isnan(s->depth_offset) ? 0 : s->depth_offset), 0, 12000,
-            now_ns, 0);
-        break;
-    case PEL_NMEA_DBT:
-        set(v, &v->depth, s->depth, 0, 12000, now_ns, 0);
-        break;
-    default: /* ZDA, TTM, AIS and the rest have no place in the scene */
-        break;
-    }
+    static void (*const takes[PEL_NMEA_KIND_COUNT])(
+        struct pel_nmea_values *, const struct pel_nmea_sentence *, int64_t) = {
+        [PEL_NMEA_OTHER] = take_nothing,
+#define NMEA_SENTENCE(kind, address, parse, take, text)                        \
+    [PEL_NMEA_##kind] = take_##take,
+#include "bridges/nmea_sentences.def"
+#undef NMEA_SENTENCE
+    };
+    takes[s->kind](v, s, now_ns);
 }
 
 void pel_nmea_values_take_ais(struct pel_nmea_values *v,

@@ -1,5 +1,5 @@
-/* What the sentences said so far about own ship and the wind, with the age of
- * each value and the rank of its source. No scene, no clock of its own: the
+/* What the sentences have said so far about own ship and the wind, with the age
+ * of each value and the rank of its source. No scene, no clock of its own: the
  * caller gives CLOCK_MONOTONIC times. One thread at a time.
  *
  * A value is fresh for PEL_NMEA_FRESH_NS. Empty fields and void fixes leave
@@ -20,12 +20,22 @@ struct pel_nmea_value {
     int64_t at_ns; /* 0: never came */
 };
 
-/* Best first. A position comes from one source at a time: two that tell the
- * same fix at different moments would shake the ship. */
-enum { PEL_FIX_RMC, PEL_FIX_GGA, PEL_FIX_GLL, PEL_FIX_VDO, PEL_FIXES };
+/* Best first. A position comes from one source at a time: two that give the
+ * same fix at different moments would make the ship jump to and fro. */
+enum {
+    PEL_FIX_RMC,
+    PEL_FIX_GGA,
+    PEL_FIX_GNS,
+    PEL_FIX_GLL,
+    PEL_FIX_VDO,
+    PEL_FIXES
+};
 enum {
     PEL_HEADING_HDT,
+    PEL_HEADING_THS,
+    PEL_HEADING_PASHR,
     PEL_HEADING_HDG,
+    PEL_HEADING_HDM,
     PEL_HEADING_VHW,
     PEL_HEADING_VDO,
     PEL_HEADINGS
@@ -50,6 +60,7 @@ struct pel_nmea_values {
     struct pel_nmea_value speed[PEL_MOTIONS];        /* m/s */
     struct pel_nmea_value turn_rate[PEL_TURNS];      /* deg/s */
     struct pel_nmea_value roll, pitch;               /* deg */
+    struct pel_nmea_value heave;                     /* m, up positive */
     struct pel_nmea_value wind_direction[PEL_WINDS]; /* deg true, from */
     struct pel_nmea_value wind_speed[PEL_WINDS];     /* m/s */
     struct pel_nmea_value variation, depth, rudder;  /* deg, m, deg */

@@ -1,0 +1,412 @@
+#include "bridges/nmea_targets.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/log.h"
+#include "base/vec.h"
+#include "bridges/nmea_out.h"
+#include "scene/geodesy.h"
+
+#define SECOND_NS 1000000000LL
+#define AIS_LIFE_NS (600 * SECOND_NS)
+#define RADAR_LIFE_NS (60 * SECOND_NS)
+/* Two of the longest intervals of a position report, 3 min (at anchor, aids to
+ * navigation): whose place a newcomer may take. */
+#define STALE_NS (360 * SECOND_NS)
+/* A position of 0.1 minute does not move a target that has a better one. */
+#define FINE_NS (360 * SECOND_NS)
+#define TLL_NS (10 * SECOND_NS)
+#define MAX_LATITUDE 85 /* of the schema */
+#define MAX_SPEED_MPS 200
+#define STEERAGE_MPS 0.5 /* below it a course says nothing of the heading */
+
+static uint64_t key_of(bool radar, uint32_t number)
+{
+    return ((uint64_t)radar << 32 | number) + 1;
+}
+
+static bool is_radar(const struct pel_nmea_target *t)
+{
+    return (t->key - 1) >> 32 != 0;
+}
+
+/* --- names ---------------------------------------------------------------- */
+
+static const char *known_name(const struct pel_nmea_targets *t, uint64_t key)
+{
+    for (size_t i = 0; i < PEL_NMEA_NAMES; i++) {
+        if (t->names[i].key == key) {
+            return t->names[i].name;
+        }
+    }
+    return NULL;
+}
+
+static struct pel_nmea_target *find(struct pel_nmea_targets *t, uint64_t key)
+{
+    for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+        if (t->targets[i].key == key) {
+            return &t->targets[i];
+        }
+    }
+    return NULL;
+}
+
+static void keep_name(struct pel_nmea_targets *t, uint64_t key,
+                      const char *name)
+{
+    struct pel_nmea_name *place = &t->names[0];
+    for (size_t i = 0; i < PEL_NMEA_NAMES; i++) {
+        if (t->names[i].key == key) {
+            place = &t->names[i];
+            break;
+        }
+        if (t->names[i].used < place->used) { /* a free one has 0 */
+            place = &t->names[i];
+        }
+    }
+    place->key = key;
+    place->used = ++t->name_clock;
+    snprintf(place->name, sizeof place->name, "%s", name);
+    struct pel_nmea_target *target = find(t, key);
+    if (target && strcmp(target->name, name) != 0) {
+        snprintf(target->name, sizeof target->name, "%s", name);
+        target->renamed = t->renamed = true;
+    }
+}
+
+/* --- places --------------------------------------------------------------- */
+
+/* Square of the chord between two places on a unit sphere: grows with the
+ * distance, which is all that is asked. */
+static double apart(double lat_a, double lon_a, double lat_b, double lon_b)
+{
+    double north = sin((lat_b - lat_a) * PEL_DEG / 2);
+    double east = sin((lon_b - lon_a) * PEL_DEG / 2);
+    return north * north +
+           cos(lat_a * PEL_DEG) * cos(lat_b * PEL_DEG) * east * east;
+}
+
+/* The place for a newcomer at a position; NULL: all others are nearer. `own`
+ * NULL: there is no own ship. */
+static struct pel_nmea_target *place_for(struct pel_nmea_targets *t,
+                                         double latitude, double longitude,
+                                         const struct pel_nmea_report *own,
+                                         int64_t now_ns)
+{
+    struct pel_nmea_target *oldest = &t->targets[0], *farthest = NULL;
+    double most =
+        own ? apart(own->latitude, own->longitude, latitude, longitude) : 0;
+    for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+        struct pel_nmea_target *target = &t->targets[i];
+        if (target->key == 0) {
+            return target;
+        }
+        oldest = target->heard_ns < oldest->heard_ns ? target : oldest;
+        double distance = own ? apart(own->latitude, own->longitude,
+                                      target->latitude, target->longitude)
+                              : 0;
+        if (distance > most) {
+            most = distance;
+            farthest = target;
+        }
+    }
+    struct pel_nmea_target *place =
+        !own || now_ns - oldest->heard_ns > STALE_NS ? oldest : farthest;
+    if (place) {
+        t->counters->evicted++;
+    } else {
+        t->counters->refused++;
+    }
+    return place;
+}
+
+static struct pel_nmea_target *settle(struct pel_nmea_targets *t,
+                                      const struct pel_nmea_target_report *r,
+                                      const struct pel_nmea_report *own,
+                                      int64_t now_ns)
+{
+    uint64_t key = key_of(r->radar, r->number);
+    struct pel_nmea_target *target =
+        place_for(t, r->latitude, r->longitude, own, now_ns);
+    if (!target) {
+        return NULL;
+    }
+    const char *name = known_name(t, key);
+    *target = (struct pel_nmea_target){ .key = key };
+    if (name) {
+        snprintf(target->name, sizeof target->name, "%s", name);
+    } else if (r->radar) {
+        snprintf(target->name, sizeof target->name, "radar-%02u", r->number);
+    } else {
+        snprintf(target->name, sizeof target->name, "mmsi-%09u", r->number);
+    }
+    return target;
+}
+
+/* --- edits ---------------------------------------------------------------- */
+
+static bool patch(struct pel_nmea_targets *t, const Pelagos__Patch *what)
+{
+    struct pel_fault fault;
+    if (pel_scene_patch(t->scene, what, &fault) == PEL_OK) {
+        t->counters->edits++;
+        return true;
+    }
+    static struct pel_log_limit limit;
+    pel_log_limited(&limit, PEL_LOG_WARNING, "NME-007",
+                    "targets of AIS or radar were refused: %s %s", fault.path,
+                    fault.message);
+    t->counters->refused_edits++;
+    return false;
+}
+
+static void remove_target(struct pel_nmea_targets *t,
+                          struct pel_nmea_target *target)
+{
+    char path[32];
+    char *paths = path;
+    snprintf(path, sizeof path, "entities.%zu",
+             PEL_NMEA_TARGET_ID + (size_t)(target - t->targets));
+    Pelagos__Patch what = PELAGOS__PATCH__INIT;
+    what.n_remove = 1;
+    what.remove = &paths;
+    if (pel_scene_patch(t->scene, &what, NULL) != PEL_OK) {
+        t->counters->refused_edits++; /* somebody removed it before */
+    }
+    *target = (struct pel_nmea_target){ 0 };
+}
+
+/* Range and bearing to a position; false: there is no own ship. */
+static bool resolve(struct pel_nmea_target_report *r,
+                    const struct pel_nmea_report *own)
+{
+    if (!r->polar) {
+        return true;
+    }
+    if (!own || isnan(r->range_m) || isnan(r->bearing)) {
+        return false;
+    }
+    double bearing = r->bearing + (r->bearing_true ? 0 : own->heading);
+    pel_geo_from_local(
+        own->latitude, own->longitude, r->range_m * sin(bearing * PEL_DEG),
+        r->range_m * cos(bearing * PEL_DEG), &r->latitude, &r->longitude);
+    return true;
+}
+
+/* The report's target, its place in the table taken; NULL: the report changes
+ * nothing. A position worse than the one known is taken out of the report. */
+static struct pel_nmea_target *admit(struct pel_nmea_targets *t,
+                                     struct pel_nmea_target_report *r,
+                                     const struct pel_nmea_report *own,
+                                     bool *is_new, int64_t now_ns)
+{
+    if (!resolve(r, own) || isnan(r->latitude) || isnan(r->longitude) ||
+        fabs(r->latitude) > MAX_LATITUDE) {
+        t->counters->ignored++;
+        return NULL;
+    }
+    struct pel_nmea_target *target = find(t, key_of(r->radar, r->number));
+    *is_new = !target;
+    if (!target) {
+        target = settle(t, r, own, now_ns);
+    }
+    if (!target) {
+        return NULL;
+    }
+    target->heard_ns = now_ns;
+    if (r->coarse && target->fine_ns && now_ns - target->fine_ns <= FINE_NS) {
+        return NULL;
+    }
+    if (r->polar && target->tll_ns && now_ns - target->tll_ns <= TLL_NS) {
+        r->latitude = r->longitude = NAN;
+        return target;
+    }
+    target->fine_ns = r->coarse ? target->fine_ns : now_ns;
+    target->tll_ns = r->radar && !r->polar ? now_ns : target->tll_ns;
+    target->latitude = r->latitude;
+    target->longitude = r->longitude;
+    return target;
+}
+
+/* Adds to what earlier reports of the same edit have filled in. */
+static void fill(Pelagos__Entity *e, const struct pel_nmea_target_report *r,
+                 bool is_new)
+{
+    bool moves = !isnan(r->course) && r->speed <= MAX_SPEED_MPS;
+    if (!isnan(r->latitude)) {
+        e->has_latitude = e->has_longitude = 1;
+        e->latitude = r->latitude;
+        e->longitude = r->longitude;
+    }
+    if (is_new || !isnan(r->altitude)) {
+        e->has_altitude = 1;
+        e->altitude = isnan(r->altitude) ? 0 : r->altitude;
+    }
+    if (is_new || r->polar || !r->radar) { /* TLL alone says no motion */
+        e->has_speed = e->has_course = e->has_turn_rate = 1;
+        e->speed = moves ? r->speed : 0;
+        e->course = isnan(r->course) ? 0 : r->course;
+        e->turn_rate = isnan(r->turn_rate) ? 0 : r->turn_rate;
+    }
+    if (is_new || !isnan(r->heading) || (moves && r->speed > STEERAGE_MPS)) {
+        e->has_heading = 1;
+        e->heading = isnan(r->heading) ? e->course : r->heading;
+    }
+}
+
+/* The entity of an edit with this id, or a new one at the list's end. */
+static Pelagos__Entity *entity_of(Pelagos__State *state,
+                                  Pelagos__Entity *entities, uint32_t id,
+                                  char *name)
+{
+    for (size_t i = 0; i < state->n_entities; i++) {
+        if (state->entities[i]->id == id) {
+            return state->entities[i];
+        }
+    }
+    Pelagos__Entity *e = &entities[state->n_entities];
+    pelagos__entity__init(e);
+    e->has_id = 1;
+    e->id = id;
+    e->name = name;
+    state->entities[state->n_entities++] = e;
+    return e;
+}
+
+static void add_names(struct pel_nmea_targets *t, Pelagos__State *state,
+                      Pelagos__Entity *entities)
+{
+    for (size_t i = 0; t->renamed && i < PEL_NMEA_TARGETS; i++) {
+        if (t->targets[i].key != 0 && t->targets[i].renamed) {
+            entity_of(state, entities, PEL_NMEA_TARGET_ID + (uint32_t)i,
+                      t->targets[i].name);
+            t->targets[i].renamed = false;
+        }
+    }
+    t->renamed = false;
+}
+
+void pel_nmea_targets_commit(struct pel_nmea_targets *t, int64_t now_ns)
+{
+    if (t->pending_count == 0 && !t->renamed) {
+        return;
+    }
+    Pelagos__State state = PELAGOS__STATE__INIT;
+    Pelagos__Entity entities[PEL_NMEA_TARGETS];
+    Pelagos__Entity *list[PEL_NMEA_TARGETS];
+    struct pel_nmea_report own;
+    bool has_own = pel_nmea_out_report_of(t->scene, t->own_ship, &own);
+    state.entities = list;
+    for (size_t i = 0; i < t->pending_count; i++) {
+        struct pel_nmea_target_report *r = &t->pending[i];
+        bool is_new;
+        struct pel_nmea_target *target =
+            admit(t, r, has_own ? &own : NULL, &is_new, now_ns);
+        if (target) {
+            uint32_t id = PEL_NMEA_TARGET_ID + (uint32_t)(target - t->targets);
+            fill(entity_of(&state, entities, id, target->name), r, is_new);
+        }
+    }
+    t->pending_count = 0;
+    add_names(t, &state, entities);
+    if (state.n_entities > 0) {
+        Pelagos__Patch what = PELAGOS__PATCH__INIT;
+        what.state = &state;
+        patch(t, &what);
+    }
+}
+
+static void wait_for_commit(struct pel_nmea_targets *t,
+                            const struct pel_nmea_target_report *r,
+                            int64_t now_ns)
+{
+    t->pending[t->pending_count++] = *r;
+    if (t->pending_count == PEL_NMEA_REPORTS_AN_EDIT) {
+        pel_nmea_targets_commit(t, now_ns);
+    }
+}
+
+void pel_nmea_targets_take_ais(struct pel_nmea_targets *t,
+                               const struct pel_ais *ais, int64_t now_ns)
+{
+    if (ais->name[0]) {
+        keep_name(t, key_of(false, ais->mmsi), ais->name);
+    }
+    if (!ais->has_position_report) {
+        return;
+    }
+    const struct pel_nmea_target_report report = {
+        .number = ais->mmsi,
+        .coarse = ais->coarse,
+        .latitude = ais->latitude,
+        .longitude = ais->longitude,
+        .altitude = ais->altitude,
+        .speed = ais->speed,
+        .course = ais->course,
+        .heading = ais->heading,
+        .turn_rate = ais->turn_rate,
+    };
+    wait_for_commit(t, &report, now_ns);
+}
+
+void pel_nmea_targets_take_radar(struct pel_nmea_targets *t,
+                                 const struct pel_nmea_sentence *s,
+                                 int64_t now_ns)
+{
+    if (s->target < 0) {
+        t->counters->ignored++;
+        return;
+    }
+    uint64_t key = key_of(true, (uint32_t)s->target);
+    struct pel_nmea_target *target = find(t, key);
+    if (s->target_status == 'L') {
+        pel_nmea_targets_commit(t, now_ns);
+        target = find(t, key);
+        if (target) {
+            remove_target(t, target);
+        }
+        return;
+    }
+    if (s->target_name[0]) {
+        keep_name(t, key, s->target_name);
+    }
+    const struct pel_nmea_target_report report = {
+        .radar = true,
+        .number = (uint32_t)s->target,
+        .polar = s->kind == PEL_NMEA_TTM,
+        .bearing_true = s->bearing_true,
+        .latitude = s->latitude,
+        .longitude = s->longitude,
+        .altitude = NAN,
+        .range_m = s->target_range,
+        .bearing = s->target_bearing,
+        .speed = s->course_true ? s->speed : NAN,
+        .course = s->course_true ? s->course : NAN,
+        .heading = NAN,
+        .turn_rate = NAN,
+    };
+    wait_for_commit(t, &report, now_ns);
+}
+
+void pel_nmea_targets_expire(struct pel_nmea_targets *t, int64_t now_ns)
+{
+    for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+        struct pel_nmea_target *target = &t->targets[i];
+        int64_t life = is_radar(target) ? RADAR_LIFE_NS : AIS_LIFE_NS;
+        if (target->key != 0 && now_ns - target->heard_ns >= life) {
+            remove_target(t, target);
+        }
+    }
+}
+
+size_t pel_nmea_targets_count(const struct pel_nmea_targets *t)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+        count += t->targets[i].key != 0;
+    }
+    return count;
+}

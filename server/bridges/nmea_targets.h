@@ -1,0 +1,90 @@
+/* Other ships, stations and aids to navigation as AIS (VDM) and radar (TTM,
+ * TLL) report them: entities 20000 and up of the scene. Control thread only.
+ *
+ * The table holds PEL_NMEA_TARGETS of them. When it is full a newcomer takes
+ * the place of one unheard for 6 minutes (the longest first), else of the
+ * farthest from own ship if it is nearer itself; without own ship, of the one
+ * unheard longest. Names that come before a position wait in a list of their
+ * own, PEL_NMEA_NAMES long, whose oldest gives way: a report without a position
+ * never takes a target's place. An AIS target unheard for 10 minutes and a
+ * radar target unheard for 60 s is removed. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "bridges/ais.h"
+#include "bridges/nmea_parse.h"
+#include "scene/scene.h"
+
+#define PEL_NMEA_TARGETS 100
+#define PEL_NMEA_NAMES 256
+#define PEL_NMEA_TARGET_ID 20000
+
+/* What one report says; NaN: does not say. deg, m, m/s, deg/s. */
+struct pel_nmea_target_report {
+    bool radar;      /* else AIS */
+    uint32_t number; /* MMSI, or the radar's number, 0..999 */
+    bool polar;      /* range and bearing from own ship, not a position */
+    bool bearing_true;
+    bool coarse; /* to 0.1 minute */
+    bool lost;   /* the radar lost it */
+    double latitude, longitude, altitude;
+    double range_m, bearing;
+    double speed, course, heading, turn_rate;
+};
+
+struct pel_nmea_target {
+    uint64_t key; /* radar << 32 | number, + 1; 0: free */
+    int64_t heard_ns;
+    int64_t fine_ns; /* the last position that was not coarse, 0: none */
+    int64_t tll_ns;  /* the last position of a radar target, not polar */
+    double latitude, longitude;
+    bool renamed; /* its name is not in the scene yet */
+    char name[40];
+};
+
+struct pel_nmea_name {
+    uint64_t key; /* 0: free */
+    uint64_t used;
+    char name[PEL_AIS_NAME + 1];
+};
+
+#define PEL_NMEA_REPORTS_AN_EDIT 16
+
+struct pel_nmea_target_counters {
+    uint64_t evicted; /* gave way to a newcomer */
+    uint64_t refused; /* newcomers farther than all, with all places taken */
+    uint64_t ignored; /* reports without a usable position */
+    uint64_t edits, refused_edits;
+};
+
+/* Zero it, then set scene, own_ship (an entity's id) and counters. */
+struct pel_nmea_targets {
+    struct pel_scene *scene;
+    uint32_t own_ship;
+    struct pel_nmea_target targets[PEL_NMEA_TARGETS];
+    struct pel_nmea_name names[PEL_NMEA_NAMES];
+    uint64_t name_clock;
+    struct pel_nmea_target_report pending[PEL_NMEA_REPORTS_AN_EDIT];
+    size_t pending_count;
+    bool renamed; /* one of the targets is */
+    struct pel_nmea_target_counters *counters;
+};
+
+/* Take a message of another ship, or a TTM or TLL. The scene is edited when
+ * PEL_NMEA_REPORTS_AN_EDIT reports wait, and by pel_nmea_targets_commit. */
+void pel_nmea_targets_take_ais(struct pel_nmea_targets *targets,
+                               const struct pel_ais *ais, int64_t now_ns);
+void pel_nmea_targets_take_radar(struct pel_nmea_targets *targets,
+                                 const struct pel_nmea_sentence *sentence,
+                                 int64_t now_ns);
+
+/* The waiting reports become one edit of the scene. */
+void pel_nmea_targets_commit(struct pel_nmea_targets *targets, int64_t now_ns);
+
+/* Removes what has been silent too long. */
+void pel_nmea_targets_expire(struct pel_nmea_targets *targets, int64_t now_ns);
+
+size_t pel_nmea_targets_count(const struct pel_nmea_targets *targets);

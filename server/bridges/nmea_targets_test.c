@@ -1,0 +1,325 @@
+/* The table of targets: who is in it when there are more than it holds, names,
+ * radar targets, and what silence removes. */
+#include "bridges/nmea_targets.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "base/log.h"
+#include "scene/geodesy.h"
+
+#define SECOND 1000000000LL
+#define NEAR(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
+
+struct fixture {
+    struct pel_scene *scene;
+    struct pel_nmea_targets targets;
+    struct pel_nmea_target_counters counters;
+    double latitude, longitude; /* of own ship */
+};
+
+static const Pelagos__Entity *entity(struct fixture *f, uint32_t id)
+{
+    const Pelagos__State *s = pel_scene_state(f->scene);
+    for (size_t i = 0; i < s->n_entities; i++) {
+        if (s->entities[i]->id == id) {
+            return s->entities[i];
+        }
+    }
+    return NULL;
+}
+
+static const Pelagos__Entity *named(struct fixture *f, const char *name)
+{
+    const Pelagos__State *s = pel_scene_state(f->scene);
+    for (size_t i = 0; i < s->n_entities; i++) {
+        if (strcmp(s->entities[i]->name, name) == 0) {
+            return s->entities[i];
+        }
+    }
+    return NULL;
+}
+
+static int set_up(void **state)
+{
+    static struct fixture f;
+    struct pel_scene_options options = { .wave_count = 20 };
+    f = (struct fixture){ 0 };
+    assert_int_equal(pel_scene_create(&options, &f.scene, NULL), PEL_OK);
+    f.targets.scene = f.scene;
+    f.targets.own_ship = 1;
+    f.targets.counters = &f.counters;
+    f.latitude = entity(&f, 1)->latitude;
+    f.longitude = entity(&f, 1)->longitude;
+    *state = &f;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *f = *state;
+    pel_scene_destroy(f->scene);
+    return 0;
+}
+
+/* A position report from `minutes` of latitude north of own ship. */
+static void report(struct fixture *f, uint32_t mmsi, double minutes,
+                   int64_t now_ns)
+{
+    const struct pel_ais ais = {
+        .type = 1,
+        .mmsi = mmsi,
+        .has_position_report = true,
+        .latitude = f->latitude + minutes / 60,
+        .longitude = f->longitude,
+        .altitude = NAN,
+        .speed = 5,
+        .course = 45,
+        .heading = NAN,
+        .turn_rate = NAN,
+    };
+    pel_nmea_targets_take_ais(&f->targets, &ais, now_ns);
+    pel_nmea_targets_commit(&f->targets, now_ns);
+}
+
+static void name(struct fixture *f, uint32_t mmsi, const char *text,
+                 int64_t now_ns)
+{
+    struct pel_ais ais = { .type = 24, .mmsi = mmsi };
+    snprintf(ais.name, sizeof ais.name, "%s", text);
+    pel_nmea_targets_take_ais(&f->targets, &ais, now_ns);
+    pel_nmea_targets_commit(&f->targets, now_ns);
+}
+
+/* Reports without a position take nobody's place, however many come. */
+static void names_never_displace_positions(void **state)
+{
+    struct fixture *f = *state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        char text[21];
+        snprintf(text, sizeof text, "NOBODY %u", i);
+        name(f, 100000000 + i, text, SECOND);
+    }
+    assert_int_equal(pel_nmea_targets_count(&f->targets), 0);
+    for (uint32_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+        report(f, 200000000 + i, 1 + i * 0.01, SECOND);
+    }
+    name(f, 300000000, "LATE", SECOND);
+    assert_int_equal(pel_nmea_targets_count(&f->targets), PEL_NMEA_TARGETS);
+    assert_int_equal(f->counters.evicted, 0);
+}
+
+static void names_come_before_or_after(void **state)
+{
+    struct fixture *f = *state;
+    name(f, 244000001, "BEFORE", SECOND);
+    report(f, 244000001, 1, SECOND);
+    report(f, 244000002, 1, SECOND);
+    assert_non_null(named(f, "BEFORE"));
+    assert_non_null(named(f, "mmsi-244000002"));
+    name(f, 244000002, "AFTER", SECOND);
+    assert_non_null(named(f, "AFTER"));
+    NEAR(named(f, "AFTER")->latitude, f->latitude + 1 / 60.0, 1e-9);
+    uint64_t revision = pel_scene_state(f->scene)->revision;
+    name(f, 244000002, "AFTER", SECOND); /* said again: no news */
+    assert_int_equal(pel_scene_state(f->scene)->revision, revision);
+}
+
+static void the_nearest_stay(void **state)
+{
+    struct fixture *f = *state;
+    for (uint32_t i = 0; i < 300; i++) { /* the farthest first */
+        report(f, 200000000 + i, 300 - i, SECOND);
+    }
+    assert_int_equal(pel_nmea_targets_count(&f->targets), PEL_NMEA_TARGETS);
+    assert_int_equal(f->counters.evicted, 200);
+    for (uint32_t i = 200; i < 300; i++) {
+        char text[40];
+        snprintf(text, sizeof text, "mmsi-%u", 200000000 + i);
+        assert_non_null(named(f, text));
+    }
+    report(f, 244000000, 200, SECOND); /* farther than all */
+    assert_null(named(f, "mmsi-244000000"));
+    assert_int_equal(f->counters.refused, 1);
+    report(f, 244000000, 200, 362 * SECOND); /* all are stale by now */
+    assert_non_null(named(f, "mmsi-244000000"));
+    assert_int_equal(f->counters.refused_edits, 0);
+}
+
+/* Without own ship the one unheard longest gives way. */
+static void the_newest_stay_without_own_ship(void **state)
+{
+    struct fixture *f = *state;
+    f->targets.own_ship = 77;
+    for (uint32_t i = 0; i < 150; i++) {
+        report(f, 200000000 + i, i, (1 + i) * SECOND);
+    }
+    assert_null(named(f, "mmsi-200000049"));
+    assert_non_null(named(f, "mmsi-200000050"));
+    assert_non_null(named(f, "mmsi-200000149"));
+}
+
+/* What takes a place has nothing of what was there. */
+static void a_place_is_taken_whole(void **state)
+{
+    struct fixture *f = *state;
+    for (uint32_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+        struct pel_ais aircraft = {
+            .type = 9,
+            .mmsi = 111000000 + i,
+            .has_position_report = true,
+            .latitude = f->latitude + 1 + i * 0.01,
+            .longitude = f->longitude,
+            .altitude = 300,
+            .speed = 50,
+            .course = 90,
+            .heading = 90,
+            .turn_rate = 1,
+        };
+        pel_nmea_targets_take_ais(&f->targets, &aircraft, SECOND);
+    }
+    pel_nmea_targets_commit(&f->targets, SECOND);
+    struct pel_ais buoy = {
+        .type = 21,
+        .mmsi = 992440000,
+        .has_position_report = true,
+        .latitude = f->latitude,
+        .longitude = f->longitude,
+        .altitude = NAN,
+        .speed = NAN,
+        .course = NAN,
+        .heading = NAN,
+        .turn_rate = NAN,
+        .name = "IJM 3",
+    };
+    pel_nmea_targets_take_ais(&f->targets, &buoy, SECOND);
+    pel_nmea_targets_commit(&f->targets, SECOND);
+    const Pelagos__Entity *e = named(f, "IJM 3");
+    assert_non_null(e);
+    assert_int_equal(e->id, PEL_NMEA_TARGET_ID + PEL_NMEA_TARGETS - 1);
+    assert_true(e->altitude == 0 && e->speed == 0 && e->turn_rate == 0 &&
+                e->heading == 0);
+}
+
+/* 0.1 minute is 185 m: no jump of a ship whose place is known. */
+static void coarse_positions_are_for_the_unknown(void **state)
+{
+    struct fixture *f = *state;
+    struct pel_ais ais = {
+        .type = 27,
+        .mmsi = 244000001,
+        .has_position_report = true,
+        .coarse = true,
+        .latitude = f->latitude + 0.1,
+        .longitude = f->longitude,
+        .altitude = NAN,
+        .speed = 5,
+        .course = 45,
+        .heading = NAN,
+        .turn_rate = NAN,
+    };
+    pel_nmea_targets_take_ais(&f->targets, &ais, SECOND);
+    pel_nmea_targets_commit(&f->targets, SECOND);
+    NEAR(entity(f, 20000)->latitude, f->latitude + 0.1, 1e-9);
+    report(f, 244000001, 1, 2 * SECOND);
+    pel_nmea_targets_take_ais(&f->targets, &ais, 3 * SECOND);
+    pel_nmea_targets_commit(&f->targets, 3 * SECOND);
+    NEAR(entity(f, 20000)->latitude, f->latitude + 1 / 60.0, 1e-4);
+    pel_nmea_targets_take_ais(&f->targets, &ais, 363 * SECOND);
+    pel_nmea_targets_commit(&f->targets, 363 * SECOND);
+    NEAR(entity(f, 20000)->latitude, f->latitude + 0.1, 1e-9);
+}
+
+static void radar(struct fixture *f, const char *body, int64_t now_ns)
+{
+    char line[120];
+    unsigned sum = 0;
+    struct pel_nmea_sentence s;
+    for (const char *p = body + 1; *p; p++) {
+        sum ^= (unsigned char)*p;
+    }
+    int size = snprintf(line, sizeof line, "%s*%02X", body, sum);
+    assert_int_equal(pel_nmea_parse(line, (size_t)size, &s), PEL_NMEA_OK);
+    pel_nmea_targets_take_radar(&f->targets, &s, now_ns);
+    pel_nmea_targets_commit(&f->targets, now_ns);
+}
+
+static void radar_targets(void **state)
+{
+    struct fixture *f = *state;
+    double east, north;
+    radar(f, "$RATTM,7,1.50,45.0,T,9.0,270.0,T,0.2,5.0,N,,T,,120000,A", SECOND);
+    const Pelagos__Entity *e = named(f, "radar-07");
+    assert_non_null(e);
+    pel_geo_to_local(f->latitude, f->longitude, e->latitude, e->longitude,
+                     &east, &north);
+    /* The geodesic is exact to 1 mm. */
+    NEAR(east, 1.5 * 1852 * sqrt(0.5), 0.01);
+    NEAR(north, 1.5 * 1852 * sqrt(0.5), 0.01);
+    NEAR(e->speed, 9 * 1852 / 3600.0, 1e-9);
+    NEAR(e->course, 270, 1e-9);
+    /* From the bow; own ship heads north. Kilometres. A name. */
+    radar(f, "$RATTM,7,2.0,90.0,R,9.0,27.0,R,0.2,5.0,K,FERRY,T,,120000,A",
+          SECOND);
+    e = named(f, "FERRY");
+    assert_non_null(e);
+    pel_geo_to_local(f->latitude, f->longitude, e->latitude, e->longitude,
+                     &east, &north);
+    NEAR(east, 2000, 0.01);
+    assert_true(e->speed == 0); /* a relative course is no course */
+    /* TLL's position is better than TTM's, whose motion still counts. */
+    radar(f, "$RATLL,7,5237.00,N,00513.00,E,FERRY,120000,T,", 2 * SECOND);
+    radar(f, "$RATTM,7,3.0,90.0,R,9.0,0.0,T,0.2,5.0,N,FERRY,T,,120000,A",
+          2 * SECOND);
+    e = named(f, "FERRY");
+    /* Reckoned for the milliseconds between the two sentences: 1e-4 deg. */
+    NEAR(e->latitude, 52 + 37 / 60.0, 1e-4);
+    NEAR(e->speed, 9 * 1852 / 3600.0, 1e-9);
+    radar(f, "$RATTM,7,3.0,90.0,R,9.0,0.0,T,0.2,5.0,N,FERRY,L,,120000,A",
+          3 * SECOND);
+    assert_null(named(f, "FERRY"));
+    assert_int_equal(pel_nmea_targets_count(&f->targets), 0);
+    /* An AIS number below 1000 is another target. */
+    radar(f, "$RATTM,7,3.0,90.0,R,9.0,0.0,T,0.2,5.0,N,,T,,120000,A", SECOND);
+    report(f, 7, 1, SECOND);
+    assert_int_equal(pel_nmea_targets_count(&f->targets), 2);
+}
+
+static void silent_targets_go(void **state)
+{
+    struct fixture *f = *state;
+    report(f, 244000001, 1, SECOND);
+    radar(f, "$RATTM,7,1.50,45.0,T,9.0,270.0,T,0.2,5.0,N,,T,,120000,A", SECOND);
+    pel_nmea_targets_expire(&f->targets, 60 * SECOND);
+    assert_int_equal(pel_nmea_targets_count(&f->targets), 2);
+    pel_nmea_targets_expire(&f->targets, 62 * SECOND);
+    assert_null(named(f, "radar-07"));
+    pel_nmea_targets_expire(&f->targets, 600 * SECOND);
+    assert_non_null(named(f, "mmsi-244000001"));
+    pel_nmea_targets_expire(&f->targets, 602 * SECOND);
+    assert_null(named(f, "mmsi-244000001"));
+    assert_int_equal(pel_nmea_targets_count(&f->targets), 0);
+}
+
+int main(void)
+{
+    pel_log_set_level(PEL_LOG_ERROR);
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(names_never_displace_positions),
+        TEST(names_come_before_or_after),
+        TEST(the_nearest_stay),
+        TEST(the_newest_stay_without_own_ship),
+        TEST(a_place_is_taken_whole),
+        TEST(coarse_positions_are_for_the_unknown),
+        TEST(radar_targets),
+        TEST(silent_targets_go),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
