@@ -206,7 +206,8 @@ static void views_do_not_see_each_other(void **state)
             struct pel_draw draws[VIEWS];
             for (int i = 0; i < VIEWS; i++) {
                 const struct scene *v = &scenes[views[(first + i) % VIEWS]];
-                draws[i] = (struct pel_draw){ v->camera, v->layers, NULL };
+                draws[i] = (struct pel_draw){ .camera = v->camera,
+                                              .layers = v->layers };
             }
             assert_int_equal(
                 pel_renderer_submit(r, &scenes[COAST].env, draws, VIEWS),

@@ -14,7 +14,8 @@
 
 struct brush {
     GLuint framebuffer;
-    int width, height; /* of the picture */
+    int width, height;   /* of the picture */
+    int first_row, rows; /* that it has */
 };
 
 static const float amber[] = { 1.0F, 0.69F, 0.0F, 1.0F };
@@ -24,8 +25,11 @@ static void fill(const struct brush *b, int x, int y, int width, int height,
                  const float color[4])
 {
     int right = x + width < b->width ? x + width : b->width;
-    int bottom = y + height < b->height ? y + height : b->height;
-    if (right > x && bottom > y) {
+    y -= b->first_row;
+    int bottom = y + height < b->rows ? y + height : b->rows;
+    height -= y < 0 ? -y : 0;
+    y = y > 0 ? y : 0;
+    if (right > x && bottom > y && height > 0) {
         glScissor(x, y, right - x, bottom - y);
         glClearNamedFramebufferfv(b->framebuffer, GL_COLOR, 0, color);
     }
@@ -101,9 +105,10 @@ static void draw_text(const struct brush *b, const char *text, int margin)
 }
 
 void pel_mark_stale(GLuint framebuffer, uint32_t width, uint32_t height,
-                    unsigned stale)
+                    uint32_t first_row, uint32_t rows, unsigned stale)
 {
-    const struct brush b = { framebuffer, (int)width, (int)height };
+    const struct brush b = { framebuffer, (int)width, (int)height,
+                             (int)first_row, (int)rows };
     int thick = b.height / BORDER_SHARE > 2 ? b.height / BORDER_SHARE : 2;
     char names[PEL_STALE_TEXT], text[PEL_STALE_TEXT + 8];
     snprintf(text, sizeof text, "STALE %s", pel_stale_text(stale, names));

@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <stdbool.h>
+#include <string.h>
 
 #include "optics/atmosphere.h"
 
@@ -222,13 +223,33 @@ static bool choose_blocks(struct pel_mesh *mesh, const struct reach *r,
     return true;
 }
 
+static double dip_of(const struct pel_mesh_eye *eye)
+{
+    double big = PEL_EARTH_RADIUS + eye->height_m;
+    return acos(pel_clamp(PEL_EARTH_RADIUS / big, -1.0, 1.0));
+}
+
+void pel_mesh_narrow(const struct pel_mesh_eye *eye,
+                     const struct pel_camera *part, struct pel_mesh *mesh)
+{
+    double shift = likely_shift(eye->sea);
+    struct reach r = find_reach(part, eye->height_m, dip_of(eye), shift);
+    struct pel_mesh_block blocks[PEL_MESH_MAX_BLOCKS];
+    int block_count = mesh->block_count, vertex_count = mesh->vertex_count;
+    memcpy(blocks, mesh->blocks, sizeof blocks);
+    if (mesh->ring_count > 0 && !choose_blocks(mesh, &r, shift)) {
+        memcpy(mesh->blocks, blocks, sizeof blocks);
+        mesh->block_count = block_count;
+        mesh->vertex_count = vertex_count;
+    }
+}
+
 void pel_mesh_plan(const struct pel_mesh_eye *eye,
                    const struct pel_camera *camera, struct pel_mesh *out)
 {
     double shift = likely_shift(eye->sea);
     double h = eye->height_m;
-    double big = PEL_EARTH_RADIUS + h;
-    double dip = acos(pel_clamp(PEL_EARTH_RADIUS / big, -1.0, 1.0));
+    double dip = dip_of(eye);
     double horizon_m = PEL_EARTH_RADIUS * dip;
     struct reach r = find_reach(camera, h, dip, shift);
     double columns = ceil(2.0 * PEL_PI / (eye->cell_px * eye->pixel));

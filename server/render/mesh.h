@@ -60,3 +60,8 @@ struct pel_mesh {
  * optics/atmosphere.h. */
 void pel_mesh_plan(const struct pel_mesh_eye *eye,
                    const struct pel_camera *camera, struct pel_mesh *out);
+
+/* Leaves out of a planned mesh what a part of the same camera's picture cannot
+ * see; rings and columns stay as they are. */
+void pel_mesh_narrow(const struct pel_mesh_eye *eye,
+                     const struct pel_camera *part, struct pel_mesh *mesh);

@@ -42,6 +42,7 @@ void pel_readback_finish(struct pel_readback *r)
     if (!r->slots) {
         return;
     }
+    glDeleteSync(r->band);
     for (size_t i = 0; i < PEL_READBACK_SLOTS; i++) {
         struct pel_readback_slot *slot = &r->slots[i];
         if (slot->fence) {
@@ -150,9 +151,66 @@ static void copy_attachments(const struct pel_readback_source *s,
         glBindFramebuffer(GL_READ_FRAMEBUFFER,
                           part ? s->parts_fbo : s->hdr_fbo);
         glReadBuffer(GL_COLOR_ATTACHMENT0 + (GLenum)number);
-        glReadPixels(0, 0, (GLsizei)s->width, (GLsizei)s->height,
-                     attachments[i].format, GL_FLOAT, (void *)(base + at[i]));
+        size_t before = (size_t)s->first_row * s->width * sizeof(float) *
+                        attachments[i].floats;
+        glReadPixels(0, 0, (GLsizei)s->width, (GLsizei)s->rows,
+                     attachments[i].format, GL_FLOAT,
+                     (void *)(base + at[i] + before));
         found[i] = (const float *)(map + at[i]);
+    }
+}
+
+/* The slot of the picture that the source is of; NULL: there is none. */
+static struct pel_readback_slot *slot_of(struct pel_readback *r,
+                                         const struct pel_readback_source *s,
+                                         size_t size)
+{
+    struct pel_readback_slot *slot = r->open;
+    if (s->first_row == 0) {
+        if (s->rows < s->height) {
+            pel_readback_drop_bands(r);
+        }
+        trim(r);
+        slot = take_slot(r, size);
+        if (slot) {
+            r->pushed++;
+            slot->started_ns = s->started_ns;
+        }
+        if (slot && 4 * size > slot->capacity) {
+            slot->filled_at = r->pushed;
+        }
+    }
+    return slot;
+}
+
+static void keep_open(struct pel_readback *r, struct pel_readback_slot *slot)
+{
+    atomic_store_explicit(&slot->busy, true, memory_order_release);
+    r->open = slot;
+    glDeleteSync(r->band);
+    r->band = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    glFlush();
+}
+
+bool pel_readback_band_done(struct pel_readback *r, int64_t wait_ns)
+{
+    GLenum state = r->band
+                       ? glClientWaitSync(r->band, GL_SYNC_FLUSH_COMMANDS_BIT,
+                                          wait_ns > 0 ? (GLuint64)wait_ns : 0)
+                       : GL_ALREADY_SIGNALED;
+    if (state == GL_TIMEOUT_EXPIRED) {
+        return false;
+    }
+    glDeleteSync(r->band);
+    r->band = NULL;
+    return true;
+}
+
+void pel_readback_drop_bands(struct pel_readback *r)
+{
+    if (r->open) {
+        atomic_store_explicit(&r->open->busy, false, memory_order_release);
+        r->open = NULL;
     }
 }
 
@@ -169,16 +227,10 @@ enum pel_err pel_readback_push(struct pel_readback *r,
         }
     }
     size_t ev_offset = size;
-    trim(r);
-    struct pel_readback_slot *slot = take_slot(r, ev_offset + 16);
+    struct pel_readback_slot *slot = slot_of(r, s, ev_offset + 16);
     if (!slot) {
         return PEL_ERR_BUSY;
     }
-    r->pushed++;
-    if (4 * ev_offset > slot->capacity) {
-        slot->filled_at = r->pushed;
-    }
-    GLsizei w = (GLsizei)s->width, h = (GLsizei)s->height;
     uint8_t *base = NULL; /* offsets into the pack buffer */
     const float *found[ATTACHMENTS] = { NULL };
     glBindBuffer(GL_PIXEL_PACK_BUFFER, slot->buffer);
@@ -186,10 +238,17 @@ enum pel_err pel_readback_push(struct pel_readback *r,
     if (s->layers & PEL_LAYER_COLOR) {
         glBindFramebuffer(GL_READ_FRAMEBUFFER, s->color_fbo);
         glReadBuffer(GL_COLOR_ATTACHMENT0);
-        glReadPixels(0, 0, w, h, GL_RGBA, GL_UNSIGNED_BYTE, base);
+        glReadPixels(0, 0, (GLsizei)s->width, (GLsizei)s->rows, GL_RGBA,
+                     GL_UNSIGNED_BYTE,
+                     base + (size_t)s->first_row * s->width * 4);
     }
     copy_attachments(s, slot->map, at, found);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    if (s->first_row + s->rows < s->height) {
+        keep_open(r, slot);
+        return PEL_OK;
+    }
+    r->open = s->first_row > 0 ? NULL : r->open;
     glCopyNamedBufferSubData(s->light, slot->buffer, 0, (GLintptr)ev_offset,
                              16);
     slot->fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -211,7 +270,6 @@ enum pel_err pel_readback_push(struct pel_readback *r,
     };
     memcpy(slot->picture.water_part, found + PEL_HDR_ATTACHMENTS,
            sizeof slot->picture.water_part);
-    slot->started_ns = s->started_ns;
     slot->ev_offset = ev_offset;
     slot->auto_exposure = s->auto_exposure;
     atomic_store_explicit(&slot->busy, true, memory_order_release);

@@ -17,6 +17,8 @@ struct pel_readback {
     size_t head, in_flight;          /* ring of submission order */
     uint64_t pushed;                 /* pictures so far */
     struct pel_readback_slot *order[PEL_READBACK_SLOTS];
+    struct pel_readback_slot *open; /* some bands of a picture are in it */
+    GLsync band;                    /* of the last one; NULL: none */
 };
 
 /* Where the layers of one picture are read from. */
@@ -26,8 +28,9 @@ struct pel_readback_source {
     GLuint parts_fbo; /* the water's, likewise */
     GLuint light;     /* buffer that begins with the automatic EV100 (float) */
     bool auto_exposure;
-    double exposure_ev; /* where not automatic */
-    uint32_t width, height;
+    double exposure_ev;       /* where not automatic */
+    uint32_t width, height;   /* of the picture */
+    uint32_t first_row, rows; /* that are read now, from row 0 on */
     unsigned layers;
     void *user;
     int64_t started_ns;
@@ -36,9 +39,16 @@ struct pel_readback_source {
 PEL_CHECK enum pel_err pel_readback_init(struct pel_readback *r);
 void pel_readback_finish(struct pel_readback *r);
 
-/* Queues the copies and a fence; BUSY when no slot is free. */
+/* Queues the copies and a fence; BUSY when no slot is free. Bands of a picture
+ * come from the top to the bottom, of one picture at a time; it is in flight
+ * with the last. */
 PEL_CHECK enum pel_err pel_readback_push(struct pel_readback *r,
                                          const struct pel_readback_source *s);
+
+/* Whether the last band's pixels are there within wait_ns. */
+bool pel_readback_band_done(struct pel_readback *r, int64_t wait_ns);
+/* Gives up a picture whose last band has not come. */
+void pel_readback_drop_bands(struct pel_readback *r);
 
 /* Oldest picture if its pixels are there within wait_ns, else NULL. */
 struct pel_picture *pel_readback_pop(struct pel_readback *r, int64_t wait_ns);

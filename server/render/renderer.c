@@ -9,9 +9,9 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "render/arena.h"
+#include "render/band.h"
 #include "render/coast.h"
 #include "render/context.h"
-#include "render/disc.h"
 #include "render/mark.h"
 #include "render/mesh.h"
 #include "render/probe.h"
@@ -384,8 +384,8 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
  * them apart before a pixel is shaded. Tiles with a coast tell for
  * themselves. */
 static void shade(struct pel_renderer *r, const struct pel_camera *c,
-                  struct pel_vec3 sun, const struct pel_sea_programs *p,
-                  enum pel_shading kind)
+                  const struct pel_disc_box *disc,
+                  const struct pel_sea_programs *p, enum pel_shading kind)
 {
     const GLuint fbos[PEL_SHADE_COUNT] = { r->targets.color_fbo,
                                            r->targets.light_fbo,
@@ -397,10 +397,9 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glDepthFunc(GL_EQUAL);
     glUseProgram(r->programs.backdrop[kind]);
     glDrawArrays(GL_TRIANGLES, 0, 3);
-    struct pel_disc_box disc;
-    if (pel_disc_place(c, sun, &disc)) {
+    if (disc->width > 0 && disc->height > 0) {
         glEnable(GL_SCISSOR_TEST);
-        glScissor(disc.x, disc.y, disc.width, disc.height);
+        glScissor(disc->x, disc->y, disc->width, disc->height);
         glUseProgram(r->programs.disc[kind]);
         glDrawArrays(GL_TRIANGLES, 0, 3);
         glDisable(GL_SCISSOR_TEST);
@@ -478,18 +477,22 @@ static bool is_submerged(const struct pel_environment *env,
     return above.height_m > c->altitude_m;
 }
 
-/* Everything up to the colour; the camera stands above the sea's zero. */
+/* Everything up to the colour; the camera stands above the sea's zero. What
+ * decides how a pixel is drawn is planned for the whole picture. */
 static void draw_pixels(struct pel_renderer *r,
                         const struct pel_environment *env,
-                        const struct pel_camera *c, unsigned asked)
+                        const struct pel_camera *whole, struct pel_band band,
+                        unsigned asked)
 {
     enum pel_shading kind = shading_of(r, asked);
     bool layers = kind == PEL_SHADE_LAYERS;
     bool parts = asked & PEL_WATER_PART_LAYERS;
-    double height_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
+    double height_m = fmax(whole->altitude_m, PEL_LEAST_EYE_M);
     double table_height_m = pel_sky_quantize_height(height_m);
     struct pel_block_view view;
-    pel_fill_view(c, &r->filter, &view);
+    pel_fill_view(whole, &r->filter, &view);
+    view.pixel.w += (float)band.first;
+    view.size.y = (float)band.rows;
     const struct pel_mesh_eye mesh_eye = {
         .height_m = height_m,
         .pixel = fmin((double)view.pixel.x, (double)view.pixel.y),
@@ -498,17 +501,24 @@ static void draw_pixels(struct pel_renderer *r,
         .sea = env->sea,
         .heights = &r->statistics.heights,
     };
-    pel_mesh_plan(&mesh_eye, c, r->mesh);
+    pel_mesh_plan(&mesh_eye, whole, r->mesh);
+    const struct pel_camera part = pel_band_camera(whole, band);
+    const struct pel_camera *c = &part;
+    if (c->height < whole->height) {
+        pel_mesh_narrow(&mesh_eye, c, r->mesh);
+    }
+    const struct pel_disc_box disc = pel_band_disc(whole, env->sun, band);
     bool cascades = env->sea->cascades != NULL;
     const struct pel_sea_programs *programs =
         cascades ? &r->programs.cascades : &r->programs.trochoids;
     r->any_coast = env->seabed && !r->on_trial &&
-                   pel_coast_plan(env, &r->seabed, c,
+                   pel_coast_plan(env, &r->seabed, whole,
                                   pel_water_visible_m(&env->water), r->coast);
     if (r->any_coast && env->coast_everywhere) {
         memset(r->coast, PEL_COAST_LAND, sizeof r->coast);
     }
     if (r->any_coast) {
+        pel_band_tiles(whole, band, r->coast);
         struct pel_block_seabed block;
         pel_seabed_map_bind(&r->seabed);
         pel_fill_seabed(env, &r->seabed, r->statistics.variance, c->east_m,
@@ -553,7 +563,7 @@ static void draw_pixels(struct pel_renderer *r,
             shade_compute(r, c, programs, now,
                           pass == parts ? wanted | PEL_LAST_PASS : wanted);
         } else {
-            shade(r, c, env->sun, programs, now);
+            shade(r, c, &disc, programs, now);
         }
     }
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
@@ -572,9 +582,11 @@ static enum pel_err draw_view(struct pel_renderer *r,
     camera.altitude_m -= env->sea_level_m;
     const struct pel_camera *c = &camera;
     bool layers = shading_of(r, draw->layers) == PEL_SHADE_LAYERS;
-    draw_pixels(r, env, c, draw->layers);
+    struct pel_band band = pel_band_of(draw);
+    draw_pixels(r, env, c, band, draw->layers);
     if (env->stale && draw->layers & PEL_LAYER_COLOR) {
-        pel_mark_stale(r->targets.color_fbo, c->width, c->height, env->stale);
+        pel_mark_stale(r->targets.color_fbo, c->width, c->height, band.first,
+                       band.rows, env->stale);
     }
     pel_stage_end(&r->timing, PEL_STAGE_TONE);
     const struct pel_readback_source source = {
@@ -586,6 +598,8 @@ static enum pel_err draw_view(struct pel_renderer *r,
         .exposure_ev = c->exposure_ev,
         .width = c->width,
         .height = c->height,
+        .first_row = band.first,
+        .rows = band.rows,
         .layers = draw->layers,
         .user = draw->user,
         .started_ns = started_ns,
@@ -617,7 +631,7 @@ static double trial_ms(struct pel_renderer *r,
 {
     pel_timer_begin(&r->timing);
     double before = processor_ms();
-    draw_pixels(r, env, c, PEL_LAYER_COLOR);
+    draw_pixels(r, env, c, (struct pel_band){ 0, c->height }, PEL_LAYER_COLOR);
     double ms = pel_timer_end(&r->timing);
     return r->context.software ? processor_ms() - before : ms;
 }
@@ -772,6 +786,16 @@ struct pel_picture *pel_renderer_collect(struct pel_renderer *r,
 size_t pel_renderer_in_flight(const struct pel_renderer *r)
 {
     return r->readback.in_flight;
+}
+
+bool pel_renderer_band_done(struct pel_renderer *r, int64_t wait_ns)
+{
+    return pel_readback_band_done(&r->readback, wait_ns);
+}
+
+void pel_renderer_drop_bands(struct pel_renderer *r)
+{
+    pel_readback_drop_bands(&r->readback);
 }
 
 enum pel_err pel_renderer_probe(struct pel_renderer *r,

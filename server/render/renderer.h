@@ -116,7 +116,11 @@ struct pel_draw {
     struct pel_camera camera;
     unsigned layers; /* of enum pel_layer, at least one */
     void *user;      /* returned with the picture */
+    /* A band of the camera's picture, bit for bit as it is in the whole; a
+     * multiple of PEL_BAND_ROWS, but for the last rows. 0 rows: all. */
+    uint32_t first_row, rows;
 };
+#define PEL_BAND_ROWS 64
 
 /* Stages of a frame, for the benchmark and the metrics. */
 enum pel_stage {
@@ -154,6 +158,17 @@ PEL_CHECK enum pel_err pel_renderer_submit(struct pel_renderer *r,
                                            const struct pel_environment *env,
                                            const struct pel_draw *draws,
                                            size_t count);
+
+/* A picture of many pixels in bands, so that others are drawn between them:
+ * pel_renderer_submit of one draw with the bands from the top to the bottom, of
+ * one picture at a time. It counts as submitted with its last band. Every band
+ * takes the work that does not depend on pixels anew. */
+
+/* Whether the device is through with the last band, after waiting wait_ns. */
+bool pel_renderer_band_done(struct pel_renderer *r, int64_t wait_ns);
+
+/* Gives up a picture whose last band was not submitted. */
+void pel_renderer_drop_bands(struct pel_renderer *r);
 
 /* Next finished picture in order of submission; NULL when none is finished
  * after waiting wait_ns (0: just look). It stays mapped until released. */

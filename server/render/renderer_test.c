@@ -293,11 +293,130 @@ static void cascades_are_not_mixed_up(void **state)
     }
 }
 
+static size_t bytes_of_layers(unsigned layers, const struct pel_camera *c)
+{
+    return pel_layer_bytes(layers) * c->width * c->height;
+}
+
+/* The picture in bands, with another picture of another moment and size drawn
+ * between any two. */
+static struct pel_picture *draw_in_bands(const struct pel_environment *env,
+                                         const struct pel_camera *c,
+                                         unsigned layers, uint32_t rows)
+{
+    struct pel_draw draw = { .camera = *c, .layers = layers };
+    struct pel_environment other = *env;
+    struct pel_camera small =
+        test_camera((struct test_look){ 12.0, 70.0, -8.0, 3.0, 50.0, 80, 60 });
+    other.time_s += 3.0;
+    for (uint32_t y = 0; y < c->height; y += rows) {
+        if (y > 0) {
+            pel_picture_release(
+                test_draw(renderer, &other, &small, PEL_LAYER_COLOR));
+        }
+        draw.first_row = y;
+        draw.rows = c->height - y < rows ? c->height - y : rows;
+        assert_int_equal(pel_renderer_submit(renderer, env, &draw, 1), PEL_OK);
+        assert_int_equal(pel_renderer_in_flight(renderer),
+                         y + draw.rows == c->height);
+        while (!pel_renderer_band_done(renderer, 1000000)) {
+        }
+    }
+    struct pel_picture *p = NULL;
+    while (!(p = pel_renderer_collect(renderer, 1000000000))) {
+    }
+    return p;
+}
+
+static int bands(const struct pel_environment *env, struct pel_camera *c)
+{
+    static const unsigned asked[] = { PEL_LAYER_COLOR, PEL_LAYER_RADIANCE,
+                                      TEST_ALL_LAYERS | PEL_WATER_PART_LAYERS };
+    int wrong = 0;
+    for (size_t i = 0; i < sizeof asked / sizeof *asked; i++) {
+        struct pel_picture *whole = test_draw(renderer, env, c, asked[i]);
+        for (uint32_t rows = PEL_BAND_ROWS; rows < 3 * PEL_BAND_ROWS;
+             rows += PEL_BAND_ROWS) {
+            struct pel_picture *p = draw_in_bands(env, c, asked[i], rows);
+            /* All layers lie in one buffer, in one order. */
+            const void *from = whole->rgba ? (const void *)whole->rgba
+                                           : (const void *)whole->radiance;
+            const void *to =
+                p->rgba ? (const void *)p->rgba : (const void *)p->radiance;
+            bool same = !memcmp(from, to, bytes_of_layers(asked[i], c)) &&
+                        memcmp(&whole->exposure_ev, &p->exposure_ev,
+                               sizeof p->exposure_ev) == 0;
+            if (!same) {
+                printf("layers %x in bands of %u rows differ\n", asked[i],
+                       rows);
+            }
+            wrong += !same;
+            pel_picture_release(p);
+        }
+        pel_picture_release(whole);
+    }
+    return wrong;
+}
+
+static void bands_are_the_whole(void **state)
+{
+    (void)state;
+    int wrong = 0;
+    for (size_t i = 0; i < sizeof seam_looks / sizeof *seam_looks; i++) {
+        struct test_look look = seam_looks[i];
+        look.width = 320;
+        look.height = 250; /* the last band is less than a tile */
+        struct pel_camera c = test_camera(look);
+        if (i % 2) {
+            test_fft_sea(12.0, 1, &sea);
+        } else {
+            test_sea(15.0, 0.0, 1, &sea);
+        }
+        struct pel_environment env = test_environment(&sea, 50.0);
+        env.stale = i == 1 ? PEL_STALE_CIGI | PEL_STALE_NMEA : 0;
+        if (i == 0) { /* the Sun on the edge of two bands */
+            env.sun = test_ray(&c, 100.0, 64.0);
+        }
+        c.sensor.kind = i == 2;
+        c.sensor.scale = 0.5;
+        c.sensor.noise = i == 2 ? 0.1 : 0;
+        wrong += bands(&env, &c);
+        pel_sea_finish(&sea);
+    }
+    assert_int_equal(wrong, 0);
+}
+
+static void dropped_bands_leave_nothing(void **state)
+{
+    (void)state;
+    test_sea(8.0, 0.0, 1, &sea);
+    struct pel_environment env = test_environment(&sea, 5.0);
+    struct pel_camera c =
+        test_camera((struct test_look){ 6.0, 30.0, -10.0, 0.0, 60.0, 96, 192 });
+    struct pel_picture *before = test_draw(renderer, &env, &c, TEST_ALL_LAYERS);
+    for (int i = 0; i < 200; i++) {
+        struct pel_draw draw = { .camera = c,
+                                 .layers = PEL_LAYER_COLOR,
+                                 .rows = PEL_BAND_ROWS };
+        assert_int_equal(pel_renderer_submit(renderer, &env, &draw, 1), PEL_OK);
+        pel_renderer_drop_bands(renderer);
+    }
+    struct pel_picture *after = test_draw(renderer, &env, &c, TEST_ALL_LAYERS);
+    assert_same(before, after);
+    pel_picture_release(before);
+    pel_picture_release(after);
+}
+
 static void tiles_have_no_seam_in_compute(void **state)
 {
     (void)state;
     use_renderer("compute");
     int wrong = seam(15.0, seam_looks[1], true);
+    struct test_look look = seam_looks[0];
+    look.height = 250;
+    struct pel_camera c = test_camera(look);
+    struct pel_environment env = test_environment(&sea, 50.0);
+    wrong += bands(&env, &c);
     use_renderer(NULL);
     assert_int_equal(wrong, 0);
 }
@@ -610,6 +729,8 @@ int main(void)
         cmocka_unit_test(layers_do_not_disturb),
         cmocka_unit_test(tiles_have_no_seam),
         cmocka_unit_test(cascades_have_no_seam),
+        cmocka_unit_test(bands_are_the_whole),
+        cmocka_unit_test(dropped_bands_leave_nothing),
         cmocka_unit_test(cascades_are_not_mixed_up),
         cmocka_unit_test(tiles_have_no_seam_in_compute),
         cmocka_unit_test(compute_draws_the_same_sea),

@@ -1,0 +1,24 @@
+/* Bands: rows of a picture that are drawn by themselves, as they are in the
+ * whole. Pure computation, any thread. */
+#pragma once
+
+#include "render/disc.h"
+#include "render/renderer.h"
+
+struct pel_band {
+    uint32_t first, rows;
+};
+
+struct pel_band pel_band_of(const struct pel_draw *draw);
+
+/* The camera that sees only these rows. */
+struct pel_camera pel_band_camera(const struct pel_camera *whole,
+                                  struct pel_band band);
+
+/* What lies in the band of the whole picture's box; height 0: nothing. */
+struct pel_disc_box pel_band_disc(const struct pel_camera *whole,
+                                  struct pel_vec3 sun, struct pel_band band);
+
+/* Tiles of the whole picture become those of the band. */
+void pel_band_tiles(const struct pel_camera *whole, struct pel_band band,
+                    uint8_t *tiles);
