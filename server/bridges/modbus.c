@@ -20,7 +20,6 @@
 
 #define MS 1000000LL
 #define SWEEP_MS 100
-#define ADU_DEADLINE_NS (500 * MS)
 /* A client that takes no answer goes. */
 #define STALL_NS (5000 * MS)
 /* One idle for so long gives way to a new client when all are taken. */
@@ -71,6 +70,7 @@ struct pel_modbus_options pel_modbus_default_options(void)
         .order = PEL_MODBUS_ABCD,
         .units = "any",
         .max_clients = 32,
+        .request_ms = 5000,
         .heartbeat_ms = 1000,
         .extrapolate_ms = 5000,
         .safe = "",
@@ -421,6 +421,28 @@ static gboolean on_accept(gint fd, GIOCondition condition, gpointer user)
     return G_SOURCE_CONTINUE;
 }
 
+static void close_if_slow(struct pel_modbus *m, struct client *c,
+                          int64_t now_ns)
+{
+    const struct pel_modbus_session *s = &c->session;
+    static struct pel_log_limit limit;
+    if (s->used > 0 && now_ns - s->since_ns > m->options.request_ms * MS) {
+        pel_log_limited(&limit, PEL_LOG_WARNING, "MBS-010",
+                        "a Modbus connection was closed: %zu of %zu bytes of a "
+                        "request came in %d ms",
+                        s->used, adu_size(s), m->options.request_ms);
+        m->counters.late++;
+        close_client(c);
+    } else if (c->out_size > 0 && now_ns - c->active_ns > STALL_NS) {
+        pel_log_limited(&limit, PEL_LOG_WARNING, "MBS-011",
+                        "a Modbus connection was closed: it took no answer for "
+                        "%lld ms",
+                        STALL_NS / MS);
+        m->counters.stalled++;
+        close_client(c);
+    }
+}
+
 static gboolean on_sweep(gpointer user)
 {
     struct pel_modbus *m = user;
@@ -429,14 +451,7 @@ static gboolean on_sweep(gpointer user)
         watch(m, &m->units[i], now_ns);
     }
     for (guint i = m->clients->len; i-- > 0;) {
-        struct client *c = g_ptr_array_index(m->clients, i);
-        bool late = c->session.used > 0 &&
-                    now_ns - c->session.since_ns > ADU_DEADLINE_NS;
-        bool stalled = c->out_size > 0 && now_ns - c->active_ns > STALL_NS;
-        if (late || stalled) {
-            m->counters.late += late;
-            close_client(c);
-        }
+        close_if_slow(m, g_ptr_array_index(m->clients, i), now_ns);
     }
     return G_SOURCE_CONTINUE;
 }
@@ -460,7 +475,11 @@ static void collect(void *user, struct pel_metrics_page *page)
           "Modbus connections closed for a bad protocol id or length.",
           c->malformed },
         { "pelagos_modbus_late_total",
-          "Modbus requests not whole within 500 ms.", c->late },
+          "Modbus connections closed as a request was not whole in 5 s.",
+          c->late },
+        { "pelagos_modbus_stalled_total",
+          "Modbus connections closed as no answer was taken for 5 s.",
+          c->stalled },
         { "pelagos_modbus_commits_total", "Changes of the scene by Modbus.",
           c->commits },
         { "pelagos_modbus_refused_commits_total",
@@ -505,6 +524,7 @@ static enum pel_err check_options(const struct pel_modbus_options *o,
         int value, minimum, maximum;
     } numbers[] = {
         { "modbus-clients", o->max_clients, 1, 256 },
+        { "modbus request_ms", o->request_ms, 1, 60000 },
         { "modbus-heartbeat", o->heartbeat_ms, 100, 60000 },
         { "modbus-extrapolate", o->extrapolate_ms, 0, 60000 },
         { "modbus-order", (int)o->order, PEL_MODBUS_ABCD, PEL_MODBUS_DCBA },

@@ -9,8 +9,9 @@
  * client may connect anew for each write (mbpoll does), and a heartbeat.
  *
  * libmodbus makes the answers; it owns no socket of a client. ADUs are framed
- * here without blocking: whole within 500 ms of their first byte, protocol id
- * 0, length 2..254, a unit that is ours. */
+ * here without blocking: whole within request_ms of their first byte, protocol
+ * id 0, length 2..254, a unit that is ours. A connection that sends anything
+ * else, or takes no answer for 5 s, is closed, counted and logged. */
 #pragma once
 
 #include <stdbool.h>
@@ -40,6 +41,10 @@ struct pel_modbus_options {
     enum pel_modbus_order order; /* of units that say no other */
     const char *units;           /* pel_modbus_units_read (modbus_units.h) */
     int max_clients;             /* 1..256 */
+    /* A request that is not whole so long after its first byte closes its
+     * connection: a transparent serial converter at 1200 baud needs 2.2 s for
+     * the longest of 260 bytes. */
+    int request_ms;
     int heartbeat_ms;   /* silence that makes the source stale, 100..60000 */
     int extrapolate_ms; /* then the scene reckons on for so long, 0..60000 */
     const char *safe;   /* then it stops, and these fields are set:
@@ -50,7 +55,8 @@ struct pel_modbus_options {
     void *user;
 };
 
-/* 127.0.0.1:1502, ABCD, any unit, 32 clients, 1000 ms, 5000 ms. */
+/* 127.0.0.1:1502, ABCD, any unit, 32 clients, requests whole in 5000 ms,
+ * heartbeats within 1000 ms, then 5000 ms. */
 struct pel_modbus_options pel_modbus_default_options(void);
 
 enum pel_modbus_source {
@@ -66,6 +72,7 @@ struct pel_modbus_counters {
     uint64_t exceptions[12]; /* by code: 1 function, 2 address, 3 value, ... */
     uint64_t malformed;      /* bad protocol id, length or form */
     uint64_t late;           /* ADUs not whole in time */
+    uint64_t stalled;        /* answers not taken in time */
     uint64_t wrong_unit;
     uint64_t commits, refused_commits, heartbeats, stale;
 };

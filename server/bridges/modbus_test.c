@@ -542,6 +542,7 @@ static void slow_clients_cost_nobody_else(void **state)
     struct pel_modbus_options options = pel_modbus_default_options();
     options.listen = "127.0.0.1:0";
     options.max_clients = 2;
+    options.request_ms = 500;
     open_server(&f, options);
     int slow = connect_to(pel_modbus_port(f.modbus));
     int fast = connect_to(pel_modbus_port(f.modbus));
