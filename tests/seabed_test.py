@@ -15,7 +15,7 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import cigi_host as cigi
 from pelagos_daemon import (BIN, ROOT, SANITIZED, SLOW_S, Daemon, Session,
-                            free_port)
+                            free_port, receive_all, until)
 
 DAMAGED = os.path.join(ROOT, "../shared/data/exr")
 COLUMNS, ROWS, CELL = 160, 120, 1 / 960
@@ -34,6 +34,15 @@ def write_grid(path):
         for y in range(ROWS):
             f.write(" ".join(f"{height(NORTH - (y + .5) * CELL, WEST + (x + .5) * CELL):.4f}"
                              for x in range(COLUMNS)) + "\n")
+
+
+def readers(pid):
+    """Whether the daemon has a reader at work."""
+    for path in glob.glob(f"/proc/{pid}/task/*/children"):
+        with open(path) as f:
+            if f.read().strip():
+                return True
+    return False
 
 
 def gdal(*command):
@@ -191,6 +200,88 @@ class Seabed(unittest.TestCase):
             self.assertTrue(line, data)
             self.assertAlmostEqual(float(line[0].split(b",")[1]),
                                    -height(52.6, 5.2), delta=0.06)
+
+    def slow_file(self):
+        """Half a second's work for the reader."""
+        path = os.path.join(self.folder, "slow.asc")
+        if not os.path.exists(path):
+            line = " ".join(f"{-20 + x % 50 / 10}" for x in range(2000)) + "\n"
+            with open(path, "w") as f:
+                f.write("ncols 2000\nnrows 2000\nxllcorner 5.1\n"
+                        "yllcorner 52.5\ncellsize 0.0001\n" + line * 2000)
+        return "slow.asc"
+
+    def test_others_go_on_while_a_file_is_read(self):
+        self.choose(file=None)
+        slow = self.slow_file()
+        answered = []
+        with Session(self.daemon.connect_unix()) as waits, \
+                Session(self.daemon.connect_unix()) as goes_on:
+            # the second command of the same client comes after the first
+            waits.send(waits.pb.Request(
+                id=1, patch={"state": {"seabed": {"file": slow}}}))
+            waits.send(waits.pb.Request(id=2, get={}))
+            waits.socket.setblocking(False)
+            while not answered:
+                try:
+                    answered.append(waits.receive())
+                except BlockingIOError:
+                    reply = goes_on.ask(patch={"state": {
+                        "entities": [{"id": 1, "heading": 44}]}})
+                    if not reply.HasField("state"):
+                        raise AssertionError(reply)
+                    if not reply.state.seabed.file:
+                        before = reply.state.revision
+            waits.socket.setblocking(True)
+            answered.append(waits.receive())
+            # An edit that was answered while the file was read came first.
+            self.assertLess(before, answered[0].state.revision)
+            self.assertEqual([r.id for r in answered], [1, 2])
+            self.assertEqual([r.state.seabed.file for r in answered],
+                             [slow, slow])
+            self.assertEqual(answered[0].state.entities[0].heading, 44)
+
+    def test_the_newest_of_several_clients_wins(self):
+        self.choose(file=None)
+        slow = self.slow_file()
+        with self.daemon.connect_http() as first, \
+                Session(self.daemon.connect_unix()) as second:
+            body = json.dumps({"seabed": {"file": slow}}).encode()
+            first.sendall(b"PATCH /v1/state HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+                          b"Content-Type: application/json\r\n"
+                          b"Connection: close\r\nContent-Length: %d\r\n\r\n"
+                          % len(body) + body)
+            until("the reader runs",
+                  lambda: readers(self.daemon.process.pid))
+            reply = second.ask(patch={"remove": ["seabed"]})
+            self.assertEqual(reply.state.seabed.file, "")
+            answer = receive_all(first)
+            self.assertIn(b" 200 ", answer.split(b"\r\n")[0])
+            self.assertIn(b"slow.asc", answer)
+        self.assertNotIn("file", self.daemon.state()["seabed"])
+
+    def test_a_precondition_is_of_the_moment_of_the_edit(self):
+        self.choose(file=None)
+        slow = self.slow_file()
+        tag = self.daemon.get("/v1/state").headers["ETag"]
+        body = json.dumps({"seabed": {"file": slow}}).encode()
+        with self.daemon.connect_http() as first:
+            first.sendall(b"PATCH /v1/state HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+                          b"Content-Type: application/json\r\n"
+                          b"If-Match: " + tag.encode() + b"\r\n"
+                          b"Connection: close\r\nContent-Length: %d\r\n\r\n"
+                          % len(body) + body)
+            until("the reader runs",
+                  lambda: readers(self.daemon.process.pid))
+            self.daemon.patch({"entities": [{"id": 1, "heading": 55}]})
+            status = int(receive_all(first).split(b" ")[1])
+            self.assertIn(status, (409, 412))
+        # and who left holds nobody up
+        with self.daemon.connect_http() as gone:
+            gone.sendall(b"PATCH /v1/state HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+                         b"Content-Type: application/json\r\n"
+                         b"Content-Length: %d\r\n\r\n" % len(body) + body)
+        self.choose(file="geographic.tif")
 
     def described(self):
         """What says where the bottom is; not the revision, which a host's

@@ -63,11 +63,32 @@ static bool in_range(const char *path, double value)
             (value >= info.info->minimum && value <= info.info->maximum));
 }
 
+static void refused(struct pel_console *c, const struct pel_fault *fault)
+{
+    static struct pel_log_limit limit;
+    pel_log_limited(&limit, PEL_LOG_WARNING, "CON-004",
+                    "an edit by the console was refused: %s %s", fault->path,
+                    fault->message);
+    c->counters.refused_edits++;
+}
+
+static void on_edited(void *user, enum pel_err err,
+                      const struct pel_fault *fault)
+{
+    struct pel_console *c = user;
+    if (err) {
+        refused(c, fault);
+    } else {
+        c->counters.edits++;
+    }
+}
+
 /* One edit of all rows whose new value is not NaN. */
 static void apply(struct pel_console *c, const double *values)
 {
     struct pel_fault fault;
     Pelagos__Patch *patch = pel_patch_new();
+    const struct pel_scene_wish wish = { .patch = patch, .source = c };
     enum pel_err err = PEL_OK;
     size_t count = 0;
     for (size_t i = 0; i < c->table.row_count && !err; i++) {
@@ -77,18 +98,12 @@ static void apply(struct pel_console *c, const double *values)
             count++;
         }
     }
-    if (!err && count > 0) {
-        err = pel_scene_patch(c->scene, patch, &fault);
-        c->counters.edits += err == PEL_OK;
+    if (err) {
+        refused(c, &fault);
+    } else if (count > 0) {
+        pel_scene_submit(c->scene, &wish, on_edited, c);
     }
     pelagos__patch__free_unpacked(patch, NULL);
-    if (err) {
-        static struct pel_log_limit limit;
-        pel_log_limited(&limit, PEL_LOG_WARNING, "CON-004",
-                        "an edit by the console was refused: %s %s", fault.path,
-                        fault.message);
-        c->counters.refused_edits++;
-    }
 }
 
 /* What is new of a whole poll. */
@@ -489,6 +504,7 @@ void pel_console_destroy(struct pel_console *c)
     if (c->options.metrics) {
         pel_metrics_remove(c->options.metrics, collect, c);
     }
+    pel_scene_forget(c->scene, c);
     g_source_remove(c->tick_source);
     if (c->fd_source) {
         g_source_remove(c->fd_source);

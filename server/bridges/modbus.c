@@ -97,16 +97,24 @@ static void report_stale(struct pel_modbus *m)
     pel_scene_set_stale(m->scene, PEL_STALE_MODBUS, stale);
 }
 
+static void on_safe(void *user, enum pel_err err, const struct pel_fault *fault)
+{
+    (void)user;
+    if (err) {
+        pel_warn("MBS-009", "the safe values are refused: %s", fault->message);
+    }
+}
+
 /* The source stays away: its ship stops, and the view is a safe one. */
 static void hold(struct pel_modbus *m, struct unit *u)
 {
-    struct pel_fault fault;
+    const struct pel_scene_wish wish = { .patch = m->safe, .source = m };
     if (u->map.steers) { /* else another input moves the ship */
         pel_warn("MBS-006", "own ship is stopped where it was reckoned");
         pel_modbus_map_stop_ship(&u->map);
     }
-    if (m->safe && pel_scene_patch(m->scene, m->safe, &fault) != PEL_OK) {
-        pel_warn("MBS-009", "the safe values are refused: %s", fault.message);
+    if (m->safe) {
+        pel_scene_submit(m->scene, &wish, on_safe, NULL);
     }
 }
 
