@@ -147,6 +147,10 @@ PEL_CHECK enum pel_err pel_optics_water(struct pel_optics_query *query);
 /* Answers by the reference; any thread. */
 void pel_optics_reference(struct pel_optics_query *query);
 
+/* Slopes that the question leaves open become the sea's, which is built where
+ * it is not: on the thread that answers. */
+void pel_optics_settle(struct pel_optics_query *query);
+
 /* A picture of `view` with room for what the encoder gives; NULL: no memory. */
 struct pel_frame *pel_frame_create(void);
 /* Takes the bytes. */

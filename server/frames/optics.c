@@ -22,11 +22,9 @@ static struct pel_vec3 towards(double elevation_deg, double azimuth_deg)
 static void read_question(const Pelagos__OpticsQuery *from,
                           struct pel_optics_query *to)
 {
-    const struct pel_sea *sea = pel_snapshot_sea(to->snapshot);
     struct pel_probe *p = &to->probe;
     p->height_m = 2.0;
-    p->slope_along = sea->slope_variance_along;
-    p->slope_cross = sea->slope_variance_cross;
+    p->slope_along = p->slope_cross = NAN; /* the sea's: pel_optics_settle */
     if (from->question_case == PELAGOS__OPTICS_QUERY__QUESTION_WATER) {
         pel_optics_read_water(from->water, &to->water);
         to->water.montecarlo = from->from == PELAGOS__OPTICS_SOURCE__MONTECARLO;
@@ -45,8 +43,18 @@ static void read_question(const Pelagos__OpticsQuery *from,
                      q->has_view_azimuth ? q->view_azimuth : opposite);
     p->slope_along = q->has_slope_along ? q->slope_along : p->slope_along;
     p->slope_cross = q->has_slope_cross ? q->slope_cross : p->slope_cross;
-    p->slope_along = fmax(p->slope_along, 1e-8);
-    p->slope_cross = fmax(p->slope_cross, 1e-8);
+}
+
+void pel_optics_settle(struct pel_optics_query *query)
+{
+    const struct pel_sea *sea = pel_snapshot_sea(query->snapshot);
+    struct pel_probe *p = &query->probe;
+    double along =
+        isnan(p->slope_along) ? sea->slope_variance_along : p->slope_along;
+    double cross =
+        isnan(p->slope_cross) ? sea->slope_variance_cross : p->slope_cross;
+    p->slope_along = fmax(along, 1e-8);
+    p->slope_cross = fmax(cross, 1e-8);
 }
 
 enum pel_err pel_frames_optics(struct pel_frames *frames,
@@ -114,6 +122,7 @@ void pel_optics_reference(struct pel_optics_query *query)
 {
     const struct pel_environment *env = &query->environment;
     const struct pel_probe *p = &query->probe;
+    pel_optics_settle(query);
     if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_SKY) {
         query->err = pel_sky_terms(env->visibility_m, p->height_m, p->dir,
                                    env->sun, &query->answer.sky);

@@ -235,6 +235,7 @@ static void answer_optics(struct pel_renderloop *loop,
                           struct pel_optics_query *query)
 {
     query->environment.sea = pel_snapshot_sea(query->snapshot);
+    pel_optics_settle(query);
     if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_WATER) {
         query->err = pel_renderer_probe_water(
             loop->renderer, &query->environment, &query->water.at,
@@ -373,7 +374,6 @@ void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job)
 void pel_renderloop_push_optics(struct pel_renderloop *loop,
                                 struct pel_optics_query *query)
 {
-    query->environment.sea = pel_snapshot_sea(query->snapshot);
     push(loop, &query->mail);
 }
 

@@ -11,7 +11,6 @@
 #include "fields.h"
 #include "json.h"
 #include "message.h"
-#include "scene/numbers.h"
 #include "wire.h"
 
 #define MAX_POINTS 10000
@@ -155,14 +154,14 @@ enum pel_err pel_command_check(const ProtobufCMessage *command,
 
 enum pel_err pel_command_spectrum(struct pel_scene *scene,
                                   const Pelagos__SpectrumQuery *query,
-                                  Pelagos__Spectrum **out,
+                                  pel_spectrum_done done, void *user,
                                   struct pel_fault *fault)
 {
     /* The patch keeps the paths and the words of a patch. */
     Pelagos__SpectrumQuery own = *query;
     own.patch = NULL;
     enum pel_err err = pel_command_check(&own.base, fault);
-    return err ? err : pel_scene_spectrum(scene, query, out, fault);
+    return err ? err : pel_scene_ask_spectrum(scene, query, done, user, fault);
 }
 
 enum pel_err pel_command_optics(struct pel_frames *frames,

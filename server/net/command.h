@@ -11,6 +11,7 @@
 #include "base/err.h"
 #include "frames/frames.h"
 #include "pelagos.pb-c.h"
+#include "scene/numbers.h"
 
 /* Tests every number that is present in a command, to any depth: finite, and
  * in the range of the schema's comment, and every enum: known. Faults name the
@@ -39,11 +40,11 @@ PEL_CHECK enum pel_err pel_command_surface(struct pel_frames *frames,
                                            pel_surface_callback done,
                                            void *user, struct pel_fault *fault);
 
-/* Tests a spectrum query, the patch in it as any other, and answers it; free
- * *out with pelagos__spectrum__free_unpacked(). */
+/* Tests a spectrum query, the patch in it as any other, and asks the scene
+ * (pel_scene_ask_spectrum). */
 PEL_CHECK enum pel_err pel_command_spectrum(struct pel_scene *scene,
                                             const Pelagos__SpectrumQuery *query,
-                                            Pelagos__Spectrum **out,
+                                            pel_spectrum_done done, void *user,
                                             struct pel_fault *fault);
 
 /* Samples as a message; free with pel_surface_message_free. */

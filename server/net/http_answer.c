@@ -231,6 +231,40 @@ enum MHD_Result pel_http_send_optics(struct client *client,
     return wait_on(client, waiter, err, &fault);
 }
 
+static void on_spectrum(void *user, enum pel_err err,
+                        const struct pel_fault *fault,
+                        const Pelagos__Spectrum *answer)
+{
+    struct client *client = wait_end(user);
+    if (!client) {
+        return;
+    }
+    if (err != PEL_OK) {
+        pel_http_send_fault(client, err == PEL_ERR_NOT_FOUND ? 400 : 0, fault);
+    } else {
+        send_json(client, &answer->base);
+    }
+    pel_http_resume(client);
+}
+
+enum MHD_Result pel_http_send_spectrum(struct client *client,
+                                       struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    struct waiter *waiter = wait_begin(client);
+    enum pel_err err =
+        pel_command_spectrum(client->server->context.scene, answer->spectrum,
+                             on_spectrum, waiter, &fault);
+    pel_http_answer_finish(answer);
+    if (err != PEL_OK) {
+        wait_end(waiter);
+        return pel_http_send_fault(client, err == PEL_ERR_NOT_FOUND ? 400 : 0,
+                                   &fault);
+    }
+    pel_http_suspend(client);
+    return MHD_YES;
+}
+
 static void on_patch(void *user, enum pel_err err,
                      const struct pel_fault *fault)
 {

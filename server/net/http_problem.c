@@ -144,6 +144,10 @@ void pel_http_answer_finish(struct pel_http_answer *answer)
         pelagos__patch__free_unpacked(answer->patch, NULL);
         answer->patch = NULL;
     }
+    if (answer->spectrum) {
+        pelagos__spectrum_query__free_unpacked(answer->spectrum, NULL);
+        answer->spectrum = NULL;
+    }
     if (answer->optics) {
         pelagos__optics_query__free_unpacked(answer->optics, NULL);
         answer->optics = NULL;

@@ -331,26 +331,17 @@ static void spectrum(const struct pel_http_call *call)
 {
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;
-    Pelagos__Spectrum *out = NULL;
     bool empty = call->request->body_size == 0;
     enum pel_err err = pel_json_to_message(empty ? "{}" : call->request->body,
                                            empty ? 2 : call->request->body_size,
                                            &pelagos__spectrum_query__descriptor,
                                            &message, &fault);
-    if (err == PEL_OK) {
-        err = pel_command_spectrum(call->context->scene,
-                                   (Pelagos__SpectrumQuery *)message, &out,
-                                   &fault);
-    }
-    if (message) {
-        protobuf_c_message_free_unpacked(message, NULL);
-    }
     if (err != PEL_OK) {
         pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
         return;
     }
-    pel_http_json(call->answer, 200, pel_json_from_message(&out->base, false));
-    pelagos__spectrum__free_unpacked(out, NULL);
+    call->answer->kind = PEL_HTTP_SPECTRUM;
+    call->answer->spectrum = (Pelagos__SpectrumQuery *)message;
 }
 
 static void get_page(const struct pel_http_call *call, const char *path)

@@ -25,15 +25,16 @@ struct pel_http_context {
 };
 
 enum pel_http_kind {
-    PEL_HTTP_WHOLE,   /* status, type and body are there */
-    PEL_HTTP_FRAME,   /* carry out `frame`, answer with the picture */
-    PEL_HTTP_FRAMES,  /* carry out `frames`, answer with the pictures */
-    PEL_HTTP_MJPEG,   /* stream `view` */
-    PEL_HTTP_TS,      /* stream `view` in `profile` */
-    PEL_HTTP_LIVE,    /* a WebSocket: 101, then `live` */
-    PEL_HTTP_SURFACE, /* carry out `surface`, answer with JSON */
-    PEL_HTTP_OPTICS,  /* carry out `optics`, answer with JSON */
-    PEL_HTTP_PATCH,   /* commit `patch`, answer with the state */
+    PEL_HTTP_WHOLE,    /* status, type and body are there */
+    PEL_HTTP_FRAME,    /* carry out `frame`, answer with the picture */
+    PEL_HTTP_FRAMES,   /* carry out `frames`, answer with the pictures */
+    PEL_HTTP_MJPEG,    /* stream `view` */
+    PEL_HTTP_TS,       /* stream `view` in `profile` */
+    PEL_HTTP_LIVE,     /* a WebSocket: 101, then `live` */
+    PEL_HTTP_SURFACE,  /* carry out `surface`, answer with JSON */
+    PEL_HTTP_OPTICS,   /* carry out `optics`, answer with JSON */
+    PEL_HTTP_SPECTRUM, /* carry out `spectrum`, answer with JSON */
+    PEL_HTTP_PATCH,    /* commit `patch`, answer with the state */
 };
 
 struct pel_http_answer {
@@ -53,6 +54,7 @@ struct pel_http_answer {
     Pelagos__FramesRequest *frames;
     Pelagos__SurfaceQuery *surface;
     Pelagos__OpticsQuery *optics;
+    Pelagos__SpectrumQuery *spectrum;
     Pelagos__Patch *patch;
     bool if_unchanged; /* of PATCH: If-Match named the state of now */
     char view[PEL_NAME_SIZE];

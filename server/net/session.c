@@ -177,7 +177,7 @@ static void take_message(struct session *self, const uint8_t *data, size_t size)
 /* Whether another message may be begun now. */
 static bool may_take(const struct session *self)
 {
-    return !self->closing && !self->patching && self->out.bytes <= OUTPUT_PAUSE;
+    return !self->closing && !self->owes && self->out.bytes <= OUTPUT_PAUSE;
 }
 
 /* Takes whole messages from the buffer. `held` afterwards: it may hold more

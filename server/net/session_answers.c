@@ -235,7 +235,7 @@ static void on_patch(void *user, enum pel_err err,
     struct job *job = user;
     struct session *self = job->session;
     if (job_end(job)) {
-        self->patching = false;
+        self->owes = false;
         if (err == PEL_OK) {
             pel_session_send_state(self, job->has_id, job->id);
         } else {
@@ -245,31 +245,58 @@ static void on_patch(void *user, enum pel_err err,
     g_free(job);
 }
 
-void pel_session_patch(struct session *self, const Pelagos__Request *request)
+/* An answer that the session's later requests wait for. */
+static struct job *owe(struct session *self, const Pelagos__Request *request)
 {
     struct job *job = g_new0(struct job, 1);
-    const struct pel_scene_wish wish = { .patch = request->patch };
     job->session = self;
     job->has_id = request->has_id;
     job->id = request->id;
     g_ptr_array_add(self->jobs, job);
-    self->patching = true;
+    self->owes = true;
+    return job;
+}
+
+void pel_session_patch(struct session *self, const Pelagos__Request *request)
+{
+    const struct pel_scene_wish wish = { .patch = request->patch };
+    struct job *job = owe(self, request);
     pel_scene_submit(self->all->scene, &wish, on_patch, job);
+}
+
+static void on_spectrum(void *user, enum pel_err err,
+                        const struct pel_fault *fault,
+                        const Pelagos__Spectrum *answer)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        self->owes = false;
+        if (err == PEL_OK) {
+            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+            reply.has_id = job->has_id;
+            reply.id = job->id;
+            reply.result_case = PELAGOS__REPLY__RESULT_SPECTRUM;
+            reply.spectrum = (Pelagos__Spectrum *)answer;
+            send_reply(self, &reply);
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
 }
 
 enum pel_err pel_session_spectrum(struct session *self,
                                   const Pelagos__Request *request,
                                   struct pel_fault *fault)
 {
-    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+    struct job *job = owe(self, request);
     enum pel_err err = pel_command_spectrum(self->all->scene, request->spectrum,
-                                            &reply.spectrum, fault);
-    if (err == PEL_OK) {
-        reply.has_id = request->has_id;
-        reply.id = request->id;
-        reply.result_case = PELAGOS__REPLY__RESULT_SPECTRUM;
-        send_reply(self, &reply);
-        pelagos__spectrum__free_unpacked(reply.spectrum, NULL);
+                                            on_spectrum, job, fault);
+    if (err) {
+        self->owes = false;
+        g_ptr_array_remove_fast(self->jobs, job);
+        g_free(job);
     }
     return err;
 }

@@ -39,7 +39,7 @@ struct session {
     bool watching, watch_due, watch_has_id;
     uint64_t watch_id;
     bool stranger;            /* has yet to give the token */
-    bool patching;            /* later requests wait for a patch's commit */
+    bool owes;                /* an answer that later requests wait for */
     bool nudge;               /* somebody waits for what is sent next */
     bool eof;                 /* the client sends no more */
     bool held;                /* whole messages may wait in `in` */
@@ -70,7 +70,7 @@ void pel_session_send_state(struct session *self, bool has_id, uint64_t id);
 void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
                             const struct pel_fault *fault);
 
-/* Answers at once. */
+/* Answers when the numbers are there. */
 PEL_CHECK enum pel_err pel_session_spectrum(struct session *self,
                                             const Pelagos__Request *request,
                                             struct pel_fault *fault);

@@ -6,7 +6,9 @@
 #include "message.h"
 #include "ocean/directional.h"
 #include "ocean/report.h"
-#include "scene/build.h"
+#include "scene/scene_parts.h"
+
+#define MAX_WAITING 128
 
 /* Compass direction it comes from of a mathematical one it goes to. */
 static double comes_from(double to_rad)
@@ -108,26 +110,118 @@ static Pelagos__Spectrum *answer(const struct pel_sea *sea,
     return out;
 }
 
+/* --- on a thread ---------------------------------------------------------- */
+
+struct asked {
+    struct pel_task task;
+    Pelagos__State *state; /* with the query's patch */
+    const struct pel_sea_means *means;
+    struct pel_shared_sea *present;
+    Pelagos__SpectrumQuery query; /* its numbers alone */
+    enum pel_err err;
+    struct pel_fault fault;
+    Pelagos__Spectrum *answer;
+    pel_spectrum_done done;
+    void *user;
+};
+
+static void work(struct pel_task *task)
+{
+    struct asked *a = (struct asked *)task;
+    struct pel_shared_sea *shared = NULL;
+    struct pel_directional *spectrum = NULL;
+    a->err =
+        pel_shared_sea_get(a->state, a->means, a->present, &shared, &a->fault);
+    if (a->err) {
+        return;
+    }
+    const struct pel_sea *sea = pel_shared_sea_value(shared);
+    a->err = pel_directional_create(&sea->desc, &spectrum);
+    if (a->err) {
+        pel_fault_set(&a->fault, a->err, "the spectrum: %s",
+                      pel_err_name(a->err));
+    } else {
+        a->answer = answer(sea, spectrum, &a->query);
+    }
+    pel_directional_destroy(spectrum);
+    pel_shared_sea_unref(shared);
+}
+
+static void tell(struct pel_task *task, bool dropped)
+{
+    struct asked *a = (struct asked *)task;
+    if (dropped) {
+        a->err = pel_fault_set(&a->fault, PEL_ERR_CONFLICT,
+                               "the daemon is stopping");
+    }
+    a->done(a->user, a->err, &a->fault, a->err ? NULL : a->answer);
+    if (a->answer) {
+        pelagos__spectrum__free_unpacked(a->answer, NULL);
+    }
+    pel_shared_sea_unref(a->present);
+    pelagos__state__free_unpacked(a->state, NULL);
+    g_free(a);
+}
+
+enum pel_err pel_scene_ask_spectrum(struct pel_scene *scene,
+                                    const Pelagos__SpectrumQuery *query,
+                                    pel_spectrum_done done, void *user,
+                                    struct pel_fault *fault)
+{
+    Pelagos__State *state = NULL;
+    if (pel_worker_count(scene->numbers) >= MAX_WAITING) {
+        return pel_fault_set(fault, PEL_ERR_BUSY,
+                             "%d spectra are asked for already", MAX_WAITING);
+    }
+    if (query->patch) {
+        enum pel_err err = pel_scene_edited(
+            scene, query->patch, pel_scene_time(scene), &state, fault);
+        if (err) {
+            return err;
+        }
+    } else {
+        state = (Pelagos__State *)pel_message_copy(&scene->state->base);
+    }
+    struct asked *a = g_new0(struct asked, 1);
+    a->task = (struct pel_task){ work, tell };
+    a->state = state;
+    a->means = &scene->means;
+    a->present = pel_shared_sea_ref(scene->has.sea);
+    a->query = *query;
+    a->query.patch = NULL;
+    a->done = done;
+    a->user = user;
+    pel_worker_push(scene->numbers, &a->task);
+    return PEL_OK;
+}
+
+struct kept {
+    enum pel_err err;
+    struct pel_fault *fault;
+    Pelagos__Spectrum **answer;
+};
+
+static void keep(void *user, enum pel_err err, const struct pel_fault *fault,
+                 const Pelagos__Spectrum *answer)
+{
+    struct kept *kept = user;
+    kept->err = err;
+    if (err && kept->fault) {
+        *kept->fault = *fault;
+    } else if (!err) {
+        *kept->answer = (Pelagos__Spectrum *)pel_message_copy(&answer->base);
+    }
+}
+
 enum pel_err pel_scene_spectrum(struct pel_scene *scene,
                                 const Pelagos__SpectrumQuery *query,
                                 Pelagos__Spectrum **out,
                                 struct pel_fault *fault)
 {
-    struct pel_shared_sea *shared = NULL;
-    struct pel_directional *spectrum = NULL;
+    struct kept kept = { PEL_OK, fault, out };
     *out = NULL;
-    enum pel_err err = pel_scene_try(scene, query->patch, &shared, fault);
-    if (err) {
-        return err;
+    enum pel_err err = pel_scene_ask_spectrum(scene, query, keep, &kept, fault);
+    while (!err && pel_worker_wait(scene->numbers)) {
     }
-    const struct pel_sea *sea = pel_shared_sea_value(shared);
-    err = pel_directional_create(&sea->desc, &spectrum);
-    if (err) {
-        pel_fault_set(fault, err, "the spectrum: %s", pel_err_name(err));
-    } else {
-        *out = answer(sea, spectrum, query);
-    }
-    pel_directional_destroy(spectrum);
-    pel_shared_sea_unref(shared);
-    return err;
+    return err ? err : kept.err;
 }

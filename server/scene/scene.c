@@ -278,24 +278,6 @@ enum pel_err pel_scene_edited(struct pel_scene *scene,
     return err;
 }
 
-enum pel_err pel_scene_try(struct pel_scene *scene, const Pelagos__Patch *patch,
-                           struct pel_shared_sea **sea, struct pel_fault *fault)
-{
-    if (!patch) {
-        return pel_shared_sea_get(scene->state, &scene->means, scene->has.sea,
-                                  sea, fault);
-    }
-    Pelagos__State *next;
-    enum pel_err err =
-        pel_scene_edited(scene, patch, pel_scene_time(scene), &next, fault);
-    if (!err) {
-        err =
-            pel_shared_sea_get(next, &scene->means, scene->has.sea, sea, fault);
-        pelagos__state__free_unpacked(next, NULL);
-    }
-    return err;
-}
-
 enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
                                     const Pelagos__Patch *patch,
                                     const struct pel_snapshot **out,

@@ -75,16 +75,9 @@ uint64_t pel_scene_prepared(const struct pel_scene *scene);
 /* Waits until nothing waits: for tests and programs without a main loop. */
 void pel_scene_settle(struct pel_scene *scene);
 
-/* The sea that the scene would have after the patch, NULL for the one it has;
- * the scene stays as it is. Faults as of pel_scene_patch. Give *sea back with
- * pel_shared_sea_unref (build.h). */
-struct pel_shared_sea;
-PEL_CHECK enum pel_err pel_scene_try(struct pel_scene *scene,
-                                     const Pelagos__Patch *patch,
-                                     struct pel_shared_sea **sea,
-                                     struct pel_fault *fault);
-
-/* The same as a whole snapshot, at the present time; pel_snapshot_unref. */
+/* The snapshot that the scene would have after the patch, NULL for the one it
+ * has, at the present time; the scene stays as it is. Its sea is built by who
+ * looks at it first. Faults as of pel_scene_patch. pel_snapshot_unref. */
 PEL_CHECK enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
                                               const Pelagos__Patch *patch,
                                               const struct pel_snapshot **out,

@@ -20,12 +20,13 @@ struct pel_scene {
     struct pel_simclock clock;
     struct pel_provision has; /* what the snapshot was made with */
     const struct pel_snapshot *snapshot;
-    struct pel_worker *worker;
-    GPtrArray *waiting;   /* struct waiting, oldest first */
-    guint batch;          /* so many of them are being prepared */
-    uint64_t prepared;    /* batches */
-    guint save_timer;     /* 0: nothing to write */
-    int64_t save_from_ns; /* not before */
+    struct pel_worker *worker;  /* of patches that wait */
+    struct pel_worker *numbers; /* of spectra */
+    GPtrArray *waiting;         /* struct waiting, oldest first */
+    guint batch;                /* so many of them are being prepared */
+    uint64_t prepared;          /* batches */
+    guint save_timer;           /* 0: nothing to write */
+    int64_t save_from_ns;       /* not before */
     uint64_t saves, failed_saves;
     guint ship_timer; /* 0: own ship is not the model's */
     uint32_t host_frame;

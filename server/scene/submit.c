@@ -242,11 +242,14 @@ void pel_scene_begin_waiting(struct pel_scene *scene)
 {
     scene->waiting = g_ptr_array_new();
     scene->worker = pel_worker_create("preparing");
+    scene->numbers = pel_worker_create("spectra");
 }
 
 void pel_scene_end_waiting(struct pel_scene *scene)
 {
     pel_worker_destroy(scene->worker);
     scene->worker = NULL;
+    pel_worker_destroy(scene->numbers);
+    scene->numbers = NULL;
     g_ptr_array_free(scene->waiting, TRUE);
 }
