@@ -351,7 +351,7 @@ static enum ctl_exit answer_gpu(struct ctl *ctl, const struct question *q)
     }
     const Pelagos__WaterLight *l = answer ? answer->water : NULL;
     if (status == CTL_DONE &&
-        (answer->answer_case != PELAGOS__OPTICS__ANSWER_WATER || !l ||
+        (!l || answer->answer_case != PELAGOS__OPTICS__ANSWER_WATER ||
          l->n_single != N || l->n_second != N || l->n_higher != N ||
          l->n_bottom != N || l->n_total != N)) {
         status = ctl_say(CTL_UNREACHABLE, "the answer lacks its numbers");

@@ -31,8 +31,8 @@ const char *pel_err_name(enum pel_err err)
     return "INTERNAL";
 }
 
-enum pel_err pel_fault_set(struct pel_fault *fault, enum pel_err code,
-                           const char *format, ...)
+enum pel_err(pel_fault_set)(struct pel_fault *fault, enum pel_err code,
+                            const char *format, ...)
 {
     if (fault) {
         *fault = (struct pel_fault){ .code = code, .minimum = 1, .maximum = 0 };

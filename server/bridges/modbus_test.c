@@ -206,7 +206,6 @@ static void refuses_and_changes_nothing(void **state)
 static void water_is_described(void **state)
 {
     struct fixture *f = *state;
-    const Pelagos__Water *water = pel_scene_state(f->scene)->water;
     assert_true(isnan(read_number(f, 3, 188, PEL_TYPE_F32)));
     assert_true(read_number(f, 3, 180, PEL_TYPE_U16) == 65535);
     uint16_t words[25] = { 0 };
@@ -221,7 +220,7 @@ static void water_is_described(void **state)
                             words + 2 * i);
     }
     assert_int_equal(write_words(f, 188, 25, words), 16);
-    water = pel_scene_state(f->scene)->water;
+    const Pelagos__Water *water = pel_scene_state(f->scene)->water;
     assert_true(water->has_absorption_680 && water->absorption_680 == 0.25);
     assert_true(water->has_scattering_440 && water->has_albedo_550);
     /* Two descriptions at once are refused, one instead of the other is not. */

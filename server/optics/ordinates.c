@@ -634,7 +634,7 @@ enum pel_err pel_ordinates_respond(struct pel_ordinates *o,
                                    const double *mu, int beams, int modes,
                                    double *dark, double *bottom)
 {
-    struct response *r = malloc(sizeof *r);
+    struct response *r = calloc(1, sizeof *r);
     if (!r) {
         return PEL_ERR_NO_MEMORY;
     }

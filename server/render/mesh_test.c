@@ -65,7 +65,8 @@ static const double heights[] = {
     0.3, 2.0, 6.0, 30.0, 1000.0, 8000.0, 20000.0
 };
 static const double fields[] = { 1.0, 10.0, 60.0, 150.0 };
-#define EACH(i, list) (size_t i = 0; i < sizeof list / sizeof *list; i++)
+/* NOLINTNEXTLINE(bugprone-macro-parentheses): i is declared by it */
+#define EACH(i, list) (size_t i = 0; i < sizeof(list) / sizeof *(list); i++)
 
 static void reaches_past_the_horizon(void **state)
 {

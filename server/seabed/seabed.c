@@ -52,8 +52,8 @@ static enum pel_err fill(float *heights, const uint8_t *known, int columns,
         return PEL_OK;
     }
     int w = (columns + 1) / 2, h = (rows + 1) / 2;
-    float *half = malloc(sizeof *half * (size_t)w * (size_t)h);
-    uint8_t *has = malloc((size_t)w * (size_t)h);
+    float *half = calloc((size_t)w * (size_t)h, sizeof *half);
+    uint8_t *has = calloc((size_t)w, (size_t)h);
     enum pel_err err = half && has ? PEL_OK : PEL_ERR_NO_MEMORY;
     if (!err) {
         halve(heights, known, columns, rows, half, has);
@@ -132,7 +132,7 @@ enum pel_err pel_seabed_create(int columns, int rows, double west_m,
     struct bed *bed = calloc(1, sizeof *bed);
     if (bed) {
         bed->heights = malloc(sizeof *bed->heights * count);
-        bed->known = malloc(count);
+        bed->known = calloc(count, 1);
     }
     if (!bed || !bed->heights || !bed->known) {
         err = PEL_ERR_NO_MEMORY;
