@@ -18,7 +18,7 @@ Q := $(if $(V),,@)
 BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     protobuf-compiler protobuf-c-compiler libprotobuf-c-dev libglib2.0-dev \
     libepoxy-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri \
-    glslang-tools libmicrohttpd-dev libjson-glib-dev libmodbus-dev \
+    glslang-tools libmicrohttpd-dev libmodbus-dev \
     libjpeg62-turbo-dev libturbojpeg0-dev libspng-dev libopenexr-dev libsystemd-dev \
     libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
@@ -38,7 +38,7 @@ PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
 # Debian's Chromium, what judges the page.
 NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2
 
-PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd json-glib-1.0 \
+PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd \
     libprotobuf-c libmodbus libjpeg libturbojpeg spng OpenEXR libsystemd openssl \
     gstreamer-1.0 gstreamer-app-1.0 gstreamer-video-1.0 \
     gstreamer-rtsp-server-1.0 gstreamer-rtsp-1.0

@@ -53,7 +53,7 @@ apt_get() {
         -o Acquire::Retries=3 -o DPkg::Lock::Timeout=600 "$@" </dev/null
 }
 
-echo "deps: installing $missing"
+echo "deps: missing, installed by apt-get now (DEPS=skip: not): $missing"
 apt_get update ||
     echo "deps: apt-get update failed; trying with the lists that are here" >&2
 apt_get -y --no-install-recommends install $missing >/dev/null ||
