@@ -75,7 +75,7 @@ CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
 
 # --- sources, by room -----------------------------------------------------
 BASE := server/base/err.c server/base/log.c server/base/clock.c \
-    server/base/metrics.c server/base/urgent.c server/base/file.c \
+    server/base/metrics.c server/base/urgent.c server/base/watch.c server/base/file.c \
     server/base/helper.c server/base/sandbox.c
 OCEAN := server/ocean/spectrum.c \
     server/ocean/directional.c \
@@ -292,6 +292,7 @@ TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c
 TESTS += server/scene/seas_test.c
 TESTS += server/scene/submit_test.c
+TESTS += server/base/watch_test.c
 TESTS += server/scene/record_test.c
 TESTS += server/scene/ship_test.c
 TESTS += server/scene/geodesy_test.c

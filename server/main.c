@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "base/metrics.h"
 #include "base/urgent.h"
+#include "base/watch.h"
 #include "bridges/cigi.h"
 #include "bridges/console.h"
 #include "bridges/modbus.h"
@@ -429,7 +430,10 @@ static struct pel_urgent control; /* GLib's poll function has no data */
 static gint account_and_poll(GPollFD *fds, guint count, gint timeout)
 {
     pel_urgent_account(&control);
-    return g_poll(fds, count, timeout);
+    pel_watch_sleep();
+    gint ready = g_poll(fds, count, timeout);
+    pel_watch_wake();
+    return ready;
 }
 
 static int run(struct daemon *d)
@@ -449,6 +453,8 @@ static int run(struct daemon *d)
     } else {
         pel_service_warm_up(d->frames, d->scene, d->started_ns, ready, d);
         pel_urgent_begin(&control, PEL_URGENT_CONTROL);
+        pel_watch_begin();
+        pel_metrics_add(d->metrics, pel_watch_collect, NULL);
         g_main_context_set_poll_func(NULL, account_and_poll);
         g_main_loop_run(d->loop);
     }

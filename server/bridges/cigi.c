@@ -12,6 +12,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/metrics.h"
+#include "base/watch.h"
 #include "bridges/cigi_answers.h"
 #include "bridges/cigi_metrics.h"
 #include "bridges/cigi_periodic.h"
@@ -514,6 +515,7 @@ size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes)
 
 static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
 {
+    PEL_WATCH("cigi");
     struct pel_cigi *cigi = user;
     const uint8_t *bytes;
     uint64_t beats;
@@ -539,6 +541,7 @@ static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
 
 static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
 {
+    PEL_WATCH("cigi");
     struct pel_cigi *cigi = user;
     (void)condition;
     int64_t end_ns = pel_now_ns() + TURN_NS;

@@ -14,6 +14,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/watch.h"
 #include "bridges/endpoint.h"
 #include "path.h"
 
@@ -307,6 +308,7 @@ static void take_bytes(struct pel_console *c)
 
 static gboolean on_socket(gint fd, GIOCondition condition, gpointer user)
 {
+    PEL_WATCH("console");
     struct pel_console *c = user;
     guint source = c->fd_source;
     (void)condition;
@@ -333,6 +335,7 @@ static gboolean on_socket(gint fd, GIOCondition condition, gpointer user)
 
 static gboolean on_tick(gpointer user)
 {
+    PEL_WATCH("console");
     struct pel_console *c = user;
     int64_t now_ns = pel_now_ns();
     bool late = now_ns - c->since_ns > c->options.timeout_ms * MS;

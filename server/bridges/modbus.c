@@ -13,6 +13,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/metrics.h"
+#include "base/watch.h"
 #include "bridges/endpoint.h"
 #include "bridges/modbus_adu.h"
 #include "bridges/modbus_units.h"
@@ -324,6 +325,7 @@ static bool flush_client(struct client *c, bool writing)
 
 static gboolean on_client(gint fd, GIOCondition condition, gpointer user)
 {
+    PEL_WATCH("modbus");
     struct client *c = user;
     guint source = c->source;
     if (c->out_size > 0) {
@@ -415,6 +417,7 @@ static void refuse_without_descriptor(struct pel_modbus *m)
 
 static gboolean on_accept(gint fd, GIOCondition condition, gpointer user)
 {
+    PEL_WATCH("modbus");
     (void)condition;
     struct pel_modbus *m = user;
     struct sockaddr_storage peer = { 0 };
@@ -453,6 +456,7 @@ static void close_if_slow(struct pel_modbus *m, struct client *c,
 
 static gboolean on_sweep(gpointer user)
 {
+    PEL_WATCH("modbus");
     struct pel_modbus *m = user;
     int64_t now_ns = pel_now_ns();
     for (size_t i = 0; i < m->unit_count; i++) {

@@ -12,6 +12,7 @@
 #include "base/log.h"
 #include "base/metrics.h"
 #include "base/vec.h"
+#include "base/watch.h"
 #include "bridges/ais.h"
 #include "bridges/endpoint.h"
 #include "bridges/nmea_targets.h"
@@ -351,6 +352,7 @@ void pel_nmea_feed_stream(struct pel_nmea *nmea, struct pel_nmea_lines *lines,
 
 static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
 {
+    PEL_WATCH("nmea");
     (void)condition;
     struct pel_nmea *nmea = user;
     for (int i = 0; i < DATAGRAMS_A_TURN; i++) {
@@ -464,6 +466,7 @@ void pel_nmea_tick(struct pel_nmea *nmea, int64_t now_ns)
 
 static gboolean on_tick(gpointer user)
 {
+    PEL_WATCH("nmea");
     pel_nmea_tick(user, pel_now_ns());
     return G_SOURCE_CONTINUE;
 }

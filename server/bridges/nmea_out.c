@@ -13,6 +13,7 @@
 
 #include "base/log.h"
 #include "base/vec.h"
+#include "base/watch.h"
 #include "bridges/endpoint.h"
 #include "scene/geodesy.h"
 
@@ -192,6 +193,7 @@ struct pel_nmea_out {
 
 static gboolean on_timer(gpointer user)
 {
+    PEL_WATCH("nmea out");
     struct pel_nmea_out *o = user;
     static struct pel_log_limit limit;
     struct pel_nmea_report report;

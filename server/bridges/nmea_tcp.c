@@ -10,6 +10,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/watch.h"
 #include "bridges/endpoint.h"
 #include "bridges/nmea.h"
 
@@ -45,6 +46,7 @@ static void hang_up(struct client *c)
 
 static gboolean on_client(gint fd, GIOCondition condition, gpointer user)
 {
+    PEL_WATCH("nmea");
     struct client *c = user;
     char chunk[CHUNK];
     (void)condition;
@@ -113,6 +115,7 @@ static void refuse_without_descriptor(struct pel_nmea_tcp *tcp)
 
 static gboolean on_accept(gint fd, GIOCondition condition, gpointer user)
 {
+    PEL_WATCH("nmea");
     struct pel_nmea_tcp *tcp = user;
     struct sockaddr_storage peer = { 0 };
     socklen_t size = sizeof peer;

@@ -1,4 +1,5 @@
 #include "frames/mailbox.h"
+#include "base/watch.h"
 
 #include <time.h>
 
@@ -57,6 +58,7 @@ void pel_cond_wait_ns(pthread_cond_t *cond, pthread_mutex_t *lock,
 
 struct alarm {
     GSource source;
+    const char *name;
     void (*ring)(void *user);
     void *user;
 };
@@ -65,6 +67,7 @@ static gboolean alarm_dispatch(GSource *source, GSourceFunc callback,
                                gpointer data)
 {
     struct alarm *alarm = (struct alarm *)source;
+    PEL_WATCH(alarm->name);
     (void)callback;
     (void)data;
     g_source_set_ready_time(source, -1);
@@ -78,6 +81,7 @@ GSource *pel_alarm_create(GMainContext *context, const char *name,
     static GSourceFuncs functions = { .dispatch = alarm_dispatch };
     GSource *source = g_source_new(&functions, sizeof(struct alarm));
     struct alarm *alarm = (struct alarm *)source;
+    alarm->name = name;
     alarm->ring = ring;
     alarm->user = user;
     g_source_set_name(source, name);

@@ -1,4 +1,5 @@
 #include "net/fdsource.h"
+#include "base/watch.h"
 
 #include <stdbool.h>
 
@@ -15,6 +16,7 @@ static gboolean dispatch(GSource *source, GSourceFunc callback, gpointer user)
     (void)callback;
     (void)user;
     struct pel_fdsource *self = (struct pel_fdsource *)source;
+    PEL_WATCH("sockets");
     GIOCondition ready = g_source_query_unix_fd(source, self->tag);
     g_source_set_ready_time(source, -1);
     self->ready(self->user, ready);

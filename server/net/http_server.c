@@ -13,6 +13,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/watch.h"
 #include "net/listener.h"
 #include "net/tcpinfo.h"
 
@@ -463,6 +464,7 @@ static gboolean source_check(GSource *source)
 static gboolean source_dispatch(GSource *source, GSourceFunc callback,
                                 gpointer user)
 {
+    PEL_WATCH("http");
     (void)callback;
     (void)user;
     struct daemon_source *self = (struct daemon_source *)source;

@@ -9,6 +9,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/sandbox.h"
+#include "base/watch.h"
 #include "fault.h"
 #include "json.h"
 #include "message.h"
@@ -36,6 +37,7 @@ static void advance_ship(struct pel_scene *scene, double time_s)
         !pel_ship_steps(&scene->snapshot->ship, time_s)) {
         return;
     }
+    PEL_WATCH("own ship");
     struct pel_ship ship = scene->snapshot->ship;
     (void)pel_ship_advance(&ship, time_s, pel_snapshot_sea(scene->snapshot));
     const struct pel_snapshot *next =
@@ -172,6 +174,7 @@ static void save(struct pel_scene *scene)
 static gboolean on_save_timer(gpointer user)
 {
     struct pel_scene *scene = user;
+    PEL_WATCH("state file");
     scene->save_timer = 0;
     save(scene);
     return G_SOURCE_REMOVE;

@@ -2,11 +2,13 @@
 
 #include <stdlib.h>
 
+#include "base/watch.h"
 #include "scene/build.h"
 
 const struct pel_sea *pel_shared_sea_value(struct pel_shared_sea *sea)
 {
     if (!atomic_load(&sea->built)) {
+        PEL_WATCH("sea");
         pthread_mutex_lock(&sea->lock);
         /* The description was tested: only memory can fail. */
         if (!atomic_load(&sea->built) &&

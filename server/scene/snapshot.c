@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "base/watch.h"
 #include "scene/build.h"
 #include "scene/reckon.h"
 #include "scene/sharedsea.h"
@@ -20,6 +21,7 @@ int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name)
 void pel_snapshot_ship_motion(const struct pel_snapshot *s, double time_s,
                               struct pel_ship_motion *out)
 {
+    PEL_WATCH("own ship");
     const struct pel_sea *sea =
         pel_ship_asks(&s->ship, time_s) ? pel_snapshot_sea(s) : NULL;
     pel_ship_at(&s->ship, time_s, sea, out);
@@ -93,6 +95,7 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
                           double time_s, bool moving,
                           struct pel_surface_sample *out)
 {
+    PEL_WATCH("surface");
     if (moving) {
         pel_sea_query_moving(pel_snapshot_sea(s), points, n, time_s, out);
     } else {

@@ -1,4 +1,5 @@
 #include "scene/worker.h"
+#include "base/watch.h"
 
 #include <glib.h>
 
@@ -39,6 +40,7 @@ struct source {
 static gboolean dispatch(GSource *source, GSourceFunc callback, gpointer data)
 {
     struct pel_worker *worker = ((struct source *)source)->worker;
+    PEL_WATCH(worker->name);
     (void)callback;
     (void)data;
     g_source_set_ready_time(source, -1);

@@ -1,0 +1,201 @@
+#include "base/watch.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+
+#define LOG_NS 60000000000LL
+#define OTHER 0
+
+struct site {
+    const char *what;
+    uint64_t count, stalls;
+    int64_t own_ns; /* in the dispatch at hand */
+    int64_t stalled_ns, longest_ns, logged_ns;
+};
+
+static struct {
+    struct site sites[PEL_WATCH_NAMES];
+    int count;
+    int now;         /* index of what is being done, -1: the loop itself */
+    int64_t turn_ns; /* the clock when that began */
+    int64_t wake_ns, cpu_ns, begin_ns, named_ns;
+} watch;
+static _Thread_local bool watched;
+
+static int64_t processor_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+void pel_watch_begin(void)
+{
+    memset(&watch, 0, sizeof watch);
+    watch.sites[OTHER].what = "other";
+    watch.count = 1;
+    watch.now = -1;
+    watched = true;
+    pel_watch_wake();
+}
+
+void pel_watch_end(void)
+{
+    watched = false;
+}
+
+static int site_of(const char *what)
+{
+    for (int i = 0; i < watch.count; i++) {
+        if (watch.sites[i].what == what ||
+            strcmp(watch.sites[i].what, what) == 0) {
+            return i;
+        }
+    }
+    if (watch.count == PEL_WATCH_NAMES) {
+        return OTHER;
+    }
+    watch.sites[watch.count].what = what;
+    return watch.count++;
+}
+
+static void stalled(struct site *site, int64_t took_ns, int64_t now_ns)
+{
+    site->stalls++;
+    site->stalled_ns += took_ns;
+    site->longest_ns = took_ns > site->longest_ns ? took_ns : site->longest_ns;
+    if (site->logged_ns == 0 || now_ns - site->logged_ns > LOG_NS) {
+        site->logged_ns = now_ns;
+        pel_info("CTL-001",
+                 "the control thread was busy for %.1f ms with \"%s\" (%.1f ms "
+                 "of processor since it woke), %llu times by now: meanwhile "
+                 "nobody else was answered",
+                 (double)took_ns * 1e-6, site->what,
+                 (double)(processor_ns() - watch.cpu_ns) * 1e-6,
+                 (unsigned long long)site->stalls);
+    }
+}
+
+/* What was done until now_ns is that of `watch.now`. */
+static void turn(int64_t now_ns)
+{
+    if (watch.now >= 0) {
+        watch.sites[watch.now].own_ns += now_ns - watch.turn_ns;
+    }
+    watch.turn_ns = now_ns;
+}
+
+struct pel_watch_scope pel_watch_enter(const char *what)
+{
+    struct pel_watch_scope scope = { -1 };
+    if (!watched) {
+        return scope;
+    }
+    int64_t now_ns = pel_now_ns();
+    turn(now_ns);
+    scope.before = watch.now;
+    if (watch.now < 0) {
+        watch.begin_ns = now_ns;
+    }
+    watch.now = site_of(what);
+    watch.sites[watch.now].count++;
+    return scope;
+}
+
+/* The outermost ends: whose it was. */
+static void judge(int64_t now_ns)
+{
+    int64_t took_ns = now_ns - watch.begin_ns;
+    struct site *most = &watch.sites[OTHER];
+    for (int i = 0; i < watch.count; i++) {
+        if (watch.sites[i].own_ns > most->own_ns) {
+            most = &watch.sites[i];
+        }
+    }
+    if (took_ns > PEL_WATCH_LIMIT_NS) {
+        stalled(most, took_ns, now_ns);
+    }
+    for (int i = 0; i < watch.count; i++) {
+        watch.sites[i].own_ns = 0;
+    }
+    watch.named_ns += took_ns;
+}
+
+void pel_watch_leave(const struct pel_watch_scope *scope)
+{
+    if (!watched || watch.now < 0) {
+        return;
+    }
+    int64_t now_ns = pel_now_ns();
+    turn(now_ns);
+    watch.now = scope->before;
+    if (watch.now < 0) {
+        judge(now_ns);
+    }
+}
+
+void pel_watch_sleep(void)
+{
+    int64_t now_ns = pel_now_ns();
+    int64_t rest_ns = now_ns - watch.wake_ns - watch.named_ns;
+    if (watched && watch.now < 0 && rest_ns > PEL_WATCH_LIMIT_NS) {
+        stalled(&watch.sites[OTHER], rest_ns, now_ns);
+    }
+}
+
+void pel_watch_wake(void)
+{
+    watch.named_ns = 0;
+    watch.cpu_ns = processor_ns();
+    watch.wake_ns = pel_now_ns();
+}
+
+static const struct site *find(const char *what)
+{
+    for (int i = 0; i < watch.count; i++) {
+        if (strcmp(watch.sites[i].what, what) == 0) {
+            return &watch.sites[i];
+        }
+    }
+    return NULL;
+}
+
+uint64_t pel_watch_count(const char *what)
+{
+    const struct site *site = find(what);
+    return site ? site->count : 0;
+}
+
+uint64_t pel_watch_stalls(const char *what)
+{
+    const struct site *site = find(what);
+    return site ? site->stalls : 0;
+}
+
+void pel_watch_collect(void *user, struct pel_metrics_page *page)
+{
+    (void)user;
+    for (int i = 0; i < watch.count; i++) {
+        const struct site *site = &watch.sites[i];
+        char label[64];
+        snprintf(label, sizeof label, "what=\"%s\"", site->what);
+        pel_metric(page, "pelagos_control_work_total", PEL_METRIC_COUNTER,
+                   "Things that the control thread did, by name.", label,
+                   (double)site->count);
+        pel_metric(page, "pelagos_control_stalls_total", PEL_METRIC_COUNTER,
+                   "Those that kept it from everything else for more than a "
+                   "millisecond.",
+                   label, (double)site->stalls);
+        pel_metric(page, "pelagos_control_stall_seconds_total",
+                   PEL_METRIC_COUNTER, "How long they did.", label,
+                   (double)site->stalled_ns * 1e-9);
+        pel_metric(page, "pelagos_control_stall_longest_seconds",
+                   PEL_METRIC_GAUGE, "The longest of them.", label,
+                   (double)site->longest_ns * 1e-9);
+    }
+}

@@ -1,0 +1,42 @@
+/* What keeps the control thread busy for longer than a millisecond: counted by
+ * what it was, told in the log (CTL-001, at most once a minute for each) and in
+ * the metrics. Costs two readings of the clock for each thing that the loop
+ * dispatches. Other threads, and programs that never begin, pay a load. */
+#pragma once
+
+#include <stdint.h>
+
+#include "base/metrics.h"
+
+#define PEL_WATCH_LIMIT_NS 1000000
+#define PEL_WATCH_NAMES 40
+
+/* This thread is the one to be watched, from now until the end. */
+void pel_watch_begin(void);
+void pel_watch_end(void);
+
+/* The loop goes to sleep; it wakes. What it did between the two beside what is
+ * named is called "other". */
+void pel_watch_sleep(void);
+void pel_watch_wake(void);
+
+/* Names what the rest of the block does; blocks may be within others. A stall
+ * of the outermost is counted for the one that took most of it by itself.
+ * `what`: static, [a-z ]+. */
+struct pel_watch_scope {
+    int before;
+};
+struct pel_watch_scope pel_watch_enter(const char *what);
+void pel_watch_leave(const struct pel_watch_scope *scope);
+#define PEL_WATCH(what)                                                        \
+    const struct pel_watch_scope pel_watch_scope                               \
+        __attribute__((cleanup(pel_watch_leave), unused)) =                    \
+            pel_watch_enter(what)
+
+/* How often `what` was done by the watched thread, and how often it was a
+ * stall. */
+uint64_t pel_watch_count(const char *what);
+uint64_t pel_watch_stalls(const char *what);
+
+/* pelagos_control_*; `user` is not used. */
+void pel_watch_collect(void *user, struct pel_metrics_page *page);

@@ -1,0 +1,121 @@
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <glib.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/watch.h"
+
+static void spin(int64_t ns)
+{
+    int64_t end_ns = pel_now_ns() + ns;
+    while (pel_now_ns() < end_ns) {
+    }
+}
+
+static gint sleeping_poll(GPollFD *fds, guint count, gint timeout)
+{
+    pel_watch_sleep();
+    gint n = g_poll(fds, count, timeout);
+    pel_watch_wake();
+    return n;
+}
+
+static gboolean long_one(gpointer user)
+{
+    PEL_WATCH("long one");
+    spin(3000000);
+    (void)user;
+    return G_SOURCE_REMOVE;
+}
+
+static void inner(void)
+{
+    PEL_WATCH("inner");
+    spin(3000000);
+}
+
+static gboolean outer(gpointer user)
+{
+    PEL_WATCH("outer");
+    inner();
+    (void)user;
+    return G_SOURCE_REMOVE;
+}
+
+static gboolean nameless(gpointer user)
+{
+    spin(3000000);
+    (void)user;
+    return G_SOURCE_REMOVE;
+}
+
+static gpointer elsewhere(gpointer user)
+{
+    PEL_WATCH("elsewhere");
+    spin(3000000);
+    return user;
+}
+
+static gboolean stop(gpointer user)
+{
+    g_main_loop_quit(user);
+    return G_SOURCE_REMOVE;
+}
+
+/* Each in a turn of its own; load can only add stalls. */
+static void stalls_are_seen(void **state)
+{
+    (void)state;
+    GMainLoop *loop = g_main_loop_new(NULL, FALSE);
+    pel_log_set_level(PEL_LOG_ERROR);
+    pel_watch_begin();
+    g_main_context_set_poll_func(NULL, sleeping_poll);
+    g_timeout_add(1, long_one, NULL);
+    g_timeout_add(10, outer, NULL);
+    g_timeout_add(20, nameless, NULL);
+    g_timeout_add(30, stop, loop);
+    g_main_loop_run(loop);
+    g_main_loop_unref(loop);
+    assert_int_equal(pel_watch_count("long one"), 1);
+    assert_int_equal(pel_watch_stalls("long one"), 1);
+    assert_int_equal(pel_watch_count("inner"), 1);
+    assert_int_equal(pel_watch_stalls("inner"), 1);
+    assert_int_equal(pel_watch_count("outer"), 1);
+    assert_int_equal(pel_watch_stalls("outer"), 0);
+    assert_true(pel_watch_stalls("other") >= 1);
+    struct pel_metrics *metrics = pel_metrics_create();
+    pel_metrics_add(metrics, pel_watch_collect, NULL);
+    char *text = pel_metrics_text(metrics, NULL);
+    assert_non_null(
+        strstr(text, "pelagos_control_stalls_total{what=\"long one\"} 1\n"));
+    free(text);
+    pel_metrics_destroy(metrics);
+    pel_watch_end();
+}
+
+static void other_threads_are_not_watched(void **state)
+{
+    (void)state;
+    pel_watch_begin();
+    g_thread_join(g_thread_new("elsewhere", elsewhere, NULL));
+    assert_int_equal(pel_watch_count("elsewhere"), 0);
+    pel_watch_end();
+    elsewhere(NULL);
+    assert_int_equal(pel_watch_count("elsewhere"), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stalls_are_seen),
+        cmocka_unit_test(other_threads_are_not_watched),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,87 @@
+#!/usr/bin/python3
+"""The control thread builds no sea and reads none while everybody asks for
+other ones: spectra by random seed, a slider of the wind, light of other seas.
+What it does is told by its own counters: load does not change what they say."""
+import random
+import sys
+import threading
+
+from modbus_test import check
+from pelagos_daemon import Daemon
+
+
+def work(daemon):
+    """name: how often the control thread did it."""
+    text = daemon.get("/metrics").body.decode()
+    found = {}
+    for line in text.splitlines():
+        if line.startswith("pelagos_control_work_total{"):
+            name, value = line.rsplit(" ", 1)
+            found[name.split('"')[1]] = float(value)
+    return found
+
+
+def side_by_side(*jobs):
+    faults = []
+
+    def run(job):
+        try:
+            job()
+        except Exception as e:  # noqa: BLE001
+            faults.append(e)
+
+    threads = [threading.Thread(target=run, args=(job,)) for job in jobs]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    check(not faults, f"{faults[:1]}")
+
+
+def spectra(daemon, seed):
+    def run():
+        choice = random.Random(seed)
+        for _ in range(8):
+            answer = daemon.request("POST", "/v1/spectrum", {"patch": {
+                "state": {"sea": {"seed": choice.randrange(1 << 31)}}}})
+            check(answer.status == 200, f"{answer.body[:200]}")
+    return run
+
+
+def slider(daemon):
+    def run():
+        for i in range(30):
+            wind = 5 + 0.2 * i
+            answer = daemon.request("PATCH", "/v1/state",
+                                    {"sea": {"windSpeed": wind}})
+            check(answer.status == 200, f"{answer.body[:200]}")
+            check(answer.json()["sea"]["windSpeed"] == wind,
+                  "a reply shows the patch that it is the reply to")
+    return run
+
+
+def light(daemon):
+    def run():
+        for i in range(8):
+            answer = daemon.get(f"/v1/optics/brdf?viewZenith=70&sea.seed={i}")
+            check(answer.status == 200, f"{answer.body[:200]}")
+    return run
+
+
+def main():
+    with Daemon() as daemon:
+        daemon.request("PATCH", "/v1/state", {"sea": {"synthesiser": "FFT"}})
+        side_by_side(*(spectra(daemon, i) for i in range(8)), slider(daemon),
+                     light(daemon))
+        did = work(daemon)
+        print(did)
+        check(did["http"] > 100, "the control thread is watched")
+        check(did["spectra"] == 64, f"{did}")
+        check("sea" not in did, f"{did}")
+        check("surface" not in did, f"{did}")
+    print("control_test: the control thread built none of some 100 seas")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
