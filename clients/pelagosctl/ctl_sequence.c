@@ -116,6 +116,16 @@ static enum ctl_exit look(struct ctl *ctl, struct sequence *s)
     return CTL_DONE;
 }
 
+static enum ctl_exit make_folder(const struct sequence *s)
+{
+    g_autofree char *first = name_of(s, 0);
+    g_autofree char *folder = g_path_get_dirname(first);
+    if (g_mkdir_with_parents(folder, 0777) != 0) {
+        return ctl_say(CTL_FAILED, "%s: %s", folder, g_strerror(errno));
+    }
+    return CTL_DONE;
+}
+
 /* --- one file ------------------------------------------------------------ */
 
 /* Whole or not at all: under another name until it is. */
@@ -256,6 +266,9 @@ enum ctl_exit ctl_record_sequence(struct ctl *ctl, double fps, size_t wanted,
     }
     if (status == CTL_DONE) {
         status = look(ctl, &s);
+    }
+    if (status == CTL_DONE) {
+        status = make_folder(&s);
     }
     if (status == CTL_DONE) {
         status = ctl_connect(ctl);
