@@ -165,7 +165,7 @@ FRAMES := server/frames/frame.c server/frames/quality.c server/frames/mailbox.c 
     server/frames/surface.c \
     server/frames/optics.c server/frames/optics_water.c \
     server/frames/metrics.c \
-    server/frames/schedule.c \
+    server/frames/schedule.c server/frames/fair.c \
     server/frames/frames.c
 NET := server/net/fdsource.c \
     server/net/listener.c \

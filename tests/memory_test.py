@@ -9,9 +9,9 @@ from pelagos_daemon import SANITIZED, Daemon, Session
 
 ALL = ("radiance,sun,sky,water,air,depth,normal,fresnel,slopeVariance,"
        "waterSingle,waterSecond,waterHigher,bottom,position")
-SIDE = 2048
-# 116 bytes of targets and 108 of readback a pixel.
-TAKEN = SIDE * SIDE * 200
+SIDE = 1200
+# Of readback; targets are a band's, and 256 MiB are the most.
+TAKEN = SIDE * SIDE * 172
 
 
 class Memory(unittest.TestCase):

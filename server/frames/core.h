@@ -111,7 +111,11 @@ struct pel_frames {
     int64_t last_drawn_ns;    /* when the last job's pictures were there */
     int64_t present_delay_ns; /* of live frames, after their stamp */
     uint32_t last_serial;
-    unsigned drawing; /* jobs with the render thread */
+    unsigned drawing; /* jobs with the render thread, but for the large one */
+    struct pel_job *large;  /* with the render thread; NULL: none */
+    uint64_t live_pixels;   /* of the last live frame */
+    uint64_t usual_pixels;  /* of the last job but large ones */
+    int64_t usual_until_ns; /* after that it is history */
     bool last_was_live;
     struct pel_job *jobs; /* PEL_JOB_COUNT */
     struct pel_frame_request requests[PEL_MAX_REQUESTS];
@@ -155,8 +159,33 @@ void pel_schedule_output(struct pel_frames *frames, struct pel_output *output);
 struct pel_environment pel_environment_of(const struct pel_snapshot *s,
                                           double time_s);
 
+/* --- fair.c: what others may have to wait for ---------------------------- */
+
+#define PEL_LONE_PIXELS (1u << 20) /* while there are no others */
+uint64_t pel_fair_job_pixels(const struct pel_job *job);
+/* Remembers the size of a job that is about to be drawn whole. */
+void pel_fair_note(struct pel_frames *frames, const struct pel_job *job);
+/* Pixels of a band, so that nobody waits for it longer than for a frame of his
+ * own. */
+uint64_t pel_fair_band(const struct pel_frames *frames);
+/* Whether a request, with its set, has to be drawn in bands. */
+bool pel_fair_is_large(const struct pel_frames *frames,
+                       const struct pel_frame_request *request);
+/* Whether the job draws this view in this size anyway. */
+bool pel_fair_has_draw(const struct pel_job *job,
+                       const struct pel_frame_request *request);
+/* Whether the job may take the request along. */
+bool pel_fair_join(const struct pel_frames *frames, const struct pel_job *job,
+                   const struct pel_frame_request *request);
+
 /* --- requests.c ---------------------------------------------------------- */
 
+/* Pixels of a request, in the views as they are now. */
+uint64_t pel_request_pixels(const struct pel_snapshot *s,
+                            const struct pel_frame_request *request);
+/* Bytes of a picture before it is encoded; 0: there is no such view. */
+size_t pel_request_bytes(const struct pel_snapshot *s,
+                         const Pelagos__FrameRequest *request);
 /* Whether a request may be made as it is; counts a refusal. */
 PEL_CHECK enum pel_err pel_request_check(struct pel_frames *frames,
                                          const Pelagos__FrameRequest *request,

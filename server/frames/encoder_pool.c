@@ -11,15 +11,17 @@
 #define STOP_NS 1000000000LL
 
 struct pel_encoder_pool {
-    pthread_mutex_t lock; /* protects the queues, slow_busy, count, ended */
+    /* protects the queues, slow_busy, count, ended, at_work */
+    pthread_mutex_t lock;
     pthread_cond_t work;
     struct pel_queue fast, slow;
     int slow_busy;
     int count, ended;
+    struct pel_output *at_work[MAX_THREADS]; /* NULL: none */
     pthread_t threads[MAX_THREADS];
     atomic_bool stop;
     struct pel_mailbox *box;
-    void (*released)(void *user, size_t bytes);
+    void (*released)(void *user, const struct pel_job_draw *part);
     void *user;
     const char *device;
 };
@@ -91,17 +93,20 @@ static enum pel_err encode_bytes(const struct pel_encoder_pool *pool,
     case PELAGOS__FRAME_FORMAT__PNG:
         return pel_png_encode(p->rgba, p->width, p->height, bytes);
     case PELAGOS__FRAME_FORMAT__EXR:
-        return pel_picture_encode_exr(output, pool->device, &pool->stop, bytes);
+        return pel_picture_encode_exr(output, pool->device, &output->cancel,
+                                      bytes);
     default:
         return PEL_ERR_INTERNAL;
     }
 }
 
 static void encode_output(struct pel_encoder_pool *pool,
-                          struct pel_output *output)
+                          struct pel_output **place, struct pel_output *output)
 {
     struct pel_job_draw *part = &output->job->parts[output->draw];
-    output->err = part->err;
+    output->err = part->err == PEL_OK && atomic_load(&output->cancel)
+                      ? PEL_ERR_CONFLICT
+                      : part->err;
     output->why[0] = '\0';
     output->frame = NULL;
     if (output->err == PEL_OK) {
@@ -128,8 +133,11 @@ static void encode_output(struct pel_encoder_pool *pool,
     if (atomic_fetch_sub(&part->users, 1) == 1 && part->picture) {
         pel_picture_release(part->picture);
         part->picture = NULL;
-        pool->released(pool->user, part->bytes);
+        pool->released(pool->user, part);
     }
+    pthread_mutex_lock(&pool->lock);
+    *place = NULL;
+    pthread_mutex_unlock(&pool->lock);
     pel_mailbox_post(pool->box, &output->mail);
 }
 
@@ -198,7 +206,18 @@ static void free_track(struct pel_encoder_pool *pool, struct pel_track *track)
     }
 }
 
-/* Has the lock. */
+/* Both have the lock. */
+static struct pel_output **note_work(struct pel_encoder_pool *pool,
+                                     struct pel_mail *mail)
+{
+    struct pel_output **place = pool->at_work;
+    while (*place) {
+        place++; /* there is one for each thread */
+    }
+    *place = mail->kind == PEL_MAIL_OUTPUT ? (struct pel_output *)mail : NULL;
+    return place;
+}
+
 static void end(struct pel_encoder_pool *pool)
 {
     pool->ended++;
@@ -217,9 +236,10 @@ static void *run(void *argument)
             continue;
         }
         struct pel_track *track = track_of(mail);
+        struct pel_output **place = note_work(pool, mail);
         pthread_mutex_unlock(&pool->lock);
         if (mail->kind == PEL_MAIL_OUTPUT) {
-            encode_output(pool, (struct pel_output *)mail);
+            encode_output(pool, place, (struct pel_output *)mail);
         } else if (mail->kind == PEL_MAIL_OPTICS) {
             pel_optics_reference((struct pel_optics_query *)mail);
             pel_mailbox_post(pool->box, mail);
@@ -236,9 +256,10 @@ static void *run(void *argument)
     return NULL;
 }
 
-enum pel_err pel_encoder_pool_create(int threads, struct pel_mailbox *box,
-                                     void (*released)(void *user, size_t bytes),
-                                     void *user, struct pel_encoder_pool **out)
+enum pel_err pel_encoder_pool_create(
+    int threads, struct pel_mailbox *box,
+    void (*released)(void *user, const struct pel_job_draw *part), void *user,
+    struct pel_encoder_pool **out)
 {
     struct pel_encoder_pool *pool = calloc(1, sizeof *pool);
     if (!pool) {
@@ -281,6 +302,11 @@ bool pel_encoder_pool_stop(struct pel_encoder_pool *pool)
     int64_t end = pel_now_ns() + STOP_NS, left = STOP_NS;
     pthread_mutex_lock(&pool->lock);
     atomic_store(&pool->stop, true);
+    for (int i = 0; i < MAX_THREADS; i++) {
+        if (pool->at_work[i]) {
+            atomic_store(&pool->at_work[i]->cancel, true);
+        }
+    }
     pthread_cond_broadcast(&pool->work);
     while (pool->ended < pool->count && left > 0) {
         pel_cond_wait_ns(&pool->work, &pool->lock, left);
@@ -322,7 +348,9 @@ void pel_encoder_pool_push_output(struct pel_encoder_pool *pool,
                                   struct pel_output *output)
 {
     output->mail.kind = PEL_MAIL_OUTPUT;
-    bool fast = output->track || output->format == PELAGOS__FRAME_FORMAT__JPEG;
+    bool fast =
+        output->track ||
+        (output->format == PELAGOS__FRAME_FORMAT__JPEG && !output->job->large);
     push(pool, fast ? &pool->fast : &pool->slow, &output->mail);
 }
 

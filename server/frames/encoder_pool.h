@@ -1,5 +1,5 @@
 /* The encoder threads: pictures to bytes. Live pictures go first; slow work
- * (PNG, EXR, numbers of light) leaves one thread to them. */
+ * (PNG, EXR, large pictures, numbers of light) leaves one thread to them. */
 #pragma once
 
 #include "frames/job.h"
@@ -7,12 +7,12 @@
 
 struct pel_encoder_pool;
 
-/* `released` is called (any encoder thread) after a picture was given back to
- * the renderer, with the bytes of its buffer. */
-PEL_CHECK enum pel_err
-pel_encoder_pool_create(int threads, struct pel_mailbox *box,
-                        void (*released)(void *user, size_t bytes), void *user,
-                        struct pel_encoder_pool **out);
+/* `released` is called (any encoder thread) after the picture of a draw was
+ * given back to the renderer. */
+PEL_CHECK enum pel_err pel_encoder_pool_create(
+    int threads, struct pel_mailbox *box,
+    void (*released)(void *user, const struct pel_job_draw *part), void *user,
+    struct pel_encoder_pool **out);
 
 /* Name of the GL renderer for the files' attributes; lives as long. */
 void pel_encoder_pool_set_device(struct pel_encoder_pool *pool,

@@ -42,10 +42,10 @@ static void scene_changed(void *user)
     }
 }
 
-static void picture_released(void *user, size_t bytes)
+static void picture_released(void *user, const struct pel_job_draw *part)
 {
     struct pel_frames *frames = user;
-    pel_renderloop_released(frames->loop, bytes);
+    pel_renderloop_released(frames->loop, part);
 }
 
 static int encoder_threads(int wanted)

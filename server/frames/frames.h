@@ -81,7 +81,9 @@ typedef void (*pel_frame_callback)(void *user, enum pel_err err,
                                    const struct pel_fault *fault,
                                    struct pel_frame *frame);
 
-/* One picture. Refusals that can be known at once (no such view, unknown
+/* One picture, in memory at most PEL_FRAME_SET_BYTES before it is encoded. One
+ * that would hold up others for longer than a frame of theirs is drawn in bands
+ * between these. Refusals that can be known at once (no such view, unknown
  * layer, size out of range, more than 128 requests waiting: BUSY) are returned
  * and the callback is not called; otherwise it is called exactly once.
  * *id (may be NULL) names the request for pel_frames_cancel. */
@@ -114,8 +116,9 @@ bool pel_frames_layer_exists(const char *name);
     "radiance, sun, sky, water, air, depth, normal, fresnel, slopeVariance, "  \
     "waterSingle, waterSecond, waterHigher, bottom, position"
 
-/* Forgets a request or a set: its callback does not come any more. An id that
- * is unknown or finished is ignored. */
+/* Forgets a request or a set: its callback does not come any more, and what
+ * nobody waits for is neither drawn nor encoded further. An id that is unknown
+ * or finished is ignored. */
 void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
 
 /* A live view as JPEG: drawn only while someone is subscribed, encoded once
@@ -215,6 +218,8 @@ PEL_CHECK enum pel_err pel_frames_optics(struct pel_frames *frames,
 struct pel_frames_stats {
     uint64_t frames_drawn, views_drawn, frames_skipped;
     uint64_t pictures_encoded, encoded_bytes, requests_refused;
+    uint64_t large_drawn;      /* frames that were drawn in bands */
+    uint64_t pictures_dropped; /* that nobody waited for any more */
     uint64_t surfaces, surfaces_prefetched; /* queries taken */
     double render_ms_median, render_ms_p95; /* of the last 256 views */
     double quality; /* scale of width and height of live views, 0.25..1 */

@@ -261,6 +261,103 @@ static void a_cancelled_request_is_silent(void **state)
     assert_int_equal(stats.requests_waiting, 0);
 }
 
+/* Whoever asks for little after somebody who asks for much has it before him,
+ * and live views go on. The bands are smaller then, and the bytes the same. */
+static void a_large_picture_waits_for_others(void **state)
+{
+    (void)state;
+    struct answer alone = { 0 }, among = { 0 }, little = { 0 }, live = { 0 };
+    Pelagos__FrameRequest much = small(PELAGOS__FRAME_FORMAT__PNG);
+    Pelagos__FrameRequest one = small(PELAGOS__FRAME_FORMAT__JPEG);
+    struct pel_frames_stats before, after;
+    struct pel_subscription *subscription;
+    much.has_width = much.has_height = true;
+    much.width = 1408;
+    much.height = 1200;
+    much.has_time = one.has_time = true;
+    much.time = one.time = 7;
+    ask(&much, &alone);
+    run_until(&alone.calls, 1);
+    pel_frames_get_stats(frames, &before);
+    assert_int_equal(pel_frames_subscribe(frames, "test", 50, take, &live,
+                                          &subscription, NULL),
+                     PEL_OK);
+    run_until(&live.calls, 3);
+    ask(&much, &among);
+    run_for(1);
+    for (int i = 0; i < 5; i++) {
+        ask(&one, &little);
+    }
+    int seen = live.calls;
+    run_until(&little.calls, 5);
+    assert_int_equal(among.calls, 0);
+    run_until(&among.calls, 1);
+    assert_true(live.calls > seen + 5);
+    pel_frames_get_stats(frames, &after);
+    assert_int_equal(after.large_drawn, before.large_drawn + 1);
+    assert_non_null(alone.frame);
+    assert_non_null(among.frame);
+    assert_int_equal(alone.frame->size, among.frame->size);
+    assert_memory_equal(alone.frame->data, among.frame->data,
+                        alone.frame->size);
+    pel_frames_unsubscribe(subscription);
+    drop(&alone);
+    drop(&among);
+    drop(&little);
+    drop(&live);
+}
+
+/* What nobody waits for is not drawn to its end: a picture, and a set. */
+static void a_large_picture_is_dropped(void **state)
+{
+    (void)state;
+    struct answer answer = { 0 };
+    struct pel_frames_stats before, after;
+    Pelagos__FrameRequest much = small(PELAGOS__FRAME_FORMAT__EXR);
+    much.has_width = much.has_height = true;
+    much.width = much.height = 3072;
+    uint64_t id;
+    run_until_still();
+    pel_frames_get_stats(frames, &before);
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(
+            pel_frames_request(frames, &much, take, &answer, &id, NULL),
+            PEL_OK);
+        run_for(100 * i);
+        pel_frames_cancel(frames, id);
+        run_until_still();
+    }
+    pel_frames_get_stats(frames, &after);
+    assert_int_equal(after.views_drawn, before.views_drawn);
+    assert_int_equal(after.pictures_encoded, before.pictures_encoded);
+    assert_int_equal(after.pictures_dropped, before.pictures_dropped + 2);
+    assert_int_equal(answer.calls, 0);
+    /* And the next one is. */
+    much.width = much.height = 1100;
+    ask(&much, &answer);
+    run_until(&answer.calls, 1);
+    assert_int_equal(answer.err, PEL_OK);
+    drop(&answer);
+}
+
+static void a_picture_has_a_set_s_memory(void **state)
+{
+    (void)state;
+    struct answer answer = { 0 };
+    struct pel_fault fault;
+    Pelagos__FrameRequest all = small(PELAGOS__FRAME_FORMAT__EXR);
+    char *layers[] = { "radiance", "sun", "sky", "water" };
+    all.has_width = all.has_height = true;
+    all.width = all.height = 4096;
+    all.n_layers = 4;
+    all.layers = layers;
+    assert_int_equal(
+        pel_frames_request(frames, &all, take, &answer, NULL, &fault),
+        PEL_ERR_INVALID);
+    assert_string_equal(fault.path, "layers");
+    assert_non_null(strstr(fault.message, "MiB"));
+}
+
 static void a_view_deleted_before_its_frame(void **state)
 {
     (void)state;
@@ -431,6 +528,9 @@ int main(void)
         cmocka_unit_test(what_cannot_be_is_refused_at_once),
         cmocka_unit_test(waiting_requests_are_bounded),
         cmocka_unit_test(a_cancelled_request_is_silent),
+        cmocka_unit_test(a_large_picture_waits_for_others),
+        cmocka_unit_test(a_large_picture_is_dropped),
+        cmocka_unit_test(a_picture_has_a_set_s_memory),
         cmocka_unit_test(a_view_deleted_before_its_frame),
         cmocka_unit_test(surface_queries_are_answered),
         cmocka_unit_test(windows_know_their_ranks),

@@ -72,17 +72,6 @@ static void on_picture(void *user, enum pel_err err,
     }
 }
 
-/* Bytes of a picture before it is encoded; the view exists. */
-static size_t bytes_of(const struct pel_snapshot *s,
-                       const Pelagos__FrameRequest *r)
-{
-    const struct pel_view_state *v =
-        &s->views[pel_snapshot_find_view(s, r->view)];
-    size_t width = r->has_width ? r->width : v->width;
-    size_t height = r->has_height ? r->height : v->height;
-    return width * height * pel_layer_bytes(pel_request_layers(r));
-}
-
 static enum pel_err check_one(struct pel_frames *frames,
                               const Pelagos__FrameRequest *r, size_t index,
                               struct pel_fault *fault)
@@ -121,7 +110,7 @@ static enum pel_err check(struct pel_frames *frames,
     enum pel_err err = PEL_OK;
     for (size_t i = 0; i < request->n_frames && err == PEL_OK; i++) {
         err = check_one(frames, request->frames[i], i, fault);
-        bytes += err == PEL_OK ? bytes_of(s, request->frames[i]) : 0;
+        bytes += err == PEL_OK ? pel_request_bytes(s, request->frames[i]) : 0;
     }
     pel_snapshot_unref(s);
     if (err == PEL_OK && bytes > PEL_FRAME_SET_BYTES) {

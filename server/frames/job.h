@@ -58,8 +58,9 @@ struct pel_output {
     struct pel_track *track; /* H.264 by this one, else NULL */
     unsigned kbps;
     bool want_key;
-    bool done;      /* control thread */
-    bool delivered; /* control thread */
+    atomic_bool cancel; /* nobody waits for it any more */
+    bool done;          /* control thread */
+    bool delivered;     /* control thread */
     enum pel_err err;
     char why[160];           /* of an error, or "" */
     struct pel_frame *frame; /* NULL on error */
@@ -76,6 +77,7 @@ struct pel_job_draw {
     enum pel_err err;
     struct pel_picture *picture;
     atomic_int users;     /* outputs that still read the picture */
+    uint32_t rows_begun;  /* in bands; render thread */
     int64_t submitted_ns; /* when its commands were all given */
     double submit_ms;     /* its share of giving them */
     double render_ms;
@@ -84,6 +86,7 @@ struct pel_job_draw {
 struct pel_job {
     struct pel_mail mail;
     bool used, live, drawn; /* control thread */
+    bool large;             /* drawn in bands, between the other jobs */
     uint64_t order;         /* of beginning, never twice */
     uint64_t number;        /* of live pictures: see pel_frame */
     uint64_t moment; /* of others: the first frame that showed the same */
@@ -95,11 +98,13 @@ struct pel_job {
     int64_t drawn_ns; /* when the last picture was there */
     const struct pel_snapshot *snapshot;
     struct pel_environment environment;
+    uint64_t asked_pixels; /* of requests, that are not drawn anyway */
     size_t draw_count;
     struct pel_draw draws[PEL_MAX_VIEWS]; /* user: &parts[i] */
     struct pel_job_draw parts[PEL_MAX_VIEWS];
     size_t output_count;
     struct pel_output outputs[PEL_MAX_OUTPUTS];
+    size_t begun;           /* draws of a large job; render thread */
     size_t collected;       /* render thread */
     struct pel_fault fault; /* of the drawing, when it failed */
 };

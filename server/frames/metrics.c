@@ -80,6 +80,10 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
              s.video_ms_median);
     gauge(page, "pelagos_frames_subscriptions", "Live views being watched.",
           s.subscriptions);
+    counter(page, "pelagos_frames_large_total",
+            "Frames drawn in bands between the others'.", s.large_drawn);
+    counter(page, "pelagos_frames_dropped_total",
+            "Pictures that nobody waited for any more.", s.pictures_dropped);
     gauge(page, "pelagos_frames_requests_waiting", "Pictures not yet answered.",
           s.requests_waiting);
 }

@@ -8,7 +8,8 @@
 #include "base/clock.h"
 #include "base/log.h"
 
-/* Readback memory in flight or with the encoders; one picture always fits. */
+/* Readback memory in flight or with the encoders, of large jobs and of the
+ * others; one picture always fits. */
 #define READBACK_BUDGET ((size_t)256 << 20)
 #define MAX_SUBMITTED 2
 #define MAX_REFUSALS 100 /* 2 ms apart */
@@ -16,9 +17,11 @@
 
 struct pel_renderloop {
     pthread_t thread;
-    pthread_mutex_t lock; /* protects queue, ready, ended, err, fault, path */
-    pthread_cond_t wake;  /* CLOCK_MONOTONIC */
+    /* protects queue, given, ready, ended, err, fault, path */
+    pthread_mutex_t lock;
+    pthread_cond_t wake; /* CLOCK_MONOTONIC */
     struct pel_queue queue;
+    struct pel_job *given; /* a large one, not begun */
     bool ready, ended, joined;
     enum pel_err err;
     struct pel_fault fault;
@@ -27,10 +30,13 @@ struct pel_renderloop {
     struct pel_renderer *renderer; /* render thread */
     struct pel_encoder_pool *pool;
     struct pel_mailbox *box;
-    int submitted;    /* jobs with GL; render thread */
+    int submitted;         /* jobs with GL; render thread, the next too */
+    struct pel_job *large; /* in hand; NULL: none */
+    unsigned jobs_since;   /* its last band */
+    _Atomic uint64_t band_pixels;
     int64_t drawn_ns; /* when the last picture was there; render thread */
     atomic_bool stop;
-    atomic_size_t held_bytes;
+    atomic_size_t held_bytes, held_large;
     _Atomic int64_t progress_ns;
 };
 
@@ -55,7 +61,7 @@ static void finish_part(struct pel_renderloop *loop, struct pel_job_draw *part)
     progress(loop);
     if (last) {
         job->drawn_ns = pel_now_ns();
-        loop->submitted--;
+        loop->submitted -= !job->large;
         job->mail.kind = PEL_MAIL_JOB_DRAWN;
         pel_mailbox_post(loop->box, &job->mail);
     }
@@ -212,8 +218,109 @@ static void submit(struct pel_renderloop *loop, struct pel_job *job)
     }
 }
 
+/* --- a large job, in bands ------------------------------------------------ */
+
+static uint32_t rows_of_band(struct pel_renderloop *loop,
+                             const struct pel_camera *c)
+{
+    uint64_t rows = atomic_load(&loop->band_pixels) / c->width;
+    rows = rows / PEL_BAND_ROWS * PEL_BAND_ROWS;
+    return rows > PEL_BAND_ROWS ? (uint32_t)rows : PEL_BAND_ROWS;
+}
+
+static bool is_wanted(const struct pel_job *job, size_t draw)
+{
+    for (size_t i = 0; i < job->output_count; i++) {
+        if (job->outputs[i].draw == draw &&
+            !atomic_load(&job->outputs[i].cancel)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The next draw; the job has been begun whole with the last. */
+static void end_large_draw(struct pel_renderloop *loop)
+{
+    struct pel_job *job = loop->large;
+    loop->large = ++job->begun < job->draw_count ? job : NULL;
+}
+
+static void give_up_draw(struct pel_renderloop *loop, enum pel_err err)
+{
+    struct pel_job_draw *part = &loop->large->parts[loop->large->begun];
+    if (part->rows_begun > 0) {
+        pel_renderer_drop_bands(loop->renderer);
+        atomic_fetch_sub(&loop->held_large, part->bytes);
+    }
+    part->err = err;
+    end_large_draw(loop);
+    finish_part(loop, part);
+}
+
+static bool has_memory(struct pel_renderloop *loop, struct pel_job_draw *part)
+{
+    size_t held = atomic_load(&loop->held_large);
+    if (part->rows_begun == 0) {
+        if (held > 0 && held + part->bytes > READBACK_BUDGET) {
+            return false;
+        }
+        atomic_fetch_add(&loop->held_large, part->bytes);
+    }
+    return true;
+}
+
+static void draw_band(struct pel_renderloop *loop)
+{
+    static struct pel_log_limit limit;
+    struct pel_job *job = loop->large;
+    struct pel_job_draw *part = &job->parts[job->begun];
+    if (!is_wanted(job, job->begun)) {
+        give_up_draw(loop, PEL_ERR_CONFLICT);
+        return;
+    }
+    if (!pel_renderer_band_done(loop->renderer, 3000000)) {
+        return;
+    }
+    if (!has_memory(loop, part)) {
+        wait_room(loop);
+        return;
+    }
+    struct pel_draw draw = job->draws[job->begun];
+    uint32_t rows = rows_of_band(loop, &draw.camera);
+    uint32_t left = draw.camera.height - part->rows_begun;
+    int64_t begun_ns = pel_now_ns();
+    draw.first_row = part->rows_begun;
+    draw.rows = rows < left ? rows : left;
+    job->environment.sea = pel_snapshot_sea(job->snapshot);
+    enum pel_err err =
+        pel_renderer_submit(loop->renderer, &job->environment, &draw, 1);
+    if (err == PEL_ERR_BUSY) {
+        if (part->rows_begun == 0) {
+            atomic_fetch_sub(&loop->held_large, part->bytes);
+        }
+        wait_room(loop);
+        return;
+    }
+    part->rows_begun += draw.rows;
+    part->submitted_ns = pel_now_ns();
+    part->submit_ms += (double)(part->submitted_ns - begun_ns) * 1e-6;
+    loop->jobs_since = 0;
+    progress(loop);
+    note_path(loop);
+    if (err != PEL_OK) {
+        pel_log_limited(&limit, PEL_LOG_ERROR, "FRM-003",
+                        "frame %llu: drawing failed: %s",
+                        (unsigned long long)job->number, pel_err_name(err));
+        give_up_draw(loop, err);
+    } else if (part->rows_begun == draw.camera.height) {
+        end_large_draw(loop);
+    }
+}
+
 /* --- the thread ---------------------------------------------------------- */
 
+/* Waits while there is nothing to do at all. */
 static struct pel_mail *next_mail(struct pel_renderloop *loop)
 {
     struct pel_mail *mail = NULL;
@@ -222,7 +329,12 @@ static struct pel_mail *next_mail(struct pel_renderloop *loop)
         if (loop->submitted < MAX_SUBMITTED) {
             mail = pel_queue_pop(&loop->queue);
         }
-        if (mail || loop->submitted > 0) {
+        if (!loop->large) {
+            loop->large = loop->given;
+            loop->given = NULL;
+        }
+        if (mail || loop->submitted > 0 || loop->large ||
+            pel_renderer_in_flight(loop->renderer) > 0) {
             break;
         }
         pthread_cond_wait(&loop->wake, &loop->lock);
@@ -254,18 +366,28 @@ static void draw_jobs(struct pel_renderloop *loop)
     while (!atomic_load(&loop->stop)) {
         /* What is finished goes first: software renderers draw while they
          * take commands, and the next job would hold it up for a frame. */
-        while (loop->submitted > 0 && collect_one(loop, 0)) {
+        while (collect_one(loop, 0)) {
         }
         struct pel_mail *mail = next_mail(loop);
+        bool waiting = pel_renderer_in_flight(loop->renderer) > 0;
         if (mail && mail->kind == PEL_MAIL_OPTICS) {
             answer_optics(loop, (struct pel_optics_query *)mail);
         } else if (mail) {
             submit(loop, (struct pel_job *)mail);
+            loop->jobs_since++;
+        } else if (loop->large && (!waiting || loop->jobs_since > 0)) {
+            draw_band(loop);
         } else if (loop->submitted == MAX_SUBMITTED) {
             collect_one(loop, 50000000);
-        } else if (loop->submitted > 0) {
+        } else if (waiting) {
             /* Short, so that a job that comes now is submitted meanwhile. */
             collect_one(loop, 3000000);
+        }
+        if (mail && loop->large && loop->jobs_since > 0) {
+            /* What is there first: nobody waits for it and for a band. */
+            while (collect_one(loop, 0)) {
+            }
+            draw_band(loop);
         }
     }
 }
@@ -368,7 +490,19 @@ void pel_renderloop_get_path(struct pel_renderloop *loop,
 
 void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job)
 {
-    push(loop, &job->mail);
+    if (!job->large) {
+        push(loop, &job->mail);
+        return;
+    }
+    pthread_mutex_lock(&loop->lock);
+    loop->given = job;
+    pthread_cond_signal(&loop->wake);
+    pthread_mutex_unlock(&loop->lock);
+}
+
+void pel_renderloop_set_band(struct pel_renderloop *loop, uint64_t pixels)
+{
+    atomic_store(&loop->band_pixels, pixels);
 }
 
 void pel_renderloop_push_optics(struct pel_renderloop *loop,
@@ -377,9 +511,11 @@ void pel_renderloop_push_optics(struct pel_renderloop *loop,
     push(loop, &query->mail);
 }
 
-void pel_renderloop_released(struct pel_renderloop *loop, size_t bytes)
+void pel_renderloop_released(struct pel_renderloop *loop,
+                             const struct pel_job_draw *part)
 {
-    atomic_fetch_sub(&loop->held_bytes, bytes);
+    atomic_fetch_sub(part->job->large ? &loop->held_large : &loop->held_bytes,
+                     part->bytes);
     pthread_mutex_lock(&loop->lock);
     pthread_cond_signal(&loop->wake);
     pthread_mutex_unlock(&loop->lock);

@@ -21,15 +21,22 @@ bool pel_renderloop_is_software(const struct pel_renderloop *loop);
 void pel_renderloop_get_path(struct pel_renderloop *loop,
                              struct pel_renderer_path *out);
 
-/* Hands a job over; it comes back as PEL_MAIL_JOB_DRAWN. Control thread. */
+/* Hands a job over; it comes back as PEL_MAIL_JOB_DRAWN. A large one, of which
+ * there may be one at a time, is drawn in bands: one after each other job, and
+ * one after the other while there is none. Draws that nobody waits for any more
+ * are left out. Control thread. */
 void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job);
+
+/* About the pixels of a band, from the next one on. Any thread. */
+void pel_renderloop_set_band(struct pel_renderloop *loop, uint64_t pixels);
 
 /* The same of a question; it comes back as PEL_MAIL_OPTICS. Control thread. */
 void pel_renderloop_push_optics(struct pel_renderloop *loop,
                                 struct pel_optics_query *query);
 
 /* A readback buffer is free again; any thread. */
-void pel_renderloop_released(struct pel_renderloop *loop, size_t bytes);
+void pel_renderloop_released(struct pel_renderloop *loop,
+                             const struct pel_job_draw *part);
 
 /* When the thread last made progress (CLOCK_MONOTONIC); any thread. */
 int64_t pel_renderloop_progress_ns(const struct pel_renderloop *loop);

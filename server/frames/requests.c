@@ -62,6 +62,45 @@ static bool view_exists(struct pel_frames *frames, const char *view)
     return exists;
 }
 
+size_t pel_request_bytes(const struct pel_snapshot *s,
+                         const Pelagos__FrameRequest *r)
+{
+    int index = pel_snapshot_find_view(s, r->view);
+    const struct pel_view_state *v = index >= 0 ? &s->views[index] : NULL;
+    size_t width = r->has_width ? r->width : v ? v->width : 0;
+    size_t height = r->has_height ? r->height : v ? v->height : 0;
+    return width * height * pel_layer_bytes(pel_request_layers(r));
+}
+
+uint64_t pel_request_pixels(const struct pel_snapshot *s,
+                            const struct pel_frame_request *r)
+{
+    int index = pel_snapshot_find_view(s, r->view);
+    const struct pel_view_state *v = index >= 0 ? &s->views[index] : NULL;
+    uint64_t width = r->width ? r->width : v ? v->width : 0;
+    return width * (r->height ? r->height : v ? v->height : 0);
+}
+
+/* One picture alone may take what a set may. */
+static enum pel_err check_memory(struct pel_frames *frames,
+                                 const Pelagos__FrameRequest *r,
+                                 struct pel_fault *fault)
+{
+    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    size_t bytes = pel_request_bytes(s, r);
+    pel_snapshot_unref(s);
+    char message[160];
+    if (bytes <= PEL_FRAME_SET_BYTES) {
+        return PEL_OK;
+    }
+    snprintf(message, sizeof message,
+             "these layers take %zu MiB before they are encoded, and a "
+             "picture may have %zu: ask for fewer, or for fewer pixels",
+             (bytes >> 20) + 1, PEL_FRAME_SET_BYTES >> 20);
+    return pel_request_refuse(frames, fault, PEL_ERR_INVALID, "layers",
+                              message);
+}
+
 enum pel_err pel_request_check(struct pel_frames *frames,
                                const Pelagos__FrameRequest *r,
                                struct pel_fault *fault)
@@ -107,7 +146,7 @@ enum pel_err pel_request_check(struct pel_frames *frames,
         }
         return PEL_ERR_NOT_FOUND;
     }
-    return PEL_OK;
+    return check_memory(frames, r, fault);
 }
 
 unsigned pel_request_layers(const Pelagos__FrameRequest *r)
@@ -175,6 +214,21 @@ enum pel_err pel_frames_request(struct pel_frames *frames,
     return PEL_OK;
 }
 
+/* Work for an output that nobody waits for any more is left. */
+static void let_go(struct pel_frames *frames, struct pel_output *output)
+{
+    for (int i = 0; i < PEL_MAX_REQUESTS; i++) {
+        const struct pel_frame_request *r = &frames->requests[i];
+        if (r->used && r->output == output) {
+            return;
+        }
+    }
+    if (output->stream == 0 && !output->done) {
+        frames->stats.pictures_dropped++;
+        atomic_store(&output->cancel, true);
+    }
+}
+
 static void forget(struct pel_frames *frames, struct pel_frame_request *request)
 {
     request->used = false;
@@ -185,8 +239,12 @@ static void forget(struct pel_frames *frames, struct pel_frame_request *request)
 void pel_request_forget(struct pel_frames *frames, uint64_t id)
 {
     for (int i = 0; i < PEL_MAX_REQUESTS; i++) {
+        struct pel_output *output = frames->requests[i].output;
         if (frames->requests[i].used && frames->requests[i].id == id) {
             forget(frames, &frames->requests[i]);
+            if (output) {
+                let_go(frames, output);
+            }
         }
     }
 }

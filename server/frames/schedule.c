@@ -15,6 +15,7 @@
 /* The processor's time for a pixel, generously: what a large picture may take
  * beyond that without being stuck. */
 #define SOFTWARE_PIXEL_NS 4000
+#define MAX_LARGE 2 /* one being drawn, one being encoded */
 
 static int64_t period_ns(const struct pel_frames *frames)
 {
@@ -112,6 +113,7 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
     const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
     job->used = true;
     job->live = live;
+    job->large = false;
     job->drawn = false;
     job->requested_ns = pel_now_ns();
     job->present_ns = job->requested_ns + frames->present_delay_ns;
@@ -120,7 +122,8 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
     job->host_frame = pel_scene_host_frame(frames->scene);
     job->draw_count = 0;
     job->output_count = 0;
-    job->collected = 0;
+    job->asked_pixels = 0;
+    job->begun = job->collected = 0;
     job->environment = pel_environment_of(s, time_s);
     number_job(frames, job);
     return job;
@@ -207,6 +210,7 @@ static struct pel_output *add_output(struct pel_job *job,
     }
     struct pel_output *output = &job->outputs[job->output_count++];
     *output = *want;
+    atomic_init(&output->cancel, false);
     output->job = job;
     atomic_fetch_add(&job->parts[want->draw].users, 1);
     return output;
@@ -326,7 +330,8 @@ static bool has_place(const struct pel_job *job,
 }
 
 /* Requests that a frame of this kind can take: those without a time, or those
- * with this very time. */
+ * with this very time; a large job takes its first one, or set, whatever it
+ * has. */
 static void add_requests(struct pel_frames *frames, struct pel_job *job,
                          bool has_time)
 {
@@ -336,12 +341,16 @@ static void add_requests(struct pel_frames *frames, struct pel_job *job,
             struct pel_frame_request *r = &frames->requests[i];
             bool fits = r->used && !r->output && r->has_time == has_time &&
                         (!has_time || r->time_s == job->environment.time_s);
-            if (fits && (!next || r->order < next->order)) {
+            if (fits && (!next || r->order < next->order) &&
+                pel_fair_join(frames, job, r)) {
                 next = r;
             }
         }
         if (!next || !has_place(job, next)) {
             return;
+        }
+        if (!pel_fair_has_draw(job, next)) {
+            job->asked_pixels += pel_request_pixels(job->snapshot, next);
         }
         if (next->set) {
             pel_set_begin(next->set);
@@ -361,11 +370,19 @@ static void launch(struct pel_frames *frames, struct pel_job *job)
     job->order = ++frames->job_order;
     keep_number(frames, job);
     pel_surface_keep(frames, job);
-    frames->drawing++;
-    frames->last_was_live = job->live;
     frames->stats.frames_drawn++;
-    frames->launched_ns = job->launched_ns = pel_now_ns();
-    pel_schedule_watch(frames);
+    frames->stats.large_drawn += job->large;
+    job->launched_ns = pel_now_ns();
+    if (job->large) {
+        frames->large = job;
+    } else {
+        frames->drawing++;
+        frames->last_was_live = job->live;
+        frames->launched_ns = job->launched_ns;
+        pel_fair_note(frames, job);
+        pel_schedule_watch(frames);
+    }
+    pel_renderloop_set_band(frames->loop, pel_fair_band(frames));
     pel_renderloop_push(frames->loop, job);
 }
 
@@ -405,6 +422,7 @@ void pel_schedule_tick(void *user)
     struct pel_job *job =
         begin_job(frames, pel_scene_time(frames->scene), true);
     add_streams(frames, job);
+    frames->live_pixels = pel_fair_job_pixels(job);
     add_requests(frames, job, false);
     launch(frames, job);
 }
@@ -425,33 +443,57 @@ static bool must_wait(const struct pel_frames *frames,
 }
 
 /* Oldest waiting request that may begin a frame now. */
-static struct pel_frame_request *next_starter(struct pel_frames *frames)
+static struct pel_frame_request *next_starter(struct pel_frames *frames,
+                                              bool large)
 {
     struct pel_frame_request *oldest = NULL;
     for (int i = 0; i < PEL_MAX_REQUESTS; i++) {
         struct pel_frame_request *r = &frames->requests[i];
-        if (r->used && !r->output && !must_wait(frames, r) &&
-            (!oldest || r->order < oldest->order)) {
+        if (r->used && !r->output && (!oldest || r->order < oldest->order) &&
+            pel_fair_is_large(frames, r) == large &&
+            (large || !must_wait(frames, r))) {
             oldest = r;
         }
     }
     return oldest;
 }
 
+static void start_with(struct pel_frames *frames,
+                       const struct pel_frame_request *first, bool large)
+{
+    bool has_time = first->has_time;
+    double time_s = has_time ? first->time_s : pel_scene_time(frames->scene);
+    struct pel_job *job = begin_job(frames, time_s, false);
+    job->large = large;
+    add_requests(frames, job, has_time);
+    launch(frames, job);
+}
+
+/* One at a time, and its memory may wait for an encoder. */
+static bool has_room_for_large(struct pel_frames *frames)
+{
+    int count = 0;
+    for (int i = 0; i < PEL_JOB_COUNT; i++) {
+        count += frames->jobs[i].used && frames->jobs[i].large;
+    }
+    return !frames->large && count < MAX_LARGE && free_job(frames);
+}
+
 void pel_schedule_start(void *user)
 {
     struct pel_frames *frames = user;
     while (!frames->stopping && has_room(frames)) {
-        struct pel_frame_request *first = next_starter(frames);
+        const struct pel_frame_request *first = next_starter(frames, false);
         if (!first) {
-            return;
+            break;
         }
-        bool has_time = first->has_time;
-        double time_s =
-            has_time ? first->time_s : pel_scene_time(frames->scene);
-        struct pel_job *job = begin_job(frames, time_s, false);
-        add_requests(frames, job, has_time);
-        launch(frames, job);
+        start_with(frames, first, false);
+    }
+    if (!frames->stopping && has_room_for_large(frames)) {
+        const struct pel_frame_request *first = next_starter(frames, true);
+        if (first) {
+            start_with(frames, first, true);
+        }
     }
 }
 
@@ -474,16 +516,6 @@ void pel_schedule_live(struct pel_frames *frames)
 
 /* --- is it stuck? -------------------------------------------------------- */
 
-static size_t job_pixels(const struct pel_job *job)
-{
-    size_t pixels = 0;
-    for (size_t i = 0; i < job->draw_count; i++) {
-        const struct pel_camera *c = &job->draws[i].camera;
-        pixels += (size_t)c->width * c->height;
-    }
-    return pixels;
-}
-
 static int64_t patience_ns(const struct pel_frames *frames)
 {
     int64_t ns = 0;
@@ -493,7 +525,9 @@ static int64_t patience_ns(const struct pel_frames *frames)
     for (int i = 0; i < PEL_JOB_COUNT; i++) {
         const struct pel_job *job = &frames->jobs[i];
         if (job->used && !job->drawn) {
-            ns += (int64_t)job_pixels(job) * SOFTWARE_PIXEL_NS;
+            ns += SOFTWARE_PIXEL_NS * (int64_t)(job->large
+                                                    ? PEL_LONE_PIXELS
+                                                    : pel_fair_job_pixels(job));
         }
     }
     return ns;
@@ -555,6 +589,7 @@ static void feed_quality(struct pel_frames *frames, const struct pel_job *job)
         alone = alone && part->live && part->err == PEL_OK;
     }
     frames->last_drawn_ns = job->drawn_ns;
+    alone = alone && !frames->large;
     if (alone && pel_quality_feed(&frames->quality, job->scale, pixels, busy_ms,
                                   period_ms, job->drawn_ns)) {
         publish_quality(frames);
@@ -589,7 +624,11 @@ void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job)
         }
     }
     feed_quality(frames, job);
-    frames->drawing--;
+    if (job->large) {
+        frames->large = NULL;
+    } else {
+        frames->drawing--;
+    }
     job->drawn = true;
     end_if_complete(job);
     pel_schedule_soon(frames);

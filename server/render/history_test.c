@@ -193,6 +193,32 @@ static void the_trial_changes_nothing(void **state)
     in_turns("auto", 1);
 }
 
+/* Each scene band by band, with another one between any two. */
+static void bands_are_the_whole(void **state)
+{
+    (void)state;
+    struct pel_renderer *r = test_renderer("fragment");
+    for (int now = 0; now < SCENES; now++) {
+        const struct scene *s = &scenes[now], *o = &scenes[(now + 1) % SCENES];
+        struct pel_draw draw = { .camera = s->camera, .layers = s->layers };
+        uint32_t height = s->camera.height;
+        for (; draw.first_row < height; draw.first_row += PEL_BAND_ROWS) {
+            uint32_t left = height - draw.first_row;
+            draw.rows = left < PEL_BAND_ROWS ? left : PEL_BAND_ROWS;
+            assert_int_equal(pel_renderer_submit(r, &s->env, &draw, 1), PEL_OK);
+            if (left > PEL_BAND_ROWS) {
+                pel_picture_release(
+                    test_draw(r, &o->env, &o->camera, o->layers));
+            }
+        }
+        struct pel_picture *p = pel_renderer_collect(r, 60000000000);
+        assert_non_null(p);
+        must_be(p, now, -1, "fragment, in bands");
+        pel_picture_release(p);
+    }
+    pel_renderer_destroy(r);
+}
+
 /* Views of one moment in one frame, whichever comes first. */
 static void views_do_not_see_each_other(void **state)
 {
@@ -288,6 +314,7 @@ int main(void)
         cmocka_unit_test(compute_remembers_nothing),
         cmocka_unit_test(the_trial_changes_nothing),
         cmocka_unit_test(probes_change_nothing),
+        cmocka_unit_test(bands_are_the_whole),
         cmocka_unit_test(views_do_not_see_each_other),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
