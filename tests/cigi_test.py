@@ -51,6 +51,12 @@ class Stand:
     def metric(self, name):
         return metrics(self.daemon)["pelagos_cigi_" + name]
 
+    def state(self):
+        """When no sea is being built for the host any more."""
+        until("seas are built", lambda:
+              metrics(self.daemon)["pelagos_scene_waiting"] == 0)
+        return self.daemon.state()
+
     def __enter__(self):
         return self
 
@@ -118,7 +124,7 @@ def scene_follows_in_both_orders():
                        cigi.view_definition(2, -20, 25, 12, -13),
                        cigi.maritime(50, 8, height=-1.25), cigi.wave(4, 1.5, 8, 100),
                        cigi.sensor(0, 3), cigi.raw(bytes([240, 16] + [7] * 14)))
-            state = s.daemon.state()
+            state = s.state()
             e = ship(state)
             check((e["latitude"], e["longitude"], e["altitude"]) ==
                   (52.61, 5.25, 3), e)
@@ -149,7 +155,7 @@ def scene_follows_in_both_orders():
 def answers_are_of_the_sea_drawn():
     with Stand() as s:
         s.host.ask(cigi.component(1, 1, (14, 300, 150000, 3.3), seed=9))
-        state = s.daemon.state()["sea"]
+        state = s.state()["sea"]
         check((state["windSpeed"], state["spectrum"], state["seed"]) ==
               (14, "JONSWAP", 9), state)
         points = places(100)
@@ -185,7 +191,7 @@ def answers_of_fft_come_later():
     """Its moments take longer than a frame; the heights are the same sea's."""
     with Stand() as s:
         s.host.ask(cigi.component(5, 1), cigi.component(1, 3, (10, 90)))
-        state = s.daemon.state()["sea"]
+        state = s.state()["sea"]
         check((state["synthesiser"], state["spectrum"]) ==
               ("FFT", "ELFOUHAILY"), state)
         points = places(20)
@@ -366,7 +372,7 @@ def sea_state_shows_in_the_next_frame():
                              (cigi.short_component(2, 9, 90), 0.836 * 27)):
             s.host.send(change)
             s.host.settle()
-            state = s.daemon.state()
+            state = s.state()
             shown = s.daemon.get("/v1/views/bridge/frame.jpg"
                                  "?width=64&height=36")
             near(state["sea"]["windSpeed"], wind, 1e-9, "wind")
@@ -449,7 +455,7 @@ def ended_while_a_host_leads():
                 s.daemon.patch({"clock": {"mode": "PACED"}})
                 s.host.ask(cigi.entity(1, LATITUDE, LONGITUDE),
                            cigi.rate(1, x=5))
-                check(s.daemon.state()["clock"]["mode"] == "HOST", "leads")
+                check(s.state()["clock"]["mode"] == "HOST", "leads")
                 written = time.monotonic() + 10
                 while "HOST" not in open(state).read():
                     check(time.monotonic() < written, "no state file")
@@ -537,7 +543,7 @@ def loss_duplicates_and_reordering():
                     check(frame.sof["last_host"] >= newest, frame.sof)
                     newest = frame.sof["last_host"]
                 if number % 20 == 0:
-                    state = s.daemon.state()
+                    state = s.state()
                     check(int(state["revision"]) >= revision, "revision")
                     revision = int(state["revision"])
             # The disturbance ends: clean within 2 frames of the host.
@@ -545,7 +551,7 @@ def loss_duplicates_and_reordering():
             for _ in range(2):
                 s.host.send(cigi.entity(1, 60, LONGITUDE))
             s.host.settle()
-            near(ship(s.daemon.state())["latitude"], 60, 0, "latitude")
+            near(ship(s.state())["latitude"], 60, 0, "latitude")
             page = metrics(s.daemon)
             lost = page["pelagos_cigi_lost_frames_total"]
             check(lost >= proxy.dropped - proxy.held, (lost, proxy.dropped))
@@ -564,7 +570,7 @@ def loss_duplicates_and_reordering():
 def malformed_datagrams_change_nothing():
     with Stand() as s:
         s.host.ask(cigi.entity(1, LATITUDE, LONGITUDE))
-        before = s.daemon.state()
+        before = s.state()
         bad = [data for _, data in cigi_corpus.committed()]
         check(len(bad) == 2000, f"{len(bad)} in the archive")
         def counted():
@@ -580,7 +586,7 @@ def malformed_datagrams_change_nothing():
         dropped = sum(v for k, v in page.items()
                       if k.startswith("pelagos_cigi_malformed_total"))
         check(dropped == len(bad), f"{dropped} of {len(bad)} counted")
-        after = s.daemon.state()
+        after = s.state()
         # On a busy machine the host was given up meanwhile: one of those.
         check(after["revision"] == before["revision"] or
               "CIG-008" in s.daemon.log(), "an edit")
@@ -591,7 +597,7 @@ def malformed_datagrams_change_nothing():
         check(all(reasons[k] > 50 for k in ("size", "number")), reasons)
         s.host.ask(cigi.entity(1, 89, 0), cigi.atmosphere(5000, 5, 5))
         check(s.metric("refused_edits_total") == 1, "refused")
-        check(s.daemon.state()["sea"] == before["sea"], "half applied")
+        check(s.state()["sea"] == before["sea"], "half applied")
         print(f"  {len(bad)} malformed datagrams: {reasons}")
 
 
@@ -651,6 +657,38 @@ def a_flood_leaves_others_served():
         check(SANITIZED or grown < 16, f"grown by {grown} MiB")
 
 
+def winds_and_buoys_keep_nobody_waiting():
+    """A wind, a wave and a clamped buoy that change with every frame: the
+    control thread builds no sea and looks none up; the newest wins."""
+    with Stand() as s:
+        s.host.ask(cigi.component(5, 1), cigi.entity(40, 52.62, 5.2, clamp=1),
+                   cigi.entity(41, 52.63, 5.2, clamp=2))
+        s.state()
+        for i in range(120):
+            s.host.send(cigi.entity(1, LATITUDE + i * 1e-5, LONGITUDE, yaw=90),
+                        cigi.entity(40, 52.62 + i * 1e-5, 5.2, 0.5, clamp=1),
+                        cigi.conformal(41, 52.63, 5.2 + i * 1e-5),
+                        cigi.atmosphere(9000, 5 + 0.05 * i, 90),
+                        cigi.wave(3, 1 + 0.01 * i, 8, 100))
+            s.host.settle()
+        last = s.host.frame
+        state = s.state()
+        page = metrics(s.daemon)
+        check(page["pelagos_cigi_host_frame"] == last, "the newest frame")
+        near(ship(state)["latitude"], LATITUDE + 119e-5, 1e-12, "own ship")
+        near(state["sea"]["windSpeed"], 5 + 0.05 * 119, 1e-4, "wind")
+        near(state["sea"]["wave"][0]["height"], 1 + 0.01 * 119, 1e-6, "wave")
+        work = {k.split('"')[1]: int(v) for k, v in page.items()
+                if k.startswith("pelagos_control_work_total")}
+        print(f"  {work}")
+        check("sea" not in work and "surface" not in work, work)
+        # Stands still, a while later: on the sea below.
+        near(state["clock"]["time"], s.metric("host_time_seconds"), 1, "time")
+        check(any(ship(state, 40)["altitude"] != 0.5 and
+                  ship(state, 41)[angle] != 0 for angle in ("pitch", "roll")),
+              state["entities"])
+
+
 def database_and_refusals():
     with Stand("--cigi-database", "3") as s:
         def told(asked):
@@ -695,7 +733,7 @@ def a_silent_host_is_noticed():
             at = s.metric("host_time_seconds")
             until("gone", lambda: s.metric("connected") == 0)
             until("the log says so", lambda: "CIG-008" in s.daemon.log())
-            state = s.daemon.state()
+            state = s.state()
             check(state["sources"]["cigiStale"], state["sources"])
             moved = (ship(state)["latitude"] - LATITUDE) * 111270
             if gone == "hold":
@@ -703,7 +741,7 @@ def a_silent_host_is_noticed():
                 # For 1 s from its last frame; `at` is a little later.
                 check(0 <= stands < 1.3, f"went on for {stands} s")
                 time.sleep(0.1)
-                near(s.daemon.state()["clock"]["time"], at + stands, 1e-9,
+                near(s.state()["clock"]["time"], at + stands, 1e-9,
                      "stands")
                 check(state["clock"]["mode"] == "HOST", state["clock"])
             else:
@@ -722,7 +760,7 @@ def a_silent_host_is_noticed():
             check(pixels(s.daemon.get(url)).getpixel((0, 0)) != AMBER, "mark")
             other = cigi.Host(("127.0.0.1", s.port))
             other.ask(cigi.entity(1, LATITUDE + 0.1, LONGITUDE))
-            state = s.daemon.state()
+            state = s.state()
             near(ship(state)["latitude"], LATITUDE + 0.1, 0, "anew")
             check(not state["sources"]["cigiStale"], state["sources"])
             check(state["clock"]["mode"] == "HOST", state["clock"])
@@ -816,6 +854,7 @@ TESTS = [scene_follows_in_both_orders, answers_are_of_the_sea_drawn,
          sea_state_shows_in_the_next_frame, sensors_change_the_picture,
          ended_while_a_host_leads, loss_duplicates_and_reordering,
          malformed_datagrams_change_nothing, a_flood_leaves_others_served,
+         winds_and_buoys_keep_nobody_waiting,
          database_and_refusals, a_silent_host_is_noticed,
          start_of_frame_before_any_host, tshark_understands_both_directions]
 

@@ -16,6 +16,7 @@
 #include "bridges/cigi_answers.h"
 #include "bridges/cigi_metrics.h"
 #include "bridges/cigi_periodic.h"
+#include "bridges/cigi_sea.h"
 #include "bridges/cigi_sensor.h"
 #include "bridges/cigi_world.h"
 #include "bridges/endpoint.h"
@@ -71,6 +72,7 @@ struct pel_cigi {
 
     struct pel_cigi_world world;
     struct pel_cigi_edit *edit;
+    struct pel_cigi_sea *sea;
     struct pel_cigi_periodic periodic;
     struct pel_cigi_answers *answers;
     uint64_t dropped_questions;
@@ -228,23 +230,51 @@ static void refuse_edit(struct pel_cigi *cigi, const char *path,
     cigi->counters.refused_edits++;
 }
 
-/* Makes and commits the patch; false: refused, and nothing has changed. */
-static bool edit(struct pel_cigi *cigi, struct pel_cigi_reader reader,
-                 double time_s, bool lead, bool reset)
+/* Commits the patch, and has the sea that it asks for built and committed
+ * later; false: refused whole. */
+static bool commit(struct pel_cigi *cigi, const Pelagos__Patch *patch)
+{
+    struct pel_fault fault = { 0 };
+    const Pelagos__Patch *rest = patch, *sea = NULL;
+    enum pel_err err = PEL_OK;
+    if (patch->state->sea || patch->n_remove > 0) {
+        err = pel_scene_test(cigi->scene, patch, &fault);
+        sea = pel_cigi_edit_split(cigi->edit, &rest);
+    }
+    if (!err && rest) {
+        err = pel_scene_patch(cigi->scene, rest, &fault);
+    }
+    if (err) {
+        refuse_edit(cigi, fault.path, fault.message);
+        return false;
+    }
+    if (sea) {
+        pel_cigi_sea_ask(cigi->sea, sea);
+    }
+    cigi->counters.edits++;
+    return true;
+}
+
+/* Makes and commits the patch of `count` datagrams; false: refused, and nothing
+ * has changed. */
+static bool edit(struct pel_cigi *cigi, const struct pel_cigi_reader *readers,
+                 size_t count, double time_s, bool lead, bool reset)
 {
     struct pel_cigi_world before = cigi->world;
     struct pel_cigi_packet p;
-    struct pel_fault fault = { 0 };
     const struct pel_snapshot *s = pel_scene_snapshot(cigi->scene);
     pel_cigi_edit_begin(cigi->edit, &cigi->world, pel_scene_state(cigi->scene),
                         s, time_s, lead);
     if (reset) {
         pel_cigi_edit_reset(cigi->edit);
     }
-    while (pel_cigi_next(&reader, &p)) {
-        if (p.kind != PEL_CIGI_KIND_COUNT &&
-            pel_cigi_packets[p.kind].from_host) {
-            pel_cigi_edit_take(cigi->edit, &p);
+    for (size_t i = 0; i < count; i++) {
+        struct pel_cigi_reader reader = readers[i];
+        while (pel_cigi_next(&reader, &p)) {
+            if (p.kind != PEL_CIGI_KIND_COUNT &&
+                pel_cigi_packets[p.kind].from_host) {
+                pel_cigi_edit_take(cigi->edit, &p);
+            }
         }
     }
     const Pelagos__Patch *patch = pel_cigi_edit_end(cigi->edit);
@@ -253,18 +283,36 @@ static bool edit(struct pel_cigi *cigi, struct pel_cigi_reader reader,
     if (!good) {
         refuse_edit(cigi, "", "a bad number, or too many elements");
     } else if (patch) {
-        good = pel_scene_patch(cigi->scene, patch, &fault) == PEL_OK;
-        if (good) {
-            cigi->counters.edits++;
-        } else {
-            refuse_edit(cigi, fault.path, fault.message);
-        }
+        good = commit(cigi, patch);
     }
     cigi->counters.skipped_packets += good ? cigi->edit->skipped : 0;
     if (!good) {
         cigi->world = before;
     }
     return good;
+}
+
+/* Clamped entities get their heights of this moment. */
+static void look_below(struct pel_cigi *cigi, double time_s)
+{
+    const struct pel_snapshot *s = pel_scene_snapshot(cigi->scene);
+    pel_cigi_sea_look(cigi->sea, s, time_s);
+    pel_snapshot_unref(s);
+}
+
+static void on_sea_refused(void *user, const struct pel_fault *fault)
+{
+    struct pel_cigi *cigi = user;
+    refuse_edit(cigi, fault->path, fault->message);
+    cigi->refused = true;
+}
+
+static void on_sea_known(void *user)
+{
+    struct pel_cigi *cigi = user;
+    if (cigi->led) {
+        edit(cigi, NULL, 0, pel_scene_time(cigi->scene), false, false);
+    }
 }
 
 static void ask(struct pel_cigi *cigi, struct pel_cigi_reader reader)
@@ -359,7 +407,7 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
     if (leads) {
         step_to(cigi, time_s); /* the edit is one of that moment */
     }
-    bool good = edit(cigi, reader, time_s, cigi->lead_pending, reset);
+    bool good = edit(cigi, &reader, 1, time_s, cigi->lead_pending, reset);
     cigi->refused = !good;
     cigi->lead_pending = cigi->lead_pending && !good;
     if (!leads) {
@@ -369,6 +417,7 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
     if (good) {
         pel_scene_set_host_frame(cigi->scene, frame);
         ask(cigi, reader);
+        look_below(cigi, cigi->applied_s);
     }
     return true;
 }
@@ -397,6 +446,11 @@ static bool feed(struct pel_cigi *cigi, const uint8_t *bytes, size_t size)
 void pel_cigi_feed(struct pel_cigi *cigi, const uint8_t *bytes, size_t size)
 {
     feed(cigi, bytes, size);
+}
+
+void pel_cigi_settle(struct pel_cigi *cigi)
+{
+    pel_cigi_sea_settle(cigi->sea);
 }
 
 /* --- one frame ----------------------------------------------------------- */
@@ -663,6 +717,9 @@ enum pel_err pel_cigi_create(const struct pel_cigi_options *options,
     cigi->edit = g_new0(struct pel_cigi_edit, 1);
     cigi->answers = pel_cigi_answers_create(options->listen != NULL);
     pel_cigi_world_init(&cigi->world);
+    const struct pel_cigi_sea_calls calls = { on_sea_refused, on_sea_known,
+                                              cigi };
+    cigi->sea = pel_cigi_sea_create(scene, &cigi->world, &calls);
     enum pel_err err = pel_allow_parse(options->allow, &cigi->allow, fault);
     if (!err && options->listen) {
         err = open_sockets(cigi, fault);
@@ -703,6 +760,7 @@ void pel_cigi_destroy(struct pel_cigi *cigi)
     if (cigi->timer_fd >= 0) {
         close(cigi->timer_fd);
     }
+    pel_cigi_sea_destroy(cigi->sea);
     g_free(cigi->edit);
     pel_cigi_answers_destroy(cigi->answers);
     g_free(cigi);

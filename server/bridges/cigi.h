@@ -74,6 +74,9 @@ void pel_cigi_destroy(struct pel_cigi *cigi); /* NULL allowed */
 /* Treats bytes as one datagram of the host. */
 void pel_cigi_feed(struct pel_cigi *cigi, const uint8_t *bytes, size_t size);
 
+/* Waits for seas that are being built: for tests. */
+void pel_cigi_settle(struct pel_cigi *cigi);
+
 /* One frame: what the timer does. Returns the bytes of the datagram that
  * begins with Start of Frame, valid until the next call. */
 size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes);

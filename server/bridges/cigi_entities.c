@@ -91,6 +91,9 @@ static void clamp_to_sea(struct pel_cigi_edit *edit, uint32_t id, bool clamped,
         .id = id,
         .how = conformal ? PEL_CIGI_ON_SLOPE : PEL_CIGI_ON_SEA,
         .height_m = height_m,
+        .known = f->known && f->how != PEL_CIGI_ON_PARENT,
+        .sea_m = f->sea_m,
+        .normal = f->normal,
     };
 }
 
@@ -210,8 +213,26 @@ static void place_attached(struct pel_cigi_edit *edit,
                  pitch / PEL_DEG, roll / PEL_DEG);
 }
 
+/* The sea below at the edit's time; one of FFT as it was when it was last
+ * looked at, which takes a thread some milliseconds (cigi_sea.h). */
+static void sea_below(const struct pel_cigi_edit *edit,
+                      const struct pel_cigi_follower *f, struct pel_vec3 at,
+                      struct pel_surface_sample *out)
+{
+    struct pel_vec2 point = { at.x, at.y };
+    if (!pel_snapshot_transforms(edit->snapshot)) {
+        pel_snapshot_surface(edit->snapshot, &point, 1, edit->time_s, false,
+                             out);
+        return;
+    }
+    *out = (struct pel_surface_sample){
+        .height_m = f->known ? f->sea_m : edit->snapshot->sea_level_m,
+        .normal = f->known ? f->normal : (struct pel_vec3){ 0, 0, 1 },
+    };
+}
+
 /* Height, and for a conformal one pitch and roll, from the sea of before this
- * edit at the edit's time. */
+ * edit. */
 static void place_clamped(struct pel_cigi_edit *edit,
                           const struct pel_cigi_follower *f)
 {
@@ -226,9 +247,7 @@ static void place_clamped(struct pel_cigi_edit *edit,
     if (!e) {
         return;
     }
-    struct pel_vec2 point = { at.x, at.y };
-    pel_snapshot_surface(edit->snapshot, &point, 1, edit->time_s, false,
-                         &sample);
+    sea_below(edit, f, at, &sample);
     e->has_altitude = true;
     e->altitude = sample.height_m + f->height_m;
     e->has_pose_time = true;

@@ -89,6 +89,7 @@ static inline void stamped(double timestamp, double database)
 static inline void send(void)
 {
     pel_cigi_feed(cigi, bytes, used);
+    pel_cigi_settle(cigi);
 }
 
 static inline void place_ship(uint32_t id, double latitude, double yaw)

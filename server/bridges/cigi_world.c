@@ -437,13 +437,43 @@ void pel_cigi_edit_take(struct pel_cigi_edit *edit,
     }
 }
 
+static const Pelagos__Patch *whole(const struct pel_cigi_edit *edit)
+{
+    bool any = edit->state.clock || edit->state.sea || edit->state.water ||
+               edit->state.sky || edit->state.n_entities > 0 ||
+               edit->state.n_views > 0 || edit->patch.n_remove > 0;
+    return any ? &edit->patch : NULL;
+}
+
 const Pelagos__Patch *pel_cigi_edit_end(struct pel_cigi_edit *edit)
 {
     pel_cigi_place_followers(edit);
     pel_cigi_apply_conditions(edit);
     hang_views(edit);
-    bool any = edit->state.clock || edit->state.sea || edit->state.water ||
-               edit->state.sky || edit->state.n_entities > 0 ||
-               edit->state.n_views > 0 || edit->patch.n_remove > 0;
-    return any ? &edit->patch : NULL;
+    return whole(edit);
+}
+
+const Pelagos__Patch *pel_cigi_edit_split(struct pel_cigi_edit *edit,
+                                          const Pelagos__Patch **rest)
+{
+    size_t kept = 0;
+    pelagos__patch__init(&edit->sea_patch);
+    pelagos__state__init(&edit->sea_state);
+    edit->sea_patch.state = &edit->sea_state;
+    edit->sea_patch.remove = edit->sea_removals;
+    edit->sea_state.sea = edit->state.sea;
+    edit->state.sea = NULL;
+    for (size_t i = 0; i < edit->patch.n_remove; i++) {
+        char *path = edit->removal_list[i];
+        if (strncmp(path, "sea.", 4) == 0) {
+            edit->sea_removals[edit->sea_patch.n_remove++] = path;
+        } else {
+            edit->removal_list[kept++] = path;
+        }
+    }
+    edit->patch.n_remove = kept;
+    *rest = whole(edit);
+    return edit->sea_state.sea || edit->sea_patch.n_remove > 0
+               ? &edit->sea_patch
+               : NULL;
 }

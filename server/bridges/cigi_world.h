@@ -54,6 +54,9 @@ struct pel_cigi_follower {
     uint32_t parent;
     double offset_m[3]; /* body axes of the parent */
     double height_m;    /* above the sea */
+    bool known;         /* the sea below it, of late (cigi_sea.h) */
+    double sea_m;
+    struct pel_vec3 normal;
     double roll_deg, pitch_deg, yaw_deg;
 };
 
@@ -138,6 +141,9 @@ struct pel_cigi_edit {
     char removals[PEL_CIGI_REMOVALS][96];
     char *removal_list[PEL_CIGI_REMOVALS];
     char utc[40];
+    Pelagos__Patch sea_patch; /* pel_cigi_edit_split */
+    Pelagos__State sea_state;
+    char *sea_removals[PEL_CIGI_REMOVALS];
 };
 
 /* Begins; scene and snapshot are of now and must outlive the edit. With
@@ -158,6 +164,11 @@ void pel_cigi_edit_take(struct pel_cigi_edit *edit,
 
 /* The whole patch, NULL when nothing is to be changed. */
 const Pelagos__Patch *pel_cigi_edit_end(struct pel_cigi_edit *edit);
+
+/* Takes what asks for another sea out of the whole patch: that patch, NULL:
+ * nothing does. *rest: what is left, NULL: nothing. */
+const Pelagos__Patch *pel_cigi_edit_split(struct pel_cigi_edit *edit,
+                                          const Pelagos__Patch **rest);
 
 /* Name of the view that a CIGI view id means: `cigi-ID` if there is one; else
  * for 0 the scene's first view; else `cigi-ID`. */

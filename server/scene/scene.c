@@ -367,6 +367,19 @@ static enum pel_err refuse_step(const char *path, double value, double minimum,
     return PEL_ERR_OUT_OF_RANGE;
 }
 
+enum pel_err pel_scene_test(struct pel_scene *scene,
+                            const Pelagos__Patch *patch,
+                            struct pel_fault *fault)
+{
+    Pelagos__State *next;
+    enum pel_err err =
+        pel_scene_edited(scene, patch, pel_scene_time(scene), &next, fault);
+    if (!err) {
+        pelagos__state__free_unpacked(next, NULL);
+    }
+    return err;
+}
+
 /* The clock stands where a step may move it. */
 static enum pel_err steps(const struct pel_scene *scene,
                           struct pel_fault *fault)

@@ -42,6 +42,11 @@ PEL_CHECK enum pel_err pel_scene_patch(struct pel_scene *scene,
                                        const Pelagos__Patch *patch,
                                        struct pel_fault *fault);
 
+/* Whether pel_scene_patch would refuse it now, files apart. */
+PEL_CHECK enum pel_err pel_scene_test(struct pel_scene *scene,
+                                      const Pelagos__Patch *patch,
+                                      struct pel_fault *fault);
+
 /* How a patch ends that may have to wait. fault: where err, else empty. */
 typedef void (*pel_scene_done)(void *user, enum pel_err err,
                                const struct pel_fault *fault);
