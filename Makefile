@@ -101,6 +101,7 @@ OPTICS := server/optics/brdf.c \
     server/optics/atmosphere.c \
     server/optics/colour.c \
     server/optics/facets.c \
+    server/optics/light.c \
     server/optics/lightreport.c \
     server/optics/waterbody.c \
     server/optics/linear.c \

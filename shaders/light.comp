@@ -6,11 +6,12 @@
 
 layout(local_size_x = 64) in;
 layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
-layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2D sky_table;
+layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
 layout(std430, binding = PEL_STORE_LIGHT) writeonly buffer out_block {
     vec4 out_exposure;
-    vec4 out_sun;
-    vec4 out_sky;
+    vec4 out_sea; // by water_map.comp
+    vec4 out_beams[PEL_LIGHTS];
+    vec4 out_skies[PEL_LIGHTS];
 };
 
 shared vec3 partial[64];
@@ -21,21 +22,23 @@ float illuminance(vec3 e)
     return dot(vec3(0.2126, 0.7152, 0.0722), vec3(dot(red.rgb, e), dot(green.rgb, e), dot(blue.rgb, e)));
 }
 
-void main()
+// Light of the sky of one light on the level plane and on the upright one that
+// faces it, to invocation 0.
+void gather(int i, uint lane, out vec3 level, out vec3 upright)
 {
-    uint lane = gl_LocalInvocationID.x;
-    vec2 table = vec2(textureSize(sky_table, 0));
+    vec2 table = vec2(textureSize(sky_table, 0).xy);
     vec3 sum = vec3(0.0);
     vec3 facing = vec3(0.0);
     // E = 2 ∫∫ L sin e cos e de dφ over half the azimuths; e = π/2 x².
-    for (uint i = lane; i < 1024u; i += 64u) {
-        float azimuth = PI * (float(i & 31u) + 0.5) / 32.0;
-        float x = (float(i >> 5u) + 0.5) / 32.0;
+    for (uint k = lane; k < 1024u; k += 64u) {
+        float azimuth = PI * (float(k & 31u) + 0.5) / 32.0;
+        float x = (float(k >> 5u) + 0.5) / 32.0;
         float e = 0.5 * PI * x * x;
-        vec3 radiance = textureLod(sky_table, sky_uv(azimuth, e, table), 0.0).rgb;
+        vec3 radiance = textureLod(sky_table, vec3(sky_uv(azimuth, e, table), i), 0.0).rgb;
         sum += radiance * (sin(e) * cos(e) * PI * x);
         facing += radiance * (cos(e) * cos(e) * max(cos(azimuth), 0.0) * PI * x);
     }
+    barrier(); // the last light's sums have been read
     partial[lane] = sum * (2.0 * PI / 1024.0);
     partial_facing[lane] = facing * (2.0 * PI / 1024.0);
     barrier();
@@ -46,23 +49,40 @@ void main()
         }
         barrier();
     }
-    vec3 sky = partial[0];
-    vec3 direct = solar.rgb * sun_transmittance(transmittance, 0.0, sun.z);
+    level = partial[0];
+    upright = partial_facing[0];
+}
+
+void main()
+{
+    uint lane = gl_LocalInvocationID.x;
+    // A camera at sea meets the low Sun's glare, not only what falls on the
+    // water: the meter takes the illuminance of the level plane and of the
+    // upright ones that face each light together.
+    float level = 0.0;
+    float upright2 = 0.0;
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        vec3 sky, facing;
+        gather(i, lane, sky, facing);
+        vec4 to = lights[i].direction;
+        vec3 direct = lights[i].irradiance.rgb *
+                      light_transmittance(transmittance, 0.0, to.z, to.w);
+        vec3 down = sky + direct * max(to.z, 0.0);
+        facing += direct * sqrt(max(1.0 - to.z * to.z, 0.0));
+        level += illuminance(down);
+        float upright = illuminance(facing);
+        upright2 += upright * upright;
+        if (lane == 0u) {
+            out_beams[i] = vec4(direct, 0.0);
+            out_skies[i] = vec4(sky, 0.0);
+        }
+    }
     if (lane == 0u) {
-        vec3 down = sky + direct * max(sun.z, 0.0);
-        // A camera at sea meets the low Sun's glare, not only what falls on
-        // the water: the meter takes the illuminance of the level plane and of
-        // the upright one that faces the Sun together.
-        vec3 facing_light = partial_facing[0] + direct * sqrt(max(1.0 - sun.z * sun.z, 0.0));
-        float level = illuminance(down);
-        float upright = illuminance(facing_light);
-        float lux = max(sqrt(level * level + upright * upright), 1e-6);
+        float lux = max(sqrt(level * level + upright2), 1e-6);
         // Dusk is to look like dusk: of each stop below daylight the exposure
         // makes up three quarters.
         float metered = log2(lux * (100.0 / 250.0));
         out_exposure = vec4(clamp(metered + max(15.0 - metered, 0.0) / 4.0, -1.0, 16.0),
                             level, 0.0, 0.0);
-        out_sun = vec4(direct, 0.0);
-        out_sky = vec4(sky, 0.0);
     }
 }

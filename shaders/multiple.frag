@@ -1,6 +1,6 @@
 #version 450 core
 // Gain of all orders of scattering after the first, taken as isotropic
-// (Hillaire 2020, eq. 5–10), for unit solar irradiance.
+// (Hillaire 2020, eq. 5–10), for unit irradiance of a light above the air.
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 
@@ -15,7 +15,10 @@ void main()
 {
     vec2 x = clamp((gl_FragCoord.xy - 0.5) / (SIZE - 1.0), 0.0, 1.0);
     float s = 2.0 * x.x - 1.0;
-    float sun_mu = sign(s) * s * s;
+    float light_mu = sign(s) * s * s;
+    // How much of a disc has set matters little after two scatterings: the first
+    // light's radius serves all.
+    float radius = lights[0].direction.w;
     // Never quite on the ground, or rays downward would miss it.
     float h = max(x.y * x.y * (planet.y - planet.x), 1.0);
     float r = planet.x + h;
@@ -31,7 +34,7 @@ void main()
         float weight = side * 2.0 * abs(q0);
         float phi = PI * (float(i % DIRECTIONS) + 0.5) / float(DIRECTIONS);
         float across = sqrt(1.0 - mu * mu);
-        float nu = mu * sun_mu + across * cos(phi) * sqrt(max(1.0 - sun_mu * sun_mu, 0.0));
+        float nu = mu * light_mu + across * cos(phi) * sqrt(max(1.0 - light_mu * light_mu, 0.0));
         float ground = distance_to_ground(h, mu);
         float way = ground > 0.0 ? ground : distance_to_top(h, mu);
         vec3 through = vec3(weight);
@@ -41,20 +44,20 @@ void main()
             float t1 = way * q * q;
             float t = 0.5 * (t0 + t1);
             float ht = max(height_along(h, mu, t), 0.0);
-            float mu_t = clamp((r * sun_mu + t * nu) / (planet.x + ht), -1.0, 1.0);
+            float mu_t = clamp((r * light_mu + t * nu) / (planet.x + ht), -1.0, 1.0);
             vec3 scatter = rayleigh.rgb * rayleigh_density(ht) + mie.y * mie_density(ht);
             vec3 sigma = extinction(ht);
             vec3 step_through = exp(-sigma * (t1 - t0));
             vec3 share = through * scatter * (1.0 - step_through) / max(sigma, vec3(1e-12));
-            second += share * sun_transmittance(transmittance, ht, mu_t) / (4.0 * PI);
+            second += share * light_transmittance(transmittance, ht, mu_t, radius) / (4.0 * PI);
             factor += share;
             through *= step_through;
             t0 = t1;
         }
         if (ground > 0.0) {
-            float mu_g = clamp((r * sun_mu + ground * nu) / planet.x, -1.0, 1.0);
+            float mu_g = clamp((r * light_mu + ground * nu) / planet.x, -1.0, 1.0);
             second += through * PEL_SEA_ALBEDO / PI * max(mu_g, 0.0) *
-                      sun_transmittance(transmittance, 0.0, mu_g);
+                      light_transmittance(transmittance, 0.0, mu_g, radius);
         }
     }
     float count = float(DIRECTIONS * DIRECTIONS);

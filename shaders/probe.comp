@@ -10,7 +10,7 @@
 layout(local_size_x = 1) in;
 layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
-layout(binding = PEL_UNIT_EYE_TABLE) uniform sampler2D eye_table;
+layout(binding = PEL_UNIT_EYE_TABLE) uniform sampler2DArray eye_table;
 layout(location = 0) uniform vec3 direction;
 layout(location = 1) uniform vec2 slopes; // variance along, across the wind
 layout(std430, binding = PEL_STORE_PROBE) writeonly buffer answer_block { vec4 answer[PEL_PROBE_ANSWERS]; };
@@ -21,7 +21,8 @@ void main()
     vec3 tx = vec3(wind.xy, 0.0);
     vec3 ty = cross(n, tx);
     vec3 view = vec3(dot(direction, tx), dot(direction, ty), max(direction.z, 1e-3));
-    vec3 light = vec3(dot(sun.xyz, tx), dot(sun.xyz, ty), sun.z);
+    vec3 to = lights[PEL_LIGHT_SUN].direction.xyz;
+    vec3 light = vec3(dot(to, tx), dot(to, ty), to.z);
     float s_view = sqrt(directional_variance(view, slopes));
     float s_light = sqrt(directional_variance(light, slopes));
     float seen;
@@ -29,16 +30,15 @@ void main()
     answer[0] = vec4(smith_lambda_cos(view.z, s_view) / view.z,
                      smith_lambda_cos(light.z, s_light) / max(light.z, 1e-4),
                      mean_fresnel(view.z, s_view), seen);
-    float reflected = reflected_sun(view, light, slopes);
+    float reflected = reflected_light(view, light, slopes, lights[PEL_LIGHT_SUN].limb.w);
     vec3 h = normalize(view + light);
     answer[1] = vec4(h.z, reflected / max(light.z, 1e-4), reflected, schlick(dot(view, h)));
     answer[2] = vec4(slope_density(-h.xy / max(h.z, 1e-3), slopes));
 
-    vec2 table = vec2(textureSize(eye_table, 0));
-    vec2 uv = sky_uv(azimuth_from_sun(direction.xy), angle_above_horizon(direction), table);
-    answer[3] = textureLod(eye_table, uv, 0.0);
+    answer[3] = vec4(sky_light(eye_table, direction.xy, angle_above_horizon(direction)), 0.0);
     float horizon = horizon_cosine(eye.x);
     answer[4] = vec4(direction.z < horizon ? vec3(0.0)
                                            : transmittance_to_top(transmittance, eye.x, direction.z), 0.0);
-    answer[5] = vec4(sun_transmittance(transmittance, eye.x, sun.z), 0.0);
+    answer[5] = vec4(light_transmittance(transmittance, eye.x, to.z,
+                                         lights[PEL_LIGHT_SUN].direction.w), 0.0);
 }

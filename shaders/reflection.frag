@@ -8,7 +8,7 @@
 #include "lib/ross.glsl"
 
 layout(location = 0) out vec4 radiance;
-layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2D sky_table;
+layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
 layout(location = 0) uniform vec2 map; // size in px, half width in units
 
 void main()
@@ -16,9 +16,8 @@ void main()
     vec2 u = (gl_FragCoord.xy / map.x * 2.0 - 1.0) * map.y;
     float rho2 = dot(u, u);
     vec3 dir = vec3(2.0 * u, 1.0 - rho2) / (1.0 + rho2);
-    vec2 table = vec2(textureSize(sky_table, 0));
     float elevation = asin(clamp(abs(dir.z), 0.0, 1.0));
-    vec3 sky = textureLod(sky_table, sky_uv(azimuth_from_sun(dir.xy), elevation, table), 0.0).rgb;
+    vec3 sky = sky_light(sky_table, dir.xy, elevation);
     if (dir.z < 0.0) {
         float fresnel = mean_fresnel(-dir.z, sqrt(0.5 * (wind.z + wind.w)));
         sky = mix(sea_light.rgb, sky, fresnel);

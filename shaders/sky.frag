@@ -1,6 +1,6 @@
 #version 450 core
-// Sky table of an eye. Above the horizon: radiance of the sky without the
-// Sun's disc. Below: the radiance a way through this air tends to (its
+// Sky table of an eye for one light. Above the horizon: radiance of the sky
+// without the disc. Below: the radiance a way through this air tends to (its
 // equilibrium) and its mean extinction, from which a shorter way follows.
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
@@ -11,6 +11,7 @@ layout(location = 1) out vec4 extinction_out;
 layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 layout(binding = PEL_UNIT_MULTIPLE) uniform sampler2D multiple;
 layout(location = 0) uniform vec2 table_size;
+layout(location = 1) uniform int light;
 
 const int STEPS = 32;
 
@@ -28,14 +29,15 @@ void main()
     zenith = clamp(zenith, 0.0, PI);
     float mu = cos(zenith);
     float across = sin(zenith);
-    vec2 toward = length(sun.xy) > 1e-6 ? normalize(sun.xy) : vec2(1.0, 0.0);
+    vec2 level = lights[light].direction.xy;
+    vec2 toward = length(level) > 1e-6 ? normalize(level) : vec2(1.0, 0.0);
     vec3 dir = vec3(across * (toward * cos(azimuth) + vec2(-toward.y, toward.x) * sin(azimuth)), mu);
     float ground = above ? -1.0 : distance_to_ground(h, min(mu, horizon_cosine(h) - 1e-7));
     float way = ground > 0.0 ? ground
                 : above      ? distance_to_top(h, mu)
                              : sqrt(h * (2.0 * planet.x + h));
     vec3 radiance, through;
-    integrate_ray(transmittance, multiple, h, dir, way, STEPS, radiance, through);
+    integrate_ray(light, transmittance, multiple, h, dir, way, STEPS, radiance, through);
     if (above) {
         radiance_out = vec4(radiance, 1.0);
         extinction_out = vec4(0.0);

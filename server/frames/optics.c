@@ -37,7 +37,7 @@ static void read_question(const Pelagos__OpticsQuery *from,
         return;
     }
     const Pelagos__BrdfQuery *q = from->brdf;
-    struct pel_vec3 sun = to->environment.sun;
+    struct pel_vec3 sun = to->environment.lights[PEL_LIGHT_SUN].direction;
     double opposite = atan2(-sun.x, -sun.y) / PEL_DEG;
     p->dir = towards(90.0 - q->view_zenith,
                      q->has_view_azimuth ? q->view_azimuth : opposite);
@@ -125,11 +125,13 @@ void pel_optics_reference(struct pel_optics_query *query)
     pel_optics_settle(query);
     if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_SKY) {
         query->err = pel_sky_terms(env->visibility_m, p->height_m, p->dir,
-                                   env->sun, &query->answer.sky);
+                                   env->lights[PEL_LIGHT_SUN].direction,
+                                   &query->answer.sky);
     } else if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_WATER) {
         query->err = pel_optics_water(query);
     } else {
-        pel_brdf_terms(in_wind(env, p->dir), in_wind(env, env->sun),
+        pel_brdf_terms(in_wind(env, p->dir),
+                       in_wind(env, env->lights[PEL_LIGHT_SUN].direction),
                        p->slope_along, p->slope_cross, &query->answer.sea);
     }
     if (query->err != PEL_OK) {
@@ -199,7 +201,7 @@ static Pelagos__Optics *message(const struct pel_frames *frames,
 {
     Pelagos__Optics *out =
         (Pelagos__Optics *)pel_message_new(&pelagos__optics__descriptor);
-    struct pel_vec3 sun = q->environment.sun;
+    struct pel_vec3 sun = q->environment.lights[PEL_LIGHT_SUN].direction;
     double azimuth = atan2(sun.x, sun.y) / PEL_DEG;
     bool water = q->question == PELAGOS__OPTICS_QUERY__QUESTION_WATER;
     SET(out, from,

@@ -142,9 +142,12 @@ static void list_attributes(struct attributes *a, const struct pel_output *o,
     add_number(a, "pelagos.revision", (double)job->snapshot->revision);
     add_text(a, "pelagos.seed", a->seed);
     add_number(a, "pelagos.exposure", part->picture->exposure_ev);
-    add_number(a, "pelagos.sunAzimuth", bearing_deg(env->sun.x, env->sun.y));
+    add_number(a, "pelagos.sunAzimuth",
+               bearing_deg(env->lights[PEL_LIGHT_SUN].direction.x,
+                           env->lights[PEL_LIGHT_SUN].direction.y));
     add_number(a, "pelagos.sunElevation",
-               asin(pel_clamp(env->sun.z, -1, 1)) / PEL_DEG);
+               asin(pel_clamp(env->lights[PEL_LIGHT_SUN].direction.z, -1, 1)) /
+                   PEL_DEG);
     add_number(a, "pelagos.windSpeed", env->wind_mps);
     add_number(a, "pelagos.windDirection",
                bearing_deg(-cos(env->wind_to_rad), -sin(env->wind_to_rad)));

@@ -52,11 +52,10 @@ static bool has_room(struct pel_frames *frames)
 struct pel_environment pel_environment_of(const struct pel_snapshot *s,
                                           double time_s)
 {
-    return (struct pel_environment){
+    struct pel_environment env = {
         .time_s = time_s,
         .sea_level_m = s->sea_level_m,
         .stale = s->mark_stale ? pel_snapshot_stale(s, time_s) : 0,
-        .sun = pel_snapshot_sun(s, time_s),
         .wind_mps = s->wind_mps,
         .wind_to_rad = s->wind_to_rad,
         .visibility_m = s->visibility_m,
@@ -65,6 +64,8 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
         .seabed = s->seabed,
         .caustics = s->caustics,
     };
+    pel_snapshot_lights(s, time_s, env.lights);
+    return env;
 }
 
 /* The first frame that showed this moment, 0: none did lately. */

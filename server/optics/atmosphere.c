@@ -509,7 +509,7 @@ void pel_atmosphere_init(const struct pel_atmosphere_desc *desc,
         visibility = isnan(visibility) ? 40000 : 200;
     }
     visibility = fmin(visibility, 300000);
-    a->solar_irradiance = (struct pel_rgb){ 1.474, 1.850, 1.912 };
+    a->solar_irradiance = (struct pel_rgb)PEL_SUN_IRRADIANCE;
     /* 1.24062e-6 λ⁻⁴, λ in µm. */
     a->rayleigh = (struct pel_rgb){ 1.24062e-6 / pow(0.680, 4),
                                     1.24062e-6 / pow(0.550, 4),

@@ -13,6 +13,11 @@
 
 #define PEL_EARTH_RADIUS 6360000.0
 #define PEL_ATMOSPHERE_RADIUS 6420000.0
+/* Normal to the beam above the air. */
+#define PEL_SUN_IRRADIANCE                                                     \
+    {                                                                          \
+        1.474, 1.850, 1.912                                                    \
+    }
 #define PEL_SUN_ANGULAR_RADIUS 0.004651 /* rad: 0.2665° */
 #define PEL_SUN_SOLID_ANGLE 6.8e-5      /* sr */
 

@@ -25,10 +25,11 @@ struct pel_camera pel_band_camera(const struct pel_camera *whole,
 }
 
 struct pel_disc_box pel_band_disc(const struct pel_camera *whole,
-                                  struct pel_vec3 sun, struct pel_band band)
+                                  struct pel_vec3 to, double radius_rad,
+                                  struct pel_band band)
 {
     struct pel_disc_box box;
-    if (!pel_disc_place(whole, sun, &box)) {
+    if (!pel_disc_place(whole, to, radius_rad, &box)) {
         return (struct pel_disc_box){ 0 };
     }
     int top = box.y - (int)band.first, bottom = top + box.height;

@@ -15,9 +15,11 @@ struct pel_band pel_band_of(const struct pel_draw *draw);
 struct pel_camera pel_band_camera(const struct pel_camera *whole,
                                   struct pel_band band);
 
-/* What lies in the band of the whole picture's box; height 0: nothing. */
+/* What lies in the band of a light's box (render/disc.h) in the whole picture;
+ * height 0: nothing. */
 struct pel_disc_box pel_band_disc(const struct pel_camera *whole,
-                                  struct pel_vec3 sun, struct pel_band band);
+                                  struct pel_vec3 to, double radius_rad,
+                                  struct pel_band band);
 
 /* Tiles of the whole picture become those of the band. */
 void pel_band_tiles(const struct pel_camera *whole, struct pel_band band,

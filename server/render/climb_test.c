@@ -15,7 +15,8 @@ static struct pel_sea sea;
 static void rows_from(double height_m, double pitch, double out[HEIGHT])
 {
     struct pel_environment env = test_environment(&sea, 20.0);
-    env.sun = test_sun(30.0, 220.0); /* behind: a glint may come and go */
+    env.lights[PEL_LIGHT_SUN].direction =
+        test_sun(30.0, 220.0); /* behind: a glint may come and go */
     struct pel_camera c = test_camera(
         (struct test_look){ height_m, 40.0, pitch, 0.0, 50.0, WIDTH, HEIGHT });
     struct pel_picture *p = test_draw(renderer, &env, &c, PEL_LAYER_RADIANCE);

@@ -204,7 +204,7 @@ static void look_down(struct pel_renderer *r, double (*height)(double, double),
 {
     const struct pel_seabed *bed = test_bed(height);
     struct pel_environment env = over(bed);
-    env.sun = test_sun(35.0, 90.0);
+    env.lights[PEL_LIGHT_SUN].direction = test_sun(35.0, 90.0);
     struct pel_camera camera =
         test_camera((struct test_look){ 30, 0, -90, 0, 8, 48, 48 });
     struct pel_picture *p = test_draw(r, &env, &camera, PEL_LAYER_BOTTOM);

@@ -1,4 +1,4 @@
-/* Where in a picture the Sun's disc may lie, so that only pixels there compute
+/* Where in a picture a light's disc may lie, so that only pixels there compute
  * it. */
 #pragma once
 
@@ -10,7 +10,7 @@ struct pel_disc_box { /* pixels, from the top left corner */
     int x, y, width, height;
 };
 
-/* A box around the disc of a Sun towards `sun` (unit, world axes) and its
- * softened edge; false: none of it is in the picture. Any thread. */
-bool pel_disc_place(const struct pel_camera *c, struct pel_vec3 sun,
-                    struct pel_disc_box *out);
+/* A box around a disc of this angular radius towards `to` (unit, world axes)
+ * and its softened edge; false: none of it is in the picture. Any thread. */
+bool pel_disc_place(const struct pel_camera *c, struct pel_vec3 to,
+                    double radius_rad, struct pel_disc_box *out);

@@ -69,7 +69,7 @@ static void fill_scenes(void)
                                       test_camera(away), PEL_LAYER_RADIANCE };
     scenes[SHALLOW].env.caustics = true;
     scenes[NIGHT] = (struct scene){ fft, test_camera(away), PEL_LAYER_COLOR };
-    scenes[NIGHT].env.sun = test_sun(-7, 250);
+    scenes[NIGHT].env.lights[PEL_LIGHT_SUN].direction = test_sun(-7, 250);
     scenes[NIGHT].env.visibility_m = 3000;
     scenes[FROM_BELOW] =
         (struct scene){ wild, test_camera(ahead), PEL_LAYER_COLOR };

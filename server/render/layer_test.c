@@ -37,13 +37,14 @@ static struct pel_picture *draw_scene(struct pel_renderer *r,
     pel_sea_finish(&sea);
     assert_int_equal(pel_sea_build(&desc, &sea), PEL_OK);
     double e = s->sun_elevation * PEL_DEG, pitch = s->pitch * PEL_DEG;
-    struct pel_environment env = { .time_s = 7,
-                                   .sea = &sea,
-                                   .sun = { 0.217 * cos(e), 0.976 * cos(e),
-                                            sin(e) },
-                                   .wind_mps = 9,
-                                   .visibility_m = s->visibility_m,
-                                   .water = pel_water_deep(0.3) };
+    struct pel_environment env = {
+        .time_s = 7,
+        .sea = &sea,
+        .lights = { { { 0.217 * cos(e), 0.976 * cos(e), sin(e) }, 1.0 } },
+        .wind_mps = 9,
+        .visibility_m = s->visibility_m,
+        .water = pel_water_deep(0.3)
+    };
     if (s->shallow_m > 0) {
         env.water.depth_m = s->shallow_m;
     }

@@ -45,9 +45,9 @@ static struct error look_at_sky(double visibility_m, double elevation,
                                 double heading)
 {
     struct pel_environment env = test_environment(&sea, 0.0);
-    env.sun = test_sun(elevation, 90.0);
+    env.lights[PEL_LIGHT_SUN].direction = test_sun(elevation, 90.0);
     env.visibility_m = visibility_m;
-    struct pel_vec3 sun = pel_sky_quantize_sun(env.sun);
+    struct pel_vec3 sun = pel_sky_quantize(env.lights[PEL_LIGHT_SUN].direction);
     struct pel_camera c = test_camera((struct test_look){
         PEL_SKY_SEA_HEIGHT, heading, 31.0, 0.0, 62.0, 96, 96 });
     struct pel_picture *p = test_draw(renderer, &env, &c, PEL_LAYER_RADIANCE);
@@ -148,9 +148,10 @@ static void flat_sea_mirrors(void **state)
     breathe(200e3);
     for (size_t s = 0; s < 2; s++) {
         struct pel_environment env = test_environment(&sea, 0.0);
-        env.sun = test_sun(suns[s], 0.0);
+        env.lights[PEL_LIGHT_SUN].direction = test_sun(suns[s], 0.0);
         env.visibility_m = 200e3;
-        struct pel_vec3 sun = pel_sky_quantize_sun(env.sun);
+        struct pel_vec3 sun =
+            pel_sky_quantize(env.lights[PEL_LIGHT_SUN].direction);
         struct pel_camera c = test_camera(
             (struct test_look){ 2.0, 180.0, -36.0, 0.0, 52.0, 24, 24 });
         struct pel_picture *p =
@@ -200,9 +201,10 @@ static void glitter_is_eq_15(void **state)
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         test_sea(cases[k].wind, 0.0, 1, &sea);
         struct pel_environment env = test_environment(&sea, 0.0);
-        env.sun = test_sun(62.0, 130.0);
+        env.lights[PEL_LIGHT_SUN].direction = test_sun(62.0, 130.0);
         env.visibility_m = 300e3;
-        struct pel_vec3 sun = pel_sky_quantize_sun(env.sun);
+        struct pel_vec3 sun =
+            pel_sky_quantize(env.lights[PEL_LIGHT_SUN].direction);
         double h = cases[k].height_m;
         struct pel_camera c = test_camera(
             (struct test_look){ h, 0.0, -90.0, 0.0, cases[k].fov, 16, 16 });

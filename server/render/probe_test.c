@@ -40,8 +40,10 @@ static void sea_terms(void **state)
     double worst[4] = { 0 };
     for (int i = 0; i < 3 * 9 * 4; i++) {
         struct pel_environment env = test_environment(&sea, 0.0);
-        env.sun = test_sun(20.0 + 15.0 * (i % 4), 60.0 * (i % 7));
-        struct pel_vec3 sun = pel_sky_quantize_sun(env.sun);
+        env.lights[PEL_LIGHT_SUN].direction =
+            test_sun(20.0 + 15.0 * (i % 4), 60.0 * (i % 7));
+        struct pel_vec3 sun =
+            pel_sky_quantize(env.lights[PEL_LIGHT_SUN].direction);
         const double *v = slopes[i % 3];
         int ring = i / 12; /* up to 2° above the level, all round */
         const struct pel_probe probe = {
@@ -85,9 +87,11 @@ static void sky_terms(void **state)
     double radiance = 0.0, through = 0.0;
     for (int i = 0; i < 24; i++) {
         struct pel_environment env = test_environment(&sea, 0.0);
-        env.sun = test_sun(5.0 + 15.0 * (i % 5), 70.0);
+        env.lights[PEL_LIGHT_SUN].direction =
+            test_sun(5.0 + 15.0 * (i % 5), 70.0);
         env.visibility_m = i % 2 ? 40e3 : 200e3;
-        struct pel_vec3 sun = pel_sky_quantize_sun(env.sun);
+        struct pel_vec3 sun =
+            pel_sky_quantize(env.lights[PEL_LIGHT_SUN].direction);
         const struct pel_probe probe = {
             .dir = test_sun(4.0 + 3.5 * i, 110.0 + 31.0 * i),
             .slope_along = 0.02,

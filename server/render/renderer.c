@@ -384,7 +384,7 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
  * them apart before a pixel is shaded. Tiles with a coast tell for
  * themselves. */
 static void shade(struct pel_renderer *r, const struct pel_camera *c,
-                  const struct pel_disc_box *disc,
+                  const struct pel_disc_box *discs,
                   const struct pel_sea_programs *p, enum pel_shading kind)
 {
     const GLuint fbos[PEL_SHADE_COUNT] = { r->targets.color_fbo,
@@ -397,12 +397,14 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glDepthFunc(GL_EQUAL);
     glUseProgram(r->programs.backdrop[kind]);
     glDrawArrays(GL_TRIANGLES, 0, 3);
-    if (disc->width > 0 && disc->height > 0) {
-        glEnable(GL_SCISSOR_TEST);
-        glScissor(disc->x, disc->y, disc->width, disc->height);
-        glUseProgram(r->programs.disc[kind]);
-        glDrawArrays(GL_TRIANGLES, 0, 3);
-        glDisable(GL_SCISSOR_TEST);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        if (discs[i].width > 0 && discs[i].height > 0) {
+            glEnable(GL_SCISSOR_TEST);
+            glScissor(discs[i].x, discs[i].y, discs[i].width, discs[i].height);
+            glUseProgram(r->programs.disc[kind]);
+            glDrawArrays(GL_TRIANGLES, 0, 3);
+            glDisable(GL_SCISSOR_TEST);
+        }
     }
     glDepthFunc(GL_LESS);
     if (r->any_coast) {
@@ -507,7 +509,11 @@ static void draw_pixels(struct pel_renderer *r,
     if (c->height < whole->height) {
         pel_mesh_narrow(&mesh_eye, c, r->mesh);
     }
-    const struct pel_disc_box disc = pel_band_disc(whole, env->sun, band);
+    struct pel_disc_box discs[PEL_LIGHTS];
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        discs[i] = pel_band_disc(whole, env->lights[i].direction,
+                                 pel_light_bodies[i].angular_radius_rad, band);
+    }
     bool cascades = env->sea->cascades != NULL;
     const struct pel_sea_programs *programs =
         cascades ? &r->programs.cascades : &r->programs.trochoids;
@@ -563,7 +569,7 @@ static void draw_pixels(struct pel_renderer *r,
             shade_compute(r, c, programs, now,
                           pass == parts ? wanted | PEL_LAST_PASS : wanted);
         } else {
-            shade(r, c, &disc, programs, now);
+            shade(r, c, discs, programs, now);
         }
     }
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
@@ -687,6 +693,13 @@ void pel_renderer_get_path(const struct pel_renderer *r,
     out->compute = r->programs.compute;
 }
 
+static void quantize_lights(struct pel_environment *env)
+{
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        env->lights[i].direction = pel_sky_quantize(env->lights[i].direction);
+    }
+}
+
 static enum pel_err need_programs(struct pel_renderer *r,
                                   const struct pel_environment *env,
                                   const struct pel_draw *draws, size_t count)
@@ -735,7 +748,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         r->timing.ms[i] = 0.0;
     }
     struct pel_environment here = *env;
-    here.sun = pel_sky_quantize_sun(env->sun);
+    quantize_lights(&here);
     err = pel_seabed_map_fit(&r->seabed, env->seabed);
     if (err != PEL_OK) {
         pel_arena_end(&r->arena);
@@ -813,7 +826,7 @@ enum pel_err pel_renderer_probe(struct pel_renderer *r,
         return err;
     }
     struct pel_environment here = *env;
-    here.sun = pel_sky_quantize_sun(env->sun);
+    quantize_lights(&here);
     struct pel_block_frame frame;
     pel_fill_frame(&here, &frame);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, &frame,

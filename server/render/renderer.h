@@ -50,9 +50,9 @@ void pel_renderer_get_path(const struct pel_renderer *r,
 struct pel_environment {
     double time_s;
     const struct pel_sea *sea;
-    double sea_level_m;  /* of its zero above altitude 0 */
-    unsigned stale;      /* of enum pel_stale: the colour layer says so */
-    struct pel_vec3 sun; /* unit, towards the Sun */
+    double sea_level_m; /* of its zero above altitude 0 */
+    unsigned stale;     /* of enum pel_stale: the colour layer says so */
+    struct pel_light lights[PEL_LIGHTS];
     double wind_mps, wind_to_rad;
     double visibility_m;
     struct pel_water_body water;
@@ -64,17 +64,17 @@ struct pel_environment {
     bool caustics;                   /* the waves focus light on it */
     /* For validation: leaves out the air between the sea and the eye; gives
      * every distance the slope variances of the nearest pixels, the constant
-     * BRDF of the 2010 paper's fig. 10; widens the Sun as brute force must;
+     * BRDF of the 2010 paper's fig. 10; widens lights as brute force must;
      * looks for the height field in every pixel, where it cannot be seen too.
      */
     bool no_air, constant_brdf, coast_everywhere;
-    double sun_blur; /* slopes by which the Sun is widened; 0: its disc */
+    double light_blur; /* slopes by which lights are widened; 0: their discs */
 };
 
 enum pel_layer {
     PEL_LAYER_COLOR = 1 << 0,    /* 8-bit sRGB, exposed and tone-mapped */
     PEL_LAYER_RADIANCE = 1 << 1, /* the sum of the next four */
-    PEL_LAYER_SUN = 1 << 2,      /* the Sun reflected, and its disc */
+    PEL_LAYER_SUN = 1 << 2,      /* lights reflected, and their discs */
     PEL_LAYER_SKY = 1 << 3,      /* the sky reflected, and itself */
     PEL_LAYER_WATER = 1 << 4,    /* light that comes back out of the water */
     PEL_LAYER_AIR = 1 << 5,      /* scattered into the ray before the sea */

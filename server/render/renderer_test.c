@@ -69,7 +69,7 @@ static void same_scene_same_bytes(void **state)
     /* Other seas, Suns, airs, eyes and sizes in between leave no trace. */
     for (int i = 0; i < 3; i++) {
         struct pel_environment other = test_environment(&other_sea, 7.0 + i);
-        other.sun = test_sun(2.0 + 20.0 * i, 200.0);
+        other.lights[PEL_LIGHT_SUN].direction = test_sun(2.0 + 20.0 * i, 200.0);
         other.visibility_m = 3000.0 + 1e5 * i;
         other.water = pel_water_deep(5.0);
         struct pel_camera elsewhere = test_camera(
@@ -375,7 +375,7 @@ static void bands_are_the_whole(void **state)
         struct pel_environment env = test_environment(&sea, 50.0);
         env.stale = i == 1 ? PEL_STALE_CIGI | PEL_STALE_NMEA : 0;
         if (i == 0) { /* the Sun on the edge of two bands */
-            env.sun = test_ray(&c, 100.0, 64.0);
+            env.lights[PEL_LIGHT_SUN].direction = test_ray(&c, 100.0, 64.0);
         }
         c.sensor.kind = i == 2;
         c.sensor.scale = 0.5;
@@ -480,7 +480,8 @@ static void no_scene_gives_nonsense(void **state)
         struct pel_environment env =
             test_environment(&sea, test_random(&random, 0.0, 1e5));
         double elevation = i % 7 ? test_random(&random, -18.0, 90.0) : 90.0;
-        env.sun = test_sun(elevation, test_random(&random, 0.0, 360.0));
+        env.lights[PEL_LIGHT_SUN].direction =
+            test_sun(elevation, test_random(&random, 0.0, 360.0));
         env.visibility_m = 200.0 * pow(1500.0, test_random(&random, 0.0, 1.0));
         env.water =
             pel_water_deep(0.01 * pow(3000.0, test_random(&random, 0, 1)));
@@ -649,7 +650,7 @@ static void exposure_falls_with_the_sun(void **state)
         test_camera((struct test_look){ 6.0, 0.0, 0.0, 0.0, 30.0, 16, 16 });
     double before = 100.0, first = 0.0, ev = 0.0;
     for (double e = 60.0; e >= -12.0; e -= 3.0) {
-        env.sun = test_sun(e, 10.0);
+        env.lights[PEL_LIGHT_SUN].direction = test_sun(e, 10.0);
         struct pel_picture *p = test_draw(renderer, &env, &c, PEL_LAYER_COLOR);
         ev = p->exposure_ev;
         pel_picture_release(p);

@@ -119,7 +119,7 @@ static inline struct pel_environment test_environment(const struct pel_sea *sea,
     return (struct pel_environment){
         .time_s = time_s,
         .sea = sea,
-        .sun = test_sun(30.0, 40.0),
+        .lights = { [PEL_LIGHT_SUN] = { test_sun(30.0, 40.0), 1.0 } },
         .wind_mps = sea->desc.wind_mps,
         .wind_to_rad = sea->desc.direction_rad,
         .visibility_m = 40000.0,

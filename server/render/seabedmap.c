@@ -187,14 +187,13 @@ static struct pel_vec4 vec4(double x, double y, double z, double w)
 #define RESOLVED 1.75
 
 /* Footprints below which the waves' rays would cross, by depth. */
-static void fill_focus(const struct pel_environment *env,
+static void fill_focus(double light_z,
                        const struct pel_variance left[PEL_VARIANCE_COUNT],
                        struct pel_vec4 out[PEL_FOCUS_COUNT])
 {
     const double eta = 1.0 / PEL_WATER_INDEX;
-    double sun_z = pel_clamp(env->sun.z, 0.0, 1.0);
-    double cosine = sqrt(1.0 - eta * eta * (1.0 - sun_z * sun_z));
-    double reach = (cosine - eta * sun_z) / cosine; /* a metre of depth */
+    double cosine = sqrt(1.0 - eta * eta * (1.0 - light_z * light_z));
+    double reach = (cosine - eta * light_z) / cosine; /* a metre of depth */
     double bend2 = 0; /* mean square curvature of longer waves, 1/m² */
     int depth = PEL_FOCUS_COUNT - 1;
     for (int i = PEL_VARIANCE_COUNT - 2; i >= 0 && depth >= 0; i--) {
@@ -215,6 +214,19 @@ static void fill_focus(const struct pel_environment *env,
     }
 }
 
+static void fill_light(double zenith_cosine, const struct pel_seabed_map *map,
+                       const struct pel_variance left[PEL_VARIANCE_COUNT],
+                       int i, struct pel_block_seabed *out)
+{
+    double z = pel_clamp(zenith_cosine, 0.0, 1.0);
+    const struct pel_geometry at = { .sun_zenith_rad = acos(z) };
+    struct pel_interface f = pel_interface_at(&at);
+    double slope = f.sun_mu / sqrt(fmax(1.0 - f.sun_mu * f.sun_mu, 1e-9));
+    out->bed_beams[i] = vec4(f.beam * f.sun_mu * PEL_KERNEL_LEAVING / PEL_PI,
+                             map->steepest > slope ? 1.0 : 0.0, 0.0, 0.0);
+    fill_focus(z, left, &out->bed_focus[PEL_FOCUS_COUNT * i]);
+}
+
 void pel_fill_seabed(const struct pel_environment *env,
                      const struct pel_seabed_map *map,
                      const struct pel_variance left[PEL_VARIANCE_COUNT],
@@ -230,11 +242,6 @@ void pel_fill_seabed(const struct pel_environment *env,
         fall[i] = (w->absorption[i] + turned[i]) / log(2.0);
         turned[i] = all ? turned[i] : 0.0;
     }
-    const struct pel_geometry at = {
-        .sun_zenith_rad = acos(pel_clamp(env->sun.z, 0.0, 1.0)),
-    };
-    struct pel_interface f = pel_interface_at(&at);
-    double sun_slope = f.sun_mu / sqrt(fmax(1.0 - f.sun_mu * f.sun_mu, 1e-9));
     *out = (struct pel_block_seabed){
         .bed_place = vec4((east_m - bed->west_m) / bed->spacing_m,
                           (north_m - bed->south_m) / bed->spacing_m,
@@ -250,16 +257,16 @@ void pel_fill_seabed(const struct pel_environment *env,
         .bed_dry = vec4(w->albedo[0], w->albedo[1], w->albedo[2], 0.0),
         .bed_extinction = vec4(w->absorption[0] + w->scattering[0],
                                w->absorption[1] + w->scattering[1],
-                               w->absorption[2] + w->scattering[2],
-                               f.beam * f.sun_mu * PEL_KERNEL_LEAVING / PEL_PI),
+                               w->absorption[2] + w->scattering[2], 0.0),
         .bed_fall = vec4(fall[0], fall[1], fall[2], PEL_CASCADES),
         .bed_absorption =
             vec4(all ? w->absorption[0] : 0.0, all ? w->absorption[1] : 0.0,
                  all ? w->absorption[2] : 0.0, 0.0),
-        .bed_turned = vec4(turned[0], turned[1], turned[2],
-                           map->steepest > sun_slope ? 1.0 : 0.0),
+        .bed_turned = vec4(turned[0], turned[1], turned[2], 0.0),
     };
-    fill_focus(env, left, out->bed_focus);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        fill_light(env->lights[i].direction.z, map, left, i, out);
+    }
     for (int i = 0; i < map->squares.levels; i++) {
         out->bed_level[i] =
             vec4((double)map->squares.first[i], map->squares.columns[i],

@@ -10,47 +10,56 @@
 #define TABLE_WIDTH 96
 #define TABLE_HEIGHT 128
 
+static void set_sampling(GLuint texture, GLint reduced)
+{
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, reduced);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
 static GLuint make_texture(GLsizei width, GLsizei height, GLsizei levels,
                            const char *label)
 {
     GLuint texture = 0;
     glCreateTextures(GL_TEXTURE_2D, 1, &texture);
     glTextureStorage2D(texture, levels, GL_RGBA32F, width, height);
-    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER,
-                        levels > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
-    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    set_sampling(texture, levels > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
     glObjectLabel(GL_TEXTURE, texture, -1, label);
     return texture;
 }
 
-static GLuint make_fbo(GLuint first, GLuint second)
+static GLuint make_fbo(GLuint texture)
 {
     GLuint fbo = 0;
     glCreateFramebuffers(1, &fbo);
-    glNamedFramebufferTexture(fbo, GL_COLOR_ATTACHMENT0, first, 0);
-    if (second) {
-        static const GLenum both[] = { GL_COLOR_ATTACHMENT0,
-                                       GL_COLOR_ATTACHMENT1 };
-        glNamedFramebufferTexture(fbo, GL_COLOR_ATTACHMENT1, second, 0);
-        glNamedFramebufferDrawBuffers(fbo, 2, both);
-    }
+    glNamedFramebufferTexture(fbo, GL_COLOR_ATTACHMENT0, texture, 0);
     return fbo;
 }
 
 static void make_table(struct pel_sky_table *t)
 {
-    t->radiance = make_texture(TABLE_WIDTH, TABLE_HEIGHT, 1, "sky radiance");
+    static const GLenum both[] = { GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1 };
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &t->radiance);
+    glTextureStorage3D(t->radiance, 1, GL_RGBA32F, TABLE_WIDTH, TABLE_HEIGHT,
+                       PEL_LIGHTS);
+    set_sampling(t->radiance, GL_LINEAR);
+    glObjectLabel(GL_TEXTURE, t->radiance, -1, "sky radiance");
     t->haze = make_texture(TABLE_WIDTH, TABLE_HEIGHT, 1, "haze");
-    t->fbo = make_fbo(t->radiance, t->haze);
+    glCreateFramebuffers(PEL_LIGHTS, t->fbos);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        glNamedFramebufferTextureLayer(t->fbos[i], GL_COLOR_ATTACHMENT0,
+                                       t->radiance, 0, i);
+        glNamedFramebufferTexture(t->fbos[i], GL_COLOR_ATTACHMENT1, t->haze, 0);
+        glNamedFramebufferDrawBuffers(t->fbos[i], 2, both);
+    }
 }
 
 static void finish_table(struct pel_sky_table *t)
 {
     glDeleteTextures(1, &t->radiance);
     glDeleteTextures(1, &t->haze);
-    glDeleteFramebuffers(1, &t->fbo);
+    glDeleteFramebuffers(PEL_LIGHTS, t->fbos);
 }
 
 enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
@@ -77,10 +86,10 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
     }
     sky->transmittance = make_texture(
         PEL_TRANSMITTANCE_WIDTH, PEL_TRANSMITTANCE_HEIGHT, 1, "transmittance");
-    sky->transmittance_fbo = make_fbo(sky->transmittance, 0);
+    sky->transmittance_fbo = make_fbo(sky->transmittance);
     sky->multiple = make_texture(PEL_MULTIPLE_SIZE, PEL_MULTIPLE_SIZE, 1,
                                  "multiple scattering");
-    sky->multiple_fbo = make_fbo(sky->multiple, 0);
+    sky->multiple_fbo = make_fbo(sky->multiple);
     make_table(&sky->sea);
     enum pel_err err = pel_water_light_init(&sky->water, shader_dir, fault);
     if (err != PEL_OK) {
@@ -92,7 +101,7 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
         glTextureParameterf(sky->reflection, GL_TEXTURE_MAX_ANISOTROPY_EXT,
                             16.0f);
     }
-    sky->reflection_fbo = make_fbo(sky->reflection, 0);
+    sky->reflection_fbo = make_fbo(sky->reflection);
     glCreateBuffers(1, &sky->light);
     glNamedBufferStorage(sky->light, sizeof(struct pel_block_light), NULL, 0);
     glObjectLabel(GL_BUFFER, sky->light, -1, "light");
@@ -122,11 +131,11 @@ void pel_sky_finish(struct pel_sky *sky)
     *sky = (struct pel_sky){ 0 };
 }
 
-struct pel_vec3 pel_sky_quantize_sun(struct pel_vec3 sun)
+struct pel_vec3 pel_sky_quantize(struct pel_vec3 to)
 {
     const double step = 0.005 * PEL_DEG;
-    double elevation = step * round(asin(pel_clamp(sun.z, -1.0, 1.0)) / step);
-    double azimuth = step * round(atan2(sun.y, sun.x) / step);
+    double elevation = step * round(asin(pel_clamp(to.z, -1.0, 1.0)) / step);
+    double azimuth = step * round(atan2(to.y, to.x) / step);
     return (struct pel_vec3){ cos(elevation) * cos(azimuth),
                               cos(elevation) * sin(azimuth), sin(elevation) };
 }
@@ -170,19 +179,26 @@ static void draw_table(struct pel_sky *sky, struct pel_sky_table *t)
     glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
     glBindTextureUnit(PEL_UNIT_MULTIPLE, sky->multiple);
     glProgramUniform2f(sky->table_program, 0, TABLE_WIDTH, TABLE_HEIGHT);
-    draw_screen(sky->table_program, t->fbo, TABLE_WIDTH, TABLE_HEIGHT);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        glProgramUniform1i(sky->table_program, 1, i);
+        draw_screen(sky->table_program, t->fbos[i], TABLE_WIDTH, TABLE_HEIGHT);
+    }
 }
 
 static void table_key(const struct pel_environment *env, double height_m,
                       double key[PEL_SKY_KEYS])
 {
-    /* The table is counted from the Sun's azimuth, but its last bits are not.
+    /* A table is counted from its light's azimuth, but its last bits are not.
      */
-    key[0] = env->sun.x;
-    key[1] = env->sun.y;
-    key[2] = env->sun.z;
-    key[3] = env->visibility_m;
-    key[4] = height_m;
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        const struct pel_light *light = &env->lights[i];
+        *key++ = light->direction.x;
+        *key++ = light->direction.y;
+        *key++ = light->direction.z;
+        *key++ = light->strength;
+    }
+    *key++ = env->visibility_m;
+    *key = height_m;
 }
 
 void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
@@ -199,14 +215,11 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         sky->sea.made = true;
     }
     pel_water_light_update(&sky->water, env);
-    const double light_key[8] = { env->sun.x,
-                                  env->sun.y,
-                                  env->sun.z,
-                                  env->visibility_m,
-                                  (double)sky->water.version,
-                                  env->sea->slope_variance_along,
-                                  env->sea->slope_variance_cross,
-                                  0.0 };
+    double light_key[PEL_SKY_KEYS + 3];
+    memcpy(light_key, key, sizeof key);
+    light_key[PEL_SKY_KEYS] = (double)sky->water.version;
+    light_key[PEL_SKY_KEYS + 1] = env->sea->slope_variance_along;
+    light_key[PEL_SKY_KEYS + 2] = env->sea->slope_variance_cross;
     if (!sky->light_made ||
         memcmp(light_key, sky->light_key, sizeof light_key)) {
         glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
@@ -217,7 +230,7 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                         GL_TEXTURE_FETCH_BARRIER_BIT);
         glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_LIGHT, sky->light);
-        pel_water_light_map(&sky->water, env->sun.z, sky->sea.radiance,
+        pel_water_light_map(&sky->water, env->lights, sky->sea.radiance,
                             sky->light);
         glProgramUniform2f(sky->reflection_program, 0, PEL_SKY_MAP_SIZE,
                            (float)PEL_REFLECTION_HALF_WIDTH);
@@ -247,7 +260,7 @@ void pel_sky_bind_eye(struct pel_sky *sky, const struct pel_environment *env,
         }
     }
     if (!t->made || memcmp(key, t->key, sizeof key) != 0) {
-        if (!t->fbo) {
+        if (!t->haze) {
             make_table(t);
         }
         draw_table(sky, t);

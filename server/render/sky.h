@@ -12,12 +12,14 @@
 #include "render/waterlight.h"
 
 #define PEL_SKY_EYES 16
-#define PEL_SKY_KEYS 5
+/* What a table depends on: lights, visibility, height. */
+#define PEL_SKY_KEYS (4 * PEL_LIGHTS + 2)
 #define PEL_SKY_MAP_SIZE 128
 
 struct pel_sky_table {
-    double key[PEL_SKY_KEYS]; /* Sun, visibility, height */
-    GLuint radiance, haze, fbo;
+    double key[PEL_SKY_KEYS];
+    GLuint radiance; /* a layer for each light */
+    GLuint haze, fbos[PEL_LIGHTS];
     uint64_t last_used;
     bool made;
 };
@@ -33,7 +35,7 @@ struct pel_sky {
     GLuint reflection, reflection_fbo;
     struct pel_water_light water;
     GLuint light; /* buffer, block `light` */
-    double light_key[8];
+    double light_key[PEL_SKY_KEYS + 3];
     bool light_made;
     uint64_t uses;
 };
@@ -43,8 +45,8 @@ PEL_CHECK enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
                                     struct pel_fault *fault);
 void pel_sky_finish(struct pel_sky *sky);
 
-/* The Sun as the tables see it: on a lattice of 0.005°. */
-struct pel_vec3 pel_sky_quantize_sun(struct pel_vec3 sun);
+/* A light's direction as the tables see it: on a lattice of 0.005°. */
+struct pel_vec3 pel_sky_quantize(struct pel_vec3 direction);
 
 /* Height of the tables for an eye at height_m. */
 double pel_sky_quantize_height(double height_m);

@@ -26,6 +26,26 @@ static struct pel_vec4 rgb4(struct pel_rgb c, double w)
     return vec4(c.r, c.g, c.b, w);
 }
 
+static struct pel_shader_light light_of(const struct pel_environment *env,
+                                        int i)
+{
+    const struct pel_light_body *body = &pel_light_bodies[i];
+    const struct pel_light *at = &env->lights[i];
+    double radius = body->angular_radius_rad, blur = env->light_blur;
+    /* A uniform disc has a quarter of its squared radius as variance an axis;
+     * facets turn half as far as what they mirror. */
+    double disc = blur > 0.0 ? blur * blur : radius * radius / 16.0;
+    const struct pel_rgb e = { at->strength * body->irradiance.r,
+                               at->strength * body->irradiance.g,
+                               at->strength * body->irradiance.b };
+    return (struct pel_shader_light){
+        .direction =
+            vec4(at->direction.x, at->direction.y, at->direction.z, radius),
+        .irradiance = rgb4(e, body->solid_angle_sr),
+        .limb = rgb4(body->limb, disc),
+    };
+}
+
 void pel_fill_frame(const struct pel_environment *env,
                     struct pel_block_frame *out)
 {
@@ -34,14 +54,9 @@ void pel_fill_frame(const struct pel_environment *env,
     pel_atmosphere_init(&desc, &air);
     double n = env->water.index > 0.0 ? env->water.index : PEL_WATER_INDEX;
     double r0 = (n - 1.0) / (n + 1.0);
-    /* A uniform disc has a quarter of its squared radius as variance an axis;
-     * facets turn half as far as what they mirror. */
-    const double disc = PEL_SUN_ANGULAR_RADIUS * PEL_SUN_ANGULAR_RADIUS / 16.0;
     double m[9];
     pel_colour_matrix(m);
     *out = (struct pel_block_frame){
-        .sun = vec4(env->sun.x, env->sun.y, env->sun.z, PEL_SUN_ANGULAR_RADIUS),
-        .solar = rgb4(air.solar_irradiance, PEL_SUN_SOLID_ANGLE),
         .wind = vec4(cos(env->wind_to_rad), sin(env->wind_to_rad),
                      env->sea->slope_variance_along,
                      env->sea->slope_variance_cross),
@@ -52,12 +67,13 @@ void pel_fill_frame(const struct pel_environment *env,
         .planet = vec4(PEL_EARTH_RADIUS, PEL_ATMOSPHERE_RADIUS,
                        air.ozone_width_m, r0 * r0),
         .water = pel_water_levels(env, env->no_air ? 1.0 : 0.0),
-        .disc = vec4(env->sun_blur > 0.0 ? env->sun_blur * env->sun_blur : disc,
-                     0.0, 0.0, 0.0),
         .red = vec4(m[0], m[1], m[2], 0.0),
         .green = vec4(m[3], m[4], m[5], 0.0),
         .blue = vec4(m[6], m[7], m[8], 0.0),
     };
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        out->lights[i] = light_of(env, i);
+    }
 }
 
 void pel_fill_eye(double height_m, double table_height_m, bool submerged,

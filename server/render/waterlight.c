@@ -16,12 +16,13 @@
 #define DIRECTIONS (2 * PEL_WATER_ZENITHS)
 
 _Static_assert(DIRECTIONS % PEL_GROUP_WATER == 0, "whole groups");
+_Static_assert(PEL_WATER_LAYERS == 1 + PEL_WATER_PARTS, "a sum and parts");
 _Static_assert(PEL_WATER_NODES == 12, "three vec4 of weights a row");
 
 static const char *const buffer_names[PEL_WATER_BUFFERS] = {
     "water directions", "water nodes",    "water planes",
     "water kernel",     "water sky rows", "water map rows",
-    "water sky beams",  "water medium",   "water sunbeam",
+    "water sky beams",  "water medium",   "water beam",
 };
 
 static GLuint make_texture(GLenum target, GLsizei width, GLsizei height,
@@ -146,8 +147,7 @@ enum pel_err pel_water_light_init(struct pel_water_light *w,
                 sizeof(struct pel_vec4) * PEL_WATER_MODES * NODES, NULL);
     make_buffer(w, PEL_WATER_BUFFER_MEDIUM, sizeof(struct pel_block_medium),
                 NULL);
-    make_buffer(w, PEL_WATER_BUFFER_SUNBEAM, sizeof(struct pel_block_sunbeam),
-                NULL);
+    make_buffer(w, PEL_WATER_BUFFER_BEAM, sizeof(struct pel_block_beam), NULL);
     return PEL_OK;
 }
 
@@ -290,7 +290,8 @@ void pel_water_light_update(struct pel_water_light *w,
     if (depths.levels != w->depths.levels) {
         glDeleteTextures(1, &w->map);
         w->map = make_texture(GL_TEXTURE_2D_ARRAY, SIZE, SIZE,
-                              depths.levels * (1 + PEL_WATER_PARTS), "water");
+                              PEL_LIGHTS * PEL_WATER_LAYERS * depths.levels,
+                              "water");
         make_buffer(w, PEL_WATER_BUFFER_KERNEL,
                     sizeof(struct pel_water_kernel) * (size_t)depths.levels,
                     NULL);
@@ -307,43 +308,55 @@ void pel_water_light_update(struct pel_water_light *w,
     w->version++;
 }
 
-/* --- a new Sun ------------------------------------------------------------ */
+/* --- new lights ----------------------------------------------------------- */
 
-static void put_sunbeam(struct pel_water_light *w, double sun_z)
+static void put_beam(struct pel_water_light *w, double zenith_cosine)
 {
-    double zenith = acos(pel_clamp(sun_z, 0.0, 1.0));
+    double zenith = acos(pel_clamp(zenith_cosine, 0.0, 1.0));
     const struct pel_geometry at = { .sun_zenith_rad = zenith };
     struct pel_interface face = pel_interface_at(&at);
     double sine = sin(zenith) / PEL_WATER_INDEX;
-    struct pel_block_sunbeam block = {
-        .sunbeam = { (float)sine, (float)face.sun_mu, (float)face.beam, 0 },
+    struct pel_block_beam block = {
+        .refracted = { (float)sine, (float)face.sun_mu, (float)face.beam, 0 },
     };
     put_nodes(block.at_nodes, sine);
-    glNamedBufferSubData(w->buffers[PEL_WATER_BUFFER_SUNBEAM], 0, sizeof block,
+    glNamedBufferSubData(w->buffers[PEL_WATER_BUFFER_BEAM], 0, sizeof block,
                          &block);
 }
 
-void pel_water_light_map(struct pel_water_light *w, double sun_z,
-                         GLuint sky_table, GLuint light)
+static void map_light(struct pel_water_light *w, int light)
 {
-    put_sunbeam(w, sun_z);
+    GLuint sky = w->programs[PEL_WATER_SKY], map = w->programs[PEL_WATER_MAP];
+    bind(w, PEL_STORE_WATER_ROWS, PEL_WATER_BUFFER_SKY_ROW);
+    glProgramUniform1i(sky, 0, light);
+    glUseProgram(sky);
+    glDispatchCompute(PEL_WATER_MODES, 1, 1);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    bind(w, PEL_STORE_WATER_ROWS, PEL_WATER_BUFFER_MAP_ROW);
+    glProgramUniform1i(map, 0, light);
+    glUseProgram(map);
+    glDispatchCompute(SIZE, (GLuint)w->depths.levels, 1);
+    glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
+                    GL_TEXTURE_FETCH_BARRIER_BIT |
+                    GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void pel_water_light_map(struct pel_water_light *w,
+                         const struct pel_light *lights, GLuint sky_table,
+                         GLuint light)
+{
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_MEDIUM,
                      w->buffers[PEL_WATER_BUFFER_MEDIUM]);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_BEAM,
-                     w->buffers[PEL_WATER_BUFFER_SUNBEAM]);
+                     w->buffers[PEL_WATER_BUFFER_BEAM]);
     bind(w, PEL_STORE_WATER_COEFFICIENTS, PEL_WATER_BUFFER_COEFFICIENTS);
-    bind(w, PEL_STORE_WATER_ROWS, PEL_WATER_BUFFER_SKY_ROW);
-    glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky_table);
-    glUseProgram(w->programs[PEL_WATER_SKY]);
-    glDispatchCompute(PEL_WATER_MODES, 1, 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     bind(w, PEL_STORE_WATER_KERNEL, PEL_WATER_BUFFER_KERNEL);
-    bind(w, PEL_STORE_WATER_ROWS, PEL_WATER_BUFFER_MAP_ROW);
+    glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky_table);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LIGHT, light);
     glBindImageTexture(PEL_IMAGE_WATER_MAP, w->map, 0, GL_TRUE, 0,
                        GL_WRITE_ONLY, GL_RGBA32F);
-    glUseProgram(w->programs[PEL_WATER_MAP]);
-    glDispatchCompute(SIZE, (GLuint)w->depths.levels, 1);
-    glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
-                    GL_TEXTURE_FETCH_BARRIER_BIT);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        put_beam(w, lights[i].direction.z);
+        map_light(w, i);
+    }
 }

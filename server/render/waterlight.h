@@ -2,7 +2,7 @@
  * pixel of a frame (shaders/lib/water.glsl). A new water costs its answer to
  * beams from every height (optics/waterkernel.h, on the processor; the second
  * order by the maps of Iwasaki et al. 2003, on the device): some 25 ms on a
- * software device. A new Sun or sky costs a sum over that: 2 ms there, 0.1 ms
+ * software device. A new light or sky costs a sum over that: 2 ms there, 0.1 ms
  * on hardware. Both happen in the frame that first shows them, so a picture is
  * a function of its scene and no frame waits for more. Render thread only. */
 #pragma once
@@ -32,7 +32,7 @@ enum pel_water_buffer {
     PEL_WATER_BUFFER_MAP_ROW,
     PEL_WATER_BUFFER_COEFFICIENTS, /* the sky as beams at the nodes */
     PEL_WATER_BUFFER_MEDIUM,
-    PEL_WATER_BUFFER_SUNBEAM,
+    PEL_WATER_BUFFER_BEAM,
     PEL_WATER_BUFFERS,
 };
 
@@ -60,8 +60,9 @@ pel_water_light_depths(const struct pel_environment *env);
 void pel_water_light_update(struct pel_water_light *w,
                             const struct pel_environment *env);
 
-/* Fills the maps for a Sun of zenith cosine sun_z and the sky of `sky_table`;
- * the blocks `frame` and `light` are bound, the buffer of the latter is
- * `light` and gets sea_light. */
-void pel_water_light_map(struct pel_water_light *w, double sun_z,
-                         GLuint sky_table, GLuint light);
+/* Fills the maps for the PEL_LIGHTS lights and their skies, layers of
+ * `sky_table`; the blocks `frame` and `light` are bound, the buffer of the
+ * latter is `light` and gets sea_light. */
+void pel_water_light_map(struct pel_water_light *w,
+                         const struct pel_light *lights, GLuint sky_table,
+                         GLuint light);

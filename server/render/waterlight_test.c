@@ -288,12 +288,12 @@ static GLuint overcast_table(void)
         }
     }
     GLuint table = 0;
-    glCreateTextures(GL_TEXTURE_2D, 1, &table);
-    glTextureStorage2D(table, 1, GL_RGBA32F, WIDTH, HEIGHT);
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &table);
+    glTextureStorage3D(table, 1, GL_RGBA32F, WIDTH, HEIGHT, PEL_LIGHTS);
     glTextureParameteri(table, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTextureParameteri(table, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTextureParameteri(table, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    glTextureSubImage2D(table, 0, 0, 0, WIDTH, HEIGHT, GL_RGBA, GL_FLOAT,
+    glTextureSubImage3D(table, 0, 0, 0, 0, WIDTH, HEIGHT, 1, GL_RGBA, GL_FLOAT,
                         texels);
     return table;
 }
@@ -336,11 +336,11 @@ static void sky_is_the_solvers(void **state)
     (void)state;
     double views[VIEWS][2], want[VIEWS], worst = 0.0;
     fill_views(views);
-    GLuint sun = prober.sun, black = prober.black;
-    const struct pel_block_light dark = { .sun_light = { 0 } };
+    GLuint unit = prober.unit, black = prober.black;
+    const struct pel_block_light dark = { .exposure = { 0 } };
     prober.black = overcast_table();
-    glCreateBuffers(1, &prober.sun);
-    glNamedBufferStorage(prober.sun, sizeof dark, &dark, 0);
+    glCreateBuffers(1, &prober.unit);
+    glNamedBufferStorage(prober.unit, sizeof dark, &dark, 0);
     for (int k = 0; k < 6; k++) {
         struct pel_water_body body =
             body_of(media[k % 3], k < 3 ? 8.0 : 200.0, k < 3 ? 0.3 : 0.0);
@@ -361,8 +361,8 @@ static void sky_is_the_solvers(void **state)
         }
     }
     glDeleteTextures(1, &prober.black);
-    glDeleteBuffers(1, &prober.sun);
-    prober.sun = sun;
+    glDeleteBuffers(1, &prober.unit);
+    prober.unit = unit;
     prober.black = black;
     print_message("an overcast sky: 1/%.0f of the maximum\n", 1.0 / worst);
     assert_true(worst <= 1.0 / 255.0);
@@ -380,6 +380,7 @@ static void costs(void **state)
 {
     (void)state;
     enum { ROUNDS = 10 };
+    struct pel_light lights[PEL_LIGHTS];
     struct pel_water_light *w = &prober.light;
     struct pel_environment env = { .water = body_of(media[1], 10.0, 0.4) };
     double water_ms = 0, sun_ms = 0, water_cpu = 0, sun_cpu = 0;
@@ -390,7 +391,9 @@ static void costs(void **state)
         pel_water_light_update(w, &env);
         glFinish();
         int64_t middle = pel_now_ns(), used = cpu_ns();
-        pel_water_light_map(w, 0.5 + 0.01 * i, prober.black, prober.sun);
+        const struct pel_vec3 to = { 0, 0, 0.5 + 0.01 * i };
+        pel_lights_of_sun(to, lights);
+        pel_water_light_map(w, lights, prober.black, prober.unit);
         glFinish();
         water_ms += 1e-6 * (double)(middle - start) / ROUNDS;
         sun_ms += 1e-6 * (double)(pel_now_ns() - middle) / ROUNDS;

@@ -22,14 +22,14 @@ static enum pel_err make(struct pel_water_prober *p, const char *shader_dir,
     if (err != PEL_OK) {
         return err;
     }
-    const struct pel_block_light unit = { .sun_light = { 1, 1, 1, 0 } };
-    glCreateBuffers(1, &p->sun);
-    glNamedBufferStorage(p->sun, sizeof unit, &unit, 0);
-    glObjectLabel(GL_BUFFER, p->sun, -1, "unit of sunlight");
+    const struct pel_block_light unit = { .beams = { { 1, 1, 1, 0 } } };
+    glCreateBuffers(1, &p->unit);
+    glNamedBufferStorage(p->unit, sizeof unit, &unit, 0);
+    glObjectLabel(GL_BUFFER, p->unit, -1, "unit of light");
     const GLfloat none[4] = { 0 };
-    glCreateTextures(GL_TEXTURE_2D, 1, &p->black);
-    glTextureStorage2D(p->black, 1, GL_RGBA32F, 1, 1);
-    glTextureSubImage2D(p->black, 0, 0, 0, 1, 1, GL_RGBA, GL_FLOAT, none);
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &p->black);
+    glTextureStorage3D(p->black, 1, GL_RGBA32F, 1, 1, PEL_LIGHTS);
+    glClearTexImage(p->black, 0, GL_RGBA, GL_FLOAT, none);
     glObjectLabel(GL_TEXTURE, p->black, -1, "no sky");
     return PEL_OK;
 }
@@ -39,7 +39,7 @@ void pel_water_prober_finish(struct pel_water_prober *p)
     if (p->program) {
         pel_water_light_finish(&p->light);
         glDeleteProgram(p->program);
-        glDeleteBuffers(1, &p->sun);
+        glDeleteBuffers(1, &p->unit);
         glDeleteTextures(1, &p->black);
     }
     *p = (struct pel_water_prober){ 0 };
@@ -106,16 +106,18 @@ pel_water_prober_run(struct pel_water_prober *p, const char *shader_dir,
                                          .orders = orders };
     double sine = sin(sun_zenith_rad), cosine = cos(sun_zenith_rad);
     struct pel_block_frame frame = {
-        .sun = { (float)sine, 0, (float)cosine, 0 },
+        .lights = { { .direction = { (float)sine, 0, (float)cosine, 0 } } },
         .water = pel_water_levels(&env, 0.0),
     };
     GLuint block = 0;
     glCreateBuffers(1, &block);
     glNamedBufferStorage(block, sizeof frame, &frame, 0);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, block);
-    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_LIGHT, p->sun);
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_LIGHT, p->unit);
     pel_water_light_update(&p->light, &env);
-    pel_water_light_map(&p->light, cosine, p->black, p->sun);
+    struct pel_light lights[PEL_LIGHTS];
+    pel_lights_of_sun((struct pel_vec3){ sine, 0, cosine }, lights);
+    pel_water_light_map(&p->light, lights, p->black, p->unit);
     look(p, views, depth_m, count, out);
     glDeleteBuffers(1, &block);
     return PEL_OK;

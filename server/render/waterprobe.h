@@ -10,7 +10,7 @@
 /* Zeroed before its first use. */
 struct pel_water_prober {
     struct pel_water_light light;
-    GLuint program, sun, black; /* block `light`, a sky without light */
+    GLuint program, unit, black; /* block `light`, a sky without light */
 };
 
 /* Radiance just above a level sea [1/sr], by part and wavelength. */

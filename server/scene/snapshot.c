@@ -143,6 +143,24 @@ struct pel_vec3 pel_snapshot_sun(const struct pel_snapshot *s, double time_s)
                               cos(azimuth) * cos(elevation), sin(elevation) };
 }
 
+static void place_sun(const struct pel_snapshot *s, double time_s,
+                      struct pel_light *out)
+{
+    *out = (struct pel_light){ pel_snapshot_sun(s, time_s), 1.0 };
+}
+
+void pel_snapshot_lights(const struct pel_snapshot *s, double time_s,
+                         struct pel_light out[PEL_LIGHTS])
+{
+    static void (*const place[PEL_LIGHTS])(const struct pel_snapshot *, double,
+                                           struct pel_light *) = {
+        [PEL_LIGHT_SUN] = place_sun,
+    };
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        place[i](s, time_s, &out[i]);
+    }
+}
+
 /* Columns: right, forward and up of a body, in axes that are right, forward
  * and up of what carries it (east, north, up for the world). Heading first
  * (clockwise), then pitch (bow up), then roll (right side down). */

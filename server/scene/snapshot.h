@@ -11,6 +11,7 @@
 
 #include "base/vec.h"
 #include "ocean/sea.h"
+#include "optics/light.h"
 #include "optics/waterbody.h"
 #include "scene/ship.h"
 #include "seabed/seabed.h"
@@ -146,6 +147,10 @@ double pel_snapshot_depth(const struct pel_snapshot *s, double east_m,
 
 /* Unit vector towards the Sun's centre (no refraction) at time_s. */
 struct pel_vec3 pel_snapshot_sun(const struct pel_snapshot *s, double time_s);
+
+/* Every light at time_s, in the order of optics/light.h. */
+void pel_snapshot_lights(const struct pel_snapshot *s, double time_s,
+                         struct pel_light out[PEL_LIGHTS]);
 
 /* A camera in the world. Camera axes: x right, y up, z backwards (GL). */
 struct pel_camera {

@@ -1,6 +1,27 @@
-// What is not sea: the sky and the Sun's disc.
+// What is not sea: the sky and the lights' discs.
 
 layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
+
+#ifndef PEL_NO_DISC
+// A disc, its edge softened over a pixel, darkened towards the limb (Hestroffer
+// and Magnan 1998 at the mean wavelength).
+vec3 light_disc(int i, vec3 dir, float blur)
+{
+    vec4 to = lights[i].direction;
+    vec3 across = cross(dir, to.xyz);
+    float off = sqrt(dot(across, across));
+    vec3 disc = vec3(0.0);
+    if (dot(dir, to.xyz) > 0.0 && off < to.w + blur) {
+        float cover = 1.0 - smoothstep(to.w - 0.5 * blur, to.w + 0.5 * blur, off);
+        float inside = min(off / to.w, 1.0);
+        vec3 power = 0.5 * lights[i].limb.rgb;
+        vec3 limb = pow(vec3(max(1.0 - inside * inside, 1e-4)), power);
+        disc = lights[i].irradiance.rgb / lights[i].irradiance.w * limb * (1.0 + power) * cover *
+               transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
+    }
+    return disc;
+}
+#endif
 
 shaded shade_backdrop(ivec2 at)
 {
@@ -8,22 +29,12 @@ shaded shade_backdrop(ivec2 at)
     float inverse = inversesqrt(dot(ray, ray));
     vec3 dir = ray * inverse;
     float angle = max(angle_above_horizon(dir), 0.0);
-    vec2 table = vec2(textureSize(eye_table, 0));
     vec3 disc = vec3(0.0);
-    vec3 light = textureLod(eye_table, sky_uv(azimuth_from_sun(dir.xy), angle, table), 0.0).rgb;
+    vec3 light = sky_light(eye_table, dir.xy, angle);
 #ifndef PEL_NO_DISC
-    // The disc, its edge softened over a pixel, darkened towards the limb
-    // (Hestroffer and Magnan 1998 at the mean wavelength).
-    vec3 across = cross(dir, sun.xyz);
-    float off = sqrt(dot(across, across));
     float blur = pixel.x * inverse;
-    if (dot(dir, sun.xyz) > 0.0 && off < sun.w + blur) {
-        float cover = 1.0 - smoothstep(sun.w - 0.5 * blur, sun.w + 0.5 * blur, off);
-        float inside = min(off / sun.w, 1.0);
-        vec3 limb = pow(vec3(max(1.0 - inside * inside, 1e-4)), 0.5 * vec3(0.43, 0.5, 0.6));
-        vec3 norm = 1.0 + 0.5 * vec3(0.43, 0.5, 0.6);
-        disc = solar.rgb / solar.w * limb * norm * cover *
-                 transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        disc += light_disc(i, dir, blur);
     }
 #endif
     shaded result;

@@ -148,11 +148,22 @@ struct pel_vec4 {
  * ends' is that of the level of detail they stand for. */
 #define PEL_TAP_SPAN 1.2
 
+/* The lights of the sky, each with a sky of its own that it makes in the air
+ * (optics/light.h): the tables of sky and water have a layer for each, and what
+ * is seen is their sum. */
+#define PEL_LIGHT_SUN 0
+#define PEL_LIGHTS 1
+struct pel_shader_light {
+    vec4 direction;  /* xyz towards it; w angular radius, rad */
+    vec4 irradiance; /* rgb above the air; w solid angle, sr */
+    vec4 limb;       /* rgb darkening; w variance of slopes that mirror some of
+                        the disc */
+};
+
 /* One for a frame. Spectral values are at 680, 550, 440 nm. */
 PEL_BLOCK(PEL_BLOCK_FRAME, frame)
 {
-    vec4 sun;      /* xyz towards the Sun; w angular radius, rad */
-    vec4 solar;    /* rgb irradiance above the air; w solid angle, sr */
+    PEL_STRUCT pel_shader_light lights[PEL_LIGHTS];
     vec4 wind;     /* xy unit, blows to; zw total slope variance along, cross */
     vec4 rayleigh; /* rgb scattering at sea level, 1/m; w scale height, m */
     vec4 mie;      /* x extinction, y scattering, 1/m; z scale height; w g */
@@ -160,7 +171,6 @@ PEL_BLOCK(PEL_BLOCK_FRAME, frame)
     vec4 planet;   /* x ground, y top radius, m; z ozone half-width, m; w R0 */
     vec4 water; /* levels of depth (lib/water.glsl): x their number, y log2 of
                    the first, m, z levels an octave; w 1 leaves out the air */
-    vec4 disc;  /* x variance of slopes that mirror some of the Sun's disc */
     vec4 red;   /* rows of the matrix to Rec. 709 cd/m² */
     vec4 green;
     vec4 blue;
@@ -245,9 +255,9 @@ struct pel_block_facets {
 PEL_BLOCK(PEL_BLOCK_LIGHT, light)
 {
     vec4 exposure;  /* x automatic EV100 */
-    vec4 sun_light; /* rgb irradiance normal to the Sun's beam, sea level */
-    vec4 sky_light; /* rgb horizontal irradiance of the sky */
-    vec4 sea_light; /* rgb the water's radiance, seen at 37° across the Sun */
+    vec4 sea_light; /* rgb the water's radiance, seen at 37° across a light */
+    vec4 beams[PEL_LIGHTS]; /* rgb irradiance normal to its beam, sea level */
+    vec4 skies[PEL_LIGHTS]; /* rgb horizontal irradiance of its sky */
 };
 
 /* Levels of seabed_tops, the highest nodes of squares: level k has one for each
@@ -285,17 +295,18 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
     vec4 bed_dry;    /* rgb of dry land and under water */
     vec4 bed_level[PEL_SEABED_TOP_LEVELS]; /* of seabed_tops: x place of the
                                               first, y columns, z rows */
-    vec4 bed_focus[PEL_FOCUS_COUNT]; /* by depth: x log2 of the footprint, m,
-                                        whose waves focus light without crossing
-                                        rays */
-    vec4 bed_extinction; /* rgb of the water, 1/m; w radiance above the water
-                            that the Sun's beam of unit irradiance leaves on a
-                            white level bottom, 1/sr */
+    vec4 bed_focus[PEL_LIGHTS * PEL_FOCUS_COUNT]; /* by light and depth: x log2
+                                        of the footprint, m, whose waves focus
+                                        light without crossing rays */
+    vec4 bed_extinction;                          /* rgb of the water, 1/m */
+    vec4 bed_beams[PEL_LIGHTS]; /* x radiance above the water that a beam of
+                                   unit irradiance leaves on a white level
+                                   bottom, 1/sr; y 1 where slopes are steeper
+                                   than the beam in the water */
     vec4 bed_fall; /* rgb of scattered light by length, octaves a metre; w the
                       number of cascades */
     vec4 bed_absorption; /* rgb, 1/m; 0 where only two orders are drawn */
-    vec4 bed_turned; /* rgb scattering (1 − asymmetry), 1/m, or 0; w 1 where
-                        slopes are steeper than the Sun's beam in the water */
+    vec4 bed_turned;     /* rgb scattering (1 − asymmetry), 1/m, or 0 */
 };
 
 /* Light inside the water (render/waterlight.h). Sizes of its maps: nodes of
@@ -313,10 +324,11 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
 #define PEL_WATER_LEVELS_MAX 24
 /* Parts of the light, as layers of the maps after their sum and as layers of
  * pictures (optics/watertable.h). */
-#define PEL_PART_SINGLE 0 /* scattered once */
-#define PEL_PART_SECOND 1 /* scattered twice */
-#define PEL_PART_HIGHER 2 /* more often, or mirrored from below */
-#define PEL_PART_BOTTOM 3 /* reflected by the bottom, scattered or not */
+#define PEL_PART_SINGLE 0  /* scattered once */
+#define PEL_PART_SECOND 1  /* scattered twice */
+#define PEL_PART_HIGHER 2  /* more often, or mirrored from below */
+#define PEL_PART_BOTTOM 3  /* reflected by the bottom, scattered or not */
+#define PEL_WATER_LAYERS 5 /* of the maps, a depth: the sum, then the parts */
 /* Only of the buffer of the answers (optics/waterkernel.h): reflected by the
  * bottom, and not scattered. */
 #define PEL_PART_STRAIGHT 4
@@ -329,10 +341,11 @@ PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
     vec4 asymmetry;                   /* rgb */
     vec4 depth[PEL_WATER_LEVELS_MAX]; /* x m, of each level */
 };
-PEL_BLOCK(PEL_BLOCK_BEAM, sunbeam)
+PEL_BLOCK(PEL_BLOCK_BEAM, beam)
 {
-    vec4 sunbeam;     /* in the water: x sine, y cosine of its zenith angle; z
-                         irradiance normal to it for 1 above the surface */
+    vec4 refracted;   /* the beam of a light in the water: x sine, y cosine of
+                         its zenith angle; z irradiance normal to it for 1 above
+                         the surface */
     vec4 at_nodes[3]; /* weights of the nodes that make its sine */
 };
 /* A row of the sky or of the map: its place among the nodes. */

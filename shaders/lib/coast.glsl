@@ -8,22 +8,25 @@ shaded shade_land(vec3 dir, float range)
     vec2 node = bed_node(x);
     vec2 tilt = x / planet.x;
     vec3 v = -normalize(vec3(dir.xy - tilt * dir.z, dir.z + dot(tilt, dir.xy)));
-    vec3 sun_dir = normalize(vec3(sun.xy - tilt * sun.z, sun.z + dot(tilt, sun.xy)));
     float across = range * pixel.x;
     vec3 n = seabed_normal(node, across / max(v.z, 0.05));
     float height = sight_height(dir, range);
     float wet = 1.0 - smoothstep(0.6 * bed_beyond.y, bed_beyond.y + 0.02, height);
     vec3 albedo = mix(bed_dry.rgb, bed_wet.rgb, wet) * (1.0 / PI);
-    vec3 by_sun = albedo * sun_light.rgb * max(dot(n, sun_dir), 0.0);
-    vec3 by_sky = albedo * sky_light.rgb * (0.5 + 0.5 * n.z);
+    vec3 by_lights = vec3(0.0);
+    vec3 by_sky = vec3(0.0);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        by_lights += albedo * beams[i].rgb * max(dot(n, light_above(i, tilt)), 0.0);
+        by_sky += albedo * skies[i].rgb * (0.5 + 0.5 * n.z);
+    }
     vec3 air;
     vec3 through = haze(dir, range, air);
     shaded result;
-    result.radiance = (by_sun + by_sky) * through + air;
+    result.radiance = (by_lights + by_sky) * through + air;
 #ifdef PEL_LAYERS
     result.depth = range;
     result.normal = vec4(normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy))), 0.0);
-    result.sun = by_sun * through;
+    result.sun = by_lights * through;
     result.sky = by_sky * through;
     result.water = vec3(0.0);
     result.air = air;

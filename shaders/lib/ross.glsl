@@ -51,10 +51,11 @@ float schlick(float cosine)
     return planet.w + (1.0 - planet.w) * c2 * c2 * c;
 }
 
-// Radiance of the reflected Sun for irradiance 1 normal to its beam: eq. 15. The
-// disc is folded into the slope density (the paper clamps the variance), so
-// that a flat sea shows the disc.
-float reflected_sun(vec3 view, vec3 light, vec2 variance)
+// Radiance of a light's reflection for irradiance 1 normal to its beam: eq. 15.
+// Its disc, as the variance `disc` of slopes that mirror some of it, is folded
+// into the slope density (the paper clamps the variance), so that a flat sea
+// shows the disc.
+float reflected_light(vec3 view, vec3 light, vec2 variance, float disc)
 {
     vec3 h = normalize(view + light);
     float hz = max(h.z, 1e-3);
@@ -64,7 +65,7 @@ float reflected_sun(vec3 view, vec3 light, vec2 variance)
     // pel_facets_seen has it for the sky; fitted with `make validate`.
     float across = s_view * s_view * max(1.0 - view.z * view.z, 1e-8); // (cos θ / μ)²
     vec2 slope = -h.xy / hz + toward * (PEL_SUN_STEEPER * s_view * across / (across + view.z * view.z / 16.0));
-    float p = slope_density(slope, variance + disc.x);
+    float p = slope_density(slope, variance + disc);
     float fresnel = schlick(dot(view, h));
     float cos_v = max(view.z, 1e-4);
     float view_term = smith_lambda_cos(view.z, s_view);

@@ -95,7 +95,6 @@ shaded shade_sea(ivec2 at, uint triangle)
     vec2 tilt = dir.xy * (range / planet.x);
     vec3 v = -vec3(dir.xy - tilt * dir.z, dir.z + dot(tilt, dir.xy));
     v = normalize(v);
-    vec3 sun_dir = normalize(vec3(sun.xy - tilt * sun.z, sun.z + dot(tilt, sun.xy)));
 
     // Length of the pixel on the surface, along the line of sight: on the mean
     // plane, longer where the waves turn their backs, as crests do before they
@@ -116,17 +115,28 @@ shaded shade_sea(ivec2 at, uint triangle)
     vec3 n_seen = normalize(mix(n, vec3(0.0, 0.0, 1.0), hidden));
     vec2 variance_seen = mix(variance, wind.zw, hidden);
     vec3 n_lit = facet_in_sight(n_seen, v);
-    vec2 on_maps = water_place(v, n_lit, sun_dir);
 #ifdef PEL_SEABED
     bed_view seen = seabed_seen(dir.xy * range, sight_height(dir, range), v, n_lit);
-    bed_light below = seabed_light(on_maps, seen, footprint, sun_dir);
+    vec3 to = light_above(0, tilt);
+    bed_light below = seabed_light(0, water_place(v, n_lit, to), seen, footprint, to);
+#if PEL_LIGHTS > 1 // a loop, even of no turn, costs the first its order of operations
+    for (int i = 1; i < PEL_LIGHTS; i++) {
+        to = light_above(i, tilt);
+        bed_light more = seabed_light(i, water_place(v, n_lit, to), seen, footprint, to);
+        below.volume += more.volume;
+        below.bottom += more.bottom;
+    }
+#endif
     vec3 leaving = below.volume + below.bottom;
     float depth = seen.depth;
 #else
     const float depth = 1e5; // the deepest there is
-    vec3 leaving = leaving_water(on_maps, depth);
+    vec3 leaving = vec3(0.0);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        leaving += leaving_water(i, water_place(v, n_lit, light_above(i, tilt)), depth);
+    }
 #endif
-    lit parts = sea_radiance(reflection_map, v, sun_dir, n_lit, variance_seen, leaving);
+    lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving);
     vec3 light = parts.sun + parts.sky + parts.water;
 
     vec3 air;
@@ -145,7 +155,15 @@ shaded shade_sea(ivec2 at, uint triangle)
     result.variance = variance_seen;
 #endif
 #ifdef PEL_WATER_PARTS
-    result.parts = water_parts(on_maps, depth, 1.0 - parts.fresnel);
+    result.parts = water_light(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        water_light one = water_parts(i, water_place(v, n_lit, light_above(i, tilt)), depth,
+                                      1.0 - parts.fresnel);
+        result.parts.single += one.single;
+        result.parts.second += one.second;
+        result.parts.higher += one.higher;
+        result.parts.bottom += one.bottom;
+    }
 #ifdef PEL_SEABED
     // The sum is what was drawn.
     vec3 volume = (1.0 - parts.fresnel) * below.volume;

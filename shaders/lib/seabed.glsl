@@ -216,37 +216,38 @@ vec3 wave_bend(vec2 x, float footprint)
     return bend;
 }
 
-// How much brighter than under a flat surface the Sun's beam falls on the
+// How much brighter than under a flat surface a light's beam falls on the
 // bottom at `place`, `depth` m down: rays through the waves there are moved
 // aside by `reach` times the slope where they enter, so the light of an area is
 // spread by the determinant of that map; which ray ends here is found by going
 // back along it. Waves so short that their rays would cross are left out, so
 // its mean over the bottom is 1.
-float caustic(vec2 place, float depth, float footprint, vec3 sun_dir, float cosine)
+float caustic(int light, vec2 place, float depth, float footprint, vec3 light_dir, float cosine)
 {
     const float eta = 1.0 / PEL_WATER_INDEX;
     float row = clamp((log2(max(depth, 1e-3)) - PEL_FOCUS_FIRST) * PEL_FOCUS_STEPS, 0.0,
                       float(PEL_FOCUS_COUNT) - 1.001);
     int entry = int(row);
-    float least = exp2(mix(bed_focus[entry].x, bed_focus[entry + 1].x, row - float(entry)));
-    // The Sun's disc, refracted, blurs what lies deep.
-    least = max(least, max(footprint, 2.0 * sun.w * eta * depth));
-    float reach = depth * (cosine - eta * sun_dir.z) / cosine;
-    vec2 enter = place + sun_dir.xy * (depth * eta / cosine);
+    int focus = light * PEL_FOCUS_COUNT + entry;
+    float least = exp2(mix(bed_focus[focus].x, bed_focus[focus + 1].x, row - float(entry)));
+    // The light's disc, refracted, blurs what lies deep.
+    least = max(least, max(footprint, 2.0 * lights[light].direction.w * eta * depth));
+    float reach = depth * (cosine - eta * light_dir.z) / cosine;
+    vec2 enter = place + light_dir.xy * (depth * eta / cosine);
     vec3 bend = wave_bend(enter - reach * wave_slope(enter, least), least);
     float spread = (1.0 + reach * bend.x) * (1.0 + reach * bend.z) - reach * reach * bend.y * bend.y;
     return 1.0 / max(spread, 0.2);
 }
 
-// Of the Sun's beam, what no rise of the bottom between the surface and a place
+// Of a light's beam, what no rise of the bottom between the surface and a place
 // at this height, `depth` m down, hides: only slopes steeper than the refracted beam can.
-float seabed_lit(vec2 place, float height, float depth, vec3 sun_dir, float cosine)
+float seabed_lit(int light, vec2 place, float height, float depth, vec3 light_dir, float cosine)
 {
-    if (bed_turned.w < 0.5) {
+    if (bed_beams[light].y < 0.5) {
         return 1.0;
     }
     float hidden = 0.0;
-    vec2 run = sun_dir.xy * (depth / (PEL_WATER_INDEX * cosine));
+    vec2 run = light_dir.xy * (depth / (PEL_WATER_INDEX * cosine));
     for (int i = 1; i <= 8; i++) {
         float t = float(i) / 8.5;
         hidden = max(hidden, seabed_height(bed_node(place + run * t)) - height - depth * t);
@@ -297,19 +298,19 @@ vec3 log2_less(vec3 x)
     return x * (x - 6.0) / (4.158883 - 2.772589 * x);
 }
 
-// From the maps of level water, `at` on them: sunlight straight to the bottom
+// From the maps of level water of a light, `at` on them: its light straight to the bottom
 // and back by its own equation (eq. 9 of the 2003 paper with cos γ, shade and
 // the waves' focusing), what was scattered as well from level water of another
 // depth, by how deep it is under the line of sight and how steep the bottom.
 // Twin of pel_slope_light.
-bed_light seabed_light(vec2 at, bed_view seen, float footprint, vec3 sun_dir)
+bed_light seabed_light(int light, vec2 at, bed_view seen, float footprint, vec3 light_dir)
 {
     const float eta = 1.0 / PEL_WATER_INDEX;
     float depth = max(seen.depth, 0.01);
-    float cosine = sqrt(1.0 - eta * eta * (1.0 - sun_dir.z * sun_dir.z));
+    float cosine = sqrt(1.0 - eta * eta * (1.0 - light_dir.z * light_dir.z));
     vec3 n = seabed_normal(bed_node(seen.place), footprint);
-    float gain = max(dot(n.xy, sun_dir.xy) * eta + n.z * cosine, 0.0) / cosine;
-    gain *= seabed_lit(seen.place, seen.height, depth, sun_dir, cosine);
+    float gain = max(dot(n.xy, light_dir.xy) * eta + n.z * cosine, 0.0) / cosine;
+    gain *= seabed_lit(light, seen.place, seen.height, depth, light_dir, cosine);
 
     float under = 1.0 - seen.under / depth;
     float steep = 1.0 - n.z * n.z;
@@ -330,17 +331,17 @@ bed_light seabed_light(vec2 at, bed_view seen, float footprint, vec3 sun_dir)
     vec3 kept = 1.0 / (1.0 + turned);
 
     float below = clamp(floor(bottom_level.g), 0.0, last - 1.0);
-    float first = WATER_TOTAL * water.x + below;
+    float first = water_layer(light, WATER_TOTAL) + below;
     vec3 total0 = textureLod(water_map, vec3(at, first), 0.0).rgb;
     vec3 total1 = textureLod(water_map, vec3(at, first + 1.0), 0.0).rgb;
-    first = WATER_BOTTOM * water.x + below;
+    first = water_layer(light, WATER_BOTTOM) + below;
     vec3 bottom0 = textureLod(water_map, vec3(at, first), 0.0).rgb;
     vec3 bottom1 = textureLod(water_map, vec3(at, first + 1.0), 0.0).rgb;
     float z0 = exp2(water.y + below / water.z);
     float z1 = exp2(water.y + (below + 1.0) / water.z);
 
     vec3 way = bed_extinction.rgb * (1.0 / cosine + 1.0 / seen.rise);
-    vec3 beam = bed_dry.rgb * sun_light.rgb * bed_extinction.w;
+    vec3 beam = bed_dry.rgb * beams[light].rgb * bed_beams[light].x;
     vec3 around0 = max(bottom0 - beam * exp(-way * z0), vec3(1e-12));
     vec3 around1 = max(bottom1 - beam * exp(-way * z1), vec3(1e-12));
     // Between levels a power of the depth times e^(−fall depth).
@@ -348,18 +349,18 @@ bed_light seabed_light(vec2 at, bed_view seen, float footprint, vec3 sun_dir)
     vec3 part = clamp(bottom_level - below, -1.0, 2.0);
     vec3 around = exp2(mix(log2(around0) + fall * z0, log2(around1) + fall * z1, part) -
                        fall * for_bottom);
-    vec3 most = beam + bed_dry.rgb * sky_light.rgb * (eta * eta / PI);
+    vec3 most = beam + bed_dry.rgb * skies[light].rgb * (eta * eta / PI);
     around = min(around, most / (1.0 - 0.5 * bed_dry.rgb));
 
-    vec3 direct = sun_light.rgb * max(sun_dir.z, 0.0);
-    vec3 sunny = direct / (direct + sky_light.rgb + 1e-20);
-    bed_light light;
-    light.bottom = around * (1.0 + kept * (mix(vec3(n.z), vec3(gain), sunny) - 1.0));
-    if (bed_beyond.w > 0.5 && sun_dir.z > 0.02) {
-        gain *= caustic(seen.place, depth, footprint, sun_dir, cosine);
+    vec3 direct = beams[light].rgb * max(light_dir.z, 0.0);
+    vec3 by_beam = direct / (direct + skies[light].rgb + 1e-20);
+    bed_light result;
+    result.bottom = around * (1.0 + kept * (mix(vec3(n.z), vec3(gain), by_beam) - 1.0));
+    if (bed_beyond.w > 0.5 && light_dir.z > 0.02) {
+        gain *= caustic(light, seen.place, depth, footprint, light_dir, cosine);
     }
-    light.bottom += beam * exp(-way * min(depth, deepest.r)) * gain;
+    result.bottom += beam * exp(-way * min(depth, deepest.r)) * gain;
     part = clamp(volume_level - below, -1.0, 2.0);
-    light.volume = max(mix(total0 - bottom0, total1 - bottom1, part), vec3(0.0));
-    return light;
+    result.volume = max(mix(total0 - bottom0, total1 - bottom1, part), vec3(0.0));
+    return result;
 }

@@ -99,9 +99,9 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
 }
 #endif
 
-// Radiance by its way: reflected Sun, reflected sky, out of the water.
+// Radiance by its way: reflected lights, reflected sky, out of the water.
 struct lit {
-    vec3 sun, sky, water;
+    vec3 sun, sky, water; // `sun`: of every light, as the layer is called
     float fresnel;
 };
 
@@ -111,18 +111,22 @@ vec3 facet_in_sight(vec3 n, vec3 v)
     return n - 2.0 * min(dot(n, v), 0.0) * v;
 }
 
-// `leaving`: of the water there (leaving_water).
-lit sea_radiance(sampler2D map, vec3 v, vec3 sun_dir, vec3 n, vec2 variance, vec3 leaving)
+// `leaving`: of the water there (leaving_water); `tilt`: of the patch's up.
+lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 leaving)
 {
     variance = max(variance, vec2(MIN_VARIANCE));
     vec3 along = vec3(wind.xy, 0.0);
     vec3 tx = normalize(along - n * dot(n, along));
     vec3 ty = cross(n, tx);
     vec3 view = vec3(dot(v, tx), dot(v, ty), max(dot(v, n), 1e-3));
-    vec3 light = vec3(dot(sun_dir, tx), dot(sun_dir, ty), dot(sun_dir, n));
     float fresnel;
     vec3 sky = reflected_sky(map, v, n, tx, ty, view, variance, fresnel);
-    vec3 direct = sun_light.rgb * reflected_sun(view, light, variance);
+    vec3 direct = vec3(0.0);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        vec3 to = light_above(i, tilt);
+        vec3 light = vec3(dot(to, tx), dot(to, ty), dot(to, n));
+        direct += beams[i].rgb * reflected_light(view, light, variance, lights[i].limb.w);
+    }
     lit result;
     result.sun = direct;
     result.sky = sky;

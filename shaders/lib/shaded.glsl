@@ -13,7 +13,7 @@ struct shaded {
 #endif
 };
 
-layout(binding = PEL_UNIT_EYE_TABLE) uniform sampler2D eye_table;
+layout(binding = PEL_UNIT_EYE_TABLE) uniform sampler2DArray eye_table; // a layer a light
 
 // What an eye under the surface sees: the water's own light, more from above.
 vec3 from_under_water(vec3 radiance, float up)

@@ -104,23 +104,23 @@ vec3 transmittance_to_top(sampler2D table, float h, float mu)
     return textureLod(table, transmittance_uv(h, mu, vec2(textureSize(table, 0))), 0.0).rgb;
 }
 
-// Transmittance to the Sun, with the part of its disc that stands below the
-// horizon left out.
-vec3 sun_transmittance(sampler2D table, float h, float sun_mu)
+// Transmittance to a light of zenith cosine mu, with the part of its disc that
+// stands below the horizon left out.
+vec3 light_transmittance(sampler2D table, float h, float mu, float radius)
 {
     float horizon = horizon_cosine(h);
-    return transmittance_to_top(table, h, max(sun_mu, horizon)) *
-           smoothstep(-1.0, 1.0, (sun_mu - horizon) / sun.w);
+    return transmittance_to_top(table, h, max(mu, horizon)) *
+           smoothstep(-1.0, 1.0, (mu - horizon) / radius);
 }
 
-vec2 multiple_uv(float h, float sun_mu, vec2 table)
+vec2 multiple_uv(float h, float light_mu, vec2 table)
 {
-    vec2 x = vec2(0.5 + 0.5 * sign(sun_mu) * sqrt(abs(sun_mu)),
+    vec2 x = vec2(0.5 + 0.5 * sign(light_mu) * sqrt(abs(light_mu)),
                   sqrt(clamp(h / (planet.y - planet.x), 0.0, 1.0)));
     return (0.5 + x * (table - 1.0)) / table;
 }
 
-// Sky table of an eye: u by azimuth from the Sun (0..π), finer near it, v by
+// Sky table of an eye: u by azimuth from the light (0..π), finer near it, v by
 // the angle from the horizon, finer near it; the lower half is below.
 vec2 sky_uv(float azimuth, float angle_above, vec2 table)
 {
@@ -139,8 +139,27 @@ float fast_acos(float x)
     return x < 0.0 ? PI - p : p;
 }
 
-float azimuth_from_sun(vec2 dir)
+float azimuth_from(int light, vec2 dir)
 {
-    float c = dot(dir, sun.xy) * inversesqrt(max(dot(dir, dir) * dot(sun.xy, sun.xy), 1e-20));
+    vec2 to = lights[light].direction.xy;
+    float c = dot(dir, to) * inversesqrt(max(dot(dir, dir) * dot(to, to), 1e-20));
     return fast_acos(clamp(c, -1.0, 1.0));
+}
+
+// Towards a light, in the frame of a place on the sphere whose up is tilted.
+vec3 light_above(int light, vec2 tilt)
+{
+    vec3 to = lights[light].direction.xyz;
+    return normalize(vec3(to.xy - tilt * to.z, to.z + dot(tilt, to.xy)));
+}
+
+// The sky that all lights make, from a table with a layer for each.
+vec3 sky_light(sampler2DArray table, vec2 dir, float angle)
+{
+    vec2 size = vec2(textureSize(table, 0).xy);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        sum += textureLod(table, vec3(sky_uv(azimuth_from(i, dir), angle, size), i), 0.0).rgb;
+    }
+    return sum;
 }

@@ -1,17 +1,17 @@
-// The light that leaves the water, from the maps that the light pass fills
-// (light.comp) for the Sun, the sky and the water of the frame.
+// The light that leaves the water, from the maps that water_map.comp fills for
+// the lights, their skies and the water of the frame.
 //
 // water_map is a texture array of pictures over the refracted line of sight
-// (optics/watertable.h), one for each part of the light and each of
-// WATER_LEVELS depths: layer part · levels + level. Depths are level with each
-// other on a logarithmic scale; `frame.water` has x the number of levels, y
-// log2 of the first depth in m, z levels an octave. A flat sea has one level
-// and any depth finds it:
+// (optics/watertable.h), one for each light, each part of its light and each
+// depth: layer (light · PEL_WATER_LAYERS + part) · levels + level. Depths lie evenly
+// on a logarithmic scale; `frame.water` has x the number of levels, y log2 of
+// the first depth in m, z levels an octave. A flat sea has one level and any
+// depth finds it:
 //
-//     vec3 light = (1 − F̄) · leaving_water(water_place(v, n, sun_dir), depth)
+//     vec3 light = (1 − F̄) · Σ leaving_water(i, water_place(v, n, dir_i), depth)
 //
 // mixes the two levels around a depth, and holds the first and the last beyond
-// them. Over a height field lib/seabed.glsl looks into them by itself.
+// them. Over a height field lib/seabed.glsl reads them by itself.
 
 layout(binding = PEL_UNIT_WATER) uniform sampler2DArray water_map;
 
@@ -31,24 +31,30 @@ water_light water_from_below(vec3 radiance)
     return water_light(vec3(0.0), vec3(0.0), radiance, vec3(0.0));
 }
 
-// Where on the maps the line of sight towards v lies that leaves the water
-// through a facet n: refracted there, the part of it along the surface.
-vec2 water_place(vec3 v, vec3 n, vec3 sun_dir)
+// Layer of a part of a light, at the first depth.
+float water_layer(int light, float part)
+{
+    return (float(light * PEL_WATER_LAYERS) + part) * water.x;
+}
+
+// Where on the maps of a light the line of sight towards v lies that leaves the
+// water through a facet n: refracted there, the part of it along the surface.
+vec2 water_place(vec3 v, vec3 n, vec3 light_dir)
 {
     float facing = max(dot(n, v), 0.0);
     const float eta = 1.0 / PEL_WATER_INDEX;
     vec2 line = n.xy * (eta * facing - sqrt(1.0 - eta * eta * (1.0 - facing * facing))) - eta * v.xy;
     float sine = length(line);
-    float across = length(sun_dir.xy) * sine;
-    float cosine = across > 1e-6 ? dot(line, sun_dir.xy) / across : 0.0;
+    float across = length(light_dir.xy) * sine;
+    float cosine = across > 1e-6 ? dot(line, light_dir.xy) / across : 0.0;
     vec2 size = vec2(textureSize(water_map, 0).xy);
     vec2 place = clamp(vec2(0.5 + 0.5 * cosine, PEL_WATER_INDEX * sine), 0.0, 1.0);
     return (0.5 + place * (size - 1.0)) / size;
 }
 
-vec3 water_part(vec2 place, float part, float depth)
+vec3 water_part(int light, vec2 place, float part, float depth)
 {
-    float first = part * water.x;
+    float first = water_layer(light, part);
     if (water.x < 1.5) {
         return textureLod(water_map, vec3(place, first), 0.0).rgb;
     }
@@ -60,16 +66,16 @@ vec3 water_part(vec2 place, float part, float depth)
 
 // At a place of the maps, over water of this depth, before the facet's own
 // Fresnel factor: L_sea of Bruneton et al. 2010, eq. 28.
-vec3 leaving_water(vec2 place, float depth)
+vec3 leaving_water(int light, vec2 place, float depth)
 {
-    return water_part(place, WATER_TOTAL, depth);
+    return water_part(light, place, WATER_TOTAL, depth);
 }
 
 // The same taken apart, times `factor`.
-water_light water_parts(vec2 place, float depth, float factor)
+water_light water_parts(int light, vec2 place, float depth, float factor)
 {
-    return water_light(factor * water_part(place, WATER_SINGLE, depth),
-                       factor * water_part(place, WATER_SECOND, depth),
-                       factor * water_part(place, WATER_HIGHER, depth),
-                       factor * water_part(place, WATER_BOTTOM, depth));
+    return water_light(factor * water_part(light, place, WATER_SINGLE, depth),
+                       factor * water_part(light, place, WATER_SECOND, depth),
+                       factor * water_part(light, place, WATER_HIGHER, depth),
+                       factor * water_part(light, place, WATER_BOTTOM, depth));
 }

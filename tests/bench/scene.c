@@ -45,7 +45,7 @@ struct pel_environment bench_environment(const struct bench_scene *s,
     return (struct pel_environment){
         .time_s = s->time_s,
         .sea = sea,
-        .sun = { cos(e) * sin(a), cos(e) * cos(a), sin(e) },
+        .lights = { { { cos(e) * sin(a), cos(e) * cos(a), sin(e) }, 1.0 } },
         .wind_mps = s->wind_mps,
         .wind_to_rad = wind_to(s),
         .visibility_m = s->visibility_m,

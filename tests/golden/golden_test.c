@@ -175,7 +175,8 @@ static void draw(const struct scene *scene, uint8_t *rgba)
     desc.temperature_c = PEL_TEMPERATURE_USUAL;
     assert_int_equal(pel_water_resolve(&desc, &water, NULL), PEL_OK);
     struct pel_environment env = test_environment(&sea, 41.5);
-    env.sun = test_sun(scene->sun_elevation, scene->sun_azimuth);
+    env.lights[PEL_LIGHT_SUN].direction =
+        test_sun(scene->sun_elevation, scene->sun_azimuth);
     env.visibility_m = scene->visibility_m;
     env.water = water;
     env.seabed = scene->bed ? test_bed(scene->bed) : NULL;

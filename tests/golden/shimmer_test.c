@@ -42,7 +42,7 @@ static void shoot(const struct pel_sea *sea, double below, int fine,
     for (int n = 0; n < FRAMES; n++) {
         double time_s = 30.0 + n / RATE_HZ;
         struct pel_environment env = test_environment(sea, time_s);
-        env.sun = test_sun(12.0, 3.0);
+        env.lights[PEL_LIGHT_SUN].direction = test_sun(12.0, 3.0);
         struct pel_camera c = far_patch(HEIGHT_M, below, n / RATE_HZ, fine);
         struct pel_picture *p =
             test_draw(renderer, &env, &c, PEL_LAYER_RADIANCE);

@@ -203,14 +203,15 @@ static bool make_lights(const struct scene *scene, const struct pel_sea *sea,
     out->env = (struct pel_environment){
         .time_s = 20,
         .sea = sea,
-        .sun = { 0, cos(elevation), sin(elevation) },
         .wind_mps = scene->wind_mps,
         .wind_to_rad = sea->desc.direction_rad,
         .visibility_m = out->visibility_m,
         .water = pel_water_deep(0.3),
         .no_air = true,
-        .sun_blur = SUN_BLUR,
+        .light_blur = SUN_BLUR,
     };
+    const struct pel_vec3 sun = { 0, cos(elevation), sin(elevation) };
+    pel_lights_of_sun(sun, out->env.lights);
     struct pel_atmosphere *air = malloc(sizeof *air);
     if (!air) {
         return false;
@@ -219,16 +220,16 @@ static bool make_lights(const struct scene *scene, const struct pel_sea *sea,
     pel_atmosphere_init(&desc, air);
     pel_atmosphere_tabulate(air);
     out->reference = (struct reference_light){
-        .sun = out->env.sun,
-        .sun_irradiance = pel_atmosphere_sun_irradiance(air, 0, out->env.sun),
-        .sky_irradiance = pel_atmosphere_sky_irradiance(air, out->env.sun),
+        .sun = sun,
+        .sun_irradiance = pel_atmosphere_sun_irradiance(air, 0, sun),
+        .sky_irradiance = pel_atmosphere_sky_irradiance(air, sun),
         .water = &out->leaving,
         .slope_sigma =
             sqrt(0.5 * (sea->slope_variance_along + sea->slope_variance_cross)),
         .blur = SUN_BLUR,
     };
     free(air);
-    return pel_water_table_build(&out->env.water, acos(out->env.sun.z), NULL,
+    return pel_water_table_build(&out->env.water, acos(sun.z), NULL,
                                  &out->leaving) == PEL_OK;
 }
 
