@@ -315,6 +315,7 @@ TESTS += tests/golden/golden_test.c
 TESTS += tests/golden/shimmer_test.c
 TESTS += server/render/waterlight_test.c
 TESTS += server/frames/layers_test.c
+TESTS += tests/validate/seatrace/seatrace_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
 # FUZZERS += lines of each room.
@@ -341,7 +342,7 @@ FLAGS_server/ocean/evolve := $(VECTORS)
 FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)
 FLAGS_clients/pelagosctl/clip_stream = $(CTL_CFLAGS)
 $(foreach f,$(SEABED_READER:.c=) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
-$(foreach f,$(basename $(wildcard tests/validate/*.c)),$(eval FLAGS_$(f) := -O3))
+$(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c)),$(eval FLAGS_$(f) := -O3))
 compile = $(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) $(FLAGS_$(1))
 
 # What decides about an object beside its sources.
@@ -387,7 +388,7 @@ $(O)/flags: FORCE
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosctl \
     pelagos-seabed registers_doc cigi_doc nmea_doc bench still bench_streams \
-    any_raster lighting validate_water): $(O)/flags
+    any_raster lighting validate_water seatrace): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS)
@@ -474,7 +475,7 @@ $(O)/bin/any_raster: $(OBJ)/tests/any_raster.o $(OBJ)/libserver.a
 
 .PHONY: tests
 tests: $(TEST_BIN) $(O)/bin/registers_doc $(O)/bin/cigi_doc $(O)/bin/nmea_doc \
-    $(O)/bin/any_raster $(O)/bin/lighting $(O)/bin/validate_water $(O)/libpelagos.a \
+    $(O)/bin/any_raster $(O)/bin/lighting $(O)/bin/validate_water $(O)/bin/seatrace $(O)/libpelagos.a \
     build/compile_commands.json ## build the test programs
 
 .PHONY: unit
@@ -595,6 +596,12 @@ $(O)/bin/lighting: $(call obj,tests/validate/lighting.c tests/validate/rowtrace.
 $(O)/bin/validate_water: $(OBJ)/tests/validate/water.o \
     $(OBJ)/tests/validate/watersampling.o $(OBJ)/tests/validate/waterslopes.o $(OBJ)/libserver.a
 	$(LINK) -lm
+# Shares no source with what it judges.
+SEATRACE := $(addprefix tests/validate/seatrace/,seaspectrum.c seasurface.c \
+    searay.c sealight.c)
+$(O)/bin/seatrace: $(call obj,tests/validate/seatrace/seatrace.c $(SEATRACE))
+	$(LINK) -lm
+$(O)/bin/seatrace_test: $(call obj,$(SEATRACE))
 
 .PHONY: validate validate-lighting validate-numbers validate-water
 validate: validate-numbers validate-lighting validate-water ## compare with brute force: tables and plots in build/validate/ (ARGS=--quick: a minute, as make check does)
@@ -618,6 +625,11 @@ validate-water: deps-build ## light in the water against Monte Carlo, minutes (A
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/validate_water
 	$(O)/bin/validate_water $(ARGS)
 	$(Q)cat $(VALIDATED)/water.md
+
+.PHONY: validate-seatrace
+validate-seatrace: deps-build ## pictures against rays over a realised sea, 15 min (ARGS=--quick: one)
+	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/seatrace
+	$(Q)nice -n 19 /usr/bin/python3 -B tests/validate/seatrace/seatrace.py $(ARGS)
 
 .PHONY: soak
 soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers
