@@ -39,6 +39,13 @@ static double clear_length(const struct sea_surface *surface, double x,
                            double y, double z, double across, double up,
                            double *gap)
 {
+    if (surface->choppy) {
+        /* Displaced, the surface is steeper than its grids' sum of greatest
+         * gradients only where all of them meet, which is never. */
+        *gap = z - sea_surface_height(surface, x, y, 0);
+        double closing = surface->steeper[surface->levels] * across - up;
+        return closing <= 0 ? INFINITY : *gap / closing;
+    }
     *gap = z;
     for (int l = 0;; l++) {
         *gap -= sea_level_height(&surface->level[l], x, y);

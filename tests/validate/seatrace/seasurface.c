@@ -91,8 +91,9 @@ static double mode_energy(const struct sea_level *level,
     enum { SUB = 4 };
     double sum = 0;
     for (int i = 0; i < SUB * SUB; i++) {
-        double kx = dk * (mx + ((i % SUB) + 0.5) / SUB - 0.5);
-        double ky = dk * (my + ((i / SUB) + 0.5) / SUB - 0.5);
+        int column = i % SUB, line = i / SUB;
+        double kx = dk * (mx + (column + 0.5) / SUB - 0.5);
+        double ky = dk * (my + (line + 0.5) / SUB - 0.5);
         double k = hypot(kx, ky);
         if (k >= level->k_from && k < level->k_to) {
             sum += sea_spectrum_density(spectrum, k,
@@ -216,6 +217,57 @@ static void measure(struct sea_surface *surface)
     }
 }
 
+void sea_surface_chop(struct sea_surface *surface,
+                      const struct sea_spectrum *spectrum)
+{
+    double whole_to = pow(0.7 / 5.5, 2), most = pow(0.98 / 5.5, 2);
+    double before = 0;
+    surface->choppy = 1;
+    for (int l = 0; l < surface->levels; l++) {
+        struct sea_level *level = &surface->level[l];
+        struct sea_moments m =
+            sea_spectrum_moments(spectrum, level->k_from, level->k_to);
+        double slopes = m.along + m.cross;
+        double whole = fmin(fmax(whole_to - before, 0), slopes);
+        /* What is over is let in ever less: 1 - exp(-x) never exceeds. */
+        double over0 = fmax(before - whole_to, 0);
+        double over1 = fmax(before + slopes - whole_to, 0);
+        double room_left = most - whole_to;
+        double allowed = whole + room_left * (exp(-over0 / room_left) -
+                                              exp(-over1 / room_left));
+        level->chop = sqrt(allowed / slopes);
+        before += slopes;
+        for (int axis = 0; axis < 2; axis++) {
+            level->shift[axis] =
+                room((size_t)level->n * level->n, sizeof(float));
+        }
+    }
+}
+
+/* Fills `to` with the modes' heights, or their displacements along one of the
+ * level's axes, of one set of random numbers. */
+static void synthesise(const struct sea_level *level,
+                       const double complex *mode, int axis, float *to)
+{
+    int n = level->n;
+    size_t count = (size_t)n * n;
+    double complex *work = room(count, sizeof(*work));
+    for (size_t i = 0; i < count; i++) {
+        work[i] = mode[i];
+        if (axis >= 0) {
+            int x = (int)(i % n), y = (int)(i / n);
+            double k[2] = { x < n / 2 ? x : x - n, y < n / 2 ? y : y - n };
+            double length = hypot(k[0], k[1]);
+            work[i] *= length > 0 ? I * k[axis] / length * level->chop : 0;
+        }
+    }
+    transform_square(work, n);
+    for (size_t i = 0; i < count; i++) {
+        to[i] = (float)creal(work[i]);
+    }
+    free(work);
+}
+
 void sea_surface_fill(struct sea_surface *surface, struct sea_random *random)
 {
     for (int l = 0; l < surface->levels; l++) {
@@ -229,9 +281,9 @@ void sea_surface_fill(struct sea_surface *surface, struct sea_random *random)
                 mode[i] = (double)level->amplitude[i] * (a + b * I);
             }
         }
-        transform_square(mode, level->n);
-        for (size_t i = 0; i < count; i++) {
-            level->height[i] = (float)creal(mode[i]);
+        synthesise(level, mode, -1, level->height);
+        for (int axis = 0; surface->choppy && axis < 2; axis++) {
+            synthesise(level, mode, axis, level->shift[axis]);
         }
         free(mode);
         level->move_x = level->size_m * sea_random_unit(random);
@@ -264,6 +316,8 @@ void sea_surface_finish(struct sea_surface *surface)
     for (int l = 0; l < surface->levels; l++) {
         free(surface->level[l].amplitude);
         free(surface->level[l].height);
+        free(surface->level[l].shift[0]);
+        free(surface->level[l].shift[1]);
     }
     surface->levels = 0;
 }
@@ -273,8 +327,8 @@ struct cell {
     double a, b, c, d, u, v;
 };
 
-static inline struct cell find(const struct sea_level *level, double x,
-                               double y)
+static inline struct cell find(const struct sea_level *level, const float *grid,
+                               double x, double y)
 {
     double scale = level->n / level->size_m;
     double px = (level->cos * x + level->sin * y + level->move_x) * scale;
@@ -282,8 +336,8 @@ static inline struct cell find(const struct sea_level *level, double x,
     double fx = floor(px), fy = floor(py);
     int mask = level->n - 1;
     int ix = (int)((long long)fx & mask), iy = (int)((long long)fy & mask);
-    const float *row = level->height + (size_t)iy * level->n;
-    const float *next = level->height + (size_t)((iy + 1) & mask) * level->n;
+    const float *row = grid + (size_t)iy * level->n;
+    const float *next = grid + (size_t)((iy + 1) & mask) * level->n;
     int jx = (ix + 1) & mask;
     return (struct cell){ .a = row[ix],
                           .b = row[jx],
@@ -293,31 +347,95 @@ static inline struct cell find(const struct sea_level *level, double x,
                           .v = py - fy };
 }
 
+/* Bilinear value, and its derivatives by x and y. */
+static inline double value_of(const struct sea_level *level,
+                              const struct cell *f, double *by)
+{
+    double low = f->a + f->u * (f->b - f->a);
+    double high = f->c + f->u * (f->d - f->c);
+    double scale = level->n / level->size_m;
+    double du = ((1 - f->v) * (f->b - f->a) + f->v * (f->d - f->c)) * scale;
+    double dv = (high - low) * scale;
+    by[0] = level->cos * du - level->sin * dv;
+    by[1] = level->sin * du + level->cos * dv;
+    return low + f->v * (high - low);
+}
+
 double sea_level_height(const struct sea_level *level, double x, double y)
 {
-    struct cell f = find(level, x, y);
-    double low = f.a + f.u * (f.b - f.a), high = f.c + f.u * (f.d - f.c);
-    return low + f.v * (high - low);
+    double by[2];
+    struct cell f = find(level, level->height, x, y);
+    return value_of(level, &f, by);
+}
+
+/* Displacement of a place at rest, and its derivatives by x and y. */
+static void displace(const struct sea_surface *surface, double x, double y,
+                     double *d, double (*by)[2])
+{
+    d[0] = d[1] = by[0][0] = by[0][1] = by[1][0] = by[1][1] = 0;
+    for (int l = 0; l < surface->levels; l++) {
+        const struct sea_level *level = &surface->level[l];
+        double c = level->cos, s = level->sin;
+        double of[2], g[2][2]; /* in the level's axes; g by x and y */
+        for (int axis = 0; axis < 2; axis++) {
+            struct cell f = find(level, level->shift[axis], x, y);
+            of[axis] = value_of(level, &f, g[axis]);
+        }
+        d[0] += c * of[0] - s * of[1];
+        d[1] += s * of[0] + c * of[1];
+        for (int j = 0; j < 2; j++) {
+            by[0][j] += c * g[0][j] - s * g[1][j];
+            by[1][j] += s * g[0][j] + c * g[1][j];
+        }
+    }
+}
+
+/* The place at rest whose particle is over (x, y): Newton's steps. inverse:
+ * of the derivative of x0 + D(x0). */
+static void find_rest(const struct sea_surface *surface, double x, double y,
+                      double *rest, double (*inverse)[2])
+{
+    rest[0] = x;
+    rest[1] = y;
+    for (int i = 0; i < 12; i++) {
+        double d[2], by[2][2];
+        displace(surface, rest[0], rest[1], d, by);
+        double a = 1 + by[0][0], b = by[0][1], c = by[1][0], e = 1 + by[1][1];
+        /* Folded places are few, and left to a slower step. */
+        double determinant = fmax(a * e - b * c, 0.2);
+        inverse[0][0] = e / determinant;
+        inverse[0][1] = -b / determinant;
+        inverse[1][0] = -c / determinant;
+        inverse[1][1] = a / determinant;
+        double off[2] = { rest[0] + d[0] - x, rest[1] + d[1] - y };
+        if (hypot(off[0], off[1]) < 2e-7) {
+            return;
+        }
+        for (int j = 0; j < 2; j++) {
+            rest[j] -= inverse[j][0] * off[0] + inverse[j][1] * off[1];
+        }
+    }
 }
 
 double sea_surface_height(const struct sea_surface *surface, double x, double y,
                           double *gradient)
 {
-    double z = 0, gx = 0, gy = 0;
+    double rest[2] = { x, y }, inverse[2][2] = { { 1, 0 }, { 0, 1 } };
+    if (surface->choppy) {
+        find_rest(surface, x, y, rest, inverse);
+    }
+    double z = 0, g[2] = { 0, 0 };
     for (int l = 0; l < surface->levels; l++) {
         const struct sea_level *level = &surface->level[l];
-        struct cell f = find(level, x, y);
-        double low = f.a + f.u * (f.b - f.a), high = f.c + f.u * (f.d - f.c);
-        z += low + f.v * (high - low);
-        double scale = level->n / level->size_m;
-        double du = ((1 - f.v) * (f.b - f.a) + f.v * (f.d - f.c)) * scale;
-        double dv = (high - low) * scale;
-        gx += level->cos * du - level->sin * dv;
-        gy += level->sin * du + level->cos * dv;
+        struct cell f = find(level, level->height, rest[0], rest[1]);
+        double own[2];
+        z += value_of(level, &f, own);
+        g[0] += own[0];
+        g[1] += own[1];
     }
     if (gradient) {
-        gradient[0] = gx;
-        gradient[1] = gy;
+        gradient[0] = inverse[0][0] * g[0] + inverse[1][0] * g[1];
+        gradient[1] = inverse[0][1] * g[0] + inverse[1][1] * g[1];
     }
     return z;
 }

@@ -20,6 +20,8 @@ struct sea_level {
     double k_from, k_to;
     float *amplitude; /* of a mode: square root of its energy */
     float *height;    /* n x n, row by row */
+    float *shift[2];  /* choppy: displacement along the level's axes */
+    double chop;      /* c of its displacements */
     double highest;   /* of |height| */
     double steepest;  /* bound of the gradient */
 };
@@ -27,7 +29,8 @@ struct sea_level {
 struct sea_surface {
     int levels; /* from the longest waves to the shortest */
     struct sea_level level[SEA_LEVELS];
-    double wind_x, wind_y;          /* unit, where the wind blows to */
+    double wind_x, wind_y; /* unit, where the wind blows to */
+    int choppy;
     double finer[SEA_LEVELS + 1];   /* greatest height of this and later ones */
     double steeper[SEA_LEVELS + 1]; /* gradient bound of those before */
     /* Of the last filling, over all nodes' cells. */
@@ -39,6 +42,14 @@ struct sea_surface {
 void sea_surface_init(struct sea_surface *surface,
                       const struct sea_spectrum *spectrum, int nodes,
                       double wind_to_rad);
+
+/* Before the first filling: particles move horizontally as in trochoids,
+ * D = i k/|k| c h of each mode, which sharpens crests. c is 1 where the
+ * mean-square slope of all longer waves is below (0.7 / 5.5)2, and less for
+ * shorter ones, so that the whole is (0.98 / 5.5)2 at most: as the drawn sea
+ * is defined. The spectrum then is of heights over places at rest. */
+void sea_surface_chop(struct sea_surface *surface,
+                      const struct sea_spectrum *spectrum);
 
 /* A new realisation. */
 void sea_surface_fill(struct sea_surface *surface, struct sea_random *random);
@@ -54,7 +65,7 @@ void sea_surface_finish(struct sea_surface *surface);
 double sea_surface_height(const struct sea_surface *surface, double x, double y,
                           double *gradient);
 
-/* Height of level i alone. */
+/* Height of one level at a place, which is at rest where it is choppy. */
 double sea_level_height(const struct sea_level *level, double x, double y);
 
 #endif

@@ -11,6 +11,7 @@
  *   --skies FILE               see read_skies; none: white sky alone
  *   --realisations N  --rays N (of a row and realisation)  --facets N
  *   --nodes N  --threads N  --seed N  --index N
+ *   --chop 1                   crests sharpened (seasurface.h)
  */
 #include "sealight.h"
 
@@ -25,7 +26,7 @@ enum { ROWS = 256, REALISATIONS = 256, THREADS = 16 };
 struct options {
     const char *spectrum, *skies;
     double wind, fetch, shortest, wind_to, index;
-    int realisations, rays, facets, nodes, threads, seed;
+    int realisations, rays, facets, nodes, threads, seed, chop;
 };
 
 struct sea_figures {
@@ -77,6 +78,7 @@ static void read_options(int argc, char **argv)
         { "--nodes", 0, 0, &options.nodes },
         { "--threads", 0, 0, &options.threads },
         { "--seed", 0, 0, &options.seed },
+        { "--chop", 0, 0, &options.chop },
     };
     for (int i = 1; i < argc; i += 2) {
         size_t k = 0, count = sizeof(known) / sizeof(*known);
@@ -96,7 +98,7 @@ static void read_options(int argc, char **argv)
     }
     if (options.realisations < 2 || options.realisations > REALISATIONS ||
         options.threads < 1 || options.threads > THREADS || options.rays < 1 ||
-        options.facets < 1 || options.nodes < 128 ||
+        options.facets < 1 || options.nodes < 256 ||
         (options.nodes & (options.nodes - 1)) || options.wind < 1 ||
         options.wind > 30) {
         end("a value is out of its range; see", "seatrace.c");
@@ -173,6 +175,9 @@ static void *work(void *argument)
     struct sea_surface surface;
     sea_surface_init(&surface, &spectrum, options.nodes,
                      options.wind_to * 3.14159265358979323846 / 180);
+    if (options.chop) {
+        sea_surface_chop(&surface, &spectrum);
+    }
     struct sea_facet *facets = calloc((size_t)options.facets, sizeof(*facets));
     if (!facets) {
         end("no memory for", "facets");
