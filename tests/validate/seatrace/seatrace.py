@@ -4,7 +4,7 @@
     seatrace.py [--quick] [--assert] [--spectrum pm|elfouhaily] [--jobs N]
                 [--slant M]
 
-Views of 128 x 16 pixels look at the sea from a slant distance of 800 m, so that
+Views of 128 x 16 pixels look at the sea from a slant distance of 2 km, so that
 pixels are wider than the shortest waves and narrower than the longest; over
 several seeds, places and moments the mean of their EXR layers `sky`, `sun` and
 `fresnel` is compared with the mean radiance of realised seas in the same
@@ -389,7 +389,7 @@ def main():
     parser.add_argument("--assert", dest="check", action="store_true")
     parser.add_argument("--spectrum", choices=SPECTRA, default="pm")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--slant", type=float, default=800)
+    parser.add_argument("--slant", type=float, default=2000)
     options = parser.parse_args()
     setup = {"winds": (2, 7, 12), "suns": (10, 35, 60),
              "zeniths": (30, 45, 60, 70, 75, 80, 85, 88), "pictures": 32,
