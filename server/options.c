@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
+
+#define MOST_CONFIG (1 << 20) /* bytes */
 #define FIELD(name) offsetof(struct pel_options, name)
 
 static const char *const order_words[] = { "abcd", "cdab", "badc", "dcba",
@@ -483,10 +486,18 @@ static enum pel_err set_key(GKeyFile *file, const char *path, const char *group,
 static enum pel_err read_file(const char *path, struct pel_options *options,
                               struct pel_fault *fault)
 {
+    char *text;
+    size_t size;
+    enum pel_err err = pel_file_read(path, MOST_CONFIG, &text, &size, fault);
+    if (err) {
+        return err;
+    }
     GKeyFile *file = g_key_file_new();
     GError *error = NULL;
-    enum pel_err err = PEL_OK;
-    if (!g_key_file_load_from_file(file, path, G_KEY_FILE_NONE, &error)) {
+    bool good =
+        g_key_file_load_from_data(file, text, size, G_KEY_FILE_NONE, &error);
+    free(text);
+    if (!good) {
         err = pel_fault_set(fault, PEL_ERR_IO, "%s: %s", path, error->message);
         g_clear_error(&error);
         g_key_file_free(file);

@@ -12,11 +12,13 @@
 #include <glib.h>
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "pelagosctl/log_run.h"
 #include "pelagosctl/nmea_log.h"
 
 #define DEFAULT_TARGET "127.0.0.1:10110"
 #define MAX_LINE 1024
+#define MOST_LOG (1u << 30) /* bytes */
 
 struct replay {
     int fd;
@@ -218,8 +220,8 @@ enum ctl_exit ctl_replay(struct ctl *ctl)
     };
     replay.target = replay.target ? replay.target : DEFAULT_TARGET;
     g_autofree char *text = NULL;
-    gsize size = 0;
-    g_autoptr(GError) error = NULL;
+    size_t size = 0;
+    struct pel_fault fault;
     if (log_run_is(ctl->args[0])) {
         return ctl_replay_log(ctl);
     }
@@ -229,8 +231,8 @@ enum ctl_exit ctl_replay(struct ctl *ctl)
                        "of one",
                        ctl->args[0]);
     }
-    if (!g_file_get_contents(ctl->args[0], &text, &size, &error)) {
-        return ctl_say(CTL_FAILED, "%s", error->message);
+    if (pel_file_read(ctl->args[0], MOST_LOG, &text, &size, &fault)) {
+        return ctl_say(CTL_FAILED, "%s", fault.message);
     }
     if (ctl_value(ctl, "frames") || ctl_value(ctl, "at") ||
         ctl_value(ctl, "every") || ctl_value(ctl, "view")) {

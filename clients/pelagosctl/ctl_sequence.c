@@ -9,6 +9,7 @@
 #include <glib.h>
 
 #include "base/clock.h"
+#include "base/file.h"
 
 #define MAX_DIGITS 9
 
@@ -74,11 +75,13 @@ static bool read_time(const char *path, double *time_s)
 {
     static const char mark[] = "pelagos.time\0double\0\x08\0\0"; /* and a 0 */
     char head[16384];
-    FILE *file = fopen(path, "rb");
-    size_t size = file ? fread(head, 1, sizeof head, file) : 0;
-    if (file) {
-        fclose(file);
+    int fd = -1;
+    if (pel_file_open(path, &fd, NULL)) {
+        return false;
     }
+    ssize_t got = read(fd, head, sizeof head);
+    size_t size = got > 0 ? (size_t)got : 0;
+    close(fd);
     const char *at = size > 0 ? memmem(head, size, mark, sizeof mark) : NULL;
     if (!at || at + sizeof mark + sizeof *time_s > head + size) {
         return false;

@@ -2,14 +2,31 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "base/file.h"
 #include "pelog.h"
+
+static enum pel_err map_file(const char *name, GMappedFile **out,
+                             struct pel_fault *fault)
+{
+    g_autoptr(GError) error = NULL;
+    int fd;
+    enum pel_err err = pel_file_open(name, &fd, fault);
+    if (err) {
+        return err;
+    }
+    *out = g_mapped_file_new_from_fd(fd, FALSE, &error);
+    close(fd);
+    return *out ? PEL_OK
+                : pel_fault_set(fault, PEL_ERR_IO, "%.160s: %s", name,
+                                error->message);
+}
 
 bool log_run_is(const char *name)
 {
-    g_autoptr(GError) error = NULL;
-    GMappedFile *map = g_mapped_file_new(name, FALSE, &error);
-    if (!map) {
+    GMappedFile *map;
+    if (map_file(name, &map, NULL)) {
         return false;
     }
     const char *data = g_mapped_file_get_contents(map);
@@ -49,10 +66,9 @@ static enum ctl_exit check(struct log_segment *s)
 
 static enum ctl_exit load(struct log_segment *s)
 {
-    g_autoptr(GError) error = NULL;
-    s->map = g_mapped_file_new(s->name, FALSE, &error);
-    if (!s->map) {
-        return ctl_say(CTL_FAILED, "%s", error->message);
+    struct pel_fault fault;
+    if (map_file(s->name, &s->map, &fault)) {
+        return ctl_say(CTL_FAILED, "%s", fault.message);
     }
     s->size = g_mapped_file_get_length(s->map);
     s->data = g_mapped_file_get_contents(s->map);

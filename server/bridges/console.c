@@ -7,12 +7,13 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "base/watch.h"
 #include "bridges/endpoint.h"
@@ -429,27 +430,20 @@ static enum pel_err check_options(const struct pel_console_options *o,
 static enum pel_err read_table(struct pel_console *c, struct pel_fault *fault)
 {
     const struct pel_console_options *o = &c->options;
-    g_autofree char *text = NULL;
-    g_autoptr(GError) error = NULL;
-    struct stat info;
-    gsize size;
+    char *text = NULL;
+    size_t size;
     struct pel_fault why;
     if (!o->table_path) {
         return pel_console_table_read(o->table, strlen(o->table), o->order,
                                       &c->table, fault);
     }
-    if (stat(o->table_path, &info) == 0 &&
-        (!S_ISREG(info.st_mode) || info.st_size > PEL_CONSOLE_MAX_FILE)) {
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "--console-table: %s is no file of at most 64 KiB",
-                             o->table_path);
-    }
-    if (!g_file_get_contents(o->table_path, &text, &size, &error)) {
-        return pel_fault_set(fault, PEL_ERR_IO, "--console-table: %s",
-                             error->message);
-    }
     enum pel_err err =
-        pel_console_table_read(text, size, o->order, &c->table, &why);
+        pel_file_read(o->table_path, PEL_CONSOLE_MAX_FILE, &text, &size, &why);
+    if (err) {
+        return pel_fault_set(fault, err, "--console-table: %s", why.message);
+    }
+    err = pel_console_table_read(text, size, o->order, &c->table, &why);
+    free(text);
     if (err) {
         pel_fault_set(fault, err, "--console-table: %s: %s", o->table_path,
                       why.message);

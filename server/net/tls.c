@@ -1,26 +1,28 @@
 #include "net/tls.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <glib.h>
 #include <openssl/err.h>
+#include <openssl/pem.h>
 #include <openssl/ssl.h>
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "net/fdsource.h"
 #include "net/token.h"
 
-#define BLOCK 16384      /* a TLS record */
-#define ROUNDS_A_TURN 16 /* of BLOCK bytes, then the others have theirs */
+#define MOST_PEM (1 << 20) /* bytes of a certificate with its chain */
+#define BLOCK 16384        /* a TLS record */
+#define ROUNDS_A_TURN 16   /* of BLOCK bytes, then the others have theirs */
 
 struct pel_tls {
     char *cert_path, *key_path;
@@ -49,17 +51,54 @@ struct pump {
 
 static enum pel_err check_key(const char *path, struct pel_fault *fault)
 {
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (fd < 0) {
-        return pel_fault_set(fault, PEL_ERR_IO, "cannot read %s: %s", path,
-                             strerror(errno));
+    int fd;
+    enum pel_err err = pel_file_open(path, &fd, fault);
+    if (err == PEL_OK) {
+        err = pel_token_check_file(fd, path, fault);
+        close(fd);
     }
-    enum pel_err err = pel_token_check_file(fd, path, fault);
-    close(fd);
     return err;
 }
 
-static SSL_CTX *make_context(const char *cert_path, const char *key_path)
+/* A passphrase: nobody is there to ask. */
+static int no_passphrase(char *out, int size, int writing, void *user)
+{
+    (void)out;
+    (void)size;
+    (void)writing;
+    (void)user;
+    return -1;
+}
+
+/* The first certificate is ours, the rest lead up from it. */
+static bool use_chain(SSL_CTX *context, BIO *text)
+{
+    X509 *own = PEM_read_bio_X509_AUX(text, NULL, no_passphrase, NULL);
+    bool good = own && SSL_CTX_use_certificate(context, own) == 1;
+    X509_free(own);
+    X509 *next = NULL;
+    while (good &&
+           (next = PEM_read_bio_X509(text, NULL, no_passphrase, NULL))) {
+        good = SSL_CTX_add0_chain_cert(context, next) == 1;
+        if (!good) {
+            X509_free(next);
+        }
+    }
+    if (good && ERR_GET_REASON(ERR_peek_last_error()) == PEM_R_NO_START_LINE) {
+        ERR_clear_error(); /* the end of the file */
+    }
+    return good && ERR_peek_last_error() == 0;
+}
+
+static bool use_key(SSL_CTX *context, BIO *text)
+{
+    EVP_PKEY *key = PEM_read_bio_PrivateKey(text, NULL, no_passphrase, NULL);
+    bool good = key && SSL_CTX_use_PrivateKey(context, key) == 1;
+    EVP_PKEY_free(key);
+    return good;
+}
+
+static SSL_CTX *make_context(BIO *chain, BIO *key)
 {
     SSL_CTX *context = SSL_CTX_new(TLS_server_method());
     if (!context) {
@@ -72,8 +111,7 @@ static SSL_CTX *make_context(const char *cert_path, const char *key_path)
     SSL_CTX_set_mode(context, SSL_MODE_ENABLE_PARTIAL_WRITE |
                                   SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER |
                                   SSL_MODE_RELEASE_BUFFERS);
-    if (SSL_CTX_use_certificate_chain_file(context, cert_path) != 1 ||
-        SSL_CTX_use_PrivateKey_file(context, key_path, SSL_FILETYPE_PEM) != 1 ||
+    if (!use_chain(context, chain) || !use_key(context, key) ||
         SSL_CTX_check_private_key(context) != 1) {
         SSL_CTX_free(context);
         return NULL;
@@ -83,12 +121,30 @@ static SSL_CTX *make_context(const char *cert_path, const char *key_path)
 
 static enum pel_err load(struct pel_tls *tls, struct pel_fault *fault)
 {
+    char *chain_text = NULL, *key_text = NULL;
+    size_t chain_size = 0, key_size = 0;
     enum pel_err err = check_key(tls->key_path, fault);
+    if (err == PEL_OK) {
+        err = pel_file_read(tls->cert_path, MOST_PEM, &chain_text, &chain_size,
+                            fault);
+    }
+    if (err == PEL_OK) {
+        err =
+            pel_file_read(tls->key_path, MOST_PEM, &key_text, &key_size, fault);
+    }
     if (err != PEL_OK) {
+        free(chain_text);
         return err;
     }
     ERR_clear_error();
-    SSL_CTX *context = make_context(tls->cert_path, tls->key_path);
+    BIO *chain = BIO_new_mem_buf(chain_text, (int)chain_size);
+    BIO *key = BIO_new_mem_buf(key_text, (int)key_size);
+    SSL_CTX *context = chain && key ? make_context(chain, key) : NULL;
+    BIO_free(chain);
+    BIO_free(key);
+    free(chain_text);
+    explicit_bzero(key_text, key_size);
+    free(key_text);
     if (!context) {
         unsigned long code = ERR_peek_last_error();
         const char *why = code ? ERR_reason_error_string(code) : NULL;

@@ -1,7 +1,6 @@
 #include "net/token.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <pthread.h>
 #include <stdint.h>
 #include <string.h>
@@ -10,6 +9,8 @@
 #include <unistd.h>
 
 #include <glib.h>
+
+#include "base/file.h"
 
 #define ALPHABET                                                               \
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~+"
@@ -25,8 +26,9 @@ enum pel_err pel_token_check_file(int fd, const char *path,
                                   struct pel_fault *fault)
 {
     struct stat info;
-    if (fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) {
-        return pel_fault_set(fault, PEL_ERR_IO, "%s is no file", path);
+    if (fstat(fd, &info) != 0) {
+        return pel_fault_set(fault, PEL_ERR_IO, "cannot read %s: %s", path,
+                             strerror(errno));
     }
     if (info.st_uid != geteuid() && info.st_uid != 0) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
@@ -47,12 +49,12 @@ static enum pel_err read_token(const char *path, char out[PEL_TOKEN_MAX + 1],
                                size_t *size, struct pel_fault *fault)
 {
     char text[PEL_TOKEN_MAX + 3]; /* and CR LF, and one too many */
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (fd < 0) {
-        return pel_fault_set(fault, PEL_ERR_IO, "cannot read %s: %s", path,
-                             strerror(errno));
+    int fd;
+    enum pel_err err = pel_file_open(path, &fd, fault);
+    if (err != PEL_OK) {
+        return err;
     }
-    enum pel_err err = pel_token_check_file(fd, path, fault);
+    err = pel_token_check_file(fd, path, fault);
     ssize_t n = err == PEL_OK ? read(fd, text, sizeof text) : 0;
     close(fd);
     if (err != PEL_OK) {

@@ -15,7 +15,7 @@
 
 struct pel_token;
 
-/* Reads the token: the file's only line. Errors: IO (cannot be read), CONFLICT
+/* Reads the token: the file's only line. Errors: as of pel_file_open, CONFLICT
  * (others than its owner and group may read it, others than its owner change
  * it, or it belongs to someone else than us or root), INVALID (no token). */
 PEL_CHECK enum pel_err pel_token_create(const char *path,

@@ -1,12 +1,12 @@
 #include "ocean/ndbc.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/vec.h"
 
 #define NEAR_S 5400.0
@@ -142,35 +142,22 @@ int pel_ndbc_parse(const char *text, double unix_s, bool separation,
 static enum pel_err read_text(const char *path, char **out,
                               struct pel_fault *fault)
 {
-    FILE *file = fopen(path, "rb");
-    if (!file) {
-        return pel_fault_set(fault,
-                             errno == ENOENT ? PEL_ERR_NOT_FOUND : PEL_ERR_IO,
-                             "%s: %s", path, strerror(errno));
+    char *text = NULL;
+    size_t size = 0;
+    enum pel_err err =
+        pel_file_read(path, PEL_NDBC_FILE_LIMIT, &text, &size, fault);
+    if (err == PEL_ERR_OUT_OF_RANGE) {
+        return pel_fault_set(fault, PEL_ERR_MALFORMED,
+                             "%s is longer than %d bytes", path,
+                             PEL_NDBC_FILE_LIMIT);
     }
-    char *text = malloc(PEL_NDBC_FILE_LIMIT + 1);
-    if (!text) {
-        fclose(file);
-        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "%s: no memory", path);
-    }
-    size_t size = fread(text, 1, PEL_NDBC_FILE_LIMIT + 1, file);
-    bool failed = ferror(file);
-    fclose(file);
-    enum pel_err err = PEL_OK;
-    if (failed) {
-        err = pel_fault_set(fault, PEL_ERR_IO, "%s cannot be read", path);
-    } else if (size > PEL_NDBC_FILE_LIMIT) {
-        err = pel_fault_set(fault, PEL_ERR_MALFORMED,
-                            "%s is longer than %d bytes", path,
-                            PEL_NDBC_FILE_LIMIT);
-    } else if (memchr(text, 0, size)) {
+    if (!err && memchr(text, 0, size)) {
+        free(text);
         err = pel_fault_set(fault, PEL_ERR_MALFORMED, "%s is not text", path);
     }
     if (err) {
-        free(text);
         return err;
     }
-    text[size] = '\0';
     *out = text;
     return PEL_OK;
 }

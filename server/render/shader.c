@@ -5,7 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/file.h"
 #include "base/log.h"
+
+#define MOST_SHADER (1 << 20) /* bytes of a file */
 
 static const struct pel_shader_source *find_source(const char *name)
 {
@@ -17,6 +20,19 @@ static const struct pel_shader_source *find_source(const char *name)
     return NULL;
 }
 
+static bool append(char **text, size_t *size, const char *more, size_t length)
+{
+    char *grown = realloc(*text, *size + length + 1);
+    if (!grown) {
+        return false;
+    }
+    *text = grown;
+    memcpy(*text + *size, more, length);
+    *size += length;
+    grown[*size] = '\0';
+    return true;
+}
+
 /* Appends `path` to *text with its includes; returns false when a file cannot
  * be read. Only for --shader-dir: the build flattens the embedded ones. */
 static bool read_flat(const char *dir, const char *name, char **text,
@@ -24,29 +40,26 @@ static bool read_flat(const char *dir, const char *name, char **text,
 {
     char path[512];
     snprintf(path, sizeof path, "%s/%s", dir, name);
-    FILE *file = depth < 8 ? fopen(path, "r") : NULL;
-    if (!file) {
+    char *file = NULL;
+    size_t length = 0;
+    if (depth >= 8 || pel_file_read(path, MOST_SHADER, &file, &length, NULL)) {
         return false;
     }
-    char line[512], inner[256];
     bool ok = true;
-    while (ok && fgets(line, sizeof line, file)) {
-        if (sscanf(line, " #include \"%255[^\"]\"", inner) == 1) {
+    for (const char *line = file; ok && *line;) {
+        const char *end = strchrnul(line, '\n');
+        end += *end == '\n';
+        char inner[256];
+        const char *word = line + strspn(line, " \t");
+        if (sscanf(word, "#include \"%255[^\"]\"", inner) == 1) {
             /* Include guards are by #ifndef where a file needs one twice. */
             ok = read_flat(dir, inner, text, size, depth + 1);
-            continue;
+        } else {
+            ok = append(text, size, line, (size_t)(end - line));
         }
-        size_t length = strlen(line);
-        char *grown = realloc(*text, *size + length + 1);
-        if (!grown) {
-            ok = false;
-            break;
-        }
-        *text = grown;
-        memcpy(*text + *size, line, length + 1);
-        *size += length;
+        line = end;
     }
-    fclose(file);
+    free(file);
     return ok;
 }
 

@@ -10,7 +10,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "base/file.h"
 #include "seabed/reader/raster.h"
 #include "seabed/seabed.h"
 
@@ -411,16 +413,19 @@ static enum pel_err take(GDALDatasetH warped, double scale, double offset,
     return PEL_OK;
 }
 
-static bool is_exr(const char *path)
+static enum pel_err find_exr(const char *path, bool *out,
+                             struct pel_fault *fault)
 {
     unsigned char magic[4] = { 0 };
-    FILE *file = fopen(path, "rb");
-    bool exr = file && fread(magic, 1, 4, file) == 4 &&
+    int fd;
+    *out = false;
+    enum pel_err err = pel_file_open(path, &fd, fault);
+    if (!err) {
+        *out = read(fd, magic, 4) == 4 &&
                memcmp(magic, "\x76\x2f\x31\x01", 4) == 0;
-    if (file) {
-        fclose(file);
+        close(fd);
     }
-    return exr;
+    return err;
 }
 
 static enum pel_err open_exr(const struct pel_raster_request *request,
@@ -479,11 +484,14 @@ enum pel_err pel_raster_read(const struct pel_raster_request *request,
                              struct pel_fault *fault)
 {
     GDALDatasetH set = NULL, warped = NULL;
-    bool assume_wgs84 = false, exr = is_exr(request->path);
+    bool assume_wgs84 = false, exr = false;
     char frame[160];
     double scale = request->depths ? -1.0 : 1.0, offset = 0;
     local_frame(request->origin_latitude, request->origin_longitude, frame);
-    enum pel_err err = pel_raster_check_hdf5(request->path, fault);
+    enum pel_err err = find_exr(request->path, &exr, fault);
+    if (!err) {
+        err = pel_raster_check_hdf5(request->path, fault);
+    }
     if (!err) {
         err = exr ? open_exr(request, &set, fault)
                   : open_raster(request->path, &set, fault);
