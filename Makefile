@@ -129,6 +129,7 @@ SCENE := server/scene/scene.c \
     server/scene/edit.c \
     server/scene/check.c \
     server/scene/store.c \
+    server/scene/missing.c \
     server/scene/build.c \
     server/scene/ground.c \
     server/scene/numbers.c \

@@ -123,7 +123,7 @@ class Start(Case):
                      "\u007f" * 20, TOKEN + "\0"):
             self.refused("--token-file", token(text), says="openssl rand")
         self.refused("--token-file", "/nonexistent", says="cannot read")
-        self.refused("--token-file", self.folder, says="is no file")
+        self.refused("--token-file", self.folder, says="a directory")
         if os.geteuid() == 0:
             os.chown(token(TOKEN), 65534, 65534)
             self.refused("--token-file", os.path.join(self.folder, "t"),

@@ -15,6 +15,7 @@
 #include "net/http_view.h"
 #include "net/pages.h"
 #include "path.h"
+#include "scene/missing.h"
 
 #define JSON_TYPE "application/json"
 #define SURFACE_BODY 8 /* times the limit of other bodies */
@@ -112,6 +113,38 @@ void pel_http_state(const struct pel_http_call *call)
 
 /* --- handlers ------------------------------------------------------------- */
 
+static void append_quoted(GString *out, const char *text)
+{
+    g_string_append_c(out, '"');
+    for (; *text; text++) {
+        if (*text == '"' || *text == '\\') {
+            g_string_append_c(out, '\\');
+        }
+        g_string_append_c(out, (unsigned char)*text < 0x20 ? ' ' : *text);
+    }
+    g_string_append_c(out, '"');
+}
+
+/* What the state file names and is not there. */
+static void append_missing(GString *out, const struct pel_missing *missing)
+{
+    const char *before = ",\"missing\":[";
+    for (int i = 0; i < PEL_MISSING_COUNT; i++) {
+        if (missing->fields[i].name) {
+            g_string_append_printf(out, "%s{\"path\":\"%s\",\"value\":", before,
+                                   pel_missing_path(i));
+            append_quoted(out, missing->fields[i].name);
+            g_string_append(out, ",\"reason\":");
+            append_quoted(out, missing->fields[i].reason);
+            g_string_append_c(out, '}');
+            before = ",";
+        }
+    }
+    if (*before == ',' && !before[1]) {
+        g_string_append_c(out, ']');
+    }
+}
+
 static void get_health(const struct pel_http_call *call)
 {
     const struct pel_http_context *context = call->context;
@@ -127,6 +160,7 @@ static void get_health(const struct pel_http_call *call)
         g_string_append_printf(out, ",\"version\":\"%s\",\"revision\":\"%llu\"",
                                PEL_VERSION,
                                (unsigned long long)state->revision);
+        append_missing(out, pel_scene_missing(context->scene));
     }
     if (context->frames && known) {
         char *device = g_strescape(pel_frames_device(context->frames), NULL);
@@ -206,18 +240,6 @@ static void append_info(GString *out, const struct pel_field *info)
         g_string_append_printf(out, ",\"minimum\":%s,\"maximum\":%s", low,
                                high);
     }
-}
-
-static void append_quoted(GString *out, const char *text)
-{
-    g_string_append_c(out, '"');
-    for (; *text; text++) {
-        if (*text == '"' || *text == '\\') {
-            g_string_append_c(out, '\\');
-        }
-        g_string_append_c(out, (unsigned char)*text < 0x20 ? ' ' : *text);
-    }
-    g_string_append_c(out, '"');
 }
 
 static void append_value(GString *out, const struct pel_path_info *info,

@@ -14,6 +14,7 @@
 #include "base/vec.h"
 #include "json.h"
 #include "scene/geodesy.h"
+#include "scene/missing.h"
 #include "scene/scene.h"
 
 static char folder[] = "/tmp/pelagos-ground-XXXXXX";
@@ -313,6 +314,28 @@ static void a_restart_reads_it_again_or_goes_on_without(void **state)
     check_plane(scene, 0);
     pel_scene_destroy(scene);
     assert_int_equal(rename(old, new), 0);
+    scene = make(path, folder);
+    assert_null(pel_scene_state(scene)->seabed->file);
+    const struct pel_missing *missing = pel_scene_missing(scene);
+    assert_string_equal(missing->fields[PEL_MISSING_SEABED].name, "moved.asc");
+    assert_non_null(
+        strstr(missing->fields[PEL_MISSING_SEABED].reason, "no such file"));
+    /* Other edits leave it in the file: it may come back. */
+    must(scene, "{\"seabed\":{\"offset\":0.5},\"sea\":{\"seed\":77}}");
+    pel_scene_destroy(scene);
+    assert_int_equal(rename(new, old), 0);
+    scene = make(path, folder);
+    assert_string_equal(pel_scene_state(scene)->seabed->file, "moved.asc");
+    assert_int_equal(pel_scene_state(scene)->sea->seed, 77);
+    check_plane(scene, 0.5);
+    pel_scene_destroy(scene);
+    /* One that says it anew is obeyed. */
+    assert_int_equal(rename(old, new), 0);
+    scene = make(path, folder);
+    must(scene, "{\"seabed\":{\"file\":null}}");
+    assert_null(pel_scene_missing(scene)->fields[PEL_MISSING_SEABED].name);
+    pel_scene_destroy(scene);
+    assert_int_equal(rename(new, old), 0);
     scene = make(path, folder);
     assert_null(pel_scene_state(scene)->seabed->file);
     pel_scene_destroy(scene);

@@ -156,8 +156,13 @@ static void save(struct pel_scene *scene)
 {
     static struct pel_log_limit limit;
     struct pel_fault fault;
+    const Pelagos__State *state = pel_scene_state(scene);
+    Pelagos__State *whole = pel_missing_restored(&scene->missing, state);
     enum pel_err err =
-        pel_store_save(scene->state_path, pel_scene_state(scene), &fault);
+        pel_store_save(scene->store, whole ? whole : state, &fault);
+    if (whole) {
+        pelagos__state__free_unpacked(whole, NULL);
+    }
     if (err) {
         pel_log_limited(&limit, PEL_LOG_ERROR, "SCN-003", "%s", fault.message);
         scene->failed_saves++;
@@ -182,7 +187,7 @@ static gboolean on_save_timer(gpointer user)
 
 static void save_soon(struct pel_scene *scene)
 {
-    if (scene->state_path && scene->save_timer == 0) {
+    if (scene->store && scene->save_timer == 0) {
         int64_t wait_ns = scene->save_from_ns - pel_now_ns();
         scene->save_timer =
             g_timeout_add(wait_ns > 0 ? (guint)(wait_ns / 1000000) + 1 : 0,
@@ -319,6 +324,7 @@ enum pel_err pel_scene_take_over(struct pel_scene *scene, Pelagos__State *next,
         pelagos__state__free_unpacked(next, NULL);
         return err;
     }
+    pel_missing_edited(&scene->missing, patch);
     set_clock(scene, next->clock, time_s, now_ns);
     notify(scene, time_s, patch);
     return PEL_OK;
@@ -448,23 +454,27 @@ enum pel_err pel_scene_command_step(struct pel_scene *scene,
 }
 
 /* The state to start with: the file's, or the default one. */
-static enum pel_err first_state(const char *path, Pelagos__State **out,
-                                struct pel_fault *fault)
+static enum pel_err first_state(struct pel_store *store,
+                                const struct pel_scene_options *options,
+                                Pelagos__State **out, struct pel_fault *fault)
 {
     struct pel_fault why;
+    g_autofree char *aside = NULL;
     enum pel_err err =
-        path ? pel_store_load(path, out, &why) : PEL_ERR_NOT_FOUND;
+        store ? pel_store_load(store, out, &aside, &why) : PEL_ERR_NOT_FOUND;
     if (err == PEL_OK) {
         pel_info("SCN-001", "revision %llu of the scene loaded from %s",
-                 (unsigned long long)(*out)->revision, path);
+                 (unsigned long long)(*out)->revision, options->state_path);
         return PEL_OK;
     }
     if (err == PEL_ERR_IO) {
-        return pel_fault_set(fault, err, "%s", why.message);
+        return pel_fault_set(fault, err, "--state: %.240s", why.message);
     }
     if (err != PEL_ERR_NOT_FOUND) {
-        pel_error("SCN-002", "%s does not load and was renamed to *.bad: %s",
-                  path, why.message);
+        pel_error("SCN-002",
+                  "%s does not load: %s; it is kept as %s, and the scene "
+                  "begins with defaults",
+                  options->state_path, why.message, aside);
     }
     *out = pel_state_default();
     return PEL_OK;
@@ -493,20 +503,71 @@ static void scene_free(struct pel_scene *scene)
     }
     g_free(scene->bathymetry);
     g_free(scene->spectra);
-    g_free(scene->state_path);
+    pel_missing_finish(&scene->missing);
+    pel_store_close(scene->store);
     g_free(scene);
+}
+
+/* The first commit, without the files that are gone. */
+static enum pel_err begin(struct pel_scene *scene, Pelagos__State *state,
+                          struct pel_fault *fault)
+{
+    enum pel_err err = pel_sea_settle(state, fault);
+    struct pel_fault why;
+    if (err) {
+        return err;
+    }
+    err = commit(scene, state, false, NULL, &why);
+    for (int i = 0; err && i < PEL_MISSING_COUNT; i++) {
+        enum pel_missing_kind kind =
+            strcmp(why.path, pel_missing_path(PEL_MISSING_SEABED)) == 0
+                ? PEL_MISSING_SEABED
+                : PEL_MISSING_SPECTRUM;
+        if (pel_missing_may(kind, state)) {
+            pel_missing_note(&scene->missing, kind, state, &why);
+            err = commit(scene, state, false, NULL, &why);
+        }
+    }
+    if (err && fault) {
+        *fault = why;
+    }
+    return err;
+}
+
+static enum pel_err need_directory(const char *option, const char *path,
+                                   struct pel_fault *fault)
+{
+    if (!path || g_file_test(path, G_FILE_TEST_IS_DIR)) {
+        return PEL_OK;
+    }
+    return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                         "%s: %.140s is no directory; make it, name another, "
+                         "or say off",
+                         option, path);
 }
 
 enum pel_err pel_scene_create(const struct pel_scene_options *options,
                               struct pel_scene **out, struct pel_fault *fault)
 {
-    Pelagos__State *state;
+    Pelagos__State *state = NULL;
+    struct pel_store *store = NULL;
     *out = NULL;
-    enum pel_err err = first_state(options->state_path, &state, fault);
+    enum pel_err err = need_directory("--spectra", options->spectra, fault);
+    if (!err) {
+        err = need_directory("--bathymetry", options->bathymetry, fault);
+    }
+    if (!err && options->state_path) {
+        err = pel_store_open(options->state_path, &store, fault);
+    }
+    if (!err) {
+        err = first_state(store, options, &state, fault);
+    }
     if (err) {
+        pel_store_close(store);
         return err;
     }
     struct pel_scene *scene = g_new0(struct pel_scene, 1);
+    scene->store = store;
     scene->means.wave_count =
         options->wave_count > 0 ? options->wave_count : DEFAULT_WAVES;
     scene->means.spectra = scene->spectra = g_strdup(options->spectra);
@@ -515,25 +576,9 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
         pel_warn("SCN-010", "height files are read in a process with %s",
                  pel_sandbox_lack(pel_sandbox_walls()));
     }
-    scene->state_path = g_strdup(options->state_path);
     pel_scene_begin_waiting(scene);
     nobody_yet(state);
-    err = pel_sea_settle(state, fault);
-    if (!err) {
-        err = commit(scene, state, false, NULL, fault);
-    }
-    if (err && state->sea->spectrum == PELAGOS__SPECTRUM_KIND__MEASURED) {
-        pel_error("SCN-005", "the sea is Pierson and Moskowitz's: %s",
-                  fault ? fault->message : "no measured spectrum");
-        state->sea->spectrum = PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ;
-        err = commit(scene, state, false, NULL, fault);
-    }
-    if (err && state->seabed->file) {
-        pel_error("SCN-006", "the bottom is flat: %s",
-                  fault ? fault->message : "no height field");
-        pel_ground_forget(state);
-        err = commit(scene, state, false, NULL, fault);
-    }
+    err = begin(scene, state, fault);
     if (err) {
         pelagos__state__free_unpacked(state, NULL);
         scene_free(scene);
@@ -545,12 +590,17 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     return PEL_OK;
 }
 
+const struct pel_missing *pel_scene_missing(const struct pel_scene *scene)
+{
+    return &scene->missing;
+}
+
 void pel_scene_destroy(struct pel_scene *scene)
 {
     if (!scene) {
         return;
     }
-    if (scene->state_path) {
+    if (scene->store) {
         save(scene);
     }
     if (scene->save_timer != 0) {

@@ -25,7 +25,10 @@ struct pel_scene_options {
 
 /* Loads options->state_path if it exists (a file that does not load is kept
  * beside it as *.bad, reported, and defaults are used), else the default
- * scene: one entity, id 1 `ownship`, and one view, `bridge`, on it. */
+ * scene: one entity, id 1 `ownship`, and one view, `bridge`, on it. Waits for
+ * the files that it names. CONFLICT: another daemon has that state; NOT_FOUND,
+ * IO: a directory or the state's place cannot be used; *fault names the
+ * option. */
 PEL_CHECK enum pel_err pel_scene_create(const struct pel_scene_options *options,
                                         struct pel_scene **out,
                                         struct pel_fault *fault);
@@ -87,6 +90,10 @@ PEL_CHECK enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
                                               const Pelagos__Patch *patch,
                                               const struct pel_snapshot **out,
                                               struct pel_fault *fault);
+
+/* What the state file named and was not found at the start; the scene's. */
+struct pel_missing;
+const struct pel_missing *pel_scene_missing(const struct pel_scene *scene);
 
 /* The state with clock.time of now; owned by the scene, valid until its next
  * call. */

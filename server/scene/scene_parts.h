@@ -4,15 +4,18 @@
 
 #include <glib.h>
 
+#include "scene/missing.h"
 #include "scene/prepare.h"
 #include "scene/scene.h"
 #include "scene/simclock.h"
+#include "scene/store.h"
 #include "scene/worker.h"
 
 #define PEL_MAX_CALLBACKS 16
 
 struct pel_scene {
-    char *state_path;
+    struct pel_store *store; /* NULL: the state is not kept */
+    struct pel_missing missing;
     struct pel_sea_means means;
     char *spectra;         /* what means.spectra points to */
     char *bathymetry;      /* directory of height fields; may be NULL */

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -419,17 +420,113 @@ static void the_state_outlives_the_daemon(void **state)
         g_main_context_iteration(NULL, FALSE);
     }
     assert_true(g_file_test(path, G_FILE_TEST_EXISTS));
-    struct pel_scene *other = make(path);
+    /* Elsewhere: this daemon has it. */
+    char *copy = g_strconcat(path, ".copy", NULL), *text;
+    gsize size;
+    assert_true(g_file_get_contents(path, &text, &size, NULL));
+    assert_true(g_file_set_contents(copy, text, (gssize)size, NULL));
+    struct pel_scene *other = make(copy);
     char *after = pel_json_from_message(&pel_scene_state(other)->base, true);
     assert_string_equal(after, before);
     free(after);
+    g_free(text);
     pel_scene_destroy(other);
+    unlink(copy);
+    g_free(copy);
     must(scene, "{\"sea\":{\"windSpeed\":1}}");
     pel_scene_destroy(scene);
     scene = make(path);
     assert_true(number(scene, "sea.windSpeed") == 1);
     pel_scene_destroy(scene);
     free(before);
+    clean(path);
+}
+
+static enum pel_err refused(const char *path, const char *words)
+{
+    struct pel_scene_options options = { .state_path = path };
+    struct pel_scene *scene = NULL;
+    struct pel_fault fault;
+    enum pel_err err = pel_scene_create(&options, &scene, &fault);
+    assert_null(scene);
+    if (!strstr(fault.message, words) || !strstr(fault.message, "--state")) {
+        fail_msg("%s", fault.message);
+    }
+    return err;
+}
+
+static void a_state_is_one_daemons(void **state)
+{
+    (void)state;
+    char *path = temporary();
+    struct pel_scene *scene = make(path);
+    assert_int_equal(refused(path, "another daemon"), PEL_ERR_CONFLICT);
+    pel_scene_destroy(scene);
+    scene = make(path);
+    pel_scene_destroy(scene);
+    clean(path);
+}
+
+static void a_state_that_cannot_be_kept_is_no_start(void **state)
+{
+    (void)state;
+    char *path = temporary();
+    char *directory = g_path_get_dirname(path);
+    char *beyond = g_build_filename(path, "state.json", NULL);
+    assert_int_equal(refused(beyond, "cannot be written"), PEL_ERR_IO);
+    assert_int_equal(refused(directory, "is a directory"), PEL_ERR_IO);
+    char *lock = g_strconcat(directory, ".lock", NULL);
+    assert_false(g_file_test(lock, G_FILE_TEST_EXISTS));
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_int_equal(refused(path, "is a FIFO"), PEL_ERR_IO);
+    unlink(path);
+    char *new = g_strconcat(path, ".new", NULL);
+    assert_int_equal(mkdir(new, 0700), 0);
+    assert_int_equal(refused(path, "cannot be written"), PEL_ERR_IO);
+    assert_int_equal(rmdir(new), 0);
+    g_free(new);
+    g_free(lock);
+    g_free(beyond);
+    g_free(directory);
+    clean(path);
+}
+
+static char *bad_name(const char *path, int number)
+{
+    return number == 1 ? g_strconcat(path, ".bad", NULL)
+                       : g_strdup_printf("%s.bad.%d", path, number);
+}
+
+/* The first four and the newest of those that do not load. */
+static void bad_files_do_not_overwrite_each_other(void **state)
+{
+    (void)state;
+    static const char *const kept[] = { "0",  "!",  "2",  "3", "9",
+                                        "10", "11", "12", "13" };
+    char *path = temporary();
+    char *taken = bad_name(path, 2);
+    assert_int_equal(mkdir(taken, 0700), 0); /* not ours: left alone */
+    for (int i = 0; i < 14; i++) {
+        char text[16];
+        if (i == 1) {
+            continue;
+        }
+        snprintf(text, sizeof text, "{%d", i);
+        assert_true(g_file_set_contents(path, text, -1, NULL));
+        pel_scene_destroy(make(path));
+    }
+    for (int i = 1; i <= 9; i++) {
+        char *name = bad_name(path, i), *text = NULL;
+        if (i != 2) {
+            assert_true(g_file_get_contents(name, &text, NULL, NULL));
+            assert_string_equal(text + 1, kept[i - 1]);
+        }
+        g_free(text);
+        unlink(name);
+        g_free(name);
+    }
+    assert_int_equal(rmdir(taken), 0);
+    g_free(taken);
     clean(path);
 }
 
@@ -517,6 +614,9 @@ int main(void)
         cmocka_unit_test(a_heading_alone_does_not_throw_the_ship_back),
         cmocka_unit_test(snapshots_share_the_sea),
         cmocka_unit_test(the_state_outlives_the_daemon),
+        cmocka_unit_test(a_state_is_one_daemons),
+        cmocka_unit_test(a_state_that_cannot_be_kept_is_no_start),
+        cmocka_unit_test(bad_files_do_not_overwrite_each_other),
         cmocka_unit_test(a_bad_file_is_set_aside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -7,91 +7,222 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/file.h"
 #include "json.h"
 #include "scene/check.h"
 #include "scene/edit.h"
 
+/* States that did not load, and those of them that never make room. */
+#define MOST_ASIDE 9
+#define OLDEST_ASIDE 4
+
+struct pel_store {
+    char *path, *temporary, *lock_path;
+    int lock;
+};
+
 static enum pel_err system_fault(const char *verb, const char *path,
                                  struct pel_fault *fault)
 {
-    return pel_fault_set(fault,
-                         errno == ENOENT ? PEL_ERR_NOT_FOUND : PEL_ERR_IO,
-                         "cannot %s %s: %s", verb, path, g_strerror(errno));
+    return pel_fault_set(fault, PEL_ERR_IO, "cannot %s %.160s: %s", verb, path,
+                         g_strerror(errno));
 }
 
-/* At most one byte more than a state may have. */
-static enum pel_err read_file(const char *path, char **text, size_t *length,
-                              struct pel_fault *fault)
+/* --- the lock ------------------------------------------------------------- */
+
+static enum pel_err unwritable(const char *path, int why,
+                               struct pel_fault *fault)
 {
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    return pel_fault_set(fault, PEL_ERR_IO,
+                         "--state: %.120s cannot be written: %s; name a file "
+                         "in a directory that this user may write, or --state "
+                         "off",
+                         path, g_strerror(why));
+}
+
+/* Where the state is written later can be written now. */
+static enum pel_err try_writing(const char *temporary, struct pel_fault *fault)
+{
+    int fd = open(temporary,
+                  O_WRONLY | O_CREAT | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0644);
     if (fd < 0) {
-        return system_fault("open", path, fault);
-    }
-    size_t room = PEL_JSON_MAX_BYTES + 1;
-    char *bytes = g_malloc(room);
-    size_t used = 0;
-    ssize_t got = 1;
-    while (used < room && got > 0) {
-        got = read(fd, bytes + used, room - used);
-        if (got > 0) {
-            used += (size_t)got;
-        } else if (got < 0 && errno == EINTR) {
-            got = 1;
-        }
-    }
-    enum pel_err err = PEL_OK;
-    if (got < 0) {
-        system_fault("read", path, fault);
-        err = PEL_ERR_IO;
-        g_free(bytes);
-        bytes = NULL;
+        return unwritable(temporary, errno, fault);
     }
     close(fd);
-    *text = bytes;
-    *length = used;
-    return err;
+    return unlink(temporary) == 0 ? PEL_OK
+                                  : unwritable(temporary, errno, fault);
 }
 
-static void set_aside(const char *path)
+/* A file that is locked and still the one of that name: whoever ends removes
+ * it. */
+static int open_lock(const char *path)
 {
-    g_autofree char *bad = g_strconcat(path, ".bad", NULL);
-    if (rename(path, bad) != 0) {
-        /* The next save replaces it; the report said what was wrong. */
-        unlink(path);
+    struct stat own, named;
+    for (;;) {
+        int fd = open(
+            path, O_RDWR | O_CREAT | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0600);
+        if (fd < 0) {
+            return -1;
+        }
+        bool locked = flock(fd, LOCK_EX | LOCK_NB) == 0;
+        int why = errno;
+        if (locked && fstat(fd, &own) == 0 && stat(path, &named) == 0 &&
+            own.st_ino == named.st_ino && own.st_dev == named.st_dev) {
+            return fd;
+        }
+        close(fd);
+        if (!locked) {
+            errno = why;
+            return -1;
+        }
     }
 }
 
-enum pel_err pel_store_load(const char *path, Pelagos__State **out,
+static enum pel_err lock(struct pel_store *store, struct pel_fault *fault)
+{
+    store->lock = open_lock(store->lock_path);
+    if (store->lock >= 0) {
+        return PEL_OK;
+    }
+    return errno == EWOULDBLOCK
+               ? pel_fault_set(fault, PEL_ERR_CONFLICT,
+                               "--state: another daemon keeps its state in "
+                               "%.120s; end it, or name another file",
+                               store->path)
+               : unwritable(store->lock_path, errno, fault);
+}
+
+enum pel_err pel_store_open(const char *path, struct pel_store **out,
                             struct pel_fault *fault)
 {
-    char *text = NULL;
-    size_t length = 0;
-    ProtobufCMessage *message = NULL;
-    enum pel_err err = read_file(path, &text, &length, fault);
+    struct pel_store *store = g_new0(struct pel_store, 1);
+    store->path = g_strdup(path);
+    store->temporary = g_strconcat(path, ".new", NULL);
+    store->lock_path = g_strconcat(path, ".lock", NULL);
+    enum pel_err err = lock(store, fault);
+    if (!err) {
+        err = try_writing(store->temporary, fault);
+    }
     if (err) {
+        pel_store_close(store);
         return err;
     }
-    err = pel_json_to_message(text, length, &pelagos__state__descriptor,
-                              &message, fault);
-    g_free(text);
+    *out = store;
+    return PEL_OK;
+}
+
+void pel_store_close(struct pel_store *store)
+{
+    if (store) {
+        if (store->lock >= 0) {
+            unlink(store->lock_path);
+            close(store->lock);
+        }
+        g_free(store->lock_path);
+        g_free(store->temporary);
+        g_free(store->path);
+        g_free(store);
+    }
+}
+
+/* --- loading -------------------------------------------------------------- */
+
+static char *aside_name(const char *path, int number)
+{
+    return number == 1 ? g_strconcat(path, ".bad", NULL)
+                       : g_strdup_printf("%s.bad.%d", path, number);
+}
+
+/* Whoever is there already stays; a directory too. */
+static bool move_to(const char *from, const char *path, int number)
+{
+    g_autofree char *to = aside_name(path, number);
+    return renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0 ||
+           /* Not every file system knows the flag. */
+           (errno == EINVAL && access(to, F_OK) != 0 && rename(from, to) == 0);
+}
+
+/* The oldest of the newer ones goes, and the others move up. */
+static void make_room(const char *path)
+{
+    for (int i = OLDEST_ASIDE + 1; i <= MOST_ASIDE; i++) {
+        g_autofree char *at = aside_name(path, i);
+        if (i == OLDEST_ASIDE + 1) {
+            unlink(at);
+        } else {
+            move_to(at, path, i - 1);
+        }
+    }
+}
+
+static char *set_aside(const char *path)
+{
+    for (int turn = 0; turn < 2; turn++) {
+        for (int i = 1; i <= MOST_ASIDE; i++) {
+            if (move_to(path, path, i)) {
+                return aside_name(path, i);
+            }
+        }
+        make_room(path);
+    }
+    return NULL;
+}
+
+static enum pel_err read_state(const char *text, size_t length,
+                               Pelagos__State **out, struct pel_fault *fault)
+{
+    ProtobufCMessage *message = NULL;
+    enum pel_err err = pel_json_to_message(
+        text, length, &pelagos__state__descriptor, &message, fault);
     Pelagos__State *state = (Pelagos__State *)message;
     if (!err) {
         pel_state_fill(state, state->clock ? state->clock->time : 0);
         err = pel_state_check(state, fault);
     }
-    if (err) {
-        if (state) {
-            pelagos__state__free_unpacked(state, NULL);
-        }
-        set_aside(path);
-        /* A missing field is no missing file. */
-        return err == PEL_ERR_NOT_FOUND ? PEL_ERR_INVALID : err;
+    if (err && state) {
+        pelagos__state__free_unpacked(state, NULL);
     }
-    *out = state;
-    return PEL_OK;
+    *out = err ? NULL : state;
+    return err;
 }
+
+enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
+                            char **aside, struct pel_fault *fault)
+{
+    char *text = NULL;
+    size_t length = 0;
+    *aside = NULL;
+    enum pel_err err =
+        pel_file_read(store->path, PEL_JSON_MAX_BYTES, &text, &length, fault);
+    if (err == PEL_ERR_NOT_FOUND) {
+        return err;
+    }
+    if (err && err != PEL_ERR_OUT_OF_RANGE) {
+        return PEL_ERR_IO; /* a directory, a FIFO, no permission */
+    }
+    if (!err) {
+        err = read_state(text, length, out, fault);
+    }
+    free(text);
+    if (err) {
+        *aside = set_aside(store->path);
+        if (!*aside) {
+            return pel_fault_set(fault, PEL_ERR_IO,
+                                 "--state: %.100s does not load and cannot be "
+                                 "put aside; move it away",
+                                 store->path);
+        }
+    }
+    /* A missing field is no missing file. */
+    return err == PEL_ERR_NOT_FOUND || err == PEL_ERR_IO ? PEL_ERR_INVALID
+                                                         : err;
+}
+
+/* --- saving --------------------------------------------------------------- */
 
 static bool write_all(int fd, const char *bytes, size_t length)
 {
@@ -120,13 +251,15 @@ static void sync_directory(const char *path)
     }
 }
 
-enum pel_err pel_store_save(const char *path, const Pelagos__State *state,
+enum pel_err pel_store_save(struct pel_store *store,
+                            const Pelagos__State *state,
                             struct pel_fault *fault)
 {
-    g_autofree char *temporary = g_strconcat(path, ".new", NULL);
-    int fd = open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    int fd = open(
+        store->temporary,
+        O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, 0644);
     if (fd < 0) {
-        return system_fault("create", temporary, fault);
+        return system_fault("create", store->temporary, fault);
     }
     char *text = pel_json_from_message(&state->base, true);
     bool good = write_all(fd, text, strlen(text)) && write_all(fd, "\n", 1) &&
@@ -134,12 +267,12 @@ enum pel_err pel_store_save(const char *path, const Pelagos__State *state,
     int why = errno;
     good = close(fd) == 0 && good;
     free(text);
-    if (!good || rename(temporary, path) != 0) {
+    if (!good || rename(store->temporary, store->path) != 0) {
         errno = good ? errno : why;
-        system_fault("write", path, fault);
-        unlink(temporary);
+        system_fault("write", store->path, fault);
+        unlink(store->temporary);
         return PEL_ERR_IO;
     }
-    sync_directory(path);
+    sync_directory(store->path);
     return PEL_OK;
 }

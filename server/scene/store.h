@@ -1,17 +1,29 @@
-/* The state file: State as JSON, replaced whole. Control thread. */
+/* The state file: State as JSON, replaced whole. While it is open a lock on
+ * PATH.lock keeps every other daemon from it; the system frees the lock however
+ * the process ends. Control thread. */
 #pragma once
 
 #include "base/err.h"
 #include "pelagos.pb-c.h"
 
-/* Reads, fills and tests the file. NOT_FOUND: there is none. IO: the system
- * does not let us read it. Any other error: it does not load; it has then been
- * renamed to PATH.bad. */
-PEL_CHECK enum pel_err pel_store_load(const char *path, Pelagos__State **out,
+struct pel_store;
+
+/* CONFLICT: another process has it. IO: the state could not be written here.
+ * *fault says what to do. */
+PEL_CHECK enum pel_err pel_store_open(const char *path, struct pel_store **out,
+                                      struct pel_fault *fault);
+void pel_store_close(struct pel_store *store); /* NULL allowed */
+
+/* Reads, fills and tests the file. NOT_FOUND: there is none. IO: it cannot be
+ * read or put aside. Any other error: it does not load; it lies now in
+ * *aside (PATH.bad, or PATH.bad.2 to .9 where there are older ones, of which
+ * the four oldest and the newest stay), which is the caller's, g_free. */
+PEL_CHECK enum pel_err pel_store_load(struct pel_store *store,
+                                      Pelagos__State **out, char **aside,
                                       struct pel_fault *fault);
 
 /* Writes PATH by temporary file, fsync, rename and fsync of the directory:
  * after a crash either the old or the new state is there. */
-PEL_CHECK enum pel_err pel_store_save(const char *path,
+PEL_CHECK enum pel_err pel_store_save(struct pel_store *store,
                                       const Pelagos__State *state,
                                       struct pel_fault *fault);
