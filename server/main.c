@@ -309,9 +309,8 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
 static enum pel_err start(struct daemon *d, struct pel_fault *fault)
 {
     enum pel_err (*const parts[])(struct daemon *, struct pel_fault *) = {
-        start_realtime, start_scene, start_frames,   start_record,
-        start_net,      start_nmea,  start_nmea_out, start_cigi,
-        start_console,  start_modbus
+        start_realtime, start_scene, start_frames,   start_record, start_modbus,
+        start_net,      start_nmea,  start_nmea_out, start_cigi,   start_console
     };
     d->metrics = pel_metrics_create();
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {

@@ -61,7 +61,10 @@ const struct pel_option pel_option_table[] = {
 
     { "state", "scene", PEL_OPTION_PATH, "FILE|off", "off",
       .offset = FIELD(state),
-      .help = "Keeps the scene in this file and loads it at start." },
+      .help =
+          "Keeps the scene in this file and loads it at start; one daemon at "
+          "a time. One that does not load is kept as FILE.bad (.bad.2 to "
+          ".9)." },
     { "record", "scene", PEL_OPTION_PATH, "FILE|off", "off",
       .offset = FIELD(record),
       .help = "Writes every accepted command with its simulated time into "

@@ -9,13 +9,15 @@ import os
 import random
 import shutil
 import signal
+import socket
+import subprocess
 import sys
 import tempfile
 import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import Daemon, until
+from pelagos_daemon import BIN, SLOW_S, Daemon, until
 
 KILLS = int(os.environ.get("KILLS", "25"))
 
@@ -64,7 +66,9 @@ class StateFile(unittest.TestCase):
     def test_tried_again(self):
         folder = os.path.join(self.folder, "later")
         path = os.path.join(folder, "scene")
+        os.mkdir(folder)
         with Daemon("--state", path) as daemon:
+            shutil.rmtree(folder)
             self.assertEqual(daemon.patch({"sea": {"windSpeed": 3}}).status,
                              200)
             until("it is told", lambda: "SCN-003" in daemon.log())
@@ -89,6 +93,167 @@ class StateFile(unittest.TestCase):
                 self.assertEqual(daemon.state()["sea"]["windSpeed"], 8)
             with open(self.path + ".bad") as f:
                 self.assertEqual(f.read(), text)
+            os.remove(self.path + ".bad")
+
+    def test_two_daemons(self):
+        with Daemon("--state", self.path) as daemon:
+            with self.assertRaisesRegex(RuntimeError, "another daemon"):
+                Daemon("--state", self.path)
+            daemon.stop(how=signal.SIGKILL)
+        with Daemon("--state", self.path):
+            pass
+        self.assertEqual(os.listdir(self.folder), ["scene"])
+
+    def test_what_is_gone_is_kept(self):
+        """Files that the state names and that are gone come back."""
+        spectra = os.path.join(self.folder, "spectra")
+        heights = os.path.join(self.folder, "heights")
+        os.mkdir(spectra)
+        os.mkdir(heights)
+        for ending in ("data_spec", "swdir", "swdir2", "swr1", "swr2"):
+            spectral = ending == "data_spec"
+            with open(os.path.join(spectra, f"buoy.{ending}"), "w") as f:
+                f.write("#YY MM DD hh mm\n2026 06 21 12 00 "
+                        + ("9.999 " if spectral else "")
+                        + " ".join(f"{1 / (1 + abs(i - 5)):.3f} (0.{10 + i})"
+                                   for i in range(12)) + "\n")
+        with open(os.path.join(heights, "bay.asc"), "w") as f:
+            f.write("ncols 40\nnrows 40\nxllcorner 5.18\nyllcorner 52.58\n"
+                    "cellsize 0.001\n" + ("-9 " * 40 + "\n") * 40)
+        options = ("--state", self.path, "--spectra", spectra,
+                   "--bathymetry", heights)
+        with Daemon(*options) as daemon:
+            answer = daemon.patch({
+                "sea": {"spectrum": "MEASURED", "measured": "buoy"},
+                "seabed": {"file": "bay.asc"}})
+            self.assertEqual(answer.status, 200, answer)
+            self.assertNotIn("missing", daemon.get("/healthz").json())
+        gone = os.path.join(self.folder, "gone")
+        for name in (spectra, heights):
+            os.rename(name, gone + os.path.basename(name))
+            os.mkdir(name)
+        with Daemon(*options) as daemon:
+            state = daemon.state()
+            self.assertNotIn("file", state["seabed"])
+            self.assertEqual(state["sea"]["spectrum"], "PIERSON_MOSKOWITZ")
+            missing = daemon.get("/healthz").json()["missing"]
+            self.assertEqual([(m["path"], m["value"]) for m in missing],
+                             [("seabed.file", "bay.asc"),
+                              ("sea.measured", "buoy")])
+            self.assertIn("no such file", missing[0]["reason"])
+            self.assertIn("SCN-009", daemon.log())
+            self.assertIn("SCN-005", daemon.log())
+            daemon.patch({"sea": {"seed": 12}})
+            until("it is written", lambda: self.seed_on_disk() == 12)
+        for name in (spectra, heights):
+            os.rmdir(name)
+            os.rename(gone + os.path.basename(name), name)
+        with Daemon(*options) as daemon:
+            state = daemon.state()
+            self.assertEqual(state["seabed"]["file"], "bay.asc")
+            self.assertEqual(state["sea"]["spectrum"], "MEASURED")
+            self.assertEqual(state["sea"]["seed"], 12)
+
+
+class Start(unittest.TestCase):
+    """What cannot be kept is no start: the option, the value, the cure."""
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="pelagos-start-")
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def at(self, name):
+        return os.path.join(self.folder, name)
+
+    def refused(self, *options, says):
+        result = subprocess.run(
+            [os.path.join(BIN, "pelagosd"), "--device", "software",
+             "--http", "127.0.0.1:0", "--tcp", "127.0.0.1:0", "--rtsp", "off",
+             "--nmea", "off", "--modbus", "off", *options],
+            capture_output=True, text=True, timeout=SLOW_S)
+        self.assertGreater(result.returncode, 0, options)
+        last = result.stderr.strip().splitlines()[-1]
+        for words in says:
+            self.assertIn(words, last)
+        for listening in ("NET-001", "READY", "listening"):
+            self.assertNotIn(listening, result.stderr)
+
+    def test_places(self):
+        self.refused("--state", self.at("none/state"),
+                     says=["--state", self.at("none/state"), "written",
+                           "name a file"])
+        for option in ("--spectra", "--bathymetry"):
+            self.refused(option, self.at("none"),
+                         says=[option, self.at("none"), "no directory", "off"])
+        if os.geteuid() != 0:
+            os.chmod(self.folder, 0o500)
+            self.refused("--state", self.at("state"), says=["written"])
+            os.chmod(self.folder, 0o700)
+
+    def test_values(self):
+        self.refused("--video-encoder", "h265enc",
+                     says=["--video-encoder", "h265enc", "auto", "x264enc"])
+        for safe, words in (("sea.windSpeed=99", "0 to 30 m/s"),
+                            ("sea.windspeed", "PATH=VALUE"),
+                            ("sea.nothing=1", "sea.nothing"),
+                            ("views.bridge.entity=7", "entity")):
+            self.refused("--modbus", "127.0.0.1:0", "--modbus-safe", safe,
+                         says=["--modbus-safe", words])
+
+    def test_files_that_are_none(self):
+        """A FIFO would hold the daemon up for ever."""
+        os.mkfifo(self.at("fifo"))
+        with open(self.at("token"), "w") as f:
+            f.write("0123456789abcdef0123456789abcdef\n")
+        os.chmod(self.at("token"), 0o600)
+        for options in (["--state", self.at("fifo")],
+                        ["--token-file", self.at("fifo")],
+                        ["--token-file", self.at("token"), "--tls-cert",
+                         self.at("fifo"), "--tls-key", self.at("token")],
+                        ["--token-file", self.at("token"), "--tls-cert",
+                         self.at("token"), "--tls-key", self.at("fifo")],
+                        ["--console", "127.0.0.1:1", "--console-table",
+                         self.at("fifo")],
+                        ["--config", self.at("fifo")]):
+            self.refused(*options, says=[self.at("fifo"), "FIFO"])
+
+    def test_a_fifo_as_spectrum(self):
+        os.mkfifo(self.at("buoy.data_spec"))
+        with Daemon("--spectra", self.folder) as daemon:
+            answer = daemon.patch({"sea": {"spectrum": "MEASURED",
+                                           "measured": "buoy"}})
+            self.assertEqual(answer.status, 400, answer)
+            self.assertIn("FIFO", answer.body.decode())
+
+    def test_clients(self):
+        os.mkfifo(self.at("fifo"))
+        ctl = os.path.join(BIN, "pelagosctl")
+        server = socket.create_server(("127.0.0.1", 0))
+        self.addCleanup(server.close)
+        for command, variables in (
+                (["replay", self.at("fifo")], {}),
+                (["--server", f"tcp:127.0.0.1:{server.getsockname()[1]}",
+                  "get", "sea"], {"PELAGOS_TOKEN_FILE": self.at("fifo")})):
+            result = subprocess.run([ctl, *command], capture_output=True,
+                                    text=True, timeout=SLOW_S,
+                                    env={**os.environ, **variables})
+            self.assertGreater(result.returncode, 0)
+            self.assertIn(self.at("fifo"), result.stderr)
+
+    def test_a_port_in_use(self):
+        for kind, options in (
+                (socket.SOCK_STREAM, ("--http", "--tcp", "--rtsp", "--modbus",
+                                      "--nmea-tcp")),
+                (socket.SOCK_DGRAM, ("--nmea", "--cigi"))):
+            with socket.socket(socket.AF_INET, kind) as taken:
+                taken.bind(("127.0.0.1", 0))
+                if kind == socket.SOCK_STREAM:
+                    taken.listen()
+                port = taken.getsockname()[1]
+                for option in options:
+                    self.refused(option, f"127.0.0.1:{port}",
+                                 says=[option + ":", str(port), "in use",
+                                       "another"])
 
 
 if __name__ == "__main__":

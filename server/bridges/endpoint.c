@@ -164,10 +164,11 @@ enum pel_err pel_endpoint_open(const char *what, const char *address,
     struct sockaddr_storage name;
     socklen_t size;
     if (!pel_endpoint_read(address, &name, &size)) {
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "%s: %s is no ADDRESS:PORT; write 127.0.0.1:1502 "
-                             "or [::1]:1502",
-                             what, address);
+        return pel_fault_set(
+            fault, PEL_ERR_INVALID,
+            "--%s: %s is no ADDRESS:PORT; write 127.0.0.1:1502 "
+            "or [::1]:1502",
+            what, address);
     }
     struct pel_allow loopback;
     enum pel_err err = pel_allow_parse(NULL, &loopback, fault);
@@ -176,11 +177,12 @@ enum pel_err pel_endpoint_open(const char *what, const char *address,
     }
     if (!pel_allow_has(&loopback, (struct sockaddr *)&name) &&
         (!list || !*list)) {
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "%s: %s can be reached from other machines, and "
-                             "this protocol has no password: set %s-allow to "
-                             "the addresses that may send",
-                             what, address, what);
+        return pel_fault_set(
+            fault, PEL_ERR_INVALID,
+            "--%s: %s can be reached from other machines, and "
+            "this protocol has no password: set --%.*s-allow to "
+            "the addresses that may send",
+            what, address, (int)strcspn(what, "-"), what);
     }
     int s = socket(name.ss_family, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     int yes = 1;
@@ -189,8 +191,11 @@ enum pel_err pel_endpoint_open(const char *what, const char *address,
          setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) != 0) ||
         bind(s, (struct sockaddr *)&name, size) != 0 ||
         (type == SOCK_STREAM && listen(s, 64) != 0)) {
-        err = pel_fault_set(fault, PEL_ERR_IO, "%s: cannot listen on %s: %s",
-                            what, address, strerror(errno));
+        err = pel_fault_set(
+            fault, PEL_ERR_IO, "--%s: cannot listen on %s: %s%s", what, address,
+            strerror(errno),
+            errno == EADDRINUSE ? "; end what uses it, or name another port"
+                                : "");
         if (s >= 0) {
             close(s);
         }

@@ -553,6 +553,20 @@ static enum pel_err check_options(const struct pel_modbus_options *o,
     return PEL_OK;
 }
 
+/* The safe values, tried on the scene as it is now. */
+static enum pel_err open_safe(struct pel_modbus *m, struct pel_fault *fault)
+{
+    struct pel_fault why;
+    const struct pel_snapshot *safe = NULL;
+    enum pel_err err = pel_modbus_safe_read(m->options.safe, &m->safe, &why);
+    if (!err && m->safe) {
+        err = pel_scene_try_snapshot(m->scene, m->safe, &safe, &why);
+        pel_snapshot_unref(safe);
+    }
+    return err ? pel_fault_set(fault, err, "--modbus-safe: %.240s", why.message)
+               : PEL_OK;
+}
+
 static enum pel_err open_units(struct pel_modbus *m, struct pel_fault *fault)
 {
     struct pel_modbus_unit units[PEL_MODBUS_MAX_UNITS];
@@ -562,7 +576,7 @@ static enum pel_err open_units(struct pel_modbus *m, struct pel_fault *fault)
         err = pel_modbus_map_init(&m->units[i].map, m->scene, &units[i], fault);
     }
     if (!err) {
-        err = pel_modbus_safe_read(m->options.safe, &m->safe, fault);
+        err = open_safe(m, fault);
     }
     return err;
 }

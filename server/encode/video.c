@@ -398,6 +398,23 @@ static enum pel_err run(struct pel_video *video,
 
 /* --- choosing ------------------------------------------------------------ */
 
+enum pel_err pel_video_check_encoder(const char *name, struct pel_fault *fault)
+{
+    char known[160] = "auto";
+    bool found = strcmp(name, "auto") == 0;
+    for (size_t i = 0; i < G_N_ELEMENTS(kinds); i++) {
+        found = found || strcmp(name, kinds[i].name) == 0;
+        g_strlcat(known, i + 1 < G_N_ELEMENTS(kinds) ? ", " : " or ",
+                  sizeof known);
+        g_strlcat(known, kinds[i].name, sizeof known);
+    }
+    return found ? PEL_OK
+                 : pel_fault_set(fault, PEL_ERR_INVALID,
+                                 "'%.60s' is no H.264 encoder that is used; "
+                                 "it must be %s",
+                                 name, known);
+}
+
 static bool wanted(const struct pel_video *video, const struct kind *kind)
 {
     const char *name = video->config.encoder;

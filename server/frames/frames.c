@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "base/log.h"
+#include "encode/video.h"
 #include "frames/core.h"
 
 /* One core's time for a pixel of a sea, before any was drawn. */
@@ -62,6 +63,11 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
                                struct pel_scene *scene, struct pel_frames **out,
                                struct pel_fault *fault)
 {
+    struct pel_fault why;
+    if (o->video_encoder && pel_video_check_encoder(o->video_encoder, &why)) {
+        return pel_fault_set(fault, why.code, "--video-encoder: %.240s",
+                             why.message);
+    }
     GMainContext *context = g_main_context_default();
     struct pel_frames *frames = calloc(1, sizeof *frames);
     enum pel_err err = PEL_ERR_NO_MEMORY;

@@ -188,10 +188,12 @@ enum pel_err pel_listener_tcp(const char *option, const char *address,
         if (fd >= 0) {
             close(fd);
         }
-        return pel_fault_set(fault, PEL_ERR_IO,
-                             "%s: cannot listen on %s port "
-                             "%u: %s",
-                             option, address, port, strerror(why));
+        return pel_fault_set(
+            fault, PEL_ERR_IO, "%s: cannot listen on %s port %u: %s%s", option,
+            address, port, strerror(why),
+            why == EADDRINUSE ? "; end what uses it, or name another port (0: "
+                                "any that is free)"
+                              : "");
     }
     *out = start(fd, accept, user);
     (*out)->port = bound_port(fd);
@@ -233,7 +235,7 @@ enum pel_err pel_listener_unix(const char *path, pel_listener_accept accept,
     struct sockaddr_un where = { .sun_family = AF_UNIX };
     if (strlen(path) >= sizeof where.sun_path) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "unix: the path is longer than %zu bytes: %s",
+                             "--unix: the path is longer than %zu bytes: %s",
                              sizeof where.sun_path - 1, path);
     }
     memcpy(where.sun_path, path, strlen(path) + 1);
@@ -248,8 +250,9 @@ enum pel_err pel_listener_unix(const char *path, pel_listener_accept accept,
         }
         return pel_fault_set(
             fault, why == EADDRINUSE ? PEL_ERR_CONFLICT : PEL_ERR_IO,
-            "unix: cannot listen on %s: %s", path,
-            why == EADDRINUSE ? "another server uses it, or it is no socket"
+            "--unix: cannot listen on %s: %s", path,
+            why == EADDRINUSE ? "another server uses it, or it is no "
+                                "socket; name another path"
                               : strerror(why));
     }
     *out = start(fd, accept, user);

@@ -188,11 +188,11 @@ static enum pel_err listen_all(struct pel_net *net, struct pel_fault *fault)
     const bool remote = o->allow_remote && net->token;
     enum pel_err err = PEL_OK;
     if (o->http_address) {
-        err = pel_listener_tcp("http", o->http_address, o->http_port, remote,
+        err = pel_listener_tcp("--http", o->http_address, o->http_port, remote,
                                accept_http, net, &net->http_listener, fault);
     }
     if (err == PEL_OK && o->tcp_address) {
-        err = pel_listener_tcp("tcp", o->tcp_address, o->tcp_port, remote,
+        err = pel_listener_tcp("--tcp", o->tcp_address, o->tcp_port, remote,
                                accept_tcp, net, &net->tcp_listener, fault);
     }
     if (err == PEL_OK && o->unix_path) {

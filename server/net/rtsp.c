@@ -437,9 +437,9 @@ enum pel_err pel_rtsp_create(const struct pel_rtsp_options *options,
                              struct pel_rtsp **out, struct pel_fault *fault)
 {
     struct pel_rtsp *rtsp = g_new0(struct pel_rtsp, 1);
-    enum pel_err err = pel_listener_tcp("rtsp", options->address, options->port,
-                                        options->allow_remote, accept_client,
-                                        rtsp, &rtsp->listener, fault);
+    enum pel_err err = pel_listener_tcp(
+        "--rtsp", options->address, options->port, options->allow_remote,
+        accept_client, rtsp, &rtsp->listener, fault);
     if (err != PEL_OK) {
         g_free(rtsp);
         return err;

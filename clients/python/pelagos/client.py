@@ -4,6 +4,7 @@ from __future__ import annotations
 import contextlib
 import os
 import ssl
+import stat
 import urllib.parse
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -240,7 +241,11 @@ def _token() -> str | None:
     if token := os.environ.get(TOKEN_VARIABLE):
         return token
     if path := os.environ.get(TOKEN_FILE_VARIABLE):
-        with open(path, encoding="ascii") as file:
+        # A FIFO or a device in its place must not hold the caller up.
+        fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        with open(fd, encoding="ascii") as file:
+            if not stat.S_ISREG(os.fstat(fd).st_mode):
+                raise OSError(f"{path} is no regular file")
             return file.readline().strip()
     return None
 
