@@ -648,7 +648,7 @@ C_FILES = $(shell find server proto clients tests -name '*.[ch]' 2>/dev/null | s
 
 .PHONY: lint lint-layers lint-headers lint-format lint-tidy
 LINT = $(shell find tests/lint -maxdepth 1 -type f -perm -u+x | sort)
-lint: deps build/compile_commands.json ## walls, headers, format, clang-tidy: all of tests/lint/
+lint: deps build/compile_commands.json ## walls, headers, format, clang-tidy, log ids, names of files: all of tests/lint/
 	$(Q)tests/run $(LINT)
 lint-layers lint-headers lint-format lint-tidy: lint-%: build/compile_commands.json
 	$(Q)tests/lint/$*.py

@@ -49,6 +49,11 @@ struct warm_up {
     void *user;
 };
 
+static void say_no_frame(const struct pel_fault *fault)
+{
+    pel_warn("DMN-004", "no first frame: %s", fault->message);
+}
+
 static void warm_up_done(void *user, enum pel_err err,
                          const struct pel_fault *fault, struct pel_frame *frame)
 {
@@ -60,7 +65,7 @@ static void warm_up_done(void *user, enum pel_err err,
                  "drawing)",
                  ms, frame->render_ms);
     } else {
-        pel_warn("DMN-004", "no first frame: %s", fault->message);
+        say_no_frame(fault);
     }
     warm_up->ready(warm_up->user);
     free(warm_up);
@@ -97,7 +102,7 @@ void pel_service_warm_up(struct pel_frames *frames, struct pel_scene *scene,
         g_idle_add(warm_up_nothing, warm_up);
     } else if (pel_frames_request(frames, &request, warm_up_done, warm_up, NULL,
                                   &fault) != PEL_OK) {
-        pel_warn("DMN-004", "no first frame: %s", fault.message);
+        say_no_frame(&fault);
         g_idle_add(warm_up_nothing, warm_up);
     }
 }

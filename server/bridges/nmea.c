@@ -406,17 +406,16 @@ static void status_at(const struct pel_nmea *nmea, int64_t now,
 static void say_stale(struct pel_nmea *nmea, double age_s)
 {
     const char *leader = other_leader(nmea);
+    char what[80];
     if (leader) {
-        pel_warn("NME-005",
-                 "position is stale: no fix for %.0f s; entity %u is moved by "
-                 "%s and goes on",
-                 age_s, nmea->options.entity, leader);
+        snprintf(what, sizeof what, "is moved by %s and goes on", leader);
     } else {
-        pel_warn("NME-005",
-                 "position is stale: no fix for %.0f s; entity %u goes on by "
-                 "its last speed and stops %d s after the fix",
-                 age_s, nmea->options.entity, (int)(RECKON_NS / 1000000000));
+        snprintf(what, sizeof what,
+                 "goes on by its last speed and stops %d s after the fix",
+                 (int)(RECKON_NS / 1000000000));
     }
+    pel_warn("NME-005", "position is stale: no fix for %.0f s; entity %u %s",
+             age_s, nmea->options.entity, what);
 }
 
 /* The end of dead reckoning. Only a motion of NMEA's own is stopped. */

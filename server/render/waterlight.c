@@ -229,7 +229,7 @@ static void put_kernel(struct pel_water_light *w)
     struct pel_water_kernel *kernel = malloc(size);
     if (!kernel ||
         pel_water_kernel_build(&w->body, &w->depths, w->orders, kernel)) {
-        pel_error("RND-042", "no memory for the light in the water");
+        pel_error("RND-044", "no memory for the light in the water");
         if (!kernel) {
             return;
         }

@@ -146,7 +146,7 @@ void pel_scene_set_stale(struct pel_scene *scene, enum pel_stale source,
     state.sources = &sources;
     patch.state = &state;
     if (pel_scene_patch(scene, &patch, &fault) != PEL_OK) {
-        pel_error("SCN-006", "no mark of a silent source: %s", fault.message);
+        pel_error("SCN-007", "no mark of a silent source: %s", fault.message);
     }
 }
 
