@@ -1,5 +1,6 @@
 /* The drawn light against the reference in C: the sky against
- * optics/atmosphere.c, the sea against optics/brdf.c and optics/watertable.c. */
+ * optics/atmosphere.c, the sea against optics/brdf.c and optics/watertable.c.
+ */
 #include "optics/atmosphere.h"
 #include "optics/brdf.h"
 #include "optics/watertable.h"
