@@ -159,12 +159,19 @@ static void note_submitted(struct pel_job_draw *parts, size_t count,
     }
 }
 
+static void say_failed(const struct pel_job *job, enum pel_err err)
+{
+    static struct pel_log_limit limit;
+    pel_log_limited(&limit, PEL_LOG_ERROR, "FRM-003",
+                    "frame %llu: drawing failed: %s",
+                    (unsigned long long)job->number, pel_err_name(err));
+}
+
 /* Gives the renderer [first, first + count); BUSY: none was taken. */
 static enum pel_err submit_some(struct pel_renderloop *loop,
                                 struct pel_job *job, size_t first, size_t count,
                                 size_t bytes)
 {
-    static struct pel_log_limit limit;
     size_t before = pel_renderer_in_flight(loop->renderer);
     int64_t begun_ns = pel_now_ns();
     job->environment.sea = pel_snapshot_sea(job->snapshot);
@@ -179,9 +186,7 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
     note_submitted(&job->parts[first], count, begun_ns);
     note_path(loop);
     if (err != PEL_OK && pushed < count) {
-        pel_log_limited(&limit, PEL_LOG_ERROR, "FRM-003",
-                        "frame %llu: drawing failed: %s",
-                        (unsigned long long)job->number, pel_err_name(err));
+        say_failed(job, err);
         fail_parts(loop, job, first + pushed, count - pushed, err);
     }
     return PEL_OK;
@@ -272,7 +277,6 @@ static bool has_memory(struct pel_renderloop *loop, struct pel_job_draw *part)
 
 static void draw_band(struct pel_renderloop *loop)
 {
-    static struct pel_log_limit limit;
     struct pel_job *job = loop->large;
     struct pel_job_draw *part = &job->parts[job->begun];
     if (!is_wanted(job, job->begun)) {
@@ -309,9 +313,7 @@ static void draw_band(struct pel_renderloop *loop)
     progress(loop);
     note_path(loop);
     if (err != PEL_OK) {
-        pel_log_limited(&limit, PEL_LOG_ERROR, "FRM-003",
-                        "frame %llu: drawing failed: %s",
-                        (unsigned long long)job->number, pel_err_name(err));
+        say_failed(job, err);
         give_up_draw(loop, err);
     } else if (part->rows_begun == draw.camera.height) {
         end_large_draw(loop);
