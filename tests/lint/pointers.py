@@ -13,7 +13,7 @@ NAME = re.compile(rf"(?<![\w./*<$%-])((?:[\w.-]+/)*[\w-][\w.-]*\.(?:{ENDS}))(?![
 COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
 # Files that are made, or the system's; OUT.md and x.glsl stand for any.
 ELSEWHERE = re.compile(
-    r"^(build|netinet)/|(^|/)([A-Z]+|[a-z]|fuzz_NAME|a\.b)\.[\w.]+$|"
+    r"^(build|netinet)/|(^|/)([A-Z]+|[a-z]|[a-z]+[-_][A-Z]+|a\.b)\.[\w.]+$|"
     r"(^|/)(pelagos\.pb-c\.[ch]|(fields|shaders|pages|block)\.c)$")
 
 
