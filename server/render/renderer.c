@@ -700,6 +700,27 @@ static void quantize_lights(struct pel_environment *env)
     }
 }
 
+/* The height field and the light in the water, which *env may have to do
+ * without. */
+static enum pel_err fit_water(struct pel_renderer *r,
+                              struct pel_environment *env)
+{
+    enum pel_err err = pel_seabed_map_fit(&r->seabed, env->seabed);
+    if (err == PEL_OK && env->seabed) {
+        env->depths = pel_seabed_depths(env);
+    }
+    return err == PEL_OK ? pel_water_light_update(&r->sky.water, env) : err;
+}
+
+static void bind_frame(struct pel_renderer *r,
+                       const struct pel_environment *env)
+{
+    struct pel_block_frame frame;
+    pel_fill_frame(env, &frame);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, &frame,
+                   sizeof frame);
+}
+
 static enum pel_err need_programs(struct pel_renderer *r,
                                   const struct pel_environment *env,
                                   const struct pel_draw *draws, size_t count)
@@ -749,19 +770,13 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     }
     struct pel_environment here = *env;
     quantize_lights(&here);
-    err = pel_seabed_map_fit(&r->seabed, env->seabed);
+    err = fit_water(r, &here);
     if (err != PEL_OK) {
         pel_arena_end(&r->arena);
         return err;
     }
-    if (env->seabed) {
-        here.depths = pel_seabed_depths(env);
-    }
     pel_stage_begin(&r->timing);
-    struct pel_block_frame frame;
-    pel_fill_frame(&here, &frame);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, &frame,
-                   sizeof frame);
+    bind_frame(r, &here);
     if (here.sea->cascades) {
         err = pel_wavefield_run(&r->wavefield, r->shader_dir, &here.sea->desc,
                                 here.sea->cascades, here.time_s, &fault);
@@ -827,10 +842,14 @@ enum pel_err pel_renderer_probe(struct pel_renderer *r,
     }
     struct pel_environment here = *env;
     quantize_lights(&here);
-    struct pel_block_frame frame;
-    pel_fill_frame(&here, &frame);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, &frame,
-                   sizeof frame);
+    here.seabed = NULL;
+    err = pel_water_light_update(&r->sky.water, &here);
+    if (err != PEL_OK) {
+        pel_arena_end(&r->arena);
+        return pel_fault_set(fault, err,
+                             "no memory for the light in the water");
+    }
+    bind_frame(r, &here);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     double table_height_m = pel_sky_quantize_height(probe->height_m);
     struct pel_block_eye eye;

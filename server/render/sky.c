@@ -214,7 +214,6 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         memcpy(sky->sea.key, key, sizeof key);
         sky->sea.made = true;
     }
-    pel_water_light_update(&sky->water, env);
     double light_key[PEL_SKY_KEYS + 3];
     memcpy(light_key, key, sizeof key);
     light_key[PEL_SKY_KEYS] = (double)sky->water.version;

@@ -52,8 +52,9 @@ struct pel_vec3 pel_sky_quantize(struct pel_vec3 direction);
 double pel_sky_quantize_height(double height_m);
 
 /* Brings the air, the sea-level table, the light and the reflection map up to
- * date. The block `frame` must be bound; an `eye` block for
- * PEL_SKY_SEA_HEIGHT is bound by `bind_eye`, called only when needed. */
+ * date. The water must be (pel_water_light_update), the block `frame` bound; an
+ * `eye` block for PEL_SKY_SEA_HEIGHT is bound by `bind_eye`, called only when
+ * needed. */
 #define PEL_SKY_SEA_HEIGHT 2.0
 void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
                     void (*bind_eye)(void *user, double height_m), void *user);

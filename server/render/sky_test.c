@@ -33,6 +33,7 @@ static void make_map(double sun_elevation)
     GLuint buffer;
     env.lights[PEL_LIGHT_SUN].direction =
         pel_sky_quantize(test_sun(sun_elevation, 40.0));
+    assert_int_equal(pel_water_light_update(&sky.water, &env), PEL_OK);
     pel_fill_frame(&env, &frame);
     glCreateBuffers(1, &buffer);
     glNamedBufferStorage(buffer, sizeof frame, &frame, 0);

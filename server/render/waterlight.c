@@ -128,6 +128,7 @@ enum pel_err pel_water_light_init(struct pel_water_light *w,
         "water_sky.comp", "water_map.comp"
     };
     memset(w, 0, sizeof *w);
+    w->build = pel_water_kernel_build;
     for (int i = 0; i < PEL_WATER_PROGRAMS; i++) {
         enum pel_err err = pel_program_create(shader_dir, files[i], NULL, NULL,
                                               &w->programs[i], fault);
@@ -223,21 +224,18 @@ static void put_planes(struct pel_water_light *w)
                 planes);
 }
 
-static void put_kernel(struct pel_water_light *w)
+/* The kernel of every depth, on the heap; NULL: no memory. */
+static struct pel_water_kernel *make_kernel(const struct pel_water_light *w,
+                                            const struct pel_environment *env,
+                                            struct pel_water_depths depths)
 {
-    size_t size = sizeof(struct pel_water_kernel) * (size_t)w->depths.levels;
-    struct pel_water_kernel *kernel = malloc(size);
-    if (!kernel ||
-        pel_water_kernel_build(&w->body, &w->depths, w->orders, kernel)) {
-        pel_error("RND-044", "no memory for the light in the water");
-        if (!kernel) {
-            return;
-        }
-        memset(kernel, 0, size);
+    struct pel_water_kernel *kernel =
+        malloc(sizeof *kernel * (size_t)depths.levels);
+    if (kernel && w->build(&env->water, &depths, env->orders, kernel)) {
+        free(kernel);
+        return NULL;
     }
-    glNamedBufferSubData(w->buffers[PEL_WATER_BUFFER_KERNEL], 0,
-                         (GLsizeiptr)size, kernel);
-    free(kernel);
+    return kernel;
 }
 
 /* The second order, by the maps. */
@@ -276,36 +274,72 @@ static void scatter(struct pel_water_light *w)
     }
 }
 
-void pel_water_light_update(struct pel_water_light *w,
-                            const struct pel_environment *env)
+static bool is_current(const struct pel_water_light *w,
+                       const struct pel_environment *env,
+                       struct pel_water_depths depths)
+{
+    return w->version && w->orders == env->orders &&
+           memcmp(&env->water, &w->body, sizeof w->body) == 0 &&
+           depths.levels == w->depths.levels &&
+           depths.first_m == w->depths.first_m &&
+           depths.last_m == w->depths.last_m;
+}
+
+/* What the maps still hold, in place of what is wanted. */
+static enum pel_err keep_the_last(struct pel_water_light *w,
+                                  struct pel_environment *env)
+{
+    bool whole = w->version && (w->depths.levels > 1) == (env->seabed != NULL);
+    if (!w->failed) {
+        pel_error("RND-044",
+                  "no memory for the light in a new water; %s, every frame "
+                  "tries again",
+                  whole ? "pictures keep the last one"
+                        : "nothing is drawn without it");
+    }
+    w->failed = true;
+    if (!whole) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    env->water = w->body;
+    env->depths = w->depths;
+    env->orders = w->orders;
+    return PEL_OK;
+}
+
+enum pel_err pel_water_light_update(struct pel_water_light *w,
+                                    struct pel_environment *env)
 {
     struct pel_water_depths depths = pel_water_light_depths(env);
-    if (w->version && w->orders == env->orders &&
-        memcmp(&env->water, &w->body, sizeof w->body) == 0 &&
-        depths.levels == w->depths.levels &&
-        depths.first_m == w->depths.first_m &&
-        depths.last_m == w->depths.last_m) {
-        return;
+    if (is_current(w, env, depths)) {
+        return PEL_OK;
     }
+    struct pel_water_kernel *kernel = make_kernel(w, env, depths);
+    if (!kernel) {
+        return keep_the_last(w, env);
+    }
+    size_t size = sizeof *kernel * (size_t)depths.levels;
     if (depths.levels != w->depths.levels) {
         glDeleteTextures(1, &w->map);
         w->map = make_texture(GL_TEXTURE_2D_ARRAY, SIZE, SIZE,
                               PEL_LIGHTS * PEL_WATER_LAYERS * depths.levels,
                               "water");
-        make_buffer(w, PEL_WATER_BUFFER_KERNEL,
-                    sizeof(struct pel_water_kernel) * (size_t)depths.levels,
-                    NULL);
+        make_buffer(w, PEL_WATER_BUFFER_KERNEL, size, NULL);
     }
     w->body = env->water;
     w->depths = depths;
     w->orders = env->orders;
     put_medium(w);
     put_planes(w);
-    put_kernel(w);
+    glNamedBufferSubData(w->buffers[PEL_WATER_BUFFER_KERNEL], 0,
+                         (GLsizeiptr)size, kernel);
+    free(kernel);
     if (w->orders != PEL_ORDERS_SINGLE) {
         scatter(w);
     }
+    w->failed = false;
     w->version++;
+    return PEL_OK;
 }
 
 /* --- new lights ----------------------------------------------------------- */

@@ -44,7 +44,13 @@ struct pel_water_light {
     struct pel_water_body body; /* of the kernel */
     struct pel_water_depths depths;
     enum pel_water_orders orders;
-    uint64_t version; /* counts changes of the kernel */
+    uint64_t version; /* counts changes of the kernel; 0: there is none yet */
+    bool failed;      /* the last try for a new one found no memory */
+    /* pel_water_kernel_build, or what a test puts in its place. */
+    enum pel_err (*build)(const struct pel_water_body *body,
+                          const struct pel_water_depths *depths,
+                          enum pel_water_orders orders,
+                          struct pel_water_kernel *out);
 };
 
 PEL_CHECK enum pel_err pel_water_light_init(struct pel_water_light *w,
@@ -56,9 +62,13 @@ void pel_water_light_finish(struct pel_water_light *w);
 struct pel_water_depths
 pel_water_light_depths(const struct pel_environment *env);
 
-/* Brings the kernel up to date with the water, its depths and the orders. */
-void pel_water_light_update(struct pel_water_light *w,
-                            const struct pel_environment *env);
+/* Brings the kernel up to date with the water, its depths and the orders of
+ * *env. Where there is no memory for it, *env gets the water, the depths and
+ * the orders that the maps still hold, so that the picture is whole, and the
+ * next call tries again; NO_MEMORY when the maps hold none that would do: none
+ * at all, or one depth where a height field asks for several. */
+PEL_CHECK enum pel_err pel_water_light_update(struct pel_water_light *w,
+                                              struct pel_environment *env);
 
 /* Fills the maps for the PEL_LIGHTS lights and their skies, layers of
  * `sky_table`; the blocks `frame` and `light` are bound, the buffer of the

@@ -368,6 +368,46 @@ static void sky_is_the_solvers(void **state)
     assert_true(worst <= 1.0 / 255.0);
 }
 
+static enum pel_err no_memory(const struct pel_water_body *body,
+                              const struct pel_water_depths *depths,
+                              enum pel_water_orders orders,
+                              struct pel_water_kernel *out)
+{
+    (void)body, (void)depths, (void)orders, (void)out;
+    return PEL_ERR_NO_MEMORY;
+}
+
+/* Without memory for a new water pictures keep the last one, whole, and the new
+ * one comes as soon as there is some: a failure is not kept as black water. */
+static void a_failure_is_not_kept(void **state)
+{
+    (void)state;
+    struct pel_water_light *w = &prober.light;
+    struct pel_environment clear = { .water = body_of(media[0], 20.0, 0.3) };
+    struct pel_environment murky = { .water = body_of(media[1], 4.0, 0.1) };
+    struct pel_environment asked = murky;
+    assert_int_equal(pel_water_light_update(w, &clear), PEL_OK);
+    uint64_t version = w->version;
+    w->build = no_memory;
+    for (int i = 0; i < 3; i++) {
+        asked = murky;
+        assert_int_equal(pel_water_light_update(w, &asked), PEL_OK);
+        assert_memory_equal(&asked.water, &clear.water, sizeof clear.water);
+        assert_int_equal(asked.depths.levels, 1);
+        assert_true(w->failed && w->version == version);
+    }
+    /* One depth is none for a height field. */
+    asked = murky;
+    asked.seabed = (const struct pel_seabed *)w;
+    asked.depths = (struct pel_water_depths){ 4, 1.0, 8.0 };
+    assert_int_equal(pel_water_light_update(w, &asked), PEL_ERR_NO_MEMORY);
+    w->build = pel_water_kernel_build;
+    asked = murky;
+    assert_int_equal(pel_water_light_update(w, &asked), PEL_OK);
+    assert_memory_equal(&asked.water, &murky.water, sizeof murky.water);
+    assert_true(!w->failed && w->version == version + 1);
+}
+
 static int64_t cpu_ns(void)
 {
     struct timespec t;
@@ -388,7 +428,7 @@ static void costs(void **state)
         env.water.depth_m = 10.0 + i;
         glFinish();
         int64_t start = pel_now_ns(), cpu = cpu_ns();
-        pel_water_light_update(w, &env);
+        assert_int_equal(pel_water_light_update(w, &env), PEL_OK);
         glFinish();
         int64_t middle = pel_now_ns(), used = cpu_ns();
         const struct pel_vec3 to = { 0, 0, 0.5 + 0.01 * i };
@@ -422,6 +462,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(depths_are_levels),
         cmocka_unit_test(nothing_is_remembered),
         cmocka_unit_test(sky_is_the_solvers),
+        cmocka_unit_test(a_failure_is_not_kept),
         cmocka_unit_test(costs),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

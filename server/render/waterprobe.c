@@ -101,10 +101,15 @@ pel_water_prober_run(struct pel_water_prober *p, const char *shader_dir,
     if (err != PEL_OK) {
         return err;
     }
-    const struct pel_environment env = { .water = *body,
-                                         .depths = *depths,
-                                         .orders = orders };
+    struct pel_environment env = { .water = *body,
+                                   .depths = *depths,
+                                   .orders = orders };
     double sine = sin(sun_zenith_rad), cosine = cos(sun_zenith_rad);
+    err = pel_water_light_update(&p->light, &env);
+    if (err != PEL_OK) {
+        return pel_fault_set(fault, err,
+                             "no memory for the light in the water");
+    }
     struct pel_block_frame frame = {
         .lights = { { .direction = { (float)sine, 0, (float)cosine, 0 } } },
         .water = pel_water_levels(&env, 0.0),
@@ -114,7 +119,6 @@ pel_water_prober_run(struct pel_water_prober *p, const char *shader_dir,
     glNamedBufferStorage(block, sizeof frame, &frame, 0);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, block);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_LIGHT, p->unit);
-    pel_water_light_update(&p->light, &env);
     struct pel_light lights[PEL_LIGHTS];
     pel_lights_of_sun((struct pel_vec3){ sine, 0, cosine }, lights);
     pel_water_light_map(&p->light, lights, p->black, p->unit);
