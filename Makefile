@@ -142,7 +142,7 @@ SCENE := server/scene/scene.c \
     server/scene/ship.c \
     server/scene/record.c \
     server/scene/reckon.c \
-    server/scene/geodesy.c \
+    server/scene/geodesy.c server/scene/globe.c \
     server/scene/sun.c \
     server/scene/utc.c
 RENDER := server/render/context.c server/render/shader.c \
@@ -288,7 +288,7 @@ TESTS += server/bridges/nmea_out_test.c
 TESTS += server/bridges/cigi_packet_test.c
 TESTS += server/bridges/cigi_test.c
 TESTS += server/bridges/cigi_sensor_test.c
-TESTS += server/bridges/cigi_weather_test.c
+TESTS += server/bridges/cigi_weather_test.c server/bridges/cigi_icd_test.c
 TESTS += proto/path_test.c
 TESTS += proto/wire_test.c
 TESTS += server/scene/scene_test.c

@@ -52,9 +52,10 @@ struct pel_cigi {
     struct sockaddr_storage speaker; /* who leads */
     bool shown;                      /* in the metrics */
 
-    bool refused;      /* the newest host frame's packets were */
-    bool led;          /* a host is heard; the rest is its session's */
-    bool lead_pending; /* clock.mode is still to be set */
+    unsigned told_versions; /* bits: hosts of them were told */
+    bool refused;           /* the newest host frame's packets were */
+    bool led;               /* a host is heard; the rest is its session's */
+    bool lead_pending;      /* clock.mode is still to be set */
     enum pel_clock_mode mode_before; /* the host, FREE, PACED or STEPPED */
     bool little;
     unsigned minor, mode;
@@ -360,6 +361,8 @@ static bool set_mode(struct pel_cigi *cigi, unsigned mode)
     bool reset = mode == 0 && cigi->mode != 0;
     if (reset) {
         pel_cigi_periodic_clear(&cigi->periodic);
+        cigi->database = cigi->wanted_database = 0;
+        cigi->database_state = DATABASE_NONE;
     }
     cigi->mode = mode;
     return reset;
@@ -422,6 +425,23 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
     return true;
 }
 
+/* Says once for each what a host of another version has to change. */
+static void tell_version(struct pel_cigi *cigi, const uint8_t *bytes,
+                         size_t size)
+{
+    unsigned major, minor;
+    if (!pel_cigi_foreign(bytes, size, &major, &minor) ||
+        (cigi->told_versions & 1u << major)) {
+        return;
+    }
+    cigi->told_versions |= 1u << major;
+    pel_warn("CIG-012",
+             "a host speaks CIGI %u.%u and is not heard: this is CIGI 3.3 (3.2 "
+             "too). Set the host to version 3, minor version 3, whose IG "
+             "Control is packet 1 of 24 bytes",
+             major, minor);
+}
+
 static bool feed(struct pel_cigi *cigi, const uint8_t *bytes, size_t size)
 {
     struct pel_cigi_reader reader;
@@ -432,6 +452,7 @@ static bool feed(struct pel_cigi *cigi, const uint8_t *bytes, size_t size)
         pel_cigi_open(bytes, size, PEL_CIGI_KIND_IG_CONTROL, &reader);
     if (error) {
         static struct pel_log_limit limit;
+        tell_version(cigi, bytes, size);
         pel_log_limited(&limit, PEL_LOG_DEBUG, "CIG-007",
                         "datagram dropped, %s, %zu bytes",
                         pel_cigi_error_name(error), size);

@@ -168,41 +168,70 @@ static struct pel_cigi_conditions effective(const struct pel_cigi_edit *edit)
 
 /* --- into the patch ------------------------------------------------------ */
 
-static void apply_wind(struct pel_cigi_edit *edit,
-                       const struct pel_cigi_conditions *now)
+/* Values that end become what they were before the host's. True: this one is
+ * the host's, and now remembered in *was. */
+static bool begins(bool has, bool *was_has, double now, double *before)
 {
-    struct pel_cigi_conditions *was = &edit->world->applied;
-    bool layer = now->has_layer_wind;
-    double mps = layer ? now->layer_wind_mps : now->wind_mps;
-    double deg = layer ? now->layer_wind_deg : now->wind_deg;
-    if ((!layer && !now->has_wind) ||
-        (was->has_wind && was->wind_mps == mps && was->wind_deg == deg)) {
-        return;
+    if (has && !*was_has) {
+        *before = now;
     }
-    was->has_wind = true;
-    was->wind_mps = mps;
-    was->wind_deg = deg;
+    bool ends = !has && *was_has;
+    *was_has = has;
+    return !ends;
+}
+
+static void set_wind(struct pel_cigi_edit *edit, double mps, double deg)
+{
     edit->state.sea = &edit->sea;
     edit->sea.has_wind_speed = edit->sea.has_wind_direction = true;
     edit->sea.wind_speed = mps;
     edit->sea.wind_direction = deg;
 }
 
+static void apply_wind(struct pel_cigi_edit *edit,
+                       const struct pel_cigi_conditions *now)
+{
+    struct pel_cigi_conditions *was = &edit->world->applied;
+    struct pel_cigi_before *before = &edit->world->before;
+    bool layer = now->has_layer_wind;
+    double mps = layer ? now->layer_wind_mps : now->wind_mps;
+    double deg = layer ? now->layer_wind_deg : now->wind_deg;
+    bool had = was->has_wind, has = layer || now->has_wind;
+    if (has && !had) {
+        before->wind_deg = edit->scene->sea->wind_direction;
+    }
+    if (!begins(has, &was->has_wind, edit->scene->sea->wind_speed,
+                &before->wind_mps)) {
+        set_wind(edit, before->wind_mps, before->wind_deg);
+    } else if (has && !(had && was->wind_mps == mps && was->wind_deg == deg)) {
+        was->wind_mps = mps;
+        was->wind_deg = deg;
+        set_wind(edit, mps, deg);
+    }
+}
+
+static void set_visibility(struct pel_cigi_edit *edit, double metres)
+{
+    edit->state.sky = &edit->sky;
+    edit->sky.has_visibility = true;
+    edit->sky.visibility = metres;
+}
+
 static void apply_visibility(struct pel_cigi_edit *edit,
                              const struct pel_cigi_conditions *now)
 {
     struct pel_cigi_conditions *was = &edit->world->applied;
+    double *before = &edit->world->before.visibility_m;
     bool layer = now->has_layer_visibility;
     double metres = layer ? now->layer_visibility_m : now->visibility_m;
-    if ((!layer && !now->has_visibility) ||
-        (was->has_visibility && was->visibility_m == metres)) {
-        return;
+    bool had = was->has_visibility, has = layer || now->has_visibility;
+    if (!begins(has, &was->has_visibility, edit->scene->sky->visibility,
+                before)) {
+        set_visibility(edit, *before);
+    } else if (has && !(had && was->visibility_m == metres)) {
+        was->visibility_m = metres;
+        set_visibility(edit, metres);
     }
-    was->has_visibility = true;
-    was->visibility_m = metres;
-    edit->state.sky = &edit->sky;
-    edit->sky.has_visibility = true;
-    edit->sky.visibility = metres;
 }
 
 static bool same_trains(const struct pel_cigi_train *a,
@@ -220,27 +249,53 @@ static bool same_trains(const struct pel_cigi_train *a,
     return same;
 }
 
-/* Whether the trains are news, and then remembers them. */
+/* Whether the trains are news, and then remembers them; *now becomes `before`
+ * where the host's end. */
 static bool news(bool *was_has, struct pel_cigi_train *was, bool has,
-                 const struct pel_cigi_train *now)
+                 const struct pel_cigi_train **now,
+                 const struct pel_cigi_train *before)
 {
-    if (!has || (*was_has && same_trains(was, now))) {
+    bool ends = *was_has && !has;
+    bool same = *was_has && has && same_trains(was, *now);
+    if (same || (!has && !ends)) {
         return false;
     }
-    *was_has = true;
-    memcpy(was, now, PEL_CIGI_TRAINS * sizeof *was);
+    *was_has = has;
+    memcpy(was, *now, PEL_CIGI_TRAINS * sizeof *was);
+    *now = ends ? before : *now;
     return true;
+}
+
+static void keep_swell(struct pel_cigi_edit *edit)
+{
+    const Pelagos__Sea *sea = edit->scene->sea;
+    struct pel_cigi_train *to = edit->world->before.swell;
+    memset(to, 0, PEL_CIGI_TRAINS * sizeof *to);
+    for (size_t i = 0; i < sea->n_swell && i < PEL_CIGI_TRAINS; i++) {
+        to[i] = (struct pel_cigi_train){
+            .used = true,
+            .height_m = sea->swell[i]->height,
+            .period_s = sea->swell[i]->period,
+            .from_deg = sea->swell[i]->direction,
+            .spread_deg = sea->swell[i]->spread,
+        };
+    }
 }
 
 static void apply_swell(struct pel_cigi_edit *edit,
                         const struct pel_cigi_conditions *now)
 {
     struct pel_cigi_conditions *was = &edit->world->applied;
-    if (!news(&was->has_swell, was->swell, now->has_swell, now->swell)) {
+    const struct pel_cigi_train *list = now->swell;
+    if (now->has_swell && !was->has_swell) {
+        keep_swell(edit);
+    }
+    if (!news(&was->has_swell, was->swell, now->has_swell, &list,
+              edit->world->before.swell)) {
         return;
     }
     for (size_t i = 0; i < PEL_CIGI_TRAINS; i++) {
-        const struct pel_cigi_train *s = &now->swell[i];
+        const struct pel_cigi_train *s = &list[i];
         if (!s->used) {
             continue;
         }
@@ -260,15 +315,36 @@ static void apply_swell(struct pel_cigi_edit *edit,
     }
 }
 
+static void keep_waves(struct pel_cigi_edit *edit)
+{
+    const Pelagos__Sea *sea = edit->scene->sea;
+    struct pel_cigi_train *to = edit->world->before.waves;
+    memset(to, 0, PEL_CIGI_TRAINS * sizeof *to);
+    for (size_t i = 0; i < sea->n_wave && i < PEL_CIGI_TRAINS; i++) {
+        to[i] = (struct pel_cigi_train){
+            .used = true,
+            .height_m = sea->wave[i]->height,
+            .period_s = sea->wave[i]->period,
+            .from_deg = sea->wave[i]->direction,
+            .phase_deg = sea->wave[i]->phase,
+        };
+    }
+}
+
 static void apply_waves(struct pel_cigi_edit *edit,
                         const struct pel_cigi_conditions *now)
 {
     struct pel_cigi_conditions *was = &edit->world->applied;
-    if (!news(&was->has_waves, was->waves, now->has_waves, now->waves)) {
+    const struct pel_cigi_train *list = now->waves;
+    if (now->has_waves && !was->has_waves) {
+        keep_waves(edit);
+    }
+    if (!news(&was->has_waves, was->waves, now->has_waves, &list,
+              edit->world->before.waves)) {
         return;
     }
     for (size_t i = 0; i < PEL_CIGI_TRAINS; i++) {
-        const struct pel_cigi_train *w = &now->waves[i];
+        const struct pel_cigi_train *w = &list[i];
         if (!w->used) {
             continue;
         }
@@ -288,25 +364,40 @@ static void apply_waves(struct pel_cigi_edit *edit,
     }
 }
 
+static void set_chlorophyll(struct pel_cigi_edit *edit, double mg_m3)
+{
+    edit->state.water = &edit->water;
+    edit->water.has_chlorophyll = true;
+    edit->water.chlorophyll = mg_m3;
+}
+
+static void set_level(struct pel_cigi_edit *edit, double metres)
+{
+    edit->state.sea = &edit->sea;
+    edit->sea.has_level = true;
+    edit->sea.level = metres;
+}
+
 static void apply_water(struct pel_cigi_edit *edit,
                         const struct pel_cigi_conditions *now)
 {
     struct pel_cigi_conditions *was = &edit->world->applied;
-    if (now->has_chlorophyll &&
-        !(was->has_chlorophyll &&
-          was->chlorophyll_mg_m3 == now->chlorophyll_mg_m3)) {
-        was->has_chlorophyll = true;
+    struct pel_cigi_before *before = &edit->world->before;
+    bool green = was->has_chlorophyll, tide = was->has_level;
+    if (!begins(now->has_chlorophyll, &was->has_chlorophyll,
+                edit->scene->water->chlorophyll, &before->chlorophyll_mg_m3)) {
+        set_chlorophyll(edit, before->chlorophyll_mg_m3);
+    } else if (now->has_chlorophyll &&
+               !(green && was->chlorophyll_mg_m3 == now->chlorophyll_mg_m3)) {
         was->chlorophyll_mg_m3 = now->chlorophyll_mg_m3;
-        edit->state.water = &edit->water;
-        edit->water.has_chlorophyll = true;
-        edit->water.chlorophyll = now->chlorophyll_mg_m3;
+        set_chlorophyll(edit, now->chlorophyll_mg_m3);
     }
-    if (now->has_level && !(was->has_level && was->level_m == now->level_m)) {
-        was->has_level = true;
+    if (!begins(now->has_level, &was->has_level, edit->scene->sea->level,
+                &before->level_m)) {
+        set_level(edit, before->level_m);
+    } else if (now->has_level && !(tide && was->level_m == now->level_m)) {
         was->level_m = now->level_m;
-        edit->state.sea = &edit->sea;
-        edit->sea.has_level = true;
-        edit->sea.level = now->level_m;
+        set_level(edit, now->level_m);
     }
 }
 

@@ -1,4 +1,5 @@
 #include <math.h>
+#include <string.h>
 
 #include "base/vec.h"
 #include "bridges/cigi_pose.h"
@@ -57,10 +58,13 @@ static void attach(struct pel_cigi_edit *edit, const struct pel_cigi_packet *p)
         edit->skipped++;
         return;
     }
+    const struct pel_cigi_follower was = *f;
+    bool goes_on = was.how == PEL_CIGI_ON_PARENT && was.parent == parent;
     *f = (struct pel_cigi_follower){
         .used = true,
         .id = id,
         .how = PEL_CIGI_ON_PARENT,
+        .rated_s = edit->time_s,
         .parent = parent,
         .offset_m = { pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_LATITUDE),
                       pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_LONGITUDE),
@@ -69,6 +73,12 @@ static void attach(struct pel_cigi_edit *edit, const struct pel_cigi_packet *p)
         .pitch_deg = pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_PITCH),
         .yaw_deg = pel_cigi_get(p, PEL_CIGI_ENTITY_CONTROL_YAW),
     };
+    if (goes_on) { /* its rates hold until the next ones */
+        memcpy(f->rate_mps, was.rate_mps, sizeof f->rate_mps);
+        f->roll_dps = was.roll_dps;
+        f->pitch_dps = was.pitch_dps;
+        f->yaw_dps = was.yaw_dps;
+    }
 }
 
 /* Clamped to the sea, or no follower any more. */
@@ -182,8 +192,10 @@ static bool pose_after(const struct pel_cigi_edit *edit, uint32_t id,
 static void place_attached(struct pel_cigi_edit *edit,
                            const struct pel_cigi_follower *f)
 {
-    struct pel_vec3 at,
-        offset = { f->offset_m[0], f->offset_m[1], f->offset_m[2] };
+    double s = edit->time_s - f->rated_s;
+    struct pel_vec3 at, offset = { f->offset_m[0] + s * f->rate_mps[0],
+                                   f->offset_m[1] + s * f->rate_mps[1],
+                                   f->offset_m[2] + s * f->rate_mps[2] };
     struct pel_mat3 parent, whole;
     if (!pose_after(edit, f->parent, &at, &parent)) {
         edit->skipped++;
@@ -195,8 +207,10 @@ static void place_attached(struct pel_cigi_edit *edit,
     }
     /* The child's own axes, written in its parent's: north is forward there,
      * east right, up the reverse of down. */
-    struct pel_mat3 own = pel_cigi_axes(
-        f->yaw_deg * PEL_DEG, f->pitch_deg * PEL_DEG, f->roll_deg * PEL_DEG);
+    struct pel_mat3 own =
+        pel_cigi_axes((f->yaw_deg + s * f->yaw_dps) * PEL_DEG,
+                      (f->pitch_deg + s * f->pitch_dps) * PEL_DEG,
+                      (f->roll_deg + s * f->roll_dps) * PEL_DEG);
     struct pel_vec3 *from[] = { &own.x, &own.y, &own.z };
     struct pel_vec3 *to[] = { &whole.x, &whole.y, &whole.z };
     for (int i = 0; i < 3; i++) {
@@ -299,12 +313,50 @@ static double turn(const struct pel_cigi_packet *p, enum pel_cigi_field field)
     return pel_clamp(pel_cigi_get(p, field), -MAX_TURN_DPS, MAX_TURN_DPS);
 }
 
+/* An attached entity's: along its parent's axes, or its own; it moves on it
+ * from where it is by now. */
+static void rate_attached(struct pel_cigi_edit *edit,
+                          const struct pel_cigi_packet *p,
+                          struct pel_cigi_follower *f)
+{
+    double seconds = edit->time_s - f->rated_s;
+    struct pel_vec3 rate = { pel_cigi_get(p, PEL_CIGI_RATE_X),
+                             pel_cigi_get(p, PEL_CIGI_RATE_Y),
+                             pel_cigi_get(p, PEL_CIGI_RATE_Z) };
+    for (int i = 0; i < 3; i++) {
+        f->offset_m[i] += seconds * f->rate_mps[i];
+    }
+    f->roll_deg += seconds * f->roll_dps;
+    f->pitch_deg += seconds * f->pitch_dps;
+    f->yaw_deg += seconds * f->yaw_dps;
+    if (pel_cigi_get(p, PEL_CIGI_RATE_LOCAL) != 0) {
+        struct pel_mat3 own =
+            pel_cigi_axes(f->yaw_deg * PEL_DEG, f->pitch_deg * PEL_DEG,
+                          f->roll_deg * PEL_DEG);
+        struct pel_vec3 v = pel_mat3_apply(&own, rate);
+        rate = (struct pel_vec3){ v.y, v.x, -v.z };
+    }
+    f->rate_mps[0] = rate.x;
+    f->rate_mps[1] = rate.y;
+    f->rate_mps[2] = rate.z;
+    f->roll_dps = turn(p, PEL_CIGI_RATE_ROLL);
+    f->pitch_dps = turn(p, PEL_CIGI_RATE_PITCH);
+    f->yaw_dps = turn(p, PEL_CIGI_RATE_YAW);
+    f->rated_s = edit->time_s;
+}
+
 void pel_cigi_take_rate(struct pel_cigi_edit *edit,
                         const struct pel_cigi_packet *p)
 {
     uint32_t id = (uint32_t)pel_cigi_get(p, PEL_CIGI_RATE_ID);
     struct pel_vec3 at;
     struct pel_mat3 axes;
+    struct pel_cigi_follower *f = follower_of(edit, id, false);
+    if (f && f->how == PEL_CIGI_ON_PARENT &&
+        pel_cigi_get(p, PEL_CIGI_RATE_TO_PART) == 0) {
+        rate_attached(edit, p, f);
+        return;
+    }
     if (pel_cigi_get(p, PEL_CIGI_RATE_TO_PART) != 0 ||
         !pose_after(edit, id, &at, &axes)) {
         edit->skipped++;

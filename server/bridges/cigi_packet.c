@@ -227,6 +227,27 @@ enum pel_cigi_error pel_cigi_open(const uint8_t *bytes, size_t size,
     return error;
 }
 
+bool pel_cigi_foreign(const uint8_t *bytes, size_t size, unsigned *major,
+                      unsigned *minor)
+{
+    *major = *minor = 0;
+    if (size >= 24 && bytes[0] == 1 && bytes[1] == 24 && bytes[2] == 3) {
+        *major = 3;
+        *minor = bytes[4] >> 4;
+    } else if (size >= 16 && bytes[0] == 1 && bytes[1] == 16 &&
+               (bytes[2] == 1 || bytes[2] == 2 || bytes[2] == 3)) {
+        /* IG Control of 1 and 2 has 16 bytes, and of 3.0 and 3.1 too */
+        *major = bytes[2];
+    } else if (size >= 24 &&
+               ((bytes[0] == 24 && bytes[1] == 0) ||
+                (bytes[0] == 0 && bytes[1] == 24)) &&
+               bytes[4] == 4) {
+        *major = 4; /* size and packet id are 16 bits each: 24, 0 */
+        *minor = bytes[7] >> 4;
+    }
+    return *major != 0 && !(*major == 3 && (*minor == 2 || *minor == 3));
+}
+
 bool pel_cigi_next(struct pel_cigi_reader *reader, struct pel_cigi_packet *out)
 {
     if (reader->at >= reader->end) {

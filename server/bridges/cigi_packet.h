@@ -109,6 +109,11 @@ enum pel_cigi_error pel_cigi_open(const uint8_t *bytes, size_t size,
                                   enum pel_cigi_kind first,
                                   struct pel_cigi_reader *out);
 
+/* Whether a datagram that does not open begins as those of another version do
+ * (1, 2, 3.0, 3.1, 4), and which. */
+bool pel_cigi_foreign(const uint8_t *bytes, size_t size, unsigned *major,
+                      unsigned *minor);
+
 /* The next packet; false at the end. Bytes beyond the known size of a packet
  * are skipped. */
 bool pel_cigi_next(struct pel_cigi_reader *reader, struct pel_cigi_packet *out);

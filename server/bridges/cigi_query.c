@@ -5,6 +5,7 @@
 
 #include "base/vec.h"
 #include "bridges/cigi_pose.h"
+#include "scene/globe.h"
 
 #define SEA_WATER 1 /* material codes */
 #define LAND 2
@@ -182,6 +183,11 @@ struct hit {
     struct top top;
 };
 
+static struct pel_vec3 ray_at(const struct ray *ray, double range_m)
+{
+    return pel_globe_at(ray->from, pel_vec3_scale(ray->along, range_m));
+}
+
 /* Height of the ray above the sea at `count` ranges. */
 static void clearances(const struct pel_cigi_moment *m, const struct ray *ray,
                        const double *range_m, size_t count, double *out)
@@ -189,31 +195,67 @@ static void clearances(const struct pel_cigi_moment *m, const struct ray *ray,
     struct pel_vec2 points[AT_ONCE] = { 0 };
     struct pel_surface_sample samples[AT_ONCE];
     for (size_t i = 0; i < count; i++) {
-        points[i].x = ray->from.x + range_m[i] * ray->along.x;
-        points[i].y = ray->from.y + range_m[i] * ray->along.y;
+        struct pel_vec3 at = ray_at(ray, range_m[i]);
+        points[i] = (struct pel_vec2){ at.x, at.y };
+        out[i] = at.z;
     }
     pel_snapshot_surface(m->snapshot, points, count, m->time_s, false, samples);
     for (size_t i = 0; i < count; i++) {
-        out[i] = ray->from.z + range_m[i] * ray->along.z - top_m(&samples[i]);
+        out[i] -= top_m(&samples[i]);
     }
+}
+
+/* Ranges between which the ray is below `limit_m`: straight, over a surface
+ * that falls away by r² / 2R. False: nowhere. */
+static bool below(const struct ray *ray, double limit_m, double *from,
+                  double *to)
+{
+    double flat = hypot(ray->along.x, ray->along.y);
+    double a = flat * flat / (2 * PEL_EARTH_RADIUS), b = ray->along.z;
+    double c = ray->from.z - limit_m, root = b * b - 4 * a * c;
+    *from = -INFINITY;
+    *to = INFINITY;
+    if (a < 1e-15) { /* up or down */
+        *(b > 0 ? to : from) = -c / b;
+        return true;
+    }
+    if (root < 0) {
+        return false;
+    }
+    /* The sum without cancellation first. */
+    double q = -0.5 * (b + copysign(sqrt(root), b));
+    double one = q / a, other = q != 0 ? c / q : 0;
+    *from = fmin(one, other);
+    *to = fmax(one, other);
+    return true;
 }
 
 /* Cuts the ray to where waves or land can be; false: nowhere. */
 static bool cut_to_waves(const struct pel_cigi_moment *m, struct ray *ray)
 {
-    double waves = pel_snapshot_sea(m->snapshot)->max_height_m + MET_M;
+    /* The sphere falls less than the parabola of below(), by r^4 / 24 R³. */
+    double far = ray->end_m / PEL_EARTH_RADIUS;
+    double waves = pel_snapshot_sea(m->snapshot)->max_height_m + MET_M +
+                   far * far * far * ray->end_m / 24;
     double level = m->snapshot->sea_level_m;
-    double top = level + waves, low = level - waves;
+    double top = level + waves, low = level - waves, from, to;
     if (m->snapshot->seabed) {
         top = fmax(top, m->snapshot->seabed->highest_m + MET_M);
     }
-    double z = ray->from.z, dz = ray->along.z;
-    if (fabs(dz) < 1e-9) {
-        return z <= top && z >= low && ray->begin_m < ray->end_m;
+    if (!below(ray, top, &from, &to)) {
+        return false;
     }
-    double one = (top - z) / dz, other = (low - z) / dz;
-    ray->begin_m = fmax(ray->begin_m, fmin(one, other));
-    ray->end_m = fmin(ray->end_m, fmax(one, other));
+    ray->begin_m = fmax(ray->begin_m, from);
+    ray->end_m = fmin(ray->end_m, to);
+    /* It has met the water before it is below all waves, or comes from there.
+     */
+    if (below(ray, low, &from, &to) && to > ray->begin_m && from < ray->end_m) {
+        if (from >= ray->begin_m) {
+            ray->end_m = from;
+        } else {
+            ray->begin_m = to;
+        }
+    }
     return ray->begin_m < ray->end_m;
 }
 
@@ -232,7 +274,7 @@ static void meet(const struct pel_cigi_moment *m, const struct ray *ray,
     }
     out->met = true;
     out->range_m = far_m;
-    out->at = pel_vec3_add(ray->from, pel_vec3_scale(ray->along, far_m));
+    out->at = ray_at(ray, far_m);
     struct pel_vec2 point = { out->at.x, out->at.y };
     struct pel_surface_sample sample;
     pel_snapshot_surface(m->snapshot, &point, 1, m->time_s, false, &sample);
@@ -282,10 +324,12 @@ static struct pel_cigi_packet answer_sight(const struct pel_cigi_moment *m,
     struct pel_cigi_packet a = pel_cigi_packet_of(
         extended ? PEL_CIGI_KIND_LOS_EXTENDED : PEL_CIGI_KIND_LOS_RESPONSE);
     bool good = valid && (segment || hit->met);
+    /* The plain answer's flag is that of its range. */
+    bool ranged = valid && hit->met;
     bool visible = valid && !hit->met;
     if (!extended) {
         pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_ID, id);
-        pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_VALID, good);
+        pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_VALID, ranged);
         pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_VISIBLE, visible);
         pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_HOST_FRAME, m->host_frame & 15);
         pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_COUNT, 1);
@@ -302,8 +346,9 @@ static struct pel_cigi_packet answer_sight(const struct pel_cigi_moment *m,
         double latitude, longitude, altitude = hit->at.z, azimuth, elevation;
         struct pel_vec3 from;
         struct pel_mat3 body;
-        if (along && pel_cigi_entity_axes(m->snapshot, *along, m->time_s, &from,
-                                          &body)) {
+        bool in_axes = along && pel_cigi_entity_axes(m->snapshot, *along,
+                                                     m->time_s, &from, &body);
+        if (in_axes) {
             struct pel_vec3 to =
                 pel_vec3_add(hit->at, pel_vec3_scale(from, -1));
             latitude = pel_vec3_dot(to, body.x);
@@ -312,7 +357,15 @@ static struct pel_cigi_packet answer_sight(const struct pel_cigi_moment *m,
         } else {
             pel_cigi_geodetic(m->snapshot, hit->at, &latitude, &longitude);
         }
-        direction(m, hit->at, hit->top.normal, &azimuth, &elevation);
+        if (in_axes) { /* from the bow to starboard, and up */
+            struct pel_vec3 n = hit->top.normal;
+            azimuth = atan2(pel_vec3_dot(n, body.y), pel_vec3_dot(n, body.x)) /
+                      PEL_DEG;
+            elevation =
+                asin(pel_clamp(-pel_vec3_dot(n, body.z), -1, 1)) / PEL_DEG;
+        } else {
+            direction(m, hit->at, hit->top.normal, &azimuth, &elevation);
+        }
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_RANGE, hit->range_m);
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_LATITUDE, latitude);
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_LONGITUDE, longitude);
@@ -342,7 +395,7 @@ static struct pel_cigi_packet answer_segment(const struct pel_cigi_moment *m,
               pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_DESTINATION_LOCAL) != 0,
               target, PEL_CIGI_LOS_SEGMENT_TO_LATITUDE, &to);
     if (valid) {
-        struct pel_vec3 way = pel_vec3_add(to, pel_vec3_scale(from, -1));
+        struct pel_vec3 way = pel_globe_offset(from, to);
         double length = sqrt(pel_vec3_dot(way, way));
         if (length > MET_M) {
             struct ray ray = { from, pel_vec3_scale(way, 1 / length), 0,

@@ -13,11 +13,21 @@
 #define MIN_VISIBILITY_M 200.0
 #define MAX_VISIBILITY_M 300000.0
 #define SURFACE_LAYER_M 10.0
-#define GRAVITY 9.80665
 #define REGIONAL_SEA 4
 #define GLOBAL_SEA 7
 #define FIRST_TRAIN 16 /* component id of a region's swell train 0 */
 #define CLOCK_SLACK_S 2.0
+
+/* Component Control numbers them as the schema does. */
+_Static_assert(PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ == 0 &&
+                   PELAGOS__SPECTRUM_KIND__JONSWAP == 1 &&
+                   PELAGOS__SPECTRUM_KIND__TMA == 2 &&
+                   PELAGOS__SPECTRUM_KIND__ELFOUHAILY == 3 &&
+                   PELAGOS__SPECTRUM_KIND__OMEGA2 == 4,
+               "proto/cigi.in.md publishes these numbers");
+_Static_assert(PELAGOS__SYNTHESISER__TROCHOIDS == 0 &&
+                   PELAGOS__SYNTHESISER__FFT == 1,
+               "proto/cigi.in.md publishes these numbers");
 
 double pel_cigi_chlorophyll(double clarity)
 {
@@ -101,9 +111,6 @@ static void take_atmosphere(struct pel_cigi_edit *edit,
                             const struct pel_cigi_packet *p)
 {
     struct pel_cigi_world *w = edit->world;
-    if (pel_cigi_get(p, PEL_CIGI_ATMOSPHERE_ENABLE) == 0) {
-        return;
-    }
     w->global.has_visibility = true;
     w->global.visibility_m =
         visibility(pel_cigi_get(p, PEL_CIGI_ATMOSPHERE_VISIBILITY));
@@ -185,7 +192,7 @@ static void take_wave(struct pel_cigi_edit *edit,
     double length_m = pel_cigi_get(p, PEL_CIGI_WAVE_LENGTH);
     double period_s = pel_cigi_get(p, PEL_CIGI_WAVE_PERIOD);
     if (period_s <= 0) {
-        period_s = sqrt(2 * PEL_PI * fmax(length_m, 0) / GRAVITY);
+        period_s = sqrt(2 * PEL_PI * fmax(length_m, 0) / PEL_GRAVITY);
     }
     struct pel_cigi_train wave = {
         .used = pel_cigi_get(p, PEL_CIGI_WAVE_ENABLE) != 0,
@@ -213,6 +220,18 @@ static void stop_sun(struct pel_cigi_edit *edit, double unix_s)
     edit->state.sky = &edit->sky;
 }
 
+/* It follows the clock again. */
+static void free_sun(struct pel_cigi_edit *edit)
+{
+    edit->sky.has_sun_azimuth = edit->sky.has_sun_elevation = false;
+    if (edit->scene->sky->has_sun_azimuth) {
+        pel_cigi_edit_remove(edit, "sky.sunAzimuth");
+    }
+    if (edit->scene->sky->has_sun_elevation) {
+        pel_cigi_edit_remove(edit, "sky.sunElevation");
+    }
+}
+
 static void take_celestial(struct pel_cigi_edit *edit,
                            const struct pel_cigi_packet *p)
 {
@@ -221,8 +240,18 @@ static void take_celestial(struct pel_cigi_edit *edit,
     double minute = pel_cigi_get(p, PEL_CIGI_CELESTIAL_MINUTE);
     double date = pel_cigi_get(p, PEL_CIGI_CELESTIAL_DATE);
     bool stands = pel_cigi_get(p, PEL_CIGI_CELESTIAL_EPHEMERIS) == 0;
-    if (pel_cigi_get(p, PEL_CIGI_CELESTIAL_VALID) == 0 ||
-        (w->dated && w->sun_stands == stands && w->hour == hour &&
+    if (pel_cigi_get(p, PEL_CIGI_CELESTIAL_VALID) == 0) {
+        /* The Sun stands where it is now, or goes on from the clock. */
+        if (stands && !w->sun_stands) {
+            stop_sun(edit, edit->snapshot->epoch_unix_s + edit->time_s);
+        } else if (!stands && w->sun_stands) {
+            free_sun(edit);
+        }
+        w->dated = w->dated && w->sun_stands == stands;
+        w->sun_stands = stands;
+        return;
+    }
+    if ((w->dated && w->sun_stands == stands && w->hour == hour &&
          w->minute == minute && w->date == date)) {
         return;
     }
@@ -249,13 +278,7 @@ static void take_celestial(struct pel_cigi_edit *edit,
         stop_sun(edit, (double)wanted);
         return;
     }
-    edit->sky.has_sun_azimuth = edit->sky.has_sun_elevation = false;
-    if (edit->scene->sky->has_sun_azimuth) {
-        pel_cigi_edit_remove(edit, "sky.sunAzimuth");
-    }
-    if (edit->scene->sky->has_sun_elevation) {
-        pel_cigi_edit_remove(edit, "sky.sunElevation");
-    }
+    free_sun(edit);
     double ahead = edit->snapshot->epoch_unix_s + edit->time_s - (double)wanted;
     if (ahead > -CLOCK_SLACK_S && ahead < 60 + CLOCK_SLACK_S) {
         return; /* the scene has this minute already */

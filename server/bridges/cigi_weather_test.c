@@ -71,7 +71,7 @@ static void a_wavelength_gives_the_period(void **state)
     (void)state;
     begin();
     with(PEL_CIGI_KIND_WAVE, PEL_CIGI_WAVE_ENABLE, 1.0, PEL_CIGI_WAVE_HEIGHT,
-         1.0, PEL_CIGI_WAVE_LENGTH, 156.07, 0);
+         1.0, PEL_CIGI_WAVE_LENGTH, 156.13, 0);
     send();
     assert_near(pel_scene_state(scene)->sea->wave[0]->period, 10, 1e-3);
 }

@@ -249,7 +249,12 @@ void pel_cigi_edit_reset(struct pel_cigi_edit *edit)
             pel_cigi_edit_remove(edit, "views.%s.sensor", name);
         }
     }
+    /* What was commanded ends: pel_cigi_apply_conditions takes it back. */
+    const struct pel_cigi_conditions applied = edit->world->applied;
+    const struct pel_cigi_before before = edit->world->before;
     pel_cigi_world_init(edit->world);
+    edit->world->applied = applied;
+    edit->world->before = before;
 }
 
 /* The frustum the view has now, degrees. */
@@ -325,6 +330,26 @@ static bool entity_will_be(const struct pel_cigi_edit *edit, uint32_t id)
     return pel_cigi_find_entity(edit->snapshot, id) >= 0;
 }
 
+/* CIGI's own ship is entity 0: when the host first brings it, the views on the
+ * scene's own ship go over to it, unless it has an entity 0 of its own. */
+static void board_own_ship(struct pel_cigi_edit *edit)
+{
+    const struct pel_snapshot *s = edit->snapshot;
+    if (pel_cigi_find_entity(s, 0) >= 0 || !entity_will_be(edit, 0)) {
+        return;
+    }
+    for (size_t i = 0; i < s->view_count; i++) {
+        int on = s->views[i].entity;
+        if (on >= 0 && s->entities[on].id == edit->scene->own_ship->entity) {
+            Pelagos__View *view = view_called(edit, s->views[i].name);
+            if (view) {
+                view->has_entity = true;
+                view->entity = 0;
+            }
+        }
+    }
+}
+
 /* Views whose entity is there by now are hung on it. */
 static void hang_views(struct pel_cigi_edit *edit)
 {
@@ -390,15 +415,33 @@ static void forget_entity(struct pel_cigi_edit *edit, uint32_t id)
     }
 }
 
-static void destroy_entity(struct pel_cigi_edit *edit, uint32_t id)
+static void destroy_one(struct pel_cigi_edit *edit, uint32_t id)
 {
     forget_entity(edit, id);
-    if (pel_cigi_find_entity(edit->snapshot, id) < 0) {
-        return;
-    }
-    if (entity_will_be(edit, id)) {
+    if (pel_cigi_find_entity(edit->snapshot, id) >= 0 &&
+        entity_will_be(edit, id)) {
         free_views(edit, id);
         pel_cigi_edit_remove(edit, "entities.%u", id);
+    }
+}
+
+/* With all that hangs on it. */
+static void destroy_entity(struct pel_cigi_edit *edit, uint32_t id)
+{
+    uint32_t doomed[PEL_CIGI_FOLLOWERS + 1] = { id };
+    size_t count = 1;
+    for (size_t next = 0; next < count; next++) {
+        for (size_t i = 0; i < PEL_CIGI_FOLLOWERS; i++) {
+            struct pel_cigi_follower *f = &edit->world->followers[i];
+            if (f->used && f->how == PEL_CIGI_ON_PARENT &&
+                f->parent == doomed[next] && f->id != id) {
+                doomed[count++] = f->id;
+                f->used = false;
+            }
+        }
+    }
+    while (count > 0) {
+        destroy_one(edit, doomed[--count]);
     }
 }
 
@@ -449,6 +492,7 @@ const Pelagos__Patch *pel_cigi_edit_end(struct pel_cigi_edit *edit)
 {
     pel_cigi_place_followers(edit);
     pel_cigi_apply_conditions(edit);
+    board_own_ship(edit);
     hang_views(edit);
     return whole(edit);
 }

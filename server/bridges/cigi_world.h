@@ -53,8 +53,11 @@ struct pel_cigi_follower {
     enum { PEL_CIGI_ON_PARENT, PEL_CIGI_ON_SEA, PEL_CIGI_ON_SLOPE } how;
     uint32_t parent;
     double offset_m[3]; /* body axes of the parent */
-    double height_m;    /* above the sea */
-    bool known;         /* the sea below it, of late (cigi_sea.h) */
+    double rate_mps[3]; /* of the offset */
+    double roll_dps, pitch_dps, yaw_dps;
+    double rated_s;  /* when they began */
+    double height_m; /* above the sea */
+    bool known;      /* the sea below it, of late (cigi_sea.h) */
     double sea_m;
     struct pel_vec3 normal;
     double roll_deg, pitch_deg, yaw_deg;
@@ -86,10 +89,17 @@ struct pel_cigi_view_memo {
     uint32_t entity;
 };
 
+/* What the scene had before the host commanded it. */
+struct pel_cigi_before {
+    double visibility_m, wind_mps, wind_deg, chlorophyll_mg_m3, level_m;
+    struct pel_cigi_train swell[PEL_CIGI_TRAINS], waves[PEL_CIGI_TRAINS];
+};
+
 /* What outlives a datagram. Copied before each one and put back when its
  * patch is refused: no pointers. */
 struct pel_cigi_world {
     struct pel_cigi_conditions global, applied;
+    struct pel_cigi_before before; /* of what `applied` has */
     struct pel_cigi_region regions[PEL_CIGI_REGIONS];
     struct pel_cigi_follower followers[PEL_CIGI_FOLLOWERS];
     struct pel_cigi_view_memo views[PEL_CIGI_VIEWS];
