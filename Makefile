@@ -546,6 +546,10 @@ check: deps ## build, then lint, every test and the quick form of validate
 # Executable scripts only: what they share is not executable.
 E2E = $(shell find tests -maxdepth 1 -type f -perm -u+x \( -name '*.sh' -o -name '*.py' -o -name '*.mjs' -o -name '*_test' \) | sort)
 
+.PHONY: mutate
+mutate: deps ## break MUTANTS (200) lines at random, see which tests notice (SEED=1 ROOMS='ocean …')
+	$(Q)tests/mutate --mutants $(or $(MUTANTS),200) --seed $(or $(SEED),1) $(ROOMS)
+
 .PHONY: asan
 asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
 	$(Q)$(MAKE) -s --no-print-directory FLAVOR=asan all tests
