@@ -23,6 +23,7 @@ from pelagos_daemon import SANITIZED, SLOW_S, Daemon, until
 from rtsp_client import RtspClient
 
 SOAK = os.environ.get("SOAK") == "1"
+CREDIT = 12
 JPEG_START = b"\xff\xd8\xff"
 
 
@@ -62,6 +63,7 @@ class Case(unittest.TestCase):
 
 class Pictures(Case):
     def test_h264_begins_with_a_key_frame(self):
+        begun = time.time()
         with Live(self.daemon, "bridge") as live:
             head, data = live.picture()
             print(f"first picture after "
@@ -81,7 +83,11 @@ class Pictures(Case):
                 self.assertFalse(head.key)  # nobody asked for one
                 self.assertEqual(set(nal_types(data)) & {1, 5}, {1})
                 self.assertTrue(head.drawn <= head.encoded <= head.queued)
-                self.assertLess(abs(head.stamp * 1e-6 - time.time()), SLOW_S)
+                # One machine, one clock; stamps have microseconds.
+                self.assertLessEqual(begun - 1e-5, head.stamp * 1e-6)
+                begun = head.stamp * 1e-6
+                self.assertLessEqual(begun + head.queued * 1e-6,
+                                     time.time() + 1e-5)
                 numbers.append(head.number)
                 times.append(head.time)
             self.assertEqual(numbers, sorted(set(numbers)))
@@ -221,10 +227,13 @@ class Pictures(Case):
 
     def test_time(self):
         with Live(self.daemon, "bridge") as live:
+            asked = time.time()
             live.ask_time(0x123456789abcdef0)
             answer = live.text("time")
             self.assertEqual(answer["echo"], "123456789abcdef0")
-            self.assertLess(abs(answer["unix"] - time.time()), SLOW_S)
+            # One machine, one clock, written to microseconds.
+            self.assertLessEqual(asked - 1e-5, answer["unix"])
+            self.assertLessEqual(answer["unix"], time.time() + 1e-5)
 
     def test_view_deleted(self):
         self.daemon.request("PUT", "/v1/views/gone", {"width": 64,
@@ -239,31 +248,29 @@ class Pictures(Case):
 
 
 class Crowd(Case):
-    def test_patch_is_shown_within_two_frames(self):
-        period = 1 / 30
+    def test_patch_is_in_every_frame_begun_after_it(self):
+        """However late the frames are: what was answered is in the next."""
+        late = []
         with Live(self.daemon, "bridge") as live:
             for _ in range(10):
                 head, _ = live.picture()
                 live.ack(head)
-            delays, stamps = [], []
             for i in range(8):
-                answer = self.daemon.patch({"sea": {"windSpeed": 5 + i}})
-                begun = time.time()
+                answer = self.daemon.patch({"views": {"bridge": {
+                    "pitch": -1 - 0.5 * i}}})
+                answered = time.time()
                 revision = int(answer.json()["revision"])
-                shown = 0
-                while head.revision < revision:
+                begun_after = False
+                while not begun_after:
                     head, _ = live.picture()
                     live.ack(head)
-                    shown += 1
-                stamps.append(head.stamp * 1e-6 - begun)
-                delays.append(time.time() - begun)
-        stamps.sort()
-        delays.sort()
-        print(f"patch to the frame that shows it: begun after "
-              f"{1e3 * stamps[len(stamps) // 2]:.0f} ms, there after "
-              f"{1e3 * delays[len(delays) // 2]:.0f} ms (median), "
-              f"two frame times are {2e3 * period:.0f} ms")
-        self.assertLess(delays[-1], SLOW_S)
+                    begun_after = head.stamp * 1e-6 > answered
+                self.assertGreaterEqual(head.revision, revision)
+                late.append(time.time() - answered)
+        late.sort()
+        print(f"patch to the frame that shows it: there after "
+              f"{1e3 * late[len(late) // 2]:.0f} ms (median), two frame times "
+              f"are 67 ms")
 
     def test_late_joiner(self):
         with Live(self.daemon, "bridge") as early:
@@ -272,13 +279,16 @@ class Crowd(Case):
                 early.ack(head)
             figures = []
             for _ in range(3):
+                asked = time.time()
                 with Live(self.daemon, "bridge") as late:
                     head, _ = late.picture()
                     figures.append(time.monotonic() - late.opened)
+                    # None from before it came.
                     self.assertTrue(head.key)
+                    self.assertGreater(
+                        head.stamp * 1e-6 + head.encoded * 1e-6, asked)
         print("late joiners: first picture after " +
               ", ".join(f"{1e3 * f:.0f} ms" for f in figures))
-        self.assertLess(max(figures), SLOW_S)
 
     def test_slow_client_is_skipped_and_comes_back(self):
         with Live(self.daemon, "bridge") as live:
@@ -311,19 +321,20 @@ class Crowd(Case):
             return (self.daemon.control_cpu() - cpu) / count
 
     def test_stalled_among_good(self):
-        """16 of 64 viewers stall; the others miss nothing."""
+        """16 of 64 viewers stall; the others miss nothing but by their own
+        lateness."""
         seconds = 60 if SOAK else 4
         alone = self.one_viewer(seconds / 4)
         # This script serves 48 viewers beside the daemon: more credit keeps its
         # own lateness out of the figures.
-        good = [Live(self.daemon, "bridge", "?credit=12") for _ in range(48)]
+        good = [Live(self.daemon, "bridge", f"?credit={CREDIT}")
+                for _ in range(48)]
         stalled = [Live(self.daemon, "bridge", buffer=4096)
                    for _ in range(16)]
         chosen = selectors.DefaultSelector()
         for live in good:
-            live.picture()
-            live.buffer_numbers = []
-            live.gaps = 0
+            live.heads, live.acknowledged = [], []
+            self.take_picture(live)
             live.socket.settimeout(SLOW_S)
             chosen.register(live.socket, selectors.EVENT_READ, live)
         before, drawn = self.daemon.rss(), self.frames()
@@ -333,15 +344,13 @@ class Crowd(Case):
         got = 0
         while time.monotonic() < end:
             for key, _ in chosen.select(0.5):
-                head, _ = key.data.picture()
-                key.data.ack(head)
-                key.data.gaps += head.gap
+                self.take_picture(key.data)
                 got += 1
         control = self.daemon.control_cpu() - control
         drawn = self.frames() - drawn
         growth = self.daemon.rss() - before
         cpu = self.metric("process_cpu_seconds_total") - cpu
-        gaps = sum(live.gaps for live in good)
+        gaps = sum(head.gap for live in good for head in live.heads)
         print(f"{seconds} s, 48 good and 16 stalled viewers: {drawn:.0f} "
               f"frames drawn, {got / 48:.0f} received by each, {gaps} gaps, "
               f"growth {growth / 1e6:.1f} MB, {100 * cpu / seconds:.1f} % of a "
@@ -351,11 +360,34 @@ class Crowd(Case):
             live.close()
         if not SANITIZED:
             self.assertLess(growth, 64e6)
-        # This script shares the machine's cores: where it acknowledges late, a
-        # viewer's rate is halved, by design. On a quiet machine one halving is
-        # let pass, two not; on any, nobody starves.
-        self.assertGreater(got / 48, (0.26 if SOAK else 0.02) * drawn)
+        for live in good:
+            # It came round to each of them: at least twice what was in flight.
+            self.assertGreaterEqual(len(live.heads), 2 * CREDIT)
+            self.explain_gaps(live)
         self.no_viewers()
+
+    def take_picture(self, live):
+        head, _ = live.picture()
+        live.heads.append(head)
+        live.acknowledged.append(time.time())
+        live.ack(head)
+
+    def explain_gaps(self, live):
+        """A picture is left out for a viewer only where CREDIT others are not
+        acknowledged. Of those the first was acknowledged too late if half of
+        them had been queued before that: the daemon's own pictures are the
+        measure, so a busy machine stretches both."""
+        for i, head in enumerate(live.heads):
+            if i > 0:
+                lost = head.number - live.heads[i - 1].number - 1
+                missed = head.missed - live.heads[i - 1].missed
+                self.assertEqual(missed, lost if head.gap else 0)
+            if head.gap and i >= CREDIT:
+                half = live.heads[i - CREDIT // 2]
+                self.assertGreater(
+                    live.acknowledged[i - CREDIT],
+                    (half.stamp + half.queued) * 1e-6,
+                    f"picture {i} of {len(live.heads)}")
 
     def frames(self):
         return self.metric("pelagos_video_frames_total")
@@ -578,14 +610,17 @@ class Rtsp(Case):
                 early.picture()
             late = RtspClient(self.port, "bridge")
             late.play()
+            waited = 0
             while not late.picture():
-                pass
-            figures.append(time.monotonic() - late.asked)
+                waited += 1
+            figures.append((time.monotonic() - late.asked, waited))
             late.close()
         early.close()
-        print("first key frame after PLAY: " +
-              ", ".join(f"{1e3 * f:.0f} ms" for f in figures))
-        self.assertLess(max(figures), SLOW_S)
+        print("first key frame after PLAY: " + ", ".join(
+            f"{1e3 * f:.0f} ms and {n} pictures" for f, n in figures))
+        # A joiner may ask for one every 200 ms, six pictures at 30 Hz, and as
+        # many may be on their way.
+        self.assertLessEqual(max(n for _, n in figures), 12)
 
     def test_stalled_client_delays_nobody(self):
         stalled = [RtspClient(self.port, "bridge", buffer=4096)

@@ -1,5 +1,4 @@
 #include <string.h>
-#include <time.h>
 
 #include "base/near.h"
 #include "ocean/sea.h"
@@ -364,29 +363,6 @@ static void test_query(void **state)
     pel_sea_query(&sea, points, 0, 4.5, many);
 }
 
-/* No bound: a machine under load must not fail it. */
-static void test_speed(void **state)
-{
-    (void)state;
-    enum { N = 20000 };
-    static struct pel_vec2 points[N];
-    static struct pel_surface_sample out[N];
-    build(windy(12, 2));
-    for (int i = 0; i < N; i++) {
-        points[i] = (struct pel_vec2){ 0.37 * i, 0.11 * i };
-    }
-    clock_t start = clock();
-    pel_sea_query(&sea, points, N, 4.5, out);
-    double batch = (double)(clock() - start) / CLOCKS_PER_SEC;
-    start = clock();
-    for (int i = 0; i < N; i++) {
-        pel_sea_sample(&sea, points[i].x, points[i].y, 4.5, &out[i]);
-    }
-    double single = (double)(clock() - start) / CLOCKS_PER_SEC;
-    print_message("60 waves: %.0f queries/s in a batch, %.0f/s singly\n",
-                  N / batch, N / single);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -401,7 +377,6 @@ int main(void)
         cmocka_unit_test(test_trochoid_slope_variance),
         cmocka_unit_test(test_slope_variance),
         cmocka_unit_test(test_query),
-        cmocka_unit_test(test_speed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
