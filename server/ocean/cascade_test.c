@@ -495,6 +495,45 @@ static void test_single(void **state)
     }
 }
 
+/* It goes the way that was asked for, as long as was asked for, up to half a
+ * mode of the largest grid: crests lie across its way, troughs half a wave on.
+ */
+static void test_way_of_a_single(void **state)
+{
+    (void)state;
+    static const double ways[] = { 0, 0.5, 1.9, -2, -1.1 };
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        const double period = 9, height = 2;
+        struct pel_sea_desc d = windy(PEL_SPECTRUM_JONSWAP, 0);
+        d.single_count = 1;
+        d.single[0] = (struct pel_single_desc){ height, period, ways[i], 0 };
+        build(&d);
+        double c = cos(ways[i]), s = sin(ways[i]);
+        double k = pel_dispersion_k(2 * PEL_PI / period, 0);
+        for (double along = -1; along <= 1; along += 0.25) {
+            for (double across = -0.5; across <= 0.5; across += 0.5) {
+                double x = along * PEL_PI / k, y = across * PEL_PI / k;
+                struct pel_surface_sample p;
+                pel_sea_sample(&sea, x * c - y * s, x * s + y * c, 0, &p);
+                /* A mode is 2π / length; over half a wave it turns the phase
+                 * by `off`, and half of one does by half of that in each
+                 * direction. The chop sharpens crests by the steepness,
+                 * k a = 0.05. */
+                double off =
+                    2 * PEL_PI / sea.cascades->cascade[0].length_m * PEL_PI / k;
+                double crest = 0.5 * height;
+                assert_near(p.height_m, crest * cos(k * x),
+                            crest * (off + 0.06));
+            }
+        }
+        /* A quarter of a period later its crest is a quarter of a wave on. */
+        struct pel_surface_sample p;
+        pel_sea_sample(&sea, 0.5 * PEL_PI / k * c, 0.5 * PEL_PI / k * s,
+                       0.25 * period, &p);
+        assert_near(p.height_m, 0.5 * height, 0.1 * height);
+    }
+}
+
 static void test_flat(void **state)
 {
     (void)state;
@@ -547,6 +586,7 @@ int main(void)
         cmocka_unit_test(test_acceleration),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_single),
+        cmocka_unit_test(test_way_of_a_single),
         cmocka_unit_test(test_flat),
         cmocka_unit_test(test_query),
     };
