@@ -37,8 +37,12 @@ PELAGOS_SERVER=tcp:127.0.0.1:1 run 3 get
 says "make run"
 run 2 get --server nonsense
 says "tcp:HOST:PORT"
+run 2 get --server 127.0.0.1:7878
+says "did you mean tcp:127.0.0.1:7878"
 run 2 gett
 says "did you mean get"
+run 2 help frmae
+says "did you mean frame"
 run 0 help
 run 0 replay --help
 says "--speed"
@@ -126,6 +130,11 @@ run 0 get sea.swell.0.height
 is 2.5
 run 0 set sky.sunElevation=20
 run 0 unset sky.sunElevation
+run 4 unset entities.1
+says "names entity 1, which is not there: add it"
+! grep -q legal "$err" || fail "a range does not mend a conflict"
+run 4 get sea.wind
+says "did you mean sea.windSpeed?"
 run 0 get sky.sunElevation
 is ""
 run 0 --server "unix:$socket" get sea.windSpeed

@@ -119,9 +119,11 @@ enum pel_client_code pel_client_connect(const char *address, int timeout_ms,
     case STREAM_OPENED:
         break;
     case STREAM_BAD_ADDRESS:
-        return fail(error, PEL_CLIENT_BAD_ADDRESS,
-                    "\"%s\" is not tcp:HOST:PORT, tls:HOST:PORT or unix:PATH",
-                    address);
+        return fail(
+            error, PEL_CLIENT_BAD_ADDRESS,
+            "\"%s\" is not tcp:HOST:PORT, tls:HOST:PORT or unix:PATH%s%s",
+            address, strchr(address, ':') ? "; did you mean tcp:" : "",
+            strchr(address, ':') ? address : "");
     case STREAM_UNREACHABLE:
         return fail(error, PEL_CLIENT_UNREACHABLE,
                     "pelagosd does not answer at %s: %s", address, why);

@@ -58,6 +58,9 @@ struct ctl {
 /* Parses argv[1..] into *ctl; USAGE after having said why. */
 enum ctl_exit ctl_parse(struct ctl *ctl, int argc, char **argv);
 const struct ctl_command *ctl_find_command(const char *name);
+
+/* Says that there is no such command, and which is meant; USAGE. */
+enum ctl_exit ctl_no_command(const char *name);
 /* The option's value; "" for a flag that is set; NULL: absent. */
 const char *ctl_value(const struct ctl *ctl, const char *name);
 bool ctl_flag(const struct ctl *ctl, const char *name);

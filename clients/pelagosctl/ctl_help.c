@@ -68,8 +68,9 @@ void ctl_print_help(FILE *out, const struct ctl_command *command)
         print_overview(out);
         return;
     }
-    fprintf(out, "usage: pelagosctl %s %s%s\n\n", command->name,
-            command->options ? "[OPTION…] " : "", command->arguments);
+    fprintf(out, "usage: pelagosctl %s%s%s%s\n\n", command->name,
+            command->options ? " [OPTION…]" : "",
+            *command->arguments ? " " : "", command->arguments);
     print_text(out, command->text);
     if (command->options) {
         fputs("\noptions:\n", out);
@@ -89,7 +90,7 @@ enum ctl_exit ctl_help(struct ctl *ctl)
     if (ctl->arg_count > 0) {
         command = ctl_find_command(ctl->args[0]);
         if (!command) {
-            return ctl_say(CTL_USAGE, "no command \"%s\"", ctl->args[0]);
+            return ctl_no_command(ctl->args[0]);
         }
     }
     ctl_print_help(stdout, command);

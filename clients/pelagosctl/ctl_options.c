@@ -110,12 +110,8 @@ static enum ctl_exit take_option(struct ctl *ctl, char **argv, int *taken)
     return CTL_DONE;
 }
 
-static enum ctl_exit take_command(struct ctl *ctl, const char *name)
+enum ctl_exit ctl_no_command(const char *name)
 {
-    ctl->command = ctl_find_command(name);
-    if (ctl->command) {
-        return CTL_DONE;
-    }
     const char *names[64];
     size_t count = 0;
     for (const struct ctl_command *c = ctl_commands; c->name; c++) {
@@ -125,6 +121,12 @@ static enum ctl_exit take_command(struct ctl *ctl, const char *name)
     return ctl_say(CTL_USAGE, "no command \"%s\"%s%s%s; see `pelagosctl help`",
                    name, near ? "; did you mean " : "", near ? near : "",
                    near ? "?" : "");
+}
+
+static enum ctl_exit take_command(struct ctl *ctl, const char *name)
+{
+    ctl->command = ctl_find_command(name);
+    return ctl->command ? CTL_DONE : ctl_no_command(name);
 }
 
 /* -5 and -.5 are numbers, a lone - is standard output. */

@@ -176,7 +176,9 @@ static void print_text(const struct pel_client_error *error, const char *near)
             has_value ? error->value : "", has_value ? "\"" : "");
     char maximum[32];
     g_snprintf(maximum, sizeof maximum, "%.10g", error->maximum);
-    if (error->minimum <= error->maximum && !strstr(error->message, maximum)) {
+    /* A conflict is with something else in the state: no range mends it. */
+    if (error->code != PEL_CLIENT_CONFLICT &&
+        error->minimum <= error->maximum && !strstr(error->message, maximum)) {
         bool unit = *error->unit && strcmp(error->unit, "1") != 0;
         fprintf(stderr, "  legal: %.10g .. %.10g%s%s\n", error->minimum,
                 error->maximum, unit ? " " : "", unit ? error->unit : "");

@@ -38,6 +38,7 @@ static void test_nearest(void **state)
     assert_string_equal(ctl_nearest("windSpeed", words, 4), "sea.windSpeed");
     assert_string_equal(ctl_nearest("sky.visibilty", words, 4),
                         "sky.visibility");
+    assert_string_equal(ctl_nearest("sky.vis", words, 4), "sky.visibility");
     assert_null(ctl_nearest("entirely.other", words, 4));
     assert_null(ctl_nearest("", words, 4));
     static const char *const view[] = { "views.bridge.entity" };

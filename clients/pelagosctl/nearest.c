@@ -49,6 +49,13 @@ static bool is_tail(const char *word, const char *text)
            g_ascii_strcasecmp(word + m - n, text) == 0;
 }
 
+/* Whether `word` goes on where `text` stops: `sea.wind` for sea.windSpeed. */
+static bool is_head(const char *word, const char *text)
+{
+    size_t n = strlen(text);
+    return n > 2 && g_ascii_strncasecmp(word, text, n) == 0;
+}
+
 const char *ctl_nearest(const char *text, const char *const *words,
                         size_t count)
 {
@@ -65,6 +72,9 @@ const char *ctl_nearest(const char *text, const char *const *words,
             best = words[i];
             best_distance = d;
         }
+    }
+    for (size_t i = 0; !best && i < count; i++) {
+        best = is_head(words[i], text) ? words[i] : NULL;
     }
     return best;
 }

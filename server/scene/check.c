@@ -200,7 +200,7 @@ static enum pel_err check_view(const Pelagos__State *state, size_t index,
                                struct pel_fault *fault)
 {
     const Pelagos__View *view = state->views[index];
-    char path[PATH_SIZE], value[24];
+    char path[PATH_SIZE], value[24], what[96];
     if (!view->name || !good_view_name(view->name)) {
         return refuse(PEL_ERR_INVALID, "views", view->name,
                       "needs names of 1 to 64 of A-Z a-z 0-9 _ -", fault);
@@ -219,8 +219,11 @@ static enum pel_err check_view(const Pelagos__State *state, size_t index,
         if (!found) {
             g_snprintf(path, sizeof path, "views.%s.entity", view->name);
             g_snprintf(value, sizeof value, "%u", view->entity);
-            return refuse(PEL_ERR_CONFLICT, path, value,
-                          "names an entity that is not there", fault);
+            g_snprintf(what, sizeof what,
+                       "names entity %u, which is not there: add it, or give "
+                       "the view another",
+                       view->entity);
+            return refuse(PEL_ERR_CONFLICT, path, value, what, fault);
         }
     }
     if ((double)view->width * view->height > MAX_PIXELS) {
