@@ -179,10 +179,19 @@ static enum pel_err read_element(struct converter *c,
 {
     if (field->type == PROTOBUF_C_TYPE_MESSAGE) {
         ProtobufCMessage *element = pel_message_append(list_holder, field);
-        return json_peek(&c->r) == JSON_ARRAY &&
-                       !pel_field_key(field->descriptor)
-                   ? read_positional(c, element)
-                   : read_message(c, element);
+        enum json_kind kind = json_peek(&c->r);
+        bool keyed = pel_field_key(field->descriptor) != NULL;
+        if (kind == JSON_ARRAY && !keyed) {
+            return read_positional(c, element);
+        }
+        if (kind != JSON_BAD && kind != JSON_OBJECT && !keyed) {
+            const ProtobufCMessageDescriptor *type = element->descriptor;
+            return json_fault(&c->r, PEL_ERR_INVALID, NULL,
+                              "must be an array of its values, [%s, …], or an "
+                              "object",
+                              pel_field_info(type, &type->fields[0])->name);
+        }
+        return read_message(c, element);
     }
     if (field->type == PROTOBUF_C_TYPE_STRING) {
         char *text = NULL;

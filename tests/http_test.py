@@ -276,6 +276,9 @@ class Endpoints(HttpCase):
         self.assertLess(abs(result["points"][1]["height"]), 5)
         self.assertEqual(set(result["points"][0]["velocity"]),
                          {"east", "north", "up"})
+        flat = self.daemon.request("POST", "/v1/surface", {"points": [0, 0]})
+        self.assertEqual(flat.status, 400)
+        self.assertIn("[east, …]", flat.json()["detail"])
         many = {"points": [[i, -i] for i in range(10000)]}
         self.assertEqual(len(self.daemon.request(
             "POST", "/v1/surface", many).json()["points"]), 10000)
