@@ -191,7 +191,7 @@ NET := server/net/fdsource.c \
     server/net/websocket.c \
     server/net/liveviewer.c \
     server/net/http_answer.c server/net/http_picture.c server/net/http_set.c \
-    server/net/http_server.c \
+    server/net/http_server.c server/net/http_share.c \
     server/net/net.c
 PAGES := $(wildcard clients/web/*.html clients/web/*.css clients/web/*.js \
     clients/web/*.svg)

@@ -47,7 +47,7 @@ struct daemon {
     struct pel_service *service;
     char http_host[64], tcp_host[64],
         rtsp_host[64]; /* the net keeps pointers */
-    char **http_hosts;
+    char **http_hosts, **origins, **proxies;
     bool stopping;
     int64_t drain_end_ns;
     uint64_t counted_frames; /* for the rate that Modbus shows */
@@ -167,6 +167,14 @@ static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
     if (*d->options.http_hosts) {
         d->http_hosts = g_strsplit(d->options.http_hosts, ",", 16);
         options.http_hosts = (const char *const *)d->http_hosts;
+    }
+    if (*d->options.allow_origin) {
+        d->origins = g_strsplit(d->options.allow_origin, ",", 16);
+        options.http_origins = (const char *const *)d->origins;
+    }
+    if (*d->options.trust_proxy) {
+        d->proxies = g_strsplit(d->options.trust_proxy, ",", 16);
+        options.http_proxies = (const char *const *)d->proxies;
     }
     return pel_net_create(&options, d->scene, d->frames, &d->net, fault);
 }
@@ -348,6 +356,8 @@ static bool finish(struct daemon *d)
     if (joined) {
         pel_metrics_destroy(d->metrics);
         g_strfreev(d->http_hosts);
+        g_strfreev(d->origins);
+        g_strfreev(d->proxies);
         g_main_loop_unref(d->loop);
     }
     return joined;

@@ -42,6 +42,15 @@ const struct pel_option pel_option_table[] = {
     { "http-hosts", "network", PEL_OPTION_TEXT_KIND, "NAMES", "",
       .offset = FIELD(http_hosts),
       .help = "Names, separated by commas, that a proxy may give as Host." },
+    { "allow-origin", "network", PEL_OPTION_TEXT_KIND, "ORIGINS", "",
+      .offset = FIELD(allow_origin),
+      .help = "Origins (https://desk.example), separated by commas, whose "
+              "pages may show pictures and live views of this server." },
+    { "trust-proxy", "network", PEL_OPTION_TEXT_KIND, "ADDRESSES", "",
+      .offset = FIELD(trust_proxy),
+      .help = "Addresses of proxies, separated by commas (127.0.0.1 for nginx "
+              "here), whose X-Forwarded-For names the client that a "
+              "connection is counted for." },
     { "token-file", "network", PEL_OPTION_PATH, "FILE|off", "off",
       .offset = FIELD(token_file),
       .help = "Clients of HTTP, RTSP and the protobuf port must give the "

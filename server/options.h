@@ -25,7 +25,8 @@ enum pel_option_kind {
 struct pel_options {
     char http[PEL_OPTION_TEXT], tcp[PEL_OPTION_TEXT];
     char unix_path[PEL_OPTION_TEXT];
-    char http_hosts[PEL_OPTION_TEXT];
+    char http_hosts[PEL_OPTION_TEXT], allow_origin[PEL_OPTION_TEXT];
+    char trust_proxy[PEL_OPTION_TEXT];
     char rtsp[PEL_OPTION_TEXT];
     char token_file[PEL_OPTION_TEXT];
     char tls_cert[PEL_OPTION_TEXT], tls_key[PEL_OPTION_TEXT];

@@ -229,22 +229,76 @@ class Hostile(HttpCase):
         self.assertLessEqual(
             self.daemon.metrics()["pelagos_http_connections"], 256)
 
-    def test_connection_limit(self):
+    def test_two_thousand_half_bodies(self):
+        """As above; they have got further."""
+        head = (b"PATCH /v1/state HTTP/1.1\r\nHost: localhost\r\nContent-Type:"
+                b" application/json\r\nContent-Length: 1000\r\n\r\n{")
         sockets = []
-        for _ in range(128):
+        for i in range(2000):
+            s = self.daemon.connect_http()
+            s.sendall(head)
+            sockets.append(s)
+            self.addCleanup(s.close)
+            if i % 50 == 0:
+                self.assertEqual(self.daemon.get("/healthz").status, 200)
+                self.assertEqual(self.daemon.get("/v1/state").status, 200)
+            if len(sockets) > 500:
+                sockets.pop(0).close()
+        self.unchanged()
+
+    def stream(self, more=b""):
+        s = self.daemon.connect_http()
+        self.addCleanup(s.close)
+        s.sendall(b"GET /v1/views/bridge/mjpeg?fps=0.2 HTTP/1.1\r\n"
+                  b"Host: localhost\r\n" + more + b"\r\n")
+        return s, s.recv(100).split()[1]
+
+    def test_connection_limit(self):
+        """Streams leave an eighth of the places to other requests; when all
+        are taken, health has a few of its own."""
+        streams = [self.stream() for _ in range(120)]
+        self.assertEqual([status for _, status in streams],
+                         [b"200"] * 112 + [b"429"] * 8)
+        self.assertEqual(self.daemon.get("/healthz").status, 200)
+        self.assertEqual(self.daemon.get("/v1/state").status, 200)
+        # Answers that take long cannot make room.
+        self.daemon.patch({"clock": {"mode": "STEPPED"}})
+        slow = []
+        for _ in range(16):
             s = self.daemon.connect_http()
             self.addCleanup(s.close)
-            s.sendall(b"GET /v1/views/bridge/mjpeg?fps=0.2 HTTP/1.1\r\n"
-                      b"Host: localhost\r\n\r\n")
-            s.recv(100)
-            sockets.append(s)
+            s.sendall(b"GET /v1/views/bridge/frame.png?width=4096&height=4096 "
+                      b"HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            slow.append(s)
         answer = self.daemon.raw(b"GET /healthz HTTP/1.1\r\n"
-                                 b"Host: localhost\r\n\r\n")
-        self.assertIn(b" 429 ", answer[:20])
-        for s in sockets:
+                                 b"Host: localhost\r\n"
+                                 b"Connection: close\r\n\r\n")
+        self.assertIn(b'"status"', answer)
+        for s, _ in streams:
+            s.close()
+        for s in slow:
             s.close()
         until("there is room",
-              lambda: self.daemon.get("/healthz").status == 200)
+              lambda: self.daemon.get("/v1/state").status == 200)
+        until("what nobody waits for is dropped",
+              lambda: self.daemon.metrics()[
+                  "pelagos_frames_requests_waiting"] == 0)
+
+    def test_forwarded_addresses(self):
+        """Only a proxy that is named may say for whom it asks."""
+        one, other = (b"X-Forwarded-For: 198.51.100.9, 203.0.113.%d\r\n" % i
+                      for i in (5, 6))
+        self.assertEqual([self.stream(one)[1] for _ in range(17)],
+                         [b"200"] * 17)
+        with Daemon("--trust-proxy", "127.0.0.1") as daemon:
+            before, type(self).daemon = self.daemon, daemon
+            try:
+                self.assertEqual([self.stream(one)[1] for _ in range(17)],
+                                 [b"200"] * 16 + [b"429"])
+                self.assertEqual(self.stream(other)[1], b"200")
+                self.assertEqual(self.stream()[1], b"200")
+            finally:
+                type(self).daemon = before
 
 
 def tell(waits):

@@ -10,7 +10,7 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from http_case import HttpCase
-from pelagos_daemon import ROOT
+from pelagos_daemon import ROOT, Daemon
 
 MERGE = {"Content-Type": "application/merge-patch+json"}
 
@@ -371,7 +371,7 @@ class Refusals(HttpCase):
                 ("PATCH", "/v1/views/bridge", "GET, HEAD, PUT, DELETE"),
                 ("GET", "/v1/surface", "POST"),
                 ("POST", "/healthz", "GET, HEAD"),
-                ("HEAD", "/v1/views/bridge/mjpeg", "GET"),
+                ("HEAD", "/v1/views/bridge/live", "GET"),
                 ("OPTIONS", "/", "GET, HEAD")):
             answer = self.daemon.request(method, path)
             self.assertEqual((answer.status, answer.headers["Allow"]),
@@ -417,6 +417,92 @@ class Refusals(HttpCase):
         self.refused(self.daemon.patch(b" " * 65537), 413)
         self.refused(self.daemon.get("/v1/state", body=b"{}"), 400)
         self.assertEqual(self.daemon.patch(b"{}" + b" " * 65000).status, 200)
+
+
+class Origins(HttpCase):
+    PICTURE = "/v1/views/bridge/frame.jpg?width=64&height=36"
+    COSTLY = (PICTURE, "/v1/frames.jpg", "/v1/views/bridge/mjpeg",
+              "/v1/views/bridge/ts", "/v1/optics/brdf?viewZenith=30")
+
+    def test_other_pages(self):
+        drawn = "pelagos_frames_drawn_total"
+        before = self.daemon.metrics().get(drawn)
+        for path in self.COSTLY:
+            for headers in ({"Sec-Fetch-Site": "cross-site"},
+                            {"Sec-Fetch-Site": "same-site"},
+                            {"Sec-Fetch-Site": "cross-site",
+                             "Referer": "https://desk.example/"},
+                            {"Origin": "https://desk.example"}):
+                answer = self.daemon.get(path, headers=headers)
+                self.refused(answer, 403)
+                self.assertIn("--allow-origin", answer.json()["detail"])
+        self.assertEqual(self.daemon.metrics().get(drawn), before)
+        for site in ("same-origin", "none"):
+            self.assertEqual(self.daemon.get(self.PICTURE, headers={
+                "Sec-Fetch-Site": site}).status, 200)
+        self.assertEqual(self.daemon.get("/", headers={
+            "Sec-Fetch-Site": "cross-site"}).status, 200, "a link to the page")
+
+    def test_allowed_pages(self):
+        with Daemon("--allow-origin",
+                    "https://a.example,https://desk.example") as daemon:
+            for headers, status in (
+                    ({"Origin": "https://desk.example"}, 200),
+                    ({"Sec-Fetch-Site": "cross-site",
+                      "Referer": "https://desk.example/x"}, 200),
+                    ({"Sec-Fetch-Site": "cross-site"}, 403),
+                    ({"Origin": "https://desk.example.evil"}, 403),
+                    ({"Origin": "null"}, 403)):
+                answer = daemon.get(self.PICTURE, headers=headers)
+                self.assertEqual(answer.status, status, headers)
+                policy = answer.headers["Cross-Origin-Resource-Policy"]
+                self.assertEqual(policy, "cross-origin" if status == 200
+                                 else "same-origin")
+            answer = daemon.get("/v1/views/bridge/live", headers={
+                "Origin": "https://desk.example", "Upgrade": "websocket",
+                "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
+                "Sec-WebSocket-Key": "x"})
+            self.assertEqual(answer.status, 400, "its key, not its origin")
+
+
+class Heads(HttpCase):
+    def test_pictures(self):
+        """As GET says, without drawing."""
+        drawn = "pelagos_frames_views_drawn_total"
+        before = self.daemon.metrics()
+        for path, kind in (
+                ("/v1/views/bridge/frame.jpg", "image/jpeg"),
+                ("/v1/views/bridge/frame.png?width=64", "image/png"),
+                ("/v1/views/bridge/frame.exr", "image/x-exr"),
+                ("/v1/frames.jpg", "multipart/mixed; boundary=pelagos-frame"),
+                ("/v1/views/bridge/mjpeg",
+                 "multipart/x-mixed-replace; boundary=pelagos"),
+                ("/v1/views/bridge/ts", "video/mp2t")):
+            answer = self.daemon.request("HEAD", path)
+            self.assertEqual((answer.status, answer.body), (200, b""), path)
+            self.assertEqual(answer.headers["Content-Type"], kind)
+        for path, status in (("/v1/views/nothing/frame.jpg", 404),
+                             ("/v1/views/bridge/frame.jpg?width=1", 400),
+                             ("/v1/views/bridge/frame.jpg?wide=1", 400)):
+            self.assertEqual(self.daemon.request("HEAD", path).status, status)
+        self.assertEqual(self.daemon.metrics().get(drawn), before.get(drawn))
+
+    def test_many_parameters(self):
+        """A whole water, every number of it."""
+        def paths(name, value):
+            if isinstance(value, dict):
+                return [p for k, v in value.items()
+                        for p in paths(f"{name}.{k}", v)]
+            number = (isinstance(value, (int, float))
+                      and not isinstance(value, bool))
+            return [f"{name}={value:g}"] if number else []
+        state = self.daemon.state()
+        given = [p for part in ("water", "sea", "sky", "origin", "seabed")
+                 for p in paths(part, state[part]) if "Step" not in p]
+        self.assertGreater(len(given), 16)
+        answer = self.daemon.get("/v1/optics/water?viewZenith=30&"
+                                 + "&".join(given))
+        self.assertEqual(answer.status, 200, answer)
 
 
 if __name__ == "__main__":

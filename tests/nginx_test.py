@@ -34,7 +34,7 @@ class Proxied(unittest.TestCase):
         token = write(os.path.join(cls.folder, "token"), TOKEN)
         cls.cert, key = make_certificate(cls.folder)
         cls.daemon = Daemon("--token-file", token, "--http-hosts",
-                            "localhost")
+                            "localhost", "--trust-proxy", "127.0.0.1")
         cls.port = free_port()
         with open(os.path.join(ROOT, "packaging/nginx/pelagos.conf"),
                   encoding="ascii") as f:

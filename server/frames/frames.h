@@ -93,6 +93,12 @@ PEL_CHECK enum pel_err pel_frames_request(struct pel_frames *frames,
                                           uint64_t *id,
                                           struct pel_fault *fault);
 
+/* Whether such a picture may be asked for: the refusals of pel_frames_request
+ * but BUSY. */
+PEL_CHECK enum pel_err pel_frames_check(struct pel_frames *frames,
+                                        const Pelagos__FrameRequest *request,
+                                        struct pel_fault *fault);
+
 /* The pictures of a set in the order of its requests; NULL with an error. They
  * are borrowed for the call. */
 typedef void (*pel_frame_set_callback)(void *user, enum pel_err err,

@@ -193,6 +193,13 @@ struct pel_frame_request *pel_request_take(struct pel_frames *frames,
     return slot;
 }
 
+enum pel_err pel_frames_check(struct pel_frames *frames,
+                              const Pelagos__FrameRequest *request,
+                              struct pel_fault *fault)
+{
+    return pel_request_check(frames, request, fault);
+}
+
 enum pel_err pel_frames_request(struct pel_frames *frames,
                                 const Pelagos__FrameRequest *request,
                                 pel_frame_callback done, void *user,

@@ -43,10 +43,16 @@ static void add(struct MHD_Response *response, const char *name,
     MHD_add_response_header(response, name, value);
 }
 
-static void add_safety(struct MHD_Response *response)
+static void add_safety(const struct client *client,
+                       struct MHD_Response *response)
 {
     add(response, "X-Content-Type-Options", "nosniff");
-    add(response, "Cross-Origin-Resource-Policy", "same-origin");
+    add(response, "Cross-Origin-Resource-Policy",
+        client->origin ? "cross-origin" : "same-origin");
+    if (client->origin) {
+        add(response, "Access-Control-Allow-Origin", client->origin);
+        add(response, "Vary", "Origin");
+    }
     add(response, "Referrer-Policy", "no-referrer");
 }
 
@@ -61,7 +67,7 @@ enum MHD_Result pel_http_queue(struct client *client, int status,
         client->phase = PHASE_ANSWER;
         client->deadline_ns = pel_http_after(server->limits.http_answer_s);
     }
-    add_safety(response);
+    add_safety(client, response);
     enum MHD_Result result =
         MHD_queue_response(client->connection, (unsigned)status, response);
     MHD_destroy_response(response);

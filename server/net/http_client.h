@@ -26,13 +26,20 @@ enum phase {
     PHASE_CLOSED, /* shut down, the library has yet to notice */
 };
 
+/* Where a connection comes from. */
+struct pel_http_source {
+    struct in6_addr address; /* IPv4 as mapped */
+    bool loopback;           /* all of it is counted together */
+    bool proxy;              /* names the client with each request */
+};
+
 /* One connection, and the request that it is busy with. */
 struct client {
     struct pel_http_server *server;
     struct MHD_Connection *connection;
     int fd;
-    struct in6_addr source;
-    bool loopback;
+    struct pel_http_source source;
+    bool reserve; /* has one of the last places: see http_share.h */
     enum phase phase;
     int64_t deadline_ns;
     int64_t since_ns;  /* waiting for headers; the oldest makes room */
@@ -42,6 +49,7 @@ struct client {
     char *target;
     GString *body;
     size_t body_limit;
+    const char *origin; /* an allowed one that asks, or NULL */
     bool suspended;
     bool waiting;      /* for frame or surface */
     uint64_t frame_id; /* of a picture or a set; 0: neither */
@@ -67,6 +75,7 @@ struct pel_http_server {
     struct daemon_source *source;
     bool run_again;
     bool closing;
+    bool accepting_reserve; /* of the connection that is being added */
     guint sweeper;
     GPtrArray *clients;
     struct pel_mjpeg_stats mjpeg;
@@ -107,6 +116,9 @@ enum MHD_Result pel_http_send_fault(struct client *client, int status,
  * *answer. */
 enum MHD_Result pel_http_send_frame(struct client *client,
                                     struct pel_http_answer *answer);
+/* What GET would say of a picture or a stream, without drawing it. */
+enum MHD_Result pel_http_send_head(struct client *client,
+                                   struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_frames(struct client *client,
                                      struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_optics(struct client *client,

@@ -109,9 +109,12 @@ static int check_handshake(const struct pel_http_call *call,
         call->answer->upgrade = true;
         return 426;
     }
-    if (origin && (!host || !pel_http_origin_is_ours(origin, host))) {
+    if (origin && (!host || !pel_http_origin_is_ours(origin, host)) &&
+        !pel_http_allowed_origin(r, call->context->origins)) {
         pel_fault_set(fault, PEL_ERR_INVALID,
-                      "pages of %.80s may not watch this server", origin);
+                      "pages of %.80s may not watch this server; pelagosd "
+                      "--allow-origin ORIGIN lets them",
+                      origin);
         return 403;
     }
     if (keys != 1 || !pel_websocket_accept_key(key, call->answer->accept)) {

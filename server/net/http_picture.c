@@ -112,6 +112,62 @@ enum MHD_Result pel_http_send_frame(struct client *client,
     return await(client, err, id, &fault);
 }
 
+/* --- HEAD ----------------------------------------------------------------- */
+
+static ssize_t no_body(void *user, uint64_t at, char *buffer, size_t size)
+{
+    (void)user;
+    (void)at;
+    (void)buffer;
+    (void)size;
+    return MHD_CONTENT_READER_END_OF_STREAM;
+}
+
+static enum pel_err check_all(struct pel_frames *frames,
+                              const struct pel_http_answer *answer,
+                              const char **type, struct pel_fault *fault)
+{
+    enum pel_err err = PEL_OK;
+    switch (answer->kind) {
+    case PEL_HTTP_FRAME:
+        *type = types[answer->frame->format];
+        return pel_frames_check(frames, answer->frame, fault);
+    case PEL_HTTP_FRAMES:
+        *type = "multipart/mixed; boundary=" BOUNDARY;
+        for (size_t i = 0; i < answer->frames->n_frames && err == PEL_OK; i++) {
+            err = pel_frames_check(frames, answer->frames->frames[i], fault);
+        }
+        return err;
+    case PEL_HTTP_MJPEG:
+        *type = PEL_MJPEG_TYPE;
+        return PEL_OK;
+    case PEL_HTTP_TS:
+        *type = PEL_TS_TYPE;
+        return PEL_OK;
+    default:
+        *type = "application/json";
+        return PEL_OK;
+    }
+}
+
+enum MHD_Result pel_http_send_head(struct client *client,
+                                   struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    const char *type = NULL;
+    enum pel_err err = check_all(client->server->frames, answer, &type, &fault);
+    pel_http_answer_finish(answer);
+    if (err != PEL_OK) {
+        return pel_http_send_fault(client, 0, &fault);
+    }
+    /* How long it would be only drawing could tell. */
+    struct MHD_Response *response = MHD_create_response_from_callback(
+        MHD_SIZE_UNKNOWN, 1, no_body, NULL, NULL);
+    add_to_response(response, "Content-Type", type);
+    add_to_response(response, "Cache-Control", "no-store");
+    return pel_http_queue(client, 200, response);
+}
+
 /* --- several, as multipart/mixed ------------------------------------------ */
 
 /* The heads of the parts, and the pictures between them. */

@@ -205,6 +205,21 @@ bool pel_http_origin_is_ours(const char *origin, const char *host)
     return false;
 }
 
+const char *pel_http_allowed_origin(const struct pel_http_request *request,
+                                    const char *const *origins)
+{
+    const char *from = pel_http_find_header(request, "Origin", NULL);
+    from = from ? from : pel_http_find_header(request, "Referer", NULL);
+    for (; from && origins && *origins; origins++) {
+        size_t length = strlen(*origins);
+        if (strncasecmp(from, *origins, length) == 0 &&
+            (from[length] == '\0' || from[length] == '/')) {
+            return *origins;
+        }
+    }
+    return NULL;
+}
+
 bool pel_http_type_is_json(const char *type)
 {
     size_t length = strcspn(type, "; \t");

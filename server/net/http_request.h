@@ -8,7 +8,7 @@
 #include "base/err.h"
 
 #define PEL_HTTP_MAX_SEGMENTS 8
-#define PEL_HTTP_MAX_QUERY 16
+#define PEL_HTTP_MAX_QUERY 64
 #define PEL_HTTP_MAX_TARGET 2048
 
 struct pel_http_header {
@@ -56,6 +56,11 @@ bool pel_http_host_is_ours(const char *host, const char *const *hosts);
 
 /* Whether Origin (`scheme://host:port`) is the page of this very Host. */
 bool pel_http_origin_is_ours(const char *origin, const char *host);
+
+/* The one of `origins` (NULL-terminated; NULL: none) that the page is of which
+ * made the request, by Origin or else by Referer; NULL: of none of them. */
+const char *pel_http_allowed_origin(const struct pel_http_request *request,
+                                    const char *const *origins);
 
 /* Whether a Content-Type is JSON or a JSON merge patch, in UTF-8. */
 bool pel_http_type_is_json(const char *content_type);

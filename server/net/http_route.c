@@ -24,10 +24,11 @@ enum route_flags {
     ROUTE_BODY = 1,     /* takes JSON */
     ROUTE_EMPTY_OK = 2, /* or nothing */
     ROUTE_LARGE = 4,    /* with the larger limit */
-    ROUTE_NO_HEAD = 8,  /* GET only: an answer that costs a picture */
+    ROUTE_NO_HEAD = 8,  /* GET only */
     ROUTE_REST = 16,    /* the last segment stands for all that follow */
     ROUTE_QUERY = 32,   /* takes parameters */
     ROUTE_OPEN = 64,    /* for those without the token too */
+    ROUTE_COSTLY = 128, /* pages of other origins may not ask */
 };
 
 struct route {
@@ -423,27 +424,24 @@ static const struct route routes[] = {
     { "GET", "v1/views/*", 0, pel_http_get_view },
     { "PUT", "v1/views/*", ROUTE_BODY, pel_http_put_view },
     { "DELETE", "v1/views/*", 0, pel_http_delete_view },
-    { "GET", "v1/views/*/frame.jpg", ROUTE_NO_HEAD | ROUTE_QUERY,
+    { "GET", "v1/views/*/frame.jpg", ROUTE_COSTLY | ROUTE_QUERY,
       pel_http_get_frame },
-    { "GET", "v1/views/*/frame.png", ROUTE_NO_HEAD | ROUTE_QUERY,
+    { "GET", "v1/views/*/frame.png", ROUTE_COSTLY | ROUTE_QUERY,
       pel_http_get_frame },
-    { "GET", "v1/views/*/frame.exr", ROUTE_NO_HEAD | ROUTE_QUERY,
+    { "GET", "v1/views/*/frame.exr", ROUTE_COSTLY | ROUTE_QUERY,
       pel_http_get_frame },
-    { "GET", "v1/frames.jpg", ROUTE_NO_HEAD | ROUTE_QUERY,
-      pel_http_get_frames },
-    { "GET", "v1/frames.png", ROUTE_NO_HEAD | ROUTE_QUERY,
-      pel_http_get_frames },
-    { "GET", "v1/frames.exr", ROUTE_NO_HEAD | ROUTE_QUERY,
-      pel_http_get_frames },
-    { "GET", "v1/views/*/mjpeg", ROUTE_NO_HEAD | ROUTE_QUERY,
+    { "GET", "v1/frames.jpg", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_frames },
+    { "GET", "v1/frames.png", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_frames },
+    { "GET", "v1/frames.exr", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_frames },
+    { "GET", "v1/views/*/mjpeg", ROUTE_COSTLY | ROUTE_QUERY,
       pel_http_get_mjpeg },
-    { "GET", "v1/views/*/ts", ROUTE_NO_HEAD | ROUTE_QUERY, pel_http_get_ts },
+    { "GET", "v1/views/*/ts", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_ts },
     { "GET", "v1/views/*/live", ROUTE_NO_HEAD | ROUTE_QUERY,
       pel_http_get_live },
     { "POST", "v1/surface", ROUTE_BODY | ROUTE_LARGE, post_surface },
     { "GET", "v1/spectrum", 0, spectrum },
     { "POST", "v1/spectrum", ROUTE_BODY | ROUTE_EMPTY_OK, spectrum },
-    { "GET", "v1/optics/*", ROUTE_QUERY, pel_http_get_optics },
+    { "GET", "v1/optics/*", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_optics },
     { "POST", "v1/optics", ROUTE_BODY, pel_http_post_optics },
     { "POST", "v1/clock/step", ROUTE_BODY | ROUTE_EMPTY_OK, post_step },
     { "GET", "*", ROUTE_OPEN, get_file },
@@ -599,6 +597,28 @@ static enum pel_err check_head(const struct pel_http_context *context,
     return PEL_OK;
 }
 
+/* A page of another origin that asks for pictures: it could not see them, but
+ * have them drawn. Its browser says so, and where from, if not by Origin then,
+ * as a rule, by Referer. */
+static enum pel_err check_site(const struct pel_http_context *context,
+                               const struct pel_http_request *request,
+                               struct pel_fault *fault)
+{
+    const char *host = pel_http_find_header(request, "Host", NULL);
+    const char *origin = pel_http_find_header(request, "Origin", NULL);
+    const char *site = pel_http_find_header(request, "Sec-Fetch-Site", NULL);
+    bool foreign = origin ? !pel_http_origin_is_ours(origin, host)
+                          : site && (strcasecmp(site, "cross-site") == 0 ||
+                                     strcasecmp(site, "same-site") == 0);
+    if (!foreign || pel_http_allowed_origin(request, context->origins)) {
+        return PEL_OK;
+    }
+    return pel_fault_set(fault, PEL_ERR_INVALID,
+                         "pages of %.80s may not ask for pictures of this "
+                         "server; pelagosd --allow-origin ORIGIN lets them",
+                         origin ? origin : "another origin");
+}
+
 static enum pel_err check_body(const struct pel_http_context *context,
                                const struct pel_http_request *request,
                                const struct route *route, size_t *limit,
@@ -665,6 +685,10 @@ bool pel_http_admit(const struct pel_http_context *context,
         return false;
     }
     err = check_body(context, request, route, &limit, &status, &fault);
+    if (err == PEL_OK && route->flags & ROUTE_COSTLY) {
+        status = 403;
+        err = check_site(context, request, &fault);
+    }
     if (err != PEL_OK) {
         pel_http_problem(answer, status, &fault);
         return false;

@@ -19,9 +19,14 @@ struct pel_http_context {
     const struct pel_frames *frames; /* NULL: no picture is ever drawn */
     struct pel_metrics *metrics;
     const char *const *hosts; /* as pel_http_host_is_ours */
-    struct pel_token *token;  /* what clients must give; NULL: nothing */
-    size_t body_limit;        /* bytes; eight times that for /v1/surface */
-    bool stopping;            /* /healthz says so */
+    /* Other origins whose pages may ask for pictures, NULL-terminated; NULL:
+     * none */
+    const char *const *origins;
+    const char *const
+        *proxies;            /* whose X-Forwarded-For is believed, likewise */
+    struct pel_token *token; /* what clients must give; NULL: nothing */
+    size_t body_limit;       /* bytes; eight times that for /v1/surface */
+    bool stopping;           /* /healthz says so */
 };
 
 enum pel_http_kind {

@@ -1,4 +1,4 @@
-#include "net/http_client.h"
+#include "net/http_share.h"
 
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -14,7 +14,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/watch.h"
-#include "net/listener.h"
+#include "net/http_auth.h"
 #include "net/tcpinfo.h"
 
 #define IDLE_S 10 /* silence that the library ends by itself */
@@ -94,7 +94,16 @@ static enum MHD_Result take_head(struct client *client, const char *method)
             answer.status != 404 && answer.status != 401;
         return pel_http_send(client, &answer);
     }
+    bool open = strcmp(request.target, "/healthz") == 0;
+    bool holder = client->server->context.token &&
+                  pel_http_is_authorized(&client->server->context, &request);
+    if (!pel_http_share_admit(client, &request, open, holder, &answer)) {
+        return pel_http_send(client, &answer);
+    }
+    client->origin =
+        pel_http_allowed_origin(&request, client->server->context.origins);
     client->phase = PHASE_BODY;
+    client->since_ns = pel_now_ns();
     client->deadline_ns = pel_http_after(client->server->limits.http_body_s);
     return MHD_YES;
 }
@@ -140,6 +149,17 @@ static enum MHD_Result take_request(struct client *client, const char *method)
     client->deadline_ns = pel_http_after(client->server->limits.http_answer_s);
     describe(client, method, &headers, &request);
     pel_http_route(&client->server->context, &request, &answer);
+    bool picture = answer.kind == PEL_HTTP_FRAME ||
+                   answer.kind == PEL_HTTP_FRAMES ||
+                   answer.kind == PEL_HTTP_MJPEG || answer.kind == PEL_HTTP_TS;
+    if (picture && strcmp(method, "HEAD") == 0) {
+        return pel_http_send_head(client, &answer);
+    }
+    bool stream = answer.kind == PEL_HTTP_MJPEG || answer.kind == PEL_HTTP_TS ||
+                  answer.kind == PEL_HTTP_LIVE;
+    if (stream && !pel_http_share_stream(client, &answer)) {
+        return pel_http_send(client, &answer);
+    }
     switch (answer.kind) {
     case PEL_HTTP_FRAME:
         return pel_http_send_frame(client, &answer);
@@ -257,19 +277,6 @@ static void on_completed(void *user, struct MHD_Connection *connection,
 
 /* --- connections ---------------------------------------------------------- */
 
-static void source_of(const struct sockaddr *address, struct in6_addr *out)
-{
-    *out = in6addr_any;
-    if (address->sa_family == AF_INET6) {
-        *out = ((const struct sockaddr_in6 *)(const void *)address)->sin6_addr;
-    } else if (address->sa_family == AF_INET) {
-        out->s6_addr[10] = out->s6_addr[11] = 0xff;
-        memcpy(&out->s6_addr[12],
-               &((const struct sockaddr_in *)(const void *)address)->sin_addr,
-               4);
-    }
-}
-
 static void on_connection(void *user, struct MHD_Connection *connection,
                           void **context,
                           enum MHD_ConnectionNotificationCode what)
@@ -286,8 +293,8 @@ static void on_connection(void *user, struct MHD_Connection *connection,
             MHD_get_connection_info(connection,
                                     MHD_CONNECTION_INFO_CLIENT_ADDRESS)
                 ->client_addr;
-        source_of(address, &client->source);
-        client->loopback = pel_address_is_loopback(address);
+        client->source = pel_http_source_of(server, address);
+        client->reserve = server->accepting_reserve;
         client->first = true;
         client->since_ns = pel_now_ns();
         client->deadline_ns = pel_http_after(server->limits.http_header_s);
@@ -306,18 +313,7 @@ static void on_connection(void *user, struct MHD_Connection *connection,
     }
 }
 
-static void refuse_client(int fd, int status, const char *words)
-{
-    char text[256];
-    int n = snprintf(text, sizeof text,
-                     "HTTP/1.1 %d %s\r\nRetry-After: 1\r\n"
-                     "Connection: close\r\nContent-Length: 0\r\n\r\n",
-                     status, words);
-    ssize_t sent = send(fd, text, (size_t)n, MSG_NOSIGNAL | MSG_DONTWAIT);
-    (void)sent; /* a courtesy */
-}
-
-static void shut(struct client *client)
+void pel_http_shut(struct client *client)
 {
     count_half(client);
     client->phase = PHASE_CLOSED;
@@ -328,72 +324,11 @@ static void shut(struct client *client)
     pel_http_kick(client->server);
 }
 
-/* Who is counted together: all of loopback, or one address. */
-static bool same_source(const struct client *client, bool loopback,
-                        const struct in6_addr *source)
-{
-    return loopback ? client->loopback
-                    : IN6_ARE_ADDR_EQUAL(&client->source, source);
-}
-
-/* The one that has been waiting for its headers for longest: whoever sends
- * whole requests is not crowded out by those who only open connections. */
-static struct client *find_victim(const struct pel_http_server *server,
-                                  bool many, bool loopback,
-                                  const struct in6_addr *source)
-{
-    struct client *oldest = NULL;
-    for (guint i = 0; i < server->clients->len; i++) {
-        struct client *each = g_ptr_array_index(server->clients, i);
-        if (each->phase == PHASE_HEADERS &&
-            (!many || same_source(each, loopback, source)) &&
-            (!oldest || each->since_ns < oldest->since_ns)) {
-            oldest = each;
-        }
-    }
-    return oldest;
-}
-
-/* False: a limit is reached, nobody could make room, and the client has been
- * told. */
-static bool find_room(struct pel_http_server *server, int fd, bool loopback,
-                      const struct in6_addr *source)
-{
-    unsigned open = 0, same = 0;
-    for (guint i = 0; i < server->clients->len; i++) {
-        const struct client *each = g_ptr_array_index(server->clients, i);
-        bool counts = each->phase != PHASE_CLOSED;
-        open += counts;
-        same += counts && same_source(each, loopback, source);
-    }
-    bool many = same >= (loopback ? server->limits.http_per_loopback
-                                  : server->limits.http_per_source);
-    if (!many && open < server->limits.http_connections) {
-        return true;
-    }
-    struct client *victim = find_victim(server, many, loopback, source);
-    if (victim) {
-        server->evicted++;
-        shut(victim);
-        return true;
-    }
-    static struct pel_log_limit limit;
-    server->refused++;
-    pel_log_limited(&limit, PEL_LOG_WARNING, "NET-020",
-                    "HTTP client refused: %u connections, %u of them from "
-                    "its source",
-                    open, same);
-    refuse_client(fd, many ? 429 : 503,
-                  many ? "Too Many Requests" : "Service Unavailable");
-    return false;
-}
-
 bool pel_http_server_accept(struct pel_http_server *server, int fd,
                             const struct sockaddr *address, socklen_t size)
 {
-    struct in6_addr source;
-    source_of(address, &source);
-    if (!find_room(server, fd, pel_address_is_loopback(address), &source)) {
+    struct pel_http_source source = pel_http_source_of(server, address);
+    if (!pel_http_share_open(server, fd, &source, &server->accepting_reserve)) {
         return false;
     }
     int on = 1;
@@ -429,12 +364,12 @@ static gboolean sweep(gpointer user)
         }
         if (vanished(client)) {
             server->vanished += client->suspended;
-            shut(client);
+            pel_http_shut(client);
         } else if (client->phase != PHASE_STREAM && now > client->deadline_ns) {
             bool idle = client->phase == PHASE_HEADERS && !client->first &&
                         pel_tcp_received(client->fd) == client->consumed;
             server->timeouts += !idle;
-            shut(client);
+            pel_http_shut(client);
         }
     }
     return G_SOURCE_CONTINUE;
@@ -489,7 +424,7 @@ static struct MHD_Daemon *start_library(struct pel_http_server *server)
             MHD_USE_NO_LISTEN_SOCKET | MHD_USE_ERROR_LOG,
         0, NULL, NULL, on_request, server, MHD_OPTION_EXTERNAL_LOGGER,
         on_library_log, NULL, MHD_OPTION_CONNECTION_LIMIT,
-        server->limits.http_connections + CLOSING_ROOM,
+        server->limits.http_connections + PEL_HTTP_RESERVE + CLOSING_ROOM,
         MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE_S,
         MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)MEMORY_BYTES,
         /* pel_http_admit asks for the one Host, and says so as a problem. */
@@ -544,7 +479,7 @@ void pel_http_server_destroy(struct pel_http_server *server)
     g_source_unref(&server->source->source);
     /* The library may not be stopped while connections are suspended. */
     for (guint i = 0; i < server->clients->len; i++) {
-        shut(g_ptr_array_index(server->clients, i));
+        pel_http_shut(g_ptr_array_index(server->clients, i));
     }
     MHD_run(server->daemon);
     MHD_stop_daemon(server->daemon);

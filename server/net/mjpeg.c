@@ -120,14 +120,15 @@ static void begin_picture(struct pel_viewer *self)
                      "X-Pelagos-Revision: %llu\r\nX-Pelagos-Stale: %s\r\n"
                      "X-Pelagos-Host-Frame: %u\r\nX-Pelagos-Drawn: %ux%u\r\n"
                      "X-Pelagos-Present: %.6f\r\nX-Pelagos-Stamp: %lld\r\n"
-                     "X-Pelagos-Missed: %u\r\n\r\n",
+                     "X-Timestamp: %.6f\r\nX-Pelagos-Missed: %u\r\n\r\n",
                      self->begun ? "" : "--pelagos\r\n", self->current->size,
                      (unsigned long long)self->current->number, time,
                      (unsigned long long)self->current->revision,
                      pel_stale_text(self->current->stale, stale),
                      self->current->host_frame, self->current->drawn_width,
                      self->current->drawn_height, present_unix_s(self->current),
-                     (long long)stamp_us(self->current), self->missed);
+                     (long long)stamp_us(self->current),
+                     1e-6 * (double)stamp_us(self->current), self->missed);
     self->head_size = (size_t)n;
     self->begun = true;
 }

@@ -258,6 +258,8 @@ enum pel_err pel_net_create(const struct pel_net_options *options,
             .frames = frames,
             .metrics = options->metrics,
             .hosts = options->http_hosts,
+            .origins = options->http_origins,
+            .proxies = options->http_proxies,
             .token = net->token,
             .body_limit = options->limits.http_body_bytes,
         };

@@ -20,14 +20,15 @@ struct pel_net;
 struct pel_net_limits {
     unsigned http_connections;  /* at once, 1..4096 */
     unsigned http_per_source;   /* of one address that is not loopback */
-    unsigned http_per_loopback; /* of 127.0.0.0/8 and ::1 together */
+    unsigned http_per_loopback; /* of 127.0.0.0/8 and ::1 together; an eighth
+                                 * is not for streams */
     size_t http_body_bytes;     /* of a JSON body, 1 KiB..1 MiB */
     double http_header_s;       /* from connecting to the end of the headers */
     double http_body_s;         /* from there to the end of the body */
     double http_idle_s;         /* between two requests of one connection */
     double http_stall_s;        /* a reader that takes nothing */
     double http_answer_s;       /* a whole answer that is not a stream */
-    unsigned sessions;          /* protobuf, TCP and Unix together */
+    unsigned sessions;          /* protobuf, of TCP and of Unix each */
     unsigned session_requests;  /* in flight in one session */
     size_t session_message_bytes; /* of one request */
     size_t session_output_bytes;  /* waiting for one slow reader */
@@ -57,6 +58,10 @@ struct pel_net_options {
     /* Names besides `localhost` and plain addresses that a Host header may
      * give (a proxy's), NULL-terminated; NULL: none. */
     const char *const *http_hosts;
+    /* Other origins whose pages may ask for pictures; NULL: none. */
+    const char *const *http_origins;
+    /* Numeric addresses whose X-Forwarded-For is believed; NULL: none. */
+    const char *const *http_proxies;
     struct pel_metrics *metrics; /* shown at /metrics; joined by the net's */
     struct pel_net_limits limits;
 };

@@ -99,17 +99,18 @@ static void test_target(void **state)
 static void test_longest_target(void **state)
 {
     (void)state;
-    /* The most text there can be: every parameter one byte of name. */
+    /* The most text there can be: parameters of one byte, or a few. */
     static const char path[] = "/a/b/c/d/e/f/g/h?";
     char target[PEL_HTTP_MAX_TARGET];
     struct pel_http_target t;
     memset(target, 'x', sizeof target);
     memcpy(target, path, strlen(path));
     for (size_t i = 0; i < PEL_HTTP_MAX_QUERY; i++) {
-        char *part = target + strlen(path) + 3 * i;
-        part[0] = (char)('a' + i);
-        part[1] = '=';
-        part[2] = i + 1 < PEL_HTTP_MAX_QUERY ? '&' : 'x';
+        char *part = target + strlen(path) + 4 * i;
+        part[0] = (char)('a' + i / 26);
+        part[1] = (char)('a' + i % 26);
+        part[2] = '=';
+        part[3] = i + 1 < PEL_HTTP_MAX_QUERY ? '&' : 'x';
     }
     target[sizeof target - 1] = '\0';
     assert_int_equal(pel_http_parse_target(target, &t, NULL), PEL_OK);

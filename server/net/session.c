@@ -415,7 +415,19 @@ void pel_sessions_destroy(struct pel_sessions *all)
     }
 }
 
-static bool make_room(struct pel_sessions *all)
+/* Of the Unix socket and of TCP apart: neither keeps the other out. */
+static unsigned count_open(const struct pel_sessions *all,
+                           enum pel_transport transport)
+{
+    unsigned count = 0;
+    for (guint i = 0; i < all->list->len; i++) {
+        const struct session *each = g_ptr_array_index(all->list, i);
+        count += each->transport == transport;
+    }
+    return count;
+}
+
+static bool make_room(struct pel_sessions *all, enum pel_transport transport)
 {
     struct session *oldest = NULL;
     for (guint i = 0; i < all->list->len; i++) {
@@ -425,7 +437,7 @@ static bool make_room(struct pel_sessions *all)
         bool better = !oldest || each->stranger > oldest->stranger ||
                       (each->stranger == oldest->stranger &&
                        each->active_ns < oldest->active_ns);
-        if (idle && better) {
+        if (idle && better && each->transport == transport) {
             oldest = each;
         }
     }
@@ -452,12 +464,12 @@ bool pel_sessions_accept(struct pel_sessions *all, int fd,
                          enum pel_transport transport)
 {
     static struct pel_log_limit limit;
-    if (all->stopped ||
-        (all->list->len >= all->limits.sessions && !make_room(all))) {
+    if (all->stopped || (count_open(all, transport) >= all->limits.sessions &&
+                         !make_room(all, transport))) {
         all->refused[transport]++;
         pel_log_limited(&limit, PEL_LOG_WARNING, "NET-011",
                         "%s session refused: %u are open",
-                        transport_names[transport], all->list->len);
+                        transport_names[transport], count_open(all, transport));
         struct pel_fault fault;
         pel_fault_set(&fault, PEL_ERR_BUSY, "all %u sessions are taken",
                       all->limits.sessions);
