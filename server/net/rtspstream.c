@@ -90,12 +90,12 @@ static GstClockTime running_time(GstAppSrc *source,
 }
 
 /* The encoder's bytes themselves; the buffer holds the frame. */
-static GstBuffer *wrap(GstAppSrc *source, struct pel_frame *frame)
+static GstBuffer *wrap(struct pel_frame *frame, GstClockTime time)
 {
     GstBuffer *buffer = gst_buffer_new_wrapped_full(
         GST_MEMORY_FLAG_READONLY, (gpointer)frame->data, frame->size, 0,
         frame->size, pel_frame_ref(frame), (GDestroyNotify)pel_frame_unref);
-    GST_BUFFER_PTS(buffer) = running_time(source, frame);
+    GST_BUFFER_PTS(buffer) = time;
     if (!frame->key) {
         GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT);
     }
@@ -120,13 +120,19 @@ static void on_frame(void *user, enum pel_err err,
         pel_frames_resync(self->subscription, false);
         return;
     }
+    /* Begun before the pipeline: RTP could not say when. */
+    GstClockTime time = running_time(self->source, frame);
+    if (!GST_CLOCK_TIME_IS_VALID(time)) {
+        pel_frames_resync(self->subscription, true);
+        return;
+    }
     self->key_ns = frame->key ? now : self->key_ns;
     if (now - self->key_ns > KEY_NS) {
         pel_frames_want_key(self->subscription, false);
     }
     self->hub->sent++;
     self->hub->bytes += frame->size;
-    gst_app_src_push_buffer(self->source, wrap(self->source, frame));
+    gst_app_src_push_buffer(self->source, wrap(frame, time));
 }
 
 static gboolean open_stream(gpointer user)
