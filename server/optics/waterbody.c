@@ -1,7 +1,9 @@
 #include "optics/waterbody.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "base/vec.h"
 #include "optics/brdf.h"
@@ -293,7 +295,15 @@ enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
     if ((unsigned)desc->bottom >= PEL_BOTTOM_COUNT) {
         return unknown("bottom", (int)desc->bottom, fault);
     }
+    if (desc->has_land && (unsigned)desc->land >= PEL_BOTTOM_ALBEDO) {
+        return unknown("land", (int)desc->land, fault);
+    }
+    enum pel_bottom land = desc->has_land                     ? desc->land
+                           : desc->bottom == PEL_BOTTOM_BLACK ? PEL_BOTTOM_SAND
+                                                              : desc->bottom;
     for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+        body.land[i] = land == PEL_BOTTOM_ALBEDO ? desc->albedo[i]
+                                                 : bottoms[land].albedo[i];
         body.albedo[i] = desc->bottom == PEL_BOTTOM_ALBEDO
                              ? desc->albedo[i]
                              : bottoms[desc->bottom].albedo[i];
@@ -314,6 +324,7 @@ struct pel_water_body pel_water_deep(double chlorophyll)
         .index = PEL_WATER_INDEX,
     };
     resolve_case1(chlorophyll, PEL_SALINITY_USUAL, &body);
+    memcpy(body.land, bottoms[PEL_BOTTOM_SAND].albedo, sizeof body.land);
     return body;
 }
 

@@ -4,6 +4,8 @@
  * waterbody.c and in docs/water.md. Any thread. */
 #pragma once
 
+#include <stdbool.h>
+
 #include "base/err.h"
 #include "optics/transport.h"
 
@@ -72,6 +74,9 @@ struct pel_water_desc {
     double depth_m;       /* PEL_DEPTH_MIN..MAX */
     enum pel_bottom bottom;
     double albedo[PEL_WATER_WAVELENGTHS]; /* with PEL_BOTTOM_ALBEDO, 0..1 */
+    bool has_land;
+    enum pel_bottom land; /* beside the water; else as the bottom, and sand
+                             where that is black; not PEL_BOTTOM_ALBEDO */
 };
 
 /* The water as transport sees it. */
@@ -82,6 +87,8 @@ struct pel_water_body {
     double albedo[PEL_WATER_WAVELENGTHS];
     double depth_m;
     double index; /* of refraction, for what the surface reflects; 0: 1.34 */
+    double land[PEL_WATER_WAVELENGTHS]; /* albedo; last: no light in the water
+                                           depends on it */
 };
 
 /* Case 1 water of a chlorophyll concentration (clamped to its range) at

@@ -81,6 +81,59 @@ static void land_is_where_the_field_is(void **state)
     pel_seabed_unref(bed);
 }
 
+/* Mean red radiance of the pixels well above the waves, and their number. */
+static double land_radiance(struct pel_renderer *r, enum pel_bottom bottom,
+                            const enum pel_bottom *land, int *count)
+{
+    const struct pel_seabed *bed = test_bed(test_island);
+    struct pel_environment env = over(bed);
+    struct pel_camera camera =
+        test_camera((struct test_look){ 25, 10, -4, 0, 60, 160, 100 });
+    const struct pel_water_desc desc = { .chlorophyll_mg_m3 = 0.2,
+                                         .salinity_g_kg = 35,
+                                         .temperature_c = 15,
+                                         .depth_m = 1000,
+                                         .bottom = bottom,
+                                         .has_land = land != NULL,
+                                         .land = land ? *land : 0 };
+    assert_int_equal(pel_water_resolve(&desc, &env.water, NULL), PEL_OK);
+    struct pel_picture *p = test_draw(r, &env, &camera, TEST_ALL_LAYERS);
+    double sum = 0;
+    *count = 0;
+    for (int i = 0; i < 160 * 100; i++) {
+        struct pel_vec3 d = test_ray(&camera, i % 160 + 0.5, i / 160 + 0.5);
+        double t = (double)p->depth[i], arc = t * hypot(d.x, d.y);
+        double z = 25 + t * d.z + arc * arc / (2 * PEL_EARTH_RADIUS);
+        if (isfinite(t) && (double)p->normal[4 * i + 3] == 0 && z > 4) {
+            sum += (double)p->radiance[4 * i];
+            ++*count;
+        }
+    }
+    pel_picture_release(p);
+    pel_seabed_unref(bed);
+    return sum / *count;
+}
+
+/* A black bottom is deep water's; the land beside it is sand, unless somebody
+ * says what it is. */
+static void land_is_no_black_bottom(void **state)
+{
+    (void)state;
+    struct pel_renderer *r = test_renderer("fragment");
+    const enum pel_bottom rock = PEL_BOTTOM_ROCK, black = PEL_BOTTOM_BLACK;
+    int count, same;
+    double sand = land_radiance(r, PEL_BOTTOM_SAND, NULL, &count);
+    assert_true(count > 100 && sand > 0);
+    assert_true(land_radiance(r, PEL_BOTTOM_BLACK, NULL, &same) == sand);
+    assert_int_equal(same, count);
+    double dark = land_radiance(r, PEL_BOTTOM_BLACK, &rock, &same);
+    /* Albedos of 0.49 and 0.10, and the same air in front of them. */
+    assert_true(dark < 0.5 * sand);
+    assert_true(land_radiance(r, PEL_BOTTOM_SAND, &rock, &same) == dark);
+    assert_true(land_radiance(r, PEL_BOTTOM_SAND, &black, &same) < dark);
+    pel_renderer_destroy(r);
+}
+
 #define LOOKS 5
 #define LOOK_WIDTH 256
 #define LOOK_HEIGHT 192
@@ -290,6 +343,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(squares_hold_their_highest),
         cmocka_unit_test(land_is_where_the_field_is),
+        cmocka_unit_test(land_is_no_black_bottom),
         cmocka_unit_test(the_plan_leaves_nothing_out),
         cmocka_unit_test(a_level_field_is_a_flat_bottom),
         cmocka_unit_test(caustics_keep_the_mean),

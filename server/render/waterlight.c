@@ -1,6 +1,7 @@
 #include "render/waterlight.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -279,7 +280,8 @@ static bool is_current(const struct pel_water_light *w,
                        struct pel_water_depths depths)
 {
     return w->version && w->orders == env->orders &&
-           memcmp(&env->water, &w->body, sizeof w->body) == 0 &&
+           memcmp(&env->water, &w->body,
+                  offsetof(struct pel_water_body, land)) == 0 &&
            depths.levels == w->depths.levels &&
            depths.first_m == w->depths.first_m &&
            depths.last_m == w->depths.last_m;
@@ -301,7 +303,7 @@ static enum pel_err keep_the_last(struct pel_water_light *w,
     if (!whole) {
         return PEL_ERR_NO_MEMORY;
     }
-    env->water = w->body;
+    memcpy(&env->water, &w->body, offsetof(struct pel_water_body, land));
     env->depths = w->depths;
     env->orders = w->orders;
     return PEL_OK;

@@ -320,7 +320,9 @@ SAME(PEL_CLOCK_PACED, PELAGOS__CLOCK_MODE__PACED);
 SAME(PEL_CLOCK_STEPPED, PELAGOS__CLOCK_MODE__STEPPED);
 SAME(PEL_CLOCK_HOST, PELAGOS__CLOCK_MODE__HOST);
 
-static void place_water(const Pelagos__Water *from, struct pel_water_body *to)
+static void place_water(const Pelagos__Water *from,
+                        const Pelagos__Seabed *seabed,
+                        struct pel_water_body *to)
 {
     const struct pel_water_desc desc = {
         .kind = from->has_jerlov           ? PEL_WATER_JERLOV
@@ -342,6 +344,8 @@ static void place_water(const Pelagos__Water *from, struct pel_water_body *to)
         .bottom = from->has_albedo_680 ? PEL_BOTTOM_ALBEDO
                                        : (enum pel_bottom)from->bottom,
         .albedo = { from->albedo_680, from->albedo_550, from->albedo_440 },
+        .has_land = seabed->has_land,
+        .land = (enum pel_bottom)seabed->land,
     };
     if (pel_water_resolve(&desc, to, NULL)) {
         *to = pel_water_deep(0.2); /* not reached: the state was tested */
@@ -375,7 +379,7 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     out->origin_longitude_rad = state->origin->longitude * PEL_DEG;
     out->wind_mps = state->sea->wind_speed;
     out->wind_to_rad = goes_to(state->sea->wind_direction);
-    place_water(state->water, &out->water);
+    place_water(state->water, state->seabed, &out->water);
     out->water_orders = (enum pel_water_orders)state->water->orders;
     out->caustics = state->seabed->caustics;
     out->chlorophyll_mg_m3 = state->water->chlorophyll;

@@ -292,7 +292,8 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
     vec4 bed_beyond; /* x height beyond the field, m; y up to where waves wet
                         the land, m; z levels of seabed_tops; w 1: caustics */
     vec4 bed_wet;    /* rgb albedo of wet land */
-    vec4 bed_dry;    /* rgb of dry land and under water */
+    vec4 bed_dry;    /* rgb of dry land */
+    vec4 bed_under;  /* rgb under water */
     vec4 bed_level[PEL_SEABED_TOP_LEVELS]; /* of seabed_tops: x place of the
                                               first, y columns, z rows */
     vec4 bed_focus[PEL_LIGHTS * PEL_FOCUS_COUNT]; /* by light and depth: x log2

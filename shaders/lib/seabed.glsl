@@ -341,7 +341,7 @@ bed_light seabed_light(int light, vec2 at, bed_view seen, float footprint, vec3 
     float z1 = exp2(water.y + (below + 1.0) / water.z);
 
     vec3 way = bed_extinction.rgb * (1.0 / cosine + 1.0 / seen.rise);
-    vec3 beam = bed_dry.rgb * beams[light].rgb * bed_beams[light].x;
+    vec3 beam = bed_under.rgb * beams[light].rgb * bed_beams[light].x;
     vec3 around0 = max(bottom0 - beam * exp(-way * z0), vec3(1e-12));
     vec3 around1 = max(bottom1 - beam * exp(-way * z1), vec3(1e-12));
     // Between levels a power of the depth times e^(−fall depth).
@@ -349,8 +349,8 @@ bed_light seabed_light(int light, vec2 at, bed_view seen, float footprint, vec3 
     vec3 part = clamp(bottom_level - below, -1.0, 2.0);
     vec3 around = exp2(mix(log2(around0) + fall * z0, log2(around1) + fall * z1, part) -
                        fall * for_bottom);
-    vec3 most = beam + bed_dry.rgb * skies[light].rgb * (eta * eta / PI);
-    around = min(around, most / (1.0 - 0.5 * bed_dry.rgb));
+    vec3 most = beam + bed_under.rgb * skies[light].rgb * (eta * eta / PI);
+    around = min(around, most / (1.0 - 0.5 * bed_under.rgb));
 
     vec3 direct = beams[light].rgb * max(light_dir.z, 0.0);
     vec3 by_beam = direct / (direct + skies[light].rgb + 1e-20);

@@ -354,7 +354,8 @@ class Sources(Record):
 class Seabed(Record):
     """The bottom as a height field, with the land beside it. Light in the
     water and soundings follow it; the waves keep to sea.depth. water.bottom or
-    the albedos say what it is made of; beyond the field water.depth holds."""
+    the albedos say what it is made of, seabed.land the land; beyond the field
+    water.depth holds."""
     #: File in the directory of pelagosd --bathymetry: GeoTIFF, NetCDF
     #: (EMODnet, GEBCO), HDF5, BAG, ENVI, ESRI .hdr or ASCII grid, or OpenEXR,
     #: that needs no file of another name; absent: water.depth everywhere. Of
@@ -373,6 +374,9 @@ class Seabed(Record):
     spacing: float | None = _field(None, 'm', 0.1, 10000)
     #: Whether the waves focus sunlight on the bottom.
     caustics: bool = _field(True)
+    #: What the land is; absent: as the bottom, SAND where that is BLACK.
+    #: One of BLACK, SAND, MUD, ROCK, CORAL.
+    land: str | None = _field(None)
 
 
 @dataclass(frozen=True)
