@@ -1,12 +1,12 @@
-/* Threads that somebody waits for, beside threads that compute. Linux with
- * lazy preemption lets a thread that was woken wait for the next tick, 1 to
- * 10 ms, while another computes on its core, whatever their nice values; two
+/* Threads whose answers a client waits for, beside threads that compute. Linux
+ * with lazy preemption lets a thread that was woken wait for the next tick, 1
+ * to 10 ms, while another computes on its core, whatever their nice values; two
  * ways around that:
  *
  * - real time (SCHED_RR, where the system permits it) for the few threads that
  *   answer, for a bounded share of their time;
- * - a nudge: an interrupt to the cores where this process computes, on the way
- *   back from which the kernel looks who is due. */
+ * - a nudge: an interrupt to the cores where this process computes, on the
+ *   return from which the kernel schedules anew. */
 #pragma once
 
 #include <stdbool.h>

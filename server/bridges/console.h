@@ -36,9 +36,10 @@ struct pel_console_counters {
     uint64_t edits, refused_edits, out_of_range, stale;
 };
 
-/* Reads the table and begins to connect. A console that is not there is no
- * error: it is tried again after 0.25 s, then twice as long each time, at most
- * 8 s. INVALID: options or table; IO: the table cannot be read. */
+/* Reads the table and begins to connect. An unreachable console is no
+ * error: the connection is tried again after 0.25 s, then twice as long each
+ * time, at most 8 s. INVALID: options or table; IO: the table cannot be read.
+ */
 struct pel_console;
 PEL_CHECK enum pel_err
 pel_console_create(const struct pel_console_options *options,

@@ -23,7 +23,7 @@ struct pel_console_row {
     char path[96];
     double scale, offset;    /* field = register * scale + offset */
     double minimum, maximum; /* the field is held within these */
-    double deadband;         /* a smaller change of the field is no news */
+    double deadband;         /* smaller changes of the field are left out */
     bool has_stale;
     double stale; /* field while the console is silent */
 };

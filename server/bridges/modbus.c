@@ -106,7 +106,7 @@ static void on_safe(void *user, enum pel_err err, const struct pel_fault *fault)
     }
 }
 
-/* The source stays away: its ship stops, and the view is a safe one. */
+/* The source stays silent: its ship is stopped, and the safe values are set. */
 static void hold(struct pel_modbus *m, struct unit *u)
 {
     const struct pel_scene_wish wish = { .patch = m->safe, .source = m };
@@ -223,7 +223,7 @@ static size_t answer_adu(struct pel_modbus_session *s, uint8_t *answer)
     return size;
 }
 
-/* Bytes the ADU at hand has in all, as far as its header tells; 0: it is not
+/* Bytes the ADU at hand has in all, as far as its header is read; 0: it is not
  * Modbus/TCP. */
 static size_t adu_size(const struct pel_modbus_session *s)
 {

@@ -25,7 +25,7 @@ struct pel_metrics;
 struct pel_modbus;
 struct pel_scene;
 
-/* What the daemon's other parts tell the input registers and alarms. */
+/* What the input registers and alarms show of the daemon's other parts. */
 struct pel_modbus_status {
     uint64_t frame_number;
     double frames_per_s, render_ms;

@@ -199,7 +199,7 @@ static bool new_wind(struct pel_nmea *nmea, double *deg, double *mps)
     }
     double turned = fabs(remainder(*deg - nmea->applied_deg, 360));
     double moved = fabs(*mps - nmea->applied_mps);
-    /* A wind said again is no news: another source may have changed it. */
+    /* A repeated wind changes nothing: another source may have set its own. */
     return !nmea->wind_applied || (moved > 0 && moved >= step_mps) ||
            (turned > 0 && turned >= step_deg);
 }

@@ -125,7 +125,7 @@ size_t pel_nmea_out_write(const struct pel_nmea_report *r,
 
 /* --- own ship ------------------------------------------------------------- */
 
-/* Depth at a place: by the height field, else where somebody has said one. */
+/* Depth at a place: by the height field, else the one that is set. */
 static double depth(const Pelagos__State *state, const struct pel_snapshot *s,
                     double east_m, double north_m)
 {

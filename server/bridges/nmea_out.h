@@ -14,7 +14,7 @@
 /* Every sentence of one report fits. */
 #define PEL_NMEA_OUT_SIZE 1400
 
-/* What is said of own ship. Angles deg, true; NaN: not known, its sentence is
+/* The values of one report. Angles deg, true; NaN: not known, its sentence is
  * left out. */
 struct pel_nmea_report {
     double unix_s; /* UTC */
@@ -45,7 +45,8 @@ struct pel_nmea_out_options {
     struct pel_metrics *metrics; /* may be NULL */
 };
 
-/* INVALID: the address; IO: no socket. What nobody receives is no error. */
+/* INVALID: the address; IO: no socket. A report without a receiver is no
+ * error. */
 struct pel_nmea_out;
 PEL_CHECK enum pel_err
 pel_nmea_out_create(const struct pel_nmea_out_options *options,

@@ -174,7 +174,7 @@ static void remove_target(struct pel_nmea_targets *t,
     what.n_remove = 1;
     what.remove = &paths;
     if (pel_scene_patch(t->scene, &what, NULL) != PEL_OK) {
-        t->counters->refused_edits++; /* somebody removed it before */
+        t->counters->refused_edits++; /* a client has removed it already */
     }
     *target = (struct pel_nmea_target){ 0 };
 }

@@ -1,9 +1,9 @@
-/* NMEA 0183 over TCP: whoever connects sends lines, which go where those of UDP
- * go. The sentences that come in one piece are one edit. Control thread only.
+/* NMEA 0183 over TCP: clients send lines, which are treated as those of UDP.
+ * The sentences of one read are one edit. Control thread only.
  *
  * A line may arrive in pieces; one longer than a sentence may be is counted and
- * thrown away. At most 16 connections; when all are taken, one that was silent
- * for 60 s gives way, else the newcomer is refused. Nothing is sent. */
+ * dropped. At most 16 connections; when all are taken, one that was silent for
+ * 60 s is closed, else the new one is refused. Nothing is sent. */
 #pragma once
 
 #include <stddef.h>

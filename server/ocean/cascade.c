@@ -360,7 +360,8 @@ static double level_product(double q, int a, int b)
     for (int i = 0; i < PIECES; i++) {
         for (int j = 0; j < 3; j++) {
             double u[2], v[2];
-            /* just inside the piece, where floor() is of one mind */
+            /* just inside the piece: at its ends floor() could fall on
+             * either side by rounding */
             double at = pel_clamp(0.5 * j, 1e-9, 1 - 1e-9);
             double x = 0.5 * size * (i + at);
             level_at(q, a, x, u);

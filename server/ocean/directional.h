@@ -61,11 +61,11 @@ struct pel_directional {
  * progression is S = α g² ω⁻⁵, α of Pierson–Moskowitz, down from that one's
  * peak. These spread as Hasselmann 1980 with the floor of sea.h. Elfouhaily,
  * Chapron, Katsaros and Vandemark 1997: eq. 30–32, 34–37, 40, 41, 43, 44, 49,
- * 57, 66; his density does not tell a wave from its opposite, here all run
- * with the wind, and have the share that it can keep up
- * (pel_wind_over_viscosity). Swell: Gaussian, 6 % in ω, and in direction.
- * Measured: linear between the record's frequencies; beyond them ω⁻⁵ with the
- * mean level and moments of the highest four tenths. */
+ * 57, 66; that density is symmetric between a wave and its opposite, here all
+ * waves run with the wind, and keep the share that the wind sustains against
+ * viscosity (pel_wind_over_viscosity). Swell: Gaussian, 6 % in ω, and in
+ * direction. Measured: linear between the record's frequencies; beyond them ω⁻⁵
+ * with the mean level and moments of the highest four tenths. */
 PEL_CHECK enum pel_err pel_directional_create(const struct pel_sea_desc *desc,
                                               struct pel_directional **out);
 void pel_directional_destroy(struct pel_directional *d); /* NULL allowed */

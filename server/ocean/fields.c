@@ -251,12 +251,12 @@ static void give_work(struct pel_fields_cache *cache,
     pel_evolve_work_destroy(work);
 }
 
-/* A cascade nobody has begun so deep; −1: none. */
+/* A cascade that no thread has begun to this depth; −1: none. */
 static int next_cascade(const struct pel_kept_fields *k,
                         enum pel_fields_depth depth)
 {
     for (int i = 0; i < PEL_CASCADES; i++) {
-        /* whoever computes less of it now must have finished */
+        /* a thread that computes it to less depth must have finished */
         if (k->begun[i] < depth && k->begun[i] == k->done[i]) {
             return i;
         }

@@ -1,6 +1,6 @@
-/* The fields of the cascades at the moments that queries ask about: kept for
- * the next who asks, computed by all who wait for them. What is in them never
- * depends on what was kept. */
+/* The fields of the cascades at the moments that queries ask about: a
+ * cache that the next query finds, filled by all threads that wait for the
+ * same moment. Its contents do not depend on the order of the queries. */
 #pragma once
 
 #include <stdbool.h>
@@ -36,8 +36,8 @@ void pel_fields_give(const struct pel_cascades *c,
                      struct pel_kept_fields *kept);
 
 /* Computes what is missing of the fields at time_s, to be kept, cascade by
- * cascade while go_on(user), if nobody else does; true: they are whole. Any
- * thread. */
+ * cascade while go_on(user), leaving out what another thread computes now;
+ * true: they are complete. Any thread. */
 bool pel_fields_prepare(const struct pel_cascades *c, double time_s,
                         enum pel_fields_depth depth, bool (*go_on)(void *user),
                         void *user);

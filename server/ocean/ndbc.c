@@ -10,7 +10,7 @@
 #include "base/vec.h"
 
 #define NEAR_S 5400.0
-#define MISSING 900.0 /* 999 and 999.00 mean: not told */
+#define MISSING 900.0 /* 999 and 999.00 mean: not reported */
 
 /* --- text ----------------------------------------------------------------- */
 

@@ -150,8 +150,8 @@ struct pel_surface_sample {
     struct pel_vec3 normal;
     struct pel_vec3 velocity_mps;
     struct pel_vec3 acceleration_mps2; /* NaN where it was not asked for */
-    /* Of the bottom below mean sea level; NaN from here, for whoever knows the
-     * bottom to fill in. */
+    /* Of the bottom below mean sea level; NaN here: a caller that knows the
+     * bottom sets it. */
     double depth_m;
 };
 

@@ -8,8 +8,8 @@
 #include "pelagos.pb-c.h"
 #include "scene/snapshot.h"
 
-/* A sea that several snapshots share, built when it is first looked at: many
- * patches may come before a picture or a query. */
+/* A sea that several snapshots share, built lazily: many patches may
+ * come before the first picture or query of it. */
 struct pel_shared_sea;
 
 /* What a sea is made with besides the state. */

@@ -20,8 +20,8 @@ bool pel_provision_fits(const struct pel_provision *provision,
                         const struct pel_sea_means *means);
 
 /* The sea and the bottom of `state`, tested: those of `present` where they are
- * the same. Reads files, and waits for them; the sea is built when it is first
- * looked at. Any thread. */
+ * the same. Reads files, and waits for them; the sea is built
+ * lazily (sharedsea.h). Any thread. */
 PEL_CHECK enum pel_err pel_provision_get(const Pelagos__State *state,
                                          const struct pel_sea_means *means,
                                          const char *bathymetry,
@@ -29,7 +29,7 @@ PEL_CHECK enum pel_err pel_provision_get(const Pelagos__State *state,
                                          struct pel_provision *out,
                                          struct pel_fault *fault);
 
-/* One state's, on its way: pushed to a worker, then told on the control
+/* One state's preparation: pushed to a worker; `done` is called on the control
  * thread. `means` and `bathymetry` outlive it. */
 struct pel_preparation {
     struct pel_task task; /* first */

@@ -21,8 +21,9 @@ struct pel_record_options {
 /* Begins a recording with its first segment, whose head is the present state,
  * and listens to the scene. What is at `path` becomes PATH.NNNNNN, numbered on
  * from the highest that is there, and of these the oldest beyond `keep` are
- * removed: so at every turn. A turn begins own ship's steps anew
- * (pel_scene_listen), as whoever reads the segment alone does. IO. */
+ * removed, likewise at the start of each further segment. A new segment
+ * restarts own ship's steps (pel_scene_listen), so that a replay of that
+ * segment alone has the same motion. IO. */
 PEL_CHECK enum pel_err pel_record_create(const struct pel_record_options *o,
                                          struct pel_scene *scene,
                                          struct pel_record **out,

@@ -67,7 +67,8 @@ const struct pel_snapshot *pel_scene_snapshot(struct pel_scene *scene)
     return pel_snapshot_ref(scene->snapshot);
 }
 
-/* So that little is left to do when nobody has looked for long. */
+/* Own ship is advanced also while no client asks, so that the next snapshot
+ * has few steps to catch up on. */
 static gboolean on_ship_timer(gpointer user)
 {
     struct pel_scene *scene = user;
@@ -251,8 +252,8 @@ static bool equal(const ProtobufCMessage *a, const ProtobufCMessage *b)
     return memcmp(bytes, bytes + size, size) == 0;
 }
 
-/* Whether the edit leaves own ship alone, so that its steps go on; the state
- * was looked at. (The sea is compared when it is made.) */
+/* Whether the edit leaves own ship alone, so that its steps go on; what
+ * the patch says was tested before. (The sea is compared when it is made.) */
 static bool ship_goes_on(const struct pel_scene *scene,
                          const Pelagos__State *next)
 {

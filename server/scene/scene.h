@@ -57,7 +57,7 @@ typedef void (*pel_scene_done)(void *user, enum pel_err err,
 struct pel_scene_wish {
     const Pelagos__Patch *patch; /* copied where it waits */
     /* Who asks: patches of one source take effect in the order in which they
-     * came. NULL: nobody in particular. */
+     * came. NULL: no source in particular. */
     const void *source;
     bool if_unchanged; /* refused where another edit comes before it */
 };
@@ -129,16 +129,16 @@ PEL_CHECK enum pel_err pel_scene_command_step(struct pel_scene *scene,
 typedef void (*pel_scene_listener)(void *user, double time_s,
                                    const Pelagos__Patch *patch);
 /* The state that the listener begins with, as pel_scene_state: own ship goes
- * on from it, so that whoever begins with it too has the same motion. */
+ * on from it, so that a replay from this state has the same motion. */
 const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
                                        pel_scene_listener listener, void *user);
 
-/* The newest frame of a simulator host that the scene shows, 0: none leads.
- * No part of the state: pictures and streams tell it. */
+/* The newest frame of a simulator host that the scene shows, 0: no host
+ * leads. Not part of the state: it goes with pictures and streams. */
 void pel_scene_set_host_frame(struct pel_scene *scene, uint32_t number);
 uint32_t pel_scene_host_frame(const struct pel_scene *scene);
 
-/* Whether one input is silent: an edit of `sources` where that is news. */
+/* Whether one input is silent: edits `sources` where it changed. */
 void pel_scene_set_stale(struct pel_scene *scene, enum pel_stale source,
                          bool stale);
 

@@ -1,5 +1,5 @@
-/* A sea that snapshots share: built when it is first looked at. Of the scene
- * room's own; others have pel_snapshot_sea (snapshot.h). */
+/* A sea that snapshots share: built lazily, by the first thread that needs
+ * it. Internal to the scene; other rooms use pel_snapshot_sea (snapshot.h). */
 #pragma once
 
 #include <pthread.h>

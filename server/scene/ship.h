@@ -3,7 +3,7 @@
  *
  * The motion is a function of the start (state, orders, time) and of simulated
  * time: it goes in steps of PEL_SHIP_STEP_S from the start, each solved in
- * closed form, so it does not matter how often or when it is looked at. Pure
+ * closed form, so it does not depend on when or how often it is sampled. Pure
  * functions, any thread. Local frame of scene/snapshot.h. */
 #pragma once
 

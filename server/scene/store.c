@@ -57,8 +57,8 @@ static enum pel_err try_writing(const char *temporary, struct pel_fault *fault)
                                   : unwritable(temporary, errno, fault);
 }
 
-/* A file that is locked and still the one of that name: whoever ends removes
- * it. */
+/* A file that is locked and still the one of that name: a daemon removes it
+ * when it ends. */
 static int open_lock(const char *path)
 {
     struct stat own, named;

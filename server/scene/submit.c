@@ -130,7 +130,8 @@ static enum pel_err commit_one(struct pel_scene *scene, const struct waiting *w,
                                      now_ns, fault);
 }
 
-/* All of a batch at one moment: nobody looks at the seas between. */
+/* All of a batch at one moment: the seas between are never
+ * drawn. */
 static void prepared(void *user, struct pel_preparation *ready)
 {
     struct pel_scene *scene = user;

@@ -26,7 +26,8 @@ static gpointer run(gpointer user)
     }
 }
 
-static void tell(struct pel_worker *worker, struct pel_task *task, bool dropped)
+static void finish(struct pel_worker *worker, struct pel_task *task,
+                   bool dropped)
 {
     worker->count--;
     task->done(task, dropped);
@@ -49,7 +50,7 @@ static gboolean dispatch(GSource *source, GSourceFunc callback, gpointer data)
         if (g_async_queue_length(worker->ended) > 0) {
             g_source_set_ready_time(source, 0); /* one a turn */
         }
-        tell(worker, task, false);
+        finish(worker, task, false);
     }
     return G_SOURCE_CONTINUE;
 }
@@ -87,7 +88,7 @@ bool pel_worker_wait(struct pel_worker *worker)
     if (worker->count == 0) {
         return false;
     }
-    tell(worker, g_async_queue_pop(worker->ended), false);
+    finish(worker, g_async_queue_pop(worker->ended), false);
     return true;
 }
 
@@ -103,10 +104,10 @@ void pel_worker_destroy(struct pel_worker *worker)
     }
     g_source_destroy(worker->source);
     while ((task = g_async_queue_try_pop(worker->ended))) {
-        tell(worker, task, true);
+        finish(worker, task, true);
     }
     while ((task = g_async_queue_try_pop(worker->tasks))) {
-        tell(worker, task, true);
+        finish(worker, task, true);
     }
     g_source_unref(worker->source);
     g_async_queue_unref(worker->tasks);

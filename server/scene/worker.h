@@ -1,7 +1,7 @@
 /* A thread for what takes longer than the control thread may: seas, files,
  * numbers of a spectrum. Tasks are done one after the other, in the order in
- * which they came; their ends are told on the control thread. All calls are
- * the control thread's. */
+ * which they came; `done` is called on the control thread. All
+ * functions are for the control thread. */
 #pragma once
 
 #include <stdbool.h>
@@ -24,10 +24,10 @@ struct pel_worker *pel_worker_create(const char *name);
 
 void pel_worker_push(struct pel_worker *worker, struct pel_task *task);
 
-/* Tasks whose end is not told yet. */
+/* Tasks whose `done` has not been called yet. */
 unsigned pel_worker_count(const struct pel_worker *worker);
 
-/* Waits for the oldest task and tells its end; false: there is none. For
+/* Waits for the oldest task and calls its `done`; false: there is none. For
  * programs without a main loop, and tests. */
 bool pel_worker_wait(struct pel_worker *worker);
 
