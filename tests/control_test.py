@@ -5,9 +5,10 @@ What it does is told by its own counters: load does not change what they say."""
 import random
 import sys
 import threading
+import time
 
 from modbus_test import check
-from pelagos_daemon import Daemon
+from pelagos_daemon import Daemon, until
 
 
 def work(daemon):
@@ -68,6 +69,27 @@ def light(daemon):
     return run
 
 
+def own_ship(daemon):
+    """It sails on a sea of FFT: a thread takes its steps, five a second, ahead
+    of the control thread, which may have to take the first."""
+    answer = daemon.request("PATCH", "/v1/state", {
+        "clock": {"mode": "FREE", "rate": 1},
+        "ownShip": {"on": True, "throttle": 0.8}})
+    check(answer.status == 200, f"{answer.body[:200]}")
+    before = daemon.state()
+    until("it is ahead", lambda: work(daemon).get("own ship ahead", 0) > 0)
+    first = work(daemon).get("own ship", 0)
+    time.sleep(4)
+    now = daemon.state()
+    took = work(daemon).get("own ship", 0) - first
+    seconds = now["clock"]["time"] - before["clock"]["time"]
+    check(now["entities"][0]["pitch"] != before["entities"][0]["pitch"],
+          "it pitches")
+    print(f"  own ship: {took:.0f} steps of {seconds / 0.2:.0f} on the control "
+          "thread")
+    check(took < 0.2 * seconds / 0.2, f"{took} in {seconds} s")
+
+
 def main():
     with Daemon() as daemon:
         daemon.request("PATCH", "/v1/state", {"sea": {"synthesiser": "FFT"}})
@@ -79,6 +101,7 @@ def main():
         check(did["spectra"] == 64, f"{did}")
         check("sea" not in did, f"{did}")
         check("surface" not in did, f"{did}")
+        own_ship(daemon)
     print("control_test: the control thread built none of some 100 seas")
     return 0
 

@@ -35,6 +35,7 @@ static void advance_ship(struct pel_scene *scene, double time_s)
 {
     if (scene->snapshot->ship_entity < 0 ||
         !pel_ship_steps(&scene->snapshot->ship, time_s)) {
+        pel_scene_sail(scene, time_s);
         return;
     }
     PEL_WATCH("own ship");
@@ -44,6 +45,7 @@ static void advance_ship(struct pel_scene *scene, double time_s)
         pel_snapshot_with_ship(scene->snapshot, &ship);
     pel_snapshot_unref(scene->snapshot);
     scene->snapshot = next;
+    pel_scene_sail(scene, time_s);
 }
 
 void pel_scene_refresh(struct pel_scene *scene, double time_s)
@@ -103,6 +105,7 @@ const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
         /* Whoever begins with this state begins own ship's steps here. */
         const struct pel_snapshot *anew = pel_snapshot_build(
             scene->state, scene->has.sea, scene->has.ground.bed);
+        scene->ship_era++;
         pel_snapshot_unref(scene->snapshot);
         scene->snapshot = anew;
     }
@@ -226,6 +229,7 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
                                        : NULL;
     const struct pel_snapshot *snapshot =
         pel_snapshot_build_going(state, next.sea, next.ground.bed, going);
+    scene->ship_era += !going;
     pel_provision_finish(&scene->has);
     pel_snapshot_unref(scene->snapshot);
     if (scene->state) {

@@ -31,7 +31,10 @@ struct pel_scene {
     guint save_timer;           /* 0: nothing to write */
     int64_t save_from_ns;       /* not before */
     uint64_t saves, failed_saves;
-    guint ship_timer; /* 0: own ship is not the model's */
+    guint ship_timer;           /* 0: own ship is not the model's */
+    struct pel_worker *sailing; /* does own ship's steps ahead */
+    bool ship_ahead;            /* it is at work */
+    uint64_t ship_era;          /* its motion began anew so often */
     uint32_t host_frame;
     pel_scene_listener listener; /* may be NULL */
     void *listener_user;
@@ -62,6 +65,10 @@ PEL_CHECK enum pel_err pel_scene_take_over(struct pel_scene *scene,
 
 /* After one or more of those. */
 void pel_scene_tell_commit(struct pel_scene *scene);
+
+/* sail.c: has own ship's steps of the next seconds done by a thread; looks up
+ * whether that is due. */
+void pel_scene_sail(struct pel_scene *scene, double time_s);
 
 /* submit.c */
 void pel_scene_begin_waiting(struct pel_scene *scene);

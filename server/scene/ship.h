@@ -14,8 +14,9 @@
 #include "ocean/sea.h"
 
 #define PEL_SHIP_STEP_S 0.2
-/* Steps that are kept, so that moments just past are answered exactly. */
-#define PEL_SHIP_HISTORY 8
+/* Steps that are kept: of moments just past, which are answered exactly, and
+ * of some to come, which a thread may have done ahead. */
+#define PEL_SHIP_HISTORY 64
 /* How far ahead of the last step it is looked; later it stays there. */
 #define PEL_SHIP_AHEAD_S 10.0
 #define PEL_SHIP_POINTS 15 /* of the hull, where the sea lifts it */

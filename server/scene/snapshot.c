@@ -21,10 +21,12 @@ int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name)
 void pel_snapshot_ship_motion(const struct pel_snapshot *s, double time_s,
                               struct pel_ship_motion *out)
 {
-    PEL_WATCH("own ship");
-    const struct pel_sea *sea =
-        pel_ship_asks(&s->ship, time_s) ? pel_snapshot_sea(s) : NULL;
-    pel_ship_at(&s->ship, time_s, sea, out);
+    if (pel_ship_asks(&s->ship, time_s)) {
+        PEL_WATCH("own ship");
+        pel_ship_at(&s->ship, time_s, pel_snapshot_sea(s), out);
+    } else {
+        pel_ship_at(&s->ship, time_s, NULL, out);
+    }
 }
 
 static void ship_at(const struct pel_snapshot *s, double time_s,

@@ -244,6 +244,7 @@ void pel_scene_begin_waiting(struct pel_scene *scene)
     scene->waiting = g_ptr_array_new();
     scene->worker = pel_worker_create("preparing");
     scene->numbers = pel_worker_create("spectra");
+    scene->sailing = pel_worker_create("own ship ahead");
 }
 
 void pel_scene_end_waiting(struct pel_scene *scene)
@@ -252,5 +253,7 @@ void pel_scene_end_waiting(struct pel_scene *scene)
     scene->worker = NULL;
     pel_worker_destroy(scene->numbers);
     scene->numbers = NULL;
+    pel_worker_destroy(scene->sailing);
+    scene->sailing = NULL;
     g_ptr_array_free(scene->waiting, TRUE);
 }
