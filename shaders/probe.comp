@@ -32,7 +32,7 @@ void main()
                      mean_fresnel(view.z, s_view), seen);
     float reflected = reflected_light(view, light, slopes, lights[PEL_LIGHT_SUN].limb.w);
     vec3 h = normalize(view + light);
-    answer[1] = vec4(h.z, reflected / max(light.z, 1e-4), reflected, schlick(dot(view, h)));
+    answer[1] = vec4(h.z, reflected / max(light.z, 1e-4), reflected, facet_reflectance(dot(view, h)));
     answer[2] = vec4(slope_density(-h.xy / max(h.z, 1e-3), slopes));
 
     answer[3] = vec4(sky_light(eye_table, direction.xy, angle_above_horizon(direction)), 0.0);

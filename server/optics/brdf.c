@@ -27,6 +27,11 @@ double pel_fresnel_schlick(double cos_theta, double n)
     return r + (1.0 - r) * m * m * m * m * m;
 }
 
+double pel_facet_reflectance(double cos_theta, double n)
+{
+    return pel_fresnel_schlick(cos_theta, n);
+}
+
 double pel_ross_slope_density(double zx, double zy, double var_x, double var_y)
 {
     return exp(-0.5 * (zx * zx / var_x + zy * zy / var_y)) /
@@ -87,6 +92,31 @@ double pel_ross_sun(struct pel_vec3 view, struct pel_vec3 light, double var_x,
 {
     return reflected(view, light, fmax(var_x, min_variance),
                      fmax(var_y, min_variance));
+}
+
+double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
+                   double var_y, double disc)
+{
+    if (!(view.z > 0) || !(light.z > 0)) {
+        return 0;
+    }
+    struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(view, light));
+    double level2 = view.x * view.x + view.y * view.y, level = sqrt(level2);
+    double s2 = 0.0, steeper = 0.0;
+    if (level > 0) {
+        s2 = (var_x * view.x * view.x + var_y * view.y * view.y) / level2;
+        double across = s2 * level2;
+        steeper = PEL_GLITTER_STEEPER * sqrt(s2) * across /
+                  (across + PEL_GLITTER_KNEE * view.z * view.z) / level;
+    }
+    double p = pel_ross_slope_density(steeper * view.x - h.x / h.z,
+                                      steeper * view.y - h.y / h.z,
+                                      var_x + disc, var_y + disc);
+    double f = pel_facet_reflectance(pel_vec3_dot(view, h), PEL_WATER_INDEX);
+    double shadow = 1.0 + pel_ross_lambda(pel_ross_a(view, var_x, var_y)) +
+                    pel_ross_lambda(pel_ross_a(light, var_x, var_y));
+    double hz2 = h.z * h.z;
+    return p * f / (4.0 * hz2 * hz2 * fmax(view.z, LEAST_COSINE) * shadow);
 }
 
 double pel_ross_mean_fresnel(struct pel_vec3 view, double var_x, double var_y)

@@ -1,5 +1,10 @@
-/* Reflection by a rough sea: Fresnel and the Ross BRDF, double precision.
- * Reference for shaders/lib/ross.glsl, function by function. Any thread.
+/* Reflection by a rough sea: Fresnel and the Ross BRDF, double precision. What
+ * is called pel_ross_ is the papers', as printed but for corrections;
+ * pel_facet_reflectance and pel_glitter are what is drawn. Twins in
+ * shaders/lib/ross.glsl: pel_facet_reflectance (facet_reflectance),
+ * pel_ross_slope_density (slope_density), pel_ross_lambda of pel_ross_a
+ * (smith_lambda_cos, times the cosine), pel_ross_mean_fresnel (mean_fresnel),
+ * pel_glitter (reflected_light). Any thread.
  *
  * Directions are unit vectors in the surface's tangent frame: z the normal,
  * x along the wind. Slope variances are dimensionless. */
@@ -15,6 +20,9 @@ double pel_fresnel_exact(double cos_theta, double n);
 /* Schlick 1994: R + (1 − R)(1 − cos θ)^5, R = ((n−1)/(n+1))²
  * (Bruneton et al. 2010, eq. 14). */
 double pel_fresnel_schlick(double cos_theta, double n);
+
+/* Reflectance of a facet for everything that is drawn: Schlick's. */
+double pel_facet_reflectance(double cos_theta, double n);
 
 /* Gaussian slope density p(ζ), eq. 7. */
 double pel_ross_slope_density(double zx, double zy, double var_x, double var_y);
@@ -39,6 +47,13 @@ double pel_ross_brdf(struct pel_vec3 view, struct pel_vec3 light, double var_x,
  * is the radiance. 0 for a view or light below the surface. */
 double pel_ross_sun(struct pel_vec3 view, struct pel_vec3 light, double var_x,
                     double var_y, double min_variance);
+
+/* The same as it is drawn: facets steeper at grazing angles by
+ * PEL_GLITTER_STEEPER (shaders/lib/blocks.h), and `disc`, the variance of
+ * slopes that mirror some of a light's disc (a sixteenth of its squared angular
+ * radius), added to the density's variances in place of a clamp. */
+double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
+                   double var_y, double disc);
 
 /* Effective Fresnel reflectance F̄, the fit of eq. 26. */
 double pel_ross_mean_fresnel(struct pel_vec3 view, double var_x, double var_y);

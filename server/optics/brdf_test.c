@@ -209,6 +209,34 @@ static void test_brdf(void **state)
     assert_true(pel_ross_brdf(direction(1.6, 0), l, vx, vy) == 0);
 }
 
+/* As it is drawn: eq. 15 looked up at a facet that is steeper by the fit, and
+ * no steeper straight down; a disc widens the density alone. */
+static void test_glitter(void **state)
+{
+    (void)state;
+    double vx = 0.03, vy = 0.015, disc = 1e-3;
+    struct pel_vec3 v = direction(1.45, 0.0), l = direction(1.3, PEL_PI);
+    struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(v, l));
+    double s = sqrt(vx), mu = v.z / (sqrt(1 - v.z * v.z) * s);
+    double steeper = 0.125 * s / (1 + mu * mu / 16);
+    double ratio =
+        pel_ross_slope_density(steeper - h.x / h.z, -h.y / h.z, vx, vy) /
+        pel_ross_slope_density(-h.x / h.z, -h.y / h.z, vx, vy);
+    assert_true(fabs(ratio - 1) > 0.02);
+    double want = ratio * pel_ross_sun(v, l, vx, vy, 0);
+    assert_near(pel_glitter(v, l, vx, vy, 0), want, 1e-12 * want);
+    struct pel_vec3 down = { 0, 0, 1 }, high = direction(0.3, 1.0);
+    want = pel_ross_sun(down, high, vx, vy, 0);
+    assert_near(pel_glitter(down, high, vx, vy, 0), want, 1e-9 * want);
+    h = pel_vec3_normalize(pel_vec3_add(down, high));
+    ratio =
+        pel_ross_slope_density(-h.x / h.z, -h.y / h.z, vx + disc, vy + disc) /
+        pel_ross_slope_density(-h.x / h.z, -h.y / h.z, vx, vy);
+    assert_near(pel_glitter(down, high, vx, vy, disc), ratio * want,
+                1e-9 * want);
+    assert_true(pel_glitter(v, direction(1.6, 0), vx, vy, disc) == 0);
+}
+
 /* BRDF over F, times cos θ_l, over the light: on a grid of the facets' slopes,
  * dω = 4 h_z³ v·h d²ζ, so that narrow lobes are met. */
 static double furnace(struct pel_vec3 v, double vx, double vy)
@@ -265,6 +293,7 @@ int main(void)
         cmocka_unit_test(test_mean_fresnel),
         cmocka_unit_test(test_reciprocity),
         cmocka_unit_test(test_brdf),
+        cmocka_unit_test(test_glitter),
         cmocka_unit_test(test_white_furnace),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -106,7 +106,7 @@ double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y)
         double facet2 = 1.0 + zx * zx + zy * zy;
         double facing = view.z + view.x * zx + view.y * zy;
         double cosine = facing / sqrt(facet2 * (1.0 + across / facet2));
-        sum += weight[k] * pel_fresnel_schlick(cosine, PEL_WATER_INDEX);
+        sum += weight[k] * pel_facet_reflectance(cosine, PEL_WATER_INDEX);
     }
     return sum;
 }

@@ -4,8 +4,8 @@
 
 #include "optics/atmosphere.h"
 
-/* How a rough sea reflects: terms of Ross's BRDF. Densities and Λ are
- * dimensionless, the last two 1/sr. */
+/* How a rough sea reflects, as it is drawn: terms of Ross's BRDF. Densities and
+ * Λ are dimensionless, the last two 1/sr. */
 struct pel_brdf_terms {
     double half_cosine;   /* of the facets that mirror the light to the eye */
     double slope_density; /* eq. 7 at their slope */
@@ -13,8 +13,8 @@ struct pel_brdf_terms {
     double fresnel;                   /* eq. 14 at them */
     double mean_fresnel;              /* F̄, eq. 26 */
     double seen_fresnel;  /* F̄ over the facets seen, as it is drawn */
-    double brdf;          /* eq. 13 */
-    double reflected_sun; /* eq. 15 for an irradiance of 1 */
+    double brdf;          /* reflected_sun over the cosine of the light */
+    double reflected_sun; /* as drawn, for an irradiance of 1: pel_glitter */
 };
 
 /* view and light: unit, in the tangent frame (z up, x along the wind), view

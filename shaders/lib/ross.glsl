@@ -1,5 +1,5 @@
-// Reflection by a rough sea, twin of optics/brdf.c: Ross, Dion and Potvin 2005
-// as used in Bruneton et al. 2010, sections 4 and 5.
+// Reflection by a rough sea: Ross, Dion and Potvin 2005 as used in Bruneton et
+// al. 2010, sections 4 and 5. Each function has its twin in optics/brdf.h.
 
 // Smith's Λ(a) cos θ, eq. 8, with a = 1 / (√2 s tan θ): finite as cos θ → 0.
 // erfc by Abramowitz and Stegun 7.1.26, |error| < 1.5e-7.
@@ -29,13 +29,6 @@ float directional_variance(vec3 dir, vec2 variance)
     return dot(variance, d2) / max(d2.x + d2.y, 1e-12);
 }
 
-// Less than half the error of the glitter under the horizon; not in the paper.
-#if defined PEL_SKY_FILTER && PEL_SKY_FILTER != 1
-const float PEL_SUN_STEEPER = 0.0;
-#else
-const float PEL_SUN_STEEPER = 0.125;
-#endif
-
 // Gaussian slope density p(ζ), eq. 7.
 float slope_density(vec2 slope, vec2 variance)
 {
@@ -43,30 +36,36 @@ float slope_density(vec2 slope, vec2 variance)
            inversesqrt(variance.x * variance.y) / (2.0 * PI);
 }
 
-// Schlick 1994, eq. 14.
-float schlick(float cosine)
+// Reflectance of a facet, whatever it reflects: Schlick 1994, eq. 14. Twin of
+// pel_facet_reflectance.
+float facet_reflectance(float cosine)
 {
     float c = 1.0 - clamp(cosine, 0.0, 1.0);
     float c2 = c * c;
     return planet.w + (1.0 - planet.w) * c2 * c2 * c;
 }
 
-// Radiance of a light's reflection for irradiance 1 normal to its beam: eq. 15.
-// Its disc, as the variance `disc` of slopes that mirror some of it, is folded
-// into the slope density (the paper clamps the variance), so that a flat sea
-// shows the disc.
+// Radiance of a light's reflection for irradiance 1 normal to its beam: eq. 15,
+// its facets steeper at grazing angles (PEL_GLITTER_STEEPER). Its disc, as the
+// variance `disc` of slopes that mirror some of it, is folded into the slope
+// density (the paper clamps the variance), so that a flat sea shows the disc.
+// Twin of pel_glitter.
 float reflected_light(vec3 view, vec3 light, vec2 variance, float disc)
 {
     vec3 h = normalize(view + light);
     float hz = max(h.z, 1e-3);
     float s_view = sqrt(directional_variance(view, variance));
     vec2 toward = view.xy * inversesqrt(max(dot(view.xy, view.xy), 1e-12));
-    // Seen facets are steeper at grazing angles than Smith's masking says, as
-    // pel_facets_seen has it for the sky; fitted with `make validate`.
+#ifdef PEL_PAPER
+    const float STEEPER = 0.0;
+#else
+    const float STEEPER = PEL_GLITTER_STEEPER;
+#endif
     float across = s_view * s_view * max(1.0 - view.z * view.z, 1e-8); // (cos θ / μ)²
-    vec2 slope = -h.xy / hz + toward * (PEL_SUN_STEEPER * s_view * across / (across + view.z * view.z / 16.0));
+    vec2 slope = -h.xy / hz + toward * (STEEPER * s_view * across /
+                                        (across + view.z * view.z * PEL_GLITTER_KNEE));
     float p = slope_density(slope, variance + disc);
-    float fresnel = schlick(dot(view, h));
+    float fresnel = facet_reflectance(dot(view, h));
     float cos_v = max(view.z, 1e-4);
     float view_term = smith_lambda_cos(view.z, s_view);
     float light_term = smith_lambda_cos(light.z, sqrt(directional_variance(light, variance)));

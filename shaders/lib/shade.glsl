@@ -48,9 +48,7 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
         float facet2 = dot(facet, facet);
         vec3 f = facet * inversesqrt(facet2);
         float fv = dot(f, v);
-        float c = 1.0 - clamp(fv * inversesqrt(1.0 + cross2 / facet2), 0.0, 1.0);
-        float c2 = c * c;
-        float share = (planet.w + (1.0 - planet.w) * c2 * c2 * c) * weights[i];
+        float share = facet_reflectance(fv * inversesqrt(1.0 + cross2 / facet2)) * weights[i];
         fresnel += share;
         vec3 r = 2.0 * fv * f - v;
         float inverse = 1.0 / (1.0 + max(r.z, -0.3));
