@@ -25,7 +25,7 @@
 #include "service.h"
 
 #define EXIT_USAGE 2
-#define DRAIN_NS 2000000000LL
+#define DRAIN_MS 2000
 
 struct daemon {
     int argc;
@@ -49,10 +49,6 @@ struct daemon {
         rtsp_host[64]; /* the net keeps pointers */
     char **http_hosts, **origins, **proxies;
     bool stopping;
-    int64_t drain_end_ns;
-    uint64_t counted_frames; /* for the rate that Modbus shows */
-    int64_t counted_ns;
-    double frames_per_s;
 };
 
 static const char *or_null(const char *text)
@@ -257,40 +253,23 @@ static enum pel_err start_cigi(struct daemon *d, struct pel_fault *fault)
     return pel_cigi_create(&options, d->scene, &d->cigi, fault);
 }
 
-static uint64_t sum(const uint64_t *values, size_t count)
-{
-    uint64_t total = 0;
-    for (size_t i = 0; i < count; i++) {
-        total += values[i];
-    }
-    return total;
-}
-
 static void modbus_status(void *user, struct pel_modbus_status *status)
 {
     struct daemon *d = user;
     struct pel_frames_stats s;
-    int64_t now = pel_now_ns();
     pel_frames_get_stats(d->frames, &s);
-    if (now - d->counted_ns > 1000000000) {
-        d->frames_per_s = (double)(s.frames_drawn - d->counted_frames) /
-                          ((double)(now - d->counted_ns) * 1e-9);
-        d->counted_frames = s.frames_drawn;
-        d->counted_ns = now;
-    }
     *status = (struct pel_modbus_status){
         .frame_number = s.frames_drawn,
-        .frames_per_s = d->frames_per_s,
+        .frames_per_s = pel_frames_rate(d->frames),
         .render_ms = s.render_ms_median,
         .frames_stalled = pel_frames_stuck(d->frames),
     };
     if (d->nmea) {
-        const struct pel_nmea_counters *counters = pel_nmea_counters(d->nmea);
         struct pel_nmea_status nmea;
         pel_nmea_status(d->nmea, &nmea);
         status->nmea_stale = nmea.stale;
-        status->nmea_sentences = counters->sentences;
-        status->nmea_errors = sum(counters->errors, PEL_NMEA_ERROR_COUNT);
+        status->nmea_sentences = nmea.sentences;
+        status->nmea_errors = nmea.errors;
     }
 }
 
@@ -365,14 +344,10 @@ static bool finish(struct daemon *d)
 
 /* --- signals -------------------------------------------------------------- */
 
-static gboolean drain(gpointer user)
+static void drained(void *user)
 {
     struct daemon *d = user;
-    if (!pel_net_idle(d->net) && pel_now_ns() < d->drain_end_ns) {
-        return G_SOURCE_CONTINUE;
-    }
     g_main_loop_quit(d->loop);
-    return G_SOURCE_REMOVE;
 }
 
 static gboolean terminate(gpointer user)
@@ -384,9 +359,7 @@ static gboolean terminate(gpointer user)
     }
     pel_info("DMN-008", "stopping");
     d->stopping = true;
-    d->drain_end_ns = pel_now_ns() + DRAIN_NS;
-    pel_net_stop_listening(d->net);
-    g_timeout_add(20, drain, d);
+    pel_net_drain(d->net, DRAIN_MS, drained, d);
     return G_SOURCE_CONTINUE;
 }
 
@@ -410,14 +383,7 @@ static gboolean reload(gpointer user)
         pel_error("DMN-020", "options stay as they were: %s", fault.message);
         return G_SOURCE_CONTINUE;
     }
-    for (const struct pel_option *o = pel_option_table; o->name; o++) {
-        if (!pel_option_equal(o, &d->options, &fresh)) {
-            pel_log(o->live ? PEL_LOG_INFO : PEL_LOG_WARNING, "DMN-021",
-                    o->live ? "%s has changed"
-                            : "%s has changed: restart to use it",
-                    o->name);
-        }
-    }
+    pel_options_log_changes(&d->options, &fresh);
     apply_live(d, &fresh);
     pel_net_reload(d->net);
     pel_info("DMN-022", "options read again");

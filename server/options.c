@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/log.h"
 
 #define MOST_CONFIG (1 << 20) /* bytes */
 #define FIELD(name) offsetof(struct pel_options, name)
@@ -447,6 +448,19 @@ bool pel_option_equal(const struct pel_option *option,
         break;
     }
     return strcmp(x, y) == 0;
+}
+
+void pel_options_log_changes(const struct pel_options *from,
+                             const struct pel_options *to)
+{
+    for (const struct pel_option *o = pel_option_table; o->name; o++) {
+        if (!pel_option_equal(o, from, to)) {
+            pel_log(o->live ? PEL_LOG_INFO : PEL_LOG_WARNING, "DMN-021",
+                    o->live ? "%s has changed"
+                            : "%s has changed: restart to use it",
+                    o->name);
+        }
+    }
 }
 
 void pel_options_init(struct pel_options *options)

@@ -119,6 +119,10 @@ PEL_CHECK enum pel_err pel_options_check(const struct pel_options *options,
 bool pel_option_equal(const struct pel_option *option,
                       const struct pel_options *a, const struct pel_options *b);
 
+/* Says in the log which values differ, and which of them wait for a restart. */
+void pel_options_log_changes(const struct pel_options *from,
+                             const struct pel_options *to);
+
 /* Splits ADDRESS:PORT (localhost becomes 127.0.0.1); false: not one. */
 bool pel_options_split_address(const char *text, char host[64], uint16_t *port);
 

@@ -618,6 +618,10 @@ void pel_nmea_status(const struct pel_nmea *nmea,
                      struct pel_nmea_status *status)
 {
     status_at(nmea, pel_now_ns(), status);
+    status->sentences = nmea->counters.sentences;
+    for (size_t i = 0; i < PEL_NMEA_ERROR_COUNT; i++) {
+        status->errors += nmea->counters.errors[i];
+    }
 }
 
 uint16_t pel_nmea_port(const struct pel_nmea *nmea)

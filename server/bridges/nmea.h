@@ -72,11 +72,12 @@ struct pel_nmea_counters {
 /* Fresh: came within the last 10 s of wall time. */
 struct pel_nmea_status {
     bool fix_fresh, heading_fresh, attitude_fresh, wind_fresh;
-    bool stale;        /* had a fix once, has none now */
-    double fix_age_s;  /* -1: never had one */
-    double depth_m;    /* below transducer plus offset, NaN: unknown */
-    double rudder_deg; /* RSA, starboard positive, NaN: unknown */
-    size_t targets;    /* of AIS and radar, shown */
+    bool stale;                 /* had a fix once, has none now */
+    double fix_age_s;           /* -1: never had one */
+    double depth_m;             /* below transducer plus offset, NaN: unknown */
+    double rudder_deg;          /* RSA, starboard positive, NaN: unknown */
+    size_t targets;             /* of AIS and radar, shown */
+    uint64_t sentences, errors; /* taken; of any kind */
 };
 
 /* Opens the port in the default GMainContext. Errors: IO (port taken), INVALID

@@ -124,6 +124,11 @@ struct pel_frames {
     unsigned subscription_count; /* with a stream */
     unsigned running_count;      /* of them not paused */
     const char *video_encoder;
+    struct { /* for pel_frames_rate */
+        uint64_t drawn;
+        int64_t at_ns;
+        double per_s;
+    } rate;
     unsigned calling; /* depth of callbacks to subscribers */
     unsigned surface_count;
     struct pel_prefetch prefetch;

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "encode/video.h"
 #include "frames/core.h"
@@ -212,6 +213,19 @@ void pel_frames_get_stats(const struct pel_frames *frames,
     out->trial_fragment_ms = path.fragment_ms;
     out->trial_compute_ms = path.compute_ms;
     out->video_ms_median = pel_window_rank(&frames->video_ms, 0.5);
+}
+
+double pel_frames_rate(struct pel_frames *frames)
+{
+    int64_t now_ns = pel_now_ns(), since_ns = now_ns - frames->rate.at_ns;
+    uint64_t drawn = frames->stats.frames_drawn;
+    if (since_ns > 1000000000) {
+        frames->rate.per_s =
+            (double)(drawn - frames->rate.drawn) / ((double)since_ns * 1e-9);
+        frames->rate.drawn = drawn;
+        frames->rate.at_ns = now_ns;
+    }
+    return frames->rate.per_s;
 }
 
 void pel_frames_set_quality(struct pel_frames *frames, double quality)

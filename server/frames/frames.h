@@ -242,6 +242,10 @@ struct pel_frames_stats {
 void pel_frames_get_stats(const struct pel_frames *frames,
                           struct pel_frames_stats *out);
 
+/* Frames drawn a second between the last two calls that were a second or more
+ * apart; 0 at first. */
+double pel_frames_rate(struct pel_frames *frames);
+
 /* Changes the cap of live views, 1..240 Hz, from the next frame on. */
 void pel_frames_set_max_fps(struct pel_frames *frames, double max_fps);
 

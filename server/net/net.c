@@ -7,6 +7,7 @@
 
 #include <glib.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "net/http_server.h"
 #include "net/listener.h"
@@ -14,6 +15,8 @@
 #include "net/session.h"
 #include "net/tls.h"
 #include "net/token.h"
+
+#define DRAIN_LOOK_MS 20
 
 struct pel_net {
     struct pel_net_options options;
@@ -27,6 +30,12 @@ struct pel_net {
     struct pel_listener *http_listener, *tcp_listener, *unix_listener;
     uint16_t http_port, tcp_port;
     bool joined; /* the metrics */
+    struct {
+        guint timer; /* 0: not draining */
+        int64_t end_ns;
+        void (*done)(void *user);
+        void *user;
+    } drain;
 };
 
 void pel_net_limits_default(struct pel_net_limits *limits)
@@ -289,7 +298,21 @@ static void close_listeners(struct pel_net *net)
     net->http_listener = net->tcp_listener = net->unix_listener = NULL;
 }
 
-void pel_net_stop_listening(struct pel_net *net)
+static gboolean drain(gpointer user)
+{
+    struct pel_net *net = user;
+    bool idle = pel_sessions_in_flight(net->sessions) == 0 &&
+                (!net->http || pel_http_server_in_flight(net->http) == 0);
+    if (!idle && pel_now_ns() < net->drain.end_ns) {
+        return G_SOURCE_CONTINUE;
+    }
+    net->drain.timer = 0;
+    net->drain.done(net->drain.user);
+    return G_SOURCE_REMOVE;
+}
+
+void pel_net_drain(struct pel_net *net, int within_ms, void (*done)(void *user),
+                   void *user)
 {
     close_listeners(net);
     pel_sessions_stop(net->sessions);
@@ -299,12 +322,10 @@ void pel_net_stop_listening(struct pel_net *net)
     if (net->http) {
         pel_http_server_stop(net->http);
     }
-}
-
-bool pel_net_idle(const struct pel_net *net)
-{
-    return pel_sessions_in_flight(net->sessions) == 0 &&
-           (!net->http || pel_http_server_in_flight(net->http) == 0);
+    net->drain.done = done;
+    net->drain.user = user;
+    net->drain.end_ns = pel_now_ns() + within_ms * INT64_C(1000000);
+    net->drain.timer = g_timeout_add(DRAIN_LOOK_MS, drain, net);
 }
 
 void pel_net_destroy(struct pel_net *net)
@@ -313,6 +334,9 @@ void pel_net_destroy(struct pel_net *net)
         return;
     }
     close_listeners(net);
+    if (net->drain.timer != 0) {
+        g_source_remove(net->drain.timer);
+    }
     if (net->joined) {
         pel_metrics_remove(net->options.metrics, collect, net);
     }

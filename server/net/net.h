@@ -81,12 +81,11 @@ PEL_CHECK enum pel_err pel_net_create(const struct pel_net_options *options,
  * be read stays as it was, and the log says why. */
 void pel_net_reload(struct pel_net *net);
 
-/* Refuses new clients and new requests from now on, for a drain at shutdown;
- * what is under way goes on. */
-void pel_net_stop_listening(struct pel_net *net);
-
-/* True when no request is under way (streams and idle clients do not count). */
-bool pel_net_idle(const struct pel_net *net);
+/* Refuses new clients and new requests from now on; `done` is called once no
+ * request is under way (streams and idle clients do not count), or within_ms
+ * later. */
+void pel_net_drain(struct pel_net *net, int within_ms, void (*done)(void *user),
+                   void *user);
 
 /* Closes every client and the sockets, cancels their requests, removes the
  * Unix path. Call before pel_frames_destroy. NULL allowed. */
