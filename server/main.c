@@ -67,7 +67,7 @@ static enum pel_err start_realtime(struct daemon *d, struct pel_fault *fault)
         pel_info("DMN-013", "no real time for answers: while pictures are "
                             "drawn on the processor they may wait some ms "
                             "longer; LimitRTPRIO=2 (systemd) or ulimit -r 2 "
-                            "permits it, --realtime off says no more");
+                            "permits it, --realtime off silences this");
     }
     return err;
 }

@@ -22,7 +22,8 @@ void pel_service_limits(void)
         if (limit.rlim_cur < want) {
             limit.rlim_cur = want;
             if (setrlimit(RLIMIT_NOFILE, &limit) != 0) {
-                pel_warn("DMN-010", "the limit of descriptors stays");
+                pel_warn("DMN-010",
+                         "the limit of file descriptors could not be raised");
             }
         }
         if (limit.rlim_cur < NEEDED_DESCRIPTORS) {

@@ -97,7 +97,7 @@ void pel_metrics_add(struct pel_metrics *metrics, pel_metrics_collect collect,
                      void *user)
 {
     if (metrics->count == MAX_ROOMS) {
-        pel_error("MET-001", "no place for another collector of metrics");
+        pel_error("MET-001", "too many collectors of metrics");
         return;
     }
     metrics->rooms[metrics->count++] = (struct room){ collect, user };

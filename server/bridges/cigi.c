@@ -208,7 +208,8 @@ static void step_to(struct pel_cigi *cigi, double time_s)
         pel_scene_step_to(cigi->scene, time_s, &fault) != PEL_OK) {
         static struct pel_log_limit limit;
         pel_log_limited(&limit, PEL_LOG_WARNING, "CIG-006",
-                        "time stands still: %s", fault.message);
+                        "simulated time could not be advanced: %s",
+                        fault.message);
     }
 }
 
@@ -496,7 +497,8 @@ static void resume(struct pel_cigi *cigi)
     Pelagos__Patch *patch = pel_cigi_world_end(
         &cigi->world, pel_scene_state(cigi->scene), cigi->mode_before);
     if (pel_scene_patch(cigi->scene, patch, &fault) != PEL_OK) {
-        pel_warn("CIG-010", "time is not given back: %s", fault.message);
+        pel_warn("CIG-010", "clock.mode could not be set back: %s",
+                 fault.message);
     }
     pelagos__patch__free_unpacked(patch, NULL);
 }

@@ -368,9 +368,10 @@ static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
             !pel_allow_has(&nmea->allow, (struct sockaddr *)&peer)) {
             static struct pel_log_limit limit;
             pel_log_limited(&limit, PEL_LOG_WARNING, "NME-004",
-                            "datagram refused: %zd bytes, of a sender %s", size,
-                            (size_t)size > sizeof bytes ? "that sends too many"
-                                                        : "not in the list");
+                            "datagram of %zd bytes refused: %s", size,
+                            (size_t)size > sizeof bytes
+                                ? "too long"
+                                : "its sender is not in --nmea-allow");
             nmea->counters.refused_datagrams++;
             continue;
         }

@@ -175,7 +175,7 @@ bool pel_frames_destroy(struct pel_frames *frames)
     pel_live_finish(frames);
     if (!joined) {
         /* They still use all this: leaving it is the only safe way. */
-        pel_error("FRM-005", "a thread does not end and is left behind");
+        pel_error("FRM-005", "a thread does not end in time and is abandoned");
         return false;
     }
     pel_renderloop_destroy(frames->loop);

@@ -398,7 +398,8 @@ static void step_paced(struct pel_frames *frames)
         if (pel_scene_step(frames->scene, s->rate / frames->max_fps, &fault) !=
             PEL_OK) {
             pel_log_limited(&limit, PEL_LOG_WARNING, "FRM-004",
-                            "time stands still: %s", fault.message);
+                            "simulated time could not be advanced: %s",
+                            fault.message);
         }
     }
     pel_snapshot_unref(s);

@@ -184,10 +184,11 @@ void pel_net_reload(struct pel_net *net)
 {
     struct pel_fault fault;
     if (net->token && pel_token_reload(net->token, &fault) != PEL_OK) {
-        pel_error("NET-008", "the token stays: %s", fault.message);
+        pel_error("NET-008", "the old token stays in use: %s", fault.message);
     }
     if (net->tls && pel_tls_reload(net->tls, &fault) != PEL_OK) {
-        pel_error("NET-009", "the certificate stays: %s", fault.message);
+        pel_error("NET-009", "the old certificate stays in use: %s",
+                  fault.message);
     }
 }
 

@@ -346,7 +346,8 @@ static gboolean on_started(gpointer user)
     if (rtsp->start_err == PEL_OK) {
         start_server(rtsp);
     } else {
-        pel_error("NET-031", "no RTSP: %s", rtsp->start_fault.message);
+        pel_error("NET-031", "RTSP cannot start: %s",
+                  rtsp->start_fault.message);
     }
     for (unsigned i = 0; i < rtsp->waiting_count; i++) {
         if (rtsp->state == STATE_RUNS) {

@@ -197,7 +197,7 @@ static void say_failure(void)
     unsigned long code = ERR_peek_error();
     const char *why = code ? ERR_reason_error_string(code) : NULL;
     pel_log_limited(&limit, PEL_LOG_WARNING, "NET-040",
-                    "no TLS with a client: %s", why ? why : "it left");
+                    "a TLS handshake failed: %s", why ? why : "it left");
 }
 
 /* What a call of OpenSSL that did not succeed waits for; false: the connection

@@ -277,9 +277,9 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
                            bool submerged)
 {
     static const GLfloat far_away = 0.0f;
-    /* Clearing obeys both: the targets may be larger than this picture. Numbers
-     * are read only where the depth says that there is a triangle, but by
-     * coasts everywhere. */
+    /* Clearing obeys depth mask and scissor: the targets may be larger than
+     * this picture. The sea's texels are read only where the depth shows a
+     * triangle, but the passes of coasts read all of them. */
     glDepthMask(GL_TRUE);
     glScissor(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     glEnable(GL_SCISSOR_TEST);

@@ -49,10 +49,11 @@ void pel_missing_note(struct pel_missing *missing, enum pel_missing_kind kind,
         pel_ground_forget(state);
     } else {
         *name = g_strdup(state->sea->measured ? state->sea->measured : "");
-        pel_error("SCN-005",
-                  "the sea is Pierson and Moskowitz's, and the state file "
-                  "keeps sea.spectrum: %s",
-                  why->message);
+        pel_error(
+            "SCN-005",
+            "the sea is Pierson–Moskowitz, not measured, and the state file "
+            "keeps sea.spectrum: %s",
+            why->message);
         state->sea->spectrum = PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ;
     }
 }

@@ -184,8 +184,8 @@ static void remove_oldest(struct pel_record *record)
         } else {
             static struct pel_log_limit limit;
             pel_log_limited(&limit, PEL_LOG_WARNING, "REC-006",
-                            "%s, which is old, stays: %s", name,
-                            strerror(errno));
+                            "%s, an old segment, could not be removed: %s",
+                            name, strerror(errno));
         }
     }
     g_array_free(found, TRUE);

@@ -86,7 +86,7 @@ void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
                          void *user)
 {
     if (scene->callback_count == PEL_MAX_CALLBACKS) {
-        pel_error("SCN-004", "more than %d rooms listen to the scene",
+        pel_error("SCN-004", "more than %d callbacks for commits of the scene",
                   PEL_MAX_CALLBACKS);
         return;
     }
@@ -150,7 +150,8 @@ void pel_scene_set_stale(struct pel_scene *scene, enum pel_stale source,
     state.sources = &sources;
     patch.state = &state;
     if (pel_scene_patch(scene, &patch, &fault) != PEL_OK) {
-        pel_error("SCN-007", "no mark of a silent source: %s", fault.message);
+        pel_error("SCN-007", "a silent source could not be marked: %s",
+                  fault.message);
     }
 }
 
