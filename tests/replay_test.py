@@ -14,7 +14,7 @@ from pymodbus.client import ModbusTcpClient
 
 import cigi_host as cigi
 from modbus_test import check, floats
-from pelagos_daemon import BIN, Daemon, free_port, read_varint, schema
+from pelagos_daemon import BIN, Daemon, free_port, read_varint, schema, until
 
 VIEW = {"views": {"bridge": {"width": 160, "height": 90, "up": 12}}}
 WIND, COMMIT = 10, 5
@@ -76,7 +76,9 @@ def session(log):
                           ("127.0.0.1", nmea))
             client.write_registers(WIND, floats(6 + i, 200 + i), slave=1)
             client.write_register(COMMIT, 1, slave=1)
-            time.sleep(0.05)
+            # The sentence comes by UDP: it may be read last.
+            until("its heading is there", lambda n=i + 1: daemon.metrics()[
+                "pelagos_nmea_edits_total"] >= n)
             # Later than every command until now, earlier than the next one.
             at = daemon.state()["clock"]["time"]
             answer = daemon.get(f"/v1/views/bridge/frame.png?time={at!r}")
@@ -136,6 +138,8 @@ def session_of_a_host(log):
                       *([cigi.component(5, 1)] if i == 4 else []),
                       cigi.hat_hot(i, 52.6, 5.2), ticks=200000)
             host.settle()
+            until("its sea is built", lambda:
+                  daemon.metrics()["pelagos_scene_waiting"] == 0)
             client.write_registers(WIND, floats(6 + i, 200 + i), slave=1)
             client.write_register(COMMIT, 1, slave=1)
             daemon.patch({"sky": {"sunElevation": 10 + 3 * i}})
