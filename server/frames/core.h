@@ -222,8 +222,14 @@ size_t pel_set_count(const struct pel_frame_set *set);
 bool pel_set_begun(const struct pel_frame_set *set);
 void pel_set_begin(struct pel_frame_set *set);
 
+#define PEL_LIVE_PIXELS (UINT64_C(1) << 26) /* of all streams together */
+#define PEL_LIVE_ENCODERS 32
+
 /* --- live.c -------------------------------------------------------------- */
 
+/* Pixels of a live view in a profile; 0: there is no such view. */
+uint64_t pel_live_pixels(const struct pel_snapshot *s, const char *view,
+                         const struct pel_profile *profile);
 /* Ends the streams whose view is not in the snapshot. */
 void pel_live_check(struct pel_frames *frames, const struct pel_snapshot *s);
 /* What the stream adds to a job that begins now: false nothing, as nobody can

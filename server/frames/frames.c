@@ -200,6 +200,16 @@ void pel_frames_get_stats(const struct pel_frames *frames,
 {
     *out = frames->stats;
     out->subscriptions = frames->subscription_count;
+    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    for (int i = 0; i < PEL_MAX_STREAMS; i++) {
+        const struct pel_stream *stream = &frames->streams[i];
+        if (stream->serial) {
+            out->live_megapixels +=
+                (double)pel_live_pixels(s, stream->view, &stream->profile) *
+                1e-6;
+        }
+    }
+    pel_snapshot_unref(s);
     out->render_ms_median = pel_window_rank(&frames->render_ms, 0.5);
     out->render_ms_p95 = pel_window_rank(&frames->render_ms, 0.95);
     out->encode_ms_median = pel_window_rank(&frames->encode_ms, 0.5);

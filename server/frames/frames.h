@@ -132,8 +132,8 @@ void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
  * dropping for slow clients is the subscriber's work. When the view is deleted
  * the callback gets NOT_FOUND once and no more frames; the subscription still
  * waits for pel_frames_unsubscribe. Any other error is of one frame only. At
- * most 256 subscriptions and 64 different (view, quality): BUSY.
- * quality 1..100. */
+ * most 256 subscriptions, 64 different (view, profile), 32 of them H.264, and
+ * 67 million pixels together: BUSY, saying which. quality 1..100. */
 struct pel_subscription;
 PEL_CHECK enum pel_err
 pel_frames_subscribe(struct pel_frames *frames, const char *view, int quality,
@@ -226,6 +226,8 @@ struct pel_frames_stats {
     uint64_t pictures_encoded, encoded_bytes, requests_refused;
     uint64_t large_drawn;      /* frames that were drawn in bands */
     uint64_t pictures_dropped; /* that nobody waited for any more */
+    uint64_t streams_left_out; /* of frames: too many pixels together */
+    double live_megapixels;    /* of all live views */
     uint64_t surfaces, surfaces_prefetched; /* queries taken */
     double render_ms_median, render_ms_p95; /* of the last 256 views */
     double quality; /* scale of width and height of live views, 0.25..1 */

@@ -185,6 +185,66 @@ static void subscriptions_are_bounded(void **state)
     drop(&answer);
 }
 
+/* Forty of 4096 x 4096 took 6.4 GB. */
+static void live_views_have_a_budget(void **state)
+{
+    (void)state;
+    struct pel_subscription *opened[40] = { NULL };
+    struct answer answer = { 0 };
+    struct pel_fault fault;
+    int open = 0;
+    for (int i = 0; i < 40; i++) {
+        const struct pel_profile profile = { .codec = PEL_CODEC_H264,
+                                             .width = 4096,
+                                             .height = 4096 - 2 * (unsigned)i };
+        enum pel_err err = pel_frames_open(frames, "test", &profile, take,
+                                           &answer, &opened[i], &fault);
+        open += err == PEL_OK;
+        if (err != PEL_OK) {
+            assert_int_equal(err, PEL_ERR_BUSY);
+            assert_non_null(strstr(fault.message, "67 million pixels"));
+            opened[i] = NULL;
+        }
+    }
+    assert_int_equal(open, 4);
+    /* One that is open can be shared, and changed for a smaller one. */
+    const struct pel_profile same = { .codec = PEL_CODEC_H264,
+                                      .width = 4096,
+                                      .height = 4096 };
+    const struct pel_profile less = { .codec = PEL_CODEC_H264,
+                                      .width = 640,
+                                      .height = 480 };
+    struct pel_subscription *other;
+    assert_int_equal(
+        pel_frames_open(frames, "test", &same, take, &answer, &other, NULL),
+        PEL_OK);
+    assert_int_equal(pel_frames_change(opened[1], &less, NULL), PEL_OK);
+    pel_frames_unsubscribe(other);
+    for (int i = 0; i < 40; i++) {
+        if (opened[i]) {
+            pel_frames_unsubscribe(opened[i]);
+        }
+    }
+    /* And so many encoders, however small. */
+    for (int i = 0; i < 40; i++) {
+        const struct pel_profile small_one = { .codec = PEL_CODEC_H264,
+                                               .width = 64,
+                                               .height = 64 + 2 * (unsigned)i };
+        opened[i] = NULL;
+        if (pel_frames_open(frames, "test", &small_one, take, &answer,
+                            &opened[i], &fault) != PEL_OK) {
+            assert_int_equal(i, 32);
+            assert_non_null(strstr(fault.message, "32 encoders"));
+            break;
+        }
+    }
+    for (int i = 0; i < 40 && opened[i]; i++) {
+        pel_frames_unsubscribe(opened[i]);
+    }
+    run_for(50);
+    drop(&answer);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -194,6 +254,7 @@ int main(void)
         cmocka_unit_test(size_changes_while_watched),
         cmocka_unit_test(subscribers_may_leave_in_their_callback),
         cmocka_unit_test(subscriptions_are_bounded),
+        cmocka_unit_test(live_views_have_a_budget),
     };
     return cmocka_run_group_tests_name("live frames", tests, set_up, tear_down);
 }

@@ -161,6 +161,53 @@ static enum pel_err check(struct pel_frames *frames, const char *view,
     return check_profile(frames, profile, fault);
 }
 
+/* --- what there may be --------------------------------------------------- */
+
+uint64_t pel_live_pixels(const struct pel_snapshot *s, const char *view,
+                         const struct pel_profile *profile)
+{
+    int index = pel_snapshot_find_view(s, view);
+    const struct pel_view_state *v = index >= 0 ? &s->views[index] : NULL;
+    uint64_t width = profile->width ? profile->width : v ? v->width : 0;
+    return width * (profile->height ? profile->height : v ? v->height : 0);
+}
+
+/* Whether there may be one more stream, in the place of `instead` if that is
+ * not NULL: an encoder takes some 10 bytes a pixel for as long as it lives. */
+static enum pel_err check_budget(struct pel_frames *frames, const char *view,
+                                 const struct pel_profile *profile,
+                                 const struct pel_stream *instead,
+                                 struct pel_fault *fault)
+{
+    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    uint64_t asked = pel_live_pixels(s, view, profile), taken = 0;
+    unsigned encoders = 0;
+    for (int i = 0; i < PEL_MAX_STREAMS; i++) {
+        const struct pel_stream *stream = &frames->streams[i];
+        if (stream->serial && stream != instead) {
+            taken += pel_live_pixels(s, stream->view, &stream->profile);
+            encoders += stream->track != NULL;
+        }
+    }
+    pel_snapshot_unref(s);
+    char message[160];
+    if (profile->codec == PEL_CODEC_H264 && encoders >= PEL_LIVE_ENCODERS) {
+        snprintf(message, sizeof message,
+                 "all %d encoders of H.264 are taken: watch a view in a "
+                 "profile that somebody watches already",
+                 PEL_LIVE_ENCODERS);
+    } else if (taken + asked > PEL_LIVE_PIXELS) {
+        snprintf(message, sizeof message,
+                 "live views may have %.0f million pixels together, %.1f are "
+                 "taken, and this has %.1f: ask for a smaller one",
+                 PEL_LIVE_PIXELS * 1e-6, (double)taken * 1e-6,
+                 (double)asked * 1e-6);
+    } else {
+        return PEL_OK;
+    }
+    return refuse(frames, fault, PEL_ERR_BUSY, "", "", message);
+}
+
 /* --- subscriptions ------------------------------------------------------- */
 
 static void attach(struct pel_subscription *subscription,
@@ -205,6 +252,12 @@ enum pel_err pel_frames_open(struct pel_frames *frames, const char *view,
         return err;
     }
     struct pel_stream *stream = find_stream(frames, view, profile);
+    if (!stream) {
+        err = check_budget(frames, view, profile, NULL, fault);
+        if (err != PEL_OK) {
+            return err;
+        }
+    }
     if (frames->subscription_count < PEL_MAX_SUBSCRIPTIONS && !stream) {
         stream = make_stream(frames, view, profile);
     }
@@ -261,7 +314,15 @@ enum pel_err pel_frames_change(struct pel_subscription *subscription,
         stream->profile = *profile;
         return PEL_OK;
     }
-    other = other ? other : make_stream(frames, stream->view, profile);
+    if (!other) {
+        const struct pel_stream *last =
+            stream->subscribers == 1 ? stream : NULL;
+        err = check_budget(frames, stream->view, profile, last, fault);
+        if (err != PEL_OK) {
+            return err;
+        }
+        other = make_stream(frames, stream->view, profile);
+    }
     if (!other) {
         return refuse(frames, fault, PEL_ERR_BUSY, "", "",
                       "too many live views are open");

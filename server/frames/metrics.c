@@ -78,6 +78,12 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
     quantile(page, "pelagos_video_encode_seconds",
              "Encoding H.264, of the last 256 pictures.", "quantile=\"0.5\"",
              s.video_ms_median);
+    gauge(page, "pelagos_frames_live_pixels",
+          "Pixels of all live views together; they may be 67108864.",
+          s.live_megapixels * 1e6);
+    counter(page, "pelagos_frames_streams_left_out_total",
+            "Live pictures not drawn: views have too many pixels together.",
+            s.streams_left_out);
     gauge(page, "pelagos_frames_subscriptions", "Live views being watched.",
           s.subscriptions);
     counter(page, "pelagos_frames_large_total",

@@ -268,10 +268,26 @@ static void expect_streams(struct pel_frames *frames, struct pel_job *job)
 
 static void add_streams(struct pel_frames *frames, struct pel_job *job)
 {
+    static struct pel_log_limit limit;
+    uint64_t pixels = 0;
     expect_streams(frames, job);
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {
         struct pel_stream *stream = &frames->streams[i];
         struct pel_output want = { 0 };
+        uint64_t more =
+            stream->serial
+                ? pel_live_pixels(job->snapshot, stream->view, &stream->profile)
+                : 0;
+        if (pixels + more > PEL_LIVE_PIXELS) {
+            /* They fitted when they were opened: views have grown since. */
+            frames->stats.streams_left_out++;
+            pel_log_limited(&limit, PEL_LOG_WARNING, "FRM-007",
+                            "live view %s stands still: together they have "
+                            "more than %.0f million pixels; make views smaller",
+                            stream->view, PEL_LIVE_PIXELS * 1e-6);
+            continue;
+        }
+        pixels += more;
         int view = stream->serial
                        ? pel_snapshot_find_view(job->snapshot, stream->view)
                        : -1;
