@@ -76,7 +76,8 @@ CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
 # --- sources, by room -----------------------------------------------------
 BASE := server/base/err.c server/base/log.c server/base/clock.c \
     server/base/metrics.c server/base/urgent.c server/base/watch.c server/base/file.c \
-    server/base/helper.c server/base/sandbox.c
+    server/base/helper.c server/base/sandbox.c \
+    server/base/nearest.c
 OCEAN := server/ocean/spectrum.c \
     server/ocean/directional.c \
     server/ocean/elfouhaily.c \

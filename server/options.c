@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/nearest.h"
+
 #include "base/file.h"
 #include "base/log.h"
 
@@ -581,6 +583,21 @@ static bool takes_value(const char *name)
            (option && option->kind != PEL_OPTION_FLAG);
 }
 
+/* Says so of the option itself, not of a value that follows it. */
+static enum pel_err refuse_unknown(const char *name, struct pel_fault *fault)
+{
+    const char *names[128] = { "config", "help", "version" };
+    size_t count = 3;
+    for (const struct pel_option *o = pel_option_table;
+         o->name && count < G_N_ELEMENTS(names); o++) {
+        names[count++] = o->name;
+    }
+    const char *near = pel_nearest(name, names, count);
+    return pel_fault_set(
+        fault, PEL_ERR_NOT_FOUND, "--%s is no option%s%s%s; see --help", name,
+        near ? "; did you mean --" : "", near ? near : "", near ? "?" : "");
+}
+
 static enum pel_err split_argument(int argc, char **argv, int i,
                                    struct argument *out,
                                    struct pel_fault *fault)
@@ -598,6 +615,11 @@ static enum pel_err split_argument(int argc, char **argv, int i,
     size_t length = equals ? (size_t)(equals - text) - 2 : strlen(text) - 2;
     if (length < sizeof out->name) {
         memcpy(out->name, text + 2, length);
+    }
+    enum pel_options_action action;
+    if (!find(out->name) && strcmp(out->name, "config") != 0 &&
+        (equals || !read_action(out->name, &action))) {
+        return refuse_unknown(out->name, fault);
     }
     if (equals) {
         out->value = equals + 1;
@@ -626,8 +648,7 @@ static enum pel_err apply_argument(const struct argument *argument,
         if (!argument->value && read_action(argument->name, action)) {
             return PEL_OK;
         }
-        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
-                             "--%s is no option; see --help", argument->name);
+        return refuse_unknown(argument->name, fault);
     }
     snprintf(where, sizeof where, "--%s", argument->name);
     return pel_option_set(option, argument->value ? argument->value : "yes",

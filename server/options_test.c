@@ -154,6 +154,20 @@ static void key_file_is_read_before_the_command_line(void **state)
     g_free(path);
 }
 
+static void unknown_options_say_what_was_meant(void **state)
+{
+    (void)state;
+    assert_int_equal(READ(&options, &action, &fault, "--htpp", "1"),
+                     PEL_ERR_NOT_FOUND);
+    assert_non_null(strstr(fault.message, "did you mean --http?"));
+    assert_int_equal(READ(&options, &action, &fault, "--wavs=9"),
+                     PEL_ERR_NOT_FOUND);
+    assert_non_null(strstr(fault.message, "did you mean --waves?"));
+    assert_int_equal(READ(&options, &action, &fault, "--entirely-other"),
+                     PEL_ERR_NOT_FOUND);
+    assert_null(strstr(fault.message, "mean"));
+}
+
 static void bad_key_files_say_where(void **state)
 {
     (void)state;
@@ -242,6 +256,7 @@ int main(void)
         cmocka_unit_test(both_forms_of_the_command_line),
         cmocka_unit_test(bad_values_say_what_is_legal),
         cmocka_unit_test(key_file_is_read_before_the_command_line),
+        cmocka_unit_test(unknown_options_say_what_was_meant),
         cmocka_unit_test(bad_key_files_say_where),
         cmocka_unit_test(the_example_is_the_defaults),
         cmocka_unit_test(texts_name_every_option),

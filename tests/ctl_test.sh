@@ -152,6 +152,19 @@ run 4 set sea.spectrum=FLAT
 run 2 set sea.windSpeed
 run 0 get sea.windSpeed
 is 12.5
+run 4 set views.brige.yaw=5
+says "there is no such view; --create adds it"
+says "did you mean views.bridge"
+run 4 set entities.7.heading=5
+says "there is no such entity"
+run 0 views
+! grep -q brige "$out" || fail "a mistyped name made a camera"
+run 4 watch sea.nothing
+says "sea.nothing"
+run 4 watch views.brige
+run 2 bench bridge
+says "bridge"
+says "one argument too many"
 run 4 get entities.ownshp.heading
 says "did you mean entities.ownship"
 run 4 get sea.windSpede
@@ -164,7 +177,7 @@ jq -e '.error.code == "OUT_OF_RANGE" and .error.path == "sea.windSpeed" and
     fail "--json error: $(cat "$err")"
 
 echo "== views, frames"
-run 0 set views.wing.entity=1 views.wing.right=12 views.wing.yaw=90 \
+run 0 set --create views.wing.entity=1 views.wing.right=12 views.wing.yaw=90 \
     views.wing.width=320 views.wing.height=180
 run 0 views
 says "320x180"

@@ -552,7 +552,8 @@ class Clients(Case):
                                 "1", **ca)
         self.assertEqual(status, 0, said)
         for arguments, environment, says in (
-                (given, {}, "self-signed"), ((), ca, "--token-file"),
+                (given, {}, "self-signed"), (given, {}, "PELAGOS_CA=FILE"),
+                ((), ca, "--token-file"),
                 ((), {**ca, "PELAGOS_TOKEN": OTHER}, "token is wrong"),
                 (("--token-file", "/nowhere"), ca, "cannot read")):
             status, said = self.ctl(*arguments, "get", **environment)

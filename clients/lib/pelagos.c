@@ -114,7 +114,7 @@ enum pel_client_code pel_client_connect(const char *address, int timeout_ms,
         address = PEL_CLIENT_DEFAULT_SERVER;
     }
     struct stream stream;
-    char why[128];
+    char why[256];
     switch (stream_open(&stream, address, timeout_ms, why, sizeof why)) {
     case STREAM_OPENED:
         break;

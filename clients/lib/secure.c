@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <poll.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/socket.h>
@@ -120,7 +121,14 @@ static void explain(const struct secure *secure, char *why, size_t size)
     if (verified != X509_V_OK) {
         reason = X509_verify_cert_error_string(verified);
     }
-    snprintf(why, size, "no TLS: %s", reason ? reason : "it hung up");
+    bool own = verified == X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT ||
+               verified == X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN ||
+               verified == X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY ||
+               verified == X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE;
+    snprintf(why, size, "no TLS: %s%s", reason ? reason : "it hung up",
+             own ? "; " SECURE_CA_VARIABLE "=FILE names its certificate (PEM) "
+                   "to trust it"
+                 : "");
 }
 
 enum stream_result secure_open(int fd, const char *host, int64_t deadline_ns,

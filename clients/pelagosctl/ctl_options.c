@@ -140,8 +140,15 @@ static enum ctl_exit check_count(const struct ctl *ctl)
 {
     const struct ctl_command *command = ctl->command;
     if (ctl->arg_count < command->least || ctl->arg_count > command->most) {
-        return ctl_say(CTL_USAGE, "usage: pelagosctl %s %s", command->name,
-                       command->arguments);
+        const char *more =
+            ctl->arg_count > command->most ? ctl->args[command->most] : NULL;
+        return ctl_say(CTL_USAGE,
+                       "%s%s%susage: pelagosctl %s%s%s; see `pelagosctl %s "
+                       "--help`",
+                       more ? "\"" : "", more ? more : "",
+                       more ? "\" is one argument too many; " : "",
+                       command->name, *command->arguments ? " " : "",
+                       command->arguments, command->name);
     }
     return CTL_DONE;
 }

@@ -31,6 +31,28 @@ static bool print_below(const struct ctl_leaves *leaves, const char *path,
     return found;
 }
 
+/* Whether there is something at or below the path, or a field that is not
+ * set: DONE, else the reason has been printed. */
+static enum ctl_exit check_path(struct ctl *ctl, const Pelagos__State *state,
+                                const struct ctl_leaves *leaves,
+                                const char *path)
+{
+    for (size_t i = 0; i < leaves->count; i++) {
+        if (ctl_path_below(leaves->items[i].path, path)) {
+            return CTL_DONE;
+        }
+    }
+    struct pel_path_info info;
+    struct pel_fault fault;
+    char text[64];
+    if (pel_path_find(path, &info, &fault) != PEL_OK ||
+        pel_path_get(state, path, text, sizeof text, &fault) ==
+            PEL_ERR_NOT_FOUND) {
+        return ctl_report_fault(ctl, &fault);
+    }
+    return CTL_DONE;
+}
+
 static enum ctl_exit get_path(struct ctl *ctl, const Pelagos__State *state,
                               const struct ctl_leaves *leaves, const char *path)
 {
@@ -40,16 +62,9 @@ static enum ctl_exit get_path(struct ctl *ctl, const Pelagos__State *state,
     if (print_below(leaves, full, alone && !json, json)) {
         return CTL_DONE;
     }
-    /* Nothing there: a field that is not set, or no field at all. */
-    struct pel_path_info info;
-    struct pel_fault fault;
-    char text[64];
-    if (pel_path_find(full, &info, &fault) != PEL_OK) {
-        return ctl_report_fault(ctl, &fault);
-    }
-    enum pel_err err = pel_path_get(state, full, text, sizeof text, &fault);
-    if (err == PEL_ERR_NOT_FOUND) {
-        return ctl_report_fault(ctl, &fault);
+    enum ctl_exit status = check_path(ctl, state, leaves, full);
+    if (status != CTL_DONE) {
+        return status;
     }
     if (json) {
         printf("{\"path\":\"%s\",\"value\":null}\n", full);
@@ -126,6 +141,48 @@ enum ctl_exit ctl_assign(struct ctl *ctl, Pelagos__Patch *patch,
     return CTL_DONE;
 }
 
+/* Whether the view or entity is there that a path is below of; any other path
+ * is none's. */
+static bool holder_exists(const Pelagos__State *now, const char *path)
+{
+    g_auto(GStrv) steps = g_strsplit(path, ".", 3);
+    bool view = steps[0] && strcmp(steps[0], "views") == 0;
+    if (!steps[0] || !steps[1] || (!view && strcmp(steps[0], "entities"))) {
+        return true;
+    }
+    for (size_t i = 0; view && i < now->n_views; i++) {
+        if (strcmp(now->views[i]->name, steps[1]) == 0) {
+            return true;
+        }
+    }
+    for (size_t i = 0; !view && i < now->n_entities; i++) {
+        const Pelagos__Entity *entity = now->entities[i];
+        g_autofree char *id = g_strdup_printf("%u", entity->id);
+        if (strcmp(id, steps[1]) == 0 ||
+            g_strcmp0(entity->name, steps[1]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A mistyped name is not to make a camera that nobody sees. */
+static enum ctl_exit check_holder(struct ctl *ctl, const Pelagos__State *now,
+                                  const char *path)
+{
+    struct pel_fault fault;
+    if (ctl_flag(ctl, "create") || holder_exists(now, path)) {
+        return CTL_DONE;
+    }
+    bool view = g_str_has_prefix(path, "views.");
+    g_auto(GStrv) steps = g_strsplit(path, ".", 3);
+    pel_fault_set(&fault, PEL_ERR_NOT_FOUND,
+                  "there is no such %s; --create adds it",
+                  view ? "view" : "entity");
+    g_snprintf(fault.path, sizeof fault.path, "%s.%s", steps[0], steps[1]);
+    return ctl_report_fault(ctl, &fault);
+}
+
 enum ctl_exit ctl_set(struct ctl *ctl)
 {
     Pelagos__State *now = NULL;
@@ -137,6 +194,9 @@ enum ctl_exit ctl_set(struct ctl *ctl)
     g_auto(GStrv) paths = g_new0(char *, ctl->arg_count + 1);
     for (size_t i = 0; i < ctl->arg_count && status == CTL_DONE; i++) {
         status = ctl_assign(ctl, patch, now, ctl->args[i], &paths[i]);
+        if (status == CTL_DONE) {
+            status = check_holder(ctl, now, paths[i]);
+        }
     }
     if (status == CTL_DONE) {
         status = send_patch(ctl, patch, paths);
@@ -351,10 +411,15 @@ enum ctl_exit ctl_watch(struct ctl *ctl)
         filters[i] = ctl_canonical_path(state, ctl->args[i]);
     }
     struct ctl_leaves leaves = ctl_flatten(state);
+    for (size_t i = 0; filters[i] && status == CTL_DONE; i++) {
+        status = check_path(ctl, state, &leaves, filters[i]);
+    }
     pelagos__state__free_unpacked(state, NULL);
-    ctl_catch_signals();
-    gint64 deadline_us = g_get_monotonic_time() + (gint64)(seconds * 1e6);
-    status = watch_loop(ctl, &leaves, filters, count, deadline_us);
+    if (status == CTL_DONE) {
+        ctl_catch_signals();
+        gint64 deadline_us = g_get_monotonic_time() + (gint64)(seconds * 1e6);
+        status = watch_loop(ctl, &leaves, filters, count, deadline_us);
+    }
     ctl_leaves_free(&leaves);
     return status;
 }

@@ -231,10 +231,15 @@ static const char *const get_examples[] = {
     "pelagosctl get views.bridge entities.ownship.heading\nParts of it.",
     NULL,
 };
+static const struct ctl_option set_options[] = {
+    { 0, "create", NULL, "Add views and entities that are not there yet",
+      NULL },
+    { 0 },
+};
 static const char *const set_examples[] = {
     "pelagosctl set sea.windSpeed=12 views.bridge.yaw=-30\n"
     "Both at once, or neither.",
-    "pelagosctl set views.wing.entity=1 views.wing.right=12 "
+    "pelagosctl set --create views.wing.entity=1 views.wing.right=12 "
     "views.wing.yaw=90\nA new view.",
     NULL,
 };
@@ -260,8 +265,8 @@ const struct ctl_command ctl_commands[] = {
     { "set", "PATH=VALUE…", "change fields, all at once or none",
       "Sends all assignments as one edit: either every one takes effect in "
       "the same frame, or none does and the reason is printed. A view or "
-      "entity that is not there yet is added.",
-      NULL, set_examples, "paths", 1, SIZE_MAX, ctl_set },
+      "entity that is not there is refused, or added with --create.",
+      set_options, set_examples, "paths", 1, SIZE_MAX, ctl_set },
     { "unset", "PATH…", "reset fields, remove views and entities",
       "Gives fields their default, removes elements of lists, empties lists.",
       NULL, unset_examples, "paths", 1, SIZE_MAX, ctl_unset },

@@ -14,7 +14,7 @@ from typing import Any, cast
 from .errors import ProtocolError, TimedOut, Unreachable, refusal
 
 _MAX_IDLE = 8
-# A 4096 x 4096 EXR with all layers as floats is 470 MB.
+# A picture may have 256 MiB before it is encoded, a set of them too.
 _MAX_BODY = 512 << 20
 
 
@@ -69,6 +69,10 @@ class Transport:
         except TimeoutError:
             raise TimedOut(f"no connection to {self.url} within "
                            f"{timeout:g} s") from None
+        except ssl.SSLCertVerificationError as error:
+            raise Unreachable(f"the certificate of {self.url} is not trusted "
+                              f"({error.verify_message}): if it is your own, "
+                              f"give it as cafile=\"cert.pem\"") from None
         except OSError as error:
             raise Unreachable(f"pelagosd does not answer at {self.url}: "
                               f"{error.strerror or error}") from None
