@@ -223,7 +223,8 @@ CLIENT := \
     clients/lib/pelagos.c \
     clients/lib/secure.c \
     clients/lib/token.c \
-    clients/lib/stream.c
+    clients/lib/stream.c \
+    clients/lib/error.c
 CTL := \
     clients/pelagosctl/pelagosctl.c \
     clients/pelagosctl/clip.c clients/pelagosctl/clip_stream.c \

@@ -45,6 +45,10 @@ PEL_CHECK enum pel_err pel_json_merge_patch(const char *text, size_t length,
                                             Pelagos__Patch **out,
                                             struct pel_fault *fault);
 
+/* A text as a JSON string with its quotes, made valid UTF-8 first; free(). All
+ * JSON that is put together from texts takes them from here. */
+char *pel_json_string(const char *text);
+
 /* The shortest text that reads back as the same double ("0.1", "1e+20");
  * `out` holds at least 32 bytes. Not for NaN or infinity. */
 void pel_json_number(double value, char out[32]);

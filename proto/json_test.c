@@ -278,9 +278,27 @@ static void pretty_is_the_same(void **state)
     protobuf_c_message_free_unpacked(message, NULL);
 }
 
+static void strings_are_json(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        { "", "\"\"" },
+        { "a \"b\" \\", "\"a \\\"b\\\" \\\\\"" },
+        { "\x01\n\x1f", "\"\\u0001\\u000a\\u001f\"" },
+        { "Llvmpipe \xc2\xa9", "\"Llvmpipe \xc2\xa9\"" },
+        { "\xff", "\"\xef\xbf\xbd\"" }, /* U+FFFD */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char *text = pel_json_string(cases[i][0]);
+        assert_string_equal(text, cases[i][1]);
+        free(text);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(strings_are_json),
         cmocka_unit_test(values_round_trip),
         cmocka_unit_test(doubles_are_shortest),
         cmocka_unit_test(locale_does_not_matter),

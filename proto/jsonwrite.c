@@ -52,6 +52,13 @@ static void write_string(GString *out, const char *text)
     g_string_append_c(out, '"');
 }
 
+char *pel_json_string(const char *text)
+{
+    GString *out = g_string_new(NULL);
+    write_string(out, text);
+    return g_string_free(out, FALSE);
+}
+
 static void write_double(GString *out, double value)
 {
     char text[32];

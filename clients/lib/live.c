@@ -1,9 +1,9 @@
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "error.h"
 #include "pelagos.h"
 #include "stream.h"
 #include "token.h"
@@ -37,41 +37,23 @@ enum parsed {
     PART_BAD,
 };
 
-static enum pel_client_code fail(struct pel_client_error *error,
-                                 enum pel_client_code code, const char *format,
-                                 ...) __attribute__((format(printf, 3, 4)));
-
-static enum pel_client_code fail(struct pel_client_error *error,
-                                 enum pel_client_code code, const char *format,
-                                 ...)
-{
-    if (error) {
-        *error = (struct pel_client_error){ .code = code, .minimum = 1 };
-        va_list args;
-        va_start(args, format);
-        vsnprintf(error->message, sizeof error->message, format, args);
-        va_end(args);
-    }
-    return code;
-}
-
 static enum pel_client_code stream_fail(const struct pel_live *live,
                                         enum stream_result result,
                                         struct pel_client_error *error)
 {
     switch (result) {
     case STREAM_TIMEOUT:
-        return fail(error, PEL_CLIENT_TIMEOUT, "no picture of %s in time",
-                    live->place);
+        return client_fail(error, PEL_CLIENT_TIMEOUT,
+                           "no picture of %s in time", live->place);
     case STREAM_MALFORMED:
-        return fail(error, PEL_CLIENT_PROTOCOL, "%s is no Motion-JPEG",
-                    live->place);
+        return client_fail(error, PEL_CLIENT_PROTOCOL, "%s is no Motion-JPEG",
+                           live->place);
     case STREAM_CLOSED:
     case STREAM_OK:
         break;
     }
-    return fail(error, PEL_CLIENT_CLOSED, "the stream of %s has ended",
-                live->place);
+    return client_fail(error, PEL_CLIENT_CLOSED, "the stream of %s has ended",
+                       live->place);
 }
 
 /* --- opening -------------------------------------------------------------- */
@@ -213,7 +195,7 @@ static enum pel_client_code refuse(struct pel_live *live, int status,
     member(json, "code", text, sizeof text);
     enum pel_client_code code = code_of(text, status);
     member(json, "detail", text, sizeof text);
-    fail(error, code, "%s", *text ? text : "the stream was refused");
+    client_fail(error, code, "%s", *text ? text : "the stream was refused");
     if (error) {
         member(json, "path", error->path, sizeof error->path);
         member(json, "value", error->value, sizeof error->value);
@@ -264,20 +246,20 @@ enum pel_client_code pel_live_open(const char *url, const char *view,
         url = PEL_LIVE_DEFAULT_URL;
     }
     if (!read_url(url, address, sizeof address, host, sizeof host)) {
-        return fail(error, PEL_CLIENT_BAD_ADDRESS,
-                    "\"%.200s\" is not http://HOST:PORT", url);
+        return client_fail(error, PEL_CLIENT_BAD_ADDRESS,
+                           "\"%.200s\" is not http://HOST:PORT", url);
     }
     if (!view || !good_name(view)) {
-        return fail(error, PEL_CLIENT_INVALID, "\"%.80s\" is no view's name",
-                    view ? view : "");
+        return client_fail(error, PEL_CLIENT_INVALID,
+                           "\"%.80s\" is no view's name", view ? view : "");
     }
     if (client_token(token, why, sizeof why) != 0) {
-        return fail(error, PEL_CLIENT_UNAUTHORIZED, "%s", why);
+        return client_fail(error, PEL_CLIENT_UNAUTHORIZED, "%s", why);
     }
     int64_t deadline_ns = stream_deadline(timeout_ms);
     struct pel_live *live = calloc(1, sizeof *live);
     if (!live) {
-        return fail(error, PEL_CLIENT_INTERNAL, "out of memory");
+        return client_fail(error, PEL_CLIENT_INTERNAL, "out of memory");
     }
     snprintf(live->place, sizeof live->place, "%s at %.200s", view, url);
     enum stream_open opened =
@@ -285,10 +267,11 @@ enum pel_client_code pel_live_open(const char *url, const char *view,
     if (opened != STREAM_OPENED) {
         free(live);
         return opened == STREAM_BAD_ADDRESS
-                   ? fail(error, PEL_CLIENT_BAD_ADDRESS,
-                          "\"%.200s\" is not http://HOST:PORT", url)
-                   : fail(error, PEL_CLIENT_UNREACHABLE,
-                          "pelagosd does not answer at %.150s: %s", url, why);
+                   ? client_fail(error, PEL_CLIENT_BAD_ADDRESS,
+                                 "\"%.200s\" is not http://HOST:PORT", url)
+                   : client_fail(error, PEL_CLIENT_UNREACHABLE,
+                                 "pelagosd does not answer at %.150s: %s", url,
+                                 why);
     }
     enum stream_result sent =
         ask(live, host, view, fps, quality, token, deadline_ns);

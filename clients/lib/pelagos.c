@@ -1,11 +1,11 @@
 #include "pelagos.h"
 
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "error.h"
 #include "stream.h"
 #include "token.h"
 
@@ -17,24 +17,6 @@ struct pel_client {
     uint64_t watch_id;       /* 0: not watching */
     Pelagos__State *watched; /* newest that nobody has taken yet, or NULL */
 };
-
-static enum pel_client_code fail(struct pel_client_error *error,
-                                 enum pel_client_code code, const char *format,
-                                 ...) __attribute__((format(printf, 3, 4)));
-
-static enum pel_client_code fail(struct pel_client_error *error,
-                                 enum pel_client_code code, const char *format,
-                                 ...)
-{
-    if (error) {
-        *error = (struct pel_client_error){ .code = code, .minimum = 1 };
-        va_list args;
-        va_start(args, format);
-        vsnprintf(error->message, sizeof error->message, format, args);
-        va_end(args);
-    }
-    return code;
-}
 
 static void copy_text(char *out, size_t size, const char *text)
 {
@@ -70,22 +52,20 @@ static enum pel_client_code stream_fail(struct pel_client *client,
 {
     switch (result) {
     case STREAM_TIMEOUT:
-        fail(error, PEL_CLIENT_TIMEOUT,
-             "pelagosd at %s did not answer within %d ms", client->address,
-             client->timeout_ms);
-        return PEL_CLIENT_TIMEOUT;
+        return client_fail(error, PEL_CLIENT_TIMEOUT,
+                           "pelagosd at %s did not answer within %d ms",
+                           client->address, client->timeout_ms);
     case STREAM_MALFORMED:
-        fail(error, PEL_CLIENT_PROTOCOL,
-             "what answers at %s does not speak Pelagos' protocol",
-             client->address);
-        return PEL_CLIENT_PROTOCOL;
+        return client_fail(
+            error, PEL_CLIENT_PROTOCOL,
+            "what answers at %s does not speak Pelagos' protocol",
+            client->address);
     case STREAM_CLOSED:
     case STREAM_OK:
         break;
     }
-    fail(error, PEL_CLIENT_CLOSED, "pelagosd at %s closed the connection",
-         client->address);
-    return PEL_CLIENT_CLOSED;
+    return client_fail(error, PEL_CLIENT_CLOSED,
+                       "pelagosd at %s closed the connection", client->address);
 }
 
 static enum pel_client_code login_by_environment(struct pel_client *client,
@@ -94,7 +74,7 @@ static enum pel_client_code login_by_environment(struct pel_client *client,
     char token[CLIENT_TOKEN_MAX + 1], why[256];
     enum pel_client_code code = PEL_CLIENT_OK;
     if (client_token(token, why, sizeof why) != 0) {
-        return fail(error, PEL_CLIENT_UNAUTHORIZED, "%s", why);
+        return client_fail(error, PEL_CLIENT_UNAUTHORIZED, "%s", why);
     }
     if (token[0]) {
         code = pel_client_login(client, token, error);
@@ -119,14 +99,14 @@ enum pel_client_code pel_client_connect(const char *address, int timeout_ms,
     case STREAM_OPENED:
         break;
     case STREAM_BAD_ADDRESS:
-        return fail(
+        return client_fail(
             error, PEL_CLIENT_BAD_ADDRESS,
             "\"%s\" is not tcp:HOST:PORT, tls:HOST:PORT or unix:PATH%s%s",
             address, strchr(address, ':') ? "; did you mean tcp:" : "",
             strchr(address, ':') ? address : "");
     case STREAM_UNREACHABLE:
-        return fail(error, PEL_CLIENT_UNREACHABLE,
-                    "pelagosd does not answer at %s: %s", address, why);
+        return client_fail(error, PEL_CLIENT_UNREACHABLE,
+                           "pelagosd does not answer at %s: %s", address, why);
     }
     struct pel_client *client = calloc(1, sizeof *client);
     char *copy = strdup(address);
@@ -134,7 +114,7 @@ enum pel_client_code pel_client_connect(const char *address, int timeout_ms,
         free(client);
         free(copy);
         stream_close(&stream);
-        return fail(error, PEL_CLIENT_INTERNAL, "out of memory");
+        return client_fail(error, PEL_CLIENT_INTERNAL, "out of memory");
     }
     client->stream = stream;
     client->address = copy;
@@ -428,7 +408,7 @@ static enum pel_client_code ask_points(struct pel_client *client,
         if (code == PEL_CLIENT_OK && !all) {
             all = part;
         } else if (code == PEL_CLIENT_OK && !join_points(all, part)) {
-            code = fail(error, PEL_CLIENT_INTERNAL, "out of memory");
+            code = client_fail(error, PEL_CLIENT_INTERNAL, "out of memory");
         }
         if (code != PEL_CLIENT_OK) {
             if (all) {
@@ -449,8 +429,9 @@ pel_client_surface(struct pel_client *client, const double (*east_north_m)[2],
 {
     static const struct pel_client_sea present = { 0 };
     if (count < 1 || count > MAX_POINTS) {
-        return fail(error, PEL_CLIENT_OUT_OF_RANGE,
-                    "%zu points; a query has 1 to %d", count, MAX_POINTS);
+        return client_fail(error, PEL_CLIENT_OUT_OF_RANGE,
+                           "%zu points; a query has 1 to %d", count,
+                           MAX_POINTS);
     }
     Pelagos__Point *points = calloc(count, sizeof *points);
     Pelagos__Point **list = calloc(count, sizeof *list);
@@ -466,7 +447,7 @@ pel_client_surface(struct pel_client *client, const double (*east_north_m)[2],
         code =
             ask_points(client, list, count, sea ? sea : &present, out, error);
     } else {
-        fail(error, code, "out of memory");
+        client_fail(error, code, "out of memory");
     }
     free(points);
     free(list);
@@ -563,7 +544,7 @@ enum pel_client_code pel_client_next_state(struct pel_client *client,
         Pelagos__Reply *reply = NULL;
         enum stream_result result = read_reply(client, deadline_ns, &reply);
         if (result == STREAM_TIMEOUT) {
-            return fail(error, PEL_CLIENT_TIMEOUT, "nothing changed");
+            return client_fail(error, PEL_CLIENT_TIMEOUT, "nothing changed");
         }
         if (result != STREAM_OK) {
             return stream_fail(client, result, error);

@@ -179,17 +179,9 @@ bool ctl_path_below(const char *path, const char *prefix)
 
 void ctl_print_string(FILE *out, const char *text)
 {
-    fputc('"', out);
-    for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
-        if (*c == '"' || *c == '\\') {
-            fprintf(out, "\\%c", *c);
-        } else if (*c < 0x20) {
-            fprintf(out, "\\u%04x", *c);
-        } else {
-            fputc(*c, out);
-        }
-    }
-    fputc('"', out);
+    char *quoted = pel_json_string(text);
+    fputs(quoted, out);
+    free(quoted);
 }
 
 void ctl_print_leaf(FILE *out, const struct ctl_leaf *leaf, bool json)

@@ -299,7 +299,6 @@ void pel_encoder_pool_set_device(struct pel_encoder_pool *pool,
 
 bool pel_encoder_pool_stop(struct pel_encoder_pool *pool)
 {
-    int64_t end = pel_now_ns() + STOP_NS, left = STOP_NS;
     pthread_mutex_lock(&pool->lock);
     atomic_store(&pool->stop, true);
     for (int i = 0; i < MAX_THREADS; i++) {
@@ -308,11 +307,8 @@ bool pel_encoder_pool_stop(struct pel_encoder_pool *pool)
         }
     }
     pthread_cond_broadcast(&pool->work);
-    while (pool->ended < pool->count && left > 0) {
-        pel_cond_wait_ns(&pool->work, &pool->lock, left);
-        left = end - pel_now_ns();
-    }
-    bool ended = pool->ended == pool->count;
+    bool ended = pel_cond_wait_ended(&pool->work, &pool->lock, &pool->ended,
+                                     pool->count, STOP_NS);
     pthread_mutex_unlock(&pool->lock);
     for (int i = 0; ended && i < pool->count; i++) {
         pthread_join(pool->threads[i], NULL);

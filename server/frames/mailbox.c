@@ -1,4 +1,6 @@
 #include "frames/mailbox.h"
+
+#include "base/clock.h"
 #include "base/watch.h"
 
 #include <time.h>
@@ -130,4 +132,15 @@ void pel_mailbox_post(struct pel_mailbox *box, struct pel_mail *mail)
     pel_queue_push(&box->queue, mail);
     pthread_mutex_unlock(&box->lock);
     g_source_set_ready_time(box->source, 0);
+}
+
+bool pel_cond_wait_ended(pthread_cond_t *cond, pthread_mutex_t *lock,
+                         const int *ended, int count, int64_t wait_ns)
+{
+    int64_t end = pel_now_ns() + wait_ns, left = wait_ns;
+    while (*ended < count && left > 0) {
+        pel_cond_wait_ns(cond, lock, left);
+        left = end - pel_now_ns();
+    }
+    return *ended == count;
 }

@@ -43,3 +43,7 @@ void pel_lock_init(pthread_mutex_t *lock);
 void pel_cond_init(pthread_cond_t *cond);
 void pel_cond_wait_ns(pthread_cond_t *cond, pthread_mutex_t *lock,
                       int64_t wait_ns);
+/* Whether all of `count` threads end within wait_ns: each adds to *ended and
+ * signals. With the lock held. */
+bool pel_cond_wait_ended(pthread_cond_t *cond, pthread_mutex_t *lock,
+                         const int *ended, int count, int64_t wait_ns);

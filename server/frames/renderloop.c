@@ -22,7 +22,8 @@ struct pel_renderloop {
     pthread_cond_t wake; /* CLOCK_MONOTONIC */
     struct pel_queue queue;
     struct pel_job *given; /* a large one, not begun */
-    bool ready, ended, joined;
+    bool ready, joined;
+    int ended; /* 1: the thread has */
     enum pel_err err;
     struct pel_fault fault;
     struct pel_renderer_path path;
@@ -417,7 +418,7 @@ static void *run(void *argument)
         pel_renderer_destroy(loop->renderer);
     }
     pthread_mutex_lock(&loop->lock);
-    loop->ended = true;
+    loop->ended = 1;
     pthread_cond_broadcast(&loop->wake);
     pthread_mutex_unlock(&loop->lock);
     return NULL;
@@ -530,15 +531,11 @@ int64_t pel_renderloop_progress_ns(const struct pel_renderloop *loop)
 
 bool pel_renderloop_stop(struct pel_renderloop *loop)
 {
-    int64_t end = pel_now_ns() + STOP_NS, left = STOP_NS;
     pthread_mutex_lock(&loop->lock);
     atomic_store(&loop->stop, true);
     pthread_cond_broadcast(&loop->wake);
-    while (!loop->ended && left > 0) {
-        pel_cond_wait_ns(&loop->wake, &loop->lock, left);
-        left = end - pel_now_ns();
-    }
-    bool ended = loop->ended;
+    bool ended =
+        pel_cond_wait_ended(&loop->wake, &loop->lock, &loop->ended, 1, STOP_NS);
     pthread_mutex_unlock(&loop->lock);
     if (ended) {
         pthread_join(loop->thread, NULL);

@@ -212,16 +212,12 @@ void pel_surface_pool_push(struct pel_surface_pool *self,
 
 bool pel_surface_pool_stop(struct pel_surface_pool *self)
 {
-    int64_t end = pel_now_ns() + STOP_NS, left = STOP_NS;
     pthread_mutex_lock(&self->lock);
     self->stop = true;
     atomic_store(&self->hurry, true);
     pthread_cond_broadcast(&self->asked);
-    while (self->ended < self->count && left > 0) {
-        pel_cond_wait_ns(&self->over, &self->lock, left);
-        left = end - pel_now_ns();
-    }
-    bool ended = self->ended == self->count;
+    bool ended = pel_cond_wait_ended(&self->over, &self->lock, &self->ended,
+                                     self->count, STOP_NS);
     pthread_mutex_unlock(&self->lock);
     for (int i = 0; ended && i < self->count; i++) {
         pthread_join(self->threads[i], NULL);

@@ -67,26 +67,14 @@ static const char *title_of(int status)
     }
 }
 
-/* A value may come from a client byte by byte: made valid UTF-8 first. */
 static void append_string(GString *out, const char *name, const char *text)
 {
     if (!*text) {
         return;
     }
-    char *valid = g_utf8_make_valid(text, -1);
-    g_string_append_printf(out, ",\"%s\":\"", name);
-    for (const char *c = valid; *c; c++) {
-        if (*c == '"' || *c == '\\') {
-            g_string_append_c(out, '\\');
-            g_string_append_c(out, *c);
-        } else if ((unsigned char)*c < 0x20) {
-            g_string_append_printf(out, "\\u%04x", (unsigned)*c);
-        } else {
-            g_string_append_c(out, *c);
-        }
-    }
-    g_string_append_c(out, '"');
-    g_free(valid);
+    char *quoted = pel_json_string(text);
+    g_string_append_printf(out, ",\"%s\":%s", name, quoted);
+    free(quoted);
 }
 
 static void append_number(GString *out, const char *name, double value)

@@ -116,14 +116,9 @@ void pel_http_state(const struct pel_http_call *call)
 
 static void append_quoted(GString *out, const char *text)
 {
-    g_string_append_c(out, '"');
-    for (; *text; text++) {
-        if (*text == '"' || *text == '\\') {
-            g_string_append_c(out, '\\');
-        }
-        g_string_append_c(out, (unsigned char)*text < 0x20 ? ' ' : *text);
-    }
-    g_string_append_c(out, '"');
+    char *quoted = pel_json_string(text);
+    g_string_append(out, quoted);
+    free(quoted);
 }
 
 /* What the state file names and is not there. */
@@ -164,12 +159,11 @@ static void get_health(const struct pel_http_call *call)
         append_missing(out, pel_scene_missing(context->scene));
     }
     if (context->frames && known) {
-        char *device = g_strescape(pel_frames_device(context->frames), NULL);
         struct pel_frames_stats stats;
         pel_frames_get_stats(context->frames, &stats);
-        g_string_append_printf(out, ",\"device\":\"%s\",\"quality\":%.3f",
-                               device, stats.quality);
-        g_free(device);
+        g_string_append(out, ",\"device\":");
+        append_quoted(out, pel_frames_device(context->frames));
+        g_string_append_printf(out, ",\"quality\":%.3f", stats.quality);
     }
     g_string_append(out, "}\n");
     bool well = !context->stopping && !stuck;

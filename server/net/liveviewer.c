@@ -1,12 +1,14 @@
 #include "net/liveviewer.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <glib.h>
 
 #include "base/clock.h"
 #include "encode/video.h"
+#include "json.h"
 #include "net/websocket.h"
 
 #define MAX_LEVEL 4                     /* each halves the rate */
@@ -124,27 +126,17 @@ bool pel_live_read(const uint8_t *data, size_t size, struct pel_live_order *out)
 
 /* --- telling ------------------------------------------------------------- */
 
-/* What may stand in a JSON string as it is. */
-static void plain(char *text)
-{
-    for (; *text; text++) {
-        if (*text == '"' || *text == '\\' || (unsigned char)*text < 0x20) {
-            *text = '\'';
-        }
-    }
-}
-
 static void send_fault(struct pel_live_viewer *self, const char *type,
                        enum pel_err err, const struct pel_fault *fault)
 {
-    char message[256], text[400];
-    snprintf(message, sizeof message, "%s",
-             fault && *fault->message ? fault->message : pel_err_name(err));
-    plain(message);
-    snprintf(text, sizeof text,
-             "{\"type\":\"%s\",\"code\":\"%s\",\"message\":\"%s\"}", type,
-             pel_err_name(err), message);
+    char *message = pel_json_string(
+        fault && *fault->message ? fault->message : pel_err_name(err));
+    char *text =
+        g_strdup_printf("{\"type\":\"%s\",\"code\":\"%s\",\"message\":%s}",
+                        type, pel_err_name(err), message);
     pel_websocket_text(self->ws, text);
+    g_free(text);
+    free(message);
 }
 
 /* Rate that the stream has now [kbit/s]; 0 before the first picture of a
