@@ -264,6 +264,11 @@ class Endpoints(HttpCase):
         self.assertEqual(two["single"], reference["single"])
         self.refused(self.daemon.request("POST", "/v1/optics", {}), 400)
 
+    def test_which_view_is_missing(self):
+        answer = self.daemon.get("/v1/frames.jpg?views=bridge,wign")
+        self.assertEqual(answer.status, 404)
+        self.assertIn('"wign"', answer.json()["detail"])
+
     def test_surface(self):
         answer = self.daemon.request("POST", "/v1/surface", {
             "points": [[0, 0], [10.5, -3]], "time": 7})

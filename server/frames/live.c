@@ -155,8 +155,9 @@ static enum pel_err check(struct pel_frames *frames, const char *view,
     int index = pel_snapshot_find_view(s, view);
     pel_snapshot_unref(s);
     if (index < 0) {
-        return refuse(frames, fault, PEL_ERR_NOT_FOUND, "view", view,
-                      "no such view");
+        char text[96];
+        snprintf(text, sizeof text, "there is no view called \"%.64s\"", view);
+        return refuse(frames, fault, PEL_ERR_NOT_FOUND, "view", view, text);
     }
     return check_profile(frames, profile, fault);
 }

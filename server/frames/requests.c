@@ -141,8 +141,10 @@ enum pel_err pel_request_check(struct pel_frames *frames,
         pel_request_refuse(frames, fault, PEL_ERR_NOT_FOUND, "view",
                            "no such view");
         if (fault) {
-            snprintf(fault->value, sizeof fault->value, "%s",
-                     r->view ? r->view : "");
+            const char *view = r->view ? r->view : "";
+            snprintf(fault->value, sizeof fault->value, "%s", view);
+            snprintf(fault->message, sizeof fault->message,
+                     "there is no view called \"%.64s\"", view);
         }
         return PEL_ERR_NOT_FOUND;
     }
