@@ -125,7 +125,8 @@ const struct pel_option pel_option_table[] = {
     { "shading", "render", PEL_OPTION_CHOICE, "HOW", "auto",
       .choices = shading_words, .offset = FIELD(shading),
       .help = "Whether pixels are shaded as fragments or in compute, by the "
-              "same functions; auto times both on the device." },
+              "same functions; auto takes fragments on a software device, "
+              "compute on hardware." },
     { "shader-dir", "render", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(shader_dir),
       .help = "Reads the shaders from here instead of the built-in ones." },

@@ -216,12 +216,7 @@ void pel_frames_get_stats(const struct pel_frames *frames,
     out->quality = pel_quality_scale(&frames->quality);
     out->quality_changes = frames->quality.changes;
     out->present_delay_ms = (double)frames->present_delay_ns * 1e-6;
-    struct pel_renderer_path path;
-    pel_renderloop_get_path(frames->loop, &path);
-    out->in_compute = path.compute;
-    out->trial = path.timed;
-    out->trial_fragment_ms = path.fragment_ms;
-    out->trial_compute_ms = path.compute_ms;
+    out->in_compute = pel_renderloop_in_compute(frames->loop);
     out->video_ms_median = pel_window_rank(&frames->video_ms, 0.5);
 }
 

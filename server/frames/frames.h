@@ -238,8 +238,6 @@ struct pel_frames_stats {
     double video_ms_median;
     unsigned subscriptions, requests_waiting;
     bool in_compute; /* the wrapper that shaded the last frame */
-    bool trial;      /* it was chosen by one: ms of a small picture by each */
-    double trial_fragment_ms, trial_compute_ms;
 };
 void pel_frames_get_stats(const struct pel_frames *frames,
                           struct pel_frames_stats *out);

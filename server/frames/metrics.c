@@ -59,16 +59,6 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
           s.present_delay_ms * 1e-3);
     gauge(page, "pelagos_render_shading_in_compute",
           "1: pixels are shaded in compute; 0: as fragments.", s.in_compute);
-    if (s.trial) {
-        pel_metric(page, "pelagos_render_shading_trial_seconds",
-                   PEL_METRIC_GAUGE,
-                   "A small picture by each wrapper, when one was chosen.",
-                   "wrapper=\"fragment\"", s.trial_fragment_ms * 1e-3);
-        pel_metric(page, "pelagos_render_shading_trial_seconds",
-                   PEL_METRIC_GAUGE,
-                   "A small picture by each wrapper, when one was chosen.",
-                   "wrapper=\"compute\"", s.trial_compute_ms * 1e-3);
-    }
     counter(page, "pelagos_video_frames_total", "H.264 pictures encoded.",
             s.video_frames);
     counter(page, "pelagos_video_keys_total", "H.264 key frames encoded.",

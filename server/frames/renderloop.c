@@ -17,7 +17,7 @@
 
 struct pel_renderloop {
     pthread_t thread;
-    /* protects queue, given, ready, ended, err, fault, path */
+    /* protects queue, given, ready, ended, err, fault, in_compute */
     pthread_mutex_t lock;
     pthread_cond_t wake; /* CLOCK_MONOTONIC */
     struct pel_queue queue;
@@ -26,7 +26,7 @@ struct pel_renderloop {
     int ended; /* 1: the thread has */
     enum pel_err err;
     struct pel_fault fault;
-    struct pel_renderer_path path;
+    bool in_compute;
     struct pel_renderer_options options;
     struct pel_renderer *renderer; /* render thread */
     struct pel_encoder_pool *pool;
@@ -143,10 +143,10 @@ static void fail_parts(struct pel_renderloop *loop, struct pel_job *job,
     }
 }
 
-static void note_path(struct pel_renderloop *loop)
+static void note_wrapper(struct pel_renderloop *loop)
 {
     pthread_mutex_lock(&loop->lock);
-    pel_renderer_get_path(loop->renderer, &loop->path);
+    loop->in_compute = pel_renderer_in_compute(loop->renderer);
     pthread_mutex_unlock(&loop->lock);
 }
 
@@ -185,7 +185,7 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
         return err;
     }
     note_submitted(&job->parts[first], count, begun_ns);
-    note_path(loop);
+    note_wrapper(loop);
     if (err != PEL_OK && pushed < count) {
         say_failed(job, err);
         fail_parts(loop, job, first + pushed, count - pushed, err);
@@ -312,7 +312,7 @@ static void draw_band(struct pel_renderloop *loop)
     part->submit_ms += (double)(part->submitted_ns - begun_ns) * 1e-6;
     loop->jobs_since = 0;
     progress(loop);
-    note_path(loop);
+    note_wrapper(loop);
     if (err != PEL_OK) {
         say_failed(job, err);
         give_up_draw(loop, err);
@@ -483,12 +483,12 @@ static void push(struct pel_renderloop *loop, struct pel_mail *mail)
     pthread_mutex_unlock(&loop->lock);
 }
 
-void pel_renderloop_get_path(struct pel_renderloop *loop,
-                             struct pel_renderer_path *out)
+bool pel_renderloop_in_compute(struct pel_renderloop *loop)
 {
     pthread_mutex_lock(&loop->lock);
-    *out = loop->path;
+    bool in_compute = loop->in_compute;
     pthread_mutex_unlock(&loop->lock);
+    return in_compute;
 }
 
 void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job)

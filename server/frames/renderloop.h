@@ -17,9 +17,8 @@ pel_renderloop_create(const struct pel_renderer_options *o,
 const char *pel_renderloop_device(const struct pel_renderloop *loop);
 bool pel_renderloop_is_software(const struct pel_renderloop *loop);
 
-/* How the last frame was shaded; any thread. */
-void pel_renderloop_get_path(struct pel_renderloop *loop,
-                             struct pel_renderer_path *out);
+/* Whether the last frame was shaded in compute; any thread. */
+bool pel_renderloop_in_compute(struct pel_renderloop *loop);
 
 /* Hands a job over; it comes back as PEL_MAIL_JOB_DRAWN. A large one, of which
  * there may be one at a time, is drawn in bands: one after each other job, and

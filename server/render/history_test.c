@@ -186,13 +186,6 @@ static void compute_remembers_nothing(void **state)
     in_turns("compute", 2);
 }
 
-/* Before, with and after the trial of both wrappers. */
-static void the_trial_changes_nothing(void **state)
-{
-    (void)state;
-    in_turns("auto", 1);
-}
-
 /* Each scene band by band, with another one between any two. */
 static void bands_are_the_whole(void **state)
 {
@@ -312,7 +305,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fragments_remember_nothing),
         cmocka_unit_test(compute_remembers_nothing),
-        cmocka_unit_test(the_trial_changes_nothing),
         cmocka_unit_test(probes_change_nothing),
         cmocka_unit_test(bands_are_the_whole),
         cmocka_unit_test(views_do_not_see_each_other),

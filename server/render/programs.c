@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/log.h"
 #include "render/coast.h"
 
 static void delete_sea_programs(struct pel_sea_programs *p)
@@ -14,8 +15,7 @@ static void delete_sea_programs(struct pel_sea_programs *p)
         glDeleteProgram(p->shallow[i]);
     }
     glDeleteProgram(p->mesh);
-    *p = (struct pel_sea_programs){ .compute = p->compute,
-                                    .undecided = p->undecided };
+    *p = (struct pel_sea_programs){ 0 };
 }
 
 static const char *const kind_defines[PEL_SHADE_COUNT] = {
@@ -114,7 +114,18 @@ enum pel_err pel_programs_need(struct pel_programs *all,
                                const struct pel_sea *sea, enum pel_shading kind,
                                bool coast, struct pel_fault *fault)
 {
-    return need_sea_programs(all, sea->cascades != NULL, kind, coast, fault);
+    bool cascades = sea->cascades != NULL;
+    enum pel_err err = need_sea_programs(all, cascades, kind, coast, fault);
+    if (err != PEL_OK && all->compute && all->automatic) {
+        pel_warn("RND-042", "%s; pixels are shaded as fragments",
+                 fault->message);
+        all->compute = false;
+        /* Coasts were made for the other wrapper. */
+        delete_sea_programs(&all->trochoids);
+        delete_sea_programs(&all->cascades);
+        err = need_sea_programs(all, cascades, kind, coast, fault);
+    }
+    return err;
 }
 
 enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
@@ -127,10 +138,9 @@ enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
         .shader_dir = shader_dir,
         .filtering = filtering,
         .software = software,
+        .compute = automatic ? !software : strcmp(shading, "compute") == 0,
+        .automatic = automatic,
     };
-    bool compute = automatic ? !software : strcmp(shading, "compute") == 0;
-    p->trochoids.compute = p->cascades.compute = compute;
-    p->trochoids.undecided = p->cascades.undecided = automatic;
     enum pel_err err = pel_program_create(
         shader_dir, "surface.vert", "surface.frag", NULL, &p->surface, fault);
     if (err == PEL_OK) {
@@ -153,25 +163,4 @@ void pel_programs_finish(struct pel_programs *p)
         glDeleteProgram(p->disc[i]);
     }
     *p = (struct pel_programs){ 0 };
-}
-
-struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
-                                         const struct pel_sea *sea)
-{
-    struct pel_sea_programs *of = sea->cascades ? &p->cascades : &p->trochoids;
-    p->compute = of->compute;
-    return of;
-}
-
-void pel_programs_decide(struct pel_programs *p, struct pel_sea_programs *sea,
-                         bool compute)
-{
-    for (int i = 0; i < PEL_SHADE_COUNT && sea->compute != compute; i++) {
-        /* They were made for the other wrapper. */
-        glDeleteProgram(sea->coast[i]);
-        glDeleteProgram(sea->shallow[i]);
-        sea->coast[i] = sea->shallow[i] = 0;
-    }
-    p->compute = sea->compute = compute;
-    sea->undecided = false;
 }

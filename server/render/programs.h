@@ -20,8 +20,6 @@ enum pel_shading {
 
 /* What draws one kind of sea, by enum pel_shading. */
 struct pel_sea_programs {
-    bool compute;   /* the wrapper that draws it */
-    bool undecided; /* a trial is to find it */
     GLuint mesh;
     GLuint fragments[PEL_SHADE_COUNT];       /* fragments */
     GLuint compute_program[PEL_SHADE_COUNT]; /* sky, sea and colour in one
@@ -34,8 +32,8 @@ struct pel_programs {
     const char *shader_dir;
     const struct pel_filtering *filtering; /* settled */
     bool software;
-    bool compute; /* shade in one dispatch instead of three: this sea */
-    bool settled; /* a picture has been drawn */
+    bool compute;   /* shade in one dispatch instead of three */
+    bool automatic; /* nobody asked for that: may turn to fragments */
     GLuint surface, search, tone, tone_compute;
     GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
     GLuint disc[PEL_SHADE_COUNT];     /* and with it */
@@ -51,16 +49,9 @@ PEL_CHECK enum pel_err pel_programs_init(struct pel_programs *p,
                                          struct pel_fault *fault);
 void pel_programs_finish(struct pel_programs *p);
 
-/* The programs of this kind of sea, whose wrapper is now the one in use. */
-struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
-                                         const struct pel_sea *sea);
-
-/* Ends the trial. */
-void pel_programs_decide(struct pel_programs *p, struct pel_sea_programs *sea,
-                         bool compute);
-
 /* Makes the programs that this sea wants for a picture; `coast`: also those
- * over a height field. */
+ * over a height field. Where nobody asked for compute and it does not compile,
+ * fragments take its place for good. GPU. */
 PEL_CHECK enum pel_err pel_programs_need(struct pel_programs *p,
                                          const struct pel_sea *sea,
                                          enum pel_shading kind, bool coast,

@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -50,8 +49,6 @@ struct pel_renderer {
     struct pel_sky sky;
     struct pel_targets targets;
     struct pel_stage_timer timing;
-    struct pel_renderer_path paths[2]; /* of trochoids, of cascades */
-    bool cascades;                     /* of the last frame */
     GLuint vao, vertices, facets;
     GLuint vertex_texels, facet_texels; /* the same buffers as textures */
     int vertex_capacity;
@@ -65,7 +62,6 @@ struct pel_renderer {
     struct pel_seabed_map seabed;
     uint8_t coast[PEL_MAX_TILES]; /* of the view being drawn */
     bool any_coast;
-    bool on_trial; /* without coasts */
 };
 
 void pel_renderer_measure(struct pel_renderer *r, bool on)
@@ -517,7 +513,7 @@ static void draw_pixels(struct pel_renderer *r,
     bool cascades = env->sea->cascades != NULL;
     const struct pel_sea_programs *programs =
         cascades ? &r->programs.cascades : &r->programs.trochoids;
-    r->any_coast = env->seabed && !r->on_trial &&
+    r->any_coast = env->seabed &&
                    pel_coast_plan(env, &r->seabed, whole,
                                   pel_water_visible_m(&env->water), r->coast);
     if (r->any_coast && env->coast_everywhere) {
@@ -615,82 +611,11 @@ static enum pel_err draw_view(struct pel_renderer *r,
     return err;
 }
 
-/* --- fragments or compute ------------------------------------------------- */
+/* --- a frame's needs ------------------------------------------------------ */
 
-#define TRIAL_RUNS 5 /* in turns; the first compiles, the least counts */
-#define TRIAL_WIDTH 256
-#define TRIAL_WIDTH_GPU 768
-#define TRIAL_MARGIN 0.67
-
-static double processor_ms(void)
+bool pel_renderer_in_compute(const struct pel_renderer *r)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
-
-/* Of the GPU's clock; of a software device processor time, which other
- * programs do not lengthen. */
-static double trial_ms(struct pel_renderer *r,
-                       const struct pel_environment *env,
-                       const struct pel_camera *c)
-{
-    pel_timer_begin(&r->timing);
-    double before = processor_ms();
-    draw_pixels(r, env, c, (struct pel_band){ 0, c->height }, PEL_LAYER_COLOR);
-    double ms = pel_timer_end(&r->timing);
-    return r->context.software ? processor_ms() - before : ms;
-}
-
-/* Times both wrappers on a small picture of this moment. The one that such
- * devices prefer stays unless the other takes two thirds of its time: noise is
- * not to decide. A wrapper that does not compile here has lost. */
-static void decide_path(struct pel_renderer *r,
-                        const struct pel_environment *env,
-                        const struct pel_draw *draw)
-{
-    struct pel_sea_programs *programs = pel_programs_of(&r->programs, env->sea);
-    struct pel_camera c = draw->camera;
-    c.altitude_m -= env->sea_level_m;
-    c.width = r->context.software ? TRIAL_WIDTH : TRIAL_WIDTH_GPU;
-    c.height = c.width * 3 / 4;
-    bool measured = r->timing.on, before = programs->compute;
-    r->timing.on = false;
-    r->on_trial = true;
-    double ms[2] = { INFINITY, INFINITY };
-    bool whole[2] = { true, true };
-    for (int i = 0; i < 2 * TRIAL_RUNS; i++) {
-        struct pel_fault fault;
-        int compute = i % 2;
-        r->programs.compute = compute;
-        if (i < 2 && pel_programs_need(&r->programs, env->sea,
-                                       shading_of(r, PEL_LAYER_COLOR), false,
-                                       &fault) != PEL_OK) {
-            pel_warn("RND-042", "%s", fault.message);
-            whole[compute] = false;
-        }
-        double now = whole[compute] ? trial_ms(r, env, &c) : INFINITY;
-        ms[compute] = i < 2 ? INFINITY : fmin(ms[compute], now);
-    }
-    bool other = ms[!before] < TRIAL_MARGIN * ms[before];
-    pel_programs_decide(&r->programs, programs, other ? !before : before);
-    r->timing.on = measured;
-    r->on_trial = false;
-    struct pel_renderer_path *path = &r->paths[env->sea->cascades != NULL];
-    *path = (struct pel_renderer_path){ true, programs->compute, ms[0], ms[1] };
-    pel_info("RND-043",
-             "%s are shaded %s: %.3f ms as fragments, %.3f ms in compute "
-             "(%u x %u)",
-             env->sea->cascades ? "cascades" : "trochoids",
-             programs->compute ? "in compute" : "as fragments", ms[0], ms[1],
-             c.width, c.height);
-}
-
-void pel_renderer_get_path(const struct pel_renderer *r,
-                           struct pel_renderer_path *out)
-{
-    *out = r->paths[r->cascades];
-    out->compute = r->programs.compute;
+    return r->programs.compute;
 }
 
 static void quantize_lights(struct pel_environment *env)
@@ -751,17 +676,11 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         return PEL_ERR_BUSY;
     }
     struct pel_fault fault = { 0 };
-    /* Software compiles slowly: its first picture goes without the trial. */
-    r->cascades = env->sea->cascades != NULL;
-    bool trial = pel_programs_of(&r->programs, env->sea)->undecided &&
-                 (r->programs.settled || !r->context.software);
-    enum pel_err err = trial ? PEL_OK : need_programs(r, env, draws, count);
+    enum pel_err err = need_programs(r, env, draws, count);
     if (err != PEL_OK) {
         return err;
     }
-    err =
-        pel_arena_begin(&r->arena, (count + 1 + (trial ? 2 * TRIAL_RUNS : 0)) *
-                                       VIEW_UNIFORM_BYTES);
+    err = pel_arena_begin(&r->arena, (count + 1) * VIEW_UNIFORM_BYTES);
     if (err != PEL_OK) {
         return err;
     }
@@ -793,15 +712,10 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
                    r->statistics.variance, sizeof r->statistics.variance);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
-    if (trial) {
-        decide_path(r, &here, &draws[0]);
-        err = need_programs(r, &here, draws, count);
-    }
     for (size_t i = 0; i < count && err == PEL_OK; i++) {
         err = draw_view(r, &here, &draws[i]);
     }
     pel_arena_end(&r->arena);
-    r->programs.settled = true;
     return err;
 }
 

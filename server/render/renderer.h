@@ -34,17 +34,11 @@ const char *pel_renderer_description(const struct pel_renderer *r);
 bool pel_renderer_is_software(const struct pel_renderer *r);
 
 /* How pixels are shaded: both wrappers, fragments and compute, hold the same
- * functions. "auto" draws a small picture by each and takes the faster: with
- * the first frame, on a software device, where programs compile slowly, with
- * the second. There both give the same bits; on hardware pictures differ by
- * rounding (docs/benchmarks.md). */
-struct pel_renderer_path {
-    bool timed;                     /* the trial has been */
-    bool compute;                   /* the wrapper in use */
-    double fragment_ms, compute_ms; /* of the trial; inf: does not compile */
-};
-void pel_renderer_get_path(const struct pel_renderer *r,
-                           struct pel_renderer_path *out);
+ * functions. "auto" goes by the kind of device: a software device shades as
+ * fragments, hardware in compute, or as fragments where its driver does not
+ * compile that. On software both give the same bits; on hardware pictures
+ * differ by rounding (docs/benchmarks.md has what each costs). */
+bool pel_renderer_in_compute(const struct pel_renderer *r);
 
 /* Shared by the views of one frame. */
 struct pel_environment {
