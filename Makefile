@@ -206,7 +206,7 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_tcp.c \
     server/bridges/console.c \
     server/bridges/cigi_packet.c \
-    server/bridges/cigi_pose.c server/bridges/cigi_sea.c \
+    server/bridges/cigi_pose.c server/bridges/cigi_sea.c server/bridges/cigi_socket.c \
     server/bridges/cigi_world.c \
     server/bridges/cigi_entities.c \
     server/bridges/cigi_weather.c \

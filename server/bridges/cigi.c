@@ -1,84 +1,16 @@
 #include "bridges/cigi.h"
 
-#include <errno.h>
-#include <glib-unix.h>
 #include <math.h>
-#include <netinet/in.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/timerfd.h>
-#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/metrics.h"
-#include "base/watch.h"
-#include "bridges/cigi_answers.h"
 #include "bridges/cigi_metrics.h"
-#include "bridges/cigi_periodic.h"
-#include "bridges/cigi_sea.h"
+#include "bridges/cigi_parts.h"
 #include "bridges/cigi_sensor.h"
-#include "bridges/cigi_world.h"
-#include "bridges/endpoint.h"
-#include "scene/scene.h"
 #include "scene/simclock.h"
-
-#define MAX_DATAGRAM 65536
-#define MAX_ANSWER 16384 /* bytes of a datagram to the host */
-#define RECEIVE_BUFFER (4 << 20)
-#define TURN_NS 2000000LL /* then the loop serves others */
-#define GONE_NS 2000000000LL
-#define RESTART_NS 500000000LL
-#define RESTART_FRAMES 1000 /* further back than any delay */
-#define TICK_S 1e-5         /* of timestamps */
-#define MAX_STEP_S 10.0     /* a longer one is a jump, and one frame is taken */
-#define EXTRAPOLATE_S 1.0
-#define LOAD_NS 1000000000LL /* a host that never says 0 is told by then */
-
-enum database_state { DATABASE_NONE, DATABASE_LOADING, DATABASE_LOADED };
-
-struct pel_cigi {
-    struct pel_cigi_options options;
-    struct pel_scene *scene;
-    struct pel_allow allow;
-    int fd, timer_fd;
-    uint16_t port;
-    guint fd_source, timer_source;
-    struct pel_cigi_counters counters;
-
-    struct sockaddr_storage host;
-    socklen_t host_size; /* 0: nobody to send to */
-    bool host_is_fixed;
-    struct sockaddr_storage speaker; /* who leads */
-    bool shown;                      /* in the metrics */
-
-    unsigned told_versions; /* bits: hosts of them were told */
-    bool refused;           /* the newest host frame's packets were */
-    bool led;               /* a host is heard; the rest is its session's */
-    bool lead_pending;      /* clock.mode is still to be set */
-    enum pel_clock_mode mode_before; /* the host, FREE, PACED or STEPPED */
-    bool little;
-    unsigned minor, mode;
-    int64_t opened_ns, heard_ns;
-    uint32_t host_frame, ig_frame, timestamp;
-    bool stamped;
-    double host_time_s;  /* simulated time of host_frame */
-    double applied_s;    /* that the scene had when it took effect */
-    double period_s;     /* of the host's frames, smoothed */
-    uint32_t on_the_way; /* frames the host had not heard of */
-
-    int database, wanted_database; /* as sent, as the host asks for it */
-    enum database_state database_state;
-    int64_t database_ns;
-
-    struct pel_cigi_world world;
-    struct pel_cigi_edit *edit;
-    struct pel_cigi_sea *sea;
-    struct pel_cigi_periodic periodic;
-    struct pel_cigi_answers *answers;
-    uint64_t dropped_questions;
-    uint8_t in[MAX_DATAGRAM], out[MAX_ANSWER];
-};
 
 struct pel_cigi_options pel_cigi_default_options(void)
 {
@@ -233,8 +165,9 @@ static void refuse_edit(struct pel_cigi *cigi, const char *path,
 }
 
 /* Commits the patch, and has the sea that it asks for built and committed
- * later; false: refused whole. */
-static bool commit(struct pel_cigi *cigi, const Pelagos__Patch *patch)
+ * later; false: refused whole, which is told where this is the last word. */
+static bool commit(struct pel_cigi *cigi, const Pelagos__Patch *patch,
+                   bool last_word)
 {
     struct pel_fault fault = { 0 };
     const Pelagos__Patch *rest = patch, *sea = NULL;
@@ -246,8 +179,10 @@ static bool commit(struct pel_cigi *cigi, const Pelagos__Patch *patch)
     if (!err && rest) {
         err = pel_scene_patch(cigi->scene, rest, &fault);
     }
-    if (err) {
+    if (err && last_word) {
         refuse_edit(cigi, fault.path, fault.message);
+    }
+    if (err) {
         return false;
     }
     if (sea) {
@@ -282,10 +217,10 @@ static bool edit(struct pel_cigi *cigi, const struct pel_cigi_reader *readers,
     const Pelagos__Patch *patch = pel_cigi_edit_end(cigi->edit);
     pel_snapshot_unref(s);
     bool good = !cigi->edit->refused;
-    if (!good) {
+    if (!good && count <= 1) {
         refuse_edit(cigi, "", "a bad number, or too many elements");
-    } else if (patch) {
-        good = commit(cigi, patch);
+    } else if (good && patch) {
+        good = commit(cigi, patch, count <= 1);
     }
     cigi->counters.skipped_packets += good ? cigi->edit->skipped : 0;
     if (!good) {
@@ -369,7 +304,50 @@ static bool set_mode(struct pel_cigi *cigi, unsigned mode)
     return reset;
 }
 
-/* False: not applied, as it is not new. */
+/* Datagrams that were waiting together become one edit, at the time that the
+ * newest leads to; where that is refused, each is tried alone. */
+void pel_cigi_apply(struct pel_cigi *cigi)
+{
+    const struct pel_cigi_reader *readers = cigi->batch;
+    size_t count = cigi->batch_count;
+    if (count == 0) {
+        return;
+    }
+    /* Poses are those of the time that the frame leads to. */
+    double now_s = pel_scene_time(cigi->scene);
+    bool leads = host_leads(cigi) && !cigi->batch_first;
+    double time_s = leads ? time_of_frame(cigi, now_s) : now_s;
+    bool good[BATCH];
+    if (leads) {
+        step_to(cigi, time_s); /* the edit is one of that moment */
+    }
+    bool all = edit(cigi, readers, count, time_s, cigi->lead_pending,
+                    cigi->batch_reset);
+    cigi->refused = !all;
+    for (size_t i = 0; i < count; i++) {
+        good[i] = all || (count > 1 && edit(cigi, &readers[i], 1, time_s,
+                                            cigi->lead_pending, false));
+        cigi->lead_pending = cigi->lead_pending && !good[i];
+    }
+    if (!leads) {
+        cigi->host_time_s = pel_scene_time(cigi->scene);
+    }
+    cigi->applied_s = pel_scene_time(cigi->scene);
+    cigi->batch_count = cigi->in_used = 0;
+    cigi->batch_first = cigi->batch_reset = false;
+    if (good[count - 1]) {
+        pel_scene_set_host_frame(cigi->scene, cigi->host_frame);
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (good[i]) {
+            ask(cigi, readers[i]);
+        }
+    }
+    look_below(cigi, cigi->applied_s);
+}
+
+/* Puts a datagram to those that become the next edit. False: not applied, as it
+ * is not new. */
 static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
                  struct pel_cigi_reader reader, int64_t now_ns)
 {
@@ -377,10 +355,15 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
     uint32_t timestamp =
         (uint32_t)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_TIMESTAMP);
     bool stamped = pel_cigi_get(control, PEL_CIGI_IG_CONTROL_STAMPED) != 0;
+    unsigned mode = (unsigned)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_MODE);
     if (!in_order(cigi, frame, now_ns)) {
         return false;
     }
     bool first = !cigi->led;
+    if (first || mode != cigi->mode) {
+        pel_cigi_apply(
+            cigi); /* what came before is of another session or mode */
+    }
     if (first) {
         begin_session(cigi);
         static struct pel_log_limit limit;
@@ -399,29 +382,15 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
         (uint32_t)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_LAST_IG_FRAME);
     cigi->little = reader.little;
     cigi->minor = (unsigned)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_MINOR);
-    bool reset = set_mode(
-        cigi, (unsigned)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_MODE));
+    bool reset = set_mode(cigi, mode);
     load_database(cigi,
                   (int)pel_cigi_get(control, PEL_CIGI_IG_CONTROL_DATABASE));
     count_packets(cigi, reader);
-    /* Poses are those of the time that the frame leads to. */
-    double now_s = pel_scene_time(cigi->scene);
-    bool leads = host_leads(cigi) && !first;
-    double time_s = leads ? time_of_frame(cigi, now_s) : now_s;
-    if (leads) {
-        step_to(cigi, time_s); /* the edit is one of that moment */
-    }
-    bool good = edit(cigi, &reader, 1, time_s, cigi->lead_pending, reset);
-    cigi->refused = !good;
-    cigi->lead_pending = cigi->lead_pending && !good;
-    if (!leads) {
-        cigi->host_time_s = pel_scene_time(cigi->scene);
-    }
-    cigi->applied_s = pel_scene_time(cigi->scene);
-    if (good) {
-        pel_scene_set_host_frame(cigi->scene, frame);
-        ask(cigi, reader);
-        look_below(cigi, cigi->applied_s);
+    cigi->batch[cigi->batch_count++] = reader;
+    cigi->batch_first = first;
+    cigi->batch_reset = reset;
+    if (first || reset) {
+        pel_cigi_apply(cigi);
     }
     return true;
 }
@@ -443,7 +412,7 @@ static void tell_version(struct pel_cigi *cigi, const uint8_t *bytes,
              major, minor);
 }
 
-static bool feed(struct pel_cigi *cigi, const uint8_t *bytes, size_t size)
+bool pel_cigi_take(struct pel_cigi *cigi, const uint8_t *bytes, size_t size)
 {
     struct pel_cigi_reader reader;
     struct pel_cigi_packet control;
@@ -467,7 +436,16 @@ static bool feed(struct pel_cigi *cigi, const uint8_t *bytes, size_t size)
 
 void pel_cigi_feed(struct pel_cigi *cigi, const uint8_t *bytes, size_t size)
 {
-    feed(cigi, bytes, size);
+    pel_cigi_add(cigi, bytes, size);
+    pel_cigi_apply(cigi);
+}
+
+void pel_cigi_add(struct pel_cigi *cigi, const uint8_t *bytes, size_t size)
+{
+    if (cigi->batch_count == BATCH) {
+        pel_cigi_apply(cigi);
+    }
+    pel_cigi_take(cigi, bytes, size);
 }
 
 void pel_cigi_settle(struct pel_cigi *cigi)
@@ -588,67 +566,6 @@ size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes)
     return used;
 }
 
-/* --- sockets ------------------------------------------------------------- */
-
-static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
-{
-    PEL_WATCH("cigi");
-    struct pel_cigi *cigi = user;
-    const uint8_t *bytes;
-    uint64_t beats;
-    (void)condition;
-    if (read(fd, &beats, sizeof beats) != sizeof beats) {
-        return G_SOURCE_CONTINUE;
-    }
-    if (cigi->host_size == 0) {
-        return G_SOURCE_CONTINUE;
-    }
-    cigi->counters.skipped_frames += beats - 1;
-    size_t size = pel_cigi_frame(cigi, &bytes);
-    if (cigi->host_size > 0 &&
-        sendto(cigi->fd, bytes, size, MSG_NOSIGNAL,
-               (struct sockaddr *)&cigi->host, cigi->host_size) < 0) {
-        static struct pel_log_limit limit;
-        pel_log_limited(&limit, PEL_LOG_DEBUG, "CIG-009",
-                        "Start of Frame not sent: %s", strerror(errno));
-        cigi->counters.unsent++;
-    }
-    return G_SOURCE_CONTINUE;
-}
-
-static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
-{
-    PEL_WATCH("cigi");
-    struct pel_cigi *cigi = user;
-    (void)condition;
-    int64_t end_ns = pel_now_ns() + TURN_NS;
-    while (pel_now_ns() < end_ns) {
-        struct sockaddr_storage peer = { 0 };
-        socklen_t size = sizeof peer;
-        ssize_t got = recvfrom(fd, cigi->in, sizeof cigi->in, MSG_TRUNC,
-                               (struct sockaddr *)&peer, &size);
-        if (got < 0) {
-            break;
-        }
-        /* While a host leads, only it is listened to. */
-        if (!pel_allow_has(&cigi->allow, (struct sockaddr *)&peer) ||
-            (size_t)got > sizeof cigi->in ||
-            (cigi->led && memcmp(&peer, &cigi->speaker, sizeof peer) != 0)) {
-            cigi->counters.refused_datagrams++;
-            continue;
-        }
-        if (!feed(cigi, cigi->in, (size_t)got)) {
-            continue;
-        }
-        cigi->speaker = peer;
-        if (!cigi->host_is_fixed) {
-            cigi->host = peer;
-            cigi->host_size = size;
-        }
-    }
-    return G_SOURCE_CONTINUE;
-}
-
 /* --- metrics ------------------------------------------------------------- */
 
 static void collect(void *user, struct pel_metrics_page *page)
@@ -675,47 +592,6 @@ static void collect(void *user, struct pel_metrics_page *page)
 }
 
 /* --- life ---------------------------------------------------------------- */
-
-static enum pel_err open_sockets(struct pel_cigi *cigi, struct pel_fault *fault)
-{
-    const struct pel_cigi_options *o = &cigi->options;
-    enum pel_err err = pel_endpoint_open(
-        "cigi", o->listen, o->allow, SOCK_DGRAM, &cigi->fd, &cigi->port, fault);
-    if (err) {
-        return err;
-    }
-    struct sockaddr_storage own = { 0 };
-    socklen_t size = sizeof own;
-    if (o->host &&
-        (!pel_endpoint_read(o->host, &cigi->host, &cigi->host_size) ||
-         getsockname(cigi->fd, (struct sockaddr *)&own, &size) != 0 ||
-         own.ss_family != cigi->host.ss_family)) {
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "cigi-host: %s is no ADDRESS:PORT of the same "
-                             "kind as cigi's",
-                             o->host);
-    }
-    cigi->host_is_fixed = o->host != NULL;
-    int bytes = RECEIVE_BUFFER;
-    setsockopt(cigi->fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
-    cigi->timer_fd =
-        timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
-    long period_ns = (long)(1e9 / o->rate_hz);
-    struct itimerspec beat = { 0 };
-    beat.it_interval.tv_sec = period_ns / 1000000000;
-    beat.it_interval.tv_nsec = period_ns % 1000000000;
-    beat.it_value = beat.it_interval;
-    if (cigi->timer_fd < 0 ||
-        timerfd_settime(cigi->timer_fd, 0, &beat, NULL) != 0) {
-        return pel_fault_set(fault, PEL_ERR_IO, "cigi: no timer: %s",
-                             strerror(errno));
-    }
-    cigi->fd_source = g_unix_fd_add(cigi->fd, G_IO_IN, on_readable, cigi);
-    cigi->timer_source = g_unix_fd_add(cigi->timer_fd, G_IO_IN, on_timer, cigi);
-    pel_info("CIG-001", "CIGI 3.3 on UDP %s, port %u, %g frames/s", o->listen,
-             cigi->port, o->rate_hz);
-    return PEL_OK;
-}
 
 enum pel_err pel_cigi_create(const struct pel_cigi_options *options,
                              struct pel_scene *scene, struct pel_cigi **out,
@@ -745,7 +621,7 @@ enum pel_err pel_cigi_create(const struct pel_cigi_options *options,
     cigi->sea = pel_cigi_sea_create(scene, &cigi->world, &calls);
     enum pel_err err = pel_allow_parse(options->allow, &cigi->allow, fault);
     if (!err && options->listen) {
-        err = open_sockets(cigi, fault);
+        err = pel_cigi_open_sockets(cigi, fault);
     }
     if (err) {
         pel_cigi_destroy(cigi);
@@ -771,18 +647,7 @@ void pel_cigi_destroy(struct pel_cigi *cigi)
     if (cigi->shown) {
         pel_metrics_remove(cigi->options.metrics, collect, cigi);
     }
-    if (cigi->fd_source) {
-        g_source_remove(cigi->fd_source);
-    }
-    if (cigi->timer_source) {
-        g_source_remove(cigi->timer_source);
-    }
-    if (cigi->fd >= 0) {
-        close(cigi->fd);
-    }
-    if (cigi->timer_fd >= 0) {
-        close(cigi->timer_fd);
-    }
+    pel_cigi_close_sockets(cigi);
     pel_cigi_sea_destroy(cigi->sea);
     g_free(cigi->edit);
     pel_cigi_answers_destroy(cigi->answers);

@@ -74,6 +74,10 @@ void pel_cigi_destroy(struct pel_cigi *cigi); /* NULL allowed */
 /* Treats bytes as one datagram of the host. */
 void pel_cigi_feed(struct pel_cigi *cigi, const uint8_t *bytes, size_t size);
 
+/* Puts one to those that become the next edit: at once with pel_cigi_feed, or
+ * when as many have come as an edit takes. `bytes` stay until then. */
+void pel_cigi_add(struct pel_cigi *cigi, const uint8_t *bytes, size_t size);
+
 /* Waits for seas that are being built: for tests. */
 void pel_cigi_settle(struct pel_cigi *cigi);
 

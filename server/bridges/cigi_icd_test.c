@@ -278,6 +278,45 @@ static void normals_are_in_the_axes_of_the_answer(void **state)
                 pel_cigi_get(&b, PEL_CIGI_LOS_EXTENDED_ELEVATION), 1e-4);
 }
 
+/* Datagrams that wait together: one edit, the newest pose, none of the orders
+ * lost; one of them that is refused takes none along. */
+static void what_waits_becomes_one_edit(void **state)
+{
+    (void)state;
+    static uint8_t kept[4][2048];
+    begin();
+    place_ship(1, 52.6, 0);
+    send();
+    uint64_t edits = pel_cigi_counters(cigi)->edits;
+    uint64_t revision = pel_scene_state(scene)->revision;
+    for (int i = 0; i < 3; i++) {
+        begin();
+        place_ship(1, 53 + i, 10 * i);
+        if (i == 0) {
+            place_ship(7, 50, 0);
+        }
+        memcpy(kept[i], bytes, used);
+        pel_cigi_add(cigi, kept[i], used);
+    }
+    assert_int_equal(pel_scene_state(scene)->revision, revision);
+    begin();
+    send();
+    assert_int_equal(pel_cigi_counters(cigi)->edits, edits + 1);
+    assert_near(entity(1)->latitude, 55, 0);
+    assert_near(entity(7)->latitude, 50, 0);
+    take_frame(); /* tells the newest frame */
+    begin();
+    place_ship(1, 89, 0); /* beyond 85 deg: refused */
+    memcpy(kept[0], bytes, used);
+    pel_cigi_add(cigi, kept[0], used);
+    begin();
+    place_ship(7, 51, 0);
+    send();
+    assert_int_equal(pel_cigi_counters(cigi)->refused_edits, 1);
+    assert_near(entity(1)->latitude, 55, 0);
+    assert_near(entity(7)->latitude, 51, 0);
+}
+
 static void other_versions_are_known(void **state)
 {
     (void)state;
@@ -324,6 +363,7 @@ int main(void)
         TEST(children_move_on_their_parent),
         TEST(the_sun_stands_without_a_date),
         TEST(normals_are_in_the_axes_of_the_answer),
+        TEST(what_waits_becomes_one_edit),
         TEST(other_versions_are_known),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
