@@ -58,6 +58,10 @@ run 0 record wing "$work/small.mp4" --stream --seconds 0.3 --width 96 \
 [ "$(entry width "$work/small.mp4")" = 96 ] || fail "the size of small.mp4"
 run 1 record nothing "$work/nothing.mp4" --stream --seconds 1
 says "Not Found"
+PELAGOS_URL=http://127.0.0.1:1 run 1 record wing "$work/far.mp4" --stream \
+    --seconds 1
+says "is this pelagosd's HTTP port (--url)?"
+[ ! -e "$work/far.mp4" ] || fail "an empty far.mp4 is left"
 run 2 record wing "$work/live.webm" --stream --exact
 run 1 record wing "$work/live.webm" --stream
 says ".mkv or .mp4"

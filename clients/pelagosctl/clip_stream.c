@@ -2,6 +2,8 @@
 
 #include <stdbool.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <glib.h>
 #include <gst/gst.h>
@@ -129,9 +131,15 @@ static bool ended(struct recorder *r, char **why)
         g_autofree char *details = NULL;
         gst_message_parse_error(message, &error, &details);
         bool source = strcmp(GST_OBJECT_NAME(message->src), "source") == 0;
-        *why = source
-                   ? g_strdup_printf("%s: %s", r->wish->url, error->message)
-                   : g_strdup_printf("%s: %s", r->wish->path, error->message);
+        /* All that the source says of a refused connection. */
+        bool silent = source && error->domain == GST_STREAM_ERROR;
+        *why = silent
+                   ? g_strdup_printf("%s: no answer, or it broke off; is this "
+                                     "pelagosd's HTTP port (--url)?",
+                                     r->wish->url)
+                   : g_strdup_printf("%s: %s",
+                                     source ? r->wish->url : r->wish->path,
+                                     error->message);
     }
     if (message) {
         gst_message_unref(message);
@@ -182,6 +190,11 @@ int clip_stream(const struct clip_stream *wish, size_t *frames, char **why)
     if (r.pipeline) {
         gst_element_set_state(r.pipeline, GST_STATE_NULL);
         gst_object_unref(r.pipeline);
+    }
+    struct stat made;
+    if (*why && r.frames == 0 && r.pipeline && stat(wish->path, &made) == 0 &&
+        S_ISREG(made.st_mode) && made.st_size == 0) {
+        unlink(wish->path); /* so that the next attempt need not overwrite */
     }
     g_mutex_clear(&r.lock);
     *frames = (size_t)r.frames;
