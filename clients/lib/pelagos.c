@@ -58,7 +58,9 @@ static enum pel_client_code stream_fail(struct pel_client *client,
     case STREAM_MALFORMED:
         return client_fail(
             error, PEL_CLIENT_PROTOCOL,
-            "what answers at %s does not speak Pelagos' protocol",
+            "what answers at %s does not speak Pelagos' protocol: it is "
+            "another program's port, or pelagosd's HTTP; --tcp of pelagosd is "
+            "the one (7878)",
             client->address);
     case STREAM_CLOSED:
     case STREAM_OK:

@@ -38,6 +38,12 @@ PEL_CHECK enum pel_err pel_jpeg_encode_scaled(const uint8_t *rgba,
 PEL_CHECK enum pel_err pel_png_encode(const uint8_t *rgba, uint32_t width,
                                       uint32_t height, struct pel_bytes *out);
 
+/* The same; CONFLICT soon after *cancel became true. */
+PEL_CHECK enum pel_err pel_png_encode_until(const uint8_t *rgba, uint32_t width,
+                                            uint32_t height,
+                                            const atomic_bool *cancel,
+                                            struct pel_bytes *out);
+
 /* One EXR layer: `channels` components taken from pixels that are `stride`
  * floats apart. Channel names: "R" for layer NULL, else "layer.R". */
 struct pel_exr_layer {

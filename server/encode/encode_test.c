@@ -507,6 +507,10 @@ static void bad_input_is_refused(void **state)
                      PEL_ERR_INVALID);
     assert_int_equal(pel_jpeg_encode(NULL, 1, 1, 90, &bytes), PEL_ERR_INVALID);
     assert_int_equal(pel_png_encode(pixel, 1, 0, &bytes), PEL_ERR_INVALID);
+    const atomic_bool over = true;
+    assert_int_equal(pel_png_encode_until(pixel, 1, 1, &over, &bytes),
+                     PEL_ERR_CONFLICT);
+    assert_null(bytes.data);
     assert_int_equal(pel_png_encode(pixel, 16385, 1, &bytes), PEL_ERR_INVALID);
     assert_null(bytes.data);
 

@@ -91,7 +91,8 @@ static enum pel_err encode_bytes(const struct pel_encoder_pool *pool,
         return pel_jpeg_encode_scaled(p->rgba, p->width, p->height, part->width,
                                       part->height, output->quality, bytes);
     case PELAGOS__FRAME_FORMAT__PNG:
-        return pel_png_encode(p->rgba, p->width, p->height, bytes);
+        return pel_png_encode_until(p->rgba, p->width, p->height,
+                                    &output->cancel, bytes);
     case PELAGOS__FRAME_FORMAT__EXR:
         return pel_picture_encode_exr(output, pool->device, &output->cancel,
                                       bytes);
