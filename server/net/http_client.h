@@ -63,6 +63,8 @@ struct client {
 /* A surface query cannot be called off, so this outlives its client. */
 struct waiter {
     struct client *client; /* NULL: gone */
+    bool if_unchanged;     /* an edit of this revision, or of none */
+    uint64_t revision;
 };
 
 struct daemon_source;
