@@ -8,7 +8,7 @@
 #include "seabed/seabed.h"
 
 /* How long a file may take to be read. */
-#define PEL_SEABED_LOAD_MS 3000
+#define PEL_SEABED_LOAD_MS 5000
 
 /* What to read. Degrees, metres. */
 struct pel_seabed_source {
