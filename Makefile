@@ -272,7 +272,7 @@ TESTS += server/encode/encode_test.c
 TESTS += server/encode/planes_test.c
 TESTS += server/encode/video_test.c
 TESTS += server/base/urgent_test.c server/base/sandbox_test.c \
-    server/base/file_test.c
+    server/base/file_test.c server/base/helper_test.c
 TESTS += server/net/net_test.c
 TESTS += server/options_test.c
 TESTS += server/frames/prefetch_test.c

@@ -146,12 +146,12 @@ static bool take(struct helper *h, int fd)
     return got > 0 || (got < 0 && (errno == EINTR || errno == EAGAIN));
 }
 
-/* Until both pipes have ended; false: too late. */
+/* Until both pipes have ended or there is too much; false: too late. */
 static bool listen_to(struct helper *h, int within_ms)
 {
     int64_t end_ns = pel_now_ns() + within_ms * 1000000LL;
     struct pollfd fds[] = { { h->out, POLLIN, 0 }, { h->err, POLLIN, 0 } };
-    while (fds[0].fd >= 0 || fds[1].fd >= 0) {
+    while (h->size <= h->most && (fds[0].fd >= 0 || fds[1].fd >= 0)) {
         int64_t left_ms = (end_ns - pel_now_ns()) / 1000000;
         if (left_ms <= 0) {
             return false;
