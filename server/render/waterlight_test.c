@@ -415,8 +415,20 @@ static int64_t cpu_ns(void)
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-/* Says what a new water and a new Sun cost; asserts nothing. */
-static void costs(void **state)
+static int builds;
+
+static enum pel_err counted(const struct pel_water_body *body,
+                            const struct pel_water_depths *depths,
+                            enum pel_water_orders orders,
+                            struct pel_water_kernel *out)
+{
+    builds++;
+    return pel_water_kernel_build(body, depths, orders, out);
+}
+
+/* A new water is built once, a new light or the same water again not at all;
+ * and what both cost is said. */
+static void only_a_new_water_is_built(void **state)
 {
     (void)state;
     enum { ROUNDS = 10 };
@@ -424,6 +436,9 @@ static void costs(void **state)
     struct pel_water_light *w = &prober.light;
     struct pel_environment env = { .water = body_of(media[1], 10.0, 0.4) };
     double water_ms = 0, sun_ms = 0, water_cpu = 0, sun_cpu = 0;
+    w->build = counted;
+    builds = 0;
+    uint64_t before = w->version;
     for (int i = 0; i < ROUNDS; i++) {
         env.water.depth_m = 10.0 + i;
         glFinish();
@@ -439,7 +454,14 @@ static void costs(void **state)
         sun_ms += 1e-6 * (double)(pel_now_ns() - middle) / ROUNDS;
         water_cpu += 1e-6 * (double)(used - cpu) / ROUNDS;
         sun_cpu += 1e-6 * (double)(cpu_ns() - used) / ROUNDS;
+        assert_int_equal(pel_water_light_update(w, &env), PEL_OK);
+        assert_int_equal(builds, i + 1);
+        assert_int_equal(w->version, before + (uint64_t)i + 1);
     }
+    env.orders = PEL_ORDERS_TWO;
+    assert_int_equal(pel_water_light_update(w, &env), PEL_OK);
+    assert_int_equal(builds, ROUNDS + 1);
+    w->build = pel_water_kernel_build;
     print_message("a new water %.1f ms (%.1f ms of processor), a new Sun %.2f "
                   "ms (%.2f)\n",
                   water_ms, water_cpu, sun_ms, sun_cpu);
@@ -463,7 +485,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(nothing_is_remembered),
         cmocka_unit_test(sky_is_the_solvers),
         cmocka_unit_test(a_failure_is_not_kept),
-        cmocka_unit_test(costs),
+        cmocka_unit_test(only_a_new_water_is_built),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     pel_water_prober_finish(&prober);
