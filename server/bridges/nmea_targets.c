@@ -361,10 +361,9 @@ void pel_nmea_targets_take_radar(struct pel_nmea_targets *t,
         return;
     }
     uint64_t key = key_of(true, (uint32_t)s->target);
-    struct pel_nmea_target *target = find(t, key);
     if (s->target_status == 'L') {
         pel_nmea_targets_commit(t, now_ns);
-        target = find(t, key);
+        struct pel_nmea_target *target = find(t, key);
         if (target) {
             remove_target(t, target);
         }
