@@ -64,21 +64,53 @@ struct pel_nmea_options pel_nmea_default_options(void)
     };
 }
 
+static void count_edit(struct pel_nmea *nmea, enum pel_err err,
+                       const struct pel_fault *fault)
+{
+    static struct pel_log_limit limit;
+    if (err) {
+        pel_log_limited(&limit, PEL_LOG_WARNING, "NME-002",
+                        "an edit by NMEA was refused: %s %s", fault->path,
+                        fault->message);
+        nmea->counters.refused_edits++;
+    } else {
+        nmea->counters.edits++;
+    }
+}
+
 static bool apply(struct pel_nmea *nmea, Pelagos__State *state)
 {
     Pelagos__Patch patch = PELAGOS__PATCH__INIT;
     struct pel_fault fault;
     patch.state = state;
-    if (pel_scene_patch(nmea->scene, &patch, &fault) != PEL_OK) {
-        static struct pel_log_limit limit;
-        pel_log_limited(&limit, PEL_LOG_WARNING, "NME-002",
-                        "an edit by NMEA was refused: %s %s", fault.path,
-                        fault.message);
-        nmea->counters.refused_edits++;
-        return false;
-    }
-    nmea->counters.edits++;
-    return true;
+    enum pel_err err = pel_scene_patch(nmea->scene, &patch, &fault);
+    count_edit(nmea, err, &fault);
+    return !err;
+}
+
+static void on_wind(void *user, enum pel_err err, const struct pel_fault *fault)
+{
+    struct pel_nmea *nmea = user;
+    count_edit(nmea, err, fault);
+    nmea->wind_applied = nmea->wind_applied && !err;
+}
+
+/* An edit of its own: its sea is built first, and the ship does not wait. */
+static void apply_wind(struct pel_nmea *nmea, double mps, double deg)
+{
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    Pelagos__State state = PELAGOS__STATE__INIT;
+    Pelagos__Sea sea = PELAGOS__SEA__INIT;
+    const struct pel_scene_wish wish = { .patch = &patch, .source = nmea };
+    patch.state = &state;
+    state.sea = &sea;
+    sea.has_wind_speed = sea.has_wind_direction = 1;
+    sea.wind_speed = mps;
+    sea.wind_direction = deg;
+    nmea->wind_applied = true;
+    nmea->applied_deg = deg;
+    nmea->applied_mps = mps;
+    pel_scene_submit(nmea->scene, &wish, on_wind, nmea);
 }
 
 static bool came_now(const struct pel_nmea *nmea,
@@ -209,7 +241,6 @@ static void commit_own_ship(struct pel_nmea *nmea)
     Pelagos__State state = PELAGOS__STATE__INIT;
     Pelagos__Entity entity = PELAGOS__ENTITY__INIT;
     Pelagos__Entity *entities = &entity;
-    Pelagos__Sea sea = PELAGOS__SEA__INIT;
     Pelagos__OwnShip orders = PELAGOS__OWN_SHIP__INIT;
     double deg, mps;
     if (nmea->values.changed & PEL_NMEA_CHANGED_POSE) {
@@ -218,12 +249,8 @@ static void commit_own_ship(struct pel_nmea *nmea)
         state.entities = &entities;
     }
     bool takes_over = state.n_entities > 0 && model_leads(nmea);
-    bool wind = new_wind(nmea, &deg, &mps);
-    if (wind) {
-        sea.has_wind_speed = sea.has_wind_direction = 1;
-        sea.wind_speed = mps;
-        sea.wind_direction = deg;
-        state.sea = &sea;
+    if (new_wind(nmea, &deg, &mps)) {
+        apply_wind(nmea, mps, deg);
     }
     if ((nmea->values.changed & PEL_NMEA_CHANGED_RUDDER) &&
         pel_scene_state(nmea->scene)->own_ship->on) {
@@ -233,8 +260,7 @@ static void commit_own_ship(struct pel_nmea *nmea)
         state.own_ship = &orders;
     }
     nmea->values.changed = 0;
-    if ((state.n_entities == 0 && !wind && !state.own_ship) ||
-        !apply(nmea, &state)) {
+    if ((state.n_entities == 0 && !state.own_ship) || !apply(nmea, &state)) {
         return;
     }
     if (state.n_entities > 0) {
@@ -245,11 +271,6 @@ static void commit_own_ship(struct pel_nmea *nmea)
                  "NMEA moves entity %u again; own ship's model is off "
                  "(ownShip.on)",
                  nmea->options.entity);
-    }
-    if (wind) {
-        nmea->wind_applied = true;
-        nmea->applied_deg = deg;
-        nmea->applied_mps = mps;
     }
 }
 
@@ -595,6 +616,7 @@ void pel_nmea_destroy(struct pel_nmea *nmea)
     if (!nmea) {
         return;
     }
+    pel_scene_forget(nmea->scene, nmea);
     if (nmea->tick_source) {
         g_source_remove(nmea->tick_source);
         if (nmea->options.metrics) {
