@@ -43,8 +43,9 @@ static enum pel_err run(const char *program, char *word, char **out,
                                           .argv = argv,
                                           .subject = "bay.tif",
                                           .most_bytes = 1000,
-                                          /* Under load, a start and an end. */
-                                          .within_ms = 1000 };
+                                          .within_ms = strcmp(word, "sleep")
+                                                           ? 60000
+                                                           : 1000 };
     size_t size = 0;
     unsigned char *bytes = NULL;
     enum pel_err err = pel_helper_run(&task, &bytes, &size, fault);
