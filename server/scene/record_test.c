@@ -145,6 +145,9 @@ static void play(struct pel_scene *scene, const char *path)
         Pelagos__Patch *patch = &all;
         if (entry->command_case == PELAGOS__LOG_ENTRY__COMMAND_HEAD) {
             /* so that own ship's steps begin anew */
+            assert_int_equal(entry->head->waves, 20);
+            assert_string_equal(entry->head->program, "test 1");
+            assert_string_equal(entry->head->device, "a device");
             all.n_remove = 1;
             all.state = NULL;
             assert_int_equal(pel_scene_patch(scene, &all, &fault), PEL_OK);
