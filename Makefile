@@ -56,10 +56,10 @@ ifeq ($(FLAVOR),fuzz)
 CC := clang
 endif
 OPT := $(OPT_$(FLAVOR))
-CPPFLAGS += -Iserver -Iproto -Iclients -I. -I$(O)/gen -D_GNU_SOURCE \
+OUR_CPPFLAGS := -Iserver -Iproto -Iclients -I. -I$(O)/gen -D_GNU_SOURCE \
     -DPEL_VERSION='"$(VERSION)"'
 # No contraction and no fast-math: the same bits whatever the optimiser does.
-CFLAGS += -std=c17 $(OPT) $(WARN) -ffp-contract=off -fvisibility=hidden -pthread
+OUR_CFLAGS := -std=c17 $(OPT) $(WARN) -ffp-contract=off -fvisibility=hidden -pthread
 # Asked once, and only when something is compiled: pkg-config may not be there
 # before `make deps` has run.
 PKG_CFLAGS = $(eval PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS)))$(PKG_CFLAGS)
@@ -346,11 +346,12 @@ FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)
 FLAGS_clients/pelagosctl/clip_stream = $(CTL_CFLAGS)
 $(foreach f,$(SEABED_READER:.c=) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
 $(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c)),$(eval FLAGS_$(f) := -O3))
-compile = $(CC) $(CPPFLAGS) $(PKG_CFLAGS) $(CFLAGS) $(FLAGS_$(1))
+# CPPFLAGS, CFLAGS and LDFLAGS are the caller's, and come last.
+compile = $(CC) $(OUR_CPPFLAGS) $(PKG_CFLAGS) $(OUR_CFLAGS) $(FLAGS_$(1)) $(CPPFLAGS) $(CFLAGS)
 
 # What decides about an object beside its sources.
 quoted = '$(subst ','\'',$(1))'
-KEY := $(shell printf %s $(call quoted,$(CC) $(CPPFLAGS) $(CFLAGS) $(VECTORS) \
+KEY := $(shell printf %s $(call quoted,$(CC) $(OUR_CPPFLAGS) $(OUR_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(VECTORS) \
     $(PKGS) $(CTL_PKGS) $(READER_PKGS)) | sha1sum | cut -c 1-10)
 OBJ := $(O)/obj-$(KEY)
 
@@ -384,7 +385,7 @@ build/%: $(O)/bin/%
 define LINK
 $(Q)mkdir -p $(@D)
 @echo "  LINK  $@"
-$(Q)$(CC) $(OPT) $(LDFLAGS) -pthread -Wl,--as-needed -o $@ $(filter %.o %.a,$^)
+$(Q)$(CC) $(OPT) $(CFLAGS) $(LDFLAGS) -pthread -Wl,--as-needed -o $@ $(filter %.o %.a,$^)
 endef
 $(O)/flags: FORCE
 	$(Q)mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = $(KEY) ] || echo $(KEY) >$@
@@ -721,6 +722,7 @@ man: $(MANUALS) ## make the manual pages, from the programs' own tables
 
 # Of this PREFIX, whatever the last one was.
 $(O)/pelagos.pc: FORCE
+	$(Q)mkdir -p $(@D)
 	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'Name: libpelagos' \
 	    'Description: C client of pelagosd, the headless ocean renderer' \
 	    'Version: $(VERSION)' 'Requires: libprotobuf-c openssl' \

@@ -143,7 +143,6 @@ class Proxied(unittest.TestCase):
     def test_slow(self):
         """Half a head, half a body, a dripping head: all are sent away; a good
         client is served meanwhile."""
-        began = time.monotonic()
         half = self.connect()
         half.sendall(b"GET /v1/state HTTP/1.1\r\nHost: localh")
         body = self.connect()
@@ -160,17 +159,16 @@ class Proxied(unittest.TestCase):
                     drip.sendall(b"X")
         thread = threading.Thread(target=dripping)
         thread.start()
-        spent = {}
-        for name, s in (("half a head", half), ("half a body", body),
-                        ("a dripping head", drip)):
-            receive_all(s)
-            spent[name] = time.monotonic() - began
-            self.assertEqual(self.ask(self.head()), 200)
-        over.set()
-        thread.join()
-        print({k: f"{v:.1f} s" for k, v in spent.items()})
-        # 8 s each from connecting; later, it was this side that gave up.
-        self.assertLess(max(spent.values()), SLOW_S)
+        try:
+            for s in half, body, drip:
+                # Until the other side ends it; a timeout of this one raises.
+                with contextlib.suppress(ConnectionError):
+                    while s.recv(65536):
+                        pass
+                self.assertEqual(self.ask(self.head()), 200)
+        finally:
+            over.set()
+            thread.join()
 
     def test_many_of_one_source(self):
         """32 requests at a time: the next is told so, and others go on when

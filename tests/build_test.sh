@@ -1,0 +1,61 @@
+#!/bin/bash
+# What the Makefile promises of builds: other flags are other objects, another
+# PREFIX another pelagos.pc, programs need only the libraries that they use, and
+# clangd is told of every source. Builds nothing.
+set -u
+cd "$(dirname "$0")/.."
+unset MAKEFLAGS MAKELEVEL
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+bin=${PELAGOS_BIN:-build/release/bin}
+failed=0
+
+fail() {
+    echo "FAILED: $*"
+    failed=1
+}
+
+object() { # where main.c would be compiled to
+    make -n -W server/main.c "$@" build/release/bin/pelagosd |
+        grep -o 'build/release/obj-[0-9a-f]*/server/main.o' | head -n 1
+}
+plain=$(object)
+[ -n "$plain" ] || fail "nothing would be compiled"
+[ "$plain" = "$(object)" ] || fail "the same flags give other objects"
+seen=$plain
+for flags in DEV=1 CC=clang CFLAGS=-O3 CPPFLAGS=-DX LDFLAGS=-s PKGS=glib-2.0; do
+    other=$(object "$flags" 2>/dev/null)
+    case " $seen " in
+    *" $other "*) fail "objects of $flags are those of others" ;;
+    esac
+    seen="$seen $other"
+done
+make -n CFLAGS=-O3 build/release/bin/pelagosd | grep -q 'LINK .*pelagosd' ||
+    fail "other flags do not link anew"
+
+for prefix in /opt/one /opt/two; do
+    make -s O="$work/o" PREFIX=$prefix "$work/o/pelagos.pc" ||
+        fail "no pelagos.pc"
+    grep -q "^prefix=$prefix$" "$work/o/pelagos.pc" ||
+        fail "pelagos.pc: $(head -n 1 "$work/o/pelagos.pc") after $prefix"
+done
+
+needs() { # PROGRAM LIBRARY…: the program needs none of them
+    program=$1
+    shift
+    for library; do
+        if readelf -d "$bin/$program" | grep -q "NEEDED.*\\[$library"; then
+            fail "$program needs $library"
+        fi
+    done
+}
+needs pelagosctl libmicrohttpd libmodbus libepoxy libgstrtsp libspng libgdal
+needs pelagos-seabed libmicrohttpd libmodbus libepoxy libgst libglib libssl
+needs pelagosd libgdal libcmocka libhdf5
+
+for source in $(git ls-files 'server/*.c' 'proto/*.c' 'clients/*.c' 2>/dev/null ||
+    find server proto clients -name '*.c'); do
+    grep -qF "\"file\": \"$source\"" build/compile_commands.json ||
+        fail "compile_commands.json lacks $source"
+done
+exit $failed
