@@ -289,6 +289,22 @@ class Hostile(SessionCase):
         self.assertEqual(self.tcp().ask(get={}).state.sea.seed, 1)
 
 
+class Shares(SessionCase):
+    def test_tcp_does_not_keep_unix_out(self):
+        """64 who watch cannot make room, and have TCP's places only."""
+        watchers = []
+        for _ in range(64):
+            session = Session(self.daemon.connect_tcp())
+            self.addCleanup(session.close)
+            self.assertTrue(session.ask(watch={}).HasField("state"))
+            watchers.append(session)
+        with Session(self.daemon.connect_tcp()) as session:
+            reply = session.receive()
+            self.assertEqual(reply.error.code, pb.BUSY)
+        with Session(self.daemon.connect_unix()) as session:
+            self.assertTrue(session.ask(get={}).HasField("state"))
+
+
 class UnixSocket(SessionCase):
     def test_mode(self):
         mode = os.stat(self.daemon.unix_path).st_mode

@@ -495,6 +495,42 @@ class Hostile(Case):
                 live.ack(head)
 
 
+class Motion(Case):
+    @unittest.skipUnless(shutil.which("ffprobe"), "no ffprobe")
+    def test_times_of_arrival(self):
+        """As live.md says how: ffmpeg's 25 Hz are not the stream's."""
+        def span(*options):
+            shown = subprocess.run(
+                ["ffprobe", "-v", "error", *options, "-f", "mpjpeg",
+                 "-read_intervals", "%+#20", "-show_entries",
+                 "packet=pts_time", "-of", "csv=p=0",
+                 self.daemon.url("/v1/views/bridge/mjpeg?fps=5")],
+                capture_output=True, text=True, timeout=SLOW_S).stdout.split()
+            self.assertEqual(len(shown), 20)
+            return float(shown[-1].strip(",")) - float(shown[0].strip(","))
+        self.assertAlmostEqual(span(), 19 / 25, delta=0.01)
+        begun = time.monotonic()
+        known = span("-use_wallclock_as_timestamps", "1")
+        took = time.monotonic() - begun
+        print(f"20 pictures at 5 Hz: {known:.2f} s by their arrival")
+        # Pictures may be late on a busy machine, never early.
+        self.assertGreater(known, 19 / 5 * 0.8)
+        self.assertLess(known, took + 0.1)
+
+    def test_parts_tell_their_time(self):
+        with self.daemon.connect_http() as s:
+            s.sendall(b"GET /v1/views/bridge/mjpeg HTTP/1.1\r\n"
+                      b"Host: localhost\r\n\r\n")
+            f = s.makefile("rb")
+            stamps = {}
+            while len(stamps) < 2:
+                name, _, value = f.readline().partition(b": ")
+                if name in (b"X-Timestamp", b"X-Pelagos-Stamp"):
+                    stamps[name] = float(value)
+        self.assertAlmostEqual(stamps[b"X-Timestamp"],
+                               stamps[b"X-Pelagos-Stamp"] * 1e-6, delta=1e-3)
+
+
 class Ts(Case):
     @unittest.skipUnless(shutil.which("ffprobe"), "no ffprobe")
     def test_ffprobe_opens_it(self):
