@@ -114,6 +114,7 @@ OPTICS := server/optics/brdf.c \
     server/optics/waterkernel.c \
     server/optics/watertable.c
 PROTO := proto/fieldset.c \
+    proto/layers.c \
     proto/registers.c \
     proto/message.c \
     proto/scalar.c \
@@ -151,7 +152,7 @@ RENDER := server/render/context.c server/render/shader.c \
     server/render/programs.c server/render/renderer.c server/render/arena.c server/render/probe.c \
     server/render/mesh.c server/render/mark.c server/render/sky.c server/render/uniforms.c \
     server/render/waterlight.c server/render/waterprobe.c server/render/seabedmap.c server/render/coast.c server/render/worker_pool.c server/render/disc.c server/render/band.c server/render/wavefield.c server/render/layer.c \
-    server/render/filtering.c
+    server/render/filtering.c server/render/pass.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c \
@@ -317,7 +318,6 @@ TESTS += server/render/probe_test.c
 TESTS += tests/golden/golden_test.c
 TESTS += tests/golden/shimmer_test.c
 TESTS += server/render/waterlight_test.c
-TESTS += server/frames/layers_test.c
 TESTS += tests/validate/seatrace/seatrace_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
@@ -368,7 +368,7 @@ CTL_OBJ := $(call obj,$(CTL))
 CTL_MAIN := $(OBJ)/clients/pelagosctl/pelagosctl.o
 TEST_BIN := $(patsubst %.c,$(O)/bin/%,$(notdir $(TESTS)))
 fuzz_bin := $(patsubst %.c,$(O)/bin/%,$(notdir $(FUZZERS)))
-SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*.glsl shaders/lib/*.h)
+SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*.glsl shaders/lib/*.h) proto/layers.def proto/deffile.py
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
 PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\
@@ -456,7 +456,7 @@ $(O)/gen/pages.c: clients/web/embed.py proto/pelagos.proto $(PAGES)
 $(O)/gen/shaders.c: shaders/embed.py $(SHADERS)
 	$(Q)mkdir -p $(@D)
 	@echo "  GEN   $@"
-	$(Q)/usr/bin/python3 shaders/embed.py $@ $(filter-out shaders/lib/%,$(SHADERS))
+	$(Q)/usr/bin/python3 shaders/embed.py $@ $(filter-out shaders/lib/% proto/%,$(SHADERS))
 
 .PHONY: manual
 manual: ## write proto/manual.md and the Python classes from the schema

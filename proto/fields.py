@@ -13,6 +13,7 @@ import sys
 import tempfile
 import textwrap
 
+import deffile
 from google.protobuf import descriptor_pb2
 
 F = descriptor_pb2.FieldDescriptorProto
@@ -198,9 +199,30 @@ def table(head, rows):
                            for cell in line) + "|" for line in lines]
 
 
+def layers():
+    return deffile.rows(os.path.join(os.path.dirname(__file__), "layers.def"),
+                        "PEL_LAYER")
+
+
+def layer_table():
+    out = []
+    for _, _, name, channels, samples, unit, source, text in layers():
+        prefix = "" if source == "LIGHT" else name + "."
+        wide = ", always 32 bits" if samples == "FLOAT" else ""
+        out.append([f"`{name}`", f"`{prefix}{' '.join(channels)}`{wide}",
+                    "" if unit == "1" else unit, text])
+    return table(["layer", "channels", "unit", ""], out)
+
+
+TABLES = {"@layers@": layer_table}
+
+
 def write_manual(schema, path, template):
     with open(template, encoding="utf-8") as f:
         out = f.read().rstrip().split("\n")
+    for name, make in TABLES.items():
+        place = out.index(name)
+        out[place:place + 1] = make()
     for name, (doc, fields) in schema.messages.items():
         out += ["", f"## {name}"] + ([doc] if doc else [])
         if fields:
@@ -269,7 +291,9 @@ def write_python(schema, path):
            'Names are those of the wire. Angles are degrees. None: absent."""',
            "from __future__ import annotations", "",
            "from dataclasses import dataclass", "",
-           "from .record import Record, _field"]
+           "from .record import Record, _field", "",
+           "#: The layers of an EXR picture.", "LAYERS = ("]
+    out += [f'    "{row[2]}",' for row in layers()] + [")"]
     for name in python_order(schema, "State", []):
         doc, fields = schema.messages[name]
         out += ["", "", "@dataclass(frozen=True)", f"class {name}(Record):"]

@@ -51,6 +51,15 @@ for shell in bash zsh fish; do
     says pelagosctl
 done
 "$ctl" completion bash | bash -n || fail "the bash completion has an error"
+# Every layer of the schema's table, also behind a comma.
+for layer in $(sed -n 's/^PEL_LAYER([A-Z_]*, [a-z_]*, "\([A-Za-z]*\)".*/\1/p' \
+    "${0%/*}/../proto/layers.def"); do
+    completed=$(bash -c 'eval "$("$1" completion bash)"
+        COMP_WORDS=(pelagosctl frame a.exr --layers "sun,$2"); COMP_CWORD=4
+        _pelagosctl; echo "${COMPREPLY[0]}"' - "$ctl" "$layer")
+    [ "$completed" = "sun,$layer" ] ||
+        fail "the bash completion of --layers does not know $layer"
+done
 "$ctl" manual | LC_ALL=C.UTF-8 man -l --warnings - >/dev/null 2>"$err"
 [ ! -s "$err" ] || fail "the manual: $(cat "$err")"
 

@@ -5,10 +5,12 @@ import sys
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)),
+                                "..", "clients", "python"))
 from pelagos_daemon import SANITIZED, Daemon, Session
+from pelagos.schema import LAYERS
 
-ALL = ("radiance,sun,sky,water,air,depth,normal,fresnel,slopeVariance,"
-       "waterSingle,waterSecond,waterHigher,bottom,position")
+ALL = ",".join(LAYERS)
 SIDE = 1200
 # Of readback; targets are a band's, and 256 MiB are the most.
 TAKEN = SIDE * SIDE * 172

@@ -22,7 +22,7 @@ struct ctl_option {
     const char *name;  /* NULL ends a list */
     const char *arg;   /* word for the value in the help; NULL: a flag */
     const char *help;  /* a sentence without its full stop */
-    const char *words; /* values for the completion, or NULL */
+    const char *words; /* its values, by spaces, or NULL */
 };
 
 struct ctl;

@@ -15,6 +15,19 @@ static void put_words(const struct ctl_option *options)
     }
 }
 
+/* The values of options that have a list of them; several go by commas. */
+static void bash_values(void)
+{
+    for (const struct ctl_command *c = ctl_commands; c->name; c++) {
+        for (const struct ctl_option *o = c->options; o && o->name; o++) {
+            if (c->summary && o->words) {
+                printf("    %s:--%s) values='%s' ;;\n", c->name, o->name,
+                       o->words);
+            }
+        }
+    }
+}
+
 static void bash_case(const struct ctl_command *command)
 {
     printf("    %s) options='", command->name);
@@ -26,7 +39,8 @@ static void complete_bash(void)
 {
     fputs("# bash completion of pelagosctl\n"
           "_pelagosctl() {\n"
-          "  local cur=${COMP_WORDS[COMP_CWORD]} command= word options= kind=\n"
+          "  local cur=${COMP_WORDS[COMP_CWORD]} command= word options= kind= "
+          "values= before=\n"
           "  local common='",
           stdout);
     put_words(ctl_global_options);
@@ -50,6 +64,16 @@ static void complete_bash(void)
     }
     fputs("' ;;\n"
           "  esac\n"
+          "  case $command:${COMP_WORDS[COMP_CWORD-1]} in\n",
+          stdout);
+    bash_values();
+    fputs("  esac\n"
+          "  if [[ -n $values ]]; then\n"
+          "    [[ $cur == *,* ]] && before=${cur%,*},\n"
+          "    COMPREPLY=($(compgen -P \"$before\" -W \"$values\" -- "
+          "\"${cur##*,}\"))\n"
+          "    return\n"
+          "  fi\n"
           "  if [[ $cur == -* || -z $command ]]; then\n"
           "    COMPREPLY=($(compgen -W \"$options $common\" -- \"$cur\"))\n"
           "  elif [[ $kind == files ]]; then\n"
@@ -88,6 +112,9 @@ static void zsh_options(const struct ctl_option *options)
         fputs("]", stdout);
         if (options->arg) {
             printf(":%s:", options->arg);
+        }
+        if (options->words) {
+            printf("_values -s , %s %s", options->arg, options->words);
         }
         fputs("'", stdout);
     }
@@ -161,6 +188,9 @@ static void fish_options(const char *command, const struct ctl_option *options)
         }
         if (options->arg) {
             fputs(" -r", stdout);
+        }
+        if (options->words) {
+            printf(" -f -a '%s'", options->words);
         }
         fputs(" -d '", stdout);
         fish_text(options->help);

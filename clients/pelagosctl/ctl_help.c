@@ -14,7 +14,9 @@ static void print_options(FILE *out, const struct ctl_option *options)
         }
         g_snprintf(left, sizeof left, "%s--%s%s%s", letter, options->name,
                    options->arg ? " " : "", options->arg ? options->arg : "");
-        fprintf(out, "  %-26s %s\n", left, options->help);
+        fprintf(out, "  %-26s %s%s%s\n", left, options->help,
+                options->words ? ": " : "",
+                options->words ? options->words : "");
     }
 }
 
@@ -135,6 +137,10 @@ static void roff_options(FILE *out, const struct ctl_option *options)
         }
         fputc('\n', out);
         print_roff(out, options->help);
+        if (options->words) {
+            fputs(": ", out);
+            print_roff(out, options->words);
+        }
         fputs(".\n", out);
     }
 }

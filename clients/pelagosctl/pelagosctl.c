@@ -27,15 +27,18 @@ const struct ctl_option ctl_global_options[] = {
     { 0 },
 };
 
+static const char layer_words[] =
+#define PEL_LAYER(ID, member, name, channels, samples, unit, from, text)       \
+    name " "
+#include "proto/layers.def"
+    ;
+
 static const struct ctl_option frame_options[] = {
     { 0, "width", "PIXELS", "Width instead of the view's", NULL },
     { 0, "height", "PIXELS", "Height instead of the view's", NULL },
     { 0, "time", "SECONDS", "Simulated time instead of the clock's", NULL },
-    { 0, "layers", "LIST",
-      "Layers of an EXR, by commas: radiance, sun, sky, water, air, depth,"
-      " normal, fresnel, slopeVariance, waterSingle, waterSecond, waterHigher,"
-      " bottom, position (radiance)",
-      NULL },
+    { 0, "layers", "LIST", "Layers of an EXR, by commas (radiance)",
+      layer_words },
     { 0, "float", NULL, "EXR samples of 32 bits instead of 16", NULL },
     { 0, "quality", "1..100", "Quality of a JPEG (90)", NULL },
     { 'f', "format", "FORMAT", "jpg, png or exr whatever the file is called",
@@ -133,8 +136,8 @@ static const struct ctl_option record_options[] = {
     { 0, "width", "PIXELS", "Width instead of the view's", NULL },
     { 0, "height", "PIXELS", "Height instead of the view's", NULL },
     { 0, "quality", "1..100", "Quality of the JPEGs (90)", NULL },
-    { 0, "layers", "LIST", "Layers of the EXRs (radiance)",
-      "radiance depth normal sun sky water air fresnel slopeVariance" },
+    { 0, "layers", "LIST", "Layers of the EXRs, by commas (radiance)",
+      layer_words },
     { 0, "float", NULL, "EXRs in 32-bit samples instead of 16", NULL },
     { 0, "resume", NULL, "Draw only the files of the sequence that are missing",
       NULL },

@@ -116,12 +116,6 @@ pel_frames_request_set(struct pel_frames *frames,
                        pel_frame_set_callback done, void *user, uint64_t *id,
                        struct pel_fault *fault);
 
-/* Whether an EXR can have a layer of this name, and all of them for people. */
-bool pel_frames_layer_exists(const char *name);
-#define PEL_FRAMES_LAYERS                                                      \
-    "radiance, sun, sky, water, air, depth, normal, fresnel, slopeVariance, "  \
-    "waterSingle, waterSecond, waterHigher, bottom, position"
-
 /* Forgets a request or a set: its callback does not come any more, and what
  * nobody waits for is neither drawn nor encoded further. An id that is unknown
  * or finished is ignored. */

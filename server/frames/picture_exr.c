@@ -191,10 +191,8 @@ enum pel_err pel_picture_encode_exr(const struct pel_output *output,
             layers[count++] = (struct pel_exr_layer){
                 .name = l->bit == PEL_LAYER_RADIANCE ? NULL : l->name,
                 .channels = l->channels,
-                .pixels = l->bit == PEL_LAYER_POSITION
-                              ? position
-                              : pel_picture_layer(p, l),
-                .stride = l->floats,
+                .pixels = l->bit == PEL_LAYER_POSITION ? position : p->layer[i],
+                .stride = pel_layer_stride(l),
                 .full_float = l->full_float,
             };
         }

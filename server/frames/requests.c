@@ -35,11 +35,6 @@ static enum pel_err refuse_range(struct pel_frames *frames,
     return PEL_ERR_OUT_OF_RANGE;
 }
 
-bool pel_frames_layer_exists(const char *name)
-{
-    return pel_layer_find(name) != NULL;
-}
-
 /* Layers of an EXR as bits; 0: there is an unknown one. */
 static unsigned read_layers(const Pelagos__FrameRequest *request)
 {
@@ -127,9 +122,11 @@ enum pel_err pel_request_check(struct pel_frames *frames,
         return pel_request_refuse(frames, fault, PEL_ERR_INVALID, "format",
                                   "format is none of JPEG, PNG, EXR");
     }
-    if (r->n_layers > 16 || read_layers(r) == 0) {
+    if (r->n_layers > PEL_LAYERS || read_layers(r) == 0) {
+        char words[256];
+        snprintf(words, sizeof words, "layers are %s", pel_layer_names);
         return pel_request_refuse(frames, fault, PEL_ERR_INVALID, "layers",
-                                  "layers are " PEL_FRAMES_LAYERS);
+                                  words);
     }
     if (r->n_layers > 0 && r->format != PELAGOS__FRAME_FORMAT__EXR) {
         return pel_request_refuse(

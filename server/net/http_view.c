@@ -8,6 +8,7 @@
 
 #include "fields.h"
 #include "json.h"
+#include "layers.h"
 #include "message.h"
 #include "net/command.h"
 #include "path.h"
@@ -161,13 +162,16 @@ void pel_http_delete_view(const struct pel_http_call *call)
 static enum pel_err set_layers(Pelagos__FrameRequest *frame, const char *list,
                                struct pel_fault *fault)
 {
-    char **names = g_strsplit(list, ",", 17);
+    char **names = g_strsplit(list, ",", PEL_LAYERS + 1);
     enum pel_err err = PEL_OK;
     for (char **name = names; *name; name++) {
-        if (!pel_frames_layer_exists(*name)) {
-            err = pel_fault_value(fault, PEL_ERR_INVALID, "layers", *name,
-                                  "these are known: " PEL_FRAMES_LAYERS
-                                  ", separated by commas");
+        if (!pel_layer_find(*name)) {
+            char words[256];
+            snprintf(words, sizeof words,
+                     "these are known: %s, separated by commas",
+                     pel_layer_names);
+            err =
+                pel_fault_value(fault, PEL_ERR_INVALID, "layers", *name, words);
             break;
         }
         pel_message_append_string(&frame->layers, &frame->n_layers, *name);

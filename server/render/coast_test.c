@@ -58,13 +58,14 @@ static void land_is_where_the_field_is(void **state)
     const char *const shadings[] = { "fragment", "compute" };
     for (int s = 0; s < 2; s++) {
         struct pel_renderer *r = test_renderer(shadings[s]);
-        struct pel_picture *p = test_draw(r, &env, &camera, TEST_ALL_LAYERS);
+        struct pel_picture *p =
+            test_draw(r, &env, &camera, TEST_ALL_LAYERS | PEL_LAYER_FRESNEL);
         int land = 0;
         for (int i = 0; i < 320 * 200; i++) {
             struct pel_vec3 d = test_ray(&camera, i % 320 + 0.5, i / 320 + 0.5);
             double t = (double)p->depth[i], arc = t * hypot(d.x, d.y);
             double z = 25 + t * d.z + arc * arc / (2 * PEL_EARTH_RADIUS);
-            if (!isfinite(t) || (double)p->normal[4 * i + 3] != 0 || z < 1) {
+            if (!isfinite(t) || (double)p->fresnel[i] != 0 || z < 1) {
                 continue; /* sky, and sea, which has a reflectance */
             }
             double h = pel_seabed_drawn(bed, t * d.x, t * d.y, -99);
@@ -232,7 +233,7 @@ static void caustics_keep_the_mean(void **state)
         env.caustics = on;
         struct pel_picture *p = test_draw(r, &env, &camera, PEL_LAYER_BOTTOM);
         for (int i = 0; i < 192 * 192; i++) {
-            double green = (double)p->water_part[PEL_WATER_BOTTOM][4 * i + 1];
+            double green = (double)p->bottom[4 * i + 1];
             mean[on] += green / (192 * 192);
             if (on) {
                 deviation += fabs(green - (double)even[i]) / (192 * 192);
@@ -266,7 +267,7 @@ static void look_down(struct pel_renderer *r, double (*height)(double, double),
     for (int c = 0; c < 3; c++) {
         mean[c] = 0;
         for (int i = 0; i < 48 * 48; i++) {
-            mean[c] += (double)p->water_part[PEL_WATER_BOTTOM][4 * i + c];
+            mean[c] += (double)p->bottom[4 * i + c];
         }
         mean[c] /= 48 * 48;
     }

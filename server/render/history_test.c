@@ -58,7 +58,7 @@ static void fill_scenes(void)
     const struct test_look ahead = { 12, 10, -4, 0, 60, 224, 160 };
     const struct test_look away = { 6, 200, -3, 7, 90, 320, 96 };
     const struct test_look far_down = { 500, 10, -30, 0, 50, 130, 190 };
-    const unsigned parts = PEL_WATER_PART_LAYERS;
+    const unsigned parts = pel_layers_from(PEL_LAYER_FROM_WATER);
     scenes[DEEP] = (struct scene){ deep, test_camera(ahead), PEL_LAYER_COLOR };
     scenes[COAST] = scenes[DEEP];
     scenes[COAST].env = test_over(deep, island, 1000);
@@ -116,8 +116,8 @@ static struct kept keep(const struct pel_picture *p, unsigned layers)
     }
     for (int i = 0; i < PEL_LAYERS; i++) {
         const struct pel_layer_info *info = &pel_layer_table[i];
-        const float *values = pel_picture_layer(p, info);
-        size_t size = sizeof *values * (size_t)info->floats * pixels;
+        const float *values = p->layer[i];
+        size_t size = sizeof *values * (size_t)pel_layer_stride(info) * pixels;
         if (!(layers & info->bit) || !values || at + size > k.size) {
             continue;
         }

@@ -10,9 +10,7 @@
 #include "render/renderer.h"
 
 static const unsigned all_layers =
-    PEL_LAYER_COLOR | PEL_LAYER_RADIANCE | PEL_LAYER_SUN | PEL_LAYER_SKY |
-    PEL_LAYER_WATER | PEL_LAYER_AIR | PEL_LAYER_DEPTH | PEL_LAYER_NORMAL |
-    PEL_LAYER_FRESNEL | PEL_LAYER_SLOPE_VARIANCE | PEL_WATER_PART_LAYERS;
+    ((2u << PEL_LAYERS) - 1) & ~(unsigned)PEL_LAYER_POSITION;
 
 struct scene {
     const char *name;
@@ -98,17 +96,18 @@ static void parts_make_the_radiance(void **state)
             assert_true(fabs(sum - whole) <= 1e-5 * whole + 1e-9);
             assert_true(p->sun[4 * i + c] >= 0 && p->water[4 * i + c] >= 0);
             double water = 0.0;
-            for (int k = 0; k < PEL_WATER_PARTS; k++) {
-                assert_true(p->water_part[k][4 * i + c] >= 0);
-                water += p->water_part[k][4 * i + c];
+            for (int k = 0; k < PEL_LAYERS; k++) {
+                if (pel_layer_table[k].from == PEL_LAYER_FROM_WATER) {
+                    assert_true(p->layer[k][4 * i + c] >= 0);
+                    water += p->layer[k][4 * i + c];
+                }
             }
             whole = p->water[4 * i + c];
             assert_true(fabs(water - whole) <= 1e-5 * whole + 1e-9);
         }
         if (isfinite(p->depth[i])) {
             sea++;
-            assert_true(p->normal[4 * i + 3] > 0.0f &&
-                        p->normal[4 * i + 3] <= 1);
+            assert_true(p->fresnel[i] > 0.0f && p->fresnel[i] <= 1);
             assert_true(p->slope_variance[2 * i] >= 0.0f);
             assert_true(p->water[4 * i + 2] > 0.0f);
         }
@@ -255,15 +254,13 @@ static void wrappers_agree(void **state)
     memcpy(color, p->rgba, sizeof color);
     for (int i = 0; i < PEL_LAYERS; i++) {
         const struct pel_layer_info *l = &pel_layer_table[i];
-        const float *from = pel_picture_layer(p, l);
+        const float *from = p->layer[i];
         assert_true((from == NULL) == (l->bit == PEL_LAYER_POSITION));
         if (!from) {
             continue;
         }
-        /* F̄ starts inside its pixel. */
-        size_t floats =
-            (size_t)l->floats * PIXELS - (l->bit == PEL_LAYER_FRESNEL ? 3 : 0);
-        memcpy(layers[i], from, floats * sizeof(float));
+        memcpy(layers[i], from,
+               sizeof(float) * (size_t)pel_layer_stride(l) * PIXELS);
     }
     pel_picture_release(p);
     pel_renderer_destroy(r);
@@ -272,10 +269,10 @@ static void wrappers_agree(void **state)
     assert_memory_equal(p->rgba, color, sizeof color);
     for (int i = 0; i < PEL_LAYERS; i++) {
         const struct pel_layer_info *l = &pel_layer_table[i];
-        const float *y = pel_picture_layer(p, l);
+        const float *y = p->layer[i];
         for (int k = 0; y && k < PIXELS; k++) {
             for (size_t n = 0; n < strlen(l->channels); n++) {
-                size_t at = (size_t)(k * l->floats) + n;
+                size_t at = (size_t)(k * pel_layer_stride(l)) + n;
                 assert_true(memcmp(&layers[i][at], &y[at], sizeof(float)) == 0);
             }
         }
@@ -283,7 +280,7 @@ static void wrappers_agree(void **state)
     pel_picture_release(p);
     p = draw(r, PEL_LAYER_COLOR);
     assert_memory_equal(p->rgba, color, sizeof color);
-    assert_null(pel_picture_layer(p, &pel_layer_table[0]));
+    assert_null(p->layer[0]);
     pel_picture_release(p);
     pel_renderer_destroy(r);
 }

@@ -22,7 +22,7 @@ static const char *const kind_defines[PEL_SHADE_COUNT] = {
     [PEL_SHADE_COLOR] = "#define PEL_COLOR\n",
     [PEL_SHADE_LIGHT] = "",
     [PEL_SHADE_LAYERS] = "#define PEL_LAYERS\n",
-    [PEL_SHADE_PARTS] = "#define PEL_WATER_PARTS\n",
+    [PEL_SHADE_PARTS] = "#define PEL_LAYERS\n#define PEL_WATER_PARTS\n",
 };
 
 static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
@@ -84,11 +84,6 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
         err = make_sea_program(all, cascades, kind, PEL_COAST_BOTTOM,
                                &p->shallow[kind], fault);
     }
-    if (err == PEL_OK && all->compute && !all->tone_compute &&
-        kind == PEL_SHADE_LAYERS) {
-        err = pel_program_create(all->shader_dir, "tone.comp", NULL, NULL,
-                                 &all->tone_compute, fault);
-    }
     if (err == PEL_OK && all->compute) {
         return make_sea_program(all, cascades, kind, PEL_COAST_NONE,
                                 &p->compute_program[kind], fault);
@@ -99,7 +94,7 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
     }
     for (int disc = 0; disc < 2; disc++) {
         GLuint *program = disc ? &all->disc[kind] : &all->backdrop[kind];
-        char defines[64];
+        char defines[128];
         snprintf(defines, sizeof defines, "%s%s", kind_defines[kind],
                  disc ? "" : "#define PEL_NO_DISC\n");
         if (err == PEL_OK && !*program) {
@@ -157,7 +152,6 @@ void pel_programs_finish(struct pel_programs *p)
     glDeleteProgram(p->surface);
     glDeleteProgram(p->search);
     glDeleteProgram(p->tone);
-    glDeleteProgram(p->tone_compute);
     for (int i = 0; i < PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->backdrop[i]);
         glDeleteProgram(p->disc[i]);

@@ -13,8 +13,8 @@
 enum pel_shading {
     PEL_SHADE_COLOR,  /* the colour only */
     PEL_SHADE_LIGHT,  /* radiance; in one dispatch also the colour */
-    PEL_SHADE_LAYERS, /* radiance and the layers of a surface */
-    PEL_SHADE_PARTS,  /* the water's light taken apart */
+    PEL_SHADE_LAYERS, /* and layers of the surface */
+    PEL_SHADE_PARTS,  /* and of the water's light taken apart */
     PEL_SHADE_COUNT,
 };
 
@@ -34,7 +34,7 @@ struct pel_programs {
     bool software;
     bool compute;   /* shade in one dispatch instead of three */
     bool automatic; /* nobody asked for that: may turn to fragments */
-    GLuint surface, search, tone, tone_compute;
+    GLuint surface, search, tone;
     GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
     GLuint disc[PEL_SHADE_COUNT];     /* and with it */
     struct pel_sea_programs trochoids, cascades;

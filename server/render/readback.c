@@ -34,7 +34,11 @@ enum pel_err pel_readback_init(struct pel_readback *r)
 {
     *r = (struct pel_readback){ 0 };
     r->slots = calloc(PEL_READBACK_SLOTS, sizeof *r->slots);
-    return r->slots ? PEL_OK : PEL_ERR_NO_MEMORY;
+    if (!r->slots) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    glCreateFramebuffers(1, &r->read_fbo);
+    return PEL_OK;
 }
 
 void pel_readback_finish(struct pel_readback *r)
@@ -50,6 +54,7 @@ void pel_readback_finish(struct pel_readback *r)
         }
         glDeleteBuffers(1, &slot->buffer);
     }
+    glDeleteFramebuffers(1, &r->read_fbo);
     free(r->slots);
     *r = (struct pel_readback){ 0 };
 }
@@ -111,53 +116,32 @@ static struct pel_readback_slot *take_slot(struct pel_readback *r, size_t size)
     return largest->map ? largest : NULL;
 }
 
-/* Attachments of hdr_fbo in their order, then of parts_fbo; color is its own
- * framebuffer. */
-#define ATTACHMENTS (PEL_HDR_ATTACHMENTS + PEL_WATER_PARTS)
-static const struct {
-    unsigned layers;
-    GLenum format;
-    size_t floats;
-} attachments[ATTACHMENTS] = {
-    { PEL_LAYER_RADIANCE, GL_RGBA, 4 },
-    { PEL_LAYER_DEPTH | PEL_LAYER_POSITION, GL_RED, 1 },
-    { PEL_LAYER_NORMAL | PEL_LAYER_FRESNEL, GL_RGBA, 4 },
-    { PEL_LAYER_SUN, GL_RGBA, 4 },
-    { PEL_LAYER_SKY, GL_RGBA, 4 },
-    { PEL_LAYER_WATER, GL_RGBA, 4 },
-    { PEL_LAYER_AIR, GL_RGBA, 4 },
-    { PEL_LAYER_SLOPE_VARIANCE, GL_RG, 2 },
-    [PEL_HDR_ATTACHMENTS +
-        PEL_WATER_SINGLE] = { PEL_LAYER_WATER_SINGLE, GL_RGBA, 4 },
-    [PEL_HDR_ATTACHMENTS +
-        PEL_WATER_SECOND] = { PEL_LAYER_WATER_SECOND, GL_RGBA, 4 },
-    [PEL_HDR_ATTACHMENTS +
-        PEL_WATER_HIGHER] = { PEL_LAYER_WATER_HIGHER, GL_RGBA, 4 },
-    [PEL_HDR_ATTACHMENTS + PEL_WATER_BOTTOM] = { PEL_LAYER_BOTTOM, GL_RGBA, 4 },
-};
-
-/* Queues the copy of every wanted attachment to the bound pack buffer. */
-static void copy_attachments(const struct pel_readback_source *s,
-                             const uint8_t *map, const size_t at[ATTACHMENTS],
-                             const float *found[ATTACHMENTS])
+/* Queues the copy of every wanted layer to the bound pack buffer. */
+static void copy_layers(const struct pel_readback *r,
+                        const struct pel_readback_source *s, const uint8_t *map,
+                        const size_t at[PEL_LAYERS],
+                        const float *found[PEL_LAYERS])
 {
+    static const GLenum formats[] = { 0, GL_RED, GL_RG, 0, GL_RGBA };
     const uint8_t *base = NULL; /* offsets into the pack buffer */
-    for (int i = 0; i < ATTACHMENTS; i++) {
-        if (!(s->layers & attachments[i].layers)) {
-            continue;
+    const unsigned stored = pel_layers_stored(s->layers);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, r->read_fbo);
+    glReadBuffer(GL_COLOR_ATTACHMENT0);
+    for (int i = 0; i < PEL_LAYERS; i++) {
+        const struct pel_layer_info *l = &pel_layer_table[i];
+        if (stored & l->bit) {
+            glNamedFramebufferTexture(r->read_fbo, GL_COLOR_ATTACHMENT0,
+                                      s->planes[i], 0);
+            size_t before = (size_t)s->first_row * s->width * sizeof(float) *
+                            (size_t)pel_layer_stride(l);
+            glReadPixels(0, 0, (GLsizei)s->width, (GLsizei)s->rows,
+                         formats[pel_layer_stride(l)], GL_FLOAT,
+                         (void *)(base + at[i] + before));
+            found[i] = (const float *)(map + at[i]);
         }
-        bool part = i >= PEL_HDR_ATTACHMENTS;
-        int number = part ? i - PEL_HDR_ATTACHMENTS : i;
-        glBindFramebuffer(GL_READ_FRAMEBUFFER,
-                          part ? s->parts_fbo : s->hdr_fbo);
-        glReadBuffer(GL_COLOR_ATTACHMENT0 + (GLenum)number);
-        size_t before = (size_t)s->first_row * s->width * sizeof(float) *
-                        attachments[i].floats;
-        glReadPixels(0, 0, (GLsizei)s->width, (GLsizei)s->rows,
-                     attachments[i].format, GL_FLOAT,
-                     (void *)(base + at[i] + before));
-        found[i] = (const float *)(map + at[i]);
     }
+    /* The textures may go before the next picture. */
+    glNamedFramebufferTexture(r->read_fbo, GL_COLOR_ATTACHMENT0, 0, 0);
 }
 
 /* The slot of the picture that the source is of; NULL: there is none. */
@@ -218,12 +202,15 @@ enum pel_err pel_readback_push(struct pel_readback *r,
                                const struct pel_readback_source *s)
 {
     size_t pixels = (size_t)s->width * s->height;
-    size_t at[ATTACHMENTS];
+    const unsigned stored = pel_layers_stored(s->layers);
+    size_t at[PEL_LAYERS];
     size_t size = s->layers & PEL_LAYER_COLOR ? align_up(pixels * 4) : 0;
-    for (int i = 0; i < ATTACHMENTS; i++) {
+    for (int i = 0; i < PEL_LAYERS; i++) {
+        const struct pel_layer_info *l = &pel_layer_table[i];
         at[i] = size;
-        if (s->layers & attachments[i].layers) {
-            size += align_up(pixels * sizeof(float) * attachments[i].floats);
+        if (stored & l->bit) {
+            size +=
+                align_up(pixels * sizeof(float) * (size_t)pel_layer_stride(l));
         }
     }
     size_t ev_offset = size;
@@ -232,7 +219,6 @@ enum pel_err pel_readback_push(struct pel_readback *r,
         return PEL_ERR_BUSY;
     }
     uint8_t *base = NULL; /* offsets into the pack buffer */
-    const float *found[ATTACHMENTS] = { NULL };
     glBindBuffer(GL_PIXEL_PACK_BUFFER, slot->buffer);
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
     if (s->layers & PEL_LAYER_COLOR) {
@@ -242,7 +228,8 @@ enum pel_err pel_readback_push(struct pel_readback *r,
                      GL_UNSIGNED_BYTE,
                      base + (size_t)s->first_row * s->width * 4);
     }
-    copy_attachments(s, slot->map, at, found);
+    const float *found[PEL_LAYERS] = { NULL };
+    copy_layers(r, s, slot->map, at, found);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
     if (s->first_row + s->rows < s->height) {
         keep_open(r, slot);
@@ -259,17 +246,8 @@ enum pel_err pel_readback_push(struct pel_readback *r,
         .height = s->height,
         .exposure_ev = s->exposure_ev,
         .rgba = s->layers & PEL_LAYER_COLOR ? slot->map : NULL,
-        .radiance = found[0],
-        .depth = found[1],
-        .normal = found[2],
-        .sun = found[3],
-        .sky = found[4],
-        .water = found[5],
-        .air = found[6],
-        .slope_variance = found[7],
     };
-    memcpy(slot->picture.water_part, found + PEL_HDR_ATTACHMENTS,
-           sizeof slot->picture.water_part);
+    memcpy(slot->picture.layer, found, sizeof found);
     slot->ev_offset = ev_offset;
     slot->auto_exposure = s->auto_exposure;
     atomic_store_explicit(&slot->busy, true, memory_order_release);

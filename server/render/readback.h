@@ -8,12 +8,11 @@
 
 #define PEL_READBACK_SLOTS (PEL_MAX_VIEWS * 2 + 16)
 
-#define PEL_HDR_ATTACHMENTS 8
-
 struct pel_readback_slot;
 
 struct pel_readback {
     struct pel_readback_slot *slots; /* PEL_READBACK_SLOTS */
+    GLuint read_fbo;                 /* around the layer that is copied */
     size_t head, in_flight;          /* ring of submission order */
     uint64_t pushed;                 /* pictures so far */
     struct pel_readback_slot *order[PEL_READBACK_SLOTS];
@@ -23,10 +22,9 @@ struct pel_readback {
 
 /* Where the layers of one picture are read from. */
 struct pel_readback_source {
-    GLuint color_fbo; /* RGBA8 */
-    GLuint hdr_fbo;   /* attachments as in readback.c's table */
-    GLuint parts_fbo; /* the water's, likewise */
-    GLuint light;     /* buffer that begins with the automatic EV100 (float) */
+    GLuint color_fbo;     /* RGBA8 */
+    const GLuint *planes; /* textures by PEL_AT_* */
+    GLuint light; /* buffer that begins with the automatic EV100 (float) */
     bool auto_exposure;
     double exposure_ev;       /* where not automatic */
     uint32_t width, height;   /* of the picture */

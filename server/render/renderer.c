@@ -13,6 +13,7 @@
 #include "render/context.h"
 #include "render/mark.h"
 #include "render/mesh.h"
+#include "render/pass.h"
 #include "render/probe.h"
 #include "render/programs.h"
 #include "render/readback.h"
@@ -75,18 +76,6 @@ void pel_renderer_stage_ms(const struct pel_renderer *r,
     for (int i = 0; i < PEL_STAGE_COUNT; i++) {
         ms[i] = r->timing.ms[i];
     }
-}
-
-static enum pel_shading shading_of(const struct pel_renderer *r,
-                                   unsigned layers)
-{
-    const unsigned light = PEL_LAYER_COLOR | PEL_LAYER_RADIANCE;
-    if (layers & ~(light | PEL_WATER_PART_LAYERS)) {
-        return PEL_SHADE_LAYERS;
-    }
-    /* In one dispatch the same program writes either. */
-    return layers == PEL_LAYER_COLOR && !r->programs.compute ? PEL_SHADE_COLOR
-                                                             : PEL_SHADE_LIGHT;
 }
 
 /* --- life ----------------------------------------------------------------- */
@@ -351,12 +340,15 @@ static GLuint program_of(const struct pel_sea_programs *p,
 }
 
 static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
-                        const struct pel_sea_programs *p, enum pel_shading kind)
+                        const struct pel_sea_programs *p,
+                        const struct pel_pass *pass)
 {
     glEnable(GL_SCISSOR_TEST);
     for (struct run_of_tiles run = { 0 }; next_run(r, c, &run);) {
         glScissor(run.x, run.y, run.width, run.height);
-        glUseProgram(program_of(p, run.tile, kind, p->fragments[kind]));
+        glUseProgram(
+            program_of(p, run.tile, pass->kind, p->fragments[pass->kind]));
+        pel_pass_use(pass);
         glDepthFunc(run.tile == PEL_COAST_LAND ? GL_ALWAYS : GL_LESS);
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
@@ -365,10 +357,12 @@ static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
 
 static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
                            const struct pel_sea_programs *p,
-                           enum pel_shading kind, int wanted)
+                           const struct pel_pass *pass, int wanted)
 {
     for (struct run_of_tiles run = { 0 }; next_run(r, c, &run);) {
-        glUseProgram(program_of(p, run.tile, kind, p->compute_program[kind]));
+        glUseProgram(program_of(p, run.tile, pass->kind,
+                                p->compute_program[pass->kind]));
+        pel_pass_use(pass);
         glUniform1i(0, wanted);
         glUniform4i(1, run.x, run.y, run.x + run.width, run.y + run.height);
         glDispatchCompute(groups(run.width, PEL_GROUP_SIDE),
@@ -381,59 +375,57 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
  * themselves. */
 static void shade(struct pel_renderer *r, const struct pel_camera *c,
                   const struct pel_disc_box *discs,
-                  const struct pel_sea_programs *p, enum pel_shading kind)
+                  const struct pel_sea_programs *p, const struct pel_pass *pass)
 {
-    const GLuint fbos[PEL_SHADE_COUNT] = { r->targets.color_fbo,
-                                           r->targets.light_fbo,
-                                           r->targets.layers_fbo,
-                                           r->targets.parts_fbo };
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbos[kind]);
+    enum pel_shading kind = pass->kind;
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER,
+                      pel_targets_attach(&r->targets, pass));
     glEnable(GL_DEPTH_TEST);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
     glDepthFunc(GL_EQUAL);
     glUseProgram(r->programs.backdrop[kind]);
+    pel_pass_use(pass);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     for (int i = 0; i < PEL_LIGHTS; i++) {
         if (discs[i].width > 0 && discs[i].height > 0) {
             glEnable(GL_SCISSOR_TEST);
             glScissor(discs[i].x, discs[i].y, discs[i].width, discs[i].height);
             glUseProgram(r->programs.disc[kind]);
+            pel_pass_use(pass);
             glDrawArrays(GL_TRIANGLES, 0, 3);
             glDisable(GL_SCISSOR_TEST);
         }
     }
     glDepthFunc(GL_LESS);
     if (r->any_coast) {
-        shade_tiles(r, c, p, kind);
+        shade_tiles(r, c, p, pass);
     } else {
         glUseProgram(p->fragments[kind]);
+        pel_pass_use(pass);
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
     glDisable(GL_DEPTH_TEST);
 }
 
-/* Sky, sea and, without layers, display colour in one dispatch: eight images
- * are what OpenGL promises. */
+/* Sky, sea, display colour and layers in one dispatch. */
 static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
                           const struct pel_sea_programs *p,
-                          enum pel_shading kind, int wanted)
+                          const struct pel_pass *pass, int wanted)
 {
-    static const GLuint images[PEL_SHADE_COUNT] = { 0, 1, PEL_HDR_ATTACHMENTS,
-                                                    PEL_WATER_PARTS };
-    for (GLuint i = 0; i < images[kind]; i++) {
-        bool parts = kind == PEL_SHADE_PARTS;
-        glBindImageTexture(i, parts ? r->targets.parts[i] : r->targets.hdr[i],
-                           0, GL_FALSE, 0, GL_WRITE_ONLY,
-                           parts ? GL_RGBA32F : pel_hdr_formats[i]);
-    }
-    if (kind == PEL_SHADE_LIGHT) {
-        glBindImageTexture(1, r->targets.color, 0, GL_FALSE, 0, GL_WRITE_ONLY,
-                           GL_RGBA8);
+    glBindImageTexture(PEL_IMAGE_COLOR, r->targets.color, 0, GL_FALSE, 0,
+                       GL_WRITE_ONLY, GL_RGBA8);
+    glBindImageTexture(PEL_IMAGE_RADIANCE, r->targets.planes[PEL_AT_RADIANCE],
+                       0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    for (GLuint i = 0; i < PEL_COMPUTE_SLOTS && pass->layer[i] >= 0; i++) {
+        glBindImageTexture(PEL_IMAGE_SLOTS + i,
+                           r->targets.planes[pass->layer[i]], 0, GL_FALSE, 0,
+                           GL_WRITE_ONLY, pel_plane_format(pass->layer[i]));
     }
     if (r->any_coast) {
-        dispatch_tiles(r, c, p, kind, wanted);
+        dispatch_tiles(r, c, p, pass, wanted);
     } else {
-        glUseProgram(p->compute_program[kind]);
+        glUseProgram(p->compute_program[pass->kind]);
+        pel_pass_use(pass);
         glUniform1i(0, wanted);
         glUniform4i(1, 0, 0, (GLint)c->width, (GLint)c->height);
         glDispatchCompute(groups((int)c->width, PEL_GROUP_SIDE),
@@ -444,16 +436,7 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
 
 static void tone(struct pel_renderer *r, const struct pel_camera *c)
 {
-    glBindTextureUnit(PEL_UNIT_RADIANCE, r->targets.hdr[0]);
-    if (r->programs.compute) {
-        glBindImageTexture(0, r->targets.color, 0, GL_FALSE, 0, GL_WRITE_ONLY,
-                           GL_RGBA8);
-        glUseProgram(r->programs.tone_compute);
-        glDispatchCompute(groups((int)c->width, PEL_GROUP_SIDE),
-                          groups((int)c->height, PEL_GROUP_SIDE), 1);
-        glMemoryBarrier(PIXEL_BARRIERS);
-        return;
-    }
+    glBindTextureUnit(PEL_UNIT_RADIANCE, r->targets.planes[PEL_AT_RADIANCE]);
     glDisable(GL_DEPTH_TEST);
     glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
@@ -482,9 +465,6 @@ static void draw_pixels(struct pel_renderer *r,
                         const struct pel_camera *whole, struct pel_band band,
                         unsigned asked)
 {
-    enum pel_shading kind = shading_of(r, asked);
-    bool layers = kind == PEL_SHADE_LAYERS;
-    bool parts = asked & PEL_WATER_PART_LAYERS;
     double height_m = fmax(whole->altitude_m, PEL_LEAST_EYE_M);
     double table_height_m = pel_sky_quantize_height(height_m);
     struct pel_block_view view;
@@ -545,7 +525,7 @@ static void draw_pixels(struct pel_renderer *r,
                    sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_VIEW, &view,
                    sizeof view);
-    pel_targets_fit(&r->targets, c->width, c->height, layers, parts);
+    pel_targets_fit(&r->targets, c->width, c->height, asked);
     pel_stage_begin(&r->timing);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
@@ -557,19 +537,21 @@ static void draw_pixels(struct pel_renderer *r,
         raster_surface(r, c, submerged);
     }
     pel_stage_end(&r->timing, PEL_STAGE_RASTER);
-    int wanted = (layers || asked & PEL_LAYER_RADIANCE) * PEL_WANTS_RADIANCE;
-    wanted |= asked & PEL_LAYER_COLOR ? PEL_WANTS_COLOR : 0;
-    for (int pass = 0; pass <= parts; pass++) {
-        enum pel_shading now = pass ? PEL_SHADE_PARTS : kind;
-        if (r->programs.compute) {
-            shade_compute(r, c, programs, now,
-                          pass == parts ? wanted | PEL_LAST_PASS : wanted);
+    bool compute = r->programs.compute;
+    struct pel_pass pass = pel_pass_first(asked, compute);
+    bool toned = compute || pass.kind == PEL_SHADE_COLOR;
+    do {
+        if (compute) {
+            bool light = pass.first && asked & PEL_LAYER_RADIANCE;
+            bool color = pass.first && asked & PEL_LAYER_COLOR;
+            shade_compute(r, c, programs, &pass,
+                          light * PEL_WANTS_RADIANCE + color * PEL_WANTS_COLOR +
+                              pass.last * PEL_LAST_PASS);
         } else {
-            shade(r, c, discs, programs, now);
+            shade(r, c, discs, programs, &pass);
         }
-    }
+    } while (pel_pass_next(&pass, compute));
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
-    bool toned = kind == PEL_SHADE_COLOR || (r->programs.compute && !layers);
     if (!toned && asked & PEL_LAYER_COLOR) {
         tone(r, c);
     }
@@ -583,7 +565,6 @@ static enum pel_err draw_view(struct pel_renderer *r,
     struct pel_camera camera = draw->camera;
     camera.altitude_m -= env->sea_level_m;
     const struct pel_camera *c = &camera;
-    bool layers = shading_of(r, draw->layers) == PEL_SHADE_LAYERS;
     struct pel_band band = pel_band_of(draw);
     draw_pixels(r, env, c, band, draw->layers);
     if (env->stale && draw->layers & PEL_LAYER_COLOR) {
@@ -593,8 +574,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     pel_stage_end(&r->timing, PEL_STAGE_TONE);
     const struct pel_readback_source source = {
         .color_fbo = r->targets.color_fbo,
-        .hdr_fbo = layers ? r->targets.layers_fbo : r->targets.light_fbo,
-        .parts_fbo = r->targets.parts_fbo,
+        .planes = r->targets.planes,
         .light = r->sky.light,
         .auto_exposure = c->auto_exposure,
         .exposure_ev = c->exposure_ev,
@@ -653,13 +633,16 @@ static enum pel_err need_programs(struct pel_renderer *r,
     bool coast = env->seabed != NULL;
     struct pel_fault fault;
     for (size_t i = 0; i < count; i++) {
-        enum pel_err err =
-            pel_programs_need(&r->programs, env->sea,
-                              shading_of(r, draws[i].layers), coast, &fault);
-        if (!err && (draws[i].layers & PEL_WATER_PART_LAYERS)) {
-            err = pel_programs_need(&r->programs, env->sea, PEL_SHADE_PARTS,
-                                    coast, &fault);
-        }
+        enum pel_err err = PEL_OK;
+        bool compute;
+        do { /* once more where it turned to fragments meanwhile */
+            compute = r->programs.compute;
+            struct pel_pass pass = pel_pass_first(draws[i].layers, compute);
+            do {
+                err = pel_programs_need(&r->programs, env->sea, pass.kind,
+                                        coast, &fault);
+            } while (err == PEL_OK && pel_pass_next(&pass, compute));
+        } while (err == PEL_OK && compute != r->programs.compute);
         if (err != PEL_OK) {
             pel_error("RND-040", "%s", fault.message);
             return err;

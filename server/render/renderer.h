@@ -11,6 +11,7 @@
 
 #include "base/err.h"
 #include "optics/watertable.h"
+#include "proto/layers.h"
 #include "render/filtering.h"
 #include "scene/snapshot.h"
 
@@ -65,43 +66,12 @@ struct pel_environment {
     double light_blur; /* slopes by which lights are widened; 0: their discs */
 };
 
-enum pel_layer {
-    PEL_LAYER_COLOR = 1 << 0,    /* 8-bit sRGB, exposed and tone-mapped */
-    PEL_LAYER_RADIANCE = 1 << 1, /* the sum of the next four */
-    PEL_LAYER_SUN = 1 << 2,      /* lights reflected, and their discs */
-    PEL_LAYER_SKY = 1 << 3,      /* the sky reflected, and itself */
-    PEL_LAYER_WATER = 1 << 4,    /* light that comes back out of the water */
-    PEL_LAYER_AIR = 1 << 5,      /* scattered into the ray before the sea */
-    PEL_LAYER_DEPTH = 1 << 6,    /* distance along the ray, m; sky: inf */
-    PEL_LAYER_NORMAL = 1 << 7,   /* east, north, up; sky: 0 */
-    PEL_LAYER_FRESNEL = 1 << 8,  /* effective reflectance F̄; sky: 0 */
-    PEL_LAYER_SLOPE_VARIANCE = 1 << 9, /* unresolved, along, across the wind */
-    /* PEL_LAYER_WATER taken apart by what befell the light in the water. */
-    PEL_LAYER_WATER_SINGLE = 1 << 10, /* scattered once */
-    PEL_LAYER_WATER_SECOND = 1 << 11, /* scattered twice */
-    PEL_LAYER_WATER_HIGHER = 1 << 12, /* more often, or mirrored from below */
-    PEL_LAYER_BOTTOM = 1 << 13,       /* reflected by the bottom */
-    PEL_LAYER_POSITION = 1 << 14,     /* pel_picture_position; sky: 0 */
-};
+/* What shaders write and readback copies for these layers: those that are made
+ * here from the depth take it; the colour is none of them. */
+unsigned pel_layers_stored(unsigned layers);
 
-/* The layers that files and protocols name, in the order of their bits after
- * the colour. Light is at 680, 550, 440 nm, W m⁻² sr⁻¹ nm⁻¹. */
-struct pel_layer_info {
-    const char *name;
-    enum pel_layer bit;
-    const char *channels; /* one letter a component, as OpenEXR names them */
-    int floats;           /* a pixel in its buffer */
-    bool full_float;      /* keeps 32 bits where others are halves */
-    const char *unit;
-};
-#define PEL_LAYERS 14
-#define PEL_WATER_PART_LAYERS                                                  \
-    (PEL_LAYER_WATER_SINGLE | PEL_LAYER_WATER_SECOND |                         \
-     PEL_LAYER_WATER_HIGHER | PEL_LAYER_BOTTOM)
-extern const struct pel_layer_info pel_layer_table[PEL_LAYERS];
-
-/* The layer called `name`, or NULL. */
-const struct pel_layer_info *pel_layer_find(const char *name);
+/* Floats from pixel to pixel of a layer, at least its channels. */
+int pel_layer_stride(const struct pel_layer_info *layer);
 
 /* Bytes a pixel takes in the buffers of these layers. */
 size_t pel_layer_bytes(unsigned layers);
@@ -136,11 +106,16 @@ struct pel_picture {
     uint32_t width, height;
     double exposure_ev;  /* EV100 used, also where it was automatic */
     const uint8_t *rgba; /* 4 bytes a pixel, sRGB, alpha 255 */
-    const float *radiance, *sun, *sky, *water, *air; /* 4 floats a pixel */
-    const float *depth;                              /* 1 float a pixel */
-    const float *normal;         /* 4 floats a pixel: east, north, up, F̄ */
-    const float *slope_variance; /* 2 floats a pixel */
-    const float *water_part[PEL_WATER_PARTS]; /* 4 floats a pixel */
+    /* By PEL_AT_* and by name, pel_layer_stride floats a pixel; the fourth of
+     * three is 1. What is made from the depth is NULL. */
+    union {
+        const float *layer[PEL_LAYERS];
+        struct {
+#define PEL_LAYER(ID, member, name, channels, samples, unit, from, text)       \
+    const float *member;
+#include "proto/layers.def"
+        };
+    };
     int64_t drawn_ns; /* CLOCK_MONOTONIC when the pixels were there */
     double render_ms; /* wall time from submission to the pixels */
 };
@@ -168,11 +143,6 @@ void pel_renderer_drop_bands(struct pel_renderer *r);
  * after waiting wait_ns (0: just look). It stays mapped until released. */
 struct pel_picture *pel_renderer_collect(struct pel_renderer *r,
                                          int64_t wait_ns);
-
-/* First component of a layer's first pixel; pixels are info->floats apart.
- * NULL when the picture does not have it, as it never has the position. */
-const float *pel_picture_layer(const struct pel_picture *picture,
-                               const struct pel_layer_info *layer);
 
 /* The places of the picture's pixels, east, north, up, from its depth, which it
  * must have: 3 floats a pixel, metres. East and north are those of the map that

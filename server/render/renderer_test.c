@@ -330,8 +330,11 @@ static struct pel_picture *draw_in_bands(const struct pel_environment *env,
 
 static int bands(const struct pel_environment *env, struct pel_camera *c)
 {
-    static const unsigned asked[] = { PEL_LAYER_COLOR, PEL_LAYER_RADIANCE,
-                                      TEST_ALL_LAYERS | PEL_WATER_PART_LAYERS };
+    const unsigned asked[] = {
+        PEL_LAYER_COLOR,
+        PEL_LAYER_RADIANCE,
+        TEST_ALL_LAYERS | pel_layers_from(PEL_LAYER_FROM_WATER),
+    };
     int wrong = 0;
     for (size_t i = 0; i < sizeof asked / sizeof *asked; i++) {
         struct pel_picture *whole = test_draw(renderer, env, c, asked[i]);

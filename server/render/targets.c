@@ -8,12 +8,11 @@ void pel_targets_finish(struct pel_targets *t)
 {
     const GLuint textures[] = { t->triangles, t->depth_test, t->color };
     const GLuint fbos[] = { t->surface_fbo, t->light_fbo, t->layers_fbo,
-                            t->color_fbo, t->parts_fbo };
+                            t->color_fbo };
     glDeleteTextures(3, textures);
     glDeleteBuffers(1, &t->keys);
-    glDeleteTextures(PEL_HDR_ATTACHMENTS, t->hdr);
-    glDeleteTextures(PEL_WATER_PARTS, t->parts);
-    glDeleteFramebuffers(5, fbos);
+    glDeleteTextures(PEL_LAYERS, t->planes);
+    glDeleteFramebuffers(4, fbos);
     *t = (struct pel_targets){ 0 };
 }
 
@@ -29,49 +28,47 @@ static GLuint make_target(GLenum format, uint32_t width, uint32_t height,
     return texture;
 }
 
-const GLenum pel_hdr_formats[PEL_HDR_ATTACHMENTS] = {
-    GL_RGBA32F, GL_R32F,    GL_RGBA32F, GL_RGBA32F,
-    GL_RGBA32F, GL_RGBA32F, GL_RGBA32F, GL_RG32F,
-};
-static const char *const hdr_labels[PEL_HDR_ATTACHMENTS] = {
-    "radiance", "depth", "normal", "sun",
-    "sky",      "water", "air",    "slope variance",
-};
-
-static void make_layer_targets(struct pel_targets *t)
+GLenum pel_plane_format(int layer)
 {
-    GLenum buffers[PEL_HDR_ATTACHMENTS];
-    glCreateFramebuffers(1, &t->layers_fbo);
-    for (unsigned i = 0; i < PEL_HDR_ATTACHMENTS; i++) {
-        if (i > 0) {
-            t->hdr[i] = make_target(pel_hdr_formats[i], t->width, t->height,
-                                    hdr_labels[i]);
-        }
-        buffers[i] = GL_COLOR_ATTACHMENT0 + i;
-        glNamedFramebufferTexture(t->layers_fbo, buffers[i], t->hdr[i], 0);
-    }
-    glNamedFramebufferTexture(t->layers_fbo, GL_DEPTH_ATTACHMENT, t->depth_test,
-                              0);
-    glNamedFramebufferDrawBuffers(t->layers_fbo, PEL_HDR_ATTACHMENTS, buffers);
+    static const GLenum formats[] = { 0, GL_R32F, GL_RG32F, 0, GL_RGBA32F };
+    return formats[pel_layer_stride(&pel_layer_table[layer])];
 }
 
-static void make_part_targets(struct pel_targets *t)
+static void make_plane(struct pel_targets *t, int layer)
 {
-    GLenum buffers[PEL_WATER_PARTS];
-    glCreateFramebuffers(1, &t->parts_fbo);
-    for (unsigned i = 0; i < PEL_WATER_PARTS; i++) {
-        t->parts[i] =
-            make_target(GL_RGBA32F, t->width, t->height, "part of the water");
-        buffers[i] = GL_COLOR_ATTACHMENT0 + i;
-        glNamedFramebufferTexture(t->parts_fbo, buffers[i], t->parts[i], 0);
+    t->planes[layer] = make_target(pel_plane_format(layer), t->width, t->height,
+                                   pel_layer_table[layer].name);
+}
+
+GLuint pel_targets_attach(struct pel_targets *t, const struct pel_pass *pass)
+{
+    if (!pass->layers) {
+        return pass->kind == PEL_SHADE_COLOR ? t->color_fbo : t->light_fbo;
     }
-    glNamedFramebufferTexture(t->parts_fbo, GL_DEPTH_ATTACHMENT, t->depth_test,
-                              0);
-    glNamedFramebufferDrawBuffers(t->parts_fbo, PEL_WATER_PARTS, buffers);
+    if (!t->layers_fbo) {
+        glCreateFramebuffers(1, &t->layers_fbo);
+        glNamedFramebufferTexture(t->layers_fbo, GL_DEPTH_ATTACHMENT,
+                                  t->depth_test, 0);
+        glNamedFramebufferTexture(t->layers_fbo, GL_COLOR_ATTACHMENT0,
+                                  t->planes[PEL_AT_RADIANCE], 0);
+    }
+    GLenum buffers[1 + PEL_FRAGMENT_SLOTS] = {
+        pass->first ? GL_COLOR_ATTACHMENT0 : GL_NONE,
+    };
+    for (GLenum i = 0; i < PEL_FRAGMENT_SLOTS; i++) {
+        GLint layer = pass->layer[i];
+        GLenum place = GL_COLOR_ATTACHMENT1 + i;
+        glNamedFramebufferTexture(t->layers_fbo, place,
+                                  layer < 0 ? 0 : t->planes[layer], 0);
+        buffers[1 + i] = layer < 0 ? GL_NONE : place;
+    }
+    glNamedFramebufferDrawBuffers(t->layers_fbo, 1 + PEL_FRAGMENT_SLOTS,
+                                  buffers);
+    return t->layers_fbo;
 }
 
 void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
-                     bool layers, bool parts)
+                     unsigned asked)
 {
     bool small = (size_t)width * height * 4 < (size_t)t->width * t->height;
     t->small_draws = small ? t->small_draws + 1 : 0;
@@ -91,10 +88,11 @@ void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
                                GL_UNSIGNED_INT, NULL);
         glObjectLabel(GL_BUFFER, t->keys, -1, "keys");
         t->depth_test = make_target(GL_DEPTH_COMPONENT32F, w, h, "depth test");
-        t->hdr[0] = make_target(pel_hdr_formats[0], w, h, hdr_labels[0]);
+        make_plane(t, PEL_AT_RADIANCE);
         t->color = make_target(GL_RGBA8, w, h, "color");
         GLuint *fbos[] = { &t->surface_fbo, &t->light_fbo, &t->color_fbo };
-        const GLuint colors[] = { t->triangles, t->hdr[0], t->color };
+        const GLuint colors[] = { t->triangles, t->planes[PEL_AT_RADIANCE],
+                                  t->color };
         for (int i = 0; i < 3; i++) {
             glCreateFramebuffers(1, fbos[i]);
             glNamedFramebufferTexture(*fbos[i], GL_COLOR_ATTACHMENT0, colors[i],
@@ -103,10 +101,10 @@ void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
                                       t->depth_test, 0);
         }
     }
-    if (layers && !t->layers_fbo) {
-        make_layer_targets(t);
-    }
-    if (parts && !t->parts_fbo) {
-        make_part_targets(t);
+    const unsigned stored = pel_layers_stored(asked);
+    for (int i = 0; i < PEL_LAYERS; i++) {
+        if ((stored & pel_layer_table[i].bit) && !t->planes[i]) {
+            make_plane(t, i);
+        }
     }
 }

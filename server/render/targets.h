@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "render/readback.h"
+#include "render/pass.h"
 
 /* Zeroed before its first use. */
 struct pel_targets {
@@ -15,19 +15,22 @@ struct pel_targets {
     unsigned small_draws;
     GLuint triangles, depth_test, color;
     GLuint keys; /* buffer of shaders/search.comp; 0 between pictures */
-    GLuint hdr[PEL_HDR_ATTACHMENTS]; /* radiance first; others when wanted */
-    GLuint surface_fbo;              /* triangle numbers and depth test */
-    GLuint light_fbo;  /* radiance, tested against the surface's depth */
-    GLuint layers_fbo; /* all of hdr, likewise */
-    GLuint parts[PEL_WATER_PARTS], parts_fbo; /* of the water's light */
+    /* Of layers, by PEL_AT_*: the radiance, others when first asked for. */
+    GLuint planes[PEL_LAYERS];
+    GLuint surface_fbo; /* triangle numbers and depth test */
+    GLuint light_fbo;   /* radiance, tested against the surface's depth */
+    GLuint layers_fbo;  /* that and the layers of a pass, likewise */
     GLuint color_fbo;
 };
 
-/* Formats of hdr, in the order of the shaders' outputs. */
-extern const GLenum pel_hdr_formats[PEL_HDR_ATTACHMENTS];
+/* Of a layer's texture, by PEL_AT_*. */
+GLenum pel_plane_format(int layer);
 
-/* Makes room for a picture; `layers` also for what is more than radiance,
- * `parts` for the water's light taken apart. */
+/* Makes room for a picture of these layers (of enum pel_layer). */
 void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
-                     bool layers, bool parts);
+                     unsigned asked);
+
+/* The framebuffer that a pass of fragments draws into. */
+GLuint pel_targets_attach(struct pel_targets *t, const struct pel_pass *pass);
+
 void pel_targets_finish(struct pel_targets *t);

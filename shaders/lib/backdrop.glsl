@@ -37,19 +37,16 @@ shaded shade_backdrop(ivec2 at)
         disc += light_disc(i, dir, blur);
     }
 #endif
-    shaded result;
-    result.radiance = from_under_water(light + disc, dir.z);
+    shaded result = only_light(from_under_water(light + disc, dir.z));
 #ifdef PEL_LAYERS
     result.depth = uintBitsToFloat(0x7F800000u); // no surface: infinity
-    result.normal = vec4(0.0);
-    result.sun = lut.y > 0.5 ? vec3(0.0) : disc;
-    result.sky = lut.y > 0.5 ? vec3(0.0) : light;
-    result.water = lut.y > 0.5 ? result.radiance : vec3(0.0);
-    result.air = vec3(0.0);
-    result.variance = vec2(0.0);
+    bool dry = lut.y < 0.5;
+    result.sun = dry ? disc : vec3(0.0);
+    result.sky = dry ? light : vec3(0.0);
+    result.water = dry ? vec3(0.0) : result.radiance;
 #endif
 #ifdef PEL_WATER_PARTS
-    result.parts = water_from_below(lut.y > 0.5 ? result.radiance : vec3(0.0));
+    set_parts(result, water_from_below(lut.y > 0.5 ? result.radiance : vec3(0.0)));
 #endif
     return result;
 }

@@ -73,6 +73,20 @@ struct pel_vec4 {
 #define PEL_STORE_FILTERED 0 /* 0, 1: filtered.comp */
 #define PEL_STORE_FILTERED_ANSWERS 1
 
+/* Images of shading in compute: OpenGL promises eight. What more layers than
+ * its slots are drawn by further passes. */
+#define PEL_IMAGE_COLOR 0
+#define PEL_IMAGE_RADIANCE 1
+#define PEL_IMAGE_SLOTS 2
+#define PEL_COMPUTE_SLOTS 6
+/* Slots of shading in fragments: of eight attachments the first is the
+ * radiance. */
+#define PEL_FRAGMENT_SLOTS 7
+
+/* Uniforms of shading: the layers of a pass as bits, and by slot. */
+#define PEL_UNIFORM_LAYERS 8
+#define PEL_UNIFORM_SLOTS 9
+
 /* Images that passes before shading write. */
 #define PEL_IMAGE_DISPLACEMENT 0
 #define PEL_IMAGE_SLOPES 1

@@ -21,19 +21,13 @@ shaded shade_land(vec3 dir, float range)
     }
     vec3 air;
     vec3 through = haze(dir, range, air);
-    shaded result;
-    result.radiance = (by_lights + by_sky) * through + air;
+    shaded result = only_light((by_lights + by_sky) * through + air);
 #ifdef PEL_LAYERS
     result.depth = range;
-    result.normal = vec4(normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy))), 0.0);
+    result.normal = normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy)));
     result.sun = by_lights * through;
     result.sky = by_sky * through;
-    result.water = vec3(0.0);
     result.air = air;
-    result.variance = vec2(0.0);
-#endif
-#ifdef PEL_WATER_PARTS
-    result.parts = water_from_below(vec3(0.0));
 #endif
     return result;
 }

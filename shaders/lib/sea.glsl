@@ -142,43 +142,46 @@ shaded shade_sea(ivec2 at, uint triangle)
     vec3 air;
     vec3 through = haze(dir, range, air);
     light = light * through + air;
-    shaded result;
-    result.radiance = from_under_water(light, dir.z);
+    shaded result = only_light(from_under_water(light, dir.z));
 #ifdef PEL_LAYERS
-    result.depth = ray_length * surface_distance(f, x, ray, t, sight, footprint, least);
-    result.normal = vec4(normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy))), parts.fresnel);
+    if (wants_layer(AT_DEPTH)) {
+        result.depth = ray_length * surface_distance(f, x, ray, t, sight, footprint, least);
+    }
+    result.normal = normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy)));
+    result.fresnel = parts.fresnel;
     bool dry = lut.y < 0.5;
     result.sun = dry ? parts.sun * through : vec3(0.0);
     result.sky = dry ? parts.sky * through : vec3(0.0);
     result.water = dry ? parts.water * through : result.radiance;
     result.air = dry ? air : vec3(0.0);
-    result.variance = variance_seen;
+    result.slope_variance = variance_seen;
 #endif
 #ifdef PEL_WATER_PARTS
-    result.parts = water_light(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+    water_light taken = water_light(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     for (int i = 0; i < PEL_LIGHTS; i++) {
         water_light one = water_parts(i, water_place(v, n_lit, light_above(i, tilt)), depth,
                                       1.0 - parts.fresnel);
-        result.parts.single += one.single;
-        result.parts.second += one.second;
-        result.parts.higher += one.higher;
-        result.parts.bottom += one.bottom;
+        taken.single += one.single;
+        taken.second += one.second;
+        taken.higher += one.higher;
+        taken.bottom += one.bottom;
     }
 #ifdef PEL_SEABED
     // The sum is what was drawn.
     vec3 volume = (1.0 - parts.fresnel) * below.volume;
-    result.parts.single = min(result.parts.single, volume);
-    result.parts.second = min(result.parts.second, volume - result.parts.single);
-    result.parts.higher = volume - result.parts.single - result.parts.second;
-    result.parts.bottom = (1.0 - parts.fresnel) * below.bottom;
+    taken.single = min(taken.single, volume);
+    taken.second = min(taken.second, volume - taken.single);
+    taken.higher = volume - taken.single - taken.second;
+    taken.bottom = (1.0 - parts.fresnel) * below.bottom;
 #endif
-    result.parts.single *= through;
-    result.parts.second *= through;
-    result.parts.higher *= through;
-    result.parts.bottom *= through;
+    taken.single *= through;
+    taken.second *= through;
+    taken.higher *= through;
+    taken.bottom *= through;
     if (lut.y > 0.5) {
-        result.parts = water_from_below(result.radiance);
+        taken = water_from_below(result.radiance);
     }
+    set_parts(result, taken);
 #endif
     return result;
 }

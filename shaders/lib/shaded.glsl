@@ -1,17 +1,25 @@
-// What the shading of a pixel gives, and how it is written: the layers of
-// render/renderer.h, in the order of their attachments.
-struct shaded {
-    vec3 radiance;
+// The shading of a pixel: `shaded`, made with its functions from
+// proto/layers.def.
+#include "lib/layers.glsl"
+
 #ifdef PEL_LAYERS
-    float depth;
-    vec4 normal; // w: F̄
-    vec3 sun, sky, water, air;
-    vec2 variance;
+// The layers of this pass, as bits by their places.
+layout(location = PEL_UNIFORM_LAYERS) uniform uint pass_layers;
+
+bool wants_layer(int layer)
+{
+    return (pass_layers >> layer & 1u) != 0u;
+}
 #endif
 #ifdef PEL_WATER_PARTS
-    water_light parts; // of the light out of the water, as it reaches the eye
+void set_parts(inout shaded s, water_light parts)
+{
+    s.water_single = parts.single;
+    s.water_second = parts.second;
+    s.water_higher = parts.higher;
+    s.bottom = parts.bottom;
+}
 #endif
-};
 
 layout(binding = PEL_UNIT_EYE_TABLE) uniform sampler2DArray eye_table; // a layer a light
 

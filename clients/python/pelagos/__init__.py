@@ -22,8 +22,8 @@ from .exr import Exr, read_exr
 from .frame import Frame
 from .live import LiveFrame, LiveStream, VideoStream
 from .parts import EntityHandle, ViewHandle
-from .schema import (Clock, Entity, Frustum, Origin, Sea, Sky, State, Swell,
-                     View, Water)
+from .schema import (LAYERS, Clock, Entity, Frustum, Origin, Sea, Sky, State,
+                     Swell, View, Water)
 from .surface import Surface
 
 __version__ = "0.1.0"
@@ -31,8 +31,8 @@ __version__ = "0.1.0"
 __all__ = [
     "BadPicture", "Busy", "Camera", "Clock", "Conflict", "Entity",
     "EntityHandle", "Exr", "Frame", "Frustum", "Internal", "Intrinsics",
-    "Invalid", "LiveFrame", "LiveStream", "Malformed", "MissingPackage",
-    "NotFound", "Ocean", "Origin", "OutOfRange", "PelagosError",
+    "Invalid", "LAYERS", "LiveFrame", "LiveStream", "Malformed",
+    "MissingPackage", "NotFound", "Ocean", "Origin", "OutOfRange", "PelagosError",
     "ProtocolError", "Refused", "Sea", "Sky", "State", "Surface", "Swell",
     "TimedOut", "Unauthorized", "Unreachable", "VideoStream", "View", "ViewHandle",
     "Water", "read_exr",

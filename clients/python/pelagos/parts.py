@@ -78,11 +78,7 @@ class ViewHandle(_Handle):
         width, height [px] instead of the view's
         time          simulated time [s] instead of the clock's
         quality       of JPEG, 1 to 100
-        layers        of EXR: "radiance" and its parts "sun", "sky", "water",
-                      "air"; "depth", "normal", "fresnel", "slopeVariance";
-                      "waterSingle", "waterSecond", "waterHigher",
-                      "bottom", parts of "water"; "position";
-                      none: radiance
+        layers        of EXR, names of `pelagos.LAYERS`; none: radiance
         float_samples EXR with 32-bit floats instead of halves (depth always)
         """
         return self._ocean.frame(self.key, format, width=width, height=height,

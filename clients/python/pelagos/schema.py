@@ -8,6 +8,24 @@ from dataclasses import dataclass
 
 from .record import Record, _field
 
+#: The layers of an EXR picture.
+LAYERS = (
+    "radiance",
+    "sun",
+    "sky",
+    "water",
+    "air",
+    "depth",
+    "normal",
+    "fresnel",
+    "slopeVariance",
+    "waterSingle",
+    "waterSecond",
+    "waterHigher",
+    "bottom",
+    "position",
+)
+
 
 @dataclass(frozen=True)
 class Clock(Record):

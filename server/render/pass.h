@@ -1,0 +1,28 @@
+/* The passes that shade one picture: the first writes the radiance, each as
+ * many layers as it has slots, so that there may be any number of them
+ * (proto/layers.def). */
+#pragma once
+
+#include <epoxy/gl.h>
+#include <stdbool.h>
+
+#include "render/programs.h"
+#include "render/renderer.h"
+#include "shaders/lib/blocks.h"
+
+struct pel_pass {
+    enum pel_shading kind;
+    bool first, last;
+    int slots;                       /* of the wrapper */
+    GLuint layers;                   /* as bits by PEL_AT_*, for the shaders */
+    GLint layer[PEL_FRAGMENT_SLOTS]; /* PEL_AT_* of each slot; -1: none */
+    unsigned left;                   /* layers of the passes after this */
+};
+
+/* The first pass of a picture of these layers (of enum pel_layer), by either
+ * wrapper; and the one after *pass, false after the last. */
+struct pel_pass pel_pass_first(unsigned asked, bool compute);
+bool pel_pass_next(struct pel_pass *pass, bool compute);
+
+/* Tells the program in use the layers of its slots. */
+void pel_pass_use(const struct pel_pass *pass);
