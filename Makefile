@@ -114,7 +114,7 @@ OPTICS := server/optics/brdf.c \
     server/optics/waterkernel.c \
     server/optics/watertable.c
 PROTO := proto/fieldset.c \
-    proto/layers.c \
+    proto/layers.c proto/formats.c \
     proto/registers.c \
     proto/message.c \
     proto/scalar.c \

@@ -214,7 +214,18 @@ def layer_table():
     return table(["layer", "channels", "unit", ""], out)
 
 
-TABLES = {"@layers@": layer_table}
+def formats():
+    return deffile.rows(os.path.join(os.path.dirname(__file__), "formats.def"),
+                        "PEL_FORMAT")
+
+
+def format_table():
+    return table(["format", "ending", "Content-Type", ""],
+                 [[f"`{name}`", f"`.{ending}`", f"`{mime}`", text]
+                  for name, ending, mime, _, text in formats()])
+
+
+TABLES = {"@layers@": layer_table, "@formats@": format_table}
 
 
 def write_manual(schema, path, template):
@@ -294,6 +305,8 @@ def write_python(schema, path):
            "from .record import Record, _field", "",
            "#: The layers of an EXR picture.", "LAYERS = ("]
     out += [f'    "{row[2]}",' for row in layers()] + [")"]
+    out += ["", "#: The formats of pictures, by their endings.",
+            "FORMATS = (" + ", ".join(f'"{row[1]}"' for row in formats()) + ")"]
     for name in python_order(schema, "State", []):
         doc, fields = schema.messages[name]
         out += ["", "", "@dataclass(frozen=True)", f"class {name}(Record):"]

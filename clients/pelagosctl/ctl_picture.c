@@ -6,35 +6,22 @@
 
 #include <glib.h>
 
-static const struct {
-    const char *suffix;
-    Pelagos__FrameFormat format;
-} formats[] = {
-    { "jpg", PELAGOS__FRAME_FORMAT__JPEG },
-    { "jpeg", PELAGOS__FRAME_FORMAT__JPEG },
-    { "png", PELAGOS__FRAME_FORMAT__PNG },
-    { "exr", PELAGOS__FRAME_FORMAT__EXR },
-};
+#include "proto/formats.h"
 
 /* The format by --format or by the file's ending. */
 static enum ctl_exit find_format(const struct ctl *ctl, const char *path,
                                  Pelagos__FrameFormat *out)
 {
-    const char *suffix = ctl_value(ctl, "format");
-    if (!suffix) {
-        const char *dot = strrchr(path, '.');
-        suffix = dot ? dot + 1 : "";
+    const char *named = ctl_value(ctl, "format");
+    const struct pel_format *format =
+        named ? pel_format_by_ending(named) : pel_format_by_path(path);
+    if (!format) {
+        return ctl_say(CTL_USAGE,
+                       "%s: the ending says the format: %s (or --format)", path,
+                       pel_format_endings);
     }
-    for (size_t i = 0; i < G_N_ELEMENTS(formats); i++) {
-        if (g_ascii_strcasecmp(suffix, formats[i].suffix) == 0) {
-            *out = formats[i].format;
-            return CTL_DONE;
-        }
-    }
-    return ctl_say(CTL_USAGE,
-                   "%s: the ending says the format: .jpg, .png or .exr "
-                   "(or --format)",
-                   path);
+    *out = format->format;
+    return CTL_DONE;
 }
 
 static enum ctl_exit set_size(const struct ctl *ctl,

@@ -8,6 +8,8 @@
 
 #include <glib.h>
 
+#include "proto/formats.h"
+
 #include "base/clock.h"
 #include "base/file.h"
 
@@ -27,8 +29,7 @@ struct sequence {
 
 bool ctl_sequence_is(const char *path)
 {
-    return g_str_has_suffix(path, ".exr") || g_str_has_suffix(path, ".png") ||
-           g_str_has_suffix(path, ".jpg");
+    return pel_format_by_path(path) != NULL;
 }
 
 /* Parts the path at its %d or %05d; without one the number comes before the
@@ -234,13 +235,6 @@ static void report(struct ctl *ctl, const struct sequence *s)
     }
 }
 
-static Pelagos__FrameFormat format_of(const char *path)
-{
-    return g_str_has_suffix(path, ".exr")   ? PELAGOS__FRAME_FORMAT__EXR
-           : g_str_has_suffix(path, ".png") ? PELAGOS__FRAME_FORMAT__PNG
-                                            : PELAGOS__FRAME_FORMAT__JPEG;
-}
-
 enum ctl_exit ctl_record_sequence(struct ctl *ctl, double fps, size_t wanted,
                                   const Pelagos__FrameRequest *request)
 {
@@ -253,7 +247,7 @@ enum ctl_exit ctl_record_sequence(struct ctl *ctl, double fps, size_t wanted,
         .overwrite = ctl_flag(ctl, "overwrite"),
     };
     const char *path = ctl->args[1];
-    s.request.format = format_of(path);
+    s.request.format = pel_format_by_path(path)->format;
     g_auto(GStrv) layers = NULL;
     if (ctl_value(ctl, "layers")) {
         layers = g_strsplit(ctl_value(ctl, "layers"), ",", -1);

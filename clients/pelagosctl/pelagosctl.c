@@ -33,6 +33,11 @@ static const char layer_words[] =
 #include "proto/layers.def"
     ;
 
+static const char format_words[] =
+#define PEL_FORMAT(ID, ending, mime, layers, text) ending " "
+#include "proto/formats.def"
+    ;
+
 static const struct ctl_option frame_options[] = {
     { 0, "width", "PIXELS", "Width instead of the view's", NULL },
     { 0, "height", "PIXELS", "Height instead of the view's", NULL },
@@ -41,8 +46,8 @@ static const struct ctl_option frame_options[] = {
       layer_words },
     { 0, "float", NULL, "EXR samples of 32 bits instead of 16", NULL },
     { 0, "quality", "1..100", "Quality of a JPEG (90)", NULL },
-    { 'f', "format", "FORMAT", "jpg, png or exr whatever the file is called",
-      NULL },
+    { 'f', "format", "FORMAT", "Format whatever the file is called",
+      format_words },
     { 0 },
 };
 static const char *const frame_examples[] = {

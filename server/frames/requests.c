@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "formats.h"
 #include "frames/core.h"
 
 enum pel_err pel_request_refuse(struct pel_frames *frames,
@@ -33,6 +34,11 @@ static enum pel_err refuse_range(struct pel_frames *frames,
         fault->maximum = maximum;
     }
     return PEL_ERR_OUT_OF_RANGE;
+}
+
+static Pelagos__FrameFormat format_of(const Pelagos__FrameRequest *r)
+{
+    return r->has_format ? r->format : PELAGOS__FRAME_FORMAT__JPEG;
 }
 
 /* Layers of an EXR as bits; 0: there is an unknown one. */
@@ -116,19 +122,19 @@ enum pel_err pel_request_check(struct pel_frames *frames,
     if (r->has_quality && (r->quality < 1 || r->quality > 100)) {
         return refuse_range(frames, fault, "quality", r->quality, "", 1, 100);
     }
-    if (r->has_format && r->format != PELAGOS__FRAME_FORMAT__JPEG &&
-        r->format != PELAGOS__FRAME_FORMAT__PNG &&
-        r->format != PELAGOS__FRAME_FORMAT__EXR) {
+    const struct pel_format *format = pel_format_of(format_of(r));
+    char words[256];
+    if (!format) {
+        snprintf(words, sizeof words, "format is none of %s", pel_format_names);
         return pel_request_refuse(frames, fault, PEL_ERR_INVALID, "format",
-                                  "format is none of JPEG, PNG, EXR");
+                                  words);
     }
     if (r->n_layers > PEL_LAYERS || read_layers(r) == 0) {
-        char words[256];
         snprintf(words, sizeof words, "layers are %s", pel_layer_names);
         return pel_request_refuse(frames, fault, PEL_ERR_INVALID, "layers",
                                   words);
     }
-    if (r->n_layers > 0 && r->format != PELAGOS__FRAME_FORMAT__EXR) {
+    if (r->n_layers > 0 && !format->layers) {
         return pel_request_refuse(
             frames, fault, PEL_ERR_INVALID, "layers",
             "only EXR has layers: set format to EXR or leave them "
@@ -150,8 +156,8 @@ enum pel_err pel_request_check(struct pel_frames *frames,
 
 unsigned pel_request_layers(const Pelagos__FrameRequest *r)
 {
-    bool exr = r->has_format && r->format == PELAGOS__FRAME_FORMAT__EXR;
-    return exr ? read_layers(r) : PEL_LAYER_COLOR;
+    const struct pel_format *format = pel_format_of(format_of(r));
+    return format && format->layers ? read_layers(r) : PEL_LAYER_COLOR;
 }
 
 unsigned pel_requests_free(const struct pel_frames *frames)
@@ -179,7 +185,7 @@ struct pel_frame_request *pel_request_take(struct pel_frames *frames,
         .has_time = r->has_time,
         .time_s = r->time,
         .float_samples = r->has_float_samples && r->float_samples,
-        .format = r->has_format ? r->format : PELAGOS__FRAME_FORMAT__JPEG,
+        .format = format_of(r),
         .quality = r->has_quality ? (int)r->quality : 90,
         .layers = pel_request_layers(r),
         .requested_ns = pel_now_ns(),

@@ -2,21 +2,11 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "formats.h"
 #include "json.h"
 #include "net/http_client.h"
 
 #define BOUNDARY "pelagos-frame"
-
-static const char *const types[] = {
-    [PELAGOS__FRAME_FORMAT__JPEG] = "image/jpeg",
-    [PELAGOS__FRAME_FORMAT__PNG] = "image/png",
-    [PELAGOS__FRAME_FORMAT__EXR] = "image/x-exr",
-};
-static const char *const endings[] = {
-    [PELAGOS__FRAME_FORMAT__JPEG] = "jpg",
-    [PELAGOS__FRAME_FORMAT__PNG] = "png",
-    [PELAGOS__FRAME_FORMAT__EXR] = "exr",
-};
 
 typedef void (*add_header)(void *to, const char *name, const char *value);
 
@@ -76,7 +66,8 @@ static void on_frame(void *user, enum pel_err err,
             MHD_create_response_from_buffer_with_free_callback_cls(
                 frame->size, (void *)frame->data, unref_frame,
                 pel_frame_ref(frame));
-        add_to_response(response, "Content-Type", types[frame->format]);
+        add_to_response(response, "Content-Type",
+                        pel_format_of(frame->format)->mime);
         add_to_response(response, "Cache-Control", "no-store");
         add_moment(add_to_response, response, frame);
         add_cost(add_to_response, response, frame);
@@ -130,7 +121,7 @@ static enum pel_err check_all(struct pel_frames *frames,
     enum pel_err err = PEL_OK;
     switch (answer->kind) {
     case PEL_HTTP_FRAME:
-        *type = types[answer->frame->format];
+        *type = pel_format_of(answer->frame->format)->mime;
         return pel_frames_check(frames, answer->frame, fault);
     case PEL_HTTP_FRAMES:
         *type = "multipart/mixed; boundary=" BOUNDARY;
@@ -193,11 +184,11 @@ static char *head_of(const struct pel_frame *picture, bool first)
     char size[32];
     snprintf(size, sizeof size, "%zu", picture->size);
     g_string_append(text, "--" BOUNDARY "\r\n");
-    add_to_text(text, "Content-Type", types[picture->format]);
+    add_to_text(text, "Content-Type", pel_format_of(picture->format)->mime);
     add_to_text(text, "Content-Length", size);
     g_string_append_printf(
         text, "Content-Disposition: attachment; filename=\"%s.%s\"\r\n",
-        picture->view, endings[picture->format]);
+        picture->view, pel_format_of(picture->format)->ending);
     add_to_text(text, "X-Pelagos-View", picture->view);
     add_moment(add_to_text, text, picture);
     add_cost(add_to_text, text, picture);

@@ -418,15 +418,12 @@ static const struct route routes[] = {
     { "GET", "v1/views/*", 0, pel_http_get_view },
     { "PUT", "v1/views/*", ROUTE_BODY, pel_http_put_view },
     { "DELETE", "v1/views/*", 0, pel_http_delete_view },
-    { "GET", "v1/views/*/frame.jpg", ROUTE_COSTLY | ROUTE_QUERY,
-      pel_http_get_frame },
-    { "GET", "v1/views/*/frame.png", ROUTE_COSTLY | ROUTE_QUERY,
-      pel_http_get_frame },
-    { "GET", "v1/views/*/frame.exr", ROUTE_COSTLY | ROUTE_QUERY,
-      pel_http_get_frame },
-    { "GET", "v1/frames.jpg", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_frames },
-    { "GET", "v1/frames.png", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_frames },
-    { "GET", "v1/frames.exr", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_frames },
+#define PEL_FORMAT(ID, ending, mime, layers, text)                             \
+    { "GET", "v1/views/*/frame." ending, ROUTE_COSTLY | ROUTE_QUERY,           \
+      pel_http_get_frame },                                                    \
+        { "GET", "v1/frames." ending, ROUTE_COSTLY | ROUTE_QUERY,              \
+          pel_http_get_frames },
+#include "proto/formats.def"
     { "GET", "v1/views/*/mjpeg", ROUTE_COSTLY | ROUTE_QUERY,
       pel_http_get_mjpeg },
     { "GET", "v1/views/*/ts", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_ts },

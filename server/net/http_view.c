@@ -7,6 +7,7 @@
 #include <glib.h>
 
 #include "fields.h"
+#include "formats.h"
 #include "json.h"
 #include "layers.h"
 #include "message.h"
@@ -230,10 +231,7 @@ enum pel_err pel_http_frame_parameter(Pelagos__FrameRequest *frame,
 
 Pelagos__FrameFormat pel_http_frame_format(const char *file)
 {
-    const char *ending = strrchr(file, '.');
-    return strcmp(ending, ".png") == 0   ? PELAGOS__FRAME_FORMAT__PNG
-           : strcmp(ending, ".exr") == 0 ? PELAGOS__FRAME_FORMAT__EXR
-                                         : PELAGOS__FRAME_FORMAT__JPEG;
+    return pel_format_by_path(file)->format; /* the route has seen to it */
 }
 
 void pel_http_get_frame(const struct pel_http_call *call)

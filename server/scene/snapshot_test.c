@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "formats.h"
 #include "json.h"
 #include "scene/scene.h"
 
@@ -294,7 +295,7 @@ static void numbered_alike(const ProtobufCEnumDescriptor *schema,
 }
 
 /* A name that is appended to the schema alone would index past a table. */
-static void waters_are_numbered_as_in_the_schema(void **state)
+static void enums_are_numbered_as_in_the_schema(void **state)
 {
     (void)state;
     numbered_alike(&pelagos__jerlov_type__descriptor, PEL_JERLOV_COUNT,
@@ -307,6 +308,20 @@ static void waters_are_numbered_as_in_the_schema(void **state)
                      PEL_ORDERS_COUNT);
     assert_int_equal(pelagos__clock_mode__descriptor.n_values,
                      PEL_CLOCK_HOST + 1);
+    /* Every format of the schema is a row that endings and paths lead to. */
+    const ProtobufCEnumDescriptor *formats = &pelagos__frame_format__descriptor;
+    assert_int_equal(formats->n_values, PEL_FORMATS);
+    for (unsigned i = 0; i < formats->n_values; i++) {
+        const struct pel_format *row =
+            pel_format_of((Pelagos__FrameFormat)formats->values[i].value);
+        assert_non_null(row);
+        assert_string_equal(row->name, formats->values[i].name);
+        assert_ptr_equal(pel_format_by_ending(row->ending), row);
+    }
+    assert_ptr_equal(pel_format_by_path("a.b/c.JPEG"),
+                     pel_format_of(PELAGOS__FRAME_FORMAT__JPEG));
+    assert_null(pel_format_by_path("clip.mp4"));
+    assert_null(pel_format_by_path("exr"));
 }
 
 int main(void)
@@ -321,7 +336,7 @@ int main(void)
         cmocka_unit_test(pictures_keep_their_field),
         cmocka_unit_test(entities_go_on),
         cmocka_unit_test(the_sun_can_be_fixed),
-        cmocka_unit_test(waters_are_numbered_as_in_the_schema),
+        cmocka_unit_test(enums_are_numbered_as_in_the_schema),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

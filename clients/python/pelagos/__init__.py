@@ -22,15 +22,15 @@ from .exr import Exr, read_exr
 from .frame import Frame
 from .live import LiveFrame, LiveStream, VideoStream
 from .parts import EntityHandle, ViewHandle
-from .schema import (LAYERS, Clock, Entity, Frustum, Origin, Sea, Sky, State,
-                     Swell, View, Water)
+from .schema import (FORMATS, LAYERS, Clock, Entity, Frustum, Origin, Sea, Sky,
+                     State, Swell, View, Water)
 from .surface import Surface
 
 __version__ = "0.1.0"
 
 __all__ = [
     "BadPicture", "Busy", "Camera", "Clock", "Conflict", "Entity",
-    "EntityHandle", "Exr", "Frame", "Frustum", "Internal", "Intrinsics",
+    "EntityHandle", "Exr", "FORMATS", "Frame", "Frustum", "Internal", "Intrinsics",
     "Invalid", "LAYERS", "LiveFrame", "LiveStream", "Malformed",
     "MissingPackage", "NotFound", "Ocean", "Origin", "OutOfRange", "PelagosError",
     "ProtocolError", "Refused", "Sea", "Sky", "State", "Surface", "Swell",

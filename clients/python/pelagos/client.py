@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from .frame import Frame, from_answer, parts_of
 from .parts import Entities, Views
-from .schema import State
+from .schema import FORMATS, State
 from .surface import Surface, query
 from .transport import Transport
 
@@ -188,8 +188,9 @@ class Ocean:
               layers: Sequence[str] = (), float_samples: bool = False
               ) -> Frame:
         """One picture of a view; see ViewHandle.frame."""
-        if format not in ("jpg", "png", "exr"):
-            raise ValueError(f"format is jpg, png or exr, not {format!r}")
+        if format not in FORMATS:
+            raise ValueError(f"format is one of {', '.join(FORMATS)}, not "
+                             f"{format!r}")
         text = _query(width=width, height=height, quality=quality, time=time,
                       layers=layers, float_samples=float_samples)
         name = urllib.parse.quote(view, safe="")
@@ -205,8 +206,9 @@ class Ocean:
         """Pictures of several views (none: of all) by one request, of one
         frame: of one state, simulated time and number, clock running or not.
         All of them, or a Refused; in the order of the views."""
-        if format not in ("jpg", "png", "exr"):
-            raise ValueError(f"format is jpg, png or exr, not {format!r}")
+        if format not in FORMATS:
+            raise ValueError(f"format is one of {', '.join(FORMATS)}, not "
+                             f"{format!r}")
         names = None if views is None else ",".join(views)
         text = _query(views=names, width=width, height=height, quality=quality,
                       time=time, layers=layers, float_samples=float_samples)

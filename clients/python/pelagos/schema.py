@@ -26,6 +26,9 @@ LAYERS = (
     "position",
 )
 
+#: The formats of pictures, by their endings.
+FORMATS = ("jpg", "png", "exr")
+
 
 @dataclass(frozen=True)
 class Clock(Record):

@@ -1,0 +1,49 @@
+#include "proto/formats.h"
+
+#include <string.h>
+#include <strings.h>
+
+const struct pel_format pel_format_table[PEL_FORMATS] = {
+#define PEL_FORMAT(ID, ending, mime, layers, text)                             \
+    { PELAGOS__FRAME_FORMAT__##ID, #ID, ending, mime, layers },
+#include "proto/formats.def"
+};
+
+static const char endings[] =
+#define PEL_FORMAT(ID, ending, mime, layers, text) ", " ending
+#include "proto/formats.def"
+    ;
+const char *const pel_format_endings = endings + 2;
+
+static const char names[] =
+#define PEL_FORMAT(ID, ending, mime, layers, text) ", " #ID
+#include "proto/formats.def"
+    ;
+const char *const pel_format_names = names + 2;
+
+const struct pel_format *pel_format_of(Pelagos__FrameFormat format)
+{
+    for (int i = 0; i < PEL_FORMATS; i++) {
+        if (pel_format_table[i].format == format) {
+            return &pel_format_table[i];
+        }
+    }
+    return NULL;
+}
+
+const struct pel_format *pel_format_by_ending(const char *ending)
+{
+    const char *word = strcasecmp(ending, "jpeg") == 0 ? "jpg" : ending;
+    for (int i = 0; i < PEL_FORMATS; i++) {
+        if (strcasecmp(word, pel_format_table[i].ending) == 0) {
+            return &pel_format_table[i];
+        }
+    }
+    return NULL;
+}
+
+const struct pel_format *pel_format_by_path(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    return dot ? pel_format_by_ending(dot + 1) : NULL;
+}

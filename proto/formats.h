@@ -1,0 +1,35 @@
+/* The formats of pictures, from formats.def. Constant data and pure functions:
+ * any thread. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "pelagos.pb-c.h"
+
+struct pel_format {
+    Pelagos__FrameFormat format;
+    const char *name;   /* as the schema calls it */
+    const char *ending; /* without a dot */
+    const char *mime;
+    bool layers; /* linear, with layers; else 8-bit colour */
+};
+
+enum {
+#define PEL_FORMAT(ID, ending, mime, layers, text) PEL_FORMAT_AT_##ID,
+#include "proto/formats.def"
+    PEL_FORMATS
+};
+extern const struct pel_format pel_format_table[PEL_FORMATS];
+
+/* All endings, by ", ", and names likewise. */
+extern const char *const pel_format_endings;
+extern const char *const pel_format_names;
+
+/* The row of a format; NULL: there is none. */
+const struct pel_format *pel_format_of(Pelagos__FrameFormat format);
+
+/* The row of an ending, or of a path by its ending, upper or lower case; jpeg
+ * is jpg. NULL: there is none. */
+const struct pel_format *pel_format_by_ending(const char *ending);
+const struct pel_format *pel_format_by_path(const char *path);
