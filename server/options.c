@@ -24,8 +24,6 @@ static const double quality_values[] = { 0.0, 1.0 };
 static const char *const shading_words[] = { "auto", "fragment", "compute",
                                              NULL };
 static const char *const realtime_words[] = { "auto", "off", "on", NULL };
-static const char *const sky_words[] = { "auto", "facets", "nine",
-                                         "anisotropic", NULL };
 static const char *const level_words[] = { "error", "warning", "info", "debug",
                                            NULL };
 
@@ -154,12 +152,6 @@ const struct pel_option pel_option_table[] = {
       .help = "Follows a pixel's footprint at grazing angles up to this many "
               "times its width; 1 filters every wave by its length along the "
               "line of sight." },
-    { "sky-filter", "render", PEL_OPTION_CHOICE, "HOW", "auto",
-      .choices = sky_words, .offset = FIELD(sky_filter),
-      .help = "How the reflected sky is averaged: over the facets seen "
-              "(facets, which auto is), or as in the 2010 paper by its fit of "
-              "the reflectance and nine samples or the device's anisotropic "
-              "sampler." },
     { "gl-debug", "render", PEL_OPTION_FLAG, "", "no",
       .offset = FIELD(gl_debug),
       .help = "Sends the OpenGL driver's messages to the log." },

@@ -83,7 +83,6 @@ static void bad_values_say_what_is_legal(void **state)
         { "--filter-max", "nan", "1 .. 8 wavelengths" },
         { "--mesh-cell", "1", "2 .. 64 px" },
         { "--anisotropy", "17", "1 .. 16" },
-        { "--sky-filter", "ten", "auto, facets, nine, anisotropic" },
         { "--fps", "3x", "1 .. 240 Hz" },
         { "--fps", "", "1 .. 240 Hz" },
         { "--waves", "60.5", "20 .. 256" },

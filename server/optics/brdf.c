@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* Grazing below this is no longer told from the horizon. */
+/* Directions closer to the horizon are taken as on it. */
 #define LEAST_COSINE 1e-9
 
 double pel_fresnel_exact(double cos_theta, double n)

@@ -140,7 +140,7 @@ static double chlorophyll_like(enum pel_jerlov type, double salinity)
 /* Water sends light back by a phase function that hardly changes past 90°,
  * Henyey and Greenstein's falls there all the way, and what leaves the water
  * was turned by 84° to 180°. So g is chosen to meet the true function at 140°,
- * where it tells the backscattering: b_b = 2π χ β(140°), χ = 1.08 (Maffione
+ * where it gives the backscattering: b_b = 2π χ β(140°), χ = 1.08 (Maffione
  * and Dana 1997). */
 static double asymmetry(double back_fraction)
 {

@@ -112,7 +112,8 @@ static void put_single(const struct pel_medium *m, const struct work *w,
 }
 
 /* Sunlight straight to the bottom and back, which the solver's answer holds as
- * well: it falls too steeply for the nodes where little comes back. */
+ * well: it falls too steeply for the nodes where little is left of the light.
+ */
 static void put_straight(const struct pel_medium *m, const struct work *w,
                          enum pel_water_orders orders, int wavelength,
                          struct pel_water_kernel *out)

@@ -11,7 +11,7 @@
 
 #define PEL_WATER_TABLE_SIZE 32
 
-/* What befell the light between the surface and the surface. */
+/* What happened to the light in the water. */
 enum pel_water_part {
     PEL_WATER_SINGLE = PEL_PART_SINGLE, /* scattered once */
     PEL_WATER_SECOND = PEL_PART_SECOND, /* scattered twice */

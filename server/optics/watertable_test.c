@@ -289,7 +289,7 @@ static void test_against_quasi_single_scattering(void **state)
         }
     }
     print_message("light of more turns: %.3f to %.3f of b/a\n", least, most);
-    assert_true(least > 0.05 && most < 0.35);
+    assert_true(least > 0.06 && most < 0.33);
 }
 
 int main(void)

@@ -1,17 +1,11 @@
-/* How the sea is filtered and its sky light is taken: the choices that options
- * offer. Pure data. */
+/* How the sea is filtered: the choices that options offer, and one of
+ * validation. Pure data. */
 #pragma once
+
+#include <stdbool.h>
 
 #include "base/err.h"
 #include "ocean/filter.h"
-
-/* The integral of eq. 20 of Bruneton et al. 2010 over the sky. */
-enum pel_sky_filter {
-    PEL_SKY_AUTO,   /* facets: nearest to the truth and cheapest */
-    PEL_SKY_FACETS, /* Gauss nodes over the facets seen, F in the integral */
-    PEL_SKY_NINE,   /* the paper's F̄ and mean of nine samples */
-    PEL_SKY_ANISOTROPIC, /* the paper's F̄ and the sampler's own filter, 16 × */
-};
 
 /* All zero: the defaults. */
 struct pel_filtering {
@@ -21,7 +15,10 @@ struct pel_filtering {
      * its width, 1..16: 1 is as long in all directions as along the line of
      * sight. 0: PEL_ANISOTROPY_DEFAULT. */
     int anisotropy;
-    enum pel_sky_filter sky;
+    /* For validation: glitter and sky by the 2010 paper as it stands, eq. 15,
+     * 21, 26, 27, F̄ by its fit and the sky by nine samples of the map. It costs
+     * a tenth more and is further from brute force (docs/physics.md). */
+    bool paper;
 };
 #define PEL_CELL_PX_DEFAULT 8.0
 #define PEL_ANISOTROPY_DEFAULT 1

@@ -192,9 +192,7 @@ static void filters_draw_one_sea(void **state)
         double tolerance;
     } cases[] = {
         { { 0 }, 1e-9 },
-        { { .sky = PEL_SKY_FACETS }, 1e-9 },
-        { { .sky = PEL_SKY_NINE }, 0.06 },
-        { { .sky = PEL_SKY_ANISOTROPIC }, 0.06 },
+        { { .paper = true }, 0.06 },
         { { .anisotropy = 4 }, 0.03 },
         { { .anisotropy = 16 }, 0.03 },
         { { .n_min = 2, .n_max = 5 }, 0.03 },
@@ -230,9 +228,9 @@ static void bad_filters_are_refused(void **state)
 {
     (void)state;
     static const struct pel_filtering bad[] = {
-        { .n_min = 0.9 }, { .n_min = 3 },       { .n_max = 9 },
-        { .n_max = NAN }, { .cell_px = 1 },     { .cell_px = INFINITY },
-        { .sky = 9 },     { .anisotropy = 17 }, { .anisotropy = -1 },
+        { .n_min = 0.9 },     { .n_min = 3 },       { .n_max = 9 },
+        { .n_max = NAN },     { .cell_px = 1 },     { .cell_px = INFINITY },
+        { .anisotropy = 17 }, { .anisotropy = -1 },
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         struct pel_filtering out;

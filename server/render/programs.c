@@ -41,11 +41,12 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
     }
     char defines[256];
     snprintf(defines, sizeof defines,
-             "%s%s%s%s"
-             "#define PEL_ANISOTROPY %d\n#define PEL_SKY_FILTER %d\n",
+             "%s%s%s%s%s"
+             "#define PEL_ANISOTROPY %d\n",
              cascades ? "#define PEL_FFT\n" : "", kind_defines[kind],
              tiles[tile], all->software ? "" : "#define PEL_EXACT_TEXELS\n",
-             all->filtering->anisotropy, (int)all->filtering->sky);
+             all->filtering->paper ? "#define PEL_PAPER\n" : "",
+             all->filtering->anisotropy);
     if (all->compute) {
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);

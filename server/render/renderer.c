@@ -128,7 +128,7 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
         pel_fault_set(fault, err, "no memory for the frame's buffers");
         goto fail;
     }
-    err = pel_sky_init(&r->sky, r->shader_dir, r->filtering.sky, fault);
+    err = pel_sky_init(&r->sky, r->shader_dir, fault);
     if (err == PEL_OK) {
         err =
             pel_programs_init(&r->programs, r->shader_dir, r->context.software,
@@ -370,9 +370,9 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
     }
 }
 
-/* Sea where the surface was drawn, sky where it was not: the depth test tells
- * them apart before a pixel is shaded. Tiles with a coast tell for
- * themselves. */
+/* Sea where the surface was drawn, sky where it was not: the depth test
+ * separates them before a pixel is shaded. In tiles with a coast the program
+ * decides. */
 static void shade(struct pel_renderer *r, const struct pel_camera *c,
                   const struct pel_disc_box *discs,
                   const struct pel_sea_programs *p, const struct pel_pass *pass)

@@ -63,7 +63,7 @@ static void finish_table(struct pel_sky_table *t)
 }
 
 enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
-                          enum pel_sky_filter filter, struct pel_fault *fault)
+                          struct pel_fault *fault)
 {
     *sky = (struct pel_sky){ 0 };
     const struct {
@@ -97,10 +97,6 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
     }
     sky->reflection =
         make_texture(PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE, 7, "reflection map");
-    if (filter == PEL_SKY_ANISOTROPIC) {
-        glTextureParameterf(sky->reflection, GL_TEXTURE_MAX_ANISOTROPY_EXT,
-                            16.0f);
-    }
     sky->reflection_fbo = make_fbo(sky->reflection);
     glCreateBuffers(1, &sky->light);
     glNamedBufferStorage(sky->light, sizeof(struct pel_block_light), NULL, 0);

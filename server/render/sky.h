@@ -41,7 +41,6 @@ struct pel_sky {
 };
 
 PEL_CHECK enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
-                                    enum pel_sky_filter filter,
                                     struct pel_fault *fault);
 void pel_sky_finish(struct pel_sky *sky);
 

@@ -126,7 +126,7 @@ static int set_up(void **state)
     (void)state;
     struct pel_fault fault = { 0 };
     if (pel_context_init(&context, "software", true, &fault) ||
-        pel_sky_init(&sky, NULL, PEL_SKY_FACETS, &fault)) {
+        pel_sky_init(&sky, NULL, &fault)) {
         fail_msg("%s", fault.message);
     }
     GLuint vao;

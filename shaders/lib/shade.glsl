@@ -4,15 +4,7 @@
 
 const float MIN_VARIANCE = 1e-8; // of slopes, against division by zero
 
-// Which integral over the sky: render/filtering.h.
-#define PEL_SKY_FACETS 1
-#define PEL_SKY_NINE 2
-#define PEL_SKY_ANISOTROPIC 3
-#ifndef PEL_SKY_FILTER
-#define PEL_SKY_FILTER PEL_SKY_FACETS
-#endif
-
-#if PEL_SKY_FILTER == PEL_SKY_FACETS
+#ifndef PEL_PAPER // validation draws by the paper as it stands
 layout(binding = PEL_UNIT_FACETS) uniform samplerBuffer facet_texels; // nodes and weights in turn
 
 // Reflected sky radiance, and in `fresnel` the reflectance it was weighted
@@ -69,8 +61,8 @@ vec2 mirrored(vec2 slope, vec3 v, vec3 n, vec3 tx, vec3 ty)
 }
 
 // The paper's product of means, eq. 21: F̄ by its fit, L̄ by the map over an
-// ellipse of twice the standard deviations (eq. 27), by the sampler or by the
-// mean of nine samples inside it.
+// ellipse of twice the standard deviations (eq. 27), as the mean of nine samples
+// inside it.
 vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, vec2 variance,
                    out float fresnel)
 {
@@ -80,9 +72,6 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     vec2 u0 = mirrored(vec2(0.0), v, n, tx, ty);
     vec2 ux = 2.0 * s.x * (mirrored(vec2(EPSILON, 0.0), v, n, tx, ty) - u0) / EPSILON;
     vec2 uy = 2.0 * s.y * (mirrored(vec2(0.0, EPSILON), v, n, tx, ty) - u0) / EPSILON;
-#if PEL_SKY_FILTER == PEL_SKY_ANISOTROPIC
-    return fresnel * textureGrad(map, u0, ux, uy).rgb;
-#else
     // A standard deviation apart; each stands for its surroundings.
     float texels = 0.5 * float(textureSize(map, 0).x);
     float level = log2(max(texels * sqrt(length(ux) * length(uy)), 1.0));
@@ -93,7 +82,6 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
         }
     }
     return fresnel / 9.0 * sum;
-#endif
 }
 #endif
 

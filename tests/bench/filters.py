@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the sky filters and footprints cost, against the default, in one run:
+"""What the paper's sky and long footprints cost, against the default, in one run:
    tests/bench/filters.py [--hardware] [STILL]
 On the software device in processor time a frame, which neighbours on the
 machine hardly move; on hardware in time of the shading stage by its own clock."""
@@ -13,10 +13,10 @@ HARDWARE = len(arguments) < len(sys.argv) - 1
 STILL = arguments[0] if arguments else "build/release/bin/still"
 SIZE = ["width=1024", "height_px=768"] if HARDWARE else ["width=640",
                                                          "height_px=480"]
-CASES = ["sky=1", "sky=2", "sky=3", "aniso=2", "aniso=4", "aniso=8",
+CASES = ["paper=0", "paper=1", "aniso=2", "aniso=4", "aniso=8",
          "aniso=16"]
-NAMES = {"sky=1": "facets, round footprints (default)",
-         "sky=2": "nine samples", "sky=3": "anisotropic sampler"}
+NAMES = {"paper=0": "round footprints (default)",
+         "paper=1": "the paper's sky"}
 
 
 def run(settings, frames):

@@ -1,7 +1,7 @@
 /* Draws one picture of a sea straight from the renderer and times it:
  *   still OUT.png [name=value …]
- * (bed: 1 a beach ahead, 2 deep everywhere; sky: 1 facets, 2 nine samples, 3
- * anisotropic sampler) for looking at one thing at a time while developing
+ * (bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky and
+ * glitter as they stand) for looking at one thing at a time while developing
  * shaders. */
 #include <math.h>
 #include <stdio.h>
@@ -29,7 +29,7 @@ static struct setting settings[] = {
     { "chl", 0.2 },       { "hardware", 0 },  { "roll", 0 },
     { "swell", 0 },       { "compute", -1 },  { "layers", 0 },
     { "nmin", 0 },        { "nmax", 0 },      { "cell", 0 },
-    { "aniso", 0 },       { "sky", 0 },       { "x", 0 },
+    { "aniso", 0 },       { "paper", 0 },     { "x", 0 },
     { "y", 0 },           { "bed", 0 },       { "caustics", 1 },
 };
 
@@ -131,7 +131,7 @@ int main(int argc, char **argv)
                        .n_max = get("nmax"),
                        .cell_px = get("cell"),
                        .anisotropy = (int)get("aniso"),
-                       .sky = (enum pel_sky_filter)get("sky") },
+                       .paper = get("paper") > 0 },
         .shading = get("compute") < 0   ? "auto"
                    : get("compute") > 0 ? "compute"
                                         : "fragment"

@@ -275,12 +275,12 @@ static bool trace_scene(const struct scene *scene, const struct pel_sea *sea,
     return true;
 }
 
-static struct pel_renderer *make_renderer(enum pel_sky_filter sky)
+static struct pel_renderer *make_renderer(bool paper)
 {
     struct pel_fault fault;
     struct pel_renderer *r = NULL;
     const struct pel_renderer_options options = { .device = "software",
-                                                  .filtering.sky = sky };
+                                                  .filtering.paper = paper };
     if (pel_renderer_create(&options, &r, &fault) != PEL_OK) {
         fprintf(stderr, "%s\n", fault.message);
         exit(1);
@@ -294,8 +294,7 @@ static bool draw_scene(struct lights *l, struct results *out)
     struct pel_camera camera = make_camera();
     bool ok = true;
     for (int m = OURS; m < METHODS && ok; m++) {
-        struct pel_renderer *r =
-            make_renderer(m == PAPER ? PEL_SKY_NINE : PEL_SKY_AUTO);
+        struct pel_renderer *r = make_renderer(m == PAPER);
         float *to[PARTS] = { out->pictures[m][SUN], out->pictures[m][SKY],
                              out->pictures[m][WATER] };
         l->env.constant_brdf = m == CONSTANT;
