@@ -61,29 +61,22 @@ static bool measured_ok(const struct pel_measured *m)
     return ok;
 }
 
-static bool uses_fetch(enum pel_spectrum_kind kind)
-{
-    return kind == PEL_SPECTRUM_JONSWAP || kind == PEL_SPECTRUM_TMA ||
-           kind == PEL_SPECTRUM_ELFOUHAILY;
-}
-
 bool pel_sea_desc_ok(const struct pel_sea_desc *d)
 {
     bool ok = (d->synthesiser == PEL_SYNTHESISER_TROCHOIDS ||
                d->synthesiser == PEL_SYNTHESISER_FFT) &&
-              (int)d->kind >= 0 && d->kind <= PEL_SPECTRUM_MEASURED &&
+              (int)d->kind >= 0 && (int)d->kind < PEL_SPECTRA &&
               inside(d->wind_mps, 0, 30) && isfinite(d->direction_rad) &&
               d->wave_count >= 20 && d->wave_count <= PEL_SEA_MAX_WAVES &&
               d->swell_count >= 0 && d->swell_count <= PEL_SEA_MAX_SWELLS &&
               (d->depth_m == 0 || inside(d->depth_m, 1, 11000));
-    if (ok && uses_fetch(d->kind)) {
+    if (ok && pel_spectrum_uses(d->kind, PEL_USES_FETCH)) {
         ok = inside(d->fetch_m, 1e3, 2e6);
     }
-    if (ok &&
-        (d->kind == PEL_SPECTRUM_JONSWAP || d->kind == PEL_SPECTRUM_TMA)) {
+    if (ok && pel_spectrum_uses(d->kind, PEL_USES_GAMMA)) {
         ok = inside(d->gamma, 1, 7);
     }
-    if (ok && d->kind == PEL_SPECTRUM_MEASURED) {
+    if (ok && pel_spectrum_uses(d->kind, PEL_USES_RECORD)) {
         ok = measured_ok(&d->measured);
     }
     for (int i = 0; ok && i < d->swell_count; i++) {
@@ -185,8 +178,8 @@ static double frequency_spectrum(const struct pel_sea_desc *desc, double k,
     }
 }
 
-static void add_frequency_sea(struct pel_directional *d,
-                              const struct pel_sea_desc *desc)
+static enum pel_err add_frequency_sea(struct pel_directional *d,
+                                      const struct pel_sea_desc *desc)
 {
     struct pel_directional_part *p =
         new_part(d, PEL_SPREADING_COSINE, d->wind_to_rad);
@@ -208,10 +201,11 @@ static void add_frequency_sea(struct pel_directional *d,
     } else if (desc->kind != PEL_SPECTRUM_TMA) {
         normalise(d, p, pel_spectrum_m0(desc, 0, top));
     }
+    return PEL_OK;
 }
 
-static void add_elfouhaily(struct pel_directional *d,
-                           const struct pel_sea_desc *desc)
+static enum pel_err add_elfouhaily(struct pel_directional *d,
+                                   const struct pel_sea_desc *desc)
 {
     struct pel_directional_part *p =
         new_part(d, PEL_SPREADING_ELLIPSE, d->wind_to_rad);
@@ -222,6 +216,7 @@ static void add_elfouhaily(struct pel_directional *d,
         p->energy[i] = k * s * pel_wind_over_viscosity(k, desc->wind_mps);
         p->shape[i] = delta;
     }
+    return PEL_OK;
 }
 
 static void add_swell(struct pel_directional *d, const struct pel_swell_desc *s)
@@ -335,6 +330,18 @@ static enum pel_err add_measured(struct pel_directional *d,
     return PEL_OK;
 }
 
+static enum pel_err add_record(struct pel_directional *d,
+                               const struct pel_sea_desc *desc)
+{
+    return add_measured(d, &desc->measured);
+}
+
+static enum pel_err (*const wind_sea[PEL_SPECTRA])(
+    struct pel_directional *d, const struct pel_sea_desc *desc) = {
+#define PEL_SPECTRUM(ID, uses, whole, add) add,
+#include "ocean/spectra.def"
+};
+
 enum pel_err pel_directional_create(const struct pel_sea_desc *desc,
                                     struct pel_directional **out)
 {
@@ -350,14 +357,9 @@ enum pel_err pel_directional_create(const struct pel_sea_desc *desc,
     d->depth_m = desc->depth_m;
     d->wind_to_rad = remainder(desc->direction_rad, 2.0 * PEL_PI);
     enum pel_err err = PEL_OK;
-    if (desc->kind == PEL_SPECTRUM_MEASURED) {
-        err = add_measured(d, &desc->measured);
-    } else if (desc->wind_mps > 0.15) {
-        if (desc->kind == PEL_SPECTRUM_ELFOUHAILY) {
-            add_elfouhaily(d, desc);
-        } else {
-            add_frequency_sea(d, desc);
-        }
+    if (!pel_spectrum_uses(desc->kind, PEL_USES_WIND) ||
+        desc->wind_mps > 0.15) {
+        err = wind_sea[desc->kind](d, desc);
     }
     for (int i = 0; i < desc->swell_count; i++) {
         if (desc->swell[i].height_m > 0) {

@@ -469,7 +469,7 @@ enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
     if (desc->synthesiser == PEL_SYNTHESISER_FFT) {
         return build_cascades(out);
     }
-    if (desc->kind > PEL_SPECTRUM_JONSWAP || desc->depth_m > 0) {
+    if (!pel_spectrum_is_whole(desc)) {
         return build_trochoids(out);
     }
     pel_sea_add_singles(out);

@@ -18,12 +18,17 @@
 #define PEL_SEA_MAX_SWELLS 8
 
 enum pel_spectrum_kind {
-    PEL_SPECTRUM_PIERSON_MOSKOWITZ,
-    PEL_SPECTRUM_JONSWAP,
-    PEL_SPECTRUM_TMA,        /* JONSWAP in depth_m of water */
-    PEL_SPECTRUM_ELFOUHAILY, /* long and short waves; uses fetch_m */
-    PEL_SPECTRUM_OMEGA2,     /* h ∝ ω⁻², the 2010 paper's other one */
-    PEL_SPECTRUM_MEASURED,   /* `measured`; the wind is not used */
+#define PEL_SPECTRUM(ID, uses, whole, add) PEL_SPECTRUM_##ID,
+#include "ocean/spectra.def"
+    PEL_SPECTRA
+};
+
+/* What of a sea's description a spectrum depends on; sets are sums. */
+enum pel_spectrum_uses {
+    PEL_USES_WIND = 1,
+    PEL_USES_FETCH = 2,
+    PEL_USES_GAMMA = 4,
+    PEL_USES_RECORD = 8, /* `measured` */
 };
 
 /* A directional spectrum as a buoy reports it. */

@@ -23,7 +23,7 @@ double pel_douglas_height(double degree)
 static double height(struct pel_sea_desc *d, double wind_mps)
 {
     d->wind_mps = wind_mps;
-    if (d->kind <= PEL_SPECTRUM_JONSWAP && !(d->depth_m > 0)) {
+    if (pel_spectrum_is_whole(d)) {
         return 4.0 * sqrt(pel_spectrum_m0(d, 0, INFINITY));
     }
     struct pel_directional *spectrum;
@@ -40,7 +40,7 @@ double pel_wind_for_height(const struct pel_sea_desc *desc, double height_m)
 {
     struct pel_sea_desc d = *desc;
     d.swell_count = 0;
-    if (d.kind == PEL_SPECTRUM_MEASURED) {
+    if (!pel_spectrum_uses(d.kind, PEL_USES_WIND)) {
         d.kind = PEL_SPECTRUM_PIERSON_MOSKOWITZ;
     }
     double lo = 0, hi = MOST_WIND;

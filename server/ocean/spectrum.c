@@ -25,10 +25,29 @@ static double pm_peak(double wind_mps)
     return pow(0.8 * PM_BETA, 0.25) * pm_omega0(wind_mps);
 }
 
-/* TMA is JONSWAP and a factor for the depth (directional.c). */
+static const struct {
+    unsigned uses;
+    bool whole;
+} spectra[PEL_SPECTRA] = {
+#define PEL_SPECTRUM(ID, uses, whole, add) { uses, whole },
+#include "ocean/spectra.def"
+};
+
+bool pel_spectrum_uses(enum pel_spectrum_kind kind, unsigned what)
+{
+    return spectra[kind].uses & what;
+}
+
+bool pel_spectrum_is_whole(const struct pel_sea_desc *desc)
+{
+    return spectra[desc->kind].whole && !(desc->depth_m > 0);
+}
+
+/* JONSWAP, and TMA, which is that and a factor for the depth (directional.c):
+ * those with a peak that is enhanced. */
 static bool fetch_limited(const struct pel_sea_desc *d)
 {
-    return d->kind == PEL_SPECTRUM_JONSWAP || d->kind == PEL_SPECTRUM_TMA;
+    return pel_spectrum_uses(d->kind, PEL_USES_GAMMA);
 }
 
 /* The fetch laws hold until the sea is fully developed; beyond, they would

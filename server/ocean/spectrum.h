@@ -2,7 +2,16 @@
  * dispersion of deep water. Plain functions, any thread. */
 #pragma once
 
+#include <stdbool.h>
+
 #include "ocean/sea.h"
+
+/* Does the spectrum depend on it (of enum pel_spectrum_uses)? */
+bool pel_spectrum_uses(enum pel_spectrum_kind kind, unsigned what);
+
+/* Is S(omega) below all of the wind sea of `desc`? Others have a depth or wave
+ * numbers of their own: directional.h. */
+bool pel_spectrum_is_whole(const struct pel_sea_desc *desc);
 
 /* Wind at 19.5–20 m over wind at 10 m. Pierson and Moskowitz (and V20 in
  * Bruneton et al. 2010, eq. 1) mean the higher one, everything else here the

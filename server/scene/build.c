@@ -30,16 +30,6 @@ static double goes_to(double from_deg)
     return remainder(90.0 - (from_deg + 180.0), 360.0) * PEL_DEG;
 }
 
-static const enum pel_spectrum_kind kinds[] = {
-    [PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ] =
-        PEL_SPECTRUM_PIERSON_MOSKOWITZ,
-    [PELAGOS__SPECTRUM_KIND__JONSWAP] = PEL_SPECTRUM_JONSWAP,
-    [PELAGOS__SPECTRUM_KIND__TMA] = PEL_SPECTRUM_TMA,
-    [PELAGOS__SPECTRUM_KIND__ELFOUHAILY] = PEL_SPECTRUM_ELFOUHAILY,
-    [PELAGOS__SPECTRUM_KIND__OMEGA2] = PEL_SPECTRUM_OMEGA2,
-    [PELAGOS__SPECTRUM_KIND__MEASURED] = PEL_SPECTRUM_MEASURED,
-};
-
 void pel_sea_describe(const Pelagos__State *state, int wave_count,
                       struct pel_sea_desc *out)
 {
@@ -48,7 +38,7 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
     out->synthesiser = sea->synthesiser == PELAGOS__SYNTHESISER__FFT
                            ? PEL_SYNTHESISER_FFT
                            : PEL_SYNTHESISER_TROCHOIDS;
-    out->kind = kinds[sea->spectrum];
+    out->kind = (enum pel_spectrum_kind)sea->spectrum; /* SAME, below */
     out->depth_m = sea->has_depth ? sea->depth : 0;
     out->wind_mps = sea->wind_speed;
     out->direction_rad = goes_to(sea->wind_direction);
@@ -295,6 +285,9 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
  * snapshot_test). */
 #define SAME(ours, theirs)                                                     \
     _Static_assert((int)(ours) == (int)(theirs), #ours " as " #theirs)
+#define PEL_SPECTRUM(ID, uses, whole, add)                                     \
+    SAME(PEL_SPECTRUM_##ID, PELAGOS__SPECTRUM_KIND__##ID);
+#include "ocean/spectra.def"
 SAME(PEL_JERLOV_I, PELAGOS__JERLOV_TYPE__I);
 SAME(PEL_JERLOV_1C, PELAGOS__JERLOV_TYPE__C1);
 SAME(PEL_JERLOV_9C, PELAGOS__JERLOV_TYPE__C9);

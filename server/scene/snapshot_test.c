@@ -308,6 +308,7 @@ static void enums_are_numbered_as_in_the_schema(void **state)
                      PEL_ORDERS_COUNT);
     assert_int_equal(pelagos__clock_mode__descriptor.n_values,
                      PEL_CLOCK_HOST + 1);
+    assert_int_equal(pelagos__spectrum_kind__descriptor.n_values, PEL_SPECTRA);
     /* Every format of the schema is a row that endings and paths lead to. */
     const ProtobufCEnumDescriptor *formats = &pelagos__frame_format__descriptor;
     assert_int_equal(formats->n_values, PEL_FORMATS);
