@@ -7,8 +7,10 @@ import sys
 import threading
 import time
 
-from modbus_test import check
-from pelagos_daemon import Daemon, until
+from pymodbus.client import ModbusTcpClient
+
+from modbus_test import COMMIT, WIND, check, floats
+from pelagos_daemon import Daemon, free_port, until
 
 
 def work(daemon):
@@ -90,8 +92,22 @@ def own_ship(daemon):
     check(took < 0.2 * seconds / 0.2, f"{took} in {seconds} s")
 
 
+def winds_by_modbus(daemon, port):
+    """Own ship sails on: its next sea is built before the commit, and answers
+    tell what is in effect."""
+    client = ModbusTcpClient("127.0.0.1", port=port)
+    client.connect()
+    for i in range(5):
+        client.write_registers(WIND, floats(6 + i, 200), slave=1)
+        check(not client.write_register(COMMIT, 1, slave=1).isError(), "commit")
+        check(daemon.state()["sea"]["windSpeed"] == 6 + i, "it is in effect")
+    client.close()
+    check("sea" not in work(daemon), f"{work(daemon)}")
+
+
 def main():
-    with Daemon() as daemon:
+    modbus = free_port()
+    with Daemon("--modbus", f"127.0.0.1:{modbus}") as daemon:
         daemon.request("PATCH", "/v1/state", {"sea": {"synthesiser": "FFT"}})
         side_by_side(*(spectra(daemon, i) for i in range(8)), slider(daemon),
                      light(daemon))
@@ -102,6 +118,7 @@ def main():
         check("sea" not in did, f"{did}")
         check("surface" not in did, f"{did}")
         own_ship(daemon)
+        winds_by_modbus(daemon, modbus)
     print("control_test: the control thread built none of some 100 seas")
     return 0
 

@@ -39,7 +39,8 @@ struct pel_modbus_session {
 struct client {
     struct pel_modbus_session session;
     int fd;
-    guint source;
+    guint source; /* 0: held */
+    bool held;    /* neither answered nor read until commits are in effect */
     int64_t active_ns;
     uint8_t out[MAX_ANSWERS];
     size_t out_size, out_sent;
@@ -283,13 +284,24 @@ void pel_modbus_session_close(struct pel_modbus_session *session)
 static void close_client(struct client *c)
 {
     struct pel_modbus *m = c->session.modbus;
-    g_source_remove(c->source);
+    if (c->source) {
+        g_source_remove(c->source);
+    }
     close(c->fd);
     g_ptr_array_remove_fast(m->clients, c);
     g_free(c);
 }
 
 static gboolean on_client(gint fd, GIOCondition condition, gpointer user);
+
+static bool commits_wait(const struct pel_modbus *m)
+{
+    bool wait = false;
+    for (size_t i = 0; i < m->unit_count; i++) {
+        wait = wait || m->units[i].map.waiting > 0;
+    }
+    return wait;
+}
 
 /* Sends what waits; reading goes on once all of it is gone. False: the client
  * was closed. */
@@ -323,6 +335,21 @@ static bool flush_client(struct client *c, bool writing)
     return true;
 }
 
+/* Answers go out, and more is read, when what they say is in effect. */
+static void on_settled(void *user)
+{
+    struct pel_modbus *m = user;
+    count_commits(m);
+    for (guint i = m->clients->len; i > 0 && !commits_wait(m); i--) {
+        struct client *c = g_ptr_array_index(m->clients, i - 1);
+        if (c->held) {
+            c->held = false;
+            c->source = g_unix_fd_add(c->fd, G_IO_IN, on_client, c);
+            flush_client(c, false);
+        }
+    }
+}
+
 static gboolean on_client(gint fd, GIOCondition condition, gpointer user)
 {
     PEL_WATCH("modbus");
@@ -353,6 +380,11 @@ static gboolean on_client(gint fd, GIOCondition condition, gpointer user)
         return G_SOURCE_REMOVE;
     }
     c->out_size = (size_t)size;
+    if (commits_wait(c->session.modbus)) {
+        c->held = true;
+        c->source = 0;
+        return G_SOURCE_REMOVE;
+    }
     bool open = flush_client(c, false);
     return open && c->source == source;
 }
@@ -574,6 +606,8 @@ static enum pel_err open_units(struct pel_modbus *m, struct pel_fault *fault)
                                              units, &m->unit_count, fault);
     for (size_t i = 0; i < m->unit_count && !err; i++) {
         err = pel_modbus_map_init(&m->units[i].map, m->scene, &units[i], fault);
+        m->units[i].map.settled = m->options.listen ? on_settled : NULL;
+        m->units[i].map.user = m;
     }
     if (!err) {
         err = open_safe(m, fault);
@@ -627,6 +661,9 @@ void pel_modbus_destroy(struct pel_modbus *m)
 {
     if (!m) {
         return;
+    }
+    for (size_t i = 0; i < m->unit_count; i++) {
+        pel_scene_forget(m->scene, &m->units[i].map);
     }
     if (m->sweep_source) {
         g_source_remove(m->sweep_source);

@@ -418,6 +418,45 @@ static enum pel_err build_patch(struct pel_modbus_map *map,
     return err;
 }
 
+static void count_commit(struct pel_modbus_map *map, enum pel_err err,
+                         const struct pel_fault *fault)
+{
+    static struct pel_log_limit limit;
+    if (err) {
+        pel_log_limited(&limit, PEL_LOG_WARNING, "MBS-002",
+                        "a commit by Modbus was refused: %s %s", fault->path,
+                        fault->message);
+        map->refused_commits++;
+    } else {
+        map->commits++;
+    }
+}
+
+static void on_committed(void *user, enum pel_err err,
+                         const struct pel_fault *fault)
+{
+    struct pel_modbus_map *map = user;
+    count_commit(map, err, fault);
+    map->waiting--;
+    map->settled(map->user);
+}
+
+/* Tested now, in effect when its sea is built; or all at once. */
+static enum pel_err commit(struct pel_modbus_map *map,
+                           const Pelagos__Patch *patch, struct pel_fault *fault)
+{
+    const struct pel_scene_wish wish = { .patch = patch, .source = map };
+    enum pel_err err = map->settled ? pel_scene_test(map->scene, patch, fault)
+                                    : pel_scene_patch(map->scene, patch, fault);
+    if (!err && map->settled) {
+        map->waiting++;
+        pel_scene_submit(map->scene, &wish, on_committed, map);
+    } else if (!err) {
+        count_commit(map, PEL_OK, fault);
+    }
+    return err;
+}
+
 static enum pel_modbus_exception commit_staged(struct pel_modbus_map *map)
 {
     struct pel_fault fault;
@@ -430,22 +469,17 @@ static enum pel_modbus_exception commit_staged(struct pel_modbus_map *map)
     if (!err) {
         steers = patch->state &&
                  (patch->state->n_entities > 0 || patch->state->own_ship);
-        err = pel_scene_patch(map->scene, patch, &fault);
+        err = commit(map, patch, &fault);
     }
     pelagos__patch__free_unpacked(patch, NULL);
     if (err) {
-        static struct pel_log_limit limit;
-        pel_log_limited(&limit, PEL_LOG_WARNING, "MBS-002",
-                        "a commit by Modbus was refused: %s %s", fault.path,
-                        fault.message);
-        map->refused_commits++;
+        count_commit(map, err, &fault);
         return err == PEL_ERR_INTERNAL || err == PEL_ERR_NO_MEMORY
                    ? PEL_MODBUS_FAILURE
                    : PEL_MODBUS_ILLEGAL_VALUE;
     }
     memset(map->staged, 0, sizeof map->staged);
     map->steers = map->steers || steers;
-    map->commits++;
     return PEL_MODBUS_DONE;
 }
 

@@ -43,6 +43,11 @@ struct pel_modbus_map {
     bool heard;         /* a heartbeat was written; modbus.c clears it */
     bool steers;        /* own ship was committed by a register once */
     uint64_t commits, refused_commits;
+    /* NULL: a commit has taken effect when it is answered. Else it may wait for
+     * its sea, and this is called when one no longer does. */
+    void (*settled)(void *user);
+    void *user;
+    unsigned waiting; /* commits that do */
 };
 
 /* Tests the table against the schema; INTERNAL names the row at fault. */
