@@ -34,7 +34,7 @@ double pel_scene_time(struct pel_scene *scene)
 static void advance_ship(struct pel_scene *scene, double time_s)
 {
     if (scene->snapshot->ship_entity < 0 ||
-        !pel_ship_steps(&scene->snapshot->ship, time_s)) {
+        !pel_ship_asks(&scene->snapshot->ship, time_s)) {
         pel_scene_sail(scene, time_s);
         return;
     }

@@ -188,14 +188,14 @@ bool pel_ship_advance(struct pel_ship *ship, double time_s,
                       const struct pel_sea *sea)
 {
     bool moved = false;
+    if (!ship->asked && time_s > ship->start_s) {
+        ask_first(ship, sea, &ship->steps[0]);
+        ship->asked = moved = true;
+    }
     for (;;) {
         uint64_t next = ship->count + 1;
         if (!(ship->start_s + (double)next * ship->step_s <= time_s)) {
             return moved;
-        }
-        if (!ship->asked) {
-            ask_first(ship, sea, &ship->steps[0]);
-            ship->asked = true;
         }
         next_step(ship, next, &ship->steps[ship->count % PEL_SHIP_HISTORY], sea,
                   &ship->steps[next % PEL_SHIP_HISTORY]);

@@ -79,7 +79,8 @@ void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
 bool pel_ship_asks(const struct pel_ship *ship, double time_s);
 bool pel_ship_steps(const struct pel_ship *ship, double time_s);
 
-/* Does every step that ends at or before time_s; true: there was one. */
+/* Does every step that ends at or before time_s, and looks up the sea of the
+ * first; true: there was something to do. */
 bool pel_ship_advance(struct pel_ship *ship, double time_s,
                       const struct pel_sea *sea);
 
