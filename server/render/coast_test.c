@@ -99,14 +99,15 @@ static double land_radiance(struct pel_renderer *r, enum pel_bottom bottom,
                                          .has_land = land != NULL,
                                          .land = land ? *land : 0 };
     assert_int_equal(pel_water_resolve(&desc, &env.water, NULL), PEL_OK);
-    struct pel_picture *p = test_draw(r, &env, &camera, TEST_ALL_LAYERS);
+    struct pel_picture *p =
+        test_draw(r, &env, &camera, TEST_ALL_LAYERS | PEL_LAYER_FRESNEL);
     double sum = 0;
     *count = 0;
     for (int i = 0; i < 160 * 100; i++) {
         struct pel_vec3 d = test_ray(&camera, i % 160 + 0.5, i / 160 + 0.5);
         double t = (double)p->depth[i], arc = t * hypot(d.x, d.y);
         double z = 25 + t * d.z + arc * arc / (2 * PEL_EARTH_RADIUS);
-        if (isfinite(t) && (double)p->normal[4 * i + 3] == 0 && z > 4) {
+        if (isfinite(t) && (double)p->fresnel[i] == 0 && z > 4) {
             sum += (double)p->radiance[4 * i];
             ++*count;
         }
