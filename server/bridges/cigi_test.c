@@ -426,6 +426,45 @@ static void heights_are_of_the_sea(void **state)
     no_more_answers();
 }
 
+static void the_atmosphere_is_told_as_it_was_set(void **state)
+{
+    (void)state;
+    begin();
+    with(PEL_CIGI_KIND_ATMOSPHERE, PEL_CIGI_ATMOSPHERE_ENABLE, 1.0,
+         PEL_CIGI_ATMOSPHERE_WIND, 7.0, PEL_CIGI_ATMOSPHERE_WIND_DIRECTION,
+         210.0, PEL_CIGI_ATMOSPHERE_VISIBILITY, 4000.0,
+         PEL_CIGI_ATMOSPHERE_VERTICAL_WIND, -2.5, PEL_CIGI_ATMOSPHERE_HUMIDITY,
+         63.0, PEL_CIGI_ATMOSPHERE_TEMPERATURE, -4.5,
+         PEL_CIGI_ATMOSPHERE_PRESSURE, 987.5, 0);
+    send();
+    begin();
+    with(PEL_CIGI_KIND_ENVIRONMENT_REQUEST, PEL_CIGI_ENVIRONMENT_REQUEST_TYPE,
+         4.0, PEL_CIGI_ENVIRONMENT_REQUEST_ID, 9.0,
+         PEL_CIGI_ENVIRONMENT_REQUEST_LATITUDE, 52.6,
+         PEL_CIGI_ENVIRONMENT_REQUEST_LONGITUDE, 5.2, 0);
+    send();
+    take_frame();
+    struct pel_cigi_packet a = next_answer(PEL_CIGI_KIND_WEATHER_RESPONSE);
+    static const struct {
+        int field;
+        double value;
+    } told[] = {
+        { PEL_CIGI_WEATHER_RESPONSE_ID, 9 },
+        { PEL_CIGI_WEATHER_RESPONSE_WIND, 7 },
+        { PEL_CIGI_WEATHER_RESPONSE_WIND_DIRECTION, 210 },
+        { PEL_CIGI_WEATHER_RESPONSE_VISIBILITY, 4000 },
+        { PEL_CIGI_WEATHER_RESPONSE_VERTICAL_WIND, -2.5 },
+        { PEL_CIGI_WEATHER_RESPONSE_HUMIDITY, 63 },
+        { PEL_CIGI_WEATHER_RESPONSE_TEMPERATURE, -4.5 },
+        { PEL_CIGI_WEATHER_RESPONSE_PRESSURE, 987.5 },
+    };
+    for (size_t i = 0; i < sizeof told / sizeof *told; i++) {
+        /* f32 degrees: 1e-5 of 180. */
+        assert_near(pel_cigi_get(&a, told[i].field), told[i].value, 2e-5);
+    }
+    no_more_answers();
+}
+
 static void periodic_requests_come_again(void **state)
 {
     (void)state;
@@ -547,6 +586,7 @@ int main(void)
         TEST(the_date_moves_the_sun),
         TEST(databases_are_loaded),
         TEST(heights_are_of_the_sea),
+        TEST(the_atmosphere_is_told_as_it_was_set),
         TEST(periodic_requests_come_again),
         TEST(many_answers_take_several_frames),
         TEST(sight_ends_at_the_waves),

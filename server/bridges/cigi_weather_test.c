@@ -93,6 +93,17 @@ static void weather_is_of_the_region_the_view_is_in(void **state)
     assert_near(s->sea->wind_speed, 12, 0);
     assert_near(s->sea->wind_direction, 200, 0);
     assert_near(s->sky->visibility, 900, 0);
+    for (double on = 0; on <= 1; on++) { /* a region that is off is none */
+        begin();
+        with(PEL_CIGI_KIND_REGION, PEL_CIGI_REGION_ID, 3.0,
+             PEL_CIGI_REGION_STATE, on, PEL_CIGI_REGION_LATITUDE, 52.6,
+             PEL_CIGI_REGION_LONGITUDE, 5.2, PEL_CIGI_REGION_X, 2000.0,
+             PEL_CIGI_REGION_Y, 2000.0, 0);
+        send();
+        s = pel_scene_state(scene);
+        assert_near(s->sea->wind_speed, on > 0 ? 12 : 5, 0);
+        assert_near(s->sky->visibility, on > 0 ? 900 : 20000, 0);
+    }
     begin();
     place_ship(1, 52.62, 0); /* 2.2 km north */
     send();
