@@ -486,6 +486,10 @@ static void test_rtsp_framing(void **state)
         { OPTIONS "X: y\r\n z\r\n", false },
         { OPTIONS "X: y\rz\r\n", false },
         { "GET / HTTP/1.0\r\n", false },
+        { "GET x HTTP/1.0\r\n", false },
+        { "get\trtsp://h/x HTTP/1.0\r\n", false },
+        { "POST  /x HTTP/1.0\r\n", false },
+        { "\fGET /x HTTP/1.0\r\n", false },
         { "GET_PARAMETER * RTSP/1.0\r\nCSeq: 1\r\n\r\n", true },
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

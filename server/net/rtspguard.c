@@ -39,6 +39,14 @@ static bool read_length(struct pel_rtsp_framing *f)
     return *at == '\0' && f->left <= PEL_RTSP_BODY_BYTES;
 }
 
+/* Whatever the address is: GStreamer goes by the method. */
+static bool asks_for_tunnel(const struct pel_rtsp_framing *f)
+{
+    size_t method = strcspn(f->line, " \t\r\f\v");
+    return (method == 3 && has_prefix(f, "GET")) ||
+           (method == 4 && has_prefix(f, "POST"));
+}
+
 static bool end_line(struct pel_rtsp_framing *f)
 {
     bool first = f->head == f->line_length + 1;
@@ -55,9 +63,8 @@ static bool end_line(struct pel_rtsp_framing *f)
         return true;
     }
     /* A line that goes on with the next could hide a length. */
-    bool plain = f->line[0] != ' ' && f->line[0] != '\t';
-    bool http = first && (has_prefix(f, "GET /") || has_prefix(f, "POST /"));
-    bool good = plain && !http && (first || read_length(f));
+    bool plain = !isspace((unsigned char)f->line[0]);
+    bool good = plain && (first ? !asks_for_tunnel(f) : read_length(f));
     f->line_length = 0;
     return good;
 }
