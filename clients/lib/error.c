@@ -3,9 +3,9 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-enum pel_client_code client_fail(struct pel_client_error *error,
-                                 enum pel_client_code code, const char *format,
-                                 ...)
+enum pel_client_code(client_fail)(struct pel_client_error *error,
+                                  enum pel_client_code code, const char *format,
+                                  ...)
 {
     if (error) {
         *error = (struct pel_client_error){ .code = code, .minimum = 1 };
