@@ -57,6 +57,14 @@ static bool reads(const struct pel_scene *scene, const Pelagos__State *state)
            !pel_shared_sea_same_record(scene->has.sea, state);
 }
 
+/* How many patches are tested and committed in one turn of the control thread,
+ * for a millisecond: each copies the state, so the more is in it, the fewer. */
+static guint most_at_once(const Pelagos__State *state)
+{
+    size_t items = 10 + state->n_entities + state->n_views;
+    return (guint)MAX(1, 400 / items);
+}
+
 static void prepared(void *user, struct pel_preparation *ready);
 
 /* Prepares the state that the oldest patches lead to: as many as change no more
@@ -70,7 +78,8 @@ static void prepare_next(struct pel_scene *scene)
         return;
     }
     pel_scene_refresh(scene, pel_scene_time(scene));
-    for (guint i = 0; i < scene->waiting->len; i++) {
+    guint most = MIN(scene->waiting->len, most_at_once(scene->state));
+    for (guint i = 0; i < most; i++) {
         const struct waiting *w = g_ptr_array_index(scene->waiting, i);
         Pelagos__State *next;
         if (pel_state_apply(state ? state : scene->state, w->patch, &next,
