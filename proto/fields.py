@@ -222,7 +222,7 @@ def formats():
 def format_table():
     return table(["format", "ending", "Content-Type", ""],
                  [[f"`{name}`", f"`.{ending}`", f"`{mime}`", text]
-                  for name, ending, mime, _, text in formats()])
+                  for name, ending, mime, _, _, text in formats()])
 
 
 TABLES = {"@layers@": layer_table, "@formats@": format_table}
@@ -306,7 +306,10 @@ def write_python(schema, path):
            "#: The layers of an EXR picture.", "LAYERS = ("]
     out += [f'    "{row[2]}",' for row in layers()] + [")"]
     out += ["", "#: The formats of pictures, by their endings.",
-            "FORMATS = (" + ", ".join(f'"{row[1]}"' for row in formats()) + ")"]
+            "FORMATS = (" + ", ".join(f'"{row[1]}"' for row in formats()) + ")",
+            "#: Those of them with layers of floats.", "LINEAR_FORMATS = ("
+            + "".join(f'"{row[1]}",' for row in formats()
+                      if "PEL_FORMAT_LAYERS" in row[4]) + ")"]
     for name in python_order(schema, "State", []):
         doc, fields = schema.messages[name]
         out += ["", "", "@dataclass(frozen=True)", f"class {name}(Record):"]

@@ -1,22 +1,23 @@
 #include "proto/formats.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
 const struct pel_format pel_format_table[PEL_FORMATS] = {
-#define PEL_FORMAT(ID, ending, mime, layers, text)                             \
-    { PELAGOS__FRAME_FORMAT__##ID, #ID, ending, mime, layers },
+#define PEL_FORMAT(ID, ending, mime, encoder, uses, text)                      \
+    { PELAGOS__FRAME_FORMAT__##ID, #ID, ending, mime, uses },
 #include "proto/formats.def"
 };
 
 static const char endings[] =
-#define PEL_FORMAT(ID, ending, mime, layers, text) ", " ending
+#define PEL_FORMAT(ID, ending, mime, encoder, uses, text) ", " ending
 #include "proto/formats.def"
     ;
 const char *const pel_format_endings = endings + 2;
 
 static const char names[] =
-#define PEL_FORMAT(ID, ending, mime, layers, text) ", " #ID
+#define PEL_FORMAT(ID, ending, mime, encoder, uses, text) ", " #ID
 #include "proto/formats.def"
     ;
 const char *const pel_format_names = names + 2;
@@ -46,4 +47,17 @@ const struct pel_format *pel_format_by_path(const char *path)
 {
     const char *dot = strrchr(path, '.');
     return dot ? pel_format_by_ending(dot + 1) : NULL;
+}
+
+void pel_format_names_of(unsigned uses, char *out, size_t size)
+{
+    size_t length = 0;
+    out[0] = '\0';
+    for (int i = 0; i < PEL_FORMATS && length < size; i++) {
+        if ((pel_format_table[i].uses & uses) == uses) {
+            length +=
+                (size_t)snprintf(out + length, size - length, "%s%s",
+                                 length ? ", " : "", pel_format_table[i].name);
+        }
+    }
 }

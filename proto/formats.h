@@ -2,21 +2,26 @@
  * any thread. */
 #pragma once
 
-#include <stdbool.h>
 #include <stddef.h>
 
 #include "pelagos.pb-c.h"
+
+enum pel_format_uses {
+    PEL_FORMAT_LAYERS = 1 << 0,  /* linear, with layers; else 8-bit colour */
+    PEL_FORMAT_QUALITY = 1 << 1, /* of FrameRequest */
+    PEL_FORMAT_QUICK = 1 << 2,   /* milliseconds; the others wait for it */
+};
 
 struct pel_format {
     Pelagos__FrameFormat format;
     const char *name;   /* as the schema calls it */
     const char *ending; /* without a dot */
     const char *mime;
-    bool layers; /* linear, with layers; else 8-bit colour */
+    unsigned uses; /* enum pel_format_uses */
 };
 
 enum {
-#define PEL_FORMAT(ID, ending, mime, layers, text) PEL_FORMAT_AT_##ID,
+#define PEL_FORMAT(ID, ending, mime, encoder, uses, text) PEL_FORMAT_AT_##ID,
 #include "proto/formats.def"
     PEL_FORMATS
 };
@@ -25,6 +30,9 @@ extern const struct pel_format pel_format_table[PEL_FORMATS];
 /* All endings, by ", ", and names likewise. */
 extern const char *const pel_format_endings;
 extern const char *const pel_format_names;
+
+/* Names of the formats with all of `uses`, by ", ", cut to `size`. */
+void pel_format_names_of(unsigned uses, char *out, size_t size);
 
 /* The row of a format; NULL: there is none. */
 const struct pel_format *pel_format_of(Pelagos__FrameFormat format);

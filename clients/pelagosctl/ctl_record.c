@@ -12,6 +12,7 @@
 #include "base/clock.h"
 #include "lib/token.h"
 #include "pelagosctl/clip.h"
+#include "proto/formats.h"
 
 struct recording {
     const char *path;
@@ -220,9 +221,8 @@ static enum ctl_exit check_options(const struct ctl *ctl, bool sequence)
     bool stream = ctl_flag(ctl, "stream");
     for (size_t i = 0; !sequence && i < G_N_ELEMENTS(of_sequences); i++) {
         if (ctl_flag(ctl, of_sequences[i])) {
-            return ctl_say(CTL_USAGE,
-                           "--%s is for sequences: .exr, .png or .jpg",
-                           of_sequences[i]);
+            return ctl_say(CTL_USAGE, "--%s is for sequences: %s",
+                           of_sequences[i], pel_format_endings);
         }
     }
     for (size_t i = 0; !stream && i < G_N_ELEMENTS(of_streams); i++) {

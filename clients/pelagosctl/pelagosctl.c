@@ -34,7 +34,7 @@ static const char layer_words[] =
     ;
 
 static const char format_words[] =
-#define PEL_FORMAT(ID, ending, mime, layers, text) ending " "
+#define PEL_FORMAT(ID, ending, mime, encoder, uses, text) ending " "
 #include "proto/formats.def"
     ;
 
@@ -287,8 +287,9 @@ const struct ctl_command ctl_commands[] = {
       "is fixed to, and the camera.",
       NULL, NULL, NULL, 0, 0, ctl_views },
     { "frame", "VIEW[,VIEW…] FILE", "save a picture, or several of one frame",
-      "Saves the view as it is now (or at --time) as a JPEG, PNG or OpenEXR "
-      "file, by the ending of FILE. `-` is standard output, with --format.\n\n"
+      "Saves the view as it is now (or at --time) as a picture in the "
+      "format of FILE's ending, one of --format's. `-` is standard output, "
+      "with --format.\n\n"
       "Several views, separated by commas, are drawn in one frame, of one "
       "state at one moment, clock running or not; each is saved into FILE with "
       "its name in place of %s.",
@@ -332,7 +333,8 @@ const struct ctl_command ctl_commands[] = {
       "With --stream it is the live stream itself, H.264 by pelagosd's rate, "
       "scale and encoder, into .mkv or .mp4, over HTTP. Its time stamps are "
       "those of the frames.\n\n"
-      "A FILE that ends in .exr, .png or .jpg is a sequence of files, each "
+      "A FILE with the ending of a picture (.exr, and what else --format of "
+      "frame takes) is a sequence of files, each "
       "frame drawn in full for its exact simulated time; %05d in the name is "
       "the number's place. Each file is written whole or not at all, so that "
       "an interrupted sequence goes on with --resume, at the same times. "

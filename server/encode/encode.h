@@ -19,31 +19,6 @@ void pel_bytes_finish(struct pel_bytes *bytes);
 /* Largest width and height of a picture [px]. */
 #define PEL_ENCODE_MAX_SIZE 16384
 
-/* RGBA to JPEG 4:2:0 (libyuv's planes, libjpeg-turbo); quality 1..100. INVALID
- * for a size outside 1..PEL_ENCODE_MAX_SIZE or a quality out of range,
- * NO_MEMORY. The same pixels give the same bytes. */
-PEL_CHECK enum pel_err pel_jpeg_encode(const uint8_t *rgba, uint32_t width,
-                                       uint32_t height, int quality,
-                                       struct pel_bytes *out);
-
-/* The same, scaled to out_width x out_height. */
-PEL_CHECK enum pel_err pel_jpeg_encode_scaled(const uint8_t *rgba,
-                                              uint32_t width, uint32_t height,
-                                              uint32_t out_width,
-                                              uint32_t out_height, int quality,
-                                              struct pel_bytes *out);
-
-/* RGBA to 8-bit RGB PNG (libspng), sRGB chunk set; alpha is dropped. Errors as
- * above. */
-PEL_CHECK enum pel_err pel_png_encode(const uint8_t *rgba, uint32_t width,
-                                      uint32_t height, struct pel_bytes *out);
-
-/* The same; CONFLICT soon after *cancel became true. */
-PEL_CHECK enum pel_err pel_png_encode_until(const uint8_t *rgba, uint32_t width,
-                                            uint32_t height,
-                                            const atomic_bool *cancel,
-                                            struct pel_bytes *out);
-
 /* One EXR layer: `channels` components taken from pixels that are `stride`
  * floats apart. Channel names: "R" for layer NULL, else "layer.R". */
 struct pel_exr_layer {
@@ -68,8 +43,18 @@ struct pel_exr_attribute {
     const float *matrix; /* 16 numbers, row after row */
 };
 
-struct pel_exr_image {
-    uint32_t width, height;
+/* What an encoder is given: each reads what its format has, the rest may be
+ * zero. */
+struct pel_encode_input {
+    uint32_t width, height;    /* 1..PEL_ENCODE_MAX_SIZE */
+    const atomic_bool *cancel; /* NULL, or true: give up soon with CONFLICT */
+
+    /* 8-bit colour */
+    const uint8_t *rgba;
+    uint32_t out_width, out_height; /* of the file; 0: as they are */
+    int quality;                    /* 1..100 */
+
+    /* linear, by layers */
     bool float_samples; /* else half, rounded to nearest even */
     const struct pel_exr_layer *layers;
     size_t layer_count;
@@ -77,13 +62,24 @@ struct pel_exr_image {
     size_t attribute_count;
     /* Screen window at distance 1 of the standard header; width 0: 1. */
     float window_center[2], window_width;
-    float pixel_aspect;        /* width of a pixel over its height; 0: 1 */
-    const atomic_bool *cancel; /* NULL, or true: give up with CONFLICT */
+    float pixel_aspect; /* width of a pixel over its height; 0: 1 */
 };
 
-/* Single-part scan-line OpenEXR, ZIP compressed (OpenEXRCore). INVALID for a
- * bad size, no or too many (64) channels, a name twice; CONFLICT when
- * cancelled; NO_MEMORY; INTERNAL for what the library refuses. NaN and
- * infinity are kept. */
-PEL_CHECK enum pel_err pel_exr_encode(const struct pel_exr_image *image,
-                                      struct pel_bytes *out);
+/* The one form of an encoder. The same input gives the same bytes; on an error
+ * *out is empty. INVALID for a size or a member out of its range, CONFLICT
+ * when cancelled, NO_MEMORY, INTERNAL for what the library refuses. */
+typedef enum pel_err pel_encode(const struct pel_encode_input *in,
+                                struct pel_bytes *out);
+
+/* RGBA, quality and the file's size to JPEG 4:2:0 (libyuv's planes,
+ * libjpeg-turbo); not cancelled, it takes milliseconds. */
+PEL_CHECK pel_encode pel_jpeg_encode;
+
+/* RGBA to 8-bit RGB PNG (libspng), sRGB chunk set; alpha is dropped. INVALID
+ * for another size of the file. */
+PEL_CHECK pel_encode pel_png_encode;
+
+/* Layers and attributes to single-part scan-line OpenEXR, ZIP compressed
+ * (OpenEXRCore). INVALID for no or too many (64) channels, a name twice. NaN
+ * and infinity are kept. */
+PEL_CHECK pel_encode pel_exr_encode;

@@ -60,6 +60,24 @@ static double mean_difference(const uint8_t *a, const uint8_t *b, size_t pixels)
     return sum / (3.0 * (double)pixels);
 }
 
+static enum pel_err jpeg(const uint8_t *rgba, uint32_t width, uint32_t height,
+                         int quality, struct pel_bytes *out)
+{
+    const struct pel_encode_input in = {
+        .rgba = rgba, .width = width, .height = height, .quality = quality
+    };
+    return pel_jpeg_encode(&in, out);
+}
+
+static enum pel_err png(const uint8_t *rgba, uint32_t width, uint32_t height,
+                        struct pel_bytes *out)
+{
+    const struct pel_encode_input in = { .rgba = rgba,
+                                         .width = width,
+                                         .height = height };
+    return pel_png_encode(&in, out);
+}
+
 static void jpeg_decodes_to_the_picture(void **state)
 {
     (void)state;
@@ -71,10 +89,8 @@ static void jpeg_decodes_to_the_picture(void **state)
         uint8_t *rgba = make_rgba(width, height);
         uint8_t *back = malloc((size_t)width * height * 4);
         struct pel_bytes bytes, again;
-        assert_int_equal(pel_jpeg_encode(rgba, width, height, 95, &bytes),
-                         PEL_OK);
-        assert_int_equal(pel_jpeg_encode(rgba, width, height, 95, &again),
-                         PEL_OK);
+        assert_int_equal(jpeg(rgba, width, height, 95, &bytes), PEL_OK);
+        assert_int_equal(jpeg(rgba, width, height, 95, &again), PEL_OK);
         assert_int_equal(bytes.size, again.size);
         assert_memory_equal(bytes.data, again.data, bytes.size);
         tjhandle reader = tjInitDecompress();
@@ -138,8 +154,7 @@ static void jpeg_is_turbojpegs(void **state)
                              TJSAMP_420, &want, &want_size, quality, 0),
                          0);
         struct pel_bytes bytes;
-        assert_int_equal(pel_jpeg_encode(rgba, width, height, quality, &bytes),
-                         PEL_OK);
+        assert_int_equal(jpeg(rgba, width, height, quality, &bytes), PEL_OK);
         assert_int_equal(bytes.size, want_size);
         assert_memory_equal(bytes.data, want, want_size);
         pel_bytes_finish(&bytes);
@@ -162,7 +177,7 @@ static void png_decodes_to_the_same_pixels(void **state)
         uint8_t *rgba = make_rgba(width, height);
         uint8_t *back = malloc(size);
         struct pel_bytes bytes;
-        assert_int_equal(pel_png_encode(rgba, width, height, &bytes), PEL_OK);
+        assert_int_equal(png(rgba, width, height, &bytes), PEL_OK);
         spng_ctx *reader = spng_ctx_new(0);
         assert_int_equal(spng_set_png_buffer(reader, bytes.data, bytes.size),
                          0);
@@ -337,9 +352,9 @@ static const struct pel_exr_attribute attributes[] = {
     { .name = "worldToCamera", .type = PEL_EXR_MATRIX, .matrix = matrix },
 };
 
-static struct pel_exr_image make_image(bool float_samples)
+static struct pel_encode_input make_image(bool float_samples)
 {
-    return (struct pel_exr_image){
+    return (struct pel_encode_input){
         .width = WIDTH,
         .height = HEIGHT,
         .float_samples = float_samples,
@@ -356,7 +371,7 @@ static void exr_halves_are_the_nearest(void **state)
 {
     (void)state;
     fill_samples();
-    struct pel_exr_image image = make_image(false);
+    struct pel_encode_input image = make_image(false);
     struct pel_bytes bytes;
     assert_int_equal(pel_exr_encode(&image, &bytes), PEL_OK);
     keep_sample("half.exr", &bytes);
@@ -399,7 +414,7 @@ static void exr_floats_are_the_same_bits(void **state)
 {
     (void)state;
     fill_samples();
-    struct pel_exr_image image = make_image(true);
+    struct pel_encode_input image = make_image(true);
     struct pel_bytes bytes;
     assert_int_equal(pel_exr_encode(&image, &bytes), PEL_OK);
     keep_sample("float.exr", &bytes);
@@ -430,7 +445,7 @@ static void exr_noise_is_the_same_bits(void **state)
                                          .pixels = noise,
                                          .stride = 1,
                                          .full_float = true };
-    const struct pel_exr_image image = {
+    const struct pel_encode_input image = {
         .width = SIDE, .height = SIDE, .layers = &layer, .layer_count = 1
     };
     for (int zeros = 0; zeros < 120; zeros++) {
@@ -459,7 +474,7 @@ static void exr_header_says_what_it_was_told(void **state)
 {
     (void)state;
     fill_samples();
-    struct pel_exr_image image = make_image(false);
+    struct pel_encode_input image = make_image(false);
     struct pel_bytes bytes, again;
     assert_int_equal(pel_exr_encode(&image, &bytes), PEL_OK);
     assert_int_equal(pel_exr_encode(&image, &again), PEL_OK);
@@ -499,26 +514,28 @@ static void bad_input_is_refused(void **state)
     uint8_t pixel[4] = { 0 };
     float sample[4] = { 0 };
     struct pel_bytes bytes;
-    assert_int_equal(pel_jpeg_encode(pixel, 0, 1, 90, &bytes), PEL_ERR_INVALID);
-    assert_int_equal(pel_jpeg_encode(pixel, 1, 16385, 90, &bytes),
-                     PEL_ERR_INVALID);
-    assert_int_equal(pel_jpeg_encode(pixel, 1, 1, 0, &bytes), PEL_ERR_INVALID);
-    assert_int_equal(pel_jpeg_encode(pixel, 1, 1, 101, &bytes),
-                     PEL_ERR_INVALID);
-    assert_int_equal(pel_jpeg_encode(NULL, 1, 1, 90, &bytes), PEL_ERR_INVALID);
-    assert_int_equal(pel_png_encode(pixel, 1, 0, &bytes), PEL_ERR_INVALID);
+    assert_int_equal(jpeg(pixel, 0, 1, 90, &bytes), PEL_ERR_INVALID);
+    assert_int_equal(jpeg(pixel, 1, 16385, 90, &bytes), PEL_ERR_INVALID);
+    assert_int_equal(jpeg(pixel, 1, 1, 0, &bytes), PEL_ERR_INVALID);
+    assert_int_equal(jpeg(pixel, 1, 1, 101, &bytes), PEL_ERR_INVALID);
+    assert_int_equal(jpeg(NULL, 1, 1, 90, &bytes), PEL_ERR_INVALID);
+    assert_int_equal(png(pixel, 1, 0, &bytes), PEL_ERR_INVALID);
     const atomic_bool over = true;
-    assert_int_equal(pel_png_encode_until(pixel, 1, 1, &over, &bytes),
-                     PEL_ERR_CONFLICT);
+    const struct pel_encode_input given_up = {
+        .rgba = pixel, .width = 1, .height = 1, .cancel = &over
+    };
+    assert_int_equal(pel_png_encode(&given_up, &bytes), PEL_ERR_CONFLICT);
     assert_null(bytes.data);
-    assert_int_equal(pel_png_encode(pixel, 16385, 1, &bytes), PEL_ERR_INVALID);
+    assert_int_equal(png(pixel, 16385, 1, &bytes), PEL_ERR_INVALID);
     assert_null(bytes.data);
 
     struct pel_exr_layer twice[2] = {
         { .channels = "RGB", .pixels = sample, .stride = 4 },
         { .channels = "GZ", .pixels = sample, .stride = 4 },
     };
-    struct pel_exr_image image = { .width = 1, .height = 1, .layers = twice };
+    struct pel_encode_input image = { .width = 1,
+                                      .height = 1,
+                                      .layers = twice };
     assert_int_equal(pel_exr_encode(&image, &bytes), PEL_ERR_INVALID);
     image.layer_count = 2;
     assert_int_equal(pel_exr_encode(&image, &bytes), PEL_ERR_INVALID);

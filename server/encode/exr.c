@@ -16,7 +16,7 @@ struct channel {
 };
 
 struct writer {
-    const struct pel_exr_image *image;
+    const struct pel_encode_input *image;
     struct channel channels[MAX_CHANNELS];
     int channel_count;
     uint8_t *data;
@@ -133,7 +133,7 @@ static exr_result_t add_attribute(exr_context_t context,
 
 static exr_result_t write_header(exr_context_t context, const struct writer *w)
 {
-    const struct pel_exr_image *image = w->image;
+    const struct pel_encode_input *image = w->image;
     int part = 0;
     exr_attr_box2i_t window = {
         .max = { .x = (int32_t)image->width - 1,
@@ -265,7 +265,7 @@ static enum pel_err write_file(struct writer *w)
     return rc == 0 ? PEL_OK : PEL_ERR_INTERNAL;
 }
 
-enum pel_err pel_exr_encode(const struct pel_exr_image *image,
+enum pel_err pel_exr_encode(const struct pel_encode_input *image,
                             struct pel_bytes *out)
 {
     *out = (struct pel_bytes){ 0 };

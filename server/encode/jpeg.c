@@ -261,40 +261,31 @@ static enum pel_err compress(struct compressor *compressor, const uint8_t *rgba,
     return err;
 }
 
-enum pel_err pel_jpeg_encode_scaled(const uint8_t *rgba, uint32_t width,
-                                    uint32_t height, uint32_t out_width,
-                                    uint32_t out_height, int quality,
-                                    struct pel_bytes *out)
+enum pel_err pel_jpeg_encode(const struct pel_encode_input *in,
+                             struct pel_bytes *out)
 {
     struct pel_planes planes;
+    uint32_t width = in->out_width ? in->out_width : in->width;
+    uint32_t height = in->out_height ? in->out_height : in->height;
     *out = (struct pel_bytes){ 0 };
-    if (!rgba || width - 1 >= PEL_ENCODE_MAX_SIZE ||
-        height - 1 >= PEL_ENCODE_MAX_SIZE ||
-        out_width - 1 >= PEL_ENCODE_MAX_SIZE ||
-        out_height - 1 >= PEL_ENCODE_MAX_SIZE || quality < 1 || quality > 100) {
+    if (!in->rgba || in->width - 1 >= PEL_ENCODE_MAX_SIZE ||
+        in->height - 1 >= PEL_ENCODE_MAX_SIZE ||
+        width - 1 >= PEL_ENCODE_MAX_SIZE || height - 1 >= PEL_ENCODE_MAX_SIZE ||
+        in->quality < 1 || in->quality > 100) {
         return PEL_ERR_INVALID;
     }
     struct compressor *compressor = compressor_get();
     if (!compressor) {
         return PEL_ERR_NO_MEMORY;
     }
-    bool as_it_is = width == out_width && height == out_height;
-    uint32_t rows = as_it_is ? ROWS : (out_height + ROWS - 1) / ROWS * ROWS;
-    enum pel_err err =
-        reserve(compressor, out_width, out_height, rows, &planes);
+    bool as_it_is = in->width == width && in->height == height;
+    uint32_t rows = as_it_is ? ROWS : (height + ROWS - 1) / ROWS * ROWS;
+    enum pel_err err = reserve(compressor, width, height, rows, &planes);
     if (err == PEL_OK && !as_it_is) {
-        err = pel_planes_fill(rgba, (int)width * 4, width, height, true,
-                              &compressor->between, &planes);
+        err = pel_planes_fill(in->rgba, (int)in->width * 4, in->width,
+                              in->height, true, &compressor->between, &planes);
     }
-    return err == PEL_OK ? compress(compressor, as_it_is ? rgba : NULL, &planes,
-                                    rows, quality, out)
+    return err == PEL_OK ? compress(compressor, as_it_is ? in->rgba : NULL,
+                                    &planes, rows, in->quality, out)
                          : err;
-}
-
-enum pel_err pel_jpeg_encode(const uint8_t *rgba, uint32_t width,
-                             uint32_t height, int quality,
-                             struct pel_bytes *out)
-{
-    return pel_jpeg_encode_scaled(rgba, width, height, width, height, quality,
-                                  out);
 }

@@ -34,19 +34,15 @@ static int set_up(spng_ctx *png, uint32_t width, uint32_t height)
                                       SPNG_ENCODE_FINALIZE);
 }
 
-enum pel_err pel_png_encode(const uint8_t *rgba, uint32_t width,
-                            uint32_t height, struct pel_bytes *out)
+enum pel_err pel_png_encode(const struct pel_encode_input *in,
+                            struct pel_bytes *out)
 {
-    return pel_png_encode_until(rgba, width, height, NULL, out);
-}
-
-enum pel_err pel_png_encode_until(const uint8_t *rgba, uint32_t width,
-                                  uint32_t height, const atomic_bool *cancel,
-                                  struct pel_bytes *out)
-{
+    uint32_t width = in->width, height = in->height;
     *out = (struct pel_bytes){ 0 };
-    if (!rgba || width < 1 || width > PEL_ENCODE_MAX_SIZE || height < 1 ||
-        height > PEL_ENCODE_MAX_SIZE) {
+    if (!in->rgba || width < 1 || width > PEL_ENCODE_MAX_SIZE || height < 1 ||
+        height > PEL_ENCODE_MAX_SIZE ||
+        (in->out_width && in->out_width != width) ||
+        (in->out_height && in->out_height != height)) {
         return PEL_ERR_INVALID;
     }
     enum pel_err err = PEL_ERR_NO_MEMORY;
@@ -58,11 +54,11 @@ enum pel_err pel_png_encode_until(const uint8_t *rgba, uint32_t width,
     err = PEL_ERR_INTERNAL;
     int rc = set_up(png, width, height);
     for (uint32_t y = 0; rc == 0 && y < height; y++) {
-        if (cancel && atomic_load(cancel)) {
+        if (in->cancel && atomic_load(in->cancel)) {
             err = PEL_ERR_CONFLICT;
             break;
         }
-        pack_rgb(rgba + (size_t)y * width * 4, width, row);
+        pack_rgb(in->rgba + (size_t)y * width * 4, width, row);
         rc = spng_encode_row(png, row, (size_t)width * 3);
     }
     if (rc == SPNG_EMEM) {

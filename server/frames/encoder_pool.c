@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "proto/formats.h"
 
 #define MAX_THREADS 16
 #define STOP_NS 1000000000LL
@@ -80,25 +81,33 @@ static enum pel_err encode_video(struct pel_output *output,
     return err;
 }
 
+static pel_encode *const encoders[PEL_FORMATS] = {
+#define PEL_FORMAT(ID, ending, mime, encoder, uses, text)                      \
+    pel_##encoder##_encode,
+#include "proto/formats.def"
+};
+
 static enum pel_err encode_bytes(const struct pel_encoder_pool *pool,
                                  const struct pel_output *output,
                                  struct pel_bytes *bytes)
 {
     const struct pel_job_draw *part = &output->job->parts[output->draw];
     const struct pel_picture *p = part->picture;
-    switch (output->format) {
-    case PELAGOS__FRAME_FORMAT__JPEG:
-        return pel_jpeg_encode_scaled(p->rgba, p->width, p->height, part->width,
-                                      part->height, output->quality, bytes);
-    case PELAGOS__FRAME_FORMAT__PNG:
-        return pel_png_encode_until(p->rgba, p->width, p->height,
-                                    &output->cancel, bytes);
-    case PELAGOS__FRAME_FORMAT__EXR:
-        return pel_picture_encode_exr(output, pool->device, &output->cancel,
-                                      bytes);
-    default:
-        return PEL_ERR_INTERNAL;
+    const struct pel_format *format = pel_format_of(output->format);
+    pel_encode *encode = encoders[format - pel_format_table];
+    if (format->uses & PEL_FORMAT_LAYERS) {
+        return pel_picture_encode_layers(output, pool->device, encode, bytes);
     }
+    const struct pel_encode_input input = {
+        .width = p->width,
+        .height = p->height,
+        .cancel = &output->cancel,
+        .rgba = p->rgba,
+        .out_width = part->width,
+        .out_height = part->height,
+        .quality = output->quality,
+    };
+    return encode(&input, bytes);
 }
 
 static void encode_output(struct pel_encoder_pool *pool,
@@ -345,9 +354,8 @@ void pel_encoder_pool_push_output(struct pel_encoder_pool *pool,
                                   struct pel_output *output)
 {
     output->mail.kind = PEL_MAIL_OUTPUT;
-    bool fast =
-        output->track ||
-        (output->format == PELAGOS__FRAME_FORMAT__JPEG && !output->job->large);
+    bool quick = pel_format_of(output->format)->uses & PEL_FORMAT_QUICK;
+    bool fast = output->track || (quick && !output->job->large);
     push(pool, fast ? &pool->fast : &pool->slow, &output->mail);
 }
 

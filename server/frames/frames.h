@@ -48,7 +48,7 @@ bool pel_frames_destroy(struct pel_frames *frames);
 const char *pel_frames_device(const struct pel_frames *frames);
 
 enum pel_codec {
-    PEL_CODEC_PICTURE, /* JPEG, PNG or EXR, as the format says */
+    PEL_CODEC_PICTURE, /* as its format says */
     PEL_CODEC_H264,    /* an Annex B access unit of a stream */
 };
 

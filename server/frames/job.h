@@ -53,7 +53,7 @@ struct pel_output {
     Pelagos__FrameFormat format;
     int quality;
     bool float_samples;
-    unsigned layers;         /* of enum pel_layer, for EXR */
+    unsigned layers;         /* of enum pel_layer */
     uint32_t stream;         /* serial of the live stream it feeds, 0: none */
     struct pel_track *track; /* H.264 by this one, else NULL */
     unsigned kbps;
@@ -161,9 +161,8 @@ struct pel_frame *pel_frame_create(void);
 /* Takes the bytes. */
 void pel_frame_set_bytes(struct pel_frame *frame, struct pel_bytes *bytes);
 
-/* Encodes draw `output->draw` of the job as EXR, with attributes that are a
- * function of what is drawn. Any thread. */
-PEL_CHECK enum pel_err pel_picture_encode_exr(const struct pel_output *output,
-                                              const char *device,
-                                              const atomic_bool *cancel,
-                                              struct pel_bytes *out);
+/* Has draw `output->draw` of the job encoded by layers, with attributes that
+ * are a function of what is drawn. Any thread. */
+PEL_CHECK enum pel_err
+pel_picture_encode_layers(const struct pel_output *output, const char *device,
+                          pel_encode *encode, struct pel_bytes *out);

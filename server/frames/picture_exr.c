@@ -165,10 +165,9 @@ static void list_attributes(struct attributes *a, const struct pel_output *o,
     }
 }
 
-enum pel_err pel_picture_encode_exr(const struct pel_output *output,
-                                    const char *device,
-                                    const atomic_bool *cancel,
-                                    struct pel_bytes *out)
+enum pel_err pel_picture_encode_layers(const struct pel_output *output,
+                                       const char *device, pel_encode *encode,
+                                       struct pel_bytes *out)
 {
     const struct pel_picture *p = output->job->parts[output->draw].picture;
     const struct pel_camera *c = &output->job->draws[output->draw].camera;
@@ -200,7 +199,7 @@ enum pel_err pel_picture_encode_exr(const struct pel_output *output,
     list_attributes(&attributes, output, device);
     double width = c->tan_right - c->tan_left;
     double height = c->tan_top - c->tan_bottom;
-    struct pel_exr_image image = {
+    const struct pel_encode_input image = {
         .width = p->width,
         .height = p->height,
         .float_samples = output->float_samples,
@@ -212,9 +211,9 @@ enum pel_err pel_picture_encode_exr(const struct pel_output *output,
                            (float)((c->tan_bottom + c->tan_top) / 2) },
         .window_width = (float)width,
         .pixel_aspect = (float)((width / p->width) / (height / p->height)),
-        .cancel = cancel,
+        .cancel = &output->cancel,
     };
-    enum pel_err err = pel_exr_encode(&image, out);
+    enum pel_err err = encode(&image, out);
     free(position);
     return err;
 }

@@ -41,7 +41,7 @@ static Pelagos__FrameFormat format_of(const Pelagos__FrameRequest *r)
     return r->has_format ? r->format : PELAGOS__FRAME_FORMAT__JPEG;
 }
 
-/* Layers of an EXR as bits; 0: there is an unknown one. */
+/* Layers of a request as bits; 0: there is an unknown one. */
 static unsigned read_layers(const Pelagos__FrameRequest *request)
 {
     unsigned layers = 0;
@@ -134,11 +134,14 @@ enum pel_err pel_request_check(struct pel_frames *frames,
         return pel_request_refuse(frames, fault, PEL_ERR_INVALID, "layers",
                                   words);
     }
-    if (r->n_layers > 0 && !format->layers) {
-        return pel_request_refuse(
-            frames, fault, PEL_ERR_INVALID, "layers",
-            "only EXR has layers: set format to EXR or leave them "
-            "out");
+    if (r->n_layers > 0 && !(format->uses & PEL_FORMAT_LAYERS)) {
+        char linear[128];
+        pel_format_names_of(PEL_FORMAT_LAYERS, linear, sizeof linear);
+        snprintf(words, sizeof words,
+                 "%s has no layers: set format to %s or leave them out",
+                 format->name, linear);
+        return pel_request_refuse(frames, fault, PEL_ERR_INVALID, "layers",
+                                  words);
     }
     if (!view_exists(frames, r->view)) {
         pel_request_refuse(frames, fault, PEL_ERR_NOT_FOUND, "view",
@@ -157,7 +160,8 @@ enum pel_err pel_request_check(struct pel_frames *frames,
 unsigned pel_request_layers(const Pelagos__FrameRequest *r)
 {
     const struct pel_format *format = pel_format_of(format_of(r));
-    return format && format->layers ? read_layers(r) : PEL_LAYER_COLOR;
+    return format && format->uses & PEL_FORMAT_LAYERS ? read_layers(r)
+                                                      : PEL_LAYER_COLOR;
 }
 
 unsigned pel_requests_free(const struct pel_frames *frames)

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "frames/core.h"
+#include "proto/formats.h"
 
 /* Live frames that come sooner than this take waiting requests along; one that
  * found no place in them for so long gets its own. */
@@ -185,14 +186,10 @@ static bool same_output(const struct pel_output *a, const struct pel_output *b)
     if (a->draw != b->draw || a->format != b->format || a->track || b->track) {
         return false;
     }
-    switch (a->format) {
-    case PELAGOS__FRAME_FORMAT__JPEG:
-        return a->quality == b->quality;
-    case PELAGOS__FRAME_FORMAT__EXR:
-        return a->layers == b->layers && a->float_samples == b->float_samples;
-    default:
-        return true;
-    }
+    unsigned uses = pel_format_of(a->format)->uses;
+    return (!(uses & PEL_FORMAT_QUALITY) || a->quality == b->quality) &&
+           (!(uses & PEL_FORMAT_LAYERS) ||
+            (a->layers == b->layers && a->float_samples == b->float_samples));
 }
 
 /* Encoded once however many ask for it. */
@@ -312,8 +309,8 @@ static void add_streams(struct pel_frames *frames, struct pel_job *job)
 static bool add_request(struct pel_frames *frames, struct pel_job *job,
                         struct pel_frame_request *r)
 {
-    bool exr = r->format == PELAGOS__FRAME_FORMAT__EXR;
-    unsigned layers = exr ? r->layers : PEL_LAYER_COLOR;
+    bool linear = pel_format_of(r->format)->uses & PEL_FORMAT_LAYERS;
+    unsigned layers = linear ? r->layers : PEL_LAYER_COLOR;
     int view = pel_snapshot_find_view(job->snapshot, r->view);
     if (view < 0) {
         struct pel_fault fault;

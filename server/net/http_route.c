@@ -418,7 +418,7 @@ static const struct route routes[] = {
     { "GET", "v1/views/*", 0, pel_http_get_view },
     { "PUT", "v1/views/*", ROUTE_BODY, pel_http_put_view },
     { "DELETE", "v1/views/*", 0, pel_http_delete_view },
-#define PEL_FORMAT(ID, ending, mime, layers, text)                             \
+#define PEL_FORMAT(ID, ending, mime, encoder, uses, text)                      \
     { "GET", "v1/views/*/frame." ending, ROUTE_COSTLY | ROUTE_QUERY,           \
       pel_http_get_frame },                                                    \
         { "GET", "v1/frames." ending, ROUTE_COSTLY | ROUTE_QUERY,              \

@@ -367,12 +367,6 @@ static void bench_queries(void)
 static enum pel_err encode(int kind, const struct pel_picture *p,
                            struct pel_bytes *out)
 {
-    if (kind == 0) {
-        return pel_jpeg_encode(p->rgba, p->width, p->height, 90, out);
-    }
-    if (kind == 1) {
-        return pel_png_encode(p->rgba, p->width, p->height, out);
-    }
     const struct pel_exr_layer layers[] = {
         { .channels = "RGB", .pixels = p->radiance, .stride = 4 },
         { .name = "depth",
@@ -385,13 +379,17 @@ static enum pel_err encode(int kind, const struct pel_picture *p,
           .pixels = p->normal,
           .stride = 4 },
     };
-    const struct pel_exr_image image = {
+    const struct pel_encode_input image = {
         .width = p->width,
         .height = p->height,
+        .rgba = p->rgba,
+        .quality = 90,
         .layers = layers,
         .layer_count = kind == 2 ? 1 : 3,
     };
-    return pel_exr_encode(&image, out);
+    static pel_encode *const encoders[] = { pel_jpeg_encode, pel_png_encode,
+                                            pel_exr_encode, pel_exr_encode };
+    return encoders[kind](&image, out);
 }
 
 static void bench_encoders(void)

@@ -183,9 +183,12 @@ int main(int argc, char **argv)
             printf(" %s %.2f", pel_stage_name(s), ms[s]);
         }
         printf("\n");
+        const struct pel_encode_input in = { .rgba = p->rgba,
+                                             .width = p->width,
+                                             .height = p->height };
         struct pel_bytes png;
         if (i == (int)get("frames") - 1 &&
-            pel_png_encode(p->rgba, p->width, p->height, &png) == PEL_OK) {
+            pel_png_encode(&in, &png) == PEL_OK) {
             FILE *f = fopen(argv[1], "wb");
             fwrite(png.data, 1, png.size, f);
             fclose(f);

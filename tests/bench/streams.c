@@ -84,7 +84,11 @@ static size_t encode(struct pel_video *video, const struct pel_picture *p,
     struct pel_bytes bytes = { 0 };
     enum pel_err err = PEL_OK;
     if (work == WORK_JPEG) {
-        err = pel_jpeg_encode(p->rgba, p->width, p->height, QUALITY, &bytes);
+        const struct pel_encode_input in = { .rgba = p->rgba,
+                                             .width = p->width,
+                                             .height = p->height,
+                                             .quality = QUALITY };
+        err = pel_jpeg_encode(&in, &bytes);
     } else if (work == WORK_H264) {
         const struct pel_video_picture picture = {
             .rgba = p->rgba,

@@ -199,8 +199,11 @@ static void path_of(const char *folder, const char *name, const char *ending,
 
 static void write_png(const char *path, const uint8_t *rgba)
 {
+    const struct pel_encode_input in = { .rgba = rgba,
+                                         .width = WIDTH,
+                                         .height = HEIGHT };
     struct pel_bytes png;
-    assert_int_equal(pel_png_encode(rgba, WIDTH, HEIGHT, &png), PEL_OK);
+    assert_int_equal(pel_png_encode(&in, &png), PEL_OK);
     FILE *file = fopen(path, "wb");
     if (!file || fwrite(png.data, 1, png.size, file) != png.size ||
         fclose(file) != 0) {

@@ -106,9 +106,12 @@ static void save_picture(const char *folder, const char *scene, enum part part,
     char path[512];
     snprintf(path, sizeof path, "%s/%s-%s-%s.png", folder, scene,
              part_names[part], methods[method].key);
+    const struct pel_encode_input in = { .rgba = rgba,
+                                         .width = COLUMNS,
+                                         .height = ROWS };
     struct pel_bytes png;
     FILE *file = fopen(path, "wb");
-    if (file && pel_png_encode(rgba, COLUMNS, ROWS, &png) == PEL_OK) {
+    if (file && pel_png_encode(&in, &png) == PEL_OK) {
         fwrite(png.data, 1, png.size, file);
         pel_bytes_finish(&png);
     }

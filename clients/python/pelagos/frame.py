@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from . import need
 from .errors import BadPicture, MissingPackage, ProtocolError
 from .exr import Exr, read_exr
+from .schema import LINEAR_FORMATS
 from .transport import Answer
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ class Frame:
                share it
     time       simulated time [s] (nine digits)
     revision   of the state it shows
-    format     "jpg", "png" or "exr"
+    format     one of `pelagos.FORMATS`
     data       the file's bytes
     render_ms, encode_ms   how long it took [ms]
     stale      an input of `sources` was silent when it was drawn
@@ -44,10 +45,10 @@ class Frame:
     host: int = 0
 
     def image(self) -> "NDArray[np.uint8]":
-        """RGB, uint8, (height, width, 3), top row first. JPEG and PNG; needs
-        OpenCV or Pillow."""
-        if self.format == "exr":
-            raise BadPicture("an EXR frame has floats: use .exr()")
+        """RGB, uint8, (height, width, 3), top row first. Of formats with 8
+        bits; needs OpenCV or Pillow."""
+        if self.format in LINEAR_FORMATS:
+            raise BadPicture(f"a frame of {self.format} has floats: use .exr()")
         return decode(self.data)
 
     def exr(self) -> Exr:

@@ -74,7 +74,7 @@ class ViewHandle(_Handle):
               float_samples: bool = False) -> Frame:
         """One picture.
 
-        format        "jpg", "png" or "exr"
+        format        one of `pelagos.FORMATS`
         width, height [px] instead of the view's
         time          simulated time [s] instead of the clock's
         quality       of JPEG, 1 to 100

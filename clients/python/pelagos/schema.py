@@ -28,6 +28,8 @@ LAYERS = (
 
 #: The formats of pictures, by their endings.
 FORMATS = ("jpg", "png", "exr")
+#: Those of them with layers of floats.
+LINEAR_FORMATS = ("exr",)
 
 
 @dataclass(frozen=True)
