@@ -11,6 +11,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <glib.h>
+
 #include "base/clock.h"
 
 /* Set once before other threads begin. */
@@ -45,9 +47,24 @@ static bool try_real_time(void)
     return set_urgent(PEL_URGENT_CONTROL) && set_class(0);
 }
 
+static void nothing(gpointer task, gpointer user)
+{
+    (void)task;
+    (void)user;
+}
+
+/* GLib gives all threads of its pools, among them those that serve RTSP and
+ * encode, the class of the thread that makes the first pool. */
+static void begin_pools(void)
+{
+    g_thread_pool_free(g_thread_pool_new(nothing, NULL, 1, FALSE, NULL), TRUE,
+                       TRUE);
+}
+
 enum pel_err pel_urgent_init(enum pel_realtime mode, bool *real,
                              struct pel_fault *fault)
 {
+    begin_pools();
     permitted = mode != PEL_REALTIME_OFF && try_real_time();
     *real = permitted;
     if (mode == PEL_REALTIME_ON && !permitted) {

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <glib.h>
 
 #include "base/urgent.h"
 
@@ -73,6 +74,22 @@ static int policy_of_child(void)
     return policy;
 }
 
+static void ask_in_pool(gpointer out, gpointer user)
+{
+    (void)user;
+    (void)ask(out);
+}
+
+/* GStreamer's and GIO's threads come from such pools. */
+static int policy_of_pool(void)
+{
+    int policy = -1;
+    GThreadPool *pool = g_thread_pool_new(ask_in_pool, NULL, 1, FALSE, NULL);
+    g_thread_pool_push(pool, &policy, NULL);
+    g_thread_pool_free(pool, FALSE, TRUE);
+    return policy;
+}
+
 static void *be_urgent(void *unused)
 {
     struct pel_urgent self;
@@ -81,6 +98,7 @@ static void *be_urgent(void *unused)
     assert_true(self.real);
     assert_int_equal(sched_getscheduler(0), SCHED_RR | SCHED_RESET_ON_FORK);
     assert_int_equal(policy_of_child(), SCHED_OTHER);
+    assert_int_equal(policy_of_pool(), SCHED_OTHER);
     self.credit_ns = -NS_MS;
     pel_urgent_account(&self);
     assert_false(self.real);
