@@ -147,11 +147,6 @@ const struct pel_option pel_option_table[] = {
     { "mesh-cell", "render", PEL_OPTION_DOUBLE, "PIXELS", "8", 2, 64, "px",
       .offset = FIELD(mesh_cell),
       .help = "Side of the mesh's cells on calm water." },
-    { "anisotropy", "render", PEL_OPTION_INT, "RATIO", "1", 1, 16, "",
-      .offset = FIELD(anisotropy),
-      .help = "Follows a pixel's footprint at grazing angles up to this many "
-              "times its width; 1 filters every wave by its length along the "
-              "line of sight." },
     { "gl-debug", "render", PEL_OPTION_FLAG, "", "no",
       .offset = FIELD(gl_debug),
       .help = "Sends the OpenGL driver's messages to the log." },

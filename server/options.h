@@ -61,7 +61,7 @@ struct pel_options {
     char shader_dir[PEL_OPTION_TEXT];
     bool gl_debug;
     double filter_min, filter_max, mesh_cell;
-    int anisotropy, shading;
+    int shading;
     int realtime;  /* enum pel_realtime */
     int log_level; /* enum pel_log_level */
 };

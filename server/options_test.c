@@ -82,7 +82,6 @@ static void bad_values_say_what_is_legal(void **state)
         { "--filter-min", "3", "not below --filter-max, 2.5" },
         { "--filter-max", "nan", "1 .. 8 wavelengths" },
         { "--mesh-cell", "1", "2 .. 64 px" },
-        { "--anisotropy", "17", "1 .. 16" },
         { "--fps", "3x", "1 .. 240 Hz" },
         { "--fps", "", "1 .. 240 Hz" },
         { "--waves", "60.5", "20 .. 256" },

@@ -14,8 +14,7 @@
 
 layout(local_size_x = 64) in;
 struct probe {
-    vec4 place; // at rest, from the eye's nadir; footprint along and across
-    vec4 sight; // xy: direction of `along`
+    vec4 place; // xy: at rest, from the eye's nadir; z: footprint, m
 };
 layout(std430, binding = PEL_STORE_FILTERED) readonly buffer probes_block { probe probes[]; };
 struct answer {
@@ -32,9 +31,8 @@ void main()
         return;
     }
     vec4 p = probes[i].place;
-    vec2 sight = probes[i].sight.xy;
-    filtered f = filtered_sea(p.xy, sight, p.z, p.w);
+    filtered f = filtered_sea(p.xy, p.z);
     answers[i].shift = vec4(f.shift, 0.0);
     answers[i].normal = vec4(filtered_normal(f), 0.0);
-    answers[i].left = vec4(variance_left(sight, p.z, p.w), 0.0, 0.0);
+    answers[i].left = vec4(variance_left(p.z), 0.0, 0.0);
 }

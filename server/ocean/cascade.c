@@ -565,14 +565,11 @@ struct pel_slopes pel_cascade_kept(const struct pel_cascade *c, double lod)
 }
 
 struct pel_slopes pel_cascades_left(const struct pel_cascades *c,
-                                    const struct pel_footprint *footprint,
-                                    double bias, double wind_to_rad)
+                                    double footprint_m, double bias)
 {
     struct pel_slopes left = c->total;
+    double level = log2(footprint_m) + bias;
     for (int s = 0; s < PEL_CASCADE_SECTORS; s++) {
-        double direction =
-            wind_to_rad + (s + 0.5) * PEL_PI / PEL_CASCADE_SECTORS;
-        double level = log2(pel_footprint_length(footprint, direction)) + bias;
         for (int i = 0; i < PEL_CASCADES; i++) {
             struct pel_slopes kept = kept_of_sector(
                 &c->cascade[i], s, level - log2(c->cascade[i].texel_m));

@@ -127,11 +127,9 @@ struct pel_cascade_beyond pel_cascades_below(const struct pel_cascades *c,
 struct pel_slopes pel_cascade_kept(const struct pel_cascade *c, double lod);
 
 /* Slope variance left to the BRDF where every cascade is sampled at the level
- * log2(ℓ / its texel) + bias, with ℓ the footprint's length in the direction of
- * the waves: the total less what is kept. wind_to_rad: of the spectrum. */
+ * log2(footprint / its texel) + bias: the total less what is kept. */
 struct pel_slopes pel_cascades_left(const struct pel_cascades *c,
-                                    const struct pel_footprint *footprint,
-                                    double bias, double wind_to_rad);
+                                    double footprint_m, double bias);
 
 /* The fields of one moment. Texture layout: `displacement` (Dx, Dy, h, 0),
  * `slopes` (∂h/∂x, ∂h/∂y, ∂Dx/∂x, ∂Dy/∂y), `fold` (∂Dx/∂y), `velocity`

@@ -6,12 +6,6 @@
 #include "ocean/cascade.h"
 #include "ocean/filtered_cascades.h"
 
-double pel_footprint_length(const struct pel_footprint *f, double direction_rad)
-{
-    double turn = direction_rad - f->azimuth_rad;
-    return hypot(f->along_m * cos(turn), f->across_m * sin(turn));
-}
-
 double pel_filter_weight(const struct pel_filter *f, double wavelengths)
 {
     double x =
@@ -56,43 +50,25 @@ static void take_resolved(const struct pel_wave *w, double c, double s,
     left->mixed -= along * cross * kept;
 }
 
-/* A footprint's two axes over 2π. */
-struct axes {
-    double along_x, along_y, across_x, across_y;
-};
-
-static struct axes axes_of(const struct pel_footprint *f)
+static double wavelengths_of(const struct pel_wave *w, double footprint_m)
 {
-    double c = cos(f->azimuth_rad) / (2.0 * PEL_PI);
-    double s = sin(f->azimuth_rad) / (2.0 * PEL_PI);
-    return (struct axes){ f->along_m * c, f->along_m * s, -f->across_m * s,
-                          f->across_m * c };
-}
-
-/* λ over pel_footprint_length in the wave's direction. */
-static double wavelengths_of(const struct axes *a, const struct pel_wave *w)
-{
-    double u = a->along_x * w->kx + a->along_y * w->ky;
-    double v = a->across_x * w->kx + a->across_y * w->ky;
-    return 1.0 / sqrt(u * u + v * v);
+    return 2.0 * PEL_PI / (footprint_m * hypot(w->kx, w->ky));
 }
 
 struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
                                       const struct pel_filter *filter,
-                                      const struct pel_footprint *footprint)
+                                      double footprint_m)
 {
     if (sea->cascades) {
-        return pel_cascades_left(sea->cascades, footprint,
-                                 pel_filter_slope_bias(filter),
-                                 sea->desc.direction_rad);
+        return pel_cascades_left(sea->cascades, footprint_m,
+                                 pel_filter_slope_bias(filter));
     }
     struct pel_slopes left = { sea->slope_variance_along,
                                sea->slope_variance_cross,
                                sea->slope_covariance };
-    const struct axes axes = axes_of(footprint);
     double c = cos(sea->desc.direction_rad), s = sin(sea->desc.direction_rad);
     for (int i = 0; i < sea->count; i++) {
-        double lengths = wavelengths_of(&axes, &sea->waves[i]);
+        double lengths = wavelengths_of(&sea->waves[i], footprint_m);
         if (lengths > filter->n_min) {
             take_resolved(&sea->waves[i], c, s,
                           pel_filter_gain(filter, lengths), &left);
@@ -105,16 +81,14 @@ struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
 
 static void filtered_trochoids(const struct pel_sea *sea,
                                const struct pel_filter *filter,
-                               const struct pel_footprint *footprint,
-                               struct pel_vec2 at, double time_s,
-                               struct pel_filtered *out)
+                               double footprint_m, struct pel_vec2 at,
+                               double time_s, struct pel_filtered *out)
 {
     struct pel_vec3 d = { 0, 0, 0 };
     double xx = 0, xy = 0, yy = 0, zx = 0, zy = 0;
-    const struct axes axes = axes_of(footprint);
     for (int i = 0; i < sea->count; i++) {
         const struct pel_wave *w = &sea->waves[i];
-        double lengths = wavelengths_of(&axes, w);
+        double lengths = wavelengths_of(w, footprint_m);
         double moved = w->amplitude * pel_filter_weight(filter, lengths);
         double h = w->amplitude * pel_filter_gain(filter, lengths);
         if (moved == 0) {
@@ -141,21 +115,20 @@ static void filtered_trochoids(const struct pel_sea *sea,
 
 enum pel_err pel_sea_filtered(const struct pel_sea *sea,
                               const struct pel_filter *filter,
-                              const struct pel_footprint *footprint,
-                              const struct pel_vec2 *points, size_t n,
-                              double time_s, struct pel_filtered *out)
+                              double footprint_m, const struct pel_vec2 *points,
+                              size_t n, double time_s, struct pel_filtered *out)
 {
     if (sea->cascades) {
         enum pel_err err = pel_cascades_filtered(
-            sea->cascades, filter, footprint, points, n, time_s, out);
+            sea->cascades, filter, footprint_m, points, n, time_s, out);
         if (err) {
             return err;
         }
     }
-    struct pel_slopes left = pel_sea_slopes_left(sea, filter, footprint);
+    struct pel_slopes left = pel_sea_slopes_left(sea, filter, footprint_m);
     for (size_t i = 0; i < n; i++) {
         if (!sea->cascades) {
-            filtered_trochoids(sea, filter, footprint, points[i], time_s,
+            filtered_trochoids(sea, filter, footprint_m, points[i], time_s,
                                &out[i]);
         }
         out[i].left = left;

@@ -3,24 +3,13 @@
  * in double precision, for either synthesiser. The shaders' twin is
  * shaders/lib/filtered.glsl.
  *
- * A footprint is an ellipse on the mean plane. A wave is filtered by the
- * footprint's length in the wave's own direction, ℓ(k̂) = |(a k̂·â, c k̂·ĉ)| with
- * a along â and c across: a round one takes the same from all. */
+ * A footprint is a length on the mean plane, > 0 m, the same for waves of all
+ * directions. */
 #pragma once
 
 #include "base/err.h"
 #include "base/vec.h"
 #include "ocean/sea.h"
-
-struct pel_footprint {
-    double along_m;     /* ≥ across_m */
-    double across_m;    /* > 0 */
-    double azimuth_rad; /* of `along`, from east towards north */
-};
-
-/* Length of the footprint for waves that travel to direction_rad. */
-double pel_footprint_length(const struct pel_footprint *footprint,
-                            double direction_rad);
 
 /* Bounds of the filter in wavelengths a footprint, n_min < n_max: shorter
  * waves are gone, longer ones whole (section 7.1: 1 and 2.5). */
@@ -54,15 +43,13 @@ struct pel_filtered {
 /* The filtered surface where points[i] lies at rest, at time_s; out[i] answers
  * it. Position by eq. 2, normal by eq. 3, with the same footprint. For cascades
  * it takes about 10 ms once a call, and NO_MEMORY. Any thread. */
-PEL_CHECK enum pel_err pel_sea_filtered(const struct pel_sea *sea,
-                                        const struct pel_filter *filter,
-                                        const struct pel_footprint *footprint,
-                                        const struct pel_vec2 *points, size_t n,
-                                        double time_s,
-                                        struct pel_filtered *out);
+PEL_CHECK enum pel_err
+pel_sea_filtered(const struct pel_sea *sea, const struct pel_filter *filter,
+                 double footprint_m, const struct pel_vec2 *points, size_t n,
+                 double time_s, struct pel_filtered *out);
 
 /* pel_filtered.left alone: it does not depend on place and time. Total minus
  * resolved (eq. 4), a wave's resolved part by the square of pel_filter_gain. */
 struct pel_slopes pel_sea_slopes_left(const struct pel_sea *sea,
                                       const struct pel_filter *filter,
-                                      const struct pel_footprint *footprint);
+                                      double footprint_m);

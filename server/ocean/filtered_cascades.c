@@ -9,8 +9,6 @@
 #define N PEL_CASCADE_N
 #define LEVELS PEL_CASCADE_LEVELS
 #define PYRAMID ((4 * N * N - 1) / 3) /* texels of all levels */
-#define MOST_TAPS 16                  /* as the shaders' greatest anisotropy */
-#define TAP_SPAN 1.2                  /* PEL_TAP_SPAN */
 
 /* The levels of detail of one cascade, the largest first. */
 struct pyramid {
@@ -107,25 +105,18 @@ static void add_shift(const struct pyramid *p, int level, double weight,
 
 /* What one cascade is read with: shaders/lib/filtered.glsl. */
 struct reading {
-    int taps;
-    double span_x, span_y; /* from the first tap's side to the last's */
+    bool shown; /* false: at the coarsest level nothing is left */
     double slope_level, shift_level;
 };
 
 static struct reading reading_of(const struct pel_cascade *c,
                                  const struct pel_filter *filter,
-                                 const struct pel_footprint *f)
+                                 double footprint_m)
 {
-    double least = fmax(f->across_m, 1.5 * c->texel_m);
-    double level = log2(f->across_m / c->texel_m);
+    double level = log2(footprint_m / c->texel_m);
     double slope_level = level + pel_filter_slope_bias(filter);
-    int taps = (int)pel_clamp(ceil(f->along_m / least), 1, MOST_TAPS);
-    double span =
-        TAP_SPAN * sqrt(fmax(f->along_m * f->along_m - least * least, 0.0));
     return (struct reading){
-        .taps = slope_level < LEVELS - 1 ? taps : 0, /* one texel: nothing */
-        .span_x = span * cos(f->azimuth_rad),
-        .span_y = span * sin(f->azimuth_rad),
+        .shown = slope_level < LEVELS - 1,
         .slope_level = fmax(slope_level, 0),
         .shift_level = fmax(level + pel_filter_shift_bias(filter), 0),
     };
@@ -138,28 +129,24 @@ static void add_cascade(const struct pel_cascades *all, int index,
 {
     const struct pel_cascade *c = &all->cascade[index];
     double slopes[5] = { 0 };
-    double share = r->taps > 0 ? 1.0 / r->taps : 0;
     const double *by = at->by[index];
-    double span_x = by[0] * r->span_x + by[1] * r->span_y;
-    double span_y = by[2] * r->span_x + by[3] * r->span_y;
-    for (int t = 0; t < r->taps; t++) {
-        double off = (t + 0.5) * share - 0.5;
-        double x = at->place[index][0] + off * span_x;
-        double y = at->place[index][1] + off * span_y;
-        double u = (x * c->turn_cos + y * c->turn_sin) / c->length_m;
-        double v = (y * c->turn_cos - x * c->turn_sin) / c->length_m;
-        int low = (int)r->slope_level;
-        double f = r->slope_level - low;
-        add_slopes(p, low, share * (1 - f), u, v, slopes);
-        if (f > 0) {
-            add_slopes(p, low + 1, share * f, u, v, slopes);
-        }
-        if (r->shift_level < LEVELS - 1) {
-            low = (int)r->shift_level;
-            f = r->shift_level - low;
-            add_shift(p, low, share * (1 - f), u, v, shift);
-            add_shift(p, low + 1, share * f, u, v, shift);
-        }
+    if (!r->shown) {
+        return;
+    }
+    double x = at->place[index][0], y = at->place[index][1];
+    double u = (x * c->turn_cos + y * c->turn_sin) / c->length_m;
+    double v = (y * c->turn_cos - x * c->turn_sin) / c->length_m;
+    int low = (int)r->slope_level;
+    double f = r->slope_level - low;
+    add_slopes(p, low, 1 - f, u, v, slopes);
+    if (f > 0) {
+        add_slopes(p, low + 1, f, u, v, slopes);
+    }
+    if (r->shift_level < LEVELS - 1) {
+        low = (int)r->shift_level;
+        f = r->shift_level - low;
+        add_shift(p, low, 1 - f, u, v, shift);
+        add_shift(p, low + 1, f, u, v, shift);
     }
     tangents[0][0] += slopes[2];
     tangents[0][1] += slopes[4];
@@ -171,7 +158,7 @@ static void add_cascade(const struct pel_cascades *all, int index,
 
 enum pel_err pel_cascades_filtered(const struct pel_cascades *c,
                                    const struct pel_filter *filter,
-                                   const struct pel_footprint *footprint,
+                                   double footprint_m,
                                    const struct pel_vec2 *points, size_t n,
                                    double time_s, struct pel_filtered *out)
 {
@@ -187,7 +174,7 @@ enum pel_err pel_cascades_filtered(const struct pel_cascades *c,
     struct reading readings[PEL_CASCADES];
     for (int i = 0; i < PEL_CASCADES; i++) {
         fill(pel_fields_of(kept), i, &pyramids[i]);
-        readings[i] = reading_of(&c->cascade[i], filter, footprint);
+        readings[i] = reading_of(&c->cascade[i], filter, footprint_m);
     }
     pel_fields_give(c, kept);
     for (size_t p = 0; p < n; p++) {

@@ -86,14 +86,12 @@ static void look(double pixel_m)
     static struct pel_vec2 at[N * N];
     static struct pel_filtered seen[N * N];
     const struct pel_filter filter = PEL_FILTER_DEFAULT;
-    const struct pel_footprint footprint = { pixel_m, pixel_m, 0 };
     for (int i = 0; i < N * N; i++) {
         at[i] = (struct pel_vec2){ pixel_m * (i % N) - 3210,
                                    pixel_m * (i / N) + 777 };
     }
     assert_int_equal(
-        pel_sea_filtered(&sea, &filter, &footprint, at, N * N, 60, seen),
-        PEL_OK);
+        pel_sea_filtered(&sea, &filter, pixel_m, at, N * N, 60, seen), PEL_OK);
     for (int i = 0; i < N * N; i++) {
         struct pel_vec3 n = seen[i].normal;
         re[i / N][i % N] = (float)(window(i) * n.x / n.z);

@@ -8,7 +8,6 @@ enum pel_err pel_filtering_settle(const struct pel_filtering *given,
     f.n_min = f.n_min == 0 ? PEL_FILTER_DEFAULT.n_min : f.n_min;
     f.n_max = f.n_max == 0 ? PEL_FILTER_DEFAULT.n_max : f.n_max;
     f.cell_px = f.cell_px == 0 ? PEL_CELL_PX_DEFAULT : f.cell_px;
-    f.anisotropy = f.anisotropy == 0 ? PEL_ANISOTROPY_DEFAULT : f.anisotropy;
     const struct {
         const char *name;
         double value, least, most;
@@ -16,7 +15,6 @@ enum pel_err pel_filtering_settle(const struct pel_filtering *given,
         { "the filter's lower bound", f.n_min, 1.0, 4.0 },
         { "the filter's upper bound", f.n_max, 1.0, 8.0 },
         { "the mesh's cell", f.cell_px, 2.0, 64.0 },
-        { "the footprint's anisotropy", f.anisotropy, 1, PEL_ANISOTROPY_MOST },
     };
     for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++) {
         if (!(ranges[i].value >= ranges[i].least &&

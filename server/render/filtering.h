@@ -11,18 +11,12 @@
 struct pel_filtering {
     double n_min, n_max; /* struct pel_filter; 0: 1 and 2.5 */
     double cell_px;      /* side of the mesh's cells, 2..64; 0: 8 */
-    /* A pixel's footprint at grazing angles is followed up to this many times
-     * its width, 1..16: 1 is as long in all directions as along the line of
-     * sight. 0: PEL_ANISOTROPY_DEFAULT. */
-    int anisotropy;
     /* For validation: glitter and sky by the 2010 paper as it stands, eq. 15,
      * 21, 26, 27, F̄ by its fit and the sky by nine samples of the map. It costs
      * a tenth more and is further from brute force (docs/physics.md). */
     bool paper;
 };
 #define PEL_CELL_PX_DEFAULT 8.0
-#define PEL_ANISOTROPY_DEFAULT 1
-#define PEL_ANISOTROPY_MOST 16
 
 /* With the defaults in place of zeros; INVALID with a message that names what
  * is out of its range, also for NaN. */

@@ -40,13 +40,10 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
         return PEL_OK;
     }
     char defines[256];
-    snprintf(defines, sizeof defines,
-             "%s%s%s%s%s"
-             "#define PEL_ANISOTROPY %d\n",
+    snprintf(defines, sizeof defines, "%s%s%s%s%s",
              cascades ? "#define PEL_FFT\n" : "", kind_defines[kind],
              tiles[tile], all->software ? "" : "#define PEL_EXACT_TEXELS\n",
-             all->filtering->paper ? "#define PEL_PAPER\n" : "",
-             all->filtering->anisotropy);
+             all->filtering->paper ? "#define PEL_PAPER\n" : "");
     if (all->compute) {
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);

@@ -163,7 +163,6 @@ void pel_renderer_destroy(struct pel_renderer *r)
         glDeleteBuffers(1, &r->facets);
         glDeleteTextures(1, &r->vertex_texels);
         glDeleteTextures(1, &r->facet_texels);
-        pel_statistics_finish(&r->statistics);
         glDeleteVertexArrays(1, &r->vao);
         pel_stage_timer_finish(&r->timing);
     }
@@ -689,8 +688,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         }
         pel_stage_end(&r->timing, PEL_STAGE_WAVES);
     }
-    pel_statistics_need(&r->statistics, &here, &r->filter,
-                        r->filtering.anisotropy > 1);
+    pel_statistics_need(&r->statistics, &here, &r->filter);
     pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_VARIANCE,
                    r->statistics.variance, sizeof r->statistics.variance);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);

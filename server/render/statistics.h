@@ -3,7 +3,6 @@
  * Render thread only. */
 #pragma once
 
-#include <epoxy/gl.h>
 #include <stdbool.h>
 
 #include "render/mesh.h"
@@ -22,12 +21,9 @@ struct pel_statistics {
     struct pel_statistics_key key;
     struct pel_mesh_heights heights;
     struct pel_variance variance[PEL_VARIANCE_COUNT];
-    GLuint by_azimuth; /* texture; 0: round footprints only */
 };
 
-/* Brings them to the sea of `env`; `long_footprints`: also the table by
- * azimuth, on its unit. */
+/* Brings them to the sea of `env`. */
 void pel_statistics_need(struct pel_statistics *s,
                          const struct pel_environment *env,
-                         const struct pel_filter *filter, bool long_footprints);
-void pel_statistics_finish(struct pel_statistics *s);
+                         const struct pel_filter *filter);

@@ -148,41 +148,14 @@ void pel_fill_facets(struct pel_block_facets *out)
     }
 }
 
-static struct pel_variance left_by(const struct pel_sea *sea,
-                                   const struct pel_filter *filter,
-                                   double along_m, double across_m,
-                                   double from_wind_rad)
-{
-    const struct pel_footprint footprint = {
-        along_m, across_m, sea->desc.direction_rad + from_wind_rad
-    };
-    struct pel_slopes left = pel_sea_slopes_left(sea, filter, &footprint);
-    return (struct pel_variance){ (float)left.along, (float)left.cross };
-}
-
 void pel_fill_variance(const struct pel_sea *sea,
                        const struct pel_filter *filter,
                        struct pel_variance out[PEL_VARIANCE_COUNT])
 {
     for (int i = 0; i < PEL_VARIANCE_COUNT; i++) {
         double l = exp2(PEL_VARIANCE_FIRST + i / PEL_VARIANCE_STEPS);
-        out[i] = left_by(sea, filter, l, l, 0.0);
-    }
-}
-
-void pel_fill_long_variance(const struct pel_sea *sea,
-                            const struct pel_filter *filter,
-                            struct pel_variance out[PEL_LONG_VARIANCES])
-{
-    for (int a = 0; a < PEL_AZIMUTH_COUNT; a++) {
-        double turn = a * PEL_PI / PEL_AZIMUTH_COUNT;
-        for (int i = 0; i < PEL_ASPECT_COUNT; i++) {
-            double aspect = exp2(i / PEL_ASPECT_STEPS);
-            for (int j = 0; j < PEL_LENGTH_COUNT; j++) {
-                double l = exp2(PEL_VARIANCE_FIRST + j / PEL_LENGTH_STEPS);
-                *out++ = left_by(sea, filter, l, l / aspect, turn);
-            }
-        }
+        struct pel_slopes left = pel_sea_slopes_left(sea, filter, l);
+        out[i] = (struct pel_variance){ (float)left.along, (float)left.cross };
     }
 }
 

@@ -32,17 +32,11 @@ struct pel_variance {
     float along, cross;
 };
 
-/* Tables of the slope variance that a footprint leaves unresolved
- * (pel_sea_slopes_left), of round footprints and of long ones. */
+/* Table of the slope variance that a footprint leaves unresolved
+ * (pel_sea_slopes_left). */
 void pel_fill_variance(const struct pel_sea *sea,
                        const struct pel_filter *filter,
                        struct pel_variance out[PEL_VARIANCE_COUNT]);
-#define PEL_LONG_VARIANCES                                                     \
-    (PEL_AZIMUTH_COUNT * PEL_ASPECT_COUNT * PEL_LENGTH_COUNT)
-void pel_fill_long_variance(const struct pel_sea *sea,
-                            const struct pel_filter *filter,
-                            struct pel_variance out[PEL_LONG_VARIANCES]);
-
 /* Also rounds the camera's pixel lattice: see pel_pixel_pitch. */
 void pel_fill_view(const struct pel_camera *camera,
                    const struct pel_filter *filter, struct pel_block_view *out);

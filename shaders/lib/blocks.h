@@ -39,7 +39,6 @@ struct pel_vec4 {
 #define PEL_UNIT_FOLD 8
 #define PEL_UNIT_WATER 9
 #define PEL_UNIT_FACETS 10
-#define PEL_UNIT_VARIANCE 11
 #define PEL_UNIT_SEABED_HEIGHTS 12
 #define PEL_UNIT_VERTICES 15
 /* Of passes that do not shade, in places of the above. */
@@ -156,20 +155,8 @@ struct pel_vec4 {
 #define PEL_VARIANCE_STEPS 8.0
 #define PEL_VARIANCE_COUNT 192
 
-/* The same by the footprint's azimuth from the wind (π is a turn), by how many
- * times it is longer along that than across, and by its length along. */
-#define PEL_AZIMUTH_COUNT 16
-#define PEL_ASPECT_STEPS 2.0 /* an octave */
-#define PEL_ASPECT_COUNT 9   /* 1 to 16 */
-#define PEL_LENGTH_STEPS 4.0 /* an octave from 2^PEL_VARIANCE_FIRST m */
-#define PEL_LENGTH_COUNT 96
-
 /* Levels of detail by which positions are sampled sharper than slopes. */
 #define PEL_SHIFT_SHARPER 1.5
-
-/* Width of the taps along a footprint, of its length: their variance with the
- * ends' is that of the level of detail they stand for. */
-#define PEL_TAP_SPAN 1.2
 
 /* The lights of the sky, each with a sky of its own that it makes in the air
  * (optics/light.h): the tables of sky and water have a layer for each, and what

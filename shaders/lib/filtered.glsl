@@ -1,10 +1,5 @@
 // The sea as a footprint sees it, twin of ocean/filter.h: eq. 2 and 3 of the
-// 2010 paper. A footprint has a length along a direction `sight` and one across
-// it; PEL_ANISOTROPY is the most that one may exceed the other, and where it is
-// 1 the footprint is as long in all directions as along.
-#ifndef PEL_ANISOTROPY
-#define PEL_ANISOTROPY 1
-#endif
+// 2010 paper. A footprint has one length, in metres, for waves of all directions.
 
 struct filtered {
     vec2 slope;
@@ -15,7 +10,7 @@ struct filtered {
 };
 
 #ifdef PEL_FFT
-filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
+filtered filtered_sea(vec2 x, float footprint)
 {
     filtered f;
     f.slope = vec2(0.0);
@@ -27,34 +22,15 @@ filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
     // Nothing is left of a cascade at its coarsest level.
     for (int c = 0; c < PEL_CASCADES; c++) {
         shear(c, x, at);
-#if PEL_ANISOTROPY > 1
-        // Taps along the line of sight, together as wide as the level of
-        // detail of that length.
-        float texel = cascades[c].place.w;
-        float least = max(across, 1.5 * texel);
-        float taps = clamp(ceil(along / least), 1.0, float(PEL_ANISOTROPY));
-        float lod = log2(across / texel);
-        vec2 span = sight * (PEL_TAP_SPAN * sqrt(max(along * along - least * least, 0.0)));
-        vec2 along_read = at.by.xz * span.x + at.by.yw * span.y;
-        float share = 1.0 / taps;
-        taps = lod + back.w < COARSEST ? taps : 0.0;
-        for (float j = 0.5; j < taps; j += 1.0) {
-            vec2 place = at.place + along_read * (j * share - 0.5);
-#else
-        float lod = log2(along / cascades[c].place.w);
-        const float share = 1.0;
+        float lod = log2(footprint / cascades[c].place.w);
         if (lod + back.w < COARSEST) {
-            vec2 place = at.place;
-#endif
-            vec3 uv = vec3(cascade_uv(c, place), c);
+            vec3 uv = vec3(cascade_uv(c, at.place), c);
             vec4 slopes = textureLod(slope_fields, uv, lod + back.w);
             float mixed = textureLod(fold_field, uv, lod + back.w).x;
-            slopes *= share;
-            mixed *= share;
             f.slope += slopes.x * at.by.xy + slopes.y * at.by.zw;
             f.fold -= vec3(slopes.z, mixed, slopes.w);
 #ifdef PEL_LAYERS
-            f.shift += share * cascade_displacement(c, uv.xy, lod + back.w - PEL_SHIFT_SHARPER);
+            f.shift += cascade_displacement(c, uv.xy, lod + back.w - PEL_SHIFT_SHARPER);
 #endif
         }
     }
@@ -67,25 +43,13 @@ float footprint_mean(float y)
     return 1.0 - y * (1.6449 - 0.78 * y);
 }
 
-filtered filtered_sea(vec2 x, vec2 sight, float along, float across)
+filtered filtered_sea(vec2 x, float footprint)
 {
-#if PEL_ANISOTROPY > 1
-    // p = (λ's projections) / λ²: |p|² is (ℓ / λ)².
-    vec2 lengthwise = sight * along;
-    vec2 crosswise = vec2(-sight.y, sight.x) * across;
-    float scale = up.w / across;
+    float scale = up.w / footprint;
 #define PEL_WEIGHT(i)                                                          \
-    vec2 p = vec2(dot(waves[i].phase.xy, lengthwise), dot(waves[i].phase.xy, crosswise)); \
-    float y = dot(p, p);                                                       \
-    float w = filter_weight(inversesqrt(y) * up.w + offset);                    \
-    float gain = w * footprint_mean(y);
-#else
-    float scale = up.w / along;
-#define PEL_WEIGHT(i)                                                          \
-    float y = along * waves[i].fold.w;                                         \
+    float y = footprint * waves[i].fold.w;                                         \
     float w = filter_weight(waves[i].phase.w * scale + offset);                 \
     float gain = w * footprint_mean(y * y);
-#endif
     float offset = -right.w * up.w;
     filtered f;
     f.slope = vec2(0.0);

@@ -20,7 +20,7 @@ layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 #ifdef PEL_LAYERS
 // The waves finer than the mesh move the surface off its triangle: Newton's
 // steps from there, each to the tangent plane through the displaced point.
-float surface_distance(filtered f, vec2 x, vec3 ray, float t, vec2 sight, float along, float across)
+float surface_distance(filtered f, vec2 x, vec3 ray, float t, float footprint)
 {
     float most = 2.0 * length(f.shift) + 0.1;
     float moved = t;
@@ -45,7 +45,7 @@ float surface_distance(filtered f, vec2 x, vec3 ray, float t, vec2 sight, float 
         vec3 d = vec3(1.0 - f.fold.x, -f.fold.y, 1.0 - f.fold.z);
         float det = max(d.x * d.z - d.y * d.y, 0.05);
         x += vec2(d.z * off.x - d.y * off.y, d.x * off.y - d.y * off.x) / det;
-        f = filtered_sea(x, sight, along, across);
+        f = filtered_sea(x, footprint);
     }
     return moved;
 }
@@ -100,13 +100,10 @@ shaded shade_sea(ivec2 at, uint triangle)
     // plane, longer where the waves turn their backs, as crests do before they
     // hide what is behind.
     float facing = clamp(abs(dot(hit.facet, dir)), 0.15 * v.z, v.z);
-    float across = t * pixel.x;
-    float footprint = across / max(facing, 0.002);
-    vec2 sight = dir.xy * inversesqrt(max(dot(dir.xy, dir.xy), 1e-12));
-    float least = max(across, footprint * (1.0 / float(PEL_ANISOTROPY)));
-    filtered f = filtered_sea(x, sight, footprint, least);
+    float footprint = t * pixel.x / max(facing, 0.002);
+    filtered f = filtered_sea(x, footprint);
     vec3 n = filtered_normal(f);
-    vec2 variance = variance_left(sight, footprint, least);
+    vec2 variance = variance_left(footprint);
     // A normal that faces away belongs to a patch which the mesh shows and the
     // waves hide. Such pixels dot the crests; they get what their neighbourhood
     // has on average, the mean plane with all its slopes.
@@ -145,7 +142,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     shaded result = only_light(from_under_water(light, dir.z));
 #ifdef PEL_LAYERS
     if (wants_layer(AT_DEPTH)) {
-        result.depth = ray_length * surface_distance(f, x, ray, t, sight, footprint, least);
+        result.depth = ray_length * surface_distance(f, x, ray, t, footprint);
     }
     result.normal = normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy)));
     result.fresnel = parts.fresnel;

@@ -29,8 +29,8 @@ static struct setting settings[] = {
     { "chl", 0.2 },       { "hardware", 0 },  { "roll", 0 },
     { "swell", 0 },       { "compute", -1 },  { "layers", 0 },
     { "nmin", 0 },        { "nmax", 0 },      { "cell", 0 },
-    { "aniso", 0 },       { "paper", 0 },     { "x", 0 },
-    { "y", 0 },           { "bed", 0 },       { "caustics", 1 },
+    { "paper", 0 },       { "x", 0 },         { "y", 0 },
+    { "bed", 0 },         { "caustics", 1 },
 };
 
 static double get(const char *name)
@@ -130,7 +130,6 @@ int main(int argc, char **argv)
         .filtering = { .n_min = get("nmin"),
                        .n_max = get("nmax"),
                        .cell_px = get("cell"),
-                       .anisotropy = (int)get("aniso"),
                        .paper = get("paper") > 0 },
         .shading = get("compute") < 0   ? "auto"
                    : get("compute") > 0 ? "compute"
