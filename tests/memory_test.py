@@ -11,7 +11,7 @@ from pelagos_daemon import SANITIZED, Daemon, Session
 from pelagos.schema import LAYERS
 
 ALL = ",".join(LAYERS)
-SIDE = 1200
+SIDE = 1150
 # Of readback; targets are a band's, and 256 MiB are the most.
 TAKEN = SIDE * SIDE * 172
 

@@ -90,7 +90,11 @@ describe("pictures", () => {
   });
 
   test("fall back where the server has no encoder", async () => {
-    const bare = await Daemon.start(["--video-encoder", "none"]);
+    const empty = folder();
+    const bare = await Daemon.start([], 0, {
+      GST_PLUGIN_SYSTEM_PATH_1_0: empty,
+      GST_REGISTRY: path.join(empty, "none"),
+    });
     await bare.patch({ views: [{ name: "bridge", width: 320, height: 180 }] });
     await open(bare.url);
     await until("the reason", async () =>

@@ -56,13 +56,13 @@ export async function freePort(kind = "tcp") {
 }
 
 export class Daemon {
-  static async start(options = [], port = 0) {
+  static async start(options = [], port = 0, env = {}) {
     const daemon = new Daemon();
     daemon.said = "";
     daemon.process = spawn(path.join(BIN, "pelagosd"), [
       "--http", `127.0.0.1:${port}`, "--tcp", "off", "--rtsp", "off",
       "--modbus", "off", "--nmea", "off", "--device", "software", ...options,
-    ], { stdio: ["ignore", "pipe", "pipe"] });
+    ], { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, ...env } });
     for (const stream of [daemon.process.stdout, daemon.process.stderr]) {
       stream.on("data", (data) => {
         daemon.said += data;

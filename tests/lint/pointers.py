@@ -14,7 +14,7 @@ COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.S)
 # Files that are made, or the system's; OUT.md and x.glsl stand for any.
 ELSEWHERE = re.compile(
     r"^(build|netinet)/|(^|/)([A-Z]+|[a-z]|[a-z]+[-_][A-Z]+|a\.b)\.[\w.]+$|"
-    r"(^|/)(pelagos\.pb-c\.[ch]|(fields|shaders|pages|block)\.c)$")
+    r"(^|/)(pelagos\.pb-c\.[ch]|(fields|shaders|pages|block)\.c|lib/layers\.glsl)$")
 
 
 def tracked():
