@@ -9,7 +9,7 @@
 #include "base/near.h"
 #include "bridges/cigi.h"
 #include "bridges/cigi_query.h"
-#include "scene/scene.h"
+#include "scene/scene_testkit.h"
 
 static struct pel_scene *scene;
 static struct pel_cigi *cigi;
@@ -21,12 +21,11 @@ static uint32_t frame, last_ig;
 static inline int open_bridge(void **state)
 {
     (void)state;
-    struct pel_scene_options scene_options = { .wave_count = 20 };
     struct pel_cigi_options options = pel_cigi_default_options();
     options.listen = NULL;
     options.database = 5;
     pel_log_set_level(PEL_LOG_ERROR);
-    assert_int_equal(pel_scene_create(&scene_options, &scene, NULL), PEL_OK);
+    scene = make_scene((struct pel_scene_options){ .wave_count = 20 });
     assert_int_equal(pel_cigi_create(&options, scene, &cigi, NULL), PEL_OK);
     little = false;
     frame = last_ig = 0;

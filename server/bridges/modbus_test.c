@@ -7,8 +7,6 @@
 #include <glib.h>
 #include <math.h>
 #include <netinet/in.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,11 +14,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "base/clock.h"
 #include "base/log.h"
-#include "scene/scene.h"
+#include "scene/scene_testkit.h"
 
 struct fixture {
     struct pel_scene *scene;
@@ -32,10 +28,8 @@ struct fixture {
 
 static void open_server(struct fixture *f, struct pel_modbus_options options)
 {
-    struct pel_scene_options scene_options = { .wave_count = 20 };
     struct pel_fault fault;
-    assert_int_equal(pel_scene_create(&scene_options, &f->scene, &fault),
-                     PEL_OK);
+    f->scene = make_scene((struct pel_scene_options){ .wave_count = 20 });
     if (pel_modbus_create(&options, f->scene, &f->modbus, &fault) != PEL_OK) {
         fail_msg("%s", fault.message);
     }

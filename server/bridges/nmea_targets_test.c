@@ -3,16 +3,13 @@
 #include "bridges/nmea_targets.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "base/log.h"
 #include "scene/geodesy.h"
+#include "scene/scene_testkit.h"
 
 #define SECOND 1000000000LL
 #define NEAR(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
@@ -23,17 +20,6 @@ struct fixture {
     struct pel_nmea_target_counters counters;
     double latitude, longitude; /* of own ship */
 };
-
-static const Pelagos__Entity *entity(struct fixture *f, uint32_t id)
-{
-    const Pelagos__State *s = pel_scene_state(f->scene);
-    for (size_t i = 0; i < s->n_entities; i++) {
-        if (s->entities[i]->id == id) {
-            return s->entities[i];
-        }
-    }
-    return NULL;
-}
 
 static const Pelagos__Entity *named(struct fixture *f, const char *name)
 {
@@ -49,14 +35,14 @@ static const Pelagos__Entity *named(struct fixture *f, const char *name)
 static int set_up(void **state)
 {
     static struct fixture f;
-    struct pel_scene_options options = { .wave_count = 20 };
-    f = (struct fixture){ 0 };
-    assert_int_equal(pel_scene_create(&options, &f.scene, NULL), PEL_OK);
+    f = (struct fixture){
+        .scene = make_scene((struct pel_scene_options){ .wave_count = 20 }),
+    };
     f.targets.scene = f.scene;
     f.targets.own_ship = 1;
     f.targets.counters = &f.counters;
-    f.latitude = entity(&f, 1)->latitude;
-    f.longitude = entity(&f, 1)->longitude;
+    f.latitude = entity_of(f.scene, 1)->latitude;
+    f.longitude = entity_of(f.scene, 1)->longitude;
     *state = &f;
     return 0;
 }
@@ -226,14 +212,14 @@ static void coarse_positions_are_for_the_unknown(void **state)
     };
     pel_nmea_targets_take_ais(&f->targets, &ais, SECOND);
     pel_nmea_targets_commit(&f->targets, SECOND);
-    NEAR(entity(f, 20000)->latitude, f->latitude + 0.1, 1e-9);
+    NEAR(entity_of(f->scene, 20000)->latitude, f->latitude + 0.1, 1e-9);
     report(f, 244000001, 1, 2 * SECOND);
     pel_nmea_targets_take_ais(&f->targets, &ais, 3 * SECOND);
     pel_nmea_targets_commit(&f->targets, 3 * SECOND);
-    NEAR(entity(f, 20000)->latitude, f->latitude + 1 / 60.0, 1e-4);
+    NEAR(entity_of(f->scene, 20000)->latitude, f->latitude + 1 / 60.0, 1e-4);
     pel_nmea_targets_take_ais(&f->targets, &ais, 363 * SECOND);
     pel_nmea_targets_commit(&f->targets, 363 * SECOND);
-    NEAR(entity(f, 20000)->latitude, f->latitude + 0.1, 1e-9);
+    NEAR(entity_of(f->scene, 20000)->latitude, f->latitude + 0.1, 1e-9);
 }
 
 static void radar(struct fixture *f, const char *body, int64_t now_ns)

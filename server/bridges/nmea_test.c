@@ -6,8 +6,6 @@
 #include <glib.h>
 #include <math.h>
 #include <netinet/in.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,11 +13,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "base/clock.h"
 #include "base/log.h"
-#include "scene/scene.h"
+#include "scene/scene_testkit.h"
 
 #define KNOT (1852.0 / 3600.0)
 #define near(a, b, tolerance) (fabs((a) - (b)) <= (tolerance))
@@ -31,10 +27,8 @@ struct fixture {
 
 static void open_bridge(struct fixture *f, struct pel_nmea_options options)
 {
-    struct pel_scene_options scene_options = { .wave_count = 20 };
     struct pel_fault fault;
-    assert_int_equal(pel_scene_create(&scene_options, &f->scene, &fault),
-                     PEL_OK);
+    f->scene = make_scene((struct pel_scene_options){ .wave_count = 20 });
     assert_int_equal(pel_nmea_create(&options, f->scene, &f->nmea, &fault),
                      PEL_OK);
 }
@@ -82,17 +76,6 @@ static void feed(struct fixture *f, const char *body, ...)
     pel_scene_settle(f->scene);
 }
 
-static const Pelagos__Entity *entity(struct fixture *f, uint32_t id)
-{
-    const Pelagos__State *s = pel_scene_state(f->scene);
-    for (size_t i = 0; i < s->n_entities; i++) {
-        if (s->entities[i]->id == id) {
-            return s->entities[i];
-        }
-    }
-    return NULL;
-}
-
 static void one_datagram_is_one_edit(void **state)
 {
     struct fixture *f = *state;
@@ -102,7 +85,7 @@ static void one_datagram_is_one_edit(void **state)
          "$WIMWD,300.0,T,,M,,N,9.0,M", NULL);
     /* but the wind's, whose sea takes longer */
     assert_int_equal(pel_scene_state(f->scene)->revision, before + 2);
-    const Pelagos__Entity *e = entity(f, 1);
+    const Pelagos__Entity *e = entity_of(f->scene, 1);
     assert_true(near(e->latitude, 53, 1e-9));
     assert_true(near(e->longitude, 5.5, 1e-9));
     assert_true(near(e->speed, 10 * KNOT, 1e-9));
@@ -129,7 +112,7 @@ static void reckons_between_fixes(void **state)
     feed(f, "$HEHDT,1.0,T", NULL);
     double longest = (double)(pel_now_ns() - before) * 1e-9;
     double shortest = (double)(end - start) * 1e-9;
-    const Pelagos__Entity *e = entity(f, 1);
+    const Pelagos__Entity *e = entity_of(f->scene, 1);
     /* A minute of latitude is 1855.7 m at 53 N, to a few centimetres. */
     double north_m = (e->latitude - 53) * 60 * 1855.7;
     assert_true(north_m > 100 * KNOT * shortest - 0.1);
@@ -195,8 +178,8 @@ static void ais_targets_become_entities(void **state)
     feed(f, "!AIVDM,1,1,,B,13aDp<PP000IwSlN?Wm@0?wN2<1T,0",
          "!AIVDM,1,1,,A,B3`eLE00006R0J7Si`WQ3wP1jDkr,0", "$GPHDT,10.0,T", NULL);
     assert_int_equal(pel_scene_state(f->scene)->n_entities, before + 2);
-    assert_true(near(entity(f, 1)->heading, 10, 1e-9));
-    const Pelagos__Entity *e = entity(f, 20000);
+    assert_true(near(entity_of(f->scene, 1)->heading, 10, 1e-9));
+    const Pelagos__Entity *e = entity_of(f->scene, 20000);
     assert_non_null(e);
     assert_int_equal(strncmp(e->name, "mmsi-", 5), 0);
     assert_true(near(e->latitude, 53, 1) && near(e->longitude, 5.5, 1));
@@ -204,7 +187,7 @@ static void ais_targets_become_entities(void **state)
     pel_nmea_status(f->nmea, &status);
     assert_int_equal(status.targets, 2);
     feed(f, "!AIVDO,1,1,,B,13`kvwO005wJnb0Lfo:@7P8F05`L,0", NULL);
-    assert_true(near(entity(f, 1)->latitude, 50.21319, 1e-4));
+    assert_true(near(entity_of(f->scene, 1)->latitude, 50.21319, 1e-4));
 }
 
 static void more_targets_than_places(void **state)
@@ -247,18 +230,18 @@ static void silence_stops_what_nmea_moved(void **state)
     feed(f, UNDER_WAY, "$HEROT,12.0,A", NULL);
     int64_t now = pel_now_ns();
     pel_nmea_tick(f->nmea, now + 9 * SECOND);
-    assert_true(near(entity(f, 1)->turn_rate, 0.2, 1e-9));
+    assert_true(near(entity_of(f->scene, 1)->turn_rate, 0.2, 1e-9));
     pel_nmea_tick(f->nmea, now + 12 * SECOND);
-    assert_true(entity(f, 1)->turn_rate == 0);
-    assert_true(near(entity(f, 1)->speed, 10 * KNOT, 1e-9));
+    assert_true(entity_of(f->scene, 1)->turn_rate == 0);
+    assert_true(near(entity_of(f->scene, 1)->speed, 10 * KNOT, 1e-9));
     assert_true(pel_scene_state(f->scene)->sources->nmea_stale);
     pel_nmea_tick(f->nmea, now + 61 * SECOND);
-    assert_true(entity(f, 1)->speed == 0);
+    assert_true(entity_of(f->scene, 1)->speed == 0);
     uint64_t before = pel_scene_state(f->scene)->revision;
     pel_nmea_tick(f->nmea, now + 62 * SECOND);
     assert_int_equal(pel_scene_state(f->scene)->revision, before);
     feed(f, UNDER_WAY, NULL);
-    assert_true(near(entity(f, 1)->speed, 10 * KNOT, 1e-9));
+    assert_true(near(entity_of(f->scene, 1)->speed, 10 * KNOT, 1e-9));
 }
 
 static void silence_leaves_the_ships_model_alone(void **state)
@@ -294,7 +277,8 @@ static void silence_leaves_other_clients_alone(void **state)
     for (int s = 9; s < 200; s += 3) {
         pel_nmea_tick(f->nmea, now + s * SECOND);
     }
-    assert_true(entity(f, 1)->speed == 3 && entity(f, 1)->turn_rate == 0.5);
+    assert_true(entity_of(f->scene, 1)->speed == 3 &&
+                entity_of(f->scene, 1)->turn_rate == 0.5);
     /* Heel by another client is no motion: NMEA's own one still ends. */
     feed(f, UNDER_WAY, "$HEROT,0.0,A", NULL);
     now = pel_now_ns();
@@ -303,7 +287,8 @@ static void silence_leaves_other_clients_alone(void **state)
     other.roll = 7;
     patch_own(f, &other, NULL);
     pel_nmea_tick(f->nmea, now + 61 * SECOND);
-    assert_true(entity(f, 1)->speed == 0 && entity(f, 1)->roll == 7);
+    assert_true(entity_of(f->scene, 1)->speed == 0 &&
+                entity_of(f->scene, 1)->roll == 7);
 }
 
 /* An attitude of long ago is not said again with each fix. */
@@ -312,15 +297,16 @@ static void old_attitudes_are_not_repeated(void **state)
     struct fixture *f = *state;
     feed(f, UNDER_WAY, "$PASHR,120000.000,91.5,T,-4.0,1.5,0.75,0.1,0.1,0.1,1",
          NULL);
-    assert_true(entity(f, 1)->roll == -4 && entity(f, 1)->pitch == 1.5);
-    assert_true(entity(f, 1)->altitude == 0.75);
-    assert_true(near(entity(f, 1)->heading, 91.5, 1e-9));
+    assert_true(entity_of(f->scene, 1)->roll == -4 &&
+                entity_of(f->scene, 1)->pitch == 1.5);
+    assert_true(entity_of(f->scene, 1)->altitude == 0.75);
+    assert_true(near(entity_of(f->scene, 1)->heading, 91.5, 1e-9));
     Pelagos__Entity other = PELAGOS__ENTITY__INIT;
     other.has_id = other.id = other.has_roll = 1;
     other.roll = 7;
     patch_own(f, &other, NULL);
     feed(f, UNDER_WAY, NULL);
-    assert_true(entity(f, 1)->roll == 7);
+    assert_true(entity_of(f->scene, 1)->roll == 7);
 }
 
 static void void_fixes_change_nothing(void **state)

@@ -3,16 +3,13 @@
 #pragma once
 
 #include <glib.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "base/clock.h"
 #include "base/log.h"
 #include "frames/frames.h"
+#include "scene/scene_testkit.h"
 
 static struct pel_scene *scene;
 static struct pel_frames *frames;
@@ -168,13 +165,9 @@ static inline enum pel_err create_frames(const char *device)
 static inline int set_up(void **state)
 {
     (void)state;
-    struct pel_scene_options options = { .wave_count = 60 };
-    struct pel_fault fault;
     pel_log_set_level(PEL_LOG_WARNING);
-    if (pel_scene_create(&options, &scene, &fault) != PEL_OK ||
-        create_frames("software") != PEL_OK) {
-        return -1;
-    }
+    scene = make_scene((struct pel_scene_options){ .wave_count = 60 });
+    assert_int_equal(create_frames("software"), PEL_OK);
     add_view("test", 64, 48);
     set_clock(PELAGOS__CLOCK_MODE__STEPPED, 10);
     return 0;

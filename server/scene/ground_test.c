@@ -1,21 +1,15 @@
 /* Files of heights, read by pelagos-seabed and placed in the scene. Files are
  * made here; what other programs write is read in tests/seabed_test.py. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "base/vec.h"
-#include "json.h"
 #include "scene/geodesy.h"
 #include "scene/missing.h"
-#include "scene/scene.h"
+#include "scene/scene_testkit.h"
 
 static char folder[] = "/tmp/pelagos-ground-XXXXXX";
 
@@ -79,35 +73,8 @@ static int remove_files(void **state)
 
 static struct pel_scene *make(const char *state_path, const char *directory)
 {
-    struct pel_scene_options options = { .state_path = state_path,
-                                         .wave_count = 60,
-                                         .bathymetry = directory };
-    struct pel_scene *scene;
-    struct pel_fault fault;
-    if (pel_scene_create(&options, &scene, &fault)) {
-        fail_msg("%s", fault.message);
-    }
-    return scene;
-}
-
-static enum pel_err patch(struct pel_scene *scene, const char *json,
-                          struct pel_fault *fault)
-{
-    Pelagos__Patch *read;
-    enum pel_err err = pel_json_merge_patch(json, strlen(json), &read, fault);
-    if (err == PEL_OK) {
-        err = pel_scene_patch(scene, read, fault);
-        pelagos__patch__free_unpacked(read, NULL);
-    }
-    return err;
-}
-
-static void must(struct pel_scene *scene, const char *json)
-{
-    struct pel_fault fault;
-    if (patch(scene, json, &fault)) {
-        fail_msg("%s: %s", json, fault.message);
-    }
+    return make_scene((struct pel_scene_options){
+        .state_path = state_path, .wave_count = 60, .bathymetry = directory });
 }
 
 static double depth_at(struct pel_scene *scene, double lat, double lon)

@@ -9,9 +9,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "base/near.h"
-#include "json.h"
 #include "pelog.h"
+#include "scene/scene_testkit.h"
 #include "wire.h"
 
 struct fixture {
@@ -19,18 +18,6 @@ struct fixture {
     struct pel_scene *scene;
     struct pel_record *record;
 };
-
-static enum pel_err patch(struct pel_scene *scene, const char *json)
-{
-    Pelagos__Patch *read;
-    struct pel_fault fault;
-    if (pel_json_merge_patch(json, strlen(json), &read, &fault)) {
-        fail_msg("%s", fault.message);
-    }
-    enum pel_err err = pel_scene_patch(scene, read, &fault);
-    pelagos__patch__free_unpacked(read, NULL);
-    return err;
-}
 
 static double again_s = 1000;
 
@@ -45,15 +32,12 @@ static enum pel_err record(struct fixture *f, double segment_mib, unsigned keep)
 
 static void start_small(struct fixture *f, double segment_mib, unsigned keep)
 {
-    struct pel_scene_options scene_options = { .wave_count = 20 };
-    struct pel_fault fault;
     strcpy(f->folder, "/tmp/pelagos-record-XXXXXX");
     assert_non_null(mkdtemp(f->folder));
     snprintf(f->path, sizeof f->path, "%s/log", f->folder);
-    assert_int_equal(pel_scene_create(&scene_options, &f->scene, &fault),
-                     PEL_OK);
-    assert_int_equal(patch(f->scene, "{\"clock\":{\"mode\":\"STEPPED\"}}"),
-                     PEL_OK);
+    f->scene = make_scene((struct pel_scene_options){ .wave_count = 20 });
+    assert_int_equal(
+        patch(f->scene, "{\"clock\":{\"mode\":\"STEPPED\"}}", NULL), PEL_OK);
     assert_int_equal(record(f, segment_mib, keep), PEL_OK);
 }
 
@@ -115,8 +99,9 @@ static void accepted_commands_are_there_at_once(void **state)
     struct pel_log_reader reader;
     start(&f);
     assert_int_equal(pel_scene_step(f.scene, 1.0 / 3, NULL), PEL_OK);
-    assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":12}}"), PEL_OK);
-    assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":99}}"),
+    assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":12}}", NULL),
+                     PEL_OK);
+    assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":99}}", NULL),
                      PEL_ERR_OUT_OF_RANGE);
     assert_int_equal(pel_scene_step_to(f.scene, 7.1, NULL), PEL_OK);
     /* not closed: as a killed process would leave it */
@@ -170,11 +155,9 @@ static void play(struct pel_scene *scene, const char *path)
 
 static struct pel_scene *another_scene(void)
 {
-    struct pel_scene_options options = { .wave_count = 20 };
-    struct pel_scene *scene;
-    struct pel_fault fault;
-    assert_int_equal(pel_scene_create(&options, &scene, &fault), PEL_OK);
-    assert_int_equal(patch(scene, "{\"clock\":{\"mode\":\"STEPPED\"}}"),
+    struct pel_scene *scene =
+        make_scene((struct pel_scene_options){ .wave_count = 20 });
+    assert_int_equal(patch(scene, "{\"clock\":{\"mode\":\"STEPPED\"}}", NULL),
                      PEL_OK);
     return scene;
 }
@@ -200,7 +183,7 @@ static void replaying_gives_the_same_state(void **state)
     struct fixture f;
     start(&f);
     for (size_t i = 0; i < G_N_ELEMENTS(edits); i++) {
-        assert_int_equal(patch(f.scene, edits[i]), PEL_OK);
+        assert_int_equal(patch(f.scene, edits[i], NULL), PEL_OK);
         assert_int_equal(pel_scene_step(f.scene, 0.1 + 0.7 * (double)i, NULL),
                          PEL_OK);
     }
@@ -220,7 +203,7 @@ static void paced_steps_are_thinned(void **state)
     struct fixture f;
     struct pel_log_reader reader;
     start(&f);
-    assert_int_equal(patch(f.scene, "{\"clock\":{\"mode\":\"PACED\"}}"),
+    assert_int_equal(patch(f.scene, "{\"clock\":{\"mode\":\"PACED\"}}", NULL),
                      PEL_OK);
     for (int i = 0; i < 600; i++) { /* ten seconds at 60 Hz */
         assert_int_equal(pel_scene_step(f.scene, 1.0 / 60, NULL), PEL_OK);
@@ -237,7 +220,8 @@ static void cut_and_changed_logs(void **state)
     struct fixture f;
     struct pel_log_reader reader;
     start(&f);
-    assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":12}}"), PEL_OK);
+    assert_int_equal(patch(f.scene, "{\"sea\":{\"windSpeed\":12}}", NULL),
+                     PEL_OK);
     g_autofree char *data = NULL;
     gsize size;
     assert_true(g_file_get_contents(f.path, &data, &size, NULL));
@@ -380,7 +364,7 @@ static void edit_number(struct fixture *f, int i)
     snprintf(text, sizeof text,
              "{\"entities\":{\"2\":{\"heading\":%.2f,\"speed\":%.2f}}}",
              0.01 * (i % 36000), 0.001 * i);
-    assert_int_equal(patch(f->scene, text), PEL_OK);
+    assert_int_equal(patch(f->scene, text, NULL), PEL_OK);
     assert_int_equal(pel_scene_step(f->scene, 0.0137, NULL), PEL_OK);
 }
 
@@ -413,8 +397,10 @@ static void nothing_is_lost_at_a_turn(void **state)
     struct fixture f;
     start_small(&f, 0.02, 100);
     /* own ship too: its steps begin anew where a segment does */
-    assert_int_equal(patch(f.scene, "{\"ownShip\":{\"on\":true,\"rudder\":5,"
-                                    "\"throttle\":0.5}}"),
+    assert_int_equal(patch(f.scene,
+                           "{\"ownShip\":{\"on\":true,\"rudder\":5,"
+                           "\"throttle\":0.5}}",
+                           NULL),
                      PEL_OK);
     for (int i = 0; i < 1500; i++) {
         edit_number(&f, i);
@@ -554,7 +540,8 @@ static void steps_to_a_moment(void **state)
                          PEL_ERR_OUT_OF_RANGE);
         assert_string_equal(fault.path, "step.until");
     }
-    assert_int_equal(patch(f.scene, "{\"clock\":{\"mode\":\"FREE\"}}"), PEL_OK);
+    assert_int_equal(patch(f.scene, "{\"clock\":{\"mode\":\"FREE\"}}", NULL),
+                     PEL_OK);
     assert_int_equal(pel_scene_step_to(f.scene, 1e6, &fault), PEL_ERR_CONFLICT);
     stop(&f);
 }

@@ -3,50 +3,20 @@
 #include <float.h>
 #include <glib.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
 #include "base/clock.h"
-#include "json.h"
 #include "path.h"
+#include "scene/scene_testkit.h"
 
 static struct pel_scene *make(const char *path)
 {
-    struct pel_scene_options options = { path, 60, NULL, NULL };
-    struct pel_scene *scene;
-    struct pel_fault fault;
-    if (pel_scene_create(&options, &scene, &fault)) {
-        fail_msg("%s", fault.message);
-    }
-    return scene;
-}
-
-static enum pel_err patch(struct pel_scene *scene, const char *json,
-                          struct pel_fault *fault)
-{
-    Pelagos__Patch *read;
-    enum pel_err err = pel_json_merge_patch(json, strlen(json), &read, fault);
-    if (err == PEL_OK) {
-        err = pel_scene_patch(scene, read, fault);
-        pelagos__patch__free_unpacked(read, NULL);
-    }
-    return err;
-}
-
-static void must(struct pel_scene *scene, const char *json)
-{
-    struct pel_fault fault;
-    if (patch(scene, json, &fault)) {
-        fail_msg("%s: %s", json, fault.message);
-    }
+    return make_scene(
+        (struct pel_scene_options){ .state_path = path, .wave_count = 60 });
 }
 
 static double number(struct pel_scene *scene, const char *path)

@@ -1,47 +1,16 @@
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
-#include "json.h"
 #include "scene/numbers.h"
-#include "scene/scene.h"
+#include "scene/scene_testkit.h"
 
 static struct pel_scene *make(const char *state_path, const char *spectra)
 {
-    struct pel_scene_options options = { state_path, 60, spectra, NULL };
-    struct pel_scene *scene;
-    struct pel_fault fault;
-    if (pel_scene_create(&options, &scene, &fault)) {
-        fail_msg("%s", fault.message);
-    }
-    return scene;
-}
-
-static enum pel_err patch(struct pel_scene *scene, const char *json,
-                          struct pel_fault *fault)
-{
-    Pelagos__Patch *read;
-    enum pel_err err = pel_json_merge_patch(json, strlen(json), &read, fault);
-    if (err == PEL_OK) {
-        err = pel_scene_patch(scene, read, fault);
-        pelagos__patch__free_unpacked(read, NULL);
-    }
-    return err;
-}
-
-static void must(struct pel_scene *scene, const char *json)
-{
-    struct pel_fault fault;
-    if (patch(scene, json, &fault)) {
-        fail_msg("%s: %s", json, fault.message);
-    }
+    return make_scene((struct pel_scene_options){
+        .state_path = state_path, .wave_count = 60, .spectra = spectra });
 }
 
 static double significant_height(struct pel_scene *scene)

@@ -4,10 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/near.h"
 #include "base/vec.h"
-#include "json.h"
-#include "scene/scene.h"
+#include "scene/scene_testkit.h"
 
 static struct pel_ship_orders usual(void)
 {
@@ -301,26 +299,6 @@ static void no_sea_breaks_it(void **state)
 
 /* --- in the scene --------------------------------------------------------- */
 
-static struct pel_scene *make_scene(void)
-{
-    struct pel_scene_options options = { .wave_count = 60 };
-    struct pel_scene *scene;
-    assert_int_equal(pel_scene_create(&options, &scene, NULL), PEL_OK);
-    return scene;
-}
-
-static enum pel_err patch(struct pel_scene *scene, const char *json)
-{
-    Pelagos__Patch *read;
-    struct pel_fault fault;
-    if (pel_json_merge_patch(json, strlen(json), &read, &fault)) {
-        fail_msg("%s", fault.message);
-    }
-    enum pel_err err = pel_scene_patch(scene, read, &fault);
-    pelagos__patch__free_unpacked(read, NULL);
-    return err;
-}
-
 static void step(struct pel_scene *scene, double seconds)
 {
     struct pel_fault fault;
@@ -342,16 +320,17 @@ static const char sails[] =
 static void the_tide_carries_the_ship(void **state)
 {
     (void)state;
-    struct pel_scene *scene = make_scene();
-    assert_int_equal(patch(scene, sails), PEL_OK);
-    assert_int_equal(patch(scene, "{\"sea\":{\"windSpeed\":0,\"level\":3}}"),
-                     PEL_OK);
+    struct pel_scene *scene =
+        make_scene((struct pel_scene_options){ .wave_count = 60 });
+    assert_int_equal(patch(scene, sails, NULL), PEL_OK);
+    assert_int_equal(
+        patch(scene, "{\"sea\":{\"windSpeed\":0,\"level\":3}}", NULL), PEL_OK);
     for (int i = 0; i < 20; i++) {
         step(scene, 3);
     }
     /* Its heave of before has died away: e^-40. */
     assert_near(pel_scene_state(scene)->entities[0]->altitude, 3, 1e-6);
-    assert_int_equal(patch(scene, "{\"sea\":{\"level\":-1}}"), PEL_OK);
+    assert_int_equal(patch(scene, "{\"sea\":{\"level\":-1}}", NULL), PEL_OK);
     assert_near(pel_scene_state(scene)->entities[0]->altitude, -1, 1e-6);
     pel_scene_destroy(scene);
 }
@@ -363,9 +342,10 @@ static void frame_rate_does_not_matter(void **state)
     static const double rates[] = { 15, 60, 0.25 };
     char *first = NULL;
     for (int r = 0; r < 3; r++) {
-        struct pel_scene *scene = make_scene();
+        struct pel_scene *scene =
+            make_scene((struct pel_scene_options){ .wave_count = 60 });
         double now = 50;
-        assert_int_equal(patch(scene, sails), PEL_OK);
+        assert_int_equal(patch(scene, sails, NULL), PEL_OK);
         for (int leg = 0; leg < 3; leg++) {
             double end = 58.5 + 8.5 * leg, pace = 1 / rates[r];
             for (; now + pace < end; now += pace) {
@@ -376,11 +356,12 @@ static void frame_rate_does_not_matter(void **state)
             }
             assert_int_equal(pel_scene_step_to(scene, end, NULL), PEL_OK);
             now = end;
-            assert_int_equal(
-                patch(scene, leg == 0   ? "{\"ownShip\":{\"rudder\":-12}}"
-                             : leg == 1 ? "{\"sky\":{\"visibility\":900}}"
-                                        : "{\"sea\":{\"windSpeed\":14}}"),
-                PEL_OK);
+            assert_int_equal(patch(scene,
+                                   leg == 0   ? "{\"ownShip\":{\"rudder\":-12}}"
+                                   : leg == 1 ? "{\"sky\":{\"visibility\":900}}"
+                                              : "{\"sea\":{\"windSpeed\":14}}",
+                                   NULL),
+                             PEL_OK);
         }
         step(scene, 3.3);
         char *end = json(scene);
@@ -403,28 +384,32 @@ static const Pelagos__Entity *own(struct pel_scene *scene)
 static void others_take_the_lead(void **state)
 {
     (void)state;
-    struct pel_scene *scene = make_scene();
+    struct pel_scene *scene =
+        make_scene((struct pel_scene_options){ .wave_count = 60 });
     assert_false(pel_scene_state(scene)->own_ship->on); /* off by default */
-    assert_int_equal(patch(scene, sails), PEL_OK);
+    assert_int_equal(patch(scene, sails, NULL), PEL_OK);
     step(scene, 10);
     assert_true(own(scene)->speed > 2 && own(scene)->latitude > 52.6);
     /* a step too long is refused, and so is nonsense */
     assert_int_equal(pel_scene_step(scene, 10.1, NULL), PEL_ERR_OUT_OF_RANGE);
-    assert_int_equal(patch(scene, "{\"ownShip\":{\"rudder\":46}}"),
+    assert_int_equal(patch(scene, "{\"ownShip\":{\"rudder\":46}}", NULL),
                      PEL_ERR_OUT_OF_RANGE);
     /* the model goes on from a pose where it is told to */
     assert_int_equal(
-        patch(scene, "{\"ownShip\":{\"on\":true,\"throttle\":0},\"entities\":"
-                     "{\"1\":{\"heading\":90,\"course\":90,\"speed\":0,"
-                     "\"turnRate\":0}}}"),
+        patch(scene,
+              "{\"ownShip\":{\"on\":true,\"throttle\":0},\"entities\":"
+              "{\"1\":{\"heading\":90,\"course\":90,\"speed\":0,"
+              "\"turnRate\":0}}}",
+              NULL),
         PEL_OK);
     assert_true(pel_scene_state(scene)->own_ship->on);
     step(scene, 5);
     assert_near(own(scene)->heading, 90, 1e-6);
     /* a host sends a pose: it leads */
-    assert_int_equal(
-        patch(scene, "{\"entities\":{\"1\":{\"roll\":3,\"heading\":10}}}"),
-        PEL_OK);
+    assert_int_equal(patch(scene,
+                           "{\"entities\":{\"1\":{\"roll\":3,\"heading\":10}}}",
+                           NULL),
+                     PEL_OK);
     assert_false(pel_scene_state(scene)->own_ship->on);
     step(scene, 100);
     assert_near(own(scene)->roll, 3, 0);
@@ -436,15 +421,17 @@ static void others_take_the_lead(void **state)
 static void begins_now(void **state)
 {
     (void)state;
-    struct pel_scene *scene = make_scene();
+    struct pel_scene *scene =
+        make_scene((struct pel_scene_options){ .wave_count = 60 });
     assert_int_equal(patch(scene,
                            "{\"clock\":{\"mode\":\"STEPPED\",\"time\":0},"
-                           "\"entities\":{\"1\":{\"heading\":20,\"roll\":0}}}"),
+                           "\"entities\":{\"1\":{\"heading\":20,\"roll\":0}}}",
+                           NULL),
                      PEL_OK);
     for (int i = 0; i < 1000; i++) { /* 3.6e6 s: 18 million steps of a ship */
         step(scene, 3600);
     }
-    assert_int_equal(patch(scene, "{\"ownShip\":{\"on\":true}}"), PEL_OK);
+    assert_int_equal(patch(scene, "{\"ownShip\":{\"on\":true}}", NULL), PEL_OK);
     assert_near(own(scene)->pose_time, 3.6e6, 0);
     assert_near(own(scene)->latitude, 52.6, 1e-12);
     assert_near(own(scene)->roll, 0, 1e-12);
@@ -452,12 +439,13 @@ static void begins_now(void **state)
     assert_near(own(scene)->heading, 20, 1e-9);
     assert_int_equal(patch(scene,
                            "{\"ownShip\":{\"on\":true},\"entities\":{\"1\":"
-                           "{\"poseTime\":0,\"heading\":30}}}"),
+                           "{\"poseTime\":0,\"heading\":30}}}",
+                           NULL),
                      PEL_OK);
     assert_near(own(scene)->heading, 30, 1e-9);
     assert_near(own(scene)->pose_time, 3600001, 0);
     /* and the clock may be set far away */
-    assert_int_equal(patch(scene, "{\"clock\":{\"time\":1e9}}"), PEL_OK);
+    assert_int_equal(patch(scene, "{\"clock\":{\"time\":1e9}}", NULL), PEL_OK);
     assert_near(own(scene)->heading, 30, 1e-9);
     pel_scene_destroy(scene);
 }
@@ -465,9 +453,10 @@ static void begins_now(void **state)
 static void what_is_drawn_moves(void **state)
 {
     (void)state;
-    struct pel_scene *scene = make_scene();
+    struct pel_scene *scene =
+        make_scene((struct pel_scene_options){ .wave_count = 60 });
     struct pel_camera a, b;
-    assert_int_equal(patch(scene, sails), PEL_OK);
+    assert_int_equal(patch(scene, sails, NULL), PEL_OK);
     step(scene, 10);
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
     pel_snapshot_camera(s, 0, 60, 0, 0, &a);

@@ -2,18 +2,12 @@
 
 #include <ctype.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "formats.h"
-#include "json.h"
-#include "scene/scene.h"
+#include "scene/scene_testkit.h"
 
 /* Rounding of a few dozen operations on numbers of order one. */
 #define EPS 1e-12
@@ -34,16 +28,9 @@ static void near3(struct pel_vec3 got, double x, double y, double z)
 
 static const struct pel_snapshot *snapshot_of(const char *json)
 {
-    struct pel_scene_options options = { .wave_count = 60 };
-    struct pel_scene *scene;
-    struct pel_fault fault;
-    Pelagos__Patch *patch;
-    assert_int_equal(pel_scene_create(&options, &scene, &fault), PEL_OK);
-    if (pel_json_merge_patch(json, strlen(json), &patch, &fault) ||
-        pel_scene_patch(scene, patch, &fault)) {
-        fail_msg("%s", fault.message);
-    }
-    pelagos__patch__free_unpacked(patch, NULL);
+    struct pel_scene *scene =
+        make_scene((struct pel_scene_options){ .wave_count = 60 });
+    must(scene, json);
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
     pel_scene_destroy(scene);
     return s;

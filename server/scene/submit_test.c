@@ -1,15 +1,9 @@
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
-#include "json.h"
 #include "scene/build.h"
-#include "scene/scene.h"
+#include "scene/scene_testkit.h"
 #include "scene/worker.h"
 
 static struct pel_scene *scene;
@@ -26,15 +20,11 @@ static void ended(void *user, enum pel_err err, const struct pel_fault *fault)
 
 static bool submit(const void *source, const char *json)
 {
-    struct pel_fault fault;
-    Pelagos__Patch *patch;
-    if (pel_json_merge_patch(json, strlen(json), &patch, &fault)) {
-        fail_msg("%s: %s", json, fault.message);
-    }
-    const struct pel_scene_wish wish = { .patch = patch, .source = source };
+    Pelagos__Patch *read = read_patch(json);
+    const struct pel_scene_wish wish = { .patch = read, .source = source };
     bool waits =
         pel_scene_submit(scene, &wish, ended, (void *)(intptr_t)++number);
-    pelagos__patch__free_unpacked(patch, NULL);
+    pelagos__patch__free_unpacked(read, NULL);
     return waits;
 }
 
@@ -54,9 +44,9 @@ static bool sea_is_built(void)
 static int begin(void **state)
 {
     (void)state;
-    struct pel_scene_options options = { .wave_count = 20 };
     end_count = number = 0;
-    return pel_scene_create(&options, &scene, NULL);
+    scene = make_scene((struct pel_scene_options){ .wave_count = 20 });
+    return 0;
 }
 
 static int end(void **state)
