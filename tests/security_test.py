@@ -345,6 +345,33 @@ class Limits(Case):
             print(f"64 idle RTSP connections were gone after {spent:.1f} s")
             self.assertTrue(works())
 
+    def test_end_amid_rtsp_requests(self):
+        """The server ends while clients' threads have much to read."""
+        port, over = free_port(), threading.Event()
+        block = b"OPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\n" * 1000
+
+        def pour():
+            with contextlib.suppress(OSError), \
+                    socket.create_connection(("127.0.0.1", port),
+                                             timeout=SLOW_S) as s:
+                while not over.is_set():
+                    s.sendall(block)
+
+        with Daemon("--rtsp", f"127.0.0.1:{port}") as daemon:
+            threads = [threading.Thread(target=pour) for _ in range(8)]
+            for thread in threads:
+                thread.start()
+            until("all clients are there", lambda: daemon.metrics()[
+                "pelagos_rtsp_clients"] == len(threads))
+            time.sleep(0.5)  # more comes than is read
+            daemon.process.terminate()
+            status = daemon.process.wait(SLOW_S)
+            over.set()
+            for thread in threads:
+                thread.join()
+            self.assertEqual(status, 0)
+            self.assertNotIn("CRITICAL", daemon.log())
+
     def test_rtsps_handshakes_wait_for_nobody(self):
         """40 that say nothing, half a greeting, a greeting and no more, or
         finish the handshake and sit there (openssl s_client): none has a

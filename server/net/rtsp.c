@@ -21,6 +21,7 @@
 #define THREADS 8      /* setting up and tearing down takes time */
 #define MAX_WAITING 32 /* clients, while GStreamer starts */
 #define CLEAN_S 2
+#define LEAVE_MS 2000 /* for the threads of clients when the server ends */
 /* A client without a session, silent or in the middle of a request or of its
  * TLS handshake, has so long, and less where its place is wanted. */
 #define LOITER_NS (8 * INT64_C(1000000000))
@@ -270,6 +271,17 @@ static GstRTSPFilterResult find_loiterer(GstRTSPServer *server,
     return GST_RTSP_FILTER_KEEP;
 }
 
+/* Its own thread sees the end, as if the client had left, and tidies up; closed
+ * from here the socket would stay, and the thread read from what is gone. */
+static void send_away(GstRTSPClient *client)
+{
+    GSocket *socket = gst_rtsp_connection_get_read_socket(
+        gst_rtsp_client_get_connection(client));
+    if (socket) {
+        pel_rtsp_guard_end(socket);
+    }
+}
+
 /* Closes the one that has been idle for longest; false: there is none. */
 static bool close_loiterer(struct pel_rtsp *rtsp, int64_t patience_ns)
 {
@@ -279,12 +291,8 @@ static bool close_loiterer(struct pel_rtsp *rtsp, int64_t patience_ns)
         return false;
     }
     rtsp->timeouts++;
-    /* Its own thread sees the end, as if the client had left, and tidies up;
-     * closed from here the socket would stay. */
     atomic_store(&visit_of(found.oldest)->since_ns, INT64_MAX);
-    g_socket_shutdown(gst_rtsp_connection_get_read_socket(
-                          gst_rtsp_client_get_connection(found.oldest)),
-                      TRUE, TRUE, NULL);
+    send_away(found.oldest);
     g_object_unref(found.oldest);
     return true;
 }
@@ -462,6 +470,18 @@ void pel_rtsp_stop(struct pel_rtsp *rtsp)
     rtsp->listener = NULL;
 }
 
+static void send_all_away(struct pel_rtsp *rtsp)
+{
+    GList *all = gst_rtsp_server_client_filter(rtsp->server, NULL, NULL);
+    for (GList *each = all; each; each = each->next) {
+        send_away(each->data);
+    }
+    g_list_free_full(all, g_object_unref);
+    for (int i = 0; i < LEAVE_MS && atomic_load(&rtsp->clients) > 0; i++) {
+        g_usleep(1000);
+    }
+}
+
 static GstRTSPFilterResult drop_client(GstRTSPServer *server,
                                        GstRTSPClient *client, gpointer user)
 {
@@ -484,6 +504,7 @@ static void stop_server(struct pel_rtsp *rtsp)
 {
     g_source_remove(rtsp->cleaner);
     GstRTSPSessionPool *pool = gst_rtsp_server_get_session_pool(rtsp->server);
+    send_all_away(rtsp);
     gst_rtsp_server_client_filter(rtsp->server, drop_client, rtsp);
     gst_rtsp_session_pool_filter(pool, drop_session, NULL);
     g_object_unref(pool);

@@ -7,6 +7,8 @@
 #include <gio/gio.h>
 
 #define CHUNK_PREFIX 4
+#define GUARD_KEY "pelagos-rtsp-guard"
+enum { GUARDED = 1, ENDED };
 
 /* --- framing -------------------------------------------------------------- */
 
@@ -130,12 +132,18 @@ bool pel_rtsp_framing_take(struct pel_rtsp_framing *f, const uint8_t *data,
 struct guarded_stream {
     GInputStream parent;
     GInputStream *inner; /* the connection's own */
+    GSocket *socket;     /* likewise */
     struct pel_rtsp_framing framing;
 };
 
 static gssize pass(struct guarded_stream *self, const void *data, gssize size,
                    GError **error)
 {
+    void *state = g_object_get_data(G_OBJECT(self->socket), GUARD_KEY);
+    if (GPOINTER_TO_INT(state) == ENDED) {
+        g_clear_error(error);
+        return 0;
+    }
     if (size > 0 &&
         !pel_rtsp_framing_take(&self->framing, data, (size_t)size)) {
         g_set_error_literal(error, G_IO_ERROR, G_IO_ERROR_CONNECTION_CLOSED,
@@ -216,8 +224,6 @@ static GType stream_type(void)
 
 /* --- the connections that have it ----------------------------------------- */
 
-#define GUARD_KEY "pelagos-rtsp-guard"
-
 typedef GInputStream *(*get_stream)(GIOStream *io);
 static get_stream of_tcp, of_unix; /* as GIO made them */
 
@@ -238,6 +244,7 @@ static GInputStream *guarded(GIOStream *io, get_stream inner)
     if (!stream) {
         stream = g_object_new(stream_type(), NULL);
         stream->inner = inner(io);
+        stream->socket = socket;
         g_object_set_data_full(object, GUARD_KEY, stream, unref_stream);
     }
     return &stream->parent;
@@ -274,7 +281,14 @@ GSocket *pel_rtsp_guarded_socket(int fd)
     }
     GSocket *socket = g_socket_new_from_fd(fd, NULL);
     if (socket) {
-        g_object_set_data(G_OBJECT(socket), GUARD_KEY, GINT_TO_POINTER(1));
+        g_object_set_data(G_OBJECT(socket), GUARD_KEY,
+                          GINT_TO_POINTER(GUARDED));
     }
     return socket;
+}
+
+void pel_rtsp_guard_end(GSocket *socket)
+{
+    g_object_set_data(G_OBJECT(socket), GUARD_KEY, GINT_TO_POINTER(ENDED));
+    g_socket_shutdown(socket, TRUE, TRUE, NULL);
 }

@@ -38,3 +38,7 @@ bool pel_rtsp_framing_take(struct pel_rtsp_framing *framing,
 /* A socket whose connection, as GIO makes it, breaks off so; NULL: it is none,
  * and the descriptor stays the caller's. */
 GSocket *pel_rtsp_guarded_socket(int fd);
+
+/* As if the client of such a socket had left, whatever it has sent. Any thread;
+ * the connection's own thread sees it with its next read. */
+void pel_rtsp_guard_end(GSocket *socket);
