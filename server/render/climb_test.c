@@ -3,12 +3,11 @@
  * the sky's are made for heights in fractions of an octave
  * (pel_sky_quantize_height), and the mesh's rings and columns come in whole
  * numbers. */
-#include "render/rendertest.h"
+#include "render/render_testkit.h"
 
 #define WIDTH 128
 #define HEIGHT 96
 
-static struct pel_renderer *renderer;
 static struct pel_sea sea;
 
 /* Mean green radiance of each row. */
@@ -93,24 +92,10 @@ static void nothing_pops(void **state)
     climb(true, -60.0);
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    renderer = test_renderer(NULL);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    pel_renderer_destroy(renderer);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_pops),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
 }

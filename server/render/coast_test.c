@@ -3,9 +3,8 @@
 #include "optics/atmosphere.h"
 #include "optics/waterslope.h"
 #include "render/coast.h"
-#include "render/rendertest.h"
+#include "render/render_testkit.h"
 #include "render/sky.h"
-#include "render/testbed.h"
 
 static struct pel_sea sea;
 

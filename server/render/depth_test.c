@@ -1,10 +1,9 @@
 /* The drawn depth against the surface that queries answer from: pixels and
  * queries must be one function. */
 #include "optics/atmosphere.h"
-#include "render/rendertest.h"
+#include "render/render_testkit.h"
 #include "render/uniforms.h"
 
-static struct pel_renderer *renderer;
 static struct pel_sea sea;
 
 /* The waves that a pixel blurs or leaves out cannot be in its depth: pixels
@@ -163,24 +162,10 @@ static void depth_is_the_surface(void **state)
     }
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    renderer = test_renderer(NULL);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    pel_renderer_destroy(renderer);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(depth_is_the_surface),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
 }

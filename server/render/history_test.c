@@ -3,8 +3,7 @@
  * renderer that draws them all, in several orders and several a frame, by both
  * wrappers, bit for bit. */
 #include "render/probe.h"
-#include "render/rendertest.h"
-#include "render/testbed.h"
+#include "render/render_testkit.h"
 #include "render/waterprobe.h"
 
 enum {

@@ -4,13 +4,12 @@
 #include "optics/atmosphere.h"
 #include "optics/brdf.h"
 #include "optics/watertable.h"
-#include "render/rendertest.h"
+#include "render/render_testkit.h"
 #include "render/sky.h"
 
 /* MIN_VARIANCE of shaders/lib/shade.glsl. */
 #define FLAT_VARIANCE 2e-6
 
-static struct pel_renderer *renderer;
 static struct pel_sea sea;
 static struct pel_atmosphere air;
 
@@ -266,20 +265,6 @@ static void glitter_is_eq_15(void **state)
     }
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    renderer = test_renderer(NULL);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    pel_renderer_destroy(renderer);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -287,5 +272,5 @@ int main(void)
         cmocka_unit_test(flat_sea_mirrors),
         cmocka_unit_test(glitter_is_eq_15),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
 }

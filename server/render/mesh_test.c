@@ -2,7 +2,7 @@
 #include "render/mesh.h"
 
 #include "optics/atmosphere.h"
-#include "render/rendertest.h"
+#include "render/render_testkit.h"
 #include "render/uniforms.h"
 
 static struct pel_mesh mesh; /* large */

@@ -1,12 +1,11 @@
 /* The shading functions on the device against their reference in C. */
 #include "render/probe.h"
 
-#include "render/rendertest.h"
+#include "render/render_testkit.h"
 
 #include "base/near.h"
 #include "render/sky.h"
 
-static struct pel_renderer *renderer;
 static struct pel_sea sea;
 
 static double off(double got, double want)
@@ -123,17 +122,8 @@ static void sky_terms(void **state)
 
 static int set_up(void **state)
 {
-    (void)state;
     test_sea(7.0, 0.0, 1, &sea);
-    renderer = test_renderer(NULL);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    pel_renderer_destroy(renderer);
-    return 0;
+    return begin_renderer(state);
 }
 
 int main(void)
@@ -142,5 +132,5 @@ int main(void)
         cmocka_unit_test(sea_terms),
         cmocka_unit_test(sky_terms),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, set_up, end_renderer);
 }

@@ -6,9 +6,8 @@
 #include <pthread.h>
 
 #include "render/readback.h"
-#include "render/rendertest.h"
+#include "render/render_testkit.h"
 
-static struct pel_renderer *renderer;
 static struct pel_sea sea;
 
 static size_t layer_bytes(const struct pel_picture *p, int channels)
@@ -712,20 +711,6 @@ static void full_is_busy_until_released(void **state)
     pel_picture_release(NULL);
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    renderer = test_renderer(NULL);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    pel_renderer_destroy(renderer);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -744,5 +729,5 @@ int main(void)
         cmocka_unit_test(exposure_falls_with_the_sun),
         cmocka_unit_test(full_is_busy_until_released),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
 }

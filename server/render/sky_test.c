@@ -4,7 +4,7 @@
 
 #include "optics/brdf.h"
 #include "render/context.h"
-#include "render/rendertest.h"
+#include "render/render_testkit.h"
 #include "render/uniforms.h"
 
 #define SIZE PEL_SKY_MAP_SIZE

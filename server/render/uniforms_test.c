@@ -1,7 +1,7 @@
 /* The pixel lattice, the waves' phases and the table of slope variance. */
 #include "render/uniforms.h"
 
-#include "render/rendertest.h"
+#include "render/render_testkit.h"
 
 static struct pel_sea sea;
 static const struct pel_filter filter = PEL_FILTER_DEFAULT;

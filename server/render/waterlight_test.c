@@ -8,7 +8,7 @@
 #include "optics/brdf.h"
 #include "optics/ordinates.h"
 #include "render/context.h"
-#include "render/rendertest.h"
+#include "render/render_testkit.h"
 #include "render/uniforms.h"
 
 static struct pel_water_prober prober;

@@ -7,8 +7,7 @@
 #include <sys/stat.h>
 
 #include "encode/encode.h"
-#include "render/rendertest.h"
-#include "render/testbed.h"
+#include "render/render_testkit.h"
 
 #define FOLDER "tests/golden"
 #define FAILED "build/golden"
@@ -162,7 +161,6 @@ static const struct scene scenes[] = {
 };
 #define SCENES (sizeof scenes / sizeof *scenes)
 
-static struct pel_renderer *renderer;
 static bool same_device;
 
 static void draw(const struct scene *scene, uint8_t *rgba)
@@ -360,13 +358,6 @@ static int set_up(void **state)
     return 0;
 }
 
-static int tear_down(void **state)
-{
-    (void)state;
-    pel_renderer_destroy(renderer);
-    return 0;
-}
-
 static int write_all(void)
 {
     static uint8_t rgba[BYTES];
@@ -401,5 +392,5 @@ int main(int argc, char **argv)
     }
     tests[SCENES] = (struct CMUnitTest)cmocka_unit_test(others_are_told_apart);
     tests[SCENES + 1] = (struct CMUnitTest)cmocka_unit_test(compute_is_golden);
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, set_up, end_renderer);
 }

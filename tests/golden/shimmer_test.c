@@ -1,7 +1,7 @@
 /* Sixty frames of a moving camera: how much a far patch flickers, as a number.
  * Aliasing shows as variance over time that the same patch, sampled finely and
  * averaged, does not have. */
-#include "render/rendertest.h"
+#include "render/render_testkit.h"
 
 #define FRAMES 60
 #define ACROSS 40
@@ -12,8 +12,6 @@
 #define SPEED_MPS 10.0
 #define HEIGHT_M 12.0
 #define MOST 1.25
-
-static struct pel_renderer *renderer;
 
 /* A piece of a picture 1280 px wide and 60° across, towards the Sun; `below` is
  * the tangent of its upper edge under the level. */
@@ -122,24 +120,10 @@ static void far_patch_is_quiet(void **state)
     }
 }
 
-static int set_up(void **state)
-{
-    (void)state;
-    renderer = test_renderer(NULL);
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    pel_renderer_destroy(renderer);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(far_patch_is_quiet),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
 }
