@@ -135,7 +135,7 @@ SCENE := server/scene/scene.c \
     server/scene/build.c \
     server/scene/ground.c \
     server/scene/numbers.c \
-    server/scene/snapshot.c server/scene/stale.c \
+    server/scene/snapshot.c server/scene/spectra.c server/scene/stale.c \
     server/scene/sharedsea.c \
     server/scene/worker.c \
     server/scene/submit.c server/scene/sail.c \

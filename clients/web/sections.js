@@ -93,16 +93,19 @@ export class Sections {
   // --- wind and swell -----------------------------------------------------------
 
   buildSea() {
-    const is = (...kinds) => (s) => kinds.includes(s.sea?.spectrum);
+    // Shown with the spectra that depend on it.
+    const shape = (label, path, unit, step, more) => {
+      const kinds = this.fields.get(path)?.spectra ?? [];
+      this.range("sea", label, path, unit, step, { ...more,
+        depends: (s) => kinds.includes(s.sea?.spectrum) });
+    };
     this.range("sea", "Wind speed", "sea.windSpeed", "m/s", 0.1,
       { id: "wind-speed" });
     this.range("sea", "Wind from", "sea.windDirection", "°", 1,
       { id: "wind-direction" });
     this.choice("sea", "spectrum", "Spectrum", "sea.spectrum");
-    this.range("sea", "Fetch", "sea.fetch", "m", 1000, { scale: "log",
-      depends: is("JONSWAP", "TMA", "ELFOUHAILY") });
-    this.range("sea", "Peak enhancement", "sea.gamma", "", 0.1,
-      { depends: is("JONSWAP", "TMA") });
+    shape("Fetch", "sea.fetch", "m", 1000, { scale: "log" });
+    shape("Peak enhancement", "sea.gamma", "", 0.1);
     this.choice("sea", "synthesiser", "Waves made by", "sea.synthesiser");
     this.range("sea", "Level of the sea", "sea.level", "m", 0.1);
     const seed = this.add(new Text(byId("sea"), { store: this.store,

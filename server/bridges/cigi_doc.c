@@ -2,8 +2,10 @@
  * table, after the text of the file given. */
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bridges/cigi_packet.h"
+#include "scene/spectra.h"
 
 static void print_place(const struct pel_cigi_row *row)
 {
@@ -36,6 +38,25 @@ static void print_packet(const struct pel_cigi_info *info)
     }
 }
 
+/* {SpectrumKind} in the text: the numbers that a host may send. */
+static void print_numbers(const char *name)
+{
+    const ProtobufCEnumDescriptor *enums[] = {
+        &pelagos__spectrum_kind__descriptor, &pelagos__synthesiser__descriptor
+    };
+    for (size_t e = 0; e < sizeof enums / sizeof *enums; e++) {
+        bool spectra = enums[e] == &pelagos__spectrum_kind__descriptor;
+        bool here = strcmp(enums[e]->short_name, name) == 0;
+        for (unsigned i = 0; here && i < enums[e]->n_values; i++) {
+            const ProtobufCEnumValue *v = &enums[e]->values[i];
+            if (!spectra || !pel_spectrum_reads((Pelagos__SpectrumKind)v->value,
+                                                "sea.measured")) {
+                printf("%s%d %s", i > 0 ? ", " : "", v->value, v->name);
+            }
+        }
+    }
+}
+
 int main(int argc, char **argv)
 {
     FILE *text = argc == 2 ? fopen(argv[1], "r") : NULL;
@@ -44,7 +65,12 @@ int main(int argc, char **argv)
         return EXIT_FAILURE;
     }
     for (int c; (c = fgetc(text)) != EOF;) {
-        putchar(c);
+        char name[32];
+        if (c == '{' && fscanf(text, "%31[A-Za-z]}", name) == 1) {
+            print_numbers(name);
+        } else {
+            putchar(c);
+        }
     }
     fclose(text);
     printf("Offsets are bytes from the packet's begin, `b` bits of that byte "

@@ -7,6 +7,7 @@
 #include "bridges/cigi_pose.h"
 #include "bridges/cigi_world.h"
 #include "scene/geodesy.h"
+#include "scene/spectra.h"
 #include "scene/sun.h"
 
 #define MAX_WIND_MPS 30.0
@@ -17,17 +18,6 @@
 #define GLOBAL_SEA 7
 #define FIRST_TRAIN 16 /* component id of a region's swell train 0 */
 #define CLOCK_SLACK_S 2.0
-
-/* Component Control numbers them as the schema does. */
-_Static_assert(PELAGOS__SPECTRUM_KIND__PIERSON_MOSKOWITZ == 0 &&
-                   PELAGOS__SPECTRUM_KIND__JONSWAP == 1 &&
-                   PELAGOS__SPECTRUM_KIND__TMA == 2 &&
-                   PELAGOS__SPECTRUM_KIND__ELFOUHAILY == 3 &&
-                   PELAGOS__SPECTRUM_KIND__OMEGA2 == 4,
-               "proto/cigi.in.md publishes these numbers");
-_Static_assert(PELAGOS__SYNTHESISER__TROCHOIDS == 0 &&
-                   PELAGOS__SYNTHESISER__FFT == 1,
-               "proto/cigi.in.md publishes these numbers");
 
 double pel_cigi_chlorophyll(double clarity)
 {
@@ -358,6 +348,21 @@ static void shape_sea(struct pel_cigi_edit *edit, const struct component *c)
     }
 }
 
+/* Component Control numbers them as the schema does (proto/cigi.in.md). A
+ * buoy's record is for who can name it. */
+static bool is_spectrum(unsigned state)
+{
+    return protobuf_c_enum_descriptor_get_value(
+               &pelagos__spectrum_kind__descriptor, (int)state) &&
+           !pel_spectrum_reads((Pelagos__SpectrumKind)state, "sea.measured");
+}
+
+static bool is_synthesiser(unsigned state)
+{
+    return protobuf_c_enum_descriptor_get_value(
+        &pelagos__synthesiser__descriptor, (int)state);
+}
+
 static void take_component(struct pel_cigi_edit *edit,
                            const struct pel_cigi_packet *p)
 {
@@ -384,7 +389,7 @@ static void take_component(struct pel_cigi_edit *edit,
     if (edit->refused) {
         return;
     }
-    if (c.id == 1 && c.state <= PELAGOS__SPECTRUM_KIND__OMEGA2) {
+    if (c.id == 1 && is_spectrum(c.state)) {
         set_wind(to, c.value[0], c.value[1]);
         if (!c.regional) {
             shape_sea(edit, &c);
@@ -408,8 +413,7 @@ static void take_component(struct pel_cigi_edit *edit,
     } else if (c.id == 4) {
         to->has_chlorophyll = true;
         to->chlorophyll_mg_m3 = c.value[0];
-    } else if (c.id == 5 && !c.regional &&
-               c.state <= PELAGOS__SYNTHESISER__FFT) {
+    } else if (c.id == 5 && !c.regional && is_synthesiser(c.state)) {
         edit->state.sea = &edit->sea;
         edit->sea.has_synthesiser = true;
         edit->sea.synthesiser = (Pelagos__Synthesiser)c.state;

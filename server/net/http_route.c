@@ -16,6 +16,7 @@
 #include "net/pages.h"
 #include "path.h"
 #include "scene/missing.h"
+#include "scene/spectra.h"
 
 #define JSON_TYPE "application/json"
 #define SURFACE_BODY 8 /* times the limit of other bodies */
@@ -223,6 +224,22 @@ static void append_names(GString *out, const ProtobufCFieldDescriptor *field)
     g_string_append_c(out, ']');
 }
 
+/* Which spectra depend on the field, where some do. */
+static void append_spectra(GString *out, const char *path)
+{
+    const ProtobufCEnumDescriptor *all = &pelagos__spectrum_kind__descriptor;
+    bool any = false;
+    for (unsigned i = 0; i < all->n_values; i++) {
+        const ProtobufCEnumValue *kind = &all->values[i];
+        if (pel_spectrum_reads((Pelagos__SpectrumKind)kind->value, path)) {
+            g_string_append_printf(out, "%s\"%s\"",
+                                   any ? "," : ",\"spectra\":[", kind->name);
+            any = true;
+        }
+    }
+    g_string_append(out, any ? "]" : "");
+}
+
 static void append_info(GString *out, const struct pel_field *info)
 {
     if (info->unit) {
@@ -289,6 +306,7 @@ static void append_field(const char *path, const struct pel_path_info *info,
                            out->str[out->len - 1] == '[' ? "" : ",", path);
     append_info(out, info->info);
     append_names(out, info->field);
+    append_spectra(out, path);
     g_string_append(out, ",\"doc\":");
     append_quoted(out, info->info->doc ? info->info->doc : "");
     g_string_append_c(out, '}');

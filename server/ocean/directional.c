@@ -63,19 +63,16 @@ static bool measured_ok(const struct pel_measured *m)
 
 bool pel_sea_desc_ok(const struct pel_sea_desc *d)
 {
-    bool ok = (d->synthesiser == PEL_SYNTHESISER_TROCHOIDS ||
-               d->synthesiser == PEL_SYNTHESISER_FFT) &&
+    bool ok = (int)d->synthesiser >= 0 && d->synthesiser < PEL_SYNTHESISERS &&
               (int)d->kind >= 0 && (int)d->kind < PEL_SPECTRA &&
               inside(d->wind_mps, 0, 30) && isfinite(d->direction_rad) &&
               d->wave_count >= 20 && d->wave_count <= PEL_SEA_MAX_WAVES &&
               d->swell_count >= 0 && d->swell_count <= PEL_SEA_MAX_SWELLS &&
               (d->depth_m == 0 || inside(d->depth_m, 1, 11000));
-    if (ok && pel_spectrum_uses(d->kind, PEL_USES_FETCH)) {
-        ok = inside(d->fetch_m, 1e3, 2e6);
-    }
-    if (ok && pel_spectrum_uses(d->kind, PEL_USES_GAMMA)) {
-        ok = inside(d->gamma, 1, 7);
-    }
+#define PEL_SPECTRUM_NUMBER(ID, member, field, path, least, most)              \
+    ok = ok && (!pel_spectrum_uses(d->kind, PEL_USES_##ID) ||                  \
+                inside(d->member, least, most));
+#include "ocean/spectra.def"
     if (ok && pel_spectrum_uses(d->kind, PEL_USES_RECORD)) {
         ok = measured_ok(&d->measured);
     }
@@ -161,46 +158,89 @@ static double shallow_factor(double k, double depth_m)
     return t * t / (kd < 250 ? 1.0 + 2.0 * kd / sinh(2.0 * kd) : 1.0);
 }
 
-static double frequency_spectrum(const struct pel_sea_desc *desc, double k,
-                                 double omega)
-{
-    switch (desc->kind) {
-    case PEL_SPECTRUM_TMA: {
-        double factor =
-            desc->depth_m > 0 ? shallow_factor(k, desc->depth_m) : 1.0;
-        return pel_spectrum_wind(desc, omega) * factor;
-    }
-    case PEL_SPECTRUM_OMEGA2:
-        return omega < pel_spectrum_peak(desc) ? 0.0
-                                               : OMEGA2_LEVEL / pow(omega, 5.0);
-    default:
-        return pel_spectrum_wind(desc, omega);
-    }
-}
+/* S(ω) [m² s/rad] of the gravity wave (k, ω). */
+typedef double frequency_density(const struct pel_sea_desc *desc, double k,
+                                 double omega);
 
-static enum pel_err add_frequency_sea(struct pel_directional *d,
-                                      const struct pel_sea_desc *desc)
+static void fill_frequencies(struct pel_directional *d,
+                             const struct pel_sea_desc *desc,
+                             frequency_density *density,
+                             struct pel_directional_part *p)
 {
-    struct pel_directional_part *p =
-        new_part(d, PEL_SPREADING_COSINE, d->wind_to_rad);
     for (int i = 0; i <= CUT; i++) {
         double k = node_k(d, i);
         double omega = gravity_omega(k, desc->depth_m);
-        p->energy[i] = frequency_spectrum(desc, k, omega) *
-                       omega_for_log_k(k, desc->depth_m);
+        p->energy[i] =
+            density(desc, k, omega) * omega_for_log_k(k, desc->depth_m);
+    }
+}
+
+/* A wind sea over frequency, spread as Hasselmann 1980. */
+static struct pel_directional_part *
+add_hasselmann(struct pel_directional *d, const struct pel_sea_desc *desc,
+               frequency_density *density)
+{
+    struct pel_directional_part *p =
+        new_part(d, PEL_SPREADING_COSINE, d->wind_to_rad);
+    fill_frequencies(d, desc, density, p);
+    for (int i = 0; i <= CUT; i++) {
+        double omega = gravity_omega(node_k(d, i), desc->depth_m);
         double s =
             fmax(pel_spectrum_spreading(desc, omega), PEL_SEA_SPREADING_FLOOR);
         p->shape[i] = s;
         p->log_norm[i] = log_cosine_norm(s);
     }
-    double top = gravity_omega(node_k(d, CUT), desc->depth_m);
-    if (desc->kind == PEL_SPECTRUM_OMEGA2) {
-        double peak = pel_spectrum_peak(desc);
-        normalise(d, p,
-                  0.25 * OMEGA2_LEVEL * (pow(peak, -4.0) - pow(top, -4.0)));
-    } else if (desc->kind != PEL_SPECTRUM_TMA) {
-        normalise(d, p, pel_spectrum_m0(desc, 0, top));
-    }
+    return p;
+}
+
+static double top_omega(const struct pel_directional *d)
+{
+    return gravity_omega(node_k(d, CUT), d->depth_m);
+}
+
+static double wind_density(const struct pel_sea_desc *desc, double k,
+                           double omega)
+{
+    (void)k;
+    return pel_spectrum_wind(desc, omega);
+}
+
+static enum pel_err add_wind_sea(struct pel_directional *d,
+                                 const struct pel_sea_desc *desc)
+{
+    struct pel_directional_part *p = add_hasselmann(d, desc, wind_density);
+    normalise(d, p, pel_spectrum_m0(desc, 0, top_omega(d)));
+    return PEL_OK;
+}
+
+static double tma_density(const struct pel_sea_desc *desc, double k,
+                          double omega)
+{
+    double factor = desc->depth_m > 0 ? shallow_factor(k, desc->depth_m) : 1.0;
+    return pel_spectrum_wind(desc, omega) * factor;
+}
+
+static enum pel_err add_tma(struct pel_directional *d,
+                            const struct pel_sea_desc *desc)
+{
+    add_hasselmann(d, desc, tma_density);
+    return PEL_OK;
+}
+
+static double omega2_density(const struct pel_sea_desc *desc, double k,
+                             double omega)
+{
+    (void)k;
+    return omega < pel_spectrum_peak(desc) ? 0.0
+                                           : OMEGA2_LEVEL / pow(omega, 5.0);
+}
+
+static enum pel_err add_omega2(struct pel_directional *d,
+                               const struct pel_sea_desc *desc)
+{
+    struct pel_directional_part *p = add_hasselmann(d, desc, omega2_density);
+    double peak = pel_spectrum_peak(desc), top = top_omega(d);
+    normalise(d, p, 0.25 * OMEGA2_LEVEL * (pow(peak, -4.0) - pow(top, -4.0)));
     return PEL_OK;
 }
 

@@ -24,11 +24,15 @@ enum pel_spectrum_kind {
 };
 
 /* What of a sea's description a spectrum depends on; sets are sums. */
+enum {
+#define PEL_SPECTRUM_NUMBER(ID, ...) PEL_USE_AT_##ID,
+#include "ocean/spectra.def"
+    PEL_SPECTRUM_NUMBERS
+};
 enum pel_spectrum_uses {
-    PEL_USES_WIND = 1,
-    PEL_USES_FETCH = 2,
-    PEL_USES_GAMMA = 4,
-    PEL_USES_RECORD = 8, /* `measured` */
+#define PEL_SPECTRUM_NUMBER(ID, ...) PEL_USES_##ID = 1 << PEL_USE_AT_##ID,
+#include "ocean/spectra.def"
+    PEL_USES_RECORD = 1 << PEL_SPECTRUM_NUMBERS, /* `measured` */
 };
 
 /* A directional spectrum as a buoy reports it. */
@@ -46,6 +50,7 @@ struct pel_measured {
 enum pel_synthesiser {
     PEL_SYNTHESISER_TROCHOIDS, /* Bruneton et al. 2010 */
     PEL_SYNTHESISER_FFT,       /* cascades, see cascade.h */
+    PEL_SYNTHESISERS
 };
 
 struct pel_swell_desc {

@@ -14,6 +14,7 @@
 #include "scene/check.h"
 #include "scene/geodesy.h"
 #include "scene/sharedsea.h"
+#include "scene/spectra.h"
 #include "scene/sun.h"
 
 struct snapshot {
@@ -35,15 +36,12 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
 {
     const Pelagos__Sea *sea = state->sea;
     *out = (struct pel_sea_desc){ 0 };
-    out->synthesiser = sea->synthesiser == PELAGOS__SYNTHESISER__FFT
-                           ? PEL_SYNTHESISER_FFT
-                           : PEL_SYNTHESISER_TROCHOIDS;
+    out->synthesiser = (enum pel_synthesiser)sea->synthesiser;
     out->kind = (enum pel_spectrum_kind)sea->spectrum; /* SAME, below */
     out->depth_m = sea->has_depth ? sea->depth : 0;
-    out->wind_mps = sea->wind_speed;
     out->direction_rad = goes_to(sea->wind_direction);
-    out->fetch_m = sea->fetch;
-    out->gamma = sea->gamma;
+#define PEL_SPECTRUM_NUMBER(ID, member, field, ...) out->member = sea->field;
+#include "ocean/spectra.def"
     out->seed = sea->seed;
     out->wave_count = wave_count;
     out->swell_count = (int)sea->n_swell;
@@ -66,7 +64,7 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
 static char *record_of(const Pelagos__State *state)
 {
     const Pelagos__Sea *sea = state->sea;
-    return sea->spectrum == PELAGOS__SPECTRUM_KIND__MEASURED
+    return pel_spectrum_reads(sea->spectrum, "sea.measured")
                ? g_strdup_printf("%s %s", sea->measured ? sea->measured : "",
                                  sea->measured_time ? sea->measured_time : "")
                : NULL;
@@ -118,11 +116,13 @@ static bool same_single(const struct pel_single_desc *a,
 static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
 {
     bool same = a->synthesiser == b->synthesiser && a->kind == b->kind &&
-                a->depth_m == b->depth_m && a->wind_mps == b->wind_mps &&
-                a->direction_rad == b->direction_rad &&
-                a->fetch_m == b->fetch_m && a->gamma == b->gamma &&
-                a->seed == b->seed && a->wave_count == b->wave_count &&
+                a->depth_m == b->depth_m &&
+                a->direction_rad == b->direction_rad && a->seed == b->seed &&
+                a->wave_count == b->wave_count &&
                 a->swell_count == b->swell_count;
+#define PEL_SPECTRUM_NUMBER(ID, member, ...)                                   \
+    same = same && a->member == b->member;
+#include "ocean/spectra.def"
     for (int i = 0; same && i < a->swell_count; i++) {
         same = same_swell(&a->swell[i], &b->swell[i]);
     }
@@ -288,6 +288,9 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
 #define PEL_SPECTRUM(ID, uses, whole, add)                                     \
     SAME(PEL_SPECTRUM_##ID, PELAGOS__SPECTRUM_KIND__##ID);
 #include "ocean/spectra.def"
+SAME(PEL_SYNTHESISER_TROCHOIDS, PELAGOS__SYNTHESISER__TROCHOIDS);
+SAME(PEL_SYNTHESISER_FFT, PELAGOS__SYNTHESISER__FFT);
+SAME(PEL_SYNTHESISERS, PELAGOS__SYNTHESISER__FFT + 1);
 SAME(PEL_JERLOV_I, PELAGOS__JERLOV_TYPE__I);
 SAME(PEL_JERLOV_1C, PELAGOS__JERLOV_TYPE__C1);
 SAME(PEL_JERLOV_9C, PELAGOS__JERLOV_TYPE__C9);
