@@ -108,6 +108,9 @@ class Endpoints(HttpCase):
         fields = {f["path"]: f for f in
                   self.daemon.get("/v1/fields").json()["fields"]}
         self.assertEqual(fields["sea.windSpeed"]["maximum"], 30)
+        self.assertEqual(fields["sea.gamma"]["spectra"], ["JONSWAP", "TMA"])
+        self.assertEqual(fields["sea.height"]["spectra"], ["BRETSCHNEIDER"])
+        self.assertNotIn("spectra", fields["sea.level"])
         with open(os.path.join(ROOT, "proto", "pelagos.proto"), "rb") as f:
             self.assertEqual(self.daemon.get("/v1/schema").body, f.read())
 

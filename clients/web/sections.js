@@ -106,6 +106,8 @@ export class Sections {
     this.choice("sea", "spectrum", "Spectrum", "sea.spectrum");
     shape("Fetch", "sea.fetch", "m", 1000, { scale: "log" });
     shape("Peak enhancement", "sea.gamma", "", 0.1);
+    shape("Significant height", "sea.height", "m", 0.1);
+    shape("Peak period", "sea.period", "s", 0.1);
     this.choice("sea", "synthesiser", "Waves made by", "sea.synthesiser");
     this.range("sea", "Level of the sea", "sea.level", "m", 0.1);
     const seed = this.add(new Text(byId("sea"), { store: this.store,

@@ -179,6 +179,20 @@ static void components_give_whole_sea_states(void **state)
     assert_near(sea->fetch, 90000, 0);
     assert_int_equal(sea->spectrum, PELAGOS__SPECTRUM_KIND__JONSWAP);
     assert_int_equal(sea->seed, 77);
+    /* Every spectrum of the schema but a buoy's record. */
+    const ProtobufCEnumDescriptor *all = &pelagos__spectrum_kind__descriptor;
+    for (int i = 0; i <= (int)all->n_values; i++) {
+        int before = (int)pel_scene_state(scene)->sea->spectrum;
+        bool taken =
+            i < (int)all->n_values && i != PELAGOS__SPECTRUM_KIND__MEASURED;
+        begin();
+        with(PEL_CIGI_KIND_COMPONENT, PEL_CIGI_COMPONENT_ID, 1.0,
+             PEL_CIGI_COMPONENT_CLASS, 7.0, PEL_CIGI_COMPONENT_STATE, (double)i,
+             PEL_CIGI_COMPONENT_DATA1, (double)words[0], 0);
+        send();
+        assert_int_equal(pel_scene_state(scene)->sea->spectrum,
+                         taken ? i : before);
+    }
     begin();
     with(PEL_CIGI_KIND_SHORT_COMPONENT, PEL_CIGI_SHORT_COMPONENT_ID, 2.0,
          PEL_CIGI_SHORT_COMPONENT_CLASS, 7.0, PEL_CIGI_SHORT_COMPONENT_STATE,

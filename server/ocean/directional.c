@@ -244,6 +244,31 @@ static enum pel_err add_omega2(struct pel_directional *d,
     return PEL_OK;
 }
 
+static double bretschneider_density(const struct pel_sea_desc *desc, double k,
+                                    double omega)
+{
+    (void)k;
+    double b = 1.25 * pow(2.0 * PEL_PI / desc->period_s, 4.0);
+    double a = 0.25 * b * desc->height_m * desc->height_m;
+    return a / pow(omega, 5.0) * exp(-b / pow(omega, 4.0));
+}
+
+static enum pel_err add_bretschneider(struct pel_directional *d,
+                                      const struct pel_sea_desc *desc)
+{
+    struct pel_directional_part *p =
+        new_part(d, PEL_SPREADING_ELLIPSE, d->wind_to_rad);
+    fill_frequencies(d, desc, bretschneider_density, p);
+    for (int i = 0; i <= CUT; i++) {
+        p->shape[i] = 1; /* 2/π cos² */
+    }
+    double ratio = 2.0 * PEL_PI / (desc->period_s * top_omega(d));
+    normalise(d, p,
+              desc->height_m * desc->height_m / 16.0 *
+                  exp(-1.25 * pow(ratio, 4.0)));
+    return PEL_OK;
+}
+
 static enum pel_err add_elfouhaily(struct pel_directional *d,
                                    const struct pel_sea_desc *desc)
 {

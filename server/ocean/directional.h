@@ -59,7 +59,9 @@ struct pel_directional {
  * Pierson–Moskowitz, JONSWAP: spectrum.h. TMA (Bouws et al. 1985): JONSWAP
  * times tanh²(kd) / (1 + 2kd/sinh 2kd). OMEGA2: h ∝ ω⁻² for waves in geometric
  * progression is S = α g² ω⁻⁵, α of Pierson–Moskowitz, down from that one's
- * peak. These spread as Hasselmann 1980 with the floor of sea.h. Elfouhaily,
+ * peak. These spread as Hasselmann 1980 with the floor of sea.h. Bretschneider
+ * (ITTC, Recommended Procedure 7.5-02-07-01.1): S = A ω⁻⁵ exp(−B ω⁻⁴), B = 5/4
+ * ω_p⁴, A = B H²/4, spread as 2/π cos² θ. Elfouhaily,
  * Chapron, Katsaros and Vandemark 1997: eq. 30–32, 34–37, 40, 41, 43, 44, 49,
  * 57, 66; that density is symmetric between a wave and its opposite, here all
  * waves run with the wind, and keep the share that the wind sustains against

@@ -1,6 +1,7 @@
 #include "ocean/directional.h"
 
 #include "base/near.h"
+#include "ocean/report.h"
 #include "ocean/spectrum.h"
 
 static const struct pel_sea_desc base = {
@@ -264,6 +265,44 @@ static double published_slopes(double wind, double from, double to)
  * γ = 1.7, adds as much as its lower side takes: a few percent remain. It is
  * more than all of Cox and Munk's 0.003 + 0.00512 U below 3.5 m/s: this is what
  * pel_wind_over_viscosity is for. */
+/* ITTC 7.5-02-07-01.1: 173 H²/T1⁴ ω⁻⁵ exp(−691/(T1⁴ ω⁴)), T1 = 0.772 Tp; its
+ * numbers have three digits, and the second is in an exponent of up to 5. */
+static void test_bretschneider_published(void **state)
+{
+    (void)state;
+    struct pel_sea_desc d = kind(PEL_SPECTRUM_BRETSCHNEIDER);
+    d.wind_mps = 0;
+    d.fetch_m = d.gamma = 0; /* not used */
+    for (d.period_s = 4; d.period_s < 20; d.period_s += 5) {
+        d.height_m = 0.3 * d.period_s;
+        struct pel_directional *s = make(&d);
+        struct pel_band_moments all;
+        double peak = 2 * PEL_PI / d.period_s, t1 = 0.772 * d.period_s;
+        for (double omega = 0.7 * peak; omega < 4 * peak; omega += 0.2 * peak) {
+            double want = 173 * d.height_m * d.height_m / pow(t1 * omega, 4) /
+                          omega * exp(-691 / pow(t1 * omega, 4));
+            struct pel_spectrum_row row;
+            pel_spectrum_row(s, omega, &row);
+            assert_near(row.density, want, 0.01 * want);
+            assert_near(row.mean_to_rad, d.direction_rad, 1e-9);
+            /* ∫ cos θ · 2/π cos² θ dθ over the half circle. */
+            assert_near(row.r1, 8 / (3 * PEL_PI), 1e-9);
+            assert_near(pel_directional_at(s, omega, d.direction_rad + 1) /
+                            pel_directional_at(s, omega, d.direction_rad),
+                        cos(1) * cos(1), 1e-9);
+        }
+        /* But for waves below 2 cm. */
+        pel_directional_moments(s, 0, INFINITY, &all);
+        assert_near(4 * sqrt(all.m0), d.height_m, 1e-4 * d.height_m);
+        pel_directional_destroy(s);
+    }
+    d.period_s = 2.9;
+    assert_false(pel_sea_desc_ok(&d));
+    d.period_s = 3;
+    d.height_m = 15.1;
+    assert_false(pel_sea_desc_ok(&d));
+}
+
 static void test_elfouhaily_published(void **state)
 {
     (void)state;
@@ -437,6 +476,7 @@ int main(void)
         cmocka_unit_test(test_frequency),
         cmocka_unit_test(test_tma),
         cmocka_unit_test(test_omega2),
+        cmocka_unit_test(test_bretschneider_published),
         cmocka_unit_test(test_elfouhaily_published),
         cmocka_unit_test(test_viscosity),
         cmocka_unit_test(test_cox_munk),

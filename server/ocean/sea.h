@@ -76,6 +76,8 @@ struct pel_sea_desc {
     double direction_rad; /* the wind blows to */
     double fetch_m;       /* JONSWAP, 1e3..2e6 */
     double gamma;         /* JONSWAP peak enhancement, 1..7 */
+    double height_m;      /* Bretschneider: significant, 0..15 */
+    double period_s;      /* Bretschneider: of the peak, 3..30 */
     uint32_t seed;
     int wave_count; /* trochoids in all, 20..256; 60 in the 2010 paper */
     int swell_count;

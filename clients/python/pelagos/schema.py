@@ -95,7 +95,8 @@ class Sea(Record):
     #: Direction the wind blows from. [deg; 0 to 360]
     windDirection: float = _field(270.0, 'deg', 0, 360)
     #: Shape of the wind sea's spectrum.
-    #: One of PIERSON_MOSKOWITZ, JONSWAP, TMA, ELFOUHAILY, OMEGA2, MEASURED.
+    #: One of PIERSON_MOSKOWITZ, JONSWAP, TMA, ELFOUHAILY, OMEGA2, MEASURED,
+    #: BRETSCHNEIDER.
     spectrum: str = _field('PIERSON_MOSKOWITZ')
     #: Distance over which the wind has blown, for JONSWAP. [m; 1000 to
     #: 2000000]
@@ -128,6 +129,10 @@ class Sea(Record):
     wave: tuple[Wave, ...] = ()
     #: Height of the calm sea above altitude 0: tide and surge. [m; -20 to 20]
     level: float = _field(0.0, 'm', -20, 20)
+    #: Significant wave height, for BRETSCHNEIDER. [m; 0 to 15]
+    height: float = _field(2.0, 'm', 0, 15)
+    #: Peak period, for BRETSCHNEIDER. [s; 3 to 30]
+    period: float = _field(8.0, 's', 3, 30)
 
 
 @dataclass(frozen=True)
