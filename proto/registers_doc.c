@@ -45,7 +45,7 @@ static const char introduction[] =
     "\n"
     "**Heartbeat.** From the first write to register 4 on, silence for longer "
     "than `--modbus-heartbeat` (1000 ms) makes the source stale: an alarm, "
-    "and own ship is reckoned on for `--modbus-extrapolate` (5000 ms); then, "
+    "and own ship is extrapolated for `--modbus-extrapolate` (5000 ms); then, "
     "if Modbus steered it, it is stopped where it is, and the fields of "
     "`--modbus-safe` are set (`views.bridge.yaw=0,views.bridge.pitch=0`: a "
     "safe view). `sources.modbusStale` says so in the state and with every "

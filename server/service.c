@@ -22,8 +22,11 @@ void pel_service_limits(void)
         if (limit.rlim_cur < want) {
             limit.rlim_cur = want;
             if (setrlimit(RLIMIT_NOFILE, &limit) != 0) {
-                pel_warn("DMN-010",
-                         "the limit of file descriptors could not be raised");
+                pel_warn(
+                    "DMN-010",
+                    "the limit of file descriptors could not be raised; many "
+                    "clients at once may be refused (LimitNOFILE, ulimit "
+                    "-n)");
             }
         }
         if (limit.rlim_cur < NEEDED_DESCRIPTORS) {

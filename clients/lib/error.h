@@ -1,5 +1,4 @@
-/* How every error of the library ends: a code and a sentence in the caller's
- * hands. */
+/* How every function of the library reports an error: a code and a sentence. */
 #pragma once
 
 #include "pelagos.h"

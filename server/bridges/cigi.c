@@ -406,7 +406,7 @@ static void tell_version(struct pel_cigi *cigi, const uint8_t *bytes,
     }
     cigi->told_versions |= 1u << major;
     pel_warn("CIG-012",
-             "a host speaks CIGI %u.%u and is not heard: this is CIGI 3.3 (3.2 "
+             "datagrams of CIGI %u.%u are dropped: this is CIGI 3.3 (3.2 "
              "too). Set the host to version 3, minor version 3, whose IG "
              "Control is packet 1 of 24 bytes",
              major, minor);

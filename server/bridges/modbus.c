@@ -112,7 +112,7 @@ static void hold(struct pel_modbus *m, struct unit *u)
 {
     const struct pel_scene_wish wish = { .patch = m->safe, .source = m };
     if (u->map.steers) { /* else another input moves the ship */
-        pel_warn("MBS-006", "own ship is stopped where it was reckoned");
+        pel_warn("MBS-006", "own ship is stopped at its extrapolated position");
         pel_modbus_map_stop_ship(&u->map);
     }
     if (m->safe) {
@@ -138,7 +138,7 @@ static void watch(struct pel_modbus *m, struct unit *u, int64_t now_ns)
     if (u->source == PEL_MODBUS_LIVE && silent > 0) {
         pel_warn("MBS-005",
                  "the source of Modbus unit %s is stale: no heartbeat for %d "
-                 "ms; own ship is reckoned on for %d ms",
+                 "ms; own ship is extrapolated for %d ms",
                  unit_name(u, name), m->options.heartbeat_ms,
                  m->options.extrapolate_ms);
         u->source = PEL_MODBUS_STALE;

@@ -9,7 +9,7 @@
 
 #include "base/err.h"
 
-/* Bytes owned by whoever holds the struct; free with pel_bytes_finish. */
+/* Bytes owned by the struct's holder; free with pel_bytes_finish. */
 struct pel_bytes {
     uint8_t *data;
     size_t size;

@@ -22,7 +22,7 @@ struct pel_planes_scratch {
 };
 void pel_planes_scratch_finish(struct pel_planes_scratch *scratch);
 
-/* Has the processor fetch so many bytes of a picture, to be read soon. */
+/* Prefetches so many bytes of a picture into the processor's caches. */
 void pel_planes_fetch(const uint8_t *rgba, size_t size);
 
 /* Fills `out` from `rgba`, width x height pixels (1 .. 16384), rows `stride`

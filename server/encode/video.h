@@ -36,11 +36,11 @@ struct pel_video_config {
 };
 
 /* Whether `name` can be such an encoder; INVALID names those that can. Whether
- * it is installed shows when somebody watches. */
+ * it is installed is known at the first picture. */
 PEL_CHECK enum pel_err pel_video_check_encoder(const char *name,
                                                struct pel_fault *fault);
 
-/* Costs nothing: GStreamer comes in with the first picture. NULL: no memory. */
+/* Cheap: GStreamer is started by the first picture. NULL: no memory. */
 struct pel_video *pel_video_create(const struct pel_video_config *config);
 void pel_video_destroy(struct pel_video *video); /* NULL allowed */
 

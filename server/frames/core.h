@@ -138,7 +138,7 @@ struct pel_frames {
     struct pel_optics_query *optics[PEL_MAX_OPTICS_QUERIES];
 
     int64_t launched_ns;
-    uint64_t stuck_order; /* job that was last complained about */
+    uint64_t stuck_order; /* the last job that was logged as stuck */
     struct pel_frames_stats stats;
     struct pel_window render_ms, encode_ms, video_ms;
     struct pel_window ready_ms; /* live frames: stamp to bytes */
@@ -146,7 +146,7 @@ struct pel_frames {
 
 /* --- schedule.c: frames begin and end ------------------------------------ */
 
-/* The alarm of live views: one frame of every stream and waiting request. */
+/* Timer of live views: draws one frame of every stream and waiting request. */
 void pel_schedule_tick(void *user);
 /* Starts frames for waiting requests, as far as there is room. */
 void pel_schedule_start(void *user);
@@ -154,9 +154,9 @@ void pel_schedule_start(void *user);
 void pel_schedule_soon(struct pel_frames *frames);
 /* Live views begin or end, or the rate changes. */
 void pel_schedule_live(struct pel_frames *frames);
-/* The alarm that looks after frames being drawn; sets itself again. */
+/* Timer that checks on frames being drawn; sets itself again. */
 void pel_schedule_watch(void *user);
-/* A job or output comes back. */
+/* A job is drawn, or an output encoded. */
 void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job);
 void pel_schedule_output(struct pel_frames *frames, struct pel_output *output);
 /* What a frame of this snapshot is drawn in. */
@@ -164,14 +164,14 @@ void pel_schedule_output(struct pel_frames *frames, struct pel_output *output);
 struct pel_environment pel_environment_of(const struct pel_snapshot *s,
                                           double time_s);
 
-/* --- fair.c: what others may have to wait for ---------------------------- */
+/* --- fair.c: bounds on what other clients wait for ----------------------- */
 
 #define PEL_LONE_PIXELS (1u << 20) /* while there are no others */
 uint64_t pel_fair_job_pixels(const struct pel_job *job);
 /* Remembers the size of a job that is about to be drawn whole. */
 void pel_fair_note(struct pel_frames *frames, const struct pel_job *job);
-/* Pixels of a band, so that nobody waits for it longer than for a frame of his
- * own. */
+/* Pixels of a band, such that no client waits for it longer than for a frame of
+ * its own. */
 uint64_t pel_fair_band(const struct pel_frames *frames);
 /* Whether a request, with its set, has to be drawn in bands. */
 bool pel_fair_is_large(const struct pel_frames *frames,
@@ -199,13 +199,13 @@ PEL_CHECK enum pel_err pel_request_check(struct pel_frames *frames,
 enum pel_err pel_request_refuse(struct pel_frames *frames,
                                 struct pel_fault *fault, enum pel_err code,
                                 const char *path, const char *message);
-/* Has it wait for a frame; NULL: all places are taken. It was checked. */
+/* Queues a checked request for a frame; NULL: all places are taken. */
 struct pel_frame_request *pel_request_take(struct pel_frames *frames,
                                            const Pelagos__FrameRequest *request,
                                            pel_frame_callback done, void *user);
 /* Layers that it reads back, of enum pel_layer. */
 unsigned pel_request_layers(const Pelagos__FrameRequest *request);
-/* Its callback does not come any more. */
+/* Its callback is not called any more. */
 void pel_request_forget(struct pel_frames *frames, uint64_t id);
 unsigned pel_requests_free(const struct pel_frames *frames);
 /* Answers and forgets it; frame NULL with an error. */
@@ -236,7 +236,7 @@ void pel_live_check(struct pel_frames *frames, const struct pel_snapshot *s);
  * use it or its encoder is behind. */
 bool pel_live_output(struct pel_frames *frames, struct pel_stream *stream,
                      struct pel_output *want);
-/* It did; `key`: with a key frame. */
+/* Records that it did; `key`: with a key frame. */
 void pel_live_began(struct pel_stream *stream, bool key);
 /* Gives a frame to the subscribers of stream `serial`; why: of the error. */
 void pel_live_deliver(struct pel_frames *frames, uint32_t serial,
@@ -259,7 +259,7 @@ Pelagos__WaterLight *pel_optics_water_message(const struct pel_optics_query *q);
 /* --- optics.c ------------------------------------------------------------ */
 void pel_optics_answer(struct pel_frames *frames,
                        struct pel_optics_query *query);
-/* joined: no thread has them any more. */
+/* joined: the threads have ended. */
 void pel_optics_finish_all(struct pel_frames *frames, bool joined);
 
 /* --- window.c: medians --------------------------------------------------- */

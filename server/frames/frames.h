@@ -116,9 +116,9 @@ pel_frames_request_set(struct pel_frames *frames,
                        pel_frame_set_callback done, void *user, uint64_t *id,
                        struct pel_fault *fault);
 
-/* Forgets a request or a set: its callback does not come any more, and what
- * nobody waits for is neither drawn nor encoded further. An id that is unknown
- * or finished is ignored. */
+/* Cancels a request or a set: its callback is not called any more, and a
+ * picture that no client waits for is neither drawn nor encoded further. An id
+ * that is unknown or finished is ignored. */
 void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
 
 /* A live view as JPEG: drawn only while someone is subscribed, encoded once
@@ -175,16 +175,15 @@ void pel_frames_resync(struct pel_subscription *subscription, bool urgent);
 /* Asks for a key frame among the others; `urgent` as above. */
 void pel_frames_want_key(struct pel_subscription *subscription, bool urgent);
 
-/* What is asked of the surface. */
+/* A query of the surface. */
 struct pel_surface_wish {
     const struct pel_vec2 *points_m; /* copied */
     size_t count;                    /* at most 10,000 */
     bool has_time;                   /* else the clock's, or a moment near it
                                       * that was prepared (prefetch.h) */
     double time_s;
-    bool moving; /* accelerations too */
-    const void
-        *asker;     /* whose next question may be predicted; NULL: nobody's */
+    bool moving;       /* accelerations too */
+    const void *asker; /* whose next query may be predicted; NULL: none */
     uint64_t frame; /* 0: the present state; else the surface, and where no time
                      * is given the moment, of this frame: one of the last 64
                      * begun that show one of the last two seas */
@@ -219,7 +218,7 @@ struct pel_frames_stats {
     uint64_t frames_drawn, views_drawn, frames_skipped;
     uint64_t pictures_encoded, encoded_bytes, requests_refused;
     uint64_t large_drawn;      /* frames that were drawn in bands */
-    uint64_t pictures_dropped; /* that nobody waited for any more */
+    uint64_t pictures_dropped; /* whose clients had gone */
     uint64_t streams_left_out; /* of frames: too many pixels together */
     double live_megapixels;    /* of all live views */
     uint64_t surfaces, surfaces_prefetched; /* queries taken */
@@ -246,7 +245,7 @@ void pel_frames_set_max_fps(struct pel_frames *frames, double max_fps);
 /* Changes pel_frames_options.quality. */
 void pel_frames_set_quality(struct pel_frames *frames, double quality);
 
-/* Whether the renderer has given nothing for more than 2 s with frames to
+/* Whether the renderer has returned nothing for more than 2 s with frames to
  * draw; on a software device for 4 us a pixel more. */
 bool pel_frames_stuck(const struct pel_frames *frames);
 

@@ -58,7 +58,7 @@ struct pel_output {
     struct pel_track *track; /* H.264 by this one, else NULL */
     unsigned kbps;
     bool want_key;
-    atomic_bool cancel; /* nobody waits for it any more */
+    atomic_bool cancel; /* no client waits for it any more */
     bool done;          /* control thread */
     bool delivered;     /* control thread */
     enum pel_err err;
@@ -149,11 +149,11 @@ struct pel_optics_query {
 };
 /* Answers what is in the water by the reference or the Monte Carlo. */
 PEL_CHECK enum pel_err pel_optics_water(struct pel_optics_query *query);
-/* Answers by the reference; any thread. */
+/* Answers from the reference; any thread. */
 void pel_optics_reference(struct pel_optics_query *query);
 
-/* Slopes that the question leaves open become the sea's, which is built where
- * it is not: on the thread that answers. */
+/* Slopes that the query leaves open are taken from the sea, which the answering
+ * thread builds where it is not built yet. */
 void pel_optics_settle(struct pel_optics_query *query);
 
 /* A picture of `view` with room for what the encoder gives; NULL: no memory. */

@@ -1,5 +1,5 @@
-/* Queues of mails between threads. They are as long as the mails there are,
- * and those are bounded where they are made. */
+/* Queues of messages between threads. They have no limit of their own: the
+ * number of messages is bounded where they are made. */
 #pragma once
 
 #include <glib.h>
@@ -34,8 +34,8 @@ void pel_mailbox_post(struct pel_mailbox *box, struct pel_mail *mail);
 GSource *pel_alarm_create(GMainContext *context, const char *name,
                           void (*ring)(void *user), void *user);
 
-/* A lock that an urgent thread may share with others: who holds it runs as
- * urgently as who waits for it. */
+/* A mutex with priority inheritance, which real-time threads may share with
+ * others. */
 void pel_lock_init(pthread_mutex_t *lock);
 
 /* A condition that counts time by CLOCK_MONOTONIC; and a wait on it of at most

@@ -1,14 +1,15 @@
-/* When surface queries about now will come. A new moment of an FFT sea costs
- * milliseconds of transforms, and a simulator asks in step; so the moment of
- * its next question is prepared ahead, and a question that comes within
- * PEL_PREFETCH_S of it (by a clock that runs by itself) is answered for it.
- * Answers stay functions of their time, which they tell. Control thread. */
+/* Predicts when surface queries about the present will come. A new moment of an
+ * FFT sea takes milliseconds of transforms, but simulators query at a steady
+ * rate; so the moment of the next query is prefetched, and a query that comes
+ * within PEL_PREFETCH_S of it (where the clock runs by itself) is answered for
+ * that moment. Each answer carries its time and depends on that time, the sea
+ * and the seed alone. Control thread. */
 #pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#define PEL_PREFETCH_S 0.005 /* of real time, either way */
+#define PEL_PREFETCH_S 0.005 /* real time, before or after */
 #define PEL_PREFETCH_ASKERS 4
 #define PEL_PREFETCH_MOMENTS 3
 #define PEL_PREFETCH_GAPS 5
@@ -17,7 +18,7 @@ struct pel_prefetch {
     struct {
         const void *who; /* NULL: none */
         int64_t last_ns;
-        int gaps;                          /* so many are known */
+        int gaps;                          /* number of them known */
         int64_t gap_ns[PEL_PREFETCH_GAPS]; /* newest first */
     } askers[PEL_PREFETCH_ASKERS];
     struct {
@@ -26,15 +27,16 @@ struct pel_prefetch {
     } moments[PEL_PREFETCH_MOMENTS]; /* predicted, newest first */
 };
 
-/* The time that a question at time_s about `sea` is answered for: the newest
- * moment predicted near it, or itself. `rate`: of simulated time, not 0. Never
- * before an earlier answer's while simulated time goes on. */
+/* The time for which a query at time_s about `sea` is answered: the newest
+ * moment predicted near it, or time_s itself. `rate`: of simulated time, not 0.
+ * The result never precedes an earlier answer's while simulated time runs. */
 double pel_prefetch_now(const struct pel_prefetch *self, const void *sea,
                         double time_s, double rate);
 
-/* Notes that `who` asked at now_ns, time_s; true when he asks in step, 2 to
- * 250 ms apart, and the moment of his next question, *next_s, is not predicted
- * yet: it is now, and best prepared from *begin_ns on. */
+/* Records a query by `who` at now_ns, time_s. True when its queries come at a
+ * steady interval of 2 to 250 ms and the moment of the next one, *next_s, was
+ * not predicted yet: it is from now on, and is best computed from *begin_ns
+ * on. */
 bool pel_prefetch_next(struct pel_prefetch *self, const void *who,
                        const void *sea, int64_t now_ns, double time_s,
                        double rate, double *next_s, int64_t *begin_ns);

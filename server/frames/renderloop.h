@@ -20,16 +20,16 @@ bool pel_renderloop_is_software(const struct pel_renderloop *loop);
 /* Whether the last frame was shaded in compute; any thread. */
 bool pel_renderloop_in_compute(struct pel_renderloop *loop);
 
-/* Hands a job over; it comes back as PEL_MAIL_JOB_DRAWN. A large one, of which
- * there may be one at a time, is drawn in bands: one after each other job, and
- * one after the other while there is none. Draws that nobody waits for any more
- * are left out. Control thread. */
+/* Hands a job over; it is returned as PEL_MAIL_JOB_DRAWN. A large job, of which
+ * there may be one at a time, is drawn in bands: one band after each other job,
+ * and band after band while there is no other. Draws that no client waits for
+ * any more are skipped. Control thread. */
 void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job);
 
 /* About the pixels of a band, from the next one on. Any thread. */
 void pel_renderloop_set_band(struct pel_renderloop *loop, uint64_t pixels);
 
-/* The same of a question; it comes back as PEL_MAIL_OPTICS. Control thread. */
+/* The same for a query; it is returned as PEL_MAIL_OPTICS. Control thread. */
 void pel_renderloop_push_optics(struct pel_renderloop *loop,
                                 struct pel_optics_query *query);
 

@@ -1,5 +1,5 @@
 /* The threads that answer surface queries, in real time where that is
- * permitted (base/urgent.h). A large query is cut up among them. */
+ * permitted (base/urgent.h). A large query is split among them. */
 #pragma once
 
 #include "frames/job.h"
@@ -18,8 +18,8 @@ PEL_CHECK enum pel_err pel_surface_pool_create(int cores,
 void pel_surface_pool_push(struct pel_surface_pool *self,
                            struct pel_surface_query *query);
 
-/* Computes what a query about time_s will wait for from begin_ns on, while
- * nobody asks; of more than PEL_MOST_PREPARED such the oldest is left. */
+/* From begin_ns on, idle threads compute the fields that a query about time_s
+ * needs; beyond PEL_MOST_PREPARED such requests the oldest is dropped. */
 #define PEL_MOST_PREPARED 3
 void pel_surface_pool_prepare(struct pel_surface_pool *self,
                               const struct pel_snapshot *snapshot,

@@ -32,8 +32,8 @@ enum pel_err pel_fault_value(struct pel_fault *fault, enum pel_err code,
                              const char *message);
 
 /* Checks a query (at most 10,000 points, each with both coordinates) and hands
- * it to pel_frames_surface, as a question of `asker`'s (NULL: of nobody who
- * asks in step). */
+ * it to pel_frames_surface as a query of `asker`'s, whose next query may be
+ * predicted (NULL: none). */
 PEL_CHECK enum pel_err pel_command_surface(struct pel_frames *frames,
                                            const Pelagos__SurfaceQuery *query,
                                            const void *asker,

@@ -1,4 +1,5 @@
-/* Who may use HTTP: whoever has the token, where there is one. Any thread. */
+/* Authentication of HTTP requests by the token, where there is one. Any
+ * thread. */
 #pragma once
 
 #include <stdbool.h>

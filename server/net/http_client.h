@@ -1,7 +1,6 @@
-/* Inside of the HTTP server: connections as http_server.c keeps them, answers
- * as http_answer.c and http_picture.c send them. They know libmicrohttpd;
- * nothing else does.
- * Control thread. */
+/* Internals of the HTTP server: connections as http_server.c keeps them,
+ * answers as http_answer.c and http_picture.c send them. They know
+ * libmicrohttpd; nothing else does. Control thread. */
 #pragma once
 
 #include <netinet/in.h>
@@ -60,7 +59,7 @@ struct client {
     struct MHD_UpgradeResponseHandle *upgraded; /* the socket is ours */
 };
 
-/* A surface query cannot be called off, so this outlives its client. */
+/* A surface query cannot be cancelled, so this outlives its client. */
 struct waiter {
     struct client *client; /* NULL: gone */
     bool if_unchanged;     /* an edit of this revision, or of none */
@@ -140,5 +139,5 @@ enum MHD_Result pel_http_send_live(struct client *client,
 /* Ends it and gives the socket back; nothing for any other client. */
 void pel_http_end_live(struct client *client);
 
-/* Nobody waits for the picture or the surface any more. */
+/* Cancels the picture or the surface that the connection waits for. */
 void pel_http_call_off(struct client *client);

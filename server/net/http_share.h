@@ -1,6 +1,6 @@
-/* Who may have a connection, and for what: shares by source address, places
- * that streams leave free, and a few for health and for who has the token.
- * Control thread. */
+/* Admission of connections: shares by source address, places that streams leave
+ * free, and a reserve for /healthz and for clients that have the token. Control
+ * thread. */
 #pragma once
 
 #include "net/http_client.h"
@@ -26,5 +26,5 @@ bool pel_http_share_admit(struct client *client,
 bool pel_http_share_stream(struct client *client,
                            struct pel_http_answer *answer);
 
-/* Ends a connection; what it asked for is called off. */
+/* Ends a connection and cancels its request. */
 void pel_http_shut(struct client *client);

@@ -33,7 +33,7 @@ pel_http_frame_parameter(Pelagos__FrameRequest *frame,
 /* By the ending of a file's name. */
 Pelagos__FrameFormat pel_http_frame_format(const char *file);
 
-/* Answers with JSON text, which is taken over. */
+/* Answers with JSON text; takes ownership of it. */
 void pel_http_json(struct pel_http_answer *answer, int status, char *owned);
 
 /* Answers with the whole state and its revision as entity tag. */

@@ -1,5 +1,5 @@
-/* Listening sockets: bind with the rules of the house, accept without ever
- * spinning, even when descriptors run out. */
+/* Listening sockets: bind to loopback unless remote clients are allowed, and
+ * accept without busy waiting, even when descriptors run out. */
 #pragma once
 
 #include <stdbool.h>
@@ -10,7 +10,7 @@
 
 /* Why a client was turned away. */
 enum pel_refusal {
-    PEL_REFUSAL_LIMIT,       /* the owner said no */
+    PEL_REFUSAL_LIMIT,       /* the owner refused */
     PEL_REFUSAL_DESCRIPTORS, /* the process has no descriptor left */
 };
 
@@ -31,7 +31,7 @@ PEL_CHECK enum pel_err pel_listener_tcp(const char *option, const char *address,
                                         struct pel_listener **out,
                                         struct pel_fault *fault);
 
-/* Unix stream socket with mode 0600. A socket nobody listens on is replaced;
+/* Unix stream socket with mode 0600. A socket without a listener is replaced;
  * CONFLICT if one does, or if the path is something else. */
 PEL_CHECK enum pel_err pel_listener_unix(const char *path,
                                          pel_listener_accept accept, void *user,
@@ -43,7 +43,7 @@ void pel_listener_destroy(struct pel_listener *listener); /* NULL allowed */
 /* Port bound; 0 for a Unix socket. */
 uint16_t pel_listener_port(const struct pel_listener *listener);
 
-/* Clients turned away for want of descriptors, since the start. */
+/* Clients refused for lack of descriptors, since the start. */
 uint64_t pel_listener_starved(const struct pel_listener *listener);
 
 /* True for 127.0.0.0/8, ::1, IPv4-mapped loopback and Unix sockets. */

@@ -1,7 +1,7 @@
 /* One viewer of /v1/views/NAME/live: pictures with their header out,
  * acknowledgements and wishes in (proto/live.md). A viewer that does not keep
- * up costs nobody anything: it is given nothing until it has acknowledged, goes
- * on at a key frame, and in H.264 at a lower rate. Control thread. */
+ * up delays no other: it gets no pictures until it has acknowledged, continues
+ * at a key frame, and in H.264 at a lower rate. Control thread. */
 #pragma once
 
 #include <stdbool.h>

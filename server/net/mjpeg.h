@@ -1,6 +1,6 @@
 /* One viewer of a live view: multipart/x-mixed-replace over a content reader.
  * It holds the picture that is being sent and the newest one that waits;
- * whatever comes between is dropped and counted. Control thread. */
+ * pictures in between are dropped and counted. Control thread. */
 #pragma once
 
 #include <stdbool.h>

@@ -1,5 +1,5 @@
-/* Who may use RTSP: whoever gives the token as password (Basic), where there
- * is one. By gst-rtsp-server's threads. */
+/* Authentication of RTSP clients by the token as password (Basic), where there
+ * is one. Called by gst-rtsp-server's threads. */
 #pragma once
 
 #include <gst/rtsp-server/rtsp-server.h>

@@ -1,4 +1,4 @@
-/* What an RTSP client may send before its message is over. GStreamer bounds a
+/* Limits on the messages of an RTSP client. GStreamer bounds a
  * body, not the number of header lines, and reads whatever has come; so its
  * connections read through a stream of ours, which breaks off. */
 #pragma once

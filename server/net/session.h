@@ -34,7 +34,7 @@ struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
 void pel_sessions_destroy(struct pel_sessions *sessions); /* NULL allowed */
 
 /* Takes over a non-blocking socket, or returns false: all places are taken and
- * nobody has been idle for long enough to make room. */
+ * no session has been idle for long enough to make room. */
 bool pel_sessions_accept(struct pel_sessions *sessions, int fd,
                          enum pel_transport transport);
 

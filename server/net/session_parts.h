@@ -1,5 +1,5 @@
-/* Inside of the protobuf sessions: a session as session.c keeps it, answers as
- * session_answers.c gives them. Control thread. */
+/* Internals of the protobuf sessions: a session as session.c keeps it, answers
+ * as session_answers.c gives them. Control thread. */
 #pragma once
 
 #include <stdbool.h>
@@ -18,7 +18,7 @@
 struct session;
 
 /* A request whose answer comes later. It outlives its session where the
- * answer cannot be called off. */
+ * answer cannot be cancelled. */
 struct job {
     struct session *session; /* NULL: gone */
     bool has_id;
@@ -38,9 +38,9 @@ struct session {
     GPtrArray *jobs; /* of struct job */
     bool watching, watch_due, watch_has_id;
     uint64_t watch_id;
-    bool stranger;            /* has yet to give the token */
+    bool stranger;            /* has not authenticated yet */
     bool owes;                /* an answer that later requests wait for */
-    bool nudge;               /* somebody waits for what is sent next */
+    bool nudge;               /* a client waits for the next bytes sent */
     bool eof;                 /* the client sends no more */
     bool held;                /* whole messages may wait in `in` */
     bool closing;             /* after the last byte is out */
@@ -83,5 +83,5 @@ PEL_CHECK enum pel_err pel_session_start(struct session *self,
                                          const Pelagos__Request *request,
                                          struct pel_fault *fault);
 
-/* Nobody waits for those answers any more. */
+/* Cancels those answers. */
 void pel_session_cancel(struct session *self);

@@ -1,5 +1,5 @@
-/* Answers of surface queries as bytes: the same that protobuf-c would pack,
- * ten times as fast, since somebody waits. Any thread. */
+/* Answers of surface queries as bytes: the same as protobuf-c packs, ten
+ * times as fast. Any thread. */
 #pragma once
 
 #include <stdbool.h>

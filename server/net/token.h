@@ -32,7 +32,7 @@ PEL_CHECK enum pel_err pel_token_reload(struct pel_token *token,
 bool pel_token_is(struct pel_token *token, const char *text, size_t size);
 
 /* The same for the value of an Authorization header: `Bearer TOKEN`, or
- * `Basic …` with the token as password, whoever the user (RFC 6750, 7617). */
+ * `Basic …` with the token as password and any user (RFC 6750, 7617). */
 bool pel_token_authorizes(struct pel_token *token, const char *value);
 
 /* The permissions that pel_token_create asks for, of an open file. */

@@ -1,4 +1,4 @@
-/* The little linear algebra that radiative transfer needs. Matrices are
+/* Linear algebra for radiative transfer. Matrices are
  * row-major, n × n, n ≤ PEL_LINEAR_MAX. Any thread. */
 #pragma once
 

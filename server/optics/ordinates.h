@@ -16,7 +16,7 @@
 
 struct pel_ordinates;
 
-/* What comes down on the water. */
+/* The light that falls on the water. */
 struct pel_ordinates_light {
     double sun_zenith_rad;
     double sun; /* irradiance normal to the beam above the surface; 0: none */
@@ -52,7 +52,7 @@ void pel_ordinates_solve(struct pel_ordinates *o,
                          const double *view_mu, int views, double *out,
                          int *modes, double *dark_bottom);
 
-/* The answer of the water to sunbeams of zenith cosines mu (in the water, of
+/* The response of the water to sunbeams of zenith cosines mu (in the water, of
  * what has come through the surface; irradiance 1 normal to the beam), seen in
  * the same directions, at several depths (medium->depth_m is not read): modes
  * of the radiance going up just below the surface without single scattering,

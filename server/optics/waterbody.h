@@ -58,7 +58,7 @@ enum pel_bottom {
 #define PEL_SALINITY_MAX 42.0
 #define PEL_TEMPERATURE_MIN (-2.0)
 #define PEL_TEMPERATURE_MAX 40.0
-#define PEL_SALINITY_USUAL 35.0 /* where nobody says another */
+#define PEL_SALINITY_USUAL 35.0 /* where none is given */
 #define PEL_TEMPERATURE_USUAL 15.0
 
 struct pel_water_desc {
@@ -125,7 +125,7 @@ struct pel_water_body pel_water_deep(double chlorophyll_mg_m3);
 /* The body at wavelength i of pel_water_wavelength_nm. */
 struct pel_medium pel_water_medium(const struct pel_water_body *body, int i);
 
-/* Depth below which the bottom cannot be seen: 1/255 of its light comes back,
+/* Depth below which the bottom cannot be seen: 1/255 of its light returns,
  * by pel_kirk_attenuation of the clearest wavelength [m]. */
 double pel_water_visible_m(const struct pel_water_body *body);
 

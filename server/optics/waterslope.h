@@ -6,7 +6,7 @@
 
 #include "optics/waterkernel.h"
 
-/* A place of the bottom that is looked at. */
+/* A point of the bottom in view. */
 struct pel_slope_place {
     double depth_m; /* of the water there, > 0 */
     double under_m; /* where its line of sight enters the water, ≥ 0 */

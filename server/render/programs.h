@@ -33,7 +33,7 @@ struct pel_programs {
     const struct pel_filtering *filtering; /* settled */
     bool software;
     bool compute;   /* shade in one dispatch instead of three */
-    bool automatic; /* nobody asked for that: may turn to fragments */
+    bool automatic; /* not chosen by an option: may fall back to fragments */
     GLuint surface, search, tone;
     GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
     GLuint disc[PEL_SHADE_COUNT];     /* and with it */
@@ -50,8 +50,8 @@ PEL_CHECK enum pel_err pel_programs_init(struct pel_programs *p,
 void pel_programs_finish(struct pel_programs *p);
 
 /* Makes the programs that this sea wants for a picture; `coast`: also those
- * over a height field. Where nobody asked for compute and it does not compile,
- * fragments take its place for good. GPU. */
+ * over a height field. Where compute was not asked for and does not compile,
+ * fragments replace it for good. GPU. */
 PEL_CHECK enum pel_err pel_programs_need(struct pel_programs *p,
                                          const struct pel_sea *sea,
                                          enum pel_shading kind, bool coast,

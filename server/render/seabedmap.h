@@ -1,4 +1,4 @@
-/* The height field on the GPU, and what the shaders know of it
+/* The height field on the GPU, and its constants for the shaders
  * (shaders/lib/seabed.glsl). Render thread only. */
 #pragma once
 
@@ -32,11 +32,11 @@ void pel_seabed_tops_finish(struct pel_seabed_tops *tops);
 /* Makes the map that of the field (NULL: frees it). NO_MEMORY. */
 PEL_CHECK enum pel_err pel_seabed_map_fit(struct pel_seabed_map *map,
                                           const struct pel_seabed *bed);
-/* For shading; other passes have uses of their own for these places. */
+/* Binds the field for shading; other passes use the same binding points. */
 void pel_seabed_map_bind(const struct pel_seabed_map *map);
 void pel_seabed_map_finish(struct pel_seabed_map *map);
 
-/* Depths that the water's light is wanted for over this field. */
+/* Depths at which the water's light is needed over this field. */
 struct pel_water_depths pel_seabed_depths(const struct pel_environment *env);
 
 /* What the shaders know for an eye over east_m, north_m. `left`: slope variance

@@ -18,9 +18,9 @@ struct pel_stage_timer {
 void pel_stage_timer_init(struct pel_stage_timer *t, bool software);
 void pel_stage_timer_finish(struct pel_stage_timer *t);
 
-/* Waits for the device, then times what is given to it in between, ms: on
- * hardware by the GPU's own clock; a software device runs behind its queries,
- * so there by the wall clock around a finish. */
+/* Waits for the device, then measures the commands given between the two calls,
+ * ms: on hardware by timer queries; on a software device, whose queries measure
+ * submission only, by wall time around a glFinish. */
 void pel_timer_begin(struct pel_stage_timer *t);
 double pel_timer_end(struct pel_stage_timer *t);
 

@@ -1,10 +1,11 @@
 /* The light that leaves the water, as maps over the line of sight for every
- * pixel of a frame (shaders/lib/water.glsl). A new water costs its answer to
- * beams from every height (optics/waterkernel.h, on the processor; the second
- * order by the maps of Iwasaki et al. 2003, on the device): some 25 ms on a
- * software device. A new light or sky costs a sum over that: 2 ms there, 0.1 ms
- * on hardware. Both happen in the frame that first shows them, so a picture is
- * a function of its scene and no frame waits for more. Render thread only. */
+ * pixel of a frame (shaders/lib/water.glsl). A new water costs its response to
+ * beams from every elevation (optics/waterkernel.h, on the processor; the
+ * second order by the maps of Iwasaki et al. 2003, on the device): some 25 ms
+ * on a software device. A new light or sky costs a sum over that: 2 ms there,
+ * 0.1 ms on hardware. Both happen in the frame that first shows them, so a
+ * picture is a function of its scene and no frame waits for more. Render thread
+ * only. */
 #pragma once
 
 #include <epoxy/gl.h>

@@ -1,5 +1,5 @@
-/* Threads that share out one piece of work at a time with the thread that asks
- * for it. What they compute must not depend on who computes it. */
+/* Threads that share one piece of work at a time with the calling thread. The
+ * result must not depend on which thread computes which part. */
 #pragma once
 
 #include <stddef.h>

@@ -255,7 +255,7 @@ float seabed_lit(int light, vec2 place, float height, float depth, vec3 light_di
     return 1.0 - smoothstep(0.0, 0.05 * depth, hidden);
 }
 
-// A place of the bottom that is looked at.
+// A point of the bottom in view.
 struct bed_view {
     vec2 place;
     float height; // of the bottom there, above the sea's zero
