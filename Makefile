@@ -564,7 +564,7 @@ asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
 	    tests/ctl_test.sh tests/daemon_test.sh
 
 THREADED := $(addprefix build/tsan/bin/,fields_test frames_test \
-    frames_live_test)
+    frames_live_test submit_test)
 .PHONY: tsan
 tsan: deps ## the tests with threads under ThreadSanitizer
 	$(Q)$(MAKE) -s --no-print-directory FLAVOR=tsan $(THREADED)

@@ -135,7 +135,7 @@ static void begin(struct pel_cigi_sea *self)
     self->next.snapshot = NULL;
     self->looking = true;
     self->now.sea = self;
-    self->now.task = (struct pel_task){ work, looked };
+    self->now.task = (struct pel_task){ .work = work, .done = looked };
     pel_worker_push(self->worker, &self->now.task);
 }
 

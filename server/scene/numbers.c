@@ -183,7 +183,7 @@ enum pel_err pel_scene_ask_spectrum(struct pel_scene *scene,
         state = (Pelagos__State *)pel_message_copy(&scene->state->base);
     }
     struct asked *a = g_new0(struct asked, 1);
-    a->task = (struct pel_task){ work, tell };
+    a->task = (struct pel_task){ .work = work, .done = tell };
     a->state = state;
     a->means = &scene->means;
     a->present = pel_shared_sea_ref(scene->has.sea);

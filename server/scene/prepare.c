@@ -74,7 +74,7 @@ pel_preparation_begin(struct pel_worker *worker, Pelagos__State *state,
 {
     struct pel_preparation *p = g_new0(struct pel_preparation, 1);
     *p = (struct pel_preparation){
-        .task = { work, ended },
+        .task = { .work = work, .done = ended },
         .done = done,
         .user = user,
         .state = state,

@@ -58,7 +58,7 @@ void pel_scene_sail(struct pel_scene *scene, double time_s)
     }
     struct sail *sail = g_new(struct sail, 1);
     *sail = (struct sail){
-        .task = { work, arrived },
+        .task = { .work = work, .done = arrived },
         .scene = scene,
         .era = scene->ship_era,
         .sea = pel_shared_sea_ref(s->sea),

@@ -2,28 +2,65 @@
 #include "base/watch.h"
 
 #include <glib.h>
+#include <pthread.h>
+
+/* First in, first out. */
+struct queue {
+    struct pel_task *first, *last;
+};
 
 struct pel_worker {
     const char *name;
-    GThread *thread;            /* NULL: not started */
-    GAsyncQueue *tasks, *ended; /* struct pel_task */
-    GSource *source;            /* is woken when a task has ended */
+    GThread *thread;      /* NULL: not started */
+    pthread_mutex_t lock; /* protects what follows, to `stopping` */
+    pthread_cond_t more;  /* a task, or stopping: for the worker */
+    pthread_cond_t done;  /* a task has ended: for who waits for it */
+    struct queue tasks, ended;
+    bool stopping;
+    GSource *source; /* is woken when a task has ended */
     unsigned count;
-    struct pel_task stop;
 };
+
+static void push(struct queue *queue, struct pel_task *task)
+{
+    task->next = NULL;
+    if (queue->last) {
+        queue->last->next = task;
+    } else {
+        queue->first = task;
+    }
+    queue->last = task;
+}
+
+static struct pel_task *pop(struct queue *queue)
+{
+    struct pel_task *task = queue->first;
+    if (task) {
+        queue->first = task->next;
+        queue->last = queue->first ? queue->last : NULL;
+    }
+    return task;
+}
 
 static gpointer run(gpointer user)
 {
     struct pel_worker *worker = user;
-    for (;;) {
-        struct pel_task *task = g_async_queue_pop(worker->tasks);
-        if (task == &worker->stop) {
-            return NULL;
+    pthread_mutex_lock(&worker->lock);
+    while (!worker->stopping) {
+        struct pel_task *task = pop(&worker->tasks);
+        if (!task) {
+            pthread_cond_wait(&worker->more, &worker->lock);
+            continue;
         }
+        pthread_mutex_unlock(&worker->lock);
         task->work(task);
-        g_async_queue_push(worker->ended, task);
+        pthread_mutex_lock(&worker->lock);
+        push(&worker->ended, task);
+        pthread_cond_signal(&worker->done);
         g_source_set_ready_time(worker->source, 0);
     }
+    pthread_mutex_unlock(&worker->lock);
+    return NULL;
 }
 
 static void finish(struct pel_worker *worker, struct pel_task *task,
@@ -45,11 +82,14 @@ static gboolean dispatch(GSource *source, GSourceFunc callback, gpointer data)
     (void)callback;
     (void)data;
     g_source_set_ready_time(source, -1);
-    struct pel_task *task = g_async_queue_try_pop(worker->ended);
+    pthread_mutex_lock(&worker->lock);
+    struct pel_task *task = pop(&worker->ended);
+    bool more = worker->ended.first != NULL;
+    pthread_mutex_unlock(&worker->lock);
+    if (more) {
+        g_source_set_ready_time(source, 0); /* one a turn */
+    }
     if (task) {
-        if (g_async_queue_length(worker->ended) > 0) {
-            g_source_set_ready_time(source, 0); /* one a turn */
-        }
         finish(worker, task, false);
     }
     return G_SOURCE_CONTINUE;
@@ -60,8 +100,9 @@ struct pel_worker *pel_worker_create(const char *name)
     static GSourceFuncs functions = { .dispatch = dispatch };
     struct pel_worker *worker = g_new0(struct pel_worker, 1);
     worker->name = name;
-    worker->tasks = g_async_queue_new();
-    worker->ended = g_async_queue_new();
+    pthread_mutex_init(&worker->lock, NULL);
+    pthread_cond_init(&worker->more, NULL);
+    pthread_cond_init(&worker->done, NULL);
     worker->source = g_source_new(&functions, sizeof(struct source));
     ((struct source *)worker->source)->worker = worker;
     g_source_set_name(worker->source, name);
@@ -75,7 +116,10 @@ void pel_worker_push(struct pel_worker *worker, struct pel_task *task)
         worker->thread = g_thread_new(worker->name, run, worker);
     }
     worker->count++;
-    g_async_queue_push(worker->tasks, task);
+    pthread_mutex_lock(&worker->lock);
+    push(&worker->tasks, task);
+    pthread_cond_signal(&worker->more);
+    pthread_mutex_unlock(&worker->lock);
 }
 
 unsigned pel_worker_count(const struct pel_worker *worker)
@@ -88,7 +132,13 @@ bool pel_worker_wait(struct pel_worker *worker)
     if (worker->count == 0) {
         return false;
     }
-    finish(worker, g_async_queue_pop(worker->ended), false);
+    pthread_mutex_lock(&worker->lock);
+    while (!worker->ended.first) {
+        pthread_cond_wait(&worker->done, &worker->lock);
+    }
+    struct pel_task *task = pop(&worker->ended);
+    pthread_mutex_unlock(&worker->lock);
+    finish(worker, task, false);
     return true;
 }
 
@@ -99,18 +149,22 @@ void pel_worker_destroy(struct pel_worker *worker)
         return;
     }
     if (worker->thread) {
-        g_async_queue_push_front(worker->tasks, &worker->stop);
+        pthread_mutex_lock(&worker->lock);
+        worker->stopping = true;
+        pthread_cond_signal(&worker->more);
+        pthread_mutex_unlock(&worker->lock);
         g_thread_join(worker->thread);
     }
     g_source_destroy(worker->source);
-    while ((task = g_async_queue_try_pop(worker->ended))) {
+    while ((task = pop(&worker->ended))) {
         finish(worker, task, true);
     }
-    while ((task = g_async_queue_try_pop(worker->tasks))) {
+    while ((task = pop(&worker->tasks))) {
         finish(worker, task, true);
     }
     g_source_unref(worker->source);
-    g_async_queue_unref(worker->tasks);
-    g_async_queue_unref(worker->ended);
+    pthread_cond_destroy(&worker->done);
+    pthread_cond_destroy(&worker->more);
+    pthread_mutex_destroy(&worker->lock);
     g_free(worker);
 }

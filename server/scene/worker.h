@@ -13,9 +13,10 @@ struct pel_worker;
 /* Lies in the caller's own struct, which stays until `done` has run. */
 struct pel_task {
     void (*work)(struct pel_task *task); /* on the worker's thread */
-    /* On the control thread, once for each task. dropped: its work was never
-     * begun, as the worker ends. */
+    /* On the control thread, once for each task. dropped: the worker ends;
+     * its work was done or never begun. */
     void (*done)(struct pel_task *task, bool dropped);
+    struct pel_task *next; /* the worker's own */
 };
 
 /* The thread is started by the first task; `name` of at most 15 characters,
