@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/clock.h"
@@ -147,9 +148,8 @@ static bool take(struct helper *h, int fd)
 }
 
 /* Until both pipes have ended or there is too much; false: too late. */
-static bool listen_to(struct helper *h, int within_ms)
+static bool listen_to(struct helper *h, int64_t end_ns)
 {
-    int64_t end_ns = pel_now_ns() + within_ms * 1000000LL;
     struct pollfd fds[] = { { h->out, POLLIN, 0 }, { h->err, POLLIN, 0 } };
     while (h->size <= h->most && (fds[0].fd >= 0 || fds[1].fd >= 0)) {
         int64_t left_ms = (end_ns - pel_now_ns()) / 1000000;
@@ -168,16 +168,32 @@ static bool listen_to(struct helper *h, int within_ms)
     return true;
 }
 
+/* One that has closed its pipes ends at once, or does not mean to: a file may
+ * have taken it over. False: too late. */
+static bool wait_for(const struct helper *h, int64_t end_ns, int *status)
+{
+    static const struct timespec slice = { .tv_nsec = 1000000 };
+    while (waitpid(h->pid, status, WNOHANG) == 0) {
+        if (pel_now_ns() > end_ns) {
+            return false;
+        }
+        nanosleep(&slice, NULL);
+    }
+    return true;
+}
+
 /* Waits for the end of the process and says how it ended. */
-static enum pel_err end(struct helper *h, bool in_time,
+static enum pel_err end(struct helper *h, bool in_time, int64_t end_ns,
                         const struct pel_helper_task *task,
                         struct pel_fault *fault)
 {
     int status = 0;
-    if (!in_time || h->size > h->most) {
+    bool too_much = h->size > h->most;
+    in_time = in_time && (too_much || wait_for(h, end_ns, &status));
+    if (!in_time || too_much) {
         kill(h->pid, SIGKILL);
-    }
-    while (waitpid(h->pid, &status, 0) < 0 && errno == EINTR) {
+        while (waitpid(h->pid, &status, 0) < 0 && errno == EINTR) {
+        }
     }
     while (h->word_count > 0 && h->words[h->word_count - 1] == '\n') {
         h->word_count--;
@@ -188,7 +204,7 @@ static enum pel_err end(struct helper *h, bool in_time,
                              "%.80s: it was not read within %d s",
                              task->subject, task->within_ms / 1000);
     }
-    if (h->size > h->most) {
+    if (too_much) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "%.80s: reading it gave more than %zu bytes",
                              task->subject, h->most);
@@ -210,9 +226,10 @@ enum pel_err pel_helper_run(const struct pel_helper_task *task,
                             struct pel_fault *fault)
 {
     struct helper h = { .out = -1, .err = -1, .most = task->most_bytes };
+    int64_t end_ns = pel_now_ns() + task->within_ms * 1000000LL;
     enum pel_err err = start(&h, task, fault);
     if (!err) {
-        err = end(&h, listen_to(&h, task->within_ms), task, fault);
+        err = end(&h, listen_to(&h, end_ns), end_ns, task, fault);
     }
     if (h.out >= 0) {
         close(h.out);

@@ -3,6 +3,7 @@
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,8 +32,19 @@ static int act(const char *word)
         raise(SIGKILL);
     } else if (strcmp(word, "sleep") == 0) {
         pause();
+    } else if (strcmp(word, "hide") == 0) {
+        close(STDOUT_FILENO);
+        close(STDERR_FILENO);
+        pause();
     }
     return 0;
+}
+
+/* A minute for those that end by themselves. */
+static int limit_ms(const char *word)
+{
+    bool stays = strcmp(word, "sleep") == 0 || strcmp(word, "hide") == 0;
+    return stays ? 1000 : 60000;
 }
 
 static enum pel_err run(const char *program, char *word, char **out,
@@ -43,9 +55,7 @@ static enum pel_err run(const char *program, char *word, char **out,
                                           .argv = argv,
                                           .subject = "bay.tif",
                                           .most_bytes = 1000,
-                                          .within_ms = strcmp(word, "sleep")
-                                                           ? 60000
-                                                           : 1000 };
+                                          .within_ms = limit_ms(word) };
     size_t size = 0;
     unsigned char *bytes = NULL;
     enum pel_err err = pel_helper_run(&task, &bytes, &size, fault);
@@ -82,6 +92,7 @@ static void its_end_is_told(void **state)
         { "flood", "bay.tif: reading it gave more than 1000 bytes" },
         { "crash", "bay.tif: reading it ended with signal 9" },
         { "sleep", "bay.tif: it was not read within 1 s" },
+        { "hide", "bay.tif: it was not read within 1 s" },
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char word[16], *out = NULL;
