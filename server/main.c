@@ -350,6 +350,7 @@ static void drained(void *user)
 
 static gboolean terminate(gpointer user)
 {
+    PEL_WATCH("service");
     struct daemon *d = user;
     if (d->stopping) {
         g_main_loop_quit(d->loop); /* asked twice */
@@ -373,6 +374,7 @@ static void apply_live(struct daemon *d, const struct pel_options *fresh)
 
 static gboolean reload(gpointer user)
 {
+    PEL_WATCH("options");
     struct daemon *d = user;
     struct pel_options fresh;
     enum pel_options_action action;

@@ -8,6 +8,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/watch.h"
 
 #define WANTED_DESCRIPTORS 8192
 #define NEEDED_DESCRIPTORS 256
@@ -77,6 +78,7 @@ static void warm_up_done(void *user, enum pel_err err,
 
 static gboolean warm_up_nothing(gpointer user)
 {
+    PEL_WATCH("service");
     struct warm_up *warm_up = user;
     warm_up->ready(warm_up->user);
     free(warm_up);
@@ -121,6 +123,7 @@ struct pel_service {
 /* Idle or drawing is alive; only a frame that does not end is not. */
 static gboolean feed_watchdog(gpointer user)
 {
+    PEL_WATCH("service");
     struct pel_service *service = user;
     if (!pel_frames_stuck(service->frames)) {
         sd_notify(0, "WATCHDOG=1");
@@ -130,6 +133,7 @@ static gboolean feed_watchdog(gpointer user)
 
 static gboolean report_status(gpointer user)
 {
+    PEL_WATCH("service");
     struct pel_service *service = user;
     struct pel_frames_stats s;
     pel_frames_get_stats(service->frames, &s);

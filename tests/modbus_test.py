@@ -241,6 +241,7 @@ def bad_options():
             (("--modbus-units", "248"), "248"),
             (("--modbus-units", ""), "modbus-units"),
             (("--modbus-safe", "views.bridge.jaw=0"), "views.bridge.jaw"),
+            (("--modbus-safe", "views.brige.yaw=5"), "view called brige"),
             (("--modbus-safe", "views.bridge.yaw"), "PATH=VALUE")):
         port = free_port()
         try:

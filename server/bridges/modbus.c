@@ -585,12 +585,41 @@ static enum pel_err check_options(const struct pel_modbus_options *o,
     return PEL_OK;
 }
 
+static bool has_view(const Pelagos__State *state, const char *name)
+{
+    bool has = false;
+    for (size_t i = 0; i < state->n_views && !has; i++) {
+        has = strcmp(state->views[i]->name, name) == 0;
+    }
+    return has;
+}
+
+/* Silence makes no camera: a wrong name would be seen then, and not before. */
+static enum pel_err need_views(const Pelagos__State *state,
+                               const Pelagos__Patch *safe,
+                               struct pel_fault *fault)
+{
+    const Pelagos__State *to = safe->state;
+    for (size_t i = 0; to && i < to->n_views; i++) {
+        if (!has_view(state, to->views[i]->name)) {
+            return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                                 "there is no view called %.64s; add it to the "
+                                 "state, or name another",
+                                 to->views[i]->name);
+        }
+    }
+    return PEL_OK;
+}
+
 /* The safe values, tried on the scene as it is now. */
 static enum pel_err open_safe(struct pel_modbus *m, struct pel_fault *fault)
 {
     struct pel_fault why;
     const struct pel_snapshot *safe = NULL;
     enum pel_err err = pel_modbus_safe_read(m->options.safe, &m->safe, &why);
+    if (!err && m->safe) {
+        err = need_views(pel_scene_state(m->scene), m->safe, &why);
+    }
     if (!err && m->safe) {
         err = pel_scene_try_snapshot(m->scene, m->safe, &safe, &why);
         pel_snapshot_unref(safe);

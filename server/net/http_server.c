@@ -355,6 +355,7 @@ static bool vanished(const struct client *client)
 
 static gboolean sweep(gpointer user)
 {
+    PEL_WATCH("http");
     struct pel_http_server *server = user;
     int64_t now = pel_now_ns();
     for (guint i = 0; i < server->clients->len; i++) {

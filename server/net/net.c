@@ -9,6 +9,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/watch.h"
 #include "net/http_server.h"
 #include "net/listener.h"
 #include "net/rtsp.h"
@@ -301,6 +302,7 @@ static void close_listeners(struct pel_net *net)
 
 static gboolean drain(gpointer user)
 {
+    PEL_WATCH("service");
     struct pel_net *net = user;
     bool idle = pel_sessions_in_flight(net->sessions) == 0 &&
                 (!net->http || pel_http_server_in_flight(net->http) == 0);

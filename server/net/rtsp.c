@@ -10,6 +10,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/watch.h"
 #include "encode/gst.h"
 #include "net/listener.h"
 #include "net/rtspauth.h"
@@ -299,6 +300,7 @@ static bool close_loiterer(struct pel_rtsp *rtsp, int64_t patience_ns)
 
 static gboolean clean(gpointer user)
 {
+    PEL_WATCH("rtsp");
     struct pel_rtsp *rtsp = user;
     for (int i = 0; i < MAX_CLIENTS && close_loiterer(rtsp, LOITER_NS); i++) {
     }
@@ -348,6 +350,7 @@ static void hand_over(struct pel_rtsp *rtsp, const struct waiting *client)
 
 static gboolean on_started(gpointer user)
 {
+    PEL_WATCH("rtsp");
     struct pel_rtsp *rtsp = user;
     pthread_join(rtsp->starter, NULL);
     rtsp->state = STATE_BROKEN;

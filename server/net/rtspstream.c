@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "base/clock.h"
+#include "base/watch.h"
 
 #define MAX_QUEUED 8 /* pictures that wait in a client's appsrc */
 #define KEY_NS 2000000000LL
@@ -137,6 +138,7 @@ static void on_frame(void *user, enum pel_err err,
 
 static gboolean open_stream(gpointer user)
 {
+    PEL_WATCH("rtsp");
     struct pel_rtsp_stream *self = user;
     struct pel_rtsp_hub *hub = self->hub;
     const struct pel_profile profile = { .codec = PEL_CODEC_H264 };
@@ -156,6 +158,7 @@ static gboolean open_stream(gpointer user)
 
 static gboolean play_stream(gpointer user)
 {
+    PEL_WATCH("rtsp");
     struct pel_rtsp_stream *self = user;
     if (self->open) {
         pel_frames_want_key(self->subscription, true);
@@ -165,6 +168,7 @@ static gboolean play_stream(gpointer user)
 
 static gboolean close_stream(gpointer user)
 {
+    PEL_WATCH("rtsp");
     struct pel_rtsp_stream *self = user;
     if (self->open) {
         struct pel_rtsp_stream **link = &self->hub->streams;
