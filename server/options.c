@@ -178,7 +178,8 @@ const struct pel_option pel_option_table[] = {
     { "modbus-safe", "bridges", PEL_OPTION_TEXT_KIND, "PATH=VALUE,…", "",
       .offset = FIELD(modbus_safe),
       .help = "Fields that are set after that, like "
-              "views.bridge.yaw=0,views.bridge.pitch=0: a safe view." },
+              "views.bridge.yaw=0,views.bridge.pitch=0: a safe view. Views "
+              "that it names must be there at the start." },
     { "console", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
       .offset = FIELD(console),
       .help = "Modbus/TCP server of a bridge console, whose registers are "

@@ -10,6 +10,7 @@ import socket
 import struct
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
@@ -164,15 +165,18 @@ def several_units():
     """Three sources, each with its order, ship, view, stage and heartbeat."""
     port = free_port()
     safe = "views.wing.yaw=0,views.wing.pitch=-5"
-    with Daemon("--modbus", f"127.0.0.1:{port}", "--modbus-units",
-                "1,2:cdab:7:1,3:dcba:8", "--modbus-heartbeat", "1500",
-                "--modbus-extrapolate", "300", "--modbus-safe", safe,
-                "--nmea", "off") as daemon:
+    folder = tempfile.TemporaryDirectory()
+    state = os.path.join(folder.name, "state.json")
+    with Daemon("--state", state) as daemon:  # a safe view must be there
         done = daemon.patch({
             "entities": {"7": {}, "8": {}}, "sources": {"mark": True},
             "views": {"bridge": {"width": 160, "height": 90},
                       "wing": {"entity": 7}}})
         check(done.status == 200, f"{done}")
+    with Daemon("--modbus", f"127.0.0.1:{port}", "--modbus-units",
+                "1,2:cdab:7:1,3:dcba:8", "--modbus-heartbeat", "1500",
+                "--modbus-extrapolate", "300", "--modbus-safe", safe,
+                "--state", state) as daemon:
         client = ModbusTcpClient("127.0.0.1", port, timeout=SLOW_S)
         check(client.connect(), "connect")
 

@@ -99,6 +99,32 @@ static void report_stale(struct pel_modbus *m)
     pel_scene_set_stale(m->scene, PEL_STALE_MODBUS, stale);
 }
 
+static bool has_view(const Pelagos__State *state, const char *name)
+{
+    bool has = false;
+    for (size_t i = 0; i < state->n_views && !has; i++) {
+        has = strcmp(state->views[i]->name, name) == 0;
+    }
+    return has;
+}
+
+/* Safe values make no camera: a misspelt one would never be noticed. */
+static enum pel_err need_views(const Pelagos__State *state,
+                               const Pelagos__Patch *safe,
+                               struct pel_fault *fault)
+{
+    const Pelagos__State *to = safe->state;
+    for (size_t i = 0; to && i < to->n_views; i++) {
+        if (!has_view(state, to->views[i]->name)) {
+            return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                                 "there is no view called %.64s; add it to the "
+                                 "state, or name another",
+                                 to->views[i]->name);
+        }
+    }
+    return PEL_OK;
+}
+
 static void on_safe(void *user, enum pel_err err, const struct pel_fault *fault)
 {
     (void)user;
@@ -111,11 +137,14 @@ static void on_safe(void *user, enum pel_err err, const struct pel_fault *fault)
 static void hold(struct pel_modbus *m, struct unit *u)
 {
     const struct pel_scene_wish wish = { .patch = m->safe, .source = m };
+    struct pel_fault fault;
     if (u->map.steers) { /* else another input moves the ship */
         pel_warn("MBS-006", "own ship is stopped at its extrapolated position");
         pel_modbus_map_stop_ship(&u->map);
     }
-    if (m->safe) {
+    if (m->safe && need_views(pel_scene_state(m->scene), m->safe, &fault)) {
+        on_safe(NULL, fault.code, &fault);
+    } else if (m->safe) {
         pel_scene_submit(m->scene, &wish, on_safe, NULL);
     }
 }
@@ -344,6 +373,7 @@ static void on_settled(void *user)
         struct client *c = g_ptr_array_index(m->clients, i - 1);
         if (c->held) {
             c->held = false;
+            c->active_ns = pel_now_ns();
             c->source = g_unix_fd_add(c->fd, G_IO_IN, on_client, c);
             flush_client(c, false);
         }
@@ -476,7 +506,8 @@ static void close_if_slow(struct pel_modbus *m, struct client *c,
                         s->used, adu_size(s), m->options.request_ms);
         m->counters.late++;
         close_client(c);
-    } else if (c->out_size > 0 && now_ns - c->active_ns > STALL_NS) {
+    } else if (c->out_size > 0 && !c->held &&
+               now_ns - c->active_ns > STALL_NS) {
         pel_log_limited(&limit, PEL_LOG_WARNING, "MBS-011",
                         "a Modbus connection was closed: it took no answer for "
                         "%lld ms",
@@ -580,32 +611,6 @@ static enum pel_err check_options(const struct pel_modbus_options *o,
                                  "%s: %d is not in %d..%d", numbers[i].name,
                                  numbers[i].value, numbers[i].minimum,
                                  numbers[i].maximum);
-        }
-    }
-    return PEL_OK;
-}
-
-static bool has_view(const Pelagos__State *state, const char *name)
-{
-    bool has = false;
-    for (size_t i = 0; i < state->n_views && !has; i++) {
-        has = strcmp(state->views[i]->name, name) == 0;
-    }
-    return has;
-}
-
-/* Silence makes no camera: a wrong name would be seen then, and not before. */
-static enum pel_err need_views(const Pelagos__State *state,
-                               const Pelagos__Patch *safe,
-                               struct pel_fault *fault)
-{
-    const Pelagos__State *to = safe->state;
-    for (size_t i = 0; to && i < to->n_views; i++) {
-        if (!has_view(state, to->views[i]->name)) {
-            return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
-                                 "there is no view called %.64s; add it to the "
-                                 "state, or name another",
-                                 to->views[i]->name);
         }
     }
     return PEL_OK;

@@ -274,7 +274,7 @@ enum MHD_Result pel_http_send_spectrum(struct client *client,
 static void on_patch(void *user, enum pel_err err,
                      const struct pel_fault *fault)
 {
-    const struct waiter waited = *(struct waiter *)user;
+    bool if_unchanged = ((struct waiter *)user)->if_unchanged;
     struct client *client = wait_end(user);
     struct pel_http_answer answer = { .kind = PEL_HTTP_WHOLE };
     if (!client) {
@@ -282,9 +282,7 @@ static void on_patch(void *user, enum pel_err err,
     }
     if (err == PEL_OK) {
         pel_http_answer_state(&client->server->context, &answer);
-    } else if (waited.if_unchanged && err == PEL_ERR_CONFLICT &&
-               pel_scene_state(client->server->context.scene)->revision !=
-                   waited.revision) {
+    } else if (if_unchanged && strcmp(fault->path, PEL_SCENE_REVISION) == 0) {
         pel_http_problem(&answer, 412, fault);
     } else {
         pel_http_answer_refused(&answer, fault);
@@ -303,7 +301,6 @@ enum MHD_Result pel_http_send_patched(struct client *client,
     };
     struct waiter *waiter = wait_begin(client);
     waiter->if_unchanged = answer->if_unchanged;
-    waiter->revision = pel_scene_state(client->server->context.scene)->revision;
     bool waits = pel_scene_submit(client->server->context.scene, &wish,
                                   on_patch, waiter);
     pel_http_answer_finish(answer);

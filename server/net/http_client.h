@@ -62,8 +62,7 @@ struct client {
 /* A surface query cannot be cancelled, so this outlives its client. */
 struct waiter {
     struct client *client; /* NULL: gone */
-    bool if_unchanged;     /* an edit of this revision, or of none */
-    uint64_t revision;
+    bool if_unchanged;     /* an edit of the present revision, or of none */
 };
 
 struct daemon_source;

@@ -59,8 +59,10 @@ struct pel_scene_wish {
     /* Who asks: patches of one source take effect in the order in which they
      * came. NULL: no source in particular. */
     const void *source;
-    bool if_unchanged; /* refused where another edit comes before it */
+    bool if_unchanged; /* refused where another edit comes before it: CONFLICT,
+                        * and fault.path is PEL_SCENE_REVISION */
 };
+#define PEL_SCENE_REVISION "revision"
 
 /* pel_scene_patch as the control thread of a daemon does it: a patch that asks
  * for another sea or another bottom is committed when a thread has built or

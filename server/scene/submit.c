@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "fault.h"
 #include "message.h"
 #include "scene/check.h"
 #include "scene/edit.h"
@@ -123,15 +124,17 @@ static enum pel_err commit_one(struct pel_scene *scene, const struct waiting *w,
     if (ready->dropped) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT, "the daemon is stopping");
     }
+    if (w->has_revision && w->revision != scene->state->revision) {
+        pel_fault_set(fault, PEL_ERR_CONFLICT,
+                      "the state is at revision %llu, not %llu",
+                      (unsigned long long)scene->state->revision,
+                      (unsigned long long)w->revision);
+        pel_fault_at(fault, PEL_SCENE_REVISION, NULL);
+        return PEL_ERR_CONFLICT;
+    }
     if (ready->err) {
         *fault = ready->fault;
         return ready->err;
-    }
-    if (w->has_revision && w->revision != scene->state->revision) {
-        return pel_fault_set(fault, PEL_ERR_CONFLICT,
-                             "the state is at revision %llu, not %llu",
-                             (unsigned long long)scene->state->revision,
-                             (unsigned long long)w->revision);
     }
     enum pel_err err = pel_scene_edited(scene, w->patch, time_s, &next, fault);
     return err ? err
@@ -149,30 +152,28 @@ static void prepared(void *user, struct pel_preparation *ready)
     bool any = false;
     enum pel_err *errs = g_new0(enum pel_err, count);
     struct pel_fault *faults = g_new0(struct pel_fault, count);
-    struct waiting **batch = g_new(struct waiting *, count);
     for (guint i = 0; i < count; i++) {
-        batch[i] = g_ptr_array_index(scene->waiting, i);
-        errs[i] = commit_one(scene, batch[i], ready, now_ns, &faults[i]);
+        const struct waiting *w = g_ptr_array_index(scene->waiting, i);
+        errs[i] = commit_one(scene, w, ready, now_ns, &faults[i]);
         any = any || !errs[i];
     }
-    for (guint i = 0; i < count; i++) {
-        g_ptr_array_steal_index(scene->waiting, 0);
-    }
-    scene->batch = 0;
     bool dropped = ready->dropped;
     pel_preparation_free(ready);
     if (any) {
         pel_scene_tell_commit(scene);
     }
+    /* Each is in the list until its own turn: what one of them does may make
+     * another be forgotten. */
     for (guint i = 0; i < count; i++) {
-        if (batch[i]->done) {
-            batch[i]->done(batch[i]->user, errs[i], &faults[i]);
+        struct waiting *w = g_ptr_array_steal_index(scene->waiting, 0);
+        if (w->done) {
+            w->done(w->user, errs[i], &faults[i]);
         }
-        waiting_free(batch[i]);
+        waiting_free(w);
     }
-    g_free(batch);
     g_free(faults);
     g_free(errs);
+    scene->batch = 0;
     if (!dropped) {
         prepare_next(scene);
     }

@@ -11,21 +11,32 @@ static struct pel_scene *scene;
 /* How patches ended, in this order: their number, or minus their error. */
 static int ends[512];
 static int end_count, number;
+static char last_path[96];
 
 static void ended(void *user, enum pel_err err, const struct pel_fault *fault)
 {
     assert_int_equal(err, fault->code);
+    strcpy(last_path, fault->path);
     ends[end_count++] = err ? -(int)err : (int)(intptr_t)user;
 }
 
-static bool submit(const void *source, const char *json)
+static bool submit_as(const void *source, bool if_unchanged, const char *json)
 {
     Pelagos__Patch *read = read_patch(json);
-    const struct pel_scene_wish wish = { .patch = read, .source = source };
+    const struct pel_scene_wish wish = {
+        .patch = read,
+        .source = source,
+        .if_unchanged = if_unchanged,
+    };
     bool waits =
         pel_scene_submit(scene, &wish, ended, (void *)(intptr_t)++number);
     pelagos__patch__free_unpacked(read, NULL);
     return waits;
+}
+
+static bool submit(const void *source, const char *json)
+{
+    return submit_as(source, false, json);
 }
 
 static double wind(void)
@@ -86,6 +97,22 @@ static void what_needs_none_is_committed_at_once(void **state)
     const int order[] = { 1, 3, 2, 4 };
     assert_int_equal(end_count, 4);
     assert_memory_equal(ends, order, sizeof order);
+}
+
+/* A precondition is looked at before what else is wrong, and says so. */
+static void another_edit_comes_before(void **state)
+{
+    (void)state;
+    const char *unknown = "{\"sea\":{\"spectrum\":\"MEASURED\"}}";
+    assert_true(submit_as(NULL, true, unknown)); /* 1: there is no --spectra */
+    pel_scene_settle(scene);
+    assert_int_equal(ends[0], -PEL_ERR_CONFLICT);
+    assert_string_not_equal(last_path, PEL_SCENE_REVISION);
+    assert_true(submit_as(NULL, true, unknown)); /* 2 */
+    assert_false(submit(NULL, "{\"sky\":{\"visibility\":9000}}"));
+    pel_scene_settle(scene);
+    assert_int_equal(ends[2], -PEL_ERR_CONFLICT);
+    assert_string_equal(last_path, PEL_SCENE_REVISION);
 }
 
 /* Of thirty seas the first and, with all others, the last is built. */
@@ -245,6 +272,7 @@ int main(void)
                                         end),
         cmocka_unit_test_setup_teardown(what_needs_none_is_committed_at_once,
                                         begin, end),
+        cmocka_unit_test_setup_teardown(another_edit_comes_before, begin, end),
         cmocka_unit_test_setup_teardown(of_many_seas_the_newest_is_built, begin,
                                         end),
         cmocka_unit_test_setup_teardown(large_states_are_committed_by_few,
