@@ -7,10 +7,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/log.h"
 #include "pelog.h"
 #include "wire.h"
@@ -267,6 +269,7 @@ static bool begin_segment(struct pel_record *record, uint32_t segment)
     if (fd < 0) {
         return false;
     }
+    (void)flock(fd, LOCK_EX | LOCK_NB); /* see check_place */
     const Pelagos__State *state =
         pel_scene_listen(record->scene, on_command, record);
     uint32_t before = record->segment;
@@ -349,6 +352,36 @@ static void on_command(void *user, double time_s, const Pelagos__Patch *patch)
 
 /* --- life ----------------------------------------------------------------- */
 
+/* What is at PATH gets a number: only a log, and none that another daemon is
+ * writing, which has it locked. */
+static enum pel_err check_place(const char *path, struct pel_fault *fault)
+{
+    int fd;
+    struct pel_fault why;
+    char magic[PEL_LOG_MAGIC_SIZE];
+    enum pel_err err = pel_file_open(path, &fd, &why);
+    if (err) {
+        return err == PEL_ERR_NOT_FOUND
+                   ? PEL_OK
+                   : pel_fault_set(fault, err, "--record: %s", why.message);
+    }
+    bool taken = flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    ssize_t size = read(fd, magic, sizeof magic);
+    close(fd);
+    if (taken) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "--record: another daemon records to %.160s; end "
+                             "it, or name another file",
+                             path);
+    }
+    return size > 0 && memcmp(magic, PEL_LOG_MAGIC, (size_t)size) != 0
+               ? pel_fault_set(fault, PEL_ERR_INVALID,
+                               "--record: %.160s is no log of commands; name "
+                               "another file",
+                               path)
+               : PEL_OK;
+}
+
 enum pel_err pel_record_create(const struct pel_record_options *o,
                                struct pel_scene *scene, struct pel_record **out,
                                struct pel_fault *fault)
@@ -369,11 +402,14 @@ enum pel_err pel_record_create(const struct pel_record_options *o,
     record->next_number =
         found->len > 0 ? g_array_index(found, unsigned, found->len - 1) + 1 : 1;
     g_array_free(found, TRUE);
-    if (!begin_segment(record, 1)) {
-        pel_fault_set(fault, PEL_ERR_IO, "--record: %s: %s", o->path,
-                      strerror(errno));
+    enum pel_err err = check_place(o->path, fault);
+    if (!err && !begin_segment(record, 1)) {
+        err = pel_fault_set(fault, PEL_ERR_IO, "--record: %s: %s", o->path,
+                            strerror(errno));
+    }
+    if (err) {
         pel_record_destroy(record);
-        return PEL_ERR_IO;
+        return err;
     }
     pel_info("REC-001", "recording %s to %s", record->recording, o->path);
     *out = record;

@@ -23,7 +23,8 @@ struct pel_record_options {
  * from the highest that is there, and of these the oldest beyond `keep` are
  * removed, likewise at the start of each further segment. A new segment
  * restarts own ship's steps (pel_scene_listen), so that a replay of that
- * segment alone has the same motion. IO. */
+ * segment alone has the same motion. IO; INVALID: what is there is no log;
+ * CONFLICT: another daemon is writing it. */
 PEL_CHECK enum pel_err pel_record_create(const struct pel_record_options *o,
                                          struct pel_scene *scene,
                                          struct pel_record **out,

@@ -356,6 +356,27 @@ static void an_earlier_log_is_kept(void **state)
     stop(&f);
 }
 
+/* A directory, somebody's file, a log that is being written: each stays. */
+static void what_is_no_log_stays(void **state)
+{
+    (void)state;
+    struct fixture f, other;
+    start(&f);
+    other = f;
+    assert_int_equal(record(&other, 1, 2), PEL_ERR_CONFLICT);
+    snprintf(other.path, sizeof other.path, "%s/notes", f.folder);
+    assert_true(g_file_set_contents(other.path, "notes", -1, NULL));
+    assert_int_equal(record(&other, 1, 2), PEL_ERR_INVALID);
+    g_autofree char *text = NULL;
+    assert_true(g_file_get_contents(other.path, &text, NULL, NULL));
+    assert_string_equal(text, "notes");
+    assert_int_equal(g_unlink(other.path), 0);
+    assert_int_equal(g_mkdir(other.path, 0700), 0);
+    assert_int_equal(record(&other, 1, 2), PEL_ERR_INVALID);
+    assert_int_equal(g_rmdir(other.path), 0);
+    stop(&f);
+}
+
 /* Each edit says its number, so that what is missing would be seen: the
  * heading is a hundredth of it. Own ship is left alone. */
 static void edit_number(struct fixture *f, int i)
@@ -555,6 +576,7 @@ int main(void)
         cmocka_unit_test(cut_and_changed_logs),
         cmocka_unit_test(entries_that_cannot_be),
         cmocka_unit_test(an_earlier_log_is_kept),
+        cmocka_unit_test(what_is_no_log_stays),
         cmocka_unit_test(nothing_is_lost_at_a_turn),
         cmocka_unit_test(a_bounded_number_is_kept),
         cmocka_unit_test(without_a_new_segment),
