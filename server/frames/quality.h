@@ -42,10 +42,10 @@ double pel_quality_scale(const struct pel_quality *quality);
 /* That size in pixels: even, 16 or more, `full` where the scale is 1. */
 uint32_t pel_quality_size(double scale, uint32_t full);
 
-/* The next frame has so many pixels in full. Where there are more than before
- * and what is known of their cost says that they will take far too long, the
- * scale is chosen before they do: the first picture comes soon. True when it
- * has changed. */
+/* Announces the pixels of the next frame in full. Where there are more than
+ * before and their known cost predicts a frame far too slow, the scale is
+ * chosen before it is drawn, so that the first picture comes soon. True when
+ * the scale has changed. */
 bool pel_quality_expect(struct pel_quality *quality, uint64_t pixels,
                         double period_ms);
 

@@ -16,8 +16,8 @@ struct pel_http_source pel_http_source_of(const struct pel_http_server *server,
 bool pel_http_share_open(struct pel_http_server *server, int fd,
                          const struct pel_http_source *source, bool *reserve);
 
-/* Whether this request, whose head is there, may go on: with `open` it asks for
- * what everybody gets (health), with `holder` it has the token. */
+/* Whether this request, whose head has arrived, is admitted: `open`: it asks
+ * for a public resource (health); `holder`: it has the token. */
 bool pel_http_share_admit(struct client *client,
                           const struct pel_http_request *request, bool open,
                           bool holder, struct pel_http_answer *answer);

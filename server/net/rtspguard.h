@@ -1,6 +1,6 @@
 /* Limits on the messages of an RTSP client. GStreamer bounds a
- * body, not the number of header lines, and reads whatever has come; so its
- * connections read through a stream of ours, which breaks off. */
+ * body but not the number of header lines, and reads everything that has come;
+ * so its connections read through this stream, which fails at the limits. */
 #pragma once
 
 #include <stdbool.h>

@@ -16,10 +16,10 @@
 void pel_facet_quadrature(double mu, double node[PEL_FACET_NODES],
                           double weight[PEL_FACET_NODES]);
 
-/* The same for the sea as brute force sees it, its nodes steeper towards the
- * eye by 0.3 / (1 + mu): Ross takes heights and slopes as independent (Smith's
- * masking); on waves cut by rays what is seen at grazing angles stands on the
- * crests and is steeper. Fitted with `make validate`. */
+/* The same with nodes that are steeper towards the eye by 0.3 / (1 + mu)
+ * standard deviations: Ross takes heights and slopes as independent (Smith's
+ * masking), but on ray-traced waves the facets seen at grazing angles lie on
+ * the crests and are steeper. Fitted with `make validate`. */
 void pel_facets_seen(double mu, double node[PEL_FACET_NODES],
                      double weight[PEL_FACET_NODES]);
 

@@ -1,15 +1,15 @@
 /* The lights of the sky: bodies so far away that their light falls from one
- * direction. Each makes a sky, a glitter, a shadow of its own, and pictures
- * show the sum. Here is the one list of them; a new one is its number in
- * shaders/lib/blocks.h, a row here and its place in scene/snapshot.h. Any
- * thread. */
+ * direction. Each has its own sky light, glitter and shadow, and pictures show
+ * the sum. This is their only list; a new light needs a number in
+ * shaders/lib/blocks.h, a row in light.c and its position in scene/snapshot.c.
+ * Any thread. */
 #pragma once
 
 #include "base/vec.h"
 #include "optics/atmosphere.h"
 #include "shaders/lib/blocks.h"
 
-/* What does not change. Spectral values are at 680, 550, 440 nm. */
+/* Constants of a light. Spectral values are at 680, 550, 440 nm. */
 struct pel_light_body {
     const char *name;
     struct pel_rgb irradiance; /* normal to the beam above the air at full
@@ -22,7 +22,7 @@ struct pel_light_body {
 };
 extern const struct pel_light_body pel_light_bodies[PEL_LIGHTS];
 
-/* One at a moment. */
+/* A light at a moment. */
 struct pel_light {
     struct pel_vec3 direction; /* unit, towards it */
     double strength;           /* of the body's irradiance, ≥ 0 */

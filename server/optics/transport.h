@@ -57,7 +57,7 @@ double pel_hg_forward_fraction(double g);
  * scattering angle of cosine nu < 0, where it falls as g grows. */
 double pel_hg_asymmetry(double nu, double phase);
 
-/* What the flat surface does with a geometry: cosines in the water, the
+/* Refraction of a geometry at the flat surface: cosines in the water, the
  * irradiance normal to the refracted beam just below it, E T_i cos θ_ii /
  * cos θ_io, and T_o / n², the part of the radiance below that is seen above. */
 struct pel_interface {

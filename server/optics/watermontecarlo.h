@@ -1,8 +1,8 @@
-/* The judge of transport.h: the same water by a Monte Carlo that shares
- * nothing with it but the coefficients. Paths are followed backwards from the
- * viewer, collision by collision, and each collision and each meeting with the
- * bottom looks at every Sun. Random numbers are a function of seed, path and
- * step. Any thread. */
+/* Reference for transport.h: the same water by an independent Monte Carlo,
+ * which shares the coefficients alone. Paths are followed backwards from the
+ * viewer, and every collision and every reflection at the bottom adds the light
+ * of each Sun (next-event estimation). Random numbers are a function of seed,
+ * path and step. Any thread. */
 #pragma once
 
 #include <stdint.h>

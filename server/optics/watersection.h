@@ -1,5 +1,5 @@
-/* A bottom that is not level, for what is computed in two dimensions: its
- * depth along one direction, the same all along the other. Any thread. */
+/* A bottom whose depth varies along one horizontal direction and is constant
+ * along the other. Any thread. */
 #pragma once
 
 #include <stdbool.h>

@@ -1,7 +1,6 @@
-/* The light of level water made that of water over a bottom that slopes: how
- * the maps, which know level bottoms of several depths, are looked up over a
- * height field. Twin of seabed_light in shaders/lib/seabed.glsl; against the
- * Monte Carlo in docs/water.md. Any thread. */
+/* The light of water over a sloping bottom, from the maps of level water at
+ * several depths. Twin of seabed_light in shaders/lib/seabed.glsl;
+ * docs/water.md compares it with the Monte Carlo. Any thread. */
 #pragma once
 
 #include "optics/waterkernel.h"
@@ -16,10 +15,10 @@ struct pel_slope_place {
     double lit;     /* of the Sun's beam that no other bottom hides, 0..1 */
 };
 
-/* How much a place changes of what level water as deep sends back, at one
- * wavelength: the depths of level water whose scattered light it has, and the
- * share of the gain that light scattered on its way to the bottom keeps. With
- * other orders than ALL depths are the place's and `kept` is 1. */
+/* How the light at a sloping place differs from that of level water of the same
+ * depth, at one wavelength: the depths of level water whose scattered light it
+ * has, and the share of the gain that light scattered on its way to the bottom
+ * keeps. With other orders than ALL depths are the place's and `kept` is 1. */
 struct pel_slope_change {
     double volume_m, bottom_m; /* light that never and that did touch it */
     double kept;

@@ -1,5 +1,5 @@
-/* Bands: rows of a picture that are drawn by themselves, as they are in the
- * whole. Pure computation, any thread. */
+/* Bands: rows of a picture that are drawn separately, with the same result as
+ * in the whole. Pure computation, any thread. */
 #pragma once
 
 #include "render/disc.h"
@@ -15,12 +15,12 @@ struct pel_band pel_band_of(const struct pel_draw *draw);
 struct pel_camera pel_band_camera(const struct pel_camera *whole,
                                   struct pel_band band);
 
-/* What lies in the band of a light's box (render/disc.h) in the whole picture;
- * height 0: nothing. */
+/* The part of a light's box (render/disc.h) that lies in the band; height 0:
+ * none. */
 struct pel_disc_box pel_band_disc(const struct pel_camera *whole,
                                   struct pel_vec3 to, double radius_rad,
                                   struct pel_band band);
 
-/* Tiles of the whole picture become those of the band. */
+/* Reduces the tiles of the whole picture to those of the band. */
 void pel_band_tiles(const struct pel_camera *whole, struct pel_band band,
                     uint8_t *tiles);

@@ -1,5 +1,5 @@
-/* Which tiles of a picture may show land or the bottom: the others are drawn
- * as deep sea, at no cost. Pure computation, no GL. */
+/* Which tiles of a picture may show land or the bottom; the others are drawn by
+ * the programs of the deep sea. Pure computation, no GL. */
 #pragma once
 
 #include <stdbool.h>

@@ -1,5 +1,4 @@
-/* Where in a picture a light's disc may lie, so that only pixels there compute
- * it. */
+/* The box of pixels in which a light's disc may lie; only these compute it. */
 #pragma once
 
 #include <stdbool.h>

@@ -1,5 +1,5 @@
-/* How the sea is filtered: the choices that options offer, and one of
- * validation. Pure data. */
+/* Filtering of the sea: the choices of the options, and one for validation.
+ * Pure data. */
 #pragma once
 
 #include <stdbool.h>

@@ -2,7 +2,7 @@
  * azimuth. Rings and columns depend on the eye, the sea and the pixel's angle
  * only; a view chooses which of them it draws. Pure computation, no GL.
  *
- * It stands in for the paper's screen-space grid: cells are as large on the
+ * It replaces the paper's screen-space grid: cells are as large on the
  * screen (cell_px pixels on calm water), but they do not turn with the camera,
  * reach under and behind it, and stay fine enough for waves that a grazing
  * screen cell would drop. */
@@ -61,7 +61,7 @@ struct pel_mesh {
 void pel_mesh_plan(const struct pel_mesh_eye *eye,
                    const struct pel_camera *camera, struct pel_mesh *out);
 
-/* Leaves out of a planned mesh what a part of the same camera's picture cannot
- * see; rings and columns stay as they are. */
+/* Removes from a planned mesh what a part of the same camera's picture cannot
+ * see; rings and columns do not change. */
 void pel_mesh_narrow(const struct pel_mesh_eye *eye,
                      const struct pel_camera *part, struct pel_mesh *mesh);

@@ -1,5 +1,5 @@
 /* The passes that shade one picture: the first writes the radiance, each as
- * many layers as it has slots, so that there may be any number of them
+ * many layers as it has slots, so that the number of layers is not limited
  * (proto/layers.def). */
 #pragma once
 

@@ -45,7 +45,7 @@ PEL_CHECK enum pel_err pel_readback_push(struct pel_readback *r,
 
 /* Whether the last band's pixels are there within wait_ns. */
 bool pel_readback_band_done(struct pel_readback *r, int64_t wait_ns);
-/* Gives up a picture whose last band has not come. */
+/* Discards a picture whose last band has not come. */
 void pel_readback_drop_bands(struct pel_readback *r);
 
 /* Oldest picture if its pixels are there within wait_ns, else NULL. */

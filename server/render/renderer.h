@@ -133,14 +133,14 @@ PEL_CHECK enum pel_err pel_renderer_submit(struct pel_renderer *r,
  * one picture at a time. It counts as submitted with its last band. Every band
  * takes the work that does not depend on pixels anew. */
 
-/* Whether the device is through with the last band, after waiting wait_ns. */
+/* Whether the device has finished the last band, after waiting wait_ns. */
 bool pel_renderer_band_done(struct pel_renderer *r, int64_t wait_ns);
 
 /* Gives up a picture whose last band was not submitted. */
 void pel_renderer_drop_bands(struct pel_renderer *r);
 
 /* Next finished picture in order of submission; NULL when none is finished
- * after waiting wait_ns (0: just look). It stays mapped until released. */
+ * after waiting wait_ns (0: polls). It stays mapped until released. */
 struct pel_picture *pel_renderer_collect(struct pel_renderer *r,
                                          int64_t wait_ns);
 
@@ -162,7 +162,7 @@ void pel_picture_position_origin(const struct pel_camera *camera,
 /* Pictures submitted and not yet collected. */
 size_t pel_renderer_in_flight(const struct pel_renderer *r);
 
-/* Gives the buffers back; any thread. */
+/* Releases the buffers; any thread. */
 void pel_picture_release(struct pel_picture *picture);
 
 /* Milliseconds of each stage of the last measured frame, summed over its
@@ -182,7 +182,7 @@ pel_renderer_probe_water(struct pel_renderer *r,
                          const struct pel_geometry *at,
                          struct pel_water_parts *out, struct pel_fault *fault);
 
-/* One question to the shading functions (render/probe.h): waits for the answer,
+/* One query of the shading functions (render/probe.h); waits for the answer,
  * some milliseconds, more when the Sun, the air or the water are not those of
  * the last frame. GPU or NO_MEMORY with a fault. */
 struct pel_probe;

@@ -1,6 +1,6 @@
-/* What a picture is drawn into. Pictures are drawn into one corner of targets
- * that grow as they must, and start anew when many pictures in a row left most
- * of them unused. Render thread only. */
+/* The textures and framebuffers that pictures are drawn into. A picture uses
+ * one corner of them; they grow when needed, and are made anew, smaller, after
+ * many pictures in a row that used little of them. Render thread only. */
 #pragma once
 
 #include <epoxy/gl.h>
