@@ -477,8 +477,11 @@ $(O)/bin/ground_test: | $(O)/bin/pelagos-seabed
 $(O)/bin/any_raster: $(OBJ)/tests/any_raster.o $(OBJ)/libserver.a
 	$(LINK) $(READER_LIBS)
 
+# A manual with a table is what its program makes of its text.
+TABLE_MANUALS := registers cigi nmea
+
 .PHONY: tests
-tests: $(TEST_BIN) $(O)/bin/registers_doc $(O)/bin/cigi_doc $(O)/bin/nmea_doc \
+tests: $(TEST_BIN) $(TABLE_MANUALS:%=$(O)/bin/%_doc) \
     $(O)/bin/any_raster $(O)/bin/lighting $(O)/bin/validate_water $(O)/bin/seatrace $(O)/libpelagos.a \
     build/compile_commands.json ## build the test programs
 
@@ -486,30 +489,22 @@ tests: $(TEST_BIN) $(O)/bin/registers_doc $(O)/bin/cigi_doc $(O)/bin/nmea_doc \
 unit: $(TEST_BIN) ## run the C test programs
 	$(Q)for t in $(TEST_BIN); do echo "== $$t"; $$t || exit 1; done
 
-$(O)/bin/registers_doc: $(OBJ)/proto/registers_doc.o $(OBJ)/libserver.a
-	$(LINK) $(PKG_LIBS)
-
 .PHONY: golden
 golden: $(O)/bin/golden_test ## draw the golden pictures anew; look at each of them
 	$(Q)$< --write
 
-.PHONY: registers
-registers: $(O)/bin/registers_doc ## write proto/registers.md, the Modbus map for people
-	$(Q)$< >proto/registers.md
-
+$(O)/bin/registers_doc: $(OBJ)/proto/registers_doc.o $(OBJ)/libserver.a
 $(O)/bin/cigi_doc: $(OBJ)/server/bridges/cigi_doc.o $(OBJ)/libserver.a
+$(O)/bin/nmea_doc: $(OBJ)/server/bridges/nmea_doc.o $(OBJ)/libserver.a
+$(TABLE_MANUALS:%=$(O)/bin/%_doc):
 	$(LINK) $(PKG_LIBS)
 
-.PHONY: cigi
-cigi: $(O)/bin/cigi_doc ## write proto/cigi.md, the CIGI conformance table
-	$(Q)$< proto/cigi.in.md >proto/cigi.md
-
-$(O)/bin/nmea_doc: $(OBJ)/server/bridges/nmea_doc.o
-	$(LINK)
-
-.PHONY: nmea
-nmea: $(O)/bin/nmea_doc ## write proto/nmea.md, the NMEA manual with its sentences
-	$(Q)$< proto/nmea.in.md >proto/nmea.md
+.PHONY: $(TABLE_MANUALS)
+registers: ## write proto/registers.md, the Modbus map for people
+cigi: ## write proto/cigi.md, the CIGI conformance table
+nmea: ## write proto/nmea.md, the NMEA manual with its sentences
+$(TABLE_MANUALS): %: $(O)/bin/%_doc
+	$(Q)$< <proto/$@.in.md >proto/$@.md
 
 # --- set-up, demonstration, checks ---------------------------------------
 .PHONY: deps deps-build

@@ -1,6 +1,6 @@
 #!/bin/sh
-# proto/manual.md and the Python classes say what the schema says; and a schema that lacks a unit, or
-# has a range that cannot be read, does not pass.
+# proto/*.md and the Python classes say what the schema and the tables say; and
+# a schema that lacks a unit, or has a range that cannot be read, does not pass.
 set -eu
 cd "$(dirname "$0")/.."
 folder=$(mktemp -d)
@@ -18,6 +18,20 @@ diff -u clients/python/pelagos/schema.py "$folder/schema.py" || {
     echo "clients/python/pelagos/schema.py is not current: run make manual"
     exit 1
 }
+
+# The others are what their programs make of their texts.
+bin=${PELAGOS_BIN:-build/release/bin}
+bin=${bin#"$PWD/"}
+for text in proto/*.in.md; do
+    name=$(basename "$text" .in.md)
+    [ "$name" != manual ] || continue
+    [ -x "$bin/${name}_doc" ] || make --no-print-directory "$bin/${name}_doc"
+    "$bin/${name}_doc" <"$text" >"$folder/$name.md"
+    diff -u "proto/$name.md" "$folder/$name.md" || {
+        echo "proto/$name.md is not current: run make $name"
+        exit 1
+    }
+done
 
 refused() {
     sed "$1" proto/pelagos.proto > "$folder/pelagos.proto"

@@ -1,7 +1,6 @@
-/* Writes the conformance part of proto/cigi.md: every packet and field of the
- * table, after the text of the file given. */
+/* Prints proto/cigi.md: the text of standard input, then every packet and field
+ * of the table. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "bridges/cigi_packet.h"
@@ -57,22 +56,16 @@ static void print_numbers(const char *name)
     }
 }
 
-int main(int argc, char **argv)
+int main(void)
 {
-    FILE *text = argc == 2 ? fopen(argv[1], "r") : NULL;
-    if (!text) {
-        fprintf(stderr, "usage: cigi_doc TEXT\n");
-        return EXIT_FAILURE;
-    }
-    for (int c; (c = fgetc(text)) != EOF;) {
+    for (int c; (c = getchar()) != EOF;) {
         char name[32];
-        if (c == '{' && fscanf(text, "%31[A-Za-z]}", name) == 1) {
+        if (c == '{' && scanf("%31[A-Za-z]}", name) == 1) {
             print_numbers(name);
         } else {
             putchar(c);
         }
     }
-    fclose(text);
     printf("Offsets are bytes from the packet's begin, `b` bits of that byte "
            "from the low end; at 0 and 1 are the packet's id and size, and "
            "bytes not named are reserved and not read. Packets that are not "
@@ -80,5 +73,5 @@ int main(int argc, char **argv)
     for (int k = 0; k < PEL_CIGI_KIND_COUNT; k++) {
         print_packet(&pel_cigi_packets[k]);
     }
-    return EXIT_SUCCESS;
+    return 0;
 }
