@@ -120,14 +120,6 @@ const struct pel_option pel_option_table[] = {
       .help = "GStreamer element that makes H.264 (nvh264enc, vah264enc, "
               "vah264lpenc, x264enc, openh264enc); auto is the first of these "
               "that works." },
-    { "shading", "render", PEL_OPTION_CHOICE, "HOW", "auto",
-      .choices = shading_words, .offset = FIELD(shading),
-      .help = "Whether pixels are shaded as fragments or in compute, by the "
-              "same functions; auto takes fragments on a software device, "
-              "compute on hardware." },
-    { "shader-dir", "render", PEL_OPTION_PATH, "DIRECTORY|off", "off",
-      .offset = FIELD(shader_dir),
-      .help = "Reads the shaders from here instead of the built-in ones." },
     { "realtime", "render", PEL_OPTION_CHOICE, "WHEN", "auto",
       .choices = realtime_words, .offset = FIELD(realtime),
       .help =
@@ -136,20 +128,6 @@ const struct pel_option pel_option_table[] = {
           "of a core each, so that they do not wait for drawing: auto is where "
           "the system permits it (ulimit -r 2, systemd's LimitRTPRIO=2), "
           "on refuses to start where it does not." },
-    { "filter-min", "render", PEL_OPTION_DOUBLE, "N", "1", 1, 4, "wavelengths",
-      .offset = FIELD(filter_min),
-      .help = "Waves of fewer than so many pixels or cells of the mesh are "
-              "left to the statistics; below --filter-max." },
-    { "filter-max", "render", PEL_OPTION_DOUBLE, "N", "2.5", 1, 8,
-      "wavelengths", .offset = FIELD(filter_max),
-      .help = "Waves of more than so many pixels are drawn whole; more is "
-              "softer and calmer, less sharper and less calm." },
-    { "mesh-cell", "render", PEL_OPTION_DOUBLE, "PIXELS", "8", 2, 64, "px",
-      .offset = FIELD(mesh_cell),
-      .help = "Side of the mesh's cells on calm water." },
-    { "gl-debug", "render", PEL_OPTION_FLAG, "", "no",
-      .offset = FIELD(gl_debug),
-      .help = "Sends the OpenGL driver's messages to the log." },
 
     { "modbus", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
       "127.0.0.1:1502", .offset = FIELD(modbus),
@@ -251,6 +229,22 @@ const struct pel_option pel_option_table[] = {
     { "log-level", "log", PEL_OPTION_CHOICE, "LEVEL", "info",
       .choices = level_words, .live = true, .offset = FIELD(log_level),
       .help = "Records less important than this are not written." },
+    { 0 },
+};
+
+/* For who works on the drawing itself: no options. */
+const struct pel_option pel_developer_table[] = {
+    { "PELAGOS_SHADING", "developer", PEL_OPTION_CHOICE, "HOW", "auto",
+      .choices = shading_words, .offset = FIELD(shading),
+      .help = "Whether pixels are shaded as fragments or in compute, by the "
+              "same functions; auto takes fragments on a software device, "
+              "compute on hardware." },
+    { "PELAGOS_SHADER_DIR", "developer", PEL_OPTION_PATH, "DIRECTORY|off",
+      "off", .offset = FIELD(shader_dir),
+      .help = "Reads the shaders from here instead of the built-in ones." },
+    { "PELAGOS_GL_DEBUG", "developer", PEL_OPTION_FLAG, "yes|no", "no",
+      .offset = FIELD(gl_debug),
+      .help = "Sends the OpenGL driver's messages to the log." },
     { 0 },
 };
 
@@ -456,13 +450,31 @@ void pel_options_log_changes(const struct pel_options *from,
 
 void pel_options_init(struct pel_options *options)
 {
+    const struct pel_option *tables[] = { pel_option_table,
+                                          pel_developer_table };
     *options = (struct pel_options){ 0 };
-    for (const struct pel_option *o = pel_option_table; o->name; o++) {
-        struct pel_fault fault;
-        if (pel_option_set(o, o->initial, o->name, options, &fault) != PEL_OK) {
-            g_error("default of %s", fault.message); /* our own mistake */
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        for (const struct pel_option *o = tables[i]; o->name; o++) {
+            struct pel_fault fault;
+            if (pel_option_set(o, o->initial, o->name, options, &fault)) {
+                g_error("default of %s", fault.message); /* our own mistake */
+            }
         }
     }
+}
+
+static enum pel_err read_environment(struct pel_options *options,
+                                     struct pel_fault *fault)
+{
+    enum pel_err err = PEL_OK;
+    for (const struct pel_option *o = pel_developer_table;
+         o->name && err == PEL_OK; o++) {
+        const char *value = getenv(o->name);
+        if (value && *value) {
+            err = pel_option_set(o, value, o->name, options, fault);
+        }
+    }
+    return err;
 }
 
 /* --- key file ------------------------------------------------------------ */
@@ -650,8 +662,8 @@ enum pel_err pel_options_read(int argc, char **argv,
                               struct pel_fault *fault)
 {
     struct argument argument;
-    enum pel_err err = PEL_OK;
     pel_options_init(options);
+    enum pel_err err = read_environment(options, fault);
     *action = PEL_ACTION_RUN;
     for (int i = 1; i < argc && err == PEL_OK; i += argument.used) {
         err = split_argument(argc, argv, i, &argument, fault);
@@ -736,11 +748,6 @@ enum pel_err pel_options_check(const struct pel_options *options,
                              "--device: '%.60s' is neither auto, software nor "
                              "a number within 0 .. 999",
                              options->device);
-    }
-    if (options->filter_min >= options->filter_max) {
-        return pel_fault_set(fault, PEL_ERR_CONFLICT,
-                             "--filter-min: %g is not below --filter-max, %g",
-                             options->filter_min, options->filter_max);
     }
     if (*options->nmea_out && strcmp(options->nmea_out, options->nmea) == 0) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,

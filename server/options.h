@@ -60,7 +60,6 @@ struct pel_options {
     char video_encoder[PEL_OPTION_TEXT];
     char shader_dir[PEL_OPTION_TEXT];
     bool gl_debug;
-    double filter_min, filter_max, mesh_cell;
     int shading;
     int realtime;  /* enum pel_realtime */
     int log_level; /* enum pel_log_level */
@@ -83,6 +82,10 @@ struct pel_option {
 
 /* Ends with a NULL name; sections are together. */
 extern const struct pel_option pel_option_table[];
+
+/* The same for developers: `name` is a variable of the environment, which is
+ * read at a start alone; described by the manual page only. */
+extern const struct pel_option pel_developer_table[];
 
 /* What the command line asks for besides values. */
 enum pel_options_action {

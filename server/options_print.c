@@ -179,13 +179,22 @@ static void print_man_tail(FILE *to)
         ".SH ENVIRONMENT\n"
         ".TP\n.B NOTIFY_SOCKET, WATCHDOG_USEC\nReadiness and watchdog, as "
         "\\fBsystemd\\fR(1) sets them.\n"
-        ".TP\n.B MESA_SHADER_CACHE_DIR\nWhere Mesa keeps compiled shaders.\n"
-        ".SH SECURITY\n"
-        "HTTP and protobuf are served to this machine only; for other "
-        "networks put nginx with TLS in front. Modbus and NMEA know no "
-        "passwords: beyond this machine they want a list of peers.\n"
-        ".SH SEE ALSO\n.BR pelagosctl (1)\n",
+        ".TP\n.B MESA_SHADER_CACHE_DIR\nWhere Mesa keeps compiled shaders.\n",
         to);
+    for (const struct pel_option *o = pel_developer_table; o->name; o++) {
+        char values[160];
+        describe(o, values, sizeof values);
+        fprintf(to, ".TP\n.B %s=\\fI%s\\fR\n", o->name, o->argument);
+        print_roff(to, "For developers. ");
+        print_roff(to, o->help);
+        fprintf(to, " [%s]\n", values);
+    }
+    fputs(".SH SECURITY\n"
+          "HTTP and protobuf are served to this machine only; for other "
+          "networks put nginx with TLS in front. Modbus and NMEA know no "
+          "passwords: beyond this machine they want a list of peers.\n"
+          ".SH SEE ALSO\n.BR pelagosctl (1)\n",
+          to);
 }
 
 void pel_options_print_man(FILE *to)

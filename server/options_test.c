@@ -49,14 +49,14 @@ static void both_forms_of_the_command_line(void **state)
 {
     (void)state;
     assert_int_equal(READ(&options, &action, &fault, "--fps", "12.5",
-                          "--http=[::1]:0", "--tcp", "off", "--gl-debug",
+                          "--http=[::1]:0", "--tcp", "off", "--plain",
                           "--modbus-order=dcba", "--nmea", "localhost:9",
                           "--modbus-units", "7"),
                      PEL_OK);
     assert_true(options.fps == 12.5);
     assert_string_equal(options.http, "[::1]:0");
     assert_string_equal(options.tcp, "");
-    assert_true(options.gl_debug);
+    assert_true(options.plain);
     assert_int_equal(options.modbus_order, 3);
     char host[64];
     uint16_t port;
@@ -78,10 +78,6 @@ static void bad_values_say_what_is_legal(void **state)
         { "--fps", "0", "1 .. 240 Hz" },
         { "--fps", "nan", "1 .. 240 Hz" },
         { "--fps", "inf", "1 .. 240 Hz" },
-        { "--filter-min", "0.9", "1 .. 4 wavelengths" },
-        { "--filter-min", "3", "not below --filter-max, 2.5" },
-        { "--filter-max", "nan", "1 .. 8 wavelengths" },
-        { "--mesh-cell", "1", "2 .. 64 px" },
         { "--fps", "3x", "1 .. 240 Hz" },
         { "--fps", "", "1 .. 240 Hz" },
         { "--waves", "60.5", "20 .. 256" },
@@ -124,6 +120,32 @@ static void bad_values_say_what_is_legal(void **state)
     assert_int_equal(READ(&options, &action, &fault, "--modbus", "0.0.0.0:1502",
                           "--modbus-allow", "10.0.0.0/8"),
                      PEL_OK);
+}
+
+/* They are not on the command line. */
+static void developers_have_the_environment(void **state)
+{
+    (void)state;
+    assert_true(setenv("PELAGOS_SHADING", "compute", 1) == 0);
+    assert_true(setenv("PELAGOS_GL_DEBUG", "yes", 1) == 0);
+    assert_true(setenv("PELAGOS_SHADER_DIR", "", 1) == 0);
+    assert_int_equal(READ(&options, &action, &fault, "--fps", "20"), PEL_OK);
+    assert_int_equal(options.shading, 2);
+    assert_true(options.gl_debug);
+    assert_string_equal(options.shader_dir, "");
+    assert_true(setenv("PELAGOS_SHADING", "both", 1) == 0);
+    assert_int_equal(READ(&options, &action, &fault, "--fps", "20"),
+                     PEL_ERR_INVALID);
+    assert_non_null(strstr(fault.message, "PELAGOS_SHADING: 'both'"));
+    assert_non_null(strstr(fault.message, "auto, fragment, compute"));
+    for (const struct pel_option *o = pel_developer_table; o->name; o++) {
+        assert_true(unsetenv(o->name) == 0);
+    }
+    assert_int_equal(READ(&options, &action, &fault, "--shading", "auto"),
+                     PEL_ERR_NOT_FOUND);
+    assert_int_equal(READ(&options, &action, &fault, "--fps", "20"), PEL_OK);
+    assert_int_equal(options.shading, 0);
+    assert_false(options.gl_debug);
 }
 
 static char *write_file(const char *text)
@@ -253,6 +275,7 @@ int main(void)
         cmocka_unit_test(defaults_are_the_tables),
         cmocka_unit_test(both_forms_of_the_command_line),
         cmocka_unit_test(bad_values_say_what_is_legal),
+        cmocka_unit_test(developers_have_the_environment),
         cmocka_unit_test(key_file_is_read_before_the_command_line),
         cmocka_unit_test(unknown_options_say_what_was_meant),
         cmocka_unit_test(bad_key_files_say_where),

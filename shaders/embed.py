@@ -6,7 +6,7 @@ usage: embed.py OUT.c SHADER...
 `#include "lib/x.glsl"` is replaced by the file, once for each shader. What is
 embedded is exactly what glslangValidator saw, with a line map so that a
 compiler's message can be traced to its file. lib/layers.glsl is made here from
-proto/layers.def, and embedded by itself too, for --shader-dir.
+proto/layers.def, and embedded by itself too, for PELAGOS_SHADER_DIR.
 """
 import os
 import re

@@ -34,7 +34,8 @@ static bool append(char **text, size_t *size, const char *more, size_t length)
 }
 
 /* Appends `path` to *text with its includes; returns false when a file cannot
- * be read. Only for --shader-dir: the build flattens the embedded ones. */
+ * be read. Only for PELAGOS_SHADER_DIR: the build flattens the embedded ones.
+ */
 static bool read_flat(const char *dir, const char *name, char **text,
                       size_t *size, int depth)
 {
