@@ -1,7 +1,7 @@
 #!/bin/bash
 # What the Makefile promises of builds: other flags are other objects, another
-# PREFIX another pelagos.pc, programs need only the libraries that they use, and
-# clangd is told of every source. Builds nothing.
+# PREFIX another pelagos.pc, programs need only the libraries that they use, every
+# package is used, and clangd is told of every source. Builds nothing of ours.
 set -u
 cd "$(dirname "$0")/.."
 unset MAKEFLAGS MAKELEVEL
@@ -52,6 +52,40 @@ needs() { # PROGRAM LIBRARY…: the program needs none of them
 needs pelagosctl libmicrohttpd libmodbus libepoxy libgstrtsp libspng libgdal
 needs pelagos-seabed libmicrohttpd libmodbus libepoxy libgst libglib libssl
 needs pelagosd libgdal libcmocka libhdf5
+
+# Each package that is asked for has a library of its own that some program
+# needs, of those that are built.
+needed=$(for file in "$bin"/*; do
+    readelf -d "$file" 2>/dev/null
+done | grep -o 'NEEDED.*\[.*\]' | grep -o '\[.*\]' | sort -u)
+sonames() { # -l…: what a program that is linked with them needs
+    echo 'int main(void) { return 0; }' |
+        gcc -x c - -o "$work/all" -Wl,--no-as-needed "$@" || return
+    readelf -d "$work/all" | grep -o 'NEEDED.*\[.*\]' | grep -o '\[.*\]' |
+        grep -v '\[libc\.'
+}
+used() { # NAME -l…: what is needed is among them
+    name=$1
+    shift
+    sonames "$@" | grep -qxF "$needed" || fail "no program uses $name"
+}
+packages=$(make -s --eval='words: ; @echo $(PKGS) $(CTL_PKGS) $(READER_PKGS)' \
+    words)
+[ "$(wc -w <<<"$packages")" -gt 10 ] || fail "which packages? $packages"
+for package in $packages; do
+    # What it requires has packages of its own; openssl has no more than that.
+    others=$(pkg-config --print-requires "$package" | cut -d ' ' -f 1)
+    theirs=$(pkg-config --libs-only-l $others 2>/dev/null | tr ' ' '\n')
+    own=$(pkg-config --libs-only-l "$package" | tr ' ' '\n' |
+        grep -vxF -e "$theirs")
+    # shellcheck disable=SC2046,SC2086
+    used "$package" $(pkg-config --libs-only-L "$package") \
+        ${own:-$(pkg-config --libs-only-l "$package")}
+done
+for library in $(grep -oE '^(PKG|READER|CTL)_LIBS = .*' Makefile |
+    grep -oE -e ' -l[A-Za-z]+'); do
+    used "$library" "$library"
+done
 
 for source in $(git ls-files 'server/*.c' 'proto/*.c' 'clients/*.c' 2>/dev/null ||
     find server proto clients -name '*.c'); do
