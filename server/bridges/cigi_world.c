@@ -27,7 +27,8 @@ static void set_number(Pelagos__Patch *patch, const Pelagos__State *scene,
 {
     struct pel_fault fault;
     if (pel_path_set_number(patch, scene, path, value, &fault) != PEL_OK) {
-        pel_warn("CIG-011", "%s: %s", path, fault.message);
+        pel_warn("CIG-011", "a value from CIGI was not set: %s: %s", path,
+                 fault.message);
     }
 }
 

@@ -643,7 +643,7 @@ static enum pel_err need_programs(struct pel_renderer *r,
             } while (err == PEL_OK && pel_pass_next(&pass, compute));
         } while (err == PEL_OK && compute != r->programs.compute);
         if (err != PEL_OK) {
-            pel_error("RND-040", "%s", fault.message);
+            pel_error("RND-040", "a view was not drawn: %s", fault.message);
             return err;
         }
     }
@@ -682,7 +682,8 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         err = pel_wavefield_run(&r->wavefield, r->shader_dir, &here.sea->desc,
                                 here.sea->cascades, here.time_s, &fault);
         if (err != PEL_OK) {
-            pel_error("RND-041", "%s", fault.message);
+            pel_error("RND-041", "the waves of a frame were not computed: %s",
+                      fault.message);
             pel_arena_end(&r->arena);
             return err;
         }

@@ -428,7 +428,8 @@ void pel_record_destroy(struct pel_record *record)
     }
     if (record->fd >= 0) {
         if (fdatasync(record->fd) != 0) {
-            pel_warn("REC-005", "%s: %s", record->path, strerror(errno));
+            pel_warn("REC-005", "%s may lack its last entries on the disk: %s",
+                     record->path, strerror(errno));
         }
         close(record->fd);
     }

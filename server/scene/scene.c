@@ -170,7 +170,9 @@ static void save(struct pel_scene *scene)
         pelagos__state__free_unpacked(whole, NULL);
     }
     if (err) {
-        pel_log_limited(&limit, PEL_LOG_ERROR, "SCN-003", "%s", fault.message);
+        pel_log_limited(&limit, PEL_LOG_ERROR, "SCN-003",
+                        "the state was not saved, and will be tried again: %s",
+                        fault.message);
         scene->failed_saves++;
     } else {
         scene->saves++;
