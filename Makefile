@@ -138,7 +138,7 @@ SCENE := server/scene/scene.c \
     server/scene/snapshot.c server/scene/spectra.c server/scene/stale.c \
     server/scene/sharedsea.c \
     server/scene/worker.c \
-    server/scene/submit.c server/scene/sail.c \
+    server/scene/submit.c server/scene/ship_ahead.c \
     server/scene/prepare.c \
     server/scene/simclock.c \
     server/scene/ship.c \

@@ -230,10 +230,10 @@ static bool edit(struct pel_cigi *cigi, const struct pel_cigi_reader *readers,
 }
 
 /* Clamped entities get their heights of this moment. */
-static void look_below(struct pel_cigi *cigi, double time_s)
+static void find_heights_below(struct pel_cigi *cigi, double time_s)
 {
     const struct pel_snapshot *s = pel_scene_snapshot(cigi->scene);
-    pel_cigi_sea_look(cigi->sea, s, time_s);
+    pel_cigi_sea_find_heights(cigi->sea, s, time_s);
     pel_snapshot_unref(s);
 }
 
@@ -343,7 +343,7 @@ void pel_cigi_apply(struct pel_cigi *cigi)
             ask(cigi, readers[i]);
         }
     }
-    look_below(cigi, cigi->applied_s);
+    find_heights_below(cigi, cigi->applied_s);
 }
 
 /* Puts a datagram to those that become the next edit. False: not applied, as it

@@ -9,10 +9,10 @@
 #include "scene/worker.h"
 
 /* Heights below entities at one moment. */
-struct look {
+struct heights {
     struct pel_task task;
     struct pel_cigi_sea *sea;
-    const struct pel_snapshot *snapshot; /* NULL: nothing to look at */
+    const struct pel_snapshot *snapshot; /* NULL: nothing is asked */
     double time_s;
     size_t count;
     uint32_t ids[PEL_CIGI_FOLLOWERS];
@@ -27,8 +27,8 @@ struct pel_cigi_sea {
     bool building;
     Pelagos__Patch *wish; /* the next sea; NULL: none */
     struct pel_worker *worker;
-    bool looking;
-    struct look now, next;
+    bool finding;
+    struct heights now, next;
 };
 
 /* --- another sea ---------------------------------------------------------- */
@@ -116,45 +116,45 @@ void pel_cigi_sea_ask(struct pel_cigi_sea *self, const Pelagos__Patch *patch)
 
 static void work(struct pel_task *task)
 {
-    struct look *look = (struct look *)task;
-    pel_snapshot_surface(look->snapshot, look->points, look->count,
-                         look->time_s, false, look->samples);
+    struct heights *heights = (struct heights *)task;
+    pel_snapshot_surface(heights->snapshot, heights->points, heights->count,
+                         heights->time_s, false, heights->samples);
 }
 
-static void look_end(struct look *look)
+static void heights_end(struct heights *heights)
 {
-    pel_snapshot_unref(look->snapshot);
-    look->snapshot = NULL;
+    pel_snapshot_unref(heights->snapshot);
+    heights->snapshot = NULL;
 }
 
-static void looked(struct pel_task *task, bool dropped);
+static void heights_found(struct pel_task *task, bool dropped);
 
 static void begin(struct pel_cigi_sea *self)
 {
     self->now = self->next;
     self->next.snapshot = NULL;
-    self->looking = true;
+    self->finding = true;
     self->now.sea = self;
-    self->now.task = (struct pel_task){ .work = work, .done = looked };
+    self->now.task = (struct pel_task){ .work = work, .done = heights_found };
     pel_worker_push(self->worker, &self->now.task);
 }
 
-static void looked(struct pel_task *task, bool dropped)
+static void heights_found(struct pel_task *task, bool dropped)
 {
-    struct look *look = (struct look *)task;
-    struct pel_cigi_sea *self = look->sea;
-    self->looking = false;
-    for (size_t i = 0; i < look->count && !dropped; i++) {
+    struct heights *heights = (struct heights *)task;
+    struct pel_cigi_sea *self = heights->sea;
+    self->finding = false;
+    for (size_t i = 0; i < heights->count && !dropped; i++) {
         for (size_t k = 0; k < PEL_CIGI_FOLLOWERS; k++) {
             struct pel_cigi_follower *f = &self->world->followers[k];
-            if (f->used && f->id == look->ids[i]) {
+            if (f->used && f->id == heights->ids[i]) {
                 f->known = true;
-                f->sea_m = look->samples[i].height_m;
-                f->normal = look->samples[i].normal;
+                f->sea_m = heights->samples[i].height_m;
+                f->normal = heights->samples[i].normal;
             }
         }
     }
-    look_end(look);
+    heights_end(heights);
     if (dropped) {
         return;
     }
@@ -164,14 +164,15 @@ static void looked(struct pel_task *task, bool dropped)
     }
 }
 
-void pel_cigi_sea_look(struct pel_cigi_sea *self,
-                       const struct pel_snapshot *snapshot, double time_s)
+void pel_cigi_sea_find_heights(struct pel_cigi_sea *self,
+                               const struct pel_snapshot *snapshot,
+                               double time_s)
 {
-    struct look *next = &self->next;
+    struct heights *next = &self->next;
     if (!pel_snapshot_transforms(snapshot)) {
-        return; /* looked up at once where it is needed */
+        return; /* computed at once where it is needed */
     }
-    look_end(next);
+    heights_end(next);
     next->count = 0;
     next->time_s = time_s;
     for (size_t i = 0; i < PEL_CIGI_FOLLOWERS; i++) {
@@ -186,7 +187,7 @@ void pel_cigi_sea_look(struct pel_cigi_sea *self,
     }
     if (next->count > 0) {
         next->snapshot = pel_snapshot_ref(snapshot);
-        if (!self->looking) {
+        if (!self->finding) {
             begin(self);
         }
     }
@@ -213,7 +214,7 @@ void pel_cigi_sea_destroy(struct pel_cigi_sea *self)
     }
     pel_scene_forget(self->scene, self);
     pel_worker_destroy(self->worker);
-    look_end(&self->next);
+    heights_end(&self->next);
     if (self->wish) {
         pelagos__patch__free_unpacked(self->wish, NULL);
     }
@@ -226,5 +227,5 @@ void pel_cigi_sea_settle(struct pel_cigi_sea *self)
         while (pel_worker_wait(self->worker)) {
         }
         pel_scene_settle(self->scene);
-    } while (self->building || self->looking);
+    } while (self->building || self->finding);
 }

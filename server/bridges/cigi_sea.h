@@ -31,8 +31,9 @@ void pel_cigi_sea_ask(struct pel_cigi_sea *self, const Pelagos__Patch *patch);
 
 /* Asks for the heights below all clamped followers at time_s, where they take
  * a thread; while it works, the newest question waits. */
-void pel_cigi_sea_look(struct pel_cigi_sea *self,
-                       const struct pel_snapshot *snapshot, double time_s);
+void pel_cigi_sea_find_heights(struct pel_cigi_sea *self,
+                               const struct pel_snapshot *snapshot,
+                               double time_s);
 
 /* Waits until neither is under way: for tests. */
 void pel_cigi_sea_settle(struct pel_cigi_sea *self);

@@ -2,38 +2,38 @@
 
 #include <glib.h>
 
-static struct pel_provision provision_ref(const struct pel_provision *from)
+static struct pel_resources resources_ref(const struct pel_resources *from)
 {
-    struct pel_provision to = { 0 };
+    struct pel_resources to = { 0 };
     to.sea = from->sea ? pel_shared_sea_ref(from->sea) : NULL;
     to.ground.key = g_strdup(from->ground.key);
     to.ground.bed = pel_seabed_ref(from->ground.bed);
     return to;
 }
 
-void pel_provision_finish(struct pel_provision *provision)
+void pel_resources_finish(struct pel_resources *resources)
 {
-    pel_shared_sea_unref(provision->sea);
-    pel_ground_finish(&provision->ground);
-    provision->sea = NULL;
+    pel_shared_sea_unref(resources->sea);
+    pel_ground_finish(&resources->ground);
+    resources->sea = NULL;
 }
 
-bool pel_provision_fits(const struct pel_provision *provision,
+bool pel_resources_fits(const struct pel_resources *resources,
                         const Pelagos__State *state,
                         const struct pel_sea_means *means)
 {
-    return provision->sea && pel_shared_sea_is(provision->sea, state, means) &&
-           pel_ground_is(&provision->ground, state);
+    return resources->sea && pel_shared_sea_is(resources->sea, state, means) &&
+           pel_ground_is(&resources->ground, state);
 }
 
-enum pel_err pel_provision_get(const Pelagos__State *state,
+enum pel_err pel_resources_get(const Pelagos__State *state,
                                const struct pel_sea_means *means,
                                const char *bathymetry,
-                               const struct pel_provision *present,
-                               struct pel_provision *out,
+                               const struct pel_resources *present,
+                               struct pel_resources *out,
                                struct pel_fault *fault)
 {
-    *out = (struct pel_provision){ 0 };
+    *out = (struct pel_resources){ 0 };
     enum pel_err err =
         pel_shared_sea_get(state, means, present->sea, &out->sea, fault);
     if (err) {
@@ -51,7 +51,7 @@ enum pel_err pel_provision_get(const Pelagos__State *state,
 static void work(struct pel_task *task)
 {
     struct pel_preparation *p = (struct pel_preparation *)task;
-    p->err = pel_provision_get(p->state, p->means, p->bathymetry, &p->present,
+    p->err = pel_resources_get(p->state, p->means, p->bathymetry, &p->present,
                                &p->got, &p->fault);
     if (!p->err) {
         pel_shared_sea_value(p->got.sea);
@@ -68,7 +68,7 @@ static void ended(struct pel_task *task, bool dropped)
 struct pel_preparation *
 pel_preparation_begin(struct pel_worker *worker, Pelagos__State *state,
                       const struct pel_sea_means *means, const char *bathymetry,
-                      const struct pel_provision *present,
+                      const struct pel_resources *present,
                       void (*done)(void *user, struct pel_preparation *ready),
                       void *user)
 {
@@ -80,7 +80,7 @@ pel_preparation_begin(struct pel_worker *worker, Pelagos__State *state,
         .state = state,
         .means = means,
         .bathymetry = bathymetry,
-        .present = provision_ref(present),
+        .present = resources_ref(present),
     };
     pel_worker_push(worker, &p->task);
     return p;
@@ -88,8 +88,8 @@ pel_preparation_begin(struct pel_worker *worker, Pelagos__State *state,
 
 void pel_preparation_free(struct pel_preparation *p)
 {
-    pel_provision_finish(&p->got);
-    pel_provision_finish(&p->present);
+    pel_resources_finish(&p->got);
+    pel_resources_finish(&p->present);
     pelagos__state__free_unpacked(p->state, NULL);
     g_free(p);
 }

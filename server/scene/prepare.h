@@ -8,25 +8,25 @@
 #include "scene/worker.h"
 
 /* The sea and the bottom of a state. Zeroed: none. */
-struct pel_provision {
+struct pel_resources {
     struct pel_shared_sea *sea;
     struct pel_ground ground;
 };
-void pel_provision_finish(struct pel_provision *provision);
+void pel_resources_finish(struct pel_resources *resources);
 
 /* Whether `state`, tested, has this very sea and this bottom. */
-bool pel_provision_fits(const struct pel_provision *provision,
+bool pel_resources_fits(const struct pel_resources *resources,
                         const Pelagos__State *state,
                         const struct pel_sea_means *means);
 
 /* The sea and the bottom of `state`, tested: those of `present` where they are
  * the same. Reads files, and waits for them; the sea is built
  * lazily (sharedsea.h). Any thread. */
-PEL_CHECK enum pel_err pel_provision_get(const Pelagos__State *state,
+PEL_CHECK enum pel_err pel_resources_get(const Pelagos__State *state,
                                          const struct pel_sea_means *means,
                                          const char *bathymetry,
-                                         const struct pel_provision *present,
-                                         struct pel_provision *out,
+                                         const struct pel_resources *present,
+                                         struct pel_resources *out,
                                          struct pel_fault *fault);
 
 /* One state's preparation: pushed to a worker; `done` is called on the control
@@ -38,19 +38,19 @@ struct pel_preparation {
     bool dropped; /* the worker ended before it */
     enum pel_err err;
     struct pel_fault fault;
-    struct pel_provision got; /* built; where !err && !dropped */
+    struct pel_resources got; /* built; where !err && !dropped */
     /* Its own: */
     Pelagos__State *state;
     const struct pel_sea_means *means;
     const char *bathymetry;
-    struct pel_provision present;
+    struct pel_resources present;
 };
 
 /* Begins; takes `state` over and keeps what it needs of `present`. */
 struct pel_preparation *
 pel_preparation_begin(struct pel_worker *worker, Pelagos__State *state,
                       const struct pel_sea_means *means, const char *bathymetry,
-                      const struct pel_provision *present,
+                      const struct pel_resources *present,
                       void (*done)(void *user, struct pel_preparation *ready),
                       void *user);
 void pel_preparation_free(struct pel_preparation *preparation); /* after done */

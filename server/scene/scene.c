@@ -35,7 +35,7 @@ static void advance_ship(struct pel_scene *scene, double time_s)
 {
     if (scene->snapshot->ship_entity < 0 ||
         !pel_ship_asks(&scene->snapshot->ship, time_s)) {
-        pel_scene_sail(scene, time_s);
+        pel_scene_step_ahead(scene, time_s);
         return;
     }
     PEL_WATCH("own ship");
@@ -45,7 +45,7 @@ static void advance_ship(struct pel_scene *scene, double time_s)
         pel_snapshot_with_ship(scene->snapshot, &ship);
     pel_snapshot_unref(scene->snapshot);
     scene->snapshot = next;
-    pel_scene_sail(scene, time_s);
+    pel_scene_step_ahead(scene, time_s);
 }
 
 void pel_scene_refresh(struct pel_scene *scene, double time_s)
@@ -217,13 +217,13 @@ static void set_clock(struct pel_scene *scene, const Pelagos__Clock *to,
 /* Takes `state`, which is tested, over or leaves it to the caller. `ready`
  * (NULL allowed): what was prepared for it. */
 static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
-                           bool ship_goes_on, const struct pel_provision *ready,
+                           bool ship_goes_on, const struct pel_resources *ready,
                            struct pel_fault *fault)
 {
-    struct pel_provision next;
-    bool fits = ready && pel_provision_fits(ready, state, &scene->means);
+    struct pel_resources next;
+    bool fits = ready && pel_resources_fits(ready, state, &scene->means);
     enum pel_err err =
-        pel_provision_get(state, &scene->means, scene->bathymetry,
+        pel_resources_get(state, &scene->means, scene->bathymetry,
                           fits ? ready : &scene->has, &next, fault);
     if (err) {
         return err;
@@ -234,7 +234,7 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     const struct pel_snapshot *snapshot =
         pel_snapshot_build_going(state, next.sea, next.ground.bed, going);
     scene->ship_era += !going;
-    pel_provision_finish(&scene->has);
+    pel_resources_finish(&scene->has);
     pel_snapshot_unref(scene->snapshot);
     if (scene->state) {
         pelagos__state__free_unpacked(scene->state, NULL);
@@ -321,11 +321,10 @@ enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
     return err;
 }
 
-enum pel_err pel_scene_take_over(struct pel_scene *scene, Pelagos__State *next,
-                                 const Pelagos__Patch *patch,
-                                 const struct pel_provision *ready,
-                                 double time_s, int64_t now_ns,
-                                 struct pel_fault *fault)
+enum pel_err pel_scene_commit(struct pel_scene *scene, Pelagos__State *next,
+                              const Pelagos__Patch *patch,
+                              const struct pel_resources *ready, double time_s,
+                              int64_t now_ns, struct pel_fault *fault)
 {
     enum pel_err err =
         commit(scene, next, ship_goes_on(scene, next), ready, fault);
@@ -339,7 +338,7 @@ enum pel_err pel_scene_take_over(struct pel_scene *scene, Pelagos__State *next,
     return PEL_OK;
 }
 
-void pel_scene_tell_commit(struct pel_scene *scene)
+void pel_scene_notify_commit(struct pel_scene *scene)
 {
     save_soon(scene);
     for (size_t i = 0; i < scene->callback_count; i++) {
@@ -356,11 +355,10 @@ enum pel_err pel_scene_patch(struct pel_scene *scene,
     double time_s = pel_simclock_at(&scene->clock, now_ns);
     enum pel_err err = pel_scene_edited(scene, patch, time_s, &next, fault);
     if (!err) {
-        err = pel_scene_take_over(scene, next, patch, NULL, time_s, now_ns,
-                                  fault);
+        err = pel_scene_commit(scene, next, patch, NULL, time_s, now_ns, fault);
     }
     if (!err) {
-        pel_scene_tell_commit(scene);
+        pel_scene_notify_commit(scene);
     }
     return err;
 }
@@ -506,7 +504,7 @@ static void scene_free(struct pel_scene *scene)
 {
     pel_scene_end_waiting(scene);
     pel_snapshot_unref(scene->snapshot);
-    pel_provision_finish(&scene->has);
+    pel_resources_finish(&scene->has);
     if (scene->state) {
         pelagos__state__free_unpacked(scene->state, NULL);
     }

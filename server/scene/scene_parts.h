@@ -21,7 +21,7 @@ struct pel_scene {
     char *bathymetry;      /* directory of height fields; may be NULL */
     Pelagos__State *state; /* clock.time as of the last look at it */
     struct pel_simclock clock;
-    struct pel_provision has; /* what the snapshot was made with */
+    struct pel_resources has; /* what the snapshot was made with */
     const struct pel_snapshot *snapshot;
     struct pel_worker *worker;  /* of patches that wait */
     struct pel_worker *numbers; /* of spectra */
@@ -31,10 +31,10 @@ struct pel_scene {
     guint save_timer;           /* 0: nothing to write */
     int64_t save_from_ns;       /* not before */
     uint64_t saves, failed_saves;
-    guint ship_timer;           /* 0: own ship is not the model's */
-    struct pel_worker *sailing; /* does own ship's steps ahead */
-    bool ship_ahead;            /* it is at work */
-    uint64_t ship_era;          /* its motion began anew so often */
+    guint ship_timer;               /* 0: own ship is not the model's */
+    struct pel_worker *ship_worker; /* does own ship's steps ahead */
+    bool ship_ahead;                /* it is at work */
+    uint64_t ship_era;              /* its motion began anew so often */
     uint32_t host_frame;
     pel_scene_listener listener; /* may be NULL */
     void *listener_user;
@@ -56,19 +56,17 @@ PEL_CHECK enum pel_err pel_scene_edited(struct pel_scene *scene,
 
 /* Commits `next`, made by `patch` at time_s, now_ns, and writes it to the log;
  * or it is freed. `ready` (NULL allowed): what was prepared for it. */
-PEL_CHECK enum pel_err pel_scene_take_over(struct pel_scene *scene,
-                                           Pelagos__State *next,
-                                           const Pelagos__Patch *patch,
-                                           const struct pel_provision *ready,
-                                           double time_s, int64_t now_ns,
-                                           struct pel_fault *fault);
+PEL_CHECK enum pel_err
+pel_scene_commit(struct pel_scene *scene, Pelagos__State *next,
+                 const Pelagos__Patch *patch, const struct pel_resources *ready,
+                 double time_s, int64_t now_ns, struct pel_fault *fault);
 
 /* After one or more of those. */
-void pel_scene_tell_commit(struct pel_scene *scene);
+void pel_scene_notify_commit(struct pel_scene *scene);
 
-/* sail.c: has own ship's steps of the next seconds done by a thread; looks up
- * whether that is due. */
-void pel_scene_sail(struct pel_scene *scene, double time_s);
+/* ship_ahead.c: has own ship's steps of the next seconds done by a thread,
+ * where that is due. */
+void pel_scene_step_ahead(struct pel_scene *scene, double time_s);
 
 /* submit.c */
 void pel_scene_begin_waiting(struct pel_scene *scene);

@@ -138,8 +138,8 @@ static enum pel_err commit_one(struct pel_scene *scene, const struct waiting *w,
     }
     enum pel_err err = pel_scene_edited(scene, w->patch, time_s, &next, fault);
     return err ? err
-               : pel_scene_take_over(scene, next, w->patch, &ready->got, time_s,
-                                     now_ns, fault);
+               : pel_scene_commit(scene, next, w->patch, &ready->got, time_s,
+                                  now_ns, fault);
 }
 
 /* All of a batch at one moment: the seas between are never
@@ -160,7 +160,7 @@ static void prepared(void *user, struct pel_preparation *ready)
     bool dropped = ready->dropped;
     pel_preparation_free(ready);
     if (any) {
-        pel_scene_tell_commit(scene);
+        pel_scene_notify_commit(scene);
     }
     /* Each is in the list until its own turn: what one of them does may make
      * another be forgotten. */
@@ -194,11 +194,11 @@ bool pel_scene_submit(struct pel_scene *scene,
         err = pel_scene_edited(scene, wish->patch, time_s, &next, &fault);
     }
     if (!err && !behind &&
-        pel_provision_fits(&scene->has, next, &scene->means)) {
-        err = pel_scene_take_over(scene, next, wish->patch, NULL, time_s,
-                                  now_ns, &fault);
+        pel_resources_fits(&scene->has, next, &scene->means)) {
+        err = pel_scene_commit(scene, next, wish->patch, NULL, time_s, now_ns,
+                               &fault);
         if (!err) {
-            pel_scene_tell_commit(scene);
+            pel_scene_notify_commit(scene);
         }
     } else if (!err) {
         if (next) {
@@ -254,7 +254,7 @@ void pel_scene_begin_waiting(struct pel_scene *scene)
     scene->waiting = g_ptr_array_new();
     scene->worker = pel_worker_create("preparing");
     scene->numbers = pel_worker_create("spectra");
-    scene->sailing = pel_worker_create("own ship ahead");
+    scene->ship_worker = pel_worker_create("own ship ahead");
 }
 
 void pel_scene_end_waiting(struct pel_scene *scene)
@@ -263,7 +263,7 @@ void pel_scene_end_waiting(struct pel_scene *scene)
     scene->worker = NULL;
     pel_worker_destroy(scene->numbers);
     scene->numbers = NULL;
-    pel_worker_destroy(scene->sailing);
-    scene->sailing = NULL;
+    pel_worker_destroy(scene->ship_worker);
+    scene->ship_worker = NULL;
     g_ptr_array_free(scene->waiting, TRUE);
 }

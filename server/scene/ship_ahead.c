@@ -9,7 +9,7 @@
 /* Of real time: what the clock goes on by while a busy thread is late. */
 #define LEAD_S 2.0
 
-struct sail {
+struct ahead {
     struct pel_task task;
     struct pel_scene *scene;
     uint64_t era;
@@ -20,31 +20,31 @@ struct sail {
 
 static void work(struct pel_task *task)
 {
-    struct sail *sail = (struct sail *)task;
-    (void)pel_ship_advance(&sail->ship, sail->until_s,
-                           pel_shared_sea_value(sail->sea));
+    struct ahead *ahead = (struct ahead *)task;
+    (void)pel_ship_advance(&ahead->ship, ahead->until_s,
+                           pel_shared_sea_value(ahead->sea));
 }
 
 static void arrived(struct pel_task *task, bool dropped)
 {
-    struct sail *sail = (struct sail *)task;
-    struct pel_scene *scene = sail->scene;
+    struct ahead *ahead = (struct ahead *)task;
+    struct pel_scene *scene = ahead->scene;
     scene->ship_ahead = false;
-    if (!dropped && sail->era == scene->ship_era &&
-        sail->ship.count > scene->snapshot->ship.count) {
+    if (!dropped && ahead->era == scene->ship_era &&
+        ahead->ship.count > scene->snapshot->ship.count) {
         const struct pel_snapshot *next =
-            pel_snapshot_with_ship(scene->snapshot, &sail->ship);
+            pel_snapshot_with_ship(scene->snapshot, &ahead->ship);
         pel_snapshot_unref(scene->snapshot);
         scene->snapshot = next;
     }
-    pel_shared_sea_unref(sail->sea);
-    g_free(sail);
+    pel_shared_sea_unref(ahead->sea);
+    g_free(ahead);
     if (!dropped) {
-        pel_scene_sail(scene, pel_scene_time(scene));
+        pel_scene_step_ahead(scene, pel_scene_time(scene));
     }
 }
 
-void pel_scene_sail(struct pel_scene *scene, double time_s)
+void pel_scene_step_ahead(struct pel_scene *scene, double time_s)
 {
     const struct pel_snapshot *s = scene->snapshot;
     double lead_s =
@@ -56,8 +56,8 @@ void pel_scene_sail(struct pel_scene *scene, double time_s)
         !pel_ship_steps(&s->ship, time_s + 0.5 * lead_s)) {
         return;
     }
-    struct sail *sail = g_new(struct sail, 1);
-    *sail = (struct sail){
+    struct ahead *ahead = g_new(struct ahead, 1);
+    *ahead = (struct ahead){
         .task = { .work = work, .done = arrived },
         .scene = scene,
         .era = scene->ship_era,
@@ -66,5 +66,5 @@ void pel_scene_sail(struct pel_scene *scene, double time_s)
         .until_s = time_s + lead_s,
     };
     scene->ship_ahead = true;
-    pel_worker_push(scene->sailing, &sail->task);
+    pel_worker_push(scene->ship_worker, &ahead->task);
 }
