@@ -73,7 +73,7 @@ const struct pel_snapshot *pel_scene_snapshot(struct pel_scene *scene)
  * has few steps to catch up on. */
 static gboolean on_ship_timer(gpointer user)
 {
-    PEL_WATCH("own ship");
+    PEL_WATCH("ship timer");
     struct pel_scene *scene = user;
     if (scene->snapshot->ship_entity < 0) {
         scene->ship_timer = 0;
