@@ -54,12 +54,14 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* A position report from `minutes` of latitude north of own ship. */
-static void report(struct fixture *f, uint32_t mmsi, double minutes,
-                   int64_t now_ns)
+/* A position report from `minutes` of latitude north of own ship; of type 27
+ * it is coarse. */
+static void report_as(struct fixture *f, int type, uint32_t mmsi,
+                      double minutes, int64_t now_ns)
 {
     const struct pel_ais ais = {
-        .type = 1,
+        .type = type,
+        .coarse = type == 27,
         .mmsi = mmsi,
         .has_position_report = true,
         .latitude = f->latitude + minutes / 60,
@@ -72,6 +74,12 @@ static void report(struct fixture *f, uint32_t mmsi, double minutes,
     };
     pel_nmea_targets_take_ais(&f->targets, &ais, now_ns);
     pel_nmea_targets_commit(&f->targets, now_ns);
+}
+
+static void report(struct fixture *f, uint32_t mmsi, double minutes,
+                   int64_t now_ns)
+{
+    report_as(f, 1, mmsi, minutes, now_ns);
 }
 
 static void name(struct fixture *f, uint32_t mmsi, const char *text,
@@ -197,28 +205,12 @@ static void a_place_is_taken_whole(void **state)
 static void coarse_positions_are_for_the_unknown(void **state)
 {
     struct fixture *f = *state;
-    struct pel_ais ais = {
-        .type = 27,
-        .mmsi = 244000001,
-        .has_position_report = true,
-        .coarse = true,
-        .latitude = f->latitude + 0.1,
-        .longitude = f->longitude,
-        .altitude = NAN,
-        .speed = 5,
-        .course = 45,
-        .heading = NAN,
-        .turn_rate = NAN,
-    };
-    pel_nmea_targets_take_ais(&f->targets, &ais, SECOND);
-    pel_nmea_targets_commit(&f->targets, SECOND);
+    report_as(f, 27, 244000001, 6, SECOND);
     NEAR(entity_of(f->scene, 20000)->latitude, f->latitude + 0.1, 1e-9);
     report(f, 244000001, 1, 2 * SECOND);
-    pel_nmea_targets_take_ais(&f->targets, &ais, 3 * SECOND);
-    pel_nmea_targets_commit(&f->targets, 3 * SECOND);
+    report_as(f, 27, 244000001, 6, 3 * SECOND);
     NEAR(entity_of(f->scene, 20000)->latitude, f->latitude + 1 / 60.0, 1e-4);
-    pel_nmea_targets_take_ais(&f->targets, &ais, 363 * SECOND);
-    pel_nmea_targets_commit(&f->targets, 363 * SECOND);
+    report_as(f, 27, 244000001, 6, 363 * SECOND);
     NEAR(entity_of(f->scene, 20000)->latitude, f->latitude + 0.1, 1e-9);
 }
 
