@@ -156,13 +156,20 @@ static struct client *wait_end(struct waiter *waiter)
     return client;
 }
 
+/* Of an error; 0: the one that it has everywhere. */
+static int status_of(const struct waiter *waiter, enum pel_err err)
+{
+    return err == PEL_ERR_NOT_FOUND ? waiter->not_found : 0;
+}
+
 /* After the command was given; the answer may have come already. */
 static enum MHD_Result wait_on(struct client *client, struct waiter *waiter,
                                enum pel_err err, const struct pel_fault *fault)
 {
     if (err != PEL_OK) {
+        int status = status_of(waiter, err);
         wait_end(waiter);
-        return pel_http_send_fault(client, 0, fault);
+        return pel_http_send_fault(client, status, fault);
     }
     if (client->waiting) {
         pel_http_suspend(client);
@@ -180,22 +187,35 @@ static void send_json(struct client *client, const ProtobufCMessage *message)
     pel_http_send(client, &answer);
 }
 
-static void on_surface(void *user, enum pel_err err,
-                       const struct pel_fault *fault, double time_s,
-                       const struct pel_surface_sample *samples, size_t count)
+/* What was waited for is there, or why it is not. */
+static void wait_answer(struct waiter *waiter, enum pel_err err,
+                        const struct pel_fault *fault,
+                        const ProtobufCMessage *answer)
 {
-    struct client *client = wait_end(user);
+    int status = status_of(waiter, err);
+    struct client *client = wait_end(waiter);
     if (!client) {
         return;
     }
     if (err != PEL_OK) {
-        pel_http_send_fault(client, 0, fault);
+        pel_http_send_fault(client, status, fault);
     } else {
-        Pelagos__Surface *surface = pel_surface_message(time_s, samples, count);
-        send_json(client, &surface->base);
-        pel_surface_message_free(surface);
+        send_json(client, answer);
     }
     pel_http_resume(client);
+}
+
+static void on_surface(void *user, enum pel_err err,
+                       const struct pel_fault *fault, double time_s,
+                       const struct pel_surface_sample *samples, size_t count)
+{
+    if (err != PEL_OK) {
+        wait_answer(user, err, fault, NULL);
+    } else {
+        Pelagos__Surface *surface = pel_surface_message(time_s, samples, count);
+        wait_answer(user, PEL_OK, NULL, &surface->base);
+        pel_surface_message_free(surface);
+    }
 }
 
 enum MHD_Result pel_http_send_surface(struct client *client,
@@ -214,16 +234,7 @@ static void on_optics(void *user, enum pel_err err,
                       const struct pel_fault *fault,
                       const Pelagos__Optics *answer)
 {
-    struct client *client = wait_end(user);
-    if (!client) {
-        return;
-    }
-    if (err != PEL_OK) {
-        pel_http_send_fault(client, 0, fault);
-    } else {
-        send_json(client, &answer->base);
-    }
-    pel_http_resume(client);
+    wait_answer(user, err, fault, err == PEL_OK ? &answer->base : NULL);
 }
 
 enum MHD_Result pel_http_send_optics(struct client *client,
@@ -241,16 +252,7 @@ static void on_spectrum(void *user, enum pel_err err,
                         const struct pel_fault *fault,
                         const Pelagos__Spectrum *answer)
 {
-    struct client *client = wait_end(user);
-    if (!client) {
-        return;
-    }
-    if (err != PEL_OK) {
-        pel_http_send_fault(client, err == PEL_ERR_NOT_FOUND ? 400 : 0, fault);
-    } else {
-        send_json(client, &answer->base);
-    }
-    pel_http_resume(client);
+    wait_answer(user, err, fault, err == PEL_OK ? &answer->base : NULL);
 }
 
 enum MHD_Result pel_http_send_spectrum(struct client *client,
@@ -258,17 +260,12 @@ enum MHD_Result pel_http_send_spectrum(struct client *client,
 {
     struct pel_fault fault;
     struct waiter *waiter = wait_begin(client);
+    waiter->not_found = 400; /* a record that the question names */
     enum pel_err err =
         pel_command_spectrum(client->server->context.scene, answer->spectrum,
                              on_spectrum, waiter, &fault);
     pel_http_answer_finish(answer);
-    if (err != PEL_OK) {
-        wait_end(waiter);
-        return pel_http_send_fault(client, err == PEL_ERR_NOT_FOUND ? 400 : 0,
-                                   &fault);
-    }
-    pel_http_suspend(client);
-    return MHD_YES;
+    return wait_on(client, waiter, err, &fault);
 }
 
 static void on_patch(void *user, enum pel_err err,

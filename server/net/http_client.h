@@ -62,6 +62,7 @@ struct client {
 /* A surface query cannot be cancelled, so this outlives its client. */
 struct waiter {
     struct client *client; /* NULL: gone */
+    int not_found;         /* status of that error here; 0: as everywhere */
     bool if_unchanged;     /* an edit of the present revision, or of none */
 };
 
