@@ -18,7 +18,7 @@ import sys
 import threading
 import time
 
-from pelagos_daemon import BIN, Daemon, free_port, until
+from pelagos_daemon import BIN, Daemon, free_port, receive_all, until
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 DATA = pathlib.Path(os.environ.get("PELAGOS_DATA", ROOT / "../shared/data"))
@@ -383,9 +383,14 @@ def by_tcp():
         until("after an endless line", lambda: heads(177))
         check(metric('dropped_total{reason="too_long"}') == 1,
               "the endless line")
+        with socket.create_connection(("127.0.0.1", tcp), 5) as page:
+            page.sendall(b"POST / HTTP/1.1\r\nOrigin: http://a.example\r\n\r\n"
+                         + sum_of("HEHDT,12.0,T"))
+            check(receive_all(page) == b"", "a browser is hung up on")
+        check(heads(177), "a browser's lines")
         many = [socket.create_connection(("127.0.0.1", tcp), 5)
                 for _ in range(20)]
-        until("16 places", lambda: metric("tcp_refused_total") == 6)
+        until("16 places", lambda: metric("tcp_refused_total") == 7)
         for s in [*many, drip, endless]:
             s.close()
         until("all are free", lambda: metric("tcp_clients") == 0)

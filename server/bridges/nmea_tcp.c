@@ -23,6 +23,7 @@ struct client {
     int fd; /* -1: free */
     guint source;
     int64_t heard_ns;
+    bool began; /* something came */
     struct pel_nmea_lines lines;
 };
 
@@ -44,6 +45,18 @@ static void hang_up(struct client *c)
     c->fd = -1;
 }
 
+/* A page of any origin may have a browser send its own lines after the head of
+ * a request; no sentence begins like that. */
+static bool is_browser(const char *chunk, size_t size)
+{
+    size_t method = 0;
+    while (method < size && chunk[method] >= 'A' && chunk[method] <= 'Z') {
+        method++;
+    }
+    return method > 0 && size > method + 1 && chunk[method] == ' ' &&
+           chunk[method + 1] == '/';
+}
+
 static gboolean on_client(gint fd, GIOCondition condition, gpointer user)
 {
     PEL_WATCH("nmea");
@@ -54,7 +67,15 @@ static gboolean on_client(gint fd, GIOCondition condition, gpointer user)
     if (n < 0 && (errno == EAGAIN || errno == EINTR)) {
         return G_SOURCE_CONTINUE;
     }
-    if (n > 0) {
+    bool refused = n > 0 && !c->began && is_browser(chunk, (size_t)n);
+    if (refused) {
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_WARNING, "NMT-003",
+                        "HTTP came instead of NMEA: the sender was hung up on");
+        c->tcp->refused++;
+    }
+    if (n > 0 && !refused) {
+        c->began = true;
         c->heard_ns = pel_now_ns();
         pel_nmea_feed_stream(c->tcp->nmea, &c->lines, chunk, (size_t)n);
         return G_SOURCE_CONTINUE;
