@@ -220,10 +220,8 @@ void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
         pel_mat3_apply(&world_from_ship, ship_from_view.z),
         pel_vec3_scale(forward, -1),
     };
+    out->lens = view->lens;
     size_camera(view, width, height, out);
-    out->auto_exposure = view->auto_exposure;
-    out->exposure_ev = view->exposure_ev;
-    out->sensor = view->sensor;
     uint64_t bits;
     memcpy(&bits, &time_s, sizeof bits);
     bits *= UINT64_C(0x9e3779b97f4a7c15); /* 2^64 / golden ratio: spreads */

@@ -49,16 +49,32 @@ struct pel_sensor {
     uint32_t seed; /* of noise and dropout: of the moment */
 };
 
+/* What a view's camera has from the view as it is: one list for both, so that
+ * a parameter of views is added here alone. EV100 where not automatic; tan_left
+ * < tan_right, tan_bottom < tan_top. */
+#define PEL_LENS_FIELDS                                                        \
+    double tan_left, tan_right, tan_top, tan_bottom;                           \
+    uint32_t width, height;                                                    \
+    bool auto_exposure;                                                        \
+    double exposure_ev;                                                        \
+    struct pel_sensor sensor;
+struct pel_lens {
+    PEL_LENS_FIELDS
+};
+#define PEL_LENS                                                               \
+    union {                                                                    \
+        struct {                                                               \
+            PEL_LENS_FIELDS                                                    \
+        };                                                                     \
+        struct pel_lens lens; /* the same, to copy */                          \
+    }
+
 struct pel_view_state {
     char name[PEL_NAME_SIZE];
     int entity; /* index into entities, -1: the world */
     double forward_m, right_m, up_m;
     double yaw_rad, pitch_rad, roll_rad;
-    double tan_left, tan_right, tan_top, tan_bottom; /* left < 0 < right */
-    uint32_t width, height;
-    bool auto_exposure;
-    double exposure_ev; /* EV100, where not automatic */
-    struct pel_sensor sensor;
+    PEL_LENS;
 };
 
 /* Inputs that have fallen silent (the schema's Sources). */
@@ -156,11 +172,7 @@ void pel_snapshot_lights(const struct pel_snapshot *s, double time_s,
 struct pel_camera {
     double east_m, north_m, altitude_m;
     struct pel_mat3 world_from_camera;
-    double tan_left, tan_right, tan_top, tan_bottom;
-    uint32_t width, height;
-    bool auto_exposure;
-    double exposure_ev;
-    struct pel_sensor sensor;
+    PEL_LENS; /* sensor.seed too */
 };
 
 /* Camera of view `index` at time_s. width or height 0: the view's own; when
