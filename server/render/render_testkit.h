@@ -75,20 +75,26 @@ static inline struct pel_vec3 test_ray(const struct pel_camera *c, double x,
     return pel_vec3_normalize(pel_mat3_apply(&c->world_from_camera, v));
 }
 
-/* Pierson–Moskowitz, with a swell of swell_m if that is not 0. */
-static inline void test_sea(double wind_mps, double swell_m, uint32_t seed,
-                            struct pel_sea *out)
+/* Pierson–Moskowitz of trochoids. */
+static inline struct pel_sea_desc test_wind(double wind_mps, uint32_t seed)
 {
-    const struct pel_sea_desc desc = {
+    return (struct pel_sea_desc){
         .wind_mps = wind_mps,
         .direction_rad = 0.4,
         .fetch_m = 200000.0,
         .gamma = 3.3,
         .seed = seed,
         .wave_count = 60,
-        .swell_count = swell_m > 0.0,
-        .swell = { { swell_m, 12.0, 1.2, 0.2 } },
     };
+}
+
+/* The same, with a swell of swell_m if that is not 0. */
+static inline void test_sea(double wind_mps, double swell_m, uint32_t seed,
+                            struct pel_sea *out)
+{
+    struct pel_sea_desc desc = test_wind(wind_mps, seed);
+    desc.swell_count = swell_m > 0.0;
+    desc.swell[0] = (struct pel_swell_desc){ swell_m, 12.0, 1.2, 0.2 };
     assert_int_equal(pel_sea_build(&desc, out), PEL_OK);
 }
 
@@ -96,15 +102,8 @@ static inline void test_sea(double wind_mps, double swell_m, uint32_t seed,
 static inline void test_fft_sea(double wind_mps, uint32_t seed,
                                 struct pel_sea *out)
 {
-    const struct pel_sea_desc desc = {
-        .wind_mps = wind_mps,
-        .synthesiser = PEL_SYNTHESISER_FFT,
-        .direction_rad = 0.4,
-        .fetch_m = 200000.0,
-        .gamma = 3.3,
-        .seed = seed,
-        .wave_count = 60,
-    };
+    struct pel_sea_desc desc = test_wind(wind_mps, seed);
+    desc.synthesiser = PEL_SYNTHESISER_FFT;
     assert_int_equal(pel_sea_build(&desc, out), PEL_OK);
 }
 
