@@ -12,6 +12,7 @@ import json
 import math
 import os
 import pathlib
+import queue
 import socket
 import subprocess
 import sys
@@ -120,8 +121,10 @@ class Tap:
         self.speed = speed
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.bind(("127.0.0.1", 0))
-        self.socket.settimeout(0.2)
         self.port = self.socket.getsockname()[1]
+        # Read by a thread: the system's buffer holds a second of a log.
+        self.waiting = queue.SimpleQueue()
+        threading.Thread(target=self.read, daemon=True).start()
         self.told, self.fixes = Told(), 0
         self.before_m, self.after_m = [], []
         self.fix = None  # (simulated time it was taken at, its own time)
@@ -131,11 +134,15 @@ class Tap:
     def ship(self, at=None):
         return Ship(self.daemon.state(), at)
 
+    def read(self):
+        while True:
+            self.waiting.put(self.socket.recv(4096))
+
     def run(self, process):
         while True:
             try:
-                datagram = self.socket.recv(4096)
-            except socket.timeout:
+                datagram = self.waiting.get(timeout=0.2)
+            except queue.Empty:
                 if process.poll() is not None:
                     return
                 continue
