@@ -31,7 +31,7 @@ TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmo
     python3-wheel openexr chromium \
     nginx-light openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
-    tshark
+    tshark iproute2
 # Players that `make players` tries; nothing else needs these 323 MB.
 PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
 # Of npm's registry, into build/npm: clients that tests speak to, what drives

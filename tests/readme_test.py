@@ -322,7 +322,7 @@ def check_page(place, page, counts):
 
 
 def missing():
-    tools = ("ffmpeg", "mbpoll", "nginx", "openssl", "curl", "cc",
+    tools = ("ip", "ffmpeg", "mbpoll", "nginx", "openssl", "curl", "cc",
              "gdal_translate", "pkg-config")
     return [t for t in tools if not shutil.which(t, path="/usr/sbin:/usr/bin")]
 
