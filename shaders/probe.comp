@@ -15,6 +15,24 @@ layout(location = 0) uniform vec3 direction;
 layout(location = 1) uniform vec2 slopes; // variance along, across the wind
 layout(std430, binding = PEL_STORE_PROBE) writeonly buffer answer_block { vec4 answer[PEL_PROBE_ANSWERS]; };
 
+// Twin of pel_mean_fresnel, at 550 nm.
+float smith_fresnel(vec3 view, vec2 variance)
+{
+    const float STEP = 2.0 * PEL_MEAN_FRESNEL_REACH / float(PEL_MEAN_FRESNEL_STEPS);
+    float seen = 0.0, reflected = 0.0;
+    for (int i = 0; i < PEL_MEAN_FRESNEL_STEPS; i++) {
+        for (int j = 0; j < PEL_MEAN_FRESNEL_STEPS; j++) {
+            vec2 unit = (vec2(i, j) + 0.5) * STEP - PEL_MEAN_FRESNEL_REACH;
+            vec2 slope = unit * sqrt(variance);
+            float facing = max(view.z - dot(view.xy, slope), 0.0);
+            float share = facing * exp(-0.5 * dot(unit, unit));
+            seen += share;
+            reflected += share * facet_reflectance(facing * inversesqrt(1.0 + dot(slope, slope))).g;
+        }
+    }
+    return reflected / seen;
+}
+
 void main()
 {
     const vec3 n = vec3(0.0, 0.0, 1.0);
@@ -25,14 +43,14 @@ void main()
     vec3 light = vec3(dot(to, tx), dot(to, ty), to.z);
     float s_view = sqrt(directional_variance(view, slopes));
     float s_light = sqrt(directional_variance(light, slopes));
-    float seen;
+    vec3 seen;
     reflected_sky(reflection_map, direction, n, tx, ty, view, slopes, seen);
     answer[0] = vec4(smith_lambda_cos(view.z, s_view) / view.z,
                      smith_lambda_cos(light.z, s_light) / max(light.z, 1e-4),
-                     mean_fresnel(view.z, s_view), seen);
-    float reflected = reflected_light(view, light, slopes, lights[PEL_LIGHT_SUN].limb.w);
+                     smith_fresnel(view, slopes), seen.g);
+    float reflected = reflected_light(view, light, slopes, lights[PEL_LIGHT_SUN].limb.w).g;
     vec3 h = normalize(view + light);
-    answer[1] = vec4(h.z, reflected / max(light.z, 1e-4), reflected, facet_reflectance(dot(view, h)));
+    answer[1] = vec4(h.z, reflected / max(light.z, 1e-4), reflected, facet_reflectance(dot(view, h)).g);
     answer[2] = vec4(slope_density(-h.xy / max(h.z, 1e-3), slopes));
 
     answer[3] = vec4(sky_light(eye_table, direction.xy, angle_above_horizon(direction)), 0.0);

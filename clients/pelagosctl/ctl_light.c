@@ -32,8 +32,8 @@ static void print_brdf(const Pelagos__Brdf *b)
     ROW("lambda of the Sun", lambda_sun, "");
     ROW("shadowing", shadowing, "");
     ROW("Fresnel at half-vector", fresnel, "");
-    ROW("effective Fresnel, fit", mean_fresnel, "eq. 26");
-    ROW("effective Fresnel, seen", seen_fresnel, "eq. 24");
+    ROW("effective Fresnel, Smith", mean_fresnel, "eq. 24");
+    ROW("effective Fresnel, seen", seen_fresnel, "as drawn");
     ROW("BRDF", brdf, "1/sr");
     ROW("reflected Sun", reflected_sun, "1/sr");
 #undef ROW

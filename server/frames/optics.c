@@ -132,7 +132,8 @@ void pel_optics_reference(struct pel_optics_query *query)
     } else {
         pel_brdf_terms(in_wind(env, p->dir),
                        in_wind(env, env->lights[PEL_LIGHT_SUN].direction),
-                       p->slope_along, p->slope_cross, &query->answer.sea);
+                       p->slope_along, p->slope_cross, env->water.index[1],
+                       &query->answer.sea);
     }
     if (query->err != PEL_OK) {
         pel_fault_set(&query->fault, query->err, "out of memory");

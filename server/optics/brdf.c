@@ -27,11 +27,6 @@ double pel_fresnel_schlick(double cos_theta, double n)
     return r + (1.0 - r) * m * m * m * m * m;
 }
 
-double pel_facet_reflectance(double cos_theta, double n)
-{
-    return pel_fresnel_schlick(cos_theta, n);
-}
-
 double pel_ross_slope_density(double zx, double zy, double var_x, double var_y)
 {
     return exp(-0.5 * (zx * zx / var_x + zy * zy / var_y)) /
@@ -95,7 +90,7 @@ double pel_ross_sun(struct pel_vec3 view, struct pel_vec3 light, double var_x,
 }
 
 double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
-                   double var_y, double disc)
+                   double var_y, double disc, double n)
 {
     if (!(view.z > 0) || !(light.z > 0)) {
         return 0;
@@ -112,11 +107,33 @@ double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
     double p = pel_ross_slope_density(steeper * view.x - h.x / h.z,
                                       steeper * view.y - h.y / h.z,
                                       var_x + disc, var_y + disc);
-    double f = pel_facet_reflectance(pel_vec3_dot(view, h), PEL_WATER_INDEX);
+    double f = pel_fresnel_exact(pel_vec3_dot(view, h), n);
     double shadow = 1.0 + pel_ross_lambda(pel_ross_a(view, var_x, var_y)) +
                     pel_ross_lambda(pel_ross_a(light, var_x, var_y));
     double hz2 = h.z * h.z;
     return p * f / (4.0 * hz2 * hz2 * fmax(view.z, LEAST_COSINE) * shadow);
+}
+
+double pel_mean_fresnel(struct pel_vec3 view, double var_x, double var_y,
+                        double n)
+{
+    enum { STEPS = PEL_MEAN_FRESNEL_STEPS };
+    const double step = 2.0 * PEL_MEAN_FRESNEL_REACH / STEPS;
+    double seen = 0.0, reflected = 0.0;
+    for (int i = 0; i < STEPS; i++) {
+        double zx = sqrt(var_x) * ((i + 0.5) * step - PEL_MEAN_FRESNEL_REACH);
+        for (int j = 0; j < STEPS; j++) {
+            double zy =
+                sqrt(var_y) * ((j + 0.5) * step - PEL_MEAN_FRESNEL_REACH);
+            double facing = fmax(view.z - view.x * zx - view.y * zy, 0.0);
+            double share =
+                facing * exp(-0.5 * (zx * zx / var_x + zy * zy / var_y));
+            double cosine = facing / sqrt(1.0 + zx * zx + zy * zy);
+            seen += share;
+            reflected += share * pel_fresnel_exact(cosine, n);
+        }
+    }
+    return reflected / seen;
 }
 
 double pel_ross_mean_fresnel(struct pel_vec3 view, double var_x, double var_y)

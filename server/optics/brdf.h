@@ -1,10 +1,11 @@
 /* Reflection by a rough sea: Fresnel and the Ross BRDF, double precision. What
  * is called pel_ross_ is the papers', as printed but for corrections;
- * pel_facet_reflectance and pel_glitter are what is drawn. Twins in
- * shaders/lib/ross.glsl: pel_facet_reflectance (facet_reflectance),
+ * pel_fresnel_exact and pel_glitter are what is drawn. Twins in
+ * shaders/lib/ross.glsl: pel_fresnel_exact (facet_reflectance),
  * pel_ross_slope_density (slope_density), pel_ross_lambda of pel_ross_a
  * (smith_lambda_cos, times the cosine), pel_ross_mean_fresnel (mean_fresnel),
- * pel_glitter (reflected_light). Any thread.
+ * pel_glitter (reflected_light); in shaders/probe.comp: pel_mean_fresnel
+ * (smith_fresnel). Any thread.
  *
  * Directions are unit vectors in the surface's tangent frame: z the normal,
  * x along the wind. Slope variances are dimensionless. */
@@ -13,16 +14,13 @@
 #include "base/vec.h"
 #include "shaders/lib/blocks.h"
 
-/* Reflectance of unpolarised light at a flat surface, exact Fresnel, from air
- * into index n; cos_theta in [0, 1]. */
+/* Reflectance of unpolarised light at a flat surface, from air into index n:
+ * Fresnel's equations, which every reflection follows; cos_theta in [0, 1]. */
 double pel_fresnel_exact(double cos_theta, double n);
 
 /* Schlick 1994: R + (1 − R)(1 − cos θ)^5, R = ((n−1)/(n+1))²
- * (Bruneton et al. 2010, eq. 14). */
+ * (Bruneton et al. 2010, eq. 14). Only to compare with the paper. */
 double pel_fresnel_schlick(double cos_theta, double n);
-
-/* Reflectance of a facet for everything that is drawn: Schlick's. */
-double pel_facet_reflectance(double cos_theta, double n);
 
 /* Gaussian slope density p(ζ), eq. 7. */
 double pel_ross_slope_density(double zx, double zy, double var_x, double var_y);
@@ -51,9 +49,16 @@ double pel_ross_sun(struct pel_vec3 view, struct pel_vec3 light, double var_x,
 /* The same as it is drawn: facets steeper at grazing angles by
  * PEL_GLITTER_STEEPER (shaders/lib/blocks.h), and `disc`, the variance of
  * slopes that mirror some of a light's disc (a sixteenth of its squared angular
- * radius), added to the density's variances in place of a clamp. */
+ * radius), added to the density's variances in place of a clamp; Fresnel's
+ * equations with index n. */
 double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
-                   double var_y, double disc);
+                   double var_y, double disc, double n);
 
-/* Effective Fresnel reflectance F̄, the fit of eq. 26. */
+/* Effective reflectance F̄ by Smith's masking: eq. 24, with Fresnel's equations,
+ * by midpoints (PEL_MEAN_FRESNEL_STEPS a side); within 1e-3. view.z
+ * > 0. */
+double pel_mean_fresnel(struct pel_vec3 view, double var_x, double var_y,
+                        double n);
+
+/* The same by the fit of eq. 26, Schlick's term inside it. */
 double pel_ross_mean_fresnel(struct pel_vec3 view, double var_x, double var_y);

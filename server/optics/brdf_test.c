@@ -14,6 +14,15 @@ static const double seas[][2] = {
     { 0.005, 0.02 },   { 0.2, 0.01 },
 };
 #define SEAS (sizeof seas / sizeof seas[0])
+#define N 1.3413 /* of sea water, 550 nm */
+
+/* What a reflection of exact Fresnel has in place of Schlick's. */
+static double mended(struct pel_vec3 v, struct pel_vec3 l)
+{
+    struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(v, l));
+    double vh = pel_vec3_dot(v, h);
+    return pel_fresnel_exact(vh, N) / pel_fresnel_schlick(vh, PEL_WATER_INDEX);
+}
 
 static void test_fresnel(void **state)
 {
@@ -173,6 +182,29 @@ static void test_mean_fresnel(void **state)
     assert_true(isfinite(pel_ross_mean_fresnel(direction(0, 0), 0.02, 0.01)));
 }
 
+static double exact_facet(struct pel_vec3 v, double zx, double zy)
+{
+    double vh = (v.z - v.x * zx - v.y * zy) / sqrt(1 + zx * zx + zy * zy);
+    return pel_fresnel_exact(vh, N);
+}
+
+/* eq. 24 with Fresnel's equations, against a grid that is six times finer. */
+static void test_effective_reflectance(void **state)
+{
+    (void)state;
+    double worst = 0;
+    for (size_t s = 0; s < SEAS; s++) {
+        for (double theta = 0; theta < 1.56; theta += 0.17) {
+            struct pel_vec3 v = direction(theta, 0.5);
+            double got = pel_mean_fresnel(v, seas[s][0], seas[s][1], N);
+            double want = over_slopes(v, seas[s][0], seas[s][1], exact_facet);
+            worst = fmax(worst, fabs(got / want - 1));
+        }
+    }
+    print_message("eq. 24 with Fresnel's equations: within %.1e\n", worst);
+    assert_true(worst < 1e-3);
+}
+
 static void test_reciprocity(void **state)
 {
     (void)state;
@@ -223,18 +255,18 @@ static void test_glitter(void **state)
         pel_ross_slope_density(steeper - h.x / h.z, -h.y / h.z, vx, vy) /
         pel_ross_slope_density(-h.x / h.z, -h.y / h.z, vx, vy);
     assert_true(fabs(ratio - 1) > 0.02);
-    double want = ratio * pel_ross_sun(v, l, vx, vy, 0);
-    assert_near(pel_glitter(v, l, vx, vy, 0), want, 1e-12 * want);
+    double want = ratio * mended(v, l) * pel_ross_sun(v, l, vx, vy, 0);
+    assert_near(pel_glitter(v, l, vx, vy, 0, N), want, 1e-12 * want);
     struct pel_vec3 down = { 0, 0, 1 }, high = direction(0.3, 1.0);
-    want = pel_ross_sun(down, high, vx, vy, 0);
-    assert_near(pel_glitter(down, high, vx, vy, 0), want, 1e-9 * want);
+    want = mended(down, high) * pel_ross_sun(down, high, vx, vy, 0);
+    assert_near(pel_glitter(down, high, vx, vy, 0, N), want, 1e-9 * want);
     h = pel_vec3_normalize(pel_vec3_add(down, high));
     ratio =
         pel_ross_slope_density(-h.x / h.z, -h.y / h.z, vx + disc, vy + disc) /
         pel_ross_slope_density(-h.x / h.z, -h.y / h.z, vx, vy);
-    assert_near(pel_glitter(down, high, vx, vy, disc), ratio * want,
+    assert_near(pel_glitter(down, high, vx, vy, disc, N), ratio * want,
                 1e-9 * want);
-    assert_true(pel_glitter(v, direction(1.6, 0), vx, vy, disc) == 0);
+    assert_true(pel_glitter(v, direction(1.6, 0), vx, vy, disc, N) == 0);
 }
 
 /* BRDF over F, times cos θ_l, over the light: on a grid of the facets' slopes,
@@ -291,6 +323,7 @@ int main(void)
         cmocka_unit_test(test_a),
         cmocka_unit_test(test_visible_density),
         cmocka_unit_test(test_mean_fresnel),
+        cmocka_unit_test(test_effective_reflectance),
         cmocka_unit_test(test_reciprocity),
         cmocka_unit_test(test_brdf),
         cmocka_unit_test(test_glitter),

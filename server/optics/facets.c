@@ -93,7 +93,8 @@ void pel_facets_seen(double mu, double node[PEL_FACET_NODES],
     }
 }
 
-double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y)
+double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y,
+                         double n)
 {
     double sine = sqrt(fmax(1.0 - view.z * view.z, 1e-8));
     double x = view.x / sine, y = view.y / sine;
@@ -106,7 +107,7 @@ double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y)
         double facet2 = 1.0 + zx * zx + zy * zy;
         double facing = view.z + view.x * zx + view.y * zy;
         double cosine = facing / sqrt(facet2 * (1.0 + across / facet2));
-        sum += weight[k] * pel_facet_reflectance(cosine, PEL_WATER_INDEX);
+        sum += weight[k] * pel_fresnel_exact(cosine, n);
     }
     return sum;
 }

@@ -23,8 +23,9 @@ void pel_facet_quadrature(double mu, double node[PEL_FACET_NODES],
 void pel_facets_seen(double mu, double node[PEL_FACET_NODES],
                      double weight[PEL_FACET_NODES]);
 
-/* Mean reflectance (pel_facet_reflectance) of the facets seen: eq. 24 by the
+/* Mean reflectance (index n) of the facets seen: eq. 24 by the
  * nodes of pel_facets_seen along the view, and one root-mean-square slope
  * across. `view` as in brdf.h. Twin of reflected_sky in shaders/lib/shade.glsl.
  */
-double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y);
+double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y,
+                         double n);

@@ -8,23 +8,22 @@
 #include "optics/light.h"
 
 void pel_brdf_terms(struct pel_vec3 view, struct pel_vec3 light, double var_x,
-                    double var_y, struct pel_brdf_terms *out)
+                    double var_y, double n, struct pel_brdf_terms *out)
 {
     struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(view, light));
     double z = fmax(h.z, 1e-9);
     const double radius = pel_light_bodies[PEL_LIGHT_SUN].angular_radius_rad;
     double glitter =
-        pel_glitter(view, light, var_x, var_y, radius * radius / 16.0);
+        pel_glitter(view, light, var_x, var_y, radius * radius / 16.0, n);
     *out = (struct pel_brdf_terms){
         .half_cosine = h.z,
         .slope_density =
             pel_ross_slope_density(-h.x / z, -h.y / z, var_x, var_y),
         .lambda_view = pel_ross_lambda(pel_ross_a(view, var_x, var_y)),
         .lambda_light = pel_ross_lambda(pel_ross_a(light, var_x, var_y)),
-        .fresnel =
-            pel_facet_reflectance(pel_vec3_dot(view, h), PEL_WATER_INDEX),
-        .mean_fresnel = pel_ross_mean_fresnel(view, var_x, var_y),
-        .seen_fresnel = pel_facet_fresnel(view, var_x, var_y),
+        .fresnel = pel_fresnel_exact(pel_vec3_dot(view, h), n),
+        .mean_fresnel = pel_mean_fresnel(view, var_x, var_y, n),
+        .seen_fresnel = pel_facet_fresnel(view, var_x, var_y, n),
         .brdf = glitter / fmax(light.z, 1e-9),
         .reflected_sun = glitter,
     };

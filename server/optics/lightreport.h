@@ -10,17 +10,18 @@ struct pel_brdf_terms {
     double half_cosine;   /* of the facets that mirror the light to the eye */
     double slope_density; /* eq. 7 at their slope */
     double lambda_view, lambda_light; /* eq. 8 */
-    double fresnel;                   /* eq. 14 at them */
-    double mean_fresnel;              /* F̄, eq. 26 */
+    double fresnel;                   /* at them */
+    double mean_fresnel;              /* F̄, eq. 24: Smith's masking */
     double seen_fresnel;  /* F̄ over the facets seen, as it is drawn */
     double brdf;          /* reflected_sun over the cosine of the light */
     double reflected_sun; /* as drawn, for an irradiance of 1: pel_glitter */
 };
 
 /* view and light: unit, in the tangent frame (z up, x along the wind), view
- * with z ≥ 0; with the light below the surface the last two are 0. */
+ * with z ≥ 0; n the index of refraction at 550 nm. With the light below the
+ * surface the last two are 0. */
 void pel_brdf_terms(struct pel_vec3 view, struct pel_vec3 light, double var_x,
-                    double var_y, struct pel_brdf_terms *out);
+                    double var_y, double n, struct pel_brdf_terms *out);
 
 struct pel_sky_terms {
     struct pel_rgb radiance; /* without the disc, W m⁻² sr⁻¹ nm⁻¹ */

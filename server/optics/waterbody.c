@@ -263,12 +263,13 @@ static enum pel_err resolve_water(const struct pel_water_desc *desc,
     return unknown("kind", (int)desc->kind, fault);
 }
 
-/* The papers' round 1.34 for usual water, and from there by Quan and Fry. */
-static double relative_index(double salinity, double temperature)
+static void fill_index(double salinity, double temperature,
+                       double index[PEL_WATER_WAVELENGTHS])
 {
-    double nm = pel_water_wavelength_nm[1];
-    return PEL_WATER_INDEX + pel_water_index(salinity, temperature, nm) -
-           pel_water_index(PEL_SALINITY_USUAL, PEL_TEMPERATURE_USUAL, nm);
+    for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+        index[i] =
+            pel_water_index(salinity, temperature, pel_water_wavelength_nm[i]);
+    }
 }
 
 enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
@@ -286,8 +287,8 @@ enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
     }
     struct pel_water_body body = {
         .depth_m = desc->depth_m,
-        .index = relative_index(desc->salinity_g_kg, desc->temperature_c),
     };
+    fill_index(desc->salinity_g_kg, desc->temperature_c, body.index);
     err = resolve_water(desc, &body, fault);
     if (err) {
         return err;
@@ -321,8 +322,8 @@ struct pel_water_body pel_water_deep(double chlorophyll)
 {
     struct pel_water_body body = {
         .depth_m = 1000.0,
-        .index = PEL_WATER_INDEX,
     };
+    fill_index(PEL_SALINITY_USUAL, PEL_TEMPERATURE_USUAL, body.index);
     resolve_case1(chlorophyll, PEL_SALINITY_USUAL, &body);
     memcpy(body.land, bottoms[PEL_BOTTOM_SAND].albedo, sizeof body.land);
     return body;

@@ -86,9 +86,10 @@ struct pel_water_body {
     double asymmetry[PEL_WATER_WAVELENGTHS];
     double albedo[PEL_WATER_WAVELENGTHS];
     double depth_m;
-    double index; /* of refraction, for what the surface reflects; 0: 1.34 */
-    double land[PEL_WATER_WAVELENGTHS]; /* albedo; last: no light in the water
-                                           depends on it */
+    double index[PEL_WATER_WAVELENGTHS]; /* of refraction, for what the surface
+                                            reflects: pel_water_index */
+    double land[PEL_WATER_WAVELENGTHS];  /* albedo; last: no light in the water
+                                            depends on it */
 };
 
 /* Case 1 water of a chlorophyll concentration (clamped to its range) at

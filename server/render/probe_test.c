@@ -56,7 +56,8 @@ static void sea_terms(void **state)
         };
         struct pel_brdf_terms got = ask(&env, &probe).sea, want;
         pel_brdf_terms(in_wind(probe.dir, env.wind_to_rad),
-                       in_wind(sun, env.wind_to_rad), v[0], v[1], &want);
+                       in_wind(sun, env.wind_to_rad), v[0], v[1],
+                       env.water.index[1], &want);
         worst[0] = fmax(worst[0], fabs(got.lambda_view - want.lambda_view) /
                                       (1.0 + want.lambda_view));
         worst[1] = fmax(worst[1], off(got.mean_fresnel, want.mean_fresnel));
@@ -77,7 +78,7 @@ static void sea_terms(void **state)
                     1e-4 * got.reflected_sun);
     }
     print_message("%d glints, %d of them below 15 degrees; ", glints, grazing);
-    print_message("lambda %.1e, F by the fit %.1e, over facets %.1e, reflected "
+    print_message("lambda %.1e, F by eq. 24 %.1e, over facets %.1e, reflected "
                   "Sun %.1e\n",
                   worst[0], worst[1], worst[2], worst[3]);
     assert_true(worst[0] < 1e-4); /* erfc to 1.5e-7, single precision */

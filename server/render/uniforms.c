@@ -52,8 +52,8 @@ void pel_fill_frame(const struct pel_environment *env,
     struct pel_atmosphere air;
     const struct pel_atmosphere_desc desc = { env->visibility_m };
     pel_atmosphere_init(&desc, &air);
-    double n = env->water.index > 0.0 ? env->water.index : PEL_WATER_INDEX;
-    double r0 = (n - 1.0) / (n + 1.0);
+    const double *n = env->water.index;
+    const double r0 = (PEL_WATER_INDEX - 1.0) / (PEL_WATER_INDEX + 1.0);
     double m[9];
     pel_colour_matrix(m);
     *out = (struct pel_block_frame){
@@ -66,6 +66,7 @@ void pel_fill_frame(const struct pel_environment *env,
         .ozone = rgb4(air.ozone, air.ozone_center_m),
         .planet = vec4(PEL_EARTH_RADIUS, PEL_ATMOSPHERE_RADIUS,
                        air.ozone_width_m, r0 * r0),
+        .refraction = vec4(n[0] * n[0], n[1] * n[1], n[2] * n[2], 0.0),
         .water = pel_water_levels(env, env->no_air ? 1.0 : 0.0),
         .red = vec4(m[0], m[1], m[2], 0.0),
         .green = vec4(m[3], m[4], m[5], 0.0),

@@ -102,7 +102,8 @@ struct pel_vec4 {
 #define PEL_GROUP_WATER 32
 #define PEL_GROUP_SIDE 8
 
-/* Refractive index of sea water for its light, n: as in the 2010 paper. */
+/* Refractive index of the water for what becomes of light inside it, as in the
+ * 2010 paper; what the surface reflects has `refraction` of the frame. */
 #define PEL_WATER_INDEX 1.34
 
 /* Albedo of the sea as the ground of the atmosphere. */
@@ -112,6 +113,11 @@ struct pel_vec4 {
  * (1 + ROUGH s^1.5). */
 #define PEL_MEAN_FRESNEL_FALL -2.69
 #define PEL_MEAN_FRESNEL_ROUGH 22.7
+
+/* Its integral, eq. 24: midpoints along each axis of slopes, up to standard
+ * deviations. */
+#define PEL_MEAN_FRESNEL_STEPS 64
+#define PEL_MEAN_FRESNEL_REACH 6.0
 
 /* Seen facets are steeper at grazing angles than Smith's masking says, as
  * pel_facets_seen has it for the sky: for a light by STEEPER s / (1 + KNEE μ²)
@@ -178,7 +184,9 @@ PEL_BLOCK(PEL_BLOCK_FRAME, frame)
     vec4 rayleigh; /* rgb scattering at sea level, 1/m; w scale height, m */
     vec4 mie;      /* x extinction, y scattering, 1/m; z scale height; w g */
     vec4 ozone;    /* rgb peak absorption, 1/m; w height of the peak, m */
-    vec4 planet;   /* x ground, y top radius, m; z ozone half-width, m; w R0 */
+    vec4 planet;   /* x ground, y top radius, m; z ozone half-width, m; w R0, of
+                      the paper's fits */
+    vec4 refraction; /* rgb squared refractive index of the surface */
     vec4 water; /* levels of depth (lib/water.glsl): x their number, y log2 of
                    the first, m, z levels an octave; w 1 leaves out the air */
     vec4 red;   /* rows of the matrix to Rec. 709 cd/m² */

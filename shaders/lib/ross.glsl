@@ -14,7 +14,8 @@ float smith_lambda_cos(float cos_theta, float s)
     return exp(-a * a) * max(1.0 - 1.77245385 * a * erfcx, 0.0) * s * sine / 2.50662827;
 }
 
-// F̄, eq. 26. s: standard deviation of slopes in the view direction.
+// The paper's F̄, eq. 26, which validation draws. s: standard deviation of
+// slopes in the view direction.
 float mean_fresnel(float cos_theta, float s)
 {
     return planet.w + (1.0 - planet.w) *
@@ -36,13 +37,22 @@ float slope_density(vec2 slope, vec2 variance)
            inversesqrt(variance.x * variance.y) / (2.0 * PI);
 }
 
-// Reflectance of a facet, whatever it reflects: Schlick 1994, eq. 14. Twin of
-// pel_facet_reflectance.
-float facet_reflectance(float cosine)
+// Reflectance of a facet, whatever it reflects: Fresnel's equations for light
+// without polarisation, refraction = n². Twin of pel_fresnel_exact; the paper
+// has Schlick's fit, eq. 14.
+vec3 facet_reflectance(float cosine)
 {
-    float c = 1.0 - clamp(cosine, 0.0, 1.0);
-    float c2 = c * c;
-    return planet.w + (1.0 - planet.w) * c2 * c2 * c;
+    float c = clamp(cosine, 0.0, 1.0);
+#ifdef PEL_PAPER
+    float m = 1.0 - c, m2 = m * m;
+    return vec3(planet.w + (1.0 - planet.w) * m2 * m2 * m);
+#else
+    vec3 g = sqrt(refraction.rgb - (1.0 - c * c));
+    vec3 s = (g - c) / (g + c);
+    vec3 k = refraction.rgb * c;
+    vec3 p = (k - g) / (k + g);
+    return 0.5 * (s * s + p * p);
+#endif
 }
 
 // Radiance of a light's reflection for irradiance 1 normal to its beam: eq. 15,
@@ -50,7 +60,7 @@ float facet_reflectance(float cosine)
 // variance `disc` of slopes that mirror some of it, is folded into the slope
 // density (the paper clamps the variance), so that a flat sea shows the disc.
 // Twin of pel_glitter.
-float reflected_light(vec3 view, vec3 light, vec2 variance, float disc)
+vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc)
 {
     vec3 h = normalize(view + light);
     float hz = max(h.z, 1e-3);
@@ -65,11 +75,10 @@ float reflected_light(vec3 view, vec3 light, vec2 variance, float disc)
     vec2 slope = -h.xy / hz + toward * (STEEPER * s_view * across /
                                         (across + view.z * view.z * PEL_GLITTER_KNEE));
     float p = slope_density(slope, variance + disc);
-    float fresnel = facet_reflectance(dot(view, h));
     float cos_v = max(view.z, 1e-4);
     float view_term = smith_lambda_cos(view.z, s_view);
     float light_term = smith_lambda_cos(light.z, sqrt(directional_variance(light, variance)));
     float shadow = cos_v + view_term + light_term * cos_v / max(light.z, 1e-4);
     float h2 = hz * hz;
-    return light.z > 0.0 ? p * fresnel / (4.0 * h2 * h2 * shadow) : 0.0;
+    return light.z > 0.0 ? p / (4.0 * h2 * h2 * shadow) * facet_reflectance(dot(view, h)) : vec3(0.0);
 }

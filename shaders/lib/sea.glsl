@@ -145,7 +145,7 @@ shaded shade_sea(ivec2 at, uint triangle)
         result.depth = ray_length * surface_distance(f, x, ray, t, footprint);
     }
     result.normal = normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy)));
-    result.fresnel = parts.fresnel;
+    result.fresnel = parts.fresnel.g;
     bool dry = lut.y < 0.5;
     result.sun = dry ? parts.sun * through : vec3(0.0);
     result.sky = dry ? parts.sky * through : vec3(0.0);

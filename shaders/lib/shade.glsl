@@ -14,7 +14,7 @@ layout(binding = PEL_UNIT_FACETS) uniform samplerBuffer facet_texels; // nodes a
 // (eq. 26) that is a tenth too high at steep angles and a fifth near the
 // horizon.
 vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, vec2 variance,
-                   out float fresnel)
+                   out vec3 fresnel)
 {
     float sine = sqrt(max(1.0 - view.z * view.z, 1e-8));
     vec2 toward = view.xy / sine;
@@ -32,7 +32,7 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     vec3 weights = mix(texelFetch(facet_texels, 2 * entry + 1).xyz,
                        texelFetch(facet_texels, 2 * entry + 3).xyz, f_place);
     vec3 sum = vec3(0.0);
-    fresnel = 0.0;
+    fresnel = vec3(0.0);
     float texels = float(textureSize(map, 0).x) / (2.0 * PEL_REFLECTION_HALF_WIDTH);
     for (int i = 0; i < 3; i++) {
         vec2 slope = axis * nodes[i];
@@ -40,7 +40,7 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
         float facet2 = dot(facet, facet);
         vec3 f = facet * inversesqrt(facet2);
         float fv = dot(f, v);
-        float share = facet_reflectance(fv * inversesqrt(1.0 + cross2 / facet2)) * weights[i];
+        vec3 share = facet_reflectance(fv * inversesqrt(1.0 + cross2 / facet2)) * weights[i];
         fresnel += share;
         vec3 r = 2.0 * fv * f - v;
         float inverse = 1.0 / (1.0 + max(r.z, -0.3));
@@ -64,11 +64,11 @@ vec2 mirrored(vec2 slope, vec3 v, vec3 n, vec3 tx, vec3 ty)
 // ellipse of twice the standard deviations (eq. 27), as the mean of nine samples
 // inside it.
 vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, vec2 variance,
-                   out float fresnel)
+                   out vec3 fresnel)
 {
     const float EPSILON = 1e-3;
     vec2 s = sqrt(variance);
-    fresnel = mean_fresnel(view.z, sqrt(directional_variance(view, variance)));
+    fresnel = vec3(mean_fresnel(view.z, sqrt(directional_variance(view, variance))));
     vec2 u0 = mirrored(vec2(0.0), v, n, tx, ty);
     vec2 ux = 2.0 * s.x * (mirrored(vec2(EPSILON, 0.0), v, n, tx, ty) - u0) / EPSILON;
     vec2 uy = 2.0 * s.y * (mirrored(vec2(0.0, EPSILON), v, n, tx, ty) - u0) / EPSILON;
@@ -88,7 +88,7 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
 // Radiance by its way: reflected lights, reflected sky, out of the water.
 struct lit {
     vec3 sun, sky, water; // `sun`: of every light, as the layer is called
-    float fresnel;
+    vec3 fresnel;
 };
 
 // Facets that face away are reflected into sight (section 3.2).
@@ -105,7 +105,7 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
     vec3 tx = normalize(along - n * dot(n, along));
     vec3 ty = cross(n, tx);
     vec3 view = vec3(dot(v, tx), dot(v, ty), max(dot(v, n), 1e-3));
-    float fresnel;
+    vec3 fresnel;
     vec3 sky = reflected_sky(map, v, n, tx, ty, view, variance, fresnel);
     vec3 direct = vec3(0.0);
     for (int i = 0; i < PEL_LIGHTS; i++) {

@@ -222,13 +222,27 @@ struct pel_rgb reference_environment(const struct reference *r,
                pel_ross_mean_fresnel(view, s * s, s * s));
 }
 
+/* Fresnel's equations without polarisation, by angles and not by the program:
+ * n of sea water at 550 nm. */
+static double reflectance(double cosine)
+{
+    double in = acos(pel_clamp(cosine, 0.0, 1.0));
+    double inside = asin(sin(in) / 1.3413);
+    if (in < 1e-4) {
+        return pow((1.3413 - 1.0) / (1.3413 + 1.0), 2.0);
+    }
+    double s = sin(in - inside) / sin(in + inside);
+    double p = tan(in - inside) / tan(in + inside);
+    return 0.5 * (s * s + p * p);
+}
+
 static void reflect(const struct reference *r, struct pel_vec3 n,
                     struct pel_vec3 v, struct reference_sample *out)
 {
     double vn = fmax(pel_vec3_dot(n, v), 0.0);
     struct pel_vec3 m =
         pel_vec3_add(pel_vec3_scale(n, 2 * vn), pel_vec3_scale(v, -1));
-    double f = pel_facet_reflectance(vn, PEL_WATER_INDEX);
+    double f = reflectance(vn);
     struct pel_rgb l = reference_environment(r, m);
     out->sky = (struct pel_rgb){ f * l.r, f * l.g, f * l.b };
     struct pel_rgb w = pel_water_table_leaving(
@@ -245,7 +259,7 @@ static void reflect(const struct reference *r, struct pel_vec3 n,
            b2 = r->light.blur * r->light.blur;
     double dx = n.x / n.z - h.x / h.z, dy = n.y / n.z - h.y / h.z;
     double kernel = exp(-0.5 * (dx * dx + dy * dy) / b2) / (2 * PEL_PI * b2);
-    double g = kernel * pel_facet_reflectance(vh, PEL_WATER_INDEX) /
+    double g = kernel * reflectance(vh) /
                (4 * h.z * h.z * h.z * h.z * fmax(vn / n.z, 1e-3));
     struct pel_rgb e = r->light.sun_irradiance;
     out->sun = (struct pel_rgb){ g * e.r, g * e.g, g * e.b };
