@@ -72,7 +72,7 @@ vec3 leaving_water(int light, vec2 place, float depth)
 }
 
 // The same taken apart, times `factor`.
-water_light water_parts(int light, vec2 place, float depth, float factor)
+water_light water_parts(int light, vec2 place, float depth, vec3 factor)
 {
     return water_light(factor * water_part(light, place, WATER_SINGLE, depth),
                        factor * water_part(light, place, WATER_SECOND, depth),
