@@ -15,7 +15,7 @@ void main()
         return;
     }
     const vec3 up = vec3(0.0, 0.0, 1.0);
-    water_light l = water_parts(0, water_place(views[i].xyz, up, lights[0].direction.xyz), views[i].w, 1.0);
+    water_light l = water_parts(0, water_place(views[i].xyz, up, lights[0].direction.xyz), views[i].w, vec3(1.0));
     answers[4 * i] = vec4(l.single, 0.0);
     answers[4 * i + 1] = vec4(l.second, 0.0);
     answers[4 * i + 2] = vec4(l.higher, 0.0);
