@@ -107,6 +107,8 @@ OPTICS := server/optics/brdf.c \
     server/optics/waterbody.c \
     server/optics/linear.c \
     server/optics/ordinates.c \
+    server/optics/phase.c \
+    server/optics/seawater.c \
     server/optics/transport.c \
     server/optics/watermontecarlo.c \
     server/optics/watersection.c \
@@ -264,6 +266,7 @@ TESTS += server/optics/brdf_test.c
 TESTS += server/optics/atmosphere_test.c
 TESTS += server/optics/colour_test.c
 TESTS += server/optics/facets_test.c
+TESTS += server/optics/phase_test.c
 TESTS += server/optics/transport_test.c
 TESTS += server/optics/watersection_test.c
 TESTS += server/optics/waterslope_test.c

@@ -1,8 +1,7 @@
 #version 450 core
 // The radiance map of Iwasaki et al. 2003: light scattered once that arrives
 // at each plane from each direction (eq. 7 over β E), for a beam at each node;
-// and the attenuation map, from each plane up each line of sight. Twin of
-// pel_transport_first_path.
+// and the attenuation map, from each plane up each line of sight.
 #include "lib/blocks.h"
 #include "lib/medium.glsl"
 
@@ -22,17 +21,7 @@ void main()
     vec3 weight = planes[2 * (level * PEL_WATER_PLANES + at.z) + 1].rgb;
     float mu = directions[at.x].x;
     float sun_mu = nodes[at.y].y;
-    vec3 sun = exp(-c * z / sun_mu);
-    vec3 path;
-    if (mu > 0.0) {
-        vec3 x = c * z * (1.0 / mu - 1.0 / sun_mu);
-        path = z / mu * mix(exp(-c * z / mu) * mean_decay(-x), sun * mean_decay(x),
-                            greaterThanEqual(x, vec3(0.0)));
-    } else {
-        vec3 rest = max(depth[level].x - z, vec3(0.0));
-        path = -rest / mu * sun * mean_decay(c * (1.0 / sun_mu - 1.0 / mu) * rest);
-    }
-    imageStore(radiance_map, at, vec4(path, 0.0));
+    imageStore(radiance_map, at, vec4(first_path(level, z, sun_mu, mu), 0.0));
     if (at.x == 0) {
         imageStore(attenuation_map, at.yz, vec4(weight * exp(-c * z / nodes[at.y].y), 0.0));
     }

@@ -9,6 +9,8 @@
 #include "optics/linear.h"
 
 #define N_MAX (2 * PEL_ORDINATES_MAX) /* directions in each hemisphere */
+#define BACK_CELLS 512 /* of the phase function from −1 to BACK_TO */
+#define BACK_TO 0.25   /* turned by more than two critical angles */
 
 struct pel_ordinates {
     int nodes; /* in each range */
@@ -18,6 +20,10 @@ struct pel_ordinates {
     double mu[N_MAX], weight[N_MAX];
     double reflected[N_MAX]; /* by the surface, from below */
     double air_mu[PEL_ORDINATES_MAX];
+    /* The phase function last met. */
+    struct pel_phase phase;
+    double chi[N_MAX + 1];
+    double back[BACK_CELLS + 2];
     /* One mode's work. */
     double moment[N_MAX];          /* (2l + 1) χ_l */
     double legendre[N_MAX][N_MAX]; /* [l][direction] */
@@ -34,7 +40,7 @@ struct pel_ordinates {
 /* One medium and light in the scaled problem. */
 struct problem {
     double omega, tau; /* scaled albedo and depth */
-    double g, peak;
+    double peak;
     double albedo;
     double sun_mu, rate; /* rate = 1 / sun_mu, moved off every eigenvalue */
     double beam;
@@ -118,44 +124,57 @@ double pel_ordinates_sky_irradiance(const struct pel_ordinates *o,
     return 2.0 * PEL_PI * PEL_WATER_INDEX * PEL_WATER_INDEX * sum;
 }
 
-static double peak(const struct pel_ordinates *o, double g)
+/* Moments of a medium's phase function, found once; the share of its peak. */
+static double meet(struct pel_ordinates *o, const struct pel_medium *m)
 {
-    return pow(g, o->terms);
+    if (o->chi[0] < 0.5 || o->phase.molecular != m->molecular ||
+        o->phase.asymmetry != m->asymmetry || o->phase.back != m->back) {
+        o->phase = pel_medium_phase(m);
+        pel_phase_moments(&o->phase, o->terms + 1, o->chi);
+        for (int i = 0; i <= BACK_CELLS + 1; i++) {
+            o->back[i] = pel_phase_at(&o->phase,
+                                      -1.0 + (1.0 + BACK_TO) * i / BACK_CELLS);
+        }
+    }
+    return o->chi[o->terms];
 }
 
-double pel_ordinates_extinction(const struct pel_ordinates *o,
+/* The phase function past 80°, between its samples to 1e-5 of it. */
+static double phase_back(const struct pel_ordinates *o, double nu)
+{
+    double at = fmax(nu + 1.0, 0.0) * (BACK_CELLS / (1.0 + BACK_TO));
+    int i = (int)fmin(at, BACK_CELLS);
+    return o->back[i] + (at - i) * (o->back[i + 1] - o->back[i]);
+}
+
+double pel_ordinates_extinction(struct pel_ordinates *o,
                                 const struct pel_medium *medium)
 {
-    return medium->absorption +
-           medium->scattering * (1.0 - peak(o, medium->asymmetry));
+    return medium->absorption + medium->scattering * (1.0 - meet(o, medium));
 }
 
-double pel_ordinates_single(const struct pel_ordinates *o,
+double pel_ordinates_single(struct pel_ordinates *o,
                             const struct pel_medium *medium, double beam,
                             double sun_mu, double view_mu, double scatter_nu)
 {
     double c = pel_ordinates_extinction(o, medium);
     double rate = c * (1.0 / sun_mu + 1.0 / view_mu);
-    return beam * medium->scattering *
-           pel_hg_phase(scatter_nu, medium->asymmetry) *
+    return beam * medium->scattering * pel_phase_at(&o->phase, scatter_nu) *
            -expm1(-rate * medium->depth_m) / (rate * view_mu);
 }
 
-/* Delta-M: the peak f = g^terms is taken as not scattered at all. */
+/* Delta-M: the peak f = χ_terms is taken as not scattered at all. */
 static void scale(struct pel_ordinates *o, const struct pel_medium *medium,
                   struct problem *p)
 {
-    double g = medium->asymmetry, f = peak(o, g);
+    double f = meet(o, medium);
     double a = medium->absorption, b = medium->scattering * (1.0 - f);
-    p->g = g;
     p->peak = f;
     p->omega = b / (a + b);
     p->tau = (a + b) * medium->depth_m;
     p->albedo = medium->albedo;
-    double power = 1.0;
     for (int l = 0; l < o->terms; l++) {
-        o->moment[l] = (2.0 * l + 1.0) * (power - f) / (1.0 - f);
-        power *= g;
+        o->moment[l] = (2.0 * l + 1.0) * (o->chi[l] - f) / (1.0 - f);
     }
 }
 
@@ -346,7 +365,7 @@ static double sky_correction(const struct pel_ordinates *o,
         double m = o->mu[i], across = sine * sqrt(1.0 - m * m);
         for (int j = 0; j < AZIMUTHS; j++) {
             double azimuth = PEL_PI * (j + 0.5) / AZIMUTHS;
-            whole += pel_hg_phase(across * cos(azimuth) - mu * m, p->g) *
+            whole += phase_back(o, across * cos(azimuth) - mu * m) *
                      cos(p->mode * azimuth);
         }
         whole *= 4.0 * PEL_PI / AZIMUTHS / (1.0 - p->peak);
@@ -467,6 +486,88 @@ void pel_ordinates_solve(struct pel_ordinates *o,
                     ? quiet + 1
                     : 0;
         *modes = p.mode + 1;
+    }
+}
+
+/* Radiance at node i at scaled depth t, of what mode 0's solution holds:
+ * eigenmodes from above and from below, and the Sun's particular one. */
+static void at_node(const struct pel_ordinates *o, const struct problem *p,
+                    double t, int i, double *down, double *up)
+{
+    const double *a = o->right, *b = o->right + o->n;
+    double e_beam = exp(-p->rate * t);
+    *down = *up = 0.0;
+    for (int j = 0; j < o->n; j++) {
+        double k = o->k[j], s = 0.5 * o->sum[i * o->n + j];
+        double d = 0.5 * o->difference[i * o->n + j];
+        double from_a = a[j] * exp(-k * t);
+        double from_b = b[j] * exp(-k * (p->tau - t));
+        double beam_s = s * o->beam_sum[j] * e_beam;
+        double beam_d = d * o->beam_difference[j] * e_beam;
+        *down += from_a * (s + k * d) + from_b * (s - k * d) + beam_s - beam_d;
+        *up += from_a * (s - k * d) + from_b * (s + k * d) + beam_s + beam_d;
+    }
+}
+
+/* The solution seen from scaled depth t, as if the surface were there. */
+static double nadir_from(struct pel_ordinates *o, const struct problem *p,
+                         double t)
+{
+    double right[2 * N_MAX], sum[N_MAX], difference[N_MAX];
+    struct problem below = *p;
+    int n = o->n;
+    memcpy(right, o->right, sizeof right);
+    memcpy(sum, o->beam_sum, sizeof sum);
+    memcpy(difference, o->beam_difference, sizeof difference);
+    below.tau = p->tau - t;
+    for (int j = 0; j < n; j++) {
+        o->right[j] *= exp(-o->k[j] * t);
+        o->beam_sum[j] *= exp(-p->rate * t);
+        o->beam_difference[j] *= exp(-p->rate * t);
+    }
+    double seen = view_radiance(o, &below, p->albedo, 1.0, o->even, o->odd);
+    memcpy(o->right, right, sizeof right);
+    memcpy(o->beam_sum, sum, sizeof sum);
+    memcpy(o->beam_difference, difference, sizeof difference);
+    return seen;
+}
+
+void pel_ordinates_field(struct pel_ordinates *o,
+                         const struct pel_medium *medium, double sun_zenith_rad,
+                         const double *depths_m, int count,
+                         struct pel_field *out)
+{
+    const struct pel_ordinates_light light = { .sun_zenith_rad =
+                                                   sun_zenith_rad };
+    struct problem p = { .light = &light };
+    struct pel_geometry geometry = { .sun_zenith_rad = sun_zenith_rad };
+    struct pel_interface face = pel_interface_at(&geometry);
+    const double straight_up = 1.0;
+    double surface;
+    scale(o, medium, &p);
+    p.sun_mu = face.sun_mu;
+    p.beam = face.beam;
+    p.rate = 1.0 / p.sun_mu;
+    eigenmodes(o, &p);
+    leave_resonance(o, &p);
+    beam_modes(o, &p);
+    solve_mode(o, &p, p.albedo, &straight_up, 1, &surface);
+    double c = p.tau / medium->depth_m;
+    for (int k = 0; k < count; k++) {
+        double t = c * depths_m[k], sun = p.beam * exp(-t / p.sun_mu);
+        struct pel_field f = { .down = p.sun_mu * sun };
+        for (int i = 0; i < o->n; i++) {
+            double down, up, ring = 2.0 * PEL_PI * o->weight[i];
+            at_node(o, &p, t, i, &down, &up);
+            f.down += ring * o->mu[i] * down;
+            f.up += ring * o->mu[i] * up;
+            f.scalar_up += ring * up;
+        }
+        struct pel_medium rest = *medium;
+        rest.depth_m -= depths_m[k];
+        f.nadir = nadir_from(o, &p, t) +
+                  pel_ordinates_single(o, &rest, sun, p.sun_mu, 1.0, -p.sun_mu);
+        out[k] = f;
     }
 }
 

@@ -52,6 +52,21 @@ void pel_ordinates_solve(struct pel_ordinates *o,
                          const double *view_mu, int views, double *out,
                          int *modes, double *dark_bottom);
 
+/* The light at a depth, of a Sun of irradiance 1 normal to its beam above the
+ * surface and no sky. */
+struct pel_field {
+    double down, up; /* irradiance of horizontal planes */
+    double scalar_up;
+    double nadir; /* radiance straight up, all orders [1/sr] */
+};
+
+/* The field at several depths (0: just below the surface), each at most the
+ * medium's. */
+void pel_ordinates_field(struct pel_ordinates *o,
+                         const struct pel_medium *medium, double sun_zenith_rad,
+                         const double *depths_m, int count,
+                         struct pel_field *out);
+
 /* The response of the water to sunbeams of zenith cosines mu (in the water, of
  * what has come through the surface; irradiance 1 normal to the beam), seen in
  * the same directions, at several depths (medium->depth_m is not read): modes
@@ -67,11 +82,11 @@ pel_ordinates_respond(struct pel_ordinates *o, const struct pel_medium *medium,
 
 /* The scaled extinction of a medium [1/m]: the forward peak that the solver
  * takes as not scattered left out. */
-double pel_ordinates_extinction(const struct pel_ordinates *o,
+double pel_ordinates_extinction(struct pel_ordinates *o,
                                 const struct pel_medium *medium);
 
 /* Single scattering of the Sun with the true phase function and the scaled
  * extinction, below the surface: what pel_ordinates_solve leaves out. */
-double pel_ordinates_single(const struct pel_ordinates *o,
+double pel_ordinates_single(struct pel_ordinates *o,
                             const struct pel_medium *medium, double beam,
                             double sun_mu, double view_mu, double scatter_nu);

@@ -48,6 +48,13 @@ enum pel_err pel_medium_check(const struct pel_medium *m,
                                PEL_ASYMMETRY_MAX, fault);
     }
     if (!err) {
+        err = pel_optics_check("molecular", "1", m->molecular, 0.0, 1.0, fault);
+    }
+    if (!err && m->back != 0.0) {
+        err = pel_optics_check("back", "1", m->back, PEL_PHASE_BACK_MIN,
+                               PEL_PHASE_BACK_MAX, fault);
+    }
+    if (!err) {
         err = pel_optics_check("depth", "m", m->depth_m, PEL_DEPTH_MIN,
                                PEL_DEPTH_MAX, fault);
     }
@@ -55,6 +62,26 @@ enum pel_err pel_medium_check(const struct pel_medium *m,
         err = pel_optics_check("albedo", "1", m->albedo, 0.0, 1.0, fault);
     }
     return err;
+}
+
+struct pel_phase pel_medium_phase(const struct pel_medium *m)
+{
+    return pel_phase_make(m->molecular, m->asymmetry, m->back);
+}
+
+double pel_medium_forward(const struct pel_medium *m)
+{
+    double particles =
+        m->back > 0.0 ? 1.0 - m->back : pel_hg_forward_fraction(m->asymmetry);
+    return 0.5 * m->molecular + (1.0 - m->molecular) * particles;
+}
+
+double pel_medium_mean_cosine(const struct pel_medium *m)
+{
+    double moments[2];
+    struct pel_phase p = pel_medium_phase(m);
+    pel_phase_moments(&p, 2, moments);
+    return moments[1];
 }
 
 double pel_hg_phase(double nu, double g)
@@ -119,9 +146,9 @@ double pel_transport_single(const struct pel_medium *m,
     double c =
         kind == PEL_EXTINCTION_FULL
             ? extinction(m)
-            : m->absorption +
-                  m->scattering * (1.0 - pel_hg_forward_fraction(m->asymmetry));
-    double beta = m->scattering * pel_hg_phase(f.scatter_nu, m->asymmetry);
+            : m->absorption + m->scattering * (1.0 - pel_medium_forward(m));
+    struct pel_phase phase = pel_medium_phase(m);
+    double beta = m->scattering * pel_phase_at(&phase, f.scatter_nu);
     double horizontal = f.beam * f.sun_mu;
     return f.leaving * horizontal * beta / ((f.sun_mu + f.view_mu) * c) *
            -expm1(-m->depth_m * c * (1.0 / f.sun_mu + 1.0 / f.view_mu));
@@ -187,7 +214,8 @@ struct directions {
 
 /* ∫ p(α) p(α') dφ at zenith cosine mu (> 0 downward), `count` azimuths. */
 static double azimuth_sum(const struct pel_interface *f,
-                          const struct directions *d, double g, double mu,
+                          const struct directions *d,
+                          const struct pel_phase_split *p, double mu,
                           const double *circle, int count)
 {
     double sine = sqrt(fmax(1.0 - mu * mu, 0.0)), sum = 0.0;
@@ -198,7 +226,7 @@ static double azimuth_sum(const struct pel_interface *f,
             -mu * f->view_mu + sine * d->view_sine *
                                    (cosine * d->view_cos_azimuth +
                                     sin_azimuth * d->view_sin_azimuth);
-        sum += pel_hg_phase(from_sun, g) * pel_hg_phase(to_view, g);
+        sum += pel_phase_rest(p, from_sun) * pel_phase_rest(p, to_view);
     }
     return sum * 2.0 * PEL_PI / count;
 }
@@ -227,15 +255,21 @@ double pel_transport_second(const struct pel_medium *m,
 {
     struct pel_interface f = pel_interface_at(geometry);
     struct directions d = directions_of(geometry);
+    struct pel_phase whole = pel_medium_phase(m);
+    struct pel_phase_split split = pel_phase_split(&whole);
     double mu[ZENITHS], weight[ZENITHS], circle[2 * AZIMUTHS];
     pel_gauss_legendre(ZENITHS, 0.0, 1.0, mu, weight);
     fill_circle(circle, AZIMUTHS);
-    double sum = 0.0;
+    /* Once by the peak, before or after, that is straight on. */
+    double sum =
+        split.peak * pel_phase_rest(&split, f.scatter_nu) *
+        (pel_transport_second_path(m, f.sun_mu, f.view_mu, f.sun_mu) +
+         pel_transport_second_path(m, f.sun_mu, f.view_mu, -f.view_mu));
     for (int i = 0; i < ZENITHS; i++) {
         for (int side = -1; side <= 1; side += 2) {
             double down = side * mu[i];
             sum += weight[i] *
-                   azimuth_sum(&f, &d, m->asymmetry, down, circle, AZIMUTHS) *
+                   azimuth_sum(&f, &d, &split, down, circle, AZIMUTHS) *
                    pel_transport_second_path(m, f.sun_mu, f.view_mu, down);
         }
     }
@@ -248,6 +282,8 @@ double pel_transport_second_sampled(const struct pel_medium *m,
 {
     struct pel_interface f = pel_interface_at(geometry);
     struct directions d = directions_of(geometry);
+    struct pel_phase whole = pel_medium_phase(m);
+    struct pel_phase_split split = pel_phase_split(&whole);
     double circle[4 * 256], total = 0.0;
     planes = planes < 1 ? 1 : planes > 64 ? 64 : planes;
     zeniths = zeniths < 2 ? 2 : zeniths > 256 ? 256 : zeniths;
@@ -255,16 +291,20 @@ double pel_transport_second_sampled(const struct pel_medium *m,
     /* Planes at equal steps of what the way in and out lets through. */
     double s = extinction(m) * (1.0 / f.view_mu + 1.0 / f.sun_mu);
     double reach = -expm1(-s * m->depth_m);
-    for (int i = 0; i < zeniths; i++) {
-        double theta = PEL_PI * (i + 0.5) / zeniths, mu = cos(theta);
+    for (int i = -2; i < zeniths; i++) {
+        double theta = PEL_PI * (i + 0.5) / zeniths;
+        double mu = i == -2 ? f.sun_mu : i == -1 ? -f.view_mu : cos(theta);
         double paths = 0.0;
         for (int k = 0; k < planes; k++) {
             double z = -log1p(-reach * (k + 0.5) / planes) / s;
             paths += exp(z * extinction(m) / f.sun_mu) *
                      pel_transport_first_path(m, f.sun_mu, z, mu);
         }
-        total += azimuth_sum(&f, &d, m->asymmetry, mu, circle, 2 * zeniths) *
-                 sin(theta) * PEL_PI / zeniths * paths * reach / (planes * s);
+        double turned =
+            i < 0 ? split.peak * pel_phase_rest(&split, f.scatter_nu)
+                  : azimuth_sum(&f, &d, &split, mu, circle, 2 * zeniths) *
+                        sin(theta) * PEL_PI / zeniths;
+        total += turned * paths * reach / (planes * s);
     }
     return f.leaving * f.beam * m->scattering * m->scattering * total /
            f.view_mu;

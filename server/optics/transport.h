@@ -1,6 +1,7 @@
 /* Light inside the water: Iwasaki, Dobashi and Nishita 2003 ("I"), corrected,
  * and all orders beyond it. Plane-parallel water below a flat surface of index
- * PEL_WATER_INDEX, a Lambertian bottom, scattering by Henyey and Greenstein.
+ * PEL_WATER_INDEX, a Lambertian bottom, scattering by any of
+ * optics/phase.h.
  * One wavelength at a time, double precision. Any thread.
  *
  * Results are radiances just above the surface for a unit of solar irradiance
@@ -11,15 +12,30 @@
 #include <stdbool.h>
 
 #include "base/err.h"
+#include "optics/phase.h"
 
 /* Water at one wavelength. */
 struct pel_medium {
     double absorption; /* a, 1/m, PEL_ABSORPTION_MIN..PEL_COEFFICIENT_MAX */
     double scattering; /* b, 1/m, 0..PEL_COEFFICIENT_MAX */
-    double asymmetry;  /* g, 0..PEL_ASYMMETRY_MAX */
+    double asymmetry;  /* g of particles, 0..PEL_ASYMMETRY_MAX; read where
+                          `back` is 0 */
     double depth_m;    /* PEL_DEPTH_MIN..PEL_DEPTH_MAX */
     double albedo;     /* of the bottom, 0..1 */
+    double molecular;  /* share of the scattering that is the water's own, 0..1;
+                          0: all by particles */
+    double back;       /* backscattered fraction of particles, by Fournier and
+                          Forand's function; 0: Henyey and Greenstein's */
 };
+
+/* How it turns light (optics/phase.h). */
+struct pel_phase pel_medium_phase(const struct pel_medium *medium);
+
+/* Fraction of the scattering that turns by less than 90°, c_f. */
+double pel_medium_forward(const struct pel_medium *medium);
+
+/* Mean cosine of the scattering. */
+double pel_medium_mean_cosine(const struct pel_medium *medium);
 
 #define PEL_ABSORPTION_MIN 0.001
 #define PEL_COEFFICIENT_MAX 100.0

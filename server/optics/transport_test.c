@@ -22,10 +22,26 @@ static const struct pel_geometry places[] = {
 #define PLACES (sizeof places / sizeof *places)
 
 static const struct pel_medium waters[] = {
-    { 0.02, 0.1, 0.924, 1000.0, 0.0 },
-    { 0.3, 0.7, 0.75, 10.0, 0.3 },
-    { 0.1, 1.5, 0.9, 2.0, 0.5 },
-    { 0.465, 0.05, 0.5, 1.0, 0.9 },
+    { .absorption = 0.02,
+      .scattering = 0.1,
+      .asymmetry = 0.924,
+      .depth_m = 1000.0,
+      .albedo = 0.0 },
+    { .absorption = 0.3,
+      .scattering = 0.7,
+      .asymmetry = 0.75,
+      .depth_m = 10.0,
+      .albedo = 0.3 },
+    { .absorption = 0.1,
+      .scattering = 1.5,
+      .asymmetry = 0.9,
+      .depth_m = 2.0,
+      .albedo = 0.5 },
+    { .absorption = 0.465,
+      .scattering = 0.05,
+      .asymmetry = 0.5,
+      .depth_m = 1.0,
+      .albedo = 0.9 },
 };
 #define WATERS (sizeof waters / sizeof *waters)
 
@@ -154,7 +170,11 @@ static void test_second(void **state)
 static void test_bottom(void **state)
 {
     (void)state;
-    const struct pel_medium m = { 0.1, 0.2, 0.9, 3.0, 0.4 };
+    const struct pel_medium m = { .absorption = 0.1,
+                                  .scattering = 0.2,
+                                  .asymmetry = 0.9,
+                                  .depth_m = 3.0,
+                                  .albedo = 0.4 };
     const struct pel_geometry at = { 40 * PEL_DEG, 25 * PEL_DEG, 1.0 };
     double n = PEL_WATER_INDEX;
     double sun = sqrt(1.0 - pow(sin(40 * PEL_DEG) / n, 2));
@@ -193,7 +213,11 @@ static void test_orders(void **state)
         assert_true((all.bottom_direct > 0.0) == (m->albedo > 0.0) ||
                     m->depth_m > 100.0);
     }
-    const struct pel_medium black = { 0.5, 0.0, 0.9, 100.0, 0.0 };
+    const struct pel_medium black = { .absorption = 0.5,
+                                      .scattering = 0.0,
+                                      .asymmetry = 0.9,
+                                      .depth_m = 100.0,
+                                      .albedo = 0.0 };
     struct pel_leaving none;
     assert_int_equal(
         pel_transport_leaving(&black, &places[1], PEL_ORDERS_ALL, &none), 0);
@@ -205,7 +229,11 @@ static void test_orders(void **state)
 static void test_ordinates_converge(void **state)
 {
     (void)state;
-    const struct pel_medium m = { 0.05, 0.5, 0.924, 20.0, 0.2 };
+    const struct pel_medium m = { .absorption = 0.05,
+                                  .scattering = 0.5,
+                                  .asymmetry = 0.924,
+                                  .depth_m = 20.0,
+                                  .albedo = 0.2 };
     double value[2];
     for (int k = 0; k < 2; k++) {
         struct pel_ordinates *o = pel_ordinates_create(k ? 32 : 24, 1e-7);
@@ -233,7 +261,11 @@ static void test_energy(void **state)
 {
     (void)state;
     enum { N = 24 };
-    const struct pel_medium clear = { 0.001, 1.0, 0.9, 1.0, 1.0 };
+    const struct pel_medium clear = { .absorption = 0.001,
+                                      .scattering = 1.0,
+                                      .asymmetry = 0.9,
+                                      .depth_m = 1.0,
+                                      .albedo = 1.0 };
     double mu[N], w[N], out[2 * 24 * N];
     /* Upward irradiance that leaves, in the water's own directions. */
     double critical = sqrt(1.0 - 1.0 / (PEL_WATER_INDEX * PEL_WATER_INDEX));
@@ -277,9 +309,21 @@ static void test_monte_carlo(void **state)
 {
     (void)state;
     static const struct pel_medium some[] = {
-        { 0.05, 0.4, 0.75, 1000.0, 0.0 },
-        { 0.1, 0.5, 0.75, 2.0, 0.4 },
-        { 0.2, 0.3, 0.924, 10.0, 0.2 },
+        { .absorption = 0.05,
+          .scattering = 0.4,
+          .asymmetry = 0.75,
+          .depth_m = 1000.0,
+          .albedo = 0.0 },
+        { .absorption = 0.1,
+          .scattering = 0.5,
+          .asymmetry = 0.75,
+          .depth_m = 2.0,
+          .albedo = 0.4 },
+        { .absorption = 0.2,
+          .scattering = 0.3,
+          .asymmetry = 0.924,
+          .depth_m = 10.0,
+          .albedo = 0.2 },
     };
     const struct pel_montecarlo_sun suns[] = { { 0.0, 0.0 },
                                                { 45 * PEL_DEG, 0.4 },
@@ -311,7 +355,11 @@ static void test_monte_carlo(void **state)
 static void test_monte_carlo_sky(void **state)
 {
     (void)state;
-    const struct pel_medium m = { 0.1, 0.5, 0.8, 3.0, 0.3 };
+    const struct pel_medium m = { .absorption = 0.1,
+                                  .scattering = 0.5,
+                                  .asymmetry = 0.8,
+                                  .depth_m = 3.0,
+                                  .albedo = 0.3 };
     const struct pel_montecarlo_sun sun = { 0.5, 0.0 };
     struct pel_montecarlo_result a, b;
     struct pel_estimate sky, again;
@@ -368,8 +416,11 @@ static void test_corners(void **state)
     const double g[] = { 0.0, 0.5, PEL_ASYMMETRY_MAX };
     const double d[] = { PEL_DEPTH_MIN, PEL_DEPTH_MAX };
     for (int k = 0; k < 2 * 3 * 3 * 2 * 2 * 3; k++) {
-        struct pel_medium m = { a[k % 2], b[k / 2 % 3], g[k / 6 % 3],
-                                d[k / 18 % 2], k / 36 % 2 };
+        struct pel_medium m = { .absorption = a[k % 2],
+                                .scattering = b[k / 2 % 3],
+                                .asymmetry = g[k / 6 % 3],
+                                .depth_m = d[k / 18 % 2],
+                                .albedo = k / 36 % 2 };
         struct pel_geometry at = { k / 72 * 45 * PEL_DEG, k / 72 * 45 * PEL_DEG,
                                    0.0 };
         struct pel_leaving all;

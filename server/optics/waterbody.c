@@ -10,12 +10,6 @@
 
 const double pel_water_wavelength_nm[PEL_WATER_WAVELENGTHS] = { 680, 550, 440 };
 
-/* Absorption of pure water, 1/m: Pope and Fry 1997, table 3. */
-static const double a_water[PEL_WATER_WAVELENGTHS] = { 0.465, 0.0565, 0.00635 };
-/* Phytoplankton a_ph = A C^E, 1/m: Bricaud et al. 1998, table 2. */
-static const double a_ph[PEL_WATER_WAVELENGTHS] = { 0.0161, 0.0070, 0.0378 };
-static const double e_ph[PEL_WATER_WAVELENGTHS] = { 0.8284, 0.9312, 0.6266 };
-
 /* Jerlov 1976, table XXVII, 1/m, at 675, 700; 550; 425, 450 nm. */
 static const struct {
     const char *word;
@@ -33,8 +27,8 @@ static const struct {
     [PEL_JERLOV_9C] = { "9C", { 0.92, 1.1, 0.63, 1.9, 1.6 } },
 };
 
-/* Backscattered fraction of particles: Petzold 1972, as averaged by Mobley
- * 1994, sec. 3.8; of San Diego harbour: Mobley 1994, table 3.11. */
+/* Backscattered fraction of coastal particles: Petzold 1972, as averaged by
+ * Mobley 1994, sec. 3.8; of San Diego harbour: Mobley 1994, table 3.11. */
 #define PARTICLE_BACK 0.0183
 #define HARBOUR_BACK 0.020
 
@@ -42,10 +36,9 @@ static const struct {
 #define HARBOUR_NM 514.0
 #define HARBOUR_ABSORPTION 0.366
 #define HARBOUR_SCATTERING 1.824
-#define WATER_ABSORPTION_514 0.0361 /* Pope and Fry 1997, interpolated */
 
-/* Fall of the absorption of dissolved and detrital matter with wavelength,
- * 1/nm: Bricaud, Morel and Prieur 1981. */
+/* Fall of what dissolved and detrital matter absorb, 1/nm: Bricaud, Morel and
+ * Prieur 1981. */
 #define YELLOW_SLOPE 0.014
 
 /* Irradiance reflectance, read from graphs and rounded; single bottoms differ
@@ -64,47 +57,6 @@ static const struct {
     [PEL_BOTTOM_ALBEDO] = { "albedo", { 0.0 } }, /* that of the description */
 };
 
-/* Morel 1974, 1/m, whose sea water scatters 1.3 times as much as pure water;
- * in proportion to its salt (Boss and Pegau 2001). Half of it goes back. */
-static double molecular_scattering(double salinity, int i)
-{
-    return 0.00288 / 1.3 * (1.0 + 0.3 * salinity / 37.0) *
-           pow(500.0 / pel_water_wavelength_nm[i], 4.32);
-}
-
-double pel_water_index(double s, double t, double nm)
-{
-    return 1.31405 + (1.779e-4 - 1.05e-6 * t + 1.6e-8 * t * t) * s -
-           2.02e-6 * t * t + (15.868 + 0.01155 * s - 0.00423 * t) / nm -
-           4382.0 / (nm * nm) + 1.1455e6 / (nm * nm * nm);
-}
-
-/* Particles: b = 0.30 C^0.62 · 550/λ (Gordon and Morel 1983). */
-static double particle_scattering(double c, int i)
-{
-    return 0.30 * pow(c, 0.62) * 550.0 / pel_water_wavelength_nm[i];
-}
-
-struct pel_case1 pel_water_case1(double chlorophyll, double salinity, int i)
-{
-    double c = pel_clamp(chlorophyll, PEL_CHLOROPHYLL_MIN, PEL_CHLOROPHYLL_MAX);
-    double nm = pel_water_wavelength_nm[i];
-    double water = molecular_scattering(salinity, i);
-    double particles = particle_scattering(c, i);
-    /* b_b/b of particles at 550 nm, and its fall: Morel 1988. */
-    double back =
-        fmax(0.002 + 0.02 * (0.5 - 0.25 * log10(c)) * 550.0 / nm, 0.002);
-    /* Dissolved matter: 0.2 of water and algae at 440 nm, Morel 1991. */
-    double yellow = 0.2 * (a_water[2] + a_ph[2] * pow(c, e_ph[2])) *
-                    exp(-YELLOW_SLOPE * (nm - 440.0));
-    return (struct pel_case1){
-        .absorption = a_water[i] + a_ph[i] * pow(c, e_ph[i]) + yellow,
-        .scattering = water + particles,
-        /* The factor 550/λ of Morel's b_b is in `back`. */
-        .backscattering = 0.5 * water + 0.30 * pow(c, 0.62) * back,
-    };
-}
-
 double pel_jerlov_attenuation(enum pel_jerlov type, int i)
 {
     const double *k = jerlov[type].attenuation;
@@ -120,15 +72,30 @@ double pel_kirk_attenuation(double a, double b)
     return sqrt(a * a + KIRK * a * b);
 }
 
+/* Constituents by chlorophyll alone. */
+static struct pel_seawater case1(double chlorophyll,
+                                 const struct pel_water_desc *desc)
+{
+    return (struct pel_seawater){
+        .chlorophyll_mg_m3 =
+            pel_clamp(chlorophyll, PEL_CHLOROPHYLL_MIN, PEL_CHLOROPHYLL_MAX),
+        .salinity_g_kg = desc->salinity_g_kg,
+        .temperature_c = desc->temperature_c,
+    };
+}
+
 /* The chlorophyll of Case 1 water that is as clear at 550 nm. */
-static double chlorophyll_like(enum pel_jerlov type, double salinity)
+static double chlorophyll_like(enum pel_jerlov type,
+                               const struct pel_water_desc *desc)
 {
     double low = log(PEL_CHLOROPHYLL_MIN), high = log(PEL_CHLOROPHYLL_MAX);
     double wanted = pel_jerlov_attenuation(type, 1);
-    for (int n = 0; n < 50; n++) {
+    for (int n = 0; n < 40; n++) {
         double middle = 0.5 * (low + high);
-        struct pel_case1 w = pel_water_case1(exp(middle), salinity, 1);
-        if (pel_kirk_attenuation(w.absorption, w.scattering) < wanted) {
+        struct pel_seawater w = case1(exp(middle), desc);
+        struct pel_iop iop = pel_seawater_iop(&w, pel_water_wavelength_nm[1]);
+        if (pel_kirk_attenuation(pel_iop_absorption(&iop),
+                                 pel_iop_scattering(&iop)) < wanted) {
             low = middle;
         } else {
             high = middle;
@@ -137,87 +104,167 @@ static double chlorophyll_like(enum pel_jerlov type, double salinity)
     return exp(0.5 * (low + high));
 }
 
-/* Water sends light back by a phase function that hardly changes past 90°,
- * Henyey and Greenstein's falls there all the way, and what leaves the water
- * was turned by 84° to 180°. So g is chosen to meet the true function at 140°,
- * where it gives the backscattering: b_b = 2π χ β(140°), χ = 1.08 (Maffione
- * and Dana 1997). */
-static double asymmetry(double back_fraction)
+/* What is measured at the three wavelengths, at another: v e^(s λ) between two
+ * of them, and beyond them as between the nearest two. */
+static double between(const double v[PEL_WATER_WAVELENGTHS], double nm)
 {
-    double phase = back_fraction / (2.0 * PEL_PI * 1.08);
-    return pel_hg_asymmetry(cos(140.0 * PEL_DEG), phase);
+    const double *at = pel_water_wavelength_nm;
+    int i = nm > at[1] ? 0 : 1;
+    double part = (nm - at[i + 1]) / (at[i] - at[i + 1]);
+    return pow(fmax(v[i], 1e-9), part) * pow(fmax(v[i + 1], 1e-9), 1.0 - part);
 }
 
-static double mixed_asymmetry(double water, double particles, double back)
+/* Scattering of the Case 1 water that is as clear in the green, of coasts with
+ * Petzold's backscattered fraction; absorption such that Kirk's K_d is
+ * Jerlov's, but never less than pure water's. Algae take of it what they would
+ * in that water, dissolved matter the rest. */
+static struct pel_iop jerlov_iop(enum pel_jerlov type,
+                                 const struct pel_water_desc *desc, double nm)
 {
-    return asymmetry((0.5 * water + back * particles) / (water + particles));
-}
-
-/* Scattering of the Case 1 water that is as clear in the green; absorption
- * such that Kirk's K_d is Jerlov's, but never less than pure water's. */
-static void resolve_jerlov(enum pel_jerlov type, double salinity,
-                           struct pel_water_body *out)
-{
-    double c = chlorophyll_like(type, salinity);
+    struct pel_seawater like = case1(chlorophyll_like(type, desc), desc);
+    double rest[PEL_WATER_WAVELENGTHS];
     for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
-        double particles = particle_scattering(c, i);
-        double water = molecular_scattering(salinity, i);
-        double b = particles + water;
-        double k = pel_jerlov_attenuation(type, i), half = 0.5 * KIRK * b;
-        out->absorption[i] = fmax(sqrt(k * k + half * half) - half, a_water[i]);
-        out->scattering[i] = b;
-        out->asymmetry[i] = mixed_asymmetry(water, particles, PARTICLE_BACK);
+        struct pel_iop at = pel_seawater_iop(&like, pel_water_wavelength_nm[i]);
+        double k = pel_jerlov_attenuation(type, i);
+        double half = 0.5 * KIRK * pel_iop_scattering(&at);
+        rest[i] = fmax(sqrt(k * k + half * half) - half - at.water, 0.0);
     }
-}
-
-static void resolve_harbour(double salinity, struct pel_water_body *out)
-{
-    (void)salinity; /* measured as it was */
+    struct pel_iop out = pel_seawater_iop(&like, nm);
+    double left = between(rest, nm);
     for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
-        double nm = pel_water_wavelength_nm[i];
-        out->absorption[i] =
-            a_water[i] + (HARBOUR_ABSORPTION - WATER_ABSORPTION_514) *
-                             exp(-YELLOW_SLOPE * (nm - HARBOUR_NM));
-        out->scattering[i] = HARBOUR_SCATTERING * HARBOUR_NM / nm;
-        out->asymmetry[i] = asymmetry(HARBOUR_BACK);
+        left = nm == pel_water_wavelength_nm[i] ? rest[i] : left;
     }
+    out.phytoplankton = fmin(out.phytoplankton, left);
+    out.dissolved = left - out.phytoplankton;
+    out.detritus = 0.0;
+    if (type >= PEL_JERLOV_1C) {
+        out.back = PARTICLE_BACK;
+    }
+    return out;
 }
 
-static void resolve_tropical(double salinity, struct pel_water_body *out)
+static struct pel_iop harbour_iop(const struct pel_water_desc *desc, double nm)
 {
-    resolve_jerlov(PEL_JERLOV_IA, salinity, out);
+    struct pel_iop out = {
+        .water = pel_seawater_absorption(nm),
+        .molecular = pel_seawater_molecular(nm, desc->salinity_g_kg,
+                                            desc->temperature_c),
+        .back = HARBOUR_BACK,
+    };
+    out.dissolved = (HARBOUR_ABSORPTION - pel_seawater_absorption(HARBOUR_NM)) *
+                    exp(-YELLOW_SLOPE * (nm - HARBOUR_NM));
+    out.particles = HARBOUR_SCATTERING * HARBOUR_NM / nm - out.molecular;
+    return out;
 }
 
-static void resolve_north_atlantic(double salinity, struct pel_water_body *out)
+static struct pel_iop tropical_iop(const struct pel_water_desc *desc, double nm)
 {
-    resolve_jerlov(PEL_JERLOV_II, salinity, out);
+    return jerlov_iop(PEL_JERLOV_IA, desc, nm);
 }
 
-static void resolve_baltic(double salinity, struct pel_water_body *out)
+static struct pel_iop north_atlantic_iop(const struct pel_water_desc *desc,
+                                         double nm)
 {
-    resolve_jerlov(PEL_JERLOV_3C, salinity, out);
+    return jerlov_iop(PEL_JERLOV_II, desc, nm);
+}
+
+static struct pel_iop baltic_iop(const struct pel_water_desc *desc, double nm)
+{
+    return jerlov_iop(PEL_JERLOV_3C, desc, nm);
 }
 
 /* The waters that have a name: a new one is a row. */
 static const struct {
     const char *word;
-    void (*resolve)(double salinity, struct pel_water_body *out);
+    struct pel_iop (*iop)(const struct pel_water_desc *desc, double nm);
 } named[PEL_WATER_NAME_COUNT] = {
-    [PEL_WATER_TROPICAL] = { "tropical", resolve_tropical },
-    [PEL_WATER_NORTH_ATLANTIC] = { "north-atlantic", resolve_north_atlantic },
-    [PEL_WATER_BALTIC] = { "baltic", resolve_baltic },
-    [PEL_WATER_HARBOUR] = { "harbour", resolve_harbour },
+    [PEL_WATER_TROPICAL] = { "tropical", tropical_iop },
+    [PEL_WATER_NORTH_ATLANTIC] = { "north-atlantic", north_atlantic_iop },
+    [PEL_WATER_BALTIC] = { "baltic", baltic_iop },
+    [PEL_WATER_HARBOUR] = { "harbour", harbour_iop },
 };
 
-static void resolve_case1(double chlorophyll, double salinity,
-                          struct pel_water_body *out)
+/* Of coefficients only the sums are known: all of it dissolved, and scattered
+ * by particles. */
+static struct pel_iop coefficients_iop(const struct pel_water_desc *desc,
+                                       double nm)
 {
+    struct pel_iop out = { .dissolved = between(desc->absorption, nm),
+                           .particles = between(desc->scattering, nm) };
     for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
-        struct pel_case1 w = pel_water_case1(chlorophyll, salinity, i);
-        out->absorption[i] = w.absorption;
-        out->scattering[i] = w.scattering;
-        out->asymmetry[i] = asymmetry(w.backscattering / w.scattering);
+        if (nm == pel_water_wavelength_nm[i]) {
+            out.dissolved = desc->absorption[i];
+            out.particles = desc->scattering[i];
+        }
     }
+    return out;
+}
+
+static struct pel_iop constituents_iop(const struct pel_water_desc *desc,
+                                       double nm)
+{
+    struct pel_seawater w = case1(desc->chlorophyll_mg_m3, desc);
+    w.has_dissolved = desc->has_dissolved;
+    w.dissolved_per_m = desc->dissolved_per_m;
+    w.dissolved_slope = desc->dissolved_slope;
+    w.has_detritus = desc->has_detritus;
+    w.detritus_per_m = desc->detritus_per_m;
+    w.detritus_slope = desc->detritus_slope;
+    w.minerals_g_m3 = desc->minerals_g_m3;
+    return pel_seawater_iop(&w, nm);
+}
+
+struct pel_iop pel_water_iop(const struct pel_water_desc *desc, double nm)
+{
+    struct pel_iop out =
+        desc->kind == PEL_WATER_JERLOV  ? jerlov_iop(desc->jerlov, desc, nm)
+        : desc->kind == PEL_WATER_NAMED ? named[desc->name].iop(desc, nm)
+        : desc->kind == PEL_WATER_COEFFICIENTS ? coefficients_iop(desc, nm)
+                                               : constituents_iop(desc, nm);
+    out.back = desc->has_back ? desc->back : out.back;
+    return out;
+}
+
+/* Henyey and Greenstein's g that sends this fraction back. */
+static double asymmetry_of(double back)
+{
+    double low = 0.0, high = PEL_ASYMMETRY_MAX;
+    for (int i = 0; i < 50; i++) {
+        double g = 0.5 * (low + high);
+        if (1.0 - pel_hg_forward_fraction(g) > back) {
+            low = g;
+        } else {
+            high = g;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+struct pel_medium pel_water_medium_at(const struct pel_water_desc *desc,
+                                      const struct pel_water_body *body,
+                                      double nm)
+{
+    struct pel_iop iop = pel_water_iop(desc, nm);
+    const double *at = pel_water_wavelength_nm;
+    int i = nm > at[1] ? 0 : 1;
+    double part = pel_clamp((nm - at[i + 1]) / (at[i] - at[i + 1]), 0.0, 1.0);
+    struct pel_medium m = {
+        .absorption = pel_iop_absorption(&iop),
+        .scattering = pel_iop_scattering(&iop),
+        .depth_m = body->depth_m,
+        .albedo = body->albedo[i + 1] +
+                  part * (body->albedo[i] - body->albedo[i + 1]),
+    };
+    m.molecular = m.scattering > 0.0 ? iop.molecular / m.scattering : 0.0;
+    if (desc->kind == PEL_WATER_COEFFICIENTS && !desc->has_back) {
+        m.asymmetry = desc->asymmetry[i + 1] +
+                      part * (desc->asymmetry[i] - desc->asymmetry[i + 1]);
+    } else if (desc->phase == PEL_PARTICLES_HENYEY_GREENSTEIN) {
+        m.asymmetry = asymmetry_of(iop.back);
+    } else {
+        m.back = pel_clamp(iop.back, PEL_PHASE_BACK_MIN, PEL_PHASE_BACK_MAX);
+    }
+    return m;
 }
 
 static enum pel_err unknown(const char *what, int value,
@@ -230,37 +277,75 @@ static enum pel_err unknown(const char *what, int value,
     return PEL_ERR_INVALID;
 }
 
-static enum pel_err resolve_water(const struct pel_water_desc *desc,
-                                  struct pel_water_body *out,
-                                  struct pel_fault *fault)
+struct limit {
+    const char *name, *unit;
+    double value, minimum, maximum;
+};
+
+/* What stands in the description by itself, whatever its kind reads. */
+static enum pel_err check_constituents(const struct pel_water_desc *desc,
+                                       struct pel_fault *fault)
 {
-    double c = desc->chlorophyll_mg_m3, salinity = desc->salinity_g_kg;
+    const struct limit limits[] = {
+        { "cdom", "1/m", desc->has_dissolved ? desc->dissolved_per_m : 0.0, 0.0,
+          PEL_CONSTITUENT_MAX },
+        { "cdomSlope", "1/nm", desc->dissolved_slope, 0.0, PEL_SLOPE_MAX },
+        { "detritus", "1/m", desc->has_detritus ? desc->detritus_per_m : 0.0,
+          0.0, PEL_CONSTITUENT_MAX },
+        { "detritusSlope", "1/nm", desc->detritus_slope, 0.0, PEL_SLOPE_MAX },
+        { "minerals", "g/m3", desc->minerals_g_m3, 0.0, PEL_MINERALS_MAX },
+        { "backscatterRatio", "1",
+          desc->has_back ? desc->back : PEL_PHASE_BACK_MIN, PEL_PHASE_BACK_MIN,
+          PEL_PHASE_BACK_MAX },
+    };
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        const struct limit *l = &limits[i];
+        enum pel_err err = pel_optics_check(l->name, l->unit, l->value,
+                                            l->minimum, l->maximum, fault);
+        if (err) {
+            return err;
+        }
+    }
+    return (unsigned)desc->phase < PEL_PARTICLES_COUNT
+               ? PEL_OK
+               : unknown("phase", (int)desc->phase, fault);
+}
+
+static enum pel_err check_kind(const struct pel_water_desc *desc,
+                               struct pel_fault *fault)
+{
     switch (desc->kind) {
     case PEL_WATER_CHLOROPHYLL:
-        resolve_case1(c, salinity, out);
-        return pel_optics_check("chlorophyll", "mg/m3", c, PEL_CHLOROPHYLL_MIN,
-                                PEL_CHLOROPHYLL_MAX, fault);
+        return pel_optics_check("chlorophyll", "mg/m3", desc->chlorophyll_mg_m3,
+                                PEL_CHLOROPHYLL_MIN, PEL_CHLOROPHYLL_MAX,
+                                fault);
     case PEL_WATER_JERLOV:
-        if ((unsigned)desc->jerlov >= PEL_JERLOV_COUNT) {
-            return unknown("jerlov", (int)desc->jerlov, fault);
-        }
-        resolve_jerlov(desc->jerlov, salinity, out);
-        return PEL_OK;
+        return (unsigned)desc->jerlov < PEL_JERLOV_COUNT
+                   ? PEL_OK
+                   : unknown("jerlov", (int)desc->jerlov, fault);
     case PEL_WATER_NAMED:
-        if ((unsigned)desc->name >= PEL_WATER_NAME_COUNT) {
-            return unknown("name", (int)desc->name, fault);
-        }
-        named[desc->name].resolve(salinity, out);
-        return PEL_OK;
+        return (unsigned)desc->name < PEL_WATER_NAME_COUNT
+                   ? PEL_OK
+                   : unknown("name", (int)desc->name, fault);
     case PEL_WATER_COEFFICIENTS:
-        for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
-            out->absorption[i] = desc->absorption[i];
-            out->scattering[i] = desc->scattering[i];
-            out->asymmetry[i] = desc->asymmetry[i];
-        }
         return PEL_OK;
     }
     return unknown("kind", (int)desc->kind, fault);
+}
+
+/* Everything but depth, index and land. */
+static void fill_water(const struct pel_water_desc *desc,
+                       struct pel_water_body *body)
+{
+    for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+        struct pel_medium m =
+            pel_water_medium_at(desc, body, pel_water_wavelength_nm[i]);
+        body->absorption[i] = m.absorption;
+        body->scattering[i] = m.scattering;
+        body->asymmetry[i] = m.asymmetry;
+        body->molecular[i] = m.molecular;
+        body->back[i] = m.back;
+    }
 }
 
 static void fill_index(double salinity, double temperature,
@@ -289,10 +374,14 @@ enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
         .depth_m = desc->depth_m,
     };
     fill_index(desc->salinity_g_kg, desc->temperature_c, body.index);
-    err = resolve_water(desc, &body, fault);
+    err = check_kind(desc, fault);
+    if (!err) {
+        err = check_constituents(desc, fault);
+    }
     if (err) {
         return err;
     }
+    fill_water(desc, &body);
     if ((unsigned)desc->bottom >= PEL_BOTTOM_COUNT) {
         return unknown("bottom", (int)desc->bottom, fault);
     }
@@ -324,7 +413,12 @@ struct pel_water_body pel_water_deep(double chlorophyll)
         .depth_m = 1000.0,
     };
     fill_index(PEL_SALINITY_USUAL, PEL_TEMPERATURE_USUAL, body.index);
-    resolve_case1(chlorophyll, PEL_SALINITY_USUAL, &body);
+    const struct pel_water_desc desc = {
+        .chlorophyll_mg_m3 = chlorophyll,
+        .salinity_g_kg = PEL_SALINITY_USUAL,
+        .temperature_c = PEL_TEMPERATURE_USUAL,
+    };
+    fill_water(&desc, &body);
     memcpy(body.land, bottoms[PEL_BOTTOM_SAND].albedo, sizeof body.land);
     return body;
 }
@@ -347,6 +441,8 @@ struct pel_medium pel_water_medium(const struct pel_water_body *body, int i)
         .asymmetry = body->asymmetry[i],
         .depth_m = body->depth_m,
         .albedo = body->albedo[i],
+        .molecular = body->molecular[i],
+        .back = body->back[i],
     };
 }
 
@@ -358,6 +454,15 @@ const char *pel_jerlov_word(int i)
 const char *pel_water_name_word(int i)
 {
     return i >= 0 && i < PEL_WATER_NAME_COUNT ? named[i].word : NULL;
+}
+
+const char *pel_particles_word(int i)
+{
+    static const char *const words[PEL_PARTICLES_COUNT] = {
+        [PEL_PARTICLES_FOURNIER_FORAND] = "fournier-forand",
+        [PEL_PARTICLES_HENYEY_GREENSTEIN] = "henyey-greenstein",
+    };
+    return i >= 0 && i < PEL_PARTICLES_COUNT ? words[i] : NULL;
 }
 
 const char *pel_bottom_word(int i)

@@ -1,12 +1,13 @@
-/* What water is made of, for light: absorption, scattering and asymmetry at
- * 680, 550 and 440 nm (in this order), depth and bottom, from any of the ways
- * in which people describe water. Every number's source is beside it in
- * waterbody.c and in docs/water.md. Any thread. */
+/* What water is made of, for light: absorption, scattering and how it turns
+ * light at 680, 550 and 440 nm (in this order), depth and bottom, from any of
+ * the ways in which people describe water. Every number's source is beside it
+ * in waterbody.c and in docs/water.md. Any thread. */
 #pragma once
 
 #include <stdbool.h>
 
 #include "base/err.h"
+#include "optics/seawater.h"
 #include "optics/transport.h"
 
 #define PEL_WATER_WAVELENGTHS 3
@@ -14,7 +15,7 @@ extern const double pel_water_wavelength_nm[PEL_WATER_WAVELENGTHS];
 
 /* How the water is described; the other members are then not read. */
 enum pel_water_kind {
-    PEL_WATER_CHLOROPHYLL, /* Case 1 water of a chlorophyll concentration */
+    PEL_WATER_CHLOROPHYLL, /* constituents; what is not given by chlorophyll */
     PEL_WATER_JERLOV,
     PEL_WATER_NAMED,
     PEL_WATER_COEFFICIENTS,
@@ -43,6 +44,13 @@ enum pel_water_name {
     PEL_WATER_NAME_COUNT,
 };
 
+/* How particles turn light (optics/phase.h). */
+enum pel_particles {
+    PEL_PARTICLES_FOURNIER_FORAND,
+    PEL_PARTICLES_HENYEY_GREENSTEIN, /* g by the backscattered fraction */
+    PEL_PARTICLES_COUNT,
+};
+
 enum pel_bottom {
     PEL_BOTTOM_BLACK,
     PEL_BOTTOM_SAND,
@@ -55,6 +63,9 @@ enum pel_bottom {
 
 #define PEL_CHLOROPHYLL_MIN 0.01
 #define PEL_CHLOROPHYLL_MAX 30.0
+#define PEL_CONSTITUENT_MAX 20.0 /* absorption at 440 nm, 1/m */
+#define PEL_SLOPE_MAX 0.05
+#define PEL_MINERALS_MAX 100.0
 #define PEL_SALINITY_MAX 42.0
 #define PEL_TEMPERATURE_MIN (-2.0)
 #define PEL_TEMPERATURE_MAX 40.0
@@ -64,6 +75,16 @@ enum pel_bottom {
 struct pel_water_desc {
     enum pel_water_kind kind;
     double chlorophyll_mg_m3; /* PEL_CHLOROPHYLL_MIN..MAX */
+    /* With chlorophyll, as in optics/seawater.h: */
+    bool has_dissolved, has_detritus;
+    double dissolved_per_m, detritus_per_m; /* 0..PEL_CONSTITUENT_MAX */
+    double dissolved_slope, detritus_slope; /* 0..PEL_SLOPE_MAX; 0: usual */
+    double minerals_g_m3;                   /* 0..PEL_MINERALS_MAX */
+    /* Of every kind: */
+    bool has_back;
+    double back; /* PEL_PHASE_BACK_MIN..MAX; with coefficients, instead of
+                    asymmetry */
+    enum pel_particles phase;
     enum pel_jerlov jerlov;
     enum pel_water_name name;
     double absorption[PEL_WATER_WAVELENGTHS]; /* 1/m; ranges of transport.h */
@@ -83,7 +104,9 @@ struct pel_water_desc {
 struct pel_water_body {
     double absorption[PEL_WATER_WAVELENGTHS]; /* 1/m */
     double scattering[PEL_WATER_WAVELENGTHS]; /* 1/m */
-    double asymmetry[PEL_WATER_WAVELENGTHS];
+    double asymmetry[PEL_WATER_WAVELENGTHS];  /* these three as in pel_medium */
+    double molecular[PEL_WATER_WAVELENGTHS];
+    double back[PEL_WATER_WAVELENGTHS];
     double albedo[PEL_WATER_WAVELENGTHS];
     double depth_m;
     double index[PEL_WATER_WAVELENGTHS]; /* of refraction, for what the surface
@@ -92,17 +115,16 @@ struct pel_water_body {
                                             depends on it */
 };
 
-/* Case 1 water of a chlorophyll concentration (clamped to its range) at
- * wavelength i: absorption, scattering, backscattering [1/m]. */
-struct pel_case1 {
-    double absorption, scattering, backscattering;
-};
-struct pel_case1 pel_water_case1(double chlorophyll_mg_m3, double salinity_g_kg,
-                                 int i);
+/* What a description that pel_water_resolve takes has at a wavelength. Jerlov's
+ * types, names and coefficients are known at a few wavelengths and
+ * interpolated as exponentials. */
+struct pel_iop pel_water_iop(const struct pel_water_desc *desc, double nm);
 
-/* Refractive index of sea water at a wavelength: Quan and Fry 1995, eq. 3. */
-double pel_water_index(double salinity_g_kg, double temperature_c,
-                       double wavelength_nm);
+/* The same as transport sees it; `body` as resolved from it (its depth, and
+ * its bottom between the three wavelengths). */
+struct pel_medium pel_water_medium_at(const struct pel_water_desc *desc,
+                                      const struct pel_water_body *body,
+                                      double nm);
 
 /* Attenuation of downward irradiance of a Jerlov type at wavelength i [1/m]:
  * Jerlov 1976, table XXVII, linear between its wavelengths. */
@@ -133,4 +155,5 @@ double pel_water_visible_m(const struct pel_water_body *body);
 /* Words for the enums (`IA`, `north-atlantic`, `sand`); NULL past the last. */
 const char *pel_jerlov_word(int i);
 const char *pel_water_name_word(int i);
+const char *pel_particles_word(int i);
 const char *pel_bottom_word(int i);

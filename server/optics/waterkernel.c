@@ -53,16 +53,16 @@ static void node_cosines(double mu[N])
 
 /* Modes of p at a scattering angle of cosine `level` + `across` cos φ, as the
  * midpoint rule on half a circle finds them. */
-static void phase_modes(double g, double level, double across, int azimuths,
-                        double out[M])
+static void phase_modes(const struct pel_phase_split *p, double level,
+                        double across, int azimuths, double out[M])
 {
     memset(out, 0, M * sizeof *out);
     for (int j = 0; j < azimuths; j++) {
         double x = cos(PEL_PI * (j + 0.5) / azimuths);
-        double p = pel_hg_phase(level + across * x, g) / azimuths;
+        double value = pel_phase_rest(p, level + across * x) / azimuths;
         double before = x, now = 1.0;
         for (int m = 0; m < M; m++) {
-            out[m] += (m ? 2.0 : 1.0) * p * now;
+            out[m] += (m ? 2.0 : 1.0) * value * now;
             double next = 2.0 * x * now - before;
             before = now;
             now = next;
@@ -92,7 +92,7 @@ static void put_single(const struct pel_medium *m, const struct work *w,
 {
     double c = m->absorption + m->scattering, true_c = c;
     if (pel_orders_extinction(orders) == PEL_EXTINCTION_REDUCED) {
-        true_c -= m->scattering * pel_hg_forward_fraction(m->asymmetry);
+        true_c -= m->scattering * pel_medium_forward(m);
     }
     for (int i = 0; i < N * N; i++) {
         int b = i / N, v = i % N;
@@ -162,11 +162,15 @@ static enum pel_err build(struct pel_ordinates *o,
 {
     double at[PEL_WATER_LEVELS_MAX];
     struct pel_medium m = pel_water_medium(body, wavelength);
-    for (int i = 0; i < N * N; i++) {
-        int b = i / N, v = i % N;
-        phase_modes(m.asymmetry, -w->mu[b] * w->mu[v],
-                    pel_kernel_sine(b) * pel_kernel_sine(v), 24,
-                    w->phase[b][v]);
+    struct pel_phase whole = pel_medium_phase(&m);
+    struct pel_phase_split split = pel_phase_split(&whole);
+    for (int b = 0; b < N; b++) {
+        for (int v = 0; v <= b; v++) {
+            phase_modes(&split, -w->mu[b] * w->mu[v],
+                        pel_kernel_sine(b) * pel_kernel_sine(v), 24,
+                        w->phase[b][v]);
+            memcpy(w->phase[v][b], w->phase[b][v], sizeof w->phase[b][v]);
+        }
     }
     for (int k = 0; k < depths->levels; k++) {
         at[k] = pel_water_depth(depths, k);
@@ -236,9 +240,45 @@ static double planes_sum(const struct pel_medium *m, const double *depth,
     return sum;
 }
 
+/* Depth integral of the second order for light that the first scattering
+ * sends in a direction of cosine `mu`. */
+static double second_path(const struct pel_medium *m,
+                          const struct pel_water_sampling *s,
+                          const double *depth, const double *part,
+                          double sun_mu, double view_mu, double mu)
+{
+    return s->planes
+               ? planes_sum(m, depth, part, s->planes, sun_mu, view_mu, mu)
+               : pel_transport_second_path(m, sun_mu, view_mu, mu);
+}
+
+/* Once by the phase function's peak, before or after: straight on. */
+static void add_peak(const struct pel_medium *m,
+                     const struct pel_water_sampling *s,
+                     const struct pel_phase_split *split, const double mu[N],
+                     const double *depth, const double *part,
+                     double out[M][N][N])
+{
+    for (int n = 0; n < N * N && split->peak > 0.0; n++) {
+        int b = n / N, v = n % N;
+        double phase[M];
+        phase_modes(split, -mu[b] * mu[v],
+                    pel_kernel_sine(b) * pel_kernel_sine(v), s->azimuths,
+                    phase);
+        double sum = second_path(m, s, depth, part, mu[b], mu[v], mu[b]) +
+                     second_path(m, s, depth, part, mu[b], mu[v], -mu[v]);
+        sum *= split->peak * m->scattering * m->scattering / (N2 * mu[v]);
+        for (int k = 0; k < M; k++) {
+            out[k][b][v] += sum * phase[k];
+        }
+    }
+}
+
 void pel_kernel_second(const struct pel_medium *m,
                        const struct pel_water_sampling *s, double out[M][N][N])
 {
+    struct pel_phase whole = pel_medium_phase(m);
+    struct pel_phase_split split = pel_phase_split(&whole);
     double mu[N], zenith[PEL_SAMPLING_ZENITHS_MAX];
     double weight[PEL_SAMPLING_ZENITHS_MAX];
     double depth[PEL_SAMPLING_PLANES_MAX], part[PEL_SAMPLING_PLANES_MAX];
@@ -248,6 +288,7 @@ void pel_kernel_second(const struct pel_medium *m,
         depth[k] = pel_sampling_plane(m, s->planes, k, &part[k]);
     }
     memset(out, 0, M * sizeof *out);
+    add_peak(m, s, &split, mu, depth, part, out);
     for (int i = 0; i < s->zeniths; i++) {
         /* Phase from the beams into a direction that goes down, and its
          * mirror image; the views see them the other way about. */
@@ -255,16 +296,13 @@ void pel_kernel_second(const struct pel_medium *m,
         double sine = sqrt(1.0 - zenith[i] * zenith[i]);
         for (int n = 0; n < 2 * N; n++) {
             double level = (n / N ? -1.0 : 1.0) * zenith[i] * mu[n % N];
-            phase_modes(m->asymmetry, level, sine * pel_kernel_sine(n % N),
+            phase_modes(&split, level, sine * pel_kernel_sine(n % N),
                         s->azimuths, phase[n / N][n % N]);
         }
         for (int n = 0; n < 2 * N * N; n++) {
             int up = n / (N * N), b = n / N % N, v = n % N;
             double down = up ? -zenith[i] : zenith[i];
-            double sum =
-                s->planes
-                    ? planes_sum(m, depth, part, s->planes, mu[b], mu[v], down)
-                    : pel_transport_second_path(m, mu[b], mu[v], down);
+            double sum = second_path(m, s, depth, part, mu[b], mu[v], down);
             sum *= weight[i] * m->scattering * m->scattering / (N2 * mu[v]);
             for (int k = 0; k < M; k++) {
                 out[k][b][v] += (k ? 1.0 : 2.0) * PEL_PI * sum *

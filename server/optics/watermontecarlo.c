@@ -32,6 +32,7 @@ struct tally {
 
 struct walk {
     const struct pel_medium *medium;
+    const struct pel_phase_table *phase;
     const struct pel_section *bed;
     struct pel_vec3 axis; /* the bed's direction */
     const struct beam *beams;
@@ -96,8 +97,8 @@ static void look_at_suns(struct walk *w, const struct pel_section_hit *bottom)
         }
         double into =
             bottom ? onto / PEL_PI
-                   : pel_hg_phase(-pel_vec3_dot(b->direction, w->direction),
-                                  w->medium->asymmetry);
+                   : pel_phase_look_up(
+                         w->phase, -pel_vec3_dot(b->direction, w->direction));
         double light = w->weight * into * b->irradiance *
                        exp(-w->extinction * w->z / b->mu);
         w->found[i][order] += light;
@@ -121,24 +122,14 @@ static struct pel_vec3 deflect(struct walk *w, struct pel_vec3 axis, double nu)
                                   pel_vec3_scale(y, sine * sin(azimuth)))));
 }
 
-static double invert_hg(double u, double g)
-{
-    if (g < 1e-4) {
-        return 1.0 - 2.0 * u;
-    }
-    double t = (1.0 - g * g) / (1.0 - g + 2.0 * g * u);
-    return pel_clamp((1.0 + g * g - t * t) / (2.0 * g), -1.0, 1.0);
-}
-
-/* Directions by Henyey and Greenstein's function alone seldom turn back and
+/* Directions by the phase function alone seldom turn back and
  * seldom point at a Sun, and those few carry all the light. So some are taken
  * from anywhere and some about a Sun, and weighed by the density of all. */
 static void change_direction(struct walk *w)
 {
-    double g = w->medium->asymmetry;
     double any = w->scatters <= 2 ? FIRST_ANY : LATER_ANY, choice = uniform(w);
     struct pel_vec3 axis = w->direction;
-    double u = uniform(w), nu = invert_hg(u, g);
+    double u = uniform(w), nu = pel_phase_draw(w->phase, u);
     if (choice < 0.5 * any) {
         nu = 1.0 - 2.0 * u;
     } else if (choice < any) {
@@ -148,12 +139,13 @@ static void change_direction(struct walk *w)
     struct pel_vec3 to = deflect(w, axis, nu);
     double suns = 0.0;
     for (int i = 0; i < w->beam_count; i++) {
-        suns += pel_hg_phase(-pel_vec3_dot(w->beams[i].direction, to), g);
+        suns += pel_phase_density(w->phase,
+                                  -pel_vec3_dot(w->beams[i].direction, to));
     }
-    double p = pel_hg_phase(pel_vec3_dot(w->direction, to), g);
-    w->weight *=
-        p / ((1.0 - any) * p +
-             0.5 * any * (1.0 / (4.0 * PEL_PI) + suns / w->beam_count));
+    nu = pel_vec3_dot(w->direction, to);
+    w->weight *= pel_phase_look_up(w->phase, nu) /
+                 ((1.0 - any) * pel_phase_density(w->phase, nu) +
+                  0.5 * any * (1.0 / (4.0 * PEL_PI) + suns / w->beam_count));
     w->direction = to;
 }
 
@@ -184,7 +176,24 @@ static void meet_bottom(struct walk *w, const struct pel_section_hit *hit)
     look_at_suns(w, hit);
     struct pel_vec3 normal = pel_vec3_scale(w->axis, hit->along);
     normal.z = hit->up;
-    w->direction = deflect(w, normal, sqrt(uniform(w)));
+    /* Light that then is turned by the peak of the phase function is found by
+     * directions about a Sun, else a few paths would carry most of it. */
+    const double about = 0.25;
+    bool any = uniform(w) < about;
+    if (any) {
+        int k = (int)(uniform(w) * w->beam_count);
+        w->direction = deflect(w, pel_vec3_scale(w->beams[k].direction, -1.0),
+                               pel_phase_draw(w->phase, uniform(w)));
+    } else {
+        w->direction = deflect(w, normal, sqrt(uniform(w)));
+    }
+    double suns = 0.0;
+    for (int i = 0; i < w->beam_count; i++) {
+        suns += pel_phase_density(
+            w->phase, -pel_vec3_dot(w->beams[i].direction, w->direction));
+    }
+    double into = fmax(pel_vec3_dot(normal, w->direction), 0.0) / PEL_PI;
+    w->weight *= into / ((1.0 - about) * into + about * suns / w->beam_count);
 }
 
 static void meet_surface(struct walk *w)
@@ -280,6 +289,9 @@ void pel_montecarlo_leaving(const struct pel_medium *medium,
     double sky_sum = 0.0, sky_square = 0.0;
     const struct pel_section level = pel_section_level(medium->depth_m);
     bed = bed ? bed : &level;
+    struct pel_phase phase = pel_medium_phase(medium);
+    struct pel_phase_table table;
+    pel_phase_tabulate(&phase, &table);
     const struct pel_vec3 axis = { -cos(bed->azimuth_rad),
                                    -sin(bed->azimuth_rad), 0.0 };
     for (int i = 0; i < count; i++) {
@@ -300,6 +312,7 @@ void pel_montecarlo_leaving(const struct pel_medium *medium,
     for (uint64_t path = 0; path < paths; path++) {
         struct walk w = {
             .medium = medium,
+            .phase = &table,
             .bed = bed,
             .axis = axis,
             .beams = beams,

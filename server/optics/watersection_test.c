@@ -57,7 +57,11 @@ static void lines_end_on_the_bottom(void **state)
 static void an_even_sky_sees_itself(void **state)
 {
     (void)state;
-    const struct pel_medium m = { 0.0, 0.3, 0.8, 4.0, 1.0 };
+    const struct pel_medium m = { .absorption = 0.0,
+                                  .scattering = 0.3,
+                                  .asymmetry = 0.8,
+                                  .depth_m = 4.0,
+                                  .albedo = 1.0 };
     const struct pel_montecarlo_sun sun = { 0.5, 0.0 };
     for (int i = 0; i < 3; i++) {
         double view = 0.6 * i;
@@ -76,7 +80,11 @@ static void an_even_sky_sees_itself(void **state)
 static void slopes_follow_eq_5_and_9(void **state)
 {
     (void)state;
-    struct pel_medium m = { 0.1, 0.3, 0.85, 4.0, 0.3 };
+    struct pel_medium m = { .absorption = 0.1,
+                            .scattering = 0.3,
+                            .asymmetry = 0.85,
+                            .depth_m = 4.0,
+                            .albedo = 0.3 };
     const struct pel_montecarlo_sun suns[] = { { 0.3, 0.0 }, { 1.0, 2.0 } };
     const double view = 0.8;
     for (int k = 0; k < 8; k++) {
@@ -113,7 +121,11 @@ static void slopes_follow_eq_5_and_9(void **state)
 static void ridges_shade(void **state)
 {
     (void)state;
-    const struct pel_medium m = { 0.1, 0.1, 0.8, 4.0, 0.3 };
+    const struct pel_medium m = { .absorption = 0.1,
+                                  .scattering = 0.1,
+                                  .asymmetry = 0.8,
+                                  .depth_m = 4.0,
+                                  .albedo = 0.3 };
     const struct pel_section ridge = { .knots = 3,
                                        .along_m = { 0.5, 1.5, 2.5 },
                                        .depth_m = { 6, 0.5, 6 } };
@@ -130,7 +142,11 @@ static void ridges_shade(void **state)
 static void planes(void **state)
 {
     (void)state;
-    const struct pel_medium m = { 0.1, 0.3, 0.8, 4.0, 0.3 };
+    const struct pel_medium m = { .absorption = 0.1,
+                                  .scattering = 0.3,
+                                  .asymmetry = 0.8,
+                                  .depth_m = 4.0,
+                                  .albedo = 0.3 };
     const struct pel_montecarlo_sun sun = { 0.5, 1.0 };
     struct pel_montecarlo_result a, b;
     struct pel_section bed;

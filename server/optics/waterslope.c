@@ -11,7 +11,8 @@ struct pel_slope_change pel_slope_change(const struct pel_medium *m,
     if (orders != PEL_ORDERS_ALL) {
         return (struct pel_slope_change){ p->depth_m, p->depth_m, 1.0 };
     }
-    double turned = m->scattering * (1.0 - m->asymmetry) * p->depth_m;
+    double turned =
+        m->scattering * (1.0 - pel_medium_mean_cosine(m)) * p->depth_m;
     double reach = PEL_SLOPE_ABSORBED * m->absorption * p->depth_m + turned;
     double under = 1.0 - p->under_m / p->depth_m;
     double steep = p->slope * p->slope / (1.0 + p->slope * p->slope);
@@ -93,8 +94,9 @@ void pel_slope_light(const struct pel_water_body *body,
                      1e-12);
         }
         /* A power of the depth times e^(−fall depth). */
-        double fall = (m.absorption + m.scattering * (1.0 - m.asymmetry)) *
-                      (1.0 / f.sun_mu + 1.0 / f.view_mu);
+        double fall =
+            (m.absorption + m.scattering * (1.0 - pel_medium_mean_cosine(&m))) *
+            (1.0 / f.sun_mu + 1.0 / f.view_mu);
         double at_m = fmin(change.bottom_m, depths->last_m);
         double part = pel_clamp(level_of(depths, at_m) - below, -1.0, 2.0);
         double low = log(scattered[0]) + fall * z[0];

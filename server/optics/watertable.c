@@ -103,7 +103,7 @@ static void fill(const struct views *v, const double *series, int modes,
 }
 
 /* What the solver leaves to the caller: single scattering of the Sun. */
-static void add_single(const struct pel_ordinates *o, const struct views *v,
+static void add_single(struct pel_ordinates *o, const struct views *v,
                        const struct pel_medium *medium, double sun_zenith,
                        int wavelength, float texels[SIZE][SIZE][4])
 {

@@ -238,7 +238,8 @@ void pel_fill_seabed(const struct pel_environment *env,
     bool all = env->orders == PEL_ORDERS_ALL;
     double turned[PEL_WATER_WAVELENGTHS], fall[PEL_WATER_WAVELENGTHS];
     for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
-        turned[i] = w->scattering[i] * (1.0 - w->asymmetry[i]);
+        struct pel_medium m = pel_water_medium(w, i);
+        turned[i] = w->scattering[i] * (1.0 - pel_medium_mean_cosine(&m));
         fall[i] = (w->absorption[i] + turned[i]) / log(2.0);
         turned[i] = all ? turned[i] : 0.0;
     }

@@ -21,9 +21,9 @@ _Static_assert(PEL_WATER_LAYERS == 1 + PEL_WATER_PARTS, "a sum and parts");
 _Static_assert(PEL_WATER_NODES == 12, "three vec4 of weights a row");
 
 static const char *const buffer_names[PEL_WATER_BUFFERS] = {
-    "water directions", "water nodes",    "water planes",
-    "water kernel",     "water sky rows", "water map rows",
-    "water sky beams",  "water medium",   "water beam",
+    "water directions", "water nodes",    "water planes",    "water kernel",
+    "water sky rows",   "water map rows", "water sky beams", "water medium",
+    "water beam",       "water turns",
 };
 
 static GLuint make_texture(GLenum target, GLsizei width, GLsizei height,
@@ -149,6 +149,8 @@ enum pel_err pel_water_light_init(struct pel_water_light *w,
                 sizeof(struct pel_vec4) * PEL_WATER_MODES * NODES, NULL);
     make_buffer(w, PEL_WATER_BUFFER_MEDIUM, sizeof(struct pel_block_medium),
                 NULL);
+    make_buffer(w, PEL_WATER_BUFFER_TURNS,
+                sizeof(struct pel_vec4) * (PEL_WATER_TURNS + 1), NULL);
     make_buffer(w, PEL_WATER_BUFFER_BEAM, sizeof(struct pel_block_beam), NULL);
     return PEL_OK;
 }
@@ -183,13 +185,17 @@ static struct pel_vec4 vec4(const double v[3], double last)
 
 static void put_medium(struct pel_water_light *w)
 {
-    double full[3], single[3];
+    double full[3], single[3], peak[3];
+    struct pel_phase_split split[3];
     for (int i = 0; i < 3; i++) {
         struct pel_medium m = pel_water_medium(&w->body, i);
+        struct pel_phase phase = pel_medium_phase(&m);
+        split[i] = pel_phase_split(&phase);
+        peak[i] = split[i].peak;
         full[i] = m.absorption + m.scattering;
         single[i] = full[i];
         if (pel_orders_extinction(w->orders) == PEL_EXTINCTION_REDUCED) {
-            single[i] -= m.scattering * pel_hg_forward_fraction(m.asymmetry);
+            single[i] -= m.scattering * pel_medium_forward(&m);
         }
     }
     struct pel_block_medium block = {
@@ -197,13 +203,23 @@ static void put_medium(struct pel_water_light *w)
         .single_extinction = vec4(single, 0.0),
         .scattering = vec4(w->body.scattering, 0.0),
         .ground = vec4(w->body.albedo, 0.0),
-        .asymmetry = vec4(w->body.asymmetry, 0.0),
+        .peak = vec4(peak, 0.0),
     };
     for (int i = 0; i < w->depths.levels; i++) {
         block.depth[i].x = (float)pel_water_depth(&w->depths, i);
     }
     glNamedBufferSubData(w->buffers[PEL_WATER_BUFFER_MEDIUM], 0, sizeof block,
                          &block);
+    struct pel_vec4 turns[PEL_WATER_TURNS + 1];
+    for (int k = 0; k <= PEL_WATER_TURNS; k++) {
+        double half = (double)k / PEL_WATER_TURNS, rest[3];
+        for (int i = 0; i < 3; i++) {
+            rest[i] = pel_phase_rest(&split[i], 1.0 - 2.0 * half * half);
+        }
+        turns[k] = vec4(rest, 0.0);
+    }
+    glNamedBufferSubData(w->buffers[PEL_WATER_BUFFER_TURNS], 0, sizeof turns,
+                         turns);
 }
 
 static void put_planes(struct pel_water_light *w)
@@ -248,6 +264,7 @@ static void scatter(struct pel_water_light *w)
     bind(w, PEL_STORE_WATER_DIRECTIONS, PEL_WATER_BUFFER_DIRECTIONS);
     bind(w, PEL_STORE_WATER_NODES, PEL_WATER_BUFFER_KNOTS);
     bind(w, PEL_STORE_WATER_PLANES, PEL_WATER_BUFFER_PLANE);
+    bind(w, PEL_STORE_WATER_TURNS, PEL_WATER_BUFFER_TURNS);
     glBindTextureUnit(PEL_UNIT_WATER_PHASE, w->phase_map);
     glBindTextureUnit(PEL_UNIT_WATER_RADIANCE, w->radiance_map);
     glBindTextureUnit(PEL_UNIT_WATER_ATTENUATION, w->attenuation_map);
@@ -385,6 +402,7 @@ void pel_water_light_map(struct pel_water_light *w,
                      w->buffers[PEL_WATER_BUFFER_MEDIUM]);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_BEAM,
                      w->buffers[PEL_WATER_BUFFER_BEAM]);
+    bind(w, PEL_STORE_WATER_TURNS, PEL_WATER_BUFFER_TURNS);
     bind(w, PEL_STORE_WATER_COEFFICIENTS, PEL_WATER_BUFFER_COEFFICIENTS);
     bind(w, PEL_STORE_WATER_KERNEL, PEL_WATER_BUFFER_KERNEL);
     glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky_table);

@@ -34,6 +34,7 @@ enum pel_water_buffer {
     PEL_WATER_BUFFER_COEFFICIENTS, /* the sky as beams at the nodes */
     PEL_WATER_BUFFER_MEDIUM,
     PEL_WATER_BUFFER_BEAM,
+    PEL_WATER_BUFFER_TURNS, /* the phase function */
     PEL_WATER_BUFFERS,
 };
 

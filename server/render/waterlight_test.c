@@ -89,9 +89,14 @@ static void maps_are_the_quadrature(void **state)
     static const double depths[] = { 1, 10, 1000 };
     double views[VIEWS][2], single = 0, second = 0, bottom = 0, all = 0;
     fill_views(views);
-    for (int k = 0; k < 3 * 3; k++) {
+    for (int k = 0; k < 4 * 3; k++) {
         struct pel_water_body body =
-            body_of(media[k % 3], depths[k / 3], k / 3 == 2 ? 0.0 : 0.3);
+            body_of(media[k % 4 % 3], depths[k / 4], k / 4 == 2 ? 0.0 : 0.3);
+        for (int c = 0; c < 3 && k % 4 == 3; c++) {
+            /* Of molecules and of Fournier and Forand's particles. */
+            body.molecular[c] = (const double[]){ 0.05, 0.4, 0.002 }[c];
+            body.back[c] = (const double[]){ 0.01, 0.005, 0.0183 }[c];
+        }
         for (int s = 0; s < 5; s++) {
             struct pel_water_parts two[VIEWS], every[VIEWS];
             double zenith = suns[s] * PEL_DEG;

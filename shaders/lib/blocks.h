@@ -59,7 +59,8 @@ struct pel_vec4 {
 #define PEL_STORE_SEABED_TOPS 6
 /* Of other passes, in places of the above. */
 #define PEL_STORE_LIGHT 2        /* block `light`, where it is written */
-#define PEL_STORE_WATER_KERNEL 1 /* 1, 5 to 7: maps of the water */
+#define PEL_STORE_WATER_TURNS 0  /* 0, 1, 5 to 7: maps of the water */
+#define PEL_STORE_WATER_KERNEL 1
 #define PEL_STORE_WATER_DIRECTIONS 5
 #define PEL_STORE_WATER_COEFFICIENTS 5
 #define PEL_STORE_WATER_NODES 6
@@ -339,6 +340,8 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
 #define PEL_WATER_MAP_SIZE 64
 #define PEL_WATER_SKY_ROWS 32
 #define PEL_WATER_SKY_COLUMNS 32 /* in half a circle */
+/* Steps of the table of the phase function, over the sine of half the angle. */
+#define PEL_WATER_TURNS 1024
 /* Most depths that there are maps for. */
 #define PEL_WATER_LEVELS_MAX 24
 /* Parts of the light, as layers of the maps after their sum and as layers of
@@ -357,7 +360,8 @@ PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
     vec4 single_extinction;           /* rgb, of single scattering */
     vec4 scattering;                  /* rgb, 1/m */
     vec4 ground;                      /* rgb albedo of the bottom */
-    vec4 asymmetry;                   /* rgb */
+    vec4 peak; /* rgb share of the phase function's peak: what it leaves is in
+                  the table of PEL_STORE_WATER_TURNS */
     vec4 depth[PEL_WATER_LEVELS_MAX]; /* x m, of each level */
 };
 PEL_BLOCK(PEL_BLOCK_BEAM, beam)

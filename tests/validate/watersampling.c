@@ -94,9 +94,10 @@ static double shown(const struct pel_medium *m, const double modes[M],
     double sun_mu = sqrt(1.0 - sun_sine * sun_sine);
     double view_mu = sqrt(1.0 - view_sine * view_sine);
     double nu = sun_sine * view_sine * cosine - sun_mu * view_mu;
+    struct pel_phase phase = pel_medium_phase(m);
     double rate =
         (m->absorption + m->scattering) * (1.0 / sun_mu + 1.0 / view_mu);
-    double single = m->scattering * pel_hg_phase(nu, m->asymmetry) *
+    double single = m->scattering * pel_phase_at(&phase, nu) *
                     -expm1(-rate * m->depth_m) / (rate * view_mu);
     return PEL_KERNEL_LEAVING * single + at_azimuth(modes, acos(cosine));
 }
