@@ -58,8 +58,8 @@ struct pel_vec4 {
 #define PEL_STORE_KEYS 4
 #define PEL_STORE_SEABED_TOPS 6
 /* Of other passes, in places of the above. */
-#define PEL_STORE_LIGHT 2        /* block `light`, where it is written */
-#define PEL_STORE_WATER_TURNS 0  /* 0, 1, 5 to 7: maps of the water */
+#define PEL_STORE_LIGHT 2       /* block `light`, where it is written */
+#define PEL_STORE_WATER_TURNS 0 /* 0, 1, 5 to 7: maps of the water */
 #define PEL_STORE_WATER_KERNEL 1
 #define PEL_STORE_WATER_DIRECTIONS 5
 #define PEL_STORE_WATER_COEFFICIENTS 5
@@ -356,10 +356,10 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
 #define PEL_PART_STRAIGHT 4
 PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
 {
-    vec4 full_extinction;             /* rgb, 1/m; w 1: every order is drawn */
-    vec4 single_extinction;           /* rgb, of single scattering */
-    vec4 scattering;                  /* rgb, 1/m */
-    vec4 ground;                      /* rgb albedo of the bottom */
+    vec4 full_extinction;   /* rgb, 1/m; w 1: every order is drawn */
+    vec4 single_extinction; /* rgb, of single scattering */
+    vec4 scattering;        /* rgb, 1/m */
+    vec4 ground;            /* rgb albedo of the bottom */
     vec4 peak; /* rgb share of the phase function's peak: what it leaves is in
                   the table of PEL_STORE_WATER_TURNS */
     vec4 depth[PEL_WATER_LEVELS_MAX]; /* x m, of each level */
