@@ -322,6 +322,7 @@ TESTS += tests/golden/golden_test.c
 TESTS += tests/golden/shimmer_test.c
 TESTS += server/render/waterlight_test.c
 TESTS += tests/validate/seatrace/seatrace_test.c
+TESTS += tests/validate/airtrace/airtrace_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
 # FUZZERS += lines of each room.
@@ -348,7 +349,7 @@ FLAGS_server/ocean/evolve := $(VECTORS)
 FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)
 FLAGS_clients/pelagosctl/clip_stream = $(CTL_CFLAGS)
 $(foreach f,$(SEABED_READER:.c=) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
-$(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c)),$(eval FLAGS_$(f) := -O3))
+$(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c tests/validate/airtrace/*.c)),$(eval FLAGS_$(f) := -O3))
 # CPPFLAGS, CFLAGS and LDFLAGS are the caller's, and come last.
 compile = $(CC) $(OUR_CPPFLAGS) $(PKG_CFLAGS) $(OUR_CFLAGS) $(FLAGS_$(1)) $(CPPFLAGS) $(CFLAGS)
 
@@ -395,7 +396,7 @@ $(O)/flags: FORCE
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosctl \
     pelagos-seabed registers_doc cigi_doc nmea_doc bench still bench_streams \
-    any_raster lighting validate_water seatrace): $(O)/flags
+    any_raster lighting validate_water seatrace airtrace airours): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS)
@@ -485,7 +486,8 @@ TABLE_MANUALS := registers cigi nmea
 
 .PHONY: tests
 tests: $(TEST_BIN) $(TABLE_MANUALS:%=$(O)/bin/%_doc) \
-    $(O)/bin/any_raster $(O)/bin/lighting $(O)/bin/validate_water $(O)/bin/seatrace $(O)/libpelagos.a \
+    $(O)/bin/any_raster $(O)/bin/lighting $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/airtrace \
+    $(O)/bin/airours $(O)/libpelagos.a \
     build/compile_commands.json ## build the test programs
 
 .PHONY: unit
@@ -609,6 +611,15 @@ $(O)/bin/seatrace: $(call obj,tests/validate/seatrace/seatrace.c $(SEATRACE))
 	$(LINK) -lm
 $(O)/bin/seatrace_test: $(call obj,$(SEATRACE))
 
+AIRTRACE := $(addprefix tests/validate/airtrace/,airmodel.c airsun.c \
+    airground.c airpath.c)
+$(O)/bin/airtrace: $(call obj,tests/validate/airtrace/airtrace.c $(AIRTRACE))
+	$(LINK) -lm
+$(O)/bin/airtrace_test: $(call obj,$(AIRTRACE))
+# The judged side.
+$(O)/bin/airours: $(OBJ)/tests/validate/airtrace/airours.o $(OBJ)/libserver.a
+	$(LINK) -lm
+
 .PHONY: validate validate-lighting validate-numbers validate-water
 validate: validate-numbers validate-lighting validate-water ## compare with brute force: tables and plots in build/validate/ (ARGS=--quick: a minute, as make check does)
 VALIDATED = build/validate$(if $(filter --quick,$(ARGS)),/quick)
@@ -636,6 +647,14 @@ validate-water: deps-build ## light in the water against Monte Carlo, minutes (A
 validate-seatrace: deps-build ## pictures against rays over a realised sea, 15 min (ARGS=--quick: one)
 	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/seatrace
 	$(Q)nice -n 19 /usr/bin/python3 -B tests/validate/seatrace/seatrace.py $(ARGS)
+
+.PHONY: validate-sky airtable
+validate-sky: deps-build ## the sky's radiance against a Monte Carlo's table, a minute
+	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/airours
+	$(Q)/usr/bin/python3 -B tests/validate/airtrace/airsky.py $(ARGS)
+airtable: deps-build ## that table anew by the Monte Carlo, about an hour of two cores
+	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/airtrace
+	$(Q)/usr/bin/python3 -B tests/validate/airtrace/airtable.py $(ARGS)
 
 .PHONY: soak
 soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers
