@@ -114,6 +114,7 @@ OPTICS := server/optics/brdf.c \
     server/optics/watersection.c \
     server/optics/waterslope.c \
     server/optics/waterkernel.c \
+    server/optics/waterreport.c \
     server/optics/watertable.c
 PROTO := proto/fieldset.c \
     proto/layers.c proto/formats.c \

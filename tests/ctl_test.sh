@@ -72,13 +72,23 @@ jq -e '.leaving.total[1] > 0.001 and .water.depth == 8 and .orders == "all" and
     fail "optics water: $(cat "$out")"
 reference=$(jq '.leaving.total[1]' "$out")
 run 0 optics water --jerlov IA --depth 8 --bottom sand --sun-zenith 40 \
-    --from montecarlo --paths 20000
+    --from montecarlo --paths 200000
 jq -e "(.leaving.total[1] - $reference) | fabs < 0.03 * $reference" "$out" \
     >/dev/null || fail "Monte Carlo against $reference: $(cat "$out")"
 run 0 optics water --absorption 0.3,0.06,0.02 --scattering 0.1 --bottom 0.3 \
     --orders paper
 jq -e '.leaving.higher[1] == 0 and .water.asymmetry[0] == 0.924 and
     .water.albedo[2] == 0.3' "$out" >/dev/null || fail "paper: $(cat "$out")"
+run 0 optics water --chlorophyll 0.5 --cdom 0.1 --wavelengths 400:700:100
+jq -e '.water.wavelength == [400, 500, 600, 700] and
+    (.water | (.waterAbsorption[1] + .phytoplanktonAbsorption[1] +
+    .dissolvedAbsorption[1] + .detritusAbsorption[1] - .absorption[1]) |
+    fabs < 1e-6) and (.remoteSensingReflectance | length) == 4' "$out" \
+    >/dev/null || fail "wavelengths: $(cat "$out")"
+run 2 optics water --wavelengths 300
+says "400 to 700 nm"
+run 2 optics water --jerlov I --cdom 1
+says "--chlorophyll"
 run 2 optics water --jerlov IV
 says "I, IA, IB"
 run 2 optics water --jerlov I --chlorophyll 1
@@ -98,6 +108,12 @@ echo "== optics brdf, sky"
 run 0 optics water --jerlov IA --depth 8 --bottom sand --sun-zenith 40 --from gpu
 jq -e "(.leaving.total[1] - $reference) | fabs < 0.001 * $reference" "$out" \
     >/dev/null || fail "optics water of the device: $(cat "$out")"
+water="--chlorophyll 2 --cdom 0.3 --minerals 3 --backscatter-ratio 0.02"
+run 0 optics water $water
+reference=$(jq '.leaving.total[1]' "$out")
+run 0 optics water $water --from gpu
+jq -e "(.leaving.total[1] - $reference) | fabs < 0.001 * $reference" "$out" \
+    >/dev/null || fail "constituents on the device: $(cat "$out")"
 run 0 --json optics brdf --wind 10 --sun-elevation 25 --view-zenith 70
 cp "$out" "$work/reference"
 jq -e '.brdf | .slopeDensity > 0 and .fresnel > 0 and .shadowing <= 1 and

@@ -2,6 +2,7 @@
 """HTTP end to end: every endpoint, every error and the state unchanged after
 it."""
 import contextlib
+import math
 import os
 import re
 import struct
@@ -265,7 +266,38 @@ class Endpoints(HttpCase):
                               + "&water.orders=TWO").json()["water"]
         self.assertEqual(two["higher"], [0, 0, 0])
         self.assertEqual(two["single"], reference["single"])
+        self.wavelengths()
         self.refused(self.daemon.request("POST", "/v1/optics", {}), 400)
+
+    def wavelengths(self):
+        water = ("/v1/optics/water?water.chlorophyll=0.5&water.cdom=0.1"
+                 "&water.minerals=1&water.backscatterRatio=0.012")
+        light = self.daemon.get(water + "&wavelength=400&wavelengthLast=700"
+                                "&wavelengthStep=50").json()["water"]
+        self.assertEqual(light["wavelength"], list(range(400, 701, 50)))
+        for i in range(7):
+            self.assertAlmostEqual(
+                light["absorption"][i],
+                sum(light[n + "Absorption"][i] for n in (
+                    "water", "phytoplankton", "dissolved", "detritus")), 12)
+            self.assertAlmostEqual(
+                light["backscattering"][i],
+                0.5 * light["molecularScattering"][i]
+                + 0.012 * light["particleScattering"][i], 9)
+            self.assertAlmostEqual(
+                light["remoteSensingReflectance"][i] * math.cos(math.pi / 6),
+                light["total"][i], 12)
+            self.assertGreater(light["diffuseAttenuation"][i],
+                               light["absorption"][i])
+            self.assertLess(light["irradianceReflectance"][i], 0.5)
+        one = self.daemon.get(water + "&wavelength=450").json()["water"]
+        self.assertEqual(one["total"], [light["total"][1]])
+        three = self.daemon.get(water).json()["water"]
+        self.assertEqual(three["wavelength"], [680, 550, 440])
+        self.refused(self.daemon.get(water + "&wavelength=450&from=GPU"), 400)
+        self.refused(self.daemon.get(water + "&wavelengthLast=450"), 400)
+        self.refused(self.daemon.get(water + "&wavelength=399"), 400,
+                     path="water.wavelength", minimum=400)
 
     def test_which_view_is_missing(self):
         answer = self.daemon.get("/v1/frames.jpg?views=bridge,wign")

@@ -43,7 +43,7 @@ struct ctl_command {
 extern const struct ctl_command ctl_commands[]; /* ends with name NULL */
 extern const struct ctl_option ctl_global_options[];
 
-#define CTL_MAX_OPTIONS 40
+#define CTL_MAX_OPTIONS 56
 
 struct ctl {
     const struct ctl_command *command;

@@ -10,6 +10,7 @@
 #include "base/vec.h"
 #include "optics/waterbody.h"
 #include "optics/watermontecarlo.h"
+#include "optics/waterreport.h"
 #include "path.h"
 
 enum { N = PEL_WATER_WAVELENGTHS };
@@ -17,8 +18,13 @@ enum { N = PEL_WATER_WAVELENGTHS };
 static const char *const order_words[] = { "all", "2", "paper", "single",
                                            NULL };
 
+#define MOST 61 /* wavelengths at once */
+
 struct question {
+    struct pel_water_desc desc;
     struct pel_water_body body;
+    double nm[MOST];
+    int count;                               /* of them */
     double sun_zenith, view_zenith, azimuth; /* degrees */
     enum pel_water_orders orders;
     bool montecarlo, gpu;
@@ -121,7 +127,91 @@ static enum ctl_exit read_coefficients(const struct ctl *ctl,
     return status;
 }
 
-static enum ctl_exit read_water(struct ctl *ctl, struct pel_water_body *out)
+/* What --cdom and the like say of a water. */
+static enum ctl_exit read_constituents(struct ctl *ctl,
+                                       struct pel_water_desc *desc)
+{
+    const struct {
+        const char *name;
+        double minimum, maximum, *out;
+        bool *given, chlorophyll;
+    } all[] = {
+        { "cdom", 0.0, PEL_CONSTITUENT_MAX, &desc->dissolved_per_m,
+          &desc->has_dissolved, true },
+        { "cdom-slope", 0.005, 0.03, &desc->dissolved_slope, NULL, true },
+        { "detritus", 0.0, PEL_CONSTITUENT_MAX, &desc->detritus_per_m,
+          &desc->has_detritus, true },
+        { "detritus-slope", 0.005, 0.03, &desc->detritus_slope, NULL, true },
+        { "minerals", 0.0, PEL_MINERALS_MAX, &desc->minerals_g_m3, NULL, true },
+        { "backscatter-ratio", PEL_PHASE_BACK_MIN, PEL_PHASE_BACK_MAX,
+          &desc->back, &desc->has_back, false },
+    };
+    enum ctl_exit status = CTL_DONE;
+    for (size_t i = 0; i < G_N_ELEMENTS(all) && status == CTL_DONE; i++) {
+        if (!ctl_flag(ctl, all[i].name)) {
+            continue;
+        }
+        if (all[i].chlorophyll && desc->kind != PEL_WATER_CHLOROPHYLL) {
+            return ctl_say(CTL_USAGE,
+                           "--%s is a constituent of a water by --chlorophyll",
+                           all[i].name);
+        }
+        status = ctl_number(ctl, all[i].name, all[i].minimum, all[i].maximum,
+                            all[i].out);
+        if (all[i].given) {
+            *all[i].given = true;
+        }
+    }
+    int phase = PEL_PARTICLES_FOURNIER_FORAND;
+    if (status == CTL_DONE) {
+        status = choose(ctl, "phase", pel_particles_word, &phase);
+    }
+    desc->phase = (enum pel_particles)phase;
+    return status;
+}
+
+/* --wavelengths: numbers with commas between, or FROM:TO:STEP. */
+static enum ctl_exit read_wavelengths(const struct ctl *ctl, struct question *q)
+{
+    const char *text = ctl_value(ctl, "wavelengths");
+    if (!text) {
+        memcpy(q->nm, pel_water_wavelength_nm, N * sizeof *q->nm);
+        q->count = N;
+        return CTL_DONE;
+    }
+    bool range = strchr(text, ':') != NULL;
+    g_auto(GStrv) parts = g_strsplit(text, range ? ":" : ",", -1);
+    double given[MOST];
+    int count = 0;
+    bool right = true;
+    for (int i = 0; parts[i] && right; i++) {
+        right = count < MOST && ctl_parse_number(parts[i], &given[count++]);
+    }
+    if (range && right && count == 3 && given[2] >= 5.0) {
+        for (double nm = given[0]; nm <= given[1] + 1e-9 && q->count < MOST;
+             nm += given[2]) {
+            q->nm[q->count++] = nm;
+        }
+    } else if (!range && right) {
+        memcpy(q->nm, given, sizeof given);
+        q->count = count;
+    }
+    for (int i = 0; i < q->count; i++) {
+        right = right && q->nm[i] >= PEL_SEAWATER_NM_MIN &&
+                q->nm[i] <= PEL_SEAWATER_NM_MAX;
+    }
+    return right && q->count > 0
+               ? CTL_DONE
+               : ctl_say(CTL_USAGE,
+                         "--wavelengths %s: up to %d of 400 to 700 nm are "
+                         "wanted (440,550), or FROM:TO:STEP with steps of 5 at "
+                         "least (400:700:10)",
+                         text, MOST);
+}
+
+static enum ctl_exit read_water(struct ctl *ctl,
+                                struct pel_water_desc *out_desc,
+                                struct pel_water_body *out)
 {
     bool direct = ctl_flag(ctl, "absorption") || ctl_flag(ctl, "scattering") ||
                   ctl_flag(ctl, "asymmetry");
@@ -171,11 +261,13 @@ static enum ctl_exit read_water(struct ctl *ctl, struct pel_water_body *out)
         desc.jerlov = (enum pel_jerlov)jerlov;
         desc.name = (enum pel_water_name)name;
     }
+    status = read_constituents(ctl, &desc);
     struct pel_fault fault;
-    if (pel_water_resolve(&desc, out, &fault)) {
+    if (status == CTL_DONE && pel_water_resolve(&desc, out, &fault)) {
         return ctl_say(CTL_USAGE, "%s", fault.message);
     }
-    return CTL_DONE;
+    *out_desc = desc;
+    return status;
 }
 
 static enum ctl_exit read_question(struct ctl *ctl, struct question *q)
@@ -191,7 +283,10 @@ static enum ctl_exit read_question(struct ctl *ctl, struct question *q)
         { "paths", 1000.0, 1e9, &q->paths },
         { "seed", 0.0, 4294967295.0, &q->seed },
     };
-    enum ctl_exit status = read_water(ctl, &q->body);
+    enum ctl_exit status = read_water(ctl, &q->desc, &q->body);
+    if (status == CTL_DONE) {
+        status = read_wavelengths(ctl, q);
+    }
     for (size_t i = 0; i < G_N_ELEMENTS(numbers) && status == CTL_DONE; i++) {
         status = ctl_number(ctl, numbers[i].name, numbers[i].minimum,
                             numbers[i].maximum, numbers[i].out);
@@ -205,6 +300,10 @@ static enum ctl_exit read_question(struct ctl *ctl, struct question *q)
     q->orders = (enum pel_water_orders)orders;
     q->montecarlo = source == 1;
     q->gpu = source == 2;
+    if (status == CTL_DONE && (q->montecarlo || q->gpu) &&
+        ctl_flag(ctl, "wavelengths")) {
+        return ctl_say(CTL_USAGE, "--wavelengths is for --from reference");
+    }
     if (status == CTL_DONE && q->montecarlo && ctl_flag(ctl, "orders")) {
         return ctl_say(
             CTL_USAGE,
@@ -214,9 +313,58 @@ static enum ctl_exit read_question(struct ctl *ctl, struct question *q)
     return status;
 }
 
+static void put_list(const char *name, const double *v, int count,
+                     const char *after)
+{
+    printf("\"%s\": [", name);
+    for (int i = 0; i < count; i++) {
+        printf("%s%.6g", i ? ", " : "", v[i]);
+    }
+    printf("]%s", after);
+}
+
 static void put_three(const char *name, const double v[N], const char *after)
 {
-    printf("\"%s\": [%.6g, %.6g, %.6g]%s", name, v[0], v[1], v[2], after);
+    put_list(name, v, N, after);
+}
+
+/* Properties of the water that are printed, by wavelength. */
+static void put_properties(const struct question *q)
+{
+    static const char *const names[] = {
+        "absorption",          "scattering",
+        "asymmetry",           "albedo",
+        "waterAbsorption",     "phytoplanktonAbsorption",
+        "dissolvedAbsorption", "detritusAbsorption",
+        "molecularScattering", "particleScattering",
+        "backscattering",      "backscatterRatio",
+    };
+    double v[G_N_ELEMENTS(names)][MOST];
+    for (int i = 0; i < q->count; i++) {
+        struct pel_iop iop = pel_water_iop(&q->desc, q->nm[i]);
+        struct pel_medium m = pel_water_medium_at(&q->desc, &q->body, q->nm[i]);
+        const double all[] = {
+            m.absorption,
+            m.scattering,
+            pel_medium_mean_cosine(&m),
+            m.albedo,
+            iop.water,
+            iop.phytoplankton,
+            iop.dissolved,
+            iop.detritus,
+            iop.molecular,
+            iop.particles,
+            m.scattering * (1.0 - pel_medium_forward(&m)),
+            m.back > 0.0 ? m.back : 1.0 - pel_hg_forward_fraction(m.asymmetry),
+        };
+        for (size_t k = 0; k < G_N_ELEMENTS(names); k++) {
+            v[k][i] = all[k];
+        }
+    }
+    for (size_t k = 0; k < G_N_ELEMENTS(names); k++) {
+        printf("    ");
+        put_list(names[k], v[k], q->count, ",\n");
+    }
 }
 
 static void put_question(const struct question *q)
@@ -227,12 +375,9 @@ static void put_question(const struct question *q)
     printf("  \"sunZenith\": %g,\n  \"viewZenith\": %g,\n  \"azimuth\": %g,\n",
            q->sun_zenith, q->view_zenith, q->azimuth);
     printf("  \"water\": {");
-    put_three("wavelength", pel_water_wavelength_nm, ",\n    ");
-    put_three("absorption", b->absorption, ",\n    ");
-    put_three("scattering", b->scattering, ",\n    ");
-    put_three("asymmetry", b->asymmetry, ",\n    ");
-    printf("\"depth\": %g, ", b->depth_m);
-    put_three("albedo", b->albedo, "},\n");
+    put_list("wavelength", q->nm, q->count, ",\n");
+    put_properties(q);
+    printf("    \"depth\": %g},\n", b->depth_m);
     printf("  \"unit\": \"1/sr\",\n");
 }
 
@@ -242,12 +387,13 @@ static const char *const parts[] = { "single",          "second",
                                      "bottomScattered", "total" };
 #define PARTS G_N_ELEMENTS(parts)
 
-static void put_parts(const char *name, double v[PARTS][N], const char *after)
+static void put_parts(const char *name, double v[PARTS][MOST], int count,
+                      const char *after)
 {
     printf("  \"%s\": {\n", name);
     for (size_t k = 0; k < PARTS; k++) {
         printf("    ");
-        put_three(parts[k], v[k], k + 1 < PARTS ? ",\n" : "\n");
+        put_list(parts[k], v[k], count, k + 1 < PARTS ? ",\n" : "\n");
     }
     printf("  }%s\n", after);
 }
@@ -256,22 +402,30 @@ static enum ctl_exit answer_reference(const struct question *q)
 {
     struct pel_geometry at = { q->sun_zenith * PEL_DEG,
                                q->view_zenith * PEL_DEG, q->azimuth * PEL_DEG };
-    double v[PARTS][N];
-    for (int i = 0; i < N; i++) {
-        struct pel_medium m = pel_water_medium(&q->body, i);
-        struct pel_leaving l;
-        if (pel_transport_leaving(&m, &at, q->orders, &l)) {
+    double v[PARTS][MOST], rrs[MOST], reflectance[MOST], attenuation[MOST];
+    for (int i = 0; i < q->count; i++) {
+        struct pel_water_report r;
+        if (pel_water_report(&q->desc, &q->body, q->nm[i], &at, q->orders,
+                             &r)) {
             return ctl_say(CTL_FAILED, "no memory");
         }
-        const double all[PARTS] = { l.single,           l.second,
-                                    l.higher,           l.bottom_direct,
-                                    l.bottom_scattered, l.total };
+        const struct pel_leaving *l = &r.leaving;
+        const double all[PARTS] = { l->single,           l->second,
+                                    l->higher,           l->bottom_direct,
+                                    l->bottom_scattered, l->total };
         for (size_t k = 0; k < PARTS; k++) {
             v[k][i] = all[k];
         }
+        rrs[i] = r.rrs;
+        reflectance[i] = r.reflectance;
+        attenuation[i] = r.attenuation;
     }
     put_question(q);
-    put_parts("leaving", v, "\n}");
+    put_parts("leaving", v, q->count, ",");
+    printf("  ");
+    put_list("remoteSensingReflectance", rrs, q->count, ",\n  ");
+    put_list("irradianceReflectance", reflectance, q->count, ",\n  ");
+    put_list("diffuseAttenuation", attenuation, q->count, "\n}\n");
     return CTL_DONE;
 }
 
@@ -279,7 +433,7 @@ static enum ctl_exit answer_montecarlo(const struct question *q)
 {
     struct pel_montecarlo_sun sun = { q->sun_zenith * PEL_DEG,
                                       q->azimuth * PEL_DEG };
-    double v[PARTS][N], error[PARTS][N];
+    double v[PARTS][MOST], error[PARTS][MOST];
     for (int i = 0; i < N; i++) {
         struct pel_medium m = pel_water_medium(&q->body, i);
         struct pel_montecarlo_result r;
@@ -296,31 +450,52 @@ static enum ctl_exit answer_montecarlo(const struct question *q)
         }
     }
     put_question(q);
-    put_parts("leaving", v, ",");
-    put_parts("standardError", error, "\n}");
+    put_parts("leaving", v, N, ",");
+    put_parts("standardError", error, N, "\n}");
     return CTL_DONE;
 }
 
-/* The question's water as coefficients: whatever the state says of it, the
- * answer is for these. */
+static int set(Pelagos__Patch *patch, const char *path, bool given,
+               double value)
+{
+    return given ? pel_path_set_number(patch, NULL, path, value, NULL)
+                 : pel_path_set(patch, NULL, path, NULL, NULL);
+}
+
+/* The question's water: whatever the state says of it, the answer is for
+ * this. */
 static void patch_water(Pelagos__Patch *patch, const struct question *q)
 {
     static const char *const names[] = { "absorption", "scattering",
                                          "asymmetry", "albedo" };
-    const double *values[] = { q->body.absorption, q->body.scattering,
-                               q->body.asymmetry, q->body.albedo };
+    const struct pel_water_desc *d = &q->desc;
+    const double *values[] = { d->absorption, d->scattering, d->asymmetry,
+                               q->body.albedo };
     static const char *const words[] = { "ALL", "TWO", "PAPER", "SINGLE" };
+    bool direct = d->kind == PEL_WATER_COEFFICIENTS;
+    bool by_chlorophyll = d->kind == PEL_WATER_CHLOROPHYLL;
     int err =
-        pel_path_set(patch, NULL, "water.jerlov", NULL, NULL) |
-        pel_path_set(patch, NULL, "water.named", NULL, NULL) |
-        pel_path_set_number(patch, NULL, "water.depth", q->body.depth_m, NULL) |
+        set(patch, "water.jerlov", d->kind == PEL_WATER_JERLOV, d->jerlov) |
+        set(patch, "water.named", d->kind == PEL_WATER_NAMED, d->name) |
+        set(patch, "water.chlorophyll", by_chlorophyll, d->chlorophyll_mg_m3) |
+        set(patch, "water.cdom", d->has_dissolved, d->dissolved_per_m) |
+        set(patch, "water.cdomSlope", d->dissolved_slope > 0.0,
+            d->dissolved_slope) |
+        set(patch, "water.detritus", d->has_detritus, d->detritus_per_m) |
+        set(patch, "water.detritusSlope", d->detritus_slope > 0.0,
+            d->detritus_slope) |
+        set(patch, "water.minerals", true, d->minerals_g_m3) |
+        set(patch, "water.backscatterRatio", d->has_back, d->back) |
+        set(patch, "water.phase", true, d->phase) |
+        set(patch, "water.salinity", true, d->salinity_g_kg) |
+        set(patch, "water.temperature", true, d->temperature_c) |
+        set(patch, "water.depth", true, q->body.depth_m) |
         pel_path_set(patch, NULL, "water.orders", words[q->orders], NULL);
     for (int k = 0; k < 4 * N; k++) {
         char path[40];
         snprintf(path, sizeof path, "water.%s%g", names[k / N],
                  pel_water_wavelength_nm[k % N]);
-        err |=
-            pel_path_set_number(patch, NULL, path, values[k / N][k % N], NULL);
+        err |= set(patch, path, direct || k / N == 3, values[k / N][k % N]);
     }
     g_assert(!err); /* our own paths */
 }

@@ -179,7 +179,23 @@ static const struct ctl_option optics_options[] = {
       "Absorption at 680, 550, 440 nm, or one for all, 1/m", NULL },
     { 0, "scattering", "R,G,B", "Scattering, 1/m", NULL },
     { 0, "asymmetry", "R,G,B", "Mean cosine of scattering (0.924)", NULL },
-    { 0, "chlorophyll", "MG", "Case 1 water instead, mg/m3 (0.2)", NULL },
+    { 0, "chlorophyll", "MG", "Chlorophyll instead, mg/m3 (0.2)", NULL },
+    { 0, "cdom", "A",
+      "Absorption of dissolved matter at 440 nm, 1/m (by chlorophyll)", NULL },
+    { 0, "cdom-slope", "S", "Its fall, 0.005 to 0.03 1/nm (0.014)", NULL },
+    { 0, "detritus", "A",
+      "Absorption of other particles at 440 nm, 1/m (by chlorophyll)", NULL },
+    { 0, "detritus-slope", "S", "Its fall, 0.005 to 0.03 1/nm (0.011)", NULL },
+    { 0, "minerals", "G/M3", "Suspended minerals, 0 to 100 (0)", NULL },
+    { 0, "backscatter-ratio", "RATIO",
+      "Backscattered fraction of particles, 0.001 to 0.06 (by chlorophyll, or "
+      "the water's)",
+      NULL },
+    { 0, "phase", "FUNCTION",
+      "Of particles: fournier-forand, henyey-greenstein (fournier-forand)",
+      NULL },
+    { 0, "wavelengths", "NM",
+      "400 to 700, with commas between, or FROM:TO:STEP (680,550,440)", NULL },
     { 0, "jerlov", "TYPE",
       "Jerlov's type instead: I, IA, IB, II, III, 1C, 3C, 5C, 7C, 9C", NULL },
     { 0, "name", "WATER", "tropical, north-atlantic, baltic, harbour instead",
@@ -224,6 +240,8 @@ static const struct ctl_option optics_options[] = {
 static const char *const optics_examples[] = {
     "pelagosctl optics water --jerlov IA --depth 8 --bottom sand --sun-zenith "
     "40\nA lagoon from straight above.",
+    "pelagosctl optics water --chlorophyll 0.5 --wavelengths 400:700:10\n"
+    "Constituents, Rrs, R and Kd of open ocean.",
     "pelagosctl optics water --absorption 0.02 --scattering 0.3 --from "
     "montecarlo\nThe same by counting photons.",
     "pelagosctl optics brdf --wind 10 --sun-elevation 20 --view-zenith 75\n"

@@ -254,6 +254,9 @@ void pel_surface_finish_all(struct pel_frames *frames);
 /* --- optics_water.c ------------------------------------------------------ */
 void pel_optics_read_water(const Pelagos__WaterQuery *from,
                            struct pel_water_question *to);
+/* INVALID: wavelengths that the source has no answer for. */
+PEL_CHECK enum pel_err pel_optics_check_water(const Pelagos__OpticsQuery *query,
+                                              struct pel_fault *fault);
 Pelagos__WaterLight *pel_optics_water_message(const struct pel_optics_query *q);
 
 /* --- optics.c ------------------------------------------------------------ */

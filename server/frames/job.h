@@ -10,6 +10,7 @@
 #include "encode/encode.h"
 #include "encode/video.h"
 #include "frames/frames.h"
+#include "optics/waterreport.h"
 #include "render/probe.h"
 #include "render/renderer.h"
 #include "render/waterprobe.h"
@@ -126,7 +127,10 @@ struct pel_water_question {
     struct pel_geometry at;
     bool montecarlo;
     unsigned paths, seed;
-    struct pel_water_parts light;
+    int count; /* wavelengths of the reference; 0: the three */
+    double first_nm, step_nm;
+    struct pel_water_report *reports; /* the reference's answer, [count or 3] */
+    struct pel_water_parts light;     /* the others' */
     double total[PEL_WATER_WAVELENGTHS], error[PEL_WATER_WAVELENGTHS];
     double bottom_direct[PEL_WATER_WAVELENGTHS];
 };

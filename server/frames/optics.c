@@ -10,6 +10,7 @@
 static void query_free(struct pel_optics_query *query)
 {
     pel_snapshot_unref(query->snapshot);
+    free(query->water.reports);
     free(query);
 }
 
@@ -82,9 +83,12 @@ enum pel_err pel_frames_optics(struct pel_frames *frames,
         snprintf(fault->value, sizeof fault->value, "MONTECARLO");
         return err;
     }
+    enum pel_err err = pel_optics_check_water(question, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
     const struct pel_snapshot *s = NULL;
-    enum pel_err err =
-        pel_scene_try_snapshot(frames->scene, question->patch, &s, fault);
+    err = pel_scene_try_snapshot(frames->scene, question->patch, &s, fault);
     if (err != PEL_OK) {
         return err;
     }

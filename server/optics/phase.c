@@ -222,6 +222,9 @@ static double half_of(int cell)
     return s * s;
 }
 
+/* The first cells, which are one. */
+#define FLAT 270
+
 void pel_phase_tabulate(const struct pel_phase *p, struct pel_phase_table *out)
 {
     for (int i = 0; i <= PEL_PHASE_CELLS; i++) {
@@ -231,7 +234,12 @@ void pel_phase_tabulate(const struct pel_phase *p, struct pel_phase_table *out)
                             ? 1.0
                             : pel_phase_within(p, 2.0 * asin(sqrt(half)));
     }
-    out->below[0] = 0.0;
+    /* It rises without end, and a few paths would carry most of the light. */
+    double flat = out->below[FLAT] / (4.0 * PEL_PI * half_of(FLAT));
+    for (int i = 0; i <= FLAT; i++) {
+        out->value[0] = flat;
+        out->below[i] = out->below[FLAT] * half_of(i) / half_of(FLAT);
+    }
 }
 
 static double share_of(const struct pel_phase_table *t, int cell)
@@ -244,16 +252,12 @@ static double solid_angle(int cell)
     return 4.0 * PEL_PI * (half_of(cell + 1) - half_of(cell));
 }
 
-#define NARROW 64
-
 double pel_phase_look_up(const struct pel_phase_table *t, double nu)
 {
     double at = cell_of(nu);
     int i = (int)fmin(at, PEL_PHASE_CELLS - 1);
-    /* It rises without end: within 0.03° a mean for each cell. */
-    return i < NARROW
-               ? share_of(t, i) / solid_angle(i)
-               : t->value[i] + (at - i) * (t->value[i + 1] - t->value[i]);
+    return i < FLAT ? t->value[0]
+                    : t->value[i] + (at - i) * (t->value[i + 1] - t->value[i]);
 }
 
 double pel_phase_draw(const struct pel_phase_table *t, double u)

@@ -52,7 +52,8 @@ struct pel_phase_split pel_phase_split(const struct pel_phase *p);
 double pel_phase_rest(const struct pel_phase_split *s, double nu);
 
 /* Tables for looking the function up and for drawing directions from it, over
- * the root of sin (half the angle). */
+ * the root of sin (half the angle). Within half a degree they are flat, with
+ * the function's mean there. */
 #define PEL_PHASE_CELLS 4096
 struct pel_phase_table {
     double value[PEL_PHASE_CELLS + 1]; /* 1/sr */
@@ -60,7 +61,7 @@ struct pel_phase_table {
 };
 void pel_phase_tabulate(const struct pel_phase *p, struct pel_phase_table *out);
 
-/* The value, to 1e-3 of it beyond 0.03°. */
+/* The value, to 1e-3 of it beyond 0.5°. */
 double pel_phase_look_up(const struct pel_phase_table *t, double nu);
 
 /* A cosine drawn by u in 0..1, and the density by which it was [1/sr]. */

@@ -136,7 +136,7 @@ static void draws_are_the_function(void **state)
         }
         assert_near(one / DRAWS, 1.0, 2e-4);
         assert_near(cosine / DRAWS, chi[1], 1e-4);
-        for (double angle = 0.1; angle < 180.0; angle *= 1.3) {
+        for (double angle = 0.6; angle < 180.0; angle *= 1.3) {
             double nu = cos(angle * PEL_DEG), v = pel_phase_at(&p, nu);
             assert_near(pel_phase_look_up(&t, nu), v, 1e-3 * v);
         }

@@ -7,8 +7,10 @@
 #include "base/vec.h"
 #include "optics/brdf.h"
 
-#define FIRST_ANY 0.25
-#define LATER_ANY 0.1
+/* Shares of directions that are not drawn from the phase function about the
+ * path's own: first, and later; the narrower the function the more. */
+#define FIRST_ANY (w->medium->back > 0.0 ? 0.4 : 0.25)
+#define LATER_ANY (w->medium->back > 0.0 ? 0.3 : 0.1)
 
 enum order {
     SINGLE,

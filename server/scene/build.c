@@ -300,6 +300,8 @@ SAME(PEL_WATER_NORTH_ATLANTIC, PELAGOS__WATER_NAME__NORTH_ATLANTIC);
 SAME(PEL_WATER_BALTIC, PELAGOS__WATER_NAME__BALTIC);
 SAME(PEL_WATER_HARBOUR, PELAGOS__WATER_NAME__HARBOUR);
 SAME(PEL_WATER_NAME_COUNT, PELAGOS__WATER_NAME__HARBOUR + 1);
+SAME(PEL_PARTICLES_FOURNIER_FORAND, PELAGOS__PARTICLE_PHASE__FOURNIER_FORAND);
+SAME(PEL_PARTICLES_COUNT, PELAGOS__PARTICLE_PHASE__HENYEY_GREENSTEIN + 1);
 SAME(PEL_BOTTOM_BLACK, PELAGOS__BOTTOM__BLACK);
 SAME(PEL_BOTTOM_SAND, PELAGOS__BOTTOM__SAND);
 SAME(PEL_BOTTOM_MUD, PELAGOS__BOTTOM__MUD);
@@ -318,14 +320,24 @@ SAME(PEL_CLOCK_HOST, PELAGOS__CLOCK_MODE__HOST);
 
 static void place_water(const Pelagos__Water *from,
                         const Pelagos__Seabed *seabed,
-                        struct pel_water_body *to)
+                        struct pel_water_desc *desc, struct pel_water_body *to)
 {
-    const struct pel_water_desc desc = {
+    *desc = (struct pel_water_desc){
         .kind = from->has_jerlov           ? PEL_WATER_JERLOV
                 : from->has_named          ? PEL_WATER_NAMED
                 : from->has_absorption_680 ? PEL_WATER_COEFFICIENTS
                                            : PEL_WATER_CHLOROPHYLL,
         .chlorophyll_mg_m3 = from->chlorophyll,
+        .has_dissolved = from->has_cdom,
+        .dissolved_per_m = from->cdom,
+        .dissolved_slope = from->cdom_slope,
+        .has_detritus = from->has_detritus,
+        .detritus_per_m = from->detritus,
+        .detritus_slope = from->detritus_slope,
+        .minerals_g_m3 = from->minerals,
+        .has_back = from->has_backscatter_ratio,
+        .back = from->backscatter_ratio,
+        .phase = (enum pel_particles)from->phase,
         .jerlov = (enum pel_jerlov)from->jerlov,
         .name = (enum pel_water_name)from->named,
         .absorption = { from->absorption_680, from->absorption_550,
@@ -343,7 +355,7 @@ static void place_water(const Pelagos__Water *from,
         .has_land = seabed->has_land,
         .land = (enum pel_bottom)seabed->land,
     };
-    if (pel_water_resolve(&desc, to, NULL)) {
+    if (pel_water_resolve(desc, to, NULL)) {
         *to = pel_water_deep(0.2); /* not reached: the state was tested */
     }
 }
@@ -375,7 +387,7 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     out->origin_longitude_rad = state->origin->longitude * PEL_DEG;
     out->wind_mps = state->sea->wind_speed;
     out->wind_to_rad = goes_to(state->sea->wind_direction);
-    place_water(state->water, state->seabed, &out->water);
+    place_water(state->water, state->seabed, &out->water_desc, &out->water);
     out->water_orders = (enum pel_water_orders)state->water->orders;
     out->caustics = state->seabed->caustics;
     out->chlorophyll_mg_m3 = state->water->chlorophyll;

@@ -555,7 +555,22 @@ static void water_is_described(void **state)
     assert_memory_equal(&s->water, &wanted, sizeof wanted);
     pel_snapshot_unref(s);
 
-    must(scene, "{\"water\":{\"named\":null,\"absorption680\":0.5,"
+    must(scene, "{\"water\":{\"named\":null,\"cdom\":0.3,"
+                "\"cdomSlope\":0.018,\"minerals\":2,\"detritus\":0.1,"
+                "\"detritusSlope\":0.012,\"backscatterRatio\":0.02,"
+                "\"phase\":\"HENYEY_GREENSTEIN\"}}");
+    s = pel_scene_snapshot(scene);
+    assert_true(s->water_desc.has_dissolved && s->water_desc.has_detritus &&
+                s->water_desc.has_back);
+    assert_true(s->water_desc.dissolved_per_m == 0.3 &&
+                s->water_desc.dissolved_slope == 0.018 &&
+                s->water_desc.detritus_per_m == 0.1 &&
+                s->water_desc.detritus_slope == 0.012 &&
+                s->water_desc.minerals_g_m3 == 2 &&
+                s->water_desc.back == 0.02 && s->water.back[0] == 0.0);
+    pel_snapshot_unref(s);
+    must(scene, "{\"water\":{\"backscatterRatio\":null}}");
+    must(scene, "{\"water\":{\"absorption680\":0.5,"
                 "\"absorption550\":0.06,\"absorption440\":0.02,"
                 "\"scattering680\":1,\"scattering550\":2,\"scattering440\":3,"
                 "\"asymmetry550\":0.75,\"albedo680\":0.1,\"albedo550\":0.2,"

@@ -102,6 +102,7 @@ struct pel_snapshot {
     double sea_level_m;           /* of the sea's zero above altitude 0 */
     double wind_mps, wind_to_rad; /* mathematical direction it blows to */
     struct pel_water_body water;
+    struct pel_water_desc water_desc; /* what it was resolved from */
     enum pel_water_orders water_orders;
     const struct pel_seabed *seabed; /* NULL: flat, at the water's depth */
     bool caustics;

@@ -140,7 +140,8 @@ class Water(Record):
     """What the water is made of, for light: by chlorophyll, unless one of
     jerlov, named, or the six coefficients of absorption and scattering says
     otherwise. docs/water.md has the sources of all numbers."""
-    #: Chlorophyll-a concentration of Case 1 water. [mg/m3; 0.01 to 30]
+    #: Chlorophyll-a concentration; the other constituents follow it as in Case
+    #: 1 waters, where they are not given. [mg/m3; 0.01 to 30]
     chlorophyll: float = _field(0.2, 'mg/m3', 0.01, 30)
     #: Jerlov's type, instead of chlorophyll.
     #: One of I, IA, IB, II, III, C1, C3, C5, C7, C9.
@@ -162,7 +163,8 @@ class Water(Record):
     #: Scattering at 440 nm. [1/m; 0 to 100]
     scattering440: float | None = _field(None, '1/m', 0, 100)
     #: Mean cosine of scattering (Henyey and Greenstein's g) at 680 nm; read
-    #: with the coefficients only. [1; 0 to 0.98]
+    #: with the coefficients only, and not with backscatter_ratio. [1; 0 to
+    #: 0.98]
     asymmetry680: float = _field(0.924, '1', 0, 0.98)
     #: The same at 550 nm. [1; 0 to 0.98]
     asymmetry550: float = _field(0.924, '1', 0, 0.98)
@@ -183,11 +185,31 @@ class Water(Record):
     #: Orders of scattering to draw.
     #: One of ALL, TWO, PAPER, SINGLE.
     orders: str = _field('ALL')
-    #: Salinity: what the water itself scatters, and with the temperature what
+    #: Salinity: with the temperature, what the water itself scatters and what
     #: its surface reflects. [g/kg; 0 to 42]
     salinity: float = _field(35.0, 'g/kg', 0, 42)
     #: Temperature. [degC; -2 to 40]
     temperature: float = _field(15.0, 'degC', -2, 40)
+    #: Absorption of dissolved matter at 440 nm, with chlorophyll; absent: a
+    #: fifth of what water and algae absorb there. [1/m; 0 to 20]
+    cdom: float | None = _field(None, '1/m', 0, 20)
+    #: How fast it falls with wavelength. [1/nm; 0.005 to 0.03]
+    cdomSlope: float = _field(0.014, '1/nm', 0.005, 0.03)
+    #: Absorption at 440 nm of particles that are not algae, with chlorophyll;
+    #: absent: 0.0124 chlorophyll^0.724. [1/m; 0 to 20]
+    detritus: float | None = _field(None, '1/m', 0, 20)
+    #: How fast it falls with wavelength. [1/nm; 0.005 to 0.03]
+    detritusSlope: float = _field(0.011, '1/nm', 0.005, 0.03)
+    #: Suspended minerals, with chlorophyll: they absorb and scatter besides
+    #: all else. [g/m3; 0 to 100]
+    minerals: float = _field(0.0, 'g/m3', 0, 100)
+    #: Backscattered fraction of what particles scatter; absent: by
+    #: chlorophyll, or the known water's. [1; 0.001 to 0.06]
+    backscatterRatio: float | None = _field(None, '1', 0.001, 0.06)
+    #: How particles turn light; water itself does by Rayleigh's function. With
+    #: coefficients and without backscatter_ratio: HENYEY_GREENSTEIN.
+    #: One of FOURNIER_FORAND, HENYEY_GREENSTEIN.
+    phase: str = _field('FOURNIER_FORAND')
 
 
 @dataclass(frozen=True)
