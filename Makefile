@@ -312,6 +312,7 @@ TESTS += server/render/renderer_test.c
 TESTS += server/render/wavefield_test.c
 TESTS += server/render/filtered_test.c
 TESTS += server/render/depth_test.c
+TESTS += server/render/drawn_test.c
 TESTS += server/render/climb_test.c
 TESTS += server/render/coast_test.c
 TESTS += server/render/history_test.c
@@ -622,7 +623,7 @@ $(O)/bin/airours: $(OBJ)/tests/validate/airtrace/airours.o $(OBJ)/libserver.a
 	$(LINK) -lm
 
 .PHONY: validate validate-lighting validate-numbers validate-water
-validate: validate-numbers validate-lighting validate-water ## compare with brute force: tables and plots in build/validate/ (ARGS=--quick: a minute, as make check does)
+validate: validate-numbers validate-lighting validate-water validate-drawn ## compare with brute force: tables and plots in build/validate/ (ARGS=--quick: a minute, as make check does)
 VALIDATED = build/validate$(if $(filter --quick,$(ARGS)),/quick)
 
 # Each fails where its figures leave their bounds.
@@ -643,6 +644,10 @@ validate-water: deps-build ## light in the water against Monte Carlo, minutes (A
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/validate_water
 	$(O)/bin/validate_water $(ARGS)
 	$(Q)cat $(VALIDATED)/water.md
+
+.PHONY: validate-drawn
+validate-drawn: $(O)/bin/drawn_test ## the position layer against surface queries, minutes (ARGS=--quick: a few views)
+	$(O)/bin/drawn_test $(if $(filter --quick,$(ARGS)),,--all)
 
 .PHONY: validate-seatrace
 validate-seatrace: deps-build ## pictures against rays over a realised sea, 15 min (ARGS=--quick: one)

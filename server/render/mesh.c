@@ -12,6 +12,10 @@
                           */
 #define RING_ATTEMPTS 12 /* with larger cells, before columns become fewer */
 #define ATTEMPTS 40
+/* Root mean square height that cells may lose, pixels of the picture at their
+ * distance: rings are spaced by it. `drawn_test` has what is seen of it. */
+#define LOSS_PX 0.35
+#define LONGEST_CELL 0.15 /* in distances from the eye */
 
 /* What a camera can see of the sea. */
 struct reach {
@@ -88,72 +92,98 @@ static struct reach find_reach(const struct pel_camera *c, double h, double dip,
     return r;
 }
 
-void pel_mesh_heights(const struct pel_sea *sea, struct pel_mesh_heights *out)
+/* Mean square, of a wave's own, of what is lost when it is drawn with `weight`
+ * by straight lines between places n to a wavelength, over all phases. */
+static double lost(double n, double weight)
+{
+    double sinc = sin(PEL_PI / n) * n / PEL_PI;
+    return 1.0 - 2.0 * weight * sinc * sinc +
+           weight * weight * (2.0 + cos(2.0 * PEL_PI / n)) / 3.0;
+}
+
+void pel_mesh_losses(const struct pel_sea *sea, const struct pel_filter *filter,
+                     struct pel_mesh_losses *out)
 {
     const double shortest = log(0.01), longest = log(10000.0);
-    for (int i = 0; i < PEL_MESH_HEIGHTS; i++) {
-        double f = i / (PEL_MESH_HEIGHTS - 1.0);
-        out->wavelength_m[i] = exp(shortest + f * (longest - shortest));
-        out->rms_m[i] = pel_sea_rms_below(sea, out->wavelength_m[i]);
+    double m0[PEL_MESH_LOSSES], at[PEL_MESH_LOSSES]; /* of a band, its middle */
+    double below = 0.0;
+    for (int i = 0; i < PEL_MESH_LOSSES; i++) {
+        double f = i / (PEL_MESH_LOSSES - 1.0);
+        out->cell_m[i] = exp(shortest + f * (longest - shortest));
+        double rms = pel_sea_rms_below(sea, out->cell_m[i]);
+        m0[i] = fmax(rms * rms - below, 0.0);
+        at[i] = i ? sqrt(out->cell_m[i] * out->cell_m[i - 1]) : out->cell_m[0];
+        below = rms * rms;
+    }
+    for (int i = 0; i < PEL_MESH_LOSSES; i++) {
+        double sum = 0.0;
+        for (int j = 0; j < PEL_MESH_LOSSES; j++) {
+            double n = at[j] / out->cell_m[i];
+            double weight = pel_filter_weight(filter, n);
+            sum += m0[j] * (weight > 0.0 ? fmin(lost(n, weight), 1.0) : 1.0);
+        }
+        out->rms_m[i] = fmax(sqrt(sum), i ? out->rms_m[i - 1] : 0.0);
     }
 }
 
-/* Longest wavelength whose waves, with all shorter ones, keep within rms_m. */
-static double droppable_wavelength(const struct pel_mesh_heights *h,
-                                   double rms_m)
+/* Longest cell that loses no more than rms_m. */
+static double longest_cell(const struct pel_mesh_losses *l, double rms_m)
 {
-    if (rms_m >= h->rms_m[PEL_MESH_HEIGHTS - 1]) {
+    if (rms_m >= l->rms_m[PEL_MESH_LOSSES - 1]) {
         return DBL_MAX;
     }
-    int low = 0, high = PEL_MESH_HEIGHTS - 1;
+    int low = 0, high = PEL_MESH_LOSSES - 1;
     while (high - low > 1) {
         int middle = (low + high) / 2;
-        if (h->rms_m[middle] <= rms_m) {
+        if (l->rms_m[middle] <= rms_m) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    double f = (rms_m - h->rms_m[low]) / (h->rms_m[high] - h->rms_m[low]);
-    return h->wavelength_m[low] +
-           pel_clamp(f, 0.0, 1.0) *
-               (h->wavelength_m[high] - h->wavelength_m[low]);
+    double f = (rms_m - l->rms_m[low]) / (l->rms_m[high] - l->rms_m[low]);
+    return l->cell_m[low] +
+           pel_clamp(f, 0.0, 1.0) * (l->cell_m[high] - l->cell_m[low]);
 }
 
-/* Rings from start_m to beyond the horizon; their number, or -1 when they are
- * too many. `coarser` scales the cells that follow the waves. */
+/* The next ring; false: they are too many. */
+static bool add_ring(struct pel_mesh_ring *rings, int *count, double radius_m,
+                     double cell_m)
+{
+    if (*count >= PEL_MESH_MAX_RINGS - 4) {
+        return false;
+    }
+    rings[(*count)++] =
+        (struct pel_mesh_ring){ (float)radius_m, (float)cell_m };
+    return true;
+}
+
+/* Rings from start_m to beyond the horizon, where crests of `rise` still stand
+ * above it; their number, or -1 when they are too many. A cell is as long as
+ * its waves lose LOSS_PX, whatever it is in the picture of level water: from
+ * low down a pixel is many waves deep, but their crests hide each other, and
+ * stand before the sky. `coarser` scales the cells. */
 static int lay_rings(const struct pel_mesh_eye *eye, double start_m,
-                     double horizon_m, double column_rad, double coarser,
-                     struct pel_mesh_ring *rings)
+                     double horizon_m, double rise, double column_rad,
+                     double coarser, struct pel_mesh_ring *rings)
 {
     double h = fmax(eye->height_m, 0.5);
+    double end =
+        fmax(1.3 * horizon_m, horizon_m + sqrt(2.0 * PEL_EARTH_RADIUS * rise));
     double r = start_m;
     int count = 0;
-    while (r < horizon_m) {
-        if (count >= PEL_MESH_MAX_RINGS - 4) {
-            return -1;
-        }
+    while (r < end) {
         double slant = hypot(r, h);
         double lateral = slant * column_rad;
-        double grazing = slant * slant * column_rad / h;
-        double kept =
-            droppable_wavelength(eye->heights, 0.5 * eye->pixel * slant);
-        double cell = fmin(grazing, fmax(kept / eye->n_max, lateral));
-        cell = fmax(cell, lateral) * coarser;
-        rings[count++] = (struct pel_mesh_ring){ (float)r, (float)cell };
-        r += cell;
+        double seen = longest_cell(eye->losses, LOSS_PX * eye->pixel * slant);
+        double cell = fmax(fmin(seen, LONGEST_CELL * slant), lateral) * coarser;
+        if (!add_ring(rings, &count, r, cell)) {
+            return -1;
+        }
+        /* One ring on the horizon itself, so that its line is exact. */
+        r = r < horizon_m ? fmin(r + cell, horizon_m) : r + cell;
     }
-    /* One ring on the horizon itself, so that its line is exact, and two
-     * behind it for the crests that stand above it. */
-    double last = count > 0 ? rings[count - 1].cell_m : horizon_m;
-    const double beyond[] = { 1.0, 1.1, 1.3 };
-    for (int i = 0; i < 3; i++) {
-        rings[count++] = (struct pel_mesh_ring){
-            (float)(horizon_m * beyond[i]),
-            (float)fmax(last, 0.1 * horizon_m * beyond[i]),
-        };
-    }
-    return count;
+    return add_ring(rings, &count, r, LONGEST_CELL * r) ? count : -1;
 }
 
 /* False: the vertices are too many. */
@@ -204,15 +234,17 @@ static bool choose_blocks(struct pel_mesh *mesh, const struct reach *r,
            mesh->rings[end].radius_m < r->farthest_m) {
         end++;
     }
-    double limit = fmax(1.5 * shift, 1e-3);
+    double limit = fmax(1.02 * shift, 1e-3);
     while (ring < end) {
         double start = mesh->rings[ring].radius_m;
         bool wide = start < limit;
         double margin = wide ? 2.0 * PEL_PI : asin(fmin(shift / start, 1.0));
         int last = ring + 1;
         bool final = mesh->block_count == PEL_MESH_MAX_BLOCKS - 1;
-        while (last < end && (final || mesh->rings[last].radius_m <
-                                           (wide ? limit : 2.0 * start))) {
+        double until = wide                  ? limit
+                       : start < 2.5 * shift ? 1.3 * start
+                                             : 2.0 * start;
+        while (last < end && (final || mesh->rings[last].radius_m < until)) {
             last++;
         }
         if (!add_block(mesh, r, ring, last, margin)) {
@@ -257,8 +289,8 @@ void pel_mesh_plan(const struct pel_mesh_eye *eye,
     double start = 0.0, coarser = 1.0;
     for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
         out->column_rad = 2.0 * PEL_PI / out->columns_around;
-        out->ring_count = lay_rings(eye, start, horizon_m, out->column_rad,
-                                    coarser, out->rings);
+        out->ring_count = lay_rings(eye, start, horizon_m, shift,
+                                    out->column_rad, coarser, out->rings);
         if (out->ring_count > 0 && choose_blocks(out, &r, shift)) {
             return;
         }

@@ -2,14 +2,15 @@
  * azimuth. Rings and columns depend on the eye, the sea and the pixel's angle
  * only; a view chooses which of them it draws. Pure computation, no GL.
  *
- * It replaces the paper's screen-space grid: cells are as large on the
- * screen (cell_px pixels on calm water), but they do not turn with the camera,
- * reach under and behind it, and stay fine enough for waves that a grazing
- * screen cell would drop. */
+ * It replaces the paper's screen-space grid: cells are as wide on the screen
+ * (cell_px pixels) and as long as the height of the waves that they lose
+ * allows, but they do not turn with the camera, and reach under and behind it.
+ */
 #pragma once
 
 #include <stddef.h>
 
+#include "ocean/filter.h"
 #include "ocean/sea.h"
 #include "scene/snapshot.h"
 #include "shaders/lib/blocks.h"
@@ -17,22 +18,24 @@
 #define PEL_MESH_MAX_RINGS 4096
 #define PEL_MESH_MAX_VERTICES 1000000
 
-/* Root mean square height of the waves shorter than a wavelength, tabulated:
- * wavelengths in equal steps of their logarithm. Made once for a sea. */
-#define PEL_MESH_HEIGHTS 96
-struct pel_mesh_heights {
-    double wavelength_m[PEL_MESH_HEIGHTS], rms_m[PEL_MESH_HEIGHTS];
+/* Root mean square height that a sea loses when it is drawn by cells of a
+ * length: waves that the filter w_p drops, and what straight lines between
+ * vertices cut off the others, tabulated over lengths in equal steps of their
+ * logarithm. Made once for a sea. */
+#define PEL_MESH_LOSSES 96
+struct pel_mesh_losses {
+    double cell_m[PEL_MESH_LOSSES], rms_m[PEL_MESH_LOSSES]; /* both rising */
 };
-void pel_mesh_heights(const struct pel_sea *sea, struct pel_mesh_heights *out);
+void pel_mesh_losses(const struct pel_sea *sea, const struct pel_filter *filter,
+                     struct pel_mesh_losses *out);
 
 /* What rings depend on. */
 struct pel_mesh_eye {
     double height_m; /* of the eye above mean sea level, > 0 */
     double pixel;    /* tangent of one pixel on the axis */
-    double cell_px;  /* side of a cell on calm water, pixels */
-    double n_max;    /* the filter's upper bound, wavelengths per cell */
+    double cell_px;  /* width of a cell, pixels */
     const struct pel_sea *sea;
-    const struct pel_mesh_heights *heights; /* of this sea */
+    const struct pel_mesh_losses *losses; /* of this sea */
 };
 
 struct pel_mesh_ring {

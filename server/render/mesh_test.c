@@ -16,15 +16,14 @@ static double horizon_m(double height_m)
 
 static void plan(const struct pel_camera *c)
 {
-    static struct pel_mesh_heights heights;
-    pel_mesh_heights(&sea, &heights);
+    static struct pel_mesh_losses losses;
+    pel_mesh_losses(&sea, &PEL_FILTER_DEFAULT, &losses);
     const struct pel_mesh_eye eye = {
         .height_m = c->altitude_m,
         .pixel = pel_pixel_pitch(c->tan_left, c->tan_right, c->width),
         .cell_px = PEL_CELL_PX_DEFAULT,
-        .n_max = PEL_FILTER_DEFAULT.n_max,
         .sea = &sea,
-        .heights = &heights,
+        .losses = &losses,
     };
     pel_mesh_plan(&eye, c, &mesh);
 }

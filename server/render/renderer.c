@@ -474,9 +474,8 @@ static void draw_pixels(struct pel_renderer *r,
         .height_m = height_m,
         .pixel = fmin((double)view.pixel.x, (double)view.pixel.y),
         .cell_px = r->filtering.cell_px,
-        .n_max = r->filter.n_max,
         .sea = env->sea,
-        .heights = &r->statistics.heights,
+        .losses = &r->statistics.losses,
     };
     pel_mesh_plan(&mesh_eye, whole, r->mesh);
     const struct pel_camera part = pel_band_camera(whole, band);

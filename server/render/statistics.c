@@ -17,7 +17,7 @@ void pel_statistics_need(struct pel_statistics *s,
         return;
     }
     memcpy(&s->key, &key, sizeof key);
-    pel_mesh_heights(env->sea, &s->heights);
+    pel_mesh_losses(env->sea, filter, &s->losses);
     pel_fill_variance(env->sea, filter, s->variance);
     if (env->constant_brdf) {
         const int nearest = (int)(5.0 * PEL_VARIANCE_STEPS); /* 3 cm */

@@ -19,7 +19,7 @@ struct pel_statistics_key {
 /* Zeroed before its first use. */
 struct pel_statistics {
     struct pel_statistics_key key;
-    struct pel_mesh_heights heights;
+    struct pel_mesh_losses losses;
     struct pel_variance variance[PEL_VARIANCE_COUNT];
 };
 

@@ -106,14 +106,19 @@ vec3 cascade_displacement(int c, vec2 uv, float lod)
     return mix(spline(c, uv, low), spline(c, uv, min(low + 1.0, COARSEST)), lod - low);
 }
 
-// By the waves that cells of this length carry.
+// By the waves that cells of this length carry: half of those as long as the
+// middle of the filter's bounds. The longest of a cascade but the first is 6.5
+// modes: of four texels there is nothing left.
 vec3 cascade_shift(vec2 x, float cell)
 {
     vec3 sum = vec3(0.0);
+    float finer = back.w - PEL_SHIFT_SHARPER;
+    float lod = log2(cell / cascades[0].place.w) + finer;
     reading at = reading_at(x);
-    for (int c = 0; c < PEL_CASCADES; c++) {
+    for (int c = 0; c < PEL_CASCADES && lod < (c > 0 ? COARSEST - 2.0 : COARSEST); c++) {
         shear(c, x, at);
-        sum += cascade_displacement(c, cascade_uv(c, at.place), log2(cell / cascades[c].place.w));
+        sum += cascade_displacement(c, cascade_uv(c, at.place), lod);
+        lod = log2(cell / cascades[min(c + 1, PEL_CASCADES - 1)].place.w) + finer;
     }
     return sum;
 }

@@ -18,36 +18,56 @@ vec2 vertex_rest(int i)
 layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 
 #ifdef PEL_LAYERS
-// The waves finer than the mesh move the surface off its triangle: Newton's
-// steps from there, each to the tangent plane through the displaced point.
-float surface_distance(filtered f, vec2 x, vec3 ray, float t, float footprint)
+// Where the ray meets the surface near t, the cut of its triangle: the mesh is
+// within a pixel of it, but at grazing sight a pixel of height is many metres
+// of distance. Waves count that are as long as the pixel is wide: what is seen
+// of crests is their height, however deep the pixel lies along the sight.
+// Newton's steps, kept between a point above and one below the surface.
+float surface_distance(vec2 x, vec3 ray, float t)
 {
-    float most = 2.0 * length(f.shift) + 0.1;
-    float moved = t;
-    for (int i = 0; i < 4; i++) {
+    float across = t * pixel.x;
+    float steep = sqrt(ray.x * ray.x + ray.y * ray.y) * sqrt(wind.z + wind.w);
+    float least_slant = 0.2 * (abs(ray.z) + steep);
+    float least = 1e30;
+    float best = t;
+    vec2 reach = t + vec2(-1.0, 1.0) * min((4.0 * across + 0.1) / max(abs(ray.z), 0.005), 0.5 * t);
+    vec2 between = reach;
+    for (int i = 0; i < 16; i++) {
+        filtered f = filtered_sea(x, across);
         float half_arc = 0.5 * length(x) / planet.x;
         vec3 point = vec3(x * cos(half_arc) + f.shift.xy,
                           f.shift.z - 2.0 * planet.x * sin(half_arc) * sin(half_arc) - eye.x);
         vec3 n = filtered_normal(f);
         vec2 tilt = x / planet.x;
         n = vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy));
-        float slant = dot(ray, n);
-        if (abs(slant) < 1e-3 * length(ray)) {
-            break;
+        vec2 off = t * ray.xy - point.xy;
+        float above = t * ray.z - point.z + dot(n.xy, off) / n.z;
+        float slant = ray.z + dot(n.xy, ray.xy) / n.z;
+        vec2 along = vec2(0.0);
+        // Below the point of the ray, to first order.
+        if (dot(off, off) < across * across * 0.06) {
+            if (abs(above) < least) {
+                least = abs(above);
+                best = t;
+            }
+            if (least < 0.004 * across + 2e-5) {
+                break;
+            }
+            between = above > 0.0 ? vec2(t, between.y) : vec2(between.x, t);
+            float to = t + above / max(-slant, least_slant);
+            if (to <= between.x || to >= between.y) {
+                to = 0.5 * (between.x + between.y);
+            }
+            along = (to - t) * ray.xy;
+            t = to;
         }
-        // Never behind the eye that is all but in the water.
-        moved = clamp(dot(point, n) / slant, max(t - most, 0.5 * t), t + most);
-        if (i == 3) {
-            break;
-        }
-        // The particle that is carried there, to first order.
-        vec2 off = moved * ray.xy - point.xy;
+        // The particle that is carried there: a far one is not the near one's
+        // neighbour.
         vec3 d = vec3(1.0 - f.fold.x, -f.fold.y, 1.0 - f.fold.z);
         float det = max(d.x * d.z - d.y * d.y, 0.05);
-        x += vec2(d.z * off.x - d.y * off.y, d.x * off.y - d.y * off.x) / det;
-        f = filtered_sea(x, footprint);
+        x += vec2(d.z * off.x - d.y * off.y, d.x * off.y - d.y * off.x) / det + along;
     }
-    return moved;
+    return best;
 }
 #endif
 
@@ -99,7 +119,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     // Length of the pixel on the surface, along the line of sight: on the mean
     // plane, longer where the waves turn their backs, as crests do before they
     // hide what is behind.
-    float facing = clamp(abs(dot(hit.facet, dir)), 0.15 * v.z, v.z);
+    float facing = max(abs(dot(hit.facet, dir)), 0.15 * v.z);
     float footprint = t * pixel.x / max(facing, 0.002);
     filtered f = filtered_sea(x, footprint);
     vec3 n = filtered_normal(f);
@@ -142,7 +162,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     shaded result = only_light(from_under_water(light, dir.z));
 #ifdef PEL_LAYERS
     if (wants_layer(AT_DEPTH)) {
-        result.depth = ray_length * surface_distance(f, x, ray, t, footprint);
+        result.depth = ray_length * surface_distance(x, ray, t);
     }
     result.normal = normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy)));
     result.fresnel = parts.fresnel.g;
