@@ -1,6 +1,5 @@
 #version 450 core
-// The light on the sea, and the exposure an incident-light meter
-// would choose, from the sky table of sea level.
+// The light on the sea, from the sky table of sea level.
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 
@@ -8,27 +7,24 @@ layout(local_size_x = 64) in;
 layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
 layout(std430, binding = PEL_STORE_LIGHT) writeonly buffer out_block {
-    vec4 out_exposure;
+    vec4 out_incident;
     vec4 out_sea; // by water_map.comp
     vec4 out_beams[PEL_LIGHTS];
     vec4 out_skies[PEL_LIGHTS];
 };
 
 shared vec3 partial[64];
-shared vec3 partial_facing[64];
 
 float illuminance(vec3 e)
 {
     return dot(vec3(0.2126, 0.7152, 0.0722), vec3(dot(red.rgb, e), dot(green.rgb, e), dot(blue.rgb, e)));
 }
 
-// Light of the sky of one light on the level plane and on the upright one that
-// faces it, to invocation 0.
-void gather(int i, uint lane, out vec3 level, out vec3 upright)
+// Light of the sky of one light on the level plane, to invocation 0.
+vec3 gather(int i, uint lane)
 {
     vec2 table = vec2(textureSize(sky_table, 0).xy);
     vec3 sum = vec3(0.0);
-    vec3 facing = vec3(0.0);
     // E = 2 ∫∫ L sin e cos e de dφ over half the azimuths; e = π/2 x².
     for (uint k = lane; k < 1024u; k += 64u) {
         float azimuth = PI * (float(k & 31u) + 0.5) / 32.0;
@@ -36,53 +32,35 @@ void gather(int i, uint lane, out vec3 level, out vec3 upright)
         float e = 0.5 * PI * x * x;
         vec3 radiance = textureLod(sky_table, vec3(sky_uv(azimuth, e, table), i), 0.0).rgb;
         sum += radiance * (sin(e) * cos(e) * PI * x);
-        facing += radiance * (cos(e) * cos(e) * max(cos(azimuth), 0.0) * PI * x);
     }
     barrier(); // the last light's sums have been read
     partial[lane] = sum * (2.0 * PI / 1024.0);
-    partial_facing[lane] = facing * (2.0 * PI / 1024.0);
     barrier();
     for (uint stride = 32u; stride > 0u; stride >>= 1u) {
         if (lane < stride) {
             partial[lane] += partial[lane + stride];
-            partial_facing[lane] += partial_facing[lane + stride];
         }
         barrier();
     }
-    level = partial[0];
-    upright = partial_facing[0];
+    return partial[0];
 }
 
 void main()
 {
     uint lane = gl_LocalInvocationID.x;
-    // A camera at sea meets the low Sun's glare, not only what falls on the
-    // water: the meter takes the illuminance of the level plane and of the
-    // upright ones that face each light together.
     float level = 0.0;
-    float upright2 = 0.0;
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        vec3 sky, facing;
-        gather(i, lane, sky, facing);
+        vec3 sky = gather(i, lane);
         vec4 to = lights[i].direction;
         vec3 direct = lights[i].irradiance.rgb *
                       light_transmittance(transmittance, 0.0, to.z, to.w);
-        vec3 down = sky + direct * max(to.z, 0.0);
-        facing += direct * sqrt(max(1.0 - to.z * to.z, 0.0));
-        level += illuminance(down);
-        float upright = illuminance(facing);
-        upright2 += upright * upright;
+        level += illuminance(sky + direct * max(to.z, 0.0));
         if (lane == 0u) {
             out_beams[i] = vec4(direct, 0.0);
             out_skies[i] = vec4(sky, 0.0);
         }
     }
     if (lane == 0u) {
-        float lux = max(sqrt(level * level + upright2), 1e-6);
-        // Dusk is to look like dusk: of each stop below daylight the exposure
-        // makes up three quarters.
-        float metered = log2(lux * (100.0 / 250.0));
-        out_exposure = vec4(clamp(metered + max(15.0 - metered, 0.0) / 4.0, -1.0, 16.0),
-                            level, 0.0, 0.0);
+        out_incident = vec4(level, 0.0, 0.0, 0.0);
     }
 }

@@ -1,6 +1,8 @@
 #version 450 core
 // One texel to one pixel.
 #include "lib/blocks.h"
+#include "lib/sky.glsl"
+#include "lib/ray.glsl"
 #include "lib/tone.glsl"
 
 layout(location = 0) out vec4 color;

@@ -9,7 +9,7 @@
 layout(local_size_x = PEL_WATER_MAP_SIZE) in;
 layout(std430, binding = PEL_STORE_WATER_KERNEL) restrict readonly buffer kernel_block { vec4 kernel[]; };
 layout(std430, binding = PEL_STORE_LIGHT) restrict buffer out_block {
-    vec4 out_exposure;
+    vec4 out_incident;
     vec4 out_sea;
 };
 layout(std430, binding = PEL_STORE_WATER_COEFFICIENTS) restrict readonly buffer coefficients_block { vec4 coefficients[]; };

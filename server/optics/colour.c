@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "shaders/lib/blocks.h"
+
 #define LUMENS_PER_WATT 683.0
 
 /* Sun above the air, W m⁻² nm⁻¹: means of ASTM G-173's extraterrestrial column
@@ -90,14 +92,43 @@ double pel_colour_illuminance(struct pel_rgb e)
     return fmax(m[1][0] * e.r + m[1][1] * e.g + m[1][2] * e.b, 0);
 }
 
-double pel_colour_auto_ev(double illuminance_lx)
-{
-    /* E = C 2^EV / S, S = 100, C = 250. */
-    double ev = log2(fmax(illuminance_lx, 1e-6) * 100.0 / 250.0);
-    return pel_clamp(ev, -3, 16);
-}
-
 double pel_colour_exposure_scale(double ev100)
 {
-    return 1.0 / (1.2 * exp2(ev100));
+    return PEL_TONE_MIDDLE / PEL_METER_MIDDLE * exp2(-ev100);
+}
+
+double pel_tone_curve(double x)
+{
+    double p = pow(x, PEL_TONE_POWER);
+    double f = p / (PEL_TONE_STRETCH * p + PEL_TONE_HALF);
+    return f * f * (1.0 + PEL_TONE_FLARE) / (f + PEL_TONE_FLARE);
+}
+
+void pel_tone_filmic(const double exposed[3], double out[3])
+{
+    double peak = fmax(fmax(exposed[0], exposed[1]), fmax(exposed[2], 1e-9));
+    double shown = fmin(pel_tone_curve(peak), 1.0);
+    double pale = peak / PEL_TONE_PALE;
+    double kept = PEL_TONE_LEAST + (1.0 - PEL_TONE_LEAST) / (1.0 + pale * pale);
+    for (int c = 0; c < 3; c++) {
+        out[c] = shown * (1.0 + (exposed[c] / peak - 1.0) * kept);
+    }
+}
+
+double pel_meter_ev(double mean, double high, double level_lx)
+{
+    double key = PEL_METER_KEY * (1.03 - 2.0 / (2.0 + log10(mean + 1.0)));
+    double adapted = log2(mean / key * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE));
+    double kept =
+        log2(high / PEL_METER_HIGH * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE));
+    double most = PEL_METER_MOST + PEL_METER_SLOPE * log2(fmax(level_lx, 1e-6) /
+                                                          PEL_METER_SUNLIGHT);
+    return fmax(fmin(fmax(adapted, kept), most), PEL_METER_LEAST);
+}
+
+double pel_glare_spread(double away)
+{
+    const double core2 = 0.5 * PEL_GLARE_CORE * PEL_GLARE_CORE;
+    return 1.0 / (2.0 * PEL_PI * core2 * log(1.0 + 2.0 / core2) *
+                  (1.0 + away / core2));
 }

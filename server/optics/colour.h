@@ -12,9 +12,30 @@ void pel_colour_matrix(double m[9]);
 /* Photometric illuminance [lx] of a spectral irradiance. */
 double pel_colour_illuminance(struct pel_rgb irradiance);
 
-/* EV100 an incident-light meter (C = 250) gives for an illuminance [lx],
- * within [-3, 16]. */
-double pel_colour_auto_ev(double illuminance_lx);
-
-/* Scale from cd/m² to exposed linear values for EV100: 1 / (1.2 · 2^EV). */
+/* Exposed light of 1 cd/m² at EV100: a reflected-light meter's K = 12.5, whose
+ * reading becomes PEL_TONE_MIDDLE. */
 double pel_colour_exposure_scale(double ev100);
+
+/* Linear light of a screen, 0..1, for exposed grey x >= 0: the response of a
+ * receptor, xᵖ / (xᵖ + σᵖ) (Naka and Rushton 1966), stretched to reach 1 at
+ * PEL_TONE_WHITE, then a toe as of a lens's flare. It rises, keeps
+ * PEL_TONE_MIDDLE, and is more than 1 beyond PEL_TONE_WHITE. */
+double pel_tone_curve(double x);
+
+/* The same of a colour, Rec. 709: its brightest channel by the curve, the
+ * others in proportion, so that no channel is cut and the dominant wavelength
+ * stays; less saturated the more light there is. */
+void pel_tone_filmic(const double exposed[3], double out[3]);
+
+/* EV100 for a meter's geometric mean of luminances and their fourth-power mean
+ * [cd/m²], and the illuminance of the level plane [lx]: the mean is shown at a
+ * key that falls with it (Krawczyk, Myszkowski and Seidel 2005, eq. 11, times
+ * PEL_METER_KEY), `high` at no more than PEL_METER_HIGH of exposed light,
+ * within PEL_METER_LEAST and PEL_METER_MOST. */
+double pel_meter_ev(double mean, double high, double level_lx);
+
+/* Share of the scattered light of a source per steradian, 1/sr, at an angle
+ * from it of which 1 - cos is `away`: falls as 1/θ² like the straylight of CIE
+ * 135/1 (1999) and Stiles-Holladay, level within PEL_GLARE_CORE; its sum over
+ * all directions is 1. */
+double pel_glare_spread(double away);

@@ -236,7 +236,7 @@ enum pel_err pel_readback_push(struct pel_readback *r,
         return PEL_OK;
     }
     r->open = s->first_row > 0 ? NULL : r->open;
-    glCopyNamedBufferSubData(s->light, slot->buffer, 0, (GLintptr)ev_offset,
+    glCopyNamedBufferSubData(s->exposure, slot->buffer, 0, (GLintptr)ev_offset,
                              16);
     slot->fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
     glFlush();

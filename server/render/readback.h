@@ -24,7 +24,7 @@ struct pel_readback {
 struct pel_readback_source {
     GLuint color_fbo;     /* RGBA8 */
     const GLuint *planes; /* textures by PEL_AT_* */
-    GLuint light; /* buffer that begins with the automatic EV100 (float) */
+    GLuint exposure; /* buffer that begins with the automatic EV100 (float) */
     bool auto_exposure;
     double exposure_ev;       /* where not automatic */
     uint32_t width, height;   /* of the picture */

@@ -13,6 +13,7 @@
 #include "render/context.h"
 #include "render/mark.h"
 #include "render/mesh.h"
+#include "render/meter.h"
 #include "render/pass.h"
 #include "render/probe.h"
 #include "render/programs.h"
@@ -29,7 +30,8 @@
 /* Uniform blocks and rings of one view, with alignment. */
 #define VIEW_UNIFORM_BYTES                                                     \
     (sizeof(struct pel_block_waves) + sizeof(struct pel_block_view) +          \
-     sizeof(struct pel_block_eye) * 2 + sizeof(struct pel_block_seabed) +      \
+     sizeof(struct pel_block_eye) * 3 + sizeof(struct pel_block_seabed) +      \
+     sizeof(struct pel_block_sighted) +                                        \
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 #define VERTEX_BYTES 32
 /* Pixels too. */
@@ -54,6 +56,7 @@ struct pel_renderer {
     GLuint vertex_texels, facet_texels; /* the same buffers as textures */
     int vertex_capacity;
     struct pel_programs programs;
+    struct pel_meter meter;
     struct pel_prober prober;
     struct pel_water_prober water_prober;
     struct pel_wavefield wavefield;
@@ -134,6 +137,9 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
             pel_programs_init(&r->programs, r->shader_dir, r->context.software,
                               o->shading, &r->filtering, fault);
     }
+    if (err == PEL_OK) {
+        err = pel_meter_init(&r->meter, r->shader_dir, fault);
+    }
     if (err != PEL_OK) {
         goto fail;
     }
@@ -155,6 +161,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_sky_finish(&r->sky);
         pel_targets_finish(&r->targets);
         pel_programs_finish(&r->programs);
+        pel_meter_finish(&r->meter);
         pel_prober_finish(&r->prober);
         pel_water_prober_finish(&r->water_prober);
         pel_seabed_map_finish(&r->seabed);
@@ -457,6 +464,27 @@ static bool is_submerged(const struct pel_environment *env,
     return above.height_m > c->altitude_m;
 }
 
+/* By the eye of the first window, so that all views of a meter get the same. */
+static void expose(struct pel_renderer *r, const struct pel_environment *env,
+                   const struct pel_camera *c, bool submerged)
+{
+    double altitude_m = c->sight_count
+                            ? c->sights[0].altitude_m - env->sea_level_m
+                            : c->altitude_m;
+    double height_m = fmax(altitude_m, PEL_LEAST_EYE_M);
+    double table_height_m = pel_sky_quantize_height(height_m);
+    struct pel_block_eye eye;
+    struct pel_block_sighted sights;
+    pel_fill_eye(height_m, table_height_m, submerged, NULL, &eye);
+    pel_fill_sights(c, &sights);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
+                   sizeof eye);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SIGHTS, &sights,
+                   sizeof sights);
+    pel_sky_bind_eye(&r->sky, env, table_height_m);
+    pel_meter_run(&r->meter);
+}
+
 /* Everything up to the colour; the camera stands above the sea's zero. What
  * decides how a pixel is drawn is planned for the whole picture. */
 static void draw_pixels(struct pel_renderer *r,
@@ -523,6 +551,11 @@ static void draw_pixels(struct pel_renderer *r,
                    sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_VIEW, &view,
                    sizeof view);
+    if (asked & PEL_LAYER_COLOR || whole->auto_exposure) {
+        expose(r, env, whole, submerged);
+        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
+                       sizeof eye);
+    }
     pel_targets_fit(&r->targets, c->width, c->height, asked);
     pel_stage_begin(&r->timing);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
@@ -573,7 +606,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     const struct pel_readback_source source = {
         .color_fbo = r->targets.color_fbo,
         .planes = r->targets.planes,
-        .light = r->sky.light,
+        .exposure = r->meter.exposure,
         .auto_exposure = c->auto_exposure,
         .exposure_ev = c->exposure_ev,
         .width = c->width,

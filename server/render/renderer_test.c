@@ -164,6 +164,12 @@ static struct pel_camera cut(const struct pel_camera *whole, struct box b,
     c.tan_right = whole->tan_left + px * b.x1;
     c.tan_top = whole->tan_top - py * b.y0;
     c.tan_bottom = whole->tan_top - py * b.y1;
+    /* Exposed as the whole is. */
+    c.sight_count = 1;
+    c.sights[0] =
+        (struct pel_sight){ whole->world_from_camera, whole->altitude_m,
+                            whole->tan_left,          whole->tan_right,
+                            whole->tan_top,           whole->tan_bottom };
     if (degrees) {
         c.tan_left = by_degrees(c.tan_left);
         c.tan_right = by_degrees(c.tan_right);
@@ -501,7 +507,8 @@ static void no_scene_gives_nonsense(void **state)
         };
         struct pel_camera c = test_camera(look);
         struct pel_picture *p = test_draw(renderer, &env, &c, TEST_ALL_LAYERS);
-        assert_true(p->exposure_ev >= -1.0 && p->exposure_ev <= 16.0);
+        assert_true(p->exposure_ev >= PEL_METER_LEAST &&
+                    p->exposure_ev <= 15.0);
         int bad = 0;
         for (size_t k = 0; k < layer_bytes(p, 1); k++) {
             const float *n = p->normal + 4 * k;
@@ -599,20 +606,13 @@ static void nothing_pops_when_the_camera_moves(void **state)
 /* --- exposure
  * ------------------------------------------------------------------ */
 
-static double inverse_tone(uint8_t code)
+static double inverse_srgb(uint8_t code)
 {
     double v = code / 255.0;
-    v = v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
-    double low = 0.0, high = 50.0; /* shaders/lib/tone.glsl, increasing */
-    for (int i = 0; i < 60; i++) {
-        double x = 0.5 * (low + high);
-        double y = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
-        *(y < v ? &low : &high) = x;
-    }
-    return low;
+    return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
 }
 
-/* Mean green before the tone curve. */
+/* Mean green, with no curve. */
 static double brightness(double ev)
 {
     struct pel_environment env = test_environment(&sea, 5.0);
@@ -620,11 +620,12 @@ static double brightness(double ev)
         test_camera((struct test_look){ 6.0, 220.0, 30.0, 0.0, 30.0, 64, 48 });
     c.auto_exposure = false;
     c.exposure_ev = ev;
+    c.tone = PEL_TONE_LINEAR;
     struct pel_picture *p = test_draw(renderer, &env, &c, PEL_LAYER_COLOR);
     assert_true(p->exposure_ev == ev);
     double sum = 0.0;
     for (size_t i = 0; i < 64 * 48; i++) {
-        sum += inverse_tone(p->rgba[4 * i + 1]) / (64 * 48);
+        sum += inverse_srgb(p->rgba[4 * i + 1]) / (64 * 48);
     }
     pel_picture_release(p);
     return sum;
@@ -641,27 +642,6 @@ static void a_stop_doubles_the_light(void **state)
      * straight over a step, which the dark end feels most. */
     assert_float_equal(brighter / middle, 2.0, 0.02);
     assert_float_equal(middle / darker, 2.0, 0.04);
-}
-
-static void exposure_falls_with_the_sun(void **state)
-{
-    (void)state;
-    test_sea(5.0, 0.0, 1, &sea);
-    struct pel_environment env = test_environment(&sea, 5.0);
-    struct pel_camera c =
-        test_camera((struct test_look){ 6.0, 0.0, 0.0, 0.0, 30.0, 16, 16 });
-    double before = 100.0, first = 0.0, ev = 0.0;
-    for (double e = 60.0; e >= -12.0; e -= 3.0) {
-        env.lights[PEL_LIGHT_SUN].direction = test_sun(e, 10.0);
-        struct pel_picture *p = test_draw(renderer, &env, &c, PEL_LAYER_COLOR);
-        ev = p->exposure_ev;
-        pel_picture_release(p);
-        first = before > 99.0 ? ev : first;
-        assert_true(ev <= before);
-        before = ev;
-    }
-    printf("EV100 from %.2f to %.2f\n", first, ev);
-    assert_true(first - ev > 5.0);
 }
 
 /* --- limits
@@ -726,7 +706,6 @@ int main(void)
         cmocka_unit_test(no_scene_gives_nonsense),
         cmocka_unit_test(nothing_pops_when_the_camera_moves),
         cmocka_unit_test(a_stop_doubles_the_light),
-        cmocka_unit_test(exposure_falls_with_the_sun),
         cmocka_unit_test(full_is_busy_until_released),
     };
     return cmocka_run_group_tests(tests, begin_renderer, end_renderer);

@@ -1,6 +1,7 @@
 #include "render/uniforms.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "optics/atmosphere.h"
 #include "optics/brdf.h"
@@ -197,11 +198,37 @@ void pel_fill_view(const struct pel_camera *camera,
         .back = vec4(m->z.x, m->z.y, m->z.z, pel_filter_slope_bias(filter)),
         .pixel = vec4(px, py, lattice_place(camera->tan_left, px),
                       lattice_place(-camera->tan_top, py)),
-        .size = vec4(camera->width, camera->height, camera->exposure_ev,
-                     camera->auto_exposure ? 1.0 : 0.0),
+        .size = vec4(camera->width, camera->height, 0.0, 0.0),
         .sensor =
             vec4(sensor->kind, sensor->scale, sensor->offset, sensor->noise),
         .sensor_seed = vec4(sensor->seed & 0xffff, sensor->seed >> 16,
-                            sensor->dropout ? DROPOUT : 0, 0),
+                            sensor->dropout ? DROPOUT : 0, camera->tone),
     };
+}
+
+static struct pel_shader_sight window_of(const struct pel_sight *w)
+{
+    const struct pel_mat3 *m = &w->world_from_camera;
+    return (struct pel_shader_sight){
+        .right = vec4(m->x.x, m->x.y, m->x.z, w->tan_left),
+        .up = vec4(m->y.x, m->y.y, m->y.z, w->tan_right),
+        .back = vec4(m->z.x, m->z.y, m->z.z, w->tan_top),
+        .below = vec4(w->tan_bottom, 0.0, 0.0, 0.0),
+    };
+}
+
+void pel_fill_sights(const struct pel_camera *camera,
+                     struct pel_block_sighted *out)
+{
+    const struct pel_camera *c = camera;
+    const struct pel_sight own = { c->world_from_camera, c->altitude_m,
+                                   c->tan_left,          c->tan_right,
+                                   c->tan_top,           c->tan_bottom };
+    int count = c->sight_count;
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < (count ? count : 1); i++) {
+        out->sights[i] = window_of(count ? &c->sights[i] : &own);
+    }
+    out->meter = vec4(c->auto_exposure ? (count ? count : 1) : 0,
+                      c->exposure_ev, 0.0, c->glare);
 }

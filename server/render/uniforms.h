@@ -41,6 +41,10 @@ void pel_fill_variance(const struct pel_sea *sea,
 void pel_fill_view(const struct pel_camera *camera,
                    const struct pel_filter *filter, struct pel_block_view *out);
 
+/* What the camera's meter looks through. */
+void pel_fill_sights(const struct pel_camera *camera,
+                     struct pel_block_sighted *out);
+
 /* Tangent of a pixel from the frustum, rounded to 20 bits so that pictures
  * which tile one frustum agree to the last bit. */
 double pel_pixel_pitch(double tan_low, double tan_high, uint32_t pixels);

@@ -342,7 +342,7 @@ static void sky_is_the_solvers(void **state)
     double views[VIEWS][2], want[VIEWS], worst = 0.0;
     fill_views(views);
     GLuint unit = prober.unit, black = prober.black;
-    const struct pel_block_light dark = { .exposure = { 0 } };
+    const struct pel_block_light dark = { .incident = { 0 } };
     prober.black = overcast_table();
     glCreateBuffers(1, &prober.unit);
     glNamedBufferStorage(prober.unit, sizeof dark, &dark, 0);

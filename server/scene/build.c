@@ -274,6 +274,11 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
     to->height = from->height;
     to->auto_exposure = !from->has_exposure;
     to->exposure_ev = from->exposure;
+    to->tone = (int)from->tone;
+    to->glare = from->glare;
+    if (from->meter) {
+        strncpy(to->meter, from->meter, sizeof to->meter - 1);
+    }
     if (from->sensor) {
         place_sensor(from->sensor, &to->sensor);
     }
@@ -313,6 +318,8 @@ SAME(PEL_ORDERS_TWO, PELAGOS__WATER_ORDERS__TWO);
 SAME(PEL_ORDERS_PAPER, PELAGOS__WATER_ORDERS__PAPER);
 SAME(PEL_ORDERS_SINGLE, PELAGOS__WATER_ORDERS__SINGLE);
 SAME(PEL_ORDERS_COUNT, PELAGOS__WATER_ORDERS__SINGLE + 1);
+SAME(PEL_TONE_FILMIC, PELAGOS__TONE__FILMIC);
+SAME(PEL_TONE_LINEAR, PELAGOS__TONE__LINEAR);
 SAME(PEL_CLOCK_FREE, PELAGOS__CLOCK_MODE__FREE);
 SAME(PEL_CLOCK_PACED, PELAGOS__CLOCK_MODE__PACED);
 SAME(PEL_CLOCK_STEPPED, PELAGOS__CLOCK_MODE__STEPPED);

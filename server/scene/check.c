@@ -196,6 +196,27 @@ static enum pel_err check_frustum(const Pelagos__View *view,
     return PEL_OK;
 }
 
+static enum pel_err check_meter(const Pelagos__State *state,
+                                const Pelagos__View *view,
+                                struct pel_fault *fault)
+{
+    char path[PATH_SIZE];
+    g_snprintf(path, sizeof path, "views.%s.meter", view->name);
+    if (!good_view_name(view->meter)) {
+        return refuse(PEL_ERR_INVALID, path, view->meter,
+                      "needs a name of 1 to 64 of A-Z a-z 0-9 _ -", fault);
+    }
+    int alike = 0;
+    for (size_t i = 0; i < state->n_views; i++) {
+        alike += state->views[i]->meter &&
+                 strcmp(state->views[i]->meter, view->meter) == 0;
+    }
+    return alike <= PEL_METER_SIGHTS
+               ? PEL_OK
+               : refuse(PEL_ERR_CONFLICT, path, view->meter,
+                        "is the meter of more than 12 views", fault);
+}
+
 static enum pel_err check_view(const Pelagos__State *state, size_t index,
                                struct pel_fault *fault)
 {
@@ -224,6 +245,12 @@ static enum pel_err check_view(const Pelagos__State *state, size_t index,
                        "the view another",
                        view->entity);
             return refuse(PEL_ERR_CONFLICT, path, value, what, fault);
+        }
+    }
+    if (view->meter) {
+        enum pel_err err = check_meter(state, view, fault);
+        if (err) {
+            return err;
         }
     }
     if ((double)view->width * view->height > MAX_PIXELS) {

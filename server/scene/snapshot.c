@@ -194,9 +194,8 @@ static void size_camera(const struct pel_view_state *view, uint32_t width,
     out->tan_bottom = view->tan_bottom * stretch;
 }
 
-void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
-                         double time_s, uint32_t width, uint32_t height,
-                         struct pel_camera *out)
+static void place_camera(const struct pel_snapshot *s, size_t index,
+                         double time_s, struct pel_camera *out)
 {
     const struct pel_view_state *view = &s->views[index];
     struct pel_entity_state carrier = { 0 };
@@ -221,7 +220,34 @@ void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
         pel_vec3_scale(forward, -1),
     };
     out->lens = view->lens;
+}
+
+/* The windows of a view's meter; none where it has none. */
+static void place_sights(const struct pel_snapshot *s, const char *meter,
+                         double time_s, struct pel_camera *out)
+{
+    out->sight_count = 0;
+    for (size_t i = 0; i < s->view_count && meter[0]; i++) {
+        struct pel_camera c;
+        if (out->sight_count < PEL_METER_SIGHTS &&
+            strcmp(s->views[i].meter, meter) == 0) {
+            place_camera(s, i, time_s, &c);
+            out->sights[out->sight_count++] =
+                (struct pel_sight){ c.world_from_camera, c.altitude_m,
+                                    c.tan_left,          c.tan_right,
+                                    c.tan_top,           c.tan_bottom };
+        }
+    }
+}
+
+void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
+                         double time_s, uint32_t width, uint32_t height,
+                         struct pel_camera *out)
+{
+    const struct pel_view_state *view = &s->views[index];
+    place_camera(s, index, time_s, out);
     size_camera(view, width, height, out);
+    place_sights(s, view->meter, time_s, out);
     uint64_t bits;
     memcpy(&bits, &time_s, sizeof bits);
     bits *= UINT64_C(0x9e3779b97f4a7c15); /* 2^64 / golden ratio: spreads */

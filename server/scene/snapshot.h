@@ -57,6 +57,8 @@ struct pel_sensor {
     uint32_t width, height;                                                    \
     bool auto_exposure;                                                        \
     double exposure_ev;                                                        \
+    int tone;     /* PEL_TONE_* */                                             \
+    double glare; /* share of light that the lens scatters */                  \
     struct pel_sensor sensor;
 struct pel_lens {
     PEL_LENS_FIELDS
@@ -71,7 +73,9 @@ struct pel_lens {
 
 struct pel_view_state {
     char name[PEL_NAME_SIZE];
-    int entity; /* index into entities, -1: the world */
+    char meter[PEL_NAME_SIZE]; /* of the views that are exposed alike; "": of
+                                  this view alone */
+    int entity;                /* index into entities, -1: the world */
     double forward_m, right_m, up_m;
     double yaw_rad, pitch_rad, roll_rad;
     PEL_LENS;
@@ -169,11 +173,22 @@ struct pel_vec3 pel_snapshot_sun(const struct pel_snapshot *s, double time_s);
 void pel_snapshot_lights(const struct pel_snapshot *s, double time_s,
                          struct pel_light out[PEL_LIGHTS]);
 
+/* What a meter looks through: an eye's frustum in the world. */
+struct pel_sight {
+    struct pel_mat3 world_from_camera;
+    double altitude_m;
+    double tan_left, tan_right, tan_top, tan_bottom;
+};
+
 /* A camera in the world. Camera axes: x right, y up, z backwards (GL). */
 struct pel_camera {
     double east_m, north_m, altitude_m;
     struct pel_mat3 world_from_camera;
     PEL_LENS; /* sensor.seed too */
+    /* Of the views of its meter, in their order, as they are in the state; 0:
+     * what the camera itself sees. */
+    int sight_count;
+    struct pel_sight sights[PEL_METER_SIGHTS];
 };
 
 /* Camera of view `index` at time_s. width or height 0: the view's own; when

@@ -27,6 +27,8 @@ struct pel_vec4 {
 #define PEL_BLOCK_SEABED 9
 #define PEL_BLOCK_MEDIUM 10
 #define PEL_BLOCK_BEAM 11
+#define PEL_BLOCK_EXPOSURE 12
+#define PEL_BLOCK_SIGHTS 13
 
 /* Texture units of shading. */
 #define PEL_UNIT_TRANSMITTANCE 0
@@ -59,6 +61,7 @@ struct pel_vec4 {
 #define PEL_STORE_SEABED_TOPS 6
 /* Of other passes, in places of the above. */
 #define PEL_STORE_LIGHT 2       /* block `light`, where it is written */
+#define PEL_STORE_EXPOSURE 2    /* block `exposure`, the same */
 #define PEL_STORE_WATER_TURNS 0 /* 0, 1, 5 to 7: maps of the water */
 #define PEL_STORE_WATER_KERNEL 1
 #define PEL_STORE_WATER_DIRECTIONS 5
@@ -150,6 +153,44 @@ struct pel_vec4 {
 #define PEL_SHADER_SENSOR_ON 1
 #define PEL_SHADER_SENSOR_OFF 2
 
+/* The tone curve (docs/physics.md): linear light that a screen shows of exposed
+ * light x, f² (1 + FLARE) / (f + FLARE) with f = xᵖ / (STRETCH xᵖ + HALF), p =
+ * POWER, so that MIDDLE is MIDDLE and WHITE is 1 (pel_tone_curve). Colours keep
+ * LEAST of their saturation at any brightness, all of it far below PALE. */
+#define PEL_TONE_FILMIC 0
+#define PEL_TONE_LINEAR 1
+#define PEL_TONE_MIDDLE 0.18
+#define PEL_TONE_WHITE 256.0
+#define PEL_TONE_POWER 0.87
+#define PEL_TONE_FLARE 0.04
+#define PEL_TONE_STRETCH 0.99305
+#define PEL_TONE_HALF 0.86546
+#define PEL_TONE_PALE 16.0
+#define PEL_TONE_LEAST 0.25
+
+/* Light at EV 0 that is MIDDLE, cd/m²: a meter's K = 12.5 at ISO 100. */
+#define PEL_METER_MIDDLE 0.125
+/* Windows that one meter looks through; samples in each. */
+#define PEL_METER_SIGHTS 12
+#define PEL_METER_COLUMNS 32
+#define PEL_METER_ROWS 24
+/* 1 - cos of the angles from a light within which a sample counts for nothing,
+ * 1.5 deg, and from which on for all, 3 deg. */
+#define PEL_METER_BLIND_FROM 3.427e-4
+#define PEL_METER_BLIND_TO 1.3705e-3
+/* What is made of them (pel_meter_ev). */
+#define PEL_METER_KEY 0.23
+#define PEL_METER_HIGH 2.5
+#define PEL_METER_LEAST -8.0
+#define PEL_METER_MOST 14.6 /* in SUNLIGHT lx */
+#define PEL_METER_SUNLIGHT 1e5
+#define PEL_METER_SLOPE 0.0625
+
+/* Sources of glare. Lamps are to be more of them (meter.comp). */
+#define PEL_GLARES PEL_LIGHTS
+/* Where it has half the brightness of its centre, rad. */
+#define PEL_GLARE_CORE 0.0175
+
 /* vec4 that a probe answers with (probe.comp). */
 #define PEL_PROBE_ANSWERS 6
 
@@ -211,10 +252,38 @@ PEL_BLOCK(PEL_BLOCK_VIEW, view)
     vec4 up;     /* w: 1 / (N_max − N_min) */
     vec4 back;   /* w: levels of detail that slopes are sampled coarser */
     vec4 pixel;  /* px, py; lattice place of the picture's top left corner */
-    vec4 size;   /* width, height, px; z fixed EV100; w 1 when automatic */
+    vec4 size;   /* width, height, px */
     vec4 sensor; /* x 0 none, 1 a sensor's grey, 2 no picture; grey · y + z; w
                     noise */
-    vec4 sensor_seed; /* xy 0..65535; z share of lines that drop out */
+    vec4 sensor_seed; /* xy 0..65535; z share of lines that drop out; w
+                         PEL_TONE_* */
+};
+
+/* What the meter of a view sees. */
+struct pel_shader_sight {
+    vec4 right; /* camera axes in the world; w tangent of the left edge */
+    vec4 up;    /* w: right edge */
+    vec4 back;  /* w: top edge */
+    vec4 below; /* x: bottom edge */
+};
+PEL_BLOCK(PEL_BLOCK_SIGHTS, sighted)
+{
+    vec4 meter; /* x number of windows, 0: fixed; y fixed EV100; w share of
+                   light that the lens scatters */
+    PEL_STRUCT pel_shader_sight sights[PEL_METER_SIGHTS];
+};
+
+/* Written by the meter. */
+struct pel_shader_glare {
+    vec4 direction; /* xyz towards its source; w 1 − cos of its radius */
+    vec4 light; /* rgb at its centre as the radiance of a pixel; w share taken
+                   from the source */
+};
+PEL_BLOCK(PEL_BLOCK_EXPOSURE, exposure)
+{
+    vec4 exposure; /* x EV100; y log2 of the mean, z of the highlights, cd/m²;
+                      w exposed light of 1 cd/m² */
+    PEL_STRUCT pel_shader_glare glare[PEL_GLARES];
 };
 
 /* A wave as the shaders sum it; k̂ unit, c chop, h amplitude. */
@@ -273,7 +342,7 @@ struct pel_block_facets {
 /* Written by the light pass. */
 PEL_BLOCK(PEL_BLOCK_LIGHT, light)
 {
-    vec4 exposure;  /* x automatic EV100 */
+    vec4 incident;  /* x illuminance of the level plane, lx */
     vec4 sea_light; /* rgb the water's radiance, seen at 37° across a light */
     vec4 beams[PEL_LIGHTS]; /* rgb irradiance normal to its beam, sea level */
     vec4 skies[PEL_LIGHTS]; /* rgb horizontal irradiance of its sky */

@@ -1,16 +1,37 @@
-// Exposure, tone curve, sRGB, dither.
+// Glare, exposure, tone curve, sRGB, dither. Includers have lib/ray.glsl.
 
-// Saturation-based exposure (ISO 12232) puts 1.2 · 2^EV cd/m² at 1; KEY opens
-// it for the curve x (a x + b) / (x (c x + d) + e), which has a toe, a nearly
-// straight middle and a long shoulder.
-const float KEY = 2.8;
-// The camera's white balance: daylight of a clear day, Sun at 35°, is grey.
-// From optics/atmosphere.c: its irradiance is Rec. 709 (1.187, 1, 0.900).
-const vec3 DAYLIGHT = vec3(0.870, 1.0325, 1.147);
-
-vec3 tone_curve(vec3 x)
+// Twin of pel_tone_curve.
+float tone_curve(float x)
 {
-    return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+    float p = pow(x, PEL_TONE_POWER);
+    float f = p / (PEL_TONE_STRETCH * p + PEL_TONE_HALF);
+    return f * f * (1.0 + PEL_TONE_FLARE) / (f + PEL_TONE_FLARE);
+}
+
+// By the brightest channel, so that none is cut; the others follow it to white
+// only as light becomes many times brighter than the picture: an orange light
+// stays orange. Twin of pel_tone_filmic.
+vec3 filmic(vec3 x)
+{
+    float peak = max(max(x.r, x.g), max(x.b, 1e-9));
+    float shown = min(tone_curve(peak), 1.0);
+    float pale = peak * (1.0 / PEL_TONE_PALE);
+    float kept = PEL_TONE_LEAST + (1.0 - PEL_TONE_LEAST) / (1.0 + pale * pale);
+    return shown * (1.0 + (x / peak - 1.0) * kept);
+}
+
+// What the lens scatters of the light of small sources (docs/physics.md).
+vec3 with_glare(vec3 light, vec3 dir)
+{
+    const float inverse = 2.0 / (PEL_GLARE_CORE * PEL_GLARE_CORE);
+    for (int i = 0; i < PEL_GLARES; i++) {
+        vec3 off = dir - glare[i].direction.xyz;
+        float away = 0.5 * dot(off, off); // 1 − cos θ
+        bool source = away < glare[i].direction.w && dir.z > -eye.y;
+        light *= source ? 1.0 - glare[i].light.w : 1.0;
+        light += glare[i].light.rgb / (1.0 + away * inverse);
+    }
+    return light;
 }
 
 vec3 srgb(vec3 x)
@@ -48,13 +69,11 @@ vec3 sensed(vec3 encoded, uvec2 p)
 // Eight-bit colour of a spectral radiance at a pixel.
 vec3 display(vec3 light, ivec2 at)
 {
-    float ev = size.w > 0.5 ? exposure.x : size.z;
-    float scale = 1.0 / (1.2 * exp2(ev));
-    vec3 linear = max(vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light)), 0.0);
-    linear = min(linear * DAYLIGHT * (scale * KEY), 1e4);
-    // A little of the luminance in every channel, so that glare runs to white.
-    linear = mix(linear, vec3(dot(linear, vec3(0.2126, 0.7152, 0.0722))), 0.08);
-    vec3 encoded = srgb(clamp(tone_curve(linear), 0.0, 1.0));
+    vec3 ray = pixel_ray(lattice(at));
+    light = with_glare(light, ray * inversesqrt(dot(ray, ray)));
+    vec3 linear = vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light));
+    linear = clamp(linear * exposure.w, 0.0, 1e6);
+    vec3 encoded = srgb(sensor_seed.w == float(PEL_TONE_LINEAR) ? min(linear, 1.0) : filmic(linear));
     uvec2 place = uvec2(ivec2(floor(pixel.zw)) + at + 65536);
     if (sensor.x > 0.5) {
         encoded = sensed(encoded, place);

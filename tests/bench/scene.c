@@ -14,6 +14,7 @@ const struct bench_scene bench_default = {
     .waves = 60,
     .time_s = 10.0,
     .ev = 99.0,
+    .glare = 0.01,
 };
 
 static double wind_to(const struct bench_scene *s)
@@ -81,5 +82,7 @@ struct pel_camera bench_camera(const struct bench_scene *s)
         .height = s->height,
         .auto_exposure = s->ev > 90.0,
         .exposure_ev = s->ev,
+        .tone = s->linear ? PEL_TONE_LINEAR : PEL_TONE_FILMIC,
+        .glare = s->glare,
     };
 }

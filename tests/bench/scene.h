@@ -15,6 +15,8 @@ struct bench_scene {
     bool fft; /* the sea from FFT cascades instead of trochoids */
     double time_s;
     double ev; /* over 90: automatic */
+    double glare;
+    bool linear;
 };
 
 /* The peers' scene: 60 waves, 6 m above the sea, level, 1024 × 768. */

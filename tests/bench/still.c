@@ -30,7 +30,8 @@ static struct setting settings[] = {
     { "swell", 0 },       { "compute", -1 },  { "layers", 0 },
     { "nmin", 0 },        { "nmax", 0 },      { "cell", 0 },
     { "paper", 0 },       { "x", 0 },         { "y", 0 },
-    { "bed", 0 },         { "caustics", 1 },
+    { "bed", 0 },         { "caustics", 1 },  { "glare", 0.01 },
+    { "linear", 0 },
 };
 
 static double get(const char *name)
@@ -86,6 +87,8 @@ static struct bench_scene scene(void)
         .fft = get("fft") > 0,
         .time_s = get("time"),
         .ev = get("ev"),
+        .glare = get("glare"),
+        .linear = get("linear") > 0,
     };
 }
 

@@ -325,12 +325,22 @@ class View(Record):
     width: int = _field(1280, 'px', 16, 4096)
     #: Height of the picture. [px; 16 to 4096]
     height: int = _field(720, 'px', 16, 4096)
-    #: Exposure as EV100; absent: from the light that falls on the sea. [EV;
-    #: -10 to 24]
+    #: Exposure as EV100; absent: metered by what the view sees. [EV; -10 to
+    #: 24]
     exposure: float | None = _field(None, 'EV', -10, 24)
     #: A sensor's grey picture instead of the eye's; absent: the eye's. Of
     #: eight bits a channel; linear layers are what they are.
     sensor: Sensor | None = _field(None)
+    #: Curve from light to screen, of the eye's picture and of the sensor's.
+    #: One of FILMIC, LINEAR.
+    tone: str = _field('FILMIC')
+    #: Name of a meter, 1 to 64 of A-Z a-z 0-9 _ -: views that name the same,
+    #: 12 at most, are exposed alike, by what all of them see, so that they
+    #: match side by side; absent: by what this view sees.
+    meter: str | None = _field(None)
+    #: Share of the Sun's light that the lens scatters around it: glare. A good
+    #: lens has 0.01, an eye some 0.1. [1; 0 to 0.5]
+    glare: float = _field(0.01, '1', 0, 0.5)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,31 @@
+#include "render/meter.h"
+
+#include "render/shader.h"
+#include "shaders/lib/blocks.h"
+
+enum pel_err pel_meter_init(struct pel_meter *m, const char *shader_dir,
+                            struct pel_fault *fault)
+{
+    glCreateBuffers(1, &m->exposure);
+    glNamedBufferStorage(m->exposure, sizeof(struct pel_block_exposure), NULL,
+                         0);
+    glObjectLabel(GL_BUFFER, m->exposure, -1, "exposure");
+    return pel_program_create(shader_dir, "meter.comp", NULL, NULL, &m->program,
+                              fault);
+}
+
+void pel_meter_finish(struct pel_meter *m)
+{
+    glDeleteProgram(m->program);
+    glDeleteBuffers(1, &m->exposure);
+    *m = (struct pel_meter){ 0 };
+}
+
+void pel_meter_run(struct pel_meter *m)
+{
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_EXPOSURE, m->exposure);
+    glUseProgram(m->program);
+    glDispatchCompute(1, 1, 1);
+    glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_EXPOSURE, m->exposure);
+}

@@ -1,0 +1,21 @@
+/* The exposure of a view and the glare in its lens: meter.comp. Render thread
+ * only. */
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include "base/err.h"
+
+struct pel_meter {
+    GLuint program;
+    GLuint exposure; /* buffer, block `exposure` */
+};
+
+PEL_CHECK enum pel_err pel_meter_init(struct pel_meter *m,
+                                      const char *shader_dir,
+                                      struct pel_fault *fault);
+void pel_meter_finish(struct pel_meter *m);
+
+/* Fills and binds the block `exposure`. The blocks frame, eye, light, windows
+ * and the tables of the eye are bound. */
+void pel_meter_run(struct pel_meter *m);

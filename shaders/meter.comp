@@ -1,0 +1,123 @@
+#version 450 core
+// The exposure of a view by what the windows of its meter see of sky and mean
+// sea, and the glare of the lights in its lens.
+#include "lib/blocks.h"
+#include "lib/sky.glsl"
+#include "lib/ray.glsl"
+#include "lib/ross.glsl"
+#include "lib/water.glsl"
+#include "lib/shade.glsl"
+#include "lib/shaded.glsl"
+#include "lib/haze.glsl"
+
+layout(local_size_x = PEL_GROUP_LINE) in;
+layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
+layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
+layout(std430, binding = PEL_STORE_EXPOSURE) writeonly buffer out_block {
+    vec4 out_exposure;
+    pel_shader_glare out_glare[PEL_GLARES];
+};
+
+shared vec3 partial[PEL_GROUP_LINE];
+
+float luminance(vec3 light)
+{
+    return dot(vec3(0.2126, 0.7152, 0.0722),
+               vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light)));
+}
+
+vec3 mean_sea(vec3 dir)
+{
+    const vec3 n = vec3(0.0, 0.0, 1.0);
+    float range = distance_to_ground(eye.x, dir.z);
+    range = range < 0.0 ? sqrt(2.0 * planet.x * eye.x) : range;
+    vec2 tilt = dir.xy * (range / planet.x);
+    vec3 v = normalize(-vec3(dir.xy - tilt * dir.z, dir.z + dot(tilt, dir.xy)));
+    vec3 leaving = vec3(0.0);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        leaving += leaving_water(i, water_place(v, n, light_above(i, tilt)), 1e5);
+    }
+    lit parts = sea_radiance(reflection_map, v, tilt, n, wind.zw, leaving);
+    vec3 air;
+    vec3 through = haze(dir, range, air);
+    return (parts.sun + parts.sky + parts.water) * through + air;
+}
+
+vec3 seen(vec3 dir)
+{
+    float angle = angle_above_horizon(dir);
+    vec3 light = angle < 0.0 ? mean_sea(dir) : sky_light(eye_table, dir.xy, angle);
+    return from_under_water(light, dir.z);
+}
+
+// x the sum of log2 of luminances, y of their fourth powers, z of weights: a
+// light and what surrounds it by three degrees may burn out.
+vec3 sample_window(int k)
+{
+    const int each = PEL_METER_COLUMNS * PEL_METER_ROWS;
+    pel_shader_sight w = sights[k / each];
+    int cell = k % each;
+    vec2 place = (vec2(cell % PEL_METER_COLUMNS, cell / PEL_METER_COLUMNS) + 0.5) /
+                 vec2(PEL_METER_COLUMNS, PEL_METER_ROWS);
+    vec3 dir = normalize(w.right.xyz * mix(w.right.w, w.up.w, place.x) +
+                         w.up.xyz * mix(w.back.w, w.below.x, place.y) - w.back.xyz);
+    float weight = 1.0;
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        weight *= smoothstep(PEL_METER_BLIND_FROM, PEL_METER_BLIND_TO,
+                             1.0 - dot(dir, lights[i].direction.xyz));
+    }
+    float bright = max(luminance(seen(dir)), 1e-6);
+    float bright2 = bright * bright;
+    return vec3(log2(bright), bright2 * bright2, 1.0) * weight;
+}
+
+// Twin of pel_meter_ev.
+float meter_ev(float mean, float high, float level)
+{
+    float key = PEL_METER_KEY * (1.03 - 2.0 / (2.0 + log2(exp2(mean) + 1.0) * 0.30103));
+    float adapted = mean - log2(key * (PEL_METER_MIDDLE / PEL_TONE_MIDDLE));
+    float kept = high - log2(PEL_METER_HIGH * (PEL_METER_MIDDLE / PEL_TONE_MIDDLE));
+    float most = PEL_METER_MOST +
+                 PEL_METER_SLOPE * log2(max(level, 1e-6) / PEL_METER_SUNLIGHT);
+    return max(min(max(adapted, kept), most), PEL_METER_LEAST);
+}
+
+pel_shader_glare glare_of(int i)
+{
+    vec4 to = lights[i].direction;
+    const float core2 = 0.5 * PEL_GLARE_CORE * PEL_GLARE_CORE;
+    // What 1 / (1 + (1 − cos θ) / core2) is times, for its sum over all
+    // directions to be 1.
+    float centre = 1.0 / (2.0 * PI * core2 * log(1.0 + 2.0 / core2));
+    vec3 direct = lights[i].irradiance.rgb *
+                  light_transmittance(transmittance, eye.x, to.z, to.w);
+    float share = lut.y > 0.5 ? 0.0 : meter.w;
+    return pel_shader_glare(vec4(to.xyz, 0.5 * to.w * to.w), vec4(direct * (share * centre), share));
+}
+
+void main()
+{
+    int lane = int(gl_LocalInvocationID.x);
+    int samples = int(meter.x) * PEL_METER_COLUMNS * PEL_METER_ROWS;
+    vec3 sum = vec3(0.0);
+    for (int k = lane; k < samples; k += PEL_GROUP_LINE) {
+        sum += sample_window(k);
+    }
+    partial[lane] = sum;
+    barrier();
+    for (int stride = PEL_GROUP_LINE / 2; stride > 0; stride >>= 1) {
+        if (lane < stride) {
+            partial[lane] += partial[lane + stride];
+        }
+        barrier();
+    }
+    if (lane == 0) {
+        vec3 all = partial[0] / max(partial[0].z, 1.0);
+        float high = 0.25 * log2(max(all.y, 1e-24));
+        float ev = samples > 0 ? meter_ev(all.x, high, incident.x) : meter.y;
+        out_exposure = vec4(ev, all.x, high, exp2(-ev) * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE));
+        for (int i = 0; i < PEL_GLARES; i++) {
+            out_glare[i] = glare_of(i);
+        }
+    }
+}
