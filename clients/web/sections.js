@@ -208,12 +208,23 @@ export class Sections {
       { id: "up", scale: "asinh" });
     range("Towards the bow", "forward", "m", 0.5, { scale: "asinh" });
     range("To starboard", "right", "m", 0.5, { scale: "asinh" });
-    this.check("view", "auto-exposure", "Exposure by the light", { ...about,
+    this.check("view", "auto-exposure", "Exposure by what it sees", { ...about,
       depends: there, get: (s) => view(s)?.exposure === undefined,
       patch: (v) => patch("exposure")(v ? null : 14),
     });
     range("Exposure", "exposure", "EV", 0.1, { id: "exposure",
       depends: (s) => view(s)?.exposure !== undefined });
+    this.check("view", "meter", "Exposed like the other views that say so", {
+      ...about, depends: (s) => view(s) && view(s).exposure === undefined,
+      get: (s) => view(s)?.meter !== undefined,
+      patch: (v) => patch("meter")(v ? "all" : null),
+    });
+    const tones = this.fields.get("views.*.tone")?.values ?? [];
+    const tone = this.add(new Choice(byId("view"), { store: this.store,
+      id: "tone", label: "Tone", ...about, get: (s) => view(s)?.tone,
+      options: tones.map((v) => [v, words(v)]), patch: patch("tone") }), there);
+    tone.node.dataset.path = "views.*.tone";
+    range("Glare, share of light", "glare", "", 0.005, { id: "glare" });
     const level = button(byId("view"), "Ahead and level",
       "Look ahead, level, with a field of view of 60 degrees", () => {
         this.views.chosen?.look.want({ yaw: 0, pitch: 0, roll: 0,

@@ -207,6 +207,36 @@ static void pictures_keep_their_field(void **state)
     near(c.tan_bottom, tan(-10 * PEL_DEG), 0);
     assert_false(c.auto_exposure);
     near(c.exposure_ev, 12, 0);
+    assert_int_equal(c.tone, PEL_TONE_FILMIC);
+    near(c.glare, 0.01, 0);
+    assert_int_equal(c.sight_count, 0);
+}
+
+static void views_share_a_meter(void **state)
+{
+    (void)state;
+    const struct pel_snapshot *s = snapshot_of(
+        "{\"entities\":[{\"id\":1,\"altitude\":3}],\"views\":{"
+        "\"a\":{\"meter\":\"m\",\"entity\":1,\"yaw\":-60,\"up\":20},"
+        "\"b\":{\"meter\":\"n\"},"
+        "\"c\":{\"meter\":\"m\",\"yaw\":60,\"width\":500,\"height\":250,"
+        "\"fieldOfView\":90}}}");
+    struct pel_camera a, c;
+    /* The size that a picture is asked for in changes no exposure. */
+    pel_snapshot_camera(s, (size_t)pel_snapshot_find_view(s, "a"), 5, 0, 0, &a);
+    pel_snapshot_camera(s, (size_t)pel_snapshot_find_view(s, "c"), 5, 90, 90,
+                        &c);
+    assert_int_equal(a.sight_count, 2);
+    assert_int_equal(c.sight_count, 2);
+    assert_memory_equal(a.sights, c.sights, 2 * sizeof a.sights[0]);
+    near(a.sights[0].altitude_m, 23, EPS);
+    assert_memory_equal(&a.sights[0].world_from_camera, &a.world_from_camera,
+                        sizeof a.world_from_camera);
+    near(c.sights[1].tan_top, 0.5, EPS);
+    near(c.tan_top, 1, EPS);
+    pel_snapshot_camera(s, (size_t)pel_snapshot_find_view(s, "b"), 5, 0, 0, &a);
+    assert_int_equal(a.sight_count, 1);
+    pel_snapshot_unref(s);
 }
 
 static void entities_go_on(void **state)
@@ -322,6 +352,7 @@ int main(void)
         cmocka_unit_test(poses_grow_stale),
         cmocka_unit_test(silent_inputs_have_names),
         cmocka_unit_test(pictures_keep_their_field),
+        cmocka_unit_test(views_share_a_meter),
         cmocka_unit_test(entities_go_on),
         cmocka_unit_test(the_sun_can_be_fixed),
         cmocka_unit_test(enums_are_numbered_as_in_the_schema),

@@ -4,8 +4,8 @@
 float tone_curve(float x)
 {
     float p = pow(x, PEL_TONE_POWER);
-    float f = p / (PEL_TONE_STRETCH * p + PEL_TONE_HALF);
-    return f * f * (1.0 + PEL_TONE_FLARE) / (f + PEL_TONE_FLARE);
+    float q = PEL_TONE_STRETCH * p + PEL_TONE_HALF; // f = p / q
+    return p * p * (1.0 + PEL_TONE_FLARE) / (q * (p + PEL_TONE_FLARE * q));
 }
 
 // By the brightest channel, so that none is cut; the others follow it to white
@@ -15,9 +15,9 @@ vec3 filmic(vec3 x)
 {
     float peak = max(max(x.r, x.g), max(x.b, 1e-9));
     float shown = min(tone_curve(peak), 1.0);
-    float pale = peak * (1.0 / PEL_TONE_PALE);
-    float kept = PEL_TONE_LEAST + (1.0 - PEL_TONE_LEAST) / (1.0 + pale * pale);
-    return shown * (1.0 + (x / peak - 1.0) * kept);
+    const float PALE2 = PEL_TONE_PALE * PEL_TONE_PALE;
+    float kept = PEL_TONE_LEAST + (1.0 - PEL_TONE_LEAST) * PALE2 / (PALE2 + peak * peak);
+    return shown + (x - peak) * (shown * kept / peak);
 }
 
 // What the lens scatters of the light of small sources (docs/physics.md).
@@ -25,8 +25,7 @@ vec3 with_glare(vec3 light, vec3 dir)
 {
     const float inverse = 2.0 / (PEL_GLARE_CORE * PEL_GLARE_CORE);
     for (int i = 0; i < PEL_GLARES; i++) {
-        vec3 off = dir - glare[i].direction.xyz;
-        float away = 0.5 * dot(off, off); // 1 − cos θ
+        float away = 1.0 - dot(dir, glare[i].direction.xyz);
         bool source = away < glare[i].direction.w && dir.z > -eye.y;
         light *= source ? 1.0 - glare[i].light.w : 1.0;
         light += glare[i].light.rgb / (1.0 + away * inverse);
@@ -70,7 +69,7 @@ vec3 sensed(vec3 encoded, uvec2 p)
 vec3 display(vec3 light, ivec2 at)
 {
     vec3 ray = pixel_ray(lattice(at));
-    light = with_glare(light, ray * inversesqrt(dot(ray, ray)));
+    light = with_glare(light, ray / sqrt(dot(ray, ray)));
     vec3 linear = vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light));
     linear = clamp(linear * exposure.w, 0.0, 1e6);
     vec3 encoded = srgb(sensor_seed.w == float(PEL_TONE_LINEAR) ? min(linear, 1.0) : filmic(linear));

@@ -47,7 +47,7 @@ def add_windows(ocean: Ocean, entity: int, width: int, height: int) -> None:
     ocean.patch({"views": {
         name: {"entity": entity, "forward": 10, "right": 0, "up": 18,
                "yaw": foot, "pitch": 0, "roll": 0,
-               "width": width, "height": height,
+               "width": width, "height": height, "meter": "bridge",
                "frustum": {"left": middle - foot - ACROSS / 2,
                            "right": middle - foot + ACROSS / 2,
                            "top": TOP, "bottom": BOTTOM}}
