@@ -15,6 +15,7 @@ layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 layout(std430, binding = PEL_STORE_EXPOSURE) writeonly buffer out_block {
     vec4 out_exposure;
+    vec4 out_exposing;
     pel_shader_glare out_glare[PEL_GLARES];
 };
 
@@ -74,7 +75,8 @@ vec3 sample_window(int k)
 // Twin of pel_meter_ev.
 float meter_ev(float mean, float high, float level)
 {
-    float key = PEL_METER_KEY * (1.03 - 2.0 / (2.0 + log2(exp2(mean) + 1.0) * 0.30103));
+    float key = PEL_METER_KEY * pow(1.03 - 2.0 / (2.0 + log2(exp2(mean) + 1.0) * 0.30103),
+                                    PEL_METER_KEY_POWER);
     float adapted = mean - log2(key * (PEL_METER_MIDDLE / PEL_TONE_MIDDLE));
     float kept = high - log2(PEL_METER_HIGH * (PEL_METER_MIDDLE / PEL_TONE_MIDDLE));
     float most = PEL_METER_MOST +
@@ -115,7 +117,11 @@ void main()
         vec3 all = partial[0] / max(partial[0].z, 1.0);
         float high = 0.25 * log2(max(all.y, 1e-24));
         float ev = samples > 0 ? meter_ev(all.x, high, incident.x) : meter.y;
-        out_exposure = vec4(ev, all.x, high, exp2(-ev) * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE));
+        out_exposure = vec4(ev, all.x, high, 0.0);
+        vec3 balance = meter.z == float(PEL_TONE_LINEAR)
+                           ? vec3(1.0)
+                           : vec3(PEL_TONE_RED, PEL_TONE_GREEN, PEL_TONE_BLUE);
+        out_exposing = vec4(balance * (exp2(-ev) * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE)), 0.0);
         for (int i = 0; i < PEL_GLARES; i++) {
             out_glare[i] = glare_of(i);
         }

@@ -117,7 +117,8 @@ void pel_tone_filmic(const double exposed[3], double out[3])
 
 double pel_meter_ev(double mean, double high, double level_lx)
 {
-    double key = PEL_METER_KEY * (1.03 - 2.0 / (2.0 + log10(mean + 1.0)));
+    double key = PEL_METER_KEY * pow(1.03 - 2.0 / (2.0 + log10(mean + 1.0)),
+                                     PEL_METER_KEY_POWER);
     double adapted = log2(mean / key * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE));
     double kept =
         log2(high / PEL_METER_HIGH * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE));

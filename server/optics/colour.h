@@ -18,8 +18,8 @@ double pel_colour_exposure_scale(double ev100);
 
 /* Linear light of a screen, 0..1, for exposed grey x >= 0: the response of a
  * receptor, xᵖ / (xᵖ + σᵖ) (Naka and Rushton 1966), stretched to reach 1 at
- * PEL_TONE_WHITE, then a toe as of a lens's flare. It rises, keeps
- * PEL_TONE_MIDDLE, and is more than 1 beyond PEL_TONE_WHITE. */
+ * PEL_TONE_WHITE, then a toe as of a lens's flare. It rises, makes
+ * PEL_TONE_MIDDLE PEL_TONE_SHOWN, and is more than 1 beyond PEL_TONE_WHITE. */
 double pel_tone_curve(double x);
 
 /* The same of a colour, Rec. 709: its brightest channel by the curve, the
@@ -29,9 +29,10 @@ void pel_tone_filmic(const double exposed[3], double out[3]);
 
 /* EV100 for a meter's geometric mean of luminances and their fourth-power mean
  * [cd/m²], and the illuminance of the level plane [lx]: the mean is shown at a
- * key that falls with it (Krawczyk, Myszkowski and Seidel 2005, eq. 11, times
- * PEL_METER_KEY), `high` at no more than PEL_METER_HIGH of exposed light,
- * within PEL_METER_LEAST and PEL_METER_MOST. */
+ * key that falls with it (Krawczyk, Myszkowski and Seidel 2005, eq. 11, to
+ * the power of PEL_METER_KEY_POWER, times PEL_METER_KEY), `high` at no more
+ * than PEL_METER_HIGH of exposed light, within PEL_METER_LEAST and
+ * PEL_METER_MOST. */
 double pel_meter_ev(double mean, double high, double level_lx);
 
 /* Share of the scattered light of a source per steradian, 1/sr, at an angle

@@ -8,6 +8,8 @@
 
 static struct pel_sea sea;
 static double rec709[9];
+static const double balance[3] = { PEL_TONE_RED, PEL_TONE_GREEN,
+                                   PEL_TONE_BLUE };
 
 static struct pel_environment into_sun(double elevation, double visibility_m)
 {
@@ -79,7 +81,8 @@ static int off_by_more(double elevation, double ev, int tone, double share)
         double x[3], shown[3];
         exposed(light, ev, x);
         for (int k = 0; k < 3; k++) {
-            x[k] = fmax(x[k], 0.0);
+            x[k] =
+                fmax(x[k], 0.0) * (tone == PEL_TONE_FILMIC ? balance[k] : 1.0);
             shown[k] = fmin(x[k], 1.0);
         }
         if (tone == PEL_TONE_FILMIC) {

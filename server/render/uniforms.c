@@ -230,5 +230,5 @@ void pel_fill_sights(const struct pel_camera *camera,
         out->sights[i] = window_of(count ? &c->sights[i] : &own);
     }
     out->meter = vec4(c->auto_exposure ? (count ? count : 1) : 0,
-                      c->exposure_ev, 0.0, c->glare);
+                      c->exposure_ev, c->tone, c->glare);
 }

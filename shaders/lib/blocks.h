@@ -155,18 +155,23 @@ struct pel_vec4 {
 
 /* The tone curve (docs/physics.md): linear light that a screen shows of exposed
  * light x, f² (1 + FLARE) / (f + FLARE) with f = xᵖ / (STRETCH xᵖ + HALF), p =
- * POWER, so that MIDDLE is MIDDLE and WHITE is 1 (pel_tone_curve). Colours keep
- * LEAST of their saturation at any brightness, all of it far below PALE. */
+ * POWER, so that MIDDLE becomes SHOWN and WHITE 1 (pel_tone_curve). Colours keep
+ * LEAST of their saturation at any brightness, all of it far below PALE. RED,
+ * GREEN and BLUE are what white balance makes of grey. */
 #define PEL_TONE_FILMIC 0
 #define PEL_TONE_LINEAR 1
 #define PEL_TONE_MIDDLE 0.18
+#define PEL_TONE_SHOWN 0.21
 #define PEL_TONE_WHITE 256.0
-#define PEL_TONE_POWER 0.87
+#define PEL_TONE_POWER 0.83
 #define PEL_TONE_FLARE 0.04
-#define PEL_TONE_STRETCH 0.99305
-#define PEL_TONE_HALF 0.86546
+#define PEL_TONE_STRETCH 0.99217
+#define PEL_TONE_HALF 0.78129
 #define PEL_TONE_PALE 16.0
 #define PEL_TONE_LEAST 0.25
+#define PEL_TONE_RED 0.946
+#define PEL_TONE_GREEN 1.013
+#define PEL_TONE_BLUE 1.056
 
 /* Light at EV 0 that is MIDDLE, cd/m²: a meter's K = 12.5 at ISO 100. */
 #define PEL_METER_MIDDLE 0.125
@@ -179,10 +184,11 @@ struct pel_vec4 {
 #define PEL_METER_BLIND_FROM 3.427e-4
 #define PEL_METER_BLIND_TO 1.3705e-3
 /* What is made of them (pel_meter_ev). */
-#define PEL_METER_KEY 0.23
+#define PEL_METER_KEY 0.265
+#define PEL_METER_KEY_POWER 1.1
 #define PEL_METER_HIGH 2.5
 #define PEL_METER_LEAST -8.0
-#define PEL_METER_MOST 14.6 /* in SUNLIGHT lx */
+#define PEL_METER_MOST 14.45 /* in SUNLIGHT lx */
 #define PEL_METER_SUNLIGHT 1e5
 #define PEL_METER_SLOPE 0.0625
 
@@ -268,8 +274,8 @@ struct pel_shader_sight {
 };
 PEL_BLOCK(PEL_BLOCK_SIGHTS, sighted)
 {
-    vec4 meter; /* x number of windows, 0: fixed; y fixed EV100; w share of
-                   light that the lens scatters */
+    vec4 meter; /* x number of windows, 0: fixed; y fixed EV100; z PEL_TONE_*; w
+                   share of light that the lens scatters */
     PEL_STRUCT pel_shader_sight sights[PEL_METER_SIGHTS];
 };
 
@@ -281,8 +287,8 @@ struct pel_shader_glare {
 };
 PEL_BLOCK(PEL_BLOCK_EXPOSURE, exposure)
 {
-    vec4 exposure; /* x EV100; y log2 of the mean, z of the highlights, cd/m²;
-                      w exposed light of 1 cd/m² */
+    vec4 exposure; /* x EV100; y log2 of the mean, z of the highlights, cd/m² */
+    vec4 exposing; /* rgb exposed light of 1 cd/m², balanced */
     PEL_STRUCT pel_shader_glare glare[PEL_GLARES];
 };
 

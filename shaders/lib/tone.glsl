@@ -71,7 +71,7 @@ vec3 display(vec3 light, ivec2 at)
     vec3 ray = pixel_ray(lattice(at));
     light = with_glare(light, ray / sqrt(dot(ray, ray)));
     vec3 linear = vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light));
-    linear = clamp(linear * exposure.w, 0.0, 1e6);
+    linear = clamp(linear * exposing.rgb, 0.0, 1e6);
     vec3 encoded = srgb(sensor_seed.w == float(PEL_TONE_LINEAR) ? min(linear, 1.0) : filmic(linear));
     uvec2 place = uvec2(ivec2(floor(pixel.zw)) + at + 65536);
     if (sensor.x > 0.5) {
