@@ -184,7 +184,7 @@ struct pel_vec4 {
 #define PEL_METER_BLIND_FROM 3.427e-4
 #define PEL_METER_BLIND_TO 1.3705e-3
 /* What is made of them (pel_meter_ev). */
-#define PEL_METER_KEY 0.265
+#define PEL_METER_KEY 0.28
 #define PEL_METER_KEY_POWER 1.1
 #define PEL_METER_HIGH 2.5
 #define PEL_METER_LEAST -8.0
