@@ -155,9 +155,9 @@ struct pel_vec4 {
 
 /* The tone curve (docs/physics.md): linear light that a screen shows of exposed
  * light x, f² (1 + FLARE) / (f + FLARE) with f = xᵖ / (STRETCH xᵖ + HALF), p =
- * POWER, so that MIDDLE becomes SHOWN and WHITE 1 (pel_tone_curve). Colours keep
- * LEAST of their saturation at any brightness, all of it far below PALE. RED,
- * GREEN and BLUE are what white balance makes of grey. */
+ * POWER, so that MIDDLE becomes SHOWN and WHITE 1 (pel_tone_curve). Colours
+ * keep LEAST of their saturation at any brightness, all of it far below PALE.
+ * RED, GREEN and BLUE are what white balance makes of grey. */
 #define PEL_TONE_FILMIC 0
 #define PEL_TONE_LINEAR 1
 #define PEL_TONE_MIDDLE 0.18
@@ -184,7 +184,7 @@ struct pel_vec4 {
 #define PEL_METER_BLIND_FROM 3.427e-4
 #define PEL_METER_BLIND_TO 1.3705e-3
 /* What is made of them (pel_meter_ev). */
-#define PEL_METER_KEY 0.28
+#define PEL_METER_KEY 0.25
 #define PEL_METER_KEY_POWER 1.1
 #define PEL_METER_HIGH 2.5
 #define PEL_METER_LEAST -8.0
