@@ -100,6 +100,8 @@ SEABED_READER := server/seabed/reader/reader.c server/seabed/reader/geo.c \
     server/seabed/reader/exr.c server/seabed/reader/hdf5.c
 OPTICS := server/optics/brdf.c \
     server/optics/atmosphere.c \
+    server/optics/airlight.c \
+    server/optics/airrays.c \
     server/optics/colour.c \
     server/optics/facets.c \
     server/optics/light.c \
@@ -349,6 +351,8 @@ TESTS += clients/pelagosctl/nmea_log_test.c
 VECTORS := -O3 -fno-math-errno
 FLAGS_server/ocean/fft := $(VECTORS)
 FLAGS_server/ocean/evolve := $(VECTORS)
+FLAGS_server/optics/airlight := $(VECTORS)
+FLAGS_server/optics/airrays := $(VECTORS)
 FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)
 FLAGS_clients/pelagosctl/clip_stream = $(CTL_CFLAGS)
 $(foreach f,$(SEABED_READER:.c=) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))

@@ -2,9 +2,13 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdlib.h>
+
+#include "optics/airlight.h"
+#include "optics/airgeometry.h"
 
 #define R PEL_EARTH_RADIUS
-#define TOP (PEL_ATMOSPHERE_RADIUS - PEL_EARTH_RADIUS)
+#define TOP PEL_AIR_TOP
 
 /* Ozone of 300 DU (1 DU = 2.687e20 molecules/m²) under a triangle of area
  * 15 km; cross-sections [m²] at 680, 550, 440 nm and 233 K: Serdyuchenko et
@@ -13,10 +17,9 @@
 static const struct pel_rgb ozone_cross_section = { 1.209e-25, 3.500e-25,
                                                     1.582e-26 };
 
+#ifndef SKY_STEPS
 #define SKY_STEPS 64
-#define MULTIPLE_ZENITHS 8
-#define MULTIPLE_AZIMUTHS 4 /* over half a turn */
-#define MULTIPLE_STEPS 16
+#endif
 #define IRRADIANCE_ZENITHS 16
 #define IRRADIANCE_AZIMUTHS 10 /* over half a turn */
 
@@ -35,46 +38,12 @@ static struct pel_rgb rgb_scale(struct pel_rgb a, double s)
     return (struct pel_rgb){ a.r * s, a.g * s, a.b * s };
 }
 
-/* --- geometry ------------------------------------------------------------ */
-
-/* Height at distance t along a ray from height h, without cancellation. */
-static double height_along(double h, double mu, double t)
-{
-    double r = R + h;
-    double rise = t * (t + 2.0 * r * mu); /* r_t² − r² */
-    return fmax(h + rise / (sqrt(fmax(r * r + rise, 0)) + r), 0);
-}
-
-static double distance_to_top(double h, double mu)
-{
-    double r = R + h;
-    double c = (TOP - h) * (PEL_ATMOSPHERE_RADIUS + r);
-    return -r * mu + sqrt(fmax(r * r * mu * mu + c, 0));
-}
-
-/* Negative where the ray does not meet the ground. */
-static double distance_to_ground(double h, double mu)
-{
-    double r = R + h;
-    double c = h * (R + r);
-    double disc = r * r * mu * mu - c;
-    if (mu >= 0 || disc < 0) {
-        return -1;
-    }
-    return c / (-r * mu + sqrt(disc));
-}
-
-static double horizon_cosine(double h)
-{
-    return -sqrt(h * (2.0 * R + h)) / (R + h);
-}
+/* --- transmittance ------------------------------------------------------- */
 
 static double clamp_height(double height_m)
 {
     return pel_clamp(height_m, 0, TOP);
 }
-
-/* --- transmittance ------------------------------------------------------- */
 
 static double ozone_density(const struct pel_atmosphere *a, double h)
 {
@@ -116,7 +85,7 @@ static double rising_ozone(const struct pel_atmosphere *a, double h, double mu,
             for (int j = 0; j < 4; j++) {
                 double t = from + (to - from) * (i + gauss_node[j]) / PANELS;
                 sum += gauss_weight[j] * (to - from) / PANELS *
-                       ozone_density(a, height_along(h, mu, t));
+                       ozone_density(a, pel_height_along(h, mu, t));
             }
         }
     }
@@ -134,7 +103,7 @@ static struct pel_columns rising_columns(const struct pel_atmosphere *a,
         double from = way * i * i / (PANELS * PANELS);
         double length = way * (2 * i + 1) / (PANELS * PANELS);
         for (int j = 0; j < 4; j++) {
-            double ht = height_along(h, mu, from + gauss_node[j] * length);
+            double ht = pel_height_along(h, mu, from + gauss_node[j] * length);
             double w = gauss_weight[j] * length;
             c.rayleigh += w * exp(-ht / a->rayleigh_height_m);
             c.mie += w * exp(-ht / a->mie_height_m);
@@ -148,13 +117,13 @@ struct pel_columns pel_atmosphere_columns(const struct pel_atmosphere *a,
 {
     double h = clamp_height(height_m);
     if (mu >= 0) {
-        return rising_columns(a, h, mu, distance_to_top(h, mu));
+        return rising_columns(a, h, mu, pel_distance_to_top(h, mu));
     }
     /* From the lowest point, once forward and once back. */
     double r = R + h;
     double least = r * sqrt(fmax(1.0 - mu * mu, 0));
     double low = clamp_height(least - R);
-    struct pel_columns f = rising_columns(a, low, 0, distance_to_top(low, 0));
+    struct pel_columns f = rising_columns(a, low, 0, pel_distance_to_top(low, 0));
     struct pel_columns b = rising_columns(a, low, 0, -r * mu);
     return (struct pel_columns){ f.rayleigh + b.rayleigh, f.mie + b.mie,
                                  f.ozone + b.ozone };
@@ -175,7 +144,7 @@ struct pel_rgb pel_atmosphere_transmittance(const struct pel_atmosphere *a,
                                             double height_m, double mu)
 {
     double h = fmax(height_m, 0);
-    if (mu < horizon_cosine(h)) {
+    if (mu < pel_horizon_cosine(h)) {
         return (struct pel_rgb){ 0, 0, 0 };
     }
     if (h > TOP) {
@@ -211,7 +180,7 @@ static void fill_columns(struct pel_atmosphere *a)
             if (d > 0) {
                 mu = (top * top - rho * rho - d * d) / (2.0 * (R + h) * d);
             }
-            mu = pel_clamp(mu, horizon_cosine(h), 1);
+            mu = pel_clamp(mu, pel_horizon_cosine(h), 1);
             a->columns[i][j] = pel_atmosphere_columns(a, h, mu);
         }
     }
@@ -243,10 +212,10 @@ static struct pel_rgb sun_transmittance(const struct pel_atmosphere *a,
     if (visible <= 0) {
         return (struct pel_rgb){ 0, 0, 0 };
     }
-    double mu = fmax(sun_mu, horizon_cosine(h));
+    double mu = fmax(sun_mu, pel_horizon_cosine(h));
     double top = column_top(), rho = sqrt(h * (2.0 * R + h));
     double least = TOP - h, fi, fj;
-    double x = (distance_to_top(h, mu) - least) / (rho + top - least);
+    double x = (pel_distance_to_top(h, mu) - least) / (rho + top - least);
     int i = cell(rho / top, PEL_COLUMN_HEIGHTS, &fi);
     int j = cell(x, PEL_COLUMN_COSINES, &fj);
     const struct pel_columns *lower = a->columns[i], *upper = a->columns[i + 1];
@@ -259,7 +228,7 @@ static struct pel_rgb sun_transmittance(const struct pel_atmosphere *a,
 double pel_atmosphere_sun_visible(double height_m, double sun_mu)
 {
     double h = clamp_height(height_m);
-    double x = (sun_mu - horizon_cosine(h)) / PEL_SUN_ANGULAR_RADIUS;
+    double x = (sun_mu - pel_horizon_cosine(h)) / PEL_SUN_ANGULAR_RADIUS;
     x = pel_clamp(x, -1, 1);
     return 0.5 + 0.75 * x - 0.25 * x * x * x;
 }
@@ -290,7 +259,7 @@ static struct point ray_point(const struct pel_atmosphere *a, double h,
                               double mu, double sun_mu, double nu, double t)
 {
     struct point p;
-    p.height = height_along(h, mu, t);
+    p.height = pel_height_along(h, mu, t);
     p.sun_mu = pel_clamp(((R + h) * sun_mu + t * nu) / (R + p.height), -1, 1);
     double mie = exp(-p.height / a->mie_height_m);
     p.rayleigh = rgb_scale(a->rayleigh, exp(-p.height / a->rayleigh_height_m));
@@ -323,124 +292,52 @@ static struct pel_rgb step_rgb(struct pel_rgb extinction, double length,
     return s;
 }
 
-/* Light that reaches height h along one direction after one scattering taken
- * as isotropic, or one reflection by the ground, per unit solar irradiance
- * (Hillaire 2020, eq. 6), and how much of uniform light would (eq. 8). */
-static void multiple_ray(const struct pel_atmosphere *a, double h, double mu,
-                         double sun_mu, double nu, double weight,
-                         struct pel_rgb *second, struct pel_rgb *factor)
-{
-    double ground = distance_to_ground(h, mu);
-    double way = ground >= 0 ? ground : distance_to_top(h, mu);
-    struct pel_rgb through = { weight, weight, weight };
-    double from = 0;
-    for (int i = 0; i < MULTIPLE_STEPS; i++) {
-        double q = (i + 1.0) / MULTIPLE_STEPS;
-        double to = way * q * q;
-        struct point p = ray_point(a, h, mu, sun_mu, nu, 0.5 * (from + to));
-        struct pel_rgb scatter = { p.rayleigh.r + p.mie, p.rayleigh.g + p.mie,
-                                   p.rayleigh.b + p.mie };
-        struct pel_rgb share =
-            rgb_mul(scatter, step_rgb(p.extinction, to - from, &through));
-        struct pel_rgb sun = sun_transmittance(a, p.height, p.sun_mu);
-        *factor = rgb_add(*factor, share);
-        *second =
-            rgb_add(*second, rgb_scale(rgb_mul(share, sun), 0.25 / PEL_PI));
-        from = to;
-    }
-    if (ground >= 0) {
-        double at = ((R + h) * sun_mu + ground * nu) / R;
-        double lit = fmax(at, 0) * PEL_SEA_ALBEDO / PEL_PI;
-        struct pel_rgb sun = sun_transmittance(a, 0, at);
-        *second = rgb_add(*second, rgb_scale(rgb_mul(through, sun), lit));
-    }
-}
-
-static struct pel_rgb multiple_at(const struct pel_atmosphere *a, double h,
-                                  double sun_mu)
-{
-    struct pel_rgb second = { 0, 0, 0 }, factor = { 0, 0, 0 };
-    double across = sqrt(fmax(1.0 - sun_mu * sun_mu, 0));
-    double horizon = horizon_cosine(h);
-    for (int i = 0; i < MULTIPLE_ZENITHS; i++) {
-        /* Half of them above the horizon, half below, dmu = 2|x| dx: finest
-         * at the horizon, where air and twilight are. */
-        double x = 1.0 - 2.0 * (i + 0.5) / MULTIPLE_ZENITHS;
-        double side = x > 0 ? 1.0 - horizon : 1.0 + horizon;
-        double mu = horizon + side * x * fabs(x);
-        double weight = side * 2.0 * fabs(x);
-        double sine = sqrt(1.0 - mu * mu);
-        for (int j = 0; j < MULTIPLE_AZIMUTHS; j++) {
-            double phi = PEL_PI * (j + 0.5) / MULTIPLE_AZIMUTHS;
-            double nu = mu * sun_mu + sine * across * cos(phi);
-            multiple_ray(a, h, mu, sun_mu, nu, weight, &second, &factor);
-        }
-    }
-    double n = MULTIPLE_ZENITHS * MULTIPLE_AZIMUTHS;
-    return (struct pel_rgb){
-        second.r / n / (1.0 - fmin(factor.r / n, 0.98)),
-        second.g / n / (1.0 - fmin(factor.g / n, 0.98)),
-        second.b / n / (1.0 - fmin(factor.b / n, 0.98)),
-    };
-}
-
-/* x in 0..1 stands for the cosine s|s|, s from −0.6 to 1: finest where the
- * Sun sets. */
-static double multiple_sun_mu(double x)
-{
-    double s = -0.6 + 1.6 * x;
-    return s * fabs(s);
-}
-
-static void fill_multiple(struct pel_atmosphere *a)
-{
-    for (int i = 0; i < PEL_MULTIPLE_HEIGHTS; i++) {
-        double x = (double)i / (PEL_MULTIPLE_HEIGHTS - 1);
-        for (int j = 0; j < PEL_MULTIPLE_SUNS; j++) {
-            double s = multiple_sun_mu((double)j / (PEL_MULTIPLE_SUNS - 1));
-            a->multiple[i][j] = multiple_at(a, TOP * x * x, s);
-        }
-    }
-}
-
-struct pel_rgb pel_atmosphere_multiple(const struct pel_atmosphere *a,
-                                       double height_m, double sun_mu)
-{
-    double fi, fj;
-    double s = sun_mu < 0 ? -sqrt(-sun_mu) : sqrt(sun_mu);
-    int i = cell(sqrt(clamp_height(height_m) / TOP), PEL_MULTIPLE_HEIGHTS, &fi);
-    int j = cell((s + 0.6) / 1.6, PEL_MULTIPLE_SUNS, &fj);
-    const struct pel_rgb *lower = &a->multiple[i][j];
-    const struct pel_rgb *upper = &a->multiple[i + 1][j];
-    struct pel_rgb below =
-        rgb_add(rgb_scale(lower[0], 1 - fj), rgb_scale(lower[1], fj));
-    struct pel_rgb above =
-        rgb_add(rgb_scale(upper[0], 1 - fj), rgb_scale(upper[1], fj));
-    return rgb_add(rgb_scale(below, 1 - fi), rgb_scale(above, fi));
-}
-
 /* --- the sky ------------------------------------------------------------- */
 
-static struct pel_rgb sky_from(const struct pel_atmosphere *a, double h,
-                               double mu, double sun_mu, double nu)
+/* A line of sight against the Sun. */
+struct sight {
+    double height, mu, zenith, sun_mu, nu;
+};
+
+/* Light scattered before, at distance t of a line of sight: the vertical has
+ * turned there, and with it the azimuths. */
+static struct pel_rgb scattered_before(const struct pel_atmosphere *a,
+                                       const struct sight *s,
+                                       const struct point *p, double t)
 {
-    double ground = distance_to_ground(h, mu);
-    double way = ground >= 0 ? ground : distance_to_top(h, mu);
-    double rayleigh = pel_phase_rayleigh(nu), mie = pel_phase_mie(nu, a->mie_g);
+    double across = sqrt(fmax(1.0 - s->mu * s->mu, 0));
+    double turned = atan2(t * across, R + s->height + t * s->mu);
+    double zenith = pel_clamp(s->zenith - turned, 0, PEL_PI);
+    double sines =
+        sin(zenith) * sqrt(fmax(1.0 - p->sun_mu * p->sun_mu, 0));
+    double cosine = (s->nu - cos(zenith) * p->sun_mu) / fmax(sines, 1e-9);
+    return pel_airlight_at(a->airlight, a, p->height, p->sun_mu, zenith,
+                           pel_clamp(cosine, -1, 1));
+}
+
+static struct pel_rgb sky_from(const struct pel_atmosphere *a,
+                               const struct sight *s)
+{
+    double ground = pel_distance_to_ground(s->height, s->mu);
+    double way =
+        ground >= 0 ? ground : pel_distance_to_top(s->height, s->mu);
+    double rayleigh = pel_phase_rayleigh(s->nu);
+    double mie = pel_phase_mie(s->nu, a->mie_g);
     struct pel_rgb radiance = { 0, 0, 0 }, through = { 1, 1, 1 };
-    double from = 0;
+    double power = pel_air_step_power(a, s->height, way, SKY_STEPS), from = 0;
     for (int i = 0; i < SKY_STEPS; i++) {
-        double q = (i + 1.0) / SKY_STEPS;
-        double to = way * q * q;
-        struct point p = ray_point(a, h, mu, sun_mu, nu, 0.5 * (from + to));
+        double to = way * pow((i + 1.0) / SKY_STEPS, power);
+        double t = 0.5 * (from + to);
+        struct point p = ray_point(a, s->height, s->mu, s->sun_mu, s->nu, t);
         struct pel_rgb sun = sun_transmittance(a, p.height, p.sun_mu);
-        struct pel_rgb gain = pel_atmosphere_multiple(a, p.height, p.sun_mu);
+        struct pel_rgb before = scattered_before(a, s, &p, t);
         struct pel_rgb once = rgb_scale(p.rayleigh, rayleigh);
         struct pel_rgb all = p.rayleigh;
         once = rgb_add(
             once, (struct pel_rgb){ p.mie * mie, p.mie * mie, p.mie * mie });
         all = rgb_add(all, (struct pel_rgb){ p.mie, p.mie, p.mie });
-        struct pel_rgb source = rgb_add(rgb_mul(once, sun), rgb_mul(all, gain));
+        struct pel_rgb source =
+            rgb_add(rgb_mul(once, sun), rgb_mul(all, before));
         struct pel_rgb step = step_rgb(p.extinction, to - from, &through);
         radiance = rgb_add(radiance, rgb_mul(source, step));
         from = to;
@@ -466,7 +363,8 @@ struct pel_rgb pel_atmosphere_sky(const struct pel_atmosphere *a,
         mu = -sqrt(disc) / PEL_ATMOSPHERE_RADIUS;
         h = TOP;
     }
-    return sky_from(a, h, mu, sun_mu, nu);
+    const struct sight sight = { h, mu, acos(mu), sun_mu, nu };
+    return sky_from(a, &sight);
 }
 
 struct pel_rgb pel_atmosphere_sky_irradiance(const struct pel_atmosphere *a,
@@ -483,7 +381,8 @@ struct pel_rgb pel_atmosphere_sky_irradiance(const struct pel_atmosphere *a,
         for (int j = 0; j < IRRADIANCE_AZIMUTHS; j++) {
             double phi = PEL_PI * (j + 0.5) / IRRADIANCE_AZIMUTHS;
             double nu = mu * sun_mu + sine * across * cos(phi);
-            struct pel_rgb l = sky_from(a, 0, mu, sun_mu, nu);
+            const struct sight sight = { 0, mu, acos(mu), sun_mu, nu };
+            struct pel_rgb l = sky_from(a, &sight);
             sum = rgb_add(sum, rgb_scale(l, weight));
         }
     }
@@ -496,7 +395,7 @@ struct pel_rgb pel_atmosphere_sun_irradiance(const struct pel_atmosphere *a,
 {
     double h = fmax(height_m, 0);
     double visible = pel_atmosphere_sun_visible(h, sun.z);
-    double mu = fmax(sun.z, horizon_cosine(h));
+    double mu = fmax(sun.z, pel_horizon_cosine(h));
     struct pel_rgb t = pel_atmosphere_transmittance(a, h, mu);
     return rgb_scale(rgb_mul(a->solar_irradiance, t), visible);
 }
@@ -509,6 +408,7 @@ void pel_atmosphere_init(const struct pel_atmosphere_desc *desc,
         visibility = isnan(visibility) ? 40000 : 200;
     }
     visibility = fmin(visibility, 300000);
+    a->airlight = NULL;
     a->solar_irradiance = (struct pel_rgb)PEL_SUN_IRRADIANCE;
     /* 1.24062e-6 λ⁻⁴, λ in µm. */
     a->rayleigh = (struct pel_rgb){ 1.24062e-6 / pow(0.680, 4),
@@ -531,8 +431,22 @@ void pel_atmosphere_init(const struct pel_atmosphere_desc *desc,
     a->ozone_width_m = 15000;
 }
 
-void pel_atmosphere_tabulate(struct pel_atmosphere *a)
+enum pel_err pel_atmosphere_tabulate(struct pel_atmosphere *a,
+                                     pel_airlight_share *share, void *pool)
 {
     fill_columns(a);
-    fill_multiple(a);
+    a->airlight = malloc(sizeof *a->airlight);
+    enum pel_err err = a->airlight ? pel_airlight_build(a, share, pool,
+                                                        a->airlight)
+                                   : PEL_ERR_NO_MEMORY;
+    if (err != PEL_OK) {
+        pel_atmosphere_finish(a);
+    }
+    return err;
+}
+
+void pel_atmosphere_finish(struct pel_atmosphere *a)
+{
+    free(a->airlight);
+    a->airlight = NULL;
 }

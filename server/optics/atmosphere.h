@@ -1,6 +1,6 @@
 /* The clear atmosphere: Rayleigh, aerosols (by visibility) and ozone on a
- * sphere; single scattering integrated along the ray, higher orders by the
- * isotropic series of Hillaire 2020. Double precision reference for
+ * sphere; single scattering integrated along the ray, higher orders by
+ * optics/airlight.h. Double precision reference for
  * shaders/lib/sky.glsl. Any thread once built.
  *
  * Spectral quantities are at 680, 550 and 440 nm in this order (`rgb`):
@@ -34,14 +34,26 @@ struct pel_columns {
 /* Sizes of the tables below. */
 #define PEL_COLUMN_HEIGHTS 40
 #define PEL_COLUMN_COSINES 128
-#define PEL_MULTIPLE_HEIGHTS 12
-#define PEL_MULTIPLE_SUNS 33
 
 struct pel_atmosphere_desc {
     double visibility_m; /* meteorological, Koschmieder 3.912/β, 200..300000 */
 };
 
-/* 130 kB: constants, and two tables that make this reference's sky cheap. */
+struct pel_airlight;
+
+/* Shares work between threads as pel_worker_pool_run does. */
+typedef void pel_airlight_share(void *pool, int count,
+                                void (*work)(void *user, int member, int i),
+                                void *user);
+
+/* Light out of the water as a share of what falls on it, matt: chlorophyll
+ * 0.2 mg/m³ (Morel and Maritorena 2001). */
+#define PEL_SEA_LEAVING                                                        \
+    {                                                                          \
+        0.0006, 0.006, 0.02                                                    \
+    }
+
+/* 120 kB: constants, and two tables that make this reference's sky cheap. */
 struct pel_atmosphere {
     struct pel_rgb solar_irradiance; /* above the air */
     struct pel_rgb rayleigh;         /* scattering at sea level, 1/m */
@@ -54,9 +66,7 @@ struct pel_atmosphere {
     /* Columns to the top, by distance to the horizon and by the ray's length
      * between its least and greatest (Bruneton and Neyret 2008, sec. 4). */
     struct pel_columns columns[PEL_COLUMN_HEIGHTS][PEL_COLUMN_COSINES];
-    /* Ψ_ms by √(height / top) and by the signed root of the Sun's zenith
-     * cosine, −0.6..1. */
-    struct pel_rgb multiple[PEL_MULTIPLE_HEIGHTS][PEL_MULTIPLE_SUNS];
+    struct pel_airlight *airlight; /* light scattered before, or NULL */
 };
 
 /* Fills the constants for a visibility (clamped to its range, NaN: 40 km), in
@@ -71,9 +81,14 @@ struct pel_atmosphere {
 void pel_atmosphere_init(const struct pel_atmosphere_desc *desc,
                          struct pel_atmosphere *out);
 
-/* Fills the tables from the constants, about 35 ms. Everything below that says
- * `tabulated` needs it; the shaders fill their own. */
-void pel_atmosphere_tabulate(struct pel_atmosphere *a);
+/* Fills the tables from the constants, some 0.3 s of one core, of which all but
+ * 10 ms is shared (NULL: not; airlight.h); the result does not depend on it.
+ * Everything below that says `tabulated` needs it; pel_atmosphere_finish gives
+ * its memory back. NO_MEMORY. */
+PEL_CHECK enum pel_err pel_atmosphere_tabulate(struct pel_atmosphere *a,
+                                               pel_airlight_share *share,
+                                               void *pool);
+void pel_atmosphere_finish(struct pel_atmosphere *a);
 
 /* Columns from height_m along a direction of zenith cosine mu to the top, by
  * quadrature to 1e-5; the ray must not meet the ground. */
@@ -94,12 +109,6 @@ double pel_atmosphere_sun_visible(double height_m, double sun_mu);
  * the cosine of the scattering angle. */
 double pel_phase_rayleigh(double nu);
 double pel_phase_mie(double nu, double g);
-
-/* Multiple-scattering gain Ψ_ms at a height for a Sun zenith cosine, per unit
- * solar irradiance [1/sr] (Hillaire 2020, eq. 5–10) with a ground of albedo
- * PEL_SEA_ALBEDO (shaders/lib/blocks.h), from the table (tabulated). */
-struct pel_rgb pel_atmosphere_multiple(const struct pel_atmosphere *a,
-                                       double height_m, double sun_mu);
 
 /* Sky radiance seen from height_m (also from above the air) in direction `dir`
  * (z up, any elevation; rays that meet the ground end there with nothing
