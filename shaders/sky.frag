@@ -9,7 +9,7 @@
 layout(location = 0) out vec4 radiance_out;
 layout(location = 1) out vec4 extinction_out;
 layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
-layout(binding = PEL_UNIT_MULTIPLE) uniform sampler2D multiple;
+layout(binding = PEL_UNIT_AIRLIGHT) uniform sampler3D airlight;
 layout(location = 0) uniform vec2 table_size;
 layout(location = 1) uniform int light;
 
@@ -37,7 +37,7 @@ void main()
                 : above      ? distance_to_top(h, mu)
                              : sqrt(h * (2.0 * planet.x + h));
     vec3 radiance, through;
-    integrate_ray(light, transmittance, multiple, h, dir, way, STEPS, radiance, through);
+    integrate_ray(light, transmittance, airlight, h, dir, way, STEPS, radiance, through);
     if (above) {
         radiance_out = vec4(radiance, 1.0);
         extinction_out = vec4(0.0);

@@ -243,7 +243,6 @@ static void work_table(void *user, int member, int level)
     fourier(s, s->sum[level], *light);
     for (int z = 0; z < ZENITHS; z++) {
         float at[AZIMUTHS][ROW] = { 0 }, row[ROW];
-        double mu = cos(PEL_PI * z / (ZENITHS - 1));
         for (int m = 0; m < TERMS; m++) {
             scatter(s, level, &s->rayleigh_seen[z], &s->mie_seen[z], *light, m,
                     row);

@@ -125,17 +125,15 @@ void pel_air_glitter(struct pel_air_solver *s)
  * sea mirrors it. */
 static double albedo(double mu)
 {
-    enum { ZENITHS_UP = 12, AZIMUTHS_UP = 12 };
+    enum { N = 12 };
     double sum = 0, z = pel_clamp(mu, 0.01, 1);
-    for (int k = 0; k < ZENITHS_UP * AZIMUTHS_UP; k++) {
-        double q = (k / AZIMUTHS_UP + 0.5) / ZENITHS_UP, up = q * q;
-        double phi = (k % AZIMUTHS_UP + 0.5) / AZIMUTHS_UP;
-        phi = PEL_PI * (1.0 - phi * phi);
-        sum += up * 2.0 * q * 2.0 * (1.0 - phi / PEL_PI > 0
-               ? sqrt(1.0 - phi / PEL_PI) : 0) *
-               mirrored(direction(up, phi), direction(z, 0));
+    for (int k = 0; k < N * N; k++) {
+        /* Finest towards the horizon and across from where it comes from. */
+        double x = (k / N + 0.5) / N, y = (k % N + 0.5) / N;
+        struct pel_vec3 up = direction(x * x, PEL_PI * (1.0 - y * y));
+        sum += x * x * x * y * mirrored(up, direction(z, 0));
     }
-    return sum * 2.0 * PEL_PI / (ZENITHS_UP * AZIMUTHS_UP) / z;
+    return 8.0 * PEL_PI * sum / (N * N) / z;
 }
 
 void pel_air_ray(const struct pel_air_solver *s, double h, double mu,

@@ -39,7 +39,11 @@ enum pel_err pel_sky_terms(double visibility_m, double height_m,
     }
     const struct pel_atmosphere_desc desc = { visibility_m };
     pel_atmosphere_init(&desc, air);
-    pel_atmosphere_tabulate(air);
+    enum pel_err err = pel_atmosphere_tabulate(air, NULL, NULL);
+    if (err != PEL_OK) {
+        free(air);
+        return err;
+    }
     struct pel_rgb light = pel_atmosphere_sun_irradiance(air, height_m, sun);
     struct pel_rgb above = air->solar_irradiance;
     *out = (struct pel_sky_terms){
@@ -48,6 +52,7 @@ enum pel_err pel_sky_terms(double visibility_m, double height_m,
         .sun_transmittance = { light.r / above.r, light.g / above.g,
                                light.b / above.b },
     };
+    pel_atmosphere_finish(air);
     free(air);
     return PEL_OK;
 }

@@ -181,10 +181,11 @@ static void test_clear_sky(void **state)
     assert_non_null(air);
     const struct pel_atmosphere_desc desc = { 40000.0 };
     pel_atmosphere_init(&desc, air);
-    pel_atmosphere_tabulate(air);
+    assert_int_equal(pel_atmosphere_tabulate(air, NULL, NULL), PEL_OK);
     static struct pel_water_sky sky;
     static struct pel_water_table clear, even;
     pel_water_sky_clear(air, 60 * PEL_DEG, &sky);
+    pel_atmosphere_finish(air);
     struct pel_water_body body = water(0);
     assert_int_equal(pel_water_table_build(&body, 60 * PEL_DEG, &sky, &clear),
                      0);

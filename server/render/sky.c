@@ -1,10 +1,14 @@
 #include "render/sky.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "optics/airlight.h"
 #include "optics/atmosphere.h"
 #include "render/shader.h"
+#include "render/worker_pool.h"
 #include "shaders/lib/blocks.h"
 
 #define TABLE_WIDTH 96
@@ -37,6 +41,18 @@ static GLuint make_fbo(GLuint texture)
     return fbo;
 }
 
+static GLuint make_airlight(void)
+{
+    GLuint texture = 0;
+    glCreateTextures(GL_TEXTURE_3D, 1, &texture);
+    glTextureStorage3D(texture, 1, GL_RGBA32F, PEL_AIR_AZIMUTHS,
+                       PEL_AIR_ZENITHS * PEL_AIR_HEIGHTS, PEL_AIR_SUNS);
+    set_sampling(texture, GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE);
+    glObjectLabel(GL_TEXTURE, texture, -1, "airlight");
+    return texture;
+}
+
 static void make_table(struct pel_sky_table *t)
 {
     static const GLenum both[] = { GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1 };
@@ -55,6 +71,16 @@ static void make_table(struct pel_sky_table *t)
     }
 }
 
+static enum pel_err make_pool(struct pel_sky *sky, struct pel_fault *fault)
+{
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    int threads = cores < 1                     ? 1
+                  : cores > PEL_WORKER_POOL_MAX ? PEL_WORKER_POOL_MAX
+                                                : (int)cores;
+    enum pel_err err = pel_worker_pool_create(threads, &sky->pool);
+    return err ? pel_fault_set(fault, err, "no memory for threads") : err;
+}
+
 static void finish_table(struct pel_sky_table *t)
 {
     glDeleteTextures(1, &t->radiance);
@@ -71,7 +97,6 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
         const char *first, *second;
     } programs[] = {
         { &sky->transmittance_program, "screen.vert", "transmittance.frag" },
-        { &sky->multiple_program, "screen.vert", "multiple.frag" },
         { &sky->table_program, "screen.vert", "sky.frag" },
         { &sky->reflection_program, "screen.vert", "reflection.frag" },
         { &sky->light_program, "light.comp", NULL },
@@ -87,11 +112,13 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
     sky->transmittance = make_texture(
         PEL_TRANSMITTANCE_WIDTH, PEL_TRANSMITTANCE_HEIGHT, 1, "transmittance");
     sky->transmittance_fbo = make_fbo(sky->transmittance);
-    sky->multiple = make_texture(PEL_MULTIPLE_SIZE, PEL_MULTIPLE_SIZE, 1,
-                                 "multiple scattering");
-    sky->multiple_fbo = make_fbo(sky->multiple);
+    sky->airlight = make_airlight();
+    enum pel_err err = make_pool(sky, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
     make_table(&sky->sea);
-    enum pel_err err = pel_water_light_init(&sky->water, shader_dir, fault);
+    err = pel_water_light_init(&sky->water, shader_dir, fault);
     if (err != PEL_OK) {
         return err;
     }
@@ -107,22 +134,22 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
 void pel_sky_finish(struct pel_sky *sky)
 {
     const GLuint programs[] = { sky->transmittance_program,
-                                sky->multiple_program, sky->table_program,
-                                sky->reflection_program, sky->light_program };
+                                sky->table_program, sky->reflection_program,
+                                sky->light_program };
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
         glDeleteProgram(programs[i]);
     }
-    const GLuint textures[] = { sky->transmittance, sky->multiple,
+    const GLuint textures[] = { sky->transmittance, sky->airlight,
                                 sky->reflection };
     glDeleteTextures(3, textures);
-    const GLuint fbos[] = { sky->transmittance_fbo, sky->multiple_fbo,
-                            sky->reflection_fbo };
-    glDeleteFramebuffers(3, fbos);
+    const GLuint fbos[] = { sky->transmittance_fbo, sky->reflection_fbo };
+    glDeleteFramebuffers(2, fbos);
     finish_table(&sky->sea);
     for (int i = 0; i < PEL_SKY_EYES; i++) {
         finish_table(&sky->eyes[i]);
     }
     pel_water_light_finish(&sky->water);
+    pel_worker_pool_destroy(sky->pool);
     glDeleteBuffers(1, &sky->light);
     *sky = (struct pel_sky){ 0 };
 }
@@ -156,6 +183,31 @@ static void draw_screen(GLuint program, GLuint fbo, GLsizei width,
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
+static void share_air(void *pool, int count,
+                      void (*work)(void *user, int member, int i), void *user)
+{
+    pel_worker_pool_run(pool, count, work, user);
+}
+
+/* On the processor: in the frame that first shows this air, as the water's
+ * kernel is, so that a picture is a function of its scene. */
+static void update_airlight(struct pel_sky *sky, double visibility_m)
+{
+    struct pel_atmosphere *air = malloc(sizeof *air);
+    const struct pel_atmosphere_desc desc = { visibility_m };
+    if (!air) {
+        return; /* the air of before stays */
+    }
+    pel_atmosphere_init(&desc, air);
+    if (!pel_atmosphere_tabulate(air, share_air, sky->pool)) {
+        glTextureSubImage3D(sky->airlight, 0, 0, 0, 0, PEL_AIR_AZIMUTHS,
+                            PEL_AIR_ZENITHS * PEL_AIR_HEIGHTS, PEL_AIR_SUNS,
+                            GL_RGBA, GL_FLOAT, air->airlight->log2);
+    }
+    pel_atmosphere_finish(air);
+    free(air);
+}
+
 static void update_air(struct pel_sky *sky, double visibility_m)
 {
     if (sky->air_made && sky->air_key == visibility_m) {
@@ -163,9 +215,7 @@ static void update_air(struct pel_sky *sky, double visibility_m)
     }
     draw_screen(sky->transmittance_program, sky->transmittance_fbo,
                 PEL_TRANSMITTANCE_WIDTH, PEL_TRANSMITTANCE_HEIGHT);
-    glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
-    draw_screen(sky->multiple_program, sky->multiple_fbo, PEL_MULTIPLE_SIZE,
-                PEL_MULTIPLE_SIZE);
+    update_airlight(sky, visibility_m);
     sky->air_key = visibility_m;
     sky->air_made = true;
 }
@@ -173,7 +223,7 @@ static void update_air(struct pel_sky *sky, double visibility_m)
 static void draw_table(struct pel_sky *sky, struct pel_sky_table *t)
 {
     glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
-    glBindTextureUnit(PEL_UNIT_MULTIPLE, sky->multiple);
+    glBindTextureUnit(PEL_UNIT_AIRLIGHT, sky->airlight);
     glProgramUniform2f(sky->table_program, 0, TABLE_WIDTH, TABLE_HEIGHT);
     for (int i = 0; i < PEL_LIGHTS; i++) {
         glProgramUniform1i(sky->table_program, 1, i);

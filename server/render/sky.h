@@ -25,9 +25,11 @@ struct pel_sky_table {
 };
 
 struct pel_sky {
-    GLuint transmittance_program, multiple_program, table_program;
+    GLuint transmittance_program, table_program;
     GLuint light_program, reflection_program;
-    GLuint transmittance, multiple, transmittance_fbo, multiple_fbo;
+    GLuint transmittance, transmittance_fbo;
+    GLuint airlight; /* light scattered before (optics/airlight.h) */
+    struct pel_worker_pool *pool;
     double air_key;
     bool air_made;
     struct pel_sky_table sea;

@@ -45,7 +45,7 @@ struct pel_vec4 {
 #define PEL_UNIT_VERTICES 15
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
-#define PEL_UNIT_MULTIPLE 1     /* tables of the sky */
+#define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
 #define PEL_UNIT_SKY_TABLE 2    /* light, water, reflection map */
 #define PEL_UNIT_WATER_PHASE 12 /* 12 to 14: maps of the water */
 #define PEL_UNIT_WATER_RADIANCE 13
@@ -148,7 +148,6 @@ struct pel_vec4 {
  * horizon is at 1. */
 #define PEL_TRANSMITTANCE_WIDTH 256
 #define PEL_TRANSMITTANCE_HEIGHT 64
-#define PEL_MULTIPLE_SIZE 32
 #define PEL_REFLECTION_HALF_WIDTH 1.4
 
 /* Viewport beyond each edge of a picture that is rasterised, px. */

@@ -221,7 +221,10 @@ static bool make_lights(const struct scene *scene, const struct pel_sea *sea,
     }
     const struct pel_atmosphere_desc desc = { out->visibility_m };
     pel_atmosphere_init(&desc, air);
-    pel_atmosphere_tabulate(air);
+    if (pel_atmosphere_tabulate(air, NULL, NULL)) {
+        free(air);
+        return false;
+    }
     out->reference = (struct reference_light){
         .sun = sun,
         .sun_irradiance = pel_atmosphere_sun_irradiance(air, 0, sun),
@@ -231,6 +234,7 @@ static bool make_lights(const struct scene *scene, const struct pel_sea *sea,
             sqrt(0.5 * (sea->slope_variance_along + sea->slope_variance_cross)),
         .blur = SUN_BLUR,
     };
+    pel_atmosphere_finish(air);
     free(air);
     return pel_water_table_build(&out->env.water, acos(sun.z), NULL,
                                  &out->leaving) == PEL_OK;

@@ -162,7 +162,11 @@ struct reference *reference_create(const struct pel_sea *sea, double time_s,
     r->rest_m = 5.0 * sqrt(rest) * (1.0 + STEEPEST);
     const struct pel_atmosphere_desc desc = { visibility_m };
     pel_atmosphere_init(&desc, air);
-    pel_atmosphere_tabulate(air);
+    if (pel_atmosphere_tabulate(air, NULL, NULL)) {
+        free(air);
+        free(r);
+        return NULL;
+    }
     double sun_azimuth = atan2(light->sun.y, light->sun.x);
     for (int e = 0; e < ELEVATIONS; e++) {
         double q = e / (ELEVATIONS - 1.0), el = 0.5 * PEL_PI * q * q;
@@ -175,6 +179,7 @@ struct reference *reference_create(const struct pel_sea *sea, double time_s,
                 light->sun);
         }
     }
+    pel_atmosphere_finish(air);
     free(air);
     return r;
 }
