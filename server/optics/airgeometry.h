@@ -56,8 +56,8 @@ static inline double pel_air_step_middle(const struct pel_atmosphere *a,
     double h = 0.5 * (from + to);
     double r = a->rayleigh.g * exp(-h / a->rayleigh_height_m);
     double m = a->mie_extinction * exp(-h / a->mie_height_m);
-    double x = (to - from) *
-               (r / a->rayleigh_height_m + m / a->mie_height_m) / (r + m);
+    double x = (to - from) * (r / a->rayleigh_height_m + m / a->mie_height_m) /
+               (r + m);
     return fabs(x) > 1e-3 ? -log(-expm1(-x) / x) / x : 0.5;
 }
 

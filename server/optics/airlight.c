@@ -21,8 +21,7 @@ double pel_airlight_height(const struct pel_atmosphere *a, double height_m)
 {
     double x =
         PEL_AIR_SHARE_MIE * (1.0 - exp(-height_m / a->mie_height_m)) +
-        PEL_AIR_SHARE_RAYLEIGH *
-            (1.0 - exp(-height_m / a->rayleigh_height_m)) +
+        PEL_AIR_SHARE_RAYLEIGH * (1.0 - exp(-height_m / a->rayleigh_height_m)) +
         (1.0 - PEL_AIR_SHARE_MIE - PEL_AIR_SHARE_RAYLEIGH) * height_m /
             PEL_AIR_TOP;
     return pel_clamp(x, 0, 1);
@@ -114,8 +113,8 @@ static void legendre(int m, double mu, double q[TERMS])
     }
 }
 
-static void fill_kernel(const struct pel_air_solver *s, double mu, kernel *rayleigh,
-                        kernel *mie)
+static void fill_kernel(const struct pel_air_solver *s, double mu,
+                        kernel *rayleigh, kernel *mie)
 {
     for (int m = 0; m < TERMS; m++) {
         double to[TERMS], from[TERMS];
@@ -139,7 +138,8 @@ static void fill_kernel(const struct pel_air_solver *s, double mu, kernel *rayle
 typedef float modes[DIRECTIONS][TERMS][ROW];
 
 /* Cosine series in azimuth of the light at a height. */
-static void fourier(const struct pel_air_solver *s, suns (*light)[AIR_TURNS], modes out)
+static void fourier(const struct pel_air_solver *s, suns (*light)[AIR_TURNS],
+                    modes out)
 {
     for (int i = 0; i < DIRECTIONS; i++) {
         for (int m = 0; m < TERMS; m++) {
@@ -158,8 +158,9 @@ static void fourier(const struct pel_air_solver *s, suns (*light)[AIR_TURNS], mo
 
 /* Both phase functions in the proportion of a height, a mode of one direction.
  */
-static void scatter(const struct pel_air_solver *s, int level, const kernel *rayleigh,
-                    const kernel *mie, modes light, int m, float out[ROW])
+static void scatter(const struct pel_air_solver *s, int level,
+                    const kernel *rayleigh, const kernel *mie, modes light,
+                    int m, float out[ROW])
 {
     memset(out, 0, sizeof(float) * ROW);
     for (int j = 0; j < DIRECTIONS; j++) {
@@ -178,7 +179,8 @@ static void scatter(const struct pel_air_solver *s, int level, const kernel *ray
 }
 
 /* The size of a source is a mean over directions and wavelengths. */
-static void fill_size(struct pel_air_solver *s, int level, suns (*source)[AIR_TURNS])
+static void fill_size(struct pel_air_solver *s, int level,
+                      suns (*source)[AIR_TURNS])
 {
     for (int n = 0; n < SUNS; n++) {
         double sum = 0;
@@ -189,8 +191,7 @@ static void fill_size(struct pel_air_solver *s, int level, suns (*source)[AIR_TU
                        s->weight[i];
             }
         }
-        s->level[level][n] =
-            (float)log2(fmax(sum / (6.0 * AIR_TURNS), 1e-30));
+        s->level[level][n] = (float)log2(fmax(sum / (6.0 * AIR_TURNS), 1e-30));
         s->scale[level][n] = exp2f(-s->level[level][n]);
     }
 }
@@ -330,7 +331,7 @@ static void fill_places(struct pel_air_solver *s)
         double rayleigh[3], mie, extinction[3];
         s->heights[l] = height_at(s->a, (double)l / (HEIGHTS - 1));
         pel_air_between(s->a, s->heights[l], s->heights[l], rayleigh, &mie,
-                    extinction);
+                        extinction);
         for (int c = 0; c < 3; c++) {
             s->scatter[l][c][0] = rayleigh[c] / (rayleigh[c] + mie);
             s->scatter[l][c][1] = mie / (rayleigh[c] + mie);
@@ -338,8 +339,8 @@ static void fill_places(struct pel_air_solver *s)
     }
     for (int n = 0; n < SUNS; n++) {
         double x = (double)n / (SUNS - 1);
-        double u = PEL_AIR_SUN_FIRST +
-                   x * (PEL_AIR_SUN_LAST - PEL_AIR_SUN_FIRST);
+        double u =
+            PEL_AIR_SUN_FIRST + x * (PEL_AIR_SUN_LAST - PEL_AIR_SUN_FIRST);
         s->sun_mu[n] =
             fmin(PEL_AIR_SUN_WIDTH * sinh(u) - PEL_AIR_SUN_MIDDLE, 1);
     }
@@ -400,7 +401,8 @@ enum pel_err pel_airlight_build(const struct pel_atmosphere *a,
     s->out = out;
     share = share ? share : alone;
     fill_solver(s);
-    for (s->order = 1; s->order <= 3 || (s->order <= AIR_ORDERS && rest(s) > AIR_REST);
+    for (s->order = 1;
+         s->order <= 3 || (s->order <= AIR_ORDERS && rest(s) > AIR_REST);
          s->order++) {
         if (s->order > 1) {
             share(pool, HEIGHTS, work_source, s);

@@ -20,7 +20,7 @@ static double blurred_phase(const struct pel_air_solver *s, double nu)
 /* --- rays ---------------------------------------------------------------- */
 
 void pel_air_between(const struct pel_atmosphere *a, double from, double to,
-                        double rayleigh[3], double *mie, double extinction[3])
+                     double rayleigh[3], double *mie, double extinction[3])
 {
     double dr = pel_mean_density(from, to, a->rayleigh_height_m);
     double dm = pel_mean_density(from, to, a->mie_height_m);
@@ -35,18 +35,19 @@ void pel_air_between(const struct pel_atmosphere *a, double from, double to,
     }
 }
 
-static void fill_step(const struct pel_air_solver *s, double h, double mu, double from,
-                      double length, double through[3], struct step *to)
+static void fill_step(const struct pel_air_solver *s, double h, double mu,
+                      double from, double length, double through[3],
+                      struct step *to)
 {
     double t = from + length * pel_air_step_middle(
-        s->a, pel_height_along(h, mu, from),
-        pel_height_along(h, mu, from + length));
+                                   s->a, pel_height_along(h, mu, from),
+                                   pel_height_along(h, mu, from + length));
     double rayleigh[3], mie, extinction[3], above;
     double r = PEL_EARTH_RADIUS + h;
     to->height = pel_height_along(h, mu, t);
     pel_air_between(s->a, pel_height_along(h, mu, from),
-                pel_height_along(h, mu, from + length), rayleigh, &mie,
-                extinction);
+                    pel_height_along(h, mu, from + length), rayleigh, &mie,
+                    extinction);
     to->level =
         pel_air_cell(pel_airlight_height(s->a, to->height), HEIGHTS, &above);
     to->above = (float)above;
@@ -75,11 +76,9 @@ static double mirrored(struct pel_vec3 up, struct pel_vec3 sun)
     struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(up, sun));
     double h4 = h.z * h.z * h.z * h.z;
     double p = pel_ross_slope_density(h.x / h.z, h.y / h.z, variance, variance);
-    double hidden = 1.0 +
-                    pel_ross_lambda(pel_ross_a(up, variance, variance)) +
+    double hidden = 1.0 + pel_ross_lambda(pel_ross_a(up, variance, variance)) +
                     pel_ross_lambda(pel_ross_a(sun, variance, variance));
-    return p *
-           pel_fresnel_exact(pel_vec3_dot(up, h), PEL_WATER_INDEX) /
+    return p * pel_fresnel_exact(pel_vec3_dot(up, h), PEL_WATER_INDEX) /
            (4.0 * h4 * up.z * hidden);
 }
 
@@ -137,7 +136,7 @@ static double albedo(double mu)
 }
 
 void pel_air_ray(const struct pel_air_solver *s, double h, double mu,
-                     struct ray *ray)
+                 struct ray *ray)
 {
     double ground = h > 0 ? pel_distance_to_ground(h, mu) : mu < 0 ? 0 : -1;
     double way = ground >= 0 ? ground : pel_distance_to_top(h, mu);
@@ -145,8 +144,7 @@ void pel_air_ray(const struct pel_air_solver *s, double h, double mu,
     double power = pel_air_step_power(s->a, h, way, AIR_STEPS);
     for (int k = 0; k < AIR_STEPS; k++) {
         double to = way * pow((k + 1.0) / AIR_STEPS, power);
-        fill_step(s, h, mu, from, to - from, through,
-                  &ray->steps[k]);
+        fill_step(s, h, mu, from, to - from, through, &ray->steps[k]);
         from = to;
     }
     ray->ground = ground >= 0;
@@ -179,8 +177,7 @@ static void fill_beam(const struct pel_atmosphere *a, double h, beam out)
         const struct pel_columns *p = &a->columns[i][j],
                                  *q = &a->columns[i + 1][j];
         double r = p->rayleigh + f * (q->rayleigh - p->rayleigh);
-        double m =
-            a->mie_extinction * (p->mie + f * (q->mie - p->mie));
+        double m = a->mie_extinction * (p->mie + f * (q->mie - p->mie));
         double o = p->ozone + f * (q->ozone - p->ozone);
         out[j][0] = (float)exp(-a->rayleigh.r * r - a->ozone.r * o - m);
         out[j][1] = (float)exp(-a->rayleigh.g * r - a->ozone.g * o - m);
@@ -188,7 +185,6 @@ static void fill_beam(const struct pel_atmosphere *a, double h, beam out)
         out[j][3] = 0;
     }
 }
-
 
 /* Transmittance to the Sun, with the part of its disc above the horizon. */
 static void beam_at(const beam row, double h, double sun_mu, double out[3])
@@ -212,7 +208,8 @@ static void beam_at(const beam row, double h, double sun_mu, double out[3])
     }
 }
 
-static double scattering_cosine(const struct pel_air_solver *s, double mu, int j, int n)
+static double scattering_cosine(const struct pel_air_solver *s, double mu,
+                                int j, int n)
 {
     double sm = s->sun_mu[n];
     return mu * sm + sqrt((1 - mu * mu) * (1 - sm * sm)) * cos(s->phi[j]);
@@ -220,8 +217,8 @@ static double scattering_cosine(const struct pel_air_solver *s, double mu, int j
 
 /* One step of all Suns and azimuths. */
 static void first_step(const struct pel_air_solver *s, const struct step *p,
-                       double nu[AIR_TURNS][SUNS],
-                       double mie[AIR_TURNS][SUNS], suns *to)
+                       double nu[AIR_TURNS][SUNS], double mie[AIR_TURNS][SUNS],
+                       suns *to)
 {
     beam row;
     fill_beam(s->a, p->height, row);
@@ -234,7 +231,8 @@ static void first_step(const struct pel_air_solver *s, const struct step *p,
             for (int c = 0; c < 3; c++) {
                 double share = (double)p->rayleigh[c];
                 double phase = share * rayleigh + (1.0 - share) * mie[j][n];
-                to[j][4 * n + c] += (float)((double)p->weight[c] * phase * lit[c]);
+                to[j][4 * n + c] +=
+                    (float)((double)p->weight[c] * phase * lit[c]);
             }
         }
     }
@@ -249,7 +247,8 @@ static float place_of(const struct pel_air_solver *s, float mu)
     return x > SUNS - 1.001f ? SUNS - 1.001f : x;
 }
 
-static double glitter_at(const struct pel_air_solver *s, int i, int j, double sm)
+static double glitter_at(const struct pel_air_solver *s, int i, int j,
+                         double sm)
 {
     float x = place_of(s, (float)sm);
     int n = (int)x;
@@ -297,8 +296,8 @@ static void first_ray(struct pel_air_solver *s, int level, int i)
 
 /* Directions are counted as at the ray's start: along what a ray crosses of
  * the air the vertical turns by less than 3°. */
-static void scattered(const struct pel_air_solver *s, const struct ray *ray, int i,
-                      int j, float sm, float nu, float sum[4])
+static void scattered(const struct pel_air_solver *s, const struct ray *ray,
+                      int i, int j, float sm, float nu, float sum[4])
 {
     for (int k = 0; k < AIR_STEPS; k++) {
         const struct step *p = &ray->steps[k];
@@ -314,24 +313,24 @@ static void scattered(const struct pel_air_solver *s, const struct ray *ray, int
         float a0 = size * (1 - g) * (1 - f), a1 = size * (1 - g) * f;
         float b0 = size * g * (1 - f), b1 = size * g * f;
         for (int c = 0; c < 4; c++) {
-            sum[c] += p->weight[c] * (a0 * a[c] + a1 * a[4 + c] +
-                                      b0 * b[c] + b1 * b[4 + c]);
+            sum[c] += p->weight[c] *
+                      (a0 * a[c] + a1 * a[4 + c] + b0 * b[c] + b1 * b[4 + c]);
         }
     }
 }
 
 /* Sky light of the same order that the sea mirrors, and what it scatters. */
-static void from_ground(const struct pel_air_solver *s, const struct ray *ray, int i,
-                        int j, float sm, float nu, float sum[4])
+static void from_ground(const struct pel_air_solver *s, const struct ray *ray,
+                        int i, int j, float sm, float nu, float sum[4])
 {
     float x = place_of(s, ray->ground_along * sm + ray->ground_across * nu);
     int n = (int)x;
     float f = x - (float)n;
     const float *sky = s->light[0][i - AIR_HALF][j] + 4 * n;
     for (int c = 0; c < 4; c++) {
-        float seen =
-            ray->mirror * (sky[c] + f * (sky[4 + c] - sky[c])) +
-            s->leaving[n][c] + f * (s->leaving[n + 1][c] - s->leaving[n][c]);
+        float seen = ray->mirror * (sky[c] + f * (sky[4 + c] - sky[c])) +
+                     s->leaving[n][c] +
+                     f * (s->leaving[n + 1][c] - s->leaving[n][c]);
         sum[c] += ray->ground_weight[c] * seen;
     }
 }
@@ -401,4 +400,3 @@ void pel_air_leaving(struct pel_air_solver *s)
         }
     }
 }
-

@@ -11,22 +11,13 @@
 
 /* Of the solution: heights and Suns are the table's; directions in each
  * hemisphere, azimuths in half a circle, terms of the phase functions, steps
- * along a ray, orders before the geometric series. */
-#ifndef AIR_HALF
+ * along a ray, the most orders, and how much those after the last may
+ * be of the light. */
 #define AIR_HALF 10
-#endif
-#ifndef AIR_TURNS
 #define AIR_TURNS 16
-#endif
-#ifndef AIR_STEPS
 #define AIR_STEPS 20
-#endif
-#ifndef AIR_ORDERS
 #define AIR_ORDERS 12
-#endif
-#ifndef AIR_REST
 #define AIR_REST 0.03
-#endif
 #define DIRECTIONS (2 * AIR_HALF)
 #define TERMS AIR_TURNS
 #define HEIGHTS PEL_AIR_HEIGHTS
@@ -45,7 +36,8 @@ typedef float kernel[TERMS][DIRECTIONS];
 struct step {
     int level; /* and `above` of the next */
     float above;
-    float along, across; /* the Sun's cosine there is along · cos + across · ν */
+    float along,
+        across;      /* the Sun's cosine there is along · cos + across · ν */
     float weight[4]; /* what reaches the start of light scattered here, of the
                         source */
     float rayleigh[4], mie; /* shares of a source scattered once */
@@ -77,8 +69,9 @@ struct pel_air_solver {
     /* Light of the order at work, the source it makes over its size, and the
      * sum of all light so far. */
     field light, source, sum;
-    double mean[2][HEIGHTS][ROW], total[HEIGHTS][ROW]; /* light of the last two orders */
-    float leaving[SUNS][4];           /* light out of the water */
+    double mean[2][HEIGHTS][ROW],
+        total[HEIGHTS][ROW]; /* light of the last two orders */
+    float leaving[SUNS][4];  /* light out of the water */
     /* Light of the Sun that the sea mirrors, per unit irradiance normal to it
      * at the sea, as the mean over a direction's share of the sphere. */
     float glitter[AIR_HALF][AIR_TURNS][SUNS];
@@ -97,7 +90,7 @@ static inline int pel_air_cell(double x, int n, double *fraction)
 /* Means over a step between two heights: scattering of molecules and aerosols,
  * extinction [1/m]. */
 void pel_air_between(const struct pel_atmosphere *a, double from, double to,
-                        double rayleigh[3], double *mie, double extinction[3]);
+                     double rayleigh[3], double *mie, double extinction[3]);
 
 /* A ray's steps. */
 void pel_air_ray(const struct pel_air_solver *s, double h, double mu,

@@ -4,8 +4,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include "optics/airlight.h"
 #include "optics/airgeometry.h"
+#include "optics/airlight.h"
 
 #define R PEL_EARTH_RADIUS
 #define TOP PEL_AIR_TOP
@@ -17,9 +17,7 @@
 static const struct pel_rgb ozone_cross_section = { 1.209e-25, 3.500e-25,
                                                     1.582e-26 };
 
-#ifndef SKY_STEPS
 #define SKY_STEPS 64
-#endif
 #define IRRADIANCE_ZENITHS 16
 #define IRRADIANCE_AZIMUTHS 10 /* over half a turn */
 
@@ -123,7 +121,8 @@ struct pel_columns pel_atmosphere_columns(const struct pel_atmosphere *a,
     double r = R + h;
     double least = r * sqrt(fmax(1.0 - mu * mu, 0));
     double low = clamp_height(least - R);
-    struct pel_columns f = rising_columns(a, low, 0, pel_distance_to_top(low, 0));
+    struct pel_columns f =
+        rising_columns(a, low, 0, pel_distance_to_top(low, 0));
     struct pel_columns b = rising_columns(a, low, 0, -r * mu);
     return (struct pel_columns){ f.rayleigh + b.rayleigh, f.mie + b.mie,
                                  f.ozone + b.ozone };
@@ -308,8 +307,7 @@ static struct pel_rgb scattered_before(const struct pel_atmosphere *a,
     double across = sqrt(fmax(1.0 - s->mu * s->mu, 0));
     double turned = atan2(t * across, R + s->height + t * s->mu);
     double zenith = pel_clamp(s->zenith - turned, 0, PEL_PI);
-    double sines =
-        sin(zenith) * sqrt(fmax(1.0 - p->sun_mu * p->sun_mu, 0));
+    double sines = sin(zenith) * sqrt(fmax(1.0 - p->sun_mu * p->sun_mu, 0));
     double cosine = (s->nu - cos(zenith) * p->sun_mu) / fmax(sines, 1e-9);
     return pel_airlight_at(a->airlight, a, p->height, p->sun_mu, zenith,
                            pel_clamp(cosine, -1, 1));
@@ -319,8 +317,7 @@ static struct pel_rgb sky_from(const struct pel_atmosphere *a,
                                const struct sight *s)
 {
     double ground = pel_distance_to_ground(s->height, s->mu);
-    double way =
-        ground >= 0 ? ground : pel_distance_to_top(s->height, s->mu);
+    double way = ground >= 0 ? ground : pel_distance_to_top(s->height, s->mu);
     double rayleigh = pel_phase_rayleigh(s->nu);
     double mie = pel_phase_mie(s->nu, a->mie_g);
     struct pel_rgb radiance = { 0, 0, 0 }, through = { 1, 1, 1 };
@@ -436,9 +433,9 @@ enum pel_err pel_atmosphere_tabulate(struct pel_atmosphere *a,
 {
     fill_columns(a);
     a->airlight = malloc(sizeof *a->airlight);
-    enum pel_err err = a->airlight ? pel_airlight_build(a, share, pool,
-                                                        a->airlight)
-                                   : PEL_ERR_NO_MEMORY;
+    enum pel_err err = a->airlight
+                           ? pel_airlight_build(a, share, pool, a->airlight)
+                           : PEL_ERR_NO_MEMORY;
     if (err != PEL_OK) {
         pel_atmosphere_finish(a);
     }

@@ -1,8 +1,7 @@
-#include "optics/atmosphere.h"
-
-#include <string.h>
+#include "optics/airlight.h"
 
 #include "base/near.h"
+#include "optics/atmosphere.h"
 #include "optics/colour.h"
 
 static struct pel_atmosphere clear_air, haze, fog, scratch;
@@ -12,13 +11,22 @@ static int set_up(void **state)
     (void)state;
     struct pel_atmosphere_desc d = { PEL_CLEAR_VISIBILITY_M };
     pel_atmosphere_init(&d, &clear_air);
-    pel_atmosphere_tabulate(&clear_air);
+    assert_int_equal(pel_atmosphere_tabulate(&clear_air, NULL, NULL), PEL_OK);
     d.visibility_m = 10000;
     pel_atmosphere_init(&d, &haze);
-    pel_atmosphere_tabulate(&haze);
+    assert_int_equal(pel_atmosphere_tabulate(&haze, NULL, NULL), PEL_OK);
     d.visibility_m = 200;
     pel_atmosphere_init(&d, &fog);
-    pel_atmosphere_tabulate(&fog);
+    assert_int_equal(pel_atmosphere_tabulate(&fog, NULL, NULL), PEL_OK);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    pel_atmosphere_finish(&clear_air);
+    pel_atmosphere_finish(&haze);
+    pel_atmosphere_finish(&fog);
     return 0;
 }
 
@@ -262,8 +270,12 @@ static void test_single_scattering(void **state)
         const struct pel_atmosphere *a = airs[k / 10];
         const double *q = cases[k % 10];
         double height = k % 3 == 2 ? 3000 : 10;
+        static struct pel_airlight none;
+        for (size_t i = 0; i < sizeof none / sizeof(float); i++) {
+            (&none.log2[0][0][0][0][0])[i] = -1000.0f;
+        }
         scratch = *a;
-        memset(scratch.multiple, 0, sizeof scratch.multiple);
+        scratch.airlight = &none;
         struct pel_vec3 sun = at_elevation(q[0]), dir = at_elevation(q[1]);
         dir.y = dir.x * sin(q[2] * PEL_DEG);
         dir.x = dir.x * cos(q[2] * PEL_DEG);
@@ -281,92 +293,82 @@ static void test_single_scattering(void **state)
                   worst);
 }
 
-/* --- multiple scattering ------------------------------------------------- */
+/* --- all orders ---------------------------------------------------------- */
 
-/* Ψ_ms by Hillaire's eq. 5–10 as a plain sum, 40 × 16 directions. */
-static struct rgb3 plain_multiple(const struct pel_atmosphere *a, double h0,
-                                  double sun_mu)
-{
-    const double beta_r[3] = { a->rayleigh.r, a->rayleigh.g, a->rayleigh.b };
-    const double beta_o[3] = { a->ozone.r, a->ozone.g, a->ozone.b };
-    double r0 = PEL_EARTH_RADIUS + h0;
-    double second[3] = { 0, 0, 0 }, factor[3] = { 0, 0, 0 };
-    const int zeniths = 40, azimuths = 8, steps = 60;
-    for (int k = 0; k < zeniths * azimuths; k++) {
-        int zenith = k / azimuths;
-        double mu = 1 - 2 * (zenith + 0.5) / zeniths;
-        double phi = PEL_PI * (k % azimuths + 0.5) / azimuths;
-        double nu = mu * sun_mu +
-                    sqrt((1 - mu * mu) * (1 - sun_mu * sun_mu)) * cos(phi);
-        double disc =
-            PEL_EARTH_RADIUS * PEL_EARTH_RADIUS - r0 * r0 * (1 - mu * mu);
-        int ground = mu < 0 && disc > 0;
-        double way = ground ? -r0 * mu - sqrt(disc)
-                            : -r0 * mu + sqrt(PEL_ATMOSPHERE_RADIUS *
-                                                  PEL_ATMOSPHERE_RADIUS -
-                                              r0 * r0 * (1 - mu * mu));
-        double depth[3] = { 0, 0, 0 };
-        for (int i = 0; i <= steps; i++) {
-            double t0 = way * i * i / (steps * steps);
-            double t1 = way * (i + 1) * (i + 1) / (steps * steps);
-            double t = i < steps ? 0.5 * (t0 + t1) : way, dt = t1 - t0;
-            double r = sqrt(r0 * r0 + t * t + 2 * r0 * t * mu);
-            double at = (r0 * sun_mu + t * nu) / r;
-            struct rgb3 s = plain_sun(a, r, at);
-            if (i == steps) {
-                for (int c = 0; c < 3 && ground && at > 0; c++) {
-                    second[c] +=
-                        exp(-depth[c]) * s.c[c] * at * PEL_SEA_ALBEDO / PEL_PI;
-                }
-                break;
-            }
-            double h = r - PEL_EARTH_RADIUS;
-            double ray = exp(-h / a->rayleigh_height_m);
-            double mie = exp(-h / a->mie_height_m);
-            double ozone = fmax(0, 1 - fabs(h - 25000) / 15000);
-            for (int c = 0; c < 3; c++) {
-                double sigma = beta_r[c] * ray + a->mie_extinction * mie +
-                               beta_o[c] * ozone;
-                depth[c] += 0.5 * sigma * dt;
-                double share = exp(-depth[c]) * dt *
-                               (beta_r[c] * ray + a->mie_scattering * mie);
-                second[c] += share * s.c[c] / (4 * PEL_PI);
-                factor[c] += share;
-                depth[c] += 0.5 * sigma * dt;
-            }
-        }
-    }
-    struct rgb3 out;
-    for (int c = 0; c < 3; c++) {
-        double n = zeniths * azimuths;
-        out.c[c] = second[c] / n / (1 - factor[c] / n);
-    }
-    return out;
-}
-
-/* 3 % at the sea: 32 directions of 16 steps and the table's interpolation.
- * More above, where the limb is narrow for both sums and this light is a tenth
- * of the sky at most. */
-static void test_multiple_scattering(void **state)
+/* The table that tests/validate/airtrace makes by random paths, with a sea
+ * below: visibility, the Sun's zenith angle, the line of sight's, its azimuth,
+ * radiance at 680, 550, 440 nm, each within 1 %. 4 % beside that: the
+ * program's bar is 1.5 % in the median, 10 % at most. */
+static void test_all_orders(void **state)
 {
     (void)state;
-    static const double cases[][2] = { { 0, 1 },       { 0, 0.5 },
-                                       { 0, 0.1 },     { 0, 0.01 },
-                                       { 3000, 0.7 },  { 3000, 0.03 },
-                                       { 15000, 0.3 }, { 30000, 0.0 } };
-    double worst = 0;
-    for (int i = 0; i < 8; i++) {
-        double h = cases[i][0];
-        struct rgb3 p = plain_multiple(&clear_air, h, cases[i][1]);
-        struct pel_rgb m = pel_atmosphere_multiple(&clear_air, h, cases[i][1]);
-        const double got[3] = { m.r, m.g, m.b };
-        double tolerance = h < 1 ? 0.03 : h < 5000 ? 0.06 : 0.15;
+    static const double rows[][7] = {
+        { 15, 30, 62.035, 78.509, 0.03566, 0.06073, 0.1035 },
+        { 15, 60, 50.278, 27.111, 0.2064, 0.2412, 0.2427 },
+        { 15, 75, 33.736, 103.236, 0.01081, 0.02004, 0.03814 },
+        { 15, 85, 66.72, 176.514, 0.01498, 0.02433, 0.03593 },
+        { 15, 90, 40.692, 106.398, 0.002279, 0.002876, 0.005043 },
+        { 15, 93, 62.035, 78.509, 0.0006539, 0.000589, 0.001171 },
+        { 15, 95, 31.357, 178.165, 4.67e-05, 3.526e-05, 9.449e-05 },
+        { 40, 30, 62.035, 78.509, 0.01935, 0.04186, 0.08828 },
+        { 40, 60, 50.278, 27.111, 0.08742, 0.1137, 0.1423 },
+        { 40, 75, 33.736, 103.236, 0.007304, 0.01608, 0.03476 },
+        { 40, 85, 66.72, 176.514, 0.01587, 0.02675, 0.04021 },
+        { 40, 90, 40.692, 106.398, 0.002286, 0.002877, 0.004973 },
+        { 40, 93, 62.035, 78.509, 0.0006966, 0.0006202, 0.001198 },
+        { 40, 95, 31.357, 178.165, 4.925e-05, 3.593e-05, 9.45e-05 },
+        { 300, 30, 62.035, 78.509, 0.01111, 0.03207, 0.0802 },
+        { 300, 60, 50.278, 27.111, 0.01199, 0.03272, 0.07656 },
+        { 300, 75, 33.736, 103.236, 0.005547, 0.01415, 0.0329 },
+        { 300, 85, 66.72, 176.514, 0.01523, 0.0272, 0.04174 },
+        { 300, 90, 40.692, 106.398, 0.00254, 0.002963, 0.004932 },
+        { 300, 93, 62.035, 78.509, 0.000803, 0.0006232, 0.00121 },
+        { 300, 95, 31.357, 178.165, 5.779e-05, 3.679e-05, 9.431e-05 },
+    };
+    double worst = 0, before = 0;
+    static struct pel_atmosphere air;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const double *q = rows[i];
+        if (q[0] != before) {
+            const struct pel_atmosphere_desc d = { 1e3 * q[0] };
+            pel_atmosphere_finish(&air);
+            pel_atmosphere_init(&d, &air);
+            assert_int_equal(pel_atmosphere_tabulate(&air, NULL, NULL), PEL_OK);
+            before = q[0];
+        }
+        struct pel_vec3 dir = at_elevation(90 - q[2]);
+        dir.y = dir.x * sin(q[3] * PEL_DEG);
+        dir.x = dir.x * cos(q[3] * PEL_DEG);
+        struct pel_rgb l =
+            pel_atmosphere_sky(&air, 2, dir, at_elevation(90 - q[1]));
+        const double got[3] = { l.r, l.g, l.b };
         for (int c = 0; c < 3; c++) {
-            assert_near(got[c], p.c[c], tolerance * p.c[c]);
-            worst = h < 1 ? fmax(worst, fabs(got[c] / p.c[c] - 1)) : worst;
+            assert_near(got[c], q[4 + c], 0.045 * q[4 + c]);
+            worst = fmax(worst, fabs(got[c] / q[4 + c] - 1));
         }
     }
-    print_message("multiple scattering at the sea within %.4f\n", worst);
+    pel_atmosphere_finish(&air);
+    print_message("all orders within %.4f\n", worst);
+}
+
+/* The table is the same bits however the work is shared. */
+static void backwards(void *pool, int count,
+                      void (*work)(void *user, int member, int i), void *user)
+{
+    (void)pool;
+    for (int i = count - 1; i >= 0; i--) {
+        work(user, i % 3, i);
+    }
+}
+
+static void test_sharing(void **state)
+{
+    (void)state;
+    scratch = haze;
+    assert_int_equal(pel_atmosphere_tabulate(&scratch, backwards, NULL),
+                     PEL_OK);
+    assert_memory_equal(scratch.airlight, haze.airlight, sizeof *haze.airlight);
+    pel_atmosphere_finish(&scratch);
 }
 
 /* --- the whole ----------------------------------------------------------- */
@@ -391,7 +393,11 @@ static void test_daylight(void **state)
     all = illuminance(&haze, 90, &sky);
     assert_true(all > 80e3 && all < 125e3 && sky > 15e3);
     all = illuminance(&fog, 90, &sky);
-    assert_true(all > 20e3 && all < 90e3);
+    print_message("fog at noon: %.0f lx, of them sky %.0f\n", all, sky);
+    /* Optical depth 1.5, but what it scatters goes on downward: of a layer with
+     * the asymmetry 0.84 two streams pass 1 / (1 + 0.75 · 0.16 · 1.5) = 85 %.
+     */
+    assert_true(all > 90e3 && all < 115e3);
     struct pel_rgb zenith = pel_atmosphere_sky(
         &clear_air, 0, (struct pel_vec3){ 0, 0, 1 }, at_elevation(45));
     assert_true(zenith.b > 1.8 * zenith.g && zenith.g > 1.8 * zenith.r);
@@ -471,11 +477,12 @@ int main(void)
         cmocka_unit_test(test_ground_hides),
         cmocka_unit_test(test_sun_disc),
         cmocka_unit_test(test_single_scattering),
-        cmocka_unit_test(test_multiple_scattering),
+        cmocka_unit_test(test_all_orders),
+        cmocka_unit_test(test_sharing),
         cmocka_unit_test(test_daylight),
         cmocka_unit_test(test_dusk),
         cmocka_unit_test(test_energy),
         cmocka_unit_test(test_everywhere_finite),
     };
-    return cmocka_run_group_tests(tests, set_up, NULL);
+    return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -133,9 +133,8 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
 
 void pel_sky_finish(struct pel_sky *sky)
 {
-    const GLuint programs[] = { sky->transmittance_program,
-                                sky->table_program, sky->reflection_program,
-                                sky->light_program };
+    const GLuint programs[] = { sky->transmittance_program, sky->table_program,
+                                sky->reflection_program, sky->light_program };
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
         glDeleteProgram(programs[i]);
     }

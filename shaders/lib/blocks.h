@@ -110,10 +110,10 @@ struct pel_vec4 {
  * 2010 paper; what the surface reflects has `refraction` of the frame. */
 #define PEL_WATER_INDEX 1.34
 
-/* Light scattered more than once (optics/airlight.h): sizes of its table; heights
- * by shares of the aerosols', the molecules' and the whole height; a light's
- * zenith cosine c as asinh((c + MIDDLE) / WIDTH) from FIRST to LAST (115.5° to
- * 0°), finest in twilight. */
+/* Light scattered more than once (optics/airlight.h): sizes of its table;
+ * heights by shares of the aerosols', the molecules' and the whole height; a
+ * light's zenith cosine c as asinh((c + MIDDLE) / WIDTH) from FIRST to LAST
+ * (115.5° to 0°), finest in twilight. */
 #define PEL_AIR_SUNS 40
 #define PEL_AIR_HEIGHTS 22
 #define PEL_AIR_ZENITHS 28

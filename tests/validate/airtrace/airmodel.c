@@ -26,6 +26,12 @@ void air_init(struct air *air, double visibility)
     }
     double aerosols = 3.912 / visibility - air->molecules[1];
     air->aerosol_extinction = aerosols > 0 ? aerosols : 0;
+    /* Beyond the published aerosol it is sea salt, which absorbs 0.02. */
+    double published = 4.44e-3;
+    if (aerosols > published) {
+        air->aerosol_albedo =
+            (0.9 * published + 0.98 * (aerosols - published)) / aerosols;
+    }
     if (air->aerosol_extinction * air->aerosol_height > 1.5) {
         air->aerosol_height = 1.5 / air->aerosol_extinction;
     }

@@ -28,7 +28,9 @@ int main(int argc, char **argv)
     const struct pel_atmosphere_desc desc = { .visibility_m =
                                                   1e3 * atof(argv[1]) };
     pel_atmosphere_init(&desc, &air);
-    pel_atmosphere_tabulate(&air);
+    if (pel_atmosphere_tabulate(&air, NULL, NULL)) {
+        return 1;
+    }
     double height_m = atof(argv[2]), zenith, azimuth;
     for (int sight = 0; scanf("%lf %lf", &zenith, &azimuth) == 2; sight++) {
         for (int s = 3; s < argc; s++) {
