@@ -609,7 +609,8 @@ $(O)/bin/lighting: $(call obj,tests/validate/lighting.c tests/validate/rowtrace.
     $(OBJ)/libserver.a
 	$(LINK) $(BENCH_LIBS)
 $(O)/bin/validate_water: $(OBJ)/tests/validate/water.o \
-    $(OBJ)/tests/validate/watersampling.o $(OBJ)/tests/validate/waterslopes.o $(OBJ)/libserver.a
+    $(OBJ)/tests/validate/watersampling.o $(OBJ)/tests/validate/waterslopes.o \
+    $(OBJ)/tests/validate/waterchecks.o $(OBJ)/tests/validate/waterrays.o $(OBJ)/libserver.a
 	$(LINK) -lm
 # Shares no source with what it judges.
 SEATRACE := $(addprefix tests/validate/seatrace/,seaspectrum.c seasurface.c \

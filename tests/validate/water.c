@@ -1,11 +1,12 @@
 /* `make validate`: the orders of scattering against a Monte Carlo of the same
  * water, over waters, depths, Suns and views; the paper's form beside them;
- * its sampling study (figs. 7 and 8); bottoms that are not level. Prints
+ * its sampling study (figs. 7 and 8); bottoms that are not level; constituents
+ * against photons and published numbers. Prints
  * progress, writes build/validate/water.md, water.json and sampling.json;
  * status 1 when a promise is broken. --quick: at most a fifteenth of the paths,
  * half a minute, into build/validate/quick/: what is compared with a Monte
  * Carlo has three of its standard errors as room, so fewer paths see only
- * larger faults. --sampling, --slopes: these alone. */
+ * larger faults. --sampling, --slopes, --sea: these alone. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -17,6 +18,7 @@
 #include "base/clock.h"
 #include "base/vec.h"
 #include "optics/watermontecarlo.h"
+#include "waterchecks.h"
 #include "watersampling.h"
 #include "waterslopes.h"
 
@@ -272,14 +274,16 @@ static FILE *open_report(bool quick, bool wanted, const char *name,
 
 int main(int argc, char **argv)
 {
-    bool quick = false, study = false, slopes = false;
+    bool quick = false, study = false, slopes = false, sea = false;
     for (int i = 1; i < argc; i++) {
         bool *named = strcmp(argv[i], "--quick") == 0      ? &quick
                       : strcmp(argv[i], "--sampling") == 0 ? &study
                       : strcmp(argv[i], "--slopes") == 0   ? &slopes
+                      : strcmp(argv[i], "--sea") == 0      ? &sea
                                                            : NULL;
         if (!named) {
-            fprintf(stderr, "usage: water [--quick] [--sampling] [--slopes]\n");
+            fprintf(stderr,
+                    "usage: water [--quick] [--sampling] [--slopes] [--sea]\n");
             return 2;
         }
         *named = true;
@@ -288,21 +292,26 @@ int main(int argc, char **argv)
     mkdir("build", 0777);
     mkdir("build/validate", 0777);
     mkdir("build/validate/quick", 0777);
-    const char *how = study || slopes ? "a" : "w";
+    const bool part = study || slopes || sea;
+    const char *how = part ? "a" : "w";
     FILE *md = open_report(quick, true, "water.md", how);
-    FILE *json = open_report(quick, !study && !slopes, "water.json", "w");
-    FILE *sampling = open_report(quick, !slopes, "sampling.json", "w");
+    FILE *json = open_report(quick, !part, "water.json", "w");
+    FILE *sampling = open_report(quick, !slopes && !sea, "sampling.json", "w");
     if (!md || !json || !sampling) {
         perror("build/validate");
         return 1;
     }
-    int broken = study || slopes ? 0 : validate(quick, md, json, start);
-    if (!slopes) {
+    int broken = part ? 0 : validate(quick, md, json, start);
+    if (!slopes && !sea) {
         broken |= put_sampling(md, sampling) > 1e-3;
     }
-    if (!study) {
+    if (!study && !sea) {
         double most = put_slopes(md, quick);
         broken |= most < 0.0 || most > (quick ? 0.12 : 0.08);
+    }
+    if (!study && !slopes) {
+        broken |= !check_published(md);
+        broken |= !check_rays(md, quick);
     }
     if (fclose(md) || fclose(json) || fclose(sampling)) {
         perror("build/validate");
