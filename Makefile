@@ -403,7 +403,7 @@ $(O)/flags: FORCE
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosctl \
     pelagos-seabed registers_doc cigi_doc nmea_doc bench still bench_streams \
-    any_raster lighting validate_water seatrace airtrace airours): $(O)/flags
+    any_raster validate_water seatrace airtrace airours): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS)
@@ -493,7 +493,7 @@ TABLE_MANUALS := registers cigi nmea
 
 .PHONY: tests
 tests: $(TEST_BIN) $(TABLE_MANUALS:%=$(O)/bin/%_doc) \
-    $(O)/bin/any_raster $(O)/bin/lighting $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/airtrace \
+    $(O)/bin/any_raster $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/airtrace \
     $(O)/bin/airours $(O)/libpelagos.a \
     build/compile_commands.json ## build the test programs
 
@@ -604,10 +604,6 @@ bench: deps-build ## time frames, views, queries, encoders, streams (ARGS='--qui
 	$(O)/bin/bench_streams --views 1 --seconds 2
 
 # --- validation -----------------------------------------------------------
-$(O)/bin/lighting: $(call obj,tests/validate/lighting.c tests/validate/rowtrace.c \
-    tests/validate/reference.c) \
-    $(OBJ)/libserver.a
-	$(LINK) $(BENCH_LIBS)
 $(O)/bin/validate_water: $(OBJ)/tests/validate/water.o \
     $(OBJ)/tests/validate/watersampling.o $(OBJ)/tests/validate/waterslopes.o \
     $(OBJ)/tests/validate/waterchecks.o $(OBJ)/tests/validate/waterrays.o $(OBJ)/libserver.a
@@ -628,45 +624,31 @@ $(O)/bin/airtrace_test: $(call obj,$(AIRTRACE))
 $(O)/bin/airours: $(OBJ)/tests/validate/airtrace/airours.o $(OBJ)/libserver.a
 	$(LINK) -lm
 
-.PHONY: validate validate-lighting validate-numbers validate-water
-validate: validate-numbers validate-lighting validate-water validate-drawn ## compare with brute force: tables and plots in build/validate/ (ARGS=--quick: a minute, as make check does)
-VALIDATED = build/validate$(if $(filter --quick,$(ARGS)),/quick)
+VALIDATE_PARTS := sea sky drawn numbers eye
+VALIDATE_BIN := $(addprefix $(O)/bin/,seatrace airours validate_water brdf_test facets_test \
+    directional_test ndbc_test welch_test cascade_test probe_test shimmer_test drawn_test)
+.PHONY: validate $(addprefix validate-,$(VALIDATE_PARTS))
+validate: deps-build ## light, waves, water, eye against references: tables and plots in build/validate/ (ARGS=--quick: a minute)
+	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)
+	$(Q)/usr/bin/python3 -B tests/validate/validate.py $(ARGS)
+$(addprefix validate-,$(VALIDATE_PARTS)): validate-%: deps-build ## one part: sea sky drawn numbers eye, or water
+	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)
+	$(Q)/usr/bin/python3 -B tests/validate/validate.py $(ARGS) $*
 
-# Each fails where its figures leave their bounds.
-NUMBERS := brdf_test facets_test directional_test ndbc_test welch_test \
-    probe_test shimmer_test
-validate-numbers: $(addprefix $(O)/bin/,$(NUMBERS)) ## BRDF, slopes, spectra, shimmer: figures of the tests
-	$(Q)for t in $(NUMBERS); do echo "== $$t"; $(O)/bin/$$t >build/$$t.log 2>&1 || \
-	    { cat build/$$t.log; exit 1; }; \
-	    grep -vE '^\[|^info' build/$$t.log; done; true
-
-validate-lighting: deps-build ## rows of the picture against brute force (ARGS=--quick: half a minute)
-	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/lighting
-	$(Q)mkdir -p $(VALIDATED)
-	$(O)/bin/lighting $(VALIDATED) $(ARGS); status=$$?; \
-	    cat $(VALIDATED)/lighting.md; exit $$status
-
-validate-water: deps-build ## light in the water against Monte Carlo, minutes (ARGS=--quick: half of one)
+.PHONY: validate-water validate-seatrace airtable sheet
+validate-water: deps-build ## light in the water against Monte Carlo (ARGS=--quick, --sampling, --slopes)
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/validate_water
 	$(O)/bin/validate_water $(ARGS)
-	$(Q)cat $(VALIDATED)/water.md
-
-.PHONY: validate-drawn
-validate-drawn: $(O)/bin/drawn_test ## the position layer against surface queries, minutes (ARGS=--quick: a few views)
-	$(O)/bin/drawn_test $(if $(filter --quick,$(ARGS)),,--all)
-
-.PHONY: validate-seatrace
-validate-seatrace: deps-build ## pictures against rays over a realised sea, 15 min (ARGS=--quick: one)
+	$(Q)cat build/validate$(if $(filter --quick,$(ARGS)),/quick)/water.md
+validate-seatrace: deps-build ## its part sea with options of its own, as ARGS='--spectrum elfouhaily'
 	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/seatrace
 	$(Q)nice -n 19 /usr/bin/python3 -B tests/validate/seatrace/seatrace.py $(ARGS)
-
-.PHONY: validate-sky airtable
-validate-sky: deps-build ## the sky's radiance against a Monte Carlo's table, a minute
-	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/airours
-	$(Q)/usr/bin/python3 -B tests/validate/airtrace/airsky.py $(ARGS)
-airtable: deps-build ## that table anew by the Monte Carlo, about an hour of two cores
+airtable: deps-build ## the sky's table anew by its Monte Carlo, about an hour of two cores
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/airtrace
 	$(Q)/usr/bin/python3 -B tests/validate/airtrace/airtable.py $(ARGS)
+sheet: deps-build ## 24 scenes on one sheet, with figures: build/sheet.jpg
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/validate/sheet.py $(ARGS)
 
 .PHONY: soak
 soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers

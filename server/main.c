@@ -95,6 +95,7 @@ static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
         .shader_dir = or_null(d->options.shader_dir),
         .shading = shadings[d->options.shading],
         .gl_debug = d->options.gl_debug,
+        .paper_form = d->options.reflection == 1,
         .max_fps = d->options.fps,
         .quality = d->options.quality,
         .encoder_threads = d->options.encoder_threads,

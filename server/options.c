@@ -23,6 +23,7 @@ static const char *const quality_words[] = { "auto", "full", NULL };
 static const double quality_values[] = { 0.0, 1.0 };
 static const char *const shading_words[] = { "auto", "fragment", "compute",
                                              NULL };
+static const char *const reflection_words[] = { "drawn", "paper", NULL };
 static const char *const realtime_words[] = { "auto", "off", "on", NULL };
 static const char *const level_words[] = { "error", "warning", "info", "debug",
                                            NULL };
@@ -239,6 +240,10 @@ const struct pel_option pel_developer_table[] = {
       .help = "Whether pixels are shaded as fragments or in compute, by the "
               "same functions; auto takes fragments on a software device, "
               "compute on hardware." },
+    { "PELAGOS_REFLECTION", "developer", PEL_OPTION_CHOICE, "HOW", "drawn",
+      .choices = reflection_words, .offset = FIELD(reflection),
+      .help = "paper: sky and Sun in the sea by Bruneton et al. 2010 as it "
+              "stands, to compare with." },
     { "PELAGOS_SHADER_DIR", "developer", PEL_OPTION_PATH, "DIRECTORY|off",
       "off", .offset = FIELD(shader_dir),
       .help = "Reads the shaders from here instead of the built-in ones." },

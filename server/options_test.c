@@ -128,10 +128,12 @@ static void developers_have_the_environment(void **state)
     (void)state;
     assert_true(setenv("PELAGOS_SHADING", "compute", 1) == 0);
     assert_true(setenv("PELAGOS_GL_DEBUG", "yes", 1) == 0);
+    assert_true(setenv("PELAGOS_REFLECTION", "paper", 1) == 0);
     assert_true(setenv("PELAGOS_SHADER_DIR", "", 1) == 0);
     assert_int_equal(READ(&options, &action, &fault, "--fps", "20"), PEL_OK);
     assert_int_equal(options.shading, 2);
     assert_true(options.gl_debug);
+    assert_int_equal(options.reflection, 1);
     assert_string_equal(options.shader_dir, "");
     assert_true(setenv("PELAGOS_SHADING", "both", 1) == 0);
     assert_int_equal(READ(&options, &action, &fault, "--fps", "20"),

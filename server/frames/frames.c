@@ -103,6 +103,7 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
         .shader_dir = o->shader_dir,
         .shading = o->shading,
         .debug = o->gl_debug,
+        .filtering.paper = o->paper_form,
     };
     err = pel_renderloop_create(&renderer, frames->pool, &frames->box,
                                 &frames->loop, fault);

@@ -24,6 +24,7 @@ struct pel_frames_options {
     const char *shader_dir;
     const char *shading; /* as pel_renderer_options */
     bool gl_debug;
+    bool paper_form; /* pel_filtering.paper */
     double max_fps; /* cap of live views, 1..240 */
     double quality; /* scale of live views, 0.25..1; 0: as holds their rate */
     int encoder_threads; /* 0: about one a core, at most 16 */
