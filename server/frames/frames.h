@@ -25,8 +25,8 @@ struct pel_frames_options {
     const char *shading; /* as pel_renderer_options */
     bool gl_debug;
     bool paper_form; /* pel_filtering.paper */
-    double max_fps; /* cap of live views, 1..240 */
-    double quality; /* scale of live views, 0.25..1; 0: as holds their rate */
+    double max_fps;  /* cap of live views, 1..240 */
+    double quality;  /* scale of live views, 0.25..1; 0: as holds their rate */
     int encoder_threads; /* 0: about one a core, at most 16 */
     /* H.264 by this GStreamer element; NULL or "auto": the best there is. */
     const char *video_encoder;
