@@ -8,7 +8,7 @@ the places that pixels of water show (EXR layer `position`). Judged is
 every pixel in which the sea's dominant wave is eight pixels long or longer, as
 it lies in the picture: along the line of sight at its grazing angle. A pixel
 of the picture is its height on a wall across the line of sight. Bars: median
-1 mm + 0.05 pixel, 99 in 100 within 1 pixel. Writes drawn.md and .json into
+1 mm + 0.05 pixel, 99 in 100 within 1 pixel. Its table and .json go into
 build/validate/ (quick: into its quick/); status 3 with --assert where a row
 fails.
 """
