@@ -50,7 +50,9 @@ def parts(options):
         "sky": [script("airtrace/airsky.py", options)],
         "water": [[os.path.join(BIN, "validate_water"), *quick],
                   ["cat", os.path.join(folder_of(options), "water.md")]],
-        "drawn": [script("drawn.py", options)],
+        "drawn": [script("drawn.py", options),
+                  [os.path.join(BIN, "drawn_test")]
+                  + ([] if options.quick else ["--all"])],
         "numbers": [[os.path.join(BIN, test)] for test in NUMBERS],
         "eye": [script("eye.py", options)],
     }
