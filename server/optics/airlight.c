@@ -11,7 +11,8 @@
 
 double pel_airlight_sun(double sun_mu)
 {
-    double u = (sun_mu + PEL_AIR_SUN_MIDDLE) / PEL_AIR_SUN_WIDTH;
+    double elevation = asin(pel_clamp(sun_mu, -1, 1));
+    double u = (elevation + PEL_AIR_SUN_MIDDLE) / PEL_AIR_SUN_WIDTH;
     return pel_clamp((asinh(u) - PEL_AIR_SUN_FIRST) /
                          (PEL_AIR_SUN_LAST - PEL_AIR_SUN_FIRST),
                      0, 1);
@@ -341,8 +342,8 @@ static void fill_places(struct pel_air_solver *s)
         double x = (double)n / (SUNS - 1);
         double u =
             PEL_AIR_SUN_FIRST + x * (PEL_AIR_SUN_LAST - PEL_AIR_SUN_FIRST);
-        s->sun_mu[n] =
-            fmin(PEL_AIR_SUN_WIDTH * sinh(u) - PEL_AIR_SUN_MIDDLE, 1);
+        s->sun_mu[n] = sin(fmin(
+            PEL_AIR_SUN_WIDTH * sinh(u) - PEL_AIR_SUN_MIDDLE, 0.5 * PEL_PI));
     }
     for (int i = 0; i <= LUT; i++) {
         s->place[i] =

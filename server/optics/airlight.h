@@ -17,13 +17,13 @@
  * in it. By the light's zenith cosine (pel_airlight_sun), the height
  * (pel_airlight_height) and the zenith angle of the line of sight in equal
  * steps from 0 to π, and by the sine of half its azimuth from the light; the
- * last is padding. As the shaders' texture has it. 5 MB. */
+ * last is padding. As the shaders' texture has it. 7.6 MB. */
 struct pel_airlight {
     float log2[PEL_AIR_SUNS][PEL_AIR_HEIGHTS][PEL_AIR_ZENITHS][PEL_AIR_AZIMUTHS]
               [4];
 };
 
-/* From the constants and the columns of an atmosphere; some 0.3 s of one core,
+/* From the constants and the columns of an atmosphere; some 0.8 s of one core,
  * the same bits however it is shared. `share` NULL: by the calling thread.
  * NO_MEMORY. */
 PEL_CHECK enum pel_err pel_airlight_build(const struct pel_atmosphere *a,

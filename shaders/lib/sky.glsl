@@ -113,31 +113,6 @@ vec3 light_transmittance(sampler2D table, float h, float mu, float radius)
            smoothstep(-1.0, 1.0, (mu - horizon) / radius);
 }
 
-// Light scattered before, per unit irradiance of a light (optics/airlight.h),
-// at a height where molecules and aerosols have these densities, for a line of
-// sight at a zenith angle and `half_turn`, the sine of half its azimuth from the
-// light.
-vec3 airlight_at(sampler3D table, float h, float dr, float dm, float light_mu, float zenith,
-                 float half_turn)
-{
-    const vec3 LAST = vec3(PEL_AIR_AZIMUTHS - 1, PEL_AIR_ZENITHS - 1, PEL_AIR_SUNS - 1);
-    const float ROWS = float(PEL_AIR_ZENITHS * PEL_AIR_HEIGHTS);
-    float u = (light_mu + PEL_AIR_SUN_MIDDLE) / PEL_AIR_SUN_WIDTH;
-    vec3 at = vec3(half_turn, zenith / PI,
-                   (log(u + sqrt(u * u + 1.0)) - PEL_AIR_SUN_FIRST) /
-                       (PEL_AIR_SUN_LAST - PEL_AIR_SUN_FIRST));
-    at = clamp(at, 0.0, 1.0) * LAST + 0.5;
-    float x = PEL_AIR_SHARE_MIE * (1.0 - dm) + PEL_AIR_SHARE_RAYLEIGH * (1.0 - dr) +
-              (1.0 - PEL_AIR_SHARE_MIE - PEL_AIR_SHARE_RAYLEIGH) * h / (planet.y - planet.x);
-    x = clamp(x, 0.0, 1.0) * float(PEL_AIR_HEIGHTS - 1);
-    float low = min(floor(x), float(PEL_AIR_HEIGHTS - 2));
-    at.y += low * float(PEL_AIR_ZENITHS);
-    at /= vec3(PEL_AIR_AZIMUTHS, ROWS, PEL_AIR_SUNS);
-    vec3 below = textureLod(table, at, 0.0).rgb;
-    at.y += 1.0 / float(PEL_AIR_HEIGHTS);
-    return exp2(mix(below, textureLod(table, at, 0.0).rgb, x - low));
-}
-
 // Sky table of an eye: u by azimuth from the light (0..π), finer near it, v by
 // the angle from the horizon, finer near it; the lower half is below.
 vec2 sky_uv(float azimuth, float angle_above, vec2 table)
@@ -155,6 +130,31 @@ float fast_acos(float x)
     float p = sqrt(max(1.0 - y, 0.0)) *
               (1.5707288 + y * (-0.2121144 + y * (0.0742610 - y * 0.0187293)));
     return x < 0.0 ? PI - p : p;
+}
+
+// Light scattered before, per unit irradiance of a light (optics/airlight.h),
+// at a height where molecules and aerosols have these densities, for a line of
+// sight at a zenith angle and `half_turn`, the sine of half its azimuth from the
+// light.
+vec3 airlight_at(sampler3D table, float h, float dr, float dm, float light_mu, float zenith,
+                 float half_turn)
+{
+    const vec3 LAST = vec3(PEL_AIR_AZIMUTHS - 1, PEL_AIR_ZENITHS - 1, PEL_AIR_SUNS - 1);
+    const float ROWS = float(PEL_AIR_ZENITHS * PEL_AIR_HEIGHTS);
+    float u = (0.5 * PI - fast_acos(light_mu) + PEL_AIR_SUN_MIDDLE) / PEL_AIR_SUN_WIDTH;
+    vec3 at = vec3(half_turn, zenith / PI,
+                   (log(u + sqrt(u * u + 1.0)) - PEL_AIR_SUN_FIRST) /
+                       (PEL_AIR_SUN_LAST - PEL_AIR_SUN_FIRST));
+    at = clamp(at, 0.0, 1.0) * LAST + 0.5;
+    float x = PEL_AIR_SHARE_MIE * (1.0 - dm) + PEL_AIR_SHARE_RAYLEIGH * (1.0 - dr) +
+              (1.0 - PEL_AIR_SHARE_MIE - PEL_AIR_SHARE_RAYLEIGH) * h / (planet.y - planet.x);
+    x = clamp(x, 0.0, 1.0) * float(PEL_AIR_HEIGHTS - 1);
+    float low = min(floor(x), float(PEL_AIR_HEIGHTS - 2));
+    at.y += low * float(PEL_AIR_ZENITHS);
+    at /= vec3(PEL_AIR_AZIMUTHS, ROWS, PEL_AIR_SUNS);
+    vec3 below = textureLod(table, at, 0.0).rgb;
+    at.y += 1.0 / float(PEL_AIR_HEIGHTS);
+    return exp2(mix(below, textureLod(table, at, 0.0).rgb, x - low));
 }
 
 float azimuth_from(int light, vec2 dir)
