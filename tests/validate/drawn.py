@@ -96,7 +96,7 @@ def main():
     rows = []
     eyes = EYES[1::2] if options.quick else EYES
     with Daemon() as daemon:
-        ocean = pelagos.Ocean(daemon.url())
+        ocean = pelagos.Ocean(daemon.url(), timeout=600)
         for synthesiser in ("TROCHOIDS", "FFT"):
             for name, (sea, wave_m) in list(SEAS.items())[
                     ::2 if options.quick else 1]:

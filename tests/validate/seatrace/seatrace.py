@@ -395,7 +395,7 @@ def paper_rows(paper):
     """The same pictures by a daemon that draws as the paper has it."""
     if not paper:
         return lambda *_: None
-    ocean = pelagos.Ocean(paper.url())
+    ocean = pelagos.Ocean(paper.url(), timeout=600)
     return lambda wind, setup: drawn(paper, ocean, wind, setup)
 
 
@@ -485,7 +485,7 @@ def run(options, setup):
             del os.environ["PELAGOS_REFLECTION"]
             change(paper, base_state(options.spectrum))
         as_paper = paper_rows(paper)
-        ocean = pelagos.Ocean(daemon.url())
+        ocean = pelagos.Ocean(daemon.url(), timeout=600)
         change(daemon, base_state(options.spectrum))
         skies = {sun: take_sky(daemon, ocean, sun) for sun in setup["suns"]}
         path = os.path.join(folder, "skies")
