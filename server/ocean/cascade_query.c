@@ -149,13 +149,7 @@ PEL_INLINE void fetch_surface(const struct pel_cascade_fields *f,
                               const struct reading *r)
 {
     for (int i = 0; i < PEL_CASCADES; i++) {
-        struct place p = r->place[i];
-        fetch_spline(f->velocity[i], p);
-        for (int b = 0; b < 2; b++) {
-            int texel = (p.j + b) % N * N + p.i % N;
-            __builtin_prefetch(f->slopes[i][texel]);
-            __builtin_prefetch(&f->fold[i][texel]);
-        }
+        fetch_spline(f->velocity[i], r->place[i]);
     }
 }
 
@@ -246,41 +240,20 @@ PEL_INLINE void search_all(const struct pel_cascades *c,
     }
 }
 
-PEL_INLINE double bilinear(const float *texels, struct place p)
-{
-    int i0 = p.i % N, i1 = (p.i + 1) % N, j0 = p.j % N, j1 = (p.j + 1) % N;
-    double a = texels[j0 * N + i0], b = texels[j0 * N + i1];
-    double c = texels[j1 * N + i0], d = texels[j1 * N + i1];
-    return (1 - p.fj) * ((1 - p.fi) * a + p.fi * b) +
-           p.fj * ((1 - p.fi) * c + p.fi * d);
-}
-
-PEL_INLINE lanes4 bilinear4(float (*texels)[4], struct place p)
-{
-    lanes4 below = (1 - p.fi) * texel_at(texels, p.i, p.j) +
-                   p.fi * texel_at(texels, p.i + 1, p.j);
-    lanes4 above = (1 - p.fi) * texel_at(texels, p.i, p.j + 1) +
-                   p.fi * texel_at(texels, p.i + 1, p.j + 1);
-    return (1 - p.fj) * below + p.fj * above;
-}
-
+/* `there`: at the rest position of `r`, whose derivatives are the surface's own
+ * tangents. */
 PEL_INLINE void surface_at(const struct pel_cascade_fields *f,
-                           const struct reading *r, double height,
+                           const struct reading *r, const struct shift *there,
                            struct pel_surface_sample *out)
 {
-    lanes4 by_x = { 1, 0, 0, 0 }, by_y = { 0, 1, 0, 0 }, v = { 0, 0, 0, 0 };
+    lanes4 v = { 0, 0, 0, 0 };
     for (int i = 0; i < PEL_CASCADES; i++) {
-        const struct place p = r->place[i];
-        const double *by = r->sheared.by[i];
-        lanes4 s = bilinear4(f->slopes[i], p);
-        double fold = bilinear(f->fold[i], p);
-        by_x += (lanes4){ s[2], fold, s[0] * by[0] + s[1] * by[2], 0 };
-        by_y += (lanes4){ fold, s[3], s[0] * by[1] + s[1] * by[3], 0 };
-        v += sample_spline(f->velocity[i], p);
+        v += sample_spline(f->velocity[i], r->place[i]);
     }
-    struct pel_vec3 along_x = { by_x[0], by_x[1], by_x[2] };
-    struct pel_vec3 along_y = { by_y[0], by_y[1], by_y[2] };
-    out->height_m = height;
+    const lanes4 *dx = &there->dx, *dy = &there->dy;
+    struct pel_vec3 along_x = { 1.0 + (*dx)[0], (*dx)[1], (*dx)[2] };
+    struct pel_vec3 along_y = { (*dy)[0], 1.0 + (*dy)[1], (*dy)[2] };
+    out->height_m = there->d[2];
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
     out->velocity_mps = (struct pel_vec3){ v[0], v[1], v[2] };
     out->acceleration_mps2 = (struct pel_vec3){ NAN, NAN, v[3] };
@@ -330,7 +303,7 @@ static void query(const struct pel_cascades *c,
         for (int i = 0; i < count; i++) {
             struct pel_surface_sample *to = &out[from + (size_t)i];
             const struct reading *r = &searches[i].reading;
-            surface_at(f, r, searches[i].at.d[2], to);
+            surface_at(f, r, &searches[i].at, to);
             struct pel_vec3 *a = &to->acceleration_mps2;
             if (moving) {
                 struct pel_vec2 surge = surge_at(f, r);

@@ -382,6 +382,43 @@ static void test_no_folding(void **state)
     }
 }
 
+/* The normal answered is that of the surface answered: root mean square of the
+ * angle to the gradient of queried heights, by differences over 0.4 mm, which
+ * leave 0.02° of the shortest waves' curvature and of single precision. What
+ * is allowed is what a last step of 0.1 mm in the search turns ripples by. */
+#define ALLOWED_NORMAL_DEG 0.1
+static void test_normal(void **state)
+{
+    (void)state;
+    const double e = 2e-4;
+    for (int s = 0; s < SEAS; s++) {
+        struct pel_sea_desc d = legal_sea(s);
+        build(&d);
+        enum { POINTS = 1000 };
+        uint64_t rng = 37;
+        double squares = 0, worst = 0;
+        for (int i = 0; i < POINTS; i++) {
+            double x = 1e3 * uniform(&rng), y = 1e3 * uniform(&rng);
+            const struct pel_vec2 at[5] = {
+                { x, y }, { x - e, y }, { x + e, y }, { x, y - e }, { x, y + e }
+            };
+            struct pel_surface_sample p[5];
+            pel_sea_query(&sea, at, 5, 33, p);
+            struct pel_vec3 want = pel_vec3_normalize((struct pel_vec3){
+                (p[1].height_m - p[2].height_m) / (2 * e),
+                (p[3].height_m - p[4].height_m) / (2 * e), 1 });
+            struct pel_vec3 cross = pel_vec3_cross(p[0].normal, want);
+            double angle = asin(sqrt(pel_vec3_dot(cross, cross))) / PEL_DEG;
+            squares += angle * angle / POINTS;
+            worst = fmax(worst, angle);
+        }
+        print_message("sea %d: normals off the gradient by %.3f deg rms, "
+                      "worst %.3f\n",
+                      s, sqrt(squares), worst);
+        assert_true(sqrt(squares) < ALLOWED_NORMAL_DEG);
+    }
+}
+
 /* Velocity is that of the particle: by differences in time at a rest place. */
 static void test_velocity(void **state)
 {
@@ -580,6 +617,7 @@ int main(void)
         cmocka_unit_test(test_surface_statistics),
         cmocka_unit_test(test_inverse),
         cmocka_unit_test(test_no_folding),
+        cmocka_unit_test(test_normal),
         cmocka_unit_test(test_velocity),
         cmocka_unit_test(test_acceleration),
         cmocka_unit_test(test_same_bits),
