@@ -13,6 +13,7 @@
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"
 #include "lib/water.glsl"
+#include "lib/glints.glsl"
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"

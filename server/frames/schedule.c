@@ -64,6 +64,7 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
         .orders = s->water_orders,
         .seabed = s->seabed,
         .caustics = s->caustics,
+        .sparkle = s->sparkle,
     };
     pel_snapshot_lights(s, time_s, env.lights);
     return env;

@@ -57,6 +57,7 @@ struct pel_environment {
     struct pel_water_depths depths;
     const struct pel_seabed *seabed; /* NULL: flat, at the water's depth */
     bool caustics;                   /* the waves focus light on it */
+    bool sparkle;                    /* of the glitter: blocks.h */
     /* For validation: leaves out the air between the sea and the eye; gives
      * every distance the slope variances of the nearest pixels, the constant
      * BRDF of the 2010 paper's fig. 10; widens lights as brute force must;

@@ -47,6 +47,14 @@ static struct pel_shader_light light_of(const struct pel_environment *env,
     };
 }
 
+/* Whole lives of glints since the start; other seeds begin elsewhere. */
+static double glint_lives(const struct pel_environment *env)
+{
+    double whole = floor(env->time_s / PEL_GLINT_LIFE) +
+                   40503.0 * (env->sea->desc.seed & 0xffff);
+    return whole - 16777216.0 * floor(whole / 16777216.0);
+}
+
 void pel_fill_frame(const struct pel_environment *env,
                     struct pel_block_frame *out)
 {
@@ -55,6 +63,7 @@ void pel_fill_frame(const struct pel_environment *env,
     pel_atmosphere_init(&desc, &air);
     const double *n = env->water.index;
     const double r0 = (PEL_WATER_INDEX - 1.0) / (PEL_WATER_INDEX + 1.0);
+    double lives = env->time_s / PEL_GLINT_LIFE;
     double m[9];
     pel_colour_matrix(m);
     *out = (struct pel_block_frame){
@@ -69,9 +78,9 @@ void pel_fill_frame(const struct pel_environment *env,
                        air.ozone_width_m, r0 * r0),
         .refraction = vec4(n[0] * n[0], n[1] * n[1], n[2] * n[2], 0.0),
         .water = pel_water_levels(env, env->no_air ? 1.0 : 0.0),
-        .red = vec4(m[0], m[1], m[2], 0.0),
-        .green = vec4(m[3], m[4], m[5], 0.0),
-        .blue = vec4(m[6], m[7], m[8], 0.0),
+        .red = vec4(m[0], m[1], m[2], glint_lives(env)),
+        .green = vec4(m[3], m[4], m[5], lives - floor(lives)),
+        .blue = vec4(m[6], m[7], m[8], env->sparkle ? PEL_GLINT_SHARE : 0.0),
     };
     for (int i = 0; i < PEL_LIGHTS; i++) {
         out->lights[i] = light_of(env, i);

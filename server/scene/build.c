@@ -397,6 +397,7 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     place_water(state->water, state->seabed, &out->water_desc, &out->water);
     out->water_orders = (enum pel_water_orders)state->water->orders;
     out->caustics = state->seabed->caustics;
+    out->sparkle = state->sea->sparkle;
     out->chlorophyll_mg_m3 = state->water->chlorophyll;
     out->sun_azimuth_fixed = sky->has_sun_azimuth;
     out->sun_elevation_fixed = sky->has_sun_elevation;

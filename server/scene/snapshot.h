@@ -110,6 +110,7 @@ struct pel_snapshot {
     enum pel_water_orders water_orders;
     const struct pel_seabed *seabed; /* NULL: flat, at the water's depth */
     bool caustics;
+    bool sparkle;
     double chlorophyll_mg_m3; /* the field, whatever describes the water */
     bool sun_azimuth_fixed, sun_elevation_fixed; /* else from the time */
     double sun_azimuth_rad, sun_elevation_rad;   /* where fixed */

@@ -144,6 +144,22 @@ struct pel_vec4 {
 #define PEL_GLITTER_STEEPER 0.125
 #define PEL_GLITTER_KNEE 0.0625
 
+/* Sparkle (lib/glints.glsl): the share of the slope variance left to the BRDF
+ * that is drawn for each pixel, and for how long: the period, s, of the
+ * shortest waves, m, at least. */
+#define PEL_GLINT_SHARE 0.06
+#define PEL_GLINT_SHORTEST 0.02
+#define PEL_GLINT_LIFE 0.113
+
+/* Length of a pixel on the sea, for the filter of its waves: its width times
+ * the slant to this power; 1 is its whole length along the line of sight, as in
+ * the 2010 paper. */
+#ifdef PEL_PAPER
+#define PEL_FOOTPRINT_ALONG 1.0
+#else
+#define PEL_FOOTPRINT_ALONG 0.7
+#endif
+
 /* Tables of the atmosphere, texels; half width of the reflection map, whose
  * horizon is at 1. */
 #define PEL_TRANSMITTANCE_WIDTH 256
@@ -248,9 +264,11 @@ PEL_BLOCK(PEL_BLOCK_FRAME, frame)
     vec4 refraction; /* rgb squared refractive index of the surface */
     vec4 water; /* levels of depth (lib/water.glsl): x their number, y log2 of
                    the first, m, z levels an octave; w 1 leaves out the air */
-    vec4 red;   /* rows of the matrix to Rec. 709 cd/m² */
+    vec4 red;   /* rows of the matrix to Rec. 709 cd/m²; w of red, green: lives
+                   of glints since the start, whole and the rest */
     vec4 green;
-    vec4 blue;
+    vec4 blue; /* w: share of the slope variance left that glints are drawn
+                  from, 0 without sparkle */
 };
 
 /* One for an eye, a camera position of this frame. */

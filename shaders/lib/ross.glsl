@@ -59,8 +59,10 @@ vec3 facet_reflectance(float cosine)
 // its facets steeper at grazing angles (PEL_GLITTER_STEEPER). Its disc, as the
 // variance `disc` of slopes that mirror some of it, is folded into the slope
 // density (the paper clamps the variance), so that a flat sea shows the disc.
-// Twin of pel_glitter.
-vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc)
+// Twin of pel_glitter. `drawn`: a slope that is added to the facets', drawn from
+// a normal distribution of variance `held`; the mean over what is drawn does not
+// depend on it.
+vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc, vec2 drawn, vec2 held)
 {
     vec3 h = normalize(view + light);
     float hz = max(h.z, 1e-3);
@@ -74,7 +76,7 @@ vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc)
     float across = s_view * s_view * max(1.0 - view.z * view.z, 1e-8); // (cos θ / μ)²
     vec2 slope = -h.xy / hz + toward * (STEEPER * s_view * across /
                                         (across + view.z * view.z * PEL_GLITTER_KNEE));
-    float p = slope_density(slope, variance + disc);
+    float p = slope_density(slope - drawn, variance - held + disc);
     float cos_v = max(view.z, 1e-4);
     float view_term = smith_lambda_cos(view.z, s_view);
     float light_term = smith_lambda_cos(light.z, sqrt(directional_variance(light, variance)));

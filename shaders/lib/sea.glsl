@@ -116,11 +116,13 @@ shaded shade_sea(ivec2 at, uint triangle)
     vec3 v = -vec3(dir.xy - tilt * dir.z, dir.z + dot(tilt, dir.xy));
     v = normalize(v);
 
-    // Length of the pixel on the surface, along the line of sight: on the mean
-    // plane, longer where the waves turn their backs, as crests do before they
-    // hide what is behind.
+    // Length of the pixel on the surface, between its width and its length along
+    // the line of sight, by PEL_FOOTPRINT_ALONG: waves that run across the line
+    // keep their slopes in a pixel however long it is, and of those along it it
+    // holds so few that its mean is theirs. On the mean plane, longer where the
+    // waves turn their backs, as crests do before they hide what is behind.
     float facing = max(abs(dot(hit.facet, dir)), 0.15 * v.z);
-    float footprint = t * pixel.x / max(facing, 0.002);
+    float footprint = t * pixel.x * pow(max(facing, 0.002), -PEL_FOOTPRINT_ALONG);
     filtered f = filtered_sea(x, footprint);
     vec3 n = filtered_normal(f);
     vec2 variance = variance_left(footprint);
@@ -153,7 +155,8 @@ shaded shade_sea(ivec2 at, uint triangle)
         leaving += leaving_water(i, water_place(v, n_lit, light_above(i, tilt)), depth);
     }
 #endif
-    lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving);
+    lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving,
+                             blue.w > 0.0 ? glint_slopes(dir, footprint) : vec2(0.0));
     vec3 light = parts.sun + parts.sky + parts.water;
 
     vec3 air;

@@ -97,8 +97,9 @@ vec3 facet_in_sight(vec3 n, vec3 v)
     return n - 2.0 * min(dot(n, v), 0.0) * v;
 }
 
-// `leaving`: of the water there (leaving_water); `tilt`: of the patch's up.
-lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 leaving)
+// `leaving`: of the water there (leaving_water); `tilt`: of the patch's up;
+// `glint`: of glint_slopes.
+lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 leaving, vec2 glint)
 {
     variance = max(variance, vec2(MIN_VARIANCE));
     vec3 along = vec3(wind.xy, 0.0);
@@ -107,11 +108,14 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
     vec3 view = vec3(dot(v, tx), dot(v, ty), max(dot(v, n), 1e-3));
     vec3 fresnel;
     vec3 sky = reflected_sky(map, v, n, tx, ty, view, variance, fresnel);
+    vec2 held = variance * blue.w;
+    vec2 drawn = glint * sqrt(held);
     vec3 direct = vec3(0.0);
     for (int i = 0; i < PEL_LIGHTS; i++) {
         vec3 to = light_above(i, tilt);
         vec3 light = vec3(dot(to, tx), dot(to, ty), dot(to, n));
-        direct += beams[i].rgb * reflected_light(view, light, variance, lights[i].limb.w);
+        direct += beams[i].rgb * 
+                  reflected_light(view, light, variance, lights[i].limb.w, drawn, held);
     }
     lit result;
     result.sun = direct;

@@ -31,7 +31,7 @@ static struct setting settings[] = {
     { "nmin", 0 },        { "nmax", 0 },      { "cell", 0 },
     { "paper", 0 },       { "x", 0 },         { "y", 0 },
     { "bed", 0 },         { "caustics", 1 },  { "glare", 0.01 },
-    { "linear", 0 },
+    { "linear", 0 },      { "sparkle", 1 },
 };
 
 static double get(const char *name)
@@ -150,6 +150,7 @@ int main(int argc, char **argv)
     struct pel_environment env = bench_environment(&shown, &sea);
     env.seabed = bottom();
     env.caustics = get("caustics") > 0;
+    env.sparkle = get("sparkle") > 0;
     if (get("bed") > 0) {
         const struct pel_water_desc water = { .kind = PEL_WATER_NAMED,
                                               .name = PEL_WATER_TROPICAL,

@@ -179,6 +179,7 @@ static void draw(const struct scene *scene, uint8_t *rgba)
     env.water = water;
     env.seabed = scene->bed ? test_bed(scene->bed) : NULL;
     env.caustics = scene->bed != NULL;
+    env.sparkle = true;
     env.stale = scene->stale;
     struct pel_camera camera = test_camera(scene->look);
     camera.sensor = scene->sensor;

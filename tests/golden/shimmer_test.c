@@ -120,10 +120,61 @@ static void far_patch_is_quiet(void **state)
     }
 }
 
+#define SIDE 256
+
+static struct pel_picture *glitter(const struct pel_sea *sea, bool sparkle,
+                                   uint32_t width)
+{
+    struct pel_environment env = test_environment(sea, 30.0);
+    env.lights[PEL_LIGHT_SUN].direction = test_sun(12.0, 3.0);
+    env.sparkle = sparkle;
+    struct pel_camera c = test_camera(
+        (struct test_look){ 12.0, 0.0, -5.0, 0.0, 8.0, SIDE, SIDE });
+    c.width = width;
+    c.tan_right -= (c.tan_right - c.tan_left) * (SIDE - width) / SIDE;
+    return test_draw(renderer, &env, &c, PEL_LAYER_SUN);
+}
+
+/* Sparkle moves the Sun's light between pixels and leaves its mean: within four
+ * standard errors of the mean of what it changes. A tile has the bits of the
+ * whole. */
+static void sparkle_keeps_the_mean(void **state)
+{
+    (void)state;
+    static struct pel_sea sea;
+    test_fft_sea(8.0, 3, &sea);
+    struct pel_picture *without = glitter(&sea, false, SIDE);
+    struct pel_picture *with = glitter(&sea, true, SIDE);
+    struct pel_picture *tile = glitter(&sea, true, SIDE / 2);
+    double sum = 0, change = 0, square = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        double d = (double)with->sun[4 * i + 1] - without->sun[4 * i + 1];
+        sum += without->sun[4 * i + 1];
+        change += d;
+        square += d * d;
+    }
+    for (int y = 0; y < SIDE; y++) {
+        assert_memory_equal(with->sun + 4L * y * SIDE,
+                            tile->sun + 2L * y * SIDE,
+                            2L * SIDE * sizeof *tile->sun);
+    }
+    print_message("sparkle: mean %+.2f %%, standard error %.2f %%, each pixel "
+                  "%.0f %% of the mean\n",
+                  100 * change / sum, 100 * sqrt(square) / sum,
+                  100 * sqrt(square) * SIDE / sum);
+    assert_true(square > 0.01 * sum * sum / (SIDE * SIDE));
+    assert_true(fabs(change) < 4 * sqrt(square));
+    pel_picture_release(without);
+    pel_picture_release(with);
+    pel_picture_release(tile);
+    pel_sea_finish(&sea);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(far_patch_is_quiet),
+        cmocka_unit_test(sparkle_keeps_the_mean),
     };
     return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
 }

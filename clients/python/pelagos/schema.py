@@ -133,6 +133,9 @@ class Sea(Record):
     height: float = _field(2.0, 'm', 0, 15)
     #: Peak period, for BRETSCHNEIDER. [s; 3 to 30]
     period: float = _field(8.0, 's', 3, 30)
+    #: Whether the glitter sparkles: each pixel mirrors the Sun by slopes of
+    #: its own; the mean over pixels is the same without.
+    sparkle: bool = _field(True)
 
 
 @dataclass(frozen=True)
