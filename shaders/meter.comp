@@ -38,7 +38,7 @@ vec3 mean_sea(vec3 dir)
     for (int i = 0; i < PEL_LIGHTS; i++) {
         leaving += leaving_water(i, water_place(v, n, light_above(i, tilt)), 1e5);
     }
-    lit parts = sea_radiance(reflection_map, v, tilt, n, wind.zw, leaving);
+    lit parts = sea_radiance(reflection_map, v, tilt, n, wind.zw, leaving, vec3(0.0));
     vec3 air;
     vec3 through = haze(dir, range, air);
     return (parts.sun + parts.sky + parts.water) * through + air;

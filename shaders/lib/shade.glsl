@@ -98,8 +98,8 @@ vec3 facet_in_sight(vec3 n, vec3 v)
 }
 
 // `leaving`: of the water there (leaving_water); `tilt`: of the patch's up;
-// `glint`: of glint_slopes.
-lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 leaving, vec2 glint)
+// `glint`: of glint_slopes, and the share of the variance that it stands for.
+lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 leaving, vec3 glint)
 {
     variance = max(variance, vec2(MIN_VARIANCE));
     vec3 along = vec3(wind.xy, 0.0);
@@ -108,8 +108,8 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
     vec3 view = vec3(dot(v, tx), dot(v, ty), max(dot(v, n), 1e-3));
     vec3 fresnel;
     vec3 sky = reflected_sky(map, v, n, tx, ty, view, variance, fresnel);
-    vec2 held = variance * blue.w;
-    vec2 drawn = glint * sqrt(held);
+    vec2 held = variance * glint.z;
+    vec2 drawn = glint.xy * sqrt(held);
     vec3 direct = vec3(0.0);
     for (int i = 0; i < PEL_LIGHTS; i++) {
         vec3 to = light_above(i, tilt);
