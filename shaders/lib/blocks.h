@@ -149,6 +149,7 @@ struct pel_vec4 {
  * shortest waves, m, at least. */
 #define PEL_GLINT_SHARE 0.06
 #define PEL_GLINT_SHORTEST 0.02
+#define PEL_GLINT_LONGEST 10.0 /* m: footprints from there on lose it */
 #define PEL_GLINT_LIFE 0.113
 
 /* Length of a pixel on the sea, for the filter of its waves: its width times

@@ -15,6 +15,13 @@ uvec3 glint_hash(uvec3 v)
     return v;
 }
 
+// Of a footprint that holds many waves of every length all slopes average out.
+float glint_share(float footprint)
+{
+    float waves = footprint / PEL_GLINT_LONGEST;
+    return blue.w / (1.0 + waves * waves);
+}
+
 // The mean slope of what a pixel does not resolve, as two independent normal
 // numbers: of a cell as large as a pixel on the sphere of directions (Lambert's
 // map, true to area), so that glints stay where they are when the camera turns,

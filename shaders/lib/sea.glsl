@@ -156,7 +156,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     }
 #endif
     lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving,
-                             blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), blue.w) : vec3(0.0));
+                             blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0));
     vec3 light = parts.sun + parts.sky + parts.water;
 
     vec3 air;
