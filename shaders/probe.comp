@@ -43,8 +43,8 @@ void main()
     vec3 light = vec3(dot(to, tx), dot(to, ty), to.z);
     float s_view = sqrt(directional_variance(view, slopes));
     float s_light = sqrt(directional_variance(light, slopes));
-    vec3 seen;
-    reflected_sky(reflection_map, direction, n, tx, ty, view, slopes, seen);
+    vec3 seen, twice;
+    reflected_sky(reflection_map, direction, n, tx, ty, view, slopes, waves_resolved(direction, slopes), seen, twice);
     answer[0] = vec4(smith_lambda_cos(view.z, s_view) / view.z,
                      smith_lambda_cos(light.z, s_light) / max(light.z, 1e-4),
                      smith_fresnel(view, slopes), seen.g);

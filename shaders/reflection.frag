@@ -1,11 +1,10 @@
 #version 450 core
 // The environment the sea reflects, in stereographic projection: the zenith
 // at the centre, the horizon on the circle of radius 1 (section 5.2 of the
-// 2010 paper). Beyond it waves reflect waves: the mirrored sky by the mean
-// Fresnel reflectance, and the water (section 6).
+// 2010 paper). Beyond it is the horizon's, so that a footprint that reaches
+// over it has what escapes; what waves show of waves is in second.frag.
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
-#include "lib/ross.glsl"
 
 layout(location = 0) out vec4 radiance;
 layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
@@ -16,11 +15,6 @@ void main()
     vec2 u = (gl_FragCoord.xy / map.x * 2.0 - 1.0) * map.y;
     float rho2 = dot(u, u);
     vec3 dir = vec3(2.0 * u, 1.0 - rho2) / (1.0 + rho2);
-    float elevation = asin(clamp(abs(dir.z), 0.0, 1.0));
-    vec3 sky = sky_light(sky_table, dir.xy, elevation);
-    if (dir.z < 0.0) {
-        float fresnel = mean_fresnel(-dir.z, sqrt(0.5 * (wind.z + wind.w)));
-        sky = mix(sea_light.rgb, sky, fresnel);
-    }
-    radiance = vec4(sky, 1.0);
+    float elevation = asin(clamp(dir.z, 0.0, 1.0));
+    radiance = vec4(sky_light(sky_table, dir.xy, elevation), 1.0);
 }

@@ -89,6 +89,25 @@ double pel_ross_sun(struct pel_vec3 view, struct pel_vec3 light, double var_x,
                      fmax(var_y, min_variance));
 }
 
+double pel_seen_steeper(double mu)
+{
+    return PEL_SEEN_STEEPER / (1.0 + PEL_SEEN_KNEE * mu * mu);
+}
+
+double pel_seen_narrower(double mu)
+{
+    return PEL_SEEN_NARROWER / (1.0 + 0.25 * mu * mu);
+}
+
+double pel_escape(double eta, double mu)
+{
+    if (!(eta > 0)) {
+        return 0;
+    }
+    double odds = PEL_ESCAPE_ODDS / ((1.0 + mu) * (1.0 + mu));
+    return 1.0 / (1.0 + odds * pel_ross_lambda(eta / sqrt(2.0)));
+}
+
 double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
                    double var_y, double disc, double n)
 {
@@ -96,22 +115,27 @@ double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
         return 0;
     }
     struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(view, light));
-    double level2 = view.x * view.x + view.y * view.y, level = sqrt(level2);
-    double s2 = 0.0, steeper = 0.0;
+    double vh = pel_vec3_dot(view, h);
+    double level = hypot(view.x, view.y), steeper = 0.0, seen = 1.0;
+    double mu = sqrt(2.0) * pel_ross_a(view, var_x, var_y);
     if (level > 0) {
-        s2 = (var_x * view.x * view.x + var_y * view.y * view.y) / level2;
-        double across = s2 * level2;
-        steeper = PEL_GLITTER_STEEPER * sqrt(s2) * across /
-                  (across + PEL_GLITTER_KNEE * view.z * view.z) / level;
+        double s = view.z / (mu * level);
+        steeper = pel_seen_steeper(mu) * s;
+        seen = fmax(1.0 - level * steeper * h.z / vh, 0.0);
+        steeper /= level;
+        double z = ((view.x * h.x + view.y * h.y) / (h.z * level)) / s -
+                   pel_seen_steeper(mu);
+        double narrower = pel_seen_narrower(mu);
+        seen *= exp(-0.5 * narrower * z * z) * (1.0 + 0.5 * narrower);
     }
-    double p = pel_ross_slope_density(steeper * view.x - h.x / h.z,
-                                      steeper * view.y - h.y / h.z,
-                                      var_x + disc, var_y + disc);
-    double f = pel_fresnel_exact(pel_vec3_dot(view, h), n);
-    double shadow = 1.0 + pel_ross_lambda(pel_ross_a(view, var_x, var_y)) +
-                    pel_ross_lambda(pel_ross_a(light, var_x, var_y));
+    double p = seen * pel_ross_slope_density(steeper * view.x - h.x / h.z,
+                                             steeper * view.y - h.y / h.z,
+                                             var_x + disc, var_y + disc);
+    double f = pel_fresnel_exact(vh, n);
+    double shown = 1.0 + pel_ross_lambda(pel_ross_a(view, var_x, var_y));
+    double lit = pel_escape(sqrt(2.0) * pel_ross_a(light, var_x, var_y), mu);
     double hz2 = h.z * h.z;
-    return p * f / (4.0 * hz2 * hz2 * fmax(view.z, LEAST_COSINE) * shadow);
+    return p * f * lit / (4.0 * hz2 * hz2 * fmax(view.z, LEAST_COSINE) * shown);
 }
 
 double pel_mean_fresnel(struct pel_vec3 view, double var_x, double var_y,

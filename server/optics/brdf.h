@@ -4,8 +4,8 @@
  * shaders/lib/ross.glsl: pel_fresnel_exact (facet_reflectance),
  * pel_ross_slope_density (slope_density), pel_ross_lambda of pel_ross_a
  * (smith_lambda_cos, times the cosine), pel_ross_mean_fresnel (mean_fresnel),
- * pel_glitter (reflected_light); in shaders/probe.comp: pel_mean_fresnel
- * (smith_fresnel). Any thread.
+ * pel_glitter (reflected_light), pel_seen_steeper, pel_escape (escape); in
+ * shaders/probe.comp: pel_mean_fresnel (smith_fresnel). Any thread.
  *
  * Directions are unit vectors in the surface's tangent frame: z the normal,
  * x along the wind. Slope variances are dimensionless. */
@@ -46,11 +46,22 @@ double pel_ross_brdf(struct pel_vec3 view, struct pel_vec3 light, double var_x,
 double pel_ross_sun(struct pel_vec3 view, struct pel_vec3 light, double var_x,
                     double var_y, double min_variance);
 
-/* The same as it is drawn: facets steeper at grazing angles by
- * PEL_GLITTER_STEEPER (shaders/lib/blocks.h), and `disc`, the variance of
- * slopes that mirror some of a light's disc (a sixteenth of its squared angular
- * radius), added to the density's variances in place of a clamp; Fresnel's
- * equations with index n. */
+/* By how many standard deviations facets that are seen at μ = cot θ / s are
+ * steeper towards the eye than Smith's masking has them (PEL_SEEN_STEEPER). */
+double pel_seen_steeper(double mu);
+
+/* By how much of it the inverse variance of their slopes is greater. */
+double pel_seen_narrower(double mu);
+
+/* Of the light that facets seen at μ mirror at an elevation of tangent eta s,
+ * the part that no other wave meets; 0 below the horizon. */
+double pel_escape(double eta, double mu);
+
+/* The same as it is drawn: pel_ross_sun with the facets that are seen
+ * (pel_seen_steeper), pel_escape in place of the light's Λ, and `disc`, the
+ * variance of slopes that mirror some of a light's disc (a sixteenth of its
+ * squared angular radius), added to the density's variances in place of a
+ * clamp; Fresnel's equations with index n. */
 double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
                    double var_y, double disc, double n);
 

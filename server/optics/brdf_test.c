@@ -241,22 +241,42 @@ static void test_brdf(void **state)
     assert_true(pel_ross_brdf(direction(1.6, 0), l, vx, vy) == 0);
 }
 
-/* As it is drawn: eq. 15 looked up at a facet that is steeper by the fit, and
- * no steeper straight down; a disc widens the density alone. */
+/* Part of the light that facets seen from low mirror meets other waves, more
+ * of what leaves low, and none that leaves high. */
+static void test_escape(void **state)
+{
+    (void)state;
+    assert_true(pel_escape(-0.1, 1) == 0);
+    assert_near(pel_escape(6, 0), 1, 1e-6);
+    double odds = 7.5 / 4.0 * pel_ross_lambda(0.5 / sqrt(2));
+    assert_near(pel_escape(0.5, 1), 1 / (1 + odds), 1e-12);
+    assert_true(pel_escape(0.5, 0.2) < pel_escape(0.5, 1));
+}
+
+/* As it is drawn: eq. 15 of a facet that is steeper and less scattered by the
+ * fit, whose light escapes, and no different straight down; a disc widens the
+ * density alone. */
 static void test_glitter(void **state)
 {
     (void)state;
     double vx = 0.03, vy = 0.015, disc = 1e-3;
     struct pel_vec3 v = direction(1.45, 0.0), l = direction(1.3, PEL_PI);
     struct pel_vec3 h = pel_vec3_normalize(pel_vec3_add(v, l));
-    double s = sqrt(vx), mu = v.z / (sqrt(1 - v.z * v.z) * s);
-    double steeper = 0.125 * s / (1 + mu * mu / 16);
-    double ratio =
-        pel_ross_slope_density(steeper - h.x / h.z, -h.y / h.z, vx, vy) /
-        pel_ross_slope_density(-h.x / h.z, -h.y / h.z, vx, vy);
+    double s = sqrt(vx), mu = v.z / (v.x * s);
+    double steeper = 0.21 / (1 + 1.78 * mu * mu);
+    double narrower = 0.05 / (1 + mu * mu / 4);
+    double z = h.x / h.z / s;
+    /* (μ + y) p(y) √(1 + narrower) in place of (μ + z) p(z). */
+    double y = z - steeper;
+    double ratio = (mu + y) / (mu + z) * (1 + 0.5 * narrower) *
+                   exp(-0.5 * (y * y * (1 + narrower) - z * z));
+    double lv = pel_ross_lambda(pel_ross_a(v, vx, vy));
+    double ll = pel_ross_lambda(pel_ross_a(l, vx, vy));
+    ratio *= (1 + lv + ll) / (1 + lv) *
+             pel_escape(sqrt(2) * pel_ross_a(l, vx, vy), mu);
     assert_true(fabs(ratio - 1) > 0.02);
     double want = ratio * mended(v, l) * pel_ross_sun(v, l, vx, vy, 0);
-    assert_near(pel_glitter(v, l, vx, vy, 0, N), want, 1e-12 * want);
+    assert_near(pel_glitter(v, l, vx, vy, 0, N), want, 1e-9 * want);
     struct pel_vec3 down = { 0, 0, 1 }, high = direction(0.3, 1.0);
     want = mended(down, high) * pel_ross_sun(down, high, vx, vy, 0);
     assert_near(pel_glitter(down, high, vx, vy, 0, N), want, 1e-9 * want);
@@ -326,6 +346,7 @@ int main(void)
         cmocka_unit_test(test_effective_reflectance),
         cmocka_unit_test(test_reciprocity),
         cmocka_unit_test(test_brdf),
+        cmocka_unit_test(test_escape),
         cmocka_unit_test(test_glitter),
         cmocka_unit_test(test_white_furnace),
     };

@@ -4,8 +4,10 @@
 
 #include "optics/brdf.h"
 
-#define SAMPLES 4096
+#define NODES (PEL_FACET_NODES - 1)
+#define SAMPLES 1024
 #define REACH 9.0 /* p(9) is 1e-18 */
+#define FALL 0.2  /* of the reflectance, a standard deviation */
 
 /* Value of the monic orthogonal polynomial of degree n at z by its
  * recurrence p_{j+1} = (z − α_j) p_j − β_j p_{j−1}. */
@@ -21,20 +23,28 @@ static double polynomial(int n, double z, const double alpha[3],
     return here;
 }
 
-/* Stieltjes' procedure on the density, sampled densely. */
-static void recurrence(double mu, double alpha[3], double beta[3], double *mass)
+/* A density of slopes, sampled: z and its weight. */
+struct density {
+    double from, step;
+    double weight[SAMPLES];
+};
+
+static double place(const struct density *d, int i)
 {
-    double from = fmax(-mu, -REACH), step = (REACH - from) / SAMPLES;
+    return d->from + (i + 0.5) * d->step;
+}
+
+/* Stieltjes' procedure. */
+static void recurrence(const struct density *d, double alpha[3], double beta[3],
+                       double *mass)
+{
     double norm_before = 1.0;
-    for (int n = 0; n < PEL_FACET_NODES; n++) {
+    for (int n = 0; n < NODES; n++) {
         double norm = 0.0, first = 0.0;
         for (int i = 0; i < SAMPLES; i++) {
-            double z = from + (i + 0.5) * step;
-            double seen = isinf(mu) ? 1.0 : mu + z;
-            double w = seen * exp(-0.5 * z * z);
-            double p = polynomial(n, z, alpha, beta);
-            norm += w * p * p;
-            first += w * z * p * p;
+            double z = place(d, i), p = polynomial(n, z, alpha, beta);
+            norm += d->weight[i] * p * p;
+            first += d->weight[i] * z * p * p;
         }
         alpha[n] = first / norm;
         beta[n] = n > 0 ? norm / norm_before : 0.0;
@@ -45,11 +55,11 @@ static void recurrence(double mu, double alpha[3], double beta[3], double *mass)
     }
 }
 
-void pel_facet_quadrature(double mu, double node[PEL_FACET_NODES],
-                          double weight[PEL_FACET_NODES])
+static void quadrature(const struct density *d, double node[NODES],
+                       double weight[NODES])
 {
-    double alpha[3], beta[3], mass;
-    recurrence(mu, alpha, beta, &mass);
+    double alpha[3], beta[3], mass = 0.0;
+    recurrence(d, alpha, beta, &mass);
     /* Roots of the cubic p_3 = z³ + a z² + b z + c, all real. */
     double a = -(alpha[0] + alpha[1] + alpha[2]);
     double b = alpha[0] * alpha[1] + alpha[0] * alpha[2] + alpha[1] * alpha[2] -
@@ -80,17 +90,52 @@ void pel_facet_quadrature(double mu, double node[PEL_FACET_NODES],
             double p = polynomial(j, node[k], alpha, beta);
             sum += p * p / norm;
         }
-        weight[k] = 1.0 / sum;
+        weight[k] = mass / sum;
     }
+}
+
+/* The density of facets seen at mu; returns its sum. */
+static double seen(double mu, struct density *d)
+{
+    double steeper = isinf(mu) ? 0.0 : pel_seen_steeper(mu), sum = 0.0;
+    double narrower = isinf(mu) ? 0.0 : pel_seen_narrower(mu);
+    d->from = fmax(steeper - mu, -REACH);
+    d->step = (REACH - d->from) / SAMPLES;
+    for (int i = 0; i < SAMPLES; i++) {
+        double y = place(d, i) - steeper;
+        d->weight[i] =
+            (isinf(mu) ? 1.0 : mu + y) * exp(-0.5 * y * y * (1.0 + narrower));
+        sum += d->weight[i];
+    }
+    return sum;
 }
 
 void pel_facets_seen(double mu, double node[PEL_FACET_NODES],
                      double weight[PEL_FACET_NODES])
 {
-    pel_facet_quadrature(mu, node, weight);
-    for (int k = 0; k < PEL_FACET_NODES; k++) {
-        node[k] += 0.3 / (1.0 + mu);
+    static _Thread_local struct density all, part;
+    double sum = seen(mu, &all);
+    /* Reflectance falls about as fast as this: nodes stand where light is. */
+    part = all;
+    for (int i = 0; i < SAMPLES; i++) {
+        double z = place(&all, i);
+        double escape = isinf(mu) ? 1.0 : pel_escape(mu + 2.0 * z, mu);
+        part.weight[i] = all.weight[i] / sum * escape * exp(-FALL * z);
     }
+    quadrature(&part, node, weight);
+    for (int k = 0; k < NODES; k++) {
+        weight[k] *= exp(FALL * node[k]);
+    }
+    double mass = 0.0, first = 0.0;
+    for (int i = 0; i < SAMPLES; i++) {
+        double z = place(&all, i);
+        double met = isinf(mu) ? 0.0 : 1.0 - pel_escape(mu + 2.0 * z, mu);
+        double w = all.weight[i] / sum * met * exp(-FALL * z);
+        mass += w;
+        first += w * z;
+    }
+    node[NODES] = mass > 1e-9 ? first / mass : -0.5 * fmin(mu, REACH);
+    weight[NODES] = mass > 1e-9 ? mass * exp(FALL * node[NODES]) : 0.0;
 }
 
 double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y,

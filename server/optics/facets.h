@@ -4,22 +4,18 @@
 
 #include "base/vec.h"
 
-#define PEL_FACET_NODES 3
+#define PEL_FACET_NODES 4
 
-/* Facets are seen in proportion to (μ + z)⁺ p(z), where z is their slope
+/* Facets are seen in proportion to (μ + y)⁺ p(y), where y is their slope
  * towards the eye in standard deviations, p the normal density and μ the
  * cotangent of the view's zenith angle over the standard deviation of slopes
- * (Ross et al. 2005; eq. 10 of Bruneton et al. 2010 in the view's azimuth).
- * Fills nodes (ascending) and weights (they sum to 1) that integrate any
- * polynomial of degree 5 exactly over that distribution; mu ≥ 0, infinity for
- * the Gauss–Hermite rule. */
-void pel_facet_quadrature(double mu, double node[PEL_FACET_NODES],
-                          double weight[PEL_FACET_NODES]);
-
-/* The same with nodes that are steeper towards the eye by 0.3 / (1 + mu)
- * standard deviations: Ross takes heights and slopes as independent (Smith's
- * masking), but on ray-traced waves the facets seen at grazing angles lie on
- * the crests and are steeper. Fitted with `make validate`. */
+ * (Ross et al. 2005; eq. 10 of Bruneton et al. 2010 in the view's azimuth), all
+ * steeper by pel_seen_steeper and less scattered by pel_seen_narrower. Fills
+ * nodes and weights (they sum to 1 nearly) for what they mirror: three,
+ * ascending, for those whose reflection escapes (pel_escape) by Gauss' rule,
+ * exact for polynomials of degree 5 times exp(-0.2 y), about as which the
+ * reflectance falls; the last for those whose reflection meets another wave,
+ * exact for degree 1 times it. mu ≥ 0, infinity where all is seen. */
 void pel_facets_seen(double mu, double node[PEL_FACET_NODES],
                      double weight[PEL_FACET_NODES]);
 

@@ -3,22 +3,28 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #include <cmocka.h>
 
 #include "base/near.h"
+#include "optics/brdf.h"
 
-/* Moment of the visible density by brute force. */
-static double moment(double mu, int power)
+/* The facets that are seen at mu, by brute force: their moment, times
+ * exp(-0.2 z), of those whose reflection escapes or does not. */
+static double moment(double mu, int power, bool escapes)
 {
-    double sum = 0.0, mass = 0.0;
-    for (int i = 0; i < 200000; i++) {
-        double z =
-            -fmin(mu, 10.0) + (i + 0.5) * (10.0 + fmin(mu, 10.0)) / 200000;
-        double w = (mu + z) * exp(-0.5 * z * z);
+    enum { STEPS = 200000 };
+    double sum = 0.0, mass = 0.0, steeper = pel_seen_steeper(mu);
+    double from = fmax(steeper - mu, -10.0), step = (10.0 - from) / STEPS;
+    for (int i = 0; i < STEPS; i++) {
+        double z = from + (i + 0.5) * step, y = z - steeper;
+        double w = (mu + y) * exp(-0.5 * y * y * (1.0 + pel_seen_narrower(mu)));
+        double escape = pel_escape(mu + 2.0 * z, mu);
         mass += w;
-        sum += w * pow(z, power);
+        sum += w * (escapes ? escape : 1.0 - escape) * pow(z, power) *
+               exp(-0.2 * z);
     }
     return sum / mass;
 }
@@ -28,37 +34,49 @@ static void moments_are_exact(void **state)
     (void)state;
     static const double mus[] = { 0.0, 0.1, 0.5, 1.0, 3.0, 20.0 };
     for (int m = 0; m < 6; m++) {
-        double z[3], w[3];
-        pel_facet_quadrature(mus[m], z, w);
-        assert_true(z[0] < z[1] && z[1] < z[2] && z[0] > -mus[m]);
+        double z[PEL_FACET_NODES], w[PEL_FACET_NODES], all = 0.0;
+        pel_facets_seen(mus[m], z, w);
+        assert_true(z[0] < z[1] && z[1] < z[2]);
         for (int power = 0; power <= 5; power++) {
-            double sum = 0.0;
+            double sum = 0.0, want = moment(mus[m], power, true);
             for (int k = 0; k < 3; k++) {
-                sum += w[k] * pow(z[k], power);
+                sum += w[k] * exp(-0.2 * z[k]) * pow(z[k], power);
             }
-            /* Both sides sample the density at finite steps. */
-            assert_near(sum, moment(mus[m], power), 2e-5);
+            assert_near(sum, want, 1e-3 * fmax(fabs(want), 1.0));
         }
+        for (int power = 0; power <= 1; power++) {
+            double sum = w[3] * exp(-0.2 * z[3]) * pow(z[3], power);
+            assert_near(sum, moment(mus[m], power, false), 1e-3);
+        }
+        for (int k = 0; k < PEL_FACET_NODES; k++) {
+            all += w[k];
+        }
+        assert_near(all, 1.0, 3e-3); /* it is no moment of theirs */
     }
 }
 
-static void far_limit_is_gauss_hermite(void **state)
+/* From straight above every slope is seen as often as there is of it. */
+static void from_above_all_is_seen(void **state)
 {
     (void)state;
-    double z[3], w[3];
-    pel_facet_quadrature(INFINITY, z, w);
-    assert_near(z[0], -sqrt(3.0), 1e-6);
-    assert_near(z[1], 0.0, 1e-6);
-    assert_near(z[2], sqrt(3.0), 1e-6);
-    assert_near(w[1], 2.0 / 3.0, 1e-6);
-    assert_near(w[0], 1.0 / 6.0, 1e-6);
+    double z[PEL_FACET_NODES], w[PEL_FACET_NODES], sum[3] = { 0 };
+    pel_facets_seen(INFINITY, z, w);
+    for (int k = 0; k < PEL_FACET_NODES; k++) {
+        for (int power = 0; power < 3; power++) {
+            sum[power] += w[k] * pow(z[k], power);
+        }
+    }
+    assert_near(w[3], 0.0, 1e-9);
+    assert_near(sum[0], 1.0, 1e-3);
+    assert_near(sum[1], 0.0, 5e-3);
+    assert_near(sum[2], 1.0, 2e-2);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(moments_are_exact),
-        cmocka_unit_test(far_limit_is_gauss_hermite),
+        cmocka_unit_test(from_above_all_is_seen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -99,6 +99,7 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
         { &sky->transmittance_program, "screen.vert", "transmittance.frag" },
         { &sky->table_program, "screen.vert", "sky.frag" },
         { &sky->reflection_program, "screen.vert", "reflection.frag" },
+        { &sky->second_program, "screen.vert", "second.frag" },
         { &sky->light_program, "light.comp", NULL },
     };
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
@@ -125,6 +126,9 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
     sky->reflection =
         make_texture(PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE, 7, "reflection map");
     sky->reflection_fbo = make_fbo(sky->reflection);
+    sky->second =
+        make_texture(PEL_SECOND_SIZE, PEL_SECOND_SIZE, 1, "second reflections");
+    sky->second_fbo = make_fbo(sky->second);
     glCreateBuffers(1, &sky->light);
     glNamedBufferStorage(sky->light, sizeof(struct pel_block_light), NULL, 0);
     glObjectLabel(GL_BUFFER, sky->light, -1, "light");
@@ -134,15 +138,17 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
 void pel_sky_finish(struct pel_sky *sky)
 {
     const GLuint programs[] = { sky->transmittance_program, sky->table_program,
-                                sky->reflection_program, sky->light_program };
+                                sky->reflection_program, sky->second_program,
+                                sky->light_program };
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
         glDeleteProgram(programs[i]);
     }
     const GLuint textures[] = { sky->transmittance, sky->airlight,
-                                sky->reflection };
-    glDeleteTextures(3, textures);
-    const GLuint fbos[] = { sky->transmittance_fbo, sky->reflection_fbo };
-    glDeleteFramebuffers(2, fbos);
+                                sky->reflection, sky->second };
+    glDeleteTextures(4, textures);
+    const GLuint fbos[] = { sky->transmittance_fbo, sky->reflection_fbo,
+                            sky->second_fbo };
+    glDeleteFramebuffers(3, fbos);
     finish_table(&sky->sea);
     for (int i = 0; i < PEL_SKY_EYES; i++) {
         finish_table(&sky->eyes[i]);
@@ -259,11 +265,13 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         memcpy(sky->sea.key, key, sizeof key);
         sky->sea.made = true;
     }
-    double light_key[PEL_SKY_KEYS + 3];
+    double light_key[PEL_SKY_KEYS + 5];
     memcpy(light_key, key, sizeof key);
     light_key[PEL_SKY_KEYS] = (double)sky->water.version;
     light_key[PEL_SKY_KEYS + 1] = env->sea->slope_variance_along;
     light_key[PEL_SKY_KEYS + 2] = env->sea->slope_variance_cross;
+    light_key[PEL_SKY_KEYS + 3] = env->wind_to_rad;
+    light_key[PEL_SKY_KEYS + 4] = env->water.index[1];
     if (!sky->light_made ||
         memcmp(light_key, sky->light_key, sizeof light_key)) {
         glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
@@ -281,6 +289,8 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         draw_screen(sky->reflection_program, sky->reflection_fbo,
                     PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE);
         glGenerateTextureMipmap(sky->reflection);
+        draw_screen(sky->second_program, sky->second_fbo, PEL_SECOND_SIZE,
+                    PEL_SECOND_SIZE);
         memcpy(sky->light_key, light_key, sizeof light_key);
         sky->light_made = true;
     }
@@ -314,6 +324,7 @@ void pel_sky_bind_eye(struct pel_sky *sky, const struct pel_environment *env,
     t->last_used = ++sky->uses;
     glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
     glBindTextureUnit(PEL_UNIT_REFLECTION, sky->reflection);
+    glBindTextureUnit(PEL_UNIT_SECOND, sky->second);
     glBindTextureUnit(PEL_UNIT_WATER, sky->water.map);
     glBindTextureUnit(PEL_UNIT_EYE_TABLE, t->radiance);
     glBindTextureUnit(PEL_UNIT_EYE_HAZE, t->haze);

@@ -35,9 +35,10 @@ struct pel_sky {
     struct pel_sky_table sea;
     struct pel_sky_table eyes[PEL_SKY_EYES];
     GLuint reflection, reflection_fbo;
+    GLuint second_program, second, second_fbo; /* waves seen in waves */
     struct pel_water_light water;
     GLuint light; /* buffer, block `light` */
-    double light_key[PEL_SKY_KEYS + 3];
+    double light_key[PEL_SKY_KEYS + 5];
     bool light_made;
     uint64_t uses;
 };

@@ -152,10 +152,10 @@ void pel_fill_cascades(const struct pel_cascades *cascades, double east_m,
 void pel_fill_facets(struct pel_block_facets *out)
 {
     for (int i = 0; i <= PEL_FACET_STEPS; i++) {
-        double q = (double)i / PEL_FACET_STEPS, z[3], w[3];
+        double q = (double)i / PEL_FACET_STEPS, z[4], w[4];
         pel_facets_seen(i < PEL_FACET_STEPS ? q / (1.0 - q) : INFINITY, z, w);
-        out->facets[i].node = vec4(z[0], z[1], z[2], 0.0);
-        out->facets[i].weight = vec4(w[0], w[1], w[2], 0.0);
+        out->facets[i].node = vec4(z[0], z[1], z[2], z[3]);
+        out->facets[i].weight = vec4(w[0], w[1], w[2], w[3]);
     }
 }
 

@@ -41,6 +41,7 @@ struct pel_vec4 {
 #define PEL_UNIT_FOLD 8
 #define PEL_UNIT_WATER 9
 #define PEL_UNIT_FACETS 10
+#define PEL_UNIT_SECOND 11
 #define PEL_UNIT_SEABED_HEIGHTS 12
 #define PEL_UNIT_VERTICES 15
 /* Of passes that do not shade, in places of the above. */
@@ -135,14 +136,28 @@ struct pel_vec4 {
 #define PEL_MEAN_FRESNEL_STEPS 64
 #define PEL_MEAN_FRESNEL_REACH 6.0
 
-/* Seen facets are steeper at grazing angles than Smith's masking says, as
- * pel_facets_seen has it for the sky: for a light by STEEPER s / (1 + KNEE μ²)
- * of their slope, s its standard deviation towards the eye and μ the cotangent
- * of the view's zenith angle over s. Not in the papers; fitted with `make
- * validate`, where it leaves less than half the error of the glitter under the
- * horizon. */
-#define PEL_GLITTER_STEEPER 0.125
-#define PEL_GLITTER_KNEE 0.0625
+/* Waves that hide waves, beyond Smith's masking, which takes heights and slopes
+ * as independent (docs/physics.md; fitted to rays over Gaussian seas). With s
+ * the standard deviation of slopes and μ the cotangent of the view's zenith
+ * angle over s, facets that are seen are steeper towards the eye by
+ * s STEEPER / (1 + KNEE μ²) and less scattered (the inverse of their variance is
+ * greater by NARROWER / (1 + μ²/4) of it), and of what they mirror at an elevation of tangent
+ * η s one part escapes and ODDS Λ(η) / (1 + μ)² parts meet another wave. */
+#define PEL_SEEN_STEEPER 0.21
+#define PEL_SEEN_KNEE 1.78
+#define PEL_SEEN_NARROWER 0.05
+#define PEL_ESCAPE_ODDS 7.5
+
+/* Footprints that are seen as cells of the mesh: waves between the two are
+ * shaded, and hide nothing. */
+#define PEL_CELL_FOOTPRINT 8.0
+
+/* What a reflected ray that does not escape sees: a map by its azimuth and by
+ * its tangent over s, from FIRST at radius INNER to FIRST + SPAN at the edge. */
+#define PEL_SECOND_SIZE 64
+#define PEL_SECOND_INNER 0.4
+#define PEL_SECOND_FIRST -2.5
+#define PEL_SECOND_SPAN 4.0
 
 /* Sparkle (lib/glints.glsl): the share of the slope variance left to the BRDF
  * that is drawn for each pixel, and for how long: the period, s, of the
@@ -367,8 +382,9 @@ PEL_BLOCK(PEL_BLOCK_CASCADES, cascades)
 #define PEL_FACET_STEPS 64
 #ifdef __STDC__
 struct pel_shader_facets {
-    vec4 node;   /* slopes towards the eye, standard deviations */
-    vec4 weight; /* sum 1 */
+    vec4 node;   /* slopes towards the eye, standard deviations; w: of those
+                    whose reflection meets another wave */
+    vec4 weight; /* sum 1 over what is seen */
 };
 struct pel_block_facets {
     struct pel_shader_facets facets[PEL_FACET_STEPS + 1];

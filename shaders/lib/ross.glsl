@@ -55,9 +55,25 @@ vec3 facet_reflectance(float cosine)
 #endif
 }
 
+// Part of what facets seen at μ mirror at a tangent of η standard deviations
+// that no other wave meets; `odds` of escape_odds(μ). Λ by the rational fit of
+// Walter et al. 2007. Twin of pel_escape.
+float escape_odds(float mu)
+{
+    return PEL_ESCAPE_ODDS / ((1.0 + mu) * (1.0 + mu));
+}
+
+float escape(float eta, float odds)
+{
+    float a = eta * 0.70710678;
+    float rest = a < 1.6 ? max(1.0 - 1.259 * a + 0.396 * a * a, 0.0) * odds : 0.0;
+    float risen = max(3.535 * a + 2.181 * a * a, 0.0);
+    return eta > 0.0 ? risen / (risen + rest) : 0.0;
+}
+
 // Radiance of a light's reflection for irradiance 1 normal to its beam: eq. 15,
-// its facets steeper at grazing angles (PEL_GLITTER_STEEPER). Its disc, as the
-// variance `disc` of slopes that mirror some of it, is folded into the slope
+// its facets and its shadow those that are seen (PEL_SEEN_STEEPER). Its disc, as
+// the variance `disc` of slopes that mirror some of it, is folded into the slope
 // density (the paper clamps the variance), so that a flat sea shows the disc.
 // Twin of pel_glitter. `drawn`: a slope that is added to the facets', drawn from
 // a normal distribution of variance `held`; the mean over what is drawn does not
@@ -66,21 +82,28 @@ vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc, vec2 draw
 {
     vec3 h = normalize(view + light);
     float hz = max(h.z, 1e-3);
-    float s_view = sqrt(directional_variance(view, variance));
-    vec2 toward = view.xy * inversesqrt(max(dot(view.xy, view.xy), 1e-12));
-#ifdef PEL_PAPER
-    const float STEEPER = 0.0;
-#else
-    const float STEEPER = PEL_GLITTER_STEEPER;
-#endif
-    float across = s_view * s_view * max(1.0 - view.z * view.z, 1e-8); // (cos θ / μ)²
-    vec2 slope = -h.xy / hz + toward * (STEEPER * s_view * across /
-                                        (across + view.z * view.z * PEL_GLITTER_KNEE));
-    float p = slope_density(slope - drawn, variance - held + disc);
-    float cos_v = max(view.z, 1e-4);
-    float view_term = smith_lambda_cos(view.z, s_view);
-    float light_term = smith_lambda_cos(light.z, sqrt(directional_variance(light, variance)));
-    float shadow = cos_v + view_term + light_term * cos_v / max(light.z, 1e-4);
     float h2 = hz * hz;
-    return light.z > 0.0 ? p / (4.0 * h2 * h2 * shadow) * facet_reflectance(dot(view, h)) : vec3(0.0);
+    float cos_v = max(view.z, 1e-4);
+    float s_view = sqrt(directional_variance(view, variance));
+    float s_light = sqrt(directional_variance(light, variance));
+    float view_term = smith_lambda_cos(view.z, s_view);
+    float light_term = smith_lambda_cos(light.z, s_light);
+    float facing = max(dot(view, h), 1e-4);
+    vec3 reflected = facet_reflectance(facing) / (4.0 * h2 * h2);
+#ifdef PEL_PAPER
+    float p = slope_density(-h.xy / hz - drawn, variance - held + disc);
+    float shadow = cos_v + view_term + light_term * cos_v / max(light.z, 1e-4);
+    return light.z > 0.0 ? p / shadow * reflected : vec3(0.0);
+#else
+    float level = sqrt(max(1.0 - view.z * view.z, 1e-8));
+    float mu = cos_v / (level * s_view);
+    float steeper = PEL_SEEN_STEEPER * s_view / (1.0 + PEL_SEEN_KNEE * mu * mu);
+    float p = max(1.0 - level * steeper * hz / facing, 0.0) *
+              slope_density(view.xy * (steeper / level) - h.xy / hz - drawn, variance - held + disc);
+    float z = (dot(view.xy, h.xy) / (hz * level) - steeper) / s_view;
+    float narrower = PEL_SEEN_NARROWER / (1.0 + 0.25 * mu * mu);
+    p *= exp(-0.5 * narrower * z * z) * (1.0 + 0.5 * narrower);
+    float lit = light.z / (light.z + escape_odds(mu) * light_term);
+    return light.z > 0.0 ? p * lit / (cos_v + view_term) * reflected : vec3(0.0);
+#endif
 }

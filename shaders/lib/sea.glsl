@@ -131,7 +131,8 @@ shaded shade_sea(ivec2 at, uint triangle)
     // has on average, the mean plane with all its slopes.
     float edge = min(0.5 * v.z, 0.06);
     float hidden = 1.0 - smoothstep(-edge, edge, dot(n, v));
-    vec3 n_seen = normalize(mix(n, vec3(0.0, 0.0, 1.0), hidden));
+    vec3 n_seen = mix(n / n.z, vec3(0.0, 0.0, 1.0), hidden);
+    n_seen = normalize(n_seen + toward_sight(v, variance_left(PEL_CELL_FOOTPRINT * footprint) - variance));
     vec2 variance_seen = mix(variance, wind.zw, hidden);
     vec3 n_lit = facet_in_sight(n_seen, v);
 #ifdef PEL_SEABED

@@ -4,17 +4,48 @@
 
 const float MIN_VARIANCE = 1e-8; // of slopes, against division by zero
 
+// Square of the cosine between a direction's azimuth and the wind's.
+float along_wind(vec3 direction)
+{
+    float along = dot(direction.xy, wind.xy);
+    return along * along / max(dot(direction.xy, direction.xy), 1e-12);
+}
+
 #ifndef PEL_PAPER // validation draws by the paper as it stands
 layout(binding = PEL_UNIT_FACETS) uniform samplerBuffer facet_texels; // nodes and weights in turn
+layout(binding = PEL_UNIT_SECOND) uniform sampler2D second_map;
+
+// What a ray towards the azimuth `away` at a tangent of η standard deviations
+// sees of other waves; in alpha the Sun in them, by its irradiance.
+vec4 second_reflection(vec2 away, float eta)
+{
+    float place = clamp((eta - PEL_SECOND_FIRST) / PEL_SECOND_SPAN, 0.0, 1.0);
+    float radius = mix(PEL_SECOND_INNER, 1.0 - 1.0 / float(PEL_SECOND_SIZE), place);
+    return textureLod(second_map, 0.5 + 0.5 * radius * away, 0.0);
+}
+
+// Waves that the pixel resolves hide what its facets mirror, too. Of those in
+// sight: 1 / s of them, between that of the waves that it resolves and that of
+// all so that the two steps hide what one would (docs/physics.md); escape_odds;
+// 1 / s of all.
+vec3 waves_resolved(vec3 v, vec2 variance)
+{
+    float share = along_wind(v);
+    float whole = max(mix(wind.w, wind.z, share), MIN_VARIANCE);
+    float resolved = max(whole - mix(variance.y, variance.x, share), 1e-8);
+    float inverse = inversesqrt(sqrt(resolved * whole));
+    float mu = v.z * inversesqrt(max(1.0 - v.z * v.z, 1e-8)) * inverse;
+    return vec3(inverse, escape_odds(mu), inversesqrt(whole));
+}
 
 // Reflected sky radiance, and in `fresnel` the reflectance it was weighted
-// with. The integral of eq. 20 over visible facets, Fresnel's term inside it,
-// by three Gauss nodes along the view (optics/facets.h); across it by the levels
-// of the map. The paper takes the product of two means instead (eq. 21), F̄ by a fit
-// (eq. 26) that is a tenth too high at steep angles and a fifth near the
-// horizon.
+// with; `twice`: of the Sun mirrored by two waves, by its irradiance. The
+// integral of eq. 20 over visible facets, Fresnel's term inside it,
+// along the view by three nodes of facets that mirror the sky and one of facets
+// that mirror other waves (optics/facets.h); across it by the levels of the map.
+// The paper takes the product of two means instead (eq. 21), F̄ by a fit (eq. 26).
 vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, vec2 variance,
-                   out vec3 fresnel)
+                   vec3 resolved, out vec3 fresnel, out vec3 twice)
 {
     float sine = sqrt(max(1.0 - view.z * view.z, 1e-8));
     vec2 toward = view.xy / sine;
@@ -27,14 +58,13 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     float place = mu / (1.0 + mu) * float(PEL_FACET_STEPS);
     int entry = min(int(place), PEL_FACET_STEPS - 1);
     float f_place = place - float(entry);
-    vec3 nodes = mix(texelFetch(facet_texels, 2 * entry).xyz,
-                     texelFetch(facet_texels, 2 * entry + 2).xyz, f_place);
-    vec3 weights = mix(texelFetch(facet_texels, 2 * entry + 1).xyz,
-                       texelFetch(facet_texels, 2 * entry + 3).xyz, f_place);
-    vec3 sum = vec3(0.0);
+    vec4 nodes = mix(texelFetch(facet_texels, 2 * entry), texelFetch(facet_texels, 2 * entry + 2), f_place);
+    vec4 weights = mix(texelFetch(facet_texels, 2 * entry + 1), texelFetch(facet_texels, 2 * entry + 3), f_place);
+    vec3 sum = vec3(0.0), lost = vec3(0.0);
+    float lost_tangent = 0.0;
     fresnel = vec3(0.0);
     float texels = float(textureSize(map, 0).x) / (2.0 * PEL_REFLECTION_HALF_WIDTH);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         vec2 slope = axis * nodes[i];
         vec3 facet = tx * slope.x + ty * slope.y + n;
         float facet2 = dot(facet, facet);
@@ -43,13 +73,24 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
         vec3 share = facet_reflectance(fv * inversesqrt(1.0 + cross2 / facet2)) * weights[i];
         fresnel += share;
         vec3 r = 2.0 * fv * f - v;
-        float inverse = 1.0 / (1.0 + max(r.z, -0.3));
-        float width = max(4.0 * sqrt(cross2) * abs(fv), 1.5 * s) * inverse * texels;
-        vec2 uv = r.xy * inverse * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
-        vec3 sample_ = textureLod(map, uv, log2(max(width, 1.0))).rgb;
-        sum += sample_ * share;
+        float tangent = r.z * inversesqrt(max(1.0 - r.z * r.z, 1e-4));
+        float met = 1.0;
+        if (i < 3) {
+            met -= escape(tangent * resolved.x, resolved.y);
+            float inverse = 1.0 / (1.0 + max(r.z, 0.0));
+            float width = max(1.0 * sqrt(cross2) * abs(fv), 0.3 * s) * inverse * texels;
+            vec2 uv = r.xy * inverse * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
+            vec3 sample_ = textureLod(map, uv, log2(max(width, 1.0))).rgb;
+            sum += sample_ * share * (1.0 - met);
+        }
+        lost += share * met;
+        lost_tangent += share.g * met * tangent;
     }
-    return sum;
+    vec2 away = -v.xy * inversesqrt(max(dot(v.xy, v.xy), 1e-8));
+    float eta = lost_tangent / max(lost.g, 1e-9) * resolved.z;
+    vec4 second = second_reflection(away, eta);
+    twice = lost * second.a;
+    return sum + lost * second.rgb;
 }
 #else
 // U(ζ) of algorithm 5.1: where in the map the facet of slopes ζ mirrors.
@@ -64,10 +105,11 @@ vec2 mirrored(vec2 slope, vec3 v, vec3 n, vec3 tx, vec3 ty)
 // ellipse of twice the standard deviations (eq. 27), as the mean of nine samples
 // inside it.
 vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, vec2 variance,
-                   out vec3 fresnel)
+                   vec3 resolved, out vec3 fresnel, out vec3 twice)
 {
     const float EPSILON = 1e-3;
     vec2 s = sqrt(variance);
+    twice = vec3(0.0);
     fresnel = vec3(mean_fresnel(view.z, sqrt(directional_variance(view, variance))));
     vec2 u0 = mirrored(vec2(0.0), v, n, tx, ty);
     vec2 ux = 2.0 * s.x * (mirrored(vec2(EPSILON, 0.0), v, n, tx, ty) - u0) / EPSILON;
@@ -91,6 +133,17 @@ struct lit {
     vec3 fresnel;
 };
 
+// Waves that the pixel resolves but not the mesh turn its normal as often away
+// from the eye as towards it; those that turn towards it show more of
+// themselves. What their mean slope towards the eye is then, by their variance:
+// s / √(μ² + 0.49), within 3 % that of facets seen.
+vec3 toward_sight(vec3 v, vec2 variance)
+{
+    float s2 = max(mix(variance.y, variance.x, along_wind(v)), 0.0);
+    float sine2 = max(1.0 - v.z * v.z, 1e-8);
+    return vec3(v.xy * (s2 * inversesqrt(v.z * v.z + 0.49 * s2 * sine2 + 1e-12)), 0.0);
+}
+
 // Facets that face away are reflected into sight (section 3.2).
 vec3 facet_in_sight(vec3 n, vec3 v)
 {
@@ -106,16 +159,25 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
     vec3 tx = normalize(along - n * dot(n, along));
     vec3 ty = cross(n, tx);
     vec3 view = vec3(dot(v, tx), dot(v, ty), max(dot(v, n), 1e-3));
-    vec3 fresnel;
-    vec3 sky = reflected_sky(map, v, n, tx, ty, view, variance, fresnel);
+    vec3 fresnel, twice;
+#ifdef PEL_PAPER
+    const vec3 resolved = vec3(0.0);
+#else
+    vec3 resolved = waves_resolved(v, variance);
+#endif
+    vec3 sky = reflected_sky(map, v, n, tx, ty, view, variance, resolved, fresnel, twice);
     vec2 held = variance * glint.z;
     vec2 drawn = glint.xy * sqrt(held);
-    vec3 direct = vec3(0.0);
+    vec3 direct = beams[PEL_LIGHT_SUN].rgb * twice;
     for (int i = 0; i < PEL_LIGHTS; i++) {
         vec3 to = light_above(i, tilt);
         vec3 light = vec3(dot(to, tx), dot(to, ty), dot(to, n));
-        direct += beams[i].rgb * 
-                  reflected_light(view, light, variance, lights[i].limb.w, drawn, held);
+        vec3 one = beams[i].rgb *
+                   reflected_light(view, light, variance, lights[i].limb.w, drawn, held);
+#ifndef PEL_PAPER
+        one *= escape(to.z * inversesqrt(max(1.0 - to.z * to.z, 1e-4)) * resolved.x, resolved.y);
+#endif
+        direct += one;
     }
     lit result;
     result.sun = direct;

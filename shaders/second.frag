@@ -1,0 +1,62 @@
+#version 450 core
+// What a ray from one wave sees of another, by its azimuth and by the tangent of
+// its elevation in standard deviations of slopes, η (section 6 of the 2010
+// paper, which takes the mirrored sky): the facets that face it, in proportion to
+// (z − η)⁺ p(z) by their slope z towards it, mirror the sky at the tangent
+// 2 z − η, or show the water. In alpha, for a beam of irradiance 1, the Sun that
+// they mirror [1/sr].
+#include "lib/blocks.h"
+#include "lib/sky.glsl"
+#include "lib/ross.glsl"
+
+layout(location = 0) out vec4 radiance;
+layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
+
+const int STEPS = 12;
+const float REACH = 3.5;
+
+// The Sun in the facets that a ray meets, `shown` their mean slope towards it.
+float glitter(vec3 ray, float shown)
+{
+    float level = inversesqrt(dot(ray, ray));
+    vec3 to = lights[PEL_LIGHT_SUN].direction.xyz;
+    vec3 h = normalize(to - ray * level);
+    vec3 side = vec3(-wind.y, wind.x, 0.0);
+    float facing = -dot(ray, h) * level;
+    if (to.z <= 0.0 || h.z <= 0.05 || facing <= 0.0) {
+        return 0.0;
+    }
+    vec2 slope = -vec2(dot(h.xy, wind.xy), dot(h.xy, side.xy)) / h.z;
+    float p = slope_density(slope, max(wind.zw, vec2(1e-8)) + lights[PEL_LIGHT_SUN].limb.w);
+    vec2 beam = vec2(dot(to.xy, wind.xy), dot(to.xy, side.xy));
+    float s_light = sqrt(max(directional_variance(vec3(beam, 0.0), wind.zw), 1e-8));
+    float lit = escape(to.z * inversesqrt(max(1.0 - to.z * to.z, 1e-4)) / s_light, escape_odds(0.7));
+    float h2 = h.z * h.z;
+    return lit * p * facet_reflectance(facing).g / (4.0 * h2 * h2 * level * shown);
+}
+
+void main()
+{
+    vec2 u = gl_FragCoord.xy / float(PEL_SECOND_SIZE) * 2.0 - 1.0;
+    float radius = max(length(u), 1e-3);
+    vec2 away = u / radius;
+    float place = (radius - PEL_SECOND_INNER) / (1.0 - 1.0 / float(PEL_SECOND_SIZE) - PEL_SECOND_INNER);
+    float eta = PEL_SECOND_FIRST + PEL_SECOND_SPAN * clamp(place, 0.0, 1.0);
+    vec2 by_wind = vec2(dot(away, wind.xy), dot(away, vec2(-wind.y, wind.x)));
+    float s2 = max(directional_variance(vec3(by_wind, 0.0), wind.zw), 1e-8);
+    float s = sqrt(s2), cross2 = wind.z * wind.w / s2;
+    float from = max(eta, -REACH);
+    float step_ = (REACH - from) / float(STEPS);
+    vec3 sum = vec3(0.0);
+    float seen = 0.0;
+    for (int i = 0; i < STEPS; i++) {
+        float z = from + (float(i) + 0.5) * step_;
+        float weight = (z - eta) * exp(-0.5 * z * z);
+        float cosine = (z - eta) * s * inversesqrt((1.0 + s2 * z * z + cross2) * (1.0 + s2 * eta * eta));
+        vec3 fresnel = facet_reflectance(cosine);
+        vec3 sky = sky_light(sky_table, away, max(atan(s * (2.0 * z - eta)), 0.0));
+        sum += weight * mix(sea_light.rgb, sky, fresnel);
+        seen += weight;
+    }
+    radiance = vec4(sum / seen, glitter(vec3(away, s * eta), s * seen * step_ / sqrt(2.0 * PI)));
+}
