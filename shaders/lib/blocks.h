@@ -140,9 +140,10 @@ struct pel_vec4 {
  * as independent (docs/physics.md; fitted to rays over Gaussian seas). With s
  * the standard deviation of slopes and μ the cotangent of the view's zenith
  * angle over s, facets that are seen are steeper towards the eye by
- * s STEEPER / (1 + KNEE μ²) and less scattered (the inverse of their variance is
- * greater by NARROWER / (1 + μ²/4) of it), and of what they mirror at an elevation of tangent
- * η s one part escapes and ODDS Λ(η) / (1 + μ)² parts meet another wave. */
+ * s STEEPER / (1 + KNEE μ²) and less scattered (the inverse of their variance
+ * is greater by NARROWER / (1 + μ²/4) of it), and of what they mirror at an
+ * elevation of tangent η s one part escapes and ODDS Λ(η) / (1 + μ)² parts meet
+ * another wave. */
 #define PEL_SEEN_STEEPER 0.21
 #define PEL_SEEN_KNEE 1.78
 #define PEL_SEEN_NARROWER 0.05
@@ -153,7 +154,8 @@ struct pel_vec4 {
 #define PEL_CELL_FOOTPRINT 8.0
 
 /* What a reflected ray that does not escape sees: a map by its azimuth and by
- * its tangent over s, from FIRST at radius INNER to FIRST + SPAN at the edge. */
+ * its tangent over s, from FIRST at radius INNER to FIRST + SPAN at the edge.
+ */
 #define PEL_SECOND_SIZE 64
 #define PEL_SECOND_INNER 0.4
 #define PEL_SECOND_FIRST -2.5
