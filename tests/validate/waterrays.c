@@ -175,10 +175,8 @@ static void follow(struct scene *s, struct vector to, double *found)
 {
     double depth = 0.0, weight = 1.0;
     for (;;) {
-        double length = -log(draw(s)) / s->extinction;
-        depth -= length * to.z;
-        if (depth < 0.0) {
-            length = -depth / to.z; /* beyond the surface: mirrored */
+        depth += log(draw(s)) / s->extinction * to.z;
+        if (depth < 0.0) { /* beyond the surface: mirrored */
             double sine = sqrt(fmax(1.0 - to.z * to.z, 0.0));
             weight *= mirrored(sine, to.z);
             /* Free flight has no memory: fly on from the surface. */

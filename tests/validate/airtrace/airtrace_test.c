@@ -235,8 +235,8 @@ static void energy(void **state)
                 }
                 double once[AIR_SUNS], light[AIR_SUNS];
                 air_once(&scene, &sight, once);
-                air_more(&scene, &sight, PATHS, (uint64_t)(t * 2 * SIGHTS + i),
-                         light);
+                uint64_t seed = (uint64_t)t * 2 * SIGHTS + (uint64_t)i;
+                air_more(&scene, &sight, PATHS, seed, light);
                 flux[t] += PI * (once[0] + light[0]) / SIGHTS;
             }
         }
