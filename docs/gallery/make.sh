@@ -72,7 +72,7 @@ mkdir -p "$out"
     echo "from"
     echo
     echo '```sh'
-    echo "build/pelagosctl set $common" | sed 's/  */ /g'
+    echo "build/pelagosctl set --create $common" | sed 's/  */ /g'
     echo '```'
     echo
     echo "The shores are made by"
@@ -83,7 +83,7 @@ for picture in "${pictures[@]}"; do
     IFS='|' read -r name title settings <<< "$picture"
     ctl unset sea water seabed >/dev/null
     # shellcheck disable=SC2086
-    ctl set $common $settings
+    ctl set --create $common $settings
     ctl frame gallery "$out/$name.jpg"
     {
         echo

