@@ -103,6 +103,7 @@ OPTICS := server/optics/brdf.c \
     server/optics/airlight.c \
     server/optics/airrays.c \
     server/optics/colour.c \
+    server/optics/daylight.c \
     server/optics/facets.c \
     server/optics/light.c \
     server/optics/lightreport.c \
@@ -268,6 +269,7 @@ TESTS += server/scene/ground_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/optics/atmosphere_test.c
 TESTS += server/optics/colour_test.c
+TESTS += server/optics/daylight_test.c
 TESTS += server/optics/facets_test.c
 TESTS += server/optics/phase_test.c
 TESTS += server/optics/transport_test.c

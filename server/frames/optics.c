@@ -197,7 +197,9 @@ static Pelagos__SkyLight *sky_message(const struct pel_optics_query *q)
     set_list(&out->n_sun_transmittance, &out->sun_transmittance, s);
     set_list(&out->n_sun_irradiance, &out->sun_irradiance, e);
     /* Luminance is to radiance what illuminance is to irradiance. */
-    SET(out, luminance, pel_colour_illuminance(t->radiance));
+    SET(out, luminance,
+        pel_colour_illuminance(
+            t->radiance, q->environment.lights[PEL_LIGHT_SUN].direction.z));
     return out;
 }
 

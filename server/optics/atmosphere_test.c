@@ -379,8 +379,8 @@ static double illuminance(const struct pel_atmosphere *a, double elevation,
     struct pel_vec3 s = at_elevation(elevation);
     struct pel_rgb sky = pel_atmosphere_sky_irradiance(a, s);
     struct pel_rgb sun = pel_atmosphere_sun_irradiance(a, 0, s);
-    *sky_lx = pel_colour_illuminance(sky);
-    return *sky_lx + fmax(s.z, 0) * pel_colour_illuminance(sun);
+    *sky_lx = pel_colour_illuminance(sky, s.z);
+    return *sky_lx + fmax(s.z, 0) * pel_colour_illuminance(sun, s.z);
 }
 
 static void test_daylight(void **state)

@@ -1,27 +1,16 @@
 #include "optics/colour.h"
 
 #include <math.h>
+#include <pthread.h>
+#include <stddef.h>
 
+#include "base/vec.h"
+#include "optics/daylight.h"
 #include "shaders/lib/blocks.h"
 
 #define LUMENS_PER_WATT 683.0
 
-/* Sun above the air, W m⁻² nm⁻¹: means of ASTM G-173's extraterrestrial column
- * over 360..370 nm, 370..380 nm and so on (Bruneton 2017). */
-static const double sun[] = {
-    1.11776, 1.14259, 1.01249, 1.14716, 1.72765, 1.73054, 1.68870, 1.61253,
-    1.91198, 2.03474, 2.02042, 2.02212, 1.93377, 1.95809, 1.91686, 1.82980,
-    1.86850, 1.89310, 1.85149, 1.85040, 1.83410, 1.83450, 1.81470, 1.78158,
-    1.75330, 1.69650, 1.68194, 1.64654, 1.60480, 1.52143, 1.55622, 1.51130,
-    1.47400, 1.44820, 1.41018, 1.36775, 1.34188, 1.31429, 1.28303, 1.26758,
-    1.23670, 1.20820, 1.18737, 1.14683, 1.12362, 1.10580, 1.07124, 1.04992,
-};
-#define SUN_FIRST_NM 365.0 /* middle of the first */
-#define SUN_STEP_NM 10.0
-#define SUN_COUNT ((int)(sizeof sun / sizeof sun[0]))
-
 static const double wavelength_nm[3] = { 680.0, 550.0, 440.0 };
-static const double sun_there[3] = { 1.474, 1.850, 1.912 };
 
 static double lobe(double nm, double centre, double below, double above)
 {
@@ -41,31 +30,64 @@ static void observer(double nm, double xyz[3])
              0.681 * lobe(nm, 459.0, 26.0, 13.8);
 }
 
-/* CIE XYZ of the three samples' shares: the spectrum is the Sun's times the
- * parabola through the three ratios. */
-static void xyz_matrix(double m[3][3])
+/* CIE XYZ of the three samples' shares. */
+static void xyz_matrix(const struct pel_daylight *light, double m[9])
 {
     for (int c = 0; c < 9; c++) {
-        m[c / 3][c % 3] = 0;
+        m[c] = 0;
     }
-    for (int i = 0; i < SUN_COUNT; i++) {
-        double nm = SUN_FIRST_NM + SUN_STEP_NM * i, xyz[3];
+    for (int i = 0; i < PEL_DAYLIGHT_COUNT; i++) {
+        double nm = PEL_DAYLIGHT_FIRST_NM + PEL_DAYLIGHT_STEP_NM * i, xyz[3];
         observer(nm, xyz);
         for (int s = 0; s < 3; s++) {
-            double p = wavelength_nm[(s + 1) % 3],
-                   q = wavelength_nm[(s + 2) % 3];
-            double at = wavelength_nm[s];
-            double share = (nm - p) * (nm - q) / ((at - p) * (at - q));
-            double w =
-                LUMENS_PER_WATT * SUN_STEP_NM * sun[i] * share / sun_there[s];
+            double p = pow(wavelength_nm[(s + 1) % 3], -2),
+                   q = pow(wavelength_nm[(s + 2) % 3], -2),
+                   at = pow(wavelength_nm[s], -2), x = pow(nm, -2);
+            double share = (x - p) * (x - q) / ((at - p) * (at - q));
+            double w = LUMENS_PER_WATT * PEL_DAYLIGHT_STEP_NM * light->at[i] *
+                       share / light->sample[s];
             for (int c = 0; c < 3; c++) {
-                m[c][s] += w * xyz[c];
+                m[3 * c + s] += w * xyz[c];
             }
         }
     }
 }
 
-void pel_colour_matrix(double m[9])
+/* By the Sun's elevation, deg. */
+static const double elevation[] = {
+    -9, -8, -7, -6, -5,   -4, -3, -2, -1, 0,  1,
+    2,  3,  5,  7,  10.0, 15, 20, 28, 40, 60, 90
+};
+#define ELEVATIONS (sizeof elevation / sizeof elevation[0])
+static double matrices[ELEVATIONS][9];
+static pthread_once_t matrices_once = PTHREAD_ONCE_INIT;
+
+static void matrices_fill(void)
+{
+    for (size_t i = 0; i < ELEVATIONS; i++) {
+        struct pel_daylight light;
+        pel_daylight(sin(elevation[i] * PEL_DEG), &light);
+        xyz_matrix(&light, matrices[i]);
+    }
+}
+
+/* Rows of X, Y, Z for a Sun. */
+static void xyz_at(double sun_sine, double m[9])
+{
+    pthread_once(&matrices_once, matrices_fill);
+    double deg = asin(fmin(fmax(sun_sine, -1), 1)) / PEL_DEG;
+    deg = fmax(deg, elevation[0]);
+    size_t i = 0;
+    while (i + 2 < ELEVATIONS && deg >= elevation[i + 1]) {
+        i++;
+    }
+    double t = (deg - elevation[i]) / (elevation[i + 1] - elevation[i]);
+    for (int c = 0; c < 9; c++) {
+        m[c] = matrices[i][c] + t * (matrices[i + 1][c] - matrices[i][c]);
+    }
+}
+
+void pel_colour_matrix(double sun_sine, double m[9])
 {
     /* CIE XYZ to linear Rec. 709, D65: IEC 61966-2-1. */
     static const double rec709[3][3] = {
@@ -73,23 +95,23 @@ void pel_colour_matrix(double m[9])
         { -0.9692660, 1.8760108, 0.0415560 },
         { 0.0556434, -0.2040259, 1.0572252 },
     };
-    double xyz[3][3];
-    xyz_matrix(xyz);
+    double xyz[9];
+    xyz_at(sun_sine, xyz);
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
             m[3 * i + j] = 0;
             for (int k = 0; k < 3; k++) {
-                m[3 * i + j] += rec709[i][k] * xyz[k][j];
+                m[3 * i + j] += rec709[i][k] * xyz[3 * k + j];
             }
         }
     }
 }
 
-double pel_colour_illuminance(struct pel_rgb e)
+double pel_colour_illuminance(struct pel_rgb e, double sun_sine)
 {
-    double m[3][3];
-    xyz_matrix(m);
-    return fmax(m[1][0] * e.r + m[1][1] * e.g + m[1][2] * e.b, 0);
+    double m[9];
+    xyz_at(sun_sine, m);
+    return fmax(m[3] * e.r + m[4] * e.g + m[5] * e.b, 0);
 }
 
 double pel_colour_exposure_scale(double ev100)

@@ -9,7 +9,7 @@ static const struct pel_rgb sun = { 1.474, 1.850, 1.912 };
 static void to_rec709(struct pel_rgb l, double out[3])
 {
     double m[9];
-    pel_colour_matrix(m);
+    pel_colour_matrix(1.0, m);
     for (int i = 0; i < 3; i++) {
         out[i] = m[3 * i] * l.r + m[3 * i + 1] * l.g + m[3 * i + 2] * l.b;
     }
@@ -19,7 +19,7 @@ static void to_rec709(struct pel_rgb l, double out[3])
 static void test_sun(void **state)
 {
     (void)state;
-    double lx = pel_colour_illuminance(sun), c[3];
+    double lx = pel_colour_illuminance(sun, 1.0), c[3];
     to_rec709(sun, c);
     /* Back to XYZ with the Rec. 709 primaries. */
     double x = 0.4124564 * c[0] + 0.3575761 * c[1] + 0.1804375 * c[2];
@@ -51,8 +51,8 @@ static void test_spectrum_between_samples(void **state)
     assert_true(blue[2] / flat[2] > blue[0] / flat[0]);
     /* Photopic mean wavelength of sunlight is 0.558 µm. */
     double y = pel_colour_illuminance(
-        (struct pel_rgb){ sun.r * 0.68, sun.g * 0.55, sun.b * 0.44 });
-    assert_near(y / pel_colour_illuminance(sun), 0.558, 0.004);
+        (struct pel_rgb){ sun.r * 0.68, sun.g * 0.55, sun.b * 0.44 }, 1.0);
+    assert_near(y / pel_colour_illuminance(sun, 1.0), 0.558, 0.004);
 }
 
 /* ISO 2720: a meter of K = 12.5 reads EV 12 from 512 cd/m². */

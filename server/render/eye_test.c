@@ -16,6 +16,7 @@ static struct pel_environment into_sun(double elevation, double visibility_m)
     struct pel_environment env = test_environment(&sea, 10.0);
     env.lights[PEL_LIGHT_SUN].direction = test_sun(elevation, 0.0);
     env.visibility_m = visibility_m;
+    pel_colour_matrix(env.lights[PEL_LIGHT_SUN].direction.z, rec709);
     return env;
 }
 
@@ -367,7 +368,6 @@ static void views_of_a_meter_match(void **state)
 
 int main(void)
 {
-    pel_colour_matrix(rec709);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_are_the_reference),
         cmocka_unit_test(little_burns_out),

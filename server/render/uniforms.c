@@ -65,7 +65,8 @@ void pel_fill_frame(const struct pel_environment *env,
     const double r0 = (PEL_WATER_INDEX - 1.0) / (PEL_WATER_INDEX + 1.0);
     double lives = env->time_s / PEL_GLINT_LIFE;
     double m[9];
-    pel_colour_matrix(m);
+    /* Of several lights the Sun is the one that has a spectrum of twilight. */
+    pel_colour_matrix(env->lights[PEL_LIGHT_SUN].direction.z, m);
     *out = (struct pel_block_frame){
         .wind = vec4(cos(env->wind_to_rad), sin(env->wind_to_rad),
                      env->sea->slope_variance_along,

@@ -214,9 +214,9 @@ struct pel_vec4 {
 #define PEL_TONE_HALF 0.78129
 #define PEL_TONE_PALE 16.0
 #define PEL_TONE_LEAST 0.25
-#define PEL_TONE_RED 0.946
-#define PEL_TONE_GREEN 1.013
-#define PEL_TONE_BLUE 1.056
+#define PEL_TONE_RED 0.956
+#define PEL_TONE_GREEN 1.008
+#define PEL_TONE_BLUE 1.047
 
 /* Light at EV 0 that is MIDDLE, cd/m²: a meter's K = 12.5 at ISO 100. */
 #define PEL_METER_MIDDLE 0.125
