@@ -73,7 +73,8 @@ struct pel_model_level {
     size_t part_count;
     const struct pel_model_part *parts;
     size_t triangles;
-    float error_m; /* how far its surface may be from level 0's */
+    float error_m; /* the most that a vertex of level 0 is away from it (of
+                      4096), or the size of the largest body it lacks */
 };
 
 /* An eye point: where a view stands that looks from this thing. */
