@@ -98,6 +98,11 @@ SEABED := server/seabed/seabed.c server/seabed/wire.c server/seabed/load.c
 # A program of its own: GDAL is not the daemon's.
 SEABED_READER := server/seabed/reader/reader.c server/seabed/reader/geo.c \
     server/seabed/reader/exr.c server/seabed/reader/hdf5.c
+MODELS := server/models/model.c server/models/shape.c server/models/bvh.c \
+    server/models/decimate.c server/models/builtin.c server/models/solid.c \
+    server/models/hullform.c server/models/fittings.c \
+    server/models/cargoships.c server/models/passengerships.c \
+    server/models/workboats.c server/models/smallcraft.c server/models/marks.c
 OPTICS := server/optics/brdf.c \
     server/optics/atmosphere.c \
     server/optics/airlight.c \
@@ -266,6 +271,7 @@ TESTS += server/ocean/ndbc_test.c
 TESTS += server/ocean/welch_test.c
 TESTS += server/seabed/seabed_test.c
 TESTS += server/scene/ground_test.c
+TESTS += server/models/model_test.c
 TESTS += server/optics/brdf_test.c
 TESTS += server/optics/atmosphere_test.c
 TESTS += server/optics/colour_test.c
@@ -369,7 +375,7 @@ KEY := $(shell printf %s $(call quoted,$(CC) $(OUR_CPPFLAGS) $(OUR_CFLAGS) $(CPP
 OBJ := $(O)/obj-$(KEY)
 
 # --- rules ----------------------------------------------------------------
-SERVER := $(BASE) $(OCEAN) $(SEABED) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
+SERVER := $(BASE) $(OCEAN) $(SEABED) $(MODELS) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
     $(FRAMES) $(NET) $(BRIDGES) $(OPTIONS)
 GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c \
     $(O)/gen/pages.c
@@ -490,12 +496,21 @@ $(O)/bin/ground_test: | $(O)/bin/pelagos-seabed
 $(O)/bin/any_raster: $(OBJ)/tests/any_raster.o $(OBJ)/libserver.a
 	$(LINK) $(READER_LIBS)
 
+# Models for a contact sheet, by a rasteriser of the tests' own.
+$(O)/bin/drawmodel: $(OBJ)/tests/models/drawmodel.o $(OBJ)/libserver.a
+	$(LINK) -lspng -lm
+
+.PHONY: models-sheet
+models-sheet: deps-build ## every built-in model (or ARGS='FILE …') on one sheet: build/models.png
+	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/drawmodel
+	$(Q)/usr/bin/python3 -B tests/models/sheet.py $(ARGS)
+
 # A manual with a table is what its program makes of its text.
 TABLE_MANUALS := registers cigi nmea
 
 .PHONY: tests
 tests: $(TEST_BIN) $(TABLE_MANUALS:%=$(O)/bin/%_doc) \
-    $(O)/bin/any_raster $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/airtrace \
+    $(O)/bin/any_raster $(O)/bin/drawmodel $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/airtrace \
     $(O)/bin/airours $(O)/libpelagos.a \
     build/compile_commands.json ## build the test programs
 

@@ -10,14 +10,14 @@
 static const struct pel_builtin_kind kinds[] = {
 #define PEL_BUILTIN(kind_name, function, id, length, beam, draught, height,    \
                     paint, words)                                              \
-    { .name = kind_name,                                                       \
-      .text = words,                                                           \
+    { .name = (kind_name),                                                     \
+      .text = (words),                                                         \
       .class = PEL_MODEL_##id,                                                 \
-      .length_m = length,                                                      \
-      .beam_m = beam,                                                          \
-      .draught_m = draught,                                                    \
-      .height_m = height,                                                      \
-      .colour = paint },
+      .length_m = (length),                                                    \
+      .beam_m = (beam),                                                        \
+      .draught_m = (draught),                                                  \
+      .height_m = (height),                                                    \
+      .colour = (paint) },
 #include "models/kinds.def"
 };
 #define KINDS (sizeof kinds / sizeof *kinds)
@@ -65,8 +65,7 @@ static enum pel_err choose(const char *what, double asked, double typical,
 
 static enum pel_err measure(const struct pel_builtin *what,
                             const struct pel_builtin_kind *kind,
-                            struct pel_kind_size *size,
-                            struct pel_fault *fault)
+                            struct pel_kind_size *size, struct pel_fault *fault)
 {
     size->colour = what->coloured ? what->colour : kind->colour;
     enum pel_err err = choose("length", what->length_m, kind->length_m, 1,

@@ -134,12 +134,12 @@ struct pel_bvh *pel_bvh_create(const struct pel_model_vertex *vertices,
         free(centres);
         return NULL;
     }
-    *bvh = (struct pel_bvh){ .vertices = vertices,
-                             .indices = indices,
-                             .triangle_count = count,
-                             .nodes = malloc((count + 1) * sizeof *bvh->nodes),
-                             .order = malloc((count + 1) *
-                                             sizeof *bvh->order) };
+    *bvh =
+        (struct pel_bvh){ .vertices = vertices,
+                          .indices = indices,
+                          .triangle_count = count,
+                          .nodes = malloc((count + 1) * sizeof *bvh->nodes),
+                          .order = malloc((count + 1) * sizeof *bvh->order) };
     if (!bvh->nodes || !bvh->order) {
         free(centres);
         pel_bvh_free(bvh);
@@ -292,8 +292,8 @@ static double box_distance(const struct node *n, struct pel_vec3 p)
     const double at[3] = { p.x, p.y, p.z };
     double sum = 0;
     for (int k = 0; k < 3; k++) {
-        double off = fmax(0, fmax((double)n->low[k] - at[k],
-                                  at[k] - (double)n->high[k]));
+        double off = fmax(
+            0, fmax((double)n->low[k] - at[k], at[k] - (double)n->high[k]));
         sum += off * off;
     }
     return sqrt(sum);
@@ -302,8 +302,7 @@ static double box_distance(const struct node *n, struct pel_vec3 p)
 static struct pel_vec3 corner(const struct pel_bvh *b, uint32_t triangle,
                               size_t c)
 {
-    const float *p =
-        b->vertices[b->indices[3 * (size_t)triangle + c]].position;
+    const float *p = b->vertices[b->indices[3 * (size_t)triangle + c]].position;
     return (struct pel_vec3){ (double)p[0], (double)p[1], (double)p[2] };
 }
 

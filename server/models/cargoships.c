@@ -124,11 +124,12 @@ static void draw_forecastle(struct pel_pen *pen, const struct pel_hull *h,
     pel_pen_node(pen, "forecastle");
     pel_pen_paint(pen, h->side, 0.35);
     double z = pel_hull_deck(h, x);
-    pel_solid_tower(pen, outline, 2 * N, z - 0.3,
-                    pel_hull_deck(h, end) + step, 1, 0, 0);
+    pel_solid_tower(pen, outline, 2 * N, z - 0.3, pel_hull_deck(h, end) + step,
+                    1, 0, 0);
 }
 
-/* --- containers -------------------------------------------------------------- */
+/* --- containers --------------------------------------------------------------
+ */
 
 #define BOX_LONG 12.19
 #define BOX_WIDE 2.5
@@ -213,8 +214,7 @@ static void draw_containers(struct pel_pen *pen, const struct pel_hull *h,
     }
 }
 
-void pel_kind_container_ship(struct pel_pen *pen,
-                             const struct pel_kind_size *s)
+void pel_kind_container_ship(struct pel_pen *pen, const struct pel_kind_size *s)
 {
     double unit = s->length / 294;
     struct pel_hull hull = cargo_hull(s, 0.2 * s->height);
@@ -244,8 +244,8 @@ void pel_kind_container_ship(struct pel_pen *pen,
     draw_forecastle(pen, &hull, 0.435 * s->length, 0.15 * hull.freeboard);
     pel_pen_node(pen, "hatches");
     pel_pen_paint(pen, 0x6d5148, 0.7);
-    pel_solid_block(pen, house.x1 + 2 * unit, 0.36 * s->length,
-                    0.86 * s->beam, hull.freeboard - 0.5, z);
+    pel_solid_block(pen, house.x1 + 2 * unit, 0.36 * s->length, 0.86 * s->beam,
+                    hull.freeboard - 0.5, z);
     pel_solid_block(pen, -0.475 * s->length, house.x0 - 15 * unit,
                     0.86 * s->beam, hull.freeboard - 0.5, z);
     draw_containers(pen, &hull, house.x1 + 2 * unit, 0.43 * s->length, tiers,
@@ -258,7 +258,8 @@ void pel_kind_container_ship(struct pel_pen *pen,
     set_lights(pen, s, &house, 0.62 * s->height, fore);
 }
 
-/* --- tanker ------------------------------------------------------------------- */
+/* --- tanker
+ * ------------------------------------------------------------------- */
 
 static void draw_pipes(struct pel_pen *pen, const struct pel_kind_size *s,
                        double z, double x0, double x1)
@@ -346,7 +347,8 @@ void pel_kind_tanker(struct pel_pen *pen, const struct pel_kind_size *s)
     set_lights(pen, s, &house, 0.55 * s->height, fore);
 }
 
-/* --- bulk carrier ---------------------------------------------------------------- */
+/* --- bulk carrier
+ * ---------------------------------------------------------------- */
 
 void pel_kind_bulk_carrier(struct pel_pen *pen, const struct pel_kind_size *s)
 {
@@ -384,8 +386,7 @@ void pel_kind_bulk_carrier(struct pel_pen *pen, const struct pel_kind_size *s)
                       1.08 * half, z + 1.6 * unit, z + 2.5 * unit);
         if (i > 0) {
             draw_crane(pen, at, 0, z, 15 * unit, 1.5 * unit,
-                       (struct pel_vec3){ at + 0.82 * pitch, 0,
-                                          z + 9 * unit },
+                       (struct pel_vec3){ at + 0.82 * pitch, 0, z + 9 * unit },
                        0xc9b27a);
         }
     }

@@ -6,9 +6,12 @@
 #include "models/nearpoint.h"
 
 #define NONE UINT32_MAX
-#define FAN 48          /* most triangles about a vertex that may go */
-#define LENGTHS 0.002   /* what an edge's length counts of what it moves */
-#define FLIP 0.2        /* cosine that a triangle may turn by */
+#define FAN 48        /* most triangles about a vertex that may go */
+#define LENGTHS 0.002 /* what an edge's length counts of what it moves */
+#define COLOUR                                                                 \
+    0.25         /* what moving a line between colours counts of moving an     \
+                    edge of the shape */
+#define FLIP 0.2 /* cosine that a triangle may turn by */
 
 struct candidate {
     float cost, moved; /* moved: the bound without the edge's length */
@@ -30,6 +33,7 @@ struct pel_decimate {
     size_t positions, left, heap_count, heap_room;
     struct candidate *heap;
     double vanished; /* size of the largest body that has */
+    double step;     /* the most that one collapse moved, lines included */
     bool failed;
 };
 
@@ -134,24 +138,28 @@ static bool is_first(const uint32_t *list, int i)
     return true;
 }
 
-/* The edge from the fan's middle to `other`: how many triangles have it, and
- * whether it is a border: of the mesh, of a material, or of more than two. */
-static int edge_of(const struct pel_decimate *d, const struct fan *f,
-                   uint32_t other, bool *border)
+/* What the edge from the fan's middle to `other` is. */
+enum edge {
+    PLAIN,
+    COLOURS,
+    BORDER
+}; /* of two materials; of the mesh, or of
+      more than two triangles */
+static enum edge edge_of(const struct pel_decimate *d, const struct fan *f,
+                         uint32_t other)
 {
     int count = 0;
     uint16_t material = 0;
-    *border = false;
+    bool colours = false;
     for (int i = 0; i < f->count; i++) {
         if (f->second[i] == other || f->third[i] == other) {
             uint16_t m = d->mesh.tags[f->triangle[i]].material;
-            *border = *border || (count > 0 && m != material);
+            colours = colours || (count > 0 && m != material);
             material = m;
             count++;
         }
     }
-    *border = *border || count != 2;
-    return count;
+    return count != 2 ? BORDER : colours ? COLOURS : PLAIN;
 }
 
 static int neighbours(const struct fan *f, uint32_t out[2 * FAN])
@@ -170,25 +178,24 @@ static int neighbours(const struct fan *f, uint32_t out[2 * FAN])
     return kept;
 }
 
-/* Whether `a` may go to `b` by its borders; *other: the border's next vertex
- * behind a, or NONE. */
-static bool keeps_borders(const struct pel_decimate *d, const struct fan *f,
-                          const uint32_t *around, int count, uint32_t b,
-                          uint32_t *other)
+/* Whether `a` may go to `b` by the edges of a kind that meet in it: there are
+ * none, or it goes along one of two; *other: where the other one leads, or
+ * NONE. */
+static bool keeps(const struct pel_decimate *d, const struct fan *f,
+                  const uint32_t *around, int count, uint32_t b, enum edge kind,
+                  uint32_t *other)
 {
-    int borders = 0;
+    int edges = 0;
     bool along = false;
     *other = NONE;
     for (int i = 0; i < count; i++) {
-        bool border;
-        edge_of(d, f, around[i], &border);
-        if (border) {
-            borders++;
+        if (edge_of(d, f, around[i]) == kind) {
+            edges++;
             along = along || around[i] == b;
             *other = around[i] == b ? *other : around[i];
         }
     }
-    return borders == 0 || (borders == 2 && along);
+    return edges == 0 || (edges == 2 && along);
 }
 
 /* What a and b both have beside them must be what their triangles have: else
@@ -214,13 +221,13 @@ static bool keeps_topology(const struct fan *fa, const struct fan *fb,
 static double displacement(struct pel_decimate *d, uint32_t a, uint32_t b)
 {
     struct fan fa, fb;
-    uint32_t around[2 * FAN], other;
+    uint32_t around[2 * FAN], border, line;
     if (!gather(d, a, &fa) || !gather(d, b, &fb)) {
         return INFINITY;
     }
     int count = neighbours(&fa, around);
     if (!keeps_topology(&fa, &fb, around, count, b) ||
-        !keeps_borders(d, &fa, around, count, b, &other)) {
+        !keeps(d, &fa, around, count, b, BORDER, &border)) {
         return INFINITY;
     }
     struct pel_vec3 from = at(d, a), to = at(d, b);
@@ -230,15 +237,24 @@ static double displacement(struct pel_decimate *d, uint32_t a, uint32_t b)
             continue;
         }
         struct pel_vec3 s = at(d, fa.second[i]), t = at(d, fa.third[i]);
-        struct pel_vec3 old = pel_vec3_cross(pel_vec3_minus(s, from), pel_vec3_minus(t, from));
-        struct pel_vec3 new = pel_vec3_cross(pel_vec3_minus(s, to), pel_vec3_minus(t, to));
-        if (pel_vec3_dot(old, new) <= FLIP * pel_vec3_length(old) * pel_vec3_length(new)) {
+        struct pel_vec3 old =
+            pel_vec3_cross(pel_vec3_minus(s, from), pel_vec3_minus(t, from));
+        struct pel_vec3 new =
+            pel_vec3_cross(pel_vec3_minus(s, to), pel_vec3_minus(t, to));
+        if (pel_vec3_dot(old, new) <=
+            FLIP * pel_vec3_length(old) * pel_vec3_length(new)) {
             return INFINITY;
         }
         nearest = fmin(nearest, pel_triangle_distance(from, to, s, t));
     }
-    if (other != NONE) {
-        nearest = fmax(nearest, pel_segment_distance(from, to, at(d, other)));
+    if (border != NONE) {
+        nearest = fmax(nearest, pel_segment_distance(from, to, at(d, border)));
+    }
+    if (!keeps(d, &fa, around, count, b, COLOURS, &line)) {
+        nearest =
+            fmax(nearest, COLOUR * pel_vec3_length(pel_vec3_minus(from, to)));
+    } else if (line != NONE) {
+        nearest = fmax(nearest, pel_segment_distance(from, to, at(d, line)));
     }
     return nearest;
 }
@@ -249,13 +265,14 @@ static void consider(struct pel_decimate *d, uint32_t a, uint32_t b)
     if (by < 1e9) {
         double moved = (double)d->moved[a] + by;
         double far = pel_vec3_length(pel_vec3_minus(at(d, a), at(d, b)));
-        push(d, (struct candidate){ (float)(moved + LENGTHS * far),
-                                    (float)moved, a, b,
-                                    d->stamp[a] + d->stamp[b] });
+        push(d,
+             (struct candidate){ (float)(moved + LENGTHS * far), (float)moved,
+                                 a, b, d->stamp[a] + d->stamp[b] });
     }
 }
 
-/* --- collapsing ------------------------------------------------------------ */
+/* --- collapsing ------------------------------------------------------------
+ */
 
 /* The vertex at b that the corner at a of triangle t becomes: of t's material
  * and with the normal most like its own. */
@@ -273,7 +290,8 @@ static uint32_t wedge(const struct pel_decimate *d, const struct fan *fb,
             }
             const float *m = d->mesh.vertices[d->mesh.indices[c]].normal;
             double like = (double)(n[0] * m[0] + n[1] * m[1] + n[2] * m[2]);
-            like += d->mesh.tags[f].material == d->mesh.tags[t].material ? 4 : 0;
+            like +=
+                d->mesh.tags[f].material == d->mesh.tags[t].material ? 4 : 0;
             if (like > most) {
                 most = like;
                 best = d->mesh.indices[c];
@@ -299,8 +317,7 @@ static void collapse(struct pel_decimate *d, uint32_t a, uint32_t b,
         }
         for (uint32_t c = 3 * t; c < 3 * t + 3; c++) {
             if (d->place[c] == a) {
-                d->mesh.indices[c] =
-                    wedge(d, &fb, b, t, d->mesh.indices[c]);
+                d->mesh.indices[c] = wedge(d, &fb, b, t, d->mesh.indices[c]);
                 d->place[c] = b;
                 d->next[c] = d->head[b];
                 d->head[b] = c;
@@ -309,6 +326,7 @@ static void collapse(struct pel_decimate *d, uint32_t a, uint32_t b,
         }
     }
     d->head[a] = NONE;
+    d->step = fmax(d->step, (double)(moved - d->moved[a]));
     d->moved[b] = fmaxf(d->moved[b], moved);
     struct fan f;
     uint32_t around[2 * FAN];
@@ -349,7 +367,8 @@ static void vanish(struct pel_decimate *d, const struct candidate *c)
     d->vanished = fmax(d->vanished, (double)c->moved);
 }
 
-/* --- begin, go on, end ------------------------------------------------------ */
+/* --- begin, go on, end ------------------------------------------------------
+ */
 
 static uint32_t hash(const float p[3])
 {
@@ -379,10 +398,9 @@ static bool weld(struct pel_decimate *d)
     for (size_t v = 0; v < n; v++) {
         const float *p = d->mesh.vertices[v].position;
         size_t slot = hash(p) & (room - 1);
-        while (table[slot] != NONE &&
-               (d->xyz[table[slot]][0] != p[0] ||
-                d->xyz[table[slot]][1] != p[1] ||
-                d->xyz[table[slot]][2] != p[2])) {
+        while (table[slot] != NONE && (d->xyz[table[slot]][0] != p[0] ||
+                                       d->xyz[table[slot]][1] != p[1] ||
+                                       d->xyz[table[slot]][2] != p[2])) {
             slot = (slot + 1) & (room - 1);
         }
         if (table[slot] == NONE) {
@@ -400,7 +418,7 @@ static bool find_bodies(struct pel_decimate *d)
 {
     struct box {
         float low[3], high[3];
-    } *boxes = malloc((d->positions + 1) * sizeof *boxes);
+    } *boxes = calloc(d->positions + 1, sizeof *boxes);
     double largest = 0;
     if (!boxes) {
         return false;
@@ -473,15 +491,15 @@ struct pel_decimate *pel_decimate_begin(const struct pel_decimate_mesh *mesh)
         return NULL;
     }
     d->mesh = *mesh;
-    d->place = malloc(c * sizeof *d->place);
-    d->next = malloc(c * sizeof *d->next);
-    d->head = malloc(n * sizeof *d->head);
+    d->place = calloc(c, sizeof *d->place);
+    d->next = calloc(c, sizeof *d->next);
+    d->head = calloc(n, sizeof *d->head);
     d->stamp = calloc(n, sizeof *d->stamp);
     d->moved = calloc(n, sizeof *d->moved);
-    d->body = malloc(n * sizeof *d->body);
-    d->pos_of = malloc(n * sizeof *d->pos_of);
-    d->xyz = malloc(n * sizeof *d->xyz);
-    d->alive = malloc(c * sizeof *d->alive);
+    d->body = calloc(n, sizeof *d->body);
+    d->pos_of = calloc(n, sizeof *d->pos_of);
+    d->xyz = calloc(n, sizeof *d->xyz);
+    d->alive = calloc(c, sizeof *d->alive);
     if (!d->place || !d->next || !d->head || !d->stamp || !d->moved ||
         !d->body || !d->pos_of || !d->xyz || !d->alive || !weld(d)) {
         pel_decimate_end(d);
@@ -510,7 +528,7 @@ static void step(struct pel_decimate *d)
 }
 
 bool pel_decimate_to(struct pel_decimate *d, size_t triangles,
-                     struct pel_decimate_mesh *out, double *vanished_m)
+                     struct pel_decimate_mesh *out, double *least_m)
 {
     while (d->left > triangles && d->heap_count > 0 && !d->failed) {
         step(d);
@@ -523,7 +541,7 @@ bool pel_decimate_to(struct pel_decimate *d, size_t triangles,
             out->tags[out->triangle_count++] = d->mesh.tags[t];
         }
     }
-    *vanished_m = d->vanished;
+    *least_m = fmax(d->vanished, d->step);
     return !d->failed;
 }
 

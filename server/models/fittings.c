@@ -111,10 +111,10 @@ void pel_kind_funnel(struct pel_pen *pen, double x, double y, double long_m,
                   { 0.88, 1, PEL_BLACK } };
     for (int i = 0; i < 12; i++) {
         double a = 2 * PEL_PI * i / 12;
-        outline[i] = (struct pel_vec2){ x + long_m / 2 * cos(a),
-                                        y + wide / 2 * sin(a) };
-        inside[i] = (struct pel_vec2){ x + long_m / 4 * cos(a),
-                                       y + wide / 4 * sin(a) };
+        outline[i] =
+            (struct pel_vec2){ x + long_m / 2 * cos(a), y + wide / 2 * sin(a) };
+        inside[i] =
+            (struct pel_vec2){ x + long_m / 4 * cos(a), y + wide / 4 * sin(a) };
     }
     for (int i = 0; i < 4; i++) {
         pel_pen_paint(pen, bands[i].colour, 0.5);
@@ -135,7 +135,6 @@ void pel_kind_mast(struct pel_pen *pen, double x, double z0, double z1,
                        (struct pel_vec3){ x, yard / 2, z0 + 0.6 * h }, r, r, 6);
         pel_solid_block(pen, x + 1.5 * r, x + 5 * r, 0.5 * yard, z0 + 0.42 * h,
                         z0 + 0.42 * h + 3 * r);
-        pel_solid_block(pen, x, x + 4 * r, 4 * r, z0 + 0.36 * h,
-                        z0 + 0.42 * h);
+        pel_solid_block(pen, x, x + 4 * r, 4 * r, z0 + 0.36 * h, z0 + 0.42 * h);
     }
 }

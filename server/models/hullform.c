@@ -34,9 +34,10 @@ static double outline(const struct pel_hull *h, double s, double deck,
 {
     double entrance = h->entrance * (1 - 0.5 * h->flare * deck);
     double power = h->bow_power * (1 + h->flare * deck);
-    double transom = mixed(mixed(h->transom, h->transom_deep, 0.5),
-                           h->transom, deck);
-    transom = deep > 0 ? mixed(transom, h->transom_deep, smooth(deep)) : transom;
+    double transom =
+        mixed(mixed(h->transom, h->transom_deep, 0.5), h->transom, deck);
+    transom =
+        deep > 0 ? mixed(transom, h->transom_deep, smooth(deep)) : transom;
     if (s > 1 - entrance) {
         double t = pel_clamp((s - 1 + entrance) / entrance, 0, 1);
         return pow(1 - pow(t, power), 1 / h->bow_round);
@@ -68,8 +69,8 @@ static struct pel_vec3 point(const struct pel_hull *h, double row, double s)
     if (row <= BELOW) {
         /* A superellipse by its angle. */
         double towards = fabs(2 * s - 1);
-        double power = mixed(h->power, h->power_ends,
-                             smooth((towards - 0.3) / 0.7));
+        double power =
+            mixed(h->power, h->power_ends, smooth((towards - 0.3) / 0.7));
         double a = PEL_PI / 2 * row / BELOW;
         double up = row >= BELOW ? 1 : 1 - pow(cos(a), 2 / power);
         ends(h, up, &aft, &fore);
@@ -78,9 +79,9 @@ static struct pel_vec3 point(const struct pel_hull *h, double row, double s)
             outline(h, s, 0, 1 - up);
     } else {
         double strake = h->strake / edge(h, s);
-        double up = row <= BELOW + 1 ? (row - BELOW) * strake
-                                     : strake + (1 - strake) *
-                                                    (row - BELOW - 1) / ABOVE;
+        double up = row <= BELOW + 1
+                        ? (row - BELOW) * strake
+                        : strake + (1 - strake) * (row - BELOW - 1) / ABOVE;
         ends(h, 1 + up, &aft, &fore);
         z = edge(h, s) * up;
         y = mixed(narrow, 1, smooth(up)) * outline(h, s, up, 0);
@@ -102,8 +103,7 @@ double pel_hull_deck(const struct pel_hull *h, double x)
 
 double pel_hull_half(const struct pel_hull *h, double x)
 {
-    return h->beam / 2 *
-           outline(h, pel_clamp(x / h->length + 0.5, 0, 1), 1, 0);
+    return h->beam / 2 * outline(h, pel_clamp(x / h->length + 0.5, 0, 1), 1, 0);
 }
 
 static struct pel_vec3 mirror(struct pel_vec3 p)
@@ -124,9 +124,10 @@ static void draw_sides(struct pel_pen *pen, const struct pel_hull *h, int rows,
 {
     for (int r = 0; r < rows - 1; r++) {
         bool strake = h->strake > 0 && r == BELOW;
-        pel_pen_paint(pen, r < BELOW ? h->bottom
-                           : strake  ? h->strake_colour
-                                     : h->side,
+        pel_pen_paint(pen,
+                      r < BELOW ? h->bottom
+                      : strake  ? h->strake_colour
+                                : h->side,
                       r < BELOW ? 0.7 : 0.35);
         for (int i = 0; i < stations - 1; i++) {
             double s0 = station(i, stations), s1 = station(i + 1, stations);
@@ -195,8 +196,8 @@ static void draw_bulb(struct pel_pen *pen, const struct pel_hull *h)
     pel_pen_paint(pen, h->bottom, 0.7);
     pel_solid_ellipsoid(
         pen, (struct pel_vec3){ end - 0.6 * h->bulb, 0, -0.58 * h->draught },
-        1.6 * h->bulb, 0.075 * h->beam + 0.08 * h->draught,
-        0.36 * h->draught, 16);
+        1.6 * h->bulb, 0.075 * h->beam + 0.08 * h->draught, 0.36 * h->draught,
+        16);
 }
 
 static void draw_rudder(struct pel_pen *pen, const struct pel_hull *h)

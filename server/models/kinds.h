@@ -15,7 +15,7 @@ struct pel_kind_size {
 #include "models/kinds.def"
 
 /* Colours that ships share. */
-#define PEL_BOOT_RED 0x7a2a22  /* antifouling */
+#define PEL_BOOT_RED 0x7a2a22 /* antifouling */
 #define PEL_DECK_GREEN 0x4f6b58
 #define PEL_DECK_RED 0x7d4438
 #define PEL_SHIP_WHITE 0xe6e6e0

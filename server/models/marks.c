@@ -10,7 +10,8 @@
 
 #define SIDES 20
 
-/* --- topmarks ------------------------------------------------------------------ */
+/* --- topmarks
+ * ------------------------------------------------------------------ */
 
 /* Each stands on z, `d` wide and about as high. */
 static void top_can(struct pel_pen *pen, double z, double d)
@@ -21,7 +22,8 @@ static void top_can(struct pel_pen *pen, double z, double d)
 
 static void top_cone(struct pel_pen *pen, double z, double d, bool up)
 {
-    const struct pel_vec2 p[] = { { up ? d / 2 : 0, z }, { up ? 0 : d / 2, z + d } };
+    const struct pel_vec2 p[] = { { up ? d / 2 : 0, z },
+                                  { up ? 0 : d / 2, z + d } };
     pel_solid_turned(pen, p, 2, 0, 0, 12);
 }
 
@@ -44,19 +46,18 @@ static void top_cross(struct pel_pen *pen, double z, double d)
     }
 }
 
-/* --- bodies -------------------------------------------------------------------- */
+/* --- bodies
+ * -------------------------------------------------------------------- */
 
 /* The float of a buoy with its tail tube and weight below the water. */
 static void draw_float(struct pel_pen *pen, const struct pel_kind_size *s,
                        uint32_t colour)
 {
     double r = s->length / 2, t = s->draught;
-    const struct pel_vec2 body[] = { { 0.35 * r, -0.42 * t },
-                                     { 0.88 * r, -0.24 * t },
-                                     { r, -0.12 * t },
-                                     { r, 0.25 * r },
-                                     { 0.94 * r, 0.32 * r },
-                                     { 0.5 * r, 0.4 * r } };
+    const struct pel_vec2 body[] = {
+        { 0.35 * r, -0.42 * t }, { 0.88 * r, -0.24 * t }, { r, -0.12 * t },
+        { r, 0.25 * r },         { 0.94 * r, 0.32 * r },  { 0.5 * r, 0.4 * r }
+    };
     const struct pel_vec2 tail[] = { { 0.3 * r, -t },
                                      { 0.3 * r, -0.85 * t },
                                      { 0.15 * r, -0.85 * t },
@@ -73,7 +74,8 @@ static void lantern(struct pel_pen *pen, double z, double size,
 {
     pel_pen_node(pen, "lantern");
     pel_pen_paint(pen, 0x2a2c2e, 0.5);
-    const struct pel_vec2 base[] = { { 0.3 * size, z }, { 0.3 * size, z + 0.3 * size } };
+    const struct pel_vec2 base[] = { { 0.3 * size, z },
+                                     { 0.3 * size, z + 0.3 * size } };
     pel_solid_turned(pen, base, 2, 0, 0, 10);
     pel_pen_paint(pen, 0xb8c4c8, 0.1);
     const struct pel_vec2 lens[] = { { 0.26 * size, z + 0.3 * size },
@@ -91,9 +93,10 @@ static void draw_bands(struct pel_pen *pen, double r0, double r1, double z0,
     pel_pen_node(pen, "tower");
     for (int i = 0; i < count; i++) {
         double a = (double)i / count, b = (double)(i + 1) / count;
-        const struct pel_vec2 p[] = { { r0 + (r1 - r0) * a, z0 + (z1 - z0) * a },
-                                      { r0 + (r1 - r0) * b,
-                                        z0 + (z1 - z0) * b } };
+        const struct pel_vec2 p[] = {
+            { r0 + (r1 - r0) * a, z0 + (z1 - z0) * a },
+            { r0 + (r1 - r0) * b, z0 + (z1 - z0) * b }
+        };
         pel_pen_paint(pen, colours[i], 0.5);
         pel_solid_turned(pen, p, 2, 0, 0, SIDES);
     }
@@ -107,7 +110,8 @@ static void topmark_pole(struct pel_pen *pen, double z0, double z1)
                    (struct pel_vec3){ 0, 0, z1 }, 0.05, 0.05, 6);
 }
 
-/* --- lateral --------------------------------------------------------------------- */
+/* --- lateral
+ * --------------------------------------------------------------------- */
 
 static void draw_lateral(struct pel_pen *pen, const struct pel_kind_size *s,
                          bool port, uint32_t colour, uint32_t light)
@@ -152,7 +156,8 @@ void pel_kind_starboard_b(struct pel_pen *pen, const struct pel_kind_size *s)
     draw_lateral(pen, s, false, RED, 0xff0000);
 }
 
-/* --- cardinal ---------------------------------------------------------------------- */
+/* --- cardinal
+ * ---------------------------------------------------------------------- */
 
 static void draw_pillar(struct pel_pen *pen, const struct pel_kind_size *s,
                         const uint32_t bands[3])
@@ -200,7 +205,8 @@ void pel_kind_west(struct pel_pen *pen, const struct pel_kind_size *s)
     draw_cardinal(pen, s, bands, true, false, "Q(9)15s");
 }
 
-/* --- the others ------------------------------------------------------------------------ */
+/* --- the others
+ * ------------------------------------------------------------------------ */
 
 void pel_kind_safe_water(struct pel_pen *pen, const struct pel_kind_size *s)
 {
@@ -238,7 +244,8 @@ void pel_kind_special(struct pel_pen *pen, const struct pel_kind_size *s)
     lantern(pen, 0.88 * h, 0.12 * h, "special", 0xffc000, 4);
 }
 
-void pel_kind_isolated_danger(struct pel_pen *pen, const struct pel_kind_size *s)
+void pel_kind_isolated_danger(struct pel_pen *pen,
+                              const struct pel_kind_size *s)
 {
     double h = s->height, d = 0.155 * h;
     const uint32_t bands[] = { BLACK, RED, BLACK };
@@ -266,10 +273,9 @@ void pel_kind_beacon(struct pel_pen *pen, const struct pel_kind_size *s)
     }
     pel_pen_node(pen, "platform");
     pel_pen_paint(pen, 0x7d8387, 0.6);
-    const struct pel_vec2 platform[] = { { r, 0.56 * h },
-                                         { wide, 0.6 * h },
-                                         { wide, 0.62 * h },
-                                         { r, 0.62 * h } };
+    const struct pel_vec2 platform[] = {
+        { r, 0.56 * h }, { wide, 0.6 * h }, { wide, 0.62 * h }, { r, 0.62 * h }
+    };
     pel_solid_turned(pen, platform, 4, 0, 0, 16);
     for (int i = 0; i < 8; i++) {
         double a = 2 * PEL_PI * i / 8, x = 0.95 * wide * cos(a);

@@ -55,9 +55,9 @@ static bool check_counts(const struct pel_model *d)
            d->index_count <= 3 * 2 * (size_t)PEL_MODEL_MOST_TRIANGLES &&
            d->material_count >= 1 &&
            d->material_count <= PEL_MODEL_MOST_MATERIALS &&
-           d->texture_count <= PEL_MODEL_MOST_TEXTURES &&
-           d->node_count >= 1 && d->node_count <= PEL_MODEL_MOST_NODES &&
-           d->level_count >= 1 && d->level_count <= PEL_MODEL_LEVELS &&
+           d->texture_count <= PEL_MODEL_MOST_TEXTURES && d->node_count >= 1 &&
+           d->node_count <= PEL_MODEL_MOST_NODES && d->level_count >= 1 &&
+           d->level_count <= PEL_MODEL_LEVELS &&
            d->eye_count <= PEL_MODEL_MOST_EYES &&
            d->light_count <= PEL_MODEL_MOST_LIGHTS;
 }
@@ -118,8 +118,8 @@ static bool check_materials(const struct pel_model *d)
         bool fine = is_text(m->name, sizeof m->name) &&
                     within((double)m->metallic, 0, 1) &&
                     within((double)m->roughness, 0.02, 1) &&
-                    within((double)m->alpha_cutoff, 0, 1) &&
-                    m->texture >= -1 && m->texture < (int)d->texture_count;
+                    within((double)m->alpha_cutoff, 0, 1) && m->texture >= -1 &&
+                    m->texture < (int)d->texture_count;
         for (int k = 0; k < 3; k++) {
             fine = fine && within((double)m->albedo[k], 0, 1);
         }
@@ -319,10 +319,10 @@ static bool stand(struct held *h)
         double below = m->low.z - 1;
         if (pel_model_cast(m, (struct pel_vec3){ x, y, below }, up, -below,
                            &hit)) {
-            columns[count++] = (struct pel_model_column){
-                (float)x, (float)y, (float)(below + hit.distance_m),
-                (float)(dx * dy)
-            };
+            columns[count++] =
+                (struct pel_model_column){ (float)x, (float)y,
+                                           (float)(below + hit.distance_m),
+                                           (float)(dx * dy) };
         }
     }
     m->columns = keep(h, columns, count * sizeof *columns);
@@ -421,13 +421,12 @@ static bool solid(const void *user, const struct pel_bvh_hit *hit)
     const uint32_t *corners = m->indices + 3 * (size_t)hit->triangle;
     double uv[2];
     for (int k = 0; k < 2; k++) {
-        uv[k] = (1 - hit->u - hit->v) *
-                    (double)m->vertices[corners[0]].uv[k] +
+        uv[k] = (1 - hit->u - hit->v) * (double)m->vertices[corners[0]].uv[k] +
                 hit->u * (double)m->vertices[corners[1]].uv[k] +
                 hit->v * (double)m->vertices[corners[2]].uv[k];
     }
-    size_t texel = wrapped(uv[1], t->height) * (size_t)t->width +
-                   wrapped(uv[0], t->width);
+    size_t texel =
+        wrapped(uv[1], t->height) * (size_t)t->width + wrapped(uv[0], t->width);
     return t->rgba[4 * texel + 3] / 255.0 >= (double)a->alpha_cutoff;
 }
 
@@ -450,8 +449,10 @@ bool pel_model_cast(const struct pel_model *model, struct pel_vec3 origin,
     const uint32_t *i = model->indices + 3 * (size_t)found.triangle;
     const struct pel_model_part *part = part_of(model, found.triangle);
     struct pel_vec3 a = corner(model, i[0]);
-    struct pel_vec3 b = pel_vec3_add(corner(model, i[1]), pel_vec3_scale(a, -1));
-    struct pel_vec3 c = pel_vec3_add(corner(model, i[2]), pel_vec3_scale(a, -1));
+    struct pel_vec3 b =
+        pel_vec3_add(corner(model, i[1]), pel_vec3_scale(a, -1));
+    struct pel_vec3 c =
+        pel_vec3_add(corner(model, i[2]), pel_vec3_scale(a, -1));
     struct pel_vec3 n = pel_vec3_normalize(pel_vec3_cross(b, c));
     *hit = (struct pel_model_hit){
         .distance_m = found.distance,
@@ -469,8 +470,8 @@ bool pel_model_top(const struct pel_model *model, double x, double y,
 {
     double from = model->high.z + 1;
     if (!pel_model_cast(model, (struct pel_vec3){ x, y, from },
-                        (struct pel_vec3){ 0, 0, -1 },
-                        from - model->low.z + 1, hit)) {
+                        (struct pel_vec3){ 0, 0, -1 }, from - model->low.z + 1,
+                        hit)) {
         return false;
     }
     *z = from - hit->distance_m;

@@ -47,9 +47,9 @@ struct pel_model_vertex {
 /* Metal–rough, linear RGB. Nothing emits. */
 struct pel_model_material {
     char name[PEL_MODEL_NAME];
-    float albedo[3]; /* times the texture's; of metals: reflectance */
-    float metallic;  /* 0..1 */
-    float roughness; /* 0.02..1, of perception: its square is GGX's alpha */
+    float albedo[3];    /* times the texture's; of metals: reflectance */
+    float metallic;     /* 0..1 */
+    float roughness;    /* 0.02..1, of perception: its square is GGX's alpha */
     float alpha_cutoff; /* where the texture's alpha is less there is nothing;
                            0: it has no holes */
     bool two_sided;     /* seen from behind too, the normal turned around */

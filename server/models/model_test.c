@@ -44,7 +44,8 @@ static double any(uint64_t *state)
     return (double)(*state >> 11) / 9007199254740992.0;
 }
 
-/* --- closed -------------------------------------------------------------------- */
+/* --- closed
+ * -------------------------------------------------------------------- */
 
 struct edge {
     float a[3], b[3]; /* in a fixed order */
@@ -124,7 +125,8 @@ static void test_bodies_are_closed(void **state)
     }
 }
 
-/* --- sizes ------------------------------------------------------------------------ */
+/* --- sizes
+ * ------------------------------------------------------------------------ */
 
 static void test_sizes_are_what_was_asked(void **state)
 {
@@ -164,10 +166,12 @@ static void test_hulls_displace_what_ships_do(void **state)
     static const struct {
         const char *name;
         double low, high;
-    } ships[] = { { "container-ship", 0.55, 0.75 }, { "tanker", 0.78, 0.9 },
-                  { "bulk-carrier", 0.75, 0.9 },    { "ferry", 0.48, 0.7 },
-                  { "cruise-ship", 0.5, 0.72 },     { "tug", 0.4, 0.65 },
-                  { "fishing-boat", 0.38, 0.62 },   { "patrol-boat", 0.33, 0.6 } };
+    } ships[] = {
+        { "container-ship", 0.55, 0.75 }, { "tanker", 0.78, 0.9 },
+        { "bulk-carrier", 0.75, 0.9 },    { "ferry", 0.48, 0.7 },
+        { "cruise-ship", 0.5, 0.72 },     { "tug", 0.4, 0.65 },
+        { "fishing-boat", 0.38, 0.62 },   { "patrol-boat", 0.33, 0.6 }
+    };
     (void)state;
     for (size_t i = 0; i < sizeof ships / sizeof *ships; i++) {
         const struct pel_model *m = make(ships[i].name, 0);
@@ -189,7 +193,8 @@ static void test_hulls_displace_what_ships_do(void **state)
     }
 }
 
-/* --- rays ------------------------------------------------------------------------- */
+/* --- rays
+ * ------------------------------------------------------------------------- */
 
 /* Every triangle, by Cramer's rule: shares nothing with the tree. */
 static double nearest(const struct pel_model *m, struct pel_vec3 o,
@@ -296,12 +301,11 @@ static void test_holes_let_rays_through(void **state)
     struct pel_fault fault;
     (void)state;
     const struct pel_model_texture texture = { 2, 1, texels };
-    const struct pel_model_material material = {
-        .albedo = { 1, 1, 1 },
-        .roughness = 1,
-        .alpha_cutoff = 0.5f,
-        .texture = pel_shape_texture(&shape, &texture)
-    };
+    const struct pel_model_material material = { .albedo = { 1, 1, 1 },
+                                                 .roughness = 1,
+                                                 .alpha_cutoff = 0.5f,
+                                                 .texture = pel_shape_texture(
+                                                     &shape, &texture) };
     int paint = pel_shape_material(&shape, &material);
     int node = pel_shape_node(&shape, "grating");
     const struct pel_model_vertex v[] = {
@@ -329,29 +333,28 @@ static void test_holes_let_rays_through(void **state)
     pel_shape_clear(&shape);
 }
 
-/* --- levels ------------------------------------------------------------------------- */
+/* --- levels
+ * ------------------------------------------------------------------------- */
 
 static double to_segment(struct pel_vec3 p, struct pel_vec3 a,
                          struct pel_vec3 b)
 {
     struct pel_vec3 ab = minus(b, a), ap = minus(p, a);
-    double t = pel_clamp(pel_vec3_dot(ap, ab) /
-                             fmax(pel_vec3_dot(ab, ab), 1e-300),
-                         0, 1);
+    double t = pel_clamp(
+        pel_vec3_dot(ap, ab) / fmax(pel_vec3_dot(ab, ab), 1e-300), 0, 1);
     struct pel_vec3 d = minus(ap, pel_vec3_scale(ab, t));
     return sqrt(pel_vec3_dot(d, d));
 }
 
 static double to_triangle(struct pel_vec3 p, const struct pel_vec3 c[3])
 {
-    struct pel_vec3 n =
-        pel_vec3_cross(minus(c[1], c[0]), minus(c[2], c[0]));
+    struct pel_vec3 n = pel_vec3_cross(minus(c[1], c[0]), minus(c[2], c[0]));
     double l = sqrt(pel_vec3_dot(n, n)), best = INFINITY;
     bool within = l > 0;
     for (int k = 0; k < 3; k++) {
         struct pel_vec3 side = minus(c[(k + 1) % 3], c[k]);
-        within = within && pel_vec3_dot(pel_vec3_cross(side, minus(p, c[k])),
-                                        n) >= 0;
+        within = within &&
+                 pel_vec3_dot(pel_vec3_cross(side, minus(p, c[k])), n) >= 0;
         best = fmin(best, to_segment(p, c[k], c[(k + 1) % 3]));
     }
     return within ? fabs(pel_vec3_dot(n, minus(p, c[0]))) / l : best;
@@ -386,11 +389,11 @@ static void test_levels_stay_within_their_error(void **state)
             size_t step = m->vertex_count / 150 + 1;
             for (size_t v = 0; v < m->vertex_count; v += step) {
                 const float *p = m->vertices[v].position;
-                worst = fmax(worst,
-                             to_level(m, l,
-                                      (struct pel_vec3){ (double)p[0],
-                                                         (double)p[1],
-                                                         (double)p[2] }));
+                worst =
+                    fmax(worst,
+                         to_level(m, l,
+                                  (struct pel_vec3){ (double)p[0], (double)p[1],
+                                                     (double)p[2] }));
             }
             /* What vanished whole is as far away as what is left is. */
             if (l == 1 && worst > error_m + 1e-4) {
@@ -404,7 +407,8 @@ static void test_levels_stay_within_their_error(void **state)
     }
 }
 
-/* --- refusals, memory ------------------------------------------------------------------ */
+/* --- refusals, memory
+ * ------------------------------------------------------------------ */
 
 static void test_refusals_say_what_is_wrong(void **state)
 {
@@ -440,7 +444,8 @@ static void test_drafts_are_not_trusted(void **state)
         struct pel_model_material materials[PEL_MODEL_MOST_MATERIALS];
         memcpy(indices, bad.indices, bad.index_count * sizeof *indices);
         memcpy(vertices, bad.vertices, bad.vertex_count * sizeof *vertices);
-        memcpy(materials, bad.materials, bad.material_count * sizeof *materials);
+        memcpy(materials, bad.materials,
+               bad.material_count * sizeof *materials);
         bad.indices = indices;
         bad.vertices = vertices;
         bad.materials = materials;

@@ -15,7 +15,7 @@ static inline double pel_vec3_length(struct pel_vec3 a)
 }
 
 static inline double pel_segment_distance(struct pel_vec3 p, struct pel_vec3 a,
-                         struct pel_vec3 b)
+                                          struct pel_vec3 b)
 {
     struct pel_vec3 ab = pel_vec3_minus(b, a), ap = pel_vec3_minus(p, a);
     double l2 = pel_vec3_dot(ab, ab);
@@ -24,16 +24,21 @@ static inline double pel_segment_distance(struct pel_vec3 p, struct pel_vec3 a,
 }
 
 static inline double pel_triangle_distance(struct pel_vec3 p, struct pel_vec3 a,
-                          struct pel_vec3 b, struct pel_vec3 c)
+                                           struct pel_vec3 b, struct pel_vec3 c)
 {
-    struct pel_vec3 n = pel_vec3_cross(pel_vec3_minus(b, a), pel_vec3_minus(c, a));
+    struct pel_vec3 n =
+        pel_vec3_cross(pel_vec3_minus(b, a), pel_vec3_minus(c, a));
     double l = pel_vec3_length(n);
-    if (l > 0 && pel_vec3_dot(pel_vec3_cross(pel_vec3_minus(b, a), pel_vec3_minus(p, a)), n) >= 0 &&
-        pel_vec3_dot(pel_vec3_cross(pel_vec3_minus(c, b), pel_vec3_minus(p, b)), n) >= 0 &&
-        pel_vec3_dot(pel_vec3_cross(pel_vec3_minus(a, c), pel_vec3_minus(p, c)), n) >= 0) {
+    if (l > 0 &&
+        pel_vec3_dot(pel_vec3_cross(pel_vec3_minus(b, a), pel_vec3_minus(p, a)),
+                     n) >= 0 &&
+        pel_vec3_dot(pel_vec3_cross(pel_vec3_minus(c, b), pel_vec3_minus(p, b)),
+                     n) >= 0 &&
+        pel_vec3_dot(pel_vec3_cross(pel_vec3_minus(a, c), pel_vec3_minus(p, c)),
+                     n) >= 0) {
         return fabs(pel_vec3_dot(n, pel_vec3_minus(p, a))) / l;
     }
-    return fmin(pel_segment_distance(p, a, b),
-                fmin(pel_segment_distance(p, b, c), pel_segment_distance(p, c, a)));
+    return fmin(
+        pel_segment_distance(p, a, b),
+        fmin(pel_segment_distance(p, b, c), pel_segment_distance(p, c, a)));
 }
-

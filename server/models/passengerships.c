@@ -44,7 +44,8 @@ static void lifeboats(struct pel_pen *pen, double x0, double x1, double y,
     }
 }
 
-/* --- ferry ------------------------------------------------------------------- */
+/* --- ferry -------------------------------------------------------------------
+ */
 
 static void ferry_house(struct pel_pen *pen, const struct pel_kind_size *s,
                         const struct pel_hull *h)
@@ -111,7 +112,8 @@ void pel_kind_ferry(struct pel_pen *pen, const struct pel_kind_size *s)
     /* The white bow above the blue. */
     pel_pen_node(pen, "bow");
     pel_pen_paint(pen, PEL_SHIP_WHITE, 0.45);
-    storey(pen, &h, 0.3 * l, 0.492 * l, 0.1, h.freeboard, h.freeboard + 1.35 * deck);
+    storey(pen, &h, 0.3 * l, 0.492 * l, 0.1, h.freeboard,
+           h.freeboard + 1.35 * deck);
     ferry_house(pen, s, &h);
     double roof = h.freeboard + 4.6 * deck;
     pel_pen_node(pen, "funnel");
@@ -122,13 +124,15 @@ void pel_kind_ferry(struct pel_pen *pen, const struct pel_kind_size *s)
     pel_kind_mast(pen, 0.29 * l, roof + 1.2 * deck, s->height, 0.35 * s->beam);
     lifeboats(pen, -0.2 * l, 0.22 * l, 0.47 * s->beam, roof - 0.4 * deck, 4,
               0.048 * l);
-    pel_kind_navigation(pen, s, (struct pel_vec3){ 0.44 * l, 0, 0.6 * s->height },
+    pel_kind_navigation(pen, s,
+                        (struct pel_vec3){ 0.44 * l, 0, 0.6 * s->height },
                         (struct pel_vec3){ 0.29 * l, 0, s->height },
                         (struct pel_vec3){ 0.31 * l, 0.51 * s->beam, roof },
                         (struct pel_vec3){ -0.5 * l, 0, h.freeboard });
 }
 
-/* --- cruise ship ---------------------------------------------------------------- */
+/* --- cruise ship
+ * ---------------------------------------------------------------- */
 
 /* A tier of cabins: dark balconies between white slabs. */
 static void tier(struct pel_pen *pen, const struct pel_hull *h, double x0,
@@ -231,9 +235,9 @@ void pel_kind_cruise_ship(struct pel_pen *pen, const struct pel_kind_size *s)
                             s->beam / 2 + 0.08, z, z + 0.0035 * l);
         }
     }
-    pel_kind_navigation(pen, s, (struct pel_vec3){ 0.44 * l, 0, 0.5 * s->height },
-                        (struct pel_vec3){ 0.24 * l, 0, s->height },
-                        (struct pel_vec3){ 0.31 * l, 0.53 * s->beam,
-                                           h.freeboard + 5.5 * deck },
-                        (struct pel_vec3){ -0.49 * l, 0, h.freeboard });
+    pel_kind_navigation(
+        pen, s, (struct pel_vec3){ 0.44 * l, 0, 0.5 * s->height },
+        (struct pel_vec3){ 0.24 * l, 0, s->height },
+        (struct pel_vec3){ 0.31 * l, 0.53 * s->beam, h.freeboard + 5.5 * deck },
+        (struct pel_vec3){ -0.49 * l, 0, h.freeboard });
 }

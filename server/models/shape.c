@@ -10,7 +10,8 @@
 #define NONE UINT32_MAX
 #define FEWEST 24 /* triangles that are worth another level */
 
-/* --- collecting ------------------------------------------------------------ */
+/* --- collecting ------------------------------------------------------------
+ */
 
 /* Room for one more of `size` bytes; false: there is none. */
 static bool grow(struct pel_shape *s, int which, void **array, size_t count,
@@ -94,8 +95,7 @@ void pel_shape_triangle(struct pel_shape *s,
         }
         s->room[0] = room;
     }
-    memcpy(s->corners + 3 * s->triangle_count, corners,
-           3 * sizeof *s->corners);
+    memcpy(s->corners + 3 * s->triangle_count, corners, 3 * sizeof *s->corners);
     s->tags[s->triangle_count++] =
         (struct pel_shape_tag){ (uint16_t)material, (uint16_t)node };
 }
@@ -121,7 +121,8 @@ void pel_model_draft_clear(struct pel_model_draft *draft)
     *draft = (struct pel_model_draft){ 0 };
 }
 
-/* --- normals ---------------------------------------------------------------- */
+/* --- normals ----------------------------------------------------------------
+ */
 
 static struct pel_vec3 place(const struct pel_model_vertex *v)
 {
@@ -170,17 +171,15 @@ static bool same_place(const struct pel_model_vertex *a,
                        const struct pel_model_vertex *b)
 {
     return a->position[0] == b->position[0] &&
-           a->position[1] == b->position[1] &&
-           a->position[2] == b->position[2];
+           a->position[1] == b->position[1] && a->position[2] == b->position[2];
 }
 
 static void take_triangles(const struct pel_shape *s, struct work *w)
 {
     for (size_t t = 0; t < s->triangle_count; t++) {
         const struct pel_model_vertex *c = s->corners + 3 * t;
-        struct pel_vec3 n =
-            pel_vec3_cross(minus(place(&c[1]), place(&c[0])),
-                           minus(place(&c[2]), place(&c[0])));
+        struct pel_vec3 n = pel_vec3_cross(minus(place(&c[1]), place(&c[0])),
+                                           minus(place(&c[2]), place(&c[0])));
         double l = sqrt(pel_vec3_dot(n, n));
         if (!(l > 1e-10)) {
             continue;
@@ -247,7 +246,8 @@ static void smooth(struct work *w)
     }
 }
 
-/* --- vertices ----------------------------------------------------------------- */
+/* --- vertices
+ * ----------------------------------------------------------------- */
 
 static bool same_vertex(const struct pel_model_vertex *a,
                         const struct pel_model_vertex *b)
@@ -278,7 +278,8 @@ static size_t weld(struct work *w, uint32_t *indices)
     return count;
 }
 
-/* --- parts and levels ----------------------------------------------------------- */
+/* --- parts and levels
+ * ----------------------------------------------------------- */
 
 struct order {
     uint32_t key, triangle;
@@ -287,9 +288,9 @@ struct order {
 static int by_key(const void *a, const void *b)
 {
     const struct order *x = a, *y = b;
-    return x->key != y->key ? (x->key > y->key) - (x->key < y->key)
-                            : (x->triangle > y->triangle) -
-                                  (x->triangle < y->triangle);
+    return x->key != y->key
+               ? (x->key > y->key) - (x->key < y->key)
+               : (x->triangle > y->triangle) - (x->triangle < y->triangle);
 }
 
 /* Appends a level's triangles to `to` in the order of their parts; false: no
@@ -304,9 +305,9 @@ static bool add_level(struct pel_model *m, const uint32_t *indices,
         return false;
     }
     for (size_t t = 0; t < count; t++) {
-        order[t] = (struct order){ (uint32_t)tags[t].material << 16 |
-                                       tags[t].node,
-                                   (uint32_t)t };
+        order[t] =
+            (struct order){ (uint32_t)tags[t].material << 16 | tags[t].node,
+                            (uint32_t)t };
     }
     qsort(order, count, sizeof *order, by_key);
     for (size_t t = 0; t < count; t++) {
@@ -397,7 +398,8 @@ static bool add_levels(struct pel_model *m, struct work *w, uint32_t *indices,
     return fine;
 }
 
-/* --- all together ------------------------------------------------------------------ */
+/* --- all together
+ * ------------------------------------------------------------------ */
 
 static bool copy_array(const void **to, const void *from, size_t size,
                        void **owned)
@@ -430,8 +432,7 @@ static bool copy_rest(const struct pel_shape *s, struct pel_model_draft *out)
            copy_array((const void **)&m->nodes, s->nodes,
                       s->node_count * sizeof *s->nodes, &out->owned[3]) &&
            copy_array((const void **)&m->textures, s->textures,
-                      s->texture_count * sizeof *s->textures,
-                      &out->owned[4]) &&
+                      s->texture_count * sizeof *s->textures, &out->owned[4]) &&
            copy_array((const void **)&m->eyes, s->eyes,
                       s->eye_count * sizeof *s->eyes, &out->owned[5]) &&
            copy_array((const void **)&m->lights, s->lights,
@@ -466,9 +467,9 @@ static enum pel_err check(const struct pel_shape *s, struct pel_fault *fault)
         return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
                              "%zu materials, %zu nodes, %zu textures; at most "
                              "%d, %d, %d; join some",
-                             s->material_count, s->node_count,
-                             s->texture_count, PEL_MODEL_MOST_MATERIALS,
-                             PEL_MODEL_MOST_NODES, PEL_MODEL_MOST_TEXTURES);
+                             s->material_count, s->node_count, s->texture_count,
+                             PEL_MODEL_MOST_MATERIALS, PEL_MODEL_MOST_NODES,
+                             PEL_MODEL_MOST_TEXTURES);
     }
     return PEL_OK;
 }
@@ -497,7 +498,8 @@ enum pel_err pel_shape_finish(const struct pel_shape *s,
         if (fine) {
             smooth(&w);
             out->model.vertex_count = weld(&w, indices);
-            fine = copy_rest(s, out) && add_levels(&out->model, &w, indices, all);
+            fine =
+                copy_rest(s, out) && add_levels(&out->model, &w, indices, all);
         }
         free(indices);
         out->model.indices = out->owned[1] = all;

@@ -16,7 +16,7 @@ struct pel_shape {
     struct pel_model_vertex *corners;
     struct pel_shape_tag {
         uint16_t material, node;
-    } *tags; /* one a triangle */
+    } * tags; /* one a triangle */
     size_t material_count, node_count, texture_count;
     struct pel_model_material *materials;
     char (*nodes)[PEL_MODEL_NAME];

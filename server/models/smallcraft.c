@@ -1,11 +1,12 @@
 /* Small things that float: yacht, inflatables, drone, raft, a person. */
 #include "models/kinds.h"
 
-/* --- sailing yacht -------------------------------------------------------------- */
+/* --- sailing yacht
+ * -------------------------------------------------------------- */
 
 /* A sail: a triangle with a belly to leeward, closed, a hand thick. */
-static void sail(struct pel_pen *pen, struct pel_vec3 tack, struct pel_vec3 clew,
-                 struct pel_vec3 head, double belly)
+static void sail(struct pel_pen *pen, struct pel_vec3 tack,
+                 struct pel_vec3 clew, struct pel_vec3 head, double belly)
 {
     enum { N = 10 };
     struct pel_vec3 grid[2][N + 1][N + 1];
@@ -49,10 +50,10 @@ static void yacht_rig(struct pel_pen *pen, const struct pel_kind_size *s,
     struct pel_vec3 boom = { -0.32 * l, 0.06 * l, z + 0.085 * l };
     pel_solid_pole(pen, goose, boom, 0.06, 0.05, 8);
     for (int side = -1; side <= 1; side += 2) {
-        pel_solid_pole(pen,
-                       (struct pel_vec3){ mast - 0.2, side * 0.42 * s->beam, z },
-                       (struct pel_vec3){ mast, 0, 0.96 * top }, 0.008, 0.008,
-                       PEL_SOLID_THIN);
+        pel_solid_pole(
+            pen, (struct pel_vec3){ mast - 0.2, side * 0.42 * s->beam, z },
+            (struct pel_vec3){ mast, 0, 0.96 * top }, 0.008, 0.008,
+            PEL_SOLID_THIN);
     }
     struct pel_vec3 stem = { 0.48 * l, 0, z + 0.03 * l };
     pel_solid_pole(pen, stem, (struct pel_vec3){ mast, 0, 0.93 * top }, 0.012,
@@ -144,7 +145,8 @@ void pel_kind_sailing_yacht(struct pel_pen *pen, const struct pel_kind_size *s)
                    (struct pel_vec3){ -0.49 * l, 0, z + 0.05 * l });
 }
 
-/* --- rigid inflatable ------------------------------------------------------------- */
+/* --- rigid inflatable
+ * ------------------------------------------------------------- */
 
 /* Someone who sits or stands: head, trunk; the hips at `z`. */
 static void crew(struct pel_pen *pen, double x, double y, double z,
@@ -223,10 +225,12 @@ void pel_kind_rib(struct pel_pen *pen, const struct pel_kind_size *s)
     crew(pen, -0.17 * l, 0, 1.0 * u, PEL_ORANGE);
     pel_pen_node(pen, "frame");
     pel_pen_metal(pen, 0xc4c8cc, 0.35);
-    const struct pel_vec3 arch[] = { { -0.42 * l, -0.36 * b, 0.4 * u },
-                                     { -0.45 * l, -0.3 * b, s->height - 0.5 * u },
-                                     { -0.45 * l, 0.3 * b, s->height - 0.5 * u },
-                                     { -0.42 * l, 0.36 * b, 0.4 * u } };
+    const struct pel_vec3 arch[] = {
+        { -0.42 * l, -0.36 * b, 0.4 * u },
+        { -0.45 * l, -0.3 * b, s->height - 0.5 * u },
+        { -0.45 * l, 0.3 * b, s->height - 0.5 * u },
+        { -0.42 * l, 0.36 * b, 0.4 * u }
+    };
     pel_solid_tube(pen, arch, 4, 0.05 * u, 6, false);
     pel_solid_pole(pen, (struct pel_vec3){ -0.45 * l, 0, s->height - 0.55 * u },
                    (struct pel_vec3){ -0.45 * l, 0, s->height }, 0.03 * u,
@@ -239,7 +243,8 @@ void pel_kind_rib(struct pel_pen *pen, const struct pel_kind_size *s)
                    (struct pel_vec3){ -0.45 * l, 0, s->height });
 }
 
-/* --- unmanned catamaran ------------------------------------------------------------ */
+/* --- unmanned catamaran
+ * ------------------------------------------------------------ */
 
 /* A float of the catamaran, a long body of revolution, flat on top. */
 static void pontoon(struct pel_pen *pen, const struct pel_kind_size *s,
@@ -255,10 +260,9 @@ static void pontoon(struct pel_pen *pen, const struct pel_kind_size *s,
         double rise = 0.35 * r * pow(fmax(0, t - 0.6) / 0.4, 2);
         for (int k = 0; k < SIDES; k++) {
             double a = 2 * PEL_PI * k / SIDES;
-            rings[i][k] = (struct pel_vec3){
-                l * (t - 0.5), y + 0.8 * r * thick * cos(a),
-                z + rise + r * thick * sin(a)
-            };
+            rings[i][k] =
+                (struct pel_vec3){ l * (t - 0.5), y + 0.8 * r * thick * cos(a),
+                                   z + rise + r * thick * sin(a) };
         }
     }
     for (int i = 0; i + 1 < N; i++) {
@@ -325,7 +329,8 @@ void pel_kind_usv(struct pel_pen *pen, const struct pel_kind_size *s)
                    (struct pel_vec3){ 0.1 * l, 0, 0.95 * s->height });
 }
 
-/* --- life raft, person ---------------------------------------------------------------- */
+/* --- life raft, person
+ * ---------------------------------------------------------------- */
 
 void pel_kind_life_raft(struct pel_pen *pen, const struct pel_kind_size *s)
 {
@@ -350,8 +355,8 @@ void pel_kind_life_raft(struct pel_pen *pen, const struct pel_kind_size *s)
     for (int i = 0; i < N; i++) {
         floor[i] = (struct pel_vec2){ ring[0][i].x, ring[0][i].y };
     }
-    pel_solid_tower(pen, floor, N, 0.3 * r - s->draught, 1.2 * r - s->draught, 1,
-                    0, 0);
+    pel_solid_tower(pen, floor, N, 0.3 * r - s->draught, 1.2 * r - s->draught,
+                    1, 0, 0);
     pel_pen_node(pen, "canopy");
     double low = 3 * r - s->draught, high = s->height - low;
     const struct pel_vec2 tent[] = { { out, low },
@@ -362,7 +367,8 @@ void pel_kind_life_raft(struct pel_pen *pen, const struct pel_kind_size *s)
     pel_solid_turned(pen, tent, 5, 0, 0, N);
     pel_pen_node(pen, "opening");
     pel_pen_paint(pen, PEL_BLACK, 0.9);
-    pel_solid_ellipsoid(pen, (struct pel_vec3){ 0.85 * out, 0, low + 0.2 * high },
+    pel_solid_ellipsoid(pen,
+                        (struct pel_vec3){ 0.85 * out, 0, low + 0.2 * high },
                         0.16 * out, 0.3 * out, 0.3 * high, 10);
     pel_pen_node(pen, "bands");
     pel_pen_paint(pen, PEL_SHIP_WHITE, 0.2);
@@ -379,13 +385,14 @@ void pel_kind_person(struct pel_pen *pen, const struct pel_kind_size *s)
     pel_pen_paint(pen, s->colour, 0.8);
     pel_solid_ellipsoid(pen, (struct pel_vec3){ 0.02 * u, 0, -0.02 * u },
                         0.15 * u, 0.22 * u, 0.2 * u, 12);
-    pel_solid_tube(pen,
-                   (const struct pel_vec3[]){ { 0.1 * u, 0.12 * u, 0.05 * u },
-                                              { -0.05 * u, 0.11 * u, 0.16 * u },
-                                              { -0.11 * u, 0, 0.17 * u },
-                                              { -0.05 * u, -0.11 * u, 0.16 * u },
-                                              { 0.1 * u, -0.12 * u, 0.05 * u } },
-                   5, 0.075 * u, 8, false);
+    pel_solid_tube(
+        pen,
+        (const struct pel_vec3[]){ { 0.1 * u, 0.12 * u, 0.05 * u },
+                                   { -0.05 * u, 0.11 * u, 0.16 * u },
+                                   { -0.11 * u, 0, 0.17 * u },
+                                   { -0.05 * u, -0.11 * u, 0.16 * u },
+                                   { 0.1 * u, -0.12 * u, 0.05 * u } },
+        5, 0.075 * u, 8, false);
     pel_pen_node(pen, "head");
     pel_pen_paint(pen, 0xc09070, 0.7);
     pel_solid_ellipsoid(pen, (struct pel_vec3){ 0, 0, 0.27 * u }, 0.11 * u,
@@ -398,9 +405,10 @@ void pel_kind_person(struct pel_pen *pen, const struct pel_kind_size *s)
     pel_solid_ellipsoid(pen, (struct pel_vec3){ 0, 0, -0.35 * d }, 0.12 * u,
                         0.18 * u, 0.35 * d, 10);
     for (int side = -1; side <= 1; side += 2) {
-        pel_solid_pole(pen, (struct pel_vec3){ 0, side * 0.09 * u, -0.6 * d },
-                       (struct pel_vec3){ -0.1 * u, side * 0.11 * u, -1.35 * d },
-                       0.08 * u, 0.05 * u, 8);
+        pel_solid_pole(
+            pen, (struct pel_vec3){ 0, side * 0.09 * u, -0.6 * d },
+            (struct pel_vec3){ -0.1 * u, side * 0.11 * u, -1.35 * d }, 0.08 * u,
+            0.05 * u, 8);
         pel_solid_pole(pen, (struct pel_vec3){ 0, side * 0.18 * u, 0.0 },
                        (struct pel_vec3){ 0.24 * u, side * 0.29 * u, 0.02 * u },
                        0.05 * u, 0.04 * u, 8);

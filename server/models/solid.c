@@ -42,9 +42,8 @@ void pel_pen_metal(struct pel_pen *pen, uint32_t colour, double roughness)
 
 static struct pel_model_vertex corner(struct pel_vec3 p)
 {
-    return (struct pel_model_vertex){
-        .position = { (float)p.x, (float)p.y, (float)p.z }
-    };
+    return (struct pel_model_vertex){ .position = { (float)p.x, (float)p.y,
+                                                    (float)p.z } };
 }
 
 static bool same(const struct pel_model_vertex *a,
@@ -150,9 +149,8 @@ void pel_solid_side(struct pel_pen *pen, const struct pel_vec2 *outline, int n,
 /* Two unit vectors across `along`, right-handed with it. */
 static void frame(struct pel_vec3 along, struct pel_vec3 *u, struct pel_vec3 *v)
 {
-    struct pel_vec3 help = fabs(along.z) < 0.9
-                               ? (struct pel_vec3){ 0, 0, 1 }
-                               : (struct pel_vec3){ 1, 0, 0 };
+    struct pel_vec3 help = fabs(along.z) < 0.9 ? (struct pel_vec3){ 0, 0, 1 }
+                                               : (struct pel_vec3){ 1, 0, 0 };
     *u = pel_vec3_normalize(pel_vec3_cross(help, along));
     *v = pel_vec3_cross(along, *u);
 }
@@ -164,9 +162,9 @@ static void circle(struct pel_vec3 centre, struct pel_vec3 along, double r,
     frame(along, &u, &v);
     for (int i = 0; i < sides; i++) {
         double a = 2 * PEL_PI * (i + 0.5) / sides;
-        out[i] = pel_vec3_add(
-            centre, pel_vec3_add(pel_vec3_scale(u, r * cos(a)),
-                                 pel_vec3_scale(v, r * sin(a))));
+        out[i] =
+            pel_vec3_add(centre, pel_vec3_add(pel_vec3_scale(u, r * cos(a)),
+                                              pel_vec3_scale(v, r * sin(a))));
     }
 }
 

@@ -87,9 +87,9 @@ struct pel_hull {
                             that far up */
     double strake;       /* of other paint up to this height */
     uint32_t bottom, side, deck, strake_colour; /* paints */
-    double bulb;    /* length of a bulbous bow before the keel's end */
-    bool rudder;    /* and a propeller's boss */
-    int stations;   /* 0: 32 */
+    double bulb;  /* length of a bulbous bow before the keel's end */
+    bool rudder;  /* and a propeller's boss */
+    int stations; /* 0: 32 */
 };
 
 /* Draws it; node "hull". The deck's edge at x, both for what stands on it:

@@ -69,7 +69,8 @@ static struct pel_hull boat_hull(const struct pel_kind_size *s)
     };
 }
 
-/* --- tug ---------------------------------------------------------------------- */
+/* --- tug
+ * ---------------------------------------------------------------------- */
 
 static void tug_house(struct pel_pen *pen, const struct pel_kind_size *s,
                       const struct pel_hull *h)
@@ -126,9 +127,9 @@ void pel_kind_tug(struct pel_pen *pen, const struct pel_kind_size *s)
     tug_house(pen, s, &h);
     pel_pen_node(pen, "winch");
     pel_pen_paint(pen, 0x3d4a44, 0.6);
-    pel_solid_pole(pen, (struct pel_vec3){ -0.2 * l, -0.13 * b, h.freeboard + 1 },
-                   (struct pel_vec3){ -0.2 * l, 0.13 * b, h.freeboard + 1 },
-                   0.9, 0.9, 10);
+    pel_solid_pole(
+        pen, (struct pel_vec3){ -0.2 * l, -0.13 * b, h.freeboard + 1 },
+        (struct pel_vec3){ -0.2 * l, 0.13 * b, h.freeboard + 1 }, 0.9, 0.9, 10);
     pel_pen_node(pen, "tow bow");
     pel_pen_paint(pen, 0xd9b97a, 0.5);
     const struct pel_vec3 arch[] = {
@@ -138,15 +139,15 @@ void pel_kind_tug(struct pel_pen *pen, const struct pel_kind_size *s)
         { -0.33 * l, 0.3 * b, h.freeboard - 0.1 }
     };
     pel_solid_tube(pen, arch, 4, 0.15, 6, false);
-    pel_kind_navigation(pen, s, (struct pel_vec3){ 0.1 * l, 0, s->height },
-                        (struct pel_vec3){ 0 },
-                        (struct pel_vec3){ 0.15 * l, 0.25 * b,
-                                           h.freeboard + 0.42 * s->height },
-                        (struct pel_vec3){ -0.06 * l, 0,
-                                           h.freeboard + 0.3 * s->height });
+    pel_kind_navigation(
+        pen, s, (struct pel_vec3){ 0.1 * l, 0, s->height },
+        (struct pel_vec3){ 0 },
+        (struct pel_vec3){ 0.15 * l, 0.25 * b, h.freeboard + 0.42 * s->height },
+        (struct pel_vec3){ -0.06 * l, 0, h.freeboard + 0.3 * s->height });
 }
 
-/* --- fishing boat ---------------------------------------------------------------- */
+/* --- fishing boat
+ * ---------------------------------------------------------------- */
 
 static void gantry(struct pel_pen *pen, double x, double half, double z0,
                    double z1, double r)
@@ -180,7 +181,8 @@ void pel_kind_fishing_boat(struct pel_pen *pen, const struct pel_kind_size *s)
     pel_pen_node(pen, "house");
     pel_pen_paint(pen, PEL_SHIP_WHITE, 0.5);
     pel_solid_block(pen, 0.02 * l, 0.27 * l, 0.66 * b, z - 0.3, z + 2.6 * u);
-    pel_kind_windows(pen, 0.02 * l, 0.27 * l, 0.66 * b, z + 0.4 * u, 2.2 * u, 1);
+    pel_kind_windows(pen, 0.02 * l, 0.27 * l, 0.66 * b, z + 0.4 * u, 2.2 * u,
+                     1);
     pel_kind_wheelhouse(pen, 0.07 * l, 0.22 * l, 0.5 * b, z + 2.6 * u,
                         z + 5.1 * u);
     pel_kind_eye(pen, "wheelhouse", 0.2 * l, 0, z + 4.3 * u);
@@ -216,7 +218,8 @@ void pel_kind_fishing_boat(struct pel_pen *pen, const struct pel_kind_size *s)
                         (struct pel_vec3){ -0.49 * l, 0, z + 1.5 * u });
 }
 
-/* --- pilot launch ------------------------------------------------------------------ */
+/* --- pilot launch
+ * ------------------------------------------------------------------ */
 
 void pel_kind_pilot_launch(struct pel_pen *pen, const struct pel_kind_size *s)
 {
@@ -244,7 +247,8 @@ void pel_kind_pilot_launch(struct pel_pen *pen, const struct pel_kind_size *s)
                                       { 0.15 * l, z + 1.3 * u },
                                       { -0.2 * l, z + 1.3 * u } };
     pel_solid_side(pen, cabin, 4, -0.33 * b, 0.33 * b);
-    pel_kind_windows(pen, -0.2 * l, 0.12 * l, 0.66 * b, z + 0.1 * u, 1.2 * u, 1);
+    pel_kind_windows(pen, -0.2 * l, 0.12 * l, 0.66 * b, z + 0.1 * u, 1.2 * u,
+                     1);
     pel_pen_paint(pen, PEL_ORANGE, 0.5);
     pel_kind_wheelhouse(pen, -0.08 * l, 0.12 * l, 0.58 * b, z + 1.3 * u,
                         z + 3.1 * u);
@@ -265,7 +269,8 @@ void pel_kind_pilot_launch(struct pel_pen *pen, const struct pel_kind_size *s)
                         (struct pel_vec3){ -0.49 * l, 0, z + 0.5 * u });
 }
 
-/* --- patrol boat ---------------------------------------------------------------------- */
+/* --- patrol boat
+ * ---------------------------------------------------------------------- */
 
 static void patrol_house(struct pel_pen *pen, const struct pel_kind_size *s,
                          double z)
@@ -338,13 +343,14 @@ void pel_kind_patrol_boat(struct pel_pen *pen, const struct pel_kind_size *s)
     pel_pen_node(pen, "boat");
     pel_pen_paint(pen, PEL_BLACK, 0.7);
     for (int side = -1; side <= 1; side += 2) {
-        pel_solid_pole(pen,
-                       (struct pel_vec3){ -0.44 * l, side * 0.12 * b, z + 0.9 * u },
-                       (struct pel_vec3){ -0.29 * l, side * 0.1 * b, z + 1.1 * u },
-                       0.35 * u, 0.3 * u, 8);
+        pel_solid_pole(
+            pen, (struct pel_vec3){ -0.44 * l, side * 0.12 * b, z + 0.9 * u },
+            (struct pel_vec3){ -0.29 * l, side * 0.1 * b, z + 1.1 * u },
+            0.35 * u, 0.3 * u, 8);
     }
     pel_pen_paint(pen, PEL_ORANGE, 0.6);
-    pel_solid_block(pen, -0.43 * l, -0.3 * l, 0.22 * b, z + 0.4 * u, z + 0.9 * u);
+    pel_solid_block(pen, -0.43 * l, -0.3 * l, 0.22 * b, z + 0.4 * u,
+                    z + 0.9 * u);
     rails(pen, &h, 0.16 * l, 0.48 * l, 1.0 * u, 0.035 * u);
     pel_kind_navigation(pen, s, (struct pel_vec3){ -0.02 * l, 0, s->height },
                         (struct pel_vec3){ 0 },

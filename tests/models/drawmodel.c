@@ -62,8 +62,8 @@ static struct projected project(const struct view *v, const double middle[2],
 }
 
 static void shade(const struct pel_model *m, const struct pel_model_part *part,
-                  const struct pel_model_vertex *const c[3],
-                  const double w[3], float out[3], bool *hole)
+                  const struct pel_model_vertex *const c[3], const double w[3],
+                  float out[3], bool *hole)
 {
     const struct pel_model_material *a = &m->materials[part->material];
     double n[3] = { 0 }, uv[2] = { 0 };
@@ -91,7 +91,8 @@ static void shade(const struct pel_model *m, const struct pel_model_part *part,
         for (int i = 0; i < 3; i++) {
             out[i] *= powf((float)texel[i] / 255.0f, 2.2f);
         }
-        *hole = a->alpha_cutoff > 0 && texel[3] / 255.0 < (double)a->alpha_cutoff;
+        *hole =
+            a->alpha_cutoff > 0 && texel[3] / 255.0 < (double)a->alpha_cutoff;
     }
 }
 

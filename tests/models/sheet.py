@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A contact sheet of models: each from the side, ahead, above and aslant.
 
-  sheet.py [--level N] [--columns N] OUT.png NAME|FILE...
+  sheet.py [--level N] [--columns N] [--out FILE.png] [NAME|FILE...]
 
 Without names: every built-in model.
 """
@@ -45,7 +45,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--level", type=int, default=0)
     parser.add_argument("--columns", type=int, default=2)
-    parser.add_argument("out")
+    parser.add_argument("--out", default=ROOT / "build/models.png")
     parser.add_argument("names", nargs="*")
     args = parser.parse_args()
     names = args.names or builtins()
