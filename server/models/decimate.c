@@ -425,8 +425,9 @@ static bool find_bodies(struct pel_decimate *d)
     }
     for (size_t p = 0; p < d->positions; p++) {
         d->body[p] = root(d->body, (uint32_t)p);
-        memcpy(boxes[p].low, d->xyz[p], sizeof boxes[p].low);
-        memcpy(boxes[p].high, d->xyz[p], sizeof boxes[p].high);
+        for (int k = 0; k < 3; k++) {
+            boxes[p].low[k] = boxes[p].high[k] = d->xyz[p][k];
+        }
     }
     for (size_t p = 0; p < d->positions; p++) {
         struct box *b = &boxes[d->body[p]];
