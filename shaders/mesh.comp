@@ -45,14 +45,13 @@ void main()
     float scale = up.w / r.y;
     float offset = -right.w * up.w;
     vec3 shift = vec3(0.0);
-#define PEL_DISPLACE(i)                                                        \
-    {                                                                          \
-        float w = filter_weight(waves[i].phase.w * scale + offset);             \
-        float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;              \
-        shift.xy -= waves[i].shift.xy * (w * sine_turns(turns));                \
-        shift.z += waves[i].shift.z * (w * sine_turns(turns + 0.25));           \
-    }
+#define PEL_DISPLACE(phase, size)                                              \
+    float w = filter_weight(phase.w * scale + offset);                         \
+    float turns = dot(phase.xy, x) + phase.z;                                  \
+    shift.xy -= phase.xy * (size.y * (w * sine_turns(turns)));                 \
+    shift.z += size.x * (w * sine_turns(turns + 0.25));
     PEL_EACH_WAVE(PEL_DISPLACE)
+    shift *= 0.159154943; // 1 / 2π
 #endif
     uint beside = (place_in_row > 0 ? VERTEX_LEFT : 0u) | (row > 0 ? VERTEX_INNER : 0u) |
                   (row + 1 < block.y ? VERTEX_OUTER : 0u);

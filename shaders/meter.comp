@@ -36,7 +36,7 @@ vec3 mean_sea(vec3 dir)
     vec3 v = normalize(-vec3(dir.xy - tilt * dir.z, dir.z + dot(tilt, dir.xy)));
     vec3 leaving = vec3(0.0);
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        leaving += leaving_water(i, water_place(v, n, light_above(i, tilt)), 1e5);
+        leaving += leaving_deep_water(i, water_place(v, n, light_above(i, tilt)));
     }
     lit parts = sea_radiance(reflection_map, v, tilt, n, wind.zw, leaving, vec3(0.0));
     vec3 air;

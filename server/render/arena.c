@@ -1,5 +1,6 @@
 #include "render/arena.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -24,10 +25,16 @@ static enum pel_err allocate(struct pel_arena *a, size_t capacity)
 enum pel_err pel_arena_init(struct pel_arena *a, size_t capacity)
 {
     *a = (struct pel_arena){ 0 };
-    GLint uniform = 256, storage = 256;
+    GLint uniform = 256, storage = 256, texels = 16;
     glGetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &uniform);
     glGetIntegerv(GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT, &storage);
-    a->alignment = (size_t)(uniform > storage ? uniform : storage);
+    glGetIntegerv(GL_TEXTURE_BUFFER_OFFSET_ALIGNMENT, &texels);
+    /* All are powers of two. */
+    a->alignment = (size_t)(uniform | storage | texels);
+    while (a->alignment & (a->alignment - 1)) {
+        a->alignment &= a->alignment - 1;
+    }
+    glCreateTextures(GL_TEXTURE_BUFFER, 1, &a->texels);
     return allocate(a, capacity);
 }
 
@@ -48,6 +55,7 @@ void pel_arena_finish(struct pel_arena *a)
             glDeleteSync(a->fences[i]);
         }
     }
+    glDeleteTextures(1, &a->texels);
     glDeleteBuffers(1, &a->buffer);
     *a = (struct pel_arena){ 0 };
 }
@@ -71,19 +79,40 @@ void pel_arena_end(struct pel_arena *a)
     a->fences[a->part] = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
 }
 
-size_t pel_arena_bind(struct pel_arena *a, GLenum target, GLuint index,
-                      const void *data, size_t size)
+/* Its place in the buffer; false: there is no room. */
+static bool put(struct pel_arena *a, const void *data, size_t size,
+                size_t *offset)
 {
     size_t start = (a->used + a->alignment - 1) / a->alignment * a->alignment;
     if (start + size > a->capacity) {
         pel_error("RND-030", "uniform arena of %zu bytes is too small",
                   a->capacity);
-        return 0;
+        return false;
     }
-    size_t offset = (size_t)a->part * a->capacity + start;
-    memcpy(a->map + offset, data, size);
-    glBindBufferRange(target, index, a->buffer, (GLintptr)offset,
-                      (GLsizeiptr)size);
+    *offset = (size_t)a->part * a->capacity + start;
+    memcpy(a->map + *offset, data, size);
     a->used = start + size;
+    return true;
+}
+
+size_t pel_arena_bind(struct pel_arena *a, GLenum target, GLuint index,
+                      const void *data, size_t size)
+{
+    size_t offset = 0;
+    if (put(a, data, size, &offset)) {
+        glBindBufferRange(target, index, a->buffer, (GLintptr)offset,
+                          (GLsizeiptr)size);
+    }
     return offset;
+}
+
+void pel_arena_texels(struct pel_arena *a, GLuint unit, const void *data,
+                      size_t size)
+{
+    size_t offset = 0;
+    if (put(a, data, size, &offset)) {
+        glTextureBufferRange(a->texels, GL_RGBA32F, a->buffer, (GLintptr)offset,
+                             (GLsizeiptr)size);
+        glBindTextureUnit(unit, a->texels);
+    }
 }

@@ -14,7 +14,8 @@ struct pel_arena {
     unsigned char *map;
     size_t capacity, used; /* of one frame's part */
     size_t alignment;
-    int part; /* 0..PEL_ARENA_FRAMES-1 */
+    GLuint texels; /* what pel_arena_texels binds */
+    int part;      /* 0..PEL_ARENA_FRAMES-1 */
     GLsync fences[PEL_ARENA_FRAMES];
 };
 
@@ -31,3 +32,7 @@ void pel_arena_end(struct pel_arena *a);
  * Returns its offset in the buffer. */
 size_t pel_arena_bind(struct pel_arena *a, GLenum target, GLuint index,
                       const void *data, size_t size);
+
+/* The same as texels of four floats in a texture unit; once a draw. */
+void pel_arena_texels(struct pel_arena *a, GLuint unit, const void *data,
+                      size_t size);

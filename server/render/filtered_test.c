@@ -16,6 +16,7 @@
 #include "render/context.h"
 #include "render/shader.h"
 #include "render/sky.h"
+#include "render/texels.h"
 #include "render/uniforms.h"
 #include "render/wavefield.h"
 
@@ -65,7 +66,12 @@ static void ask_the_shader(void)
     frame.wind.y = (float)sin(sea.desc.direction_rad);
     pel_fill_view(&camera, &filter, &view);
     static struct pel_variance table[PEL_VARIANCE_COUNT];
+    static struct pel_variance pairs[PEL_VARIANCE_COUNT - 1][2];
+    struct pel_texels wave_texels = { 0 }, variance_texels;
     pel_fill_variance(&sea, &filter, table);
+    pel_pair_variance(table, pairs);
+    pel_texels_init(&variance_texels, "variance", pairs, sizeof pairs);
+    glBindTextureUnit(PEL_UNIT_VARIANCE, variance_texels.texture);
     GLuint program;
     struct pel_fault fault;
     char defines[128];
@@ -77,7 +83,6 @@ static void ask_the_shader(void)
         fail_msg("%s", fault.message);
     }
     GLuint buffers[7] = {
-        bound(GL_SHADER_STORAGE_BUFFER, 3, table, sizeof table),
         bound(GL_UNIFORM_BUFFER, 0, &frame, sizeof frame),
         bound(GL_UNIFORM_BUFFER, 2, &view, sizeof view),
     };
@@ -90,6 +95,8 @@ static void ask_the_shader(void)
     } else {
         pel_fill_waves(&env, EAST_M, NORTH_M, &waves);
         buffers[3] = bound(GL_UNIFORM_BUFFER, 3, &waves, sizeof waves);
+        pel_texels_init(&wave_texels, "waves", &waves, sizeof waves);
+        glBindTextureUnit(PEL_UNIT_WAVES, wave_texels.texture);
     }
     buffers[4] = bound(GL_SHADER_STORAGE_BUFFER, 0, probes, sizeof probes);
     buffers[5] = bound(GL_SHADER_STORAGE_BUFFER, 1, NULL, sizeof answers);
@@ -98,6 +105,8 @@ static void ask_the_shader(void)
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(buffers[5], 0, sizeof answers, answers);
     glDeleteBuffers(6, buffers);
+    pel_texels_finish(&wave_texels);
+    pel_texels_finish(&variance_texels);
     glDeleteProgram(program);
 }
 

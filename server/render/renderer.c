@@ -23,6 +23,7 @@
 #include "render/stages.h"
 #include "render/statistics.h"
 #include "render/targets.h"
+#include "render/texels.h"
 #include "render/uniforms.h"
 #include "render/waterprobe.h"
 #include "render/wavefield.h"
@@ -52,9 +53,10 @@ struct pel_renderer {
     struct pel_sky sky;
     struct pel_targets targets;
     struct pel_stage_timer timing;
-    GLuint vao, vertices, facets;
-    GLuint vertex_texels, facet_texels; /* the same buffers as textures */
+    GLuint vao, vertices;
+    GLuint vertex_texels; /* the same buffer as a texture */
     int vertex_capacity;
+    struct pel_texels facets, variance;
     struct pel_programs programs;
     struct pel_meter meter;
     struct pel_prober prober;
@@ -115,13 +117,11 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     struct pel_block_facets facets;
     pel_fill_facets(&facets);
-    glCreateBuffers(1, &r->facets);
-    glNamedBufferStorage(r->facets, sizeof facets, &facets, 0);
-    glObjectLabel(GL_BUFFER, r->facets, -1, "facets");
+    pel_texels_init(&r->facets, "facets", &facets, sizeof facets);
+    glBindTextureUnit(PEL_UNIT_FACETS, r->facets.texture);
+    pel_texels_init(&r->variance, "variance", NULL,
+                    sizeof(struct pel_variance[PEL_VARIANCE_COUNT - 1][2]));
     glCreateTextures(GL_TEXTURE_BUFFER, 1, &r->vertex_texels);
-    glCreateTextures(GL_TEXTURE_BUFFER, 1, &r->facet_texels);
-    glTextureBuffer(r->facet_texels, GL_RGBA32F, r->facets);
-    glBindTextureUnit(PEL_UNIT_FACETS, r->facet_texels);
     pel_stage_timer_init(&r->timing, r->context.software);
     err = pel_readback_init(&r->readback);
     if (err == PEL_OK) {
@@ -167,9 +167,9 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_seabed_map_finish(&r->seabed);
         pel_wavefield_finish(&r->wavefield);
         glDeleteBuffers(1, &r->vertices);
-        glDeleteBuffers(1, &r->facets);
         glDeleteTextures(1, &r->vertex_texels);
-        glDeleteTextures(1, &r->facet_texels);
+        pel_texels_finish(&r->facets);
+        pel_texels_finish(&r->variance);
         glDeleteVertexArrays(1, &r->vao);
         pel_stage_timer_finish(&r->timing);
     }
@@ -485,6 +485,18 @@ static void expose(struct pel_renderer *r, const struct pel_environment *env,
     pel_meter_run(&r->meter);
 }
 
+/* Where shaders/lib/waves.glsl reads them. */
+static void bind_waves(struct pel_renderer *r)
+{
+    if (r->context.software) {
+        pel_arena_texels(&r->arena, PEL_UNIT_WAVES, r->wave_block,
+                         sizeof *r->wave_block);
+    } else {
+        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_WAVES,
+                       r->wave_block, sizeof *r->wave_block);
+    }
+}
+
 /* Everything up to the colour; the camera stands above the sea's zero. What
  * decides how a pixel is drawn is planned for the whole picture. */
 static void draw_pixels(struct pel_renderer *r,
@@ -544,9 +556,9 @@ static void draw_pixels(struct pel_renderer *r,
                        sizeof block);
     } else {
         pel_fill_waves(env, c->east_m, c->north_m, r->wave_block);
-        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_WAVES,
-                       r->wave_block, sizeof *r->wave_block);
+        bind_waves(r);
     }
+    glBindTextureUnit(PEL_UNIT_VARIANCE, r->variance.texture);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                    sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_VIEW, &view,
@@ -721,9 +733,11 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         }
         pel_stage_end(&r->timing, PEL_STAGE_WAVES);
     }
-    pel_statistics_need(&r->statistics, &here, &r->filter);
-    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_VARIANCE,
-                   r->statistics.variance, sizeof r->statistics.variance);
+    if (pel_statistics_need(&r->statistics, &here, &r->filter)) {
+        struct pel_variance pairs[PEL_VARIANCE_COUNT - 1][2];
+        pel_pair_variance(r->statistics.variance, pairs);
+        pel_texels_set(&r->variance, pairs, sizeof pairs);
+    }
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
     for (size_t i = 0; i < count && err == PEL_OK; i++) {

@@ -4,7 +4,7 @@
 
 #include "render/sky.h"
 
-void pel_statistics_need(struct pel_statistics *s,
+bool pel_statistics_need(struct pel_statistics *s,
                          const struct pel_environment *env,
                          const struct pel_filter *filter)
 {
@@ -14,7 +14,7 @@ void pel_statistics_need(struct pel_statistics *s,
     key.wind_to_rad = env->wind_to_rad;
     key.constant_brdf = env->constant_brdf;
     if (memcmp(&key, &s->key, sizeof key) == 0) {
-        return;
+        return false;
     }
     memcpy(&s->key, &key, sizeof key);
     pel_mesh_losses(env->sea, filter, &s->losses);
@@ -25,4 +25,5 @@ void pel_statistics_need(struct pel_statistics *s,
             s->variance[i] = s->variance[nearest];
         }
     }
+    return true;
 }

@@ -23,7 +23,7 @@ struct pel_statistics {
     struct pel_variance variance[PEL_VARIANCE_COUNT];
 };
 
-/* Brings them to the sea of `env`. */
-void pel_statistics_need(struct pel_statistics *s,
+/* Brings them to the sea of `env`; true: they changed. */
+bool pel_statistics_need(struct pel_statistics *s,
                          const struct pel_environment *env,
                          const struct pel_filter *filter);

@@ -106,19 +106,18 @@ void pel_fill_waves(const struct pel_environment *env, double east_m,
     for (int i = 0; i < env->sea->count && i < PEL_WAVE_LIMIT; i++) {
         const struct pel_wave *w = &env->sea->waves[i];
         double k = hypot(w->kx, w->ky);
-        double ux = w->kx / k, uy = w->ky / k;
         double h = w->amplitude;
         double phase = (w->kx * east_m + w->ky * north_m -
                         w->omega * env->time_s + w->phase) /
                        (2.0 * PEL_PI);
-        double fold = w->chop * k * h;
+        double length = 2.0 * PEL_PI / k, whole = 2.0 * PEL_PI * h;
         struct pel_shader_wave *to = &out->waves[i];
         to->phase = vec4(w->kx / (2.0 * PEL_PI), w->ky / (2.0 * PEL_PI),
-                         phase - floor(phase), 2.0 * PEL_PI / k);
-        to->fold = vec4(fold * ux * ux, fold * ux * uy, fold * uy * uy,
-                        k / (2.0 * PEL_PI));
-        to->slope = vec4(h * w->kx, h * w->ky, 0.0, 0.0);
-        to->shift = vec4(w->chop * h * ux, w->chop * h * uy, h, 0.0);
+                         phase - floor(phase), length);
+        to->size = vec4(whole, whole * w->chop * length, 0.0, 0.0);
+        if (i > 0) {
+            out->waves[i - 1].size.z = (float)length;
+        }
     }
 }
 
@@ -168,6 +167,15 @@ void pel_fill_variance(const struct pel_sea *sea,
         double l = exp2(PEL_VARIANCE_FIRST + i / PEL_VARIANCE_STEPS);
         struct pel_slopes left = pel_sea_slopes_left(sea, filter, l);
         out[i] = (struct pel_variance){ (float)left.along, (float)left.cross };
+    }
+}
+
+void pel_pair_variance(const struct pel_variance table[PEL_VARIANCE_COUNT],
+                       struct pel_variance out[PEL_VARIANCE_COUNT - 1][2])
+{
+    for (int i = 0; i + 1 < PEL_VARIANCE_COUNT; i++) {
+        out[i][0] = table[i];
+        out[i][1] = table[i + 1];
     }
 }
 

@@ -37,6 +37,11 @@ struct pel_variance {
 void pel_fill_variance(const struct pel_sea *sea,
                        const struct pel_filter *filter,
                        struct pel_variance out[PEL_VARIANCE_COUNT]);
+
+/* As the shaders read it: each entry and the next, which the last lacks. */
+void pel_pair_variance(const struct pel_variance table[PEL_VARIANCE_COUNT],
+                       struct pel_variance out[PEL_VARIANCE_COUNT - 1][2]);
+
 /* Also rounds the camera's pixel lattice: see pel_pixel_pitch. */
 void pel_fill_view(const struct pel_camera *camera,
                    const struct pel_filter *filter, struct pel_block_view *out);

@@ -189,9 +189,13 @@ static void waves_are_the_sea(void **state)
             double turns = w->phase.x * x + w->phase.y * y + (double)w->phase.z;
             double s = sin(2.0 * PEL_PI * turns);
             double c = cos(2.0 * PEL_PI * turns);
-            d = pel_vec3_add(d, (struct pel_vec3){ -w->shift.x * s,
-                                                   -w->shift.y * s,
-                                                   w->shift.z * c });
+            double carried = (double)w->size.y * s / (2.0 * PEL_PI);
+            d = pel_vec3_add(
+                d,
+                (struct pel_vec3){ -w->phase.x * carried, -w->phase.y * carried,
+                                   w->size.x * c / (2.0 * PEL_PI) });
+            float next = j + 1 < sea.count ? block.waves[j + 1].phase.w : 0;
+            assert_true(w->size.z == next);
         }
         struct pel_vec3 truth =
             pel_sea_displace(&sea, east + x, north + y, env.time_s);

@@ -43,6 +43,8 @@ struct pel_vec4 {
 #define PEL_UNIT_FACETS 10
 #define PEL_UNIT_SECOND 11
 #define PEL_UNIT_SEABED_HEIGHTS 12
+#define PEL_UNIT_WAVES 13    /* of software devices */
+#define PEL_UNIT_VARIANCE 14
 #define PEL_UNIT_VERTICES 15
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
@@ -57,7 +59,6 @@ struct pel_vec4 {
 /* Storage buffers of the mesh and of shading. */
 #define PEL_STORE_VERTICES 0
 #define PEL_STORE_RINGS 1
-#define PEL_STORE_VARIANCE 3
 #define PEL_STORE_KEYS 4
 #define PEL_STORE_SEABED_TOPS 6
 /* Of other passes, in places of the above. */
@@ -339,15 +340,14 @@ PEL_BLOCK(PEL_BLOCK_EXPOSURE, exposure)
     PEL_STRUCT pel_shader_glare glare[PEL_GLARES];
 };
 
-/* A wave as the shaders sum it; k̂ unit, c chop, h amplitude. */
+/* A wave as the shaders sum it; c chop, h amplitude. */
 struct pel_shader_wave {
     vec4 phase; /* k / 2π xy, 1/m; phase at the eye's nadir now, turns; λ, m */
-    vec4 fold;  /* c h k (k̂x², k̂x k̂y, k̂y²); 1/λ, 1/m */
-    vec4 slope; /* h k xy */
-    vec4 shift; /* c h k̂ xy; h */
+    vec4 size;  /* x 2π h; y 2π c h λ; z λ of the next wave, 0 after the last */
 };
 
-/* One for an eye. Longest first; padded with waves of no length. */
+/* One for an eye, as texels on software devices. Longest first; padded with
+ * waves of no length. */
 PEL_BLOCK(PEL_BLOCK_WAVES, waves)
 {
     PEL_STRUCT pel_shader_wave waves[PEL_WAVE_LIMIT];

@@ -46,31 +46,32 @@ float footprint_mean(float y)
 filtered filtered_sea(vec2 x, float footprint)
 {
     float scale = up.w / footprint;
-#define PEL_WEIGHT(i)                                                          \
-    float y = footprint * waves[i].fold.w;                                         \
-    float w = filter_weight(waves[i].phase.w * scale + offset);                 \
-    float gain = w * footprint_mean(y * y);
     float offset = -right.w * up.w;
+    float length2 = footprint * footprint;
     filtered f;
     f.slope = vec2(0.0);
     f.fold = vec3(0.0);
 #ifdef PEL_LAYERS
     f.shift = vec3(0.0);
-#define PEL_SHIFT(i, s, c) f.shift += vec3(-waves[i].shift.xy * (w * s), waves[i].shift.z * (w * c));
+#define PEL_SHIFT(phase, size)                                                 \
+    f.shift += vec3(phase.xy * (size.y * (w * -s)), size.x * (w * c));
 #else
-#define PEL_SHIFT(i, s, c)
+#define PEL_SHIFT(phase, size)
 #endif
-#define PEL_SLOPE(i)                                                           \
-    {                                                                          \
-        PEL_WEIGHT(i)                                                          \
-        float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;              \
-        float s = sine_turns(turns);                                           \
-        float c = sine_turns(turns + 0.25);                                    \
-        f.fold += waves[i].fold.xyz * (gain * c);                               \
-        f.slope -= waves[i].slope.xy * (gain * s);                              \
-        PEL_SHIFT(i, s, c)                                                     \
-    }
+#define PEL_SLOPE(phase, size)                                                 \
+    float w = filter_weight(phase.w * scale + offset);                         \
+    vec3 kk = phase.xxy * phase.xyy;                                           \
+    float gain = w * footprint_mean(length2 * (kk.x + kk.z));                  \
+    float turns = dot(phase.xy, x) + phase.z;                                  \
+    float s = sine_turns(turns);                                               \
+    float c = sine_turns(turns + 0.25);                                        \
+    f.fold += kk * (size.y * (gain * c));                                      \
+    f.slope -= phase.xy * (size.x * (gain * s));                               \
+    PEL_SHIFT(phase, size)
     PEL_EACH_WAVE(PEL_SLOPE)
+#ifdef PEL_LAYERS
+    f.shift *= 0.159154943; // 1 / 2π
+#endif
     return f;
 }
 #endif

@@ -153,7 +153,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     const float depth = 1e5; // the deepest there is
     vec3 leaving = vec3(0.0);
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        leaving += leaving_water(i, water_place(v, n_lit, light_above(i, tilt)), depth);
+        leaving += leaving_deep_water(i, water_place(v, n_lit, light_above(i, tilt)));
     }
 #endif
     lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving,

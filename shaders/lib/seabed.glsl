@@ -179,11 +179,10 @@ vec2 wave_slope(vec2 x, float footprint)
 #else
     float scale = up.w / footprint;
     float offset = -right.w * up.w;
-    // Not written out: the program would take seconds to make.
-    for (int i = 0; i < PEL_WAVE_LIMIT && waves[i].phase.w * scale + offset > 0.0; i++) {
-        float w = filter_weight(waves[i].phase.w * scale + offset);
-        slope -= w * waves[i].slope.xy * sine_turns(dot(waves[i].phase.xy, x) + waves[i].phase.z);
-    }
+#define PEL_TILT(phase, size)                                                  \
+    float w = filter_weight(phase.w * scale + offset);                         \
+    slope -= phase.xy * (w * size.x * sine_turns(dot(phase.xy, x) + phase.z));
+    PEL_EACH_WAVE(PEL_TILT)
 #endif
     return slope;
 }
@@ -205,13 +204,11 @@ vec3 wave_bend(vec2 x, float footprint)
 #else
     float scale = up.w / footprint;
     float offset = -right.w * up.w;
-    for (int i = 0; i < PEL_WAVE_LIMIT && waves[i].phase.w * scale + offset > 0.0; i++) {
-        float w = filter_weight(waves[i].phase.w * scale + offset);
-        float turns = dot(waves[i].phase.xy, x) + waves[i].phase.z;
-        vec2 hk = w * waves[i].slope.xy;
-        vec2 k = (-2.0 * PI * sine_turns(turns + 0.25)) * waves[i].phase.xy;
-        bend += vec3(hk.x * k.x, hk.x * k.y, hk.y * k.y);
-    }
+#define PEL_BEND(phase, size)                                                  \
+    float w = filter_weight(phase.w * scale + offset);                         \
+    float c = sine_turns(dot(phase.xy, x) + phase.z + 0.25);                   \
+    bend -= phase.xxy * phase.xyy * (2.0 * PI * w * size.x * c);
+    PEL_EACH_WAVE(PEL_BEND)
 #endif
     return bend;
 }

@@ -71,7 +71,14 @@ vec3 leaving_water(int light, vec2 place, float depth)
     return water_part(light, place, WATER_TOTAL, depth);
 }
 
-// The same taken apart, times `factor`.
+// leaving_water over the deepest water that there are maps for.
+vec3 leaving_deep_water(int light, vec2 place)
+{
+    float layer = water_layer(light, WATER_TOTAL) + water.x - 1.0;
+    return textureLod(water_map, vec3(place, layer), 0.0).rgb;
+}
+
+// leaving_water taken apart, times `factor`.
 water_light water_parts(int light, vec2 place, float depth, vec3 factor)
 {
     return water_light(factor * water_part(light, place, WATER_SINGLE, depth),

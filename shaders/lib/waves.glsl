@@ -16,6 +16,45 @@ float filter_weight(float x)
     return x * x * (3.0 - 2.0 * x);
 }
 
-// Longest first: the sum ends at the first wave without weight, so that a pixel
-// costs what it resolves.
-#define PEL_EACH_WAVE(F) for (int i_ = 0; i_ < PEL_WAVE_LIMIT && waves[i_].phase.w * scale + offset > 0.0; i_++) { F(i_) }
+// A wave at an index that is not constant: software devices read each member of
+// a uniform block for itself and lane by lane, and a texel of four at once.
+#ifdef PEL_EXACT_TEXELS
+vec4 wave_phase(int i)
+{
+    return waves[i].phase;
+}
+
+vec4 wave_size(int i)
+{
+    return waves[i].size;
+}
+#else
+layout(binding = PEL_UNIT_WAVES) uniform samplerBuffer wave_texels;
+
+vec4 wave_phase(int i)
+{
+    return texelFetch(wave_texels, 2 * i);
+}
+
+vec4 wave_size(int i)
+{
+    return texelFetch(wave_texels, 2 * i + 1);
+}
+#endif
+
+// F(phase, size) of each wave, longest first: the sum ends before the first
+// without weight, so that a pixel costs what it resolves. (The first always
+// counts, with no weight if need be.) Not written out: the program would take
+// seconds to make, and computes what the pixel does not resolve.
+#define PEL_EACH_WAVE(F)                                                       \
+    {                                                                          \
+        int wave_ = 0;                                                         \
+        float next_;                                                           \
+        do {                                                                   \
+            vec4 phase_ = wave_phase(wave_);                                   \
+            vec4 size_ = wave_size(wave_);                                     \
+            F(phase_, size_)                                                   \
+            next_ = size_.z;                                                   \
+            wave_++;                                                           \
+        } while (next_ * scale + offset > 0.0);                                \
+    }

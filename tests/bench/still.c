@@ -130,6 +130,7 @@ int main(int argc, char **argv)
     const struct pel_renderer_options options = {
         .device = get("hardware") > 0 ? "auto" : "software",
         .debug = true,
+        .shader_dir = getenv("PELAGOS_SHADER_DIR"),
         .filtering = { .n_min = get("nmin"),
                        .n_max = get("nmax"),
                        .cell_px = get("cell"),
