@@ -94,7 +94,6 @@ static void ask_the_shader(void)
         buffers[3] = bound(GL_UNIFORM_BUFFER, 5, &places, sizeof places);
     } else {
         pel_fill_waves(&env, EAST_M, NORTH_M, &waves);
-        buffers[3] = bound(GL_UNIFORM_BUFFER, 3, &waves, sizeof waves);
         pel_texels_init(&wave_texels, "waves", &waves, sizeof waves);
         glBindTextureUnit(PEL_UNIT_WAVES, wave_texels.texture);
     }

@@ -56,7 +56,7 @@ struct pel_renderer {
     GLuint vao, vertices;
     GLuint vertex_texels; /* the same buffer as a texture */
     int vertex_capacity;
-    struct pel_texels facets, variance;
+    struct pel_sea_texels tables;
     struct pel_programs programs;
     struct pel_meter meter;
     struct pel_prober prober;
@@ -64,7 +64,6 @@ struct pel_renderer {
     struct pel_wavefield wavefield;
     struct pel_statistics statistics;
     struct pel_mesh *mesh;
-    struct pel_block_waves *wave_block;
     struct pel_seabed_map seabed;
     uint8_t coast[PEL_MAX_TILES]; /* of the view being drawn */
     bool any_coast;
@@ -102,8 +101,7 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     r->filter = (struct pel_filter){ r->filtering.n_min, r->filtering.n_max };
     err = PEL_ERR_NO_MEMORY;
     r->mesh = malloc(sizeof *r->mesh);
-    r->wave_block = malloc(sizeof *r->wave_block);
-    if (!r->mesh || !r->wave_block) {
+    if (!r->mesh) {
         pel_fault_set(fault, err, "out of memory");
         goto fail;
     }
@@ -115,12 +113,7 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     glCreateVertexArrays(1, &r->vao);
     glBindVertexArray(r->vao);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    struct pel_block_facets facets;
-    pel_fill_facets(&facets);
-    pel_texels_init(&r->facets, "facets", &facets, sizeof facets);
-    glBindTextureUnit(PEL_UNIT_FACETS, r->facets.texture);
-    pel_texels_init(&r->variance, "variance", NULL,
-                    sizeof(struct pel_variance[PEL_VARIANCE_COUNT - 1][2]));
+    pel_sea_texels_init(&r->tables);
     glCreateTextures(GL_TEXTURE_BUFFER, 1, &r->vertex_texels);
     pel_stage_timer_init(&r->timing, r->context.software);
     err = pel_readback_init(&r->readback);
@@ -168,14 +161,12 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_wavefield_finish(&r->wavefield);
         glDeleteBuffers(1, &r->vertices);
         glDeleteTextures(1, &r->vertex_texels);
-        pel_texels_finish(&r->facets);
-        pel_texels_finish(&r->variance);
+        pel_sea_texels_finish(&r->tables);
         glDeleteVertexArrays(1, &r->vao);
         pel_stage_timer_finish(&r->timing);
     }
     pel_context_finish(&r->context);
     free(r->mesh);
-    free(r->wave_block);
     free(r);
 }
 
@@ -485,15 +476,19 @@ static void expose(struct pel_renderer *r, const struct pel_environment *env,
     pel_meter_run(&r->meter);
 }
 
-/* Where shaders/lib/waves.glsl reads them. */
-static void bind_waves(struct pel_renderer *r)
+/* For shaders/lib/waves.glsl. All groups of a dispatch read them: hardware from
+ * memory of its own, or the host's is what they wait for. */
+static void bind_waves(struct pel_renderer *r,
+                       const struct pel_environment *env,
+                       const struct pel_camera *c)
 {
+    struct pel_block_waves block;
+    pel_fill_waves(env, c->east_m, c->north_m, &block);
     if (r->context.software) {
-        pel_arena_texels(&r->arena, PEL_UNIT_WAVES, r->wave_block,
-                         sizeof *r->wave_block);
+        pel_arena_texels(&r->arena, PEL_UNIT_WAVES, &block, sizeof block);
     } else {
-        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_WAVES,
-                       r->wave_block, sizeof *r->wave_block);
+        pel_texels_set(&r->tables.waves, &block, sizeof block);
+        glBindTextureUnit(PEL_UNIT_WAVES, r->tables.waves.texture);
     }
 }
 
@@ -555,10 +550,9 @@ static void draw_pixels(struct pel_renderer *r,
         pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_CASCADES, &block,
                        sizeof block);
     } else {
-        pel_fill_waves(env, c->east_m, c->north_m, r->wave_block);
-        bind_waves(r);
+        bind_waves(r, env, c);
     }
-    glBindTextureUnit(PEL_UNIT_VARIANCE, r->variance.texture);
+    pel_sea_texels_bind(&r->tables);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                    sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_VIEW, &view,
@@ -734,9 +728,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         pel_stage_end(&r->timing, PEL_STAGE_WAVES);
     }
     if (pel_statistics_need(&r->statistics, &here, &r->filter)) {
-        struct pel_variance pairs[PEL_VARIANCE_COUNT - 1][2];
-        pel_pair_variance(r->statistics.variance, pairs);
-        pel_texels_set(&r->variance, pairs, sizeof pairs);
+        pel_sea_texels_variance(&r->tables, r->statistics.variance);
     }
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);

@@ -21,7 +21,6 @@ struct pel_vec4 {
 #define PEL_BLOCK_FRAME 0
 #define PEL_BLOCK_EYE 1
 #define PEL_BLOCK_VIEW 2
-#define PEL_BLOCK_WAVES 3
 #define PEL_BLOCK_LIGHT 4
 #define PEL_BLOCK_CASCADES 5
 #define PEL_BLOCK_SEABED 9
@@ -43,7 +42,7 @@ struct pel_vec4 {
 #define PEL_UNIT_FACETS 10
 #define PEL_UNIT_SECOND 11
 #define PEL_UNIT_SEABED_HEIGHTS 12
-#define PEL_UNIT_WAVES 13    /* of software devices */
+#define PEL_UNIT_WAVES 13
 #define PEL_UNIT_VARIANCE 14
 #define PEL_UNIT_VERTICES 15
 /* Of passes that do not shade, in places of the above. */
@@ -340,18 +339,17 @@ PEL_BLOCK(PEL_BLOCK_EXPOSURE, exposure)
     PEL_STRUCT pel_shader_glare glare[PEL_GLARES];
 };
 
-/* A wave as the shaders sum it; c chop, h amplitude. */
+/* A wave as the shaders sum it, read as texels; c chop, h amplitude. One list
+ * for an eye, longest first. */
+#ifdef __STDC__
 struct pel_shader_wave {
     vec4 phase; /* k / 2π xy, 1/m; phase at the eye's nadir now, turns; λ, m */
-    vec4 size;  /* x 2π h; y 2π c h λ; z λ of the next wave, 0 after the last */
+    vec4 size; /* x 2π h; y 2π c h λ; z λ of the next wave, 0 after the last */
 };
-
-/* One for an eye, as texels on software devices. Longest first; padded with
- * waves of no length. */
-PEL_BLOCK(PEL_BLOCK_WAVES, waves)
-{
-    PEL_STRUCT pel_shader_wave waves[PEL_WAVE_LIMIT];
+struct pel_block_waves {
+    struct pel_shader_wave waves[PEL_WAVE_LIMIT];
 };
+#endif
 
 /* The cascades (ocean/cascade.h): how many, modes along a side, levels of
  * detail (256, 128 .. 1). */

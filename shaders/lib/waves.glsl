@@ -16,31 +16,8 @@ float filter_weight(float x)
     return x * x * (3.0 - 2.0 * x);
 }
 
-// A wave at an index that is not constant: software devices read each member of
-// a uniform block for itself and lane by lane, and a texel of four at once.
-#ifdef PEL_EXACT_TEXELS
-vec4 wave_phase(int i)
-{
-    return waves[i].phase;
-}
-
-vec4 wave_size(int i)
-{
-    return waves[i].size;
-}
-#else
+// pel_shader_wave, two texels each.
 layout(binding = PEL_UNIT_WAVES) uniform samplerBuffer wave_texels;
-
-vec4 wave_phase(int i)
-{
-    return texelFetch(wave_texels, 2 * i);
-}
-
-vec4 wave_size(int i)
-{
-    return texelFetch(wave_texels, 2 * i + 1);
-}
-#endif
 
 // F(phase, size) of each wave, longest first: the sum ends before the first
 // without weight, so that a pixel costs what it resolves. (The first always
@@ -51,10 +28,10 @@ vec4 wave_size(int i)
         int wave_ = 0;                                                         \
         float next_;                                                           \
         do {                                                                   \
-            vec4 phase_ = wave_phase(wave_);                                   \
-            vec4 size_ = wave_size(wave_);                                     \
+            vec4 phase_ = texelFetch(wave_texels, wave_);                      \
+            vec4 size_ = texelFetch(wave_texels, wave_ + 1);                   \
             F(phase_, size_)                                                   \
             next_ = size_.z;                                                   \
-            wave_++;                                                           \
+            wave_ += 2;                                                        \
         } while (next_ * scale + offset > 0.0);                                \
     }
