@@ -104,7 +104,8 @@ double pel_escape(double eta, double mu)
     if (!(eta > 0)) {
         return 0;
     }
-    double odds = PEL_ESCAPE_ODDS / ((1.0 + mu) * (1.0 + mu));
+    double steep = 1.0 + PEL_ESCAPE_VIEW * mu;
+    double odds = PEL_ESCAPE_ODDS / (steep * steep);
     return 1.0 / (1.0 + odds * pel_ross_lambda(eta / sqrt(2.0)));
 }
 

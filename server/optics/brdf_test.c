@@ -248,7 +248,7 @@ static void test_escape(void **state)
     (void)state;
     assert_true(pel_escape(-0.1, 1) == 0);
     assert_near(pel_escape(6, 0), 1, 1e-6);
-    double odds = 7.5 / 4.0 * pel_ross_lambda(0.5 / sqrt(2));
+    double odds = 7.5 / (1.93 * 1.93) * pel_ross_lambda(0.5 / sqrt(2));
     assert_near(pel_escape(0.5, 1), 1 / (1 + odds), 1e-12);
     assert_true(pel_escape(0.5, 0.2) < pel_escape(0.5, 1));
 }

@@ -6,8 +6,8 @@
 
 #define NODES (PEL_FACET_NODES - 1)
 #define SAMPLES 1024
-#define REACH 9.0 /* p(9) is 1e-18 */
-#define FALL 0.2  /* of the reflectance, a standard deviation */
+#define REACH 9.0   /* p(9) is 1e-18 */
+#define TILTED 0.01 /* mean-square slope, for reflections of tilted facets */
 
 /* Value of the monic orthogonal polynomial of degree n at z by its
  * recurrence p_{j+1} = (z − α_j) p_j − β_j p_{j−1}. */
@@ -28,6 +28,20 @@ struct density {
     double from, step;
     double weight[SAMPLES];
 };
+
+double pel_facets_fall(double mu)
+{
+    return 1.2 / (1.0 + mu * mu / 36.0);
+}
+
+double pel_facets_escape(double mu, double z)
+{
+    if (isinf(mu)) {
+        return 1.0;
+    }
+    double eta = mu + 2.0 * z - 2.0 * TILTED * (mu + z) * (1.0 + z * z);
+    return pel_escape(eta, mu);
+}
 
 static double place(const struct density *d, int i)
 {
@@ -114,28 +128,28 @@ void pel_facets_seen(double mu, double node[PEL_FACET_NODES],
                      double weight[PEL_FACET_NODES])
 {
     static _Thread_local struct density all, part;
-    double sum = seen(mu, &all);
-    /* Reflectance falls about as fast as this: nodes stand where light is. */
+    double sum = seen(mu, &all), fall = pel_facets_fall(mu);
+    /* Mirrored light falls about as fast: nodes stand where it is. */
     part = all;
     for (int i = 0; i < SAMPLES; i++) {
         double z = place(&all, i);
-        double escape = isinf(mu) ? 1.0 : pel_escape(mu + 2.0 * z, mu);
-        part.weight[i] = all.weight[i] / sum * escape * exp(-FALL * z);
+        double light = all.weight[i] / sum * exp(-fall * z);
+        part.weight[i] = light * pel_facets_escape(mu, z);
     }
     quadrature(&part, node, weight);
     for (int k = 0; k < NODES; k++) {
-        weight[k] *= exp(FALL * node[k]);
+        weight[k] *= exp(fall * node[k]);
     }
     double mass = 0.0, first = 0.0;
     for (int i = 0; i < SAMPLES; i++) {
         double z = place(&all, i);
-        double met = isinf(mu) ? 0.0 : 1.0 - pel_escape(mu + 2.0 * z, mu);
-        double w = all.weight[i] / sum * met * exp(-FALL * z);
+        double w = all.weight[i] / sum * exp(-fall * z) *
+                   (1.0 - pel_facets_escape(mu, z));
         mass += w;
         first += w * z;
     }
     node[NODES] = mass > 1e-9 ? first / mass : -0.5 * fmin(mu, REACH);
-    weight[NODES] = mass > 1e-9 ? mass * exp(FALL * node[NODES]) : 0.0;
+    weight[NODES] = mass > 1e-9 ? mass * exp(fall * node[NODES]) : 0.0;
 }
 
 double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y,

@@ -6,16 +6,26 @@
 
 #define PEL_FACET_NODES 4
 
+/* How fast the light that facets seen at μ mirror falls with their slope, by
+ * which the nodes are placed: exp(-fall z). A reflectance falls as 0.5 where
+ * waves hide waves, and the sky towards the zenith about as fast again. */
+double pel_facets_fall(double mu);
+
+/* Part of what facets of slope z mirror that no other wave meets: pel_escape at
+ * the tangent of the reflection, μ + 2 z and its next order for a mean-square
+ * slope of 0.01, along and across. */
+double pel_facets_escape(double mu, double z);
+
 /* Facets are seen in proportion to (μ + y)⁺ p(y), where y is their slope
  * towards the eye in standard deviations, p the normal density and μ the
  * cotangent of the view's zenith angle over the standard deviation of slopes
  * (Ross et al. 2005; eq. 10 of Bruneton et al. 2010 in the view's azimuth), all
  * steeper by pel_seen_steeper and less scattered by pel_seen_narrower. Fills
  * nodes and weights (they sum to 1 nearly) for what they mirror: three,
- * ascending, for those whose reflection escapes (pel_escape) by Gauss' rule,
- * exact for polynomials of degree 5 times exp(-0.2 y), about as which the
- * reflectance falls; the last for those whose reflection meets another wave,
- * exact for degree 1 times it. mu ≥ 0, infinity where all is seen. */
+ * ascending, for those whose reflection escapes (pel_facets_escape) by Gauss'
+ * rule, exact for polynomials of degree 5 times exp(-pel_facets_fall y); the
+ * last for those whose reflection meets another wave, exact for degree 1 times
+ * it. mu ≥ 0, infinity where all is seen. */
 void pel_facets_seen(double mu, double node[PEL_FACET_NODES],
                      double weight[PEL_FACET_NODES]);
 

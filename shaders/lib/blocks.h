@@ -142,12 +142,13 @@ struct pel_vec4 {
  * angle over s, facets that are seen are steeper towards the eye by
  * s STEEPER / (1 + KNEE μ²) and less scattered (the inverse of their variance
  * is greater by NARROWER / (1 + μ²/4) of it), and of what they mirror at an
- * elevation of tangent η s one part escapes and ODDS Λ(η) / (1 + μ)² parts meet
- * another wave. */
+ * elevation of tangent η s one part escapes and ODDS Λ(η) / (1 + VIEW μ)² parts
+ * meet another wave. */
 #define PEL_SEEN_STEEPER 0.21
 #define PEL_SEEN_KNEE 1.78
 #define PEL_SEEN_NARROWER 0.05
 #define PEL_ESCAPE_ODDS 7.5
+#define PEL_ESCAPE_VIEW 0.93
 
 /* Footprints that are seen as cells of the mesh: waves between the two are
  * shaded, and hide nothing. */

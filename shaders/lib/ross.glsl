@@ -60,7 +60,8 @@ vec3 facet_reflectance(float cosine)
 // Walter et al. 2007. Twin of pel_escape.
 float escape_odds(float mu)
 {
-    return PEL_ESCAPE_ODDS / ((1.0 + mu) * (1.0 + mu));
+    float steep = 1.0 + PEL_ESCAPE_VIEW * mu;
+    return PEL_ESCAPE_ODDS / (steep * steep);
 }
 
 float escape(float eta, float odds)

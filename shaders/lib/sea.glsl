@@ -132,7 +132,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     float edge = min(0.5 * v.z, 0.06);
     float hidden = 1.0 - smoothstep(-edge, edge, dot(n, v));
     vec3 n_seen = mix(n / n.z, vec3(0.0, 0.0, 1.0), hidden);
-    n_seen = normalize(n_seen + toward_sight(v, variance_left(PEL_CELL_FOOTPRINT * footprint) - variance));
+    n_seen = normalize(n_seen + toward_sight(v, facing, variance_left(PEL_CELL_FOOTPRINT * footprint) - variance));
     vec2 variance_seen = mix(variance, wind.zw, hidden);
     vec3 n_lit = facet_in_sight(n_seen, v);
 #ifdef PEL_SEABED

@@ -67,10 +67,11 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     for (int i = 0; i < 4; i++) {
         vec2 slope = axis * nodes[i];
         vec3 facet = tx * slope.x + ty * slope.y + n;
-        float facet2 = dot(facet, facet);
-        vec3 f = facet * inversesqrt(facet2);
+        // The mean over slopes across the view: their normals are nearer the
+        // horizontal, so are their reflections.
+        vec3 f = facet * inversesqrt(dot(facet, facet) + cross2);
         float fv = dot(f, v);
-        vec3 share = facet_reflectance(fv * inversesqrt(1.0 + cross2 / facet2)) * weights[i];
+        vec3 share = facet_reflectance(fv) * weights[i];
         fresnel += share;
         vec3 r = 2.0 * fv * f - v;
         float tangent = r.z * inversesqrt(max(1.0 - r.z * r.z, 1e-4));
@@ -136,12 +137,13 @@ struct lit {
 // Waves that the pixel resolves but not the mesh turn its normal as often away
 // from the eye as towards it; those that turn towards it show more of
 // themselves. What their mean slope towards the eye is then, by their variance:
-// s / √(μ² + 0.49), within 3 % that of facets seen.
-vec3 toward_sight(vec3 v, vec2 variance)
+// s / √(μ² + 2/π), 0 to 8 % above the mean of (μ + y)⁺ p(y). `facing`: cosine
+// between the sight and the facet of the mesh that carries them.
+vec3 toward_sight(vec3 v, float facing, vec2 variance)
 {
     float s2 = max(mix(variance.y, variance.x, along_wind(v)), 0.0);
     float sine2 = max(1.0 - v.z * v.z, 1e-8);
-    return vec3(v.xy * (s2 * inversesqrt(v.z * v.z + 0.49 * s2 * sine2 + 1e-12)), 0.0);
+    return vec3(v.xy * (s2 * inversesqrt(facing * facing + 0.64 * s2 * sine2 + 1e-12)), 0.0);
 }
 
 // Facets that face away are reflected into sight (section 3.2).

@@ -182,9 +182,11 @@ static void follow(const struct sea_surface *surface, double index,
         if (end == SEA_ESCAPED) {
             sum->white += weight;
             sum->closed += weight;
+            sum->once += order == 1 ? weight : 0;
             for (int i = 0; i < suns; i++) {
                 double radiance[SEA_CHANNELS];
                 sea_sky_look(&skies[i], direction, radiance);
+                sum->sky_once[i] += order == 1 ? weight * radiance[1] : 0;
                 for (int c = 0; c < SEA_CHANNELS; c++) {
                     sum->sky[i][c] += weight * radiance[c];
                 }

@@ -34,11 +34,13 @@ struct sea_row_light {
     double fresnel; /* mean reflectance of what is seen first */
     double white;   /* radiance under a sky of radiance 1, black water */
     double closed;  /* the same with water of radiance 1: 1 is right */
+    double once;    /* white's part of what escapes after one reflection */
     double blocked; /* share of first reflections that meet another wave */
     double area;    /* share of the surface that is seen, of its horizontal
                        extent */
     double lost;    /* share of rays given up */
     double sky[SEA_SUNS][SEA_CHANNELS];
+    double sky_once[SEA_SUNS]; /* of sky at the middle channel, mirrored once */
     double sun[SEA_SUNS];      /* mirrored once */
     double sun_more[SEA_SUNS]; /* mirrored twice and more */
     double sun_rays[SEA_SUNS]; /* mirrored once, by the rays of the eye */

@@ -215,6 +215,7 @@ static void print_row(int i)
     print(row, "fresnel", &l->fresnel, stride);
     print(row, "white", &l->white, stride);
     print(row, "closed", &l->closed, stride);
+    print(row, "once", &l->once, stride);
     print(row, "blocked", &l->blocked, stride);
     print(row, "area", &l->area, stride);
     print(row, "lost", &l->lost, stride);
@@ -223,6 +224,8 @@ static void print_row(int i)
             snprintf(name, sizeof(name), "sky.%d.%d", s, c);
             print(row, name, &l->sky[s][c], stride);
         }
+        snprintf(name, sizeof(name), "skyOnce.%d", s);
+        print(row, name, &l->sky_once[s], stride);
         snprintf(name, sizeof(name), "sun.%d", s);
         print(row, name, &l->sun[s], stride);
         snprintf(name, sizeof(name), "sunMore.%d", s);
