@@ -14,6 +14,9 @@
 #include "lib/ross.glsl"
 #include "lib/water.glsl"
 #include "lib/glints.glsl"
+#ifdef PEL_OBJECTS
+#include "lib/mirrored.glsl"
+#endif
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"

@@ -14,6 +14,9 @@
 #include "lib/ross.glsl"
 #include "lib/water.glsl"
 #include "lib/glints.glsl"
+#ifdef PEL_OBJECTS
+#include "lib/mirrored.glsl"
+#endif
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"
@@ -24,6 +27,9 @@
 #include "lib/sea.glsl"
 #ifdef PEL_LAND
 #include "lib/coast.glsl"
+#endif
+#ifdef PEL_OBJECTS
+#include "lib/objects.glsl"
 #endif
 #include "lib/tone.glsl"
 
@@ -49,6 +55,12 @@ void main()
     uint key = keys[place];
     uint triangle = 0xFFFFFFFFu - key;
     shaded s;
+#ifdef PEL_OBJECTS
+    uvec2 seen = texelFetch(objects, at, 0).rg;
+    if (object_in_sight(at, seen)) {
+        s = shade_object(at, seen);
+    } else
+#endif
 #ifdef PEL_LAND
     s = shade_coast(at, key == 0u ? 0u : triangle);
 #else

@@ -99,6 +99,7 @@ struct pel_job {
     int64_t drawn_ns; /* when the last picture was there */
     const struct pel_snapshot *snapshot;
     struct pel_environment environment;
+    struct pel_object objects[PEL_MAX_ENTITIES]; /* its */
     uint64_t asked_pixels; /* of requests, that are not drawn anyway */
     size_t draw_count;
     struct pel_draw draws[PEL_MAX_VIEWS]; /* user: &parts[i] */

@@ -176,6 +176,9 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
     size_t before = pel_renderer_in_flight(loop->renderer);
     int64_t begun_ns = pel_now_ns();
     job->environment.sea = pel_snapshot_sea(job->snapshot);
+    job->environment.objects = job->objects;
+    job->environment.object_count = pel_snapshot_objects(
+        job->snapshot, job->environment.time_s, job->objects);
     atomic_fetch_add(&loop->held_bytes, bytes);
     enum pel_err err = pel_renderer_submit(loop->renderer, &job->environment,
                                            &job->draws[first], count);
@@ -298,6 +301,9 @@ static void draw_band(struct pel_renderloop *loop)
     draw.first_row = part->rows_begun;
     draw.rows = rows < left ? rows : left;
     job->environment.sea = pel_snapshot_sea(job->snapshot);
+    job->environment.objects = job->objects;
+    job->environment.object_count = pel_snapshot_objects(
+        job->snapshot, job->environment.time_s, job->objects);
     enum pel_err err =
         pel_renderer_submit(loop->renderer, &job->environment, &draw, 1);
     if (err == PEL_ERR_BUSY) {

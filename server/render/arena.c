@@ -106,13 +106,13 @@ size_t pel_arena_bind(struct pel_arena *a, GLenum target, GLuint index,
     return offset;
 }
 
-void pel_arena_texels(struct pel_arena *a, GLuint unit, const void *data,
-                      size_t size)
+void pel_arena_texels(struct pel_arena *a, GLuint texture, GLuint unit,
+                      const void *data, size_t size)
 {
     size_t offset = 0;
     if (put(a, data, size, &offset)) {
-        glTextureBufferRange(a->texels, GL_RGBA32F, a->buffer, (GLintptr)offset,
+        glTextureBufferRange(texture, GL_RGBA32F, a->buffer, (GLintptr)offset,
                              (GLsizeiptr)size);
-        glBindTextureUnit(unit, a->texels);
+        glBindTextureUnit(unit, texture);
     }
 }

@@ -33,6 +33,7 @@ void pel_arena_end(struct pel_arena *a);
 size_t pel_arena_bind(struct pel_arena *a, GLenum target, GLuint index,
                       const void *data, size_t size);
 
-/* The same as texels of four floats in a texture unit; once a draw. */
-void pel_arena_texels(struct pel_arena *a, GLuint unit, const void *data,
-                      size_t size);
+/* The same as texels of four floats of a buffer texture (a->texels, or one of
+ * the caller's), in a texture unit; each texture once a draw. */
+void pel_arena_texels(struct pel_arena *a, GLuint texture, GLuint unit,
+                      const void *data, size_t size);

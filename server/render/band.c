@@ -41,9 +41,10 @@ struct pel_disc_box pel_band_disc(const struct pel_camera *whole,
 }
 
 void pel_band_tiles(const struct pel_camera *whole, struct pel_band band,
-                    uint8_t *tiles)
+                    uint16_t *tiles)
 {
     size_t across = (whole->width + PEL_TILE - 1) / PEL_TILE;
     size_t down = (band.rows + PEL_TILE - 1) / PEL_TILE;
-    memmove(tiles, tiles + band.first / PEL_TILE * across, across * down);
+    memmove(tiles, tiles + band.first / PEL_TILE * across,
+            across * down * sizeof *tiles);
 }

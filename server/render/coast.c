@@ -148,7 +148,7 @@ static enum pel_coast_tile tile_of(const struct panorama *p,
 bool pel_coast_plan(const struct pel_environment *env,
                     const struct pel_seabed_map *map,
                     const struct pel_camera *c, double visible_m,
-                    uint8_t tiles[PEL_MAX_TILES])
+                    uint16_t tiles[PEL_MAX_TILES])
 {
     struct panorama p = { .height_m = fmax(c->altitude_m, PEL_LEAST_EYE_M) };
     for (int i = 0; i < BINS; i++) {
@@ -167,7 +167,7 @@ bool pel_coast_plan(const struct pel_environment *env,
             enum pel_coast_tile tile =
                 tile_of(&p, c, x0, x0 + px * PEL_TILE, y1 - py * PEL_TILE, y1);
             any = any || tile != PEL_COAST_NONE;
-            tiles[index++] = (uint8_t)tile;
+            tiles[index++] = (uint16_t)tile;
         }
     }
     return any;

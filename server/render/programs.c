@@ -13,6 +13,9 @@ static void delete_sea_programs(struct pel_sea_programs *p)
         glDeleteProgram(p->compute_program[i]);
         glDeleteProgram(p->coast[i]);
         glDeleteProgram(p->shallow[i]);
+        for (int k = 0; k < PEL_COAST_TILES; k++) {
+            glDeleteProgram(p->objects[k][i]);
+        }
     }
     glDeleteProgram(p->mesh);
     *p = (struct pel_sea_programs){ 0 };
@@ -25,10 +28,15 @@ static const char *const kind_defines[PEL_SHADE_COUNT] = {
     [PEL_SHADE_PARTS] = "#define PEL_LAYERS\n#define PEL_WATER_PARTS\n",
 };
 
+const char *pel_shading_defines(enum pel_shading kind)
+{
+    return kind_defines[kind];
+}
+
 static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
                                      enum pel_shading kind,
-                                     enum pel_coast_tile tile, GLuint *out,
-                                     struct pel_fault *fault)
+                                     enum pel_coast_tile tile, bool objects,
+                                     GLuint *out, struct pel_fault *fault)
 {
     static const char *const tiles[PEL_COAST_TILES] = {
         [PEL_COAST_NONE] = "",
@@ -40,10 +48,11 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
         return PEL_OK;
     }
     char defines[256];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s",
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s",
              cascades ? "#define PEL_FFT\n" : "", kind_defines[kind],
              tiles[tile], all->software ? "" : "#define PEL_EXACT_TEXELS\n",
-             all->filtering->paper ? "#define PEL_PAPER\n" : "");
+             all->filtering->paper ? "#define PEL_PAPER\n" : "",
+             objects ? "#define PEL_OBJECTS\n" : "");
     if (all->compute) {
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);
@@ -58,7 +67,7 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
  * layers most never are. */
 static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
                                       enum pel_shading kind, bool coast,
-                                      struct pel_fault *fault)
+                                      bool objects, struct pel_fault *fault)
 {
     struct pel_sea_programs *p = cascades ? &all->cascades : &all->trochoids;
     enum pel_err err = PEL_OK;
@@ -75,19 +84,25 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
                                  &all->search, fault);
     }
     if (err == PEL_OK && coast) {
-        err = make_sea_program(all, cascades, kind, PEL_COAST_LAND,
+        err = make_sea_program(all, cascades, kind, PEL_COAST_LAND, false,
                                &p->coast[kind], fault);
     }
     if (err == PEL_OK && coast) {
-        err = make_sea_program(all, cascades, kind, PEL_COAST_BOTTOM,
+        err = make_sea_program(all, cascades, kind, PEL_COAST_BOTTOM, false,
                                &p->shallow[kind], fault);
     }
+    for (int tile = 0; tile < PEL_COAST_TILES && objects; tile++) {
+        if (err == PEL_OK && (coast || !tile)) {
+            err = make_sea_program(all, cascades, kind, tile, true,
+                                   &p->objects[tile][kind], fault);
+        }
+    }
     if (err == PEL_OK && all->compute) {
-        return make_sea_program(all, cascades, kind, PEL_COAST_NONE,
+        return make_sea_program(all, cascades, kind, PEL_COAST_NONE, false,
                                 &p->compute_program[kind], fault);
     }
     if (err == PEL_OK) {
-        err = make_sea_program(all, cascades, kind, PEL_COAST_NONE,
+        err = make_sea_program(all, cascades, kind, PEL_COAST_NONE, false,
                                &p->fragments[kind], fault);
     }
     for (int disc = 0; disc < 2; disc++) {
@@ -105,10 +120,12 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
 
 enum pel_err pel_programs_need(struct pel_programs *all,
                                const struct pel_sea *sea, enum pel_shading kind,
-                               bool coast, struct pel_fault *fault)
+                               bool coast, bool objects,
+                               struct pel_fault *fault)
 {
     bool cascades = sea->cascades != NULL;
-    enum pel_err err = need_sea_programs(all, cascades, kind, coast, fault);
+    enum pel_err err =
+        need_sea_programs(all, cascades, kind, coast, objects, fault);
     if (err != PEL_OK && all->compute && all->automatic) {
         pel_warn("RND-042", "%s; pixels are shaded as fragments",
                  fault->message);
@@ -116,7 +133,7 @@ enum pel_err pel_programs_need(struct pel_programs *all,
         /* Coasts were made for the other wrapper. */
         delete_sea_programs(&all->trochoids);
         delete_sea_programs(&all->cascades);
-        err = need_sea_programs(all, cascades, kind, coast, fault);
+        err = need_sea_programs(all, cascades, kind, coast, objects, fault);
     }
     return err;
 }

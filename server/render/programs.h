@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "ocean/sea.h"
+#include "render/coast.h"
 #include "render/filtering.h"
 #include "render/shader.h"
 
@@ -26,6 +27,8 @@ struct pel_sea_programs {
                                                 dispatch */
     GLuint coast[PEL_SHADE_COUNT];   /* either wrapper, with land and bottom */
     GLuint shallow[PEL_SHADE_COUNT]; /* with the bottom alone */
+    /* Either wrapper, in tiles with objects, by enum pel_coast_tile. */
+    GLuint objects[PEL_COAST_TILES][PEL_SHADE_COUNT];
 };
 
 struct pel_programs {
@@ -49,10 +52,14 @@ PEL_CHECK enum pel_err pel_programs_init(struct pel_programs *p,
                                          struct pel_fault *fault);
 void pel_programs_finish(struct pel_programs *p);
 
+/* What the shaders of this kind define. */
+const char *pel_shading_defines(enum pel_shading kind);
+
 /* Makes the programs that this sea wants for a picture; `coast`: also those
- * over a height field. Where compute was not asked for and does not compile,
- * fragments replace it for good. GPU. */
+ * over a height field, `objects`: those of tiles with objects. Where compute
+ * was not asked for and does not compile, fragments replace it for good. GPU.
+ */
 PEL_CHECK enum pel_err pel_programs_need(struct pel_programs *p,
                                          const struct pel_sea *sea,
                                          enum pel_shading kind, bool coast,
-                                         struct pel_fault *fault);
+                                         bool objects, struct pel_fault *fault);

@@ -13,7 +13,9 @@
 #include "render/context.h"
 #include "render/mark.h"
 #include "render/mesh.h"
+#include "render/meshpass.h"
 #include "render/meter.h"
+#include "render/objects.h"
 #include "render/pass.h"
 #include "render/probe.h"
 #include "render/programs.h"
@@ -24,6 +26,7 @@
 #include "render/statistics.h"
 #include "render/targets.h"
 #include "render/texels.h"
+#include "render/tiles.h"
 #include "render/uniforms.h"
 #include "render/waterprobe.h"
 #include "render/wavefield.h"
@@ -35,14 +38,9 @@
      sizeof(struct pel_block_sighted) +                                        \
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 #define VERTEX_BYTES 32
-/* Pixels too. */
 #define PIXEL_BARRIERS                                                         \
     (GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT |                \
      GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT)
-/* Vertices are read in every way after they are written. */
-#define VERTEX_BARRIERS                                                        \
-    (GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT)
-
 struct pel_renderer {
     struct pel_context context;
     const char *shader_dir;
@@ -65,8 +63,9 @@ struct pel_renderer {
     struct pel_statistics statistics;
     struct pel_mesh *mesh;
     struct pel_seabed_map seabed;
-    uint8_t coast[PEL_MAX_TILES]; /* of the view being drawn */
-    bool any_coast;
+    struct pel_objects objects;
+    uint16_t tiles[PEL_MAX_TILES]; /* of the view being drawn */
+    bool any_coast, any_objects;
 };
 
 void pel_renderer_measure(struct pel_renderer *r, bool on)
@@ -157,6 +156,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_meter_finish(&r->meter);
         pel_prober_finish(&r->prober);
         pel_water_prober_finish(&r->water_prober);
+        pel_objects_finish(&r->objects);
         pel_seabed_map_finish(&r->seabed);
         pel_wavefield_finish(&r->wavefield);
         glDeleteBuffers(1, &r->vertices);
@@ -174,7 +174,6 @@ const char *pel_renderer_description(const struct pel_renderer *r)
 {
     return r->context.description;
 }
-
 bool pel_renderer_is_software(const struct pel_renderer *r)
 {
     return r->context.software;
@@ -197,27 +196,6 @@ static GLuint groups(int count, int size)
     return (GLuint)((count + size - 1) / size);
 }
 
-/* All blocks in one dispatch. */
-static void displace_blocks(const struct pel_mesh *m)
-{
-    GLint blocks[PEL_MESH_MAX_BLOCKS][4], bases[PEL_MESH_MAX_BLOCKS];
-    for (int i = 0; i < m->block_count; i++) {
-        const struct pel_mesh_block *b = &m->blocks[i];
-        const GLint block[4] = { b->first_ring, b->rings, b->first_column,
-                                 b->columns };
-        memcpy(blocks[i], block, sizeof block);
-        bases[i] = b->base;
-    }
-    if (m->vertex_count == 0) {
-        return;
-    }
-    glUniform1i(0, m->block_count);
-    glUniform4iv(1, m->block_count, blocks[0]);
-    glUniform1iv(1 + PEL_MESH_MAX_BLOCKS, m->block_count, bases);
-    glDispatchCompute(groups(m->vertex_count, PEL_GROUP_LINE), 1, 1);
-    glMemoryBarrier(VERTEX_BARRIERS);
-}
-
 static void displace_mesh(struct pel_renderer *r, bool cascades)
 {
     const struct pel_mesh *m = r->mesh;
@@ -238,7 +216,7 @@ static void displace_mesh(struct pel_renderer *r, bool cascades)
     glBindTextureUnit(PEL_UNIT_VERTICES, r->vertex_texels);
     glUseProgram(cascades ? r->programs.cascades.mesh
                           : r->programs.trochoids.mesh);
-    displace_blocks(m);
+    pel_mesh_displace(m);
 }
 
 /* The nearest triangle of each pixel, in compute. */
@@ -261,12 +239,12 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     static const GLfloat far_away = 0.0f;
     /* Clearing obeys depth mask and scissor: the targets may be larger than
      * this picture. The sea's texels are read only where the depth shows a
-     * triangle, but the passes of coasts read all of them. */
+     * triangle, but the passes of coasts and objects read all of them. */
     glDepthMask(GL_TRUE);
     glScissor(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     glEnable(GL_SCISSOR_TEST);
     glClearNamedFramebufferfv(r->targets.surface_fbo, GL_DEPTH, 0, &far_away);
-    if (r->any_coast) {
+    if (r->any_coast || r->any_objects) {
         static const GLuint none[4] = { 0 };
         glClearNamedFramebufferuiv(r->targets.surface_fbo, GL_COLOR, 0, none);
     }
@@ -282,58 +260,29 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     glViewport(-PEL_RASTER_MARGIN, -PEL_RASTER_MARGIN,
                (GLsizei)c->width + 2 * PEL_RASTER_MARGIN,
                (GLsizei)c->height + 2 * PEL_RASTER_MARGIN);
-    for (int i = 0; i < r->mesh->block_count; i++) {
-        const struct pel_mesh_block *b = &r->mesh->blocks[i];
-        glUniform4i(0, b->first_ring, b->rings, b->first_column, b->columns);
-        glUniform1i(1, b->base);
-        glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 2 * b->columns,
-                              b->rings - 1);
-    }
+    pel_mesh_draw(r->mesh);
     glDisable(GL_SCISSOR_TEST);
     glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
     glDisable(GL_CULL_FACE);
     glDepthMask(GL_FALSE);
 }
 
-/* Tiles of a row, side by side, of one kind; pixels. */
-struct run_of_tiles {
-    GLint x, y, width, height;
-    enum pel_coast_tile tile;
-};
-
-/* The one after *run, the first after { 0 }; false after the last. */
-static bool next_run(const struct pel_renderer *r, const struct pel_camera *c,
-                     struct run_of_tiles *run)
+static GLuint program_of(const struct pel_renderer *r,
+                         const struct pel_sea_programs *p, unsigned tile,
+                         enum pel_shading kind, GLuint deep)
 {
-    GLint width = (GLint)c->width, height = (GLint)c->height;
-    GLint across = (width + PEL_TILE - 1) / PEL_TILE;
-    GLint x = run->x + run->width, y = run->y;
-    if (x >= width) {
-        x = 0;
-        y += PEL_TILE;
-    }
-    if (y >= height) {
-        return false;
-    }
-    const uint8_t *row = &r->coast[y / PEL_TILE * across];
-    GLint first = x / PEL_TILE, end = first + 1;
-    while (end < across && row[end] == row[first]) {
-        end++;
-    }
-    GLint right = end * PEL_TILE, top = y + PEL_TILE;
-    *run =
-        (struct run_of_tiles){ x, y, (right < width ? right : width) - x,
-                               (top < height ? top : height) - y, row[first] };
-    return true;
+    unsigned coast = tile & PEL_TILE_COAST;
+    return r->any_objects              ? p->objects[coast][kind]
+           : coast == PEL_COAST_LAND   ? p->coast[kind]
+           : coast == PEL_COAST_BOTTOM ? p->shallow[kind]
+                                       : deep;
 }
 
-static GLuint program_of(const struct pel_sea_programs *p,
-                         enum pel_coast_tile tile, enum pel_shading kind,
-                         GLuint deep)
+static void use_objects(const struct pel_renderer *r, unsigned tile)
 {
-    return tile == PEL_COAST_LAND     ? p->coast[kind]
-           : tile == PEL_COAST_BOTTOM ? p->shallow[kind]
-                                      : deep;
+    if (r->any_objects) {
+        pel_objects_use(tile);
+    }
 }
 
 static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
@@ -341,12 +290,14 @@ static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
                         const struct pel_pass *pass)
 {
     glEnable(GL_SCISSOR_TEST);
-    for (struct run_of_tiles run = { 0 }; next_run(r, c, &run);) {
+    for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
         glScissor(run.x, run.y, run.width, run.height);
         glUseProgram(
-            program_of(p, run.tile, pass->kind, p->fragments[pass->kind]));
+            program_of(r, p, run.tile, pass->kind, p->fragments[pass->kind]));
         pel_pass_use(pass);
-        glDepthFunc(run.tile == PEL_COAST_LAND ? GL_ALWAYS : GL_LESS);
+        use_objects(r, run.tile);
+        glDepthFunc((run.tile & PEL_TILE_COAST) == PEL_COAST_LAND ? GL_ALWAYS
+                                                                  : GL_LESS);
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
     glDisable(GL_SCISSOR_TEST);
@@ -356,15 +307,37 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
                            const struct pel_sea_programs *p,
                            const struct pel_pass *pass, int wanted)
 {
-    for (struct run_of_tiles run = { 0 }; next_run(r, c, &run);) {
-        glUseProgram(program_of(p, run.tile, pass->kind,
+    for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
+        glUseProgram(program_of(r, p, run.tile, pass->kind,
                                 p->compute_program[pass->kind]));
         pel_pass_use(pass);
+        use_objects(r, run.tile);
         glUniform1i(0, wanted);
         glUniform4i(1, run.x, run.y, run.x + run.width, run.y + run.height);
         glDispatchCompute(groups(run.width, PEL_GROUP_SIDE),
                           groups(run.height, PEL_GROUP_SIDE), 1);
     }
+}
+
+/* Where object.frag found objects: the depth test is theirs. */
+static void shade_objects(struct pel_renderer *r, const struct pel_camera *c,
+                          const struct pel_pass *pass, bool fft)
+{
+    GLuint fbo = pel_targets_attach(&r->targets, pass);
+    glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT, r->objects.depth, 0);
+    glEnable(GL_SCISSOR_TEST);
+    for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
+        if (run.tile & PEL_TILE_OBJECTS) {
+            glScissor(run.x, run.y, run.width, run.height);
+            glUseProgram(
+                pel_objects_program(&r->objects, run.tile, pass->kind, fft));
+            pel_pass_use(pass);
+            glDrawArrays(GL_TRIANGLES, 0, 3);
+        }
+    }
+    glDisable(GL_SCISSOR_TEST);
+    glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT, r->targets.depth_test,
+                              0);
 }
 
 /* Sea where the surface was drawn, sky where it was not: the depth test
@@ -394,12 +367,15 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
         }
     }
     glDepthFunc(GL_LESS);
-    if (r->any_coast) {
+    if (r->any_coast || r->any_objects) {
         shade_tiles(r, c, p, pass);
     } else {
         glUseProgram(p->fragments[kind]);
         pel_pass_use(pass);
         glDrawArrays(GL_TRIANGLES, 0, 3);
+    }
+    if (r->any_objects) {
+        shade_objects(r, c, pass, p == &r->programs.cascades);
     }
     glDisable(GL_DEPTH_TEST);
 }
@@ -418,7 +394,7 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
                            r->targets.planes[pass->layer[i]], 0, GL_FALSE, 0,
                            GL_WRITE_ONLY, pel_plane_format(pass->layer[i]));
     }
-    if (r->any_coast) {
+    if (r->any_coast || r->any_objects) {
         dispatch_tiles(r, c, p, pass, wanted);
     } else {
         glUseProgram(p->compute_program[pass->kind]);
@@ -485,7 +461,8 @@ static void bind_waves(struct pel_renderer *r,
     struct pel_block_waves block;
     pel_fill_waves(env, c->east_m, c->north_m, &block);
     if (r->context.software) {
-        pel_arena_texels(&r->arena, PEL_UNIT_WAVES, &block, sizeof block);
+        pel_arena_texels(&r->arena, r->arena.texels, PEL_UNIT_WAVES, &block,
+                         sizeof block);
     } else {
         pel_texels_set(&r->tables.waves, &block, sizeof block);
         glBindTextureUnit(PEL_UNIT_WAVES, r->tables.waves.texture);
@@ -528,12 +505,21 @@ static void draw_pixels(struct pel_renderer *r,
         cascades ? &r->programs.cascades : &r->programs.trochoids;
     r->any_coast = env->seabed &&
                    pel_coast_plan(env, &r->seabed, whole,
-                                  pel_water_visible_m(&env->water), r->coast);
+                                  pel_water_visible_m(&env->water), r->tiles);
     if (r->any_coast && env->coast_everywhere) {
-        memset(r->coast, PEL_COAST_LAND, sizeof r->coast);
+        for (size_t i = 0; i < PEL_MAX_TILES; i++) {
+            r->tiles[i] = PEL_COAST_LAND;
+        }
+    }
+    if (!r->any_coast && env->object_count) {
+        memset(r->tiles, PEL_COAST_NONE, sizeof r->tiles);
+    }
+    r->any_objects = env->object_count &&
+                     pel_objects_plan(&r->objects, env, whole, r->tiles);
+    if (r->any_coast || r->any_objects) {
+        pel_band_tiles(whole, band, r->tiles);
     }
     if (r->any_coast) {
-        pel_band_tiles(whole, band, r->coast);
         struct pel_block_seabed block;
         pel_seabed_map_bind(&r->seabed);
         pel_fill_seabed(env, &r->seabed, r->statistics.variance, c->east_m,
@@ -573,8 +559,13 @@ static void draw_pixels(struct pel_renderer *r,
     } else {
         raster_surface(r, c, submerged);
     }
-    pel_stage_end(&r->timing, PEL_STAGE_RASTER);
     bool compute = r->programs.compute;
+    if (r->any_objects) {
+        glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
+        pel_objects_light(&r->objects, &r->sky);
+        pel_objects_raster(&r->objects, env, whole, &view, &r->arena, compute);
+    }
+    pel_stage_end(&r->timing, PEL_STAGE_RASTER);
     struct pel_pass pass = pel_pass_first(asked, compute);
     bool toned = compute || pass.kind == PEL_SHADE_COLOR;
     do {
@@ -667,7 +658,7 @@ static enum pel_err need_programs(struct pel_renderer *r,
                                   const struct pel_environment *env,
                                   const struct pel_draw *draws, size_t count)
 {
-    bool coast = env->seabed != NULL;
+    bool coast = env->seabed != NULL, objects = env->object_count > 0;
     struct pel_fault fault;
     for (size_t i = 0; i < count; i++) {
         enum pel_err err = PEL_OK;
@@ -677,7 +668,11 @@ static enum pel_err need_programs(struct pel_renderer *r,
             struct pel_pass pass = pel_pass_first(draws[i].layers, compute);
             do {
                 err = pel_programs_need(&r->programs, env->sea, pass.kind,
-                                        coast, &fault);
+                                        coast, objects, &fault);
+                if (err == PEL_OK && objects) {
+                    err = pel_objects_need(&r->objects, env, &r->programs,
+                                           pass.kind, &fault);
+                }
             } while (err == PEL_OK && pel_pass_next(&pass, compute));
         } while (err == PEL_OK && compute != r->programs.compute);
         if (err != PEL_OK) {
@@ -700,7 +695,8 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     if (err != PEL_OK) {
         return err;
     }
-    err = pel_arena_begin(&r->arena, (count + 1) * VIEW_UNIFORM_BYTES);
+    err = pel_arena_begin(&r->arena, (count + 1) * VIEW_UNIFORM_BYTES +
+                                         count * pel_objects_bytes(env));
     if (err != PEL_OK) {
         return err;
     }

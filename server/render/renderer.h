@@ -55,9 +55,11 @@ struct pel_environment {
     /* Depths to have the water's light for, over a bottom that is not flat;
      * levels 0: that of `water` alone. */
     struct pel_water_depths depths;
-    const struct pel_seabed *seabed; /* NULL: flat, at the water's depth */
-    bool caustics;                   /* the waves focus light on it */
-    bool sparkle;                    /* of the glitter: blocks.h */
+    const struct pel_seabed *seabed;  /* NULL: flat, at the water's depth */
+    bool caustics;                    /* the waves focus light on it */
+    bool sparkle;                     /* of the glitter: blocks.h */
+    const struct pel_object *objects; /* things on the sea that are drawn */
+    size_t object_count;
     /* For validation: leaves out the air between the sea and the eye; gives
      * every distance the slope variances of the nearest pixels, the constant
      * BRDF of the 2010 paper's fig. 10; widens lights as brute force must;

@@ -265,7 +265,7 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         memcpy(sky->sea.key, key, sizeof key);
         sky->sea.made = true;
     }
-    double light_key[PEL_SKY_KEYS + 5];
+    double light_key[PEL_SKY_LIGHT_KEYS];
     memcpy(light_key, key, sizeof key);
     light_key[PEL_SKY_KEYS] = (double)sky->water.version;
     light_key[PEL_SKY_KEYS + 1] = env->sea->slope_variance_along;

@@ -14,6 +14,8 @@
 #define PEL_SKY_EYES 16
 /* What a table depends on: lights, visibility, height. */
 #define PEL_SKY_KEYS (4 * PEL_LIGHTS + 2)
+/* And the light on the sea. */
+#define PEL_SKY_LIGHT_KEYS (PEL_SKY_KEYS + 5)
 #define PEL_SKY_MAP_SIZE 128
 
 struct pel_sky_table {
@@ -38,7 +40,7 @@ struct pel_sky {
     GLuint second_program, second, second_fbo; /* waves seen in waves */
     struct pel_water_light water;
     GLuint light; /* buffer, block `light` */
-    double light_key[PEL_SKY_KEYS + 5];
+    double light_key[PEL_SKY_LIGHT_KEYS];
     bool light_made;
     uint64_t uses;
 };

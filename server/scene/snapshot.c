@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/watch.h"
+#include "models/model.h"
 #include "scene/build.h"
 #include "scene/reckon.h"
 #include "scene/sharedsea.h"
@@ -47,6 +48,25 @@ static void ship_at(const struct pel_snapshot *s, double time_s,
     out->pose_time_s = time_s;
 }
 
+/* As deep and as inclined as the sea at the points of its hull asks: what own
+ * ship follows late and with its own periods, it follows at once, so that its
+ * pose is a function of the moment alone. */
+static void float_at(const struct pel_snapshot *s, double time_s,
+                     struct pel_entity_state *e)
+{
+    PEL_WATCH("afloat");
+    const struct pel_ship_orders hull = { .length_m = e->model->length_m,
+                                          .beam_m = e->model->beam_m };
+    const struct pel_ship_motion at = { .east_m = e->east_m,
+                                        .north_m = e->north_m,
+                                        .heading_rad = e->heading_rad };
+    double sea[3];
+    pel_ship_sea(&hull, &at, time_s, pel_snapshot_sea(s), sea);
+    e->altitude_m = sea[0] + s->sea_level_m;
+    e->pitch_rad = sea[1];
+    e->roll_rad = sea[2];
+}
+
 void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out)
 {
@@ -71,6 +91,9 @@ void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                                -PEL_PI / 2, PEL_PI / 2);
     out->roll_rad = at->roll_rad + at->roll_rate_rps * seconds;
     out->pose_time_s = at->pose_time_s + seconds;
+    if (at->afloat && at->model) {
+        float_at(s, time_s, out);
+    }
 }
 
 static bool goes_on(const struct pel_entity_state *e)
@@ -179,6 +202,29 @@ static struct pel_mat3 attitude(double heading, double pitch, double roll)
         forward,
         pel_vec3_add(pel_vec3_scale(up, cr), pel_vec3_scale(right, sr)),
     };
+}
+
+size_t pel_snapshot_objects(const struct pel_snapshot *s, double time_s,
+                            struct pel_object out[PEL_MAX_ENTITIES])
+{
+    size_t count = 0;
+    for (size_t i = 0; i < s->entity_count && count < PEL_MAX_ENTITIES; i++) {
+        struct pel_entity_state e;
+        if (!s->entities[i].model) {
+            continue;
+        }
+        pel_snapshot_entity_at(s, i, time_s, &e);
+        struct pel_mat3 m = attitude(e.heading_rad, e.pitch_rad, e.roll_rad);
+        out[count++] = (struct pel_object){
+            .id = e.id,
+            .model = e.model,
+            .east_m = e.east_m,
+            .north_m = e.north_m,
+            .altitude_m = e.altitude_m,
+            .world_from_model = { m.y, pel_vec3_scale(m.x, -1), m.z },
+        };
+    }
+    return count;
 }
 
 static void size_camera(const struct pel_view_state *view, uint32_t width,

@@ -31,13 +31,17 @@ enum pel_clock_mode {
 #define PEL_LOWEST_M (-100.0)
 #define PEL_HIGHEST_M 20000.0
 
+struct pel_model;
+
 struct pel_entity_state {
     uint32_t id;
     double east_m, north_m, altitude_m;
     double heading_rad, pitch_rad, roll_rad;
     double speed_mps, course_rad, turn_rate_rps;
     double climb_mps, pitch_rate_rps, roll_rate_rps;
-    double pose_time_s; /* simulated time of the pose above */
+    double pose_time_s;            /* simulated time of the pose above */
+    const struct pel_model *model; /* models/model.h; NULL: not drawn */
+    bool afloat; /* height, pitch and roll are the sea's at its hull */
 };
 
 /* What a sensor makes of a picture: grey · scale + offset. */
@@ -91,6 +95,15 @@ enum pel_stale {
     PEL_STALE_POSES = 1 << 5, /* no input: see pel_snapshot_stale() */
 };
 
+/* A thing on the sea as it is drawn: its model stands at this place, the axes
+ * turned by its heading, pitch and roll. */
+struct pel_object {
+    uint32_t id;
+    const struct pel_model *model; /* models/model.h */
+    double east_m, north_m, altitude_m;
+    struct pel_mat3 world_from_model;
+};
+
 struct pel_shared_sea; /* build.h */
 
 struct pel_snapshot {
@@ -136,9 +149,16 @@ int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name);
 
 /* Pose of entity `index` at simulated time time_s: reckoned from its speed,
  * course and turn rate (arc of a circle) for at most reckoning_s from its pose;
- * or the ship's motion, for at most 10 s ahead of its last step. */
+ * or the ship's motion, for at most 10 s ahead of its last step. One afloat
+ * stands in the sea of time_s. */
 void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out);
+
+/* The entities that have a model at time_s, at most PEL_MAX_ENTITIES; returns
+ * their number. Their models live as long as the snapshot. Asks the sea where
+ * one is afloat. */
+size_t pel_snapshot_objects(const struct pel_snapshot *s, double time_s,
+                            struct pel_object out[PEL_MAX_ENTITIES]);
 
 /* The surface at n places at time_s, heights above altitude 0: pel_sea_query
  * (moving: pel_sea_query_moving) with the sea's level, and the bottom's depth

@@ -28,6 +28,7 @@ struct pel_vec4 {
 #define PEL_BLOCK_BEAM 11
 #define PEL_BLOCK_EXPOSURE 12
 #define PEL_BLOCK_SIGHTS 13
+#define PEL_BLOCK_SURROUNDINGS 14
 
 /* Texture units of shading. */
 #define PEL_UNIT_TRANSMITTANCE 0
@@ -45,6 +46,15 @@ struct pel_vec4 {
 #define PEL_UNIT_WAVES 13
 #define PEL_UNIT_VARIANCE 14
 #define PEL_UNIT_VERTICES 15
+#define PEL_UNIT_OBJECT_VERTICES 16 /* 16 to 24: objects */
+#define PEL_UNIT_OBJECT_TRIANGLES 17
+#define PEL_UNIT_OBJECT_MATERIALS 18
+#define PEL_UNIT_OBJECT_PLACES 19
+#define PEL_UNIT_OBJECT_HULLS 20
+#define PEL_UNIT_OBJECTS 21
+#define PEL_UNIT_SURROUNDINGS 22
+#define PEL_UNIT_OBJECT_SHADOWS 23
+#define PEL_UNIT_MIRRORS 24
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
 #define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
@@ -76,6 +86,7 @@ struct pel_vec4 {
 #define PEL_STORE_PROBE_ANSWERS 6
 #define PEL_STORE_FILTERED 0 /* 0, 1: filtered.comp */
 #define PEL_STORE_FILTERED_ANSWERS 1
+#define PEL_STORE_SURROUNDINGS 2 /* block `surroundings`, where it is written */
 
 /* Images of shading in compute: OpenGL promises eight. What more layers than
  * its slots are drawn by further passes. */
@@ -87,7 +98,10 @@ struct pel_vec4 {
  * radiance. */
 #define PEL_FRAGMENT_SLOTS 7
 
-/* Uniforms of shading: the layers of a pass as bits, and by slot. */
+/* Uniforms of shading: masks of the objects mirrored in the sea of a tile and
+ * that shade it, the layers
+ * of a pass as bits, and by slot. */
+#define PEL_UNIFORM_NEAR 7
 #define PEL_UNIFORM_LAYERS 8
 #define PEL_UNIFORM_SLOTS 9
 
@@ -99,6 +113,7 @@ struct pel_vec4 {
 #define PEL_IMAGE_WATER_RADIANCE 0
 #define PEL_IMAGE_WATER_ATTENUATION 1
 #define PEL_IMAGE_WATER_MAP 0
+#define PEL_IMAGE_SURROUNDINGS 0
 
 /* --- what C and the shaders agree on -------------------------------------- */
 
@@ -449,6 +464,32 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
                       number of cascades */
     vec4 bed_absorption; /* rgb, 1/m; 0 where only two orders are drawn */
     vec4 bed_turned;     /* rgb scattering (1 − asymmetry), 1/m, or 0 */
+};
+
+/* Objects on the sea (render/objects.h): texels of a vertex (place, ambient
+ * light that reaches it; normal as an octahedron's place, texture's place), of a
+ * material, of an entity in a view; texels a side of what surrounds them, an
+ * octahedron; terms of its light by the normal. */
+#define PEL_OBJECT_VERTEX_TEXELS 2
+#define PEL_OBJECT_MATERIAL_TEXELS 2
+#define PEL_OBJECT_PLACE_TEXELS 14
+#define PEL_SURROUNDINGS_SIZE 64
+#define PEL_SURROUNDINGS_TERMS 9
+/* Hulls seen from below: texels along and across; height where there is none. */
+#define PEL_NO_HULL 1e9
+#define PEL_HULL_LENGTH 256
+#define PEL_HULL_BREADTH 128
+/* Mirrored views of objects, texels, and their levels of detail. */
+#define PEL_MIRROR_WIDTH 512
+#define PEL_MIRROR_HEIGHT 256
+#define PEL_MIRROR_LEVELS 9
+/* A shadow's texels a side. */
+#define PEL_SHADOW_SIZE 1024
+PEL_BLOCK(PEL_BLOCK_SURROUNDINGS, surroundings)
+{
+    /* rgb light on a surface by its normal, over pi: spherical harmonics, the
+     * cosine folded in */
+    vec4 ambient[PEL_SURROUNDINGS_TERMS];
 };
 
 /* Light inside the water (render/waterlight.h). Sizes of its maps: nodes of

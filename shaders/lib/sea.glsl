@@ -1,20 +1,8 @@
 // Shades a pixel of the sea from the number of its triangle: exact place at
 // rest, per-pixel normal (eq. 3), slope variance as total minus resolved
 // (eq. 4), light, haze. Included by a fragment and by a compute wrapper.
+#include "lib/cut.glsl"
 
-// The vertices, two texels each: software devices read a texel of four at once,
-// the members of a storage buffer one by one and lane by lane.
-layout(binding = PEL_UNIT_VERTICES) uniform samplerBuffer vertex_texels;
-
-vec4 vertex_position(int i)
-{
-    return texelFetch(vertex_texels, 2 * i);
-}
-
-vec2 vertex_rest(int i)
-{
-    return texelFetch(vertex_texels, 2 * i + 1).xy;
-}
 layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 
 #ifdef PEL_LAYERS
@@ -71,36 +59,6 @@ float surface_distance(vec2 x, vec3 ray, float t)
 }
 #endif
 
-// A triangle of the mesh, cut by a ray.
-struct cut {
-    vec2 x;     // place at rest
-    float t;    // distance, in lengths of the ray
-    vec3 facet; // the triangle's normal
-};
-
-// In homogeneous barycentrics.
-cut cut_triangle(vec3 ray, uint triangle)
-{
-    uint id = max(triangle, 1u) - 1u;
-    int i0 = int(id >> 1u);
-    vec4 a4 = vertex_position(i0);
-    int columns = int(a4.w);
-    int i2 = (id & 1u) == 1u ? i0 - columns : i0 + columns - 1;
-    vec3 a = a4.xyz;
-    vec3 b = vertex_position(i0 - 1).xyz;
-    vec3 c = vertex_position(i2).xyz;
-    vec3 weight = vec3(dot(ray, cross(b, c - b)), dot(ray, cross(c, a - c)),
-                       dot(ray, cross(a, b - a)));
-    weight = clamp(weight / (weight.x + weight.y + weight.z), 0.0, 1.0);
-    weight /= weight.x + weight.y + weight.z;
-    cut result;
-    result.x = weight.x * vertex_rest(i0) + weight.y * vertex_rest(i0 - 1) +
-               weight.z * vertex_rest(i2);
-    result.t = -dot(weight.x * a + weight.y * b + weight.z * c, back.xyz);
-    result.facet = normalize(cross(b - a, c - a));
-    return result;
-}
-
 shaded shade_sea(ivec2 at, uint triangle)
 {
     vec3 ray = pixel_ray(lattice(at));
@@ -155,6 +113,13 @@ shaded shade_sea(ivec2 at, uint triangle)
     for (int i = 0; i < PEL_LIGHTS; i++) {
         leaving += leaving_deep_water(i, water_place(v, n_lit, light_above(i, tilt)));
     }
+#endif
+#ifdef PEL_OBJECTS
+    sea_place = t * ray;
+    sea_pixel = lattice(at);
+    sea_lit = sun_on_sea(sea_place);
+    vec3 falling = beams[PEL_LIGHT_SUN].rgb * max(light_above(PEL_LIGHT_SUN, tilt).z, 0.0);
+    leaving *= 1.0 - (1.0 - sea_lit) * falling / max(falling + skies[PEL_LIGHT_SUN].rgb, vec3(1e-12));
 #endif
     lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving,
                              blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0));

@@ -1,7 +1,8 @@
 /* Draws one picture of a sea straight from the renderer and times it:
  *   still OUT.png [name=value …]
  * (bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky and
- * glitter as they stand) for looking at one thing at a time while developing
+ * glitter as they stand; ship: a built-in model by its number, `away` metres
+ * ahead) for looking at one thing at a time while developing
  * shaders. */
 #include <math.h>
 #include <stdio.h>
@@ -11,6 +12,7 @@
 
 #include "base/clock.h"
 #include "encode/encode.h"
+#include "models/builtin.h"
 #include "render/renderer.h"
 #include "tests/bench/scene.h"
 
@@ -31,7 +33,8 @@ static struct setting settings[] = {
     { "nmin", 0 },        { "nmax", 0 },      { "cell", 0 },
     { "paper", 0 },       { "x", 0 },         { "y", 0 },
     { "bed", 0 },         { "caustics", 1 },  { "glare", 0.01 },
-    { "linear", 0 },      { "sparkle", 1 },
+    { "linear", 0 },      { "sparkle", 1 },   { "ship", 0 },
+    { "away", 220 },      { "bearing", 0 },   { "turned", 60 },
 };
 
 static double get(const char *name)
@@ -111,6 +114,35 @@ static const struct pel_seabed *bottom(void)
     return bed;
 }
 
+/* The ship-th of the built-in models, so far away, heading `turned`. */
+static struct pel_object ship(const struct bench_scene *shown,
+                              const struct pel_sea *sea, double time_s)
+{
+    size_t count, which = (size_t)get("ship") - 1;
+    const struct pel_builtin_kind *kinds = pel_builtin_kinds(&count);
+    const struct pel_builtin what = {
+        .name = kinds[which < count ? which : count - 1].name
+    };
+    double b = get("bearing") * PEL_DEG, h = get("turned") * PEL_DEG;
+    struct pel_object o = {
+        .id = 1,
+        .east_m = shown->east_m + get("away") * sin(b),
+        .north_m = shown->north_m + get("away") * cos(b),
+        .world_from_model = { { sin(h), cos(h), 0 },
+                              { -cos(h), sin(h), 0 },
+                              { 0, 0, 1 } },
+    };
+    struct pel_surface_sample at;
+    pel_sea_sample(sea, o.east_m, o.north_m, time_s, &at);
+    struct pel_fault fault;
+    if (pel_builtin_make(&what, &o.model, &fault) != PEL_OK) {
+        fprintf(stderr, "%s\n", fault.message);
+    } else if (o.model->length_m < 30) {
+        o.altitude_m = at.height_m; /* a long one lies across the waves */
+    }
+    return o;
+}
+
 static double processor_ms(void)
 {
     struct timespec t;
@@ -160,6 +192,12 @@ int main(int argc, char **argv)
         if (pel_water_resolve(&water, &env.water, &fault)) {
             return 1;
         }
+    }
+    struct pel_object object;
+    if (get("ship") > 0) {
+        object = ship(&shown, &sea, env.time_s);
+        env.objects = &object;
+        env.object_count = object.model != NULL;
     }
     struct pel_draw draw = { .camera = bench_camera(&shown),
                              .layers = get("layers") > 0

@@ -19,6 +19,8 @@ LAYERS = (
     "normal",
     "fresnel",
     "slopeVariance",
+    "id",
+    "class",
     "waterSingle",
     "waterSecond",
     "waterHigher",

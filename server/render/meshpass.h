@@ -1,0 +1,11 @@
+/* The mesh on the device: its vertices displaced, its strips drawn, by the
+ * program in use. Render thread only. */
+#pragma once
+
+#include "render/mesh.h"
+
+/* All blocks in one dispatch of mesh.comp. */
+void pel_mesh_displace(const struct pel_mesh *mesh);
+
+/* An instance a strip, by surface.vert. */
+void pel_mesh_draw(const struct pel_mesh *mesh);

@@ -1,0 +1,125 @@
+#include "render/mirror.h"
+
+#include <math.h>
+
+#include "render/shader.h"
+
+#define NEAREST_M 0.5
+#define MARGIN 0.02 /* of the view */
+
+enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
+                              struct pel_fault *fault)
+{
+    if (m->radiance) {
+        return PEL_OK;
+    }
+    enum pel_err err = pel_program_create(
+        shader_dir, "mirror.vert", "mirror.frag", NULL, &m->program, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &m->radiance);
+    glTextureStorage3D(m->radiance, PEL_MIRROR_LEVELS, GL_RGBA16F,
+                       PEL_MIRROR_WIDTH, PEL_MIRROR_HEIGHT, PEL_OBJECT_MIRRORS);
+    glTextureParameteri(m->radiance, GL_TEXTURE_MIN_FILTER,
+                        GL_LINEAR_MIPMAP_LINEAR);
+    glTextureParameteri(m->radiance, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    glTextureParameteri(m->radiance, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    glObjectLabel(GL_TEXTURE, m->radiance, -1, "mirrored objects");
+    glCreateTextures(GL_TEXTURE_2D, 1, &m->depth);
+    glTextureStorage2D(m->depth, 1, GL_DEPTH_COMPONENT32F, PEL_MIRROR_WIDTH,
+                       PEL_MIRROR_HEIGHT);
+    glCreateFramebuffers(PEL_OBJECT_MIRRORS, m->fbos);
+    for (int i = 0; i < PEL_OBJECT_MIRRORS; i++) {
+        glNamedFramebufferTextureLayer(m->fbos[i], GL_COLOR_ATTACHMENT0,
+                                       m->radiance, 0, i);
+        glNamedFramebufferTexture(m->fbos[i], GL_DEPTH_ATTACHMENT, m->depth, 0);
+    }
+    return PEL_OK;
+}
+
+void pel_mirrors_finish(struct pel_mirrors *m)
+{
+    glDeleteFramebuffers(PEL_OBJECT_MIRRORS, m->fbos);
+    glDeleteTextures(1, &m->radiance);
+    glDeleteTextures(1, &m->depth);
+    glDeleteProgram(m->program);
+    *m = (struct pel_mirrors){ 0 };
+}
+
+bool pel_mirror_look(const struct pel_vec3 *points, int count, double sea_m,
+                     double px, struct pel_mirror_view *out)
+{
+    const struct pel_vec3 image = { 0, 0, 2 * sea_m };
+    struct pel_vec3 middle = { 0, 0, 0 };
+    for (int i = 0; i < count; i++) {
+        middle = pel_vec3_add(middle, pel_vec3_scale(points[i], 1.0 / count));
+    }
+    middle = pel_vec3_add(middle, pel_vec3_scale(image, -1));
+    double level = hypot(middle.x, middle.y);
+    const struct pel_vec3 side = { level > 1e-3 ? middle.y / level : 1,
+                                   level > 1e-3 ? -middle.x / level : 0, 0 };
+    out->forward = pel_vec3_normalize(middle);
+    out->across = side;
+    out->upward = pel_vec3_cross(side, out->forward);
+    out->image_m = image.z;
+    double box[4] = { HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
+    for (int i = 0; i < count; i++) {
+        struct pel_vec3 p = pel_vec3_add(points[i], pel_vec3_scale(image, -1));
+        double depth = pel_vec3_dot(p, out->forward);
+        if (depth < NEAREST_M) {
+            return false;
+        }
+        double x = pel_vec3_dot(p, out->across) / depth;
+        double y = pel_vec3_dot(p, out->upward) / depth;
+        box[0] = fmin(box[0], x);
+        box[1] = fmin(box[1], y);
+        box[2] = fmax(box[2], x);
+        box[3] = fmax(box[3], y);
+    }
+    double part = 1.0;
+    while (part > 0.125 && 0.5 * part * PEL_MIRROR_WIDTH > px) {
+        part *= 0.5;
+    }
+    double wide = fmax(box[2] - box[0], 1e-6),
+           tall = fmax(box[3] - box[1], 1e-6);
+    out->left = box[0] - MARGIN * wide;
+    out->low = box[1] - MARGIN * tall;
+    out->per_x = part / ((1 + 2 * MARGIN) * wide);
+    out->per_y = part / ((1 + 2 * MARGIN) * tall);
+    return true;
+}
+
+void pel_mirrors_begin(struct pel_mirrors *m)
+{
+    glViewport(0, 0, PEL_MIRROR_WIDTH, PEL_MIRROR_HEIGHT);
+    glScissor(0, 0, PEL_MIRROR_WIDTH, PEL_MIRROR_HEIGHT);
+    glUseProgram(m->program);
+    glEnable(GL_CLIP_DISTANCE0);
+}
+
+void pel_mirrors_draw(struct pel_mirrors *m, int layer,
+                      void (*draw)(const void *user, int i), const void *user,
+                      int i)
+{
+    static const GLfloat nothing[4] = { 0 };
+    GLuint fbo = m->fbos[layer];
+    glDepthMask(GL_TRUE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glClearNamedFramebufferfv(fbo, GL_COLOR, 0, nothing);
+    glClearNamedFramebufferfv(fbo, GL_DEPTH, 0, nothing);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glDepthFunc(GL_GREATER);
+    draw(user, i);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthMask(GL_FALSE);
+    glDepthFunc(GL_EQUAL);
+    draw(user, i);
+}
+
+void pel_mirrors_end(struct pel_mirrors *m)
+{
+    glDisable(GL_CLIP_DISTANCE0);
+    glGenerateTextureMipmap(m->radiance);
+}

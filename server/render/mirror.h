@@ -1,0 +1,39 @@
+/* Views of objects from the eye's image in the sea: what its facets mirror.
+ * Render thread only. */
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include "render/renderer.h"
+
+#define PEL_OBJECT_MIRRORS 4
+
+/* Zeroed before its first use. */
+struct pel_mirrors {
+    GLuint program, radiance, depth, fbos[PEL_OBJECT_MIRRORS];
+};
+
+/* Of one object: texels 8 to 11 of its place (lib/mirrored.glsl). */
+struct pel_mirror_view {
+    struct pel_vec3 forward, across, upward;
+    double image_m;                 /* of the eye, above it */
+    double left, low, per_x, per_y; /* tangents, texture's places a tangent */
+};
+
+PEL_CHECK enum pel_err pel_mirrors_need(struct pel_mirrors *m,
+                                        const char *shader_dir,
+                                        struct pel_fault *fault);
+void pel_mirrors_finish(struct pel_mirrors *m);
+
+/* The view that holds these points, from the eye, the sea's mean level at them
+ * sea_m above it; `px`: how large the object looks. False: there is none, the
+ * eye's image is too close. Any thread. */
+bool pel_mirror_look(const struct pel_vec3 *points, int count, double sea_m,
+                     double px, struct pel_mirror_view *out);
+
+/* Draws layer after layer: begin, then `draw` twice for each, then end. */
+void pel_mirrors_begin(struct pel_mirrors *m);
+void pel_mirrors_draw(struct pel_mirrors *m, int layer,
+                      void (*draw)(const void *user, int i), const void *user,
+                      int i);
+void pel_mirrors_end(struct pel_mirrors *m);

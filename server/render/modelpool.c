@@ -1,0 +1,399 @@
+#include "render/modelpool.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "optics/colour.h"
+#include "optics/light.h"
+
+enum { VERTICES, TRIANGLES, MATERIALS, BUFFERS };
+
+#define HULL_TEXELS ((size_t)PEL_HULL_LENGTH * PEL_HULL_BREADTH)
+
+static const GLuint units[BUFFERS] = { PEL_UNIT_OBJECT_VERTICES,
+                                       PEL_UNIT_OBJECT_TRIANGLES,
+                                       PEL_UNIT_OBJECT_MATERIALS };
+
+/* --- a model's texels ----------------------------------------------------- */
+
+/* Its place on an octahedron (Meyer et al. 2010). */
+static void octahedral(const float n[3], float out[2])
+{
+    float sum = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
+    float x = n[0] / fmaxf(sum, 1e-12f), y = n[1] / fmaxf(sum, 1e-12f);
+    out[0] = n[2] >= 0 ? x : copysignf(1 - fabsf(y), x);
+    out[1] = n[2] >= 0 ? y : copysignf(1 - fabsf(x), y);
+}
+
+static void write_vertices(const struct pel_model *m, float *out)
+{
+    for (size_t i = 0; i < m->vertex_count; i++) {
+        const struct pel_model_vertex *v = &m->vertices[i];
+        memcpy(out, v->position, sizeof v->position);
+        out[3] = 1.0f;
+        octahedral(v->normal, out + 4);
+        out[6] = v->uv[0];
+        out[7] = v->uv[1];
+        out += 4 * PEL_OBJECT_VERTEX_TEXELS;
+    }
+}
+
+/* Three corners and a material each; returns their number. */
+static uint32_t write_level(const struct pel_pool_model *p, int level,
+                            uint32_t *out)
+{
+    const struct pel_model_level *l = &p->model->levels[level];
+    uint32_t count = 0;
+    for (size_t i = 0; i < l->part_count; i++) {
+        const struct pel_model_part *part = &l->parts[i];
+        const uint32_t *from = &p->model->indices[part->first];
+        for (uint32_t k = 0; k + 2 < part->count; k += 3, count++) {
+            for (int j = 0; j < 3; j++) {
+                *out++ = p->first_vertex + from[k + (uint32_t)j];
+            }
+            *out++ = p->first_material + part->material;
+        }
+    }
+    return count;
+}
+
+static size_t triangles_of(const struct pel_model *m)
+{
+    size_t count = 0;
+    for (int i = 0; i < m->level_count; i++) {
+        for (size_t k = 0; k < m->levels[i].part_count; k++) {
+            count += m->levels[i].parts[k].count / 3;
+        }
+    }
+    return count;
+}
+
+/* Reflectances at our wavelengths that look under a high Sun like this colour.
+ */
+static void spectral(const float colour[3], float out[3])
+{
+    double m[9];
+    const struct pel_rgb *sun = &pel_light_bodies[PEL_LIGHT_SUN].irradiance;
+    const double e[3] = { sun->r, sun->g, sun->b };
+    pel_colour_matrix(1.0, m);
+    double want[3], columns[9];
+    for (int i = 0; i < 3; i++) {
+        want[i] = 0;
+        for (int j = 0; j < 3; j++) {
+            columns[3 * i + j] = m[3 * i + j] * e[j];
+            want[i] += columns[3 * i + j];
+        }
+        want[i] *= (double)colour[i];
+    }
+    const double *a = columns;
+    const struct pel_vec3 x = { a[0], a[3], a[6] }, y = { a[1], a[4], a[7] },
+                          z = { a[2], a[5], a[8] },
+                          w = { want[0], want[1], want[2] };
+    double det = pel_vec3_dot(x, pel_vec3_cross(y, z));
+    out[0] = (float)(pel_vec3_dot(w, pel_vec3_cross(y, z)) / det);
+    out[1] = (float)(pel_vec3_dot(x, pel_vec3_cross(w, z)) / det);
+    out[2] = (float)(pel_vec3_dot(x, pel_vec3_cross(y, w)) / det);
+    for (int i = 0; i < 3; i++) {
+        out[i] = fminf(fmaxf(out[i], 0.0f), 1.0f);
+    }
+}
+
+static void write_materials(const struct pel_model *m, float *out)
+{
+    for (size_t i = 0; i < m->material_count; i++) {
+        const struct pel_model_material *from = &m->materials[i];
+        spectral(from->albedo, out);
+        out[3] = from->metallic;
+        out[4] = from->roughness;
+        out[5] = from->two_sided;
+        out[6] = out[7] = 0;
+        out += 4 * PEL_OBJECT_MATERIAL_TEXELS;
+    }
+}
+
+/* --- hulls from below ------------------------------------------------------
+ */
+
+/* Lowers the texels whose middles lie in the triangle, in texels. */
+static void lower(const struct pel_vec3 c[3], float *out)
+{
+    double area = (c[1].x - c[0].x) * (c[2].y - c[0].y) -
+                  (c[1].y - c[0].y) * (c[2].x - c[0].x);
+    if (fabs(area) < 1e-12) {
+        return; /* on its edge */
+    }
+    double low_x = fmin(c[0].x, fmin(c[1].x, c[2].x));
+    double high_x = fmax(c[0].x, fmax(c[1].x, c[2].x));
+    double low_y = fmin(c[0].y, fmin(c[1].y, c[2].y));
+    double high_y = fmax(c[0].y, fmax(c[1].y, c[2].y));
+    for (int y = (int)fmax(low_y, 0); y < fmin(high_y + 1, PEL_HULL_BREADTH);
+         y++) {
+        for (int x = (int)fmax(low_x, 0); x < fmin(high_x + 1, PEL_HULL_LENGTH);
+             x++) {
+            double px = x + 0.5 - c[0].x, py = y + 0.5 - c[0].y;
+            double u = (px * (c[2].y - c[0].y) - py * (c[2].x - c[0].x)) / area;
+            double v = (py * (c[1].x - c[0].x) - px * (c[1].y - c[0].y)) / area;
+            if (u >= 0 && v >= 0 && u + v <= 1) {
+                float *at = &out[y * PEL_HULL_LENGTH + x];
+                double z =
+                    c[0].z + u * (c[1].z - c[0].z) + v * (c[2].z - c[0].z);
+                *at = fminf(*at, (float)z);
+            }
+        }
+    }
+}
+
+/* How far the model's cut at the waterline reaches in each row and column of
+ * texels. */
+struct cut {
+    double row[PEL_HULL_BREADTH][2], column[PEL_HULL_LENGTH][2];
+};
+
+static void reach(double range[][2], int most, double from, double to,
+                  double at_from, double at_to)
+{
+    double low = fmin(from, to), high = fmax(from, to);
+    for (int i = (int)fmax(ceil(low - 0.5), 0); i < most && i + 0.5 <= high;
+         i++) {
+        double share = (i + 0.5 - from) / (to - from);
+        double at = at_from + share * (at_to - at_from);
+        range[i][0] = fmin(range[i][0], at);
+        range[i][1] = fmax(range[i][1], at);
+    }
+}
+
+/* Where the triangle, in texels, cuts the waterline's plane. */
+static void cut_waterline(const struct pel_vec3 c[3], struct cut *cut)
+{
+    struct pel_vec3 at[3];
+    int count = 0;
+    for (int i = 0; i < 3; i++) {
+        const struct pel_vec3 *a = &c[i], *b = &c[(i + 1) % 3];
+        if ((a->z < 0) != (b->z < 0)) {
+            double share = a->z / (a->z - b->z);
+            at[count++] = pel_vec3_add(pel_vec3_scale(*a, 1 - share),
+                                       pel_vec3_scale(*b, share));
+        }
+    }
+    if (count == 2) {
+        reach(cut->row, PEL_HULL_BREADTH, at[0].y, at[1].y, at[0].x, at[1].x);
+        reach(cut->column, PEL_HULL_LENGTH, at[0].x, at[1].x, at[0].y, at[1].y);
+    }
+}
+
+/* Under water, what lies beside the waterline's outline (a bulb, a rudder) has
+ * the sea above it. */
+static void keep_outline(const struct cut *cut, float *out)
+{
+    for (int y = 0; y < PEL_HULL_BREADTH; y++) {
+        for (int x = 0; x < PEL_HULL_LENGTH; x++) {
+            float *at = &out[y * PEL_HULL_LENGTH + x];
+            bool within =
+                x + 0.5 > cut->row[y][0] && x + 0.5 < cut->row[y][1] &&
+                y + 0.5 > cut->column[x][0] && y + 0.5 < cut->column[x][1];
+            *at = *at < 0 && !within ? (float)PEL_NO_HULL : *at;
+        }
+    }
+}
+
+void pel_hull_below(const struct pel_model *m, float *out)
+{
+    double wide = PEL_HULL_LENGTH / fmax(m->high.x - m->low.x, 1e-6);
+    double tall = PEL_HULL_BREADTH / fmax(m->high.y - m->low.y, 1e-6);
+    struct cut cut;
+    for (size_t i = 0; i < HULL_TEXELS; i++) {
+        out[i] = (float)PEL_NO_HULL;
+        double *range = i < PEL_HULL_BREADTH ? cut.row[i]
+                        : i < PEL_HULL_BREADTH + PEL_HULL_LENGTH
+                            ? cut.column[i - PEL_HULL_BREADTH]
+                            : NULL;
+        if (range) {
+            range[0] = HUGE_VAL;
+            range[1] = -HUGE_VAL;
+        }
+    }
+    for (size_t i = 0; i < m->levels[0].part_count; i++) {
+        const struct pel_model_part *part = &m->levels[0].parts[i];
+        for (uint32_t k = 0; k + 2 < part->count; k += 3) {
+            struct pel_vec3 c[3];
+            for (uint32_t j = 0; j < 3; j++) {
+                uint32_t index = m->indices[part->first + k + j];
+                const float *p = m->vertices[index].position;
+                c[j] = (struct pel_vec3){ ((double)p[0] - m->low.x) * wide,
+                                          ((double)p[1] - m->low.y) * tall,
+                                          (double)p[2] };
+            }
+            lower(c, out);
+            cut_waterline(c, &cut);
+        }
+    }
+    keep_outline(&cut, out);
+}
+
+/* --- the buffers -----------------------------------------------------------
+ */
+
+int pel_model_pool_find(const struct pel_model_pool *pool,
+                        const struct pel_model *model)
+{
+    for (size_t i = 0; i < pool->count; i++) {
+        if (pool->models[i].model == model) {
+            return (int)i;
+        }
+    }
+    return -1;
+}
+
+static void free_buffers(struct pel_model_pool *pool)
+{
+    glDeleteTextures(BUFFERS, pool->texels);
+    glDeleteBuffers(BUFFERS, pool->buffers);
+    glDeleteTextures(1, &pool->hulls);
+    memset(pool->texels, 0, sizeof pool->texels);
+    memset(pool->buffers, 0, sizeof pool->buffers);
+    pool->hulls = 0;
+}
+
+static void *map_buffer(struct pel_model_pool *pool, int which, GLenum format,
+                        size_t texels)
+{
+    static const char *const labels[BUFFERS] = { "model vertices",
+                                                 "model triangles",
+                                                 "model materials" };
+    GLsizeiptr size = (GLsizeiptr)(texels ? texels : 1) * 16;
+    glCreateBuffers(1, &pool->buffers[which]);
+    glNamedBufferStorage(pool->buffers[which], size, NULL, GL_MAP_WRITE_BIT);
+    glObjectLabel(GL_BUFFER, pool->buffers[which], -1, labels[which]);
+    glCreateTextures(GL_TEXTURE_BUFFER, 1, &pool->texels[which]);
+    glTextureBuffer(pool->texels[which], format, pool->buffers[which]);
+    return glMapNamedBufferRange(pool->buffers[which], 0, size,
+                                 GL_MAP_WRITE_BIT);
+}
+
+static bool fill_hulls(struct pel_model_pool *pool)
+{
+    float *texels = malloc(HULL_TEXELS * sizeof *texels);
+    if (!texels) {
+        return false;
+    }
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &pool->hulls);
+    glTextureStorage3D(pool->hulls, 1, GL_R32F, PEL_HULL_LENGTH,
+                       PEL_HULL_BREADTH, (GLsizei)pool->count);
+    glTextureParameteri(pool->hulls, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(pool->hulls, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glTextureParameteri(pool->hulls, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(pool->hulls, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glObjectLabel(GL_TEXTURE, pool->hulls, -1, "hulls from below");
+    for (size_t i = 0; i < pool->count; i++) {
+        pel_hull_below(pool->models[i].model, texels);
+        glTextureSubImage3D(pool->hulls, 0, 0, 0, (GLint)i, PEL_HULL_LENGTH,
+                            PEL_HULL_BREADTH, 1, GL_RED, GL_FLOAT, texels);
+    }
+    free(texels);
+    return true;
+}
+
+/* Buffers for the models of the list. */
+static bool fill(struct pel_model_pool *pool)
+{
+    size_t vertices = 0, triangles = 0, materials = 0;
+    for (size_t i = 0; i < pool->count; i++) {
+        const struct pel_model *m = pool->models[i].model;
+        vertices += m->vertex_count;
+        triangles += triangles_of(m);
+        materials += m->material_count;
+    }
+    float *v = map_buffer(pool, VERTICES, GL_RGBA32F,
+                          vertices * PEL_OBJECT_VERTEX_TEXELS);
+    uint32_t *t = map_buffer(pool, TRIANGLES, GL_RGBA32UI, triangles);
+    float *w = map_buffer(pool, MATERIALS, GL_RGBA32F,
+                          materials * PEL_OBJECT_MATERIAL_TEXELS);
+    bool there = v && t && w;
+    uint32_t vertex = 0, triangle = 0, material = 0;
+    for (size_t i = 0; i < pool->count && there; i++) {
+        struct pel_pool_model *p = &pool->models[i];
+        const struct pel_model *m = p->model;
+        p->first_vertex = vertex;
+        p->first_material = material;
+        write_vertices(m, v + 4 * PEL_OBJECT_VERTEX_TEXELS * (size_t)vertex);
+        write_materials(m,
+                        w + 4 * PEL_OBJECT_MATERIAL_TEXELS * (size_t)material);
+        for (int k = 0; k < m->level_count; k++) {
+            p->first_triangle[k] = triangle;
+            triangle += write_level(p, k, t + 4 * (size_t)triangle);
+        }
+        vertex += (uint32_t)m->vertex_count;
+        material += (uint32_t)m->material_count;
+        p->plan[0] = (float)m->low.x;
+        p->plan[1] = (float)m->low.y;
+        p->plan[2] = (float)(1 / fmax(m->high.x - m->low.x, 1e-6));
+        p->plan[3] = (float)(1 / fmax(m->high.y - m->low.y, 1e-6));
+    }
+    for (int i = 0; i < BUFFERS; i++) {
+        there = glUnmapNamedBuffer(pool->buffers[i]) && there;
+    }
+    return there && fill_hulls(pool);
+}
+
+static void forget(struct pel_model_pool *pool)
+{
+    free_buffers(pool);
+    for (size_t i = 0; i < pool->count; i++) {
+        pel_model_unref(pool->models[i].model);
+    }
+    free(pool->models);
+    pool->models = NULL;
+    pool->count = 0;
+}
+
+/* The list of the models of `env`, once each. */
+static bool list(const struct pel_environment *env, struct pel_model_pool *out)
+{
+    *out = (struct pel_model_pool){ 0 };
+    out->models = calloc(env->object_count, sizeof *out->models);
+    for (size_t i = 0; i < env->object_count && out->models; i++) {
+        const struct pel_model *m = env->objects[i].model;
+        if (pel_model_pool_find(out, m) < 0) {
+            out->models[out->count++].model = pel_model_ref(m);
+        }
+    }
+    return out->models != NULL;
+}
+
+enum pel_err pel_model_pool_fit(struct pel_model_pool *pool,
+                                const struct pel_environment *env,
+                                struct pel_fault *fault)
+{
+    bool all = true;
+    for (size_t i = 0; i < env->object_count; i++) {
+        all = all && pel_model_pool_find(pool, env->objects[i].model) >= 0;
+    }
+    if (all) {
+        return PEL_OK;
+    }
+    struct pel_model_pool next;
+    bool made = list(env, &next) && fill(&next);
+    if (!made) {
+        forget(&next);
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY,
+                             "no memory for the models in a picture");
+    }
+    forget(pool);
+    *pool = next;
+    return PEL_OK;
+}
+
+void pel_model_pool_bind(const struct pel_model_pool *pool)
+{
+    for (int i = 0; i < BUFFERS; i++) {
+        glBindTextureUnit(units[i], pool->texels[i]);
+    }
+    glBindTextureUnit(PEL_UNIT_OBJECT_HULLS, pool->hulls);
+}
+
+void pel_model_pool_finish(struct pel_model_pool *pool)
+{
+    forget(pool);
+    *pool = (struct pel_model_pool){ 0 };
+}

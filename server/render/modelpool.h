@@ -1,0 +1,42 @@
+/* The models that pictures show, in buffers that the shaders read: triangles of
+ * every level of detail, vertices, materials, hulls seen from below. Render
+ * thread only, but for pel_hull_below. */
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include "models/model.h"
+#include "render/renderer.h"
+
+/* A model's place in the buffers. */
+struct pel_pool_model {
+    const struct pel_model *model; /* a reference */
+    uint32_t first_vertex, first_material;
+    uint32_t first_triangle[PEL_MODEL_LEVELS];
+    float plan[4]; /* of its hull's texels: xy least, m; zw 1 / extent, 1/m */
+};
+
+/* Zeroed before its first use. */
+struct pel_model_pool {
+    struct pel_pool_model *models; /* layer by layer of the hulls */
+    size_t count;
+    GLuint buffers[3], texels[3]; /* vertices, triangles, materials */
+    GLuint hulls;
+};
+
+/* Brings the buffers to hold every model of `env`. NO_MEMORY with a fault. */
+PEL_CHECK enum pel_err pel_model_pool_fit(struct pel_model_pool *pool,
+                                          const struct pel_environment *env,
+                                          struct pel_fault *fault);
+void pel_model_pool_bind(const struct pel_model_pool *pool);
+void pel_model_pool_finish(struct pel_model_pool *pool);
+
+/* Index of the model; -1: it is not there. */
+int pel_model_pool_find(const struct pel_model_pool *pool,
+                        const struct pel_model *model);
+
+/* Heights of the model's lowest surface at the middles of PEL_HULL_LENGTH times
+ * PEL_HULL_BREADTH texels over its plan, m, row by row from its least x and y;
+ * PEL_NO_HULL where it has none, or only one under water outside of what the
+ * waterline encloses. Any thread. */
+void pel_hull_below(const struct pel_model *model, float *out);

@@ -1,0 +1,705 @@
+#include "render/objects.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "optics/atmosphere.h"
+#include "render/tiles.h"
+#include "render/uniforms.h"
+
+#define NEAR_M 0.05 /* object.vert */
+/* An entity is left out where it would be smaller, px; of a level of detail its
+ * surface may be so far from the model's. */
+#define LEAST_PX 0.25
+#define LEVEL_PX 0.5
+/* Corners of boxes are found without the waves' and the Earth's little bends.
+ */
+#define BOX_MARGIN_PX 3.0
+/* Smaller things have no shadow. */
+#define SHADOW_PX 12.0
+#define FARTHEST_SHADOW_M 2000.0
+/* Of what waves do to a mirrored image, how much goes sideways. */
+#define SIDEWAYS 0.3
+#define EVERYWHERE_PX 1e6
+#define FARTHEST_M 80000.0
+#define MOST_SLOTS (PEL_OBJECT_SHADOWS + PEL_MAX_ENTITIES)
+
+/* --- life ------------------------------------------------------------------
+ */
+
+static void finish_targets(struct pel_objects *o)
+{
+    glDeleteFramebuffers(1, &o->fbo);
+    glDeleteTextures(1, &o->seen);
+    glDeleteTextures(1, &o->depth);
+    o->fbo = o->seen = o->depth = 0;
+    o->width = o->height = 0;
+}
+
+void pel_objects_finish(struct pel_objects *o)
+{
+    pel_model_pool_finish(&o->pool);
+    finish_targets(o);
+    pel_mirrors_finish(&o->mirrors);
+    glDeleteFramebuffers(PEL_OBJECT_SHADOWS, o->shadow_fbos);
+    glDeleteTextures(1, &o->shadows);
+    glDeleteProgram(o->shadow_program);
+    glDeleteTextures(1, &o->places);
+    glDeleteTextures(1, &o->surroundings);
+    glDeleteBuffers(1, &o->ambient);
+    glDeleteProgram(o->surroundings_program);
+    glDeleteProgram(o->ambient_program);
+    glDeleteProgram(o->raster);
+    glDeleteProgram(o->raster_keys);
+    for (int i = 0; i < PEL_SHADE_COUNT; i++) {
+        glDeleteProgram(o->shade[i]);
+        glDeleteProgram(o->behind_land[0][i]);
+        glDeleteProgram(o->behind_land[1][i]);
+    }
+    *o = (struct pel_objects){ 0 };
+}
+
+static void make_surroundings(struct pel_objects *o)
+{
+    glCreateTextures(GL_TEXTURE_2D, 1, &o->surroundings);
+    glTextureStorage2D(o->surroundings, 6, GL_RGBA16F, PEL_SURROUNDINGS_SIZE,
+                       PEL_SURROUNDINGS_SIZE);
+    glTextureParameteri(o->surroundings, GL_TEXTURE_MIN_FILTER,
+                        GL_LINEAR_MIPMAP_LINEAR);
+    glTextureParameteri(o->surroundings, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(o->surroundings, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glObjectLabel(GL_TEXTURE, o->surroundings, -1, "surroundings");
+    glCreateBuffers(1, &o->ambient);
+    glNamedBufferStorage(o->ambient, sizeof(struct pel_block_surroundings),
+                         NULL, 0);
+    glObjectLabel(GL_BUFFER, o->ambient, -1, "surroundings' light");
+    glCreateTextures(GL_TEXTURE_BUFFER, 1, &o->places);
+}
+
+static void make_shadows(struct pel_objects *o)
+{
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &o->shadows);
+    glTextureStorage3D(o->shadows, 1, GL_DEPTH_COMPONENT32F, PEL_SHADOW_SIZE,
+                       PEL_SHADOW_SIZE, PEL_OBJECT_SHADOWS);
+    glTextureParameteri(o->shadows, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTextureParameteri(o->shadows, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTextureParameteri(o->shadows, GL_TEXTURE_COMPARE_MODE,
+                        GL_COMPARE_REF_TO_TEXTURE);
+    glTextureParameteri(o->shadows, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    glTextureParameteri(o->shadows, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(o->shadows, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glObjectLabel(GL_TEXTURE, o->shadows, -1, "objects' shadows");
+    glCreateFramebuffers(PEL_OBJECT_SHADOWS, o->shadow_fbos);
+    for (int i = 0; i < PEL_OBJECT_SHADOWS; i++) {
+        glNamedFramebufferTextureLayer(o->shadow_fbos[i], GL_DEPTH_ATTACHMENT,
+                                       o->shadows, 0, i);
+        glNamedFramebufferDrawBuffer(o->shadow_fbos[i], GL_NONE);
+    }
+}
+
+enum pel_err pel_objects_need(struct pel_objects *o,
+                              const struct pel_environment *env,
+                              const struct pel_programs *p,
+                              enum pel_shading kind, struct pel_fault *fault)
+{
+    enum pel_err err = pel_model_pool_fit(&o->pool, env, fault);
+    GLuint *raster = p->compute ? &o->raster_keys : &o->raster;
+    if (err == PEL_OK && !*raster) {
+        err = pel_program_create(p->shader_dir, "object.vert", "object.frag",
+                                 p->compute ? "#define PEL_KEYS\n" : NULL,
+                                 raster, fault);
+    }
+    if (err == PEL_OK && !p->compute && !o->shade[kind]) {
+        err = pel_program_create(p->shader_dir, "screen.vert", "objects.frag",
+                                 pel_shading_defines(kind), &o->shade[kind],
+                                 fault);
+    }
+    bool fft = env->sea->cascades != NULL;
+    GLuint *land = &o->behind_land[fft][kind];
+    if (err == PEL_OK && !p->compute && env->seabed && !*land) {
+        char defines[128];
+        snprintf(defines, sizeof defines, "%s%s#define PEL_LAND\n%s",
+                 pel_shading_defines(kind), fft ? "#define PEL_FFT\n" : "",
+                 p->software ? "" : "#define PEL_EXACT_TEXELS\n");
+        err = pel_program_create(p->shader_dir, "screen.vert", "objects.frag",
+                                 defines, land, fault);
+    }
+    if (err == PEL_OK && !o->surroundings_program) {
+        err = pel_program_create(p->shader_dir, "surroundings.comp", NULL, NULL,
+                                 &o->surroundings_program, fault);
+    }
+    if (err == PEL_OK && !o->ambient_program) {
+        err = pel_program_create(p->shader_dir, "ambient.comp", NULL, NULL,
+                                 &o->ambient_program, fault);
+    }
+    if (err == PEL_OK) {
+        err = pel_mirrors_need(&o->mirrors, p->shader_dir, fault);
+    }
+    if (err == PEL_OK && !o->shadow_program) {
+        err = pel_program_create(p->shader_dir, "shadow.vert", "shadow.frag",
+                                 NULL, &o->shadow_program, fault);
+    }
+    if (err == PEL_OK && !o->surroundings) {
+        make_surroundings(o);
+        make_shadows(o);
+    }
+    return err;
+}
+
+GLuint pel_objects_program(const struct pel_objects *o, unsigned tile,
+                           enum pel_shading kind, bool fft)
+{
+    return (tile & PEL_TILE_COAST) == PEL_COAST_LAND ? o->behind_land[fft][kind]
+                                                     : o->shade[kind];
+}
+
+void pel_objects_use(unsigned tile)
+{
+    glUniform2i(PEL_UNIFORM_NEAR, (GLint)PEL_TILE_MIRRORED(tile),
+                (GLint)PEL_TILE_SHADED(tile));
+}
+
+/* --- what a picture may show ------------------------------------------------
+ */
+
+size_t pel_objects_bytes(const struct pel_environment *env)
+{
+    return env->object_count
+               ? (env->object_count + PEL_OBJECT_SHADOWS) *
+                         PEL_OBJECT_PLACE_TEXELS * sizeof(struct pel_vec4) +
+                     1024
+               : 0;
+}
+
+/* From the eye, as lib/model.glsl lays it over the sphere; `level` from the
+ * eye's nadir and above the sea's zero. */
+static struct pel_vec3 over_sphere(struct pel_vec3 level, double eye_m)
+{
+    double half = 0.5 * hypot(level.x, level.y) / PEL_EARTH_RADIUS;
+    return (struct pel_vec3){
+        level.x * cos(half), level.y * cos(half),
+        level.z - 2 * PEL_EARTH_RADIUS * sin(half) * sin(half) - eye_m
+    };
+}
+
+static struct pel_vec3 origin_of(const struct pel_environment *env,
+                                 const struct pel_object *object,
+                                 const struct pel_camera *c)
+{
+    return (struct pel_vec3){ object->east_m - c->east_m,
+                              object->north_m - c->north_m,
+                              object->altitude_m - env->sea_level_m };
+}
+
+/* Where a picture may show something: tangents. */
+struct region {
+    double left, low, right, high;
+    int before, behind; /* points on either side of the eye */
+};
+
+static void widen(const struct pel_camera *c, struct pel_vec3 p,
+                  struct region *r)
+{
+    const struct pel_mat3 *m = &c->world_from_camera;
+    double away = -pel_vec3_dot(m->z, p);
+    if (away <= NEAR_M) {
+        r->behind++;
+        return;
+    }
+    double x = pel_vec3_dot(m->x, p) / away, y = pel_vec3_dot(m->y, p) / away;
+    r->left = fmin(r->left, x);
+    r->low = fmin(r->low, y);
+    r->right = fmax(r->right, x);
+    r->high = fmax(r->high, y);
+    r->before++;
+}
+
+#define NOWHERE                                                                \
+    {                                                                          \
+        HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL, 0, 0                         \
+    }
+
+/* Its pixels, from xy to before zw; false: none. */
+static bool pixels_in(const struct region *r, const struct pel_camera *c,
+                      int out[4])
+{
+    double px = (c->tan_right - c->tan_left) / c->width;
+    double py = (c->tan_top - c->tan_bottom) / c->height;
+    double low_x = (r->left - c->tan_left) / px - BOX_MARGIN_PX;
+    double low_y = (c->tan_top - r->high) / py - BOX_MARGIN_PX;
+    double high_x = (r->right - c->tan_left) / px + BOX_MARGIN_PX;
+    double high_y = (c->tan_top - r->low) / py + BOX_MARGIN_PX;
+    if (r->before == 0) {
+        return false;
+    }
+    if (r->behind > 0) { /* it reaches behind the eye */
+        low_x = low_y = 0;
+        high_x = c->width;
+        high_y = c->height;
+    }
+    out[0] = (int)floor(pel_clamp(low_x, 0, c->width));
+    out[1] = (int)floor(pel_clamp(low_y, 0, c->height));
+    out[2] = (int)ceil(pel_clamp(high_x, 0, c->width));
+    out[3] = (int)ceil(pel_clamp(high_y, 0, c->height));
+    return out[2] > out[0] && out[3] > out[1];
+}
+
+/* The corners of its bounding box, from z_m up in the model's axes, from the
+ * eye's nadir and the sea's zero. */
+static void corners_of(const struct pel_environment *env,
+                       const struct pel_object *object,
+                       const struct pel_camera *c, double z_m,
+                       struct pel_vec3 out[8])
+{
+    const struct pel_model *model = object->model;
+    struct pel_vec3 origin = origin_of(env, object, c);
+    for (int i = 0; i < 8; i++) {
+        const struct pel_vec3 corner = {
+            i & 1 ? model->high.x : model->low.x,
+            i & 2 ? model->high.y : model->low.y,
+            i & 4 ? model->high.z : fmax(model->low.z, z_m),
+        };
+        out[i] = pel_vec3_add(
+            origin, pel_mat3_apply(&object->world_from_model, corner));
+    }
+}
+
+/* The pixels that it may cover. */
+static bool box_of(const struct pel_vec3 corners[8], const struct pel_camera *c,
+                   double eye_m, int out[4])
+{
+    struct region r = NOWHERE;
+    for (int i = 0; i < 8; i++) {
+        widen(c, over_sphere(corners[i], eye_m), &r);
+    }
+    return pixels_in(&r, c, out);
+}
+
+/* The same on the lattice that the picture is a part of. */
+static void on_lattice(const struct region *r, const struct pel_camera *c,
+                       float out[4])
+{
+    double px = pel_pixel_pitch(c->tan_left, c->tan_right, c->width);
+    double py = pel_pixel_pitch(c->tan_bottom, c->tan_top, c->height);
+    double all = r->behind > 0 ? EVERYWHERE_PX : 0;
+    out[0] = (float)(r->left / px - all);
+    out[1] = (float)(-r->high / py - all);
+    out[2] = (float)(r->right / px + all);
+    out[3] = (float)(-r->low / py + all);
+}
+
+/* The sea that may mirror it: down from its image in a calm sea, as wide as
+ * waves spread it. */
+static bool box_mirrored(const struct pel_environment *env,
+                         const struct pel_vec3 corners[8],
+                         const struct pel_camera *c, double eye_m, int out[4],
+                         float lattice[4])
+{
+    struct region r = NOWHERE;
+    for (int i = 0; i < 8; i++) {
+        struct pel_vec3 p = corners[i];
+        p.z = -fmax(p.z, 0);
+        widen(c, over_sphere(p, eye_m), &r);
+        p.z = 0;
+        widen(c, over_sphere(p, eye_m), &r);
+    }
+    double spread = 2 * sqrt(fmax(env->sea->slope_variance_along,
+                                  env->sea->slope_variance_cross));
+    double waves = 3 * sqrt(env->sea->m0) / eye_m; /* crests before it */
+    r.high += fmin(waves, 1) * (r.high - r.low);
+    r.left -= SIDEWAYS * spread;
+    r.right += SIDEWAYS * spread;
+    r.low -= spread;
+    on_lattice(&r, c, lattice);
+    return pixels_in(&r, c, out);
+}
+
+/* The sea that may lie in its shadow. */
+static bool box_shaded(const struct pel_environment *env,
+                       const struct pel_vec3 corners[8],
+                       const struct pel_camera *c, double eye_m, int out[4],
+                       float lattice[4])
+{
+    const struct pel_vec3 to = env->lights[PEL_LIGHT_SUN].direction;
+    double waves = 3 * sqrt(env->sea->m0);
+    struct region r = NOWHERE;
+    if (to.z <= 0) {
+        return false;
+    }
+    for (int i = 0; i < 16; i++) {
+        struct pel_vec3 p = corners[i / 2];
+        double level = i % 2 ? waves : -waves;
+        double length = pel_clamp((p.z - level) / to.z, -FARTHEST_SHADOW_M,
+                                  FARTHEST_SHADOW_M);
+        p.x -= to.x * length;
+        p.y -= to.y * length;
+        p.z = level;
+        widen(c, over_sphere(p, eye_m), &r);
+    }
+    double edge = 0.1 * (r.right - r.left + r.high - r.low);
+    r.left -= edge;
+    r.right += edge;
+    r.low -= edge;
+    r.high += edge;
+    on_lattice(&r, c, lattice);
+    return pixels_in(&r, c, out);
+}
+
+static void mark_tiles(const struct pel_camera *c, const int box[4],
+                       unsigned mark, uint16_t *tiles)
+{
+    int across = (int)(c->width + PEL_TILE - 1) / PEL_TILE;
+    for (int y = box[1] / PEL_TILE; y * PEL_TILE < box[3]; y++) {
+        for (int x = box[0] / PEL_TILE; x * PEL_TILE < box[2]; x++) {
+            tiles[y * across + x] |= (uint16_t)mark;
+        }
+    }
+}
+
+/* How many pixels a metre of the object's nearest part is wide. */
+static double pixels_of(const struct pel_environment *env,
+                        const struct pel_object *object,
+                        const struct pel_camera *c)
+{
+    double pitch = fmin(pel_pixel_pitch(c->tan_left, c->tan_right, c->width),
+                        pel_pixel_pitch(c->tan_bottom, c->tan_top, c->height));
+    struct pel_vec3 at = origin_of(env, object, c);
+    at.z -= fmax(c->altitude_m, PEL_LEAST_EYE_M);
+    double away = sqrt(pel_vec3_dot(at, at));
+    return away > FARTHEST_M
+               ? 0
+               : 1.0 / (fmax(away - object->model->radius_m, 1.0) * pitch);
+}
+
+/* Of those that look largest from here, in sight or not, so that all views of a
+ * lattice have the same; -1: smaller. */
+static int rank_of(const double px[], size_t count, size_t i)
+{
+    int larger = 0;
+    for (size_t k = 0; k < count; k++) {
+        larger += px[k] > px[i] || (px[k] == px[i] && k < i);
+    }
+    return px[i] >= SHADOW_PX && larger < PEL_OBJECT_SHADOWS ? larger : -1;
+}
+
+static int shadow_side(double px)
+{
+    int side = 64;
+    while (side < 1.5 * px && side < PEL_SHADOW_SIZE) {
+        side *= 2;
+    }
+    return side;
+}
+
+/* The mirrored view of what is above the sea. */
+static bool look_mirrored(const struct pel_environment *env,
+                          const struct pel_object *object,
+                          const struct pel_camera *c, double eye_m, double px,
+                          struct pel_mirror_view *out)
+{
+    struct pel_vec3 corners[8], level = origin_of(env, object, c);
+    level.z = 0;
+    corners_of(env, object, c, 0, corners);
+    for (int i = 0; i < 8; i++) {
+        corners[i] = over_sphere(corners[i], eye_m);
+    }
+    return pel_mirror_look(corners, 8, over_sphere(level, eye_m).z, px, out);
+}
+
+/* What it does to the sea in sight. */
+static void plan_beside(struct pel_object_drawn *d,
+                        const struct pel_environment *env,
+                        const struct pel_camera *c, int rank, double px,
+                        uint16_t *tiles)
+{
+    const struct pel_object *object = &env->objects[d->object];
+    double eye_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
+    struct pel_vec3 corners[8];
+    int box[4];
+    d->shades = d->mirrored = false;
+    memset(d->in_mirror, 0, sizeof d->in_mirror);
+    memset(d->in_shade, 0, sizeof d->in_shade);
+    if (rank < 0) {
+        return;
+    }
+    corners_of(env, object, c, -HUGE_VAL, corners);
+    if (box_shaded(env, corners, c, eye_m, box, d->in_shade)) {
+        mark_tiles(c, box, PEL_TILE_SHADE(rank), tiles);
+        d->shades = true;
+    }
+    if (rank < PEL_OBJECT_MIRRORS &&
+        box_mirrored(env, corners, c, eye_m, box, d->in_mirror) &&
+        look_mirrored(env, object, c, eye_m, px, &d->image)) {
+        mark_tiles(c, box, PEL_TILE_MIRROR(rank), tiles);
+        d->mirrored = true;
+    }
+}
+
+bool pel_objects_plan(struct pel_objects *o, const struct pel_environment *env,
+                      const struct pel_camera *c, uint16_t *tiles)
+{
+    double eye_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
+    double px[PEL_MAX_ENTITIES];
+    bool any = false;
+    int others = PEL_OBJECT_SHADOWS;
+    o->drawn_count = 0;
+    for (size_t i = 0; i < env->object_count; i++) {
+        const struct pel_object *object = &env->objects[i];
+        px[i] = 2 * object->model->radius_m * pixels_of(env, object, c);
+        any = any || px[i] >= LEAST_PX;
+    }
+    for (size_t i = 0; i < env->object_count; i++) {
+        const struct pel_object *object = &env->objects[i];
+        struct pel_object_drawn *d = &o->drawn[o->drawn_count];
+        struct pel_vec3 corners[8];
+        int box[4], rank = rank_of(px, env->object_count, i);
+        corners_of(env, object, c, -HUGE_VAL, corners);
+        d->object = (int)i;
+        d->seen = px[i] >= LEAST_PX && box_of(corners, c, eye_m, box);
+        plan_beside(d, env, c, rank, px[i], tiles);
+        if (!d->seen && !d->shades && !d->mirrored) {
+            continue;
+        }
+        if (d->seen) {
+            mark_tiles(c, box, PEL_TILE_OBJECTS, tiles);
+        }
+        d->model = pel_model_pool_find(&o->pool, object->model);
+        d->level = pel_model_level_for(object->model, pixels_of(env, object, c),
+                                       LEVEL_PX);
+        d->slot = rank >= 0 ? rank : others++;
+        d->shadow_px = shadow_side(px[i]);
+        o->drawn_count++;
+    }
+    return any;
+}
+
+/* --- light ------------------------------------------------------------------
+ */
+
+void pel_objects_light(struct pel_objects *o, const struct pel_sky *sky)
+{
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_SURROUNDINGS, o->ambient);
+    glBindTextureUnit(PEL_UNIT_SURROUNDINGS, o->surroundings);
+    if (o->light_made &&
+        memcmp(o->light_key, sky->light_key, sizeof o->light_key) == 0) {
+        return;
+    }
+    glBindTextureUnit(PEL_UNIT_REFLECTION, sky->reflection);
+    glBindTextureUnit(PEL_UNIT_SECOND, sky->second);
+    glBindTextureUnit(PEL_UNIT_WATER, sky->water.map);
+    glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky->sea.radiance);
+    glBindImageTexture(PEL_IMAGE_SURROUNDINGS, o->surroundings, 0, GL_FALSE, 0,
+                       GL_WRITE_ONLY, GL_RGBA16F);
+    glUseProgram(o->surroundings_program);
+    glDispatchCompute(PEL_SURROUNDINGS_SIZE / PEL_GROUP_SIDE,
+                      PEL_SURROUNDINGS_SIZE / PEL_GROUP_SIDE, 1);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
+                    GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
+    glGenerateTextureMipmap(o->surroundings);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_SURROUNDINGS,
+                     o->ambient);
+    glUseProgram(o->ambient_program);
+    glDispatchCompute(1, 1, 1);
+    glMemoryBarrier(GL_UNIFORM_BARRIER_BIT);
+    memcpy(o->light_key, sky->light_key, sizeof o->light_key);
+    o->light_made = true;
+}
+
+/* --- drawing ----------------------------------------------------------------
+ */
+
+static void fit_targets(struct pel_objects *o, uint32_t width, uint32_t height)
+{
+    if (width <= o->width && height <= o->height) {
+        return;
+    }
+    uint32_t w = width > o->width ? width : o->width;
+    uint32_t h = height > o->height ? height : o->height;
+    finish_targets(o);
+    o->width = w;
+    o->height = h;
+    glCreateTextures(GL_TEXTURE_2D, 1, &o->seen);
+    glTextureStorage2D(o->seen, 1, GL_RG32UI, (GLsizei)w, (GLsizei)h);
+    glTextureParameteri(o->seen, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(o->seen, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glObjectLabel(GL_TEXTURE, o->seen, -1, "objects");
+    glCreateTextures(GL_TEXTURE_2D, 1, &o->depth);
+    glTextureStorage2D(o->depth, 1, GL_DEPTH_COMPONENT32F, (GLsizei)w,
+                       (GLsizei)h);
+    glObjectLabel(GL_TEXTURE, o->depth, -1, "objects' depth test");
+    glCreateFramebuffers(1, &o->fbo);
+    glNamedFramebufferTexture(o->fbo, GL_COLOR_ATTACHMENT0, o->seen, 0);
+    glNamedFramebufferTexture(o->fbo, GL_DEPTH_ATTACHMENT, o->depth, 0);
+}
+
+static struct pel_vec4 vec4(struct pel_vec3 v, double w)
+{
+    return (struct pel_vec4){ (float)v.x, (float)v.y, (float)v.z, (float)w };
+}
+
+/* Rows that take a point from the object's origin into its shadow's texture and
+ * depth: along the beam of the Sun. */
+static void look_from_sun(const struct pel_environment *env,
+                          const struct pel_object *object, int side,
+                          struct pel_vec4 out[3])
+{
+    const struct pel_vec3 to = env->lights[PEL_LIGHT_SUN].direction;
+    const struct pel_vec3 pole = { fabs(to.x) < 0.9, fabs(to.x) >= 0.9, 0 };
+    struct pel_vec3 u = pel_vec3_normalize(pel_vec3_cross(pole, to));
+    struct pel_vec3 v = pel_vec3_cross(to, u);
+    double half = 0.5 / object->model->radius_m;
+    double part = (double)side / PEL_SHADOW_SIZE;
+    out[0] = vec4(pel_vec3_scale(u, half * part), 0.5 * part);
+    out[1] = vec4(pel_vec3_scale(v, half * part), 0.5 * part);
+    out[2] = vec4(pel_vec3_scale(to, -half), 0.5);
+}
+
+/* The texels of lib/model.glsl: placed_object, object_facts, in_hull. */
+static void place(const struct pel_objects *o,
+                  const struct pel_environment *env, const struct pel_camera *c,
+                  const struct pel_object_drawn *d, struct pel_vec4 *out)
+{
+    const struct pel_object *object = &env->objects[d->object];
+    const struct pel_mat3 *m = &object->world_from_model;
+    const float *plan = o->pool.models[d->model].plan;
+    struct pel_vec3 origin = origin_of(env, object, c);
+    out[0] = vec4(m->x, origin.x);
+    out[1] = vec4(m->y, origin.y);
+    out[2] = vec4(m->z, origin.z);
+    out[3] = (struct pel_vec4){ (float)object->id, (float)object->model->class,
+                                (float)d->model,
+                                d->slot < PEL_OBJECT_SHADOWS ? (float)d->slot
+                                                             : -1.0f };
+    out[4] = (struct pel_vec4){ plan[0], plan[1], plan[2], plan[3] };
+    look_from_sun(env, object, d->shadow_px, &out[5]);
+    const struct pel_mirror_view *image = &d->image;
+    out[8] = vec4(image->forward, d->slot);
+    out[9] = vec4(image->across, image->image_m);
+    out[10] = vec4(image->upward, 0);
+    out[11] = (struct pel_vec4){ (float)image->left, (float)image->low,
+                                 (float)image->per_x, (float)image->per_y };
+    memcpy(&out[12], d->in_mirror, sizeof out[12]);
+    memcpy(&out[13], d->in_shade, sizeof out[13]);
+}
+
+static void bind_places(struct pel_objects *o,
+                        const struct pel_environment *env,
+                        const struct pel_camera *c, struct pel_arena *arena)
+{
+    static _Thread_local struct pel_vec4
+        texels[MOST_SLOTS * PEL_OBJECT_PLACE_TEXELS];
+    size_t size = (size_t)(PEL_OBJECT_SHADOWS + o->drawn_count) *
+                  PEL_OBJECT_PLACE_TEXELS * sizeof *texels;
+    memset(texels, 0, size);
+    for (int i = 0; i < o->drawn_count; i++) {
+        const struct pel_object_drawn *d = &o->drawn[i];
+        place(o, env, c, d, &texels[d->slot * PEL_OBJECT_PLACE_TEXELS]);
+    }
+    pel_arena_texels(arena, o->places, PEL_UNIT_OBJECT_PLACES, texels, size);
+}
+
+/* Where the window of the rasteriser begins on the lattice: the same for all
+ * pictures of a lattice that is not very wide. */
+#define WINDOW_HALF 8192
+static double window_from(double first, double size)
+{
+    double middle = first + 0.5 * size, step = WINDOW_HALF / 2.0;
+    bool near = fabs(first) < WINDOW_HALF && fabs(first + size) < WINDOW_HALF;
+    return (near ? 0.0 : step * round(middle / step)) - WINDOW_HALF;
+}
+
+static void open_window(const struct pel_block_view *view)
+{
+    double x = window_from((double)view->pixel.z, (double)view->size.x);
+    double y = window_from((double)view->pixel.w, (double)view->size.y);
+    glUniform3f(1, (float)x, (float)y, 1.0f / WINDOW_HALF);
+    glViewportIndexedf(0, (float)x - view->pixel.z, (float)y - view->pixel.w,
+                       2.0f * WINDOW_HALF, 2.0f * WINDOW_HALF);
+}
+
+static void draw_object(const void *user, int i)
+{
+    const struct pel_objects *o = user;
+    const struct pel_object_drawn *d = &o->drawn[i];
+    const struct pel_pool_model *p = &o->pool.models[d->model];
+    glUniform2i(0, d->slot, (GLint)p->first_triangle[d->level]);
+    glDrawArrays(GL_TRIANGLES, 0,
+                 3 * (GLsizei)p->model->levels[d->level].triangles);
+}
+
+static void draw_shadows(struct pel_objects *o)
+{
+    static const GLfloat far_away = 1.0f;
+    glDepthFunc(GL_LESS);
+    glUseProgram(o->shadow_program);
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(1.0f, 0.0f);
+    for (int i = 0; i < o->drawn_count; i++) {
+        const struct pel_object_drawn *d = &o->drawn[i];
+        if (d->slot >= PEL_OBJECT_SHADOWS) {
+            continue;
+        }
+        GLuint fbo = o->shadow_fbos[d->slot];
+        glScissor(0, 0, PEL_SHADOW_SIZE, PEL_SHADOW_SIZE);
+        glViewport(0, 0, PEL_SHADOW_SIZE, PEL_SHADOW_SIZE);
+        glClearNamedFramebufferfv(fbo, GL_DEPTH, 0, &far_away);
+        glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
+        draw_object(o, i);
+    }
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    glBindTextureUnit(PEL_UNIT_OBJECT_SHADOWS, o->shadows);
+}
+
+static void draw_mirrored(struct pel_objects *o)
+{
+    int count = 0;
+    for (int i = 0; i < o->drawn_count; i++) {
+        if (o->drawn[i].mirrored) {
+            if (count++ == 0) {
+                pel_mirrors_begin(&o->mirrors);
+            }
+            pel_mirrors_draw(&o->mirrors, o->drawn[i].slot, draw_object, o, i);
+        }
+    }
+    if (count > 0) {
+        pel_mirrors_end(&o->mirrors);
+    }
+    glBindTextureUnit(PEL_UNIT_MIRRORS, o->mirrors.radiance);
+}
+
+void pel_objects_raster(struct pel_objects *o,
+                        const struct pel_environment *env,
+                        const struct pel_camera *camera,
+                        const struct pel_block_view *view,
+                        struct pel_arena *arena, bool keys)
+{
+    static const GLfloat far_away = 0.0f;
+    static const GLuint none[4] = { 0 };
+    GLsizei width = (GLsizei)view->size.x, height = (GLsizei)view->size.y;
+    fit_targets(o, (uint32_t)width, (uint32_t)height);
+    bind_places(o, env, camera, arena);
+    pel_model_pool_bind(&o->pool);
+    glDepthMask(GL_TRUE);
+    glScissor(0, 0, width, height);
+    glEnable(GL_SCISSOR_TEST);
+    glClearNamedFramebufferfv(o->fbo, GL_DEPTH, 0, &far_away);
+    glClearNamedFramebufferuiv(o->fbo, GL_COLOR, 0, none);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, o->fbo);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    glUseProgram(keys ? o->raster_keys : o->raster);
+    open_window(view);
+    for (int i = 0; i < o->drawn_count; i++) {
+        if (o->drawn[i].seen) {
+            draw_object(o, i);
+        }
+    }
+    draw_shadows(o);
+    draw_mirrored(o);
+    glViewport(0, 0, width, height);
+    glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+    glBindTextureUnit(PEL_UNIT_OBJECTS, o->seen);
+}

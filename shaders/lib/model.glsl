@@ -1,0 +1,86 @@
+// Models of entities as the shaders read them (render/objects.h).
+
+layout(binding = PEL_UNIT_OBJECT_VERTICES) uniform samplerBuffer object_vertices;
+layout(binding = PEL_UNIT_OBJECT_TRIANGLES) uniform usamplerBuffer object_triangles; // corners, material
+layout(binding = PEL_UNIT_OBJECT_PLACES) uniform samplerBuffer object_places;
+layout(binding = PEL_UNIT_OBJECT_HULLS) uniform sampler2DArray object_hulls;
+
+// An entity in this view: the model's axes in the world, its origin from the
+// eye's nadir and above the sea's zero.
+struct placed {
+    vec3 x, y, z, origin;
+};
+
+placed placed_object(int i)
+{
+    int first = i * PEL_OBJECT_PLACE_TEXELS;
+    vec4 x = texelFetch(object_places, first);
+    vec4 y = texelFetch(object_places, first + 1);
+    vec4 z = texelFetch(object_places, first + 2);
+    return placed(x.xyz, y.xyz, z.xyz, vec3(x.w, y.w, z.w));
+}
+
+// Its number, class, hull's layer or -1, shadow's layer or -1.
+vec4 object_facts(int i)
+{
+    return texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 3);
+}
+
+// From the eye, over the same sphere as the sea's mesh.
+vec3 over_sphere(vec3 level)
+{
+    float arc = length(level.xy);
+    float half_arc = 0.5 * arc / planet.x;
+    float s = sin(half_arc);
+    return vec3(level.xy * cos(half_arc), level.z - 2.0 * planet.x * s * s - eye.x);
+}
+
+vec3 object_point(placed o, vec3 p)
+{
+    return over_sphere(o.origin + o.x * p.x + o.y * p.y + o.z * p.z);
+}
+
+// From the object's origin in the axes of the world, of a point from the eye.
+vec3 from_object(placed o, vec3 p)
+{
+    float half_arc = 0.5 * length(p.xy) / planet.x;
+    vec3 level = vec3(p.xy / cos(half_arc), p.z + eye.x + 2.0 * planet.x * half_arc * half_arc);
+    return level - o.origin;
+}
+
+// In the model's axes.
+vec3 into_model(placed o, vec3 p)
+{
+    vec3 d = from_object(o, p);
+    return vec3(dot(d, o.x), dot(d, o.y), dot(d, o.z));
+}
+
+// How a point, in the model's axes, lies to its hull: 2 above its lowest surface,
+// 1 so within the texels that its outline or a steep side crosses, else 0.
+int in_hull(int i, vec3 m)
+{
+    float layer = object_facts(i).z;
+    vec4 plan = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 4);
+    vec2 uv = (m.xy - plan.xy) * plan.zw;
+    vec2 inside = step(vec2(0.0), uv) * step(uv, vec2(1.0));
+    vec4 low = textureGather(object_hulls, vec3(uv, layer));
+    float least = min(min(low.x, low.y), min(low.z, low.w));
+    float most = max(max(low.x, low.y), max(low.z, low.w));
+    return inside.x * inside.y == 0.0 || m.z <= least ? 0 : m.z > most ? 2 : 1;
+}
+
+// Whether the sea at `sea`, from the eye, is to be left out before the object
+// at `seen`, of which the ray meets the `inner` side: water in the boat. Where
+// the hull's texels are too coarse its outer side keeps the sea: what is close
+// behind is the wall that the sea touches.
+bool hull_keeps_dry(int i, vec3 sea, vec3 seen, bool inner)
+{
+    placed o = placed_object(i);
+    vec3 water = into_model(o, sea);
+    vec3 wall = into_model(o, seen);
+    int at_sea = in_hull(i, water);
+    vec4 plan = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 4);
+    vec2 apart = (wall.xy - water.xy) * plan.zw * vec2(PEL_HULL_LENGTH, PEL_HULL_BREADTH);
+    bool beside = inner ? dot(apart, apart) < 16.0 : in_hull(i, wall - vec3(0.0, 0.0, 0.02)) == 2;
+    return at_sea == 2 || (at_sea == 1 && beside);
+}

@@ -1,0 +1,185 @@
+// Shades a pixel of an object from the number of its triangle.
+#include "lib/model.glsl"
+#include "lib/shadow.glsl"
+
+layout(binding = PEL_UNIT_OBJECT_MATERIALS) uniform samplerBuffer object_materials;
+layout(binding = PEL_UNIT_SURROUNDINGS) uniform sampler2D surrounding_map;
+
+layout(binding = PEL_UNIT_OBJECTS) uniform usampler2D objects;
+
+struct object_point_seen {
+    vec3 place;  // from the eye
+    vec3 normal; // towards the eye
+    float t;     // distance, in lengths of the ray
+    float open_; // share of the surroundings that nothing of the model hides
+    uint material;
+};
+
+vec3 octahedral(vec2 e)
+{
+    vec3 n = vec3(e, 1.0 - abs(e.x) - abs(e.y));
+    float fold = max(-n.z, 0.0);
+    n.xy -= vec2(n.x >= 0.0 ? fold : -fold, n.y >= 0.0 ? fold : -fold);
+    return normalize(n);
+}
+
+vec2 octahedral_place(vec3 n)
+{
+    vec2 e = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
+    vec2 folded = (1.0 - abs(e.yx)) * vec2(e.x >= 0.0 ? 1.0 : -1.0, e.y >= 0.0 ? 1.0 : -1.0);
+    return 0.5 + 0.5 * (n.z >= 0.0 ? e : folded);
+}
+
+// `from`: where the ray begins, from the eye.
+object_point_seen cut_object(vec3 from, vec3 ray, uvec2 seen)
+{
+    placed o = placed_object(int(seen.x) - 1);
+    uvec4 corners = texelFetch(object_triangles, int(seen.y));
+    vec3 p[3];
+    vec4 texels[3];
+    vec3 normals[3];
+    float hidden[3];
+    for (int i = 0; i < 3; i++) {
+        int first = int(corners[i]) * PEL_OBJECT_VERTEX_TEXELS;
+        vec4 place = texelFetch(object_vertices, first);
+        p[i] = object_point(o, place.xyz) - from;
+        hidden[i] = place.w;
+        normals[i] = octahedral(texelFetch(object_vertices, first + 1).xy);
+    }
+    vec3 weight = vec3(dot(ray, cross(p[1], p[2] - p[1])), dot(ray, cross(p[2], p[0] - p[2])),
+                       dot(ray, cross(p[0], p[1] - p[0])));
+    float sum = weight.x + weight.y + weight.z;
+    weight = clamp(sum == 0.0 ? vec3(1.0 / 3.0) : weight / sum, 0.0, 1.0);
+    weight /= weight.x + weight.y + weight.z;
+    object_point_seen s;
+    s.place = weight.x * p[0] + weight.y * p[1] + weight.z * p[2];
+    s.t = -dot(s.place, back.xyz);
+    s.open_ = weight.x * hidden[0] + weight.y * hidden[1] + weight.z * hidden[2];
+    vec3 n = weight.x * normals[0] + weight.y * normals[1] + weight.z * normals[2];
+    n = normalize(o.x * n.x + o.y * n.y + o.z * n.z);
+    // A wall of one skin shows both sides.
+    vec3 face = cross(p[1] - p[0], p[2] - p[0]);
+    face *= dot(face, ray) > 0.0 ? -1.0 : 1.0;
+    s.normal = dot(n, face) < 0.0 ? -n : n;
+    s.material = corners.w;
+    return s;
+}
+
+// Light that falls on a surface from all around, over pi.
+vec3 ambient_light(vec3 n)
+{
+    return max(ambient[0].rgb + ambient[1].rgb * n.y + ambient[2].rgb * n.z + ambient[3].rgb * n.x +
+                   ambient[4].rgb * (n.x * n.y) + ambient[5].rgb * (n.y * n.z) +
+                   ambient[6].rgb * (3.0 * n.z * n.z - 1.0) + ambient[7].rgb * (n.x * n.z) +
+                   ambient[8].rgb * (n.x * n.x - n.y * n.y),
+               vec3(0.0));
+}
+
+vec3 schlick(vec3 f0, float cosine)
+{
+    float m = 1.0 - cosine;
+    float m2 = m * m;
+    return f0 + (1.0 - f0) * (m2 * m2 * m);
+}
+
+// Microfacets of Walter et al. 2007 (GGX), Smith's shadow as Hammon 2017 has
+// it, for a beam of irradiance 1.
+vec3 gloss_of_light(vec3 f0, float alpha, vec3 n, vec3 v, vec3 to)
+{
+    vec3 h = normalize(v + to);
+    float nl = max(dot(n, to), 0.0);
+    float nv = max(dot(n, v), 1e-3);
+    float nh = dot(n, h);
+    float a2 = alpha * alpha;
+    float d = nh * nh * (a2 - 1.0) + 1.0;
+    float shadow = 0.5 / mix(2.0 * nl * nv, nl + nv, alpha);
+    return schlick(f0, max(dot(v, h), 0.0)) * (a2 / (PI * d * d) * shadow * nl);
+}
+
+// What a rough surface reflects of its surroundings: share of f0 and of 1
+// (Karis 2014's fit).
+vec2 gloss_share(float rough, float nv)
+{
+    vec4 r = rough * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
+    float a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+    return vec2(-1.04, 1.04) * a + r.zw;
+}
+
+struct object_lit {
+    vec3 by_lights, by_sky;
+};
+
+// What a point sends against the unit direction `dir`; d: from the entity's
+// origin.
+object_lit object_light(object_point_seen s, int entity, vec3 d, vec3 dir)
+{
+    vec4 paint = texelFetch(object_materials, int(s.material) * PEL_OBJECT_MATERIAL_TEXELS);
+    vec4 finish = texelFetch(object_materials, int(s.material) * PEL_OBJECT_MATERIAL_TEXELS + 1);
+    float metal = paint.w;
+    float rough = max(finish.x, 0.05);
+    vec3 n = s.normal;
+    vec3 v = -dir;
+    float nv = max(dot(n, v), 1e-3);
+    vec3 f0 = mix(vec3(0.04), paint.rgb, metal);
+    vec3 matt = paint.rgb * (1.0 - metal);
+    float open_ = lit_share(entity, d, n);
+    object_lit result = object_lit(vec3(0.0), vec3(0.0));
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        vec3 to = lights[i].direction.xyz;
+        vec3 beam = beams[i].rgb * (i == PEL_LIGHT_SUN ? open_ : 1.0);
+        result.by_lights +=
+            beam * (matt * (max(dot(n, to), 0.0) / PI) + gloss_of_light(f0, rough * rough, n, v, to));
+    }
+    vec2 share = gloss_share(rough, nv);
+    float level = log2(max(rough * rough * float(PEL_SURROUNDINGS_SIZE) * 0.5, 1.0));
+    vec3 mirrored = textureLod(surrounding_map, octahedral_place(reflect(dir, n)), level).rgb;
+    result.by_sky = s.open_ * (matt * ambient_light(n) + (f0 * share.x + share.y) * mirrored);
+    return result;
+}
+
+shaded shade_object(ivec2 at, uvec2 seen)
+{
+    vec3 ray = pixel_ray(lattice(at));
+    float ray_length = length(ray);
+    vec3 dir = ray / ray_length;
+    object_point_seen s = cut_object(vec3(0.0), ray, seen);
+    int entity = int(seen.x) - 1;
+    object_lit light = object_light(s, entity, from_object(placed_object(entity), s.place), dir);
+    float range = s.t * ray_length;
+    vec3 air;
+    vec3 through = haze(dir, range, air);
+    shaded result = only_light(
+        from_under_water((light.by_lights + light.by_sky) * through + air, dir.z));
+#ifdef PEL_LAYERS
+    result.depth = range;
+    result.normal = s.normal;
+    vec4 facts = object_facts(entity);
+    result.id = facts.x + 1.0;
+    result.class_ = facts.y + 1.0;
+    bool dry = lut.y < 0.5;
+    result.sun = dry ? light.by_lights * through : vec3(0.0);
+    result.sky = dry ? light.by_sky * through : vec3(0.0);
+    result.air = dry ? air : vec3(0.0);
+    result.water = dry ? vec3(0.0) : result.radiance;
+#endif
+#ifdef PEL_WATER_PARTS
+    set_parts(result, water_from_below(lut.y > 0.5 ? result.radiance : vec3(0.0)));
+#endif
+    return result;
+}
+
+// Whether there is an object that no land hides.
+bool object_in_sight(ivec2 at, uvec2 seen)
+{
+    if (seen.x == 0u) {
+        return false;
+    }
+#ifdef PEL_LAND
+    vec3 ray = pixel_ray(lattice(at));
+    float ray_length = length(ray);
+    float range = cut_object(vec3(0.0), ray, seen).t * ray_length;
+    return lut.y > 0.5 || seabed_distance(ray / ray_length, range) < 0.0;
+#else
+    return true;
+#endif
+}

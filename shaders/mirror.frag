@@ -1,0 +1,23 @@
+#version 450 core
+// The light of an object in the mirrored view, and that it is there.
+#include "lib/blocks.h"
+#include "lib/sky.glsl"
+#include "lib/ray.glsl"
+#include "lib/water.glsl"
+#include "lib/shaded.glsl"
+#include "lib/haze.glsl"
+#include "lib/objects.glsl"
+
+in vec3 way;
+flat in uvec2 number;
+layout(location = 0) out vec4 light_out;
+
+void main()
+{
+    int entity = int(number.x) - 1;
+    placed o = placed_object(entity);
+    vec3 from = vec3(0.0, 0.0, texelFetch(object_places, entity * PEL_OBJECT_PLACE_TEXELS + 9).w);
+    object_point_seen s = cut_object(from, way, number);
+    object_lit light = object_light(s, entity, from_object(o, s.place + from), normalize(way));
+    light_out = vec4(min(light.by_lights + light.by_sky, vec3(6e4)), 1.0);
+}

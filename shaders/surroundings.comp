@@ -1,0 +1,40 @@
+#version 450 core
+// What surrounds an object on the sea, without the lights' discs: the sky of sea
+// level above, the mean sea with all of its slopes below, as a map of directions
+// (Praun and Hoppe 2003).
+#include "lib/blocks.h"
+#include "lib/sky.glsl"
+#include "lib/ross.glsl"
+#include "lib/water.glsl"
+#include "lib/shade.glsl"
+
+layout(local_size_x = PEL_GROUP_SIDE, local_size_y = PEL_GROUP_SIDE) in;
+layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
+layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
+layout(binding = PEL_IMAGE_SURROUNDINGS, rgba16f) writeonly uniform image2D map;
+
+vec3 mean_sea(vec3 dir)
+{
+    const vec3 n = vec3(0.0, 0.0, 1.0);
+    const vec2 level = vec2(0.0);
+    vec3 v = -dir;
+    vec3 leaving = vec3(0.0);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        leaving += leaving_water(i, water_place(v, n, light_above(i, level)), 1e5);
+    }
+    lit parts = sea_radiance(reflection_map, v, level, n, wind.zw, leaving, vec3(0.0));
+    return parts.sun + parts.sky + parts.water;
+}
+
+void main()
+{
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    vec2 e = (vec2(at) + 0.5) * (2.0 / float(PEL_SURROUNDINGS_SIZE)) - 1.0;
+    vec3 dir = vec3(e, 1.0 - abs(e.x) - abs(e.y));
+    float fold = max(-dir.z, 0.0);
+    dir.xy -= vec2(dir.x >= 0.0 ? fold : -fold, dir.y >= 0.0 ? fold : -fold);
+    dir = normalize(dir);
+    vec3 light = dir.z < 0.0 ? mean_sea(vec3(dir.xy, min(dir.z, -1e-3)))
+                             : sky_light(sky_table, dir.xy, asin(min(dir.z, 1.0)));
+    imageStore(map, at, vec4(min(light, vec3(6e4)), 1.0));
+}
