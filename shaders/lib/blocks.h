@@ -86,7 +86,8 @@ struct pel_vec4 {
 #define PEL_STORE_PROBE_ANSWERS 6
 #define PEL_STORE_FILTERED 0 /* 0, 1: filtered.comp */
 #define PEL_STORE_FILTERED_ANSWERS 1
-#define PEL_STORE_SURROUNDINGS 2 /* block `surroundings`, where it is written */
+#define PEL_STORE_SURROUNDINGS 2 /* block `surroundings`, where it is written  \
+                                  */
 
 /* Images of shading in compute: OpenGL promises eight. What more layers than
  * its slots are drawn by further passes. */
@@ -467,15 +468,16 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
 };
 
 /* Objects on the sea (render/objects.h): texels of a vertex (place, ambient
- * light that reaches it; normal as an octahedron's place, texture's place), of a
- * material, of an entity in a view; texels a side of what surrounds them, an
+ * light that reaches it; normal as an octahedron's place, texture's place), of
+ * a material, of an entity in a view; texels a side of what surrounds them, an
  * octahedron; terms of its light by the normal. */
 #define PEL_OBJECT_VERTEX_TEXELS 2
 #define PEL_OBJECT_MATERIAL_TEXELS 2
 #define PEL_OBJECT_PLACE_TEXELS 14
 #define PEL_SURROUNDINGS_SIZE 64
 #define PEL_SURROUNDINGS_TERMS 9
-/* Hulls seen from below: texels along and across; height where there is none. */
+/* Hulls seen from below: texels along and across; height where there is none.
+ */
 #define PEL_NO_HULL 1e9
 #define PEL_HULL_LENGTH 256
 #define PEL_HULL_BREADTH 128
