@@ -86,8 +86,7 @@ struct pel_vec4 {
 #define PEL_STORE_PROBE_ANSWERS 6
 #define PEL_STORE_FILTERED 0 /* 0, 1: filtered.comp */
 #define PEL_STORE_FILTERED_ANSWERS 1
-#define PEL_STORE_SURROUNDINGS 2 /* block `surroundings`, where it is written  \
-                                  */
+#define PEL_STORE_SURROUNDINGS 2 /* the block, where it is written */
 
 /* Images of shading in compute: OpenGL promises eight. What more layers than
  * its slots are drawn by further passes. */
