@@ -1,5 +1,6 @@
 #version 450 core
 #include "lib/blocks.h"
+#include "lib/flat.glsl"
 #include "lib/sky.glsl"
 #include "lib/ray.glsl"
 #include "lib/water.glsl"

@@ -1,5 +1,6 @@
 #version 450 core
 #include "lib/blocks.h"
+#include "lib/flat.glsl"
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else

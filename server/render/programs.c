@@ -57,7 +57,7 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);
     }
-    return pel_program_create(all->shader_dir, "screen.vert",
+    return pel_program_create(all->shader_dir, "shade.vert",
                               tile == PEL_COAST_LAND ? "coast.frag"
                                                      : "sea.frag",
                               defines, out, fault);
@@ -111,7 +111,7 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
         snprintf(defines, sizeof defines, "%s%s", kind_defines[kind],
                  disc ? "" : "#define PEL_NO_DISC\n");
         if (err == PEL_OK && !*program) {
-            err = pel_program_create(all->shader_dir, "screen.vert",
+            err = pel_program_create(all->shader_dir, "shade.vert",
                                      "backdrop.frag", defines, program, fault);
         }
     }
