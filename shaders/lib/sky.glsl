@@ -146,7 +146,7 @@ vec3 airlight_at(sampler3D table, float h, float dr, float dm, float light_mu, f
                    (log(u + sqrt(u * u + 1.0)) - PEL_AIR_SUN_FIRST) /
                        (PEL_AIR_SUN_LAST - PEL_AIR_SUN_FIRST));
     at = clamp(at, 0.0, 1.0) * LAST + 0.5;
-    float x = PEL_AIR_SHARE_MIE * (1.0 - dm) + PEL_AIR_SHARE_RAYLEIGH * (1.0 - dr) +
+    float x = PEL_AIR_SHARE_MIE * sqrt(max(1.0 - dm, 0.0)) + PEL_AIR_SHARE_RAYLEIGH * (1.0 - dr) +
               (1.0 - PEL_AIR_SHARE_MIE - PEL_AIR_SHARE_RAYLEIGH) * h / (planet.y - planet.x);
     x = clamp(x, 0.0, 1.0) * float(PEL_AIR_HEIGHTS - 1);
     float low = min(floor(x), float(PEL_AIR_HEIGHTS - 2));

@@ -2,13 +2,15 @@
 """Makes the table of sky radiances that the sky is compared with (airtrace.c).
 
     airtable.py [--paths N] [--most N] [--error SHARE] [--jobs N] [--out FILE]
-                [--visibility KM…]
+                [--visibility KM…] [--mend SHARE]
 
 200 directions (20 zenith angles, 10 azimuths from the Sun's) at 680, 550 and
 440 nm, 15 Suns, five visibilities; the sea below. The table that is committed,
 table.json, is of `make airtable` (about an hour of two cores): radiances in
 W m-2 sr-1 nm-1 with four digits, and their standard errors in 1/10,000 of
-them. A visibility that is done is written at once.
+them. A visibility that is done is written at once. --mend takes the table as
+it is and traces again, Sun by Sun, the sights of which a row is known worse
+than SHARE; a row whose new error is smaller replaces the old one.
 """
 import argparse
 import json
@@ -62,6 +64,45 @@ def table_of(visibility, found, sights):
     return table
 
 
+def write(table, path):
+    with open(path, "w", encoding="utf-8") as f:
+        f.write(json.dumps(table, separators=(",", ":")).replace(
+            '"4', '\n"4').replace('"5', '\n"5').replace('"6', '\n"6')
+            + "\n")
+
+
+def mend(options):
+    """Rows known worse than options.mend, anew, the worst Suns first."""
+    with open(options.out, encoding="utf-8") as f:
+        table = json.load(f)
+    sights = directions()
+    noisy = {}
+    for visibility in options.visibility:
+        for sun in SUNS:
+            part = table["visibility"][f"{visibility:g}"][f"{sun:g}"]
+            some = [i for i in range(len(sights)) if max(
+                part[c]["error"][i] for c in CHANNELS) > 1e4 * options.mend]
+            if some:
+                noisy[visibility, sun] = part, some
+    for (visibility, sun), (part, some) in sorted(
+            noisy.items(), key=lambda item: -len(item[1][1])):
+        found = trace(visibility, [sun], [sights[i] for i in some],
+                      "--paths", options.paths, "--most", options.most,
+                      "--error", options.error, "--threads", options.jobs)
+        better = 0
+        for place, i in enumerate(some):
+            for c, channel in enumerate(CHANNELS):
+                light, error, _ = found[place, sun][c]
+                row = part[channel]
+                if 1e4 * error / light < row["error"][i]:
+                    row["radiance"][i] = float(f"{light:.4g}")
+                    row["error"][i] = round(1e4 * error / light)
+                    better += 1
+        write(table, options.out)
+        print(f"visibility {visibility:g} km, Sun {sun:g}: {better} of "
+              f"{3 * len(some)} rows are better known", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--paths", type=int, default=500)
@@ -71,8 +112,12 @@ def main():
     parser.add_argument("--visibility", type=float, nargs="+",
                         default=VISIBILITIES)
     parser.add_argument("--out", default=os.path.join(HERE, "table.json"))
+    parser.add_argument("--mend", type=float)
     options = parser.parse_args()
     os.nice(max(0, 10 - os.nice(0)))
+    if options.mend:
+        mend(options)
+        return 0
     sights = directions()
     table = {"zeniths": ZENITHS, "azimuths": AZIMUTHS, "suns": SUNS,
              "height": HEIGHT_M, "visibility": {}}
@@ -82,10 +127,7 @@ def main():
                       "--threads", options.jobs)
         table["visibility"][f"{visibility:g}"] = table_of(visibility, found,
                                                           sights)
-        with open(options.out, "w", encoding="utf-8") as f:
-            f.write(json.dumps(table, separators=(",", ":")).replace(
-                '"4', '\n"4').replace('"5', '\n"5').replace('"6', '\n"6')
-                + "\n")
+        write(table, options.out)
         errors = sorted(e for sun in table["visibility"][
             f"{visibility:g}"].values() for channel in sun.values()
             for e in channel["error"])
@@ -93,6 +135,7 @@ def main():
               f"error {errors[len(errors) // 2] / 100:.2f} % (median), "
               f"{errors[len(errors) * 19 // 20] / 100:.2f} % (of 95 in 100), "
               f"{errors[-1] / 100:.2f} % (worst)", flush=True)
+    return 0
 
 
 if __name__ == "__main__":
