@@ -6,12 +6,12 @@
 
 #define NODES 200
 
-/* ∫ of p times (1, ν, P₂₀) over angles from `from` on, in ln θ. */
-static void integrate(const struct pel_phase *p, double from, double out[3])
+/* ∫ of p times (1, ν, P₂, P₂₀) over angles from `from` on, in ln θ. */
+static void integrate(const struct pel_phase *p, double from, double out[4])
 {
     double at[NODES], weight[NODES];
     pel_gauss_legendre(NODES, log(from), log(PEL_PI), at, weight);
-    out[0] = out[1] = out[2] = 0.0;
+    out[0] = out[1] = out[2] = out[3] = 0.0;
     for (int i = 0; i < NODES; i++) {
         double angle = exp(at[i]), x = cos(angle), before = 1.0, now = x;
         for (int l = 1; l < 20; l++) {
@@ -23,7 +23,8 @@ static void integrate(const struct pel_phase *p, double from, double out[3])
             2.0 * PEL_PI * sin(angle) * angle * weight[i] * pel_phase_at(p, x);
         out[0] += light;
         out[1] += light * x;
-        out[2] += light * now;
+        out[2] += light * (1.5 * x * x - 0.5);
+        out[3] += light * now;
     }
 }
 
@@ -48,7 +49,7 @@ static void shares_and_moments(void **state)
     (void)state;
     for (int i = 0; i < KINDS; i++) {
         struct pel_phase p = kind(i);
-        double sum[3], chi[21];
+        double sum[4], chi[21];
         integrate(&p, 1e-3, sum);
         pel_phase_moments(&p, 21, chi);
         double narrow = pel_phase_within(&p, 1e-3);
@@ -56,7 +57,12 @@ static void shares_and_moments(void **state)
         assert_near(sum[0] + narrow, 1.0, 1e-6);
         assert_near(chi[0], 1.0, 1e-12);
         assert_near(sum[1] + narrow, chi[1], 3e-6);
-        assert_near(sum[2] + narrow, chi[20], 1e-4); /* P₂₀ within 1e-3 */
+        assert_near(sum[2] + narrow, chi[2], 3e-6);
+        assert_near(sum[3] + narrow, chi[20], 1e-4); /* P₂₀ within 1e-3 */
+        for (double angle = 0.25; angle < 3.0; angle += 0.5) {
+            integrate(&p, angle, sum);
+            assert_near(pel_phase_within(&p, angle), 1.0 - sum[0], 1e-6);
+        }
         double back = 1.0 - pel_phase_within(&p, 0.5 * PEL_PI);
         if (kinds[i].back > 0.0) {
             assert_near(back,
@@ -114,6 +120,10 @@ static void nothing_is_lost_by_the_split(void **state)
             double nu = cos(angle * PEL_DEG);
             assert_near(pel_phase_rest(&s, nu), pel_phase_at(&p, nu), 0.0);
         }
+        /* It goes on from there without a step. */
+        double inside = cos((PEL_PHASE_PEAK_DEG - 1e-3) * PEL_DEG);
+        double value = pel_phase_at(&p, inside);
+        assert_near(pel_phase_rest(&s, inside), value, 1e-4 * value);
     }
 }
 

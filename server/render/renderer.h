@@ -60,13 +60,9 @@ struct pel_environment {
     bool sparkle;                     /* of the glitter: blocks.h */
     const struct pel_object *objects; /* things on the sea that are drawn */
     size_t object_count;
-    /* For validation: leaves out the air between the sea and the eye; gives
-     * every distance the slope variances of the nearest pixels, the constant
-     * BRDF of the 2010 paper's fig. 10; widens lights as brute force must;
-     * looks for the height field in every pixel, where it cannot be seen too.
-     */
-    bool no_air, constant_brdf, coast_everywhere;
-    double light_blur; /* slopes by which lights are widened; 0: their discs */
+    /* For tests: leaves out the air between the sea and the eye; looks for the
+     * height field in every pixel, where it cannot be seen too. */
+    bool no_air, coast_everywhere;
 };
 
 /* What shaders write and readback copies for these layers: those that are made

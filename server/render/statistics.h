@@ -13,7 +13,6 @@
 struct pel_statistics_key {
     struct pel_sea_desc desc;
     double wind_to_rad;
-    bool constant_brdf;
 };
 
 /* Zeroed before its first use. */

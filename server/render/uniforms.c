@@ -32,10 +32,10 @@ static struct pel_shader_light light_of(const struct pel_environment *env,
 {
     const struct pel_light_body *body = &pel_light_bodies[i];
     const struct pel_light *at = &env->lights[i];
-    double radius = body->angular_radius_rad, blur = env->light_blur;
+    double radius = body->angular_radius_rad;
     /* A uniform disc has a quarter of its squared radius as variance an axis;
      * facets turn half as far as what they mirror. */
-    double disc = blur > 0.0 ? blur * blur : radius * radius / 16.0;
+    double disc = radius * radius / 16.0;
     const struct pel_rgb e = { at->strength * body->irradiance.r,
                                at->strength * body->irradiance.g,
                                at->strength * body->irradiance.b };

@@ -67,8 +67,9 @@ class Files:
         return found
 
 
-def check(name, tool, config, jobs):
-    """jobs: {path: (words of the command, text for its input)}. Prints what is
+def check(name, tool, config, jobs, whole=True):
+    """jobs: {path: (words of the command, text for its input)}, of every source
+    where `whole`: what is remembered of others is forgotten. Prints what is
     wrong; the exit status."""
     os.chdir(ROOT)
     if not shutil.which(tool):
@@ -105,7 +106,7 @@ def check(name, tool, config, jobs):
                 print(f"error: {path}")
                 print(result.stdout, end="")
     for old in memory.iterdir():
-        if old.name not in keys:
+        if whole and old.name not in keys:
             old.unlink(missing_ok=True)
     print(f"{name}: {len(jobs)} files, {len(left)} of them changed, {bad} bad")
     return 1 if bad else 0

@@ -3,16 +3,19 @@
 
     validate.py [--quick] [--assert] [--doc] [PART…]
 
-Runs the parts sea, sky, water, drawn, numbers, eye (all of them), each a
-program of its own whose tables go to standard output, and ends with one table
-of all checks, their bars and what was found. --quick takes few rows and rays:
-a minute. --doc writes that table and the plots of a full run into docs/. The
-status is 3 where a part fails by its own bounds, or with --assert where a bar
-is missed.
+Runs the parts sea, sky, water, drawn, numbers, eye (all of them), each of
+programs of its own, two programs at a time; shows their tables in turn, and
+ends with one table of all checks, their bars and what was found. --quick takes
+few rows and rays: a minute. --doc writes the rows of the parts that ran into
+the table of docs/validation.md, and their plots beside it; not from --quick.
+The status is 3 where a part fails by its own bounds, or with --assert where a
+bar is missed.
 """
 import argparse
+import concurrent.futures
 import glob
 import json
+import math
 import os
 import re
 import shutil
@@ -43,16 +46,15 @@ def script(name, options):
 
 
 def parts(options):
-    """{part: its commands}"""
+    """{part: its commands}, the longest first."""
     quick = ["--quick"] if options.quick else []
     return {
-        "sea": [script("seatrace/seatrace.py", options)],
-        "sky": [script("airtrace/airsky.py", options)],
-        "water": [[os.path.join(BIN, "validate_water"), *quick],
-                  ["cat", os.path.join(folder_of(options), "water.md")]],
+        "sea": [script("seatrace/seatrace.py", options) + ["--jobs", "1"]],
         "drawn": [script("drawn.py", options),
                   [os.path.join(BIN, "drawn_test")]
                   + ([] if options.quick else ["--all"])],
+        "sky": [script("airtrace/airsky.py", options)],
+        "water": [[os.path.join(BIN, "validate_water"), *quick]],
         "numbers": [[os.path.join(BIN, test)] for test in NUMBERS],
         "eye": [script("eye.py", options)],
     }
@@ -62,20 +64,38 @@ def name_of(command):
     return os.path.basename(command[2 if "python" in command[0] else 0])
 
 
-def run(command):
-    """Shows what a program prints, without a test's frame; its status."""
-    name = name_of(command)
-    print(f"\n== {name}", flush=True)
+def run(command, folder):
+    """Status and seconds; what it prints, without a test's frame, goes into
+    the folder as NAME.txt."""
     start = time.monotonic()
-    child = subprocess.Popen(command, stdout=subprocess.PIPE,
-                             stderr=subprocess.STDOUT, text=True, cwd=ROOT)
-    for line in child.stdout:
-        if not re.match(r"\[|info|warn|\s*$", line):
-            print(line, end="", flush=True)
-    status = child.wait()
-    print(f"({name}: {time.monotonic() - start:.0f} s"
-          + (f", status {status})" if status else ")"), flush=True)
-    return status
+    done = subprocess.run(command, stdout=subprocess.PIPE, check=False,
+                          stderr=subprocess.STDOUT, cwd=ROOT)
+    text = done.stdout.decode(errors="replace")
+    if name_of(command) == "validate_water":
+        with open(os.path.join(folder, "water.md"), encoding="utf-8") as f:
+            text += f.read()
+    lines = [line for line in text.splitlines()
+             if line.strip() and not re.match(r"\[|info|warn", line)]
+    with open(os.path.join(folder, name_of(command) + ".txt"), "w",
+              encoding="utf-8") as f:
+        f.write("\n".join(lines) + "\n")
+    return done.returncode, time.monotonic() - start, lines
+
+
+def run_all(chosen, folder):
+    """Names of those that failed. Two at a time, shown as they end."""
+    failed = []
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        ours = {pool.submit(run, command, folder): name_of(command)
+                for command in chosen}
+        for future in concurrent.futures.as_completed(ours):
+            status, seconds, lines = future.result()
+            print(f"\n== {ours[future]}", *lines, sep="\n")
+            print(f"({ours[future]}: {seconds:.0f} s"
+                  + (f", status {status})" if status else ")"), flush=True)
+            if status:
+                failed.append(ours[future])
+    return failed
 
 
 def read(folder, name):
@@ -84,6 +104,15 @@ def read(folder, name):
             return json.load(f)
     except OSError:
         return None
+
+
+def said(folder, name, pattern):
+    """All matches of a pattern in what a program printed."""
+    try:
+        with open(os.path.join(folder, name + ".txt"), encoding="utf-8") as f:
+            return re.findall(pattern, f.read())
+    except OSError:
+        return []
 
 
 def spread(values):
@@ -130,6 +159,14 @@ def sky_checks(folder):
 
 
 def water_checks(folder):
+    for numbers in said(folder, "validate_water", r"Median off: canonical "
+                        r"problems ([\d.]+) %, K_d ([\d.]+) %, f/Q ([\d.]+)"):
+        for what, number in zip(
+                ("problems 1, 2, 6 of Mobley et al. 1993",
+                 "K_d of Morel and Maritorena 2001",
+                 "f/Q of Morel, Antoine and Gentili 2002"), numbers):
+            yield (f"water: {what}", "median ≤ 10 %", f"{number} %",
+                   float(number) <= 10)
     rows = read(folder, "water.json")
     if not rows:
         return
@@ -151,6 +188,23 @@ def drawn_checks(folder):
                f"at worst, {failed} of {len(rows)} fail", failed == 0)
 
 
+def numbers_checks(folder):
+    normals = said(folder, "cascade_test",
+                   r"gradient by ([\d.]+) deg rms, worst ([\d.]+)")
+    if normals:
+        rms = max(float(n[0]) for n in normals)
+        yield ("queried normals, FFT, against the gradient", "≤ 0.2° rms",
+               f"{rms:.2f}° rms in the worst of {len(normals)} seas",
+               rms <= 0.2)
+    bands = said(folder, "welch_test", r"spectrum [\d.]+ \(([-+\d.]+) %\)")
+    if bands:
+        logs = [math.log1p(float(b) / 100) for b in bands]
+        rms = math.sqrt(sum(v * v for v in logs) / len(logs))
+        yield ("Welch's spectrum of queries, both synthesisers",
+               "≤ 0.15 rms ln", f"{rms:.3f} over {len(logs)} bands, worst "
+               f"{max(map(abs, logs)):.2f}", rms <= 0.15)
+
+
 def eye_checks(folder):
     found = read(folder, "eye.json")
     if found:
@@ -158,16 +212,27 @@ def eye_checks(folder):
             yield tuple(check)
 
 
-def summary(folder):
-    lines = ["| check | bar | found | |", "|---|---|---|---|"]
-    missed = 0
-    for checks in (sea_checks, sky_checks, water_checks, drawn_checks,
-                   eye_checks):
-        for what, bar, figure, good in checks(folder):
-            lines.append(f"| {what} | {bar} | {figure} | "
-                         f"{'met' if good else 'MISSED'} |")
+CHECKS = {"sea": sea_checks, "sky": sky_checks, "water": water_checks,
+          "drawn": drawn_checks, "numbers": numbers_checks, "eye": eye_checks}
+HEAD = ["| part | check | bar | found | |", "|---|---|---|---|---|"]
+
+
+def summary(folder, chosen):
+    """Rows of the table by part; how many miss their bar."""
+    rows, missed = {}, 0
+    for part in CHECKS:
+        if part not in chosen:
+            continue
+        for what, bar, figure, good in CHECKS[part](folder):
+            rows.setdefault(part, []).append(
+                f"| {part} | {what} | {bar} | {figure} | "
+                f"{'met' if good else 'MISSED'} |")
             missed += not good
-    return lines, missed
+    return rows, missed
+
+
+def table(rows):
+    return HEAD + [line for part in CHECKS for line in rows.get(part, ())]
 
 
 def sky_plots(folder):
@@ -196,19 +261,27 @@ def sky_plots(folder):
                  "W m⁻² sr⁻¹ nm⁻¹ at 550 nm", log=True)
 
 
-def write_doc(folder, lines):
-    """The table between its marks in docs/validation.md, and the plots."""
+def write_doc(folder, rows):
+    """The rows of these parts between the table's marks in
+    docs/validation.md, the others as they are; and the plots."""
     with open(DOC, encoding="utf-8") as f:
         text = f.read()
-    text = re.sub(r"(<!-- checks -->\n).*?(<!-- end -->)",
-                  lambda m: m.group(1) + "\n".join(lines) + "\n" + m.group(2),
-                  text, flags=re.S)
+    marks = re.search(r"(<!-- checks -->\n)(.*?)(<!-- end -->)", text, re.S)
+    kept = {}
+    for line in marks[2].splitlines():
+        part = line.strip("| ").split(" |")[0]
+        if part in CHECKS:
+            kept.setdefault(part, []).append(line)
+    lines = table({**kept, **rows})
+    text = (text[:marks.end(1)] + "\n".join(lines) + "\n"
+            + text[marks.start(3):])
     with open(DOC, "w", encoding="utf-8") as f:
         f.write(text)
-    for path in glob.glob(os.path.join(folder, "seatrace-pm-*.svg")) + \
-            glob.glob(os.path.join(folder, "airsky.svg")):
-        shutil.copy(path, os.path.join(ROOT, "docs", "validation-"
-                                       + os.path.basename(path)))
+    for part, plots in (("sea", "seatrace-pm-*.svg"), ("sky", "airsky.svg")):
+        for path in glob.glob(os.path.join(folder, plots)):
+            if part in rows:
+                shutil.copy(path, os.path.join(
+                    ROOT, "docs", "validation-" + os.path.basename(path)))
 
 
 def main():
@@ -216,23 +289,26 @@ def main():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--assert", dest="check", action="store_true")
     parser.add_argument("--doc", action="store_true")
+    parser.add_argument("--tables", action="store_true",
+                        help="run nothing: of what the last run left")
     parser.add_argument("part", nargs="*", metavar="PART")
     options = parser.parse_args()
     known = parts(options)
     if unknown := [part for part in options.part if part not in known]:
         parser.error(f"no such part: {unknown[0]}; there are {', '.join(known)}")
     os.nice(max(0, 10 - os.nice(0)))
-    failed = [name_of(command)
-              for part in options.part or known for command in known[part]
-              if run(command)]
+    chosen = options.part or list(known)
     folder = folder_of(options)
+    os.makedirs(folder, exist_ok=True)
+    failed = [] if options.tables else run_all(
+        [c for part in known if part in chosen for c in known[part]], folder)
     sky_plots(folder)
-    lines, missed = summary(folder)
-    print("\n" + "\n".join(lines))
+    rows, missed = summary(folder, chosen)
+    print("\n" + "\n".join(table(rows)))
     print(f"\n{missed} bars are missed"
           + (f"; failed: {', '.join(failed)}" if failed else ""))
     if options.doc and not options.quick:
-        write_doc(folder, lines)
+        write_doc(folder, rows)
     return 3 if failed or (options.check and missed) else 0
 
 
