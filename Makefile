@@ -24,7 +24,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev \
-    libssl-dev libgdal-dev libhdf5-dev
+    libssl-dev libgdal-dev libhdf5-dev libassimp-dev
 TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
     python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
@@ -67,9 +67,12 @@ PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -
 # GStreamer muxes what pelagosctl records; the daemon does not link it.
 CTL_PKGS := gstreamer-1.0 gstreamer-app-1.0
 READER_PKGS := gdal hdf5-serial OpenEXR
+MODEL_PKGS := assimp spng libjpeg
 # As a system header: it is not clean of our warnings.
 READER_CFLAGS = $(eval READER_CFLAGS := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(READER_PKGS))))$(READER_CFLAGS)
 READER_LIBS = $(eval READER_LIBS := $(shell pkg-config --libs $(READER_PKGS)) -lOpenEXRCore -lm)$(READER_LIBS)
+MODEL_CFLAGS = $(eval MODEL_CFLAGS := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(MODEL_PKGS))))$(MODEL_CFLAGS)
+MODEL_LIBS = $(eval MODEL_LIBS := $(shell pkg-config --libs $(MODEL_PKGS)) -lm)$(MODEL_LIBS)
 CTL_CFLAGS = $(eval CTL_CFLAGS := $(shell pkg-config --cflags $(CTL_PKGS)))$(CTL_CFLAGS)
 CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
 
@@ -102,7 +105,12 @@ MODELS := server/models/model.c server/models/shape.c server/models/bvh.c \
     server/models/decimate.c server/models/builtin.c server/models/solid.c \
     server/models/hullform.c server/models/fittings.c \
     server/models/cargoships.c server/models/passengerships.c \
-    server/models/workboats.c server/models/smallcraft.c server/models/marks.c
+    server/models/workboats.c server/models/smallcraft.c server/models/marks.c \
+    server/models/describe.c server/models/modelwire.c server/models/modelload.c
+# A program of its own: assimp is not the daemon's.
+MODEL_READER := server/models/reader/modelreader.c \
+    server/models/reader/meshfile.c server/models/reader/picture.c \
+    server/models/reader/gltfcheck.c
 OPTICS := server/optics/brdf.c \
     server/optics/atmosphere.c \
     server/optics/airlight.c \
@@ -131,7 +139,7 @@ PROTO := proto/fieldset.c \
     proto/scalar.c \
     proto/wire.c \
     proto/unpack.c \
-    proto/fault.c \
+    proto/fault.c proto/ranges.c \
     proto/json.c \
     proto/jsonread.c \
     proto/jsonwrite.c \
@@ -144,7 +152,7 @@ SCENE := server/scene/scene.c \
     server/scene/store.c \
     server/scene/missing.c \
     server/scene/build.c \
-    server/scene/ground.c \
+    server/scene/ground.c server/scene/fleet.c server/scene/catalogue.c \
     server/scene/numbers.c \
     server/scene/snapshot.c server/scene/spectra.c server/scene/stale.c \
     server/scene/sharedsea.c \
@@ -242,7 +250,7 @@ CTL := \
     clients/pelagosctl/clip.c clients/pelagosctl/clip_stream.c \
     clients/pelagosctl/ctl_bench.c \
     clients/pelagosctl/ctl_completion.c \
-    clients/pelagosctl/ctl_help.c \
+    clients/pelagosctl/ctl_help.c clients/pelagosctl/ctl_models.c \
     clients/pelagosctl/ctl_optics.c clients/pelagosctl/ctl_light.c \
     clients/pelagosctl/ctl_options.c \
     clients/pelagosctl/ctl_picture.c \
@@ -365,6 +373,7 @@ FLAGS_server/optics/airrays := $(VECTORS)
 FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)
 FLAGS_clients/pelagosctl/clip_stream = $(CTL_CFLAGS)
 $(foreach f,$(SEABED_READER:.c=) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
+$(foreach f,$(MODEL_READER:.c=),$(eval FLAGS_$(f) = $$(MODEL_CFLAGS)))
 $(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c tests/validate/airtrace/*.c)),$(eval FLAGS_$(f) := -O3))
 # CPPFLAGS, CFLAGS and LDFLAGS are the caller's, and come last.
 compile = $(CC) $(OUR_CPPFLAGS) $(PKG_CFLAGS) $(OUR_CFLAGS) $(FLAGS_$(1)) $(CPPFLAGS) $(CFLAGS)
@@ -372,7 +381,7 @@ compile = $(CC) $(OUR_CPPFLAGS) $(PKG_CFLAGS) $(OUR_CFLAGS) $(FLAGS_$(1)) $(CPPF
 # What decides about an object beside its sources.
 quoted = '$(subst ','\'',$(1))'
 KEY := $(shell printf %s $(call quoted,$(CC) $(OUR_CPPFLAGS) $(OUR_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(VECTORS) \
-    $(PKGS) $(CTL_PKGS) $(READER_PKGS)) | sha1sum | cut -c 1-10)
+    $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(MODEL_PKGS)) | sha1sum | cut -c 1-10)
 OBJ := $(O)/obj-$(KEY)
 
 # --- rules ----------------------------------------------------------------
@@ -392,7 +401,7 @@ SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
 PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\
-    pelagosd pelagosctl pelagos-seabed)
+    pelagosd pelagosctl pelagos-seabed pelagos-model)
 
 .PHONY: all
 all: $(PROGRAMS) ## build the daemon and its command line
@@ -411,7 +420,7 @@ $(O)/flags: FORCE
 	$(Q)mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = $(KEY) ] || echo $(KEY) >$@
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosctl \
-    pelagos-seabed registers_doc cigi_doc nmea_doc bench still bench_streams \
+    pelagos-seabed pelagos-model drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
     any_raster validate_water seatrace airtrace airours): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
@@ -419,6 +428,9 @@ $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
 
 $(O)/bin/pelagos-seabed: $(call obj,$(SEABED_READER)) $(OBJ)/libserver.a
 	$(LINK) $(READER_LIBS)
+
+$(O)/bin/pelagos-model: $(call obj,$(MODEL_READER)) $(OBJ)/libserver.a
+	$(LINK) $(MODEL_LIBS)
 
 $(O)/bin/pelagosctl: $(CTL_MAIN) $(OBJ)/libctl.a $(OBJ)/libpelagos.a $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS) $(CTL_LIBS)
@@ -439,7 +451,7 @@ $(OBJ)/libctl.a: $(filter-out $(CTL_MAIN),$(CTL_OBJ))
 # Names every missing library at once, before the compiler stumbles over one.
 $(O)/gen/packages: Makefile
 	$(Q)mkdir -p $(@D)
-	$(Q)missing=; for p in $(PKGS) $(CTL_PKGS) $(READER_PKGS); do \
+	$(Q)missing=; for p in $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(MODEL_PKGS); do \
 	    pkg-config --exists $$p 2>/dev/null || missing="$$missing $$p"; done; \
 	for c in protoc protoc-c glslangValidator; do \
 	    command -v $$c >/dev/null || missing="$$missing $$c"; done; \
@@ -499,7 +511,7 @@ $(O)/bin/any_raster: $(OBJ)/tests/any_raster.o $(OBJ)/libserver.a
 
 # Models for a contact sheet, by a rasteriser of the tests' own.
 $(O)/bin/drawmodel: $(OBJ)/tests/models/drawmodel.o $(OBJ)/libserver.a
-	$(LINK) -lspng -lm
+	$(LINK) $(PKG_LIBS)
 
 .PHONY: models-sheet
 models-sheet: deps-build ## every built-in model (or ARGS='FILE …') on one sheet: build/models.png
@@ -766,7 +778,8 @@ install: all man $(O)/pelagos.pc $(O)/libpelagos.a ## install below PREFIX (/usr
 	    $(D)/share/zsh/site-functions $(D)/share/fish/vendor_completions.d \
 	    $(DESTDIR)$(UNITDIR) $(DESTDIR)$(SYSCONFDIR)/pelagos
 	install -m755 $(O)/bin/pelagosd $(O)/bin/pelagosctl $(D)/bin
-	install -m755 $(O)/bin/pelagos-seabed $(D)/libexec/pelagos
+	install -m755 $(O)/bin/pelagos-seabed $(O)/bin/pelagos-model \
+	    $(D)/libexec/pelagos
 	install -m644 $(O)/libpelagos.a $(D)/lib
 	install -m644 $(O)/pelagos.pc $(D)/lib/pkgconfig
 	install -m644 clients/lib/pelagos.h $(O)/gen/pelagos.pb-c.h \

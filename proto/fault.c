@@ -119,3 +119,12 @@ void pel_fault_at(struct pel_fault *fault, const char *path, const char *value)
         }
     }
 }
+
+enum pel_err pel_fault_refuse(enum pel_err code, const char *path,
+                              const char *value, const char *what,
+                              struct pel_fault *fault)
+{
+    pel_fault_set(fault, code, "%.90s %s", path, what);
+    pel_fault_at(fault, path, value);
+    return code;
+}

@@ -14,3 +14,9 @@ void pel_fault_from_error(const Pelagos__Error *error, struct pel_fault *out);
 /* Puts path and value (NULL: none) into *fault (NULL allowed), truncated, and
  * the unit and range that the schema gives the path. */
 void pel_fault_at(struct pel_fault *fault, const char *path, const char *value);
+
+/* Fills *fault (NULL allowed) with "PATH WHAT", path and value; returns the
+ * code. */
+enum pel_err pel_fault_refuse(enum pel_err code, const char *path,
+                              const char *value, const char *what,
+                              struct pel_fault *fault);

@@ -98,6 +98,10 @@ const struct pel_option pel_option_table[] = {
       .offset = FIELD(bathymetry),
       .help = "Where the files of heights lie that seabed.file names: GeoTIFF, "
               "NetCDF, HDF5, BAG, ENVI, ESRI .hdr and ASCII grids, OpenEXR." },
+    { "models", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
+      .offset = FIELD(models),
+      .help = "Where the files lie that entities.*.model.name names: glTF, "
+              "GLB, OBJ, COLLADA, 3DS, AC3D, STL, X." },
 
     { "device", "render", PEL_OPTION_TEXT_KIND, "auto|software|NUMBER", "auto",
       .offset = FIELD(device),

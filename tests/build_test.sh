@@ -51,7 +51,8 @@ needs() { # PROGRAM LIBRARY…: the program needs none of them
 }
 needs pelagosctl libmicrohttpd libmodbus libepoxy libgstrtsp libspng libgdal
 needs pelagos-seabed libmicrohttpd libmodbus libepoxy libgst libglib libssl
-needs pelagosd libgdal libcmocka libhdf5
+needs pelagos-model libmicrohttpd libmodbus libepoxy libgst libglib libssl libgdal
+needs pelagosd libgdal libcmocka libhdf5 libassimp
 
 # Each package that is asked for has a library of its own that some program
 # needs, of those that are built.
@@ -69,7 +70,7 @@ used() { # NAME -l…: what is needed is among them
     shift
     sonames "$@" | grep -qxF "$needed" || fail "no program uses $name"
 }
-packages=$(make -s --eval='words: ; @echo $(PKGS) $(CTL_PKGS) $(READER_PKGS)' \
+packages=$(make -s --eval='words: ; @echo $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(MODEL_PKGS)' \
     words)
 [ "$(wc -w <<<"$packages")" -gt 10 ] || fail "which packages? $packages"
 for package in $packages; do
@@ -82,7 +83,7 @@ for package in $packages; do
     used "$package" $(pkg-config --libs-only-L "$package") \
         ${own:-$(pkg-config --libs-only-l "$package")}
 done
-for library in $(grep -oE '^(PKG|READER|CTL)_LIBS = .*' Makefile |
+for library in $(grep -oE '^(PKG|READER|MODEL|CTL)_LIBS = .*' Makefile |
     grep -oE -e ' -l[A-Za-z]+'); do
     used "$library" "$library"
 done

@@ -476,6 +476,26 @@ enum pel_client_code pel_client_spectrum(struct pel_client *client,
     return code;
 }
 
+enum pel_client_code pel_client_models(struct pel_client *client,
+                                       const Pelagos__ModelsQuery *query,
+                                       Pelagos__Models **out,
+                                       struct pel_client_error *error)
+{
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_MODELS;
+    request.models = (Pelagos__ModelsQuery *)query;
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code =
+        call(client, &request, PELAGOS__REPLY__RESULT_MODELS, &reply, error);
+    if (code == PEL_CLIENT_OK) {
+        *out = reply->models;
+        reply->models = NULL;
+        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+        pelagos__reply__free_unpacked(reply, NULL);
+    }
+    return code;
+}
+
 enum pel_client_code pel_client_optics(struct pel_client *client,
                                        const Pelagos__OpticsQuery *query,
                                        Pelagos__Optics **out,

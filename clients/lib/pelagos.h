@@ -154,6 +154,12 @@ pel_client_spectrum(struct pel_client *client,
                     const Pelagos__SpectrumQuery *query,
                     Pelagos__Spectrum **out, struct pel_client_error *error);
 
+/* The models that there are, or the one of query->name. Free *out with
+ * pelagos__models__free_unpacked(). */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_models(struct pel_client *client, const Pelagos__ModelsQuery *query,
+                  Pelagos__Models **out, struct pel_client_error *error);
+
 /* Numbers of light (query->brdf or query->sky), of the state in force or of
  * what query->patch would make of it; the scene stays as it is. Free *out with
  * pelagos__optics__free_unpacked(). */

@@ -142,6 +142,8 @@ enum ctl_exit ctl_replay(struct ctl *ctl);
 enum ctl_exit ctl_replay_log(struct ctl *ctl);
 enum ctl_exit ctl_spectrum(struct ctl *ctl);
 enum ctl_exit ctl_record(struct ctl *ctl);
+enum ctl_exit ctl_models(struct ctl *ctl);
+enum ctl_exit ctl_model(struct ctl *ctl);
 enum ctl_exit ctl_bench(struct ctl *ctl);
 enum ctl_exit ctl_optics(struct ctl *ctl);
 /* optics brdf, optics sky. */

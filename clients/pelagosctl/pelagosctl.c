@@ -94,6 +94,17 @@ static const char *const spectrum_examples[] = {
     NULL,
 };
 
+static const char *const models_examples[] = {
+    "pelagosctl models\nAll of them.",
+    "pelagosctl set entities.7.model.name=tanker\nGive entity 7 a shape.",
+    NULL,
+};
+static const char *const model_examples[] = {
+    "pelagosctl model check ferry/ferry.glb\nBefore it goes into the directory "
+    "of pelagosd --models.",
+    NULL,
+};
+
 static const struct ctl_option watch_options[] = {
     { 'n', "count", "LINES", "End after so many lines", NULL },
     { 0, "seconds", "SECONDS", "End after so long", NULL },
@@ -326,6 +337,17 @@ const struct ctl_command ctl_commands[] = {
       "waves that are drawn and of the slopes that only shading shows. "
       "Directions are those the waves come from.",
       spectrum_options, spectrum_examples, "paths", 0, SIZE_MAX, ctl_spectrum },
+    { "models", "[NAME]", "list the models of ships and marks",
+      "Prints a line for each model that entities.*.model.name can name: "
+      "class, size over all in metres, triangles of each level of detail, "
+      "memory. Built-in ones first, then the files of pelagosd --models, with "
+      "what is wrong with a file or what was left out of it.",
+      NULL, models_examples, NULL, 0, 1, ctl_models },
+    { "model", "check FILE", "say what is wrong with a model's file",
+      "Reads FILE, and the description FILE.json beside it, as pelagosd does, "
+      "without one, and prints what it is, or why it is refused. Exit status 1 "
+      "then.",
+      NULL, model_examples, "files", 2, 2, ctl_model },
     { "step", "[SECONDS]", "advance simulated time in mode STEPPED",
       "Advances the clock by SECONDS (1/30) and prints the new time. Only in "
       "clock.mode STEPPED.",

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -242,4 +243,52 @@ enum pel_err pel_helper_run(const struct pel_helper_task *task,
     *out = h.bytes;
     *size = h.size;
     return err;
+}
+
+/* Links within the directory are all right. */
+static bool leads_out(const char *directory, const char *path)
+{
+    char *whole = realpath(directory, NULL), *real = realpath(path, NULL);
+    size_t length = whole ? strlen(whole) : 0;
+    bool out = !whole || !real || strncmp(real, whole, length) != 0 ||
+               (real[length] != '/' && length > 1);
+    free(whole);
+    free(real);
+    return out;
+}
+
+static bool well_formed(const char *file)
+{
+    for (const char *name = file;; name++) {
+        if (*name == '.' || *name == '-' || *name == '/' || !*name) {
+            return false;
+        }
+        name = strchr(name, '/');
+        if (!name) {
+            return strlen(file) <= 200;
+        }
+    }
+}
+
+enum pel_err pel_helper_find(const char *directory, const char *file,
+                             char path[4096], struct pel_fault *fault)
+{
+    struct stat is;
+    if (!well_formed(file)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "%.80s: it must be the path of a file below "
+                             "%.80s, without names that begin with . or -",
+                             file, directory);
+    }
+    if (snprintf(path, 4096, "%s/%s", directory, file) >= 4096 ||
+        stat(path, &is) || !S_ISREG(is.st_mode)) {
+        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                             "%.80s: no such file in %.120s", file, directory);
+    }
+    return leads_out(directory, path)
+               ? pel_fault_set(fault, PEL_ERR_INVALID,
+                               "%.80s is a link out of %.80s; put the file "
+                               "itself there",
+                               file, directory)
+               : PEL_OK;
 }

@@ -23,3 +23,10 @@ struct pel_helper_task {
 PEL_CHECK enum pel_err pel_helper_run(const struct pel_helper_task *task,
                                       unsigned char **out, size_t *size,
                                       struct pel_fault *fault);
+
+/* The path of the file that a user calls `file` in a directory of ours: names
+ * joined by single /, none with a dot or a dash before it. INVALID (another
+ * form; a link out of the directory), NOT_FOUND (no regular file). */
+PEL_CHECK enum pel_err pel_helper_find(const char *directory, const char *file,
+                                       char path[4096],
+                                       struct pel_fault *fault);

@@ -478,9 +478,8 @@ static void link_corners(struct pel_decimate *d)
         }
     }
     for (uint32_t c = 0; c < 3 * d->mesh.triangle_count; c++) {
-        uint32_t to = d->place[c / 3 * 3 + (c + 1) % 3];
-        consider(d, d->place[c], to);
-        consider(d, to, d->place[c]);
+        /* The other triangle of the edge has it the other way. */
+        consider(d, d->place[c], d->place[c / 3 * 3 + (c + 1) % 3]);
     }
 }
 

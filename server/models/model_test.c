@@ -384,7 +384,7 @@ static void test_levels_stay_within_their_error(void **state)
         for (int l = 1; l < m->level_count; l++) {
             double worst = 0, error_m = (double)m->levels[l].error_m;
             assert_true(m->levels[l].triangles <=
-                        m->levels[l - 1].triangles / 2);
+                        m->levels[l - 1].triangles * 2 / 3);
             assert_true(error_m >= (double)m->levels[l - 1].error_m);
             size_t step = m->vertex_count / 150 + 1;
             for (size_t v = 0; v < m->vertex_count; v += step) {

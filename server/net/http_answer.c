@@ -7,6 +7,7 @@
 #include "base/clock.h"
 #include "json.h"
 #include "net/command.h"
+#include "scene/catalogue.h"
 
 #define STREAM_BLOCK 65536
 #define STREAM_SOCKET_BUFFER (256 * 1024)
@@ -264,6 +265,24 @@ enum MHD_Result pel_http_send_spectrum(struct client *client,
     enum pel_err err =
         pel_command_spectrum(client->server->context.scene, answer->spectrum,
                              on_spectrum, waiter, &fault);
+    pel_http_answer_finish(answer);
+    return wait_on(client, waiter, err, &fault);
+}
+
+static void on_models(void *user, enum pel_err err,
+                      const struct pel_fault *fault,
+                      const Pelagos__Models *answer)
+{
+    wait_answer(user, err, fault, err == PEL_OK ? &answer->base : NULL);
+}
+
+enum MHD_Result pel_http_send_models(struct client *client,
+                                     struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    struct waiter *waiter = wait_begin(client);
+    enum pel_err err = pel_scene_ask_models(client->server->context.scene, NULL,
+                                            on_models, waiter, &fault);
     pel_http_answer_finish(answer);
     return wait_on(client, waiter, err, &fault);
 }

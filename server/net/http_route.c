@@ -379,6 +379,11 @@ static void spectrum(const struct pel_http_call *call)
     call->answer->spectrum = (Pelagos__SpectrumQuery *)message;
 }
 
+static void get_models(const struct pel_http_call *call)
+{
+    call->answer->kind = PEL_HTTP_MODELS;
+}
+
 static void get_page(const struct pel_http_call *call, const char *path)
 {
     struct pel_http_answer *answer = call->answer;
@@ -450,6 +455,7 @@ static const struct route routes[] = {
     { "POST", "v1/surface", ROUTE_BODY | ROUTE_LARGE, post_surface },
     { "GET", "v1/spectrum", 0, spectrum },
     { "POST", "v1/spectrum", ROUTE_BODY | ROUTE_EMPTY_OK, spectrum },
+    { "GET", "v1/models", ROUTE_COSTLY, get_models },
     { "GET", "v1/optics/*", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_optics },
     { "POST", "v1/optics", ROUTE_BODY, pel_http_post_optics },
     { "POST", "v1/clock/step", ROUTE_BODY | ROUTE_EMPTY_OK, post_step },

@@ -39,6 +39,7 @@ enum pel_http_kind {
     PEL_HTTP_SURFACE,  /* carry out `surface`, answer with JSON */
     PEL_HTTP_OPTICS,   /* carry out `optics`, answer with JSON */
     PEL_HTTP_SPECTRUM, /* carry out `spectrum`, answer with JSON */
+    PEL_HTTP_MODELS,   /* list the models, answer with JSON */
     PEL_HTTP_PATCH,    /* commit `patch`, answer with the state */
 };
 

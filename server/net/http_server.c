@@ -171,6 +171,8 @@ static enum MHD_Result take_request(struct client *client, const char *method)
         return pel_http_send_optics(client, &answer);
     case PEL_HTTP_SPECTRUM:
         return pel_http_send_spectrum(client, &answer);
+    case PEL_HTTP_MODELS:
+        return pel_http_send_models(client, &answer);
     case PEL_HTTP_PATCH:
         return pel_http_send_patched(client, &answer);
     case PEL_HTTP_MJPEG:

@@ -4,6 +4,7 @@
 #include "net/frame_reply.h"
 #include "net/session_parts.h"
 #include "net/surfacewire.h"
+#include "scene/catalogue.h"
 #include "wire.h"
 
 /* Frames are called off; surface answers find that nobody waits. */
@@ -293,6 +294,43 @@ enum pel_err pel_session_spectrum(struct session *self,
     struct job *job = owe(self, request);
     enum pel_err err = pel_command_spectrum(self->all->scene, request->spectrum,
                                             on_spectrum, job, fault);
+    if (err) {
+        self->owes = false;
+        g_ptr_array_remove_fast(self->jobs, job);
+        g_free(job);
+    }
+    return err;
+}
+
+static void on_models(void *user, enum pel_err err,
+                      const struct pel_fault *fault,
+                      const Pelagos__Models *answer)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        self->owes = false;
+        if (err == PEL_OK) {
+            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+            reply.has_id = job->has_id;
+            reply.id = job->id;
+            reply.result_case = PELAGOS__REPLY__RESULT_MODELS;
+            reply.models = (Pelagos__Models *)answer;
+            send_reply(self, &reply);
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+enum pel_err pel_session_models(struct session *self,
+                                const Pelagos__Request *request,
+                                struct pel_fault *fault)
+{
+    struct job *job = owe(self, request);
+    enum pel_err err = pel_scene_ask_models(
+        self->all->scene, request->models->name, on_models, job, fault);
     if (err) {
         self->owes = false;
         g_ptr_array_remove_fast(self->jobs, job);

@@ -70,6 +70,11 @@ void pel_session_send_state(struct session *self, bool has_id, uint64_t id);
 void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
                             const struct pel_fault *fault);
 
+/* Answers when the list is there. */
+PEL_CHECK enum pel_err pel_session_models(struct session *self,
+                                          const Pelagos__Request *request,
+                                          struct pel_fault *fault);
+
 /* Answers when the numbers are there. */
 PEL_CHECK enum pel_err pel_session_spectrum(struct session *self,
                                             const Pelagos__Request *request,

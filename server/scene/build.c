@@ -474,7 +474,8 @@ static void place_ship(const Pelagos__State *state,
 
 const struct pel_snapshot *pel_snapshot_build_going(
     const Pelagos__State *state, struct pel_shared_sea *sea,
-    const struct pel_seabed *seabed, const struct pel_ship *going)
+    const struct pel_seabed *seabed, const struct pel_fleet *fleet,
+    const struct pel_ship *going)
 {
     struct snapshot *s = calloc(1, sizeof *s);
     if (!s) {
@@ -489,6 +490,9 @@ const struct pel_snapshot *pel_snapshot_build_going(
     s->public.entity_count = state->n_entities;
     for (size_t i = 0; i < state->n_entities; i++) {
         place_entity(state->origin, state->entities[i], &s->entities[i]);
+        s->entities[i].model =
+            fleet ? pel_model_ref(pel_fleet_of(fleet, state->entities[i]))
+                  : NULL;
     }
     s->public.views = s->views;
     s->public.view_count = state->n_views;
@@ -503,7 +507,7 @@ const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,
                                               struct pel_shared_sea *sea,
                                               const struct pel_seabed *seabed)
 {
-    return pel_snapshot_build_going(state, sea, seabed, NULL);
+    return pel_snapshot_build_going(state, sea, seabed, NULL, NULL);
 }
 
 const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
@@ -516,6 +520,9 @@ const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
     }
     *to = (struct snapshot){ .public = from->public };
     memcpy(to->entities, from->entities, sizeof to->entities);
+    for (size_t i = 0; i < to->public.entity_count; i++) {
+        pel_model_ref(to->entities[i].model);
+    }
     memcpy(to->views, from->views, sizeof to->views);
     atomic_init(&to->refs, 1);
     atomic_fetch_add(&to->public.sea->refs, 1);
@@ -575,6 +582,9 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
     if (whole && atomic_fetch_sub(&whole->refs, 1) == 1) {
         pel_shared_sea_unref(whole->public.sea);
         pel_seabed_unref(whole->public.seabed);
+        for (size_t i = 0; i < whole->public.entity_count; i++) {
+            pel_model_unref(whole->entities[i].model);
+        }
         free(whole);
     }
 }

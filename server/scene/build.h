@@ -6,6 +6,7 @@
 
 #include "base/err.h"
 #include "pelagos.pb-c.h"
+#include "scene/fleet.h"
 #include "scene/snapshot.h"
 
 /* A sea that several snapshots share, built lazily: many patches may
@@ -47,13 +48,14 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
                       struct pel_sea_desc *out);
 void pel_shared_sea_unref(struct pel_shared_sea *sea); /* NULL allowed */
 
-/* A snapshot with one reference; takes its own of the sea and of the bottom
- * (NULL: flat). Own ship, where
+/* A snapshot with one reference; takes its own of the sea, of the bottom
+ * (NULL: flat) and of the models (NULL: none). Own ship, where
  * ownShip.on, goes on from `going` or, if that is NULL, begins at
  * clock.time with the pose of its entity then. */
 const struct pel_snapshot *pel_snapshot_build_going(
     const Pelagos__State *state, struct pel_shared_sea *sea,
-    const struct pel_seabed *seabed, const struct pel_ship *going);
+    const struct pel_seabed *seabed, const struct pel_fleet *fleet,
+    const struct pel_ship *going);
 
 /* The same snapshot with own ship further on. */
 const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,

@@ -8,6 +8,7 @@ static struct pel_resources resources_ref(const struct pel_resources *from)
     to.sea = from->sea ? pel_shared_sea_ref(from->sea) : NULL;
     to.ground.key = g_strdup(from->ground.key);
     to.ground.bed = pel_seabed_ref(from->ground.bed);
+    to.fleet = pel_fleet_ref(&from->fleet);
     return to;
 }
 
@@ -15,6 +16,7 @@ void pel_resources_finish(struct pel_resources *resources)
 {
     pel_shared_sea_unref(resources->sea);
     pel_ground_finish(&resources->ground);
+    pel_fleet_finish(&resources->fleet);
     resources->sea = NULL;
 }
 
@@ -23,12 +25,13 @@ bool pel_resources_fits(const struct pel_resources *resources,
                         const struct pel_sea_means *means)
 {
     return resources->sea && pel_shared_sea_is(resources->sea, state, means) &&
-           pel_ground_is(&resources->ground, state);
+           pel_ground_is(&resources->ground, state) &&
+           pel_fleet_has(&resources->fleet, state);
 }
 
 enum pel_err pel_resources_get(const Pelagos__State *state,
                                const struct pel_sea_means *means,
-                               const char *bathymetry,
+                               const struct pel_files *files,
                                const struct pel_resources *present,
                                struct pel_resources *out,
                                struct pel_fault *fault)
@@ -39,11 +42,14 @@ enum pel_err pel_resources_get(const Pelagos__State *state,
     if (err) {
         return err;
     }
-    err = pel_ground_get(state, bathymetry, &present->ground, &out->ground,
-                         fault);
+    err = pel_ground_get(state, files->bathymetry, &present->ground,
+                         &out->ground, fault);
+    if (!err) {
+        err = pel_fleet_get(state, files->models, files->forgiving,
+                            &present->fleet, &out->fleet, fault);
+    }
     if (err) {
-        pel_shared_sea_unref(out->sea);
-        out->sea = NULL;
+        pel_resources_finish(out);
     }
     return err;
 }
@@ -51,7 +57,7 @@ enum pel_err pel_resources_get(const Pelagos__State *state,
 static void work(struct pel_task *task)
 {
     struct pel_preparation *p = (struct pel_preparation *)task;
-    p->err = pel_resources_get(p->state, p->means, p->bathymetry, &p->present,
+    p->err = pel_resources_get(p->state, p->means, p->files, &p->present,
                                &p->got, &p->fault);
     if (!p->err) {
         pel_shared_sea_value(p->got.sea);
@@ -65,12 +71,11 @@ static void ended(struct pel_task *task, bool dropped)
     p->done(p->user, p);
 }
 
-struct pel_preparation *
-pel_preparation_begin(struct pel_worker *worker, Pelagos__State *state,
-                      const struct pel_sea_means *means, const char *bathymetry,
-                      const struct pel_resources *present,
-                      void (*done)(void *user, struct pel_preparation *ready),
-                      void *user)
+struct pel_preparation *pel_preparation_begin(
+    struct pel_worker *worker, Pelagos__State *state,
+    const struct pel_sea_means *means, const struct pel_files *files,
+    const struct pel_resources *present,
+    void (*done)(void *user, struct pel_preparation *ready), void *user)
 {
     struct pel_preparation *p = g_new0(struct pel_preparation, 1);
     *p = (struct pel_preparation){
@@ -79,7 +84,7 @@ pel_preparation_begin(struct pel_worker *worker, Pelagos__State *state,
         .user = user,
         .state = state,
         .means = means,
-        .bathymetry = bathymetry,
+        .files = files,
         .present = resources_ref(present),
     };
     pel_worker_push(worker, &p->task);

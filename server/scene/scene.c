@@ -223,7 +223,7 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     struct pel_resources next;
     bool fits = ready && pel_resources_fits(ready, state, &scene->means);
     enum pel_err err =
-        pel_resources_get(state, &scene->means, scene->bathymetry,
+        pel_resources_get(state, &scene->means, &scene->files,
                           fits ? ready : &scene->has, &next, fault);
     if (err) {
         return err;
@@ -231,8 +231,8 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     const struct pel_ship *going = ship_goes_on && next.sea == scene->has.sea
                                        ? &scene->snapshot->ship
                                        : NULL;
-    const struct pel_snapshot *snapshot =
-        pel_snapshot_build_going(state, next.sea, next.ground.bed, going);
+    const struct pel_snapshot *snapshot = pel_snapshot_build_going(
+        state, next.sea, next.ground.bed, &next.fleet, going);
     scene->ship_era += !going;
     pel_resources_finish(&scene->has);
     pel_snapshot_unref(scene->snapshot);
@@ -508,7 +508,8 @@ static void scene_free(struct pel_scene *scene)
     if (scene->state) {
         pelagos__state__free_unpacked(scene->state, NULL);
     }
-    g_free(scene->bathymetry);
+    g_free((char *)scene->files.bathymetry);
+    g_free((char *)scene->files.models);
     g_free(scene->spectra);
     pel_missing_finish(&scene->missing);
     pel_store_close(scene->store);
@@ -563,6 +564,9 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     if (!err) {
         err = need_directory("--bathymetry", options->bathymetry, fault);
     }
+    if (!err) {
+        err = need_directory("--models", options->models, fault);
+    }
     if (!err && options->state_path) {
         err = pel_store_open(options->state_path, &store, fault);
     }
@@ -578,14 +582,18 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     scene->means.wave_count =
         options->wave_count > 0 ? options->wave_count : DEFAULT_WAVES;
     scene->means.spectra = scene->spectra = g_strdup(options->spectra);
-    scene->bathymetry = g_strdup(options->bathymetry);
-    if (options->bathymetry && pel_sandbox_lack(pel_sandbox_walls())) {
-        pel_warn("SCN-010", "height files are read in a process with %s",
+    scene->files.bathymetry = g_strdup(options->bathymetry);
+    scene->files.models = g_strdup(options->models);
+    if ((options->bathymetry || options->models) &&
+        pel_sandbox_lack(pel_sandbox_walls())) {
+        pel_warn("SCN-010", "files of others are read in a process with %s",
                  pel_sandbox_lack(pel_sandbox_walls()));
     }
     pel_scene_begin_waiting(scene);
     nobody_yet(state);
+    scene->files.forgiving = true;
     err = begin(scene, state, fault);
+    scene->files.forgiving = false;
     if (err) {
         pelagos__state__free_unpacked(state, NULL);
         scene_free(scene);

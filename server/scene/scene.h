@@ -21,6 +21,7 @@ struct pel_scene_options {
     int wave_count;         /* trochoids of a sea, 20..256 */
     const char *spectra;    /* directory of measured spectra; NULL: none */
     const char *bathymetry; /* directory of height fields; NULL: none */
+    const char *models;     /* directory of models; NULL: none */
 };
 
 /* Loads options->state_path if it exists (a file that does not load is kept

@@ -4,6 +4,7 @@
 
 #include <glib.h>
 
+#include "scene/catalogue.h"
 #include "scene/missing.h"
 #include "scene/prepare.h"
 #include "scene/scene.h"
@@ -17,19 +18,21 @@ struct pel_scene {
     struct pel_store *store; /* NULL: the state is not kept */
     struct pel_missing missing;
     struct pel_sea_means means;
-    char *spectra;         /* what means.spectra points to */
-    char *bathymetry;      /* directory of height fields; may be NULL */
-    Pelagos__State *state; /* clock.time as of the last look at it */
+    char *spectra;          /* what means.spectra points to */
+    struct pel_files files; /* directories of our own */
+    Pelagos__State *state;  /* clock.time as of the last look at it */
     struct pel_simclock clock;
     struct pel_resources has; /* what the snapshot was made with */
     const struct pel_snapshot *snapshot;
-    struct pel_worker *worker;  /* of patches that wait */
-    struct pel_worker *numbers; /* of spectra */
-    GPtrArray *waiting;         /* struct waiting, oldest first */
-    guint batch;                /* so many of them are being prepared */
-    uint64_t prepared;          /* batches */
-    guint save_timer;           /* 0: nothing to write */
-    int64_t save_from_ns;       /* not before */
+    struct pel_worker *worker;       /* of patches that wait */
+    struct pel_worker *numbers;      /* of spectra */
+    struct pel_worker *shapes;       /* of lists of models */
+    struct pel_catalogue *catalogue; /* that thread's; NULL: none yet */
+    GPtrArray *waiting;              /* struct waiting, oldest first */
+    guint batch;                     /* so many of them are being prepared */
+    uint64_t prepared;               /* batches */
+    guint save_timer;                /* 0: nothing to write */
+    int64_t save_from_ns;            /* not before */
     uint64_t saves, failed_saves;
     guint ship_timer;               /* 0: own ship is not the model's */
     struct pel_worker *ship_worker; /* does own ship's steps ahead */

@@ -44,6 +44,9 @@ static bool touches_sea(const Pelagos__Patch *patch)
 {
     const Pelagos__State *to = patch->state;
     bool touches = to && (to->sea || to->seabed || to->origin);
+    for (size_t i = 0; to && i < to->n_entities && !touches; i++) {
+        touches = to->entities[i]->model;
+    }
     for (size_t i = 0; i < patch->n_remove && !touches; i++) {
         touches = strncmp(patch->remove[i], "sea", 3) == 0 ||
                   strncmp(patch->remove[i], "origin", 6) == 0;
@@ -55,6 +58,7 @@ static bool touches_sea(const Pelagos__Patch *patch)
 static bool reads(const struct pel_scene *scene, const Pelagos__State *state)
 {
     return !pel_ground_is(&scene->has.ground, state) ||
+           !pel_fleet_has(&scene->has.fleet, state) ||
            !pel_shared_sea_same_record(scene->has.sea, state);
 }
 
@@ -111,8 +115,8 @@ static void prepare_next(struct pel_scene *scene)
         state = (Pelagos__State *)pel_message_copy(&scene->state->base);
     }
     scene->prepared++;
-    pel_preparation_begin(scene->worker, state, &scene->means,
-                          scene->bathymetry, &scene->has, prepared, scene);
+    pel_preparation_begin(scene->worker, state, &scene->means, &scene->files,
+                          &scene->has, prepared, scene);
 }
 
 static enum pel_err commit_one(struct pel_scene *scene, const struct waiting *w,
@@ -254,6 +258,7 @@ void pel_scene_begin_waiting(struct pel_scene *scene)
     scene->waiting = g_ptr_array_new();
     scene->worker = pel_worker_create("preparing");
     scene->numbers = pel_worker_create("spectra");
+    scene->shapes = pel_worker_create("models");
     scene->ship_worker = pel_worker_create("own ship ahead");
 }
 
@@ -263,6 +268,10 @@ void pel_scene_end_waiting(struct pel_scene *scene)
     scene->worker = NULL;
     pel_worker_destroy(scene->numbers);
     scene->numbers = NULL;
+    pel_worker_destroy(scene->shapes);
+    scene->shapes = NULL;
+    pel_catalogue_free(scene->catalogue);
+    scene->catalogue = NULL;
     pel_worker_destroy(scene->ship_worker);
     scene->ship_worker = NULL;
     g_ptr_array_free(scene->waiting, TRUE);

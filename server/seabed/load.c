@@ -4,29 +4,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "base/helper.h"
 #include "seabed/wire.h"
 
 #define PROGRAM "pelagos-seabed"
 
-/* Links within the directory are all right. */
-static bool leads_out(const char *directory, const char *path)
-{
-    char *whole = realpath(directory, NULL), *real = realpath(path, NULL);
-    size_t length = whole ? strlen(whole) : 0;
-    bool out = !whole || !real || strncmp(real, whole, length) != 0 ||
-               (real[length] != '/' && length > 1);
-    free(whole);
-    free(real);
-    return out;
-}
-
 static enum pel_err check(const struct pel_seabed_source *s, char path[4096],
                           struct pel_fault *fault)
 {
-    struct stat is;
     if (!s->directory) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
                              "seabed.file needs pelagosd --bathymetry");
@@ -37,18 +23,7 @@ static enum pel_err check(const struct pel_seabed_source *s, char path[4096],
                              "seabed.file must be the name of a file in the "
                              "directory of pelagosd --bathymetry, without /");
     }
-    if (snprintf(path, 4096, "%s/%s", s->directory, s->file) >= 4096 ||
-        stat(path, &is) || !S_ISREG(is.st_mode)) {
-        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
-                             "%.80s: no such file in %.120s", s->file,
-                             s->directory);
-    }
-    return leads_out(s->directory, path)
-               ? pel_fault_set(fault, PEL_ERR_INVALID,
-                               "%.80s is a link out of %.80s; put the file "
-                               "itself there",
-                               s->file, s->directory)
-               : PEL_OK;
+    return pel_helper_find(s->directory, s->file, path, fault);
 }
 
 /* Runs the reader. */

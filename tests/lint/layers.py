@@ -16,7 +16,7 @@ LIBRARIES = {
     "modbus": {"server/bridges", "clients/demo"},
     # The benchmark of streams (tests) times these two by themselves.
     "turbojpeg.h": {"server/encode", "tests"},
-    "jpeglib.h": {"server/encode"},
+    "jpeglib.h": {"server/encode", "server/models/reader"},
     "openexr.h": {"server/encode", "server/seabed/reader"},
     "gdal": {"server/seabed/reader", "tests"},
     "cpl_": {"server/seabed/reader", "tests"},
@@ -26,7 +26,8 @@ LIBRARIES = {
     "libyuv": {"server/encode"},
     "wslay/": {"server/net"},
     # Golden pictures are read by tests.
-    "spng.h": {"server/encode", "tests"},
+    "spng.h": {"server/encode", "server/models/reader", "tests"},
+    "assimp/": {"server/models/reader"},
 }
 GENERATED = {"pelagos.pb-c.h": "proto", "protobuf-c/": None}
 

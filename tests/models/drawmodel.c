@@ -3,6 +3,7 @@
  * sheet (sheet.py). Pixels are 3 × 3 samples.
  *
  *   drawmodel builtin NAME LEVEL OUT.png
+ *   drawmodel DIRECTORY FILE LEVEL OUT.png
  *
  * Prints one line of what it is. The sea is drawn as a line. */
 #include <spng.h>
@@ -11,6 +12,7 @@
 #include <string.h>
 
 #include "models/builtin.h"
+#include "models/modelload.h"
 
 #define WIDTH 1200
 #define HEIGHT 620
@@ -234,12 +236,18 @@ int main(int argc, char **argv)
 {
     const struct pel_model *model = NULL;
     struct pel_fault fault = { 0 };
-    if (argc != 5 || strcmp(argv[1], "builtin") != 0) {
-        fprintf(stderr, "usage: drawmodel builtin NAME LEVEL OUT.png\n");
+    if (argc != 5) {
+        fprintf(stderr,
+                "usage: drawmodel builtin|DIRECTORY NAME|FILE LEVEL OUT.png\n");
         return 2;
     }
     const struct pel_builtin what = { .name = argv[2] };
-    if (pel_builtin_make(&what, &model, &fault)) {
+    const struct pel_model_source source = { .directory = argv[1],
+                                             .file = argv[2] };
+    char notes[PEL_MODEL_NOTES] = "";
+    if (strcmp(argv[1], "builtin") == 0
+            ? pel_builtin_make(&what, &model, &fault)
+            : pel_model_load(&source, &model, notes, &fault)) {
         fprintf(stderr, "%s\n", fault.message);
         return 1;
     }
@@ -253,7 +261,8 @@ int main(int argc, char **argv)
     for (int i = 0; i < model->level_count; i++) {
         printf("%s%zu", i ? "/" : "", model->levels[i].triangles);
     }
-    printf(" triangles  %.0f kB\n", (double)model->bytes / 1024);
+    printf(" triangles  %.0f kB%s%s\n", (double)model->bytes / 1024,
+           *notes ? "  " : "", notes);
     draw_all(model, level);
     int failed = save(argv[4]);
     pel_model_unref(model);

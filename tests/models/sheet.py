@@ -27,8 +27,9 @@ def builtins():
 def draw(name, level, folder):
     """The picture of a model with a line of text, or None."""
     out = pathlib.Path(folder) / "model.png"
-    kind = "file" if "/" in name or "." in name else "builtin"
-    run = subprocess.run([BIN / "drawmodel", kind, name, str(level), out],
+    path = pathlib.Path(name)
+    place = path.parent if path.is_file() else "builtin"
+    run = subprocess.run([BIN / "drawmodel", place, path.name, str(level), out],
                          stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                          text=True)
     if run.returncode:

@@ -1,0 +1,225 @@
+#include "scene/fleet.h"
+
+#include <glib.h>
+#include <string.h>
+
+#include "base/log.h"
+#include "fault.h"
+#include "message.h"
+#include "models/builtin.h"
+#include "models/modelload.h"
+
+#define MOST_BYTES ((size_t)1 << 30) /* of all models together */
+
+struct pel_fleet_member {
+    uint32_t entity;
+    Pelagos__Model *wish;
+    const struct pel_model *model; /* NULL: it could not be had */
+};
+
+static bool same_number(protobuf_c_boolean has_a, double a,
+                        protobuf_c_boolean has_b, double b)
+{
+    return (has_a != 0) == (has_b != 0) && (!has_a || a == b);
+}
+
+static bool same(const Pelagos__Model *a, const Pelagos__Model *b)
+{
+    return g_strcmp0(a->name, b->name) == 0 &&
+           same_number(a->has_length, a->length, b->has_length, b->length) &&
+           same_number(a->has_beam, a->beam, b->has_beam, b->beam) &&
+           same_number(a->has_draught, a->draught, b->has_draught,
+                       b->draught) &&
+           same_number(a->has_height, a->height, b->has_height, b->height) &&
+           same_number(a->has_colour, a->colour, b->has_colour, b->colour);
+}
+
+/* The member that looks so; the one at `guess` before the others. */
+static const struct pel_fleet_member *
+find(const struct pel_fleet *fleet, const Pelagos__Model *wish, size_t guess)
+{
+    if (guess < fleet->count && same(fleet->members[guess].wish, wish)) {
+        return &fleet->members[guess];
+    }
+    for (size_t i = 0; i < fleet->count; i++) {
+        if (same(fleet->members[i].wish, wish)) {
+            return &fleet->members[i];
+        }
+    }
+    return NULL;
+}
+
+enum pel_err pel_fleet_make(const Pelagos__Model *wish, const char *directory,
+                            const struct pel_model **out, char notes[],
+                            struct pel_fault *fault)
+{
+    notes[0] = '\0';
+    if (pel_builtin_find(wish->name)) {
+        const struct pel_builtin what = {
+            .name = wish->name,
+            .length_m = wish->has_length ? wish->length : 0,
+            .beam_m = wish->has_beam ? wish->beam : 0,
+            .draught_m = wish->has_draught ? wish->draught : 0,
+            .height_m = wish->has_height ? wish->height : 0,
+            .coloured = wish->has_colour,
+            .colour = wish->colour,
+        };
+        return pel_builtin_make(&what, out, fault);
+    }
+    const struct pel_model_source source = {
+        .directory = directory,
+        .file = wish->name,
+        .length_m = wish->has_length ? wish->length : 0,
+        .beam_m = wish->has_beam ? wish->beam : 0,
+    };
+    return pel_model_load(&source, out, notes, fault);
+}
+
+/* The path of the field at fault: the model's own, or its name. */
+static void set_path(struct pel_fault *fault, uint32_t entity,
+                     const Pelagos__Model *wish)
+{
+    static const char *const sizes[] = { "length", "beam", "draught",
+                                         "height" };
+    const char *field = "name";
+    char path[64];
+    for (int i = 0; fault && i < 4; i++) {
+        field =
+            strcmp(fault->path, sizes[i]) == 0 && pel_builtin_find(wish->name)
+                ? sizes[i]
+                : field;
+    }
+    g_snprintf(path, sizeof path, "entities.%u.model.%s", entity, field);
+    pel_fault_at(fault, path, wish->name);
+}
+
+static size_t bytes_of(const struct pel_fleet *fleet)
+{
+    size_t sum = 0;
+    for (size_t i = 0; i < fleet->count; i++) {
+        const struct pel_model *m = fleet->members[i].model;
+        bool first = m != NULL;
+        for (size_t k = 0; k < i && first; k++) {
+            first = fleet->members[k].model != m;
+        }
+        sum += first ? m->bytes : 0;
+    }
+    return sum;
+}
+
+static enum pel_err add(const Pelagos__Entity *entity, const char *directory,
+                        bool forgiving, const struct pel_fleet *present,
+                        struct pel_fleet *out, struct pel_fault *fault)
+{
+    struct pel_fleet_member *m = &out->members[out->count];
+    const struct pel_fleet_member *old =
+        find(present, entity->model, out->count);
+    const struct pel_fleet_member *twin = find(out, entity->model, SIZE_MAX);
+    char notes[PEL_MODEL_NOTES];
+    struct pel_fault why = { 0 };
+    enum pel_err err = PEL_OK;
+    *m = (struct pel_fleet_member){ .entity = entity->id };
+    if (old || twin) {
+        m->model = pel_model_ref(old ? old->model : twin->model);
+    } else {
+        err = pel_fleet_make(entity->model, directory, &m->model, notes, &why);
+    }
+    if (err && forgiving) {
+        pel_error("SCN-011",
+                  "entity %u has no shape, and the state keeps its model: %s",
+                  entity->id, why.message);
+        err = PEL_OK;
+    }
+    if (err) {
+        set_path(&why, entity->id, entity->model);
+        if (fault) {
+            *fault = why;
+        }
+        return err;
+    }
+    m->wish = (Pelagos__Model *)pel_message_copy(&entity->model->base);
+    out->count++;
+    if (!old && !twin && bytes_of(out) > MOST_BYTES) {
+        err = pel_fault_set(fault, PEL_ERR_BUSY,
+                            "the models of all entities would take more than "
+                            "1 GiB; give some of them simpler ones");
+        set_path(fault, entity->id, entity->model);
+    }
+    return err;
+}
+
+enum pel_err pel_fleet_get(const Pelagos__State *state, const char *directory,
+                           bool forgiving, const struct pel_fleet *present,
+                           struct pel_fleet *out, struct pel_fault *fault)
+{
+    enum pel_err err = PEL_OK;
+    size_t count = 0;
+    *out = (struct pel_fleet){ 0 };
+    for (size_t i = 0; i < state->n_entities; i++) {
+        count += state->entities[i]->model != NULL;
+    }
+    if (count == 0) {
+        return PEL_OK;
+    }
+    out->members = g_new0(struct pel_fleet_member, count);
+    for (size_t i = 0; i < state->n_entities && !err; i++) {
+        if (state->entities[i]->model) {
+            err = add(state->entities[i], directory, forgiving, present, out,
+                      fault);
+        }
+    }
+    if (err) {
+        pel_fleet_finish(out);
+    }
+    return err;
+}
+
+bool pel_fleet_has(const struct pel_fleet *fleet, const Pelagos__State *state)
+{
+    size_t seen = 0;
+    for (size_t i = 0; i < state->n_entities; i++) {
+        const Pelagos__Model *wish = state->entities[i]->model;
+        if (wish && !find(fleet, wish, seen++)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+const struct pel_model *pel_fleet_of(const struct pel_fleet *fleet,
+                                     const Pelagos__Entity *entity)
+{
+    for (size_t i = 0; entity->model && i < fleet->count; i++) {
+        if (fleet->members[i].entity == entity->id) {
+            return fleet->members[i].model;
+        }
+    }
+    return NULL;
+}
+
+struct pel_fleet pel_fleet_ref(const struct pel_fleet *fleet)
+{
+    struct pel_fleet out = { .count = fleet->count };
+    out.members = g_new0(struct pel_fleet_member, fleet->count + 1);
+    for (size_t i = 0; i < fleet->count; i++) {
+        const struct pel_fleet_member *m = &fleet->members[i];
+        out.members[i] = (struct pel_fleet_member){
+            .entity = m->entity,
+            .wish = (Pelagos__Model *)pel_message_copy(&m->wish->base),
+            .model = pel_model_ref(m->model),
+        };
+    }
+    return out;
+}
+
+void pel_fleet_finish(struct pel_fleet *fleet)
+{
+    for (size_t i = 0; i < fleet->count; i++) {
+        pel_model_unref(fleet->members[i].model);
+        if (fleet->members[i].wish) {
+            pelagos__model__free_unpacked(fleet->members[i].wish, NULL);
+        }
+    }
+    g_free(fleet->members);
+    *fleet = (struct pel_fleet){ 0 };
+}
