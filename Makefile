@@ -518,6 +518,11 @@ models-sheet: deps-build ## every built-in model (or ARGS='FILE …') on one she
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/drawmodel
 	$(Q)/usr/bin/python3 -B tests/models/sheet.py $(ARGS)
 
+.PHONY: models-check
+models-check: deps-build ## read every model file below DIR, and say what came of each
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/models/checkall.py $(DIR)
+
 # A manual with a table is what its program makes of its text.
 TABLE_MANUALS := registers cigi nmea
 

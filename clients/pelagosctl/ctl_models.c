@@ -110,8 +110,7 @@ enum ctl_exit ctl_model(struct ctl *ctl)
     struct pel_fault fault = { 0 };
     char notes[PEL_MODEL_NOTES];
     if (pel_model_load(&source, &model, notes, &fault)) {
-        return *fault.path ? ctl_report_fault(ctl, &fault)
-                           : ctl_say(CTL_REFUSED, "%s", fault.message);
+        return ctl_say(CTL_FAILED, "%s", fault.message);
     }
     print_found(model, notes);
     pel_model_unref(model);

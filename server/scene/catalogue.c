@@ -14,7 +14,7 @@
 #define MOST_WAITING 16
 #define MOST_FILES 512
 #define MOST_DEPTH 4
-#define MOST_NS (INT64_C(10) * 1000000000)
+#define MOST_NS (INT64_C(4) * 1000000000)
 
 /* Only the thread of scene->shapes looks into it. */
 struct pel_catalogue {

@@ -230,6 +230,28 @@ class Sky(Record):
 
 
 @dataclass(frozen=True)
+class Model(Record):
+    """The shape of an entity. It is not drawn yet."""
+    #: A built-in model (`tanker`), or a file of the directory of pelagosd
+    #: --models (`ferry/ferry.glb`): GET /v1/models lists both.
+    name: str | None = _field(None)
+    #: Length over all; absent: the model's own. What is absent of the next
+    #: three follows it. [m; 0.1 to 1000]
+    length: float | None = _field(None, 'm', 0.1, 1000)
+    #: Breadth. [m; 0.1 to 1000]
+    beam: float | None = _field(None, 'm', 0.1, 1000)
+    #: Of the keel below the waterline; only of built-in models. [m; 0.01 to
+    #: 100]
+    draught: float | None = _field(None, 'm', 0.01, 100)
+    #: Of the highest point above the waterline; only of built-in models. [m;
+    #: 0.1 to 1000]
+    height: float | None = _field(None, 'm', 0.1, 1000)
+    #: Colour of a built-in model's hull: sRGB, 65536 red + 256 green + blue.
+    #: [1; 0 to 16777215]
+    colour: int | None = _field(None, '1', 0, 16777215)
+
+
+@dataclass(frozen=True)
 class Entity(Record):
     """A body that moves: own ship, target, buoy. Its pose is given at poseTime
     and reckoned onward from speed, course and turn rate."""
@@ -264,6 +286,8 @@ class Entity(Record):
     pitchRate: float = _field(0.0, 'deg/s', -90, 90)
     #: Rate of roll, starboard down positive. [deg/s; -90 to 90]
     rollRate: float = _field(0.0, 'deg/s', -90, 90)
+    #: Its shape; absent: it has none.
+    model: Model | None = _field(None)
 
 
 @dataclass(frozen=True)

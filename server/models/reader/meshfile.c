@@ -420,8 +420,32 @@ static void turn(float v[3], struct pel_vec3 x, struct pel_vec3 y,
     v[2] = (float)pel_vec3_dot(p, z);
 }
 
+/* Metres of one of its units: as is said, or metres, or, where it would be
+ * larger than anything, millimetres. */
+static double choose_scale(const struct pel_mesh_request *r,
+                           const double low[3], const double high[3],
+                           struct pel_mesh_notes *notes)
+{
+    double length = high[0] - low[0];
+    double most = fmax(length, fmax(high[1] - low[1], high[2] - low[2]));
+    if (r->scale > 0) {
+        return r->scale;
+    }
+    if (r->length_m > 0 && length > 0) {
+        return r->length_m / length;
+    }
+    if (most > PEL_MODEL_MOST_SIZE_M && most <= 1e3 * PEL_MODEL_MOST_SIZE_M) {
+        pel_mesh_note(notes,
+                      "taken as millimetres: %.4g m long; give its "
+                      "length or scale in the .json beside it",
+                      length / 1000);
+        return 0.001;
+    }
+    return 1;
+}
+
 static enum pel_err place(const struct pel_mesh_request *r, struct pel_shape *s,
-                          struct pel_fault *fault)
+                          struct pel_mesh_notes *notes, struct pel_fault *fault)
 {
     double low[3], high[3];
     enum pel_axis bow, up;
@@ -437,10 +461,7 @@ static enum pel_err place(const struct pel_mesh_request *r, struct pel_shape *s,
         turn(s->corners[i].normal, x, y, z);
     }
     bound(s, low, high);
-    double length = high[0] - low[0];
-    double scale = r->scale > 0                    ? r->scale
-                   : r->length_m > 0 && length > 0 ? r->length_m / length
-                                                   : 1;
+    double scale = choose_scale(r, low, high, notes);
     double bottom = low[2] * scale;
     double water = r->draught_m >= 0           ? bottom + r->draught_m
                    : low[2] < 0 && high[2] > 0 ? 0
@@ -453,8 +474,8 @@ static enum pel_err place(const struct pel_mesh_request *r, struct pel_shape *s,
             *p = (float)((double)*p * scale + shift[k]);
         }
     }
-    double most =
-        scale * fmax(length, fmax(high[1] - low[1], high[2] - low[2]));
+    double most = scale * fmax(high[0] - low[0],
+                               fmax(high[1] - low[1], high[2] - low[2]));
     if (most > PEL_MODEL_MOST_SIZE_M) {
         return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
                              "it is %.4g m large, at most %.0f m; give its "
@@ -515,5 +536,5 @@ enum pel_err pel_mesh_read(const struct pel_mesh_request *request,
     if (in.scene->mNumAnimations > 0) {
         pel_mesh_note(notes, "it stands still: animations are not played");
     }
-    return err ? err : place(request, shape, fault);
+    return err ? err : place(request, shape, notes, fault);
 }
