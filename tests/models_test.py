@@ -254,7 +254,7 @@ class Models(unittest.TestCase):
                 for line in f:
                     if line.startswith("Anonymous"):
                         return int(line.split()[1])
-        rounds = int(os.environ.get("MODEL_LOADS", "30"))
+        rounds = int(os.environ.get("MODEL_LOADS", "12"))
         for i in range(rounds):
             name = ("wedge.obj", "meant.glb")[i % 2]
             self.assertEqual(self.set(name=name).status, 200)

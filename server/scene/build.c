@@ -223,6 +223,7 @@ static void place_entity(const Pelagos__Origin *origin,
     to->pitch_rate_rps = from->pitch_rate * PEL_DEG;
     to->roll_rate_rps = from->roll_rate * PEL_DEG;
     to->pose_time_s = from->pose_time;
+    to->afloat = from->afloat;
 }
 
 static void open_view(const Pelagos__View *from, struct pel_view_state *to)

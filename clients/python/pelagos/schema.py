@@ -231,7 +231,7 @@ class Sky(Record):
 
 @dataclass(frozen=True)
 class Model(Record):
-    """The shape of an entity. It is not drawn yet."""
+    """The shape of an entity, drawn on the sea."""
     #: A built-in model (`tanker`), or a file of the directory of pelagosd
     #: --models (`ferry/ferry.glb`): GET /v1/models lists both.
     name: str | None = _field(None)
@@ -288,6 +288,9 @@ class Entity(Record):
     rollRate: float = _field(0.0, 'deg/s', -90, 90)
     #: Its shape; absent: it has none.
     model: Model | None = _field(None)
+    #: Height, pitch and roll are the sea's at its hull instead of the pose's,
+    #: where it has a model and own ship's motion does not move it.
+    afloat: bool = _field(False)
 
 
 @dataclass(frozen=True)
