@@ -358,6 +358,7 @@ FUZZERS += tests/fuzz/fuzz_log.c
 FUZZERS += tests/fuzz/fuzz_protobuf.c
 FUZZERS += tests/fuzz/fuzz_http.c
 FUZZERS += tests/fuzz/fuzz_seabed.c
+FUZZERS += tests/fuzz/fuzz_model.c
 TESTS += clients/lib/pelagos_test.c
 TESTS += clients/lib/live_test.c
 TESTS += clients/pelagosctl/ctl_test.c

@@ -384,7 +384,8 @@ static bool add_levels(struct pel_model *m, struct work *w, uint32_t *indices,
         struct pel_decimate_mesh out = { .indices = rest, .tags = tags };
         double now_m = 0;
         fine = pel_decimate_to(d, last / 3, &out, &now_m);
-        if (!fine || out.triangle_count < 4 || out.triangle_count > last * 2 / 3) {
+        if (!fine || out.triangle_count < 4 ||
+            out.triangle_count > last * 2 / 3) {
             break;
         }
         last = out.triangle_count;
