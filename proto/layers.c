@@ -30,6 +30,16 @@ const struct pel_layer_info *pel_layer_find(const char *name)
     return NULL;
 }
 
+unsigned pel_layers_of_light(void)
+{
+    unsigned layers = 0;
+    for (int i = 0; i < PEL_LAYERS; i++) {
+        const struct pel_layer_info *l = &pel_layer_table[i];
+        layers |= strcmp(l->unit, PEL_UNIT_LIGHT) == 0 ? l->bit : 0;
+    }
+    return layers;
+}
+
 unsigned pel_layers_from(enum pel_layer_from from)
 {
     unsigned layers = 0;

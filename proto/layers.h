@@ -44,5 +44,9 @@ extern const char *const pel_layer_names;
 /* The layer called `name`, or NULL. */
 const struct pel_layer_info *pel_layer_find(const char *name);
 
+/* All layers of light, which add up; others are what the middle of a pixel
+ * sees. */
+unsigned pel_layers_of_light(void);
+
 /* All layers that are made that way. */
 unsigned pel_layers_from(enum pel_layer_from from);

@@ -24,9 +24,11 @@ INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 
 
 def layers_glsl(table):
-    """What the shading of a pixel gives, and each layer by its place."""
-    rows = [(i, row[1], len(row[3]), row[6])
-            for i, row in enumerate(deffile.rows(table, "PEL_LAYER"))]
+    """What the shading of a pixel gives, and each layer by its place; what has
+    the first row's unit is light."""
+    table = deffile.rows(table, "PEL_LAYER")
+    rows = [(i, row[1], len(row[3]), row[6]) for i, row in enumerate(table)]
+    light = [row[1] for row in table if row[5] == table[0][5]]
     guards = (("SURFACE", "PEL_LAYERS"), ("WATER", "PEL_WATER_PARTS"))
     out = ["// Made from proto/layers.def by shaders/embed.py."]
     out += [f"const int AT_{name.upper()} = {i};" for i, name, _, _ in rows]
@@ -36,7 +38,15 @@ def layers_glsl(table):
         out += [f"    {TYPES[n]} {name};" for _, name, n, of in rows
                 if of == source]
         out += ["#endif"]
-    out += ["};", "", "// Without any layer but this.",
+    out += ["};", "", "// Adds all that is light.",
+            "void add_light(inout shaded sum, shaded s, float weight)", "{",
+            "    sum.radiance += weight * s.radiance;"]
+    for source, guard in guards:
+        out += [f"#ifdef {guard}"]
+        out += [f"    sum.{name} += weight * s.{name};"
+                for _, name, _, of in rows if of == source and name in light]
+        out += ["#endif"]
+    out += ["}", "", "// Without any layer but this.",
             "shaded only_light(vec3 radiance)", "{", "    shaded s;",
             "    s.radiance = radiance;"]
     for source, guard in guards:

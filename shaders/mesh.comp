@@ -60,5 +60,5 @@ void main()
     float drop = 2.0 * planet.x * sin(half_arc) * sin(half_arc);
     vec3 place = vec3(x * cos(half_arc), -drop - eye.x);
     vertices[v].position = vec4(place + shift, float(block.w));
-    vertices[v].rest = vec4(x, float(beside), 0.0);
+    vertices[v].rest = vec4(x, float(beside | uint(b) << VERTEX_BLOCK), float(ring));
 }

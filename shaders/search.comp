@@ -67,16 +67,17 @@ void bound_edge(vec3 from, vec3 to, inout vec2 least, inout vec2 most)
 bool corners_of(uint number, out corners t)
 {
     uint id = number - 1u;
-    int i0 = int(id >> 1u);
-    uint flags = uint(vertices[i0].rest.z);
-    bool outer = (id & 1u) == 1u; // its last corner lies on the outer ring
-    if ((flags & VERTEX_LEFT) == 0u || (flags & (outer ? VERTEX_INNER : VERTEX_OUTER)) == 0u) {
+    int i = int(id >> 1u);
+    const uint NEEDS = VERTEX_LEFT | VERTEX_OUTER;
+    if ((uint(vertices[i].rest.z) & NEEDS) != NEEDS) {
         return false;
     }
-    int columns = int(vertices[i0].position.w);
+    bool outer = (id & 1u) == 1u; // its first corner lies on the outer ring
+    int columns = int(vertices[i].position.w);
+    int i0 = outer ? i + columns : i;
     t.a = from_camera(i0);
     t.b = from_camera(i0 - 1);
-    t.c = from_camera(outer ? i0 - columns : i0 + columns - 1);
+    t.c = from_camera(outer ? i : i + columns - 1);
     vec2 last = size.xy - 1.0;
     ivec2 corner = ivec2(pixel.zw * 256.0);
     t.plain = false;

@@ -36,6 +36,8 @@ void main()
         clip = (place - corner * c.z) * scale - c.z;
     }
     gl_Position = vec4(clip, NEAR, c.z);
-    // 0 means sky. The last vertex of a triangle provokes.
-    triangle = uint(index) * 2u + uint(gl_VertexID & 1) + 1u;
+    // 0 means sky. The last vertex of a triangle provokes; its inner ring numbers
+    // it.
+    int outer = gl_VertexID & 1;
+    triangle = uint(index - outer * block.w) * 2u + uint(outer) + 1u;
 }

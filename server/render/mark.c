@@ -16,6 +16,7 @@ struct brush {
     GLuint framebuffer;
     int width, height;   /* of the picture */
     int first_row, rows; /* that it has */
+    int corner;          /* where they begin in it, in x and in y */
 };
 
 static const float amber[] = { 1.0F, 0.69F, 0.0F, 1.0F };
@@ -30,7 +31,7 @@ static void fill(const struct brush *b, int x, int y, int width, int height,
     height -= y < 0 ? -y : 0;
     y = y > 0 ? y : 0;
     if (right > x && bottom > y && height > 0) {
-        glScissor(x, y, right - x, bottom - y);
+        glScissor(b->corner + x, b->corner + y, right - x, bottom - y);
         glClearNamedFramebufferfv(b->framebuffer, GL_COLOR, 0, color);
     }
 }
@@ -105,10 +106,11 @@ static void draw_text(const struct brush *b, const char *text, int margin)
 }
 
 void pel_mark_stale(GLuint framebuffer, uint32_t width, uint32_t height,
-                    uint32_t first_row, uint32_t rows, unsigned stale)
+                    uint32_t first_row, uint32_t rows, int corner,
+                    unsigned stale)
 {
-    const struct brush b = { framebuffer, (int)width, (int)height,
-                             (int)first_row, (int)rows };
+    const struct brush b = { framebuffer,    (int)width, (int)height,
+                             (int)first_row, (int)rows,  corner };
     int thick = b.height / BORDER_SHARE > 2 ? b.height / BORDER_SHARE : 2;
     char names[PEL_STALE_TEXT], text[PEL_STALE_TEXT + 8];
     snprintf(text, sizeof text, "STALE %s", pel_stale_text(stale, names));

@@ -62,7 +62,7 @@ bool pel_pass_next(struct pel_pass *pass, bool compute)
 
 void pel_pass_use(const struct pel_pass *pass)
 {
-    if (pass->layers) {
+    if (pass->kind >= PEL_SHADE_LAYERS) {
         glUniform1ui(PEL_UNIFORM_LAYERS, pass->layers);
         glUniform1iv(PEL_UNIFORM_SLOTS, pass->slots, pass->layer);
     }

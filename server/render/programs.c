@@ -15,6 +15,7 @@ static void delete_sea_programs(struct pel_sea_programs *p)
         glDeleteProgram(p->shallow[i]);
         for (int k = 0; k < PEL_COAST_TILES; k++) {
             glDeleteProgram(p->objects[k][i]);
+            glDeleteProgram(p->edges[k][i]);
         }
     }
     glDeleteProgram(p->mesh);
@@ -33,24 +34,25 @@ const char *pel_shading_defines(enum pel_shading kind)
     return kind_defines[kind];
 }
 
+static const char *const tile_defines[PEL_COAST_TILES] = {
+    [PEL_COAST_NONE] = "",
+    [PEL_COAST_BOTTOM] = "#define PEL_SEABED\n",
+    [PEL_COAST_LAND] = "#define PEL_SEABED\n#define PEL_LAND\n",
+};
+
 static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
                                      enum pel_shading kind,
                                      enum pel_coast_tile tile, bool objects,
                                      GLuint *out, struct pel_fault *fault)
 {
-    static const char *const tiles[PEL_COAST_TILES] = {
-        [PEL_COAST_NONE] = "",
-        [PEL_COAST_BOTTOM] = "#define PEL_SEABED\n",
-        [PEL_COAST_LAND] = "#define PEL_SEABED\n#define PEL_LAND\n",
-    };
-
     if (*out) {
         return PEL_OK;
     }
     char defines[256];
     snprintf(defines, sizeof defines, "%s%s%s%s%s%s",
              cascades ? "#define PEL_FFT\n" : "", kind_defines[kind],
-             tiles[tile], all->software ? "" : "#define PEL_EXACT_TEXELS\n",
+             tile_defines[tile],
+             all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
              objects ? "#define PEL_OBJECTS\n" : "");
     if (all->compute) {
@@ -61,6 +63,25 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
                               tile == PEL_COAST_LAND ? "coast.frag"
                                                      : "sea.frag",
                               defines, out, fault);
+}
+
+static enum pel_err make_edges_program(struct pel_programs *all, bool cascades,
+                                       enum pel_shading kind,
+                                       enum pel_coast_tile tile, GLuint *out,
+                                       struct pel_fault *fault)
+{
+    if (*out) {
+        return PEL_OK;
+    }
+    char defines[256];
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s",
+             cascades ? "#define PEL_FFT\n" : "", kind_defines[kind],
+             tile_defines[tile],
+             all->software ? "" : "#define PEL_EXACT_TEXELS\n",
+             all->filtering->paper ? "#define PEL_PAPER\n" : "",
+             all->compute ? "#define PEL_KEYS\n" : "");
+    return pel_program_create(all->shader_dir, "edges.comp", NULL, defines, out,
+                              fault);
 }
 
 /* Makes the programs that this kind of sea and picture wants; those with
@@ -138,6 +159,36 @@ enum pel_err pel_programs_need(struct pel_programs *all,
     return err;
 }
 
+bool pel_programs_have_edges(const struct pel_programs *p)
+{
+    return p->compute || p->software || !p->automatic;
+}
+
+enum pel_err pel_programs_need_edges(struct pel_programs *all,
+                                     const struct pel_sea *sea,
+                                     enum pel_shading kind, bool coast,
+                                     struct pel_fault *fault)
+{
+    bool cascades = sea->cascades != NULL;
+    struct pel_sea_programs *p = cascades ? &all->cascades : &all->trochoids;
+    const char *keys = all->compute ? "#define PEL_KEYS\n" : NULL;
+    enum pel_err err = PEL_OK;
+    if (!all->outline_find) {
+        err = pel_program_create(all->shader_dir, "outline_find.comp", NULL,
+                                 keys, &all->outline_find, fault);
+    }
+    if (err == PEL_OK && !all->outline) {
+        err = pel_program_create(all->shader_dir, "outline.comp", NULL, keys,
+                                 &all->outline, fault);
+    }
+    for (int tile = 0; tile < (coast ? PEL_COAST_TILES : 1) && err == PEL_OK;
+         tile++) {
+        err = make_edges_program(all, cascades, kind, (enum pel_coast_tile)tile,
+                                 &p->edges[tile][kind], fault);
+    }
+    return err;
+}
+
 enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
                                bool software, const char *shading,
                                const struct pel_filtering *filtering,
@@ -167,6 +218,8 @@ void pel_programs_finish(struct pel_programs *p)
     glDeleteProgram(p->surface);
     glDeleteProgram(p->search);
     glDeleteProgram(p->tone);
+    glDeleteProgram(p->outline_find);
+    glDeleteProgram(p->outline);
     for (int i = 0; i < PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->backdrop[i]);
         glDeleteProgram(p->disc[i]);

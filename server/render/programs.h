@@ -29,6 +29,8 @@ struct pel_sea_programs {
     GLuint shallow[PEL_SHADE_COUNT]; /* with the bottom alone */
     /* Either wrapper, in tiles with objects, by enum pel_coast_tile. */
     GLuint objects[PEL_COAST_TILES][PEL_SHADE_COUNT];
+    /* Pixels that outlines cut, by enum pel_coast_tile. */
+    GLuint edges[PEL_COAST_TILES][PEL_SHADE_COUNT];
 };
 
 struct pel_programs {
@@ -38,6 +40,7 @@ struct pel_programs {
     bool compute;   /* shade in one dispatch instead of three */
     bool automatic; /* not chosen by an option: may fall back to fragments */
     GLuint surface, search, tone;
+    GLuint outline_find, outline;     /* in compute with either wrapper */
     GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
     GLuint disc[PEL_SHADE_COUNT];     /* and with it */
     struct pel_sea_programs trochoids, cascades;
@@ -63,3 +66,12 @@ PEL_CHECK enum pel_err pel_programs_need(struct pel_programs *p,
                                          const struct pel_sea *sea,
                                          enum pel_shading kind, bool coast,
                                          bool objects, struct pel_fault *fault);
+
+/* Makes those of outlines, after pel_programs_need; a driver that does not
+ * compile shading in compute draws none (false). */
+bool pel_programs_have_edges(const struct pel_programs *p);
+PEL_CHECK enum pel_err pel_programs_need_edges(struct pel_programs *p,
+                                               const struct pel_sea *sea,
+                                               enum pel_shading kind,
+                                               bool coast,
+                                               struct pel_fault *fault);

@@ -134,7 +134,7 @@ static void copy_layers(const struct pel_readback *r,
                                       s->planes[i], 0);
             size_t before = (size_t)s->first_row * s->width * sizeof(float) *
                             (size_t)pel_layer_stride(l);
-            glReadPixels(0, 0, (GLsizei)s->width, (GLsizei)s->rows,
+            glReadPixels(s->x, s->y, (GLsizei)s->width, (GLsizei)s->rows,
                          formats[pel_layer_stride(l)], GL_FLOAT,
                          (void *)(base + at[i] + before));
             found[i] = (const float *)(map + at[i]);
@@ -224,7 +224,7 @@ enum pel_err pel_readback_push(struct pel_readback *r,
     if (s->layers & PEL_LAYER_COLOR) {
         glBindFramebuffer(GL_READ_FRAMEBUFFER, s->color_fbo);
         glReadBuffer(GL_COLOR_ATTACHMENT0);
-        glReadPixels(0, 0, (GLsizei)s->width, (GLsizei)s->rows, GL_RGBA,
+        glReadPixels(s->x, s->y, (GLsizei)s->width, (GLsizei)s->rows, GL_RGBA,
                      GL_UNSIGNED_BYTE,
                      base + (size_t)s->first_row * s->width * 4);
     }

@@ -28,7 +28,8 @@ struct pel_readback_source {
     bool auto_exposure;
     double exposure_ev;       /* where not automatic */
     uint32_t width, height;   /* of the picture */
-    uint32_t first_row, rows; /* that are read now, from row 0 on */
+    uint32_t first_row, rows; /* that are read now */
+    int x, y;                 /* where they begin in the textures */
     unsigned layers;
     void *user;
     int64_t started_ns;

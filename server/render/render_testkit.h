@@ -58,6 +58,7 @@ static inline struct pel_camera test_camera(struct test_look look)
         .height = look.height,
         .auto_exposure = true,
         .glare = 0.01,
+        .antialiasing = true,
     };
     const struct pel_snapshot snapshot = { .view_count = 1, .views = &view };
     struct pel_camera camera;

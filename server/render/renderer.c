@@ -11,6 +11,7 @@
 #include "render/band.h"
 #include "render/coast.h"
 #include "render/context.h"
+#include "render/edges.h"
 #include "render/mark.h"
 #include "render/mesh.h"
 #include "render/meshpass.h"
@@ -66,6 +67,7 @@ struct pel_renderer {
     struct pel_objects objects;
     uint16_t tiles[PEL_MAX_TILES]; /* of the view being drawn */
     bool any_coast, any_objects;
+    int margin; /* of its triangles around its pixels: render/edges.h */
 };
 
 void pel_renderer_measure(struct pel_renderer *r, bool on)
@@ -239,12 +241,14 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     static const GLfloat far_away = 0.0f;
     /* Clearing obeys depth mask and scissor: the targets may be larger than
      * this picture. The sea's texels are read only where the depth shows a
-     * triangle, but the passes of coasts and objects read all of them. */
+     * triangle, but those of coasts, objects, outlines read all of them. */
     glDepthMask(GL_TRUE);
-    glScissor(0, 0, (GLsizei)c->width, (GLsizei)c->height);
+    const GLsizei width = (GLsizei)c->width + 2 * r->margin;
+    const GLsizei height = (GLsizei)c->height + 2 * r->margin;
+    glScissor(0, 0, width, height);
     glEnable(GL_SCISSOR_TEST);
     glClearNamedFramebufferfv(r->targets.surface_fbo, GL_DEPTH, 0, &far_away);
-    if (r->any_coast || r->any_objects) {
+    if (r->any_coast || r->any_objects || r->margin) {
         static const GLuint none[4] = { 0 };
         glClearNamedFramebufferuiv(r->targets.surface_fbo, GL_COLOR, 0, none);
     }
@@ -258,11 +262,10 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     }
     glUseProgram(r->programs.surface);
     glViewport(-PEL_RASTER_MARGIN, -PEL_RASTER_MARGIN,
-               (GLsizei)c->width + 2 * PEL_RASTER_MARGIN,
-               (GLsizei)c->height + 2 * PEL_RASTER_MARGIN);
+               width + 2 * PEL_RASTER_MARGIN, height + 2 * PEL_RASTER_MARGIN);
     pel_mesh_draw(r->mesh);
     glDisable(GL_SCISSOR_TEST);
-    glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
+    glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
     glDisable(GL_CULL_FACE);
     glDepthMask(GL_FALSE);
 }
@@ -291,7 +294,7 @@ static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
 {
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
-        glScissor(run.x, run.y, run.width, run.height);
+        glScissor(r->margin + run.x, r->margin + run.y, run.width, run.height);
         glUseProgram(
             program_of(r, p, run.tile, pass->kind, p->fragments[pass->kind]));
         pel_pass_use(pass);
@@ -313,7 +316,8 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
         pel_pass_use(pass);
         use_objects(r, run.tile);
         glUniform1i(0, wanted);
-        glUniform4i(1, run.x, run.y, run.x + run.width, run.y + run.height);
+        const GLint x = r->margin + run.x, y = r->margin + run.y;
+        glUniform4i(1, x, y, x + run.width, y + run.height);
         glDispatchCompute(groups(run.width, PEL_GROUP_SIDE),
                           groups(run.height, PEL_GROUP_SIDE), 1);
     }
@@ -359,7 +363,8 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     for (int i = 0; i < PEL_LIGHTS; i++) {
         if (discs[i].width > 0 && discs[i].height > 0) {
             glEnable(GL_SCISSOR_TEST);
-            glScissor(discs[i].x, discs[i].y, discs[i].width, discs[i].height);
+            glScissor(r->margin + discs[i].x, r->margin + discs[i].y,
+                      discs[i].width, discs[i].height);
             glUseProgram(r->programs.disc[kind]);
             pel_pass_use(pass);
             glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -380,10 +385,7 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glDisable(GL_DEPTH_TEST);
 }
 
-/* Sky, sea, display colour and layers in one dispatch. */
-static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
-                          const struct pel_sea_programs *p,
-                          const struct pel_pass *pass, int wanted)
+static void bind_images(struct pel_renderer *r, const struct pel_pass *pass)
 {
     glBindImageTexture(PEL_IMAGE_COLOR, r->targets.color, 0, GL_FALSE, 0,
                        GL_WRITE_ONLY, GL_RGBA8);
@@ -394,24 +396,70 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
                            r->targets.planes[pass->layer[i]], 0, GL_FALSE, 0,
                            GL_WRITE_ONLY, pel_plane_format(pass->layer[i]));
     }
+}
+
+/* Sky, sea, display colour and layers in one dispatch. */
+static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
+                          const struct pel_sea_programs *p,
+                          const struct pel_pass *pass, int wanted)
+{
+    bind_images(r, pass);
     if (r->any_coast || r->any_objects) {
         dispatch_tiles(r, c, p, pass, wanted);
     } else {
         glUseProgram(p->compute_program[pass->kind]);
         pel_pass_use(pass);
         glUniform1i(0, wanted);
-        glUniform4i(1, 0, 0, (GLint)c->width, (GLint)c->height);
+        const GLint m = r->margin;
+        glUniform4i(1, m, m, m + (GLint)c->width, m + (GLint)c->height);
         glDispatchCompute(groups((int)c->width, PEL_GROUP_SIDE),
                           groups((int)c->height, PEL_GROUP_SIDE), 1);
     }
     glMemoryBarrier(PIXEL_BARRIERS);
 }
 
+/* The pixels of a region that outlines cut, once more. `wanted` of the first
+ * pass. */
+static void shade_edges(struct pel_renderer *r, const struct pel_tile_run *run,
+                        const struct pel_sea_programs *p, unsigned asked,
+                        int wanted, bool sideways)
+{
+    const GLint x = r->margin + run->x, y = r->margin + run->y;
+    const GLint region[4] = { x, y, x + run->width, y + run->height };
+    struct pel_pass pass = pel_pass_first(asked, true), light;
+    pel_edges_list(&r->programs, &r->targets, r->mesh, sideways, region);
+    do {
+        if (pel_edges_pass(&pass, &light)) {
+            bind_images(r, &light);
+            pel_edges_draw(&r->targets,
+                           p->edges[run->tile & PEL_TILE_COAST][light.kind],
+                           &light, light.first ? wanted : 0);
+        }
+    } while (pel_pass_next(&pass, true));
+}
+
+static void draw_edges(struct pel_renderer *r, const struct pel_camera *c,
+                       const struct pel_sea_programs *p, unsigned asked,
+                       int wanted)
+{
+    bool sideways = pel_edges_sideways(c);
+    struct pel_tile_run run = { 0 };
+    if (!r->any_coast) {
+        run.width = (int)c->width;
+        run.height = (int)c->height;
+        shade_edges(r, &run, p, asked, wanted, sideways);
+    }
+    while (r->any_coast && pel_tiles_next(r->tiles, c, &run)) {
+        shade_edges(r, &run, p, asked, wanted, sideways);
+    }
+    glMemoryBarrier(PIXEL_BARRIERS | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+}
+
 static void tone(struct pel_renderer *r, const struct pel_camera *c)
 {
     glBindTextureUnit(PEL_UNIT_RADIANCE, r->targets.planes[PEL_AT_RADIANCE]);
     glDisable(GL_DEPTH_TEST);
-    glViewport(0, 0, (GLsizei)c->width, (GLsizei)c->height);
+    glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
     glUseProgram(r->programs.tone);
     glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -469,6 +517,53 @@ static void bind_waves(struct pel_renderer *r,
     }
 }
 
+/* All passes as fragments; true: with the colour. */
+static bool shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
+                            const struct pel_disc_box *discs,
+                            const struct pel_sea_programs *p, unsigned asked)
+{
+    struct pel_pass pass = pel_pass_first(asked, false);
+    bool toned = pass.kind == PEL_SHADE_COLOR;
+    do {
+        shade(r, c, discs, p, &pass);
+    } while (pel_pass_next(&pass, false));
+    if (r->margin) {
+        draw_edges(r, c, p, asked,
+                   toned ? PEL_WANTS_COLOR : PEL_WANTS_RADIANCE);
+    }
+    return toned;
+}
+
+/* The same in compute. */
+static void shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
+                             const struct pel_sea_programs *p, unsigned asked)
+{
+    const GLsizeiptr keys = (GLsizeiptr)(c->width + 2 * (uint32_t)r->margin) *
+                            (GLsizeiptr)(c->height + 2 * (uint32_t)r->margin);
+    int wanted = asked & PEL_LAYER_RADIANCE ? PEL_WANTS_RADIANCE : 0;
+    wanted |= asked & PEL_LAYER_COLOR ? PEL_WANTS_COLOR : 0;
+    struct pel_pass pass = pel_pass_first(asked, true);
+    do {
+        /* Outlines read the keys after it. */
+        int last = pass.last && !r->margin ? PEL_LAST_PASS : 0;
+        shade_compute(r, c, p, &pass, (pass.first ? wanted : 0) | last);
+    } while (pel_pass_next(&pass, true));
+    if (r->margin) {
+        draw_edges(r, c, p, asked, wanted);
+        glClearNamedBufferSubData(r->targets.keys, GL_R32UI, 0, keys * 4,
+                                  GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
+    }
+}
+
+/* Objects are rasterised without a margin, and hide outlines. */
+static bool draws_edges(const struct pel_renderer *r,
+                        const struct pel_environment *env,
+                        const struct pel_camera *c)
+{
+    return c->antialiasing && !env->object_count &&
+           pel_programs_have_edges(&r->programs);
+}
+
 /* Everything up to the colour; the camera stands above the sea's zero. What
  * decides how a pixel is drawn is planned for the whole picture. */
 static void draw_pixels(struct pel_renderer *r,
@@ -480,8 +575,12 @@ static void draw_pixels(struct pel_renderer *r,
     double table_height_m = pel_sky_quantize_height(height_m);
     struct pel_block_view view;
     pel_fill_view(whole, &r->filter, &view);
-    view.pixel.w += (float)band.first;
-    view.size.y = (float)band.rows;
+    bool submerged = is_submerged(env, whole);
+    r->margin = draws_edges(r, env, whole) && !submerged ? PEL_EDGES_MARGIN : 0;
+    view.pixel.z -= (float)r->margin;
+    view.pixel.w += (float)((int)band.first - r->margin);
+    view.size.x += (float)(2 * r->margin);
+    view.size.y = (float)((int)band.rows + 2 * r->margin);
     const struct pel_mesh_eye mesh_eye = {
         .height_m = height_m,
         .pixel = fmin((double)view.pixel.x, (double)view.pixel.y),
@@ -489,11 +588,13 @@ static void draw_pixels(struct pel_renderer *r,
         .sea = env->sea,
         .losses = &r->statistics.losses,
     };
-    pel_mesh_plan(&mesh_eye, whole, r->mesh);
     const struct pel_camera part = pel_band_camera(whole, band);
     const struct pel_camera *c = &part;
+    struct pel_camera wide = pel_edges_camera(whole, r->margin);
+    pel_mesh_plan(&mesh_eye, &wide, r->mesh);
     if (c->height < whole->height) {
-        pel_mesh_narrow(&mesh_eye, c, r->mesh);
+        wide = pel_edges_camera(c, r->margin);
+        pel_mesh_narrow(&mesh_eye, &wide, r->mesh);
     }
     struct pel_disc_box discs[PEL_LIGHTS];
     for (int i = 0; i < PEL_LIGHTS; i++) {
@@ -528,7 +629,6 @@ static void draw_pixels(struct pel_renderer *r,
                        sizeof block);
     }
     struct pel_block_eye eye;
-    bool submerged = is_submerged(env, c);
     pel_fill_eye(height_m, table_height_m, submerged, r->mesh, &eye);
     if (cascades) {
         struct pel_block_cascades block;
@@ -548,7 +648,8 @@ static void draw_pixels(struct pel_renderer *r,
         pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                        sizeof eye);
     }
-    pel_targets_fit(&r->targets, c->width, c->height, asked);
+    pel_targets_fit(&r->targets, c->width + 2 * (uint32_t)r->margin,
+                    c->height + 2 * (uint32_t)r->margin, asked);
     pel_stage_begin(&r->timing);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
@@ -566,19 +667,12 @@ static void draw_pixels(struct pel_renderer *r,
         pel_objects_raster(&r->objects, env, whole, &view, &r->arena, compute);
     }
     pel_stage_end(&r->timing, PEL_STAGE_RASTER);
-    struct pel_pass pass = pel_pass_first(asked, compute);
-    bool toned = compute || pass.kind == PEL_SHADE_COLOR;
-    do {
-        if (compute) {
-            bool light = pass.first && asked & PEL_LAYER_RADIANCE;
-            bool color = pass.first && asked & PEL_LAYER_COLOR;
-            shade_compute(r, c, programs, &pass,
-                          light * PEL_WANTS_RADIANCE + color * PEL_WANTS_COLOR +
-                              pass.last * PEL_LAST_PASS);
-        } else {
-            shade(r, c, discs, programs, &pass);
-        }
-    } while (pel_pass_next(&pass, compute));
+    bool toned = compute;
+    if (compute) {
+        shade_dispatches(r, c, programs, asked);
+    } else {
+        toned = shade_fragments(r, c, discs, programs, asked);
+    }
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
     if (!toned && asked & PEL_LAYER_COLOR) {
         tone(r, c);
@@ -597,7 +691,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     draw_pixels(r, env, c, band, draw->layers);
     if (env->stale && draw->layers & PEL_LAYER_COLOR) {
         pel_mark_stale(r->targets.color_fbo, c->width, c->height, band.first,
-                       band.rows, env->stale);
+                       band.rows, r->margin, env->stale);
     }
     pel_stage_end(&r->timing, PEL_STAGE_TONE);
     const struct pel_readback_source source = {
@@ -610,6 +704,8 @@ static enum pel_err draw_view(struct pel_renderer *r,
         .height = c->height,
         .first_row = band.first,
         .rows = band.rows,
+        .x = r->margin,
+        .y = r->margin,
         .layers = draw->layers,
         .user = draw->user,
         .started_ns = started_ns,
@@ -675,6 +771,13 @@ static enum pel_err need_programs(struct pel_renderer *r,
                 }
             } while (err == PEL_OK && pel_pass_next(&pass, compute));
         } while (err == PEL_OK && compute != r->programs.compute);
+        struct pel_pass pass = pel_pass_first(draws[i].layers, true);
+        bool edges = draws_edges(r, env, &draws[i].camera);
+        while (err == PEL_OK && edges) {
+            err = pel_programs_need_edges(&r->programs, env->sea, pass.kind,
+                                          coast, &fault);
+            edges = pel_pass_next(&pass, true);
+        }
         if (err != PEL_OK) {
             pel_error("RND-040", "a view was not drawn: %s", fault.message);
             return err;

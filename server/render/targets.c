@@ -11,6 +11,8 @@ void pel_targets_finish(struct pel_targets *t)
                             t->color_fbo };
     glDeleteTextures(3, textures);
     glDeleteBuffers(1, &t->keys);
+    glDeleteBuffers(1, &t->suspects);
+    glDeleteBuffers(1, &t->edges);
     glDeleteTextures(PEL_LAYERS, t->planes);
     glDeleteFramebuffers(4, fbos);
     *t = (struct pel_targets){ 0 };
@@ -26,6 +28,18 @@ static GLuint make_target(GLenum format, uint32_t width, uint32_t height,
     glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     glObjectLabel(GL_TEXTURE, texture, -1, label);
     return texture;
+}
+
+/* A buffer of what edges.c dispatches by, and of entries: pixels, which are
+ * never that many. */
+static GLuint make_list(uint32_t width, uint32_t height, const char *label)
+{
+    GLuint list = 0;
+    glCreateBuffers(1, &list);
+    glNamedBufferStorage(list, 16 + (GLsizeiptr)width * height * 8, NULL,
+                         GL_DYNAMIC_STORAGE_BIT);
+    glObjectLabel(GL_BUFFER, list, -1, label);
+    return list;
 }
 
 GLenum pel_plane_format(int layer)
@@ -87,6 +101,8 @@ void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
         glClearNamedBufferData(t->keys, GL_R32UI, GL_RED_INTEGER,
                                GL_UNSIGNED_INT, NULL);
         glObjectLabel(GL_BUFFER, t->keys, -1, "keys");
+        t->suspects = make_list(w, h / 2 + 1, "suspects");
+        t->edges = make_list(w, h / 2 + 1, "edges");
         t->depth_test = make_target(GL_DEPTH_COMPONENT32F, w, h, "depth test");
         make_plane(t, PEL_AT_RADIANCE);
         t->color = make_target(GL_RGBA8, w, h, "color");

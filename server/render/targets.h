@@ -15,6 +15,7 @@ struct pel_targets {
     unsigned small_draws;
     GLuint triangles, depth_test, color;
     GLuint keys; /* buffer of shaders/search.comp; 0 between pictures */
+    GLuint suspects, edges; /* buffers of shaders/outline*.comp */
     /* Of layers, by PEL_AT_*: the radiance, others when first asked for. */
     GLuint planes[PEL_LAYERS];
     GLuint surface_fbo; /* triangle numbers and depth test */

@@ -216,7 +216,7 @@ void pel_fill_view(const struct pel_camera *camera,
         .back = vec4(m->z.x, m->z.y, m->z.z, pel_filter_slope_bias(filter)),
         .pixel = vec4(px, py, lattice_place(camera->tan_left, px),
                       lattice_place(-camera->tan_top, py)),
-        .size = vec4(camera->width, camera->height, 0.0, 0.0),
+        .size = vec4(camera->width, camera->height, camera->antialiasing, 0.0),
         .sensor =
             vec4(sensor->kind, sensor->scale, sensor->offset, sensor->noise),
         .sensor_seed = vec4(sensor->seed & 0xffff, sensor->seed >> 16,

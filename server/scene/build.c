@@ -277,6 +277,7 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
     to->exposure_ev = from->exposure;
     to->tone = (int)from->tone;
     to->glare = from->glare;
+    to->antialiasing = from->antialiasing;
     if (from->meter) {
         strncpy(to->meter, from->meter, sizeof to->meter - 1);
     }

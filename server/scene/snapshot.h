@@ -63,6 +63,7 @@ struct pel_sensor {
     double exposure_ev;                                                        \
     int tone;     /* PEL_TONE_* */                                             \
     double glare; /* share of light that the lens scatters */                  \
+    bool antialiasing; /* of what hides what, and of lights' rims */           \
     struct pel_sensor sensor;
 struct pel_lens {
     PEL_LENS_FIELDS

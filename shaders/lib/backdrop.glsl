@@ -14,6 +14,11 @@ vec3 light_disc(int i, vec3 dir, float blur)
     if (dot(dir, to.xyz) > 0.0 && off < to.w + blur) {
         float cover = 1.0 - smoothstep(to.w - 0.5 * blur, to.w + 0.5 * blur, off);
         float inside = min(off / to.w, 1.0);
+        if (size.z > 0.5) {
+            // The part of the pixel inside, and the middle of that part.
+            cover = clamp((to.w - off) / blur + 0.5, 0.0, 1.0);
+            inside = max(off - 0.5 * blur * (1.0 - cover), 0.0) / to.w;
+        }
         vec3 power = 0.5 * lights[i].limb.rgb;
         vec3 limb = pow(vec3(max(1.0 - inside * inside, 1e-4)), power);
         disc = lights[i].irradiance.rgb / lights[i].irradiance.w * limb * (1.0 + power) * cover *

@@ -70,6 +70,8 @@ struct pel_vec4 {
 #define PEL_STORE_RINGS 1
 #define PEL_STORE_KEYS 4
 #define PEL_STORE_SEABED_TOPS 6
+#define PEL_STORE_EDGES 5
+#define PEL_STORE_SUSPECTS 7
 /* Of other passes, in places of the above. */
 #define PEL_STORE_LIGHT 2       /* block `light`, where it is written */
 #define PEL_STORE_EXPOSURE 2    /* block `exposure`, the same */
@@ -104,6 +106,10 @@ struct pel_vec4 {
 #define PEL_UNIFORM_NEAR 7
 #define PEL_UNIFORM_LAYERS 8
 #define PEL_UNIFORM_SLOTS 9
+/* Of the mesh, for the outlines. */
+#define PEL_UNIFORM_BLOCK_COUNT 19
+#define PEL_UNIFORM_BLOCKS 20
+#define PEL_UNIFORM_BASES 30
 
 /* Images that passes before shading write. */
 #define PEL_IMAGE_DISPLACEMENT 0
@@ -121,6 +127,11 @@ struct pel_vec4 {
 #define PEL_GROUP_LINE 64
 #define PEL_GROUP_WATER 32
 #define PEL_GROUP_SIDE 8
+
+/* Pixels below each other that outline_find.comp looks at together. */
+#define PEL_OUTLINE_ROWS 8
+/* Kinds of blocks of the mesh that it tells apart. */
+#define PEL_OUTLINE_BLOCKS 3
 
 /* Refractive index of the water for what becomes of light inside it, as in the
  * 2010 paper; what the surface reflects has `refraction` of the frame. */
@@ -321,7 +332,7 @@ PEL_BLOCK(PEL_BLOCK_VIEW, view)
     vec4 up;     /* w: 1 / (N_max − N_min) */
     vec4 back;   /* w: levels of detail that slopes are sampled coarser */
     vec4 pixel;  /* px, py; lattice place of the picture's top left corner */
-    vec4 size;   /* width, height, px */
+    vec4 size;   /* width, height, px; z 1: rims of lights are antialiased */
     vec4 sensor; /* x 0 none, 1 a sensor's grey, 2 no picture; grey · y + z; w
                     noise */
     vec4 sensor_seed; /* xy 0..65535; z share of lines that drop out; w

@@ -42,10 +42,10 @@ bool runs_up(vec2 x, float height)
     return ground <= 0.0 || height > ground * (1.0 + ground / tallest);
 }
 
-shaded shade_coast(ivec2 at, uint triangle)
+// How far along a pixel's sight land is, -1: nowhere before the water that the
+// triangle shows.
+float land_distance(vec3 ray, uint triangle, float ray_length)
 {
-    vec3 ray = pixel_ray(lattice(at));
-    float ray_length = length(ray);
     float limit = 1e7;
     if (triangle != 0u) {
         limit = cut_triangle(ray, triangle).t * ray_length;
@@ -54,7 +54,20 @@ shaded shade_coast(ivec2 at, uint triangle)
             limit = 1e7;
         }
     }
-    float range = lut.y > 0.5 ? -1.0 : seabed_distance(ray / ray_length, limit);
+    return lut.y > 0.5 ? -1.0 : seabed_distance(ray / ray_length, limit);
+}
+
+bool before_land(ivec2 at, uint triangle)
+{
+    vec3 ray = pixel_ray(lattice(at));
+    return land_distance(ray, triangle, length(ray)) < 0.0;
+}
+
+shaded shade_coast(ivec2 at, uint triangle)
+{
+    vec3 ray = pixel_ray(lattice(at));
+    float ray_length = length(ray);
+    float range = land_distance(ray, triangle, ray_length);
     if (range >= 0.0) {
         return shade_land(ray / ray_length, range);
     }

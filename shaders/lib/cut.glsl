@@ -14,6 +14,14 @@ vec2 vertex_rest(int i)
     return texelFetch(vertex_texels, 2 * i + 1).xy;
 }
 
+const int NO_STRIP = 1 << 20; // that of the sky
+
+// The inner ring of a triangle's strip.
+int strip_of(uint triangle)
+{
+    return triangle == 0u ? NO_STRIP : int(texelFetch(vertex_texels, int(triangle - 1u | 1u)).w);
+}
+
 // A triangle of the mesh, cut by a ray.
 struct cut {
     vec2 x;     // place at rest
@@ -25,13 +33,16 @@ struct cut {
 cut cut_triangle(vec3 ray, uint triangle)
 {
     uint id = max(triangle, 1u) - 1u;
-    int i0 = int(id >> 1u);
-    vec4 a4 = vertex_position(i0);
-    int columns = int(a4.w);
-    int i2 = (id & 1u) == 1u ? i0 - columns : i0 + columns - 1;
-    vec3 a = a4.xyz;
+    int i = int(id >> 1u);
+    bool outer = (id & 1u) == 1u; // its first corner lies on the outer ring
+    vec4 one = vertex_position(i);
+    int other = i + int(one.w) - (outer ? 0 : 1);
+    int i0 = outer ? other : i;
+    int i2 = outer ? i : other;
+    vec3 two = vertex_position(other).xyz;
+    vec3 a = outer ? two : one.xyz;
     vec3 b = vertex_position(i0 - 1).xyz;
-    vec3 c = vertex_position(i2).xyz;
+    vec3 c = outer ? one.xyz : two;
     vec3 weight = vec3(dot(ray, cross(b, c - b)), dot(ray, cross(c, a - c)),
                        dot(ray, cross(a, b - a)));
     weight = clamp(weight / (weight.x + weight.y + weight.z), 0.0, 1.0);

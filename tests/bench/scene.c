@@ -84,5 +84,6 @@ struct pel_camera bench_camera(const struct bench_scene *s)
         .exposure_ev = s->ev,
         .tone = s->linear ? PEL_TONE_LINEAR : PEL_TONE_FILMIC,
         .glare = s->glare,
+        .antialiasing = !s->aliased,
     };
 }

@@ -16,7 +16,7 @@ struct bench_scene {
     double time_s;
     double ev; /* over 90: automatic */
     double glare;
-    bool linear;
+    bool linear, aliased;
 };
 
 /* The peers' scene: 60 waves, 6 m above the sea, level, 1024 × 768. */

@@ -34,7 +34,8 @@ static struct setting settings[] = {
     { "paper", 0 },       { "x", 0 },         { "y", 0 },
     { "bed", 0 },         { "caustics", 1 },  { "glare", 0.01 },
     { "linear", 0 },      { "sparkle", 1 },   { "ship", 0 },
-    { "away", 220 },      { "bearing", 0 },   { "turned", 60 },
+    { "away", 220 },      { "aa", 1 },        { "bearing", 0 },
+    { "turned", 60 },
 };
 
 static double get(const char *name)
@@ -92,6 +93,7 @@ static struct bench_scene scene(void)
         .ev = get("ev"),
         .glare = get("glare"),
         .linear = get("linear") > 0,
+        .aliased = get("aa") <= 0,
     };
 }
 

@@ -1,0 +1,38 @@
+/* Antialiasing of outlines, after a picture's pixels show what their middles
+ * see: shaders/outline_find.comp lists pixels whose neighbours see triangles
+ * that are apart, shaders/outline.comp those of them that an outline cuts, with
+ * the parts on either side, and shaders/edges.comp mixes their light. Render
+ * thread. */
+#pragma once
+
+#include "render/mesh.h"
+#include "render/pass.h"
+#include "render/targets.h"
+
+/* Pixels beyond each edge of a picture whose triangles its outlines need. */
+#define PEL_EDGES_MARGIN 1
+
+/* The camera that sees `margin` more pixels at each edge. */
+struct pel_camera pel_edges_camera(const struct pel_camera *c, int margin);
+
+/* Tells the program in use the blocks of the mesh, at these locations. */
+void pel_edges_tell_blocks(const struct pel_mesh *mesh, GLint count,
+                           GLint blocks, GLint bases);
+
+/* Whether neighbours to the left and right may be those that lie above and
+ * below in some pixel of the camera's picture. */
+bool pel_edges_sideways(const struct pel_camera *c);
+
+/* Lists the pixels of a region, from two corners, that outlines cut, by the
+ * triangles of its picture. */
+void pel_edges_list(const struct pel_programs *p, const struct pel_targets *t,
+                    const struct pel_mesh *mesh, bool sideways,
+                    const GLint region[4]);
+
+/* Draws them by a program (programs.h: edges), `wanted` as shade.comp. */
+void pel_edges_draw(const struct pel_targets *t, GLuint program,
+                    const struct pel_pass *pass, int wanted);
+
+/* The part of a pass that is light: other layers keep what the middle of each
+ * pixel shows. False: it has none. */
+bool pel_edges_pass(const struct pel_pass *whole, struct pel_pass *light);

@@ -1,0 +1,69 @@
+#version 450 core
+// Lists the pixels that outlines may cut, eight below each other at once: where
+// the numbers of neighbouring triangles lie at least a ring apart.
+#include "lib/blocks.h"
+#include "lib/triangles.glsl"
+
+layout(local_size_x = PEL_GROUP_LINE) in;
+// From x on, triangles of numbers y apart have a ring between theirs.
+layout(location = 0) uniform uvec2 apart[PEL_OUTLINE_BLOCKS];
+layout(location = 0 + PEL_OUTLINE_BLOCKS + 1) uniform bool sideways; // neighbours to the left and right count
+layout(location = 0 + PEL_OUTLINE_BLOCKS) uniform ivec4 region; // pixels from xy to before zw
+layout(std430, binding = PEL_STORE_SUSPECTS) restrict buffer suspects_block {
+    uint groups[3]; // of outline.comp
+    uint count;
+    uint suspects[];
+};
+
+bool are_apart(uint a, uint b)
+{
+    uint far = max(a, b);
+    uint least = apart[0].y;
+    for (int i = 1; i < PEL_OUTLINE_BLOCKS; i++) {
+        least = far >= apart[i].x ? apart[i].y : least;
+    }
+    return far - min(a, b) >= least;
+}
+
+void main()
+{
+    int i = int(gl_GlobalInvocationID.x);
+    int wide = region.z - region.x;
+    ivec2 first = region.xy + ivec2(i % wide, i / wide * PEL_OUTLINE_ROWS);
+    if (first.y >= region.w) {
+        return;
+    }
+    // Rings lie above each other in their order: what is within one at the ends
+    // is between them.
+    ivec2 last = ivec2(size.xy) - 1;
+    uint found = 0u;
+    uint next = triangle_at(first - ivec2(0, 1));
+    bool cut = are_apart(next, triangle_at(min(first + ivec2(0, PEL_OUTLINE_ROWS), last)));
+    for (int y = 0; y <= PEL_OUTLINE_ROWS && (cut || sideways); y++) {
+        uint own = next;
+        next = triangle_at(min(first + ivec2(0, y), last));
+        found |= are_apart(own, next) ? 3u << y : 0u; // by one
+    }
+    found >>= 1;
+    for (int y = 0; y < PEL_OUTLINE_ROWS && sideways; y++) {
+        ivec2 at = min(first + ivec2(0, y), last - ivec2(1, 0));
+        uint own = triangle_at(at);
+        bool beside = are_apart(triangle_at(at - ivec2(1, 0)), own) ||
+                      are_apart(triangle_at(at + ivec2(1, 0)), own);
+        found |= beside ? 1u << y : 0u;
+    }
+    found &= (1u << min(PEL_OUTLINE_ROWS, region.w - first.y)) - 1u;
+    if (found == 0u) {
+        return;
+    }
+    if (found == 0u) {
+        return;
+    }
+    uint place = atomicAdd(count, uint(bitCount(found)));
+    for (; found != 0u; found &= found - 1u) {
+        if (place < uint(suspects.length())) {
+            atomicMax(groups[0], place / uint(PEL_GROUP_LINE) + 1u);
+            suspects[place++] = uint(first.y + findLSB(found)) << 16 | uint(first.x);
+        }
+    }
+}
