@@ -225,6 +225,8 @@ export class Sections {
       options: tones.map((v) => [v, words(v)]), patch: patch("tone") }), there);
     tone.node.dataset.path = "views.*.tone";
     range("Glare, share of light", "glare", "", 0.005, { id: "glare" });
+    this.check("view", "antialiasing", "Smooth outlines", { ...about,
+      get: (s) => view(s)?.antialiasing, patch: patch("antialiasing") });
     const level = button(byId("view"), "Ahead and level",
       "Look ahead, level, with a field of view of 60 degrees", () => {
         this.views.chosen?.look.want({ yaw: 0, pitch: 0, roll: 0,

@@ -1,3 +1,4 @@
+#define TEST_ANTIALIASING true
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

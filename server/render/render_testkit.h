@@ -18,6 +18,11 @@
 #include "scene/snapshot.h"
 #include "seabed/seabed.h"
 
+/* Of a program's cameras. */
+#ifndef TEST_ANTIALIASING
+#define TEST_ANTIALIASING false
+#endif
+
 /* Angles of a test view, degrees; heading clockwise from north. */
 struct test_look {
     double height_m, heading, pitch, roll, fov;
@@ -58,7 +63,7 @@ static inline struct pel_camera test_camera(struct test_look look)
         .height = look.height,
         .auto_exposure = true,
         .glare = 0.01,
-        .antialiasing = true,
+        .antialiasing = TEST_ANTIALIASING,
     };
     const struct pel_snapshot snapshot = { .view_count = 1, .views = &view };
     struct pel_camera camera;

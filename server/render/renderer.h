@@ -75,6 +75,8 @@ int pel_layer_stride(const struct pel_layer_info *layer);
 /* Bytes a pixel takes in the buffers of these layers. */
 size_t pel_layer_bytes(unsigned layers);
 
+/* With camera.antialiasing light is the mean of pixels that outlines cut;
+ * layers that are no light are always what their middles see. */
 struct pel_draw {
     struct pel_camera camera;
     unsigned layers; /* of enum pel_layer, at least one */

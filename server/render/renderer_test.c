@@ -1,6 +1,7 @@
 /* The renderer on the software device: the same bytes for the same scene, no
  * seam between parts of a frustum, sane numbers for any scene, no popping, and
  * its limits. */
+#define TEST_ANTIALIASING true
 #include "render/renderer.h"
 
 #include <pthread.h>

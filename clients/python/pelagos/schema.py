@@ -373,6 +373,9 @@ class View(Record):
     #: Share of the Sun's light that the lens scatters around it: glare. A good
     #: lens has 0.01, an eye some 0.1. [1; 0 to 0.5]
     glare: float = _field(0.01, '1', 0, 0.5)
+    #: Pixels that crests, the horizon or the Sun's rim cut show the mean of
+    #: what is on either side, before exposure; false: what their middle sees.
+    antialiasing: bool = _field(True)
 
 
 @dataclass(frozen=True)
