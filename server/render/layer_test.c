@@ -1,4 +1,3 @@
-#define TEST_ANTIALIASING true
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
