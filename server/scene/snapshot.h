@@ -61,8 +61,8 @@ struct pel_sensor {
     uint32_t width, height;                                                    \
     bool auto_exposure;                                                        \
     double exposure_ev;                                                        \
-    int tone;     /* PEL_TONE_* */                                             \
-    double glare; /* share of light that the lens scatters */                  \
+    int tone;          /* PEL_TONE_* */                                        \
+    double glare;      /* share of light that the lens scatters */             \
     bool antialiasing; /* of what hides what, and of lights' rims */           \
     struct pel_sensor sensor;
 struct pel_lens {
