@@ -32,6 +32,7 @@ BIN = os.environ.get("PELAGOS_BIN", os.path.join(ROOT, "build/release/bin"))
 # Tests of which the figures are shown; each fails by its own bounds.
 NUMBERS = ("brdf_test", "facets_test", "directional_test", "ndbc_test",
            "welch_test", "cascade_test", "probe_test", "shimmer_test")
+SLOW = ("probe_test", "shimmer_test")
 DOC = os.path.join(ROOT, "docs", "validation.md")
 
 
@@ -55,7 +56,8 @@ def parts(options):
                   + ([] if options.quick else ["--all"])],
         "sky": [script("airtrace/airsky.py", options)],
         "water": [[os.path.join(BIN, "validate_water"), *quick]],
-        "numbers": [[os.path.join(BIN, test)] for test in NUMBERS],
+        "numbers": [[os.path.join(BIN, test)] for test in NUMBERS
+                    if not (options.quick and test in SLOW)],
         "eye": [script("eye.py", options)],
     }
 
@@ -137,10 +139,11 @@ def sea_checks(folder):
             if part:
                 middle, most = spread(e["difference"] for e in part)
                 failed = sum(e["verdict"] == "FAIL" for e in part)
+                unsure = sum(e["verdict"] == "open" for e in part)
                 yield (f"{what}, zenith {'over' if far else 'to'} {last}°",
                        f"≤ {bar:.0%} each row",
-                       f"median {middle:.1%}, worst {most:.1%}, {failed} of "
-                       f"{len(part)} fail", failed == 0)
+                       f"median {middle:.1%}, worst {most:.1%}, of {len(part)} "
+                       f"rows {failed} fail, {unsure} open", failed == 0)
 
 
 def sky_checks(folder):
@@ -202,7 +205,7 @@ def numbers_checks(folder):
         rms = math.sqrt(sum(v * v for v in logs) / len(logs))
         yield ("Welch's spectrum of queries, both synthesisers",
                "≤ 0.15 rms ln", f"{rms:.3f} over {len(logs)} bands, worst "
-               f"{max(map(abs, logs)):.2f}", rms <= 0.15)
+               f"{max(map(abs, logs)):.2f}, ln", rms <= 0.15)
 
 
 def eye_checks(folder):

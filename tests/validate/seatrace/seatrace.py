@@ -2,7 +2,7 @@
 """Small pictures of pelagosd against rays over a realised sea (seatrace.c).
 
     seatrace.py [--quick] [--assert [flat]] [--spectrum pm|elfouhaily]
-                [--linear] [--jobs N] [--slant M] [--no-paper]
+                [--linear] [--times N] [--jobs N] [--slant M] [--no-paper]
 
 Views of 128 x 16 pixels look at the sea from a slant distance of 2 km, so that
 pixels are wider than the shortest waves and narrower than the longest; over
@@ -453,6 +453,8 @@ def main():
     parser.add_argument("--spectrum", choices=SPECTRA, default="pm")
     parser.add_argument("--linear", action="store_true",
                         help="the reference's crests are not sharpened")
+    parser.add_argument("--times", type=int, default=1,
+                        help="so many times the rays and facets")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--slant", type=float, default=2000)
     parser.add_argument("--no-paper", action="store_true",
@@ -472,6 +474,8 @@ def main():
     if options.linear:  # a ray costs a twentieth
         setup["rays"] *= 8
         setup["facets"] *= 8
+    setup["rays"] *= options.times
+    setup["facets"] *= options.times
     os.nice(19 - os.nice(0))
     run(options, setup)
 
