@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "formats.h"
+#include "models/builtin.h"
 #include "scene/scene_testkit.h"
 
 /* Rounding of a few dozen operations on numbers of order one. */
@@ -261,6 +262,45 @@ static void entities_go_on(void **state)
     pel_snapshot_unref(s);
 }
 
+/* A buoy of 3 m in a long swell: the height and the slopes of the sea, which is
+ * a plane under it to a few millimetres. */
+static void what_floats_lies_in_the_sea(void **state)
+{
+    (void)state;
+    const struct pel_snapshot *s = snapshot_of(
+        "{\"sea\":{\"windSpeed\":0,\"level\":0.7,\"swell\":[{\"height\":2,"
+        "\"period\":12}]},\"entities\":{\"1\":{\"heading\":30}}}");
+    const struct pel_builtin what = { .name = "cardinal-north" };
+    struct pel_entity_state buoy = s->entities[0], at;
+    struct pel_fault fault;
+    assert_int_equal(pel_builtin_make(&what, &buoy.model, &fault), PEL_OK);
+    struct pel_snapshot with = *s;
+    with.entities = &buoy;
+    pel_snapshot_entity_at(&with, 0, 7, &at);
+    near(at.altitude_m, buoy.altitude_m, EPS);
+    buoy.afloat = true;
+    for (double t = 5; t < 12; t += 1.7) {
+        pel_snapshot_entity_at(&with, 0, t, &at);
+        double sh = sin(at.heading_rad), ch = cos(at.heading_rad);
+        const struct pel_vec2 around[] = { { at.east_m, at.north_m },
+                                           { at.east_m + sh, at.north_m + ch },
+                                           { at.east_m + ch,
+                                             at.north_m - sh } };
+        struct pel_surface_sample sea[3];
+        pel_snapshot_surface(s, around, 3, t, false, sea);
+        near(at.altitude_m, sea[0].height_m, 0.01);
+        near(tan(at.pitch_rad), sea[1].height_m - sea[0].height_m, 0.005);
+        near(tan(at.roll_rad), sea[0].height_m - sea[2].height_m, 0.005);
+    }
+    struct pel_object object[PEL_MAX_ENTITIES];
+    assert_int_equal(pel_snapshot_objects(&with, 7, object), 1);
+    const struct pel_mat3 *m = &object[0].world_from_model;
+    near3(pel_vec3_cross(m->x, m->y), m->z.x, m->z.y, m->z.z);
+    assert_int_equal(pel_snapshot_objects(s, 7, object), 0);
+    pel_model_unref(buoy.model);
+    pel_snapshot_unref(s);
+}
+
 static void the_sun_can_be_fixed(void **state)
 {
     (void)state;
@@ -354,6 +394,7 @@ int main(void)
         cmocka_unit_test(pictures_keep_their_field),
         cmocka_unit_test(views_share_a_meter),
         cmocka_unit_test(entities_go_on),
+        cmocka_unit_test(what_floats_lies_in_the_sea),
         cmocka_unit_test(the_sun_can_be_fixed),
         cmocka_unit_test(enums_are_numbered_as_in_the_schema),
     };

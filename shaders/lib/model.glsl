@@ -26,13 +26,19 @@ vec4 object_facts(int i)
     return texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 3);
 }
 
-// From the eye, over the same sphere as the sea's mesh.
+// The square of half the arc over the Earth's radius.
+float half_arc2(vec2 level)
+{
+    return dot(level, level) * (0.25 / (planet.x * planet.x));
+}
+
+// From the eye, over the same sphere as the sea's mesh; within 100 km two terms
+// of the sine are as good as a float.
 vec3 over_sphere(vec3 level)
 {
-    float arc = length(level.xy);
-    float half_arc = 0.5 * arc / planet.x;
-    float s = sin(half_arc);
-    return vec3(level.xy * cos(half_arc), level.z - 2.0 * planet.x * s * s - eye.x);
+    float a2 = half_arc2(level.xy);
+    return vec3(level.xy * (1.0 - 0.5 * a2),
+                level.z - 2.0 * planet.x * a2 * (1.0 - a2 * (1.0 / 3.0)) - eye.x);
 }
 
 vec3 object_point(placed o, vec3 p)
@@ -43,8 +49,8 @@ vec3 object_point(placed o, vec3 p)
 // From the object's origin in the axes of the world, of a point from the eye.
 vec3 from_object(placed o, vec3 p)
 {
-    float half_arc = 0.5 * length(p.xy) / planet.x;
-    vec3 level = vec3(p.xy / cos(half_arc), p.z + eye.x + 2.0 * planet.x * half_arc * half_arc);
+    float a2 = half_arc2(p.xy);
+    vec3 level = vec3(p.xy * (1.0 + 0.5 * a2), p.z + eye.x + 2.0 * planet.x * a2);
     return level - o.origin;
 }
 
