@@ -150,9 +150,9 @@ static int seams(void)
                                          { 160, 0, 384, 192 },
                                          { 0, 100, 384, 192 },
                                          { 131, 70, 201, 121 } };
-    const struct pel_model *ship = model_of("tanker"), *rib = model_of("rib");
+    const struct pel_model *ship = model_of("ferry"), *rib = model_of("rib");
     const struct pel_object objects[] = {
-        standing(ship, 3, 60, 260, 0.3, 70),
+        standing(ship, 3, 60, 900, 0.3, 70),
         standing(rib, 4, 12, 40, 0.1, 200),
         standing(rib, 5, -8, 25, 0.2, 40),
     };
