@@ -162,14 +162,14 @@ def sky_checks(folder):
 
 
 def water_checks(folder):
-    for numbers in said(folder, "validate_water", r"Median off: canonical "
-                        r"problems ([\d.]+) %, K_d ([\d.]+) %, f/Q ([\d.]+)"):
-        for what, number in zip(
-                ("problems 1, 2, 6 of Mobley et al. 1993",
-                 "K_d of Morel and Maritorena 2001",
-                 "f/Q of Morel, Antoine and Gentili 2002"), numbers):
-            yield (f"water: {what}", "median ≤ 10 %", f"{number} %",
-                   float(number) <= 10)
+    published = {"canonical problems": "problems 1, 2, 6 of Mobley et al. 1993",
+                 "K_d": "K_d of Morel and Maritorena 2001",
+                 "R": "R of Morel and Maritorena 2001",
+                 "f/Q": "f/Q of Morel, Antoine and Gentili 2002"}
+    for line in said(folder, "validate_water", r"Median off: (.*)"):
+        for what, number in re.findall(r"([^,]+?) ([\d.]+) %", line):
+            yield (published.get(what.strip(), what),
+                   "median ≤ 10 %", f"{number} %", float(number) <= 10)
     rows = read(folder, "water.json")
     if not rows:
         return
