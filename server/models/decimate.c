@@ -426,6 +426,7 @@ static bool find_bodies(struct pel_decimate *d)
     for (size_t p = 0; p < d->positions; p++) {
         d->body[p] = root(d->body, (uint32_t)p);
         for (int k = 0; k < 3; k++) {
+            /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): welded */
             boxes[p].low[k] = boxes[p].high[k] = d->xyz[p][k];
         }
     }
