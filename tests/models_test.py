@@ -104,7 +104,8 @@ def ac3d():
 class Models(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.mkdtemp(prefix="pelagos-models-")
+        cls.top = tempfile.mkdtemp(prefix="pelagos-models-")
+        cls.folder = os.path.join(cls.top, "models")
         for name, data in {
                 "wedge.obj": obj("skin.png"),
                 "wedge.mtl": "newmtl paint\nKd 1 1 1\nmap_Kd Skin.PNG\n",
@@ -129,18 +130,28 @@ class Models(unittest.TestCase):
                 "huge.png": png(60000, 60000, b"\0"),
                 "cut.glb": glb()[:-100],
                 "empty.dae": "",
+                "outside.gltf": json.dumps(gltf(buffers=[
+                    {"byteLength": 168, "uri": "../secret.bin"}])[0]),
+                "inside.gltf": json.dumps(gltf(buffers=[
+                    {"byteLength": 168, "uri": "sub/own.bin"}])[0]),
+                "sub/own.bin": gltf()[1],
                 "notes.txt": "no model"}.items():
             path = os.path.join(cls.folder, name)
             os.makedirs(os.path.dirname(path), exist_ok=True)
             with open(path, "wb") as f:
                 f.write(data if isinstance(data, bytes) else data.encode())
+        # A mesh that a file outside the directory would complete.
+        cls.secret = os.path.join(os.path.dirname(cls.folder), "secret.bin")
+        with open(cls.secret, "wb") as f:
+            f.write(gltf()[1])
         os.symlink("/etc/passwd", os.path.join(cls.folder, "out.obj"))
         cls.daemon = Daemon("--models", cls.folder, unix=True)
 
     @classmethod
     def tearDownClass(cls):
         cls.daemon.stop()
-        shutil.rmtree(cls.folder)
+        os.remove(cls.secret)
+        shutil.rmtree(cls.top)
 
     def list(self):
         """By name, once all are read."""
@@ -179,6 +190,7 @@ class Models(unittest.TestCase):
             for field, value in (("length", 10), ("beam", 4), ("draught", 2),
                                  ("height", 1)):
                 self.assertAlmostEqual(m[field], value, 5, msg=(name, field))
+        self.assertEqual(models["inside.gltf"]["triangles"][0], 12)
         # The texture counts: 64 × 32 × 4 bytes, found whatever its case.
         self.assertGreater(int(models["wedge.obj"]["bytes"]),
                            int(models["wedge.glb"]["bytes"]) + 8000)
@@ -204,6 +216,7 @@ class Models(unittest.TestCase):
                 "huge.obj": ("60000 x 60000", "smaller"),
                 "cut.glb": ("cut.glb",),
                 "empty.dae": ("empty.dae",),
+                "outside.gltf": ("outside.gltf",),
                 "out.obj": ("link",)}.items():
             self.assertIn("error", models[name], name)
             for word in words:
