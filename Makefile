@@ -90,6 +90,7 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/report.c \
     server/ocean/fft.c \
     server/ocean/evolve.c \
+    server/ocean/bins.c \
     server/ocean/cascade.c \
     server/ocean/fields.c \
     server/ocean/cascade_query.c \

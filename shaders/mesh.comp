@@ -45,11 +45,10 @@ void main()
     float scale = up.w / r.y;
     float offset = -right.w * up.w;
     vec3 shift = vec3(0.0);
-#define PEL_DISPLACE(phase, size)                                              \
-    float w = filter_weight(phase.w * scale + offset);                         \
-    float turns = dot(phase.xy, x) + phase.z;                                  \
-    shift.xy -= phase.xy * (size.y * (w * sine_turns(turns)));                 \
-    shift.z += size.x * (w * sine_turns(turns + 0.25));
+#define PEL_DISPLACE(phase, wander)                                            \
+    float h = wander.w * filter_weight(phase.w * scale + offset);              \
+    vec2 sc = h * sine_cosine_turns(wave_turns(phase, x, wandered(wander, x))); \
+    shift += vec3((-wave_chop(phase) * sc.x) * phase.xy, sc.y);
     PEL_EACH_WAVE(PEL_DISPLACE)
     shift *= 0.159154943; // 1 / 2π
 #endif

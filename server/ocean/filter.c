@@ -5,6 +5,7 @@
 
 #include "ocean/cascade.h"
 #include "ocean/filtered_cascades.h"
+#include "ocean/wander.h"
 
 double pel_filter_weight(const struct pel_filter *f, double wavelengths)
 {
@@ -43,11 +44,10 @@ static void take_resolved(const struct pel_wave *w, double c, double s,
     double h2 = w->amplitude * w->amplitude;
     double kept =
         gain * gain * h2 / (1.0 + sqrt(1.0 - w->chop * w->chop * k2 * h2));
-    double along = w->kx * c + w->ky * s;
-    double cross = w->ky * c - w->kx * s;
-    left->along -= along * along * kept;
-    left->cross -= cross * cross * kept;
-    left->mixed -= along * cross * kept;
+    struct pel_wave_square k = pel_wave_square(w);
+    left->along -= kept * (c * c * k.xx + 2.0 * c * s * k.xy + s * s * k.yy);
+    left->cross -= kept * (s * s * k.xx - 2.0 * c * s * k.xy + c * c * k.yy);
+    left->mixed -= kept * (c * s * (k.yy - k.xx) + (c * c - s * s) * k.xy);
 }
 
 static double wavelengths_of(const struct pel_wave *w, double footprint_m)
@@ -85,7 +85,7 @@ static void filtered_trochoids(const struct pel_sea *sea,
                                double time_s, struct pel_filtered *out)
 {
     struct pel_vec3 d = { 0, 0, 0 };
-    double xx = 0, xy = 0, yy = 0, zx = 0, zy = 0;
+    double xx = 0, xy = 0, yx = 0, yy = 0, zx = 0, zy = 0;
     for (int i = 0; i < sea->count; i++) {
         const struct pel_wave *w = &sea->waves[i];
         double lengths = wavelengths_of(w, footprint_m);
@@ -94,20 +94,20 @@ static void filtered_trochoids(const struct pel_sea *sea,
         if (moved == 0) {
             continue;
         }
-        double p = w->kx * at.x + w->ky * at.y +
-                   remainder(w->phase - w->omega * time_s, 2.0 * PEL_PI);
-        double s = sin(p), c = cos(p), k = hypot(w->kx, w->ky);
+        struct pel_wave_phase p = pel_wave_at(w, at.x, at.y, time_s);
+        double s = sin(p.phase), c = cos(p.phase), k = hypot(w->kx, w->ky);
         double across = w->chop * h / k;
         d.x -= w->kx / k * w->chop * moved * s;
         d.y -= w->ky / k * w->chop * moved * s;
         d.z += moved * c;
-        xx += w->kx * w->kx * across * c;
-        xy += w->kx * w->ky * across * c;
-        yy += w->ky * w->ky * across * c;
-        zx -= w->kx * h * s;
-        zy -= w->ky * h * s;
+        xx += w->kx * p.kx * across * c;
+        xy += w->kx * p.ky * across * c;
+        yx += w->ky * p.kx * across * c;
+        yy += w->ky * p.ky * across * c;
+        zx -= p.kx * h * s;
+        zy -= p.ky * h * s;
     }
-    struct pel_vec3 along_x = { 1.0 - xx, -xy, zx };
+    struct pel_vec3 along_x = { 1.0 - xx, -yx, zx };
     struct pel_vec3 along_y = { -xy, 1.0 - yy, zy };
     out->shift = d;
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));

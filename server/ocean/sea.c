@@ -6,19 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ocean/bins.h"
 #include "ocean/cascade.h"
 #include "ocean/directional.h"
 #include "ocean/hash.h"
 #include "ocean/spectrum.h"
 #include "ocean/stratified.h"
-
-/* Share of the bins' measure that is slope variance; the rest is energy. */
-#define SLOPE_SHARE 0.65
+#include "ocean/wander.h"
+#include "shaders/lib/blocks.h"
 
 #define SWELL_WAVES 8
 #define SWELL_WAVES_CALM 16
 /* Relative width of a swell's Gaussian in frequency. */
 #define SWELL_BANDWIDTH 0.06
+/* Share of its energy beyond the bounds at either end. */
+#define SWELL_TAIL 0.01
 
 #define GRID 2048      /* points of the cumulative measures over ln ω */
 #define DIRECTIONS 256 /* steps of the cumulative spreading over [0, π] */
@@ -31,6 +33,7 @@ struct band {
     double log_lo, step;
     double energy[GRID + 1];
     double slope[GRID + 1];
+    double measure[GRID + 1];
 };
 
 static void band_fill(const struct pel_sea_desc *d, double lo, double hi,
@@ -56,39 +59,9 @@ static void band_fill(const struct pel_sea_desc *d, double lo, double hi,
     double scale = pel_spectrum_m0(d, lo, hi) / b->energy[GRID];
     for (int i = 0; i <= GRID; i++) {
         b->energy[i] *= scale;
+        b->slope[i] *= scale;
     }
-}
-
-static double band_measure(const struct band *b, int i)
-{
-    return (1.0 - SLOPE_SHARE) * b->energy[i] / b->energy[GRID] +
-           SLOPE_SHARE * b->slope[i] / b->slope[GRID];
-}
-
-/* Place in the grid (index and fraction) where the measure reaches m. */
-static double band_invert(const struct band *b, double m)
-{
-    int lo = 0, hi = GRID;
-    while (hi - lo > 1) {
-        int mid = (lo + hi) / 2;
-        if (band_measure(b, mid) <= m) {
-            lo = mid;
-        } else {
-            hi = mid;
-        }
-    }
-    double at_lo = band_measure(b, lo), at_hi = band_measure(b, hi);
-    return lo +
-           (at_hi > at_lo ? pel_clamp((m - at_lo) / (at_hi - at_lo), 0, 1) : 0);
-}
-
-static double band_energy(const struct band *b, double place)
-{
-    int i = (int)place;
-    if (i >= GRID) {
-        return b->energy[GRID];
-    }
-    return b->energy[i] + (place - i) * (b->energy[i + 1] - b->energy[i]);
+    pel_bins_measure(b->energy, b->slope, GRID, b->measure);
 }
 
 /* Inverse cumulative of cos^{2s}(θ/2), as a table over [0, π]. */
@@ -127,9 +100,9 @@ static double spreading_invert(const struct spreading *t, double u)
 }
 
 struct wind_wave {
-    double k, energy, spreading;
+    double k_lo, k_hi, k, energy, spreading;
     struct spreading table;
-    double angle; /* from the wind */
+    double angle, aside; /* from the wind; of the sector */
 };
 
 /* A golden-ratio sequence: waves near in wavelength run far apart in angle,
@@ -143,6 +116,9 @@ static void wind_directions(struct wind_wave *w, int n, uint32_t seed,
         double u = offset + 0.61803398874989485 * i + 2.0 * jitter / n;
         u -= floor(u);
         w[i].angle = spreading_invert(&w[i].table, u);
+        w[i].aside = pel_sector_aside(
+            spreading_invert(&w[i].table, fmax(u - PEL_SECTOR_SIDE, 0)),
+            spreading_invert(&w[i].table, fmin(u + PEL_SECTOR_SIDE, 1)));
     }
 }
 
@@ -186,33 +162,22 @@ static void choose_directions(struct wind_wave *w, int n, uint32_t seed)
 static void wind_bins(const struct pel_sea_desc *d, const struct band *b,
                       struct wind_wave *w, int n)
 {
-    double from = 0;
+    double from = pel_bins_bound(b->measure, GRID, n, 0, d->seed), spent = 0;
     for (int i = 0; i < n; i++) {
-        double to = i + 1 == n ? GRID : band_invert(b, (double)(i + 1) / n);
-        double u = pel_hash01(d->seed, PEL_STREAM_FREQUENCY, (uint32_t)i);
-        double place = band_invert(b, (i + 0.1 + 0.8 * u) / n);
-        double omega = exp(b->log_lo + b->step * place);
+        double to = pel_bins_bound(b->measure, GRID, n, i + 1, d->seed);
+        double lo = exp(b->log_lo + b->step * from);
+        double hi = exp(b->log_lo + b->step * to), omega = 0.5 * (lo + hi);
         double s =
             fmax(pel_spectrum_spreading(d, omega), PEL_SEA_SPREADING_FLOOR);
+        w[i].k_lo = lo * lo / PEL_GRAVITY;
+        w[i].k_hi = hi * hi / PEL_GRAVITY;
         w[i].k = omega * omega / PEL_GRAVITY;
-        w[i].energy = band_energy(b, to) - band_energy(b, from);
+        w[i].energy = pel_bins_at(b->energy, GRID, to) - spent;
+        spent += w[i].energy;
         w[i].spreading = s;
         spreading_fill(s, &w[i].table);
         from = to;
     }
-}
-
-static void add_wave(struct pel_sea *sea, double k, double angle, double energy,
-                     double phase01)
-{
-    sea->waves[sea->count++] = (struct pel_wave){
-        .kx = k * cos(angle),
-        .ky = k * sin(angle),
-        .amplitude = sqrt(2.0 * energy),
-        .omega = pel_dispersion_omega(k),
-        .phase = 2.0 * PEL_PI * phase01,
-        .chop = 1.0,
-    };
 }
 
 struct wind_work {
@@ -238,8 +203,12 @@ static enum pel_err add_wind_sea(struct pel_sea *sea, int n)
     choose_directions(work->waves, n, d->seed);
     for (int i = 0; i < n; i++) {
         const struct wind_wave *w = &work->waves[i];
-        add_wave(sea, w->k, d->direction_rad + w->angle, w->energy,
-                 pel_hash01(d->seed, PEL_STREAM_PHASE, (uint32_t)i));
+        struct pel_cell cell = {
+            w->k_lo, w->k_hi, d->direction_rad + w->angle, w->aside, w->energy,
+            0,       peak
+        };
+        sea->waves[sea->count++] = pel_wave_of_cell(
+            &cell, d->seed, PEL_STREAM_PHASE, 3u * (uint32_t)i);
     }
     free(work);
     return PEL_OK;
@@ -271,20 +240,29 @@ static void add_swell(struct pel_sea *sea, int index, int n)
     uint32_t stream = PEL_STREAM_SWELL + (uint32_t)index;
     double offset = pel_hash01(seed, stream, 1000);
     for (int i = 0; i < n; i++) {
-        uint32_t at = 3u * (uint32_t)i;
-        double u = (i + 0.2 + 0.6 * pel_hash01(seed, stream, at)) / n;
         double v = offset + 0.61803398874989485 * i +
-                   0.3 * (pel_hash01(seed, stream, at + 1) - 0.5) / n;
-        v -= floor(v);
-        double omega = 2.0 * PEL_PI / s->period_s;
-        double angle = s->direction_rad;
+                   0.3 * (pel_hash01(seed, stream, 4u * (uint32_t)i) - 0.5) / n;
+        v = pel_clamp(v - floor(v), 0.02, 0.98);
+        double from = 2.0 * PEL_PI / s->period_s, to = from;
+        struct pel_cell cell = { .angle = s->direction_rad,
+                                 .peak = from,
+                                 .energy =
+                                     s->height_m * s->height_m / 16.0 / n };
         if (n > 1) {
-            omega *= 1.0 + SWELL_BANDWIDTH * normal_quantile(u);
-            angle += s->spread_rad * normal_quantile(pel_clamp(v, 0.02, 0.98));
+            double lo = fmax((double)i / n, SWELL_TAIL);
+            double hi = fmin((i + 1.0) / n, 1.0 - SWELL_TAIL);
+            from *= 1.0 + SWELL_BANDWIDTH * normal_quantile(lo);
+            to *= 1.0 + SWELL_BANDWIDTH * normal_quantile(hi);
+            cell.angle += s->spread_rad * normal_quantile(v);
+            cell.aside = s->spread_rad *
+                         pel_sector_aside(
+                             normal_quantile(fmax(v - PEL_SECTOR_SIDE, 0.02)),
+                             normal_quantile(fmin(v + PEL_SECTOR_SIDE, 0.98)));
         }
-        double energy = s->height_m * s->height_m / 16.0 / n;
-        add_wave(sea, omega * omega / PEL_GRAVITY, angle, energy,
-                 pel_hash01(seed, stream, at + 2));
+        cell.k_lo = from * from / PEL_GRAVITY;
+        cell.k_hi = to * to / PEL_GRAVITY;
+        sea->waves[sea->count++] =
+            pel_wave_of_cell(&cell, seed, stream, 4u * (uint32_t)i + 1);
     }
 }
 
@@ -353,6 +331,7 @@ static void limit_folding(struct pel_sea *sea)
         w->chop = bound <= 0.7 || !(whole > 0)
                       ? 1.0
                       : sqrt(pel_clamp(allowed / whole, 0, 1));
+        w->chop = floor(w->chop * PEL_CHOP_STEPS) / PEL_CHOP_STEPS;
         before = bound;
         kept_before = kept;
     }
@@ -364,14 +343,12 @@ static void add_slopes(const struct pel_sea *sea, const struct pel_wave *w,
 {
     double c = cos(sea->desc.direction_rad);
     double s = sin(sea->desc.direction_rad);
-    double kh = wavenumber(w) * w->amplitude;
-    double ckh = w->chop * kh;
-    double variance = kh * kh / (1.0 + sqrt(1.0 - ckh * ckh));
-    double along = (w->kx * c + w->ky * s) / wavenumber(w);
-    double cross = (w->ky * c - w->kx * s) / wavenumber(w);
-    to->along += along * along * variance;
-    to->cross += cross * cross * variance;
-    to->mixed += along * cross * variance;
+    double ckh = w->chop * wavenumber(w) * w->amplitude;
+    double square = w->amplitude * w->amplitude / (1.0 + sqrt(1.0 - ckh * ckh));
+    struct pel_wave_square k = pel_wave_square(w);
+    to->along += square * (c * c * k.xx + 2.0 * c * s * k.xy + s * s * k.yy);
+    to->cross += square * (s * s * k.xx - 2.0 * c * s * k.xy + c * c * k.yy);
+    to->mixed += square * (c * s * (k.yy - k.xx) + (c * c - s * s) * k.xy);
 }
 
 /* Totals of eq. 4 and the heights. */

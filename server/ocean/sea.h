@@ -89,7 +89,8 @@ struct pel_sea_desc {
 };
 
 /* One trochoid (Bruneton et al. 2010, eq. 2), in phase convention
- * φ = k·x − ω t + phase: displacement = (−k̂ c h sin φ, h cos φ).
+ * φ = k·x − ω t + phase + what ocean/wander.h adds: displacement =
+ * (−k̂ c h sin φ, h cos φ).
  *
  * c, `chop`, is 1 for the exact trochoid and less where the sum of all waves
  * would fold over itself (see pel_sea_build). The slope variance of such a
@@ -100,7 +101,12 @@ struct pel_wave {
     double amplitude; /* h, m */
     double omega;     /* rad/s */
     double phase;     /* rad, in [0, 2π) */
-    double chop;      /* c, 0..1 */
+    double chop;      /* c, 0..1, in 64ths */
+    /* ocean/wander.h; all 0: it does not */
+    double swing;              /* rad */
+    double wander_x, wander_y; /* turns/m */
+    double wander_rate;        /* turns/s */
+    double wander_start;       /* turns */
 };
 
 /* Slope variance along and across the wind, and their covariance. */
@@ -131,13 +137,12 @@ struct pel_sea {
  * sea, count 0.
  *
  * Wind waves: the spectrum from PEL_SEA_LONGEST peak wavelengths down to
- * PEL_SEA_SHORTEST_M is cut into bins of equal measure, a fixed mixture of
- * energy and slope variance, so that the peak is made of many waves and the
- * short ones still form a near-geometric progression. Each bin is one wave at
- * a hashed place inside it, carrying the bin's whole energy (h = √(2 E)), its
- * direction stratified through the inverse cumulative of the spreading, whose
- * exponent is not let below PEL_SEA_SPREADING_FLOOR. Each swell takes 1 to 8
- * waves (to 16 without wind) of equal energy.
+ * PEL_SEA_SHORTEST_M is cut into bins (bins.h). Each bin is one wave that
+ * carries the bin's whole energy (h = √(2 E)) and wanders over its frequencies
+ * and a sector of directions (wander.h), stratified through the inverse
+ * cumulative of the spreading, whose exponent is not let below
+ * PEL_SEA_SPREADING_FLOOR. Each swell takes 1 to 8 waves (to 16 without wind)
+ * of equal energy.
  *
  * No self-intersection: with B = PEL_SEA_FOLD_SIGMAS · √(Σ k²h²/2) running
  * from the longest wave to the shortest, `chop` is 1 up to B = 0.7 and then

@@ -2,23 +2,26 @@
 
 #include <stdlib.h>
 
+#include "ocean/bins.h"
 #include "ocean/hash.h"
+#include "ocean/wander.h"
 
-#define SLOPE_SHARE 0.65 /* of the bins' measure, as in sea.c */
 #define CUT PEL_DIRECTIONAL_CUT
 #define DIRECTIONS 512
 #define DIRECTION_TRIES 32
 
 /* Cumulative energy and slope variance over ln k, by node. */
 struct band {
-    double energy[CUT + 1], slope[CUT + 1];
+    double energy[CUT + 1], slope[CUT + 1], measure[CUT + 1];
+    double peak; /* rad/s */
 };
 
 struct stratum {
     double k, energy;
+    double k_lo, k_hi;     /* of the bin */
     double c2, s2, s1, c1; /* moments of the spreading there */
     double cumulative[DIRECTIONS + 1];
-    double angle;
+    double angle, aside; /* aside: of the sector */
 };
 
 struct work {
@@ -34,11 +37,17 @@ static double node_k(const struct pel_directional *d, double place)
 static void band_fill(const struct pel_directional *d, struct band *b)
 {
     double e0 = 0, s0 = 0;
-    b->energy[0] = b->slope[0] = 0;
+    b->energy[0] = b->slope[0] = b->peak = 0;
+    double most = 0;
     for (int i = 0; i <= CUT; i++) {
         struct pel_node_moments at;
         pel_directional_node(d, i, &at);
         double k = node_k(d, i), s1 = k * k * at.energy;
+        double omega = pel_dispersion_depth(k, d->depth_m);
+        if (at.energy / omega > most) {
+            most = at.energy / omega;
+            b->peak = omega;
+        }
         if (i > 0) {
             b->energy[i] = b->energy[i - 1] + 0.5 * d->step * (e0 + at.energy);
             b->slope[i] = b->slope[i - 1] + 0.5 * d->step * (s0 + s1);
@@ -46,36 +55,6 @@ static void band_fill(const struct pel_directional *d, struct band *b)
         e0 = at.energy;
         s0 = s1;
     }
-}
-
-static double measure(const struct band *b, int i)
-{
-    return (1.0 - SLOPE_SHARE) * b->energy[i] / b->energy[CUT] +
-           SLOPE_SHARE * b->slope[i] / b->slope[CUT];
-}
-
-/* Place among the nodes (index and fraction) where the measure reaches m. */
-static double invert(const struct band *b, double m)
-{
-    int lo = 0, hi = CUT;
-    while (hi - lo > 1) {
-        int mid = (lo + hi) / 2;
-        if (measure(b, mid) <= m) {
-            lo = mid;
-        } else {
-            hi = mid;
-        }
-    }
-    double a = measure(b, lo), z = measure(b, hi);
-    return lo + (z > a ? pel_clamp((m - a) / (z - a), 0, 1) : 0);
-}
-
-static double energy_to(const struct band *b, double place)
-{
-    int i = (int)place;
-    return i >= CUT
-               ? b->energy[CUT]
-               : b->energy[i] + (place - i) * (b->energy[i + 1] - b->energy[i]);
 }
 
 static void directions_fill(const struct pel_directional *d, struct stratum *s)
@@ -125,7 +104,11 @@ static void draw_directions(const struct pel_directional *d, struct stratum *s,
     for (int i = 0; i < n; i++) {
         double jitter = pel_hash01(seed, PEL_STREAM_DIRECTION, (uint32_t)i);
         double u = offset + 0.61803398874989485 * i + 2.0 * (jitter - 0.5) / n;
-        s[i].angle = direction(d, &s[i], u - floor(u));
+        u -= floor(u);
+        s[i].angle = direction(d, &s[i], u);
+        s[i].aside =
+            pel_sector_aside(direction(d, &s[i], fmax(u - PEL_SECTOR_SIDE, 0)),
+                             direction(d, &s[i], fmin(u + PEL_SECTOR_SIDE, 1)));
     }
 }
 
@@ -156,12 +139,14 @@ static double direction_error(const struct stratum *s, int n)
 static void cut_bins(const struct pel_directional *d, const struct band *b,
                      struct stratum *s, int n, uint32_t seed)
 {
-    double from = 0;
+    double from = pel_bins_bound(b->measure, CUT, n, 0, seed), spent = 0;
     for (int i = 0; i < n; i++) {
-        double to = i + 1 == n ? CUT : invert(b, (double)(i + 1) / n);
-        double u = pel_hash01(seed, PEL_STREAM_FREQUENCY, (uint32_t)i);
-        s[i].k = node_k(d, invert(b, (i + 0.1 + 0.8 * u) / n));
-        s[i].energy = energy_to(b, to) - energy_to(b, from);
+        double to = pel_bins_bound(b->measure, CUT, n, i + 1, seed);
+        s[i].k_lo = node_k(d, from);
+        s[i].k_hi = node_k(d, to);
+        s[i].k = 0.5 * (s[i].k_lo + s[i].k_hi);
+        s[i].energy = pel_bins_at(b->energy, CUT, to) - spent;
+        spent += s[i].energy;
         directions_fill(d, &s[i]);
         from = to;
     }
@@ -191,22 +176,20 @@ enum pel_err pel_sea_add_spectrum(struct pel_sea *sea,
         return PEL_ERR_NO_MEMORY;
     }
     band_fill(spectrum, &w->band);
+    struct band *band = &w->band;
     uint32_t seed = sea->desc.seed;
     int n = sea->desc.wave_count - sea->count;
     if (w->band.energy[CUT] > 0) {
-        cut_bins(spectrum, &w->band, w->strata, n, seed);
+        pel_bins_measure(band->energy, band->slope, CUT, band->measure);
+        cut_bins(spectrum, band, w->strata, n, seed);
         choose_directions(spectrum, w->strata, n, seed);
         for (int i = 0; i < n; i++) {
             const struct stratum *s = &w->strata[i];
-            sea->waves[sea->count++] = (struct pel_wave){
-                .kx = s->k * cos(s->angle),
-                .ky = s->k * sin(s->angle),
-                .amplitude = sqrt(2.0 * s->energy),
-                .omega = pel_dispersion_depth(s->k, spectrum->depth_m),
-                .phase = 2.0 * PEL_PI *
-                         pel_hash01(seed, PEL_STREAM_PHASE, (uint32_t)i),
-                .chop = 1.0,
-            };
+            struct pel_cell cell = { s->k_lo,   s->k_hi,   s->angle,
+                                     s->aside,  s->energy, spectrum->depth_m,
+                                     band->peak };
+            sea->waves[sea->count++] = pel_wave_of_cell(
+                &cell, seed, PEL_STREAM_PHASE, 3u * (uint32_t)i);
         }
     }
     free(w);

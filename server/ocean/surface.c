@@ -6,6 +6,7 @@
 #include "base/simd.h"
 #include "ocean/fields.h"
 #include "ocean/newton.h"
+#include "ocean/wander.h"
 
 #define MET_M 1e-6
 #define MOST_STEPS 40
@@ -70,9 +71,11 @@ struct lanes {
     int count;
     lanes4 kx[LANES], ky[LANES], phase[LANES]; /* phase − ω t */
     lanes4 ax[LANES], ay[LANES];               /* k̂ c h */
-    lanes4 axx[LANES], axy[LANES], ayy[LANES]; /* k k̂ᵀ c h */
-    lanes4 h[LANES], zx[LANES], zy[LANES];     /* h, k h */
-    lanes4 omega[LANES];
+    lanes4 h[LANES], omega[LANES];
+    /* wander.h: wander, its s at the origin now, and swing times wander */
+    lanes4 mx[LANES], my[LANES], start[LANES], swing[LANES];
+    lanes4 wx[LANES], wy[LANES];
+    lanes4 rate[LANES], surge[LANES]; /* swing · rate, 4 swing · rate² */
 };
 
 static void lanes_fill(const struct pel_sea *sea, double t, struct lanes *l)
@@ -91,45 +94,87 @@ static void lanes_fill(const struct pel_sea *sea, double t, struct lanes *l)
         l->phase[v][j] = remainder(w.phase - w.omega * t, 2.0 * PEL_PI);
         l->ax[v][j] = w.kx * a;
         l->ay[v][j] = w.ky * a;
-        l->axx[v][j] = w.kx * w.kx * a;
-        l->axy[v][j] = w.kx * w.ky * a;
-        l->ayy[v][j] = w.ky * w.ky * a;
         l->h[v][j] = w.amplitude;
-        l->zx[v][j] = w.kx * w.amplitude;
-        l->zy[v][j] = w.ky * w.amplitude;
         l->omega[v][j] = w.omega;
+        l->mx[v][j] = w.wander_x;
+        l->my[v][j] = w.wander_y;
+        l->start[v][j] =
+            remainder(w.wander_start - w.wander_rate * t, 1.0) - 0.5;
+        l->swing[v][j] = w.swing;
+        l->wx[v][j] = w.swing * w.wander_x;
+        l->wy[v][j] = w.swing * w.wander_y;
+        l->rate[v][j] = w.swing * w.wander_rate;
+        l->surge[v][j] = 4.0 * l->rate[v][j] * w.wander_rate;
     }
 }
 
-/* What the sum does to one rest position. With p = k·x − ω t + phase:
- * D = (−k̂ c h sin p, h cos p). */
+/* What the sum does to one rest position, D = (−k̂ c h sin p, h cos p). */
 struct shift {
     double dx, dy;
-    double xx, xy, yy; /* ∂dx/∂x, ∂dx/∂y = ∂dy/∂x, ∂dy/∂y */
+    double xx, xy, yx, yy; /* ∂dx/∂x, ∂dx/∂y, ∂dy/∂x, ∂dy/∂y */
     lanes4 sn[LANES], cs[LANES];
+    lanes4 r[LANES]; /* of wander.h */
 };
+
+/* x less the nearest whole number: within ±½, and −½ as well as ½. */
+PEL_INLINE lanes4 fold1(lanes4 x)
+{
+    const lanes4 shift = all(0x1.8p52);
+    return x - ((x + shift) - shift);
+}
+
+PEL_INLINE lanes4 abs4(lanes4 x)
+{
+    return (lanes4)((bits4)x & ~((bits4){ 0 } + (UINT64_C(1) << 63)));
+}
+
+struct gradient {
+    lanes4 xx, xy, yx, yy;
+};
+
+/* Of wave i where its wander's G' is u. */
+PEL_INLINE void add_gradient(const struct lanes *l, int i, lanes4 u, lanes4 cs,
+                             struct gradient *to)
+{
+    lanes4 kx = (l->kx[i] + u * l->wx[i]) * cs;
+    lanes4 ky = (l->ky[i] + u * l->wy[i]) * cs;
+    to->xx -= l->ax[i] * kx;
+    to->xy -= l->ax[i] * ky;
+    to->yx -= l->ay[i] * kx;
+    to->yy -= l->ay[i] * ky;
+}
+
+PEL_INLINE void take_gradient(const struct gradient *from, struct shift *to)
+{
+    to->xx = total(from->xx);
+    to->xy = total(from->xy);
+    to->yx = total(from->yx);
+    to->yy = total(from->yy);
+}
 
 PEL_INLINE void shift_at(const struct lanes *l, double x, double y,
                          struct shift *out)
 {
-    lanes4 dx = all(0), dy = all(0), xx = all(0), xy = all(0), yy = all(0);
+    lanes4 dx = all(0), dy = all(0);
+    struct gradient d = { 0 };
     lanes4 px = all(x), py = all(y);
     for (int i = 0; i < l->count; i++) {
         lanes4 sn, cs;
-        sincos4(l->kx[i] * px + l->ky[i] * py + l->phase[i], &sn, &cs);
+        lanes4 r = fold1(l->mx[i] * px + l->my[i] * py + l->start[i]);
+        lanes4 q = abs4(r);
+        sincos4(l->kx[i] * px + l->ky[i] * py + l->phase[i] +
+                    l->swing[i] * (r - (r + r) * q),
+                &sn, &cs);
         dx -= l->ax[i] * sn;
         dy -= l->ay[i] * sn;
-        xx -= l->axx[i] * cs;
-        xy -= l->axy[i] * cs;
-        yy -= l->ayy[i] * cs;
+        add_gradient(l, i, all(1.0) - all(4.0) * q, cs, &d);
         out->sn[i] = sn;
         out->cs[i] = cs;
+        out->r[i] = r;
     }
     out->dx = total(dx);
     out->dy = total(dy);
-    out->xx = total(xx);
-    out->xy = total(xy);
-    out->yy = total(yy);
+    take_gradient(&d, out);
 }
 
 /* Height, exact normal and particle velocity where `s` was taken. */
@@ -139,14 +184,16 @@ PEL_INLINE void surface_of(const struct lanes *l, const struct shift *s,
     lanes4 dz = all(0), zx = all(0), zy = all(0);
     lanes4 vx = all(0), vy = all(0), vz = all(0);
     for (int i = 0; i < l->count; i++) {
+        lanes4 u = all(1.0) - all(4.0) * abs4(s->r[i]);
+        lanes4 omega = l->omega[i] + u * l->rate[i];
         dz += l->h[i] * s->cs[i];
-        zx -= l->zx[i] * s->sn[i];
-        zy -= l->zy[i] * s->sn[i];
-        vx += l->ax[i] * l->omega[i] * s->cs[i];
-        vy += l->ay[i] * l->omega[i] * s->cs[i];
-        vz += l->h[i] * l->omega[i] * s->sn[i];
+        zx -= l->h[i] * (l->kx[i] + u * l->wx[i]) * s->sn[i];
+        zy -= l->h[i] * (l->ky[i] + u * l->wy[i]) * s->sn[i];
+        vx += l->ax[i] * omega * s->cs[i];
+        vy += l->ay[i] * omega * s->cs[i];
+        vz += l->h[i] * omega * s->sn[i];
     }
-    struct pel_vec3 along_x = { 1.0 + s->xx, s->xy, total(zx) };
+    struct pel_vec3 along_x = { 1.0 + s->xx, s->yx, total(zx) };
     struct pel_vec3 along_y = { s->xy, 1.0 + s->yy, total(zy) };
     out->height_m = total(dz);
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
@@ -160,10 +207,15 @@ PEL_INLINE struct pel_vec3 acceleration_of(const struct lanes *l,
 {
     lanes4 x = all(0), y = all(0), z = all(0);
     for (int i = 0; i < l->count; i++) {
-        lanes4 square = l->omega[i] * l->omega[i];
-        x += l->ax[i] * square * s->sn[i];
-        y += l->ay[i] * square * s->sn[i];
-        z -= l->h[i] * square * s->cs[i];
+        lanes4 u = all(1.0) - all(4.0) * abs4(s->r[i]);
+        lanes4 omega = l->omega[i] + u * l->rate[i];
+        /* ∂Ω/∂t: u rises before the middle of a turn, as s falls. */
+        bits4 sign = (bits4)s->r[i] & ((bits4){ 0 } + (UINT64_C(1) << 63));
+        lanes4 faster = (lanes4)((bits4)l->surge[i] ^ sign);
+        lanes4 across = omega * omega * s->sn[i] + faster * s->cs[i];
+        x += l->ax[i] * across;
+        y += l->ay[i] * across;
+        z -= l->h[i] * (omega * omega * s->cs[i] - faster * s->sn[i]);
     }
     return (struct pel_vec3){ total(x), total(y), total(z) };
 }
@@ -174,23 +226,21 @@ PEL_INLINE struct pel_vec3 acceleration_of(const struct lanes *l,
 PEL_INLINE void finish(const struct lanes *l, struct pel_vec2 step,
                        struct shift *s)
 {
-    lanes4 xx = all(0), xy = all(0), yy = all(0);
+    struct gradient g = { 0 };
     lanes4 px = all(step.x), py = all(step.y);
     for (int i = 0; i < l->count; i++) {
-        lanes4 p = l->kx[i] * px + l->ky[i] * py;
+        lanes4 u = all(1.0) - all(4.0) * abs4(s->r[i]);
+        lanes4 p =
+            (l->kx[i] + u * l->wx[i]) * px + (l->ky[i] + u * l->wy[i]) * py;
         lanes4 c = all(1.0) - p * p * all(0.5);
         lanes4 d = p - p * p * p * all(1.0 / 6.0);
         lanes4 sn = s->sn[i] * c + s->cs[i] * d;
         lanes4 cs = s->cs[i] * c - s->sn[i] * d;
-        xx -= l->axx[i] * cs;
-        xy -= l->axy[i] * cs;
-        yy -= l->ayy[i] * cs;
+        add_gradient(l, i, u, cs, &g);
         s->sn[i] = sn;
         s->cs[i] = cs;
     }
-    s->xx = total(xx);
-    s->xy = total(xy);
-    s->yy = total(yy);
+    take_gradient(&g, s);
 }
 
 /* Finds the rest position that is carried to (x, y); returns where its sums
@@ -205,7 +255,7 @@ PEL_INLINE struct shift *rest_under(const struct lanes *l, double x, double y,
     double error = rx * rx + ry * ry;
     for (int step = 0; step < MOST_STEPS && error > MET_M * MET_M; step++) {
         struct pel_vec2 s =
-            pel_newton_step(1.0 + at->xx, at->xy, at->xy, 1.0 + at->yy, rx, ry);
+            pel_newton_step(1.0 + at->xx, at->xy, at->yx, 1.0 + at->yy, rx, ry);
         if (s.x * s.x + s.y * s.y < NEAR_M * NEAR_M) {
             finish(l, s, at);
             break;
@@ -302,8 +352,7 @@ struct pel_vec3 pel_sea_displace(const struct pel_sea *sea, double x_m,
     }
     for (int i = 0; i < sea->count; i++) {
         const struct pel_wave *w = &sea->waves[i];
-        double p = w->kx * x_m + w->ky * y_m +
-                   remainder(w->phase - w->omega * time_s, 2.0 * PEL_PI);
+        double p = pel_wave_at(w, x_m, y_m, time_s).phase;
         double k = sqrt(w->kx * w->kx + w->ky * w->ky);
         double across = w->chop * w->amplitude * sin(p) / k;
         d.x -= w->kx * across;

@@ -1,7 +1,7 @@
 #include <string.h>
 
 #include "base/near.h"
-#include "ocean/sea.h"
+#include "ocean/wander.h"
 
 static struct pel_sea sea;
 
@@ -70,7 +70,8 @@ static void test_one_trochoid(void **state)
     memset(&sea, 0, sizeof sea);
     double k = 0.4, h = 0.9, omega = sqrt(PEL_GRAVITY * k);
     sea.count = 1;
-    sea.waves[0] = (struct pel_wave){ 0, k, h, omega, 0, 1 };
+    sea.waves[0] =
+        (struct pel_wave){ .ky = k, .amplitude = h, .omega = omega, .chop = 1 };
     struct pel_vec3 d = pel_sea_displace(&sea, 5, 0, 0);
     assert_near(d.y, 0, 1e-12);
     assert_near(d.z, h, 1e-12);
@@ -240,20 +241,22 @@ static void test_acceleration(void **state)
     }
 }
 
-/* Least eigenvalue of the derivative of x → x + D(x): the surface folds where
- * it is not positive. */
+/* Least stretch of any direction by x → x + D(x), the least eigenvalue of the
+ * symmetric part of its derivative: the surface folds nowhere if it is
+ * positive everywhere. */
 static double least_stretch(double x, double y, double t)
 {
-    double a = 1, b = 0, d = 1;
+    double a = 1, b = 0, c = 0, d = 1;
     for (int i = 0; i < sea.count; i++) {
         const struct pel_wave *w = &sea.waves[i];
-        double c = cos(w->kx * x + w->ky * y - w->omega * t + w->phase);
-        double f = w->chop * w->amplitude * c / hypot(w->kx, w->ky);
-        a -= f * w->kx * w->kx;
-        b -= f * w->kx * w->ky;
-        d -= f * w->ky * w->ky;
+        struct pel_wave_phase p = pel_wave_at(w, x, y, t);
+        double f = w->chop * w->amplitude * cos(p.phase) / hypot(w->kx, w->ky);
+        a -= f * w->kx * p.kx;
+        b -= f * w->kx * p.ky;
+        c -= f * w->ky * p.kx;
+        d -= f * w->ky * p.ky;
     }
-    return 0.5 * (a + d) - sqrt(0.25 * (a - d) * (a - d) + b * b);
+    return 0.5 * (a + d) - sqrt(0.25 * ((a - d) * (a - d) + (b + c) * (b + c)));
 }
 
 static void test_no_self_intersection(void **state)
@@ -313,11 +316,17 @@ static void test_slope_variance(void **state)
             double k = hypot(w->kx, w->ky), ck = w->chop * k * w->amplitude;
             double v =
                 ck > 0 ? (1 - sqrt(1 - ck * ck)) / (w->chop * w->chop) : 0;
-            double u = (w->kx * c + w->ky * s) / k;
-            double q = (w->ky * c - w->kx * s) / k;
-            along += u * u * v;
-            cross += q * q * v;
-            covariance += u * q * v;
+            /* Simpson's rule over what it wanders over. */
+            for (int n = -1; n <= 1; n++) {
+                double kx = w->kx + n * w->swing * w->wander_x;
+                double ky = w->ky + n * w->swing * w->wander_y;
+                double u = (kx * c + ky * s) / k;
+                double q = (ky * c - kx * s) / k;
+                double weight = (n == 0 ? 4.0 : 1.0) / 6.0 * v;
+                along += u * u * weight;
+                cross += q * q * weight;
+                covariance += u * q * weight;
+            }
         }
         assert_near(sea.slope_variance_along, along, 1e-9);
         assert_near(sea.slope_variance_cross, cross, 1e-9);

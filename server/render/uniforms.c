@@ -99,25 +99,32 @@ void pel_fill_eye(double height_m, double table_height_m, bool submerged,
     };
 }
 
+/* A fraction that stays one when single precision holds it with a whole part
+ * below 512. */
+static double below_one(double fraction)
+{
+    return fmin(fraction, 1.0 - 0x1p-14);
+}
+
 void pel_fill_waves(const struct pel_environment *env, double east_m,
                     double north_m, struct pel_block_waves *out)
 {
     *out = (struct pel_block_waves){ 0 };
     for (int i = 0; i < env->sea->count && i < PEL_WAVE_LIMIT; i++) {
         const struct pel_wave *w = &env->sea->waves[i];
-        double k = hypot(w->kx, w->ky);
-        double h = w->amplitude;
         double phase = (w->kx * east_m + w->ky * north_m -
                         w->omega * env->time_s + w->phase) /
                        (2.0 * PEL_PI);
-        double length = 2.0 * PEL_PI / k, whole = 2.0 * PEL_PI * h;
+        double start = w->wander_x * east_m + w->wander_y * north_m -
+                       w->wander_rate * env->time_s + w->wander_start - 0.5;
         struct pel_shader_wave *to = &out->waves[i];
-        to->phase = vec4(w->kx / (2.0 * PEL_PI), w->ky / (2.0 * PEL_PI),
-                         phase - floor(phase), length);
-        to->size = vec4(whole, whole * w->chop * length, 0.0, 0.0);
-        if (i > 0) {
-            out->waves[i - 1].size.z = (float)length;
-        }
+        to->phase =
+            vec4(w->kx / (2.0 * PEL_PI), w->ky / (2.0 * PEL_PI),
+                 below_one(phase - floor(phase)) + w->chop * PEL_CHOP_STEPS,
+                 2.0 * PEL_PI / hypot(w->kx, w->ky));
+        to->wander = vec4(w->wander_x, w->wander_y,
+                          below_one(start - floor(start)) + w->swing / PEL_PI,
+                          2.0 * PEL_PI * w->amplitude);
     }
 }
 

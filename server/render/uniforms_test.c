@@ -135,9 +135,15 @@ static void variance_is_the_direct_sum(void **state)
                                    (w->chop * w->chop)
                              : 0.5 * kh * kh;
             double kept = weight * weight * var * kept_by_box(lambda, l);
-            double u = (w->kx * wx + w->ky * wy) / k;
-            along -= kept * u * u;
-            cross -= kept * (1.0 - u * u);
+            /* The mean of the wave vectors that it wanders over. */
+            for (int n = 0; n < 64; n++) {
+                double by = w->swing * ((n + 0.5) / 32.0 - 1.0);
+                double kx = w->kx + by * w->wander_x;
+                double ky = w->ky + by * w->wander_y;
+                double u = (kx * wx + ky * wy) / k, v = (ky * wx - kx * wy) / k;
+                along -= kept * u * u / 64.0;
+                cross -= kept * v * v / 64.0;
+            }
         }
         /* The box has 64 samples: cosines to 4e-4 of the total. */
         double eps = 5e-4 * sea.slope_variance_along;
@@ -186,16 +192,19 @@ static void waves_are_the_sea(void **state)
         struct pel_vec3 d = { 0 };
         for (int j = 0; j < sea.count; j++) {
             const struct pel_shader_wave *w = &block.waves[j];
-            double turns = w->phase.x * x + w->phase.y * y + (double)w->phase.z;
+            double r = w->wander.x * x + w->wander.y * y + (double)w->wander.z;
+            r -= rint(r);
+            double turns = w->phase.x * x + w->phase.y * y +
+                           (double)w->phase.z +
+                           0.5 * floor(w->wander.z) * (r - 2.0 * r * fabs(r));
             double s = sin(2.0 * PEL_PI * turns);
             double c = cos(2.0 * PEL_PI * turns);
-            double carried = (double)w->size.y * s / (2.0 * PEL_PI);
-            d = pel_vec3_add(
-                d,
-                (struct pel_vec3){ -w->phase.x * carried, -w->phase.y * carried,
-                                   w->size.x * c / (2.0 * PEL_PI) });
-            float next = j + 1 < sea.count ? block.waves[j + 1].phase.w : 0;
-            assert_true(w->size.z == next);
+            double h = w->wander.w / (2.0 * PEL_PI);
+            double across =
+                h * s * floor(w->phase.z) / PEL_CHOP_STEPS * w->phase.w;
+            d = pel_vec3_add(d,
+                             (struct pel_vec3){ -across * w->phase.x,
+                                                -across * w->phase.y, h * c });
         }
         struct pel_vec3 truth =
             pel_sea_displace(&sea, east + x, north + y, env.time_s);

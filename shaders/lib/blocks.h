@@ -366,15 +366,19 @@ PEL_BLOCK(PEL_BLOCK_EXPOSURE, exposure)
     PEL_STRUCT pel_shader_glare glare[PEL_GLARES];
 };
 
-/* A wave as the shaders sum it, read as texels; c chop, h amplitude. One list
- * for an eye, longest first. */
+/* A wave as the shaders sum it, read as texels. One list for an eye, longest
+ * first, and a wave of no length after the last. What is read costs more than
+ * arithmetic; whole turns of a phase mean nothing, so they hold a number. */
+#define PEL_CHOP_STEPS 64 /* chop is a multiple of 1/64 */
 #ifdef __STDC__
 struct pel_shader_wave {
-    vec4 phase; /* k / 2π xy, 1/m; phase at the eye's nadir now, turns; λ, m */
-    vec4 size; /* x 2π h; y 2π c h λ; z λ of the next wave, 0 after the last */
+    vec4 phase;  /* k / 2π xy, 1/m; phase at the eye's nadir now, turns, and
+                    PEL_CHOP_STEPS · chop whole ones; λ, m */
+    vec4 wander; /* ocean/wander.h: m xy, 1/m; s − ½ there now and swing / π
+                    whole turns; 2π h, m */
 };
 struct pel_block_waves {
-    struct pel_shader_wave waves[PEL_WAVE_LIMIT];
+    struct pel_shader_wave waves[PEL_WAVE_LIMIT + 1];
 };
 #endif
 

@@ -3,7 +3,7 @@
 
 struct filtered {
     vec2 slope;
-    vec3 fold; // A, B, C: ∂p/∂x = (1 − A, −B, slope.x), ∂p/∂y = (−B, 1 − C, slope.y)
+    vec4 fold; // ∂p/∂x = (1 − x, −z, slope.x), ∂p/∂y = (−y, 1 − w, slope.y)
 #ifdef PEL_LAYERS
     vec3 shift;
 #endif
@@ -14,7 +14,7 @@ filtered filtered_sea(vec2 x, float footprint)
 {
     filtered f;
     f.slope = vec2(0.0);
-    f.fold = vec3(0.0);
+    f.fold = vec4(0.0);
 #ifdef PEL_LAYERS
     f.shift = vec3(0.0);
 #endif
@@ -28,7 +28,7 @@ filtered filtered_sea(vec2 x, float footprint)
             vec4 slopes = textureLod(slope_fields, uv, lod + back.w);
             float mixed = textureLod(fold_field, uv, lod + back.w).x;
             f.slope += slopes.x * at.by.xy + slopes.y * at.by.zw;
-            f.fold -= vec3(slopes.z, mixed, slopes.w);
+            f.fold -= vec4(slopes.z, mixed, mixed, slopes.w);
 #ifdef PEL_LAYERS
             f.shift += cascade_displacement(c, uv.xy, lod + back.w - PEL_SHIFT_SHARPER);
 #endif
@@ -50,24 +50,24 @@ filtered filtered_sea(vec2 x, float footprint)
     float length2 = footprint * footprint;
     filtered f;
     f.slope = vec2(0.0);
-    f.fold = vec3(0.0);
+    f.fold = vec4(0.0);
 #ifdef PEL_LAYERS
     f.shift = vec3(0.0);
-#define PEL_SHIFT(phase, size)                                                 \
-    f.shift += vec3(phase.xy * (size.y * (w * -s)), size.x * (w * c));
+#define PEL_SHIFT(phase, wander)                                               \
+    f.shift += (w * wander.w) * vec3((-chop * sc.x) * phase.xy, sc.y);
 #else
-#define PEL_SHIFT(phase, size)
+#define PEL_SHIFT(phase, wander)
 #endif
-#define PEL_SLOPE(phase, size)                                                 \
+#define PEL_SLOPE(phase, wander)                                               \
     float w = filter_weight(phase.w * scale + offset);                         \
-    vec3 kk = phase.xxy * phase.xyy;                                           \
-    float gain = w * footprint_mean(length2 * (kk.x + kk.z));                  \
-    float turns = dot(phase.xy, x) + phase.z;                                  \
-    float s = sine_turns(turns);                                               \
-    float c = sine_turns(turns + 0.25);                                        \
-    f.fold += kk * (size.y * (gain * c));                                      \
-    f.slope -= phase.xy * (size.x * (gain * s));                               \
-    PEL_SHIFT(phase, size)
+    float gain = w * footprint_mean(length2 * dot(phase.xy, phase.xy));        \
+    float chop = wave_chop(phase);                                             \
+    vec3 at = wandered(wander, x);                                             \
+    vec2 sc = sine_cosine_turns(wave_turns(phase, x, at));                     \
+    vec2 hk = (gain * wander.w) * wave_vector(phase, wander, at);              \
+    f.fold += (chop * sc.y) * (phase.xxyy * hk.xyxy);                          \
+    f.slope -= sc.x * hk;                                                      \
+    PEL_SHIFT(phase, wander)
     PEL_EACH_WAVE(PEL_SLOPE)
 #ifdef PEL_LAYERS
     f.shift *= 0.159154943; // 1 / 2π
@@ -79,7 +79,7 @@ filtered filtered_sea(vec2 x, float footprint)
 // ∂p/∂x × ∂p/∂y, eq. 3.
 vec3 filtered_normal(filtered f)
 {
-    return normalize(vec3(-f.fold.y * f.slope.y - f.slope.x * (1.0 - f.fold.z),
+    return normalize(vec3(-f.fold.z * f.slope.y - f.slope.x * (1.0 - f.fold.w),
                           -f.fold.y * f.slope.x - f.slope.y * (1.0 - f.fold.x),
-                          max((1.0 - f.fold.x) * (1.0 - f.fold.z) - f.fold.y * f.fold.y, 1e-3)));
+                          max((1.0 - f.fold.x) * (1.0 - f.fold.w) - f.fold.y * f.fold.z, 1e-3)));
 }

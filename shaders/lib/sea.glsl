@@ -51,9 +51,9 @@ float surface_distance(vec2 x, vec3 ray, float t)
         }
         // The particle that is carried there: a far one is not the near one's
         // neighbour.
-        vec3 d = vec3(1.0 - f.fold.x, -f.fold.y, 1.0 - f.fold.z);
-        float det = max(d.x * d.z - d.y * d.y, 0.05);
-        x += vec2(d.z * off.x - d.y * off.y, d.x * off.y - d.y * off.x) / det + along;
+        vec4 d = vec4(1.0 - f.fold.x, -f.fold.yz, 1.0 - f.fold.w);
+        float det = max(d.x * d.w - d.y * d.z, 0.05);
+        x += vec2(d.w * off.x - d.y * off.y, d.x * off.y - d.z * off.x) / det + along;
     }
     return best;
 }

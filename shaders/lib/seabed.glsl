@@ -179,9 +179,11 @@ vec2 wave_slope(vec2 x, float footprint)
 #else
     float scale = up.w / footprint;
     float offset = -right.w * up.w;
-#define PEL_TILT(phase, size)                                                  \
+#define PEL_TILT(phase, wander)                                                \
     float w = filter_weight(phase.w * scale + offset);                         \
-    slope -= phase.xy * (w * size.x * sine_turns(dot(phase.xy, x) + phase.z));
+    vec3 at = wandered(wander, x);                                             \
+    slope -= wave_vector(phase, wander, at) *                                  \
+             (w * wander.w * sine_cosine_turns(wave_turns(phase, x, at)).x);
     PEL_EACH_WAVE(PEL_TILT)
 #endif
     return slope;
@@ -204,10 +206,12 @@ vec3 wave_bend(vec2 x, float footprint)
 #else
     float scale = up.w / footprint;
     float offset = -right.w * up.w;
-#define PEL_BEND(phase, size)                                                  \
+#define PEL_BEND(phase, wander)                                                \
     float w = filter_weight(phase.w * scale + offset);                         \
-    float c = sine_turns(dot(phase.xy, x) + phase.z + 0.25);                   \
-    bend -= phase.xxy * phase.xyy * (2.0 * PI * w * size.x * c);
+    vec3 at = wandered(wander, x);                                             \
+    float c = sine_cosine_turns(wave_turns(phase, x, at)).y;                   \
+    vec2 k = wave_vector(phase, wander, at);                                   \
+    bend -= k.xxy * k.xyy * (2.0 * PI * w * wander.w * c);
     PEL_EACH_WAVE(PEL_BEND)
 #endif
     return bend;

@@ -1,12 +1,39 @@
 // The trochoid sum of Bruneton et al. 2010, eq. 2–4, twin of ocean/sea.c.
 
-// sin 2π x: folded to a quarter wave, minimax polynomial of degree 5,
-// |error| < 7e-5: a tenth of a millimetre of a metre-high wave.
-float sine_turns(float x)
+// sin and cos 2π x: minimax polynomials over a turn, |error| < 7e-6 and 5e-5: a
+// twentieth of a millimetre of a metre-high wave.
+vec2 sine_cosine_turns(float x)
 {
-    float y = 0.25 - abs(fract(x + 0.25) - 0.5);
-    float z = y * y;
-    return y * (6.281280067 + z * (-41.0952419 + z * 73.58550223));
+    float r = x - roundEven(x);
+    float z = r * r;
+    return vec2(r * (6.28305598 + z * (-41.3312198 + z * (81.3668357 + z * (-74.4779238 + z * 32.780946)))),
+                0.999959796 + z * (-19.7310418 + z * (64.6734326 + z * (-82.4035570 + z * 45.6456656))));
+}
+
+// Where a wave is in its wander (ocean/wander.h): r, within ±1/2, 1 − 2 |r|, and
+// the swing, turns.
+vec3 wandered(vec4 wander, vec2 x)
+{
+    float s = dot(wander.xy, x) + wander.z;
+    float r = s - roundEven(s);
+    return vec3(r, 1.0 - 2.0 * abs(r), 0.5 * floor(wander.z));
+}
+
+// Its phase there, turns, and its wave vector, turns/m.
+float wave_turns(vec4 phase, vec2 x, vec3 at)
+{
+    return dot(phase.xy, x) + phase.z + at.z * (at.x * at.y);
+}
+
+vec2 wave_vector(vec4 phase, vec4 wander, vec3 at)
+{
+    return phase.xy + (2.0 * at.z * at.y - at.z) * wander.xy;
+}
+
+// c λ, m.
+float wave_chop(vec4 phase)
+{
+    return floor(phase.z) * phase.w * (1.0 / float(PEL_CHOP_STEPS));
 }
 
 // w(a, b, x) of section 3.2, x = λ / length, in units of the interval.
@@ -19,19 +46,19 @@ float filter_weight(float x)
 // pel_shader_wave, two texels each.
 layout(binding = PEL_UNIT_WAVES) uniform samplerBuffer wave_texels;
 
-// F(phase, size) of each wave, longest first: the sum ends before the first
+// F(phase, wander) of each wave, longest first: the sum ends before the first
 // without weight, so that a pixel costs what it resolves. (The first always
-// counts, with no weight if need be.) Not written out: the program would take
-// seconds to make, and computes what the pixel does not resolve.
+// counts, with no weight if need be; the last is of no length.) Not written out:
+// the program would take seconds to make, and computes what the pixel does not
+// resolve.
 #define PEL_EACH_WAVE(F)                                                       \
     {                                                                          \
         int wave_ = 0;                                                         \
-        float next_;                                                           \
+        vec4 phase_ = texelFetch(wave_texels, 0);                              \
         do {                                                                   \
-            vec4 phase_ = texelFetch(wave_texels, wave_);                      \
-            vec4 size_ = texelFetch(wave_texels, wave_ + 1);                   \
-            F(phase_, size_)                                                   \
-            next_ = size_.z;                                                   \
+            vec4 wander_ = texelFetch(wave_texels, wave_ + 1);                 \
+            F(phase_, wander_)                                                 \
             wave_ += 2;                                                        \
-        } while (next_ * scale + offset > 0.0);                                \
+            phase_ = texelFetch(wave_texels, wave_);                           \
+        } while (phase_.w * scale + offset > 0.0);                             \
     }
