@@ -201,7 +201,7 @@ void pel_sea_query(const struct pel_sea *sea, const struct pel_vec2 *points,
                    size_t n, double time_s, struct pel_surface_sample *out);
 
 /* The same with the acceleration of the water particle, ∂²D/∂t² at its rest
- * position: −ω² times each wave's displacement. On an FFT sea a
+ * position. On an FFT sea a
  * moment's fields are a sixth dearer. */
 void pel_sea_query_moving(const struct pel_sea *sea,
                           const struct pel_vec2 *points, size_t n,
