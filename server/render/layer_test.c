@@ -1,6 +1,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
@@ -238,6 +239,15 @@ static void bad_filters_are_refused(void **state)
     }
 }
 
+/* To the bit; but what an EXR of half floats stores as 0 is the same: in the
+ * tail of the Sun's glitter, at 1e-33 of it, exponents of the two wrappers have
+ * differed in their last bits. */
+static bool same(const struct pel_layer_info *l, float a, float b)
+{
+    return memcmp(&a, &b, sizeof a) == 0 ||
+           (!l->full_float && fabsf(a) < 2e-8F && fabsf(b) < 2e-8F);
+}
+
 /* Same function in a fragment and in a compute wrapper, layers or not. */
 static void wrappers_agree(void **state)
 {
@@ -268,7 +278,7 @@ static void wrappers_agree(void **state)
         for (int k = 0; y && k < PIXELS; k++) {
             for (size_t n = 0; n < strlen(l->channels); n++) {
                 size_t at = (size_t)(k * pel_layer_stride(l)) + n;
-                assert_true(memcmp(&layers[i][at], &y[at], sizeof(float)) == 0);
+                assert_true(same(l, layers[i][at], y[at]));
             }
         }
     }
