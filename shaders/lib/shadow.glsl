@@ -21,10 +21,10 @@ float lit_share(int i, vec3 d, vec3 n)
 {
     float layer = object_facts(i).w;
     vec4 x = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 5);
-    // A step off the surface, of a texel and a half.
+    // A step off the surface, of two texels and a half: what a texel leans by there.
     float texel = inversesqrt(max(dot(x.xyz, x.xyz), 1e-12)) / float(PEL_SHADOW_SIZE);
     vec3 at;
-    if (layer < 0.0 || !shadow_place(i, d + n * (1.5 * texel), at)) {
+    if (layer < 0.0 || !shadow_place(i, d + n * (2.5 * texel), at)) {
         return 1.0;
     }
     const float APART = 0.5 / float(PEL_SHADOW_SIZE);
