@@ -95,6 +95,8 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/fields.c \
     server/ocean/cascade_query.c \
     server/ocean/filter.c \
+    server/ocean/foam.c \
+    server/ocean/foamgrain.c \
     server/ocean/filtered_cascades.c \
     server/ocean/sea.c \
     server/ocean/surface.c
@@ -172,7 +174,7 @@ RENDER := server/render/context.c server/render/shader.c \
     server/render/programs.c server/render/renderer.c server/render/arena.c server/render/probe.c \
     server/render/mesh.c server/render/meshpass.c server/render/mark.c server/render/sky.c server/render/uniforms.c \
     server/render/waterlight.c server/render/waterprobe.c server/render/seabedmap.c server/render/coast.c server/render/tiles.c server/render/objects.c server/render/mirror.c server/render/modelpool.c server/render/worker_pool.c server/render/disc.c server/render/edges.c server/render/meter.c server/render/band.c server/render/wavefield.c server/render/layer.c server/render/texels.c \
-    server/render/filtering.c server/render/pass.c
+    server/render/foammap.c server/render/filtering.c server/render/pass.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c \
@@ -275,6 +277,7 @@ TESTS += server/ocean/cascade_test.c
 TESTS += server/ocean/tiling_test.c
 TESTS += server/ocean/fields_test.c
 TESTS += server/ocean/filter_test.c
+TESTS += server/ocean/foam_test.c
 TESTS += server/ocean/directional_test.c
 TESTS += server/ocean/ndbc_test.c
 TESTS += server/ocean/welch_test.c

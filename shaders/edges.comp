@@ -14,6 +14,9 @@
 #include "lib/water.glsl"
 #include "lib/glints.glsl"
 #include "lib/shade.glsl"
+#ifdef PEL_FOAM
+#include "lib/foam.glsl"
+#endif
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"
 #include "lib/haze.glsl"

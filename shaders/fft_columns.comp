@@ -5,9 +5,13 @@
 
 layout(local_size_x = 64) in;
 layout(std430, binding = PEL_STORE_LINES) readonly buffer lines_block { vec4 lines[]; };
+#ifdef PEL_FOAM
+layout(binding = PEL_IMAGE_BREAKING, rg32f) writeonly uniform image2DArray breaking;
+#else
 layout(binding = PEL_IMAGE_DISPLACEMENT, rgba32f) writeonly uniform image2DArray displacement;
 layout(binding = PEL_IMAGE_SLOPES, rgba32f) writeonly uniform image2DArray slopes;
 layout(binding = PEL_IMAGE_FOLD, r32f) writeonly uniform image2DArray fold;
+#endif
 
 void main()
 {
@@ -25,8 +29,12 @@ void main()
     transform_line(lane, ab, cd);
     for (int r = 0; r < 4; r++) {
         ivec3 at = ivec3(column, lane + r * FFT_LANES, c);
+#ifdef PEL_FOAM
+        imageStore(breaking, at, ab[r]);
+#else
         imageStore(displacement, at, vec4(ab[r].xyz, 0.0));
         imageStore(slopes, at, cd[r]);
         imageStore(fold, at, vec4(ab[r].w));
+#endif
     }
 }

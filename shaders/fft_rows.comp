@@ -36,6 +36,13 @@ void main()
         vec2 at = vec2(column < PEL_CASCADE_N / 2 ? column : column - PEL_CASCADE_N,
                        row < PEL_CASCADE_N / 2 ? row : row - PEL_CASCADE_N);
         vec2 k = unit * (at.x * turn + at.y * vec2(-turn.y, turn.x));
+#ifdef PEL_FOAM
+        // Σ k h e^{iφ}: the waves of k alone, twice (ocean/foam.h).
+        float slope_gain = gain[column].y * gain[row].y;
+        vec2 alone = vec2(h0.x * co + h0.y * si, h0.y * co - h0.x * si);
+        ab[r] = vec4(2.0 * slope_gain * sqrt(dot(k, k)) * alone, 0.0, 0.0);
+        cd[r] = vec4(0.0);
+#else
         vec2 chop = mode.y * k * inversesqrt(max(dot(k, k), 1e-20));
         float shift_gain = gain[column].x * gain[row].x;
         float slope_gain = gain[column].y * gain[row].y;
@@ -45,6 +52,7 @@ void main()
                      turned(h, vec2(shift_gain, -slope_gain * chop.x * k.y)));
         cd[r] = slope_gain * vec4(turned(h, vec2(-k.y, k.x)),
                                   turned(h, -chop * k));
+#endif
     }
     transform_line(lane, ab, cd);
     int base = ((c * PEL_CASCADE_N + row) * PEL_CASCADE_N) * 2;

@@ -17,6 +17,9 @@
 #include "lib/mirrored.glsl"
 #endif
 #include "lib/shade.glsl"
+#ifdef PEL_FOAM
+#include "lib/foam.glsl"
+#endif
 #include "lib/shaded.glsl"
 #include "lib/haze.glsl"
 #ifdef PEL_SEABED

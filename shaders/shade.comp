@@ -18,6 +18,9 @@
 #include "lib/mirrored.glsl"
 #endif
 #include "lib/shade.glsl"
+#ifdef PEL_FOAM
+#include "lib/foam.glsl"
+#endif
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"
 #include "lib/haze.glsl"

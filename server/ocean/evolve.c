@@ -29,6 +29,7 @@ enum pair {
     PAIR_DRIFT,  /* ∂Dx/∂t, ∂Dy/∂t */
     PAIR_HEAVE,  /* ∂h/∂t, ∂²h/∂t² */
     PAIR_SURGE,  /* ∂²Dx/∂t², ∂²Dy/∂t² */
+    PAIR_BREAKING, /* X, Y of foam.h */
     PAIRS,
 };
 
@@ -250,6 +251,16 @@ PEL_INLINE void put_bunch(const struct pel_cascades *all,
         put(&out[PAIR_SLOPE], i, hr, hi, -gs * ky, gs * kx);
         put(&out[PAIR_FOLD], i, hr, hi, -gs * b->ux * kx, -gs * b->uy * ky);
     }
+    if (range.first == PAIR_BREAKING) {
+        /* Σ k h e^{iφ}: the waves of k alone, twice. */
+        memcpy(&rows_s, &all->slope_gain[j], sizeof rows_s);
+        wave_vector(c, i, n, &kx, &ky);
+        lanes g = 2.0f * rows_s * all->slope_gain[i] *
+                  square_root(kx * kx + ky * ky);
+        out[PAIR_BREAKING].re[i] = g * ar;
+        out[PAIR_BREAKING].im[i] = g * ai;
+        return;
+    }
     lanes omega = 6.28318530718f * b->frequency;
     if (range.end > PAIR_DRIFT && range.first <= PAIR_DRIFT) {
         lanes vr = omega * (ai - bi), vi = omega * (br - ar);
@@ -391,12 +402,12 @@ PEL_CLONES static void store_velocity(const struct pel_evolve_work *work, int b,
     }
 }
 
-PEL_CLONES static void store_surge(const struct pel_evolve_work *work, int b,
-                                   float (*surge)[2])
+PEL_CLONES static void store_pair(const struct pel_evolve_work *work, int b,
+                                  enum pair pair, float (*to)[2])
 {
-    const struct pel_fft_strip *from = &work->block[PAIR_SURGE][b];
+    const struct pel_fft_strip *from = &work->block[pair][b];
     for (int j = 0; j < N; j++) {
-        store2(&surge[j * N + b * LANES], from->re[j], from->im[j]);
+        store2(&to[j * N + b * LANES], from->re[j], from->im[j]);
     }
 }
 
@@ -426,8 +437,10 @@ void pel_evolve(const struct pel_cascades *all, int index, double time_s,
 {
     struct range range = { out->displacement ? PAIR_SHIFT
                            : out->velocity   ? PAIR_DRIFT
-                                             : PAIR_SURGE,
-                           out->surge      ? PAIRS
+                           : out->surge      ? PAIR_SURGE
+                                             : PAIR_BREAKING,
+                           out->breaking   ? PAIRS
+                           : out->surge    ? PAIR_BREAKING
                            : out->velocity ? PAIR_SURGE
                                            : PAIR_DRIFT };
     evolve_pairs(all, index, time_s, range, work);
@@ -442,7 +455,10 @@ void pel_evolve(const struct pel_cascades *all, int index, double time_s,
             store_velocity(work, b, out->velocity);
         }
         if (out->surge) {
-            store_surge(work, b, out->surge);
+            store_pair(work, b, PAIR_SURGE, out->surge);
+        }
+        if (out->breaking) {
+            store_pair(work, b, PAIR_BREAKING, out->breaking);
         }
     }
 }
@@ -456,9 +472,13 @@ void pel_evolve_halve(const float *from, int n, int channels, float *to)
         const float *b = a + (size_t)n * (size_t)channels;
         float *out = to + (size_t)(y * half) * (size_t)channels;
         for (int x = 0; x < half; x++) {
-            if (channels == 1) {
-                out[x] =
-                    0.25f * (a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1]);
+            if (channels <= 2) {
+                for (int k = 0; k < channels; k++) {
+                    int at = 2 * x * channels + k;
+                    out[x * channels + k] =
+                        0.25f * (a[at] + a[at + channels] + b[at] +
+                                 b[at + channels]);
+                }
                 continue;
             }
             texel t[4];

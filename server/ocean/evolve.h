@@ -25,6 +25,7 @@ struct pel_evolve_target {
     float *fold;
     float (*velocity)[4];
     float (*surge)[2];
+    float (*breaking)[2]; /* X, Y of foam.h; by itself */
 };
 
 /* Fields of cascade `index` at time_s (|time_s| ≤ 1e9). Any thread; the same
@@ -33,6 +34,6 @@ void pel_evolve(const struct pel_cascades *all, int index, double time_s,
                 struct pel_evolve_work *work,
                 const struct pel_evolve_target *out);
 
-/* The next level of detail of a field of `channels` (1 or 4) floats: n · n
+/* The next level of detail of a field of `channels` (1, 2 or 4) floats: n · n
  * texels, n even, become means of 2 × 2. */
 void pel_evolve_halve(const float *from, int n, int channels, float *to);

@@ -9,6 +9,7 @@
 #include "ocean/bins.h"
 #include "ocean/cascade.h"
 #include "ocean/directional.h"
+#include "ocean/foam.h"
 #include "ocean/hash.h"
 #include "ocean/spectrum.h"
 #include "ocean/stratified.h"
@@ -435,14 +436,9 @@ static enum pel_err build_trochoids(struct pel_sea *sea)
     return PEL_OK;
 }
 
-enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
+static enum pel_err build_waves(const struct pel_sea_desc *desc,
+                                struct pel_sea *out)
 {
-    if (!pel_sea_desc_ok(desc)) {
-        return PEL_ERR_OUT_OF_RANGE;
-    }
-    memset(out, 0, sizeof *out);
-    out->desc = *desc;
-    out->desc.direction_rad = remainder(desc->direction_rad, 2.0 * PEL_PI);
     if (desc->synthesiser == PEL_SYNTHESISER_FFT) {
         return build_cascades(out);
     }
@@ -470,8 +466,22 @@ enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
     return PEL_OK;
 }
 
+enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
+{
+    if (!pel_sea_desc_ok(desc)) {
+        return PEL_ERR_OUT_OF_RANGE;
+    }
+    memset(out, 0, sizeof *out);
+    out->desc = *desc;
+    out->desc.direction_rad = remainder(desc->direction_rad, 2.0 * PEL_PI);
+    enum pel_err err = build_waves(desc, out);
+    return err ? err : pel_foam_create(out, &out->foam);
+}
+
 void pel_sea_finish(struct pel_sea *sea)
 {
+    free(sea->foam);
+    sea->foam = NULL;
     pel_cascades_destroy(sea->cascades);
     sea->cascades = NULL;
 }

@@ -85,6 +85,7 @@ struct pel_sea_desc {
     int single_count;
     struct pel_single_desc single[PEL_SEA_MAX_SINGLES];
     double depth_m; /* of the dispersion, 1..11000; 0: deep water */
+    double whitecaps; /* times the wind's coverage (foam.h), 0..4; 0: none */
     struct pel_measured measured;
 };
 
@@ -115,10 +116,12 @@ struct pel_slopes {
 };
 
 struct pel_cascades; /* ocean/cascade.h */
+struct pel_foam;     /* ocean/foam.h */
 
 struct pel_sea {
     struct pel_sea_desc desc;
     struct pel_cascades *cascades; /* owned; NULL: the waves below */
+    struct pel_foam *foam;         /* owned; NULL: none */
     int count;
     struct pel_wave waves[PEL_SEA_MAX_WAVES]; /* longest wavelength first */
     double m0;                                /* Σ h²/2 of the waves, m² */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/log.h"
+#include "ocean/foam.h"
 #include "render/coast.h"
 
 static void delete_sea_programs(struct pel_sea_programs *p)
@@ -40,7 +41,44 @@ static const char *const tile_defines[PEL_COAST_TILES] = {
     [PEL_COAST_LAND] = "#define PEL_SEABED\n#define PEL_LAND\n",
 };
 
-static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
+static bool has_streaks(const struct pel_sea *sea)
+{
+    return sea->foam && sea->foam->spread > 0;
+}
+
+static const char *foam_defines(const struct pel_sea *sea)
+{
+    return has_streaks(sea) ? "#define PEL_FOAM\n#define PEL_STREAKS\n"
+           : sea->foam      ? "#define PEL_FOAM\n"
+                            : "";
+}
+
+static struct pel_sea_programs *programs_of(struct pel_programs *p,
+                                            const struct pel_sea *sea)
+{
+    if (sea->foam) {
+        return &p->foamy[has_streaks(sea)][sea->cascades != NULL];
+    }
+    return sea->cascades ? &p->cascades : &p->trochoids;
+}
+
+const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
+                                               const struct pel_sea *sea)
+{
+    return programs_of(p, sea);
+}
+
+static void delete_all_seas(struct pel_programs *p)
+{
+    delete_sea_programs(&p->trochoids);
+    delete_sea_programs(&p->cascades);
+    for (int i = 0; i < 4; i++) {
+        delete_sea_programs(&p->foamy[i / 2][i % 2]);
+    }
+}
+
+static enum pel_err make_sea_program(struct pel_programs *all,
+                                     const struct pel_sea *sea,
                                      enum pel_shading kind,
                                      enum pel_coast_tile tile, bool objects,
                                      GLuint *out, struct pel_fault *fault)
@@ -49,8 +87,9 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
         return PEL_OK;
     }
     char defines[256];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s",
-             cascades ? "#define PEL_FFT\n" : "", kind_defines[kind],
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
+             sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
+             kind_defines[kind],
              tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
@@ -65,7 +104,8 @@ static enum pel_err make_sea_program(struct pel_programs *all, bool cascades,
                               defines, out, fault);
 }
 
-static enum pel_err make_edges_program(struct pel_programs *all, bool cascades,
+static enum pel_err make_edges_program(struct pel_programs *all,
+                                       const struct pel_sea *sea,
                                        enum pel_shading kind,
                                        enum pel_coast_tile tile, GLuint *out,
                                        struct pel_fault *fault)
@@ -74,8 +114,9 @@ static enum pel_err make_edges_program(struct pel_programs *all, bool cascades,
         return PEL_OK;
     }
     char defines[256];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s",
-             cascades ? "#define PEL_FFT\n" : "", kind_defines[kind],
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
+             sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
+             kind_defines[kind],
              tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
@@ -86,11 +127,13 @@ static enum pel_err make_edges_program(struct pel_programs *all, bool cascades,
 
 /* Makes the programs that this kind of sea and picture wants; those with
  * layers most never are. */
-static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
+static enum pel_err need_sea_programs(struct pel_programs *all,
+                                      const struct pel_sea *sea,
                                       enum pel_shading kind, bool coast,
                                       bool objects, struct pel_fault *fault)
 {
-    struct pel_sea_programs *p = cascades ? &all->cascades : &all->trochoids;
+    bool cascades = sea->cascades != NULL;
+    struct pel_sea_programs *p = programs_of(all, sea);
     enum pel_err err = PEL_OK;
     if (!p->mesh) {
         char defines[64];
@@ -105,25 +148,25 @@ static enum pel_err need_sea_programs(struct pel_programs *all, bool cascades,
                                  &all->search, fault);
     }
     if (err == PEL_OK && coast) {
-        err = make_sea_program(all, cascades, kind, PEL_COAST_LAND, false,
+        err = make_sea_program(all, sea, kind, PEL_COAST_LAND, false,
                                &p->coast[kind], fault);
     }
     if (err == PEL_OK && coast) {
-        err = make_sea_program(all, cascades, kind, PEL_COAST_BOTTOM, false,
+        err = make_sea_program(all, sea, kind, PEL_COAST_BOTTOM, false,
                                &p->shallow[kind], fault);
     }
     for (int tile = 0; tile < PEL_COAST_TILES && objects; tile++) {
         if (err == PEL_OK && (coast || !tile)) {
-            err = make_sea_program(all, cascades, kind, tile, true,
+            err = make_sea_program(all, sea, kind, tile, true,
                                    &p->objects[tile][kind], fault);
         }
     }
     if (err == PEL_OK && all->compute) {
-        return make_sea_program(all, cascades, kind, PEL_COAST_NONE, false,
+        return make_sea_program(all, sea, kind, PEL_COAST_NONE, false,
                                 &p->compute_program[kind], fault);
     }
     if (err == PEL_OK) {
-        err = make_sea_program(all, cascades, kind, PEL_COAST_NONE, false,
+        err = make_sea_program(all, sea, kind, PEL_COAST_NONE, false,
                                &p->fragments[kind], fault);
     }
     for (int disc = 0; disc < 2; disc++) {
@@ -144,17 +187,15 @@ enum pel_err pel_programs_need(struct pel_programs *all,
                                bool coast, bool objects,
                                struct pel_fault *fault)
 {
-    bool cascades = sea->cascades != NULL;
     enum pel_err err =
-        need_sea_programs(all, cascades, kind, coast, objects, fault);
+        need_sea_programs(all, sea, kind, coast, objects, fault);
     if (err != PEL_OK && all->compute && all->automatic) {
         pel_warn("RND-042", "%s; pixels are shaded as fragments",
                  fault->message);
         all->compute = false;
         /* Coasts were made for the other wrapper. */
-        delete_sea_programs(&all->trochoids);
-        delete_sea_programs(&all->cascades);
-        err = need_sea_programs(all, cascades, kind, coast, objects, fault);
+        delete_all_seas(all);
+        err = need_sea_programs(all, sea, kind, coast, objects, fault);
     }
     return err;
 }
@@ -169,8 +210,7 @@ enum pel_err pel_programs_need_edges(struct pel_programs *all,
                                      enum pel_shading kind, bool coast,
                                      struct pel_fault *fault)
 {
-    bool cascades = sea->cascades != NULL;
-    struct pel_sea_programs *p = cascades ? &all->cascades : &all->trochoids;
+    struct pel_sea_programs *p = programs_of(all, sea);
     const char *keys = all->compute ? "#define PEL_KEYS\n" : NULL;
     enum pel_err err = PEL_OK;
     if (!all->outline_find) {
@@ -183,7 +223,7 @@ enum pel_err pel_programs_need_edges(struct pel_programs *all,
     }
     for (int tile = 0; tile < (coast ? PEL_COAST_TILES : 1) && err == PEL_OK;
          tile++) {
-        err = make_edges_program(all, cascades, kind, (enum pel_coast_tile)tile,
+        err = make_edges_program(all, sea, kind, (enum pel_coast_tile)tile,
                                  &p->edges[tile][kind], fault);
     }
     return err;
@@ -213,8 +253,7 @@ enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
 
 void pel_programs_finish(struct pel_programs *p)
 {
-    delete_sea_programs(&p->trochoids);
-    delete_sea_programs(&p->cascades);
+    delete_all_seas(p);
     glDeleteProgram(p->surface);
     glDeleteProgram(p->search);
     glDeleteProgram(p->tone);

@@ -44,6 +44,8 @@ struct pel_programs {
     GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
     GLuint disc[PEL_SHADE_COUNT];     /* and with it */
     struct pel_sea_programs trochoids, cascades;
+    /* With foam, and with streaks of it. */
+    struct pel_sea_programs foamy[2][2]; /* streaks, cascades */
 };
 
 /* `shading` as in pel_renderer_options; `filtering`, settled, outlives the
@@ -75,3 +77,7 @@ PEL_CHECK enum pel_err pel_programs_need_edges(struct pel_programs *p,
                                                enum pel_shading kind,
                                                bool coast,
                                                struct pel_fault *fault);
+
+/* Those that draw this sea. */
+const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
+                                               const struct pel_sea *sea);

@@ -12,6 +12,7 @@
 #include "render/coast.h"
 #include "render/context.h"
 #include "render/edges.h"
+#include "render/foammap.h"
 #include "render/mark.h"
 #include "render/mesh.h"
 #include "render/meshpass.h"
@@ -61,6 +62,7 @@ struct pel_renderer {
     struct pel_prober prober;
     struct pel_water_prober water_prober;
     struct pel_wavefield wavefield;
+    struct pel_foam_map foam;
     struct pel_statistics statistics;
     struct pel_mesh *mesh;
     struct pel_seabed_map seabed;
@@ -161,6 +163,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_objects_finish(&r->objects);
         pel_seabed_map_finish(&r->seabed);
         pel_wavefield_finish(&r->wavefield);
+        pel_foam_map_finish(&r->foam);
         glDeleteBuffers(1, &r->vertices);
         glDeleteTextures(1, &r->vertex_texels);
         pel_sea_texels_finish(&r->tables);
@@ -198,7 +201,8 @@ static GLuint groups(int count, int size)
     return (GLuint)((count + size - 1) / size);
 }
 
-static void displace_mesh(struct pel_renderer *r, bool cascades)
+static void displace_mesh(struct pel_renderer *r,
+                          const struct pel_sea_programs *p)
 {
     const struct pel_mesh *m = r->mesh;
     if (m->vertex_count > r->vertex_capacity) {
@@ -216,8 +220,7 @@ static void displace_mesh(struct pel_renderer *r, bool cascades)
         &r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_RINGS, m->rings,
         sizeof *m->rings * (size_t)(m->ring_count ? m->ring_count : 1));
     glBindTextureUnit(PEL_UNIT_VERTICES, r->vertex_texels);
-    glUseProgram(cascades ? r->programs.cascades.mesh
-                          : r->programs.trochoids.mesh);
+    glUseProgram(p->mesh);
     pel_mesh_displace(m);
 }
 
@@ -380,7 +383,10 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
     if (r->any_objects) {
-        shade_objects(r, c, pass, p == &r->programs.cascades);
+        shade_objects(r, c, pass,
+                      p == &r->programs.cascades ||
+                          p == &r->programs.foamy[0][1] ||
+                          p == &r->programs.foamy[1][1]);
     }
     glDisable(GL_DEPTH_TEST);
 }
@@ -603,7 +609,7 @@ static void draw_pixels(struct pel_renderer *r,
     }
     bool cascades = env->sea->cascades != NULL;
     const struct pel_sea_programs *programs =
-        cascades ? &r->programs.cascades : &r->programs.trochoids;
+        pel_programs_of(&r->programs, env->sea);
     r->any_coast = env->seabed &&
                    pel_coast_plan(env, &r->seabed, whole,
                                   pel_water_visible_m(&env->water), r->tiles);
@@ -630,6 +636,9 @@ static void draw_pixels(struct pel_renderer *r,
     }
     struct pel_block_eye eye;
     pel_fill_eye(height_m, table_height_m, submerged, r->mesh, &eye);
+    if (env->sea->foam) {
+        pel_fill_grain(env->sea->foam, env->wind_to_rad, c->east_m, c->north_m, &eye);
+    }
     if (cascades) {
         struct pel_block_cascades block;
         pel_fill_cascades(env->sea->cascades, c->east_m, c->north_m, &block);
@@ -653,7 +662,7 @@ static void draw_pixels(struct pel_renderer *r,
     pel_stage_begin(&r->timing);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
-    displace_mesh(r, cascades);
+    displace_mesh(r, programs);
     pel_stage_end(&r->timing, PEL_STAGE_MESH);
     if (r->programs.compute) {
         search_surface(r, submerged);
@@ -827,8 +836,10 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         pel_stage_end(&r->timing, PEL_STAGE_WAVES);
     }
     if (pel_statistics_need(&r->statistics, &here, &r->filter)) {
-        pel_sea_texels_variance(&r->tables, r->statistics.variance);
+        pel_sea_texels_variance(&r->tables, r->statistics.variance,
+                                r->statistics.breaking);
     }
+    pel_foam_map_bind(&r->foam, here.sea);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
     for (size_t i = 0; i < count && err == PEL_OK; i++) {

@@ -18,5 +18,8 @@ bool pel_statistics_need(struct pel_statistics *s,
     memcpy(&s->key, &key, sizeof key);
     pel_mesh_losses(env->sea, filter, &s->losses);
     pel_fill_variance(env->sea, filter, s->variance);
+    if (env->sea->foam) {
+        pel_fill_foam_left(env->sea, filter, s->breaking);
+    }
     return true;
 }

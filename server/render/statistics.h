@@ -20,6 +20,7 @@ struct pel_statistics {
     struct pel_statistics_key key;
     struct pel_mesh_losses losses;
     struct pel_variance variance[PEL_VARIANCE_COUNT];
+    struct pel_variance breaking[PEL_VARIANCE_COUNT]; /* pel_fill_foam_left */
 };
 
 /* Brings them to the sea of `env`; true: they changed. */

@@ -29,7 +29,7 @@ void pel_sea_texels_init(struct pel_sea_texels *t)
     pel_fill_facets(&facets);
     pel_texels_init(&t->facets, "facets", &facets, sizeof facets);
     pel_texels_init(&t->variance, "variance", NULL,
-                    sizeof(struct pel_variance[PEL_VARIANCE_COUNT - 1][2]));
+                    2 * sizeof(struct pel_variance[PEL_VARIANCE_COUNT - 1][2]));
     pel_texels_init(&t->waves, "waves", NULL, sizeof(struct pel_block_waves));
     pel_sea_texels_bind(t);
 }
@@ -43,10 +43,12 @@ void pel_sea_texels_finish(struct pel_sea_texels *t)
 
 void pel_sea_texels_variance(
     struct pel_sea_texels *t,
-    const struct pel_variance table[PEL_VARIANCE_COUNT])
+    const struct pel_variance table[PEL_VARIANCE_COUNT],
+    const struct pel_variance breaking[PEL_VARIANCE_COUNT])
 {
-    struct pel_variance pairs[PEL_VARIANCE_COUNT - 1][2];
-    pel_pair_variance(table, pairs);
+    struct pel_variance pairs[2][PEL_VARIANCE_COUNT - 1][2];
+    pel_pair_variance(table, pairs[0]);
+    pel_pair_variance(breaking, pairs[1]);
     pel_texels_set(&t->variance, pairs, sizeof pairs);
 }
 

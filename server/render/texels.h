@@ -29,7 +29,8 @@ void pel_sea_texels_init(struct pel_sea_texels *t);
 void pel_sea_texels_finish(struct pel_sea_texels *t);
 void pel_sea_texels_variance(
     struct pel_sea_texels *t,
-    const struct pel_variance table[PEL_VARIANCE_COUNT]);
+    const struct pel_variance table[PEL_VARIANCE_COUNT],
+    const struct pel_variance breaking[PEL_VARIANCE_COUNT]);
 
 /* All but the waves, in their units. */
 void pel_sea_texels_bind(const struct pel_sea_texels *t);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "ocean/foam.h"
 #include "optics/atmosphere.h"
 #include "optics/brdf.h"
 #include "optics/colour.h"
@@ -83,9 +84,38 @@ void pel_fill_frame(const struct pel_environment *env,
         .green = vec4(m[3], m[4], m[5], lives - floor(lives)),
         .blue = vec4(m[6], m[7], m[8], env->sparkle ? PEL_GLINT_SHARE : 0.0),
     };
+    const struct pel_foam *foam = env->sea->foam;
+    if (foam) {
+        out->whitecaps =
+            vec4(1.0 / foam->deviation,
+                 PEL_FOAM_STREAK_WEIGHT / PEL_FOAM_STREAK_SHARE * foam->spread,
+                 1.0 / (PEL_FOAM_GRAIN_M * foam->drawn_out), 0.0);
+    }
     for (int i = 0; i < PEL_LIGHTS; i++) {
         out->lights[i] = light_of(env, i);
     }
+}
+
+/* Of a place, in tiles along and across the wind. */
+static struct pel_vec2 in_tiles(double along_m, double across_m,
+                                double tile_along_m, double tile_across_m)
+{
+    double u = along_m / tile_along_m, v = across_m / tile_across_m;
+    return (struct pel_vec2){ u - floor(u), v - floor(v) };
+}
+
+void pel_fill_grain(const struct pel_foam *foam, double wind_to_rad,
+                    double east_m, double north_m, struct pel_block_eye *out)
+{
+    double c = cos(wind_to_rad), s = sin(wind_to_rad);
+    double u = east_m * c + north_m * s, v = north_m * c - east_m * s;
+    struct pel_vec2 grain =
+        in_tiles(u, v, PEL_FOAM_GRAIN_M * foam->drawn_out, PEL_FOAM_GRAIN_M);
+    struct pel_vec2 streaks = in_tiles(u, v, PEL_FOAM_STREAK_ALONG_M,
+                                       PEL_FOAM_STREAK_ACROSS_M);
+    out->grain = vec4(grain.x, grain.y, streaks.x, streaks.y);
+    double bend = u / PEL_FOAM_BEND_ALONG_M + v / PEL_FOAM_BEND_ACROSS_M;
+    out->bends = vec4(bend - floor(bend), 0.0, 0.0, 0.0);
 }
 
 void pel_fill_eye(double height_m, double table_height_m, bool submerged,
@@ -183,6 +213,17 @@ void pel_pair_variance(const struct pel_variance table[PEL_VARIANCE_COUNT],
     for (int i = 0; i + 1 < PEL_VARIANCE_COUNT; i++) {
         out[i][0] = table[i];
         out[i][1] = table[i + 1];
+    }
+}
+
+void pel_fill_foam_left(const struct pel_sea *sea,
+                        const struct pel_filter *filter,
+                        struct pel_variance out[PEL_VARIANCE_COUNT])
+{
+    for (int i = 0; i < PEL_VARIANCE_COUNT; i++) {
+        double l = exp2(PEL_VARIANCE_FIRST + i / PEL_VARIANCE_STEPS);
+        double left = sqrt(pel_foam_left(sea, filter, l));
+        out[i] = (struct pel_variance){ (float)left, 0.0f };
     }
 }
 

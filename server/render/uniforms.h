@@ -42,6 +42,16 @@ void pel_fill_variance(const struct pel_sea *sea,
 void pel_pair_variance(const struct pel_variance table[PEL_VARIANCE_COUNT],
                        struct pel_variance out[PEL_VARIANCE_COUNT - 1][2]);
 
+/* By the same footprints, in `along`, the standard deviation that one leaves of
+ * what breaks (pel_foam_left), of a sea with foam. */
+void pel_fill_foam_left(const struct pel_sea *sea,
+                        const struct pel_filter *filter,
+                        struct pel_variance out[PEL_VARIANCE_COUNT]);
+
+/* Where the eye stands on the structure of foam (lib/foam.glsl). */
+struct pel_foam;
+void pel_fill_grain(const struct pel_foam *foam, double wind_to_rad,
+                    double east_m, double north_m, struct pel_block_eye *out);
 /* Also rounds the camera's pixel lattice: see pel_pixel_pitch. */
 void pel_fill_view(const struct pel_camera *camera,
                    const struct pel_filter *filter, struct pel_block_view *out);

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "ocean/evolve.h"
+#include "ocean/foam.h"
 #include "render/worker_pool.h"
 #include "shaders/lib/blocks.h"
 
@@ -13,11 +14,12 @@
 #define LEVEL_TEXELS (N * N / 3 * 4 + 4) /* of all levels, and a little */
 #define MOST_THREADS PEL_CASCADES
 
-static GLuint make_array(GLenum format, GLsizei levels, const char *label)
+static GLuint make_array(GLenum format, GLsizei levels, GLsizei cascades,
+                         const char *label)
 {
     GLuint texture = 0;
     glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &texture);
-    glTextureStorage3D(texture, levels, format, N, N, PEL_CASCADES);
+    glTextureStorage3D(texture, levels, format, N, N, cascades);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_REPEAT);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_REPEAT);
     glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
@@ -29,9 +31,17 @@ static GLuint make_array(GLenum format, GLsizei levels, const char *label)
 
 static void make_set(struct pel_wavefield_textures *set)
 {
-    set->displacement = make_array(GL_RGBA32F, LEVELS, "displacement");
-    set->slopes = make_array(GL_RGBA32F, LEVELS, "slopes");
-    set->fold = make_array(GL_R32F, LEVELS, "fold");
+    set->displacement = make_array(GL_RGBA32F, LEVELS, PEL_CASCADES, "displacement");
+    set->slopes = make_array(GL_RGBA32F, LEVELS, PEL_CASCADES, "slopes");
+    set->fold = make_array(GL_R32F, LEVELS, PEL_CASCADES, "fold");
+}
+
+static void need_breaking(struct pel_wavefield_textures *set)
+{
+    if (!set->breaking) {
+        set->breaking =
+            make_array(GL_RG32F, LEVELS, PEL_FOAM_CASCADES, "breaking");
+    }
 }
 
 /* --- on the processor ----------------------------------------------------- */
@@ -40,6 +50,7 @@ static void make_set(struct pel_wavefield_textures *set)
 struct levels {
     float displacement[LEVEL_TEXELS][4], slopes[LEVEL_TEXELS][4];
     float fold[LEVEL_TEXELS];
+    float breaking[LEVEL_TEXELS][2];
 };
 
 struct pel_wavefield_cpu {
@@ -47,6 +58,7 @@ struct pel_wavefield_cpu {
     struct pel_evolve_work *work[MOST_THREADS]; /* one a member */
     struct levels *levels;                      /* one a cascade */
     const struct pel_cascades *cascades;        /* of the work under way */
+    bool foam;
     double time_s;
 };
 
@@ -94,13 +106,21 @@ static void evolve_cascade(void *user, int member, int index)
     struct pel_wavefield_cpu *cpu = user;
     struct levels *to = &cpu->levels[index];
     const struct pel_evolve_target target = { to->displacement, to->slopes,
-                                              to->fold, NULL, NULL };
+                                              to->fold, NULL, NULL, NULL };
     pel_evolve(cpu->cascades, index, cpu->time_s, cpu->work[member], &target);
     for (int n = N, at = 0; n > 1; at += n * n, n /= 2) {
         int next = at + n * n;
         pel_evolve_halve(to->displacement[at], n, 4, to->displacement[next]);
         pel_evolve_halve(to->slopes[at], n, 4, to->slopes[next]);
         pel_evolve_halve(&to->fold[at], n, 1, &to->fold[next]);
+    }
+    if (!cpu->foam || index >= PEL_FOAM_CASCADES) {
+        return;
+    }
+    const struct pel_evolve_target foam = { .breaking = to->breaking };
+    pel_evolve(cpu->cascades, index, cpu->time_s, cpu->work[member], &foam);
+    for (int n = N, at = 0; n > 1; at += n * n, n /= 2) {
+        pel_evolve_halve(to->breaking[at], n, 2, to->breaking[at + n * n]);
     }
 }
 
@@ -115,6 +135,10 @@ static void upload_levels(const struct pel_wavefield_textures *set, int cascade,
                             GL_FLOAT, from->slopes[at]);
         glTextureSubImage3D(set->fold, level, 0, 0, cascade, n, n, 1, GL_RED,
                             GL_FLOAT, &from->fold[at]);
+        if (set->breaking && cascade < PEL_FOAM_CASCADES) {
+            glTextureSubImage3D(set->breaking, level, 0, 0, cascade, n, n, 1,
+                                GL_RG, GL_FLOAT, from->breaking[at]);
+        }
     }
 }
 
@@ -125,11 +149,15 @@ static void transform_on_processor(struct pel_wavefield *field,
     struct pel_wavefield_cpu *cpu = field->cpu;
     cpu->cascades = cascades;
     cpu->time_s = time_s;
+    cpu->foam = field->foam;
     pel_worker_pool_run(cpu->pool, PEL_CASCADES, evolve_cascade, cpu);
     field->current = (field->current + 1) % PEL_WAVEFIELD_SETS;
     struct pel_wavefield_textures *set = &field->sets[field->current];
     if (!set->displacement) {
         make_set(set);
+    }
+    if (field->foam) {
+        need_breaking(set);
     }
     for (int c = 0; c < PEL_CASCADES; c++) {
         upload_levels(set, c, &cpu->levels[c]);
@@ -160,8 +188,8 @@ static enum pel_err make_programs(struct pel_wavefield *field,
     if (err != PEL_OK) {
         return err;
     }
-    field->amplitudes = make_array(GL_RGBA32F, 1, "amplitudes");
-    field->modes = make_array(GL_RG32F, 1, "modes");
+    field->amplitudes = make_array(GL_RGBA32F, 1, PEL_CASCADES, "amplitudes");
+    field->modes = make_array(GL_RG32F, 1, PEL_CASCADES, "modes");
     make_set(&field->sets[0]);
     glCreateBuffers(1, &field->lines);
     glNamedBufferStorage(field->lines, (GLsizeiptr)N * N * PEL_CASCADES * 32,
@@ -202,6 +230,9 @@ static void bind_fields(const struct pel_wavefield *field)
     glBindTextureUnit(PEL_UNIT_DISPLACEMENT, set->displacement);
     glBindTextureUnit(PEL_UNIT_SLOPES, set->slopes);
     glBindTextureUnit(PEL_UNIT_FOLD, set->fold);
+    if (field->foam) {
+        glBindTextureUnit(PEL_UNIT_BREAKING, set->breaking);
+    }
 }
 
 static void bind_images(const struct pel_wavefield *field, GLint level)
@@ -215,6 +246,12 @@ static void bind_images(const struct pel_wavefield *field, GLint level)
                        GL_WRITE_ONLY, GL_R32F);
 }
 
+static void bind_breaking(const struct pel_wavefield *field, GLint level)
+{
+    glBindImageTexture(PEL_IMAGE_BREAKING, field->sets[field->current].breaking,
+                       level, GL_TRUE, 0, GL_WRITE_ONLY, GL_RG32F);
+}
+
 /* glGenerateTextureMipmap takes a draw for each layer and level: a
  * millisecond on hardware. */
 static void make_levels(const struct pel_wavefield *field)
@@ -226,6 +263,29 @@ static void make_levels(const struct pel_wavefield *field)
         bind_images(field, level);
         glUniform1i(0, level - 1);
         glDispatchCompute(groups, groups, PEL_CASCADES);
+        glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    }
+}
+
+/* The lines are free again. */
+static void transform_breaking(struct pel_wavefield *field, double time_s)
+{
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    glUseProgram(field->foam_programs[0]);
+    glUniform1d(0, time_s);
+    glDispatchCompute(1, N, PEL_FOAM_CASCADES);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    glUseProgram(field->foam_programs[1]);
+    bind_breaking(field, 0);
+    glDispatchCompute(1, N, PEL_FOAM_CASCADES);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    bind_fields(field);
+    glUseProgram(field->foam_programs[2]);
+    for (GLint level = 1; level < LEVELS; level++) {
+        GLuint groups = (GLuint)((N >> level) + 7) / 8;
+        bind_breaking(field, level);
+        glUniform1i(0, level - 1);
+        glDispatchCompute(groups, groups, PEL_FOAM_CASCADES);
         glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     }
 }
@@ -245,6 +305,10 @@ static void transform_by_shaders(struct pel_wavefield *field, double time_s)
     bind_images(field, 0);
     glDispatchCompute(1, N, PEL_CASCADES);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    if (field->foam) {
+        /* What it reads lies in units that the levels use. */
+        transform_breaking(field, time_s);
+    }
     make_levels(field);
 }
 
@@ -266,6 +330,25 @@ static enum pel_err make(struct pel_wavefield *field, const char *shader_dir,
     return err;
 }
 
+static enum pel_err need_foam(struct pel_wavefield *field,
+                              const char *shader_dir, struct pel_fault *fault)
+{
+    static const char *const names[3] = { "fft_rows.comp", "fft_columns.comp",
+                                          "fft_mips.comp" };
+    enum pel_err err = PEL_OK;
+    for (int i = 0; i < 3 && !err && !field->on_processor; i++) {
+        if (!field->foam_programs[i]) {
+            err = pel_program_create(shader_dir, names[i], NULL,
+                                     "#define PEL_FOAM\n",
+                                     &field->foam_programs[i], fault);
+        }
+    }
+    if (!err && !field->on_processor) {
+        need_breaking(&field->sets[0]);
+    }
+    return err;
+}
+
 enum pel_err pel_wavefield_run(struct pel_wavefield *field,
                                const char *shader_dir,
                                const struct pel_sea_desc *desc,
@@ -274,6 +357,13 @@ enum pel_err pel_wavefield_run(struct pel_wavefield *field,
 {
     if (!field->made) {
         enum pel_err err = make(field, shader_dir, fault);
+        if (err != PEL_OK) {
+            return err;
+        }
+    }
+    field->foam = desc->whitecaps > 0;
+    if (field->foam) {
+        enum pel_err err = need_foam(field, shader_dir, fault);
         if (err != PEL_OK) {
             return err;
         }
@@ -306,8 +396,12 @@ void pel_wavefield_finish(struct pel_wavefield *field)
     glDeleteBuffers(2, buffers);
     for (int i = 0; i < PEL_WAVEFIELD_SETS; i++) {
         const struct pel_wavefield_textures *set = &field->sets[i];
-        const GLuint fields[] = { set->displacement, set->slopes, set->fold };
-        glDeleteTextures(3, fields);
+        const GLuint fields[] = { set->displacement, set->slopes, set->fold,
+                                  set->breaking };
+        glDeleteTextures(4, fields);
+    }
+    for (int i = 0; i < 3; i++) {
+        glDeleteProgram(field->foam_programs[i]);
     }
     glDeleteProgram(field->rows_program);
     glDeleteProgram(field->columns_program);

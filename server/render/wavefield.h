@@ -11,6 +11,7 @@
 /* The fields of one moment, with their levels of detail. */
 struct pel_wavefield_textures {
     GLuint displacement, slopes, fold;
+    GLuint breaking; /* of foam.h; 0 until a sea has whitecaps */
 };
 
 /* The processor's fields go to two sets in turn: a software device still
@@ -27,6 +28,8 @@ struct pel_wavefield {
     int threads; /* that share them; 0: one a core, four at most */
     bool made, computed;
     GLuint rows_program, columns_program, mips_program;
+    GLuint foam_programs[3]; /* the same for what breaks */
+    bool foam;               /* whitecaps are wanted: before a run */
     GLuint amplitudes, modes, lines, parameters;
     struct pel_wavefield_cpu *cpu;
     struct pel_wavefield_textures sets[PEL_WAVEFIELD_SETS];

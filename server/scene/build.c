@@ -43,6 +43,7 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
 #define PEL_SPECTRUM_NUMBER(ID, member, field, ...) out->member = sea->field;
 #include "ocean/spectra.def"
     out->seed = sea->seed;
+    out->whitecaps = sea->whitecaps;
     out->wave_count = wave_count;
     out->swell_count = (int)sea->n_swell;
     for (size_t i = 0; i < sea->n_swell; i++) {
@@ -116,7 +117,7 @@ static bool same_single(const struct pel_single_desc *a,
 static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
 {
     bool same = a->synthesiser == b->synthesiser && a->kind == b->kind &&
-                a->depth_m == b->depth_m &&
+                a->depth_m == b->depth_m && a->whitecaps == b->whitecaps &&
                 a->direction_rad == b->direction_rad && a->seed == b->seed &&
                 a->wave_count == b->wave_count &&
                 a->swell_count == b->swell_count;

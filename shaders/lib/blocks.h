@@ -55,6 +55,9 @@ struct pel_vec4 {
 #define PEL_UNIT_SURROUNDINGS 22
 #define PEL_UNIT_OBJECT_SHADOWS 23
 #define PEL_UNIT_MIRRORS 24
+#define PEL_UNIT_BREAKING 25 /* 25 to 27: whitecaps */
+#define PEL_UNIT_FOAM 26
+#define PEL_UNIT_FOAM_GRAIN 27
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
 #define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
@@ -115,6 +118,7 @@ struct pel_vec4 {
 #define PEL_IMAGE_DISPLACEMENT 0
 #define PEL_IMAGE_SLOPES 1
 #define PEL_IMAGE_FOLD 2
+#define PEL_IMAGE_BREAKING 0
 #define PEL_IMAGE_WATER_PHASE 0
 #define PEL_IMAGE_WATER_RADIANCE 0
 #define PEL_IMAGE_WATER_ATTENUATION 1
@@ -284,6 +288,35 @@ struct pel_vec4 {
 /* Levels of detail by which positions are sampled sharper than slopes. */
 #define PEL_SHIFT_SHARPER 1.5
 
+/* Whitecaps (ocean/foam.h): the table of foam, nodes a side within REACH
+ * standard deviations of X and Y, and by the standard deviation left; the share
+ * of their variance that no footprint resolves; texels a side of foam's
+ * structure, its tile across the wind, m. */
+#define PEL_FOAM_SIDE 64
+#define PEL_FOAM_LEVELS 12
+#define PEL_FOAM_SHORTEST_M 3.709 /* waves that break are longer */
+#define PEL_FOAM_REACH 4.4
+#define PEL_FOAM_ALWAYS_LEFT 0.08
+#define PEL_FOAM_GRAIN 512
+#define PEL_FOAM_GRAIN_SEEN_M 4.0 /* by footprints up to */
+#define PEL_FOAM_THIN 0.025       /* variance of its edges */
+#define PEL_FOAM_ALBEDO 0.55      /* of dense foam (Koepke 1984) */
+#define PEL_FOAM_RED 0.95 /* of its albedo, at 680 nm (Frouin et al. 1996) */
+#define PEL_FOAM_GRAIN_M 16.0
+/* Streaks: a tile across and along the wind, m; wind from which there are any,
+ * and at which they hold the SHARE of all foam, m/s; weight in the structure.
+ */
+#define PEL_FOAM_STREAK_ACROSS_M 127.0
+#define PEL_FOAM_STREAK_ALONG_M 1700.0
+#define PEL_FOAM_STREAK_FROM 15.0
+#define PEL_FOAM_STREAK_WHOLE 24.0
+#define PEL_FOAM_STREAK_SHARE 0.35
+/* They bend to either side by, and once in, m along and across. */
+#define PEL_FOAM_STREAK_BEND_M 9.0
+#define PEL_FOAM_BEND_ALONG_M 310.0
+#define PEL_FOAM_BEND_ACROSS_M 190.0
+#define PEL_FOAM_STREAK_WEIGHT 0.64
+
 /* The lights of the sky, each with a sky of its own that it makes in the air
  * (optics/light.h): the tables of sky and water have a layer for each, and what
  * is seen is their sum. */
@@ -312,16 +345,21 @@ PEL_BLOCK(PEL_BLOCK_FRAME, frame)
     vec4 red;   /* rows of the matrix to Rec. 709 cd/m²; w of red, green: lives
                    of glints since the start, whole and the rest */
     vec4 green;
-    vec4 blue; /* w: share of the slope variance left that glints are drawn
-                  from, 0 without sparkle */
+    vec4 blue;      /* w: share of the slope variance left that glints are drawn
+                       from, 0 without sparkle */
+    vec4 whitecaps; /* x 1 over the deviation of what breaks; y weight of
+                       streaks; z tiles of foam's structure a metre along the
+                       wind */
 };
 
 /* One for an eye, a camera position of this frame. */
 PEL_BLOCK(PEL_BLOCK_EYE, eye)
 {
-    vec4 eye; /* x height above the sea, m; y dip of the horizon, rad; z angle
-                 between the mesh's columns, rad; w columns around */
-    vec4 lut; /* x height the sky tables were made for, m; y 1 under water */
+    vec4 eye;   /* x height above the sea, m; y dip of the horizon, rad; z angle
+                   between the mesh's columns, rad; w columns around */
+    vec4 lut;   /* x height the sky tables were made for, m; y 1 under water */
+    vec4 grain; /* the eye's nadir in tiles of foam, xy, of streaks, zw */
+    vec4 bends; /* x of streaks there, turns */
 };
 
 /* One for a view. The pixel lattice is X right, Y down, in pixels from the

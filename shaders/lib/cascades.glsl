@@ -4,6 +4,9 @@
 layout(binding = PEL_UNIT_DISPLACEMENT) uniform sampler2DArray displacement_fields; // Dx, Dy, h
 layout(binding = PEL_UNIT_SLOPES) uniform sampler2DArray slope_fields; // hx, hy, Dxx, Dyy
 layout(binding = PEL_UNIT_FOLD) uniform sampler2DArray fold_field;   // Dxy
+#ifdef PEL_FOAM
+layout(binding = PEL_UNIT_BREAKING) uniform sampler2DArray breaking_fields; // of ocean/foam.h
+#endif
 
 const float COARSEST = float(PEL_CASCADE_LEVELS - 1); // one texel
 

@@ -7,6 +7,9 @@ struct filtered {
 #ifdef PEL_LAYERS
     vec3 shift;
 #endif
+#ifdef PEL_FOAM
+    vec2 breaking; // X, Y of ocean/foam.h
+#endif
 };
 
 #ifdef PEL_FFT
@@ -17,6 +20,9 @@ filtered filtered_sea(vec2 x, float footprint)
     f.fold = vec4(0.0);
 #ifdef PEL_LAYERS
     f.shift = vec3(0.0);
+#endif
+#ifdef PEL_FOAM
+    f.breaking = vec2(0.0);
 #endif
     reading at = reading_at(x);
     // Nothing is left of a cascade at its coarsest level.
@@ -29,6 +35,11 @@ filtered filtered_sea(vec2 x, float footprint)
             float mixed = textureLod(fold_field, uv, lod + back.w).x;
             f.slope += slopes.x * at.by.xy + slopes.y * at.by.zw;
             f.fold -= vec4(slopes.z, mixed, mixed, slopes.w);
+#ifdef PEL_FOAM
+            if (c < 2) {
+                f.breaking += textureLod(breaking_fields, uv, lod + back.w).xy;
+            }
+#endif
 #ifdef PEL_LAYERS
             f.shift += cascade_displacement(c, uv.xy, lod + back.w - PEL_SHIFT_SHARPER);
 #endif
@@ -58,6 +69,13 @@ filtered filtered_sea(vec2 x, float footprint)
 #else
 #define PEL_SHIFT(phase, wander)
 #endif
+#ifdef PEL_FOAM
+    f.breaking = vec2(0.0);
+#define PEL_BREAKING(phase, wander)                                            \
+    f.breaking += sc.yx * (phase.w >= PEL_FOAM_SHORTEST_M ? gain * wander.w / phase.w : 0.0);
+#else
+#define PEL_BREAKING(phase, wander)
+#endif
 #define PEL_SLOPE(phase, wander)                                               \
     float w = filter_weight(phase.w * scale + offset);                         \
     float gain = w * footprint_mean(length2 * dot(phase.xy, phase.xy));        \
@@ -67,7 +85,8 @@ filtered filtered_sea(vec2 x, float footprint)
     vec2 hk = (gain * wander.w) * wave_vector(phase, wander, at);              \
     f.fold += (chop * sc.y) * (phase.xxyy * hk.xyxy);                          \
     f.slope -= sc.x * hk;                                                      \
-    PEL_SHIFT(phase, wander)
+    PEL_SHIFT(phase, wander)                                                   \
+    PEL_BREAKING(phase, wander)
     PEL_EACH_WAVE(PEL_SLOPE)
 #ifdef PEL_LAYERS
     f.shift *= 0.159154943; // 1 / 2π

@@ -12,3 +12,14 @@ vec2 variance_left(float footprint)
     vec4 around = texelFetch(variance_texels, entry);
     return mix(around.xy, around.zw, place - float(entry));
 }
+
+#ifdef PEL_FOAM
+// Standard deviation that a footprint leaves of what breaks (pel_foam_left).
+float foam_left(float footprint)
+{
+    float octaves = log2(footprint) - PEL_VARIANCE_FIRST;
+    float place = clamp(octaves * PEL_VARIANCE_STEPS, 0.0, float(PEL_VARIANCE_COUNT) - 1.001);
+    vec4 around = texelFetch(variance_texels, int(place) + PEL_VARIANCE_COUNT - 1);
+    return mix(around.x, around.z, fract(place));
+}
+#endif

@@ -17,6 +17,7 @@ struct bench_scene {
     double ev; /* over 90: automatic */
     double glare;
     bool linear, aliased;
+    double whitecaps;
 };
 
 /* The peers' scene: 60 waves, 6 m above the sea, level, 1024 × 768. */

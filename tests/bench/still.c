@@ -35,7 +35,7 @@ static struct setting settings[] = {
     { "bed", 0 },         { "caustics", 1 },  { "glare", 0.01 },
     { "linear", 0 },      { "sparkle", 1 },   { "ship", 0 },
     { "away", 220 },      { "aa", 1 },        { "bearing", 0 },
-    { "turned", 60 },
+    { "turned", 60 },     { "foam", 1 },
 };
 
 static double get(const char *name)
@@ -94,6 +94,7 @@ static struct bench_scene scene(void)
         .glare = get("glare"),
         .linear = get("linear") > 0,
         .aliased = get("aa") <= 0,
+        .whitecaps = get("foam"),
     };
 }
 

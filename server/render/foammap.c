@@ -1,0 +1,71 @@
+#include "render/foammap.h"
+
+#include <string.h>
+
+#define GRAIN PEL_FOAM_GRAIN
+#define GRAIN_LEVELS 10
+
+static void make_grain(struct pel_foam_map *map)
+{
+    static float texels[GRAIN * GRAIN][2];
+    pel_foam_grain(texels);
+    glCreateTextures(GL_TEXTURE_2D, 1, &map->grain);
+    glTextureStorage2D(map->grain, GRAIN_LEVELS, GL_RG32F, GRAIN, GRAIN);
+    glTextureParameteri(map->grain, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    glTextureParameteri(map->grain, GL_TEXTURE_WRAP_T, GL_REPEAT);
+    glTextureParameteri(map->grain, GL_TEXTURE_MIN_FILTER,
+                        GL_LINEAR_MIPMAP_NEAREST);
+    glObjectLabel(GL_TEXTURE, map->grain, -1, "foam's structure");
+    /* In place: a texel's readers come before its writer. */
+    for (int level = 0, n = GRAIN; n > 0; level++, n /= 2) {
+        glTextureSubImage2D(map->grain, level, 0, 0, n, n, GL_RG, GL_FLOAT,
+                            texels);
+        for (int i = 0; i < n / 2 * (n / 2); i++) {
+            int at = i / (n / 2) * 2 * n + i % (n / 2) * 2;
+            for (int k = 0; k < 2; k++) {
+                texels[i][k] = 0.25f * (texels[at][k] + texels[at + 1][k] +
+                                        texels[at + n][k] +
+                                        texels[at + n + 1][k]);
+            }
+        }
+    }
+}
+
+static void make_table(struct pel_foam_map *map, const struct pel_foam *foam)
+{
+    /* Anew each time: a software device may still read the last one. */
+    glDeleteTextures(1, &map->table);
+    glCreateTextures(GL_TEXTURE_3D, 1, &map->table);
+    glTextureStorage3D(map->table, 1, GL_R32F, PEL_FOAM_SIDE, PEL_FOAM_SIDE,
+                       PEL_FOAM_LEVELS);
+    glTextureParameteri(map->table, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(map->table, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(map->table, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(map->table, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTextureSubImage3D(map->table, 0, 0, 0, 0, PEL_FOAM_SIDE, PEL_FOAM_SIDE,
+                        PEL_FOAM_LEVELS, GL_RED, GL_FLOAT, foam->table);
+    glObjectLabel(GL_TEXTURE, map->table, -1, "foam");
+}
+
+void pel_foam_map_bind(struct pel_foam_map *map, const struct pel_sea *sea)
+{
+    if (!sea->foam) {
+        return;
+    }
+    if (!map->grain) {
+        make_grain(map);
+    }
+    if (!map->table || memcmp(&map->desc, &sea->desc, sizeof map->desc) != 0) {
+        make_table(map, sea->foam);
+        memcpy(&map->desc, &sea->desc, sizeof map->desc);
+    }
+    glBindTextureUnit(PEL_UNIT_FOAM, map->table);
+    glBindTextureUnit(PEL_UNIT_FOAM_GRAIN, map->grain);
+}
+
+void pel_foam_map_finish(struct pel_foam_map *map)
+{
+    const GLuint textures[] = { map->table, map->grain };
+    glDeleteTextures(2, textures);
+    *map = (struct pel_foam_map){ 0 };
+}

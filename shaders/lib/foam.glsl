@@ -1,0 +1,72 @@
+// Whitecaps, twin of ocean/foam.h: foam that a pixel sees where it resolves a
+// part of the waves that break, its structure, and its light.
+
+layout(binding = PEL_UNIT_FOAM) uniform sampler3D foam_table;
+layout(binding = PEL_UNIT_FOAM_GRAIN) uniform sampler2D foam_grain;
+
+// S, pel_foam_share.
+float foam_share(float x)
+{
+    return 1.0 / (1.0 + exp(-x * (1.5976 + 0.070565 * x * x)));
+}
+
+// The structure of a tile: mean, and variance of what is left.
+vec2 grain_at(vec2 uv, float texels)
+{
+    vec2 g = textureLod(foam_grain, uv, log2(max(texels, 1.0))).xy;
+    return vec2(g.x, max(g.y - g.x * g.x, 0.0));
+}
+
+// Foam is where the structure, a normal number that belongs to the water at
+// rest, is below a bound; of what a pixel averages over its variance is known.
+float foam_of(vec2 x, vec2 breaking, float footprint)
+{
+    const float side = float(PEL_FOAM_SIDE);
+    const float levels = float(PEL_FOAM_LEVELS);
+    const float least = sqrt(PEL_FOAM_ALWAYS_LEFT);
+    float left = (foam_left(footprint) - least) / (1.0 - least);
+    vec3 place = vec3(breaking * (whitecaps.x * 0.5 / PEL_FOAM_REACH) + 0.5, left);
+    vec3 nodes = vec3(side, side, levels);
+    float bound = textureLod(foam_table, (clamp(place, 0.0, 1.0) * (nodes - 1.0) + 0.5) / nodes, 0.0).x;
+    // Too little, or too far, to see its structure.
+    float w = whitecaps.y;
+    float far = PEL_FOAM_GRAIN_SEEN_M * (1.0 + 4.0 * w);
+    if (bound < -2.3 || footprint > far) {
+        return foam_share(bound);
+    }
+    float texels = float(PEL_FOAM_GRAIN) * footprint;
+    vec2 run = vec2(dot(x, wind.xy), dot(x, vec2(-wind.y, wind.x)));
+    vec2 n = grain_at(run * vec2(whitecaps.z, 1.0 / PEL_FOAM_GRAIN_M) + grain.xy, texels / PEL_FOAM_GRAIN_M);
+#ifdef PEL_STREAKS
+    float bend = run.x / PEL_FOAM_BEND_ALONG_M + run.y / PEL_FOAM_BEND_ACROSS_M + bends.x;
+    run.y += PEL_FOAM_STREAK_BEND_M * sin(2.0 * PI * fract(bend));
+    vec2 streak = grain_at(run / vec2(PEL_FOAM_STREAK_ALONG_M, PEL_FOAM_STREAK_ACROSS_M) + grain.zw,
+                           texels / PEL_FOAM_STREAK_ACROSS_M);
+    n = vec2(sqrt(1.0 - w * w), 1.0 - w * w) * n + vec2(w, w * w) * streak;
+#endif
+    float seen = clamp(2.0 - 2.0 * footprint / far, 0.0, 1.0);
+    n = vec2(seen * n.x, 1.0 - seen * seen * (1.0 - n.y));
+    // Edges of foam are thin.
+    const float thin = PEL_FOAM_THIN;
+    return foam_share((bound * sqrt(1.0 + thin) - n.x) * inversesqrt(n.y + thin));
+}
+
+// Foam hides what the water mirrors and what leaves it, and is lit by Sun and
+// sky like chalk.
+void cover_by_foam(float foam, vec3 n, vec2 tilt, inout lit parts)
+{
+    if (foam <= 0.0) {
+        return;
+    }
+    float open = 1.0 - foam;
+    vec3 tint = foam * PEL_FOAM_ALBEDO / PI * vec3(PEL_FOAM_RED, 1.0, 1.0);
+    vec3 sun = vec3(0.0);
+    vec3 sky = vec3(0.0);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        sun += beams[i].rgb * max(dot(n, light_above(i, tilt)), 0.0);
+        sky += skies[i].rgb;
+    }
+    parts.sun = parts.sun * open + tint * sun;
+    parts.sky = parts.sky * open + tint * sky * (0.5 + 0.5 * n.z);
+    parts.water *= open;
+}
