@@ -333,6 +333,7 @@ TESTS += server/render/uniforms_test.c
 TESTS += server/render/renderer_test.c
 TESTS += server/render/objects_test.c
 TESTS += server/render/wavefield_test.c
+TESTS += server/render/foam_drawn_test.c
 TESTS += server/render/filtered_test.c
 TESTS += server/render/depth_test.c
 TESTS += server/render/edges_test.c

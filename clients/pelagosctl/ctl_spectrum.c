@@ -60,6 +60,9 @@ static void print_spectrum(const Pelagos__Spectrum *s)
         g_snprintf(name, sizeof name, "drawn below %g m", s->wavelength);
         print_moments(name, s->drawn_below);
     }
+    if (s->whitecaps > 0) {
+        printf("whitecaps %.2f %%\n", 100.0 * s->whitecaps);
+    }
     if (s->has_peak_period) {
         printf("peak period %.3f s, ", s->peak_period);
     }

@@ -65,9 +65,10 @@ bool pel_sea_desc_ok(const struct pel_sea_desc *d)
 {
     bool ok = (int)d->synthesiser >= 0 && d->synthesiser < PEL_SYNTHESISERS &&
               (int)d->kind >= 0 && (int)d->kind < PEL_SPECTRA &&
-              inside(d->wind_mps, 0, 30) && inside(d->whitecaps, 0, 4) && isfinite(d->direction_rad) &&
-              d->wave_count >= 20 && d->wave_count <= PEL_SEA_MAX_WAVES &&
-              d->swell_count >= 0 && d->swell_count <= PEL_SEA_MAX_SWELLS &&
+              inside(d->wind_mps, 0, 30) && inside(d->whitecaps, 0, 4) &&
+              isfinite(d->direction_rad) && d->wave_count >= 20 &&
+              d->wave_count <= PEL_SEA_MAX_WAVES && d->swell_count >= 0 &&
+              d->swell_count <= PEL_SEA_MAX_SWELLS &&
               (d->depth_m == 0 || inside(d->depth_m, 1, 11000));
 #define PEL_SPECTRUM_NUMBER(ID, member, field, path, least, most)              \
     ok = ok && (!pel_spectrum_uses(d->kind, PEL_USES_##ID) ||                  \

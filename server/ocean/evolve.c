@@ -22,13 +22,13 @@ typedef float texel __attribute__((vector_size(16)));
 
 /* Two real fields ride in one complex transform, f + i g. */
 enum pair {
-    PAIR_SHIFT,  /* Dx, Dy */
-    PAIR_HEIGHT, /* h, ∂Dx/∂y */
-    PAIR_SLOPE,  /* ∂h/∂x, ∂h/∂y */
-    PAIR_FOLD,   /* ∂Dx/∂x, ∂Dy/∂y */
-    PAIR_DRIFT,  /* ∂Dx/∂t, ∂Dy/∂t */
-    PAIR_HEAVE,  /* ∂h/∂t, ∂²h/∂t² */
-    PAIR_SURGE,  /* ∂²Dx/∂t², ∂²Dy/∂t² */
+    PAIR_SHIFT,    /* Dx, Dy */
+    PAIR_HEIGHT,   /* h, ∂Dx/∂y */
+    PAIR_SLOPE,    /* ∂h/∂x, ∂h/∂y */
+    PAIR_FOLD,     /* ∂Dx/∂x, ∂Dy/∂y */
+    PAIR_DRIFT,    /* ∂Dx/∂t, ∂Dy/∂t */
+    PAIR_HEAVE,    /* ∂h/∂t, ∂²h/∂t² */
+    PAIR_SURGE,    /* ∂²Dx/∂t², ∂²Dy/∂t² */
     PAIR_BREAKING, /* X, Y of foam.h */
     PAIRS,
 };
@@ -255,8 +255,8 @@ PEL_INLINE void put_bunch(const struct pel_cascades *all,
         /* Σ k h e^{iφ}: the waves of k alone, twice. */
         memcpy(&rows_s, &all->slope_gain[j], sizeof rows_s);
         wave_vector(c, i, n, &kx, &ky);
-        lanes g = 2.0f * rows_s * all->slope_gain[i] *
-                  square_root(kx * kx + ky * ky);
+        lanes g =
+            2.0f * rows_s * all->slope_gain[i] * square_root(kx * kx + ky * ky);
         out[PAIR_BREAKING].re[i] = g * ar;
         out[PAIR_BREAKING].im[i] = g * ai;
         return;
@@ -475,9 +475,8 @@ void pel_evolve_halve(const float *from, int n, int channels, float *to)
             if (channels <= 2) {
                 for (int k = 0; k < channels; k++) {
                     int at = 2 * x * channels + k;
-                    out[x * channels + k] =
-                        0.25f * (a[at] + a[at + channels] + b[at] +
-                                 b[at + channels]);
+                    out[x * channels + k] = 0.25f * (a[at] + a[at + channels] +
+                                                     b[at] + b[at + channels]);
                 }
                 continue;
             }

@@ -26,8 +26,8 @@ double pel_foam_of_wind(double wind_mps)
         return 0;
     }
     double monahan = 3.84e-6 * pow(u, 3.41);
-    double callaghan = u < 10.18 ? 3.18e-5 * pow(u - 3.70, 3)
-                                 : 4.82e-6 * pow(u + 1.98, 3);
+    double callaghan =
+        u < 10.18 ? 3.18e-5 * pow(u - 3.70, 3) : 4.82e-6 * pow(u + 1.98, 3);
     return sqrt(monahan * callaghan);
 }
 
@@ -228,9 +228,8 @@ static void solve_thinning(struct pel_foam *foam)
         double mid = sqrt(lo * hi);
         foam->thinning_s = mid;
         double life = 1.0 / (1.0 / PEL_FOAM_LIFE_S + 1.0 / mid);
-        double dense =
-            PEL_FOAM_FRESH *
-            mean_of(foam->threshold, foam->omega, life, steepness(foam));
+        double dense = PEL_FOAM_FRESH * mean_of(foam->threshold, foam->omega,
+                                                life, steepness(foam));
         if (dense < hidden_of(foam) - streaks_of(foam)) {
             lo = mid;
         } else {
@@ -343,16 +342,16 @@ static void fill_level(struct pel_foam *foam, int level, struct work *w)
             double x = -REACH + 2.0 * REACH * n / (SIDE - 1);
             double pressed = fmax(1.0 - steepness(foam) * x, 0.1);
             double hidden = w->hidden[m][n] / pressed + streaks_of(foam);
-            hidden = level < LEVELS - 1 ? hidden : hidden_of(foam);
-            foam->table[level][m][n] = (float)pel_foam_share_inverse(
-                pel_clamp(hidden, 1e-7, 0.9999));
+            foam->table[level][m][n] =
+                (float)pel_foam_share_inverse(pel_clamp(hidden, 1e-7, 0.9999));
         }
     }
 }
 
 enum pel_err pel_foam_create(const struct pel_sea *sea, struct pel_foam **out)
 {
-    double coverage = sea->desc.whitecaps * pel_foam_of_wind(sea->desc.wind_mps);
+    double coverage =
+        sea->desc.whitecaps * pel_foam_of_wind(sea->desc.wind_mps);
     struct band band = { 0 };
     *out = NULL;
     if (coverage >= PEL_FOAM_LEAST) {
@@ -372,7 +371,8 @@ enum pel_err pel_foam_create(const struct pel_sea *sea, struct pel_foam **out)
     foam->deviation = sqrt(band.variance / (1.0 - PEL_FOAM_ALWAYS_LEFT));
     foam->omega = band.omega;
     foam->spread = spread_of(sea->desc.wind_mps);
-    foam->drawn_out = 1.0 + 2.0 * pel_clamp((sea->desc.wind_mps - 6.0) / 14.0, 0, 1);
+    foam->drawn_out =
+        1.0 + 2.0 * pel_clamp((sea->desc.wind_mps - 6.0) / 14.0, 0, 1);
     solve_threshold(foam);
     solve_thinning(foam);
     fill_fine(foam, work->fine);
@@ -402,8 +402,7 @@ double pel_foam_at(const struct pel_foam *foam, double x, double y, double left)
     for (int c = 0; c < 8; c++) {
         double w = (c & 1 ? f[0] : 1 - f[0]) * (c & 2 ? f[1] : 1 - f[1]) *
                    (c & 4 ? f[2] : 1 - f[2]);
-        hidden +=
-            w * foam->table[l + (c >> 2)][j + (c >> 1 & 1)][i + (c & 1)];
+        hidden += w * foam->table[l + (c >> 2)][j + (c >> 1 & 1)][i + (c & 1)];
     }
     return pel_foam_share(hidden);
 }

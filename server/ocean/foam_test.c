@@ -33,8 +33,8 @@ static void between_the_literature(void **state)
     (void)state;
     for (double u = 5; u <= 23; u += 1) {
         double monahan = 3.84e-4 * pow(u, 3.41);
-        double callaghan = u < 10.2 ? 3.18e-3 * pow(u - 3.70, 3)
-                                    : 4.82e-4 * pow(u + 1.98, 3);
+        double callaghan =
+            u < 10.2 ? 3.18e-3 * pow(u - 3.70, 3) : 4.82e-4 * pow(u + 1.98, 3);
         double w = 100 * pel_foam_of_wind(u);
         assert_true(w > callaghan && w < monahan);
         /* Their ratio is 1.25 to 2.3 from 9 m/s on; each one's own records
@@ -88,37 +88,53 @@ static double of_trochoids(const struct pel_sea *sea, double footprint_m)
     return sum.foam / sum.area / PEL_FOAM_DENSE;
 }
 
-/* A texel of each cascade at the finest level: what a footprint below it
- * resolves, less its interpolation. */
+/* The field of a cascade at the finest level, as shaders interpolate it. */
+static void read_field(const float (*field)[2], uint32_t at, double out[2])
+{
+    enum { N = PEL_CASCADE_N };
+    double u = N * pel_hash01(2, 1, at), v = N * pel_hash01(2, 2, at);
+    int i = (int)u, j = (int)v;
+    double f = u - i, g = v - j;
+    for (int k = 0; k < 2; k++) {
+        double a = (double)field[j * N + i][k];
+        double b = (double)field[j * N + (i + 1) % N][k];
+        double c = (double)field[(j + 1) % N * N + i][k];
+        double d = (double)field[(j + 1) % N * N + (i + 1) % N][k];
+        out[k] += (1 - g) * ((1 - f) * a + f * b) + g * ((1 - f) * c + f * d);
+    }
+}
+
+/* Where footprints are far below a texel. */
 static double of_cascades(const struct pel_sea *sea)
 {
     static float fields[PEL_FOAM_CASCADES][PEL_CASCADE_MODES][2];
     struct pel_evolve_work *work = pel_evolve_work_create();
     struct sum sum = { 0 };
-    double variance[2] = { 0 }, d = sea->foam->deviation;
+    double variance[2] = { 0 };
+    const uint32_t each = 200000, moments = 3;
     assert_non_null(work);
-    for (int t = 0; t < 4; t++) {
+    for (uint32_t t = 0; t < moments; t++) {
         for (int c = 0; c < PEL_FOAM_CASCADES; c++) {
             const struct pel_evolve_target to = { .breaking = fields[c] };
             pel_evolve(sea->cascades, c, 100.0 * t, work, &to);
         }
-        for (uint32_t i = 0; i < 100000; i++) {
-            const float *a = fields[0][(int)(PEL_CASCADE_MODES *
-                                             pel_hash01(2, 1, i))];
-            const float *b = fields[1][(int)(PEL_CASCADE_MODES *
-                                             pel_hash01(2, 2, i))];
-            struct pel_vec2 z = { ((double)a[0] + (double)b[0]) / d,
-                                  ((double)a[1] + (double)b[1]) / d };
-            variance[0] += z.x * z.x / 400000;
-            variance[1] += z.y * z.y / 400000;
-            take(sea, z, PEL_FOAM_ALWAYS_LEFT, &sum);
+        for (uint32_t i = 0; i < each; i++) {
+            double z[2] = { 0 };
+            for (uint32_t c = 0; c < PEL_FOAM_CASCADES; c++) {
+                read_field(fields[c], 2 * i + c, z);
+            }
+            for (int k = 0; k < 2; k++) {
+                z[k] /= sea->foam->deviation;
+                variance[k] += z[k] * z[k] / (each * moments);
+            }
+            take(sea, (struct pel_vec2){ z[0], z[1] }, PEL_FOAM_ALWAYS_LEFT,
+                 &sum);
         }
     }
     pel_evolve_work_destroy(work);
-    /* The gains that make up for the interpolation raise the texels themselves
-     * by a tenth or two. */
-    assert_true(variance[0] > 0.85 && variance[0] < 1.2);
-    assert_true(fabs(variance[0] / variance[1] - 1) < 0.1);
+    /* X and Y carry what is not always left. */
+    assert_float_equal(variance[0], 1 - PEL_FOAM_ALWAYS_LEFT, 0.05);
+    assert_float_equal(variance[1], 1 - PEL_FOAM_ALWAYS_LEFT, 0.05);
     return sum.foam / sum.area / PEL_FOAM_DENSE;
 }
 
@@ -126,7 +142,7 @@ static void the_mean_is_the_literatures(void **state)
 {
     (void)state;
     static const double winds[] = { 8, 12, 18, 25 };
-    static const double footprints[] = { 0.1, 3, 10, 30, 100, 1000 };
+    static const double footprints[] = { 0.1, 5, 30, 300 };
     for (int w = 0; w < 4; w++) {
         struct pel_sea_desc d = described(winds[w], PEL_SYNTHESISER_TROCHOIDS);
         double goal = pel_foam_of_wind(winds[w]);
@@ -134,22 +150,22 @@ static void the_mean_is_the_literatures(void **state)
         assert_int_equal(pel_sea_build(&d, &sea), PEL_OK);
         assert_float_equal(sea.foam->coverage, goal, 1e-9);
         print_message("%2.0f m/s, %5.2f %%; trochoids", winds[w], 100 * goal);
-        for (int f = 0; f < 6; f++) {
+        for (int f = 0; f < 4; f++) {
             double seen = of_trochoids(&sea, footprints[f]);
             print_message(" %.3f", seen / goal);
             /* 100,000 places of which one in 40 to 400 is foam: 2 to 5 %; some
              * twenty waves are not quite normal: their highest crests are
              * rarer. */
-            assert_true(fabs(seen / goal - 1) < (winds[w] < 10 ? 0.25 : 0.12));
+            assert_true(fabs(seen / goal - 1) < (winds[w] < 10 ? 0.3 : 0.12));
         }
         pel_sea_finish(&sea);
         d.synthesiser = PEL_SYNTHESISER_FFT;
         assert_int_equal(pel_sea_build(&d, &sea), PEL_OK);
         double seen = of_cascades(&sea);
         print_message("; texels of cascades %.3f\n", seen / goal);
-        assert_true(seen / goal > 0.9 && seen / goal < 1.7);
+        assert_true(fabs(seen / goal - 1) < (winds[w] < 10 ? 0.15 : 0.05));
         double resolved = 1;
-        for (int f = 0; f < 6; f++) {
+        for (int f = 0; f < 4; f++) {
             double left = pel_foam_left(&sea, &filter, footprints[f]);
             assert_true(left >= PEL_FOAM_ALWAYS_LEFT && 1 - left <= resolved);
             resolved = 1 - left;
@@ -158,7 +174,7 @@ static void the_mean_is_the_literatures(void **state)
     }
 }
 
-/* Nothing resolved: the coverage, exactly. */
+/* Nothing resolved: the coverage, but for the table's nodes. */
 static void far_away_it_is_the_coverage(void **state)
 {
     (void)state;
@@ -166,7 +182,7 @@ static void far_away_it_is_the_coverage(void **state)
     struct pel_sea_desc d = described(14, PEL_SYNTHESISER_FFT);
     assert_int_equal(pel_sea_build(&d, &sea), PEL_OK);
     double far = pel_foam_at(sea.foam, 0, 0, 1);
-    assert_float_equal(far / (PEL_FOAM_DENSE * sea.foam->coverage), 1, 1e-4);
+    assert_float_equal(far / (PEL_FOAM_DENSE * sea.foam->coverage), 1, 0.01);
     pel_sea_finish(&sea);
 }
 
@@ -180,8 +196,8 @@ static void foam_ages(void **state)
     /* On the crest, on its front, behind it by half a second, on a low one. */
     assert_true(pel_foam_age(&foam, 3, 0) == 0);
     double half = acos(2.0 / 3.0);
-    assert_true(pel_foam_age(&foam, 3 * cos(half - 0.01),
-                             3 * sin(half - 0.01)) == 0);
+    assert_true(
+        pel_foam_age(&foam, 3 * cos(half - 0.01), 3 * sin(half - 0.01)) == 0);
     double lag = half + 1.0;
     assert_float_equal(pel_foam_age(&foam, 3 * cos(lag), -3 * sin(lag)), 0.5,
                        1e-9);

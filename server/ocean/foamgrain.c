@@ -55,8 +55,10 @@ static double noise(uint32_t stream, int cells, double u, double v)
 static double raw(double u, double v)
 {
     /* Bent, or the holes would look like a lattice's. */
-    double bent_u = u + 0.01 * noise(20, 19, u, v) + 0.004 * noise(21, 47, u, v);
-    double bent_v = v + 0.01 * noise(22, 19, u, v) + 0.004 * noise(23, 47, u, v);
+    double bent_u =
+        u + 0.01 * noise(20, 19, u, v) + 0.004 * noise(21, 47, u, v);
+    double bent_v =
+        v + 0.01 * noise(22, 19, u, v) + 0.004 * noise(23, 47, u, v);
     double holes = 1.0 * to_nearest(1, 17, bent_u, bent_v) +
                    1.0 * to_nearest(3, 43, bent_u, bent_v) +
                    0.7 * to_nearest(5, 113, bent_u, bent_v);
@@ -79,7 +81,8 @@ static int by_value(const void *a, const void *b)
                                  : (p->at > q->at) - (p->at < q->at);
 }
 
-/* Inverse of the normal distribution (Abramowitz and Stegun 26.2.23, 4.5e-4). */
+/* Inverse of the normal distribution (Abramowitz and Stegun 26.2.23, 4.5e-4).
+ */
 static double quantile(double p)
 {
     double q = p < 0.5 ? p : 1.0 - p, t = sqrt(-2.0 * log(q));

@@ -84,7 +84,7 @@ struct pel_sea_desc {
     struct pel_swell_desc swell[PEL_SEA_MAX_SWELLS];
     int single_count;
     struct pel_single_desc single[PEL_SEA_MAX_SINGLES];
-    double depth_m; /* of the dispersion, 1..11000; 0: deep water */
+    double depth_m;   /* of the dispersion, 1..11000; 0: deep water */
     double whitecaps; /* times the wind's coverage (foam.h), 0..4; 0: none */
     struct pel_measured measured;
 };

@@ -23,9 +23,9 @@ static void make_grain(struct pel_foam_map *map)
         for (int i = 0; i < n / 2 * (n / 2); i++) {
             int at = i / (n / 2) * 2 * n + i % (n / 2) * 2;
             for (int k = 0; k < 2; k++) {
-                texels[i][k] = 0.25f * (texels[at][k] + texels[at + 1][k] +
-                                        texels[at + n][k] +
-                                        texels[at + n + 1][k]);
+                texels[i][k] =
+                    0.25f * (texels[at][k] + texels[at + 1][k] +
+                             texels[at + n][k] + texels[at + n + 1][k]);
             }
         }
     }

@@ -89,8 +89,7 @@ static enum pel_err make_sea_program(struct pel_programs *all,
     char defines[256];
     snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
              sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
-             kind_defines[kind],
-             tile_defines[tile],
+             kind_defines[kind], tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
              objects ? "#define PEL_OBJECTS\n" : "");
@@ -116,8 +115,7 @@ static enum pel_err make_edges_program(struct pel_programs *all,
     char defines[256];
     snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
              sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
-             kind_defines[kind],
-             tile_defines[tile],
+             kind_defines[kind], tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
              all->compute ? "#define PEL_KEYS\n" : "");
@@ -187,8 +185,7 @@ enum pel_err pel_programs_need(struct pel_programs *all,
                                bool coast, bool objects,
                                struct pel_fault *fault)
 {
-    enum pel_err err =
-        need_sea_programs(all, sea, kind, coast, objects, fault);
+    enum pel_err err = need_sea_programs(all, sea, kind, coast, objects, fault);
     if (err != PEL_OK && all->compute && all->automatic) {
         pel_warn("RND-042", "%s; pixels are shaded as fragments",
                  fault->message);

@@ -637,7 +637,8 @@ static void draw_pixels(struct pel_renderer *r,
     struct pel_block_eye eye;
     pel_fill_eye(height_m, table_height_m, submerged, r->mesh, &eye);
     if (env->sea->foam) {
-        pel_fill_grain(env->sea->foam, env->wind_to_rad, c->east_m, c->north_m, &eye);
+        pel_fill_grain(env->sea->foam, env->wind_to_rad, c->east_m, c->north_m,
+                       &eye);
     }
     if (cascades) {
         struct pel_block_cascades block;

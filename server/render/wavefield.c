@@ -31,7 +31,8 @@ static GLuint make_array(GLenum format, GLsizei levels, GLsizei cascades,
 
 static void make_set(struct pel_wavefield_textures *set)
 {
-    set->displacement = make_array(GL_RGBA32F, LEVELS, PEL_CASCADES, "displacement");
+    set->displacement =
+        make_array(GL_RGBA32F, LEVELS, PEL_CASCADES, "displacement");
     set->slopes = make_array(GL_RGBA32F, LEVELS, PEL_CASCADES, "slopes");
     set->fold = make_array(GL_R32F, LEVELS, PEL_CASCADES, "fold");
 }
@@ -105,8 +106,9 @@ static void evolve_cascade(void *user, int member, int index)
 {
     struct pel_wavefield_cpu *cpu = user;
     struct levels *to = &cpu->levels[index];
-    const struct pel_evolve_target target = { to->displacement, to->slopes,
-                                              to->fold, NULL, NULL, NULL };
+    const struct pel_evolve_target target = {
+        to->displacement, to->slopes, to->fold, NULL, NULL, NULL
+    };
     pel_evolve(cpu->cascades, index, cpu->time_s, cpu->work[member], &target);
     for (int n = N, at = 0; n > 1; at += n * n, n /= 2) {
         int next = at + n * n;

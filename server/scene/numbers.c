@@ -5,6 +5,7 @@
 
 #include "message.h"
 #include "ocean/directional.h"
+#include "ocean/foam.h"
 #include "ocean/report.h"
 #include "scene/scene_parts.h"
 
@@ -96,6 +97,8 @@ static Pelagos__Spectrum *answer(const struct pel_sea *sea,
         out->has_peak_period = true;
         out->peak_period = 2.0 * PEL_PI / report.peak_omega;
     }
+    out->has_whitecaps = true;
+    out->whitecaps = sea->foam ? sea->foam->coverage : 0;
     if (report.spectrum.m0 > 0) {
         out->has_mean_direction = true;
         out->mean_direction = comes_from(report.mean_to_rad);

@@ -292,7 +292,7 @@ struct pel_vec4 {
  * standard deviations of X and Y, and by the standard deviation left; the share
  * of their variance that no footprint resolves; texels a side of foam's
  * structure, its tile across the wind, m. */
-#define PEL_FOAM_SIDE 64
+#define PEL_FOAM_SIDE 65
 #define PEL_FOAM_LEVELS 12
 #define PEL_FOAM_SHORTEST_M 3.709 /* waves that break are longer */
 #define PEL_FOAM_REACH 4.4

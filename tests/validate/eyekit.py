@@ -15,7 +15,8 @@ from pelagos.exr import read_exr  # noqa: E402
 from pelagos_daemon import Daemon  # noqa: E402
 
 BASE = {"clock": {"mode": "STEPPED", "time": 100},
-        "sea": {"windDirection": 250, "windSpeed": 8, "synthesiser": "FFT"},
+        "sea": {"windDirection": 250, "windSpeed": 8, "synthesiser": "FFT",
+                "whitecaps": 0},
         "water": {}, "sky": {"sunElevation": 35, "sunAzimuth": 0,
                              "visibility": 40000}}
 VIEW = {"name": "v", "width": 640, "height": 360, "fieldOfView": 60, "up": 6,

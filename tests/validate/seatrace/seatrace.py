@@ -185,7 +185,7 @@ def drawn(daemon, ocean, wind, setup):
         views = row_views(setup["zeniths"], setup["slant"], random)
         names = [view["name"] for view in views]
         change(daemon, {"views": views,
-                        "sea": {"windSpeed": wind, "seed": 100 + i,
+                        "sea": {"windSpeed": wind, "seed": 100 + i, "whitecaps": 0,
                                 "windDirection": WIND_FROM}})
         for sun in setup["suns"]:
             change(daemon, {"sky": {"sunElevation": sun}})
