@@ -111,8 +111,8 @@ void pel_fill_grain(const struct pel_foam *foam, double wind_to_rad,
     double u = east_m * c + north_m * s, v = north_m * c - east_m * s;
     struct pel_vec2 grain =
         in_tiles(u, v, PEL_FOAM_GRAIN_M * foam->drawn_out, PEL_FOAM_GRAIN_M);
-    struct pel_vec2 streaks = in_tiles(u, v, PEL_FOAM_STREAK_ALONG_M,
-                                       PEL_FOAM_STREAK_ACROSS_M);
+    struct pel_vec2 streaks =
+        in_tiles(u, v, PEL_FOAM_STREAK_ALONG_M, PEL_FOAM_STREAK_ACROSS_M);
     out->grain = vec4(grain.x, grain.y, streaks.x, streaks.y);
     double bend = u / PEL_FOAM_BEND_ALONG_M + v / PEL_FOAM_BEND_ACROSS_M;
     out->bends = vec4(bend - floor(bend), 0.0, 0.0, 0.0);
