@@ -50,11 +50,9 @@ static void dispatch_by(GLuint list)
     glDispatchComputeIndirect(0);
 }
 
-/* From which numbers on which difference between those of triangles means that
- * a ring lies between theirs: two for each column of a ring, but for the
- * columns that waves carry the surface across, by which blocks are wider near
- * the eye, and a few; and half of that where a neighbour may begin the ring,
- * all around and one block further. */
+/* From which numbers on which difference between those of triangles may mean
+ * that PEL_OUTLINE_HIDDEN rings lie between theirs: two for each column of all
+ * of them but one, which the two may share in. */
 static void tell_apart(const struct pel_mesh *mesh)
 {
     GLuint apart[PEL_OUTLINE_BLOCKS][2];
@@ -73,11 +71,9 @@ static void tell_apart(const struct pel_mesh *mesh)
             int columns = mesh->blocks[b].columns;
             least = columns < least ? columns : least;
         }
-        int narrowest = count ? mesh->blocks[count - 1].columns : 0;
-        GLuint whole = (GLuint)(2 * (least + (i ? narrowest : 0)));
         apart[i][0] =
             first < count ? (GLuint)(2 * mesh->blocks[first].base) : ~0U;
-        apart[i][1] = whole > 64 ? whole - 32 : whole / 2;
+        apart[i][1] = (GLuint)(2 * (PEL_OUTLINE_HIDDEN - 1) * least);
         first = end;
     }
     glUniform2uiv(0, PEL_OUTLINE_BLOCKS, apart[0]);

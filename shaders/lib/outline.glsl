@@ -134,12 +134,12 @@ vec2 parts_of_neighbours(ivec2 at)
     uint own = triangle_at(at);
     int strip = strip_of(own);
     vec2 parts = vec2(0.0);
-    if (lower != 0u && strip > strip_of(lower) + 1) {
+    if (lower != 0u && strip > strip_of(lower) + PEL_OUTLINE_HIDDEN) {
         parts.x = hidden_below(p, lower, strip, 0.0);
     }
     if (own != 0u) {
         int behind = strip_of(triangle_at(at + p.up));
-        if (behind > strip + 1) {
+        if (behind > strip + PEL_OUTLINE_HIDDEN) {
             parts.y = 1.0 - hidden_below(p, own, behind, 1.0);
         }
     }
