@@ -34,7 +34,9 @@ class Memory(unittest.TestCase):
             small = daemon.rss()
             print(f"{large / 1e6:.0f} MB, then {small / 1e6:.0f} MB")
             self.assertGreater(large - small, 0.8 * TAKEN)
-            self.assertLess(small, 300e6)
+            # 290 to 315 MB, most of it compiled programs: those of outlines and
+            # of whitecaps are 30.
+            self.assertLess(small, 340e6)
 
 
 if __name__ == "__main__":

@@ -57,6 +57,14 @@ def segments(log):
     return sorted(glob.glob(log + ".0*")) + [log]
 
 
+def settle(daemon):
+    """Seas are built beside: one that is committed between the question for
+    the time and that for a picture of it is in the picture, and later than it
+    in the log."""
+    until("its sea is built", lambda:
+          daemon.metrics()["pelagos_scene_waiting"] == 0)
+
+
 def session(log):
     """A free-running session by three inputs, ended by kill -9. Returns
     pictures taken on the way: {simulated time: PNG}."""
@@ -79,6 +87,7 @@ def session(log):
             # The sentence comes by UDP: it may be read last.
             until("its heading is there", lambda n=i + 1: daemon.metrics()[
                 "pelagos_nmea_edits_total"] >= n)
+            settle(daemon)
             # Later than every command until now, earlier than the next one.
             at = daemon.state()["clock"]["time"]
             answer = daemon.get(f"/v1/views/bridge/frame.png?time={at!r}")
@@ -138,8 +147,7 @@ def session_of_a_host(log):
                       *([cigi.component(5, 1)] if i == 4 else []),
                       cigi.hat_hot(i, 52.6, 5.2), ticks=200000)
             host.settle()
-            until("its sea is built", lambda:
-                  daemon.metrics()["pelagos_scene_waiting"] == 0)
+            settle(daemon)
             client.write_registers(WIND, floats(6 + i, 200 + i), slave=1)
             client.write_register(COMMIT, 1, slave=1)
             daemon.patch({"sky": {"sunElevation": 10 + 3 * i}})
@@ -255,6 +263,7 @@ def long_session(log):
             if i % 10 == 0:
                 client.write_registers(WIND, floats(6 + i / 20, i), slave=1)
                 client.write_register(COMMIT, 1, slave=1)
+                settle(daemon)
                 at = daemon.state()["clock"]["time"]
                 answer = daemon.get(
                     f"/v1/views/bridge/frame.png?time={at!r}")

@@ -28,7 +28,12 @@ lagoon="sea.windSpeed=4 views.gallery.up=10 views.gallery.pitch=-16 sky.sunAzimu
 open="sea.windSpeed=4 views.gallery.up=10 views.gallery.pitch=-16 sky.sunAzimuth=110 sky.sunElevation=55 water.jerlov=IB"
 shore="sea.windSpeed=3 sky.sunElevation=50 sky.sunAzimuth=200 views.gallery.up=9 \
 views.gallery.pitch=-11 views.gallery.yaw=35 water.named=TROPICAL water.bottom=SAND"
+ship="sea.synthesiser=FFT sea.spectrum=ELFOUHAILY entities.2.longitude=5.2 entities.2.afloat=true"
 pictures=(
+    "ship-yacht|A yacht in the evening, 7 m/s|$ship sea.windSpeed=7 views.gallery.up=5 views.gallery.pitch=-2 sky.sunElevation=9 sky.sunAzimuth=352 entities.2.model.name=sailing-yacht entities.2.latitude=52.6007 entities.2.longitude=5.2001 entities.2.heading=300"
+    "ship-container|A container ship 400 m ahead, 12 m/s|$ship sea.windSpeed=12 sea.windDirection=200 views.gallery.up=14 views.gallery.pitch=-2 sky.sunElevation=24 sky.sunAzimuth=310 entities.2.model.name=container-ship entities.2.latitude=52.6037 entities.2.heading=235"
+    "ship-tanker|A tanker 550 m ahead, 22 m/s|$ship sea.windSpeed=22 views.gallery.up=18 views.gallery.pitch=-4 sky.sunElevation=30 sky.sunAzimuth=250 entities.2.model.name=tanker entities.2.latitude=52.605 entities.2.heading=60"
+    "ship-buoy|A cardinal buoy, north, 8 m/s|$ship views.gallery.up=4 views.gallery.pitch=-3 sky.sunElevation=40 sky.sunAzimuth=160 entities.2.model.name=cardinal-north entities.2.latitude=52.6003 entities.2.longitude=5.2001 entities.2.heading=0"
     "calm|Calm: wind 1.5 m/s|sea.windSpeed=1.5"
     "wind-05|Wind 5 m/s|sea.windSpeed=5"
     "wind-10|Wind 10 m/s|sea.windSpeed=10"
@@ -82,6 +87,7 @@ mkdir -p "$out"
 for picture in "${pictures[@]}"; do
     IFS='|' read -r name title settings <<< "$picture"
     ctl unset sea water seabed >/dev/null
+    ctl unset entities.2 >/dev/null 2>&1 || true
     # shellcheck disable=SC2086
     ctl set --create $common $settings
     ctl frame gallery "$out/$name.jpg"

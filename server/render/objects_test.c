@@ -45,11 +45,14 @@ struct kept {
     float *radiance, *depth, *id;
 };
 
+/* Zeros where there is nothing. */
 static void *copy(const void *from, size_t size)
 {
-    void *to = from ? malloc(size) : NULL;
+    void *to = calloc(1, size);
+    if (!to) {
+        abort();
+    }
     if (from) {
-        assert_non_null(to);
         memcpy(to, from, size);
     }
     return to;
