@@ -56,9 +56,6 @@ void main()
     if (found == 0u) {
         return;
     }
-    if (found == 0u) {
-        return;
-    }
     uint place = atomicAdd(count, uint(bitCount(found)));
     for (; found != 0u; found &= found - 1u) {
         if (place < uint(suspects.length())) {
