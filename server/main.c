@@ -242,6 +242,7 @@ static enum pel_err start_cigi(struct daemon *d, struct pel_fault *fault)
     options.allow = or_null(d->options.cigi_allow);
     options.database = d->options.cigi_database;
     options.rate_hz = d->options.cigi_rate;
+    options.silence_s = d->options.cigi_silence_s;
     options.hold = d->options.cigi_gone == 1;
     options.metrics = d->metrics;
     if (!*d->options.cigi) {

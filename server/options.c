@@ -224,6 +224,9 @@ const struct pel_option pel_option_table[] = {
       .choices = gone_words, .offset = FIELD(cigi_gone),
       .help = "When the CIGI host falls silent: clock.mode becomes what it was "
               "before, or time holds." },
+    { "cigi-silence", "bridges", PEL_OPTION_DOUBLE, "SECONDS", "2", 0.5, 3600,
+      "s", .offset = FIELD(cigi_silence_s),
+      .help = "A CIGI host that sends nothing for this long is gone." },
     { "cigi-database", "bridges", PEL_OPTION_INT, "NUMBER", "0", 0, 127, "",
       .offset = FIELD(cigi_database),
       .help = "Database number that a CIGI host may load; 0 is any." },

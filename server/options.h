@@ -47,7 +47,7 @@ struct pel_options {
     char cigi[PEL_OPTION_TEXT], cigi_host[PEL_OPTION_TEXT];
     char cigi_allow[PEL_OPTION_TEXT];
     int cigi_database;
-    double cigi_rate;
+    double cigi_rate, cigi_silence_s;
     int cigi_gone;
     char state[PEL_OPTION_TEXT], record[PEL_OPTION_TEXT];
     double record_segment_mib;

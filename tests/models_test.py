@@ -263,19 +263,21 @@ class Models(unittest.TestCase):
     @unittest.skipIf(SANITIZED, "sanitizers keep freed memory back")
     def test_loads_do_not_grow(self):
         def memory():
-            with open(f"/proc/{self.daemon.process.pid}/smaps_rollup") as f:
-                for line in f:
-                    if line.startswith("Anonymous"):
-                        return int(line.split()[1])
+            return self.daemon.metrics()["process_heap_bytes"] / 1024
         rounds = int(os.environ.get("MODEL_LOADS", "12"))
-        for i in range(rounds):
-            name = ("wedge.obj", "meant.glb")[i % 2]
-            self.assertEqual(self.set(name=name).status, 200)
-            if i == rounds // 3:
-                first = memory()
-        # A reader's answer is 20 kB, of which MODEL_LOADS=1000 keeps 8 at most;
-        # in few rounds the daemon's other threads have taken 2.5 MB meanwhile.
-        self.assertLess(memory() - first, max(8 * rounds, 6144))
+
+        def grown():
+            first = memory()
+            for i in range(rounds):
+                name = ("wedge.obj", "meant.glb")[i % 2]
+                self.assertEqual(self.set(name=name).status, 200)
+            return memory() - first
+        # A model here is 20 kB, of which a load may keep 8. A picture's textures
+        # and tables of the air come and go in steps of 20 MB: the quietest row
+        # counts; what is lost by a load is lost in every row.
+        least = min((grown() for _ in range(6)), key=abs)
+        print(f"{rounds} loads: {least:.1f} kB")
+        self.assertLess(least, 8 * rounds)
 
     def test_check_needs_no_daemon(self):
         ctl = os.path.join(BIN, "pelagosctl")

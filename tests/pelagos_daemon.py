@@ -6,6 +6,7 @@
 Ports are the kernel's choice, read from the daemon's log. PELAGOS_BIN names
 the folder of the program (build/release/bin).
 """
+import collections
 import contextlib
 import http.client
 import json
@@ -29,10 +30,14 @@ SANITIZED = "asan" in BIN or "tsan" in BIN
 SLOW_S = 60.0
 
 
+given_ports = collections.deque(maxlen=50)
+
+
 def free_port(kind=socket.SOCK_STREAM):
     """A port that nobody uses now (for services that do not log theirs): of
     those that tests/run keeps for this test. Not the kernel's choice: it gives
-    those ports to every client as well, of this test or of one beside it."""
+    those ports to every client as well, of this test or of one beside it. Not
+    one that was given of late: its service may not have bound it yet."""
     first, last = map(int, os.environ.get("PELAGOS_TEST_PORTS",
                                           "10000-32767").split("-"))
     while True:
@@ -40,7 +45,9 @@ def free_port(kind=socket.SOCK_STREAM):
             port = random.SystemRandom().randint(first, last)
             with contextlib.suppress(OSError):
                 s.bind(("127.0.0.1", port))
-                return port
+                if port not in given_ports:
+                    given_ports.append(port)
+                    return port
 
 
 def until(what, test, seconds=SLOW_S, pause_s=0.03):

@@ -152,6 +152,21 @@ expect 'no ship here [ships are rare]'
 expect 'FAILED: cases (skipped where CI=true: no pier; stars; no Moon)'
 expect '0 passed, 1 failed, 1 skipped'
 
+# One that fails beside others and not alone is told, and passes.
+make_test unsteady <<END
+[ -e '$work/once' ] && exit 0
+touch '$work/once'
+echo the tide came early
+exit 1
+END
+end=$(tests/run "$work"/{fine,unsteady} 2>&1)
+expect 'again       0.0 s  unsteady: ok, alone'
+expect 'UNSTEADY: unsteady, passed alone'
+expect '2 passed, 0 failed, 0 skipped'
+end=$(tests/run "$work"/{fine,cmocka} 2>&1)
+expect 'cmocka: failed, alone too'
+expect '1 passed, 1 failed, 0 skipped'
+
 end=$(TEST_TIMEOUT=1 tests/run "$work/hangs" 2>&1 | tail -n 2)
 expect 'FAILED: hangs (stopped after 1 s) — waiting for the tide'
 if [ $failed -ne 0 ]; then

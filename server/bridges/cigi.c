@@ -17,6 +17,7 @@ struct pel_cigi_options pel_cigi_default_options(void)
     return (struct pel_cigi_options){
         .listen = "127.0.0.1:8000",
         .rate_hz = 60,
+        .silence_s = 2,
     };
 }
 
@@ -481,9 +482,14 @@ static void resume(struct pel_cigi *cigi)
     pelagos__patch__free_unpacked(patch, NULL);
 }
 
+static bool is_heard(const struct pel_cigi *cigi, int64_t now_ns)
+{
+    return (double)(now_ns - cigi->heard_ns) * 1e-9 <= cigi->options.silence_s;
+}
+
 static void watch_host(struct pel_cigi *cigi, int64_t now_ns)
 {
-    if (!cigi->led || now_ns - cigi->heard_ns <= GONE_NS) {
+    if (!cigi->led || is_heard(cigi, now_ns)) {
         return;
     }
     pel_warn("CIG-008", "the CIGI host is silent since frame %u; time %s",
@@ -607,6 +613,11 @@ enum pel_err pel_cigi_create(const struct pel_cigi_options *options,
                              "cigi-rate: %g is not in 1..240 Hz",
                              options->rate_hz);
     }
+    if (!(options->silence_s >= 0.5 && options->silence_s <= 3600)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "cigi-silence: %g is not in 0.5..3600 s",
+                             options->silence_s);
+    }
     struct pel_cigi *cigi = g_new0(struct pel_cigi, 1);
     cigi->options = *options;
     cigi->scene = scene;
@@ -663,7 +674,7 @@ void pel_cigi_status(const struct pel_cigi *cigi,
                      struct pel_cigi_status *status)
 {
     *status = (struct pel_cigi_status){
-        .connected = cigi->led && pel_now_ns() - cigi->heard_ns <= GONE_NS,
+        .connected = cigi->led && is_heard(cigi, pel_now_ns()),
         .host_frame = cigi->host_frame,
         .ig_frame = cigi->ig_frame,
         .database = cigi->database,

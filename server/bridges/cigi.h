@@ -29,13 +29,14 @@ struct pel_cigi_options {
     const char *allow;  /* as pel_nmea_options */
     int database;       /* number that can be loaded, 1..127; 0: any */
     double rate_hz;     /* Start of Frame, 1..240 */
+    double silence_s;   /* the host is gone after it, 0.5..3600 */
     bool hold;          /* time stands while the host is gone; else clock.mode
                          * becomes what it was before the host, and what had
                          * rates stands */
     struct pel_metrics *metrics; /* NULL: none are shown */
 };
 
-/* 127.0.0.1:8000, any database, 60 Hz. */
+/* 127.0.0.1:8000, any database, 60 Hz, 2 s. */
 struct pel_cigi_options pel_cigi_default_options(void);
 
 struct pel_cigi_counters {
@@ -57,7 +58,7 @@ struct pel_cigi_counters {
 };
 
 struct pel_cigi_status {
-    bool connected; /* heard within 2 s */
+    bool connected; /* heard within silence_s */
     uint32_t host_frame, ig_frame;
     int database; /* as in Start of Frame */
     double age_s; /* since the host was heard, -1: never */

@@ -19,7 +19,6 @@
 #define MAX_ANSWER 16384 /* bytes of a datagram to the host */
 #define RECEIVE_BUFFER (4 << 20)
 #define TURN_NS 2000000LL /* then the loop serves others */
-#define GONE_NS 2000000000LL
 #define RESTART_NS 500000000LL
 #define RESTART_FRAMES 1000 /* further back than any delay */
 #define TICK_S 1e-5         /* of timestamps */

@@ -1,5 +1,6 @@
 #include "net/net.h"
 
+#include <malloc.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -109,6 +110,10 @@ static void collect_process(struct pel_metrics_page *page)
     if (file) {
         fclose(file);
     }
+    struct mallinfo2 heap = mallinfo2();
+    pel_metric(page, "process_heap_bytes", PEL_METRIC_GAUGE,
+               "Memory that malloc has given out: without what it keeps.", NULL,
+               (double)(heap.uordblks + heap.hblkhd));
     struct rusage use;
     if (getrusage(RUSAGE_SELF, &use) == 0) {
         double busy =
