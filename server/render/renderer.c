@@ -22,6 +22,8 @@
 #include "render/probe.h"
 #include "render/programs.h"
 #include "render/readback.h"
+#include "render/rendererstate.h"
+#include "render/shadepass.h"
 #include "render/shader.h"
 #include "render/sky.h"
 #include "render/stages.h"
@@ -40,38 +42,6 @@
      sizeof(struct pel_block_sighted) +                                        \
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 #define VERTEX_BYTES 32
-#define PIXEL_BARRIERS                                                         \
-    (GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT |                \
-     GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT)
-struct pel_renderer {
-    struct pel_context context;
-    const char *shader_dir;
-    struct pel_filtering filtering;
-    struct pel_filter filter; /* its bounds */
-    struct pel_readback readback;
-    struct pel_arena arena;
-    struct pel_sky sky;
-    struct pel_targets targets;
-    struct pel_stage_timer timing;
-    GLuint vao, vertices;
-    GLuint vertex_texels; /* the same buffer as a texture */
-    int vertex_capacity;
-    struct pel_sea_texels tables;
-    struct pel_programs programs;
-    struct pel_meter meter;
-    struct pel_prober prober;
-    struct pel_water_prober water_prober;
-    struct pel_wavefield wavefield;
-    struct pel_foam_map foam;
-    struct pel_statistics statistics;
-    struct pel_mesh *mesh;
-    struct pel_seabed_map seabed;
-    struct pel_objects objects;
-    uint16_t tiles[PEL_MAX_TILES]; /* of the view being drawn */
-    bool any_coast, any_objects;
-    int margin; /* of its triangles around its pixels: render/edges.h */
-};
-
 void pel_renderer_measure(struct pel_renderer *r, bool on)
 {
     r->timing.on = on;
@@ -195,12 +165,6 @@ static void bind_table_eye(void *user, double height_m)
                    sizeof block);
 }
 
-/* Groups of `size` that cover `count`. */
-static GLuint groups(int count, int size)
-{
-    return (GLuint)((count + size - 1) / size);
-}
-
 static void displace_mesh(struct pel_renderer *r,
                           const struct pel_sea_programs *p)
 {
@@ -233,7 +197,7 @@ static void search_surface(struct pel_renderer *r, bool submerged)
         glUseProgram(r->programs.search);
         glUniform1i(0, r->mesh->vertex_count);
         glUniform1i(1, submerged);
-        glDispatchCompute(groups(triangles, PEL_GROUP_LINE), 1, 1);
+        glDispatchCompute(pel_groups(triangles, PEL_GROUP_LINE), 1, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
 }
@@ -271,204 +235,6 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
     glDisable(GL_CULL_FACE);
     glDepthMask(GL_FALSE);
-}
-
-static GLuint program_of(const struct pel_renderer *r,
-                         const struct pel_sea_programs *p, unsigned tile,
-                         enum pel_shading kind, GLuint deep)
-{
-    unsigned coast = tile & PEL_TILE_COAST;
-    return r->any_objects              ? p->objects[coast][kind]
-           : coast == PEL_COAST_LAND   ? p->coast[kind]
-           : coast == PEL_COAST_BOTTOM ? p->shallow[kind]
-                                       : deep;
-}
-
-static void use_objects(const struct pel_renderer *r, unsigned tile)
-{
-    if (r->any_objects) {
-        pel_objects_use(tile);
-    }
-}
-
-static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
-                        const struct pel_sea_programs *p,
-                        const struct pel_pass *pass)
-{
-    glEnable(GL_SCISSOR_TEST);
-    for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
-        glScissor(r->margin + run.x, r->margin + run.y, run.width, run.height);
-        glUseProgram(
-            program_of(r, p, run.tile, pass->kind, p->fragments[pass->kind]));
-        pel_pass_use(pass);
-        use_objects(r, run.tile);
-        glDepthFunc((run.tile & PEL_TILE_COAST) == PEL_COAST_LAND ? GL_ALWAYS
-                                                                  : GL_LESS);
-        glDrawArrays(GL_TRIANGLES, 0, 3);
-    }
-    glDisable(GL_SCISSOR_TEST);
-}
-
-static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
-                           const struct pel_sea_programs *p,
-                           const struct pel_pass *pass, int wanted)
-{
-    for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
-        glUseProgram(program_of(r, p, run.tile, pass->kind,
-                                p->compute_program[pass->kind]));
-        pel_pass_use(pass);
-        use_objects(r, run.tile);
-        glUniform1i(0, wanted);
-        const GLint x = r->margin + run.x, y = r->margin + run.y;
-        glUniform4i(1, x, y, x + run.width, y + run.height);
-        glDispatchCompute(groups(run.width, PEL_GROUP_SIDE),
-                          groups(run.height, PEL_GROUP_SIDE), 1);
-    }
-}
-
-/* Where object.frag found objects: the depth test is theirs. */
-static void shade_objects(struct pel_renderer *r, const struct pel_camera *c,
-                          const struct pel_pass *pass, bool fft)
-{
-    GLuint fbo = pel_targets_attach(&r->targets, pass);
-    glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT, r->objects.depth, 0);
-    glEnable(GL_SCISSOR_TEST);
-    for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
-        if (run.tile & PEL_TILE_OBJECTS) {
-            glScissor(run.x, run.y, run.width, run.height);
-            glUseProgram(
-                pel_objects_program(&r->objects, run.tile, pass->kind, fft));
-            pel_pass_use(pass);
-            glDrawArrays(GL_TRIANGLES, 0, 3);
-        }
-    }
-    glDisable(GL_SCISSOR_TEST);
-    glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT, r->targets.depth_test,
-                              0);
-}
-
-/* Sea where the surface was drawn, sky where it was not: the depth test
- * separates them before a pixel is shaded. In tiles with a coast the program
- * decides. */
-static void shade(struct pel_renderer *r, const struct pel_camera *c,
-                  const struct pel_disc_box *discs,
-                  const struct pel_sea_programs *p, const struct pel_pass *pass)
-{
-    enum pel_shading kind = pass->kind;
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER,
-                      pel_targets_attach(&r->targets, pass));
-    glEnable(GL_DEPTH_TEST);
-    glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
-    glDepthFunc(GL_EQUAL);
-    glUseProgram(r->programs.backdrop[kind]);
-    pel_pass_use(pass);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    for (int i = 0; i < PEL_LIGHTS; i++) {
-        if (discs[i].width > 0 && discs[i].height > 0) {
-            glEnable(GL_SCISSOR_TEST);
-            glScissor(r->margin + discs[i].x, r->margin + discs[i].y,
-                      discs[i].width, discs[i].height);
-            glUseProgram(r->programs.disc[kind]);
-            pel_pass_use(pass);
-            glDrawArrays(GL_TRIANGLES, 0, 3);
-            glDisable(GL_SCISSOR_TEST);
-        }
-    }
-    glDepthFunc(GL_LESS);
-    if (r->any_coast || r->any_objects) {
-        shade_tiles(r, c, p, pass);
-    } else {
-        glUseProgram(p->fragments[kind]);
-        pel_pass_use(pass);
-        glDrawArrays(GL_TRIANGLES, 0, 3);
-    }
-    if (r->any_objects) {
-        shade_objects(r, c, pass,
-                      p == &r->programs.cascades ||
-                          p == &r->programs.foamy[0][1] ||
-                          p == &r->programs.foamy[1][1]);
-    }
-    glDisable(GL_DEPTH_TEST);
-}
-
-static void bind_images(struct pel_renderer *r, const struct pel_pass *pass)
-{
-    glBindImageTexture(PEL_IMAGE_COLOR, r->targets.color, 0, GL_FALSE, 0,
-                       GL_WRITE_ONLY, GL_RGBA8);
-    glBindImageTexture(PEL_IMAGE_RADIANCE, r->targets.planes[PEL_AT_RADIANCE],
-                       0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-    for (GLuint i = 0; i < PEL_COMPUTE_SLOTS && pass->layer[i] >= 0; i++) {
-        glBindImageTexture(PEL_IMAGE_SLOTS + i,
-                           r->targets.planes[pass->layer[i]], 0, GL_FALSE, 0,
-                           GL_WRITE_ONLY, pel_plane_format(pass->layer[i]));
-    }
-}
-
-/* Sky, sea, display colour and layers in one dispatch. */
-static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
-                          const struct pel_sea_programs *p,
-                          const struct pel_pass *pass, int wanted)
-{
-    bind_images(r, pass);
-    if (r->any_coast || r->any_objects) {
-        dispatch_tiles(r, c, p, pass, wanted);
-    } else {
-        glUseProgram(p->compute_program[pass->kind]);
-        pel_pass_use(pass);
-        glUniform1i(0, wanted);
-        const GLint m = r->margin;
-        glUniform4i(1, m, m, m + (GLint)c->width, m + (GLint)c->height);
-        glDispatchCompute(groups((int)c->width, PEL_GROUP_SIDE),
-                          groups((int)c->height, PEL_GROUP_SIDE), 1);
-    }
-    glMemoryBarrier(PIXEL_BARRIERS);
-}
-
-/* The pixels of a region that outlines cut, once more. `wanted` of the first
- * pass. */
-static void shade_edges(struct pel_renderer *r, const struct pel_tile_run *run,
-                        const struct pel_sea_programs *p, unsigned asked,
-                        int wanted, bool sideways)
-{
-    const GLint x = r->margin + run->x, y = r->margin + run->y;
-    const GLint region[4] = { x, y, x + run->width, y + run->height };
-    struct pel_pass pass = pel_pass_first(asked, true), light;
-    pel_edges_list(&r->programs, &r->targets, r->mesh, sideways, region);
-    do {
-        if (pel_edges_pass(&pass, &light)) {
-            bind_images(r, &light);
-            pel_edges_draw(&r->targets,
-                           p->edges[run->tile & PEL_TILE_COAST][light.kind],
-                           &light, light.first ? wanted : 0);
-        }
-    } while (pel_pass_next(&pass, true));
-}
-
-static void draw_edges(struct pel_renderer *r, const struct pel_camera *c,
-                       const struct pel_sea_programs *p, unsigned asked,
-                       int wanted)
-{
-    bool sideways = pel_edges_sideways(c);
-    struct pel_tile_run run = { 0 };
-    if (!r->any_coast) {
-        run.width = (int)c->width;
-        run.height = (int)c->height;
-        shade_edges(r, &run, p, asked, wanted, sideways);
-    }
-    while (r->any_coast && pel_tiles_next(r->tiles, c, &run)) {
-        shade_edges(r, &run, p, asked, wanted, sideways);
-    }
-    glMemoryBarrier(PIXEL_BARRIERS | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-}
-
-static void tone(struct pel_renderer *r, const struct pel_camera *c)
-{
-    glBindTextureUnit(PEL_UNIT_RADIANCE, r->targets.planes[PEL_AT_RADIANCE]);
-    glDisable(GL_DEPTH_TEST);
-    glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
-    glUseProgram(r->programs.tone);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 /* Asked only where waves may reach the eye: the answer of an FFT sea costs its
@@ -520,44 +286,6 @@ static void bind_waves(struct pel_renderer *r,
     } else {
         pel_texels_set(&r->tables.waves, &block, sizeof block);
         glBindTextureUnit(PEL_UNIT_WAVES, r->tables.waves.texture);
-    }
-}
-
-/* All passes as fragments; true: with the colour. */
-static bool shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
-                            const struct pel_disc_box *discs,
-                            const struct pel_sea_programs *p, unsigned asked)
-{
-    struct pel_pass pass = pel_pass_first(asked, false);
-    bool toned = pass.kind == PEL_SHADE_COLOR;
-    do {
-        shade(r, c, discs, p, &pass);
-    } while (pel_pass_next(&pass, false));
-    if (r->margin) {
-        draw_edges(r, c, p, asked,
-                   toned ? PEL_WANTS_COLOR : PEL_WANTS_RADIANCE);
-    }
-    return toned;
-}
-
-/* The same in compute. */
-static void shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
-                             const struct pel_sea_programs *p, unsigned asked)
-{
-    const GLsizeiptr keys = (GLsizeiptr)(c->width + 2 * (uint32_t)r->margin) *
-                            (GLsizeiptr)(c->height + 2 * (uint32_t)r->margin);
-    int wanted = asked & PEL_LAYER_RADIANCE ? PEL_WANTS_RADIANCE : 0;
-    wanted |= asked & PEL_LAYER_COLOR ? PEL_WANTS_COLOR : 0;
-    struct pel_pass pass = pel_pass_first(asked, true);
-    do {
-        /* Outlines read the keys after it. */
-        int last = pass.last && !r->margin ? PEL_LAST_PASS : 0;
-        shade_compute(r, c, p, &pass, (pass.first ? wanted : 0) | last);
-    } while (pel_pass_next(&pass, true));
-    if (r->margin) {
-        draw_edges(r, c, p, asked, wanted);
-        glClearNamedBufferSubData(r->targets.keys, GL_R32UI, 0, keys * 4,
-                                  GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
     }
 }
 
@@ -679,13 +407,13 @@ static void draw_pixels(struct pel_renderer *r,
     pel_stage_end(&r->timing, PEL_STAGE_RASTER);
     bool toned = compute;
     if (compute) {
-        shade_dispatches(r, c, programs, asked);
+        pel_shade_dispatches(r, c, programs, asked);
     } else {
-        toned = shade_fragments(r, c, discs, programs, asked);
+        toned = pel_shade_fragments(r, c, discs, programs, asked);
     }
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
     if (!toned && asked & PEL_LAYER_COLOR) {
-        tone(r, c);
+        pel_shade_tone(r, c);
     }
 }
 

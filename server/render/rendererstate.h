@@ -1,0 +1,63 @@
+/* What the renderer's passes share; none of it is for others
+ * (render/renderer.h). Render thread only. */
+#ifndef PELAGOS_RENDER_RENDERERSTATE_H
+#define PELAGOS_RENDER_RENDERERSTATE_H
+
+#include <epoxy/gl.h>
+
+#include "render/arena.h"
+#include "render/context.h"
+#include "render/filtering.h"
+#include "render/foammap.h"
+#include "render/mesh.h"
+#include "render/meter.h"
+#include "render/objects.h"
+#include "render/probe.h"
+#include "render/programs.h"
+#include "render/readback.h"
+#include "render/seabedmap.h"
+#include "render/sky.h"
+#include "render/stages.h"
+#include "render/statistics.h"
+#include "render/targets.h"
+#include "render/texels.h"
+#include "render/tiles.h"
+#include "render/waterprobe.h"
+#include "render/wavefield.h"
+
+struct pel_renderer {
+    struct pel_context context;
+    const char *shader_dir;
+    struct pel_filtering filtering;
+    struct pel_filter filter; /* its bounds */
+    struct pel_readback readback;
+    struct pel_arena arena;
+    struct pel_sky sky;
+    struct pel_targets targets;
+    struct pel_stage_timer timing;
+    GLuint vao, vertices;
+    GLuint vertex_texels; /* the same buffer as a texture */
+    int vertex_capacity;
+    struct pel_sea_texels tables;
+    struct pel_programs programs;
+    struct pel_meter meter;
+    struct pel_prober prober;
+    struct pel_water_prober water_prober;
+    struct pel_wavefield wavefield;
+    struct pel_foam_map foam;
+    struct pel_statistics statistics;
+    struct pel_mesh *mesh;
+    struct pel_seabed_map seabed;
+    struct pel_objects objects;
+    uint16_t tiles[PEL_MAX_TILES]; /* of the view being drawn */
+    bool any_coast, any_objects;
+    int margin; /* of its triangles around its pixels: render/edges.h */
+};
+
+/* Groups of `size` that cover `count`. */
+static inline GLuint pel_groups(int count, int size)
+{
+    return (GLuint)((count + size - 1) / size);
+}
+
+#endif

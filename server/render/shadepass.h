@@ -1,0 +1,27 @@
+/* From the nearest triangle of each pixel to its light and colour: sea, sky,
+ * coasts, objects, and the pixels that outlines cut. Render thread only. */
+#ifndef PELAGOS_RENDER_SHADEPASS_H
+#define PELAGOS_RENDER_SHADEPASS_H
+
+#include <stdbool.h>
+
+#include "render/disc.h"
+#include "render/programs.h"
+#include "scene/snapshot.h"
+
+struct pel_renderer;
+
+/* All passes of the layers asked for (PEL_LAYER_*), as fragments; true: with
+ * the colour. *c is the band's camera, discs those of PEL_LIGHTS lights. */
+bool pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
+                         const struct pel_disc_box *discs,
+                         const struct pel_sea_programs *p, unsigned asked);
+
+/* The same in compute, always with the colour. */
+void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
+                          const struct pel_sea_programs *p, unsigned asked);
+
+/* Display colours from radiance. */
+void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c);
+
+#endif
