@@ -153,6 +153,9 @@ SCENE := server/scene/scene.c \
     server/scene/edit.c \
     server/scene/check.c \
     server/scene/store.c \
+    server/scene/journal.c \
+    server/scene/keeping.c \
+    server/scene/logentry.c \
     server/scene/missing.c \
     server/scene/build.c \
     server/scene/ground.c server/scene/fleet.c server/scene/catalogue.c \

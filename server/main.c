@@ -34,6 +34,7 @@ struct daemon {
     int64_t started_ns;
     GMainLoop *loop;
     struct pel_scene *scene;
+    bool kept; /* the state, at the end */
     struct pel_frames *frames;
     struct pel_record *record;
     struct pel_metrics *metrics;
@@ -329,7 +330,7 @@ static bool finish(struct daemon *d)
     if (d->scene) {
         pel_metrics_remove(d->metrics, pel_scene_collect, d->scene);
     }
-    pel_scene_destroy(d->scene);
+    d->kept = pel_scene_destroy(d->scene);
     if (joined) {
         pel_metrics_destroy(d->metrics);
         g_strfreev(d->http_hosts);
@@ -433,7 +434,9 @@ static int run(struct daemon *d)
         g_main_context_set_poll_func(NULL, account_and_poll);
         g_main_loop_run(d->loop);
     }
-    if (!finish(d)) {
+    bool joined = finish(d);
+    status = d->kept ? status : EXIT_FAILURE;
+    if (!joined) {
         _exit(status);
     }
     return status;

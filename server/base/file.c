@@ -124,3 +124,20 @@ enum pel_err pel_file_read(const char *path, size_t most, char **out,
     *size = used;
     return PEL_OK;
 }
+
+bool pel_file_write(int fd, const void *data, size_t size)
+{
+    const char *bytes = data;
+    while (size > 0) {
+        ssize_t wrote = write(fd, bytes, size);
+        if (wrote == 0 || (wrote < 0 && errno != EINTR)) {
+            errno = wrote == 0 ? ENOSPC : errno;
+            return false;
+        }
+        if (wrote > 0) {
+            bytes += wrote;
+            size -= (size_t)wrote;
+        }
+    }
+    return true;
+}

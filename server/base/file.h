@@ -1,8 +1,10 @@
-/* Reading files that others name or write. Only regular files are opened, and
- * without blocking: a FIFO, a device or a directory in a file's place is a
- * fault in words, never a thread that hangs. Any thread. */
+/* Files: reading those that others name or write, and writing whole. Only
+ * regular files are opened, and without blocking: a FIFO, a device or a
+ * directory in a file's place is a fault in words, never a thread that hangs.
+ * Any thread. */
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/err.h"
@@ -17,3 +19,7 @@ PEL_CHECK enum pel_err pel_file_open(const char *path, int *out,
  * pel_file_open, OUT_OF_RANGE (larger), NO_MEMORY. */
 PEL_CHECK enum pel_err pel_file_read(const char *path, size_t most, char **out,
                                      size_t *size, struct pel_fault *fault);
+
+/* Writes all of it, however often the system takes part of it; false: errno.
+ * What was written till then is in the file. */
+PEL_CHECK bool pel_file_write(int fd, const void *data, size_t size);

@@ -15,14 +15,10 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "pelog.h"
-#include "wire.h"
+#include "scene/logentry.h"
 
 #define MIB 1048576.0
 #define MAX_NUMBER 999999999u
-/* Steps that frames or a host make are written so often [simulated s]; those
- * of clients all are. */
-#define STEP_INTERVAL_S 0.1
-
 struct pel_record {
     struct pel_scene *scene;
     char *path, *program, *device;
@@ -39,23 +35,6 @@ struct pel_record {
 };
 
 /* --- writing -------------------------------------------------------------- */
-
-static bool write_all(int fd, const uint8_t *data, size_t size)
-{
-    size_t done = 0;
-    while (done < size) {
-        ssize_t n = write(fd, data + done, size - done);
-        if (n < 0 && errno == EINTR) {
-            continue;
-        }
-        if (n <= 0) {
-            errno = n < 0 ? errno : ENOSPC;
-            return false;
-        }
-        done += (size_t)n;
-    }
-    return true;
-}
 
 static void pause_recording(struct pel_record *record, const char *why)
 {
@@ -76,7 +55,7 @@ static void pause_recording(struct pel_record *record, const char *why)
  * process is killed the next moment. */
 static bool put(struct pel_record *record, const uint8_t *data, size_t size)
 {
-    if (!write_all(record->fd, data, size)) {
+    if (!pel_file_write(record->fd, data, size)) {
         pause_recording(record, strerror(errno));
         return false;
     }
@@ -84,18 +63,15 @@ static bool put(struct pel_record *record, const uint8_t *data, size_t size)
     return true;
 }
 
-static void put_entry(struct pel_record *record, Pelagos__LogEntry *entry)
+/* An entry of simulated time time_s; frees it. */
+static void put_entry(struct pel_record *record, double time_s, uint8_t *data,
+                      size_t size)
 {
-    size_t size;
-    if (record->fd < 0) {
-        record->lost++;
-        return;
-    }
-    uint8_t *data = pel_wire_pack(&entry->base, &size);
     bool done = false;
-    if (size > PEL_LOG_MAX_ENTRY) {
+    record->step_s = time_s;
+    if (record->fd >= 0 && size > PEL_LOG_MAX_ENTRY) {
         pause_recording(record, "a command is too large for a log");
-    } else {
+    } else if (record->fd >= 0) {
         done = put(record, data, size);
     }
     record->entries += done;
@@ -103,27 +79,12 @@ static void put_entry(struct pel_record *record, Pelagos__LogEntry *entry)
     free(data);
 }
 
-static void fill(struct pel_record *record, double time_s, uint64_t revision,
-                 Pelagos__LogEntry *entry)
-{
-    pelagos__log_entry__init(entry);
-    entry->has_time = entry->has_revision = true;
-    entry->time = time_s;
-    entry->revision = revision;
-    record->step_s = time_s;
-}
-
 static void put_step(struct pel_record *record, double time_s,
                      uint64_t revision)
 {
-    Pelagos__LogEntry entry;
-    Pelagos__ClockStep step = PELAGOS__CLOCK_STEP__INIT;
-    fill(record, time_s, revision, &entry);
-    step.has_until = true;
-    step.until = time_s;
-    entry.command_case = PELAGOS__LOG_ENTRY__COMMAND_STEP;
-    entry.step = &step;
-    put_entry(record, &entry);
+    size_t size;
+    uint8_t *data = pel_log_pack_step(time_s, revision, &size);
+    put_entry(record, time_s, data, size);
 }
 
 /* --- segments ------------------------------------------------------------- */
@@ -196,16 +157,12 @@ static void remove_oldest(struct pel_record *record)
 static uint8_t *pack_head(const struct pel_record *record,
                           const Pelagos__State *state, size_t *size)
 {
-    Pelagos__LogEntry entry = PELAGOS__LOG_ENTRY__INIT;
     Pelagos__LogHead head = PELAGOS__LOG_HEAD__INIT;
     char began[32];
     time_t now = time(NULL);
     struct tm utc;
     gmtime_r(&now, &utc);
     strftime(began, sizeof began, "%Y-%m-%dT%H:%M:%SZ", &utc);
-    entry.has_time = entry.has_revision = true;
-    entry.time = state->clock->time;
-    entry.revision = state->revision;
     head.has_version = head.has_waves = head.has_segment = true;
     head.version = PEL_LOG_VERSION;
     head.waves = (uint32_t)record->wave_count;
@@ -215,9 +172,7 @@ static uint8_t *pack_head(const struct pel_record *record,
     head.recording = record->recording;
     head.segment = record->segment;
     head.state = (Pelagos__State *)state;
-    entry.command_case = PELAGOS__LOG_ENTRY__COMMAND_HEAD;
-    entry.head = &head;
-    return pel_wire_pack(&entry.base, size);
+    return pel_log_pack_head(&head, size);
 }
 
 static bool write_head(const struct pel_record *record, int fd,
@@ -227,9 +182,8 @@ static bool write_head(const struct pel_record *record, int fd,
     uint8_t *head = pack_head(record, state, &size);
     bool good = size <= PEL_LOG_MAX_ENTRY;
     errno = EFBIG;
-    good = good &&
-           write_all(fd, (const uint8_t *)PEL_LOG_MAGIC, PEL_LOG_MAGIC_SIZE);
-    good = good && write_all(fd, head, size);
+    good = good && pel_file_write(fd, PEL_LOG_MAGIC, PEL_LOG_MAGIC_SIZE);
+    good = good && pel_file_write(fd, head, size);
     *total = PEL_LOG_MAGIC_SIZE + size;
     free(head);
     return good;
@@ -336,14 +290,11 @@ static void on_command(void *user, double time_s, const Pelagos__Patch *patch)
     struct pel_record *record = user;
     const Pelagos__State *state = pel_scene_state(record->scene);
     if (patch) {
-        Pelagos__LogEntry entry;
-        fill(record, time_s, state->revision, &entry);
-        entry.command_case = PELAGOS__LOG_ENTRY__COMMAND_PATCH;
-        entry.patch = (Pelagos__Patch *)patch;
-        put_entry(record, &entry);
-    } else if (state->clock->mode == PELAGOS__CLOCK_MODE__STEPPED ||
-               time_s - record->step_s >= STEP_INTERVAL_S ||
-               time_s < record->step_s) {
+        size_t size;
+        uint8_t *data =
+            pel_log_pack_patch(time_s, state->revision, patch, &size);
+        put_entry(record, time_s, data, size);
+    } else if (pel_log_wants_step(state, time_s, record->step_s)) {
         put_step(record, time_s, state->revision);
     }
     resume(record);
@@ -403,7 +354,14 @@ enum pel_err pel_record_create(const struct pel_record_options *o,
         found->len > 0 ? g_array_index(found, unsigned, found->len - 1) + 1 : 1;
     g_array_free(found, TRUE);
     enum pel_err err = check_place(o->path, fault);
-    if (!err && !begin_segment(record, 1)) {
+    bool begun = !err && begin_segment(record, 1);
+    if (!err && !begun && (errno == ENOSPC || errno == EDQUOT)) {
+        /* A full disk keeps nobody from starting. */
+        pel_error("REC-009",
+                  "%s: not recording until the first segment can be begun: %s",
+                  record->path, strerror(errno));
+        record->again_ns = pel_now_ns() + record->pause_ns;
+    } else if (!err && !begun) {
         err = pel_fault_set(fault, PEL_ERR_IO, "--record: %s: %s", o->path,
                             strerror(errno));
     }
@@ -411,7 +369,9 @@ enum pel_err pel_record_create(const struct pel_record_options *o,
         pel_record_destroy(record);
         return err;
     }
-    pel_info("REC-001", "recording %s to %s", record->recording, o->path);
+    if (begun) {
+        pel_info("REC-001", "recording %s to %s", record->recording, o->path);
+    }
     *out = record;
     return PEL_OK;
 }

@@ -21,8 +21,6 @@
 
 #define MAX_STEP_S 3600.0
 #define SHIP_MS 500
-#define SAVE_INTERVAL_NS 1000000000 /* from one write to the next */
-#define SAVE_AGAIN_NS 5000000000    /* after one that failed */
 #define DEFAULT_WAVES 60
 
 double pel_scene_time(struct pel_scene *scene)
@@ -116,6 +114,7 @@ const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
 static void notify(struct pel_scene *scene, double time_s,
                    const Pelagos__Patch *patch)
 {
+    pel_scene_keep(scene, time_s, patch);
     if (scene->listener) {
         scene->listener(scene->listener_user, time_s, patch);
     }
@@ -153,53 +152,6 @@ void pel_scene_set_stale(struct pel_scene *scene, enum pel_stale source,
     if (pel_scene_patch(scene, &patch, &fault) != PEL_OK) {
         pel_error("SCN-007", "a silent source could not be marked: %s",
                   fault.message);
-    }
-}
-
-static void save_soon(struct pel_scene *scene);
-
-static void save(struct pel_scene *scene)
-{
-    static struct pel_log_limit limit;
-    struct pel_fault fault;
-    const Pelagos__State *state = pel_scene_state(scene);
-    Pelagos__State *whole = pel_missing_restored(&scene->missing, state);
-    enum pel_err err =
-        pel_store_save(scene->store, whole ? whole : state, &fault);
-    if (whole) {
-        pelagos__state__free_unpacked(whole, NULL);
-    }
-    if (err) {
-        pel_log_limited(&limit, PEL_LOG_ERROR, "SCN-003",
-                        "the state was not saved, and will be tried again: %s",
-                        fault.message);
-        scene->failed_saves++;
-    } else {
-        scene->saves++;
-    }
-    scene->save_from_ns =
-        pel_now_ns() + (err ? SAVE_AGAIN_NS : SAVE_INTERVAL_NS);
-    if (err) {
-        save_soon(scene);
-    }
-}
-
-static gboolean on_save_timer(gpointer user)
-{
-    struct pel_scene *scene = user;
-    PEL_WATCH("state file");
-    scene->save_timer = 0;
-    save(scene);
-    return G_SOURCE_REMOVE;
-}
-
-static void save_soon(struct pel_scene *scene)
-{
-    if (scene->store && scene->save_timer == 0) {
-        int64_t wait_ns = scene->save_from_ns - pel_now_ns();
-        scene->save_timer =
-            g_timeout_add(wait_ns > 0 ? (guint)(wait_ns / 1000000) + 1 : 0,
-                          on_save_timer, scene);
     }
 }
 
@@ -340,7 +292,7 @@ enum pel_err pel_scene_commit(struct pel_scene *scene, Pelagos__State *next,
 
 void pel_scene_notify_commit(struct pel_scene *scene)
 {
-    save_soon(scene);
+    pel_scene_save_soon(scene);
     for (size_t i = 0; i < scene->callback_count; i++) {
         scene->callbacks[i].call(scene->callbacks[i].user);
     }
@@ -414,7 +366,7 @@ static void go_to(struct pel_scene *scene, double time_s)
 {
     scene->clock.base_s = time_s;
     advance_ship(scene, time_s);
-    save_soon(scene);
+    pel_scene_save_soon(scene);
     notify(scene, time_s, NULL);
 }
 
@@ -458,33 +410,6 @@ enum pel_err pel_scene_command_step(struct pel_scene *scene,
 {
     return step->has_until ? pel_scene_step_to(scene, step->until, fault)
                            : pel_scene_step(scene, step->seconds, fault);
-}
-
-/* The state to start with: the file's, or the default one. */
-static enum pel_err first_state(struct pel_store *store,
-                                const struct pel_scene_options *options,
-                                Pelagos__State **out, struct pel_fault *fault)
-{
-    struct pel_fault why;
-    g_autofree char *aside = NULL;
-    enum pel_err err =
-        store ? pel_store_load(store, out, &aside, &why) : PEL_ERR_NOT_FOUND;
-    if (err == PEL_OK) {
-        pel_info("SCN-001", "revision %llu of the scene loaded from %s",
-                 (unsigned long long)(*out)->revision, options->state_path);
-        return PEL_OK;
-    }
-    if (err == PEL_ERR_IO) {
-        return pel_fault_set(fault, err, "--state: %.240s", why.message);
-    }
-    if (err != PEL_ERR_NOT_FOUND) {
-        pel_error("SCN-002",
-                  "%s does not load: %s; it is kept as %s, and the scene "
-                  "begins with defaults",
-                  options->state_path, why.message, aside);
-    }
-    *out = pel_state_default();
-    return PEL_OK;
 }
 
 /* Who was silent when the file was written may speak now, and who led time has
@@ -571,7 +496,7 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
         err = pel_store_open(options->state_path, &store, fault);
     }
     if (!err) {
-        err = first_state(store, options, &state, fault);
+        err = pel_scene_load(store, options, &state, fault);
     }
     if (err) {
         pel_store_close(store);
@@ -601,6 +526,9 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     }
     pel_simclock_set(&scene->clock, (enum pel_clock_mode)state->clock->mode,
                      state->clock->rate, state->clock->time, pel_now_ns());
+    if (store) {
+        pel_scene_begin_keeping(scene, options->state_path);
+    }
     *out = scene;
     return PEL_OK;
 }
@@ -610,21 +538,17 @@ const struct pel_missing *pel_scene_missing(const struct pel_scene *scene)
     return &scene->missing;
 }
 
-void pel_scene_destroy(struct pel_scene *scene)
+bool pel_scene_destroy(struct pel_scene *scene)
 {
     if (!scene) {
-        return;
+        return true;
     }
-    if (scene->store) {
-        save(scene);
-    }
-    if (scene->save_timer != 0) {
-        g_source_remove(scene->save_timer);
-    }
+    bool kept = pel_scene_end_keeping(scene);
     if (scene->ship_timer != 0) {
         g_source_remove(scene->ship_timer);
     }
     scene_free(scene);
+    return kept;
 }
 
 void pel_scene_collect(void *user, struct pel_metrics_page *page)
@@ -635,6 +559,9 @@ void pel_scene_collect(void *user, struct pel_metrics_page *page)
     pel_metric(page, "pelagos_scene_save_errors_total", PEL_METRIC_COUNTER,
                "Times the state file could not be written.", NULL,
                (double)scene->failed_saves);
+    if (scene->journal) {
+        pel_journal_collect(scene->journal, page);
+    }
     pel_metric(page, "pelagos_scene_prepared_total", PEL_METRIC_COUNTER,
                "Seas built and files read before a patch was committed.", NULL,
                (double)scene->prepared);

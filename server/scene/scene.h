@@ -1,9 +1,10 @@
 /* The one scene: state, edit, test, commit. Control thread only.
  *
  * The state is a Pelagos__State with every field that has a default present;
- * a commit replaces it whole and makes a new snapshot. The state file is
- * written (write, fsync, rename) after the commit, but not twice within a
- * second; where that fails, again every 5 s. */
+ * a commit replaces it whole and makes a new snapshot. The edit is in the
+ * journal beside the state file (journal.h) before anybody is told of it. The
+ * state file itself is written (write, fsync, rename) by a thread after the
+ * commit, but not twice within a second; where that fails, again every 5 s. */
 #pragma once
 
 #include <stdbool.h>
@@ -24,16 +25,19 @@ struct pel_scene_options {
     const char *models;     /* directory of models; NULL: none */
 };
 
-/* Loads options->state_path if it exists (a file that does not load is kept
- * beside it as *.bad, reported, and defaults are used), else the default
- * scene: one entity, id 1 `ownship`, and one view, `bridge`, on it. Waits for
- * the files that it names. CONFLICT: another daemon has that state; NOT_FOUND,
- * IO: a directory or the state's place cannot be used; *fault names the
- * option. */
+/* Loads options->state_path and its journal if it exists (a file that does not
+ * load is kept beside it as *.bad, reported, and defaults are used), else the
+ * default scene: one entity, id 1 `ownship`, and one view, `bridge`, on it.
+ * Waits for the files that it names. CONFLICT: another daemon has that state;
+ * NOT_FOUND, IO: a directory or the state's place cannot be used; *fault names
+ * the option. */
 PEL_CHECK enum pel_err pel_scene_create(const struct pel_scene_options *options,
                                         struct pel_scene **out,
                                         struct pel_fault *fault);
-void pel_scene_destroy(struct pel_scene *scene); /* flushes the file */
+
+/* Writes the file and ends; NULL allowed. False: the last edits could be kept
+ * neither in it nor in the journal. */
+bool pel_scene_destroy(struct pel_scene *scene);
 
 /* Applies the patch or nothing. On refusal *fault (NULL allowed) names path,
  * value, unit and range. A patch that touches the pose or the rates of an

@@ -5,6 +5,7 @@
 #include <glib.h>
 
 #include "scene/catalogue.h"
+#include "scene/journal.h"
 #include "scene/missing.h"
 #include "scene/prepare.h"
 #include "scene/scene.h"
@@ -31,9 +32,13 @@ struct pel_scene {
     GPtrArray *waiting;              /* struct waiting, oldest first */
     guint batch;                     /* so many of them are being prepared */
     uint64_t prepared;               /* batches */
+    struct pel_worker *saver;        /* of the state file and the journal */
+    struct pel_journal *journal;     /* NULL: the state is not kept */
     guint save_timer;                /* 0: nothing to write */
+    bool saving, save_again;         /* the file is being written; and then */
     int64_t save_from_ns;            /* not before */
     uint64_t saves, failed_saves;
+    uint64_t told_saves;            /* failed ones that are over */
     guint ship_timer;               /* 0: own ship is not the model's */
     struct pel_worker *ship_worker; /* does own ship's steps ahead */
     bool ship_ahead;                /* it is at work */
@@ -66,6 +71,23 @@ pel_scene_commit(struct pel_scene *scene, Pelagos__State *next,
 
 /* After one or more of those. */
 void pel_scene_notify_commit(struct pel_scene *scene);
+
+/* keeping.c. The state to start with: the file's and the journal's, or the
+ * default one. */
+PEL_CHECK enum pel_err pel_scene_load(struct pel_store *store,
+                                      const struct pel_scene_options *options,
+                                      Pelagos__State **out,
+                                      struct pel_fault *fault);
+/* The file is there from the start: one that is missing later was removed, and
+ * its journal with it. */
+void pel_scene_begin_keeping(struct pel_scene *scene, const char *path);
+/* False: the last edits are lost. */
+bool pel_scene_end_keeping(struct pel_scene *scene);
+/* Into the journal: a patch, or (NULL) a step, that has taken effect. */
+void pel_scene_keep(struct pel_scene *scene, double time_s,
+                    const Pelagos__Patch *patch);
+/* Has the state file written. */
+void pel_scene_save_soon(struct pel_scene *scene);
 
 /* ship_ahead.c: has own ship's steps of the next seconds done by a thread,
  * where that is due. */

@@ -388,16 +388,17 @@ static void the_state_outlives_the_daemon(void **state)
                 "\"sea\":{\"windSpeed\":17.3,\"swell\":[[2,9]]},"
                 "\"views\":{\"stern\":{\"yaw\":180}}}");
     char *before = pel_json_from_message(&pel_scene_state(scene)->base, true);
-    /* The timer writes it without a destroy: a kill -9 loses at most 1 s. */
-    for (int i = 0; i < 6000 && !g_file_test(path, G_FILE_TEST_EXISTS); i++) {
+    /* A thread writes it, without a destroy. */
+    char *copy = g_strconcat(path, ".copy", NULL), *text = NULL;
+    gsize size;
+    for (int i = 0; i < 6000 && !(text && strstr(text, "17.3")); i++) {
+        g_free(text);
         g_usleep(10000);
         g_main_context_iteration(NULL, FALSE);
+        assert_true(g_file_get_contents(path, &text, &size, NULL));
     }
-    assert_true(g_file_test(path, G_FILE_TEST_EXISTS));
+    assert_non_null(strstr(text, "17.3"));
     /* Elsewhere: this daemon has it. */
-    char *copy = g_strconcat(path, ".copy", NULL), *text;
-    gsize size;
-    assert_true(g_file_get_contents(path, &text, &size, NULL));
     assert_true(g_file_set_contents(copy, text, (gssize)size, NULL));
     struct pel_scene *other = make(copy);
     char *after = pel_json_from_message(&pel_scene_state(other)->base, true);
@@ -413,6 +414,57 @@ static void the_state_outlives_the_daemon(void **state)
     assert_true(number(scene, "sea.windSpeed") == 1);
     pel_scene_destroy(scene);
     free(before);
+    clean(path);
+}
+
+/* What a process that is killed leaves: the files as they are now. */
+static void leave(const char *path, const char *to)
+{
+    for (int i = 0; i < 2; i++) {
+        g_autofree char *from = g_strconcat(path, i ? ".journal" : "", NULL);
+        g_autofree char *copy = g_strconcat(to, i ? ".journal" : "", NULL);
+        g_autofree char *bytes = NULL;
+        gsize size;
+        assert_true(g_file_get_contents(from, &bytes, &size, NULL));
+        assert_true(g_file_set_contents(copy, bytes, (gssize)size, NULL));
+    }
+}
+
+/* At every edit, among them ones that the journal begins anew in. */
+static void the_journal_has_every_edit(void **state)
+{
+    (void)state;
+    char *path = temporary(), *copy = g_strconcat(path, ".copy", NULL);
+    struct pel_scene *scene = make(path);
+    must(scene, "{\"clock\":{\"mode\":\"STEPPED\",\"time\":5}}");
+    struct pel_fault fault;
+    char name[65];
+    memset(name, 'n', sizeof name - 1);
+    name[sizeof name - 1] = '\0';
+    for (int i = 0; i < 9000; i++) {
+        g_autofree char *edit = g_strdup_printf(
+            "{\"entities\":{\"%d\":{\"name\":\"%s\",\"latitude\":%d.5,"
+            "\"speed\":3},\"1\":{\"heading\":%d}}}",
+            2 + i / 70 % 100, name, i % 60, i % 360);
+        must(scene, edit);
+        assert_int_equal(pel_scene_step(scene, 0.1, &fault), PEL_OK);
+        g_main_context_iteration(NULL, FALSE);
+        if (i % 1500 == 0 || i == 8999) {
+            leave(path, copy);
+            char *before =
+                pel_json_from_message(&pel_scene_state(scene)->base, true);
+            struct pel_scene *other = make(copy);
+            char *after =
+                pel_json_from_message(&pel_scene_state(other)->base, true);
+            assert_string_equal(after, before);
+            free(after);
+            free(before);
+            pel_scene_destroy(other);
+        }
+    }
+    pel_scene_destroy(scene);
+    unlink(copy);
+    g_free(copy);
     clean(path);
 }
 
@@ -603,6 +655,7 @@ int main(void)
         cmocka_unit_test(a_heading_alone_does_not_throw_the_ship_back),
         cmocka_unit_test(snapshots_share_the_sea),
         cmocka_unit_test(the_state_outlives_the_daemon),
+        cmocka_unit_test(the_journal_has_every_edit),
         cmocka_unit_test(a_state_is_one_daemons),
         cmocka_unit_test(a_state_that_cannot_be_kept_is_no_start),
         cmocka_unit_test(bad_files_do_not_overwrite_each_other),

@@ -224,21 +224,6 @@ enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
 
 /* --- saving --------------------------------------------------------------- */
 
-static bool write_all(int fd, const char *bytes, size_t length)
-{
-    while (length > 0) {
-        ssize_t wrote = write(fd, bytes, length);
-        if (wrote < 0 && errno != EINTR) {
-            return false;
-        }
-        if (wrote > 0) {
-            bytes += wrote;
-            length -= (size_t)wrote;
-        }
-    }
-    return true;
-}
-
 /* The rename is on the disk once its directory is. */
 static void sync_directory(const char *path)
 {
@@ -262,8 +247,8 @@ enum pel_err pel_store_save(struct pel_store *store,
         return system_fault("create", store->temporary, fault);
     }
     char *text = pel_json_from_message(&state->base, true);
-    bool good = write_all(fd, text, strlen(text)) && write_all(fd, "\n", 1) &&
-                fsync(fd) == 0;
+    bool good = pel_file_write(fd, text, strlen(text)) &&
+                pel_file_write(fd, "\n", 1) && fsync(fd) == 0;
     int why = errno;
     good = close(fd) == 0 && good;
     free(text);

@@ -1,0 +1,184 @@
+#!/usr/bin/python3
+"""What was answered is there after kill -9, and a full disk loses nothing that
+the reserved room of the journal holds."""
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from pelagos_daemon import ROOT, SANITIZED, Daemon, until
+
+KILLS = int(os.environ.get("DURABLE_KILLS", "4"))
+
+
+def field(daemon, path):
+    return daemon.get("/v1/state/" + path).json()["value"]
+
+
+@contextlib.contextmanager
+def disk_that_fills(folder):
+    """Daemons that start within have a disk that is full while the file that
+    this gives exists."""
+    shim = os.path.join(folder, "fulldisk.so")
+    full = os.path.join(folder, "full")
+    subprocess.run([os.environ.get("CC", "cc"), "-shared", "-fPIC", "-o", shim,
+                    os.path.join(ROOT, "tests/lib/fulldisk.c"), "-ldl"],
+                   check=True)
+    os.environ.update(LD_PRELOAD=shim, FULL_DISK=full)
+    try:
+        yield full
+    finally:
+        del os.environ["LD_PRELOAD"], os.environ["FULL_DISK"]
+
+
+class Durable(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.state = os.path.join(self.folder.name, "state.json")
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def daemon(self, *more, **options):
+        return Daemon("--state", self.state, *more, **options)
+
+    def test_kill_loses_no_answered_edit(self):
+        """Each life ends in the middle of edits, at no steady moment of the
+        state file's second."""
+        count, wanted = 0, {}
+        for life in range(KILLS):
+            daemon = self.daemon()
+            try:
+                for path, value in wanted.items():
+                    self.assertEqual(field(daemon, path), value, life)
+                for i in range(3 + 7 * (life % 3)):
+                    count += 1
+                    wind, ship = 3 + count % 20 / 2, 52 + count / 1000
+                    answer = daemon.patch({
+                        "sky": {"visibility": 5000 + count},
+                        "entities": {"1": {"latitude": ship, "speed": 0},
+                                     "7": {"name": f"target {count}"}}})
+                    self.assertEqual(answer.status, 200, answer)
+                    if count % 5 == 0:
+                        daemon.patch({"sea": {"windSpeed": wind}})
+                        wanted["sea.windSpeed"] = wind
+                    wanted.update({"sky.visibility": 5000 + count,
+                                   "entities.1.latitude": ship,
+                                   "entities.7.name": f"target {count}"})
+            finally:
+                daemon.stop(signal.SIGKILL)
+        with self.daemon() as daemon:
+            for path, value in wanted.items():
+                self.assertEqual(field(daemon, path), value)
+            self.assertIn("SCN-016", daemon.log())
+        # One that ends as it should leaves all in the file, no journal.
+        self.assertFalse(os.path.exists(self.state + ".journal"))
+        with open(self.state, encoding="utf-8") as f:
+            self.assertEqual(json.load(f)["sky"]["visibility"], 5000 + count)
+
+    def test_steps_are_kept(self):
+        daemon = self.daemon()
+        daemon.patch({"clock": {"mode": "STEPPED", "time": 10}})
+        for _ in range(5):
+            self.assertEqual(daemon.request("POST", "/v1/clock/step", {
+                "seconds": 0.25}).status, 200)
+        at = field(daemon, "clock.time")
+        daemon.stop(signal.SIGKILL)
+        with self.daemon() as daemon:
+            self.assertEqual(field(daemon, "clock.time"), at)
+
+    def test_a_damaged_journal(self):
+        daemon = self.daemon()
+        for i in range(4):
+            daemon.patch({"sky": {"visibility": 7000 + i}})
+        daemon.stop(signal.SIGKILL)
+        with open(self.state + ".journal", "r+b") as f:
+            size = os.fstat(f.fileno()).st_size
+            f.truncate(size - 3)   # torn: its last edit is left out
+        os.utime(self.state)
+        with self.daemon() as daemon:
+            self.assertEqual(field(daemon, "sky.visibility"), 7002)
+        # The daemon ended well: what lies there now belongs to nobody.
+        with open(self.state + ".journal", "wb") as f:
+            f.write(b"no journal")
+        with self.daemon() as daemon:
+            self.assertEqual(field(daemon, "sky.visibility"), 7002)
+            self.assertIn("SCN-015", daemon.log())
+
+    def test_a_state_that_was_removed_stays_so(self):
+        daemon = self.daemon()
+        daemon.patch({"sky": {"visibility": 7000}})
+        daemon.stop(signal.SIGKILL)
+        os.unlink(self.state)
+        with self.daemon() as daemon:
+            self.assertNotEqual(field(daemon, "sky.visibility"), 7000)
+
+    def test_a_broken_state_file_has_its_journal(self):
+        daemon = self.daemon()
+        daemon.patch({"sky": {"visibility": 7000}})
+        daemon.stop(signal.SIGKILL)
+        with open(self.state, "w") as f:
+            f.write("{")
+        with self.daemon() as daemon:
+            self.assertEqual(field(daemon, "sky.visibility"), 7000)
+            self.assertIn("begins with its journal", daemon.log())
+
+    @unittest.skipIf(SANITIZED, "a sanitizer must be loaded first")
+    def test_full_disk(self):
+        """Pictures, edits and restarts go on; what is wrong is said once, and
+        once that it is over; SIGTERM loses nothing."""
+        record = os.path.join(self.folder.name, "r.pelog")
+
+        def picture(daemon):
+            answer = daemon.get("/v1/views/bridge/frame.jpg?width=64&height=36")
+            self.assertEqual(answer.status, 200)
+
+        def edit(daemon, value):
+            self.assertEqual(daemon.patch({"sky": {
+                "visibility": value}}).status, 200)
+            picture(daemon)
+        with disk_that_fills(self.folder.name) as full:
+            daemon = self.daemon("--record", record)
+            edit(daemon, 7000)
+            open(full, "w").close()
+            edit(daemon, 7001)
+            until("the state is not saved", lambda: "SCN-003" in daemon.log())
+            # More than fits into the last blocks of the recording.
+            for i in range(400):
+                daemon.patch({"entities": {"5": {"name": f"{i}" * 10}}})
+            edit(daemon, 7002)
+            until("nor the recording", lambda: "REC-002" in daemon.log())
+            until("tried again", lambda: daemon.metrics()[
+                "pelagos_scene_save_errors_total"] >= 2)
+            self.assertEqual(daemon.log().count("SCN-003"), 1)
+            self.assertEqual(daemon.metrics()[
+                "pelagos_scene_journal_lost_total"], 0)
+            log = daemon.log_path
+            daemon.process.terminate()
+            self.assertEqual(daemon.process.wait(60), 0)
+            with open(log, encoding="utf-8") as f:
+                self.assertIn("its journal has them", f.read())
+            daemon.stop()
+            # Full still.
+            with self.daemon("--record", record) as daemon:
+                self.assertEqual(field(daemon, "sky.visibility"), 7002)
+                self.assertIn("REC-009", daemon.log())
+                picture(daemon)
+                os.unlink(full)
+                until("saved again", lambda: "SCN-014" in daemon.log())
+
+                def recording():
+                    edit(daemon, 7003)
+                    return "REC-008" in daemon.log()
+                until("recording again", recording)
+            with self.daemon() as daemon:
+                self.assertEqual(field(daemon, "sky.visibility"), 7003)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
