@@ -1,4 +1,5 @@
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "optics/airsolver.h"
@@ -142,8 +143,10 @@ void pel_air_ray(const struct pel_air_solver *s, double h, double mu,
     double way = ground >= 0 ? ground : pel_distance_to_top(h, mu);
     double through[3] = { 1, 1, 1 }, from = 0;
     double power = pel_air_step_power(s->a, h, way, AIR_STEPS);
+    ray->count = 0;
     for (int k = 0; k < AIR_STEPS; k++) {
         double to = way * pow((k + 1.0) / AIR_STEPS, power);
+        ray->count += fmax(fmax(through[0], through[1]), through[2]) > AIR_DARK;
         fill_step(s, h, mu, from, to - from, through, &ray->steps[k]);
         from = to;
     }
@@ -162,48 +165,52 @@ void pel_air_ray(const struct pel_air_solver *s, double h, double mu,
 /* --- light scattered once ------------------------------------------------ */
 
 /* Transmittance to the Sun from a height, by the place of columns' rows. */
-typedef float beam[PEL_COLUMN_COSINES][4];
+struct beam {
+    double height, horizon, least, scale; /* of the way to the top */
+    float row[PEL_COLUMN_COSINES][4];
+};
 
 static double column_top(void)
 {
     return sqrt(PEL_AIR_TOP * (PEL_ATMOSPHERE_RADIUS + PEL_EARTH_RADIUS));
 }
 
-static void fill_beam(const struct pel_atmosphere *a, double h, beam out)
+static void fill_beam(const struct pel_atmosphere *a, double h,
+                      struct beam *out)
 {
     double rho = sqrt(h * (2.0 * PEL_EARTH_RADIUS + h)), f;
     int i = pel_air_cell(rho / column_top(), PEL_COLUMN_HEIGHTS, &f);
+    out->height = h;
+    out->horizon = pel_horizon_cosine(h);
+    out->least = PEL_AIR_TOP - h;
+    out->scale = 1.0 / fmax(rho + column_top() - out->least, 1e-9);
     for (int j = 0; j < PEL_COLUMN_COSINES; j++) {
         const struct pel_columns *p = &a->columns[i][j],
                                  *q = &a->columns[i + 1][j];
         double r = p->rayleigh + f * (q->rayleigh - p->rayleigh);
         double m = a->mie_extinction * (p->mie + f * (q->mie - p->mie));
         double o = p->ozone + f * (q->ozone - p->ozone);
-        out[j][0] = (float)exp(-a->rayleigh.r * r - a->ozone.r * o - m);
-        out[j][1] = (float)exp(-a->rayleigh.g * r - a->ozone.g * o - m);
-        out[j][2] = (float)exp(-a->rayleigh.b * r - a->ozone.b * o - m);
-        out[j][3] = 0;
+        out->row[j][0] = (float)exp(-a->rayleigh.r * r - a->ozone.r * o - m);
+        out->row[j][1] = (float)exp(-a->rayleigh.g * r - a->ozone.g * o - m);
+        out->row[j][2] = (float)exp(-a->rayleigh.b * r - a->ozone.b * o - m);
+        out->row[j][3] = 0;
     }
 }
 
 /* Transmittance to the Sun, with the part of its disc above the horizon. */
-static void beam_at(const beam row, double h, double sun_mu, double out[3])
+static void beam_at(const struct beam *b, double sun_mu, double out[3])
 {
-    double horizon = pel_horizon_cosine(h);
     out[0] = out[1] = out[2] = 0;
-    if (sun_mu < horizon - PEL_SUN_ANGULAR_RADIUS) {
+    if (sun_mu < b->horizon - PEL_SUN_ANGULAR_RADIUS) {
         return;
     }
-    double seen = sun_mu > horizon + PEL_SUN_ANGULAR_RADIUS
+    double seen = sun_mu > b->horizon + PEL_SUN_ANGULAR_RADIUS
                       ? 1
-                      : pel_atmosphere_sun_visible(h, sun_mu);
-    double least = PEL_AIR_TOP - h, f;
-    double most = sqrt(h * (2.0 * PEL_EARTH_RADIUS + h)) + column_top();
-    double way = pel_distance_to_top(h, fmax(sun_mu, horizon));
-    double x = (way - least) / fmax(most - least, 1e-9);
-    int j = pel_air_cell(x, PEL_COLUMN_COSINES, &f);
+                      : pel_atmosphere_sun_visible(b->height, sun_mu);
+    double way = pel_distance_to_top(b->height, fmax(sun_mu, b->horizon)), f;
+    int j = pel_air_cell((way - b->least) * b->scale, PEL_COLUMN_COSINES, &f);
     for (int c = 0; c < 3; c++) {
-        double low = (double)row[j][c], high = (double)row[j + 1][c];
+        double low = (double)b->row[j][c], high = (double)b->row[j + 1][c];
         out[c] = seen * (low + f * (high - low));
     }
 }
@@ -220,13 +227,13 @@ static void first_step(const struct pel_air_solver *s, const struct step *p,
                        double nu[AIR_TURNS][SUNS], double mie[AIR_TURNS][SUNS],
                        suns *to)
 {
-    beam row;
-    fill_beam(s->a, p->height, row);
+    struct beam beam;
+    fill_beam(s->a, p->height, &beam);
     for (int j = 0; j < AIR_TURNS; j++) {
         for (int n = 0; n < SUNS; n++) {
             double v = nu[j][n], lit[3];
             double there = (double)p->along * s->sun_mu[n];
-            beam_at(row, p->height, there + (double)p->across * v, lit);
+            beam_at(&beam, there + (double)p->across * v, lit);
             double rayleigh = pel_phase_rayleigh(v);
             for (int c = 0; c < 3; c++) {
                 double share = (double)p->rayleigh[c];
@@ -269,19 +276,19 @@ static void first_ray(struct pel_air_solver *s, int level, int i)
         }
     }
     memset(to, 0, sizeof(suns) * AIR_TURNS);
-    for (int k = 0; k < AIR_STEPS; k++) {
+    for (int k = 0; k < ray->count; k++) {
         first_step(s, &ray->steps[k], nu, mie, to);
     }
     if (!ray->ground) {
         return;
     }
-    beam row;
-    fill_beam(s->a, 0, row);
+    struct beam beam;
+    fill_beam(s->a, 0, &beam);
     for (int j = 0; j < AIR_TURNS; j++) {
         for (int n = 0; n < SUNS; n++) {
             double there = (double)ray->ground_along * s->sun_mu[n] +
                            (double)ray->ground_across * nu[j][n];
-            beam_at(row, 0, there, lit);
+            beam_at(&beam, there, lit);
             double glitter = glitter_at(s, i, j, there);
             for (int c = 0; c < 3; c++) {
                 double up = leaving[c] * fmax(there, 0) / PEL_PI + glitter;
@@ -294,24 +301,51 @@ static void first_ray(struct pel_air_solver *s, int level, int i)
 
 /* --- rays of higher orders ----------------------------------------------- */
 
+/* 2^x for |x| < 126 within 2e-7 of itself; exp2f, called, costs a tenth of the
+ * whole solution. */
+static inline float power_of_two(float x)
+{
+    int whole = (int)(x + 128.0f) - 128;
+    float f = x - (float)whole, power;
+    uint32_t bits = (uint32_t)(whole + 127) << 23;
+    memcpy(&power, &bits, sizeof power);
+    return power * (0.99999994f +
+                    f * (0.69315308f +
+                         f * (0.24015361f +
+                              f * (0.055826318f +
+                                   f * (0.0089893397f + f * 0.0018775767f)))));
+}
+
 /* Directions are counted as at the ray's start: along what a ray crosses of
- * the air the vertical turns by less than 3°. */
+ * the air the vertical turns by less than 3°. In three loops, of which
+ * compilers make vectors of the second. */
 static void scattered(const struct pel_air_solver *s, const struct ray *ray,
                       int i, int j, float sm, float nu, float sum[4])
 {
-    for (int k = 0; k < AIR_STEPS; k++) {
+    int sun[AIR_STEPS];
+    float between[AIR_STEPS], size[AIR_STEPS];
+    for (int k = 0; k < ray->count; k++) {
         const struct step *p = &ray->steps[k];
         float x = place_of(s, p->along * sm + p->across * nu);
         int n = (int)x;
-        float f = x - (float)n, g = p->above;
+        float f = x - (float)n;
         const float *low = s->level[p->level] + n;
         const float *high = s->level[p->level + 1] + n;
-        float size = exp2f((1 - g) * (low[0] + f * (low[1] - low[0])) +
-                           g * (high[0] + f * (high[1] - high[0])));
-        const float *a = s->source[p->level][i][j] + 4 * n;
-        const float *b = s->source[p->level + 1][i][j] + 4 * n;
-        float a0 = size * (1 - g) * (1 - f), a1 = size * (1 - g) * f;
-        float b0 = size * g * (1 - f), b1 = size * g * f;
+        float below = low[0] + f * (low[1] - low[0]);
+        float above = high[0] + f * (high[1] - high[0]);
+        sun[k] = n;
+        between[k] = f;
+        size[k] = below + p->above * (above - below);
+    }
+    for (int k = 0; k < ray->count; k++) {
+        size[k] = power_of_two(size[k]);
+    }
+    for (int k = 0; k < ray->count; k++) {
+        const struct step *p = &ray->steps[k];
+        float f = between[k], high = size[k] * p->above, low = size[k] - high;
+        const float *a = s->source[p->level][i][j] + 4 * sun[k];
+        const float *b = s->source[p->level + 1][i][j] + 4 * sun[k];
+        float a1 = low * f, a0 = low - a1, b1 = high * f, b0 = high - b1;
         for (int c = 0; c < 4; c++) {
             sum[c] += p->weight[c] *
                       (a0 * a[c] + a1 * a[4 + c] + b0 * b[c] + b1 * b[4 + c]);

@@ -11,13 +11,14 @@
 
 /* Of the solution: heights and Suns are the table's; directions in each
  * hemisphere, azimuths in half a circle, terms of the phase functions, steps
- * along a ray, the most orders, and how much those after the last may
- * be of the light. */
+ * along a ray, the most orders, how much those after the last may be of the
+ * light, and the transmittance beyond which a ray ends. */
 #define AIR_HALF 10
 #define AIR_TURNS 16
 #define AIR_STEPS 20
 #define AIR_ORDERS 12
 #define AIR_REST 0.03
+#define AIR_DARK 1e-5
 #define DIRECTIONS (2 * AIR_HALF)
 #define TERMS AIR_TURNS
 #define HEIGHTS PEL_AIR_HEIGHTS
@@ -46,6 +47,7 @@ struct step {
 
 struct ray {
     struct step steps[AIR_STEPS];
+    int count; /* of those from which any light comes */
     bool ground;
     float ground_along, ground_across, ground_weight[4], mirror;
 };

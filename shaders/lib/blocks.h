@@ -149,17 +149,17 @@ struct pel_vec4 {
 /* Light scattered more than once (optics/airlight.h): sizes of its table;
  * heights by shares of the aerosols', the molecules' and the whole height; a
  * light's elevation e [rad] as asinh((e + MIDDLE) / WIDTH) from FIRST to LAST
- * (-25.5° to 90°), finest in twilight. */
+ * (-20° to 90°), finest in twilight. */
 #define PEL_AIR_SUNS 48
 #define PEL_AIR_HEIGHTS 22
 #define PEL_AIR_ZENITHS 28
 #define PEL_AIR_AZIMUTHS 16
 #define PEL_AIR_SHARE_MIE 0.3
 #define PEL_AIR_SHARE_RAYLEIGH 0.45
-#define PEL_AIR_SUN_MIDDLE 0.09
-#define PEL_AIR_SUN_WIDTH 0.2
-#define PEL_AIR_SUN_FIRST -1.338235
-#define PEL_AIR_SUN_LAST 2.813489
+#define PEL_AIR_SUN_MIDDLE 0.05
+#define PEL_AIR_SUN_WIDTH 0.08
+#define PEL_AIR_SUN_FIRST -2.029212
+#define PEL_AIR_SUN_LAST 3.702403
 
 /* The mean reflectance's fit, B eq. 26: R + (1 - R) (1 - cos)^(5 e^(FALL s)) /
  * (1 + ROUGH s^1.5). */
