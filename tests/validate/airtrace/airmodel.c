@@ -116,6 +116,21 @@ double air_turn_aerosols(const struct air *air, double u, double *density)
     return air->quantiles[i] - (x - i) * wide;
 }
 
+double air_aerosols_density(const struct air *air, double cosine)
+{
+    int low = 0, high = AIR_QUANTILES - 1;
+    while (low + 1 < high) {
+        int middle = (low + high) / 2;
+        if (air->quantiles[middle] > cosine) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    double wide = air->quantiles[low] - air->quantiles[high];
+    return 1 / (2 * PI * wide * (AIR_QUANTILES - 1));
+}
+
 struct air_vec air_turned(struct air_vec d, double cosine, double angle)
 {
     /* An orthonormal base (Duff et al. 2017). */

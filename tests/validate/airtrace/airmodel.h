@@ -67,6 +67,9 @@ double air_phase_aerosols(const struct air *air, double cosine);
 double air_turn_molecules(const struct air *air, double u);
 double air_turn_aerosols(const struct air *air, double u, double *density);
 
+/* The density of what air_turn_aerosols draws. */
+double air_aerosols_density(const struct air *air, double cosine);
+
 /* The unit vector at `cosine` from d, turned round it by `angle`. */
 struct air_vec air_turned(struct air_vec d, double cosine, double angle);
 

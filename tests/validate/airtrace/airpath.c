@@ -11,8 +11,16 @@ enum { PIECES = 24, SIGHT_PIECES = 240, LATTICE = 8, TURNS = 1000 };
 
 /* Share of turns that are sought by the light there, and about what light of
  * higher orders is to the Sun's at dusk. */
-#define GUIDED 0.75
-#define GLOOM 0.01
+#define GUIDED 0.65
+#define GLOOM 0.005
+
+/* Share of directions that are sought towards the glow over the only Sun, and
+ * how that is drawn: by Cauchy's density in elevation about the middle between
+ * level and the ground's edge, rad, and wrapped round the horizon. */
+#define TO_GLOW 0.5
+#define GLOW_WIDE 0.1
+#define GLOW_ROUND 0.5
+#define GLOW_WAY 40.0
 
 /* A ray in pieces: how far each begins and how deep it lies, and the chance to
  * turn before its end. */
@@ -28,6 +36,7 @@ struct walk {
     const struct air_scene *scene;
     const struct air_sight *sight;
     struct air_vec suns[AIR_SUNS];
+    double to_glow;
     struct sea_random random;
     double lattice[LATTICE];
     int used;
@@ -213,23 +222,84 @@ static void gather_ground(struct walk *walk, struct air_vec p, struct air_vec d,
     }
 }
 
-/* The next direction by molecules or aerosols, and the weight it costs. */
-static double scatter(struct walk *walk, struct air_point point,
-                      struct air_vec *d)
+/* The glow of dusk as seen from a place. */
+struct glow {
+    struct air_vec up, toward, beside;
+    double middle, low, range; /* of the elevation, and of what is drawn */
+};
+
+static struct glow glow_at(struct air_vec p, struct air_vec sun, double ground)
+{
+    struct glow g;
+    double r = sqrt(air_dot(p, p));
+    g.up = (struct air_vec){ p.x / r, p.y / r, p.z / r };
+    struct air_vec t = air_along(sun, -air_dot(sun, g.up), g.up);
+    double level = sqrt(air_dot(t, t));
+    g.toward = (struct air_vec){ t.x / level, t.y / level, t.z / level };
+    g.beside = (struct air_vec){ g.up.y * g.toward.z - g.up.z * g.toward.y,
+                                 g.up.z * g.toward.x - g.up.x * g.toward.z,
+                                 g.up.x * g.toward.y - g.up.y * g.toward.x };
+    g.middle = -0.5 * acos(fmin(ground / r, 1));
+    g.low = atan((-PI / 2 - g.middle) / GLOW_WIDE);
+    g.range = atan((PI / 2 - g.middle) / GLOW_WIDE) - g.low;
+    return g;
+}
+
+static struct air_vec glow_turn(const struct glow *g, double u, double v)
+{
+    double e = g->middle + GLOW_WIDE * tan(g->low + u * g->range);
+    double a =
+        2 * atan((1 - GLOW_ROUND) / (1 + GLOW_ROUND) * tan(PI * (v - 0.5)));
+    double level = cos(e), x = level * cos(a), y = level * sin(a), z = sin(e);
+    return (struct air_vec){
+        x * g->toward.x + y * g->beside.x + z * g->up.x,
+        x * g->toward.y + y * g->beside.y + z * g->up.y,
+        x * g->toward.z + y * g->beside.z + z * g->up.z,
+    };
+}
+
+/* 1/sr */
+static double glow_density(const struct glow *g, struct air_vec d)
+{
+    double z = air_dot(d, g->up);
+    double level = sqrt(fmax(1 - z * z, 1e-12));
+    double away = (asin(z > 1 ? 1 : z < -1 ? -1 : z) - g->middle) / GLOW_WIDE;
+    double round = air_dot(d, g->toward) / level;
+    return (1 - GLOW_ROUND * GLOW_ROUND) /
+           (2 * PI * (1 + GLOW_ROUND * GLOW_ROUND - 2 * GLOW_ROUND * round)) /
+           (g->range * GLOW_WIDE * (1 + away * away) * level);
+}
+
+/* The next direction by molecules, aerosols or towards the glow, and the
+ * weight it costs. */
+static double scatter(struct walk *walk, struct air_vec p,
+                      struct air_point point, struct air_vec *d)
 {
     const struct air *air = walk->scene->air;
     double both = point.molecules + point.aerosols;
-    double which = number(walk) * both, u = number(walk);
-    double angle = 2 * PI * number(walk), weight = both, cosine;
-    if (which < point.molecules) {
-        cosine = air_turn_molecules(air, u);
+    double glow = walk->to_glow * exp(-GLOW_WAY * point.aerosols);
+    double which = number(walk), u = number(walk), v = number(walk);
+    struct air_vec from = *d;
+    struct glow sought;
+    if (glow > 0) {
+        sought = glow_at(p, walk->suns[0], air->ground);
+    }
+    if (which < glow) {
+        *d = glow_turn(&sought, u, v);
+    } else if ((which - glow) * both < (1 - glow) * point.molecules) {
+        *d = air_turned(from, air_turn_molecules(air, u), 2 * PI * v);
     } else {
         double density;
-        cosine = air_turn_aerosols(air, u, &density);
-        weight *= air_phase_aerosols(air, cosine) / density;
+        *d = air_turned(from, air_turn_aerosols(air, u, &density), 2 * PI * v);
     }
-    *d = air_turned(*d, cosine, angle);
-    return weight;
+    double cosine = air_dot(from, *d);
+    double molecules = point.molecules * air_phase_molecules(air, cosine);
+    double density =
+        (1 - glow) *
+        (molecules + point.aerosols * air_aerosols_density(air, cosine)) / both;
+    density += glow > 0 ? glow * glow_density(&sought, *d) : 0;
+    return (molecules + point.aerosols * air_phase_aerosols(air, cosine)) /
+           density;
 }
 
 /* Turns at the ray's end on the ground; the weight that it costs. */
@@ -271,7 +341,7 @@ static double step(struct walk *walk, const struct ray *ray, bool gathers,
     if (gathers) {
         gather_air(walk, *p, *d, point, weight);
     }
-    return weight * scatter(walk, point, d);
+    return weight * scatter(walk, *p, point, d);
 }
 
 static void follow(struct walk *walk, const struct ray *sight)
@@ -300,6 +370,7 @@ static void begin(struct walk *walk, const struct air_scene *scene,
                   const struct air_sight *sight, double *light)
 {
     *walk = (struct walk){ .scene = scene, .sight = sight, .light = light };
+    walk->to_glow = sight->guided ? TO_GLOW : 0;
     for (int i = 0; i < sight->suns; i++) {
         light[i] = 0;
         walk->suns[i] =

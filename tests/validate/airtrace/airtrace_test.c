@@ -131,6 +131,47 @@ static void first_order(void **state)
     }
 }
 
+/* Turns and directions that are sought at dusk against those that are not: the
+ * same light. Where light comes from above, through haze, and where it comes
+ * from the side. */
+static void sought(void **state)
+{
+    (void)state;
+    enum { TIMES = 24, PATHS = 1500 };
+    static const double rows[][4] = { { 100, 92, 60, 90 },
+                                      { 100, 92, 84, 180 },
+                                      { 10, 91, 40, 120 } };
+    air_ground_sea(&ground, 7);
+    for (int i = 0; i < 3; i++) {
+        double mean[2], error[2];
+        double zenith = rows[i][2] * PI / 180, azimuth = rows[i][3] * PI / 180;
+        air_init(&air, rows[i][0]);
+        air_sun_init(&sun, &air);
+        for (int guided = 0; guided < 2; guided++) {
+            struct air_sight sight = {
+                .channel = 1,
+                .height = 0.002,
+                .toward = { sin(zenith) * cos(azimuth),
+                            sin(zenith) * sin(azimuth), cos(zenith) },
+                .suns = 1,
+                .zenith = { rows[i][1] * PI / 180 },
+                .guided = guided,
+            };
+            double more[TIMES], light[AIR_SUNS];
+            for (int t = 0; t < TIMES; t++) {
+                air_more(&scene, &sight, PATHS, (uint64_t)t, light);
+                more[t] = light[0];
+            }
+            error[guided] = deviation(more, TIMES, &mean[guided]);
+        }
+        print_message("sought %.4g +- %.2g, else %.4g +- %.2g\n", mean[1],
+                      error[1], mean[0], error[0]);
+        near("light sought", mean[1], mean[0], 4 * hypot(error[0], error[1]));
+        /* Else the comparison would say nothing. */
+        assert_true(error[1] < 0.02 * mean[1] && error[0] < 0.06 * mean[0]);
+    }
+}
+
 /* Chandrasekhar's H function for isotropic scattering (Radiative Transfer,
  * 1950, V sec. 38), by iteration. */
 static double chandrasekhar(double albedo, double mu)
@@ -290,6 +331,7 @@ int main(void)
         cmocka_unit_test(phases),      cmocka_unit_test(depths),
         cmocka_unit_test(first_order), cmocka_unit_test(deep_air),
         cmocka_unit_test(energy),      cmocka_unit_test(sea),
+        cmocka_unit_test(sought),
     };
     return cmocka_run_group_tests(tests, 0, 0);
 }
