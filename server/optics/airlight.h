@@ -23,9 +23,9 @@ struct pel_airlight {
               [4];
 };
 
-/* From the constants and the columns of an atmosphere; 0.35 to 0.9 s of one core,
- * the same bits however it is shared. `share` NULL: by the calling thread.
- * NO_MEMORY. */
+/* From the constants and the columns of an atmosphere; 0.35 to 0.9 s of one
+ * core, the same bits however it is shared. `share` NULL: by the calling
+ * thread. NO_MEMORY. */
 PEL_CHECK enum pel_err pel_airlight_build(const struct pel_atmosphere *a,
                                           pel_airlight_share *share, void *pool,
                                           struct pel_airlight *out);

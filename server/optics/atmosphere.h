@@ -81,10 +81,10 @@ struct pel_atmosphere {
 void pel_atmosphere_init(const struct pel_atmosphere_desc *desc,
                          struct pel_atmosphere *out);
 
-/* Fills the tables from the constants, 0.35 to 0.9 s of one core, of which all but
- * 10 ms is shared (NULL: not; airlight.h); the result does not depend on it.
- * Everything below that says `tabulated` needs it; pel_atmosphere_finish gives
- * its memory back. NO_MEMORY. */
+/* Fills the tables from the constants, 0.35 to 0.9 s of one core, of which all
+ * but 10 ms is shared (NULL: not; airlight.h); the result does not depend on
+ * it. Everything below that says `tabulated` needs it; pel_atmosphere_finish
+ * gives its memory back. NO_MEMORY. */
 PEL_CHECK enum pel_err pel_atmosphere_tabulate(struct pel_atmosphere *a,
                                                pel_airlight_share *share,
                                                void *pool);
