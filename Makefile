@@ -354,6 +354,7 @@ TESTS += tests/golden/shimmer_test.c
 TESTS += server/render/waterlight_test.c
 TESTS += tests/validate/seatrace/seatrace_test.c
 TESTS += tests/validate/airtrace/airtrace_test.c
+TESTS += tests/validate/shiptrace/shiptrace_test.c
 
 # Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
 # FUZZERS += lines of each room.
@@ -384,7 +385,7 @@ FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)
 FLAGS_clients/pelagosctl/clip_stream = $(CTL_CFLAGS)
 $(foreach f,$(SEABED_READER:.c=) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
 $(foreach f,$(MODEL_READER:.c=),$(eval FLAGS_$(f) = $$(MODEL_CFLAGS)))
-$(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c tests/validate/airtrace/*.c)),$(eval FLAGS_$(f) := -O3))
+$(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c tests/validate/airtrace/*.c tests/validate/shiptrace/*.c)),$(eval FLAGS_$(f) := -O3))
 # CPPFLAGS, CFLAGS and LDFLAGS are the caller's, and come last.
 compile = $(CC) $(OUR_CPPFLAGS) $(PKG_CFLAGS) $(OUR_CFLAGS) $(FLAGS_$(1)) $(CPPFLAGS) $(CFLAGS)
 
@@ -431,7 +432,7 @@ $(O)/flags: FORCE
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosctl \
     pelagos-seabed pelagos-model drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
-    any_raster validate_water seatrace airtrace airours): $(O)/flags
+    any_raster validate_water seatrace airtrace airours shiptrace): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS)
@@ -538,7 +539,7 @@ TABLE_MANUALS := registers cigi nmea
 
 .PHONY: tests
 tests: $(TEST_BIN) $(TABLE_MANUALS:%=$(O)/bin/%_doc) \
-    $(O)/bin/any_raster $(O)/bin/drawmodel $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/airtrace \
+    $(O)/bin/any_raster $(O)/bin/drawmodel $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/shiptrace $(O)/bin/airtrace \
     $(O)/bin/airours $(O)/libpelagos.a \
     build/compile_commands.json ## build the test programs
 
@@ -660,6 +661,12 @@ $(O)/bin/seatrace: $(call obj,tests/validate/seatrace/seatrace.c $(SEATRACE))
 	$(LINK) -lm
 $(O)/bin/seatrace_test: $(call obj,$(SEATRACE))
 
+SHIPTRACE := $(SEATRACE) $(addprefix tests/validate/shiptrace/,shipmesh.c \
+    shiplight.c)
+$(O)/bin/shiptrace: $(call obj,tests/validate/shiptrace/shiptrace.c $(SHIPTRACE))
+	$(LINK) -lm
+$(O)/bin/shiptrace_test: $(call obj,$(SHIPTRACE))
+
 AIRTRACE := $(addprefix tests/validate/airtrace/,airmodel.c airsun.c \
     airground.c airpath.c)
 $(O)/bin/airtrace: $(call obj,tests/validate/airtrace/airtrace.c $(AIRTRACE))
@@ -669,14 +676,14 @@ $(O)/bin/airtrace_test: $(call obj,$(AIRTRACE))
 $(O)/bin/airours: $(OBJ)/tests/validate/airtrace/airours.o $(OBJ)/libserver.a
 	$(LINK) -lm
 
-VALIDATE_PARTS := sea sky drawn numbers eye
-VALIDATE_BIN := $(addprefix $(O)/bin/,seatrace airours validate_water brdf_test facets_test \
+VALIDATE_PARTS := sea sky drawn numbers eye ship
+VALIDATE_BIN := $(addprefix $(O)/bin/,seatrace shiptrace airours validate_water brdf_test facets_test \
     directional_test ndbc_test welch_test cascade_test probe_test shimmer_test drawn_test)
 .PHONY: validate $(addprefix validate-,$(VALIDATE_PARTS))
-validate: deps-build ## light, waves, water, eye against references: tables and plots in build/validate/ (ARGS=--quick: a minute)
+validate: deps-build ## light, waves, water, eye, ships against references: tables and plots in build/validate/ (ARGS=--quick: a minute)
 	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)
 	$(Q)/usr/bin/python3 -B tests/validate/validate.py $(ARGS)
-$(addprefix validate-,$(VALIDATE_PARTS)): validate-%: deps-build ## one part: sea sky drawn numbers eye, or water
+$(addprefix validate-,$(VALIDATE_PARTS)): validate-%: deps-build ## one part: sea sky drawn numbers eye ship, or water
 	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)
 	$(Q)/usr/bin/python3 -B tests/validate/validate.py $(ARGS) $*
 

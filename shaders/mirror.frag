@@ -10,7 +10,9 @@
 
 in vec3 way;
 flat in uvec2 number;
+in float away;
 layout(location = 0) out vec4 light_out;
+layout(location = 1) out vec2 away_out;
 
 void main()
 {
@@ -20,4 +22,5 @@ void main()
     object_point_seen s = cut_object(from, way, number);
     object_lit light = object_light(s, entity, from_object(o, s.place + from), normalize(way));
     light_out = vec4(min(light.by_lights + light.by_sky, vec3(6e4)), 1.0);
+    away_out = vec2(away, 1.0);
 }

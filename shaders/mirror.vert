@@ -10,6 +10,7 @@ out gl_PerVertex {
     float gl_ClipDistance[1];
 };
 out vec3 way; // from the eye's image
+out float away; // along the view's axis, from the object's middle
 flat out uvec2 number;
 
 const float NEAR = 0.05;
@@ -29,6 +30,8 @@ void main()
     float depth = dot(way, forward.xyz);
     vec2 place = (vec2(dot(way, across.xyz), dot(way, upward.xyz)) - window_.xy * depth) * window_.zw;
     gl_Position = vec4(place * 2.0 - depth, NEAR, depth);
-    gl_ClipDistance[0] = o.origin.z + o.x.z * model.x + o.y.z * model.y + o.z.z * model.z;
+    vec4 more = texelFetch(object_places, drawn.x * PEL_OBJECT_PLACE_TEXELS + 14);
+    away = depth - more.x;
+    gl_ClipDistance[0] = o.origin.z + o.x.z * model.x + o.y.z * model.y + o.z.z * model.z + more.y;
     number = uvec2(drawn.x + 1, triangle);
 }

@@ -7,6 +7,19 @@
 #define NEAREST_M 0.5
 #define MARGIN 0.02 /* of the view */
 
+static GLuint make_views(GLenum format, const char *name)
+{
+    GLuint t;
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &t);
+    glTextureStorage3D(t, PEL_MIRROR_LEVELS, format, PEL_MIRROR_WIDTH,
+                       PEL_MIRROR_HEIGHT, PEL_OBJECT_MIRRORS);
+    glTextureParameteri(t, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTextureParameteri(t, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    glTextureParameteri(t, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
+    glObjectLabel(GL_TEXTURE, t, -1, name);
+    return t;
+}
+
 enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
                               struct pel_fault *fault)
 {
@@ -18,21 +31,20 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
     if (err != PEL_OK) {
         return err;
     }
-    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &m->radiance);
-    glTextureStorage3D(m->radiance, PEL_MIRROR_LEVELS, GL_RGBA16F,
-                       PEL_MIRROR_WIDTH, PEL_MIRROR_HEIGHT, PEL_OBJECT_MIRRORS);
-    glTextureParameteri(m->radiance, GL_TEXTURE_MIN_FILTER,
-                        GL_LINEAR_MIPMAP_LINEAR);
-    glTextureParameteri(m->radiance, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
-    glTextureParameteri(m->radiance, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
-    glObjectLabel(GL_TEXTURE, m->radiance, -1, "mirrored objects");
+    m->radiance = make_views(GL_RGBA16F, "mirrored objects");
+    m->away = make_views(GL_RG16F, "how far mirrored objects are");
     glCreateTextures(GL_TEXTURE_2D, 1, &m->depth);
     glTextureStorage2D(m->depth, 1, GL_DEPTH_COMPONENT32F, PEL_MIRROR_WIDTH,
                        PEL_MIRROR_HEIGHT);
+    static const GLenum both[2] = { GL_COLOR_ATTACHMENT0,
+                                    GL_COLOR_ATTACHMENT1 };
     glCreateFramebuffers(PEL_OBJECT_MIRRORS, m->fbos);
     for (int i = 0; i < PEL_OBJECT_MIRRORS; i++) {
         glNamedFramebufferTextureLayer(m->fbos[i], GL_COLOR_ATTACHMENT0,
                                        m->radiance, 0, i);
+        glNamedFramebufferTextureLayer(m->fbos[i], GL_COLOR_ATTACHMENT1,
+                                       m->away, 0, i);
+        glNamedFramebufferDrawBuffers(m->fbos[i], 2, both);
         glNamedFramebufferTexture(m->fbos[i], GL_DEPTH_ATTACHMENT, m->depth, 0);
     }
     return PEL_OK;
@@ -42,6 +54,7 @@ void pel_mirrors_finish(struct pel_mirrors *m)
 {
     glDeleteFramebuffers(PEL_OBJECT_MIRRORS, m->fbos);
     glDeleteTextures(1, &m->radiance);
+    glDeleteTextures(1, &m->away);
     glDeleteTextures(1, &m->depth);
     glDeleteProgram(m->program);
     *m = (struct pel_mirrors){ 0 };
@@ -63,6 +76,7 @@ bool pel_mirror_look(const struct pel_vec3 *points, int count, double sea_m,
     out->across = side;
     out->upward = pel_vec3_cross(side, out->forward);
     out->image_m = image.z;
+    out->middle_m = sqrt(pel_vec3_dot(middle, middle));
     double box[4] = { HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
     for (int i = 0; i < count; i++) {
         struct pel_vec3 p = pel_vec3_add(points[i], pel_vec3_scale(image, -1));
@@ -107,6 +121,7 @@ void pel_mirrors_draw(struct pel_mirrors *m, int layer,
     glDepthMask(GL_TRUE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glClearNamedFramebufferfv(fbo, GL_COLOR, 0, nothing);
+    glClearNamedFramebufferfv(fbo, GL_COLOR, 1, nothing);
     glClearNamedFramebufferfv(fbo, GL_DEPTH, 0, nothing);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
@@ -122,4 +137,5 @@ void pel_mirrors_end(struct pel_mirrors *m)
 {
     glDisable(GL_CLIP_DISTANCE0);
     glGenerateTextureMipmap(m->radiance);
+    glGenerateTextureMipmap(m->away);
 }

@@ -10,13 +10,14 @@
 
 /* Zeroed before its first use. */
 struct pel_mirrors {
-    GLuint program, radiance, depth, fbos[PEL_OBJECT_MIRRORS];
+    GLuint program, radiance, away, depth, fbos[PEL_OBJECT_MIRRORS];
 };
 
 /* Of one object: texels 8 to 11 of its place (lib/mirrored.glsl). */
 struct pel_mirror_view {
     struct pel_vec3 forward, across, upward;
     double image_m;                 /* of the eye, above it */
+    double middle_m;                /* to the points' middle */
     double left, low, per_x, per_y; /* tangents, texture's places a tangent */
 };
 

@@ -311,6 +311,7 @@ static bool box_mirrored(const struct pel_environment *env,
     r.left -= SIDEWAYS * spread;
     r.right += SIDEWAYS * spread;
     r.low -= spread;
+    r.high += 0.12 * (r.high - r.low); /* felt() fades over less */
     on_lattice(&r, c, lattice);
     return pixels_in(&r, c, out);
 }
@@ -392,6 +393,13 @@ static int shadow_side(double px)
     return side;
 }
 
+/* So far below the mean sea a mirrored view shows the hull: in troughs its
+ * facets see it. */
+static double mirrored_below(const struct pel_environment *env)
+{
+    return 0.3 + 2 * sqrt(env->sea->m0);
+}
+
 /* The mirrored view of what is above the sea. */
 static bool look_mirrored(const struct pel_environment *env,
                           const struct pel_object *object,
@@ -400,7 +408,7 @@ static bool look_mirrored(const struct pel_environment *env,
 {
     struct pel_vec3 corners[8], level = origin_of(env, object, c);
     level.z = 0;
-    corners_of(env, object, c, 0, corners);
+    corners_of(env, object, c, -mirrored_below(env), corners);
     for (int i = 0; i < 8; i++) {
         corners[i] = over_sphere(corners[i], eye_m);
     }
@@ -581,6 +589,8 @@ static void place(const struct pel_objects *o,
                                  (float)image->per_x, (float)image->per_y };
     memcpy(&out[12], d->in_mirror, sizeof out[12]);
     memcpy(&out[13], d->in_shade, sizeof out[13]);
+    out[14] = (struct pel_vec4){ (float)image->middle_m,
+                                 (float)mirrored_below(env), 0, 0 };
 }
 
 static void bind_places(struct pel_objects *o,
@@ -666,6 +676,7 @@ static void draw_mirrored(struct pel_objects *o)
         pel_mirrors_end(&o->mirrors);
     }
     glBindTextureUnit(PEL_UNIT_MIRRORS, o->mirrors.radiance);
+    glBindTextureUnit(PEL_UNIT_MIRROR_DEPTHS, o->mirrors.away);
 }
 
 void pel_objects_raster(struct pel_objects *o,

@@ -58,6 +58,7 @@ struct pel_vec4 {
 #define PEL_UNIT_BREAKING 25 /* 25 to 27: whitecaps */
 #define PEL_UNIT_FOAM 26
 #define PEL_UNIT_FOAM_GRAIN 27
+#define PEL_UNIT_MIRROR_DEPTHS 28 /* objects, too */
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
 #define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
@@ -530,7 +531,7 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
  * octahedron; terms of its light by the normal. */
 #define PEL_OBJECT_VERTEX_TEXELS 2
 #define PEL_OBJECT_MATERIAL_TEXELS 2
-#define PEL_OBJECT_PLACE_TEXELS 14
+#define PEL_OBJECT_PLACE_TEXELS 15
 #define PEL_SURROUNDINGS_SIZE 64
 #define PEL_SURROUNDINGS_TERMS 9
 /* Hulls seen from below: texels along and across; height where there is none.

@@ -4,6 +4,7 @@
 #include "lib/shadow.glsl"
 
 layout(binding = PEL_UNIT_MIRRORS) uniform sampler2DArray mirrors;
+layout(binding = PEL_UNIT_MIRROR_DEPTHS) uniform sampler2DArray mirror_depths;
 layout(location = PEL_UNIFORM_NEAR) uniform ivec2 objects_near; // masks: mirrored, shading
 
 vec3 sea_place = vec3(0.0); // of the pixel, from the eye
@@ -11,7 +12,7 @@ vec2 sea_pixel = vec2(0.0); // its place on the lattice
 float sea_lit = 1.0;  // share of the Sun there
 
 // Distance along the ray from p, in the model's axes, at which it comes to the
-// model's outline, or nearest to its middle.
+// model's outline, or nearest to its middle; negative where that is behind p.
 float outline_distance(int i, vec3 p, vec3 r)
 {
     vec4 plan = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 4);
@@ -23,7 +24,7 @@ float outline_distance(int i, vec3 p, vec3 r)
     float enters = max(first.x, first.y);
     float leaves = min(last.x, last.y);
     float nearest = -dot(p.xy, r.xy) / max(dot(r.xy, r.xy), 1e-6);
-    return max(enters < leaves && leaves > 0.0 ? enters : nearest, 0.0);
+    return enters < leaves && leaves > 0.0 ? max(enters, 0.0) : nearest;
 }
 
 // How much of what an object does to the sea a pixel gets: all but close to the
@@ -34,35 +35,124 @@ float felt(vec4 box)
     return clamp(min(off.x, off.y), 0.0, 1.0);
 }
 
-// Radiance of the objects that rays from the pixel's place meet, and how many of
-// them do: by a view of each from the eye's image in the sea. `ways`: towards
-// where, and by how much the rays differ, rad.
-void objects_mirrored(vec4 ways[3], out vec4 seen[3])
+// An object's view from the eye's image in the sea, for the rays of one pixel.
+struct mirror_view {
+    vec3 from; // the pixel's place, from the image
+    vec3 forward, across, upward;
+    vec4 window_;
+    float layer, wide, here; // here 0: it is not met
+};
+
+mirror_view mirror_view_of(int i)
 {
-    seen[0] = seen[1] = seen[2] = vec4(0.0);
-    for (int left = objects_near.x; left != 0; left &= left - 1) {
-        int i = findLSB(left);
-        int first = i * PEL_OBJECT_PLACE_TEXELS + 8;
-        vec4 forward = texelFetch(object_places, first);
-        vec4 across = texelFetch(object_places, first + 1);
-        vec4 upward = texelFetch(object_places, first + 2);
-        vec4 window_ = texelFetch(object_places, first + 3);
-        float here = felt(texelFetch(object_places, first + 4));
-        placed o = placed_object(i);
-        vec3 p = into_model(o, sea_place);
-        // From the image of the eye.
-        vec3 from = sea_place - vec3(0.0, 0.0, across.w);
-        for (int k = 0; k < 3; k++) {
-            vec3 r = ways[k].xyz;
-            float away = outline_distance(i, p, vec3(dot(r, o.x), dot(r, o.y), dot(r, o.z)));
-            vec3 sight = from + away * r;
-            float depth = dot(sight, forward.xyz);
-            vec2 uv = (vec2(dot(sight, across.xyz), dot(sight, upward.xyz)) / depth - window_.xy) * window_.zw;
-            float texels = ways[k].w * away / depth * window_.z * float(PEL_MIRROR_WIDTH);
-            vec4 met = textureLod(mirrors, vec3(uv, forward.w), log2(max(texels, 1.0)));
-            seen[k] += depth > 0.0 ? met * ((1.0 - seen[k].a) * here) : vec4(0.0);
-        }
+    int first = i * PEL_OBJECT_PLACE_TEXELS + 8;
+    vec4 forward = texelFetch(object_places, first);
+    vec4 across = texelFetch(object_places, first + 1);
+    mirror_view m;
+    m.forward = forward.xyz;
+    m.layer = forward.w;
+    m.across = across.xyz;
+    m.upward = texelFetch(object_places, first + 2).xyz;
+    m.window_ = texelFetch(object_places, first + 3);
+    m.here = felt(texelFetch(object_places, first + 4));
+    m.from = sea_place - vec3(0.0, 0.0, across.w);
+    m.wide = m.window_.z * float(PEL_MIRROR_WIDTH);
+    return m;
+}
+
+// How far away, level, what stands that the ray r meets, if it is about `wall`
+// away: and in y how much of the ray meets anything.
+vec2 stands_mirrored(mirror_view m, float middle, float wall, vec2 away, vec3 r, float spread)
+{
+    vec3 sight = m.from + r * (max(wall, 0.0) * inversesqrt(max(dot(r.xy, r.xy), 1e-4)));
+    float depth = dot(sight, m.forward);
+    vec2 tangents = vec2(dot(sight, m.across), dot(sight, m.upward)) / depth;
+    vec2 uv = (tangents - m.window_.xy) * m.window_.zw;
+    float lod = log2(max(m.wide * spread * wall / depth, 4.0));
+    vec2 there = textureLod(mirror_depths, vec3(uv, m.layer), lod).rg;
+    vec3 ray = m.forward + m.across * tangents.x + m.upward * tangents.y;
+    return vec2(dot(ray.xy * (middle + there.r / max(there.g, 1e-3)) - m.from.xy, away), there.g);
+}
+
+vec4 seen_mirrored(mirror_view m, vec3 r, float spread, float wall)
+{
+    float away = max(wall, 0.0) * inversesqrt(max(dot(r.xy, r.xy), 1e-4));
+    vec3 sight = m.from + away * r;
+    float inverse = 1.0 / dot(sight, m.forward);
+    vec2 uv = (vec2(dot(sight, m.across), dot(sight, m.upward)) * inverse - m.window_.xy) * m.window_.zw;
+    float texels = spread * m.wide * away * inverse;
+    float here = m.here * clamp(wall + 1.0, 0.0, 1.0);
+    return here * textureLod(mirrors, vec3(uv, m.layer), log2(max(texels, 1.0)));
+}
+
+// What the objects that facets mirror put in the place of the sky: the integral
+// of reflected_sky again, by more facets, since an object has edges. `s`, `mu`:
+// standard deviation of the slopes towards the eye, the sight's tangent by it;
+// `axis`: slopes of one s there. And in the
+// place of `second`, the second_reflection of `lost` at eta: facets that a ray
+// meets there have in the mean the slope z, Q(eta) / (phi(eta) - eta Q(eta)) by
+// its first terms, and mirror 2 z - eta.
+vec3 objects_for_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec2 axis, float s, float cross2, float mu, vec3 resolved,
+                     vec3 lost, float eta, vec3 second)
+{
+    const int FACETS = 6, LOW = 1, HIGH = 4;
+    const float STEP = 0.8;
+    vec3 sum = vec3(0.0);
+    if (objects_near.x == 0) {
+        return sum;
     }
+    vec3 ways[FACETS], shares[FACETS];
+    float spreads[FACETS], left_[FACETS];
+    float all = 0.0;
+    float odds = escape_odds(mu);
+    for (int k = 0; k < FACETS; k++) {
+        float y = STEP * (float(k) - 0.5 * float(FACETS - 1));
+        float weight = max(mu + y, 0.0) * exp(-0.5 * y * y);
+        all += weight;
+        vec3 facet = tx * (axis.x * y) + ty * (axis.y * y) + n;
+        vec3 f = facet * inversesqrt(dot(facet, facet) + cross2);
+        float fv = dot(f, v);
+        vec3 r = 2.0 * fv * f - v;
+        float tangent = r.z * inversesqrt(max(1.0 - r.z * r.z, 1e-4));
+        float open_ = escape(tangent / s, odds) * escape(tangent * resolved.x, resolved.y);
+        ways[k] = r;
+        shares[k] = facet_reflectance(fv) * (weight * open_);
+        spreads[k] = max(sqrt(cross2) * abs(fv), 1.0 * STEP * s);
+        left_[k] = 1.0;
+    }
+    vec2 away = -v.xy * inversesqrt(max(dot(v.xy, v.xy), 1e-8));
+    float z = 1.2533 + eta * (0.56 + 0.08 * eta);
+    vec3 twice = normalize(vec3(away * resolved.z, max(2.0 * z - eta, 0.1)));
+    vec3 again = facet_reflectance(min(max(z - eta, 0.1) / resolved.z, 1.0));
+    float left_twice = 1.0;
+    vec3 sum_twice = vec3(0.0);
+    for (int rest = objects_near.x; rest != 0; rest &= rest - 1) {
+        int i = findLSB(rest);
+        mirror_view m = mirror_view_of(i);
+        if (m.here <= 0.0) {
+            continue;
+        }
+        // First the outline's distance, then of what low and high rays see.
+        placed o = placed_object(i);
+        float outline = outline_distance(i, into_model(o, sea_place), vec3(dot(away, o.x.xy), dot(away, o.y.xy), 0.0));
+        float middle = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 14).x;
+        vec2 low = stands_mirrored(m, middle, outline, away, ways[LOW], s);
+        vec2 high = stands_mirrored(m, middle, outline, away, ways[HIGH], s);
+        low.x = low.y > 0.02 ? low.x : high.y > 0.02 ? high.x : outline;
+        high.x = high.y > 0.02 ? high.x : low.x;
+        for (int k = 0; k < FACETS; k++) {
+            float wall = mix(low.x, high.x, float(k - LOW) / float(HIGH - LOW));
+            vec4 seen = seen_mirrored(m, ways[k], spreads[k], wall) * left_[k];
+            float inverse = 0.5 / PEL_REFLECTION_HALF_WIDTH / (1.0 + max(ways[k].z, 0.0));
+            vec3 sky = textureLod(map, ways[k].xy * inverse + 0.5, 2.0).rgb;
+            sum += (seen.rgb - seen.a * sky) * shares[k];
+            left_[k] -= seen.a;
+        }
+        vec4 seen = seen_mirrored(m, twice, 1.2 / resolved.z, high.x) * left_twice;
+        sum_twice += seen.rgb * again + seen.a * (sea_light.rgb * (1.0 - again) - second);
+        left_twice -= seen.a;
+    }
+    return sum / max(all, 1e-9) + lost * sum_twice;
 }
 
 float sun_on_sea(vec3 place)

@@ -64,10 +64,6 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     float lost_tangent = 0.0;
     fresnel = vec3(0.0);
     float texels = float(textureSize(map, 0).x) / (2.0 * PEL_REFLECTION_HALF_WIDTH);
-#ifdef PEL_OBJECTS
-    vec4 ways[3];
-    vec3 skies_seen[3], kept[3];
-#endif
     for (int i = 0; i < 4; i++) {
         vec2 slope = axis * nodes[i];
         vec3 facet = tx * slope.x + ty * slope.y + n;
@@ -86,27 +82,17 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
             float width = max(1.0 * sqrt(cross2) * abs(fv), 0.3 * s) * inverse * texels;
             vec2 uv = r.xy * inverse * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
             vec3 sample_ = textureLod(map, uv, log2(max(width, 1.0))).rgb;
-#ifdef PEL_OBJECTS
-            ways[i] = vec4(r, max(sqrt(cross2) * abs(fv), 0.9 * s));
-            skies_seen[i] = sample_;
-            kept[i] = share * (1.0 - met);
-#else
             sum += sample_ * share * (1.0 - met);
-#endif
         }
         lost += share * met;
         lost_tangent += share.g * met * tangent;
     }
-#ifdef PEL_OBJECTS
-    vec4 objects_seen[3];
-    objects_mirrored(ways, objects_seen);
-    for (int i = 0; i < 3; i++) {
-        sum += (skies_seen[i] * (1.0 - objects_seen[i].a) + objects_seen[i].rgb) * kept[i];
-    }
-#endif
     vec2 away = -v.xy * inversesqrt(max(dot(v.xy, v.xy), 1e-8));
     float eta = lost_tangent / max(lost.g, 1e-9) * resolved.z;
     vec4 second = second_reflection(away, eta);
+#ifdef PEL_OBJECTS
+    sum += objects_for_sky(map, v, n, tx, ty, axis, s, cross2, mu, resolved, lost, eta, second.rgb);
+#endif
     twice = lost * second.a;
     return sum + lost * second.rgb;
 }

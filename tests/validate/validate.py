@@ -3,7 +3,7 @@
 
     validate.py [--quick] [--assert] [--doc] [PART…]
 
-Runs the parts sea, sky, water, drawn, numbers, eye (all of them), each of
+Runs the parts sea, sky, water, drawn, numbers, eye, ship (all of them), each of
 programs of its own, two programs at a time; shows their tables in turn, and
 ends with one table of all checks, their bars and what was found. --quick takes
 few rows and rays: a minute. --doc writes the rows of the parts that ran into
@@ -51,6 +51,7 @@ def parts(options):
     quick = ["--quick"] if options.quick else []
     return {
         "sea": [script("seatrace/seatrace.py", options) + ["--jobs", "1"]],
+        "ship": [script("shiptrace/shiptrace.py", options)],
         "drawn": [script("drawn.py", options),
                   [os.path.join(BIN, "drawn_test")]
                   + ([] if options.quick else ["--all"])],
@@ -215,8 +216,18 @@ def eye_checks(folder):
             yield tuple(check)
 
 
+def ship_checks(folder):
+    found = read(folder, "shiptrace.json")
+    for s in found["sums"] if found else ():
+        yield (f"ship in the sea, {s['wind']} m/s, Sun {s['sun']}",
+               "≤ 5 % of each line", f"median {s['median']:.1%}, worst "
+               f"{s['worst']:.1%} (noise {s['noise']:.1%}), of {s['lines']} "
+               f"lines {s['over']} fail", s["over"] == 0)
+
+
 CHECKS = {"sea": sea_checks, "sky": sky_checks, "water": water_checks,
-          "drawn": drawn_checks, "numbers": numbers_checks, "eye": eye_checks}
+          "drawn": drawn_checks, "numbers": numbers_checks, "eye": eye_checks,
+          "ship": ship_checks}
 HEAD = ["| part | check | bar | found | |", "|---|---|---|---|---|"]
 
 
@@ -280,7 +291,8 @@ def write_doc(folder, rows):
             + text[marks.start(3):])
     with open(DOC, "w", encoding="utf-8") as f:
         f.write(text)
-    for part, plots in (("sea", "seatrace-pm-*.svg"), ("sky", "airsky.svg")):
+    for part, plots in (("sea", "seatrace-pm-*.svg"), ("sky", "airsky.svg"),
+                        ("ship", "shiptrace.png")):
         for path in glob.glob(os.path.join(folder, plots)):
             if part in rows:
                 shutil.copy(path, os.path.join(

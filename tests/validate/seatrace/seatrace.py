@@ -560,4 +560,5 @@ def run(options, setup):
              or failed and options.check == "all" else 0)
 
 
-main()
+if __name__ == "__main__":
+    main()
