@@ -11,7 +11,7 @@ reference sees something of the ship in the sea, without its own pixels. Both
 sides take the sea without the ship from the program, so that the ship alone is
 judged. Taken from the program are also its sky, the Sun's irradiance and the
 radiance of its water, which have references of their own. Bar: 5 % of a line's
-energy. Prints a table, leaves shiptrace.md, .json and pictures in
+energy. Prints a table, leaves it with its figures and pictures in
 build/validate/ (quick: in its quick/).
 """
 import argparse
