@@ -221,7 +221,7 @@ NET := server/net/fdsource.c \
     server/net/http_server.c server/net/http_share.c \
     server/net/net.c
 PAGES := $(wildcard clients/web/*.html clients/web/*.css clients/web/*.js \
-    clients/web/*.svg)
+    clients/web/*.json clients/web/*.svg)
 BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_parse.c server/bridges/nmea_values.c \
     server/bridges/nmea.c server/bridges/nmea_targets.c \

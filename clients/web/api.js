@@ -11,18 +11,22 @@ export class Problem extends Error {
     super(body.detail || body.title || `HTTP ${status}`);
     this.status = status;
     this.path = body.path || "";
+    this.value = body.value;
     this.unit = body.unit && body.unit !== "1" ? body.unit : "";
     this.minimum = body.minimum;
     this.maximum = body.maximum;
   }
 
-  // One line for the place next to a control.
+  // One line for the place next to a control: the field, what was asked of
+  // it, and what it takes.
   get line() {
     if (this.minimum === undefined) {
       return this.message;
     }
     const unit = this.unit ? ` ${this.unit}` : "";
-    return `Not accepted: must be ${this.minimum} to ${this.maximum}${unit}.`;
+    const given = this.value === undefined ? "" : ` = ${this.value}${unit}`;
+    return `Not accepted: ${this.path}${given}. Give it ${this.minimum} to ` +
+      `${this.maximum}${unit}.`;
   }
 }
 

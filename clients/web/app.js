@@ -33,10 +33,13 @@ const views = new Views(byId("views"), store, {
   },
 });
 
+// Simulated time of the picture that is shown, else of the state.
+const now = () => frame?.time ?? store.state.clock?.time ?? 0;
+
 // --- showing ----------------------------------------------------------------
 
 function timeText(s) {
-  const seconds = frame?.time ?? s.clock?.time ?? 0;
+  const seconds = now();
   const epoch = Date.parse(s.clock?.utc ?? "");
   if (Number.isNaN(epoch)) {
     return `${seconds.toFixed(1)} s`;
@@ -99,6 +102,13 @@ function toggle(name, initial, apply) {
 }
 
 toggle("instruments", true, (on) => views.setInstruments(on));
+// The plan is small beside the pictures, or large above them.
+toggle("large", false, (on) => {
+  byId(on ? "plan-large" : "plan-small").append(byId("plan-box"));
+  byId("plan-large").hidden = !on;
+  byId("plan-away").hidden = !on;
+  views.lay();
+});
 toggle("controls", true, (on) => {
   document.body.classList.toggle("bare", !on);
   byId("aside").hidden = !on;
@@ -118,7 +128,9 @@ function onKey(event) {
   }
   const tile = views.chosen;
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-  if (key === "o") {
+  if (key === "p") {
+    byId("large").click();
+  } else if (key === "o") {
     byId("instruments").click();
   } else if (key === "c") {
     byId("controls").click();
@@ -155,7 +167,7 @@ async function begin() {
   const [{ Controls }, answer] = await Promise.all([import("/controls.js"),
     inTurn(() => perform("GET", "/v1/fields"))]);
   fields = new Map(answer.fields.map((f) => [f.path, f]));
-  controls = new Controls(fields, views, store);
+  controls = new Controls(fields, views, store, now);
   show();
   byId("panel").classList.remove("waiting");
 }

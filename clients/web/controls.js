@@ -3,13 +3,17 @@
 import { Rose } from "/rose.js";
 import { beaufort, Sections, sunFixed } from "/sections.js";
 import { followTrains } from "/swell.js";
+import { Traffic } from "/traffic.js";
 
 export class Controls {
-  constructor(fields, views, store) {
+  // time(): simulated time of the pictures.
+  constructor(fields, views, store, time) {
     this.store = store;
     this.rose = new Rose(document.getElementById("rose"));
     followTrains({}, store.told);
-    this.sections = new Sections(fields, views, store);
+    this.traffic = new Traffic({ store, views, time,
+      chosen: (id) => this.choose(id) });
+    this.sections = new Sections(fields, views, store, this.traffic);
   }
 
   // What the server says takes the place of what was expected of it.
@@ -17,9 +21,18 @@ export class Controls {
     followTrains(before, after);
   }
 
+  // id: of an entity; none: what models there are is known now.
+  choose(id) {
+    if (this.sections && id !== undefined) {
+      this.sections.shipId = String(id);
+    }
+    this.show(id !== undefined);
+  }
+
   show(renewed) {
     const { state } = this.store;
     this.sections.show(renewed);
+    this.traffic.show();
     const wind = state.sea?.windSpeed ?? 0;
     this.rose.show({
       wind: state.sea?.windDirection ?? 0, speed: wind, force: beaufort(wind),

@@ -37,8 +37,8 @@ export function direction(bearing, elevation) {
 export class Pose {
   constructor(view, entity, time, reckoning) {
     const ship = entity
-      ? turn(WORLD, headingAt(entity, time, reckoning), entity.pitch ?? 0,
-        entity.roll ?? 0)
+      ? turn(WORLD, headingAt(entity, time, reckoning),
+        view.level ? 0 : entity.pitch ?? 0, view.level ? 0 : entity.roll ?? 0)
       : WORLD;
     this.eye = turn(ship, view.yaw ?? 0, view.pitch ?? 0, view.roll ?? 0);
     this.bow = entity ? wrap(headingAt(entity, time, reckoning)) : undefined;

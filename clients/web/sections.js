@@ -4,6 +4,7 @@
 import { Gone, Problem } from "/api.js";
 import { silentInputs } from "/inputs.js";
 import { button, Check, Choice, Range, Text } from "/panel.js";
+import { Ship } from "/ship.js";
 import { Swell } from "/swell.js";
 
 const byId = (id) => document.getElementById(id);
@@ -28,18 +29,19 @@ const BEAUFORT = [0.3, 1.6, 3.4, 5.5, 8, 10.8, 13.9, 17.2, 20.8, 24.5, 28.5];
 export const beaufort = (speed) => BEAUFORT.filter((v) => speed >= v).length;
 
 export class Sections {
-  // fields: Map of /v1/fields; views: the grid.
-  constructor(fields, views, store) {
+  // fields: Map of /v1/fields; views: the grid; traffic: plan and list.
+  constructor(fields, views, store, traffic) {
     this.fields = fields;
     this.views = views;
     this.store = store;
     this.controls = [];
+    this.shipControls = new Ship(this, traffic);
     this.buildSea();
     new Swell(this).build();
     this.buildSky();
     this.buildWater();
     this.buildView();
-    this.buildShip();
+    this.shipControls.build();
     this.buildClock();
     this.buildSources();
   }
@@ -178,7 +180,7 @@ export class Sections {
     this.choice("water", "bottom", "Bottom", "water.bottom");
   }
 
-  // --- camera and ship --------------------------------------------------------------
+  // --- camera --------------------------------------------------------------
 
   buildView() {
     const view = (s, name = this.views.name) =>
@@ -198,6 +200,13 @@ export class Sections {
     this.pick("view", "view-name", "View", {
       get: () => this.views.name, chosen: (v) => this.views.choose(v),
       options: (s) => (s.views ?? []).map((v) => [v.name, v.name]),
+    });
+    this.shipControls.buildFollow(about, (make) => {
+      const { name } = this.views;
+      return (s) => {
+        const there = view(s, name);
+        return there ? { views: { [name]: make(there, s) } } : null;
+      };
     });
     range("Yaw, to starboard of the bow", "yaw", "°", 1, { id: "yaw" });
     range("Pitch, upward", "pitch", "°", 0.5, { id: "pitch" });
@@ -236,42 +245,7 @@ export class Sections {
   }
 
   ship(s, id = this.shipId) {
-    return entities(s).find((e) => String(e.id ?? 0) === id);
-  }
-
-  buildShip() {
-    this.pick("ship", "ship-id", "Ship", {
-      get: () => this.shipId,
-      chosen: (v) => {
-        this.shipId = v;
-        this.show(true);
-      },
-      options: (s) => entities(s).map((e) =>
-        [String(e.id ?? 0), e.name || `entity ${e.id ?? 0}`]),
-    });
-    const range = (label, name, unit, step, id) =>
-      this.range("ship", label, `entities.*.${name}`, unit, step, { id,
-        depends: (s) => this.ship(s) !== undefined,
-        get: (s) => this.ship(s)?.[name],
-        target: () => this.shipId, targetName: "that ship", sure: 1,
-        patch: (v) => {
-          const ship = this.shipId;
-          return (s) => this.ship(s, ship)
-            ? { entities: { [ship]: { [name]: v } } } : null;
-        } });
-    range("Heading", "heading", "°", 1, "heading");
-    range("Course", "course", "°", 1, "course");
-    range("Speed", "speed", "m/s", 0.1, "speed");
-    range("Turn rate", "turnRate", "°/s", 0.1, "turn-rate");
-    range("Pitch, bow up", "pitch", "°", 0.1, "ship-pitch");
-    range("Roll, starboard down", "roll", "°", 0.1, "ship-roll");
-    this.check("ship", "own-ship", "The sea moves it (own ship)", {
-      get: (s) => Boolean(s.ownShip?.on), patch: (v) => ({ ownShip: { on: v } }),
-    });
-    const sails = (s) => Boolean(s.ownShip?.on);
-    this.range("ship", "Rudder", "ownShip.rudder", "°", 1, { depends: sails });
-    this.range("ship", "Throttle", "ownShip.throttle", "", 0.05,
-      { depends: sails });
+    return this.shipControls.of(s, id);
   }
 
   buildClock() {
@@ -322,6 +296,9 @@ export class Sections {
       const first = entities(state)[0];
       this.shipId = first ? String(first.id ?? 0) : null;
     }
+    const ship = this.ship(state);
+    document.getElementById("ship-edited").textContent =
+      ship?.name || `entity ${this.shipId}`;
     for (const control of this.controls) {
       if (renewed) {
         control.renew?.();

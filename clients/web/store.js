@@ -9,6 +9,23 @@ import { Gone, inTurn, perform, Problem } from "/api.js";
 const KEYS = { entities: "id", views: "name" };
 const MERGE = { "Content-Type": "application/merge-patch+json" };
 
+// A list by its elements' keys: null removes, what is new comes last.
+function mergedList(list, change, key) {
+  const left = new Map(Object.entries(change));
+  const kept = list.map((element) => {
+    const name = String(element[key] ?? 0);
+    const part = left.get(name);
+    return !left.delete(name) ? element
+      : part === null ? null : merged(element, part);
+  });
+  for (const [name, part] of left) {
+    if (part !== null) {
+      kept.push(merged({ [key]: key === "id" ? Number(name) : name }, part));
+    }
+  }
+  return kept.filter((element) => element !== null);
+}
+
 // The state after a merge patch, as the server applies it to what is there.
 export function merged(state, patch) {
   const next = { ...state };
@@ -18,10 +35,7 @@ export function merged(state, patch) {
     } else if (typeof change !== "object" || Array.isArray(change)) {
       next[name] = change;
     } else if (Array.isArray(state[name])) {
-      next[name] = state[name].map((element) => {
-        const key = element[KEYS[name]] ?? 0;
-        return key in change ? merged(element, change[key]) : element;
-      });
+      next[name] = mergedList(state[name], change, KEYS[name]);
     } else {
       next[name] = merged(state[name] ?? {}, change);
     }

@@ -272,6 +272,7 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
     to->yaw_rad = from->yaw * PEL_DEG;
     to->pitch_rad = from->pitch * PEL_DEG;
     to->roll_rad = from->roll * PEL_DEG;
+    to->level = from->level;
     to->width = from->width;
     to->height = from->height;
     to->auto_exposure = !from->has_exposure;

@@ -249,7 +249,8 @@ static void place_camera(const struct pel_snapshot *s, size_t index,
         pel_snapshot_entity_at(s, (size_t)view->entity, time_s, &carrier);
     }
     struct pel_mat3 world_from_ship =
-        attitude(carrier.heading_rad, carrier.pitch_rad, carrier.roll_rad);
+        attitude(carrier.heading_rad, view->level ? 0 : carrier.pitch_rad,
+                 view->level ? 0 : carrier.roll_rad);
     struct pel_mat3 ship_from_view =
         attitude(view->yaw_rad, view->pitch_rad, view->roll_rad);
     struct pel_vec3 arm = pel_mat3_apply(

@@ -83,6 +83,7 @@ struct pel_view_state {
     int entity;                /* index into entities, -1: the world */
     double forward_m, right_m, up_m;
     double yaw_rad, pitch_rad, roll_rad;
+    bool level; /* the entity's pitch and roll do not move it */
     PEL_LENS;
 };
 

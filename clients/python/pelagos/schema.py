@@ -381,6 +381,9 @@ class View(Record):
     #: Pixels that crests, the horizon or the Sun's rim cut show the mean of
     #: what is on either side, before exposure; false: what their middle sees.
     antialiasing: bool = _field(True)
+    #: The entity carries the camera by its place and heading alone: its pitch
+    #: and roll neither move nor tilt it, as for a camera that follows a ship.
+    level: bool = _field(False)
 
 
 @dataclass(frozen=True)
