@@ -294,7 +294,7 @@ describe("a thing", () => {
     await sleep(1500);
     const before = away(await entity("Stevin"));
     await page.locator("#go-on").click();
-    await until("a long time", async () => console.log(await text("#plan-note"), await text("#standing-text")) ||
+    await until("a long time", async () =>
       (await state()).clock.reckoning === 86400);
     // From where it stood, 3 m on, not from where it would be by now.
     const [east] = away(await entity("Stevin"));

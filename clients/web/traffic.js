@@ -197,7 +197,8 @@ export class Traffic {
   goOn() {
     return this.do("go on", (state) => ({ clock: { reckoning: LONG_S },
       entities: Object.fromEntries(this.standing(state).map((e) => {
-        const { latitude, longitude, heading, course } = this.plan.at(e);
+        const { latitude, longitude, heading, course } =
+          reckoned(e, this.time(), state.clock?.reckoning);
         return [e.id ?? 0, { latitude, longitude, heading, course }];
       })) }), { sure: 2 });
   }

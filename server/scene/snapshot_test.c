@@ -213,6 +213,24 @@ static void pictures_keep_their_field(void **state)
     assert_int_equal(c.sight_count, 0);
 }
 
+/* A camera that is carried level has the place and heading of its ship. */
+static void level_views_do_not_roll(void **state)
+{
+    (void)state;
+#define TILTED(level)                                                          \
+    SHIP("\"heading\":90,\"pitch\":20,\"roll\":30",                            \
+         ",\"forward\":-100,\"up\":10,\"level\":" level)
+    struct pel_camera c = camera_of(TILTED("true"), 0, 0);
+    near(c.east_m, -100, EPS);
+    near(c.north_m, 0, EPS);
+    near(c.altitude_m, 10, EPS);
+    near(c.world_from_camera.x.z, 0, EPS);
+    near(c.world_from_camera.z.z, 0, EPS);
+    c = camera_of(TILTED("false"), 0, 0);
+    near(c.world_from_camera.z.z, -sin(20 * PEL_DEG), EPS);
+#undef TILTED
+}
+
 static void views_share_a_meter(void **state)
 {
     (void)state;
@@ -392,6 +410,7 @@ int main(void)
         cmocka_unit_test(poses_grow_stale),
         cmocka_unit_test(silent_inputs_have_names),
         cmocka_unit_test(pictures_keep_their_field),
+        cmocka_unit_test(level_views_do_not_roll),
         cmocka_unit_test(views_share_a_meter),
         cmocka_unit_test(entities_go_on),
         cmocka_unit_test(what_floats_lies_in_the_sea),
