@@ -173,6 +173,7 @@ describe("on a slow link", () => {
   });
 
   test("nor what a person holds, until it is let go", async () => {
+    await page.locator("#wind-speed").scrollIntoViewIfNeeded();
     const box = await page.locator("#wind-speed").boundingBox();
     const y = box.y + box.height / 2;
     await page.mouse.move(box.x + box.width / 2, y);

@@ -4,7 +4,8 @@ every input it has, and leaves pictures and a summary in build/demo/.
 
     NMEA over UDP   position, heading, heel, trim, wind (pelagosctl replay)
     Modbus/TCP      the wind, in steps
-    HTTP            a second view; the pictures that are compared
+    HTTP            more views; ships and the buoys of a channel; the pictures
+                    that are compared
     protobuf        the Sun (pelagosctl set); JPEGs, EXR and the clip
 """
 import json
@@ -17,12 +18,13 @@ import sys
 import time
 
 from parts import (Daemon, Modbus, Trouble, Viewer, difference, percentile,
-                   say, since_start)
+                   placed, say, since_start)
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BIN = pathlib.Path(os.environ.get("PELAGOS_BIN", ROOT / "build"))
 OUT = pathlib.Path(os.environ.get("PELAGOS_DEMO", ROOT / "build/demo"))
 VOYAGE = ROOT / "clients/voyage/voyage.nmea"
+TRAFFIC = ROOT / "clients/web/harbour.json"  # the page's harbour
 SAIL_S = 40.0  # wall time of the voyage
 WIND_STEPS = (5.0, 9.0, 13.0, 17.0)  # m/s, by Modbus
 SIZE = (960, 540)
@@ -30,6 +32,11 @@ SIZE = (960, 540)
 STATION = {"up": 15, "yaw": 0, "pitch": -4, "width": 320, "height": 180}
 WING = {"entity": 1, "forward": -4, "right": 9, "up": 14, "yaw": 100,
         "pitch": -8, "fieldOfView": 75, "width": SIZE[0], "height": SIZE[1]}
+# Own ship's shape, from its bridge and from astern.
+SHIP = {"model": {"name": "patrol-boat"}}
+BRIDGE = {"forward": 4.5, "up": 7.5}
+CHASE = {"entity": 1, "forward": -80, "right": 25, "up": 20, "yaw": -14,
+         "pitch": -9, "level": True, "width": SIZE[0], "height": SIZE[1]}
 
 
 def voyage_seconds():
@@ -74,9 +81,13 @@ class Demo:
     def add_view(self):
         self.daemon.request("PUT", "/v1/views/wing", WING)
         self.daemon.request("PUT", "/v1/views/station", STATION)
+        self.daemon.request("PUT", "/v1/views/chase", CHASE)
+        self.daemon.patch({"entities": {"1": SHIP},
+                           "views": {"bridge": BRIDGE}})
         names = [v["name"] for v in self.daemon.state()["views"]]
-        self.inputs["HTTP"] = {"added views": ["wing", "station"], "views": names}
-        say(f"HTTP: PUT wing and station; views are now {', '.join(names)}")
+        self.inputs["HTTP"] = {"added views": ["wing", "station", "chase"],
+                               "views": names}
+        say(f"HTTP: PUT wing, station and chase; views are now {', '.join(names)}")
 
     def set_sail(self):
         seconds = voyage_seconds()
@@ -102,6 +113,19 @@ class Demo:
             f"{ship(state)['roll']:.1f}, trim {ship(state)['pitch']:.1f} deg, "
             f"wind {sea['windSpeed']:.1f} m/s; picture differs by "
             f"{diff:.1f} of 255")
+
+    def meet_ships(self):
+        """Ships and a channel's buoys, ahead of where own ship is now."""
+        things = json.loads(TRAFFIC.read_text())
+        entities = placed(ship(self.daemon.state()), things)
+        diff = self.compare("bridge", lambda: self.daemon.patch(
+            {"clock": {"reckoning": 3600}, "entities": entities}))
+        self.inputs["ships and buoys"] = {
+            "added": len(things), "picture difference": round(diff, 2)}
+        say(f"HTTP: {len(things)} ships and buoys; picture differs by "
+            f"{diff:.1f} of 255")
+        for view in ("bridge", "chase"):
+            self.shoot(view, f"0-{view}-ships.jpg")
 
     def raise_wind(self):
         console = Modbus(self.daemon.modbus)
@@ -230,6 +254,8 @@ def check(demo, viewer):
         "the heading moved": "heading" in demo.inputs["NMEA"]["own ship"],
         "Modbus set the wind": all(
             abs(s["wind m/s"][1] - s["written m/s"]) < 0.01 for s in steps),
+        "the ships show":
+            demo.inputs["ships and buoys"]["picture difference"] > 0.2,
         "the wind shows": all(s["picture difference"] > 0.2
                               for s in steps[1:]),
     }
@@ -247,6 +273,7 @@ def sail(daemon):
         demo.add_view()
         viewer.start()
         demo.set_sail()
+        demo.meet_ships()
         demo.raise_wind()
         demo.lower_sun()
         demo.instruments()

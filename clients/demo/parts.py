@@ -1,5 +1,6 @@
 """What the demonstration is made of: a daemon, a console, a viewer, pixels."""
 import json
+import math
 import pathlib
 import socket
 import struct
@@ -93,6 +94,9 @@ class Daemon:
     def state(self):
         return json.loads(self.get("/v1/state"))
 
+    def patch(self, change):
+        return self.request("PATCH", "/v1/state", change)
+
     def small(self, view, time_s):
         """The view's pixels at a moment, small, as bytes of RGB."""
         return read_png(self.get(
@@ -102,11 +106,12 @@ class Daemon:
     def ctl(self, *words, as_json=True):
         """Runs pelagosctl and returns what it prints."""
         command = [self.binaries / "pelagosctl", "--server",
-                   f"tcp:127.0.0.1:{self.tcp}", *map(str, words)]
+                   f"tcp:127.0.0.1:{self.tcp}", "--timeout", "60",
+                   *map(str, words)]
         if as_json:
             command.append("--json")
         done = subprocess.run(command, capture_output=True, text=True,
-                              timeout=60, check=False)
+                              timeout=90, check=False)
         if done.returncode != 0:
             raise Trouble(f"pelagosctl {words[0]}: {done.stderr.strip()}")
         return json.loads(done.stdout) if as_json else done.stdout
@@ -195,6 +200,27 @@ class Viewer(threading.Thread):
             found = (tail + data).count(b"\xff\xd8\xff")
             self.times += [time.monotonic()] * found
             tail = data[-2:]
+
+
+def placed(ship, things, first_id=100):
+    """Things by metres ahead of and to starboard of a ship, as entities."""
+    metre = 1 / 111200  # of latitude, in degrees
+    sine = math.sin(math.radians(ship["heading"]))
+    cosine = math.cos(math.radians(ship["heading"]))
+    entities = {}
+    for number, thing in enumerate(things, first_id):
+        ahead, right = thing["ahead"], thing["right"]
+        east, north = (ahead * sine + right * cosine,
+                       ahead * cosine - right * sine)
+        heading = (ship["heading"] + thing.get("turn", 0)) % 360
+        entities[str(number)] = {
+            "name": thing["name"], "model": thing["model"], "afloat": True,
+            "latitude": ship["latitude"] + north * metre,
+            "longitude": ship["longitude"] + east * metre /
+            math.cos(math.radians(ship["latitude"])),
+            "heading": heading, "course": heading,
+            "speed": thing.get("speed", 0)}
+    return entities
 
 
 def percentile(values, part):
