@@ -152,13 +152,17 @@ def sky_checks(folder):
     if not found:
         return
     for name, what in (("cpu", "C"), ("gpu", "shaders")):
-        values = sorted(abs(row[name]) for row in found["rows"]
-                        if name in row)
-        if values:
+        rows = [row for row in found["rows"] if name in row]
+        if rows:
+            values = sorted(abs(row[name]) for row in rows)
             p95 = values[len(values) * 19 // 20]
-            middle, worst = spread(values)
+            middle, _ = spread(values)
+            # As airsky.py: what the reference knows worse is open.
+            known = [abs(row[name]) for row in rows if row["noise"] <= 0.05]
+            worst = max(known, default=0)
             yield (f"sky radiance, {what}", "median ≤ 1.5, p95 ≤ 5, worst "
-                   "≤ 10 %", f"{middle:.2%}, {p95:.1%}, {worst:.1%}",
+                   "≤ 10 %", f"{middle:.2%}, {p95:.1%}, {worst:.1%}, "
+                   f"{len(rows) - len(known)} of {len(rows)} rows open",
                    middle <= 0.015 and p95 <= 0.05 and worst <= 0.1)
 
 
