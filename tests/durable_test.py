@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import ROOT, SANITIZED, Daemon, until
+from pelagos_daemon import BIN, ROOT, SANITIZED, SLOW_S, Daemon, until
 
 KILLS = int(os.environ.get("DURABLE_KILLS", "4"))
 
@@ -178,6 +178,30 @@ class Durable(unittest.TestCase):
                 until("recording again", recording)
             with self.daemon() as daemon:
                 self.assertEqual(field(daemon, "sky.visibility"), 7003)
+
+    @unittest.skipIf(SANITIZED, "a sanitizer must be loaded first")
+    def test_recording_pictures_to_a_full_disk(self):
+        clip = os.path.join(self.folder.name, "clip.mkv")
+        command = [os.path.join(BIN, "pelagosctl"), "record", "bridge", clip,
+                   "--seconds", "60", "--width", "320", "--height", "180"]
+        with Daemon(unix=True) as daemon:
+            command[1:1] = ["--server", "unix:" + daemon.unix_path]
+            with disk_that_fills(self.folder.name) as full:
+                ctl = subprocess.Popen(command, stderr=subprocess.PIPE)
+                until("it writes", lambda: os.path.exists(clip)
+                      and os.path.getsize(clip) > 0)
+                open(full, "w").close()
+                said = ctl.communicate(timeout=SLOW_S)[1].decode()
+                self.assertEqual(ctl.returncode, 1, said)
+                self.assertIn("clip.mkv", said)
+                os.unlink(full)
+                os.unlink(clip)
+                # And a signal ends it whatever it does.
+                ctl = subprocess.Popen(command, stderr=subprocess.PIPE)
+                until("it writes", lambda: os.path.exists(clip)
+                      and os.path.getsize(clip) > 0)
+                ctl.terminate()
+                self.assertEqual(ctl.wait(SLOW_S), 0)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 #include "pelagosctl/clip.h"
 
 #include <errno.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -13,7 +14,11 @@ struct clip {
     GstElement *pipeline;
     GstAppSrc *source;
     double fps;
+    const volatile int *stop;
+    bool failed; /* nothing more is written */
 };
+
+#define MOST_WAITING 4 /* pictures before GStreamer */
 
 /* Elements, the Debian packages that bring them. */
 static const struct {
@@ -72,10 +77,10 @@ static int start_pipeline(struct clip *clip, const char *path,
                           const char *chain, uint32_t width, uint32_t height,
                           char **why)
 {
-    g_autofree char *text = g_strdup_printf(
-        "appsrc name=source format=time block=true max-buffers=4 ! %s ! "
-        "filesink name=sink",
-        chain);
+    g_autofree char *text =
+        g_strdup_printf("appsrc name=source format=time ! %s ! "
+                        "filesink name=sink",
+                        chain);
     g_autoptr(GError) error = NULL;
     clip->pipeline = gst_parse_launch(text, &error);
     if (!clip->pipeline) {
@@ -114,10 +119,11 @@ static void free_clip(struct clip *clip)
 }
 
 struct clip *clip_open(const char *path, uint32_t width, uint32_t height,
-                       double fps, char **why)
+                       double fps, const volatile int *stop, char **why)
 {
     struct clip *clip = g_new0(struct clip, 1);
     clip->fps = fps;
+    clip->stop = stop;
     if (g_str_has_suffix(path, ".mjpeg") || g_str_has_suffix(path, ".mjpg")) {
         clip->file = fopen(path, "wb");
         if (clip->file) {
@@ -161,6 +167,25 @@ static char *bus_error(struct clip *clip, GstClockTime wait)
     return text;
 }
 
+/* Waits for it. GStreamer's own wait would outlast a file that can no longer be
+ * written, and a signal. */
+static bool has_room(struct clip *clip, char **why)
+{
+    while (gst_app_src_get_current_level_buffers(clip->source) >=
+           MOST_WAITING) {
+        *why = bus_error(clip, 0);
+        if (!*why && *clip->stop) {
+            *why = g_strdup("interrupted while the file was not taken");
+        }
+        if (*why) {
+            clip->failed = true;
+            return false;
+        }
+        g_usleep(2000);
+    }
+    return true;
+}
+
 int clip_add(struct clip *clip, const uint8_t *jpeg, size_t size, double time_s,
              char **why)
 {
@@ -169,6 +194,9 @@ int clip_add(struct clip *clip, const uint8_t *jpeg, size_t size, double time_s,
             return 0;
         }
         *why = g_strdup(strerror(errno));
+        return -1;
+    }
+    if (!has_room(clip, why)) {
         return -1;
     }
     GstBuffer *buffer = gst_buffer_new_memdup(jpeg, size);
@@ -192,7 +220,7 @@ int clip_close(struct clip *clip, char **why)
         }
     } else {
         gst_app_src_end_of_stream(clip->source);
-        char *text = bus_error(clip, 30 * GST_SECOND);
+        char *text = clip->failed ? NULL : bus_error(clip, 30 * GST_SECOND);
         if (text) {
             *why = text;
             result = -1;

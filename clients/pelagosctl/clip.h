@@ -8,9 +8,10 @@ struct clip;
 
 /* Made from JPEGs. Opens `path` by its ending: .mjpeg (bare JPEGs), .mkv
  * (Motion-JPEG), .mp4 (H.264 by GStreamer's x264enc or openh264enc). NULL: *why
- * (g_free) says why, with the package that is missing if one is. */
+ * (g_free) says why, with the package that is missing if one is. stop: not 0
+ * ends every wait. */
 struct clip *clip_open(const char *path, uint32_t width, uint32_t height,
-                       double fps, char **why);
+                       double fps, const volatile int *stop, char **why);
 
 /* Adds one JPEG shown from time_s on. 0, or -1 and *why. */
 int clip_add(struct clip *clip, const uint8_t *jpeg, size_t size, double time_s,

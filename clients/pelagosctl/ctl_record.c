@@ -52,7 +52,8 @@ static enum ctl_exit take_frame(struct recording *r,
 {
     g_autofree char *why = NULL;
     if (!r->clip) {
-        r->clip = clip_open(r->path, frame->width, frame->height, r->fps, &why);
+        r->clip = clip_open(r->path, frame->width, frame->height, r->fps,
+                            &ctl_interrupted, &why);
         if (!r->clip) {
             return ctl_say(CTL_FAILED, "%s", why);
         }

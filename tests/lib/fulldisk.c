@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 static bool is_full(void)
@@ -34,6 +35,24 @@ ssize_t write(int fd, const void *data, size_t size)
         return -1;
     }
     return real(fd, data, size);
+}
+
+/* GStreamer's way. */
+ssize_t writev(int fd, const struct iovec *parts, int count)
+{
+    static ssize_t (*real)(int, const struct iovec *, int);
+    size_t size = 0;
+    if (!real) {
+        *(void **)&real = dlsym(RTLD_NEXT, "writev");
+    }
+    for (int i = 0; i < count; i++) {
+        size += parts[i].iov_len;
+    }
+    if (fd > 2 && size > 0 && !fits(fd, size) && is_full()) {
+        errno = ENOSPC;
+        return -1;
+    }
+    return real(fd, parts, count);
 }
 
 int fallocate(int fd, int mode, off_t from, off_t size)
