@@ -240,6 +240,20 @@ describe("on a phone", () => {
   });
 });
 
+describe("without a picture", () => {
+  test("scenes and the plan work all the same", async () => {
+    await fresh();
+    await daemon.patch({ views: null });
+    await open(daemon.url, { wait: false });
+    await openSections();
+    await page.getByRole("button", { name: "Scene: harbour" }).click();
+    await until("its things", async () =>
+      (await state()).entities.length === 20);
+    await until("their rows", async () =>
+      await page.locator("#traffic tr").count() === 20);
+  });
+});
+
 describe("a thing", () => {
   beforeEach(async () => {
     await begin();
@@ -373,6 +387,16 @@ describe("scenes", () => {
       `to port of the channel: ${east} ${north}`);
     const ship = await entity("Maasvlakte");
     assert.deepEqual([ship.course, ship.heading], [270, 270]);
+    await page.locator("#clear").click();
+    await until("a question", async () =>
+      /Really remove 19/.test(await text("#clear")));
+    assert.equal((await state()).entities.length, 20);
+    await page.locator("#clear").click();
+    await until("own ship alone", async () =>
+      (await state()).entities.length === 1);
+    await page.getByRole("button", { name: "Scene: harbour" }).click();
+    await until("its things", async () =>
+      (await state()).entities.length === 20);
     await page.keyboard.press("p");
     await until("the large plan", () =>
       page.locator("#plan-large #plan").isVisible());

@@ -284,6 +284,7 @@ BLOCKS = {
     "clients/python/README.md": [
         ("pip install", Place.sh, None),
         ("from pelagos import", Place.python_block, Place.make_run),
+        ("Texelstroom", Place.python_block, None),
         ("x = R (X", NO_CODE, None),
         ('"STEPPED"', Place.python_block, None),
         (">>> ocean", Place.python_session, None),

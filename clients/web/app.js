@@ -33,8 +33,9 @@ const views = new Views(byId("views"), store, {
   },
 });
 
-// Simulated time of the picture that is shown, else of the state.
-const now = () => frame?.time ?? store.state.clock?.time ?? 0;
+// Simulated time of the picture that is shown, else of what the server said;
+// changes that are asked for are made by it, so it cannot be of their state.
+const now = () => frame?.time ?? store.told.clock?.time ?? 0;
 
 // --- showing ----------------------------------------------------------------
 

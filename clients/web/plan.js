@@ -293,11 +293,20 @@ export class Plan {
         g.lineWidth = 2;
         g.strokeRect(x - 13, y - 13, 26, 26);
       }
-      const name = [entity.name || `${id}`, x + 11, y + 4,
+      const reach = this.reach(entity, model, heading);
+      const name = [entity.name || `${id}`, x + reach, y + 4,
         chosen ? CHOSEN : at.stood ? "#ffb08a" : ink];
       names[chosen || id === this.own?.id ? "unshift" : "push"](name);
     }
     this.drawNames(names);
+  }
+
+  // How far its hull reaches to the right of its middle, in pixels.
+  reach(entity, model, heading) {
+    const { length } = this.catalogue.sizes(entity);
+    return model && length / this.scale > 15
+      ? Math.max(11, Math.abs(Math.sin(heading * RAD)) * length / this.scale / 2
+        + 6) : 11;
   }
 
   // As many as have room, the first first.

@@ -7,7 +7,6 @@ import { button } from "/panel.js";
 
 const fine = (angle) => Math.round(wrap(angle) * 100) / 100;
 export const LONG_S = 86400; // ships go on that long without new poses
-export const MOST = 65535;
 
 export const ownShip = (state) => {
   const list = state.entities ?? [];

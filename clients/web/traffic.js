@@ -12,6 +12,7 @@ import { buildScenes, freeId, LONG_S, ownShip } from "/scenes.js";
 
 const DRAGGING_MS = 150;
 const LIST_MS = 500;
+const SURE_MS = 4000;
 const byId = (id) => document.getElementById(id);
 const entities = (s) => s.entities ?? [];
 
@@ -78,6 +79,7 @@ export class Traffic {
     this.kind.addEventListener("change", () => this.arm(true));
     byId("add").addEventListener("click", () => this.arm(!this.armed));
     byId("go-on").addEventListener("click", () => this.goOn());
+    byId("clear").addEventListener("click", () => this.askClear());
   }
 
   offer() {
@@ -183,6 +185,22 @@ export class Traffic {
         ? { entities: { [id]: null } } : null, { sure: 1 });
   }
 
+  // The second press within some seconds does it.
+  askClear() {
+    const node = byId("clear");
+    const ask = (on) => {
+      clearTimeout(this.sure);
+      this.sure = on ? setTimeout(() => ask(false), SURE_MS) : null;
+      node.textContent = on ? `Really remove ${
+        entities(this.store.state).length - 1}? Press again`
+        : "Remove all but own ship";
+    };
+    if (this.sure) {
+      this.clear();
+    }
+    ask(!this.sure);
+  }
+
   // All but own ship.
   clear() {
     return this.do("clear", (state) => {
@@ -239,6 +257,7 @@ export class Traffic {
     byId("standing-text").textContent = `${standing === 1 ? "One that moved " +
       "stands" : `${standing} that moved stand`}: no new pose for ` +
       `${state.clock?.reckoning ?? 60} s.`;
+    byId("clear").disabled = entities(state).length < 2;
     if (body.offsetParent === null) {
       return;
     }
