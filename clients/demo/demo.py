@@ -32,9 +32,10 @@ SIZE = (960, 540)
 STATION = {"up": 15, "yaw": 0, "pitch": -4, "width": 320, "height": 180}
 WING = {"entity": 1, "forward": -4, "right": 9, "up": 14, "yaw": 100,
         "pitch": -8, "fieldOfView": 75, "width": SIZE[0], "height": SIZE[1]}
-# Own ship's shape, from its bridge and from astern.
+# Own ship's shape, from before its wheelhouse and from astern.
 SHIP = {"model": {"name": "patrol-boat"}}
-BRIDGE = {"forward": 4.5, "up": 7.5}
+BRIDGE = {"forward": 9, "up": 9}
+LAST_COURSE = 275  # the voyage ends on it: there the traffic is
 CHASE = {"entity": 1, "forward": -80, "right": 25, "up": 20, "yaw": -14,
          "pitch": -9, "level": True, "width": SIZE[0], "height": SIZE[1]}
 
@@ -117,7 +118,8 @@ class Demo:
     def meet_ships(self):
         """Ships and a channel's buoys, ahead of where own ship is now."""
         things = json.loads(TRAFFIC.read_text())
-        entities = placed(ship(self.daemon.state()), things)
+        entities = placed({**ship(self.daemon.state()),
+                           "heading": LAST_COURSE}, things)
         diff = self.compare("bridge", lambda: self.daemon.patch(
             {"clock": {"reckoning": 3600}, "entities": entities}))
         self.inputs["ships and buoys"] = {
