@@ -351,6 +351,7 @@ TESTS += server/render/layer_test.c
 TESTS += server/render/probe_test.c
 TESTS += tests/golden/golden_test.c
 TESTS += tests/golden/shimmer_test.c
+TESTS += tests/golden/lattice_test.c
 TESTS += server/render/waterlight_test.c
 TESTS += tests/validate/seatrace/seatrace_test.c
 TESTS += tests/validate/airtrace/airtrace_test.c

@@ -318,6 +318,18 @@ static double fold_limit(double bound)
                          : free + room * (1.0 - exp(-(bound - free) / room));
 }
 
+struct pel_folding pel_sea_folding(const struct pel_sea *sea)
+{
+    double variance = sea->slope_variance_along + sea->slope_variance_cross;
+    double bound = PEL_SEA_FOLD_SIGMAS * sqrt(variance);
+    if (bound <= 0.7) {
+        return (struct pel_folding){ 1.0, 0.0 };
+    }
+    double kept = fold_limit(bound) / bound;
+    double finest = kept * exp(-(bound - 0.7) / 0.28);
+    return (struct pel_folding){ finest, (kept * kept - finest) / variance };
+}
+
 static void limit_folding(struct pel_sea *sea)
 {
     double sum = 0, before = 0, kept_before = 0;

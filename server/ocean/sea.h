@@ -158,6 +158,14 @@ struct pel_sea {
 PEL_CHECK enum pel_err pel_sea_build(const struct pel_sea_desc *desc,
                                      struct pel_sea *out);
 
+/* Squares of `chop`, weighted by slope variance: of the finest waves, and by
+ * how much it is more of waves that hold a slope variance v (along and across
+ * together) from the finest up: finest + more v. */
+struct pel_folding {
+    double finest, more;
+};
+struct pel_folding pel_sea_folding(const struct pel_sea *sea);
+
 /* Adds the single waves of sea->desc as trochoids of exact height, period,
  * direction and phase; used by pel_sea_build. */
 void pel_sea_add_singles(struct pel_sea *sea);

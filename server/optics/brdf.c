@@ -33,6 +33,17 @@ double pel_ross_slope_density(double zx, double zy, double var_x, double var_y)
            (2.0 * PEL_PI * sqrt(var_x * var_y));
 }
 
+double pel_sharpened(double zx, double zy, double var_x, double var_y,
+                     double disc, double fold)
+{
+    double q = zx * zx / (var_x + disc) + zy * zy / (var_y + disc);
+    double total = var_x + var_y;
+    double w = fold * (zx * zx + zy * zy) * total / (total + 2.0 * disc);
+    double area = (1.0 + 2.0 / 3.0 * w) / ((1.0 + w) * (1.0 + w));
+    return exp(fmin(0.5 * q * w / (1.0 + w), 16.0)) * area * area *
+           (1.0 + 4.0 / 3.0 * fold * total) / sqrt((1.0 + w) * (1.0 + w / 3.0));
+}
+
 double pel_ross_lambda(double a)
 {
     const double root_pi = 1.7724538509055160273;
@@ -110,7 +121,7 @@ double pel_escape(double eta, double mu)
 }
 
 double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
-                   double var_y, double disc, double n)
+                   double var_y, double disc, double n, double fold)
 {
     if (!(view.z > 0) || !(light.z > 0)) {
         return 0;
@@ -129,9 +140,10 @@ double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
         double narrower = pel_seen_narrower(mu);
         seen *= exp(-0.5 * narrower * z * z) * (1.0 + 0.5 * narrower);
     }
-    double p = seen * pel_ross_slope_density(steeper * view.x - h.x / h.z,
-                                             steeper * view.y - h.y / h.z,
-                                             var_x + disc, var_y + disc);
+    double zx = steeper * view.x - h.x / h.z;
+    double zy = steeper * view.y - h.y / h.z;
+    double p = seen * pel_sharpened(zx, zy, var_x, var_y, disc, fold) *
+               pel_ross_slope_density(zx, zy, var_x + disc, var_y + disc);
     double f = pel_fresnel_exact(vh, n);
     double shown = 1.0 + pel_ross_lambda(pel_ross_a(view, var_x, var_y));
     double lit = pel_escape(sqrt(2.0) * pel_ross_a(light, var_x, var_y), mu);

@@ -3,7 +3,7 @@
  * pel_fresnel_exact and pel_glitter are what is drawn. Twins in
  * shaders/lib/ross.glsl: pel_fresnel_exact (facet_reflectance),
  * pel_ross_slope_density (slope_density), pel_ross_lambda of pel_ross_a
- * (smith_lambda_cos, times the cosine), pel_ross_mean_fresnel (mean_fresnel),
+ * (smith_lambda_cos, times the cosine), pel_sharpened (sharpened), pel_ross_mean_fresnel (mean_fresnel),
  * pel_glitter (reflected_light), pel_seen_steeper, pel_escape (escape); in
  * shaders/probe.comp: pel_mean_fresnel (smith_fresnel). Any thread.
  *
@@ -21,6 +21,18 @@ double pel_fresnel_exact(double cos_theta, double n);
 /* Schlick 1994: R + (1 − R)(1 − cos θ)^5, R = ((n−1)/(n+1))²
  * (Bruneton et al. 2010, eq. 14). Only to compare with the paper. */
 double pel_fresnel_schlick(double cos_theta, double n);
+
+/* What the displacement of water towards crests makes of the density of slopes,
+ * over the normal one of the waves without it: steep and level facets are more,
+ * those between fewer. A surface x + D(x) of Gaussian height and displacement
+ * (the choppy waves of Nouguier, Guérin and Chapron 2009) has the slopes J⁻¹ζ on the area
+ * |J|, J = 1 + ∇D, so that p(ζ) = E[|J|² p0(Jζ)]; here for waves of all
+ * directions alike, whose ∇D has 3/8, 1/8 and 1/8 of fold · 4/3 times the slope
+ * variance along, across and mixed, |J| by its mean where Jζ is met.
+ * fold: 3/4 of the waves' squared chop (pel_sea_folding). var without a
+ * light's disc, which widens what mirrors it alone. */
+double pel_sharpened(double zx, double zy, double var_x, double var_y,
+                     double disc, double fold);
 
 /* Gaussian slope density p(ζ), eq. 7. */
 double pel_ross_slope_density(double zx, double zy, double var_x, double var_y);
@@ -61,9 +73,10 @@ double pel_escape(double eta, double mu);
  * (pel_seen_steeper), pel_escape in place of the light's Λ, and `disc`, the
  * variance of slopes that mirror some of a light's disc (a sixteenth of its
  * squared angular radius), added to the density's variances in place of a
- * clamp; Fresnel's equations with index n. */
+ * clamp; Fresnel's equations with index n; crests sharpened by `fold`
+ * (pel_sharpened; 0: normal slopes). */
 double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
-                   double var_y, double disc, double n);
+                   double var_y, double disc, double n, double fold);
 
 /* Effective reflectance F̄ by Smith's masking: eq. 24, with Fresnel's equations,
  * by midpoints (PEL_MEAN_FRESNEL_STEPS a side); within 1e-3. view.z

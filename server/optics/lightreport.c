@@ -14,7 +14,7 @@ void pel_brdf_terms(struct pel_vec3 view, struct pel_vec3 light, double var_x,
     double z = fmax(h.z, 1e-9);
     const double radius = pel_light_bodies[PEL_LIGHT_SUN].angular_radius_rad;
     double glitter =
-        pel_glitter(view, light, var_x, var_y, radius * radius / 16.0, n);
+        pel_glitter(view, light, var_x, var_y, radius * radius / 16.0, n, 0);
     *out = (struct pel_brdf_terms){
         .half_cosine = h.z,
         .slope_density =

@@ -245,10 +245,14 @@ static void glitter_is_eq_15(void **state)
                 pel_vec3_normalize(pel_vec3_add(view, light));
             double facing = pel_vec3_dot(view, half);
             double schlick = pel_fresnel_schlick(facing, PEL_WATER_INDEX);
+            struct pel_folding fold = pel_sea_folding(&sea);
+            double crests = pel_sharpened(
+                half.x / half.z, half.y / half.z, along, cross, 0,
+                0.75 * (fold.finest + fold.more * (along + cross)));
             struct pel_rgb glint = scale_rgb(
                 mul_rgb(sun_light, reflectance(&env.water, facing)),
                 pel_ross_sun(view, light, along, cross, FLAT_VARIANCE) /
-                    schlick);
+                    schlick * crests);
             double f = pel_mean_fresnel(view, along, cross, env.water.index[1]);
             struct pel_vec3 up = { dir.x, dir.y, -dir.z };
             struct pel_rgb rest = add_rgb(

@@ -84,6 +84,8 @@ void pel_fill_frame(const struct pel_environment *env,
         .green = vec4(m[3], m[4], m[5], lives - floor(lives)),
         .blue = vec4(m[6], m[7], m[8], env->sparkle ? PEL_GLINT_SHARE : 0.0),
     };
+    struct pel_folding fold = pel_sea_folding(env->sea);
+    out->crests = vec4(0.75 * fold.finest, 0.75 * fold.more, 0.0, 0.0);
     const struct pel_foam *foam = env->sea->foam;
     if (foam) {
         out->whitecaps =

@@ -353,6 +353,9 @@ PEL_BLOCK(PEL_BLOCK_FRAME, frame)
     vec4 green;
     vec4 blue;      /* w: share of the slope variance left that glints are drawn
                        from, 0 without sparkle */
+    vec4 crests;    /* of the waves' horizontal part, 3/4 of its squared share
+                       (pel_sharpened): x of the finest waves, y what those of
+                       a slope variance have more, by it */
     vec4 whitecaps; /* x 1 over the deviation of what breaks; y weight of
                        streaks; z tiles of foam's structure a metre along the
                        wind */

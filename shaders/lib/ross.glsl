@@ -37,6 +37,20 @@ float slope_density(vec2 slope, vec2 variance)
            inversesqrt(variance.x * variance.y) / (2.0 * PI);
 }
 
+// What displacement of the water towards crests does to that density, twin of
+// pel_sharpened; q: slope² over variance.
+float sharpened(vec2 slope, vec2 variance, float disc, float fold)
+{
+    vec2 s2 = slope * slope;
+    float q = dot(s2, 1.0 / (variance + disc));
+    float total = variance.x + variance.y;
+    float w = fold * (s2.x + s2.y) * total / (total + 2.0 * disc);
+    float one = 1.0 / (1.0 + w);
+    float area = one * one * (1.0 + 0.66666667 * w);
+    return exp(min(0.5 * q * w * one, 16.0)) * area * area * inversesqrt((1.0 + w) * (1.0 + 0.33333333 * w)) *
+           (1.0 + 1.33333333 * fold * total);
+}
+
 // Reflectance of a facet, whatever it reflects: Fresnel's equations for light
 // without polarisation, refraction = n². Twin of pel_fresnel_exact; the paper
 // has Schlick's fit, eq. 14.
@@ -78,8 +92,9 @@ float escape(float eta, float odds)
 // density (the paper clamps the variance), so that a flat sea shows the disc.
 // Twin of pel_glitter. `drawn`: a slope that is added to the facets', drawn from
 // a normal distribution of variance `held`; the mean over what is drawn does not
-// depend on it.
-vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc, vec2 drawn, vec2 held)
+// depend on it. `fold`: of pel_sharpened.
+vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc, vec2 drawn, vec2 held,
+                     float fold)
 {
     vec3 h = normalize(view + light);
     float hz = max(h.z, 1e-3);
@@ -99,8 +114,9 @@ vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc, vec2 draw
     float level = sqrt(max(1.0 - view.z * view.z, 1e-8));
     float mu = cos_v / (level * s_view);
     float steeper = PEL_SEEN_STEEPER * s_view / (1.0 + PEL_SEEN_KNEE * mu * mu);
+    vec2 slope = view.xy * (steeper / level) - h.xy / hz;
     float p = max(1.0 - level * steeper * hz / facing, 0.0) *
-              slope_density(view.xy * (steeper / level) - h.xy / hz - drawn, variance - held + disc);
+              slope_density(slope - drawn, variance - held + disc) * sharpened(slope, variance, disc, fold);
     float z = (dot(view.xy, h.xy) / (hz * level) - steeper) / s_view;
     float narrower = PEL_SEEN_NARROWER / (1.0 + 0.25 * mu * mu);
     p *= exp(-0.5 * narrower * z * z) * (1.0 + 0.5 * narrower);

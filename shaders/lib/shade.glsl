@@ -173,12 +173,13 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
     vec3 sky = reflected_sky(map, v, n, tx, ty, view, variance, resolved, fresnel, twice);
     vec2 held = variance * glint.z;
     vec2 drawn = glint.xy * sqrt(held);
+    float fold = crests.x + crests.y * (variance.x + variance.y);
     vec3 direct = beams[PEL_LIGHT_SUN].rgb * twice;
     for (int i = 0; i < PEL_LIGHTS; i++) {
         vec3 to = light_above(i, tilt);
         vec3 light = vec3(dot(to, tx), dot(to, ty), dot(to, n));
         vec3 one = beams[i].rgb *
-                   reflected_light(view, light, variance, lights[i].limb.w, drawn, held);
+                   reflected_light(view, light, variance, lights[i].limb.w, drawn, held, fold);
 #ifdef PEL_OBJECTS
         one *= i == PEL_LIGHT_SUN ? sea_lit : 1.0;
 #endif

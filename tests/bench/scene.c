@@ -25,9 +25,10 @@ static double wind_to(const struct bench_scene *s)
 enum pel_err bench_sea(const struct bench_scene *s, struct pel_sea *out)
 {
     const struct pel_sea_desc desc = {
+        .kind = (enum pel_spectrum_kind)s->kind,
         .wind_mps = s->wind_mps,
         .direction_rad = wind_to(s),
-        .fetch_m = 200000.0,
+        .fetch_m = s->kind ? 2000000.0 : 200000.0,
         .gamma = 3.3,
         .seed = s->seed,
         .synthesiser = s->fft ? PEL_SYNTHESISER_FFT : PEL_SYNTHESISER_TROCHOIDS,

@@ -12,6 +12,7 @@ struct bench_scene {
     double height_m, east_m, north_m, heading, pitch, roll, fov;
     uint32_t width, height, seed;
     int waves;
+    int kind; /* enum pel_spectrum_kind */
     bool fft; /* the sea from FFT cascades instead of trochoids */
     double time_s;
     double ev; /* over 90: automatic */

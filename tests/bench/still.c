@@ -1,6 +1,7 @@
 /* Draws one picture of a sea straight from the renderer and times it:
  *   still OUT.png [name=value …]
- * (bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky and
+ * (kind: of the spectrum, enum pel_spectrum_kind;
+ * bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky and
  * glitter as they stand; ship: a built-in model by its number, `away` metres
  * ahead) for looking at one thing at a time while developing
  * shaders. */
@@ -35,7 +36,7 @@ static struct setting settings[] = {
     { "bed", 0 },         { "caustics", 1 },  { "glare", 0.01 },
     { "linear", 0 },      { "sparkle", 1 },   { "ship", 0 },
     { "away", 220 },      { "aa", 1 },        { "bearing", 0 },
-    { "turned", 60 },     { "foam", 1 },
+    { "turned", 60 },     { "foam", 1 },      { "kind", 0 },
 };
 
 static double get(const char *name)
@@ -89,6 +90,7 @@ static struct bench_scene scene(void)
         .seed = (uint32_t)get("seed"),
         .waves = (int)get("waves"),
         .fft = get("fft") > 0,
+        .kind = (int)get("kind"),
         .time_s = get("time"),
         .ev = get("ev"),
         .glare = get("glare"),

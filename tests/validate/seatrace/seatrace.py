@@ -166,23 +166,59 @@ def row_views(zeniths, slant_m, random):
     return views
 
 
-def row_means(picture, up):
+def row_means(picture, up, slant):
     # The air thins upwards by a scale height of 8 km; mean over the path.
     thin = -math.expm1(-up / 8000) / (up / 8000)
     clear = np.exp(-EXTINCTION * thin
                    * np.asarray(picture["depth"])[..., None])
     sky = (picture["sky"] / clear).mean((0, 1))
     sun = (picture["sun"] / clear).mean((0, 1))
-    return [*sky, sun[1], picture["fresnel"].mean()]
+    return [*sky, sun[1], picture["fresnel"].mean(), *tilts(picture, up, slant)]
 
 
-def drawn(daemon, ocean, wind, setup):
-    """{(sun, row): (means of sky x 3, sun, fresnel; their errors)}"""
-    random = np.random.default_rng(int(wind * 10) + 1)
-    values = {}
+def tilts(picture, up, slant):
+    """How the long waves tilt what the picture shows: heights that are seen,
+    of its upper half less its lower, of its right less its left, m."""
+    depth = np.asarray(picture["depth"], dtype=float)
+    scale = 2 * math.tan(math.radians(WIDE / 2)) / COLUMNS
+    x = scale * (np.arange(COLUMNS) + 0.5 - COLUMNS / 2)
+    y = scale * (LINES / 2 - 0.5 - np.arange(LINES))[:, None]
+    # The middle of the picture is at the slant distance on level water.
+    cosine = up / slant
+    sine = math.sqrt(1 - cosine * cosine)
+    down = (cosine - y * sine) / np.sqrt(1 + x * x + y * y)
+    height = up - depth * down + depth ** 2 * (1 - down ** 2) / (2 * EARTH_M)
+    half = LINES // 2, COLUMNS // 2
+    return (height[:half[0]].mean() - height[half[0]:].mean(),
+            height[:, half[1]:].mean() - height[:, :half[1]].mean())
+
+
+def mean_of(samples):
+    """Means of sky x 3, sun and fresnel over pictures, and their errors, as
+    for pictures without tilt: heights that are seen are alike everywhere in
+    the mean, so both tilts are 0 in it, and what goes with them is chance."""
+    values = np.array(samples)
+    values, tilt = values[:, :5], values[:, 5:]
+    count = len(values)
+    if count < 16:
+        return values.mean(0), values.std(0, ddof=1) / math.sqrt(count)
+    by = np.column_stack([np.ones(count), tilt])
+    found = np.linalg.lstsq(by, values, rcond=None)[0]
+    rest = values - by @ found
+    unit = np.linalg.inv(by.T @ by)[0, 0]
+    return found[0], np.sqrt((rest * rest).sum(0) / (count - 3) * unit)
+
+
+def drawn(daemon, ocean, wind, setup, rows=None, first=0, values=None):
+    """{(sun, row): samples of sky x 3, sun, fresnel, tilts}, of all rows or
+    some, pictures from the first on, added to the values of an earlier call."""
+    random = np.random.default_rng([int(wind * 10) + 1, first])
+    values = {} if values is None else values
     change(daemon, {"views": None})
-    for i in range(setup["pictures"]):
+    for i in range(first, first + setup["pictures"]):
         views = row_views(setup["zeniths"], setup["slant"], random)
+        rows = rows or range(len(views))
+        views = [views[row] for row in rows]
         names = [view["name"] for view in views]
         change(daemon, {"views": views,
                         "sea": {"windSpeed": wind, "seed": 100 + i, "whitecaps": 0,
@@ -191,15 +227,15 @@ def drawn(daemon, ocean, wind, setup):
             change(daemon, {"sky": {"sunElevation": sun}})
             seen = pictures(ocean, names,
                             ["sky", "sun", "depth", "fresnel"], at=10.0 * i)
-            for row, view in enumerate(views):
+            for row, view in zip(rows, views):
                 values.setdefault((sun, row), []).append(
-                    row_means(seen[view["name"]], view["up"]))
-    return {key: (np.mean(v, 0), np.std(v, 0, ddof=1) / math.sqrt(len(v)))
-            for key, v in values.items()}
+                    row_means(seen[view["name"]], view["up"],
+                              setup["slant"]))
+    return values
 
 
-def traced(wind, spectrum, sky_path, setup):
-    """{row or "sea": {name: (mean, error)}}"""
+def traced(wind, spectrum, sky_path, setup, chosen=None, seed=1):
+    """{row or "sea": {name: (mean, error)}}; of all rows or some."""
     # Compass degrees run the other way round; waves run from where the wind
     # comes from to the other side.
     command = [os.path.join(BIN, "seatrace"), "--wind", wind, "--spectrum",
@@ -207,17 +243,44 @@ def traced(wind, spectrum, sky_path, setup):
                "--skies", sky_path, "--threads", setup["jobs"],
                "--realisations", setup["realisations"], "--rays",
                setup["rays"], "--facets", setup["facets"], "--chop",
-               setup["chop"]]
-    rows = "".join(f"{zenith} {-azimuth} {WIDE} {HIGH}\n"
-                   for zenith in setup["zeniths"]
-                   for azimuth in AZIMUTHS.values())
-    done = subprocess.run([str(word) for word in command], input=rows,
+               setup["chop"], "--seed", seed]
+    rows = [f"{zenith} {-azimuth} {WIDE} {HIGH}\n"
+            for zenith in setup["zeniths"] for azimuth in AZIMUTHS.values()]
+    chosen = list(range(len(rows)) if chosen is None else chosen)
+    done = subprocess.run([str(word) for word in command],
+                          input="".join(rows[row] for row in chosen),
                           stdout=subprocess.PIPE, text=True, check=True)
     found = {}
     for line in done.stdout.splitlines():
         row, name, mean, error = line.split()
+        row = row if row == "sea" else str(chosen[int(row)])
         found.setdefault(row, {})[name] = (float(mean), float(error))
     return found
+
+
+def join(found, more, share):
+    """Both traces, the second with a share of all rays."""
+    for row, figures in more.items():
+        if row != "sea":
+            for name, (mean, error) in figures.items():
+                before, spread = found[row][name]
+                found[row][name] = (
+                    before + share * (mean - before),
+                    math.hypot((1 - share) * spread, share * error))
+
+
+def open_rows(table):
+    """Places in `zeniths` by `AZIMUTHS` that have rows not yet decided, and
+    those of them for which the rays are the greater part of the noise."""
+    ours, rays = set(), set()
+    for i, row in enumerate(table):
+        for entry in (row["sky550"], row["sun550"]):
+            if entry["verdict"] == "open":
+                place = i // len(set(r["sun"] for r in table))
+                ours.add(place)
+                if entry["noise"] > 0.5 * entry["error"]:
+                    rays.add(place)
+    return sorted(ours), sorted(rays)
 
 
 # --- tables -----------------------------------------------------------------
@@ -245,11 +308,12 @@ def table_of(wind, setup, skies, ours, found, paper):
         for name in AZIMUTHS:
             theirs = found[str(index)]
             for s, sun in enumerate(skies):
-                mean, error = ours[sun, index]
+                mean, error = mean_of(ours[sun, index])
                 row = one_row(wind, zenith, name, s, sun, mean, error, theirs)
                 if paper:
-                    row["sky550"]["paper"] = paper[sun, index][0][1]
-                    row["sun550"]["paper"] = paper[sun, index][0][3]
+                    theirs_too = mean_of(paper[sun, index])[0]
+                    row["sky550"]["paper"] = theirs_too[1]
+                    row["sun550"]["paper"] = theirs_too[3]
                 rows.append(row)
             index += 1
     return rows
@@ -457,25 +521,33 @@ def main():
                         help="so many times the rays and facets")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--slant", type=float, default=2000)
+    parser.add_argument("--rounds", type=int, default=6,
+                        help="rays and pictures of rows that are still open, "
+                        "so many times at most")
+    for name in ("winds", "suns", "zeniths"):
+        parser.add_argument(f"--{name}", help="these alone, whole, with commas")
     parser.add_argument("--no-paper", action="store_true",
                         help="without the paper's form (so is --quick)")
     options = parser.parse_args()
     setup = {"winds": (2, 7, 12), "suns": (10, 35, 60),
              "zeniths": (30, 45, 60, 70, 75, 80, 85, 88), "pictures": 32,
              "papers": 8, "realisations": 16, "rays": 1000,
-             "facets": 500000,
+             "facets": 500000, "rounds": options.rounds,
              "slant": options.slant, "jobs": options.jobs,
              "chop": int(not options.linear)}
     if options.quick:
         setup |= {"winds": (2, 12), "suns": (10, 35),
                   "zeniths": (45, 70, 80, 88), "pictures": 4,
                   "realisations": 4, "rays": 500, "facets": 100000,
-                  "jobs": 1}
+                  "rounds": 1, "jobs": 1}
     if options.linear:  # a ray costs a twentieth
         setup["rays"] *= 8
         setup["facets"] *= 8
     setup["rays"] *= options.times
     setup["facets"] *= options.times
+    for name in ("winds", "suns", "zeniths"):
+        if text := getattr(options, name):
+            setup[name] = [int(word) for word in text.split(",")]
     os.nice(19 - os.nice(0))
     run(options, setup)
 
@@ -513,6 +585,17 @@ def run(options, setup):
             paper_form = as_paper(wind, setup)
             found = trace.result()
             new = table_of(wind, setup, skies, ours, found, paper_form)
+            for again in range(1, setup["rounds"]):
+                places, noisy = open_rows(new)
+                if not places:
+                    break
+                more = rays.submit(traced, wind, options.spectrum, path, setup,
+                                   noisy, again + 1) if noisy else None
+                drawn(daemon, ocean, wind, setup, places,
+                      again * setup["pictures"], ours)
+                if more:
+                    join(found, more.result(), 1 / (again + 1))
+                new = table_of(wind, setup, skies, ours, found, paper_form)
             if not rows:
                 show(HEAD)
             for row in new:
