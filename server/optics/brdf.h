@@ -3,9 +3,10 @@
  * pel_fresnel_exact and pel_glitter are what is drawn. Twins in
  * shaders/lib/ross.glsl: pel_fresnel_exact (facet_reflectance),
  * pel_ross_slope_density (slope_density), pel_ross_lambda of pel_ross_a
- * (smith_lambda_cos, times the cosine), pel_sharpened (sharpened), pel_ross_mean_fresnel (mean_fresnel),
- * pel_glitter (reflected_light), pel_seen_steeper, pel_escape (escape); in
- * shaders/probe.comp: pel_mean_fresnel (smith_fresnel). Any thread.
+ * (smith_lambda_cos, times the cosine), pel_sharpened (sharpened),
+ * pel_ross_mean_fresnel (mean_fresnel), pel_glitter (reflected_light),
+ * pel_seen_steeper, pel_escape (escape); in shaders/probe.comp:
+ * pel_mean_fresnel (smith_fresnel). Any thread.
  *
  * Directions are unit vectors in the surface's tangent frame: z the normal,
  * x along the wind. Slope variances are dimensionless. */
@@ -25,10 +26,10 @@ double pel_fresnel_schlick(double cos_theta, double n);
 /* What the displacement of water towards crests makes of the density of slopes,
  * over the normal one of the waves without it: steep and level facets are more,
  * those between fewer. A surface x + D(x) of Gaussian height and displacement
- * (the choppy waves of Nouguier, Guérin and Chapron 2009) has the slopes J⁻¹ζ on the area
- * |J|, J = 1 + ∇D, so that p(ζ) = E[|J|² p0(Jζ)]; here for waves of all
- * directions alike, whose ∇D has 3/8, 1/8 and 1/8 of fold · 4/3 times the slope
- * variance along, across and mixed, |J| by its mean where Jζ is met.
+ * (the choppy waves of Nouguier, Guérin and Chapron 2009) has the slopes J⁻¹ζ
+ * on the area |J|, J = 1 + ∇D, so that p(ζ) = E[|J|² p0(Jζ)]; here for waves of
+ * all directions alike, whose ∇D has 3/8, 1/8 and 1/8 of fold · 4/3 times the
+ * slope variance along, across and mixed, |J| by its mean where Jζ is met.
  * fold: 3/4 of the waves' squared chop (pel_sea_folding). var without a
  * light's disc, which widens what mirrors it alone. */
 double pel_sharpened(double zx, double zy, double var_x, double var_y,
