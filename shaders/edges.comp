@@ -50,7 +50,7 @@ layout(binding = PEL_IMAGE_SLOTS) writeonly uniform image2D slot_images[PEL_COMP
 
 void main()
 {
-    if (gl_GlobalInvocationID.x >= min(count, uint(edges.length()))) {
+    if (gl_GlobalInvocationID.x >= count) {
         return;
     }
     uvec2 edge = edges[gl_GlobalInvocationID.x];

@@ -22,16 +22,16 @@ layout(std430, binding = PEL_STORE_EDGES) restrict buffer edges_block {
 
 void main()
 {
-    if (gl_GlobalInvocationID.x >= min(suspect_count, uint(suspects.length()))) {
+    if (gl_GlobalInvocationID.x >= suspect_count) {
         return;
     }
     uint at = suspects[gl_GlobalInvocationID.x];
     vec2 parts = parts_of_neighbours(ivec2(at & 0xFFFFu, at >> 16));
     if (parts.x + parts.y > 0.0) {
         uint place = atomicAdd(count, 1u);
-        if (place < uint(edges.length())) {
-            atomicMax(groups[0], place / uint(PEL_GROUP_LINE) + 1u);
-            edges[place] = uvec2(at, packUnorm2x16(parts));
+        if (place % uint(PEL_GROUP_LINE) == 0u) {
+            atomicAdd(groups[0], 1u);
         }
+        edges[place] = uvec2(at, packUnorm2x16(parts));
     }
 }

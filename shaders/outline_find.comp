@@ -27,10 +27,8 @@ bool are_apart(uint a, uint b)
 
 void main()
 {
-    int i = int(gl_GlobalInvocationID.x);
-    int wide = region.z - region.x;
-    ivec2 first = region.xy + ivec2(i % wide, i / wide * PEL_OUTLINE_ROWS);
-    if (first.y >= region.w) {
+    ivec2 first = region.xy + ivec2(gl_GlobalInvocationID.xy) * ivec2(1, PEL_OUTLINE_ROWS);
+    if (first.x >= region.z) {
         return;
     }
     // Rings lie above each other in their order: what is within one at the ends
@@ -56,11 +54,11 @@ void main()
     if (found == 0u) {
         return;
     }
-    uint place = atomicAdd(count, uint(bitCount(found)));
+    // There is room for all pixels.
+    uint many = uint(bitCount(found));
+    uint place = atomicAdd(count, many);
+    atomicMax(groups[0], (place + many - 1u) / uint(PEL_GROUP_LINE) + 1u);
     for (; found != 0u; found &= found - 1u) {
-        if (place < uint(suspects.length())) {
-            atomicMax(groups[0], place / uint(PEL_GROUP_LINE) + 1u);
-            suspects[place++] = uint(first.y + findLSB(found)) << 16 | uint(first.x);
-        }
+        suspects[place++] = uint(first.y + findLSB(found)) << 16 | uint(first.x);
     }
 }

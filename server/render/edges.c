@@ -118,8 +118,8 @@ void pel_edges_list(const struct pel_programs *p, const struct pel_targets *t,
     tell_apart(mesh);
     glUniform4iv(PEL_OUTLINE_BLOCKS, 1, region);
     glUniform1i(PEL_OUTLINE_BLOCKS + 1, sideways);
-    glDispatchCompute(
-        (GLuint)(wide * down + PEL_GROUP_LINE - 1) / PEL_GROUP_LINE, 1, 1);
+    glDispatchCompute((GLuint)(wide + PEL_GROUP_LINE - 1) / PEL_GROUP_LINE,
+                      (GLuint)down, 1);
     glUseProgram(p->outline);
     pel_edges_tell_blocks(mesh, PEL_UNIFORM_BLOCK_COUNT, PEL_UNIFORM_BLOCKS,
                           PEL_UNIFORM_BASES);

@@ -30,14 +30,15 @@ static GLuint make_target(GLenum format, uint32_t width, uint32_t height,
     return texture;
 }
 
-/* A buffer of what edges.c dispatches by, and of entries: pixels, which are
- * never that many. */
-static GLuint make_list(uint32_t width, uint32_t height, const char *label)
+/* A buffer of what edges.c dispatches by, and of an entry for each pixel: what
+ * did not fit would depend on the order of threads. */
+static GLuint make_list(uint32_t width, uint32_t height, GLsizeiptr entry_bytes,
+                        const char *label)
 {
     GLuint list = 0;
     glCreateBuffers(1, &list);
-    glNamedBufferStorage(list, 16 + (GLsizeiptr)width * height * 8, NULL,
-                         GL_DYNAMIC_STORAGE_BIT);
+    glNamedBufferStorage(list, 16 + (GLsizeiptr)width * height * entry_bytes,
+                         NULL, GL_DYNAMIC_STORAGE_BIT);
     glObjectLabel(GL_BUFFER, list, -1, label);
     return list;
 }
@@ -101,8 +102,8 @@ void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
         glClearNamedBufferData(t->keys, GL_R32UI, GL_RED_INTEGER,
                                GL_UNSIGNED_INT, NULL);
         glObjectLabel(GL_BUFFER, t->keys, -1, "keys");
-        t->suspects = make_list(w, h / 2 + 1, "suspects");
-        t->edges = make_list(w, h / 2 + 1, "edges");
+        t->suspects = make_list(w, h, 4, "suspects");
+        t->edges = make_list(w, h, 8, "edges");
         t->depth_test = make_target(GL_DEPTH_COMPONENT32F, w, h, "depth test");
         make_plane(t, PEL_AT_RADIANCE);
         t->color = make_target(GL_RGBA8, w, h, "color");
