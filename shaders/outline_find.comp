@@ -35,9 +35,13 @@ void main()
     // is between them.
     ivec2 last = ivec2(size.xy) - 1;
     uint found = 0u;
+    const int HALF = PEL_OUTLINE_ROWS / 2;
     uint next = triangle_at(first - ivec2(0, 1));
-    bool cut = are_apart(next, triangle_at(min(first + ivec2(0, PEL_OUTLINE_ROWS), last)));
-    for (int y = 0; y <= PEL_OUTLINE_ROWS && (cut || sideways); y++) {
+    uint middle = triangle_at(min(first + ivec2(0, HALF - 1), last));
+    bool below = are_apart(next, middle) || sideways;
+    bool above = are_apart(middle, triangle_at(min(first + ivec2(0, PEL_OUTLINE_ROWS), last))) || sideways;
+    next = below ? next : middle;
+    for (int y = below ? 0 : HALF; y <= (above ? PEL_OUTLINE_ROWS : below ? HALF - 1 : -1); y++) {
         uint own = next;
         next = triangle_at(min(first + ivec2(0, y), last));
         found |= are_apart(own, next) ? 3u << y : 0u; // by one
