@@ -1,4 +1,5 @@
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 #include "ocean/foam.h"
@@ -10,24 +11,50 @@
 #define SIDE PEL_FOAM_GRAIN
 #define SEED 7u
 
-/* A lattice of `cells` a side, repeated. */
-static double lattice(uint32_t stream, int cells, int i, int j)
+/* Random numbers on lattices, repeated: what is read of each is within its tile
+ * or BESIDE cells beside it. */
+enum { BESIDE = 4, MOST_CELLS = 113 + 2 * BESIDE };
+
+struct lattice {
+    int cells;
+    double at[MOST_CELLS][MOST_CELLS]; /* from −BESIDE on */
+};
+
+enum { BENDS, PATCHES = 4, HOLES = 9, LATTICES = 15 };
+static const struct {
+    uint32_t stream;
+    int cells;
+} kinds[LATTICES] = {
+    { 20, 19 }, { 21, 47 }, { 22, 19 }, { 23, 47 },             /* bends */
+    { 10, 3 },  { 11, 7 },  { 12, 17 }, { 13, 41 }, { 14, 97 }, /* patches */
+    { 1, 17 },  { 2, 17 },  { 3, 43 },  { 4, 43 },              /* holes */
+    { 5, 113 }, { 6, 113 },
+};
+
+static void fill_lattice(int kind, struct lattice *l)
 {
-    i = (i % cells + cells) % cells;
-    j = (j % cells + cells) % cells;
-    return pel_hash01(SEED, stream, (uint32_t)(j * cells + i));
+    const int n = kinds[kind].cells;
+    l->cells = n;
+    for (int j = 0; j < n + 2 * BESIDE; j++) {
+        for (int i = 0; i < n + 2 * BESIDE; i++) {
+            int x = (i - BESIDE + 2 * n) % n, y = (j - BESIDE + 2 * n) % n;
+            l->at[j][i] =
+                pel_hash01(SEED, kinds[kind].stream, (uint32_t)(y * n + x));
+        }
+    }
 }
 
-/* Distance to the nearest of one point a cell, in cells. */
-static double to_nearest(uint32_t stream, int cells, double u, double v)
+/* Distance to the nearest of one point a cell, in cells; of two lattices. */
+static double to_nearest(const struct lattice *l, double u, double v)
 {
-    double x = u * cells, y = v * cells, best = 9;
+    double x = u * l->cells, y = v * l->cells, best = 9;
     int i0 = (int)floor(x), j0 = (int)floor(y);
     for (int j = j0 - 1; j <= j0 + 1; j++) {
         for (int i = i0 - 1; i <= i0 + 1; i++) {
-            double dx = i + lattice(stream, cells, i, j) - x;
-            double dy = j + lattice(stream + 1, cells, i, j) - y;
-            best = fmin(best, dx * dx + dy * dy);
+            double dx = i + l[0].at[j + BESIDE][i + BESIDE] - x;
+            double dy = j + l[1].at[j + BESIDE][i + BESIDE] - y;
+            double square = dx * dx + dy * dy;
+            best = square < best ? square : best;
         }
     }
     return sqrt(best);
@@ -38,33 +65,33 @@ static double smooth(double f)
     return f * f * f * (10.0 + f * (6.0 * f - 15.0));
 }
 
-/* Smooth noise of `cells` a side, −1..1. */
-static double noise(uint32_t stream, int cells, double u, double v)
+/* Smooth noise of a lattice, −1..1. */
+static double noise(const struct lattice *l, double u, double v)
 {
-    double x = u * cells, y = v * cells;
+    double x = u * l->cells, y = v * l->cells;
     int i = (int)floor(x), j = (int)floor(y);
     double f = smooth(x - i), g = smooth(y - j);
-    double a = lattice(stream, cells, i, j);
-    double b = lattice(stream, cells, i + 1, j);
-    double c = lattice(stream, cells, i, j + 1);
-    double d = lattice(stream, cells, i + 1, j + 1);
-    double low = a + f * (b - a), high = c + f * (d - c);
+    const double *down = &l->at[j + BESIDE][i + BESIDE],
+                 *up = down + MOST_CELLS;
+    double low = down[0] + f * (down[1] - down[0]);
+    double high = up[0] + f * (up[1] - up[0]);
     return 2.0 * (low + g * (high - low)) - 1.0;
 }
 
-static double raw(double u, double v)
+static double raw(const struct lattice *l, double u, double v)
 {
     /* Bent, or the holes would look like a lattice's. */
+    const struct lattice *bends = l + BENDS, *p = l + PATCHES, *h = l + HOLES;
     double bent_u =
-        u + 0.01 * noise(20, 19, u, v) + 0.004 * noise(21, 47, u, v);
+        u + 0.01 * noise(&bends[0], u, v) + 0.004 * noise(&bends[1], u, v);
     double bent_v =
-        v + 0.01 * noise(22, 19, u, v) + 0.004 * noise(23, 47, u, v);
-    double holes = 1.0 * to_nearest(1, 17, bent_u, bent_v) +
-                   1.0 * to_nearest(3, 43, bent_u, bent_v) +
-                   0.7 * to_nearest(5, 113, bent_u, bent_v);
-    double patches = 0.35 * noise(10, 3, u, v) + 0.35 * noise(11, 7, u, v) +
-                     0.3 * noise(12, 17, u, v) + 0.25 * noise(13, 41, u, v) +
-                     0.2 * noise(14, 97, u, v);
+        v + 0.01 * noise(&bends[2], u, v) + 0.004 * noise(&bends[3], u, v);
+    double holes = 1.0 * to_nearest(&h[0], bent_u, bent_v) +
+                   1.0 * to_nearest(&h[2], bent_u, bent_v) +
+                   0.7 * to_nearest(&h[4], bent_u, bent_v);
+    double patches = 0.35 * noise(&p[0], u, v) + 0.35 * noise(&p[1], u, v) +
+                     0.3 * noise(&p[2], u, v) + 0.25 * noise(&p[3], u, v) +
+                     0.2 * noise(&p[4], u, v);
     return patches - holes;
 }
 
@@ -94,22 +121,27 @@ static double quantile(double p)
 void pel_foam_grain(float (*out)[2])
 {
     struct ranked *order = malloc(sizeof *order * SIDE * SIDE);
+    struct lattice *lattices = malloc(sizeof *lattices * LATTICES);
+    bool whole = order && lattices;
+    for (int i = 0; i < LATTICES && whole; i++) {
+        fill_lattice(i, &lattices[i]);
+    }
     for (int i = 0; i < SIDE * SIDE; i++) {
         out[i][0] = 0;
         out[i][1] = 1;
-        if (order) {
+        if (whole) {
             double u = (i % SIDE + 0.5) / SIDE, v = (i / SIDE + 0.5) / SIDE;
-            order[i] = (struct ranked){ raw(u, v), i };
+            order[i] = (struct ranked){ raw(lattices, u, v), i };
         }
     }
-    if (!order) {
-        return; /* foam without structure */
-    }
-    qsort(order, SIDE * SIDE, sizeof *order, by_value);
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        double n = quantile((i + 0.5) / (SIDE * SIDE));
-        out[order[i].at][0] = (float)n;
-        out[order[i].at][1] = (float)(n * n);
+    free(lattices);
+    if (whole) { /* else foam without structure */
+        qsort(order, SIDE * SIDE, sizeof *order, by_value);
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            double n = quantile((i + 0.5) / (SIDE * SIDE));
+            out[order[i].at][0] = (float)n;
+            out[order[i].at][1] = (float)(n * n);
+        }
     }
     free(order);
 }
