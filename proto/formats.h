@@ -9,6 +9,7 @@
 enum pel_format_uses {
     PEL_FORMAT_LAYERS = 1 << 0,  /* linear, with layers; else 8-bit colour */
     PEL_FORMAT_QUALITY = 1 << 1, /* of FrameRequest */
+    PEL_FORMAT_TRUTH = 1 << 3,   /* no picture: of the id layer */
     PEL_FORMAT_QUICK = 1 << 2,   /* milliseconds; the others wait for it */
 };
 

@@ -54,6 +54,8 @@ struct pel_encode_input {
     uint32_t out_width, out_height; /* of the file; 0: as they are */
     int quality;                    /* 1..100 */
 
+    const char *text; /* ended by 0 */
+
     /* linear, by layers */
     bool float_samples; /* else half, rounded to nearest even */
     const struct pel_exr_layer *layers;
@@ -83,3 +85,6 @@ PEL_CHECK pel_encode pel_png_encode;
  * (OpenEXRCore). INVALID for no or too many (64) channels, a name twice. NaN
  * and infinity are kept. */
 PEL_CHECK pel_encode pel_exr_encode;
+
+/* The text as it is. INVALID without one. */
+PEL_CHECK pel_encode pel_text_encode;

@@ -98,6 +98,9 @@ static enum pel_err encode_bytes(const struct pel_encoder_pool *pool,
     if (format->uses & PEL_FORMAT_LAYERS) {
         return pel_picture_encode_layers(output, pool->device, encode, bytes);
     }
+    if (format->uses & PEL_FORMAT_TRUTH) {
+        return pel_picture_encode_truth(output, encode, bytes);
+    }
     const struct pel_encode_input input = {
         .width = p->width,
         .height = p->height,

@@ -171,3 +171,8 @@ void pel_frame_set_bytes(struct pel_frame *frame, struct pel_bytes *bytes);
 PEL_CHECK enum pel_err
 pel_picture_encode_layers(const struct pel_output *output, const char *device,
                           pel_encode *encode, struct pel_bytes *out);
+
+/* The same of what the draw shows of entities, as JSON of a FrameTruth. */
+PEL_CHECK enum pel_err pel_picture_encode_truth(const struct pel_output *output,
+                                                pel_encode *encode,
+                                                struct pel_bytes *out);

@@ -160,8 +160,10 @@ enum pel_err pel_request_check(struct pel_frames *frames,
 unsigned pel_request_layers(const Pelagos__FrameRequest *r)
 {
     const struct pel_format *format = pel_format_of(format_of(r));
-    return format && format->uses & PEL_FORMAT_LAYERS ? read_layers(r)
-                                                      : PEL_LAYER_COLOR;
+    unsigned uses = format ? format->uses : 0;
+    return uses & PEL_FORMAT_LAYERS  ? read_layers(r)
+           : uses & PEL_FORMAT_TRUTH ? PEL_LAYER_ID
+                                     : PEL_LAYER_COLOR;
 }
 
 unsigned pel_requests_free(const struct pel_frames *frames)

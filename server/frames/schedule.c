@@ -310,8 +310,7 @@ static void add_streams(struct pel_frames *frames, struct pel_job *job)
 static bool add_request(struct pel_frames *frames, struct pel_job *job,
                         struct pel_frame_request *r)
 {
-    bool linear = pel_format_of(r->format)->uses & PEL_FORMAT_LAYERS;
-    unsigned layers = linear ? r->layers : PEL_LAYER_COLOR;
+    const unsigned layers = r->layers;
     int view = pel_snapshot_find_view(job->snapshot, r->view);
     if (view < 0) {
         struct pel_fault fault;

@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from . import need
 from .errors import BadPicture, MissingPackage, ProtocolError
@@ -47,6 +48,8 @@ class Frame:
     def image(self) -> "NDArray[np.uint8]":
         """RGB, uint8, (height, width, 3), top row first. Of formats with 8
         bits; needs OpenCV or Pillow."""
+        if self.format == "json":
+            raise BadPicture("a frame of json has no pixels: use .truth()")
         if self.format in LINEAR_FORMATS:
             raise BadPicture(f"a frame of {self.format} has floats: use .exr()")
         return decode(self.data)
@@ -57,6 +60,14 @@ class Frame:
             raise BadPicture(f"a {self.format} frame has no layers; ask for "
                              "format='exr'")
         return read_exr(self.data)
+
+    def truth(self) -> "dict[str, Any]":
+        """What a json frame says of entities: FrameTruth of the schema."""
+        if self.format != "json":
+            raise BadPicture(f"a {self.format} frame has no truth; ask for "
+                             "format='json'")
+        truth: dict[str, Any] = json.loads(self.data)
+        return truth
 
     def save(self, path: "str | os.PathLike[str]") -> None:
         """Writes the file as it came."""

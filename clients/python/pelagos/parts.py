@@ -85,6 +85,12 @@ class ViewHandle(_Handle):
                                  time=time, quality=quality, layers=layers,
                                  float_samples=float_samples)
 
+    def truth(self, *, width: int | None = None, height: int | None = None,
+              time: float | None = None) -> "dict[str, Any]":
+        """What a picture shows of entities: FrameTruth of the schema."""
+        return self.frame("json", width=width, height=height,
+                          time=time).truth()
+
     def image(self, *, width: int | None = None, height: int | None = None,
               time: float | None = None) -> "NDArray[np.uint8]":
         """One picture without loss: RGB, uint8, (height, width, 3)."""

@@ -30,7 +30,7 @@ LAYERS = (
 )
 
 #: The formats of pictures, by their endings.
-FORMATS = ("jpg", "png", "exr")
+FORMATS = ("jpg", "png", "exr", "json")
 #: Those of them with layers of floats.
 LINEAR_FORMATS = ("exr",)
 
