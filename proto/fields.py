@@ -310,6 +310,10 @@ def write_python(schema, path):
             "#: Those of them with layers of floats.", "LINEAR_FORMATS = ("
             + "".join(f'"{row[1]}",' for row in formats()
                       if "PEL_FORMAT_LAYERS" in row[4]) + ")"]
+    out += ["#: What entities are, in the order of the layer `class`.",
+            "MODEL_CLASSES = ("]
+    out += [f'    "{name}",' for name, _, _ in schema.enums["ModelClass"][1]]
+    out += [")"]
     for name in python_order(schema, "State", []):
         doc, fields = schema.messages[name]
         out += ["", "", "@dataclass(frozen=True)", f"class {name}(Record):"]

@@ -22,6 +22,7 @@ from .exr import Exr, read_exr
 from .frame import Frame
 from .live import LiveFrame, LiveStream, VideoStream
 from .parts import EntityHandle, ViewHandle
+from .coco import Coco, positions_csv, shot
 from .schema import (FORMATS, LAYERS, Clock, Entity, Frustum, Origin, Sea, Sky,
                      State, Swell, View, Water)
 from .surface import Surface
@@ -29,11 +30,11 @@ from .surface import Surface
 __version__ = "0.1.0"
 
 __all__ = [
-    "BadPicture", "Busy", "Camera", "Clock", "Conflict", "Entity",
+    "BadPicture", "Busy", "Camera", "Clock", "Coco", "Conflict", "Entity",
     "EntityHandle", "Exr", "FORMATS", "Frame", "Frustum", "Internal", "Intrinsics",
     "Invalid", "LAYERS", "LiveFrame", "LiveStream", "Malformed",
     "MissingPackage", "NotFound", "Ocean", "Origin", "OutOfRange", "PelagosError",
     "ProtocolError", "Refused", "Sea", "Sky", "State", "Surface", "Swell",
     "TimedOut", "Unauthorized", "Unreachable", "VideoStream", "View", "ViewHandle",
-    "Water", "read_exr",
+    "Water", "positions_csv", "read_exr", "shot",
 ]

@@ -33,6 +33,41 @@ LAYERS = (
 FORMATS = ("jpg", "png", "exr", "json")
 #: Those of them with layers of floats.
 LINEAR_FORMATS = ("exr",)
+#: What entities are, in the order of the layer `class`.
+MODEL_CLASSES = (
+    "OTHER",
+    "CONTAINER_SHIP",
+    "TANKER",
+    "BULK_CARRIER",
+    "CARGO_SHIP",
+    "FERRY",
+    "CRUISE_SHIP",
+    "TUG",
+    "FISHING_BOAT",
+    "SAILING_YACHT",
+    "MOTOR_YACHT",
+    "PILOT_LAUNCH",
+    "PATROL_BOAT",
+    "WARSHIP",
+    "WORK_SHIP",
+    "RIB",
+    "USV",
+    "ROWING_BOAT",
+    "LATERAL_PORT",
+    "LATERAL_STARBOARD",
+    "CARDINAL_NORTH",
+    "CARDINAL_EAST",
+    "CARDINAL_SOUTH",
+    "CARDINAL_WEST",
+    "SAFE_WATER",
+    "SPECIAL_MARK",
+    "ISOLATED_DANGER",
+    "BEACON",
+    "LIGHT_FLOAT",
+    "LIFE_RAFT",
+    "LIFEBOAT",
+    "PERSON",
+)
 
 
 @dataclass(frozen=True)
