@@ -271,6 +271,40 @@ static void *map_buffer(struct pel_model_pool *pool, int which, GLenum format,
                                  GL_MAP_WRITE_BIT);
 }
 
+/* By area, of the triangles that lie under the waterline. */
+static void mean_paint(const struct pel_model *m, float out[3])
+{
+    double sum[3] = { 0 }, all = 0;
+    const struct pel_model_level *level = &m->levels[0];
+    for (size_t i = 0; i < level->part_count; i++) {
+        const struct pel_model_part *part = &level->parts[i];
+        const float *albedo = m->materials[part->material].albedo;
+        for (uint32_t k = part->first; k + 2 < part->first + part->count;
+             k += 3) {
+            const float *p[3];
+            for (int j = 0; j < 3; j++) {
+                p[j] = m->vertices[m->indices[k + (uint32_t)j]].position;
+            }
+            if (p[0][2] + p[1][2] + p[2][2] >= 0) {
+                continue;
+            }
+            struct pel_vec3 a = { p[1][0] - p[0][0], p[1][1] - p[0][1],
+                                  p[1][2] - p[0][2] };
+            struct pel_vec3 b = { p[2][0] - p[0][0], p[2][1] - p[0][1],
+                                  p[2][2] - p[0][2] };
+            struct pel_vec3 c = pel_vec3_cross(a, b);
+            double area = sqrt(pel_vec3_dot(c, c));
+            all += area;
+            for (int j = 0; j < 3; j++) {
+                sum[j] += area * (double)albedo[j];
+            }
+        }
+    }
+    for (int j = 0; j < 3; j++) {
+        out[j] = (float)(all > 0 ? sum[j] / all : 0);
+    }
+}
+
 static bool fill_hulls(struct pel_model_pool *pool)
 {
     float *texels = malloc(HULL_TEXELS * sizeof *texels);
@@ -325,6 +359,7 @@ static bool fill(struct pel_model_pool *pool)
         }
         vertex += (uint32_t)m->vertex_count;
         material += (uint32_t)m->material_count;
+        mean_paint(m, p->paint);
         p->plan[0] = (float)m->low.x;
         p->plan[1] = (float)m->low.y;
         p->plan[2] = (float)(1 / fmax(m->high.x - m->low.x, 1e-6));

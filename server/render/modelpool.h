@@ -13,7 +13,8 @@ struct pel_pool_model {
     const struct pel_model *model; /* a reference */
     uint32_t first_vertex, first_material;
     uint32_t first_triangle[PEL_MODEL_LEVELS];
-    float plan[4]; /* of its hull's texels: xy least, m; zw 1 / extent, 1/m */
+    float plan[4];  /* of its hull's texels: xy least, m; zw 1 / extent, 1/m */
+    float paint[3]; /* mean albedo of its hull under the waterline */
 };
 
 /* Zeroed before its first use. */

@@ -316,19 +316,37 @@ static bool box_mirrored(const struct pel_environment *env,
     return pixels_in(&r, c, out);
 }
 
-/* The sea that may lie in its shadow. */
+/* The sea through which its hull may be seen: a refracted ray goes at most
+ * REFRACTED times its depth aside. */
+#define REFRACTED 1.13
+static void widen_by_hull(const struct pel_environment *env,
+                          const struct pel_vec3 corners[8],
+                          const struct pel_camera *c, double eye_m,
+                          struct region *r)
+{
+    double waves = 3 * sqrt(env->sea->m0);
+    for (int i = 0; i < 8; i++) {
+        double aside = REFRACTED * fmax(-corners[i].z, 0);
+        for (int k = 0; k < 8; k++) {
+            struct pel_vec3 p = corners[i];
+            p.x += k & 1 ? aside : -aside;
+            p.y += k & 2 ? aside : -aside;
+            p.z = k & 4 ? waves : -waves;
+            widen(c, over_sphere(p, eye_m), r);
+        }
+    }
+}
+
+/* The sea that may lie in its shadow, or show its hull. */
 static bool box_shaded(const struct pel_environment *env,
                        const struct pel_vec3 corners[8],
                        const struct pel_camera *c, double eye_m, int out[4],
-                       float lattice[4])
+                       float lattice[4], float in_water[4])
 {
     const struct pel_vec3 to = env->lights[PEL_LIGHT_SUN].direction;
     double waves = 3 * sqrt(env->sea->m0);
     struct region r = NOWHERE;
-    if (to.z <= 0) {
-        return false;
-    }
-    for (int i = 0; i < 16; i++) {
+    for (int i = 0; i < (to.z > 0 ? 16 : 0); i++) {
         struct pel_vec3 p = corners[i / 2];
         double level = i % 2 ? waves : -waves;
         double length = pel_clamp((p.z - level) / to.z, -FARTHEST_SHADOW_M,
@@ -338,6 +356,10 @@ static bool box_shaded(const struct pel_environment *env,
         p.z = level;
         widen(c, over_sphere(p, eye_m), &r);
     }
+    struct region hull = NOWHERE;
+    widen_by_hull(env, corners, c, eye_m, &hull);
+    on_lattice(&hull, c, in_water);
+    widen_by_hull(env, corners, c, eye_m, &r);
     double edge = 0.1 * (r.right - r.left + r.high - r.low);
     r.left -= edge;
     r.right += edge;
@@ -428,11 +450,12 @@ static void plan_beside(struct pel_object_drawn *d,
     d->shades = d->mirrored = false;
     memset(d->in_mirror, 0, sizeof d->in_mirror);
     memset(d->in_shade, 0, sizeof d->in_shade);
+    memset(d->in_water, 0, sizeof d->in_water);
     if (rank < 0) {
         return;
     }
     corners_of(env, object, c, -HUGE_VAL, corners);
-    if (box_shaded(env, corners, c, eye_m, box, d->in_shade)) {
+    if (box_shaded(env, corners, c, eye_m, box, d->in_shade, d->in_water)) {
         mark_tiles(c, box, PEL_TILE_SHADE(rank), tiles);
         d->shades = true;
     }
@@ -563,6 +586,15 @@ static void look_from_sun(const struct pel_environment *env,
     out[2] = vec4(pel_vec3_scale(to, -half), 0.5);
 }
 
+/* 1/m: of light in the water, which turned forward goes on. */
+static float fade_of(const struct pel_environment *env, int i)
+{
+    const struct pel_water_body *w = &env->water;
+    double particles = fmax(w->scattering[i] - w->molecular[i], 0);
+    return (float)(w->absorption[i] + 0.5 * w->molecular[i] +
+                   w->back[i] * particles);
+}
+
 /* The texels of lib/model.glsl: placed_object, object_facts, in_hull. */
 static void place(const struct pel_objects *o,
                   const struct pel_environment *env, const struct pel_camera *c,
@@ -589,8 +621,13 @@ static void place(const struct pel_objects *o,
                                  (float)image->per_x, (float)image->per_y };
     memcpy(&out[12], d->in_mirror, sizeof out[12]);
     memcpy(&out[13], d->in_shade, sizeof out[13]);
+    memcpy(&out[17], d->in_water, sizeof out[17]);
     out[14] = (struct pel_vec4){ (float)image->middle_m,
                                  (float)mirrored_below(env), 0, 0 };
+    const float *paint = o->pool.models[d->model].paint;
+    out[15] = (struct pel_vec4){ fade_of(env, 0), fade_of(env, 1),
+                                 fade_of(env, 2), (float)object->model->low.z };
+    out[16] = (struct pel_vec4){ paint[0], paint[1], paint[2], 0 };
 }
 
 static void bind_places(struct pel_objects *o,

@@ -29,7 +29,8 @@ struct pel_object_drawn {
     int shadow_px; /* its side */
     bool mirrored;
     struct pel_mirror_view image;
-    float in_mirror[4], in_shade[4]; /* pixels of the lattice with either */
+    float in_mirror[4], in_shade[4], in_water[4]; /* pixels of the lattice with
+                                                  either, or the hull */
 };
 
 /* Zeroed before its first use. */

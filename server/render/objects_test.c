@@ -350,6 +350,56 @@ static void the_sea_begins_where_queries_say(void **state)
     pel_model_unref(model);
 }
 
+/* Radiance in red of sea in this picture, the mean over where it shows the
+ * sea in both. */
+static double red_of_sea(const struct kept *k, const struct kept *other)
+{
+    double sum = 0;
+    int count = 0;
+    for (size_t i = 0; i < (size_t)k->width * k->height; i++) {
+        if (k->id[i] == 0 && other->id[i] == 0) {
+            sum += (double)k->radiance[4 * i];
+            count++;
+        }
+    }
+    return sum / count;
+}
+
+/* A red hull, looked down on: in clear water its bottom is seen, and it adds
+ * red; in water that lets no light through it does not. */
+static void hulls_are_seen_through_the_water(void **state)
+{
+    (void)state;
+    test_sea(0.0, 0.0, 1, &sea);
+    const struct pel_model *model = model_of("fishing-boat");
+    const struct pel_object object = standing(model, 3, 0, 9, 0, 90);
+    struct pel_environment env = test_environment(&sea, 20.0);
+    env.lights[PEL_LIGHT_SUN].direction = test_sun(60.0, 180.0);
+    struct pel_camera c = test_camera(
+        (struct test_look){ 14.0, 0.0, -65.0, 0.0, 50.0, 240, 160 });
+    double found[2];
+    for (int dark = 0; dark < 2; dark++) {
+        for (int i = 0; dark && i < 3; i++) {
+            env.water.absorption[i] = 100;
+        }
+        env.objects = &object;
+        env.object_count = 1;
+        struct kept with = keep(test_draw(renderer, &env, &c, MASK_LAYERS));
+        env.object_count = 0;
+        struct kept without = keep(test_draw(renderer, &env, &c, MASK_LAYERS));
+        found[dark] = red_of_sea(&with, &with) - red_of_sea(&without, &with);
+        drop(&with);
+        drop(&without);
+    }
+    printf(
+        "red that a red hull adds to the sea beside it: %.2e; to black water "
+        "%.2e\n",
+        found[0], found[1]);
+    /* The boat's mirror image and shadow are in both. */
+    assert_true(found[0] > 1.1 * found[1]);
+    pel_model_unref(model);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -357,6 +407,7 @@ int main(void)
         cmocka_unit_test(pictures_of_objects_have_no_seam),
         cmocka_unit_test(the_mask_is_what_rays_meet),
         cmocka_unit_test(the_sea_begins_where_queries_say),
+        cmocka_unit_test(hulls_are_seen_through_the_water),
     };
     return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
 }

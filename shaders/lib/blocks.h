@@ -534,7 +534,7 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
  * octahedron; terms of its light by the normal. */
 #define PEL_OBJECT_VERTEX_TEXELS 2
 #define PEL_OBJECT_MATERIAL_TEXELS 2
-#define PEL_OBJECT_PLACE_TEXELS 15
+#define PEL_OBJECT_PLACE_TEXELS 18
 #define PEL_SURROUNDINGS_SIZE 64
 #define PEL_SURROUNDINGS_TERMS 9
 /* Hulls seen from below: texels along and across; height where there is none.

@@ -1,5 +1,5 @@
-// What objects do to the sea beside them: they stand in the mirrored rays, and
-// their shadow lies on it.
+// What objects do to the sea beside them: they stand in the mirrored rays, their
+// shadow lies on it, and their hulls are seen through it.
 #include "lib/model.glsl"
 #include "lib/shadow.glsl"
 
@@ -154,6 +154,8 @@ vec3 objects_for_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec2 axis,
     }
     return sum / max(all, 1e-9) + lost * sum_twice;
 }
+
+#include "lib/keel.glsl"
 
 float sun_on_sea(vec3 place)
 {
