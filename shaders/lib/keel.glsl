@@ -13,7 +13,7 @@ float hull_bottom(vec4 plan, float layer, vec2 at)
 // nowhere. A march over its plan, then halving.
 float hull_distance(vec4 plan, float layer, float low, vec3 p, vec3 d)
 {
-    const int STEPS = 16;
+    const int STEPS = 10;
     vec2 inverse = 1.0 / mix(vec2(1e-6), d.xy, greaterThan(abs(d.xy), vec2(1e-6)));
     vec2 a = (plan.xy - p.xy) * inverse;
     vec2 b = (plan.xy + 1.0 / plan.zw - p.xy) * inverse;
