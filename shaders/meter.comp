@@ -72,6 +72,15 @@ vec3 sample_window(int k)
     return vec3(log2(bright), bright2 * bright2, 1.0) * weight;
 }
 
+// Twin of pel_meter_mean, in log2; under water the light on the sea is not the
+// light there.
+float meter_mean(float mean, float level)
+{
+    float matt = log2(PEL_METER_MATT * max(level, 1e-6));
+    float day = clamp(log2(max(level, 1e-6) / PEL_METER_DULL) / 3.0, 0.0, 1.0);
+    return lut.y > 0.5 ? mean : mix(mean, matt, PEL_METER_INCIDENT * day);
+}
+
 // Twin of pel_meter_ev.
 float meter_ev(float mean, float high, float level)
 {
@@ -116,7 +125,8 @@ void main()
     if (lane == 0) {
         vec3 all = partial[0] / max(partial[0].z, 1.0);
         float high = 0.25 * log2(max(all.y, 1e-24));
-        float ev = samples > 0 ? meter_ev(all.x, high, incident.x) : meter.y;
+        float mean = meter_mean(all.x, incident.x);
+        float ev = samples > 0 ? meter_ev(mean, high, incident.x) : meter.y;
         out_exposure = vec4(ev, all.x, high, 0.0);
         vec3 balance = meter.z == float(PEL_TONE_LINEAR)
                            ? vec3(1.0)

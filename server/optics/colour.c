@@ -137,6 +137,14 @@ void pel_tone_filmic(const double exposed[3], double out[3])
     }
 }
 
+double pel_meter_mean(double mean, double level_lx)
+{
+    double level = fmax(level_lx, 1e-6);
+    double day = fmin(fmax(log2(level / PEL_METER_DULL) / 3.0, 0), 1);
+    double share = PEL_METER_INCIDENT * day;
+    return pow(mean, 1.0 - share) * pow(PEL_METER_MATT * level, share);
+}
+
 double pel_meter_ev(double mean, double high, double level_lx)
 {
     double key = PEL_METER_KEY * pow(1.03 - 2.0 / (2.0 + log10(mean + 1.0)),

@@ -32,6 +32,11 @@ double pel_tone_curve(double x);
  * stays; less saturated the more light there is. */
 void pel_tone_filmic(const double exposed[3], double out[3]);
 
+/* What an eye adapts to [cd/m²]: the geometric mean of the luminances that a
+ * view shows, and by day, by PEL_METER_INCIDENT, that of a matt surface under
+ * the light on the level plane [lx], which looking around does not change. */
+double pel_meter_mean(double mean, double level_lx);
+
 /* EV100 for a meter's geometric mean of luminances and their fourth-power mean
  * [cd/m²], and the illuminance of the level plane [lx]: the mean is shown at a
  * key that falls with it (Krawczyk, Myszkowski and Seidel 2005, eq. 11, to

@@ -130,6 +130,11 @@ static void test_meter(void **state)
     assert_near(pel_meter_ev(1e6, 1e6, PEL_METER_SUNLIGHT), PEL_METER_MOST,
                 1e-12);
     assert_near(pel_meter_ev(1e-9, 1e-9, 0), PEL_METER_LEAST, 1e-12);
+    /* A sky that brightens by 5 % as the light on the sea falls by 12 %. */
+    assert_true(pel_meter_mean(1050, 44e3) < pel_meter_mean(1000, 5e4));
+    assert_near(pel_meter_mean(PEL_METER_MATT * 5e4, 5e4), PEL_METER_MATT * 5e4,
+                1e-9);
+    assert_near(pel_meter_mean(3, 5), 3, 1e-12); /* dusk */
 }
 
 /* All that is scattered arrives somewhere. */
