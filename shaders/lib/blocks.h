@@ -268,11 +268,11 @@ struct pel_vec4 {
 /* What is made of them (pel_meter_ev). */
 #define PEL_METER_KEY 0.25
 #define PEL_METER_KEY_POWER 1.1
-#define PEL_METER_INCIDENT                                                     \
-    0.3                      /* of the adaptation by light on the sea, from    \
-                              */
-#define PEL_METER_DULL 5e3   /* none at, lx, three stops on */
-#define PEL_METER_MATT 0.035 /* luminance that counts for 1 lx */
+/* The light on the sea counts for so much of the adaptation, from three stops
+ * above DULL lx on, none below; MATT: the luminance that stands for 1 lx. */
+#define PEL_METER_INCIDENT 0.3
+#define PEL_METER_DULL 5e3
+#define PEL_METER_MATT 0.035
 #define PEL_METER_HIGH 2.5
 #define PEL_METER_LEAST -8.0
 #define PEL_METER_MOST 14.45 /* in SUNLIGHT lx */
