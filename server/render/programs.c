@@ -218,6 +218,10 @@ enum pel_err pel_programs_need_edges(struct pel_programs *all,
         err = pel_program_create(all->shader_dir, "outline.comp", NULL, keys,
                                  &all->outline, fault);
     }
+    if (err == PEL_OK && all->compute && !all->clear_keys) {
+        err = pel_program_create(all->shader_dir, "clear.comp", NULL, NULL,
+                                 &all->clear_keys, fault);
+    }
     for (int tile = 0; tile < (coast ? PEL_COAST_TILES : 1) && err == PEL_OK;
          tile++) {
         err = make_edges_program(all, sea, kind, (enum pel_coast_tile)tile,
@@ -256,6 +260,7 @@ void pel_programs_finish(struct pel_programs *p)
     glDeleteProgram(p->tone);
     glDeleteProgram(p->outline_find);
     glDeleteProgram(p->outline);
+    glDeleteProgram(p->clear_keys);
     for (int i = 0; i < PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->backdrop[i]);
         glDeleteProgram(p->disc[i]);

@@ -41,6 +41,7 @@ struct pel_programs {
     bool automatic; /* not chosen by an option: may fall back to fragments */
     GLuint surface, search, tone;
     GLuint outline_find, outline;     /* in compute with either wrapper */
+    GLuint clear_keys;                /* after outlines, in compute */
     GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
     GLuint disc[PEL_SHADE_COUNT];     /* and with it */
     struct pel_sea_programs trochoids, cascades;

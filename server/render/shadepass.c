@@ -220,8 +220,6 @@ bool pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
 void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
                           const struct pel_sea_programs *p, unsigned asked)
 {
-    const GLsizeiptr keys = (GLsizeiptr)(c->width + 2 * (uint32_t)r->margin) *
-                            (GLsizeiptr)(c->height + 2 * (uint32_t)r->margin);
     int wanted = asked & PEL_LAYER_RADIANCE ? PEL_WANTS_RADIANCE : 0;
     wanted |= asked & PEL_LAYER_COLOR ? PEL_WANTS_COLOR : 0;
     struct pel_pass pass = pel_pass_first(asked, true);
@@ -232,8 +230,11 @@ void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
     } while (pel_pass_next(&pass, true));
     if (r->margin) {
         draw_edges(r, c, p, asked, wanted);
-        glClearNamedBufferSubData(r->targets.keys, GL_R32UI, 0, keys * 4,
-                                  GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
+        glUseProgram(r->programs.clear_keys);
+        glDispatchCompute(
+            pel_groups((int)c->width + 2 * r->margin, PEL_GROUP_LINE),
+            (GLuint)c->height + 2 * (GLuint)r->margin, 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
 }
 
