@@ -46,6 +46,14 @@ def layers_glsl(table):
         out += [f"    sum.{name} += weight * s.{name};"
                 for _, name, _, of in rows if of == source and name in light]
         out += ["#endif"]
+    out += ["}", "", "// Puts other light in its place.",
+            "void take_light(inout shaded s, shaded light)", "{",
+            "    s.radiance = light.radiance;"]
+    for source, guard in guards:
+        out += [f"#ifdef {guard}"]
+        out += [f"    s.{name} = light.{name};"
+                for _, name, _, of in rows if of == source and name in light]
+        out += ["#endif"]
     out += ["}", "", "// Without any layer but this.",
             "shaded only_light(vec3 radiance)", "{", "    shaded s;",
             "    s.radiance = radiance;"]

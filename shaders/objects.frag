@@ -1,6 +1,7 @@
 #version 450 core
-// The objects of a picture, where object.frag found them; in tiles with land
-// that stands nearer, not.
+// The objects of a picture: the light of their samples, or layers of what
+// pixels' middles show (object.frag); in tiles with land that stands nearer,
+// not.
 #include "lib/blocks.h"
 #ifdef PEL_LAND
 #ifdef PEL_FFT
@@ -23,15 +24,32 @@
 #include "lib/tone.glsl"
 #include "lib/outputs.glsl"
 
+#ifdef PEL_SAMPLED
+// Over what is behind it, by the share of the pixel that it covers.
+void main()
+{
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    float cover;
+    shaded s = shade_samples(at, cover);
+    if (cover == 0.0) {
+        discard;
+    }
+    radiance_out = vec4(s.radiance, cover);
+#ifdef PEL_LAYERS
+    for (int i = 0; i < PEL_FRAGMENT_SLOTS; i++) {
+        slot_out[i] = vec4(layer_of(s, slots[i]).rgb, cover);
+    }
+#endif
+}
+#else
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
     uvec2 seen = texelFetch(objects, at, 0).rg;
-#ifdef PEL_LAND
-    if (!object_in_sight(at, seen)) {
+    vec3 ray = pixel_ray(lattice(at));
+    if (!object_in_sight(ray, seen)) {
         discard;
     }
-#endif
-    shaded s = shade_object(at, seen);
-    write_outputs(s, at);
+    write_outputs(shade_object(ray, seen), at);
 }
+#endif

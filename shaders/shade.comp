@@ -57,21 +57,42 @@ void main()
     int place = at.y * int(size.x) + at.x;
     uint key = keys[place];
     uint triangle = 0xFFFFFFFFu - key;
-    shaded s;
+    shaded s = only_light(vec3(0.0));
+    float behind = 1.0;
 #ifdef PEL_OBJECTS
+    float cover;
+    shaded nearer = shade_samples(at, cover);
+    behind = 1.0 - cover;
+    bool middle = true;
+#ifdef PEL_LAYERS
     uvec2 seen = texelFetch(objects, at, 0).rg;
-    if (object_in_sight(at, seen)) {
-        s = shade_object(at, seen);
-    } else
+    vec3 ray = pixel_ray(lattice(at));
+    middle = object_in_sight(ray, seen);
 #endif
+    if (behind > 0.0 || !middle)
+#endif
+    {
 #ifdef PEL_LAND
-    s = shade_coast(at, key == 0u ? 0u : triangle);
+        s = shade_coast(at, key == 0u ? 0u : triangle);
 #else
-    if (key == 0u) {
-        s = shade_backdrop(at);
-    } else {
-        s = shade_sea(at, triangle);
+        if (key == 0u) {
+            s = shade_backdrop(at);
+        } else {
+            s = shade_sea(at, triangle);
+        }
+#endif
     }
+#ifdef PEL_OBJECTS
+    // Light is mixed; the rest is the middle's.
+    shaded light = only_light(vec3(0.0));
+    add_light(light, s, behind);
+    add_light(light, nearer, 1.0);
+#ifdef PEL_LAYERS
+    if (middle) {
+        s = shade_object(ray, seen);
+    }
+#endif
+    take_light(s, light);
 #endif
     if ((wanted & PEL_LAST_PASS) != 0) {
         keys[place] = 0u;

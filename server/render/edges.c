@@ -151,3 +151,21 @@ bool pel_edges_pass(const struct pel_pass *whole, struct pel_pass *light)
     }
     return used > 0 || whole->first;
 }
+
+bool pel_edges_rest(const struct pel_pass *whole, struct pel_pass *rest)
+{
+    const unsigned of_light = pel_layers_of_light();
+    *rest = *whole;
+    rest->layers = 0;
+    rest->first = false;
+    int used = 0;
+    for (int i = 0; i < PEL_FRAGMENT_SLOTS; i++) {
+        int layer = whole->layer[i];
+        rest->layer[i] = -1;
+        if (layer >= 0 && !(of_light & pel_layer_table[layer].bit)) {
+            rest->layer[used++] = layer;
+            rest->layers |= 1U << layer;
+        }
+    }
+    return used > 0;
+}

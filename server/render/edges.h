@@ -36,3 +36,6 @@ void pel_edges_draw(const struct pel_targets *t, GLuint program,
 /* The part of a pass that is light: other layers keep what the middle of each
  * pixel shows. False: it has none. */
 bool pel_edges_pass(const struct pel_pass *whole, struct pel_pass *light);
+
+/* The other part of it. False: there is none. */
+bool pel_edges_rest(const struct pel_pass *whole, struct pel_pass *rest);

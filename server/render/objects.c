@@ -52,11 +52,10 @@ void pel_objects_finish(struct pel_objects *o)
     glDeleteProgram(o->ambient_program);
     glDeleteProgram(o->raster);
     glDeleteProgram(o->raster_keys);
-    for (int i = 0; i < PEL_SHADE_COUNT; i++) {
-        glDeleteProgram(o->shade[i]);
-        glDeleteProgram(o->behind_land[0][i]);
-        glDeleteProgram(o->behind_land[1][i]);
+    for (int i = 0; i < 6 * PEL_SHADE_COUNT; i++) {
+        glDeleteProgram(o->shade[0][0][i]);
     }
+    pel_samples_finish(&o->samples);
     *o = (struct pel_objects){ 0 };
 }
 
@@ -98,6 +97,24 @@ static void make_shadows(struct pel_objects *o)
     }
 }
 
+static enum pel_err need_shading(struct pel_objects *o,
+                                 const struct pel_programs *p, bool sampled,
+                                 int land, enum pel_shading kind,
+                                 struct pel_fault *fault)
+{
+    GLuint *program = &o->shade[sampled][land][kind];
+    char defines[160];
+    snprintf(defines, sizeof defines, "%s%s%s%s%s", pel_shading_defines(kind),
+             sampled ? "#define PEL_SAMPLED\n" : "",
+             land ? "#define PEL_LAND\n" : "",
+             land == 2 ? "#define PEL_FFT\n" : "",
+             land && !p->software ? "#define PEL_EXACT_TEXELS\n" : "");
+    return *program
+               ? PEL_OK
+               : pel_program_create(p->shader_dir, "screen.vert",
+                                    "objects.frag", defines, program, fault);
+}
+
 enum pel_err pel_objects_need(struct pel_objects *o,
                               const struct pel_environment *env,
                               const struct pel_programs *p,
@@ -105,25 +122,21 @@ enum pel_err pel_objects_need(struct pel_objects *o,
 {
     enum pel_err err = pel_model_pool_fit(&o->pool, env, fault);
     GLuint *raster = p->compute ? &o->raster_keys : &o->raster;
-    if (err == PEL_OK && !*raster) {
+    bool middles = kind >= PEL_SHADE_LAYERS;
+    if (err == PEL_OK && middles && !*raster) {
         err = pel_program_create(p->shader_dir, "object.vert", "object.frag",
                                  p->compute ? "#define PEL_KEYS\n" : NULL,
                                  raster, fault);
     }
-    if (err == PEL_OK && !p->compute && !o->shade[kind]) {
-        err = pel_program_create(p->shader_dir, "screen.vert", "objects.frag",
-                                 pel_shading_defines(kind), &o->shade[kind],
-                                 fault);
+    if (err == PEL_OK) {
+        err = pel_samples_need(&o->samples, p, fault);
     }
-    bool fft = env->sea->cascades != NULL;
-    GLuint *land = &o->behind_land[fft][kind];
-    if (err == PEL_OK && !p->compute && env->seabed && !*land) {
-        char defines[128];
-        snprintf(defines, sizeof defines, "%s%s#define PEL_LAND\n%s",
-                 pel_shading_defines(kind), fft ? "#define PEL_FFT\n" : "",
-                 p->software ? "" : "#define PEL_EXACT_TEXELS\n");
-        err = pel_program_create(p->shader_dir, "screen.vert", "objects.frag",
-                                 defines, land, fault);
+    const int land = env->sea->cascades ? 2 : 1;
+    for (int k = 0; k < 4 && err == PEL_OK && !p->compute; k++) {
+        bool sampled = k & 1, wanted = sampled || middles;
+        if (wanted && (k < 2 || env->seabed)) {
+            err = need_shading(o, p, sampled, k < 2 ? 0 : land, kind, fault);
+        }
     }
     if (err == PEL_OK && !o->surroundings_program) {
         err = pel_program_create(p->shader_dir, "surroundings.comp", NULL, NULL,
@@ -147,11 +160,11 @@ enum pel_err pel_objects_need(struct pel_objects *o,
     return err;
 }
 
-GLuint pel_objects_program(const struct pel_objects *o, unsigned tile,
-                           enum pel_shading kind, bool fft)
+GLuint pel_objects_program(const struct pel_objects *o, bool sampled,
+                           unsigned tile, enum pel_shading kind, bool fft)
 {
-    return (tile & PEL_TILE_COAST) == PEL_COAST_LAND ? o->behind_land[fft][kind]
-                                                     : o->shade[kind];
+    bool land = (tile & PEL_TILE_COAST) == PEL_COAST_LAND;
+    return o->shade[sampled][land ? 1 + fft : 0][kind];
 }
 
 void pel_objects_use(unsigned tile)
@@ -716,18 +729,13 @@ static void draw_mirrored(struct pel_objects *o)
     glBindTextureUnit(PEL_UNIT_MIRROR_DEPTHS, o->mirrors.away);
 }
 
-void pel_objects_raster(struct pel_objects *o,
-                        const struct pel_environment *env,
-                        const struct pel_camera *camera,
-                        const struct pel_block_view *view,
-                        struct pel_arena *arena, bool keys)
+/* What the middles of pixels show. */
+static void draw_middles(struct pel_objects *o, GLsizei width, GLsizei height,
+                         bool keys)
 {
     static const GLfloat far_away = 0.0f;
     static const GLuint none[4] = { 0 };
-    GLsizei width = (GLsizei)view->size.x, height = (GLsizei)view->size.y;
     fit_targets(o, (uint32_t)width, (uint32_t)height);
-    bind_places(o, env, camera, arena);
-    pel_model_pool_bind(&o->pool);
     glDepthMask(GL_TRUE);
     glScissor(0, 0, width, height);
     glEnable(GL_SCISSOR_TEST);
@@ -737,17 +745,41 @@ void pel_objects_raster(struct pel_objects *o,
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
     glUseProgram(keys ? o->raster_keys : o->raster);
+}
+
+static void draw_seen(struct pel_objects *o, const struct pel_block_view *view)
+{
     open_window(view);
     for (int i = 0; i < o->drawn_count; i++) {
         if (o->drawn[i].seen) {
             draw_object(o, i);
         }
     }
+}
+
+void pel_objects_raster(struct pel_objects *o,
+                        const struct pel_environment *env,
+                        const struct pel_camera *camera,
+                        const struct pel_block_view *view, const GLint box[4],
+                        struct pel_arena *arena, bool keys, bool middles)
+{
+    GLsizei width = (GLsizei)view->size.x, height = (GLsizei)view->size.y;
+    bind_places(o, env, camera, arena);
+    pel_model_pool_bind(&o->pool);
+    if (middles) {
+        draw_middles(o, width, height, keys);
+        draw_seen(o, view);
+        glBindTextureUnit(PEL_UNIT_OBJECTS, o->seen);
+    }
+    pel_samples_begin(&o->samples, width, height, box);
+    draw_seen(o, view);
+    pel_samples_sight(&o->samples, box);
+    glEnable(GL_SCISSOR_TEST);
+    glEnable(GL_DEPTH_TEST);
+    glDepthMask(GL_TRUE);
     draw_shadows(o);
     draw_mirrored(o);
-    glViewport(0, 0, width, height);
     glDisable(GL_SCISSOR_TEST);
     glDisable(GL_DEPTH_TEST);
     glDepthMask(GL_FALSE);
-    glBindTextureUnit(PEL_UNIT_OBJECTS, o->seen);
 }

@@ -14,6 +14,7 @@
 #include "render/modelpool.h"
 #include "render/programs.h"
 #include "render/renderer.h"
+#include "render/samples.h"
 #include "render/sky.h"
 
 #define PEL_OBJECT_SHADOWS 8
@@ -42,8 +43,10 @@ struct pel_objects {
     bool light_made;
     GLuint surroundings_program, ambient_program;
     GLuint raster, raster_keys; /* the sea from a texture, from keys */
-    /* As fragments; where land may hide them, in seas of either kind. */
-    GLuint shade[PEL_SHADE_COUNT], behind_land[2][PEL_SHADE_COUNT];
+    /* As fragments: what middles show, light of samples; without land that
+     * may hide them, in seas of either kind. */
+    GLuint shade[2][3][PEL_SHADE_COUNT];
+    struct pel_samples samples;
     struct pel_mirrors mirrors;
     GLuint shadow_program, shadows, shadow_fbos[PEL_OBJECT_SHADOWS];
     uint32_t width, height;
@@ -63,10 +66,10 @@ PEL_CHECK enum pel_err pel_objects_need(struct pel_objects *o,
                                         enum pel_shading kind,
                                         struct pel_fault *fault);
 
-/* What shades the objects of a tile as fragments; `fft`: in a sea of cascades.
- */
-GLuint pel_objects_program(const struct pel_objects *o, unsigned tile,
-                           enum pel_shading kind, bool fft);
+/* What shades the objects of a tile as fragments: the light of their samples,
+ * or what pixels' middles show; `fft`: in a sea of cascades. */
+GLuint pel_objects_program(const struct pel_objects *o, bool sampled,
+                           unsigned tile, enum pel_shading kind, bool fft);
 
 /* Tells the program in use what objects do to the sea of a tile. */
 void pel_objects_use(unsigned tile);
@@ -86,9 +89,10 @@ void pel_objects_light(struct pel_objects *o, const struct pel_sky *sky);
 /* Rasterises what was planned over the sea's triangles (of targets.triangles,
  * bound to its unit, or the keys), and binds what shading reads. Blocks `eye`
  * and `view` are bound, *view is the latter; the camera is the whole picture's.
- */
+ * `box`: pixels of the picture being drawn that may show any; `middles`: what
+ * the middles of pixels show is asked for. Leaves the viewport changed. */
 void pel_objects_raster(struct pel_objects *o,
                         const struct pel_environment *env,
                         const struct pel_camera *camera,
-                        const struct pel_block_view *view,
-                        struct pel_arena *arena, bool keys);
+                        const struct pel_block_view *view, const GLint box[4],
+                        struct pel_arena *arena, bool keys, bool middles);

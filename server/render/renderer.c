@@ -289,6 +289,15 @@ static void bind_waves(struct pel_renderer *r,
     }
 }
 
+/* Objects as fragments are mixed with what is behind them in radiance. */
+static unsigned to_shade(const struct pel_renderer *r,
+                         const struct pel_environment *env, unsigned asked)
+{
+    return env->object_count && !r->programs.compute
+               ? asked | PEL_LAYER_RADIANCE
+               : asked;
+}
+
 /* Objects are rasterised without a margin, and hide outlines. */
 static bool draws_edges(const struct pel_renderer *r,
                         const struct pel_environment *env,
@@ -402,7 +411,11 @@ static void draw_pixels(struct pel_renderer *r,
     if (r->any_objects) {
         glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
         pel_objects_light(&r->objects, &r->sky);
-        pel_objects_raster(&r->objects, env, whole, &view, &r->arena, compute);
+        GLint box[4];
+        pel_shade_box(r, c, box);
+        pel_objects_raster(&r->objects, env, whole, &view, box, &r->arena,
+                           compute, pel_shade_middles(asked));
+        glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
     }
     pel_stage_end(&r->timing, PEL_STAGE_RASTER);
     bool toned = compute;
@@ -426,7 +439,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     camera.altitude_m -= env->sea_level_m;
     const struct pel_camera *c = &camera;
     struct pel_band band = pel_band_of(draw);
-    draw_pixels(r, env, c, band, draw->layers);
+    draw_pixels(r, env, c, band, to_shade(r, env, draw->layers));
     if (env->stale && draw->layers & PEL_LAYER_COLOR) {
         pel_mark_stale(r->targets.color_fbo, c->width, c->height, band.first,
                        band.rows, r->margin, env->stale);
@@ -499,7 +512,8 @@ static enum pel_err need_programs(struct pel_renderer *r,
         bool compute;
         do { /* once more where it turned to fragments meanwhile */
             compute = r->programs.compute;
-            struct pel_pass pass = pel_pass_first(draws[i].layers, compute);
+            struct pel_pass pass =
+                pel_pass_first(to_shade(r, env, draws[i].layers), compute);
             do {
                 err = pel_programs_need(&r->programs, env->sea, pass.kind,
                                         coast, objects, &fault);

@@ -66,25 +66,44 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
     }
 }
 
-/* Where object.frag found objects: the depth test is theirs. */
 static void shade_objects(struct pel_renderer *r, const struct pel_camera *c,
-                          const struct pel_pass *pass, bool fft)
+                          const struct pel_pass *pass, bool sampled, bool fft)
 {
-    GLuint fbo = pel_targets_attach(&r->targets, pass);
-    glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT, r->objects.depth, 0);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER,
+                      pel_targets_attach(&r->targets, pass));
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
         if (run.tile & PEL_TILE_OBJECTS) {
-            glScissor(run.x, run.y, run.width, run.height);
-            glUseProgram(
-                pel_objects_program(&r->objects, run.tile, pass->kind, fft));
+            glScissor(r->margin + run.x, r->margin + run.y, run.width,
+                      run.height);
+            glUseProgram(pel_objects_program(&r->objects, sampled, run.tile,
+                                             pass->kind, fft));
             pel_pass_use(pass);
             glDrawArrays(GL_TRIANGLES, 0, 3);
         }
     }
     glDisable(GL_SCISSOR_TEST);
-    glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT, r->targets.depth_test,
-                              0);
+}
+
+/* Objects over what is behind them: their light by the share of each pixel that
+ * they cover, other layers where its middle shows one. */
+static void put_objects(struct pel_renderer *r, const struct pel_camera *c,
+                        const struct pel_sea_programs *p,
+                        const struct pel_pass *pass)
+{
+    bool fft = p == &r->programs.cascades || p == &r->programs.foamy[0][1] ||
+               p == &r->programs.foamy[1][1];
+    struct pel_pass light;
+    glDisable(GL_DEPTH_TEST);
+    if (pel_edges_pass(pass, &light)) {
+        glEnable(GL_BLEND);
+        glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+        shade_objects(r, c, &light, true, fft);
+        glDisable(GL_BLEND);
+    }
+    if (pel_edges_rest(pass, &light)) {
+        shade_objects(r, c, &light, false, fft);
+    }
 }
 
 /* Sea where the surface was drawn, sky where it was not: the depth test
@@ -115,6 +134,9 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
         }
     }
     glDepthFunc(GL_LESS);
+    if (r->any_objects) {
+        glDepthRangef(PEL_HIDDEN_DEPTH, PEL_HIDDEN_DEPTH);
+    }
     if (r->any_coast || r->any_objects) {
         shade_tiles(r, c, p, pass);
     } else {
@@ -122,13 +144,34 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
         pel_pass_use(pass);
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
-    if (r->any_objects) {
-        shade_objects(r, c, pass,
-                      p == &r->programs.cascades ||
-                          p == &r->programs.foamy[0][1] ||
-                          p == &r->programs.foamy[1][1]);
-    }
+    glDepthRangef(0.0f, 1.0f);
     glDisable(GL_DEPTH_TEST);
+}
+
+bool pel_shade_middles(unsigned asked)
+{
+    return pel_layers_stored(asked) &
+           ~(pel_layers_of_light() | PEL_LAYER_COLOR);
+}
+
+void pel_shade_box(const struct pel_renderer *r, const struct pel_camera *c,
+                   GLint box[4])
+{
+    GLint low[2] = { (GLint)c->width, (GLint)c->height }, high[2] = { 0, 0 };
+    for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
+        if (run.tile & PEL_TILE_OBJECTS) {
+            low[0] = run.x < low[0] ? run.x : low[0];
+            low[1] = run.y < low[1] ? run.y : low[1];
+            high[0] = run.x + run.width > high[0] ? run.x + run.width : high[0];
+            high[1] =
+                run.y + run.height > high[1] ? run.y + run.height : high[1];
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        bool any = high[i] > low[i];
+        box[i] = any ? r->margin + low[i] : 0;
+        box[2 + i] = any ? r->margin + high[i] : 0;
+    }
 }
 
 static void bind_images(struct pel_renderer *r, const struct pel_pass *pass)
@@ -207,8 +250,18 @@ bool pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
 {
     struct pel_pass pass = pel_pass_first(asked, false);
     bool toned = pass.kind == PEL_SHADE_COLOR;
+    if (r->any_objects) {
+        GLint box[4];
+        pel_shade_box(r, c, box);
+        pel_samples_hide(&r->objects.samples, r->targets.surface_fbo, box,
+                         pel_shade_middles(asked));
+        glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
+    }
     do {
         shade(r, c, discs, p, &pass);
+        if (r->any_objects) {
+            put_objects(r, c, p, &pass);
+        }
     } while (pel_pass_next(&pass, false));
     if (r->margin) {
         draw_edges(r, c, p, asked,

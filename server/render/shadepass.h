@@ -3,6 +3,7 @@
 #ifndef PELAGOS_RENDER_SHADEPASS_H
 #define PELAGOS_RENDER_SHADEPASS_H
 
+#include <epoxy/gl.h>
 #include <stdbool.h>
 
 #include "render/disc.h"
@@ -20,6 +21,14 @@ bool pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
 /* The same in compute, always with the colour. */
 void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
                           const struct pel_sea_programs *p, unsigned asked);
+
+/* Whether any of these layers is what the middles of pixels show. */
+bool pel_shade_middles(unsigned asked);
+
+/* The pixels, from two corners, of the triangles' picture that lie in tiles
+ * with objects. */
+void pel_shade_box(const struct pel_renderer *r, const struct pel_camera *c,
+                   GLint box[4]);
 
 /* Display colours from radiance. */
 void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c);

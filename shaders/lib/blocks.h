@@ -59,6 +59,9 @@ struct pel_vec4 {
 #define PEL_UNIT_FOAM 26
 #define PEL_UNIT_FOAM_GRAIN 27
 #define PEL_UNIT_MIRROR_DEPTHS 28 /* objects, too */
+#define PEL_UNIT_OBJECT_SAMPLES 29 /* 29 to 31: objects' silhouettes */
+#define PEL_UNIT_OBJECT_DEPTHS 30
+#define PEL_UNIT_OBJECT_COVER 31
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
 #define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
@@ -540,6 +543,7 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
 #define PEL_OBJECT_VERTEX_TEXELS 2
 #define PEL_OBJECT_MATERIAL_TEXELS 2
 #define PEL_OBJECT_PLACE_TEXELS 18
+#define PEL_SAMPLES 4 /* of a pixel of objects */
 #define PEL_SURROUNDINGS_SIZE 64
 #define PEL_SURROUNDINGS_TERMS 9
 /* Hulls seen from below: texels along and across; height where there is none.

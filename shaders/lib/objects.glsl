@@ -1,11 +1,13 @@
 // Shades a pixel of an object from the number of its triangle.
 #include "lib/model.glsl"
 #include "lib/shadow.glsl"
+#include "lib/samples.glsl"
 
 layout(binding = PEL_UNIT_OBJECT_MATERIALS) uniform samplerBuffer object_materials;
 layout(binding = PEL_UNIT_SURROUNDINGS) uniform sampler2D surrounding_map;
 
 layout(binding = PEL_UNIT_OBJECTS) uniform usampler2D objects;
+layout(binding = PEL_UNIT_OBJECT_COVER) uniform usampler2D object_cover;
 
 struct object_point_seen {
     vec3 place;  // from the eye
@@ -137,9 +139,8 @@ object_lit object_light(object_point_seen s, int entity, vec3 d, vec3 dir)
     return result;
 }
 
-shaded shade_object(ivec2 at, uvec2 seen)
+shaded shade_object(vec3 ray, uvec2 seen)
 {
-    vec3 ray = pixel_ray(lattice(at));
     float ray_length = length(ray);
     vec3 dir = ray / ray_length;
     object_point_seen s = cut_object(vec3(0.0), ray, seen);
@@ -168,18 +169,44 @@ shaded shade_object(ivec2 at, uvec2 seen)
     return result;
 }
 
-// Whether there is an object that no land hides.
-bool object_in_sight(ivec2 at, uvec2 seen)
+// Whether the object is one that no land hides.
+bool object_in_sight(vec3 ray, uvec2 seen)
 {
     if (seen.x == 0u) {
         return false;
     }
 #ifdef PEL_LAND
-    vec3 ray = pixel_ray(lattice(at));
     float ray_length = length(ray);
     float range = cut_object(vec3(0.0), ray, seen).t * ray_length;
     return lut.y > 0.5 || seabed_distance(ray / ray_length, range) < 0.0;
 #else
     return true;
 #endif
+}
+
+// The light of a pixel's samples that show objects, each triangle shaded once
+// where its samples lie, and their share of the pixel.
+shaded shade_samples(ivec2 at, out float cover)
+{
+    const float SHARE = 1.0 / float(PEL_SAMPLES);
+    shaded sum = only_light(vec3(0.0));
+    cover = 0.0;
+    uint left = texelFetch(object_cover, at, 0).r;
+    while (left != 0u) {
+        uvec2 seen = texelFetch(object_samples, at, findLSB(left)).rg;
+        vec3 place = vec3(0.0);
+        uint same = 0u;
+        for (int i = 0; i < PEL_SAMPLES; i++) {
+            bool alike = (left >> i & 1u) != 0u && texelFetch(object_samples, at, i).rg == seen;
+            same |= alike ? 1u << i : 0u;
+            place += alike ? vec3(sample_place(i), 1.0) : vec3(0.0);
+        }
+        left &= ~same;
+        vec3 ray = pixel_ray(pixel.zw + vec2(at) + place.xy / place.z);
+        seen.y &= ~SAMPLE_INNER;
+        float weight = object_in_sight(ray, seen) ? SHARE * place.z : 0.0;
+        add_light(sum, shade_object(ray, seen), weight);
+        cover += weight;
+    }
+    return sum;
 }

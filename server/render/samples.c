@@ -1,0 +1,137 @@
+#include "render/samples.h"
+
+#include "render/shader.h"
+#include "shaders/lib/blocks.h"
+
+void pel_samples_finish(struct pel_samples *s)
+{
+    const GLuint textures[] = { s->numbers, s->depths, s->cover };
+    const GLuint fbos[] = { s->fbo, s->cover_fbo };
+    glDeleteTextures(3, textures);
+    glDeleteFramebuffers(2, fbos);
+    glDeleteProgram(s->raster);
+    glDeleteProgram(s->sight);
+    glDeleteProgram(s->hide);
+    *s = (struct pel_samples){ 0 };
+}
+
+enum pel_err pel_samples_need(struct pel_samples *s,
+                              const struct pel_programs *p,
+                              struct pel_fault *fault)
+{
+    enum pel_err err = PEL_OK;
+    if (s->sight && s->by_keys != p->compute) {
+        glDeleteProgram(s->sight);
+        s->sight = 0;
+    }
+    s->by_keys = p->compute;
+    if (!s->raster) {
+        err = pel_program_create(p->shader_dir, "object.vert", "samples.frag",
+                                 NULL, &s->raster, fault);
+    }
+    if (err == PEL_OK && !s->sight) {
+        err = pel_program_create(p->shader_dir, "screen.vert", "sight.frag",
+                                 p->compute ? "#define PEL_KEYS\n" : NULL,
+                                 &s->sight, fault);
+    }
+    if (err == PEL_OK && !p->compute && !s->hide) {
+        err = pel_program_create(p->shader_dir, "screen.vert", "hide.frag",
+                                 NULL, &s->hide, fault);
+    }
+    return err;
+}
+
+static GLuint make_samples(GLenum format, GLsizei width, GLsizei height,
+                           const char *label)
+{
+    GLuint texture = 0;
+    glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 1, &texture);
+    glTextureStorage2DMultisample(texture, PEL_SAMPLES, format, width, height,
+                                  GL_TRUE);
+    glObjectLabel(GL_TEXTURE, texture, -1, label);
+    return texture;
+}
+
+static void fit(struct pel_samples *s, uint32_t width, uint32_t height)
+{
+    if (width <= s->width && height <= s->height) {
+        return;
+    }
+    const GLuint textures[] = { s->numbers, s->depths, s->cover };
+    const GLuint fbos[] = { s->fbo, s->cover_fbo };
+    glDeleteTextures(3, textures);
+    glDeleteFramebuffers(2, fbos);
+    s->width = width > s->width ? width : s->width;
+    s->height = height > s->height ? height : s->height;
+    GLsizei w = (GLsizei)s->width, h = (GLsizei)s->height;
+    s->numbers = make_samples(GL_RG32UI, w, h, "objects' samples");
+    s->depths =
+        make_samples(GL_DEPTH_COMPONENT32F, w, h, "objects' samples' depths");
+    glCreateTextures(GL_TEXTURE_2D, 1, &s->cover);
+    glTextureStorage2D(s->cover, 1, GL_R8UI, w, h);
+    glTextureParameteri(s->cover, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(s->cover, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glObjectLabel(GL_TEXTURE, s->cover, -1, "objects' cover");
+    glCreateFramebuffers(1, &s->fbo);
+    glNamedFramebufferTexture(s->fbo, GL_COLOR_ATTACHMENT0, s->numbers, 0);
+    glNamedFramebufferTexture(s->fbo, GL_DEPTH_ATTACHMENT, s->depths, 0);
+    glCreateFramebuffers(1, &s->cover_fbo);
+    glNamedFramebufferTexture(s->cover_fbo, GL_COLOR_ATTACHMENT0, s->cover, 0);
+}
+
+static void keep_to(const GLint box[4])
+{
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(box[0], box[1], box[2] - box[0], box[3] - box[1]);
+}
+
+void pel_samples_begin(struct pel_samples *s, GLsizei width, GLsizei height,
+                       const GLint box[4])
+{
+    static const GLfloat far_away = 0.0f;
+    static const GLuint none[4] = { 0 };
+    fit(s, (uint32_t)width, (uint32_t)height);
+    keep_to(box);
+    glDepthMask(GL_TRUE);
+    glClearNamedFramebufferfv(s->fbo, GL_DEPTH, 0, &far_away);
+    glClearNamedFramebufferuiv(s->fbo, GL_COLOR, 0, none);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, s->fbo);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    glUseProgram(s->raster);
+}
+
+void pel_samples_sight(struct pel_samples *s, const GLint box[4])
+{
+    static const GLuint none[4] = { 0 };
+    glDisable(GL_SCISSOR_TEST);
+    glClearNamedFramebufferuiv(s->cover_fbo, GL_COLOR, 0, none);
+    keep_to(box);
+    glDisable(GL_DEPTH_TEST);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, s->cover_fbo);
+    glBindTextureUnit(PEL_UNIT_OBJECT_SAMPLES, s->numbers);
+    glBindTextureUnit(PEL_UNIT_OBJECT_DEPTHS, s->depths);
+    glViewport(0, 0, (GLsizei)s->width, (GLsizei)s->height);
+    glUseProgram(s->sight);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glBindTextureUnit(PEL_UNIT_OBJECT_COVER, s->cover);
+    glDisable(GL_SCISSOR_TEST);
+}
+
+void pel_samples_hide(struct pel_samples *s, GLuint fbo, const GLint box[4],
+                      bool middles)
+{
+    keep_to(box);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_ALWAYS);
+    glDepthMask(GL_TRUE);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
+    glViewport(0, 0, (GLsizei)s->width, (GLsizei)s->height);
+    glUseProgram(s->hide);
+    glUniform1i(0, middles);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthMask(GL_FALSE);
+    glDisable(GL_SCISSOR_TEST);
+}

@@ -1,0 +1,47 @@
+#version 450 core
+// Which samples of a pixel show an object: those that the sea, where the
+// pixel's middle meets it, does not hide.
+#include "lib/blocks.h"
+#include "lib/sky.glsl"
+#include "lib/ray.glsl"
+#include "lib/cut.glsl"
+#include "lib/triangles.glsl"
+#include "lib/model.glsl"
+#include "lib/samples.glsl"
+
+layout(binding = PEL_UNIT_OBJECT_DEPTHS) uniform sampler2DMS object_depths;
+layout(location = 0) out uint cover;
+
+const float NEAR = 0.05;
+
+void main()
+{
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    uint triangle = triangle_at(at);
+    uint shown = 0u;
+    for (int i = 0; i < PEL_SAMPLES; i++) {
+        shown |= texelFetch(object_samples, at, i).r != 0u ? 1u << i : 0u;
+    }
+    // The sea's triangle goes on as far as the pixel does.
+    vec3 middle = pixel_ray(lattice(at));
+    cut sea = cut_triangle(middle, triangle);
+    float level = sea.t * dot(sea.facet, middle);
+    uint behind = 0u;
+    for (uint left = triangle == 0u ? 0u : shown; left != 0u; left &= left - 1u) {
+        int i = findLSB(left);
+        float slant = dot(sea.facet, pixel_ray(pixel.zw + vec2(at) + sample_place(i)));
+        float t = clamp(slant == 0.0 ? sea.t : level / slant, 0.5 * sea.t, 2.0 * sea.t);
+        behind |= t < NEAR / texelFetch(object_depths, at, i).r ? 1u << i : 0u;
+    }
+    for (uint left = behind; left != 0u; left &= left - 1u) {
+        int i = findLSB(left);
+        uvec2 seen = texelFetch(object_samples, at, i).rg;
+        vec3 ray = pixel_ray(pixel.zw + vec2(at) + sample_place(i));
+        float slant = dot(sea.facet, ray);
+        float t = clamp(slant == 0.0 ? sea.t : level / slant, 0.5 * sea.t, 2.0 * sea.t);
+        bool dry = hull_keeps_dry(int(seen.x) - 1, t * ray, NEAR / texelFetch(object_depths, at, i).r * ray,
+                                  (seen.y & SAMPLE_INNER) != 0u);
+        shown &= dry ? ~0u : ~(1u << i);
+    }
+    cover = shown;
+}
