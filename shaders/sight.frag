@@ -22,26 +22,30 @@ void main()
     for (int i = 0; i < PEL_SAMPLES; i++) {
         shown |= texelFetch(object_samples, at, i).r != 0u ? 1u << i : 0u;
     }
-    // The sea's triangle goes on as far as the pixel does.
-    vec3 middle = pixel_ray(lattice(at));
-    cut sea = cut_triangle(middle, triangle);
-    float level = sea.t * dot(sea.facet, middle);
     uint behind = 0u;
-    for (uint left = triangle == 0u ? 0u : shown; left != 0u; left &= left - 1u) {
-        int i = findLSB(left);
-        float slant = dot(sea.facet, pixel_ray(pixel.zw + vec2(at) + sample_place(i)));
-        float t = clamp(slant == 0.0 ? sea.t : level / slant, 0.5 * sea.t, 2.0 * sea.t);
-        behind |= t < NEAR / texelFetch(object_depths, at, i).r ? 1u << i : 0u;
+    float in_sea = 0.0; // distance of the sea at the last sample behind it
+    if (triangle != 0u && shown != 0u) {
+        // The sea's triangle goes on as far as the pixel does.
+        vec3 middle = pixel_ray(lattice(at));
+        cut sea = cut_triangle(middle, triangle);
+        float level = sea.t * dot(sea.facet, middle);
+        for (int i = 0; i < PEL_SAMPLES; i++) {
+            float slant = dot(sea.facet, pixel_ray(pixel.zw + vec2(at) + sample_place(i)));
+            float t = clamp(slant == 0.0 ? sea.t : level / slant, 0.5 * sea.t, 2.0 * sea.t);
+            bool is = (shown >> i & 1u) != 0u && t < NEAR / texelFetch(object_depths, at, i).r;
+            behind |= is ? 1u << i : 0u;
+            in_sea = is ? t : in_sea;
+        }
     }
-    for (uint left = behind; left != 0u; left &= left - 1u) {
-        int i = findLSB(left);
+    // Dry in the hull for all of them or none.
+    if (behind != 0u) {
+        int i = findMSB(behind);
         uvec2 seen = texelFetch(object_samples, at, i).rg;
         vec3 ray = pixel_ray(pixel.zw + vec2(at) + sample_place(i));
-        float slant = dot(sea.facet, ray);
-        float t = clamp(slant == 0.0 ? sea.t : level / slant, 0.5 * sea.t, 2.0 * sea.t);
-        bool dry = hull_keeps_dry(int(seen.x) - 1, t * ray, NEAR / texelFetch(object_depths, at, i).r * ray,
+        bool dry = hull_keeps_dry(int(seen.x) - 1, in_sea * ray, NEAR / texelFetch(object_depths, at, i).r * ray,
                                   (seen.y & SAMPLE_INNER) != 0u);
-        shown &= dry ? ~0u : ~(1u << i);
+        shown &= dry ? ~0u : ~behind;
     }
     cover = shown;
+    gl_FragDepth = shown == 0u ? 0.0 : 1.0;
 }

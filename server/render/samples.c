@@ -5,9 +5,9 @@
 
 void pel_samples_finish(struct pel_samples *s)
 {
-    const GLuint textures[] = { s->numbers, s->depths, s->cover };
+    const GLuint textures[] = { s->numbers, s->depths, s->cover, s->shown };
     const GLuint fbos[] = { s->fbo, s->cover_fbo };
-    glDeleteTextures(3, textures);
+    glDeleteTextures(4, textures);
     glDeleteFramebuffers(2, fbos);
     glDeleteProgram(s->raster);
     glDeleteProgram(s->sight);
@@ -57,9 +57,9 @@ static void fit(struct pel_samples *s, uint32_t width, uint32_t height)
     if (width <= s->width && height <= s->height) {
         return;
     }
-    const GLuint textures[] = { s->numbers, s->depths, s->cover };
+    const GLuint textures[] = { s->numbers, s->depths, s->cover, s->shown };
     const GLuint fbos[] = { s->fbo, s->cover_fbo };
-    glDeleteTextures(3, textures);
+    glDeleteTextures(4, textures);
     glDeleteFramebuffers(2, fbos);
     s->width = width > s->width ? width : s->width;
     s->height = height > s->height ? height : s->height;
@@ -72,11 +72,15 @@ static void fit(struct pel_samples *s, uint32_t width, uint32_t height)
     glTextureParameteri(s->cover, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTextureParameteri(s->cover, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     glObjectLabel(GL_TEXTURE, s->cover, -1, "objects' cover");
+    glCreateTextures(GL_TEXTURE_2D, 1, &s->shown);
+    glTextureStorage2D(s->shown, 1, GL_DEPTH_COMPONENT32F, w, h);
+    glObjectLabel(GL_TEXTURE, s->shown, -1, "objects' depth test");
     glCreateFramebuffers(1, &s->fbo);
     glNamedFramebufferTexture(s->fbo, GL_COLOR_ATTACHMENT0, s->numbers, 0);
     glNamedFramebufferTexture(s->fbo, GL_DEPTH_ATTACHMENT, s->depths, 0);
     glCreateFramebuffers(1, &s->cover_fbo);
     glNamedFramebufferTexture(s->cover_fbo, GL_COLOR_ATTACHMENT0, s->cover, 0);
+    glNamedFramebufferTexture(s->cover_fbo, GL_DEPTH_ATTACHMENT, s->shown, 0);
 }
 
 static void keep_to(const GLint box[4])
@@ -107,7 +111,7 @@ void pel_samples_sight(struct pel_samples *s, const GLint box[4])
     glDisable(GL_SCISSOR_TEST);
     glClearNamedFramebufferuiv(s->cover_fbo, GL_COLOR, 0, none);
     keep_to(box);
-    glDisable(GL_DEPTH_TEST);
+    glDepthFunc(GL_ALWAYS);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, s->cover_fbo);
     glBindTextureUnit(PEL_UNIT_OBJECT_SAMPLES, s->numbers);
     glBindTextureUnit(PEL_UNIT_OBJECT_DEPTHS, s->depths);

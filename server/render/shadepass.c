@@ -69,8 +69,14 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
 static void shade_objects(struct pel_renderer *r, const struct pel_camera *c,
                           const struct pel_pass *pass, bool sampled, bool fft)
 {
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER,
-                      pel_targets_attach(&r->targets, pass));
+    GLuint fbo = pel_targets_attach(&r->targets, pass);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
+    if (sampled) {
+        glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT,
+                                  r->objects.samples.shown, 0);
+        glEnable(GL_DEPTH_TEST);
+        glDepthFunc(GL_LESS);
+    }
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
         if (run.tile & PEL_TILE_OBJECTS) {
@@ -83,6 +89,9 @@ static void shade_objects(struct pel_renderer *r, const struct pel_camera *c,
         }
     }
     glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_DEPTH_TEST);
+    glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT, r->targets.depth_test,
+                              0);
 }
 
 /* Objects over what is behind them: their light by the share of each pixel that

@@ -192,7 +192,8 @@ shaded shade_samples(ivec2 at, out float cover)
     shaded sum = only_light(vec3(0.0));
     cover = 0.0;
     uint left = texelFetch(object_cover, at, 0).r;
-    while (left != 0u) {
+    // Software devices turn once in any loop, so it asks at its end.
+    if (left != 0u) do {
         uvec2 seen = texelFetch(object_samples, at, findLSB(left)).rg;
         vec3 place = vec3(0.0);
         uint same = 0u;
@@ -207,6 +208,6 @@ shaded shade_samples(ivec2 at, out float cover)
         float weight = object_in_sight(ray, seen) ? SHARE * place.z : 0.0;
         add_light(sum, shade_object(ray, seen), weight);
         cover += weight;
-    }
+    } while (left != 0u);
     return sum;
 }
