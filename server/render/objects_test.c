@@ -397,77 +397,78 @@ static void hulls_are_seen_through_the_water(void **state)
         found[0], found[1]);
     /* The boat's mirror image and shadow are in both. */
     assert_true(found[0] > 1.1 * found[1]);
+    pel_model_unref(model);
+}
 
-    /* --- silhouettes
-     * ---------------------------------------------------------- */
+/* --- silhouettes
+ * ---------------------------------------------------------- */
 
 #define FINE 8 /* times as many pixels a side */
 #define COARSE_WIDTH 96
 #define COARSE_HEIGHT 54
 
-    static struct kept draw_fine(const struct pel_environment *env,
-                                 uint32_t times)
-    {
-        struct pel_camera c = test_camera(
-            (struct test_look){ 5.0, 2.0, 2.0, 0.0, 45.0, COARSE_WIDTH * times,
-                                COARSE_HEIGHT * times });
-        c.antialiasing = false;
-        return keep(test_draw(renderer, env, &c, MASK_LAYERS));
-    }
+static struct kept draw_fine(const struct pel_environment *env, uint32_t times)
+{
+    struct pel_camera c = test_camera(
+        (struct test_look){ 5.0, 2.0, 2.0, 0.0, 45.0, COARSE_WIDTH * times,
+                            COARSE_HEIGHT * times });
+    c.antialiasing = false;
+    return keep(test_draw(renderer, env, &c, MASK_LAYERS));
+}
 
-    /* Pixels that a silhouette cuts hold the mean of what a picture of many
-     * times as many pixels shows there: to 0.6 of what its middle alone would
-     * be off by, since four samples know the share to an eighth or so, a middle
-     * to a half. */
-    static void silhouettes_are_mixed(void **state)
-    {
-        (void)state;
-        test_sea(0.0, 0.0, 1, &sea);
-        const struct pel_model *model = model_of("sailing-yacht");
-        const struct pel_object object = standing(model, 0, 2, 45, 0, 65);
-        struct pel_environment env = test_environment(&sea, 5.0);
-        env.objects = &object;
-        env.object_count = 1;
-        struct kept coarse = draw_fine(&env, 1), fine = draw_fine(&env, FINE);
-        double mixed = 0, middles = 0;
-        size_t edges = 0;
-        for (uint32_t i = 0; i < COARSE_WIDTH * COARSE_HEIGHT; i++) {
-            uint32_t x = i % COARSE_WIDTH, y = i / COARSE_WIDTH;
-            double mean = 0;
-            int met = 0;
-            for (uint32_t k = 0; k < FINE * FINE; k++) {
-                size_t at = (size_t)(y * FINE + k / FINE) * fine.width +
-                            x * FINE + k % FINE;
-                mean += (double)fine.radiance[4 * at] / (FINE * FINE);
-                met += fine.id[at] > 0;
-            }
-            if (met == 0 || met == FINE * FINE) {
-                continue;
-            }
-            size_t middle = (size_t)(y * FINE + FINE / 2) * fine.width +
-                            x * FINE + FINE / 2;
-            edges++;
-            mixed += pow((double)coarse.radiance[4 * (size_t)i] - mean, 2);
-            middles += pow((double)fine.radiance[4 * middle] - mean, 2);
+/* Pixels that a silhouette cuts hold the mean of what a picture of many
+ * times as many pixels shows there: to 0.6 of what its middle alone would
+ * be off by, since four samples know the share to an eighth or so, a middle
+ * to a half. */
+static void silhouettes_are_mixed(void **state)
+{
+    (void)state;
+    test_sea(0.0, 0.0, 1, &sea);
+    const struct pel_model *model = model_of("sailing-yacht");
+    const struct pel_object object = standing(model, 0, 2, 45, 0, 65);
+    struct pel_environment env = test_environment(&sea, 5.0);
+    env.objects = &object;
+    env.object_count = 1;
+    struct kept coarse = draw_fine(&env, 1), fine = draw_fine(&env, FINE);
+    double mixed = 0, middles = 0;
+    size_t edges = 0;
+    for (uint32_t i = 0; i < COARSE_WIDTH * COARSE_HEIGHT; i++) {
+        uint32_t x = i % COARSE_WIDTH, y = i / COARSE_WIDTH;
+        double mean = 0;
+        int met = 0;
+        for (uint32_t k = 0; k < FINE * FINE; k++) {
+            size_t at = (size_t)(y * FINE + k / FINE) * fine.width + x * FINE +
+                        k % FINE;
+            mean += (double)fine.radiance[4 * at] / (FINE * FINE);
+            met += fine.id[at] > 0;
         }
-        printf("%zu pixels: off by %.3f of what their middles are\n", edges,
-               sqrt(mixed / middles));
-        assert_true(edges > 100);
-        assert_true(mixed < 0.36 * middles);
-        drop(&coarse);
-        drop(&fine);
-        pel_model_unref(model);
+        if (met == 0 || met == FINE * FINE) {
+            continue;
+        }
+        size_t middle =
+            (size_t)(y * FINE + FINE / 2) * fine.width + x * FINE + FINE / 2;
+        edges++;
+        mixed += pow((double)coarse.radiance[4 * (size_t)i] - mean, 2);
+        middles += pow((double)fine.radiance[4 * middle] - mean, 2);
     }
+    printf("%zu pixels: off by %.3f of what their middles are\n", edges,
+           sqrt(mixed / middles));
+    assert_true(edges > 100);
+    assert_true(mixed < 0.36 * middles);
+    drop(&coarse);
+    drop(&fine);
+    pel_model_unref(model);
+}
 
-    int main(void)
-    {
-        const struct CMUnitTest tests[] = {
-            cmocka_unit_test(silhouettes_are_mixed),
-            cmocka_unit_test(without_objects_the_same_bits),
-            cmocka_unit_test(pictures_of_objects_have_no_seam),
-            cmocka_unit_test(the_mask_is_what_rays_meet),
-            cmocka_unit_test(the_sea_begins_where_queries_say),
-            cmocka_unit_test(hulls_are_seen_through_the_water),
-        };
-        return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
-    }
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(silhouettes_are_mixed),
+        cmocka_unit_test(without_objects_the_same_bits),
+        cmocka_unit_test(pictures_of_objects_have_no_seam),
+        cmocka_unit_test(the_mask_is_what_rays_meet),
+        cmocka_unit_test(the_sea_begins_where_queries_say),
+        cmocka_unit_test(hulls_are_seen_through_the_water),
+    };
+    return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
+}
