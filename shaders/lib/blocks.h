@@ -58,7 +58,7 @@ struct pel_vec4 {
 #define PEL_UNIT_BREAKING 25 /* 25 to 27: whitecaps */
 #define PEL_UNIT_FOAM 26
 #define PEL_UNIT_FOAM_GRAIN 27
-#define PEL_UNIT_MIRROR_DEPTHS 28 /* objects, too */
+#define PEL_UNIT_MIRROR_DEPTHS 28  /* objects, too */
 #define PEL_UNIT_OBJECT_SAMPLES 29 /* 29 to 31: objects' silhouettes */
 #define PEL_UNIT_OBJECT_DEPTHS 30
 #define PEL_UNIT_OBJECT_COVER 31
