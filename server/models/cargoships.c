@@ -35,8 +35,8 @@ static void draw_house(struct pel_pen *pen, const struct house *h)
                     h->bridge, h->bridge + 0.4 * deck);
     pel_solid_block(pen, h->x1 + 0.1, h->x1 + 0.3, h->wings, h->bridge,
                     h->bridge + 0.4 * deck);
-    pel_kind_wheelhouse(pen, h->x1 - 0.6 * long_m, h->x1, 0.92 * h->wide,
-                        h->bridge, h->bridge + 1.1 * deck);
+    pel_kind_wheelhouse(pen, "bridge", h->x1 - 0.6 * long_m, h->x1,
+                        0.92 * h->wide, h->bridge, h->bridge + 1.1 * deck);
     pel_pen_node(pen, "mast");
     double roof = h->bridge + 1.1 * deck;
     pel_kind_mast(pen, h->x1 - 0.35 * long_m, roof, h->top, 0.35 * h->wide);
@@ -48,7 +48,6 @@ static void draw_house(struct pel_pen *pen, const struct house *h)
     pel_kind_funnel(pen, base, 0, 0.55 * long_m, 0.3 * h->wide,
                     h->z0 + 0.45 * (h->bridge - h->z0), h->bridge + 0.9 * deck,
                     h->funnel);
-    pel_kind_eye(pen, "bridge", h->x1 - 1, 0, h->bridge + 0.65 * deck);
 }
 
 static void draw_foremast(struct pel_pen *pen, double x, double z0, double z1)

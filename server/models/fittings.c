@@ -4,6 +4,8 @@
 #include "models/kinds.h"
 
 #define PROUD 0.08 /* m that windows stand out of their wall */
+/* An eye of a wheelhouse looks out of it: walls have no inside. */
+#define EYE_BEFORE 0.4
 
 void pel_kind_eye(struct pel_pen *pen, const char *name, double x, double y,
                   double z)
@@ -49,9 +51,10 @@ void pel_kind_navigation(struct pel_pen *pen, const struct pel_kind_size *size,
     pel_kind_light(pen, "stern", 0xffffff, low, 112.5, 247.5, stern);
 }
 
-void pel_kind_wheelhouse(struct pel_pen *pen, double x0, double x1, double wide,
-                         double z0, double z1)
+void pel_kind_wheelhouse(struct pel_pen *pen, const char *eye, double x0,
+                         double x1, double wide, double z0, double z1)
 {
+    pel_kind_eye(pen, eye, x1 + EYE_BEFORE, 0, z0 + 0.62 * (z1 - z0));
     double h = z1 - z0, lean = 0.25 * h;
     const struct pel_vec2 low[] = {
         { x0, z0 }, { x1, z0 }, { x1, z0 + 0.42 * h }, { x0, z0 + 0.42 * h }

@@ -37,9 +37,10 @@ void pel_kind_navigation(struct pel_pen *pen, const struct pel_kind_size *size,
                          struct pel_vec3 masthead, struct pel_vec3 second,
                          struct pel_vec3 side, struct pel_vec3 stern);
 
-/* A wheelhouse with a band of windows around, from x0 to x1. */
-void pel_kind_wheelhouse(struct pel_pen *pen, double x0, double x1, double wide,
-                         double z0, double z1);
+/* A wheelhouse with a band of windows around, from x0 to x1, and the eye point
+ * of that name before them. */
+void pel_kind_wheelhouse(struct pel_pen *pen, const char *eye, double x0,
+                         double x1, double wide, double z0, double z1);
 /* Rows of windows on the sides and the front of a block. */
 void pel_kind_windows(struct pel_pen *pen, double x0, double x1, double wide,
                       double z0, double deck, int decks);

@@ -469,6 +469,31 @@ static void test_drafts_are_not_trusted(void **state)
     pel_model_unref(good);
 }
 
+/* Nothing of the ship is close before them, ahead and to 40 degrees. */
+static void test_eyes_look_out(void **state)
+{
+    (void)state;
+    size_t count, eyes = 0;
+    const struct pel_builtin_kind *kinds = pel_builtin_kinds(&count);
+    for (size_t i = 0; i < count; i++) {
+        const struct pel_model *m = make(kinds[i].name, 0);
+        for (size_t e = 0; e < m->eye_count; e++, eyes++) {
+            for (int turn = -40; turn <= 40; turn += 10) {
+                double a = turn * PEL_DEG;
+                struct pel_model_hit hit;
+                if (pel_model_cast(m, m->eyes[e].at,
+                                   (struct pel_vec3){ cos(a), sin(a), 0 }, 1,
+                                   &hit)) {
+                    fail_msg("%s, %s: %.2f m at %d degrees", kinds[i].name,
+                             m->eyes[e].name, hit.distance_m, turn);
+                }
+            }
+        }
+        pel_model_unref(m);
+    }
+    assert_true(eyes >= 10);
+}
+
 static void test_models_leave_no_memory_behind(void **state)
 {
     size_t before = 0;
@@ -496,6 +521,7 @@ int main(void)
         cmocka_unit_test(test_levels_stay_within_their_error),
         cmocka_unit_test(test_refusals_say_what_is_wrong),
         cmocka_unit_test(test_drafts_are_not_trusted),
+        cmocka_unit_test(test_eyes_look_out),
         cmocka_unit_test(test_models_leave_no_memory_behind),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

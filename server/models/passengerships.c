@@ -71,9 +71,8 @@ static void ferry_house(struct pel_pen *pen, const struct pel_kind_size *s,
     pel_pen_node(pen, "bridge");
     pel_pen_paint(pen, PEL_SHIP_WHITE, 0.45);
     double bridge = z + 4.6 * deck;
-    pel_kind_wheelhouse(pen, 0.285 * l, 0.335 * l, 1.04 * s->beam, bridge,
-                        bridge + 1.2 * deck);
-    pel_kind_eye(pen, "bridge", 0.33 * l, 0, bridge + 0.7 * deck);
+    pel_kind_wheelhouse(pen, "bridge", 0.285 * l, 0.335 * l, 1.04 * s->beam,
+                        bridge, bridge + 1.2 * deck);
 }
 
 void pel_kind_ferry(struct pel_pen *pen, const struct pel_kind_size *s)
@@ -177,9 +176,8 @@ static void cruise_house(struct pel_pen *pen, const struct pel_kind_size *s,
     storey(pen, h, 0.12 * l, 0.27 * l, 3, top, top + 1.3 * deck);
     storey(pen, h, -0.33 * l, -0.12 * l, 3, top, top + 1.3 * deck);
     pel_pen_node(pen, "bridge");
-    pel_kind_wheelhouse(pen, 0.3 * l, 0.325 * l, 1.08 * s->beam, z + 5.2 * deck,
-                        z + 6.4 * deck);
-    pel_kind_eye(pen, "bridge", 0.322 * l, 0, z + 5.9 * deck);
+    pel_kind_wheelhouse(pen, "bridge", 0.3 * l, 0.325 * l, 1.08 * s->beam,
+                        z + 5.2 * deck, z + 6.4 * deck);
 }
 
 void pel_kind_cruise_ship(struct pel_pen *pen, const struct pel_kind_size *s)

@@ -85,14 +85,13 @@ static void tug_house(struct pel_pen *pen, const struct pel_kind_size *s,
     pel_kind_windows(pen, 0.0 * l, 0.26 * l, 0.55 * b, z + deck, deck, 1);
     pel_pen_node(pen, "wheelhouse");
     pel_pen_paint(pen, PEL_SHIP_WHITE, 0.5);
-    pel_kind_wheelhouse(pen, 0.04 * l, 0.23 * l, 0.46 * b, z + 2 * deck,
-                        z + 3.1 * deck);
+    pel_kind_wheelhouse(pen, "wheelhouse", 0.04 * l, 0.23 * l, 0.46 * b,
+                        z + 2 * deck, z + 3.1 * deck);
     for (int side = -1; side <= 1; side += 2) {
         pel_pen_node(pen, "funnel");
         pel_kind_funnel(pen, -0.06 * l, side * 0.2 * b, 0.07 * l, 0.1 * b,
                         z + deck, z + 2.7 * deck, 0xc43a2a);
     }
-    pel_kind_eye(pen, "wheelhouse", 0.21 * l, 0, z + 2.65 * deck);
     pel_pen_node(pen, "mast");
     pel_pen_paint(pen, PEL_SHIP_WHITE, 0.5);
     pel_kind_mast(pen, 0.1 * l, z + 3.1 * deck, s->height, 0.3 * b);
@@ -183,9 +182,8 @@ void pel_kind_fishing_boat(struct pel_pen *pen, const struct pel_kind_size *s)
     pel_solid_block(pen, 0.02 * l, 0.27 * l, 0.66 * b, z - 0.3, z + 2.6 * u);
     pel_kind_windows(pen, 0.02 * l, 0.27 * l, 0.66 * b, z + 0.4 * u, 2.2 * u,
                      1);
-    pel_kind_wheelhouse(pen, 0.07 * l, 0.22 * l, 0.5 * b, z + 2.6 * u,
-                        z + 5.1 * u);
-    pel_kind_eye(pen, "wheelhouse", 0.2 * l, 0, z + 4.3 * u);
+    pel_kind_wheelhouse(pen, "wheelhouse", 0.07 * l, 0.22 * l, 0.5 * b,
+                        z + 2.6 * u, z + 5.1 * u);
     pel_pen_node(pen, "shelter");
     pel_pen_paint(pen, s->colour, 0.5);
     const struct pel_vec2 whaleback[] = { { 0.27 * l, z },
@@ -250,9 +248,8 @@ void pel_kind_pilot_launch(struct pel_pen *pen, const struct pel_kind_size *s)
     pel_kind_windows(pen, -0.2 * l, 0.12 * l, 0.66 * b, z + 0.1 * u, 1.2 * u,
                      1);
     pel_pen_paint(pen, PEL_ORANGE, 0.5);
-    pel_kind_wheelhouse(pen, -0.08 * l, 0.12 * l, 0.58 * b, z + 1.3 * u,
-                        z + 3.1 * u);
-    pel_kind_eye(pen, "wheelhouse", 0.09 * l, 0, z + 2.5 * u);
+    pel_kind_wheelhouse(pen, "wheelhouse", -0.08 * l, 0.12 * l, 0.58 * b,
+                        z + 1.3 * u, z + 3.1 * u);
     pel_pen_node(pen, "mast");
     pel_pen_paint(pen, PEL_SHIP_WHITE, 0.5);
     pel_kind_mast(pen, -0.05 * l, z + 3.1 * u, s->height, 0.35 * b);
@@ -291,9 +288,8 @@ static void patrol_house(struct pel_pen *pen, const struct pel_kind_size *s,
                      1);
     pel_solid_side(pen, high, 4, -0.36 * b, 0.36 * b);
     pel_pen_node(pen, "bridge");
-    pel_kind_wheelhouse(pen, -0.04 * l, 0.12 * l, 0.72 * b, z + 3.0 * u,
-                        z + 5.5 * u);
-    pel_kind_eye(pen, "bridge", 0.1 * l, 0, z + 4.6 * u);
+    pel_kind_wheelhouse(pen, "bridge", -0.04 * l, 0.12 * l, 0.72 * b,
+                        z + 3.0 * u, z + 5.5 * u);
     pel_pen_node(pen, "mast");
     pel_pen_paint(pen, s->colour, 0.5);
     double roof = z + 5.4 * u, x = -0.02 * l;
