@@ -238,7 +238,7 @@ void pel_kind_rib(struct pel_pen *pen, const struct pel_kind_size *s)
     pel_pen_node(pen, "outboards");
     outboard(pen, -0.48 * l, 0.3 * u, s->draught, u);
     outboard(pen, -0.48 * l, -0.3 * u, s->draught, u);
-    pel_kind_eye(pen, "helm", -0.08 * l, 0, 1.8 * u);
+    pel_kind_eye(pen, "helm", -0.08 * l + 0.3 * u, 0, 1.8 * u);
     pel_kind_light(pen, "all round", 0xffffff, 2, 0, 0,
                    (struct pel_vec3){ -0.45 * l, 0, s->height });
 }
