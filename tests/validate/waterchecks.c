@@ -16,6 +16,31 @@ static struct pel_water_desc sea(double chlorophyll)
                                     .depth_m = 5000.0 };
 }
 
+/* Case 1 water with the dissolved matter that is measured in it on average:
+ * Morel and Gentili 2009, a(400 nm) = 0.065 C^0.63 with a fall of 0.018 1/nm.
+ * K_d and R by chlorophyll are averages of such water; the program's own
+ * default has less. */
+static struct pel_water_desc average_sea(double chlorophyll)
+{
+    struct pel_water_desc desc = sea(chlorophyll);
+    desc.has_dissolved = true;
+    desc.dissolved_slope = 0.018;
+    desc.dissolved_per_m =
+        0.065 * pow(chlorophyll, 0.63) * exp(-0.018 * (440.0 - 400.0));
+    return desc;
+}
+
+/* Water by chlorophyll. */
+struct recipe {
+    const char *name;
+    struct pel_water_desc (*sea)(double chlorophyll);
+};
+
+static const struct recipe average = { "average Case 1 water, CDOM after "
+                                       "Morel and Gentili 2009",
+                                       average_sea };
+static const struct recipe usual = { "the program's default water", sea };
+
 static struct pel_water_body body_of(const struct pel_water_desc *desc)
 {
     struct pel_water_body body = { 0 };
@@ -203,11 +228,13 @@ static double said_attenuation(int row, double chlorophyll)
     return k[1] + k[2] * pow(chlorophyll, k[3]);
 }
 
-static double attenuation(FILE *md)
+static double attenuation(FILE *md, const struct recipe *water)
 {
     double off[ROWS * CHLOROPHYLLS];
-    fprintf(md, "\n### K_d (Morel and Maritorena 2001), off by %%, Sun at "
-                "30°\n\n| nm |");
+    fprintf(md,
+            "\n### K_d (Morel and Maritorena 2001), off by %%, Sun at 30°; "
+            "%s\n\n| nm |",
+            water->name);
     for (int c = 0; c < CHLOROPHYLLS; c++) {
         fprintf(md, " %g mg/m³ |", chlorophylls[c]);
     }
@@ -215,7 +242,7 @@ static double attenuation(FILE *md)
     for (int i = 0; i < ROWS; i++) {
         fprintf(md, "| %g |", k_table[i][0]);
         for (int c = 0; c < CHLOROPHYLLS; c++) {
-            struct pel_water_desc desc = sea(chlorophylls[c]);
+            struct pel_water_desc desc = water->sea(chlorophylls[c]);
             struct pel_water_body body = body_of(&desc);
             struct pel_water_report r;
             const struct pel_geometry at = { 30 * PEL_DEG, 0, 0 };
@@ -249,16 +276,19 @@ static double said_reflectance(int row, double c)
     return r;
 }
 
-static double by_chlorophyll(FILE *md, struct pel_ordinates *o)
+static double by_chlorophyll(FILE *md, struct pel_ordinates *o,
+                             const struct recipe *water)
 {
     double off[ROWS * CHLOROPHYLLS];
-    fprintf(md, "\n### R (Morel and Maritorena 2001), off by %%, Sun at 30°\n"
-                "\n| nm | 0.03 mg/m³ | 0.1 | 0.3 | 1 | 3 | 10 |\n"
-                "|---|---|---|---|---|---|---|\n");
+    fprintf(md,
+            "\n### R (Morel and Maritorena 2001), off by %%, Sun at 30°; %s\n"
+            "\n| nm | 0.03 mg/m³ | 0.1 | 0.3 | 1 | 3 | 10 |\n"
+            "|---|---|---|---|---|---|---|\n",
+            water->name);
     for (int i = 0; i < ROWS; i++) {
         fprintf(md, "| %g |", k_table[i][0]);
         for (int c = 0; c < CHLOROPHYLLS; c++) {
-            struct pel_water_desc desc = sea(chlorophylls[c]);
+            struct pel_water_desc desc = water->sea(chlorophylls[c]);
             struct pel_water_body body = body_of(&desc);
             struct pel_medium m =
                 pel_water_medium_at(&desc, &body, k_table[i][0]);
@@ -359,14 +389,18 @@ bool check_published(FILE *md)
         abort(); /* no memory */
     }
     fprintf(md, "\n## Published numbers\n");
-    double models = canonical(md, o), k_d = attenuation(md);
-    double r = by_chlorophyll(md, o), f_q = reflectance(md, o);
+    double models = canonical(md, o);
+    double k_d = attenuation(md, &average), k_usual = attenuation(md, &usual);
+    double r = by_chlorophyll(md, o, &average);
+    double r_usual = by_chlorophyll(md, o, &usual);
+    double f_q = reflectance(md, o);
     pel_ordinates_destroy(o);
     fprintf(md,
             "\nMedian off: canonical problems %.1f %%, K_d %.1f %%, R %.1f %%, "
-            "f/Q %.1f %%.\n",
-            100 * models, 100 * k_d, 100 * r, 100 * f_q);
-    /* K_d in the blue is less than measured at more than 0.3 mg/m³, for want
-     * of dissolved matter: docs/water.md. */
-    return models <= 0.1 && f_q <= 0.1 && k_d <= 0.14;
+            "f/Q %.1f %%.\nIn the default water: K_d %.1f %%, R %.1f %%.\n",
+            100 * models, 100 * k_d, 100 * r, 100 * f_q, 100 * k_usual,
+            100 * r_usual);
+    /* The default water has less dissolved matter than the average, of which
+     * K_d in the blue is then short: docs/water.md. */
+    return models <= 0.1 && f_q <= 0.1 && k_d <= 0.1 && k_usual <= 0.14;
 }
