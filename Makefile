@@ -224,7 +224,7 @@ PAGES := $(wildcard clients/web/*.html clients/web/*.css clients/web/*.js \
     clients/web/*.json clients/web/*.svg)
 BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/nmea_parse.c server/bridges/nmea_values.c \
-    server/bridges/nmea.c server/bridges/nmea_targets.c \
+    server/bridges/nmea.c server/bridges/nmea_shapes.c server/bridges/nmea_targets.c \
     server/bridges/modbus_map.c server/bridges/modbus_units.c server/bridges/modbus_adu.c \
     server/bridges/modbus.c \
     server/bridges/console_table.c \

@@ -3,6 +3,7 @@
 every type that it reads is what gpsdecode reads in them; so is what it shows
 of real logs, where ../shared/data/ais lies beside the checkout."""
 import json
+import math
 import os
 import pathlib
 import random
@@ -27,24 +28,32 @@ def six_bits(text):
     return [(c, 6) for c in codes]
 
 
-def sentence(fields):
-    """!AIVDM of (value, width) pairs, negative values in two's complement."""
+def sentences(fields):
+    """!AIVDM of (value, width) pairs, negative values in two's complement: one,
+    or two where it is long."""
     bits = "".join(format(v & ((1 << w) - 1), f"0{w}b") for v, w in fields)
     fill = -len(bits) % 6
     bits += "0" * fill
     payload = "".join(chr(v + 48 if v < 40 else v + 56) for v in
                       (int(bits[i:i + 6], 2) for i in range(0, len(bits), 6)))
-    check(len(payload) < 70, "one sentence")
-    body = f"AIVDM,1,1,,A,{payload},{fill}"
-    total = 0
-    for c in body:
-        total ^= ord(c)
-    return f"!{body}*{total:02X}"
+    parts = [payload[i:i + 56] for i in range(0, len(payload), 56)]
+    for i, part in enumerate(parts):
+        body = (f"AIVDM,{len(parts)},{i + 1},{'3' if len(parts) > 1 else ''},"
+                f"A,{part},{fill if part is parts[-1] else 0}")
+        total = 0
+        for c in body:
+            total ^= ord(c)
+        yield f"!{body}*{total:02X}"
 
 
 def messages():
     """One of each type and then some, at random within 30' of own ship."""
     rng = random.Random(1371)
+
+    def size():
+        return [(rng.randrange(1, 200), 9), (rng.randrange(1, 200), 9),
+                (rng.randrange(1, 30), 6), (rng.randrange(1, 30), 6)]
+
     for i in range(60):
         kind = (1, 2, 3, 4, 9, 18, 19, 21, 27, 24)[i % 10]
         mmsi = 244000000 + i
@@ -58,6 +67,11 @@ def messages():
         knots10 = rng.choice([1023, rng.randrange(400)])
         head = [(kind, 6), (0, 2), (mmsi, 30)]
         name = six_bits(f"SHIP {i}")
+        if kind <= 2:  # its size comes first
+            yield [(5, 6), (0, 2), (mmsi, 30), (0, 2), (9000000 + i, 30),
+                   (0, 42), *name, (rng.randrange(20, 100), 8), *size(), (1, 4),
+                   (0, 20), (rng.randrange(0, 150), 8), (0, 120), (0, 1),
+                   (0, 1)]
         if kind <= 3:
             turn = rng.choice([-128, rng.randrange(-126, 127)])
             yield head + [(0, 4), (turn, 8), (knots10, 10), (1, 1), *fine,
@@ -76,8 +90,8 @@ def messages():
                           (0, 20)]
         elif kind == 19:
             yield head + [(0, 8), (knots10, 10), (1, 1), *fine, (course, 12),
-                          (heading, 9), (30, 6), (0, 4), *name, (36, 8),
-                          (0, 30), (1, 4), (0, 1), (0, 1), (0, 1), (0, 4)]
+                          (heading, 9), (30, 6), (0, 4), *name,
+                          (rng.randrange(20, 100), 8), *size(), (1, 4), (0, 1), (0, 1), (0, 1), (0, 4)]
         elif kind == 21:
             long = f"BUOY NUMBER {i} AND MORE"  # 20 characters and the rest
             yield head + [(14, 5), *six_bits(long[:20]), (1, 1), *fine, (0, 30), (7, 4),
@@ -92,7 +106,7 @@ def messages():
         else:  # the name of the first of the round, in two parts
             head = [(24, 6), (0, 2), (mmsi - 9, 30)]
             yield head + [(0, 2), *name, (0, 8)]
-            yield head + [(1, 2), (36, 8), (0, 42), (0, 42), (0, 30), (0, 6)]
+            yield head + [(1, 2), (36, 8), (0, 42), (0, 42), *size(), (0, 6)]
 
 
 def gpsdecode(lines):
@@ -103,6 +117,51 @@ def gpsdecode(lines):
             if line.startswith(b'{"class":"AIS"')]
 
 
+SIZES = ("to_bow", "to_stern", "to_port", "to_starboard")
+
+
+def to_middle(ship):
+    """From the antenna to the middle of the ship, on a sphere."""
+    bow, stern, port, starboard = (ship.get(k, 0) for k in SIZES)
+    known = [h for h in (ship["heading"], ship["course"])
+             if isinstance(h, (int, float)) and h < 360]
+    if ship["heading"] not in known and not (
+            isinstance(ship["speed"], (int, float)) and
+            .5 / KNOT < ship["speed"] < 102.3):
+        known = []
+    ship["bearing"] = known[0] if known else ship.get("bearing")
+    if (bow == 0 and port == 0) or ship["bearing"] is None:
+        return
+    turn = math.radians(ship["bearing"])
+    ahead, right = (bow - stern) / 2, (starboard - port) / 2
+    north = ahead * math.cos(turn) - right * math.sin(turn)
+    east = ahead * math.sin(turn) + right * math.cos(turn)
+    lat = math.radians(ship["lat"])
+    ship["lat"] += north / 111194
+    ship["lon"] += east / 111194 / math.cos(lat)
+
+
+def compare_shape(entity, ship, what):
+    """The size that gpsdecode reads is the model's, where a model can have
+    it (a factor of 10 from its own)."""
+    model = entity.get("model")
+    if ship["type"] in (4, 9):
+        check(model is None, what)
+    if ship["type"] in (4, 9, 21):
+        return
+    check(model and entity.get("afloat"), what)
+    length = ship.get("to_bow", 0) + ship.get("to_stern", 0)
+    beam = ship.get("to_port", 0) + ship.get("to_starboard", 0)
+    if 30 <= length <= 170:  # every row of the table can have it
+        check(model.get("length") == length, what)
+        if length / 10 < beam < length / 4:
+            check(model.get("beam") == beam, what)
+    kind = ship.get("shiptype", 0) // 10
+    if 30 <= length < 200 and kind in (6, 7, 8):
+        check(model["name"] == {6: "ferry", 7: "bulk-carrier",
+                                8: "tanker"}[kind], what)
+
+
 def expected(reports):
     """Of each MMSI the last position and what came with it, and its name."""
     ships = {}
@@ -110,6 +169,9 @@ def expected(reports):
         ship = ships.setdefault(r["mmsi"], {})
         if r.get("name") or r.get("shipname"):
             ship["name"] = (r.get("name") or r.get("shipname")).strip()
+        if r["type"] in (5, 19, 24) and "to_bow" in r:
+            ship.update({k: r[k] for k in SIZES}, shiptype=r["shiptype"],
+                        draught=r.get("draught", 0))
         fine = ship.get("type", 27) != 27
         if "lat" in r and abs(r["lat"]) <= 85 and abs(r["lon"]) <= 180 and \
                 r["type"] in (1, 2, 3, 4, 9, 18, 19, 21, 27) and \
@@ -117,6 +179,7 @@ def expected(reports):
             ship.update(type=r["type"], lat=r["lat"], lon=r["lon"],
                         speed=r.get("speed"), course=r.get("course"),
                         heading=r.get("heading"), alt=r.get("alt"))
+            to_middle(ship)
     return {m: s for m, s in ships.items() if "lat" in s}
 
 
@@ -137,10 +200,13 @@ def compare(entity, ship, mmsi):
     elif mmsi in PLACES:  # gpsdecode waits for a second part of a type 24
         check(entity["name"] == f"mmsi-{mmsi:09d}", what)
     # gpsdecode prints six decimals, of type 27 one.
+    compare_shape(entity, ship, what)
     step = 0.0501 if ship["type"] == 27 else 1e-6
+    if "to_bow" in ship:  # the sphere's metres are up to 0.7 % off, of 256 m
+        step = max(step, 2e-5 / math.cos(math.radians(ship["lat"])))
     check(near(entity["latitude"], ship["lat"], step) and
           near(entity["longitude"], ship["lon"], step), what)
-    if mmsi in PLACES:  # rounded to the unit of the message
+    if mmsi in PLACES and "to_bow" not in ship:  # rounded to the unit of the message
         unit = (1 / 600 if ship["type"] == 27 else 1 / 600000) * 0.51
         check(near(entity["latitude"], PLACES[mmsi][0], unit) and
               near(entity["longitude"], PLACES[mmsi][1], unit), what)
@@ -160,6 +226,17 @@ def compare(entity, ship, mmsi):
         check(entity.get("altitude", 0) == (ship["alt"] if known else 0), what)
 
 
+def shapes_made(daemon):
+    """Shapes are made on a thread, a few
+    at a time."""
+    seen = [daemon.metrics()["pelagos_nmea_edits_total"]]
+
+    def still():
+        seen.append(daemon.metrics()["pelagos_nmea_edits_total"])
+        return len(seen) > 9 and len(set(seen[-10:])) == 1
+    until("shapes", still, pause_s=0.5)
+
+
 def shown(lines):
     """What the daemon has of the lines, with its clock standing."""
     port = free_port(socket.SOCK_DGRAM)
@@ -172,6 +249,7 @@ def shown(lines):
                 if i % 32 == 31 or i == len(lines) - 1:
                     until(f"{i + 1} datagrams", lambda n=i: daemon.metrics()[
                         "pelagos_nmea_datagrams_total"] == n + 1)
+        shapes_made(daemon)
         return {int(e["id"]): e for e in daemon.state()["entities"]
                 if int(e["id"]) >= 20000}, daemon.metrics()
 
@@ -208,7 +286,7 @@ def main():
     if not shutil.which("gpsdecode"):
         print("gpsdecode is not installed (gpsd-clients)")
         return 77
-    made = [sentence(m) for m in messages()]
+    made = [s for m in messages() for s in sentences(m)]
     found, ships, _ = agree(made)
     check(found == ships == 54, f"{found} of {ships}")
     print(f"10 types: {found} targets as gpsdecode reads them")

@@ -84,6 +84,8 @@ static const struct layout {
     struct place speed, course, heading; /* m/s, deg, deg */
     struct place altitude;               /* m */
     uint16_t turn_rate_at, part_at, name_at, more_name_at; /* 0: none */
+    struct place kind;                                     /* of ship or aid */
+    uint16_t size_at, draught_at, virtual_at;              /* 0: none */
 } layouts[] = {
 #define FINE (1 / 600000.0)
 #define COARSE (1 / 600.0)
@@ -91,13 +93,13 @@ static const struct layout {
     {                                                                          \
         type, false, 168, 174, { 61, 28, FINE }, { 89, 27, FINE },             \
             { 50, 10, KNOT_MPS / 10 }, { 116, 12, 0.1 }, { 128, 9, 1 }, { 0 }, \
-            42, 0, 0, 0                                                        \
+            42, 0, 0, 0, { 0 }, 0, 0, 0                                        \
     }
-#define CLASS_B(type, least, most, name)                                       \
+#define CLASS_B(type, least, most, name, ...)                                  \
     {                                                                          \
         type, false, least, most, { 57, 28, FINE }, { 85, 27, FINE },          \
             { 46, 10, KNOT_MPS / 10 }, { 112, 12, 0.1 }, { 124, 9, 1 }, { 0 }, \
-            0, 0, name, 0                                                      \
+            0, 0, name, 0, __VA_ARGS__                                         \
     }
     CLASS_A(1),
     CLASS_A(2),
@@ -107,7 +109,13 @@ static const struct layout {
       .most_bits = 174,
       .longitude = { 79, 28, FINE },
       .latitude = { 107, 27, FINE } },
-    { .type = 5, .least_bits = 232, .most_bits = 430, .name_at = 112 },
+    { .type = 5,
+      .least_bits = 232,
+      .most_bits = 430,
+      .name_at = 112,
+      .kind = { 232, 8, 1 },
+      .size_at = 240,
+      .draught_at = 294 },
     { .type = 9,
       .least_bits = 168,
       .most_bits = 174,
@@ -116,20 +124,25 @@ static const struct layout {
       .speed = { 50, 10, KNOT_MPS },
       .course = { 116, 12, 0.1 },
       .altitude = { 38, 12, 1 } },
-    CLASS_B(18, 168, 174, 0),
-    CLASS_B(19, 263, 318, 143),
+    CLASS_B(18, 168, 174, 0, { 0 }, 0, 0, 0),
+    CLASS_B(19, 263, 318, 143, { 263, 8, 1 }, 271, 0, 0),
     { .type = 21,
       .least_bits = 272,
       .most_bits = 366,
       .longitude = { 164, 28, FINE },
       .latitude = { 192, 27, FINE },
       .name_at = 43,
-      .more_name_at = 272 },
+      .more_name_at = 272,
+      .kind = { 38, 5, 1 },
+      .size_at = 219,
+      .virtual_at = 269 },
     { .type = 24,
       .least_bits = 160,
       .most_bits = 174,
       .part_at = 38,
-      .name_at = 40 },
+      .name_at = 40,
+      .kind = { 40, 8, 1 },
+      .size_at = 132 },
     { .type = 27,
       .coarse = true,
       .least_bits = 96,
@@ -180,6 +193,30 @@ static double turn_rate(int32_t rot_ais)
     return copysign(root * root, root) / 60;
 }
 
+/* Type and size; a message may end before them. */
+static void read_ship(const struct bits *b, const struct layout *l,
+                      struct pel_ais *out)
+{
+    struct pel_ais_ship *ship = &out->ship;
+    size_t at = l->size_at;
+    if (b->count < at + 30) {
+        return;
+    }
+    out->has_ship = true;
+    ship->type = (uint8_t)unsigned_bits(b, l->kind.at, l->kind.width);
+    ship->is_virtual = l->virtual_at && unsigned_bits(b, l->virtual_at, 1);
+    if (l->part_at && out->mmsi / 10000000 == 98) {
+        return; /* of a ship's boat: the ship's number instead */
+    }
+    ship->bow_m = unsigned_bits(b, at, 9);
+    ship->stern_m = unsigned_bits(b, at + 9, 9);
+    ship->port_m = unsigned_bits(b, at + 18, 6);
+    ship->starboard_m = unsigned_bits(b, at + 24, 6);
+    if (l->draught_at) {
+        ship->draught_m = unsigned_bits(b, l->draught_at, 8) * 0.1;
+    }
+}
+
 bool pel_ais_decode(const char *payload, size_t length, struct pel_ais *out)
 {
     struct bits b = { payload, length * 6 };
@@ -214,9 +251,13 @@ bool pel_ais_decode(const char *payload, size_t length, struct pel_ais *out)
     if (l->longitude.at) {
         position(&b, l, out);
     }
-    /* Of the parts of type 24 A alone has a name. */
-    if (l->name_at && !(l->part_at && unsigned_bits(&b, l->part_at, 2) != 0)) {
+    /* Of the parts of type 24 A alone has a name, B alone the ship. */
+    uint32_t part = l->part_at ? unsigned_bits(&b, l->part_at, 2) : 0;
+    if (l->name_at && part == 0) {
         read_name(&b, l->name_at, l->more_name_at, out->name);
+    }
+    if (l->size_at && part == (l->part_at ? 1 : 0)) {
+        read_ship(&b, l, out);
     }
     return true;
 }

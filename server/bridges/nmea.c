@@ -617,6 +617,7 @@ void pel_nmea_destroy(struct pel_nmea *nmea)
         return;
     }
     pel_scene_forget(nmea->scene, nmea);
+    pel_nmea_targets_finish(&nmea->targets);
     if (nmea->tick_source) {
         g_source_remove(nmea->tick_source);
         if (nmea->options.metrics) {

@@ -34,11 +34,12 @@ static bool is_radar(const struct pel_nmea_target *t)
 
 /* --- names ---------------------------------------------------------------- */
 
-static const char *known_name(const struct pel_nmea_targets *t, uint64_t key)
+static const struct pel_nmea_name *known(const struct pel_nmea_targets *t,
+                                         uint64_t key)
 {
     for (size_t i = 0; i < PEL_NMEA_NAMES; i++) {
         if (t->names[i].key == key) {
-            return t->names[i].name;
+            return &t->names[i];
         }
     }
     return NULL;
@@ -54,26 +55,53 @@ static struct pel_nmea_target *find(struct pel_nmea_targets *t, uint64_t key)
     return NULL;
 }
 
-static void keep_name(struct pel_nmea_targets *t, uint64_t key,
-                      const char *name)
+/* The place of what is said without a position. */
+static struct pel_nmea_name *place_of_name(struct pel_nmea_targets *t,
+                                           uint64_t key)
 {
     struct pel_nmea_name *place = &t->names[0];
     for (size_t i = 0; i < PEL_NMEA_NAMES; i++) {
         if (t->names[i].key == key) {
-            place = &t->names[i];
-            break;
+            t->names[i].used = ++t->name_clock;
+            return &t->names[i];
         }
         if (t->names[i].used < place->used) { /* a free one has 0 */
             place = &t->names[i];
         }
     }
-    place->key = key;
-    place->used = ++t->name_clock;
+    *place = (struct pel_nmea_name){ .key = key, .used = ++t->name_clock };
+    return place;
+}
+
+static void keep_name(struct pel_nmea_targets *t, uint64_t key,
+                      const char *name)
+{
+    struct pel_nmea_name *place = place_of_name(t, key);
     snprintf(place->name, sizeof place->name, "%s", name);
     struct pel_nmea_target *target = find(t, key);
     if (target && strcmp(target->name, name) != 0) {
         snprintf(target->name, sizeof target->name, "%s", name);
         target->renamed = t->renamed = true;
+    }
+}
+
+static bool same_ship(const struct pel_ais_ship *a,
+                      const struct pel_ais_ship *b)
+{
+    return a->type == b->type && a->is_virtual == b->is_virtual &&
+           a->bow_m == b->bow_m && a->stern_m == b->stern_m &&
+           a->port_m == b->port_m && a->starboard_m == b->starboard_m &&
+           a->draught_m == b->draught_m;
+}
+
+static void keep_ship(struct pel_nmea_targets *t, uint64_t key,
+                      const struct pel_ais_ship *ship)
+{
+    place_of_name(t, key)->ship = *ship;
+    struct pel_nmea_target *target = find(t, key);
+    if (target && !same_ship(&target->ship, ship)) {
+        target->ship = *ship;
+        target->reshaped = t->reshaped = true;
     }
 }
 
@@ -134,10 +162,16 @@ static struct pel_nmea_target *settle(struct pel_nmea_targets *t,
     if (!target) {
         return NULL;
     }
-    const char *name = known_name(t, key);
-    *target = (struct pel_nmea_target){ .key = key };
-    if (name) {
-        snprintf(target->name, sizeof target->name, "%s", name);
+    const struct pel_nmea_name *said = known(t, key);
+    *target = (struct pel_nmea_target){
+        .key = key, .heading = NAN, .station = r->station, .reshaped = true
+    };
+    t->reshaped = true;
+    if (said) {
+        target->ship = said->ship;
+    }
+    if (said && said->name[0]) {
+        snprintf(target->name, sizeof target->name, "%s", said->name);
     } else if (r->radar) {
         snprintf(target->name, sizeof target->name, "radar-%02u", r->number);
     } else {
@@ -231,6 +265,26 @@ static struct pel_nmea_target *admit(struct pel_nmea_targets *t,
     return target;
 }
 
+/* Who reports, and from its antenna's position to its middle's. */
+static void settle_ship(struct pel_nmea_targets *t,
+                        struct pel_nmea_target *target,
+                        struct pel_nmea_target_report *r)
+{
+    if (!r->coarse && r->station != target->station) {
+        target->station = r->station; /* 27 does not say which class */
+        target->reshaped = t->reshaped = true;
+    }
+    if (!isnan(r->heading)) {
+        target->heading = r->heading;
+    } else if (!isnan(r->course) && r->speed > STEERAGE_MPS) {
+        target->heading = r->course;
+    }
+    if (!isnan(r->latitude)) {
+        pel_nmea_to_middle(&target->ship, target->heading, &r->latitude,
+                           &r->longitude);
+    }
+}
+
 /* Adds to what earlier reports of the same edit have filled in. */
 static void fill(Pelagos__Entity *e, const struct pel_nmea_target_report *r,
                  bool is_new)
@@ -289,7 +343,118 @@ static void add_names(struct pel_nmea_targets *t, Pelagos__State *state,
     t->renamed = false;
 }
 
-void pel_nmea_targets_commit(struct pel_nmea_targets *t, int64_t now_ns)
+/* --- shapes --------------------------------------------------------------- */
+
+static void submit_shapes(struct pel_nmea_targets *t);
+
+/* An edit with models has been made, or refused. Targets that went meanwhile
+ * must not come back with it. */
+static void on_shaped(void *user, enum pel_err err,
+                      const struct pel_fault *fault)
+{
+    struct pel_nmea_targets *t = user;
+    t->shaping = false;
+    if (err) {
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_WARNING, "NME-011",
+                        "shapes of targets were refused: %s %s", fault->path,
+                        fault->message);
+        t->counters->refused_edits++;
+        return;
+    }
+    t->counters->edits++;
+    for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+        if (t->shaped[i] && t->targets[i].key == 0) {
+            remove_target(t, &t->targets[i]);
+        }
+    }
+    submit_shapes(t); /* what changed meanwhile */
+}
+
+static bool has_model(const Pelagos__State *state, uint32_t id)
+{
+    for (size_t i = 0; i < state->n_entities; i++) {
+        if (state->entities[i]->id == id) {
+            return state->entities[i]->model != NULL;
+        }
+    }
+    return false;
+}
+
+/* The models of one edit: what asks for another sea may wait behind it. */
+#define SHAPES_AN_EDIT 8
+struct shapes {
+    Pelagos__Patch patch;
+    Pelagos__State state;
+    Pelagos__Entity entities[SHAPES_AN_EDIT];
+    Pelagos__Entity *list[SHAPES_AN_EDIT];
+    Pelagos__Model models[SHAPES_AN_EDIT];
+    char *removals[SHAPES_AN_EDIT];
+    char paths[SHAPES_AN_EDIT][32];
+};
+
+static void add_shape(struct shapes *s, const Pelagos__State *now,
+                      const struct pel_nmea_target *target, uint32_t id)
+{
+    size_t n = s->state.n_entities;
+    Pelagos__Model *model = &s->models[n];
+    pelagos__model__init(model);
+    bool shaped = pel_nmea_shape_of(
+        target->station, (uint32_t)(target->key - 1), &target->ship, model);
+    if (has_model(now, id)) { /* else the new one keeps its sizes */
+        char *path = s->paths[s->patch.n_remove];
+        snprintf(path, sizeof s->paths[0], "entities.%u.model", id);
+        s->removals[s->patch.n_remove++] = path;
+    } else if (!shaped) {
+        return;
+    }
+    Pelagos__Entity *e = &s->entities[n];
+    pelagos__entity__init(e);
+    e->has_id = e->has_afloat = 1;
+    e->id = id;
+    e->afloat = shaped;
+    e->model = shaped ? model : NULL;
+    s->list[s->state.n_entities++] = e;
+}
+
+/* One edit at a time: what changes meanwhile is in the next. */
+static void submit_shapes(struct pel_nmea_targets *t)
+{
+    if (!t->reshaped || t->shaping) {
+        return;
+    }
+    struct shapes s;
+    const Pelagos__State *now = pel_scene_state(t->scene);
+    pelagos__patch__init(&s.patch);
+    pelagos__state__init(&s.state);
+    s.patch.state = &s.state;
+    s.patch.remove = s.removals;
+    s.state.entities = s.list;
+    t->reshaped = false;
+    for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+        struct pel_nmea_target *target = &t->targets[i];
+        bool waits = target->key != 0 && target->reshaped;
+        t->shaped[i] = waits && s.state.n_entities < SHAPES_AN_EDIT;
+        if (t->shaped[i]) {
+            target->reshaped = false;
+            add_shape(&s, now, target, PEL_NMEA_TARGET_ID + (uint32_t)i);
+        } else if (waits) {
+            t->reshaped = true;
+        }
+    }
+    if (s.state.n_entities > 0) {
+        const struct pel_scene_wish wish = { .patch = &s.patch, .source = t };
+        t->shaping = true;
+        pel_scene_submit(t->scene, &wish, on_shaped, t);
+    }
+}
+
+void pel_nmea_targets_finish(struct pel_nmea_targets *t)
+{
+    pel_scene_forget(t->scene, t);
+}
+
+static void commit_reports(struct pel_nmea_targets *t, int64_t now_ns)
 {
     if (t->pending_count == 0 && !t->renamed) {
         return;
@@ -307,6 +472,7 @@ void pel_nmea_targets_commit(struct pel_nmea_targets *t, int64_t now_ns)
             admit(t, r, has_own ? &own : NULL, &is_new, now_ns);
         if (target) {
             uint32_t id = PEL_NMEA_TARGET_ID + (uint32_t)(target - t->targets);
+            settle_ship(t, target, r);
             fill(entity_of(&state, entities, id, target->name), r, is_new);
         }
     }
@@ -317,6 +483,12 @@ void pel_nmea_targets_commit(struct pel_nmea_targets *t, int64_t now_ns)
         what.state = &state;
         patch(t, &what);
     }
+}
+
+void pel_nmea_targets_commit(struct pel_nmea_targets *t, int64_t now_ns)
+{
+    commit_reports(t, now_ns);
+    submit_shapes(t);
 }
 
 static void wait_for_commit(struct pel_nmea_targets *t,
@@ -335,10 +507,14 @@ void pel_nmea_targets_take_ais(struct pel_nmea_targets *t,
     if (ais->name[0]) {
         keep_name(t, key_of(false, ais->mmsi), ais->name);
     }
+    if (ais->has_ship) {
+        keep_ship(t, key_of(false, ais->mmsi), &ais->ship);
+    }
     if (!ais->has_position_report) {
         return;
     }
     const struct pel_nmea_target_report report = {
+        .station = pel_nmea_station_of(ais->type),
         .number = ais->mmsi,
         .coarse = ais->coarse,
         .latitude = ais->latitude,
@@ -374,6 +550,7 @@ void pel_nmea_targets_take_radar(struct pel_nmea_targets *t,
     }
     const struct pel_nmea_target_report report = {
         .radar = true,
+        .station = PEL_NMEA_RADAR,
         .number = (uint32_t)s->target,
         .polar = s->kind == PEL_NMEA_TTM,
         .bearing_true = s->bearing_true,
@@ -399,6 +576,7 @@ void pel_nmea_targets_expire(struct pel_nmea_targets *t, int64_t now_ns)
             remove_target(t, target);
         }
     }
+    submit_shapes(t);
 }
 
 size_t pel_nmea_targets_count(const struct pel_nmea_targets *t)

@@ -5,9 +5,9 @@
  * the place of one unheard for 6 minutes (the longest first), else of the
  * farthest from own ship if it is nearer itself; without own ship, of the one
  * unheard longest. Names that come before a position wait in a list of their
- * own, PEL_NMEA_NAMES long, whose oldest gives way: a report without a position
- * never takes a target's place. An AIS target unheard for 10 minutes and a
- * radar target unheard for 60 s is removed. */
+ * own, with types and sizes, PEL_NMEA_NAMES long, whose oldest gives way: a
+ * report without a position never takes a target's place. An AIS target unheard
+ * for 10 minutes and a radar target unheard for 60 s is removed. */
 #pragma once
 
 #include <stdbool.h>
@@ -16,6 +16,7 @@
 
 #include "bridges/ais.h"
 #include "bridges/nmea_parse.h"
+#include "bridges/nmea_shapes.h"
 #include "scene/scene.h"
 
 #define PEL_NMEA_TARGETS 100
@@ -30,6 +31,7 @@ struct pel_nmea_target_report {
     bool bearing_true;
     bool coarse; /* to 0.1 minute */
     bool lost;   /* the radar lost it */
+    enum pel_nmea_station station;
     double latitude, longitude, altitude;
     double range_m, bearing;
     double speed, course, heading, turn_rate;
@@ -41,14 +43,19 @@ struct pel_nmea_target {
     int64_t fine_ns; /* the last position that was not coarse, 0: none */
     int64_t tll_ns;  /* the last position of a radar target, not polar */
     double latitude, longitude;
-    bool renamed; /* its name is not in the scene yet */
+    double heading; /* the last that was known, NaN: none */
+    enum pel_nmea_station station;
+    struct pel_ais_ship ship;
+    bool renamed;  /* its name is not in the scene yet */
+    bool reshaped; /* nor its model */
     char name[40];
 };
 
 struct pel_nmea_name {
     uint64_t key; /* 0: free */
     uint64_t used;
-    char name[PEL_AIS_NAME + 1];
+    char name[PEL_AIS_NAME + 1]; /* "": none yet */
+    struct pel_ais_ship ship;
 };
 
 #define PEL_NMEA_REPORTS_AN_EDIT 16
@@ -69,7 +76,9 @@ struct pel_nmea_targets {
     uint64_t name_clock;
     struct pel_nmea_target_report pending[PEL_NMEA_REPORTS_AN_EDIT];
     size_t pending_count;
-    bool renamed; /* one of the targets is */
+    bool renamed, reshaped; /* one of the targets is */
+    bool shaping;           /* models of shaped[] are being made */
+    bool shaped[PEL_NMEA_TARGETS];
     struct pel_nmea_target_counters *counters;
 };
 
@@ -81,10 +90,14 @@ void pel_nmea_targets_take_radar(struct pel_nmea_targets *targets,
                                  const struct pel_nmea_sentence *sentence,
                                  int64_t now_ns);
 
-/* The waiting reports become one edit of the scene. */
+/* The waiting reports become one edit of the scene, and new shapes another,
+ * which takes effect when a thread has made them. */
 void pel_nmea_targets_commit(struct pel_nmea_targets *targets, int64_t now_ns);
 
 /* Removes what has been silent too long. */
 void pel_nmea_targets_expire(struct pel_nmea_targets *targets, int64_t now_ns);
+
+/* Before *targets goes, or its scene. */
+void pel_nmea_targets_finish(struct pel_nmea_targets *targets);
 
 size_t pel_nmea_targets_count(const struct pel_nmea_targets *targets);

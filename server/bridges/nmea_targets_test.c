@@ -285,6 +285,96 @@ static void silent_targets_go(void **state)
     assert_int_equal(pel_nmea_targets_count(&f->targets), 0);
 }
 
+/* The scene's model of entity 20000, when it has been made. */
+static const Pelagos__Model *shape(struct fixture *f)
+{
+    pel_scene_settle(f->scene);
+    return entity_of(f->scene, 20000)->model;
+}
+
+static void ship(struct fixture *f, uint32_t mmsi, struct pel_ais_ship what)
+{
+    struct pel_ais ais = { .type = 5, .mmsi = mmsi, .has_ship = true };
+    ais.ship = what;
+    pel_nmea_targets_take_ais(&f->targets, &ais, SECOND);
+    pel_nmea_targets_commit(&f->targets, SECOND);
+}
+
+static void ships_are_drawn(void **state)
+{
+    struct fixture *f = *state;
+    report(f, 244000001, 1, SECOND);
+    assert_string_equal(shape(f)->name, "bulk-carrier");
+    NEAR(shape(f)->length, 90, 0);
+    assert_true(entity_of(f->scene, 20000)->afloat);
+    ship(f, 244000001, (struct pel_ais_ship){ 80, false, 200, 50, 30, 12, 15 });
+    assert_string_equal(shape(f)->name, "tanker");
+    NEAR(shape(f)->length, 250, 0);
+    NEAR(shape(f)->beam, 42, 0);
+    NEAR(shape(f)->draught, 15, 0);
+    /* The course is 45°, the middle 75 m ahead of the antenna and 9 m to port.
+     */
+    double east, north;
+    report(f, 244000001, 1, 2 * SECOND);
+    const Pelagos__Entity *e = entity_of(f->scene, 20000);
+    pel_geo_to_local(f->latitude + 1 / 60.0, f->longitude, e->latitude,
+                     e->longitude, &east, &north);
+    NEAR(east, (75 - 9) * sqrt(0.5), 1e-3);
+    NEAR(north, (75 + 9) * sqrt(0.5), 1e-3);
+    /* Another ship has nothing of the old one's sizes. */
+    ship(f, 244000001, (struct pel_ais_ship){ .type = 36 });
+    assert_string_equal(shape(f)->name, "sailing-yacht");
+    assert_false(shape(f)->has_length || shape(f)->has_beam);
+    assert_int_equal(f->counters.refused_edits, 0);
+}
+
+/* Every type with every size: nothing is refused, whatever is sent. */
+static void no_size_is_refused(void **state)
+{
+    struct fixture *f = *state;
+    static const double sizes[] = { 0, 1, 3, 7, 29, 30, 250, 511 };
+    report(f, 244000001, 1, SECOND);
+    for (unsigned type = 0; type < 256; type += type < 99 ? 1 : 13) {
+        for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+            ship(f, 244000001,
+                 (struct pel_ais_ship){ (uint8_t)type, false, sizes[i],
+                                        sizes[(i + 3) % 8], fmin(sizes[i], 63),
+                                        fmin(sizes[(i + type) % 8], 63),
+                                        i % 3 * 12.75 });
+        }
+    }
+    assert_non_null(shape(f));
+    assert_int_equal(f->counters.refused_edits, 0);
+}
+
+static void aids_are_drawn(void **state)
+{
+    struct fixture *f = *state;
+    struct pel_ais_ship port = { .type = 24 };
+    Pelagos__Model m = PELAGOS__MODEL__INIT;
+    (void)f;
+    assert_true(pel_nmea_shape_of(PEL_NMEA_AID, 992440001, &port, &m));
+    assert_string_equal(m.name, "lateral-port-a");
+    assert_true(pel_nmea_shape_of(PEL_NMEA_AID, 993660001, &port, &m));
+    assert_string_equal(m.name, "lateral-port-b");
+    port.is_virtual = true;
+    assert_false(pel_nmea_shape_of(PEL_NMEA_AID, 992440001, &port, &m));
+    assert_false(pel_nmea_shape_of(PEL_NMEA_UNSHAPED, 2440001, &port, &m));
+}
+
+/* A target that goes while its model is made does not come back with it. */
+static void gone_is_gone(void **state)
+{
+    struct fixture *f = *state;
+    report(f, 244000001, 1, SECOND);
+    pel_nmea_targets_expire(&f->targets, 602 * SECOND);
+    pel_scene_settle(f->scene);
+    assert_null(named(f, "mmsi-244000001"));
+    for (size_t i = 0; i < pel_scene_state(f->scene)->n_entities; i++) {
+        assert_true(pel_scene_state(f->scene)->entities[i]->id < 20000);
+    }
+}
+
 int main(void)
 {
     pel_log_set_level(PEL_LOG_ERROR);
@@ -298,6 +388,10 @@ int main(void)
         TEST(coarse_positions_are_for_the_unknown),
         TEST(radar_targets),
         TEST(silent_targets_go),
+        TEST(ships_are_drawn),
+        TEST(no_size_is_refused),
+        TEST(aids_are_drawn),
+        TEST(gone_is_gone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

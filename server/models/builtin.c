@@ -5,8 +5,6 @@
 
 #include "models/kinds.h"
 
-#define FACTOR 10 /* that a dimension may be from the kind's */
-
 static const struct pel_builtin_kind kinds[] = {
 #define PEL_BUILTIN(kind_name, function, id, length, beam, draught, height,    \
                     paint, words)                                              \
@@ -50,13 +48,15 @@ static enum pel_err choose(const char *what, double asked, double typical,
                            double scale, double *out, struct pel_fault *fault)
 {
     *out = asked == 0 ? typical * scale : asked;
-    if (*out >= typical / FACTOR && *out <= typical * FACTOR) {
+    if (*out >= typical / PEL_BUILTIN_FACTOR &&
+        *out <= typical * PEL_BUILTIN_FACTOR) {
         return PEL_OK;
     }
     pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
                   "%s %.4g m: it can be %.4g to %.4g m; 0 or leaving it out "
                   "takes %.4g m",
-                  what, *out, typical / FACTOR, typical * FACTOR, typical);
+                  what, *out, typical / PEL_BUILTIN_FACTOR,
+                  typical * PEL_BUILTIN_FACTOR, typical);
     if (fault) {
         snprintf(fault->path, sizeof fault->path, "%s", what);
     }

@@ -4,6 +4,9 @@
 
 #include "models/model.h"
 
+/* By what factor a dimension may differ from the kind's own. */
+#define PEL_BUILTIN_FACTOR 10
+
 /* What can be made; a parameter of 0: the kind's own. */
 struct pel_builtin {
     const char *name; /* of a kind: "tanker" */

@@ -1,6 +1,7 @@
 #include "scene/fleet.h"
 
 #include <glib.h>
+#include <math.h>
 #include <string.h>
 
 #include "base/log.h"
@@ -73,6 +74,29 @@ enum pel_err pel_fleet_make(const Pelagos__Model *wish, const char *directory,
         .beam_m = wish->has_beam ? wish->beam : 0,
     };
     return pel_model_load(&source, out, notes, fault);
+}
+
+static bool can_have(double asked, double typical, double most)
+{
+    return asked >= typical / PEL_BUILTIN_FACTOR &&
+           asked <= fmin(typical * PEL_BUILTIN_FACTOR, most);
+}
+
+void pel_fleet_trim(Pelagos__Model *wish)
+{
+    const struct pel_builtin_kind *kind = pel_builtin_find(wish->name);
+    const double most_m = PEL_MODEL_MOST_SIZE_M;
+    if (!kind) {
+        return;
+    }
+    wish->has_length =
+        wish->has_length && can_have(wish->length, kind->length_m, most_m);
+    wish->has_beam =
+        wish->has_beam && can_have(wish->beam, kind->beam_m, most_m);
+    wish->has_draught = wish->has_draught &&
+                        can_have(wish->draught, kind->draught_m, most_m / 10);
+    wish->has_height =
+        wish->has_height && can_have(wish->height, kind->height_m, most_m);
 }
 
 /* The path of the field at fault: the model's own, or its name. */

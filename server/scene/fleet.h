@@ -38,6 +38,9 @@ const struct pel_model *pel_fleet_of(const struct pel_fleet *fleet,
 struct pel_fleet pel_fleet_ref(const struct pel_fleet *fleet);
 void pel_fleet_finish(struct pel_fleet *fleet);
 
+/* Leaves out the dimensions that a built-in model of this name cannot have. */
+void pel_fleet_trim(Pelagos__Model *wish);
+
 /* A model by name and sizes, built in or from the directory. `notes`: what of a
  * file was left out. Waits. Faults name no path but "length", "beam", … of the
  * model. */
