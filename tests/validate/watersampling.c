@@ -138,7 +138,7 @@ static double map_error(int size)
     return worst;
 }
 
-double put_sampling(FILE *md, FILE *json)
+double put_sampling(FILE *md, FILE *json, bool quick)
 {
     const struct pel_water_sampling *made = &pel_water_sampling_default;
     static const int planes[] = { 2, 3, 4, 6, 8, 10, 12, 16, 24 };
@@ -172,14 +172,19 @@ double put_sampling(FILE *md, FILE *json)
         fprintf(json, "%s\"%s\": [", t ? ",\n" : "", tables[t].title);
         for (int i = 0; i < tables[t].count; i++) {
             int n = tables[t].values[i];
+            if (quick && n != tables[t].made) {
+                continue;
+            }
             struct pel_water_sampling s = *made;
             s.planes = t == 0 ? n : s.planes;
             s.zeniths = t == 1 ? n : s.zeniths;
             s.azimuths = t == 2 ? n : s.azimuths;
-            double error = t == 3 ? map_error(n) : second_error(&s);
+            double error = t == 3                ? map_error(n)
+                           : n == tables[t].made ? all
+                                                 : second_error(&s);
             fprintf(md, "| %d%s | %.4f |\n", n,
                     n == tables[t].made ? " (made)" : "", 100.0 * error);
-            fprintf(json, "%s[%d, %.3g]", i ? ", " : "", n, error);
+            fprintf(json, "%s[%d, %.3g]", quick || !i ? "" : ", ", n, error);
             fprintf(stderr, "\rsampling %s %d   ", tables[t].head, n);
         }
         fprintf(json, "]");

@@ -3,8 +3,10 @@
  * directions, and the size of the maps. */
 #pragma once
 
+#include <stdbool.h>
 #include <stdio.h>
 
 /* Appends tables to `md`, writes `json` for tests/validate/water_plot.py.
- * Returns the worst error with what the maps are made with, of the maximum. */
-double put_sampling(FILE *md, FILE *json);
+ * quick: only as the maps are made. Returns the worst error with what the maps
+ * are made with, of the maximum. */
+double put_sampling(FILE *md, FILE *json, bool quick);
