@@ -169,7 +169,7 @@ SCENE := server/scene/scene.c \
     server/scene/ship.c \
     server/scene/record.c \
     server/scene/reckon.c \
-    server/scene/geodesy.c server/scene/globe.c \
+    server/scene/geodesy.c server/scene/globe.c server/scene/objectray.c \
     server/scene/sun.c \
     server/scene/utc.c
 RENDER := server/render/context.c server/render/shader.c \

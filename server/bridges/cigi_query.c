@@ -6,9 +6,12 @@
 #include "base/vec.h"
 #include "bridges/cigi_pose.h"
 #include "scene/globe.h"
+#include "scene/objectray.h"
 
 #define SEA_WATER 1 /* material codes */
 #define LAND 2
+#define THING 3
+#define NOBODY (-1)
 #define SLOPE_M 1.0 /* over which land slopes */
 #define STEP_M 0.25
 #define MAX_STEPS 1024
@@ -59,11 +62,13 @@ static void direction(const struct pel_cigi_moment *m, struct pel_vec3 at,
     *elevation = asin(pel_clamp(n.z, -1, 1)) / PEL_DEG;
 }
 
-/* What is on top at a place: the sea, or land that stands out of it. */
+/* What is on top at a place: the sea, or land that stands out of it, or a
+ * thing. */
 struct top {
     double height_m;
     struct pel_vec3 normal;
     unsigned material;
+    uint32_t entity; /* of a thing */
 };
 
 static double top_m(const struct pel_surface_sample *s)
@@ -76,7 +81,7 @@ static struct top top_of(const struct pel_cigi_moment *m, double x, double y,
                          const struct pel_surface_sample *s)
 {
     if (top_m(s) == s->height_m) {
-        return (struct top){ s->height_m, s->normal, SEA_WATER };
+        return (struct top){ s->height_m, s->normal, SEA_WATER, 0 };
     }
     const struct pel_snapshot *at = m->snapshot;
     double east = pel_snapshot_depth(at, x + 0.5 * SLOPE_M, y) -
@@ -87,7 +92,30 @@ static struct top top_of(const struct pel_cigi_moment *m, double x, double y,
     double length = sqrt(pel_vec3_dot(n, n));
     n = isfinite(length) ? pel_vec3_scale(n, 1 / length)
                          : (struct pel_vec3){ 0, 0, 1 };
-    return (struct top){ -s->depth_m, n, LAND };
+    return (struct top){ -s->depth_m, n, LAND, 0 };
+}
+
+/* The same, or what stands above it. */
+static struct top top_with_things(const struct pel_cigi_moment *m, double x,
+                                  double y, const struct pel_surface_sample *s,
+                                  long but)
+{
+    struct top top = top_of(m, x, y, s);
+    const struct pel_vec3 above = { x, y, PEL_HIGHEST_M }, down = { 0, 0, -1 };
+    struct pel_object_hit hit;
+    if (pel_objects_cast(m->objects, m->object_count, but, above, down, 0,
+                         PEL_HIGHEST_M - top.height_m, &hit)) {
+        top = (struct top){ PEL_HIGHEST_M - hit.range_m, hit.normal, THING,
+                            hit.id };
+    }
+    return top;
+}
+
+/* The entity in whose axes a request is: it does not hide things from itself.
+ */
+static long asker(bool local, uint32_t entity)
+{
+    return local ? (long)entity : NOBODY;
 }
 
 /* --- heights ------------------------------------------------------------- */
@@ -98,7 +126,9 @@ static struct pel_cigi_packet answer_height(const struct pel_cigi_moment *m,
                                             const struct pel_surface_sample *s)
 {
     bool extended = pel_cigi_get(p, PEL_CIGI_HAT_REQUEST_TYPE) >= 2;
-    struct top top = top_of(m, at.x, at.y, s);
+    long but = asker(pel_cigi_get(p, PEL_CIGI_HAT_REQUEST_LOCAL) != 0,
+                     (uint32_t)pel_cigi_get(p, PEL_CIGI_HAT_REQUEST_ENTITY));
+    struct top top = top_with_things(m, at.x, at.y, s, but);
     double hot = top.height_m, hat = at.z - hot;
     double id = pel_cigi_get(p, PEL_CIGI_HAT_REQUEST_ID);
     struct pel_cigi_packet a = pel_cigi_packet_of(
@@ -315,6 +345,22 @@ static struct hit follow(const struct pel_cigi_moment *m, struct ray ray)
     return hit;
 }
 
+/* The first of sea, land and things. */
+static struct hit look(const struct pel_cigi_moment *m, const struct ray *ray,
+                       long but)
+{
+    struct hit hit = follow(m, *ray);
+    struct pel_object_hit thing;
+    if (pel_objects_cast(m->objects, m->object_count, but, ray->from,
+                         ray->along, ray->begin_m,
+                         hit.met ? hit.range_m : ray->end_m, &thing)) {
+        hit = (struct hit){ .met = true, .range_m = thing.range_m };
+        hit.at = ray_at(ray, thing.range_m);
+        hit.top = (struct top){ hit.at.z, thing.normal, THING, thing.id };
+    }
+    return hit;
+}
+
 static struct pel_cigi_packet answer_sight(const struct pel_cigi_moment *m,
                                            double id, bool extended,
                                            bool segment, bool valid,
@@ -327,6 +373,7 @@ static struct pel_cigi_packet answer_sight(const struct pel_cigi_moment *m,
     /* The plain answer's flag is that of its range. */
     bool ranged = valid && hit->met;
     bool visible = valid && !hit->met;
+    bool thing = ranged && hit->top.material == THING;
     if (!extended) {
         pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_ID, id);
         pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_VALID, ranged);
@@ -334,6 +381,8 @@ static struct pel_cigi_packet answer_sight(const struct pel_cigi_moment *m,
         pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_HOST_FRAME, m->host_frame & 15);
         pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_COUNT, 1);
         pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_RANGE, hit->range_m);
+        pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_ENTITY_VALID, thing);
+        pel_cigi_set(&a, PEL_CIGI_LOS_RESPONSE_ENTITY, hit->top.entity);
         return a;
     }
     pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_ID, id);
@@ -367,6 +416,8 @@ static struct pel_cigi_packet answer_sight(const struct pel_cigi_moment *m,
             direction(m, hit->at, hit->top.normal, &azimuth, &elevation);
         }
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_RANGE, hit->range_m);
+        pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_ENTITY_VALID, thing);
+        pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_ENTITY, hit->top.entity);
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_LATITUDE, latitude);
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_LONGITUDE, longitude);
         pel_cigi_set(&a, PEL_CIGI_LOS_EXTENDED_ALTITUDE, altitude);
@@ -386,11 +437,11 @@ static struct pel_cigi_packet answer_segment(const struct pel_cigi_moment *m,
             ? (uint32_t)pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_DESTINATION_ENTITY)
             : source;
     bool local = pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_RESPONSE) != 0;
+    bool from_local = pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_LOCAL) != 0;
     struct pel_vec3 from, to;
     struct hit hit = { 0 };
     bool valid =
-        place(m, p, pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_LOCAL) != 0, source,
-              PEL_CIGI_LOS_SEGMENT_LATITUDE, &from) &&
+        place(m, p, from_local, source, PEL_CIGI_LOS_SEGMENT_LATITUDE, &from) &&
         place(m, p,
               pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_DESTINATION_LOCAL) != 0,
               target, PEL_CIGI_LOS_SEGMENT_TO_LATITUDE, &to);
@@ -400,7 +451,7 @@ static struct pel_cigi_packet answer_segment(const struct pel_cigi_moment *m,
         if (length > MET_M) {
             struct ray ray = { from, pel_vec3_scale(way, 1 / length), 0,
                                length };
-            hit = follow(m, ray);
+            hit = look(m, &ray, asker(from_local, source));
         }
     }
     return answer_sight(m, pel_cigi_get(p, PEL_CIGI_LOS_SEGMENT_ID),
@@ -433,7 +484,7 @@ static struct pel_cigi_packet answer_vector(const struct pel_cigi_moment *m,
             along = pel_mat3_apply(&body, in_body);
         }
         struct ray ray = { from, along, least, fmin(most, PEL_CIGI_REACH_M) };
-        hit = follow(m, ray);
+        hit = look(m, &ray, asker(local, entity));
     }
     return answer_sight(m, pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_ID),
                         pel_cigi_get(p, PEL_CIGI_LOS_VECTOR_TYPE) != 0, false,
@@ -562,6 +613,7 @@ size_t pel_cigi_answer(const struct pel_cigi_moment *moment,
     static struct pel_vec2 points[PEL_CIGI_MAX_QUESTIONS];
     static struct pel_surface_sample samples[PEL_CIGI_MAX_QUESTIONS];
     static int sample_of[PEL_CIGI_MAX_QUESTIONS]; /* -1: none */
+    static struct pel_object objects[PEL_MAX_ENTITIES];
     const struct pel_surface_sample none = { 0 };
     size_t asked = 0, answers = 0, sights = 0;
     struct pel_cigi_moment m = *moment;
@@ -576,6 +628,11 @@ size_t pel_cigi_answer(const struct pel_cigi_moment *moment,
     }
     pel_snapshot_surface(moment->snapshot, points, asked, moment->time_s, false,
                          samples);
+    m.objects = objects;
+    m.object_count =
+        sights + asked > 0
+            ? pel_snapshot_objects(moment->snapshot, moment->time_s, objects)
+            : 0;
     sights = sights < MAX_SIGHTS ? sights : MAX_SIGHTS;
     m.sight_steps =
         sights * MAX_STEPS <= ALL_STEPS ? MAX_STEPS : ALL_STEPS / sights;

@@ -18,7 +18,10 @@ struct pel_cigi_moment {
     const struct pel_cigi_world *world;
     double time_s;
     uint32_t host_frame;
-    size_t sight_steps; /* set by pel_cigi_answer */
+    /* Set by pel_cigi_answer: */
+    size_t sight_steps;
+    const struct pel_object *objects;
+    size_t object_count;
 };
 
 /* Gets each answer; false: no more room. */
@@ -28,7 +31,8 @@ typedef bool (*pel_cigi_emit)(void *user, const struct pel_cigi_packet *answer);
 bool pel_cigi_is_question(enum pel_cigi_kind kind);
 
 /* Answers `count` requests, at most PEL_CIGI_MAX_QUESTIONS, in order. Returns
- * the number of answers. HAT/HOT and maritime heights are pel_sea_query's. A
+ * the number of answers. HAT/HOT and maritime heights are pel_sea_query's, or
+ * the former of what stands there. A
  * line of sight is followed where waves can be, in steps of 0.25 m, or of a
  * 1024th of that way if this is longer (a 64th with 128 sights at once; more
  * are not answered), then to 0.1 mm. */

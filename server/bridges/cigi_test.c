@@ -1,4 +1,5 @@
 #include "bridges/cigi_testkit.h"
+#include "scene/geodesy.h"
 
 /* --- the tests ----------------------------------------------------------- */
 
@@ -563,6 +564,91 @@ static void sight_ends_at_the_waves(void **state)
     pel_snapshot_unref(s);
 }
 
+/* A tanker of 42 m beam heads north at the origin. */
+static void moor_tanker(void)
+{
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    Pelagos__State to = PELAGOS__STATE__INIT;
+    Pelagos__Entity e = PELAGOS__ENTITY__INIT, *list = &e;
+    Pelagos__Model model = PELAGOS__MODEL__INIT;
+    model.name = (char *)"tanker";
+    e.has_id = e.has_latitude = e.has_longitude = 1;
+    e.id = 7;
+    e.latitude = 52.6;
+    e.longitude = 5.2;
+    e.model = &model;
+    to.n_entities = 1;
+    to.entities = &list;
+    patch.state = &to;
+    assert_int_equal(pel_scene_patch(scene, &patch, NULL), PEL_OK);
+}
+
+/* From 300 m east, towards the west; the entity that is met, or -1. */
+static double look_west(double altitude, double *range)
+{
+    double latitude, longitude;
+    pel_geo_from_local(52.6, 5.2, 300, 0, &latitude, &longitude);
+    begin();
+    with(PEL_CIGI_KIND_LOS_VECTOR, PEL_CIGI_LOS_VECTOR_ID, 9.0,
+         PEL_CIGI_LOS_VECTOR_LATITUDE, latitude, PEL_CIGI_LOS_VECTOR_LONGITUDE,
+         longitude, PEL_CIGI_LOS_VECTOR_ALTITUDE, altitude,
+         PEL_CIGI_LOS_VECTOR_AZIMUTH, -90.0, PEL_CIGI_LOS_VECTOR_MAX_RANGE,
+         600.0, 0);
+    send();
+    take_frame();
+    struct pel_cigi_packet p = next_answer(PEL_CIGI_KIND_LOS_RESPONSE);
+    *range = pel_cigi_get(&p, PEL_CIGI_LOS_RESPONSE_RANGE);
+    return pel_cigi_get(&p, PEL_CIGI_LOS_RESPONSE_ENTITY_VALID) != 0
+               ? pel_cigi_get(&p, PEL_CIGI_LOS_RESPONSE_ENTITY)
+               : -1;
+}
+
+static double height_at_origin(double material)
+{
+    begin();
+    with(PEL_CIGI_KIND_HAT_REQUEST, PEL_CIGI_HAT_REQUEST_ID, 3.0,
+         PEL_CIGI_HAT_REQUEST_TYPE, 2.0, PEL_CIGI_HAT_REQUEST_LATITUDE, 52.6,
+         PEL_CIGI_HAT_REQUEST_LONGITUDE, 5.2, PEL_CIGI_HAT_REQUEST_ALTITUDE,
+         100.0, 0);
+    send();
+    take_frame();
+    struct pel_cigi_packet p = next_answer(PEL_CIGI_KIND_HAT_EXTENDED);
+    assert_near(pel_cigi_get(&p, PEL_CIGI_HAT_EXTENDED_MATERIAL), material, 0);
+    return pel_cigi_get(&p, PEL_CIGI_HAT_EXTENDED_HOT);
+}
+
+static void ships_are_met(void **state)
+{
+    (void)state;
+    double range;
+    height_at_origin(1);
+    moor_tanker();
+    /* The side is plane amidships: 300 m less half the beam. */
+    assert_near(look_west(4, &range), 7, 0);
+    assert_near(range, 300 - 21, 0.1);
+    assert_near(look_west(60, &range), -1, 0); /* above its truck */
+    /* What stands there meets a level ray just below its top too. */
+    double hot = height_at_origin(3);
+    assert_true(hot > 4 && hot < 46);
+    assert_near(look_west(hot - 0.05, &range), 7, 0);
+    /* From above, in a segment that ends below the keel. */
+    begin();
+    with(PEL_CIGI_KIND_LOS_SEGMENT, PEL_CIGI_LOS_SEGMENT_ID, 4.0,
+         PEL_CIGI_LOS_SEGMENT_TYPE, 1.0, PEL_CIGI_LOS_SEGMENT_LATITUDE, 52.6,
+         PEL_CIGI_LOS_SEGMENT_LONGITUDE, 5.2, PEL_CIGI_LOS_SEGMENT_ALTITUDE,
+         100.0, PEL_CIGI_LOS_SEGMENT_TO_LATITUDE, 52.6,
+         PEL_CIGI_LOS_SEGMENT_TO_LONGITUDE, 5.2,
+         PEL_CIGI_LOS_SEGMENT_TO_ALTITUDE, -50.0, 0);
+    send();
+    take_frame();
+    struct pel_cigi_packet p = next_answer(PEL_CIGI_KIND_LOS_EXTENDED);
+    assert_near(pel_cigi_get(&p, PEL_CIGI_LOS_EXTENDED_ENTITY_VALID), 1, 0);
+    assert_near(pel_cigi_get(&p, PEL_CIGI_LOS_EXTENDED_ENTITY), 7, 0);
+    assert_near(pel_cigi_get(&p, PEL_CIGI_LOS_EXTENDED_VISIBLE), 0, 0);
+    assert_near(pel_cigi_get(&p, PEL_CIGI_LOS_EXTENDED_RANGE), 100 - hot, 1e-3);
+    assert_near(pel_cigi_get(&p, PEL_CIGI_LOS_EXTENDED_MATERIAL), 3, 0);
+}
+
 int main(void)
 {
 #define TEST(name)                                                             \
@@ -590,6 +676,7 @@ int main(void)
         TEST(periodic_requests_come_again),
         TEST(many_answers_take_several_frames),
         TEST(sight_ends_at_the_waves),
+        TEST(ships_are_met),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
