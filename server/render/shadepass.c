@@ -13,22 +13,21 @@
     (GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT |                \
      GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT)
 
-static GLuint program_of(const struct pel_renderer *r,
-                         const struct pel_sea_programs *p, unsigned tile,
-                         enum pel_shading kind, GLuint deep)
+static GLuint program_of(const struct pel_sea_programs *p, unsigned tile,
+                         bool objects, enum pel_shading kind, GLuint deep)
 {
     unsigned coast = tile & PEL_TILE_COAST;
-    return r->any_objects              ? p->objects[coast][kind]
+    return objects                     ? p->objects[coast][kind]
            : coast == PEL_COAST_LAND   ? p->coast[kind]
            : coast == PEL_COAST_BOTTOM ? p->shallow[kind]
                                        : deep;
 }
 
-static void use_objects(const struct pel_renderer *r, unsigned tile)
+/* Whether objects can change a pixel of it. */
+static bool is_touched(unsigned tile)
 {
-    if (r->any_objects) {
-        pel_objects_use(tile);
-    }
+    return (tile & PEL_TILE_OBJECTS) || PEL_TILE_MIRRORED(tile) ||
+           PEL_TILE_SHADED(tile);
 }
 
 static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
@@ -37,11 +36,14 @@ static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
 {
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
+        bool objects = r->any_objects && is_touched(run.tile);
         glScissor(r->margin + run.x, r->margin + run.y, run.width, run.height);
-        glUseProgram(
-            program_of(r, p, run.tile, pass->kind, p->fragments[pass->kind]));
+        glUseProgram(program_of(p, run.tile, objects, pass->kind,
+                                p->fragments[pass->kind]));
         pel_pass_use(pass);
-        use_objects(r, run.tile);
+        if (objects) {
+            pel_objects_use(run.tile);
+        }
         glDepthFunc((run.tile & PEL_TILE_COAST) == PEL_COAST_LAND ? GL_ALWAYS
                                                                   : GL_LESS);
         glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -54,10 +56,12 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
                            const struct pel_pass *pass, int wanted)
 {
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
-        glUseProgram(program_of(r, p, run.tile, pass->kind,
+        glUseProgram(program_of(p, run.tile, r->any_objects, pass->kind,
                                 p->compute_program[pass->kind]));
         pel_pass_use(pass);
-        use_objects(r, run.tile);
+        if (r->any_objects) {
+            pel_objects_use(run.tile);
+        }
         glUniform1i(0, wanted);
         const GLint x = r->margin + run.x, y = r->margin + run.y;
         glUniform4i(1, x, y, x + run.width, y + run.height);
