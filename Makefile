@@ -228,6 +228,7 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/modbus_map.c server/bridges/modbus_units.c server/bridges/modbus_adu.c \
     server/bridges/modbus.c \
     server/bridges/console_table.c \
+    server/bridges/cigi_types.c server/bridges/cigi_shapes.c \
     server/bridges/nmea_out.c \
     server/bridges/nmea_tcp.c \
     server/bridges/console.c \

@@ -241,6 +241,7 @@ static enum pel_err start_cigi(struct daemon *d, struct pel_fault *fault)
     options.listen = d->options.cigi;
     options.host = or_null(d->options.cigi_host);
     options.allow = or_null(d->options.cigi_allow);
+    options.entities = or_null(d->options.cigi_entities);
     options.database = d->options.cigi_database;
     options.rate_hz = d->options.cigi_rate;
     options.silence_s = d->options.cigi_silence_s;

@@ -221,6 +221,10 @@ const struct pel_option pel_option_table[] = {
       .offset = FIELD(cigi_allow),
       .help = "Addresses or networks, separated by commas, that may send "
               "CIGI; empty is this machine only." },
+    { "cigi-entities", "bridges", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(cigi_entities),
+      .help = "Which models CIGI's entity types are: lines of a type and a "
+              "model, 17 {\"name\": \"tanker\"}." },
     { "cigi-gone", "bridges", PEL_OPTION_CHOICE, "HOW", "resume",
       .choices = gone_words, .offset = FIELD(cigi_gone),
       .help = "When the CIGI host falls silent: clock.mode becomes what it was "

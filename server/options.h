@@ -45,7 +45,7 @@ struct pel_options {
     double nmea_out_rate;
     bool nmea_ais;
     char cigi[PEL_OPTION_TEXT], cigi_host[PEL_OPTION_TEXT];
-    char cigi_allow[PEL_OPTION_TEXT];
+    char cigi_allow[PEL_OPTION_TEXT], cigi_entities[PEL_OPTION_TEXT];
     int cigi_database;
     double cigi_rate, cigi_silence_s;
     int cigi_gone;

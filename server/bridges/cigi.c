@@ -10,6 +10,7 @@
 #include "bridges/cigi_metrics.h"
 #include "bridges/cigi_parts.h"
 #include "bridges/cigi_sensor.h"
+#include "bridges/cigi_shapes.h"
 #include "scene/simclock.h"
 
 struct pel_cigi_options pel_cigi_default_options(void)
@@ -193,6 +194,26 @@ static bool commit(struct pel_cigi *cigi, const Pelagos__Patch *patch,
     return true;
 }
 
+/* The entities that the datagrams brought get their types' models. */
+static void give_shapes(struct pel_cigi *cigi,
+                        const struct pel_cigi_reader *readers, size_t count)
+{
+    struct pel_cigi_packet p;
+    for (size_t i = 0; cigi->shapes && i < count; i++) {
+        struct pel_cigi_reader reader = readers[i];
+        while (pel_cigi_next(&reader, &p)) {
+            if (p.kind == PEL_CIGI_KIND_ENTITY_CONTROL) {
+                pel_cigi_shapes_take(
+                    cigi->shapes,
+                    (uint32_t)pel_cigi_get(&p, PEL_CIGI_ENTITY_CONTROL_ID),
+                    (unsigned)pel_cigi_get(&p, PEL_CIGI_ENTITY_CONTROL_TYPE),
+                    pel_cigi_get(&p, PEL_CIGI_ENTITY_CONTROL_STATE) == 2);
+            }
+        }
+    }
+    pel_cigi_shapes_commit(cigi->shapes);
+}
+
 /* Makes and commits the patch of `count` datagrams; false: refused, and nothing
  * has changed. */
 static bool edit(struct pel_cigi *cigi, const struct pel_cigi_reader *readers,
@@ -226,6 +247,8 @@ static bool edit(struct pel_cigi *cigi, const struct pel_cigi_reader *readers,
     cigi->counters.skipped_packets += good ? cigi->edit->skipped : 0;
     if (!good) {
         cigi->world = before;
+    } else {
+        give_shapes(cigi, readers, count);
     }
     return good;
 }
@@ -579,6 +602,12 @@ static void collect(void *user, struct pel_metrics_page *page)
     const struct pel_cigi *cigi = user;
     struct pel_cigi_status s;
     pel_cigi_collect_counters(&cigi->counters, page);
+    if (cigi->shapes) {
+        pel_metric(
+            page, "pelagos_cigi_unknown_types_total", PEL_METRIC_COUNTER,
+            "Entities of a CIGI type that --cigi-entities does not name.", NULL,
+            (double)pel_cigi_shapes_counters(cigi->shapes).unknown);
+    }
     pel_cigi_status(cigi, &s);
     pel_metric(page, "pelagos_cigi_connected", PEL_METRIC_GAUGE,
                "1 while a CIGI host was heard within 2 s.", NULL, s.connected);
@@ -631,6 +660,10 @@ enum pel_err pel_cigi_create(const struct pel_cigi_options *options,
                                               cigi };
     cigi->sea = pel_cigi_sea_create(scene, &cigi->world, &calls);
     enum pel_err err = pel_allow_parse(options->allow, &cigi->allow, fault);
+    if (!err && options->entities) {
+        err = pel_cigi_shapes_create(options->entities, scene, &cigi->shapes,
+                                     fault);
+    }
     if (!err && options->listen) {
         err = pel_cigi_open_sockets(cigi, fault);
     }
@@ -659,6 +692,7 @@ void pel_cigi_destroy(struct pel_cigi *cigi)
         pel_metrics_remove(cigi->options.metrics, collect, cigi);
     }
     pel_cigi_close_sockets(cigi);
+    pel_cigi_shapes_destroy(cigi->shapes);
     pel_cigi_sea_destroy(cigi->sea);
     g_free(cigi->edit);
     pel_cigi_answers_destroy(cigi->answers);

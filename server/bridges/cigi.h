@@ -23,16 +23,17 @@ struct pel_metrics;
 struct pel_scene;
 
 struct pel_cigi_options {
-    const char *listen; /* ADDRESS:PORT of UDP; NULL: no socket, feed only */
-    const char *host;   /* ADDRESS:PORT that is sent to, from the start on;
-                         * NULL: the sender of the newest datagram */
-    const char *allow;  /* as pel_nmea_options */
-    int database;       /* number that can be loaded, 1..127; 0: any */
-    double rate_hz;     /* Start of Frame, 1..240 */
-    double silence_s;   /* the host is gone after it, 0.5..3600 */
-    bool hold;          /* time stands while the host is gone; else clock.mode
-                         * becomes what it was before the host, and what had
-                         * rates stands */
+    const char *listen;   /* ADDRESS:PORT of UDP; NULL: no socket, feed only */
+    const char *host;     /* ADDRESS:PORT that is sent to, from the start on;
+                           * NULL: the sender of the newest datagram */
+    const char *allow;    /* as pel_nmea_options */
+    const char *entities; /* a table of types (cigi_types.h); NULL: none */
+    int database;         /* number that can be loaded, 1..127; 0: any */
+    double rate_hz;       /* Start of Frame, 1..240 */
+    double silence_s;     /* the host is gone after it, 0.5..3600 */
+    bool hold;            /* time stands while the host is gone; else clock.mode
+                           * becomes what it was before the host, and what had
+                           * rates stands */
     struct pel_metrics *metrics; /* NULL: none are shown */
 };
 

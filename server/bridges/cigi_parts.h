@@ -65,6 +65,7 @@ struct pel_cigi {
     struct pel_cigi_world world;
     struct pel_cigi_edit *edit;
     struct pel_cigi_sea *sea;
+    struct pel_cigi_shapes *shapes; /* NULL: no table of types */
     struct pel_cigi_periodic periodic;
     struct pel_cigi_answers *answers;
     uint64_t dropped_questions;

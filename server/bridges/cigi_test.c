@@ -1,4 +1,6 @@
 #include "bridges/cigi_testkit.h"
+#include <stdlib.h>
+
 #include "scene/geodesy.h"
 
 /* --- the tests ----------------------------------------------------------- */
@@ -564,6 +566,91 @@ static void sight_ends_at_the_waves(void **state)
     pel_snapshot_unref(s);
 }
 
+static void of_type(double type)
+{
+    begin();
+    with(PEL_CIGI_KIND_ENTITY_CONTROL, PEL_CIGI_ENTITY_CONTROL_ID, 9.0,
+         PEL_CIGI_ENTITY_CONTROL_STATE, 1.0, PEL_CIGI_ENTITY_CONTROL_LATITUDE,
+         52.6, PEL_CIGI_ENTITY_CONTROL_LONGITUDE, 5.2,
+         PEL_CIGI_ENTITY_CONTROL_TYPE, type, 0);
+    send();
+    pel_scene_settle(scene);
+}
+
+static enum pel_err open_with_types(const char *text, struct pel_cigi **out,
+                                    struct pel_fault *fault)
+{
+    char path[] = "/tmp/cigi_typesXXXXXX";
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, text, strlen(text)), (ssize_t)strlen(text));
+    close(fd);
+    struct pel_cigi_options options = pel_cigi_default_options();
+    options.listen = NULL;
+    options.entities = path;
+    enum pel_err err = pel_cigi_create(&options, scene, out, fault);
+    unlink(path);
+    return err;
+}
+
+static void types_have_models(void **state)
+{
+    (void)state;
+    pel_cigi_destroy(cigi);
+    assert_int_equal(
+        open_with_types("# ours\n17 {\"name\": \"tanker\", \"length\": 180}\n"
+                        "\n 18\t{\"name\":\"tug\"}\r\n",
+                        &cigi, NULL),
+        PEL_OK);
+    of_type(17);
+    assert_string_equal(entity(9)->model->name, "tanker");
+    assert_near(entity(9)->model->length, 180, 0);
+    of_type(18);
+    assert_string_equal(entity(9)->model->name, "tug");
+    assert_false(entity(9)->model->has_length);
+    of_type(19);
+    assert_null(entity(9)->model);
+    /* Removed while its model is made: it does not come back. */
+    begin();
+    with(PEL_CIGI_KIND_ENTITY_CONTROL, PEL_CIGI_ENTITY_CONTROL_ID, 9.0,
+         PEL_CIGI_ENTITY_CONTROL_STATE, 1.0, PEL_CIGI_ENTITY_CONTROL_LATITUDE,
+         52.6, PEL_CIGI_ENTITY_CONTROL_LONGITUDE, 5.2,
+         PEL_CIGI_ENTITY_CONTROL_TYPE, 17.0, 0);
+    pel_cigi_feed(cigi, bytes, used);
+    begin();
+    with(PEL_CIGI_KIND_ENTITY_CONTROL, PEL_CIGI_ENTITY_CONTROL_ID, 9.0,
+         PEL_CIGI_ENTITY_CONTROL_STATE, 2.0, 0);
+    send();
+    pel_scene_settle(scene);
+    assert_null(entity(9));
+}
+
+static void wrong_types_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *says;
+    } wrong[] = {
+        { "17 {\"name\": \"tanker\"}\n17 {\"name\": \"tug\"}", "line 2" },
+        { "70000 {\"name\": \"tanker\"}", "0 .. 65535" },
+        { "17 {\"name\": \"tankr\"}", "tankr is neither" },
+        { "17 {\"name\": \"tanker\", \"length\": 5}", "24.4 to" },
+        { "17 {\"name\": \"tanker\", \"length\": -5}", "0.1 to 1000 m" },
+        { "17 {\"nam\": \"tanker\"}", "nam" },
+        { "17 {}", "wants a name" },
+        { "# nothing", "no type" },
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        struct pel_cigi *none;
+        struct pel_fault fault = { 0 };
+        assert_int_not_equal(open_with_types(wrong[i].text, &none, &fault),
+                             PEL_OK);
+        if (!strstr(fault.message, wrong[i].says)) {
+            fail_msg("%s: %s", wrong[i].text, fault.message);
+        }
+    }
+}
+
 /* A tanker of 42 m beam heads north at the origin. */
 static void moor_tanker(void)
 {
@@ -677,6 +764,8 @@ int main(void)
         TEST(many_answers_take_several_frames),
         TEST(sight_ends_at_the_waves),
         TEST(ships_are_met),
+        TEST(types_have_models),
+        TEST(wrong_types_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -82,6 +82,16 @@ static enum pel_err measure(const struct pel_builtin *what,
                         &size->height, fault);
 }
 
+enum pel_err pel_builtin_check(const struct pel_builtin *what,
+                               struct pel_fault *fault)
+{
+    const struct pel_builtin_kind *kind = pel_builtin_find(what->name);
+    struct pel_kind_size size;
+    return kind ? measure(what, kind, &size, fault)
+                : pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                                "%.64s: no such built-in model", what->name);
+}
+
 enum pel_err pel_builtin_make(const struct pel_builtin *what,
                               const struct pel_model **out,
                               struct pel_fault *fault)

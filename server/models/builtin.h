@@ -28,6 +28,10 @@ struct pel_builtin_kind {
 const struct pel_builtin_kind *pel_builtin_kinds(size_t *count);
 const struct pel_builtin_kind *pel_builtin_find(const char *name); /* or NULL */
 
+/* Whether it can be made: NOT_FOUND, OUT_OF_RANGE as below. */
+PEL_CHECK enum pel_err pel_builtin_check(const struct pel_builtin *what,
+                                         struct pel_fault *fault);
+
 /* Makes it; milliseconds. NOT_FOUND (no such kind), OUT_OF_RANGE (a dimension
  * more than a factor 10 from the kind's, or not finite): *fault says which and
  * what is allowed. NO_MEMORY. Any thread. */

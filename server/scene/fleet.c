@@ -50,21 +50,40 @@ find(const struct pel_fleet *fleet, const Pelagos__Model *wish, size_t guess)
     return NULL;
 }
 
+static struct pel_builtin builtin_of(const Pelagos__Model *wish)
+{
+    return (struct pel_builtin){
+        .name = wish->name,
+        .length_m = wish->has_length ? wish->length : 0,
+        .beam_m = wish->has_beam ? wish->beam : 0,
+        .draught_m = wish->has_draught ? wish->draught : 0,
+        .height_m = wish->has_height ? wish->height : 0,
+        .coloured = wish->has_colour,
+        .colour = wish->colour,
+    };
+}
+
+enum pel_err pel_fleet_try(const Pelagos__Model *wish, struct pel_fault *fault)
+{
+    if (pel_builtin_find(wish->name)) {
+        const struct pel_builtin what = builtin_of(wish);
+        return pel_builtin_check(&what, fault);
+    }
+    return pel_model_is_file(wish->name)
+               ? PEL_OK
+               : pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                               "%.64s is neither a built-in model nor a file "
+                               "of a model; pelagosctl models lists both",
+                               wish->name);
+}
+
 enum pel_err pel_fleet_make(const Pelagos__Model *wish, const char *directory,
                             const struct pel_model **out, char notes[],
                             struct pel_fault *fault)
 {
     notes[0] = '\0';
     if (pel_builtin_find(wish->name)) {
-        const struct pel_builtin what = {
-            .name = wish->name,
-            .length_m = wish->has_length ? wish->length : 0,
-            .beam_m = wish->has_beam ? wish->beam : 0,
-            .draught_m = wish->has_draught ? wish->draught : 0,
-            .height_m = wish->has_height ? wish->height : 0,
-            .coloured = wish->has_colour,
-            .colour = wish->colour,
-        };
+        const struct pel_builtin what = builtin_of(wish);
         return pel_builtin_make(&what, out, fault);
     }
     const struct pel_model_source source = {

@@ -41,6 +41,11 @@ void pel_fleet_finish(struct pel_fleet *fleet);
 /* Leaves out the dimensions that a built-in model of this name cannot have. */
 void pel_fleet_trim(Pelagos__Model *wish);
 
+/* Whether a model may be had: a built-in one with sizes that it can have, or a
+ * file by its ending, which is not read. Faults as below. */
+PEL_CHECK enum pel_err pel_fleet_try(const Pelagos__Model *wish,
+                                     struct pel_fault *fault);
+
 /* A model by name and sizes, built in or from the directory. `notes`: what of a
  * file was left out. Waits. Faults name no path but "length", "beam", … of the
  * model. */
