@@ -400,6 +400,40 @@ static void hulls_are_seen_through_the_water(void **state)
     pel_model_unref(model);
 }
 
+/* A hull hides no more of the sky's mirror image than there is: beside one that
+ * stands between the eye and a low Sun's side of the sky the sea is dark, but
+ * has light. */
+static void no_sea_is_black_beside_a_hull(void **state)
+{
+    (void)state;
+    test_sea(8.0, 0.0, 1, &sea);
+    const struct pel_model *model = model_of("tanker");
+    const struct pel_object object = standing(model, 0, 0, 150, 0, 80);
+    struct pel_environment env = test_environment(&sea, 20.0);
+    env.lights[PEL_LIGHT_SUN].direction = test_sun(20.0, 60.0);
+    struct pel_camera c =
+        test_camera((struct test_look){ 12.0, 0.0, -4.0, 0.0, 60.0, 320, 180 });
+    env.objects = &object;
+    env.object_count = 1;
+    struct kept with = keep(test_draw(renderer, &env, &c, MASK_LAYERS));
+    double mean = 0, least = 1e30;
+    size_t count = 0, n = (size_t)with.width * with.height;
+    for (size_t i = n / 2; i < n; i++) {
+        if (with.id[i] == 0) {
+            mean += (double)with.radiance[4 * i + 1];
+            least = fmin(least, (double)with.radiance[4 * i + 1]);
+            count++;
+        }
+    }
+    mean /= (double)count;
+    printf("sea beside a hull: mean %.3g, least %.3g\n", mean, least);
+    assert_true(count > n / 4);
+    /* A dark hull mirrors a tenth of what the sky does. */
+    assert_true(least > 0.05 * mean);
+    drop(&with);
+    pel_model_unref(model);
+}
+
 /* --- silhouettes
  * ---------------------------------------------------------- */
 
@@ -463,6 +497,7 @@ static void silhouettes_are_mixed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_sea_is_black_beside_a_hull),
         cmocka_unit_test(silhouettes_are_mixed),
         cmocka_unit_test(without_objects_the_same_bits),
         cmocka_unit_test(pictures_of_objects_have_no_seam),

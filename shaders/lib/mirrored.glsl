@@ -85,23 +85,25 @@ vec4 seen_mirrored(mirror_view m, vec3 r, float spread, float wall)
     return here * textureLod(mirrors, vec3(uv, m.layer), log2(max(texels, 1.0)));
 }
 
-// What the objects that facets mirror put in the place of the sky: the integral
-// of reflected_sky again, by more facets, since an object has edges. `s`, `mu`:
+// The reflected light with objects in it. Of `sky`, reflected_sky's integral, they
+// take the share that they hide of it by more facets, since an object has edges
+// (of this integral itself: the two differ, and more than all of the sky would
+// be hidden under a hull), and put there what those facets mirror. `s`, `mu`:
 // standard deviation of the slopes towards the eye, the sight's tangent by it;
-// `axis`: slopes of one s there. And in the
-// place of `second`, the second_reflection of `lost` at eta: facets that a ray
+// `axis`: slopes of one s there. And the same for
+// `second`, the second_reflection of `lost` at eta: facets that a ray
 // meets there have in the mean the slope z, Q(eta) / (phi(eta) - eta Q(eta)) by
 // its first terms, and mirror 2 z - eta.
-vec3 objects_for_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec2 axis, float s, float cross2, float mu, vec3 resolved,
-                     vec3 lost, float eta, vec3 second)
+vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec2 axis, float s, float cross2, float mu,
+                  vec3 resolved, vec3 lost, float eta, vec3 second)
 {
     const int FACETS = 6, LOW = 1, HIGH = 4;
     const float STEP = 0.8;
-    vec3 sum = vec3(0.0);
     if (objects_near.x == 0) {
-        return sum;
+        return sky + lost * second;
     }
-    vec3 ways[FACETS], shares[FACETS];
+    vec3 ways[FACETS], shares[FACETS], skies_[FACETS];
+    vec3 stands = vec3(0.0), hidden = vec3(0.0), whole = vec3(0.0);
     float spreads[FACETS], left_[FACETS];
     float all = 0.0;
     float odds = escape_odds(mu);
@@ -119,6 +121,9 @@ vec3 objects_for_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec2 axis,
         shares[k] = facet_reflectance(fv) * (weight * open_);
         spreads[k] = max(sqrt(cross2) * abs(fv), 1.0 * STEP * s);
         left_[k] = 1.0;
+        float inverse = 0.5 / PEL_REFLECTION_HALF_WIDTH / (1.0 + max(r.z, 0.0));
+        skies_[k] = textureLod(map, r.xy * inverse + 0.5, 2.0).rgb * shares[k];
+        whole += skies_[k];
     }
     vec2 away = -v.xy * inversesqrt(max(dot(v.xy, v.xy), 1e-8));
     float z = 1.2533 + eta * (0.56 + 0.08 * eta);
@@ -143,16 +148,16 @@ vec3 objects_for_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec2 axis,
         for (int k = 0; k < FACETS; k++) {
             float wall = mix(low.x, high.x, float(k - LOW) / float(HIGH - LOW));
             vec4 seen = seen_mirrored(m, ways[k], spreads[k], wall) * left_[k];
-            float inverse = 0.5 / PEL_REFLECTION_HALF_WIDTH / (1.0 + max(ways[k].z, 0.0));
-            vec3 sky = textureLod(map, ways[k].xy * inverse + 0.5, 2.0).rgb;
-            sum += (seen.rgb - seen.a * sky) * shares[k];
+            stands += seen.rgb * shares[k];
+            hidden += seen.a * skies_[k];
             left_[k] -= seen.a;
         }
         vec4 seen = seen_mirrored(m, twice, 1.2 / resolved.z, high.x) * left_twice;
-        sum_twice += seen.rgb * again + seen.a * (sea_light.rgb * (1.0 - again) - second);
+        sum_twice += seen.rgb * again + seen.a * sea_light.rgb * (1.0 - again);
         left_twice -= seen.a;
     }
-    return sum / max(all, 1e-9) + lost * sum_twice;
+    return sky * (1.0 - hidden / max(whole, vec3(1e-12))) + stands / max(all, 1e-9) +
+           lost * (second * left_twice + sum_twice);
 }
 
 #include "lib/keel.glsl"

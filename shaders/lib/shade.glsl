@@ -91,10 +91,12 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     float eta = lost_tangent / max(lost.g, 1e-9) * resolved.z;
     vec4 second = second_reflection(away, eta);
 #ifdef PEL_OBJECTS
-    sum += objects_for_sky(map, v, n, tx, ty, axis, s, cross2, mu, resolved, lost, eta, second.rgb);
-#endif
+    twice = lost * second.a;
+    return with_objects(map, sum, v, n, tx, ty, axis, s, cross2, mu, resolved, lost, eta, second.rgb);
+#else
     twice = lost * second.a;
     return sum + lost * second.rgb;
+#endif
 }
 #else
 // U(ζ) of algorithm 5.1: where in the map the facet of slopes ζ mirrors.

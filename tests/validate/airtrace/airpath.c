@@ -280,7 +280,7 @@ static double scatter(struct walk *walk, struct air_vec p,
     double glow = walk->to_glow * exp(-GLOW_WAY * point.aerosols);
     double which = number(walk), u = number(walk), v = number(walk);
     struct air_vec from = *d;
-    struct glow sought;
+    struct glow sought = { .range = 1 };
     if (glow > 0) {
         sought = glow_at(p, walk->suns[0], air->ground);
     }
