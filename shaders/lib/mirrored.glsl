@@ -105,12 +105,10 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
     vec3 ways[FACETS], shares[FACETS], skies_[FACETS];
     vec3 stands = vec3(0.0), hidden = vec3(0.0), whole = vec3(0.0);
     float spreads[FACETS], left_[FACETS];
-    float all = 0.0;
     float odds = escape_odds(mu);
     for (int k = 0; k < FACETS; k++) {
         float y = STEP * (float(k) - 0.5 * float(FACETS - 1));
         float weight = max(mu + y, 0.0) * exp(-0.5 * y * y);
-        all += weight;
         vec3 facet = tx * (axis.x * y) + ty * (axis.y * y) + n;
         vec3 f = facet * inversesqrt(dot(facet, facet) + cross2);
         float fv = dot(f, v);
@@ -156,7 +154,7 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
         sum_twice += seen.rgb * again + seen.a * sea_light.rgb * (1.0 - again);
         left_twice -= seen.a;
     }
-    return sky * (1.0 - hidden / max(whole, vec3(1e-12))) + stands / max(all, 1e-9) +
+    return sky * (1.0 - hidden / max(whole, vec3(1e-12))) + stands * (sky.g / max(whole.g, 1e-12)) +
            lost * (second * left_twice + sum_twice);
 }
 
