@@ -228,7 +228,7 @@ static void add_hull(const struct ship_scene *scene, const double *point,
                      struct sea_random *random, struct ship_sight *sight)
 {
     static const double up[3] = { 0, 0, 1 };
-    double place[3], to[3], in[3], down[3], length;
+    double place[3], to[3], in[3], down[3], length = 0;
     along(point, hit->normal, 1e-3, place);
     scatter(up, random, to);
     to[2] = fmax(to[2], 1e-3);
