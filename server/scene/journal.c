@@ -30,6 +30,7 @@ struct pel_journal {
     double step_s;     /* time of the last entry */
     bool broken;       /* it was said */
     bool lacks;        /* an edit that it could not take */
+    bool cut;          /* so does `since` */
     uint64_t lost, turns;
 };
 
@@ -240,9 +241,9 @@ static void turned(struct pel_task *task, bool dropped)
     struct pel_journal *j = t->journal;
     if (t->fd < 0 && !dropped) {
         say_broken(j, t->why);
-    } else if (t->fd >= 0 &&
-               !pel_file_write(t->fd, j->since->data, j->since->len)) {
-        say_broken(j, errno);
+    } else if (t->fd >= 0 && (j->cut || !pel_file_write(t->fd, j->since->data,
+                                                        j->since->len))) {
+        say_broken(j, j->cut ? ETIMEDOUT : errno);
         close(t->fd);
         unlink(j->fresh);
     } else if (t->fd >= 0) {
@@ -269,6 +270,7 @@ void pel_journal_turn(struct pel_journal *j, const Pelagos__State *state)
     t->fd = -1;
     t->head = pack_head(state, &t->size);
     j->since = g_byte_array_new();
+    j->cut = false;
     pel_worker_push(j->worker, &t->task);
 }
 
@@ -294,6 +296,9 @@ static void synced(struct pel_task *task, bool dropped)
 static gboolean on_sync_timer(gpointer user)
 {
     struct pel_journal *j = user;
+    if (j->unsynced && pel_worker_count(j->worker) > 0) {
+        return G_SOURCE_CONTINUE; /* a disk that hangs gathers no tasks */
+    }
     int fd = j->fd >= 0 ? fcntl(j->fd, F_DUPFD_CLOEXEC, 0) : -1;
     if (!j->unsynced) {
         j->sync_timer = 0;
@@ -327,8 +332,10 @@ static void stop(struct pel_journal *j, int why)
 
 static void put(struct pel_journal *j, const uint8_t *data, size_t size)
 {
-    if (j->since) {
+    if (j->since && j->since->len + size <= PEL_JOURNAL_MOST_BYTES) {
         g_byte_array_append(j->since, data, (guint)size);
+    } else if (j->since) {
+        j->cut = true; /* a disk that hangs: what is gathered is of no use */
     }
     bool fits =
         j->fd >= 0 && !j->lacks && j->size + size <= PEL_JOURNAL_MOST_BYTES;
