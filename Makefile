@@ -126,7 +126,9 @@ OPTICS := server/optics/brdf.c \
     server/optics/waterbody.c \
     server/optics/linear.c \
     server/optics/ordinates.c \
+    server/optics/ordinatesresponse.c \
     server/optics/phase.c \
+    server/optics/raman.c \
     server/optics/seawater.c \
     server/optics/transport.c \
     server/optics/watermontecarlo.c \
@@ -294,6 +296,7 @@ TESTS += server/optics/colour_test.c
 TESTS += server/optics/daylight_test.c
 TESTS += server/optics/facets_test.c
 TESTS += server/optics/phase_test.c
+TESTS += server/optics/raman_test.c
 TESTS += server/optics/transport_test.c
 TESTS += server/optics/watersection_test.c
 TESTS += server/optics/waterslope_test.c

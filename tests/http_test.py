@@ -253,15 +253,25 @@ class Endpoints(HttpCase):
             self.daemon.get("/v1/optics/water?" + where + "&from=" + f
                             ).json()["water"]
             for f in ("GPU", "REFERENCE", "MONTECARLO")]
+        raman = reference["raman"]
+        self.assertGreater(min(raman), 0)
         for name in "single", "second", "higher", "bottom", "total":
             for i in range(3):
-                # The maps hold 1/1000 of their maximum.
+                # The maps hold 1/1000 of their maximum; Raman's light is in
+                # their higher orders.
+                wanted = reference[name][i] + (name == "higher") * raman[i]
                 self.assertAlmostEqual(drawn[name][i] / max(reference["total"]),
-                                       reference[name][i]
-                                       / max(reference["total"]), 3)
+                                       wanted / max(reference["total"]), 3)
         for i in range(3):
-            self.assertLess(abs(followed["total"][i] - reference["total"][i]),
+            self.assertLess(abs(followed["total"][i] + raman[i]
+                                - reference["total"][i]),
                             5 * followed["totalError"][i])
+        plain = self.daemon.get("/v1/optics/water?" + where
+                                + "&water.raman=false").json()["water"]
+        self.assertEqual(plain["raman"], [0, 0, 0])
+        for i in range(3):
+            self.assertAlmostEqual(plain["total"][i] + raman[i],
+                                   reference["total"][i], 12)
         two = self.daemon.get("/v1/optics/water?" + where
                               + "&water.orders=TWO").json()["water"]
         self.assertEqual(two["higher"], [0, 0, 0])

@@ -225,7 +225,8 @@ static enum ctl_exit read_water(struct ctl *ctl,
     struct pel_water_desc desc = { .chlorophyll_mg_m3 = 0.2,
                                    .salinity_g_kg = PEL_SALINITY_USUAL,
                                    .temperature_c = PEL_TEMPERATURE_USUAL,
-                                   .depth_m = 1000.0 };
+                                   .depth_m = 1000.0,
+                                   .raman = !ctl_flag(ctl, "no-raman") };
     int jerlov = 0, name = 0;
     enum ctl_exit status = direct ? read_coefficients(ctl, &desc) : CTL_DONE;
     if (status == CTL_DONE) {
@@ -382,9 +383,10 @@ static void put_question(const struct question *q)
 }
 
 /* Parts of an answer, in the order they are printed. */
-static const char *const parts[] = { "single",          "second",
-                                     "higher",          "bottomDirect",
-                                     "bottomScattered", "total" };
+static const char *const parts[] = {
+    "single",          "second", "higher", "bottomDirect",
+    "bottomScattered", "raman",  "total"
+};
 #define PARTS G_N_ELEMENTS(parts)
 
 static void put_parts(const char *name, double v[PARTS][MOST], int count,
@@ -412,7 +414,8 @@ static enum ctl_exit answer_reference(const struct question *q)
         const struct pel_leaving *l = &r.leaving;
         const double all[PARTS] = { l->single,           l->second,
                                     l->higher,           l->bottom_direct,
-                                    l->bottom_scattered, l->total };
+                                    l->bottom_scattered, r.raman,
+                                    l->total + r.raman };
         for (size_t k = 0; k < PARTS; k++) {
             v[k][i] = all[k];
         }
@@ -441,8 +444,8 @@ static enum ctl_exit answer_montecarlo(const struct question *q)
                                (uint64_t)q->paths, (uint64_t)q->seed + i, &r,
                                NULL);
         const struct pel_estimate all[PARTS] = {
-            r.single,        r.second,           r.higher,
-            r.bottom_direct, r.bottom_scattered, r.total
+            r.single,           r.second,     r.higher, r.bottom_direct,
+            r.bottom_scattered, { 0.0, 0.0 }, r.total
         };
         for (size_t k = 0; k < PARTS; k++) {
             v[k][i] = all[k].mean;
@@ -490,6 +493,8 @@ static void patch_water(Pelagos__Patch *patch, const struct question *q)
         set(patch, "water.salinity", true, d->salinity_g_kg) |
         set(patch, "water.temperature", true, d->temperature_c) |
         set(patch, "water.depth", true, q->body.depth_m) |
+        pel_path_set(patch, NULL, "water.raman", d->raman ? "true" : "false",
+                     NULL) |
         pel_path_set(patch, NULL, "water.orders", words[q->orders], NULL);
     for (int k = 0; k < 4 * N; k++) {
         char path[40];

@@ -205,6 +205,7 @@ static const struct ctl_option optics_options[] = {
     { 0, "phase", "FUNCTION",
       "Of particles: fournier-forand, henyey-greenstein (fournier-forand)",
       NULL },
+    { 0, "no-raman", NULL, "Without Raman scattering by the water", NULL },
     { 0, "wavelengths", "NM",
       "400 to 700, with commas between, or FROM:TO:STEP (680,550,440)", NULL },
     { 0, "jerlov", "TYPE",

@@ -122,7 +122,7 @@ static void put_light(const struct pel_optics_query *q, int count,
             second[i] = l->second;
             higher[i] = l->higher;
             bottom[i] = l->bottom_direct + l->bottom_scattered;
-            total[i] = l->total;
+            total[i] = l->total + w->reports[i].raman;
             if (direct) { /* not of the device */
                 direct[i] = l->bottom_direct;
             }
@@ -189,10 +189,12 @@ Pelagos__WaterLight *pel_optics_water_message(const struct pel_optics_query *q)
         double *rrs = LIST(remote_sensing_reflectance);
         double *reflectance = LIST(irradiance_reflectance);
         double *attenuation = LIST(diffuse_attenuation);
+        double *raman = LIST(raman);
         for (int i = 0; i < count; i++) {
             rrs[i] = reports[i].rrs;
             reflectance[i] = reports[i].reflectance;
             attenuation[i] = reports[i].attenuation;
+            raman[i] = reports[i].raman;
         }
     }
     out->has_depth = true;

@@ -7,49 +7,10 @@
 #include "base/vec.h"
 #include "optics/brdf.h"
 #include "optics/linear.h"
+#include "optics/ordinatesparts.h"
 
-#define N_MAX (2 * PEL_ORDINATES_MAX) /* directions in each hemisphere */
-#define BACK_CELLS 512 /* of the phase function from −1 to BACK_TO */
-#define BACK_TO 0.25   /* turned by more than two critical angles */
-
-struct pel_ordinates {
-    int nodes; /* in each range */
-    int n;     /* directions in each hemisphere; the first `nodes` leave */
-    int terms; /* of the phase function */
-    double tolerance;
-    double mu[N_MAX], weight[N_MAX];
-    double reflected[N_MAX]; /* by the surface, from below */
-    double air_mu[PEL_ORDINATES_MAX];
-    /* The phase function last met. */
-    struct pel_phase phase;
-    double chi[N_MAX + 1];
-    double back[BACK_CELLS + 2];
-    /* One mode's work. */
-    double moment[N_MAX];          /* (2l + 1) χ_l */
-    double legendre[N_MAX][N_MAX]; /* [l][direction] */
-    double odd[N_MAX * N_MAX], even[N_MAX * N_MAX];
-    double vectors[N_MAX * N_MAX];
-    double k[N_MAX];
-    double sum[N_MAX * N_MAX], difference[N_MAX * N_MAX]; /* S and D */
-    double matrix[4 * N_MAX * N_MAX], right[2 * N_MAX];
-    int pivot[2 * N_MAX];
-    /* e^(−λτ) times these solves the equation with the Sun's source. */
-    double beam_sum[N_MAX], beam_difference[N_MAX];
-};
-
-/* One medium and light in the scaled problem. */
-struct problem {
-    double omega, tau; /* scaled albedo and depth */
-    double peak;
-    double albedo;
-    double sun_mu, rate; /* rate = 1 / sun_mu, moved off every eigenvalue */
-    double beam;
-    const struct pel_ordinates_light *light;
-    int mode;
-};
-
-/* Λ_l^m(μ) = √((l−m)!/(l+m)!) P_l^m for l < terms. */
-static void legendre(int m, int terms, double mu, double *out, int stride)
+void pel_ordinates_legendre(int m, int terms, double mu, double *out,
+                            int stride)
 {
     double sine = sqrt(fmax(1.0 - mu * mu, 0.0)), p = 1.0;
     for (int i = 1; i <= m; i++) {
@@ -163,9 +124,9 @@ double pel_ordinates_single(struct pel_ordinates *o,
            -expm1(-rate * medium->depth_m) / (rate * view_mu);
 }
 
-/* Delta-M: the peak f = χ_terms is taken as not scattered at all. */
-static void scale(struct pel_ordinates *o, const struct pel_medium *medium,
-                  struct problem *p)
+void pel_ordinates_scale(struct pel_ordinates *o,
+                         const struct pel_medium *medium,
+                         struct pel_ordinates_problem *p)
 {
     double f = meet(o, medium);
     double a = medium->absorption, b = medium->scattering * (1.0 - f);
@@ -178,17 +139,14 @@ static void scale(struct pel_ordinates *o, const struct pel_medium *medium,
     }
 }
 
-/* Eigenvalues k and the matrices that lead from the eigenmodes (σ, δ) to sum
- * and difference of upward and downward radiance: with P and Q the
- * symmetrised operators of the odd and even terms, P = C Cᵀ,
- * Cᵀ Q C = V k² Vᵀ, S = T⁻¹ C V, D = T⁻¹ C⁻ᵀ V, T = √(μ w). Then
- * σ' = δ − V ᵀC⁻¹ q_d, δ' = k² σ − VᵀCᵀ q_s. */
-static void eigenmodes(struct pel_ordinates *o, const struct problem *p)
+void pel_ordinates_eigenmodes(struct pel_ordinates *o,
+                              const struct pel_ordinates_problem *p)
 {
     int n = o->n;
     double scaled[N_MAX];
     for (int i = 0; i < n; i++) {
-        legendre(p->mode, o->terms, o->mu[i], &o->legendre[0][i], N_MAX);
+        pel_ordinates_legendre(p->mode, o->terms, o->mu[i], &o->legendre[0][i],
+                               N_MAX);
         scaled[i] = sqrt(o->weight[i] / o->mu[i]);
     }
     for (int i = 0; i < n; i++) {
@@ -221,12 +179,12 @@ static void eigenmodes(struct pel_ordinates *o, const struct problem *p)
     }
 }
 
-/* The particular solution for the Sun's beam, ∝ e^(−λτ), in eigenmodes. */
-static void beam_modes(struct pel_ordinates *o, struct problem *p)
+void pel_ordinates_beam_modes(struct pel_ordinates *o,
+                              struct pel_ordinates_problem *p)
 {
     int n = o->n;
     double at_sun[N_MAX], qs[N_MAX], qd[N_MAX];
-    legendre(p->mode, o->terms, p->sun_mu, at_sun, 1);
+    pel_ordinates_legendre(p->mode, o->terms, p->sun_mu, at_sun, 1);
     double strength =
         p->omega * p->beam / (4.0 * PEL_PI) * (p->mode ? 2.0 : 1.0);
     for (int i = 0; i < n; i++) {
@@ -253,9 +211,8 @@ static void beam_modes(struct pel_ordinates *o, struct problem *p)
     }
 }
 
-/* λ = 1/μ0 may meet an eigenvalue, where the particular solution has a pole
- * that the homogeneous one takes away: a millionth aside both are finite. */
-static void leave_resonance(const struct pel_ordinates *o, struct problem *p)
+void pel_ordinates_leave_resonance(const struct pel_ordinates *o,
+                                   struct pel_ordinates_problem *p)
 {
     for (int tries = 0; tries < 3; tries++) {
         bool near = false;
@@ -269,9 +226,8 @@ static void leave_resonance(const struct pel_ordinates *o, struct problem *p)
     }
 }
 
-/* The 2n equations for what decays from above (first n unknowns) and from
- * below: L₋ = R L₊ + L_in at the surface, a Lambertian bottom. */
-static void boundary_matrix(struct pel_ordinates *o, const struct problem *p,
+void pel_ordinates_boundary(struct pel_ordinates *o,
+                            const struct pel_ordinates_problem *p,
                             double albedo)
 {
     int n = o->n;
@@ -301,8 +257,8 @@ static void boundary_matrix(struct pel_ordinates *o, const struct problem *p,
 }
 
 /* Mode of the skylight that has come through the surface at node i. */
-static double incoming(const struct pel_ordinates *o, const struct problem *p,
-                       int i)
+static double incoming(const struct pel_ordinates *o,
+                       const struct pel_ordinates_problem *p, int i)
 {
     const struct pel_ordinates_light *light = p->light;
     if (!light->sky || i >= o->nodes || p->mode >= light->sky_modes) {
@@ -312,8 +268,8 @@ static double incoming(const struct pel_ordinates *o, const struct problem *p,
            light->sky[p->mode * o->nodes + i];
 }
 
-static void boundary_right(struct pel_ordinates *o, const struct problem *p,
-                           double albedo)
+static void boundary_right(struct pel_ordinates *o,
+                           const struct pel_ordinates_problem *p, double albedo)
 {
     int n = o->n;
     double e = exp(-p->rate * p->tau), down = 0.0;
@@ -336,8 +292,7 @@ static void boundary_right(struct pel_ordinates *o, const struct problem *p,
     }
 }
 
-/* ∫₀^τ e^(−k(τ−t)) e^(−t/μ) dt/μ. */
-static double from_below(double k, double mu, double tau)
+double pel_ordinates_from_below(double k, double mu, double tau)
 {
     double x = tau * (k - 1.0 / mu);
     if (fabs(x) < 1e-5) {
@@ -351,7 +306,7 @@ static double from_below(double k, double mu, double tau)
  * function is small. Light that goes on upwards has turned by more than 84°
  * (two critical angles), and there the function is smooth in azimuth. */
 static double sky_correction(const struct pel_ordinates *o,
-                             const struct problem *p, double mu,
+                             const struct pel_ordinates_problem *p, double mu,
                              const double *at_view)
 {
     enum { AZIMUTHS = 24 };
@@ -378,12 +333,13 @@ static double sky_correction(const struct pel_ordinates *o,
 /* Radiance up just below the surface at one view: the source function, a sum
  * of exponentials, integrated along the line of sight. */
 static double view_radiance(const struct pel_ordinates *o,
-                            const struct problem *p, double albedo, double mu,
-                            const double *moments_s, const double *moments_d)
+                            const struct pel_ordinates_problem *p,
+                            double albedo, double mu, const double *moments_s,
+                            const double *moments_d)
 {
     int n = o->n;
     double at_view[N_MAX];
-    legendre(p->mode, o->terms, mu, at_view, 1);
+    pel_ordinates_legendre(p->mode, o->terms, mu, at_view, 1);
     const double *a = o->right, *b = o->right + n;
     double beam = -expm1(-p->tau * (p->rate + 1.0 / mu)) / (1.0 + p->rate * mu);
     double total = 0.0;
@@ -399,7 +355,7 @@ static double view_radiance(const struct pel_ordinates *o,
         }
         double k = o->k[j];
         double top = -expm1(-p->tau * (k + 1.0 / mu)) / (1.0 + k * mu);
-        double bottom = from_below(k, mu, p->tau);
+        double bottom = pel_ordinates_from_below(k, mu, p->tau);
         total += a[j] * (s - k * d) * top + b[j] * (s + k * d) * bottom +
                  (s * o->beam_sum[j] + d * o->beam_difference[j]) * beam;
     }
@@ -422,12 +378,12 @@ static double view_radiance(const struct pel_ordinates *o,
     return total;
 }
 
-static void solve_mode(struct pel_ordinates *o, const struct problem *p,
-                       double albedo, const double *view_mu, int views,
-                       double *out)
+static void solve_mode(struct pel_ordinates *o,
+                       const struct pel_ordinates_problem *p, double albedo,
+                       const double *view_mu, int views, double *out)
 {
     int n = o->n;
-    boundary_matrix(o, p, albedo);
+    pel_ordinates_boundary(o, p, albedo);
     boundary_right(o, p, albedo);
     pel_lu_solve(o->matrix, 2 * n, o->pivot, o->right);
     /* Moments of the eigenmodes: even terms see the sum, odd the difference.
@@ -449,40 +405,32 @@ static void solve_mode(struct pel_ordinates *o, const struct problem *p,
     }
 }
 
-static double largest(const double *v, int count)
-{
-    double most = 0.0;
-    for (int i = 0; i < count; i++) {
-        most = fmax(most, fabs(v[i]));
-    }
-    return most;
-}
-
 void pel_ordinates_solve(struct pel_ordinates *o,
                          const struct pel_medium *medium,
                          const struct pel_ordinates_light *light,
                          const double *view_mu, int views, double *out,
                          int *modes, double *dark_bottom)
 {
-    struct problem p = { .light = light };
+    struct pel_ordinates_problem p = { .light = light };
     struct pel_geometry geometry = { .sun_zenith_rad = light->sun_zenith_rad };
     struct pel_interface face = pel_interface_at(&geometry);
-    scale(o, medium, &p);
+    pel_ordinates_scale(o, medium, &p);
     p.sun_mu = face.sun_mu;
     p.beam = light->sun * face.beam;
     int quiet = 0;
     for (p.mode = 0; p.mode < o->terms && quiet < 2; p.mode++) {
         p.rate = 1.0 / p.sun_mu;
-        eigenmodes(o, &p);
-        leave_resonance(o, &p);
-        beam_modes(o, &p);
+        pel_ordinates_eigenmodes(o, &p);
+        pel_ordinates_leave_resonance(o, &p);
+        pel_ordinates_beam_modes(o, &p);
         if (p.mode == 0 && dark_bottom) {
             solve_mode(o, &p, 0.0, view_mu, views, dark_bottom);
         }
         double *row = out + p.mode * views;
         solve_mode(o, &p, p.albedo, view_mu, views, row);
         /* Modes fall off geometrically; two small ones end the series. */
-        quiet = largest(row, views) < o->tolerance * largest(out, views)
+        quiet = pel_ordinates_largest(row, views) <
+                        o->tolerance * pel_ordinates_largest(out, views)
                     ? quiet + 1
                     : 0;
         *modes = p.mode + 1;
@@ -491,8 +439,9 @@ void pel_ordinates_solve(struct pel_ordinates *o,
 
 /* Radiance at node i at scaled depth t, of what mode 0's solution holds:
  * eigenmodes from above and from below, and the Sun's particular one. */
-static void at_node(const struct pel_ordinates *o, const struct problem *p,
-                    double t, int i, double *down, double *up)
+static void at_node(const struct pel_ordinates *o,
+                    const struct pel_ordinates_problem *p, double t, int i,
+                    double *down, double *up)
 {
     const double *a = o->right, *b = o->right + o->n;
     double e_beam = exp(-p->rate * t);
@@ -510,11 +459,11 @@ static void at_node(const struct pel_ordinates *o, const struct problem *p,
 }
 
 /* The solution seen from scaled depth t, as if the surface were there. */
-static double nadir_from(struct pel_ordinates *o, const struct problem *p,
-                         double t)
+static double nadir_from(struct pel_ordinates *o,
+                         const struct pel_ordinates_problem *p, double t)
 {
     double right[2 * N_MAX], sum[N_MAX], difference[N_MAX];
-    struct problem below = *p;
+    struct pel_ordinates_problem below = *p;
     int n = o->n;
     memcpy(right, o->right, sizeof right);
     memcpy(sum, o->beam_sum, sizeof sum);
@@ -539,18 +488,18 @@ void pel_ordinates_field(struct pel_ordinates *o,
 {
     const struct pel_ordinates_light light = { .sun_zenith_rad =
                                                    sun_zenith_rad };
-    struct problem p = { .light = &light };
+    struct pel_ordinates_problem p = { .light = &light };
     struct pel_geometry geometry = { .sun_zenith_rad = sun_zenith_rad };
     struct pel_interface face = pel_interface_at(&geometry);
     const double straight_up = 1.0;
     double surface;
-    scale(o, medium, &p);
+    pel_ordinates_scale(o, medium, &p);
     p.sun_mu = face.sun_mu;
     p.beam = face.beam;
     p.rate = 1.0 / p.sun_mu;
-    eigenmodes(o, &p);
-    leave_resonance(o, &p);
-    beam_modes(o, &p);
+    pel_ordinates_eigenmodes(o, &p);
+    pel_ordinates_leave_resonance(o, &p);
+    pel_ordinates_beam_modes(o, &p);
     solve_mode(o, &p, p.albedo, &straight_up, 1, &surface);
     double c = p.tau / medium->depth_m;
     for (int k = 0; k < count; k++) {
@@ -569,207 +518,4 @@ void pel_ordinates_field(struct pel_ordinates *o,
                   pel_ordinates_single(o, &rest, sun, p.sun_mu, 1.0, -p.sun_mu);
         out[k] = f;
     }
-}
-
-#define BEAMS PEL_ORDINATES_BEAMS
-
-/* What the beams and views of a response share in one mode. */
-struct response {
-    int beams;
-    double rate[BEAMS];               /* 1 / μ, off every eigenvalue */
-    double sum[BEAMS][N_MAX];         /* beam_sum and beam_difference */
-    double difference[BEAMS][N_MAX];  /* of each beam */
-    double total_s[BEAMS][N_MAX];     /* at the nodes, halved */
-    double total_d[BEAMS][N_MAX];     /* */
-    double view_s[BEAMS][N_MAX];      /* eigenmodes' source at a view */
-    double view_d[BEAMS][N_MAX];      /* */
-    double beam_source[BEAMS][BEAMS]; /* [beam][view], the beams' own */
-    double top[BEAMS][N_MAX];         /* [view][eigenmode] */
-    double bottom[BEAMS][N_MAX];      /* */
-    double right[2 * N_MAX];
-};
-
-static void respond_beams(struct pel_ordinates *o, struct problem *p,
-                          const double *mu, struct response *r)
-{
-    int n = o->n;
-    for (int b = 0; b < r->beams; b++) {
-        p->sun_mu = mu[b];
-        p->rate = 1.0 / mu[b];
-        leave_resonance(o, p);
-        beam_modes(o, p);
-        r->rate[b] = p->rate;
-        memcpy(r->sum[b], o->beam_sum, (size_t)n * sizeof(double));
-        memcpy(r->difference[b], o->beam_difference,
-               (size_t)n * sizeof(double));
-        for (int i = 0; i < n; i++) {
-            double s = 0.0, d = 0.0;
-            for (int j = 0; j < n; j++) {
-                s += o->sum[i * n + j] * o->beam_sum[j];
-                d += o->difference[i * n + j] * o->beam_difference[j];
-            }
-            r->total_s[b][i] = 0.5 * s;
-            r->total_d[b][i] = 0.5 * d;
-        }
-    }
-}
-
-/* Sources of eigenmodes and beams towards each view; uses up `even`, `odd`. */
-static void respond_views(struct pel_ordinates *o, const struct problem *p,
-                          const double *mu, struct response *r)
-{
-    int n = o->n;
-    for (int v = 0; v < r->beams; v++) {
-        double at_view[N_MAX], weight_s[N_MAX], weight_d[N_MAX];
-        legendre(p->mode, o->terms, mu[v], at_view, 1);
-        for (int i = 0; i < n; i++) {
-            double sum[2] = { 0.0, 0.0 };
-            for (int l = p->mode; l < o->terms; l++) {
-                sum[(l + p->mode) & 1] +=
-                    o->moment[l] * at_view[l] * o->legendre[l][i];
-            }
-            weight_s[i] = o->weight[i] * sum[0];
-            weight_d[i] = o->weight[i] * sum[1];
-        }
-        memset(r->view_s[v], 0, sizeof r->view_s[v]);
-        memset(r->view_d[v], 0, sizeof r->view_d[v]);
-        for (int i = 0; i < n; i++) {
-            for (int j = 0; j < n; j++) {
-                r->view_s[v][j] += weight_s[i] * o->sum[i * n + j];
-                r->view_d[v][j] += weight_d[i] * o->difference[i * n + j];
-            }
-        }
-        for (int b = 0; b < r->beams; b++) {
-            double source = 0.0;
-            for (int j = 0; j < n; j++) {
-                source += r->view_s[v][j] * r->sum[b][j] +
-                          r->view_d[v][j] * r->difference[b][j];
-            }
-            r->beam_source[b][v] = source;
-        }
-    }
-}
-
-/* Right side for one beam, as boundary_right without a sky. */
-static void respond_right(const struct pel_ordinates *o,
-                          const struct problem *p, double albedo, double mu,
-                          const struct response *from, int beam, double *right)
-{
-    int n = o->n;
-    double e = exp(-from->rate[beam] * p->tau), down = 0.0;
-    for (int i = 0; i < n; i++) {
-        double s = from->total_s[beam][i], d = from->total_d[beam][i];
-        double r = o->reflected[i];
-        right[i] = -((1.0 - r) * s - (1.0 + r) * d);
-        right[n + i] = -e * (s + d);
-        down += 2.0 * o->weight[i] * o->mu[i] * e * (s - d);
-    }
-    if (p->mode == 0) {
-        down += mu * exp(-p->tau / mu) / PEL_PI;
-        for (int i = 0; i < n; i++) {
-            right[n + i] += albedo * down;
-        }
-    }
-}
-
-/* What a bottom, equally bright everywhere, sends up. */
-static double respond_bottom(const struct pel_ordinates *o,
-                             const struct problem *p,
-                             const struct response *from, int beam,
-                             const double *right)
-{
-    int n = o->n;
-    const double *a = right, *b = right + n;
-    double e_beam = exp(-from->rate[beam] * p->tau), up = 0.0;
-    for (int j = 0; j < n; j++) {
-        double k = o->k[j], e = exp(-k * p->tau);
-        up +=
-            0.5 * o->sum[j] * (a[j] * e + b[j] + from->sum[beam][j] * e_beam) +
-            0.5 * o->difference[j] *
-                (k * (b[j] - a[j] * e) + from->difference[beam][j] * e_beam);
-    }
-    return up;
-}
-
-/* Every beam to every view at one depth: out[beam][view]. */
-static void respond(struct pel_ordinates *o, const struct problem *p,
-                    double albedo, const double *mu, struct response *r,
-                    double *out)
-{
-    int n = o->n;
-    for (int v = 0; v < r->beams; v++) {
-        for (int j = 0; j < n; j++) {
-            double k = o->k[j];
-            double s = r->view_s[v][j], d = k * r->view_d[v][j];
-            r->top[v][j] = (s - d) * -expm1(-p->tau * (k + 1.0 / mu[v])) /
-                           (1.0 + k * mu[v]);
-            r->bottom[v][j] = (s + d) * from_below(k, mu[v], p->tau);
-        }
-    }
-    boundary_matrix(o, p, albedo);
-    pel_lu_factor(o->matrix, 2 * n, o->pivot);
-    for (int b = 0; b < r->beams; b++) {
-        respond_right(o, p, albedo, mu[b], r, b, r->right);
-        pel_lu_apply(o->matrix, 2 * n, o->pivot, r->right);
-        double up = p->mode == 0 && albedo > 0.0
-                        ? respond_bottom(o, p, r, b, r->right)
-                        : 0.0;
-        for (int v = 0; v < r->beams; v++) {
-            double total = 0.0, rate = r->rate[b];
-            for (int j = 0; j < n; j++) {
-                total += r->right[j] * r->top[v][j] +
-                         r->right[n + j] * r->bottom[v][j];
-            }
-            total += r->beam_source[b][v] *
-                     -expm1(-p->tau * (rate + 1.0 / mu[v])) /
-                     (1.0 + rate * mu[v]);
-            out[b * r->beams + v] =
-                0.5 * p->omega * total + up * exp(-p->tau / mu[v]);
-        }
-    }
-}
-
-enum pel_err pel_ordinates_respond(struct pel_ordinates *o,
-                                   const struct pel_medium *medium,
-                                   const double *depths, int levels,
-                                   const double *mu, int beams, int modes,
-                                   double *dark, double *bottom)
-{
-    struct response *r = calloc(1, sizeof *r);
-    if (!r) {
-        return PEL_ERR_NO_MEMORY;
-    }
-    struct problem p = { .beam = 1.0 };
-    struct pel_medium unit = *medium;
-    unit.depth_m = 1.0;
-    scale(o, &unit, &p);
-    double extinction = p.tau, first = 0.0;
-    int block = beams * beams, quiet = 0;
-    r->beams = beams;
-    memset(dark, 0, (size_t)(levels * modes * block) * sizeof *dark);
-    memset(bottom, 0, (size_t)(levels * block) * sizeof *bottom);
-    for (p.mode = 0; p.mode < modes && p.mode < o->terms && quiet < 2;
-         p.mode++) {
-        double most = 0.0;
-        eigenmodes(o, &p);
-        respond_beams(o, &p, mu, r);
-        respond_views(o, &p, mu, r);
-        for (int i = 0; i < levels; i++) {
-            double *to = dark + (i * modes + p.mode) * block;
-            p.tau = extinction * depths[i];
-            respond(o, &p, 0.0, mu, r, to);
-            most = fmax(most, largest(to, block));
-            if (p.mode == 0 && p.albedo > 0.0) {
-                double *lit = bottom + i * block;
-                respond(o, &p, p.albedo, mu, r, lit);
-                for (int k = 0; k < block; k++) {
-                    lit[k] -= to[k];
-                }
-            }
-        }
-        first = p.mode == 0 ? most : first;
-        quiet = most < o->tolerance * first ? quiet + 1 : 0;
-    }
-    free(r);
-    return PEL_OK;
 }

@@ -80,6 +80,20 @@ pel_ordinates_respond(struct pel_ordinates *o, const struct pel_medium *medium,
                       const double *depths, int levels, const double *mu,
                       int beams, int modes, double *dark, double *bottom);
 
+/* Moments of the light at several depths (0: just below the surface, each at
+ * most the medium's) of such beams: 2π ∫ L_m Λ_l^m dμ over all directions, the
+ * beam itself included, Λ_l^m = √((l−m)!/(l+m)!) P_l^m, downward positive, by
+ * (m, l) = (0, 0), which is the scalar irradiance, (0, 2), (1, 2), (2, 2):
+ * out[moment][depth][beam]. What a phase function of two terms, as Raman
+ * scattering's, needs of it. beams 1..PEL_ORDINATES_BEAMS. NO_MEMORY. */
+#define PEL_MOMENTS 4
+#define PEL_MOMENTS_TERMS 3
+PEL_CHECK enum pel_err pel_ordinates_moments(struct pel_ordinates *o,
+                                             const struct pel_medium *medium,
+                                             const double *mu, int beams,
+                                             const double *depths, int count,
+                                             double *out);
+
 /* The scaled extinction of a medium [1/m]: the forward peak that the solver
  * takes as not scattered left out. */
 double pel_ordinates_extinction(struct pel_ordinates *o,

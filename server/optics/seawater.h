@@ -1,8 +1,9 @@
 /* What scatters and absorbs in sea water, each by itself, at any wavelength
- * from 400 to 700 nm: the water and its salt, phytoplankton, other particles,
- * dissolved matter, minerals. Where only chlorophyll is known the others follow
- * it as in Case 1 waters, far from shores. docs/water.md lists the sources. Any
- * thread. */
+ * from 400 to 700 nm (shorter ones, which Raman scattering asks for: algae as
+ * at 400 nm, water as at 380 nm below that): the water and its salt,
+ * phytoplankton, other particles, dissolved matter, minerals. Where only
+ * chlorophyll is known the others follow it as in Case 1 waters, far from
+ * shores. docs/water.md lists the sources. Any thread. */
 #pragma once
 
 #include <stdbool.h>

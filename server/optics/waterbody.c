@@ -267,6 +267,18 @@ struct pel_medium pel_water_medium_at(const struct pel_water_desc *desc,
     return m;
 }
 
+struct pel_raman pel_water_raman_at(const struct pel_water_desc *desc,
+                                    const struct pel_water_body *body,
+                                    double nm)
+{
+    struct pel_raman out = { 0 };
+    if (desc->raman) {
+        out.strength = pel_raman_strength(nm);
+        out.from = pel_water_medium_at(desc, body, pel_raman_excitation_nm(nm));
+    }
+    return out;
+}
+
 static enum pel_err unknown(const char *what, int value,
                             struct pel_fault *fault)
 {
@@ -402,6 +414,10 @@ enum pel_err pel_water_resolve(const struct pel_water_desc *desc,
         if (err) {
             return err;
         }
+    }
+    for (int i = 0; i < PEL_WATER_WAVELENGTHS; i++) {
+        body.raman[i] =
+            pel_water_raman_at(desc, &body, pel_water_wavelength_nm[i]);
     }
     *out = body;
     return PEL_OK;

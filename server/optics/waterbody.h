@@ -7,6 +7,7 @@
 #include <stdbool.h>
 
 #include "base/err.h"
+#include "optics/raman.h"
 #include "optics/seawater.h"
 #include "optics/transport.h"
 
@@ -93,6 +94,7 @@ struct pel_water_desc {
     double salinity_g_kg; /* 0..PEL_SALINITY_MAX */
     double temperature_c; /* PEL_TEMPERATURE_MIN..MAX */
     double depth_m;       /* PEL_DEPTH_MIN..MAX */
+    bool raman;           /* light of shorter waves becomes this one's */
     enum pel_bottom bottom;
     double albedo[PEL_WATER_WAVELENGTHS]; /* with PEL_BOTTOM_ALBEDO, 0..1 */
     bool has_land;
@@ -111,8 +113,9 @@ struct pel_water_body {
     double depth_m;
     double index[PEL_WATER_WAVELENGTHS]; /* of refraction, for what the surface
                                             reflects: pel_water_index */
-    double land[PEL_WATER_WAVELENGTHS];  /* albedo; last: no light in the water
-                                            depends on it */
+    struct pel_raman raman[PEL_WATER_WAVELENGTHS];
+    double land[PEL_WATER_WAVELENGTHS]; /* albedo; last: no light in the water
+                                           depends on it */
 };
 
 /* What a description that pel_water_resolve takes has at a wavelength. Jerlov's
@@ -125,6 +128,12 @@ struct pel_iop pel_water_iop(const struct pel_water_desc *desc, double nm);
 struct pel_medium pel_water_medium_at(const struct pel_water_desc *desc,
                                       const struct pel_water_body *body,
                                       double nm);
+
+/* What it does with light that becomes that of wavelength `nm`; nothing where
+ * the description has no `raman`. */
+struct pel_raman pel_water_raman_at(const struct pel_water_desc *desc,
+                                    const struct pel_water_body *body,
+                                    double nm);
 
 /* Attenuation of downward irradiance of a Jerlov type at wavelength i [1/m]:
  * Jerlov 1976, table XXVII, linear between its wavelengths. */

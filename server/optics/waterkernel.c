@@ -82,6 +82,7 @@ struct work {
     double phase[N][N][M]; /* back from beam to view */
     double dark[PEL_WATER_LEVELS_MAX * M * N * N];
     double bottom[PEL_WATER_LEVELS_MAX * N * N];
+    double raman[PEL_WATER_LEVELS_MAX * PEL_RAMAN_MODES * N * N];
 };
 
 /* Adds single scattering to `single`, and to `beyond` what the solver's way
@@ -154,6 +155,28 @@ static enum pel_err put_orders(struct pel_ordinates *o,
     return err;
 }
 
+/* Light of a shorter wave goes with that of the higher orders. */
+static enum pel_err put_raman(struct pel_ordinates *o,
+                              const struct pel_medium *m,
+                              const struct pel_raman *raman,
+                              const double *depths, int levels, struct work *w,
+                              int wavelength, struct pel_water_kernel *out)
+{
+    if (raman->strength == 0.0) {
+        return PEL_OK;
+    }
+    enum pel_err err = pel_raman_respond(o, m, raman, depths, levels, w->mu, N,
+                                         w->mu, N, w->raman);
+    for (int i = 0; i < levels * PEL_RAMAN_MODES * N * N && !err; i++) {
+        int k = i / (PEL_RAMAN_MODES * N * N),
+            mode = i / (N * N) % PEL_RAMAN_MODES;
+        out[k]
+            .response[PEL_KERNEL_BEYOND][mode][i / N % N][i % N][wavelength] +=
+            (float)(w->raman[i] / N2);
+    }
+    return err;
+}
+
 static enum pel_err build(struct pel_ordinates *o,
                           const struct pel_water_body *body,
                           const struct pel_water_depths *depths,
@@ -178,6 +201,10 @@ static enum pel_err build(struct pel_ordinates *o,
     enum pel_err err = PEL_OK;
     if (orders == PEL_ORDERS_ALL) {
         err = put_orders(o, &m, at, depths->levels, w, wavelength, out);
+    }
+    if (orders == PEL_ORDERS_ALL && !err) {
+        err = put_raman(o, &m, &body->raman[wavelength], at, depths->levels, w,
+                        wavelength, out);
     }
     double scaled = pel_ordinates_extinction(o, &m);
     for (int k = 0; k < depths->levels && !err; k++) {

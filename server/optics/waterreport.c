@@ -2,9 +2,12 @@
 
 #include <math.h>
 
+#include "base/vec.h"
+#include "optics/linear.h"
 #include "optics/ordinates.h"
 
-static void attenuate(struct pel_ordinates *o, double sun_zenith_rad,
+/* `up` [W]: irradiance going up besides. */
+static void attenuate(struct pel_ordinates *o, double sun_zenith_rad, double up,
                       struct pel_water_report *r)
 {
     const struct pel_medium *m = &r->medium;
@@ -20,7 +23,39 @@ static void attenuate(struct pel_ordinates *o, double sun_zenith_rad,
         k = log(at[0].down / at[1].down) / depths[1];
     }
     r->attenuation = k;
-    r->reflectance = at[0].up / at[0].down;
+    r->reflectance = (at[0].up + up) / at[0].down;
+}
+
+/* Radiance that leaves, and the irradiance that goes up below the surface,
+ * from the mode 0 of views at Gauss nodes. */
+static enum pel_err add_raman(struct pel_ordinates *o,
+                              const struct pel_raman *raman,
+                              const struct pel_geometry *geometry,
+                              struct pel_water_report *r, double *up)
+{
+    enum { VIEWS = 12 };
+    struct pel_interface face = pel_interface_at(geometry);
+    double node[VIEWS], weight[VIEWS], found[PEL_RAMAN_MODES * VIEWS];
+    double seen[PEL_RAMAN_MODES], depth = r->medium.depth_m;
+    *up = 0.0;
+    if (raman->strength == 0.0) {
+        return PEL_OK;
+    }
+    pel_gauss_legendre(VIEWS, 0.0, 1.0, node, weight);
+    enum pel_err err = pel_raman_respond(o, &r->medium, raman, &depth, 1,
+                                         &face.sun_mu, 1, node, VIEWS, found);
+    if (!err) {
+        err = pel_raman_respond(o, &r->medium, raman, &depth, 1, &face.sun_mu,
+                                1, &face.view_mu, 1, seen);
+    }
+    for (int i = 0; i < VIEWS && !err; i++) {
+        *up += 2.0 * PEL_PI * weight[i] * node[i] * face.beam * found[i];
+    }
+    for (int m = 0; m < PEL_RAMAN_MODES && !err; m++) {
+        r->raman +=
+            face.leaving * face.beam * seen[m] * cos(m * geometry->azimuth_rad);
+    }
+    return err;
 }
 
 enum pel_err pel_water_report(const struct pel_water_desc *desc,
@@ -39,11 +74,19 @@ enum pel_err pel_water_report(const struct pel_water_desc *desc,
     if (!o) {
         return PEL_ERR_NO_MEMORY;
     }
-    attenuate(o, geometry->sun_zenith_rad, out);
+    struct pel_raman raman = { 0 };
+    double up = 0.0;
+    if (orders == PEL_ORDERS_ALL) {
+        raman = pel_water_raman_at(desc, body, nm);
+    }
+    enum pel_err err = add_raman(o, &raman, geometry, out, &up);
+    attenuate(o, geometry->sun_zenith_rad, up, out);
     pel_ordinates_destroy(o);
-    enum pel_err err =
-        pel_transport_leaving(&out->medium, geometry, orders, &out->leaving);
+    if (!err) {
+        err = pel_transport_leaving(&out->medium, geometry, orders,
+                                    &out->leaving);
+    }
     double above = cos(geometry->sun_zenith_rad);
-    out->rrs = above > 1e-9 ? out->leaving.total / above : 0.0;
+    out->rrs = above > 1e-9 ? (out->leaving.total + out->raman) / above : 0.0;
     return err;
 }

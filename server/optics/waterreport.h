@@ -12,7 +12,10 @@ struct pel_water_report {
     struct pel_medium medium;
     double mean_cosine;         /* of the scattering */
     struct pel_leaving leaving; /* radiance, for a beam of irradiance 1 */
-    double rrs;         /* it over the irradiance above the surface, 1/sr */
+    double raman;       /* besides: what came of light of a shorter wave (whose
+                           Sun is as bright as above the air); with
+                           PEL_ORDERS_ALL and the description's `raman` */
+    double rrs;         /* both over the irradiance above the surface, 1/sr */
     double reflectance; /* irradiance up over down, just below the surface */
     double attenuation; /* K_d, the mean down to 1/K_d or the bottom, 1/m */
 };

@@ -360,6 +360,7 @@ static void place_water(const Pelagos__Water *from,
         .salinity_g_kg = from->salinity,
         .temperature_c = from->temperature,
         .depth_m = from->depth,
+        .raman = from->raman,
         .bottom = from->has_albedo_680 ? PEL_BOTTOM_ALBEDO
                                        : (enum pel_bottom)from->bottom,
         .albedo = { from->albedo_680, from->albedo_550, from->albedo_440 },

@@ -585,19 +585,23 @@ static void water_is_described(void **state)
 {
     (void)state;
     struct pel_scene *scene = make(NULL);
-    struct pel_water_body wanted = pel_water_deep(0.2);
+    struct pel_water_desc desc = { .chlorophyll_mg_m3 = 0.2,
+                                   .salinity_g_kg = PEL_SALINITY_USUAL,
+                                   .temperature_c = PEL_TEMPERATURE_USUAL,
+                                   .depth_m = 1000,
+                                   .raman = true };
+    struct pel_water_body wanted;
+    assert_int_equal(pel_water_resolve(&desc, &wanted, NULL), PEL_OK);
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
     assert_memory_equal(&s->water, &wanted, sizeof wanted);
     pel_snapshot_unref(s);
 
     must(scene, "{\"water\":{\"jerlov\":\"C3\",\"depth\":7.9,"
                 "\"bottom\":\"SAND\"}}");
-    struct pel_water_desc desc = { .kind = PEL_WATER_JERLOV,
-                                   .jerlov = PEL_JERLOV_3C,
-                                   .salinity_g_kg = PEL_SALINITY_USUAL,
-                                   .temperature_c = PEL_TEMPERATURE_USUAL,
-                                   .depth_m = 7.9,
-                                   .bottom = PEL_BOTTOM_SAND };
+    desc.kind = PEL_WATER_JERLOV;
+    desc.jerlov = PEL_JERLOV_3C;
+    desc.depth_m = 7.9;
+    desc.bottom = PEL_BOTTOM_SAND;
     assert_int_equal(pel_water_resolve(&desc, &wanted, NULL), PEL_OK);
     s = pel_scene_snapshot(scene);
     assert_memory_equal(&s->water, &wanted, sizeof wanted);

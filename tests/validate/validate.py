@@ -209,6 +209,16 @@ def water_checks(folder):
                f"of {rays[0]}",
                known_within(rms, noise, 0.003)
                and worst <= max(0.02, 5 * noise))
+    for rays in said(folder, "validate_water",
+                     r"Raman, all (\d+): rms ([\d.]+) %, of which the photons' "
+                     r"noise ([\d.]+) %; worst ([\d.]+) %"):
+        rms, noise, worst = (float(value) / 100 for value in rays[1:])
+        yield ("Raman's light by itself, photons of another program",
+               "≤ 1 % rms, none above 10 %",
+               f"{rms:.2%} rms (of it noise {noise:.2%}), worst {worst:.1%} "
+               f"of {rays[0]}",
+               known_within(rms, noise, 0.01)
+               and worst <= max(0.1, 5 * noise))
     rows = [row for row in read(folder, "water.json") or ()
             if row.get("montecarlo")]
     if not rows:

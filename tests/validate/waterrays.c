@@ -21,6 +21,8 @@ struct scene {
     double lit[RAY_SUNS];        /* irradiance normal to it, in the water */
     int suns;
     uint64_t random;
+    struct scene *excited_by; /* where the path may go on; NULL: nowhere */
+    double excitation;        /* 1/m */
 };
 
 /* PCG (O'Neill 2014), 0..1. */
@@ -170,10 +172,37 @@ static double mirrored(double sine_water, double cos_water)
     return 0.5 * (s * s + p * p);
 }
 
-/* One path: z is up, depth positive; adds what each Sun gives. */
-static void follow(struct scene *s, struct vector to, double *found)
+static void follow(struct scene *s, double depth, struct vector to,
+                   double weight, double *found);
+
+/* A Raman scattering at a depth: what each Sun gives there, and what comes by
+ * a path in the other water, into any direction alike. */
+static void excite(const struct scene *s, double depth, struct vector to,
+                   double weight, double *found)
 {
-    double depth = 0.0, weight = 1.0;
+    struct scene *other = s->excited_by;
+    const double mean = 1.0 + 0.55 / 3.0;
+    for (int i = 0; i < other->suns; i++) {
+        double c = dot(to, other->sun[i]);
+        found[i] += weight * other->lit[i] * (1.0 + 0.55 * c * c) /
+                    (4.0 * PI * mean) *
+                    exp(-other->extinction * depth / other->sun[i].z);
+    }
+    double up = 2.0 * draw(other) - 1.0, around = 2.0 * PI * draw(other);
+    double flat = sqrt(1.0 - up * up);
+    struct vector next = { flat * cos(around), flat * sin(around), up };
+    double c = dot(to, next);
+    double more[RAY_SUNS] = { 0 };
+    follow(other, depth, next, (1.0 + 0.55 * c * c) / mean, more);
+    for (int i = 0; i < other->suns; i++) {
+        found[i] += weight * more[i];
+    }
+}
+
+/* One path: z is up, depth positive; adds what each Sun gives. */
+static void follow(struct scene *s, double depth, struct vector to,
+                   double weight, double *found)
+{
     for (;;) {
         depth += log(draw(s)) / s->extinction * to.z;
         if (depth < 0.0) { /* beyond the surface: mirrored */
@@ -187,8 +216,11 @@ static void follow(struct scene *s, struct vector to, double *found)
             }
             continue;
         }
+        if (s->excited_by) {
+            excite(s, depth, to, weight * s->excitation / s->extinction, found);
+        }
         weight *= s->scattering / s->extinction;
-        for (int i = 0; i < s->suns; i++) {
+        for (int i = 0; i < s->suns && !s->excited_by; i++) {
             found[i] += weight * s->lit[i] * turn(s, dot(to, s->sun[i])) *
                         exp(-s->extinction * depth / s->sun[i].z);
         }
@@ -214,15 +246,13 @@ static void follow(struct scene *s, struct vector to, double *found)
     }
 }
 
-void water_rays(const struct ray_water *w, double view,
-                const struct ray_sun *suns, int count, uint64_t paths,
-                uint64_t seed, double *mean, double *error)
+static struct scene *make(const struct ray_water *w, const struct ray_sun *suns,
+                          int count, uint64_t seed)
 {
     struct scene *s = calloc(1, sizeof *s);
     if (!s) {
         abort();
     }
-    double sum[RAY_SUNS] = { 0 }, square[RAY_SUNS] = { 0 };
     tabulate(w, s);
     s->suns = count;
     s->random = seed * 0x9e3779b97f4a7c15u + 1u;
@@ -234,11 +264,19 @@ void water_rays(const struct ray_water *w, double view,
                                      sine * sin(suns[i].azimuth), up };
         s->lit[i] = (1.0 - mirrored(sine, up)) * cos(suns[i].zenith) / up;
     }
+    return s;
+}
+
+static void look(struct scene *s, double view, uint64_t paths, double *mean,
+                 double *error)
+{
+    double sum[RAY_SUNS] = { 0 }, square[RAY_SUNS] = { 0 };
+    int count = s->suns;
     double sine = sin(view) / INDEX, down = sqrt(1.0 - sine * sine);
     double out = (1.0 - mirrored(sine, down)) / (INDEX * INDEX);
     for (uint64_t k = 0; k < paths; k++) {
         double found[RAY_SUNS] = { 0 };
-        follow(s, (struct vector){ sine, 0.0, -down }, found);
+        follow(s, 0.0, (struct vector){ sine, 0.0, -down }, 1.0, found);
         for (int i = 0; i < count; i++) {
             sum[i] += found[i];
             square[i] += found[i] * found[i];
@@ -249,5 +287,26 @@ void water_rays(const struct ray_water *w, double view,
         mean[i] = out * m;
         error[i] = out * sqrt(fmax(square[i] / n - m * m, 0.0) / n);
     }
+}
+
+void water_rays(const struct ray_water *w, double view,
+                const struct ray_sun *suns, int count, uint64_t paths,
+                uint64_t seed, double *mean, double *error)
+{
+    struct scene *s = make(w, suns, count, seed);
+    look(s, view, paths, mean, error);
+    free(s);
+}
+
+void water_rays_raman(const struct ray_water *to, const struct ray_water *from,
+                      double strength, double view, const struct ray_sun *suns,
+                      int count, uint64_t paths, uint64_t seed, double *mean,
+                      double *error)
+{
+    struct scene *s = make(to, suns, count, seed);
+    s->excited_by = make(from, suns, count, seed + 1);
+    s->excitation = strength;
+    look(s, view, paths, mean, error);
+    free(s->excited_by);
     free(s);
 }

@@ -28,5 +28,13 @@ void water_rays(const struct ray_water *water, double view,
                 const struct ray_sun *suns, int count, uint64_t paths,
                 uint64_t seed, double *mean, double *error);
 
+/* The same of what `from` turns by Raman scattering, `strength` [1/m] of its
+ * scalar irradiance, into light that goes on in `to`: phase function 1 + 0.55
+ * cos². The Suns have irradiance 1 in `from`. */
+void water_rays_raman(const struct ray_water *to, const struct ray_water *from,
+                      double strength, double view, const struct ray_sun *suns,
+                      int count, uint64_t paths, uint64_t seed, double *mean,
+                      double *error);
+
 /* Backscattered fraction of those particles, by quadrature. */
 double water_ray_back(double index, double size_slope);

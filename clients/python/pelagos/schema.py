@@ -255,6 +255,9 @@ class Water(Record):
     #: coefficients and without backscatter_ratio: HENYEY_GREENSTEIN.
     #: One of FOURNIER_FORAND, HENYEY_GREENSTEIN.
     phase: str = _field('FOURNIER_FORAND')
+    #: Raman scattering by the water: some light of shorter waves becomes green
+    #: and red. With orders ALL.
+    raman: bool = _field(True)
 
 
 @dataclass(frozen=True)
