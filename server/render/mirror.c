@@ -7,13 +7,13 @@
 #define NEAREST_M 0.5
 #define MARGIN 0.02 /* of the view */
 
-static GLuint make_views(GLenum format, const char *name)
+static GLuint make_views(GLenum format, GLint filter, const char *name)
 {
     GLuint t;
     glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &t);
     glTextureStorage3D(t, PEL_MIRROR_LEVELS, format, PEL_MIRROR_WIDTH,
                        PEL_MIRROR_HEIGHT, PEL_OBJECT_MIRRORS);
-    glTextureParameteri(t, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    glTextureParameteri(t, GL_TEXTURE_MIN_FILTER, filter);
     glTextureParameteri(t, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
     glTextureParameteri(t, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
     glObjectLabel(GL_TEXTURE, t, -1, name);
@@ -31,8 +31,10 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
     if (err != PEL_OK) {
         return err;
     }
-    m->radiance = make_views(GL_RGBA16F, "mirrored objects");
-    m->away = make_views(GL_RG16F, "how far mirrored objects are");
+    m->radiance = make_views(GL_RGBA16F, GL_LINEAR_MIPMAP_LINEAR,
+                             "mirrored objects");
+    m->away = make_views(GL_RG16F, GL_LINEAR_MIPMAP_NEAREST,
+                         "how far mirrored objects are");
     glCreateTextures(GL_TEXTURE_2D, 1, &m->depth);
     glTextureStorage2D(m->depth, 1, GL_DEPTH_COMPONENT32F, PEL_MIRROR_WIDTH,
                        PEL_MIRROR_HEIGHT);

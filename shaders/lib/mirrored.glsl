@@ -37,13 +37,14 @@ float felt(vec4 box)
 
 // An object's view from the eye's image in the sea, for the rays of one pixel.
 struct mirror_view {
-    vec3 from; // the pixel's place, from the image
     vec3 forward, across, upward;
+    vec3 from; // the pixel's place, along across, upward, forward
     vec4 window_;
-    float layer, wide, here; // here 0: it is not met
+    vec4 level; // of what is seen, as far as by the view's tangents; less the place's
+    float layer, tall, here; // here 0: it is not met
 };
 
-mirror_view mirror_view_of(int i)
+mirror_view mirror_view_of(int i, vec2 away)
 {
     int first = i * PEL_OBJECT_PLACE_TEXELS + 8;
     vec4 forward = texelFetch(object_places, first);
@@ -55,33 +56,45 @@ mirror_view mirror_view_of(int i)
     m.upward = texelFetch(object_places, first + 2).xyz;
     m.window_ = texelFetch(object_places, first + 3);
     m.here = felt(texelFetch(object_places, first + 4));
-    m.from = sea_place - vec3(0.0, 0.0, across.w);
-    m.wide = m.window_.z * float(PEL_MIRROR_WIDTH);
+    vec3 from = sea_place - vec3(0.0, 0.0, across.w);
+    m.from = vec3(dot(from, m.across), dot(from, m.upward), dot(from, m.forward));
+    m.level = vec4(dot(m.across.xy, away), dot(m.upward.xy, away), dot(m.forward.xy, away), dot(from.xy, away));
+    m.tall = m.window_.w * float(PEL_MIRROR_HEIGHT);
     return m;
 }
 
-// How far away, level, what stands that the ray r meets, if it is about `wall`
-// away: and in y how much of the ray meets anything.
-vec2 stands_mirrored(mirror_view m, float middle, float wall, vec2 away, vec3 r, float spread)
+vec3 in_view(mirror_view m, vec3 way)
 {
-    vec3 sight = m.from + r * (max(wall, 0.0) * inversesqrt(max(dot(r.xy, r.xy), 1e-4)));
-    float depth = dot(sight, m.forward);
-    vec2 tangents = vec2(dot(sight, m.across), dot(sight, m.upward)) / depth;
-    vec2 uv = (tangents - m.window_.xy) * m.window_.zw;
-    float lod = log2(max(m.wide * spread * wall / depth, 4.0));
-    vec2 there = textureLod(mirror_depths, vec3(uv, m.layer), lod).rg;
-    vec3 ray = m.forward + m.across * tangents.x + m.upward * tangents.y;
-    return vec2(dot(ray.xy * (middle + there.r / max(there.g, 1e-3)) - m.from.xy, away), there.g);
+    return vec3(dot(way, m.across), dot(way, m.upward), dot(way, m.forward));
 }
 
-vec4 seen_mirrored(mirror_view m, vec3 r, float spread, float wall)
+// `far`: along `way`, of level length 1 and in the view's axes.
+vec2 view_place(mirror_view m, vec3 way, float far, out float inverse)
 {
-    float away = max(wall, 0.0) * inversesqrt(max(dot(r.xy, r.xy), 1e-4));
-    vec3 sight = m.from + away * r;
-    float inverse = 1.0 / dot(sight, m.forward);
-    vec2 uv = (vec2(dot(sight, m.across), dot(sight, m.upward)) * inverse - m.window_.xy) * m.window_.zw;
-    float texels = spread * m.wide * away * inverse;
-    float here = m.here * clamp(wall + 1.0, 0.0, 1.0);
+    vec3 sight = m.from + far * way;
+    inverse = 1.0 / sight.z;
+    return sight.xy * inverse;
+}
+
+// How far away, level, what stands that a ray meets, if it is about `far` away,
+// where nothing stands `other`.
+float stands_mirrored(mirror_view m, float middle, vec3 way, float far, float lod, float other)
+{
+    float inverse;
+    vec2 tangents = view_place(m, way, far, inverse);
+    vec2 there = textureLod(mirror_depths, vec3((tangents - m.window_.xy) * m.window_.zw, m.layer), lod).rg;
+    float depth = middle + there.r / max(there.g, 1e-3);
+    float stands = depth * dot(m.level.xyz, vec3(tangents, 1.0)) - m.level.w;
+    return there.g > 0.02 ? stands : other;
+}
+
+vec4 seen_mirrored(mirror_view m, vec3 way, float spread, float far)
+{
+    float inverse, level = max(far, 0.0);
+    vec2 tangents = view_place(m, way, level, inverse);
+    vec2 uv = (tangents - m.window_.xy) * m.window_.zw;
+    float texels = spread * m.tall * level * inverse;
+    float here = m.here * clamp(far + 1.0, 0.0, 1.0);
     return here * textureLod(mirrors, vec3(uv, m.layer), log2(max(texels, 1.0)));
 }
 
@@ -97,8 +110,8 @@ vec4 seen_mirrored(mirror_view m, vec3 r, float spread, float wall)
 vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec2 axis, float s, float cross2, float mu,
                   vec3 resolved, vec3 lost, float eta, vec3 second)
 {
-    const int FACETS = 6, LOW = 1, HIGH = 4;
-    const float STEP = 0.8;
+    const int FACETS = 6;
+    const float STEP = 0.8, WIDE = 0.6; // in s: apart, and blurred by the view's levels
     if (objects_near.x == 0) {
         return sky + lost * second;
     }
@@ -113,11 +126,12 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
         vec3 f = facet * inversesqrt(dot(facet, facet) + cross2);
         float fv = dot(f, v);
         vec3 r = 2.0 * fv * f - v;
-        float tangent = r.z * inversesqrt(max(1.0 - r.z * r.z, 1e-4));
+        float level = inversesqrt(max(dot(r.xy, r.xy), 1e-4));
+        float tangent = r.z * level;
         float open_ = escape(tangent / s, odds) * escape(tangent * resolved.x, resolved.y);
-        ways[k] = r;
+        ways[k] = r * level;
         shares[k] = facet_reflectance(fv) * (weight * open_);
-        spreads[k] = max(sqrt(cross2) * abs(fv), 1.0 * STEP * s);
+        spreads[k] = max(sqrt(cross2) * abs(fv), WIDE * s) * level;
         left_[k] = 1.0;
         float inverse = 0.5 / PEL_REFLECTION_HALF_WIDTH / (1.0 + max(r.z, 0.0));
         skies_[k] = textureLod(map, r.xy * inverse + 0.5, 2.0).rgb * shares[k];
@@ -125,32 +139,31 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
     }
     vec2 away = -v.xy * inversesqrt(max(dot(v.xy, v.xy), 1e-8));
     float z = 1.2533 + eta * (0.56 + 0.08 * eta);
-    vec3 twice = normalize(vec3(away * resolved.z, max(2.0 * z - eta, 0.1)));
+    vec3 twice = vec3(away, max(2.0 * z - eta, 0.1) / resolved.z);
     vec3 again = facet_reflectance(min(max(z - eta, 0.1) / resolved.z, 1.0));
     float left_twice = 1.0;
     vec3 sum_twice = vec3(0.0);
     for (int rest = objects_near.x; rest != 0; rest &= rest - 1) {
         int i = findLSB(rest);
-        mirror_view m = mirror_view_of(i);
+        mirror_view m = mirror_view_of(i, away);
         if (m.here <= 0.0) {
             continue;
         }
-        // First the outline's distance, then of what low and high rays see.
+        // First the outline's distance, then of what each ray sees there.
         placed o = placed_object(i);
         float outline = outline_distance(i, into_model(o, sea_place), vec3(dot(away, o.x.xy), dot(away, o.y.xy), 0.0));
         float middle = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 14).x;
-        vec2 low = stands_mirrored(m, middle, outline, away, ways[LOW], s);
-        vec2 high = stands_mirrored(m, middle, outline, away, ways[HIGH], s);
-        low.x = low.y > 0.02 ? low.x : high.y > 0.02 ? high.x : outline;
-        high.x = high.y > 0.02 ? high.x : low.x;
+        float guess = max(outline, 0.0), wall = outline;
+        float lod = log2(max(m.tall * 0.3 * s * guess / max(m.from.z, 1.0), 1.0));
         for (int k = 0; k < FACETS; k++) {
-            float wall = mix(low.x, high.x, float(k - LOW) / float(HIGH - LOW));
-            vec4 seen = seen_mirrored(m, ways[k], spreads[k], wall) * left_[k];
+            vec3 way = in_view(m, ways[k]);
+            wall = stands_mirrored(m, middle, way, guess, lod, wall);
+            vec4 seen = seen_mirrored(m, way, spreads[k], wall) * left_[k];
             stands += seen.rgb * shares[k];
             hidden += seen.a * skies_[k];
             left_[k] -= seen.a;
         }
-        vec4 seen = seen_mirrored(m, twice, 1.2 / resolved.z, high.x) * left_twice;
+        vec4 seen = seen_mirrored(m, in_view(m, twice), 1.2 / resolved.z, wall) * left_twice;
         sum_twice += seen.rgb * again + seen.a * sea_light.rgb * (1.0 - again);
         left_twice -= seen.a;
     }
