@@ -31,8 +31,8 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
     if (err != PEL_OK) {
         return err;
     }
-    m->radiance = make_views(GL_RGBA16F, GL_LINEAR_MIPMAP_LINEAR,
-                             "mirrored objects");
+    m->radiance =
+        make_views(GL_RGBA16F, GL_LINEAR_MIPMAP_LINEAR, "mirrored objects");
     m->away = make_views(GL_RG16F, GL_LINEAR_MIPMAP_NEAREST,
                          "how far mirrored objects are");
     glCreateTextures(GL_TEXTURE_2D, 1, &m->depth);
