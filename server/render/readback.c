@@ -230,6 +230,10 @@ enum pel_err pel_readback_push(struct pel_readback *r,
     }
     const float *found[PEL_LAYERS] = { NULL };
     copy_layers(r, s, slot->map, at, found);
+    /* What was attached when it was read counts as being rendered to while the
+     * framebuffer stays bound: NVIDIA's driver (580) then loses what the next
+     * dispatch writes into it. */
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
     if (s->first_row + s->rows < s->height) {
         keep_open(r, slot);

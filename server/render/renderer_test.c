@@ -416,6 +416,40 @@ static void dropped_bands_leave_nothing(void **state)
     pel_picture_release(after);
 }
 
+/* A picture of layers alone, after one of colour and before others: whatever
+ * is read back in between, each shows its own view. */
+static void layers_follow_their_views(void **state)
+{
+    (void)state;
+    test_fft_sea(5.0, 1, &sea);
+    struct pel_environment env = test_environment(&sea, 0.0);
+    struct pel_camera c[4];
+    double mean[2][4] = { { 0.0 } };
+    for (int i = 0; i < 4; i++) {
+        c[i] = test_camera((struct test_look){
+            2.0, 90.0 * i, i == 3 ? 90.0 : 0.0, 0.0, 100.0, 64, 64 });
+    }
+    for (int k = 0; k < 2; k++) {
+        /* Once with, once without a colour that is read first. */
+        unsigned also = k ? PEL_LAYER_COLOR : 0;
+        use_renderer(NULL);
+        pel_picture_release(test_draw(renderer, &env, &c[3], PEL_LAYER_COLOR));
+        for (int i = 0; i < 4; i++) {
+            struct pel_picture *p =
+                test_draw(renderer, &env, &c[i], PEL_LAYER_RADIANCE | also);
+            for (int j = 0; j < 4 * 64 * 64; j++) {
+                mean[k][i] += p->radiance[j];
+            }
+            pel_picture_release(p);
+        }
+    }
+    for (int i = 0; i < 4; i++) {
+        assert_true(mean[0][i] == mean[1][i]);
+        assert_true(i == 0 || mean[0][i] != mean[0][0]);
+    }
+    pel_sea_finish(&sea);
+}
+
 static void tiles_have_no_seam_in_compute(void **state)
 {
     (void)state;
@@ -702,6 +736,7 @@ int main(void)
         cmocka_unit_test(bands_are_the_whole),
         cmocka_unit_test(dropped_bands_leave_nothing),
         cmocka_unit_test(cascades_are_not_mixed_up),
+        cmocka_unit_test(layers_follow_their_views),
         cmocka_unit_test(tiles_have_no_seam_in_compute),
         cmocka_unit_test(compute_draws_the_same_sea),
         cmocka_unit_test(no_scene_gives_nonsense),
