@@ -6,7 +6,7 @@
 layout(local_size_x = PEL_GROUP_LINE) in;
 layout(binding = PEL_UNIT_SURROUNDINGS) uniform sampler2D map;
 layout(std430, binding = PEL_STORE_SURROUNDINGS) writeonly buffer out_block {
-    vec4 out_ambient[PEL_SURROUNDINGS_TERMS];
+    vec4 out_ambient[2 * PEL_SURROUNDINGS_TERMS];
 };
 
 shared vec4 partial[PEL_GROUP_LINE];
@@ -40,7 +40,9 @@ void main()
 {
     int lane = int(gl_LocalInvocationID.x);
     const int N = PEL_SURROUNDINGS_SIZE;
-    for (int k = 0; k < PEL_SURROUNDINGS_TERMS; k++) {
+    for (int j = 0; j < 2 * PEL_SURROUNDINGS_TERMS; j++) {
+        int k = j % PEL_SURROUNDINGS_TERMS;
+        float highest = j < PEL_SURROUNDINGS_TERMS ? 2.0 : 0.0;
         vec4 sum = vec4(0.0);
         for (int i = lane; i < N * N; i += PEL_GROUP_LINE) {
             vec2 e = (vec2(i % N, i / N) + 0.5) * (2.0 / float(N)) - 1.0;
@@ -50,7 +52,8 @@ void main()
             float inverse = inversesqrt(dot(dir, dir));
             // A texel's solid angle is in proportion to this.
             float weight = inverse * inverse * inverse;
-            sum += vec4(texelFetch(map, ivec2(i % N, i / N), 0).rgb * base(k, dir * inverse), 1.0) * weight;
+            vec3 light = dir.z < highest ? texelFetch(map, ivec2(i % N, i / N), 0).rgb : vec3(0.0);
+            sum += vec4(light * base(k, dir * inverse), 1.0) * weight;
         }
         partial[lane] = sum;
         barrier();
@@ -62,7 +65,7 @@ void main()
         }
         if (lane == 0) {
             const float SPHERE = 12.5663706;
-            out_ambient[k] = vec4(partial[0].rgb * (FACTORS[k] * SPHERE / partial[0].w), 0.0);
+            out_ambient[j] = vec4(partial[0].rgb * (FACTORS[k] * SPHERE / partial[0].w), 0.0);
         }
         barrier();
     }

@@ -17,10 +17,9 @@ layout(location = 1) out vec2 away_out;
 void main()
 {
     int entity = int(number.x) - 1;
-    placed o = placed_object(entity);
     vec3 from = vec3(0.0, 0.0, texelFetch(object_places, entity * PEL_OBJECT_PLACE_TEXELS + 9).w);
     object_point_seen s = cut_object(from, way, number);
-    object_lit light = object_light(s, entity, from_object(o, s.place + from), normalize(way));
+    object_lit light = object_light(s, entity, s.place + from, normalize(way));
     light_out = vec4(min(light.by_lights + light.by_sky, vec3(6e4)), 1.0);
     away_out = vec2(away, 1.0);
 }

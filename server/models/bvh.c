@@ -206,19 +206,21 @@ static void prepare(struct pel_vec3 origin, struct pel_vec3 direction,
     r->sz = 1.0 / d[r->kz];
 }
 
-static bool meets(const struct ray *r, const struct node *n, double most)
+/* Where the ray enters the box: infinity where it does not. */
+static double enters(const struct ray *r, const struct node *n, double most)
 {
     double near = 0, far = most;
     for (int k = 0; k < 3; k++) {
         double a = ((double)n->low[k] - r->o[k]) * r->inverse[k];
         double b = ((double)n->high[k] - r->o[k]) * r->inverse[k];
         /* 0 · infinity: the ray runs in the slab's face. */
-        if (!isnan(a) && !isnan(b)) {
-            near = fmax(near, fmin(a, b));
-            far = fmin(far, fmax(a, b));
+        if (a == a && b == b) {
+            double first = a < b ? a : b, last = a < b ? b : a;
+            near = first > near ? first : near;
+            far = last < far ? last : far;
         }
     }
-    return near <= far * (1 + 4e-16);
+    return near <= far * (1 + 4e-16) ? near : INFINITY;
 }
 
 static bool hits(const struct ray *r, const struct pel_bvh *b,
@@ -259,19 +261,35 @@ bool pel_bvh_cast(const struct pel_bvh *bvh, struct pel_vec3 origin,
                   const void *user, struct pel_bvh_hit *out)
 {
     struct ray ray;
-    uint32_t stack[DEPTH + 1], depth = 0;
+    uint32_t stack[DEPTH + 2], depth = 0;
+    double entry[DEPTH + 2];
     bool found = false;
     prepare(origin, direction, &ray);
-    stack[depth++] = 0;
+    stack[depth] = 0;
+    entry[depth++] = enters(&ray, &bvh->nodes[0], most);
     while (depth > 0) {
         uint32_t at = stack[--depth];
         const struct node *n = &bvh->nodes[at];
-        if (!meets(&ray, n, most)) {
+        if (!(entry[depth] <= most)) {
             continue;
         }
         if (n->count == 0) {
-            stack[depth++] = n->first;
-            stack[depth++] = at + 1;
+            uint32_t first = at + 1, last = n->first;
+            double near = enters(&ray, &bvh->nodes[first], most);
+            double far = enters(&ray, &bvh->nodes[last], most);
+            if (far < near) {
+                double t = near;
+                near = far;
+                far = t;
+                first = n->first;
+                last = at + 1;
+            }
+            entry[depth] = far;
+            stack[depth] = last;
+            depth += far < INFINITY;
+            entry[depth] = near;
+            stack[depth] = first;
+            depth += near < INFINITY;
             continue;
         }
         for (uint32_t i = 0; i < n->count; i++) {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "models/bvh.h"
+#include "models/openness.h"
 #include "models/shape.h"
 
 /* What the public part points into. */
@@ -12,7 +13,7 @@ struct held {
     struct pel_model public; /* first */
     atomic_uint refs;
     struct pel_bvh *bvh;
-    void *blocks[8 + PEL_MODEL_LEVELS + PEL_MODEL_MOST_TEXTURES];
+    void *blocks[9 + PEL_MODEL_LEVELS + PEL_MODEL_MOST_TEXTURES];
     size_t block_count;
 };
 
@@ -330,6 +331,21 @@ static bool stand(struct held *h)
     return m->columns != NULL;
 }
 
+/* What of its surroundings its own form hides. */
+static bool shade_itself(struct held *h)
+{
+    size_t size = h->public.vertex_count * sizeof(struct pel_model_open);
+    struct pel_model_open *open = malloc(size);
+    if (!open) {
+        return false;
+    }
+    pel_model_openness(&h->public, open);
+    h->public.open = open;
+    h->blocks[h->block_count++] = open;
+    h->public.bytes += size;
+    return true;
+}
+
 static void destroy(struct held *h)
 {
     for (size_t i = 0; i < h->block_count; i++) {
@@ -361,7 +377,7 @@ enum pel_err pel_model_create(const struct pel_model *draft,
     h->public.bytes += pel_bvh_bytes(h->bvh);
     h->public.serial = atomic_fetch_add(&serials, 1) + 1;
     measure(&h->public);
-    if (!stand(h)) {
+    if (!stand(h) || !shade_itself(h)) {
         destroy(h);
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }

@@ -44,6 +44,13 @@ struct pel_model_vertex {
     float uv[2];
 };
 
+/* Of the light that comes to a vertex, by the cosine, from above the horizontal
+ * and from below it: the shares that the model's own form lets by, of 255; and
+ * the reflectance that the rest meets, times its share of the whole. */
+struct pel_model_open {
+    uint8_t above, below, own_above, own_below;
+};
+
 /* Metal–rough, linear RGB. Nothing emits. */
 struct pel_model_material {
     char name[PEL_MODEL_NAME];
@@ -107,6 +114,7 @@ struct pel_model {
     enum pel_model_class class;
     size_t vertex_count, index_count;
     const struct pel_model_vertex *vertices;
+    const struct pel_model_open *open; /* of each vertex; made with the model */
     const uint32_t *indices; /* three a triangle, counterclockwise outside */
     size_t material_count, texture_count, node_count;
     const struct pel_model_material *materials;

@@ -291,6 +291,63 @@ static void test_rays_do_not_leak(void **state)
     pel_model_unref(m);
 }
 
+static void quad(struct pel_shape *shape, const float p[4][3], int paint,
+                 int node)
+{
+    static const int corners[2][3] = { { 0, 1, 2 }, { 0, 2, 3 } };
+    for (int t = 0; t < 2; t++) {
+        struct pel_model_vertex v[3] = { 0 };
+        for (int k = 0; k < 3; k++) {
+            memcpy(v[k].position, p[corners[t][k]], sizeof v[k].position);
+        }
+        pel_shape_triangle(shape, v, paint, node);
+    }
+}
+
+/* A narrow deck at the foot of a long wall sees half of the sky, and the wall
+ * in the other half; the wall sees the sky and, but for little, the sea beyond
+ * the deck's edge. */
+static void test_walls_hide_half_the_sky(void **state)
+{
+    struct pel_shape shape = { 0 };
+    struct pel_model_draft draft;
+    const struct pel_model *m = NULL;
+    struct pel_fault fault;
+    (void)state;
+    const struct pel_model_material material = { .albedo = { 0.5f, 0.5f, 0.5f },
+                                                 .roughness = 1,
+                                                 .texture = -1 };
+    int paint = pel_shape_material(&shape, &material);
+    int node = pel_shape_node(&shape, "corner");
+    quad(&shape,
+         (const float[4][3]){ { 0, -200, 9 },
+                              { 0.1f, -200, 9 },
+                              { 0.1f, 200, 9 },
+                              { 0, 200, 9 } },
+         paint, node);
+    quad(&shape,
+         (const float[4][3]){
+             { 0, -400, 9 }, { 0, 400, 9 }, { 0, 400, 60 }, { 0, -400, 60 } },
+         paint, node);
+    assert_int_equal(pel_shape_finish(&shape, &draft, &fault), PEL_OK);
+    assert_int_equal(pel_model_create(&draft.model, &m, &fault), PEL_OK);
+    for (size_t i = 0; i < m->vertex_count; i++) {
+        const struct pel_model_open *o = &m->open[i];
+        if (m->vertices[i].normal[2] > 0.5f) {
+            /* 16 rays from each corner: 1/8 is two of them. */
+            assert_float_equal(o->above / 255.0, 0.5, 0.13);
+            assert_float_equal(o->own_above / 255.0, 0.25, 0.07);
+            assert_int_equal(o->own_below, 0);
+        } else {
+            assert_int_equal(o->above, 255);
+            assert_true(o->below >= 200);
+        }
+    }
+    pel_model_unref(m);
+    pel_model_draft_clear(&draft);
+    pel_shape_clear(&shape);
+}
+
 /* A square with a texture: its left half is a hole. */
 static void test_holes_let_rays_through(void **state)
 {
@@ -517,6 +574,7 @@ int main(void)
         cmocka_unit_test(test_hulls_displace_what_ships_do),
         cmocka_unit_test(test_rays_meet_the_nearest_triangle),
         cmocka_unit_test(test_rays_do_not_leak),
+        cmocka_unit_test(test_walls_hide_half_the_sky),
         cmocka_unit_test(test_holes_let_rays_through),
         cmocka_unit_test(test_levels_stay_within_their_error),
         cmocka_unit_test(test_refusals_say_what_is_wrong),

@@ -26,12 +26,24 @@ static void octahedral(const float n[3], float out[2])
     out[1] = n[2] >= 0 ? y : copysignf(1 - fabsf(x), y);
 }
 
+/* Four bytes as a float's, whose exponent is that of a normal number: of the
+ * last, which is least, 1 to 126 of 127 steps (lib/objects.glsl: openness). */
+static float packed(const struct pel_model_open *o)
+{
+    uint32_t bits = o->above | (uint32_t)o->below << 8 |
+                    (uint32_t)o->own_above << 16 |
+                    (uint32_t)(1 + o->own_below * 125 / 255) << 24;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
 static void write_vertices(const struct pel_model *m, float *out)
 {
     for (size_t i = 0; i < m->vertex_count; i++) {
         const struct pel_model_vertex *v = &m->vertices[i];
         memcpy(out, v->position, sizeof v->position);
-        out[3] = 1.0f;
+        out[3] = packed(&m->open[i]);
         octahedral(v->normal, out + 4);
         out[6] = v->uv[0];
         out[7] = v->uv[1];

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "optics/atmosphere.h"
+#include "render/objectshadow.h"
 #include "render/tiles.h"
 #include "render/uniforms.h"
 
@@ -18,7 +19,6 @@
 #define BOX_MARGIN_PX 3.0
 /* Smaller things have no shadow. */
 #define SHADOW_PX 12.0
-#define FARTHEST_SHADOW_M 2000.0
 /* Of what waves do to a mirrored image, how much goes sideways. */
 #define SIDEWAYS 0.3
 #define EVERYWHERE_PX 1e6
@@ -362,8 +362,8 @@ static bool box_shaded(const struct pel_environment *env,
     for (int i = 0; i < (to.z > 0 ? 16 : 0); i++) {
         struct pel_vec3 p = corners[i / 2];
         double level = i % 2 ? waves : -waves;
-        double length = pel_clamp((p.z - level) / to.z, -FARTHEST_SHADOW_M,
-                                  FARTHEST_SHADOW_M);
+        double length = pel_clamp((p.z - level) / to.z, -PEL_FARTHEST_SHADOW_M,
+                                  PEL_FARTHEST_SHADOW_M);
         p.x -= to.x * length;
         p.y -= to.y * length;
         p.z = level;
@@ -471,6 +471,10 @@ static void plan_beside(struct pel_object_drawn *d,
     if (box_shaded(env, corners, c, eye_m, box, d->in_shade, d->in_water)) {
         mark_tiles(c, box, PEL_TILE_SHADE(rank), tiles);
         d->shades = true;
+    }
+    for (size_t i = 0; i < env->object_count && !d->shades; i++) {
+        d->shades = i != (size_t)d->object &&
+                    pel_shadow_reaches(env, object, &env->objects[i]);
     }
     if (rank < PEL_OBJECT_MIRRORS &&
         box_mirrored(env, corners, c, eye_m, box, d->in_mirror) &&
@@ -582,21 +586,21 @@ static struct pel_vec4 vec4(struct pel_vec3 v, double w)
     return (struct pel_vec4){ (float)v.x, (float)v.y, (float)v.z, (float)w };
 }
 
-/* Rows that take a point from the object's origin into its shadow's texture and
- * depth: along the beam of the Sun. */
-static void look_from_sun(const struct pel_environment *env,
-                          const struct pel_object *object, int side,
-                          struct pel_vec4 out[3])
+/* The layers of shadows of others that may fall on it, as bits. */
+static float shadowed_by(const struct pel_objects *o,
+                         const struct pel_environment *env,
+                         const struct pel_object_drawn *d)
 {
-    const struct pel_vec3 to = env->lights[PEL_LIGHT_SUN].direction;
-    const struct pel_vec3 pole = { fabs(to.x) < 0.9, fabs(to.x) >= 0.9, 0 };
-    struct pel_vec3 u = pel_vec3_normalize(pel_vec3_cross(pole, to));
-    struct pel_vec3 v = pel_vec3_cross(to, u);
-    double half = 0.5 / object->model->radius_m;
-    double part = (double)side / PEL_SHADOW_SIZE;
-    out[0] = vec4(pel_vec3_scale(u, half * part), 0.5 * part);
-    out[1] = vec4(pel_vec3_scale(v, half * part), 0.5 * part);
-    out[2] = vec4(pel_vec3_scale(to, -half), 0.5);
+    unsigned bits = 0;
+    for (int i = 0; i < o->drawn_count; i++) {
+        const struct pel_object_drawn *other = &o->drawn[i];
+        if (other != d && other->slot < PEL_OBJECT_SHADOWS &&
+            pel_shadow_reaches(env, &env->objects[other->object],
+                               &env->objects[d->object])) {
+            bits |= 1U << other->slot;
+        }
+    }
+    return (float)bits;
 }
 
 /* 1/m: of light in the water, which turned forward goes on. */
@@ -625,11 +629,11 @@ static void place(const struct pel_objects *o,
                                 d->slot < PEL_OBJECT_SHADOWS ? (float)d->slot
                                                              : -1.0f };
     out[4] = (struct pel_vec4){ plan[0], plan[1], plan[2], plan[3] };
-    look_from_sun(env, object, d->shadow_px, &out[5]);
+    pel_shadow_look(env, object, d->shadow_px, &out[5]);
     const struct pel_mirror_view *image = &d->image;
     out[8] = vec4(image->forward, d->slot);
     out[9] = vec4(image->across, image->image_m);
-    out[10] = vec4(image->upward, 0);
+    out[10] = vec4(image->upward, shadowed_by(o, env, d));
     out[11] = (struct pel_vec4){ (float)image->left, (float)image->low,
                                  (float)image->per_x, (float)image->per_y };
     memcpy(&out[12], d->in_mirror, sizeof out[12]);

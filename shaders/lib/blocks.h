@@ -560,8 +560,8 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
 PEL_BLOCK(PEL_BLOCK_SURROUNDINGS, surroundings)
 {
     /* rgb light on a surface by its normal, over pi: spherical harmonics, the
-     * cosine folded in */
-    vec4 ambient[PEL_SURROUNDINGS_TERMS];
+     * cosine folded in; then of that from below the horizon alone */
+    vec4 ambient[2 * PEL_SURROUNDINGS_TERMS];
 };
 
 /* Light inside the water (render/waterlight.h). Sizes of its maps: nodes of

@@ -13,7 +13,7 @@ struct object_point_seen {
     vec3 place;  // from the eye
     vec3 normal; // towards the eye
     float t;     // distance, in lengths of the ray
-    float open_; // share of the surroundings that nothing of the model hides
+    vec4 open_;  // of openness
     uint material;
 };
 
@@ -32,6 +32,14 @@ vec2 octahedral_place(vec3 n)
     return 0.5 + 0.5 * (n.z >= 0.0 ? e : folded);
 }
 
+// Of a vertex: shares of what comes from above and below that nothing of the
+// model hides; reflectance that the rest meets there, by its share of all.
+vec4 openness(float packed_)
+{
+    uint bits = floatBitsToUint(packed_);
+    return vec4(vec3(uvec3(bits, bits >> 8u, bits >> 16u) & 255u) * (1.0 / 255.0), float((bits >> 24u) - 1u) * (1.0 / 125.0));
+}
+
 // `from`: where the ray begins, from the eye.
 object_point_seen cut_object(vec3 from, vec3 ray, uvec2 seen)
 {
@@ -40,12 +48,12 @@ object_point_seen cut_object(vec3 from, vec3 ray, uvec2 seen)
     vec3 p[3];
     vec4 texels[3];
     vec3 normals[3];
-    float hidden[3];
+    vec4 open_[3];
     for (int i = 0; i < 3; i++) {
         int first = int(corners[i]) * PEL_OBJECT_VERTEX_TEXELS;
         vec4 place = texelFetch(object_vertices, first);
         p[i] = object_point(o, place.xyz) - from;
-        hidden[i] = place.w;
+        open_[i] = openness(place.w);
         normals[i] = octahedral(texelFetch(object_vertices, first + 1).xy);
     }
     vec3 weight = vec3(dot(ray, cross(p[1], p[2] - p[1])), dot(ray, cross(p[2], p[0] - p[2])),
@@ -56,7 +64,7 @@ object_point_seen cut_object(vec3 from, vec3 ray, uvec2 seen)
     object_point_seen s;
     s.place = weight.x * p[0] + weight.y * p[1] + weight.z * p[2];
     s.t = -dot(s.place, back.xyz);
-    s.open_ = weight.x * hidden[0] + weight.y * hidden[1] + weight.z * hidden[2];
+    s.open_ = weight.x * open_[0] + weight.y * open_[1] + weight.z * open_[2];
     vec3 n = weight.x * normals[0] + weight.y * normals[1] + weight.z * normals[2];
     n = normalize(o.x * n.x + o.y * n.y + o.z * n.z);
     // A wall of one skin shows both sides.
@@ -67,14 +75,28 @@ object_point_seen cut_object(vec3 from, vec3 ray, uvec2 seen)
     return s;
 }
 
-// Light that falls on a surface from all around, over pi.
-vec3 ambient_light(vec3 n)
+// Light that falls on a surface from all around, over pi, and from below the
+// horizon alone.
+vec3 light_by_normal(int first, vec3 n)
 {
-    return max(ambient[0].rgb + ambient[1].rgb * n.y + ambient[2].rgb * n.z + ambient[3].rgb * n.x +
-                   ambient[4].rgb * (n.x * n.y) + ambient[5].rgb * (n.y * n.z) +
-                   ambient[6].rgb * (3.0 * n.z * n.z - 1.0) + ambient[7].rgb * (n.x * n.z) +
-                   ambient[8].rgb * (n.x * n.x - n.y * n.y),
-               vec3(0.0));
+    return ambient[first].rgb + ambient[first + 1].rgb * n.y + ambient[first + 2].rgb * n.z +
+           ambient[first + 3].rgb * n.x + ambient[first + 4].rgb * (n.x * n.y) + ambient[first + 5].rgb * (n.y * n.z) +
+           ambient[first + 6].rgb * (3.0 * n.z * n.z - 1.0) + ambient[first + 7].rgb * (n.x * n.z) +
+           ambient[first + 8].rgb * (n.x * n.x - n.y * n.y);
+}
+
+// The same where the model's own form hides a part: there is its paint instead,
+// below the light of a deck, above that of walls to all sides. `lit`: share of
+// the Sun on what lies before the surface.
+vec3 ambient_light(vec3 n, vec4 open_, float lit)
+{
+    vec3 all = max(light_by_normal(0, n), vec3(0.0));
+    vec3 below = clamp(light_by_normal(PEL_SURROUNDINGS_TERMS, n), vec3(0.0), all);
+    vec3 to = lights[PEL_LIGHT_SUN].direction.xyz;
+    vec3 sun = beams[PEL_LIGHT_SUN].rgb * (1.0 / PI);
+    vec3 deck = ambient[0].rgb + ambient[2].rgb + 2.0 * ambient[6].rgb + sun * (max(to.z, 0.0) * lit);
+    vec3 wall = ambient[0].rgb - ambient[6].rgb + sun * (sqrt(max(1.0 - to.z * to.z, 0.0)) * lit / PI);
+    return open_.x * (all - below) + open_.y * below + open_.z * wall + open_.w * deck;
 }
 
 vec3 schlick(vec3 f0, float cosine)
@@ -111,10 +133,11 @@ struct object_lit {
     vec3 by_lights, by_sky;
 };
 
-// What a point sends against the unit direction `dir`; d: from the entity's
-// origin.
-object_lit object_light(object_point_seen s, int entity, vec3 d, vec3 dir)
+// What a point sends against the unit direction `dir`; `place`: of it, from the
+// eye.
+object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
 {
+    vec3 d = from_object(placed_object(entity), place);
     vec4 paint = texelFetch(object_materials, int(s.material) * PEL_OBJECT_MATERIAL_TEXELS);
     vec4 finish = texelFetch(object_materials, int(s.material) * PEL_OBJECT_MATERIAL_TEXELS + 1);
     float metal = paint.w;
@@ -124,18 +147,21 @@ object_lit object_light(object_point_seen s, int entity, vec3 d, vec3 dir)
     float nv = max(dot(n, v), 1e-3);
     vec3 f0 = mix(vec3(0.04), paint.rgb, metal);
     vec3 matt = paint.rgb * (1.0 - metal);
-    float open_ = lit_share(entity, d, n);
+    float lit = lit_share(entity, d, n) * lit_by_others(entity, place);
     object_lit result = object_lit(vec3(0.0), vec3(0.0));
     for (int i = 0; i < PEL_LIGHTS; i++) {
         vec3 to = lights[i].direction.xyz;
-        vec3 beam = beams[i].rgb * (i == PEL_LIGHT_SUN ? open_ : 1.0);
+        vec3 beam = beams[i].rgb * (i == PEL_LIGHT_SUN ? lit : 1.0);
         result.by_lights +=
             beam * (matt * (max(dot(n, to), 0.0) / PI) + gloss_of_light(f0, rough * rough, n, v, to));
     }
     vec2 share = gloss_share(rough, nv);
     float level = log2(max(rough * rough * float(PEL_SURROUNDINGS_SIZE) * 0.5, 1.0));
-    vec3 mirrored = textureLod(surrounding_map, octahedral_place(reflect(dir, n)), level).rgb;
-    result.by_sky = s.open_ * (matt * ambient_light(n) + (f0 * share.x + share.y) * mirrored);
+    vec3 away = reflect(dir, n);
+    vec3 mirrored = textureLod(surrounding_map, octahedral_place(away), level).rgb;
+    mirrored *= mix(s.open_.y, s.open_.x, clamp(0.5 + 2.0 * away.z, 0.0, 1.0));
+    lit *= step(0.0, dot(n, lights[PEL_LIGHT_SUN].direction.xyz));
+    result.by_sky = matt * ambient_light(n, s.open_, lit) + (f0 * share.x + share.y) * mirrored;
     return result;
 }
 
@@ -145,7 +171,7 @@ shaded shade_object(vec3 ray, uvec2 seen)
     vec3 dir = ray / ray_length;
     object_point_seen s = cut_object(vec3(0.0), ray, seen);
     int entity = int(seen.x) - 1;
-    object_lit light = object_light(s, entity, from_object(placed_object(entity), s.place), dir);
+    object_lit light = object_light(s, entity, s.place, dir);
     float range = s.t * ray_length;
     vec3 air;
     vec3 through = haze(dir, range, air);

@@ -35,3 +35,16 @@ float lit_share(int i, vec3 d, vec3 n)
     }
     return 0.25 * sum;
 }
+
+// Share of the Sun that other entities leave there; `place`: from the eye.
+float lit_by_others(int i, vec3 place)
+{
+    float share = 1.0;
+    for (int left = int(texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 10).w); left != 0; left &= left - 1) {
+        int other = findLSB(left);
+        vec3 at;
+        bool held = shadow_place(other, from_object(placed_object(other), place), at);
+        share *= held ? texture(object_shadows, vec4(at.xy, float(other), at.z)) : 1.0;
+    }
+    return share;
+}
