@@ -89,6 +89,7 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/seastate.c \
     server/ocean/report.c \
     server/ocean/fft.c \
+    server/ocean/evenmodes.c \
     server/ocean/evolve.c \
     server/ocean/bins.c \
     server/ocean/cascade.c \

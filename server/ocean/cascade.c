@@ -8,6 +8,7 @@
 
 #include "base/simd.h"
 #include "ocean/directional.h"
+#include "ocean/evenmodes.h"
 #include "ocean/evolve.h"
 #include "ocean/fields.h"
 #include "ocean/hash.h"
@@ -287,7 +288,8 @@ static void scale_rings(struct builder *b, struct pel_cascade *c, double m_lo)
 }
 
 /* Single waves go to the mode nearest to their wave vector: they run straight
- * over the tile's edges, up to half a mode from their wavelength. */
+ * over the tile's edges, up to half a mode from their wavelength, with their
+ * own period. */
 static void add_singles(const struct builder *b, struct pel_cascade *c)
 {
     double step = 2.0 * PEL_PI / c->length_m;
@@ -308,12 +310,11 @@ static void add_singles(const struct builder *b, struct pel_cascade *c)
         c->h0[at][0] += (float)(size * cos(phase));
         c->h0[at][1] += (float)(size * sin(phase));
         if (!(c->mode[at][0] > 0)) { /* just outside the rounded band */
-            double near = step * hypot(m, n);
-            double f = pel_dispersion_depth(near, b->desc->depth_m);
-            float chop = (float)fold_chop(b->spectrum, &b->fold, near);
-            c->mode[at][0] = c->mode[opposite][0] = (float)(f / (2.0 * PEL_PI));
+            float chop = (float)fold_chop(b->spectrum, &b->fold, k);
             c->mode[at][1] = c->mode[opposite][1] = chop;
         }
+        double f = pel_dispersion_depth(k, b->desc->depth_m);
+        c->mode[at][0] = c->mode[opposite][0] = (float)(f / (2.0 * PEL_PI));
     }
 }
 
@@ -653,6 +654,7 @@ static void *build_cascade(void *argument)
     lay_rings(b, m_lo);
     draw_modes(b, c, b->index, m_lo);
     scale_rings(b, c, m_lo);
+    pel_cascade_even(b->spectrum, b->desc, b->index, c);
     add_singles(b, c);
     mirror_modes(c);
     c->modes = pel_evolve_modes_create(c);
