@@ -693,7 +693,7 @@ $(addprefix validate-,$(VALIDATE_PARTS)): validate-%: deps-build ## one part: se
 	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)
 	$(Q)/usr/bin/python3 -B tests/validate/validate.py $(ARGS) $*
 
-.PHONY: validate-water validate-seatrace airtable sheet
+.PHONY: validate-water validate-seatrace airtable sheet beaufort-sheet
 validate-water: deps-build ## light in the water against Monte Carlo (ARGS=--quick, --sampling, --slopes)
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/validate_water
 	$(O)/bin/validate_water $(ARGS)
@@ -707,6 +707,10 @@ airtable: deps-build ## the sky's table anew by its Monte Carlo, about an hour o
 sheet: deps-build ## 24 scenes on one sheet, with figures: build/sheet.jpg
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/validate/sheet.py $(ARGS)
+
+beaufort-sheet: deps-build ## the sea of Beaufort 0 to 11 on one sheet: build/beaufort.jpg
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/validate/beaufort.py $(ARGS)
 
 .PHONY: soak
 soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers

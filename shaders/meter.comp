@@ -8,6 +8,7 @@
 #include "lib/water.glsl"
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
+#include "lib/foamlight.glsl"
 #include "lib/haze.glsl"
 
 layout(local_size_x = PEL_GROUP_LINE) in;
@@ -39,6 +40,7 @@ vec3 mean_sea(vec3 dir)
         leaving += leaving_deep_water(i, water_place(v, n, light_above(i, tilt)));
     }
     lit parts = sea_radiance(reflection_map, v, tilt, n, wind.zw, leaving, vec3(0.0));
+    cover_by_foam(vec2(whitecaps.w, 1.0), n, tilt, parts);
     vec3 air;
     vec3 through = haze(dir, range, air);
     return (parts.sun + parts.sky + parts.water) * through + air;

@@ -128,6 +128,8 @@ static void overlay(struct pel_cigi_conditions *on,
           with->chlorophyll_mg_m3, weight, mix_ratio);
     blend(&on->has_level, &on->level_m, with->has_level, with->level_m, weight,
           mix);
+    blend(&on->has_whitecaps, &on->whitecaps, with->has_whitecaps,
+          with->whitecaps, weight, mix);
     blend_trains(&on->has_swell, on->swell, with->has_swell, with->swell,
                  weight);
     blend_trains(&on->has_waves, on->waves, with->has_waves, with->waves,
@@ -401,6 +403,32 @@ static void apply_water(struct pel_cigi_edit *edit,
     }
 }
 
+static void set_whitecaps(struct pel_cigi_edit *edit, double times)
+{
+    edit->state.sea = &edit->sea;
+    edit->sea.has_whitecaps = true;
+    edit->sea.whitecaps = times;
+}
+
+/* On: as many as there were before the host; where those were off, one time
+ * what the wind makes. */
+static void apply_whitecaps(struct pel_cigi_edit *edit,
+                            const struct pel_cigi_conditions *now)
+{
+    struct pel_cigi_conditions *was = &edit->world->applied;
+    struct pel_cigi_before *before = &edit->world->before;
+    bool known = was->has_whitecaps;
+    if (!begins(now->has_whitecaps, &was->has_whitecaps,
+                edit->scene->sea->whitecaps, &before->whitecaps)) {
+        set_whitecaps(edit, before->whitecaps);
+    } else if (now->has_whitecaps &&
+               !(known && was->whitecaps == now->whitecaps)) {
+        double whole = before->whitecaps > 0 ? before->whitecaps : 1.0;
+        was->whitecaps = now->whitecaps;
+        set_whitecaps(edit, now->whitecaps * whole);
+    }
+}
+
 void pel_cigi_apply_conditions(struct pel_cigi_edit *edit)
 {
     struct pel_cigi_conditions now = effective(edit);
@@ -409,4 +437,5 @@ void pel_cigi_apply_conditions(struct pel_cigi_edit *edit)
     apply_swell(edit, &now);
     apply_waves(edit, &now);
     apply_water(edit, &now);
+    apply_whitecaps(edit, &now);
 }

@@ -97,6 +97,14 @@ static void what_is_switched_off_ends(void **state)
     const Pelagos__State *s = pel_scene_state(scene);
     double green = s->water->chlorophyll, level = s->sea->level;
     double mps = s->sea->wind_speed, metres = s->sky->visibility;
+    double whitecaps = s->sea->whitecaps;
+    assert_true(whitecaps > 0);
+    begin();
+    with(PEL_CIGI_KIND_MARITIME, PEL_CIGI_MARITIME_ENABLE, 1.0,
+         PEL_CIGI_MARITIME_HEIGHT, 2.0, PEL_CIGI_MARITIME_CLARITY, 20.0,
+         PEL_CIGI_MARITIME_WHITECAPS, 1.0, 0);
+    send();
+    assert_near(pel_scene_state(scene)->sea->whitecaps, whitecaps, 0);
     begin();
     with(PEL_CIGI_KIND_MARITIME, PEL_CIGI_MARITIME_ENABLE, 1.0,
          PEL_CIGI_MARITIME_HEIGHT, 2.0, PEL_CIGI_MARITIME_CLARITY, 20.0, 0);
@@ -105,6 +113,7 @@ static void what_is_switched_off_ends(void **state)
     send();
     s = pel_scene_state(scene);
     assert_near(s->sea->level, 2, 0);
+    assert_near(s->sea->whitecaps, 0, 0);
     assert_near(s->sky->visibility, 700, 0);
     assert_near(s->sea->wind_speed, 15, 0);
     assert_true(s->water->chlorophyll != green);
@@ -115,6 +124,7 @@ static void what_is_switched_off_ends(void **state)
     send();
     s = pel_scene_state(scene);
     assert_near(s->sea->level, level, 0);
+    assert_near(s->sea->whitecaps, whitecaps, 0);
     assert_near(s->sky->visibility, metres, 0);
     assert_near(s->sea->wind_speed, mps, 0);
     assert_near(s->water->chlorophyll, green, 0);

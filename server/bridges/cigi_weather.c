@@ -147,6 +147,8 @@ static void take_maritime(struct pel_cigi_edit *edit,
         pel_cigi_chlorophyll(pel_cigi_get(p, PEL_CIGI_MARITIME_CLARITY));
     c->has_level = c->has_chlorophyll;
     c->level_m = pel_cigi_get(p, PEL_CIGI_MARITIME_HEIGHT);
+    c->has_whitecaps = c->has_chlorophyll;
+    c->whitecaps = pel_cigi_get(p, PEL_CIGI_MARITIME_WHITECAPS);
     if (c->has_chlorophyll) {
         edit->world->water_temperature =
             pel_cigi_get(p, PEL_CIGI_MARITIME_TEMPERATURE);

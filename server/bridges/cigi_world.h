@@ -30,10 +30,10 @@ struct pel_cigi_train {
 struct pel_cigi_conditions {
     bool has_visibility, has_wind;             /* Atmosphere, components */
     bool has_layer_visibility, has_layer_wind; /* Weather: goes before them */
-    bool has_chlorophyll, has_level, has_swell, has_waves;
+    bool has_chlorophyll, has_level, has_whitecaps, has_swell, has_waves;
     double visibility_m, layer_visibility_m;
     double wind_mps, wind_deg, layer_wind_mps, layer_wind_deg;
-    double chlorophyll_mg_m3, level_m;
+    double chlorophyll_mg_m3, level_m, whitecaps; /* 0: off, 1: on */
     struct pel_cigi_train swell[PEL_CIGI_TRAINS];
     struct pel_cigi_train waves[PEL_CIGI_TRAINS];
 };
@@ -92,6 +92,7 @@ struct pel_cigi_view_memo {
 /* What the scene had before the host commanded it. */
 struct pel_cigi_before {
     double visibility_m, wind_mps, wind_deg, chlorophyll_mg_m3, level_m;
+    double whitecaps;
     struct pel_cigi_train swell[PEL_CIGI_TRAINS], waves[PEL_CIGI_TRAINS];
 };
 

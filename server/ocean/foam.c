@@ -193,6 +193,21 @@ static double spread_of(double wind_mps)
     return PEL_FOAM_STREAK_SHARE * x * x * (3.0 - 2.0 * x);
 }
 
+/* 0 with no wind to tear water off crests, or where no whitecaps are wanted. */
+static double blown_of(const struct pel_sea_desc *d)
+{
+    double x = (d->wind_mps - PEL_SPRAY_FROM) /
+               (PEL_SPRAY_WHOLE - PEL_SPRAY_FROM);
+    return pel_clamp(x, 0, 1) * fmin(d->whitecaps, 1.0);
+}
+
+double pel_foam_spray(const struct pel_foam *foam, double height_m)
+{
+    double heights = height_m / PEL_SPRAY_HEIGHT_M;
+    double mean = heights > 1e-6 ? -expm1(-heights) / heights : 1.0;
+    return PEL_SPRAY_EXTINCTION * pow(foam->blown, 3) * mean;
+}
+
 static void solve_threshold(struct pel_foam *foam)
 {
     double target = foam->coverage * (1.0 - foam->spread);
@@ -370,6 +385,7 @@ enum pel_err pel_foam_create(const struct pel_sea *sea, struct pel_foam **out)
     foam->coverage = fmin(coverage, 0.6);
     foam->deviation = sqrt(band.variance / (1.0 - PEL_FOAM_ALWAYS_LEFT));
     foam->omega = band.omega;
+    foam->blown = blown_of(&sea->desc);
     foam->spread = spread_of(sea->desc.wind_mps);
     foam->drawn_out =
         1.0 + 2.0 * pel_clamp((sea->desc.wind_mps - 6.0) / 14.0, 0, 1);

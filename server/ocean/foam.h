@@ -44,6 +44,7 @@ struct pel_foam {
     double spread;     /* share of `coverage` that no crest carries, 0..1 */
     double drawn_out;  /* its structure, along the wind, times */
     double thinning_s; /* e-folding time of the dense share of what is left */
+    double blown;      /* into spray, 0..1 */
     /* S⁻¹ of the share of the water that dense foam hides, by the share left, Y
      * and X, from (−REACH, −REACH) in deviations. */
     float table[PEL_FOAM_LEVELS][PEL_FOAM_SIDE][PEL_FOAM_SIDE];
@@ -59,6 +60,11 @@ double pel_foam_of_wind(double wind_mps);
  * *out NULL: none. NO_MEMORY. About 10 ms. */
 PEL_CHECK enum pel_err pel_foam_create(const struct pel_sea *sea,
                                        struct pel_foam **out);
+
+/* Extinction of the spray between an eye at height_m > 0 above the sea and the
+ * surface, its mean over any way there, 1/m: exponential over
+ * PEL_SPRAY_HEIGHT_M, by the cube of the wind beyond PEL_SPRAY_FROM. */
+double pel_foam_spray(const struct pel_foam *foam, double height_m);
 
 /* Share of z's variance that a footprint leaves, PEL_FOAM_ALWAYS_LEFT..1. */
 double pel_foam_left(const struct pel_sea *sea, const struct pel_filter *filter,

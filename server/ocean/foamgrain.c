@@ -5,8 +5,8 @@
 #include "ocean/foam.h"
 #include "ocean/hash.h"
 
-/* The structure of foam: rafts of bubbles that tear into a net with holes of
- * many sizes, in patches. */
+/* The structure of foam: rafts of bubbles that tear into a net of walls around
+ * holes of many sizes, in patches. */
 
 #define SIDE PEL_FOAM_GRAIN
 #define SEED 7u
@@ -44,20 +44,24 @@ static void fill_lattice(int kind, struct lattice *l)
     }
 }
 
-/* Distance to the nearest of one point a cell, in cells; of two lattices. */
-static double to_nearest(const struct lattice *l, double u, double v)
+/* By how much the second nearest of one point a cell is farther than the
+ * nearest, in cells; of two lattices. 0 on the walls between their cells. */
+static double to_wall(const struct lattice *l, double u, double v)
 {
-    double x = u * l->cells, y = v * l->cells, best = 9;
+    double x = u * l->cells, y = v * l->cells, best = 9, second = 9;
     int i0 = (int)floor(x), j0 = (int)floor(y);
     for (int j = j0 - 1; j <= j0 + 1; j++) {
         for (int i = i0 - 1; i <= i0 + 1; i++) {
             double dx = i + l[0].at[j + BESIDE][i + BESIDE] - x;
             double dy = j + l[1].at[j + BESIDE][i + BESIDE] - y;
             double square = dx * dx + dy * dy;
+            second = square < best     ? best
+                     : square < second ? square
+                                       : second;
             best = square < best ? square : best;
         }
     }
-    return sqrt(best);
+    return sqrt(second) - sqrt(best);
 }
 
 static double smooth(double f)
@@ -86,13 +90,13 @@ static double raw(const struct lattice *l, double u, double v)
         u + 0.01 * noise(&bends[0], u, v) + 0.004 * noise(&bends[1], u, v);
     double bent_v =
         v + 0.01 * noise(&bends[2], u, v) + 0.004 * noise(&bends[3], u, v);
-    double holes = 1.0 * to_nearest(&h[0], bent_u, bent_v) +
-                   1.0 * to_nearest(&h[2], bent_u, bent_v) +
-                   0.7 * to_nearest(&h[4], bent_u, bent_v);
+    double walls = 0.9 * to_wall(&h[0], bent_u, bent_v) +
+                   0.7 * to_wall(&h[2], bent_u, bent_v) +
+                   0.45 * to_wall(&h[4], bent_u, bent_v);
     double patches = 0.35 * noise(&p[0], u, v) + 0.35 * noise(&p[1], u, v) +
                      0.3 * noise(&p[2], u, v) + 0.25 * noise(&p[3], u, v) +
                      0.2 * noise(&p[4], u, v);
-    return patches - holes;
+    return patches + walls;
 }
 
 struct ranked {

@@ -263,6 +263,7 @@ static void expose(struct pel_renderer *r, const struct pel_environment *env,
     struct pel_block_eye eye;
     struct pel_block_sighted sights;
     pel_fill_eye(height_m, table_height_m, submerged, NULL, &eye);
+    pel_fill_spray(env->sea->foam, submerged ? 0.0 : height_m, &eye);
     pel_fill_sights(c, &sights);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                    sizeof eye);
@@ -373,6 +374,7 @@ static void draw_pixels(struct pel_renderer *r,
     }
     struct pel_block_eye eye;
     pel_fill_eye(height_m, table_height_m, submerged, r->mesh, &eye);
+    pel_fill_spray(env->sea->foam, submerged ? 0.0 : height_m, &eye);
     if (env->sea->foam) {
         pel_fill_grain(env->sea->foam, env->wind_to_rad, c->east_m, c->north_m,
                        &eye);

@@ -88,10 +88,13 @@ void pel_fill_frame(const struct pel_environment *env,
     out->crests = vec4(0.75 * fold.finest, 0.75 * fold.more, 0.0, 0.0);
     const struct pel_foam *foam = env->sea->foam;
     if (foam) {
+        out->crests.z = (float)(PEL_FOAM_THIN + PEL_FOAM_BLOWN * foam->blown);
         out->whitecaps =
             vec4(1.0 / foam->deviation,
-                 PEL_FOAM_STREAK_WEIGHT / PEL_FOAM_STREAK_SHARE * foam->spread,
-                 1.0 / (PEL_FOAM_GRAIN_M * foam->drawn_out), 0.0);
+                 PEL_FOAM_STREAK_WEIGHT *
+                     sqrt(foam->spread / PEL_FOAM_STREAK_SHARE),
+                 1.0 / (PEL_FOAM_GRAIN_M * foam->drawn_out),
+                 foam->coverage * PEL_FOAM_DENSE);
     }
     for (int i = 0; i < PEL_LIGHTS; i++) {
         out->lights[i] = light_of(env, i);
@@ -118,6 +121,14 @@ void pel_fill_grain(const struct pel_foam *foam, double wind_to_rad,
     out->grain = vec4(grain.x, grain.y, streaks.x, streaks.y);
     double bend = u / PEL_FOAM_BEND_ALONG_M + v / PEL_FOAM_BEND_ACROSS_M;
     out->bends = vec4(bend - floor(bend), 0.0, 0.0, 0.0);
+}
+
+void pel_fill_spray(const struct pel_foam *foam, double height_m,
+                    struct pel_block_eye *out)
+{
+    if (foam && height_m > 0.0) {
+        out->lut.z = (float)pel_foam_spray(foam, height_m);
+    }
 }
 
 void pel_fill_eye(double height_m, double table_height_m, bool submerged,

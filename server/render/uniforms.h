@@ -48,8 +48,12 @@ void pel_fill_foam_left(const struct pel_sea *sea,
                         const struct pel_filter *filter,
                         struct pel_variance out[PEL_VARIANCE_COUNT]);
 
-/* Where the eye stands on the structure of foam (lib/foam.glsl). */
 struct pel_foam;
+/* The spray between an eye at height_m and the sea; foam NULL: none. */
+void pel_fill_spray(const struct pel_foam *foam, double height_m,
+                    struct pel_block_eye *out);
+
+/* Where the eye stands on the structure of foam (lib/foam.glsl). */
 void pel_fill_grain(const struct pel_foam *foam, double wind_to_rad,
                     double east_m, double north_m, struct pel_block_eye *out);
 /* Also rounds the camera's pixel lattice: see pel_pixel_pitch. */

@@ -13,6 +13,7 @@
 #include "fault.h"
 #include "json.h"
 #include "message.h"
+#include "ocean/foam.h"
 #include "scene/build.h"
 #include "scene/check.h"
 #include "scene/edit.h"
@@ -568,4 +569,8 @@ void pel_scene_collect(void *user, struct pel_metrics_page *page)
     pel_metric(page, "pelagos_scene_waiting", PEL_METRIC_GAUGE,
                "Patches that wait for a sea or a file.", NULL,
                (double)scene->waiting->len);
+    const struct pel_sea *sea = pel_snapshot_sea(scene->snapshot);
+    pel_metric(page, "pelagos_sea_whitecaps_ratio", PEL_METRIC_GAUGE,
+               "Share of the sea under whitecaps, as photographs count them.",
+               NULL, sea->foam ? sea->foam->coverage : 0);
 }

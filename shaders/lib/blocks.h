@@ -313,23 +313,32 @@ struct pel_vec4 {
 #define PEL_FOAM_ALWAYS_LEFT 0.08
 #define PEL_FOAM_GRAIN 512
 #define PEL_FOAM_GRAIN_SEEN_M 4.0 /* by footprints up to */
-#define PEL_FOAM_THIN 0.025       /* variance of its edges */
+#define PEL_FOAM_THIN 0.02        /* variance of its edges */
+#define PEL_FOAM_BLOWN 0.3        /* in spray, at PEL_SPRAY_WHOLE */
+#define PEL_FOAM_RELIEF 0.3       /* thickest foam is so much brighter */
 #define PEL_FOAM_ALBEDO 0.55      /* of dense foam (Koepke 1984) */
 #define PEL_FOAM_RED 0.95 /* of its albedo, at 680 nm (Frouin et al. 1996) */
 #define PEL_FOAM_GRAIN_M 16.0
+/* Spray: from and at winds of, m/s; extinction at the surface there, 1/m;
+ * height in which it falls e times, m. */
+#define PEL_SPRAY_FROM 15.0
+#define PEL_SPRAY_WHOLE 30.0
+#define PEL_SPRAY_EXTINCTION 1.3e-3
+#define PEL_SPRAY_HEIGHT_M 15.0
 /* Streaks: a tile across and along the wind, m; wind from which there are any,
  * and at which they hold the SHARE of all foam, m/s; weight in the structure.
  */
 #define PEL_FOAM_STREAK_ACROSS_M 127.0
 #define PEL_FOAM_STREAK_ALONG_M 1700.0
-#define PEL_FOAM_STREAK_FROM 15.0
-#define PEL_FOAM_STREAK_WHOLE 24.0
-#define PEL_FOAM_STREAK_SHARE 0.35
+#define PEL_FOAM_STREAK_FROM 13.0
+#define PEL_FOAM_STREAK_WHOLE 20.0
+#define PEL_FOAM_STREAK_SHARE 0.6
 /* They bend to either side by, and once in, m along and across. */
-#define PEL_FOAM_STREAK_BEND_M 9.0
+#define PEL_FOAM_STREAK_BEND_M 6.0
 #define PEL_FOAM_BEND_ALONG_M 310.0
 #define PEL_FOAM_BEND_ACROSS_M 190.0
-#define PEL_FOAM_STREAK_WEIGHT 0.64
+#define PEL_FOAM_STREAK_WEIGHT 0.9
+#define PEL_FOAM_STREAK_THIN 0.25 /* added to the variance of edges */
 
 /* The lights of the sky, each with a sky of its own that it makes in the air
  * (optics/light.h): the tables of sky and water have a layer for each, and what
@@ -363,10 +372,11 @@ PEL_BLOCK(PEL_BLOCK_FRAME, frame)
                        from, 0 without sparkle */
     vec4 crests;    /* of the waves' horizontal part, 3/4 of its squared share
                        (pel_sharpened): x of the finest waves, y what those of
-                       a slope variance have more, by it */
+                       a slope variance have more, by it; z variance of foam's
+                       edges */
     vec4 whitecaps; /* x 1 over the deviation of what breaks; y weight of
                        streaks; z tiles of foam's structure a metre along the
-                       wind */
+                       wind; w mean share of the sea that dense foam hides */
 };
 
 /* One for an eye, a camera position of this frame. */
@@ -374,7 +384,8 @@ PEL_BLOCK(PEL_BLOCK_EYE, eye)
 {
     vec4 eye;   /* x height above the sea, m; y dip of the horizon, rad; z angle
                    between the mesh's columns, rad; w columns around */
-    vec4 lut;   /* x height the sky tables were made for, m; y 1 under water */
+    vec4 lut;   /* x height the sky tables were made for, m; y 1 under water;
+                   z extinction of spray on the way to the sea, 1/m */
     vec4 grain; /* the eye's nadir in tiles of foam, xy, of streaks, zw */
     vec4 bends; /* x of streaks there, turns */
 };

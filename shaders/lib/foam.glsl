@@ -1,3 +1,5 @@
+#include "lib/foamlight.glsl"
+
 // Whitecaps, twin of ocean/foam.h: foam that a pixel sees where it resolves a
 // part of the waves that break, its structure, and its light.
 
@@ -17,9 +19,11 @@ vec2 grain_at(vec2 uv, float texels)
     return vec2(g.x, max(g.y - g.x * g.x, 0.0));
 }
 
-// Foam is where the structure, a normal number that belongs to the water at
+// x: foam is where the structure, a normal number that belongs to the water at
 // rest, is below a bound; of what a pixel averages over its variance is known.
-float foam_of(vec2 x, vec2 breaking, float footprint)
+// y: how bright it is, thick in the middle and thin at its edges, by the share
+// of the foam there that is thicker: so its mean is 1.
+vec2 foam_of(vec2 x, vec2 breaking, float footprint)
 {
     const float side = float(PEL_FOAM_SIDE);
     const float levels = float(PEL_FOAM_LEVELS);
@@ -29,10 +33,15 @@ float foam_of(vec2 x, vec2 breaking, float footprint)
     vec3 nodes = vec3(side, side, levels);
     float bound = textureLod(foam_table, (clamp(place, 0.0, 1.0) * (nodes - 1.0) + 0.5) / nodes, 0.0).x;
     // Too little, or too far, to see its structure.
-    float w = whitecaps.y;
-    float far = PEL_FOAM_GRAIN_SEEN_M * (1.0 + 4.0 * w);
-    if (bound < -2.3 || footprint > far) {
-        return foam_share(bound);
+#ifdef PEL_STREAKS
+    float low = 1.0 - smoothstep(-2.0, 0.5, bound); // no crest's
+    float w = whitecaps.y * (0.3 + 0.7 * low);
+    float far = PEL_FOAM_GRAIN_SEEN_M * (1.0 + 4.0 * whitecaps.y);
+#else
+    const float far = PEL_FOAM_GRAIN_SEEN_M;
+#endif
+    if (bound < -3.2 || footprint > far) {
+        return vec2(foam_share(bound), 1.0);
     }
     float texels = float(PEL_FOAM_GRAIN) * footprint;
     vec2 run = vec2(dot(x, wind.xy), dot(x, vec2(-wind.y, wind.x)));
@@ -46,27 +55,12 @@ float foam_of(vec2 x, vec2 breaking, float footprint)
 #endif
     float seen = clamp(2.0 - 2.0 * footprint / far, 0.0, 1.0);
     n = vec2(seen * n.x, 1.0 - seen * seen * (1.0 - n.y));
-    // Edges of foam are thin.
-    const float thin = PEL_FOAM_THIN;
-    return foam_share((bound * sqrt(1.0 + thin) - n.x) * inversesqrt(n.y + thin));
-}
-
-// Foam hides what the water mirrors and what leaves it, and is lit by Sun and
-// sky like chalk.
-void cover_by_foam(float foam, vec3 n, vec2 tilt, inout lit parts)
-{
-    if (foam <= 0.0) {
-        return;
-    }
-    float open = 1.0 - foam;
-    vec3 tint = foam * PEL_FOAM_ALBEDO / PI * vec3(PEL_FOAM_RED, 1.0, 1.0);
-    vec3 sun = vec3(0.0);
-    vec3 sky = vec3(0.0);
-    for (int i = 0; i < PEL_LIGHTS; i++) {
-        sun += beams[i].rgb * max(dot(n, light_above(i, tilt)), 0.0);
-        sky += skies[i].rgb;
-    }
-    parts.sun = parts.sun * open + tint * sun;
-    parts.sky = parts.sky * open + tint * sky * (0.5 + 0.5 * n.z);
-    parts.water *= open;
+    // Edges of foam are thin, or blown about.
+    float thin = crests.z;
+#ifdef PEL_STREAKS
+    thin += PEL_FOAM_STREAK_THIN * low;
+#endif
+    float foam = foam_share((bound * sqrt(1.0 + thin) - n.x) * inversesqrt(n.y + thin));
+    float thicker = min(foam_share(n.x) / foam_share(bound), 1.0);
+    return vec2(foam, 1.0 + PEL_FOAM_RELIEF * (1.0 - n.y) * (1.0 - 2.0 * thicker));
 }

@@ -8,7 +8,7 @@ vec3 haze(vec3 dir, float range, out vec3 air)
     vec2 table = vec2(textureSize(eye_haze, 0));
     float angle = min(angle_above_horizon(dir), -1e-7);
     vec2 uv = sky_uv(azimuth_from(0, dir.xy), angle, table); // whichever: all azimuths are alike
-    vec3 through = exp(-textureLod(eye_haze, uv, 0.0).rgb * (range * (1.0 - water.w)));
+    vec3 through = exp(-(textureLod(eye_haze, uv, 0.0).rgb + lut.z) * (range * (1.0 - water.w)));
     air = sky_light(eye_table, dir.xy, angle) * (1.0 - through);
     return through;
 }

@@ -127,7 +127,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving,
                              blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0));
 #ifdef PEL_FOAM
-    float foam = foam_of(x, f.breaking, footprint);
+    vec2 foam = foam_of(x, f.breaking, footprint);
     cover_by_foam(foam, n_lit, tilt, parts);
 #endif
     vec3 light = parts.sun + parts.sky + parts.water;
@@ -143,7 +143,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     result.normal = normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy)));
     result.fresnel = parts.fresnel.g;
 #ifdef PEL_FOAM
-    result.foam = foam;
+    result.foam = foam.x;
 #endif
     bool dry = lut.y < 0.5;
     result.sun = dry ? parts.sun * through : vec3(0.0);
@@ -171,7 +171,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     taken.bottom = (1.0 - parts.fresnel) * below.bottom;
 #endif
 #ifdef PEL_FOAM
-    through *= 1.0 - foam; // which the air no longer needs
+    through *= 1.0 - foam.x; // which the air no longer needs
 #endif
     taken.single *= through;
     taken.second *= through;
