@@ -682,14 +682,14 @@ $(O)/bin/airtrace_test: $(call obj,$(AIRTRACE))
 $(O)/bin/airours: $(OBJ)/tests/validate/airtrace/airours.o $(OBJ)/libserver.a
 	$(LINK) -lm
 
-VALIDATE_PARTS := sea sky drawn numbers eye ship
+VALIDATE_PARTS := sea sky drawn numbers eye foam ship
 VALIDATE_BIN := $(addprefix $(O)/bin/,seatrace shiptrace airours validate_water brdf_test facets_test \
     directional_test ndbc_test welch_test cascade_test probe_test shimmer_test drawn_test)
 .PHONY: validate $(addprefix validate-,$(VALIDATE_PARTS))
 validate: deps-build ## light, waves, water, eye, ships against references: tables and plots in build/validate/ (ARGS=--quick: a minute)
 	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)
 	$(Q)/usr/bin/python3 -B tests/validate/validate.py $(ARGS)
-$(addprefix validate-,$(VALIDATE_PARTS)): validate-%: deps-build ## one part: sea sky drawn numbers eye ship, or water
+$(addprefix validate-,$(VALIDATE_PARTS)): validate-%: deps-build ## one part: sea sky drawn numbers eye foam ship, or water
 	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)
 	$(Q)/usr/bin/python3 -B tests/validate/validate.py $(ARGS) $*
 

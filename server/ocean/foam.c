@@ -196,8 +196,8 @@ static double spread_of(double wind_mps)
 /* 0 with no wind to tear water off crests, or where no whitecaps are wanted. */
 static double blown_of(const struct pel_sea_desc *d)
 {
-    double x = (d->wind_mps - PEL_SPRAY_FROM) /
-               (PEL_SPRAY_WHOLE - PEL_SPRAY_FROM);
+    double x =
+        (d->wind_mps - PEL_SPRAY_FROM) / (PEL_SPRAY_WHOLE - PEL_SPRAY_FROM);
     return pel_clamp(x, 0, 1) * fmin(d->whitecaps, 1.0);
 }
 

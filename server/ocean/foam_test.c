@@ -216,6 +216,44 @@ static void foam_decays(void **state)
     assert_float_equal(-2 / log(ratio), 3.85, 0.01);
 }
 
+/* The table's foam behind a crest: what e-folds in 3.85 s, and thins besides.
+ */
+static void the_table_decays(void **state)
+{
+    (void)state;
+    struct pel_sea sea;
+    struct pel_sea_desc d = described(12, PEL_SYNTHESISER_FFT);
+    assert_int_equal(pel_sea_build(&d, &sea), PEL_OK);
+    const struct pel_foam *f = sea.foam;
+    /* A high crest: what blurs the table reaches its front less; lags far
+     * from either end of the trail. */
+    double r = 4.2, lags[2] = { 2.4, 3.8 }, log_of[2];
+    for (int i = 0; i < 2; i++) {
+        double x = r * cos(lags[i]), y = -r * sin(lags[i]);
+        double pressed = fmax(1 - fmin(f->deviation, 0.2) * x, 0.1);
+        log_of[i] = log(pel_foam_at(f, x, y, PEL_FOAM_ALWAYS_LEFT) * pressed);
+    }
+    double per_s = (log_of[0] - log_of[1]) * f->omega / (lags[1] - lags[0]);
+    double goal = 1 / 3.85 + 1 / f->thinning_s;
+    print_message("dense foam e-folds in %.2f s, %.2f expected\n", 1 / per_s,
+                  1 / goal);
+    /* The nodes of the table. */
+    assert_true(fabs(per_s / goal - 1) < 0.05);
+    pel_sea_finish(&sea);
+}
+
+/* None to 15 m/s; from a low eye all of the surface's, from a high one what a
+ * layer of 15 m leaves: 30 m/s are 2 km of visibility. */
+static void spray_thickens(void **state)
+{
+    (void)state;
+    struct pel_foam foam = { .blown = 0 };
+    assert_true(pel_foam_spray(&foam, 10) == 0);
+    foam.blown = 1;
+    assert_float_equal(3.912 / pel_foam_spray(&foam, 1e-3), 1956, 1);
+    assert_float_equal(pel_foam_spray(&foam, 1500), 2e-3 * 15 / 1500, 1e-7);
+}
+
 static void structure_is_normal(void **state)
 {
     (void)state;
@@ -254,6 +292,8 @@ int main(void)
         cmocka_unit_test(far_away_it_is_the_coverage),
         cmocka_unit_test(foam_ages),
         cmocka_unit_test(foam_decays),
+        cmocka_unit_test(the_table_decays),
+        cmocka_unit_test(spray_thickens),
         cmocka_unit_test(structure_is_normal),
         cmocka_unit_test(share_and_its_inverse),
     };

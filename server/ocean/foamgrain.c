@@ -55,9 +55,7 @@ static double to_wall(const struct lattice *l, double u, double v)
             double dx = i + l[0].at[j + BESIDE][i + BESIDE] - x;
             double dy = j + l[1].at[j + BESIDE][i + BESIDE] - y;
             double square = dx * dx + dy * dy;
-            second = square < best     ? best
-                     : square < second ? square
-                                       : second;
+            second = square < best ? best : square < second ? square : second;
             best = square < best ? square : best;
         }
     }

@@ -89,12 +89,11 @@ void pel_fill_frame(const struct pel_environment *env,
     const struct pel_foam *foam = env->sea->foam;
     if (foam) {
         out->crests.z = (float)(PEL_FOAM_THIN + PEL_FOAM_BLOWN * foam->blown);
-        out->whitecaps =
-            vec4(1.0 / foam->deviation,
-                 PEL_FOAM_STREAK_WEIGHT *
-                     sqrt(foam->spread / PEL_FOAM_STREAK_SHARE),
-                 1.0 / (PEL_FOAM_GRAIN_M * foam->drawn_out),
-                 foam->coverage * PEL_FOAM_DENSE);
+        out->whitecaps = vec4(1.0 / foam->deviation,
+                              PEL_FOAM_STREAK_WEIGHT *
+                                  sqrt(foam->spread / PEL_FOAM_STREAK_SHARE),
+                              1.0 / (PEL_FOAM_GRAIN_M * foam->drawn_out),
+                              foam->coverage * PEL_FOAM_DENSE);
     }
     for (int i = 0; i < PEL_LIGHTS; i++) {
         out->lights[i] = light_of(env, i);

@@ -323,7 +323,7 @@ struct pel_vec4 {
  * height in which it falls e times, m. */
 #define PEL_SPRAY_FROM 15.0
 #define PEL_SPRAY_WHOLE 30.0
-#define PEL_SPRAY_EXTINCTION 1.3e-3
+#define PEL_SPRAY_EXTINCTION 2.0e-3
 #define PEL_SPRAY_HEIGHT_M 15.0
 /* Streaks: a tile across and along the wind, m; wind from which there are any,
  * and at which they hold the SHARE of all foam, m/s; weight in the structure.

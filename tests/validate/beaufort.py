@@ -3,8 +3,8 @@
 
     beaufort.py [OUT.jpg]
 
-Each as a daemon draws it on the software device from a bridge 12 m
-above the water, wind from the left, with the middle of the force's wind and
+Each as a daemon draws it on the software device from a bridge 12 m above the
+water, the wind from 40° left of ahead, with the middle of the force's wind and
 the World Meteorological Organization's words for the sea (Manual on Codes,
 WMO-No. 306). Prints the EV of each.
 """
@@ -48,7 +48,7 @@ def main():
         for force, words in enumerate(WORDS):
             wind = min(0.836 * force ** 1.5, 30)
             picture, ev = draw(VIEW, sky=SKY, sea={
-                "windSpeed": wind, "windDirection": 30, "whitecaps": 1})
+                "windSpeed": wind, "windDirection": 80, "whitecaps": 1})
             print(f"| {force} | {wind:.1f} | {ev:.2f} |", flush=True)
             x, y = force % COLUMNS * WIDE, force // COLUMNS * (HIGH + LABEL)
             sheet.paste(picture, (x, y))

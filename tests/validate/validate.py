@@ -3,7 +3,7 @@
 
     validate.py [--quick] [--assert] [--doc] [PART…]
 
-Runs the parts sea, sky, water, drawn, numbers, eye, ship (all of them), each of
+Runs the parts sea, sky, water, drawn, numbers, eye, foam, ship (all of them), each of
 programs of its own, two programs at a time; shows their tables in turn, and
 ends with one table of all checks, their bars and what was found. --quick takes
 few rows and rays: a minute. --doc writes the rows of the parts that ran into
@@ -60,6 +60,7 @@ def parts(options):
         "numbers": [[os.path.join(BIN, test)] for test in NUMBERS
                     if not (options.quick and test in SLOW)],
         "eye": [script("eye.py", options)],
+        "foam": [script("foam.py", options)],
     }
 
 
@@ -272,6 +273,13 @@ def eye_checks(folder):
             yield tuple(check)
 
 
+def foam_checks(folder):
+    found = read(folder, "foam.json")
+    if found:
+        for check in found["checks"]:
+            yield tuple(check)
+
+
 def ship_checks(folder):
     found = read(folder, "shiptrace.json")
     for s in found["sums"] if found else ():
@@ -283,7 +291,7 @@ def ship_checks(folder):
 
 CHECKS = {"sea": sea_checks, "sky": sky_checks, "water": water_checks,
           "drawn": drawn_checks, "numbers": numbers_checks, "eye": eye_checks,
-          "ship": ship_checks}
+          "foam": foam_checks, "ship": ship_checks}
 HEAD = ["| part | check | bar | found | |", "|---|---|---|---|---|"]
 
 

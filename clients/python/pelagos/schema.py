@@ -175,8 +175,8 @@ class Sea(Record):
     #: its own; the mean over pixels is the same without.
     sparkle: bool = _field(True)
     #: Whitecaps: the share of the sea that is foam, times what observations
-    #: have at this wind (0.3 % at 8 m/s, 5 % at 18, 14 % at 25); 0: none are
-    #: drawn. [1; 0 to 4]
+    #: have at this wind (0.3 % at 8 m/s, 5 % at 18, 14 % at 25), with streaks
+    #: and spray; 0: none are drawn. [1; 0 to 4]
     whitecaps: float = _field(1.0, '1', 0, 4)
 
 
