@@ -169,7 +169,7 @@ SCENE := server/scene/scene.c \
     server/scene/submit.c server/scene/ship_ahead.c \
     server/scene/prepare.c \
     server/scene/simclock.c \
-    server/scene/ship.c \
+    server/scene/ship.c server/scene/helm.c \
     server/scene/record.c \
     server/scene/reckon.c \
     server/scene/geodesy.c server/scene/globe.c server/scene/objectray.c \

@@ -207,7 +207,7 @@ static enum pel_err start_nmea_out(struct daemon *d, struct pel_fault *fault)
         .entity = (uint32_t)d->options.nmea_entity,
         .metrics = d->metrics,
     };
-    if (!*d->options.nmea_out) {
+    if (!*d->options.nmea_out || strcmp(d->options.nmea_out, "off") == 0) {
         return PEL_OK;
     }
     return pel_nmea_out_create(&options, d->scene, &d->nmea_out, fault);

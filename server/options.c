@@ -201,9 +201,10 @@ const struct pel_option pel_option_table[] = {
       .choices = wind_words, .offset = FIELD(nmea_wind),
       .help = "Whether true wind sets the sea: not, as given, or its mean "
               "over two minutes." },
-    { "nmea-out", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
-      .offset = FIELD(nmea_out),
-      .help = "Where own ship (--nmea-entity) is sent as NMEA 0183 over UDP." },
+    { "nmea-out", "bridges", PEL_OPTION_TEXT_KIND, "[ENTITY@]ADDRESS:PORT,…",
+      "", .offset = FIELD(nmea_out),
+      .help = "Where ships are sent as NMEA 0183 over UDP: ENTITY, else "
+              "--nmea-entity; empty or off is nowhere." },
     { "nmea-out-rate", "bridges", PEL_OPTION_DOUBLE, "HZ", "1", 0.1, 50, "Hz",
       .offset = FIELD(nmea_out_rate), .help = "How often it is sent." },
     { "nmea-ais", "bridges", PEL_OPTION_FLAG, "", "no",
@@ -746,6 +747,19 @@ static enum pel_err check_open(const struct pel_options *options,
         name, address);
 }
 
+/* Whether the list of [ENTITY@]ADDRESS:PORT has this address. */
+static bool sends_to(const char *list, const char *address)
+{
+    g_auto(GStrv) words = g_strsplit(list, ",", -1);
+    for (size_t i = 0; words[i]; i++) {
+        const char *at = strchr(words[i], '@');
+        if (strcmp(at ? at + 1 : words[i], address) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 enum pel_err pel_options_check(const struct pel_options *options,
                                struct pel_fault *fault)
 {
@@ -766,10 +780,10 @@ enum pel_err pel_options_check(const struct pel_options *options,
                              "a number within 0 .. 999",
                              options->device);
     }
-    if (*options->nmea_out && strcmp(options->nmea_out, options->nmea) == 0) {
+    if (*options->nmea && sends_to(options->nmea_out, options->nmea)) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
                              "--nmea-out: %s is where --nmea listens",
-                             options->nmea_out);
+                             options->nmea);
     }
     if (!*options->tls_cert != !*options->tls_key) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,

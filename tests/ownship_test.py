@@ -117,10 +117,95 @@ def restart(folder):
               "the frame under way")
 
 
+def place(daemon, entity):
+    return next(e for e in daemon.state()["entities"] if e["id"] == entity)
+
+
+def heard(receiver):
+    text = receiver.recv(4096).decode()
+    return [line.split("*")[0].split(",") for line in text.split()]
+
+
+def two_ships(folder):
+    """Two helms on two Modbus units, and NMEA of each to its own plotter;
+    a third behind the same console as a unit of its own."""
+    state, log, table = (os.path.join(folder, n)
+                         for n in ("two", "two.pelog", "two-table"))
+    with open(table, "w") as f:
+        f.write("holding 0 i16 entities.9.helm.rudder scale=0.01 unit=3\n")
+    modbus, console_port = free_port(), free_port()
+    console = Console(console_port)
+    plotters = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+                for _ in range(2)]
+    for plotter in plotters:
+        plotter.bind(("127.0.0.1", 0))
+        plotter.settimeout(60)
+    ports = [p.getsockname()[1] for p in plotters]
+    pictures = {}
+    with Daemon("--modbus", f"127.0.0.1:{modbus}", "--modbus-units",
+                "1:abcd:1,2:abcd:7", "--modbus-heartbeat", "60000",
+                "--console", f"127.0.0.1:{console_port}", "--console-table",
+                table, "--nmea-out",
+                f"127.0.0.1:{ports[0]},7@127.0.0.1:{ports[1]}",
+                "--nmea-out-rate", "10", "--state", state,
+                "--record", log) as daemon:
+        daemon.patch({
+            "entities": {"7": {"name": "tug", "model": {"name": "tug"}},
+                         "9": {"name": "launch", "longitude": 5.21,
+                               "helm": {"on": True}}},
+            "views": {**VIEW, "tug": {"entity": 7, **VIEW["bridge"]}},
+            "clock": {"rate": 4}, "sea": {"windSpeed": 10}})
+        client = ModbusTcpClient("127.0.0.1", port=modbus)
+        client.connect()
+        for unit, rudder in ((1, 20), (2, -20)):
+            client.write_register(90, 1, slave=unit)
+            client.write_registers(RUDDER, floats(rudder, 0.9), slave=unit)
+            answer = client.write_register(COMMIT, 1, slave=unit)
+            check(not answer.isError(), f"{answer}")
+        console.set("holding", 0, 1500)
+        until("to starboard", lambda: 5 < place(daemon, 1)["heading"] < 180)
+        until("to port", lambda: 180 < place(daemon, 7)["heading"] < 355)
+        until("the console's unit",
+              lambda: place(daemon, 9)["helm"]["rudder"] == 15)
+        check(daemon.state()["ownShip"]["rudder"] == 20, "own ship's orders")
+        check(place(daemon, 7)["helm"]["rudder"] == -20, "the tug's")
+        rudder = client.read_holding_registers(RUDDER, 2, slave=2).registers
+        check(rudder == floats(-20), f"read back {rudder}")
+        client.close()
+        for _ in range(20):  # what waited in the sockets
+            sentences = [heard(plotter) for plotter in plotters]
+        rudders = [next(s[1] for s in text if s[0] == "$AGRSA")
+                   for text in sentences]
+        check(rudders == ["20.0", "-20.0"], f"{rudders}")
+        for i in range(3):
+            time.sleep(0.2)
+            at = daemon.state()["clock"]["time"]
+            for view in ("bridge", "tug"):
+                answer = daemon.get(f"/v1/views/{view}/frame.png?time={at!r}")
+                check(answer.status == 200, f"{answer}")
+                pictures.setdefault(view, {})[at] = answer.body
+            # Another's edit leaves the tug on her way.
+            daemon.patch({"ownShip": {"rudder": 15 - i}})
+    for plotter in plotters:
+        plotter.close()
+    console.stop()
+    with Daemon("--state", state) as daemon:
+        check(place(daemon, 7)["helm"]["on"] and
+              place(daemon, 7)["helm"]["rudder"] == -20, "the helm is kept")
+        moved = place(daemon, 7)["longitude"]
+        until("she goes on", lambda: place(daemon, 7)["longitude"] != moved)
+    with Daemon() as daemon:
+        for _ in range(2):  # the second finds the ships under way
+            for view, drawn in pictures.items():
+                again = replayed(daemon, log, folder, "--view", view, "--at",
+                                 ",".join(repr(t) for t in drawn))
+                check(again == list(drawn.values()), f"frames of {view}")
+
+
 def main():
     logging.disable(logging.CRITICAL)
     with tempfile.TemporaryDirectory(prefix="pelagos-ownship-") as folder:
-        for part in (console_alone, restart):
+        for part in (console_alone, restart, two_ships):
             print(f"== {part.__name__}", flush=True)
             part(folder)
 

@@ -31,8 +31,8 @@ struct play {
     size_t time_count, time_next;
     const char *folder, *view;
     bool begun;
-    bool own_ship; /* moves by itself: no long steps */
-    double speed;  /* 0: as fast as it goes */
+    bool sails;   /* a ship moves by itself: no long steps */
+    double speed; /* 0: as fast as it goes */
     int64_t start_ns;
     double start_s;
     size_t commands, frames;
@@ -43,7 +43,7 @@ struct play {
 static enum ctl_exit go_to(struct play *play, double time_s)
 {
     struct pel_client_error error;
-    while (play->own_ship && time_s - play->time_s > MOST_AT_ONCE_S) {
+    while (play->sails && time_s - play->time_s > MOST_AT_ONCE_S) {
         double next_s = play->time_s + MOST_AT_ONCE_S;
         if (pel_client_step_to(play->ctl->client, next_s, NULL, &error)) {
             return ctl_report(play->ctl, &error);
@@ -65,6 +65,15 @@ static bool removes_clock(const Pelagos__Patch *patch)
         }
     }
     return false;
+}
+
+static bool sails(const Pelagos__State *state)
+{
+    bool on = state->own_ship && state->own_ship->on;
+    for (size_t i = 0; i < state->n_entities && !on; i++) {
+        on = state->entities[i]->helm && state->entities[i]->helm->on;
+    }
+    return on;
 }
 
 /* The recorded patch, but the clock stays in our hands. */
@@ -89,7 +98,7 @@ static enum ctl_exit send_patch(struct play *play, Pelagos__Patch *patch)
                 play->name);
     } else {
         play->time_s = now->clock->time;
-        play->own_ship = now->own_ship && now->own_ship->on;
+        play->sails = sails(now);
         pelagos__state__free_unpacked(now, NULL);
     }
     if (state && !clock) {
@@ -99,16 +108,36 @@ static enum ctl_exit send_patch(struct play *play, Pelagos__Patch *patch)
     return status;
 }
 
-/* Everything as the log's head says, whatever the daemon showed before. Own
- * ship is taken away first, so that its steps begin anew as they did when the
- * head was written. */
+/* Takes every helm away, so that the ships' steps begin anew with the next
+ * patch, as they did when the head was written. */
+static enum ctl_exit leave_helms(struct play *play)
+{
+    g_autoptr(GPtrArray) paths = g_ptr_array_new_with_free_func(g_free);
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    Pelagos__State *now = NULL;
+    struct pel_client_error error;
+    if (pel_client_get(play->ctl->client, &now, &error)) {
+        return ctl_report(play->ctl, &error);
+    }
+    g_ptr_array_add(paths, g_strdup("own_ship"));
+    for (size_t i = 0; i < now->n_entities; i++) {
+        if (now->entities[i]->helm) {
+            g_ptr_array_add(paths, g_strdup_printf("entities.%u.helm",
+                                                   now->entities[i]->id));
+        }
+    }
+    pelagos__state__free_unpacked(now, NULL);
+    patch.n_remove = paths->len;
+    patch.remove = (char **)paths->pdata;
+    return send_patch(play, &patch);
+}
+
+/* Everything as the log's head says, whatever the daemon showed before. */
 static enum ctl_exit begin(struct play *play, Pelagos__LogHead *head)
 {
-    char *parts[16], *own_ship[] = { "own_ship" };
+    char *parts[16];
     Pelagos__Patch patch = PELAGOS__PATCH__INIT;
-    patch.n_remove = 1;
-    patch.remove = own_ship;
-    enum ctl_exit status = send_patch(play, &patch);
+    enum ctl_exit status = leave_helms(play);
     if (status != CTL_DONE) {
         return status;
     }

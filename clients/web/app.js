@@ -180,7 +180,9 @@ async function poll(first) {
   try {
     await store.read(first);
     show();
-    next = store.told.ownShip?.on ? MOVING_MS : POLL_MS;
+    const { ownShip, entities = [] } = store.told;
+    next = ownShip?.on || entities.some((e) => e.helm?.on) ? MOVING_MS
+      : POLL_MS;
     controls?.heard();
     showLink(true);
     beginning ??= begin().catch(() => {

@@ -10,6 +10,7 @@ const byId = (id) => document.getElementById(id);
 const entities = (s) => s.entities ?? [];
 const half = (angle) => wrap(angle + 180) - 180;
 const hex = (colour) => `#${colour.toString(16).padStart(6, "0")}`;
+const isOwn = (s, id) => String(s.ownShip?.entity ?? 1) === id;
 const PARTS = ["length", "beam", "draught", "height", "colour"];
 
 export class Ship {
@@ -118,17 +119,28 @@ export class Ship {
       .map((n) => [n, n.replaceAll("-", " ")])];
   }
 
-  // What moves own ship is there for own ship alone.
+  // Its helm: ownShip where that names it, else the entity's own.
+  helm(state) {
+    return isOwn(state, this.panel.shipId) ? state.ownShip
+      : this.of(state)?.helm;
+  }
+
   buildOwn() {
     const { panel } = this;
-    const own = (s) => String(s.ownShip?.entity ?? 1) === panel.shipId;
-    panel.check("ship", "own-ship", "It answers rudder and engine (own ship)", {
-      depends: own, get: (s) => Boolean(s.ownShip?.on),
-      patch: (v) => ({ ownShip: { on: v } }) });
-    const sails = (s) => own(s) && Boolean(s.ownShip?.on);
-    panel.range("ship", "Rudder", "ownShip.rudder", "°", 1, { depends: sails });
-    panel.range("ship", "Throttle", "ownShip.throttle", "", 0.05,
-      { depends: sails });
+    const order = (name) => (value) => {
+      const id = panel.shipId;
+      return (state) => isOwn(state, id) ? { ownShip: { [name]: value } }
+        : { entities: { [id]: { helm: { [name]: value } } } };
+    };
+    panel.check("ship", "own-ship", "It answers rudder and engine", {
+      ...this.about, depends: (s) => this.of(s) !== undefined,
+      get: (s) => Boolean(this.helm(s)?.on), patch: order("on") });
+    const turn = (label, name, unit, step) =>
+      panel.range("ship", label, `ownShip.${name}`, unit, step, {
+        ...this.about, depends: (s) => Boolean(this.helm(s)?.on),
+        get: (s) => this.helm(s)?.[name], patch: order(name) });
+    turn("Rudder", "rudder", "°", 1);
+    turn("Throttle", "throttle", "", 0.05);
   }
 
   // --- the view ---------------------------------------------------------------------

@@ -173,7 +173,9 @@ export class Traffic {
         return null;
       }
       const sails = state.ownShip?.on && (state.ownShip.entity ?? 1) === id;
-      return { entities: { [id]: place },
+      const { helm } = entities(state).find((e) => (e.id ?? 0) === id);
+      return { entities: { [id]: { ...place,
+        ...(helm?.on ? { helm: { on: true } } : {}) } },
         ...(sails ? { ownShip: { on: true } } : {}) };
     }, { everyMs: DRAGGING_MS, sure: 1 });
     done();

@@ -229,13 +229,19 @@ static void connected(struct pel_console *c)
     watch_for(c, G_IO_IN);
 }
 
+/* The unit that is asked now. */
+static uint8_t unit_of(const struct pel_console *c)
+{
+    int unit = c->table.groups[c->group].unit;
+    return (uint8_t)(unit < 0 ? c->options.unit : unit);
+}
+
 /* Twelve bytes into an empty socket buffer go at once or never. */
 static void ask(struct pel_console *c)
 {
     uint8_t adu[12];
-    size_t size =
-        pel_console_request(&c->table.groups[c->group], ++c->transaction,
-                            (uint8_t)c->options.unit, adu);
+    size_t size = pel_console_request(&c->table.groups[c->group],
+                                      ++c->transaction, unit_of(c), adu);
     c->answer_size = 0;
     if (send(c->fd, adu, size, MSG_NOSIGNAL) != (ssize_t)size) {
         hang_up(c, strerror(errno));
@@ -284,8 +290,8 @@ static void take_bytes(struct pel_console *c)
     uint16_t words[PEL_CONSOLE_MAX_BITS];
     unsigned code = 0;
     const struct pel_console_group *group = &c->table.groups[c->group];
-    switch (pel_console_answer(group, c->transaction, (uint8_t)c->options.unit,
-                               c->answer, c->answer_size, words, &code)) {
+    switch (pel_console_answer(group, c->transaction, unit_of(c), c->answer,
+                               c->answer_size, words, &code)) {
     case PEL_CONSOLE_MORE:
         return;
     case PEL_CONSOLE_WRONG:

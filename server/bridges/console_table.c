@@ -56,6 +56,14 @@ static const char *read_setting(struct pel_console_row *row, char *text)
         row->order = (enum pel_modbus_order)order;
         return NULL;
     }
+    if (strcmp(text, "unit") == 0) {
+        char *end;
+        unsigned long unit = strtoul(equals + 1, &end, 10);
+        row->unit = (int)unit;
+        return equals[1] >= '0' && equals[1] <= '9' && *end == 0 && unit <= 255
+                   ? NULL
+                   : "unit is a whole number within 0 .. 255";
+    }
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         if (strcmp(text, numbers[i].name) == 0) {
             row->has_stale |= numbers[i].value == &row->stale;
@@ -64,7 +72,7 @@ static const char *read_setting(struct pel_console_row *row, char *text)
                        : "a finite number is wanted after =";
         }
     }
-    return "known are scale, offset, min, max, deadband, stale and order";
+    return "known are scale, offset, min, max, deadband, stale, order and unit";
 }
 
 static bool is_number(const char *path)
@@ -125,6 +133,7 @@ static const char *read_row(char *line, enum pel_modbus_order order,
     }
     *row = (struct pel_console_row){
         .space = (enum pel_register_space)space,
+        .unit = -1,
         .address = (uint16_t)address,
         .type = (enum pel_register_type)type,
         .order = order,
@@ -177,6 +186,9 @@ static int by_place(const void *a, const void *b)
 {
     const struct pel_console_row *x = a, *y = b;
     int space = (int)x->space - (int)y->space;
+    if (x->unit != y->unit) {
+        return x->unit - y->unit;
+    }
     return space != 0 ? space : (int)x->address - (int)y->address;
 }
 
@@ -193,12 +205,15 @@ static void group_rows(struct pel_console_table *table)
         unsigned most = row->type == PEL_TYPE_BIT ? PEL_CONSOLE_MAX_BITS
                                                   : PEL_CONSOLE_MAX_WORDS;
         bool joins = last && last->space == row->space &&
+                     last->unit == row->unit &&
                      row->address <= last->address + last->words &&
                      end - last->address <= most;
         if (!joins) {
             last = &table->groups[table->group_count++];
-            *last =
-                (struct pel_console_group){ row->space, row->address, 0, i, 0 };
+            *last = (struct pel_console_group){ .space = row->space,
+                                                .unit = row->unit,
+                                                .address = row->address,
+                                                .first = i };
         }
         unsigned words = end - last->address;
         last->words = words > last->words ? words : last->words;

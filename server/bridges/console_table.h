@@ -17,6 +17,7 @@
 
 struct pel_console_row {
     enum pel_register_space space;
+    int unit;         /* that is asked; -1: the console's own */
     uint16_t address; /* of its first register, from 0 */
     enum pel_register_type type;
     enum pel_modbus_order order;
@@ -31,6 +32,7 @@ struct pel_console_row {
 /* Registers that one request reads: rows first .. first + count - 1. */
 struct pel_console_group {
     enum pel_register_space space;
+    int unit;
     uint16_t address;
     unsigned words; /* registers, or bits */
     size_t first, count;
@@ -38,7 +40,8 @@ struct pel_console_group {
 
 struct pel_console_table {
     size_t row_count, group_count;
-    struct pel_console_row rows[PEL_CONSOLE_MAX_ROWS]; /* by space, address */
+    struct pel_console_row
+        rows[PEL_CONSOLE_MAX_ROWS]; /* by unit, space, address */
     struct pel_console_group groups[PEL_CONSOLE_MAX_ROWS];
 };
 

@@ -8,9 +8,11 @@
 #include "base/log.h"
 #include "fields.h"
 #include "path.h"
+#include "scene/helm.h"
 #include "scene/scene.h"
 
 #define FIRST_ENTITY "entities.1." /* of the table */
+#define OWN_SHIP "ownShip."
 
 enum pel_err pel_modbus_map_init(struct pel_modbus_map *map,
                                  struct pel_scene *scene,
@@ -59,6 +61,13 @@ static const char *row_path(struct pel_modbus_map *map,
     if (strncmp(out, FIRST_ENTITY, strlen(FIRST_ENTITY)) == 0) {
         snprintf(out, size, "entities.%u.%s", map->unit.entity,
                  reg->path + strlen(FIRST_ENTITY));
+        return out;
+    }
+    if (map->unit.has_entity && strncmp(out, OWN_SHIP, strlen(OWN_SHIP)) == 0) {
+        char helm[PEL_HELM_PATH];
+        snprintf(out, size, "%s.%s",
+                 pel_helm_path(state, map->unit.entity, helm),
+                 reg->path + strlen(OWN_SHIP));
         return out;
     }
     if (view < 0) {
@@ -524,16 +533,21 @@ void pel_modbus_map_stop_ship(struct pel_modbus_map *map)
     Pelagos__Entity *list = &entity;
     struct pel_fault fault;
     Pelagos__OwnShip orders = PELAGOS__OWN_SHIP__INIT;
-    entity.has_id = entity.has_speed = entity.has_turn_rate = 1;
+    const Pelagos__State *now = pel_scene_state(map->scene);
+    const Pelagos__OwnShip *helm = pel_helm_of(now, map->unit.entity);
+    entity.has_id = 1;
     entity.id = map->unit.entity;
+    orders.has_throttle = orders.has_rudder = 1; /* to zero; it drifts */
     patch.state = &state;
-    const Pelagos__OwnShip *own = pel_scene_state(map->scene)->own_ship;
-    if (own->on && own->entity == map->unit.entity) {
-        orders.has_throttle = orders.has_rudder = 1; /* to zero; it drifts */
+    state.entities = &list;
+    state.n_entities = 1;
+    if (helm && helm == now->own_ship) {
         state.own_ship = &orders;
+        state.n_entities = 0;
+    } else if (helm) {
+        entity.helm = &orders;
     } else {
-        state.entities = &list;
-        state.n_entities = 1;
+        entity.has_speed = entity.has_turn_rate = 1;
     }
     if (pel_scene_patch(map->scene, &patch, &fault) != PEL_OK) {
         pel_warn("MBS-003", "own ship could not be stopped: %s", fault.message);

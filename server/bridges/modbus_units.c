@@ -43,6 +43,7 @@ static bool read_unit(char **parts, struct pel_modbus_unit *unit)
     }
     unit->number = (int)number;
     unit->entity = entity;
+    unit->has_entity = count > 2;
     return true;
 }
 

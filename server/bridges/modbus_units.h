@@ -16,6 +16,7 @@ struct pel_modbus_unit {
     int number; /* 1..247, -1: 0, 1 and 255 */
     enum pel_modbus_order order;
     uint32_t entity;     /* that its registers of entity 1 mean */
+    bool has_entity;     /* named: its registers of ownShip are its helm's */
     unsigned first_view; /* that its registers of views[0] mean */
 };
 

@@ -17,6 +17,7 @@
 #include "bridges/endpoint.h"
 #include "bridges/nmea_targets.h"
 #include "bridges/nmea_values.h"
+#include "scene/helm.h"
 #include "scene/scene.h"
 
 #define MAX_DATAGRAM 4096
@@ -166,8 +167,7 @@ static const Pelagos__Entity *entity_now(struct pel_nmea *nmea)
 
 static bool model_leads(struct pel_nmea *nmea)
 {
-    const Pelagos__OwnShip *own = pel_scene_state(nmea->scene)->own_ship;
-    return own->on && own->entity == nmea->options.entity;
+    return pel_helm_of(pel_scene_state(nmea->scene), nmea->options.entity);
 }
 
 /* Who moves the entity, for the log; NULL: nobody but NMEA. */
@@ -178,7 +178,7 @@ static const char *other_leader(struct pel_nmea *nmea)
         return "nobody: it was removed";
     }
     if (model_leads(nmea)) {
-        return "own ship's model (ownShip.on)";
+        return "a helm that is on (ownShip, entities.*.helm)";
     }
     return nmea->moved && e->speed == nmea->set_speed &&
                    e->turn_rate == nmea->set_turn_rate
@@ -236,6 +236,23 @@ static bool new_wind(struct pel_nmea *nmea, double *deg, double *mps)
            (turned > 0 && turned >= step_deg);
 }
 
+/* Brings the order to the helm that is on: the entity's, else ownShip. The
+ * patch has room for the entity. */
+static void steer(struct pel_nmea *nmea, Pelagos__OwnShip *orders,
+                  Pelagos__State *patch)
+{
+    const Pelagos__State *now = pel_scene_state(nmea->scene);
+    const Pelagos__OwnShip *helm = pel_helm_of(now, nmea->options.entity);
+    if (helm && helm != now->own_ship) {
+        patch->entities[0]->has_id = 1;
+        patch->entities[0]->id = nmea->options.entity;
+        patch->entities[0]->helm = orders;
+        patch->n_entities = 1;
+    } else if (now->own_ship->on) {
+        patch->own_ship = orders;
+    }
+}
+
 static void commit_own_ship(struct pel_nmea *nmea)
 {
     Pelagos__State state = PELAGOS__STATE__INIT;
@@ -243,33 +260,33 @@ static void commit_own_ship(struct pel_nmea *nmea)
     Pelagos__Entity *entities = &entity;
     Pelagos__OwnShip orders = PELAGOS__OWN_SHIP__INIT;
     double deg, mps;
+    state.entities = &entities;
     if (nmea->values.changed & PEL_NMEA_CHANGED_POSE) {
         own_ship(nmea, &entity);
         state.n_entities = 1;
-        state.entities = &entities;
     }
-    bool takes_over = state.n_entities > 0 && model_leads(nmea);
+    bool pose = state.n_entities > 0;
+    bool takes_over = pose && model_leads(nmea);
     if (new_wind(nmea, &deg, &mps)) {
         apply_wind(nmea, mps, deg);
     }
-    if ((nmea->values.changed & PEL_NMEA_CHANGED_RUDDER) &&
-        pel_scene_state(nmea->scene)->own_ship->on) {
+    if (nmea->values.changed & PEL_NMEA_CHANGED_RUDDER) {
         orders.has_rudder = 1;
         orders.rudder = pel_clamp(nmea->values.rudder.value, -MAX_RUDDER_DEG,
                                   MAX_RUDDER_DEG);
-        state.own_ship = &orders;
+        steer(nmea, &orders, &state);
     }
     nmea->values.changed = 0;
     if ((state.n_entities == 0 && !state.own_ship) || !apply(nmea, &state)) {
         return;
     }
-    if (state.n_entities > 0) {
+    if (pose) {
         remember_motion(nmea);
     }
     if (takes_over && !model_leads(nmea)) {
         pel_info("NME-008",
-                 "NMEA moves entity %u again; own ship's model is off "
-                 "(ownShip.on)",
+                 "NMEA moves entity %u again; its helm is off (on of ownShip "
+                 "or entities.*.helm)",
                  nmea->options.entity);
     }
 }

@@ -16,7 +16,9 @@
 #include "base/watch.h"
 #include "bridges/endpoint.h"
 #include "scene/geodesy.h"
+#include "scene/helm.h"
 
+#define MAX_OUTLETS 8
 #define DEEP_M 1000.0 /* the schema's default, which is no sounding */
 #define KNOT (1852.0 / 3600.0)
 
@@ -152,6 +154,7 @@ bool pel_nmea_out_report_of(struct pel_scene *scene, uint32_t entity,
         if (s->entities[i].id != entity) {
             continue;
         }
+        const Pelagos__OwnShip *helm = pel_helm_of(state, entity);
         double lat0 = state->origin->latitude, lon0 = state->origin->longitude;
         found = true;
         pel_snapshot_entity_at(s, i, time_s, &e);
@@ -165,7 +168,7 @@ bool pel_nmea_out_report_of(struct pel_scene *scene, uint32_t entity,
             .wind_from = state->sea->wind_direction,
             .wind_mps = state->sea->wind_speed,
             .depth_m = depth(state, s, e.east_m, e.north_m),
-            .rudder = (int)i == s->ship_entity ? state->own_ship->rudder : NAN,
+            .rudder = helm ? helm->rudder : NAN,
         };
         pel_geo_from_local(lat0, lon0, e.east_m, e.north_m, &out->latitude,
                            &out->longitude);
@@ -180,37 +183,51 @@ bool pel_nmea_out_report_of(struct pel_scene *scene, uint32_t entity,
 
 /* --- the bridge ----------------------------------------------------------- */
 
-struct pel_nmea_out {
-    struct pel_scene *scene;
-    struct pel_metrics *metrics;
+/* A ship, and where it is sent. */
+struct outlet {
     uint32_t entity;
     int fd;
     struct sockaddr_storage to;
     socklen_t to_size;
+};
+
+struct pel_nmea_out {
+    struct pel_scene *scene;
+    struct pel_metrics *metrics;
+    size_t count;
+    struct outlet outlets[MAX_OUTLETS];
     guint timer;
     uint64_t datagrams, sentences, failures;
 };
 
-static gboolean on_timer(gpointer user)
+static void report_ship(struct pel_nmea_out *o, const struct outlet *outlet)
 {
-    PEL_WATCH("nmea out");
-    struct pel_nmea_out *o = user;
     static struct pel_log_limit limit;
     struct pel_nmea_report report;
     char text[PEL_NMEA_OUT_SIZE];
     size_t count;
-    if (!pel_nmea_out_report_of(o->scene, o->entity, &report)) {
-        return G_SOURCE_CONTINUE;
+    if (!pel_nmea_out_report_of(o->scene, outlet->entity, &report)) {
+        return;
     }
     size_t size = pel_nmea_out_write(&report, text, &count);
-    if (sendto(o->fd, text, size, MSG_DONTWAIT | MSG_NOSIGNAL,
-               (struct sockaddr *)&o->to, o->to_size) == (ssize_t)size) {
+    if (sendto(outlet->fd, text, size, MSG_DONTWAIT | MSG_NOSIGNAL,
+               (const struct sockaddr *)&outlet->to,
+               outlet->to_size) == (ssize_t)size) {
         o->datagrams++;
         o->sentences += count;
     } else {
         o->failures++;
         pel_log_limited(&limit, PEL_LOG_WARNING, "NMO-002",
                         "NMEA was not sent: %s", strerror(errno));
+    }
+}
+
+static gboolean on_timer(gpointer user)
+{
+    PEL_WATCH("nmea out");
+    struct pel_nmea_out *o = user;
+    for (size_t i = 0; i < o->count; i++) {
+        report_ship(o, &o->outlets[i]);
     }
     return G_SOURCE_CONTINUE;
 }
@@ -227,28 +244,83 @@ static void collect(void *user, struct pel_metrics_page *page)
                (double)o->failures);
 }
 
+/* `7@127.0.0.1:10111`, or of the entity that is given. */
+static bool read_outlet(const char *text, uint32_t entity, struct outlet *out)
+{
+    const char *at = strchr(text, '@');
+    char *end;
+    *out = (struct outlet){ .entity = entity, .fd = -1 };
+    if (at) {
+        unsigned long id = strtoul(text, &end, 10);
+        out->entity = (uint32_t)id;
+        if (!g_ascii_isdigit(*text) || end != at || id > 65535) {
+            return false;
+        }
+    }
+    return pel_endpoint_read(at ? at + 1 : text, &out->to, &out->to_size);
+}
+
+static enum pel_err read_outlets(const struct pel_nmea_out_options *options,
+                                 struct pel_nmea_out *o,
+                                 struct pel_fault *fault)
+{
+    g_auto(GStrv) words = g_strsplit(options->to, ",", -1);
+    bool good = options->rate_hz >= 0.1 && options->rate_hz <= 50;
+    o->count = g_strv_length(words);
+    good = good && o->count > 0 && o->count <= MAX_OUTLETS;
+    for (size_t i = 0; i < o->count && good; i++) {
+        good = read_outlet(words[i], options->entity, &o->outlets[i]);
+    }
+    return good ? PEL_OK
+                : pel_fault_set(fault, PEL_ERR_INVALID,
+                                "--nmea-out: %s at %g Hz: 1 to 8 of "
+                                "[ENTITY@]ADDRESS:PORT, separated by commas, "
+                                "and 0.1 to 50 Hz are wanted",
+                                options->to, options->rate_hz);
+}
+
+static void close_outlets(struct pel_nmea_out *o)
+{
+    for (size_t i = 0; i < o->count; i++) {
+        if (o->outlets[i].fd >= 0) {
+            close(o->outlets[i].fd);
+        }
+    }
+}
+
+static enum pel_err open_outlets(struct pel_nmea_out *o,
+                                 struct pel_fault *fault)
+{
+    int yes = 1;
+    for (size_t i = 0; i < o->count; i++) {
+        struct outlet *outlet = &o->outlets[i];
+        outlet->fd = socket(outlet->to.ss_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+        if (outlet->fd < 0) {
+            int why = errno;
+            close_outlets(o);
+            return pel_fault_set(fault, PEL_ERR_IO, "--nmea-out: %s",
+                                 strerror(why));
+        }
+        setsockopt(outlet->fd, SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
+        pel_info("NMO-001", "NMEA 0183 of entity %u is sent over UDP",
+                 outlet->entity);
+    }
+    return PEL_OK;
+}
+
 enum pel_err pel_nmea_out_create(const struct pel_nmea_out_options *options,
                                  struct pel_scene *scene,
                                  struct pel_nmea_out **out,
                                  struct pel_fault *fault)
 {
-    struct pel_nmea_out made = { .scene = scene,
-                                 .metrics = options->metrics,
-                                 .entity = options->entity };
-    int yes = 1;
-    if (!(options->rate_hz >= 0.1 && options->rate_hz <= 50) ||
-        !pel_endpoint_read(options->to, &made.to, &made.to_size)) {
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "--nmea-out: %s at %g Hz: an ADDRESS:PORT and 0.1 "
-                             "to 50 Hz are wanted",
-                             options->to, options->rate_hz);
+    struct pel_nmea_out made = { .scene = scene, .metrics = options->metrics };
+    enum pel_err err = read_outlets(options, &made, fault);
+    if (!err) {
+        err = open_outlets(&made, fault);
     }
-    made.fd = socket(made.to.ss_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    if (made.fd < 0) {
-        return pel_fault_set(fault, PEL_ERR_IO, "--nmea-out: %s",
-                             strerror(errno));
+    if (err) {
+        return err;
     }
-    setsockopt(made.fd, SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
     struct pel_nmea_out *o = g_new0(struct pel_nmea_out, 1);
     *o = made;
     o->timer =
@@ -256,8 +328,6 @@ enum pel_err pel_nmea_out_create(const struct pel_nmea_out_options *options,
     if (o->metrics) {
         pel_metrics_add(o->metrics, collect, o);
     }
-    pel_info("NMO-001", "NMEA 0183 of entity %u to UDP %s, %g Hz", o->entity,
-             options->to, options->rate_hz);
     *out = o;
     return PEL_OK;
 }
@@ -271,6 +341,6 @@ void pel_nmea_out_destroy(struct pel_nmea_out *o)
         pel_metrics_remove(o->metrics, collect, o);
     }
     g_source_remove(o->timer);
-    close(o->fd);
+    close_outlets(o);
     g_free(o);
 }

@@ -39,7 +39,9 @@ bool pel_nmea_out_report_of(struct pel_scene *scene, uint32_t entity,
                             struct pel_nmea_report *out);
 
 struct pel_nmea_out_options {
-    const char *to; /* "127.0.0.1:10111"; a broadcast address is allowed */
+    const char *to; /* "127.0.0.1:10111,7@127.0.0.1:10112": at most 8 ships,
+                       each with its ENTITY@ or of `entity`; a broadcast address
+                       is allowed */
     double rate_hz; /* reports a second, 0.1..50 */
     uint32_t entity;
     struct pel_metrics *metrics; /* may be NULL */

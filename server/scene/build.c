@@ -13,6 +13,7 @@
 #include "ocean/seastate.h"
 #include "scene/check.h"
 #include "scene/geodesy.h"
+#include "scene/helm.h"
 #include "scene/sharedsea.h"
 #include "scene/spectra.h"
 #include "scene/sun.h"
@@ -436,51 +437,72 @@ static void read_orders(const Pelagos__OwnShip *from,
     };
 }
 
-static void place_ship(const Pelagos__State *state,
-                       const struct pel_ship *going, struct pel_snapshot *out)
+/* It begins now, wherever an older pose has been reckoned to. */
+static void begin_ship(const Pelagos__State *state, size_t index,
+                       const Pelagos__OwnShip *helm,
+                       const struct pel_snapshot *s, struct pel_sailing *out)
 {
-    const Pelagos__OwnShip *own = state->own_ship;
-    out->ship_entity = -1;
-    for (size_t i = 0; own && own->on && i < state->n_entities; i++) {
-        if (state->entities[i]->id == own->entity) {
-            out->ship_entity = (int)i;
+    static _Atomic uint64_t runs;
+    struct pel_entity_state e;
+    struct pel_ship_orders orders;
+    double now_s = state->clock->time;
+    pel_snapshot_entity_at(s, index, now_s, &e);
+    const struct pel_ship_motion motion = {
+        .east_m = e.east_m,
+        .north_m = e.north_m,
+        .heading_rad = e.heading_rad,
+        /* what does not go ahead or astern is not kept */
+        .speed_mps = e.speed_mps * cos(e.course_rad - e.heading_rad),
+        .turn_rate_rps = e.turn_rate_rps,
+        .heave = { e.altitude_m - s->sea_level_m, helm->heave_rate },
+        .pitch = { e.pitch_rad, helm->pitch_rate * PEL_DEG },
+        .roll = { e.roll_rad, helm->roll_rate * PEL_DEG },
+    };
+    read_orders(helm, &orders);
+    out->entity = index;
+    out->run = ++runs;
+    pel_ship_start(&out->ship, &orders, &motion, now_s, s->rate);
+}
+
+/* Makes room for so many ships that the snapshot has them of its own. */
+static struct pel_sailing *new_ships(size_t count)
+{
+    struct pel_sailing *ships = count > 0 ? calloc(count, sizeof *ships) : NULL;
+    if (count > 0 && !ships) {
+        abort();
+    }
+    return ships;
+}
+
+static void place_ships(const Pelagos__State *state,
+                        const struct pel_sailing *const *going,
+                        struct pel_snapshot *out)
+{
+    size_t index[PEL_MAX_SHIPS], count = 0;
+    for (size_t i = 0; i < state->n_entities && count < PEL_MAX_SHIPS; i++) {
+        if (pel_helm_on(state, state->entities[i])) {
+            index[count++] = i;
         }
     }
-    if (out->ship_entity < 0) {
-        return;
+    struct pel_sailing *ships = new_ships(count);
+    for (size_t k = 0; k < count; k++) {
+        size_t i = index[k];
+        if (going && going[i]) {
+            ships[k] = *going[i];
+            ships[k].entity = i;
+        } else {
+            begin_ship(state, i, pel_helm_on(state, state->entities[i]), out,
+                       &ships[k]);
+        }
     }
-    if (going) {
-        out->ship = *going;
-        return;
-    }
-    /* It begins now, wherever an older pose has been reckoned to. */
-    struct pel_entity_state at;
-    const struct pel_entity_state *e = &at;
-    double now_s = state->clock->time;
-    int index = out->ship_entity;
-    out->ship_entity = -1;
-    pel_snapshot_entity_at(out, (size_t)index, now_s, &at);
-    out->ship_entity = index;
-    struct pel_ship_orders orders;
-    struct pel_ship_motion motion = {
-        .east_m = e->east_m,
-        .north_m = e->north_m,
-        .heading_rad = e->heading_rad,
-        /* what does not go ahead or astern is not kept */
-        .speed_mps = e->speed_mps * cos(e->course_rad - e->heading_rad),
-        .turn_rate_rps = e->turn_rate_rps,
-        .heave = { e->altitude_m - out->sea_level_m, own->heave_rate },
-        .pitch = { e->pitch_rad, own->pitch_rate * PEL_DEG },
-        .roll = { e->roll_rad, own->roll_rate * PEL_DEG },
-    };
-    read_orders(own, &orders);
-    pel_ship_start(&out->ship, &orders, &motion, now_s, out->rate);
+    out->ships = ships;
+    out->ship_count = count;
 }
 
 const struct pel_snapshot *pel_snapshot_build_going(
     const Pelagos__State *state, struct pel_shared_sea *sea,
     const struct pel_seabed *seabed, const struct pel_fleet *fleet,
-    const struct pel_ship *going)
+    const struct pel_sailing *const going[PEL_MAX_ENTITIES])
 {
     struct snapshot *s = calloc(1, sizeof *s);
     if (!s) {
@@ -504,7 +526,7 @@ const struct pel_snapshot *pel_snapshot_build_going(
     for (size_t i = 0; i < state->n_views; i++) {
         place_view(state, state->views[i], &s->views[i]);
     }
-    place_ship(state, going, &s->public);
+    place_ships(state, going, &s->public);
     return &s->public;
 }
 
@@ -515,8 +537,9 @@ const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,
     return pel_snapshot_build_going(state, sea, seabed, NULL, NULL);
 }
 
-const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
-                                                  const struct pel_ship *ship)
+const struct pel_snapshot *
+pel_snapshot_with_ships(const struct pel_snapshot *s,
+                        const struct pel_sailing *ships)
 {
     const struct snapshot *from = (const struct snapshot *)s;
     struct snapshot *to = malloc(sizeof *to);
@@ -534,7 +557,9 @@ const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
     pel_seabed_ref(to->public.seabed);
     to->public.entities = to->entities;
     to->public.views = to->views;
-    to->public.ship = *ship;
+    struct pel_sailing *own = new_ships(s->ship_count);
+    memcpy(own, ships, s->ship_count * sizeof *own);
+    to->public.ships = own;
     return &to->public;
 }
 
@@ -545,17 +570,16 @@ static double degrees(double radians)
     return turned < 360.0 ? turned : 0;
 }
 
-void pel_snapshot_ship_to_state(const struct pel_snapshot *s, double time_s,
-                                Pelagos__State *state)
+static void ship_to_state(const struct pel_snapshot *s,
+                          const struct pel_sailing *sailing, double time_s,
+                          Pelagos__State *state)
 {
     struct pel_entity_state at;
     struct pel_ship_motion m;
-    if (s->ship_entity < 0 || (size_t)s->ship_entity >= state->n_entities) {
-        return;
-    }
-    Pelagos__Entity *e = state->entities[s->ship_entity];
-    pel_snapshot_entity_at(s, (size_t)s->ship_entity, time_s, &at);
-    pel_snapshot_ship_motion(s, time_s, &m);
+    Pelagos__Entity *e = state->entities[sailing->entity];
+    Pelagos__OwnShip *helm = pel_helm_on(state, e);
+    pel_snapshot_entity_at(s, sailing->entity, time_s, &at);
+    pel_snapshot_ship_motion(s, &sailing->ship, time_s, &m);
     pel_geo_from_local(state->origin->latitude, state->origin->longitude,
                        at.east_m, at.north_m, &e->latitude, &e->longitude);
     e->latitude = pel_clamp(e->latitude, -MAX_LATITUDE, MAX_LATITUDE);
@@ -570,9 +594,21 @@ void pel_snapshot_ship_to_state(const struct pel_snapshot *s, double time_s,
     e->course = degrees(at.course_rad - turned);
     e->turn_rate = pel_clamp(at.turn_rate_rps / PEL_DEG, -90, 90);
     e->pose_time = time_s;
-    state->own_ship->heave_rate = pel_clamp(m.heave.rate, -100, 100);
-    state->own_ship->pitch_rate = pel_clamp(m.pitch.rate / PEL_DEG, -1e3, 1e3);
-    state->own_ship->roll_rate = pel_clamp(m.roll.rate / PEL_DEG, -1e3, 1e3);
+    if (helm) {
+        helm->heave_rate = pel_clamp(m.heave.rate, -100, 100);
+        helm->pitch_rate = pel_clamp(m.pitch.rate / PEL_DEG, -1e3, 1e3);
+        helm->roll_rate = pel_clamp(m.roll.rate / PEL_DEG, -1e3, 1e3);
+    }
+}
+
+void pel_snapshot_ships_to_state(const struct pel_snapshot *s, double time_s,
+                                 Pelagos__State *state)
+{
+    for (size_t i = 0; i < s->ship_count; i++) {
+        if (s->ships[i].entity < state->n_entities) {
+            ship_to_state(s, &s->ships[i], time_s, state);
+        }
+    }
 }
 
 const struct pel_snapshot *pel_snapshot_ref(const struct pel_snapshot *s)
@@ -590,6 +626,7 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
         for (size_t i = 0; i < whole->public.entity_count; i++) {
             pel_model_unref(whole->entities[i].model);
         }
+        free((void *)whole->public.ships);
         free(whole);
     }
 }

@@ -49,26 +49,29 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
 void pel_shared_sea_unref(struct pel_shared_sea *sea); /* NULL allowed */
 
 /* A snapshot with one reference; takes its own of the sea, of the bottom
- * (NULL: flat) and of the models (NULL: none). Own ship, where
- * ownShip.on, goes on from `going` or, if that is NULL, begins at
- * clock.time with the pose of its entity then. */
+ * (NULL: flat) and of the models (NULL: none). A ship whose helm is on goes on
+ * from the one in `going` (by the index of its entity; NULL, all or one: none)
+ * or else begins at clock.time with the pose of its entity then. */
 const struct pel_snapshot *pel_snapshot_build_going(
     const Pelagos__State *state, struct pel_shared_sea *sea,
     const struct pel_seabed *seabed, const struct pel_fleet *fleet,
-    const struct pel_ship *going);
+    const struct pel_sailing *const going[PEL_MAX_ENTITIES]);
 
-/* The same snapshot with own ship further on. */
-const struct pel_snapshot *pel_snapshot_with_ship(const struct pel_snapshot *s,
-                                                  const struct pel_ship *ship);
+/* The same snapshot with its ships, all of them, further on. */
+const struct pel_snapshot *
+pel_snapshot_with_ships(const struct pel_snapshot *s,
+                        const struct pel_sailing *ships);
 
-/* Own ship's motion, of a snapshot that has one. Any thread. */
-void pel_snapshot_ship_motion(const struct pel_snapshot *s, double time_s,
+/* The motion of a ship of the snapshot. Any thread. */
+void pel_snapshot_ship_motion(const struct pel_snapshot *s,
+                              const struct pel_ship *ship, double time_s,
                               struct pel_ship_motion *out);
 
-/* Writes own ship's motion at time_s as the pose of its entity and the rates
- * of ownShip; `state` is what the snapshot was built from, or like it. */
-void pel_snapshot_ship_to_state(const struct pel_snapshot *s, double time_s,
-                                Pelagos__State *state);
+/* Writes the ships' motion at time_s as the poses of their entities and the
+ * rates of their helms; `state` is what the snapshot was built from, or like
+ * it. */
+void pel_snapshot_ships_to_state(const struct pel_snapshot *s, double time_s,
+                                 Pelagos__State *state);
 
 /* pel_snapshot_build_going from the state's pose. */
 const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,

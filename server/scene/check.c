@@ -10,6 +10,7 @@
 #include "json.h"
 #include "message.h"
 #include "ranges.h"
+#include "scene/helm.h"
 #include "scene/snapshot.h"
 #include "scene/sun.h"
 
@@ -131,6 +132,29 @@ static enum pel_err check_view(const Pelagos__State *state, size_t index,
     return view->frustum ? check_frustum(view, fault) : PEL_OK;
 }
 
+/* Each ship has one helm. */
+static enum pel_err check_helm(const Pelagos__State *state,
+                               const Pelagos__Entity *entity,
+                               struct pel_fault *fault)
+{
+    const Pelagos__OwnShip *own = state->own_ship;
+    char path[PATH_SIZE], value[24];
+    if (entity->helm->entity != entity->id) {
+        g_snprintf(path, sizeof path, "entities.%u.helm.entity", entity->id);
+        g_snprintf(value, sizeof value, "%u", entity->helm->entity);
+        return pel_fault_refuse(PEL_ERR_INVALID, path, value,
+                                "is the entity that has the helm: leave it out",
+                                fault);
+    }
+    if (entity->helm->on && own && own->on && own->entity == entity->id) {
+        g_snprintf(path, sizeof path, "entities.%u.helm.on", entity->id);
+        return pel_fault_refuse(PEL_ERR_CONFLICT, path, "true",
+                                "is a second helm: ownShip sails this entity",
+                                fault);
+    }
+    return PEL_OK;
+}
+
 static enum pel_err check_entity(const Pelagos__State *state, size_t index,
                                  struct pel_fault *fault)
 {
@@ -155,7 +179,21 @@ static enum pel_err check_entity(const Pelagos__State *state, size_t index,
                                     "has an id twice", fault);
         }
     }
-    return PEL_OK;
+    return entity->helm ? check_helm(state, entity, fault) : PEL_OK;
+}
+
+static enum pel_err check_ships(const Pelagos__State *state,
+                                struct pel_fault *fault)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < state->n_entities; i++) {
+        count += pel_helm_on(state, state->entities[i]) != NULL;
+    }
+    return count <= PEL_MAX_SHIPS
+               ? PEL_OK
+               : pel_fault_refuse(PEL_ERR_OUT_OF_RANGE, "entities", NULL,
+                                  "would have more than 8 helms that are on",
+                                  fault);
 }
 
 static enum pel_err check_utc(const Pelagos__Clock *clock,
@@ -272,6 +310,9 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     }
     for (size_t i = 0; !err && i < state->n_views; i++) {
         err = check_view(state, i, fault);
+    }
+    if (!err) {
+        err = check_ships(state, fault);
     }
     return err;
 }

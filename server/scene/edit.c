@@ -12,6 +12,7 @@
 #include "message.h"
 #include "path.h"
 #include "scene/geodesy.h"
+#include "scene/helm.h"
 #include "scene/reckon.h"
 #include "scene/snapshot.h"
 
@@ -56,6 +57,13 @@ void pel_state_fill(Pelagos__State *state, double time_s)
         if (!entity->has_pose_time) {
             entity->has_pose_time = true;
             entity->pose_time = time_s;
+        }
+        if (entity->helm && !entity->helm->has_entity) {
+            entity->helm->has_entity = true;
+            entity->helm->entity = entity->id;
+        }
+        if (entity->helm) {
+            fill_scalars(&entity->helm->base);
         }
     }
     for (size_t i = 0; i < state->n_views; i++) {
@@ -397,20 +405,26 @@ static void carry_poses(Pelagos__State *state, double before, double after,
     }
 }
 
-/* Whether the patch gives own ship a pose and does not say that the model is
- * to go on from there. */
-static bool leads(const Pelagos__State *state, const Pelagos__State *brought)
+/* Whether the patch says that this helm is on, or off. */
+static bool says_on(const Pelagos__State *brought,
+                    const Pelagos__Entity *entity, bool own_ship)
 {
-    const Pelagos__OwnShip *own = state->own_ship;
-    bool says = brought->own_ship && brought->own_ship->has_on;
-    for (size_t i = 0; own && own->on && !says && i < brought->n_entities;
-         i++) {
-        if (brought->entities[i]->id == own->entity &&
-            touches_pose(brought->entities[i])) {
-            return true;
+    const Pelagos__OwnShip *helm = own_ship ? brought->own_ship : entity->helm;
+    return helm && helm->has_on;
+}
+
+/* A pose that the patch gives a ship turns its helm off, unless it says that
+ * the model is to go on from there. */
+static void lead(Pelagos__State *state, const Pelagos__State *brought)
+{
+    for (size_t i = 0; i < brought->n_entities; i++) {
+        const Pelagos__Entity *with = brought->entities[i];
+        Pelagos__OwnShip *helm = pel_helm_of(state, with->id);
+        if (helm && touches_pose(with) &&
+            !says_on(brought, with, helm == state->own_ship)) {
+            helm->on = false;
         }
     }
-    return false;
 }
 
 enum pel_err pel_state_apply(const Pelagos__State *from,
@@ -439,8 +453,8 @@ enum pel_err pel_state_apply(const Pelagos__State *from,
         reckon_patched(state, brought, time_s, most_s);
         merge(&state->base, &brought->base);
     }
-    if (!err && brought && leads(state, brought)) {
-        state->own_ship->on = false;
+    if (!err && brought) {
+        lead(state, brought);
     }
     if (brought) {
         pelagos__state__free_unpacked(brought, NULL);

@@ -17,6 +17,7 @@
 #include "scene/build.h"
 #include "scene/check.h"
 #include "scene/edit.h"
+#include "scene/helm.h"
 #include "scene/scene_parts.h"
 #include "scene/store.h"
 
@@ -29,30 +30,47 @@ double pel_scene_time(struct pel_scene *scene)
     return pel_simclock_at(&scene->clock, pel_now_ns());
 }
 
-/* Takes own ship's steps up to time_s. */
-static void advance_ship(struct pel_scene *scene, double time_s)
+void pel_scene_take_ships(struct pel_scene *scene,
+                          const struct pel_sailing *ships)
 {
-    if (scene->snapshot->ship_entity < 0 ||
-        !pel_ship_asks(&scene->snapshot->ship, time_s)) {
-        pel_scene_step_ahead(scene, time_s);
-        return;
-    }
-    PEL_WATCH("own ship");
-    struct pel_ship ship = scene->snapshot->ship;
-    (void)pel_ship_advance(&ship, time_s, pel_snapshot_sea(scene->snapshot));
     const struct pel_snapshot *next =
-        pel_snapshot_with_ship(scene->snapshot, &ship);
+        pel_snapshot_with_ships(scene->snapshot, ships);
     pel_snapshot_unref(scene->snapshot);
     scene->snapshot = next;
+}
+
+static bool ships_ask(const struct pel_snapshot *s, double time_s)
+{
+    for (size_t i = 0; i < s->ship_count; i++) {
+        if (pel_ship_asks(&s->ships[i].ship, time_s)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Takes the ships' steps up to time_s. */
+static void advance_ships(struct pel_scene *scene, double time_s)
+{
+    const struct pel_snapshot *s = scene->snapshot;
+    if (ships_ask(s, time_s)) {
+        PEL_WATCH("own ship");
+        struct pel_sailing ships[PEL_MAX_SHIPS];
+        memcpy(ships, s->ships, s->ship_count * sizeof *ships);
+        for (size_t i = 0; i < s->ship_count; i++) {
+            (void)pel_ship_advance(&ships[i].ship, time_s, pel_snapshot_sea(s));
+        }
+        pel_scene_take_ships(scene, ships);
+    }
     pel_scene_step_ahead(scene, time_s);
 }
 
 void pel_scene_refresh(struct pel_scene *scene, double time_s)
 {
     scene->state->clock->time = time_s;
-    if (scene->snapshot->ship_entity >= 0) {
-        advance_ship(scene, time_s);
-        pel_snapshot_ship_to_state(scene->snapshot, time_s, scene->state);
+    if (scene->snapshot->ship_count > 0) {
+        advance_ships(scene, time_s);
+        pel_snapshot_ships_to_state(scene->snapshot, time_s, scene->state);
     }
 }
 
@@ -64,21 +82,21 @@ const Pelagos__State *pel_scene_state(struct pel_scene *scene)
 
 const struct pel_snapshot *pel_scene_snapshot(struct pel_scene *scene)
 {
-    advance_ship(scene, pel_scene_time(scene));
+    advance_ships(scene, pel_scene_time(scene));
     return pel_snapshot_ref(scene->snapshot);
 }
 
-/* Own ship is advanced also while no client asks, so that the next snapshot
- * has few steps to catch up on. */
+/* Ships are advanced also while no client asks, so that the next snapshot has
+ * few steps to catch up on. */
 static gboolean on_ship_timer(gpointer user)
 {
     PEL_WATCH("ship timer");
     struct pel_scene *scene = user;
-    if (scene->snapshot->ship_entity < 0) {
+    if (scene->snapshot->ship_count == 0) {
         scene->ship_timer = 0;
         return G_SOURCE_REMOVE;
     }
-    advance_ship(scene, pel_scene_time(scene));
+    advance_ships(scene, pel_scene_time(scene));
     return G_SOURCE_CONTINUE;
 }
 
@@ -101,11 +119,11 @@ const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
     scene->listener = listener;
     scene->listener_user = user;
     pel_scene_refresh(scene, pel_scene_time(scene));
-    if (listener && scene->snapshot->ship_entity >= 0) {
-        /* Whoever begins with this state begins own ship's steps here. */
-        const struct pel_snapshot *anew = pel_snapshot_build(
-            scene->state, scene->has.sea, scene->has.ground.bed);
-        scene->ship_era++;
+    if (listener && scene->snapshot->ship_count > 0) {
+        /* Whoever begins with this state begins the ships' steps here. */
+        const struct pel_snapshot *anew = pel_snapshot_build_going(
+            scene->state, scene->has.sea, scene->has.ground.bed,
+            &scene->has.fleet, NULL);
         pel_snapshot_unref(scene->snapshot);
         scene->snapshot = anew;
     }
@@ -170,7 +188,8 @@ static void set_clock(struct pel_scene *scene, const Pelagos__Clock *to,
 /* Takes `state`, which is tested, over or leaves it to the caller. `ready`
  * (NULL allowed): what was prepared for it. */
 static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
-                           bool ship_goes_on, const struct pel_resources *ready,
+                           const struct pel_sailing *const *going,
+                           const struct pel_resources *ready,
                            struct pel_fault *fault)
 {
     struct pel_resources next;
@@ -181,12 +200,9 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     if (err) {
         return err;
     }
-    const struct pel_ship *going = ship_goes_on && next.sea == scene->has.sea
-                                       ? &scene->snapshot->ship
-                                       : NULL;
-    const struct pel_snapshot *snapshot = pel_snapshot_build_going(
-        state, next.sea, next.ground.bed, &next.fleet, going);
-    scene->ship_era += !going;
+    const struct pel_snapshot *snapshot =
+        pel_snapshot_build_going(state, next.sea, next.ground.bed, &next.fleet,
+                                 next.sea == scene->has.sea ? going : NULL);
     pel_resources_finish(&scene->has);
     pel_snapshot_unref(scene->snapshot);
     if (scene->state) {
@@ -195,7 +211,7 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     scene->has = next;
     scene->snapshot = snapshot;
     scene->state = state;
-    if (snapshot->ship_entity >= 0 && scene->ship_timer == 0) {
+    if (snapshot->ship_count > 0 && scene->ship_timer == 0) {
         scene->ship_timer = g_timeout_add(SHIP_MS, on_ship_timer, scene);
     }
     return PEL_OK;
@@ -213,19 +229,34 @@ static bool equal(const ProtobufCMessage *a, const ProtobufCMessage *b)
     return memcmp(bytes, bytes + size, size) == 0;
 }
 
-/* Whether the edit leaves own ship alone, so that its steps go on; what
- * the patch says was tested before. (The sea is compared when it is made.) */
-static bool ship_goes_on(const struct pel_scene *scene,
-                         const Pelagos__State *next)
+/* The ships that the edit leaves alone, by the index of their entity in `next`,
+ * so that their steps go on; what the patch says was tested before. (The sea is
+ * compared when it is made.) */
+static void ships_going_on(const struct pel_scene *scene,
+                           const Pelagos__State *next,
+                           const struct pel_sailing *out[PEL_MAX_ENTITIES])
 {
-    int i = scene->snapshot->ship_entity;
     const Pelagos__State *now = scene->state;
-    return i >= 0 && (size_t)i < next->n_entities &&
-           equal(&now->entities[i]->base, &next->entities[i]->base) &&
-           equal(&now->own_ship->base, &next->own_ship->base) &&
-           equal(&now->origin->base, &next->origin->base) &&
-           now->clock->time == next->clock->time &&
-           now->clock->rate == next->clock->rate;
+    memset(out, 0, PEL_MAX_ENTITIES * sizeof *out);
+    if (scene->snapshot->ship_count == 0 ||
+        !equal(&now->origin->base, &next->origin->base) ||
+        now->clock->time != next->clock->time ||
+        now->clock->rate != next->clock->rate) {
+        return;
+    }
+    for (size_t k = 0; k < scene->snapshot->ship_count; k++) {
+        const struct pel_sailing *ship = &scene->snapshot->ships[k];
+        const Pelagos__Entity *e = now->entities[ship->entity];
+        const Pelagos__OwnShip *before = pel_helm_on(now, e);
+        for (size_t i = 0; i < next->n_entities && before; i++) {
+            const Pelagos__Entity *n = next->entities[i];
+            const Pelagos__OwnShip *after = pel_helm_on(next, n);
+            if (n->id == e->id && after && equal(&e->base, &n->base) &&
+                equal(&before->base, &after->base)) {
+                out[i] = ship;
+            }
+        }
+    }
 }
 
 enum pel_err pel_scene_edited(struct pel_scene *scene,
@@ -279,8 +310,9 @@ enum pel_err pel_scene_commit(struct pel_scene *scene, Pelagos__State *next,
                               const struct pel_resources *ready, double time_s,
                               int64_t now_ns, struct pel_fault *fault)
 {
-    enum pel_err err =
-        commit(scene, next, ship_goes_on(scene, next), ready, fault);
+    const struct pel_sailing *going[PEL_MAX_ENTITIES];
+    ships_going_on(scene, next, going);
+    enum pel_err err = commit(scene, next, going, ready, fault);
     if (err) {
         pelagos__state__free_unpacked(next, NULL);
         return err;
@@ -357,16 +389,16 @@ static enum pel_err steps(const struct pel_scene *scene,
                : PEL_OK;
 }
 
-/* Own ship takes each of its steps through the sea: not too many at once. */
+/* A ship takes each of its steps through the sea: not too many at once. */
 static double longest_step(const struct pel_scene *scene)
 {
-    return scene->snapshot->ship_entity >= 0 ? PEL_SHIP_AHEAD_S : MAX_STEP_S;
+    return scene->snapshot->ship_count > 0 ? PEL_SHIP_AHEAD_S : MAX_STEP_S;
 }
 
 static void go_to(struct pel_scene *scene, double time_s)
 {
     scene->clock.base_s = time_s;
-    advance_ship(scene, time_s);
+    advance_ships(scene, time_s);
     pel_scene_save_soon(scene);
     notify(scene, time_s, NULL);
 }
@@ -394,7 +426,7 @@ enum pel_err pel_scene_step_to(struct pel_scene *scene, double time_s,
         return err;
     }
     double most_s =
-        scene->snapshot->ship_entity >= 0
+        scene->snapshot->ship_count > 0
             ? fmin(scene->clock.base_s + longest_step(scene), PEL_MAX_TIME_S)
             : PEL_MAX_TIME_S;
     if (!(time_s >= scene->clock.base_s && time_s <= most_s)) {
@@ -451,7 +483,7 @@ static enum pel_err begin(struct pel_scene *scene, Pelagos__State *state,
     if (err) {
         return err;
     }
-    err = commit(scene, state, false, NULL, &why);
+    err = commit(scene, state, NULL, NULL, &why);
     for (int i = 0; err && i < PEL_MISSING_COUNT; i++) {
         enum pel_missing_kind kind =
             strcmp(why.path, pel_missing_path(PEL_MISSING_SEABED)) == 0
@@ -459,7 +491,7 @@ static enum pel_err begin(struct pel_scene *scene, Pelagos__State *state,
                 : PEL_MISSING_SPECTRUM;
         if (pel_missing_may(kind, state)) {
             pel_missing_note(&scene->missing, kind, state, &why);
-            err = commit(scene, state, false, NULL, &why);
+            err = commit(scene, state, NULL, NULL, &why);
         }
     }
     if (err && fault) {

@@ -39,10 +39,9 @@ struct pel_scene {
     int64_t save_from_ns;            /* not before */
     uint64_t saves, failed_saves;
     uint64_t told_saves;            /* failed ones that are over */
-    guint ship_timer;               /* 0: own ship is not the model's */
-    struct pel_worker *ship_worker; /* does own ship's steps ahead */
+    guint ship_timer;               /* 0: no helm is on */
+    struct pel_worker *ship_worker; /* does the ships' steps ahead */
     bool ship_ahead;                /* it is at work */
-    uint64_t ship_era;              /* its motion began anew so often */
     uint32_t host_frame;
     pel_scene_listener listener; /* may be NULL */
     void *listener_user;
@@ -89,7 +88,11 @@ void pel_scene_keep(struct pel_scene *scene, double time_s,
 /* Has the state file written. */
 void pel_scene_save_soon(struct pel_scene *scene);
 
-/* ship_ahead.c: has own ship's steps of the next seconds done by a thread,
+/* Another snapshot, with its ships (all of them) further on. */
+void pel_scene_take_ships(struct pel_scene *scene,
+                          const struct pel_sailing *ships);
+
+/* ship_ahead.c: has the ships' steps of the next seconds done by a thread,
  * where that is due. */
 void pel_scene_step_ahead(struct pel_scene *scene, double time_s);
 

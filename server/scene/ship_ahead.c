@@ -1,7 +1,8 @@
-/* Own ship's steps, done ahead by a thread: each looks up a moment of the sea,
- * which takes milliseconds where that is of FFT. The motion is a function of
- * its start and of time, so it does not matter who takes a step. */
+/* The ships' steps, done ahead by a thread: each looks up a moment of the sea,
+ * which takes milliseconds where that is of FFT. A motion is a function of its
+ * start and of time, so it does not matter who takes a step. */
 #include <math.h>
+#include <string.h>
 
 #include "scene/scene_parts.h"
 #include "scene/sharedsea.h"
@@ -12,17 +13,46 @@
 struct ahead {
     struct pel_task task;
     struct pel_scene *scene;
-    uint64_t era;
     struct pel_shared_sea *sea;
-    struct pel_ship ship;
-    double until_s;
+    size_t count;
+    struct pel_sailing ships[PEL_MAX_SHIPS];
+    double from_s, until_s;
 };
 
 static void work(struct pel_task *task)
 {
     struct ahead *ahead = (struct ahead *)task;
-    (void)pel_ship_advance(&ahead->ship, ahead->until_s,
-                           pel_shared_sea_value(ahead->sea));
+    /* Together, so that those in step look up the same moments. */
+    for (double t = ahead->from_s; t < ahead->until_s + PEL_SHIP_STEP_S;
+         t += PEL_SHIP_STEP_S) {
+        for (size_t i = 0; i < ahead->count; i++) {
+            (void)pel_ship_advance(&ahead->ships[i].ship,
+                                   fmin(t, ahead->until_s),
+                                   pel_shared_sea_value(ahead->sea));
+        }
+    }
+}
+
+/* Those that have not begun anew meanwhile, and are not as far by themselves.
+ */
+static void take(struct pel_scene *scene, const struct ahead *ahead)
+{
+    struct pel_sailing ships[PEL_MAX_SHIPS];
+    size_t count = scene->snapshot->ship_count;
+    bool any = false;
+    memcpy(ships, scene->snapshot->ships, count * sizeof *ships);
+    for (size_t i = 0; i < count; i++) {
+        for (size_t k = 0; k < ahead->count; k++) {
+            if (ahead->ships[k].run == ships[i].run &&
+                ahead->ships[k].ship.count > ships[i].ship.count) {
+                ships[i].ship = ahead->ships[k].ship;
+                any = true;
+            }
+        }
+    }
+    if (any) {
+        pel_scene_take_ships(scene, ships);
+    }
 }
 
 static void arrived(struct pel_task *task, bool dropped)
@@ -30,18 +60,24 @@ static void arrived(struct pel_task *task, bool dropped)
     struct ahead *ahead = (struct ahead *)task;
     struct pel_scene *scene = ahead->scene;
     scene->ship_ahead = false;
-    if (!dropped && ahead->era == scene->ship_era &&
-        ahead->ship.count > scene->snapshot->ship.count) {
-        const struct pel_snapshot *next =
-            pel_snapshot_with_ship(scene->snapshot, &ahead->ship);
-        pel_snapshot_unref(scene->snapshot);
-        scene->snapshot = next;
+    if (!dropped) {
+        take(scene, ahead);
     }
     pel_shared_sea_unref(ahead->sea);
     g_free(ahead);
     if (!dropped) {
         pel_scene_step_ahead(scene, pel_scene_time(scene));
     }
+}
+
+static bool due(const struct pel_snapshot *s, double time_s)
+{
+    for (size_t i = 0; i < s->ship_count; i++) {
+        if (pel_ship_steps(&s->ships[i].ship, time_s)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 void pel_scene_step_ahead(struct pel_scene *scene, double time_s)
@@ -51,20 +87,18 @@ void pel_scene_step_ahead(struct pel_scene *scene, double time_s)
         s->mode == PEL_CLOCK_FREE
             ? fmin(LEAD_S * fmax(fabs(s->rate), 1), PEL_SHIP_AHEAD_S)
             : PEL_SHIP_AHEAD_S;
-    if (s->ship_entity < 0 || scene->ship_ahead ||
-        !pel_snapshot_transforms(s) ||
-        !pel_ship_steps(&s->ship, time_s + 0.5 * lead_s)) {
+    if (scene->ship_ahead || !pel_snapshot_transforms(s) ||
+        !due(s, time_s + 0.5 * lead_s)) {
         return;
     }
     struct ahead *ahead = g_new(struct ahead, 1);
-    *ahead = (struct ahead){
-        .task = { .work = work, .done = arrived },
-        .scene = scene,
-        .era = scene->ship_era,
-        .sea = pel_shared_sea_ref(s->sea),
-        .ship = s->ship,
-        .until_s = time_s + lead_s,
-    };
+    ahead->task = (struct pel_task){ .work = work, .done = arrived };
+    ahead->scene = scene;
+    ahead->sea = pel_shared_sea_ref(s->sea);
+    ahead->count = s->ship_count;
+    memcpy(ahead->ships, s->ships, s->ship_count * sizeof *s->ships);
+    ahead->from_s = time_s;
+    ahead->until_s = time_s + lead_s;
     scene->ship_ahead = true;
     pel_worker_push(scene->ship_worker, &ahead->task);
 }

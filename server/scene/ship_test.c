@@ -450,6 +450,105 @@ static void begins_now(void **state)
     pel_scene_destroy(scene);
 }
 
+/* --- several -------------------------------------------------------------- */
+
+static const char two[] =
+    "{\"clock\":{\"mode\":\"STEPPED\",\"time\":50},\"ownShip\":{\"on\":true,"
+    "\"throttle\":0.9,\"rudder\":5},\"sea\":{\"windSpeed\":11},"
+    "\"entities\":{\"7\":{\"name\":\"tug\",\"heading\":90,\"course\":90,"
+    "\"helm\":{\"on\":true,\"throttle\":1,\"length\":24}}}}";
+
+static char *json_of(struct pel_scene *scene, size_t i)
+{
+    return pel_json_from_message(&pel_scene_state(scene)->entities[i]->base,
+                                 false);
+}
+
+/* Each goes its own way, and what is done to one leaves the other's bits as
+ * they would be without. */
+static void two_ships_do_not_mind_each_other(void **state)
+{
+    (void)state;
+    static const char *const others[] = {
+        NULL,
+        "{\"ownShip\":{\"rudder\":-20}}",
+        "{\"entities\":{\"1\":{\"heading\":200}}}",
+        "{\"entities\":{\"3\":{\"name\":\"first in the list\"}}}",
+    };
+    char *first = NULL, *own_first = NULL;
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++) {
+        struct pel_scene *scene =
+            make_scene((struct pel_scene_options){ .wave_count = 60 });
+        assert_int_equal(patch(scene, two, NULL), PEL_OK);
+        step(scene, 4.1);
+        if (others[k]) {
+            assert_int_equal(patch(scene, others[k], NULL), PEL_OK);
+        }
+        step(scene, 9);
+        const Pelagos__State *now = pel_scene_state(scene);
+        assert_int_equal(now->entities[1]->id, 7);
+        assert_true(now->entities[1]->longitude > 5.2003);
+        assert_near(now->entities[1]->latitude, 52.6, 1e-6);
+        assert_true(k == 2 || now->entities[0]->latitude > 52.6001);
+        char *tug = json_of(scene, 1), *own_now = json_of(scene, 0);
+        if (first) {
+            assert_string_equal(tug, first);
+            assert_int_equal(strcmp(own_now, own_first) == 0, k == 3);
+            free(tug);
+            free(own_now);
+        } else {
+            first = tug;
+            own_first = own_now;
+        }
+        pel_scene_destroy(scene);
+    }
+    free(first);
+    free(own_first);
+}
+
+static void each_helm_is_led_by_itself(void **state)
+{
+    (void)state;
+    struct pel_fault fault;
+    struct pel_scene *scene =
+        make_scene((struct pel_scene_options){ .wave_count = 60 });
+    assert_int_equal(patch(scene, two, NULL), PEL_OK);
+    /* by name; a pose turns that helm off, and no other */
+    assert_int_equal(patch(scene,
+                           "{\"entities\":{\"tug\":{\"helm\":{\"rudder\":9}}}}",
+                           NULL),
+                     PEL_OK);
+    assert_true(pel_scene_state(scene)->entities[1]->helm->on);
+    assert_int_equal(
+        patch(scene, "{\"entities\":{\"tug\":{\"heading\":9}}}", NULL), PEL_OK);
+    assert_false(pel_scene_state(scene)->entities[1]->helm->on);
+    assert_true(pel_scene_state(scene)->own_ship->on);
+    assert_near(pel_scene_state(scene)->entities[1]->helm->rudder, 9, 0);
+    /* a ship has one helm, of its own */
+    assert_int_equal(
+        patch(scene, "{\"entities\":{\"1\":{\"helm\":{\"on\":true}}}}", &fault),
+        PEL_ERR_CONFLICT);
+    assert_string_equal(fault.path, "entities.1.helm.on");
+    assert_int_equal(patch(scene,
+                           "{\"entities\":{\"7\":{\"helm\":{\"entity\":1}}}}",
+                           &fault),
+                     PEL_ERR_INVALID);
+    /* eight of them */
+    for (int id = 10; id < 18; id++) {
+        char text[80];
+        snprintf(text, sizeof text,
+                 "{\"entities\":{\"%d\":{\"helm\":{\"on\":true}}}}", id);
+        assert_int_equal(patch(scene, text, &fault),
+                         id < 17 ? PEL_OK : PEL_ERR_OUT_OF_RANGE);
+    }
+    step(scene, 10);
+    assert_int_equal(
+        patch(scene, "{\"entities\":{\"10\":null,\"7\":null}}", &fault),
+        PEL_OK);
+    step(scene, 10);
+    pel_scene_destroy(scene);
+}
+
 static void what_is_drawn_moves(void **state)
 {
     (void)state;
@@ -488,6 +587,8 @@ int main(void)
         cmocka_unit_test(others_take_the_lead),
         cmocka_unit_test(begins_now),
         cmocka_unit_test(what_is_drawn_moves),
+        cmocka_unit_test(two_ships_do_not_mind_each_other),
+        cmocka_unit_test(each_helm_is_led_by_itself),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -19,23 +19,36 @@ int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name)
     return -1;
 }
 
-void pel_snapshot_ship_motion(const struct pel_snapshot *s, double time_s,
+const struct pel_sailing *pel_snapshot_ship(const struct pel_snapshot *s,
+                                            size_t index)
+{
+    for (size_t i = 0; i < s->ship_count; i++) {
+        if (s->ships[i].entity == index) {
+            return &s->ships[i];
+        }
+    }
+    return NULL;
+}
+
+void pel_snapshot_ship_motion(const struct pel_snapshot *s,
+                              const struct pel_ship *ship, double time_s,
                               struct pel_ship_motion *out)
 {
-    if (pel_ship_asks(&s->ship, time_s)) {
+    if (pel_ship_asks(ship, time_s)) {
         PEL_WATCH("own ship");
-        pel_ship_at(&s->ship, time_s, pel_snapshot_sea(s), out);
+        pel_ship_at(ship, time_s, pel_snapshot_sea(s), out);
     } else {
-        pel_ship_at(&s->ship, time_s, NULL, out);
+        pel_ship_at(ship, time_s, NULL, out);
     }
 }
 
-static void ship_at(const struct pel_snapshot *s, double time_s,
+static void ship_at(const struct pel_snapshot *s,
+                    const struct pel_sailing *sailing, double time_s,
                     struct pel_entity_state *out)
 {
     struct pel_ship_motion m;
-    pel_snapshot_ship_motion(s, time_s, &m);
-    *out = s->entities[s->ship_entity];
+    pel_snapshot_ship_motion(s, &sailing->ship, time_s, &m);
+    *out = s->entities[sailing->entity];
     out->east_m = m.east_m;
     out->north_m = m.north_m;
     out->altitude_m = m.heave.x + s->sea_level_m;
@@ -71,8 +84,9 @@ void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out)
 {
     const struct pel_entity_state *at = &s->entities[index];
-    if ((int)index == s->ship_entity) {
-        ship_at(s, time_s, out);
+    const struct pel_sailing *sailing = pel_snapshot_ship(s, index);
+    if (sailing) {
+        ship_at(s, sailing, time_s, out);
         return;
     }
     double seconds =
@@ -107,8 +121,8 @@ unsigned pel_snapshot_stale(const struct pel_snapshot *s, double time_s)
     unsigned stale = s->stale;
     for (size_t i = 0; i < s->entity_count; i++) {
         const struct pel_entity_state *e = &s->entities[i];
-        if ((int)i != s->ship_entity && goes_on(e) &&
-            fabs(time_s - e->pose_time_s) > s->reckoning_s) {
+        if (goes_on(e) && fabs(time_s - e->pose_time_s) > s->reckoning_s &&
+            !pel_snapshot_ship(s, i)) {
             stale |= PEL_STALE_POSES;
         }
     }

@@ -18,6 +18,7 @@
 
 #define PEL_MAX_VIEWS 64
 #define PEL_MAX_ENTITIES 256
+#define PEL_MAX_SHIPS 8 /* that helms sail */
 #define PEL_NAME_SIZE 65
 
 enum pel_clock_mode {
@@ -106,6 +107,13 @@ struct pel_object {
     struct pel_mat3 world_from_model;
 };
 
+/* An entity under its helm. */
+struct pel_sailing {
+    size_t entity; /* index into the snapshot's */
+    uint64_t run;  /* names the motion since it began; never used twice */
+    struct pel_ship ship;
+};
+
 struct pel_shared_sea; /* build.h */
 
 struct pel_snapshot {
@@ -134,8 +142,8 @@ struct pel_snapshot {
     const struct pel_entity_state *entities;
     size_t view_count;
     const struct pel_view_state *views;
-    int ship_entity; /* index into entities that the ship moves, -1: none */
-    struct pel_ship ship;
+    size_t ship_count;
+    const struct pel_sailing *ships; /* the entities that helms move */
 };
 
 /* The sea, built by the first that asks, tens of milliseconds where it is of
@@ -145,6 +153,10 @@ const struct pel_sea *pel_snapshot_sea(const struct pel_snapshot *s);
 
 const struct pel_snapshot *pel_snapshot_ref(const struct pel_snapshot *s);
 void pel_snapshot_unref(const struct pel_snapshot *s); /* NULL allowed */
+
+/* What moves entity `index`; NULL: no helm does. */
+const struct pel_sailing *pel_snapshot_ship(const struct pel_snapshot *s,
+                                            size_t index);
 
 /* Index of the view called `name`, or -1. */
 int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name);

@@ -295,6 +295,51 @@ class Model(Record):
 
 
 @dataclass(frozen=True)
+class OwnShip(Record):
+    """Own ship for when no simulator gives its poses: orders move the entity,
+    and the sea that is drawn heaves, pitches and rolls it (docs/physics.md).
+    While `on`, the entity's pose is the model's. A patch that gives the entity
+    a pose or a rate without giving `on` turns it off: another leads."""
+    #: Whether the model moves the entity.
+    on: bool = _field(False)
+    #: The entity that it moves; of `helm` the one that has it. [1; 0 to 65535]
+    entity: int = _field(1, '1', 0, 65535)
+    #: Rudder, positive turns to starboard. [deg; -45 to 45]
+    rudder: float = _field(0.0, 'deg', -45, 45)
+    #: Engine: 1 full ahead, -1 full astern. [1; -1 to 1]
+    throttle: float = _field(0.0, '1', -1, 1)
+    #: Length of the waterline. [m; 3 to 500]
+    length: float = _field(40.0, 'm', 3, 500)
+    #: Breadth of the waterline. [m; 1 to 80]
+    beam: float = _field(9.0, 'm', 1, 80)
+    #: Speed at full throttle. [m/s; 0.5 to 50]
+    maxSpeed: float = _field(8.0, 'm/s', 0.5, 50)
+    #: Time constant of the speed. [s; 1 to 1000]
+    surgeTime: float = _field(20.0, 's', 1, 1000)
+    #: Nomoto's K': turn rate over rudder, times length over speed. [1; 0.1 to
+    #: 10]
+    turnGain: float = _field(1.5, '1', 0.1, 10)
+    #: Nomoto's T': time constant of turning, times speed over length. [1; 0.1
+    #: to 20]
+    turnTime: float = _field(1.5, '1', 0.1, 20)
+    #: Natural period of heave; absent: from the beam. [s; 0.5 to 60]
+    heavePeriod: float | None = _field(None, 's', 0.5, 60)
+    #: Natural period of pitch; absent: as heave from the beam. [s; 0.5 to 60]
+    pitchPeriod: float | None = _field(None, 's', 0.5, 60)
+    #: Natural period of roll; absent: from the beam. [s; 0.5 to 60]
+    rollPeriod: float | None = _field(None, 's', 0.5, 60)
+    #: Damping of roll, of critical. [1; 0.01 to 0.95]
+    rollDamping: float = _field(0.1, '1', 0.01, 0.95)
+    #: Rates of the motion in waves, kept by the server so that it goes on
+    #: after a restart and in a replay. [m/s; -100 to 100]
+    heaveRate: float = _field(0.0, 'm/s', -100, 100)
+    #:  [deg/s; -1000 to 1000]
+    pitchRate: float = _field(0.0, 'deg/s', -1000, 1000)
+    #:  [deg/s; -1000 to 1000]
+    rollRate: float = _field(0.0, 'deg/s', -1000, 1000)
+
+
+@dataclass(frozen=True)
 class Entity(Record):
     """A body that moves: own ship, target, buoy. Its pose is given at poseTime
     and reckoned onward from speed, course and turn rate."""
@@ -332,8 +377,11 @@ class Entity(Record):
     #: Its shape; absent: it has none.
     model: Model | None = _field(None)
     #: Height, pitch and roll are the sea's at its hull instead of the pose's,
-    #: where it has a model and own ship's motion does not move it.
+    #: where it has a model and no helm moves it.
     afloat: bool = _field(False)
+    #: A helm of its own: what ownShip is to one ship, for further ones. At
+    #: most 8 may be `on`, ownShip's among them, and one for each entity.
+    helm: OwnShip | None = _field(None)
 
 
 @dataclass(frozen=True)
@@ -422,51 +470,6 @@ class View(Record):
     #: The entity carries the camera by its place and heading alone: its pitch
     #: and roll neither move nor tilt it, as for a camera that follows a ship.
     level: bool = _field(False)
-
-
-@dataclass(frozen=True)
-class OwnShip(Record):
-    """Own ship for when no simulator gives its poses: orders move the entity,
-    and the sea that is drawn heaves, pitches and rolls it (docs/physics.md).
-    While `on`, the entity's pose is the model's. A patch that gives the entity
-    a pose or a rate without giving `on` turns it off: another leads."""
-    #: Whether the model moves the entity.
-    on: bool = _field(False)
-    #: The entity that it moves. [1; 0 to 65535]
-    entity: int = _field(1, '1', 0, 65535)
-    #: Rudder, positive turns to starboard. [deg; -45 to 45]
-    rudder: float = _field(0.0, 'deg', -45, 45)
-    #: Engine: 1 full ahead, -1 full astern. [1; -1 to 1]
-    throttle: float = _field(0.0, '1', -1, 1)
-    #: Length of the waterline. [m; 3 to 500]
-    length: float = _field(40.0, 'm', 3, 500)
-    #: Breadth of the waterline. [m; 1 to 80]
-    beam: float = _field(9.0, 'm', 1, 80)
-    #: Speed at full throttle. [m/s; 0.5 to 50]
-    maxSpeed: float = _field(8.0, 'm/s', 0.5, 50)
-    #: Time constant of the speed. [s; 1 to 1000]
-    surgeTime: float = _field(20.0, 's', 1, 1000)
-    #: Nomoto's K': turn rate over rudder, times length over speed. [1; 0.1 to
-    #: 10]
-    turnGain: float = _field(1.5, '1', 0.1, 10)
-    #: Nomoto's T': time constant of turning, times speed over length. [1; 0.1
-    #: to 20]
-    turnTime: float = _field(1.5, '1', 0.1, 20)
-    #: Natural period of heave; absent: from the beam. [s; 0.5 to 60]
-    heavePeriod: float | None = _field(None, 's', 0.5, 60)
-    #: Natural period of pitch; absent: as heave from the beam. [s; 0.5 to 60]
-    pitchPeriod: float | None = _field(None, 's', 0.5, 60)
-    #: Natural period of roll; absent: from the beam. [s; 0.5 to 60]
-    rollPeriod: float | None = _field(None, 's', 0.5, 60)
-    #: Damping of roll, of critical. [1; 0.01 to 0.95]
-    rollDamping: float = _field(0.1, '1', 0.01, 0.95)
-    #: Rates of the motion in waves, kept by the server so that it goes on
-    #: after a restart and in a replay. [m/s; -100 to 100]
-    heaveRate: float = _field(0.0, 'm/s', -100, 100)
-    #:  [deg/s; -1000 to 1000]
-    pitchRate: float = _field(0.0, 'deg/s', -1000, 1000)
-    #:  [deg/s; -1000 to 1000]
-    rollRate: float = _field(0.0, 'deg/s', -1000, 1000)
 
 
 @dataclass(frozen=True)
