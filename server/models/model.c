@@ -251,6 +251,7 @@ static bool copy(struct held *h, const struct pel_model *d)
     *m = *d;
     m->bytes = sizeof *h;
     m->bvh = NULL;
+    m->open = NULL;
     m->columns = NULL;
     m->column_count = 0;
     for (int i = 0; i < d->level_count; i++) {
@@ -331,21 +332,6 @@ static bool stand(struct held *h)
     return m->columns != NULL;
 }
 
-/* What of its surroundings its own form hides. */
-static bool shade_itself(struct held *h)
-{
-    size_t size = h->public.vertex_count * sizeof(struct pel_model_open);
-    struct pel_model_open *open = malloc(size);
-    if (!open) {
-        return false;
-    }
-    pel_model_openness(&h->public, open);
-    h->public.open = open;
-    h->blocks[h->block_count++] = open;
-    h->public.bytes += size;
-    return true;
-}
-
 static void destroy(struct held *h)
 {
     for (size_t i = 0; i < h->block_count; i++) {
@@ -377,12 +363,31 @@ enum pel_err pel_model_create(const struct pel_model *draft,
     h->public.bytes += pel_bvh_bytes(h->bvh);
     h->public.serial = atomic_fetch_add(&serials, 1) + 1;
     measure(&h->public);
-    if (!stand(h) || !shade_itself(h)) {
+    if (!stand(h)) {
         destroy(h);
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
     atomic_init(&h->refs, 1);
     *out = &h->public;
+    return PEL_OK;
+}
+
+enum pel_err pel_model_shade(const struct pel_model *model,
+                             struct pel_fault *fault)
+{
+    struct held *h = (struct held *)model;
+    size_t size = model->vertex_count * sizeof(struct pel_model_open);
+    struct pel_model_open *open = model->open ? NULL : malloc(size);
+    if (model->open) {
+        return PEL_OK;
+    }
+    if (!open) {
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    }
+    pel_model_openness(model, open);
+    h->public.open = open;
+    h->blocks[h->block_count++] = open;
+    h->public.bytes += size;
     return PEL_OK;
 }
 

@@ -114,7 +114,7 @@ struct pel_model {
     enum pel_model_class class;
     size_t vertex_count, index_count;
     const struct pel_model_vertex *vertices;
-    const struct pel_model_open *open; /* of each vertex; made with the model */
+    const struct pel_model_open *open; /* of each vertex, or NULL */
     const uint32_t *indices; /* three a triangle, counterclockwise outside */
     size_t material_count, texture_count, node_count;
     const struct pel_model_material *materials;
@@ -134,6 +134,12 @@ struct pel_model {
     size_t bytes; /* of memory, textures included */
     const struct pel_bvh *bvh;
 };
+
+/* Finds what the model's own form hides of its surroundings (openness.h), if
+ * that is not known: a tenth of a second or a few. Before any other thread has
+ * the model. NO_MEMORY with a fault. */
+PEL_CHECK enum pel_err pel_model_shade(const struct pel_model *model,
+                                       struct pel_fault *fault);
 
 const struct pel_model *pel_model_ref(const struct pel_model *model);
 void pel_model_unref(const struct pel_model *model); /* NULL allowed */

@@ -331,6 +331,8 @@ static void test_walls_hide_half_the_sky(void **state)
          paint, node);
     assert_int_equal(pel_shape_finish(&shape, &draft, &fault), PEL_OK);
     assert_int_equal(pel_model_create(&draft.model, &m, &fault), PEL_OK);
+    assert_null(m->open);
+    assert_int_equal(pel_model_shade(m, &fault), PEL_OK);
     for (size_t i = 0; i < m->vertex_count; i++) {
         const struct pel_model_open *o = &m->open[i];
         if (m->vertices[i].normal[2] > 0.5f) {

@@ -40,10 +40,11 @@ static float packed(const struct pel_model_open *o)
 
 static void write_vertices(const struct pel_model *m, float *out)
 {
+    static const struct pel_model_open all = { 255, 255, 0, 0 };
     for (size_t i = 0; i < m->vertex_count; i++) {
         const struct pel_model_vertex *v = &m->vertices[i];
         memcpy(out, v->position, sizeof v->position);
-        out[3] = packed(&m->open[i]);
+        out[3] = packed(m->open ? &m->open[i] : &all);
         octahedral(v->normal, out + 4);
         out[6] = v->uv[0];
         out[7] = v->uv[1];

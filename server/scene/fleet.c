@@ -82,17 +82,25 @@ enum pel_err pel_fleet_make(const Pelagos__Model *wish, const char *directory,
                             struct pel_fault *fault)
 {
     notes[0] = '\0';
-    if (pel_builtin_find(wish->name)) {
-        const struct pel_builtin what = builtin_of(wish);
-        return pel_builtin_make(&what, out, fault);
-    }
+    *out = NULL;
+    const struct pel_builtin what = builtin_of(wish);
     const struct pel_model_source source = {
         .directory = directory,
         .file = wish->name,
         .length_m = wish->has_length ? wish->length : 0,
         .beam_m = wish->has_beam ? wish->beam : 0,
     };
-    return pel_model_load(&source, out, notes, fault);
+    enum pel_err err = pel_builtin_find(wish->name)
+                           ? pel_builtin_make(&what, out, fault)
+                           : pel_model_load(&source, out, notes, fault);
+    if (err == PEL_OK) {
+        err = pel_model_shade(*out, fault);
+    }
+    if (err != PEL_OK) {
+        pel_model_unref(*out);
+        *out = NULL;
+    }
+    return err;
 }
 
 static bool can_have(double asked, double typical, double most)

@@ -140,7 +140,8 @@ static struct pel_object ship(const struct bench_scene *shown,
     struct pel_surface_sample at;
     pel_sea_sample(sea, o.east_m, o.north_m, time_s, &at);
     struct pel_fault fault;
-    if (pel_builtin_make(&what, &o.model, &fault) != PEL_OK) {
+    if (pel_builtin_make(&what, &o.model, &fault) != PEL_OK ||
+        pel_model_shade(o.model, &fault) != PEL_OK) {
         fprintf(stderr, "%s\n", fault.message);
     } else if (o.model->length_m < 30) {
         o.altitude_m = at.height_m; /* a long one lies across the waves */

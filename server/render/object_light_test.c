@@ -1,0 +1,206 @@
+/* Light between objects, and how far they stand out of the curved sea, against
+ * rays and geometry. */
+#include "render/renderer.h"
+
+#include "models/builtin.h"
+#include "models/model.h"
+#include "render/render_testkit.h"
+
+static struct pel_sea sea;
+
+static const struct pel_model *model_of(const char *name)
+{
+    const struct pel_builtin what = { .name = name };
+    const struct pel_model *model = NULL;
+    struct pel_fault fault = { 0 };
+    if (pel_builtin_make(&what, &model, &fault) != PEL_OK) {
+        fail_msg("%s", fault.message);
+    }
+    return model;
+}
+
+/* Level, at the sea's zero, its bow at `heading` degrees. */
+static struct pel_object standing(const struct pel_model *model, uint32_t id,
+                                  double east_m, double north_m, double heading)
+{
+    double h = heading * PEL_DEG;
+    return (struct pel_object){
+        .id = id,
+        .model = model,
+        .east_m = east_m,
+        .north_m = north_m,
+        .world_from_model = { { sin(h), cos(h), 0 },
+                              { -cos(h), sin(h), 0 },
+                              { 0, 0, 1 } },
+    };
+}
+
+static struct pel_vec3 turn(const struct pel_object *o, struct pel_vec3 v)
+{
+    const struct pel_mat3 *m = &o->world_from_model;
+    return (struct pel_vec3){ pel_vec3_dot(m->x, v), pel_vec3_dot(m->y, v),
+                              pel_vec3_dot(m->z, v) };
+}
+
+/* From a place of the world, not nearer than least_m. */
+static bool meets(const struct pel_object *o, struct pel_vec3 from,
+                  struct pel_vec3 d, double least_m, struct pel_model_hit *hit)
+{
+    const struct pel_vec3 at = { from.x + least_m * d.x - o->east_m,
+                                 from.y + least_m * d.y - o->north_m,
+                                 from.z + least_m * d.z - o->altitude_m };
+    return pel_model_cast(o->model, turn(o, at), turn(o, d), 3000.0, hit);
+}
+
+#define WIDE 240
+#define HIGH 135
+
+/* A tanker between the Sun and a tug: of the pixels of the tug on which the Sun
+ * shines without the tanker, those lose it from which a ray to the Sun meets
+ * the tanker. The shadow's texels are 0.25 m wide: pixels beside the edge of
+ * the shadow may go either way. */
+static void one_ship_shades_another(void **state)
+{
+    (void)state;
+    test_sea(0.0, 0.0, 1, &sea);
+    const struct pel_model *tug = model_of("tug"), *tanker = model_of("tanker");
+    struct pel_environment env = test_environment(&sea, 5.0);
+    env.lights[PEL_LIGHT_SUN].direction = test_sun(12.0, 150.0);
+    const struct pel_vec3 to = env.lights[PEL_LIGHT_SUN].direction;
+    /* The tanker's house stands before the tug's stern. */
+    const struct pel_object objects[] = { standing(tug, 7, 0, 150, 80),
+                                          standing(tanker, 8, 140, 139, 60) };
+    struct pel_camera c = test_camera(
+        (struct test_look){ 14.0, 0.0, -3.0, 0.0, 16.0, WIDE, HIGH });
+    static float alone[4 * WIDE * HIGH];
+    size_t shaded = 0, lit = 0, wrong = 0;
+    for (int both = 0; both < 2; both++) {
+        env.objects = objects;
+        env.object_count = 1 + (size_t)both;
+        struct pel_picture *p =
+            test_draw(renderer, &env, &c, PEL_LAYER_SUN | PEL_LAYER_ID);
+        for (size_t i = 0; i < (size_t)WIDE * HIGH; i++) {
+            if (!both) {
+                alone[i] = p->id[i] == 8.0f ? p->sun[4 * i + 1] : 0;
+                continue;
+            }
+            struct pel_vec3 ray = test_ray(&c, (double)(i % WIDE) + 0.5,
+                                           (double)(i / WIDE) + 0.5);
+            const struct pel_vec3 eye = { c.east_m, c.north_m, c.altitude_m };
+            struct pel_model_hit hit, other;
+            if (alone[i] < 1e-4f || p->id[i] != 8.0f ||
+                !meets(&objects[0], eye, ray, 0, &hit)) {
+                continue;
+            }
+            struct pel_vec3 at =
+                pel_vec3_add(eye, pel_vec3_scale(ray, hit.distance_m));
+            bool hidden = meets(&objects[1], at, to, 0, &other);
+            shaded += hidden;
+            lit += !hidden;
+            wrong += hidden != (p->sun[4 * i + 1] < 0.5f * alone[i]);
+        }
+        pel_picture_release(p);
+    }
+    printf("%zu in the shadow, %zu not, %zu wrong\n", shaded, lit, wrong);
+    assert_true(shaded > 100 && lit > 100);
+    assert_true(20 * wrong <= shaded + lit);
+    pel_model_unref(tug);
+    pel_model_unref(tanker);
+}
+
+/* --- beyond the horizon -----------------------------------------------------
+ */
+
+#define EARTH_M 6360000.0 /* as everywhere in the program */
+#define FAR_WIDE 64
+#define FAR_HIGH 512
+#define FAR_FOV 0.05
+
+/* Rows of a picture in which a tanker is seen: the first, and one after the
+ * last. */
+static void rows_of(double eye_m, double away_m, double pitch,
+                    const struct pel_model *model, int out[2], double *px)
+{
+    const struct pel_object object = standing(model, 7, 0, away_m, 90);
+    struct pel_environment env = test_environment(&sea, 5.0);
+    env.objects = &object;
+    env.object_count = 1;
+    struct pel_camera c = test_camera((struct test_look){
+        eye_m, 0.0, pitch, 0.0, FAR_FOV, FAR_WIDE, FAR_HIGH });
+    struct pel_picture *p = test_draw(renderer, &env, &c, PEL_LAYER_ID);
+    out[0] = FAR_HIGH;
+    out[1] = 0;
+    for (int i = 0; i < FAR_WIDE * FAR_HIGH; i++) {
+        if (p->id[i] == 8.0f) {
+            out[0] = i / FAR_WIDE < out[0] ? i / FAR_WIDE : out[0];
+            out[1] = i / FAR_WIDE + 1;
+        }
+    }
+    *px = (c.tan_top - c.tan_bottom) / c.height;
+    pel_picture_release(p);
+}
+
+/* The model's highest point in what the picture's columns show, m. */
+static double highest(const struct pel_model *model, double half_m)
+{
+    double most = 0, z;
+    struct pel_model_hit hit;
+    for (double x = -half_m; x <= half_m; x += 0.1) {
+        for (double y = -22; y <= 22; y += 0.1) {
+            most = pel_model_top(model, x, y, &hit, &z) ? fmax(most, z) : most;
+        }
+    }
+    return most;
+}
+
+/* Elevation of a point at an arc's distance, rad. */
+static double elevation(double eye_m, double away_m, double height_m)
+{
+    double arc = away_m / EARTH_M;
+    return atan2((EARTH_M + height_m) * cos(arc) - (EARTH_M + eye_m),
+                 (EARTH_M + height_m) * sin(arc));
+}
+
+/* On a sphere without refraction, in a flat sea: the first row is the top of
+ * the ship, the last its waterline or, beyond the horizon, the horizon. Thin
+ * things beside the middles of pixels, and the sea's mesh of facets, are the
+ * tolerance. */
+static void ships_sink_behind_the_horizon(void **state)
+{
+    (void)state;
+    static const double eyes[] = { 4, 15 }, aways[] = { 10000, 20000 };
+    test_sea(0.0, 0.0, 1, &sea);
+    const struct pel_model *model = model_of("tanker");
+    for (int k = 0; k < 4; k++) {
+        double eye = eyes[k / 2], away = aways[k % 2], px;
+        double dip = acos(EARTH_M / (EARTH_M + eye));
+        double beyond = away - dip * EARTH_M;
+        double hidden =
+            beyond > 0 ? EARTH_M / cos(beyond / EARTH_M) - EARTH_M : 0;
+        double top = highest(model, away * tan(0.5 * FAR_FOV * PEL_DEG));
+        double pitch = elevation(eye, away, 0.5 * (top + hidden));
+        int rows[2];
+        rows_of(eye, away, pitch / PEL_DEG, model, rows, &px);
+        double low = beyond > 0 ? -dip : elevation(eye, away - 21, 0);
+        double high = elevation(eye, away, top);
+        double first = 0.5 * FAR_HIGH - tan(high - pitch) / px;
+        double last = 0.5 * FAR_HIGH - tan(low - pitch) / px;
+        double share = 1 - (rows[1] - rows[0]) * px * away / top;
+        printf("eye %2.0f m, %2.0f km: rows %d to %d, by geometry %.1f to "
+               "%.1f; hidden %.1f %%, by geometry %.1f %%\n",
+               eye, away / 1000, rows[0], rows[1], first, last, 100 * share,
+               100 * hidden / top);
+        assert_float_equal(rows[0], first, 1.5);
+        assert_float_equal(rows[1], last, 1.5);
+    }
+    pel_model_unref(model);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_ship_shades_another),
+        cmocka_unit_test(ships_sink_behind_the_horizon),
+    };
+    return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
+}
