@@ -42,6 +42,7 @@ struct mirror_view {
     vec4 window_;
     vec4 level; // of what is seen, as far as by the view's tangents; less the place's
     float layer, tall, here; // here 0: it is not met
+    float pixel_; // 1 / its length on the sea, m, at least one
 };
 
 mirror_view mirror_view_of(int i, vec2 away)
@@ -59,6 +60,7 @@ mirror_view mirror_view_of(int i, vec2 away)
     vec3 from = sea_place - vec3(0.0, 0.0, across.w);
     m.from = vec3(dot(from, m.across), dot(from, m.upward), dot(from, m.forward));
     m.level = vec4(dot(m.across.xy, away), dot(m.upward.xy, away), dot(m.forward.xy, away), dot(from.xy, away));
+    m.pixel_ = 1.0 / max(pixel.x * dot(sea_place, sea_place) / max(-sea_place.z, 0.1), 1.0);
     m.tall = m.window_.w * float(PEL_MIRROR_HEIGHT);
     return m;
 }
@@ -94,7 +96,8 @@ vec4 seen_mirrored(mirror_view m, vec3 way, float spread, float far)
     vec2 tangents = view_place(m, way, level, inverse);
     vec2 uv = (tangents - m.window_.xy) * m.window_.zw;
     float texels = spread * m.tall * level * inverse;
-    float here = m.here * clamp(far + 1.0, 0.0, 1.0);
+    // The middle of a pixel at the waterline may lie in the hull.
+    float here = m.here * clamp(far * m.pixel_ + 2.0, 0.0, 1.0);
     return here * textureLod(mirrors, vec3(uv, m.layer), log2(max(texels, 1.0)));
 }
 

@@ -283,7 +283,8 @@ def foam_checks(folder):
 def ship_checks(folder):
     found = read(folder, "shiptrace.json")
     for s in found["sums"] if found else ():
-        yield (f"ship in the sea, {s['wind']} m/s, Sun {s['sun']}",
+        what = {"mirror": "ship in the sea", "keel": "keel through the water"}
+        yield (f"{what[s['look']]}, {s['wind']} m/s, Sun {s['sun']}",
                "≤ 5 % of each line", f"median {s['median']:.1%}, worst "
                f"{s['worst']:.1%} (noise {s['noise']:.1%}), of {s['lines']} "
                f"lines {s['over']} fail", s["over"] == 0)
@@ -356,7 +357,7 @@ def write_doc(folder, rows):
     with open(DOC, "w", encoding="utf-8") as f:
         f.write(text)
     for part, plots in (("sea", "seatrace-pm-*.svg"), ("sky", "airsky.svg"),
-                        ("ship", "shiptrace.png")):
+                        ("ship", "shiptrace*.jpg")):
         for path in glob.glob(os.path.join(folder, plots)):
             if part in rows:
                 shutil.copy(path, os.path.join(

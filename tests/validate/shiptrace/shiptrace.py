@@ -3,18 +3,23 @@
 against rays over realised seas (shiptrace.c).
 
     shiptrace.py [--quick] [--assert] [--times N] [--wind W…]
+                 [--look mirror|keel…]
 
-A hull of 30 m lies 200 m away. Pictures of the program, of many seeds with the
-ship and without it, and rays over realised seas with and without it are compared
-line by line: the radiance of the sea, summed over the columns in which the
-reference sees something of the ship in the sea, without its own pixels. Both
-sides take the sea without the ship from the program, so that the ship alone is
-judged. Taken from the program are also its sky, the Sun's irradiance and the
-radiance of its water, which have references of their own. Bar: 5 % of a line's
-energy. Prints a table, leaves it with its figures and pictures in
-build/validate/ (quick: in its quick/).
+A hull of 30 m lies 200 m away, where the sea mirrors it, and 45 m below and
+before the eye, where its keel is seen through the water. Pictures of the
+program, of many seeds with the ship and without it, and rays over realised seas
+with and without it are compared line by line: the radiance of the sea, summed
+over the columns that the ship spans, without the pixels that show the ship in
+any picture of either side, and without those next to them. Both sides take the
+sea without the ship from the program, so that the ship alone is judged; what the
+reference mirrors counts by the sky that it mirrors in the same seas. Taken from
+the program are also its sky, the Sun's irradiance and the radiance of its water,
+which have references of their own. Bar: 5 % of a line's energy. Prints a table,
+leaves it with its figures and pictures in build/validate/ (quick: in its
+quick/).
 """
 import argparse
+import collections
 import concurrent.futures
 import json
 import math
@@ -36,7 +41,13 @@ import shipmodel  # noqa: E402
 import shippicture  # noqa: E402
 from pelagos_daemon import BIN, Daemon  # noqa: E402
 
-EYE, AWAY, FIELD, WIDE, HIGH, PITCH = 12.0, 200.0, 16.0, 448, 252, -4.0
+Look = collections.namedtuple(
+    "Look", "eye away field wide high pitch skip columns span rays")
+LOOKS = {
+    "mirror": Look(12.0, 200.0, 16.0, 448, 252, -4.0, 96, (90, 358), (18, 232),
+                   1),
+    "keel": Look(45.0, 45.0, 16.0, 448, 252, -48.0, 40, (100, 348), (0, 248),
+                 0.5)}
 HEADING, WIND_FROM, ELEVATION = 60, 240, 25
 SUNS = {"ahead": 0, "abeam": 90, "behind": 180}
 WINDS = (3, 12)
@@ -51,10 +62,10 @@ FIELDS = (("direct", ()), ("body", (S, C)), ("mirrors", ()), ("sky", (S, C)),
 LAYERS = ["sky", "sun", "water", "id"]
 
 
-def view(name, **more):
-    return {"name": name, "forward": -AWAY, "up": EYE, "pitch": PITCH,
-            "fieldOfView": FIELD, "width": WIDE, "height": HIGH,
-            "antialiasing": False, **more}
+def view(look):
+    return {"name": "v", "forward": -look.away, "up": look.eye,
+            "pitch": look.pitch, "fieldOfView": look.field,
+            "width": look.wide, "height": look.high, "antialiasing": False}
 
 
 def base_state():
@@ -78,12 +89,12 @@ def put_ship(daemon, here):
 
 # --- the program ------------------------------------------------------------
 
-def drawn(daemon, ocean, wind, count):
+def drawn(daemon, ocean, look, wind, count):
     """{(sun, with): {layer: sums over seeds of (lines, columns, 3)}}, and the
     change of each seed."""
     found = {}
     seatrace.change(daemon, {"views": None})
-    seatrace.change(daemon, {"views": [view("v")]})
+    seatrace.change(daemon, {"views": [view(look)]})
     for seed in range(count):
         seatrace.change(daemon, {"sea": {"windSpeed": wind,
                                          "seed": 500 + seed}})
@@ -113,17 +124,19 @@ def placed_mesh():
     return np.concatenate([turned.reshape(-1, 9), albedo[:, None]], 1)
 
 
-def traced(wind, setup, sky, irradiance, water, skip, columns, folder):
-    mesh_path = os.path.join(folder, f"mesh{wind}")
-    sky_path = os.path.join(folder, f"sky{wind}")
+def traced(look, wind, setup, sky, irradiance, water, folder):
+    mesh_path = os.path.join(folder, f"mesh{wind}{look.eye}")
+    sky_path = os.path.join(folder, f"sky{wind}{look.eye}")
     placed_mesh().astype("<f8").tofile(mesh_path)
     sky.astype("<f8").tofile(sky_path)
+    columns, rays = look.columns, max(1, int(setup["rays"] * look.rays))
     fade = [a + BACKSCATTERED * SCATTERING for a in ABSORPTION]
     text = " ".join(str(word) for word in (
         "wind", wind, "fetch", 2e6, "chop", 0, "to", -(WIND_FROM + 180),
-        "realisations", setup["realisations"], "rays", setup["rays"],
-        "seed", 7, "nodes", 512, "eye", -AWAY, 0, EYE, "pitch", PITCH,
-        "field", FIELD, "width", WIDE, "height", HIGH, "skip", skip,
+        "realisations", setup["realisations"], "rays", rays,
+        "seed", 7, "nodes", 512, "eye", -look.away, 0, look.eye,
+        "pitch", look.pitch, "field", look.field, "width", look.wide,
+        "height", look.high, "skip", look.skip,
         "columns", *columns, "elevation", ELEVATION, "irradiance",
         *irradiance, "water", *water, "fade", *fade, "suns", len(SUNS),
         "azimuths", *(-a for a in SUNS.values()), "sky", sky_path, "mesh",
@@ -132,7 +145,7 @@ def traced(wind, setup, sky, irradiance, water, skip, columns, folder):
                           input=text.encode(), stdout=subprocess.PIPE,
                           check=True)
     values = np.frombuffer(done.stdout, "<f4").reshape(
-        setup["realisations"], HIGH - skip, columns[1] - columns[0], -1)
+        setup["realisations"], look.high - look.skip, columns[1] - columns[0], -1)
     found, at = {}, 0
     for name, shape in FIELDS:
         size = int(np.prod(shape))
@@ -176,47 +189,83 @@ def reference_change(found, s, plain, share):
                       + found["hull"][..., s, :])}
 
 
-def our_change(pictures, sun, cut):
-    """The same of the program, and where it shows the sea."""
-    after = {k: v[cut] for k, v in pictures[sun, True].items()}
-    before = {k: v[cut] for k, v in pictures[sun, False].items()}
-    sea = (after["id"].reshape(after["sky"].shape[:3]) == 0)[..., None]
-    return {name: (after[layer] - before[layer]) * sea
+def our_change(after, before):
+    """The same of the program."""
+    return {name: after[layer] - before[layer]
             for name, layer in (("mirror", "sky"), ("glitter", "sun"),
-                                ("water", "water"))}, sea, after, before
+                                ("water", "water"))}
 
 
 def mean_noise(values):
     return values.mean(0), values.std(0, ddof=1) / math.sqrt(len(values))
 
 
-def compare(wind, sun, s, pictures, found, skip, columns, share):
-    """Rows of lines, and what the pictures show. A line is of the columns that
-    the ship spans, and judged where the reference sees 5 % of it changed and
-    15 % of it are sea. Differences are parts of the line's energy, at least of
-    half of what it is without the ship."""
-    cut = (slice(None), slice(skip, None), slice(*columns))
-    ours, our_sea, after, before = our_change(pictures, sun, cut)
+def beside_ship(ids, direct):
+    """Pixels that show the ship nowhere, nor does one next to them: an edge is
+    mixed there by samples that the reference does not have."""
+    ship = (ids != 0).any(0) | (direct.max(0) > 0)
+    for axis in (0, 1):
+        ship = ship | np.roll(ship, 1, axis) | np.roll(ship, -1, axis)
+    return ~ship
+
+
+def shares(change, sky, whole):
+    """A line's changes of pictures or seas as parts of its energy, (n, 3); of
+    what is mirrored the sky in the same seas is the measure."""
+    mirror = change["mirror"].sum(1)
+    sky = sky.sum(1)
+    ratio = mirror.mean(0) / sky.mean(0)
+    rest = (change["glitter"] + change["water"]).sum(1) / whole[0]
+    return (rest + whole[1] * (ratio + (mirror - ratio * sky) / sky.mean(0)))
+
+
+def compare(look, wind, sun, s, pictures, found, share):
+    """Rows of lines, and what the pictures show. A line is judged where the
+    reference sees 5 % of it changed and 15 % of its columns are left; of the
+    keel the pixels that see it.
+    Differences are parts of the line's energy, at least of half of what it is
+    without the ship."""
+    cut = (slice(None), slice(look.skip, None), slice(*look.columns))
+    after, before = ({k: v[cut] for k, v in pictures[sun, here].items()}
+                     for here in (True, False))
+    ids = after["id"].reshape(after["sky"].shape[:3])
     plain = {k: smooth(before[k].mean(0)) for k in ("sky", "sun", "water")}
     base = sum(plain.values())
     theirs = reference_change(found, s, plain, share)
-    sea = 1 - found["direct"]
-    touched = (found["mirrors"] + found["wet"] + sea
+    ours = our_change(after, before)
+    left_sea = beside_ship(ids, found["direct"])
+    keel = look is LOOKS["keel"]
+    touched = (found["wet"] if keel else
+               found["mirrors"] + found["wet"] + 1 - found["direct"]
                - found["sunny"][..., s]).mean(0)
+    if keel:  # where it is seen, a few dozen pixels of a line
+        left_sea &= touched > 0.3
     rows = []
-    span = slice(18, -36)  # of the columns: the ship's
     for line in range(touched.shape[0]):
-        if (touched[line, span].sum() < 0.05 * sea.mean(0)[line, span].sum()
-                or sea.mean(0)[line, span].mean() < 0.15):
+        here = np.zeros(touched.shape[1], bool)
+        here[look.span[0]:look.span[1]] = True
+        here &= left_sea[line]
+        least = 0.02 if keel else 0.15
+        if (here.sum() < least * (look.span[1] - look.span[0])
+                or touched[line, here].mean() < 0.05):
             continue
-        row = {"wind": wind, "sun": sun, "line": line + skip}
-        energies = [(part * base)[:, line, span].sum((1)).mean(0)
-                    for part in (our_sea, sea[..., None])]
-        for name in ours:
-            row[name] = [(change[name][:, line, span].sum(1) / energy).mean(0)
-                         for change, energy in zip((ours, theirs), energies)]
-        both = [mean_noise(sum(change.values())[:, line, span].sum(1) / energy)
-                for change, energy in zip((ours, theirs), energies)]
+        row = {"look": "keel" if keel else "mirror", "wind": wind, "sun": sun,
+               "line": line + look.skip}
+
+        def of(values):
+            return values[..., line, :, :][..., here, :]
+
+        whole = of(base).sum(0)
+        sky_part = of(plain["sky"]).sum(0) / whole
+        both = []
+        for change, sky in ((ours, before["sky"]),
+                            (theirs, found["sky"][..., s, :])):
+            parts = {k: of(v) for k, v in change.items()}
+            both.append(mean_noise(shares(parts, of(sky), (whole, sky_part))))
+            for k, v in parts.items():
+                by = of(sky).sum(1).mean(0) / sky_part if k == "mirror" \
+                    else whole
+                row.setdefault(k, []).append(v.sum(1).mean(0) / by)
         row["ours"], row["reference"] = both[0][0], both[1][0]
         # Of a line in full shadow little is left to divide by.
         left = np.maximum(1 + both[1][0], 0.5)
@@ -224,6 +273,7 @@ def compare(wind, sun, s, pictures, found, skip, columns, share):
         row["noise"] = np.hypot(both[0][1], both[1][1]) / left
         rows.append(row)
     layers = ("sky", "sun", "water")
+    sea = 1 - found["direct"]
     there = sea[..., None] * base + sum(theirs.values())
     there += found["body"][..., s, :]
     return rows, {"ours": sum(after[k].mean(0) for k in layers),
@@ -231,12 +281,13 @@ def compare(wind, sun, s, pictures, found, skip, columns, share):
                   "one": sum(after[k][0] for k in layers)}
 
 
-HEAD = ("| wind | Sun | lines | off: median | worst | noise | mirror: ours, "
-        "reference | glitter | water | over 5 % | |\n|" + "---|" * 11)
+HEAD = ("| look | wind | Sun | lines | off: median | worst | noise | mirror: ours, "
+        "reference | glitter | water | over 5 % | |\n|" + "---|" * 12)
 
 
-def summary(rows, wind, sun, channel=1):
-    part = [r for r in rows if (r["wind"], r["sun"]) == (wind, sun)]
+def summary(rows, look, wind, sun, channel=1):
+    part = [r for r in rows
+            if (r["look"], r["wind"], r["sun"]) == (look, wind, sun)]
     off = np.array([abs(r["difference"][channel]) for r in part])
     noise = np.array([r["noise"][channel] for r in part])
 
@@ -245,7 +296,7 @@ def summary(rows, wind, sun, channel=1):
         return f"{a:+.1%}, {b:+.1%}"
 
     over = int((off - 2 * noise > BAR).sum())
-    return {"wind": wind, "sun": sun, "lines": len(part),
+    return {"look": look, "wind": wind, "sun": sun, "lines": len(part),
             "median": float(np.median(off)), "worst": float(off.max()),
             "noise": float(np.median(noise)), "over": over,
             "beyond": int((off > BAR).sum()),
@@ -254,10 +305,18 @@ def summary(rows, wind, sun, channel=1):
 
 
 def text_of(s):
-    return (f"| {s['wind']} | {s['sun']} | {s['lines']} | {s['median']:.1%} | "
+    return (f"| {s['look']} | {s['wind']} | {s['sun']} | {s['lines']} | {s['median']:.1%} | "
             f"{s['worst']:.1%} | {s['noise']:.1%} | {s['mirror']} | "
             f"{s['glitter']} | {s['water']} | {s['beyond']}, beyond noise "
             f"{s['over']} | {'FAIL' if s['over'] else 'pass'} |")
+
+
+def plain_water(daemon, ocean, look, wind):
+    """Mean radiance that leaves the water."""
+    seatrace.change(daemon, {"views": None})
+    seatrace.change(daemon, {"views": [view(look)], "sea": {"windSpeed": wind}})
+    layer = ocean.frame("v", "exr", layers=["water"]).exr()["water"]
+    return np.asarray(layer)[look.skip:].mean((0, 1)).tolist()
 
 
 def run(options, setup, folder):
@@ -280,29 +339,32 @@ def run(options, setup, folder):
                 f"&sky.sunElevation={ELEVATION}").json()
             irradiance = answer["sky"]["sunIrradiance"]
             put_ship(daemon, False)
-            skip, columns = 96, (90, 358)
-            seatrace.change(daemon, {"views": None})
-            seatrace.change(daemon, {"views": [view("v")],
-                                     "sea": {"windSpeed": options.wind[0]}})
-            water = np.asarray(ocean.frame("v", "exr", layers=["water"])
-                               .exr()["water"])[skip:].mean((0, 1)).tolist()
             share = sky_share(sky, irradiance)
             with concurrent.futures.ThreadPoolExecutor(1) as pool:
-                tracing = {wind: pool.submit(
-                    traced, wind, setup, sky, irradiance, water, skip,
-                    columns, scratch) for wind in options.wind}
-                for wind in options.wind:
-                    pictures = drawn(daemon, ocean, wind, setup["pictures"])
-                    found = tracing[wind].result()
+                tracing = {}
+                for kind in options.look:
+                    look = LOOKS[kind]
+                    water = plain_water(daemon, ocean, look, options.wind[0])
+                    for wind in options.wind:
+                        tracing[kind, wind] = pool.submit(
+                            traced, look, wind, setup, sky, irradiance, water,
+                            scratch)
+                for (kind, wind), job in tracing.items():
+                    look = LOOKS[kind]
+                    pictures = drawn(daemon, ocean, look, wind,
+                                     setup["pictures"])
+                    found = job.result()
                     for s, sun in enumerate(SUNS):
-                        new, shown[wind, sun] = compare(
-                            wind, sun, s, pictures, found, skip, columns,
-                            share)
+                        new, shown[kind, wind, sun] = compare(
+                            look, wind, sun, s, pictures, found, share)
                         rows += new
-                        sums.append(summary(rows, wind, sun))
+                        sums.append(summary(rows, kind, wind, sun))
                         lines.append(text_of(sums[-1]))
                         print(lines[-1], flush=True)
-    shippicture.save(os.path.join(folder, "shiptrace.png"), shown)
+    for kind in options.look:
+        name = "shiptrace.jpg" if kind == "mirror" else f"shiptrace-{kind}.jpg"
+        shippicture.save(os.path.join(folder, name),
+                         {k: v for k, v in shown.items() if k[0] == kind})
     with open(os.path.join(folder, "shiptrace.md"), "w",
               encoding="utf-8") as f:
         f.write("\n".join(lines) + "\n")
@@ -320,6 +382,8 @@ def main():
     parser.add_argument("--assert", dest="check", action="store_true")
     parser.add_argument("--times", type=int, default=1)
     parser.add_argument("--wind", type=int, nargs="+", default=list(WINDS))
+    parser.add_argument("--look", nargs="+", default=list(LOOKS),
+                        choices=list(LOOKS))
     options = parser.parse_args()
     os.nice(max(0, 10 - os.nice(0)))
     setup = ({"pictures": 6, "realisations": 4, "rays": 8} if options.quick
