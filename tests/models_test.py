@@ -55,9 +55,11 @@ def stl():
     return data
 
 
-def gltf(**more):
+def gltf(corner=None, **more):
     points = b"".join(struct.pack("<3f", y, z, x) for x, y, z in CORNERS)
     indices = b"".join(struct.pack("<3H", *face) for face in FACES)
+    if corner is not None:
+        indices = struct.pack("<H", corner) + indices[2:]
     tree = {
         "asset": {"version": "2.0"}, "scene": 0,
         "scenes": [{"nodes": [0]}],
@@ -130,6 +132,10 @@ class Models(unittest.TestCase):
                 "huge.png": png(60000, 60000, b"\0"),
                 "cut.glb": glb()[:-100],
                 "empty.dae": "",
+                "beyond.glb": glb(corner=77),
+                "flat.obj": obj().replace(" 5\n", " 0\n").replace(" -5\n",
+                                                                " 0\n"),
+                "gap.obj": obj() + "f\n",
                 "outside.gltf": json.dumps(gltf(buffers=[
                     {"byteLength": 168, "uri": "../secret.bin"}])[0]),
                 "inside.gltf": json.dumps(gltf(buffers=[
@@ -216,12 +222,17 @@ class Models(unittest.TestCase):
                 "huge.obj": ("60000 x 60000", "smaller"),
                 "cut.glb": ("cut.glb",),
                 "empty.dae": ("empty.dae",),
+                "beyond.glb": ("corners that are not there",),
+                "flat.obj": ("8 of its 12 triangles have no area",),
                 "outside.gltf": ("outside.gltf",),
                 "out.obj": ("link",)}.items():
             self.assertIn("error", models[name], name)
             for word in words:
                 self.assertIn(word, models[name]["error"]["message"])
             self.assertNotIn("triangles", models[name])
+        # What is left of it is whole: read, and said.
+        self.assertEqual(models["gap.obj"]["triangles"][0], 12)
+        self.assertIn("empty face", models["gap.obj"]["text"])
 
     def test_entities_have_models(self):
         for name in ("tug", "wedge.glb", "sub/wedge.stl"):
@@ -256,9 +267,28 @@ class Models(unittest.TestCase):
             f.write(glb())
         for name in ("new.glb", "tanker", "new.glb", "tug"):
             self.assertEqual(self.set(name=name).status, 200)
-            self.assertEqual(
-                self.daemon.get("/v1/views/bridge/frame.png?width=64"
-                                "&height=48").status, 200)
+            self.drawn()
+        # Under the eyes of a picture: cut short, gone, whole again.
+        path = os.path.join(self.folder, "new.glb")
+        self.assertEqual(self.set(name="new.glb").status, 200)
+        with open(path, "wb") as f:
+            f.write(glb()[:-100])
+        self.drawn()
+        self.refused(400, "name", "new.glb", length=12)  # is read anew
+        self.assertEqual(self.set(name="tug").status, 200)
+        self.refused(400, "name", "new.glb", name="new.glb")
+        os.remove(path)
+        self.refused(400, "name", "new.glb", name="new.glb")
+        self.drawn()
+        with open(path, "wb") as f:
+            f.write(glb())
+        self.assertEqual(self.set(name="new.glb").status, 200)
+        self.drawn()
+
+    def drawn(self):
+        self.assertEqual(
+            self.daemon.get("/v1/views/bridge/frame.png?width=64"
+                            "&height=48").status, 200)
 
     @unittest.skipIf(SANITIZED, "sanitizers keep freed memory back")
     def test_loads_do_not_grow(self):

@@ -177,8 +177,10 @@ def two_ships(folder):
         rudders = [next(s[1] for s in text if s[0] == "$AGRSA")
                    for text in sentences]
         check(rudders == ["20.0", "-20.0"], f"{rudders}")
+        # A moment long past is not kept: no frame may come late.
+        daemon.patch({"clock": {"mode": "STEPPED"}})
         for i in range(3):
-            time.sleep(0.2)
+            daemon.request("POST", "/v1/clock/step", {"seconds": 0.7})
             at = daemon.state()["clock"]["time"]
             for view in ("bridge", "tug"):
                 answer = daemon.get(f"/v1/views/{view}/frame.png?time={at!r}")
@@ -192,6 +194,7 @@ def two_ships(folder):
     with Daemon("--state", state) as daemon:
         check(place(daemon, 7)["helm"]["on"] and
               place(daemon, 7)["helm"]["rudder"] == -20, "the helm is kept")
+        daemon.patch({"clock": {"mode": "FREE"}})
         moved = place(daemon, 7)["longitude"]
         until("she goes on", lambda: place(daemon, 7)["longitude"] != moved)
     with Daemon() as daemon:

@@ -342,6 +342,25 @@ static enum pel_err take_mesh(struct import *in, const struct aiMesh *mesh,
                : PEL_OK;
 }
 
+/* Those without area. A whole file may have some, not most. */
+static size_t flat_triangles(const struct pel_shape *s)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < s->triangle_count; i++) {
+        const struct pel_model_vertex *c = &s->corners[3 * i];
+        double u[3], v[3], u2 = 0, v2 = 0, uv = 0;
+        for (int k = 0; k < 3; k++) {
+            u[k] = (double)c[1].position[k] - (double)c[0].position[k];
+            v[k] = (double)c[2].position[k] - (double)c[0].position[k];
+            u2 += u[k] * u[k];
+            v2 += v[k] * v[k];
+            uv += u[k] * v[k];
+        }
+        count += u2 * v2 - uv * uv <= 1e-12 * u2 * v2; /* sine below 1e-6 */
+    }
+    return count;
+}
+
 /* NOLINTNEXTLINE(misc-no-recursion): MOST_DEPTH deep. */
 static enum pel_err take_node(struct import *in, const struct aiNode *node,
                               const struct aiMatrix4x4 *parent, int depth,
@@ -489,8 +508,37 @@ static enum pel_err place(const struct pel_mesh_request *r, struct pel_shape *s,
  * ----------------------------------------------------------------------------------
  */
 
-static const struct aiScene *import_scene(const char *path)
+/* What the library says of damage that it passes over. */
+struct complaints {
+    bool out_of_range; /* triangles with corners that are not there */
+    struct pel_mesh_notes *notes;
+};
+
+/* "Warn,  T0: Some vertices were dropped." */
+static void hear(const char *message, char *user)
 {
+    struct complaints *heard = (struct complaints *)user;
+    const char *text = strstr(message, ": ");
+    bool error = strncmp(message, "Error", 5) == 0;
+    if (!text || (!error && strncmp(message, "Warn", 4) != 0)) {
+        return;
+    }
+    heard->out_of_range |= strstr(text, "out-of-range indices") != NULL;
+    int length = (int)strcspn(text + 2, "\n");
+    char plain[100];
+    snprintf(plain, sizeof plain, "%.*s", length, text + 2);
+    if ((error || strstr(text, "dropped")) &&
+        !strstr(heard->notes->text, plain)) {
+        pel_mesh_note(heard->notes, "%s", plain);
+    }
+}
+
+static const struct aiScene *import_scene(const char *path,
+                                          struct complaints *heard)
+{
+    const struct aiLogStream log = { hear, (char *)heard };
+    aiAttachLogStream(&log);
+
     struct aiPropertyStore *store = aiCreatePropertyStore();
     aiSetImportPropertyInteger(store, AI_CONFIG_PP_SBP_REMOVE,
                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -516,10 +564,15 @@ enum pel_err pel_mesh_read(const struct pel_mesh_request *request,
     if (err) {
         return err;
     }
-    in.scene = import_scene(request->path);
+    struct complaints heard = { .notes = notes };
+    in.scene = import_scene(request->path, &heard);
     if (!in.scene || !in.scene->mRootNode) {
         return pel_fault_set(fault, PEL_ERR_INVALID, "%.200s",
                              aiGetErrorString());
+    }
+    if (heard.out_of_range) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "triangles have corners that are not there");
     }
     unsigned count = in.scene->mNumMaterials;
     in.materials = malloc((count + 1) * sizeof *in.materials);
@@ -532,6 +585,12 @@ enum pel_err pel_mesh_read(const struct pel_mesh_request *request,
     err = take_node(&in, in.scene->mRootNode, &none, 0, fault);
     if (!err && shape->triangle_count == 0) {
         err = pel_fault_set(fault, PEL_ERR_INVALID, "it has no triangles");
+    }
+    if (!err && flat_triangles(shape) > shape->triangle_count / 2) {
+        err = pel_fault_set(fault, PEL_ERR_INVALID,
+                            "%zu of its %zu triangles have no area: its "
+                            "vertices are damaged",
+                            flat_triangles(shape), shape->triangle_count);
     }
     if (in.scene->mNumAnimations > 0) {
         pel_mesh_note(notes, "it stands still: animations are not played");
