@@ -97,6 +97,7 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/cascade_query.c \
     server/ocean/filter.c \
     server/ocean/foam.c \
+    server/ocean/wake.c \
     server/ocean/foamgrain.c \
     server/ocean/filtered_cascades.c \
     server/ocean/sea.c \
@@ -285,6 +286,7 @@ TESTS += server/ocean/tiling_test.c
 TESTS += server/ocean/fields_test.c
 TESTS += server/ocean/filter_test.c
 TESTS += server/ocean/foam_test.c
+TESTS += server/ocean/wake_test.c
 TESTS += server/ocean/directional_test.c
 TESTS += server/ocean/ndbc_test.c
 TESTS += server/ocean/welch_test.c
