@@ -96,6 +96,8 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/fields.c \
     server/ocean/cascade_query.c \
     server/ocean/filter.c \
+    server/ocean/areas.c \
+    server/ocean/areaquery.c \
     server/ocean/foam.c \
     server/ocean/wake.c \
     server/ocean/foamgrain.c \
@@ -285,6 +287,7 @@ TESTS += server/ocean/cascade_test.c
 TESTS += server/ocean/tiling_test.c
 TESTS += server/ocean/fields_test.c
 TESTS += server/ocean/filter_test.c
+TESTS += server/ocean/areas_test.c
 TESTS += server/ocean/foam_test.c
 TESTS += server/ocean/wake_test.c
 TESTS += server/ocean/directional_test.c
@@ -343,6 +346,7 @@ TESTS += server/render/uniforms_test.c
 TESTS += server/render/renderer_test.c
 TESTS += server/render/objects_test.c server/render/object_light_test.c
 TESTS += server/render/wavefield_test.c
+TESTS += server/render/areas_drawn_test.c
 TESTS += server/render/foam_drawn_test.c
 TESTS += server/render/filtered_test.c
 TESTS += server/render/depth_test.c

@@ -3,6 +3,9 @@
 // first two (render/coast.h).
 #include "lib/blocks.h"
 #include "lib/flat.glsl"
+#ifdef PEL_AREAS
+#include "lib/areas.glsl"
+#endif
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else

@@ -1,6 +1,9 @@
 #version 450 core
 // Pixels that outlines cut, over what their middles see.
 #include "lib/blocks.h"
+#ifdef PEL_AREAS
+#include "lib/areas.glsl"
+#endif
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else

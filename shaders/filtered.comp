@@ -3,6 +3,9 @@
 // ocean/filter.h, for comparison with it.
 #define PEL_LAYERS
 #include "lib/blocks.h"
+#ifdef PEL_AREAS
+#include "lib/areas.glsl"
+#endif
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else

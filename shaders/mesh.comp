@@ -4,6 +4,9 @@
 // only, so all views from one eye see one surface.
 #include "lib/blocks.h"
 #include "lib/vertex.glsl"
+#ifdef PEL_AREAS
+#include "lib/areas.glsl"
+#endif
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else
@@ -45,9 +48,18 @@ void main()
     float scale = up.w / r.y;
     float offset = -right.w * up.w;
     vec3 shift = vec3(0.0);
+#ifdef PEL_AREAS
+    float higher = area_factor(x, r.y);
+#define PEL_UP(phase)                                                          \
+    float up = phase.w < PEL_AREA_SHORTER_M ? higher : 1.0;                    \
+    sc *= vec2(min(up, 1.0), up);
+#else
+#define PEL_UP(phase)
+#endif
 #define PEL_DISPLACE(phase, wander)                                            \
     float h = wander.w * filter_weight(phase.w * scale + offset);              \
     vec2 sc = h * sine_cosine_turns(wave_turns(phase, x, wandered(wander, x))); \
+    PEL_UP(phase)                                                              \
     shift += vec3((-wave_chop(phase) * sc.x) * phase.xy, sc.y);
     PEL_EACH_WAVE(PEL_DISPLACE)
     shift *= 0.159154943; // 1 / 2π

@@ -4,6 +4,9 @@
 // not.
 #include "lib/blocks.h"
 #ifdef PEL_LAND
+#ifdef PEL_AREAS
+#include "lib/areas.glsl"
+#endif
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else

@@ -1,6 +1,9 @@
 #version 450 core
 #include "lib/blocks.h"
 #include "lib/flat.glsl"
+#ifdef PEL_AREAS
+#include "lib/areas.glsl"
+#endif
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else

@@ -2,6 +2,9 @@
 // Sky and sea of a picture in one dispatch: chips that are wide in compute and
 // narrow in graphics shade many times faster this way.
 #include "lib/blocks.h"
+#ifdef PEL_AREAS
+#include "lib/areas.glsl"
+#endif
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else

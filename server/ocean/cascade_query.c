@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/simd.h"
+#include "ocean/atrest.h"
 #include "ocean/fields.h"
 #include "ocean/newton.h"
 
@@ -260,22 +261,28 @@ PEL_INLINE void surface_at(const struct pel_cascade_fields *f,
     out->depth_m = NAN;
 }
 
+/* Of one cascade, added to the sum. */
+PEL_INLINE void add_surge(const struct pel_cascade_fields *f, int i,
+                          struct place p, struct pel_vec2 *sum)
+{
+    double wi[4], wj[4], unused[4];
+    spline(p.fi, wi, unused);
+    spline(p.fj, wj, unused);
+    for (int b = 0; b < 4; b++) {
+        for (int a = 0; a < 4; a++) {
+            int at = (p.j + b - 1) % N * N + (p.i + a - 1) % N;
+            sum->x += wi[a] * wj[b] * (double)f->surge[i][at][0];
+            sum->y += wi[a] * wj[b] * (double)f->surge[i][at][1];
+        }
+    }
+}
+
 PEL_INLINE struct pel_vec2 surge_at(const struct pel_cascade_fields *f,
                                     const struct reading *r)
 {
     struct pel_vec2 sum = { 0, 0 };
     for (int i = 0; i < PEL_CASCADES; i++) {
-        const struct place p = r->place[i];
-        double wi[4], wj[4], unused[4];
-        spline(p.fi, wi, unused);
-        spline(p.fj, wj, unused);
-        for (int b = 0; b < 4; b++) {
-            for (int a = 0; a < 4; a++) {
-                int at = (p.j + b - 1) % N * N + (p.i + a - 1) % N;
-                sum.x += wi[a] * wj[b] * (double)f->surge[i][at][0];
-                sum.y += wi[a] * wj[b] * (double)f->surge[i][at][1];
-            }
-        }
+        add_surge(f, i, r->place[i], &sum);
     }
     return sum;
 }
@@ -338,4 +345,49 @@ struct pel_vec3 pel_cascades_displace(const struct pel_cascades *c, double x_m,
     shift_at(c, pel_fields_of(kept), &r, &s);
     pel_fields_give(c, kept);
     return (struct pel_vec3){ s.d[0], s.d[1], s.d[2] };
+}
+
+/* --- at rest ----------------------------------------------------------------
+ */
+
+struct pel_moment *pel_moment_take(const struct pel_cascades *c, double time_s,
+                                   bool moving)
+{
+    return (struct pel_moment *)take(
+        c, time_s, moving ? PEL_FIELDS_SURGE : PEL_FIELDS_VELOCITY);
+}
+
+void pel_moment_give(const struct pel_cascades *c, struct pel_moment *moment)
+{
+    pel_fields_give(c, (struct pel_kept_fields *)moment);
+}
+
+void pel_moment_at_rest(const struct pel_cascades *c,
+                        const struct pel_moment *moment, double x, double y,
+                        struct pel_at_rest out[2])
+{
+    const struct pel_cascade_fields *f =
+        pel_fields_of((struct pel_kept_fields *)moment);
+    struct reading r;
+    read_at(c, (struct pel_vec2){ x, y }, &r);
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        struct pel_at_rest *to = &out[i < PEL_CASCADES / 2 ? 0 : 1];
+        struct shift s = { 0 };
+        add_shift(&c->cascade[i], f->displacement[i], r.place[i],
+                  r.sheared.by[i], &s);
+        lanes4 v = sample_spline(f->velocity[i], r.place[i]);
+        for (int n = 0; n < 3; n++) {
+            to->d[n] += s.d[n];
+            to->dx[n] += s.dx[n];
+            to->dy[n] += s.dy[n];
+            to->v[n] += v[n];
+        }
+        to->a[2] += v[3];
+        if (f->surge[i]) {
+            struct pel_vec2 surge = { 0, 0 };
+            add_surge(f, i, r.place[i], &surge);
+            to->a[0] += surge.x;
+            to->a[1] += surge.y;
+        }
+    }
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ocean/areas.h"
 #include "ocean/spectrum.h"
 
 #define NODES PEL_DIRECTIONAL_NODES
@@ -88,7 +89,7 @@ bool pel_sea_desc_ok(const struct pel_sea_desc *d)
         ok = inside(w->height_m, 0, 15) && inside(w->period_s, 1, 30) &&
              isfinite(w->direction_rad) && isfinite(w->phase_rad);
     }
-    return ok;
+    return ok && pel_areas_ok(d);
 }
 
 /* --- parts ---------------------------------------------------------------- */

@@ -12,6 +12,7 @@
 
 #include "base/err.h"
 #include "base/vec.h"
+#include "shaders/lib/blocks.h"
 
 #define PEL_GRAVITY 9.81 /* m/s², as the 2010 paper */
 #define PEL_SEA_MAX_WAVES 256
@@ -69,6 +70,20 @@ struct pel_single_desc {
 };
 #define PEL_SEA_MAX_SINGLES 8
 
+/* Where short waves are higher or lower (ocean/areas.h): a circle about its
+ * place, or a polygon with corners relative to it. */
+#define PEL_SEA_MAX_AREAS PEL_AREA_LIMIT
+struct pel_area_desc {
+    double east_m, north_m; /* at time_s */
+    double radius_m;        /* of a circle, 1..1e5 */
+    int corner_count;       /* 0: a circle; 3..PEL_AREA_CORNERS */
+    struct pel_vec2 corner[PEL_AREA_CORNERS];
+    double velocity_east_mps, velocity_north_mps; /* −50..50 */
+    double time_s;
+    double edge_m; /* over which it goes over into the sea, 1..1e4 */
+    double factor; /* of the short waves' heights, 0..2 */
+};
+
 struct pel_sea_desc {
     enum pel_synthesiser synthesiser;
     enum pel_spectrum_kind kind;
@@ -87,6 +102,8 @@ struct pel_sea_desc {
     double depth_m;   /* of the dispersion, 1..11000; 0: deep water */
     double whitecaps; /* times the wind's coverage (foam.h), 0..4; 0: none */
     struct pel_measured measured;
+    int area_count; /* 0..PEL_SEA_MAX_AREAS */
+    struct pel_area_desc area[PEL_SEA_MAX_AREAS];
 };
 
 /* One trochoid (Bruneton et al. 2010, eq. 2), in phase convention

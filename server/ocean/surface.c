@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/simd.h"
+#include "ocean/areas.h"
 #include "ocean/fields.h"
 #include "ocean/newton.h"
 #include "ocean/wander.h"
@@ -305,6 +306,10 @@ static void query_sea(const struct pel_sea *sea, const struct pel_vec2 *points,
                       size_t n, double time_s, bool moving,
                       struct pel_surface_sample *out)
 {
+    if (sea->desc.area_count) {
+        pel_areas_query(sea, points, n, time_s, moving, out);
+        return;
+    }
     if (sea->cascades) {
         pel_cascades_query(sea->cascades, points, n, time_s, moving, out);
         return;
@@ -347,6 +352,9 @@ struct pel_vec3 pel_sea_displace(const struct pel_sea *sea, double x_m,
                                  double y_m, double time_s)
 {
     struct pel_vec3 d = { 0, 0, 0 };
+    if (sea->desc.area_count) {
+        return pel_areas_displace(sea, x_m, y_m, time_s);
+    }
     if (sea->cascades) {
         return pel_cascades_displace(sea->cascades, x_m, y_m, time_s);
     }

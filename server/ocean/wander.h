@@ -109,6 +109,21 @@ pel_wave_at(const struct pel_wave *w, double x, double y, double time_s)
     };
 }
 
+/* The frequency there, rad/s, and its change, rad/s². */
+struct pel_wave_rate {
+    double omega, faster;
+};
+
+static inline struct pel_wave_rate
+pel_wave_rate_at(const struct pel_wave *w, double x, double y, double time_s)
+{
+    double s = w->wander_x * x + w->wander_y * y +
+               remainder(w->wander_start - w->wander_rate * time_s, 1.0);
+    double r = s - floor(s) - 0.5, rate = w->swing * w->wander_rate;
+    return (struct pel_wave_rate){ w->omega + rate * (1.0 - 4.0 * fabs(r)),
+                                   copysign(4.0 * rate * w->wander_rate, r) };
+}
+
 /* Mean over the cell of the wave vector's products with itself. */
 struct pel_wave_square {
     double xx, xy, yy;

@@ -53,13 +53,16 @@ static const char *foam_defines(const struct pel_sea *sea)
                             : "";
 }
 
+static const char *area_defines(const struct pel_sea *sea)
+{
+    return sea->desc.area_count ? "#define PEL_AREAS\n" : "";
+}
+
 static struct pel_sea_programs *programs_of(struct pel_programs *p,
                                             const struct pel_sea *sea)
 {
-    if (sea->foam) {
-        return &p->foamy[has_streaks(sea)][sea->cascades != NULL];
-    }
-    return sea->cascades ? &p->cascades : &p->trochoids;
+    int foam = has_streaks(sea) ? 2 : sea->foam ? 1 : 0;
+    return &p->seas[sea->desc.area_count > 0][foam][sea->cascades != NULL];
 }
 
 const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
@@ -70,10 +73,8 @@ const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
 
 static void delete_all_seas(struct pel_programs *p)
 {
-    delete_sea_programs(&p->trochoids);
-    delete_sea_programs(&p->cascades);
-    for (int i = 0; i < 4; i++) {
-        delete_sea_programs(&p->foamy[i / 2][i % 2]);
+    for (int i = 0; i < 12; i++) {
+        delete_sea_programs(&p->seas[i / 6][i / 2 % 3][i % 2]);
     }
 }
 
@@ -87,9 +88,9 @@ static enum pel_err make_sea_program(struct pel_programs *all,
         return PEL_OK;
     }
     char defines[256];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s",
              sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
-             kind_defines[kind], tile_defines[tile],
+             area_defines(sea), kind_defines[kind], tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
              objects ? "#define PEL_OBJECTS\n" : "");
@@ -113,9 +114,9 @@ static enum pel_err make_edges_program(struct pel_programs *all,
         return PEL_OK;
     }
     char defines[256];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s",
              sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
-             kind_defines[kind], tile_defines[tile],
+             area_defines(sea), kind_defines[kind], tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
              all->compute ? "#define PEL_KEYS\n" : "");
@@ -135,8 +136,8 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
     enum pel_err err = PEL_OK;
     if (!p->mesh) {
         char defines[64];
-        snprintf(defines, sizeof defines, "%s%s",
-                 cascades ? "#define PEL_FFT\n" : "",
+        snprintf(defines, sizeof defines, "%s%s%s",
+                 cascades ? "#define PEL_FFT\n" : "", area_defines(sea),
                  all->software ? "" : "#define PEL_EXACT_TEXELS\n");
         err = pel_program_create(all->shader_dir, "mesh.comp", NULL, defines,
                                  &p->mesh, fault);

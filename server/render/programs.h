@@ -44,9 +44,9 @@ struct pel_programs {
     GLuint clear_keys;                /* after outlines, in compute */
     GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
     GLuint disc[PEL_SHADE_COUNT];     /* and with it */
-    struct pel_sea_programs trochoids, cascades;
-    /* With foam, and with streaks of it. */
-    struct pel_sea_programs foamy[2][2]; /* streaks, cascades */
+    /* Without areas and with; without foam, with it, with streaks of it; of
+     * trochoids and of cascades. */
+    struct pel_sea_programs seas[2][3][2];
 };
 
 /* `shading` as in pel_renderer_options; `filtering`, settled, outlives the

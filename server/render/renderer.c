@@ -387,6 +387,12 @@ static void draw_pixels(struct pel_renderer *r,
     } else {
         bind_waves(r, env, c);
     }
+    if (env->sea->desc.area_count) {
+        struct pel_block_areas block;
+        pel_fill_areas(env, c->east_m, c->north_m, &block);
+        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_AREAS, &block,
+                       sizeof block);
+    }
     pel_sea_texels_bind(&r->tables);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                    sizeof eye);

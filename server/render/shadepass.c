@@ -104,8 +104,8 @@ static void put_objects(struct pel_renderer *r, const struct pel_camera *c,
                         const struct pel_sea_programs *p,
                         const struct pel_pass *pass)
 {
-    bool fft = p == &r->programs.cascades || p == &r->programs.foamy[0][1] ||
-               p == &r->programs.foamy[1][1];
+    const struct pel_sea_programs *first = &r->programs.seas[0][0][0];
+    bool fft = (p - first) % 2 == 1;
     struct pel_pass light;
     glDisable(GL_DEPTH_TEST);
     if (pel_edges_pass(pass, &light)) {

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "ocean/areas.h"
 #include "ocean/foam.h"
 #include "optics/atmosphere.h"
 #include "optics/brdf.h"
@@ -139,6 +140,43 @@ void pel_fill_eye(double height_m, double table_height_m, bool submerged,
                     mesh ? mesh->columns_around : 1.0),
         .lut = vec4(table_height_m, submerged ? 1.0 : 0.0, 0.0, 0.0),
     };
+}
+
+static void fill_corners(const struct pel_area_desc *a, struct pel_vec4 *out,
+                         double *radius_m)
+{
+    for (int i = 0; i < a->corner_count; i++) {
+        float x = (float)a->corner[i].x, y = (float)a->corner[i].y;
+        if (i % 2) {
+            out[i / 2].z = x;
+            out[i / 2].w = y;
+        } else {
+            out[i / 2].x = x;
+            out[i / 2].y = y;
+        }
+        *radius_m = fmax(*radius_m, hypot(a->corner[i].x, a->corner[i].y));
+    }
+}
+
+void pel_fill_areas(const struct pel_environment *env, double east_m,
+                    double north_m, struct pel_block_areas *out)
+{
+    const struct pel_sea_desc *d = &env->sea->desc;
+    struct pel_slopes below =
+        pel_sea_slopes_below(env->sea, PEL_AREA_SHORTER_M);
+    *out = (struct pel_block_areas){
+        .area_count = vec4(d->area_count, 0.0, below.along, below.cross),
+    };
+    for (int i = 0; i < d->area_count; i++) {
+        const struct pel_area_desc *a = &d->area[i];
+        struct pel_vec2 at = pel_area_place(a, env->time_s);
+        double radius_m = a->corner_count ? 0.0 : a->radius_m;
+        fill_corners(a, &out->area_corners[i * PEL_AREA_CORNERS / 2],
+                     &radius_m);
+        out->areas[i].place =
+            vec4(at.x - east_m, at.y - north_m, radius_m, a->edge_m);
+        out->areas[i].shape = vec4(a->factor - 1.0, a->corner_count, 0.0, 0.0);
+    }
 }
 
 /* A fraction that stays one when single precision holds it with a whole part

@@ -53,6 +53,10 @@ struct pel_foam;
 void pel_fill_spray(const struct pel_foam *foam, double height_m,
                     struct pel_block_eye *out);
 
+/* The areas of a sea, for lib/areas.glsl. */
+void pel_fill_areas(const struct pel_environment *env, double east_m,
+                    double north_m, struct pel_block_areas *out);
+
 /* Where the eye stands on the structure of foam (lib/foam.glsl). */
 void pel_fill_grain(const struct pel_foam *foam, double wind_to_rad,
                     double east_m, double north_m, struct pel_block_eye *out);

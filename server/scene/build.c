@@ -32,6 +32,24 @@ static double goes_to(double from_deg)
     return remainder(90.0 - (from_deg + 180.0), 360.0) * PEL_DEG;
 }
 
+static void place_area(const Pelagos__Area *from, struct pel_area_desc *to)
+{
+    double course = from->course * PEL_DEG;
+    *to = (struct pel_area_desc){
+        .east_m = from->east,
+        .north_m = from->north,
+        .radius_m = from->radius,
+        .velocity_east_mps = from->speed * sin(course),
+        .velocity_north_mps = from->speed * cos(course),
+        .time_s = from->time,
+        .edge_m = from->edge,
+        .factor = from->factor,
+    };
+    int corners =
+        from->corners ? pel_corners_parse(from->corners, to->corner) : 0;
+    to->corner_count = corners > 0 ? corners : 0; /* which check.c refused */
+}
+
 void pel_sea_describe(const Pelagos__State *state, int wave_count,
                       struct pel_sea_desc *out)
 {
@@ -59,6 +77,10 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
         out->single[i].period_s = sea->wave[i]->period;
         out->single[i].direction_rad = goes_to(sea->wave[i]->direction);
         out->single[i].phase_rad = sea->wave[i]->phase * PEL_DEG;
+    }
+    out->area_count = (int)sea->n_areas;
+    for (size_t i = 0; i < sea->n_areas; i++) {
+        place_area(sea->areas[i], &out->area[i]);
     }
 }
 
@@ -115,6 +137,22 @@ static bool same_single(const struct pel_single_desc *a,
            a->direction_rad == b->direction_rad && a->phase_rad == b->phase_rad;
 }
 
+static bool same_area(const struct pel_area_desc *a,
+                      const struct pel_area_desc *b)
+{
+    bool same = a->east_m == b->east_m && a->north_m == b->north_m &&
+                a->radius_m == b->radius_m && a->edge_m == b->edge_m &&
+                a->velocity_east_mps == b->velocity_east_mps &&
+                a->velocity_north_mps == b->velocity_north_mps &&
+                a->time_s == b->time_s && a->factor == b->factor &&
+                a->corner_count == b->corner_count;
+    for (int i = 0; same && i < a->corner_count; i++) {
+        same = a->corner[i].x == b->corner[i].x &&
+               a->corner[i].y == b->corner[i].y;
+    }
+    return same;
+}
+
 static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
 {
     bool same = a->synthesiser == b->synthesiser && a->kind == b->kind &&
@@ -131,6 +169,10 @@ static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
     same = same && a->single_count == b->single_count;
     for (int i = 0; same && i < a->single_count; i++) {
         same = same_single(&a->single[i], &b->single[i]);
+    }
+    same = same && a->area_count == b->area_count;
+    for (int i = 0; same && i < a->area_count; i++) {
+        same = same_area(&a->area[i], &b->area[i]);
     }
     return same;
 }

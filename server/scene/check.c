@@ -276,6 +276,50 @@ static enum pel_err check_seabed(const Pelagos__Seabed *s,
                      fault);
 }
 
+int pel_corners_parse(const char *text, struct pel_vec2 *out)
+{
+    int count = 0;
+    while (*text) {
+        double v[2];
+        for (int k = 0; k < 2; k++) {
+            char *end;
+            v[k] = g_ascii_strtod(text, &end);
+            if (end == text || !(fabs(v[k]) <= 1e5)) {
+                return -1;
+            }
+            text = end;
+        }
+        if (count == PEL_AREA_CORNERS) {
+            return -1;
+        }
+        out[count++] = (struct pel_vec2){ v[0], v[1] };
+        text += strspn(text, " ");
+        if (*text && *text++ != ',') {
+            return -1;
+        }
+    }
+    return count == 0 || count >= 3 ? count : -1;
+}
+
+static enum pel_err check_areas(const Pelagos__Sea *sea,
+                                struct pel_fault *fault)
+{
+    enum pel_err err =
+        check_count(sea->n_areas, PEL_SEA_MAX_AREAS, "sea.areas", fault);
+    for (size_t i = 0; !err && i < sea->n_areas; i++) {
+        struct pel_vec2 corners[PEL_AREA_CORNERS];
+        const char *text = sea->areas[i]->corners;
+        if (text && pel_corners_parse(text, corners) < 0) {
+            char path[32];
+            g_snprintf(path, sizeof path, "sea.areas.%zu.corners", i);
+            err = pel_fault_refuse(
+                PEL_ERR_INVALID, path, text,
+                "must be 3 to 16 corners, as 0 0, 400 0, 300 150", fault);
+        }
+    }
+    return err;
+}
+
 enum pel_err pel_state_check(const Pelagos__State *state,
                              struct pel_fault *fault)
 {
@@ -292,6 +336,9 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     if (!err && state->sea) {
         err = check_count(state->sea->n_wave, PEL_SEA_MAX_SINGLES, "sea.wave",
                           fault);
+    }
+    if (!err && state->sea) {
+        err = check_areas(state->sea, fault);
     }
     if (!err) {
         err = pel_message_check(&state->base, "", fault);

@@ -11,6 +11,11 @@
 PEL_CHECK enum pel_err pel_state_check(const Pelagos__State *state,
                                        struct pel_fault *fault);
 
+/* Corners of Area.corners into PEL_AREA_CORNERS places; their number, 0 for
+ * an empty text, −1 where it is none that the schema allows. */
+struct pel_vec2;
+int pel_corners_parse(const char *text, struct pel_vec2 *out);
+
 /* Replaces sea.beaufort or sea.douglas of a tested state by the windSpeed that
  * they mean; CONFLICT where both are given. */
 PEL_CHECK enum pel_err pel_sea_settle(Pelagos__State *state,

@@ -51,6 +51,9 @@ void pel_state_fill(Pelagos__State *state, double time_s)
     for (size_t i = 0; i < state->sea->n_wave; i++) {
         fill_scalars(&state->sea->wave[i]->base);
     }
+    for (size_t i = 0; i < state->sea->n_areas; i++) {
+        fill_scalars(&state->sea->areas[i]->base);
+    }
     for (size_t i = 0; i < state->n_entities; i++) {
         Pelagos__Entity *entity = state->entities[i];
         fill_scalars(&entity->base);
@@ -288,6 +291,9 @@ static enum pel_err bounded(const Pelagos__Patch *patch,
     }
     if (state && state->sea && state->sea->n_wave > MAX_PATCHED) {
         return too_many("sea.wave", fault);
+    }
+    if (state && state->sea && state->sea->n_areas > MAX_PATCHED) {
+        return too_many("sea.areas", fault);
     }
     return PEL_OK;
 }

@@ -141,6 +141,45 @@ static void remove_station(const char *folder)
     rmdir(folder);
 }
 
+static void areas_become_the_sea(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL, NULL);
+    struct pel_fault fault;
+    must(scene, "{\"sea\":{\"areas\":[{\"east\":50,\"factor\":0.5},"
+                "{\"corners\":\"0 0, 400 0, 300.5 -150\",\"course\":90,"
+                "\"speed\":3}]}}");
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    const struct pel_sea_desc *d = &pel_snapshot_sea(s)->desc;
+    assert_int_equal(d->area_count, 2);
+    assert_true(d->area[0].corner_count == 0 && d->area[0].radius_m == 100);
+    assert_true(d->area[0].east_m == 50 && d->area[0].factor == 0.5);
+    assert_int_equal(d->area[1].corner_count, 3);
+    assert_true(d->area[1].corner[2].x == 300.5 &&
+                d->area[1].corner[2].y == -150);
+    assert_true(fabs(d->area[1].velocity_east_mps - 3) < 1e-12 &&
+                fabs(d->area[1].velocity_north_mps) < 1e-12);
+    pel_snapshot_unref(s);
+    static const char *const wrong[] = { "0 0, 1 1", "0 0, 1 1, 2",
+                                         "0 0; 1 1; 2 5", "nan 0, 1 1, 2 2",
+                                         "0 0, 1 1, 9e9 2" };
+    for (int i = 0; i < 5; i++) {
+        char json[96];
+        snprintf(json, sizeof json,
+                 "{\"sea\":{\"areas\":[{\"corners\":\"%s\"}]}}", wrong[i]);
+        assert_int_equal(patch(scene, json, &fault), PEL_ERR_INVALID);
+        assert_string_equal(fault.path, "sea.areas.0.corners");
+    }
+    assert_int_equal(
+        patch(scene, "{\"sea\":{\"areas\":[{\"factor\":3}]}}", &fault),
+        PEL_ERR_OUT_OF_RANGE);
+    must(scene, "{\"sea\":{\"areas\":[]}}");
+    s = pel_scene_snapshot(scene);
+    assert_int_equal(pel_snapshot_sea(s)->desc.area_count, 0);
+    pel_snapshot_unref(s);
+    pel_scene_destroy(scene);
+}
+
 static void a_buoy_becomes_the_sea(void **state)
 {
     (void)state;
@@ -294,6 +333,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_wind_has_other_names),
         cmocka_unit_test(every_spectrum_has_its_sea),
+        cmocka_unit_test(areas_become_the_sea),
         cmocka_unit_test(a_buoy_becomes_the_sea),
         cmocka_unit_test(the_sea_has_numbers),
         cmocka_unit_test(numbers_change_nothing),

@@ -23,6 +23,7 @@ struct pel_vec4 {
 #define PEL_BLOCK_VIEW 2
 #define PEL_BLOCK_LIGHT 4
 #define PEL_BLOCK_CASCADES 5
+#define PEL_BLOCK_AREAS 8
 #define PEL_BLOCK_SEABED 9
 #define PEL_BLOCK_MEDIUM 10
 #define PEL_BLOCK_BEAM 11
@@ -302,6 +303,14 @@ struct pel_vec4 {
 /* Levels of detail by which positions are sampled sharper than slopes. */
 #define PEL_SHIFT_SHARPER 1.5
 
+/* Areas (ocean/areas.h): their number at most, corners of each; the waves that
+ * they change are shorter, those of the two finer cascades. */
+#define PEL_AREA_LIMIT 16
+#define PEL_AREA_CORNERS 16
+#define PEL_AREA_SHORTER_M 3.709
+#define PEL_AREA_FACTOR 2.0 /* at most */
+#define PEL_AREA_FOAM 6.8   /* power of the factor by which foam changes */
+
 /* Whitecaps (ocean/foam.h): the table of foam, nodes a side within REACH
  * standard deviations of X and Y, and by the standard deviation left; the share
  * of their variance that no footprint resolves; texels a side of foam's
@@ -487,6 +496,20 @@ struct pel_block_facets {
     struct pel_shader_facets facets[PEL_FACET_STEPS + 1];
 };
 #endif
+
+/* One for an eye, where the sea has areas (ocean/areas.h). */
+struct pel_shader_area {
+    vec4 place; /* xy from the eye's nadir; z radius, of a polygon's farthest
+                   corner; w edge, m */
+    vec4 shape; /* x factor less 1; y corners, 0: a circle */
+};
+PEL_BLOCK(PEL_BLOCK_AREAS, areas)
+{
+    vec4 area_count; /* x; zw slope variance of short waves, along, cross */
+    PEL_STRUCT pel_shader_area areas[PEL_AREA_LIMIT];
+    vec4 area_corners[PEL_AREA_LIMIT * PEL_AREA_CORNERS / 2]; /* two each, from
+                                                                 the place */
+};
 
 /* Written by the light pass. */
 PEL_BLOCK(PEL_BLOCK_LIGHT, light)

@@ -120,7 +120,14 @@ vec3 cascade_shift(vec2 x, float cell)
     reading at = reading_at(x);
     for (int c = 0; c < PEL_CASCADES && lod < (c > 0 ? COARSEST - 2.0 : COARSEST); c++) {
         shear(c, x, at);
-        sum += cascade_displacement(c, cascade_uv(c, at.place), lod);
+        vec3 shift = cascade_displacement(c, cascade_uv(c, at.place), lod);
+#ifdef PEL_AREAS
+        if (c >= PEL_CASCADES / 2) {
+            float up = area_factor(x, cell);
+            shift *= vec3(min(vec2(up), 1.0), up);
+        }
+#endif
+        sum += shift;
         lod = log2(cell / cascades[min(c + 1, PEL_CASCADES - 1)].place.w) + finer;
     }
     return sum;

@@ -10,6 +10,9 @@ struct filtered {
 #ifdef PEL_FOAM
     vec2 breaking; // X, Y of ocean/foam.h
 #endif
+#ifdef PEL_AREAS
+    float up; // what short waves are times
+#endif
 };
 
 #ifdef PEL_FFT
@@ -24,6 +27,9 @@ filtered filtered_sea(vec2 x, float footprint)
 #ifdef PEL_FOAM
     f.breaking = vec2(0.0);
 #endif
+#ifdef PEL_AREAS
+    f.up = area_factor(x, footprint);
+#endif
     reading at = reading_at(x);
     // Nothing is left of a cascade at its coarsest level.
     for (int c = 0; c < PEL_CASCADES; c++) {
@@ -33,6 +39,12 @@ filtered filtered_sea(vec2 x, float footprint)
             vec3 uv = vec3(cascade_uv(c, at.place), c);
             vec4 slopes = textureLod(slope_fields, uv, lod + back.w);
             float mixed = textureLod(fold_field, uv, lod + back.w).x;
+#ifdef PEL_AREAS
+            if (c >= PEL_CASCADES / 2) {
+                slopes *= vec4(f.up, f.up, min(vec2(f.up), 1.0));
+                mixed *= min(f.up, 1.0);
+            }
+#endif
             f.slope += slopes.x * at.by.xy + slopes.y * at.by.zw;
             f.fold -= vec4(slopes.z, mixed, mixed, slopes.w);
 #ifdef PEL_FOAM
@@ -41,7 +53,13 @@ filtered filtered_sea(vec2 x, float footprint)
             }
 #endif
 #ifdef PEL_LAYERS
-            f.shift += cascade_displacement(c, uv.xy, lod + back.w - PEL_SHIFT_SHARPER);
+            vec3 shift = cascade_displacement(c, uv.xy, lod + back.w - PEL_SHIFT_SHARPER);
+#ifdef PEL_AREAS
+            if (c >= PEL_CASCADES / 2) {
+                shift *= vec3(min(vec2(f.up), 1.0), f.up);
+            }
+#endif
+            f.shift += shift;
 #endif
         }
     }
@@ -66,6 +84,11 @@ filtered filtered_sea(vec2 x, float footprint)
     f.shift = vec3(0.0);
 #define PEL_SHIFT(phase, wander)                                               \
     f.shift += (w * wander.w) * vec3((-chop * sc.x) * phase.xy, sc.y);
+#ifdef PEL_AREAS
+#undef PEL_SHIFT
+#define PEL_SHIFT(phase, wander)                                               \
+    f.shift += (w * wander.w) * vec3((-chop * level * sc.x) * phase.xy, up * sc.y);
+#endif
 #else
 #define PEL_SHIFT(phase, wander)
 #endif
@@ -76,6 +99,18 @@ filtered filtered_sea(vec2 x, float footprint)
 #else
 #define PEL_BREAKING(phase, wander)
 #endif
+#ifdef PEL_AREAS
+    f.up = area_factor(x, footprint);
+#define PEL_UP(phase)                                                          \
+    float up = phase.w < PEL_AREA_SHORTER_M ? f.up : 1.0;                      \
+    float level = min(up, 1.0);
+#define PEL_LEVEL level *
+#define PEL_HIGHER up *
+#else
+#define PEL_UP(phase)
+#define PEL_LEVEL
+#define PEL_HIGHER
+#endif
 #define PEL_SLOPE(phase, wander)                                               \
     float w = filter_weight(phase.w * scale + offset);                         \
     float gain = w * footprint_mean(length2 * dot(phase.xy, phase.xy));        \
@@ -83,8 +118,9 @@ filtered filtered_sea(vec2 x, float footprint)
     vec3 at = wandered(wander, x);                                             \
     vec2 sc = sine_cosine_turns(wave_turns(phase, x, at));                     \
     vec2 hk = (gain * wander.w) * wave_vector(phase, wander, at);              \
-    f.fold += (chop * sc.y) * (phase.xxyy * hk.xyxy);                          \
-    f.slope -= sc.x * hk;                                                      \
+    PEL_UP(phase)                                                              \
+    f.fold += PEL_LEVEL (chop * sc.y) * (phase.xxyy * hk.xyxy);                \
+    f.slope -= PEL_HIGHER sc.x * hk;                                           \
     PEL_SHIFT(phase, wander)                                                   \
     PEL_BREAKING(phase, wander)
     PEL_EACH_WAVE(PEL_SLOPE)

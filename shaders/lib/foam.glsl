@@ -22,8 +22,9 @@ vec2 grain_at(vec2 uv, float texels)
 // x: foam is where the structure, a normal number that belongs to the water at
 // rest, is below a bound; of what a pixel averages over its variance is known.
 // y: how bright it is, thick in the middle and thin at its edges, by the share
-// of the foam there that is thicker: so its mean is 1.
-vec2 foam_of(vec2 x, vec2 breaking, float footprint)
+// of the foam there that is thicker: so its mean is 1. `up`: what an area has
+// the short waves times.
+vec2 foam_of(vec2 x, vec2 breaking, float footprint, float up)
 {
     const float side = float(PEL_FOAM_SIDE);
     const float levels = float(PEL_FOAM_LEVELS);
@@ -32,6 +33,11 @@ vec2 foam_of(vec2 x, vec2 breaking, float footprint)
     vec3 place = vec3(breaking * (whitecaps.x * 0.5 / PEL_FOAM_REACH) + 0.5, left);
     vec3 nodes = vec3(side, side, levels);
     float bound = textureLod(foam_table, (clamp(place, 0.0, 1.0) * (nodes - 1.0) + 0.5) / nodes, 0.0).x;
+#ifdef PEL_AREAS
+    // Slopes grow with the wind, and foam with its power: by so much, to first
+    // order in the logarithm of the odds.
+    bound += PEL_AREA_FOAM * log(max(up, 0.05)) / (1.5976 + 0.211695 * bound * bound);
+#endif
     // Too little, or too far, to see its structure.
 #ifdef PEL_STREAKS
     float low = 1.0 - smoothstep(-2.0, 0.5, bound); // no crest's

@@ -84,14 +84,22 @@ shaded shade_sea(ivec2 at, uint triangle)
     filtered f = filtered_sea(x, footprint);
     vec3 n = filtered_normal(f);
     vec2 variance = variance_left(footprint);
+    vec2 variance_beside = variance_left(PEL_CELL_FOOTPRINT * footprint) - variance;
+    vec2 variance_all = wind.zw;
+#ifdef PEL_AREAS
+    variance_beside = area_variance(variance + variance_beside, f.up);
+    variance = area_variance(variance, f.up);
+    variance_beside -= variance;
+    variance_all = area_variance(variance_all, f.up);
+#endif
     // A normal that faces away belongs to a patch which the mesh shows and the
     // waves hide. Such pixels dot the crests; they get what their neighbourhood
     // has on average, the mean plane with all its slopes.
     float edge = min(0.5 * v.z, 0.06);
     float hidden = 1.0 - smoothstep(-edge, edge, dot(n, v));
     vec3 n_seen = mix(n / n.z, vec3(0.0, 0.0, 1.0), hidden);
-    n_seen = normalize(n_seen + toward_sight(v, facing, variance_left(PEL_CELL_FOOTPRINT * footprint) - variance));
-    vec2 variance_seen = mix(variance, wind.zw, hidden);
+    n_seen = normalize(n_seen + toward_sight(v, facing, variance_beside));
+    vec2 variance_seen = mix(variance, variance_all, hidden);
     vec3 n_lit = facet_in_sight(n_seen, v);
 #ifdef PEL_SEABED
     bed_view seen = seabed_seen(dir.xy * range, sight_height(dir, range), v, n_lit);
@@ -127,7 +135,11 @@ shaded shade_sea(ivec2 at, uint triangle)
     lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving,
                              blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0));
 #ifdef PEL_FOAM
-    vec2 foam = foam_of(x, f.breaking, footprint);
+#ifdef PEL_AREAS
+    vec2 foam = foam_of(x, f.breaking, footprint, f.up);
+#else
+    vec2 foam = foam_of(x, f.breaking, footprint, 1.0);
+#endif
     cover_by_foam(foam, n_lit, tilt, parts);
 #endif
     vec3 light = parts.sun + parts.sky + parts.water;

@@ -126,6 +126,34 @@ class Wave(Record):
 
 
 @dataclass(frozen=True)
+class Area(Record):
+    """An area of the sea in which waves shorter than 3.7 m are higher or
+    lower: a slick, a gust's cat's paw, water that rain calms. What is drawn,
+    its glitter, its foam and what is queried change together."""
+    #: Place of its centre, or of a polygon's corners' origin, east of the
+    #: scene's origin. [m; -1000000 to 1000000]
+    east: float = _field(0.0, 'm', -1000000, 1000000)
+    #: The same, north. [m; -1000000 to 1000000]
+    north: float = _field(0.0, 'm', -1000000, 1000000)
+    #: Radius of a circle. [m; 1 to 100000]
+    radius: float = _field(100.0, 'm', 1, 100000)
+    #: Corners of a polygon instead, 3 to 16, east and north of the place, m,
+    #: as "0 0, 400 0, 300 150"; absent: a circle.
+    corners: str | None = _field(None)
+    #: What the short waves' heights are times. [1; 0 to 2]
+    factor: float = _field(0.3, '1', 0, 2)
+    #: Width in which it goes over into the sea around. [m; 1 to 10000]
+    edge: float = _field(20.0, 'm', 1, 10000)
+    #: Direction it moves to. [deg; 0 to 360]
+    course: float = _field(0.0, 'deg', 0, 360)
+    #: Speed it moves at. [m/s; 0 to 50]
+    speed: float = _field(0.0, 'm/s', 0, 50)
+    #: Simulated time at which it is at its place. [s; -1000000000 to
+    #: 1000000000]
+    time: float = _field(0.0, 's', -1000000000, 1000000000)
+
+
+@dataclass(frozen=True)
 class Sea(Record):
     """Sea of the state."""
     #: Mean wind speed 10 m above the sea. [m/s; 0 to 30]
@@ -178,6 +206,8 @@ class Sea(Record):
     #: have at this wind (0.3 % at 8 m/s, 5 % at 18, 14 % at 25), with streaks
     #: and spray; 0: none are drawn. [1; 0 to 4]
     whitecaps: float = _field(1.0, '1', 0, 4)
+    #: Areas of higher or lower short waves, at most 16.
+    areas: tuple[Area, ...] = ()
 
 
 @dataclass(frozen=True)
