@@ -360,6 +360,9 @@ static void on_shaped(void *user, enum pel_err err,
                         "shapes of targets were refused: %s %s", fault->path,
                         fault->message);
         t->counters->refused_edits++;
+        for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+            t->targets[i].reshaped &= !t->shaped[i]; /* not again and again */
+        }
         return;
     }
     t->counters->edits++;
@@ -393,20 +396,28 @@ struct shapes {
     char paths[SHAPES_AN_EDIT][32];
 };
 
-static void add_shape(struct shapes *s, const Pelagos__State *now,
-                      const struct pel_nmea_target *target, uint32_t id)
+/* plain: of the kind's own size, which all of a kind share. True: the size that
+ * is left out is to come. */
+static bool add_shape(struct shapes *s, const Pelagos__State *now,
+                      const struct pel_nmea_target *target, uint32_t id,
+                      bool plain)
 {
     size_t n = s->state.n_entities;
     Pelagos__Model *model = &s->models[n];
     pelagos__model__init(model);
     bool shaped = pel_nmea_shape_of(
         target->station, (uint32_t)(target->key - 1), &target->ship, model);
+    bool sized =
+        shaped && (model->has_length || model->has_beam || model->has_draught);
+    if (plain) {
+        model->has_length = model->has_beam = model->has_draught = 0;
+    }
     if (has_model(now, id)) { /* else the new one keeps its sizes */
         char *path = s->paths[s->patch.n_remove];
         snprintf(path, sizeof s->paths[0], "entities.%u.model", id);
         s->removals[s->patch.n_remove++] = path;
     } else if (!shaped) {
-        return;
+        return false;
     }
     Pelagos__Entity *e = &s->entities[n];
     pelagos__entity__init(e);
@@ -415,6 +426,20 @@ static void add_shape(struct shapes *s, const Pelagos__State *now,
     e->afloat = shaped;
     e->model = shaped ? model : NULL;
     s->list[s->state.n_entities++] = e;
+    return plain && sized;
+}
+
+/* Whether so many targets have no shape yet that each has one of its kind's own
+ * size first: a size takes tenths of a second to make. */
+static bool many_without(const struct pel_nmea_targets *t,
+                         const Pelagos__State *now)
+{
+    int count = 0;
+    for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+        count += t->targets[i].key != 0 && t->targets[i].reshaped &&
+                 !has_model(now, PEL_NMEA_TARGET_ID + (uint32_t)i);
+    }
+    return count > (t->plain ? 0 : SHAPES_AN_EDIT);
 }
 
 /* One edit at a time: what changes meanwhile is in the next. */
@@ -431,16 +456,17 @@ static void submit_shapes(struct pel_nmea_targets *t)
     s.patch.remove = s.removals;
     s.state.entities = s.list;
     t->reshaped = false;
+    t->plain = many_without(t, now);
     for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
         struct pel_nmea_target *target = &t->targets[i];
+        uint32_t id = PEL_NMEA_TARGET_ID + (uint32_t)i;
         bool waits = target->key != 0 && target->reshaped;
-        t->shaped[i] = waits && s.state.n_entities < SHAPES_AN_EDIT;
+        t->shaped[i] = waits && s.state.n_entities < SHAPES_AN_EDIT &&
+                       !(t->plain && has_model(now, id));
         if (t->shaped[i]) {
-            target->reshaped = false;
-            add_shape(&s, now, target, PEL_NMEA_TARGET_ID + (uint32_t)i);
-        } else if (waits) {
-            t->reshaped = true;
+            target->reshaped = add_shape(&s, now, target, id, t->plain);
         }
+        t->reshaped |= target->key != 0 && target->reshaped;
     }
     if (s.state.n_entities > 0) {
         const struct pel_scene_wish wish = { .patch = &s.patch, .source = t };

@@ -78,6 +78,7 @@ struct pel_nmea_targets {
     size_t pending_count;
     bool renamed, reshaped; /* one of the targets is */
     bool shaping;           /* models of shaped[] are being made */
+    bool plain; /* for now of their kinds' own sizes, as many have none */
     bool shaped[PEL_NMEA_TARGETS];
     struct pel_nmea_target_counters *counters;
 };

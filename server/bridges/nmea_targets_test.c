@@ -20,6 +20,7 @@ struct fixture {
     struct pel_nmea_targets targets;
     struct pel_nmea_target_counters counters;
     double latitude, longitude; /* of own ship */
+    size_t early;               /* of count_early */
 };
 
 static const Pelagos__Entity *named(struct fixture *f, const char *name)
@@ -363,6 +364,45 @@ static void aids_are_drawn(void **state)
     assert_false(pel_nmea_shape_of(PEL_NMEA_UNSHAPED, 2440001, &port, &m));
 }
 
+/* Of a scene whose targets all wait: how many had a size before all had a
+ * shape. */
+static void count_early(void *user)
+{
+    struct fixture *f = user;
+    const Pelagos__State *now = pel_scene_state(f->scene);
+    size_t bare = 0, sized = 0;
+    for (size_t i = 0; i < now->n_entities; i++) {
+        const Pelagos__Entity *e = now->entities[i];
+        bare += e->id >= 20000 && !e->model;
+        sized += e->id >= 20000 && e->model && e->model->has_length;
+    }
+    f->early += bare > 0 ? sized : 0;
+}
+
+static void a_crowd_has_shapes_first(void **state)
+{
+    struct fixture *f = *state;
+    for (uint32_t i = 0; i < 20; i++) {
+        struct pel_ais ais = { .type = 5,
+                               .mmsi = 244000001 + i,
+                               .has_ship = true,
+                               .ship = { 50, false, 6 + i % 3, 6, 2, 2, 0 } };
+        pel_nmea_targets_take_ais(&f->targets, &ais, SECOND);
+        report(f, 244000001 + i, 1 + i, SECOND);
+    }
+    pel_scene_on_commit(f->scene, count_early, f);
+    pel_scene_settle(f->scene);
+    const Pelagos__State *now = pel_scene_state(f->scene);
+    for (size_t i = 1; i < now->n_entities; i++) {
+        assert_non_null(now->entities[i]->model);
+        assert_true(now->entities[i]->model->has_length);
+    }
+    assert_int_equal(now->n_entities, 21);
+    /* the first was alone when it came */
+    assert_true(f->early <= 3);
+    assert_int_equal(f->counters.refused_edits, 0);
+}
+
 /* A target that goes while its model is made does not come back with it. */
 static void gone_is_gone(void **state)
 {
@@ -393,6 +433,7 @@ int main(void)
         TEST(no_size_is_refused),
         TEST(aids_are_drawn),
         TEST(gone_is_gone),
+        TEST(a_crowd_has_shapes_first),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
