@@ -268,6 +268,8 @@ static void place_entity(const Pelagos__Origin *origin,
     to->roll_rate_rps = from->roll_rate * PEL_DEG;
     to->pose_time_s = from->pose_time;
     to->afloat = from->afloat;
+    to->leeway = from->leeway;
+    to->mooring_m = from->mooring;
 }
 
 static void open_view(const Pelagos__View *from, struct pel_view_state *to)

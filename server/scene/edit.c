@@ -185,8 +185,31 @@ static double wrapped(double degrees)
     return turned < 360.0 ? turned : 0;
 }
 
+/* Brings a place to where the wind takes it, in the snapshot's plane. */
+static void drift(const Pelagos__State *state, Pelagos__Entity *e,
+                  double seconds)
+{
+    const struct pel_adrift what = {
+        .leeway = e->leeway,
+        .mooring_m = e->mooring,
+        .wind_mps = state->sea->wind_speed,
+        .wind_to_rad =
+            remainder(-90 - state->sea->wind_direction, 360) * PEL_DEG,
+    };
+    double lat0 = state->origin->latitude, lon0 = state->origin->longitude;
+    double east, north, x, y;
+    pel_reckon_drift(&what, seconds, &east, &north);
+    if (e->leeway > 0 && e->afloat && e->model && (east != 0 || north != 0)) {
+        pel_geo_to_local(lat0, lon0, e->latitude, e->longitude, &x, &y);
+        pel_geo_from_local(lat0, lon0, x + east, y + north, &e->latitude,
+                           &e->longitude);
+        e->latitude = pel_clamp(e->latitude, -MAX_LATITUDE, MAX_LATITUDE);
+    }
+}
+
 /* Brings a pose to time_s as the snapshot would, and stamps it. */
-static void reckon(Pelagos__Entity *e, double time_s, double most_s)
+static void reckon(const Pelagos__State *state, Pelagos__Entity *e,
+                   double time_s, double most_s)
 {
     double seconds = pel_reckon_seconds(e->pose_time, time_s, most_s);
     double east, north, lat, lon;
@@ -200,6 +223,9 @@ static void reckon(Pelagos__Entity *e, double time_s, double most_s)
     if (e->turn_rate != 0) {
         e->heading = wrapped(e->heading + e->turn_rate * seconds);
         e->course = wrapped(e->course + e->turn_rate * seconds);
+    }
+    if (!pel_helm_on(state, e)) {
+        drift(state, e, time_s - e->pose_time);
     }
     e->altitude = pel_clamp(e->altitude + e->climb_rate * seconds, PEL_LOWEST_M,
                             PEL_HIGHEST_M);
@@ -215,6 +241,12 @@ static bool touches_pose(const Pelagos__Entity *e)
            e->has_heading || e->has_pitch || e->has_roll || e->has_speed ||
            e->has_course || e->has_turn_rate || e->has_pose_time ||
            e->has_climb_rate || e->has_pitch_rate || e->has_roll_rate;
+}
+
+/* What has drifted so far stays where it is. */
+static bool touches_drift(const Pelagos__Entity *e)
+{
+    return e->has_leeway || e->has_mooring || e->has_afloat || e->model;
 }
 
 static Pelagos__Entity *entity_of(const Pelagos__State *state, uint32_t id)
@@ -236,8 +268,9 @@ static void reckon_patched(Pelagos__State *state, const Pelagos__State *patch,
         const Pelagos__Entity *with = patch->entities[i];
         Pelagos__Entity *entity = entity_of(state, with->id);
         double at = with->has_pose_time ? with->pose_time : time_s;
-        if (entity && touches_pose(with) && isfinite(at)) {
-            reckon(entity, at, most_s);
+        if (entity && (touches_pose(with) || touches_drift(with)) &&
+            isfinite(at)) {
+            reckon(state, entity, at, most_s);
         }
     }
 }
@@ -257,7 +290,7 @@ static void reckon_removed(Pelagos__State *state, const char *path,
     snprintf(element, sizeof element, "%.*s.id", (int)(field - path), path);
     if (strcmp(info.info->name, "name") != 0 &&
         pel_path_get(state, element, id, sizeof id, NULL) == PEL_OK) {
-        reckon(entity_of(state, (uint32_t)strtoul(id, NULL, 10)), time_s,
+        reckon(state, entity_of(state, (uint32_t)strtoul(id, NULL, 10)), time_s,
                most_s);
     }
 }
@@ -406,7 +439,7 @@ static void carry_poses(Pelagos__State *state, double before, double after,
                         double most_s)
 {
     for (size_t i = 0; i < state->n_entities; i++) {
-        reckon(state->entities[i], before, most_s);
+        reckon(state, state->entities[i], before, most_s);
         state->entities[i]->pose_time = after;
     }
 }
@@ -417,6 +450,22 @@ static bool says_on(const Pelagos__State *brought,
 {
     const Pelagos__OwnShip *helm = own_ship ? brought->own_ship : entity->helm;
     return helm && helm->has_on;
+}
+
+/* Another wind, or another plane, begins from where things have drifted to. */
+static void carry_drift(Pelagos__State *state, const Pelagos__Patch *patch,
+                        double time_s, double most_s)
+{
+    bool blows = patch->state && (patch->state->sea || patch->state->origin);
+    for (size_t i = 0; i < patch->n_remove; i++) {
+        blows |= strncmp(patch->remove[i], "sea", 3) == 0 ||
+                 strncmp(patch->remove[i], "origin", 6) == 0;
+    }
+    for (size_t i = 0; i < state->n_entities && blows; i++) {
+        if (state->entities[i]->leeway > 0) {
+            reckon(state, state->entities[i], time_s, most_s);
+        }
+    }
 }
 
 /* A pose that the patch gives a ship turns its helm off, unless it says that
@@ -450,6 +499,9 @@ enum pel_err pel_state_apply(const Pelagos__State *from,
     double most_s = from->clock->reckoning; /* the patch may remove the clock */
     if (time_s != from->clock->time && isfinite(time_s)) {
         carry_poses(state, from->clock->time, time_s, most_s);
+    }
+    if (isfinite(time_s)) {
+        carry_drift(state, patch, time_s, most_s);
     }
     err = remove_all(state, patch, brought, time_s, most_s, fault);
     if (!err && brought) {

@@ -61,6 +61,24 @@ static void ship_at(const struct pel_snapshot *s,
     out->pose_time_s = time_s;
 }
 
+/* Where the wind has brought it. */
+static void drift_to(const struct pel_snapshot *s, double time_s,
+                     double pose_time_s, struct pel_entity_state *e)
+{
+    const struct pel_adrift what = { e->leeway, e->mooring_m, e->id,
+                                     s->wind_mps, s->wind_to_rad };
+    double east = 0, north = 0, bow = 0;
+    if (e->mooring_m > 0) {
+        pel_reckon_swing(&what, time_s, &east, &north, &bow);
+        e->heading_rad =
+            e->model->class < PEL_MODEL_LATERAL_PORT ? bow : e->heading_rad;
+    } else if (e->leeway > 0) {
+        pel_reckon_drift(&what, time_s - pose_time_s, &east, &north);
+    }
+    e->east_m += east;
+    e->north_m += north;
+}
+
 /* As deep and as inclined as the sea at the points of its hull asks: what own
  * ship follows late and with its own periods, it follows at once, so that its
  * pose is a function of the moment alone. */
@@ -106,6 +124,7 @@ void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
     out->roll_rad = at->roll_rad + at->roll_rate_rps * seconds;
     out->pose_time_s = at->pose_time_s + seconds;
     if (at->afloat && at->model) {
+        drift_to(s, time_s, at->pose_time_s, out);
         float_at(s, time_s, out);
     }
 }

@@ -43,6 +43,7 @@ struct pel_entity_state {
     double pose_time_s;            /* simulated time of the pose above */
     const struct pel_model *model; /* models/model.h; NULL: not drawn */
     bool afloat; /* height, pitch and roll are the sea's at its hull */
+    double leeway, mooring_m; /* afloat: scene/reckon.h */
 };
 
 /* What a sensor makes of a picture: grey · scale + offset. */

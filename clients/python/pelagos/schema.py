@@ -412,6 +412,13 @@ class Entity(Record):
     #: A helm of its own: what ownShip is to one ship, for further ones. At
     #: most 8 may be `on`, ownShip's among them, and one for each entity.
     helm: OwnShip | None = _field(None)
+    #: Afloat, it drifts downwind with this share of the wind's speed besides
+    #: its own speed, for as long as nobody gives it another pose: about 0.01 a
+    #: person, 0.03 a boat or a life raft. [1; 0 to 0.2]
+    leeway: float = _field(0.0, '1', 0, 0.2)
+    #: Afloat, it is moored at its latitude and longitude, and swings within
+    #: this radius, a vessel head to wind; 0: it is not moored. [m; 0 to 1000]
+    mooring: float = _field(0.0, 'm', 0, 1000)
 
 
 @dataclass(frozen=True)
