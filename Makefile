@@ -243,6 +243,7 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/cigi_world.c \
     server/bridges/cigi_entities.c \
     server/bridges/cigi_weather.c \
+    server/bridges/cigi_areas.c \
     server/bridges/cigi_conditions.c \
     server/bridges/cigi_periodic.c server/bridges/cigi_query.c \
     server/bridges/cigi_sensor.c \

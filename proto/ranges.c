@@ -12,6 +12,7 @@
 
 #define PATH_SIZE 192
 #define MAX_TEXT 64
+#define MAX_NUMBERS 512
 
 static enum pel_err check_number(const struct pel_field *info, const char *path,
                                  double value, struct pel_fault *fault)
@@ -39,13 +40,15 @@ static enum pel_err check_number(const struct pel_field *info, const char *path,
     return pel_fault_refuse(PEL_ERR_OUT_OF_RANGE, path, text, what, fault);
 }
 
-static enum pel_err check_text(const char *path, const char *text,
-                               struct pel_fault *fault)
+/* A text with a unit is a list of numbers. */
+static enum pel_err check_text(const struct pel_field *info, const char *path,
+                               const char *text, struct pel_fault *fault)
 {
     size_t length = strlen(text);
     const char *what = NULL;
-    if (length > MAX_TEXT) {
-        what = "is longer than 64 bytes";
+    if (length > (info->unit ? MAX_NUMBERS : MAX_TEXT)) {
+        what =
+            info->unit ? "is longer than 512 bytes" : "is longer than 64 bytes";
     } else if (!g_utf8_validate(text, (gssize)length, NULL)) {
         what = "is not UTF-8";
     }
@@ -101,7 +104,7 @@ static enum pel_err check_field(const ProtobufCMessage *message,
                                  fault);
     }
     if (field->type == PROTOBUF_C_TYPE_STRING) {
-        return check_text(path, *(char *const *)member, fault);
+        return check_text(info, path, *(char *const *)member, fault);
     }
     if (!pel_message_number(message, field, &number)) {
         return PEL_OK;

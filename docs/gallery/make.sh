@@ -22,10 +22,14 @@ done
 
 common="clock.mode=STEPPED clock.time=100 sea.windDirection=250 sea.windSpeed=8 \
 sky.sunElevation=35 sky.sunAzimuth=55 sky.visibility=40000 views.gallery.up=6 \
-views.gallery.pitch=-5 views.gallery.yaw=0 views.gallery.right=0 \
+views.gallery.pitch=-5 views.gallery.yaw=0 views.gallery.right=0 views.gallery.forward=0 \
 views.gallery.width=640 views.gallery.height=360"
 lagoon="sea.windSpeed=4 views.gallery.up=10 views.gallery.pitch=-16 sky.sunAzimuth=110"
 open="sea.windSpeed=4 views.gallery.up=10 views.gallery.pitch=-16 sky.sunAzimuth=110 sky.sunElevation=55 water.jerlov=IB"
+slick="sea.spectrum=ELFOUHAILY sea.windSpeed=6 sky.sunAzimuth=10 sea.areas.0.north=190 \
+sea.areas.0.factor=0.3 sea.areas.0.edge=25 \
+sea.areas.0.corners=-420:-60,-180:-20,-40:-70,130:-40,300:-90,330:-30,180:40,30:30,-120:80,-300:40 \
+sea.areas.1.east=110 sea.areas.1.north=330 sea.areas.1.radius=60 sea.areas.1.factor=1.4 sea.areas.1.edge=50"
 shore="sea.windSpeed=3 sky.sunElevation=50 sky.sunAzimuth=200 views.gallery.up=9 \
 views.gallery.pitch=-11 views.gallery.yaw=35 water.named=TROPICAL water.bottom=SAND"
 ship="sea.synthesiser=FFT sea.spectrum=ELFOUHAILY entities.2.longitude=5.2 entities.2.afloat=true"
@@ -49,6 +53,8 @@ pictures=(
     "height-8000|From 8000 m|views.gallery.up=8000 views.gallery.pitch=-18 sky.sunAzimuth=30"
     "fft|FFT cascades, Elfouhaily, wind 12 m/s, from 9 m|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=12 views.gallery.up=9"
     "fft-glitter|The same into the Sun|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=7 sky.sunElevation=25 sky.sunAzimuth=10"
+    "slick-30|A slick in the glitter, a gust behind it, from 30 m|$slick sky.sunElevation=25 views.gallery.up=30 views.gallery.pitch=-8"
+    "slick-500|The same from 500 m|$slick sky.sunElevation=50 views.gallery.up=500 views.gallery.forward=-280 views.gallery.pitch=-42"
     "fog|Visibility 1500 m|sky.visibility=1500"
     "swell|Swell of 3 m, 12 s under a light wind|sea.windSpeed=3 sea.swell.0.height=3 sea.swell.0.period=12 sea.swell.0.direction=320 views.gallery.up=12"
     "water-single|Fig. 9 of the 2003 paper: single scattering|$open water.orders=SINGLE"

@@ -438,4 +438,5 @@ void pel_cigi_apply_conditions(struct pel_cigi_edit *edit)
     apply_waves(edit, &now);
     apply_water(edit, &now);
     apply_whitecaps(edit, &now);
+    pel_cigi_apply_areas(edit);
 }

@@ -68,6 +68,7 @@ static Pelagos__Patch *merged(Pelagos__Patch *first, const Pelagos__Patch *then)
     const Pelagos__Sea *sea = then->state ? then->state->sea : NULL;
     drop_list(first, then, "swell", sea && sea->n_swell > 0);
     drop_list(first, then, "wave", sea && sea->n_wave > 0);
+    drop_list(first, then, "areas", sea && sea->n_areas > 0);
     size_t one = protobuf_c_message_get_packed_size(&first->base);
     size_t other = protobuf_c_message_get_packed_size(&then->base);
     g_autofree uint8_t *bytes = g_malloc(one + other + 1);

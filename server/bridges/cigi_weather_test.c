@@ -1,5 +1,6 @@
 /* CIGI's weather, waves and water on the scene. */
 #include "bridges/cigi_testkit.h"
+#include "ocean/areas.h"
 
 static void waves_are_of_the_sea(void **state)
 {
@@ -112,6 +113,47 @@ static void weather_is_of_the_region_the_view_is_in(void **state)
     s = pel_scene_state(scene);
     assert_near(s->sea->wind_speed, 5, 0);
     assert_near(s->sky->visibility, 20000, 0);
+}
+
+/* From outside a region's wind is seen in its short waves. */
+static void a_region_is_an_area(void **state)
+{
+    (void)state;
+    begin();
+    wind(4, 100, 20000);
+    place_ship(1, 52.7, 0); /* 11 km north */
+    send();
+    begin();
+    send();
+    begin();
+    with(PEL_CIGI_KIND_REGION, PEL_CIGI_REGION_ID, 3.0, PEL_CIGI_REGION_STATE,
+         1.0, PEL_CIGI_REGION_LATITUDE, 52.6, PEL_CIGI_REGION_LONGITUDE, 5.2,
+         PEL_CIGI_REGION_X, 2000.0, PEL_CIGI_REGION_Y, 1000.0,
+         PEL_CIGI_REGION_TRANSITION, 200.0, 0);
+    with(PEL_CIGI_KIND_WEATHER, PEL_CIGI_WEATHER_REGION, 3.0,
+         PEL_CIGI_WEATHER_SCOPE, 1.0, PEL_CIGI_WEATHER_ENABLE, 1.0,
+         PEL_CIGI_WEATHER_VISIBILITY, 20000.0, PEL_CIGI_WEATHER_WIND, 9.0, 0);
+    send();
+    const Pelagos__Sea *sea = pel_scene_state(scene)->sea;
+    assert_near(sea->wind_speed, 4, 0);
+    assert_int_equal(sea->n_areas, 1);
+    assert_near(sea->areas[0]->factor, 1.5, 0); /* √(9/4) */
+    assert_near(sea->areas[0]->edge, 200, 0);
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    const struct pel_sea_desc *d = &pel_snapshot_sea(s)->desc;
+    assert_int_equal(d->area_count, 1);
+    double x = d->area[0].east_m, y = d->area[0].north_m;
+    /* Its long side north; half of the transition has half of it. */
+    assert_near(pel_areas_factor(d, x, y + 990, 0, NULL), 1.5, 1e-9);
+    assert_near(pel_areas_factor(d, x, y + 1100, 0, NULL), 1.25, 0.01);
+    assert_near(pel_areas_factor(d, x + 600, y, 0, NULL), 1.25, 0.01);
+    assert_near(pel_areas_factor(d, x + 990, y, 0, NULL), 1, 1e-9);
+    pel_snapshot_unref(s);
+    begin();
+    with(PEL_CIGI_KIND_REGION, PEL_CIGI_REGION_ID, 3.0, PEL_CIGI_REGION_STATE,
+         2.0, 0);
+    send();
+    assert_int_equal(pel_scene_state(scene)->sea->n_areas, 0);
 }
 
 /* A region of 2 km with 1 km around it in which its weather comes. */
@@ -279,6 +321,7 @@ int main(void)
         TEST(a_crest_stands_where_it_was_ordered),
         TEST(a_wavelength_gives_the_period),
         TEST(weather_is_of_the_region_the_view_is_in),
+        TEST(a_region_is_an_area),
         TEST(weather_goes_over_across_the_transition),
         TEST(components_give_whole_sea_states),
         TEST(components_of_a_region),

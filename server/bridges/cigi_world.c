@@ -81,6 +81,7 @@ void pel_cigi_edit_begin(struct pel_cigi_edit *edit,
     edit->state.views = edit->view_list;
     edit->sea.swell = edit->swell_list;
     edit->sea.wave = edit->wave_list;
+    edit->sea.areas = edit->area_list;
     if (lead) {
         edit->clock.has_mode = true;
         edit->clock.mode = PELAGOS__CLOCK_MODE__HOST;

@@ -46,6 +46,12 @@ struct pel_cigi_region {
     struct pel_cigi_conditions conditions;
 };
 
+/* A region as an area of the sea (cigi_areas.c); padding is zero. */
+struct pel_cigi_area {
+    double east_m, north_m, radius_m, edge_m, factor;
+    char corners[256]; /* as Area.corners; empty: a circle */
+};
+
 /* An entity whose pose is made anew with each datagram. */
 struct pel_cigi_follower {
     bool used;
@@ -102,6 +108,8 @@ struct pel_cigi_world {
     struct pel_cigi_conditions global, applied;
     struct pel_cigi_before before; /* of what `applied` has */
     struct pel_cigi_region regions[PEL_CIGI_REGIONS];
+    struct pel_cigi_area areas[PEL_SEA_MAX_AREAS]; /* the last of sea.areas */
+    size_t area_count;
     struct pel_cigi_follower followers[PEL_CIGI_FOLLOWERS];
     struct pel_cigi_view_memo views[PEL_CIGI_VIEWS];
     uint32_t rated[PEL_MAX_ENTITIES]; /* entities that were given rates */
@@ -149,6 +157,8 @@ struct pel_cigi_edit {
     Pelagos__Swell *swell_list[PEL_SEA_MAX_SWELLS];
     Pelagos__Wave wave[PEL_SEA_MAX_SINGLES];
     Pelagos__Wave *wave_list[PEL_SEA_MAX_SINGLES];
+    Pelagos__Area area[PEL_SEA_MAX_AREAS];
+    Pelagos__Area *area_list[PEL_SEA_MAX_AREAS];
     char removals[PEL_CIGI_REMOVALS][96];
     char *removal_list[PEL_CIGI_REMOVALS];
     char utc[40];
@@ -221,6 +231,10 @@ void pel_cigi_take_environment(struct pel_cigi_edit *edit,
 
 /* cigi_conditions.c */
 void pel_cigi_apply_conditions(struct pel_cigi_edit *edit);
+
+/* After the wind: regions that have another become areas of the sea, the last
+ * of sea.areas. */
+void pel_cigi_apply_areas(struct pel_cigi_edit *edit);
 
 /* Chlorophyll that a clarity of 0..100 % stands for, and back. */
 double pel_cigi_chlorophyll(double clarity);

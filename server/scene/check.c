@@ -287,7 +287,7 @@ int pel_corners_parse(const char *text, struct pel_vec2 *out)
             if (end == text || !(fabs(v[k]) <= 1e5)) {
                 return -1;
             }
-            text = end;
+            text = end + (k == 0 && *end == ':');
         }
         if (count == PEL_AREA_CORNERS) {
             return -1;

@@ -147,7 +147,7 @@ static void areas_become_the_sea(void **state)
     struct pel_scene *scene = make(NULL, NULL);
     struct pel_fault fault;
     must(scene, "{\"sea\":{\"areas\":[{\"east\":50,\"factor\":0.5},"
-                "{\"corners\":\"0 0, 400 0, 300.5 -150\",\"course\":90,"
+                "{\"corners\":\"0 0, 400:0,300.5 -150\",\"course\":90,"
                 "\"speed\":3}]}}");
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
     const struct pel_sea_desc *d = &pel_snapshot_sea(s)->desc;

@@ -137,9 +137,9 @@ class Area(Record):
     north: float = _field(0.0, 'm', -1000000, 1000000)
     #: Radius of a circle. [m; 1 to 100000]
     radius: float = _field(100.0, 'm', 1, 100000)
-    #: Corners of a polygon instead, 3 to 16, east and north of the place, m,
-    #: as "0 0, 400 0, 300 150"; absent: a circle.
-    corners: str | None = _field(None)
+    #: Corners of a polygon instead, 3 to 16, east and north of the place, as
+    #: "0 0, 400 0, 300 150", or 0:0,400:0,300:150; absent: a circle. [m]
+    corners: str | None = _field(None, 'm')
     #: What the short waves' heights are times. [1; 0 to 2]
     factor: float = _field(0.3, '1', 0, 2)
     #: Width in which it goes over into the sea around. [m; 1 to 10000]
