@@ -7,12 +7,12 @@
 #include "base/vec.h"
 #include "bridges/cigi_pose.h"
 #include "bridges/cigi_world.h"
-#include "ocean/areas.h"
 
 #define ARC 3 /* corners of a rounded one */
 #define LEAST_CHANGE 0.02
 #define LEAST_WIND_MPS 0.5
 #define LARGEST_M 1e5
+#define HIGHEST 2.0 /* factor of sea.areas */
 
 static bool wind_of(const struct pel_cigi_conditions *c, double *mps)
 {
@@ -65,7 +65,7 @@ static bool area_of(const struct pel_cigi_edit *edit,
         hypot(centre.x, centre.y) > 1e6) {
         return false;
     }
-    double factor = fmin(sqrt(mps / here), PEL_AREA_MOST);
+    double factor = fmin(sqrt(mps / here), HIGHEST);
     to->factor = floor(factor * 100 + 0.5) / 100;
     to->east_m = centre.x;
     to->north_m = centre.y;
