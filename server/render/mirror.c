@@ -20,15 +20,22 @@ static GLuint make_views(GLenum format, GLint filter, const char *name)
     return t;
 }
 
-enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
-                              struct pel_fault *fault)
+void pel_mirrors_forget_program(struct pel_mirrors *m)
 {
-    if (m->radiance) {
-        return PEL_OK;
-    }
-    enum pel_err err = pel_program_create(
-        shader_dir, "mirror.vert", "mirror.frag", NULL, &m->program, fault);
-    if (err != PEL_OK) {
+    glDeleteProgram(m->program);
+    m->program = 0;
+}
+
+enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
+                              bool textured, struct pel_fault *fault)
+{
+    enum pel_err err =
+        m->program
+            ? PEL_OK
+            : pel_program_create(shader_dir, "mirror.vert", "mirror.frag",
+                                 textured ? "#define PEL_TEXTURED\n" : NULL,
+                                 &m->program, fault);
+    if (err != PEL_OK || m->radiance) {
         return err;
     }
     m->radiance =

@@ -22,8 +22,10 @@ struct pel_mirror_view {
 };
 
 PEL_CHECK enum pel_err pel_mirrors_need(struct pel_mirrors *m,
-                                        const char *shader_dir,
+                                        const char *shader_dir, bool textured,
                                         struct pel_fault *fault);
+/* The next need makes another. */
+void pel_mirrors_forget_program(struct pel_mirrors *m);
 void pel_mirrors_finish(struct pel_mirrors *m);
 
 /* The view that holds these points, from the eye, the sea's mean level at them

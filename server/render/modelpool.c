@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "optics/colour.h"
-#include "optics/light.h"
+#include "render/modelpaint.h"
 
 enum { VERTICES, TRIANGLES, MATERIALS, BUFFERS };
 
@@ -52,7 +51,8 @@ static void write_vertices(const struct pel_model *m, float *out)
     }
 }
 
-/* Three corners and a material each; returns their number. */
+/* Three corners and a material each, behind all of them the paint; returns
+ * their number. */
 static uint32_t write_level(const struct pel_pool_model *p, int level,
                             uint32_t *out)
 {
@@ -82,41 +82,11 @@ static size_t triangles_of(const struct pel_model *m)
     return count;
 }
 
-/* Reflectances at our wavelengths that look under a high Sun like this colour.
- */
-static void spectral(const float colour[3], float out[3])
-{
-    double m[9];
-    const struct pel_rgb *sun = &pel_light_bodies[PEL_LIGHT_SUN].irradiance;
-    const double e[3] = { sun->r, sun->g, sun->b };
-    pel_colour_matrix(1.0, m);
-    double want[3], columns[9];
-    for (int i = 0; i < 3; i++) {
-        want[i] = 0;
-        for (int j = 0; j < 3; j++) {
-            columns[3 * i + j] = m[3 * i + j] * e[j];
-            want[i] += columns[3 * i + j];
-        }
-        want[i] *= (double)colour[i];
-    }
-    const double *a = columns;
-    const struct pel_vec3 x = { a[0], a[3], a[6] }, y = { a[1], a[4], a[7] },
-                          z = { a[2], a[5], a[8] },
-                          w = { want[0], want[1], want[2] };
-    double det = pel_vec3_dot(x, pel_vec3_cross(y, z));
-    out[0] = (float)(pel_vec3_dot(w, pel_vec3_cross(y, z)) / det);
-    out[1] = (float)(pel_vec3_dot(x, pel_vec3_cross(w, z)) / det);
-    out[2] = (float)(pel_vec3_dot(x, pel_vec3_cross(y, w)) / det);
-    for (int i = 0; i < 3; i++) {
-        out[i] = fminf(fmaxf(out[i], 0.0f), 1.0f);
-    }
-}
-
 static void write_materials(const struct pel_model *m, float *out)
 {
     for (size_t i = 0; i < m->material_count; i++) {
         const struct pel_model_material *from = &m->materials[i];
-        spectral(from->albedo, out);
+        pel_model_reflectance(from->albedo, out);
         out[3] = from->metallic;
         out[4] = from->roughness;
         out[5] = from->two_sided;
@@ -344,20 +314,23 @@ static bool fill_hulls(struct pel_model_pool *pool)
 /* Buffers for the models of the list. */
 static bool fill(struct pel_model_pool *pool)
 {
-    size_t vertices = 0, triangles = 0, materials = 0;
+    size_t vertices = 0, triangles = 0, materials = 0, paint = 0;
     for (size_t i = 0; i < pool->count; i++) {
         const struct pel_model *m = pool->models[i].model;
         vertices += m->vertex_count;
         triangles += triangles_of(m);
         materials += m->material_count;
+        paint += pel_model_paint_size(m);
     }
+    pool->textured = paint > 0;
     float *v = map_buffer(pool, VERTICES, GL_RGBA32F,
                           vertices * PEL_OBJECT_VERTEX_TEXELS);
-    uint32_t *t = map_buffer(pool, TRIANGLES, GL_RGBA32UI, triangles);
+    uint32_t *t = map_buffer(pool, TRIANGLES, GL_RGBA32UI, triangles + paint);
     float *w = map_buffer(pool, MATERIALS, GL_RGBA32F,
                           materials * PEL_OBJECT_MATERIAL_TEXELS);
     bool there = v && t && w;
     uint32_t vertex = 0, triangle = 0, material = 0;
+    uint32_t painted = (uint32_t)triangles;
     for (size_t i = 0; i < pool->count && there; i++) {
         struct pel_pool_model *p = &pool->models[i];
         const struct pel_model *m = p->model;
@@ -366,6 +339,10 @@ static bool fill(struct pel_model_pool *pool)
         write_vertices(m, v + 4 * PEL_OBJECT_VERTEX_TEXELS * (size_t)vertex);
         write_materials(m,
                         w + 4 * PEL_OBJECT_MATERIAL_TEXELS * (size_t)material);
+        there = pel_model_paint_write(m, painted, t + 4 * (size_t)painted,
+                                      w + 4 * PEL_OBJECT_MATERIAL_TEXELS *
+                                              (size_t)material);
+        painted += (uint32_t)pel_model_paint_size(m);
         for (int k = 0; k < m->level_count; k++) {
             p->first_triangle[k] = triangle;
             triangle += write_level(p, k, t + 4 * (size_t)triangle);

@@ -1,6 +1,6 @@
 /* The models that pictures show, in buffers that the shaders read: triangles of
- * every level of detail, vertices, materials, hulls seen from below. Render
- * thread only, but for pel_hull_below. */
+ * every level of detail, vertices, materials, textures, hulls seen from below.
+ * Render thread only, but for pel_hull_below. */
 #pragma once
 
 #include <epoxy/gl.h>
@@ -23,6 +23,7 @@ struct pel_model_pool {
     size_t count;
     GLuint buffers[3], texels[3]; /* vertices, triangles, materials */
     GLuint hulls;
+    bool textured; /* some material is */
 };
 
 /* Brings the buffers to hold every model of `env`. NO_MEMORY with a fault. */

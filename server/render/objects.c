@@ -37,6 +37,14 @@ static void finish_targets(struct pel_objects *o)
     o->width = o->height = 0;
 }
 
+static void delete_shading(struct pel_objects *o)
+{
+    for (int i = 0; i < 6 * PEL_SHADE_COUNT; i++) {
+        glDeleteProgram(o->shade[0][0][i]);
+    }
+    memset(o->shade, 0, sizeof o->shade);
+}
+
 void pel_objects_finish(struct pel_objects *o)
 {
     pel_model_pool_finish(&o->pool);
@@ -52,9 +60,7 @@ void pel_objects_finish(struct pel_objects *o)
     glDeleteProgram(o->ambient_program);
     glDeleteProgram(o->raster);
     glDeleteProgram(o->raster_keys);
-    for (int i = 0; i < 6 * PEL_SHADE_COUNT; i++) {
-        glDeleteProgram(o->shade[0][0][i]);
-    }
+    delete_shading(o);
     pel_samples_finish(&o->samples);
     *o = (struct pel_objects){ 0 };
 }
@@ -103,8 +109,9 @@ static enum pel_err need_shading(struct pel_objects *o,
                                  struct pel_fault *fault)
 {
     GLuint *program = &o->shade[sampled][land][kind];
-    char defines[160];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s", pel_shading_defines(kind),
+    char defines[192];
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s", pel_shading_defines(kind),
+             p->textured ? "#define PEL_TEXTURED\n" : "",
              sampled ? "#define PEL_SAMPLED\n" : "",
              land ? "#define PEL_LAND\n" : "",
              land == 2 ? "#define PEL_FFT\n" : "",
@@ -115,12 +122,25 @@ static enum pel_err need_shading(struct pel_objects *o,
                                     "objects.frag", defines, program, fault);
 }
 
+enum pel_err pel_objects_fit(struct pel_objects *o,
+                             const struct pel_environment *env,
+                             struct pel_programs *p, struct pel_fault *fault)
+{
+    enum pel_err err = pel_model_pool_fit(&o->pool, env, fault);
+    if (err == PEL_OK && o->pool.textured != p->textured) {
+        pel_programs_texture(p, o->pool.textured);
+        delete_shading(o);
+        pel_mirrors_forget_program(&o->mirrors);
+    }
+    return err;
+}
+
 enum pel_err pel_objects_need(struct pel_objects *o,
                               const struct pel_environment *env,
                               const struct pel_programs *p,
                               enum pel_shading kind, struct pel_fault *fault)
 {
-    enum pel_err err = pel_model_pool_fit(&o->pool, env, fault);
+    enum pel_err err = PEL_OK;
     GLuint *raster = p->compute ? &o->raster_keys : &o->raster;
     bool middles = kind >= PEL_SHADE_LAYERS;
     if (err == PEL_OK && middles && !*raster) {
@@ -147,7 +167,7 @@ enum pel_err pel_objects_need(struct pel_objects *o,
                                  &o->ambient_program, fault);
     }
     if (err == PEL_OK) {
-        err = pel_mirrors_need(&o->mirrors, p->shader_dir, fault);
+        err = pel_mirrors_need(&o->mirrors, p->shader_dir, p->textured, fault);
     }
     if (err == PEL_OK && !o->shadow_program) {
         err = pel_program_create(p->shader_dir, "shadow.vert", "shadow.frag",

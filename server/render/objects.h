@@ -58,8 +58,14 @@ struct pel_objects {
 
 void pel_objects_finish(struct pel_objects *o);
 
-/* Brings the buffers to hold every model of `env`, and the programs that draw
- * this kind of picture. NO_MEMORY, GPU with a fault. */
+/* Brings the buffers to hold every model of `env`; *programs learn whether
+ * these are textured. NO_MEMORY with a fault. */
+PEL_CHECK enum pel_err pel_objects_fit(struct pel_objects *o,
+                                       const struct pel_environment *env,
+                                       struct pel_programs *programs,
+                                       struct pel_fault *fault);
+
+/* Makes the programs that draw this kind of picture. GPU with a fault. */
 PEL_CHECK enum pel_err pel_objects_need(struct pel_objects *o,
                                         const struct pel_environment *env,
                                         const struct pel_programs *programs,

@@ -41,6 +41,25 @@ static const char *const tile_defines[PEL_COAST_TILES] = {
     [PEL_COAST_LAND] = "#define PEL_SEABED\n#define PEL_LAND\n",
 };
 
+static void delete_objects(struct pel_sea_programs *p)
+{
+    for (int i = 0; i < PEL_COAST_TILES * PEL_SHADE_COUNT; i++) {
+        GLuint *program = &p->objects[i / PEL_SHADE_COUNT][i % PEL_SHADE_COUNT];
+        glDeleteProgram(*program);
+        *program = 0;
+    }
+}
+
+void pel_programs_texture(struct pel_programs *p, bool textured)
+{
+    p->textured = textured;
+    delete_objects(&p->trochoids);
+    delete_objects(&p->cascades);
+    for (int i = 0; i < 4; i++) {
+        delete_objects(&p->foamy[i / 2][i % 2]);
+    }
+}
+
 static bool has_streaks(const struct pel_sea *sea)
 {
     return sea->foam && sea->foam->spread > 0;
@@ -93,7 +112,9 @@ static enum pel_err make_sea_program(struct pel_programs *all,
              area_defines(sea), kind_defines[kind], tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
-             objects ? "#define PEL_OBJECTS\n" : "");
+             objects ? "#define PEL_OBJECTS\n" : "",
+             objects && all->compute && all->textured ? "#define PEL_TEXTURED\n"
+                                                      : "");
     if (all->compute) {
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);

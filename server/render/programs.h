@@ -38,6 +38,7 @@ struct pel_programs {
     const struct pel_filtering *filtering; /* settled */
     bool software;
     bool compute;   /* shade in one dispatch instead of three */
+    bool textured;  /* so are objects */
     bool automatic; /* not chosen by an option: may fall back to fragments */
     GLuint surface, search, tone;
     GLuint outline_find, outline;     /* in compute with either wrapper */
@@ -57,6 +58,9 @@ PEL_CHECK enum pel_err pel_programs_init(struct pel_programs *p,
                                          const struct pel_filtering *filtering,
                                          struct pel_fault *fault);
 void pel_programs_finish(struct pel_programs *p);
+
+/* Whether objects are textured: forgets the programs that show them. */
+void pel_programs_texture(struct pel_programs *p, bool textured);
 
 /* What the shaders of this kind define. */
 const char *pel_shading_defines(enum pel_shading kind);

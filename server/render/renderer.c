@@ -509,41 +509,52 @@ static void bind_frame(struct pel_renderer *r,
                    sizeof frame);
 }
 
+static enum pel_err need_view(struct pel_renderer *r,
+                              const struct pel_environment *env,
+                              const struct pel_draw *draw,
+                              struct pel_fault *fault)
+{
+    bool coast = env->seabed != NULL, objects = env->object_count > 0;
+    enum pel_err err = PEL_OK;
+    bool compute;
+    do { /* once more where it turned to fragments meanwhile */
+        compute = r->programs.compute;
+        struct pel_pass pass =
+            pel_pass_first(to_shade(r, env, draw->layers), compute);
+        do {
+            err = pel_programs_need(&r->programs, env->sea, pass.kind, coast,
+                                    objects, fault);
+            if (err == PEL_OK && objects) {
+                err = pel_objects_need(&r->objects, env, &r->programs,
+                                       pass.kind, fault);
+            }
+        } while (err == PEL_OK && pel_pass_next(&pass, compute));
+    } while (err == PEL_OK && compute != r->programs.compute);
+    struct pel_pass pass = pel_pass_first(draw->layers, true);
+    bool edges = draws_edges(r, env, &draw->camera);
+    while (err == PEL_OK && edges) {
+        err = pel_programs_need_edges(&r->programs, env->sea, pass.kind, coast,
+                                      fault);
+        edges = pel_pass_next(&pass, true);
+    }
+    return err;
+}
+
 static enum pel_err need_programs(struct pel_renderer *r,
                                   const struct pel_environment *env,
                                   const struct pel_draw *draws, size_t count)
 {
-    bool coast = env->seabed != NULL, objects = env->object_count > 0;
     struct pel_fault fault;
-    for (size_t i = 0; i < count; i++) {
-        enum pel_err err = PEL_OK;
-        bool compute;
-        do { /* once more where it turned to fragments meanwhile */
-            compute = r->programs.compute;
-            struct pel_pass pass =
-                pel_pass_first(to_shade(r, env, draws[i].layers), compute);
-            do {
-                err = pel_programs_need(&r->programs, env->sea, pass.kind,
-                                        coast, objects, &fault);
-                if (err == PEL_OK && objects) {
-                    err = pel_objects_need(&r->objects, env, &r->programs,
-                                           pass.kind, &fault);
-                }
-            } while (err == PEL_OK && pel_pass_next(&pass, compute));
-        } while (err == PEL_OK && compute != r->programs.compute);
-        struct pel_pass pass = pel_pass_first(draws[i].layers, true);
-        bool edges = draws_edges(r, env, &draws[i].camera);
-        while (err == PEL_OK && edges) {
-            err = pel_programs_need_edges(&r->programs, env->sea, pass.kind,
-                                          coast, &fault);
-            edges = pel_pass_next(&pass, true);
-        }
-        if (err != PEL_OK) {
-            pel_error("RND-040", "a view was not drawn: %s", fault.message);
-            return err;
-        }
+    enum pel_err err = env->object_count ? pel_objects_fit(&r->objects, env,
+                                                           &r->programs, &fault)
+                                         : PEL_OK;
+    for (size_t i = 0; i < count && err == PEL_OK; i++) {
+        err = need_view(r, env, &draws[i], &fault);
     }
-    return PEL_OK;
+    if (err != PEL_OK) {
+        pel_error("RND-040", "a view was not drawn: %s", fault.message);
+    }
+    return err;
 }
 
 enum pel_err pel_renderer_submit(struct pel_renderer *r,

@@ -576,6 +576,8 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
  * octahedron; terms of its light by the normal. */
 #define PEL_OBJECT_VERTEX_TEXELS 2
 #define PEL_OBJECT_MATERIAL_TEXELS 2
+#define PEL_PAINT_LEVELS 12 /* of a texture, at most */
+#define PEL_PAINT_SIZES 16
 #define PEL_OBJECT_PLACE_TEXELS 18
 #define PEL_SAMPLES 4 /* of a pixel of objects */
 #define PEL_SURROUNDINGS_SIZE 64

@@ -28,6 +28,7 @@ shaded shade_land(vec3 dir, float range)
     result.sun = by_lights * through;
     result.sky = by_sky * through;
     result.air = air;
+    result.albedo = albedo * PI;
 #endif
     return result;
 }

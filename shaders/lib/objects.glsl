@@ -2,6 +2,9 @@
 #include "lib/model.glsl"
 #include "lib/shadow.glsl"
 #include "lib/samples.glsl"
+#ifdef PEL_TEXTURED
+#include "lib/paint.glsl"
+#endif
 
 layout(binding = PEL_UNIT_OBJECT_MATERIALS) uniform samplerBuffer object_materials;
 layout(binding = PEL_UNIT_SURROUNDINGS) uniform sampler2D surrounding_map;
@@ -14,6 +17,10 @@ struct object_point_seen {
     vec3 normal; // towards the eye
     float t;     // distance, in lengths of the ray
     vec4 open_;  // of openness
+#ifdef PEL_TEXTURED
+    vec2 uv;
+    float per_m; // of uv
+#endif
     uint material;
 };
 
@@ -48,13 +55,16 @@ object_point_seen cut_object(vec3 from, vec3 ray, uvec2 seen)
     vec3 p[3];
     vec4 texels[3];
     vec3 normals[3];
+    vec2 uvs[3];
     vec4 open_[3];
     for (int i = 0; i < 3; i++) {
         int first = int(corners[i]) * PEL_OBJECT_VERTEX_TEXELS;
         vec4 place = texelFetch(object_vertices, first);
         p[i] = object_point(o, place.xyz) - from;
         open_[i] = openness(place.w);
-        normals[i] = octahedral(texelFetch(object_vertices, first + 1).xy);
+        vec4 more = texelFetch(object_vertices, first + 1);
+        normals[i] = octahedral(more.xy);
+        uvs[i] = more.zw;
     }
     vec3 weight = vec3(dot(ray, cross(p[1], p[2] - p[1])), dot(ray, cross(p[2], p[0] - p[2])),
                        dot(ray, cross(p[0], p[1] - p[0])));
@@ -72,6 +82,12 @@ object_point_seen cut_object(vec3 from, vec3 ray, uvec2 seen)
     face *= dot(face, ray) > 0.0 ? -1.0 : 1.0;
     s.normal = dot(n, face) < 0.0 ? -n : n;
     s.material = corners.w;
+#ifdef PEL_TEXTURED
+    vec2 along = uvs[1] - uvs[0];
+    vec2 across = uvs[2] - uvs[0];
+    s.uv = uvs[0] + weight.y * along + weight.z * across;
+    s.per_m = sqrt(abs(along.x * across.y - along.y * across.x) * inversesqrt(max(dot(face, face), 1e-20)));
+#endif
     return s;
 }
 
@@ -130,7 +146,7 @@ vec2 gloss_share(float rough, float nv)
 }
 
 struct object_lit {
-    vec3 by_lights, by_sky;
+    vec3 by_lights, by_sky, matt;
 };
 
 // What a point sends against the unit direction `dir`; `place`: of it, from the
@@ -145,10 +161,15 @@ object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
     vec3 n = s.normal;
     vec3 v = -dir;
     float nv = max(dot(n, v), 1e-3);
+#ifdef PEL_TEXTURED
+    if (finish.w > 0.0) {
+        paint.rgb = paint_at(finish.zw, s.uv, s.per_m * length(place) * pixel.y * inversesqrt(nv));
+    }
+#endif
     vec3 f0 = mix(vec3(0.04), paint.rgb, metal);
     vec3 matt = paint.rgb * (1.0 - metal);
     float lit = lit_share(entity, d, n) * lit_by_others(entity, place);
-    object_lit result = object_lit(vec3(0.0), vec3(0.0));
+    object_lit result = object_lit(vec3(0.0), vec3(0.0), matt);
     for (int i = 0; i < PEL_LIGHTS; i++) {
         vec3 to = lights[i].direction.xyz;
         vec3 beam = beams[i].rgb * (i == PEL_LIGHT_SUN ? lit : 1.0);
@@ -183,6 +204,7 @@ shaded shade_object(vec3 ray, uvec2 seen)
     vec4 facts = object_facts(entity);
     result.id = facts.x + 1.0;
     result.class_ = facts.y + 1.0;
+    result.albedo = light.matt;
     bool dry = lut.y < 0.5;
     result.sun = dry ? light.by_lights * through : vec3(0.0);
     result.sky = dry ? light.by_sky * through : vec3(0.0);
