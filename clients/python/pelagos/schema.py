@@ -22,6 +22,7 @@ LAYERS = (
     "id",
     "class",
     "foam",
+    "albedo",
     "waterSingle",
     "waterSecond",
     "waterHigher",
