@@ -155,7 +155,8 @@ class State(OceanCase):
         """Every field that the daemon names has its place, unit and range."""
         import dataclasses
         from pelagos import schema
-        parts = {"entities": "Entity", "views": "View", "swell": "Swell"}
+        parts = {"entities": "Entity", "views": "View", "swell": "Swell",
+                 "helm": "OwnShip"}
         for path, field in self.ocean.fields().items():
             kind = schema.State
             known = None
