@@ -53,10 +53,8 @@ static void delete_objects(struct pel_sea_programs *p)
 void pel_programs_texture(struct pel_programs *p, bool textured)
 {
     p->textured = textured;
-    delete_objects(&p->trochoids);
-    delete_objects(&p->cascades);
-    for (int i = 0; i < 4; i++) {
-        delete_objects(&p->foamy[i / 2][i % 2]);
+    for (int i = 0; i < 12; i++) {
+        delete_objects(&p->seas[i / 6][i / 2 % 3][i % 2]);
     }
 }
 
@@ -107,7 +105,7 @@ static enum pel_err make_sea_program(struct pel_programs *all,
         return PEL_OK;
     }
     char defines[256];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s",
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s",
              sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
              area_defines(sea), kind_defines[kind], tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
