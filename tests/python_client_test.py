@@ -156,7 +156,7 @@ class State(OceanCase):
         import dataclasses
         from pelagos import schema
         parts = {"entities": "Entity", "views": "View", "swell": "Swell",
-                 "helm": "OwnShip"}
+                 "helm": "OwnShip", "areas": "Area"}
         for path, field in self.ocean.fields().items():
             kind = schema.State
             known = None
