@@ -614,6 +614,15 @@ static double degrees(double radians)
     return turned < 360.0 ? turned : 0;
 }
 
+/* Where a motion begins, what it began with stays, to the bit: the way into the
+ * plane and back rounds, and each restart would move the ship. */
+static void put(bool begins, double value, double *out)
+{
+    if (!begins || fabs(remainder(value - *out, 360)) > 1e-9) {
+        *out = value;
+    }
+}
+
 static void ship_to_state(const struct pel_snapshot *s,
                           const struct pel_sailing *sailing, double time_s,
                           Pelagos__State *state)
@@ -624,24 +633,29 @@ static void ship_to_state(const struct pel_snapshot *s,
     Pelagos__OwnShip *helm = pel_helm_on(state, e);
     pel_snapshot_entity_at(s, sailing->entity, time_s, &at);
     pel_snapshot_ship_motion(s, &sailing->ship, time_s, &m);
+    double lat, lon;
+    bool begins = time_s == sailing->ship.start_s && e->pose_time == time_s;
     pel_geo_from_local(state->origin->latitude, state->origin->longitude,
-                       at.east_m, at.north_m, &e->latitude, &e->longitude);
-    e->latitude = pel_clamp(e->latitude, -MAX_LATITUDE, MAX_LATITUDE);
+                       at.east_m, at.north_m, &lat, &lon);
+    put(begins, pel_clamp(lat, -MAX_LATITUDE, MAX_LATITUDE), &e->latitude);
+    put(begins, lon, &e->longitude);
     double turned =
         pel_geo_convergence(state->origin->latitude, state->origin->longitude,
                             e->latitude, e->longitude);
-    e->altitude = at.altitude_m;
-    e->heading = degrees(at.heading_rad - turned);
-    e->pitch = at.pitch_rad / PEL_DEG;
-    e->roll = at.roll_rad / PEL_DEG;
+    put(begins, at.altitude_m, &e->altitude);
+    put(begins, degrees(at.heading_rad - turned), &e->heading);
+    put(begins, at.pitch_rad / PEL_DEG, &e->pitch);
+    put(begins, at.roll_rad / PEL_DEG, &e->roll);
     e->speed = at.speed_mps;
-    e->course = degrees(at.course_rad - turned);
-    e->turn_rate = pel_clamp(at.turn_rate_rps / PEL_DEG, -90, 90);
+    put(begins, degrees(at.course_rad - turned), &e->course);
+    put(begins, pel_clamp(at.turn_rate_rps / PEL_DEG, -90, 90), &e->turn_rate);
     e->pose_time = time_s;
     if (helm) {
-        helm->heave_rate = pel_clamp(m.heave.rate, -100, 100);
-        helm->pitch_rate = pel_clamp(m.pitch.rate / PEL_DEG, -1e3, 1e3);
-        helm->roll_rate = pel_clamp(m.roll.rate / PEL_DEG, -1e3, 1e3);
+        put(begins, pel_clamp(m.heave.rate, -100, 100), &helm->heave_rate);
+        put(begins, pel_clamp(m.pitch.rate / PEL_DEG, -1e3, 1e3),
+            &helm->pitch_rate);
+        put(begins, pel_clamp(m.roll.rate / PEL_DEG, -1e3, 1e3),
+            &helm->roll_rate);
     }
 }
 
