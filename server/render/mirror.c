@@ -47,6 +47,13 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
                        PEL_MIRROR_HEIGHT);
     static const GLenum both[2] = { GL_COLOR_ATTACHMENT0,
                                     GL_COLOR_ATTACHMENT1 };
+    glGenTextures(2 * PEL_OBJECT_MIRRORS, m->views[0]);
+    for (GLuint i = 0; i < PEL_OBJECT_MIRRORS; i++) {
+        glTextureView(m->views[i][0], GL_TEXTURE_2D, m->radiance, GL_RGBA16F, 0,
+                      PEL_MIRROR_LEVELS, i, 1);
+        glTextureView(m->views[i][1], GL_TEXTURE_2D, m->away, GL_RG16F, 0,
+                      PEL_MIRROR_LEVELS, i, 1);
+    }
     glCreateFramebuffers(PEL_OBJECT_MIRRORS, m->fbos);
     for (int i = 0; i < PEL_OBJECT_MIRRORS; i++) {
         glNamedFramebufferTextureLayer(m->fbos[i], GL_COLOR_ATTACHMENT0,
@@ -62,6 +69,7 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
 void pel_mirrors_finish(struct pel_mirrors *m)
 {
     glDeleteFramebuffers(PEL_OBJECT_MIRRORS, m->fbos);
+    glDeleteTextures(2 * PEL_OBJECT_MIRRORS, m->views[0]);
     glDeleteTextures(1, &m->radiance);
     glDeleteTextures(1, &m->away);
     glDeleteTextures(1, &m->depth);
@@ -140,11 +148,16 @@ void pel_mirrors_draw(struct pel_mirrors *m, int layer,
     glDepthMask(GL_FALSE);
     glDepthFunc(GL_EQUAL);
     draw(user, i);
+    m->drawn |= 1U << layer;
 }
 
 void pel_mirrors_end(struct pel_mirrors *m)
 {
     glDisable(GL_CLIP_DISTANCE0);
-    glGenerateTextureMipmap(m->radiance);
-    glGenerateTextureMipmap(m->away);
+    for (int i = 0; i < 2 * PEL_OBJECT_MIRRORS; i++) {
+        if (m->drawn & (1U << i / 2)) {
+            glGenerateTextureMipmap(m->views[i / 2][i % 2]);
+        }
+    }
+    m->drawn = 0;
 }

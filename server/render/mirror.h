@@ -11,6 +11,8 @@
 /* Zeroed before its first use. */
 struct pel_mirrors {
     GLuint program, radiance, away, depth, fbos[PEL_OBJECT_MIRRORS];
+    GLuint views[PEL_OBJECT_MIRRORS][2]; /* radiance and away, a layer each */
+    unsigned drawn;                      /* layers, as bits */
 };
 
 /* Of one object: texels 8 to 11 of its place (lib/mirrored.glsl). */

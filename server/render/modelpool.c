@@ -261,7 +261,8 @@ static void mean_paint(const struct pel_model *m, float out[3])
     const struct pel_model_level *level = &m->levels[0];
     for (size_t i = 0; i < level->part_count; i++) {
         const struct pel_model_part *part = &level->parts[i];
-        const float *albedo = m->materials[part->material].albedo;
+        float albedo[3];
+        pel_model_reflectance(m->materials[part->material].albedo, albedo);
         for (uint32_t k = part->first; k + 2 < part->first + part->count;
              k += 3) {
             const float *p[3];
