@@ -15,6 +15,7 @@ const struct bench_scene bench_default = {
     .time_s = 10.0,
     .ev = 99.0,
     .glare = 0.01,
+    .slick = 1.0,
 };
 
 static double wind_to(const struct bench_scene *s)
@@ -24,7 +25,7 @@ static double wind_to(const struct bench_scene *s)
 
 enum pel_err bench_sea(const struct bench_scene *s, struct pel_sea *out)
 {
-    const struct pel_sea_desc desc = {
+    struct pel_sea_desc desc = {
         .kind = (enum pel_spectrum_kind)s->kind,
         .wind_mps = s->wind_mps,
         .direction_rad = wind_to(s),
@@ -36,6 +37,10 @@ enum pel_err bench_sea(const struct bench_scene *s, struct pel_sea *out)
         .whitecaps = s->whitecaps,
         .swell_count = s->swell_m > 0.0,
         .swell = { { s->swell_m, 12.0, wind_to(s) + 0.6, 0.15 } },
+    };
+    desc.area_count = s->slick != 1.0;
+    desc.area[0] = (struct pel_area_desc){
+        .north_m = 100.0, .radius_m = 60.0, .edge_m = 20.0, .factor = s->slick
     };
     return pel_sea_build(&desc, out);
 }

@@ -19,6 +19,7 @@ struct bench_scene {
     double glare;
     bool linear, aliased;
     double whitecaps;
+    double slick; /* factor of an area 100 m ahead; 1: none */
 };
 
 /* The peers' scene: 60 waves, 6 m above the sea, level, 1024 × 768. */

@@ -37,6 +37,7 @@ static struct setting settings[] = {
     { "linear", 0 },      { "sparkle", 1 },   { "ship", 0 },
     { "away", 220 },      { "aa", 1 },        { "bearing", 0 },
     { "turned", 60 },     { "foam", 1 },      { "kind", 0 },
+    { "slick", 1 },
 };
 
 static double get(const char *name)
@@ -97,6 +98,7 @@ static struct bench_scene scene(void)
         .linear = get("linear") > 0,
         .aliased = get("aa") <= 0,
         .whitecaps = get("foam"),
+        .slick = get("slick"),
     };
 }
 
