@@ -53,9 +53,6 @@
 
 /* Highest mode number of a cascade: its shortest wave has N/88 = 2.9 texels. */
 #define PEL_CASCADE_HIGHEST 88
-/* Each tile is this times shorter than the one before; the last is
- * PEL_CASCADE_HIGHEST · PEL_SEA_SHORTEST_M = 1.76 m long, the first 4.4 km. */
-#define PEL_CASCADE_RATIO 13.618
 
 /* Steps of the table of kept slope variance: levels of detail 0 to 8 (one
  * texel for the whole tile), PEL_CASCADE_LOD_STEPS of them a level. */

@@ -44,6 +44,19 @@ double pel_sharpened(double zx, double zy, double var_x, double var_y,
            (1.0 + 4.0 / 3.0 * fold * total) / sqrt((1.0 + w) * (1.0 + w / 3.0));
 }
 
+double pel_own_slope(const struct pel_patch *patch, struct pel_vec2 s,
+                     struct pel_vec2 *own)
+{
+    const struct pel_vec3 *a = &patch->along, *b = &patch->across;
+    const struct pel_vec3 *n = &patch->normal;
+    const double *j = patch->pressed;
+    double rise = 1.0 / (s.x * a->z + s.y * b->z + n->z);
+    double dx = (s.x * a->x + s.y * b->x + n->x) * rise - n->x / n->z;
+    double dy = (s.x * a->y + s.y * b->y + n->y) * rise - n->y / n->z;
+    *own = (struct pel_vec2){ j[0] * dx + j[1] * dy, j[2] * dx + j[3] * dy };
+    return rise * rise * rise * (j[0] * j[3] - j[1] * j[2]);
+}
+
 double pel_ross_lambda(double a)
 {
     const double root_pi = 1.7724538509055160273;

@@ -35,6 +35,22 @@ double pel_fresnel_schlick(double cos_theta, double n);
 double pel_sharpened(double zx, double zy, double var_x, double var_y,
                      double disc, double fold);
 
+/* A patch of sea with the mean normal of the waves that are resolved there, and
+ * by how much these press the water of others together: ∂p.x/∂x, ∂p.y/∂x,
+ * ∂p.x/∂y, ∂p.y/∂y of its places p by those at rest. x along the wind. */
+struct pel_patch {
+    struct pel_vec3 along, across, normal; /* orthonormal; z is up */
+    double pressed[4];
+};
+
+/* Slopes of waves add at rest: a surface x + D(x) has the slopes J⁻¹ζ, J = 1 +
+ * ∇D. Of a facet of slopes s in the frame of a patch (its normal is s.x along +
+ * s.y across + normal) the slopes ζ of the waves that the patch leaves out,
+ * with the signs of that normal; returned: ∂ζ/∂s, their area by that of s. So
+ * the density of s is that of ζ times it. */
+double pel_own_slope(const struct pel_patch *patch, struct pel_vec2 s,
+                     struct pel_vec2 *own);
+
 /* Gaussian slope density p(ζ), eq. 7. */
 double pel_ross_slope_density(double zx, double zy, double var_x, double var_y);
 

@@ -373,6 +373,53 @@ static void test_white_furnace(void **state)
     assert_true(most <= 1 + 1e-9);
 }
 
+/* Slopes of two groups of waves at rest, both of whose waves press the first's
+ * water: the second's are found again from the facet and the first's normal. */
+static struct pel_vec2 seen_of(const struct pel_patch *patch,
+                               struct pel_vec2 resolved, struct pel_vec2 own)
+{
+    const double *j = patch->pressed;
+    double det = j[0] * j[3] - j[1] * j[2];
+    double x = resolved.x + own.x, y = resolved.y + own.y;
+    struct pel_vec3 f = { (j[3] * x - j[1] * y) / det,
+                          (j[0] * y - j[2] * x) / det, 1 };
+    double toward = pel_vec3_dot(f, patch->normal);
+    return (struct pel_vec2){ pel_vec3_dot(f, patch->along) / toward,
+                              pel_vec3_dot(f, patch->across) / toward };
+}
+
+static void test_own_slope(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 12; i++) {
+        struct pel_vec2 resolved = { 0.3 * cos(i), 0.2 * sin(2 * i) };
+        struct pel_vec2 own = { 0.4 * sin(3 * i), 0.5 * cos(5 * i) };
+        struct pel_patch patch = { .along = { 1, 0, 0 },
+                                   .normal = { 0, 0, 1 },
+                                   .pressed = { 1 - 0.2 * sin(i), 0.1, 0.1,
+                                                1 + 0.3 * cos(7 * i) } };
+        patch.across = (struct pel_vec3){ 0, 1, 0 };
+        struct pel_vec2 level =
+            seen_of(&patch, resolved, (struct pel_vec2){ 0, 0 });
+        patch.normal =
+            pel_vec3_normalize((struct pel_vec3){ level.x, level.y, 1 });
+        double n = patch.normal.x;
+        patch.along = pel_vec3_normalize((struct pel_vec3){
+            1 - n * n, -n * patch.normal.y, -n * patch.normal.z });
+        patch.across = pel_vec3_cross(patch.normal, patch.along);
+        struct pel_vec2 s = seen_of(&patch, resolved, own), found, x, y;
+        double stretch = pel_own_slope(&patch, s, &found);
+        assert_near(found.x, own.x, 1e-12);
+        assert_near(found.y, own.y, 1e-12);
+        const double step = 1e-6;
+        pel_own_slope(&patch, (struct pel_vec2){ s.x + step, s.y }, &x);
+        pel_own_slope(&patch, (struct pel_vec2){ s.x, s.y + step }, &y);
+        double area = (x.x - found.x) * (y.y - found.y) -
+                      (x.y - found.y) * (y.x - found.x);
+        assert_near(stretch, area / (step * step), 1e-4 * stretch);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -389,6 +436,7 @@ int main(void)
         cmocka_unit_test(test_escape),
         cmocka_unit_test(test_glitter),
         cmocka_unit_test(test_sharpened),
+        cmocka_unit_test(test_own_slope),
         cmocka_unit_test(test_white_furnace),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

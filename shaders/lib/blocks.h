@@ -461,6 +461,9 @@ struct pel_block_waves {
  * detail (256, 128 .. 1). */
 #define PEL_CASCADES 4
 #define PEL_CASCADE_N 256
+/* Each tile is this times shorter than the one before; the last is
+ * PEL_CASCADE_HIGHEST · PEL_SEA_SHORTEST_M = 1.76 m long, the first 4.4 km. */
+#define PEL_CASCADE_RATIO 13.618
 #define PEL_CASCADE_LEVELS 9
 
 /* How many times shorter the second shear of each is than the first, to which

@@ -31,14 +31,14 @@ filtered filtered_sea(vec2 x, float footprint)
     f.up = area_factor(x, footprint);
 #endif
     reading at = reading_at(x);
+    float lod = log2(footprint / cascades[0].place.w) + back.w;
     // Nothing is left of a cascade at its coarsest level.
-    for (int c = 0; c < PEL_CASCADES; c++) {
+    for (int c = 0; c < PEL_CASCADES; c++, lod += log2(PEL_CASCADE_RATIO)) {
         shear(c, x, at);
-        float lod = log2(footprint / cascades[c].place.w);
-        if (lod + back.w < COARSEST) {
+        if (lod < COARSEST) {
             vec3 uv = vec3(cascade_uv(c, at.place), c);
-            vec4 slopes = textureLod(slope_fields, uv, lod + back.w);
-            float mixed = textureLod(fold_field, uv, lod + back.w).x;
+            vec4 slopes = textureLod(slope_fields, uv, lod);
+            float mixed = textureLod(fold_field, uv, lod).x;
 #ifdef PEL_AREAS
             if (c >= PEL_CASCADES / 2) {
                 slopes *= vec4(f.up, f.up, min(vec2(f.up), 1.0));
@@ -49,11 +49,11 @@ filtered filtered_sea(vec2 x, float footprint)
             f.fold -= vec4(slopes.z, mixed, mixed, slopes.w);
 #ifdef PEL_FOAM
             if (c < 2) {
-                f.breaking += textureLod(breaking_fields, uv, lod + back.w).xy;
+                f.breaking += textureLod(breaking_fields, uv, lod).xy;
             }
 #endif
 #ifdef PEL_LAYERS
-            vec3 shift = cascade_displacement(c, uv.xy, lod + back.w - PEL_SHIFT_SHARPER);
+            vec3 shift = cascade_displacement(c, uv.xy, lod - PEL_SHIFT_SHARPER);
 #ifdef PEL_AREAS
             if (c >= PEL_CASCADES / 2) {
                 shift *= vec3(min(vec2(f.up), 1.0), f.up);

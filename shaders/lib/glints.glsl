@@ -1,6 +1,8 @@
 // Sparkle: of the waves that a pixel does not resolve the longest are so few
 // in it that their slopes do not average out.
 
+#include "lib/turns.glsl"
+
 // A hash (Jarzynski and Olano 2020: pcg3d).
 uvec3 glint_hash(uvec3 v)
 {
@@ -38,6 +40,5 @@ vec2 glint_slopes(vec3 dir, float footprint)
     uint begun = (lives >> octave) + (part + float(first.x >> 8u) / 16777216.0 >= 1.0 ? 1u : 0u);
     uvec3 now = glint_hash(uvec3(place, first.y + octave, begun));
     vec2 even = (vec2(now.xy >> 8u) + 0.5) / 16777216.0;
-    float angle = 2.0 * PI * even.y;
-    return sqrt(-2.0 * log(even.x)) * vec2(cos(angle), sin(angle));
+    return sqrt(-2.0 * log(even.x)) * sine_cosine_turns(even.y).yx;
 }

@@ -38,8 +38,9 @@ float slope_density(vec2 slope, vec2 variance)
 }
 
 // What displacement of the water towards crests does to that density, twin of
-// pel_sharpened; q: slope² over variance.
-float sharpened(vec2 slope, vec2 variance, float disc, float fold)
+// pel_sharpened: the logarithm and what it is multiplied by; q: slope² over
+// variance.
+vec2 sharpened(vec2 slope, vec2 variance, float disc, float fold)
 {
     vec2 s2 = slope * slope;
     float q = dot(s2, 1.0 / (variance + disc));
@@ -47,8 +48,9 @@ float sharpened(vec2 slope, vec2 variance, float disc, float fold)
     float w = fold * (s2.x + s2.y) * total / (total + 2.0 * disc);
     float one = 1.0 / (1.0 + w);
     float area = one * one * (1.0 + 0.66666667 * w);
-    return exp(min(0.5 * q * w * one, 16.0)) * area * area * inversesqrt((1.0 + w) * (1.0 + 0.33333333 * w)) *
-           (1.0 + 1.33333333 * fold * total);
+    return vec2(min(0.5 * q * w * one, 16.0),
+                area * area * inversesqrt((1.0 + w) * (1.0 + 0.33333333 * w)) *
+                    (1.0 + 1.33333333 * fold * total));
 }
 
 // Reflectance of a facet, whatever it reflects: Fresnel's equations for light
@@ -86,6 +88,28 @@ float escape(float eta, float odds)
     return eta > 0.0 ? risen / (risen + rest) : 0.0;
 }
 
+// A patch of sea: its frame (columns: tangents along and across the wind,
+// normal; z is up), and by how much the waves in its normal press the water of
+// others together: ∂p.x/∂x, ∂p.y/∂x, ∂p.x/∂y, ∂p.y/∂y of its places p by those
+// at rest.
+struct patch_frame {
+    mat3 axes;
+    vec4 pressed;
+};
+
+// Slopes of waves add at rest. Of a facet of slopes s in the frame of a patch
+// those of the waves that the patch leaves out; `stretch`: their area by that of
+// s. Twin of pel_own_slope.
+vec2 own_slope(vec2 s, patch_frame at, out float stretch)
+{
+    vec3 f = at.axes * vec3(s, 1.0);
+    float rise = 1.0 / max(f.z, 0.05);
+    vec2 d = f.xy * rise - at.axes[2].xy / max(at.axes[2].z, 0.05);
+    vec2 rest = vec2(dot(at.pressed.xy, d), dot(at.pressed.zw, d));
+    stretch = rise * rise * rise * (at.pressed.x * at.pressed.w - at.pressed.y * at.pressed.z);
+    return vec2(dot(rest, wind.xy), dot(rest, vec2(-wind.y, wind.x)));
+}
+
 // Radiance of a light's reflection for irradiance 1 normal to its beam: eq. 15,
 // its facets and its shadow those that are seen (PEL_SEEN_STEEPER). Its disc, as
 // the variance `disc` of slopes that mirror some of it, is folded into the slope
@@ -94,7 +118,7 @@ float escape(float eta, float odds)
 // a normal distribution of variance `held`; the mean over what is drawn does not
 // depend on it. `fold`: of pel_sharpened.
 vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc, vec2 drawn, vec2 held,
-                     float fold)
+                     float fold, patch_frame at)
 {
     vec3 h = normalize(view + light);
     float hz = max(h.z, 1e-3);
@@ -115,11 +139,16 @@ vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc, vec2 draw
     float mu = cos_v / (level * s_view);
     float steeper = PEL_SEEN_STEEPER * s_view / (1.0 + PEL_SEEN_KNEE * mu * mu);
     vec2 slope = view.xy * (steeper / level) - h.xy / hz;
-    float p = max(1.0 - level * steeper * hz / facing, 0.0) *
-              slope_density(slope - drawn, variance - held + disc) * sharpened(slope, variance, disc, fold);
+    float stretch;
+    vec2 own = own_slope(-slope, at, stretch);
+    vec2 crisp = sharpened(own, variance, disc, fold);
+    vec2 spread = variance - held + disc;
+    vec2 off = own + drawn;
     float z = (dot(view.xy, h.xy) / (hz * level) - steeper) / s_view;
     float narrower = PEL_SEEN_NARROWER / (1.0 + 0.25 * mu * mu);
-    p *= exp(-0.5 * narrower * z * z) * (1.0 + 0.5 * narrower);
+    float p = exp(crisp.x - 0.5 * dot(off * off, 1.0 / spread) - 0.5 * narrower * z * z) * crisp.y *
+              inversesqrt(spread.x * spread.y) / (2.0 * PI) *
+              max(1.0 - level * steeper * hz / facing, 0.0) * stretch * (1.0 + 0.5 * narrower);
     float lit = light.z / (light.z + escape_odds(mu) * light_term);
     return light.z > 0.0 ? p * lit / (cos_v + view_term) * reflected : vec3(0.0);
 #endif

@@ -133,7 +133,8 @@ shaded shade_sea(ivec2 at, uint triangle)
     leaving *= 1.0 - (1.0 - sea_lit) * falling / max(falling + skies[PEL_LIGHT_SUN].rgb, vec3(1e-12));
 #endif
     lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving,
-                             blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0));
+                             blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0),
+                             mix(vec4(1.0 - f.fold.x, -f.fold.z, -f.fold.y, 1.0 - f.fold.w), NOT_PRESSED, hidden));
 #ifdef PEL_FOAM
 #ifdef PEL_AREAS
     vec2 foam = foam_of(x, f.breaking, footprint, f.up);

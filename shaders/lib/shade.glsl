@@ -157,9 +157,13 @@ vec3 facet_in_sight(vec3 n, vec3 v)
     return n - 2.0 * min(dot(n, v), 0.0) * v;
 }
 
+const vec4 NOT_PRESSED = vec4(1.0, 0.0, 0.0, 1.0);
+
 // `leaving`: of the water there (leaving_water); `tilt`: of the patch's up;
-// `glint`: of glint_slopes, and the share of the variance that it stands for.
-lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 leaving, vec3 glint)
+// `glint`: of glint_slopes, and the share of the variance that it stands for;
+// `pressed`: of the patch_frame.
+lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 leaving, vec3 glint,
+                 vec4 pressed)
 {
     variance = max(variance, vec2(MIN_VARIANCE));
     vec3 along = vec3(wind.xy, 0.0);
@@ -173,6 +177,7 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
     vec3 resolved = waves_resolved(v, variance);
 #endif
     vec3 sky = reflected_sky(map, v, n, tx, ty, view, variance, resolved, fresnel, twice);
+    patch_frame at = patch_frame(mat3(tx, ty, n), pressed);
     vec2 held = variance * glint.z;
     vec2 drawn = glint.xy * sqrt(held);
     float fold = crests.x + crests.y * (variance.x + variance.y);
@@ -181,7 +186,8 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
         vec3 to = light_above(i, tilt);
         vec3 light = vec3(dot(to, tx), dot(to, ty), dot(to, n));
         vec3 one = beams[i].rgb *
-                   reflected_light(view, light, variance, lights[i].limb.w, drawn, held, fold);
+                   reflected_light(view, light, variance, lights[i].limb.w, drawn, held, fold,
+                                   at);
 #ifdef PEL_OBJECTS
         one *= i == PEL_LIGHT_SUN ? sea_lit : 1.0;
 #endif
