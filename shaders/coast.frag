@@ -2,6 +2,7 @@
 // Land, shallow water, sea and sky of the tiles that may have either of the
 // first two (render/coast.h).
 #include "lib/blocks.h"
+#include "lib/turns.glsl"
 #include "lib/flat.glsl"
 #ifdef PEL_AREAS
 #include "lib/areas.glsl"

@@ -1,6 +1,7 @@
 #version 450 core
 // Pixels that outlines cut, over what their middles see.
 #include "lib/blocks.h"
+#include "lib/turns.glsl"
 #ifdef PEL_AREAS
 #include "lib/areas.glsl"
 #endif

@@ -3,6 +3,7 @@
 // ocean/filter.h, for comparison with it.
 #define PEL_LAYERS
 #include "lib/blocks.h"
+#include "lib/turns.glsl"
 #ifdef PEL_AREAS
 #include "lib/areas.glsl"
 #endif

@@ -3,6 +3,7 @@
 // counted from east. A vertex depends on the eye, its ring and its column
 // only, so all views from one eye see one surface.
 #include "lib/blocks.h"
+#include "lib/turns.glsl"
 #include "lib/vertex.glsl"
 #ifdef PEL_AREAS
 #include "lib/areas.glsl"

@@ -3,6 +3,7 @@
 // pixels' middles show (object.frag); in tiles with land that stands nearer,
 // not.
 #include "lib/blocks.h"
+#include "lib/turns.glsl"
 #ifdef PEL_LAND
 #ifdef PEL_AREAS
 #include "lib/areas.glsl"

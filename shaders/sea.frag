@@ -1,5 +1,6 @@
 #version 450 core
 #include "lib/blocks.h"
+#include "lib/turns.glsl"
 #include "lib/flat.glsl"
 #ifdef PEL_AREAS
 #include "lib/areas.glsl"

@@ -2,6 +2,7 @@
 // Sky and sea of a picture in one dispatch: chips that are wide in compute and
 // narrow in graphics shade many times faster this way.
 #include "lib/blocks.h"
+#include "lib/turns.glsl"
 #ifdef PEL_AREAS
 #include "lib/areas.glsl"
 #endif

@@ -1,7 +1,5 @@
 // Sparkle: of the waves that a pixel does not resolve the longest are so few
-// in it that their slopes do not average out.
-
-#include "lib/turns.glsl"
+// in it that their slopes do not average out. Includers have lib/turns.glsl.
 
 // A hash (Jarzynski and Olano 2020: pcg3d).
 uvec3 glint_hash(uvec3 v)

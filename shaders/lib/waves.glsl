@@ -1,7 +1,5 @@
 // The trochoid sum of Bruneton et al. 2010, eq. 2–4, twin of ocean/sea.c.
 
-#include "lib/turns.glsl"
-
 // Where a wave is in its wander (ocean/wander.h): r, within ±1/2, 1 − 2 |r|, and
 // the swing, turns.
 vec3 wandered(vec4 wander, vec2 x)
