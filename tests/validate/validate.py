@@ -73,8 +73,11 @@ def run(command, folder):
     """Status and seconds; what it prints, without a test's frame, goes into
     the folder as NAME.txt."""
     start = time.monotonic()
-    done = subprocess.run(command, stdout=subprocess.PIPE, check=False,
-                          stderr=subprocess.STDOUT, cwd=ROOT)
+    try:
+        done = subprocess.run(command, stdout=subprocess.PIPE, check=False,
+                              stderr=subprocess.STDOUT, cwd=ROOT)
+    except OSError as error:
+        return 127, 0.0, [str(error)]
     text = done.stdout.decode(errors="replace")
     if name_of(command) == "validate_water" and done.returncode == 0:
         with open(os.path.join(folder, "water.md"), encoding="utf-8") as f:
