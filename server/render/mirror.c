@@ -38,6 +38,11 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
     if (err != PEL_OK || m->radiance) {
         return err;
     }
+    err = pel_program_create(shader_dir, "mirror_mips.comp", NULL, NULL,
+                             &m->mips_program, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
     m->radiance =
         make_views(GL_RGBA16F, GL_LINEAR_MIPMAP_LINEAR, "mirrored objects");
     m->away = make_views(GL_RG16F, GL_LINEAR_MIPMAP_NEAREST,
@@ -47,13 +52,6 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
                        PEL_MIRROR_HEIGHT);
     static const GLenum both[2] = { GL_COLOR_ATTACHMENT0,
                                     GL_COLOR_ATTACHMENT1 };
-    glGenTextures(2 * PEL_OBJECT_MIRRORS, m->views[0]);
-    for (GLuint i = 0; i < PEL_OBJECT_MIRRORS; i++) {
-        glTextureView(m->views[i][0], GL_TEXTURE_2D, m->radiance, GL_RGBA16F, 0,
-                      PEL_MIRROR_LEVELS, i, 1);
-        glTextureView(m->views[i][1], GL_TEXTURE_2D, m->away, GL_RG16F, 0,
-                      PEL_MIRROR_LEVELS, i, 1);
-    }
     glCreateFramebuffers(PEL_OBJECT_MIRRORS, m->fbos);
     for (int i = 0; i < PEL_OBJECT_MIRRORS; i++) {
         glNamedFramebufferTextureLayer(m->fbos[i], GL_COLOR_ATTACHMENT0,
@@ -69,11 +67,11 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
 void pel_mirrors_finish(struct pel_mirrors *m)
 {
     glDeleteFramebuffers(PEL_OBJECT_MIRRORS, m->fbos);
-    glDeleteTextures(2 * PEL_OBJECT_MIRRORS, m->views[0]);
     glDeleteTextures(1, &m->radiance);
     glDeleteTextures(1, &m->away);
     glDeleteTextures(1, &m->depth);
     glDeleteProgram(m->program);
+    glDeleteProgram(m->mips_program);
     *m = (struct pel_mirrors){ 0 };
 }
 
@@ -125,6 +123,7 @@ void pel_mirrors_begin(struct pel_mirrors *m)
 {
     glViewport(0, 0, PEL_MIRROR_WIDTH, PEL_MIRROR_HEIGHT);
     glScissor(0, 0, PEL_MIRROR_WIDTH, PEL_MIRROR_HEIGHT);
+    m->views = 0;
     glUseProgram(m->program);
     glEnable(GL_CLIP_DISTANCE0);
 }
@@ -135,6 +134,7 @@ void pel_mirrors_draw(struct pel_mirrors *m, int layer,
 {
     static const GLfloat nothing[4] = { 0 };
     GLuint fbo = m->fbos[layer];
+    m->views = layer >= m->views ? layer + 1 : m->views;
     glDepthMask(GL_TRUE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glClearNamedFramebufferfv(fbo, GL_COLOR, 0, nothing);
@@ -148,16 +148,30 @@ void pel_mirrors_draw(struct pel_mirrors *m, int layer,
     glDepthMask(GL_FALSE);
     glDepthFunc(GL_EQUAL);
     draw(user, i);
-    m->drawn |= 1U << layer;
 }
 
+static GLuint groups_of(int texels, int level)
+{
+    return (GLuint)(((texels >> level) + PEL_GROUP_SIDE - 1) / PEL_GROUP_SIDE);
+}
+
+/* glGenerateTextureMipmap takes a draw for each view and level, of those that
+ * were not drawn too. */
 void pel_mirrors_end(struct pel_mirrors *m)
 {
     glDisable(GL_CLIP_DISTANCE0);
-    for (int i = 0; i < 2 * PEL_OBJECT_MIRRORS; i++) {
-        if (m->drawn & (1U << i / 2)) {
-            glGenerateTextureMipmap(m->views[i / 2][i % 2]);
-        }
+    glBindTextureUnit(PEL_UNIT_MIRRORS, m->radiance);
+    glBindTextureUnit(PEL_UNIT_MIRROR_DEPTHS, m->away);
+    glUseProgram(m->mips_program);
+    for (GLint level = 1; level < PEL_MIRROR_LEVELS; level++) {
+        glBindImageTexture(PEL_IMAGE_MIRRORS, m->radiance, level, GL_TRUE, 0,
+                           GL_WRITE_ONLY, GL_RGBA16F);
+        glBindImageTexture(PEL_IMAGE_MIRROR_DEPTHS, m->away, level, GL_TRUE, 0,
+                           GL_WRITE_ONLY, GL_RG16F);
+        glUniform1i(0, level - 1);
+        glDispatchCompute(groups_of(PEL_MIRROR_WIDTH, level),
+                          groups_of(PEL_MIRROR_HEIGHT, level),
+                          (GLuint)m->views);
+        glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     }
-    m->drawn = 0;
 }

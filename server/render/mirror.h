@@ -10,9 +10,9 @@
 
 /* Zeroed before its first use. */
 struct pel_mirrors {
-    GLuint program, radiance, away, depth, fbos[PEL_OBJECT_MIRRORS];
-    GLuint views[PEL_OBJECT_MIRRORS][2]; /* radiance and away, a layer each */
-    unsigned drawn;                      /* layers, as bits */
+    GLuint program, mips_program, radiance, away, depth,
+        fbos[PEL_OBJECT_MIRRORS];
+    int views; /* as far as any was drawn since begin */
 };
 
 /* Of one object: texels 8 to 11 of its place (lib/mirrored.glsl). */

@@ -129,6 +129,8 @@ struct pel_vec4 {
 #define PEL_IMAGE_WATER_ATTENUATION 1
 #define PEL_IMAGE_WATER_MAP 0
 #define PEL_IMAGE_SURROUNDINGS 0
+#define PEL_IMAGE_MIRRORS 0
+#define PEL_IMAGE_MIRROR_DEPTHS 1
 
 /* --- what C and the shaders agree on -------------------------------------- */
 
