@@ -33,8 +33,7 @@ static const double ends_from[PEL_WAKE_TILES] = { 0.55, 0.55, 0.8 };
 #define DEEP_STEPS 1024
 
 struct form {
-    double parallel; /* m */
-    double scale;    /* of the beam */
+    double scale; /* of the beam */
     size_t along_count;
     float *along;               /* G(s) */
     float deep[DEEP_STEPS + 2]; /* over k, 0..k_most */
@@ -85,10 +84,11 @@ static double deep_transform(const struct pel_hull *hull, double m, double k,
 static enum pel_err form_init(struct form *form, const struct pel_hull *hull,
                               double k_most, double depth_m)
 {
-    /* ((2 + m) / 3)² of the box is filled. */
-    double m = pel_clamp(3.0 * sqrt(hull->block) - 2.0, 0.0, 0.93);
-    form->parallel = m;
-    form->scale = hull->block / ((2.0 + m) * (2.0 + m) / 9.0);
+    /* (2 + m) / 3 (2 + n) / 3 of the box is filled. */
+    const double wigley = 4.0 / 9.0, full = 0.6;
+    double n = 0.85 * pel_clamp((hull->block - wigley) / (full - wigley), 0, 1);
+    double m = pel_clamp(9.0 * hull->block / (2.0 + n) - 2.0, 0.0, 0.93);
+    form->scale = hull->block / ((2.0 + m) * (2.0 + n) / 9.0);
     form->k_most = k_most;
     form->along_count =
         (size_t)(0.5 * hull->length_m * k_most * ALONG_STEPS) + 3;
@@ -101,7 +101,7 @@ static enum pel_err form_init(struct form *form, const struct pel_hull *hull,
     }
     for (int i = 0; i < DEEP_STEPS + 2; i++) {
         form->deep[i] =
-            (float)deep_transform(hull, m, k_most * i / DEEP_STEPS, depth_m);
+            (float)deep_transform(hull, n, k_most * i / DEEP_STEPS, depth_m);
     }
     return PEL_OK;
 }
@@ -207,6 +207,16 @@ static void stretch(const struct way *way, double mid, double length, double g,
     }
 }
 
+/* i Q of a piece at k. */
+static double emission(const struct summing *s, const struct piece *p,
+                       double kx, double ky, double k)
+{
+    double along = 0.5 * s->hull->length_m * (kx * p->ex + ky * p->ey);
+    return p->strength * copysign(1.0, along) *
+           table_at(s->form->along, fabs(along) * ALONG_STEPS) *
+           table_at(s->form->deep, k / s->form->k_most * DEEP_STEPS);
+}
+
 /* One mode of the waves that travel along k, from all pieces. */
 static void sum_mode(const struct summing *s, const struct pel_wake_tile *tile,
                      double kx, double ky, double k, double out[2])
@@ -231,9 +241,7 @@ static void sum_mode(const struct summing *s, const struct pel_wake_tile *tile,
             continue;
         }
         double g = omega - kx * p->vx - ky * p->vy;
-        double along = 0.5 * s->hull->length_m * (kx * p->ex + ky * p->ey);
-        double form = copysign(1.0, along) *
-                      table_at(s->form->along, fabs(along) * ALONG_STEPS);
+        double form = emission(s, p, kx, ky, k);
         double at[6];
         int count = breaks_of(&way, from, to, at);
         for (int b = 0; b < count; b++) {
@@ -241,31 +249,34 @@ static void sum_mode(const struct summing *s, const struct pel_wake_tile *tile,
             stretch(&way, mid, at[b + 1] - at[b], g, part);
             double phase = kx * (p->x + p->vx * mid) +
                            ky * (p->y + p->vy * mid) + omega * (age - mid);
-            double a = p->strength * form *
-                       exp(-2.0 * VISCOSITY * k * k * (age - mid));
+            double a = form * exp(-2.0 * VISCOSITY * k * k * (age - mid));
             /* −i a e^{−i phase} part */
             double c = a * cos(phase), d = a * sin(phase);
             re += c * part[1] - d * part[0];
             im -= c * part[0] + d * part[1];
         }
     }
-    double deep = table_at(s->form->deep, k / s->form->k_most * DEEP_STEPS);
-    out[0] = deep * re;
-    out[1] = deep * im;
+    out[0] = re;
+    out[1] = im;
 }
 
-/* Two dimensions of inverse transforms in place. */
+/* Two dimensions of inverse transforms in place; only rows up to MODES from the
+ * first, either way round, hold anything. */
 struct plane {
     float re[N][N], im[N][N];
 };
 
-static void transform(struct plane *g)
+struct work {
+    struct plane heave, sway; /* (h, ∂h/∂t), (Dx, Dy) */
+    struct pel_fft_strip strip;
+};
+
+static void transform(struct plane *g, struct pel_fft_strip *strip)
 {
-    struct pel_fft_strip *strip = aligned_alloc(64, sizeof *strip);
-    if (!strip) {
-        abort();
-    }
     for (int j = 0; j < N; j += PEL_FFT_LANES) {
+        if (j > MODES && j + PEL_FFT_LANES <= N - MODES) {
+            continue;
+        }
         for (int i = 0; i < N; i++) {
             for (int l = 0; l < PEL_FFT_LANES; l++) {
                 strip->re[i][l] = g->re[j + l][i];
@@ -291,7 +302,6 @@ static void transform(struct plane *g)
             memcpy(&g->im[j][i], &strip->im[j], sizeof strip->im[j]);
         }
     }
-    free(strip);
 }
 
 /* Gain of the cubic B-spline for a wave of mode number m. */
@@ -300,26 +310,6 @@ static double spline_gain(int m)
     double x = PEL_PI * m / N;
     double s = m == 0 ? 1.0 : sin(x) / x;
     return s * s * s * s;
-}
-
-/* Real field Re Σ a e^{ik·x} of a mode's a: to both ±k, times 1 (first) or i
- * (second of the two that one transform carries). */
-static void put(struct plane *g, int m, int n, double re, double im,
-                bool second)
-{
-    int i = m & (N - 1), j = n & (N - 1);
-    int io = -m & (N - 1), jo = -n & (N - 1);
-    if (second) {
-        g->re[j][i] -= (float)(0.5 * im);
-        g->im[j][i] += (float)(0.5 * re);
-        g->re[jo][io] += (float)(0.5 * im);
-        g->im[jo][io] += (float)(0.5 * re);
-    } else {
-        g->re[j][i] += (float)(0.5 * re);
-        g->im[j][i] += (float)(0.5 * im);
-        g->re[jo][io] += (float)(0.5 * re);
-        g->im[jo][io] -= (float)(0.5 * im);
-    }
 }
 
 double pel_wake_near_m(const struct pel_hull *hull)
@@ -342,33 +332,110 @@ static double up_to(int i, double near_m, double k)
                       : 0.5 + 0.5 * cos(PEL_PI * (u - from) / (1.0 - from));
 }
 
-/* The modes of tile `which` into two planes: (h, ∂h/∂t) and (Dx, Dy). */
-static void sum_tile(const struct summing *s, const struct pel_wake_tile *tile,
-                     int which, struct plane *heave, struct plane *sway)
+/* A tile's modes, in pairs: mode p travels along k, mode p + pairs along −k. */
+struct modes {
+    struct pel_wake_tile tile; /* without texels */
+    int pairs, padded;         /* of a multiple of LANES */
+    int (*at)[2];              /* m, n */
+    float (*unit)[2];          /* k/|k| */
+    float *turns;              /* ω / 2π, of a pair */
+    /* Of each mode: what is in the water, what the ship adds (amplitude at
+     * the past's moment, its slip (ω − k·V) / 2π). */
+    float *re, *im, *add_re, *add_im, *slip;
+    void *memory;
+};
+
+struct pel_wake_past {
+    double vx, vy; /* the ship's */
+    struct modes modes[PEL_WAKE_TILES];
+};
+
+static bool modes_alloc(struct modes *m, int pairs)
 {
-    double step = 2.0 * PEL_PI / tile->length_m;
+    m->pairs = pairs;
+    m->padded = (pairs + PEL_FFT_LANES - 1) / PEL_FFT_LANES * PEL_FFT_LANES;
+    size_t n = (size_t)m->padded;
+    float *f = calloc(15 * n, sizeof *f);
+    m->memory = f;
+    if (!f) {
+        return false;
+    }
+    m->at = (int(*)[2])f;
+    m->unit = (float(*)[2])(f + 2 * n);
+    m->turns = f + 4 * n;
+    m->re = f + 5 * n;
+    m->im = f + 7 * n;
+    m->add_re = f + 9 * n;
+    m->add_im = f + 11 * n;
+    m->slip = f + 13 * n;
+    return true;
+}
+
+/* Mode p of the pair at m, n; `open`: the piece that goes on, or NULL. */
+static void fill_mode(const struct summing *s, const struct piece *open,
+                      struct modes *modes, int p, double kx, double ky,
+                      double gain)
+{
+    double k = hypot(kx, ky), a[2], group;
+    double omega = dispersion(k, s->depth_m, &group);
+    sum_mode(s, &modes->tile, kx, ky, k, a);
+    modes->re[p] = (float)(gain * a[0]);
+    modes->im[p] = (float)(gain * a[1]);
+    if (open) {
+        double c = gain * emission(s, open, kx, ky, k);
+        double phase = kx * open->x + ky * open->y;
+        modes->add_re[p] = (float)(-c * sin(phase));
+        modes->add_im[p] = (float)(-c * cos(phase));
+        modes->slip[p] =
+            (float)((omega - kx * open->vx - ky * open->vy) / (2.0 * PEL_PI));
+    }
+}
+
+static double share_of(int which, double near_m, double k)
+{
+    return up_to(which, near_m, k) -
+           (which ? up_to(which - 1, near_m, k) : 0.0);
+}
+
+/* Half of the plane: k and −k together. */
+static enum pel_err fill_modes(const struct summing *s,
+                               const struct piece *open, int which,
+                               struct modes *modes)
+{
+    double length_m = modes->tile.length_m;
+    double step = 2.0 * PEL_PI / length_m;
     double near_m = pel_wake_near_m(s->hull);
-    for (int n = -MODES; n <= MODES; n++) {
-        for (int m = -MODES; m <= MODES; m++) {
-            double kx = m * step, ky = n * step;
-            double k = hypot(kx, ky);
-            double share = up_to(which, near_m, k) -
-                           (which ? up_to(which - 1, near_m, k) : 0.0);
-            if (share <= 0 || k == 0) {
-                continue;
+    for (int pass = 0; pass < 2; pass++) {
+        int p = 0;
+        for (int n = 0; n <= MODES; n++) {
+            for (int m = n ? -MODES : 1; m <= MODES; m++) {
+                double kx = m * step, ky = n * step, k = hypot(kx, ky), group;
+                double share = share_of(which, near_m, k);
+                if (share <= 0) {
+                    continue;
+                }
+                if (pass) {
+                    double gain = share / (spline_gain(m) * spline_gain(n) *
+                                           length_m * length_m);
+                    modes->at[p][0] = m;
+                    modes->at[p][1] = n;
+                    modes->unit[p][0] = (float)(kx / k);
+                    modes->unit[p][1] = (float)(ky / k);
+                    modes->turns[p] =
+                        (float)(dispersion(k, s->depth_m, &group) /
+                                (2.0 * PEL_PI));
+                    fill_mode(s, open, modes, p, kx, ky, gain);
+                    fill_mode(s, open, modes, p + modes->padded, -kx, -ky,
+                              gain);
+                }
+                p++;
             }
-            double a[2], group;
-            sum_mode(s, tile, kx, ky, k, a);
-            double gain = share / (spline_gain(m) * spline_gain(n) *
-                                   tile->length_m * tile->length_m);
-            double re = a[0] * gain, im = a[1] * gain;
-            double omega = dispersion(k, s->depth_m, &group);
-            put(heave, m, n, re, im, false);
-            put(heave, m, n, omega * im, -omega * re, true);
-            put(sway, m, n, -kx / k * im, kx / k * re, false);
-            put(sway, m, n, -ky / k * im, ky / k * re, true);
+        }
+        if (!pass && !modes_alloc(modes, p)) {
+            return PEL_ERR_NO_MEMORY;
         }
     }
+    return PEL_OK;
 }
 
 static void add_piece(struct summing *s, const struct pel_wake_point *a,
@@ -406,73 +473,193 @@ static struct pel_vec2 place_at(const struct pel_wake_track *track, double t)
                               a->y_m + f * (b->y_m - a->y_m) };
 }
 
-static enum pel_err make_tile(const struct summing *s, int which,
-                              struct pel_wake_tile *tile)
+/* The middle of tile `which` where the ship is at `now`. */
+static void place_tile(const struct pel_wake_track *track, double time_s,
+                       int which, struct pel_wake_tile *tile)
 {
-    struct plane *planes = calloc(2, sizeof *planes);
-    tile->texels = malloc((size_t)N * N * sizeof *tile->texels);
-    if (!planes || !tile->texels) {
-        free(planes);
-        return PEL_ERR_NO_MEMORY;
+    struct pel_vec2 now = place_at(track, time_s);
+    struct pel_vec2 then = place_at(track, time_s - BEHIND_S);
+    tile->length_m = side_m(which, pel_wake_near_m(&track->hull));
+    double back = 0.5 * hypot(then.x - now.x, then.y - now.y);
+    double most = WHOLE * tile->length_m - AHEAD * track->hull.length_m;
+    double share = 0.5 * (back > most ? most / back : 1.0);
+    tile->x_m = now.x + share * (then.x - now.x);
+    tile->y_m = now.y + share * (then.y - now.y);
+}
+
+static void add_pieces(struct summing *s, const struct pel_wake_track *track)
+{
+    for (int i = 0; i + 1 < track->count; i++) {
+        const struct pel_wake_point *a = &track->point[i], *b = a + 1;
+        bool open = i + 2 == track->count;
+        add_piece(s, a, b, open ? s->time_s : fmin(b->time_s, s->time_s));
     }
-    sum_tile(s, tile, which, &planes[0], &planes[1]);
-    transform(&planes[0]);
-    transform(&planes[1]);
-    for (int j = 0; j < N; j++) {
-        for (int i = 0; i < N; i++) {
-            float *t = tile->texels[j * N + i];
-            t[0] = planes[1].re[j][i];
-            t[1] = planes[1].im[j][i];
-            t[2] = planes[0].re[j][i];
-            t[3] = planes[0].im[j][i];
+}
+
+enum pel_err pel_wake_past_create(const struct pel_wake_track *track,
+                                  double time_s, double depth_m,
+                                  struct pel_wake_past **out)
+{
+    double near_m = pel_wake_near_m(&track->hull);
+    struct form form = { 0 };
+    struct pel_wake_past *past = calloc(1, sizeof *past);
+    struct summing *s = calloc(1, sizeof *s);
+    enum pel_err err = PEL_ERR_NO_MEMORY;
+    if (past && s) {
+        err = form_init(&form, &track->hull, MODES * 2.0 * PEL_PI / near_m,
+                        depth_m);
+    }
+    if (err == PEL_OK) {
+        *s = (struct summing){ .form = &form,
+                               .hull = &track->hull,
+                               .time_s = time_s,
+                               .depth_m = depth_m };
+        add_pieces(s, track);
+        const struct piece *last = s->count ? &s->piece[s->count - 1] : NULL;
+        /* A ship that stands has no last piece. */
+        last = last && last->end_s >= time_s ? last : NULL;
+        past->vx = last ? last->vx : 0;
+        past->vy = last ? last->vy : 0;
+        for (int i = 0; err == PEL_OK && i < PEL_WAKE_TILES; i++) {
+            place_tile(track, time_s, i, &past->modes[i].tile);
+            err = fill_modes(s, last, i, &past->modes[i]);
         }
     }
-    free(planes);
+    free(form.along);
+    free(s);
+    if (err != PEL_OK) {
+        pel_wake_past_destroy(past);
+        return err;
+    }
+    *out = past;
     return PEL_OK;
 }
 
-enum pel_err pel_wake_create(const struct pel_wake_track *track, double time_s,
-                             double depth_m, struct pel_wake **out)
+void pel_wake_past_destroy(struct pel_wake_past *past)
 {
-    double near = pel_wake_near_m(&track->hull);
-    struct form form = { 0 };
+    if (past) {
+        for (int i = 0; i < PEL_WAKE_TILES; i++) {
+            free(past->modes[i].memory);
+        }
+        free(past);
+    }
+}
+
+/* Amplitudes of all modes later_s on: those in the water turn, and the ship
+ * adds a piece. Into re, im, PAIRS of padded each. */
+static void turn_modes(const struct pel_wake_past *past, const struct modes *m,
+                       double later_s, float *re, float *im)
+{
+    double length_m = m->tile.length_m;
+    /* The middle of the piece is as many tiles further. */
+    double fx = 0.5 * past->vx * later_s / length_m;
+    double fy = 0.5 * past->vy * later_s / length_m;
+    for (int p = 0; p < 2 * m->padded; p++) {
+        int q = p < m->padded ? p : p - m->padded;
+        float side = p < m->padded ? 1.0f : -1.0f;
+        float a = 2.0f * (float)PEL_PI * m->turns[q] * (float)later_s;
+        float c = cosf(a), d = sinf(a);
+        re[p] = m->re[p] * c + m->im[p] * d;
+        im[p] = m->im[p] * c - m->re[p] * d;
+        float slip = (float)PEL_PI * m->slip[p] * (float)later_s;
+        float grown =
+            (float)later_s * (fabsf(slip) < 1e-3f ? 1.0f : sinf(slip) / slip);
+        float b = 2.0f * (float)PEL_PI * side *
+                      ((float)m->at[q][0] * (float)fx +
+                       (float)m->at[q][1] * (float)fy) +
+                  0.5f * a;
+        float e = grown * cosf(b), f = grown * sinf(b);
+        re[p] += m->add_re[p] * e + m->add_im[p] * f;
+        im[p] += m->add_im[p] * e - m->add_re[p] * f;
+    }
+}
+
+/* Real fields of modes that travel along k and −k, two in each plane. */
+static void put_modes(const struct modes *m, const float *re, const float *im,
+                      struct work *w)
+{
+    memset(&w->heave, 0, sizeof w->heave);
+    memset(&w->sway, 0, sizeof w->sway);
+    for (int p = 0; p < m->pairs; p++) {
+        int q = p + m->padded;
+        int i = m->at[p][0] & (N - 1), j = m->at[p][1];
+        int io = -m->at[p][0] & (N - 1), jo = -j & (N - 1);
+        float omega = 2.0f * (float)PEL_PI * m->turns[p];
+        float ux = m->unit[p][0], uy = m->unit[p][1];
+        /* H = (B(k) + B*(−k)) / 2, its rate −i ω (B(k) − B*(−k)) / 2 */
+        float hr = 0.5f * (re[p] + re[q]), hi = 0.5f * (im[p] - im[q]);
+        float vr = 0.5f * omega * (im[p] + im[q]);
+        float vi = -0.5f * omega * (re[p] - re[q]);
+        w->heave.re[j][i] = hr - vi;
+        w->heave.im[j][i] = hi + vr;
+        w->heave.re[jo][io] = hr + vi;
+        w->heave.im[jo][io] = vr - hi;
+        /* H (i ux − uy) and its like at −k */
+        w->sway.re[j][i] = -uy * hr - ux * hi;
+        w->sway.im[j][i] = ux * hr - uy * hi;
+        w->sway.re[jo][io] = uy * hr - ux * hi;
+        w->sway.im[jo][io] = -ux * hr - uy * hi;
+    }
+}
+
+static enum pel_err make_tile(const struct pel_wake_past *past, int which,
+                              double later_s, struct work *w,
+                              struct pel_wake_tile *tile)
+{
+    const struct modes *m = &past->modes[which];
+    size_t n = 2 * (size_t)m->padded;
+    float *amplitudes = malloc(2 * n * sizeof *amplitudes);
+    *tile = m->tile;
+    tile->x_m += past->vx * later_s;
+    tile->y_m += past->vy * later_s;
+    tile->texels = malloc((size_t)N * N * sizeof *tile->texels);
+    if (!amplitudes || !tile->texels) {
+        free(amplitudes);
+        return PEL_ERR_NO_MEMORY;
+    }
+    turn_modes(past, m, later_s, amplitudes, amplitudes + n);
+    put_modes(m, amplitudes, amplitudes + n, w);
+    free(amplitudes);
+    transform(&w->heave, &w->strip);
+    transform(&w->sway, &w->strip);
+    for (int i = 0; i < N * N; i++) {
+        float *t = tile->texels[i];
+        t[0] = w->sway.re[i / N][i % N];
+        t[1] = w->sway.im[i / N][i % N];
+        t[2] = w->heave.re[i / N][i % N];
+        t[3] = w->heave.im[i / N][i % N];
+    }
+    return PEL_OK;
+}
+
+enum pel_err pel_wake_later(const struct pel_wake_past *past, double later_s,
+                            struct pel_wake **out)
+{
     struct pel_wake *wake = calloc(1, sizeof *wake);
-    struct summing *s = calloc(1, sizeof *s);
-    enum pel_err err = PEL_ERR_NO_MEMORY;
-    if (!wake || !s) {
-        goto end;
-    }
-    err = form_init(&form, &track->hull, MODES * 2.0 * PEL_PI / near, depth_m);
-    *s = (struct summing){ .form = &form,
-                           .hull = &track->hull,
-                           .time_s = time_s,
-                           .depth_m = depth_m };
-    for (int i = 0; err == PEL_OK && i + 1 < track->count; i++) {
-        const struct pel_wake_point *a = &track->point[i], *b = a + 1;
-        bool open = i + 2 == track->count;
-        add_piece(s, a, b, open ? time_s : fmin(b->time_s, time_s));
-    }
-    struct pel_vec2 now = place_at(track, time_s);
-    struct pel_vec2 then = place_at(track, time_s - BEHIND_S);
+    struct work *w = aligned_alloc(64, sizeof *w);
+    enum pel_err err = wake && w ? PEL_OK : PEL_ERR_NO_MEMORY;
     for (int i = 0; err == PEL_OK && i < PEL_WAKE_TILES; i++) {
-        struct pel_wake_tile *tile = &wake->tile[i];
-        tile->length_m = side_m(i, near);
-        double back = 0.5 * hypot(then.x - now.x, then.y - now.y);
-        double most = WHOLE * tile->length_m - AHEAD * track->hull.length_m;
-        double share = 0.5 * (back > most ? most / back : 1.0);
-        tile->x_m = now.x + share * (then.x - now.x);
-        tile->y_m = now.y + share * (then.y - now.y);
-        err = make_tile(s, i, tile);
+        err = make_tile(past, i, later_s, w, &wake->tile[i]);
     }
-end:
-    free(form.along);
-    free(s);
+    free(w);
     if (err != PEL_OK) {
         pel_wake_destroy(wake);
         return err;
     }
     *out = wake;
     return PEL_OK;
+}
+
+enum pel_err pel_wake_create(const struct pel_wake_track *track, double time_s,
+                             double depth_m, struct pel_wake **out)
+{
+    struct pel_wake_past *past = NULL;
+    enum pel_err err = pel_wake_past_create(track, time_s, depth_m, &past);
+    if (err == PEL_OK) {
+        err = pel_wake_later(past, 0, out);
+        pel_wake_past_destroy(past);
+    }
+    return err;
 }
 
 void pel_wake_destroy(struct pel_wake *wake)

@@ -28,11 +28,12 @@
 #define PEL_WAKE_POINTS 257 /* at most 256 pieces */
 
 /* Sections that are parabolas at the ends of a parallel body: half-beam
- * b/2 P(2x/L) P(z/T), P(s) = 1 up to m, then 1 − ((s − m) / (1 − m))². m = 0 is
- * Wigley's hull, of block coefficient 4/9. Symmetric fore and aft. */
+ * b/2 P(2x/L, m) P(z/T, n), P(s, m) = 1 up to m, then 1 − ((s − m) / (1 − m))².
+ * m = n = 0 is Wigley's hull, of block coefficient 4/9; fuller ones are full
+ * amidships first (n = 0.85 from 0.6 on). Symmetric fore and aft. */
 struct pel_hull {
     double length_m, beam_m, draught_m; /* > 0 */
-    double block; /* block coefficient, 0.2..0.95; below 4/9 a narrower m = 0 */
+    double block; /* block coefficient, 0.2..0.95; below 4/9 narrower ones */
 };
 
 /* The ship's middle was here then. */
@@ -65,9 +66,26 @@ struct pel_wake {
  * as the next. */
 double pel_wake_near_m(const struct pel_hull *hull);
 
-/* The waves of a track at time_s, its last piece going on as it is; depth_m:
+/* What a track has left in the water up to a moment: dear (every mode and
+ * piece), and what the moments that follow are made from. */
+struct pel_wake_past;
+
+/* The waves of a track up to time_s, its last piece going on as it is; depth_m:
  * 0 is deep water. What comes later than time_s has no part in it. NO_MEMORY.
  */
+PEL_CHECK enum pel_err pel_wake_past_create(const struct pel_wake_track *track,
+                                            double time_s, double depth_m,
+                                            struct pel_wake_past **out);
+void pel_wake_past_destroy(struct pel_wake_past *past); /* NULL: none */
+
+/* The waves later_s after it, while the ship goes on: cheap (a turn of every
+ * mode, one more piece, transforms). What the tiles let go is that of the
+ * past's moment: within 0.3 % of the highest wave for as long as the ship goes
+ * a tenth of the shortest tile's side. NO_MEMORY. */
+PEL_CHECK enum pel_err pel_wake_later(const struct pel_wake_past *past,
+                                      double later_s, struct pel_wake **out);
+
+/* Both in one: later_s 0. */
 PEL_CHECK enum pel_err pel_wake_create(const struct pel_wake_track *track,
                                        double time_s, double depth_m,
                                        struct pel_wake **out);

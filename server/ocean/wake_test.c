@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include <cmocka.h>
 
@@ -246,13 +247,92 @@ static void fast(void **state)
     }
 }
 
+/* A ship of 100 m at 12 knots that turns at half a degree a second. */
+static struct pel_wake_track *turning(double until)
+{
+    struct pel_wake_track *track = calloc(1, sizeof *track);
+    assert_non_null(track);
+    track->hull = (struct pel_hull){ 100, 16, 6, 0.7 };
+    const double speed = 6.17, rate = 0.5 * M_PI / 180;
+    for (double t = -600; t < until + 4.9; t += 5) {
+        track->point[track->count++] =
+            (struct pel_wake_point){ t, speed / rate * sin(rate * t),
+                                     speed / rate * (1 - cos(rate * t)) };
+    }
+    return track;
+}
+
+/* Moments made from a past are those made at once. */
+static void moments(void **state)
+{
+    (void)state;
+    struct pel_wake_track *track = turning(0);
+    struct pel_wake_past *past = NULL;
+    clock_t begun = clock();
+    assert_int_equal(pel_wake_past_create(track, 0, 0, &past), PEL_OK);
+    print_message("past %.1f ms, ",
+                  1e3 * (double)(clock() - begun) / CLOCKS_PER_SEC);
+    for (double later = 1; later < 2.5; later += 1) {
+        struct pel_wake *there = NULL, *direct = NULL;
+        begun = clock();
+        assert_int_equal(pel_wake_later(past, later, &there), PEL_OK);
+        print_message("moment %.1f ms\n",
+                      1e3 * (double)(clock() - begun) / CLOCKS_PER_SEC);
+        assert_int_equal(pel_wake_create(track, later, 0, &direct), PEL_OK);
+        double worst = 0, beside = 0, most = 0;
+        for (double x = -200; x < 60; x += 4) {
+            for (double y = 0; y < 120; y += 4) {
+                double a = height(there, x, y), b = height(direct, x, y);
+                worst = fmax(worst, fabs(a - b));
+                beside = x > -60 && y < 40 ? worst : beside;
+                most = fmax(most, fabs(b));
+            }
+        }
+        print_message(
+            "%.0f s later: %.2g m, beside the hull %.2g m of %.2g m\n", later,
+            worst, beside, most);
+        /* Tiles let go in a ramp of 0.17 of their side; two seconds are 0.04.
+         */
+        assert_true(worst < 0.1 * most);
+        assert_true(beside < 0.02 * most);
+        pel_wake_destroy(there);
+        pel_wake_destroy(direct);
+    }
+    pel_wake_past_destroy(past);
+    free(track);
+}
+
+/* In water of depth d waves that stand still before the ship have
+ * U² = g / k tanh k d. */
+static void shallow(void **state)
+{
+    (void)state;
+    const double speed = 5.7, depth = 5;
+    const struct pel_hull hull = { 40, 0.4, 2, 4.0 / 9.0 };
+    struct pel_wake *wake = straight(&hull, speed, depth, RUN_S);
+    double first = 0, last = 0;
+    int crossings = 0;
+    for (double x = 150; x < 480; x += 0.05) {
+        double a = height(wake, -x, 0), b = height(wake, -x - 0.05, 0);
+        if (a < 0 && b >= 0) {
+            last = x + 0.05 * a / (a - b);
+            first = crossings++ ? first : last;
+        }
+    }
+    double k = 2 * M_PI * (crossings - 1) / (last - first);
+    double got = sqrt(G / k * tanh(k * depth));
+    print_message("waves of %.2f m, of %.3f m/s\n", 2 * M_PI / k, got);
+    assert_float_equal(got, speed, 0.01 * speed);
+    assert_true(2 * M_PI / k > 1.1 * 2 * M_PI * speed * speed / G);
+    pel_wake_destroy(wake);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(resistance),
-        cmocka_unit_test(transverse),
-        cmocka_unit_test(kelvin),
-        cmocka_unit_test(fast),
+        cmocka_unit_test(resistance), cmocka_unit_test(transverse),
+        cmocka_unit_test(kelvin),     cmocka_unit_test(fast),
+        cmocka_unit_test(moments),    cmocka_unit_test(shallow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
