@@ -20,7 +20,7 @@
 #define FADED 0.46
 /* The middle of the tiles lies half way back to where the ship was so long ago,
  * but so that the tile still holds the hull, and this much of a length more. */
-#define BEHIND_S 600.0
+#define BEHIND_S 120.0
 #define AHEAD 0.6
 /* A tile's share in a wave falls from 1 to 0 over the last of its modes, from
  * this share of the highest on: a sharp end rings over the whole tile. What the
