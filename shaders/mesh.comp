@@ -14,6 +14,10 @@
 #include "lib/waves.glsl"
 #endif
 
+#ifdef PEL_WAKES
+#include "lib/wake.glsl"
+#endif
+
 layout(local_size_x = PEL_GROUP_LINE) in;
 
 layout(std430, binding = PEL_STORE_VERTICES) buffer vertices_block { vertex vertices[]; };
@@ -64,6 +68,9 @@ void main()
     shift += vec3((-wave_chop(phase) * sc.x) * phase.xy, sc.y);
     PEL_EACH_WAVE(PEL_DISPLACE)
     shift *= 0.159154943; // 1 / 2π
+#endif
+#ifdef PEL_WAKES
+    shift += wake_at(x + shift.xy, 0.25 * r.y).d;
 #endif
     uint beside = (place_in_row > 0 ? VERTEX_LEFT : 0u) | (row > 0 ? VERTEX_INNER : 0u) |
                   (row + 1 < block.y ? VERTEX_OUTER : 0u);

@@ -180,8 +180,12 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
     job->environment.object_count = pel_snapshot_objects(
         job->snapshot, job->environment.time_s, job->objects);
     atomic_fetch_add(&loop->held_bytes, bytes);
+    job->environment.wakes =
+        pel_snapshot_wakes(job->snapshot, job->environment.time_s);
     enum pel_err err = pel_renderer_submit(loop->renderer, &job->environment,
                                            &job->draws[first], count);
+    pel_wake_moment_unref(job->environment.wakes);
+    job->environment.wakes = NULL;
     size_t pushed = pel_renderer_in_flight(loop->renderer) - before;
     if (err == PEL_ERR_BUSY && pushed == 0) {
         atomic_fetch_sub(&loop->held_bytes, bytes);
@@ -304,8 +308,12 @@ static void draw_band(struct pel_renderloop *loop)
     job->environment.objects = job->objects;
     job->environment.object_count = pel_snapshot_objects(
         job->snapshot, job->environment.time_s, job->objects);
+    job->environment.wakes =
+        pel_snapshot_wakes(job->snapshot, job->environment.time_s);
     enum pel_err err =
         pel_renderer_submit(loop->renderer, &job->environment, &draw, 1);
+    pel_wake_moment_unref(job->environment.wakes);
+    job->environment.wakes = NULL;
     if (err == PEL_ERR_BUSY) {
         if (part->rows_begun == 0) {
             atomic_fetch_sub(&loop->held_large, part->bytes);

@@ -16,8 +16,8 @@
  * tile. Reads fade over the shares FADE to FADED. */
 #define WHOLE 0.30
 #define HELD 0.47
-#define FADE 0.41
-#define FADED 0.46
+#define FADE PEL_WAKE_FADE
+#define FADED PEL_WAKE_FADED
 /* The middle of the tiles lies half way back to where the ship was so long ago,
  * but so that the tile still holds the hull, and this much of a length more. */
 #define BEHIND_S 120.0
@@ -25,7 +25,7 @@
 /* A tile's share in a wave falls from 1 to 0 over the last of its modes, from
  * this share of the highest on: a sharp end rings over the whole tile. What the
  * tile of long waves leaves is the other one's. */
-static const double ends_from[PEL_WAKE_TILES] = { 0.55, 0.55, 0.8 };
+static const double ends_from[PEL_WAKE_TILES] = { 0.55, 0.65, 0.8 };
 #define VISCOSITY 1.2e-6 /* m²/s, of the sea */
 
 /* Tables of a hull's two transforms. */

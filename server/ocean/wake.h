@@ -19,10 +19,10 @@
 
 #include "base/err.h"
 #include "base/vec.h"
+#include "shaders/lib/blocks.h" /* PEL_WAKE_N texels of a tile's side */
 
-#define PEL_WAKE_N 256     /* texels of a tile's side */
 #define PEL_WAKE_TILES 3   /* of a ship, longest waves first */
-#define PEL_WAKE_RATIO 2.5 /* of their sides */
+#define PEL_WAKE_RATIO 3.0 /* of their sides */
 #define PEL_WAKE_MODES 88  /* highest mode number: 2.9 texels */
 #define PEL_WAKE_NEAR_M 256.0
 #define PEL_WAKE_POINTS 257 /* at most 256 pieces */

@@ -53,8 +53,8 @@ static void delete_objects(struct pel_sea_programs *p)
 void pel_programs_texture(struct pel_programs *p, bool textured)
 {
     p->textured = textured;
-    for (int i = 0; i < 12; i++) {
-        delete_objects(&p->seas[i / 6][i / 2 % 3][i % 2]);
+    for (int i = 0; i < 24; i++) {
+        delete_objects(&p->seas[i / 12][i / 6 % 2][i / 2 % 3][i % 2]);
     }
 }
 
@@ -79,7 +79,8 @@ static struct pel_sea_programs *programs_of(struct pel_programs *p,
                                             const struct pel_sea *sea)
 {
     int foam = has_streaks(sea) ? 2 : sea->foam ? 1 : 0;
-    return &p->seas[sea->desc.area_count > 0][foam][sea->cascades != NULL];
+    return &p->seas[p->wakes][sea->desc.area_count > 0][foam]
+                   [sea->cascades != NULL];
 }
 
 const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
@@ -90,8 +91,8 @@ const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
 
 static void delete_all_seas(struct pel_programs *p)
 {
-    for (int i = 0; i < 12; i++) {
-        delete_sea_programs(&p->seas[i / 6][i / 2 % 3][i % 2]);
+    for (int i = 0; i < 24; i++) {
+        delete_sea_programs(&p->seas[i / 12][i / 6 % 2][i / 2 % 3][i % 2]);
     }
 }
 
@@ -105,9 +106,10 @@ static enum pel_err make_sea_program(struct pel_programs *all,
         return PEL_OK;
     }
     char defines[256];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s",
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s%s",
              sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
-             area_defines(sea), kind_defines[kind], tile_defines[tile],
+             area_defines(sea), all->wakes ? "#define PEL_WAKES\n" : "",
+             kind_defines[kind], tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
              objects ? "#define PEL_OBJECTS\n" : "",
@@ -135,7 +137,8 @@ static enum pel_err make_edges_program(struct pel_programs *all,
     char defines[256];
     snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s",
              sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
-             area_defines(sea), kind_defines[kind], tile_defines[tile],
+             area_defines(sea), all->wakes ? "#define PEL_WAKES\n" : "",
+             kind_defines[kind], tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
              all->compute ? "#define PEL_KEYS\n" : "");
@@ -154,9 +157,10 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
     struct pel_sea_programs *p = programs_of(all, sea);
     enum pel_err err = PEL_OK;
     if (!p->mesh) {
-        char defines[64];
-        snprintf(defines, sizeof defines, "%s%s%s",
+        char defines[128];
+        snprintf(defines, sizeof defines, "%s%s%s%s",
                  cascades ? "#define PEL_FFT\n" : "", area_defines(sea),
+                 all->wakes ? "#define PEL_WAKES\n" : "",
                  all->software ? "" : "#define PEL_EXACT_TEXELS\n");
         err = pel_program_create(all->shader_dir, "mesh.comp", NULL, defines,
                                  &p->mesh, fault);

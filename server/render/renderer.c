@@ -134,6 +134,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_seabed_map_finish(&r->seabed);
         pel_wavefield_finish(&r->wavefield);
         pel_foam_map_finish(&r->foam);
+        pel_wake_map_finish(&r->wakes);
         glDeleteBuffers(1, &r->vertices);
         glDeleteTextures(1, &r->vertex_texels);
         pel_sea_texels_finish(&r->tables);
@@ -408,6 +409,12 @@ static void draw_pixels(struct pel_renderer *r,
     pel_stage_begin(&r->timing);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
+    if (env->wakes) {
+        struct pel_block_wakes block;
+        pel_wake_map_bind(&r->wakes, env, c->east_m, c->north_m, &block);
+        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_WAKES, &block,
+                       sizeof block);
+    }
     displace_mesh(r, programs);
     pel_stage_end(&r->timing, PEL_STAGE_MESH);
     if (r->programs.compute) {
@@ -426,6 +433,9 @@ static void draw_pixels(struct pel_renderer *r,
         glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
     }
     pel_stage_end(&r->timing, PEL_STAGE_RASTER);
+    if (env->wakes) { /* tables of the light had their place */
+        pel_wake_map_again(&r->wakes);
+    }
     bool toned = compute;
     if (compute) {
         pel_shade_dispatches(r, c, programs, asked);
@@ -545,6 +555,7 @@ static enum pel_err need_programs(struct pel_renderer *r,
                                   const struct pel_draw *draws, size_t count)
 {
     struct pel_fault fault;
+    r->programs.wakes = env->wakes != NULL;
     enum pel_err err = env->object_count ? pel_objects_fit(&r->objects, env,
                                                            &r->programs, &fault)
                                          : PEL_OK;
@@ -602,6 +613,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
                                 r->statistics.breaking);
     }
     pel_foam_map_bind(&r->foam, here.sea);
+    pel_wake_map_load(&r->wakes, &here);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
     for (size_t i = 0; i < count && err == PEL_OK; i++) {

@@ -14,6 +14,7 @@
 #include "proto/layers.h"
 #include "render/filtering.h"
 #include "scene/snapshot.h"
+#include "scene/wakes.h"
 
 struct pel_renderer;
 
@@ -60,6 +61,7 @@ struct pel_environment {
     bool sparkle;                     /* of the glitter: blocks.h */
     const struct pel_object *objects; /* things on the sea that are drawn */
     size_t object_count;
+    const struct pel_wake_moment *wakes; /* ship waves; NULL: none */
     /* For tests: leaves out the air between the sea and the eye; looks for the
      * height field in every pixel, where it cannot be seen too. */
     bool no_air, coast_everywhere;

@@ -22,6 +22,7 @@
 #include "render/targets.h"
 #include "render/texels.h"
 #include "render/tiles.h"
+#include "render/wakemap.h"
 #include "render/waterprobe.h"
 #include "render/wavefield.h"
 
@@ -45,6 +46,7 @@ struct pel_renderer {
     struct pel_water_prober water_prober;
     struct pel_wavefield wavefield;
     struct pel_foam_map foam;
+    struct pel_wake_map wakes;
     struct pel_statistics statistics;
     struct pel_mesh *mesh;
     struct pel_seabed_map seabed;

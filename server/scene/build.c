@@ -17,6 +17,7 @@
 #include "scene/sharedsea.h"
 #include "scene/spectra.h"
 #include "scene/sun.h"
+#include "scene/wakes.h"
 
 struct snapshot {
     struct pel_snapshot public; /* first: what the pointer points to */
@@ -565,6 +566,7 @@ const struct pel_snapshot *pel_snapshot_build_going(
             fleet ? pel_model_ref(pel_fleet_of(fleet, state->entities[i]))
                   : NULL;
     }
+    s->public.wakes = pel_wakes_of(state, &s->public);
     s->public.views = s->views;
     s->public.view_count = state->n_views;
     for (size_t i = 0; i < state->n_views; i++) {
@@ -598,6 +600,7 @@ pel_snapshot_with_ships(const struct pel_snapshot *s,
     memcpy(to->views, from->views, sizeof to->views);
     atomic_init(&to->refs, 1);
     atomic_fetch_add(&to->public.sea->refs, 1);
+    pel_wakes_ref(to->public.wakes);
     pel_seabed_ref(to->public.seabed);
     to->public.entities = to->entities;
     to->public.views = to->views;
@@ -680,6 +683,7 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
     struct snapshot *whole = (struct snapshot *)s;
     if (whole && atomic_fetch_sub(&whole->refs, 1) == 1) {
         pel_shared_sea_unref(whole->public.sea);
+        pel_wakes_unref(whole->public.wakes);
         pel_seabed_unref(whole->public.seabed);
         for (size_t i = 0; i < whole->public.entity_count; i++) {
             pel_model_unref(whole->entities[i].model);

@@ -15,6 +15,7 @@
 #include "scene/helm.h"
 #include "scene/reckon.h"
 #include "scene/snapshot.h"
+#include "scene/track.h"
 
 /* Elements a patch may bring, entries of `remove`: what costs time is bounded
  * before the limits of the scene are tested. */
@@ -441,6 +442,7 @@ static void carry_poses(Pelagos__State *state, double before, double after,
     for (size_t i = 0; i < state->n_entities; i++) {
         reckon(state, state->entities[i], before, most_s);
         state->entities[i]->pose_time = after;
+        pel_track_drop(state->entities[i]);
     }
 }
 
@@ -482,6 +484,21 @@ static void lead(Pelagos__State *state, const Pelagos__State *brought)
     }
 }
 
+/* The tracks of the entities that the patch moved. */
+static void follow(const Pelagos__State *from, Pelagos__State *state,
+                   const Pelagos__State *brought, double reckoning_s)
+{
+    for (size_t i = 0; i < brought->n_entities; i++) {
+        const Pelagos__Entity *with = brought->entities[i];
+        const Pelagos__Entity *was = entity_of(from, with->id);
+        Pelagos__Entity *is = entity_of(state, with->id);
+        if (was && is && (touches_pose(with) || with->has_wake)) {
+            struct pel_track_pose before = pel_track_pose_of(was);
+            pel_track_go_on(&before, is, reckoning_s);
+        }
+    }
+}
+
 enum pel_err pel_state_apply(const Pelagos__State *from,
                              const Pelagos__Patch *patch, Pelagos__State **out,
                              struct pel_fault *fault)
@@ -513,6 +530,9 @@ enum pel_err pel_state_apply(const Pelagos__State *from,
     }
     if (!err && brought) {
         lead(state, brought);
+        if (time_s == from->clock->time) {
+            follow(from, state, brought, most_s);
+        }
     }
     if (brought) {
         pelagos__state__free_unpacked(brought, NULL);

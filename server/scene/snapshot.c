@@ -8,6 +8,7 @@
 #include "scene/reckon.h"
 #include "scene/sharedsea.h"
 #include "scene/sun.h"
+#include "scene/wakes.h"
 
 int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name)
 {
@@ -148,13 +149,41 @@ unsigned pel_snapshot_stale(const struct pel_snapshot *s, double time_s)
     return stale;
 }
 
+/* As without wakes, at the places that the wakes carry there, and they on top.
+ */
+static void query_in_wakes(const struct pel_snapshot *s,
+                           const struct pel_wake_moment *moment,
+                           const struct pel_vec2 *points, size_t n,
+                           double time_s, bool moving,
+                           struct pel_surface_sample *out)
+{
+    enum { AT_ONCE = 64 };
+    struct pel_vec2 at[AT_ONCE];
+    struct pel_wake_shift there[AT_ONCE];
+    for (size_t first = 0; first < n; first += AT_ONCE) {
+        size_t count = n - first < AT_ONCE ? n - first : AT_ONCE;
+        for (size_t i = 0; i < count; i++) {
+            at[i] = pel_wakes_before(moment, points[first + i], &there[i]);
+        }
+        (moving ? pel_sea_query_moving : pel_sea_query)(
+            pel_snapshot_sea(s), at, count, time_s, out + first);
+        for (size_t i = 0; i < count; i++) {
+            pel_wakes_onto(&there[i], &out[first + i]);
+        }
+    }
+}
+
 void pel_snapshot_surface(const struct pel_snapshot *s,
                           const struct pel_vec2 *points, size_t n,
                           double time_s, bool moving,
                           struct pel_surface_sample *out)
 {
     PEL_WATCH("surface");
-    if (moving) {
+    const struct pel_wake_moment *moment = pel_snapshot_wakes(s, time_s);
+    if (moment) {
+        query_in_wakes(s, moment, points, n, time_s, moving, out);
+        pel_wake_moment_unref(moment);
+    } else if (moving) {
         pel_sea_query_moving(pel_snapshot_sea(s), points, n, time_s, out);
     } else {
         pel_sea_query(pel_snapshot_sea(s), points, n, time_s, out);

@@ -116,6 +116,7 @@ struct pel_sailing {
 };
 
 struct pel_shared_sea; /* build.h */
+struct pel_wakes;      /* wakes.h */
 
 struct pel_snapshot {
     uint64_t revision;
@@ -141,6 +142,7 @@ struct pel_snapshot {
     double visibility_m;
     size_t entity_count;
     const struct pel_entity_state *entities;
+    struct pel_wakes *wakes; /* of those that make waves; NULL: none */
     size_t view_count;
     const struct pel_view_state *views;
     size_t ship_count;

@@ -24,6 +24,7 @@ struct pel_vec4 {
 #define PEL_BLOCK_LIGHT 4
 #define PEL_BLOCK_CASCADES 5
 #define PEL_BLOCK_AREAS 8
+#define PEL_BLOCK_WAKES 6
 #define PEL_BLOCK_SEABED 9
 #define PEL_BLOCK_MEDIUM 10
 #define PEL_BLOCK_BEAM 11
@@ -34,6 +35,7 @@ struct pel_vec4 {
 /* Texture units of shading. */
 #define PEL_UNIT_TRANSMITTANCE 0
 #define PEL_UNIT_REFLECTION 1
+#define PEL_UNIT_WAKES 2 /* ship waves */
 #define PEL_UNIT_EYE_TABLE 3
 #define PEL_UNIT_EYE_HAZE 4
 #define PEL_UNIT_TRIANGLES 5
@@ -485,6 +487,21 @@ struct pel_shader_cascade {
 PEL_BLOCK(PEL_BLOCK_CASCADES, cascades)
 {
     PEL_STRUCT pel_shader_cascade cascades[PEL_CASCADES];
+};
+
+/* Tiles of ship waves (ocean/wake.h), three a ship, relative to the nadir. */
+#define PEL_WAKE_N 256
+#define PEL_WAKE_LAYERS 24
+#define PEL_WAKE_FADE 0.41
+#define PEL_WAKE_FADED 0.46
+struct pel_shader_wake {
+    vec4 place;  /* xy its middle, m; z texels a metre; w its side, m */
+    vec4 offset; /* xy the nadir in texels */
+};
+PEL_BLOCK(PEL_BLOCK_WAKES, wakes)
+{
+    vec4 wake_count; /* x of layers */
+    PEL_STRUCT pel_shader_wake wakes[PEL_WAKE_LAYERS];
 };
 
 /* Gauss quadrature over the facets an eye sees (optics/facets.h), by

@@ -138,3 +138,17 @@ vec3 filtered_normal(filtered f)
                           -f.fold.y * f.slope.x - f.slope.y * (1.0 - f.fold.x),
                           max((1.0 - f.fold.x) * (1.0 - f.fold.w) - f.fold.y * f.fold.z, 1e-3)));
 }
+
+#ifdef PEL_WAKES
+#include "lib/wake.glsl"
+
+// The surface with ship waves on top.
+void add_wakes(wake_shift w, inout filtered f)
+{
+    f.slope += vec2(w.dx.z, w.dy.z);
+    f.fold -= vec4(w.dx.x, w.dy.x, w.dx.y, w.dy.y);
+#ifdef PEL_LAYERS
+    f.shift += w.d;
+#endif
+}
+#endif

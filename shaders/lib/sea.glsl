@@ -22,6 +22,9 @@ float surface_distance(vec2 x, vec3 ray, float t)
     vec2 between = reach;
     for (int i = 0; i < 16; i++) {
         filtered f = filtered_sea(x, across);
+#ifdef PEL_WAKES
+        add_wakes(wake_at(x + f.shift.xy, across), f);
+#endif
         float half_arc = 0.5 * length(x) / planet.x;
         vec3 point = vec3(x * cos(half_arc) + f.shift.xy,
                           f.shift.z - 2.0 * planet.x * sin(half_arc) * sin(half_arc) - eye.x);
@@ -82,6 +85,11 @@ shaded shade_sea(ivec2 at, uint triangle)
     float facing = max(abs(dot(hit.facet, dir)), 0.15 * v.z);
     float footprint = t * pixel.x * pow(max(facing, 0.002), -PEL_FOOTPRINT_ALONG);
     filtered f = filtered_sea(x, footprint);
+#ifdef PEL_WAKES
+    // The place is above what the wakes have carried there, to first order.
+    vec2 above = dir.xy * range;
+    add_wakes(wake_at(above - wake_at(above, footprint).d.xy, footprint), f);
+#endif
     vec3 n = filtered_normal(f);
     vec2 variance = variance_left(footprint);
     vec2 variance_beside = variance_left(PEL_CELL_FOOTPRINT * footprint) - variance;

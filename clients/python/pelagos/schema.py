@@ -371,6 +371,17 @@ class OwnShip(Record):
 
 
 @dataclass(frozen=True)
+class TrackPoint(Record):
+    """A place of an entity in the past."""
+    #: Simulated time. [s; 0 to 1000000000]
+    time: float = _field(0.0, 's', 0, 1000000000)
+    #: Geodetic latitude. [deg; -85 to 85]
+    latitude: float = _field(0.0, 'deg', -85, 85)
+    #: Longitude. [deg; -180 to 180]
+    longitude: float = _field(0.0, 'deg', -180, 180)
+
+
+@dataclass(frozen=True)
 class Entity(Record):
     """A body that moves: own ship, target, buoy. Its pose is given at poseTime
     and reckoned onward from speed, course and turn rate."""
@@ -420,6 +431,11 @@ class Entity(Record):
     #: Afloat, it is moored at its latitude and longitude, and swings within
     #: this radius, a vessel head to wind; 0: it is not moored. [m; 0 to 1000]
     mooring: float = _field(0.0, 'm', 0, 1000)
+    #: Whether it makes waves as it moves, where it has a model.
+    wake: bool = _field(False)
+    #: Where it was, written by the server while `wake`, oldest first, at most
+    #: 240; its poses go on from there.
+    track: tuple[TrackPoint, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,64 @@
+// Ship waves, twin of ocean/wake.h: displacement and slopes above a place that
+// the sea's waves have carried there, from the eye's nadir.
+
+layout(binding = PEL_UNIT_WAKES) uniform sampler2DArray wake_tiles; // Dx, Dy, h
+
+struct wake_shift {
+    vec3 d;
+    vec3 dx; // by x
+    vec3 dy;
+};
+
+void wake_spline(vec2 f, out vec2 w[4], out vec2 d[4])
+{
+    vec2 g = 1.0 - f;
+    w = vec2[4](g * g * g / 6.0, (4.0 - 6.0 * f * f + 3.0 * f * f * f) / 6.0,
+                (4.0 - 6.0 * g * g + 3.0 * g * g * g) / 6.0, f * f * f / 6.0);
+    d = vec2[4](-0.5 * g * g, f * (1.5 * f - 2.0), g * (2.0 - 1.5 * g), 0.5 * f * f);
+}
+
+// What a tile adds, as a footprint sees it: waves of a few texels go first.
+void add_wake_tile(int i, vec2 x, float footprint, inout wake_shift sum)
+{
+    vec4 place = wakes[i].place;
+    vec2 from = x - place.xy;
+    vec2 u = (abs(from) / place.w - PEL_WAKE_FADE) / (PEL_WAKE_FADED - PEL_WAKE_FADE);
+    float shown = 1.0 - smoothstep(1.0, 3.0, footprint * place.z);
+    if (max(u.x, u.y) >= 1.0 || shown <= 0.0) {
+        return;
+    }
+    vec2 v = clamp(u, 0.0, 1.0);
+    vec2 fade = 1.0 - v * v * (3.0 - 2.0 * v);
+    vec2 fading = -6.0 * v * (1.0 - v) * sign(from) /
+                  ((PEL_WAKE_FADED - PEL_WAKE_FADE) * place.w);
+    vec2 at = x * place.z + wakes[i].offset.xy;
+    vec2 f = fract(at);
+    ivec2 corner = ivec2(at - f) - 1;
+    vec2 w[4];
+    vec2 d[4];
+    wake_spline(f, w, d);
+    vec3 value = vec3(0.0);
+    vec3 by_x = vec3(0.0);
+    vec3 by_y = vec3(0.0);
+    for (int b = 0; b < 4; b++) {
+        for (int a = 0; a < 4; a++) {
+            vec3 t = texelFetch(wake_tiles, ivec3((corner + ivec2(a, b)) & (PEL_WAKE_N - 1), i), 0).xyz;
+            value += w[a].x * w[b].y * t;
+            by_x += d[a].x * w[b].y * t;
+            by_y += w[a].x * d[b].y * t;
+        }
+    }
+    float all = shown * fade.x * fade.y;
+    sum.d += all * value;
+    sum.dx += all * place.z * by_x + shown * fading.x * fade.y * value;
+    sum.dy += all * place.z * by_y + shown * fade.x * fading.y * value;
+}
+
+wake_shift wake_at(vec2 x, float footprint)
+{
+    wake_shift sum = wake_shift(vec3(0.0), vec3(0.0), vec3(0.0));
+    for (int i = 0; i < int(wake_count.x); i++) {
+        add_wake_tile(i, x, footprint, sum);
+    }
+    return sum;
+}
