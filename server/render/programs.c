@@ -105,7 +105,7 @@ static enum pel_err make_sea_program(struct pel_programs *all,
     if (*out) {
         return PEL_OK;
     }
-    char defines[256];
+    char defines[384];
     snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s%s",
              sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
              area_defines(sea), all->wakes ? "#define PEL_WAKES\n" : "",
@@ -134,8 +134,8 @@ static enum pel_err make_edges_program(struct pel_programs *all,
     if (*out) {
         return PEL_OK;
     }
-    char defines[256];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s",
+    char defines[384];
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s",
              sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
              area_defines(sea), all->wakes ? "#define PEL_WAKES\n" : "",
              kind_defines[kind], tile_defines[tile],

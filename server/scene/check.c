@@ -13,6 +13,7 @@
 #include "scene/helm.h"
 #include "scene/snapshot.h"
 #include "scene/sun.h"
+#include "scene/track.h"
 
 #define PATH_SIZE 192
 #define MIN_ANGLE_DEG 0.01 /* so that its width is far above rounding */
@@ -339,6 +340,10 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     }
     if (!err && state->sea) {
         err = check_areas(state->sea, fault);
+    }
+    for (size_t i = 0; !err && i < state->n_entities; i++) {
+        err = check_count(state->entities[i]->n_track, PEL_TRACK_MOST,
+                          "entities.track", fault);
     }
     if (!err) {
         err = pel_message_check(&state->base, "", fault);
