@@ -11,9 +11,9 @@ from pelagos_daemon import SANITIZED, Daemon, Session
 from pelagos.schema import LAYERS
 
 ALL = ",".join(LAYERS)
-SIDE = 1150
+SIDE = 1100
 # Of readback; targets are a band's, and 256 MiB are the most.
-TAKEN = SIDE * SIDE * 172
+TAKEN = SIDE * SIDE * 188
 
 
 class Memory(unittest.TestCase):

@@ -156,7 +156,8 @@ class State(OceanCase):
         import dataclasses
         from pelagos import schema
         parts = {"entities": "Entity", "views": "View", "swell": "Swell",
-                 "helm": "OwnShip", "areas": "Area"}
+                 "helm": "OwnShip", "areas": "Area",
+                 "track": "TrackPoint"}
         for path, field in self.ocean.fields().items():
             kind = schema.State
             known = None

@@ -608,7 +608,7 @@ static enum pel_err make_tile(const struct pel_wake_past *past, int which,
 {
     const struct modes *m = &past->modes[which];
     size_t n = 2 * (size_t)m->padded;
-    float *amplitudes = malloc(2 * n * sizeof *amplitudes);
+    float *amplitudes = calloc(2 * n, sizeof *amplitudes);
     *tile = m->tile;
     tile->x_m += past->vx * later_s;
     tile->y_m += past->vy * later_s;

@@ -19,6 +19,7 @@
 #include "scene/edit.h"
 #include "scene/helm.h"
 #include "scene/scene_parts.h"
+#include "scene/sharedsea.h"
 #include "scene/store.h"
 
 #define MAX_STEP_S 3600.0
@@ -601,8 +602,12 @@ void pel_scene_collect(void *user, struct pel_metrics_page *page)
     pel_metric(page, "pelagos_scene_waiting", PEL_METRIC_GAUGE,
                "Patches that wait for a sea or a file.", NULL,
                (double)scene->waiting->len);
-    const struct pel_sea *sea = pel_snapshot_sea(scene->snapshot);
-    pel_metric(page, "pelagos_sea_whitecaps_ratio", PEL_METRIC_GAUGE,
-               "Share of the sea under whitecaps, as photographs count them.",
-               NULL, sea->foam ? sea->foam->coverage : 0);
+    /* A sea that nobody asked for yet is not built for a number. */
+    if (pel_shared_sea_built(scene->snapshot->sea)) {
+        const struct pel_sea *sea = pel_snapshot_sea(scene->snapshot);
+        pel_metric(
+            page, "pelagos_sea_whitecaps_ratio", PEL_METRIC_GAUGE,
+            "Share of the sea under whitecaps, as photographs count them.",
+            NULL, sea->foam ? sea->foam->coverage : 0);
+    }
 }
