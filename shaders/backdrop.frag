@@ -13,5 +13,5 @@ void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
     shaded s = shade_backdrop(at);
-    write_outputs(s, at);
+    write_outputs(s, at, PEL_SHOWS_SEA);
 }

@@ -39,6 +39,7 @@ layout(binding = PEL_UNIT_TRIANGLES) uniform usampler2D triangles;
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    shaded s = shade_coast(at, texelFetch(triangles, at, 0).r);
-    write_outputs(s, at);
+    float shows;
+    shaded s = shade_coast(at, texelFetch(triangles, at, 0).r, shows);
+    write_outputs(s, at, shows);
 }

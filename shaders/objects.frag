@@ -54,6 +54,6 @@ void main()
     if (!object_in_sight(ray, seen)) {
         discard;
     }
-    write_outputs(shade_object(ray, seen), at);
+    write_outputs(shade_object(ray, seen), at, 0.0);
 }
 #endif

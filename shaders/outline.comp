@@ -6,6 +6,7 @@
 #include "lib/cut.glsl"
 #include "lib/triangles.glsl"
 #include "lib/outline.glsl"
+#include "lib/edge.glsl"
 
 layout(local_size_x = PEL_GROUP_LINE) in;
 // Of outline_find.comp.
@@ -15,9 +16,9 @@ layout(std430, binding = PEL_STORE_SUSPECTS) restrict readonly buffer suspects_b
     uint suspects[];
 };
 layout(std430, binding = PEL_STORE_EDGES) restrict buffer edges_block {
-    uint groups[3]; // of edges.comp
+    uint groups[3]; // of outline_mix.comp
     uint count;
-    uvec2 edges[]; // place, parts
+    uvec2 edges[];
 };
 
 void main()
@@ -25,13 +26,15 @@ void main()
     if (gl_GlobalInvocationID.x >= suspect_count) {
         return;
     }
-    uint at = suspects[gl_GlobalInvocationID.x];
-    vec2 parts = parts_of_neighbours(ivec2(at & 0xFFFFu, at >> 16));
+    uint place = suspects[gl_GlobalInvocationID.x];
+    ivec2 at = ivec2(place & 0xFFFFu, place >> 16);
+    upright p = upright_at(at);
+    vec2 parts = parts_of_neighbours(at, p);
     if (parts.x + parts.y > 0.0) {
-        uint place = atomicAdd(count, 1u);
-        if (place % uint(PEL_GROUP_LINE) == 0u) {
+        uint entry = atomicAdd(count, 1u);
+        if (entry % uint(PEL_GROUP_LINE) == 0u) {
             atomicAdd(groups[0], 1u);
         }
-        edges[place] = uvec2(at, packUnorm2x16(parts));
+        edges[entry] = edge_of(at, p.up, parts);
     }
 }

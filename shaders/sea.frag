@@ -38,5 +38,5 @@ void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy);
     shaded s = shade_sea(at, texelFetch(triangles, at, 0).r);
-    write_outputs(s, at);
+    write_outputs(s, at, PEL_SHOWS_SEA);
 }

@@ -63,6 +63,7 @@ void main()
     uint triangle = 0xFFFFFFFFu - key;
     shaded s = only_light(vec3(0.0));
     float behind = 1.0;
+    float shows = PEL_SHOWS_SEA;
 #ifdef PEL_OBJECTS
     float cover;
     shaded nearer = shade_samples(at, cover);
@@ -77,7 +78,7 @@ void main()
 #endif
     {
 #ifdef PEL_LAND
-        s = shade_coast(at, key == 0u ? 0u : triangle);
+        s = shade_coast(at, key == 0u ? 0u : triangle, shows);
 #else
         if (key == 0u) {
             s = shade_backdrop(at);
@@ -102,7 +103,7 @@ void main()
         keys[place] = 0u;
     }
     if ((wanted & PEL_WANTS_RADIANCE) != 0) {
-        imageStore(radiance_image, at, vec4(s.radiance, 1.0));
+        imageStore(radiance_image, at, vec4(s.radiance, shows * behind));
     }
     if ((wanted & PEL_WANTS_COLOR) != 0) {
         imageStore(color_image, at, vec4(display(s.radiance, at), 1.0));

@@ -45,7 +45,8 @@ static void begin_list(GLuint list, GLuint binding)
 
 static void dispatch_by(GLuint list)
 {
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT |
+                    GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
     glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, list);
     glDispatchComputeIndirect(0);
 }
@@ -126,46 +127,27 @@ void pel_edges_list(const struct pel_programs *p, const struct pel_targets *t,
     dispatch_by(t->suspects);
 }
 
-void pel_edges_draw(const struct pel_targets *t, GLuint program,
-                    const struct pel_pass *pass, int wanted)
+void pel_edges_mix(const struct pel_programs *p, const struct pel_targets *t,
+                   unsigned asked, bool toned)
 {
-    glUseProgram(program);
-    pel_pass_use(pass);
-    glUniform1i(0, wanted);
-    dispatch_by(t->edges);
-}
-
-bool pel_edges_pass(const struct pel_pass *whole, struct pel_pass *light)
-{
-    const unsigned of_light = pel_layers_of_light();
-    *light = *whole;
-    light->layers = 0;
-    int used = 0;
-    for (int i = 0; i < PEL_FRAGMENT_SLOTS; i++) {
-        int layer = whole->layer[i];
-        light->layer[i] = -1;
-        if (layer >= 0 && of_light & pel_layer_table[layer].bit) {
-            light->layer[used++] = layer;
-            light->layers |= 1U << layer;
+    const unsigned wanted = pel_layers_of_light() & pel_layers_stored(asked);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_MIXED, t->suspects);
+    for (int i = 0; i < PEL_LAYERS; i++) {
+        bool radiance = i == PEL_AT_RADIANCE;
+        if (!radiance && !(wanted & pel_layer_table[i].bit)) {
+            continue;
         }
+        glBindImageTexture(PEL_IMAGE_RADIANCE, t->planes[PEL_AT_RADIANCE], 0,
+                           GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
+        glBindImageTexture(PEL_IMAGE_SLOTS, t->planes[i], 0, GL_FALSE, 0,
+                           GL_READ_WRITE, GL_RGBA32F);
+        glUseProgram(p->outline_mix);
+        dispatch_by(t->edges);
+        glBindImageTexture(PEL_IMAGE_COLOR, t->color, 0, GL_FALSE, 0,
+                           GL_WRITE_ONLY, GL_RGBA8);
+        glUseProgram(p->outline_put);
+        glUniform1i(0, toned && radiance);
+        dispatch_by(t->edges);
+        glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
     }
-    return used > 0 || whole->first;
-}
-
-bool pel_edges_rest(const struct pel_pass *whole, struct pel_pass *rest)
-{
-    const unsigned of_light = pel_layers_of_light();
-    *rest = *whole;
-    rest->layers = 0;
-    rest->first = false;
-    int used = 0;
-    for (int i = 0; i < PEL_FRAGMENT_SLOTS; i++) {
-        int layer = whole->layer[i];
-        rest->layer[i] = -1;
-        if (layer >= 0 && !(of_light & pel_layer_table[layer].bit)) {
-            rest->layer[used++] = layer;
-            rest->layers |= 1U << layer;
-        }
-    }
-    return used > 0;
 }

@@ -1,8 +1,8 @@
 /* Antialiasing of outlines, after a picture's pixels show what their middles
  * see: shaders/outline_find.comp lists pixels whose neighbours see triangles
  * that are apart, shaders/outline.comp those of them that an outline cuts, with
- * the parts on either side, and shaders/edges.comp mixes their light. Render
- * thread. */
+ * the parts on either side, and shaders/outline_mix.comp mixes the light that
+ * they and their neighbours were given. Render thread. */
 #pragma once
 
 #include "render/mesh.h"
@@ -29,13 +29,7 @@ void pel_edges_list(const struct pel_programs *p, const struct pel_targets *t,
                     const struct pel_mesh *mesh, bool sideways,
                     const GLint region[4]);
 
-/* Draws them by a program (programs.h: edges), `wanted` as shade.comp. */
-void pel_edges_draw(const struct pel_targets *t, GLuint program,
-                    const struct pel_pass *pass, int wanted);
-
-/* The part of a pass that is light: other layers keep what the middle of each
- * pixel shows. False: it has none. */
-bool pel_edges_pass(const struct pel_pass *whole, struct pel_pass *light);
-
-/* The other part of it. False: there is none. */
-bool pel_edges_rest(const struct pel_pass *whole, struct pel_pass *rest);
+/* Mixes their light in every layer of light that a picture of these layers
+ * stores, and in the colour where that is `toned`. */
+void pel_edges_mix(const struct pel_programs *p, const struct pel_targets *t,
+                   unsigned asked, bool toned);

@@ -32,7 +32,7 @@ static struct pel_pass take(unsigned left, unsigned but, bool compute)
     return pass;
 }
 
-struct pel_pass pel_pass_first(unsigned asked, bool compute)
+struct pel_pass pel_pass_first(unsigned asked, bool compute, bool final)
 {
     const unsigned light = pel_layers_from(PEL_LAYER_FROM_LIGHT);
     /* Programs that take the water's light apart may round the radiance in
@@ -45,8 +45,10 @@ struct pel_pass pel_pass_first(unsigned asked, bool compute)
         take(pel_layers_stored(asked) & ~light, but, compute);
     pass.first = true;
     /* In one dispatch the same program writes either. */
-    if (asked == PEL_LAYER_COLOR && !compute) {
+    if (final && !compute && asked == PEL_LAYER_COLOR) {
         pass.kind = PEL_SHADE_COLOR;
+    } else if (final && !compute && asked == (PEL_LAYER_COLOR | light)) {
+        pass.kind = PEL_SHADE_BOTH;
     }
     return pass;
 }
@@ -66,4 +68,39 @@ void pel_pass_use(const struct pel_pass *pass)
         glUniform1ui(PEL_UNIFORM_LAYERS, pass->layers);
         glUniform1iv(PEL_UNIFORM_SLOTS, pass->slots, pass->layer);
     }
+}
+
+bool pel_pass_light(const struct pel_pass *whole, struct pel_pass *light)
+{
+    const unsigned of_light = pel_layers_of_light();
+    *light = *whole;
+    light->layers = 0;
+    int used = 0;
+    for (int i = 0; i < PEL_FRAGMENT_SLOTS; i++) {
+        int layer = whole->layer[i];
+        light->layer[i] = -1;
+        if (layer >= 0 && of_light & pel_layer_table[layer].bit) {
+            light->layer[used++] = layer;
+            light->layers |= 1U << layer;
+        }
+    }
+    return used > 0 || whole->first;
+}
+
+bool pel_pass_rest(const struct pel_pass *whole, struct pel_pass *rest)
+{
+    const unsigned of_light = pel_layers_of_light();
+    *rest = *whole;
+    rest->layers = 0;
+    rest->first = false;
+    int used = 0;
+    for (int i = 0; i < PEL_FRAGMENT_SLOTS; i++) {
+        int layer = whole->layer[i];
+        rest->layer[i] = -1;
+        if (layer >= 0 && !(of_light & pel_layer_table[layer].bit)) {
+            rest->layer[used++] = layer;
+            rest->layers |= 1U << layer;
+        }
+    }
+    return used > 0;
 }

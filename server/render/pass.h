@@ -20,9 +20,15 @@ struct pel_pass {
 };
 
 /* The first pass of a picture of these layers (of enum pel_layer), by either
- * wrapper; and the one after *pass, false after the last. */
-struct pel_pass pel_pass_first(unsigned asked, bool compute);
+ * wrapper; `final`: nothing goes over it, so that its light can be toned at
+ * once. And the one after *pass, false after the last. */
+struct pel_pass pel_pass_first(unsigned asked, bool compute, bool final);
 bool pel_pass_next(struct pel_pass *pass, bool compute);
 
 /* Tells the program in use the layers of its slots. */
 void pel_pass_use(const struct pel_pass *pass);
+
+/* The part of a pass that is light, and the other, that shows what pixels'
+ * middles do; false: there is none. */
+bool pel_pass_light(const struct pel_pass *whole, struct pel_pass *light);
+bool pel_pass_rest(const struct pel_pass *whole, struct pel_pass *rest);

@@ -16,7 +16,6 @@ static void delete_sea_programs(struct pel_sea_programs *p)
         glDeleteProgram(p->shallow[i]);
         for (int k = 0; k < PEL_COAST_TILES; k++) {
             glDeleteProgram(p->objects[k][i]);
-            glDeleteProgram(p->edges[k][i]);
         }
     }
     glDeleteProgram(p->mesh);
@@ -25,9 +24,11 @@ static void delete_sea_programs(struct pel_sea_programs *p)
 
 static const char *const kind_defines[PEL_SHADE_COUNT] = {
     [PEL_SHADE_COLOR] = "#define PEL_COLOR\n",
-    [PEL_SHADE_LIGHT] = "",
-    [PEL_SHADE_LAYERS] = "#define PEL_LAYERS\n",
-    [PEL_SHADE_PARTS] = "#define PEL_LAYERS\n#define PEL_WATER_PARTS\n",
+    [PEL_SHADE_BOTH] = "#define PEL_COLOR\n#define PEL_RADIANCE\n",
+    [PEL_SHADE_LIGHT] = "#define PEL_RADIANCE\n",
+    [PEL_SHADE_LAYERS] = "#define PEL_RADIANCE\n#define PEL_LAYERS\n",
+    [PEL_SHADE_PARTS] =
+        "#define PEL_RADIANCE\n#define PEL_LAYERS\n#define PEL_WATER_PARTS\n",
 };
 
 const char *pel_shading_defines(enum pel_shading kind)
@@ -125,27 +126,6 @@ static enum pel_err make_sea_program(struct pel_programs *all,
                               defines, out, fault);
 }
 
-static enum pel_err make_edges_program(struct pel_programs *all,
-                                       const struct pel_sea *sea,
-                                       enum pel_shading kind,
-                                       enum pel_coast_tile tile, GLuint *out,
-                                       struct pel_fault *fault)
-{
-    if (*out) {
-        return PEL_OK;
-    }
-    char defines[384];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s",
-             sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
-             area_defines(sea), all->wakes ? "#define PEL_WAKES\n" : "",
-             kind_defines[kind], tile_defines[tile],
-             all->software ? "" : "#define PEL_EXACT_TEXELS\n",
-             all->filtering->paper ? "#define PEL_PAPER\n" : "",
-             all->compute ? "#define PEL_KEYS\n" : "");
-    return pel_program_create(all->shader_dir, "edges.comp", NULL, defines, out,
-                              fault);
-}
-
 /* Makes the programs that this kind of sea and picture wants; those with
  * layers most never are. */
 static enum pel_err need_sea_programs(struct pel_programs *all,
@@ -227,29 +207,27 @@ bool pel_programs_have_edges(const struct pel_programs *p)
 }
 
 enum pel_err pel_programs_need_edges(struct pel_programs *all,
-                                     const struct pel_sea *sea,
-                                     enum pel_shading kind, bool coast,
                                      struct pel_fault *fault)
 {
-    struct pel_sea_programs *p = programs_of(all, sea);
     const char *keys = all->compute ? "#define PEL_KEYS\n" : NULL;
+    const struct {
+        GLuint *program;
+        const char *file, *defines;
+        bool wanted;
+    } needed[] = {
+        { &all->outline_find, "outline_find.comp", keys, true },
+        { &all->outline, "outline.comp", keys, true },
+        { &all->outline_mix, "outline_mix.comp", NULL, true },
+        { &all->outline_put, "outline_mix.comp", "#define PEL_PUT\n", true },
+        { &all->clear_keys, "clear.comp", NULL, all->compute },
+    };
     enum pel_err err = PEL_OK;
-    if (!all->outline_find) {
-        err = pel_program_create(all->shader_dir, "outline_find.comp", NULL,
-                                 keys, &all->outline_find, fault);
-    }
-    if (err == PEL_OK && !all->outline) {
-        err = pel_program_create(all->shader_dir, "outline.comp", NULL, keys,
-                                 &all->outline, fault);
-    }
-    if (err == PEL_OK && all->compute && !all->clear_keys) {
-        err = pel_program_create(all->shader_dir, "clear.comp", NULL, NULL,
-                                 &all->clear_keys, fault);
-    }
-    for (int tile = 0; tile < (coast ? PEL_COAST_TILES : 1) && err == PEL_OK;
-         tile++) {
-        err = make_edges_program(all, sea, kind, (enum pel_coast_tile)tile,
-                                 &p->edges[tile][kind], fault);
+    for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
+        if (err == PEL_OK && needed[i].wanted && !*needed[i].program) {
+            err =
+                pel_program_create(all->shader_dir, needed[i].file, NULL,
+                                   needed[i].defines, needed[i].program, fault);
+        }
     }
     return err;
 }
@@ -284,6 +262,8 @@ void pel_programs_finish(struct pel_programs *p)
     glDeleteProgram(p->tone);
     glDeleteProgram(p->outline_find);
     glDeleteProgram(p->outline);
+    glDeleteProgram(p->outline_mix);
+    glDeleteProgram(p->outline_put);
     glDeleteProgram(p->clear_keys);
     for (int i = 0; i < PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->backdrop[i]);

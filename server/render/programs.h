@@ -13,6 +13,7 @@
 /* What the shading of a picture writes. */
 enum pel_shading {
     PEL_SHADE_COLOR,  /* the colour only */
+    PEL_SHADE_BOTH,   /* the colour and the radiance */
     PEL_SHADE_LIGHT,  /* radiance; in one dispatch also the colour */
     PEL_SHADE_LAYERS, /* and layers of the surface */
     PEL_SHADE_PARTS,  /* and of the water's light taken apart */
@@ -29,8 +30,6 @@ struct pel_sea_programs {
     GLuint shallow[PEL_SHADE_COUNT]; /* with the bottom alone */
     /* Either wrapper, in tiles with objects, by enum pel_coast_tile. */
     GLuint objects[PEL_COAST_TILES][PEL_SHADE_COUNT];
-    /* Pixels that outlines cut, by enum pel_coast_tile. */
-    GLuint edges[PEL_COAST_TILES][PEL_SHADE_COUNT];
 };
 
 struct pel_programs {
@@ -41,7 +40,8 @@ struct pel_programs {
     bool textured;  /* so are objects */
     bool automatic; /* not chosen by an option: may fall back to fragments */
     GLuint surface, search, tone;
-    GLuint outline_find, outline;     /* in compute with either wrapper */
+    GLuint outline_find, outline; /* in compute with either wrapper */
+    GLuint outline_mix, outline_put;
     GLuint clear_keys;                /* after outlines, in compute */
     GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
     GLuint disc[PEL_SHADE_COUNT];     /* and with it */
@@ -79,9 +79,6 @@ PEL_CHECK enum pel_err pel_programs_need(struct pel_programs *p,
  * compile shading in compute draws none (false). */
 bool pel_programs_have_edges(const struct pel_programs *p);
 PEL_CHECK enum pel_err pel_programs_need_edges(struct pel_programs *p,
-                                               const struct pel_sea *sea,
-                                               enum pel_shading kind,
-                                               bool coast,
                                                struct pel_fault *fault);
 
 /* Those that draw this sea. */

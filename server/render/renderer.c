@@ -233,7 +233,7 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
                width + 2 * PEL_RASTER_MARGIN, height + 2 * PEL_RASTER_MARGIN);
     pel_mesh_draw(r->mesh);
     glDisable(GL_SCISSOR_TEST);
-    glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
+    glViewport(0, 0, width, height);
     glDisable(GL_CULL_FACE);
     glDepthMask(GL_FALSE);
 }
@@ -291,22 +291,21 @@ static void bind_waves(struct pel_renderer *r,
     }
 }
 
-/* Objects as fragments are mixed with what is behind them in radiance. */
-static unsigned to_shade(const struct pel_renderer *r,
-                         const struct pel_environment *env, unsigned asked)
-{
-    return env->object_count && !r->programs.compute
-               ? asked | PEL_LAYER_RADIANCE
-               : asked;
-}
-
-/* Objects are rasterised without a margin, and hide outlines. */
 static bool draws_edges(const struct pel_renderer *r,
-                        const struct pel_environment *env,
                         const struct pel_camera *c)
 {
-    return c->antialiasing && !env->object_count &&
-           pel_programs_have_edges(&r->programs);
+    return c->antialiasing && pel_programs_have_edges(&r->programs);
+}
+
+/* Outlines are mixed in radiance, and objects as fragments with what is behind
+ * them. */
+static unsigned to_shade(const struct pel_renderer *r,
+                         const struct pel_environment *env,
+                         const struct pel_draw *draw)
+{
+    bool mixed = draws_edges(r, &draw->camera) ||
+                 (env->object_count && !r->programs.compute);
+    return mixed ? draw->layers | PEL_LAYER_RADIANCE : draw->layers;
 }
 
 /* Everything up to the colour; the camera stands above the sea's zero. What
@@ -321,7 +320,7 @@ static void draw_pixels(struct pel_renderer *r,
     struct pel_block_view view;
     pel_fill_view(whole, &r->filter, &view);
     bool submerged = is_submerged(env, whole);
-    r->margin = draws_edges(r, env, whole) && !submerged ? PEL_EDGES_MARGIN : 0;
+    r->margin = draws_edges(r, whole) && !submerged ? PEL_EDGES_MARGIN : 0;
     view.pixel.z -= (float)r->margin;
     view.pixel.w += (float)((int)band.first - r->margin);
     view.size.x += (float)(2 * r->margin);
@@ -335,16 +334,19 @@ static void draw_pixels(struct pel_renderer *r,
     };
     const struct pel_camera part = pel_band_camera(whole, band);
     const struct pel_camera *c = &part;
-    struct pel_camera wide = pel_edges_camera(whole, r->margin);
+    const struct pel_camera wide = pel_edges_camera(whole, r->margin);
     pel_mesh_plan(&mesh_eye, &wide, r->mesh);
     if (c->height < whole->height) {
-        wide = pel_edges_camera(c, r->margin);
-        pel_mesh_narrow(&mesh_eye, &wide, r->mesh);
+        const struct pel_camera narrow = pel_edges_camera(c, r->margin);
+        pel_mesh_narrow(&mesh_eye, &narrow, r->mesh);
     }
     struct pel_disc_box discs[PEL_LIGHTS];
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        discs[i] = pel_band_disc(whole, env->lights[i].direction,
-                                 pel_light_bodies[i].angular_radius_rad, band);
+        discs[i] = pel_band_disc(
+            &wide, env->lights[i].direction,
+            pel_light_bodies[i].angular_radius_rad,
+            (struct pel_band){ band.first,
+                               band.rows + 2 * (uint32_t)r->margin });
     }
     bool cascades = env->sea->cascades != NULL;
     const struct pel_sea_programs *programs =
@@ -360,8 +362,9 @@ static void draw_pixels(struct pel_renderer *r,
     if (!r->any_coast && env->object_count) {
         memset(r->tiles, PEL_COAST_NONE, sizeof r->tiles);
     }
-    r->any_objects = env->object_count &&
-                     pel_objects_plan(&r->objects, env, whole, r->tiles);
+    r->has_objects = env->object_count > 0;
+    r->any_objects =
+        r->has_objects && pel_objects_plan(&r->objects, env, whole, r->tiles);
     if (r->any_coast || r->any_objects) {
         pel_band_tiles(whole, band, r->tiles);
     }
@@ -430,7 +433,7 @@ static void draw_pixels(struct pel_renderer *r,
         pel_shade_box(r, c, box);
         pel_objects_raster(&r->objects, env, whole, &view, box, &r->arena,
                            compute, pel_shade_middles(asked));
-        glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
+        glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
     }
     pel_stage_end(&r->timing, PEL_STAGE_RASTER);
     if (env->wakes) { /* tables of the light had their place */
@@ -457,7 +460,7 @@ static enum pel_err draw_view(struct pel_renderer *r,
     camera.altitude_m -= env->sea_level_m;
     const struct pel_camera *c = &camera;
     struct pel_band band = pel_band_of(draw);
-    draw_pixels(r, env, c, band, to_shade(r, env, draw->layers));
+    draw_pixels(r, env, c, band, to_shade(r, env, draw));
     if (env->stale && draw->layers & PEL_LAYER_COLOR) {
         pel_mark_stale(r->targets.color_fbo, c->width, c->height, band.first,
                        band.rows, r->margin, env->stale);
@@ -530,7 +533,7 @@ static enum pel_err need_view(struct pel_renderer *r,
     do { /* once more where it turned to fragments meanwhile */
         compute = r->programs.compute;
         struct pel_pass pass =
-            pel_pass_first(to_shade(r, env, draw->layers), compute);
+            pel_pass_first(to_shade(r, env, draw), compute, !objects);
         do {
             err = pel_programs_need(&r->programs, env->sea, pass.kind, coast,
                                     objects, fault);
@@ -540,14 +543,9 @@ static enum pel_err need_view(struct pel_renderer *r,
             }
         } while (err == PEL_OK && pel_pass_next(&pass, compute));
     } while (err == PEL_OK && compute != r->programs.compute);
-    struct pel_pass pass = pel_pass_first(draw->layers, true);
-    bool edges = draws_edges(r, env, &draw->camera);
-    while (err == PEL_OK && edges) {
-        err = pel_programs_need_edges(&r->programs, env->sea, pass.kind, coast,
-                                      fault);
-        edges = pel_pass_next(&pass, true);
-    }
-    return err;
+    return err == PEL_OK && draws_edges(r, &draw->camera)
+               ? pel_programs_need_edges(&r->programs, fault)
+               : err;
 }
 
 static enum pel_err need_programs(struct pel_renderer *r,

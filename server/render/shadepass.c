@@ -30,6 +30,25 @@ static bool is_touched(unsigned tile)
            PEL_TILE_SHADED(tile);
 }
 
+/* A run of tiles in the targets: from xy to before zw. At the picture's edges
+ * it has the pixels beyond them that outlines need. */
+static void rect_of(const struct pel_renderer *r, const struct pel_camera *c,
+                    const struct pel_tile_run *run, GLint rect[4])
+{
+    const GLint m = r->margin;
+    rect[0] = run->x > 0 ? run->x + m : 0;
+    rect[1] = run->y > 0 ? run->y + m : 0;
+    rect[2] = run->x + run->width + m;
+    rect[3] = run->y + run->height + m;
+    rect[2] += rect[2] == (GLint)c->width + m ? m : 0;
+    rect[3] += rect[3] == (GLint)c->height + m ? m : 0;
+}
+
+static void keep_to(const GLint rect[4])
+{
+    glScissor(rect[0], rect[1], rect[2] - rect[0], rect[3] - rect[1]);
+}
+
 static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
                         const struct pel_sea_programs *p,
                         const struct pel_pass *pass)
@@ -37,7 +56,9 @@ static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
         bool objects = r->any_objects && is_touched(run.tile);
-        glScissor(r->margin + run.x, r->margin + run.y, run.width, run.height);
+        GLint rect[4];
+        rect_of(r, c, &run, rect);
+        keep_to(rect);
         glUseProgram(program_of(p, run.tile, objects, pass->kind,
                                 p->fragments[pass->kind]));
         pel_pass_use(pass);
@@ -63,10 +84,11 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
             pel_objects_use(run.tile);
         }
         glUniform1i(0, wanted);
-        const GLint x = r->margin + run.x, y = r->margin + run.y;
-        glUniform4i(1, x, y, x + run.width, y + run.height);
-        glDispatchCompute(pel_groups(run.width, PEL_GROUP_SIDE),
-                          pel_groups(run.height, PEL_GROUP_SIDE), 1);
+        GLint rect[4];
+        rect_of(r, c, &run, rect);
+        glUniform4iv(1, 1, rect);
+        glDispatchCompute(pel_groups(rect[2] - rect[0], PEL_GROUP_SIDE),
+                          pel_groups(rect[3] - rect[1], PEL_GROUP_SIDE), 1);
     }
 }
 
@@ -84,8 +106,9 @@ static void shade_objects(struct pel_renderer *r, const struct pel_camera *c,
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
         if (run.tile & PEL_TILE_OBJECTS) {
-            glScissor(r->margin + run.x, r->margin + run.y, run.width,
-                      run.height);
+            GLint rect[4];
+            rect_of(r, c, &run, rect);
+            keep_to(rect);
             glUseProgram(pel_objects_program(&r->objects, sampled, run.tile,
                                              pass->kind, fft));
             pel_pass_use(pass);
@@ -108,13 +131,15 @@ static void put_objects(struct pel_renderer *r, const struct pel_camera *c,
     bool fft = (p - first) % 2 == 1;
     struct pel_pass light;
     glDisable(GL_DEPTH_TEST);
-    if (pel_edges_pass(pass, &light)) {
+    if (pel_pass_light(pass, &light)) {
         glEnable(GL_BLEND);
-        glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+        /* The fourth component keeps the part that shows none. */
+        glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO,
+                            GL_ONE_MINUS_SRC_ALPHA);
         shade_objects(r, c, &light, true, fft);
         glDisable(GL_BLEND);
     }
-    if (pel_edges_rest(pass, &light)) {
+    if (pel_pass_rest(pass, &light)) {
         shade_objects(r, c, &light, false, fft);
     }
 }
@@ -138,8 +163,7 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     for (int i = 0; i < PEL_LIGHTS; i++) {
         if (discs[i].width > 0 && discs[i].height > 0) {
             glEnable(GL_SCISSOR_TEST);
-            glScissor(r->margin + discs[i].x, r->margin + discs[i].y,
-                      discs[i].width, discs[i].height);
+            glScissor(discs[i].x, discs[i].y, discs[i].width, discs[i].height);
             glUseProgram(r->programs.disc[kind]);
             pel_pass_use(pass);
             glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -172,18 +196,17 @@ void pel_shade_box(const struct pel_renderer *r, const struct pel_camera *c,
 {
     GLint low[2] = { (GLint)c->width, (GLint)c->height }, high[2] = { 0, 0 };
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
-        if (run.tile & PEL_TILE_OBJECTS) {
-            low[0] = run.x < low[0] ? run.x : low[0];
-            low[1] = run.y < low[1] ? run.y : low[1];
-            high[0] = run.x + run.width > high[0] ? run.x + run.width : high[0];
-            high[1] =
-                run.y + run.height > high[1] ? run.y + run.height : high[1];
+        GLint rect[4];
+        rect_of(r, c, &run, rect);
+        for (int i = 0; i < 2 && run.tile & PEL_TILE_OBJECTS; i++) {
+            low[i] = rect[i] < low[i] ? rect[i] : low[i];
+            high[i] = rect[2 + i] > high[i] ? rect[2 + i] : high[i];
         }
     }
     for (int i = 0; i < 2; i++) {
         bool any = high[i] > low[i];
-        box[i] = any ? r->margin + low[i] : 0;
-        box[2 + i] = any ? r->margin + high[i] : 0;
+        box[i] = any ? low[i] : 0;
+        box[2 + i] = any ? high[i] : 0;
     }
 }
 
@@ -212,63 +235,41 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
         glUseProgram(p->compute_program[pass->kind]);
         pel_pass_use(pass);
         glUniform1i(0, wanted);
-        const GLint m = r->margin;
-        glUniform4i(1, m, m, m + (GLint)c->width, m + (GLint)c->height);
-        glDispatchCompute(pel_groups((int)c->width, PEL_GROUP_SIDE),
-                          pel_groups((int)c->height, PEL_GROUP_SIDE), 1);
+        const GLint width = (GLint)c->width + 2 * r->margin;
+        const GLint height = (GLint)c->height + 2 * r->margin;
+        glUniform4i(1, 0, 0, width, height);
+        glDispatchCompute(pel_groups(width, PEL_GROUP_SIDE),
+                          pel_groups(height, PEL_GROUP_SIDE), 1);
     }
     glMemoryBarrier(PIXEL_BARRIERS);
 }
 
-/* The pixels of a region that outlines cut, once more. `wanted` of the first
- * pass. */
-static void shade_edges(struct pel_renderer *r, const struct pel_tile_run *run,
-                        const struct pel_sea_programs *p, unsigned asked,
-                        int wanted, bool sideways)
+/* Once all is shaded, margins too. */
+static void mix_edges(struct pel_renderer *r, const struct pel_camera *c,
+                      unsigned asked, bool toned)
 {
-    const GLint x = r->margin + run->x, y = r->margin + run->y;
-    const GLint region[4] = { x, y, x + run->width, y + run->height };
-    struct pel_pass pass = pel_pass_first(asked, true), light;
-    pel_edges_list(&r->programs, &r->targets, r->mesh, sideways, region);
-    do {
-        if (pel_edges_pass(&pass, &light)) {
-            bind_images(r, &light);
-            pel_edges_draw(&r->targets,
-                           p->edges[run->tile & PEL_TILE_COAST][light.kind],
-                           &light, light.first ? wanted : 0);
-        }
-    } while (pel_pass_next(&pass, true));
-}
-
-static void draw_edges(struct pel_renderer *r, const struct pel_camera *c,
-                       const struct pel_sea_programs *p, unsigned asked,
-                       int wanted)
-{
-    bool sideways = pel_edges_sideways(c);
-    struct pel_tile_run run = { 0 };
-    if (!r->any_coast) {
-        run.width = (int)c->width;
-        run.height = (int)c->height;
-        shade_edges(r, &run, p, asked, wanted, sideways);
-    }
-    while (r->any_coast && pel_tiles_next(r->tiles, c, &run)) {
-        shade_edges(r, &run, p, asked, wanted, sideways);
-    }
-    glMemoryBarrier(PIXEL_BARRIERS | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+    const GLint m = r->margin;
+    const GLint region[4] = { m, m, m + (GLint)c->width, m + (GLint)c->height };
+    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+    pel_edges_list(&r->programs, &r->targets, r->mesh, pel_edges_sideways(c),
+                   region);
+    pel_edges_mix(&r->programs, &r->targets, asked, toned);
+    glMemoryBarrier(PIXEL_BARRIERS);
 }
 
 bool pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
                          const struct pel_disc_box *discs,
                          const struct pel_sea_programs *p, unsigned asked)
 {
-    struct pel_pass pass = pel_pass_first(asked, false);
-    bool toned = pass.kind == PEL_SHADE_COLOR;
+    struct pel_pass pass = pel_pass_first(asked, false, !r->has_objects);
+    bool toned = pass.kind == PEL_SHADE_COLOR || pass.kind == PEL_SHADE_BOTH;
     if (r->any_objects) {
         GLint box[4];
         pel_shade_box(r, c, box);
         pel_samples_hide(&r->objects.samples, r->targets.surface_fbo, box,
                          pel_shade_middles(asked));
-        glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
+        glViewport(0, 0, (GLsizei)c->width + 2 * r->margin,
+                   (GLsizei)c->height + 2 * r->margin);
     }
     do {
         shade(r, c, discs, p, &pass);
@@ -277,8 +278,7 @@ bool pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
         }
     } while (pel_pass_next(&pass, false));
     if (r->margin) {
-        draw_edges(r, c, p, asked,
-                   toned ? PEL_WANTS_COLOR : PEL_WANTS_RADIANCE);
+        mix_edges(r, c, asked, toned);
     }
     return toned;
 }
@@ -288,14 +288,14 @@ void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
 {
     int wanted = asked & PEL_LAYER_RADIANCE ? PEL_WANTS_RADIANCE : 0;
     wanted |= asked & PEL_LAYER_COLOR ? PEL_WANTS_COLOR : 0;
-    struct pel_pass pass = pel_pass_first(asked, true);
+    struct pel_pass pass = pel_pass_first(asked, true, true);
     do {
         /* Outlines read the keys after it. */
         int last = pass.last && !r->margin ? PEL_LAST_PASS : 0;
         shade_compute(r, c, p, &pass, (pass.first ? wanted : 0) | last);
     } while (pel_pass_next(&pass, true));
     if (r->margin) {
-        draw_edges(r, c, p, asked, wanted);
+        mix_edges(r, c, asked, asked & PEL_LAYER_COLOR);
         glUseProgram(r->programs.clear_keys);
         glDispatchCompute(
             pel_groups((int)c->width + 2 * r->margin, PEL_GROUP_LINE),

@@ -8,13 +8,13 @@ void pel_targets_finish(struct pel_targets *t)
 {
     const GLuint textures[] = { t->triangles, t->depth_test, t->color };
     const GLuint fbos[] = { t->surface_fbo, t->light_fbo, t->layers_fbo,
-                            t->color_fbo };
+                            t->color_fbo, t->both_fbo };
     glDeleteTextures(3, textures);
     glDeleteBuffers(1, &t->keys);
     glDeleteBuffers(1, &t->suspects);
     glDeleteBuffers(1, &t->edges);
     glDeleteTextures(PEL_LAYERS, t->planes);
-    glDeleteFramebuffers(4, fbos);
+    glDeleteFramebuffers(5, fbos);
     *t = (struct pel_targets){ 0 };
 }
 
@@ -58,7 +58,9 @@ static void make_plane(struct pel_targets *t, int layer)
 GLuint pel_targets_attach(struct pel_targets *t, const struct pel_pass *pass)
 {
     if (!pass->layers) {
-        return pass->kind == PEL_SHADE_COLOR ? t->color_fbo : t->light_fbo;
+        return pass->kind == PEL_SHADE_COLOR  ? t->color_fbo
+               : pass->kind == PEL_SHADE_BOTH ? t->both_fbo
+                                              : t->light_fbo;
     }
     if (!t->layers_fbo) {
         glCreateFramebuffers(1, &t->layers_fbo);
@@ -102,21 +104,27 @@ void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
         glClearNamedBufferData(t->keys, GL_R32UI, GL_RED_INTEGER,
                                GL_UNSIGNED_INT, NULL);
         glObjectLabel(GL_BUFFER, t->keys, -1, "keys");
-        t->suspects = make_list(w, h, 4, "suspects");
+        t->suspects = make_list(w, h, 16, "suspects, mixed light");
         t->edges = make_list(w, h, 8, "edges");
         t->depth_test = make_target(GL_DEPTH_COMPONENT32F, w, h, "depth test");
         make_plane(t, PEL_AT_RADIANCE);
         t->color = make_target(GL_RGBA8, w, h, "color");
-        GLuint *fbos[] = { &t->surface_fbo, &t->light_fbo, &t->color_fbo };
+        GLuint *fbos[] = { &t->surface_fbo, &t->light_fbo, &t->color_fbo,
+                           &t->both_fbo };
         const GLuint colors[] = { t->triangles, t->planes[PEL_AT_RADIANCE],
-                                  t->color };
-        for (int i = 0; i < 3; i++) {
+                                  t->color, t->planes[PEL_AT_RADIANCE] };
+        for (int i = 0; i < 4; i++) {
             glCreateFramebuffers(1, fbos[i]);
             glNamedFramebufferTexture(*fbos[i], GL_COLOR_ATTACHMENT0, colors[i],
                                       0);
             glNamedFramebufferTexture(*fbos[i], GL_DEPTH_ATTACHMENT,
                                       t->depth_test, 0);
         }
+        static const GLenum both[] = { GL_COLOR_ATTACHMENT0,
+                                       GL_COLOR_ATTACHMENT1 };
+        glNamedFramebufferTexture(t->both_fbo, GL_COLOR_ATTACHMENT1, t->color,
+                                  0);
+        glNamedFramebufferDrawBuffers(t->both_fbo, 2, both);
     }
     const unsigned stored = pel_layers_stored(asked);
     for (int i = 0; i < PEL_LAYERS; i++) {

@@ -15,13 +15,15 @@ struct pel_targets {
     unsigned small_draws;
     GLuint triangles, depth_test, color;
     GLuint keys; /* buffer of shaders/search.comp; 0 between pictures */
-    GLuint suspects, edges; /* buffers of shaders/outline*.comp */
+    GLuint suspects, edges; /* buffers of shaders/outline*.comp; the first also
+                               holds mixed light */
     /* Of layers, by PEL_AT_*: the radiance, others when first asked for. */
     GLuint planes[PEL_LAYERS];
     GLuint surface_fbo; /* triangle numbers and depth test */
     GLuint light_fbo;   /* radiance, tested against the surface's depth */
     GLuint layers_fbo;  /* that and the layers of a pass, likewise */
     GLuint color_fbo;
+    GLuint both_fbo; /* radiance and colour */
 };
 
 /* Of a layer's texture, by PEL_AT_*. */

@@ -82,6 +82,7 @@ struct pel_vec4 {
 #define PEL_STORE_SEABED_TOPS 6
 #define PEL_STORE_EDGES 5
 #define PEL_STORE_SUSPECTS 7
+#define PEL_STORE_MIXED 7 /* after them, in the same buffer */
 /* Of other passes, in places of the above. */
 #define PEL_STORE_LIGHT 2       /* block `light`, where it is written */
 #define PEL_STORE_EXPOSURE 2    /* block `exposure`, the same */
@@ -120,6 +121,11 @@ struct pel_vec4 {
 #define PEL_UNIFORM_BLOCK_COUNT 19
 #define PEL_UNIFORM_BLOCKS 20
 #define PEL_UNIFORM_BASES 30
+
+/* The radiance's fourth component: what a pixel shows, times the part of it
+ * that shows no object. */
+#define PEL_SHOWS_SEA 1.0 /* or the sky */
+#define PEL_SHOWS_LAND -1.0
 
 /* Images that passes before shading write. */
 #define PEL_IMAGE_DISPLACEMENT 0

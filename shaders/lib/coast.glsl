@@ -58,17 +58,13 @@ float land_distance(vec3 ray, uint triangle, float ray_length)
     return lut.y > 0.5 ? -1.0 : seabed_distance(ray / ray_length, limit);
 }
 
-bool before_land(ivec2 at, uint triangle)
-{
-    vec3 ray = pixel_ray(lattice(at));
-    return land_distance(ray, triangle, length(ray)) < 0.0;
-}
-
-shaded shade_coast(ivec2 at, uint triangle)
+// `shows`: PEL_SHOWS_*.
+shaded shade_coast(ivec2 at, uint triangle, out float shows)
 {
     vec3 ray = pixel_ray(lattice(at));
     float ray_length = length(ray);
     float range = land_distance(ray, triangle, ray_length);
+    shows = range >= 0.0 ? PEL_SHOWS_LAND : PEL_SHOWS_SEA;
     if (range >= 0.0) {
         return shade_land(ray / ray_length, range);
     }

@@ -127,9 +127,8 @@ float hidden_below(upright p, uint near, int last, float none)
 }
 
 // The parts of a pixel that its neighbours below and above are seen in.
-vec2 parts_of_neighbours(ivec2 at)
+vec2 parts_of_neighbours(ivec2 at, upright p)
 {
-    upright p = upright_at(at);
     uint lower = triangle_at(at - p.up);
     uint own = triangle_at(at);
     int strip = strip_of(own);
