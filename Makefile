@@ -343,6 +343,7 @@ TESTS += server/base/watch_test.c
 TESTS += server/scene/record_test.c
 TESTS += server/scene/ship_test.c
 TESTS += server/scene/adrift_test.c
+TESTS += server/scene/wakes_test.c
 TESTS += server/scene/geodesy_test.c
 TESTS += server/scene/snapshot_test.c
 TESTS += server/render/mesh_test.c

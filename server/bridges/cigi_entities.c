@@ -227,8 +227,8 @@ static void place_attached(struct pel_cigi_edit *edit,
                  pitch / PEL_DEG, roll / PEL_DEG);
 }
 
-/* The sea below at the edit's time; one of FFT as it was when it was last
- * looked at, which takes a thread some milliseconds (cigi_sea.h). */
+/* The sea below at the edit's time; one of FFT or ship waves as it was when
+ * last looked at, which takes a thread some milliseconds (cigi_sea.h). */
 static void sea_below(const struct pel_cigi_edit *edit,
                       const struct pel_cigi_follower *f, struct pel_vec3 at,
                       struct pel_surface_sample *out)

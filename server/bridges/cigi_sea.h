@@ -1,6 +1,7 @@
 /* What a CIGI host's edits want of the sea and what takes too long for the
  * control thread: another sea, which a thread builds before it is committed,
- * and the heights below clamped entities in a sea of FFT. Of both the newest
+ * and the heights below clamped entities in a sea of FFT or of ship waves. Of
+ * both the newest
  * alone is worked for, so that a host that changes its wind or moves a buoy
  * with each frame is never behind. Control thread. */
 #pragma once

@@ -196,13 +196,17 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
 
 bool pel_snapshot_transforms(const struct pel_snapshot *s)
 {
-    return s->sea->desc.synthesiser == PEL_SYNTHESISER_FFT;
+    return s->wakes || s->sea->desc.synthesiser == PEL_SYNTHESISER_FFT;
 }
 
 bool pel_snapshot_prepare(const struct pel_snapshot *s, double time_s,
                           bool moving, bool (*go_on)(void *user), void *user)
 {
-    return pel_sea_prepare(pel_snapshot_sea(s), time_s, moving, go_on, user);
+    if (!pel_sea_prepare(pel_snapshot_sea(s), time_s, moving, go_on, user)) {
+        return false;
+    }
+    pel_wake_moment_unref(pel_snapshot_wakes(s, time_s));
+    return true;
 }
 
 double pel_snapshot_depth(const struct pel_snapshot *s, double east_m,

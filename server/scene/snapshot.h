@@ -189,8 +189,8 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
  * moves stands at time_s since its pose is older than reckoning_s. */
 unsigned pel_snapshot_stale(const struct pel_snapshot *s, double time_s);
 
-/* Whether a moment's first query waits for transforms (an FFT sea); and
- * pel_sea_prepare for it. */
+/* Whether a moment's first query waits for transforms (an FFT sea, ship waves),
+ * which the control thread leaves to others; and pel_sea_prepare for it. */
 bool pel_snapshot_transforms(const struct pel_snapshot *s);
 bool pel_snapshot_prepare(const struct pel_snapshot *s, double time_s,
                           bool moving, bool (*go_on)(void *user), void *user);
