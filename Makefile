@@ -647,7 +647,7 @@ comma := ,
 # Few libraries, so that bench can be carried to a machine without packages.
 BENCH_LIBS := -lepoxy -lspng -ljpeg -lturbojpeg -lyuv -lOpenEXRCore -lm
 BENCH_BIN := $(O)/bin/bench $(O)/bin/still
-$(BENCH_BIN): $(O)/bin/%: $(OBJ)/tests/bench/%.o $(OBJ)/tests/bench/scene.o $(OBJ)/libserver.a
+$(BENCH_BIN): $(O)/bin/%: $(OBJ)/tests/bench/%.o $(OBJ)/tests/bench/fleet.o $(OBJ)/tests/bench/scene.o $(OBJ)/libserver.a
 	$(LINK) $(BENCH_LIBS)
 
 $(O)/bin/bench_streams: $(OBJ)/tests/bench/streams.o $(OBJ)/tests/bench/scene.o $(OBJ)/libserver.a

@@ -14,6 +14,7 @@
 
 #include "base/clock.h"
 #include "encode/encode.h"
+#include "tests/bench/fleet.h"
 #include "tests/bench/scene.h"
 
 extern char **environ;
@@ -239,6 +240,42 @@ static void bench_frames(void)
         printf("\n");
         fprintf(json, "}}");
         comma = ",";
+        fflush(stdout);
+    }
+    fprintf(json, "\n  ],\n");
+}
+
+/* Things on the sea beside none, 1280 × 720. */
+static void bench_fleets(void)
+{
+    struct bench_scene s = bench_default;
+    s.width = 1280;
+    s.height = 720;
+    make_sea(&s);
+    const struct pel_draw draw = { .camera = bench_camera(&s),
+                                   .layers = PEL_LAYER_COLOR };
+    double none = 0;
+    printf("\nobjects, 1280x720   wall  CPU/2         |   raster    shade     "
+           "tone\n");
+    fprintf(json, "  \"objects\": [");
+    for (int i = 0; i < BENCH_FLEETS; i++) {
+        struct pel_environment env = bench_environment(&s, &sea);
+        if (!bench_fleet_set((enum bench_fleet)i, &env)) {
+            die("no memory for models");
+        }
+        double stage[PEL_STAGE_COUNT];
+        struct cost c = cost_of(&env, &draw, 1);
+        stages_of(&env, &draw, stage);
+        none = i ? none : c.cpu_ms;
+        printf("%-17s %6.2f %6.2f %+6.1f%% | %8.2f %8.2f %8.2f\n",
+               bench_fleet_name((enum bench_fleet)i), c.wall_ms, 0.5 * c.cpu_ms,
+               100 * (c.cpu_ms / none - 1), stage[PEL_STAGE_RASTER],
+               stage[PEL_STAGE_SHADE], stage[PEL_STAGE_TONE]);
+        fprintf(json,
+                "%s\n    {\"name\": \"%s\", \"wallMs\": %.3f, \"cpuMs\": "
+                "%.3f, \"rasterMs\": %.3f, \"shadeMs\": %.3f}",
+                i ? "," : "", bench_fleet_name((enum bench_fleet)i), c.wall_ms,
+                c.cpu_ms, stage[PEL_STAGE_RASTER], stage[PEL_STAGE_SHADE]);
         fflush(stdout);
     }
     fprintf(json, "\n  ],\n");
@@ -629,6 +666,7 @@ int main(int argc, char **argv)
     open_renderer();
     say_machine();
     bench_frames();
+    bench_fleets();
     bench_views();
     bench_queries();
     bench_encoders();

@@ -3,8 +3,8 @@
  * (kind: of the spectrum, enum pel_spectrum_kind;
  * bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky and
  * glitter as they stand; ship: a built-in model by its number, `away` metres
- * ahead) for looking at one thing at a time while developing
- * shaders. */
+ * ahead; fleet: enum bench_fleet) for looking at one thing at a time while
+ * developing shaders. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +15,7 @@
 #include "encode/encode.h"
 #include "models/builtin.h"
 #include "render/renderer.h"
+#include "tests/bench/fleet.h"
 #include "tests/bench/scene.h"
 
 struct setting {
@@ -37,7 +38,7 @@ static struct setting settings[] = {
     { "linear", 0 },      { "sparkle", 1 },   { "ship", 0 },
     { "away", 220 },      { "aa", 1 },        { "bearing", 0 },
     { "turned", 60 },     { "foam", 1 },      { "kind", 0 },
-    { "slick", 1 },
+    { "slick", 1 },       { "fleet", 0 },
 };
 
 static double get(const char *name)
@@ -206,6 +207,10 @@ int main(int argc, char **argv)
         object = ship(&shown, &sea, env.time_s);
         env.objects = &object;
         env.object_count = object.model != NULL;
+    }
+    if (get("fleet") > 0 &&
+        !bench_fleet_set((enum bench_fleet)get("fleet"), &env)) {
+        return 1;
     }
     struct pel_draw draw = { .camera = bench_camera(&shown),
                              .layers = get("layers") > 0

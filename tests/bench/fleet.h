@@ -1,0 +1,21 @@
+/* Things on the sea of the benchmark's scene. */
+#pragma once
+
+#include "render/renderer.h"
+
+enum bench_fleet {
+    BENCH_NO_FLEET,
+    BENCH_TANKER_NEAR, /* 220 m ahead */
+    BENCH_TANKER_FAR,  /* 2 km */
+    BENCH_BUOY,        /* 50 m */
+    BENCH_MARKS, /* 50,000 triangles, 300 m ahead, in a lane of 20 buoys */
+    BENCH_BOATS, /* 256 of some 2,000 triangles, 200 m to 6 km away */
+    BENCH_FLEETS
+};
+
+const char *bench_fleet_name(enum bench_fleet fleet);
+
+/* Puts it before the eye of *env's scene, at its moment; what it points to
+ * stays until the program ends. One thread. False: out of memory. */
+PEL_CHECK bool bench_fleet_set(enum bench_fleet fleet,
+                               struct pel_environment *env);
