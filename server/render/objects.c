@@ -14,6 +14,8 @@
  * surface may be so far from the model's. */
 #define LEAST_PX 0.25
 #define LEVEL_PX 0.5
+#define LEVEL_PX_BESIDE                                                        \
+    1.0 /* mirrored, which waves distort; texels of shadows */
 /* Corners of boxes are found without the waves' and the Earth's little bends.
  */
 #define BOX_MARGIN_PX 3.0
@@ -504,6 +506,26 @@ static void plan_beside(struct pel_object_drawn *d,
     }
 }
 
+/* Levels of detail, as its views can show. */
+static void plan_levels(struct pel_object_drawn *d,
+                        const struct pel_environment *env,
+                        const struct pel_camera *c)
+{
+    const struct pel_object *object = &env->objects[d->object];
+    const struct pel_model *model = object->model;
+    d->level = pel_model_level_for(model, pixels_of(env, object, c), LEVEL_PX);
+    d->mirror_level = d->shadow_level = d->level;
+    if (d->mirrored) {
+        d->mirror_level = pel_model_level_for(model, pixels_of(env, object, c),
+                                              LEVEL_PX_BESIDE);
+    }
+    if (d->slot < PEL_OBJECT_SHADOWS) {
+        double texels = d->shadow_px / (2 * model->radius_m);
+        int level = pel_model_level_for(model, texels, LEVEL_PX_BESIDE);
+        d->shadow_level = level > d->level ? level : d->level;
+    }
+}
+
 bool pel_objects_plan(struct pel_objects *o, const struct pel_environment *env,
                       const struct pel_camera *c, uint16_t *tiles)
 {
@@ -533,10 +555,9 @@ bool pel_objects_plan(struct pel_objects *o, const struct pel_environment *env,
             mark_tiles(c, box, PEL_TILE_OBJECTS, tiles);
         }
         d->model = pel_model_pool_find(&o->pool, object->model);
-        d->level = pel_model_level_for(object->model, pixels_of(env, object, c),
-                                       LEVEL_PX);
         d->slot = rank >= 0 ? rank : others++;
         d->shadow_px = shadow_side(px[i]);
+        plan_levels(d, env, c);
         o->drawn_count++;
     }
     return any;
@@ -702,14 +723,19 @@ static void open_window(const struct pel_block_view *view)
                        2.0f * WINDOW_HALF, 2.0f * WINDOW_HALF);
 }
 
-static void draw_object(const void *user, int i)
+static void draw_level(const struct pel_objects *o, int i, int level)
 {
-    const struct pel_objects *o = user;
     const struct pel_object_drawn *d = &o->drawn[i];
     const struct pel_pool_model *p = &o->pool.models[d->model];
-    glUniform2i(0, d->slot, (GLint)p->first_triangle[d->level]);
+    glUniform2i(0, d->slot, (GLint)p->first_triangle[level]);
     glDrawArrays(GL_TRIANGLES, 0,
-                 3 * (GLsizei)p->model->levels[d->level].triangles);
+                 3 * (GLsizei)p->model->levels[level].triangles);
+}
+
+static void draw_image(const void *user, int i)
+{
+    const struct pel_objects *o = user;
+    draw_level(o, i, o->drawn[i].mirror_level);
 }
 
 static void draw_shadows(struct pel_objects *o)
@@ -729,7 +755,7 @@ static void draw_shadows(struct pel_objects *o)
         glViewport(0, 0, PEL_SHADOW_SIZE, PEL_SHADOW_SIZE);
         glClearNamedFramebufferfv(fbo, GL_DEPTH, 0, &far_away);
         glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
-        draw_object(o, i);
+        draw_level(o, i, d->shadow_level);
     }
     glDisable(GL_POLYGON_OFFSET_FILL);
     glBindTextureUnit(PEL_UNIT_OBJECT_SHADOWS, o->shadows);
@@ -743,7 +769,7 @@ static void draw_mirrored(struct pel_objects *o)
             if (count++ == 0) {
                 pel_mirrors_begin(&o->mirrors);
             }
-            pel_mirrors_draw(&o->mirrors, o->drawn[i].slot, draw_object, o, i);
+            pel_mirrors_draw(&o->mirrors, o->drawn[i].slot, draw_image, o, i);
         }
     }
     if (count > 0) {
@@ -776,7 +802,7 @@ static void draw_seen(struct pel_objects *o, const struct pel_block_view *view)
     open_window(view);
     for (int i = 0; i < o->drawn_count; i++) {
         if (o->drawn[i].seen) {
-            draw_object(o, i);
+            draw_level(o, i, o->drawn[i].level);
         }
     }
 }

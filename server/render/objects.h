@@ -24,8 +24,9 @@
  * shadow, and of the first ones of their mirrored view. */
 struct pel_object_drawn {
     int object, model, level; /* in the environment, the pool, the model */
-    int slot;                 /* of its place: the rank, or one behind them */
-    bool seen;                /* itself */
+    int mirror_level, shadow_level; /* of detail, of its other views */
+    int slot;  /* of its place: the rank, or one behind them */
+    bool seen; /* itself */
     bool shades;
     int shadow_px; /* its side */
     bool mirrored;

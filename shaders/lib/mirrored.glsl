@@ -11,20 +11,25 @@ vec3 sea_place = vec3(0.0); // of the pixel, from the eye
 vec2 sea_pixel = vec2(0.0); // its place on the lattice
 float sea_lit = 1.0;  // share of the Sun there
 
-// Distance along the ray from p, in the model's axes, at which it comes to the
-// model's outline, or nearest to its middle; negative where that is behind p.
-float outline_distance(int i, vec3 p, vec3 r)
+// Distances along the ray from p, in the model's axes, at which it comes to the
+// model's outline, or nearest to its middle (negative: that is behind p); and
+// between which it may meet the model, it or one close beside it.
+vec3 outline_distance(int i, vec3 p, vec3 r)
 {
     vec4 plan = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 4);
     vec2 inverse = 1.0 / mix(vec2(1e-6), r.xy, greaterThan(abs(r.xy), vec2(1e-6)));
+    vec2 size_ = 1.0 / plan.zw;
     vec2 a = (plan.xy - p.xy) * inverse;
-    vec2 b = (plan.xy + 1.0 / plan.zw - p.xy) * inverse;
+    vec2 b = (plan.xy + size_ - p.xy) * inverse;
     vec2 first = min(a, b);
     vec2 last = max(a, b);
     float enters = max(first.x, first.y);
     float leaves = min(last.x, last.y);
     float nearest = -dot(p.xy, r.xy) / max(dot(r.xy, r.xy), 1e-6);
-    return enters < leaves && leaves > 0.0 ? max(enters, 0.0) : nearest;
+    float half_ = 0.5 * length(size_);
+    bool meets = enters < leaves && leaves > 0.0;
+    vec2 between = meets ? vec2(enters, leaves) + vec2(-0.2, 0.2) * half_ : nearest + vec2(-half_, half_);
+    return vec3(meets ? max(enters, 0.0) : nearest, max(between, vec2(0.0)));
 }
 
 // How much of what an object does to the sea a pixel gets: all but close to the
@@ -101,6 +106,21 @@ vec4 seen_mirrored(mirror_view m, vec3 way, float spread, float far)
     return here * textureLod(mirrors, vec3(uv, m.layer), log2(max(texels, 1.0)));
 }
 
+// Whether a ray may meet the object between two distances; false: the texels
+// that seen_mirrored reads there are empty.
+bool may_meet(mirror_view m, vec3 way, float spread, vec2 between)
+{
+    vec2 inverse;
+    vec2 a = view_place(m, way, between.x, inverse.x);
+    vec2 b = view_place(m, way, between.y, inverse.y);
+    // A texel of the coarser level.
+    vec2 texels = 2.0 * max(spread * m.tall * between * inverse, vec2(1.0));
+    vec2 margin = max(texels.x, texels.y) / vec2(PEL_MIRROR_WIDTH, PEL_MIRROR_HEIGHT);
+    vec2 low = (min(a, b) - m.window_.xy) * m.window_.zw - margin;
+    vec2 high = (max(a, b) - m.window_.xy) * m.window_.zw + margin;
+    return max(low.x, low.y) < 1.0 && min(high.x, high.y) > 0.0;
+}
+
 // The reflected light with objects in it. Of `sky`, reflected_sky's integral, they
 // take the share that they hide of it by more facets, since an object has edges
 // (of this integral itself: the two differ, and more than all of the sky would
@@ -154,18 +174,39 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
         }
         // First the outline's distance, then of what each ray sees there.
         placed o = placed_object(i);
-        float outline = outline_distance(i, into_model(o, sea_place), vec3(dot(away, o.x.xy), dot(away, o.y.xy), 0.0));
+        vec3 outline = outline_distance(i, into_model(o, sea_place), vec3(dot(away, o.x.xy), dot(away, o.y.xy), 0.0));
         float middle = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 14).x;
-        float guess = max(outline, 0.0), wall = outline;
+        float guess = max(outline.x, 0.0), wall = outline.x;
         float lod = log2(max(m.tall * 0.3 * s * guess / max(m.from.z, 1.0), 1.0));
+        int meets = 0;
         for (int k = 0; k < FACETS; k++) {
-            vec3 way = in_view(m, ways[k]);
-            wall = stands_mirrored(m, middle, way, guess, lod, wall);
-            vec4 seen = seen_mirrored(m, way, spreads[k], wall) * left_[k];
-            stands += seen.rgb * shares[k];
-            hidden += seen.a * skies_[k];
-            left_[k] -= seen.a;
+            bool may = shares[k].g > 0.0 && may_meet(m, in_view(m, ways[k]), spreads[k], outline.yz);
+            meets |= may ? 1 << k : 0;
         }
+        // Software devices turn once in any loop, and compute both sides of a
+        // branch.
+        if (meets != 0) do {
+            int turn = findLSB(meets);
+            meets &= meets - 1;
+            vec3 way = vec3(0.0), share = vec3(0.0), sky_ = vec3(0.0);
+            float spread = 0.0, left = 0.0;
+            for (int k = 0; k < FACETS; k++) {
+                bool is = k == turn;
+                way = is ? ways[k] : way;
+                share = is ? shares[k] : share;
+                sky_ = is ? skies_[k] : sky_;
+                spread = is ? spreads[k] : spread;
+                left = is ? left_[k] : left;
+            }
+            way = in_view(m, way);
+            wall = stands_mirrored(m, middle, way, guess, lod, wall);
+            vec4 seen = seen_mirrored(m, way, spread, wall) * left;
+            stands += seen.rgb * share;
+            hidden += seen.a * sky_;
+            for (int k = 0; k < FACETS; k++) {
+                left_[k] -= k == turn ? seen.a : 0.0;
+            }
+        } while (meets != 0);
         vec4 seen = seen_mirrored(m, in_view(m, twice), 1.2 / resolved.z, wall) * left_twice;
         sum_twice += seen.rgb * again + seen.a * sea_light.rgb * (1.0 - again);
         left_twice -= seen.a;
