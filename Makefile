@@ -99,7 +99,7 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/areas.c \
     server/ocean/areaquery.c \
     server/ocean/foam.c \
-    server/ocean/wake.c \
+    server/ocean/hullform.c server/ocean/wake.c server/ocean/wakebasin.c \
     server/ocean/foamgrain.c \
     server/ocean/filtered_cascades.c \
     server/ocean/sea.c \
@@ -176,7 +176,7 @@ SCENE := server/scene/scene.c \
     server/scene/record.c \
     server/scene/reckon.c \
     server/scene/track.c \
-    server/scene/wakes.c \
+    server/scene/wakes.c server/scene/wakesource.c \
     server/scene/geodesy.c server/scene/globe.c server/scene/objectray.c \
     server/scene/sun.c \
     server/scene/utc.c
@@ -397,6 +397,7 @@ TESTS += clients/pelagosctl/nmea_log_test.c
 VECTORS := -O3 -fno-math-errno
 FLAGS_server/ocean/fft := $(VECTORS)
 FLAGS_server/ocean/evolve := $(VECTORS)
+FLAGS_server/ocean/wakebasin := $(VECTORS)
 FLAGS_server/optics/airlight := $(VECTORS)
 FLAGS_server/optics/airrays := $(VECTORS)
 FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)

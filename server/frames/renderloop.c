@@ -181,7 +181,7 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
         job->snapshot, job->environment.time_s, job->objects);
     atomic_fetch_add(&loop->held_bytes, bytes);
     job->environment.wakes =
-        pel_snapshot_wakes(job->snapshot, job->environment.time_s);
+        pel_wakes_at(job->snapshot->wakes, job->environment.time_s);
     enum pel_err err = pel_renderer_submit(loop->renderer, &job->environment,
                                            &job->draws[first], count);
     pel_wake_moment_unref(job->environment.wakes);
@@ -309,7 +309,7 @@ static void draw_band(struct pel_renderloop *loop)
     job->environment.object_count = pel_snapshot_objects(
         job->snapshot, job->environment.time_s, job->objects);
     job->environment.wakes =
-        pel_snapshot_wakes(job->snapshot, job->environment.time_s);
+        pel_wakes_at(job->snapshot->wakes, job->environment.time_s);
     enum pel_err err =
         pel_renderer_submit(loop->renderer, &job->environment, &draw, 1);
     pel_wake_moment_unref(job->environment.wakes);

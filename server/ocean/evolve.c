@@ -8,6 +8,7 @@
 
 #include "base/simd.h"
 #include "ocean/fft.h"
+#include "ocean/lanes.h"
 
 #define N PEL_CASCADE_N
 #define LANES PEL_FFT_LANES
@@ -16,8 +17,7 @@
 _Static_assert(N == PEL_FFT_N, "the transform is made for the cascades");
 
 typedef pel_lanes lanes;
-typedef int32_t ints __attribute__((vector_size(4 * LANES)));
-typedef double doubles __attribute__((vector_size(8 * LANES)));
+typedef pel_ints ints;
 typedef float texel __attribute__((vector_size(16)));
 
 /* Two real fields ride in one complex transform, f + i g. */
@@ -52,41 +52,6 @@ struct pel_evolve_work *pel_evolve_work_create(void)
 void pel_evolve_work_destroy(struct pel_evolve_work *work)
 {
     free(work);
-}
-
-/* --- modes -----------------------------------------------------------------
- */
-
-PEL_INLINE lanes spread(float x)
-{
-    return x - (lanes){ 0 };
-}
-
-PEL_INLINE lanes choose(ints mask, lanes yes, lanes no)
-{
-    return (lanes)(((ints)yes & mask) | ((ints)no & ~mask));
-}
-
-/* cos and sin of 2π x, |x| ≤ 1/2: quarter turns apart, Taylor's polynomials of
- * what is left, within 1e-7. */
-PEL_INLINE void turn(lanes x, lanes *cosine, lanes *sine)
-{
-    const float magic = 12582912.0f; /* 1.5 · 2²³ rounds to a whole number */
-    lanes shifted = x * 4.0f + magic;
-    ints quarter = (ints)shifted;
-    lanes a = (x - (shifted - magic) * 0.25f) * 6.28318530718f;
-    lanes b = a * a;
-    lanes s =
-        a + a * b *
-                (-1.0f / 6 +
-                 b * (1.0f / 120 + b * (-1.0f / 5040 + b * (1.0f / 362880))));
-    lanes c =
-        1.0f +
-        b * (-0.5f + b * (1.0f / 24 + b * (-1.0f / 720 + b * (1.0f / 40320))));
-    ints odd = -(quarter & 1);
-    lanes first = choose(odd, s, c), second = choose(odd, c, s);
-    *cosine = (lanes)((ints)first ^ (((quarter + 1) & 2) << 30));
-    *sine = (lanes)((ints)second ^ ((quarter & 2) << 30));
 }
 
 /* --- modes as they are read -------------------------------------------------
@@ -132,14 +97,6 @@ static int columns_of(const struct strip *s)
     return s->any ? 2 * s->reach + 1 : 0;
 }
 
-PEL_INLINE lanes square_root(lanes x)
-{
-    for (int l = 0; l < LANES; l++) {
-        x[l] = __builtin_sqrtf(x[l]);
-    }
-    return x;
-}
-
 /* Of LANES rows from j on. */
 PEL_INLINE lanes numbers_of(int j)
 {
@@ -176,7 +133,8 @@ static void gather(const struct pel_cascade *c, int j, int i, struct bunch *out)
     wave_vector(c, i, numbers_of(j), &kx, &ky);
     lanes k2 = kx * kx + ky * ky;
     ints none = (ints)(k2 == 0.0f);
-    lanes k = square_root(choose(none, spread(1.0f), k2));
+    lanes k =
+        pel_lanes_root(pel_lanes_choose(none, pel_lanes_spread(1.0f), k2));
     out->ux = chop * kx / k;
     out->uy = chop * ky / k;
 }
@@ -221,14 +179,6 @@ PEL_INLINE void put(struct pel_fft_strip *s, int i, lanes hr, lanes hi, lanes p,
     s->im[i] = hr * q + hi * p;
 }
 
-PEL_INLINE lanes fraction_of(lanes frequency, double time_s)
-{
-    doubles turns = __builtin_convertvector(frequency, doubles) * time_s;
-    const double magic = 6755399441055744.0; /* 1.5 · 2⁵² */
-    turns -= (turns + magic) - magic;
-    return __builtin_convertvector(turns, lanes);
-}
-
 /* One column of a strip of rows, the pairs in `range` (cascade.h). */
 PEL_INLINE void put_bunch(const struct pel_cascades *all,
                           const struct pel_cascade *c, const struct bunch *b,
@@ -236,7 +186,7 @@ PEL_INLINE void put_bunch(const struct pel_cascades *all,
                           struct range range, struct pel_fft_strip *out)
 {
     lanes cs, sn, kx, ky, rows_d, rows_s;
-    turn(fraction_of(b->frequency, time_s), &cs, &sn);
+    pel_lanes_turn(pel_lanes_fraction(b->frequency, time_s), &cs, &sn);
     lanes ar = b->h0r * cs + b->h0i * sn, ai = b->h0i * cs - b->h0r * sn;
     lanes br = b->mr * cs - b->mi * sn, bi = b->mi * cs + b->mr * sn;
     lanes hr = ar + br, hi = ai + bi;
@@ -255,8 +205,8 @@ PEL_INLINE void put_bunch(const struct pel_cascades *all,
         /* Σ k h e^{iφ}: the waves of k alone, twice. */
         memcpy(&rows_s, &all->slope_gain[j], sizeof rows_s);
         wave_vector(c, i, n, &kx, &ky);
-        lanes g =
-            2.0f * rows_s * all->slope_gain[i] * square_root(kx * kx + ky * ky);
+        lanes g = 2.0f * rows_s * all->slope_gain[i] *
+                  pel_lanes_root(kx * kx + ky * ky);
         out[PAIR_BREAKING].re[i] = g * ar;
         out[PAIR_BREAKING].im[i] = g * ai;
         return;

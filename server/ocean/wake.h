@@ -54,8 +54,10 @@ struct pel_wake_track {
 struct pel_wake_tile {
     double length_m;
     double x_m, y_m;
-    float (*texels)[4];
+    float (*texels)[4]; /* NULL: it holds no waves */
 };
+
+#define PEL_WAKE_TILE_BYTES ((size_t)PEL_WAKE_N * PEL_WAKE_N * sizeof(float[4]))
 
 /* The waves of one ship at one moment. */
 struct pel_wake {
@@ -78,14 +80,19 @@ PEL_CHECK enum pel_err pel_wake_past_create(const struct pel_wake_track *track,
                                             struct pel_wake_past **out);
 void pel_wake_past_destroy(struct pel_wake_past *past); /* NULL: none */
 
-/* The waves later_s after it, while the ship goes on: cheap (a turn of every
- * mode, one more piece, transforms). What the tiles let go is that of the
- * past's moment: within 0.3 % of the highest wave for as long as the ship goes
- * a tenth of the shortest tile's side. NO_MEMORY. */
-PEL_CHECK enum pel_err pel_wake_later(const struct pel_wake_past *past,
-                                      double later_s, struct pel_wake **out);
+/* What it holds, with what it may share with others. */
+size_t pel_wake_past_bytes(const struct pel_wake_past *past);
 
-/* Both in one: later_s 0. */
+/* The waves at time_s, not before it, of a track that is the same up to its
+ * moment: cheap (a turn of every mode, the pieces since, transforms). What the
+ * tiles let go is that of the past's moment: within 0.3 % of the highest wave
+ * for as long as the ship goes a tenth of the shortest tile's side. NO_MEMORY.
+ */
+PEL_CHECK enum pel_err pel_wake_later(const struct pel_wake_past *past,
+                                      const struct pel_wake_track *track,
+                                      double time_s, struct pel_wake **out);
+
+/* Both in one. */
 PEL_CHECK enum pel_err pel_wake_create(const struct pel_wake_track *track,
                                        double time_s, double depth_m,
                                        struct pel_wake **out);

@@ -275,7 +275,7 @@ static void moments(void **state)
     for (double later = 1; later < 2.5; later += 1) {
         struct pel_wake *there = NULL, *direct = NULL;
         begun = clock();
-        assert_int_equal(pel_wake_later(past, later, &there), PEL_OK);
+        assert_int_equal(pel_wake_later(past, track, later, &there), PEL_OK);
         print_message("moment %.1f ms\n",
                       1e3 * (double)(clock() - begun) / CLOCKS_PER_SEC);
         assert_int_equal(pel_wake_create(track, later, 0, &direct), PEL_OK);

@@ -27,12 +27,15 @@ void pel_wake_map_load(struct pel_wake_map *map,
         make(map);
     }
     map->current = (map->current + 1) % PEL_WAKE_SETS;
+    GLint layer = 0;
     for (size_t i = 0; i < env->wakes->count; i++) {
         for (int k = 0; k < PEL_WAKE_TILES; k++) {
-            glTextureSubImage3D(map->sets[map->current], 0, 0, 0,
-                                (GLint)i * PEL_WAKE_TILES + k, PEL_WAKE_N,
-                                PEL_WAKE_N, 1, GL_RGBA, GL_FLOAT,
-                                env->wakes->wake[i]->tile[k].texels);
+            const struct pel_wake_tile *t = &env->wakes->wake[i]->tile[k];
+            if (t->texels) {
+                glTextureSubImage3D(map->sets[map->current], 0, 0, 0, layer++,
+                                    PEL_WAKE_N, PEL_WAKE_N, 1, GL_RGBA,
+                                    GL_FLOAT, t->texels);
+            }
         }
     }
 }
@@ -42,12 +45,14 @@ void pel_wake_map_bind(const struct pel_wake_map *map,
                        double north_m, struct pel_block_wakes *out)
 {
     memset(out, 0, sizeof *out);
-    out->wake_count.x = (float)(env->wakes->count * PEL_WAKE_TILES);
+    size_t layers = 0;
     for (size_t i = 0; i < env->wakes->count; i++) {
         for (int k = 0; k < PEL_WAKE_TILES; k++) {
             const struct pel_wake_tile *t = &env->wakes->wake[i]->tile[k];
-            struct pel_shader_wake *to =
-                &out->wakes[i * PEL_WAKE_TILES + (size_t)k];
+            if (!t->texels) {
+                continue;
+            }
+            struct pel_shader_wake *to = &out->wakes[layers++];
             double x = east_m / t->length_m, y = north_m / t->length_m;
             to->place = (struct pel_vec4){ (float)(t->x_m - east_m),
                                            (float)(t->y_m - north_m),
@@ -57,6 +62,7 @@ void pel_wake_map_bind(const struct pel_wake_map *map,
             to->offset.y = (float)((y - floor(y)) * PEL_WAKE_N);
         }
     }
+    out->wake_count.x = (float)layers;
     pel_wake_map_again(map);
 }
 

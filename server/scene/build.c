@@ -566,13 +566,13 @@ const struct pel_snapshot *pel_snapshot_build_going(
             fleet ? pel_model_ref(pel_fleet_of(fleet, state->entities[i]))
                   : NULL;
     }
-    s->public.wakes = pel_wakes_of(state, &s->public);
     s->public.views = s->views;
     s->public.view_count = state->n_views;
     for (size_t i = 0; i < state->n_views; i++) {
         place_view(state, state->views[i], &s->views[i]);
     }
     place_ships(state, going, &s->public);
+    s->public.wakes = pel_wakes_of(state, &s->public);
     return &s->public;
 }
 
@@ -660,6 +660,7 @@ static void ship_to_state(const struct pel_snapshot *s,
         put(begins, pel_clamp(m.roll.rate / PEL_DEG, -1e3, 1e3),
             &helm->roll_rate);
     }
+    pel_wakes_keep(s->wakes, state, time_s, e);
 }
 
 void pel_snapshot_ships_to_state(const struct pel_snapshot *s, double time_s,

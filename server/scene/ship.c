@@ -161,6 +161,7 @@ void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
         .orders = *orders,
         .step_s = PEL_SHIP_STEP_S * fmax(1, rate / 4),
         .start_s = time_s,
+        .start = *motion,
         .steps[0] = { .time_s = time_s, .motion = *motion },
     };
 }

@@ -55,6 +55,7 @@ struct pel_ship {
     struct pel_ship_orders orders;
     double step_s;
     double start_s;
+    struct pel_ship_motion start;
     uint64_t count; /* steps done; the last is steps[count % HISTORY] */
     bool asked;     /* the sea of the first step is known */
     struct pel_ship_step steps[PEL_SHIP_HISTORY];

@@ -179,7 +179,7 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
                           struct pel_surface_sample *out)
 {
     PEL_WATCH("surface");
-    const struct pel_wake_moment *moment = pel_snapshot_wakes(s, time_s);
+    const struct pel_wake_moment *moment = pel_wakes_at(s->wakes, time_s);
     if (moment) {
         query_in_wakes(s, moment, points, n, time_s, moving, out);
         pel_wake_moment_unref(moment);
@@ -205,7 +205,7 @@ bool pel_snapshot_prepare(const struct pel_snapshot *s, double time_s,
     if (!pel_sea_prepare(pel_snapshot_sea(s), time_s, moving, go_on, user)) {
         return false;
     }
-    pel_wake_moment_unref(pel_snapshot_wakes(s, time_s));
+    pel_wake_moment_unref(pel_wakes_at(s->wakes, time_s));
     return true;
 }
 

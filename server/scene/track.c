@@ -45,14 +45,59 @@ static void drop_first(Pelagos__Entity *e, size_t count)
     }
 }
 
-static void append(Pelagos__Entity *e, double time_s, double latitude,
+void pel_track_cut(Pelagos__Entity *e, double from_s)
+{
+    size_t count = e->n_track;
+    while (count > 0 && e->track[count - 1]->time >= from_s) {
+        count--;
+        pelagos__track_point__free_unpacked(e->track[count], NULL);
+    }
+    if (count == 0 && e->n_track > 0) {
+        free(e->track);
+        e->track = NULL;
+    }
+    e->n_track = count;
+}
+
+/* The first that is hardly off the straight line between its neighbours; 0:
+ * none, the first of all. */
+static size_t spare(const Pelagos__Entity *e)
+{
+    for (size_t i = 1; i + 2 < e->n_track; i++) {
+        const Pelagos__TrackPoint *p = e->track[i];
+        const Pelagos__TrackPoint *a = e->track[i - 1], *b = e->track[i + 1];
+        double bx, by, x, y, f = (p->time - a->time) / (b->time - a->time);
+        pel_geo_to_local(a->latitude, a->longitude, b->latitude, b->longitude,
+                         &bx, &by);
+        pel_geo_to_local(a->latitude, a->longitude, p->latitude, p->longitude,
+                         &x, &y);
+        if (hypot(x - f * bx, y - f * by) < 0.1 * PEL_TRACK_WITHIN_M) {
+            return i;
+        }
+    }
+    return 0;
+}
+
+static void drop_one(Pelagos__Entity *e, size_t at)
+{
+    pelagos__track_point__free_unpacked(e->track[at], NULL);
+    for (size_t i = at; i + 1 < e->n_track; i++) {
+        e->track[i] = e->track[i + 1];
+    }
+    e->n_track--;
+}
+
+void pel_track_add(Pelagos__Entity *e, double time_s, double latitude,
                    double longitude)
 {
     size_t old = 0;
     while (old + 2 < e->n_track && e->track[old + 1]->time < time_s - KEPT_S) {
         old++;
     }
-    if (old == 0 && e->n_track >= PEL_TRACK_MOST) {
+    size_t spared = old == 0 && e->n_track >= PEL_TRACK_MOST ? spare(e) : 0;
+    if (spared > 0) {
+        drop_one(e, spared);
+    } else if (old == 0 && e->n_track >= PEL_TRACK_MOST) {
         static struct pel_log_limit limit;
         pel_log_limited(&limit, PEL_LOG_WARNING, "SCN-030",
                         "entity %u: its track has %d points; the oldest waves "
@@ -69,6 +114,19 @@ static void append(Pelagos__Entity *e, double time_s, double latitude,
     p->time = time_s;
     p->latitude = latitude;
     p->longitude = longitude;
+}
+
+/* Whether a place is a stride on from the last point: what lies further back
+ * then stays as it is. */
+static bool strides(const Pelagos__Entity *e, double latitude, double longitude)
+{
+    double x, y;
+    if (e->n_track == 0) {
+        return true;
+    }
+    const Pelagos__TrackPoint *b = e->track[e->n_track - 1];
+    pel_geo_to_local(b->latitude, b->longitude, latitude, longitude, &x, &y);
+    return hypot(x, y) > PEL_TRACK_STRIDE_M;
 }
 
 /* How far a place is from the last piece, gone on with. */
@@ -94,8 +152,9 @@ static void pass(Pelagos__Entity *e, double time_s, double latitude,
     if (e->n_track > 0 && time_s <= e->track[e->n_track - 1]->time + 0.05) {
         return;
     }
-    if (off_piece(e, time_s, latitude, longitude) > PEL_TRACK_WITHIN_M) {
-        append(e, time_s, latitude, longitude);
+    if (strides(e, latitude, longitude) ||
+        off_piece(e, time_s, latitude, longitude) > PEL_TRACK_WITHIN_M) {
+        pel_track_add(e, time_s, latitude, longitude);
     }
 }
 

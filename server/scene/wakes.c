@@ -8,40 +8,21 @@
 
 #include "base/log.h"
 #include "models/model.h"
-#include "scene/geodesy.h"
-#include "scene/helm.h"
-#include "scene/reckon.h"
+#include "scene/wakesource.h"
 
-/* Tracks are summed up at whole multiples of this; between, moments follow. */
-#define EPOCH_S 1.0
-#define LEG_POINTS 12 /* of a turn that is reckoned on */
-#define KEPT 24       /* pasts and moments */
-
-struct source {
-    struct pel_hull hull;
-    struct pel_entity_state pose;
-    int count;
-    struct pel_wake_point point[PEL_WAKE_POINTS];
-};
+#define MOMENTS 12
+#define PASTS 10
+#define MOMENT_BYTES ((size_t)48 << 20)
 
 struct pel_wakes {
     atomic_uint refs;
-    double reckoning_s, depth_m;
+    uint64_t serial; /* of no other */
+    double depth_m;
     size_t count;
-    struct source source[];
+    struct pel_wake_source source[];
 };
 
 /* --- of the state --------------------------------------------------------- */
-
-static double block_of(const struct pel_model *m)
-{
-    double volume = 0;
-    for (size_t i = 0; i < m->column_count; i++) {
-        volume -= (double)m->columns[i].area * (double)m->columns[i].bottom;
-    }
-    double box = m->length_m * m->beam_m * m->draught_m;
-    return box > 0 && volume > 0 ? pel_clamp(volume / box, 0.3, 0.85) : 0.6;
-}
 
 static bool makes_waves(const Pelagos__State *state,
                         const struct pel_snapshot *s, size_t i)
@@ -49,35 +30,13 @@ static bool makes_waves(const Pelagos__State *state,
     const Pelagos__Entity *e = state->entities[i];
     const struct pel_model *m = s->entities[i].model;
     return e->wake && m && m->length_m > 1 && m->beam_m > 0.1 &&
-           m->draught_m > 0.05 && !pel_helm_on(state, e);
-}
-
-static void read_source(const Pelagos__State *state,
-                        const struct pel_snapshot *s, size_t i,
-                        struct source *to)
-{
-    const Pelagos__Entity *e = state->entities[i];
-    const struct pel_model *m = s->entities[i].model;
-    to->hull =
-        (struct pel_hull){ m->length_m, m->beam_m, m->draught_m, block_of(m) };
-    to->pose = s->entities[i];
-    for (size_t k = 0; k < e->n_track && k < PEL_WAKE_POINTS - LEG_POINTS - 2;
-         k++) {
-        struct pel_wake_point *p = &to->point[to->count];
-        p->time_s = e->track[k]->time;
-        if (p->time_s < to->pose.pose_time_s &&
-            (k == 0 || p->time_s > p[-1].time_s)) {
-            pel_geo_to_local(state->origin->latitude, state->origin->longitude,
-                             e->track[k]->latitude, e->track[k]->longitude,
-                             &p->x_m, &p->y_m);
-            to->count++;
-        }
-    }
+           m->draught_m > 0.05;
 }
 
 struct pel_wakes *pel_wakes_of(const Pelagos__State *state,
                                const struct pel_snapshot *s)
 {
+    static atomic_ullong serials;
     size_t count = 0;
     for (size_t i = 0; i < state->n_entities; i++) {
         count += makes_waves(state, s, i);
@@ -98,11 +57,11 @@ struct pel_wakes *pel_wakes_of(const Pelagos__State *state,
         abort();
     }
     atomic_init(&w->refs, 1);
-    w->reckoning_s = s->reckoning_s;
+    w->serial = atomic_fetch_add(&serials, 1) + 1;
     w->depth_m = state->sea->has_depth ? state->sea->depth : 0;
     for (size_t i = 0; i < state->n_entities && w->count < count; i++) {
         if (makes_waves(state, s, i)) {
-            read_source(state, s, i, &w->source[w->count++]);
+            pel_wake_source_read(state, s, i, &w->source[w->count++]);
         }
     }
     return w;
@@ -116,165 +75,273 @@ struct pel_wakes *pel_wakes_ref(struct pel_wakes *w)
     return w;
 }
 
+static void forget(uint64_t serial);
+
 void pel_wakes_unref(struct pel_wakes *w)
 {
     if (w && atomic_fetch_sub(&w->refs, 1) == 1) {
+        forget(w->serial);
+        for (size_t i = 0; i < w->count; i++) {
+            pel_wake_source_finish(&w->source[i]);
+        }
         free(w);
     }
 }
 
-/* --- of a moment ---------------------------------------------------------- */
-
-static void add_point(struct pel_wake_track *track, double time_s, double x,
-                      double y)
+void pel_wakes_keep(const struct pel_wakes *w, const Pelagos__State *state,
+                    double time_s, Pelagos__Entity *entity)
 {
-    track->point[track->count++] = (struct pel_wake_point){ time_s, x, y };
-}
-
-/* The track as it is at time_s: of the past what is stored, then the pose,
- * reckoned on. */
-static void track_at(const struct source *from, double reckoning_s,
-                     double time_s, struct pel_wake_track *out)
-{
-    const struct pel_entity_state *e = &from->pose;
-    memset(out, 0, sizeof *out); /* it is compared by its bytes */
-    out->hull = from->hull;
-    memcpy(out->point, from->point,
-           (size_t)from->count * sizeof from->point[0]);
-    out->count = from->count;
-    add_point(out, e->pose_time_s, e->east_m, e->north_m);
-    double until = pel_reckon_seconds(e->pose_time_s, time_s, reckoning_s);
-    if (until <= 0) {
-        return;
-    }
-    int steps = e->turn_rate_rps != 0 ? LEG_POINTS : 1;
-    for (int i = 1; i <= steps; i++) {
-        double east, north, s = until * i / steps;
-        pel_reckon_move(e->speed_mps, e->course_rad, e->turn_rate_rps, s, &east,
-                        &north);
-        add_point(out, e->pose_time_s + s, e->east_m + east,
-                  e->north_m + north);
-    }
-    if (time_s > e->pose_time_s + until) { /* it is held there */
-        const struct pel_wake_point *last = &out->point[out->count - 1];
-        add_point(out, time_s, last->x_m, last->y_m);
+    for (size_t i = 0; w && i < w->count; i++) {
+        if (w->source[i].id == entity->id && w->source[i].knots) {
+            pel_wake_source_keep(&w->source[i], state, time_s, entity);
+        }
     }
 }
 
-struct kept_past {
-    struct pel_wake_track track;
+/* --- pasts ---------------------------------------------------------------- */
+
+/* Kept for all scenes: what they were made from says which they are. Whoever
+ * finds one that is not made yet waits. */
+struct past {
+    struct pel_wake_track track; /* up to its moment */
     double time_s, depth_m;
+    unsigned users; /* and the list */
+    uint64_t used;
+    pthread_mutex_t making;
     struct pel_wake_past *past;
-    uint64_t used;
-};
-
-struct moment {
-    struct pel_wake_moment public; /* first */
-    atomic_uint refs;
-    struct pel_wakes *of;
-    double time_s;
-    uint64_t used;
 };
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static struct kept_past *pasts[KEPT];
-static struct moment *moments[KEPT];
+static struct past *pasts[PASTS];
 static uint64_t uses;
 
-static struct pel_wake_past *past_of(const struct source *from,
-                                     const struct pel_wakes *w, double epoch_s)
+static void put_past(struct past *p) /* has the lock */
 {
-    struct pel_wake_track track;
-    track_at(from, w->reckoning_s, epoch_s, &track);
+    if (p && --p->users == 0) {
+        pel_wake_past_destroy(p->past);
+        pthread_mutex_destroy(&p->making);
+        free(p);
+    }
+}
+
+/* The track up to a moment, with a point there; the same bytes of all that are
+ * alike so far. */
+static void cut_track(const struct pel_wake_track *from, double time_s,
+                      struct pel_wake_track *out)
+{
+    memset(out, 0, sizeof *out);
+    out->hull = from->hull;
+    for (int i = 0; i < from->count && from->point[i].time_s <= time_s; i++) {
+        out->point[out->count++] = from->point[i];
+    }
+    int n = out->count;
+    if (n > 0 && n < from->count && from->point[n - 1].time_s < time_s) {
+        const struct pel_wake_point *a = &from->point[n - 1], *b = a + 1;
+        double f = (time_s - a->time_s) / (b->time_s - a->time_s);
+        out->point[out->count++] =
+            (struct pel_wake_point){ time_s, a->x_m + f * (b->x_m - a->x_m),
+                                     a->y_m + f * (b->y_m - a->y_m) };
+    }
+}
+
+static struct past *find_past(const struct pel_wake_track *track, double time_s,
+                              double depth_m)
+{
     int oldest = 0;
-    for (int i = 0; i < KEPT; i++) {
-        struct kept_past *k = pasts[i];
-        if (k && k->time_s == epoch_s && k->depth_m == w->depth_m &&
-            memcmp(&k->track, &track, sizeof track) == 0) {
-            k->used = ++uses;
-            return k->past;
+    for (int i = 0; i < PASTS; i++) {
+        struct past *p = pasts[i];
+        if (p && p->time_s == time_s && p->depth_m == depth_m &&
+            memcmp(&p->track, track, sizeof *track) == 0) {
+            return p;
         }
-        if (!k || (pasts[oldest] && k->used < pasts[oldest]->used)) {
+        if (!p || (pasts[oldest] && p->used < pasts[oldest]->used)) {
             oldest = i;
         }
     }
-    struct kept_past *k = malloc(sizeof *k);
-    if (!k || pel_wake_past_create(&track, epoch_s, w->depth_m, &k->past)) {
+    struct past *p = calloc(1, sizeof *p);
+    if (!p) {
         abort();
     }
-    k->track = track;
-    k->time_s = epoch_s;
-    k->depth_m = w->depth_m;
-    k->used = ++uses;
-    if (pasts[oldest]) {
-        pel_wake_past_destroy(pasts[oldest]->past);
-        free(pasts[oldest]);
-    }
-    pasts[oldest] = k;
-    return k->past;
+    p->track = *track;
+    p->time_s = time_s;
+    p->depth_m = depth_m;
+    p->users = 1;
+    pthread_mutex_init(&p->making, NULL);
+    put_past(pasts[oldest]);
+    pasts[oldest] = p;
+    return p;
 }
 
-static struct moment *make_moment(struct pel_wakes *w, double time_s)
+/* The waves of one ship at time_s. */
+static struct pel_wake *make_wake(const struct pel_wakes *w, size_t i,
+                                  double time_s)
 {
-    struct moment *m = calloc(1, sizeof *m);
-    if (!m) {
+    struct pel_wake_track track, before;
+    struct pel_wake *wake;
+    pel_wake_source_track(&w->source[i], time_s, &track);
+    double epoch_s = pel_wake_source_epoch(&w->source[i], &track, time_s);
+    cut_track(&track, epoch_s, &before);
+    pthread_mutex_lock(&lock);
+    struct past *p = find_past(&before, epoch_s, w->depth_m);
+    p->used = ++uses;
+    p->users++;
+    pthread_mutex_unlock(&lock);
+    pthread_mutex_lock(&p->making);
+    if (!p->past &&
+        pel_wake_past_create(&p->track, epoch_s, w->depth_m, &p->past)) {
         abort();
     }
-    atomic_init(&m->refs, 1);
-    m->of = pel_wakes_ref(w);
-    m->time_s = time_s;
-    double epoch_s = floor(time_s / EPOCH_S) * EPOCH_S;
-    for (size_t i = 0; i < w->count; i++) {
-        const struct pel_wake_past *past = past_of(&w->source[i], w, epoch_s);
-        if (pel_wake_later(past, time_s - epoch_s, &m->public.wake[i])) {
-            abort();
-        }
-        m->public.count++;
-    }
-    return m;
-}
-
-const struct pel_wake_moment *pel_snapshot_wakes(const struct pel_snapshot *s,
-                                                 double time_s)
-{
-    if (!s->wakes) {
-        return NULL;
+    pthread_mutex_unlock(&p->making);
+    if (pel_wake_later(p->past, &track, time_s, &wake)) {
+        abort();
     }
     pthread_mutex_lock(&lock);
-    struct moment *found = NULL;
+    put_past(p);
+    pthread_mutex_unlock(&lock);
+    return wake;
+}
+
+/* --- moments -------------------------------------------------------------- */
+
+struct moment {
+    struct pel_wake_moment public; /* first */
+    unsigned users;
+    uint64_t serial, used;
+    double time_s;
+    size_t begun, made, bytes;
+};
+
+static pthread_cond_t made = PTHREAD_COND_INITIALIZER;
+static struct moment *moments[MOMENTS];
+
+static void put_moment(struct moment *m) /* has the lock */
+{
+    if (m && --m->users == 0) {
+        for (size_t i = 0; i < m->public.count; i++) {
+            pel_wake_destroy(m->public.wake[i]);
+        }
+        free(m);
+    }
+}
+
+void pel_wake_moment_unref(const struct pel_wake_moment *moment)
+{
+    pthread_mutex_lock(&lock);
+    put_moment((struct moment *)moment);
+    pthread_mutex_unlock(&lock);
+}
+
+static struct moment *find_moment(const struct pel_wakes *w, double time_s)
+{
     int oldest = 0;
-    for (int i = 0; i < KEPT && !found; i++) {
+    for (int i = 0; i < MOMENTS; i++) {
         struct moment *m = moments[i];
-        if (m && m->of == s->wakes && m->time_s == time_s) {
-            found = m;
+        if (m && m->serial == w->serial && m->time_s == time_s) {
+            return m;
         }
         if (!m || (moments[oldest] && m->used < moments[oldest]->used)) {
             oldest = i;
         }
     }
-    if (!found) {
-        found = make_moment(s->wakes, time_s);
-        if (moments[oldest]) {
-            pel_wake_moment_unref(&moments[oldest]->public);
-        }
-        moments[oldest] = found;
+    struct moment *m = calloc(1, sizeof *m);
+    if (!m) {
+        abort();
     }
-    found->used = ++uses;
-    atomic_fetch_add(&found->refs, 1);
-    pthread_mutex_unlock(&lock);
-    return &found->public;
+    m->users = 1;
+    m->serial = w->serial;
+    m->time_s = time_s;
+    m->public.count = w->count;
+    for (size_t i = 0; i < w->count; i++) {
+        m->public.id[i] = w->source[i].id;
+    }
+    put_moment(moments[oldest]);
+    moments[oldest] = m;
+    return m;
 }
 
-void pel_wake_moment_unref(const struct pel_wake_moment *moment)
+/* Lets go of those not used for longest while all take too much. */
+static void bound(const struct moment *but)
 {
-    struct moment *m = (struct moment *)moment;
-    if (m && atomic_fetch_sub(&m->refs, 1) == 1) {
-        for (size_t i = 0; i < m->public.count; i++) {
-            pel_wake_destroy(m->public.wake[i]);
+    for (;;) {
+        size_t sum = 0;
+        int oldest = -1;
+        for (int i = 0; i < MOMENTS; i++) {
+            sum += moments[i] ? moments[i]->bytes : 0;
+            if (moments[i] && moments[i] != but && moments[i]->bytes > 0 &&
+                (oldest < 0 || moments[i]->used < moments[oldest]->used)) {
+                oldest = i;
+            }
         }
-        pel_wakes_unref(m->of);
-        free(m);
+        if (sum <= MOMENT_BYTES || oldest < 0) {
+            return;
+        }
+        put_moment(moments[oldest]);
+        moments[oldest] = NULL;
     }
+}
+
+/* Threads that want the same moment share its ships. */
+static void make_moment(const struct pel_wakes *w, struct moment *m)
+{
+    while (m->begun < m->public.count) {
+        size_t i = m->begun++;
+        pthread_mutex_unlock(&lock);
+        struct pel_wake *wake = make_wake(w, i, m->time_s);
+        pthread_mutex_lock(&lock);
+        m->public.wake[i] = wake;
+        for (int k = 0; k < PEL_WAKE_TILES; k++) {
+            m->bytes += wake->tile[k].texels ? PEL_WAKE_TILE_BYTES : 0;
+        }
+        if (++m->made == m->public.count) {
+            pthread_cond_broadcast(&made);
+            bound(m);
+        }
+    }
+    while (m->made < m->public.count) {
+        pthread_cond_wait(&made, &lock);
+    }
+}
+
+const struct pel_wake_moment *pel_wakes_at(const struct pel_wakes *w,
+                                           double time_s)
+{
+    if (!w) {
+        return NULL;
+    }
+    pthread_mutex_lock(&lock);
+    struct moment *m = find_moment(w, time_s);
+    m->used = ++uses;
+    m->users++;
+    make_moment(w, m);
+    pthread_mutex_unlock(&lock);
+    return &m->public;
+}
+
+static void forget(uint64_t serial)
+{
+    pthread_mutex_lock(&lock);
+    for (int i = 0; i < MOMENTS; i++) {
+        if (moments[i] && moments[i]->serial == serial) {
+            put_moment(moments[i]);
+            moments[i] = NULL;
+        }
+    }
+    pthread_mutex_unlock(&lock);
+}
+
+size_t pel_wakes_bytes(void)
+{
+    size_t sum = 0;
+    pthread_mutex_lock(&lock);
+    for (int i = 0; i < MOMENTS; i++) {
+        sum += moments[i] ? moments[i]->bytes : 0;
+    }
+    for (int i = 0; i < PASTS; i++) {
+        sum += pasts[i] && pasts[i]->past ? pel_wake_past_bytes(pasts[i]->past)
+                                          : 0;
+    }
+    pthread_mutex_unlock(&lock);
+    return sum;
 }
 
 /* --- over a place --------------------------------------------------------- */

@@ -14,23 +14,34 @@
 #define PEL_WAKES 8
 
 /* What of the state their waves are made from; reference counted. NULL: no
- * entity makes waves. */
+ * entity makes waves. The snapshot has its ships. */
 struct pel_wakes *pel_wakes_of(const Pelagos__State *state,
                                const struct pel_snapshot *snapshot);
 struct pel_wakes *pel_wakes_ref(struct pel_wakes *wakes);
 void pel_wakes_unref(struct pel_wakes *wakes);
 
-/* The waves of one moment; the last few are kept for all who ask. */
+/* Writes where a ship under its helm was to its entity of the state. */
+void pel_wakes_keep(const struct pel_wakes *wakes, const Pelagos__State *state,
+                    double time_s, Pelagos__Entity *entity);
+
+/* The waves of one moment. */
 struct pel_wake_moment {
     size_t count;
+    uint32_t id[PEL_WAKES]; /* of the entities */
     struct pel_wake *wake[PEL_WAKES];
 };
 
-/* The waves at time_s, or NULL: none. A few milliseconds a ship, or some tens
- * where a second begins. pel_wake_moment_unref. */
-const struct pel_wake_moment *pel_snapshot_wakes(const struct pel_snapshot *s,
-                                                 double time_s);
+/* The waves at time_s, or NULL: none. About a millisecond a ship, or some tens
+ * where its past is summed up anew; threads that ask for the same moment share
+ * that. pel_wake_moment_unref. */
+const struct pel_wake_moment *pel_wakes_at(const struct pel_wakes *wakes,
+                                           double time_s);
 void pel_wake_moment_unref(const struct pel_wake_moment *moment);
+
+/* What is kept of moments and pasts, of all scenes together: at most 64 MiB,
+ * and besides what is in use. */
+#define PEL_WAKES_MOST_BYTES ((size_t)64 << 20)
+size_t pel_wakes_bytes(void);
 
 /* Where what is above a place comes from: the wakes carry water sideways. */
 struct pel_vec2 pel_wakes_before(const struct pel_wake_moment *moment,

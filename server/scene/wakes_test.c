@@ -2,7 +2,9 @@
 #include "scene/wakes.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 #include "base/vec.h"
 #include "scene/scene_testkit.h"
@@ -13,7 +15,7 @@ static const char ship[] =
     "{\"clock\":{\"mode\":\"STEPPED\",\"time\":0,\"reckoning\":3600},"
     "\"sea\":{\"windSpeed\":0,\"whitecaps\":0,\"synthesiser\":\"TROCHOIDS\"},"
     "\"entities\":{"
-    "\"5\":{\"latitude\":-0.0108,\"speed\":6.17,\"wake\":true,"
+    "\"5\":{\"latitude\":-0.0108,\"longitude\":0,\"speed\":6.17,\"wake\":true,"
     "\"model\":{\"name\":\"tanker\",\"length\":100}}}}";
 
 static struct pel_scene *begin(void)
@@ -42,9 +44,183 @@ static void control_leaves_it_to_others(void **state)
     pel_scene_destroy(scene);
 }
 
+static void step(struct pel_scene *scene, double seconds)
+{
+    for (; seconds > 0; seconds -= 10) {
+        assert_int_equal(pel_scene_step(scene, fmin(seconds, 10), NULL),
+                         PEL_OK);
+    }
+}
+
+enum { LINE = 160 };
+
+/* Heights along a line that goes south from a place. */
+static void line(struct pel_scene *scene, double time_s, double east_m,
+                 double north_m, double heights[LINE])
+{
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    struct pel_vec2 points[LINE];
+    struct pel_surface_sample samples[LINE];
+    for (int i = 0; i < LINE; i++) {
+        points[i] = (struct pel_vec2){ east_m, north_m - i };
+    }
+    pel_snapshot_surface(s, points, LINE, time_s, false, samples);
+    for (int i = 0; i < LINE; i++) {
+        heights[i] = samples[i].height_m;
+    }
+    pel_snapshot_unref(s);
+}
+
+static double highest(const double heights[LINE])
+{
+    double most = 0;
+    for (int i = 0; i < LINE; i++) {
+        most = fmax(most, fabs(heights[i]));
+    }
+    return most;
+}
+
+/* Five ships of 100 m at 12 knots that turn, over a calm sea. */
+static struct pel_scene *five(void)
+{
+    struct pel_scene *scene = begin();
+    for (int i = 0; i < 5; i++) {
+        char text[300];
+        snprintf(text, sizeof text,
+                 "{\"entities\":{\"%d\":{\"latitude\":%g,\"longitude\":0,"
+                 "\"speed\":6.17,\"turnRate\":0.5,\"wake\":true,"
+                 "\"model\":{\"name\":\"tanker\",\"length\":100}}}}",
+                 5 + i, 0.004 * i);
+        must(scene, text);
+    }
+    return scene;
+}
+
+/* In any order, by any way: the same bits; and what is kept is bounded. */
+static void moments_in_any_order(void **state)
+{
+    (void)state;
+    enum { MOMENTS = 12 };
+    static double up[MOMENTS][LINE], down[MOMENTS][LINE];
+    struct pel_scene *scene = five();
+    double spent = 0, first = 0;
+    for (int i = 0; i < MOMENTS; i++) {
+        clock_t begun = clock();
+        line(scene, 600 + 0.1 * i, 420, -560, up[i]);
+        double ms = 1e3 * (double)(clock() - begun) / CLOCKS_PER_SEC;
+        first = i ? first : ms;
+        spent += i ? ms : 0;
+        assert_true(pel_wakes_bytes() <= PEL_WAKES_MOST_BYTES);
+    }
+    print_message("five ships: first moment %.1f ms, others %.1f ms each, "
+                  "%.1f MiB kept\n",
+                  first, spent / (MOMENTS - 1),
+                  (double)pel_wakes_bytes() / (1 << 20));
+    assert_true(pel_wakes_bytes() > 0);
+    pel_scene_destroy(scene);
+    scene = five();
+    step(scene, 30);
+    for (int i = MOMENTS - 1; i >= 0; i--) {
+        line(scene, 600 + 0.1 * i, 420, -560, down[i]);
+    }
+    assert_true(highest(up[0]) > 0.05);
+    assert_memory_equal(up, down, sizeof up);
+    pel_scene_destroy(scene);
+}
+
+/* A ship that a host places with each of its frames. */
+static void led_by_a_host(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = begin();
+    double heights[LINE], before[LINE], spent = 0;
+    int count = 0;
+    for (double t = 100; t < 180; t += 0.25) {
+        char text[200];
+        snprintf(text, sizeof text,
+                 "{\"entities\":{\"5\":{\"latitude\":%.9f,"
+                 "\"longitude\":0}}}",
+                 (6.17 * t - 1200) / 110574.0);
+        assert_int_equal(pel_scene_step_to(scene, t, NULL), PEL_OK);
+        must(scene, text);
+        memcpy(before, heights, sizeof before);
+        if (t > 150) {
+            clock_t begun = clock();
+            line(scene, t, 0, -450 + 6.17 * (t - 150), heights);
+            spent += (double)(clock() - begun) / CLOCKS_PER_SEC;
+            count++;
+            /* at a ship's place of its waves: they stand before it */
+            for (int i = 0; i < LINE && t > 151; i++) {
+                assert_near(heights[i], before[i], 0.15);
+            }
+        }
+    }
+    print_message("led by a host: %.1f ms a moment, %zu points\n",
+                  1e3 * spent / count, entity_of(scene, 5)->n_track);
+    assert_true(highest(heights) > 0.05);
+    assert_true(entity_of(scene, 5)->n_track > 8);
+    assert_true(entity_of(scene, 5)->n_track < 20);
+    pel_scene_destroy(scene);
+}
+
+static const char helm[] =
+    "{\"entities\":{\"5\":{\"helm\":{\"on\":true,\"throttle\":1,"
+    "\"length\":100,\"beam\":16,\"maxSpeed\":6.17}}}}";
+static const char rudder[] =
+    "{\"entities\":{\"5\":{\"helm\":{\"rudder\":10}}}}";
+
+/* The same waves of a ship under its helm as of one that is reckoned on. */
+static void under_a_helm(void **state)
+{
+    (void)state;
+    double led[LINE], reckoned[LINE], later[LINE], again[LINE];
+    struct pel_scene *scene = begin(), *other = begin();
+    must(scene, helm);
+    line(scene, 155, 0, -420, later);
+    step(scene, 155);
+    line(scene, 155, 0, -420, led);
+    line(other, 155, 0, -420, reckoned);
+    assert_memory_equal(led, later, sizeof led);
+    assert_true(highest(led) > 0.05);
+    for (int i = 0; i < LINE; i++) {
+        /* pieces end at other places */
+        assert_near(led[i], reckoned[i], 0.02 * highest(reckoned));
+    }
+    /* It turns; the old waves stay where they are. */
+    assert_int_equal(entity_of(scene, 5)->n_track, 3);
+    must(scene, rudder);
+    line(scene, 155, 0, -420, again);
+    for (int i = 0; i < LINE; i++) {
+        assert_near(again[i], led[i], 0.006 * highest(led));
+    }
+    step(scene, 45);
+    assert_true(entity_of(scene, 5)->n_track > 6);
+    line(scene, 200, 0, -300, led);
+    pel_scene_destroy(other);
+    /* Another way to the same state. */
+    other = begin();
+    must(other, helm);
+    for (int i = 0; i < 155; i++) {
+        step(other, 1);
+        assert_non_null(entity_of(other, 5));
+    }
+    must(other, rudder);
+    must(other, "{\"entities\":{\"9\":{\"latitude\":1}}}");
+    step(other, 3);
+    assert_non_null(entity_of(other, 5));
+    step(other, 42);
+    line(other, 200, 0, -300, again);
+    assert_memory_equal(led, again, sizeof led);
+    pel_scene_destroy(scene);
+    pel_scene_destroy(other);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(moments_in_any_order),
+        cmocka_unit_test(led_by_a_host),
+        cmocka_unit_test(under_a_helm),
         cmocka_unit_test(control_leaves_it_to_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
