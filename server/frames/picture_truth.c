@@ -74,7 +74,7 @@ static void set_pose(Pelagos__SeenEntity *to, const struct pel_job *job,
     }
     struct pel_entity_state e;
     double latitude, longitude;
-    pel_snapshot_entity_at(s, i, job->environment.time_s, &e);
+    pel_snapshot_entity_in_wakes(s, i, job->environment.time_s, &e);
     pel_geo_from_local(s->origin_latitude_rad / PEL_DEG,
                        s->origin_longitude_rad / PEL_DEG, e.east_m, e.north_m,
                        &latitude, &longitude);

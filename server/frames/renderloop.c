@@ -168,6 +168,22 @@ static void say_failed(const struct pel_job *job, enum pel_err err)
                     (unsigned long long)job->number, pel_err_name(err));
 }
 
+/* What the control thread does not wait for: the sea, ship waves and what is
+ * afloat in them, cameras too. Gives back: environment.wakes. */
+static void stand(struct pel_job *job, size_t first, size_t count)
+{
+    struct pel_environment *env = &job->environment;
+    env->sea = pel_snapshot_sea(job->snapshot);
+    env->objects = job->objects;
+    env->object_count =
+        pel_snapshot_objects(job->snapshot, env->time_s, job->objects);
+    env->wakes = pel_wakes_at(job->snapshot->wakes, env->time_s);
+    for (size_t i = first; i < first + count; i++) {
+        pel_snapshot_camera_in_wakes(job->snapshot, job->parts[i].view,
+                                     env->time_s, &job->draws[i].camera);
+    }
+}
+
 /* Gives the renderer [first, first + count); BUSY: none was taken. */
 static enum pel_err submit_some(struct pel_renderloop *loop,
                                 struct pel_job *job, size_t first, size_t count,
@@ -175,13 +191,8 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
 {
     size_t before = pel_renderer_in_flight(loop->renderer);
     int64_t begun_ns = pel_now_ns();
-    job->environment.sea = pel_snapshot_sea(job->snapshot);
-    job->environment.objects = job->objects;
-    job->environment.object_count = pel_snapshot_objects(
-        job->snapshot, job->environment.time_s, job->objects);
+    stand(job, first, count);
     atomic_fetch_add(&loop->held_bytes, bytes);
-    job->environment.wakes =
-        pel_wakes_at(job->snapshot->wakes, job->environment.time_s);
     enum pel_err err = pel_renderer_submit(loop->renderer, &job->environment,
                                            &job->draws[first], count);
     pel_wake_moment_unref(job->environment.wakes);
@@ -298,18 +309,13 @@ static void draw_band(struct pel_renderloop *loop)
         wait_room(loop);
         return;
     }
+    int64_t begun_ns = pel_now_ns();
+    stand(job, job->begun, 1);
     struct pel_draw draw = job->draws[job->begun];
     uint32_t rows = rows_of_band(loop, &draw.camera);
     uint32_t left = draw.camera.height - part->rows_begun;
-    int64_t begun_ns = pel_now_ns();
     draw.first_row = part->rows_begun;
     draw.rows = rows < left ? rows : left;
-    job->environment.sea = pel_snapshot_sea(job->snapshot);
-    job->environment.objects = job->objects;
-    job->environment.object_count = pel_snapshot_objects(
-        job->snapshot, job->environment.time_s, job->objects);
-    job->environment.wakes =
-        pel_wakes_at(job->snapshot->wakes, job->environment.time_s);
     enum pel_err err =
         pel_renderer_submit(loop->renderer, &job->environment, &draw, 1);
     pel_wake_moment_unref(job->environment.wakes);

@@ -151,6 +151,18 @@ static bool goes_far(const struct pel_wake_track *track,
            (depth_m > 0 && u2 > 0.5 * PEL_GRAVITY * depth_m);
 }
 
+bool pel_wake_reaches(const struct pel_wake_track *track, double time_s,
+                      double depth_m, double x_m, double y_m, double radius_m)
+{
+    struct legs legs;
+    legs_of(track, -HUGE_VAL, time_s, &legs);
+    double side = pel_wake_near_m(&track->hull) * PEL_WAKE_RATIO *
+                  (goes_far(track, &legs, depth_m) ? PEL_WAKE_RATIO : 1.0);
+    struct pel_vec2 middle = middle_of(track, time_s, side);
+    double off = fmax(fabs(x_m - middle.x), fabs(y_m - middle.y));
+    return legs.count > 0 && off < FADED * side + radius_m;
+}
+
 static size_t bytes_of(const struct pel_wake_band *band)
 {
     return (size_t)band->bunch_count * sizeof(struct pel_wake_amplitudes);

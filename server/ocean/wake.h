@@ -15,6 +15,7 @@
  * Frame as ocean/sea.h. Immutable once built; any thread. */
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/err.h"
@@ -91,6 +92,10 @@ size_t pel_wake_past_bytes(const struct pel_wake_past *past);
 PEL_CHECK enum pel_err pel_wake_later(const struct pel_wake_past *past,
                                       const struct pel_wake_track *track,
                                       double time_s, struct pel_wake **out);
+
+/* Whether its waves at time_s may be seen within radius_m of a place. */
+bool pel_wake_reaches(const struct pel_wake_track *track, double time_s,
+                      double depth_m, double x_m, double y_m, double radius_m);
 
 /* Both in one. */
 PEL_CHECK enum pel_err pel_wake_create(const struct pel_wake_track *track,

@@ -544,6 +544,20 @@ static void place_ships(const Pelagos__State *state,
     out->ship_count = count;
 }
 
+/* Ships that go on have done steps ahead in other waves. */
+static void meet_wakes(const struct pel_snapshot *s, double now_s)
+{
+    struct pel_sailing *ships = (struct pel_sailing *)s->ships;
+    for (size_t i = 0; i < s->ship_count; i++) {
+        struct pel_ship *ship = &ships[i].ship;
+        if (ship->wakes != s->wakes) {
+            pel_ship_forget(ship, now_s);
+        }
+        ship->wakes = s->wakes;
+        ship->self = s->entities[ships[i].entity].id;
+    }
+}
+
 const struct pel_snapshot *pel_snapshot_build_going(
     const Pelagos__State *state, struct pel_shared_sea *sea,
     const struct pel_seabed *seabed, const struct pel_fleet *fleet,
@@ -573,6 +587,7 @@ const struct pel_snapshot *pel_snapshot_build_going(
     }
     place_ships(state, going, &s->public);
     s->public.wakes = pel_wakes_of(state, &s->public);
+    meet_wakes(&s->public, state->clock->time);
     return &s->public;
 }
 

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "base/vec.h"
+#include "scene/wakes.h"
 
 #define HEAVE_DAMPING 0.35 /* of critical; ships lie at 0.3 to 0.5 */
 #define SLOWEST 0.05       /* of the speed: below, steering grows no slower */
@@ -69,10 +70,35 @@ void pel_ship_steer(const struct pel_ship_orders *o, double seconds,
     m->north_m += north;
 }
 
-void pel_ship_sea(const struct pel_ship_orders *o,
-                  const struct pel_ship_motion *m, double time_s,
-                  const struct pel_sea *sea, double out[3])
+/* pel_sea_query, with the height of others' waves. */
+static void query(const struct pel_ship *ship, const struct pel_ship_motion *m,
+                  double time_s, const struct pel_sea *sea,
+                  const struct pel_vec2 points[PEL_SHIP_POINTS],
+                  struct pel_surface_sample samples[PEL_SHIP_POINTS])
 {
+    struct pel_vec2 at[PEL_SHIP_POINTS];
+    struct pel_wake_shift there[PEL_SHIP_POINTS];
+    if (!pel_wakes_reach(ship->wakes, ship->self, time_s,
+                         (struct pel_vec2){ m->east_m, m->north_m },
+                         ship->orders.length_m + ship->orders.beam_m)) {
+        pel_sea_query(sea, points, PEL_SHIP_POINTS, time_s, samples);
+        return;
+    }
+    const struct pel_wake_moment *moment = pel_wakes_at(ship->wakes, time_s);
+    for (int i = 0; i < PEL_SHIP_POINTS; i++) {
+        at[i] = pel_wakes_before(moment, ship->self, points[i], &there[i]);
+    }
+    pel_sea_query(sea, at, PEL_SHIP_POINTS, time_s, samples);
+    for (int i = 0; i < PEL_SHIP_POINTS; i++) {
+        samples[i].height_m += there[i].d.z;
+    }
+    pel_wake_moment_unref(moment);
+}
+
+void pel_ship_sea(const struct pel_ship *ship, const struct pel_ship_motion *m,
+                  double time_s, const struct pel_sea *sea, double out[3])
+{
+    const struct pel_ship_orders *o = &ship->orders;
     static const double along[] = { -0.4, -0.2, 0, 0.2, 0.4 };
     static const double across[] = { -0.4, 0, 0.4 };
     struct pel_vec2 points[PEL_SHIP_POINTS];
@@ -84,7 +110,7 @@ void pel_ship_sea(const struct pel_ship_orders *o,
         points[i].x = m->east_m + x * sh + y * ch;
         points[i].y = m->north_m + x * ch - y * sh;
     }
-    pel_sea_query(sea, points, PEL_SHIP_POINTS, time_s, samples);
+    query(ship, m, time_s, sea, points, samples);
     for (int i = 0; i < PEL_SHIP_POINTS; i++) {
         double x = along[i / 3] * o->length_m, y = across[i % 3] * o->beam_m;
         height += samples[i].height_m;
@@ -136,7 +162,7 @@ static void open_step(const struct pel_ship *ship, const struct pel_sea *sea,
 {
     struct pel_ship_motion after = step->motion;
     pel_ship_steer(&ship->orders, ship->step_s, &after);
-    pel_ship_sea(&ship->orders, &after, step->time_s + ship->step_s, sea,
+    pel_ship_sea(ship, &after, step->time_s + ship->step_s, sea,
                  step->sea_after);
 }
 
@@ -170,7 +196,7 @@ void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
 static void ask_first(const struct pel_ship *ship, const struct pel_sea *sea,
                       struct pel_ship_step *first)
 {
-    pel_ship_sea(&ship->orders, &first->motion, first->time_s, sea, first->sea);
+    pel_ship_sea(ship, &first->motion, first->time_s, sea, first->sea);
     open_step(ship, sea, first);
 }
 
@@ -183,6 +209,14 @@ bool pel_ship_asks(const struct pel_ship *ship, double time_s)
 {
     return pel_ship_steps(ship, time_s) ||
            (!ship->asked && time_s > ship->start_s);
+}
+
+void pel_ship_forget(struct pel_ship *ship, double time_s)
+{
+    while (ship->count > 0 &&
+           ship->steps[ship->count % PEL_SHIP_HISTORY].time_s > time_s) {
+        ship->count--;
+    }
 }
 
 bool pel_ship_advance(struct pel_ship *ship, double time_s,

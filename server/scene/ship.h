@@ -51,11 +51,15 @@ struct pel_ship_step {
     double sea[3], sea_after[3]; /* heave, pitch, roll */
 };
 
+struct pel_wakes;
 struct pel_ship {
     struct pel_ship_orders orders;
     double step_s;
     double start_s;
     struct pel_ship_motion start;
+    /* Ship waves (wakes.h), its own left out; NULL: none. */
+    const struct pel_wakes *wakes;
+    int64_t self;   /* its entity */
     uint64_t count; /* steps done; the last is steps[count % HISTORY] */
     bool asked;     /* the sea of the first step is known */
     struct pel_ship_step steps[PEL_SHIP_HISTORY];
@@ -102,8 +106,12 @@ struct pel_ship_mode pel_ship_respond(struct pel_ship_mode start,
 void pel_ship_steer(const struct pel_ship_orders *orders, double seconds,
                     struct pel_ship_motion *motion);
 
-/* What the sea asks of the hull at a place and time: mean height, and the
- * angles of the plane that fits it best at the hull's points. */
-void pel_ship_sea(const struct pel_ship_orders *orders,
+/* Forgets the steps that begin after time_s: what they met has changed. */
+void pel_ship_forget(struct pel_ship *ship, double time_s);
+
+/* What the sea, and the waves of other ships, ask of the hull at a place and
+ * time: mean height, and the angles of the plane that fits it best at the
+ * hull's points. Of the ship: its orders, wakes and self. */
+void pel_ship_sea(const struct pel_ship *ship,
                   const struct pel_ship_motion *motion, double time_s,
                   const struct pel_sea *sea, double out[3]);

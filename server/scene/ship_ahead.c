@@ -6,14 +6,18 @@
 
 #include "scene/scene_parts.h"
 #include "scene/sharedsea.h"
+#include "scene/wakes.h"
 
 /* Of real time: what the clock goes on by while a busy thread is late. */
 #define LEAD_S 2.0
+/* With ship waves, which each edit of another ship changes. */
+#define LEAD_IN_WAKES_S 0.6
 
 struct ahead {
     struct pel_task task;
     struct pel_scene *scene;
     struct pel_shared_sea *sea;
+    struct pel_wakes *wakes;
     size_t count;
     struct pel_sailing ships[PEL_MAX_SHIPS];
     double from_s, until_s;
@@ -40,6 +44,9 @@ static void take(struct pel_scene *scene, const struct ahead *ahead)
     struct pel_sailing ships[PEL_MAX_SHIPS];
     size_t count = scene->snapshot->ship_count;
     bool any = false;
+    if (ahead->wakes != scene->snapshot->wakes) {
+        return; /* it has met other waves */
+    }
     memcpy(ships, scene->snapshot->ships, count * sizeof *ships);
     for (size_t i = 0; i < count; i++) {
         for (size_t k = 0; k < ahead->count; k++) {
@@ -64,6 +71,7 @@ static void arrived(struct pel_task *task, bool dropped)
         take(scene, ahead);
     }
     pel_shared_sea_unref(ahead->sea);
+    pel_wakes_unref(ahead->wakes);
     g_free(ahead);
     if (!dropped) {
         pel_scene_step_ahead(scene, pel_scene_time(scene));
@@ -83,10 +91,11 @@ static bool due(const struct pel_snapshot *s, double time_s)
 void pel_scene_step_ahead(struct pel_scene *scene, double time_s)
 {
     const struct pel_snapshot *s = scene->snapshot;
-    double lead_s =
-        s->mode == PEL_CLOCK_FREE
-            ? fmin(LEAD_S * fmax(fabs(s->rate), 1), PEL_SHIP_AHEAD_S)
-            : PEL_SHIP_AHEAD_S;
+    double lead_s = s->mode == PEL_CLOCK_FREE
+                        ? fmin((s->wakes ? LEAD_IN_WAKES_S : LEAD_S) *
+                                   fmax(fabs(s->rate), 1),
+                               PEL_SHIP_AHEAD_S)
+                        : PEL_SHIP_AHEAD_S;
     if (scene->ship_ahead || !pel_snapshot_transforms(s) ||
         !due(s, time_s + 0.5 * lead_s)) {
         return;
@@ -95,6 +104,7 @@ void pel_scene_step_ahead(struct pel_scene *scene, double time_s)
     ahead->task = (struct pel_task){ .work = work, .done = arrived };
     ahead->scene = scene;
     ahead->sea = pel_shared_sea_ref(s->sea);
+    ahead->wakes = pel_wakes_ref(s->wakes);
     ahead->count = s->ship_count;
     memcpy(ahead->ships, s->ships, s->ship_count * sizeof *s->ships);
     ahead->from_s = time_s;

@@ -207,7 +207,7 @@ static void hull_lies_on_the_surface(void **state)
 {
     (void)state;
     struct pel_sea sea;
-    struct pel_ship_orders o = usual();
+    const struct pel_ship ship = { .orders = usual() };
     make_sea(0, 1, 10, 0, &sea); /* swell towards east */
     for (double t = 0; t < 30; t += 1.7) {
         struct pel_surface_sample s;
@@ -215,9 +215,9 @@ static void hull_lies_on_the_surface(void **state)
         struct pel_ship_motion m = { .east_m = 5, .north_m = -3 };
         pel_sea_sample(&sea, 5, -3, t, &s);
         double slope = -s.normal.x / s.normal.z; /* up towards the east */
-        pel_ship_sea(&o, &m, t, &sea, north);
+        pel_ship_sea(&ship, &m, t, &sea, north);
         m.heading_rad = PEL_PI / 2;
-        pel_ship_sea(&o, &m, t, &sea, east);
+        pel_ship_sea(&ship, &m, t, &sea, east);
         assert_near(north[2], -atan(slope), 0.004); /* port lifted: st. down */
         assert_near(east[1], atan(slope), 0.004);   /* bow lifted: bow up */
         assert_near(north[0], s.height_m, 0.03);

@@ -84,11 +84,13 @@ static void drift_to(const struct pel_snapshot *s, double time_s,
  * ship follows late and with its own periods, it follows at once, so that its
  * pose is a function of the moment alone. */
 static void float_at(const struct pel_snapshot *s, double time_s,
-                     struct pel_entity_state *e)
+                     const struct pel_wakes *wakes, struct pel_entity_state *e)
 {
     PEL_WATCH("afloat");
-    const struct pel_ship_orders hull = { .length_m = e->model->length_m,
-                                          .beam_m = e->model->beam_m };
+    const struct pel_ship hull = { .orders = { .length_m = e->model->length_m,
+                                               .beam_m = e->model->beam_m },
+                                   .wakes = wakes,
+                                   .self = e->id };
     const struct pel_ship_motion at = { .east_m = e->east_m,
                                         .north_m = e->north_m,
                                         .heading_rad = e->heading_rad };
@@ -99,8 +101,9 @@ static void float_at(const struct pel_snapshot *s, double time_s,
     e->roll_rad = sea[2];
 }
 
-void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
-                            double time_s, struct pel_entity_state *out)
+static void entity_at(const struct pel_snapshot *s, size_t index, double time_s,
+                      const struct pel_wakes *wakes,
+                      struct pel_entity_state *out)
 {
     const struct pel_entity_state *at = &s->entities[index];
     const struct pel_sailing *sailing = pel_snapshot_ship(s, index);
@@ -126,8 +129,20 @@ void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
     out->pose_time_s = at->pose_time_s + seconds;
     if (at->afloat && at->model) {
         drift_to(s, time_s, at->pose_time_s, out);
-        float_at(s, time_s, out);
+        float_at(s, time_s, wakes, out);
     }
+}
+
+void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
+                            double time_s, struct pel_entity_state *out)
+{
+    entity_at(s, index, time_s, NULL, out);
+}
+
+void pel_snapshot_entity_in_wakes(const struct pel_snapshot *s, size_t index,
+                                  double time_s, struct pel_entity_state *out)
+{
+    entity_at(s, index, time_s, s->wakes, out);
 }
 
 static bool goes_on(const struct pel_entity_state *e)
@@ -163,7 +178,8 @@ static void query_in_wakes(const struct pel_snapshot *s,
     for (size_t first = 0; first < n; first += AT_ONCE) {
         size_t count = n - first < AT_ONCE ? n - first : AT_ONCE;
         for (size_t i = 0; i < count; i++) {
-            at[i] = pel_wakes_before(moment, points[first + i], &there[i]);
+            at[i] = pel_wakes_before(moment, PEL_WAKES_ALL, points[first + i],
+                                     &there[i]);
         }
         (moving ? pel_sea_query_moving : pel_sea_query)(
             pel_snapshot_sea(s), at, count, time_s, out + first);
@@ -279,7 +295,7 @@ size_t pel_snapshot_objects(const struct pel_snapshot *s, double time_s,
         if (!s->entities[i].model) {
             continue;
         }
-        pel_snapshot_entity_at(s, i, time_s, &e);
+        pel_snapshot_entity_in_wakes(s, i, time_s, &e);
         struct pel_mat3 m = attitude(e.heading_rad, e.pitch_rad, e.roll_rad);
         out[count++] = (struct pel_object){
             .id = e.id,
@@ -307,12 +323,13 @@ static void size_camera(const struct pel_view_state *view, uint32_t width,
 }
 
 static void place_camera(const struct pel_snapshot *s, size_t index,
-                         double time_s, struct pel_camera *out)
+                         double time_s, const struct pel_wakes *wakes,
+                         struct pel_camera *out)
 {
     const struct pel_view_state *view = &s->views[index];
     struct pel_entity_state carrier = { 0 };
     if (view->entity >= 0) {
-        pel_snapshot_entity_at(s, (size_t)view->entity, time_s, &carrier);
+        entity_at(s, (size_t)view->entity, time_s, wakes, &carrier);
     }
     struct pel_mat3 world_from_ship =
         attitude(carrier.heading_rad, view->level ? 0 : carrier.pitch_rad,
@@ -332,19 +349,20 @@ static void place_camera(const struct pel_snapshot *s, size_t index,
         pel_mat3_apply(&world_from_ship, ship_from_view.z),
         pel_vec3_scale(forward, -1),
     };
-    out->lens = view->lens;
 }
 
 /* The windows of a view's meter; none where it has none. */
 static void place_sights(const struct pel_snapshot *s, const char *meter,
-                         double time_s, struct pel_camera *out)
+                         double time_s, const struct pel_wakes *wakes,
+                         struct pel_camera *out)
 {
     out->sight_count = 0;
     for (size_t i = 0; i < s->view_count && meter[0]; i++) {
         struct pel_camera c;
         if (out->sight_count < PEL_METER_SIGHTS &&
             strcmp(s->views[i].meter, meter) == 0) {
-            place_camera(s, i, time_s, &c);
+            c.lens = s->views[i].lens;
+            place_camera(s, i, time_s, wakes, &c);
             out->sights[out->sight_count++] =
                 (struct pel_sight){ c.world_from_camera, c.altitude_m,
                                     c.tan_left,          c.tan_right,
@@ -358,11 +376,21 @@ void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
                          struct pel_camera *out)
 {
     const struct pel_view_state *view = &s->views[index];
-    place_camera(s, index, time_s, out);
+    out->lens = view->lens;
+    place_camera(s, index, time_s, NULL, out);
     size_camera(view, width, height, out);
-    place_sights(s, view->meter, time_s, out);
+    place_sights(s, view->meter, time_s, NULL, out);
     uint64_t bits;
     memcpy(&bits, &time_s, sizeof bits);
     bits *= UINT64_C(0x9e3779b97f4a7c15); /* 2^64 / golden ratio: spreads */
     out->sensor.seed = (uint32_t)(bits >> 32);
+}
+
+void pel_snapshot_camera_in_wakes(const struct pel_snapshot *s, size_t index,
+                                  double time_s, struct pel_camera *camera)
+{
+    if (s->wakes) {
+        place_camera(s, index, time_s, s->wakes, camera);
+        place_sights(s, s->views[index].meter, time_s, s->wakes, camera);
+    }
 }

@@ -167,13 +167,18 @@ int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name);
 /* Pose of entity `index` at simulated time time_s: reckoned from its speed,
  * course and turn rate (arc of a circle) for at most reckoning_s from its pose;
  * or the ship's motion, for at most 10 s ahead of its last step. One afloat
- * stands in the sea of time_s. */
+ * stands in the sea of time_s, without ship waves. */
 void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out);
 
+/* The same in the waves of other ships too, where it is afloat: what is drawn.
+ * Waits for them; not the control thread. */
+void pel_snapshot_entity_in_wakes(const struct pel_snapshot *s, size_t index,
+                                  double time_s, struct pel_entity_state *out);
+
 /* The entities that have a model at time_s, at most PEL_MAX_ENTITIES; returns
  * their number. Their models live as long as the snapshot. Asks the sea where
- * one is afloat. */
+ * one is afloat, and ship waves: not the control thread. */
 size_t pel_snapshot_objects(const struct pel_snapshot *s, double time_s,
                             struct pel_object out[PEL_MAX_ENTITIES]);
 
@@ -234,3 +239,6 @@ struct pel_camera {
 void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
                          double time_s, uint32_t width, uint32_t height,
                          struct pel_camera *out);
+/* Places such a camera in the ship waves; not the control thread. */
+void pel_snapshot_camera_in_wakes(const struct pel_snapshot *s, size_t index,
+                                  double time_s, struct pel_camera *camera);

@@ -346,15 +346,33 @@ size_t pel_wakes_bytes(void)
 
 /* --- over a place --------------------------------------------------------- */
 
+bool pel_wakes_reach(const struct pel_wakes *w, int64_t but, double time_s,
+                     struct pel_vec2 place, double radius_m)
+{
+    for (size_t i = 0; w && i < w->count; i++) {
+        struct pel_wake_track track;
+        if (w->source[i].id != but) {
+            pel_wake_source_track(&w->source[i], time_s, &track);
+            if (pel_wake_reaches(&track, time_s, w->depth_m, place.x, place.y,
+                                 radius_m)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 struct pel_vec2 pel_wakes_before(const struct pel_wake_moment *moment,
-                                 struct pel_vec2 place,
+                                 int64_t but, struct pel_vec2 place,
                                  struct pel_wake_shift *there)
 {
     struct pel_vec2 at = place;
     for (int step = 0; step < 20; step++) {
         *there = (struct pel_wake_shift){ 0 };
         for (size_t i = 0; i < moment->count; i++) {
-            pel_wake_add(moment->wake[i], at.x, at.y, there);
+            if (moment->id[i] != but) {
+                pel_wake_add(moment->wake[i], at.x, at.y, there);
+            }
         }
         double ex = at.x + there->d.x - place.x;
         double ey = at.y + there->d.y - place.y;

@@ -43,9 +43,16 @@ void pel_wake_moment_unref(const struct pel_wake_moment *moment);
 #define PEL_WAKES_MOST_BYTES ((size_t)64 << 20)
 size_t pel_wakes_bytes(void);
 
-/* Where what is above a place comes from: the wakes carry water sideways. */
+/* Whether there are waves of others than entity `but` within radius_m of a
+ * place: so that those far from all need no moment. Any thread. */
+#define PEL_WAKES_ALL (-1)
+bool pel_wakes_reach(const struct pel_wakes *wakes, int64_t but, double time_s,
+                     struct pel_vec2 place, double radius_m);
+
+/* Where what is above a place comes from: the wakes carry water sideways. But:
+ * the entity whose own waves are left out. */
 struct pel_vec2 pel_wakes_before(const struct pel_wake_moment *moment,
-                                 struct pel_vec2 place,
+                                 int64_t but, struct pel_vec2 place,
                                  struct pel_wake_shift *there);
 
 /* Adds the wakes to what the sea has at pel_wakes_before. */

@@ -1,6 +1,7 @@
 /* Ship waves as the scene has them. */
 #include "scene/wakes.h"
 
+#include <glib.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -215,12 +216,91 @@ static void under_a_helm(void **state)
     pel_scene_destroy(other);
 }
 
+/* A buoy beside the ship's track lies on the water there, and the ship not on
+ * its own waves. */
+static void things_float_on_them(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = begin();
+    must(scene, "{\"entities\":{\"5\":{\"afloat\":true},"
+                "\"6\":{\"latitude\":-0.0036,\"longitude\":0.0006,"
+                "\"afloat\":true,\"model\":{\"name\":\"safe-water\"}}}}");
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    double most = 0;
+    for (double t = 140; t < 180; t += 1.3) {
+        struct pel_entity_state buoy, calm, own;
+        struct pel_surface_sample water;
+        pel_snapshot_entity_in_wakes(s, 2, t, &buoy);
+        pel_snapshot_entity_at(s, 2, t, &calm);
+        pel_snapshot_entity_in_wakes(s, 1, t, &own);
+        struct pel_vec2 place = { buoy.east_m, buoy.north_m };
+        pel_snapshot_surface(s, &place, 1, t, false, &water);
+        most = fmax(most, fabs(water.height_m));
+        /* its hull of 3 m feels less of waves that are little longer */
+        assert_near(buoy.altitude_m, water.height_m, 0.2);
+        assert_near(calm.altitude_m, 0, 1e-9);
+        assert_near(own.altitude_m, 0, 1e-9);
+    }
+    assert_true(most > 0.3);
+    pel_snapshot_unref(s);
+    pel_scene_destroy(scene);
+}
+
+static const char tug[] =
+    "{\"entities\":{\"7\":{\"latitude\":-0.0036,\"longitude\":0.0003,"
+    "\"model\":{\"name\":\"tug\"},\"helm\":{\"on\":true,"
+    "\"length\":24,\"beam\":9}}}}";
+static const char course[] = "{\"entities\":{\"5\":{\"course\":350}}}";
+
+/* How the tug rolls for half a minute; the ship changes its course meanwhile.
+ */
+static double tug_rolls(double by, bool ahead, double rolls[60])
+{
+    struct pel_scene *scene = begin();
+    double most = 0;
+    must(scene, tug);
+    step(scene, 130);
+    for (int i = 0; i < 60; i++) {
+        for (double done = 0; done < 0.5; done += by) {
+            assert_int_equal(pel_scene_step(scene, by, NULL), PEL_OK);
+            g_usleep(ahead ? 30000 : 0); /* a thread does the next ones */
+            while (ahead && g_main_context_iteration(NULL, FALSE)) {
+            }
+        }
+        if (i == 20) {
+            must(scene, course);
+        }
+        const struct pel_snapshot *s = pel_scene_snapshot(scene);
+        struct pel_entity_state e;
+        pel_snapshot_entity_at(s, 2, pel_scene_time(scene), &e);
+        rolls[i] = e.roll_rad;
+        most = fmax(most, fabs(e.roll_rad));
+        pel_snapshot_unref(s);
+    }
+    pel_scene_destroy(scene);
+    return most;
+}
+
+static void another_ship_rolls_it(void **state)
+{
+    (void)state;
+    double a[60], b[60];
+    double most = tug_rolls(0.5, false, a);
+    print_message("a tug beside a tanker's track rolls by %.2f deg\n",
+                  most / PEL_DEG);
+    assert_true(most > 1 * PEL_DEG);
+    (void)tug_rolls(0.125, true, b);
+    assert_memory_equal(a, b, sizeof a);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(moments_in_any_order),
         cmocka_unit_test(led_by_a_host),
         cmocka_unit_test(under_a_helm),
+        cmocka_unit_test(things_float_on_them),
+        cmocka_unit_test(another_ship_rolls_it),
         cmocka_unit_test(control_leaves_it_to_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
