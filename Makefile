@@ -671,7 +671,9 @@ bench: deps-build ## time frames, views, queries, encoders, streams (ARGS='--qui
 # --- validation -----------------------------------------------------------
 $(O)/bin/validate_water: $(OBJ)/tests/validate/water.o \
     $(OBJ)/tests/validate/watersampling.o $(OBJ)/tests/validate/waterslopes.o \
-    $(OBJ)/tests/validate/waterchecks.o $(OBJ)/tests/validate/waterrays.o $(OBJ)/libserver.a
+    $(OBJ)/tests/validate/waterchecks.o $(OBJ)/tests/validate/watercanonical.o \
+    $(OBJ)/tests/validate/waterrays.o $(OBJ)/tests/validate/watercolumn.o \
+    $(OBJ)/tests/validate/photons.o $(OBJ)/libserver.a
 	$(LINK) -lm
 # Shares no source with what it judges.
 SEATRACE := $(addprefix tests/validate/seatrace/,seaspectrum.c seasurface.c \

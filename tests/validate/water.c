@@ -19,6 +19,7 @@
 #include "base/clock.h"
 #include "base/vec.h"
 #include "optics/watermontecarlo.h"
+#include "watercanonical.h"
 #include "waterchecks.h"
 #include "watersampling.h"
 #include "waterslopes.h"
@@ -324,6 +325,7 @@ int main(int argc, char **argv)
     }
     if (!study && !slopes) {
         broken |= !check_published(md);
+        broken |= !check_columns(md, quick);
         broken |= !check_rays(md, quick);
     }
     if (fclose(md) || fclose(json) || fclose(sampling)) {

@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "optics/ordinates.h"
 #include "optics/waterreport.h"
+#include "watercanonical.h"
 #include "waterrays.h"
 
 static struct pel_water_desc sea(double chlorophyll)
@@ -229,53 +230,6 @@ static double median(double *of, int count)
     return 0.5 * (of[(count - 1) / 2] + of[count / 2]);
 }
 
-/* Mobley et al. 1993, at an optical depth of 1, Sun at 60° of irradiance 1,
- * no sky: the averages of seven models. Problem 3 is stratified, 4 has a sky
- * and 5 waves, which the solver's plane water has not. Particles are Petzold's;
- * here Fournier and Forand's of the same backscattered fraction. */
-static double canonical(FILE *md, struct pel_ordinates *o)
-{
-    static const struct {
-        const char *name;
-        double albedo; /* of single scattering */
-        bool molecules;
-        double depth, bottom, scalar_up, nadir;
-    } problems[] = {
-        { "1", 0.2, true, 1000, 0, 0.0134, 1.72e-3 },
-        { "1", 0.9, true, 1000, 0, 0.372, 4.85e-2 },
-        { "2", 0.2, false, 1000, 0, 9.66e-4, 5.47e-5 },
-        { "2", 0.9, false, 1000, 0, 9.31e-2, 6.99e-3 },
-        { "6", 0.2, false, 5, 0.5, 9.81e-4, 6.84e-5 },
-    };
-    double off[10];
-    fprintf(md, "\n### Canonical problems 1, 2, 6 (Mobley et al. 1993)\n\n"
-                "| problem | ω0 | E_ou | published | off, %% | L_u | published "
-                "| off, %% |\n|---|---|---|---|---|---|---|---|\n");
-    for (int i = 0; i < 5; i++) {
-        const struct pel_medium m = {
-            .absorption = 1.0 - problems[i].albedo,
-            .scattering = problems[i].albedo,
-            .molecular = problems[i].molecules ? 1.0 : 0.0,
-            .back = problems[i].molecules ? 0.0 : 0.0183,
-            .depth_m = problems[i].depth,
-            .albedo = problems[i].bottom,
-        };
-        const double depth = 1.0;
-        struct pel_field f;
-        pel_ordinates_field(o, &m, 60 * PEL_DEG, &depth, 1, &f);
-        off[2 * i] = f.scalar_up / problems[i].scalar_up - 1.0;
-        off[2 * i + 1] = f.nadir / problems[i].nadir - 1.0;
-        fprintf(md, "| %s | %g | %.3g | %.3g | %+.1f | %.3g | %.3g | %+.1f |\n",
-                problems[i].name, problems[i].albedo, f.scalar_up,
-                problems[i].scalar_up, 100 * off[2 * i], f.nadir,
-                problems[i].nadir, 100 * off[2 * i + 1]);
-    }
-    for (int i = 0; i < 10; i++) {
-        off[i] = fabs(off[i]);
-    }
-    return median(off, 10);
-}
-
 static const double chlorophylls[] = { 0.03, 0.1, 0.3, 1, 3, 10 };
 enum { CHLOROPHYLLS = sizeof chlorophylls / sizeof *chlorophylls };
 
@@ -463,7 +417,7 @@ bool check_published(FILE *md)
         abort(); /* no memory */
     }
     fprintf(md, "\n## Published numbers\n");
-    double models = canonical(md, o);
+    double models = canonical_published(md, o);
     double k_d = attenuation(md, &average), k_usual = attenuation(md, &usual);
     double r = by_chlorophyll(md, &average);
     double r_usual = by_chlorophyll(md, &usual);

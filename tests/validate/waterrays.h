@@ -36,5 +36,9 @@ void water_rays_raman(const struct ray_water *to, const struct ray_water *from,
                       int count, uint64_t paths, uint64_t seed, double *mean,
                       double *error);
 
+/* Fournier and Forand's phase function of such particles [1/sr], within one
+ * degree as at its edge. */
+double water_ray_particles(double index, double size_slope, double angle);
+
 /* Backscattered fraction of those particles, by quadrature. */
 double water_ray_back(double index, double size_slope);
