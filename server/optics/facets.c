@@ -170,3 +170,14 @@ double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y,
     }
     return sum;
 }
+
+double pel_facets_entering(struct pel_vec3 to, double var_x, double var_y)
+{
+    if (fmin(var_x, var_y) < 1e-8) {
+        return 1.0 - pel_fresnel_exact(to.z, PEL_WATER_INDEX);
+    }
+    if (to.x * to.x + to.y * to.y < 1e-8) {
+        to.x = 1e-4; /* all azimuths are the same */
+    }
+    return 1.0 - pel_facet_fresnel(to, var_x, var_y, PEL_WATER_INDEX);
+}

@@ -35,3 +35,8 @@ void pel_facets_seen(double mu, double node[PEL_FACET_NODES],
  */
 double pel_facet_fresnel(struct pel_vec3 view, double var_x, double var_y,
                          double n);
+
+/* Part of the light from `to` (as `view`, above the horizon) that enters such a
+ * sea: what its facets do not mirror, index PEL_WATER_INDEX. Where there are no
+ * slopes as through a level surface. */
+double pel_facets_entering(struct pel_vec3 to, double var_x, double var_y);

@@ -371,8 +371,8 @@ static void draw_pixels(struct pel_renderer *r,
     if (r->any_coast) {
         struct pel_block_seabed block;
         pel_seabed_map_bind(&r->seabed);
-        pel_fill_seabed(env, &r->seabed, r->statistics.variance, c->east_m,
-                        c->north_m, &block);
+        pel_fill_seabed(env, &r->seabed, r->statistics.variance,
+                        r->sky.water.beams, c->east_m, c->north_m, &block);
         pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SEABED, &block,
                        sizeof block);
     }

@@ -214,7 +214,8 @@ static void fill_focus(double light_z,
     }
 }
 
-static void fill_light(double zenith_cosine, const struct pel_seabed_map *map,
+static void fill_light(double zenith_cosine, double beam,
+                       const struct pel_seabed_map *map,
                        const struct pel_variance left[PEL_VARIANCE_COUNT],
                        int i, struct pel_block_seabed *out)
 {
@@ -222,7 +223,7 @@ static void fill_light(double zenith_cosine, const struct pel_seabed_map *map,
     const struct pel_geometry at = { .sun_zenith_rad = acos(z) };
     struct pel_interface f = pel_interface_at(&at);
     double slope = f.sun_mu / sqrt(fmax(1.0 - f.sun_mu * f.sun_mu, 1e-9));
-    out->bed_beams[i] = vec4(f.beam * f.sun_mu * PEL_KERNEL_LEAVING / PEL_PI,
+    out->bed_beams[i] = vec4(beam * f.sun_mu * PEL_KERNEL_LEAVING / PEL_PI,
                              map->steepest > slope ? 1.0 : 0.0, 0.0, 0.0);
     fill_focus(z, left, &out->bed_focus[PEL_FOCUS_COUNT * i]);
 }
@@ -230,8 +231,8 @@ static void fill_light(double zenith_cosine, const struct pel_seabed_map *map,
 void pel_fill_seabed(const struct pel_environment *env,
                      const struct pel_seabed_map *map,
                      const struct pel_variance left[PEL_VARIANCE_COUNT],
-                     double east_m, double north_m,
-                     struct pel_block_seabed *out)
+                     const double beams[PEL_LIGHTS], double east_m,
+                     double north_m, struct pel_block_seabed *out)
 {
     const struct pel_seabed *bed = env->seabed;
     const struct pel_water_body *w = &env->water;
@@ -267,7 +268,7 @@ void pel_fill_seabed(const struct pel_environment *env,
         .bed_turned = vec4(turned[0], turned[1], turned[2], 0.0),
     };
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        fill_light(env->lights[i].direction.z, map, left, i, out);
+        fill_light(env->lights[i].direction.z, beams[i], map, left, i, out);
     }
     for (int i = 0; i < map->squares.levels; i++) {
         out->bed_level[i] =

@@ -40,9 +40,10 @@ void pel_seabed_map_finish(struct pel_seabed_map *map);
 struct pel_water_depths pel_seabed_depths(const struct pel_environment *env);
 
 /* What the shaders know for an eye over east_m, north_m. `left`: slope variance
- * that footprints leave (uniforms.h). */
+ * that footprints leave (uniforms.h); `beams`: of the lights, just below the
+ * surface (waterlight.h). */
 void pel_fill_seabed(const struct pel_environment *env,
                      const struct pel_seabed_map *map,
                      const struct pel_variance left[PEL_VARIANCE_COUNT],
-                     double east_m, double north_m,
-                     struct pel_block_seabed *out);
+                     const double beams[PEL_LIGHTS], double east_m,
+                     double north_m, struct pel_block_seabed *out);

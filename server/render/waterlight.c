@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "base/vec.h"
 #include "optics/brdf.h"
+#include "optics/facets.h"
 #include "optics/linear.h"
 #include "render/shader.h"
 #include "render/uniforms.h"
@@ -363,14 +364,30 @@ enum pel_err pel_water_light_update(struct pel_water_light *w,
 
 /* --- new lights ----------------------------------------------------------- */
 
-static void put_beam(struct pel_water_light *w, double zenith_cosine)
+/* Of what enters, the mean direction is taken to be as below a level sea. */
+static double beam_below(struct pel_vec3 to, double sun_mu,
+                         const struct pel_water_waves *waves)
 {
-    double zenith = acos(pel_clamp(zenith_cosine, 0.0, 1.0));
+    const struct pel_water_waves level = { 0 };
+    const struct pel_water_waves *w = waves ? waves : &level;
+    double c = cos(w->wind_to_rad), s = sin(w->wind_to_rad);
+    to.z = pel_clamp(to.z, 0.0, 1.0);
+    const struct pel_vec3 in_wind = { c * to.x + s * to.y, c * to.y - s * to.x,
+                                      to.z };
+    return pel_facets_entering(in_wind, w->along, w->cross) * to.z / sun_mu;
+}
+
+static void put_beam(struct pel_water_light *w, int light, struct pel_vec3 to,
+                     const struct pel_water_waves *waves)
+{
+    double zenith = acos(pel_clamp(to.z, 0.0, 1.0));
     const struct pel_geometry at = { .sun_zenith_rad = zenith };
     struct pel_interface face = pel_interface_at(&at);
     double sine = sin(zenith) / PEL_WATER_INDEX;
+    w->beams[light] = beam_below(to, face.sun_mu, waves);
     struct pel_block_beam block = {
-        .refracted = { (float)sine, (float)face.sun_mu, (float)face.beam, 0 },
+        .refracted = { (float)sine, (float)face.sun_mu, (float)w->beams[light],
+                       0 },
     };
     put_nodes(block.at_nodes, sine);
     glNamedBufferSubData(w->buffers[PEL_WATER_BUFFER_BEAM], 0, sizeof block,
@@ -395,7 +412,8 @@ static void map_light(struct pel_water_light *w, int light)
 }
 
 void pel_water_light_map(struct pel_water_light *w,
-                         const struct pel_light *lights, GLuint sky_table,
+                         const struct pel_light *lights,
+                         const struct pel_water_waves *waves, GLuint sky_table,
                          GLuint light)
 {
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_MEDIUM,
@@ -410,7 +428,7 @@ void pel_water_light_map(struct pel_water_light *w,
     glBindImageTexture(PEL_IMAGE_WATER_MAP, w->map, 0, GL_TRUE, 0,
                        GL_WRITE_ONLY, GL_RGBA32F);
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        put_beam(w, lights[i].direction.z);
+        put_beam(w, i, lights[i].direction, waves);
         map_light(w, i);
     }
 }

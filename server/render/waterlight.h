@@ -46,6 +46,8 @@ struct pel_water_light {
     struct pel_water_body body; /* of the kernel */
     struct pel_water_depths depths;
     enum pel_water_orders orders;
+    double beams[PEL_LIGHTS]; /* just below the surface: irradiance normal to
+                                 each light's beam, of 1 above it */
     uint64_t version; /* counts changes of the kernel; 0: there is none yet */
     bool failed;      /* the last try for a new one found no memory */
     /* pel_water_kernel_build, or what a test puts in its place. */
@@ -72,9 +74,17 @@ pel_water_light_depths(const struct pel_environment *env);
 PEL_CHECK enum pel_err pel_water_light_update(struct pel_water_light *w,
                                               struct pel_environment *env);
 
+/* Waves that lights come in through: mean-square slopes along and across the
+ * axis that lies wind_to_rad from east. */
+struct pel_water_waves {
+    double along, cross, wind_to_rad;
+};
+
 /* Fills the maps for the PEL_LIGHTS lights and their skies, layers of
- * `sky_table`; the blocks `frame` and `light` are bound, the buffer of the
+ * `sky_table`. More of a low light enters through `waves` than through a level
+ * surface (NULL); the sky's light enters as through that. The blocks `frame` and `light` are bound, the buffer of the
  * latter is `light` and gets sea_light. */
 void pel_water_light_map(struct pel_water_light *w,
-                         const struct pel_light *lights, GLuint sky_table,
+                         const struct pel_light *lights,
+                         const struct pel_water_waves *waves, GLuint sky_table,
                          GLuint light);

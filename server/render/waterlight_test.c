@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include "base/clock.h"
+#include "base/near.h"
 #include "optics/brdf.h"
 #include "optics/ordinates.h"
 #include "render/context.h"
@@ -453,7 +454,7 @@ static void only_a_new_water_is_built(void **state)
         int64_t middle = pel_now_ns(), used = cpu_ns();
         const struct pel_vec3 to = { 0, 0, 0.5 + 0.01 * i };
         pel_lights_of_sun(to, lights);
-        pel_water_light_map(w, lights, prober.black, prober.unit);
+        pel_water_light_map(w, lights, NULL, prober.black, prober.unit);
         glFinish();
         water_ms += 1e-6 * (double)(middle - start) / ROUNDS;
         sun_ms += 1e-6 * (double)(pel_now_ns() - middle) / ROUNDS;
@@ -470,6 +471,45 @@ static void only_a_new_water_is_built(void **state)
     print_message("a new water %.1f ms (%.1f ms of processor), a new Sun %.2f "
                   "ms (%.2f)\n",
                   water_ms, water_cpu, sun_ms, sun_cpu);
+}
+
+enum { TEXELS = 64 * 64 };
+
+static void read_map(const struct pel_water_waves *waves,
+                     const struct pel_light *lights, float out[TEXELS][4])
+{
+    struct pel_water_light *w = &prober.light;
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_LIGHT, prober.unit);
+    pel_water_light_map(w, lights, waves, prober.black, prober.unit);
+    glGetTextureSubImage(w->map, 0, 0, 0, 0, 64, 64, 1, GL_RGBA, GL_FLOAT,
+                         (GLsizei)(sizeof **out * 4 * TEXELS), out);
+}
+
+/* A Sun 10° high: some 16 % more than through a level sea, from all over. */
+static void waves_let_low_light_in(void **state)
+{
+    (void)state;
+    static float level[TEXELS][4], rough[TEXELS][4];
+    const struct pel_vec3 to = { cos(10 * PEL_DEG), 0, sin(10 * PEL_DEG) };
+    const struct pel_water_waves waves = { 0.02, 0.02, 1.0 };
+    struct pel_environment env = { .water = body_of(media[1], 10.0, 0.4) };
+    struct pel_light lights[PEL_LIGHTS];
+    assert_int_equal(pel_water_light_update(&prober.light, &env), PEL_OK);
+    pel_lights_of_sun(to, lights);
+    read_map(NULL, lights, level);
+    double beam = prober.light.beams[PEL_LIGHT_SUN];
+    read_map(&waves, lights, rough);
+    double more = prober.light.beams[PEL_LIGHT_SUN] / beam;
+    assert_near(more, 1.16, 0.02);
+    double lit = 0.0;
+    for (int i = 0; i < TEXELS; i++) {
+        for (int c = 0; c < 3; c++) {
+            double want = more * (double)level[i][c];
+            assert_near(rough[i][c], want, 1e-5 * want);
+            lit += want;
+        }
+    }
+    assert_true(lit > 0.0);
 }
 
 /* With a device as argument, on that one. */
@@ -491,6 +531,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(sky_is_the_solvers),
         cmocka_unit_test(a_failure_is_not_kept),
         cmocka_unit_test(only_a_new_water_is_built),
+        cmocka_unit_test(waves_let_low_light_in),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     pel_water_prober_finish(&prober);
