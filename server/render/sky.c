@@ -285,8 +285,8 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         const struct pel_water_waves waves = { env->sea->slope_variance_along,
                                                env->sea->slope_variance_cross,
                                                env->wind_to_rad };
-        pel_water_light_map(&sky->water, env->lights, &waves,
-                            sky->sea.radiance, sky->light);
+        pel_water_light_map(&sky->water, env->lights, &waves, sky->sea.radiance,
+                            sky->light);
         glProgramUniform2f(sky->reflection_program, 0, PEL_SKY_MAP_SIZE,
                            (float)PEL_REFLECTION_HALF_WIDTH);
         draw_screen(sky->reflection_program, sky->reflection_fbo,

@@ -30,9 +30,9 @@ static double median(double *of, int count)
 enum { FOUND = 3 }; /* E_d, E_ou, L_u */
 
 /* Averages of the seven models, of a Sun at 60° of irradiance 1 normal to its
- * beam and no sky, and how their results scatter, in % (Mobley et al. 1993,
- * table 5, as M. Gimond's AOMC and A. Castagna's Monte Carlo quote them). 0:
- * not read, where the quotation has no more than two digits. */
+ * beam and no sky, and how their results scatter, in % (as M. Gimond's AOMC
+ * and, at a depth of 1, A. Castagna's Monte Carlo quote the paper). 0: not
+ * read, where the quotation has no more than two digits. */
 static const struct published {
     const char *name;
     double albedo; /* of single scattering */
