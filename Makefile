@@ -100,6 +100,7 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/areaquery.c \
     server/ocean/foam.c \
     server/ocean/hullform.c server/ocean/wake.c server/ocean/wakebasin.c \
+    server/ocean/wash.c server/ocean/washgrid.c \
     server/ocean/foamgrain.c \
     server/ocean/filtered_cascades.c \
     server/ocean/sea.c \
@@ -113,7 +114,7 @@ MODELS := server/models/model.c server/models/shape.c server/models/bvh.c server
     server/models/hullform.c server/models/fittings.c \
     server/models/cargoships.c server/models/passengerships.c \
     server/models/workboats.c server/models/smallcraft.c server/models/marks.c \
-    server/models/describe.c server/models/modelwire.c server/models/modelload.c
+    server/models/describe.c server/models/waterline.c server/models/modelwire.c server/models/modelload.c
 # A program of its own: assimp is not the daemon's.
 MODEL_READER := server/models/reader/modelreader.c \
     server/models/reader/meshfile.c server/models/reader/picture.c \
@@ -176,7 +177,7 @@ SCENE := server/scene/scene.c \
     server/scene/record.c \
     server/scene/reckon.c \
     server/scene/track.c \
-    server/scene/wakes.c server/scene/wakesource.c \
+    server/scene/wakes.c server/scene/wakesource.c server/scene/washes.c \
     server/scene/geodesy.c server/scene/globe.c server/scene/objectray.c \
     server/scene/sun.c \
     server/scene/utc.c
@@ -293,6 +294,7 @@ TESTS += server/ocean/filter_test.c
 TESTS += server/ocean/areas_test.c
 TESTS += server/ocean/foam_test.c
 TESTS += server/ocean/wake_test.c
+TESTS += server/ocean/wash_test.c
 TESTS += server/ocean/directional_test.c
 TESTS += server/ocean/ndbc_test.c
 TESTS += server/ocean/welch_test.c
@@ -353,6 +355,7 @@ TESTS += server/render/renderer_test.c
 TESTS += server/render/objects_test.c server/render/object_light_test.c
 TESTS += server/render/wavefield_test.c
 TESTS += server/render/areas_drawn_test.c
+TESTS += server/render/wash_drawn_test.c
 TESTS += server/render/foam_drawn_test.c
 TESTS += server/render/filtered_test.c
 TESTS += server/render/depth_test.c

@@ -54,7 +54,8 @@ void main()
     float offset = -right.w * up.w;
     vec3 shift = vec3(0.0);
 #ifdef PEL_AREAS
-    float higher = area_factor(x, r.y);
+    vec3 washed;
+    float higher = short_waves(x, r.y, washed);
 #define PEL_UP(phase)                                                          \
     float up = phase.w < PEL_AREA_SHORTER_M ? higher : 1.0;                    \
     sc *= vec2(min(up, 1.0), up);

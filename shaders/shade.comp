@@ -22,7 +22,7 @@
 #include "lib/mirrored.glsl"
 #endif
 #include "lib/shade.glsl"
-#ifdef PEL_FOAM
+#if defined(PEL_FOAM) || defined(PEL_WASH)
 #include "lib/foam.glsl"
 #endif
 #include "lib/shaded.glsl"

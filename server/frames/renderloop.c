@@ -7,6 +7,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "scene/washes.h"
 
 /* Readback memory in flight or with the encoders, of large jobs and of the
  * others; one picture always fits. */
@@ -169,7 +170,8 @@ static void say_failed(const struct pel_job *job, enum pel_err err)
 }
 
 /* What the control thread does not wait for: the sea, ship waves and what is
- * afloat in them, cameras too. Gives back: environment.wakes. */
+ * afloat in them, cameras too. Gives back: environment.wakes and
+ * wash. */
 static void stand(struct pel_job *job, size_t first, size_t count)
 {
     struct pel_environment *env = &job->environment;
@@ -178,6 +180,7 @@ static void stand(struct pel_job *job, size_t first, size_t count)
     env->object_count =
         pel_snapshot_objects(job->snapshot, env->time_s, job->objects);
     env->wakes = pel_wakes_at(job->snapshot->wakes, env->time_s);
+    env->wash = pel_snapshot_wash(job->snapshot, env->time_s);
     for (size_t i = first; i < first + count; i++) {
         pel_snapshot_camera_in_wakes(job->snapshot, job->parts[i].view,
                                      env->time_s, &job->draws[i].camera);
@@ -197,6 +200,8 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
                                            &job->draws[first], count);
     pel_wake_moment_unref(job->environment.wakes);
     job->environment.wakes = NULL;
+    pel_wash_destroy(job->environment.wash);
+    job->environment.wash = NULL;
     size_t pushed = pel_renderer_in_flight(loop->renderer) - before;
     if (err == PEL_ERR_BUSY && pushed == 0) {
         atomic_fetch_sub(&loop->held_bytes, bytes);
@@ -320,6 +325,8 @@ static void draw_band(struct pel_renderloop *loop)
         pel_renderer_submit(loop->renderer, &job->environment, &draw, 1);
     pel_wake_moment_unref(job->environment.wakes);
     job->environment.wakes = NULL;
+    pel_wash_destroy(job->environment.wash);
+    job->environment.wash = NULL;
     if (err == PEL_ERR_BUSY) {
         if (part->rows_begun == 0) {
             atomic_fetch_sub(&loop->held_large, part->bytes);

@@ -5,6 +5,7 @@
 #include "ocean/atrest.h"
 #include "ocean/newton.h"
 #include "ocean/wander.h"
+#include "ocean/wash.h"
 
 #define MET_M 1e-6
 #define MOST_STEPS 40
@@ -40,7 +41,26 @@ struct asked {
     const struct pel_sea *sea;
     struct pel_moment *moment; /* of cascades */
     double time_s;
+    const struct pel_wash *wash; /* NULL: none */
 };
+
+static double factor_at(const struct asked *q, double x, double y,
+                        struct pel_vec2 *slope)
+{
+    double up = pel_areas_factor(&q->sea->desc, x, y, q->time_s, slope);
+    if (q->wash) {
+        struct pel_vec2 more;
+        double by = pel_wash_factor(q->wash, x, y, &more);
+        slope->x = slope->x * by + up * more.x;
+        slope->y = slope->y * by + up * more.y;
+        up *= by;
+        if (up > PEL_AREA_MOST) {
+            up = PEL_AREA_MOST;
+            *slope = (struct pel_vec2){ 0, 0 };
+        }
+    }
+    return up;
+}
 
 /* All waves together, the short ones by their factor. */
 static void at_rest(const struct asked *q, double x, double y,
@@ -53,7 +73,7 @@ static void at_rest(const struct asked *q, double x, double y,
     } else {
         trochoids_at_rest(q->sea, x, y, q->time_s, two);
     }
-    double up = pel_areas_factor(&q->sea->desc, x, y, q->time_s, &slope);
+    double up = factor_at(q, x, y, &slope);
     *out = two[0];
     for (int n = 0; n < 3; n++) {
         bool level = n < 2 && up > 1.0;
@@ -116,9 +136,10 @@ static void find(const struct asked *q, struct pel_vec2 to,
 
 void pel_areas_query(const struct pel_sea *sea, const struct pel_vec2 *points,
                      size_t n, double time_s, bool moving,
+                     const struct pel_wash *wash,
                      struct pel_surface_sample *out)
 {
-    struct asked q = { sea, NULL, time_s };
+    struct asked q = { sea, NULL, time_s, wash };
     if (n == 0) {
         return;
     }
@@ -138,7 +159,7 @@ void pel_areas_query(const struct pel_sea *sea, const struct pel_vec2 *points,
 struct pel_vec3 pel_areas_displace(const struct pel_sea *sea, double x_m,
                                    double y_m, double time_s)
 {
-    struct asked q = { sea, NULL, time_s };
+    struct asked q = { sea, NULL, time_s, NULL };
     struct pel_at_rest at;
     if (sea->cascades) {
         q.moment = pel_moment_take(sea->cascades, time_s, false);

@@ -307,7 +307,7 @@ static void query_sea(const struct pel_sea *sea, const struct pel_vec2 *points,
                       struct pel_surface_sample *out)
 {
     if (sea->desc.area_count) {
-        pel_areas_query(sea, points, n, time_s, moving, out);
+        pel_areas_query(sea, points, n, time_s, moving, NULL, out);
         return;
     }
     if (sea->cascades) {

@@ -47,20 +47,24 @@ static void make_table(struct pel_foam_map *map, const struct pel_foam *foam)
     glObjectLabel(GL_TEXTURE, map->table, -1, "foam");
 }
 
-void pel_foam_map_bind(struct pel_foam_map *map, const struct pel_sea *sea)
+void pel_foam_map_bind(struct pel_foam_map *map, const struct pel_sea *sea,
+                       bool wash)
 {
-    if (!sea->foam) {
+    if (!sea->foam && !wash) {
         return;
     }
     if (!map->grain) {
         make_grain(map);
+    }
+    glBindTextureUnit(PEL_UNIT_FOAM_GRAIN, map->grain);
+    if (!sea->foam) {
+        return;
     }
     if (!map->table || memcmp(&map->desc, &sea->desc, sizeof map->desc) != 0) {
         make_table(map, sea->foam);
         memcpy(&map->desc, &sea->desc, sizeof map->desc);
     }
     glBindTextureUnit(PEL_UNIT_FOAM, map->table);
-    glBindTextureUnit(PEL_UNIT_FOAM_GRAIN, map->grain);
 }
 
 void pel_foam_map_finish(struct pel_foam_map *map)

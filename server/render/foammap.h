@@ -13,6 +13,7 @@ struct pel_foam_map {
 };
 
 /* Makes the tables those of the sea and binds them for shading; nothing where
- * the sea has no foam. */
-void pel_foam_map_bind(struct pel_foam_map *map, const struct pel_sea *sea);
+ * the sea has no foam, but where there is `wash` its structure. */
+void pel_foam_map_bind(struct pel_foam_map *map, const struct pel_sea *sea,
+                       bool wash);
 void pel_foam_map_finish(struct pel_foam_map *map);

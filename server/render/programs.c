@@ -51,11 +51,16 @@ static void delete_objects(struct pel_sea_programs *p)
     }
 }
 
+static struct pel_sea_programs *sea_at(struct pel_programs *p, int i)
+{
+    return &p->seas[i / 18][i / 6 % 3][i / 2 % 3][i % 2];
+}
+
 void pel_programs_texture(struct pel_programs *p, bool textured)
 {
     p->textured = textured;
-    for (int i = 0; i < 24; i++) {
-        delete_objects(&p->seas[i / 12][i / 6 % 2][i / 2 % 3][i % 2]);
+    for (int i = 0; i < PEL_SEAS; i++) {
+        delete_objects(sea_at(p, i));
     }
 }
 
@@ -71,17 +76,20 @@ static const char *foam_defines(const struct pel_sea *sea)
                             : "";
 }
 
-static const char *area_defines(const struct pel_sea *sea)
+static const char *area_defines(const struct pel_programs *p,
+                                const struct pel_sea *sea)
 {
-    return sea->desc.area_count ? "#define PEL_AREAS\n" : "";
+    return p->wash                ? "#define PEL_AREAS\n#define PEL_WASH\n"
+           : sea->desc.area_count ? "#define PEL_AREAS\n"
+                                  : "";
 }
 
 static struct pel_sea_programs *programs_of(struct pel_programs *p,
                                             const struct pel_sea *sea)
 {
     int foam = has_streaks(sea) ? 2 : sea->foam ? 1 : 0;
-    return &p->seas[p->wakes][sea->desc.area_count > 0][foam]
-                   [sea->cascades != NULL];
+    int areas = p->wash ? 2 : sea->desc.area_count > 0;
+    return &p->seas[p->wakes][areas][foam][sea->cascades != NULL];
 }
 
 const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
@@ -92,8 +100,8 @@ const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
 
 static void delete_all_seas(struct pel_programs *p)
 {
-    for (int i = 0; i < 24; i++) {
-        delete_sea_programs(&p->seas[i / 12][i / 6 % 2][i / 2 % 3][i % 2]);
+    for (int i = 0; i < PEL_SEAS; i++) {
+        delete_sea_programs(sea_at(p, i));
     }
 }
 
@@ -109,7 +117,7 @@ static enum pel_err make_sea_program(struct pel_programs *all,
     char defines[384];
     snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s%s",
              sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
-             area_defines(sea), all->wakes ? "#define PEL_WAKES\n" : "",
+             area_defines(all, sea), all->wakes ? "#define PEL_WAKES\n" : "",
              kind_defines[kind], tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
@@ -139,7 +147,7 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
     if (!p->mesh) {
         char defines[128];
         snprintf(defines, sizeof defines, "%s%s%s%s",
-                 cascades ? "#define PEL_FFT\n" : "", area_defines(sea),
+                 cascades ? "#define PEL_FFT\n" : "", area_defines(all, sea),
                  all->wakes ? "#define PEL_WAKES\n" : "",
                  all->software ? "" : "#define PEL_EXACT_TEXELS\n");
         err = pel_program_create(all->shader_dir, "mesh.comp", NULL, defines,

@@ -32,6 +32,7 @@ struct pel_sea_programs {
     GLuint objects[PEL_COAST_TILES][PEL_SHADE_COUNT];
 };
 
+#define PEL_SEAS 36
 struct pel_programs {
     const char *shader_dir;
     const struct pel_filtering *filtering; /* settled */
@@ -45,10 +46,10 @@ struct pel_programs {
     GLuint clear_keys;                /* after outlines, in compute */
     GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
     GLuint disc[PEL_SHADE_COUNT];     /* and with it */
-    bool wakes;                       /* those with them are wanted */
-    /* Without wakes and with; without areas and with; without foam, with it,
-     * with streaks of it; of trochoids and of cascades. */
-    struct pel_sea_programs seas[2][2][3][2];
+    bool wakes, wash;                 /* those with them are wanted */
+    /* Without wakes and with; without areas, with, with wash besides; without
+     * foam, with it, with streaks of it; of trochoids and of cascades. */
+    struct pel_sea_programs seas[2][3][3][2];
 };
 
 /* `shading` as in pel_renderer_options; `filtering`, settled, outlives the

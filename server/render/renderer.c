@@ -7,6 +7,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "ocean/wash.h"
 #include "render/arena.h"
 #include "render/band.h"
 #include "render/coast.h"
@@ -291,6 +292,33 @@ static void bind_waves(struct pel_renderer *r,
     }
 }
 
+/* Words of a moment's wash, with alignment; 0: none. */
+static size_t wash_bytes(const struct pel_environment *env)
+{
+    return env->wash
+               ? sizeof(uint32_t) * pel_wash_words(env->wash, 0, 0, NULL) +
+                     sizeof(struct pel_block_wash) + 1024
+               : 0;
+}
+
+static void bind_wash(struct pel_renderer *r, const struct pel_environment *env,
+                      const struct pel_camera *c)
+{
+    struct pel_block_wash block;
+    size_t count = pel_wash_words(env->wash, 0, 0, NULL);
+    uint32_t *words = malloc(sizeof *words * (count + 1));
+    if (!words) {
+        abort();
+    }
+    pel_wash_words(env->wash, c->east_m, c->north_m, words);
+    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_WASH, words,
+                   sizeof *words * (count + 1));
+    free(words);
+    pel_fill_wash(env, c->east_m, c->north_m, &block);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_WASH, &block,
+                   sizeof block);
+}
+
 static bool draws_edges(const struct pel_renderer *r,
                         const struct pel_camera *c)
 {
@@ -391,11 +419,14 @@ static void draw_pixels(struct pel_renderer *r,
     } else {
         bind_waves(r, env, c);
     }
-    if (env->sea->desc.area_count) {
+    if (env->sea->desc.area_count || env->wash) {
         struct pel_block_areas block;
         pel_fill_areas(env, c->east_m, c->north_m, &block);
         pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_AREAS, &block,
                        sizeof block);
+    }
+    if (env->wash) {
+        bind_wash(r, env, c);
     }
     pel_sea_texels_bind(&r->tables);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
@@ -554,6 +585,7 @@ static enum pel_err need_programs(struct pel_renderer *r,
 {
     struct pel_fault fault;
     r->programs.wakes = env->wakes != NULL;
+    r->programs.wash = env->wash != NULL;
     enum pel_err err = env->object_count ? pel_objects_fit(&r->objects, env,
                                                            &r->programs, &fault)
                                          : PEL_OK;
@@ -578,8 +610,9 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     if (err != PEL_OK) {
         return err;
     }
-    err = pel_arena_begin(&r->arena, (count + 1) * VIEW_UNIFORM_BYTES +
-                                         count * pel_objects_bytes(env));
+    err = pel_arena_begin(
+        &r->arena, (count + 1) * VIEW_UNIFORM_BYTES +
+                       count * (pel_objects_bytes(env) + wash_bytes(env)));
     if (err != PEL_OK) {
         return err;
     }
@@ -610,7 +643,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         pel_sea_texels_variance(&r->tables, r->statistics.variance,
                                 r->statistics.breaking);
     }
-    pel_foam_map_bind(&r->foam, here.sea);
+    pel_foam_map_bind(&r->foam, here.sea, here.wash != NULL);
     pel_wake_map_load(&r->wakes, &here);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);

@@ -17,6 +17,7 @@
 #include "scene/wakes.h"
 
 struct pel_renderer;
+struct pel_wash; /* ocean/wash.h */
 
 struct pel_renderer_options {
     const char *device;     /* "auto", "software" or an EGL device number */
@@ -62,6 +63,7 @@ struct pel_environment {
     const struct pel_object *objects; /* things on the sea that are drawn */
     size_t object_count;
     const struct pel_wake_moment *wakes; /* ship waves; NULL: none */
+    const struct pel_wash *wash;         /* of ships; NULL: none */
     /* For tests: leaves out the air between the sea and the eye; looks for the
      * height field in every pixel, where it cannot be seen too. */
     bool no_air, coast_everywhere;

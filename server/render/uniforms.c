@@ -5,6 +5,7 @@
 
 #include "ocean/areas.h"
 #include "ocean/foam.h"
+#include "ocean/wash.h"
 #include "optics/atmosphere.h"
 #include "optics/brdf.h"
 #include "optics/colour.h"
@@ -177,6 +178,42 @@ void pel_fill_areas(const struct pel_environment *env, double east_m,
             vec4(at.x - east_m, at.y - north_m, radius_m, a->edge_m);
         out->areas[i].shape = vec4(a->factor - 1.0, a->corner_count, 0.0, 0.0);
     }
+}
+
+static struct pel_vec2 tiles_at(double east_m, double north_m, double tile_m)
+{
+    return in_tiles(east_m, north_m, tile_m, tile_m);
+}
+
+/* Of a layer DEEP_M thick that scatters BACK of the light back: what comes up
+ * through it has been coloured by the water on both ways; n⁻² of it gets out in
+ * a direction. */
+static double aerated(const struct pel_environment *env, int i)
+{
+    const double deep_m = 4.0, back = 0.22;
+    double way = 2.0 * deep_m * env->water.absorption[i];
+    double index = env->water.index[i];
+    return back * -expm1(-way) / way / (PEL_PI * index * index);
+}
+
+void pel_fill_wash(const struct pel_environment *env, double east_m,
+                   double north_m, struct pel_block_wash *out)
+{
+    const struct pel_wash *w = env->wash;
+    size_t nodes = PEL_WASH_NODE_WORDS * w->count;
+    struct pel_vec2 fine = tiles_at(east_m, north_m, PEL_FOAM_GRAIN_M);
+    struct pel_vec2 torn = tiles_at(east_m, north_m, PEL_WASH_GRAIN_M);
+    double one = east_m * PEL_WASH_BEND_1_X + north_m * PEL_WASH_BEND_1_Y;
+    double two = east_m * PEL_WASH_BEND_2_X + north_m * PEL_WASH_BEND_2_Y;
+    *out = (struct pel_block_wash){
+        .wash_box = vec4(w->west_m - east_m, w->south_m - north_m,
+                         w->cells_per_m, (double)(nodes + w->listed)),
+        .wash_size = vec4(w->columns, w->rows, (double)nodes, 0.0),
+        .wash_grain = vec4(fine.x, fine.y, torn.x, torn.y),
+        .wash_bends = vec4(one - floor(one), two - floor(two), 0.0, 0.0),
+        .wash_water =
+            vec4(aerated(env, 0), aerated(env, 1), aerated(env, 2), 0.0),
+    };
 }
 
 /* A fraction that stays one when single precision holds it with a whole part

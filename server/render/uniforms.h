@@ -53,6 +53,10 @@ struct pel_foam;
 void pel_fill_spray(const struct pel_foam *foam, double height_m,
                     struct pel_block_eye *out);
 
+/* The wash of ships, for lib/wash.glsl. */
+void pel_fill_wash(const struct pel_environment *env, double east_m,
+                   double north_m, struct pel_block_wash *out);
+
 /* The areas of a sea, for lib/areas.glsl. */
 void pel_fill_areas(const struct pel_environment *env, double east_m,
                     double north_m, struct pel_block_areas *out);

@@ -17,7 +17,9 @@
 #include "scene/sharedsea.h"
 #include "scene/spectra.h"
 #include "scene/sun.h"
+#include "scene/track.h"
 #include "scene/wakes.h"
+#include "scene/washes.h"
 
 struct snapshot {
     struct pel_snapshot public; /* first: what the pointer points to */
@@ -580,6 +582,7 @@ const struct pel_snapshot *pel_snapshot_build_going(
             fleet ? pel_model_ref(pel_fleet_of(fleet, state->entities[i]))
                   : NULL;
     }
+    s->public.washes = pel_washes_of(state, &s->public);
     s->public.views = s->views;
     s->public.view_count = state->n_views;
     for (size_t i = 0; i < state->n_views; i++) {
@@ -616,6 +619,7 @@ pel_snapshot_with_ships(const struct pel_snapshot *s,
     atomic_init(&to->refs, 1);
     atomic_fetch_add(&to->public.sea->refs, 1);
     pel_wakes_ref(to->public.wakes);
+    pel_washes_ref(to->public.washes);
     pel_seabed_ref(to->public.seabed);
     to->public.entities = to->entities;
     to->public.views = to->views;
@@ -638,6 +642,37 @@ static void put(bool begins, double value, double *out)
 {
     if (!begins || fabs(remainder(value - *out, 360)) > 1e-9) {
         *out = value;
+    }
+}
+
+void pel_ship_mark_to_state(double latitude, double longitude,
+                            const struct pel_ship *ship,
+                            const struct pel_ship_mark *mark,
+                            Pelagos__TrackPoint *out)
+{
+    pel_geo_from_local(latitude, longitude, mark->east_m, mark->north_m,
+                       &out->latitude, &out->longitude);
+    double turned =
+        pel_geo_convergence(latitude, longitude, out->latitude, out->longitude);
+    out->has_time = out->has_latitude = out->has_longitude = true;
+    out->has_heading = out->has_push = true;
+    out->time = mark->time_s;
+    out->heading = degrees(mark->heading_rad - turned);
+    out->push = ship->orders.throttle * ship->orders.max_speed_mps;
+}
+
+/* Where it was since its orders. */
+static void trail_to_state(const struct pel_sailing *sailing, double time_s,
+                           Pelagos__State *state)
+{
+    struct pel_ship_mark marks[PEL_SHIP_TRAIL];
+    int count = pel_ship_trail(&sailing->ship, time_s, marks);
+    for (int i = 0; i < count; i++) {
+        Pelagos__TrackPoint p = PELAGOS__TRACK_POINT__INIT;
+        pel_ship_mark_to_state(state->origin->latitude,
+                               state->origin->longitude, &sailing->ship,
+                               &marks[i], &p);
+        pel_track_mark(state->entities[sailing->entity], &p);
     }
 }
 
@@ -675,7 +710,11 @@ static void ship_to_state(const struct pel_snapshot *s,
         put(begins, pel_clamp(m.roll.rate / PEL_DEG, -1e3, 1e3),
             &helm->roll_rate);
     }
-    pel_wakes_keep(s->wakes, state, time_s, e);
+    if (e->wash) {
+        trail_to_state(sailing, time_s, state);
+    } else {
+        pel_wakes_keep(s->wakes, state, time_s, e);
+    }
 }
 
 void pel_snapshot_ships_to_state(const struct pel_snapshot *s, double time_s,
@@ -700,6 +739,7 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
     if (whole && atomic_fetch_sub(&whole->refs, 1) == 1) {
         pel_shared_sea_unref(whole->public.sea);
         pel_wakes_unref(whole->public.wakes);
+        pel_washes_unref(whole->public.washes);
         pel_seabed_unref(whole->public.seabed);
         for (size_t i = 0; i < whole->public.entity_count; i++) {
             pel_model_unref(whole->entities[i].model);

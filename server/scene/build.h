@@ -67,6 +67,12 @@ void pel_snapshot_ship_motion(const struct pel_snapshot *s,
                               const struct pel_ship *ship, double time_s,
                               struct pel_ship_motion *out);
 
+/* A mark of its way as the state keeps it; the origin in degrees. */
+void pel_ship_mark_to_state(double latitude, double longitude,
+                            const struct pel_ship *ship,
+                            const struct pel_ship_mark *mark,
+                            Pelagos__TrackPoint *out);
+
 /* Writes the ships' motion at time_s as the poses of their entities and the
  * rates of their helms; `state` is what the snapshot was built from, or like
  * it. */

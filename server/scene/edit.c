@@ -492,7 +492,8 @@ static void follow(const Pelagos__State *from, Pelagos__State *state,
         const Pelagos__Entity *with = brought->entities[i];
         const Pelagos__Entity *was = entity_of(from, with->id);
         Pelagos__Entity *is = entity_of(state, with->id);
-        if (was && is && (touches_pose(with) || with->has_wake)) {
+        bool turned = with->has_wake || with->has_wash;
+        if (was && is && (touches_pose(with) || turned)) {
             struct pel_track_pose before = pel_track_pose_of(was);
             pel_track_go_on(&before, is, reckoning_s);
         }

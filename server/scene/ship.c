@@ -1,6 +1,7 @@
 #include "scene/ship.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/vec.h"
 #include "scene/wakes.h"
@@ -179,6 +180,63 @@ static void next_step(const struct pel_ship *ship, uint64_t count,
     open_step(ship, sea, next);
 }
 
+/* --- the way ------------------------------------------------------------- */
+
+/* How far it is from the straight way between the last two, gone on with. */
+static bool strays(const struct pel_ship_mark *marks, int count,
+                   const struct pel_ship_mark *m)
+{
+    if (count < 2) {
+        return true;
+    }
+    const struct pel_ship_mark *a = &marks[count - 2], *b = a + 1;
+    double f = (m->time_s - b->time_s) / (b->time_s - a->time_s);
+    double x = b->east_m + f * (b->east_m - a->east_m);
+    double y = b->north_m + f * (b->north_m - a->north_m);
+    return hypot(m->east_m - x, m->north_m - y) > PEL_SHIP_MARK_M ||
+           fabs(m->heading_rad - b->heading_rad) > PEL_SHIP_MARK_RAD;
+}
+
+static void mark(struct pel_ship_mark *marks, int *count, double time_s,
+                 const struct pel_ship_motion *at)
+{
+    const struct pel_ship_mark m = { time_s, at->east_m, at->north_m,
+                                     at->heading_rad };
+    if (!strays(marks, *count, &m)) {
+        return;
+    }
+    if (*count == PEL_SHIP_TRAIL) {
+        memmove(marks, marks + 1, sizeof *marks * (PEL_SHIP_TRAIL - 1));
+        --*count;
+    }
+    marks[(*count)++] = m;
+}
+
+int pel_ship_trail(const struct pel_ship *ship, double time_s,
+                   struct pel_ship_mark out[PEL_SHIP_TRAIL])
+{
+    uint64_t step = ship->count;
+    int count = ship->mark_count;
+    struct pel_ship_motion m = ship->steps[step % PEL_SHIP_HISTORY].motion;
+    double until = fmin(time_s, ship->steps[step % PEL_SHIP_HISTORY].time_s +
+                                    PEL_SHIP_AHEAD_S);
+    memcpy(out, ship->marks, sizeof *out * (size_t)count);
+    for (;;) {
+        double at = ship->start_s + (double)++step * ship->step_s;
+        if (at >= until) {
+            break;
+        }
+        pel_ship_steer(&ship->orders, ship->step_s, &m);
+        if (step % PEL_SHIP_MARK_STEPS == 0) {
+            mark(out, &count, at, &m);
+        }
+    }
+    while (count > 0 && out[count - 1].time_s >= time_s) {
+        count--;
+    }
+    return count;
+}
+
 void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
                     const struct pel_ship_motion *motion, double time_s,
                     double rate)
@@ -190,6 +248,7 @@ void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
         .start = *motion,
         .steps[0] = { .time_s = time_s, .motion = *motion },
     };
+    mark(ship->marks, &ship->mark_count, time_s, motion);
 }
 
 /* The sea of the first step. */
@@ -235,6 +294,11 @@ bool pel_ship_advance(struct pel_ship *ship, double time_s,
         next_step(ship, next, &ship->steps[ship->count % PEL_SHIP_HISTORY], sea,
                   &ship->steps[next % PEL_SHIP_HISTORY]);
         ship->count = next;
+        if (next % PEL_SHIP_MARK_STEPS == 0) {
+            const struct pel_ship_step *at =
+                &ship->steps[next % PEL_SHIP_HISTORY];
+            mark(ship->marks, &ship->mark_count, at->time_s, &at->motion);
+        }
         moved = true;
     }
 }

@@ -52,6 +52,18 @@ struct pel_ship_step {
 };
 
 struct pel_wakes;
+
+/* Where it was, for its wash: of every PEL_SHIP_MARK_STEPS-th step those that a
+ * straight way does not pass within PEL_SHIP_MARK_M, or with another heading;
+ * the latest. */
+#define PEL_SHIP_TRAIL 240
+#define PEL_SHIP_MARK_STEPS 10
+#define PEL_SHIP_MARK_M 0.5
+#define PEL_SHIP_MARK_RAD 0.05
+struct pel_ship_mark {
+    double time_s, east_m, north_m, heading_rad;
+};
+
 struct pel_ship {
     struct pel_ship_orders orders;
     double step_s;
@@ -63,6 +75,8 @@ struct pel_ship {
     uint64_t count; /* steps done; the last is steps[count % HISTORY] */
     bool asked;     /* the sea of the first step is known */
     struct pel_ship_step steps[PEL_SHIP_HISTORY];
+    int mark_count;
+    struct pel_ship_mark marks[PEL_SHIP_TRAIL]; /* oldest first */
 };
 
 /* Natural periods where none are given: heave and pitch 2π √(1.6 d / g) with
@@ -92,6 +106,11 @@ bool pel_ship_advance(struct pel_ship *ship, double time_s,
 /* The motion at time_s; before the oldest step kept: that one's start. */
 void pel_ship_at(const struct pel_ship *ship, double time_s,
                  const struct pel_sea *sea, struct pel_ship_motion *out);
+
+/* Its marks before time_s, those of steps to come too, which need no sea;
+ * returns their number. */
+int pel_ship_trail(const struct pel_ship *ship, double time_s,
+                   struct pel_ship_mark out[PEL_SHIP_TRAIL]);
 
 /* Solves x'' + 2 ζ ω x' + ω² x = ω² (from + (to - from) t / span) in closed
  * form over `seconds`, 0 < ζ < 1. */

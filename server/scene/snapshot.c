@@ -4,11 +4,13 @@
 
 #include "base/watch.h"
 #include "models/model.h"
+#include "ocean/areas.h"
 #include "scene/build.h"
 #include "scene/reckon.h"
 #include "scene/sharedsea.h"
 #include "scene/sun.h"
 #include "scene/wakes.h"
+#include "scene/washes.h"
 
 int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name)
 {
@@ -164,10 +166,29 @@ unsigned pel_snapshot_stale(const struct pel_snapshot *s, double time_s)
     return stale;
 }
 
+/* The sea, and what ships leave of its short waves: of places beside their wash
+ * the bits are the sea's. */
+static void query_in_wash(const struct pel_snapshot *s,
+                          const struct pel_wash *wash,
+                          const struct pel_vec2 *points, size_t n,
+                          double time_s, bool moving,
+                          struct pel_surface_sample *out)
+{
+    const struct pel_sea *sea = pel_snapshot_sea(s);
+    (moving ? pel_sea_query_moving : pel_sea_query)(sea, points, n, time_s,
+                                                    out);
+    for (size_t i = 0; i < n && wash; i++) {
+        if (pel_wash_near(wash, points[i].x, points[i].y)) {
+            pel_areas_query(sea, &points[i], 1, time_s, moving, wash, &out[i]);
+        }
+    }
+}
+
 /* As without wakes, at the places that the wakes carry there, and they on top.
  */
 static void query_in_wakes(const struct pel_snapshot *s,
                            const struct pel_wake_moment *moment,
+                           const struct pel_wash *wash,
                            const struct pel_vec2 *points, size_t n,
                            double time_s, bool moving,
                            struct pel_surface_sample *out)
@@ -181,8 +202,7 @@ static void query_in_wakes(const struct pel_snapshot *s,
             at[i] = pel_wakes_before(moment, PEL_WAKES_ALL, points[first + i],
                                      &there[i]);
         }
-        (moving ? pel_sea_query_moving : pel_sea_query)(
-            pel_snapshot_sea(s), at, count, time_s, out + first);
+        query_in_wash(s, wash, at, count, time_s, moving, out + first);
         for (size_t i = 0; i < count; i++) {
             pel_wakes_onto(&there[i], &out[first + i]);
         }
@@ -196,14 +216,14 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
 {
     PEL_WATCH("surface");
     const struct pel_wake_moment *moment = pel_wakes_at(s->wakes, time_s);
+    struct pel_wash *wash = pel_snapshot_wash(s, time_s);
     if (moment) {
-        query_in_wakes(s, moment, points, n, time_s, moving, out);
+        query_in_wakes(s, moment, wash, points, n, time_s, moving, out);
         pel_wake_moment_unref(moment);
-    } else if (moving) {
-        pel_sea_query_moving(pel_snapshot_sea(s), points, n, time_s, out);
     } else {
-        pel_sea_query(pel_snapshot_sea(s), points, n, time_s, out);
+        query_in_wash(s, wash, points, n, time_s, moving, out);
     }
+    pel_wash_destroy(wash);
     for (size_t i = 0; i < n; i++) {
         out[i].height_m += s->sea_level_m;
         out[i].depth_m = pel_snapshot_depth(s, points[i].x, points[i].y);

@@ -21,7 +21,8 @@
 struct pel_track_pose pel_track_pose_of(const Pelagos__Entity *e)
 {
     return (struct pel_track_pose){ e->pose_time, e->latitude, e->longitude,
-                                    e->speed,     e->course,   e->turn_rate };
+                                    e->speed,     e->course,   e->turn_rate,
+                                    e->heading };
 }
 
 static const ProtobufCFieldDescriptor *list_field(void)
@@ -87,8 +88,8 @@ static void drop_one(Pelagos__Entity *e, size_t at)
     e->n_track--;
 }
 
-void pel_track_add(Pelagos__Entity *e, double time_s, double latitude,
-                   double longitude)
+Pelagos__TrackPoint *pel_track_add(Pelagos__Entity *e, double time_s,
+                                   double latitude, double longitude)
 {
     size_t old = 0;
     while (old + 2 < e->n_track && e->track[old + 1]->time < time_s - KEPT_S) {
@@ -114,6 +115,20 @@ void pel_track_add(Pelagos__Entity *e, double time_s, double latitude,
     p->time = time_s;
     p->latitude = latitude;
     p->longitude = longitude;
+    return p;
+}
+
+void pel_track_mark(Pelagos__Entity *e, const Pelagos__TrackPoint *point)
+{
+    if (e->n_track > 0 && point->time <= e->track[e->n_track - 1]->time) {
+        return;
+    }
+    Pelagos__TrackPoint *p =
+        pel_track_add(e, point->time, point->latitude, point->longitude);
+    p->has_heading = point->has_heading;
+    p->heading = point->heading;
+    p->has_push = point->has_push;
+    p->push = point->push;
 }
 
 /* Whether a place is a stride on from the last point: what lies further back
@@ -147,14 +162,17 @@ static double off_piece(const Pelagos__Entity *e, double time_s,
 }
 
 static void pass(Pelagos__Entity *e, double time_s, double latitude,
-                 double longitude)
+                 double longitude, double heading_deg)
 {
     if (e->n_track > 0 && time_s <= e->track[e->n_track - 1]->time + 0.05) {
         return;
     }
     if (strides(e, latitude, longitude) ||
         off_piece(e, time_s, latitude, longitude) > PEL_TRACK_WITHIN_M) {
-        pel_track_add(e, time_s, latitude, longitude);
+        Pelagos__TrackPoint *p = pel_track_add(e, time_s, latitude, longitude);
+        double turned = fmod(heading_deg, 360);
+        p->has_heading = e->wash;
+        p->heading = turned < 0 ? turned + 360 : turned;
     }
 }
 
@@ -174,7 +192,8 @@ static void pass_arc(const struct pel_track_pose *before, Pelagos__Entity *e,
                         before->turn_rate_dps * PEL_DEG, s, &east, &north);
         pel_geo_from_local(before->latitude, before->longitude, east, north,
                            &lat, &lon);
-        pass(e, before->time_s + s, lat, lon);
+        pass(e, before->time_s + s, lat, lon,
+             before->heading_deg + before->turn_rate_dps * s);
     }
 }
 
@@ -206,7 +225,7 @@ void pel_track_drop(Pelagos__Entity *e)
 void pel_track_go_on(const struct pel_track_pose *before, Pelagos__Entity *e,
                      double reckoning_s)
 {
-    if (!e->wake || astray(before, e, reckoning_s)) {
+    if (!(e->wake || e->wash) || astray(before, e, reckoning_s)) {
         pel_track_drop(e);
         return;
     }
@@ -215,7 +234,8 @@ void pel_track_go_on(const struct pel_track_pose *before, Pelagos__Entity *e,
     if (seconds <= 0) {
         return;
     }
-    pass(e, before->time_s, before->latitude, before->longitude);
+    pass(e, before->time_s, before->latitude, before->longitude,
+         before->heading_deg);
     pass_arc(before, e, seconds);
-    pass(e, e->pose_time, e->latitude, e->longitude);
+    pass(e, e->pose_time, e->latitude, e->longitude, e->heading);
 }

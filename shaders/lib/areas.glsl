@@ -45,3 +45,19 @@ vec2 area_variance(vec2 variance, float up)
 {
     return max(variance + (up * up - 1.0) * min(variance, area_count.zw), 0.0);
 }
+
+#ifdef PEL_WASH
+#include "lib/wash.glsl"
+#endif
+
+// The same with the wash of ships; `washed`: of wash_at.
+float short_waves(vec2 x, float footprint, out vec3 washed)
+{
+#ifdef PEL_WASH
+    washed = wash_at(x, footprint);
+    return min(area_factor(x, footprint) * washed.x, PEL_AREA_FACTOR);
+#else
+    washed = vec3(1.0, 0.0, 0.0);
+    return area_factor(x, footprint);
+#endif
+}

@@ -21,6 +21,7 @@ struct pel_vec4 {
 #define PEL_BLOCK_FRAME 0
 #define PEL_BLOCK_EYE 1
 #define PEL_BLOCK_VIEW 2
+#define PEL_BLOCK_WASH 3
 #define PEL_BLOCK_LIGHT 4
 #define PEL_BLOCK_CASCADES 5
 #define PEL_BLOCK_AREAS 8
@@ -78,6 +79,7 @@ struct pel_vec4 {
 /* Storage buffers of the mesh and of shading. */
 #define PEL_STORE_VERTICES 0
 #define PEL_STORE_RINGS 1
+#define PEL_STORE_WASH 3
 #define PEL_STORE_KEYS 4
 #define PEL_STORE_SEABED_TOPS 6
 #define PEL_STORE_EDGES 5
@@ -508,6 +510,30 @@ PEL_BLOCK(PEL_BLOCK_WAKES, wakes)
 {
     vec4 wake_count; /* x of layers */
     PEL_STRUCT pel_shader_wake wakes[PEL_WAKE_LAYERS];
+};
+
+/* The wash of ships (ocean/wash.h): words of a node; how far the edges of its
+ * bands billow, of their half-width, by two waves, 1/m; a footprint makes them
+ * softer by so much, m; foam makes short waves higher by so much of it; foam's
+ * structure is that of a second tile, m, too, which has this weight. */
+#define PEL_WASH_NODE_WORDS 12
+#define PEL_WASH_BEND 0.09
+#define PEL_WASH_BEND_1_X 0.0195
+#define PEL_WASH_BEND_1_Y 0.0146
+#define PEL_WASH_BEND_2_X -0.0294
+#define PEL_WASH_BEND_2_Y 0.0512
+#define PEL_WASH_SOFTEST_M 6.0
+#define PEL_WASH_CHURNED 0.4
+#define PEL_WASH_GRAIN_M 61.0
+#define PEL_WASH_GRAIN_WEIGHT 0.66
+PEL_BLOCK(PEL_BLOCK_WASH, wash)
+{
+    vec4 wash_box;   /* xy its corner from the eye's nadir, m; z cells a metre;
+                        w first cell, a word */
+    vec4 wash_size;  /* xy columns, rows; z first of the list, a word */
+    vec4 wash_grain; /* the eye's nadir in tiles of foam, of the other tile */
+    vec4 wash_bends; /* xy turns of the bends there */
+    vec4 wash_water; /* rgb radiance that bubbles send up, of irradiance 1 */
 };
 
 /* Gauss quadrature over the facets an eye sees (optics/facets.h), by

@@ -123,7 +123,8 @@ vec3 cascade_shift(vec2 x, float cell)
         vec3 shift = cascade_displacement(c, cascade_uv(c, at.place), lod);
 #ifdef PEL_AREAS
         if (c >= PEL_CASCADES / 2) {
-            float up = area_factor(x, cell);
+            vec3 washed;
+            float up = short_waves(x, cell, washed);
             shift *= vec3(min(vec2(up), 1.0), up);
         }
 #endif

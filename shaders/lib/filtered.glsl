@@ -12,6 +12,7 @@ struct filtered {
 #endif
 #ifdef PEL_AREAS
     float up; // what short waves are times
+    vec3 washed; // of wash_at
 #endif
 };
 
@@ -28,7 +29,7 @@ filtered filtered_sea(vec2 x, float footprint)
     f.breaking = vec2(0.0);
 #endif
 #ifdef PEL_AREAS
-    f.up = area_factor(x, footprint);
+    f.up = short_waves(x, footprint, f.washed);
 #endif
     reading at = reading_at(x);
     float lod = log2(footprint / cascades[0].place.w) + back.w;
@@ -100,7 +101,7 @@ filtered filtered_sea(vec2 x, float footprint)
 #define PEL_BREAKING(phase, wander)
 #endif
 #ifdef PEL_AREAS
-    f.up = area_factor(x, footprint);
+    f.up = short_waves(x, footprint, f.washed);
 #define PEL_UP(phase)                                                          \
     float up = phase.w < PEL_AREA_SHORTER_M ? f.up : 1.0;                      \
     float level = min(up, 1.0);

@@ -3,7 +3,9 @@
 // Whitecaps, twin of ocean/foam.h: foam that a pixel sees where it resolves a
 // part of the waves that break, its structure, and its light.
 
+#ifdef PEL_FOAM
 layout(binding = PEL_UNIT_FOAM) uniform sampler3D foam_table;
+#endif
 layout(binding = PEL_UNIT_FOAM_GRAIN) uniform sampler2D foam_grain;
 
 // S, pel_foam_share.
@@ -19,6 +21,7 @@ vec2 grain_at(vec2 uv, float texels)
     return vec2(g.x, max(g.y - g.x * g.x, 0.0));
 }
 
+#ifdef PEL_FOAM
 // x: foam is where the structure, a normal number that belongs to the water at
 // rest, is below a bound; of what a pixel averages over its variance is known.
 // y: how bright it is, thick in the middle and thin at its edges, by the share
@@ -70,3 +73,8 @@ vec2 foam_of(vec2 x, vec2 breaking, float footprint, float up)
     float thicker = min(foam_share(n.x) / foam_share(bound), 1.0);
     return vec2(foam, 1.0 + PEL_FOAM_RELIEF * (1.0 - n.y) * (1.0 - 2.0 * thicker));
 }
+#endif
+
+#ifdef PEL_WASH
+#include "lib/washfoam.glsl"
+#endif

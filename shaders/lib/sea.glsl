@@ -130,6 +130,10 @@ shaded shade_sea(ivec2 at, uint triangle)
         leaving += leaving_deep_water(i, water_place(v, n_lit, light_above(i, tilt)));
     }
 #endif
+#ifdef PEL_WASH
+    vec3 aerated = light_of_bubbles(f.washed.z, tilt);
+    leaving += aerated;
+#endif
 #ifdef PEL_OBJECTS
     sea_place = t * ray;
     sea_pixel = lattice(at);
@@ -143,11 +147,16 @@ shaded shade_sea(ivec2 at, uint triangle)
     lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving,
                              blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0),
                              mix(vec4(1.0 - f.fold.x, -f.fold.z, -f.fold.y, 1.0 - f.fold.w), NOT_PRESSED, hidden));
-#ifdef PEL_FOAM
-#ifdef PEL_AREAS
+#if defined(PEL_FOAM) || defined(PEL_WASH)
+#ifndef PEL_FOAM
+    vec2 foam = vec2(0.0, 1.0);
+#elif defined(PEL_AREAS)
     vec2 foam = foam_of(x, f.breaking, footprint, f.up);
 #else
     vec2 foam = foam_of(x, f.breaking, footprint, 1.0);
+#endif
+#ifdef PEL_WASH
+    foam = foams_together(foam, wash_foam(x, f.washed.y, footprint));
 #endif
     cover_by_foam(foam, n_lit, tilt, parts);
 #endif
@@ -163,7 +172,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     }
     result.normal = normalize(vec3(n.xy + tilt * n.z, n.z - dot(tilt, n.xy)));
     result.fresnel = parts.fresnel.g;
-#ifdef PEL_FOAM
+#if defined(PEL_FOAM) || defined(PEL_WASH)
     result.foam = foam.x;
 #endif
     bool dry = lut.y < 0.5;
@@ -191,7 +200,10 @@ shaded shade_sea(ivec2 at, uint triangle)
     taken.higher = volume - taken.single - taken.second;
     taken.bottom = (1.0 - parts.fresnel) * below.bottom;
 #endif
-#ifdef PEL_FOAM
+#ifdef PEL_WASH
+    taken.higher += (1.0 - parts.fresnel) * aerated;
+#endif
+#if defined(PEL_FOAM) || defined(PEL_WASH)
     through *= 1.0 - foam.x; // which the air no longer needs
 #endif
     taken.single *= through;

@@ -3,7 +3,8 @@
  * (kind: of the spectrum, enum pel_spectrum_kind;
  * bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky and
  * glitter as they stand; ship: a built-in model by its number, `away` metres
- * ahead; fleet: enum bench_fleet) for looking at one thing at a time while
+ * ahead; wash: its speed, m/s, and `push` the screw's; it passed on a straight
+ * course; fleet: enum bench_fleet) for looking at one thing at a time while
  * developing shaders. */
 #include <math.h>
 #include <stdio.h>
@@ -14,6 +15,8 @@
 #include "base/clock.h"
 #include "encode/encode.h"
 #include "models/builtin.h"
+#include "models/waterline.h"
+#include "ocean/wash.h"
 #include "render/renderer.h"
 #include "tests/bench/fleet.h"
 #include "tests/bench/scene.h"
@@ -38,7 +41,8 @@ static struct setting settings[] = {
     { "linear", 0 },      { "sparkle", 1 },   { "ship", 0 },
     { "away", 220 },      { "aa", 1 },        { "bearing", 0 },
     { "turned", 60 },     { "foam", 1 },      { "kind", 0 },
-    { "slick", 1 },       { "fleet", 0 },
+    { "slick", 1 },       { "fleet", 0 },     { "wash", 0 },
+    { "push", 99 },
 };
 
 static double get(const char *name)
@@ -152,6 +156,35 @@ static struct pel_object ship(const struct bench_scene *shown,
     return o;
 }
 
+/* Of the ship there, which came straight for ten minutes. */
+static struct pel_wash *wash_of(const struct pel_object *o, double time_s)
+{
+    const struct pel_model *m = o->model;
+    double h = get("turned") * PEL_DEG, u = get("wash");
+    double push = get("push") < 90 ? get("push") : NAN;
+    struct pel_wash_ship s = { m->length_m, m->beam_m, m->draught_m,
+                               .count = 2 };
+    struct pel_model_waterline line;
+    pel_wash_waterline(&s);
+    if (pel_model_waterline(m, &line)) {
+        s.stem_m = line.stem_m;
+        s.stern_m = line.stern_m;
+        memcpy(s.half_m, line.half_m, sizeof s.half_m);
+    }
+    for (int i = 0; i < 2; i++) {
+        double ago = 900.0 * (1 - i);
+        s.point[i] =
+            (struct pel_wash_point){ time_s - ago, o->east_m - ago * u * sin(h),
+                                     o->north_m - ago * u * cos(h), h, push };
+    }
+    struct pel_wash *w;
+    if (pel_wash_create(&w) || pel_wash_add(w, &s, time_s) ||
+        pel_wash_index(w)) {
+        abort();
+    }
+    return w;
+}
+
 static double processor_ms(void)
 {
     struct timespec t;
@@ -207,6 +240,9 @@ int main(int argc, char **argv)
         object = ship(&shown, &sea, env.time_s);
         env.objects = &object;
         env.object_count = object.model != NULL;
+        if (object.model && (get("wash") != 0 || get("push") < 90)) {
+            env.wash = wash_of(&object, env.time_s);
+        }
     }
     if (get("fleet") > 0 &&
         !bench_fleet_set((enum bench_fleet)get("fleet"), &env)) {

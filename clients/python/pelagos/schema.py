@@ -379,6 +379,11 @@ class TrackPoint(Record):
     latitude: float = _field(0.0, 'deg', -85, 85)
     #: Longitude. [deg; -180 to 180]
     longitude: float = _field(0.0, 'deg', -180, 180)
+    #: True heading, while `wash`. [deg; 0 to 360]
+    heading: float | None = _field(None, 'deg', 0, 360)
+    #: What the screw pushed from there on: the speed at which that is the
+    #: drag, negative astern; absent: that of the ship. [m/s; -50 to 50]
+    push: float | None = _field(None, 'm/s', -50, 50)
 
 
 @dataclass(frozen=True)
@@ -433,9 +438,14 @@ class Entity(Record):
     mooring: float = _field(0.0, 'm', 0, 1000)
     #: Whether it makes waves as it moves, where it has a model.
     wake: bool = _field(False)
-    #: Where it was, written by the server while `wake`, oldest first, at most
-    #: 240; its poses go on from there.
+    #: Where it was, written by the server while `wake` or `wash`, oldest
+    #: first, at most 240; its poses go on from there.
     track: tuple[TrackPoint, ...] = ()
+    #: Whether it leaves a wash, where it has a model or a helm: foam at the
+    #: bow and from the screw, a turbulent wake in which short waves are lower
+    #: for minutes, bubbles. The screw pushes as the helm's throttle orders,
+    #: without one as its speed asks.
+    wash: bool = _field(False)
 
 
 @dataclass(frozen=True)
