@@ -321,6 +321,14 @@ static void set_directions(struct pel_wash *w, size_t first)
     }
 }
 
+/* From the last node. */
+static double apart(const struct pel_wash *w, const struct pel_wash_node *n)
+{
+    const struct pel_wash_node *last = w->node + w->count;
+    return w->count ? hypot(n->x_m - last[-1].x_m, n->y_m - last[-1].y_m)
+                    : HUGE_VAL;
+}
+
 static enum pel_err add_line(struct pel_wash *w, const struct pel_wash_ship *s,
                              double time_s, enum line line)
 {
@@ -344,12 +352,9 @@ static enum pel_err add_line(struct pel_wash *w, const struct pel_wash_ship *s,
         struct pel_wash_node n;
         make_node(s, line, &l, &n);
         n.begins = begins;
-        const struct pel_wash_node *last =
-            w->count ? w->node + w->count - 1 : 0;
         if (!in_line(line, &p)) {
             begins = true;
-        } else if (begins || hypot(n.x_m - last->x_m, n.y_m - last->y_m) >
-                                 0.02 * s->beam_m) {
+        } else if (begins || apart(w, &n) > 0.02 * s->beam_m) {
             err = add_node(w, &n);
             begins = false;
         }
