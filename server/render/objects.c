@@ -110,6 +110,7 @@ static enum pel_err need_shading(struct pel_objects *o,
                                  int land, enum pel_shading kind,
                                  struct pel_fault *fault)
 {
+    kind = kind == PEL_SHADE_BOTH ? PEL_SHADE_LIGHT : kind;
     GLuint *program = &o->shade[sampled][land][kind];
     char defines[192];
     snprintf(defines, sizeof defines, "%s%s%s%s%s%s", pel_shading_defines(kind),

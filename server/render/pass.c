@@ -32,7 +32,7 @@ static struct pel_pass take(unsigned left, unsigned but, bool compute)
     return pass;
 }
 
-struct pel_pass pel_pass_first(unsigned asked, bool compute, bool final)
+struct pel_pass pel_pass_first(unsigned asked, bool compute)
 {
     const unsigned light = pel_layers_from(PEL_LAYER_FROM_LIGHT);
     /* Programs that take the water's light apart may round the radiance in
@@ -45,9 +45,9 @@ struct pel_pass pel_pass_first(unsigned asked, bool compute, bool final)
         take(pel_layers_stored(asked) & ~light, but, compute);
     pass.first = true;
     /* In one dispatch the same program writes either. */
-    if (final && !compute && asked == PEL_LAYER_COLOR) {
+    if (!compute && asked == PEL_LAYER_COLOR) {
         pass.kind = PEL_SHADE_COLOR;
-    } else if (final && !compute && asked == (PEL_LAYER_COLOR | light)) {
+    } else if (!compute && asked == (PEL_LAYER_COLOR | light)) {
         pass.kind = PEL_SHADE_BOTH;
     }
     return pass;
@@ -75,6 +75,8 @@ bool pel_pass_light(const struct pel_pass *whole, struct pel_pass *light)
     const unsigned of_light = pel_layers_of_light();
     *light = *whole;
     light->layers = 0;
+    light->kind =
+        whole->kind == PEL_SHADE_BOTH ? PEL_SHADE_LIGHT : whole->kind;
     int used = 0;
     for (int i = 0; i < PEL_FRAGMENT_SLOTS; i++) {
         int layer = whole->layer[i];

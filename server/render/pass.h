@@ -20,9 +20,8 @@ struct pel_pass {
 };
 
 /* The first pass of a picture of these layers (of enum pel_layer), by either
- * wrapper; `final`: nothing goes over it, so that its light can be toned at
- * once. And the one after *pass, false after the last. */
-struct pel_pass pel_pass_first(unsigned asked, bool compute, bool final);
+ * wrapper; and the one after *pass, false after the last. */
+struct pel_pass pel_pass_first(unsigned asked, bool compute);
 bool pel_pass_next(struct pel_pass *pass, bool compute);
 
 /* Tells the program in use the layers of its slots. */

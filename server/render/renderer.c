@@ -390,9 +390,8 @@ static void draw_pixels(struct pel_renderer *r,
     if (!r->any_coast && env->object_count) {
         memset(r->tiles, PEL_COAST_NONE, sizeof r->tiles);
     }
-    r->has_objects = env->object_count > 0;
-    r->any_objects =
-        r->has_objects && pel_objects_plan(&r->objects, env, whole, r->tiles);
+    r->any_objects = env->object_count &&
+                     pel_objects_plan(&r->objects, env, whole, r->tiles);
     if (r->any_coast || r->any_objects) {
         pel_band_tiles(whole, band, r->tiles);
     }
@@ -564,7 +563,7 @@ static enum pel_err need_view(struct pel_renderer *r,
     do { /* once more where it turned to fragments meanwhile */
         compute = r->programs.compute;
         struct pel_pass pass =
-            pel_pass_first(to_shade(r, env, draw), compute, !objects);
+            pel_pass_first(to_shade(r, env, draw), compute);
         do {
             err = pel_programs_need(&r->programs, env->sea, pass.kind, coast,
                                     objects, fault);

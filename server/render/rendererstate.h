@@ -52,7 +52,6 @@ struct pel_renderer {
     struct pel_seabed_map seabed;
     struct pel_objects objects;
     uint16_t tiles[PEL_MAX_TILES]; /* of the view being drawn */
-    bool has_objects; /* the scene; any_objects: this view may show one */
     bool any_coast, any_objects;
     int margin; /* of its triangles around its pixels: render/edges.h */
 };

@@ -257,11 +257,35 @@ static void mix_edges(struct pel_renderer *r, const struct pel_camera *c,
     glMemoryBarrier(PIXEL_BARRIERS);
 }
 
+static void begin_tone(struct pel_renderer *r)
+{
+    glBindTextureUnit(PEL_UNIT_RADIANCE, r->targets.planes[PEL_AT_RADIANCE]);
+    glDisable(GL_DEPTH_TEST);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
+    glUseProgram(r->programs.tone);
+}
+
+/* Once more where objects went over what was toned at once. */
+static void tone_objects(struct pel_renderer *r, const struct pel_camera *c)
+{
+    begin_tone(r);
+    glEnable(GL_SCISSOR_TEST);
+    for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
+        if (run.tile & PEL_TILE_OBJECTS) {
+            GLint rect[4];
+            rect_of(r, c, &run, rect);
+            keep_to(rect);
+            glDrawArrays(GL_TRIANGLES, 0, 3);
+        }
+    }
+    glDisable(GL_SCISSOR_TEST);
+}
+
 bool pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
                          const struct pel_disc_box *discs,
                          const struct pel_sea_programs *p, unsigned asked)
 {
-    struct pel_pass pass = pel_pass_first(asked, false, !r->has_objects);
+    struct pel_pass pass = pel_pass_first(asked, false);
     bool toned = pass.kind == PEL_SHADE_COLOR || pass.kind == PEL_SHADE_BOTH;
     if (r->any_objects) {
         GLint box[4];
@@ -277,6 +301,9 @@ bool pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
             put_objects(r, c, p, &pass);
         }
     } while (pel_pass_next(&pass, false));
+    if (toned && r->any_objects) {
+        tone_objects(r, c);
+    }
     if (r->margin) {
         mix_edges(r, c, asked, toned);
     }
@@ -288,7 +315,7 @@ void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
 {
     int wanted = asked & PEL_LAYER_RADIANCE ? PEL_WANTS_RADIANCE : 0;
     wanted |= asked & PEL_LAYER_COLOR ? PEL_WANTS_COLOR : 0;
-    struct pel_pass pass = pel_pass_first(asked, true, true);
+    struct pel_pass pass = pel_pass_first(asked, true);
     do {
         /* Outlines read the keys after it. */
         int last = pass.last && !r->margin ? PEL_LAST_PASS : 0;
@@ -306,10 +333,7 @@ void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
 
 void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c)
 {
-    glBindTextureUnit(PEL_UNIT_RADIANCE, r->targets.planes[PEL_AT_RADIANCE]);
-    glDisable(GL_DEPTH_TEST);
+    begin_tone(r);
     glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
-    glUseProgram(r->programs.tone);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
