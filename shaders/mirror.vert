@@ -30,8 +30,8 @@ void main()
     float depth = dot(way, forward.xyz);
     vec2 place = (vec2(dot(way, across.xyz), dot(way, upward.xyz)) - window_.xy * depth) * window_.zw;
     gl_Position = vec4(place * 2.0 - depth, NEAR, depth);
-    vec4 more = texelFetch(object_places, drawn.x * PEL_OBJECT_PLACE_TEXELS + 14);
-    away = depth - more.x;
-    gl_ClipDistance[0] = o.origin.z + o.x.z * model.x + o.y.z * model.y + o.z.z * model.z + more.y;
+    away = depth - texelFetch(object_places, first + 6).x;
+    float below = texelFetch(object_places, first + 8).w;
+    gl_ClipDistance[0] = o.origin.z + o.x.z * model.x + o.y.z * model.y + o.z.z * model.z + below;
     number = uvec2(drawn.x + 1, triangle);
 }

@@ -5,26 +5,10 @@
 #include <string.h>
 
 #include "optics/atmosphere.h"
+#include "render/objectplan.h"
 #include "render/objectshadow.h"
-#include "render/tiles.h"
 #include "render/uniforms.h"
 
-#define NEAR_M 0.05 /* object.vert */
-/* An entity is left out where it would be smaller, px; of a level of detail its
- * surface may be so far from the model's. */
-#define LEAST_PX 0.25
-#define LEVEL_PX 0.5
-#define LEVEL_PX_BESIDE                                                        \
-    1.0 /* mirrored, which waves distort; texels of shadows */
-/* Corners of boxes are found without the waves' and the Earth's little bends.
- */
-#define BOX_MARGIN_PX 3.0
-/* Smaller things have no shadow. */
-#define SHADOW_PX 12.0
-/* Of what waves do to a mirrored image, how much goes sideways. */
-#define SIDEWAYS 0.3
-#define EVERYWHERE_PX 1e6
-#define FARTHEST_M 80000.0
 #define MOST_SLOTS (PEL_OBJECT_SHADOWS + PEL_MAX_ENTITIES)
 
 /* --- life ------------------------------------------------------------------
@@ -192,376 +176,9 @@ GLuint pel_objects_program(const struct pel_objects *o, bool sampled,
 
 void pel_objects_use(unsigned tile)
 {
-    glUniform2i(PEL_UNIFORM_NEAR, (GLint)PEL_TILE_MIRRORED(tile),
-                (GLint)PEL_TILE_SHADED(tile));
-}
-
-/* --- what a picture may show ------------------------------------------------
- */
-
-size_t pel_objects_bytes(const struct pel_environment *env)
-{
-    return env->object_count
-               ? (env->object_count + PEL_OBJECT_SHADOWS) *
-                         PEL_OBJECT_PLACE_TEXELS * sizeof(struct pel_vec4) +
-                     1024
-               : 0;
-}
-
-/* From the eye, as lib/model.glsl lays it over the sphere; `level` from the
- * eye's nadir and above the sea's zero. */
-static struct pel_vec3 over_sphere(struct pel_vec3 level, double eye_m)
-{
-    double half = 0.5 * hypot(level.x, level.y) / PEL_EARTH_RADIUS;
-    return (struct pel_vec3){
-        level.x * cos(half), level.y * cos(half),
-        level.z - 2 * PEL_EARTH_RADIUS * sin(half) * sin(half) - eye_m
-    };
-}
-
-static struct pel_vec3 origin_of(const struct pel_environment *env,
-                                 const struct pel_object *object,
-                                 const struct pel_camera *c)
-{
-    return (struct pel_vec3){ object->east_m - c->east_m,
-                              object->north_m - c->north_m,
-                              object->altitude_m - env->sea_level_m };
-}
-
-/* Where a picture may show something: tangents. */
-struct region {
-    double left, low, right, high;
-    int before, behind; /* points on either side of the eye */
-};
-
-static void widen(const struct pel_camera *c, struct pel_vec3 p,
-                  struct region *r)
-{
-    const struct pel_mat3 *m = &c->world_from_camera;
-    double away = -pel_vec3_dot(m->z, p);
-    if (away <= NEAR_M) {
-        r->behind++;
-        return;
-    }
-    double x = pel_vec3_dot(m->x, p) / away, y = pel_vec3_dot(m->y, p) / away;
-    r->left = fmin(r->left, x);
-    r->low = fmin(r->low, y);
-    r->right = fmax(r->right, x);
-    r->high = fmax(r->high, y);
-    r->before++;
-}
-
-#define NOWHERE                                                                \
-    {                                                                          \
-        HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL, 0, 0                         \
-    }
-
-/* Its pixels, from xy to before zw; false: none. */
-static bool pixels_in(const struct region *r, const struct pel_camera *c,
-                      int out[4])
-{
-    double px = (c->tan_right - c->tan_left) / c->width;
-    double py = (c->tan_top - c->tan_bottom) / c->height;
-    double low_x = (r->left - c->tan_left) / px - BOX_MARGIN_PX;
-    double low_y = (c->tan_top - r->high) / py - BOX_MARGIN_PX;
-    double high_x = (r->right - c->tan_left) / px + BOX_MARGIN_PX;
-    double high_y = (c->tan_top - r->low) / py + BOX_MARGIN_PX;
-    if (r->before == 0) {
-        return false;
-    }
-    if (r->behind > 0) { /* it reaches behind the eye */
-        low_x = low_y = 0;
-        high_x = c->width;
-        high_y = c->height;
-    }
-    out[0] = (int)floor(pel_clamp(low_x, 0, c->width));
-    out[1] = (int)floor(pel_clamp(low_y, 0, c->height));
-    out[2] = (int)ceil(pel_clamp(high_x, 0, c->width));
-    out[3] = (int)ceil(pel_clamp(high_y, 0, c->height));
-    return out[2] > out[0] && out[3] > out[1];
-}
-
-/* The corners of its bounding box, from z_m up in the model's axes, from the
- * eye's nadir and the sea's zero. */
-static void corners_of(const struct pel_environment *env,
-                       const struct pel_object *object,
-                       const struct pel_camera *c, double z_m,
-                       struct pel_vec3 out[8])
-{
-    const struct pel_model *model = object->model;
-    struct pel_vec3 origin = origin_of(env, object, c);
-    for (int i = 0; i < 8; i++) {
-        const struct pel_vec3 corner = {
-            i & 1 ? model->high.x : model->low.x,
-            i & 2 ? model->high.y : model->low.y,
-            i & 4 ? model->high.z : fmax(model->low.z, z_m),
-        };
-        out[i] = pel_vec3_add(
-            origin, pel_mat3_apply(&object->world_from_model, corner));
-    }
-}
-
-/* The pixels that it may cover. */
-static bool box_of(const struct pel_vec3 corners[8], const struct pel_camera *c,
-                   double eye_m, int out[4])
-{
-    struct region r = NOWHERE;
-    for (int i = 0; i < 8; i++) {
-        widen(c, over_sphere(corners[i], eye_m), &r);
-    }
-    return pixels_in(&r, c, out);
-}
-
-/* The same on the lattice that the picture is a part of. */
-static void on_lattice(const struct region *r, const struct pel_camera *c,
-                       float out[4])
-{
-    double px = pel_pixel_pitch(c->tan_left, c->tan_right, c->width);
-    double py = pel_pixel_pitch(c->tan_bottom, c->tan_top, c->height);
-    double all = r->behind > 0 ? EVERYWHERE_PX : 0;
-    out[0] = (float)(r->left / px - all);
-    out[1] = (float)(-r->high / py - all);
-    out[2] = (float)(r->right / px + all);
-    out[3] = (float)(-r->low / py + all);
-}
-
-/* The sea that may mirror it: down from its image in a calm sea, as wide as
- * waves spread it. */
-static bool box_mirrored(const struct pel_environment *env,
-                         const struct pel_vec3 corners[8],
-                         const struct pel_camera *c, double eye_m, int out[4],
-                         float lattice[4])
-{
-    struct region r = NOWHERE;
-    for (int i = 0; i < 8; i++) {
-        struct pel_vec3 p = corners[i];
-        p.z = -fmax(p.z, 0);
-        widen(c, over_sphere(p, eye_m), &r);
-        p.z = 0;
-        widen(c, over_sphere(p, eye_m), &r);
-    }
-    double spread = 2 * sqrt(fmax(env->sea->slope_variance_along,
-                                  env->sea->slope_variance_cross));
-    double waves = 3 * sqrt(env->sea->m0) / eye_m; /* crests before it */
-    r.high += fmin(waves, 1) * (r.high - r.low);
-    r.left -= SIDEWAYS * spread;
-    r.right += SIDEWAYS * spread;
-    r.low -= spread;
-    r.high += 0.12 * (r.high - r.low); /* felt() fades over less */
-    on_lattice(&r, c, lattice);
-    return pixels_in(&r, c, out);
-}
-
-/* The sea through which its hull may be seen: a refracted ray goes at most
- * REFRACTED times its depth aside. */
-#define REFRACTED 1.13
-static void widen_by_hull(const struct pel_environment *env,
-                          const struct pel_vec3 corners[8],
-                          const struct pel_camera *c, double eye_m,
-                          struct region *r)
-{
-    double waves = 3 * sqrt(env->sea->m0);
-    for (int i = 0; i < 8; i++) {
-        double aside = REFRACTED * fmax(-corners[i].z, 0);
-        for (int k = 0; k < 8; k++) {
-            struct pel_vec3 p = corners[i];
-            p.x += k & 1 ? aside : -aside;
-            p.y += k & 2 ? aside : -aside;
-            p.z = k & 4 ? waves : -waves;
-            widen(c, over_sphere(p, eye_m), r);
-        }
-    }
-}
-
-/* The sea that may lie in its shadow, or show its hull. */
-static bool box_shaded(const struct pel_environment *env,
-                       const struct pel_vec3 corners[8],
-                       const struct pel_camera *c, double eye_m, int out[4],
-                       float lattice[4], float in_water[4])
-{
-    const struct pel_vec3 to = env->lights[PEL_LIGHT_SUN].direction;
-    double waves = 3 * sqrt(env->sea->m0);
-    struct region r = NOWHERE;
-    for (int i = 0; i < (to.z > 0 ? 16 : 0); i++) {
-        struct pel_vec3 p = corners[i / 2];
-        double level = i % 2 ? waves : -waves;
-        double length = pel_clamp((p.z - level) / to.z, -PEL_FARTHEST_SHADOW_M,
-                                  PEL_FARTHEST_SHADOW_M);
-        p.x -= to.x * length;
-        p.y -= to.y * length;
-        p.z = level;
-        widen(c, over_sphere(p, eye_m), &r);
-    }
-    struct region hull = NOWHERE;
-    widen_by_hull(env, corners, c, eye_m, &hull);
-    on_lattice(&hull, c, in_water);
-    widen_by_hull(env, corners, c, eye_m, &r);
-    double edge = 0.1 * (r.right - r.left + r.high - r.low);
-    r.left -= edge;
-    r.right += edge;
-    r.low -= edge;
-    r.high += edge;
-    on_lattice(&r, c, lattice);
-    return pixels_in(&r, c, out);
-}
-
-static void mark_tiles(const struct pel_camera *c, const int box[4],
-                       unsigned mark, uint16_t *tiles)
-{
-    int across = (int)(c->width + PEL_TILE - 1) / PEL_TILE;
-    for (int y = box[1] / PEL_TILE; y * PEL_TILE < box[3]; y++) {
-        for (int x = box[0] / PEL_TILE; x * PEL_TILE < box[2]; x++) {
-            tiles[y * across + x] |= (uint16_t)mark;
-        }
-    }
-}
-
-/* How many pixels a metre of the object's nearest part is wide. */
-static double pixels_of(const struct pel_environment *env,
-                        const struct pel_object *object,
-                        const struct pel_camera *c)
-{
-    double pitch = fmin(pel_pixel_pitch(c->tan_left, c->tan_right, c->width),
-                        pel_pixel_pitch(c->tan_bottom, c->tan_top, c->height));
-    struct pel_vec3 at = origin_of(env, object, c);
-    at.z -= fmax(c->altitude_m, PEL_LEAST_EYE_M);
-    double away = sqrt(pel_vec3_dot(at, at));
-    return away > FARTHEST_M
-               ? 0
-               : 1.0 / (fmax(away - object->model->radius_m, 1.0) * pitch);
-}
-
-/* Of those that look largest from here, in sight or not, so that all views of a
- * lattice have the same; -1: smaller. */
-static int rank_of(const double px[], size_t count, size_t i)
-{
-    int larger = 0;
-    for (size_t k = 0; k < count; k++) {
-        larger += px[k] > px[i] || (px[k] == px[i] && k < i);
-    }
-    return px[i] >= SHADOW_PX && larger < PEL_OBJECT_SHADOWS ? larger : -1;
-}
-
-static int shadow_side(double px)
-{
-    int side = 64;
-    while (side < 1.5 * px && side < PEL_SHADOW_SIZE) {
-        side *= 2;
-    }
-    return side;
-}
-
-/* So far below the mean sea a mirrored view shows the hull: in troughs its
- * facets see it. */
-static double mirrored_below(const struct pel_environment *env)
-{
-    return 0.3 + 2 * sqrt(env->sea->m0);
-}
-
-/* The mirrored view of what is above the sea. */
-static bool look_mirrored(const struct pel_environment *env,
-                          const struct pel_object *object,
-                          const struct pel_camera *c, double eye_m, double px,
-                          struct pel_mirror_view *out)
-{
-    struct pel_vec3 corners[8], level = origin_of(env, object, c);
-    level.z = 0;
-    corners_of(env, object, c, -mirrored_below(env), corners);
-    for (int i = 0; i < 8; i++) {
-        corners[i] = over_sphere(corners[i], eye_m);
-    }
-    return pel_mirror_look(corners, 8, over_sphere(level, eye_m).z, px, out);
-}
-
-/* What it does to the sea in sight. */
-static void plan_beside(struct pel_object_drawn *d,
-                        const struct pel_environment *env,
-                        const struct pel_camera *c, int rank, double px,
-                        uint16_t *tiles)
-{
-    const struct pel_object *object = &env->objects[d->object];
-    double eye_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
-    struct pel_vec3 corners[8];
-    int box[4];
-    d->shades = d->mirrored = false;
-    memset(d->in_mirror, 0, sizeof d->in_mirror);
-    memset(d->in_shade, 0, sizeof d->in_shade);
-    memset(d->in_water, 0, sizeof d->in_water);
-    if (rank < 0) {
-        return;
-    }
-    corners_of(env, object, c, -HUGE_VAL, corners);
-    if (box_shaded(env, corners, c, eye_m, box, d->in_shade, d->in_water)) {
-        mark_tiles(c, box, PEL_TILE_SHADE(rank), tiles);
-        d->shades = true;
-    }
-    for (size_t i = 0; i < env->object_count && !d->shades; i++) {
-        d->shades = i != (size_t)d->object &&
-                    pel_shadow_reaches(env, object, &env->objects[i]);
-    }
-    if (rank < PEL_OBJECT_MIRRORS &&
-        box_mirrored(env, corners, c, eye_m, box, d->in_mirror) &&
-        look_mirrored(env, object, c, eye_m, px, &d->image)) {
-        mark_tiles(c, box, PEL_TILE_MIRROR(rank), tiles);
-        d->mirrored = true;
-    }
-}
-
-/* Levels of detail, as its views can show. */
-static void plan_levels(struct pel_object_drawn *d,
-                        const struct pel_environment *env,
-                        const struct pel_camera *c)
-{
-    const struct pel_object *object = &env->objects[d->object];
-    const struct pel_model *model = object->model;
-    d->level = pel_model_level_for(model, pixels_of(env, object, c), LEVEL_PX);
-    d->mirror_level = d->shadow_level = d->level;
-    if (d->mirrored) {
-        d->mirror_level = pel_model_level_for(model, pixels_of(env, object, c),
-                                              LEVEL_PX_BESIDE);
-    }
-    if (d->slot < PEL_OBJECT_SHADOWS) {
-        double texels = d->shadow_px / (2 * model->radius_m);
-        int level = pel_model_level_for(model, texels, LEVEL_PX_BESIDE);
-        d->shadow_level = level > d->level ? level : d->level;
-    }
-}
-
-bool pel_objects_plan(struct pel_objects *o, const struct pel_environment *env,
-                      const struct pel_camera *c, uint16_t *tiles)
-{
-    double eye_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
-    double px[PEL_MAX_ENTITIES];
-    bool any = false;
-    int others = PEL_OBJECT_SHADOWS;
-    o->drawn_count = 0;
-    for (size_t i = 0; i < env->object_count; i++) {
-        const struct pel_object *object = &env->objects[i];
-        px[i] = 2 * object->model->radius_m * pixels_of(env, object, c);
-        any = any || px[i] >= LEAST_PX;
-    }
-    for (size_t i = 0; i < env->object_count; i++) {
-        const struct pel_object *object = &env->objects[i];
-        struct pel_object_drawn *d = &o->drawn[o->drawn_count];
-        struct pel_vec3 corners[8];
-        int box[4], rank = rank_of(px, env->object_count, i);
-        corners_of(env, object, c, -HUGE_VAL, corners);
-        d->object = (int)i;
-        d->seen = px[i] >= LEAST_PX && box_of(corners, c, eye_m, box);
-        plan_beside(d, env, c, rank, px[i], tiles);
-        if (!d->seen && !d->shades && !d->mirrored) {
-            continue;
-        }
-        if (d->seen) {
-            mark_tiles(c, box, PEL_TILE_OBJECTS, tiles);
-        }
-        d->model = pel_model_pool_find(&o->pool, object->model);
-        d->slot = rank >= 0 ? rank : others++;
-        d->shadow_px = shadow_side(px[i]);
-        plan_levels(d, env, c);
-        o->drawn_count++;
-    }
-    return any;
+    GLint shaded = (GLint)PEL_TILE_SHADED(tile);
+    glUniform3i(PEL_UNIFORM_NEAR, (GLint)PEL_TILE_MIRRORED(tile), shaded,
+                tile & PEL_TILE_HULLS ? shaded : 0);
 }
 
 /* --- light ------------------------------------------------------------------
@@ -623,6 +240,15 @@ static void fit_targets(struct pel_objects *o, uint32_t width, uint32_t height)
     glNamedFramebufferTexture(o->fbo, GL_DEPTH_ATTACHMENT, o->depth, 0);
 }
 
+size_t pel_objects_bytes(const struct pel_environment *env)
+{
+    return env->object_count
+               ? (env->object_count + PEL_OBJECT_SHADOWS) *
+                         PEL_OBJECT_PLACE_TEXELS * sizeof(struct pel_vec4) +
+                     1024
+               : 0;
+}
+
 static struct pel_vec4 vec4(struct pel_vec3 v, double w)
 {
     return (struct pel_vec4){ (float)v.x, (float)v.y, (float)v.z, (float)w };
@@ -662,7 +288,7 @@ static void place(const struct pel_objects *o,
     const struct pel_object *object = &env->objects[d->object];
     const struct pel_mat3 *m = &object->world_from_model;
     const float *plan = o->pool.models[d->model].plan;
-    struct pel_vec3 origin = origin_of(env, object, c);
+    struct pel_vec3 origin = pel_object_origin(env, object, c);
     out[0] = vec4(m->x, origin.x);
     out[1] = vec4(m->y, origin.y);
     out[2] = vec4(m->z, origin.z);
@@ -681,12 +307,13 @@ static void place(const struct pel_objects *o,
     memcpy(&out[12], d->in_mirror, sizeof out[12]);
     memcpy(&out[13], d->in_shade, sizeof out[13]);
     memcpy(&out[17], d->in_water, sizeof out[17]);
-    out[14] = (struct pel_vec4){ (float)image->middle_m,
-                                 (float)mirrored_below(env), 0, 0 };
+    out[14] = (struct pel_vec4){ (float)image->middle_m, d->taper[0],
+                                 d->taper[1], d->taper[2] };
     const float *paint = o->pool.models[d->model].paint;
     out[15] = (struct pel_vec4){ fade_of(env, 0), fade_of(env, 1),
                                  fade_of(env, 2), (float)object->model->low.z };
-    out[16] = (struct pel_vec4){ paint[0], paint[1], paint[2], 0 };
+    out[16] = (struct pel_vec4){ paint[0], paint[1], paint[2],
+                                 (float)pel_object_mirrored_below(env) };
 }
 
 static void bind_places(struct pel_objects *o,

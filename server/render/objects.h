@@ -33,6 +33,7 @@ struct pel_object_drawn {
     struct pel_mirror_view image;
     float in_mirror[4], in_shade[4], in_water[4]; /* pixels of the lattice with
                                                   either, or the hull */
+    float taper[3]; /* of the first (objectplan.c) */
 };
 
 /* Zeroed before its first use. */

@@ -14,6 +14,7 @@ static void delete_sea_programs(struct pel_sea_programs *p)
         glDeleteProgram(p->compute_program[i]);
         glDeleteProgram(p->coast[i]);
         glDeleteProgram(p->shallow[i]);
+        glDeleteProgram(p->mirroring[i]);
         for (int k = 0; k < PEL_COAST_TILES; k++) {
             glDeleteProgram(p->objects[k][i]);
         }
@@ -44,6 +45,10 @@ static const char *const tile_defines[PEL_COAST_TILES] = {
 
 static void delete_objects(struct pel_sea_programs *p)
 {
+    for (int i = 0; i < PEL_SHADE_COUNT; i++) {
+        glDeleteProgram(p->mirroring[i]);
+        p->mirroring[i] = 0;
+    }
     for (int i = 0; i < PEL_COAST_TILES * PEL_SHADE_COUNT; i++) {
         GLuint *program = &p->objects[i / PEL_SHADE_COUNT][i % PEL_SHADE_COUNT];
         glDeleteProgram(*program);
@@ -108,7 +113,8 @@ static void delete_all_seas(struct pel_programs *p)
 static enum pel_err make_sea_program(struct pel_programs *all,
                                      const struct pel_sea *sea,
                                      enum pel_shading kind,
-                                     enum pel_coast_tile tile, bool objects,
+                                     enum pel_coast_tile tile,
+                                     enum pel_objects_known objects,
                                      GLuint *out, struct pel_fault *fault)
 {
     if (*out) {
@@ -121,7 +127,10 @@ static enum pel_err make_sea_program(struct pel_programs *all,
              kind_defines[kind], tile_defines[tile],
              all->software ? "" : "#define PEL_EXACT_TEXELS\n",
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
-             objects ? "#define PEL_OBJECTS\n" : "",
+             objects == PEL_OBJECTS_ALL
+                 ? "#define PEL_OBJECTS\n#define PEL_SHADED\n"
+             : objects ? "#define PEL_OBJECTS\n"
+                       : "",
              objects && all->compute && all->textured ? "#define PEL_TEXTURED\n"
                                                       : "");
     if (all->compute) {
@@ -158,26 +167,32 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
                                  &all->search, fault);
     }
     if (err == PEL_OK && coast) {
-        err = make_sea_program(all, sea, kind, PEL_COAST_LAND, false,
-                               &p->coast[kind], fault);
+        err = make_sea_program(all, sea, kind, PEL_COAST_LAND,
+                               PEL_OBJECTS_UNKNOWN, &p->coast[kind], fault);
     }
     if (err == PEL_OK && coast) {
-        err = make_sea_program(all, sea, kind, PEL_COAST_BOTTOM, false,
-                               &p->shallow[kind], fault);
+        err = make_sea_program(all, sea, kind, PEL_COAST_BOTTOM,
+                               PEL_OBJECTS_UNKNOWN, &p->shallow[kind], fault);
     }
     for (int tile = 0; tile < PEL_COAST_TILES && objects; tile++) {
         if (err == PEL_OK && (coast || !tile)) {
-            err = make_sea_program(all, sea, kind, tile, true,
+            err = make_sea_program(all, sea, kind, tile, PEL_OBJECTS_ALL,
                                    &p->objects[tile][kind], fault);
         }
     }
+    if (err == PEL_OK && objects && !all->compute) {
+        err =
+            make_sea_program(all, sea, kind, PEL_COAST_NONE,
+                             PEL_OBJECTS_MIRRORED, &p->mirroring[kind], fault);
+    }
     if (err == PEL_OK && all->compute) {
-        return make_sea_program(all, sea, kind, PEL_COAST_NONE, false,
-                                &p->compute_program[kind], fault);
+        return make_sea_program(all, sea, kind, PEL_COAST_NONE,
+                                PEL_OBJECTS_UNKNOWN, &p->compute_program[kind],
+                                fault);
     }
     if (err == PEL_OK) {
-        err = make_sea_program(all, sea, kind, PEL_COAST_NONE, false,
-                               &p->fragments[kind], fault);
+        err = make_sea_program(all, sea, kind, PEL_COAST_NONE,
+                               PEL_OBJECTS_UNKNOWN, &p->fragments[kind], fault);
     }
     for (int disc = 0; disc < 2; disc++) {
         GLuint *program = disc ? &all->disc[kind] : &all->backdrop[kind];

@@ -20,6 +20,13 @@ enum pel_shading {
     PEL_SHADE_COUNT,
 };
 
+/* What a program of the sea knows of objects. */
+enum pel_objects_known {
+    PEL_OBJECTS_UNKNOWN,
+    PEL_OBJECTS_MIRRORED,
+    PEL_OBJECTS_ALL /* their shadows and hulls in the water too */
+};
+
 /* What draws one kind of sea, by enum pel_shading. */
 struct pel_sea_programs {
     GLuint mesh;
@@ -30,6 +37,8 @@ struct pel_sea_programs {
     GLuint shallow[PEL_SHADE_COUNT]; /* with the bottom alone */
     /* Either wrapper, in tiles with objects, by enum pel_coast_tile. */
     GLuint objects[PEL_COAST_TILES][PEL_SHADE_COUNT];
+    /* Fragments, where objects are mirrored and do nothing else. */
+    GLuint mirroring[PEL_SHADE_COUNT];
 };
 
 #define PEL_SEAS 36

@@ -14,20 +14,24 @@
      GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT)
 
 static GLuint program_of(const struct pel_sea_programs *p, unsigned tile,
-                         bool objects, enum pel_shading kind, GLuint deep)
+                         enum pel_objects_known objects, enum pel_shading kind,
+                         GLuint deep)
 {
     unsigned coast = tile & PEL_TILE_COAST;
-    return objects                     ? p->objects[coast][kind]
+    return objects == PEL_OBJECTS_MIRRORED && coast == PEL_COAST_NONE
+               ? p->mirroring[kind]
+           : objects                   ? p->objects[coast][kind]
            : coast == PEL_COAST_LAND   ? p->coast[kind]
            : coast == PEL_COAST_BOTTOM ? p->shallow[kind]
                                        : deep;
 }
 
-/* Whether objects can change a pixel of it. */
-static bool is_touched(unsigned tile)
+/* What objects can do to the sea of it. */
+static enum pel_objects_known is_touched(unsigned tile)
 {
-    return (tile & PEL_TILE_OBJECTS) || PEL_TILE_MIRRORED(tile) ||
-           PEL_TILE_SHADED(tile);
+    return PEL_TILE_SHADED(tile)     ? PEL_OBJECTS_ALL
+           : PEL_TILE_MIRRORED(tile) ? PEL_OBJECTS_MIRRORED
+                                     : PEL_OBJECTS_UNKNOWN;
 }
 
 /* A run of tiles in the targets: from xy to before zw. At the picture's edges
@@ -55,7 +59,8 @@ static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
 {
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
-        bool objects = r->any_objects && is_touched(run.tile);
+        enum pel_objects_known objects =
+            r->any_objects ? is_touched(run.tile) : PEL_OBJECTS_UNKNOWN;
         GLint rect[4];
         rect_of(r, c, &run, rect);
         keep_to(rect);
@@ -77,8 +82,9 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
                            const struct pel_pass *pass, int wanted)
 {
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
-        glUseProgram(program_of(p, run.tile, r->any_objects, pass->kind,
-                                p->compute_program[pass->kind]));
+        glUseProgram(program_of(
+            p, run.tile, r->any_objects ? PEL_OBJECTS_ALL : PEL_OBJECTS_UNKNOWN,
+            pass->kind, p->compute_program[pass->kind]));
         pel_pass_use(pass);
         if (r->any_objects) {
             pel_objects_use(run.tile);

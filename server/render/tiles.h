@@ -8,6 +8,7 @@
  * mirrors one of the four that look largest, or lies in the shadow of one of
  * eight: masks of their ranks. */
 #define PEL_TILE_OBJECTS 4
+#define PEL_TILE_HULLS 8 /* of what shades it, seen through the sea */
 #define PEL_TILE_MIRROR(rank) (0x10u << (rank))
 #define PEL_TILE_SHADE(rank) (0x100u << (rank))
 #define PEL_TILE_MIRRORED(tile) ((tile) >> 4 & 0xfu)

@@ -64,7 +64,7 @@ vec3 leaving_with_hulls(vec3 v, vec3 n, vec3 to, vec3 leaving)
     const float eta = 1.0 / PEL_WATER_INDEX;
     float facing = max(dot(n, v), 1e-3);
     vec3 d = n * (eta * facing - sqrt(1.0 - eta * eta * (1.0 - facing * facing))) - eta * v;
-    for (int left = objects_near.y; left != 0; left &= left - 1) {
+    for (int left = objects_near.z; left != 0; left &= left - 1) {
         int i = findLSB(left);
         int first = i * PEL_OBJECT_PLACE_TEXELS;
         vec4 box = texelFetch(object_places, first + 17); // on the lattice

@@ -5,7 +5,7 @@
 
 layout(binding = PEL_UNIT_MIRRORS) uniform sampler2DArray mirrors;
 layout(binding = PEL_UNIT_MIRROR_DEPTHS) uniform sampler2DArray mirror_depths;
-layout(location = PEL_UNIFORM_NEAR) uniform ivec2 objects_near; // masks: mirrored, shading
+layout(location = PEL_UNIFORM_NEAR) uniform ivec3 objects_near; // masks: mirrored, shading, seen through the sea
 
 vec3 sea_place = vec3(0.0); // of the pixel, from the eye
 vec2 sea_pixel = vec2(0.0); // its place on the lattice
@@ -34,9 +34,10 @@ vec3 outline_distance(int i, vec3 p, vec3 r)
 
 // How much of what an object does to the sea a pixel gets: all but close to the
 // edge of the rectangle, on the lattice, outside of which it does nothing.
-float felt(vec4 box)
+float felt(vec4 box, float faded, float inset)
 {
-    vec2 off = min(sea_pixel - box.xy, box.zw - sea_pixel) / max(0.08 * (box.zw - box.xy), vec2(1.0));
+    vec2 off = min(sea_pixel - box.xy, box.zw - sea_pixel) - vec2(inset, 0.0);
+    off /= max(faded * (box.zw - box.xy), vec2(1.0));
     return clamp(min(off.x, off.y), 0.0, 1.0);
 }
 
@@ -46,7 +47,7 @@ struct mirror_view {
     vec3 from; // the pixel's place, along across, upward, forward
     vec4 window_;
     vec4 level; // of what is seen, as far as by the view's tangents; less the place's
-    float layer, tall, here; // here 0: it is not met
+    float layer, tall, middle, here; // here 0: it is not met
     float pixel_; // 1 / its length on the sea, m, at least one
 };
 
@@ -61,7 +62,9 @@ mirror_view mirror_view_of(int i, vec2 away)
     m.across = across.xyz;
     m.upward = texelFetch(object_places, first + 2).xyz;
     m.window_ = texelFetch(object_places, first + 3);
-    m.here = felt(texelFetch(object_places, first + 4));
+    vec4 more = texelFetch(object_places, first + 6);
+    m.middle = more.x;
+    m.here = felt(texelFetch(object_places, first + 4), 0.08, clamp((more.y - sea_pixel.y) * more.z, 0.0, more.w));
     vec3 from = sea_place - vec3(0.0, 0.0, across.w);
     m.from = vec3(dot(from, m.across), dot(from, m.upward), dot(from, m.forward));
     m.level = vec4(dot(m.across.xy, away), dot(m.upward.xy, away), dot(m.forward.xy, away), dot(from.xy, away));
@@ -85,12 +88,12 @@ vec2 view_place(mirror_view m, vec3 way, float far, out float inverse)
 
 // How far away, level, what stands that a ray meets, if it is about `far` away,
 // where nothing stands `other`.
-float stands_mirrored(mirror_view m, float middle, vec3 way, float far, float lod, float other)
+float stands_mirrored(mirror_view m, vec3 way, float far, float lod, float other)
 {
     float inverse;
     vec2 tangents = view_place(m, way, far, inverse);
     vec2 there = textureLod(mirror_depths, vec3((tangents - m.window_.xy) * m.window_.zw, m.layer), lod).rg;
-    float depth = middle + there.r / max(there.g, 1e-3);
+    float depth = m.middle + there.r / max(there.g, 1e-3);
     float stands = depth * dot(m.level.xyz, vec3(tangents, 1.0)) - m.level.w;
     return there.g > 0.02 ? stands : other;
 }
@@ -175,7 +178,6 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
         // First the outline's distance, then of what each ray sees there.
         placed o = placed_object(i);
         vec3 outline = outline_distance(i, into_model(o, sea_place), vec3(dot(away, o.x.xy), dot(away, o.y.xy), 0.0));
-        float middle = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 14).x;
         float guess = max(outline.x, 0.0), wall = outline.x;
         float lod = log2(max(m.tall * 0.3 * s * guess / max(m.from.z, 1.0), 1.0));
         int meets = 0;
@@ -199,7 +201,7 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
                 left = is ? left_[k] : left;
             }
             way = in_view(m, way);
-            wall = stands_mirrored(m, middle, way, guess, lod, wall);
+            wall = stands_mirrored(m, way, guess, lod, wall);
             vec4 seen = seen_mirrored(m, way, spread, wall) * left;
             stands += seen.rgb * share;
             hidden += seen.a * sky_;
@@ -215,6 +217,7 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
            lost * (second * left_twice + sum_twice);
 }
 
+#ifdef PEL_SHADED
 #include "lib/keel.glsl"
 
 float sun_on_sea(vec3 place)
@@ -222,7 +225,7 @@ float sun_on_sea(vec3 place)
     float share = 1.0;
     for (int left = objects_near.y; left != 0; left &= left - 1) {
         int i = findLSB(left);
-        float here = felt(texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 13));
+        float here = felt(texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 13), 0.02, 0.0);
         vec3 at;
         bool held = shadow_place(i, from_object(placed_object(i), place), at);
         float lit = texture(object_shadows, vec4(at.xy, float(i), at.z));
@@ -230,3 +233,4 @@ float sun_on_sea(vec3 place)
     }
     return share;
 }
+#endif

@@ -137,12 +137,14 @@ shaded shade_sea(ivec2 at, uint triangle)
 #ifdef PEL_OBJECTS
     sea_place = t * ray;
     sea_pixel = lattice(at);
+#ifdef PEL_SHADED
     sea_lit = sun_on_sea(sea_place);
     vec3 falling = beams[PEL_LIGHT_SUN].rgb * max(light_above(PEL_LIGHT_SUN, tilt).z, 0.0);
-    if (objects_near.y != 0 && lut.y < 0.5) {
+    if (objects_near.z != 0 && lut.y < 0.5) {
         leaving = leaving_with_hulls(v, n_lit, light_above(PEL_LIGHT_SUN, tilt), leaving);
     }
     leaving *= 1.0 - (1.0 - sea_lit) * falling / max(falling + skies[PEL_LIGHT_SUN].rgb, vec3(1e-12));
+#endif
 #endif
     lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving,
                              blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0),
