@@ -82,6 +82,15 @@ static size_t triangles_of(const struct pel_model *m)
     return count;
 }
 
+static bool is_one_sided(const struct pel_model *m)
+{
+    bool two_sided = false;
+    for (size_t i = 0; i < m->material_count; i++) {
+        two_sided = two_sided || m->materials[i].two_sided;
+    }
+    return !two_sided;
+}
+
 static void write_materials(const struct pel_model *m, float *out)
 {
     for (size_t i = 0; i < m->material_count; i++) {
@@ -337,6 +346,7 @@ static bool fill(struct pel_model_pool *pool)
         const struct pel_model *m = p->model;
         p->first_vertex = vertex;
         p->first_material = material;
+        p->one_sided = is_one_sided(m);
         write_vertices(m, v + 4 * PEL_OBJECT_VERTEX_TEXELS * (size_t)vertex);
         write_materials(m,
                         w + 4 * PEL_OBJECT_MATERIAL_TEXELS * (size_t)material);

@@ -15,6 +15,7 @@ struct pel_pool_model {
     uint32_t first_triangle[PEL_MODEL_LEVELS];
     float plan[4];  /* of its hull's texels: xy least, m; zw 1 / extent, 1/m */
     float paint[3]; /* mean albedo of its hull under the waterline */
+    bool one_sided; /* all its triangles: their backs are not drawn */
 };
 
 /* Zeroed before its first use. */

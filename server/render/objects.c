@@ -351,6 +351,18 @@ static void open_window(const struct pel_block_view *view)
                        2.0f * WINDOW_HALF, 2.0f * WINDOW_HALF);
 }
 
+/* Leaves out the backs of triangles of one side; `front`: how their fronts turn
+ * in the window. */
+static void draw_fronts(const struct pel_objects *o, int i, GLenum front)
+{
+    glFrontFace(front);
+    if (o->pool.models[o->drawn[i].model].one_sided) {
+        glEnable(GL_CULL_FACE);
+    } else {
+        glDisable(GL_CULL_FACE);
+    }
+}
+
 static void draw_level(const struct pel_objects *o, int i, int level)
 {
     const struct pel_object_drawn *d = &o->drawn[i];
@@ -360,6 +372,7 @@ static void draw_level(const struct pel_objects *o, int i, int level)
                  3 * (GLsizei)p->model->levels[level].triangles);
 }
 
+/* With backs: what is under the sea is cut off, so that one looks in. */
 static void draw_image(const void *user, int i)
 {
     const struct pel_objects *o = user;
@@ -383,8 +396,10 @@ static void draw_shadows(struct pel_objects *o)
         glViewport(0, 0, PEL_SHADOW_SIZE, PEL_SHADOW_SIZE);
         glClearNamedFramebufferfv(fbo, GL_DEPTH, 0, &far_away);
         glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
+        draw_fronts(o, i, GL_CCW);
         draw_level(o, i, d->shadow_level);
     }
+    glDisable(GL_CULL_FACE);
     glDisable(GL_POLYGON_OFFSET_FILL);
     glBindTextureUnit(PEL_UNIT_OBJECT_SHADOWS, o->shadows);
 }
@@ -430,9 +445,11 @@ static void draw_seen(struct pel_objects *o, const struct pel_block_view *view)
     open_window(view);
     for (int i = 0; i < o->drawn_count; i++) {
         if (o->drawn[i].seen) {
+            draw_fronts(o, i, GL_CW);
             draw_level(o, i, o->drawn[i].level);
         }
     }
+    glDisable(GL_CULL_FACE);
 }
 
 void pel_objects_raster(struct pel_objects *o,
