@@ -9,8 +9,6 @@ out gl_PerVertex {
     vec4 gl_Position;
     float gl_ClipDistance[1];
 };
-out vec3 way; // from the eye's image
-out float away; // along the view's axis, from the object's middle
 flat out uvec2 number;
 
 const float NEAR = 0.05;
@@ -26,11 +24,10 @@ void main()
     vec4 across = texelFetch(object_places, first + 1);
     vec4 upward = texelFetch(object_places, first + 2);
     vec4 window_ = texelFetch(object_places, first + 3);
-    way = object_point(o, model) - vec3(0.0, 0.0, across.w);
+    vec3 way = object_point(o, model) - vec3(0.0, 0.0, across.w);
     float depth = dot(way, forward.xyz);
     vec2 place = (vec2(dot(way, across.xyz), dot(way, upward.xyz)) - window_.xy * depth) * window_.zw;
     gl_Position = vec4(place * 2.0 - depth, NEAR, depth);
-    away = depth - texelFetch(object_places, first + 6).x;
     float below = texelFetch(object_places, first + 8).w;
     gl_ClipDistance[0] = o.origin.z + o.x.z * model.x + o.y.z * model.y + o.z.z * model.z + below;
     number = uvec2(drawn.x + 1, triangle);

@@ -32,14 +32,18 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
     enum pel_err err =
         m->program
             ? PEL_OK
-            : pel_program_create(shader_dir, "mirror.vert", "mirror.frag",
+            : pel_program_create(shader_dir, "screen.vert", "mirror.frag",
                                  textured ? "#define PEL_TEXTURED\n" : NULL,
                                  &m->program, fault);
     if (err != PEL_OK || m->radiance) {
         return err;
     }
-    err = pel_program_create(shader_dir, "mirror_mips.comp", NULL, NULL,
-                             &m->mips_program, fault);
+    err = pel_program_create(shader_dir, "mirror.vert", "number.frag", NULL,
+                             &m->raster, fault);
+    if (err == PEL_OK) {
+        err = pel_program_create(shader_dir, "mirror_mips.comp", NULL, NULL,
+                                 &m->mips_program, fault);
+    }
     if (err != PEL_OK) {
         return err;
     }
@@ -50,6 +54,16 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
     glCreateTextures(GL_TEXTURE_2D, 1, &m->depth);
     glTextureStorage2D(m->depth, 1, GL_DEPTH_COMPONENT32F, PEL_MIRROR_WIDTH,
                        PEL_MIRROR_HEIGHT);
+    glCreateTextures(GL_TEXTURE_2D, 1, &m->numbers);
+    glTextureStorage2D(m->numbers, 1, GL_RG32UI, PEL_MIRROR_WIDTH,
+                       PEL_MIRROR_HEIGHT);
+    glTextureParameteri(m->numbers, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(m->numbers, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glObjectLabel(GL_TEXTURE, m->numbers, -1, "mirrored triangles");
+    glCreateFramebuffers(1, &m->numbers_fbo);
+    glNamedFramebufferTexture(m->numbers_fbo, GL_COLOR_ATTACHMENT0, m->numbers,
+                              0);
+    glNamedFramebufferTexture(m->numbers_fbo, GL_DEPTH_ATTACHMENT, m->depth, 0);
     static const GLenum both[2] = { GL_COLOR_ATTACHMENT0,
                                     GL_COLOR_ATTACHMENT1 };
     glCreateFramebuffers(PEL_OBJECT_MIRRORS, m->fbos);
@@ -70,6 +84,9 @@ void pel_mirrors_finish(struct pel_mirrors *m)
     glDeleteTextures(1, &m->radiance);
     glDeleteTextures(1, &m->away);
     glDeleteTextures(1, &m->depth);
+    glDeleteTextures(1, &m->numbers);
+    glDeleteFramebuffers(1, &m->numbers_fbo);
+    glDeleteProgram(m->raster);
     glDeleteProgram(m->program);
     glDeleteProgram(m->mips_program);
     *m = (struct pel_mirrors){ 0 };
@@ -123,9 +140,8 @@ void pel_mirrors_begin(struct pel_mirrors *m)
 {
     glViewport(0, 0, PEL_MIRROR_WIDTH, PEL_MIRROR_HEIGHT);
     glScissor(0, 0, PEL_MIRROR_WIDTH, PEL_MIRROR_HEIGHT);
+    glBindTextureUnit(PEL_UNIT_OBJECTS, m->numbers);
     m->views = 0;
-    glUseProgram(m->program);
-    glEnable(GL_CLIP_DISTANCE0);
 }
 
 void pel_mirrors_draw(struct pel_mirrors *m, int layer,
@@ -136,18 +152,21 @@ void pel_mirrors_draw(struct pel_mirrors *m, int layer,
     GLuint fbo = m->fbos[layer];
     m->views = layer >= m->views ? layer + 1 : m->views;
     glDepthMask(GL_TRUE);
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glClearNamedFramebufferfv(m->numbers_fbo, GL_DEPTH, 0, nothing);
     glClearNamedFramebufferfv(fbo, GL_COLOR, 0, nothing);
     glClearNamedFramebufferfv(fbo, GL_COLOR, 1, nothing);
-    glClearNamedFramebufferfv(fbo, GL_DEPTH, 0, nothing);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
-    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, m->numbers_fbo);
+    glUseProgram(m->raster);
+    glEnable(GL_CLIP_DISTANCE0);
     glDepthFunc(GL_GREATER);
     draw(user, i);
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDisable(GL_CLIP_DISTANCE0);
+    /* Where there is something. */
     glDepthMask(GL_FALSE);
-    glDepthFunc(GL_EQUAL);
-    draw(user, i);
+    glDepthFunc(GL_LESS);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
+    glUseProgram(m->program);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 static GLuint groups_of(int texels, int level)
@@ -159,7 +178,6 @@ static GLuint groups_of(int texels, int level)
  * were not drawn too. */
 void pel_mirrors_end(struct pel_mirrors *m)
 {
-    glDisable(GL_CLIP_DISTANCE0);
     glBindTextureUnit(PEL_UNIT_MIRRORS, m->radiance);
     glBindTextureUnit(PEL_UNIT_MIRROR_DEPTHS, m->away);
     glUseProgram(m->mips_program);

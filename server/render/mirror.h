@@ -10,8 +10,9 @@
 
 /* Zeroed before its first use. */
 struct pel_mirrors {
-    GLuint program, mips_program, radiance, away, depth,
-        fbos[PEL_OBJECT_MIRRORS];
+    GLuint raster, program, mips_program;
+    GLuint radiance, away, fbos[PEL_OBJECT_MIRRORS];
+    GLuint numbers, depth, numbers_fbo; /* of the view being drawn */
     int views; /* as far as any was drawn since begin */
 };
 
@@ -36,7 +37,8 @@ void pel_mirrors_finish(struct pel_mirrors *m);
 bool pel_mirror_look(const struct pel_vec3 *points, int count, double sea_m,
                      double px, struct pel_mirror_view *out);
 
-/* Draws layer after layer: begin, then `draw` twice for each, then end. */
+/* Draws layer after layer: begin, then `draw` once for each, then end. A view
+ * is rasterised to numbers of triangles, then shaded, each texel once. */
 void pel_mirrors_begin(struct pel_mirrors *m);
 void pel_mirrors_draw(struct pel_mirrors *m, int layer,
                       void (*draw)(const void *user, int i), const void *user,

@@ -464,7 +464,6 @@ void pel_objects_raster(struct pel_objects *o,
     if (middles) {
         draw_middles(o, width, height, keys);
         draw_seen(o, view);
-        glBindTextureUnit(PEL_UNIT_OBJECTS, o->seen);
     }
     pel_samples_begin(&o->samples, width, height, box);
     draw_seen(o, view);
@@ -474,6 +473,7 @@ void pel_objects_raster(struct pel_objects *o,
     glDepthMask(GL_TRUE);
     draw_shadows(o);
     draw_mirrored(o);
+    glBindTextureUnit(PEL_UNIT_OBJECTS, o->seen);
     glDisable(GL_SCISSOR_TEST);
     glDisable(GL_DEPTH_TEST);
     glDepthMask(GL_FALSE);
