@@ -75,8 +75,7 @@ bool pel_pass_light(const struct pel_pass *whole, struct pel_pass *light)
     const unsigned of_light = pel_layers_of_light();
     *light = *whole;
     light->layers = 0;
-    light->kind =
-        whole->kind == PEL_SHADE_BOTH ? PEL_SHADE_LIGHT : whole->kind;
+    light->kind = whole->kind == PEL_SHADE_BOTH ? PEL_SHADE_LIGHT : whole->kind;
     int used = 0;
     for (int i = 0; i < PEL_FRAGMENT_SLOTS; i++) {
         int layer = whole->layer[i];

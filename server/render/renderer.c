@@ -562,8 +562,7 @@ static enum pel_err need_view(struct pel_renderer *r,
     bool compute;
     do { /* once more where it turned to fragments meanwhile */
         compute = r->programs.compute;
-        struct pel_pass pass =
-            pel_pass_first(to_shade(r, env, draw), compute);
+        struct pel_pass pass = pel_pass_first(to_shade(r, env, draw), compute);
         do {
             err = pel_programs_need(&r->programs, env->sea, pass.kind, coast,
                                     objects, fault);
