@@ -47,5 +47,4 @@ void main()
         shown &= dry ? ~0u : ~behind;
     }
     cover = shown;
-    gl_FragDepth = shown == 0u ? 0.0 : 1.0;
 }

@@ -10,6 +10,7 @@ void pel_samples_finish(struct pel_samples *s)
     glDeleteTextures(4, textures);
     glDeleteFramebuffers(2, fbos);
     glDeleteProgram(s->raster);
+    glDeleteProgram(s->any);
     glDeleteProgram(s->sight);
     glDeleteProgram(s->hide);
     *s = (struct pel_samples){ 0 };
@@ -28,6 +29,10 @@ enum pel_err pel_samples_need(struct pel_samples *s,
     if (!s->raster) {
         err = pel_program_create(p->shader_dir, "object.vert", "samples.frag",
                                  NULL, &s->raster, fault);
+    }
+    if (err == PEL_OK && !s->any) {
+        err = pel_program_create(p->shader_dir, "screen.vert", "any.frag", NULL,
+                                 &s->any, fault);
     }
     if (err == PEL_OK && !s->sight) {
         err = pel_program_create(p->shader_dir, "screen.vert", "sight.frag",
@@ -116,8 +121,15 @@ void pel_samples_sight(struct pel_samples *s, const GLint box[4])
     glBindTextureUnit(PEL_UNIT_OBJECT_SAMPLES, s->numbers);
     glBindTextureUnit(PEL_UNIT_OBJECT_DEPTHS, s->depths);
     glViewport(0, 0, (GLsizei)s->width, (GLsizei)s->height);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glUseProgram(s->any);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_FALSE);
     glUseProgram(s->sight);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDepthMask(GL_TRUE);
     glBindTextureUnit(PEL_UNIT_OBJECT_COVER, s->cover);
     glDisable(GL_SCISSOR_TEST);
 }

@@ -15,9 +15,9 @@ struct pel_samples {
     uint32_t width, height;
     GLuint numbers, depths, fbo; /* entity and triangle, as render/objects.h */
     GLuint cover, cover_fbo;     /* bits of samples that show objects */
-    GLuint shown;                /* depth: 0 where none does, else 1 */
-    GLuint raster, sight, hide;  /* programs */
-    bool by_keys;                /* `sight` reads the sea from keys */
+    GLuint shown;                /* depth: 0 where none is, else 1 */
+    GLuint raster, any, sight, hide; /* programs */
+    bool by_keys;                    /* `sight` reads the sea from keys */
 };
 
 /* GPU with a fault when a program does not compile. */

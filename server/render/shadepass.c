@@ -98,16 +98,29 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
     }
 }
 
+/* Pixels without a sample of objects fail the test of depth. */
+static void show_samples_only(struct pel_renderer *r, GLuint fbo)
+{
+    glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT,
+                              r->objects.samples.shown, 0);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+}
+
+static void show_all(struct pel_renderer *r, GLuint fbo)
+{
+    glDisable(GL_DEPTH_TEST);
+    glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT, r->targets.depth_test,
+                              0);
+}
+
 static void shade_objects(struct pel_renderer *r, const struct pel_camera *c,
                           const struct pel_pass *pass, bool sampled, bool fft)
 {
     GLuint fbo = pel_targets_attach(&r->targets, pass);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
     if (sampled) {
-        glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT,
-                                  r->objects.samples.shown, 0);
-        glEnable(GL_DEPTH_TEST);
-        glDepthFunc(GL_LESS);
+        show_samples_only(r, fbo);
     }
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
@@ -122,9 +135,7 @@ static void shade_objects(struct pel_renderer *r, const struct pel_camera *c,
         }
     }
     glDisable(GL_SCISSOR_TEST);
-    glDisable(GL_DEPTH_TEST);
-    glNamedFramebufferTexture(fbo, GL_DEPTH_ATTACHMENT, r->targets.depth_test,
-                              0);
+    show_all(r, fbo);
 }
 
 /* Objects over what is behind them: their light by the share of each pixel that
@@ -275,6 +286,7 @@ static void begin_tone(struct pel_renderer *r)
 static void tone_objects(struct pel_renderer *r, const struct pel_camera *c)
 {
     begin_tone(r);
+    show_samples_only(r, r->targets.color_fbo);
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
         if (run.tile & PEL_TILE_OBJECTS) {
@@ -285,6 +297,7 @@ static void tone_objects(struct pel_renderer *r, const struct pel_camera *c)
         }
     }
     glDisable(GL_SCISSOR_TEST);
+    show_all(r, r->targets.color_fbo);
 }
 
 bool pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
