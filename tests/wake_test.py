@@ -99,6 +99,36 @@ class Wakes(unittest.TestCase):
         self.ocean.patch({"entities": {"5": {"latitude": 52.7}}})
         self.assertEqual(self.track(), [])
 
+    def test_slopes_that_pixels_hide_are_counted(self):
+        """From a height at which a pixel is longer than the waves the mean
+        square slope is the one of the queried surface."""
+        self.start()
+        self.ocean.step(200.0)
+        grid = [(4.0 * i - 50, -250.0 + 4.0 * j) for i in range(25) for j in range(25)]
+        n = np.asarray(self.ocean.surface(grid).normal)
+        want = np.mean((n[:, 0] ** 2 + n[:, 1] ** 2) / n[:, 2] ** 2)
+        got = []
+        for height in (100, 1000, 4000):
+            self.ocean.patch({"views": {"eye": {
+                "entity": 1, "up": height, "pitch": -90, "width": 120, "height": 120,
+                "fieldOfView": 2 * math.degrees(math.atan(50 / height))
+                if height == 100 else 60}},
+                "entities": {"1": {"latitude": 52.6 - 202 * NORTH,
+                                   "longitude": 5.2}}})
+            exr = self.ocean.frame("eye", "exr", layers=(
+                "position", "normal", "slopeVariance")).exr()
+            layers = {k.split(".")[0]: v for k, v in exr.layers.items()}
+            place, normal, lost = (layers[k] for k in ("position", "normal", "slopeVariance"))
+            inside = (np.abs(place[..., 0]) < 50) & (np.abs(place[..., 1] + 202) < 50)
+            s = normal[inside]
+            shown = np.mean((s[:, 0] ** 2 + s[:, 1] ** 2) / s[:, 2] ** 2)
+            hidden = np.mean(np.sum(lost[inside], axis=-1))
+            got.append(shown + hidden)
+            print(f"from {height} m: mean square slope {shown:.5f} shown, "
+                  f"{hidden:.5f} hidden, {want:.5f} queried")
+        # 625 places of a grid, pixels of 1 m, 10 m and 40 m: 3 to 6 % off
+        np.testing.assert_allclose(got, want, rtol=0.1)
+
     def test_drawn_is_queried(self):
         self.start()
         self.ocean.step(200.0)

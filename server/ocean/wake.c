@@ -378,9 +378,11 @@ static double fade(double x, double length_m, double *slope)
     return 1.0 - u * u * (3.0 - 2.0 * u);
 }
 
+typedef float channels __attribute__((vector_size(16)));
+
 /* Value and derivatives by x and y of four channels. */
 struct read {
-    double v[4], x[4], y[4];
+    channels v, x, y;
 };
 
 static void read_tile(const struct pel_wake_tile *tile, double x, double y,
@@ -393,19 +395,21 @@ static void read_tile(const struct pel_wake_tile *tile, double x, double y,
     double wx[4], dx[4], wy[4], dy[4];
     spline(u - i0, wx, dx);
     spline(v - j0, wy, dy);
-    memset(r, 0, sizeof *r);
-    double per_m = N / tile->length_m;
+    *r = (struct read){ 0 };
+    float per_m = (float)(N / tile->length_m);
     for (int j = 0; j < 4; j++) {
         const float(*row)[4] = (const float(*)[4])tile->texels +
                                (size_t)((j0 + j - 1 + N) % N) * N;
+        channels sum = { 0 }, slope = { 0 };
         for (int i = 0; i < 4; i++) {
-            const float *t = row[(i0 + i - 1 + N) % N];
-            for (int c = 0; c < 4; c++) {
-                r->v[c] += wx[i] * wy[j] * (double)t[c];
-                r->x[c] += dx[i] * wy[j] * per_m * (double)t[c];
-                r->y[c] += wx[i] * dy[j] * per_m * (double)t[c];
-            }
+            channels t;
+            memcpy(&t, row[(i0 + i - 1 + N) % N], sizeof t);
+            sum += t * (float)wx[i];
+            slope += t * (float)dx[i];
         }
+        r->v += sum * (float)wy[j];
+        r->x += slope * ((float)wy[j] * per_m);
+        r->y += sum * ((float)dy[j] * per_m);
     }
 }
 
@@ -423,15 +427,56 @@ void pel_wake_add(const struct pel_wake *wake, double x_m, double y_m,
         struct read r;
         read_tile(tile, x_m, y_m, &r);
         double f = fx * fy, gx = sx * fy, gy = fx * sy;
-        to->d.x += f * r.v[0];
-        to->d.y += f * r.v[1];
-        to->d.z += f * r.v[2];
-        to->rise_mps += f * r.v[3];
-        to->dxx += f * r.x[0] + gx * r.v[0];
-        to->dxy += f * r.y[0] + gy * r.v[0];
-        to->dyx += f * r.x[1] + gx * r.v[1];
-        to->dyy += f * r.y[1] + gy * r.v[1];
-        to->hx += f * r.x[2] + gx * r.v[2];
-        to->hy += f * r.y[2] + gy * r.v[2];
+        double v[4], x[4], y[4];
+        for (int c = 0; c < 4; c++) {
+            v[c] = f * (double)r.v[c];
+            x[c] = f * (double)r.x[c] + gx * (double)r.v[c];
+            y[c] = f * (double)r.y[c] + gy * (double)r.v[c];
+        }
+        to->d.x += v[0];
+        to->d.y += v[1];
+        to->d.z += v[2];
+        to->rise_mps += v[3];
+        to->dxx += x[0];
+        to->dxy += y[0];
+        to->dyx += x[1];
+        to->dyy += y[1];
+        to->hx += x[2];
+        to->hy += y[2];
+    }
+}
+
+void pel_wake_tile_slopes(const struct pel_wake_tile *tile, float (*out)[4])
+{
+    enum { SIDE = PEL_WAKE_ROUGH_N, BLOCK = N / SIDE, EVERY = 2 };
+    const float(*t)[4] = (const float(*)[4])tile->texels;
+    const double per_m = N / tile->length_m;
+    const double scale = per_m * per_m * EVERY * EVERY / (BLOCK * BLOCK);
+    for (int b = 0; b < SIDE * SIDE; b++) {
+        double xx = 0, yy = 0, xy = 0;
+        for (int k = 0; k < BLOCK * BLOCK / (EVERY * EVERY); k++) {
+            int i = b % SIDE * BLOCK + k % (BLOCK / EVERY) * EVERY;
+            int j = b / SIDE * BLOCK + k / (BLOCK / EVERY) * EVERY;
+            double h[3][3];
+            for (int n = 0; n < 9; n++) {
+                int row = (j + n / 3 - 1) & (N - 1);
+                int column = (i + n % 3 - 1) & (N - 1);
+                h[n / 3][n % 3] = (double)t[row * N + column][2];
+            }
+            /* The spline's derivatives at a texel. */
+            double x = (h[0][2] - h[0][0] + 4 * (h[1][2] - h[1][0]) + h[2][2] -
+                        h[2][0]) /
+                       12;
+            double y = (h[2][0] - h[0][0] + 4 * (h[2][1] - h[0][1]) + h[2][2] -
+                        h[0][2]) /
+                       12;
+            xx += x * x;
+            yy += y * y;
+            xy += x * y;
+        }
+        out[b][0] = (float)(scale * xx);
+        out[b][1] = (float)(scale * yy);
+        out[b][2] = (float)(scale * xy);
+        out[b][3] = 0;
     }
 }

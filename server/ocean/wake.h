@@ -115,3 +115,8 @@ struct pel_wake_shift {
 /* Adds `wake` at the place to *to. */
 void pel_wake_add(const struct pel_wake *wake, double x_m, double y_m,
                   struct pel_wake_shift *to);
+
+/* Mean squares of the slopes of height over ROUGH_N² blocks of texels, from
+ * every fourth: ∂h/∂x squared, ∂h/∂y squared, their product. The tile has
+ * texels. */
+void pel_wake_tile_slopes(const struct pel_wake_tile *tile, float (*out)[4]);

@@ -3,14 +3,16 @@
 #include <math.h>
 #include <string.h>
 
+_Static_assert(PEL_WAKE_N >> PEL_WAKE_ROUGH_LEVEL == PEL_WAKE_ROUGH_N,
+               "a level of the texture");
 _Static_assert(PEL_WAKES *PEL_WAKE_TILES == PEL_WAKE_LAYERS, "a layer a tile");
 
 static void make(struct pel_wake_map *map)
 {
     glCreateTextures(GL_TEXTURE_2D_ARRAY, PEL_WAKE_SETS, map->sets);
     for (int i = 0; i < PEL_WAKE_SETS; i++) {
-        glTextureStorage3D(map->sets[i], 1, GL_RGBA32F, PEL_WAKE_N, PEL_WAKE_N,
-                           PEL_WAKE_LAYERS);
+        glTextureStorage3D(map->sets[i], PEL_WAKE_ROUGH_LEVEL + 1, GL_RGBA32F,
+                           PEL_WAKE_N, PEL_WAKE_N, PEL_WAKE_LAYERS);
         glTextureParameteri(map->sets[i], GL_TEXTURE_MIN_FILTER, GL_NEAREST);
         glTextureParameteri(map->sets[i], GL_TEXTURE_MAG_FILTER, GL_NEAREST);
         glObjectLabel(GL_TEXTURE, map->sets[i], -1, "ship waves");
@@ -27,14 +29,19 @@ void pel_wake_map_load(struct pel_wake_map *map,
         make(map);
     }
     map->current = (map->current + 1) % PEL_WAKE_SETS;
+    static float rough[PEL_WAKE_ROUGH_N * PEL_WAKE_ROUGH_N][4];
+    GLuint set = map->sets[map->current];
     GLint layer = 0;
     for (size_t i = 0; i < env->wakes->count; i++) {
         for (int k = 0; k < PEL_WAKE_TILES; k++) {
             const struct pel_wake_tile *t = &env->wakes->wake[i]->tile[k];
             if (t->texels) {
-                glTextureSubImage3D(map->sets[map->current], 0, 0, 0, layer++,
-                                    PEL_WAKE_N, PEL_WAKE_N, 1, GL_RGBA,
-                                    GL_FLOAT, t->texels);
+                glTextureSubImage3D(set, 0, 0, 0, layer, PEL_WAKE_N, PEL_WAKE_N,
+                                    1, GL_RGBA, GL_FLOAT, t->texels);
+                pel_wake_tile_slopes(t, rough);
+                glTextureSubImage3D(set, PEL_WAKE_ROUGH_LEVEL, 0, 0, layer++,
+                                    PEL_WAKE_ROUGH_N, PEL_WAKE_ROUGH_N, 1,
+                                    GL_RGBA, GL_FLOAT, rough);
             }
         }
     }

@@ -379,8 +379,11 @@ struct pel_vec2 pel_wakes_before(const struct pel_wake_moment *moment,
         if (fabs(ex) + fabs(ey) < 1e-6) {
             break;
         }
-        at.x -= ex;
-        at.y -= ey;
+        /* Newton's step. */
+        double a = 1 + there->dxx, d = 1 + there->dyy;
+        double det = fmax(a * d - there->dxy * there->dyx, 0.2);
+        at.x -= (d * ex - there->dxy * ey) / det;
+        at.y -= (a * ey - there->dyx * ex) / det;
     }
     return at;
 }

@@ -500,6 +500,9 @@ PEL_BLOCK(PEL_BLOCK_CASCADES, cascades)
 /* Tiles of ship waves (ocean/wake.h), three a ship, relative to the nadir. */
 #define PEL_WAKE_N 256
 #define PEL_WAKE_LAYERS 24
+/* Their mean square slopes, in a level of the texture. */
+#define PEL_WAKE_ROUGH_LEVEL 3
+#define PEL_WAKE_ROUGH_N 32
 #define PEL_WAKE_FADE 0.41
 #define PEL_WAKE_FADED 0.46
 struct pel_shader_wake {

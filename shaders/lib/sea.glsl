@@ -88,7 +88,8 @@ shaded shade_sea(ivec2 at, uint triangle)
 #ifdef PEL_WAKES
     // The place is above what the wakes have carried there, to first order.
     vec2 above = dir.xy * range;
-    add_wakes(wake_at(above - wake_at(above, footprint).d.xy, footprint), f);
+    wake_shift wake = wake_at(above - wake_at(above, footprint).d.xy, footprint);
+    add_wakes(wake, f);
 #endif
     vec3 n = filtered_normal(f);
     vec2 variance = variance_left(footprint);
@@ -99,6 +100,10 @@ shaded shade_sea(ivec2 at, uint triangle)
     variance = area_variance(variance, f.up);
     variance_beside -= variance;
     variance_all = area_variance(variance_all, f.up);
+#endif
+#ifdef PEL_WAKES
+    variance += wake_variance(wake.lost);
+    variance_all += wake_variance(wake.lost);
 #endif
     // A normal that faces away belongs to a patch which the mesh shows and the
     // waves hide. Such pixels dot the crests; they get what their neighbourhood

@@ -7,7 +7,26 @@ struct wake_shift {
     vec3 d;
     vec3 dx; // by x
     vec3 dy;
+    vec3 lost; // mean squares of slopes that the footprint hides: xx, yy, xy
 };
+
+// Mean square slopes of a tile about a place in texels.
+vec3 wake_slopes(int i, vec2 at)
+{
+    vec2 place = at / float(PEL_WAKE_N / PEL_WAKE_ROUGH_N) - 0.5;
+    vec2 f = fract(place);
+    ivec2 corner = ivec2(floor(place));
+    vec3 rows[2];
+    for (int b = 0; b < 2; b++) {
+        vec3 t[2];
+        for (int a = 0; a < 2; a++) {
+            ivec2 block = (corner + ivec2(a, b)) & (PEL_WAKE_ROUGH_N - 1);
+            t[a] = texelFetch(wake_tiles, ivec3(block, i), PEL_WAKE_ROUGH_LEVEL).xyz;
+        }
+        rows[b] = mix(t[0], t[1], f.x);
+    }
+    return mix(rows[0], rows[1], f.y);
+}
 
 void wake_spline(vec2 f, out vec2 w[4], out vec2 d[4])
 {
@@ -24,14 +43,21 @@ void add_wake_tile(int i, vec2 x, float footprint, inout wake_shift sum)
     vec2 from = x - place.xy;
     vec2 u = (abs(from) / place.w - PEL_WAKE_FADE) / (PEL_WAKE_FADED - PEL_WAKE_FADE);
     float shown = 1.0 - smoothstep(1.0, 3.0, footprint * place.z);
-    if (max(u.x, u.y) >= 1.0 || shown <= 0.0) {
+    if (max(u.x, u.y) >= 1.0) {
         return;
     }
     vec2 v = clamp(u, 0.0, 1.0);
     vec2 fade = 1.0 - v * v * (3.0 - 2.0 * v);
+    vec2 at = x * place.z + wakes[i].offset.xy;
+    if (shown < 1.0) {
+        float seen = fade.x * fade.y;
+        sum.lost += (1.0 - shown * shown) * seen * seen * wake_slopes(i, at);
+    }
+    if (shown <= 0.0) {
+        return;
+    }
     vec2 fading = -6.0 * v * (1.0 - v) * sign(from) /
                   ((PEL_WAKE_FADED - PEL_WAKE_FADE) * place.w);
-    vec2 at = x * place.z + wakes[i].offset.xy;
     vec2 f = fract(at);
     ivec2 corner = ivec2(at - f) - 1;
     vec2 w[4];
@@ -54,9 +80,17 @@ void add_wake_tile(int i, vec2 x, float footprint, inout wake_shift sum)
     sum.dy += all * place.z * by_y + shown * fade.x * fading.y * value;
 }
 
+// Such slopes along and across the wind.
+vec2 wake_variance(vec3 lost)
+{
+    vec2 d = wind.xy;
+    vec2 two = 2.0 * d.x * d.y * vec2(1.0, -1.0);
+    return max(lost.x * d * d + lost.y * d.yx * d.yx + lost.z * two, 0.0);
+}
+
 wake_shift wake_at(vec2 x, float footprint)
 {
-    wake_shift sum = wake_shift(vec3(0.0), vec3(0.0), vec3(0.0));
+    wake_shift sum = wake_shift(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
     for (int i = 0; i < int(wake_count.x); i++) {
         add_wake_tile(i, x, footprint, sum);
     }
