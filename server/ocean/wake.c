@@ -131,12 +131,26 @@ static struct pel_vec2 middle_of(const struct pel_wake_track *track,
                               now.y + share * (then.y - now.y) };
 }
 
+/* A slow ship's first tile is one more of the second's, this far behind it, in
+ * sides. */
+#define TRAIL 0.68
+#define TRAIL_S 600.0 /* at most */
+
+static struct pel_vec2 middle_behind(const struct pel_wake_track *track,
+                                     double time_s, double length_m)
+{
+    struct pel_vec2 now = place_at(track, time_s);
+    struct pel_vec2 then = place_at(track, time_s - BEHIND_S);
+    double speed = hypot(then.x - now.x, then.y - now.y) / BEHIND_S;
+    double back_s = TRAIL * length_m / fmax(speed, 0.5);
+    return middle_of(track, time_s - fmin(back_s, TRAIL_S), length_m);
+}
+
 /* --- its waves ------------------------------------------------------------ */
 
 struct pel_wake_past {
     const struct pel_wake_basin *basin; /* its own */
     double time_s;
-    int first; /* of the tiles */
     struct pel_wake_amplitudes *amplitudes[PEL_WAKE_TILES];
 };
 
@@ -151,15 +165,26 @@ static bool goes_far(const struct pel_wake_track *track,
            (depth_m > 0 && u2 > 0.5 * PEL_GRAVITY * depth_m);
 }
 
+static struct pel_vec2 middle(const struct pel_wake_basin *basin, int i,
+                              const struct pel_wake_track *track, double time_s)
+{
+    double length = basin->band[i].length_m;
+    return i > 0 || basin->far ? middle_of(track, time_s, length)
+                               : middle_behind(track, time_s, length);
+}
+
 bool pel_wake_reaches(const struct pel_wake_track *track, double time_s,
                       double depth_m, double x_m, double y_m, double radius_m)
 {
     struct legs legs;
     legs_of(track, -HUGE_VAL, time_s, &legs);
+    bool far = goes_far(track, &legs, depth_m);
     double side = pel_wake_near_m(&track->hull) * PEL_WAKE_RATIO *
-                  (goes_far(track, &legs, depth_m) ? PEL_WAKE_RATIO : 1.0);
-    struct pel_vec2 middle = middle_of(track, time_s, side);
-    double off = fmax(fabs(x_m - middle.x), fabs(y_m - middle.y));
+                  (far ? PEL_WAKE_RATIO : 1.0);
+    struct pel_vec2 at = middle_of(track, time_s, side);
+    struct pel_vec2 behind = far ? at : middle_behind(track, time_s, side);
+    double off = fmin(fmax(fabs(x_m - at.x), fabs(y_m - at.y)),
+                      fmax(fabs(x_m - behind.x), fabs(y_m - behind.y)));
     return legs.count > 0 && off < FADED * side + radius_m;
 }
 
@@ -172,16 +197,18 @@ static enum pel_err sum_up(struct pel_wake_past *past,
                            const struct pel_wake_track *track,
                            const struct legs *legs)
 {
-    for (int i = past->first; i < PEL_WAKE_TILES; i++) {
+    for (int i = 0; i < PEL_WAKE_TILES; i++) {
         const struct pel_wake_band *band = &past->basin->band[i];
-        struct pel_vec2 place = middle_of(track, past->time_s, band->length_m);
+        struct pel_vec2 place = middle(past->basin, i, track, past->time_s);
+        struct pel_vec2 ahead = middle(past->basin, 1, track, past->time_s);
         past->amplitudes[i] = aligned_alloc(64, bytes_of(band));
         if (!past->amplitudes[i]) {
             return PEL_ERR_NO_MEMORY;
         }
         memset(past->amplitudes[i], 0, bytes_of(band));
         pel_wake_band_add(past->basin, i, legs->leg, legs->count, past->time_s,
-                          &place, past->amplitudes[i]);
+                          &place, i == 0 && !past->basin->far ? &ahead : NULL,
+                          past->amplitudes[i]);
     }
     return PEL_OK;
 }
@@ -197,7 +224,6 @@ enum pel_err pel_wake_past_create(const struct pel_wake_track *track,
         legs_of(track, -HUGE_VAL, time_s, legs);
         bool far = goes_far(track, legs, depth_m);
         past->time_s = time_s;
-        past->first = far ? 0 : 1;
         err = pel_wake_basin_get(&track->hull, depth_m, far, &past->basin);
     }
     if (err == PEL_OK) {
@@ -226,7 +252,7 @@ void pel_wake_past_destroy(struct pel_wake_past *past)
 size_t pel_wake_past_bytes(const struct pel_wake_past *past)
 {
     size_t sum = sizeof *past;
-    for (int i = past->first; i < PEL_WAKE_TILES; i++) {
+    for (int i = 0; i < PEL_WAKE_TILES; i++) {
         const struct pel_wake_band *band = &past->basin->band[i];
         sum += bytes_of(band) + (size_t)band->bunch_count * sizeof *band->bunch;
     }
@@ -277,12 +303,12 @@ static enum pel_err make_tile(const struct pel_wake_past *past, int which,
                               struct work *w, struct pel_wake_tile *tile)
 {
     const struct pel_wake_band *band = &past->basin->band[which];
-    struct pel_vec2 middle = middle_of(track, time_s, band->length_m);
+    struct pel_vec2 place = middle(past->basin, which, track, time_s);
     struct pel_wake_amplitudes *a = aligned_alloc(64, bytes_of(band));
     *tile = (struct pel_wake_tile){
         .length_m = band->length_m,
-        .x_m = middle.x,
-        .y_m = middle.y,
+        .x_m = place.x,
+        .y_m = place.y,
         .texels = malloc(PEL_WAKE_TILE_BYTES),
     };
     if (!a || !tile->texels) {
@@ -290,8 +316,10 @@ static enum pel_err make_tile(const struct pel_wake_past *past, int which,
         return PEL_ERR_NO_MEMORY;
     }
     pel_wake_band_turn(band, past->amplitudes[which], time_s - past->time_s, a);
-    pel_wake_band_add(past->basin, which, since->leg, since->count, time_s,
-                      NULL, a);
+    if (which > 0 || past->basin->far) { /* the ship is not in it */
+        pel_wake_band_add(past->basin, which, since->leg, since->count, time_s,
+                          NULL, NULL, a);
+    }
     put_modes(band, a, w);
     free(a);
     transform(&w->heave, &w->strip);
@@ -317,7 +345,7 @@ enum pel_err pel_wake_later(const struct pel_wake_past *past,
     if (err == PEL_OK) {
         legs_of(track, past->time_s, time_s, since);
     }
-    for (int i = past->first; err == PEL_OK && i < PEL_WAKE_TILES; i++) {
+    for (int i = 0; err == PEL_OK && i < PEL_WAKE_TILES; i++) {
         err = make_tile(past, i, track, since, time_s, w, &wake->tile[i]);
     }
     free(w);

@@ -10,7 +10,9 @@
  * A track is pieces, straight and at constant speed; of one the integral is
  * closed. Waves stand on periodic tiles that follow the ship, each of one band
  * of |k|: what left the tile (its packet, at the group velocity) is left out,
- * and the tile fades towards its border.
+ * and the tile fades towards its border. A ship too slow for waves of the
+ * longest tile has a second one of the middle tile's waves behind that, for
+ * what has left it.
  *
  * Frame as ocean/sea.h. Immutable once built; any thread. */
 #pragma once
@@ -62,7 +64,8 @@ struct pel_wake_tile {
 
 /* The waves of one ship at one moment. */
 struct pel_wake {
-    struct pel_wake_tile tile[PEL_WAKE_TILES]; /* longest waves first */
+    /* Longest waves first, or the tile behind. */
+    struct pel_wake_tile tile[PEL_WAKE_TILES];
 };
 
 /* Side of the tile of the shortest waves; each other one is RATIO times as long

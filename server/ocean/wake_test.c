@@ -160,6 +160,49 @@ static void transverse(void **state)
     }
 }
 
+/* Root mean square on the track about a distance behind the ship. */
+static double rms_about(const struct pel_wake *wake, double x, double wave)
+{
+    double sum = 0;
+    for (int i = 0; i < 40; i++) {
+        double h = height(wake, -(x + wave * (i / 20.0 - 1)), 0);
+        sum += h * h / 40;
+    }
+    return sqrt(sum);
+}
+
+/* Where it has left the tiles at the ship: of the right length still, and it
+ * falls as the square root of the distance. */
+static void far_behind(void **state)
+{
+    (void)state;
+    const struct pel_hull hull = { 100, 1, 8, 4.0 / 9.0 };
+    const double speed = 6.17, want = 2 * M_PI * speed * speed / G;
+    struct pel_wake *wake = straight(&hull, speed, 0, RUN_S);
+    double first = 0, last = 0;
+    int crossings = 0;
+    for (double x = 600; x < 1000; x += 0.05) {
+        double a = height(wake, -x, 0), b = height(wake, -x - 0.05, 0);
+        if (a < 0 && b >= 0) {
+            last = x + 0.05 * a / (a - b);
+            first = crossings++ ? first : last;
+        }
+    }
+    double got = (last - first) / (crossings - 1);
+    double near = rms_about(wake, 350, want) * sqrt(350.0);
+    print_message(
+        "waves of %.3f m, want %.3f; heights by root of distance:", got, want);
+    for (double x = 400; x < 1050; x += 50) {
+        double here = rms_about(wake, x, want) * sqrt(x) / near;
+        print_message(" %.3f", here);
+        /* where one tile hands over to the next it is a tenth less */
+        assert_float_equal(here, 1.0, 0.12);
+    }
+    print_message("\n");
+    assert_float_equal(got, want, 0.01 * want);
+    pel_wake_destroy(wake);
+}
+
 /* Height squared over a wavelength along the ray that passes (−at, y). */
 static double energy(const struct pel_wake *wake, double at, double y,
                      double wave)
@@ -332,7 +375,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(resistance), cmocka_unit_test(transverse),
         cmocka_unit_test(kelvin),     cmocka_unit_test(fast),
-        cmocka_unit_test(moments),    cmocka_unit_test(shallow),
+        cmocka_unit_test(far_behind), cmocka_unit_test(moments),
+        cmocka_unit_test(shallow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -119,7 +119,7 @@ static enum pel_err fill_band(struct pel_wake_basin *basin, int i)
 
 static void destroy(struct pel_wake_basin *basin)
 {
-    for (int i = 0; i < PEL_WAKE_TILES; i++) {
+    for (int i = basin->far ? 0 : 1; i < PEL_WAKE_TILES; i++) {
         free(basin->band[i].bunch);
     }
     pel_hull_form_finish(&basin->form);
@@ -149,6 +149,9 @@ static enum pel_err create(const struct pel_hull *hull, double depth_m,
     if (err != PEL_OK) {
         destroy(basin);
         return err;
+    }
+    if (!far) {
+        basin->band[0] = basin->band[1];
     }
     *out = basin;
     return PEL_OK;
@@ -228,8 +231,10 @@ struct stretch {
     float gx, gy; /* turns a second a mode number, from its speed */
 };
 
-struct window {
+struct window {         /* two: of packets, of reads */
     float per_m, whole; /* of a share of a tile's side */
+    bool beside;        /* of another tile, whose middle is there */
+    float x, y;
 };
 
 static struct stretch stretch_of(const struct pel_wake_basin *basin,
@@ -283,12 +288,22 @@ PEL_INLINE lanes larger(lanes a, lanes b)
 }
 
 /* 1 within, falling smoothly to 0 at the border. */
-PEL_INLINE lanes weight_of(const struct window *w, lanes x, lanes y)
+PEL_INLINE lanes within(const struct window *w, lanes x, lanes y)
 {
     lanes u = larger(size_of(x), size_of(y)) * w->per_m - w->whole;
     u = pel_lanes_choose((ints)(u > 0.0f), u, pel_lanes_spread(0.0f));
     u = pel_lanes_choose((ints)(u < 1.0f), u, pel_lanes_spread(1.0f));
     return 1.0f - u * u * (3.0f - 2.0f * u);
+}
+
+PEL_INLINE lanes weight_of(const struct window *w, lanes x, lanes y)
+{
+    lanes weight = within(w, x, y);
+    if (w->beside) { /* whose reads fade too */
+        lanes xo = x - w->x, yo = y - w->y;
+        weight *= 1.0f - within(w, xo, yo) * within(&w[1], xo, yo);
+    }
+    return weight;
 }
 
 PEL_INLINE bool any(lanes x)
@@ -396,15 +411,26 @@ PEL_CLONES static void add_all(const struct pel_wake_band *band,
 /* Adds a list and empties it. */
 static void flush(const struct pel_wake_basin *basin,
                   const struct pel_wake_band *band, struct stretch *list,
-                  int *count, bool windowed, struct pel_wake_amplitudes *to)
+                  int *count, const struct pel_vec2 *place,
+                  const struct pel_vec2 *but, struct pel_wake_amplitudes *to)
 {
     const double ramp = (PEL_WAKE_HELD - PEL_WAKE_WHOLE) * band->length_m;
-    const struct window window = {
-        (float)(1.0 / ramp),
-        (float)(PEL_WAKE_WHOLE / (PEL_WAKE_HELD - PEL_WAKE_WHOLE)),
+    const double fade = (PEL_WAKE_FADED - PEL_WAKE_FADE) * band->length_m;
+    const struct window window[2] = {
+        {
+            (float)(1.0 / ramp),
+            (float)(PEL_WAKE_WHOLE / (PEL_WAKE_HELD - PEL_WAKE_WHOLE)),
+            but != NULL,
+            but ? (float)(but->x - place->x) : 0,
+            but ? (float)(but->y - place->y) : 0,
+        },
+        {
+            .per_m = (float)(1.0 / fade),
+            .whole = (float)(PEL_WAKE_FADE / (PEL_WAKE_FADED - PEL_WAKE_FADE)),
+        },
     };
-    if (windowed) {
-        add_windowed(band, list, *count, basin->form.along, &window, to);
+    if (place) {
+        add_windowed(band, list, *count, basin->form.along, window, to);
     } else {
         add_all(band, list, *count, basin->form.along, to);
     }
@@ -414,6 +440,7 @@ static void flush(const struct pel_wake_basin *basin,
 void pel_wake_band_add(const struct pel_wake_basin *basin, int i,
                        const struct pel_wake_leg *legs, int count,
                        double time_s, const struct pel_vec2 *place,
+                       const struct pel_vec2 *but,
                        struct pel_wake_amplitudes *to)
 {
     enum { AT_ONCE = 128 };
@@ -432,11 +459,11 @@ void pel_wake_band_add(const struct pel_wake_basin *basin, int i,
                 leg->begin_s + lasts * (p + 1) / parts, time_s, place);
             listed += !place || reaches(band, &list[listed], speed);
             if (listed == AT_ONCE) {
-                flush(basin, band, list, &listed, place != NULL, to);
+                flush(basin, band, list, &listed, place, but, to);
             }
         }
     }
-    flush(basin, band, list, &listed, place != NULL, to);
+    flush(basin, band, list, &listed, place, but, to);
 }
 
 PEL_CLONES static void turn(const struct pel_wake_bunch *bunch, int count,

@@ -39,7 +39,7 @@ struct pel_wake_band {
 };
 
 /* What hulls of these measures have in common in water of this depth. Without
- * the far tile its waves are the next one's. */
+ * the far tile its waves are the next one's, and the first is one like that. */
 struct pel_wake_basin {
     struct pel_hull hull;
     double depth_m;
@@ -63,10 +63,12 @@ struct pel_wake_leg {
 
 /* Adds what the legs have put into a band's modes, as it is at time_s (not
  * before their ends). place: the tile's middle, beyond whose border packets are
- * left out; NULL: they are all within. */
+ * left out; NULL: they are all within. but: the middle of another of this side
+ * that has what is in it; NULL: none. */
 void pel_wake_band_add(const struct pel_wake_basin *basin, int band,
                        const struct pel_wake_leg *legs, int count,
                        double time_s, const struct pel_vec2 *place,
+                       const struct pel_vec2 *but,
                        struct pel_wake_amplitudes *to);
 
 /* Those of `from` as they are later_s on. */
