@@ -718,7 +718,7 @@ validate-water: deps-build ## light in the water against Monte Carlo (ARGS=--qui
 	$(Q)cat build/validate$(if $(filter --quick,$(ARGS)),/quick)/water.md
 validate-seatrace: deps-build ## its part sea with options of its own, as ARGS='--spectrum elfouhaily'
 	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/seatrace
-	$(Q)nice -n 19 /usr/bin/python3 -B tests/validate/seatrace/seatrace.py $(ARGS)
+	$(Q)nice -n 10 /usr/bin/python3 -B tests/validate/seatrace/seatrace.py $(ARGS)
 airtable: deps-build ## the sky's table anew by its Monte Carlo, about an hour of two cores
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/airtrace
 	$(Q)/usr/bin/python3 -B tests/validate/airtrace/airtable.py $(ARGS)

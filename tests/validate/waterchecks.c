@@ -159,7 +159,7 @@ static bool check_raman(FILE *md, bool quick)
     for (int i = 0; i < count; i++) {
         struct tally t = { 0 };
         double share;
-        compare_raman(waters[i][0], waters[i][1], quick ? 5000 : 200000, &t,
+        compare_raman(waters[i][0], waters[i][1], quick ? 5000 : 400000, &t,
                       &share);
         fprintf(md, "| %g | %g | %.2f | %.2f | %.2f | %.1f |\n", waters[i][0],
                 waters[i][1], 100 * sqrt(t.square / t.count),

@@ -548,7 +548,7 @@ def main():
     for name in ("winds", "suns", "zeniths"):
         if text := getattr(options, name):
             setup[name] = [int(word) for word in text.split(",")]
-    os.nice(19 - os.nice(0))
+    os.nice(max(0, 10 - os.nice(0)))
     run(options, setup)
 
 

@@ -385,12 +385,14 @@ def main():
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--assert", dest="check", action="store_true")
     parser.add_argument("--times", type=int, default=1)
-    parser.add_argument("--wind", type=int, nargs="+", default=list(WINDS))
-    parser.add_argument("--look", nargs="+", default=list(LOOKS),
-                        choices=list(LOOKS))
+    parser.add_argument("--wind", type=int, nargs="+")
+    parser.add_argument("--look", nargs="+", choices=list(LOOKS))
     options = parser.parse_args()
+    options.wind = options.wind or list(WINDS[:1 if options.quick else None])
+    options.look = options.look or (["mirror"] if options.quick
+                                    else list(LOOKS))
     os.nice(max(0, 10 - os.nice(0)))
-    setup = ({"pictures": 6, "realisations": 4, "rays": 8} if options.quick
+    setup = ({"pictures": 4, "realisations": 4, "rays": 6} if options.quick
              else {"pictures": 32 * options.times,
                    "realisations": 32 * options.times, "rays": 4})
     folder = os.path.join(ROOT, "build", "validate",
