@@ -11,6 +11,7 @@
 
 #define BACK 0.0183 /* Petzold's backscattered fraction */
 #define SKY_NODES 24
+#define LEVELS 3
 #define DEEP 1000.0
 
 static int ascending(const void *a, const void *b)
@@ -411,7 +412,7 @@ static const struct {
 static double below_sky(FILE *md, struct pel_ordinates *o, bool quick,
                         double *noise)
 {
-    const double depths[] = { 0, 1, 5 };
+    const double depths[LEVELS] = { 0, 1, 5 };
     struct tally t = { 0 };
     double scale = DIFFUSE / fill_sky();
     fprintf(md, "\n### Problem 4: the particles of problem 2 below a clear sky "
@@ -420,8 +421,8 @@ static double below_sky(FILE *md, struct pel_ordinates *o, bool quick,
     put_head(md, "ω0, depth");
     for (int i = 0; i < 2; i++) {
         struct column c = particles();
-        struct column_field mean[3], error[3];
-        struct pel_field ours[3];
+        struct column_field mean[LEVELS], error[LEVELS];
+        struct pel_field ours[LEVELS];
         const struct pel_medium m = { .absorption = 1.0 - waters[i].albedo,
                                       .scattering = waters[i].albedo,
                                       .back = BACK,
@@ -432,7 +433,7 @@ static double below_sky(FILE *md, struct pel_ordinates *o, bool quick,
         water_column(&c, depths, waters[i].depths, quick ? 30000 : 800000, 21,
                      mean, error);
         field_of_sky(o, &m, scale, depths, waters[i].depths, ours);
-        for (int k = 0; k < waters[i].depths; k++) {
+        for (int k = 0; k < LEVELS && k < waters[i].depths; k++) {
             fprintf(md, "| %s, %g |", waters[i].name, depths[k]);
             put_field(md, &t, &ours[k], &mean[k], &error[k]);
         }
@@ -503,7 +504,7 @@ static double entering(FILE *md, bool quick)
 
 static double below_waves(FILE *md, struct pel_ordinates *o, bool quick)
 {
-    const double depths[] = { 0, 1, 5 };
+    const double depths[LEVELS] = { 0, 1, 5 };
     struct tally t = { 0 };
     double more =
         through_waves(80 * PEL_DEG, 0.04) / through_waves(80 * PEL_DEG, 0.0);
@@ -516,8 +517,8 @@ static double below_waves(FILE *md, struct pel_ordinates *o, bool quick)
     put_head(md, "ω0, depth");
     for (int i = 0; i < 2; i++) {
         struct column c = particles();
-        struct column_field mean[3], error[3];
-        struct pel_field ours[3];
+        struct column_field mean[LEVELS], error[LEVELS];
+        struct pel_field ours[LEVELS];
         const struct pel_medium m = { .absorption = 1.0 - waters[i].albedo,
                                       .scattering = waters[i].albedo,
                                       .back = BACK,
@@ -530,7 +531,7 @@ static double below_waves(FILE *md, struct pel_ordinates *o, bool quick)
                      mean, error);
         pel_ordinates_field(o, &m, 80 * PEL_DEG, depths, waters[i].depths,
                             ours);
-        for (int k = 0; k < waters[i].depths; k++) {
+        for (int k = 0; k < LEVELS && k < waters[i].depths; k++) {
             struct pel_field unit = { 0 };
             add_field(&unit, &ours[k], more / cos(80 * PEL_DEG));
             fprintf(md, "| %s, %g |", waters[i].name, depths[k]);
