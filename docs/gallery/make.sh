@@ -72,6 +72,7 @@ pictures=(
     "shore-above|The shore from 60 m|$shore views.gallery.up=60 views.gallery.pitch=-25 water.depth=39.9 seabed.file=shore-39.9.asc"
     "water-baltic|The Baltic|$lagoon water.named=BALTIC"
     "water-harbour|A harbour|$lagoon water.named=HARBOUR water.depth=8 water.bottom=MUD"
+    "wash-250|The wash of a container ship at 15 knots, from 250 m|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=7 sky.sunElevation=38 sky.sunAzimuth=350 clock.time=900 clock.reckoning=1000 entities.2.wash=true entities.2.model.name=container-ship entities.2.heading=60 entities.2.course=60 entities.2.speed=7.5 entities.2.poseTime=0 entities.2.latitude=52.5747 entities.2.longitude=5.1173 views.gallery.up=250 views.gallery.pitch=-24"
 )
 mkdir -p "$out"
 {

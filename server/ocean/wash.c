@@ -257,9 +257,9 @@ static void leave_bow(const struct pel_wash_ship *s, const struct left *l,
     double crest =
         1.1 * u * u / PEL_GRAVITY / (1 + u / sqrt(PEL_GRAVITY * s->draught_m));
     double aside =
-        0.35 * u * tan(alpha) * DRIFT_S * (1 - exp(-l->age_s / DRIFT_S));
+        0.5 * u * tan(alpha) * DRIFT_S * (1 - exp(-l->age_s / DRIFT_S));
     double thick =
-        z * (0.2 + 1.8 * (1 - exp(-l->sailed_m / fmax(2 * crest, 0.1))));
+        z * (0.4 + 3.1 * (1 - exp(-l->sailed_m / fmax(2 * crest, 0.1))));
     n->x_m = p->x + s->stem_m * p->ex;
     n->y_m = p->y + s->stem_m * p->ey;
     n->side_m = hull + 0.8 * aside + 0.5 * thick;
