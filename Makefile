@@ -400,6 +400,7 @@ TESTS += clients/pelagosctl/nmea_log_test.c
 VECTORS := -O3 -fno-math-errno
 FLAGS_server/ocean/fft := $(VECTORS)
 FLAGS_server/ocean/evolve := $(VECTORS)
+FLAGS_server/ocean/wake := $(VECTORS)
 FLAGS_server/ocean/wakebasin := $(VECTORS)
 FLAGS_server/optics/airlight := $(VECTORS)
 FLAGS_server/optics/airrays := $(VECTORS)

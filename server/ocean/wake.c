@@ -446,10 +446,14 @@ void pel_wake_add(const struct pel_wake *wake, double x_m, double y_m,
 {
     for (int i = 0; i < PEL_WAKE_TILES; i++) {
         const struct pel_wake_tile *tile = &wake->tile[i];
-        double sx, sy;
+        double sx, sy, held = FADED * tile->length_m;
+        if (!tile->texels || fabs(x_m - tile->x_m) >= held ||
+            fabs(y_m - tile->y_m) >= held) {
+            continue;
+        }
         double fx = fade(x_m - tile->x_m, tile->length_m, &sx);
         double fy = fade(y_m - tile->y_m, tile->length_m, &sy);
-        if (!tile->texels || fx <= 0 || fy <= 0) {
+        if (fx <= 0 || fy <= 0) {
             continue;
         }
         struct read r;

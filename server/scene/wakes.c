@@ -11,7 +11,7 @@
 #include "scene/wakesource.h"
 
 #define MOMENTS 12
-#define PASTS 10
+#define PASTS 9
 #define MOMENT_BYTES ((size_t)48 << 20)
 
 struct pel_wakes {
@@ -376,7 +376,7 @@ struct pel_vec2 pel_wakes_before(const struct pel_wake_moment *moment,
         }
         double ex = at.x + there->d.x - place.x;
         double ey = at.y + there->d.y - place.y;
-        if (fabs(ex) + fabs(ey) < 1e-6) {
+        if (fabs(ex) + fabs(ey) < 1e-5) { /* m */
             break;
         }
         /* Newton's step. */
