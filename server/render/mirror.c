@@ -133,24 +133,31 @@ bool pel_mirror_look(const struct pel_vec3 *points, int count, double sea_m,
     out->low = box[1] - MARGIN * tall;
     out->per_x = part / ((1 + 2 * MARGIN) * wide);
     out->per_y = part / ((1 + 2 * MARGIN) * tall);
+    out->part = part;
     return true;
 }
 
 void pel_mirrors_begin(struct pel_mirrors *m)
 {
     glViewport(0, 0, PEL_MIRROR_WIDTH, PEL_MIRROR_HEIGHT);
-    glScissor(0, 0, PEL_MIRROR_WIDTH, PEL_MIRROR_HEIGHT);
     glBindTextureUnit(PEL_UNIT_OBJECTS, m->numbers);
     m->views = 0;
+    m->part = 0;
 }
 
-void pel_mirrors_draw(struct pel_mirrors *m, int layer,
+void pel_mirrors_draw(struct pel_mirrors *m, int layer, double part,
                       void (*draw)(const void *user, int i), const void *user,
                       int i)
 {
     static const GLfloat nothing[4] = { 0 };
     GLuint fbo = m->fbos[layer];
     m->views = layer >= m->views ? layer + 1 : m->views;
+    /* What this picture or the one before it may have drawn into. */
+    double cleared = m->parts[layer] > 0 ? fmax(m->parts[layer], part) : 1.0;
+    m->parts[layer] = part;
+    m->part = fmax(m->part, cleared);
+    glScissor(0, 0, (GLsizei)(cleared * PEL_MIRROR_WIDTH),
+              (GLsizei)(cleared * PEL_MIRROR_HEIGHT));
     glDepthMask(GL_TRUE);
     glClearNamedFramebufferfv(m->numbers_fbo, GL_DEPTH, 0, nothing);
     glClearNamedFramebufferfv(fbo, GL_COLOR, 0, nothing);
@@ -169,9 +176,9 @@ void pel_mirrors_draw(struct pel_mirrors *m, int layer,
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-static GLuint groups_of(int texels, int level)
+static GLuint groups_of(double texels, int level)
 {
-    return (GLuint)(((texels >> level) + PEL_GROUP_SIDE - 1) / PEL_GROUP_SIDE);
+    return (GLuint)ceil(texels / (1 << level) / PEL_GROUP_SIDE);
 }
 
 /* glGenerateTextureMipmap takes a draw for each view and level, of those that
@@ -187,8 +194,8 @@ void pel_mirrors_end(struct pel_mirrors *m)
         glBindImageTexture(PEL_IMAGE_MIRROR_DEPTHS, m->away, level, GL_TRUE, 0,
                            GL_WRITE_ONLY, GL_RG16F);
         glUniform1i(0, level - 1);
-        glDispatchCompute(groups_of(PEL_MIRROR_WIDTH, level),
-                          groups_of(PEL_MIRROR_HEIGHT, level),
+        glDispatchCompute(groups_of(m->part * PEL_MIRROR_WIDTH, level),
+                          groups_of(m->part * PEL_MIRROR_HEIGHT, level),
                           (GLuint)m->views);
         glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     }

@@ -13,7 +13,10 @@ struct pel_mirrors {
     GLuint raster, program, mips_program;
     GLuint radiance, away, fbos[PEL_OBJECT_MIRRORS];
     GLuint numbers, depth, numbers_fbo; /* of the view being drawn */
-    int views; /* as far as any was drawn since begin */
+    int views;                        /* as far as any was drawn since begin */
+    double parts[PEL_OBJECT_MIRRORS]; /* of each that may not be empty; 0: of
+                                         a new one, all */
+    double part;                      /* the largest of these since begin */
 };
 
 /* Of one object: texels 8 to 11 of its place (lib/mirrored.glsl). */
@@ -22,6 +25,7 @@ struct pel_mirror_view {
     double image_m;                 /* of the eye, above it */
     double middle_m;                /* to the points' middle */
     double left, low, per_x, per_y; /* tangents, texture's places a tangent */
+    double part;                    /* of the texture, in both directions */
 };
 
 PEL_CHECK enum pel_err pel_mirrors_need(struct pel_mirrors *m,
@@ -40,7 +44,7 @@ bool pel_mirror_look(const struct pel_vec3 *points, int count, double sea_m,
 /* Draws layer after layer: begin, then `draw` once for each, then end. A view
  * is rasterised to numbers of triangles, then shaded, each texel once. */
 void pel_mirrors_begin(struct pel_mirrors *m);
-void pel_mirrors_draw(struct pel_mirrors *m, int layer,
+void pel_mirrors_draw(struct pel_mirrors *m, int layer, double part,
                       void (*draw)(const void *user, int i), const void *user,
                       int i);
 void pel_mirrors_end(struct pel_mirrors *m);

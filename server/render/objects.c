@@ -392,7 +392,8 @@ static void draw_shadows(struct pel_objects *o)
             continue;
         }
         GLuint fbo = o->shadow_fbos[d->slot];
-        glScissor(0, 0, PEL_SHADOW_SIZE, PEL_SHADOW_SIZE);
+        /* And what filters read beyond. */
+        glScissor(0, 0, d->shadow_px + 4, d->shadow_px + 4);
         glViewport(0, 0, PEL_SHADOW_SIZE, PEL_SHADOW_SIZE);
         glClearNamedFramebufferfv(fbo, GL_DEPTH, 0, &far_away);
         glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
@@ -412,7 +413,8 @@ static void draw_mirrored(struct pel_objects *o)
             if (count++ == 0) {
                 pel_mirrors_begin(&o->mirrors);
             }
-            pel_mirrors_draw(&o->mirrors, o->drawn[i].slot, draw_image, o, i);
+            pel_mirrors_draw(&o->mirrors, o->drawn[i].slot,
+                             o->drawn[i].image.part, draw_image, o, i);
         }
     }
     if (count > 0) {
