@@ -112,6 +112,31 @@ static void without_objects_the_same_bits(void **state)
     pel_model_unref(model);
 }
 
+/* Views of objects keep their place in their textures, larger ones leave it. */
+static void other_objects_leave_no_trace(void **state)
+{
+    (void)state;
+    test_sea(3.0, 0.0, 1, &sea);
+    struct pel_environment env = test_environment(&sea, 20.0);
+    struct pel_camera c =
+        test_camera((struct test_look){ 6.0, 0.0, -4.0, 0.0, 60.0, 320, 180 });
+    const struct pel_model *models[2] = { model_of("ferry"), model_of("rib") };
+    const struct pel_object large = standing(models[0], 3, 0, 200, 0, 70);
+    const struct pel_object small = standing(models[1], 4, 4, 60, 0, 20);
+    struct kept pictures[3];
+    for (int i = 0; i < 3; i++) {
+        env.objects = i == 1 ? &large : &small;
+        env.object_count = 1;
+        pictures[i] = keep(test_draw(renderer, &env, &c, LAYERS));
+    }
+    assert_same(&pictures[0], &pictures[2]);
+    for (int i = 0; i < 3; i++) {
+        drop(&pictures[i]);
+    }
+    pel_model_unref(models[0]);
+    pel_model_unref(models[1]);
+}
+
 /* --- seams ---------------------------------------------------------------- */
 
 static struct pel_camera cut_camera(const struct pel_camera *whole,
@@ -553,6 +578,7 @@ int main(void)
         cmocka_unit_test(silhouettes_are_mixed),
         cmocka_unit_test(outlines_do_not_mind_objects),
         cmocka_unit_test(without_objects_the_same_bits),
+        cmocka_unit_test(other_objects_leave_no_trace),
         cmocka_unit_test(pictures_of_objects_have_no_seam),
         cmocka_unit_test(the_mask_is_what_rays_meet),
         cmocka_unit_test(the_sea_begins_where_queries_say),
