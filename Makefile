@@ -97,7 +97,7 @@ OCEAN := server/ocean/spectrum.c \
     server/ocean/cascade_query.c \
     server/ocean/filter.c \
     server/ocean/areas.c \
-    server/ocean/areaquery.c \
+    server/ocean/restquery.c server/ocean/shore.c server/ocean/shorebands.c \
     server/ocean/foam.c \
     server/ocean/hullform.c server/ocean/wake.c server/ocean/wakebasin.c \
     server/ocean/wash.c server/ocean/washgrid.c \
@@ -186,7 +186,7 @@ RENDER := server/render/context.c server/render/shader.c \
     server/render/programs.c server/render/renderer.c server/render/shadepass.c server/render/samples.c server/render/arena.c server/render/probe.c \
     server/render/mesh.c server/render/meshpass.c server/render/mark.c server/render/sky.c server/render/uniforms.c \
     server/render/waterlight.c server/render/waterprobe.c server/render/seabedmap.c server/render/coast.c server/render/tiles.c server/render/objects.c server/render/objectplan.c server/render/objectshadow.c server/render/mirror.c server/render/modelpaint.c server/render/modelpool.c server/render/worker_pool.c server/render/disc.c server/render/edges.c server/render/meter.c server/render/band.c server/render/wavefield.c server/render/layer.c server/render/truth.c server/render/texels.c \
-    server/render/foammap.c server/render/wakemap.c server/render/filtering.c server/render/pass.c
+    server/render/foammap.c server/render/shoremap.c server/render/wakemap.c server/render/filtering.c server/render/pass.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \
     server/encode/exr.c \
@@ -295,6 +295,7 @@ TESTS += server/ocean/areas_test.c
 TESTS += server/ocean/foam_test.c
 TESTS += server/ocean/wake_test.c
 TESTS += server/ocean/wash_test.c
+TESTS += server/ocean/shore_test.c
 TESTS += server/ocean/directional_test.c
 TESTS += server/ocean/ndbc_test.c
 TESTS += server/ocean/welch_test.c
@@ -357,6 +358,7 @@ TESTS += server/render/wavefield_test.c
 TESTS += server/render/areas_drawn_test.c
 TESTS += server/render/wash_drawn_test.c
 TESTS += server/render/foam_drawn_test.c
+TESTS += server/render/shore_drawn_test.c
 TESTS += server/render/filtered_test.c
 TESTS += server/render/depth_test.c
 TESTS += server/render/edges_test.c

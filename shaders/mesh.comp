@@ -8,6 +8,9 @@
 #ifdef PEL_AREAS
 #include "lib/areas.glsl"
 #endif
+#ifdef PEL_SHORE
+#include "lib/shore.glsl"
+#endif
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else
@@ -62,10 +65,23 @@ void main()
 #else
 #define PEL_UP(phase)
 #endif
+#ifdef PEL_SHORE
+    shored here[PEL_SHORE_BANDS + 1];
+    shore_of_waves(x, here);
+#define PEL_READ                                                               \
+    shored ashore = here[wave_band(wave_)];                                    \
+    vec2 read = ashore.read;
+#define PEL_GROWN sc *= vec2(ashore.b, ashore.a);
+#else
+#define PEL_READ vec2 read = x;
+#define PEL_GROWN
+#endif
 #define PEL_DISPLACE(phase, wander)                                            \
+    PEL_READ                                                            \
     float h = wander.w * filter_weight(phase.w * scale + offset);              \
-    vec2 sc = h * sine_cosine_turns(wave_turns(phase, x, wandered(wander, x))); \
+    vec2 sc = h * sine_cosine_turns(wave_turns(phase, read, wandered(wander, read))); \
     PEL_UP(phase)                                                              \
+    PEL_GROWN                                                                  \
     shift += vec3((-wave_chop(phase) * sc.x) * phase.xy, sc.y);
     PEL_EACH_WAVE(PEL_DISPLACE)
     shift *= 0.159154943; // 1 / 2π

@@ -5,6 +5,9 @@
 #ifdef PEL_AREAS
 #include "lib/areas.glsl"
 #endif
+#ifdef PEL_SHORE
+#include "lib/shore.glsl"
+#endif
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else

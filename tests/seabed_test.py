@@ -172,6 +172,34 @@ class Seabed(unittest.TestCase):
         self.assertEqual(points[0]["sounding"], wet["sounding"])
         self.assertIsNone(points[1]["depth"])
 
+    def test_waves_feel_it(self):
+        def heights(level=0):
+            self.assertEqual(self.daemon.patch(
+                {"sea": {"level": level}}).status, 200)
+            return {name: [p["height"] - level for p in self.points(
+                        [[east, 7 * i] for i in range(40)])]
+                    for name, east in (("deep", -12000), ("shallow", 1560))}
+
+        def spread(values):
+            return max(values) - min(values)
+        self.assertEqual(self.daemon.patch({"sea": {
+            "windSpeed": 11, "windDirection": 270}}).status, 200)
+        self.choose(file="geographic.tif", waves=False)
+        plain = heights()
+        self.choose(file="geographic.tif", waves=True)
+        felt = heights()
+        high = heights(2)
+        self.daemon.patch({"sea": {"level": 0}})
+        self.assertEqual(felt["deep"], plain["deep"])
+        self.assertEqual(self.points([[1560, 0]])[0]["height"],
+                         felt["shallow"][0])
+        depth = self.points([[1560, 0]])[0]["depth"]
+        print(f"{depth:.2f} m deep: {spread(plain['shallow']):.2f} m from "
+              f"trough to crest without, {spread(felt['shallow']):.2f} with, "
+              f"{spread(high['shallow']):.2f} with 2 m of tide")
+        self.assertLess(spread(felt["shallow"]), .5 * spread(plain["shallow"]))
+        self.assertGreater(spread(high["shallow"]), spread(felt["shallow"]))
+
     def test_python(self):
         sys.path.insert(0, os.path.join(ROOT, "clients/python"))
         import numpy

@@ -30,15 +30,3 @@ struct pel_vec2 pel_area_place(const struct pel_area_desc *area, double time_s);
  * gradient, 1/m. */
 double pel_areas_factor(const struct pel_sea_desc *d, double x, double y,
                         double time_s, struct pel_vec2 *slope);
-
-struct pel_wash; /* wash.h */
-
-/* pel_sea_query and pel_sea_displace of a sea with areas, and the wash of ships
- * where it is not NULL. The slope of the
- * factor counts in the normal; that it moves does not count in velocities. */
-void pel_areas_query(const struct pel_sea *sea, const struct pel_vec2 *points,
-                     size_t n, double time_s, bool moving,
-                     const struct pel_wash *wash,
-                     struct pel_surface_sample *out);
-struct pel_vec3 pel_areas_displace(const struct pel_sea *sea, double x_m,
-                                   double y_m, double time_s);

@@ -1,5 +1,5 @@
-/* What waves do to the water that rests at a place, long and short ones apart,
- * for surfaces on which the short ones are changed (areas.h). */
+/* What waves do to the water that rests at a place, some of them apart, for
+ * surfaces on which they are changed (restquery.h). */
 #pragma once
 
 #include "ocean/cascade.h"
@@ -17,7 +17,8 @@ struct pel_moment *pel_moment_take(const struct pel_cascades *c, double time_s,
                                    bool moving);
 void pel_moment_give(const struct pel_cascades *c, struct pel_moment *moment);
 
-/* Adds what the two coarser cascades do to out[0], the finer ones to out[1]. */
+/* Adds what the cascades from `first` to before `end` do to the water that
+ * rests at (x, y). */
 void pel_moment_at_rest(const struct pel_cascades *c,
                         const struct pel_moment *moment, double x, double y,
-                        struct pel_at_rest out[2]);
+                        int first, int end, struct pel_at_rest *out);

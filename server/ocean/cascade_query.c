@@ -364,30 +364,29 @@ void pel_moment_give(const struct pel_cascades *c, struct pel_moment *moment)
 
 void pel_moment_at_rest(const struct pel_cascades *c,
                         const struct pel_moment *moment, double x, double y,
-                        struct pel_at_rest out[2])
+                        int first, int end, struct pel_at_rest *out)
 {
     const struct pel_cascade_fields *f =
         pel_fields_of((struct pel_kept_fields *)moment);
     struct reading r;
     read_at(c, (struct pel_vec2){ x, y }, &r);
-    for (int i = 0; i < PEL_CASCADES; i++) {
-        struct pel_at_rest *to = &out[i < PEL_CASCADES / 2 ? 0 : 1];
+    for (int i = first; i < end; i++) {
         struct shift s = { 0 };
         add_shift(&c->cascade[i], f->displacement[i], r.place[i],
                   r.sheared.by[i], &s);
         lanes4 v = sample_spline(f->velocity[i], r.place[i]);
         for (int n = 0; n < 3; n++) {
-            to->d[n] += s.d[n];
-            to->dx[n] += s.dx[n];
-            to->dy[n] += s.dy[n];
-            to->v[n] += v[n];
+            out->d[n] += s.d[n];
+            out->dx[n] += s.dx[n];
+            out->dy[n] += s.dy[n];
+            out->v[n] += v[n];
         }
-        to->a[2] += v[3];
+        out->a[2] += v[3];
         if (f->surge[i]) {
             struct pel_vec2 surge = { 0, 0 };
             add_surge(f, i, r.place[i], &surge);
-            to->a[0] += surge.x;
-            to->a[1] += surge.y;
+            out->a[0] += surge.x;
+            out->a[1] += surge.y;
         }
     }
 }

@@ -11,6 +11,7 @@
 #include "ocean/directional.h"
 #include "ocean/foam.h"
 #include "ocean/hash.h"
+#include "ocean/shore.h"
 #include "ocean/spectrum.h"
 #include "ocean/stratified.h"
 #include "ocean/wander.h"
@@ -490,10 +491,23 @@ enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
     return err ? err : pel_foam_create(out, &out->foam);
 }
 
+enum pel_err pel_sea_lay(struct pel_sea *sea,
+                         const struct pel_shore_bottom *bottom)
+{
+    enum pel_err err = pel_shore_create(sea, bottom, &sea->shore);
+    if (sea->shore) {
+        sea->max_height_m *= sea->shore->highest;
+        sea->max_shift_m *= sea->shore->highest;
+    }
+    return err;
+}
+
 void pel_sea_finish(struct pel_sea *sea)
 {
     free(sea->foam);
     sea->foam = NULL;
+    pel_shore_destroy(sea->shore);
+    sea->shore = NULL;
     pel_cascades_destroy(sea->cascades);
     sea->cascades = NULL;
 }

@@ -134,11 +134,13 @@ struct pel_slopes {
 
 struct pel_cascades; /* ocean/cascade.h */
 struct pel_foam;     /* ocean/foam.h */
+struct pel_shore;    /* ocean/shore.h */
 
 struct pel_sea {
     struct pel_sea_desc desc;
     struct pel_cascades *cascades; /* owned; NULL: the waves below */
     struct pel_foam *foam;         /* owned; NULL: none */
+    struct pel_shore *shore;       /* owned; NULL: no wave feels a bottom */
     int count;
     struct pel_wave waves[PEL_SEA_MAX_WAVES]; /* longest wavelength first */
     double m0;                                /* Σ h²/2 of the waves, m² */
@@ -186,6 +188,12 @@ struct pel_folding pel_sea_folding(const struct pel_sea *sea);
 /* Adds the single waves of sea->desc as trochoids of exact height, period,
  * direction and phase; used by pel_sea_build. */
 void pel_sea_add_singles(struct pel_sea *sea);
+
+/* Lays a built sea over a bottom (ocean/shore.h), once. NO_MEMORY: *sea is
+ * unchanged. */
+struct pel_shore_bottom;
+PEL_CHECK enum pel_err pel_sea_lay(struct pel_sea *sea,
+                                   const struct pel_shore_bottom *bottom);
 
 /* Frees what a built sea owns. */
 void pel_sea_finish(struct pel_sea *sea);

@@ -4,9 +4,10 @@
 #include <string.h>
 
 #include "base/simd.h"
-#include "ocean/areas.h"
 #include "ocean/fields.h"
 #include "ocean/newton.h"
+#include "ocean/restquery.h"
+#include "ocean/shore.h"
 #include "ocean/wander.h"
 
 #define MET_M 1e-6
@@ -302,12 +303,12 @@ static void query(const struct lanes *l, const struct pel_vec2 *points,
     }
 }
 
-static void query_sea(const struct pel_sea *sea, const struct pel_vec2 *points,
+static void query_far(const struct pel_sea *sea, const struct pel_vec2 *points,
                       size_t n, double time_s, bool moving,
                       struct pel_surface_sample *out)
 {
     if (sea->desc.area_count) {
-        pel_areas_query(sea, points, n, time_s, moving, NULL, out);
+        pel_rest_query(sea, points, n, time_s, moving, NULL, out);
         return;
     }
     if (sea->cascades) {
@@ -317,6 +318,30 @@ static void query_sea(const struct pel_sea *sea, const struct pel_vec2 *points,
     struct lanes lanes;
     lanes_fill(sea, time_s, &lanes);
     query(&lanes, points, n, moving, out);
+}
+
+/* Places whose waves feel no bottom are answered as without one. */
+static void query_sea(const struct pel_sea *sea, const struct pel_vec2 *points,
+                      size_t n, double time_s, bool moving,
+                      struct pel_surface_sample *out)
+{
+    for (size_t first = 0, end; first < n; first = end) {
+        bool far = !sea->shore ||
+                   pel_shore_far(sea->shore, points[first].x, points[first].y);
+        for (end = first + 1; end < n; end++) {
+            if (sea->shore && pel_shore_far(sea->shore, points[end].x,
+                                            points[end].y) != far) {
+                break;
+            }
+        }
+        if (far) {
+            query_far(sea, points + first, end - first, time_s, moving,
+                      out + first);
+        } else {
+            pel_rest_query(sea, points + first, end - first, time_s, moving,
+                           NULL, out + first);
+        }
+    }
 }
 
 void pel_sea_query(const struct pel_sea *sea, const struct pel_vec2 *points,
@@ -352,8 +377,9 @@ struct pel_vec3 pel_sea_displace(const struct pel_sea *sea, double x_m,
                                  double y_m, double time_s)
 {
     struct pel_vec3 d = { 0, 0, 0 };
-    if (sea->desc.area_count) {
-        return pel_areas_displace(sea, x_m, y_m, time_s);
+    if (sea->desc.area_count ||
+        (sea->shore && !pel_shore_far(sea->shore, x_m, y_m))) {
+        return pel_rest_displace(sea, x_m, y_m, time_s);
     }
     if (sea->cascades) {
         return pel_cascades_displace(sea->cascades, x_m, y_m, time_s);

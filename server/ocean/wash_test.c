@@ -12,6 +12,7 @@
 #include "ocean/areas.h"
 #include "ocean/foam.h"
 #include "ocean/hash.h"
+#include "ocean/restquery.h"
 
 #define LENGTH 100.0
 #define BEAM 15.0
@@ -276,7 +277,7 @@ static void short_waves_are_lower(void **state)
             const struct pel_vec2 at = { 20 * (pel_hash01(7, 1, i) - 0.5),
                                          -900 - 20 * pel_hash01(7, 2, i) };
             struct pel_surface_sample a, b;
-            pel_areas_query(&sea, &at, 1, NOW, false, w, &a);
+            pel_rest_query(&sea, &at, 1, NOW, false, w, &a);
             pel_sea_query(&sea, &at, 1, NOW, &b);
             with += (1 - a.normal.z * a.normal.z) / (a.normal.z * a.normal.z);
             without +=

@@ -56,16 +56,11 @@ static void delete_objects(struct pel_sea_programs *p)
     }
 }
 
-static struct pel_sea_programs *sea_at(struct pel_programs *p, int i)
-{
-    return &p->seas[i / 18][i / 6 % 3][i / 2 % 3][i % 2];
-}
-
 void pel_programs_texture(struct pel_programs *p, bool textured)
 {
     p->textured = textured;
-    for (int i = 0; i < PEL_SEAS; i++) {
-        delete_objects(sea_at(p, i));
+    for (int i = 0; i < PEL_SEA_PROGRAMS; i++) {
+        delete_objects(&p->seas[i]);
     }
 }
 
@@ -81,20 +76,27 @@ static const char *foam_defines(const struct pel_sea *sea)
                             : "";
 }
 
-static const char *area_defines(const struct pel_programs *p,
-                                const struct pel_sea *sea)
+/* Of all programs that place the sea's surface. */
+static void surface_defines(const struct pel_programs *all,
+                            const struct pel_sea *sea, char out[192])
 {
-    return p->wash                ? "#define PEL_AREAS\n#define PEL_WASH\n"
-           : sea->desc.area_count ? "#define PEL_AREAS\n"
-                                  : "";
+    snprintf(out, 192, "%s%s%s%s%s%s", sea->cascades ? "#define PEL_FFT\n" : "",
+             sea->desc.area_count || all->wash ? "#define PEL_AREAS\n" : "",
+             all->wash ? "#define PEL_WASH\n" : "",
+             all->wakes ? "#define PEL_WAKES\n" : "",
+             sea->shore ? "#define PEL_SHORE\n" : "",
+             all->software ? "" : "#define PEL_EXACT_TEXELS\n");
 }
 
 static struct pel_sea_programs *programs_of(struct pel_programs *p,
                                             const struct pel_sea *sea)
 {
     int foam = has_streaks(sea) ? 2 : sea->foam ? 1 : 0;
-    int areas = p->wash ? 2 : sea->desc.area_count > 0;
-    return &p->seas[p->wakes][areas][foam][sea->cascades != NULL];
+    int kind = sea->shore != NULL;
+    kind = 2 * kind + p->wakes;
+    kind = 3 * kind + (p->wash ? 2 : sea->desc.area_count > 0);
+    kind = 3 * kind + foam;
+    return &p->seas[2 * kind + (sea->cascades != NULL)];
 }
 
 const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
@@ -105,8 +107,8 @@ const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
 
 static void delete_all_seas(struct pel_programs *p)
 {
-    for (int i = 0; i < PEL_SEAS; i++) {
-        delete_sea_programs(sea_at(p, i));
+    for (int i = 0; i < PEL_SEA_PROGRAMS; i++) {
+        delete_sea_programs(&p->seas[i]);
     }
 }
 
@@ -120,12 +122,10 @@ static enum pel_err make_sea_program(struct pel_programs *all,
     if (*out) {
         return PEL_OK;
     }
-    char defines[384];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s%s",
-             sea->cascades ? "#define PEL_FFT\n" : "", foam_defines(sea),
-             area_defines(all, sea), all->wakes ? "#define PEL_WAKES\n" : "",
-             kind_defines[kind], tile_defines[tile],
-             all->software ? "" : "#define PEL_EXACT_TEXELS\n",
+    char defines[384], surface[192];
+    surface_defines(all, sea, surface);
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s", surface,
+             foam_defines(sea), kind_defines[kind], tile_defines[tile],
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
              objects == PEL_OBJECTS_ALL
                  ? "#define PEL_OBJECTS\n#define PEL_SHADED\n"
@@ -150,15 +150,11 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
                                       enum pel_shading kind, bool coast,
                                       bool objects, struct pel_fault *fault)
 {
-    bool cascades = sea->cascades != NULL;
     struct pel_sea_programs *p = programs_of(all, sea);
     enum pel_err err = PEL_OK;
     if (!p->mesh) {
-        char defines[128];
-        snprintf(defines, sizeof defines, "%s%s%s%s",
-                 cascades ? "#define PEL_FFT\n" : "", area_defines(all, sea),
-                 all->wakes ? "#define PEL_WAKES\n" : "",
-                 all->software ? "" : "#define PEL_EXACT_TEXELS\n");
+        char defines[192];
+        surface_defines(all, sea, defines);
         err = pel_program_create(all->shader_dir, "mesh.comp", NULL, defines,
                                  &p->mesh, fault);
     }

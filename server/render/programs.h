@@ -41,7 +41,11 @@ struct pel_sea_programs {
     GLuint mirroring[PEL_SHADE_COUNT];
 };
 
-#define PEL_SEAS 36
+/* Of trochoids and of cascades (odd); without foam, with it, with streaks of
+ * it; without areas, with, with wash besides; without and with ship waves, a
+ * bottom that waves feel. */
+#define PEL_SEA_PROGRAMS 72
+
 struct pel_programs {
     const char *shader_dir;
     const struct pel_filtering *filtering; /* settled */
@@ -56,9 +60,7 @@ struct pel_programs {
     GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
     GLuint disc[PEL_SHADE_COUNT];     /* and with it */
     bool wakes, wash;                 /* those with them are wanted */
-    /* Without wakes and with; without areas, with, with wash besides; without
-     * foam, with it, with streaks of it; of trochoids and of cascades. */
-    struct pel_sea_programs seas[2][3][3][2];
+    struct pel_sea_programs seas[PEL_SEA_PROGRAMS];
 };
 
 /* `shading` as in pel_renderer_options; `filtering`, settled, outlives the

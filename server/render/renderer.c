@@ -40,7 +40,7 @@
 #define VIEW_UNIFORM_BYTES                                                     \
     (sizeof(struct pel_block_waves) + sizeof(struct pel_block_view) +          \
      sizeof(struct pel_block_eye) * 3 + sizeof(struct pel_block_seabed) +      \
-     sizeof(struct pel_block_sighted) +                                        \
+     sizeof(struct pel_block_sighted) + sizeof(struct pel_block_shore) +       \
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 #define VERTEX_BYTES 32
 void pel_renderer_measure(struct pel_renderer *r, bool on)
@@ -136,6 +136,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_wavefield_finish(&r->wavefield);
         pel_foam_map_finish(&r->foam);
         pel_wake_map_finish(&r->wakes);
+        pel_shore_map_finish(&r->shore);
         glDeleteBuffers(1, &r->vertices);
         glDeleteTextures(1, &r->vertex_texels);
         pel_sea_texels_finish(&r->tables);
@@ -417,6 +418,13 @@ static void draw_pixels(struct pel_renderer *r,
                        sizeof block);
     } else {
         bind_waves(r, env, c);
+    }
+    if (env->sea->shore) {
+        struct pel_block_shore block;
+        pel_shore_map_bind(&r->shore, env->sea->shore, cascades, c->east_m,
+                           c->north_m, &block);
+        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SHORE, &block,
+                       sizeof block);
     }
     if (env->sea->desc.area_count || env->wash) {
         struct pel_block_areas block;

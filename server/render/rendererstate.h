@@ -16,6 +16,7 @@
 #include "render/programs.h"
 #include "render/readback.h"
 #include "render/seabedmap.h"
+#include "render/shoremap.h"
 #include "render/sky.h"
 #include "render/stages.h"
 #include "render/statistics.h"
@@ -47,6 +48,7 @@ struct pel_renderer {
     struct pel_wavefield wavefield;
     struct pel_foam_map foam;
     struct pel_wake_map wakes;
+    struct pel_shore_map shore;
     struct pel_statistics statistics;
     struct pel_mesh *mesh;
     struct pel_seabed_map seabed;

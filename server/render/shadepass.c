@@ -144,7 +144,7 @@ static void put_objects(struct pel_renderer *r, const struct pel_camera *c,
                         const struct pel_sea_programs *p,
                         const struct pel_pass *pass)
 {
-    const struct pel_sea_programs *first = &r->programs.seas[0][0][0][0];
+    const struct pel_sea_programs *first = r->programs.seas;
     bool fft = (p - first) % 2 == 1;
     struct pel_pass light;
     glDisable(GL_DEPTH_TEST);

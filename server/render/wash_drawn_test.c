@@ -2,6 +2,7 @@
  * pixel leaves to shading, foam; both wrappers, parts and order, nothing where
  * there is none. */
 #include "ocean/areas.h"
+#include "ocean/restquery.h"
 #include "ocean/wash.h"
 #include "render/render_testkit.h"
 
@@ -65,7 +66,7 @@ static void expect_one_surface(const struct pel_sea *sea,
             pel_vec3_scale(dir, (double)p->layer[PEL_AT_DEPTH][i]);
         const struct pel_vec2 place = { east_m + at.x, north_m + at.y };
         struct pel_surface_sample s, plain;
-        pel_areas_query(sea, &place, 1, NOW, false, w, &s);
+        pel_rest_query(sea, &place, 1, NOW, false, w, &s);
         pel_sea_query(sea, &place, 1, NOW, &plain);
         double error = c.altitude_m + at.z - s.height_m;
         double other = plain.height_m - s.height_m;

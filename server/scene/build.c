@@ -13,6 +13,7 @@
 #include "ocean/seastate.h"
 #include "scene/check.h"
 #include "scene/geodesy.h"
+#include "scene/ground.h"
 #include "scene/helm.h"
 #include "scene/sharedsea.h"
 #include "scene/spectra.h"
@@ -180,7 +181,24 @@ static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
     return same;
 }
 
-static enum pel_err new_sea(const struct pel_sea_desc *desc, const char *record,
+/* Of what its waves feel; no reference. */
+static struct pel_laid laid_over(const Pelagos__State *state,
+                                 const struct pel_ground *ground)
+{
+    bool feels = ground && ground->bed && state->seabed->waves;
+    return feels ? (struct pel_laid){ ground->bed, state->sea->level,
+                                      state->water->depth }
+                 : (struct pel_laid){ 0 };
+}
+
+static bool same_laid(const struct pel_laid *a, const struct pel_laid *b)
+{
+    return a->bed == b->bed && a->level_m == b->level_m &&
+           a->beyond_m == b->beyond_m;
+}
+
+static enum pel_err new_sea(const struct pel_sea_desc *desc,
+                            const struct pel_laid *laid, const char *record,
                             struct pel_shared_sea **out,
                             struct pel_fault *fault)
 {
@@ -196,6 +214,8 @@ static enum pel_err new_sea(const struct pel_sea_desc *desc, const char *record,
         return err;
     }
     sea->desc = *desc;
+    sea->laid = *laid;
+    sea->laid.bed = pel_seabed_ref(laid->bed);
     sea->record = record ? strdup(record) : NULL;
     atomic_init(&sea->refs, 1);
     atomic_init(&sea->built, false);
@@ -206,11 +226,13 @@ static enum pel_err new_sea(const struct pel_sea_desc *desc, const char *record,
 
 enum pel_err pel_shared_sea_get(const Pelagos__State *state,
                                 const struct pel_sea_means *means,
+                                const struct pel_ground *ground,
                                 struct pel_shared_sea *present,
                                 struct pel_shared_sea **out,
                                 struct pel_fault *fault)
 {
     struct pel_sea_desc desc;
+    const struct pel_laid laid = laid_over(state, ground);
     pel_sea_describe(state, means->wave_count, &desc);
     char *record = record_of(state);
     bool same_record = present && g_strcmp0(record, present->record) == 0;
@@ -220,13 +242,14 @@ enum pel_err pel_shared_sea_get(const Pelagos__State *state,
     } else if (record) {
         err = read_record(state->sea, means->spectra, &desc.measured, fault);
     }
-    if (!err && same_record && same_sea(&desc, &present->desc)) {
+    if (!err && same_record && same_sea(&desc, &present->desc) &&
+        (!ground || same_laid(&laid, &present->laid))) {
         *out = pel_shared_sea_ref(present);
         g_free(record);
         return PEL_OK;
     }
     if (!err) {
-        err = new_sea(&desc, record, out, fault);
+        err = new_sea(&desc, &laid, record, out, fault);
     }
     g_free(record);
     return err;
@@ -241,13 +264,15 @@ bool pel_shared_sea_same_record(const struct pel_shared_sea *sea,
 
 bool pel_shared_sea_is(const struct pel_shared_sea *sea,
                        const Pelagos__State *state,
-                       const struct pel_sea_means *means)
+                       const struct pel_sea_means *means,
+                       const struct pel_ground *ground)
 {
+    const struct pel_laid laid = laid_over(state, ground);
     struct pel_sea_desc desc;
     pel_sea_describe(state, means->wave_count, &desc);
     desc.measured = sea->desc.measured;
     return pel_shared_sea_same_record(sea, state) &&
-           same_sea(&desc, &sea->desc);
+           same_sea(&desc, &sea->desc) && same_laid(&laid, &sea->laid);
 }
 
 static void place_entity(const Pelagos__Origin *origin,

@@ -11,6 +11,7 @@
 
 /* A sea that several snapshots share, built lazily: many patches may
  * come before the first picture or query of it. */
+struct pel_ground; /* ground.h */
 struct pel_shared_sea;
 
 /* What a sea is made with besides the state. */
@@ -19,18 +20,21 @@ struct pel_sea_means {
     const char *spectra; /* directory of measured spectra; NULL: none */
 };
 
-/* The sea that the state asks for: `present` (NULL allowed) with another
- * reference where it is the same, else a new one. *fault (NULL allowed) says
- * why no sea could be made; a measured spectrum is read here. */
+/* The sea that the state asks for over this bottom: `present` (NULL allowed)
+ * with another reference where it is the same, else a new one. `ground` NULL:
+ * for numbers, whatever the bottom. *fault (NULL allowed) says why no sea could
+ * be made; a measured spectrum is read here. */
 PEL_CHECK enum pel_err pel_shared_sea_get(const Pelagos__State *state,
                                           const struct pel_sea_means *means,
+                                          const struct pel_ground *ground,
                                           struct pel_shared_sea *present,
                                           struct pel_shared_sea **out,
                                           struct pel_fault *fault);
-/* Whether `sea` is the one that the state asks for. */
+/* Whether `sea` is the one that the state asks for over this bottom. */
 bool pel_shared_sea_is(const struct pel_shared_sea *sea,
                        const Pelagos__State *state,
-                       const struct pel_sea_means *means);
+                       const struct pel_sea_means *means,
+                       const struct pel_ground *ground);
 /* Whether that one would be of the same measured spectrum, or of none. */
 bool pel_shared_sea_same_record(const struct pel_shared_sea *sea,
                                 const Pelagos__State *state);

@@ -133,8 +133,8 @@ static void work(struct pel_task *task)
     struct asked *a = (struct asked *)task;
     struct pel_shared_sea *shared = NULL;
     struct pel_directional *spectrum = NULL;
-    a->err =
-        pel_shared_sea_get(a->state, a->means, a->present, &shared, &a->fault);
+    a->err = pel_shared_sea_get(a->state, a->means, NULL, a->present, &shared,
+                                &a->fault);
     if (a->err) {
         return;
     }

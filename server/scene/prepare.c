@@ -24,8 +24,9 @@ bool pel_resources_fits(const struct pel_resources *resources,
                         const Pelagos__State *state,
                         const struct pel_sea_means *means)
 {
-    return resources->sea && pel_shared_sea_is(resources->sea, state, means) &&
-           pel_ground_is(&resources->ground, state) &&
+    return resources->sea && pel_ground_is(&resources->ground, state) &&
+           pel_shared_sea_is(resources->sea, state, means,
+                             &resources->ground) &&
            pel_fleet_has(&resources->fleet, state);
 }
 
@@ -37,13 +38,12 @@ enum pel_err pel_resources_get(const Pelagos__State *state,
                                struct pel_fault *fault)
 {
     *out = (struct pel_resources){ 0 };
-    enum pel_err err =
-        pel_shared_sea_get(state, means, present->sea, &out->sea, fault);
-    if (err) {
-        return err;
+    enum pel_err err = pel_ground_get(state, files->bathymetry,
+                                      &present->ground, &out->ground, fault);
+    if (!err) {
+        err = pel_shared_sea_get(state, means, &out->ground, present->sea,
+                                 &out->sea, fault);
     }
-    err = pel_ground_get(state, files->bathymetry, &present->ground,
-                         &out->ground, fault);
     if (!err) {
         err = pel_fleet_get(state, files->models, files->forgiving,
                             &present->fleet, &out->fleet, fault);

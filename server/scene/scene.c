@@ -296,7 +296,8 @@ enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
     if (err) {
         return err;
     }
-    err = pel_shared_sea_get(next, &scene->means, scene->has.sea, &sea, fault);
+    err = pel_shared_sea_get(next, &scene->means, NULL, scene->has.sea, &sea,
+                             fault);
     if (!err) {
         /* Light as numbers is of the water, wherever its bottom is. */
         *out = pel_snapshot_build(next, sea, NULL);

@@ -3,7 +3,28 @@
 #include <stdlib.h>
 
 #include "base/watch.h"
+#include "ocean/shore.h"
 #include "scene/build.h"
+
+static enum pel_err build(struct pel_shared_sea *sea)
+{
+    const struct pel_seabed *bed = sea->laid.bed;
+    enum pel_err err = pel_sea_build(&sea->desc, &sea->sea);
+    if (err == PEL_OK && bed) {
+        const struct pel_shore_bottom bottom = {
+            .columns = bed->columns,
+            .rows = bed->rows,
+            .west_m = bed->west_m,
+            .south_m = bed->south_m,
+            .spacing_m = bed->spacing_m,
+            .height_m = bed->height_m,
+            .level_m = sea->laid.level_m,
+            .beyond_m = sea->laid.beyond_m,
+        };
+        err = pel_sea_lay(&sea->sea, &bottom);
+    }
+    return err;
+}
 
 const struct pel_sea *pel_shared_sea_value(struct pel_shared_sea *sea)
 {
@@ -11,8 +32,7 @@ const struct pel_sea *pel_shared_sea_value(struct pel_shared_sea *sea)
         PEL_WATCH("sea");
         pthread_mutex_lock(&sea->lock);
         /* The description was tested: only memory can fail. */
-        if (!atomic_load(&sea->built) &&
-            pel_sea_build(&sea->desc, &sea->sea) != PEL_OK) {
+        if (!atomic_load(&sea->built) && build(sea) != PEL_OK) {
             abort();
         }
         atomic_store(&sea->built, true);
@@ -41,6 +61,7 @@ void pel_shared_sea_unref(struct pel_shared_sea *sea)
 {
     if (sea && atomic_fetch_sub(&sea->refs, 1) == 1) {
         pel_sea_finish(&sea->sea);
+        pel_seabed_unref(sea->laid.bed);
         pthread_mutex_destroy(&sea->lock);
         free(sea->record);
         free(sea);

@@ -6,12 +6,20 @@
 #include <stdatomic.h>
 
 #include "ocean/sea.h"
+#include "seabed/seabed.h"
+
+/* The bottom that a sea's waves feel; zeroed: none. */
+struct pel_laid {
+    const struct pel_seabed *bed; /* a reference */
+    double level_m, beyond_m;     /* of the sea; depth beyond the field */
+};
 
 struct pel_shared_sea {
     atomic_uint refs;
     struct pel_sea_desc desc; /* as asked for; the sea's own is normalized */
-    char *record;             /* which one `desc.measured` is; NULL: none */
-    pthread_mutex_t lock;     /* while it is built */
+    struct pel_laid laid;
+    char *record;         /* which one `desc.measured` is; NULL: none */
+    pthread_mutex_t lock; /* while it is built */
     atomic_bool built;
     struct pel_sea sea;
 };

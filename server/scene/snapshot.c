@@ -4,7 +4,7 @@
 
 #include "base/watch.h"
 #include "models/model.h"
-#include "ocean/areas.h"
+#include "ocean/restquery.h"
 #include "scene/build.h"
 #include "scene/reckon.h"
 #include "scene/sharedsea.h"
@@ -179,7 +179,7 @@ static void query_in_wash(const struct pel_snapshot *s,
                                                     out);
     for (size_t i = 0; i < n && wash; i++) {
         if (pel_wash_near(wash, points[i].x, points[i].y)) {
-            pel_areas_query(sea, &points[i], 1, time_s, moving, wash, &out[i]);
+            pel_rest_query(sea, &points[i], 1, time_s, moving, wash, &out[i]);
         }
     }
 }

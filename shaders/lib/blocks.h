@@ -26,6 +26,7 @@ struct pel_vec4 {
 #define PEL_BLOCK_CASCADES 5
 #define PEL_BLOCK_AREAS 8
 #define PEL_BLOCK_WAKES 6
+#define PEL_BLOCK_SHORE 7
 #define PEL_BLOCK_SEABED 9
 #define PEL_BLOCK_MEDIUM 10
 #define PEL_BLOCK_BEAM 11
@@ -66,6 +67,9 @@ struct pel_vec4 {
 #define PEL_UNIT_OBJECT_SAMPLES 29 /* 29 to 31: objects' silhouettes */
 #define PEL_UNIT_OBJECT_DEPTHS 30
 #define PEL_UNIT_OBJECT_COVER 31
+/* Of one synthesiser, in a place of the other's. */
+#define PEL_UNIT_SHORE_OF_CASCADES 13
+#define PEL_UNIT_SHORE_OF_WAVES 6
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
 #define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
@@ -334,6 +338,7 @@ struct pel_vec4 {
 #define PEL_FOAM_ALWAYS_LEFT 0.08
 #define PEL_FOAM_GRAIN 512
 #define PEL_FOAM_GRAIN_SEEN_M 4.0 /* by footprints up to */
+#define PEL_FOAM_SURF_M 71.0      /* side of a tile of surf */
 #define PEL_FOAM_THIN 0.02        /* variance of its edges */
 #define PEL_FOAM_BLOWN 0.3        /* in spray, at PEL_SPRAY_WHOLE */
 #define PEL_FOAM_RELIEF 0.3       /* thickest foam is so much brighter */
@@ -537,6 +542,19 @@ PEL_BLOCK(PEL_BLOCK_WASH, wash)
     vec4 wash_grain; /* the eye's nadir in tiles of foam, of the other tile */
     vec4 wash_bends; /* xy turns of the bends there */
     vec4 wash_water; /* rgb radiance that bubbles send up, of irradiance 1 */
+};
+
+/* Bands of waves that are read together over a bottom (ocean/shore.h), and the
+ * grid of what they are there. */
+#define PEL_SHORE_BANDS 4
+#define PEL_SHORE_WAVES 256
+PEL_BLOCK(PEL_BLOCK_SHORE, shore)
+{
+    vec4 shore_grid; /* xy the nadir in nodes; z nodes a metre */
+    vec4 shore_size; /* xy nodes; z highest waves that do not break, m */
+    vec4 shore_bands[PEL_SHORE_BANDS]; /* xy direction; z rad/m */
+    /* Bands of trochoids, three bits each, eight in a number. */
+    vec4 shore_waves[PEL_SHORE_WAVES / 32];
 };
 
 /* Gauss quadrature over the facets an eye sees (optics/facets.h), by

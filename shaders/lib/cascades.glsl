@@ -40,6 +40,18 @@ void shear(int c, vec2 x, inout reading at)
     at.by += vec4(-xy, -yy * g.x - xx * g.y, xx * g.x + yy * g.y, xy);
 }
 
+#ifdef PEL_SHORE
+// The same of a cascade that is a band of the shore's.
+reading reading_ashore(int c, vec2 x)
+{
+    reading at = reading_at(x);
+    for (int i = 0; i <= c; i++) {
+        shear(i, x, at);
+    }
+    return at;
+}
+#endif
+
 vec2 cascade_uv(int c, vec2 place)
 {
     vec2 turn = cascades[c].place.xy;
@@ -120,7 +132,18 @@ vec3 cascade_shift(vec2 x, float cell)
     reading at = reading_at(x);
     for (int c = 0; c < PEL_CASCADES && lod < (c > 0 ? COARSEST - 2.0 : COARSEST); c++) {
         shear(c, x, at);
-        vec3 shift = cascade_displacement(c, cascade_uv(c, at.place), lod);
+        vec2 place = at.place;
+#ifdef PEL_SHORE
+        shored here = far_out(x);
+        if (c < PEL_CASCADES / 2) {
+            here = shore_at(c, x);
+            place = reading_ashore(c, here.read).place;
+        }
+#endif
+        vec3 shift = cascade_displacement(c, cascade_uv(c, place), lod);
+#ifdef PEL_SHORE
+        shift *= vec3(here.b, here.b, here.a);
+#endif
 #ifdef PEL_AREAS
         if (c >= PEL_CASCADES / 2) {
             vec3 washed;

@@ -14,6 +14,9 @@ struct filtered {
     float up; // what short waves are times
     vec3 washed; // of wash_at
 #endif
+#ifdef PEL_SHORE
+    vec2 surf; // how much breaks on the bottom; height of the waves that feel it
+#endif
 };
 
 #ifdef PEL_FFT
@@ -31,13 +34,24 @@ filtered filtered_sea(vec2 x, float footprint)
 #ifdef PEL_AREAS
     f.up = short_waves(x, footprint, f.washed);
 #endif
+#ifdef PEL_SHORE
+    f.surf = vec2(0.0);
+#endif
     reading at = reading_at(x);
     float lod = log2(footprint / cascades[0].place.w) + back.w;
     // Nothing is left of a cascade at its coarsest level.
     for (int c = 0; c < PEL_CASCADES; c++, lod += log2(PEL_CASCADE_RATIO)) {
         shear(c, x, at);
         if (lod < COARSEST) {
-            vec3 uv = vec3(cascade_uv(c, at.place), c);
+            reading own = at;
+#ifdef PEL_SHORE
+            shored here = far_out(x);
+            if (c < PEL_CASCADES / 2) {
+                here = shore_at(c, x);
+                own = reading_ashore(c, here.read);
+            }
+#endif
+            vec3 uv = vec3(cascade_uv(c, own.place), c);
             vec4 slopes = textureLod(slope_fields, uv, lod);
             float mixed = textureLod(fold_field, uv, lod).x;
 #ifdef PEL_AREAS
@@ -46,8 +60,20 @@ filtered filtered_sea(vec2 x, float footprint)
                 mixed *= min(f.up, 1.0);
             }
 #endif
-            f.slope += slopes.x * at.by.xy + slopes.y * at.by.zw;
+#ifdef PEL_SHORE
+            f.slope += here.a * shore_gradient(here, slopes.x * own.by.xy + slopes.y * own.by.zw);
+            f.fold -= here.b * vec4(shore_gradient(here, vec2(slopes.z, mixed)),
+                                    shore_gradient(here, vec2(mixed, slopes.w)));
+            if (c < PEL_CASCADES / 2) {
+                float high = textureLod(displacement_fields, uv, max(lod, 0.0)).z;
+                f.slope += high * here.higher;
+                f.surf += vec2(0.0, here.a * high);
+                f.surf.x = here.breaks;
+            }
+#else
+            f.slope += slopes.x * own.by.xy + slopes.y * own.by.zw;
             f.fold -= vec4(slopes.z, mixed, mixed, slopes.w);
+#endif
 #ifdef PEL_FOAM
             if (c < 2) {
                 f.breaking += textureLod(breaking_fields, uv, lod).xy;
@@ -59,6 +85,9 @@ filtered filtered_sea(vec2 x, float footprint)
             if (c >= PEL_CASCADES / 2) {
                 shift *= vec3(min(vec2(f.up), 1.0), f.up);
             }
+#endif
+#ifdef PEL_SHORE
+            shift *= vec3(here.b, here.b, here.a);
 #endif
             f.shift += shift;
 #endif
@@ -84,14 +113,33 @@ filtered filtered_sea(vec2 x, float footprint)
 #ifdef PEL_LAYERS
     f.shift = vec3(0.0);
 #define PEL_SHIFT(phase, wander)                                               \
-    f.shift += (w * wander.w) * vec3((-chop * sc.x) * phase.xy, sc.y);
+    f.shift += (w * wander.w) * vec3((-chop * sc.x) * phase.xy, PEL_SHORE_HIGHER sc.y);
 #ifdef PEL_AREAS
 #undef PEL_SHIFT
 #define PEL_SHIFT(phase, wander)                                               \
-    f.shift += (w * wander.w) * vec3((-chop * level * sc.x) * phase.xy, up * sc.y);
+    f.shift += (w * wander.w) * vec3((-chop * level * sc.x) * phase.xy, PEL_SHORE_HIGHER up * sc.y);
 #endif
 #else
 #define PEL_SHIFT(phase, wander)
+#endif
+#ifdef PEL_SHORE
+    shored here[PEL_SHORE_BANDS + 1];
+    shore_of_waves(x, here);
+    f.surf = vec2(here[0].breaks, 0.0);
+#define PEL_READ                                                               \
+    shored ashore = here[wave_band(wave_)];                                    \
+    vec2 read = ashore.read;
+#define PEL_GROWN(wander) \
+    hk = shore_gradient(ashore, hk);                                           \
+    float high = 0.159154943 * gain * wander.w * sc.y; /* 1 / 2π */            \
+    f.slope += high * ashore.higher;                                           \
+    f.surf.y += ashore.to == vec2(0.0) ? 0.0 : ashore.a * high;                \
+    chop *= ashore.b;
+#define PEL_SHORE_HIGHER ashore.a *
+#else
+#define PEL_READ vec2 read = x;
+#define PEL_GROWN(wander)
+#define PEL_SHORE_HIGHER
 #endif
 #ifdef PEL_FOAM
     f.breaking = vec2(0.0);
@@ -116,12 +164,14 @@ filtered filtered_sea(vec2 x, float footprint)
     float w = filter_weight(phase.w * scale + offset);                         \
     float gain = w * footprint_mean(length2 * dot(phase.xy, phase.xy));        \
     float chop = wave_chop(phase);                                             \
-    vec3 at = wandered(wander, x);                                             \
-    vec2 sc = sine_cosine_turns(wave_turns(phase, x, at));                     \
+    PEL_READ                                                            \
+    vec3 at = wandered(wander, read);                                          \
+    vec2 sc = sine_cosine_turns(wave_turns(phase, read, at));                  \
     vec2 hk = (gain * wander.w) * wave_vector(phase, wander, at);              \
+    PEL_GROWN(wander)                                                                  \
     PEL_UP(phase)                                                              \
     f.fold += PEL_LEVEL (chop * sc.y) * (phase.xxyy * hk.xyxy);                \
-    f.slope -= PEL_HIGHER sc.x * hk;                                           \
+    f.slope -= PEL_HIGHER PEL_SHORE_HIGHER sc.x * hk;                                           \
     PEL_SHIFT(phase, wander)                                                   \
     PEL_BREAKING(phase, wander)
     PEL_EACH_WAVE(PEL_SLOPE)

@@ -22,12 +22,33 @@ vec2 grain_at(vec2 uv, float texels)
 }
 
 #ifdef PEL_FOAM
+#ifdef PEL_SHORE
+// The least bound where waves break on the bottom: on their crests, and what they
+// leave behind.
+float surf_bound(vec2 surf)
+{
+    float crest = smoothstep(-0.2, 0.6, surf.y);
+    return mix(-5.0, mix(-0.9, 1.8, crest), smoothstep(0.0, 0.35, surf.x));
+}
+
+// The structure of surf is that of whitecaps and one of larger patches, or a tile
+// would be seen over and over.
+vec2 surf_grain(vec2 x, vec2 n, float texels, vec2 surf)
+{
+    vec2 at = (x * shore_grid.z + shore_grid.xy) / (shore_grid.z * PEL_FOAM_SURF_M);
+    vec2 wide = grain_at(vec2(0.8 * at.x + 0.6 * at.y, 0.8 * at.y - 0.6 * at.x), texels / PEL_FOAM_SURF_M);
+    float w = 0.75 * smoothstep(0.0, 0.35, surf.x);
+    return vec2(sqrt(1.0 - w * w), 1.0 - w * w) * n + vec2(w, w * w) * wide;
+}
+#endif
+
 // x: foam is where the structure, a normal number that belongs to the water at
 // rest, is below a bound; of what a pixel averages over its variance is known.
 // y: how bright it is, thick in the middle and thin at its edges, by the share
 // of the foam there that is thicker: so its mean is 1. `up`: what an area has
-// the short waves times.
-vec2 foam_of(vec2 x, vec2 breaking, float footprint, float up)
+// the short waves times; `surf`: how much breaks on the bottom, and the height of
+// the waves there, m.
+vec2 foam_of(vec2 x, vec2 breaking, float footprint, float up, vec2 surf)
 {
     const float side = float(PEL_FOAM_SIDE);
     const float levels = float(PEL_FOAM_LEVELS);
@@ -40,6 +61,9 @@ vec2 foam_of(vec2 x, vec2 breaking, float footprint, float up)
     // Slopes grow with the wind, and foam with its power: by so much, to first
     // order in the logarithm of the odds.
     bound += PEL_AREA_FOAM * log(max(up, 0.05)) / (1.5976 + 0.211695 * bound * bound);
+#endif
+#ifdef PEL_SHORE
+    bound = max(bound, surf_bound(surf));
 #endif
     // Too little, or too far, to see its structure.
 #ifdef PEL_STREAKS
@@ -61,6 +85,9 @@ vec2 foam_of(vec2 x, vec2 breaking, float footprint, float up)
     vec2 streak = grain_at(run / vec2(PEL_FOAM_STREAK_ALONG_M, PEL_FOAM_STREAK_ACROSS_M) + grain.zw,
                            texels / PEL_FOAM_STREAK_ACROSS_M);
     n = vec2(sqrt(1.0 - w * w), 1.0 - w * w) * n + vec2(w, w * w) * streak;
+#endif
+#ifdef PEL_SHORE
+    n = surf_grain(x, n, texels, surf);
 #endif
     float seen = clamp(2.0 - 2.0 * footprint / far, 0.0, 1.0);
     n = vec2(seen * n.x, 1.0 - seen * seen * (1.0 - n.y));

@@ -155,12 +155,20 @@ shaded shade_sea(ivec2 at, uint triangle)
                              blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0),
                              mix(vec4(1.0 - f.fold.x, -f.fold.z, -f.fold.y, 1.0 - f.fold.w), NOT_PRESSED, hidden));
 #if defined(PEL_FOAM) || defined(PEL_WASH)
-#ifndef PEL_FOAM
-    vec2 foam = vec2(0.0, 1.0);
-#elif defined(PEL_AREAS)
-    vec2 foam = foam_of(x, f.breaking, footprint, f.up);
+#ifdef PEL_AREAS
+    float up = f.up;
 #else
-    vec2 foam = foam_of(x, f.breaking, footprint, 1.0);
+    const float up = 1.0;
+#endif
+#ifdef PEL_SHORE
+    vec2 surf = f.surf;
+#else
+    const vec2 surf = vec2(0.0);
+#endif
+#ifdef PEL_FOAM
+    vec2 foam = foam_of(x, f.breaking, footprint, up, surf);
+#else
+    vec2 foam = vec2(0.0, 1.0);
 #endif
 #ifdef PEL_WASH
     foam = foams_together(foam, wash_foam(x, f.washed.y, footprint));

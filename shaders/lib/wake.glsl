@@ -1,5 +1,6 @@
 // Ship waves, twin of ocean/wake.h: displacement and slopes above a place that
 // the sea's waves have carried there, from the eye's nadir.
+#include "lib/spline.glsl"
 
 layout(binding = PEL_UNIT_WAKES) uniform sampler2DArray wake_tiles; // Dx, Dy, h
 
@@ -28,14 +29,6 @@ vec3 wake_slopes(int i, vec2 at)
     return mix(rows[0], rows[1], f.y);
 }
 
-void wake_spline(vec2 f, out vec2 w[4], out vec2 d[4])
-{
-    vec2 g = 1.0 - f;
-    w = vec2[4](g * g * g / 6.0, (4.0 - 6.0 * f * f + 3.0 * f * f * f) / 6.0,
-                (4.0 - 6.0 * g * g + 3.0 * g * g * g) / 6.0, f * f * f / 6.0);
-    d = vec2[4](-0.5 * g * g, f * (1.5 * f - 2.0), g * (2.0 - 1.5 * g), 0.5 * f * f);
-}
-
 // What a tile adds, as a footprint sees it: waves of a few texels go first.
 void add_wake_tile(int i, vec2 x, float footprint, inout wake_shift sum)
 {
@@ -62,7 +55,7 @@ void add_wake_tile(int i, vec2 x, float footprint, inout wake_shift sum)
     ivec2 corner = ivec2(at - f) - 1;
     vec2 w[4];
     vec2 d[4];
-    wake_spline(f, w, d);
+    cubic_spline(f, w, d);
     vec3 value = vec3(0.0);
     vec3 by_x = vec3(0.0);
     vec3 by_y = vec3(0.0);

@@ -26,6 +26,24 @@ float wave_chop(vec4 phase)
     return floor(phase.z) * phase.w * (1.0 / float(PEL_CHOP_STEPS));
 }
 
+#ifdef PEL_SHORE
+// The band of the wave whose texel is the `texel`-th, PEL_SHORE_BANDS: none.
+int wave_band(int texel)
+{
+    int wave = texel >> 1;
+    return int(shore_waves[wave >> 5][wave >> 3 & 3]) >> (3 * (wave & 7)) & 7;
+}
+
+// All bands at a place, and what belongs to none.
+void shore_of_waves(vec2 x, out shored here[PEL_SHORE_BANDS + 1])
+{
+    for (int b = 0; b < PEL_SHORE_BANDS; b++) {
+        here[b] = shore_at(b, x);
+    }
+    here[PEL_SHORE_BANDS] = far_out(x);
+}
+#endif
+
 // w(a, b, x) of section 3.2, x = λ / length, in units of the interval.
 float filter_weight(float x)
 {

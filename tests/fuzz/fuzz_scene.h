@@ -32,7 +32,7 @@ static inline void fuzz_edit(const Pelagos__Patch *patch)
     Pelagos__State *next;
     if (!state) {
         state = pel_state_default();
-        if (pel_shared_sea_get(state, &means, NULL, &sea, NULL)) {
+        if (pel_shared_sea_get(state, &means, NULL, NULL, &sea, NULL)) {
             abort();
         }
     }
@@ -42,7 +42,7 @@ static inline void fuzz_edit(const Pelagos__Patch *patch)
     if (pel_state_check(next, &fault) == PEL_OK &&
         pel_sea_settle(next, &fault) == PEL_OK &&
         next->sea->spectrum != PELAGOS__SPECTRUM_KIND__MEASURED) {
-        if (pel_shared_sea_get(next, &means, sea, &next_sea, NULL)) {
+        if (pel_shared_sea_get(next, &means, NULL, sea, &next_sea, NULL)) {
             abort(); /* what is in range makes a sea */
         }
         const struct pel_snapshot *s = pel_snapshot_build(next, next_sea, NULL);

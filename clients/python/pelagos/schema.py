@@ -585,6 +585,9 @@ class Seabed(Record):
     #: What the land is; absent: as the bottom, SAND where that is BLACK.
     #: One of BLACK, SAND, MUD, ROCK, CORAL.
     land: str | None = _field(None)
+    #: Whether waves feel the bottom of the file: they bend to the shore, grow
+    #: and break.
+    waves: bool = _field(True)
 
 
 @dataclass(frozen=True)
