@@ -392,7 +392,7 @@ def main():
     options.look = options.look or (["mirror"] if options.quick
                                     else list(LOOKS))
     os.nice(max(0, 10 - os.nice(0)))
-    setup = ({"pictures": 4, "realisations": 4, "rays": 6} if options.quick
+    setup = ({"pictures": 6, "realisations": 4, "rays": 8} if options.quick
              else {"pictures": 32 * options.times,
                    "realisations": 32 * options.times, "rays": 4})
     folder = os.path.join(ROOT, "build", "validate",
