@@ -39,7 +39,7 @@ vec3 mean_sea(vec3 dir)
     for (int i = 0; i < PEL_LIGHTS; i++) {
         leaving += leaving_deep_water(i, water_place(v, n, light_above(i, tilt)));
     }
-    lit parts = sea_radiance(reflection_map, v, tilt, n, wind.zw, leaving, vec3(0.0), NOT_PRESSED);
+    lit parts = sea_radiance(reflection_map, v, tilt, n, wind.zw, leaving, vec3(0.0), NOT_PRESSED, 0.0);
     cover_by_foam(vec2(whitecaps.w, 1.0), n, tilt, parts);
     vec3 air;
     vec3 through = haze(dir, range, air);

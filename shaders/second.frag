@@ -3,8 +3,8 @@
 // its elevation in standard deviations of slopes, η (section 6 of the 2010
 // paper, which takes the mirrored sky): the facets that face it, in proportion to
 // (z − η)⁺ p(z) by their slope z towards it, mirror the sky at the tangent
-// 2 z − η, or show the water. In alpha, for a beam of irradiance 1, the Sun that
-// they mirror [1/sr].
+// 2 z − η, or show the water. In alpha, for the Sun in them (mirrored_twice), its
+// part that is not hidden by the part of their area that is shown.
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 #include "lib/ross.glsl"
@@ -15,24 +15,14 @@ layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
 const int STEPS = 12;
 const float REACH = 3.5;
 
-// The Sun in the facets that a ray meets, `shown` their mean slope towards it.
-float glitter(vec3 ray, float shown)
+// `shown`: the mean slope towards the ray of the facets that it meets.
+float sunlit(vec3 ray, float shown)
 {
-    float level = inversesqrt(dot(ray, ray));
     vec3 to = lights[PEL_LIGHT_SUN].direction.xyz;
-    vec3 h = normalize(to - ray * level);
-    vec3 side = vec3(-wind.y, wind.x, 0.0);
-    float facing = -dot(ray, h) * level;
-    if (to.z <= 0.0 || h.z <= 0.05 || facing <= 0.0) {
-        return 0.0;
-    }
-    vec2 slope = -vec2(dot(h.xy, wind.xy), dot(h.xy, side.xy)) / h.z;
-    float p = slope_density(slope, max(wind.zw, vec2(1e-8)) + lights[PEL_LIGHT_SUN].limb.w);
-    vec2 beam = vec2(dot(to.xy, wind.xy), dot(to.xy, side.xy));
+    vec2 beam = vec2(dot(to.xy, wind.xy), dot(to.xy, vec2(-wind.y, wind.x)));
     float s_light = sqrt(max(directional_variance(vec3(beam, 0.0), wind.zw), 1e-8));
     float lit = escape(to.z * inversesqrt(max(1.0 - to.z * to.z, 1e-4)) / s_light, escape_odds(0.7));
-    float h2 = h.z * h.z;
-    return lit * p * facet_reflectance(facing).g / (4.0 * h2 * h2 * level * shown);
+    return min(lit * sqrt(dot(ray, ray)) / (4.0 * shown), 1e4);
 }
 
 void main()
@@ -58,5 +48,5 @@ void main()
         sum += weight * mix(sea_light.rgb, sky, fresnel);
         seen += weight;
     }
-    radiance = vec4(sum / seen, glitter(vec3(away, s * eta), s * seen * step_ / sqrt(2.0 * PI)));
+    radiance = vec4(sum / seen, sunlit(vec3(away, s * eta), s * seen * step_ / sqrt(2.0 * PI)));
 }

@@ -22,7 +22,7 @@ vec3 mean_sea(vec3 dir)
     for (int i = 0; i < PEL_LIGHTS; i++) {
         leaving += leaving_water(i, water_place(v, n, light_above(i, level)), 1e5);
     }
-    lit parts = sea_radiance(reflection_map, v, level, n, wind.zw, leaving, vec3(0.0), NOT_PRESSED);
+    lit parts = sea_radiance(reflection_map, v, level, n, wind.zw, leaving, vec3(0.0), NOT_PRESSED, 0.0);
     return parts.sun + parts.sky + parts.water;
 }
 

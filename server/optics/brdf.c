@@ -33,14 +33,19 @@ double pel_ross_slope_density(double zx, double zy, double var_x, double var_y)
            (2.0 * PEL_PI * sqrt(var_x * var_y));
 }
 
-double pel_sharpened(double zx, double zy, double var_x, double var_y,
-                     double disc, double fold)
+double pel_sharpened(struct pel_vec2 own, struct pel_vec2 whole, double var_x,
+                     double var_y, double disc, double fold)
 {
-    double q = zx * zx / (var_x + disc) + zy * zy / (var_y + disc);
+    double q = own.x * own.x / (var_x + disc) + own.y * own.y / (var_y + disc);
     double total = var_x + var_y;
-    double w = fold * (zx * zx + zy * zy) * total / (total + 2.0 * disc);
-    double area = (1.0 + 2.0 / 3.0 * w) / ((1.0 + w) * (1.0 + w));
-    return exp(fmin(0.5 * q * w / (1.0 + w), 16.0)) * area * area *
+    double part = fold * total / (total + 2.0 * disc);
+    double both = own.x * whole.x + own.y * whole.y;
+    double w = part * (whole.x * whole.x + whole.y * whole.y);
+    double c = part * both;
+    double own2 = fmax(own.x * own.x + own.y * own.y, 1e-12);
+    double along = w / 3.0 + 2.0 / 3.0 * c * both / own2;
+    double area = (1.0 + w - c) * (1.0 + w - c / 3.0) / ((1.0 + w) * (1.0 + w));
+    return exp(fmin(0.5 * q * along / (1.0 + along), 16.0)) * area * area *
            (1.0 + 4.0 / 3.0 * fold * total) / sqrt((1.0 + w) * (1.0 + w / 3.0));
 }
 
@@ -155,7 +160,8 @@ double pel_glitter(struct pel_vec3 view, struct pel_vec3 light, double var_x,
     }
     double zx = steeper * view.x - h.x / h.z;
     double zy = steeper * view.y - h.y / h.z;
-    double p = seen * pel_sharpened(zx, zy, var_x, var_y, disc, fold) *
+    struct pel_vec2 facet = { zx, zy };
+    double p = seen * pel_sharpened(facet, facet, var_x, var_y, disc, fold) *
                pel_ross_slope_density(zx, zy, var_x + disc, var_y + disc);
     double f = pel_fresnel_exact(vh, n);
     double shown = 1.0 + pel_ross_lambda(pel_ross_a(view, var_x, var_y));

@@ -31,9 +31,13 @@ double pel_fresnel_schlick(double cos_theta, double n);
  * all directions alike, whose ∇D has 3/8, 1/8 and 1/8 of fold · 4/3 times the
  * slope variance along, across and mixed, |J| by its mean where Jζ is met.
  * fold: 3/4 of the waves' squared chop (pel_sea_folding). var without a
- * light's disc, which widens what mirrors it alone. */
-double pel_sharpened(double zx, double zy, double var_x, double var_y,
-                     double disc, double fold);
+ * light's disc, which widens what mirrors it alone.
+ *
+ * Where other waves carry these, a facet has the slopes `whole` of both, `own`
+ * at rest of these alone (pel_own_slope), and their ∇D presses all of them:
+ * E[|J|² p0(own + ∇D whole)]. Without others both are the same. */
+double pel_sharpened(struct pel_vec2 own, struct pel_vec2 whole, double var_x,
+                     double var_y, double disc, double fold);
 
 /* A patch of sea with the mean normal of the waves that are resolved there, and
  * by how much these press the water of others together: ∂p.x/∂x, ∂p.y/∂x,

@@ -289,9 +289,10 @@ static void test_glitter(void **state)
     assert_true(pel_glitter(v, direction(1.6, 0), vx, vy, disc, N, 0) == 0);
 }
 
-/* E[|J|² p0(Jζ)] by quadrature over the three derivatives of D, against the
- * closed form: |J| by its mean leaves 0.2 %. */
-static double choppy(double zx, double zy, double v, double fold)
+/* E[|J|² p0(own + ∇D whole)] by quadrature over the three derivatives of D,
+ * against the closed form: |J| by its mean leaves 0.2 %. */
+static double choppy(struct pel_vec2 own, struct pel_vec2 whole, double v,
+                     double fold)
 {
     enum { STEPS = 60 };
     const double reach = 6.0, step = 2.0 * reach / STEPS;
@@ -305,9 +306,10 @@ static double choppy(double zx, double zy, double v, double fold)
         double yy = 1.0 + sqrt(m * 3.0 / 8.0) * (a / 3.0 + sqrt(8.0) / 3.0 * b);
         double xy = sqrt(m / 8.0) * c;
         double area = xx * yy - xy * xy;
-        sum +=
-            exp(-0.5 * (a * a + b * b + c * c)) * area * area *
-            pel_ross_slope_density(xx * zx + xy * zy, xy * zx + yy * zy, v, v);
+        double x = own.x + (xx - 1) * whole.x + xy * whole.y;
+        double y = own.y + xy * whole.x + (yy - 1) * whole.y;
+        sum += exp(-0.5 * (a * a + b * b + c * c)) * area * area *
+               pel_ross_slope_density(x, y, v, v);
     }
     return sum * pow(step / sqrt(2.0 * PEL_PI), 3);
 }
@@ -317,16 +319,41 @@ static void test_sharpened(void **state)
     (void)state;
     for (int i = 0; i < 15; i++) {
         double v = 0.004 * (i % 3 + 1), fold = i % 2 ? 0.75 : 0.4;
-        double z = sqrt(v) * (i / 3),
-               normal = pel_ross_slope_density(z, 0, v, v);
-        double want = choppy(0.6 * z, 0.8 * z, v, fold) / normal;
-        double seen = pel_sharpened(0.6 * z, 0.8 * z, v, v, 0, fold);
+        double z = sqrt(v) * (i / 3);
+        struct pel_vec2 s = { 0.6 * z, 0.8 * z };
+        double normal = pel_ross_slope_density(z, 0, v, v);
+        double want = choppy(s, s, v, fold) / normal;
+        double seen = pel_sharpened(s, s, v, v, 0, fold);
         print_message("%d sigma, variance %.3f: %.3f, by quadrature %.3f\n",
                       i / 3, v, seen, want);
         assert_near(seen, want, 0.004 * want);
     }
-    assert_true(fabs(pel_sharpened(0.3, 0, 0.008, 0.008, 0, 0.75) - 1) > 0.1);
-    assert_near(pel_sharpened(0.3, 0.1, 0, 0, 1e-6, 0.75), 1, 1e-12);
+    struct pel_vec2 steep = { 0.3, 0.0 }, aside = { 0.3, 0.1 };
+    assert_true(fabs(pel_sharpened(steep, steep, 0.008, 0.008, 0, 0.75) - 1) >
+                0.1);
+    assert_near(pel_sharpened(aside, aside, 0, 0, 1e-6, 0.75), 1, 1e-12);
+}
+
+/* The same of waves on top of others, whose slopes they press too: the facet is
+ * up to four times as steep as they are, and turned from them by 0, 30, 60
+ * degrees. A facet turned by 60 degrees has no mean J that is exact. */
+static void test_sharpened_beside_others(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 18; i++) {
+        double v = 0.006, z = sqrt(v) * (i % 3 + 0.5),
+               turn = i / 6 * PEL_PI / 6;
+        double steep = i % 6 < 3 ? 0.3 : 0.5;
+        struct pel_vec2 own = { z * cos(turn), z * sin(turn) };
+        struct pel_vec2 whole = { steep, 0 };
+        double normal = pel_ross_slope_density(z, 0, v, v);
+        double want = choppy(own, whole, v, 0.6) / normal;
+        double seen = pel_sharpened(own, whole, v, v, 0, 0.6);
+        print_message("%.1f sigma of %.1f, turned by %.0f: %.3f, by "
+                      "quadrature %.3f\n",
+                      i % 3 + 0.5, steep, turn * 180 / PEL_PI, seen, want);
+        assert_near(seen, want, 0.008 * want);
+    }
 }
 
 /* BRDF over F, times cos θ_l, over the light: on a grid of the facets' slopes,
@@ -436,6 +463,7 @@ int main(void)
         cmocka_unit_test(test_escape),
         cmocka_unit_test(test_glitter),
         cmocka_unit_test(test_sharpened),
+        cmocka_unit_test(test_sharpened_beside_others),
         cmocka_unit_test(test_own_slope),
         cmocka_unit_test(test_white_furnace),
     };

@@ -246,8 +246,9 @@ static void glitter_is_eq_15(void **state)
             double facing = pel_vec3_dot(view, half);
             double schlick = pel_fresnel_schlick(facing, PEL_WATER_INDEX);
             struct pel_folding fold = pel_sea_folding(&sea);
+            struct pel_vec2 facet = { half.x / half.z, half.y / half.z };
             double crests = pel_sharpened(
-                half.x / half.z, half.y / half.z, along, cross, 0,
+                facet, facet, along, cross, 0,
                 0.75 * (fold.finest + fold.more * (along + cross)));
             struct pel_rgb glint = scale_rgb(
                 mul_rgb(sun_light, reflectance(&env.water, facing)),

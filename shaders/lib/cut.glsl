@@ -27,6 +27,7 @@ struct cut {
     vec2 x;     // place at rest
     float t;    // distance, in lengths of the ray
     vec3 facet; // the triangle's normal
+    float cell; // the length of the mesh's cell
 };
 
 // In homogeneous barycentrics.
@@ -48,8 +49,9 @@ cut cut_triangle(vec3 ray, uint triangle)
     weight = clamp(weight / (weight.x + weight.y + weight.z), 0.0, 1.0);
     weight /= weight.x + weight.y + weight.z;
     cut result;
-    result.x = weight.x * vertex_rest(i0) + weight.y * vertex_rest(i0 - 1) +
-               weight.z * vertex_rest(i2);
+    vec2 first = vertex_rest(i0), last = vertex_rest(i2);
+    result.x = weight.x * first + weight.y * vertex_rest(i0 - 1) + weight.z * last;
+    result.cell = abs(length(first) - length(last));
     result.t = -dot(weight.x * a + weight.y * b + weight.z * c, back.xyz);
     result.facet = normalize(cross(b - a, c - a));
     return result;

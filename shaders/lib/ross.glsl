@@ -39,16 +39,20 @@ float slope_density(vec2 slope, vec2 variance)
 
 // What displacement of the water towards crests does to that density, twin of
 // pel_sharpened: the logarithm and what it is multiplied by; q: slope² over
-// variance.
-vec2 sharpened(vec2 slope, vec2 variance, float disc, float fold)
+// variance. `own`, `whole`: of the waves and of the facet.
+vec2 sharpened(vec2 own, vec2 whole, vec2 variance, float disc, float fold)
 {
-    vec2 s2 = slope * slope;
+    vec2 s2 = own * own;
     float q = dot(s2, 1.0 / (variance + disc));
     float total = variance.x + variance.y;
-    float w = fold * (s2.x + s2.y) * total / (total + 2.0 * disc);
+    float part = fold * total / (total + 2.0 * disc);
+    float both = dot(own, whole);
+    float w = part * dot(whole, whole);
+    float c = part * both;
+    float along = 0.33333333 * w + 0.66666667 * c * both / max(s2.x + s2.y, 1e-12);
     float one = 1.0 / (1.0 + w);
-    float area = one * one * (1.0 + 0.66666667 * w);
-    return vec2(min(0.5 * q * w * one, 16.0),
+    float area = (1.0 + w - c) * (1.0 + w - 0.33333333 * c) * one * one;
+    return vec2(min(0.5 * q * along / (1.0 + along), 16.0),
                 area * area * inversesqrt((1.0 + w) * (1.0 + 0.33333333 * w)) *
                     (1.0 + 1.33333333 * fold * total));
 }
@@ -91,22 +95,28 @@ float escape(float eta, float odds)
 // A patch of sea: its frame (columns: tangents along and across the wind,
 // normal; z is up), and by how much the waves in its normal press the water of
 // others together: ∂p.x/∂x, ∂p.y/∂x, ∂p.x/∂y, ∂p.y/∂y of its places p by those
-// at rest.
+// at rest. `beside`: the share of these waves that the mesh leaves out. Where they
+// draw the water out it shows the patch as often as elsewhere, not oftener.
 struct patch_frame {
     mat3 axes;
     vec4 pressed;
+    float beside;
 };
 
 // Slopes of waves add at rest. Of a facet of slopes s in the frame of a patch
-// those of the waves that the patch leaves out; `stretch`: their area by that of
+// those of the waves that the patch leaves out; `whole`: its slopes to the
+// horizontal, also along and across the wind; `stretch`: their area by that of
 // s. Twin of pel_own_slope.
-vec2 own_slope(vec2 s, patch_frame at, out float stretch)
+vec2 own_slope(vec2 s, patch_frame at, out vec2 whole, out float stretch)
 {
     vec3 f = at.axes * vec3(s, 1.0);
     float rise = 1.0 / max(f.z, 0.05);
-    vec2 d = f.xy * rise - at.axes[2].xy / max(at.axes[2].z, 0.05);
+    vec2 slope = f.xy * rise;
+    whole = vec2(dot(slope, wind.xy), dot(slope, vec2(-wind.y, wind.x)));
+    vec2 d = slope - at.axes[2].xy / max(at.axes[2].z, 0.05);
     vec2 rest = vec2(dot(at.pressed.xy, d), dot(at.pressed.zw, d));
-    stretch = rise * rise * rise * (at.pressed.x * at.pressed.w - at.pressed.y * at.pressed.z);
+    float area = at.pressed.x * at.pressed.w - at.pressed.y * at.pressed.z;
+    stretch = rise * rise * rise * area * mix(1.0, area, at.beside);
     return vec2(dot(rest, wind.xy), dot(rest, vec2(-wind.y, wind.x)));
 }
 
@@ -139,9 +149,10 @@ vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc, vec2 draw
     float mu = cos_v / (level * s_view);
     float steeper = PEL_SEEN_STEEPER * s_view / (1.0 + PEL_SEEN_KNEE * mu * mu);
     vec2 slope = view.xy * (steeper / level) - h.xy / hz;
+    vec2 whole;
     float stretch;
-    vec2 own = own_slope(-slope, at, stretch);
-    vec2 crisp = sharpened(own, variance, disc, fold);
+    vec2 own = own_slope(-slope, at, whole, stretch);
+    vec2 crisp = sharpened(own, whole, variance, disc, fold);
     vec2 spread = variance - held + disc;
     vec2 off = own + drawn;
     float z = (dot(view.xy, h.xy) / (hz * level) - steeper) / s_view;

@@ -93,7 +93,8 @@ shaded shade_sea(ivec2 at, uint triangle)
 #endif
     vec3 n = filtered_normal(f);
     vec2 variance = variance_left(footprint);
-    vec2 variance_beside = variance_left(PEL_CELL_FOOTPRINT * footprint) - variance;
+    vec2 variance_beside =
+        variance_left(max(hit.cell, PEL_CELL_FOOTPRINT * footprint)) - variance;
     vec2 variance_all = wind.zw;
 #ifdef PEL_AREAS
     variance_beside = area_variance(variance + variance_beside, f.up);
@@ -151,9 +152,12 @@ shaded shade_sea(ivec2 at, uint triangle)
     leaving *= 1.0 - (1.0 - sea_lit) * falling / max(falling + skies[PEL_LIGHT_SUN].rgb, vec3(1e-12));
 #endif
 #endif
+    vec2 shown = max(variance_all - variance, vec2(1e-8));
+    float beside = clamp((variance_beside.x + variance_beside.y) / (shown.x + shown.y), 0.0, 1.0);
     lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving,
                              blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0),
-                             mix(vec4(1.0 - f.fold.x, -f.fold.z, -f.fold.y, 1.0 - f.fold.w), NOT_PRESSED, hidden));
+                             mix(vec4(1.0 - f.fold.x, -f.fold.z, -f.fold.y, 1.0 - f.fold.w), NOT_PRESSED, hidden),
+                             beside);
 #if defined(PEL_FOAM) || defined(PEL_WASH)
 #ifdef PEL_AREAS
     float up = f.up;

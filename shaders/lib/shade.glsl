@@ -16,7 +16,8 @@ layout(binding = PEL_UNIT_FACETS) uniform samplerBuffer facet_texels; // nodes a
 layout(binding = PEL_UNIT_SECOND) uniform sampler2D second_map;
 
 // What a ray towards the azimuth `away` at a tangent of η standard deviations
-// sees of other waves; in alpha the Sun in them, by its irradiance.
+// sees of other waves; in alpha what the Sun in them is, for a beam of 1, times
+// density of slopes and reflectance (mirrored_twice).
 vec4 second_reflection(vec2 away, float eta)
 {
     float place = clamp((eta - PEL_SECOND_FIRST) / PEL_SECOND_SPAN, 0.0, 1.0);
@@ -36,6 +37,32 @@ vec3 waves_resolved(vec3 v, vec2 variance)
     float inverse = inversesqrt(sqrt(resolved * whole));
     float mu = v.z * inversesqrt(max(1.0 - v.z * v.z, 1e-8)) * inverse;
     return vec3(inverse, escape_odds(mu), inversesqrt(whole));
+}
+
+// The Sun in the facets that rays about r meet, for a beam of 1; `shown`: alpha of
+// second_reflection. The rays come from facets whose slopes across the view have
+// the variance cross2, so they point to both sides of the Sun, whose path on
+// what they meet is narrow: the density of slopes is widened by what that turns
+// the facet that mirrors it, and reflectance is of the likeliest of these.
+float mirrored_twice(vec3 r, vec3 v, float cross2, float shown)
+{
+    vec3 ray = r * inversesqrt(max(dot(r, r), 1e-12));
+    vec3 to = lights[PEL_LIGHT_SUN].direction.xyz;
+    vec3 sum = to - ray, half_ = ray + v;
+    float up = max(sum.z, 0.02);
+    float turned = cross2 * dot(half_, half_) / (up * up * max(dot(ray.xy, ray.xy), 1e-4));
+    vec2 side = vec2(-wind.y, wind.x);
+    vec2 slope = vec2(dot(sum.xy, wind.xy), dot(sum.xy, side)) / up;
+    vec2 wide = vec2(dot(vec2(-ray.y, ray.x), wind.xy), dot(vec2(-ray.y, ray.x), side));
+    vec2 own = max(wind.zw, vec2(1e-8)) + lights[PEL_LIGHT_SUN].limb.w;
+    vec3 spread = vec3(own, 0.0) + turned * vec3(wide * wide, wide.x * wide.y);
+    float det = own.x * own.y + turned * (own.x * wide.y * wide.y + own.y * wide.x * wide.x);
+    vec2 g = vec2(spread.y * slope.x - spread.z * slope.y, spread.x * slope.y - spread.z * slope.x) / det;
+    vec2 likeliest = own * g;
+    float steep = 1.0 + dot(likeliest, likeliest);
+    float p = exp(-0.5 * dot(slope, g)) * inversesqrt(det) / (2.0 * PI);
+    float seen = shown * p * facet_reflectance(0.5 * up * sqrt(steep)).g * steep * steep;
+    return sum.z > 0.02 ? seen : 0.0;
 }
 
 // Reflected sky radiance, and in `fresnel` the reflectance it was weighted
@@ -61,6 +88,7 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     vec4 nodes = mix(texelFetch(facet_texels, 2 * entry), texelFetch(facet_texels, 2 * entry + 2), f_place);
     vec4 weights = mix(texelFetch(facet_texels, 2 * entry + 1), texelFetch(facet_texels, 2 * entry + 3), f_place);
     vec3 sum = vec3(0.0), lost = vec3(0.0);
+    vec3 lost_ray = vec3(0.0);
     float lost_tangent = 0.0;
     fresnel = vec3(0.0);
     float texels = float(textureSize(map, 0).x) / (2.0 * PEL_REFLECTION_HALF_WIDTH);
@@ -86,15 +114,15 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
         }
         lost += share * met;
         lost_tangent += share.g * met * tangent;
+        lost_ray += share.g * met * r;
     }
     vec2 away = -v.xy * inversesqrt(max(dot(v.xy, v.xy), 1e-8));
     float eta = lost_tangent / max(lost.g, 1e-9) * resolved.z;
     vec4 second = second_reflection(away, eta);
+    twice = lost * mirrored_twice(lost_ray, v, cross2, second.a);
 #ifdef PEL_OBJECTS
-    twice = lost * second.a;
     return with_objects(map, sum, v, n, tx, ty, axis, s, cross2, mu, resolved, lost, eta, second.rgb);
 #else
-    twice = lost * second.a;
     return sum + lost * second.rgb;
 #endif
 }
@@ -161,9 +189,9 @@ const vec4 NOT_PRESSED = vec4(1.0, 0.0, 0.0, 1.0);
 
 // `leaving`: of the water there (leaving_water); `tilt`: of the patch's up;
 // `glint`: of glint_slopes, and the share of the variance that it stands for;
-// `pressed`: of the patch_frame.
+// `pressed`, `beside`: of the patch_frame.
 lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 leaving, vec3 glint,
-                 vec4 pressed)
+                 vec4 pressed, float beside)
 {
     variance = max(variance, vec2(MIN_VARIANCE));
     vec3 along = vec3(wind.xy, 0.0);
@@ -177,7 +205,7 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
     vec3 resolved = waves_resolved(v, variance);
 #endif
     vec3 sky = reflected_sky(map, v, n, tx, ty, view, variance, resolved, fresnel, twice);
-    patch_frame at = patch_frame(mat3(tx, ty, n), pressed);
+    patch_frame at = patch_frame(mat3(tx, ty, n), pressed, beside);
     vec2 held = variance * glint.z;
     vec2 drawn = glint.xy * sqrt(held);
     float fold = crests.x + crests.y * (variance.x + variance.y);
