@@ -185,7 +185,7 @@ RENDER := server/render/context.c server/render/shader.c \
     server/render/readback.c server/render/targets.c server/render/stages.c server/render/statistics.c \
     server/render/programs.c server/render/renderer.c server/render/shadepass.c server/render/samples.c server/render/arena.c server/render/probe.c \
     server/render/mesh.c server/render/meshpass.c server/render/mark.c server/render/sky.c server/render/uniforms.c \
-    server/render/waterlight.c server/render/waterprobe.c server/render/seabedmap.c server/render/coast.c server/render/tiles.c server/render/objects.c server/render/objectplan.c server/render/objectshadow.c server/render/mirror.c server/render/modelpaint.c server/render/modelpool.c server/render/worker_pool.c server/render/disc.c server/render/edges.c server/render/meter.c server/render/band.c server/render/wavefield.c server/render/layer.c server/render/truth.c server/render/texels.c \
+    server/render/waterlight.c server/render/waterprobe.c server/render/seabedmap.c server/render/coast.c server/render/tiles.c server/render/objects.c server/render/objectplan.c server/render/objectshadow.c server/render/mirror.c server/render/modelpaint.c server/render/hullmap.c server/render/modelpool.c server/render/worker_pool.c server/render/disc.c server/render/edges.c server/render/meter.c server/render/band.c server/render/wavefield.c server/render/layer.c server/render/truth.c server/render/texels.c \
     server/render/foammap.c server/render/shoremap.c server/render/wakemap.c server/render/filtering.c server/render/pass.c
 ENCODE := server/encode/bytes.c server/encode/jpeg.c \
     server/encode/png.c \

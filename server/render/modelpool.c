@@ -4,11 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "render/hullmap.h"
 #include "render/modelpaint.h"
 
 enum { VERTICES, TRIANGLES, MATERIALS, BUFFERS };
-
-#define HULL_TEXELS ((size_t)PEL_HULL_LENGTH * PEL_HULL_BREADTH)
 
 static const GLuint units[BUFFERS] = { PEL_UNIT_OBJECT_VERTICES,
                                        PEL_UNIT_OBJECT_TRIANGLES,
@@ -104,125 +103,6 @@ static void write_materials(const struct pel_model *m, float *out)
     }
 }
 
-/* --- hulls from below ------------------------------------------------------
- */
-
-/* Lowers the texels whose middles lie in the triangle, in texels. */
-static void lower(const struct pel_vec3 c[3], float *out)
-{
-    double area = (c[1].x - c[0].x) * (c[2].y - c[0].y) -
-                  (c[1].y - c[0].y) * (c[2].x - c[0].x);
-    if (fabs(area) < 1e-12) {
-        return; /* on its edge */
-    }
-    double low_x = fmin(c[0].x, fmin(c[1].x, c[2].x));
-    double high_x = fmax(c[0].x, fmax(c[1].x, c[2].x));
-    double low_y = fmin(c[0].y, fmin(c[1].y, c[2].y));
-    double high_y = fmax(c[0].y, fmax(c[1].y, c[2].y));
-    for (int y = (int)fmax(low_y, 0); y < fmin(high_y + 1, PEL_HULL_BREADTH);
-         y++) {
-        for (int x = (int)fmax(low_x, 0); x < fmin(high_x + 1, PEL_HULL_LENGTH);
-             x++) {
-            double px = x + 0.5 - c[0].x, py = y + 0.5 - c[0].y;
-            double u = (px * (c[2].y - c[0].y) - py * (c[2].x - c[0].x)) / area;
-            double v = (py * (c[1].x - c[0].x) - px * (c[1].y - c[0].y)) / area;
-            if (u >= 0 && v >= 0 && u + v <= 1) {
-                float *at = &out[y * PEL_HULL_LENGTH + x];
-                double z =
-                    c[0].z + u * (c[1].z - c[0].z) + v * (c[2].z - c[0].z);
-                *at = fminf(*at, (float)z);
-            }
-        }
-    }
-}
-
-/* How far the model's cut at the waterline reaches in each row and column of
- * texels. */
-struct cut {
-    double row[PEL_HULL_BREADTH][2], column[PEL_HULL_LENGTH][2];
-};
-
-static void reach(double range[][2], int most, double from, double to,
-                  double at_from, double at_to)
-{
-    double low = fmin(from, to), high = fmax(from, to);
-    for (int i = (int)fmax(ceil(low - 0.5), 0); i < most && i + 0.5 <= high;
-         i++) {
-        double share = (i + 0.5 - from) / (to - from);
-        double at = at_from + share * (at_to - at_from);
-        range[i][0] = fmin(range[i][0], at);
-        range[i][1] = fmax(range[i][1], at);
-    }
-}
-
-/* Where the triangle, in texels, cuts the waterline's plane. */
-static void cut_waterline(const struct pel_vec3 c[3], struct cut *cut)
-{
-    struct pel_vec3 at[3];
-    int count = 0;
-    for (int i = 0; i < 3; i++) {
-        const struct pel_vec3 *a = &c[i], *b = &c[(i + 1) % 3];
-        if ((a->z < 0) != (b->z < 0)) {
-            double share = a->z / (a->z - b->z);
-            at[count++] = pel_vec3_add(pel_vec3_scale(*a, 1 - share),
-                                       pel_vec3_scale(*b, share));
-        }
-    }
-    if (count == 2) {
-        reach(cut->row, PEL_HULL_BREADTH, at[0].y, at[1].y, at[0].x, at[1].x);
-        reach(cut->column, PEL_HULL_LENGTH, at[0].x, at[1].x, at[0].y, at[1].y);
-    }
-}
-
-/* Under water, what lies beside the waterline's outline (a bulb, a rudder) has
- * the sea above it. */
-static void keep_outline(const struct cut *cut, float *out)
-{
-    for (int y = 0; y < PEL_HULL_BREADTH; y++) {
-        for (int x = 0; x < PEL_HULL_LENGTH; x++) {
-            float *at = &out[y * PEL_HULL_LENGTH + x];
-            bool within =
-                x + 0.5 > cut->row[y][0] && x + 0.5 < cut->row[y][1] &&
-                y + 0.5 > cut->column[x][0] && y + 0.5 < cut->column[x][1];
-            *at = *at < 0 && !within ? (float)PEL_NO_HULL : *at;
-        }
-    }
-}
-
-void pel_hull_below(const struct pel_model *m, float *out)
-{
-    double wide = PEL_HULL_LENGTH / fmax(m->high.x - m->low.x, 1e-6);
-    double tall = PEL_HULL_BREADTH / fmax(m->high.y - m->low.y, 1e-6);
-    struct cut cut;
-    for (size_t i = 0; i < HULL_TEXELS; i++) {
-        out[i] = (float)PEL_NO_HULL;
-        double *range = i < PEL_HULL_BREADTH ? cut.row[i]
-                        : i < PEL_HULL_BREADTH + PEL_HULL_LENGTH
-                            ? cut.column[i - PEL_HULL_BREADTH]
-                            : NULL;
-        if (range) {
-            range[0] = HUGE_VAL;
-            range[1] = -HUGE_VAL;
-        }
-    }
-    for (size_t i = 0; i < m->levels[0].part_count; i++) {
-        const struct pel_model_part *part = &m->levels[0].parts[i];
-        for (uint32_t k = 0; k + 2 < part->count; k += 3) {
-            struct pel_vec3 c[3];
-            for (uint32_t j = 0; j < 3; j++) {
-                uint32_t index = m->indices[part->first + k + j];
-                const float *p = m->vertices[index].position;
-                c[j] = (struct pel_vec3){ ((double)p[0] - m->low.x) * wide,
-                                          ((double)p[1] - m->low.y) * tall,
-                                          (double)p[2] };
-            }
-            lower(c, out);
-            cut_waterline(c, &cut);
-        }
-    }
-    keep_outline(&cut, out);
-}
-
 /* --- the buffers -----------------------------------------------------------
  */
 
@@ -300,20 +180,22 @@ static void mean_paint(const struct pel_model *m, float out[3])
 
 static bool fill_hulls(struct pel_model_pool *pool)
 {
-    float *texels = malloc(HULL_TEXELS * sizeof *texels);
+    void (*const maps[])(const struct pel_model *,
+                         float *) = { pel_hull_below, pel_hull_sides };
+    float *texels = malloc(sizeof *texels * PEL_HULL_LENGTH * PEL_HULL_BREADTH);
     if (!texels) {
         return false;
     }
     glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &pool->hulls);
     glTextureStorage3D(pool->hulls, 1, GL_R32F, PEL_HULL_LENGTH,
-                       PEL_HULL_BREADTH, (GLsizei)pool->count);
+                       PEL_HULL_BREADTH, 2 * (GLsizei)pool->count);
     glTextureParameteri(pool->hulls, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTextureParameteri(pool->hulls, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     glTextureParameteri(pool->hulls, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTextureParameteri(pool->hulls, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    glObjectLabel(GL_TEXTURE, pool->hulls, -1, "hulls from below");
-    for (size_t i = 0; i < pool->count; i++) {
-        pel_hull_below(pool->models[i].model, texels);
+    glObjectLabel(GL_TEXTURE, pool->hulls, -1, "hulls");
+    for (size_t i = 0; i < 2 * pool->count; i++) {
+        maps[i / pool->count](pool->models[i % pool->count].model, texels);
         glTextureSubImage3D(pool->hulls, 0, 0, 0, (GLint)i, PEL_HULL_LENGTH,
                             PEL_HULL_BREADTH, 1, GL_RED, GL_FLOAT, texels);
     }

@@ -1,6 +1,6 @@
 /* The models that pictures show, in buffers that the shaders read: triangles of
- * every level of detail, vertices, materials, textures, hulls seen from below.
- * Render thread only, but for pel_hull_below. */
+ * every level of detail, vertices, materials, textures, hulls seen from below and
+ * from the sides. Render thread only. */
 #pragma once
 
 #include <epoxy/gl.h>
@@ -23,7 +23,7 @@ struct pel_model_pool {
     struct pel_pool_model *models; /* layer by layer of the hulls */
     size_t count;
     GLuint buffers[3], texels[3]; /* vertices, triangles, materials */
-    GLuint hulls;
+    GLuint hulls; /* from below; then, as many layers on, from the sides */
     bool textured; /* some material is */
 };
 
@@ -37,9 +37,3 @@ void pel_model_pool_finish(struct pel_model_pool *pool);
 /* Index of the model; -1: it is not there. */
 int pel_model_pool_find(const struct pel_model_pool *pool,
                         const struct pel_model *model);
-
-/* Heights of the model's lowest surface at the middles of PEL_HULL_LENGTH times
- * PEL_HULL_BREADTH texels over its plan, m, row by row from its least x and y;
- * PEL_NO_HULL where it has none, or only one under water outside of what the
- * waterline encloses. Any thread. */
-void pel_hull_below(const struct pel_model *model, float *out);

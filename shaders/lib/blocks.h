@@ -657,11 +657,12 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
 #define PEL_SAMPLES 4 /* of a pixel of objects */
 #define PEL_SURROUNDINGS_SIZE 64
 #define PEL_SURROUNDINGS_TERMS 9
-/* Hulls seen from below: texels along and across; height where there is none.
- */
+/* Hulls seen from below: texels along and across; height where there is none;
+ * rows of each side, by depth. */
 #define PEL_NO_HULL 1e9
 #define PEL_HULL_LENGTH 256
 #define PEL_HULL_BREADTH 128
+#define PEL_HULL_ROWS 64
 /* Mirrored views of objects, texels, and their levels of detail. */
 #define PEL_MIRROR_WIDTH 512
 #define PEL_MIRROR_HEIGHT 256

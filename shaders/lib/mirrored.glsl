@@ -218,8 +218,6 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
 }
 
 #ifdef PEL_SHADED
-#include "lib/keel.glsl"
-
 float sun_on_sea(vec3 place)
 {
     float share = 1.0;
@@ -233,4 +231,6 @@ float sun_on_sea(vec3 place)
     }
     return share;
 }
+
+#include "lib/keel.glsl"
 #endif

@@ -146,10 +146,10 @@ shaded shade_sea(ivec2 at, uint triangle)
 #ifdef PEL_SHADED
     sea_lit = sun_on_sea(sea_place);
     vec3 falling = beams[PEL_LIGHT_SUN].rgb * max(light_above(PEL_LIGHT_SUN, tilt).z, 0.0);
+    leaving *= 1.0 - (1.0 - sea_lit) * falling / max(falling + skies[PEL_LIGHT_SUN].rgb, vec3(1e-12));
     if (objects_near.z != 0 && lut.y < 0.5) {
         leaving = leaving_with_hulls(v, n_lit, light_above(PEL_LIGHT_SUN, tilt), leaving);
     }
-    leaving *= 1.0 - (1.0 - sea_lit) * falling / max(falling + skies[PEL_LIGHT_SUN].rgb, vec3(1e-12));
 #endif
 #endif
     vec2 shown = max(variance_all - variance, vec2(1e-8));
