@@ -1,6 +1,6 @@
 /* The models that pictures show, in buffers that the shaders read: triangles of
- * every level of detail, vertices, materials, textures, hulls seen from below and
- * from the sides. Render thread only. */
+ * every level of detail, vertices, materials, textures, hulls seen from below
+ * and from the sides. Render thread only. */
 #pragma once
 
 #include <epoxy/gl.h>
@@ -23,7 +23,7 @@ struct pel_model_pool {
     struct pel_pool_model *models; /* layer by layer of the hulls */
     size_t count;
     GLuint buffers[3], texels[3]; /* vertices, triangles, materials */
-    GLuint hulls; /* from below; then, as many layers on, from the sides */
+    GLuint hulls;  /* from below; then, as many layers on, from the sides */
     bool textured; /* some material is */
 };
 
