@@ -1,6 +1,7 @@
 #version 450 core
 // The exposure of a view by what the windows of its meter see of sky and mean
 // sea, and the glare of the lights in its lens.
+#define PEL_METER
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 #include "lib/ray.glsl"

@@ -3,6 +3,7 @@
 // maps that lib/water.glsl looks up. One workgroup a row, that is a zenith
 // angle, and level of depth; its lanes first are the modes of the parts, then
 // the azimuths.
+#define PEL_MEDIUM
 #include "lib/blocks.h"
 #include "lib/medium.glsl"
 

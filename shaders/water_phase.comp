@@ -2,6 +2,7 @@
 // The volume-scattering map of Iwasaki et al. 2003 (section 5.2), as a Fourier
 // series in azimuth: phase function between each direction of the sampling and
 // each node. It depends on the water alone.
+#define PEL_MEDIUM
 #include "lib/blocks.h"
 #include "lib/medium.glsl"
 

@@ -2,6 +2,7 @@
 // The radiance map of Iwasaki et al. 2003: light scattered once that arrives
 // at each plane from each direction (eq. 7 over β E), for a beam at each node;
 // and the attenuation map, from each plane up each line of sight.
+#define PEL_MEDIUM
 #include "lib/blocks.h"
 #include "lib/medium.glsl"
 

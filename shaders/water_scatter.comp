@@ -3,6 +3,7 @@
 // volume-scattering map over the directions, times attenuation map, accumulated
 // over the planes (eq. 6, 8), for every beam and every line of sight. The
 // planes are added up first: the phase functions do not depend on them.
+#define PEL_MEDIUM
 #include "lib/blocks.h"
 #include "lib/medium.glsl"
 

@@ -17,7 +17,8 @@ struct pel_vec4 {
 
 /* --- bindings ------------------------------------------------------------- */
 
-/* Uniform blocks. */
+/* Uniform blocks. OpenGL promises fourteen a stage, and drivers count those
+ * that are declared: blocks of some programs only are declared in those. */
 #define PEL_BLOCK_FRAME 0
 #define PEL_BLOCK_EYE 1
 #define PEL_BLOCK_VIEW 2
@@ -438,12 +439,14 @@ struct pel_shader_sight {
     vec4 back;  /* w: top edge */
     vec4 below; /* x: bottom edge */
 };
+#if defined(__STDC__) || defined(PEL_METER)
 PEL_BLOCK(PEL_BLOCK_SIGHTS, sighted)
 {
     vec4 meter; /* x number of windows, 0: fixed; y fixed EV100; z PEL_TONE_*; w
                    share of light that the lens scatters */
     PEL_STRUCT pel_shader_sight sights[PEL_METER_SIGHTS];
 };
+#endif
 
 /* Written by the meter. */
 struct pel_shader_glare {
@@ -514,11 +517,13 @@ struct pel_shader_wake {
     vec4 place;  /* xy its middle, m; z texels a metre; w its side, m */
     vec4 offset; /* xy the nadir in texels */
 };
+#if defined(__STDC__) || defined(PEL_WAKES)
 PEL_BLOCK(PEL_BLOCK_WAKES, wakes)
 {
     vec4 wake_count; /* x of layers */
     PEL_STRUCT pel_shader_wake wakes[PEL_WAKE_LAYERS];
 };
+#endif
 
 /* The wash of ships (ocean/wash.h): words of a node; how far the edges of its
  * bands billow, of their half-width, by two waves, 1/m; a footprint makes them
@@ -534,6 +539,7 @@ PEL_BLOCK(PEL_BLOCK_WAKES, wakes)
 #define PEL_WASH_CHURNED 0.4
 #define PEL_WASH_GRAIN_M 61.0
 #define PEL_WASH_GRAIN_WEIGHT 0.66
+#if defined(__STDC__) || defined(PEL_WASH)
 PEL_BLOCK(PEL_BLOCK_WASH, wash)
 {
     vec4 wash_box;   /* xy its corner from the eye's nadir, m; z cells a metre;
@@ -543,11 +549,13 @@ PEL_BLOCK(PEL_BLOCK_WASH, wash)
     vec4 wash_bends; /* xy turns of the bends there */
     vec4 wash_water; /* rgb radiance that bubbles send up, of irradiance 1 */
 };
+#endif
 
 /* Bands of waves that are read together over a bottom (ocean/shore.h), and the
  * grid of what they are there. */
 #define PEL_SHORE_BANDS 4
 #define PEL_SHORE_WAVES 256
+#if defined(__STDC__) || defined(PEL_SHORE)
 PEL_BLOCK(PEL_BLOCK_SHORE, shore)
 {
     vec4 shore_grid; /* xy the nadir in nodes; z nodes a metre */
@@ -556,6 +564,7 @@ PEL_BLOCK(PEL_BLOCK_SHORE, shore)
     /* Bands of trochoids, three bits each, eight in a number. */
     vec4 shore_waves[PEL_SHORE_WAVES / 32];
 };
+#endif
 
 /* Gauss quadrature over the facets an eye sees (optics/facets.h), by
  * q = μ / (1 + μ) in PEL_FACET_STEPS equal steps from 0 to 1; the shaders read
@@ -578,6 +587,7 @@ struct pel_shader_area {
                    corner; w edge, m */
     vec4 shape; /* x factor less 1; y corners, 0: a circle */
 };
+#if defined(__STDC__) || defined(PEL_AREAS)
 PEL_BLOCK(PEL_BLOCK_AREAS, areas)
 {
     vec4 area_count; /* x; zw slope variance of short waves, along, cross */
@@ -585,6 +595,7 @@ PEL_BLOCK(PEL_BLOCK_AREAS, areas)
     vec4 area_corners[PEL_AREA_LIMIT * PEL_AREA_CORNERS / 2]; /* two each, from
                                                                  the place */
 };
+#endif
 
 /* Written by the light pass. */
 PEL_BLOCK(PEL_BLOCK_LIGHT, light)
@@ -701,6 +712,7 @@ PEL_BLOCK(PEL_BLOCK_SURROUNDINGS, surroundings)
 /* Only of the buffer of the answers (optics/waterkernel.h): reflected by the
  * bottom, and not scattered. */
 #define PEL_PART_STRAIGHT 4
+#if defined(__STDC__) || defined(PEL_MEDIUM)
 PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
 {
     vec4 full_extinction;   /* rgb, 1/m; w 1: every order is drawn */
@@ -711,6 +723,7 @@ PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
                   the table of PEL_STORE_WATER_TURNS */
     vec4 depth[PEL_WATER_LEVELS_MAX]; /* x m, of each level */
 };
+#endif
 PEL_BLOCK(PEL_BLOCK_BEAM, beam)
 {
     vec4 refracted;   /* the beam of a light in the water: x sine, y cosine of
