@@ -8,6 +8,7 @@
 #ifdef PEL_AREAS
 #include "lib/areas.glsl"
 #endif
+#include "lib/spline.glsl"
 #ifdef PEL_SHORE
 #include "lib/shore.glsl"
 #endif

@@ -420,9 +420,9 @@ static void flush(const struct pel_wake_basin *basin,
         {
             (float)(1.0 / ramp),
             (float)(PEL_WAKE_WHOLE / (PEL_WAKE_HELD - PEL_WAKE_WHOLE)),
-            but != NULL,
-            but ? (float)(but->x - place->x) : 0,
-            but ? (float)(but->y - place->y) : 0,
+            but && place,
+            but && place ? (float)(but->x - place->x) : 0,
+            but && place ? (float)(but->y - place->y) : 0,
         },
         {
             .per_m = (float)(1.0 / fade),

@@ -1,5 +1,5 @@
 // Waves over a bottom that they feel, twin of ocean/shore.h.
-#include "lib/spline.glsl"
+// Includers have lib/spline.glsl.
 
 #ifdef PEL_FFT
 layout(binding = PEL_UNIT_SHORE_OF_CASCADES) uniform sampler2DArray shore_nodes;

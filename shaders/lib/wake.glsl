@@ -1,6 +1,6 @@
 // Ship waves, twin of ocean/wake.h: displacement and slopes above a place that
 // the sea's waves have carried there, from the eye's nadir.
-#include "lib/spline.glsl"
+// Includers have lib/spline.glsl.
 
 layout(binding = PEL_UNIT_WAKES) uniform sampler2DArray wake_tiles; // Dx, Dy, h
 
