@@ -69,6 +69,7 @@ pictures=(
     "shore-40m|The shore, 39.9 m deep|$shore water.depth=39.9 seabed.file=shore-39.9.asc"
     "shore-40m-single|The same by single scattering|$shore water.depth=39.9 seabed.file=shore-39.9.asc water.orders=SINGLE"
     "shore-caustics|Light on the sand, FFT cascades, from 4 m|$shore sea.windSpeed=4 sea.synthesiser=FFT sea.spectrum=ELFOUHAILY views.gallery.up=4 views.gallery.pitch=-25 views.gallery.yaw=70 views.gallery.right=40 water.depth=39.9 seabed.file=shore-39.9.asc"
+    "shore-surf|A swell of 1.3 m and 9 s breaks on the bars and runs up the beach|$shore sea.windSpeed=5 sea.synthesiser=FFT sea.swell.0.height=1.3 sea.swell.0.period=9 sea.swell.0.direction=265 sea.swell.0.spread=8 views.gallery.up=22 views.gallery.pitch=-13 views.gallery.yaw=25 views.gallery.right=-10 views.gallery.forward=-60 water.depth=7.9 seabed.file=shore-7.9.asc"
     "shore-above|The shore from 60 m|$shore views.gallery.up=60 views.gallery.pitch=-25 water.depth=39.9 seabed.file=shore-39.9.asc"
     "water-baltic|The Baltic|$lagoon water.named=BALTIC"
     "water-harbour|A harbour|$lagoon water.named=HARBOUR water.depth=8 water.bottom=MUD"
