@@ -3,6 +3,7 @@
 import { headers } from "/api.js";
 
 const PATIENCE_MS = 60000; // files that are new to the server are read first
+const AGAIN_MS = 1000; // it lists what it has read within seconds
 
 export const GROUPS = [["Ships and boats", (m) => m.builtin && !isMark(m)],
   ["Buoys and beacons", (m) => m.builtin && isMark(m)],
@@ -34,6 +35,9 @@ export class Catalogue {
       return; // asked for again when somebody chooses one
     }
     this.byName = new Map(this.models.map((m) => [m.name, m]));
+    clearTimeout(this.again);
+    this.again = this.models.every((m) => m.bytes || m.error) ? null
+      : setTimeout(() => this.load(), AGAIN_MS);
     this.changed();
   }
 

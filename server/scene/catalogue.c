@@ -181,20 +181,33 @@ static const Pelagos__ModelInfo *know(struct asked *a, const char *name)
     return k->info;
 }
 
+/* What is known of a model before it is read. */
+static Pelagos__ModelInfo *not_yet(const char *name)
+{
+    const struct pel_builtin_kind *kind = pel_builtin_find(name);
+    Pelagos__ModelInfo *info =
+        (Pelagos__ModelInfo *)pel_message_new(&pelagos__model_info__descriptor);
+    info->name = strdup(name);
+    info->text = strdup("not read yet: ask again");
+    if (kind) {
+        SET(info, builtin, 1);
+        SET(info, class_, (Pelagos__ModelClass)kind->class);
+        SET(info, length, kind->length_m);
+        SET(info, beam, kind->beam_m);
+        SET(info, draught, kind->draught_m);
+        SET(info, height, kind->height_m);
+    }
+    return info;
+}
+
 static void list(struct asked *a, const char *name)
 {
     Pelagos__Models *out = a->answer;
     const Pelagos__ModelInfo *info = know(a, name);
-    Pelagos__ModelInfo *copy =
-        info ? (Pelagos__ModelInfo *)pel_message_copy(&info->base)
-             : (Pelagos__ModelInfo *)pel_message_new(
-                   &pelagos__model_info__descriptor);
-    if (!info) {
-        copy->name = strdup(name);
-        copy->text = strdup("not read yet: ask again");
-    }
     out->models = g_renew(Pelagos__ModelInfo *, out->models, out->n_models + 1);
-    out->models[out->n_models++] = copy;
+    out->models[out->n_models++] =
+        info ? (Pelagos__ModelInfo *)pel_message_copy(&info->base)
+             : not_yet(name);
 }
 
 static int by_name(const void *a, const void *b)
