@@ -38,8 +38,10 @@ RAY_TOLERANCE_RAD = 2e-6
 EYE_TOLERANCE_M = 1e-4
 # The server's two clocks are read once for each picture that it sends.
 PRESENT_TOLERANCE_S = 1e-3
-# The pictures have a sample a pixel; offsets are tried in eighths of one.
+# Waves shorter than a pixel differ from one column to the next: over moments
+# of a sea at 12 m/s the fit's standard deviation is 0.07 px.
 FIT_TOLERANCE_PX = 0.25
+DARK = 1e-12
 
 
 def add_windows(ocean: Ocean, entity: int, width: int, height: int) -> None:
@@ -121,7 +123,8 @@ def light_at_edge(picture: Array, camera: Camera, rays: Array,
 def check_seam(left: str, right: str, pictures: dict[str, Exr],
                cameras: dict[str, Camera]) -> bool:
     """Geometry: both edges are one plane through one eye. Pictures: slid along
-    the seam past each other, they fit best where they are."""
+    the seam past each other, they fit best where they are, by the vertex of a
+    parabola through their misfit; in logarithms, so that each row counts."""
     a, b = cameras[left], cameras[right]
     sine = float(np.linalg.norm(np.cross(edge_normal(a, True),
                                          edge_normal(b, False))))
@@ -131,14 +134,15 @@ def check_seam(left: str, right: str, pictures: dict[str, Exr],
     edge = np.stack([np.full_like(v, i.right), v, np.ones_like(v)], -1)
     across = a.rotation[0] / K[0, 0]
     down = a.rotation[1] / K[1, 1]
-    here = light_at_edge(pictures[left]["radiance"].astype(float), a,
-                         edge @ a.rotation, -across)
-    light = pictures[right]["radiance"].astype(float)
+    one, other = (np.log(np.maximum(pictures[n]["radiance"].astype(float),
+                                    DARK)) for n in (left, right))
     offsets = np.arange(-8, 9) / 8
-    misfit = np.array([np.nanmean(np.abs(here - light_at_edge(
-        light, b, edge @ a.rotation + offset * down, across)))
-        for offset in offsets])
-    best = float(offsets[misfit.argmin()])
+    misfit = [np.nanmean(np.abs(
+        light_at_edge(one, a, edge @ a.rotation - offset / 2 * down, -across)
+        - light_at_edge(other, b, edge @ a.rotation + offset / 2 * down,
+                        across))) for offset in offsets]
+    curve, slope, _ = np.polyfit(offsets, misfit, 2)
+    best = float(-slope / (2 * curve)) if curve > 0 else math.inf
     good = (sine <= RAY_TOLERANCE_RAD and eye <= EYE_TOLERANCE_M
             and abs(best) <= FIT_TOLERANCE_PX)
     print(f"{left} | {right}: edges {sine:.1e} rad apart, pictures fit best "
