@@ -9,19 +9,20 @@
 #include "ocean/directional.h"
 #include "ocean/shorebands.h"
 
-#define RIM 12       /* nodes beyond the bottom, in which waves fade */
-#define QUIET 2      /* outermost ones that are the sea far out */
-#define LEAST_M 0.3  /* of depth, for waves' speed */
-#define SWEEPS 16    /* rounds of four at most */
-#define STEEPEST 3.0 /* of a: caustics */
-/* n = 1 from k d = π on, and n from this part of it. */
+#define RIM 12    /* nodes beyond the bottom, in which waves fade */
+#define QUIET 2   /* outermost ones that are the sea far out */
+#define SWEEPS 16 /* rounds of four at most */
+/* Chosen, to what keeps the fields smooth: least depth for waves' speed; most
+ * of a, at caustics; from k d = π down to FEELS of it n goes over to 1. */
+#define LEAST_M 0.3
+#define STEEPEST 3.0
 #define FEELS 0.85
 /* Height of a swash, times √(H₀ L₀) (Stockdon et al. 2006, dissipative), and
  * how far up it runs, in heights. */
 #define SWASH 0.046
 #define RUNS_UP 1.5
 /* Share of its energy that a breaker loses in a wavelength where foam covers
- * all of it. */
+ * all of it: by eye. */
 #define ALL_BREAKS 0.4
 #define SINGLE_HEIGHT (2.0 * M_SQRT2) /* over the root of m0 */
 #define SPECTRUM_HEIGHT 4.0           /* significant */
@@ -40,7 +41,6 @@ struct solver {
     uint8_t *known; /* 1: given; 2: closed */
     int *order;
     double swash_m; /* height */
-    double capped;  /* E_b / (H / m)² of a band's waves at most, per H² */
 };
 
 static double smooth(double from, double to, double x)
@@ -211,7 +211,7 @@ static double highest_of(const struct solver *s, double depth)
     return fmax(fmax(PEL_SHORE_BREAKS * depth, swash), 0);
 }
 
-struct tide { /* of a band's waves */
+struct train { /* a band's waves, of the sea far out */
     const struct pel_shore_band *band;
     double omega, far_speed;
     double share;  /* of the energy of all bands */
@@ -220,7 +220,7 @@ struct tide { /* of a band's waves */
 };
 
 /* One node from those before it. */
-static void carry(struct solver *s, const struct tide *t, int at,
+static void carry(struct solver *s, const struct train *t, int at,
                   float (*nodes)[4], uint8_t *changed)
 {
     int i = at % s->columns, j = at / s->columns;
@@ -253,7 +253,8 @@ static void carry(struct solver *s, const struct tide *t, int at,
     double speed = group_speed(t->omega, k, fmax(depth, LEAST_M));
     double flux = sum > 0 ? into / sum : 0;
     double most = highest_of(s, depth) / t->factor;
-    double cap = most * most / t->energy * speed; /* share cancels */
+    /* Of a band as of all: each has its share of what may stand there. */
+    double cap = most * most / t->energy * speed;
     cap = fmin(cap, STEEPEST * STEEPEST * speed);
     double lost = flux > cap ? (flux - cap) / flux : 0;
     s->flux[at] = flux < cap ? flux : cap;
@@ -332,7 +333,7 @@ static void fade(const struct solver *s, double k, float (*nodes)[4],
     }
 }
 
-static void solve(struct solver *s, const struct tide *t, double depth_far,
+static void solve(struct solver *s, const struct train *t, double depth_far,
                   float (*nodes)[4], uint8_t *changed)
 {
     const int size = s->columns * s->rows;
@@ -452,7 +453,7 @@ static void solve_all(const struct pel_sea *sea, struct solver *s,
         const struct pel_shore_band *band = &shore->band[b];
         double depth_m = sea->desc.depth_m;
         double omega = pel_dispersion_depth(band->k, depth_m);
-        const struct tide t = {
+        const struct train t = {
             .band = band,
             .omega = omega,
             .far_speed =

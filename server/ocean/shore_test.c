@@ -267,6 +267,39 @@ static void normals_are_the_gradient(void **state)
     }
 }
 
+/* Where the field ends waves go over to those of the sea beyond without a step:
+ * heights half a metre apart differ as slopes of these waves allow. */
+static void it_ends_without_a_step(void **state)
+{
+    (void)state;
+    const struct pel_sea_desc desc = swell(0.5, -40);
+    static struct pel_sea level;
+    const double k = wavenumber(1.0), h = 0.5;
+    build(&desc, 0);
+    assert_int_equal(pel_sea_build(&desc, &level), PEL_OK);
+    double most = 0, before = NAN, beyond = 0;
+    /* Along the beach, 2 m deep, and out over its southern side. */
+    const double x = 4000 * (OFFSHORE - 2) / 11;
+    for (double y = -4500; y > -5800; y -= h) {
+        struct pel_surface_sample s, far;
+        pel_sea_sample(&sea, x, y, 33, &s);
+        pel_sea_sample(&level, x, y, 33, &far);
+        most = isnan(before) ? most : fmax(most, fabs(s.height_m - before) / h);
+        before = s.height_m;
+        if (y < -5400) { /* twelve cells of 31 m */
+            beyond = fmax(beyond, fabs(s.height_m - far.height_m));
+        }
+    }
+    printf("steepest %.3f, of waves 0.5 m high on 1 m of water %.3f; "
+           "beyond the rim %.1e m off\n",
+           most, 0.25 * k, beyond);
+    assert_true(most < 0.25 * k);
+    /* Heights are answered to a micrometre. */
+    assert_true(beyond < 2e-6);
+    pel_sea_finish(&level);
+    pel_sea_finish(&sea);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -275,6 +308,7 @@ int main(void)
         cmocka_unit_test(the_tide_moves_it),
         cmocka_unit_test(high_waves_break),
         cmocka_unit_test(normals_are_the_gradient),
+        cmocka_unit_test(it_ends_without_a_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

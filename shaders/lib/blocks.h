@@ -559,7 +559,7 @@ PEL_BLOCK(PEL_BLOCK_WASH, wash)
 PEL_BLOCK(PEL_BLOCK_SHORE, shore)
 {
     vec4 shore_grid; /* xy the nadir in nodes; z nodes a metre */
-    vec4 shore_size; /* xy nodes; z highest waves that do not break, m */
+    vec4 shore_size; /* xy nodes */
     vec4 shore_bands[PEL_SHORE_BANDS]; /* xy direction; z rad/m */
     /* Bands of trochoids, three bits each, eight in a number. */
     vec4 shore_waves[PEL_SHORE_WAVES / 32];
