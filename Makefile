@@ -253,7 +253,7 @@ BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
     server/bridges/cigi_answers.c \
     server/bridges/cigi_metrics.c \
     server/bridges/cigi.c
-OPTIONS := server/options.c server/options_print.c
+OPTIONS := server/options.c server/options_table.c server/options_print.c
 DAEMON := server/main.c server/service.c
 CLIENT := \
     clients/lib/live.c \

@@ -1,0 +1,257 @@
+/* Every option, in the order of help and manuals. */
+#include "options.h"
+
+#include <stddef.h>
+
+#define FIELD(name) offsetof(struct pel_options, name)
+
+static const char *const order_words[] = { "abcd", "cdab", "badc", "dcba",
+                                           NULL };
+static const char *const wind_words[] = { "off", "given", "mean", NULL };
+static const char *const gone_words[] = { "resume", "hold", NULL };
+static const char *const quality_words[] = { "auto", "full", NULL };
+static const double quality_values[] = { 0.0, 1.0 };
+static const char *const shading_words[] = { "auto", "fragment", "compute",
+                                             NULL };
+static const char *const reflection_words[] = { "drawn", "paper", NULL };
+static const char *const realtime_words[] = { "auto", "off", "on", NULL };
+static const char *const level_words[] = { "error", "warning", "info", "debug",
+                                           NULL };
+
+const struct pel_option pel_option_table[] = {
+    { "http", "network", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
+      "127.0.0.1:8080", .offset = FIELD(http),
+      .help = "Where HTTP is served: the page, /v1, /metrics, /healthz." },
+    { "tcp", "network", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
+      "127.0.0.1:7878", .offset = FIELD(tcp),
+      .help = "Where length-delimited protobuf is served over TCP." },
+    { "unix", "network", PEL_OPTION_PATH, "PATH|off", "off",
+      .offset = FIELD(unix_path),
+      .help = "Unix socket for length-delimited protobuf, mode 0600." },
+    { "rtsp", "network", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
+      "127.0.0.1:8554", .offset = FIELD(rtsp),
+      .help = "Where RTSP is served: rtsp://ADDRESS:PORT/VIEW, in H.264." },
+    { "http-hosts", "network", PEL_OPTION_TEXT_KIND, "NAMES", "",
+      .offset = FIELD(http_hosts),
+      .help = "Names, separated by commas, that a proxy may give as Host." },
+    { "allow-origin", "network", PEL_OPTION_TEXT_KIND, "ORIGINS", "",
+      .offset = FIELD(allow_origin),
+      .help = "Origins (https://desk.example), separated by commas, whose "
+              "pages may show pictures and live views of this server." },
+    { "trust-proxy", "network", PEL_OPTION_TEXT_KIND, "ADDRESSES", "",
+      .offset = FIELD(trust_proxy),
+      .help = "Addresses of proxies, separated by commas (127.0.0.1 for nginx "
+              "here), whose X-Forwarded-For names the client that a "
+              "connection is counted for." },
+    { "token-file", "network", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(token_file),
+      .help = "Clients of HTTP, RTSP and the protobuf port must give the "
+              "token in this file (mode 600 or 640); needed where one of them "
+              "is not on loopback. SIGHUP reads it again." },
+    { "tls-cert", "network", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(tls_cert),
+      .help = "Certificate in PEM: the RTSP and protobuf ports speak TLS "
+              "only. HTTP gets its TLS from nginx. SIGHUP reads it again." },
+    { "tls-key", "network", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(tls_key),
+      .help = "Key of --tls-cert in PEM (mode 600 or 640)." },
+    { "plain", "network", PEL_OPTION_FLAG, "", "no", .offset = FIELD(plain),
+      .help = "Lets HTTP, RTSP and protobuf leave loopback without TLS: for a "
+              "container or a network of its own behind a proxy. Whoever "
+              "hears the traffic then has the token." },
+
+    { "state", "scene", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(state),
+      .help =
+          "Keeps the scene in this file and loads it at start; one daemon at "
+          "a time. An edit is in FILE.journal before it is answered: kill -9 "
+          "loses none, a power failure those of the last 0.2 s. A file that "
+          "does not load is kept as FILE.bad (.bad.2 to .9)." },
+    { "record", "scene", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(record),
+      .help = "Writes every accepted command with its simulated time into "
+              "this log, for `pelagosctl replay`; when it is full it becomes "
+              "FILE.000001 and so on, and FILE begins anew with the whole "
+              "state." },
+    { "record-segment", "scene", PEL_OPTION_DOUBLE, "MIB", "64", 0.0625, 65536,
+      "MiB", .offset = FIELD(record_segment_mib),
+      .help = "Size at which --record begins a new segment." },
+    { "record-keep", "scene", PEL_OPTION_INT, "COUNT", "16", 2, 100000,
+      "segments", .offset = FIELD(record_keep),
+      .help = "Segments of --record that are kept; older ones are removed." },
+    { "waves", "scene", PEL_OPTION_INT, "COUNT", "60", 20, 256, "trochoids",
+      .offset = FIELD(waves),
+      .help = "Number of waves of a sea of TROCHOIDS." },
+    { "spectra", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
+      .offset = FIELD(spectra),
+      .help = "Where the files of buoys lie that sea.measured names." },
+    { "bathymetry", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
+      .offset = FIELD(bathymetry),
+      .help = "Where the files of heights lie that seabed.file names: GeoTIFF, "
+              "NetCDF, HDF5, BAG, ENVI, ESRI .hdr and ASCII grids, OpenEXR." },
+    { "models", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
+      .offset = FIELD(models),
+      .help = "Where the files lie that entities.*.model.name names: glTF, "
+              "GLB, OBJ, COLLADA, 3DS, AC3D, STL, X." },
+
+    { "device", "render", PEL_OPTION_TEXT_KIND, "auto|software|NUMBER", "auto",
+      .offset = FIELD(device),
+      .help = "EGL device to draw with: hardware if there is any, the "
+              "processor, or the device of that number." },
+    { "fps", "render", PEL_OPTION_DOUBLE, "HZ", "30", 1, 240, "Hz",
+      .live = true, .offset = FIELD(fps),
+      .help = "Most frames a second of live views." },
+    { "quality", "render", PEL_OPTION_DOUBLE, "auto|full|SCALE", "auto", 0.25,
+      1, "of width and height", .choices = quality_words,
+      .values = quality_values, .live = true, .offset = FIELD(quality),
+      .help = "How finely live views are drawn before they are scaled to "
+              "their size: as finely as holds --fps, in full, or at a fixed "
+              "scale. Pictures that are asked for are always drawn in full." },
+    { "encoder-threads", "render", PEL_OPTION_INT, "COUNT", "0", 0, 16,
+      "threads", .offset = FIELD(encoder_threads),
+      .help = "Threads that encode pictures; 0 is one a core, of more than 4 "
+              "cores one less, at most 16." },
+    { "video-encoder", "render", PEL_OPTION_TEXT_KIND, "auto|ELEMENT", "auto",
+      .offset = FIELD(video_encoder),
+      .help = "GStreamer element that makes H.264 (nvh264enc, vah264enc, "
+              "vah264lpenc, x264enc, openh264enc); auto is the first of these "
+              "that works." },
+    { "realtime", "render", PEL_OPTION_CHOICE, "WHEN", "auto",
+      .choices = realtime_words, .offset = FIELD(realtime),
+      .help =
+          "Whether the threads that read requests and answer surface "
+          "queries run in real time (SCHED_RR) for up to two fifths "
+          "of a core each, so that they do not wait for drawing: auto is where "
+          "the system permits it (ulimit -r 2, systemd's LimitRTPRIO=2), "
+          "on refuses to start where it does not." },
+
+    { "modbus", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
+      "127.0.0.1:1502", .offset = FIELD(modbus),
+      .help = "Where Modbus/TCP is served." },
+    { "modbus-allow", "bridges", PEL_OPTION_TEXT_KIND, "PEERS", "",
+      .offset = FIELD(modbus_allow),
+      .help = "Addresses or networks, separated by commas, that may use "
+              "Modbus; empty is this machine only." },
+    { "modbus-order", "bridges", PEL_OPTION_CHOICE, "ORDER", "abcd",
+      .choices = order_words, .offset = FIELD(modbus_order),
+      .help = "Order of the bytes of 32-bit values." },
+    { "modbus-units", "bridges", PEL_OPTION_TEXT_KIND, "any|LIST", "any",
+      .offset = FIELD(modbus_units),
+      .help = "Units that answer: any is 0, 1 and 255; or a list of "
+              "UNIT[:ORDER[:ENTITY[:VIEW]]], each a source of its own." },
+    { "modbus-clients", "bridges", PEL_OPTION_INT, "COUNT", "32", 1, 256,
+      "clients", .offset = FIELD(modbus_clients),
+      .help = "Most Modbus clients at once." },
+    { "modbus-heartbeat", "bridges", PEL_OPTION_INT, "MS", "1000", 100, 60000,
+      "ms", .offset = FIELD(modbus_heartbeat_ms),
+      .help = "Silence of the heartbeat register that makes its source "
+              "stale." },
+    { "modbus-extrapolate", "bridges", PEL_OPTION_INT, "MS", "5000", 0, 60000,
+      "ms", .offset = FIELD(modbus_extrapolate_ms),
+      .help = "How long the ship is reckoned on when its source is stale." },
+    { "modbus-safe", "bridges", PEL_OPTION_TEXT_KIND, "PATH=VALUE,…", "",
+      .offset = FIELD(modbus_safe),
+      .help = "Fields that are set after that, like "
+              "views.bridge.yaw=0,views.bridge.pitch=0: a safe view. Views "
+              "that it names must be there at the start." },
+    { "console", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
+      .offset = FIELD(console),
+      .help = "Modbus/TCP server of a bridge console, whose registers are "
+              "polled." },
+    { "console-table", "bridges", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(console_table),
+      .help = "Which registers of the console set which fields." },
+    { "console-rate", "bridges", PEL_OPTION_DOUBLE, "HZ", "10", 0.1, 100, "Hz",
+      .offset = FIELD(console_rate), .help = "Polls of the console a second." },
+    { "console-order", "bridges", PEL_OPTION_CHOICE, "ORDER", "abcd",
+      .choices = order_words, .offset = FIELD(console_order),
+      .help = "Order of the bytes of the console's 32-bit values." },
+    { "console-unit", "bridges", PEL_OPTION_INT, "UNIT", "1", 0, 255, "",
+      .offset = FIELD(console_unit), .help = "Unit of the console." },
+    { "console-timeout", "bridges", PEL_OPTION_INT, "MS", "500", 10, 10000,
+      "ms", .offset = FIELD(console_timeout_ms),
+      .help = "How long the console may take to answer." },
+    { "console-stale", "bridges", PEL_OPTION_INT, "MS", "2000", 100, 60000,
+      "ms", .offset = FIELD(console_stale_ms),
+      .help = "Silence of the console that makes it stale." },
+    { "nmea", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
+      "127.0.0.1:10110", .offset = FIELD(nmea),
+      .help = "UDP port that takes NMEA 0183." },
+    { "nmea-tcp", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
+      .offset = FIELD(nmea_tcp),
+      .help = "TCP port that takes NMEA 0183; 10110 is customary." },
+    { "nmea-allow", "bridges", PEL_OPTION_TEXT_KIND, "PEERS", "",
+      .offset = FIELD(nmea_allow),
+      .help = "Addresses or networks, separated by commas, that may send "
+              "NMEA; empty is this machine only." },
+    { "nmea-entity", "bridges", PEL_OPTION_INT, "ID", "1", 0, 65535, "",
+      .offset = FIELD(nmea_entity),
+      .help = "Entity that NMEA sentences move." },
+    { "nmea-wind", "bridges", PEL_OPTION_CHOICE, "HOW", "given",
+      .choices = wind_words, .offset = FIELD(nmea_wind),
+      .help = "Whether true wind sets the sea: not, as given, or its mean "
+              "over two minutes." },
+    { "nmea-out", "bridges", PEL_OPTION_TEXT_KIND, "[ENTITY@]ADDRESS:PORT,…",
+      "", .offset = FIELD(nmea_out),
+      .help = "Where ships are sent as NMEA 0183 over UDP: ENTITY, else "
+              "--nmea-entity; empty or off is nowhere." },
+    { "nmea-out-rate", "bridges", PEL_OPTION_DOUBLE, "HZ", "1", 0.1, 50, "Hz",
+      .offset = FIELD(nmea_out_rate), .help = "How often it is sent." },
+    { "nmea-ais", "bridges", PEL_OPTION_FLAG, "", "no",
+      .offset = FIELD(nmea_ais),
+      .help = "Shows AIS and radar targets as entities 20000 and up." },
+    { "cigi", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
+      .offset = FIELD(cigi),
+      .help = "UDP port that takes CIGI 3.3 of a simulator host; customary is "
+              "127.0.0.1:8000." },
+    { "cigi-host", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
+      .offset = FIELD(cigi_host),
+      .help = "Where Start of Frame and answers go, from the start on; off is "
+              "to the host that was heard." },
+    { "cigi-allow", "bridges", PEL_OPTION_TEXT_KIND, "PEERS", "",
+      .offset = FIELD(cigi_allow),
+      .help = "Addresses or networks, separated by commas, that may send "
+              "CIGI; empty is this machine only." },
+    { "cigi-entities", "bridges", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(cigi_entities),
+      .help = "Which models CIGI's entity types are: lines of a type and a "
+              "model, 17 {\"name\": \"tanker\"}." },
+    { "cigi-gone", "bridges", PEL_OPTION_CHOICE, "HOW", "resume",
+      .choices = gone_words, .offset = FIELD(cigi_gone),
+      .help = "When the CIGI host falls silent: clock.mode becomes what it was "
+              "before, or time holds." },
+    { "cigi-silence", "bridges", PEL_OPTION_DOUBLE, "SECONDS", "2", 0.5, 3600,
+      "s", .offset = FIELD(cigi_silence_s),
+      .help = "A CIGI host that sends nothing for this long is gone." },
+    { "cigi-database", "bridges", PEL_OPTION_INT, "NUMBER", "0", 0, 127, "",
+      .offset = FIELD(cigi_database),
+      .help = "Database number that a CIGI host may load; 0 is any." },
+    { "cigi-rate", "bridges", PEL_OPTION_DOUBLE, "HZ", "60", 1, 240, "Hz",
+      .offset = FIELD(cigi_rate),
+      .help = "Start of Frame a second, and host frames without timestamps." },
+
+    { "log-level", "log", PEL_OPTION_CHOICE, "LEVEL", "info",
+      .choices = level_words, .live = true, .offset = FIELD(log_level),
+      .help = "Records less important than this are not written." },
+    { 0 },
+};
+
+/* For who works on the drawing itself: no options. */
+const struct pel_option pel_developer_table[] = {
+    { "PELAGOS_SHADING", "developer", PEL_OPTION_CHOICE, "HOW", "auto",
+      .choices = shading_words, .offset = FIELD(shading),
+      .help = "Whether pixels are shaded as fragments or in compute, by the "
+              "same functions; auto takes fragments on a software device, "
+              "compute on hardware." },
+    { "PELAGOS_REFLECTION", "developer", PEL_OPTION_CHOICE, "HOW", "drawn",
+      .choices = reflection_words, .offset = FIELD(reflection),
+      .help = "paper: sky and Sun in the sea by Bruneton et al. 2010 as it "
+              "stands, to compare with." },
+    { "PELAGOS_SHADER_DIR", "developer", PEL_OPTION_PATH, "DIRECTORY|off",
+      "off", .offset = FIELD(shader_dir),
+      .help = "Reads the shaders from here instead of the built-in ones." },
+    { "PELAGOS_GL_DEBUG", "developer", PEL_OPTION_FLAG, "yes|no", "no",
+      .offset = FIELD(gl_debug),
+      .help = "Sends the OpenGL driver's messages to the log." },
+    { 0 },
+};
