@@ -77,325 +77,35 @@ CTL_CFLAGS = $(eval CTL_CFLAGS := $(shell pkg-config --cflags $(CTL_PKGS)))$(CTL
 CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
 
 # --- sources, by room -----------------------------------------------------
-BASE := server/base/err.c server/base/log.c server/base/clock.c \
-    server/base/metrics.c server/base/urgent.c server/base/watch.c server/base/file.c \
-    server/base/helper.c server/base/sandbox.c \
-    server/base/nearest.c
-OCEAN := server/ocean/spectrum.c \
-    server/ocean/directional.c \
-    server/ocean/elfouhaily.c \
-    server/ocean/stratified.c \
-    server/ocean/ndbc.c \
-    server/ocean/seastate.c \
-    server/ocean/report.c \
-    server/ocean/fft.c \
-    server/ocean/evenmodes.c \
-    server/ocean/evolve.c \
-    server/ocean/bins.c \
-    server/ocean/cascade.c \
-    server/ocean/fields.c \
-    server/ocean/cascade_query.c \
-    server/ocean/filter.c \
-    server/ocean/areas.c \
-    server/ocean/restquery.c server/ocean/shore.c server/ocean/shorebands.c \
-    server/ocean/foam.c \
-    server/ocean/hullform.c server/ocean/wake.c server/ocean/wakebasin.c \
-    server/ocean/wash.c server/ocean/washgrid.c \
-    server/ocean/foamgrain.c \
-    server/ocean/filtered_cascades.c \
-    server/ocean/sea.c \
-    server/ocean/surface.c
-SEABED := server/seabed/seabed.c server/seabed/wire.c server/seabed/load.c
-# A program of its own: GDAL is not the daemon's.
-SEABED_READER := server/seabed/reader/reader.c server/seabed/reader/geo.c \
-    server/seabed/reader/exr.c server/seabed/reader/hdf5.c
-MODELS := server/models/model.c server/models/shape.c server/models/bvh.c server/models/openness.c \
-    server/models/decimate.c server/models/builtin.c server/models/solid.c \
-    server/models/hullform.c server/models/fittings.c \
-    server/models/cargoships.c server/models/passengerships.c \
-    server/models/workboats.c server/models/smallcraft.c server/models/marks.c \
-    server/models/describe.c server/models/waterline.c server/models/modelwire.c server/models/modelload.c
-# A program of its own: assimp is not the daemon's.
-MODEL_READER := server/models/reader/modelreader.c \
-    server/models/reader/meshfile.c server/models/reader/picture.c \
-    server/models/reader/gltfcheck.c
-OPTICS := server/optics/brdf.c \
-    server/optics/atmosphere.c \
-    server/optics/airlight.c \
-    server/optics/airrays.c \
-    server/optics/colour.c \
-    server/optics/daylight.c \
-    server/optics/facets.c \
-    server/optics/light.c \
-    server/optics/lightreport.c \
-    server/optics/waterbody.c \
-    server/optics/linear.c \
-    server/optics/ordinates.c \
-    server/optics/ordinatesresponse.c \
-    server/optics/phase.c \
-    server/optics/raman.c \
-    server/optics/seawater.c \
-    server/optics/transport.c \
-    server/optics/watermontecarlo.c \
-    server/optics/watersection.c \
-    server/optics/waterslope.c \
-    server/optics/waterkernel.c \
-    server/optics/waterreport.c \
-    server/optics/watertable.c
-PROTO := proto/fieldset.c \
-    proto/layers.c proto/formats.c \
-    proto/registers.c \
-    proto/message.c \
-    proto/scalar.c \
-    proto/wire.c \
-    proto/unpack.c \
-    proto/fault.c proto/ranges.c \
-    proto/json.c \
-    proto/jsonread.c \
-    proto/jsonwrite.c \
-    proto/patch.c \
-    proto/pelog.c \
-    proto/path.c
-SCENE := server/scene/scene.c \
-    server/scene/edit.c \
-    server/scene/check.c \
-    server/scene/store.c \
-    server/scene/journal.c \
-    server/scene/keeping.c \
-    server/scene/logentry.c \
-    server/scene/missing.c \
-    server/scene/build.c \
-    server/scene/ground.c server/scene/fleet.c server/scene/catalogue.c \
-    server/scene/numbers.c \
-    server/scene/snapshot.c server/scene/spectra.c server/scene/stale.c \
-    server/scene/sharedsea.c \
-    server/scene/worker.c \
-    server/scene/submit.c server/scene/ship_ahead.c \
-    server/scene/prepare.c \
-    server/scene/simclock.c \
-    server/scene/ship.c server/scene/helm.c \
-    server/scene/record.c \
-    server/scene/reckon.c \
-    server/scene/track.c \
-    server/scene/wakes.c server/scene/wakesource.c server/scene/washes.c \
-    server/scene/geodesy.c server/scene/globe.c server/scene/objectray.c \
-    server/scene/sun.c \
-    server/scene/utc.c
-RENDER := server/render/context.c server/render/shader.c \
-    server/render/readback.c server/render/targets.c server/render/stages.c server/render/statistics.c \
-    server/render/programs.c server/render/renderer.c server/render/shadepass.c server/render/samples.c server/render/arena.c server/render/probe.c \
-    server/render/mesh.c server/render/meshpass.c server/render/mark.c server/render/sky.c server/render/uniforms.c \
-    server/render/waterlight.c server/render/waterprobe.c server/render/seabedmap.c server/render/coast.c server/render/tiles.c server/render/objects.c server/render/objectplan.c server/render/objectshadow.c server/render/mirror.c server/render/modelpaint.c server/render/hullmap.c server/render/modelpool.c server/render/worker_pool.c server/render/disc.c server/render/edges.c server/render/meter.c server/render/band.c server/render/wavefield.c server/render/layer.c server/render/truth.c server/render/texels.c \
-    server/render/foammap.c server/render/shoremap.c server/render/wakemap.c server/render/filtering.c server/render/pass.c
-ENCODE := server/encode/bytes.c server/encode/jpeg.c \
-    server/encode/png.c \
-    server/encode/exr.c \
-    server/encode/gst.c \
-    server/encode/ts.c server/encode/planes.c \
-    server/encode/video.c
-FRAMES := server/frames/frame.c server/frames/quality.c server/frames/mailbox.c \
-    server/frames/encoder_pool.c server/frames/surface_pool.c server/frames/prefetch.c \
-    server/frames/renderloop.c \
-    server/frames/picture_exr.c server/frames/picture_truth.c \
-    server/frames/window.c \
-    server/frames/requests.c server/frames/frameset.c \
-    server/frames/live.c \
-    server/frames/surface.c \
-    server/frames/optics.c server/frames/optics_water.c \
-    server/frames/metrics.c \
-    server/frames/schedule.c server/frames/fair.c \
-    server/frames/frames.c
-NET := server/net/fdsource.c \
-    server/net/listener.c \
-    server/net/tcpinfo.c \
-    server/net/outbox.c \
-    server/net/surfacewire.c server/net/command.c \
-    server/net/session.c server/net/session_answers.c server/net/frame_reply.c \
-    server/net/http_request.c \
-    server/net/http_problem.c \
-    server/net/http_view.c server/net/http_optics.c \
-    server/net/http_auth.c \
-    server/net/http_route.c \
-    server/net/http_live.c \
-    server/net/token.c \
-    server/net/tls.c \
-    server/net/rtspauth.c server/net/rtspguard.c \
-    server/net/rtsp.c \
-    server/net/rtspstream.c \
-    server/net/tsviewer.c \
-    server/net/mjpeg.c \
-    server/net/websocket.c \
-    server/net/liveviewer.c \
-    server/net/http_answer.c server/net/http_picture.c server/net/http_set.c \
-    server/net/http_server.c server/net/http_share.c \
-    server/net/net.c
+# All of a directory, but its tests and programs of their own.
+APART := %_test.c %_doc.c clients/lib/example.c clients/lib/save_live.c
+room = $(filter-out $(APART),$(sort $(wildcard $(1)/*.c)))
+BASE := $(call room,server/base)
+OCEAN := $(call room,server/ocean)
+SEABED := $(call room,server/seabed)
+MODELS := $(call room,server/models)
+OPTICS := $(call room,server/optics)
+PROTO := $(call room,proto)
+SCENE := $(call room,server/scene)
+RENDER := $(call room,server/render)
+ENCODE := $(call room,server/encode)
+FRAMES := $(call room,server/frames)
+NET := $(call room,server/net)
+BRIDGES := $(call room,server/bridges)
+# Programs of their own: GDAL and assimp are not the daemon's.
+SEABED_READER := $(call room,server/seabed/reader)
+MODEL_READER := $(call room,server/models/reader)
+DAEMON := server/main.c server/service.c
+OPTIONS := $(filter-out $(DAEMON),$(call room,server))
+CLIENT := $(call room,clients/lib)
+CTL := $(call room,clients/pelagosctl)
 PAGES := $(wildcard clients/web/*.html clients/web/*.css clients/web/*.js \
     clients/web/*.json clients/web/*.svg)
-BRIDGES := server/bridges/endpoint.c server/bridges/ais.c \
-    server/bridges/nmea_parse.c server/bridges/nmea_values.c \
-    server/bridges/nmea.c server/bridges/nmea_shapes.c server/bridges/nmea_targets.c \
-    server/bridges/modbus_map.c server/bridges/modbus_units.c server/bridges/modbus_adu.c \
-    server/bridges/modbus.c \
-    server/bridges/console_table.c \
-    server/bridges/cigi_types.c server/bridges/cigi_shapes.c \
-    server/bridges/nmea_out.c \
-    server/bridges/nmea_tcp.c \
-    server/bridges/console.c \
-    server/bridges/cigi_packet.c \
-    server/bridges/cigi_pose.c server/bridges/cigi_sea.c server/bridges/cigi_socket.c \
-    server/bridges/cigi_world.c \
-    server/bridges/cigi_entities.c \
-    server/bridges/cigi_weather.c \
-    server/bridges/cigi_areas.c \
-    server/bridges/cigi_conditions.c \
-    server/bridges/cigi_periodic.c server/bridges/cigi_query.c \
-    server/bridges/cigi_sensor.c \
-    server/bridges/cigi_answers.c \
-    server/bridges/cigi_metrics.c \
-    server/bridges/cigi.c
-OPTIONS := server/options.c server/options_table.c server/options_print.c
-DAEMON := server/main.c server/service.c
-CLIENT := \
-    clients/lib/live.c \
-    clients/lib/pelagos.c \
-    clients/lib/secure.c \
-    clients/lib/token.c \
-    clients/lib/stream.c \
-    clients/lib/error.c
-CTL := \
-    clients/pelagosctl/pelagosctl.c \
-    clients/pelagosctl/clip.c clients/pelagosctl/clip_stream.c \
-    clients/pelagosctl/ctl_bench.c \
-    clients/pelagosctl/ctl_completion.c \
-    clients/pelagosctl/ctl_help.c clients/pelagosctl/ctl_models.c \
-    clients/pelagosctl/ctl_optics.c clients/pelagosctl/ctl_light.c \
-    clients/pelagosctl/ctl_options.c \
-    clients/pelagosctl/ctl_picture.c \
-    clients/pelagosctl/ctl_record.c \
-    clients/pelagosctl/ctl_sequence.c \
-    clients/pelagosctl/ctl_replay.c \
-    clients/pelagosctl/ctl_replay_log.c \
-    clients/pelagosctl/ctl_report.c \
-    clients/pelagosctl/ctl_spectrum.c \
-    clients/pelagosctl/ctl_state.c \
-    clients/pelagosctl/flatten.c \
-    clients/pelagosctl/nearest.c \
-    clients/pelagosctl/log_run.c \
-    clients/pelagosctl/nmea_log.c
+TESTS := $(sort $(wildcard proto/*_test.c server/*_test.c server/*/*_test.c \
+    clients/*/*_test.c tests/*/*_test.c tests/validate/*/*_test.c))
 
-TESTS :=
-TESTS += server/ocean/spectrum_test.c
-TESTS += server/ocean/sea_test.c
-TESTS += server/ocean/surface_test.c
-TESTS += server/ocean/cascade_test.c
-TESTS += server/ocean/tiling_test.c
-TESTS += server/ocean/fields_test.c
-TESTS += server/ocean/filter_test.c
-TESTS += server/ocean/areas_test.c
-TESTS += server/ocean/foam_test.c
-TESTS += server/ocean/wake_test.c
-TESTS += server/ocean/wash_test.c
-TESTS += server/ocean/shore_test.c
-TESTS += server/ocean/directional_test.c
-TESTS += server/ocean/ndbc_test.c
-TESTS += server/ocean/welch_test.c
-TESTS += server/seabed/seabed_test.c
-TESTS += server/scene/ground_test.c
-TESTS += server/models/model_test.c
-TESTS += server/optics/brdf_test.c
-TESTS += server/optics/atmosphere_test.c
-TESTS += server/optics/colour_test.c
-TESTS += server/optics/daylight_test.c
-TESTS += server/optics/facets_test.c
-TESTS += server/optics/phase_test.c
-TESTS += server/optics/raman_test.c
-TESTS += server/optics/transport_test.c
-TESTS += server/optics/watersection_test.c
-TESTS += server/optics/waterslope_test.c
-TESTS += server/optics/waterbody_test.c
-TESTS += server/optics/watertable_test.c
-TESTS += server/encode/encode_test.c
-TESTS += server/encode/planes_test.c
-TESTS += server/encode/video_test.c
-TESTS += server/base/urgent_test.c server/base/sandbox_test.c \
-    server/base/file_test.c server/base/helper_test.c
-TESTS += server/net/net_test.c
-TESTS += server/options_test.c
-TESTS += server/frames/prefetch_test.c
-TESTS += server/frames/quality_test.c
-TESTS += server/frames/frames_test.c
-TESTS += server/frames/frames_live_test.c
-TESTS += proto/json_test.c
-TESTS += proto/registers_test.c
-TESTS += server/bridges/nmea_parse_test.c
-TESTS += server/bridges/modbus_test.c
-TESTS += server/bridges/nmea_test.c
-TESTS += server/bridges/nmea_targets_test.c
-TESTS += server/bridges/console_test.c
-TESTS += server/bridges/nmea_out_test.c
-TESTS += server/bridges/cigi_packet_test.c
-TESTS += server/bridges/cigi_test.c
-TESTS += server/bridges/cigi_sensor_test.c
-TESTS += server/bridges/cigi_weather_test.c server/bridges/cigi_icd_test.c
-TESTS += proto/path_test.c
-TESTS += proto/wire_test.c
-TESTS += server/scene/scene_test.c
-TESTS += server/scene/seas_test.c
-TESTS += server/scene/submit_test.c
-TESTS += server/base/watch_test.c
-TESTS += server/scene/record_test.c
-TESTS += server/scene/ship_test.c
-TESTS += server/scene/adrift_test.c
-TESTS += server/scene/wakes_test.c
-TESTS += server/scene/geodesy_test.c
-TESTS += server/scene/snapshot_test.c
-TESTS += server/render/mesh_test.c
-TESTS += server/render/uniforms_test.c
-TESTS += server/render/paint_test.c
-TESTS += server/render/renderer_test.c
-TESTS += server/render/objects_test.c server/render/object_light_test.c server/render/keel_test.c
-TESTS += server/render/wavefield_test.c
-TESTS += server/render/areas_drawn_test.c
-TESTS += server/render/wash_drawn_test.c
-TESTS += server/render/foam_drawn_test.c
-TESTS += server/render/shore_drawn_test.c
-TESTS += server/render/filtered_test.c
-TESTS += server/render/depth_test.c
-TESTS += server/render/edges_test.c
-TESTS += server/render/drawn_test.c
-TESTS += server/render/climb_test.c
-TESTS += server/render/coast_test.c
-TESTS += server/render/history_test.c
-TESTS += server/render/sky_test.c
-TESTS += server/render/light_test.c
-TESTS += server/render/eye_test.c
-TESTS += server/render/layer_test.c
-TESTS += server/render/probe_test.c
-TESTS += tests/golden/golden_test.c
-TESTS += tests/golden/shimmer_test.c
-TESTS += tests/golden/lattice_test.c
-TESTS += server/render/waterlight_test.c
-TESTS += tests/validate/seatrace/seatrace_test.c
-TESTS += tests/validate/airtrace/airtrace_test.c
-TESTS += tests/validate/shiptrace/shiptrace_test.c
-
-# Fuzz targets (libFuzzer), each `fuzz_NAME.c` with LLVMFuzzerTestOneInput:
-# FUZZERS += lines of each room.
-FUZZERS :=
-FUZZERS += tests/fuzz/fuzz_nmea.c
-FUZZERS += tests/fuzz/fuzz_modbus.c
-FUZZERS += tests/fuzz/fuzz_cigi.c
-FUZZERS += tests/fuzz/fuzz_console.c
-FUZZERS += tests/fuzz/fuzz_json.c
-FUZZERS += tests/fuzz/fuzz_log.c
-FUZZERS += tests/fuzz/fuzz_protobuf.c
-FUZZERS += tests/fuzz/fuzz_http.c
-FUZZERS += tests/fuzz/fuzz_seabed.c
-FUZZERS += tests/fuzz/fuzz_model.c
-TESTS += clients/lib/pelagos_test.c
-TESTS += clients/lib/live_test.c
-TESTS += clients/pelagosctl/ctl_test.c
-TESTS += clients/pelagosctl/nmea_log_test.c
+# Fuzz targets (libFuzzer), each with LLVMFuzzerTestOneInput.
+FUZZERS := $(sort $(wildcard tests/fuzz/fuzz_*.c))
 
 # --- flags of one source --------------------------------------------------
 # Vectors throughout; square roots of what is never negative.
