@@ -24,7 +24,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev \
-    libssl-dev libgdal-dev libhdf5-dev libassimp-dev
+    libnova-dev libssl-dev libgdal-dev libhdf5-dev libassimp-dev
 TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
     python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
@@ -63,7 +63,7 @@ OUR_CFLAGS := -std=c17 $(OPT) $(WARN) -ffp-contract=off -fvisibility=hidden -pth
 # Asked once, and only when something is compiled: pkg-config may not be there
 # before `make deps` has run.
 PKG_CFLAGS = $(eval PKG_CFLAGS := $(shell pkg-config --cflags $(PKGS)))$(PKG_CFLAGS)
-PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -lyuv -lwslay -lm)$(PKG_LIBS)
+PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -lyuv -lwslay -lnova -lm)$(PKG_LIBS)
 # GStreamer muxes what pelagosctl records; the daemon does not link it.
 CTL_PKGS := gstreamer-1.0 gstreamer-app-1.0
 READER_PKGS := gdal hdf5-serial OpenEXR

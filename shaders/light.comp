@@ -49,7 +49,7 @@ void main()
 {
     uint lane = gl_LocalInvocationID.x;
     float level = 0.0;
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_LIT; i++) {
         vec3 sky = gather(i, lane);
         vec4 to = lights[i].direction;
         vec3 direct = lights[i].irradiance.rgb *

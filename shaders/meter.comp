@@ -37,7 +37,7 @@ vec3 mean_sea(vec3 dir)
     vec2 tilt = dir.xy * (range / planet.x);
     vec3 v = normalize(-vec3(dir.xy - tilt * dir.z, dir.z + dot(tilt, dir.xy)));
     vec3 leaving = vec3(0.0);
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_LIT; i++) {
         leaving += leaving_deep_water(i, water_place(v, n, light_above(i, tilt)));
     }
     lit parts = sea_radiance(reflection_map, v, tilt, n, wind.zw, leaving, vec3(0.0), NOT_PRESSED, 0.0);
@@ -66,7 +66,7 @@ vec3 sample_window(int k)
     vec3 dir = normalize(w.right.xyz * mix(w.right.w, w.up.w, place.x) +
                          w.up.xyz * mix(w.back.w, w.below.x, place.y) - w.back.xyz);
     float weight = 1.0;
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_LIT; i++) {
         weight *= smoothstep(PEL_METER_BLIND_FROM, PEL_METER_BLIND_TO,
                              1.0 - dot(dir, lights[i].direction.xyz));
     }
@@ -135,7 +135,7 @@ void main()
                            ? vec3(1.0)
                            : vec3(PEL_TONE_RED, PEL_TONE_GREEN, PEL_TONE_BLUE);
         out_exposing = vec4(balance * (exp2(-ev) * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE)), 0.0);
-        for (int i = 0; i < PEL_GLARES; i++) {
+        for (int i = 0; i < PEL_LIT; i++) {
             out_glare[i] = glare_of(i);
         }
     }

@@ -18,7 +18,7 @@ const float REACH = 3.5;
 // `shown`: the mean slope towards the ray of the facets that it meets.
 float sunlit(vec3 ray, float shown)
 {
-    vec3 to = lights[PEL_LIGHT_SUN].direction.xyz;
+    vec3 to = lights[PEL_LIGHT_FIRST].direction.xyz;
     vec2 beam = vec2(dot(to.xy, wind.xy), dot(to.xy, vec2(-wind.y, wind.x)));
     float s_light = sqrt(max(directional_variance(vec3(beam, 0.0), wind.zw), 1e-8));
     float lit = escape(to.z * inversesqrt(max(1.0 - to.z * to.z, 1e-4)) / s_light, escape_odds(0.7));

@@ -9,7 +9,11 @@ void main()
 {
     vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
     gl_Position = vec4(corner, 0.0, 1.0);
-    flat_lights = lights;
+#ifdef PEL_FLAT_LIGHT
+    flat_lights[0] = lights[0];
+    flat_glare[0] = glare[0];
+    flat_beams[0] = beams[0];
+#endif
     flat_wind = wind;
     flat_planet = planet;
     flat_refraction = refraction;
@@ -23,8 +27,6 @@ void main()
     flat_back = back;
     flat_pixel = pixel;
     flat_exposing = exposing;
-    flat_glare = glare;
-    flat_beams = beams;
 #ifdef PEL_FFT
     flat_cascades = cascades;
 #endif

@@ -19,7 +19,7 @@ vec3 mean_sea(vec3 dir)
     const vec2 level = vec2(0.0);
     vec3 v = -dir;
     vec3 leaving = vec3(0.0);
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_LIT; i++) {
         leaving += leaving_water(i, water_place(v, n, light_above(i, level)), 1e5);
     }
     lit parts = sea_radiance(reflection_map, v, level, n, wind.zw, leaving, vec3(0.0), NOT_PRESSED, 0.0);

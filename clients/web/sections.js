@@ -129,13 +129,20 @@ export class Sections {
   buildSky() {
     this.check("sky", "sun-clock", "Sun from the clock", {
       get: (s) => !sunFixed(s),
-      patch: (v) => ({ sky: v ? { sunElevation: null, sunAzimuth: null }
+      patch: (v) => ({ sky: v ? { sunElevation: null, sunAzimuth: null,
+        moonElevation: null, moonAzimuth: null, moonPhase: null }
         : { sunElevation: 30, sunAzimuth: 200 } }),
     });
     this.range("sky", "Sun elevation", "sky.sunElevation", "°", 0.5,
       { id: "sun-elevation", depends: sunFixed });
     this.range("sky", "Sun azimuth", "sky.sunAzimuth", "°", 1,
       { id: "sun-azimuth", depends: sunFixed });
+    this.range("sky", "Moon elevation", "sky.moonElevation", "°", 0.5,
+      { id: "moon-elevation", depends: sunFixed });
+    this.range("sky", "Moon azimuth", "sky.moonAzimuth", "°", 1,
+      { id: "moon-azimuth", depends: sunFixed });
+    this.range("sky", "Moon's lit share", "sky.moonPhase", "", 0.01,
+      { id: "moon-phase", depends: sunFixed });
     this.range("sky", "Visibility", "sky.visibility", "m", 100,
       { id: "visibility", scale: "log" });
   }

@@ -26,8 +26,39 @@ extern const struct pel_light_body pel_light_bodies[PEL_LIGHTS];
 struct pel_light {
     struct pel_vec3 direction; /* unit, towards it */
     double strength;           /* of the body's irradiance, ≥ 0 */
+    double radius_rad;         /* 0: the body's */
+    struct pel_vec3 source; /* unit, from it towards what lights it; 0: none */
+    int body;               /* PEL_LIGHT_*, of ordered lists */
 };
+
+/* [rad] */
+double pel_light_radius(const struct pel_light *light);
 
 /* The Sun alone, at full strength in this direction; the others give none. */
 void pel_lights_of_sun(struct pel_vec3 direction,
                        struct pel_light out[PEL_LIGHTS]);
+
+/* A Moon in this direction, of which the share `lit` of the disc is lit, at
+ * distance_m; its bright limb is on the Sun's side. */
+struct pel_light pel_light_moon(struct pel_vec3 direction, struct pel_vec3 sun,
+                                double lit, double distance_m);
+
+/* Light on the level sea under a clear sky [lx] of the Sun at this sine of
+ * elevation, within a factor of two: for what can be left out. */
+double pel_light_level(double sine);
+/* The same of any light that has its `body`. */
+double pel_light_of(const struct pel_light *light);
+
+/* What of the lights a picture shows: the first `lit` give light, the first
+ * `discs` may be seen. */
+struct pel_lights_shown {
+    int lit, discs;
+};
+
+/* Puts the lights, given in the order of their bodies, into that in which
+ * shaders have them: the Sun first as long as some of its disc is up, or the
+ * Moon gives less than PEL_LIGHT_LEAST of the light on the level sea; below
+ * the horizon behind a Moon that gives more, and left out when it gives less
+ * than that share itself. */
+#define PEL_LIGHT_LEAST 2e-4
+struct pel_lights_shown pel_lights_order(struct pel_light lights[PEL_LIGHTS]);

@@ -10,21 +10,32 @@ enum pel_err pel_meter_init(struct pel_meter *m, const char *shader_dir,
     glNamedBufferStorage(m->exposure, sizeof(struct pel_block_exposure), NULL,
                          0);
     glObjectLabel(GL_BUFFER, m->exposure, -1, "exposure");
-    return pel_program_create(shader_dir, "meter.comp", NULL, NULL, &m->program,
-                              fault);
+    return pel_meter_need(m, 1, shader_dir, fault);
+}
+
+enum pel_err pel_meter_need(struct pel_meter *m, int lit,
+                            const char *shader_dir, struct pel_fault *fault)
+{
+    GLuint *program = &m->program[lit - 1];
+    return *program ? PEL_OK
+                    : pel_program_create(shader_dir, "meter.comp", NULL,
+                                         lit > 1 ? "#define PEL_LIT 2\n" : NULL,
+                                         program, fault);
 }
 
 void pel_meter_finish(struct pel_meter *m)
 {
-    glDeleteProgram(m->program);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        glDeleteProgram(m->program[i]);
+    }
     glDeleteBuffers(1, &m->exposure);
     *m = (struct pel_meter){ 0 };
 }
 
-void pel_meter_run(struct pel_meter *m)
+void pel_meter_run(struct pel_meter *m, int lit)
 {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_EXPOSURE, m->exposure);
-    glUseProgram(m->program);
+    glUseProgram(m->program[lit - 1]);
     glDispatchCompute(1, 1, 1);
     glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_EXPOSURE, m->exposure);

@@ -1,6 +1,7 @@
 #include "render/mirror.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "render/shader.h"
 
@@ -27,14 +28,17 @@ void pel_mirrors_forget_program(struct pel_mirrors *m)
 }
 
 enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
-                              bool textured, struct pel_fault *fault)
+                              bool textured, const char *light,
+                              struct pel_fault *fault)
 {
+    char defines[96];
+    snprintf(defines, sizeof defines, "%s%s", light,
+             textured ? "#define PEL_TEXTURED\n" : "");
     enum pel_err err =
         m->program
             ? PEL_OK
             : pel_program_create(shader_dir, "screen.vert", "mirror.frag",
-                                 textured ? "#define PEL_TEXTURED\n" : NULL,
-                                 &m->program, fault);
+                                 defines, &m->program, fault);
     if (err != PEL_OK || m->radiance) {
         return err;
     }

@@ -30,6 +30,7 @@ struct pel_mirror_view {
 
 PEL_CHECK enum pel_err pel_mirrors_need(struct pel_mirrors *m,
                                         const char *shader_dir, bool textured,
+                                        const char *light,
                                         struct pel_fault *fault);
 /* The next need makes another. */
 void pel_mirrors_forget_program(struct pel_mirrors *m);

@@ -243,7 +243,7 @@ static bool box_shaded(const struct pel_environment *env,
                        const struct pel_camera *c, double eye_m, int out[4],
                        float lattice[4])
 {
-    const struct pel_vec3 to = env->lights[PEL_LIGHT_SUN].direction;
+    const struct pel_vec3 to = env->lights[PEL_LIGHT_FIRST].direction;
     double waves = 3 * sqrt(env->sea->m0);
     struct region r = NOWHERE;
     for (int i = 0; i < (to.z > 0 ? 16 : 0); i++) {

@@ -97,7 +97,8 @@ static enum pel_err need_shading(struct pel_objects *o,
     kind = kind == PEL_SHADE_BOTH ? PEL_SHADE_LIGHT : kind;
     GLuint *program = &o->shade[sampled][land][kind];
     char defines[192];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s", pel_shading_defines(kind),
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
+             pel_shading_defines(kind), pel_light_defines(p->light),
              p->textured ? "#define PEL_TEXTURED\n" : "",
              sampled ? "#define PEL_SAMPLED\n" : "",
              land ? "#define PEL_LAND\n" : "",
@@ -114,8 +115,17 @@ enum pel_err pel_objects_fit(struct pel_objects *o,
                              struct pel_programs *p, struct pel_fault *fault)
 {
     enum pel_err err = pel_model_pool_fit(&o->pool, env, fault);
-    if (err == PEL_OK && o->pool.textured != p->textured) {
+    bool other = o->light != p->light;
+    o->light = p->light;
+    if (err == PEL_OK && other) {
+        glDeleteProgram(o->surroundings_program);
+        o->surroundings_program = 0;
+    }
+    bool painted = o->pool.textured != p->textured;
+    if (err == PEL_OK && painted) {
         pel_programs_texture(p, o->pool.textured);
+    }
+    if (err == PEL_OK && (other || painted)) {
         delete_shading(o);
         pel_mirrors_forget_program(&o->mirrors);
     }
@@ -146,7 +156,8 @@ enum pel_err pel_objects_need(struct pel_objects *o,
         }
     }
     if (err == PEL_OK && !o->surroundings_program) {
-        err = pel_program_create(p->shader_dir, "surroundings.comp", NULL, NULL,
+        err = pel_program_create(p->shader_dir, "surroundings.comp", NULL,
+                                 pel_light_defines(p->light),
                                  &o->surroundings_program, fault);
     }
     if (err == PEL_OK && !o->ambient_program) {
@@ -154,7 +165,8 @@ enum pel_err pel_objects_need(struct pel_objects *o,
                                  &o->ambient_program, fault);
     }
     if (err == PEL_OK) {
-        err = pel_mirrors_need(&o->mirrors, p->shader_dir, p->textured, fault);
+        err = pel_mirrors_need(&o->mirrors, p->shader_dir, p->textured,
+                               pel_light_defines(p->light), fault);
     }
     if (err == PEL_OK && !o->shadow_program) {
         err = pel_program_create(p->shader_dir, "shadow.vert", "shadow.frag",

@@ -44,7 +44,8 @@ struct pel_objects {
     double light_key[PEL_SKY_LIGHT_KEYS];
     bool light_made;
     GLuint surroundings_program, ambient_program;
-    GLuint raster, raster_keys; /* the sea from a texture, from keys */
+    enum pel_programs_light light; /* that its programs are for */
+    GLuint raster, raster_keys;    /* the sea from a texture, from keys */
     /* As fragments: what middles show, light of samples; without land that
      * may hide them, in seas of either kind. */
     GLuint shade[2][3][PEL_SHADE_COUNT];

@@ -9,7 +9,7 @@ bool pel_shadow_reaches(const struct pel_environment *env,
                         const struct pel_object *from,
                         const struct pel_object *to)
 {
-    const struct pel_vec3 sun = env->lights[PEL_LIGHT_SUN].direction;
+    const struct pel_vec3 sun = env->lights[PEL_LIGHT_FIRST].direction;
     const struct pel_vec3 d = { to->east_m - from->east_m,
                                 to->north_m - from->north_m,
                                 to->altitude_m - from->altitude_m };
@@ -30,7 +30,7 @@ void pel_shadow_look(const struct pel_environment *env,
                      const struct pel_object *object, int side,
                      struct pel_vec4 out[3])
 {
-    const struct pel_vec3 to = env->lights[PEL_LIGHT_SUN].direction;
+    const struct pel_vec3 to = env->lights[PEL_LIGHT_FIRST].direction;
     const struct pel_vec3 pole = { fabs(to.x) < 0.9, fabs(to.x) >= 0.9, 0 };
     struct pel_vec3 u = pel_vec3_normalize(pel_vec3_cross(pole, to));
     struct pel_vec3 v = pel_vec3_cross(to, u);

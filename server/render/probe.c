@@ -3,15 +3,16 @@
 #include "render/shader.h"
 #include "shaders/lib/blocks.h"
 
-enum pel_err pel_prober_init(struct pel_prober *p, const char *shader_dir,
-                             struct pel_fault *fault)
+enum pel_err pel_prober_init(struct pel_prober *p, int lit,
+                             const char *shader_dir, struct pel_fault *fault)
 {
-    if (p->program) {
+    if (p->program[lit - 1]) {
         return PEL_OK;
     }
-    enum pel_err err = pel_program_create(shader_dir, "probe.comp", NULL, NULL,
-                                          &p->program, fault);
-    if (err == PEL_OK) {
+    enum pel_err err = pel_program_create(
+        shader_dir, "probe.comp", NULL, lit > 1 ? "#define PEL_LIT 2\n" : NULL,
+        &p->program[lit - 1], fault);
+    if (err == PEL_OK && !p->buffer) {
         glCreateBuffers(1, &p->buffer);
         glNamedBufferStorage(p->buffer, sizeof(GLfloat) * 4 * PEL_PROBE_ANSWERS,
                              NULL, 0);
@@ -22,7 +23,9 @@ enum pel_err pel_prober_init(struct pel_prober *p, const char *shader_dir,
 
 void pel_prober_finish(struct pel_prober *p)
 {
-    glDeleteProgram(p->program);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        glDeleteProgram(p->program[i]);
+    }
     glDeleteBuffers(1, &p->buffer);
     *p = (struct pel_prober){ 0 };
 }
@@ -32,16 +35,17 @@ static struct pel_rgb rgb(const GLfloat v[4])
     return (struct pel_rgb){ (double)v[0], (double)v[1], (double)v[2] };
 }
 
-void pel_prober_run(struct pel_prober *p, const struct pel_probe *probe,
-                    struct pel_probe_answer *out)
+void pel_prober_run(struct pel_prober *p, int lit,
+                    const struct pel_probe *probe, struct pel_probe_answer *out)
 {
     GLfloat v[PEL_PROBE_ANSWERS][4];
+    GLuint program = p->program[lit - 1];
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_PROBE, p->buffer);
-    glProgramUniform3f(p->program, 0, (GLfloat)probe->dir.x,
-                       (GLfloat)probe->dir.y, (GLfloat)probe->dir.z);
-    glProgramUniform2f(p->program, 1, (GLfloat)probe->slope_along,
+    glProgramUniform3f(program, 0, (GLfloat)probe->dir.x, (GLfloat)probe->dir.y,
+                       (GLfloat)probe->dir.z);
+    glProgramUniform2f(program, 1, (GLfloat)probe->slope_along,
                        (GLfloat)probe->slope_cross);
-    glUseProgram(p->program);
+    glUseProgram(program);
     glDispatchCompute(1, 1, 1);
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(p->buffer, 0, sizeof v, v);

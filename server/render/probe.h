@@ -20,15 +20,16 @@ struct pel_probe_answer {
 };
 
 struct pel_prober {
-    GLuint program, buffer;
+    GLuint program[PEL_LIGHTS], buffer; /* by the number of lights, less one */
 };
 
-/* Makes the program at first use. */
-PEL_CHECK enum pel_err pel_prober_init(struct pel_prober *p,
+/* Makes the program for so many lights at first use. */
+PEL_CHECK enum pel_err pel_prober_init(struct pel_prober *p, int lit,
                                        const char *shader_dir,
                                        struct pel_fault *fault);
 void pel_prober_finish(struct pel_prober *p);
 
 /* The blocks frame, eye, light, facets and the tables are bound. */
-void pel_prober_run(struct pel_prober *p, const struct pel_probe *probe,
+void pel_prober_run(struct pel_prober *p, int lit,
+                    const struct pel_probe *probe,
                     struct pel_probe_answer *out);

@@ -1,6 +1,7 @@
 #include "render/programs.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/log.h"
@@ -35,6 +36,16 @@ static const char *const kind_defines[PEL_SHADE_COUNT] = {
 const char *pel_shading_defines(enum pel_shading kind)
 {
     return kind_defines[kind];
+}
+
+const char *pel_light_defines(enum pel_programs_light light)
+{
+    static const char *const defines[PEL_LIGHT_KINDS] = {
+        [PEL_LIGHT_ONE] = "",
+        [PEL_LIGHT_ONE_AND_DISC] = "#define PEL_DISCS 2\n",
+        [PEL_LIGHT_TWO] = "#define PEL_LIT 2\n",
+    };
+    return defines[light];
 }
 
 static const char *const tile_defines[PEL_COAST_TILES] = {
@@ -124,15 +135,15 @@ static enum pel_err make_sea_program(struct pel_programs *all,
     }
     char defines[384], surface[192];
     surface_defines(all, sea, surface);
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s", surface,
-             foam_defines(sea), kind_defines[kind], tile_defines[tile],
-             all->filtering->paper ? "#define PEL_PAPER\n" : "",
-             objects == PEL_OBJECTS_ALL
-                 ? "#define PEL_OBJECTS\n#define PEL_SHADED\n"
-             : objects ? "#define PEL_OBJECTS\n"
-                       : "",
-             objects && all->compute && all->textured ? "#define PEL_TEXTURED\n"
-                                                      : "");
+    snprintf(
+        defines, sizeof defines, "%s%s%s%s%s%s%s%s", surface,
+        pel_light_defines(all->light), foam_defines(sea), kind_defines[kind],
+        tile_defines[tile], all->filtering->paper ? "#define PEL_PAPER\n" : "",
+        objects == PEL_OBJECTS_ALL ? "#define PEL_OBJECTS\n#define PEL_SHADED\n"
+        : objects                  ? "#define PEL_OBJECTS\n"
+                                   : "",
+        objects && all->compute && all->textured ? "#define PEL_TEXTURED\n"
+                                                 : "");
     if (all->compute) {
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);
@@ -193,8 +204,10 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
     for (int disc = 0; disc < 2; disc++) {
         GLuint *program = disc ? &all->disc[kind] : &all->backdrop[kind];
         char defines[128];
-        snprintf(defines, sizeof defines, "%s%s", kind_defines[kind],
-                 disc ? "" : "#define PEL_NO_DISC\n");
+        /* Another's disc may be in its box. */
+        snprintf(defines, sizeof defines, "%s%s%s", kind_defines[kind],
+                 all->light == PEL_LIGHT_TWO ? "#define PEL_LIT 2\n" : "",
+                 disc ? "#define PEL_DISCS 2\n" : "#define PEL_NO_DISC\n");
         if (err == PEL_OK && !*program) {
             err = pel_program_create(all->shader_dir, "shade.vert",
                                      "backdrop.frag", defines, program, fault);
@@ -228,6 +241,9 @@ bool pel_programs_have_edges(const struct pel_programs *p)
 enum pel_err pel_programs_need_edges(struct pel_programs *all,
                                      struct pel_fault *fault)
 {
+    char put[64];
+    snprintf(put, sizeof put, "#define PEL_PUT\n%s",
+             pel_light_defines(all->light));
     const char *keys = all->compute ? "#define PEL_KEYS\n" : NULL;
     const struct {
         GLuint *program;
@@ -236,8 +252,9 @@ enum pel_err pel_programs_need_edges(struct pel_programs *all,
     } needed[] = {
         { &all->outline_find, "outline_find.comp", keys, true },
         { &all->outline, "outline.comp", keys, true },
-        { &all->outline_mix, "outline_mix.comp", NULL, true },
-        { &all->outline_put, "outline_mix.comp", "#define PEL_PUT\n", true },
+        { &all->outline_mix, "outline_mix.comp", pel_light_defines(all->light),
+          true },
+        { &all->outline_put, "outline_mix.comp", put, true },
         { &all->clear_keys, "clear.comp", NULL, all->compute },
     };
     enum pel_err err = PEL_OK;
@@ -247,6 +264,18 @@ enum pel_err pel_programs_need_edges(struct pel_programs *all,
                 pel_program_create(all->shader_dir, needed[i].file, NULL,
                                    needed[i].defines, needed[i].program, fault);
         }
+    }
+    return err;
+}
+
+static enum pel_err make_common(struct pel_programs *p, struct pel_fault *fault)
+{
+    enum pel_err err =
+        pel_program_create(p->shader_dir, "surface.vert", "surface.frag", NULL,
+                           &p->surface, fault);
+    if (err == PEL_OK) {
+        err = pel_program_create(p->shader_dir, "screen.vert", "tone.frag",
+                                 pel_light_defines(p->light), &p->tone, fault);
     }
     return err;
 }
@@ -264,16 +293,44 @@ enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
         .compute = automatic ? !software : strcmp(shading, "compute") == 0,
         .automatic = automatic,
     };
-    enum pel_err err = pel_program_create(
-        shader_dir, "surface.vert", "surface.frag", NULL, &p->surface, fault);
-    if (err == PEL_OK) {
-        err = pel_program_create(shader_dir, "screen.vert", "tone.frag", NULL,
-                                 &p->tone, fault);
-    }
-    return err;
+    return make_common(p, fault);
 }
 
-void pel_programs_finish(struct pel_programs *p)
+enum pel_err pel_programs_take_light(struct pel_programs *p,
+                                     enum pel_programs_light light,
+                                     struct pel_fault *fault)
+{
+    if (p->light == light) {
+        return PEL_OK;
+    }
+    struct pel_programs **kept = &p->others[p->light];
+    struct pel_programs *next = p->others[light];
+    if (!*kept && !(*kept = malloc(sizeof **kept))) {
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    }
+    **kept = *p;
+    struct pel_programs now = next ? *next : (struct pel_programs){ 0 };
+    if (now.compute != p->compute) {
+        delete_all_seas(&now);
+    }
+    now.shader_dir = p->shader_dir;
+    now.filtering = p->filtering;
+    now.software = p->software;
+    now.compute = p->compute;
+    now.automatic = p->automatic;
+    now.wakes = p->wakes;
+    now.wash = p->wash;
+    now.light = light;
+    memcpy(now.others, p->others, sizeof now.others);
+    bool textured = p->textured;
+    *p = now;
+    if (p->textured != textured) {
+        pel_programs_texture(p, textured);
+    }
+    return p->tone ? PEL_OK : make_common(p, fault);
+}
+
+static void finish_light(struct pel_programs *p)
 {
     delete_all_seas(p);
     glDeleteProgram(p->surface);
@@ -288,5 +345,17 @@ void pel_programs_finish(struct pel_programs *p)
         glDeleteProgram(p->backdrop[i]);
         glDeleteProgram(p->disc[i]);
     }
+}
+
+void pel_programs_finish(struct pel_programs *p)
+{
+    for (int i = 0; i < PEL_LIGHT_KINDS; i++) {
+        struct pel_programs *other = p->others[i];
+        if (other && i != (int)p->light) {
+            finish_light(other);
+        }
+        free(other);
+    }
+    finish_light(p);
     *p = (struct pel_programs){ 0 };
 }

@@ -27,6 +27,15 @@ enum pel_objects_known {
     PEL_OBJECTS_ALL /* their shadows and hulls in the water too */
 };
 
+/* By what the lights of a picture are: how many give light, whether the disc
+ * of one that gives none may be seen. */
+enum pel_programs_light {
+    PEL_LIGHT_ONE, /* as by day */
+    PEL_LIGHT_ONE_AND_DISC,
+    PEL_LIGHT_TWO,
+    PEL_LIGHT_KINDS
+};
+
 /* What draws one kind of sea, by enum pel_shading. */
 struct pel_sea_programs {
     GLuint mesh;
@@ -61,6 +70,8 @@ struct pel_programs {
     GLuint disc[PEL_SHADE_COUNT];     /* and with it */
     bool wakes, wash;                 /* those with them are wanted */
     struct pel_sea_programs seas[PEL_SEA_PROGRAMS];
+    enum pel_programs_light light;
+    struct pel_programs *others[PEL_LIGHT_KINDS]; /* for other lights, kept */
 };
 
 /* `shading` as in pel_renderer_options; `filtering`, settled, outlives the
@@ -74,6 +85,15 @@ void pel_programs_finish(struct pel_programs *p);
 
 /* Whether objects are textured: forgets the programs that show them. */
 void pel_programs_texture(struct pel_programs *p, bool textured);
+
+/* Takes the programs for these lights, made as they are needed; those of others
+ * are kept. GPU, NO_MEMORY. */
+PEL_CHECK enum pel_err pel_programs_take_light(struct pel_programs *p,
+                                               enum pel_programs_light light,
+                                               struct pel_fault *fault);
+
+/* What all shaders define by the lights. */
+const char *pel_light_defines(enum pel_programs_light light);
 
 /* What the shaders of this kind define. */
 const char *pel_shading_defines(enum pel_shading kind);

@@ -273,7 +273,7 @@ static void expose(struct pel_renderer *r, const struct pel_environment *env,
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SIGHTS, &sights,
                    sizeof sights);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
-    pel_meter_run(&r->meter);
+    pel_meter_run(&r->meter, env->lit);
 }
 
 /* For shaders/lib/waves.glsl. All groups of a dispatch read them: hardware from
@@ -371,11 +371,14 @@ static void draw_pixels(struct pel_renderer *r,
     }
     struct pel_disc_box discs[PEL_LIGHTS];
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        discs[i] = pel_band_disc(
-            &wide, env->lights[i].direction,
-            pel_light_bodies[i].angular_radius_rad,
-            (struct pel_band){ band.first,
-                               band.rows + 2 * (uint32_t)r->margin });
+        discs[i] =
+            i >= env->discs
+                ? (struct pel_disc_box){ 0 }
+                : pel_band_disc(
+                      &wide, env->lights[i].direction,
+                      pel_light_radius(&env->lights[i]),
+                      (struct pel_band){ band.first,
+                                         band.rows + 2 * (uint32_t)r->margin });
     }
     bool cascades = env->sea->cascades != NULL;
     const struct pel_sea_programs *programs =
@@ -532,8 +535,11 @@ bool pel_renderer_in_compute(const struct pel_renderer *r)
     return r->programs.compute;
 }
 
-static void quantize_lights(struct pel_environment *env)
+static void order_lights(struct pel_environment *env)
 {
+    struct pel_lights_shown shown = pel_lights_order(env->lights);
+    env->lit = shown.lit;
+    env->discs = shown.discs;
     for (int i = 0; i < PEL_LIGHTS; i++) {
         env->lights[i].direction = pel_sky_quantize(env->lights[i].direction);
     }
@@ -558,6 +564,25 @@ static void bind_frame(struct pel_renderer *r,
     pel_fill_frame(env, &frame);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, &frame,
                    sizeof frame);
+}
+
+/* Fragments without a coast draw discs by programs of their own. */
+static enum pel_programs_light light_of(const struct pel_renderer *r,
+                                        const struct pel_environment *env)
+{
+    bool with_sea = r->programs.compute || env->seabed;
+    return env->lit > 1                 ? PEL_LIGHT_TWO
+           : env->discs > 1 && with_sea ? PEL_LIGHT_ONE_AND_DISC
+                                        : PEL_LIGHT_ONE;
+}
+
+static enum pel_err need_light(struct pel_renderer *r,
+                               const struct pel_environment *env,
+                               struct pel_fault *fault)
+{
+    enum pel_err err = pel_sky_need(&r->sky, env->lit, r->shader_dir, fault);
+    return err ? err
+               : pel_meter_need(&r->meter, env->lit, r->shader_dir, fault);
 }
 
 static enum pel_err need_view(struct pel_renderer *r,
@@ -592,9 +617,14 @@ static enum pel_err need_programs(struct pel_renderer *r,
     struct pel_fault fault;
     r->programs.wakes = env->wakes != NULL;
     r->programs.wash = env->wash != NULL;
-    enum pel_err err = env->object_count ? pel_objects_fit(&r->objects, env,
-                                                           &r->programs, &fault)
-                                         : PEL_OK;
+    enum pel_err err =
+        pel_programs_take_light(&r->programs, light_of(r, env), &fault);
+    if (err == PEL_OK) {
+        err = need_light(r, env, &fault);
+    }
+    if (err == PEL_OK && env->object_count) {
+        err = pel_objects_fit(&r->objects, env, &r->programs, &fault);
+    }
     for (size_t i = 0; i < count && err == PEL_OK; i++) {
         err = need_view(r, env, &draws[i], &fault);
     }
@@ -612,7 +642,9 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         return PEL_ERR_BUSY;
     }
     struct pel_fault fault = { 0 };
-    enum pel_err err = need_programs(r, env, draws, count);
+    struct pel_environment here = *env;
+    order_lights(&here);
+    enum pel_err err = need_programs(r, &here, draws, count);
     if (err != PEL_OK) {
         return err;
     }
@@ -625,8 +657,6 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     for (int i = 0; i < PEL_STAGE_COUNT; i++) {
         r->timing.ms[i] = 0.0;
     }
-    struct pel_environment here = *env;
-    quantize_lights(&here);
     err = fit_water(r, &here);
     if (err != PEL_OK) {
         pel_arena_end(&r->arena);
@@ -687,7 +717,13 @@ enum pel_err pel_renderer_probe(struct pel_renderer *r,
                                 struct pel_probe_answer *out,
                                 struct pel_fault *fault)
 {
-    enum pel_err err = pel_prober_init(&r->prober, r->shader_dir, fault);
+    struct pel_environment here = *env;
+    order_lights(&here);
+    enum pel_err err =
+        pel_prober_init(&r->prober, here.lit, r->shader_dir, fault);
+    if (err == PEL_OK) {
+        err = need_light(r, &here, fault);
+    }
     if (err == PEL_OK &&
         (err = pel_arena_begin(&r->arena, 2 * VIEW_UNIFORM_BYTES)) != PEL_OK) {
         pel_fault_set(fault, err, "no memory for the frame's buffers");
@@ -695,8 +731,6 @@ enum pel_err pel_renderer_probe(struct pel_renderer *r,
     if (err != PEL_OK) {
         return err;
     }
-    struct pel_environment here = *env;
-    quantize_lights(&here);
     here.seabed = NULL;
     err = pel_water_light_update(&r->sky.water, &here);
     if (err != PEL_OK) {
@@ -712,7 +746,7 @@ enum pel_err pel_renderer_probe(struct pel_renderer *r,
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                    sizeof eye);
     pel_sky_bind_eye(&r->sky, &here, table_height_m);
-    pel_prober_run(&r->prober, probe, out);
+    pel_prober_run(&r->prober, here.lit, probe, out);
     pel_arena_end(&r->arena);
     return PEL_OK;
 }

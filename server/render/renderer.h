@@ -49,7 +49,8 @@ struct pel_environment {
     const struct pel_sea *sea;
     double sea_level_m; /* of its zero above altitude 0 */
     unsigned stale;     /* of enum pel_stale: the colour layer says so */
-    struct pel_light lights[PEL_LIGHTS];
+    struct pel_light lights[PEL_LIGHTS]; /* by body; inside: pel_lights_order */
+    int lit, discs;                      /* found inside by it */
     double wind_mps, wind_to_rad;
     double visibility_m;
     struct pel_water_body water;

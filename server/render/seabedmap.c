@@ -267,7 +267,7 @@ void pel_fill_seabed(const struct pel_environment *env,
                  all ? w->absorption[2] : 0.0, 0.0),
         .bed_turned = vec4(turned[0], turned[1], turned[2], 0.0),
     };
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < env->lit; i++) {
         fill_light(env->lights[i].direction.z, beams[i], map, left, i, out);
     }
     for (int i = 0; i < map->squares.levels; i++) {

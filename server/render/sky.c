@@ -88,6 +88,29 @@ static void finish_table(struct pel_sky_table *t)
     glDeleteFramebuffers(PEL_LIGHTS, t->fbos);
 }
 
+enum pel_err pel_sky_need(struct pel_sky *sky, int lit, const char *shader_dir,
+                          struct pel_fault *fault)
+{
+    const struct {
+        GLuint *program;
+        const char *first, *second;
+    } programs[] = {
+        { &sky->reflection_program[lit - 1], "screen.vert", "reflection.frag" },
+        { &sky->second_program[lit - 1], "screen.vert", "second.frag" },
+        { &sky->light_program[lit - 1], "light.comp", NULL },
+    };
+    enum pel_err err = PEL_OK;
+    for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
+        if (err == PEL_OK && !*programs[i].program) {
+            err = pel_program_create(shader_dir, programs[i].first,
+                                     programs[i].second,
+                                     lit > 1 ? "#define PEL_LIT 2\n" : NULL,
+                                     programs[i].program, fault);
+        }
+    }
+    return err;
+}
+
 enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
                           struct pel_fault *fault)
 {
@@ -98,9 +121,6 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
     } programs[] = {
         { &sky->transmittance_program, "screen.vert", "transmittance.frag" },
         { &sky->table_program, "screen.vert", "sky.frag" },
-        { &sky->reflection_program, "screen.vert", "reflection.frag" },
-        { &sky->second_program, "screen.vert", "second.frag" },
-        { &sky->light_program, "light.comp", NULL },
     };
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
         enum pel_err err = pel_program_create(shader_dir, programs[i].first,
@@ -110,11 +130,15 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
             return err;
         }
     }
+    enum pel_err err = pel_sky_need(sky, 1, shader_dir, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
     sky->transmittance = make_texture(
         PEL_TRANSMITTANCE_WIDTH, PEL_TRANSMITTANCE_HEIGHT, 1, "transmittance");
     sky->transmittance_fbo = make_fbo(sky->transmittance);
     sky->airlight = make_airlight();
-    enum pel_err err = make_pool(sky, fault);
+    err = make_pool(sky, fault);
     if (err != PEL_OK) {
         return err;
     }
@@ -137,11 +161,12 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
 
 void pel_sky_finish(struct pel_sky *sky)
 {
-    const GLuint programs[] = { sky->transmittance_program, sky->table_program,
-                                sky->reflection_program, sky->second_program,
-                                sky->light_program };
-    for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
-        glDeleteProgram(programs[i]);
+    glDeleteProgram(sky->transmittance_program);
+    glDeleteProgram(sky->table_program);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        glDeleteProgram(sky->reflection_program[i]);
+        glDeleteProgram(sky->second_program[i]);
+        glDeleteProgram(sky->light_program[i]);
     }
     const GLuint textures[] = { sky->transmittance, sky->airlight,
                                 sky->reflection, sky->second };
@@ -225,12 +250,12 @@ static void update_air(struct pel_sky *sky, double visibility_m)
     sky->air_made = true;
 }
 
-static void draw_table(struct pel_sky *sky, struct pel_sky_table *t)
+static void draw_table(struct pel_sky *sky, struct pel_sky_table *t, int lit)
 {
     glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
     glBindTextureUnit(PEL_UNIT_AIRLIGHT, sky->airlight);
     glProgramUniform2f(sky->table_program, 0, TABLE_WIDTH, TABLE_HEIGHT);
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < lit; i++) {
         glProgramUniform1i(sky->table_program, 1, i);
         draw_screen(sky->table_program, t->fbos[i], TABLE_WIDTH, TABLE_HEIGHT);
     }
@@ -241,12 +266,15 @@ static void table_key(const struct pel_environment *env, double height_m,
 {
     /* A table is counted from its light's azimuth, but its last bits are not.
      */
+    static const struct pel_light none;
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        const struct pel_light *light = &env->lights[i];
+        const struct pel_light *light = i < env->lit ? &env->lights[i] : &none;
         *key++ = light->direction.x;
         *key++ = light->direction.y;
         *key++ = light->direction.z;
         *key++ = light->strength;
+        *key++ = light->radius_rad;
+        *key++ = i < env->lit ? light->body : -1;
     }
     *key++ = env->visibility_m;
     *key = height_m;
@@ -261,7 +289,7 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
     bool fresh = !sky->sea.made || memcmp(key, sky->sea.key, sizeof key) != 0;
     if (fresh) {
         bind_eye(user, PEL_SKY_SEA_HEIGHT);
-        draw_table(sky, &sky->sea);
+        draw_table(sky, &sky->sea, env->lit);
         memcpy(sky->sea.key, key, sizeof key);
         sky->sea.made = true;
     }
@@ -277,7 +305,7 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
         glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky->sea.radiance);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LIGHT, sky->light);
-        glUseProgram(sky->light_program);
+        glUseProgram(sky->light_program[env->lit - 1]);
         glDispatchCompute(1, 1, 1);
         glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                         GL_TEXTURE_FETCH_BARRIER_BIT);
@@ -285,15 +313,15 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         const struct pel_water_waves waves = { env->sea->slope_variance_along,
                                                env->sea->slope_variance_cross,
                                                env->wind_to_rad };
-        pel_water_light_map(&sky->water, env->lights, &waves, sky->sea.radiance,
-                            sky->light);
-        glProgramUniform2f(sky->reflection_program, 0, PEL_SKY_MAP_SIZE,
-                           (float)PEL_REFLECTION_HALF_WIDTH);
-        draw_screen(sky->reflection_program, sky->reflection_fbo,
+        pel_water_light_map(&sky->water, env->lights, env->lit, &waves,
+                            sky->sea.radiance, sky->light);
+        glProgramUniform2f(sky->reflection_program[env->lit - 1], 0,
+                           PEL_SKY_MAP_SIZE, (float)PEL_REFLECTION_HALF_WIDTH);
+        draw_screen(sky->reflection_program[env->lit - 1], sky->reflection_fbo,
                     PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE);
         glGenerateTextureMipmap(sky->reflection);
-        draw_screen(sky->second_program, sky->second_fbo, PEL_SECOND_SIZE,
-                    PEL_SECOND_SIZE);
+        draw_screen(sky->second_program[env->lit - 1], sky->second_fbo,
+                    PEL_SECOND_SIZE, PEL_SECOND_SIZE);
         memcpy(sky->light_key, light_key, sizeof light_key);
         sky->light_made = true;
     }
@@ -320,7 +348,7 @@ void pel_sky_bind_eye(struct pel_sky *sky, const struct pel_environment *env,
         if (!t->haze) {
             make_table(t);
         }
-        draw_table(sky, t);
+        draw_table(sky, t, env->lit);
         memcpy(t->key, key, sizeof key);
         t->made = true;
     }

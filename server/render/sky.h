@@ -13,7 +13,7 @@
 
 #define PEL_SKY_EYES 16
 /* What a table depends on: lights, visibility, height. */
-#define PEL_SKY_KEYS (4 * PEL_LIGHTS + 2)
+#define PEL_SKY_KEYS (6 * PEL_LIGHTS + 2)
 /* And the light on the sea. */
 #define PEL_SKY_LIGHT_KEYS (PEL_SKY_KEYS + 5)
 #define PEL_SKY_MAP_SIZE 128
@@ -28,7 +28,9 @@ struct pel_sky_table {
 
 struct pel_sky {
     GLuint transmittance_program, table_program;
-    GLuint light_program, reflection_program;
+    GLuint light_program[PEL_LIGHTS]; /* by the number of lights, less one */
+    GLuint reflection_program[PEL_LIGHTS];
+    GLuint second_program[PEL_LIGHTS]; /* waves seen in waves */
     GLuint transmittance, transmittance_fbo;
     GLuint airlight; /* light scattered before (optics/airlight.h) */
     struct pel_worker_pool *pool;
@@ -37,7 +39,7 @@ struct pel_sky {
     struct pel_sky_table sea;
     struct pel_sky_table eyes[PEL_SKY_EYES];
     GLuint reflection, reflection_fbo;
-    GLuint second_program, second, second_fbo; /* waves seen in waves */
+    GLuint second, second_fbo;
     struct pel_water_light water;
     GLuint light; /* buffer, block `light` */
     double light_key[PEL_SKY_LIGHT_KEYS];
@@ -48,6 +50,11 @@ struct pel_sky {
 PEL_CHECK enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
                                     struct pel_fault *fault);
 void pel_sky_finish(struct pel_sky *sky);
+
+/* Makes the programs for so many lights. GPU. */
+PEL_CHECK enum pel_err pel_sky_need(struct pel_sky *sky, int lit,
+                                    const char *shader_dir,
+                                    struct pel_fault *fault);
 
 /* A light's direction as the tables see it: on a lattice of 0.005°. */
 struct pel_vec3 pel_sky_quantize(struct pel_vec3 direction);

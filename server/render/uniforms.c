@@ -10,6 +10,7 @@
 #include "optics/brdf.h"
 #include "optics/colour.h"
 #include "optics/facets.h"
+#include "optics/moon.h"
 #include "render/waterlight.h"
 
 static struct pel_vec4 vec4(double x, double y, double z, double w)
@@ -30,12 +31,23 @@ static struct pel_vec4 rgb4(struct pel_rgb c, double w)
     return vec4(c.r, c.g, c.b, w);
 }
 
+static double moon_alpha(const struct pel_light *at)
+{
+    return acos(pel_clamp(-pel_vec3_dot(at->source, at->direction), -1, 1));
+}
+
 static struct pel_shader_light light_of(const struct pel_environment *env,
                                         int i)
 {
-    const struct pel_light_body *body = &pel_light_bodies[i];
     const struct pel_light *at = &env->lights[i];
-    double radius = body->angular_radius_rad;
+    const struct pel_light_body *body = &pel_light_bodies[at->body];
+    double radius = pel_light_radius(at);
+    double grown = radius / body->angular_radius_rad;
+    struct pel_rgb limb = body->limb;
+    if (at->body == PEL_LIGHT_MOON) {
+        double lit = pel_moon_disc(moon_alpha(at));
+        limb = (struct pel_rgb){ 2.0 / fmax(lit, 1e-6), 0, 0 };
+    }
     /* A uniform disc has a quarter of its squared radius as variance an axis;
      * facets turn half as far as what they mirror. */
     double disc = radius * radius / 16.0;
@@ -45,9 +57,48 @@ static struct pel_shader_light light_of(const struct pel_environment *env,
     return (struct pel_shader_light){
         .direction =
             vec4(at->direction.x, at->direction.y, at->direction.z, radius),
-        .irradiance = rgb4(e, body->solid_angle_sr),
-        .limb = rgb4(body->limb, disc),
+        .irradiance = rgb4(e, body->solid_angle_sr * grown * grown),
+        .limb = rgb4(limb, disc),
     };
+}
+
+/* Of its night side: what the Earth lights does not wane as the Sun's light
+ * does. */
+static struct pel_vec4 source_of(const struct pel_environment *env, int i)
+{
+    const struct pel_light *at = &env->lights[i];
+    if (at->body != PEL_LIGHT_MOON) {
+        return vec4(0, 0, 0, 0);
+    }
+    double alpha = moon_alpha(at);
+    double full = pel_moon_strength(0.0, PEL_MOON_DISTANCE),
+           now = pel_moon_strength(alpha, PEL_MOON_DISTANCE);
+    double dark =
+        pel_moon_earthlight(alpha) * full / now * pel_moon_disc(alpha);
+    return vec4(at->source.x, at->source.y, at->source.z, fmax(dark, 1e-9));
+}
+
+/* The lights' spectra by their shares of the light on the sea. */
+static void colours_of(const struct pel_environment *env, double m[9])
+{
+    double sum = 0.0;
+    pel_colour_matrix(env->lights[0].direction.z, m);
+    if (env->lit < 2) {
+        return;
+    }
+    double mixed[9] = { 0 };
+    for (int i = 0; i < env->lit; i++) {
+        const struct pel_light *at = &env->lights[i];
+        double level = pel_light_of(at);
+        pel_colour_matrix(at->direction.z, m);
+        for (int k = 0; k < 9; k++) {
+            mixed[k] += level * m[k];
+        }
+        sum += level;
+    }
+    for (int k = 0; k < 9; k++) {
+        m[k] = mixed[k] / sum;
+    }
 }
 
 /* Whole lives of glints since the start; other seeds begin elsewhere. */
@@ -68,8 +119,7 @@ void pel_fill_frame(const struct pel_environment *env,
     const double r0 = (PEL_WATER_INDEX - 1.0) / (PEL_WATER_INDEX + 1.0);
     double lives = env->time_s / PEL_GLINT_LIFE;
     double m[9];
-    /* Of several lights the Sun is the one that has a spectrum of twilight. */
-    pel_colour_matrix(env->lights[PEL_LIGHT_SUN].direction.z, m);
+    colours_of(env, m);
     *out = (struct pel_block_frame){
         .wind = vec4(cos(env->wind_to_rad), sin(env->wind_to_rad),
                      env->sea->slope_variance_along,
@@ -99,6 +149,7 @@ void pel_fill_frame(const struct pel_environment *env,
     }
     for (int i = 0; i < PEL_LIGHTS; i++) {
         out->lights[i] = light_of(env, i);
+        out->sources[i] = source_of(env, i);
     }
 }
 

@@ -412,7 +412,7 @@ static void map_light(struct pel_water_light *w, int light)
 }
 
 void pel_water_light_map(struct pel_water_light *w,
-                         const struct pel_light *lights,
+                         const struct pel_light *lights, int lit,
                          const struct pel_water_waves *waves, GLuint sky_table,
                          GLuint light)
 {
@@ -427,7 +427,7 @@ void pel_water_light_map(struct pel_water_light *w,
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LIGHT, light);
     glBindImageTexture(PEL_IMAGE_WATER_MAP, w->map, 0, GL_TRUE, 0,
                        GL_WRITE_ONLY, GL_RGBA32F);
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < lit; i++) {
         put_beam(w, i, lights[i].direction, waves);
         map_light(w, i);
     }

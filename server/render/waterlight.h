@@ -80,12 +80,12 @@ struct pel_water_waves {
     double along, cross, wind_to_rad;
 };
 
-/* Fills the maps for the PEL_LIGHTS lights and their skies, layers of
+/* Fills the maps for the first `lit` lights and their skies, layers of
  * `sky_table`. More of a low light enters through `waves` than through a level
  * surface (NULL); the sky's light enters as through that. The blocks `frame`
  * and `light` are bound, the buffer of the latter is `light` and gets
  * sea_light. */
 void pel_water_light_map(struct pel_water_light *w,
-                         const struct pel_light *lights,
+                         const struct pel_light *lights, int lit,
                          const struct pel_water_waves *waves, GLuint sky_table,
                          GLuint light);

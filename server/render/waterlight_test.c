@@ -454,7 +454,7 @@ static void only_a_new_water_is_built(void **state)
         int64_t middle = pel_now_ns(), used = cpu_ns();
         const struct pel_vec3 to = { 0, 0, 0.5 + 0.01 * i };
         pel_lights_of_sun(to, lights);
-        pel_water_light_map(w, lights, NULL, prober.black, prober.unit);
+        pel_water_light_map(w, lights, 1, NULL, prober.black, prober.unit);
         glFinish();
         water_ms += 1e-6 * (double)(middle - start) / ROUNDS;
         sun_ms += 1e-6 * (double)(pel_now_ns() - middle) / ROUNDS;
@@ -480,7 +480,7 @@ static void read_map(const struct pel_water_waves *waves,
 {
     struct pel_water_light *w = &prober.light;
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_LIGHT, prober.unit);
-    pel_water_light_map(w, lights, waves, prober.black, prober.unit);
+    pel_water_light_map(w, lights, 1, waves, prober.black, prober.unit);
     glGetTextureSubImage(w->map, 0, 0, 0, 0, 64, 64, 1, GL_RGBA, GL_FLOAT,
                          (GLsizei)(sizeof **out * 4 * TEXELS), out);
 }

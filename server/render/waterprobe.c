@@ -121,7 +121,7 @@ pel_water_prober_run(struct pel_water_prober *p, const char *shader_dir,
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_LIGHT, p->unit);
     struct pel_light lights[PEL_LIGHTS];
     pel_lights_of_sun((struct pel_vec3){ sine, 0, cosine }, lights);
-    pel_water_light_map(&p->light, lights, NULL, p->black, p->unit);
+    pel_water_light_map(&p->light, lights, 1, NULL, p->black, p->unit);
     look(p, views, depth_m, count, out);
     glDeleteBuffers(1, &block);
     return PEL_OK;

@@ -16,6 +16,7 @@
 #include "scene/ground.h"
 #include "scene/helm.h"
 #include "scene/sharedsea.h"
+#include "scene/skyplace.h"
 #include "scene/spectra.h"
 #include "scene/sun.h"
 #include "scene/track.h"
@@ -458,7 +459,6 @@ static void place_sources(const Pelagos__Sources *from,
 
 static void fill(const Pelagos__State *state, struct pel_snapshot *out)
 {
-    const Pelagos__Sky *sky = state->sky;
     out->revision = state->revision;
     out->mode = (enum pel_clock_mode)state->clock->mode;
     out->rate = state->clock->rate;
@@ -477,11 +477,7 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     out->caustics = state->seabed->caustics;
     out->sparkle = state->sea->sparkle;
     out->chlorophyll_mg_m3 = state->water->chlorophyll;
-    out->sun_azimuth_fixed = sky->has_sun_azimuth;
-    out->sun_elevation_fixed = sky->has_sun_elevation;
-    out->sun_azimuth_rad = sky->sun_azimuth * PEL_DEG;
-    out->sun_elevation_rad = sky->sun_elevation * PEL_DEG;
-    out->visibility_m = sky->visibility;
+    pel_sky_place(state->sky, out);
 }
 
 /* The schema's limit. */

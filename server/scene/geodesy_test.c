@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "base/vec.h"
+#include "scene/ephemeris.h"
 #include "scene/reckon.h"
 #include "scene/sun.h"
 
@@ -167,6 +168,38 @@ static void the_sun_is_where_others_say(void **state)
     near(elevation / PEL_DEG, 23.4367, tolerance);
 }
 
+/* By XEphem's code (Debian's python3-ephem 4.1.4), from the surface, without
+ * refraction: azimuth, elevation, kilometres, share lit. */
+static void the_moon_is_where_others_say(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *utc;
+        double latitude, longitude, azimuth, elevation, km, lit;
+    } rows[] = {
+        { "2026-06-29T23:00:00Z", 50, 0, 165.7947, 10.5836, 404061.8, 0.9987 },
+        { "2026-03-03T11:30:00Z", -33, 151, 50.8204, 34.9731, 378893.5, 1 },
+        { "1987-04-12T00:00:00Z", 0, -40, 79.5068, 72.5646, 380903.4, 0.9497 },
+        { "2045-09-09T03:00:00Z", 70, 20, 86.0575, 13.7864, 358086.1, 0.0558 },
+        { "2000-01-21T04:40:00Z", 35, -75, 153.9679, 73.0244, 354656.7, 1 },
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct pel_moon_place m;
+        pel_ephemeris_moon(utc(rows[i].utc), rows[i].latitude * PEL_DEG,
+                           rows[i].longitude * PEL_DEG, &m);
+        double a = rows[i].azimuth * PEL_DEG, e = rows[i].elevation * PEL_DEG;
+        const struct pel_vec3 off = {
+            m.direction.x - cos(e) * sin(a),
+            m.direction.y - cos(e) * cos(a),
+            m.direction.z - sin(e),
+        };
+        /* Seen 0.003. Without parallax it is up to a degree. */
+        near(sqrt(pel_vec3_dot(off, off)) / PEL_DEG, 0, 0.01);
+        near(1e-3 * m.distance_m, rows[i].km, 1.0);
+        near(m.lit, rows[i].lit, 0.004);
+    }
+}
+
 static void utc_texts(void **state)
 {
     (void)state;
@@ -192,6 +225,7 @@ int main(void)
         cmocka_unit_test(north_turns_with_longitude),
         cmocka_unit_test(ships_turn_in_circles),
         cmocka_unit_test(the_sun_is_where_others_say),
+        cmocka_unit_test(the_moon_is_where_others_say),
         cmocka_unit_test(utc_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

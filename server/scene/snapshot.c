@@ -5,7 +5,9 @@
 #include "base/watch.h"
 #include "models/model.h"
 #include "ocean/restquery.h"
+#include "optics/moon.h"
 #include "scene/build.h"
+#include "scene/ephemeris.h"
 #include "scene/reckon.h"
 #include "scene/sharedsea.h"
 #include "scene/sun.h"
@@ -273,7 +275,36 @@ struct pel_vec3 pel_snapshot_sun(const struct pel_snapshot *s, double time_s)
 static void place_sun(const struct pel_snapshot *s, double time_s,
                       struct pel_light *out)
 {
-    *out = (struct pel_light){ pel_snapshot_sun(s, time_s), 1.0 };
+    *out = (struct pel_light){ .direction = pel_snapshot_sun(s, time_s),
+                               .strength = 1.0 };
+}
+
+/* None by the clock where the Sun is not by it. */
+static void place_moon(const struct pel_snapshot *s, double time_s,
+                       struct pel_light *out)
+{
+    if (s->sun_elevation_fixed && !s->moon_elevation_fixed) {
+        *out = (struct pel_light){ .direction = { 0, 0, -1 } };
+        return;
+    }
+    struct pel_moon_place at;
+    pel_ephemeris_moon(s->epoch_unix_s + time_s, s->origin_latitude_rad,
+                       s->origin_longitude_rad, &at);
+    double azimuth = atan2(at.direction.x, at.direction.y);
+    double elevation = asin(pel_clamp(at.direction.z, -1.0, 1.0));
+    if (s->moon_azimuth_fixed) {
+        azimuth = s->moon_azimuth_rad;
+    }
+    if (s->moon_elevation_fixed) {
+        elevation = s->moon_elevation_rad;
+    }
+    const struct pel_vec3 to = { sin(azimuth) * cos(elevation),
+                                 cos(azimuth) * cos(elevation),
+                                 sin(elevation) };
+    *out = pel_light_moon(to, pel_snapshot_sun(s, time_s),
+                          s->moon_phase_fixed ? s->moon_lit : at.lit,
+                          s->moon_elevation_fixed ? PEL_MOON_DISTANCE
+                                                  : at.distance_m);
 }
 
 void pel_snapshot_lights(const struct pel_snapshot *s, double time_s,
@@ -282,6 +313,7 @@ void pel_snapshot_lights(const struct pel_snapshot *s, double time_s,
     static void (*const place[PEL_LIGHTS])(const struct pel_snapshot *, double,
                                            struct pel_light *) = {
         [PEL_LIGHT_SUN] = place_sun,
+        [PEL_LIGHT_MOON] = place_moon,
     };
     for (int i = 0; i < PEL_LIGHTS; i++) {
         place[i](s, time_s, &out[i]);

@@ -140,6 +140,9 @@ struct pel_snapshot {
     double chlorophyll_mg_m3; /* the field, whatever describes the water */
     bool sun_azimuth_fixed, sun_elevation_fixed; /* else from the time */
     double sun_azimuth_rad, sun_elevation_rad;   /* where fixed */
+    bool moon_azimuth_fixed, moon_elevation_fixed, moon_phase_fixed;
+    double moon_azimuth_rad, moon_elevation_rad; /* where fixed */
+    double moon_lit;                             /* share, where fixed */
     double visibility_m;
     size_t entity_count;
     const struct pel_entity_state *entities;

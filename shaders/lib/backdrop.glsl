@@ -3,8 +3,24 @@
 layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 
 #ifndef PEL_NO_DISC
+#if PEL_DISCS > 1
+// Twin of pel_moon_disc, of mean 1 over the disc: dust as Lommel and Seeliger
+// have it, and what the Earth lights of its night.
+float lit_sphere(int i, vec3 dir, float blur)
+{
+    vec3 to = lights[i].direction.xyz, source = sources[i].xyz;
+    vec3 off = (dir - to * dot(dir, to)) / lights[i].direction.w;
+    float mu = sqrt(max(1.0 - dot(off, off), 0.0));
+    // Away from its middle on our side.
+    float mu_lit = dot(off - mu * to, source);
+    float soft = 0.5 * blur / lights[i].direction.w;
+    mu_lit = mu_lit > soft ? mu_lit : 0.25 * max(mu_lit + soft, 0.0) * max(mu_lit + soft, 0.0) / soft;
+    return lights[i].limb.r * (mu_lit / max(mu_lit + mu, 1e-4) + sources[i].w);
+}
+#endif
+
 // A disc, its edge softened over a pixel, darkened towards the limb (Hestroffer
-// and Magnan 1998 at the mean wavelength).
+// and Magnan 1998 at the mean wavelength), or lit from a side.
 vec3 light_disc(int i, vec3 dir, float blur)
 {
     vec4 to = lights[i].direction;
@@ -21,6 +37,12 @@ vec3 light_disc(int i, vec3 dir, float blur)
         }
         vec3 power = 0.5 * lights[i].limb.rgb;
         vec3 limb = pow(vec3(max(1.0 - inside * inside, 1e-4)), power);
+#if PEL_DISCS > 1
+        if (sources[i].w > 0.0) {
+            limb = vec3(lit_sphere(i, dir, blur));
+            power = vec3(0.0);
+        }
+#endif
         disc = lights[i].irradiance.rgb / lights[i].irradiance.w * limb * (1.0 + power) * cover *
                transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
     }
@@ -38,7 +60,7 @@ shaded shade_backdrop(ivec2 at)
     vec3 light = sky_light(eye_table, dir.xy, angle);
 #ifndef PEL_NO_DISC
     float blur = pixel.x * inverse;
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_DISCS; i++) {
         disc += light_disc(i, dir, blur);
     }
 #endif

@@ -371,7 +371,20 @@ struct pel_vec4 {
  * (optics/light.h): the tables of sky and water have a layer for each, and what
  * is seen is their sum. */
 #define PEL_LIGHT_SUN 0
-#define PEL_LIGHTS 1
+#define PEL_LIGHT_MOON 1
+#define PEL_LIGHTS 2
+/* Shaders have them in the order of pel_lights_order: the one that casts
+ * shadows first, then what adds to it. A program knows the first PEL_LIT of
+ * them, and draws the discs of the first PEL_DISCS. */
+#define PEL_LIGHT_FIRST 0
+#ifndef __STDC__
+#ifndef PEL_LIT
+#define PEL_LIT 1
+#endif
+#ifndef PEL_DISCS
+#define PEL_DISCS PEL_LIT
+#endif
+#endif
 struct pel_shader_light {
     vec4 direction;  /* xyz towards it; w angular radius, rad */
     vec4 irradiance; /* rgb above the air; w solid angle, sr */
@@ -395,12 +408,15 @@ PEL_BLOCK(PEL_BLOCK_FRAME, frame)
     vec4 red;   /* rows of the matrix to Rec. 709 cd/m²; w of red, green: lives
                    of glints since the start, whole and the rest */
     vec4 green;
-    vec4 blue;      /* w: share of the slope variance left that glints are drawn
-                       from, 0 without sparkle */
-    vec4 crests;    /* of the waves' horizontal part, 3/4 of its squared share
-                       (pel_sharpened): x of the finest waves, y what those of
-                       a slope variance have more, by it; z variance of foam's
-                       edges */
+    vec4 blue;   /* w: share of the slope variance left that glints are drawn
+                    from, 0 without sparkle */
+    vec4 crests; /* of the waves' horizontal part, 3/4 of its squared share
+                    (pel_sharpened): x of the finest waves, y what those of
+                    a slope variance have more, by it; z variance of foam's
+                    edges */
+    vec4 sources[PEL_LIGHTS]; /* of lights that are lit: xyz from them towards
+                                 the Sun, w radiance of their night side over
+                                 that of their day; 0: it shines itself */
     vec4 whitecaps; /* x 1 over the deviation of what breaks; y weight of
                        streaks; z tiles of foam's structure a metre along the
                        wind; w mean share of the sea that dense foam hides */

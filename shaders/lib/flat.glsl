@@ -8,7 +8,14 @@
 #define PEL_FLAT flat in
 #endif
 
-PEL_FLAT pel_shader_light flat_lights[PEL_LIGHTS];
+// One light alone has room.
+#if PEL_LIT == 1 && PEL_DISCS == 1
+#define PEL_FLAT_LIGHT
+#endif
+
+#ifdef PEL_FLAT_LIGHT
+PEL_FLAT pel_shader_light flat_lights[1];
+#endif
 PEL_FLAT vec4 flat_wind;
 PEL_FLAT vec4 flat_planet;
 PEL_FLAT vec4 flat_refraction;
@@ -22,14 +29,20 @@ PEL_FLAT vec4 flat_up;
 PEL_FLAT vec4 flat_back;
 PEL_FLAT vec4 flat_pixel;
 PEL_FLAT vec4 flat_exposing;
-PEL_FLAT pel_shader_glare flat_glare[PEL_GLARES];
-PEL_FLAT vec4 flat_beams[PEL_LIGHTS];
+#ifdef PEL_FLAT_LIGHT
+PEL_FLAT pel_shader_glare flat_glare[1];
+PEL_FLAT vec4 flat_beams[1];
+#endif
 #ifdef PEL_FFT
 PEL_FLAT pel_shader_cascade flat_cascades[PEL_CASCADES];
 #endif
 
 #ifndef PEL_PASSES_FLAT
+#ifdef PEL_FLAT_LIGHT
 #define lights flat_lights
+#define glare flat_glare
+#define beams flat_beams
+#endif
 #define wind flat_wind
 #define planet flat_planet
 #define refraction flat_refraction
@@ -43,7 +56,5 @@ PEL_FLAT pel_shader_cascade flat_cascades[PEL_CASCADES];
 #define back flat_back
 #define pixel flat_pixel
 #define exposing flat_exposing
-#define glare flat_glare
-#define beams flat_beams
 #define cascades flat_cascades
 #endif

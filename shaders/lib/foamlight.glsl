@@ -11,7 +11,7 @@ void cover_by_foam(vec2 foam, vec3 n, vec2 tilt, inout lit parts)
     vec3 tint = foam.x * foam.y * PEL_FOAM_ALBEDO / PI * vec3(PEL_FOAM_RED, 1.0, 1.0);
     vec3 sun = vec3(0.0);
     vec3 sky = vec3(0.0);
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_LIT; i++) {
         sun += beams[i].rgb * max(dot(n, light_above(i, tilt)), 0.0);
         sky += skies[i].rgb;
     }

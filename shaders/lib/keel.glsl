@@ -123,12 +123,12 @@ vec3 leaving_with_hulls(vec3 v, vec3 n, vec3 to, vec3 leaving)
         float deep = -way * d.z;
         vec3 beam = vec3(-to.xy * eta, -sqrt(1.0 - eta * eta * (1.0 - to.z * to.z))); // downward
         float lit = sun_on_sea(sea_place + way * d + (deep / beam.z) * beam);
-        vec3 direct = beams[PEL_LIGHT_SUN].rgb * max(to.z, 0.0) * (1.0 - facet_reflectance(max(to.z, 0.0))) *
+        vec3 direct = beams[PEL_LIGHT_FIRST].rgb * max(to.z, 0.0) * (1.0 - facet_reflectance(max(to.z, 0.0))) *
                       (max(-dot(beam, normal), 0.0) / -beam.z * lit) * exp(fade.rgb * (deep / beam.z));
         // Of uniform light from the cone into which the sky is refracted; 6 %
         // too little on a wall.
         float from_above = abs(normal.z) < eta ? (normal.z + eta) * (normal.z + eta) / (4.0 * eta) : max(normal.z, 0.0);
-        vec3 diffuse = 0.93 * skies[PEL_LIGHT_SUN].rgb * from_above * exp(-1.2 * fade.rgb * deep);
+        vec3 diffuse = 0.93 * skies[PEL_LIGHT_FIRST].rgb * from_above * exp(-1.2 * fade.rgb * deep);
         vec3 upward = PI * PEL_WATER_INDEX * PEL_WATER_INDEX * leaving * (0.5 - 0.5 * normal.z);
         vec3 hull = paint.rgb * (1.0 / PI) * (direct + diffuse + upward) * (eta * eta) * exp(-fade.rgb * way);
         leaving = leaving * (1.0 - exp(-fade.rgb * way * (1.0 + d.z / beam.z))) + hull;

@@ -108,8 +108,8 @@ vec3 ambient_light(vec3 n, vec4 open_, float lit)
 {
     vec3 all = max(light_by_normal(0, n), vec3(0.0));
     vec3 below = clamp(light_by_normal(PEL_SURROUNDINGS_TERMS, n), vec3(0.0), all);
-    vec3 to = lights[PEL_LIGHT_SUN].direction.xyz;
-    vec3 sun = beams[PEL_LIGHT_SUN].rgb * (1.0 / PI);
+    vec3 to = lights[PEL_LIGHT_FIRST].direction.xyz;
+    vec3 sun = beams[PEL_LIGHT_FIRST].rgb * (1.0 / PI);
     vec3 deck = ambient[0].rgb + ambient[2].rgb + 2.0 * ambient[6].rgb + sun * (max(to.z, 0.0) * lit);
     vec3 wall = ambient[0].rgb - ambient[6].rgb + sun * (sqrt(max(1.0 - to.z * to.z, 0.0)) * lit / PI);
     return open_.x * (all - below) + open_.y * below + open_.z * wall + open_.w * deck;
@@ -170,9 +170,9 @@ object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
     vec3 matt = paint.rgb * (1.0 - metal);
     float lit = lit_share(entity, d, n) * lit_by_others(entity, place);
     object_lit result = object_lit(vec3(0.0), vec3(0.0), matt);
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_LIT; i++) {
         vec3 to = lights[i].direction.xyz;
-        vec3 beam = beams[i].rgb * (i == PEL_LIGHT_SUN ? lit : 1.0);
+        vec3 beam = beams[i].rgb * (i == PEL_LIGHT_FIRST ? lit : 1.0);
         result.by_lights +=
             beam * (matt * (max(dot(n, to), 0.0) / PI) + gloss_of_light(f0, rough * rough, n, v, to));
     }
@@ -181,7 +181,7 @@ object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
     vec3 away = reflect(dir, n);
     vec3 mirrored = textureLod(surrounding_map, octahedral_place(away), level).rgb;
     mirrored *= mix(s.open_.y, s.open_.x, clamp(0.5 + 2.0 * away.z, 0.0, 1.0));
-    lit *= step(0.0, dot(n, lights[PEL_LIGHT_SUN].direction.xyz));
+    lit *= step(0.0, dot(n, lights[PEL_LIGHT_FIRST].direction.xyz));
     result.by_sky = matt * ambient_light(n, s.open_, lit) + (f0 * share.x + share.y) * mirrored;
     return result;
 }

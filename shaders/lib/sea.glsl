@@ -119,8 +119,8 @@ shaded shade_sea(ivec2 at, uint triangle)
     bed_view seen = seabed_seen(dir.xy * range, sight_height(dir, range), v, n_lit);
     vec3 to = light_above(0, tilt);
     bed_light below = seabed_light(0, water_place(v, n_lit, to), seen, footprint, to);
-#if PEL_LIGHTS > 1 // a loop, even of no turn, costs the first its order of operations
-    for (int i = 1; i < PEL_LIGHTS; i++) {
+#if PEL_LIT > 1 // a loop, even of no turn, costs the first its order of operations
+    for (int i = 1; i < PEL_LIT; i++) {
         to = light_above(i, tilt);
         bed_light more = seabed_light(i, water_place(v, n_lit, to), seen, footprint, to);
         below.volume += more.volume;
@@ -132,7 +132,7 @@ shaded shade_sea(ivec2 at, uint triangle)
 #else
     const float depth = 1e5; // the deepest there is
     vec3 leaving = vec3(0.0);
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_LIT; i++) {
         leaving += leaving_deep_water(i, water_place(v, n_lit, light_above(i, tilt)));
     }
 #endif
@@ -145,10 +145,10 @@ shaded shade_sea(ivec2 at, uint triangle)
     sea_pixel = lattice(at);
 #ifdef PEL_SHADED
     sea_lit = sun_on_sea(sea_place);
-    vec3 falling = beams[PEL_LIGHT_SUN].rgb * max(light_above(PEL_LIGHT_SUN, tilt).z, 0.0);
-    leaving *= 1.0 - (1.0 - sea_lit) * falling / max(falling + skies[PEL_LIGHT_SUN].rgb, vec3(1e-12));
+    vec3 falling = beams[PEL_LIGHT_FIRST].rgb * max(light_above(PEL_LIGHT_FIRST, tilt).z, 0.0);
+    leaving *= 1.0 - (1.0 - sea_lit) * falling / max(falling + skies[PEL_LIGHT_FIRST].rgb, vec3(1e-12));
     if (objects_near.z != 0 && lut.y < 0.5) {
-        leaving = leaving_with_hulls(v, n_lit, light_above(PEL_LIGHT_SUN, tilt), leaving);
+        leaving = leaving_with_hulls(v, n_lit, light_above(PEL_LIGHT_FIRST, tilt), leaving);
     }
 #endif
 #endif
@@ -203,7 +203,7 @@ shaded shade_sea(ivec2 at, uint triangle)
 #endif
 #ifdef PEL_WATER_PARTS
     water_light taken = water_light(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_LIT; i++) {
         water_light one = water_parts(i, water_place(v, n_lit, light_above(i, tilt)), depth,
                                       1.0 - parts.fresnel);
         taken.single += one.single;

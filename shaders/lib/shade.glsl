@@ -47,14 +47,14 @@ vec3 waves_resolved(vec3 v, vec2 variance)
 float mirrored_twice(vec3 r, vec3 v, float cross2, float shown)
 {
     vec3 ray = r * inversesqrt(max(dot(r, r), 1e-12));
-    vec3 to = lights[PEL_LIGHT_SUN].direction.xyz;
+    vec3 to = lights[PEL_LIGHT_FIRST].direction.xyz;
     vec3 sum = to - ray, half_ = ray + v;
     float up = max(sum.z, 0.02);
     float turned = cross2 * dot(half_, half_) / (up * up * max(dot(ray.xy, ray.xy), 1e-4));
     vec2 side = vec2(-wind.y, wind.x);
     vec2 slope = vec2(dot(sum.xy, wind.xy), dot(sum.xy, side)) / up;
     vec2 wide = vec2(dot(vec2(-ray.y, ray.x), wind.xy), dot(vec2(-ray.y, ray.x), side));
-    vec2 own = max(wind.zw, vec2(1e-8)) + lights[PEL_LIGHT_SUN].limb.w;
+    vec2 own = max(wind.zw, vec2(1e-8)) + lights[PEL_LIGHT_FIRST].limb.w;
     vec3 spread = vec3(own, 0.0) + turned * vec3(wide * wide, wide.x * wide.y);
     float det = own.x * own.y + turned * (own.x * wide.y * wide.y + own.y * wide.x * wide.x);
     vec2 g = vec2(spread.y * slope.x - spread.z * slope.y, spread.x * slope.y - spread.z * slope.x) / det;
@@ -209,15 +209,15 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
     vec2 held = variance * glint.z;
     vec2 drawn = glint.xy * sqrt(held);
     float fold = crests.x + crests.y * (variance.x + variance.y);
-    vec3 direct = beams[PEL_LIGHT_SUN].rgb * twice;
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    vec3 direct = beams[PEL_LIGHT_FIRST].rgb * twice;
+    for (int i = 0; i < PEL_LIT; i++) {
         vec3 to = light_above(i, tilt);
         vec3 light = vec3(dot(to, tx), dot(to, ty), dot(to, n));
         vec3 one = beams[i].rgb *
                    reflected_light(view, light, variance, lights[i].limb.w, drawn, held, fold,
                                    at);
 #ifdef PEL_OBJECTS
-        one *= i == PEL_LIGHT_SUN ? sea_lit : 1.0;
+        one *= i == PEL_LIGHT_FIRST ? sea_lit : 1.0;
 #endif
 #ifndef PEL_PAPER
         one *= escape(to.z * inversesqrt(max(1.0 - to.z * to.z, 1e-4)) * resolved.x, resolved.y);

@@ -176,7 +176,7 @@ vec3 sky_light(sampler2DArray table, vec2 dir, float angle)
 {
     vec2 size = vec2(textureSize(table, 0).xy);
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_LIT; i++) {
         sum += textureLod(table, vec3(sky_uv(azimuth_from(i, dir), angle, size), i), 0.0).rgb;
     }
     return sum;

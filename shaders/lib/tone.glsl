@@ -24,7 +24,7 @@ vec3 filmic(vec3 x)
 vec3 with_glare(vec3 light, vec3 dir)
 {
     const float inverse = 2.0 / (PEL_GLARE_CORE * PEL_GLARE_CORE);
-    for (int i = 0; i < PEL_GLARES; i++) {
+    for (int i = 0; i < PEL_LIT; i++) {
         float away = 1.0 - dot(dir, glare[i].direction.xyz);
         bool source = away < glare[i].direction.w && dir.z > -eye.y;
         light *= source ? 1.0 - glare[i].light.w : 1.0;

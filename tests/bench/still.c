@@ -1,11 +1,11 @@
 /* Draws one picture of a sea straight from the renderer and times it:
  *   still OUT.png [name=value …]
- * (kind: of the spectrum, enum pel_spectrum_kind;
- * bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky and
- * glitter as they stand; ship: a built-in model by its number, `away` metres
- * ahead; wash: its speed, m/s, and `push` the screw's; it passed on a straight
- * course; fleet: enum bench_fleet) for looking at one thing at a time while
- * developing shaders. */
+ * (moon: its elevation, lit: its share; kind: of the spectrum, enum
+ * pel_spectrum_kind; bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky
+ * and glitter as they stand; ship: a built-in model by its number, `away`
+ * metres ahead; wash: its speed, m/s, and `push` the screw's; it passed on a
+ * straight course; fleet: enum bench_fleet) for looking at one thing at a time
+ * while developing shaders. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,6 +17,7 @@
 #include "models/builtin.h"
 #include "models/waterline.h"
 #include "ocean/wash.h"
+#include "optics/moon.h"
 #include "render/renderer.h"
 #include "tests/bench/fleet.h"
 #include "tests/bench/scene.h"
@@ -42,7 +43,8 @@ static struct setting settings[] = {
     { "away", 220 },      { "aa", 1 },        { "bearing", 0 },
     { "turned", 60 },     { "foam", 1 },      { "kind", 0 },
     { "slick", 1 },       { "fleet", 0 },     { "wash", 0 },
-    { "push", 99 },
+    { "push", 99 },       { "moon", -90 },    { "moonaz", 0 },
+    { "lit", 1 },
 };
 
 static double get(const char *name)
@@ -234,6 +236,12 @@ int main(int argc, char **argv)
         if (pel_water_resolve(&water, &env.water, &fault)) {
             return 1;
         }
+    }
+    if (get("moon") > -90) {
+        double e = get("moon") * PEL_DEG, a = get("moonaz") * PEL_DEG;
+        env.lights[PEL_LIGHT_MOON] = pel_light_moon(
+            (struct pel_vec3){ cos(e) * sin(a), cos(e) * cos(a), sin(e) },
+            env.lights[PEL_LIGHT_SUN].direction, get("lit"), PEL_MOON_DISTANCE);
     }
     struct pel_object object;
     if (get("ship") > 0) {

@@ -301,6 +301,14 @@ class Sky(Record):
     sunElevation: float | None = _field(None, 'deg', -90, 90)
     #: Meteorological visibility near the sea. [m; 200 to 300000]
     visibility: float = _field(40000.0, 'm', 200, 300000)
+    #: Azimuth of the Moon; absent: from clock.utc and origin. [deg; 0 to 360]
+    moonAzimuth: float | None = _field(None, 'deg', 0, 360)
+    #: Elevation of the Moon; absent: from clock.utc and origin, or where
+    #: sunElevation is set: no Moon. [deg; -90 to 90]
+    moonElevation: float | None = _field(None, 'deg', -90, 90)
+    #: Share of the Moon's disc that is lit, 1 at full Moon; absent: from
+    #: clock.utc. Its bright limb is on the Sun's side. [1; 0 to 1]
+    moonPhase: float | None = _field(None, '1', 0, 1)
 
 
 @dataclass(frozen=True)

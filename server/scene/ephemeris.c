@@ -1,0 +1,158 @@
+#include "scene/ephemeris.h"
+
+#include <libnova/ln_types.h>
+#include <libnova/lunar.h>
+#include <libnova/solar.h>
+#include <pthread.h>
+#include <stddef.h>
+
+#define UNIX_J2000 946728000.0 /* 2000-01-01T12:00:00 */
+#define DAY_S 86400.0
+#define JD_J2000 2451545.0
+#define CENTURY_DAYS 36525.0
+#define ARCSECOND (PEL_DEG / 3600.0)
+#define OBLIQUITY_J2000 (23.4392911 * PEL_DEG)
+#define AU_KM 149597870.7
+
+/* libnova keeps the last moment's terms in variables of its own. */
+static pthread_mutex_t libnova = PTHREAD_MUTEX_INITIALIZER;
+
+static struct pel_mat3 turned(const struct pel_mat3 *by,
+                              const struct pel_mat3 *m)
+{
+    return (struct pel_mat3){ pel_mat3_apply(by, m->x),
+                              pel_mat3_apply(by, m->y),
+                              pel_mat3_apply(by, m->z) };
+}
+
+/* Turns the axes, not what they measure. */
+static struct pel_mat3 about_z(double angle)
+{
+    double c = cos(angle), s = sin(angle);
+    return (struct pel_mat3){ { c, -s, 0 }, { s, c, 0 }, { 0, 0, 1 } };
+}
+
+static struct pel_mat3 about_x(double angle)
+{
+    double c = cos(angle), s = sin(angle);
+    return (struct pel_mat3){ { 1, 0, 0 }, { 0, c, -s }, { 0, s, c } };
+}
+
+static struct pel_mat3 about_y(double angle)
+{
+    double c = cos(angle), s = sin(angle);
+    return (struct pel_mat3){ { c, 0, s }, { 0, 1, 0 }, { -s, 0, c } };
+}
+
+double pel_ephemeris_delta_t(double unix_s)
+{
+    static const double at[][2] = {
+        { 1900, -3 },   { 1910, 10.5 }, { 1920, 21.2 }, { 1940, 24.3 },
+        { 1950, 29.1 }, { 1960, 33.2 }, { 1970, 40.2 }, { 1980, 50.5 },
+        { 1990, 56.9 }, { 2000, 63.8 }, { 2010, 66.1 }, { 2026, 69.2 },
+        { 2100, 200 }
+    };
+    const int last = sizeof at / sizeof *at - 1;
+    double year = 2000.0 + (unix_s - UNIX_J2000) / (365.25 * DAY_S);
+    int i = 0;
+    while (i < last - 1 && year > at[i + 1][0]) {
+        i++;
+    }
+    double t = (year - at[i][0]) / (at[i + 1][0] - at[i][0]);
+    return at[i][1] + t * (at[i + 1][1] - at[i][1]);
+}
+
+static double centuries(double unix_s)
+{
+    return (unix_s - UNIX_J2000 + pel_ephemeris_delta_t(unix_s)) /
+           (DAY_S * CENTURY_DAYS);
+}
+
+/* From the equator of J2000 to that of date: Lieske 1979. */
+static struct pel_mat3 precession(double t)
+{
+    double zeta = t * (2306.2181 + t * (0.30188 + t * 0.017998)) * ARCSECOND;
+    double z = t * (2306.2181 + t * (1.09468 + t * 0.018203)) * ARCSECOND;
+    double theta = t * (2004.3109 - t * (0.42665 + t * 0.041833)) * ARCSECOND;
+    struct pel_mat3 a = about_z(-zeta), b = about_y(theta), c = about_z(-z);
+    struct pel_mat3 ba = turned(&b, &a);
+    return turned(&c, &ba);
+}
+
+/* Meeus 1998, eq. 12.4. */
+static double local_sidereal(double unix_s, double longitude_rad)
+{
+    double days = (unix_s - UNIX_J2000) / DAY_S, t = days / CENTURY_DAYS;
+    double degrees = 280.46061837 + 360.98564736629 * days + 3.87933e-4 * t * t;
+    return fmod(degrees, 360.0) * PEL_DEG + longitude_rad;
+}
+
+/* From the equator of date to east, north, up. */
+static struct pel_mat3 horizon(double sidereal, double latitude_rad)
+{
+    double ct = cos(sidereal), st = sin(sidereal);
+    double cp = cos(latitude_rad), sp = sin(latitude_rad);
+    return (struct pel_mat3){ { -st, -sp * ct, cp * ct },
+                              { ct, -sp * st, cp * st },
+                              { 0, cp, sp } };
+}
+
+struct pel_mat3 pel_ephemeris_sky(double unix_s, double latitude_rad,
+                                  double longitude_rad)
+{
+    struct pel_mat3 p = precession(centuries(unix_s));
+    struct pel_mat3 h =
+        horizon(local_sidereal(unix_s, longitude_rad), latitude_rad);
+    return turned(&h, &p);
+}
+
+/* From the Earth's centre, equator of J2000, km. */
+static struct pel_vec3 moon_of(double t)
+{
+    struct ln_rect_posn p;
+    pthread_mutex_lock(&libnova);
+    ln_get_lunar_geo_posn(JD_J2000 + t * CENTURY_DAYS, &p, 0);
+    pthread_mutex_unlock(&libnova);
+    struct pel_mat3 from_ecliptic = about_x(-OBLIQUITY_J2000);
+    return pel_mat3_apply(&from_ecliptic, (struct pel_vec3){ p.X, p.Y, p.Z });
+}
+
+static struct pel_vec3 sun_of(double t)
+{
+    struct ln_helio_posn p;
+    pthread_mutex_lock(&libnova);
+    ln_get_solar_geom_coords(JD_J2000 + t * CENTURY_DAYS, &p);
+    pthread_mutex_unlock(&libnova);
+    /* From the equinox of date. */
+    double l = (p.L - 1.3969713 * t) * PEL_DEG, b = p.B * PEL_DEG;
+    struct pel_mat3 from_ecliptic = about_x(-OBLIQUITY_J2000);
+    struct pel_vec3 v = { cos(b) * cos(l), cos(b) * sin(l), sin(b) };
+    return pel_mat3_apply(&from_ecliptic, pel_vec3_scale(v, p.R * AU_KM));
+}
+
+/* Of the ellipsoid's surface (WGS84), local axes, km. */
+static struct pel_vec3 place_of(double latitude_rad)
+{
+    const double a = 6378.137, e2 = 6.69437999014e-3;
+    double s = sin(latitude_rad), c = cos(latitude_rad);
+    double n = a / sqrt(1.0 - e2 * s * s);
+    double out = n * c, along = n * (1.0 - e2) * s;
+    return (struct pel_vec3){ 0, along * c - out * s, along * s + out * c };
+}
+
+void pel_ephemeris_moon(double unix_s, double latitude_rad,
+                        double longitude_rad, struct pel_moon_place *out)
+{
+    double t = centuries(unix_s);
+    struct pel_mat3 sky =
+        pel_ephemeris_sky(unix_s, latitude_rad, longitude_rad);
+    struct pel_vec3 centre = moon_of(t), sun = sun_of(t);
+    struct pel_vec3 from = pel_vec3_scale(place_of(latitude_rad), -1.0);
+    struct pel_vec3 seen = pel_vec3_add(pel_mat3_apply(&sky, centre), from);
+    double km = sqrt(pel_vec3_dot(seen, seen));
+    struct pel_vec3 to_sun =
+        pel_mat3_apply(&sky, pel_vec3_add(sun, pel_vec3_scale(centre, -1.0)));
+    double cosine = -pel_vec3_dot(pel_vec3_normalize(to_sun), seen) / km;
+    *out = (struct pel_moon_place){ pel_vec3_scale(seen, 1.0 / km), 1e3 * km,
+                                    0.5 * (1.0 + cosine) };
+}
