@@ -5,7 +5,7 @@
 
 #define PEL_MOON_DISTANCE 384400e3 /* m, at which PEL_MOON_STRENGTH holds */
 #define PEL_MOON_RADIUS 1737.4e3   /* m */
-#define PEL_MOON_MAGNITUDE -12.73  /* of the full Moon, V, above the air */
+#define PEL_MOON_MAGNITUDE (-12.73) /* of the full Moon, V, above the air */
 #define PEL_MOON_ANGULAR_RADIUS 0.004520 /* rad, at that distance */
 
 /* Irradiance at this distance [m] over that of the full Moon at the mean one:

@@ -123,8 +123,7 @@ static struct pel_vec3 sun_of(double t)
     pthread_mutex_lock(&libnova);
     ln_get_solar_geom_coords(JD_J2000 + t * CENTURY_DAYS, &p);
     pthread_mutex_unlock(&libnova);
-    /* From the equinox of date. */
-    double l = (p.L - 1.3969713 * t) * PEL_DEG, b = p.B * PEL_DEG;
+    double l = p.L * PEL_DEG, b = p.B * PEL_DEG;
     struct pel_mat3 from_ecliptic = about_x(-OBLIQUITY_J2000);
     struct pel_vec3 v = { cos(b) * cos(l), cos(b) * sin(l), sin(b) };
     return pel_mat3_apply(&from_ecliptic, pel_vec3_scale(v, p.R * AU_KM));

@@ -179,8 +179,8 @@ static void the_moon_is_where_others_say(void **state)
     } rows[] = {
         { "2026-06-29T23:00:00Z", 50, 0, 165.7947, 10.5836, 404061.8, 0.9987 },
         { "2026-03-03T11:30:00Z", -33, 151, 50.8204, 34.9731, 378893.5, 1 },
-        { "1987-04-12T00:00:00Z", 0, -40, 79.5068, 72.5646, 380903.4, 0.9497 },
-        { "2045-09-09T03:00:00Z", 70, 20, 86.0575, 13.7864, 358086.1, 0.0558 },
+        { "1987-04-12T00:00:00Z", 0, -40, 79.5068, 72.5646, 380903.4, 0.9490 },
+        { "2045-09-09T03:00:00Z", 70, 20, 86.0575, 13.7864, 358086.1, 0.0533 },
         { "2000-01-21T04:40:00Z", 35, -75, 153.9679, 73.0244, 354656.7, 1 },
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
@@ -196,7 +196,7 @@ static void the_moon_is_where_others_say(void **state)
         /* Seen 0.003. Without parallax it is up to a degree. */
         near(sqrt(pel_vec3_dot(off, off)) / PEL_DEG, 0, 0.01);
         near(1e-3 * m.distance_m, rows[i].km, 1.0);
-        near(m.lit, rows[i].lit, 0.004);
+        near(m.lit, rows[i].lit, 0.002);
     }
 }
 
