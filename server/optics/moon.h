@@ -3,8 +3,8 @@
  * Moon sees them, 0 at full Moon. Any thread. */
 #pragma once
 
-#define PEL_MOON_DISTANCE 384400e3 /* m, at which PEL_MOON_STRENGTH holds */
-#define PEL_MOON_RADIUS 1737.4e3   /* m */
+#define PEL_MOON_DISTANCE 384400e3  /* m, at which PEL_MOON_STRENGTH holds */
+#define PEL_MOON_RADIUS 1737.4e3    /* m */
 #define PEL_MOON_MAGNITUDE (-12.73) /* of the full Moon, V, above the air */
 #define PEL_MOON_ANGULAR_RADIUS 0.004520 /* rad, at that distance */
 
