@@ -97,6 +97,7 @@ static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
         .shader_dir = or_null(d->options.shader_dir),
         .shading = shadings[d->options.shading],
         .gl_debug = d->options.gl_debug,
+        .lose_after = (unsigned)d->options.gl_lose,
         .paper_form = d->options.reflection == 1,
         .max_fps = d->options.fps,
         .quality = d->options.quality,

@@ -253,5 +253,9 @@ const struct pel_option pel_developer_table[] = {
     { "PELAGOS_GL_DEBUG", "developer", PEL_OPTION_FLAG, "yes|no", "no",
       .offset = FIELD(gl_debug),
       .help = "Sends the OpenGL driver's messages to the log." },
+    { "PELAGOS_GL_LOSE", "developer", PEL_OPTION_INT, "COUNT", "0", 0, 1000000,
+      "pictures", .offset = FIELD(gl_lose),
+      .help = "Pretends that the device is lost after so many pictures; 0: "
+              "never." },
     { 0 },
 };

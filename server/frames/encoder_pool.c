@@ -24,7 +24,7 @@ struct pel_encoder_pool {
     struct pel_mailbox *box;
     void (*released)(void *user, const struct pel_job_draw *part);
     void *user;
-    const char *device;
+    const char *_Atomic device;
 };
 
 static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
@@ -96,7 +96,8 @@ static enum pel_err encode_bytes(const struct pel_encoder_pool *pool,
     const struct pel_format *format = pel_format_of(output->format);
     pel_encode *encode = encoders[format - pel_format_table];
     if (format->uses & PEL_FORMAT_LAYERS) {
-        return pel_picture_encode_layers(output, pool->device, encode, bytes);
+        return pel_picture_encode_layers(output, atomic_load(&pool->device),
+                                         encode, bytes);
     }
     if (format->uses & PEL_FORMAT_TRUTH) {
         return pel_picture_encode_truth(output, encode, bytes);
@@ -120,7 +121,10 @@ static void encode_output(struct pel_encoder_pool *pool,
     output->err = part->err == PEL_OK && atomic_load(&output->cancel)
                       ? PEL_ERR_CONFLICT
                       : part->err;
-    output->why[0] = '\0';
+    snprintf(output->why, sizeof output->why, "%s",
+             part->err == PEL_ERR_GPU
+                 ? "the graphics device failed while it was drawn; see the log"
+                 : "");
     output->frame = NULL;
     if (output->err == PEL_OK) {
         int64_t start = pel_now_ns();
@@ -281,7 +285,7 @@ enum pel_err pel_encoder_pool_create(
     pool->box = box;
     pool->released = released;
     pool->user = user;
-    pool->device = "";
+    atomic_init(&pool->device, "");
     pel_lock_init(&pool->lock);
     pel_cond_init(&pool->work);
     threads = threads > MAX_THREADS ? MAX_THREADS : threads;
@@ -307,7 +311,7 @@ enum pel_err pel_encoder_pool_create(
 void pel_encoder_pool_set_device(struct pel_encoder_pool *pool,
                                  const char *device)
 {
-    pool->device = device;
+    atomic_store(&pool->device, device);
 }
 
 bool pel_encoder_pool_stop(struct pel_encoder_pool *pool)

@@ -103,6 +103,7 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
         .shader_dir = o->shader_dir,
         .shading = o->shading,
         .debug = o->gl_debug,
+        .lose_after = o->lose_after,
         .filtering.paper = o->paper_form,
     };
     err = pel_renderloop_create(&renderer, frames->pool, &frames->box,
@@ -115,7 +116,6 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
         frames->quality.pixel_ms = SOFTWARE_PIXEL_MS / (cores > 1 ? cores : 1);
     }
     pel_frames_set_quality(frames, o->quality);
-    pel_encoder_pool_set_device(frames->pool, pel_frames_device(frames));
     frames->tick =
         pel_alarm_create(context, "live frames", pel_schedule_tick, frames);
     frames->start =
@@ -217,6 +217,12 @@ void pel_frames_get_stats(const struct pel_frames *frames,
     out->quality_changes = frames->quality.changes;
     out->present_delay_ms = (double)frames->present_delay_ns * 1e-6;
     out->in_compute = pel_renderloop_in_compute(frames->loop);
+    struct pel_loss_stats losses;
+    pel_renderloop_losses(frames->loop, &losses);
+    out->losses = losses.losses;
+    out->views_again = losses.again;
+    out->loss_worst_ms = losses.worst_ms;
+    out->fallen_back = losses.fallen_back;
     out->video_ms_median = pel_window_rank(&frames->video_ms, 0.5);
 }
 

@@ -24,9 +24,10 @@ struct pel_frames_options {
     const char *shader_dir;
     const char *shading; /* as pel_renderer_options */
     bool gl_debug;
-    bool paper_form; /* pel_filtering.paper */
-    double max_fps;  /* cap of live views, 1..240 */
-    double quality;  /* scale of live views, 0.25..1; 0: as holds their rate */
+    unsigned lose_after; /* as pel_renderer_options */
+    bool paper_form;     /* pel_filtering.paper */
+    double max_fps;      /* cap of live views, 1..240 */
+    double quality; /* scale of live views, 0.25..1; 0: as holds their rate */
     int encoder_threads; /* 0: about one a core, at most 16 */
     /* H.264 by this GStreamer element; NULL or "auto": the best there is. */
     const char *video_encoder;
@@ -218,6 +219,10 @@ struct pel_frames_stats {
     uint64_t frames_drawn, views_drawn, frames_skipped;
     uint64_t pictures_encoded, encoded_bytes, requests_refused;
     uint64_t large_drawn;      /* frames that were drawn in bands */
+    uint64_t losses;           /* of the device */
+    uint64_t views_again;      /* drawn again for that */
+    double loss_worst_ms;      /* until a renderer stood again */
+    bool fallen_back;          /* to the software device */
     uint64_t pictures_dropped; /* whose clients had gone */
     uint64_t streams_left_out; /* of frames: too many pixels together */
     double live_megapixels;    /* of all live views */

@@ -79,6 +79,7 @@ struct pel_job_draw {
     struct pel_picture *picture;
     atomic_int users;     /* outputs that still read the picture */
     uint32_t rows_begun;  /* in bands; render thread */
+    unsigned losses;      /* of the device while it was drawn; render thread */
     int64_t submitted_ns; /* when its commands were all given */
     double submit_ms;     /* its share of giving them */
     double render_ms;

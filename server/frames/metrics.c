@@ -78,6 +78,18 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
           s.subscriptions);
     counter(page, "pelagos_frames_large_total",
             "Frames drawn in bands between the others'.", s.large_drawn);
+    counter(page, "pelagos_device_losses_total",
+            "Times that the graphics device was lost and a renderer made anew.",
+            s.losses);
+    counter(page, "pelagos_device_views_again_total",
+            "Views drawn again for a loss of the device.", s.views_again);
+    gauge(page, "pelagos_device_loss_worst_seconds",
+          "Longest time from a loss until a renderer stood again.",
+          s.loss_worst_ms * 1e-3);
+    gauge(page, "pelagos_device_fallen_back",
+          "1: after losses the processor draws, until the daemon is started "
+          "anew.",
+          s.fallen_back);
     counter(page, "pelagos_frames_dropped_total",
             "Pictures that nobody waited for any more.", s.pictures_dropped);
     gauge(page, "pelagos_frames_requests_waiting", "Pictures not yet answered.",

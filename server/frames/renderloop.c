@@ -1,12 +1,16 @@
 #include "frames/renderloop.h"
 
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "frames/loss.h"
+#include "frames/renderloop_parts.h"
 #include "scene/washes.h"
 
 /* Readback memory in flight or with the encoders, of large jobs and of the
@@ -16,33 +20,7 @@
 #define MAX_REFUSALS 100 /* 2 ms apart */
 #define STOP_NS 2000000000LL
 
-struct pel_renderloop {
-    pthread_t thread;
-    /* protects queue, given, ready, ended, err, fault, in_compute */
-    pthread_mutex_t lock;
-    pthread_cond_t wake; /* CLOCK_MONOTONIC */
-    struct pel_queue queue;
-    struct pel_job *given; /* a large one, not begun */
-    bool ready, joined;
-    int ended; /* 1: the thread has */
-    enum pel_err err;
-    struct pel_fault fault;
-    bool in_compute;
-    struct pel_renderer_options options;
-    struct pel_renderer *renderer; /* render thread */
-    struct pel_encoder_pool *pool;
-    struct pel_mailbox *box;
-    int submitted;         /* jobs with GL; render thread, the next too */
-    struct pel_job *large; /* in hand; NULL: none */
-    unsigned jobs_since;   /* its last band */
-    _Atomic uint64_t band_pixels;
-    int64_t drawn_ns; /* when the last picture was there; render thread */
-    atomic_bool stop;
-    atomic_size_t held_bytes, held_large;
-    _Atomic int64_t progress_ns;
-};
-
-static void progress(struct pel_renderloop *loop)
+void pel_renderloop_progress(struct pel_renderloop *loop)
 {
     atomic_store(&loop->progress_ns, pel_now_ns());
 }
@@ -60,7 +38,7 @@ static void finish_part(struct pel_renderloop *loop, struct pel_job_draw *part)
             pel_encoder_pool_push_output(loop->pool, &job->outputs[i]);
         }
     }
-    progress(loop);
+    pel_renderloop_progress(loop);
     if (last) {
         job->drawn_ns = pel_now_ns();
         loop->submitted -= !job->large;
@@ -83,8 +61,32 @@ static double busy_ms(struct pel_renderloop *loop,
     return part->submit_ms + (wait_ns > 0 ? (double)wait_ns * 1e-6 : 0);
 }
 
+void pel_renderloop_fail(struct pel_renderloop *loop, struct pel_job *job,
+                         size_t first, size_t count, enum pel_err err)
+{
+    size_t bytes = 0;
+    for (size_t i = first; i < first + count; i++) {
+        bytes += job->parts[i].bytes;
+        job->parts[i].err = err;
+    }
+    atomic_fetch_sub(&loop->held_bytes, bytes);
+    for (size_t i = first; i < first + count; i++) {
+        finish_part(loop, &job->parts[i]);
+    }
+}
+
+static size_t in_flight(const struct pel_renderloop *loop)
+{
+    return loop->renderer ? pel_renderer_in_flight(loop->renderer) : 0;
+}
+
+/* --- one picture is collected --------------------------------------------- */
+
 static bool collect_one(struct pel_renderloop *loop, int64_t wait_ns)
 {
+    if (pel_loss_noticed(loop)) {
+        return false;
+    }
     struct pel_picture *picture = pel_renderer_collect(loop->renderer, wait_ns);
     if (!picture) {
         return false;
@@ -120,28 +122,13 @@ static size_t fitting(struct pel_renderloop *loop, const struct pel_job *job,
 /* Waits for a picture to be drawn or given back. */
 static void wait_room(struct pel_renderloop *loop)
 {
-    if (pel_renderer_in_flight(loop->renderer) > 0) {
+    if (in_flight(loop) > 0) {
         collect_one(loop, 5000000);
         return;
     }
     pthread_mutex_lock(&loop->lock);
     pel_cond_wait_ns(&loop->wake, &loop->lock, 2000000);
     pthread_mutex_unlock(&loop->lock);
-}
-
-/* Draws [first, first + count) failed. */
-static void fail_parts(struct pel_renderloop *loop, struct pel_job *job,
-                       size_t first, size_t count, enum pel_err err)
-{
-    size_t bytes = 0;
-    for (size_t i = first; i < first + count; i++) {
-        bytes += job->parts[i].bytes;
-        job->parts[i].err = err;
-    }
-    atomic_fetch_sub(&loop->held_bytes, bytes);
-    for (size_t i = first; i < first + count; i++) {
-        finish_part(loop, &job->parts[i]);
-    }
 }
 
 static void note_wrapper(struct pel_renderloop *loop)
@@ -203,6 +190,13 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
     pel_wash_destroy(job->environment.wash);
     job->environment.wash = NULL;
     size_t pushed = pel_renderer_in_flight(loop->renderer) - before;
+    if (pel_renderer_lost(loop->renderer)) {
+        for (size_t i = first + pushed; i < first + count; i++) {
+            pel_loss_put_again(loop, &job->parts[i]);
+        }
+        pel_loss_recover(loop);
+        return PEL_OK;
+    }
     if (err == PEL_ERR_BUSY && pushed == 0) {
         atomic_fetch_sub(&loop->held_bytes, bytes);
         return err;
@@ -211,9 +205,25 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
     note_wrapper(loop);
     if (err != PEL_OK && pushed < count) {
         say_failed(job, err);
-        fail_parts(loop, job, first + pushed, count - pushed, err);
+        pel_renderloop_fail(loop, job, first + pushed, count - pushed, err);
     }
     return PEL_OK;
+}
+
+/* What losses took, in its order, before anything else. */
+static void submit_again(struct pel_renderloop *loop)
+{
+    while (loop->again_count > 0 && loop->renderer) {
+        struct pel_job_draw *part = loop->again[0];
+        loop->again_count--;
+        memmove(loop->again, loop->again + 1,
+                loop->again_count * sizeof *loop->again);
+        size_t at = (size_t)(part - part->job->parts);
+        if (submit_some(loop, part->job, at, 1, part->bytes) != PEL_OK) {
+            atomic_fetch_add(&loop->held_bytes, part->bytes);
+            pel_renderloop_fail(loop, part->job, at, 1, PEL_ERR_GPU);
+        }
+    }
 }
 
 static void submit(struct pel_renderloop *loop, struct pel_job *job)
@@ -221,9 +231,10 @@ static void submit(struct pel_renderloop *loop, struct pel_job *job)
     size_t first = 0, most = job->draw_count;
     int refusals = 0; /* with nothing held that could make room */
     loop->submitted++;
-    progress(loop);
+    pel_renderloop_progress(loop);
     while (first < job->draw_count && !atomic_load(&loop->stop)) {
         size_t bytes;
+        submit_again(loop);
         size_t count = fitting(loop, job, first, most, &bytes);
         if (count == 0) {
             wait_room(loop);
@@ -239,7 +250,7 @@ static void submit(struct pel_renderloop *loop, struct pel_job *job)
             most = count / 2;
         } else if (alone && ++refusals > MAX_REFUSALS) {
             atomic_fetch_add(&loop->held_bytes, job->parts[first].bytes);
-            fail_parts(loop, job, first, 1, PEL_ERR_BUSY);
+            pel_renderloop_fail(loop, job, first, 1, PEL_ERR_BUSY);
             first++;
         } else {
             wait_room(loop);
@@ -303,8 +314,13 @@ static void draw_band(struct pel_renderloop *loop)
 {
     struct pel_job *job = loop->large;
     struct pel_job_draw *part = &job->parts[job->begun];
-    if (!is_wanted(job, job->begun)) {
-        give_up_draw(loop, PEL_ERR_CONFLICT);
+    if (pel_loss_noticed(loop)) {
+        return;
+    }
+    if (!is_wanted(job, job->begun) || part->losses > PEL_LOSS_MOST_AGAIN) {
+        give_up_draw(loop, part->losses > PEL_LOSS_MOST_AGAIN
+                               ? PEL_ERR_GPU
+                               : PEL_ERR_CONFLICT);
         return;
     }
     if (!pel_renderer_band_done(loop->renderer, 3000000)) {
@@ -327,6 +343,11 @@ static void draw_band(struct pel_renderloop *loop)
     job->environment.wakes = NULL;
     pel_wash_destroy(job->environment.wash);
     job->environment.wash = NULL;
+    if (pel_renderer_lost(loop->renderer)) {
+        part->rows_begun += draw.rows; /* its memory is held */
+        pel_loss_recover(loop);
+        return;
+    }
     if (err == PEL_ERR_BUSY) {
         if (part->rows_begun == 0) {
             atomic_fetch_sub(&loop->held_large, part->bytes);
@@ -338,7 +359,7 @@ static void draw_band(struct pel_renderloop *loop)
     part->submitted_ns = pel_now_ns();
     part->submit_ms += (double)(part->submitted_ns - begun_ns) * 1e-6;
     loop->jobs_since = 0;
-    progress(loop);
+    pel_renderloop_progress(loop);
     note_wrapper(loop);
     if (err != PEL_OK) {
         say_failed(job, err);
@@ -363,8 +384,8 @@ static struct pel_mail *next_mail(struct pel_renderloop *loop)
             loop->large = loop->given;
             loop->given = NULL;
         }
-        if (mail || loop->submitted > 0 || loop->large ||
-            pel_renderer_in_flight(loop->renderer) > 0) {
+        if (mail || loop->submitted > 0 || loop->large || in_flight(loop) > 0 ||
+            loop->again_count > 0) {
             break;
         }
         pthread_cond_wait(&loop->wake, &loop->lock);
@@ -378,16 +399,20 @@ static void answer_optics(struct pel_renderloop *loop,
 {
     query->environment.sea = pel_snapshot_sea(query->snapshot);
     pel_optics_settle(query);
-    if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_WATER) {
-        query->err = pel_renderer_probe_water(
-            loop->renderer, &query->environment, &query->water.at,
-            &query->water.light, &query->fault);
-        pel_mailbox_post(loop->box, &query->mail);
-        return;
+    for (int i = 0; i <= PEL_LOSS_MOST_AGAIN && loop->renderer; i++) {
+        query->fault = (struct pel_fault){ 0 };
+        query->err =
+            query->question == PELAGOS__OPTICS_QUERY__QUESTION_WATER
+                ? pel_renderer_probe_water(loop->renderer, &query->environment,
+                                           &query->water.at,
+                                           &query->water.light, &query->fault)
+                : pel_renderer_probe(loop->renderer, &query->environment,
+                                     &query->probe, &query->answer,
+                                     &query->fault);
+        if (!pel_loss_noticed(loop)) {
+            break;
+        }
     }
-    query->err =
-        pel_renderer_probe(loop->renderer, &query->environment, &query->probe,
-                           &query->answer, &query->fault);
     pel_mailbox_post(loop->box, &query->mail);
 }
 
@@ -399,7 +424,8 @@ static void draw_jobs(struct pel_renderloop *loop)
         while (collect_one(loop, 0)) {
         }
         struct pel_mail *mail = next_mail(loop);
-        bool waiting = pel_renderer_in_flight(loop->renderer) > 0;
+        submit_again(loop);
+        bool waiting = in_flight(loop) > 0;
         if (mail && mail->kind == PEL_MAIL_OPTICS) {
             answer_optics(loop, (struct pel_optics_query *)mail);
         } else if (mail) {
@@ -435,6 +461,9 @@ static void *run(void *argument)
     enum pel_err err =
         pel_renderer_create(&loop->options, &loop->renderer, &fault);
     pthread_mutex_lock(&loop->lock);
+    if (err == PEL_OK) {
+        pel_loss_note_device(loop, 0);
+    }
     loop->err = err;
     loop->fault = fault;
     loop->ready = true;
@@ -464,7 +493,7 @@ enum pel_err pel_renderloop_create(const struct pel_renderer_options *o,
     loop->options = *o;
     loop->pool = pool;
     loop->box = box;
-    progress(loop);
+    pel_renderloop_progress(loop);
     pel_lock_init(&loop->lock);
     pel_cond_init(&loop->wake);
     if (pthread_create(&loop->thread, NULL, run, loop) != 0) {
@@ -494,12 +523,20 @@ enum pel_err pel_renderloop_create(const struct pel_renderer_options *o,
 
 const char *pel_renderloop_device(const struct pel_renderloop *loop)
 {
-    return pel_renderer_description(loop->renderer);
+    return loop->devices[atomic_load(&loop->device)];
 }
 
 bool pel_renderloop_is_software(const struct pel_renderloop *loop)
 {
-    return pel_renderer_is_software(loop->renderer);
+    return atomic_load(&loop->software);
+}
+
+void pel_renderloop_losses(struct pel_renderloop *loop,
+                           struct pel_loss_stats *out)
+{
+    pthread_mutex_lock(&loop->lock);
+    *out = loop->losses;
+    pthread_mutex_unlock(&loop->lock);
 }
 
 static void push(struct pel_renderloop *loop, struct pel_mail *mail)

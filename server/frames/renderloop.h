@@ -1,6 +1,7 @@
 /* The render thread: the only user of GL. Takes jobs in order, submits the
  * next before it collects the one at hand, and gives each picture to the
- * encoders as it comes. */
+ * encoders as it comes. Where the device is lost it makes a renderer anew and
+ * draws again what was not collected: pictures are functions of the state. */
 #pragma once
 
 #include "frames/encoder_pool.h"
@@ -14,8 +15,20 @@ pel_renderloop_create(const struct pel_renderer_options *o,
                       struct pel_encoder_pool *pool, struct pel_mailbox *box,
                       struct pel_renderloop **out, struct pel_fault *fault);
 
+/* Any thread; another one after losses of the device. Lives as long as the
+ * loop. */
 const char *pel_renderloop_device(const struct pel_renderloop *loop);
 bool pel_renderloop_is_software(const struct pel_renderloop *loop);
+
+/* How often the device was lost so far, pictures drawn again for it, and the
+ * longest time until a renderer stood again. Any thread. */
+struct pel_loss_stats {
+    uint64_t losses, again;
+    double last_ms, worst_ms;
+    bool fallen_back; /* to the software device */
+};
+void pel_renderloop_losses(struct pel_renderloop *loop,
+                           struct pel_loss_stats *out);
 
 /* Whether the last frame was shaded in compute; any thread. */
 bool pel_renderloop_in_compute(struct pel_renderloop *loop);

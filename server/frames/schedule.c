@@ -717,7 +717,7 @@ void pel_schedule_output(struct pel_frames *frames, struct pel_output *output)
     }
     struct pel_fault fault;
     pel_fault_set(&fault, output->err, "the picture could not be made: %s",
-                  pel_err_name(output->err));
+                  *output->why ? output->why : pel_err_name(output->err));
     for (int i = 0; i < PEL_MAX_REQUESTS; i++) {
         if (frames->requests[i].used && frames->requests[i].output == output) {
             pel_request_finish(frames, &frames->requests[i], output->err,

@@ -143,20 +143,29 @@ enum pel_err pel_context_init(struct pel_context *context, const char *device,
         configs == 0) {
         config = EGL_NO_CONFIG_KHR;
     }
-    const EGLint attributes[] = {
-        EGL_CONTEXT_MAJOR_VERSION,
-        4,
-        EGL_CONTEXT_MINOR_VERSION,
-        5,
-        EGL_CONTEXT_OPENGL_PROFILE_MASK,
-        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-        EGL_CONTEXT_OPENGL_DEBUG,
-        debug ? EGL_TRUE : EGL_FALSE,
-        EGL_NONE,
-    };
     eglBindAPI(EGL_OPENGL_API);
-    context->context =
-        eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
+    /* Where the driver cannot tell of a loss, without. */
+    for (int told = epoxy_egl_version(display) >= 15; told >= 0; told--) {
+        const EGLint attributes[] = {
+            EGL_CONTEXT_MAJOR_VERSION,
+            4,
+            EGL_CONTEXT_MINOR_VERSION,
+            5,
+            EGL_CONTEXT_OPENGL_PROFILE_MASK,
+            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+            EGL_CONTEXT_OPENGL_DEBUG,
+            debug ? EGL_TRUE : EGL_FALSE,
+            told ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY : EGL_NONE,
+            EGL_LOSE_CONTEXT_ON_RESET,
+            EGL_NONE,
+        };
+        context->context =
+            eglCreateContext(display, config, EGL_NO_CONTEXT, attributes);
+        context->tells_loss = told && context->context != EGL_NO_CONTEXT;
+        if (context->context != EGL_NO_CONTEXT) {
+            break;
+        }
+    }
     if (context->context == EGL_NO_CONTEXT ||
         !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE,
                         context->context)) {
@@ -187,6 +196,11 @@ enum pel_err pel_context_init(struct pel_context *context, const char *device,
         pel_info("RND-002", "drawing on %s", context->description);
     }
     return PEL_OK;
+}
+
+bool pel_context_lost(const struct pel_context *context)
+{
+    return context->tells_loss && glGetGraphicsResetStatus() != GL_NO_ERROR;
 }
 
 void pel_context_finish(struct pel_context *context)

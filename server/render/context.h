@@ -9,6 +9,7 @@ struct pel_context {
     void *display; /* EGLDisplay */
     void *context; /* EGLContext */
     bool software;
+    bool tells_loss;       /* pel_context_lost knows */
     char description[256]; /* GL_RENDERER, GL_VERSION */
 };
 
@@ -17,4 +18,7 @@ struct pel_context {
 PEL_CHECK enum pel_err pel_context_init(struct pel_context *context,
                                         const char *device, bool debug,
                                         struct pel_fault *fault);
+/* Whether the device was reset or withdrawn: what the context holds is gone,
+ * and calls do nothing from then on. A new one has to be made. */
+bool pel_context_lost(const struct pel_context *context);
 void pel_context_finish(struct pel_context *context);

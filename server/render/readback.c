@@ -288,6 +288,19 @@ struct pel_picture *pel_readback_pop(struct pel_readback *r, int64_t wait_ns)
     return &slot->picture;
 }
 
+size_t pel_readback_abandon(struct pel_readback *r, void **users, size_t most)
+{
+    size_t count = 0;
+    while (r->in_flight > 0 && count < most) {
+        struct pel_readback_slot *slot = r->order[r->head];
+        users[count++] = slot->picture.user;
+        r->head = (r->head + 1) % PEL_READBACK_SLOTS;
+        r->in_flight--;
+        pel_picture_release(&slot->picture);
+    }
+    return count;
+}
+
 void pel_picture_release(struct pel_picture *picture)
 {
     if (picture) {

@@ -52,5 +52,9 @@ void pel_readback_drop_bands(struct pel_readback *r);
 /* Oldest picture if its pixels are there within wait_ns, else NULL. */
 struct pel_picture *pel_readback_pop(struct pel_readback *r, int64_t wait_ns);
 
+/* Gives up all pictures in flight, oldest first: their `user`, at most `most`;
+ * how many. Without GL. */
+size_t pel_readback_abandon(struct pel_readback *r, void **users, size_t most);
+
 /* Slots that are free now. */
 size_t pel_readback_free(const struct pel_readback *r);

@@ -67,6 +67,7 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
     r->shader_dir = o->shader_dir;
+    r->lose_after = o->lose_after;
     enum pel_err err =
         pel_filtering_settle(&o->filtering, &r->filtering, fault);
     if (err != PEL_OK) {
@@ -709,6 +710,24 @@ bool pel_renderer_band_done(struct pel_renderer *r, int64_t wait_ns)
 void pel_renderer_drop_bands(struct pel_renderer *r)
 {
     pel_readback_drop_bands(&r->readback);
+}
+
+bool pel_renderer_lost(struct pel_renderer *r)
+{
+    r->lost = r->lost || pel_context_lost(&r->context) ||
+              (r->lose_after > 0 && r->readback.pushed >= r->lose_after);
+    return r->lost;
+}
+
+size_t pel_renderer_abandon(struct pel_renderer *r, void **users, size_t most)
+{
+    pel_readback_drop_bands(&r->readback);
+    return pel_readback_abandon(&r->readback, users, most);
+}
+
+bool pel_renderer_unused(const struct pel_renderer *r)
+{
+    return pel_readback_free(&r->readback) == PEL_READBACK_SLOTS;
 }
 
 enum pel_err pel_renderer_probe(struct pel_renderer *r,

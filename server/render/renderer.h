@@ -24,6 +24,8 @@ struct pel_renderer_options {
     const char *shader_dir; /* NULL: the embedded shaders */
     const char *shading;    /* NULL or "auto", "fragment", "compute" */
     bool debug;             /* GL debug output to the log */
+    unsigned lose_after;    /* pretends that the device is lost after so many
+                               pictures, for tests; 0: never */
     struct pel_filtering filtering;
 };
 
@@ -167,6 +169,17 @@ void pel_picture_position_origin(const struct pel_camera *camera,
 
 /* Pictures submitted and not yet collected. */
 size_t pel_renderer_in_flight(const struct pel_renderer *r);
+
+/* Whether the device is lost, with what was submitted and not yet collected:
+ * this renderer draws no more. Collected pictures stay as they are. */
+bool pel_renderer_lost(struct pel_renderer *r);
+
+/* Gives up what was submitted and not collected, oldest first: fills in `user`
+ * of its draws, at most `most`; their count. Bands are dropped. */
+size_t pel_renderer_abandon(struct pel_renderer *r, void **users, size_t most);
+
+/* Whether all pictures were released, so that it may be destroyed. */
+bool pel_renderer_unused(const struct pel_renderer *r);
 
 /* Releases the buffers; any thread. */
 void pel_picture_release(struct pel_picture *picture);

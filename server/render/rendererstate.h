@@ -30,6 +30,8 @@
 struct pel_renderer {
     struct pel_context context;
     const char *shader_dir;
+    unsigned lose_after; /* of the options */
+    bool lost;
     struct pel_filtering filtering;
     struct pel_filter filter; /* its bounds */
     struct pel_readback readback;
