@@ -237,6 +237,51 @@ static void widen_by_hull(const struct pel_environment *env,
     }
 }
 
+/* From the eye, at eye_m above the sea, to the object's box in its own axes; 0:
+ * within. */
+static double away_from(const struct pel_environment *env,
+                        const struct pel_object *object,
+                        const struct pel_camera *c, double eye_m)
+{
+    const struct pel_model *model = object->model;
+    const struct pel_mat3 *m = &object->world_from_model;
+    struct pel_vec3 to = pel_object_origin(env, object, c);
+    const struct pel_vec3 eye = { -to.x, -to.y, eye_m - to.z };
+    const double at[3] = { pel_vec3_dot(m->x, eye), pel_vec3_dot(m->y, eye),
+                           pel_vec3_dot(m->z, eye) };
+    const double low[3] = { model->low.x, model->low.y, model->low.z };
+    const double high[3] = { model->high.x, model->high.y, model->high.z };
+    double sum = 0;
+    for (int i = 0; i < 3; i++) {
+        double off = at[i] - pel_clamp(at[i], low[i], high[i]);
+        sum += off * off;
+    }
+    return sqrt(sum);
+}
+
+/* How many pixels a metre of the object's nearest part is wide. */
+static double pixels_of(const struct pel_environment *env,
+                        const struct pel_object *object,
+                        const struct pel_camera *c)
+{
+    double pitch = fmin(pel_pixel_pitch(c->tan_left, c->tan_right, c->width),
+                        pel_pixel_pitch(c->tan_bottom, c->tan_top, c->height));
+    double away =
+        away_from(env, object, c, fmax(c->altitude_m, PEL_LEAST_EYE_M));
+    return away > FARTHEST_M ? 0 : 1.0 / (fmax(away, 1.0) * pitch);
+}
+
+static void mark_tiles(const struct pel_camera *c, const int box[4],
+                       unsigned mark, uint16_t *tiles)
+{
+    int across = (int)(c->width + PEL_TILE - 1) / PEL_TILE;
+    for (int y = box[1] / PEL_TILE; y * PEL_TILE < box[3]; y++) {
+        for (int x = box[0] / PEL_TILE; x * PEL_TILE < box[2]; x++) {
+            tiles[y * across + x] |= (uint16_t)mark;
+        }
+    }
+}
+
 /* The sea that may lie in its shadow. */
 static bool box_shaded(const struct pel_environment *env,
                        const struct pel_vec3 corners[8],
@@ -265,37 +310,96 @@ static bool box_shaded(const struct pel_environment *env,
     return pixels_in(&r, c, out);
 }
 
+/* A level of detail whose shadow's outline is within two hundredths of the
+ * model's radius. */
+static const struct pel_model_level *outline_of(const struct pel_model *model)
+{
+    const double per_m = 50 / model->radius_m;
+    return &model->levels[pel_model_level_for(model, per_m, 1.0)];
+}
+
+/* The sea between crests and troughs that a triangle may shade. */
+static void widen_by_shadow(const struct pel_vec3 corners[3],
+                            struct pel_vec3 to, double waves,
+                            const struct pel_camera *c, double eye_m,
+                            struct region *r)
+{
+    double highest = fmax(fmax(corners[0].z, corners[1].z), corners[2].z);
+    for (int i = 0; i < 3 && highest > -waves; i++) {
+        const struct pel_vec3 *p = &corners[i];
+        const double level[2] = { -waves, fmin(waves, highest) };
+        for (int k = 0; k < 2; k++) {
+            double length = (p->z - level[k]) / to.z;
+            length = pel_clamp(length, 0, PEL_FARTHEST_SHADOW_M);
+            const struct pel_vec3 end = { p->x - to.x * length,
+                                          p->y - to.y * length, level[k] };
+            widen(c, over_sphere(end, eye_m), r);
+        }
+        /* A cut in the middle of an edge lies above both its ends. */
+        const struct pel_vec3 foot = { p->x, p->y, -waves };
+        if (p->z > -waves && p->z < waves) {
+            widen(c, over_sphere(foot, eye_m), r);
+        }
+    }
+}
+
+/* Marks the tiles that its triangles shade, of those in the box. */
+static void mark_shadow(const struct pel_environment *env,
+                        const struct pel_object *object,
+                        const struct pel_camera *c, const int box[4],
+                        unsigned mark, uint16_t *tiles)
+{
+    const struct pel_model *model = object->model;
+    const struct pel_model_level *level = outline_of(model);
+    const struct pel_vec3 to = env->lights[PEL_LIGHT_FIRST].direction;
+    struct pel_vec3 origin = pel_object_origin(env, object, c);
+    double eye_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
+    double waves = 3 * sqrt(env->sea->m0);
+    double wider = (double)level->error_m * pixels_of(env, object, c);
+    for (size_t p = 0; p < level->part_count; p++) {
+        const struct pel_model_part *part = &level->parts[p];
+        for (uint32_t i = 0; i + 2 < part->count; i += 3) {
+            struct pel_vec3 corners[3];
+            for (uint32_t k = 0; k < 3; k++) {
+                const float *at =
+                    model->vertices[model->indices[part->first + i + k]]
+                        .position;
+                const struct pel_vec3 v = { (double)at[0], (double)at[1],
+                                            (double)at[2] };
+                corners[k] = pel_vec3_add(
+                    origin, pel_mat3_apply(&object->world_from_model, v));
+            }
+            struct region r = NOWHERE;
+            int of[4];
+            widen_by_shadow(corners, to, waves, c, eye_m, &r);
+            if (pixels_in(&r, c, of)) {
+                const int part_of[4] = {
+                    (int)fmax(box[0], of[0] - wider),
+                    (int)fmax(box[1], of[1] - wider),
+                    (int)fmin(box[2], of[2] + wider),
+                    (int)fmin(box[3], of[3] + wider),
+                };
+                mark_tiles(c, part_of, mark, tiles);
+            }
+        }
+    }
+}
+
 /* The sea that may show its hull. Seen from so low that the water's light is
  * next to nothing, it is left out. */
 static bool box_in_water(const struct pel_environment *env,
+                         const struct pel_object *object,
                          const struct pel_vec3 corners[8],
                          const struct pel_camera *c, double eye_m, int out[4],
                          float lattice[4])
 {
-    double nearest = HUGE_VAL;
-    for (int i = 0; i < 8; i++) {
-        nearest = fmin(nearest, hypot(corners[i].x, corners[i].y));
-    }
-    double wide =
-        hypot(corners[7].x - corners[0].x, corners[7].y - corners[0].y);
     struct region r = NOWHERE;
-    if (eye_m < LEAST_DOWN * (nearest - wide)) {
+    if (eye_m < LEAST_DOWN * away_from(env, object, c, 0)) {
         return false;
     }
     widen_by_hull(env, corners, c, eye_m, &r);
     on_lattice(&r, c, lattice);
     return pixels_in(&r, c, out);
-}
-
-static void mark_tiles(const struct pel_camera *c, const int box[4],
-                       unsigned mark, uint16_t *tiles)
-{
-    int across = (int)(c->width + PEL_TILE - 1) / PEL_TILE;
-    for (int y = box[1] / PEL_TILE; y * PEL_TILE < box[3]; y++) {
-        for (int x = box[0] / PEL_TILE; x * PEL_TILE < box[2]; x++) {
-            tiles[y * across + x] |= (uint16_t)mark;
-        }
-    }
 }
 
 /* Without the tiles that are beside its narrower part. */
@@ -321,21 +425,6 @@ static void mark_mirror(const struct pel_camera *c, const int box[4],
             mark_tiles(c, part, mark, tiles);
         }
     }
-}
-
-/* How many pixels a metre of the object's nearest part is wide. */
-static double pixels_of(const struct pel_environment *env,
-                        const struct pel_object *object,
-                        const struct pel_camera *c)
-{
-    double pitch = fmin(pel_pixel_pitch(c->tan_left, c->tan_right, c->width),
-                        pel_pixel_pitch(c->tan_bottom, c->tan_top, c->height));
-    struct pel_vec3 at = pel_object_origin(env, object, c);
-    at.z -= fmax(c->altitude_m, PEL_LEAST_EYE_M);
-    double away = sqrt(pel_vec3_dot(at, at));
-    return away > FARTHEST_M
-               ? 0
-               : 1.0 / (fmax(away - object->model->radius_m, 1.0) * pitch);
 }
 
 /* Of those that look largest from here, in sight or not, so that all views of a
@@ -398,10 +487,10 @@ static void plan_beside(struct pel_object_drawn *d,
     }
     corners_of(env, object, c, -HUGE_VAL, corners);
     if (box_shaded(env, corners, c, eye_m, box, d->in_shade)) {
-        mark_tiles(c, box, PEL_TILE_SHADE(rank), tiles);
+        mark_shadow(env, object, c, box, PEL_TILE_SHADE(rank), tiles);
         d->shades = true;
     }
-    if (box_in_water(env, corners, c, eye_m, box, d->in_water)) {
+    if (box_in_water(env, object, corners, c, eye_m, box, d->in_water)) {
         mark_tiles(c, box, PEL_TILE_SHADE(rank) | PEL_TILE_HULLS, tiles);
         d->shades = true;
     }

@@ -186,8 +186,15 @@ GLuint pel_objects_program(const struct pel_objects *o, bool sampled,
     return o->shade[sampled][land ? 1 + fft : 0][kind];
 }
 
-void pel_objects_use(unsigned tile)
+void pel_objects_use(const struct pel_objects *o, unsigned tile, bool one)
 {
+    unsigned near = PEL_TILE_SHADED(tile) | PEL_TILE_MIRRORED(tile);
+    for (int i = 0; i < PEL_OBJECT_SHADOWS && one; i++) {
+        if (near == 1U << i) {
+            glUniform4fv(PEL_UNIFORM_PLACE, PEL_OBJECT_PLACE_TEXELS,
+                         &o->near[i].texels[0].x);
+        }
+    }
     GLint shaded = (GLint)PEL_TILE_SHADED(tile);
     glUniform3i(PEL_UNIFORM_NEAR, (GLint)PEL_TILE_MIRRORED(tile), shaded,
                 tile & PEL_TILE_HULLS ? shaded : 0);
@@ -341,6 +348,7 @@ static void bind_places(struct pel_objects *o,
         const struct pel_object_drawn *d = &o->drawn[i];
         place(o, env, c, d, &texels[d->slot * PEL_OBJECT_PLACE_TEXELS]);
     }
+    memcpy(o->near, texels, sizeof o->near);
     pel_arena_texels(arena, o->places, PEL_UNIT_OBJECT_PLACES, texels, size);
 }
 

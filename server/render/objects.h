@@ -19,6 +19,10 @@
 
 #define PEL_OBJECT_SHADOWS 8
 
+struct pel_object_place {
+    struct pel_vec4 texels[PEL_OBJECT_PLACE_TEXELS];
+};
+
 /* An entity that a picture may show, or whose mirror image or shadow. Those
  * that look largest from the eye have a rank, which is the layer of their
  * shadow, and of the first ones of their mirrored view. */
@@ -57,6 +61,7 @@ struct pel_objects {
     /* Of the picture being drawn. */
     int drawn_count;
     struct pel_object_drawn drawn[PEL_MAX_ENTITIES];
+    struct pel_object_place near[PEL_OBJECT_SHADOWS]; /* by rank */
 };
 
 void pel_objects_finish(struct pel_objects *o);
@@ -80,8 +85,9 @@ PEL_CHECK enum pel_err pel_objects_need(struct pel_objects *o,
 GLuint pel_objects_program(const struct pel_objects *o, bool sampled,
                            unsigned tile, enum pel_shading kind, bool fft);
 
-/* Tells the program in use what objects do to the sea of a tile. */
-void pel_objects_use(unsigned tile);
+/* Tells the program in use what objects do to the sea of a tile; `one`: it is
+ * one for a tile near one object alone. */
+void pel_objects_use(const struct pel_objects *o, unsigned tile, bool one);
 
 /* Room in the arena for the objects of a picture. */
 size_t pel_objects_bytes(const struct pel_environment *env);

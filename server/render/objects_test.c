@@ -88,6 +88,7 @@ static void assert_same(const struct kept *a, const struct kept *b)
 }
 
 #define LAYERS (TEST_ALL_LAYERS | PEL_LAYER_ID)
+#define LIGHT (PEL_LAYER_COLOR | PEL_LAYER_RADIANCE)
 
 static void without_objects_the_same_bits(void **state)
 {
@@ -233,6 +234,43 @@ static void pictures_of_objects_have_no_seam(void **state)
     wrong += seams();
     pel_renderer_destroy(renderer);
     renderer = test_renderer(NULL);
+    assert_int_equal(wrong, 0);
+}
+
+/* Tiles of parts begin elsewhere: what a tile's program leaves out shows where
+ * it is in one part and not in another. */
+static void tiles_hold_all_of_a_shadow(void **state)
+{
+    (void)state;
+    static const uint32_t boxes[][4] = { { 32, 0, 512, 256 },
+                                         { 0, 32, 512, 256 },
+                                         { 48, 16, 512, 256 } };
+    test_sea(10.0, 2.0, 1, &sea);
+    const struct pel_model *ship = model_of("ferry"), *tug = model_of("tug");
+    const struct pel_object objects[] = { standing(ship, 3, 60, 260, 0.3, 120),
+                                          standing(tug, 4, -70, 160, 0.1, 60) };
+    int wrong = 0;
+    for (int k = 0; k < 3; k++) {
+        struct pel_environment env = test_environment(&sea, 20.0 + 7 * k);
+        const double azimuths[] = { 15, 70, -60 };
+        env.lights[PEL_LIGHT_SUN].direction = test_sun(14.0, azimuths[k]);
+        env.objects = objects;
+        env.object_count = 2;
+        struct pel_camera c = test_camera(
+            (struct test_look){ 5.0, 0.0, -6.0, 0.0, 60.0, 512, 256 });
+        c.auto_exposure = false;
+        c.exposure_ev = 13.0;
+        struct kept whole = keep(test_draw(renderer, &env, &c, LIGHT));
+        for (size_t i = 0; i < sizeof boxes / sizeof *boxes; i++) {
+            struct pel_camera part = cut_camera(&c, boxes[i]);
+            struct kept p = keep(test_draw(renderer, &env, &part, LIGHT));
+            wrong += differ(&whole, &p, boxes[i]);
+            drop(&p);
+        }
+        drop(&whole);
+    }
+    pel_model_unref(ship);
+    pel_model_unref(tug);
     assert_int_equal(wrong, 0);
 }
 
@@ -580,6 +618,7 @@ int main(void)
         cmocka_unit_test(without_objects_the_same_bits),
         cmocka_unit_test(other_objects_leave_no_trace),
         cmocka_unit_test(pictures_of_objects_have_no_seam),
+        cmocka_unit_test(tiles_hold_all_of_a_shadow),
         cmocka_unit_test(the_mask_is_what_rays_meet),
         cmocka_unit_test(the_sea_begins_where_queries_say),
         cmocka_unit_test(hulls_are_seen_through_the_water),

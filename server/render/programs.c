@@ -15,7 +15,9 @@ static void delete_sea_programs(struct pel_sea_programs *p)
         glDeleteProgram(p->compute_program[i]);
         glDeleteProgram(p->coast[i]);
         glDeleteProgram(p->shallow[i]);
-        glDeleteProgram(p->mirroring[i]);
+        for (int k = 0; k < PEL_OBJECTS_KNOWN_COUNT; k++) {
+            glDeleteProgram(p->near[k][i]);
+        }
         for (int k = 0; k < PEL_COAST_TILES; k++) {
             glDeleteProgram(p->objects[k][i]);
         }
@@ -56,9 +58,10 @@ static const char *const tile_defines[PEL_COAST_TILES] = {
 
 static void delete_objects(struct pel_sea_programs *p)
 {
-    for (int i = 0; i < PEL_SHADE_COUNT; i++) {
-        glDeleteProgram(p->mirroring[i]);
-        p->mirroring[i] = 0;
+    for (int i = 0; i < PEL_OBJECTS_KNOWN_COUNT * PEL_SHADE_COUNT; i++) {
+        GLuint *program = &p->near[i / PEL_SHADE_COUNT][i % PEL_SHADE_COUNT];
+        glDeleteProgram(*program);
+        *program = 0;
     }
     for (int i = 0; i < PEL_COAST_TILES * PEL_SHADE_COUNT; i++) {
         GLuint *program = &p->objects[i / PEL_SHADE_COUNT][i % PEL_SHADE_COUNT];
@@ -123,6 +126,16 @@ static void delete_all_seas(struct pel_programs *p)
     }
 }
 
+static const char *const objects_defines[PEL_OBJECTS_KNOWN_COUNT] = {
+    [PEL_OBJECTS_UNKNOWN] = "",
+    [PEL_OBJECTS_MIRRORED] = "#define PEL_OBJECTS\n",
+    [PEL_OBJECTS_ALL] = "#define PEL_OBJECTS\n#define PEL_SHADED\n",
+    [PEL_OBJECTS_ONE_MIRRORED] =
+        "#define PEL_OBJECTS\n#define PEL_ONE_OBJECT\n",
+    [PEL_OBJECTS_ONE] =
+        "#define PEL_OBJECTS\n#define PEL_SHADED\n#define PEL_ONE_OBJECT\n",
+};
+
 static enum pel_err make_sea_program(struct pel_programs *all,
                                      const struct pel_sea *sea,
                                      enum pel_shading kind,
@@ -135,15 +148,13 @@ static enum pel_err make_sea_program(struct pel_programs *all,
     }
     char defines[384], surface[192];
     surface_defines(all, sea, surface);
-    snprintf(
-        defines, sizeof defines, "%s%s%s%s%s%s%s%s", surface,
-        pel_light_defines(all->light), foam_defines(sea), kind_defines[kind],
-        tile_defines[tile], all->filtering->paper ? "#define PEL_PAPER\n" : "",
-        objects == PEL_OBJECTS_ALL ? "#define PEL_OBJECTS\n#define PEL_SHADED\n"
-        : objects                  ? "#define PEL_OBJECTS\n"
-                                   : "",
-        objects && all->compute && all->textured ? "#define PEL_TEXTURED\n"
-                                                 : "");
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s", surface,
+             pel_light_defines(all->light), foam_defines(sea),
+             kind_defines[kind], tile_defines[tile],
+             all->filtering->paper ? "#define PEL_PAPER\n" : "",
+             objects_defines[objects],
+             objects && all->compute && all->textured ? "#define PEL_TEXTURED\n"
+                                                      : "");
     if (all->compute) {
         return pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
                                   out, fault);
@@ -187,10 +198,11 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
                                    &p->objects[tile][kind], fault);
         }
     }
-    if (err == PEL_OK && objects && !all->compute) {
-        err =
-            make_sea_program(all, sea, kind, PEL_COAST_NONE,
-                             PEL_OBJECTS_MIRRORED, &p->mirroring[kind], fault);
+    for (int k = PEL_OBJECTS_MIRRORED; k < PEL_OBJECTS_KNOWN_COUNT; k++) {
+        if (err == PEL_OK && objects && !all->compute && k != PEL_OBJECTS_ALL) {
+            err = make_sea_program(all, sea, kind, PEL_COAST_NONE, k,
+                                   &p->near[k][kind], fault);
+        }
     }
     if (err == PEL_OK && all->compute) {
         return make_sea_program(all, sea, kind, PEL_COAST_NONE,

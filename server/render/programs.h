@@ -24,7 +24,11 @@ enum pel_shading {
 enum pel_objects_known {
     PEL_OBJECTS_UNKNOWN,
     PEL_OBJECTS_MIRRORED,
-    PEL_OBJECTS_ALL /* their shadows and hulls in the water too */
+    PEL_OBJECTS_ALL, /* their shadows and hulls in the water too */
+    /* The same of tiles near one alone, away from coasts. */
+    PEL_OBJECTS_ONE_MIRRORED,
+    PEL_OBJECTS_ONE,
+    PEL_OBJECTS_KNOWN_COUNT
 };
 
 /* By what the lights of a picture are: how many give light, whether the disc
@@ -46,8 +50,8 @@ struct pel_sea_programs {
     GLuint shallow[PEL_SHADE_COUNT]; /* with the bottom alone */
     /* Either wrapper, in tiles with objects, by enum pel_coast_tile. */
     GLuint objects[PEL_COAST_TILES][PEL_SHADE_COUNT];
-    /* Fragments, where objects are mirrored and do nothing else. */
-    GLuint mirroring[PEL_SHADE_COUNT];
+    /* Fragments, in other tiles with objects, by enum pel_objects_known. */
+    GLuint near[PEL_OBJECTS_KNOWN_COUNT][PEL_SHADE_COUNT];
 };
 
 /* Of trochoids and of cascades (odd); without foam, with it, with streaks of

@@ -18,20 +18,22 @@ static GLuint program_of(const struct pel_sea_programs *p, unsigned tile,
                          GLuint deep)
 {
     unsigned coast = tile & PEL_TILE_COAST;
-    return objects == PEL_OBJECTS_MIRRORED && coast == PEL_COAST_NONE
-               ? p->mirroring[kind]
-           : objects                   ? p->objects[coast][kind]
-           : coast == PEL_COAST_LAND   ? p->coast[kind]
-           : coast == PEL_COAST_BOTTOM ? p->shallow[kind]
-                                       : deep;
+    bool near = objects && objects != PEL_OBJECTS_ALL;
+    return near && coast == PEL_COAST_NONE ? p->near[objects][kind]
+           : objects                       ? p->objects[coast][kind]
+           : coast == PEL_COAST_LAND       ? p->coast[kind]
+           : coast == PEL_COAST_BOTTOM     ? p->shallow[kind]
+                                           : deep;
 }
 
 /* What objects can do to the sea of it. */
 static enum pel_objects_known is_touched(unsigned tile)
 {
-    return PEL_TILE_SHADED(tile)     ? PEL_OBJECTS_ALL
-           : PEL_TILE_MIRRORED(tile) ? PEL_OBJECTS_MIRRORED
-                                     : PEL_OBJECTS_UNKNOWN;
+    unsigned near = PEL_TILE_SHADED(tile) | PEL_TILE_MIRRORED(tile);
+    bool one = (near & (near - 1)) == 0 && !(tile & PEL_TILE_COAST);
+    return PEL_TILE_SHADED(tile) ? (one ? PEL_OBJECTS_ONE : PEL_OBJECTS_ALL)
+           : near ? (one ? PEL_OBJECTS_ONE_MIRRORED : PEL_OBJECTS_MIRRORED)
+                  : PEL_OBJECTS_UNKNOWN;
 }
 
 /* A run of tiles in the targets: from xy to before zw. At the picture's edges
@@ -68,7 +70,8 @@ static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
                                 p->fragments[pass->kind]));
         pel_pass_use(pass);
         if (objects) {
-            pel_objects_use(run.tile);
+            pel_objects_use(&r->objects, run.tile,
+                            objects >= PEL_OBJECTS_ONE_MIRRORED);
         }
         glDepthFunc((run.tile & PEL_TILE_COAST) == PEL_COAST_LAND ? GL_ALWAYS
                                                                   : GL_LESS);
@@ -87,7 +90,7 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
             pass->kind, p->compute_program[pass->kind]));
         pel_pass_use(pass);
         if (r->any_objects) {
-            pel_objects_use(run.tile);
+            pel_objects_use(&r->objects, run.tile, false);
         }
         glUniform1i(0, wanted);
         GLint rect[4];

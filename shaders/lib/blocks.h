@@ -128,6 +128,8 @@ struct pel_vec4 {
 #define PEL_UNIFORM_BLOCK_COUNT 19
 #define PEL_UNIFORM_BLOCKS 20
 #define PEL_UNIFORM_BASES 30
+/* Texels of the only object near a tile. */
+#define PEL_UNIFORM_PLACE 64
 
 /* The radiance's fourth component: what a pixel shows, times the part of it
  * that shows no object. */

@@ -94,44 +94,50 @@ vec3 hull_normal(hull_maps h, vec3 q)
 // the water's light, which gathers over the way to them, and theirs, matt in
 // what is left of the light at their depth, which comes into the water beside
 // them. Twin of none; the reference is tests/validate/shiptrace.
+vec3 leaving_with_hull(int i, vec3 d, vec3 to, vec3 leaving)
+{
+    const float eta = 1.0 / PEL_WATER_INDEX;
+    vec4 box = place_texel(i, 17); // on the lattice
+    if (any(lessThan(sea_pixel, box.xy)) || any(greaterThan(sea_pixel, box.zw))) {
+        return leaving;
+    }
+    vec4 fade = place_texel(i, 15); // 1/m; the hull's lowest point
+    vec4 paint = place_texel(i, 16);
+    int layer = int(object_facts(i).z);
+    placed o = placed_object(i);
+    vec3 p = into_model(o, sea_place);
+    vec3 ray = vec3(dot(d, o.x), dot(d, o.y), dot(d, o.z));
+    hull_maps h = hull_maps(place_texel(i, 4), layer,
+                            layer + textureSize(object_hulls, 0).z / 2, fade.w, ray.y < 0.0 ? -1.0 : 1.0);
+    float way = hull_distance(h, p, ray);
+    if (way < 0.0) {
+        return leaving;
+    }
+    vec3 m = hull_normal(h, p + way * ray);
+    vec3 normal = o.x * m.x + o.y * m.y + o.z * m.z;
+    float deep = -way * d.z;
+    vec3 beam = vec3(-to.xy * eta, -sqrt(1.0 - eta * eta * (1.0 - to.z * to.z))); // downward
+    float lit = sun_on_sea(sea_place + way * d + (deep / beam.z) * beam);
+    vec3 direct = beams[PEL_LIGHT_FIRST].rgb * max(to.z, 0.0) * (1.0 - facet_reflectance(max(to.z, 0.0))) *
+                  (max(-dot(beam, normal), 0.0) / -beam.z * lit) * exp(fade.rgb * (deep / beam.z));
+    // Of uniform light from the cone into which the sky is refracted; 6 %
+    // too little on a wall.
+    float from_above = abs(normal.z) < eta ? (normal.z + eta) * (normal.z + eta) / (4.0 * eta) : max(normal.z, 0.0);
+    vec3 diffuse = 0.93 * skies[PEL_LIGHT_FIRST].rgb * from_above * exp(-1.2 * fade.rgb * deep);
+    vec3 upward = PI * PEL_WATER_INDEX * PEL_WATER_INDEX * leaving * (0.5 - 0.5 * normal.z);
+    vec3 hull = paint.rgb * (1.0 / PI) * (direct + diffuse + upward) * (eta * eta) * exp(-fade.rgb * way);
+    leaving = leaving * (1.0 - exp(-fade.rgb * way * (1.0 + d.z / beam.z))) + hull;
+    return leaving;
+}
+
+// Of the facet n.
 vec3 leaving_with_hulls(vec3 v, vec3 n, vec3 to, vec3 leaving)
 {
     const float eta = 1.0 / PEL_WATER_INDEX;
     float facing = max(dot(n, v), 1e-3);
     vec3 d = n * (eta * facing - sqrt(1.0 - eta * eta * (1.0 - facing * facing))) - eta * v;
-    for (int left = objects_near.z; left != 0; left &= left - 1) {
-        int i = findLSB(left);
-        int first = i * PEL_OBJECT_PLACE_TEXELS;
-        vec4 box = texelFetch(object_places, first + 17); // on the lattice
-        if (any(lessThan(sea_pixel, box.xy)) || any(greaterThan(sea_pixel, box.zw))) {
-            continue;
-        }
-        vec4 fade = texelFetch(object_places, first + 15); // 1/m; the hull's lowest point
-        vec4 paint = texelFetch(object_places, first + 16);
-        int layer = int(object_facts(i).z);
-        placed o = placed_object(i);
-        vec3 p = into_model(o, sea_place);
-        vec3 ray = vec3(dot(d, o.x), dot(d, o.y), dot(d, o.z));
-        hull_maps h = hull_maps(texelFetch(object_places, first + 4), layer,
-                                layer + textureSize(object_hulls, 0).z / 2, fade.w, ray.y < 0.0 ? -1.0 : 1.0);
-        float way = hull_distance(h, p, ray);
-        if (way < 0.0) {
-            continue;
-        }
-        vec3 m = hull_normal(h, p + way * ray);
-        vec3 normal = o.x * m.x + o.y * m.y + o.z * m.z;
-        float deep = -way * d.z;
-        vec3 beam = vec3(-to.xy * eta, -sqrt(1.0 - eta * eta * (1.0 - to.z * to.z))); // downward
-        float lit = sun_on_sea(sea_place + way * d + (deep / beam.z) * beam);
-        vec3 direct = beams[PEL_LIGHT_FIRST].rgb * max(to.z, 0.0) * (1.0 - facet_reflectance(max(to.z, 0.0))) *
-                      (max(-dot(beam, normal), 0.0) / -beam.z * lit) * exp(fade.rgb * (deep / beam.z));
-        // Of uniform light from the cone into which the sky is refracted; 6 %
-        // too little on a wall.
-        float from_above = abs(normal.z) < eta ? (normal.z + eta) * (normal.z + eta) / (4.0 * eta) : max(normal.z, 0.0);
-        vec3 diffuse = 0.93 * skies[PEL_LIGHT_FIRST].rgb * from_above * exp(-1.2 * fade.rgb * deep);
-        vec3 upward = PI * PEL_WATER_INDEX * PEL_WATER_INDEX * leaving * (0.5 - 0.5 * normal.z);
-        vec3 hull = paint.rgb * (1.0 / PI) * (direct + diffuse + upward) * (eta * eta) * exp(-fade.rgb * way);
-        leaving = leaving * (1.0 - exp(-fade.rgb * way * (1.0 + d.z / beam.z))) + hull;
+    EACH_OBJECT(objects_near.z) {
+        leaving = leaving_with_hull(findLSB(rest), d, to, leaving);
     }
     return leaving;
 }

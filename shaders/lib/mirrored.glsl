@@ -3,6 +3,14 @@
 #include "lib/model.glsl"
 #include "lib/shadow.glsl"
 
+// Of those in a mask, `rest`. A program for one alone has no loop: software
+// devices test after a turn whether there is another.
+#ifdef PEL_ONE_OBJECT
+#define EACH_OBJECT(mask) int rest = mask; if (rest != 0)
+#else
+#define EACH_OBJECT(mask) for (int rest = mask; rest != 0; rest &= rest - 1)
+#endif
+
 layout(binding = PEL_UNIT_MIRRORS) uniform sampler2DArray mirrors;
 layout(binding = PEL_UNIT_MIRROR_DEPTHS) uniform sampler2DArray mirror_depths;
 layout(location = PEL_UNIFORM_NEAR) uniform ivec3 objects_near; // masks: mirrored, shading, seen through the sea
@@ -16,7 +24,7 @@ float sea_lit = 1.0;  // share of the Sun there
 // between which it may meet the model, it or one close beside it.
 vec3 outline_distance(int i, vec3 p, vec3 r)
 {
-    vec4 plan = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 4);
+    vec4 plan = place_texel(i, 4);
     vec2 inverse = 1.0 / mix(vec2(1e-6), r.xy, greaterThan(abs(r.xy), vec2(1e-6)));
     vec2 size_ = 1.0 / plan.zw;
     vec2 a = (plan.xy - p.xy) * inverse;
@@ -53,18 +61,17 @@ struct mirror_view {
 
 mirror_view mirror_view_of(int i, vec2 away)
 {
-    int first = i * PEL_OBJECT_PLACE_TEXELS + 8;
-    vec4 forward = texelFetch(object_places, first);
-    vec4 across = texelFetch(object_places, first + 1);
+    vec4 forward = place_texel(i, 8);
+    vec4 across = place_texel(i, 9);
     mirror_view m;
     m.forward = forward.xyz;
     m.layer = forward.w;
     m.across = across.xyz;
-    m.upward = texelFetch(object_places, first + 2).xyz;
-    m.window_ = texelFetch(object_places, first + 3);
-    vec4 more = texelFetch(object_places, first + 6);
+    m.upward = place_texel(i, 10).xyz;
+    m.window_ = place_texel(i, 11);
+    vec4 more = place_texel(i, 14);
     m.middle = more.x;
-    m.here = felt(texelFetch(object_places, first + 4), 0.08, clamp((more.y - sea_pixel.y) * more.z, 0.0, more.w));
+    m.here = felt(place_texel(i, 12), 0.08, clamp((more.y - sea_pixel.y) * more.z, 0.0, more.w));
     vec3 from = sea_place - vec3(0.0, 0.0, across.w);
     m.from = vec3(dot(from, m.across), dot(from, m.upward), dot(from, m.forward));
     m.level = vec4(dot(m.across.xy, away), dot(m.upward.xy, away), dot(m.forward.xy, away), dot(from.xy, away));
@@ -129,19 +136,21 @@ bool may_meet(mirror_view m, vec3 way, float spread, vec2 between)
 // (of this integral itself: the two differ, and more than all of the sky would
 // be hidden under a hull), and put there what those facets mirror. `s`, `mu`:
 // standard deviation of the slopes towards the eye, the sight's tangent by it;
-// `axis`: slopes of one s there. And the same for
+// `axis`: slopes of one s there; `tint`: of the reflectance, which facets have
+// alike, by that of green. And the same for
 // `second`, the second_reflection of `lost` at eta: facets that a ray
 // meets there have in the mean the slope z, Q(eta) / (phi(eta) - eta Q(eta)) by
 // its first terms, and mirror 2 z - eta.
 vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec2 axis, float s, float cross2, float mu,
-                  vec3 resolved, vec3 lost, float eta, vec3 second)
+                  vec3 resolved, vec3 tint, vec3 lost, float eta, vec3 second)
 {
     const int FACETS = 6;
     const float STEP = 0.8, WIDE = 0.6; // in s: apart, and blurred by the view's levels
     if (objects_near.x == 0) {
         return sky + lost * second;
     }
-    vec3 ways[FACETS], shares[FACETS], skies_[FACETS];
+    vec3 ways[FACETS], skies_[FACETS];
+    float shares[FACETS];
     vec3 stands = vec3(0.0), hidden = vec3(0.0), whole = vec3(0.0);
     float spreads[FACETS], left_[FACETS];
     float odds = escape_odds(mu);
@@ -156,7 +165,7 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
         float tangent = r.z * level;
         float open_ = escape(tangent / s, odds) * escape(tangent * resolved.x, resolved.y);
         ways[k] = r * level;
-        shares[k] = facet_reflectance(fv) * (weight * open_);
+        shares[k] = reflectance_of(fv, refraction.g) * (weight * open_);
         spreads[k] = max(sqrt(cross2) * abs(fv), WIDE * s) * level;
         left_[k] = 1.0;
         float inverse = 0.5 / PEL_REFLECTION_HALF_WIDTH / (1.0 + max(r.z, 0.0));
@@ -169,12 +178,9 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
     vec3 again = facet_reflectance(min(max(z - eta, 0.1) / resolved.z, 1.0));
     float left_twice = 1.0;
     vec3 sum_twice = vec3(0.0);
-    for (int rest = objects_near.x; rest != 0; rest &= rest - 1) {
+    EACH_OBJECT(objects_near.x) {
         int i = findLSB(rest);
         mirror_view m = mirror_view_of(i, away);
-        if (m.here <= 0.0) {
-            continue;
-        }
         // First the outline's distance, then of what each ray sees there.
         placed o = placed_object(i);
         vec3 outline = outline_distance(i, into_model(o, sea_place), vec3(dot(away, o.x.xy), dot(away, o.y.xy), 0.0));
@@ -182,7 +188,7 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
         float lod = log2(max(m.tall * 0.3 * s * guess / max(m.from.z, 1.0), 1.0));
         int meets = 0;
         for (int k = 0; k < FACETS; k++) {
-            bool may = shares[k].g > 0.0 && may_meet(m, in_view(m, ways[k]), spreads[k], outline.yz);
+            bool may = m.here > 0.0 && shares[k] > 0.0 && may_meet(m, in_view(m, ways[k]), spreads[k], outline.yz);
             meets |= may ? 1 << k : 0;
         }
         // Software devices turn once in any loop, and compute both sides of a
@@ -190,13 +196,12 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
         if (meets != 0) do {
             int turn = findLSB(meets);
             meets &= meets - 1;
-            vec3 way = vec3(0.0), share = vec3(0.0), sky_ = vec3(0.0);
-            float spread = 0.0, left = 0.0;
+            vec3 way = vec3(0.0);
+            float share = 0.0, spread = 0.0, left = 0.0;
             for (int k = 0; k < FACETS; k++) {
                 bool is = k == turn;
                 way = is ? ways[k] : way;
                 share = is ? shares[k] : share;
-                sky_ = is ? skies_[k] : sky_;
                 spread = is ? spreads[k] : spread;
                 left = is ? left_[k] : left;
             }
@@ -204,7 +209,6 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
             wall = stands_mirrored(m, way, guess, lod, wall);
             vec4 seen = seen_mirrored(m, way, spread, wall) * left;
             stands += seen.rgb * share;
-            hidden += seen.a * sky_;
             for (int k = 0; k < FACETS; k++) {
                 left_[k] -= k == turn ? seen.a : 0.0;
             }
@@ -213,7 +217,10 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
         sum_twice += seen.rgb * again + seen.a * sea_light.rgb * (1.0 - again);
         left_twice -= seen.a;
     }
-    return sky * (1.0 - hidden / max(whole, vec3(1e-12))) + stands * (sky.g / max(whole.g, 1e-12)) +
+    for (int k = 0; k < FACETS; k++) {
+        hidden += (1.0 - left_[k]) * skies_[k];
+    }
+    return sky * (1.0 - hidden / max(whole, vec3(1e-12))) + stands * tint * (sky.g / max(whole.g, 1e-12)) +
            lost * (second * left_twice + sum_twice);
 }
 
@@ -221,13 +228,13 @@ vec3 with_objects(sampler2D map, vec3 sky, vec3 v, vec3 n, vec3 tx, vec3 ty, vec
 float sun_on_sea(vec3 place)
 {
     float share = 1.0;
-    for (int left = objects_near.y; left != 0; left &= left - 1) {
-        int i = findLSB(left);
-        float here = felt(texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 13), 0.02, 0.0);
+    EACH_OBJECT(objects_near.y) {
+        int i = findLSB(rest);
+        float here = felt(place_texel(i, 13), 0.02, 0.0);
         vec3 at;
         bool held = shadow_place(i, from_object(placed_object(i), place), at);
         float lit = texture(object_shadows, vec4(at.xy, float(i), at.z));
-        share *= held ? 1.0 - here + here * lit : 1.0;
+        share *= held ? 1.0 - here * (1.0 - lit) : 1.0; // outside, where tiles do without it, exactly 1
     }
     return share;
 }

@@ -5,6 +5,20 @@ layout(binding = PEL_UNIT_OBJECT_TRIANGLES) uniform usamplerBuffer object_triang
 layout(binding = PEL_UNIT_OBJECT_PLACES) uniform samplerBuffer object_places;
 layout(binding = PEL_UNIT_OBJECT_HULLS) uniform sampler2DArray object_hulls;
 
+// One of the PEL_OBJECT_PLACE_TEXELS of an entity. A program for tiles near one
+// alone has them as uniforms, which software devices read once for all pixels.
+#ifdef PEL_ONE_OBJECT
+layout(location = PEL_UNIFORM_PLACE) uniform vec4 one_place[PEL_OBJECT_PLACE_TEXELS];
+#endif
+vec4 place_texel(int i, int k)
+{
+#ifdef PEL_ONE_OBJECT
+    return one_place[k];
+#else
+    return texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + k);
+#endif
+}
+
 // An entity in this view: the model's axes in the world, its origin from the
 // eye's nadir and above the sea's zero.
 struct placed {
@@ -13,17 +27,16 @@ struct placed {
 
 placed placed_object(int i)
 {
-    int first = i * PEL_OBJECT_PLACE_TEXELS;
-    vec4 x = texelFetch(object_places, first);
-    vec4 y = texelFetch(object_places, first + 1);
-    vec4 z = texelFetch(object_places, first + 2);
+    vec4 x = place_texel(i, 0);
+    vec4 y = place_texel(i, 1);
+    vec4 z = place_texel(i, 2);
     return placed(x.xyz, y.xyz, z.xyz, vec3(x.w, y.w, z.w));
 }
 
 // Its number, class, hull's layer or -1, shadow's layer or -1.
 vec4 object_facts(int i)
 {
-    return texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 3);
+    return place_texel(i, 3);
 }
 
 // The square of half the arc over the Earth's radius.
@@ -66,7 +79,7 @@ vec3 into_model(placed o, vec3 p)
 int in_hull(int i, vec3 m)
 {
     float layer = object_facts(i).z;
-    vec4 plan = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 4);
+    vec4 plan = place_texel(i, 4);
     vec2 uv = (m.xy - plan.xy) * plan.zw;
     vec2 inside = step(vec2(0.0), uv) * step(uv, vec2(1.0));
     vec4 low = textureGather(object_hulls, vec3(uv, layer));
@@ -85,7 +98,7 @@ bool hull_keeps_dry(int i, vec3 sea, vec3 seen, bool inner)
     vec3 water = into_model(o, sea);
     vec3 wall = into_model(o, seen);
     int at_sea = in_hull(i, water);
-    vec4 plan = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 4);
+    vec4 plan = place_texel(i, 4);
     vec2 apart = (wall.xy - water.xy) * plan.zw * vec2(PEL_HULL_LENGTH, PEL_HULL_BREADTH);
     bool beside = inner ? dot(apart, apart) < 16.0 : in_hull(i, wall - vec3(0.0, 0.0, 0.02)) == 2;
     return at_sea == 2 || (at_sea == 1 && beside);

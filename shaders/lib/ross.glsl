@@ -75,6 +75,18 @@ vec3 facet_reflectance(float cosine)
 #endif
 }
 
+#ifdef PEL_OBJECTS
+// The same for one colour.
+float reflectance_of(float cosine, float n2)
+{
+    float c = clamp(cosine, 0.0, 1.0);
+    float g = sqrt(n2 - (1.0 - c * c));
+    float s = (g - c) / (g + c);
+    float p = (n2 * c - g) / (n2 * c + g);
+    return 0.5 * (s * s + p * p);
+}
+#endif
+
 // Part of what facets seen at μ mirror at a tangent of η standard deviations
 // that no other wave meets; `odds` of escape_odds(μ). Λ by the rational fit of
 // Walter et al. 2007. Twin of pel_escape.

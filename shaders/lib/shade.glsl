@@ -121,7 +121,7 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     vec4 second = second_reflection(away, eta);
     twice = lost * mirrored_twice(lost_ray, v, cross2, second.a);
 #ifdef PEL_OBJECTS
-    return with_objects(map, sum, v, n, tx, ty, axis, s, cross2, mu, resolved, lost, eta, second.rgb);
+    return with_objects(map, sum, v, n, tx, ty, axis, s, cross2, mu, resolved, fresnel / fresnel.g, lost, eta, second.rgb);
 #else
     return sum + lost * second.rgb;
 #endif

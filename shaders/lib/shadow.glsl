@@ -5,10 +5,9 @@ layout(binding = PEL_UNIT_OBJECT_SHADOWS) uniform sampler2DArrayShadow object_sh
 // depth; false: the layer does not hold it.
 bool shadow_place(int i, vec3 d, out vec3 at)
 {
-    int first = i * PEL_OBJECT_PLACE_TEXELS + 5;
-    vec4 x = texelFetch(object_places, first);
-    vec4 y = texelFetch(object_places, first + 1);
-    vec4 z = texelFetch(object_places, first + 2);
+    vec4 x = place_texel(i, 5);
+    vec4 y = place_texel(i, 6);
+    vec4 z = place_texel(i, 7);
     vec4 p = vec4(d, 1.0);
     at = vec3(dot(x, p), dot(y, p), min(dot(z, p), 1.0));
     // Its part of the layer ends at twice its middle.
@@ -20,7 +19,7 @@ bool shadow_place(int i, vec3 d, out vec3 at)
 float lit_share(int i, vec3 d, vec3 n)
 {
     float layer = object_facts(i).w;
-    vec4 x = texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 5);
+    vec4 x = place_texel(i, 5);
     // A step off the surface, of two texels and a half: what a texel leans by there.
     float texel = inversesqrt(max(dot(x.xyz, x.xyz), 1e-12)) / float(PEL_SHADOW_SIZE);
     vec3 at;
@@ -40,7 +39,7 @@ float lit_share(int i, vec3 d, vec3 n)
 float lit_by_others(int i, vec3 place)
 {
     float share = 1.0;
-    for (int left = int(texelFetch(object_places, i * PEL_OBJECT_PLACE_TEXELS + 10).w); left != 0; left &= left - 1) {
+    for (int left = int(place_texel(i, 10).w); left != 0; left &= left - 1) {
         int other = findLSB(left);
         vec3 at;
         bool held = shadow_place(other, from_object(placed_object(other), place), at);
