@@ -27,7 +27,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     libnova-dev libssl-dev libgdal-dev libhdf5-dev libassimp-dev
 TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio \
-    python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
+    xplanet python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
     python3-wheel openexr chromium \
     nginx-light openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
@@ -362,7 +362,7 @@ comma := ,
 
 # --- benchmarks -----------------------------------------------------------
 # Few libraries, so that bench can be carried to a machine without packages.
-BENCH_LIBS := -lepoxy -lspng -ljpeg -lturbojpeg -lyuv -lOpenEXRCore -lm
+BENCH_LIBS := -lepoxy -lspng -ljpeg -lturbojpeg -lyuv -lOpenEXRCore -l:libnova.a -lm
 BENCH_BIN := $(O)/bin/bench $(O)/bin/still
 $(BENCH_BIN): $(O)/bin/%: $(OBJ)/tests/bench/%.o $(OBJ)/tests/bench/fleet.o $(OBJ)/tests/bench/scene.o $(OBJ)/libserver.a
 	$(LINK) $(BENCH_LIBS)

@@ -52,7 +52,7 @@ void main()
             float inverse = inversesqrt(dot(dir, dir));
             // A texel's solid angle is in proportion to this.
             float weight = inverse * inverse * inverse;
-            vec3 light = dir.z < highest ? texelFetch(map, ivec2(i % N, i / N), 0).rgb : vec3(0.0);
+            vec3 light = dir.z < highest ? texelFetch(map, ivec2(i % N, i / N), 0).rgb * dusk.y : vec3(0.0);
             sum += vec4(light * base(k, dir * inverse), 1.0) * weight;
         }
         partial[lane] = sum;

@@ -25,7 +25,7 @@ void main()
     vec3 from = vec3(0.0, 0.0, across.w);
     object_point_seen s = cut_object(from, way, seen);
     object_lit light = object_light(s, entity, s.place + from, normalize(way));
-    light_out = vec4(min(light.by_lights + light.by_sky, vec3(6e4)), 1.0);
+    light_out = vec4(min((light.by_lights + light.by_sky) * dusk.x, vec3(6e4)), 1.0);
     // Along the view's axis, from the object's middle.
     away_out = vec2(dot(s.place, forward) - texelFetch(object_places, first + 6).x, 1.0);
 }

@@ -8,6 +8,9 @@
 
 layout(location = 0) out vec4 radiance;
 layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
+#ifdef PEL_NIGHT
+#include "lib/night.glsl"
+#endif
 layout(location = 0) uniform vec2 map; // size in px, half width in units
 
 void main()
@@ -17,4 +20,7 @@ void main()
     vec3 dir = vec3(2.0 * u, 1.0 - rho2) / (1.0 + rho2);
     float elevation = asin(clamp(dir.z, 0.0, 1.0));
     radiance = vec4(sky_light(sky_table, dir.xy, elevation), 1.0);
+#ifdef PEL_NIGHT
+    radiance.rgb = max(radiance.rgb + night_off(dir.xy, elevation), vec3(0.0));
+#endif
 }

@@ -12,6 +12,11 @@ layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 layout(binding = PEL_UNIT_AIRLIGHT) uniform sampler3D airlight;
 layout(location = 0) uniform vec2 table_size;
 layout(location = 1) uniform int light;
+#ifdef PEL_NIGHT
+// Here of its mean around the horizon.
+#include "lib/night.glsl"
+layout(location = 2) uniform vec3 night_air;
+#endif
 
 const int STEPS = 32;
 
@@ -38,6 +43,11 @@ void main()
                              : sqrt(h * (2.0 * planet.x + h));
     vec3 radiance, through;
     integrate_ray(light, transmittance, airlight, h, dir, way, STEPS, radiance, through);
+#ifdef PEL_NIGHT
+    if (light == 0) {
+        radiance += above ? night_off(vec2(1.0, 0.0), angle) : night_air * (1.0 - through);
+    }
+#endif
     if (above) {
         radiance_out = vec4(radiance, 1.0);
         extinction_out = vec4(0.0);

@@ -36,5 +36,5 @@ void main()
     dir = normalize(dir);
     vec3 light = dir.z < 0.0 ? mean_sea(vec3(dir.xy, min(dir.z, -1e-3)))
                              : sky_light(sky_table, dir.xy, asin(min(dir.z, 1.0)));
-    imageStore(map, at, vec4(min(light, vec3(6e4)), 1.0));
+    imageStore(map, at, vec4(min(light * dusk.x, vec3(6e4)), 1.0));
 }

@@ -143,6 +143,10 @@ export class Sections {
       { id: "moon-azimuth", depends: sunFixed });
     this.range("sky", "Moon's lit share", "sky.moonPhase", "", 0.01,
       { id: "moon-phase", depends: sunFixed });
+    this.check("sky", "stars", "Stars and the night's own light", {
+      get: (s) => s.sky?.stars !== false,
+      patch: (v) => ({ sky: { stars: v } }),
+    });
     this.range("sky", "Visibility", "sky.visibility", "m", 100,
       { id: "visibility", scale: "log" });
   }

@@ -183,6 +183,9 @@ enum pel_err pel_picture_encode_layers(const struct pel_output *output,
         pel_picture_position(p, c, output->job->environment.sea_level_m,
                              position);
     }
+    /* A night's radiance is less than a half can be. */
+    bool dark = output->job->environment.lights[PEL_LIGHT_SUN].direction.z <
+                sin(-4.0 * PEL_DEG);
     for (int i = 0; i < PEL_LAYERS; i++) {
         const struct pel_layer_info *l = &pel_layer_table[i];
         if (output->layers & l->bit) {
@@ -192,7 +195,8 @@ enum pel_err pel_picture_encode_layers(const struct pel_output *output,
                 .channels = l->channels,
                 .pixels = l->bit == PEL_LAYER_POSITION ? position : p->layer[i],
                 .stride = pel_layer_stride(l),
-                .full_float = l->full_float,
+                .full_float =
+                    l->full_float || (dark && l->bit & pel_layers_of_light()),
             };
         }
     }

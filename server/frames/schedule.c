@@ -67,6 +67,8 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
         .sparkle = s->sparkle,
     };
     pel_snapshot_lights(s, time_s, env.lights);
+    pel_snapshot_night(s, time_s, env.lights[PEL_LIGHT_SUN].direction,
+                       &env.night);
     return env;
 }
 

@@ -46,6 +46,11 @@ const char *pel_light_defines(enum pel_programs_light light)
         [PEL_LIGHT_ONE] = "",
         [PEL_LIGHT_ONE_AND_DISC] = "#define PEL_DISCS 2\n",
         [PEL_LIGHT_TWO] = "#define PEL_LIT 2\n",
+        [PEL_LIGHT_NIGHT + PEL_LIGHT_ONE] = "#define PEL_NIGHT\n",
+        [PEL_LIGHT_NIGHT + PEL_LIGHT_ONE_AND_DISC] =
+            "#define PEL_NIGHT\n#define PEL_DISCS 2\n",
+        [PEL_LIGHT_NIGHT + PEL_LIGHT_TWO] =
+            "#define PEL_NIGHT\n#define PEL_LIT 2\n",
     };
     return defines[light];
 }
@@ -214,11 +219,15 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
                                PEL_OBJECTS_UNKNOWN, &p->fragments[kind], fault);
     }
     for (int disc = 0; disc < 2; disc++) {
-        GLuint *program = disc ? &all->disc[kind] : &all->backdrop[kind];
+        GLuint *program = disc ? &all->disc[all->night][kind]
+                               : &all->backdrop[all->night][kind];
         char defines[128];
         /* Another's disc may be in its box. */
-        snprintf(defines, sizeof defines, "%s%s%s", kind_defines[kind],
-                 all->light == PEL_LIGHT_TWO ? "#define PEL_LIT 2\n" : "",
+        snprintf(defines, sizeof defines, "%s%s%s%s", kind_defines[kind],
+                 all->night ? "#define PEL_NIGHT\n" : "",
+                 all->light % PEL_LIGHT_NIGHT == PEL_LIGHT_TWO
+                     ? "#define PEL_LIT 2\n"
+                     : "",
                  disc ? "#define PEL_DISCS 2\n" : "#define PEL_NO_DISC\n");
         if (err == PEL_OK && !*program) {
             err = pel_program_create(all->shader_dir, "shade.vert",
@@ -332,6 +341,7 @@ enum pel_err pel_programs_take_light(struct pel_programs *p,
     now.automatic = p->automatic;
     now.wakes = p->wakes;
     now.wash = p->wash;
+    now.night = p->night;
     now.light = light;
     memcpy(now.others, p->others, sizeof now.others);
     bool textured = p->textured;
@@ -353,9 +363,9 @@ static void finish_light(struct pel_programs *p)
     glDeleteProgram(p->outline_mix);
     glDeleteProgram(p->outline_put);
     glDeleteProgram(p->clear_keys);
-    for (int i = 0; i < PEL_SHADE_COUNT; i++) {
-        glDeleteProgram(p->backdrop[i]);
-        glDeleteProgram(p->disc[i]);
+    for (int i = 0; i < 2 * PEL_SHADE_COUNT; i++) {
+        glDeleteProgram(p->backdrop[0][i]);
+        glDeleteProgram(p->disc[0][i]);
     }
 }
 

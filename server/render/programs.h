@@ -37,7 +37,8 @@ enum pel_programs_light {
     PEL_LIGHT_ONE, /* as by day */
     PEL_LIGHT_ONE_AND_DISC,
     PEL_LIGHT_TWO,
-    PEL_LIGHT_KINDS
+    PEL_LIGHT_NIGHT, /* added to these: with the night's map and stars */
+    PEL_LIGHT_KINDS = 2 * PEL_LIGHT_NIGHT
 };
 
 /* What draws one kind of sea, by enum pel_shading. */
@@ -69,10 +70,11 @@ struct pel_programs {
     GLuint surface, search, tone;
     GLuint outline_find, outline; /* in compute with either wrapper */
     GLuint outline_mix, outline_put;
-    GLuint clear_keys;                /* after outlines, in compute */
-    GLuint backdrop[PEL_SHADE_COUNT]; /* sky without the Sun's disc */
-    GLuint disc[PEL_SHADE_COUNT];     /* and with it */
-    bool wakes, wash;                 /* those with them are wanted */
+    GLuint clear_keys; /* after outlines, in compute */
+    /* Without night and with it: sky without a disc, and with discs. */
+    GLuint backdrop[2][PEL_SHADE_COUNT], disc[2][PEL_SHADE_COUNT];
+    bool night;       /* the latter are wanted */
+    bool wakes, wash; /* those with them are wanted */
     struct pel_sea_programs seas[PEL_SEA_PROGRAMS];
     enum pel_programs_light light;
     struct pel_programs *others[PEL_LIGHT_KINDS]; /* for other lights, kept */

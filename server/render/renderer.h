@@ -53,6 +53,7 @@ struct pel_environment {
     unsigned stale;     /* of enum pel_stale: the colour layer says so */
     struct pel_light lights[PEL_LIGHTS]; /* by body; inside: pel_lights_order */
     int lit, discs;                      /* found inside by it */
+    struct pel_night_sky night;          /* zero: none */
     double wind_mps, wind_to_rad;
     double visibility_m;
     struct pel_water_body water;

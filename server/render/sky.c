@@ -1,6 +1,7 @@
 #include "render/sky.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -88,23 +89,28 @@ static void finish_table(struct pel_sky_table *t)
     glDeleteFramebuffers(PEL_LIGHTS, t->fbos);
 }
 
-enum pel_err pel_sky_need(struct pel_sky *sky, int lit, const char *shader_dir,
-                          struct pel_fault *fault)
+enum pel_err pel_sky_need(struct pel_sky *sky, int lit, bool night,
+                          const char *shader_dir, struct pel_fault *fault)
 {
+    const char *lights = lit > 1 ? "#define PEL_LIT 2\n" : "";
+    char dark[64];
+    snprintf(dark, sizeof dark, "%s%s", lights,
+             night ? "#define PEL_NIGHT\n" : "");
     const struct {
         GLuint *program;
-        const char *first, *second;
+        const char *first, *second, *defines;
     } programs[] = {
-        { &sky->reflection_program[lit - 1], "screen.vert", "reflection.frag" },
-        { &sky->second_program[lit - 1], "screen.vert", "second.frag" },
-        { &sky->light_program[lit - 1], "light.comp", NULL },
+        { &sky->table_program[night], "screen.vert", "sky.frag", dark },
+        { &sky->reflection_program[night][lit - 1], "screen.vert",
+          "reflection.frag", dark },
+        { &sky->second_program[lit - 1], "screen.vert", "second.frag", lights },
+        { &sky->light_program[lit - 1], "light.comp", NULL, lights },
     };
     enum pel_err err = PEL_OK;
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
         if (err == PEL_OK && !*programs[i].program) {
             err = pel_program_create(shader_dir, programs[i].first,
-                                     programs[i].second,
-                                     lit > 1 ? "#define PEL_LIT 2\n" : NULL,
+                                     programs[i].second, programs[i].defines,
                                      programs[i].program, fault);
         }
     }
@@ -120,7 +126,6 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
         const char *first, *second;
     } programs[] = {
         { &sky->transmittance_program, "screen.vert", "transmittance.frag" },
-        { &sky->table_program, "screen.vert", "sky.frag" },
     };
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
         enum pel_err err = pel_program_create(shader_dir, programs[i].first,
@@ -130,7 +135,7 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
             return err;
         }
     }
-    enum pel_err err = pel_sky_need(sky, 1, shader_dir, fault);
+    enum pel_err err = pel_sky_need(sky, 1, false, shader_dir, fault);
     if (err != PEL_OK) {
         return err;
     }
@@ -162,9 +167,9 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
 void pel_sky_finish(struct pel_sky *sky)
 {
     glDeleteProgram(sky->transmittance_program);
-    glDeleteProgram(sky->table_program);
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        glDeleteProgram(sky->reflection_program[i]);
+        glDeleteProgram(sky->reflection_program[0][i]);
+        glDeleteProgram(sky->reflection_program[1][i]);
         glDeleteProgram(sky->second_program[i]);
         glDeleteProgram(sky->light_program[i]);
     }
@@ -178,6 +183,10 @@ void pel_sky_finish(struct pel_sky *sky)
     for (int i = 0; i < PEL_SKY_EYES; i++) {
         finish_table(&sky->eyes[i]);
     }
+    for (int i = 0; i < 2; i++) {
+        glDeleteProgram(sky->table_program[i]);
+    }
+    pel_night_textures_finish(&sky->night);
     pel_water_light_finish(&sky->water);
     pel_worker_pool_destroy(sky->pool);
     glDeleteBuffers(1, &sky->light);
@@ -250,14 +259,22 @@ static void update_air(struct pel_sky *sky, double visibility_m)
     sky->air_made = true;
 }
 
-static void draw_table(struct pel_sky *sky, struct pel_sky_table *t, int lit)
+static void draw_table(struct pel_sky *sky, struct pel_sky_table *t,
+                       const struct pel_environment *env)
 {
+    GLuint program = sky->table_program[env->night.on];
     glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
     glBindTextureUnit(PEL_UNIT_AIRLIGHT, sky->airlight);
-    glProgramUniform2f(sky->table_program, 0, TABLE_WIDTH, TABLE_HEIGHT);
-    for (int i = 0; i < lit; i++) {
-        glProgramUniform1i(sky->table_program, 1, i);
-        draw_screen(sky->table_program, t->fbos[i], TABLE_WIDTH, TABLE_HEIGHT);
+    if (env->night.on) {
+        const struct pel_rgb *air = &sky->night.air;
+        glBindTextureUnit(PEL_UNIT_NIGHT, sky->night.zonal);
+        glProgramUniform3f(program, 2, (GLfloat)air->r, (GLfloat)air->g,
+                           (GLfloat)air->b);
+    }
+    glProgramUniform2f(program, 0, TABLE_WIDTH, TABLE_HEIGHT);
+    for (int i = 0; i < env->lit; i++) {
+        glProgramUniform1i(program, 1, i);
+        draw_screen(program, t->fbos[i], TABLE_WIDTH, TABLE_HEIGHT);
     }
 }
 
@@ -276,6 +293,8 @@ static void table_key(const struct pel_environment *env, double height_m,
         *key++ = light->radius_rad;
         *key++ = i < env->lit ? light->body : -1;
     }
+    pel_night_key(env, key);
+    key += PEL_NIGHT_KEYS;
     *key++ = env->visibility_m;
     *key = height_m;
 }
@@ -284,12 +303,15 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
                     void (*bind_eye)(void *user, double height_m), void *user)
 {
     update_air(sky, env->visibility_m);
+    if (env->night.on) {
+        pel_night_textures_fit(&sky->night, env);
+    }
     double key[PEL_SKY_KEYS];
     table_key(env, PEL_SKY_SEA_HEIGHT, key);
     bool fresh = !sky->sea.made || memcmp(key, sky->sea.key, sizeof key) != 0;
     if (fresh) {
         bind_eye(user, PEL_SKY_SEA_HEIGHT);
-        draw_table(sky, &sky->sea, env->lit);
+        draw_table(sky, &sky->sea, env);
         memcpy(sky->sea.key, key, sizeof key);
         sky->sea.made = true;
     }
@@ -315,10 +337,14 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
                                                env->wind_to_rad };
         pel_water_light_map(&sky->water, env->lights, env->lit, &waves,
                             sky->sea.radiance, sky->light);
-        glProgramUniform2f(sky->reflection_program[env->lit - 1], 0,
-                           PEL_SKY_MAP_SIZE, (float)PEL_REFLECTION_HALF_WIDTH);
-        draw_screen(sky->reflection_program[env->lit - 1], sky->reflection_fbo,
-                    PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE);
+        if (env->night.on) {
+            glBindTextureUnit(PEL_UNIT_NIGHT, sky->night.off);
+        }
+        glProgramUniform2f(sky->reflection_program[env->night.on][env->lit - 1],
+                           0, PEL_SKY_MAP_SIZE,
+                           (float)PEL_REFLECTION_HALF_WIDTH);
+        draw_screen(sky->reflection_program[env->night.on][env->lit - 1],
+                    sky->reflection_fbo, PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE);
         glGenerateTextureMipmap(sky->reflection);
         draw_screen(sky->second_program[env->lit - 1], sky->second_fbo,
                     PEL_SECOND_SIZE, PEL_SECOND_SIZE);
@@ -348,7 +374,7 @@ void pel_sky_bind_eye(struct pel_sky *sky, const struct pel_environment *env,
         if (!t->haze) {
             make_table(t);
         }
-        draw_table(sky, t, env->lit);
+        draw_table(sky, t, env);
         memcpy(t->key, key, sizeof key);
         t->made = true;
     }

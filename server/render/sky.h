@@ -8,12 +8,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "render/nightmap.h"
 #include "render/renderer.h"
 #include "render/waterlight.h"
 
 #define PEL_SKY_EYES 16
 /* What a table depends on: lights, visibility, height. */
-#define PEL_SKY_KEYS (6 * PEL_LIGHTS + 2)
+#define PEL_SKY_KEYS (6 * PEL_LIGHTS + 2 + PEL_NIGHT_KEYS)
 /* And the light on the sea. */
 #define PEL_SKY_LIGHT_KEYS (PEL_SKY_KEYS + 5)
 #define PEL_SKY_MAP_SIZE 128
@@ -27,10 +28,11 @@ struct pel_sky_table {
 };
 
 struct pel_sky {
-    GLuint transmittance_program, table_program;
+    GLuint transmittance_program;
+    GLuint table_program[2];          /* without and with the night's light */
     GLuint light_program[PEL_LIGHTS]; /* by the number of lights, less one */
-    GLuint reflection_program[PEL_LIGHTS];
-    GLuint second_program[PEL_LIGHTS]; /* waves seen in waves */
+    GLuint reflection_program[2][PEL_LIGHTS]; /* without and with night */
+    GLuint second_program[PEL_LIGHTS];        /* waves seen in waves */
     GLuint transmittance, transmittance_fbo;
     GLuint airlight; /* light scattered before (optics/airlight.h) */
     struct pel_worker_pool *pool;
@@ -41,6 +43,7 @@ struct pel_sky {
     GLuint reflection, reflection_fbo;
     GLuint second, second_fbo;
     struct pel_water_light water;
+    struct pel_night_textures night;
     GLuint light; /* buffer, block `light` */
     double light_key[PEL_SKY_LIGHT_KEYS];
     bool light_made;
@@ -51,8 +54,8 @@ PEL_CHECK enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
                                     struct pel_fault *fault);
 void pel_sky_finish(struct pel_sky *sky);
 
-/* Makes the programs for so many lights. GPU. */
-PEL_CHECK enum pel_err pel_sky_need(struct pel_sky *sky, int lit,
+/* Makes the programs for so many lights, and a night. GPU. */
+PEL_CHECK enum pel_err pel_sky_need(struct pel_sky *sky, int lit, bool night,
                                     const char *shader_dir,
                                     struct pel_fault *fault);
 

@@ -78,27 +78,50 @@ static struct pel_vec4 source_of(const struct pel_environment *env, int i)
     return vec4(at->source.x, at->source.y, at->source.z, fmax(dark, 1e-9));
 }
 
+#define NIGHT_LX 1e-3  /* of its own light */
+#define STARS_SINE 0.7 /* of a Sun whose daylight has their spectrum */
+
+/* Light on the level sea, roughly, lx. */
+static double level_of(const struct pel_environment *env)
+{
+    double level = env->night.on ? NIGHT_LX : 0.0;
+    for (int i = 0; i < env->lit; i++) {
+        level += pel_light_of(&env->lights[i]);
+    }
+    return level;
+}
+
 /* The lights' spectra by their shares of the light on the sea. */
 static void colours_of(const struct pel_environment *env, double m[9])
 {
-    double sum = 0.0;
     pel_colour_matrix(env->lights[0].direction.z, m);
-    if (env->lit < 2) {
+    if (env->lit < 2 && !env->night.on) {
         return;
     }
-    double mixed[9] = { 0 };
-    for (int i = 0; i < env->lit; i++) {
-        const struct pel_light *at = &env->lights[i];
-        double level = pel_light_of(at);
-        pel_colour_matrix(at->direction.z, m);
+    double mixed[9] = { 0 }, sum = level_of(env);
+    for (int i = 0; i <= env->lit; i++) {
+        bool stars = i == env->lit;
+        const struct pel_light *at = &env->lights[stars ? 0 : i];
+        double level = !stars          ? pel_light_of(at)
+                       : env->night.on ? NIGHT_LX
+                                       : 0.0;
+        pel_colour_matrix(stars ? STARS_SINE : at->direction.z, m);
         for (int k = 0; k < 9; k++) {
             mixed[k] += level * m[k];
         }
-        sum += level;
     }
     for (int k = 0; k < 9; k++) {
         m[k] = mixed[k] / sum;
     }
+}
+
+/* A half holds down to 6e-5 whole: so much light as by day at a thousand lx. */
+static struct pel_vec4 dusk_of(const struct pel_environment *env)
+{
+    double level = level_of(env);
+    double power = level > 0.0 && level < 1e3 ? round(log2(1e3 / level)) : 0.0;
+    power = fmin(power, 40.0);
+    return vec4(exp2(power), exp2(-power), 0, 0);
 }
 
 /* Whole lives of glints since the start; other seeds begin elsewhere. */
@@ -136,6 +159,7 @@ void pel_fill_frame(const struct pel_environment *env,
         .green = vec4(m[3], m[4], m[5], lives - floor(lives)),
         .blue = vec4(m[6], m[7], m[8], env->sparkle ? PEL_GLINT_SHARE : 0.0),
     };
+    out->dusk = dusk_of(env);
     struct pel_folding fold = pel_sea_folding(env->sea);
     out->crests = vec4(0.75 * fold.finest, 0.75 * fold.more, 0.0, 0.0);
     const struct pel_foam *foam = env->sea->foam;

@@ -1,8 +1,12 @@
 #include "scene/ephemeris.h"
 
+#include <libnova/earth.h>
+#include <libnova/jupiter.h>
 #include <libnova/ln_types.h>
 #include <libnova/lunar.h>
-#include <libnova/solar.h>
+#include <libnova/mars.h>
+#include <libnova/saturn.h>
+#include <libnova/venus.h>
 #include <pthread.h>
 #include <stddef.h>
 
@@ -117,16 +121,25 @@ static struct pel_vec3 moon_of(double t)
     return pel_mat3_apply(&from_ecliptic, (struct pel_vec3){ p.X, p.Y, p.Z });
 }
 
-static struct pel_vec3 sun_of(double t)
+/* From the Sun, ecliptic of J2000, in astronomical units. */
+static struct pel_vec3 heliocentric(void (*of)(double, struct ln_helio_posn *),
+                                    double t)
 {
     struct ln_helio_posn p;
     pthread_mutex_lock(&libnova);
-    ln_get_solar_geom_coords(JD_J2000 + t * CENTURY_DAYS, &p);
+    of(JD_J2000 + t * CENTURY_DAYS, &p);
     pthread_mutex_unlock(&libnova);
     double l = p.L * PEL_DEG, b = p.B * PEL_DEG;
+    const struct pel_vec3 v = { cos(b) * cos(l), cos(b) * sin(l), sin(b) };
+    return pel_vec3_scale(v, p.R);
+}
+
+/* From the Earth's centre, equator of J2000, km. */
+static struct pel_vec3 sun_of(double t)
+{
     struct pel_mat3 from_ecliptic = about_x(-OBLIQUITY_J2000);
-    struct pel_vec3 v = { cos(b) * cos(l), cos(b) * sin(l), sin(b) };
-    return pel_mat3_apply(&from_ecliptic, pel_vec3_scale(v, p.R * AU_KM));
+    struct pel_vec3 earth = heliocentric(ln_get_earth_helio_coords, t);
+    return pel_mat3_apply(&from_ecliptic, pel_vec3_scale(earth, -AU_KM));
 }
 
 /* Of the ellipsoid's surface (WGS84), local axes, km. */
@@ -154,4 +167,70 @@ void pel_ephemeris_moon(double unix_s, double latitude_rad,
     double cosine = -pel_vec3_dot(pel_vec3_normalize(to_sun), seen) / km;
     *out = (struct pel_moon_place){ pel_vec3_scale(seen, 1.0 / km), 1e3 * km,
                                     0.5 * (1.0 + cosine) };
+}
+
+static double length(struct pel_vec3 v)
+{
+    return sqrt(pel_vec3_dot(v, v));
+}
+
+/* Of its place from Sun (at) and Earth (seen), phase angle in degrees. */
+static double magnitude(int planet, struct pel_vec3 at, struct pel_vec3 seen)
+{
+    double r = length(at), d = length(seen), far = 5.0 * log10(r * d);
+    double i =
+        acos(pel_clamp(pel_vec3_dot(at, seen) / (r * d), -1, 1)) / PEL_DEG;
+    if (planet == 0) {
+        return -4.40 + far + i * (0.0009 + i * (0.000239 - i * 0.00000065));
+    }
+    if (planet == 1) {
+        return -1.52 + far + 0.016 * i;
+    }
+    if (planet == 2) {
+        return -9.40 + far + 0.005 * i;
+    }
+    /* The rings' pole. */
+    const double tilt = 28.0749 * PEL_DEG, node = 169.5085 * PEL_DEG;
+    const struct pel_vec3 pole = { sin(tilt) * sin(node),
+                                   -sin(tilt) * cos(node), cos(tilt) };
+    double b = fabs(pel_vec3_dot(pole, seen)) / d;
+    return -8.88 + far + 0.044 * i - 2.60 * b + 1.25 * b * b;
+}
+
+static struct pel_planet planet_of(int planet, double t)
+{
+    static void (*const of[PEL_PLANETS])(double, struct ln_helio_posn *) = {
+        ln_get_venus_helio_coords, ln_get_mars_helio_coords,
+        ln_get_jupiter_helio_coords, ln_get_saturn_helio_coords
+    };
+    const double light_days = 499.004784 / DAY_S; /* of an astronomical unit */
+    struct pel_mat3 from_ecliptic = about_x(-OBLIQUITY_J2000);
+    struct pel_vec3 earth = heliocentric(ln_get_earth_helio_coords, t);
+    struct pel_vec3 at, seen = { 0, 0, 0 };
+    for (int i = 0; i < 3; i++) {
+        at = heliocentric(of[planet],
+                          t - length(seen) * light_days / CENTURY_DAYS);
+        seen = pel_vec3_add(at, pel_vec3_scale(earth, -1.0));
+    }
+    return (struct pel_planet){
+        .to = pel_vec3_normalize(pel_mat3_apply(&from_ecliptic, seen)),
+        .magnitude = magnitude(planet, at, seen),
+    };
+}
+
+void pel_ephemeris_night(double unix_s, double latitude_rad,
+                         double longitude_rad, struct pel_night_sky *out)
+{
+    double t = centuries(unix_s);
+    struct pel_vec3 earth = heliocentric(ln_get_earth_helio_coords, t);
+    *out = (struct pel_night_sky){
+        .local = pel_ephemeris_sky(unix_s, latitude_rad, longitude_rad),
+        .local_minute = pel_ephemeris_sky(60.0 * floor(unix_s / 60.0),
+                                          latitude_rad, longitude_rad),
+        .sun_longitude_rad = atan2(-earth.y, -earth.x),
+        .years = 100.0 * t,
+    };
+    for (int i = 0; i < PEL_PLANETS; i++) {
+        out->planets[i] = planet_of(i, t);
+    }
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "base/vec.h"
+#include "optics/nightsky.h"
 
 /* Terrestrial less universal time [s], within 3 s from 1900 to 2026. */
 double pel_ephemeris_delta_t(double unix_s);
@@ -24,3 +25,9 @@ struct pel_moon_place {
 };
 void pel_ephemeris_moon(double unix_s, double latitude_rad,
                         double longitude_rad, struct pel_moon_place *out);
+
+/* The sky of a night at a place, but for `stars` and whether it is on: the
+ * planets by libnova, their magnitudes by the Astronomical Almanac's formulas
+ * of 1984 (Meeus 1998, chapter 41), Saturn's with its rings. */
+void pel_ephemeris_night(double unix_s, double latitude_rad,
+                         double longitude_rad, struct pel_night_sky *out);

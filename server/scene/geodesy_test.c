@@ -200,6 +200,48 @@ static void the_moon_is_where_others_say(void **state)
     }
 }
 
+/* By the same program, 50° N 0° E. */
+static void planets_are_where_others_say(void **state)
+{
+    (void)state;
+    static const struct {
+        double unix_s;
+        double at[PEL_PLANETS][3]; /* azimuth, elevation, magnitude */
+    } rows[] = {
+        { 1767225600,
+          { { 1.2488, -63.6188, -3.79 },
+            { 353.3635, -63.6006, 1.26 },
+            { 156.1695, 60.3114, -2.51 },
+            { 277.9308, -11.2700, 1.16 } } },
+        { 1900000000,
+          { { 291.9194, -36.7950, -4.27 },
+            { 256.9644, 17.1498, 1.29 },
+            { 43.3543, -52.0973, -2.11 },
+            { 229.8876, 46.9477, 0.26 } } },
+        { 946728000,
+          { { 219.2339, 12.7535, -3.94 },
+            { 129.9560, 13.1245, 1.05 },
+            { 74.2239, -1.8878, -2.39 },
+            { 60.0576, -7.4792, 0.14 } } },
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct pel_night_sky sky;
+        pel_ephemeris_night(rows[i].unix_s, 50 * PEL_DEG, 0, &sky);
+        for (size_t k = 0; k < PEL_PLANETS; k++) {
+            const double *want = rows[i].at[k];
+            double a = want[0] * PEL_DEG, e = want[1] * PEL_DEG;
+            struct pel_vec3 to = pel_mat3_apply(&sky.local, sky.planets[k].to);
+            const struct pel_vec3 off = { to.x - cos(e) * sin(a),
+                                          to.y - cos(e) * cos(a),
+                                          to.z - sin(e) };
+            /* Aberration: 0.006. */
+            near(sqrt(pel_vec3_dot(off, off)) / PEL_DEG, 0, 0.012);
+            /* Jupiter's magnitude 1.0 is -9.40 or, in older tables, -9.25. */
+            near(sky.planets[k].magnitude, want[2], 0.2);
+        }
+    }
+}
+
 static void utc_texts(void **state)
 {
     (void)state;
@@ -226,6 +268,7 @@ int main(void)
         cmocka_unit_test(ships_turn_in_circles),
         cmocka_unit_test(the_sun_is_where_others_say),
         cmocka_unit_test(the_moon_is_where_others_say),
+        cmocka_unit_test(planets_are_where_others_say),
         cmocka_unit_test(utc_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -12,5 +12,6 @@ void pel_sky_place(const Pelagos__Sky *sky, struct pel_snapshot *out)
     out->moon_azimuth_rad = sky->moon_azimuth * PEL_DEG;
     out->moon_elevation_rad = sky->moon_elevation * PEL_DEG;
     out->moon_lit = sky->moon_phase;
+    out->stars = sky->stars;
     out->visibility_m = sky->visibility;
 }

@@ -320,6 +320,20 @@ void pel_snapshot_lights(const struct pel_snapshot *s, double time_s,
     }
 }
 
+void pel_snapshot_night(const struct pel_snapshot *s, double time_s,
+                        struct pel_vec3 sun, struct pel_night_sky *out)
+{
+    double below = -asin(pel_clamp(sun.z, -1.0, 1.0)) / PEL_DEG;
+    double x = pel_clamp(0.25 * (below - 1.0), 0.0, 1.0);
+    *out = (struct pel_night_sky){ .on = s->stars && below > 1.0 };
+    if (out->on) {
+        pel_ephemeris_night(s->epoch_unix_s + time_s, s->origin_latitude_rad,
+                            s->origin_longitude_rad, out);
+        out->on = true;
+        out->stars = x * x * (3.0 - 2.0 * x);
+    }
+}
+
 /* Columns: right, forward and up of a body, in axes that are right, forward
  * and up of what carries it (east, north, up for the world). Heading first
  * (clockwise), then pitch (bow up), then roll (right side down). */

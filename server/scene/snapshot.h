@@ -12,6 +12,7 @@
 #include "base/vec.h"
 #include "ocean/sea.h"
 #include "optics/light.h"
+#include "optics/nightsky.h"
 #include "optics/waterbody.h"
 #include "scene/ship.h"
 #include "seabed/seabed.h"
@@ -143,6 +144,7 @@ struct pel_snapshot {
     bool moon_azimuth_fixed, moon_elevation_fixed, moon_phase_fixed;
     double moon_azimuth_rad, moon_elevation_rad; /* where fixed */
     double moon_lit;                             /* share, where fixed */
+    bool stars;
     double visibility_m;
     size_t entity_count;
     const struct pel_entity_state *entities;
@@ -220,6 +222,11 @@ struct pel_vec3 pel_snapshot_sun(const struct pel_snapshot *s, double time_s);
 /* Every light at time_s, in the order of optics/light.h. */
 void pel_snapshot_lights(const struct pel_snapshot *s, double time_s,
                          struct pel_light out[PEL_LIGHTS]);
+
+/* The night sky at time_s, below the Sun that is given; none (not on) by day or
+ * without sky.stars. */
+void pel_snapshot_night(const struct pel_snapshot *s, double time_s,
+                        struct pel_vec3 sun, struct pel_night_sky *out);
 
 /* What a meter looks through: an eye's frustum in the world. */
 struct pel_sight {

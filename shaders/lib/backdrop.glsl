@@ -50,6 +50,11 @@ vec3 light_disc(int i, vec3 dir, float blur)
 }
 #endif
 
+#ifdef PEL_NIGHT
+#include "lib/night.glsl"
+#include "lib/stars.glsl"
+#endif
+
 shaded shade_backdrop(ivec2 at)
 {
     vec3 ray = pixel_ray(lattice(at));
@@ -58,6 +63,11 @@ shaded shade_backdrop(ivec2 at)
     float angle = max(angle_above_horizon(dir), 0.0);
     vec3 disc = vec3(0.0);
     vec3 light = sky_light(eye_table, dir.xy, angle);
+#ifdef PEL_NIGHT
+    light += night_off(dir.xy, angle);
+    light += stars_at(at, inverse) *
+             transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
+#endif
 #ifndef PEL_NO_DISC
     float blur = pixel.x * inverse;
     for (int i = 0; i < PEL_DISCS; i++) {

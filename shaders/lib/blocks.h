@@ -78,6 +78,7 @@ struct pel_vec4 {
 #define PEL_UNIT_WATER_PHASE 12 /* 12 to 14: maps of the water */
 #define PEL_UNIT_WATER_RADIANCE 13
 #define PEL_UNIT_WATER_ATTENUATION 14
+#define PEL_UNIT_NIGHT 34     /* 32 and up: what few pictures have */
 #define PEL_UNIT_AMPLITUDES 0 /* 0, 1: transforms of the cascades */
 #define PEL_UNIT_MODES 1
 
@@ -106,6 +107,7 @@ struct pel_vec4 {
 #define PEL_STORE_PROBE_ANSWERS 6
 #define PEL_STORE_FILTERED 0 /* 0, 1: filtered.comp */
 #define PEL_STORE_FILTERED_ANSWERS 1
+#define PEL_STORE_STARS 2        /* of a view, as it is shaded */
 #define PEL_STORE_SURROUNDINGS 2 /* the block, where it is written */
 
 /* Images of shading in compute: OpenGL promises eight. What more layers than
@@ -387,6 +389,10 @@ struct pel_vec4 {
 #define PEL_DISCS PEL_LIT
 #endif
 #endif
+/* The night sky (optics/nightsky.h): rows of its map; pixels a side of a tile
+ * that knows its stars. */
+#define PEL_NIGHT_MAP_ROWS 48
+#define PEL_STAR_TILE 32
 struct pel_shader_light {
     vec4 direction;  /* xyz towards it; w angular radius, rad */
     vec4 irradiance; /* rgb above the air; w solid angle, sr */
@@ -416,6 +422,8 @@ PEL_BLOCK(PEL_BLOCK_FRAME, frame)
                     (pel_sharpened): x of the finest waves, y what those of
                     a slope variance have more, by it; z variance of foam's
                     edges */
+    vec4 dusk;   /* x power of two that light is times in textures of 16 bits, y
+                    its inverse: 1 by day */
     vec4 sources[PEL_LIGHTS]; /* of lights that are lit: xyz from them towards
                                  the Sun, w radiance of their night side over
                                  that of their day; 0: it shines itself */

@@ -113,7 +113,8 @@ vec4 seen_mirrored(mirror_view m, vec3 way, float spread, float far)
     float texels = spread * m.tall * level * inverse;
     // The middle of a pixel at the waterline may lie in the hull.
     float here = m.here * clamp(far * m.pixel_ + 2.0, 0.0, 1.0);
-    return here * textureLod(mirrors, vec3(uv, m.layer), log2(max(texels, 1.0)));
+    vec4 seen = textureLod(mirrors, vec3(uv, m.layer), log2(max(texels, 1.0)));
+    return here * vec4(seen.rgb * dusk.y, seen.a);
 }
 
 // Whether a ray may meet the object between two distances; false: the texels

@@ -179,7 +179,7 @@ object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
     vec2 share = gloss_share(rough, nv);
     float level = log2(max(rough * rough * float(PEL_SURROUNDINGS_SIZE) * 0.5, 1.0));
     vec3 away = reflect(dir, n);
-    vec3 mirrored = textureLod(surrounding_map, octahedral_place(away), level).rgb;
+    vec3 mirrored = textureLod(surrounding_map, octahedral_place(away), level).rgb * dusk.y;
     mirrored *= mix(s.open_.y, s.open_.x, clamp(0.5 + 2.0 * away.z, 0.0, 1.0));
     lit *= step(0.0, dot(n, lights[PEL_LIGHT_FIRST].direction.xyz));
     result.by_sky = matt * ambient_light(n, s.open_, lit) + (f0 * share.x + share.y) * mirrored;

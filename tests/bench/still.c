@@ -1,6 +1,7 @@
 /* Draws one picture of a sea straight from the renderer and times it:
  *   still OUT.png [name=value …]
- * (moon: its elevation, lit: its share; kind: of the spectrum, enum
+ * (moon: its elevation, lit: its share; night: UTC of its stars, seconds from
+ * 1970, seen from 0° E and `lat`; kind: of the spectrum, enum
  * pel_spectrum_kind; bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky
  * and glitter as they stand; ship: a built-in model by its number, `away`
  * metres ahead; wash: its speed, m/s, and `push` the screw's; it passed on a
@@ -19,6 +20,7 @@
 #include "ocean/wash.h"
 #include "optics/moon.h"
 #include "render/renderer.h"
+#include "scene/ephemeris.h"
 #include "tests/bench/fleet.h"
 #include "tests/bench/scene.h"
 
@@ -44,7 +46,7 @@ static struct setting settings[] = {
     { "turned", 60 },     { "foam", 1 },      { "kind", 0 },
     { "slick", 1 },       { "fleet", 0 },     { "wash", 0 },
     { "push", 99 },       { "moon", -90 },    { "moonaz", 0 },
-    { "lit", 1 },
+    { "lit", 1 },         { "night", 0 },     { "lat", 30 },
 };
 
 static double get(const char *name)
@@ -242,6 +244,12 @@ int main(int argc, char **argv)
         env.lights[PEL_LIGHT_MOON] = pel_light_moon(
             (struct pel_vec3){ cos(e) * sin(a), cos(e) * cos(a), sin(e) },
             env.lights[PEL_LIGHT_SUN].direction, get("lit"), PEL_MOON_DISTANCE);
+    }
+    if (get("night") != 0) {
+        pel_ephemeris_night(get("night"), get("lat") * PEL_DEG, 0.0,
+                            &env.night);
+        env.night.on = true;
+        env.night.stars = 1.0;
     }
     struct pel_object object;
     if (get("ship") > 0) {

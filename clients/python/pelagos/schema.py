@@ -309,6 +309,9 @@ class Sky(Record):
     #: Share of the Moon's disc that is lit, 1 at full Moon; absent: from
     #: clock.utc. Its bright limb is on the Sun's side. [1; 0 to 1]
     moonPhase: float | None = _field(None, '1', 0, 1)
+    #: Stars, planets, airglow, zodiacal light and Milky Way, by clock.utc and
+    #: origin, once the Sun is 1 degree below the horizon.
+    stars: bool = _field(True)
 
 
 @dataclass(frozen=True)
