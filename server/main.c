@@ -206,6 +206,7 @@ static enum pel_err start_nmea_out(struct daemon *d, struct pel_fault *fault)
         .to = d->options.nmea_out,
         .rate_hz = d->options.nmea_out_rate,
         .entity = (uint32_t)d->options.nmea_entity,
+        .others = (enum pel_nmea_traffic_kind)d->options.nmea_out_targets,
         .metrics = d->metrics,
     };
     if (!*d->options.nmea_out || strcmp(d->options.nmea_out, "off") == 0) {

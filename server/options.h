@@ -43,6 +43,7 @@ struct pel_options {
     int nmea_entity, nmea_wind;
     char nmea_out[PEL_OPTION_TEXT];
     double nmea_out_rate;
+    int nmea_out_targets;
     bool nmea_ais;
     char cigi[PEL_OPTION_TEXT], cigi_host[PEL_OPTION_TEXT];
     char cigi_allow[PEL_OPTION_TEXT], cigi_entities[PEL_OPTION_TEXT];

@@ -8,6 +8,8 @@
 static const char *const order_words[] = { "abcd", "cdab", "badc", "dcba",
                                            NULL };
 static const char *const wind_words[] = { "off", "given", "mean", NULL };
+static const char *const traffic_words[] = { "off", "ttm", "ais", "both",
+                                             NULL };
 static const char *const gone_words[] = { "resume", "hold", NULL };
 static const char *const quality_words[] = { "auto", "full", NULL };
 static const double quality_values[] = { 0.0, 1.0 };
@@ -197,6 +199,10 @@ const struct pel_option pel_option_table[] = {
               "--nmea-entity; empty or off is nowhere." },
     { "nmea-out-rate", "bridges", PEL_OPTION_DOUBLE, "HZ", "1", 0.1, 50, "Hz",
       .offset = FIELD(nmea_out_rate), .help = "How often it is sent." },
+    { "nmea-out-targets", "bridges", PEL_OPTION_CHOICE, "HOW", "off",
+      .choices = traffic_words, .offset = FIELD(nmea_out_targets),
+      .help = "Whether other entities are sent as well: as a radar's targets "
+              "(TTM), as AIS (VDM), as both." },
     { "nmea-ais", "bridges", PEL_OPTION_FLAG, "", "no",
       .offset = FIELD(nmea_ais),
       .help = "Shows AIS and radar targets as entities 20000 and up." },

@@ -3,7 +3,6 @@
 #include <errno.h>
 #include <glib.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +14,8 @@
 #include "base/vec.h"
 #include "base/watch.h"
 #include "bridges/endpoint.h"
+#include "bridges/nmea_traffic.h"
+#include "bridges/nmea_write.h"
 #include "scene/geodesy.h"
 #include "scene/helm.h"
 
@@ -24,43 +25,6 @@
 
 /* --- the sentences -------------------------------------------------------- */
 
-struct writer {
-    char *out;
-    size_t used, count;
-};
-
-static void say(struct writer *w, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-
-/* Appends `$`, the body, its sum and the line's end. */
-static void say(struct writer *w, const char *format, ...)
-{
-    char body[80];
-    unsigned sum = 0;
-    va_list args;
-    va_start(args, format);
-    int length = vsnprintf(body, sizeof body, format, args);
-    va_end(args);
-    if (length < 0 || length > 76 ||
-        w->used + (size_t)length + 7 > PEL_NMEA_OUT_SIZE) {
-        return; /* longer than a sentence may be */
-    }
-    for (int i = 0; i < length; i++) {
-        sum ^= (unsigned char)body[i];
-    }
-    w->used += (size_t)snprintf(w->out + w->used, PEL_NMEA_OUT_SIZE - w->used,
-                                "$%s*%02X\r\n", body, sum);
-    w->count++;
-}
-
-/* 0 <= angle < 360 also after rounding to a tenth. */
-static double bearing(double degrees)
-{
-    double tenths = round(fmod(degrees, 360) * 10);
-    tenths += tenths < 0 ? 3600 : 0;
-    return tenths >= 3600 ? 0 : tenths / 10;
-}
-
 /* "5236.00000,N": minutes of five decimals, 2 cm, never 60. */
 static void angle(double degrees, int width, const char *signs, char out[24])
 {
@@ -69,7 +33,8 @@ static void angle(double degrees, int width, const char *signs, char out[24])
              units % 6000000 / 100000, units % 100000, signs[degrees < 0]);
 }
 
-static void say_place(struct writer *w, const struct pel_nmea_report *r)
+static void say_place(struct pel_nmea_writer *w,
+                      const struct pel_nmea_report *r)
 {
     char lat[24], lon[24], clock[16];
     double whole_s = floor(r->unix_s);
@@ -80,46 +45,51 @@ static void say_place(struct writer *w, const struct pel_nmea_report *r)
              utc.tm_sec, (int)((r->unix_s - whole_s) * 100));
     angle(r->latitude, 2, "NS", lat);
     angle(r->longitude, 3, "EW", lon);
-    say(w, "GPRMC,%s,A,%s,%s,%.2f,%.1f,%02d%02d%02d,,,A", clock, lat, lon,
-        r->speed_mps / KNOT, bearing(r->course), utc.tm_mday, utc.tm_mon + 1,
-        utc.tm_year % 100);
-    say(w, "GPGGA,%s,%s,%s,1,12,0.9,%.1f,M,0.0,M,,", clock, lat, lon,
-        r->altitude_m);
-    say(w, "GPVTG,%.1f,T,,M,%.2f,N,%.2f,K,A", bearing(r->course),
-        r->speed_mps / KNOT, r->speed_mps * 3.6);
-    say(w, "GPZDA,%s,%02d,%02d,%04d,00,00", clock, utc.tm_mday, utc.tm_mon + 1,
-        utc.tm_year + 1900);
+    pel_nmea_say(w, '$', "GPRMC,%s,A,%s,%s,%.2f,%.1f,%02d%02d%02d,,,A", clock,
+                 lat, lon, r->speed_mps / KNOT, pel_nmea_bearing(r->course),
+                 utc.tm_mday, utc.tm_mon + 1, utc.tm_year % 100);
+    pel_nmea_say(w, '$', "GPGGA,%s,%s,%s,1,12,0.9,%.1f,M,0.0,M,,", clock, lat,
+                 lon, r->altitude_m);
+    pel_nmea_say(w, '$', "GPVTG,%.1f,T,,M,%.2f,N,%.2f,K,A",
+                 pel_nmea_bearing(r->course), r->speed_mps / KNOT,
+                 r->speed_mps * 3.6);
+    pel_nmea_say(w, '$', "GPZDA,%s,%02d,%02d,%04d,00,00", clock, utc.tm_mday,
+                 utc.tm_mon + 1, utc.tm_year + 1900);
 }
 
 /* The wind on board: what blows, less what the ship makes. */
-static void say_wind(struct writer *w, const struct pel_nmea_report *r)
+static void say_wind(struct pel_nmea_writer *w, const struct pel_nmea_report *r)
 {
     double to = (r->wind_from + 180) * PEL_DEG, over = r->course * PEL_DEG;
     double east = r->wind_mps * sin(to) - r->speed_mps * sin(over);
     double north = r->wind_mps * cos(to) - r->speed_mps * cos(over);
     double from = atan2(-east, -north) / PEL_DEG;
-    say(w, "WIMWD,%.1f,T,,M,%.2f,N,%.2f,M", bearing(r->wind_from),
-        r->wind_mps / KNOT, r->wind_mps);
-    say(w, "WIMWV,%.1f,R,%.2f,N,A", bearing(from - r->heading),
-        hypot(east, north) / KNOT);
+    pel_nmea_say(w, '$', "WIMWD,%.1f,T,,M,%.2f,N,%.2f,M",
+                 pel_nmea_bearing(r->wind_from), r->wind_mps / KNOT,
+                 r->wind_mps);
+    pel_nmea_say(w, '$', "WIMWV,%.1f,R,%.2f,N,A",
+                 pel_nmea_bearing(from - r->heading),
+                 hypot(east, north) / KNOT);
 }
 
 size_t pel_nmea_out_write(const struct pel_nmea_report *r,
                           char out[PEL_NMEA_OUT_SIZE], size_t *count)
 {
-    struct writer w = { .out = out };
+    struct pel_nmea_writer w = { out, PEL_NMEA_OUT_SIZE, 0, 0 };
     say_place(&w, r);
-    say(&w, "HEHDT,%.1f,T", bearing(r->heading));
-    say(&w, "HEROT,%.1f,A", r->turn_rate * 60); /* degrees a minute */
+    pel_nmea_say(&w, '$', "HEHDT,%.1f,T", pel_nmea_bearing(r->heading));
+    pel_nmea_say(&w, '$', "HEROT,%.1f,A",
+                 r->turn_rate * 60); /* degrees a minute */
     if (!isnan(r->wind_mps)) {
         say_wind(&w, r);
     }
     if (!isnan(r->depth_m)) {
-        say(&w, "SDDPT,%.1f,0.0", r->depth_m);
+        pel_nmea_say(&w, '$', "SDDPT,%.1f,0.0", r->depth_m);
     }
-    say(&w, "YXXDR,A,%.2f,D,PITCH,A,%.2f,D,ROLL", r->pitch, r->roll);
+    pel_nmea_say(&w, '$', "YXXDR,A,%.2f,D,PITCH,A,%.2f,D,ROLL", r->pitch,
+                 r->roll);
     if (!isnan(r->rudder)) {
-        say(&w, "AGRSA,%.1f,A,,", r->rudder);
+        pel_nmea_say(&w, '$', "AGRSA,%.1f,A,,", r->rudder);
     }
     *count = w.count;
     return w.used;
@@ -189,6 +159,7 @@ struct outlet {
     int fd;
     struct sockaddr_storage to;
     socklen_t to_size;
+    struct pel_nmea_radar radar;
 };
 
 struct pel_nmea_out {
@@ -197,28 +168,51 @@ struct pel_nmea_out {
     size_t count;
     struct outlet outlets[MAX_OUTLETS];
     guint timer;
-    uint64_t datagrams, sentences, failures;
+    enum pel_nmea_traffic_kind others;
+    double rate_hz;
+    uint64_t reports, datagrams, sentences, failures;
 };
 
-static void report_ship(struct pel_nmea_out *o, const struct outlet *outlet)
+/* Of one outlet, while what it is told is written. */
+struct sending {
+    struct pel_nmea_out *bridge;
+    const struct outlet *outlet;
+};
+
+static void send_text(void *user, struct pel_nmea_writer *w)
 {
     static struct pel_log_limit limit;
-    struct pel_nmea_report report;
-    char text[PEL_NMEA_OUT_SIZE];
-    size_t count;
-    if (!pel_nmea_out_report_of(o->scene, outlet->entity, &report)) {
-        return;
-    }
-    size_t size = pel_nmea_out_write(&report, text, &count);
-    if (sendto(outlet->fd, text, size, MSG_DONTWAIT | MSG_NOSIGNAL,
-               (const struct sockaddr *)&outlet->to,
-               outlet->to_size) == (ssize_t)size) {
+    const struct sending *to = user;
+    struct pel_nmea_out *o = to->bridge;
+    if (sendto(to->outlet->fd, w->out, w->used, MSG_DONTWAIT | MSG_NOSIGNAL,
+               (const struct sockaddr *)&to->outlet->to,
+               to->outlet->to_size) == (ssize_t)w->used) {
         o->datagrams++;
-        o->sentences += count;
+        o->sentences += w->count;
     } else {
         o->failures++;
         pel_log_limited(&limit, PEL_LOG_WARNING, "NMO-002",
                         "NMEA was not sent: %s", strerror(errno));
+    }
+    w->used = w->count = 0;
+}
+
+static void report_ship(struct pel_nmea_out *o, struct outlet *outlet)
+{
+    struct pel_nmea_report report;
+    char text[PEL_NMEA_OUT_SIZE];
+    struct pel_nmea_writer w = { text, sizeof text, 0, 0 };
+    struct sending to = { o, outlet };
+    if (!pel_nmea_out_report_of(o->scene, outlet->entity, &report)) {
+        return;
+    }
+    w.used = pel_nmea_out_write(&report, text, &w.count);
+    send_text(&to, &w);
+    const struct pel_nmea_traffic traffic = { o->others, outlet->entity,
+                                              o->reports, o->rate_hz };
+    if (o->others) {
+        pel_nmea_traffic_say(&traffic, o->scene, &outlet->radar, &w, send_text,
+                             &to);
     }
 }
 
@@ -229,6 +223,7 @@ static gboolean on_timer(gpointer user)
     for (size_t i = 0; i < o->count; i++) {
         report_ship(o, &o->outlets[i]);
     }
+    o->reports++;
     return G_SOURCE_CONTINUE;
 }
 
@@ -236,7 +231,7 @@ static void collect(void *user, struct pel_metrics_page *page)
 {
     const struct pel_nmea_out *o = user;
     pel_metric(page, "pelagos_nmea_out_datagrams_total", PEL_METRIC_COUNTER,
-               "Reports of own ship sent as NMEA.", NULL, (double)o->datagrams);
+               "Datagrams of NMEA sent.", NULL, (double)o->datagrams);
     pel_metric(page, "pelagos_nmea_out_sentences_total", PEL_METRIC_COUNTER,
                "Sentences in them.", NULL, (double)o->sentences);
     pel_metric(page, "pelagos_nmea_out_failures_total", PEL_METRIC_COUNTER,
@@ -313,7 +308,10 @@ enum pel_err pel_nmea_out_create(const struct pel_nmea_out_options *options,
                                  struct pel_nmea_out **out,
                                  struct pel_fault *fault)
 {
-    struct pel_nmea_out made = { .scene = scene, .metrics = options->metrics };
+    struct pel_nmea_out made = { .scene = scene,
+                                 .metrics = options->metrics,
+                                 .others = options->others,
+                                 .rate_hz = options->rate_hz };
     enum pel_err err = read_outlets(options, &made, fault);
     if (!err) {
         err = open_outlets(&made, fault);

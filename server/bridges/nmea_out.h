@@ -1,5 +1,6 @@
 /* NMEA 0183 out: own ship's position, motion, attitude, wind, depth and rudder
- * as sentences over UDP, so that chart programs and consoles follow. Control
+ * as sentences over UDP, so that chart programs and consoles follow; and others
+ * as radar and AIS have them (nmea_traffic.h). Control
  * thread. */
 #pragma once
 
@@ -9,6 +10,7 @@
 
 #include "base/err.h"
 #include "base/metrics.h"
+#include "bridges/nmea_traffic.h"
 #include "scene/scene.h"
 
 /* Every sentence of one report fits. */
@@ -44,7 +46,8 @@ struct pel_nmea_out_options {
                        is allowed */
     double rate_hz; /* reports a second, 0.1..50 */
     uint32_t entity;
-    struct pel_metrics *metrics; /* may be NULL */
+    enum pel_nmea_traffic_kind others; /* what is said of other entities */
+    struct pel_metrics *metrics;       /* may be NULL */
 };
 
 /* INVALID: the address; IO: no socket. A report without a receiver is no

@@ -140,7 +140,9 @@ static void refuses_bad_addresses(void **state)
     struct pel_nmea_out *out;
     struct pel_fault fault;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        struct pel_nmea_out_options options = { bad[i], 1, 1, NULL };
+        struct pel_nmea_out_options options = { .to = bad[i],
+                                                .rate_hz = 1,
+                                                .entity = 1 };
         assert_int_equal(pel_nmea_out_create(&options, NULL, &out, &fault),
                          PEL_ERR_INVALID);
     }

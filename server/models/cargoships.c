@@ -72,10 +72,10 @@ static void set_lights(struct pel_pen *pen, const struct pel_kind_size *s,
 }
 
 /* Full hulls with a bulb and a flat transom stern. */
-static struct pel_hull cargo_hull(const struct pel_kind_size *s,
-                                  double freeboard)
+static struct pel_hull_lines cargo_hull(const struct pel_kind_size *s,
+                                        double freeboard)
 {
-    return (struct pel_hull){
+    return (struct pel_hull_lines){
         .length = s->length,
         .beam = s->beam,
         .draught = s->draught,
@@ -108,7 +108,7 @@ static struct pel_hull cargo_hull(const struct pel_kind_size *s,
 }
 
 /* A forecastle: the deck one step higher, from x to the stem. */
-static void draw_forecastle(struct pel_pen *pen, const struct pel_hull *h,
+static void draw_forecastle(struct pel_pen *pen, const struct pel_hull_lines *h,
                             double x, double step)
 {
     enum { N = 9 };
@@ -185,7 +185,7 @@ static void draw_bay(struct pel_pen *pen, double x, double z, int rows,
 }
 
 /* Bays from x0 to x1, at most as high as what the bridge sees over. */
-static void draw_containers(struct pel_pen *pen, const struct pel_hull *h,
+static void draw_containers(struct pel_pen *pen, const struct pel_hull_lines *h,
                             double x0, double x1, int tiers, double z)
 {
     int bays = (int)((x1 - x0) / BAY);
@@ -216,7 +216,7 @@ static void draw_containers(struct pel_pen *pen, const struct pel_hull *h,
 void pel_kind_container_ship(struct pel_pen *pen, const struct pel_kind_size *s)
 {
     double unit = s->length / 294;
-    struct pel_hull hull = cargo_hull(s, 0.2 * s->height);
+    struct pel_hull_lines hull = cargo_hull(s, 0.2 * s->height);
     hull.entrance = 0.4;
     hull.bow_power = 1.8;
     hull.bow_round = 1.15;
@@ -312,7 +312,7 @@ static void draw_crane(struct pel_pen *pen, double x, double y, double z0,
 void pel_kind_tanker(struct pel_pen *pen, const struct pel_kind_size *s)
 {
     double unit = s->length / 244;
-    struct pel_hull hull = cargo_hull(s, 0.14 * s->height);
+    struct pel_hull_lines hull = cargo_hull(s, 0.14 * s->height);
     hull.entrance = 0.16;
     hull.bow_power = 3.2;
     hull.bow_round = 2;
@@ -353,7 +353,7 @@ void pel_kind_bulk_carrier(struct pel_pen *pen, const struct pel_kind_size *s)
 {
     enum { HOLDS = 5 };
     double unit = s->length / 190;
-    struct pel_hull hull = cargo_hull(s, 0.15 * s->height);
+    struct pel_hull_lines hull = cargo_hull(s, 0.15 * s->height);
     hull.entrance = 0.17;
     hull.bow_power = 3;
     hull.bow_round = 2;

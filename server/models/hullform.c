@@ -20,7 +20,7 @@ static double smooth(double t)
 
 /* Height of the deck's edge where the deck is `s` of its length from the
  * stern: a parabola each way from a third of the length before the stern. */
-static double edge(const struct pel_hull *h, double s)
+static double edge(const struct pel_hull_lines *h, double s)
 {
     const double lowest = 0.4;
     double t = s > lowest ? (s - lowest) / (1 - lowest) : (lowest - s) / lowest;
@@ -29,7 +29,7 @@ static double edge(const struct pel_hull *h, double s)
 
 /* The breadth of a waterline at s, of its largest; `deck` is 0 at the
  * waterline and below, 1 at the deck; `deep` 1 at the keel. */
-static double outline(const struct pel_hull *h, double s, double deck,
+static double outline(const struct pel_hull_lines *h, double s, double deck,
                       double deep)
 {
     double entrance = h->entrance * (1 - 0.5 * h->flare * deck);
@@ -50,7 +50,7 @@ static double outline(const struct pel_hull *h, double s, double deck,
 }
 
 /* Fore and after end at a height: 0 keel, 1 waterline, 2 deck. */
-static void ends(const struct pel_hull *h, double level, double *aft,
+static void ends(const struct pel_hull_lines *h, double level, double *aft,
                  double *fore)
 {
     double below = smooth(pel_clamp(1 - level, 0, 1));
@@ -62,7 +62,8 @@ static void ends(const struct pel_hull *h, double level, double *aft,
 }
 
 /* One point of the port side. Row `row` of the rows, s from the stern. */
-static struct pel_vec3 point(const struct pel_hull *h, double row, double s)
+static struct pel_vec3 point(const struct pel_hull_lines *h, double row,
+                             double s)
 {
     double aft, fore, y, z;
     double narrow = h->narrow > 0 ? h->narrow : 1;
@@ -96,12 +97,12 @@ static double station(int i, int count)
     return mixed(t, (1 - cos(PEL_PI * t)) / 2, 0.8);
 }
 
-double pel_hull_deck(const struct pel_hull *h, double x)
+double pel_hull_deck(const struct pel_hull_lines *h, double x)
 {
     return edge(h, pel_clamp(x / h->length + 0.5, 0, 1));
 }
 
-double pel_hull_half(const struct pel_hull *h, double x)
+double pel_hull_half(const struct pel_hull_lines *h, double x)
 {
     return h->beam / 2 * outline(h, pel_clamp(x / h->length + 0.5, 0, 1), 1, 0);
 }
@@ -119,8 +120,8 @@ static void both(struct pel_pen *pen, struct pel_vec3 a, struct pel_vec3 b,
     pel_solid_quad(pen, mirror(d), mirror(c), mirror(b), mirror(a));
 }
 
-static void draw_sides(struct pel_pen *pen, const struct pel_hull *h, int rows,
-                       int stations)
+static void draw_sides(struct pel_pen *pen, const struct pel_hull_lines *h,
+                       int rows, int stations)
 {
     for (int r = 0; r < rows - 1; r++) {
         bool strake = h->strake > 0 && r == BELOW;
@@ -143,8 +144,8 @@ static void draw_sides(struct pel_pen *pen, const struct pel_hull *h, int rows,
     }
 }
 
-static void draw_deck(struct pel_pen *pen, const struct pel_hull *h, int rows,
-                      int stations)
+static void draw_deck(struct pel_pen *pen, const struct pel_hull_lines *h,
+                      int rows, int stations)
 {
     pel_pen_paint(pen, h->deck, 0.8);
     for (int i = 0; i < stations - 1; i++) {
@@ -155,7 +156,7 @@ static void draw_deck(struct pel_pen *pen, const struct pel_hull *h, int rows,
 }
 
 /* A wall around the deck, with a flat top. */
-static void draw_bulwark(struct pel_pen *pen, const struct pel_hull *h,
+static void draw_bulwark(struct pel_pen *pen, const struct pel_hull_lines *h,
                          int rows, int stations)
 {
     double thick = fmax(0.04, 0.008 * h->beam);
@@ -190,7 +191,7 @@ static void draw_bulwark(struct pel_pen *pen, const struct pel_hull *h,
     }
 }
 
-static void draw_bulb(struct pel_pen *pen, const struct pel_hull *h)
+static void draw_bulb(struct pel_pen *pen, const struct pel_hull_lines *h)
 {
     double end = h->length / 2 - h->keel_rake;
     pel_pen_paint(pen, h->bottom, 0.7);
@@ -200,7 +201,7 @@ static void draw_bulb(struct pel_pen *pen, const struct pel_hull *h)
         16);
 }
 
-static void draw_rudder(struct pel_pen *pen, const struct pel_hull *h)
+static void draw_rudder(struct pel_pen *pen, const struct pel_hull_lines *h)
 {
     double aft = -h->length / 2 + h->counter + 0.002 * h->length;
     double chord = fmax(0.018 * h->length, 0.25 * h->draught);
@@ -226,9 +227,9 @@ static void draw_rudder(struct pel_pen *pen, const struct pel_hull *h)
     }
 }
 
-void pel_hull_draw(struct pel_pen *pen, const struct pel_hull *hull)
+void pel_hull_draw(struct pel_pen *pen, const struct pel_hull_lines *hull)
 {
-    struct pel_hull h = *hull;
+    struct pel_hull_lines h = *hull;
     int stations = h.stations > 0 ? h.stations : 32;
     h.strake = fmax(h.strake, 0.001 * h.freeboard);
     h.strake_colour = hull->strake > 0 ? h.strake_colour : h.side;

@@ -4,8 +4,8 @@
 /* An outline of the hull's shape from x0 to x1, `in` inside the deck's edge,
  * the after end straight. Returns its corners. */
 enum { PART = 10 };
-static int follow(const struct pel_hull *h, double x0, double x1, double in,
-                  struct pel_vec2 out[2 * PART])
+static int follow(const struct pel_hull_lines *h, double x0, double x1,
+                  double in, struct pel_vec2 out[2 * PART])
 {
     for (int i = 0; i < PART; i++) {
         double at = x0 + (x1 - x0) * i / (PART - 1);
@@ -17,8 +17,8 @@ static int follow(const struct pel_hull *h, double x0, double x1, double in,
 }
 
 /* A deck house of the hull's outline. */
-static void storey(struct pel_pen *pen, const struct pel_hull *h, double x0,
-                   double x1, double in, double z0, double z1)
+static void storey(struct pel_pen *pen, const struct pel_hull_lines *h,
+                   double x0, double x1, double in, double z0, double z1)
 {
     struct pel_vec2 outline[2 * PART];
     pel_solid_tower(pen, outline, follow(h, x0, x1, in, outline), z0, z1, 1, 0,
@@ -48,7 +48,7 @@ static void lifeboats(struct pel_pen *pen, double x0, double x1, double y,
  */
 
 static void ferry_house(struct pel_pen *pen, const struct pel_kind_size *s,
-                        const struct pel_hull *h)
+                        const struct pel_hull_lines *h)
 {
     double l = s->length, z = h->freeboard, deck = 0.068 * s->height;
     pel_pen_node(pen, "superstructure");
@@ -78,7 +78,7 @@ static void ferry_house(struct pel_pen *pen, const struct pel_kind_size *s,
 void pel_kind_ferry(struct pel_pen *pen, const struct pel_kind_size *s)
 {
     double l = s->length, deck = 0.068 * s->height;
-    struct pel_hull h = {
+    struct pel_hull_lines h = {
         .length = l,
         .beam = s->beam,
         .draught = s->draught,
@@ -134,7 +134,7 @@ void pel_kind_ferry(struct pel_pen *pen, const struct pel_kind_size *s)
  * ---------------------------------------------------------------- */
 
 /* A tier of cabins: dark balconies between white slabs. */
-static void tier(struct pel_pen *pen, const struct pel_hull *h, double x0,
+static void tier(struct pel_pen *pen, const struct pel_hull_lines *h, double x0,
                  double x1, double in, double z, double deck)
 {
     pel_pen_paint(pen, 0x4b555c, 0.4);
@@ -154,7 +154,7 @@ static void tier(struct pel_pen *pen, const struct pel_hull *h, double x0,
 }
 
 static void cruise_house(struct pel_pen *pen, const struct pel_kind_size *s,
-                         const struct pel_hull *h)
+                         const struct pel_hull_lines *h)
 {
     double l = s->length, deck = 0.051 * s->height, z = h->freeboard;
     pel_pen_node(pen, "promenade");
@@ -183,7 +183,7 @@ static void cruise_house(struct pel_pen *pen, const struct pel_kind_size *s,
 void pel_kind_cruise_ship(struct pel_pen *pen, const struct pel_kind_size *s)
 {
     double l = s->length, deck = 0.051 * s->height;
-    struct pel_hull h = {
+    struct pel_hull_lines h = {
         .length = l,
         .beam = s->beam,
         .draught = s->draught,

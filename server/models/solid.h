@@ -64,7 +64,7 @@ void pel_solid_tube(struct pel_pen *pen, const struct pel_vec3 *path, int n,
 /* A monohull, port and starboard alike, closed by its deck.
  * Sections are superellipses below the waterline (power 2: round, 8: boxy, 1:
  * a vee), and flare from there to the deck. */
-struct pel_hull {
+struct pel_hull_lines {
     double length, beam, draught; /* over all, moulded */
     double freeboard;             /* of the deck amidships */
     double sheer_fore, sheer_aft; /* what the deck rises to the ends */
@@ -94,6 +94,6 @@ struct pel_hull {
 
 /* Draws it; node "hull". The deck's edge at x, both for what stands on it:
  * half breadth and height. */
-void pel_hull_draw(struct pel_pen *pen, const struct pel_hull *hull);
-double pel_hull_deck(const struct pel_hull *hull, double x);
-double pel_hull_half(const struct pel_hull *hull, double x);
+void pel_hull_draw(struct pel_pen *pen, const struct pel_hull_lines *hull);
+double pel_hull_deck(const struct pel_hull_lines *hull, double x);
+double pel_hull_half(const struct pel_hull_lines *hull, double x);

@@ -2,8 +2,8 @@
 #include "models/kinds.h"
 
 /* Fenders: a rubber tube at the deck's edge around the hull. */
-static void fender(struct pel_pen *pen, const struct pel_hull *h, double below,
-                   double r)
+static void fender(struct pel_pen *pen, const struct pel_hull_lines *h,
+                   double below, double r)
 {
     enum { N = 14 };
     struct pel_vec3 path[2 * N];
@@ -21,8 +21,8 @@ static void fender(struct pel_pen *pen, const struct pel_hull *h, double below,
 }
 
 /* Rails: stanchions and two wires along both sides, from x0 to x1. */
-static void rails(struct pel_pen *pen, const struct pel_hull *h, double x0,
-                  double x1, double high, double r)
+static void rails(struct pel_pen *pen, const struct pel_hull_lines *h,
+                  double x0, double x1, double high, double r)
 {
     enum { N = 9 };
     pel_pen_node(pen, "rails");
@@ -41,9 +41,9 @@ static void rails(struct pel_pen *pen, const struct pel_hull *h, double x0,
     }
 }
 
-static struct pel_hull boat_hull(const struct pel_kind_size *s)
+static struct pel_hull_lines boat_hull(const struct pel_kind_size *s)
 {
-    return (struct pel_hull){
+    return (struct pel_hull_lines){
         .length = s->length,
         .beam = s->beam,
         .draught = s->draught,
@@ -73,7 +73,7 @@ static struct pel_hull boat_hull(const struct pel_kind_size *s)
  * ---------------------------------------------------------------------- */
 
 static void tug_house(struct pel_pen *pen, const struct pel_kind_size *s,
-                      const struct pel_hull *h)
+                      const struct pel_hull_lines *h)
 {
     double l = s->length, b = s->beam, z = h->freeboard;
     double deck = 0.135 * s->height;
@@ -105,7 +105,7 @@ static void tug_house(struct pel_pen *pen, const struct pel_kind_size *s,
 void pel_kind_tug(struct pel_pen *pen, const struct pel_kind_size *s)
 {
     double l = s->length, b = s->beam;
-    struct pel_hull h = boat_hull(s);
+    struct pel_hull_lines h = boat_hull(s);
     h.freeboard = 0.11 * s->height;
     h.sheer_fore = 0.13 * s->height;
     h.sheer_aft = 0.02 * s->height;
@@ -163,7 +163,7 @@ static void gantry(struct pel_pen *pen, double x, double half, double z0,
 void pel_kind_fishing_boat(struct pel_pen *pen, const struct pel_kind_size *s)
 {
     double l = s->length, b = s->beam, u = s->height / 14;
-    struct pel_hull h = boat_hull(s);
+    struct pel_hull_lines h = boat_hull(s);
     h.freeboard = 1.5 * u;
     h.sheer_fore = 2.6 * u;
     h.sheer_aft = 0.3 * u;
@@ -222,7 +222,7 @@ void pel_kind_fishing_boat(struct pel_pen *pen, const struct pel_kind_size *s)
 void pel_kind_pilot_launch(struct pel_pen *pen, const struct pel_kind_size *s)
 {
     double l = s->length, b = s->beam, u = s->height / 8;
-    struct pel_hull h = boat_hull(s);
+    struct pel_hull_lines h = boat_hull(s);
     h.freeboard = 1.35 * u;
     h.sheer_fore = 0.85 * u;
     h.stem_rake = 0.09 * l;
@@ -310,7 +310,7 @@ static void patrol_house(struct pel_pen *pen, const struct pel_kind_size *s,
 void pel_kind_patrol_boat(struct pel_pen *pen, const struct pel_kind_size *s)
 {
     double l = s->length, b = s->beam, u = s->height / 18;
-    struct pel_hull h = boat_hull(s);
+    struct pel_hull_lines h = boat_hull(s);
     h.freeboard = 2.5 * u;
     h.sheer_fore = 1.4 * u;
     h.stem_rake = 0.07 * l;

@@ -105,9 +105,8 @@ static void float_at(const struct pel_snapshot *s, double time_s,
     e->roll_rad = sea[2];
 }
 
-static void entity_at(const struct pel_snapshot *s, size_t index, double time_s,
-                      const struct pel_wakes *wakes,
-                      struct pel_entity_state *out)
+void pel_snapshot_entity_level(const struct pel_snapshot *s, size_t index,
+                               double time_s, struct pel_entity_state *out)
 {
     const struct pel_entity_state *at = &s->entities[index];
     const struct pel_sailing *sailing = pel_snapshot_ship(s, index);
@@ -133,6 +132,15 @@ static void entity_at(const struct pel_snapshot *s, size_t index, double time_s,
     out->pose_time_s = at->pose_time_s + seconds;
     if (at->afloat && at->model) {
         drift_to(s, time_s, at->pose_time_s, out);
+    }
+}
+
+static void entity_at(const struct pel_snapshot *s, size_t index, double time_s,
+                      const struct pel_wakes *wakes,
+                      struct pel_entity_state *out)
+{
+    pel_snapshot_entity_level(s, index, time_s, out);
+    if (out->afloat && out->model && !pel_snapshot_ship(s, index)) {
         float_at(s, time_s, wakes, out);
     }
 }

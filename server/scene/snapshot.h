@@ -178,6 +178,11 @@ int pel_snapshot_find_view(const struct pel_snapshot *s, const char *name);
 void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out);
 
+/* The same without what the sea does to one afloat but move it: any thread, at
+ * once. */
+void pel_snapshot_entity_level(const struct pel_snapshot *s, size_t index,
+                               double time_s, struct pel_entity_state *out);
+
 /* The same in the waves of other ships too, where it is afloat: what is drawn.
  * Waits for them; not the control thread. */
 void pel_snapshot_entity_in_wakes(const struct pel_snapshot *s, size_t index,
