@@ -10,6 +10,10 @@ out gl_PerVertex {
     float gl_ClipDistance[1];
 };
 flat out uvec2 number;
+#ifdef PEL_HOLES
+out vec2 painted_at;
+flat out uint material;
+#endif
 
 const float NEAR = 0.05;
 
@@ -31,4 +35,8 @@ void main()
     float below = texelFetch(object_places, first + 8).w;
     gl_ClipDistance[0] = o.origin.z + o.x.z * model.x + o.y.z * model.y + o.z.z * model.z + below;
     number = uvec2(drawn.x + 1, triangle);
+#ifdef PEL_HOLES
+    painted_at = texelFetch(object_vertices, int(corner) * PEL_OBJECT_VERTEX_TEXELS + 1).zw;
+    material = texelFetch(object_triangles, triangle).w;
+#endif
 }

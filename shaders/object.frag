@@ -6,6 +6,9 @@
 #include "lib/ray.glsl"
 #include "lib/cut.glsl"
 #include "lib/model.glsl"
+#ifdef PEL_HOLES
+#include "lib/holes.glsl"
+#endif
 
 flat in uvec2 number;
 flat in vec4 plane;
@@ -37,6 +40,11 @@ void main()
     vec3 ray = pixel_ray(lattice(at));
     float slant = dot(plane.xyz, ray);
     float t = slant == 0.0 ? reach.x : clamp(plane.w / slant, reach.x, reach.y);
+#ifdef PEL_HOLES
+    if (hole_on_ray(number, ray, 0.5)) {
+        discard;
+    }
+#endif
     uint triangle = sea_at(at);
     int entity = int(number.x) - 1;
     if (triangle != 0u) {

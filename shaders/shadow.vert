@@ -5,6 +5,11 @@
 
 layout(location = 0) uniform ivec2 drawn; // entity, first triangle
 
+#ifdef PEL_HOLES
+out vec2 painted_at;
+flat out uint material;
+#endif
+
 void main()
 {
     uint corner = texelFetch(object_triangles, drawn.y + gl_VertexID / 3)[gl_VertexID % 3];
@@ -14,5 +19,9 @@ void main()
     int first = drawn.x * PEL_OBJECT_PLACE_TEXELS + 5;
     vec3 at = vec3(dot(texelFetch(object_places, first), d), dot(texelFetch(object_places, first + 1), d),
                    dot(texelFetch(object_places, first + 2), d));
+#ifdef PEL_HOLES
+    painted_at = texelFetch(object_vertices, int(corner) * PEL_OBJECT_VERTEX_TEXELS + 1).zw;
+    material = texelFetch(object_triangles, drawn.y + gl_VertexID / 3).w;
+#endif
     gl_Position = vec4(at.xy * 2.0 - 1.0, at.z, 1.0);
 }

@@ -28,7 +28,7 @@ void pel_mirrors_forget_program(struct pel_mirrors *m)
 }
 
 enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
-                              bool textured, const char *light,
+                              bool textured, bool holed, const char *light,
                               struct pel_fault *fault)
 {
     char defines[96];
@@ -39,11 +39,16 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
             ? PEL_OK
             : pel_program_create(shader_dir, "screen.vert", "mirror.frag",
                                  defines, &m->program, fault);
+    for (int h = 0; h < (holed ? 2 : 1) && err == PEL_OK; h++) {
+        if (!m->raster[h]) {
+            err = pel_program_create(shader_dir, "mirror.vert", "number.frag",
+                                     h ? "#define PEL_HOLES\n" : NULL,
+                                     &m->raster[h], fault);
+        }
+    }
     if (err != PEL_OK || m->radiance) {
         return err;
     }
-    err = pel_program_create(shader_dir, "mirror.vert", "number.frag", NULL,
-                             &m->raster, fault);
     if (err == PEL_OK) {
         err = pel_program_create(shader_dir, "mirror_mips.comp", NULL, NULL,
                                  &m->mips_program, fault);
@@ -90,7 +95,8 @@ void pel_mirrors_finish(struct pel_mirrors *m)
     glDeleteTextures(1, &m->depth);
     glDeleteTextures(1, &m->numbers);
     glDeleteFramebuffers(1, &m->numbers_fbo);
-    glDeleteProgram(m->raster);
+    glDeleteProgram(m->raster[0]);
+    glDeleteProgram(m->raster[1]);
     glDeleteProgram(m->program);
     glDeleteProgram(m->mips_program);
     *m = (struct pel_mirrors){ 0 };
@@ -149,7 +155,7 @@ void pel_mirrors_begin(struct pel_mirrors *m)
     m->part = 0;
 }
 
-void pel_mirrors_draw(struct pel_mirrors *m, int layer, double part,
+void pel_mirrors_draw(struct pel_mirrors *m, int layer, double part, bool holed,
                       void (*draw)(const void *user, int i), const void *user,
                       int i)
 {
@@ -167,7 +173,7 @@ void pel_mirrors_draw(struct pel_mirrors *m, int layer, double part,
     glClearNamedFramebufferfv(fbo, GL_COLOR, 0, nothing);
     glClearNamedFramebufferfv(fbo, GL_COLOR, 1, nothing);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, m->numbers_fbo);
-    glUseProgram(m->raster);
+    glUseProgram(m->raster[holed]);
     glEnable(GL_CLIP_DISTANCE0);
     glDepthFunc(GL_GREATER);
     draw(user, i);

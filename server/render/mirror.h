@@ -10,7 +10,7 @@
 
 /* Zeroed before its first use. */
 struct pel_mirrors {
-    GLuint raster, program, mips_program;
+    GLuint raster[2], program, mips_program; /* the second leaves out holes */
     GLuint radiance, away, fbos[PEL_OBJECT_MIRRORS];
     GLuint numbers, depth, numbers_fbo; /* of the view being drawn */
     int views;                        /* as far as any was drawn since begin */
@@ -30,7 +30,7 @@ struct pel_mirror_view {
 
 PEL_CHECK enum pel_err pel_mirrors_need(struct pel_mirrors *m,
                                         const char *shader_dir, bool textured,
-                                        const char *light,
+                                        bool holed, const char *light,
                                         struct pel_fault *fault);
 /* The next need makes another. */
 void pel_mirrors_forget_program(struct pel_mirrors *m);
@@ -45,7 +45,7 @@ bool pel_mirror_look(const struct pel_vec3 *points, int count, double sea_m,
 /* Draws layer after layer: begin, then `draw` once for each, then end. A view
  * is rasterised to numbers of triangles, then shaded, each texel once. */
 void pel_mirrors_begin(struct pel_mirrors *m);
-void pel_mirrors_draw(struct pel_mirrors *m, int layer, double part,
+void pel_mirrors_draw(struct pel_mirrors *m, int layer, double part, bool holed,
                       void (*draw)(const void *user, int i), const void *user,
                       int i);
 void pel_mirrors_end(struct pel_mirrors *m);

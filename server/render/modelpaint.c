@@ -88,12 +88,23 @@ static int twin_of(const struct pel_model *m, size_t which)
     const struct pel_model_material *a = &m->materials[which];
     for (size_t i = 0; i < which; i++) {
         const struct pel_model_material *b = &m->materials[i];
-        if (a->texture == b->texture && a->albedo[0] == b->albedo[0] &&
-            a->albedo[1] == b->albedo[1] && a->albedo[2] == b->albedo[2]) {
+        if (a->texture == b->texture && a->alpha_cutoff == b->alpha_cutoff &&
+            a->albedo[0] == b->albedo[0] && a->albedo[1] == b->albedo[1] &&
+            a->albedo[2] == b->albedo[2]) {
             return (int)i;
         }
     }
     return -1;
+}
+
+bool pel_model_has_holes(const struct pel_model *m)
+{
+    bool any = false;
+    for (size_t i = 0; i < m->material_count; i++) {
+        any = any || (m->materials[i].texture >= 0 &&
+                      m->materials[i].alpha_cutoff > 0);
+    }
+    return any;
 }
 
 size_t pel_model_paint_size(const struct pel_model *m)
@@ -109,49 +120,62 @@ size_t pel_model_paint_size(const struct pel_model *m)
     return sum;
 }
 
-/* The mean of the texels under one of w by h. */
-static void resample(const struct pel_model_texture *t,
+/* The mean of the texels under one of w by h that are no holes, and their
+ * share. */
+static void resample(const struct pel_model_texture *t, double cutoff,
                      const double linear[256], int x, int y, int w, int h,
-                     double out[3])
+                     double out[4])
 {
     int nx = (int)ceil((double)t->width / w);
     int ny = (int)ceil((double)t->height / h);
-    out[0] = out[1] = out[2] = 0.0;
+    double all[3] = { 0 };
+    out[0] = out[1] = out[2] = out[3] = 0.0;
     for (int i = 0; i < nx * ny; i++) {
         int from_x = (int)((x + (i % nx + 0.5) / nx) * t->width / w);
         int from_y = (int)((y + (i / nx + 0.5) / ny) * t->height / h);
         const uint8_t *texel =
             &t->rgba[4 * ((size_t)from_y * (size_t)t->width + (size_t)from_x)];
+        double there = texel[3] / 255.0 >= cutoff;
+        out[3] += there / (nx * ny);
         for (int k = 0; k < 3; k++) {
-            out[k] += linear[texel[k]] / (nx * ny);
+            all[k] += linear[texel[k]] / (nx * ny);
+            out[k] += there * linear[texel[k]] / (nx * ny);
         }
+    }
+    for (int k = 0; k < 3; k++) {
+        out[k] = out[3] > 0 ? out[k] / out[3] : all[k];
     }
 }
 
-static uint32_t packed(const float c[3])
+static uint32_t packed(const float c[4])
 {
-    uint32_t bits = 0;
+    uint32_t bits = (uint32_t)lrintf(255.0f * c[3]) << 24;
     for (int k = 0; k < 3; k++) {
         bits |= (uint32_t)lrintf(255.0f * sqrtf(c[k])) << (8 * k);
     }
     return bits;
 }
 
+/* Colours of what is there; where nothing is, of all. */
 static void halve(float *c, int w, int h)
 {
     int across = w > 1 ? 2 : 1, up = h > 1 ? 2 : 1;
-    for (int y = 0; y < h / up; y++) {
-        for (int x = 0; x < w / across; x++) {
+    float part = 1.0f / (float)(across * up);
+    for (int i = 0; i < w / across * (h / up); i++) {
+        int x = across * (i % (w / across)), y = up * (i / (w / across));
+        float sum[4] = { 0 }, all[3] = { 0 };
+        for (int n = 0; n < across * up; n++) {
+            const float *from = &c[4 * ((y + n / across) * w + x + n % across)];
             for (int k = 0; k < 3; k++) {
-                float sum = 0.0f;
-                for (int i = 0; i < across * up; i++) {
-                    sum += c[3 * ((up * y + i / across) * w + across * x +
-                                  i % across) +
-                             k];
-                }
-                c[3 * (y * (w / across) + x) + k] = sum / (float)(across * up);
+                all[k] += from[k];
+                sum[k] += from[3] * from[k];
             }
+            sum[3] += from[3];
         }
+        for (int k = 0; k < 3; k++) {
+            c[4 * i + k] = sum[3] > 0.0f ? sum[k] / sum[3] : all[k] * part;
+        }
+        c[4 * i + 3] = sum[3] * part;
     }
 }
 
@@ -162,7 +186,7 @@ static void write_levels(float *c, int wide, int tall, uint32_t *out)
     for (int level = 0; level < level_count(wide, tall); level++) {
         out[level] = (uint32_t)at;
         for (int i = 0; i < w * h; i++) {
-            out[4 * at + (size_t)i] = packed(c + 3 * i);
+            out[4 * at + (size_t)i] = packed(c + 4 * i);
         }
         at += level_texels(wide, tall, level);
         halve(c, w, h);
@@ -172,11 +196,11 @@ static void write_levels(float *c, int wide, int tall, uint32_t *out)
 }
 
 static bool write_texture(const struct pel_model_texture *t,
-                          const float albedo[3], uint32_t *out)
+                          const struct pel_model_material *of, uint32_t *out)
 {
     int wide = log_of(t->width), tall = log_of(t->height);
     int w = 1 << wide, h = 1 << tall;
-    float *c = malloc((size_t)w * (size_t)h * 3 * sizeof *c);
+    float *c = malloc((size_t)w * (size_t)h * 4 * sizeof *c);
     double linear[256], m[9];
     if (!c) {
         return false;
@@ -187,12 +211,14 @@ static bool write_texture(const struct pel_model_texture *t,
     }
     reflectance_matrix(m);
     for (int i = 0; i < w * h; i++) {
-        double colour[3];
-        resample(t, linear, i % w, i / w, w, h, colour);
+        double colour[4];
+        resample(t, (double)of->alpha_cutoff, linear, i % w, i / w, w, h,
+                 colour);
         for (int k = 0; k < 3; k++) {
-            colour[k] *= (double)albedo[k];
+            colour[k] *= (double)of->albedo[k];
         }
-        reflect(m, colour, c + 3 * i);
+        reflect(m, colour, c + 4 * i);
+        c[4 * i + 3] = (float)colour[3];
     }
     write_levels(c, wide, tall, out);
     free(c);
@@ -219,7 +245,7 @@ bool pel_model_paint_write(const struct pel_model *m, uint32_t first,
         }
         const struct pel_model_texture *t = &m->textures[from->texture];
         int wide = log_of(t->width), tall = log_of(t->height);
-        if (!write_texture(t, from->albedo, out + 4 * at)) {
+        if (!write_texture(t, from, out + 4 * at)) {
             return false;
         }
         to[0] = (float)(first + at);

@@ -2,6 +2,7 @@
  * four words behind the triangles' (lib/paint.glsl). Any thread. */
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -12,6 +13,9 @@
  * colour, 0..1. */
 void pel_model_reflectance(const float colour[3], float out[3]);
 
+/* Whether a material is alpha-tested. */
+bool pel_model_has_holes(const struct pel_model *model);
+
 /* How many texels of four words they take; 0: no material has any. */
 size_t pel_model_paint_size(const struct pel_model *model);
 
@@ -19,6 +23,7 @@ size_t pel_model_paint_size(const struct pel_model *model);
  * texel and size of each material's into words 6 and 7 of its
  * PEL_OBJECT_MATERIAL_TEXELS, 0 where it has none. A texture is resampled to
  * powers of two, multiplied by the material's colour, and halved down to one
- * texel; square roots of reflectances in bytes. `out` 0: no memory. */
+ * texel; square roots of reflectances in bytes, in the fourth the share that is
+ * no hole. `out` 0: no memory. */
 bool pel_model_paint_write(const struct pel_model *model, uint32_t first,
                            uint32_t *out, float *materials);

@@ -229,6 +229,8 @@ static bool fill(struct pel_model_pool *pool)
         p->first_vertex = vertex;
         p->first_material = material;
         p->one_sided = is_one_sided(m);
+        p->holed = pel_model_has_holes(m);
+        pool->holed = pool->holed || p->holed;
         write_vertices(m, v + 4 * PEL_OBJECT_VERTEX_TEXELS * (size_t)vertex);
         write_materials(m,
                         w + 4 * PEL_OBJECT_MATERIAL_TEXELS * (size_t)material);

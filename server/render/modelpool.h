@@ -15,6 +15,7 @@ struct pel_pool_model {
     uint32_t first_triangle[PEL_MODEL_LEVELS];
     float plan[4];  /* of its hull's texels: xy least, m; zw 1 / extent, 1/m */
     float paint[3]; /* mean albedo of its hull under the waterline */
+    bool holed;     /* some material is alpha-tested */
     bool one_sided; /* all its triangles: their backs are not drawn */
 };
 
@@ -25,6 +26,7 @@ struct pel_model_pool {
     GLuint buffers[3], texels[3]; /* vertices, triangles, materials */
     GLuint hulls;  /* from below; then, as many layers on, from the sides */
     bool textured; /* some material is */
+    bool holed;
 };
 
 /* Brings the buffers to hold every model of `env`. NO_MEMORY with a fault. */

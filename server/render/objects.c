@@ -38,14 +38,16 @@ void pel_objects_finish(struct pel_objects *o)
     pel_mirrors_finish(&o->mirrors);
     glDeleteFramebuffers(PEL_OBJECT_SHADOWS, o->shadow_fbos);
     glDeleteTextures(1, &o->shadows);
-    glDeleteProgram(o->shadow_program);
     glDeleteTextures(1, &o->places);
     glDeleteTextures(1, &o->surroundings);
     glDeleteBuffers(1, &o->ambient);
     glDeleteProgram(o->surroundings_program);
     glDeleteProgram(o->ambient_program);
-    glDeleteProgram(o->raster);
-    glDeleteProgram(o->raster_keys);
+    for (int h = 0; h < 2; h++) {
+        glDeleteProgram(o->shadow_program[h]);
+        glDeleteProgram(o->raster[h]);
+        glDeleteProgram(o->raster_keys[h]);
+    }
     delete_shading(o);
     pel_samples_finish(&o->samples);
     *o = (struct pel_objects){ 0 };
@@ -110,6 +112,29 @@ static enum pel_err need_shading(struct pel_objects *o,
                                     "objects.frag", defines, program, fault);
 }
 
+/* Of models without holes or with. */
+static enum pel_err need_raster(struct pel_objects *o,
+                                const struct pel_programs *p, bool middles,
+                                int holed, struct pel_fault *fault)
+{
+    GLuint *raster = p->compute ? &o->raster_keys[holed] : &o->raster[holed];
+    enum pel_err err = PEL_OK;
+    char defines[64];
+    snprintf(defines, sizeof defines, "%s%s",
+             p->compute ? "#define PEL_KEYS\n" : "",
+             holed ? "#define PEL_HOLES\n" : "");
+    if (middles && !*raster) {
+        err = pel_program_create(p->shader_dir, "object.vert", "object.frag",
+                                 defines, raster, fault);
+    }
+    if (err == PEL_OK && !o->shadow_program[holed]) {
+        err = pel_program_create(p->shader_dir, "shadow.vert", "shadow.frag",
+                                 holed ? "#define PEL_HOLES\n" : NULL,
+                                 &o->shadow_program[holed], fault);
+    }
+    return err;
+}
+
 enum pel_err pel_objects_fit(struct pel_objects *o,
                              const struct pel_environment *env,
                              struct pel_programs *p, struct pel_fault *fault)
@@ -138,15 +163,12 @@ enum pel_err pel_objects_need(struct pel_objects *o,
                               enum pel_shading kind, struct pel_fault *fault)
 {
     enum pel_err err = PEL_OK;
-    GLuint *raster = p->compute ? &o->raster_keys : &o->raster;
     bool middles = kind >= PEL_SHADE_LAYERS;
-    if (err == PEL_OK && middles && !*raster) {
-        err = pel_program_create(p->shader_dir, "object.vert", "object.frag",
-                                 p->compute ? "#define PEL_KEYS\n" : NULL,
-                                 raster, fault);
+    for (int h = 0; h < (o->pool.holed ? 2 : 1) && err == PEL_OK; h++) {
+        err = need_raster(o, p, middles, h, fault);
     }
     if (err == PEL_OK) {
-        err = pel_samples_need(&o->samples, p, fault);
+        err = pel_samples_need(&o->samples, p, o->pool.holed, fault);
     }
     const int land = env->sea->cascades ? 2 : 1;
     for (int k = 0; k < 4 && err == PEL_OK && !p->compute; k++) {
@@ -165,12 +187,9 @@ enum pel_err pel_objects_need(struct pel_objects *o,
                                  &o->ambient_program, fault);
     }
     if (err == PEL_OK) {
-        err = pel_mirrors_need(&o->mirrors, p->shader_dir, p->textured,
-                               pel_light_defines(p->light), fault);
-    }
-    if (err == PEL_OK && !o->shadow_program) {
-        err = pel_program_create(p->shader_dir, "shadow.vert", "shadow.frag",
-                                 NULL, &o->shadow_program, fault);
+        err =
+            pel_mirrors_need(&o->mirrors, p->shader_dir, p->textured,
+                             o->pool.holed, pel_light_defines(p->light), fault);
     }
     if (err == PEL_OK && !o->surroundings) {
         make_surroundings(o);
@@ -403,7 +422,6 @@ static void draw_shadows(struct pel_objects *o)
 {
     static const GLfloat far_away = 1.0f;
     glDepthFunc(GL_LESS);
-    glUseProgram(o->shadow_program);
     glEnable(GL_POLYGON_OFFSET_FILL);
     glPolygonOffset(1.0f, 0.0f);
     for (int i = 0; i < o->drawn_count; i++) {
@@ -417,6 +435,7 @@ static void draw_shadows(struct pel_objects *o)
         glViewport(0, 0, PEL_SHADOW_SIZE, PEL_SHADOW_SIZE);
         glClearNamedFramebufferfv(fbo, GL_DEPTH, 0, &far_away);
         glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
+        glUseProgram(o->shadow_program[o->pool.models[d->model].holed]);
         draw_fronts(o, i, GL_CCW);
         draw_level(o, i, d->shadow_level);
     }
@@ -433,8 +452,9 @@ static void draw_mirrored(struct pel_objects *o)
             if (count++ == 0) {
                 pel_mirrors_begin(&o->mirrors);
             }
-            pel_mirrors_draw(&o->mirrors, o->drawn[i].slot,
-                             o->drawn[i].image.part, draw_image, o, i);
+            pel_mirrors_draw(
+                &o->mirrors, o->drawn[i].slot, o->drawn[i].image.part,
+                o->pool.models[o->drawn[i].model].holed, draw_image, o, i);
         }
     }
     if (count > 0) {
@@ -445,8 +465,7 @@ static void draw_mirrored(struct pel_objects *o)
 }
 
 /* What the middles of pixels show. */
-static void draw_middles(struct pel_objects *o, GLsizei width, GLsizei height,
-                         bool keys)
+static void draw_middles(struct pel_objects *o, GLsizei width, GLsizei height)
 {
     static const GLfloat far_away = 0.0f;
     static const GLuint none[4] = { 0 };
@@ -459,16 +478,20 @@ static void draw_middles(struct pel_objects *o, GLsizei width, GLsizei height,
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, o->fbo);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    glUseProgram(keys ? o->raster_keys : o->raster);
 }
 
-static void draw_seen(struct pel_objects *o, const struct pel_block_view *view)
+static void draw_seen(struct pel_objects *o, const struct pel_block_view *view,
+                      const GLuint programs[2])
 {
-    open_window(view);
-    for (int i = 0; i < o->drawn_count; i++) {
-        if (o->drawn[i].seen) {
-            draw_fronts(o, i, GL_CW);
-            draw_level(o, i, o->drawn[i].level);
+    for (int h = 0; h < (o->pool.holed ? 2 : 1); h++) {
+        glUseProgram(programs[h]);
+        open_window(view);
+        for (int i = 0; i < o->drawn_count; i++) {
+            const struct pel_object_drawn *d = &o->drawn[i];
+            if (d->seen && o->pool.models[d->model].holed == h) {
+                draw_fronts(o, i, GL_CW);
+                draw_level(o, i, d->level);
+            }
         }
     }
     glDisable(GL_CULL_FACE);
@@ -484,11 +507,11 @@ void pel_objects_raster(struct pel_objects *o,
     bind_places(o, env, camera, arena);
     pel_model_pool_bind(&o->pool);
     if (middles) {
-        draw_middles(o, width, height, keys);
-        draw_seen(o, view);
+        draw_middles(o, width, height);
+        draw_seen(o, view, keys ? o->raster_keys : o->raster);
     }
     pel_samples_begin(&o->samples, width, height, box);
-    draw_seen(o, view);
+    draw_seen(o, view, o->samples.raster);
     pel_samples_sight(&o->samples, box);
     glEnable(GL_SCISSOR_TEST);
     glEnable(GL_DEPTH_TEST);

@@ -49,13 +49,14 @@ struct pel_objects {
     bool light_made;
     GLuint surroundings_program, ambient_program;
     enum pel_programs_light light; /* that its programs are for */
-    GLuint raster, raster_keys;    /* the sea from a texture, from keys */
+    /* The sea from a texture, from keys; the second leaves out holes. */
+    GLuint raster[2], raster_keys[2];
     /* As fragments: what middles show, light of samples; without land that
      * may hide them, in seas of either kind. */
     GLuint shade[2][3][PEL_SHADE_COUNT];
     struct pel_samples samples;
     struct pel_mirrors mirrors;
-    GLuint shadow_program, shadows, shadow_fbos[PEL_OBJECT_SHADOWS];
+    GLuint shadow_program[2], shadows, shadow_fbos[PEL_OBJECT_SHADOWS];
     uint32_t width, height;
     GLuint seen, depth, fbo;
     /* Of the picture being drawn. */

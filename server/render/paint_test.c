@@ -11,8 +11,8 @@ static struct pel_sea sea;
 
 /* A wall 20 m wide and 12 m high across the bow's axis, u to the right as the
  * stern sees it. */
-static const struct pel_model *wall(const struct pel_model_texture *texture,
-                                    float turns)
+static const struct pel_model *
+wall_with(const struct pel_model_texture *texture, float turns, float cutoff)
 {
     struct pel_shape shape = { .name = "wall" };
     struct pel_model_draft draft;
@@ -21,6 +21,7 @@ static const struct pel_model *wall(const struct pel_model_texture *texture,
     struct pel_model_material material = { .name = "painted",
                                            .albedo = { 1, 1, 1 },
                                            .roughness = 1,
+                                           .alpha_cutoff = cutoff,
                                            .two_sided = true };
     material.texture = texture ? pel_shape_texture(&shape, texture) : -1;
     int paint = pel_shape_material(&shape, &material);
@@ -40,6 +41,12 @@ static const struct pel_model *wall(const struct pel_model_texture *texture,
     pel_model_draft_clear(&draft);
     pel_shape_clear(&shape);
     return model;
+}
+
+static const struct pel_model *wall(const struct pel_model_texture *texture,
+                                    float turns)
+{
+    return wall_with(texture, turns, 0.0f);
 }
 
 /* Its albedo where a camera 6 m high looks north at it; width x width. */
@@ -170,12 +177,97 @@ static void plain_paint_stays(void **state)
     pel_model_unref(painted);
 }
 
+/* A wall of bars: the layer `id` shows what rays meet, holes left out. */
+static void holes_are_where_rays_pass(void **state)
+{
+    (void)state;
+    enum { WIDTH = 128 };
+    static uint8_t texels[16 * 16 * 4];
+    static float seen[3 * WIDTH * WIDTH];
+    for (int i = 0; i < 16 * 16; i++) {
+        memset(&texels[4 * i], 200, 3);
+        texels[4 * i + 3] = i % 16 / 4 % 2 || i / 16 < 3 ? 200 : 90;
+    }
+    const struct pel_model_texture t = { 16, 16, texels };
+    const struct pel_model *model = wall_with(&t, 2.0f, 0.5f);
+    look(model, 30.0, WIDTH, seen);
+    int there = 0, holes = 0, wrong = 0;
+    for (int y = 0; y < WIDTH / 2; y++) { /* above the sea */
+        for (int x = 0; x < WIDTH; x++) {
+            double tan_half = tan(20 * PEL_DEG);
+            double right = tan_half * (x + 0.5 - WIDTH / 2.0) / (WIDTH / 2.0);
+            double up = -tan_half * (y + 0.5 - WIDTH / 2.0) / (WIDTH / 2.0);
+            const struct pel_vec3 from = { -30, 0, 6 };
+            const struct pel_vec3 way =
+                pel_vec3_normalize((struct pel_vec3){ 1, -right, up });
+            struct pel_model_hit hit;
+            bool met = pel_model_cast(model, from, way, 100.0, &hit);
+            bool within = fabs(30 * right) < 10 && 6 + 30 * up < 12;
+            bool drawn = seen[3 * (y * WIDTH + x)] >= 0;
+            there += met;
+            holes += within && !met;
+            wrong += met != drawn;
+        }
+    }
+    /* Filtering rounds the 16 corners of holes, a pixel each at most. */
+    printf("%d met, %d in holes, %d wrong\n", there, holes, wrong);
+    assert_true(there > 1000 && holes > 1000);
+    assert_true(wrong <= 16);
+    pel_model_unref(model);
+}
+
+/* Bars far narrower than a pixel: half of the light behind them is seen. */
+static void narrow_holes_let_their_share_by(void **state)
+{
+    (void)state;
+    enum { WIDTH = 96 };
+    static uint8_t texels[SIDE * SIDE * 4];
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        memset(&texels[4 * i], 0, 3); /* black */
+        texels[4 * i + 3] = i % 2 ? 255 : 0;
+    }
+    const struct pel_model_texture t = { SIDE, SIDE, texels };
+    const struct pel_model *models[2] = { wall_with(&t, 1.0f, 0.5f),
+                                          wall_with(&t, 1.0f, 0.0f) };
+    double light[3] = { 0 };
+    for (int k = 0; k < 3; k++) {
+        struct pel_environment env = test_environment(&sea, 0.0);
+        const struct pel_object object = {
+            .id = 3,
+            .model = models[k % 2],
+            .north_m = 60.0,
+            .world_from_model = { { 0, 1, 0 }, { -1, 0, 0 }, { 0, 0, 1 } },
+        };
+        env.objects = &object;
+        env.object_count = k < 2;
+        struct pel_camera c = test_camera(
+            (struct test_look){ 6.0, 0.0, 3.0, 0.0, 10.0, WIDTH, WIDTH });
+        struct pel_picture *p =
+            test_draw(renderer, &env, &c, PEL_LAYER_RADIANCE);
+        for (int y = 24; y < 48; y++) { /* of the wall before the sky */
+            for (int x = 32; x < 64; x++) {
+                light[k] += (double)p->radiance[4 * (y * WIDTH + x) + 1];
+            }
+        }
+        pel_picture_release(p);
+    }
+    double through = (light[0] - light[1]) / (light[2] - light[1]);
+    printf("%.3f of the sky is seen through\n", through);
+    assert_true(light[1] < 0.5 * light[2]);
+    assert_true(fabs(through - 0.5) < 0.02);
+    for (int k = 0; k < 2; k++) {
+        pel_model_unref(models[k]);
+    }
+}
+
 static void in_compute_too(void **state)
 {
     pel_renderer_destroy(renderer);
     renderer = test_renderer("compute");
     textures_are_seen(state);
     far_textures_are_their_mean(state);
+    holes_are_where_rays_pass(state);
+    narrow_holes_let_their_share_by(state);
 }
 
 static int begin(void **state)
@@ -190,6 +282,8 @@ int main(void)
         cmocka_unit_test(textures_are_seen),
         cmocka_unit_test(far_textures_are_their_mean),
         cmocka_unit_test(plain_paint_stays),
+        cmocka_unit_test(holes_are_where_rays_pass),
+        cmocka_unit_test(narrow_holes_let_their_share_by),
         cmocka_unit_test(in_compute_too),
     };
     return cmocka_run_group_tests(tests, begin, end_renderer);

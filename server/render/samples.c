@@ -9,7 +9,8 @@ void pel_samples_finish(struct pel_samples *s)
     const GLuint fbos[] = { s->fbo, s->cover_fbo };
     glDeleteTextures(4, textures);
     glDeleteFramebuffers(2, fbos);
-    glDeleteProgram(s->raster);
+    glDeleteProgram(s->raster[0]);
+    glDeleteProgram(s->raster[1]);
     glDeleteProgram(s->any);
     glDeleteProgram(s->sight);
     glDeleteProgram(s->hide);
@@ -17,7 +18,7 @@ void pel_samples_finish(struct pel_samples *s)
 }
 
 enum pel_err pel_samples_need(struct pel_samples *s,
-                              const struct pel_programs *p,
+                              const struct pel_programs *p, bool holed,
                               struct pel_fault *fault)
 {
     enum pel_err err = PEL_OK;
@@ -26,9 +27,12 @@ enum pel_err pel_samples_need(struct pel_samples *s,
         s->sight = 0;
     }
     s->by_keys = p->compute;
-    if (!s->raster) {
-        err = pel_program_create(p->shader_dir, "object.vert", "samples.frag",
-                                 NULL, &s->raster, fault);
+    for (int h = 0; h < (holed ? 2 : 1) && err == PEL_OK; h++) {
+        if (!s->raster[h]) {
+            err = pel_program_create(
+                p->shader_dir, "object.vert", "samples.frag",
+                h ? "#define PEL_HOLES\n" : NULL, &s->raster[h], fault);
+        }
     }
     if (err == PEL_OK && !s->any) {
         err = pel_program_create(p->shader_dir, "screen.vert", "any.frag", NULL,
@@ -107,7 +111,6 @@ void pel_samples_begin(struct pel_samples *s, GLsizei width, GLsizei height,
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, s->fbo);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    glUseProgram(s->raster);
 }
 
 void pel_samples_sight(struct pel_samples *s, const GLint box[4])

@@ -16,14 +16,15 @@ struct pel_samples {
     GLuint numbers, depths, fbo; /* entity and triangle, as render/objects.h */
     GLuint cover, cover_fbo;     /* bits of samples that show objects */
     GLuint shown;                /* depth: 0 where none is, else 1 */
-    GLuint raster, any, sight, hide; /* programs */
-    bool by_keys;                    /* `sight` reads the sea from keys */
+    GLuint raster[2];            /* programs; the second leaves out holes */
+    GLuint any, sight, hide;
+    bool by_keys; /* `sight` reads the sea from keys */
 };
 
 /* GPU with a fault when a program does not compile. */
 PEL_CHECK enum pel_err pel_samples_need(struct pel_samples *s,
                                         const struct pel_programs *programs,
-                                        struct pel_fault *fault);
+                                        bool holed, struct pel_fault *fault);
 void pel_samples_finish(struct pel_samples *s);
 
 /* Ready to draw objects' triangles into a picture of so many pixels, of which

@@ -163,7 +163,7 @@ object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
     float nv = max(dot(n, v), 1e-3);
 #ifdef PEL_TEXTURED
     if (finish.w > 0.0) {
-        paint.rgb = paint_at(finish.zw, s.uv, s.per_m * length(place) * pixel.y * inversesqrt(nv));
+        paint.rgb = paint_at(finish.zw, s.uv, s.per_m * length(place) * pixel.y * inversesqrt(nv)).rgb;
     }
 #endif
     vec3 f0 = mix(vec3(0.04), paint.rgb, metal);

@@ -1,16 +1,16 @@
 // Textures of objects (render/modelpaint.h): reflectances by square roots in
-// bytes, four texels a texel of the triangles' buffer, each level of detail half
+// bytes and the share that is no hole, four texels a texel of the triangles' buffer, each level of detail half
 // as wide; a header says where it begins.
 
-vec3 paint_texel(int first, int start, ivec2 bits, ivec2 at)
+vec4 paint_texel(int first, int start, ivec2 bits, ivec2 at)
 {
     ivec2 place = at & ((ivec2(1) << bits) - 1);
     int i = (place.y << bits.x) + place.x;
-    vec3 root = unpackUnorm4x8(texelFetch(object_triangles, first + start + (i >> 2))[i & 3]).rgb;
-    return root * root;
+    vec4 root = unpackUnorm4x8(texelFetch(object_triangles, first + start + (i >> 2))[i & 3]);
+    return vec4(root.rgb * root.rgb, root.a);
 }
 
-vec3 paint_level(int first, ivec2 size, int level, vec2 uv)
+vec4 paint_level(int first, ivec2 size, int level, vec2 uv)
 {
     int start = int(texelFetch(object_triangles, first + (level >> 2))[level & 3]);
     ivec2 bits = max(size - level, ivec2(0));
@@ -23,7 +23,7 @@ vec3 paint_level(int first, ivec2 size, int level, vec2 uv)
 }
 
 // `wide`: of what the pixel sees, in uv. A float holds whole numbers to 2^24.
-vec3 paint_at(vec2 texture_, vec2 uv, float wide)
+vec4 paint_at(vec2 texture_, vec2 uv, float wide)
 {
     int first = int(texture_.x);
     int packed_ = int(texture_.y) - 1;
