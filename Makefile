@@ -413,18 +413,18 @@ $(O)/bin/airtrace_test: $(call obj,$(AIRTRACE))
 $(O)/bin/airours: $(OBJ)/tests/validate/airtrace/airours.o $(OBJ)/libserver.a
 	$(LINK) -lm
 
-VALIDATE_PARTS := sea sky drawn numbers eye foam ship
+VALIDATE_PARTS := sea sky drawn numbers eye foam night ship
 VALIDATE_BIN := $(addprefix $(O)/bin/,seatrace shiptrace airours validate_water brdf_test facets_test \
     directional_test ndbc_test welch_test cascade_test probe_test shimmer_test drawn_test)
 .PHONY: validate $(addprefix validate-,$(VALIDATE_PARTS))
 validate: deps-build ## light, waves, water, eye, ships against references: tables and plots in build/validate/ (ARGS=--quick: a minute)
 	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)
 	$(Q)/usr/bin/python3 -B tests/validate/validate.py $(ARGS)
-$(addprefix validate-,$(VALIDATE_PARTS)): validate-%: deps-build ## one part: sea sky drawn numbers eye foam ship, or water
+$(addprefix validate-,$(VALIDATE_PARTS)): validate-%: deps-build ## one part: sea sky drawn numbers eye foam night ship, or water
 	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)
 	$(Q)/usr/bin/python3 -B tests/validate/validate.py $(ARGS) $*
 
-.PHONY: validate-water validate-seatrace airtable sheet beaufort-sheet
+.PHONY: validate-water validate-seatrace airtable sheet beaufort-sheet day-sheet
 validate-water: deps-build ## light in the water against Monte Carlo (ARGS=--quick, --sampling, --slopes)
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/validate_water
 	$(O)/bin/validate_water $(ARGS)
@@ -442,6 +442,10 @@ sheet: deps-build ## 24 scenes on one sheet, with figures: build/sheet.jpg
 beaufort-sheet: deps-build ## the sea of Beaufort 0 to 11 on one sheet: build/beaufort.jpg
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/validate/beaufort.py $(ARGS)
+
+day-sheet: deps-build ## 24 hours of a day with a full Moon on one sheet: build/day.jpg (ARGS=--dark: at new Moon)
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/validate/daysheet.py $(ARGS)
 
 .PHONY: soak
 soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers

@@ -33,13 +33,15 @@ float smith_fresnel(vec3 view, vec2 variance)
     return reflected / seen;
 }
 
+layout(location = 2) uniform int sun; // its place among the lights
+
 void main()
 {
     const vec3 n = vec3(0.0, 0.0, 1.0);
     vec3 tx = vec3(wind.xy, 0.0);
     vec3 ty = cross(n, tx);
     vec3 view = vec3(dot(direction, tx), dot(direction, ty), max(direction.z, 1e-3));
-    vec3 to = lights[PEL_LIGHT_FIRST].direction.xyz;
+    vec3 to = lights[sun].direction.xyz;
     vec3 light = vec3(dot(to, tx), dot(to, ty), to.z);
     float s_view = sqrt(directional_variance(view, slopes));
     float s_light = sqrt(directional_variance(light, slopes));
@@ -48,7 +50,7 @@ void main()
     answer[0] = vec4(smith_lambda_cos(view.z, s_view) / view.z,
                      smith_lambda_cos(light.z, s_light) / max(light.z, 1e-4),
                      smith_fresnel(view, slopes), seen.g);
-    float reflected = reflected_light(view, light, slopes, lights[PEL_LIGHT_FIRST].limb.w, vec2(0.0), vec2(0.0), 0.0,
+    float reflected = reflected_light(view, light, slopes, lights[sun].limb.w, vec2(0.0), vec2(0.0), 0.0,
                                       patch_frame(mat3(tx, ty, n), NOT_PRESSED, 0.0)).g;
     vec3 h = normalize(view + light);
     answer[1] = vec4(h.z, reflected / max(light.z, 1e-4), reflected, facet_reflectance(dot(view, h)).g);
@@ -59,5 +61,5 @@ void main()
     answer[4] = vec4(direction.z < horizon ? vec3(0.0)
                                            : transmittance_to_top(transmittance, eye.x, direction.z), 0.0);
     answer[5] = vec4(light_transmittance(transmittance, eye.x, to.z,
-                                         lights[PEL_LIGHT_FIRST].direction.w), 0.0);
+                                         lights[sun].direction.w), 0.0);
 }

@@ -46,6 +46,12 @@ static void print_sky(const Pelagos__SkyLight *s)
     print_three("transmittance", "to space", s->transmittance);
     print_three("Sun's transmittance", "", s->sun_transmittance);
     print_three("Sun's irradiance", "W/m2/nm", s->sun_irradiance);
+    if (s->n_moon_irradiance == 3) {
+        print_three("Moon's irradiance", "W/m2/nm", s->moon_irradiance);
+    }
+    if (s->n_night_radiance == 3 && s->night_radiance[1] > 0) {
+        print_three("of it the night's own", "W/m2/sr/nm", s->night_radiance);
+    }
     print_one("sky luminance", s->has_luminance, s->luminance, "cd/m2");
 }
 
@@ -65,6 +71,10 @@ static void print_answer(const Pelagos__Optics *o)
     printf("from %s, Sun at %.3f deg, azimuth %.3f deg\n",
            o->from == PELAGOS__OPTICS_SOURCE__GPU ? o->device : "the reference",
            o->sun_elevation, o->sun_azimuth);
+    if (o->has_moon_elevation) {
+        printf("Moon at %.3f deg, azimuth %.3f deg, %.1f %% lit\n",
+               o->moon_elevation, o->moon_azimuth, 100.0 * o->moon_phase);
+    }
     if (o->answer_case == PELAGOS__OPTICS__ANSWER_SKY) {
         print_sky(o->sky);
     } else {

@@ -147,6 +147,7 @@ struct pel_optics_query {
     bool gpu;
     struct pel_probe probe;
     struct pel_probe_answer answer;
+    struct pel_rgb night; /* of the sky's radiance, the night's own */
     struct pel_water_question water;
     enum pel_err err;
     struct pel_fault fault;
@@ -157,6 +158,9 @@ struct pel_optics_query {
 PEL_CHECK enum pel_err pel_optics_water(struct pel_optics_query *query);
 /* Answers from the reference; any thread. */
 void pel_optics_reference(struct pel_optics_query *query);
+
+/* Adds what the night's sky has to an answer that lacks it, some 10 ms. */
+void pel_optics_add_night(struct pel_optics_query *query);
 
 /* Slopes that the query leaves open are taken from the sea, which the answering
  * thread builds where it is not built yet. */

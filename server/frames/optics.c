@@ -122,15 +122,61 @@ static struct pel_vec3 in_wind(const struct pel_environment *env,
     return (struct pel_vec3){ c * v.x + s * v.y, c * v.y - s * v.x, v.z };
 }
 
+static struct pel_rgb plus(struct pel_rgb a, struct pel_rgb b)
+{
+    return (struct pel_rgb){ a.r + b.r, a.g + b.g, a.b + b.b };
+}
+
+/* Of the Moon's light above the air, over the Sun's. */
+static struct pel_rgb moon_over_sun(const struct pel_environment *env)
+{
+    const struct pel_rgb m = pel_light_bodies[PEL_LIGHT_MOON].irradiance,
+                         s = pel_light_bodies[PEL_LIGHT_SUN].irradiance;
+    double k = env->lights[PEL_LIGHT_MOON].strength;
+    return (struct pel_rgb){ k * m.r / s.r, k * m.g / s.g, k * m.b / s.b };
+}
+
+void pel_optics_add_night(struct pel_optics_query *query)
+{
+    const struct pel_environment *env = &query->environment;
+    bool sky = query->question == PELAGOS__OPTICS_QUERY__QUESTION_SKY;
+    struct pel_night_map *map =
+        sky && env->night.on ? malloc(sizeof *map) : NULL;
+    if (map) {
+        struct pel_rgb *radiance = &query->answer.sky.radiance;
+        pel_night_map_make(&env->night, env->visibility_m, map);
+        query->night = pel_night_seen(map, query->probe.dir, false);
+        *radiance =
+            plus(*radiance, pel_night_seen(map, query->probe.dir, query->gpu));
+        free(map);
+    }
+}
+
+static enum pel_err sky_of_all(const struct pel_environment *env,
+                               const struct pel_probe *p,
+                               struct pel_sky_terms *out)
+{
+    enum pel_err err = pel_sky_terms(env->visibility_m, p->height_m, p->dir,
+                                     env->lights[PEL_LIGHT_SUN].direction, out);
+    if (err == PEL_OK && env->lights[PEL_LIGHT_MOON].strength > 0.0) {
+        struct pel_sky_terms moon;
+        struct pel_rgb k = moon_over_sun(env);
+        err = pel_sky_terms(env->visibility_m, p->height_m, p->dir,
+                            env->lights[PEL_LIGHT_MOON].direction, &moon);
+        const struct pel_rgb r = moon.radiance;
+        out->radiance = plus(
+            out->radiance, (struct pel_rgb){ k.r * r.r, k.g * r.g, k.b * r.b });
+    }
+    return err;
+}
+
 void pel_optics_reference(struct pel_optics_query *query)
 {
     const struct pel_environment *env = &query->environment;
     const struct pel_probe *p = &query->probe;
     pel_optics_settle(query);
     if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_SKY) {
-        query->err = pel_sky_terms(env->visibility_m, p->height_m, p->dir,
-                                   env->lights[PEL_LIGHT_SUN].direction,
-                                   &query->answer.sky);
+        query->err = sky_of_all(env, p, &query->answer.sky);
     } else if (query->question == PELAGOS__OPTICS_QUERY__QUESTION_WATER) {
         query->err = pel_optics_water(query);
     } else {
@@ -142,6 +188,7 @@ void pel_optics_reference(struct pel_optics_query *query)
     if (query->err != PEL_OK) {
         pel_fault_set(&query->fault, query->err, "out of memory");
     }
+    pel_optics_add_night(query);
 }
 
 /* --- the answer as a message ---------------------------------------------- */
@@ -182,6 +229,22 @@ static void set_list(size_t *n, double **list, struct pel_rgb c)
     *list = v;
 }
 
+static double luminance_of(const struct pel_environment *env,
+                           struct pel_rgb radiance)
+{
+    struct pel_light lights[PEL_LIGHTS];
+    memcpy(lights, env->lights, sizeof lights);
+    struct pel_lights_shown shown = pel_lights_order(lights);
+    double m[9];
+    pel_lights_colours(lights, shown.lit, env->night.on, m);
+    const double c[3] = { radiance.r, radiance.g, radiance.b };
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++) {
+        sum += (0.2126 * m[k] + 0.7152 * m[3 + k] + 0.0722 * m[6 + k]) * c[k];
+    }
+    return sum;
+}
+
 static Pelagos__SkyLight *sky_message(const struct pel_optics_query *q)
 {
     const struct pel_sky_terms *t = &q->answer.sky;
@@ -196,10 +259,16 @@ static Pelagos__SkyLight *sky_message(const struct pel_optics_query *q)
     set_list(&out->n_transmittance, &out->transmittance, t->transmittance);
     set_list(&out->n_sun_transmittance, &out->sun_transmittance, s);
     set_list(&out->n_sun_irradiance, &out->sun_irradiance, e);
-    /* Luminance is to radiance what illuminance is to irradiance. */
-    SET(out, luminance,
-        pel_colour_illuminance(
-            t->radiance, q->environment.lights[PEL_LIGHT_SUN].direction.z));
+    const struct pel_environment *env = &q->environment;
+    set_list(&out->n_night_radiance, &out->night_radiance, q->night);
+    if (env->lights[PEL_LIGHT_MOON].strength > 0.0) {
+        struct pel_rgb k = moon_over_sun(env);
+        e = pel_atmosphere_sun_irradiance(
+            &air, q->probe.height_m, env->lights[PEL_LIGHT_MOON].direction);
+        e = (struct pel_rgb){ k.r * e.r, k.g * e.g, k.b * e.b };
+        set_list(&out->n_moon_irradiance, &out->moon_irradiance, e);
+    }
+    SET(out, luminance, luminance_of(env, t->radiance));
     return out;
 }
 
@@ -224,6 +293,14 @@ static Pelagos__Optics *message(const struct pel_frames *frames,
     }
     SET(out, sun_elevation, asin(pel_clamp(sun.z, -1.0, 1.0)) / PEL_DEG);
     SET(out, sun_azimuth, azimuth < 0.0 ? azimuth + 360.0 : azimuth);
+    const struct pel_light *moon = &q->environment.lights[PEL_LIGHT_MOON];
+    if (moon->strength > 0.0) {
+        struct pel_vec3 to = moon->direction;
+        azimuth = atan2(to.x, to.y) / PEL_DEG;
+        SET(out, moon_elevation, asin(pel_clamp(to.z, -1.0, 1.0)) / PEL_DEG);
+        SET(out, moon_azimuth, azimuth < 0.0 ? azimuth + 360.0 : azimuth);
+        SET(out, moon_phase, 0.5 - 0.5 * pel_vec3_dot(moon->source, to));
+    }
     if (q->gpu) {
         out->device = strdup(pel_frames_device(frames));
     }

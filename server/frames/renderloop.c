@@ -413,6 +413,7 @@ static void answer_optics(struct pel_renderloop *loop,
             break;
         }
     }
+    pel_optics_add_night(query);
     pel_mailbox_post(loop->box, &query->mail);
 }
 

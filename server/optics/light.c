@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "optics/colour.h"
 #include "optics/moon.h"
 
 /* Irradiance of magnitude 0 in V is 3.63e-11 W m⁻² nm⁻¹ at 550 nm (Bessell,
@@ -108,4 +109,39 @@ struct pel_lights_shown pel_lights_order(struct pel_light lights[PEL_LIGHTS])
     return by_sun <= PEL_LIGHT_LEAST * by_moon
                ? (struct pel_lights_shown){ 1, 1 }
                : (struct pel_lights_shown){ 2, 2 };
+}
+
+#define NIGHT_LX 1e-3  /* of its own light */
+#define STARS_SINE 0.7 /* of a Sun whose daylight has their spectrum */
+
+double pel_lights_level(const struct pel_light *lights, int lit, bool night)
+{
+    double level = night ? NIGHT_LX : 0.0;
+    for (int i = 0; i < lit; i++) {
+        level += pel_light_of(&lights[i]);
+    }
+    return level;
+}
+
+void pel_lights_colours(const struct pel_light *lights, int lit, bool night,
+                        double m[9])
+{
+    pel_colour_matrix(lights[0].direction.z, m);
+    if (lit < 2 && !night) {
+        return;
+    }
+    double mixed[9] = { 0 }, sum = pel_lights_level(lights, lit, night);
+    for (int i = 0; i <= lit; i++) {
+        bool stars = i == lit;
+        double level = !stars  ? pel_light_of(&lights[i])
+                       : night ? NIGHT_LX
+                               : 0.0;
+        pel_colour_matrix(stars ? STARS_SINE : lights[i].direction.z, m);
+        for (int k = 0; k < 9; k++) {
+            mixed[k] += level * m[k];
+        }
+    }
+    for (int k = 0; k < 9; k++) {
+        m[k] = mixed[k] / sum;
+    }
 }

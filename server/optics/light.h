@@ -5,6 +5,8 @@
  * Any thread. */
 #pragma once
 
+#include <stdbool.h>
+
 #include "base/vec.h"
 #include "optics/atmosphere.h"
 #include "shaders/lib/blocks.h"
@@ -62,3 +64,10 @@ struct pel_lights_shown {
  * than that share itself. */
 #define PEL_LIGHT_LEAST 2e-4
 struct pel_lights_shown pel_lights_order(struct pel_light lights[PEL_LIGHTS]);
+
+/* Of ordered lights, `lit` of them, and of a night's own light: roughly what
+ * falls on the level sea [lx]; and the matrix of optics/colour.h for their
+ * light, each by its own elevation, mixed by their shares of it. */
+double pel_lights_level(const struct pel_light *lights, int lit, bool night);
+void pel_lights_colours(const struct pel_light *lights, int lit, bool night,
+                        double m[9]);

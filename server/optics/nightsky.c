@@ -224,3 +224,29 @@ void pel_night_map_make(const struct pel_night_sky *night, double visibility_m,
     pel_atmosphere_finish(air);
     free(air);
 }
+
+/* Linear between rows and columns, as shaders/lib/night.glsl. */
+struct pel_rgb pel_night_seen(const struct pel_night_map *map,
+                              struct pel_vec3 dir, bool off)
+{
+    if (dir.z < 0.0) {
+        return (struct pel_rgb){ 0, 0, 0 };
+    }
+    double row =
+        sqrt(asin(fmin(dir.z, 1.0)) / (0.5 * PEL_PI)) * (PEL_NIGHT_ROWS - 1);
+    double column = atan2(dir.y, dir.x) / (2.0 * PEL_PI) * PEL_NIGHT_COLUMNS +
+                    PEL_NIGHT_COLUMNS - 0.5;
+    int i = (int)fmin(row, PEL_NIGHT_ROWS - 2), j = (int)column;
+    double v[3], y = row - i, x = column - j;
+    for (int k = 0; k < 3; k++) {
+        double at[2];
+        for (int r = 0; r < 2; r++) {
+            const float(*here)[4] = map->off[i + r];
+            at[r] = (1 - x) * (double)here[j % PEL_NIGHT_COLUMNS][k] +
+                    x * (double)here[(j + 1) % PEL_NIGHT_COLUMNS][k] +
+                    (off ? 0.0 : (double)map->zonal[i + r][k]);
+        }
+        v[k] = (1 - y) * at[0] + y * at[1];
+    }
+    return (struct pel_rgb){ v[0], v[1], v[2] };
+}

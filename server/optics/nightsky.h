@@ -63,6 +63,11 @@ struct pel_night_map {
     struct pel_rgb air; /* that a long way through the air tends to */
 };
 
+/* Of the map, in a direction (unit, east, north, up): all of it, or what is
+ * more than its mean around the horizon there; below the horizon none. */
+struct pel_rgb pel_night_seen(const struct pel_night_map *map,
+                              struct pel_vec3 dir, bool off);
+
 /* What is seen from sea level through air of this visibility: above it times
  * its transmittance, and for the rest what the air scatters, whose source is
  * the mean of what comes from all sides, its own light too. Some 10 ms. */

@@ -35,7 +35,7 @@ static struct pel_rgb rgb(const GLfloat v[4])
     return (struct pel_rgb){ (double)v[0], (double)v[1], (double)v[2] };
 }
 
-void pel_prober_run(struct pel_prober *p, int lit,
+void pel_prober_run(struct pel_prober *p, int lit, int sun,
                     const struct pel_probe *probe, struct pel_probe_answer *out)
 {
     GLfloat v[PEL_PROBE_ANSWERS][4];
@@ -45,6 +45,7 @@ void pel_prober_run(struct pel_prober *p, int lit,
                        (GLfloat)probe->dir.z);
     glProgramUniform2f(program, 1, (GLfloat)probe->slope_along,
                        (GLfloat)probe->slope_cross);
+    glProgramUniform1i(program, 2, sun);
     glUseProgram(program);
     glDispatchCompute(1, 1, 1);
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);

@@ -29,7 +29,8 @@ PEL_CHECK enum pel_err pel_prober_init(struct pel_prober *p, int lit,
                                        struct pel_fault *fault);
 void pel_prober_finish(struct pel_prober *p);
 
-/* The blocks frame, eye, light, facets and the tables are bound. */
-void pel_prober_run(struct pel_prober *p, int lit,
+/* sun: its place among the lights. The blocks frame, eye, light, facets and the
+ * tables are bound. */
+void pel_prober_run(struct pel_prober *p, int lit, int sun,
                     const struct pel_probe *probe,
                     struct pel_probe_answer *out);

@@ -771,7 +771,8 @@ enum pel_err pel_renderer_probe(struct pel_renderer *r,
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                    sizeof eye);
     pel_sky_bind_eye(&r->sky, &here, table_height_m);
-    pel_prober_run(&r->prober, here.lit, probe, out);
+    pel_prober_run(&r->prober, here.lit, here.lights[0].body != PEL_LIGHT_SUN,
+                   probe, out);
     pel_arena_end(&r->arena);
     return PEL_OK;
 }

@@ -78,47 +78,10 @@ static struct pel_vec4 source_of(const struct pel_environment *env, int i)
     return vec4(at->source.x, at->source.y, at->source.z, fmax(dark, 1e-9));
 }
 
-#define NIGHT_LX 1e-3  /* of its own light */
-#define STARS_SINE 0.7 /* of a Sun whose daylight has their spectrum */
-
-/* Light on the level sea, roughly, lx. */
-static double level_of(const struct pel_environment *env)
-{
-    double level = env->night.on ? NIGHT_LX : 0.0;
-    for (int i = 0; i < env->lit; i++) {
-        level += pel_light_of(&env->lights[i]);
-    }
-    return level;
-}
-
-/* The lights' spectra by their shares of the light on the sea. */
-static void colours_of(const struct pel_environment *env, double m[9])
-{
-    pel_colour_matrix(env->lights[0].direction.z, m);
-    if (env->lit < 2 && !env->night.on) {
-        return;
-    }
-    double mixed[9] = { 0 }, sum = level_of(env);
-    for (int i = 0; i <= env->lit; i++) {
-        bool stars = i == env->lit;
-        const struct pel_light *at = &env->lights[stars ? 0 : i];
-        double level = !stars          ? pel_light_of(at)
-                       : env->night.on ? NIGHT_LX
-                                       : 0.0;
-        pel_colour_matrix(stars ? STARS_SINE : at->direction.z, m);
-        for (int k = 0; k < 9; k++) {
-            mixed[k] += level * m[k];
-        }
-    }
-    for (int k = 0; k < 9; k++) {
-        m[k] = mixed[k] / sum;
-    }
-}
-
 /* A half holds down to 6e-5 whole: so much light as by day at a thousand lx. */
 static struct pel_vec4 dusk_of(const struct pel_environment *env)
 {
-    double level = level_of(env);
+    double level = pel_lights_level(env->lights, env->lit, env->night.on);
     double power = level > 0.0 && level < 1e3 ? round(log2(1e3 / level)) : 0.0;
     power = fmin(power, 40.0);
     return vec4(exp2(power), exp2(-power), 0, 0);
@@ -142,7 +105,7 @@ void pel_fill_frame(const struct pel_environment *env,
     const double r0 = (PEL_WATER_INDEX - 1.0) / (PEL_WATER_INDEX + 1.0);
     double lives = env->time_s / PEL_GLINT_LIFE;
     double m[9];
-    colours_of(env, m);
+    pel_lights_colours(env->lights, env->lit, env->night.on, m);
     *out = (struct pel_block_frame){
         .wind = vec4(cos(env->wind_to_rad), sin(env->wind_to_rad),
                      env->sea->slope_variance_along,

@@ -3,7 +3,7 @@
 
     validate.py [--quick] [--assert] [--doc] [PART…]
 
-Runs the parts sea, sky, water, drawn, numbers, eye, foam, ship (all of them), each of
+Runs the parts sea, sky, water, drawn, numbers, eye, foam, night, ship (all of them), each of
 programs of its own, two programs at a time; shows their tables in turn, and
 ends with one table of all checks, their bars and what was found. --quick takes
 few rows and rays: a minute. --doc writes the rows of the parts that ran into
@@ -62,6 +62,7 @@ def parts(options):
                     if not (options.quick and test in SLOW)],
         "eye": [script("eye.py", options)],
         "foam": [script("foam.py", options)],
+        "night": [script("night.py", options)],
     }
 
 
@@ -337,6 +338,13 @@ def foam_checks(folder):
             yield tuple(check)
 
 
+def night_checks(folder):
+    found = read(folder, "night.json")
+    if found:
+        for check in found["checks"]:
+            yield tuple(check)
+
+
 def ship_checks(folder):
     found = read(folder, "shiptrace.json")
     for s in found["sums"] if found else ():
@@ -349,10 +357,10 @@ def ship_checks(folder):
 
 CHECKS = {"sea": sea_checks, "sky": sky_checks, "water": water_checks,
           "drawn": drawn_checks, "numbers": numbers_checks, "eye": eye_checks,
-          "foam": foam_checks, "ship": ship_checks}
+          "foam": foam_checks, "night": night_checks, "ship": ship_checks}
 RESULTS = {"sea": "seatrace-pm.json", "sky": "airsky-all.json",
            "water": "water.json", "drawn": "drawn.json", "eye": "eye.json",
-           "foam": "foam.json", "ship": "shiptrace.json"}
+           "foam": "foam.json", "night": "night.json", "ship": "shiptrace.json"}
 HEAD = ["| part | check | bar | found | |", "|---|---|---|---|---|"]
 
 
