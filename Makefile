@@ -167,7 +167,7 @@ $(O)/flags: FORCE
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosctl \
     pelagos-seabed pelagos-model drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
-    any_raster validate_water seatrace airtrace airours shiptrace): $(O)/flags
+    any_raster validate_water seatrace airtrace airours shiptrace cloudtrace): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS)
@@ -275,7 +275,7 @@ TABLE_MANUALS := registers cigi nmea
 .PHONY: tests
 tests: $(TEST_BIN) $(TABLE_MANUALS:%=$(O)/bin/%_doc) \
     $(O)/bin/any_raster $(O)/bin/drawmodel $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/shiptrace $(O)/bin/airtrace \
-    $(O)/bin/airours $(O)/libpelagos.a \
+    $(O)/bin/airours $(O)/bin/cloudtrace $(O)/libpelagos.a \
     build/compile_commands.json ## build the test programs
 
 .PHONY: unit
@@ -413,6 +413,9 @@ $(O)/bin/airtrace_test: $(call obj,$(AIRTRACE))
 $(O)/bin/airours: $(OBJ)/tests/validate/airtrace/airours.o $(OBJ)/libserver.a
 	$(LINK) -lm
 
+$(O)/bin/cloudtrace: $(OBJ)/tests/validate/cloudtrace.o
+	$(LINK) -lm
+
 VALIDATE_PARTS := sea sky drawn numbers eye foam night ship
 VALIDATE_BIN := $(addprefix $(O)/bin/,seatrace shiptrace airours validate_water brdf_test facets_test \
     directional_test ndbc_test welch_test cascade_test probe_test shimmer_test drawn_test)
@@ -435,6 +438,12 @@ validate-seatrace: deps-build ## its part sea with options of its own, as ARGS='
 airtable: deps-build ## the sky's table anew by its Monte Carlo, about an hour of two cores
 	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/airtrace
 	$(Q)/usr/bin/python3 -B tests/validate/airtrace/airtable.py $(ARGS)
+.PHONY: validate-clouds
+validate-clouds: deps-build ## light through a slab of cloud by Monte Carlo, its own checks first (ARGS='--photons N'): build/validate/clouds.txt
+	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/cloudtrace
+	$(Q)mkdir -p build/validate
+	$(O)/bin/cloudtrace --check
+	$(O)/bin/cloudtrace $(ARGS) | tee build/validate/clouds.txt
 sheet: deps-build ## 24 scenes on one sheet, with figures: build/sheet.jpg
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/validate/sheet.py $(ARGS)
