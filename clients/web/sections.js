@@ -247,6 +247,11 @@ export class Sections {
     range("Glare, share of light", "glare", "", 0.005, { id: "glare" });
     this.check("view", "antialiasing", "Smooth outlines", { ...about,
       get: (s) => view(s)?.antialiasing, patch: patch("antialiasing") });
+    const kinds = this.fields.get("views.*.sensor.kind")?.values ?? [];
+    this.add(new Choice(byId("view"), { store: this.store, id: "sensor",
+      label: "Sensor", ...about, get: (s) => view(s)?.sensor?.kind ?? "",
+      options: [["", "none"], ...kinds.map((v) => [v, words(v)])],
+      patch: (v) => patch("sensor")(v ? { kind: v } : null) }), there);
     const level = button(byId("view"), "Ahead and level",
       "Look ahead, level, with a field of view of 60 degrees", () => {
         this.views.chosen?.look.want({ yaw: 0, pitch: 0, roll: 0,

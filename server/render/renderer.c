@@ -130,6 +130,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_targets_finish(&r->targets);
         pel_programs_finish(&r->programs);
         pel_meter_finish(&r->meter);
+        pel_sensing_finish(&r->sensing);
         pel_prober_finish(&r->prober);
         pel_water_prober_finish(&r->water_prober);
         pel_objects_finish(&r->objects);
@@ -324,7 +325,8 @@ static void bind_wash(struct pel_renderer *r, const struct pel_environment *env,
 static bool draws_edges(const struct pel_renderer *r,
                         const struct pel_camera *c)
 {
-    return c->antialiasing && pel_programs_have_edges(&r->programs);
+    bool thermal = pel_sensing_is(c) && c->sensor.sense == PEL_SENSE_THERMAL;
+    return c->antialiasing && !thermal && pel_programs_have_edges(&r->programs);
 }
 
 /* Outlines are mixed in radiance, and objects as fragments with what is behind
@@ -335,7 +337,8 @@ static unsigned to_shade(const struct pel_renderer *r,
 {
     bool mixed = draws_edges(r, &draw->camera) ||
                  (env->object_count && !r->programs.compute);
-    return mixed ? draw->layers | PEL_LAYER_RADIANCE : draw->layers;
+    unsigned layers = pel_sensing_layers(&draw->camera, draw->layers);
+    return mixed ? layers | PEL_LAYER_RADIANCE : layers;
 }
 
 /* Everything up to the colour; the camera stands above the sea's zero. What
@@ -444,7 +447,8 @@ static void draw_pixels(struct pel_renderer *r,
                    sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_VIEW, &view,
                    sizeof view);
-    if (asked & PEL_LAYER_COLOR || whole->auto_exposure) {
+    if (asked & PEL_LAYER_COLOR || whole->auto_exposure ||
+        pel_sensing_is(whole)) {
         expose(r, env, whole, submerged);
         pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                        sizeof eye);
@@ -506,6 +510,10 @@ static enum pel_err draw_view(struct pel_renderer *r,
     const struct pel_camera *c = &camera;
     struct pel_band band = pel_band_of(draw);
     draw_pixels(r, env, c, band, to_shade(r, env, draw));
+    if (pel_sensing_is(c) && draw->layers & PEL_LAYER_COLOR) {
+        const struct pel_camera part = pel_band_camera(c, band);
+        pel_shade_sense(r, env, &part);
+    }
     if (env->stale && draw->layers & PEL_LAYER_COLOR) {
         pel_mark_stale(r->targets.color_fbo, c->width, c->height, band.first,
                        band.rows, r->margin, env->stale);
@@ -611,6 +619,9 @@ static enum pel_err need_view(struct pel_renderer *r,
             }
         } while (err == PEL_OK && pel_pass_next(&pass, compute));
     } while (err == PEL_OK && compute != r->programs.compute);
+    if (err == PEL_OK) {
+        err = pel_sensing_need(&r->sensing, &r->programs, &draw->camera, fault);
+    }
     return err == PEL_OK && draws_edges(r, &draw->camera)
                ? pel_programs_need_edges(&r->programs, fault)
                : err;

@@ -16,6 +16,7 @@
 #include "render/programs.h"
 #include "render/readback.h"
 #include "render/seabedmap.h"
+#include "render/sensing.h"
 #include "render/shoremap.h"
 #include "render/sky.h"
 #include "render/stages.h"
@@ -45,6 +46,7 @@ struct pel_renderer {
     struct pel_sea_texels tables;
     struct pel_programs programs;
     struct pel_meter meter;
+    struct pel_sensing sensing;
     struct pel_prober prober;
     struct pel_water_prober water_prober;
     struct pel_wavefield wavefield;

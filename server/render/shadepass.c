@@ -359,3 +359,12 @@ void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c)
     glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
+
+void pel_shade_sense(struct pel_renderer *r, const struct pel_environment *env,
+                     const struct pel_camera *c)
+{
+    glDisable(GL_DEPTH_TEST);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
+    glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
+    pel_sensing_run(&r->sensing, &r->programs, env, c, r->targets.planes);
+}

@@ -10,6 +10,7 @@
 #include "render/programs.h"
 #include "scene/snapshot.h"
 
+struct pel_environment;
 struct pel_renderer;
 
 /* All passes of the layers asked for (PEL_LAYER_*), as fragments; true: with
@@ -32,5 +33,9 @@ void pel_shade_box(const struct pel_renderer *r, const struct pel_camera *c,
 
 /* Display colours from radiance. */
 void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c);
+
+/* The same of a sensor's picture (render/sensing.h). */
+void pel_shade_sense(struct pel_renderer *r, const struct pel_environment *env,
+                     const struct pel_camera *c);
 
 #endif

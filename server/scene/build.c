@@ -11,6 +11,7 @@
 #include "ocean/directional.h"
 #include "ocean/ndbc.h"
 #include "ocean/seastate.h"
+#include "optics/thermal.h"
 #include "scene/check.h"
 #include "scene/geodesy.h"
 #include "scene/ground.h"
@@ -317,17 +318,38 @@ static void open_view(const Pelagos__View *from, struct pel_view_state *to)
 }
 
 /* Gain and level of CIGI's sensors: half is as exposed. */
-static void place_sensor(const Pelagos__Sensor *from, struct pel_sensor *to)
+static void place_sensor(const Pelagos__Sensor *from, double water_c,
+                         struct pel_sensor *to)
 {
     double scale = from->auto_gain ? 1 : pow(4, 2 * from->gain - 1);
     double offset = from->auto_gain ? 0 : from->level - 0.5;
+    bool thermal = from->kind == PELAGOS__SENSOR_KIND__THERMAL;
     *to = (struct pel_sensor){
         .kind = from->on ? PEL_SENSOR_ON : PEL_SENSOR_OFF,
-        .scale = from->black_hot ? -scale : scale,
-        .offset = from->black_hot ? 1 - offset : offset,
         .noise = from->noise,
         .dropout = from->dropout,
+        .sense = (enum pel_sense)from->kind,
+        .exposure_s = from->exposure_time,
+        .f_number = from->f_number,
+        .phosphor = (int)from->phosphor,
+        .netd_k = from->netd,
+        .sea_k = PEL_KELVIN + water_c,
+        .air_k = PEL_KELVIN +
+                 (from->has_air_temperature ? from->air_temperature : water_c),
+        .humidity = from->humidity,
+        .cloud = from->cloud,
     };
+    if (thermal) {
+        /* Half white is the sea's temperature. */
+        to->span_k = from->has_span    ? from->span
+                     : from->auto_gain ? 0
+                                       : 20 / scale;
+        to->low_k = to->sea_k - (0.5 + offset) * to->span_k;
+        scale = 1;
+        offset = 0;
+    }
+    to->scale = from->black_hot ? -scale : scale;
+    to->offset = from->black_hot ? 1 - offset : offset;
 }
 
 static void place_view(const Pelagos__State *state, const Pelagos__View *from,
@@ -358,7 +380,7 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
         strncpy(to->meter, from->meter, sizeof to->meter - 1);
     }
     if (from->sensor) {
-        place_sensor(from->sensor, &to->sensor);
+        place_sensor(from->sensor, state->water->temperature, &to->sensor);
     }
     open_view(from, to);
 }
@@ -396,6 +418,9 @@ SAME(PEL_ORDERS_TWO, PELAGOS__WATER_ORDERS__TWO);
 SAME(PEL_ORDERS_PAPER, PELAGOS__WATER_ORDERS__PAPER);
 SAME(PEL_ORDERS_SINGLE, PELAGOS__WATER_ORDERS__SINGLE);
 SAME(PEL_ORDERS_COUNT, PELAGOS__WATER_ORDERS__SINGLE + 1);
+SAME(PEL_SENSE_VISIBLE, PELAGOS__SENSOR_KIND__VISIBLE);
+SAME(PEL_SENSE_LOW_LIGHT, PELAGOS__SENSOR_KIND__LOW_LIGHT);
+SAME(PEL_SENSE_THERMAL, PELAGOS__SENSOR_KIND__THERMAL);
 SAME(PEL_TONE_FILMIC, PELAGOS__TONE__FILMIC);
 SAME(PEL_TONE_LINEAR, PELAGOS__TONE__LINEAR);
 SAME(PEL_CLOCK_FREE, PELAGOS__CLOCK_MODE__FREE);

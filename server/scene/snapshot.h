@@ -47,6 +47,9 @@ struct pel_entity_state {
     double leeway, mooring_m; /* afloat: scene/reckon.h */
 };
 
+/* What it sees (the schema's SensorKind). */
+enum pel_sense { PEL_SENSE_VISIBLE, PEL_SENSE_LOW_LIGHT, PEL_SENSE_THERMAL };
+
 /* What a sensor makes of a picture: grey · scale + offset. */
 struct pel_sensor {
     enum { PEL_SENSOR_NONE, PEL_SENSOR_ON, PEL_SENSOR_OFF } kind;
@@ -54,6 +57,13 @@ struct pel_sensor {
     double noise; /* 0..1 of white */
     bool dropout;
     uint32_t seed; /* of noise and dropout: of the moment */
+    enum pel_sense sense;
+    /* Low light: of the exposure, what one may turn; grey, green, white. */
+    double exposure_s, f_number;
+    int phosphor;
+    /* Thermal: from black, K; 0: by sky, air and sea. */
+    double low_k, span_k, netd_k;
+    double sea_k, air_k, humidity, cloud;
 };
 
 /* What a view's camera has from the view as it is: one list for both, so that

@@ -71,6 +71,11 @@ struct pel_vec4 {
 /* Of one synthesiser, in a place of the other's. */
 #define PEL_UNIT_SHORE_OF_CASCADES 13
 #define PEL_UNIT_SHORE_OF_WAVES 6
+/* Of a sensor's picture alone: planes of layers from 39 on (sense.frag). */
+#define PEL_UNIT_SENSE_ROUGH 37
+#define PEL_UNIT_SENSE_HEAT 38
+#define PEL_UNIT_SENSE_PLANES 39
+#define PEL_SENSE_PLANES 6
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
 #define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
@@ -259,6 +264,19 @@ struct pel_vec4 {
 /* Kinds of sensor (scene/snapshot.h). */
 #define PEL_SHADER_SENSOR_ON 1
 #define PEL_SHADER_SENSOR_OFF 2
+/* Emissivity of the sea (optics/thermal.h) by the cosine, from 0 to 1 by equal
+ * steps of its root, and by the slopes' deviation along an axis from 0 to MOST;
+ * fourth roots of radiance by temperature from LEAST to MOST, K, and back. */
+#define PEL_SENSE_COSINES 64
+#define PEL_SENSE_DEVIATIONS 24
+#define PEL_SENSE_DEVIATION_MOST 0.46
+#define PEL_SENSE_HEATS 512
+#define PEL_SENSE_LEAST_K 150.0
+#define PEL_SENSE_MOST_K 500.0
+/* Hot places of ships; uniforms of the program. */
+#define PEL_SENSE_SPOTS 8
+#define PEL_SENSE_UNIFORMS 4
+#define PEL_SENSE_ALL (PEL_SENSE_UNIFORMS + 2 * PEL_SENSE_SPOTS)
 
 /* The tone curve (docs/physics.md): linear light that a screen shows of exposed
  * light x, f² (1 + FLARE) / (f + FLARE) with f = xᵖ / (STRETCH xᵖ + HALF), p =

@@ -5,8 +5,8 @@
  * pel_spectrum_kind; bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky
  * and glitter as they stand; ship: a built-in model by its number, `away`
  * metres ahead; wash: its speed, m/s, and `push` the screw's; it passed on a
- * straight course; fleet: enum bench_fleet) for looking at one thing at a time
- * while developing shaders. */
+ * straight course; fleet: enum bench_fleet; sense: 1 low light, 2 thermal) for
+ * looking at one thing at a time while developing shaders. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,6 +47,8 @@ static struct setting settings[] = {
     { "slick", 1 },       { "fleet", 0 },     { "wash", 0 },
     { "push", 99 },       { "moon", -90 },    { "moonaz", 0 },
     { "lit", 1 },         { "night", 0 },     { "lat", 30 },
+    { "sense", 0 },       { "span", 0 },      { "phosphor", 0 },
+    { "air", 15 },        { "gain", 1 },
 };
 
 static double get(const char *name)
@@ -269,6 +271,23 @@ int main(int argc, char **argv)
                                            ? PEL_LAYER_COLOR | PEL_LAYER_DEPTH |
                                                  PEL_LAYER_NORMAL
                                            : PEL_LAYER_COLOR };
+    if (get("sense") > 0) {
+        draw.camera.sensor = (struct pel_sensor){
+            .kind = PEL_SENSOR_ON,
+            .scale = get("gain"),
+            .sense = (enum pel_sense)get("sense"),
+            .seed = 0x12345678,
+            .exposure_s = 0.033,
+            .f_number = 1.4,
+            .phosphor = (int)get("phosphor"),
+            .span_k = get("span"),
+            .low_k = 288.15 - 0.5 * get("span"),
+            .netd_k = 0.05,
+            .sea_k = 288.15,
+            .air_k = 273.15 + get("air"),
+            .humidity = 0.75,
+        };
+    }
     pel_renderer_measure(r, get("stages") > 0);
     for (int i = 0; i < (int)get("frames"); i++) {
         int64_t start = pel_now_ns();

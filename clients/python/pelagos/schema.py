@@ -475,7 +475,7 @@ class Frustum(Record):
 
 @dataclass(frozen=True)
 class Sensor(Record):
-    """What a sensor shows of the eye's picture: its luminance as displayed,
+    """What a sensor shows. Of kind VISIBLE: the eye's luminance as displayed,
     times 4^(2 gain - 1), plus level - 0.5."""
     #: No: no picture, black.
     on: bool = _field(True)
@@ -491,6 +491,27 @@ class Sensor(Record):
     noise: float = _field(0.0, '1', 0, 1)
     #: One line in 64, another with each moment, is black.
     dropout: bool = _field(False)
+    #: What it sees.
+    #: One of VISIBLE, LOW_LIGHT, THERMAL.
+    kind: str = _field('VISIBLE')
+    #: Low light: how long it counts photons. [s; 1e-05 to 1]
+    exposureTime: float = _field(0.033, 's', 1e-05, 1)
+    #: Low light: focal length over the lens's opening. [1; 0.7 to 32]
+    fNumber: float = _field(1.4, '1', 0.7, 32)
+    #: Low light: what the screen glows in.
+    #: One of GREY, GREEN, WHITE.
+    phosphor: str = _field('GREY')
+    #: Thermal: temperatures from black to white; absent: 20 K times 4^(1 - 2
+    #: gain), or with autoGain by sky, air and sea. [K; 0.5 to 300]
+    span: float | None = _field(None, 'K', 0.5, 300)
+    #: Thermal: standard deviation of a pixel's temperature (NETD). [K; 0 to 5]
+    netd: float = _field(0.05, 'K', 0, 5)
+    #: Thermal: the air's temperature; absent: the water's. [degC; -60 to 60]
+    airTemperature: float | None = _field(None, 'degC', -60, 60)
+    #: Thermal: the air's relative humidity. [1; 0 to 1]
+    humidity: float = _field(0.75, '1', 0, 1)
+    #: Thermal: share of the sky's coldness that clouds take. [1; 0 to 1]
+    cloud: float = _field(0.0, '1', 0, 1)
 
 
 @dataclass(frozen=True)
@@ -526,8 +547,8 @@ class View(Record):
     #: Exposure as EV100; absent: metered by what the view sees. [EV; -10 to
     #: 24]
     exposure: float | None = _field(None, 'EV', -10, 24)
-    #: A sensor's grey picture instead of the eye's; absent: the eye's. Of
-    #: eight bits a channel; linear layers are what they are.
+    #: A sensor's picture instead of the eye's; absent: the eye's. Of eight
+    #: bits a channel; linear layers are what they are.
     sensor: Sensor | None = _field(None)
     #: Curve from light to screen, of the eye's picture and of the sensor's.
     #: One of FILMIC, LINEAR.
