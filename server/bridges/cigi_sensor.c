@@ -60,8 +60,8 @@ static void show(struct pel_cigi_edit *edit, Pelagos__View *view,
     to->has_on = to->has_black_hot = to->has_auto_gain = true;
     to->has_gain = to->has_level = to->has_noise = to->has_dropout = true;
     to->on = true;
-    to->has_kind = kind_of((unsigned)pel_cigi_get(p, PEL_CIGI_SENSOR_SENSOR),
-                           &to->kind);
+    to->has_kind =
+        kind_of((unsigned)pel_cigi_get(p, PEL_CIGI_SENSOR_SENSOR), &to->kind);
     to->black_hot = pel_cigi_get(p, PEL_CIGI_SENSOR_POLARITY) != 0;
     to->auto_gain = pel_cigi_get(p, PEL_CIGI_SENSOR_AUTO_GAIN) != 0;
     to->dropout = pel_cigi_get(p, PEL_CIGI_SENSOR_DROPOUT) != 0;
