@@ -41,6 +41,7 @@
     (sizeof(struct pel_block_waves) + sizeof(struct pel_block_view) +          \
      sizeof(struct pel_block_eye) * 3 + sizeof(struct pel_block_seabed) +      \
      sizeof(struct pel_block_sighted) + sizeof(struct pel_block_shore) +       \
+     sizeof(struct pel_block_wakes) +                                          \
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 #define VERTEX_BYTES 32
 void pel_renderer_measure(struct pel_renderer *r, bool on)

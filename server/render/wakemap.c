@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "render/wakegrid.h"
+
 _Static_assert(PEL_WAKE_N >> PEL_WAKE_ROUGH_LEVEL == PEL_WAKE_ROUGH_N,
                "a level of the texture");
 _Static_assert(PEL_WAKES *PEL_WAKE_TILES == PEL_WAKE_LAYERS, "a layer a tile");
@@ -69,7 +71,7 @@ void pel_wake_map_bind(const struct pel_wake_map *map,
             to->offset.y = (float)((y - floor(y)) * PEL_WAKE_N);
         }
     }
-    out->wake_count.x = (float)layers;
+    pel_wake_grid_fill(layers, out);
     pel_wake_map_again(map);
 }
 

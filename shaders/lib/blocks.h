@@ -555,6 +555,9 @@ PEL_BLOCK(PEL_BLOCK_CASCADES, cascades)
 /* Their mean square slopes, in a level of the texture. */
 #define PEL_WAKE_ROUGH_LEVEL 3
 #define PEL_WAKE_ROUGH_N 32
+/* Cells of a side of a grid over all tiles, row by row: the layers that may
+ * reach each as the bits of a number. */
+#define PEL_WAKE_CELLS 32
 #define PEL_WAKE_FADE 0.41
 #define PEL_WAKE_FADED 0.46
 struct pel_shader_wake {
@@ -564,8 +567,9 @@ struct pel_shader_wake {
 #if defined(__STDC__) || defined(PEL_WAKES)
 PEL_BLOCK(PEL_BLOCK_WAKES, wakes)
 {
-    vec4 wake_count; /* x of layers */
+    vec4 wake_grid; /* xy its corner, m; zw cells a metre; 0: no layers */
     PEL_STRUCT pel_shader_wake wakes[PEL_WAKE_LAYERS];
+    vec4 wake_cells[PEL_WAKE_CELLS * PEL_WAKE_CELLS / 4];
 };
 #endif
 

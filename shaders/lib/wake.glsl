@@ -81,11 +81,22 @@ vec2 wake_variance(vec3 lost)
     return max(lost.x * d * d + lost.y * d.yx * d.yx + lost.z * two, 0.0);
 }
 
+// Layers whose tiles may reach a place, as bits.
+uint wakes_near(vec2 x)
+{
+    vec2 place = (x - wake_grid.xy) * wake_grid.zw;
+    if (min(place.x, place.y) >= 0.0 && max(place.x, place.y) < float(PEL_WAKE_CELLS)) {
+        int cell = int(place.y) * PEL_WAKE_CELLS + int(place.x);
+        return uint(wake_cells[cell >> 2][cell & 3]);
+    }
+    return 0u;
+}
+
 wake_shift wake_at(vec2 x, float footprint)
 {
     wake_shift sum = wake_shift(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    for (int i = 0; i < int(wake_count.x); i++) {
-        add_wake_tile(i, x, footprint, sum);
+    for (uint near = wakes_near(x); near != 0u; near &= near - 1u) {
+        add_wake_tile(findLSB(near), x, footprint, sum);
     }
     return sum;
 }

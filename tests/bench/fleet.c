@@ -183,3 +183,31 @@ bool bench_fleet_set(enum bench_fleet fleet, struct pel_environment *env)
     env->object_count = count;
     return ok;
 }
+
+bool bench_fleet_wakes(int ships, double away_m, struct pel_environment *env)
+{
+    static struct pel_wake_moment moment;
+    const double speed = 6.17, turn = speed / 500;
+    static struct pel_wake_track track;
+    for (int i = 0; i < ships && i < PEL_WAKES; i++) {
+        track.hull = (struct pel_hull){ 100, 15, 6, 0.7 };
+        track.count = 121;
+        double now = env->time_s, east = (i % 3 - 1) * 700.0;
+        double north = away_m + 600.0 * (i / 3);
+        for (int k = 0; k < track.count; k++) {
+            double before = 5.0 * (track.count - 1 - k);
+            double a = i - turn * before;
+            track.point[k] =
+                (struct pel_wake_point){ now - before,
+                                         east + 500 * (sin(a) - sin(i)),
+                                         north + 500 * (cos(a) - cos(i)) };
+        }
+        if (pel_wake_create(&track, env->time_s, 0, &moment.wake[i])) {
+            return false;
+        }
+        moment.id[i] = (uint32_t)i + 2;
+        moment.count = (size_t)i + 1;
+    }
+    env->wakes = moment.count ? &moment : NULL;
+    return true;
+}

@@ -19,3 +19,8 @@ const char *bench_fleet_name(enum bench_fleet fleet);
  * stays until the program ends. One thread. False: out of memory. */
 PEL_CHECK bool bench_fleet_set(enum bench_fleet fleet,
                                struct pel_environment *env);
+
+/* The waves of so many ships of 100 m (at most PEL_WAKES) that have gone in
+ * circles of 1 km at 12 kn for ten minutes, the first there ahead; as above. */
+PEL_CHECK bool bench_fleet_wakes(int ships, double away_m,
+                                 struct pel_environment *env);

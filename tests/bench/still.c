@@ -5,8 +5,9 @@
  * pel_spectrum_kind; bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky
  * and glitter as they stand; ship: a built-in model by its number, `away`
  * metres ahead; wash: its speed, m/s, and `push` the screw's; it passed on a
- * straight course; fleet: enum bench_fleet; sense: 1 low light, 2 thermal) for
- * looking at one thing at a time while developing shaders. */
+ * straight course; fleet: enum bench_fleet; wakes: of so many ships, the first
+ * `away` ahead; sense: 1 low light, 2 thermal) for looking at one thing at a
+ * time while developing shaders. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,7 +49,7 @@ static struct setting settings[] = {
     { "push", 99 },       { "moon", -90 },    { "moonaz", 0 },
     { "lit", 1 },         { "night", 0 },     { "lat", 30 },
     { "sense", 0 },       { "span", 0 },      { "phosphor", 0 },
-    { "air", 15 },        { "gain", 1 },
+    { "air", 15 },        { "gain", 1 },      { "wakes", 0 },
 };
 
 static double get(const char *name)
@@ -264,6 +265,10 @@ int main(int argc, char **argv)
     }
     if (get("fleet") > 0 &&
         !bench_fleet_set((enum bench_fleet)get("fleet"), &env)) {
+        return 1;
+    }
+    if (get("wakes") > 0 &&
+        !bench_fleet_wakes((int)get("wakes"), get("away"), &env)) {
         return 1;
     }
     struct pel_draw draw = { .camera = bench_camera(&shown),
