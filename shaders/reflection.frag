@@ -21,6 +21,6 @@ void main()
     float elevation = asin(clamp(dir.z, 0.0, 1.0));
     radiance = vec4(sky_light(sky_table, dir.xy, elevation), 1.0);
 #ifdef PEL_NIGHT
-    radiance.rgb = max(radiance.rgb + night_off(dir.xy, elevation), vec3(0.0));
+    radiance.rgb = max(radiance.rgb + night_off(dir), vec3(0.0));
 #endif
 }

@@ -13,8 +13,7 @@ layout(binding = PEL_UNIT_AIRLIGHT) uniform sampler3D airlight;
 layout(location = 0) uniform vec2 table_size;
 layout(location = 1) uniform int light;
 #ifdef PEL_NIGHT
-// Here of its mean around the horizon.
-#include "lib/night.glsl"
+layout(binding = PEL_UNIT_NIGHT) uniform sampler2D night_zonal; // by elevation
 layout(location = 2) uniform vec3 night_air;
 #endif
 
@@ -45,7 +44,8 @@ void main()
     integrate_ray(light, transmittance, airlight, h, dir, way, STEPS, radiance, through);
 #ifdef PEL_NIGHT
     if (light == 0) {
-        radiance += above ? night_off(vec2(1.0, 0.0), angle) : night_air * (1.0 - through);
+        float row = (sqrt(max(angle, 0.0) * (2.0 / PI)) * float(PEL_NIGHT_MAP_ROWS - 1) + 0.5) / float(PEL_NIGHT_MAP_ROWS);
+        radiance += above ? textureLod(night_zonal, vec2(0.5, row), 0.0).rgb : night_air * (1.0 - through);
     }
 #endif
     if (above) {

@@ -114,10 +114,13 @@ struct pel_rgb pel_night_airglow(double mu)
     return (struct pel_rgb){ 1.2 * v, v, 0.75 * v };
 }
 
+#define AROUND 96 /* directions of a mean around the horizon */
+
 struct row {
     double mu, weight; /* share of the hemisphere */
     double through[3];
-    double sum[3]; /* above the air, around the horizon */
+    double above[3]; /* mean around the horizon, through the air */
+    double sum[3];   /* with the airglow */
 };
 
 static void put(double out[3], struct pel_rgb c)
@@ -157,7 +160,6 @@ static void diffuse_through(const struct pel_atmosphere *air, double mu,
 
 static void fill_rows(const struct pel_night_sky *night,
                       const struct pel_atmosphere *air,
-                      struct pel_night_map *out,
                       struct row rows[PEL_NIGHT_ROWS])
 {
     for (int i = 0; i < PEL_NIGHT_ROWS; i++) {
@@ -169,26 +171,50 @@ static void fill_rows(const struct pel_night_sky *night,
         diffuse_through(air, fmax(row->mu, 1e-4), row->through, NULL);
         double glow[3];
         put(glow, pel_night_airglow(row->mu));
-        memset(row->sum, 0, sizeof row->sum);
-        for (int j = 0; j < PEL_NIGHT_COLUMNS; j++) {
-            double a = 2.0 * PEL_PI * (j + 0.5) / PEL_NIGHT_COLUMNS, c[3];
+        memset(row->above, 0, sizeof row->above);
+        for (int j = 0; j < AROUND; j++) {
+            double a = 2.0 * PEL_PI * (j + 0.5) / AROUND, c[3];
             const struct pel_vec3 dir = { cos(e) * cos(a), cos(e) * sin(a),
                                           sin(e) };
             put(c, pel_night_above(night, &night->local_minute, dir));
             for (int k = 0; k < 3; k++) {
-                double v = c[k] * row->through[k];
-                out->off[i][j][k] = (float)v;
-                row->sum[k] += v / PEL_NIGHT_COLUMNS;
+                row->above[k] += c[k] * row->through[k] / AROUND;
             }
-        }
-        for (int j = 0; j < PEL_NIGHT_COLUMNS; j++) {
-            for (int k = 0; k < 3; k++) {
-                out->off[i][j][k] -= (float)row->sum[k];
-            }
-            out->off[i][j][3] = 0.0f;
         }
         for (int k = 0; k < 3; k++) {
-            row->sum[k] += glow[k] * row->through[k];
+            row->sum[k] = row->above[k] + glow[k] * row->through[k];
+        }
+    }
+}
+
+/* Of this elevation's place between the rows. */
+static double row_of(double sine, int *row)
+{
+    double at = sqrt(asin(pel_clamp(sine, 0.0, 1.0)) / (0.5 * PEL_PI)) *
+                (PEL_NIGHT_ROWS - 1);
+    *row = (int)fmin(at, PEL_NIGHT_ROWS - 2);
+    return at - *row;
+}
+
+static void fill_map(const struct pel_night_sky *night,
+                     const struct row rows[PEL_NIGHT_ROWS],
+                     struct pel_night_map *out)
+{
+    for (int i = 0; i < PEL_NIGHT_SIDE * PEL_NIGHT_SIDE; i++) {
+        int x = i % PEL_NIGHT_SIDE, y = i / PEL_NIGHT_SIDE, row;
+        double u = 2.0 * (x + 0.5) / PEL_NIGHT_SIDE - 1.0,
+               v = 2.0 * (y + 0.5) / PEL_NIGHT_SIDE - 1.0;
+        double r = hypot(u, v), inside = fmin(r, 1.0); /* beyond: its rim */
+        double z = 1.0 - inside * inside, c[3];
+        double across = sqrt(1.0 - z * z) / fmax(r, 1e-9);
+        const struct pel_vec3 dir = { u * across, v * across, z };
+        put(c, pel_night_above(night, &night->local_minute, dir));
+        double t = row_of(z, &row);
+        for (int k = 0; k < 3; k++) {
+            const struct row *a = &rows[row], *b = &rows[row + 1];
+            double through = (1 - t) * a->through[k] + t * b->through[k];
+            double mean = (1 - t) * a->above[k] + t * b->above[k];
+            out->off[y][x][k] = (float)(c[k] * through - mean);
         }
     }
 }
@@ -204,7 +230,8 @@ void pel_night_map_make(const struct pel_night_sky *night, double visibility_m,
         return;
     }
     pel_atmosphere_init(&desc, air);
-    fill_rows(night, air, out, rows);
+    fill_rows(night, air, rows);
+    fill_map(night, rows, out);
     double source[3], share[3], up[3];
     diffuse_through(air, 1.0, up, share);
     for (int k = 0; k < 3; k++) {
@@ -225,28 +252,32 @@ void pel_night_map_make(const struct pel_night_sky *night, double visibility_m,
     free(air);
 }
 
-/* Linear between rows and columns, as shaders/lib/night.glsl. */
+/* Linear between rows and texels, as shaders/lib/night.glsl. */
 struct pel_rgb pel_night_seen(const struct pel_night_map *map,
                               struct pel_vec3 dir, bool off)
 {
     if (dir.z < 0.0) {
         return (struct pel_rgb){ 0, 0, 0 };
     }
-    double row =
-        sqrt(asin(fmin(dir.z, 1.0)) / (0.5 * PEL_PI)) * (PEL_NIGHT_ROWS - 1);
-    double column = atan2(dir.y, dir.x) / (2.0 * PEL_PI) * PEL_NIGHT_COLUMNS +
-                    PEL_NIGHT_COLUMNS - 0.5;
-    int i = (int)fmin(row, PEL_NIGHT_ROWS - 2), j = (int)column;
-    double v[3], y = row - i, x = column - j;
-    for (int k = 0; k < 3; k++) {
-        double at[2];
-        for (int r = 0; r < 2; r++) {
-            const float(*here)[4] = map->off[i + r];
-            at[r] = (1 - x) * (double)here[j % PEL_NIGHT_COLUMNS][k] +
-                    x * (double)here[(j + 1) % PEL_NIGHT_COLUMNS][k] +
-                    (off ? 0.0 : (double)map->zonal[i + r][k]);
+    int row;
+    double t = row_of(dir.z, &row), k = 0.5 / sqrt(1.0 + dir.z), v[3];
+    double u = pel_clamp((0.5 + k * dir.x) * PEL_NIGHT_SIDE - 0.5, 0.0,
+                         PEL_NIGHT_SIDE - 1.001);
+    double w = pel_clamp((0.5 + k * dir.y) * PEL_NIGHT_SIDE - 0.5, 0.0,
+                         PEL_NIGHT_SIDE - 1.001);
+    int x = (int)u, y = (int)w;
+    u -= x;
+    w -= y;
+    for (int c = 0; c < 3; c++) {
+        double low = (1 - u) * (double)map->off[y][x][c] +
+                     u * (double)map->off[y][x + 1][c];
+        double high = (1 - u) * (double)map->off[y + 1][x][c] +
+                      u * (double)map->off[y + 1][x + 1][c];
+        v[c] = (1 - w) * low + w * high;
+        if (!off) {
+            v[c] += (1 - t) * (double)map->zonal[row][c] +
+                    t * (double)map->zonal[row + 1][c];
         }
-        v[k] = (1 - y) * at[0] + y * at[1];
     }
     return (struct pel_rgb){ v[0], v[1], v[2] };
 }

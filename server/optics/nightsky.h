@@ -52,14 +52,15 @@ struct pel_rgb pel_night_above(const struct pel_night_sky *night,
 #define PEL_AIRGLOW_S10 80.0
 struct pel_rgb pel_night_airglow(double mu);
 
-/* Rows of elevation, π/2 times the square of their place, and columns of
- * azimuth from east. */
+/* Rows of elevation, π/2 times the square of their place; texels a side of the
+ * map, on which a direction lies at ½ + ½ (x, y) / √(1 + z) (Lambert's equal
+ * areas, the horizon around it). */
 #define PEL_NIGHT_ROWS PEL_NIGHT_MAP_ROWS
-#define PEL_NIGHT_COLUMNS 96
+#define PEL_NIGHT_SIDE 96
 
 struct pel_night_map {
     float zonal[PEL_NIGHT_ROWS][4]; /* mean around the horizon */
-    float off[PEL_NIGHT_ROWS][PEL_NIGHT_COLUMNS][4]; /* what is more there */
+    float off[PEL_NIGHT_SIDE][PEL_NIGHT_SIDE][4]; /* what is more there */
     struct pel_rgb air; /* that a long way through the air tends to */
 };
 

@@ -17,14 +17,14 @@ void pel_night_textures_finish(struct pel_night_textures *n)
     *n = (struct pel_night_textures){ 0 };
 }
 
-static GLuint make_texture(GLsizei width, const char *label)
+static GLuint make_texture(GLsizei width, GLsizei height, const char *label)
 {
     GLuint t = 0;
     glCreateTextures(GL_TEXTURE_2D, 1, &t);
-    glTextureStorage2D(t, 1, GL_RGBA32F, width, PEL_NIGHT_ROWS);
+    glTextureStorage2D(t, 1, GL_RGBA32F, width, height);
     glTextureParameteri(t, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTextureParameteri(t, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    glTextureParameteri(t, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    glTextureParameteri(t, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTextureParameteri(t, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     glObjectLabel(GL_TEXTURE, t, -1, label);
     return t;
@@ -50,8 +50,8 @@ void pel_night_textures_fit(struct pel_night_textures *n,
         return;
     }
     if (!n->off) {
-        n->zonal = make_texture(1, "night by elevation");
-        n->off = make_texture(PEL_NIGHT_COLUMNS, "night");
+        n->zonal = make_texture(1, PEL_NIGHT_ROWS, "night by elevation");
+        n->off = make_texture(PEL_NIGHT_SIDE, PEL_NIGHT_SIDE, "night");
         glCreateBuffers(1, &n->stars);
         glObjectLabel(GL_BUFFER, n->stars, -1, "stars");
     }
@@ -64,7 +64,7 @@ void pel_night_textures_fit(struct pel_night_textures *n,
     pel_night_map_make(&night, env->visibility_m, map);
     glTextureSubImage2D(n->zonal, 0, 0, 0, 1, PEL_NIGHT_ROWS, GL_RGBA, GL_FLOAT,
                         map->zonal);
-    glTextureSubImage2D(n->off, 0, 0, 0, PEL_NIGHT_COLUMNS, PEL_NIGHT_ROWS,
+    glTextureSubImage2D(n->off, 0, 0, 0, PEL_NIGHT_SIDE, PEL_NIGHT_SIDE,
                         GL_RGBA, GL_FLOAT, map->off);
     n->air = map->air;
     free(map);
@@ -188,16 +188,15 @@ void pel_night_textures_bind(struct pel_night_textures *n,
             }
         }
     }
-    /* A head, the tiles' first words and counts, two for each star of each. */
-    size_t size = (1 + tiles + 2 * entries) * sizeof(struct pel_vec4);
+    /* The tiles' first words and counts, then two for each star of each. */
+    size_t size = (tiles + 2 * entries) * sizeof(struct pel_vec4);
     struct pel_vec4 *words = calloc(1, size);
     if (!words) {
         abort();
     }
-    words[0].x = (float)across;
-    size_t next = 1 + tiles;
+    size_t next = tiles;
     for (size_t t = 0; t < tiles; t++) {
-        words[1 + t] = (struct pel_vec4){ (float)next, (float)count[t], 0, 0 };
+        words[t] = (struct pel_vec4){ (float)next, (float)count[t], 0, 0 };
         next += 2 * count[t];
         count[t] = 0;
     }
@@ -208,7 +207,7 @@ void pel_night_textures_bind(struct pel_night_textures *n,
             for (size_t x = box[0]; x <= box[2]; x++) {
                 size_t t = y * across + x;
                 struct pel_vec4 *to =
-                    words + (size_t)words[1 + t].x + 2 * count[t]++;
+                    words + (size_t)words[t].x + 2 * count[t]++;
                 to[0] = (struct pel_vec4){ s->x, s->y, 0, 0 };
                 to[1] = (struct pel_vec4){ (float)s->light.r, (float)s->light.g,
                                            (float)s->light.b, 0 };

@@ -64,9 +64,12 @@ shaded shade_backdrop(ivec2 at)
     vec3 disc = vec3(0.0);
     vec3 light = sky_light(eye_table, dir.xy, angle);
 #ifdef PEL_NIGHT
-    light += night_off(dir.xy, angle);
-    light += stars_at(at, inverse) *
-             transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
+    light += night_off(dir);
+    vec4 stars = stars_of(at);
+    if (stars.y > 0.0) {
+        light += stars_at(at, stars, inverse) *
+                 transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
+    }
 #endif
 #ifndef PEL_NO_DISC
     float blur = pixel.x * inverse;

@@ -410,7 +410,7 @@ struct pel_vec4 {
 /* The night sky (optics/nightsky.h): rows of its map; pixels a side of a tile
  * that knows its stars. */
 #define PEL_NIGHT_MAP_ROWS 48
-#define PEL_STAR_TILE 32
+#define PEL_STAR_TILE 16
 struct pel_shader_light {
     vec4 direction;  /* xyz towards it; w angular radius, rad */
     vec4 irradiance; /* rgb above the air; w solid angle, sr */

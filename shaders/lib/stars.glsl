@@ -8,11 +8,17 @@ float star_weight(float off)
     return d < 0.5 ? 0.75 - d * d : 0.5 * outer * outer;
 }
 
-vec3 stars_at(ivec2 at, float inverse)
+// x: the first of the words of the pixel's tile; y: its stars.
+vec4 stars_of(ivec2 at)
+{
+    ivec2 tile = at / PEL_STAR_TILE;
+    int across = (int(size.x) + PEL_STAR_TILE - 1) / PEL_STAR_TILE;
+    return star_words[tile.y * across + tile.x];
+}
+
+vec3 stars_at(ivec2 at, vec4 head, float inverse)
 {
     vec2 place = lattice(at);
-    ivec2 tile = at / PEL_STAR_TILE;
-    vec4 head = star_words[1 + tile.y * int(star_words[0].x) + tile.x];
     vec3 sum = vec3(0.0);
     int first = int(head.x);
     for (int i = 0; i < int(head.y); i++) {
