@@ -1,7 +1,7 @@
 // The sections of the panel: which field of the state each control sets. What
 // is legal comes from the schema (/v1/fields).
 
-import { Gone, Problem } from "/api.js";
+import { Gone, perform, Problem } from "/api.js";
 import { silentInputs } from "/inputs.js";
 import { button, Check, Choice, Range, Text } from "/panel.js";
 import { Ship } from "/ship.js";
@@ -147,8 +147,33 @@ export class Sections {
       get: (s) => s.sky?.stars !== false,
       patch: (v) => ({ sky: { stars: v } }),
     });
+    this.showBodies(document.createElement("p"));
     this.range("sky", "Visibility", "sky.visibility", "m", 100,
       { id: "visibility", scale: "log" });
+  }
+
+  // Where Sun and Moon stand now, as long as the section is seen.
+  showBodies(line) {
+    line.className = "hint";
+    line.id = "bodies";
+    byId("sky").append(line);
+    const height = (e) => `${Math.abs(e).toFixed(1)}° ${e < 0 ? "below" : "above"}`;
+    const ask = async () => {
+      if (document.hidden || line.offsetParent === null) {
+        return;
+      }
+      try {
+        const now = await perform("GET", "/v1/optics/brdf");
+        line.textContent = `Sun ${height(now.sunElevation)}` +
+          (now.moonElevation === undefined ? "" :
+            `, Moon ${height(now.moonElevation)} the horizon, ` +
+            `${Math.round(100 * now.moonPhase)} % lit`);
+      } catch {
+        line.textContent = "";
+      }
+    };
+    setInterval(ask, 5000);
+    setTimeout(ask, 500);
   }
 
   // Water is described in one of four ways; going over to one clears the rest.

@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "bridges/cigi_pose.h"
 #include "bridges/cigi_world.h"
+#include "scene/ephemeris.h"
 #include "scene/geodesy.h"
 #include "scene/spectra.h"
 #include "scene/sun.h"
@@ -199,7 +200,7 @@ static void take_wave(struct pel_cigi_edit *edit,
     set_train(edit, c->waves, &wave);
 }
 
-/* The Sun of a moment, which stays whatever the clock does. */
+/* Sun and Moon of a moment, which stay whatever the clock does. */
 static void stop_sun(struct pel_cigi_edit *edit, double unix_s)
 {
     double azimuth, elevation;
@@ -209,10 +210,19 @@ static void stop_sun(struct pel_cigi_edit *edit, double unix_s)
     edit->sky.has_sun_azimuth = edit->sky.has_sun_elevation = true;
     edit->sky.sun_azimuth = pel_cigi_wrap(azimuth / PEL_DEG);
     edit->sky.sun_elevation = pel_clamp(elevation / PEL_DEG, -90, 90);
+    struct pel_moon_place moon;
+    pel_ephemeris_moon(unix_s, edit->snapshot->origin_latitude_rad,
+                       edit->snapshot->origin_longitude_rad, &moon);
+    struct pel_vec3 to = moon.direction;
+    edit->sky.has_moon_azimuth = edit->sky.has_moon_elevation =
+        edit->sky.has_moon_phase = true;
+    edit->sky.moon_azimuth = pel_cigi_wrap(atan2(to.x, to.y) / PEL_DEG);
+    edit->sky.moon_elevation = asin(pel_clamp(to.z, -1, 1)) / PEL_DEG;
+    edit->sky.moon_phase = pel_clamp(moon.lit, 0, 1);
     edit->state.sky = &edit->sky;
 }
 
-/* It follows the clock again. */
+/* They follow the clock again. */
 static void free_sun(struct pel_cigi_edit *edit)
 {
     edit->sky.has_sun_azimuth = edit->sky.has_sun_elevation = false;
@@ -222,12 +232,29 @@ static void free_sun(struct pel_cigi_edit *edit)
     if (edit->scene->sky->has_sun_elevation) {
         pel_cigi_edit_remove(edit, "sky.sunElevation");
     }
+    edit->sky.has_moon_azimuth = edit->sky.has_moon_elevation =
+        edit->sky.has_moon_phase = false;
+    if (edit->scene->sky->has_moon_azimuth) {
+        pel_cigi_edit_remove(edit, "sky.moonAzimuth");
+    }
+    if (edit->scene->sky->has_moon_elevation) {
+        pel_cigi_edit_remove(edit, "sky.moonElevation");
+    }
+    if (edit->scene->sky->has_moon_phase) {
+        pel_cigi_edit_remove(edit, "sky.moonPhase");
+    }
 }
 
 static void take_celestial(struct pel_cigi_edit *edit,
                            const struct pel_cigi_packet *p)
 {
     struct pel_cigi_world *w = edit->world;
+    bool stars = pel_cigi_get(p, PEL_CIGI_CELESTIAL_STARS) != 0;
+    if (stars != edit->scene->sky->stars) {
+        edit->sky.has_stars = true;
+        edit->sky.stars = stars;
+        edit->state.sky = &edit->sky;
+    }
     double hour = pel_cigi_get(p, PEL_CIGI_CELESTIAL_HOUR);
     double minute = pel_cigi_get(p, PEL_CIGI_CELESTIAL_MINUTE);
     double date = pel_cigi_get(p, PEL_CIGI_CELESTIAL_DATE);

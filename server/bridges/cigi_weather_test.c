@@ -260,12 +260,15 @@ static void the_sun_stands_without_ephemeris(void **state)
     for (int i = 0; i < 2; i++) {
         begin();
         with(PEL_CIGI_KIND_CELESTIAL, PEL_CIGI_CELESTIAL_HOUR, 16.0,
-             PEL_CIGI_CELESTIAL_VALID, 1.0, PEL_CIGI_CELESTIAL_EPHEMERIS,
-             (double)i, PEL_CIGI_CELESTIAL_DATE, 6212026.0, 0);
+             PEL_CIGI_CELESTIAL_VALID, 1.0, PEL_CIGI_CELESTIAL_STARS, (double)i,
+             PEL_CIGI_CELESTIAL_EPHEMERIS, (double)i, PEL_CIGI_CELESTIAL_DATE,
+             6212026.0, 0);
         send();
         const Pelagos__Sky *sky = pel_scene_state(scene)->sky;
         assert_true(sky->has_sun_elevation == (i == 0));
         assert_true(sky->has_sun_azimuth == (i == 0));
+        assert_true(sky->has_moon_elevation == (i == 0));
+        assert_true(sky->stars == (i == 1));
         const struct pel_snapshot *s = pel_scene_snapshot(scene);
         elevation[i] = asin(pel_snapshot_sun(s, pel_scene_time(scene)).z);
         pel_snapshot_unref(s);

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "encode/encode.h"
+#include "optics/moon.h"
 #include "render/render_testkit.h"
 
 #define FOLDER "tests/golden"
@@ -37,6 +38,9 @@ struct scene {
     double (*bed)(double east_m, double north_m); /* NULL: level */
     struct pel_sensor sensor;
     unsigned stale;
+    struct {
+        double elevation, azimuth, lit;
+    } moon; /* lit: 0: none */
 };
 
 #define WIND(speed) .wind_mps = (speed), .direction_rad = 0.4
@@ -152,6 +156,12 @@ static const struct scene scenes[] = {
       LOOK(12, 20, -4, 60),
       LIGHT(35, 60, 40e3),
       .sensor = { PEL_SENSOR_ON, -0.9, 0.95, 0.08, true, 0x12345678 } },
+    { "moon-fft",
+      { WIND(6), FFT, REST },
+      DEEP(0.2),
+      LOOK(12, 60, 8, 60),
+      LIGHT(-9, 300, 40e3),
+      .moon = { 22, 70, 0.7 } },
     { "stale-trochoids",
       { WIND(8), REST },
       DEEP(0.2),
@@ -175,6 +185,12 @@ static void draw(const struct scene *scene, uint8_t *rgba)
     struct pel_environment env = test_environment(&sea, 41.5);
     env.lights[PEL_LIGHT_SUN].direction =
         test_sun(scene->sun_elevation, scene->sun_azimuth);
+    if (scene->moon.lit > 0) {
+        env.lights[PEL_LIGHT_MOON] =
+            pel_light_moon(test_sun(scene->moon.elevation, scene->moon.azimuth),
+                           env.lights[PEL_LIGHT_SUN].direction, scene->moon.lit,
+                           PEL_MOON_DISTANCE);
+    }
     env.visibility_m = scene->visibility_m;
     env.water = water;
     env.seabed = scene->bed ? test_bed(scene->bed) : NULL;
