@@ -59,7 +59,7 @@ struct pel_rgb pel_night_airglow(double mu);
 #define PEL_NIGHT_SIDE 96
 
 struct pel_night_map {
-    float zonal[PEL_NIGHT_ROWS][4]; /* mean around the horizon */
+    float zonal[PEL_NIGHT_ROWS][4];               /* mean around the horizon */
     float off[PEL_NIGHT_SIDE][PEL_NIGHT_SIDE][4]; /* what is more there */
     struct pel_rgb air; /* that a long way through the air tends to */
 };
