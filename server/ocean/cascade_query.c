@@ -7,6 +7,7 @@
 #include "ocean/atrest.h"
 #include "ocean/fields.h"
 #include "ocean/newton.h"
+#include "ocean/spline.h"
 
 #define N PEL_CASCADE_N
 /* So near the last step needs no new sums. */
@@ -48,20 +49,6 @@ PEL_INLINE void read_at(const struct pel_cascades *c, struct pel_vec2 at,
     }
 }
 
-/* Uniform cubic B-spline of the four texels around, and its derivative. */
-PEL_INLINE void spline(double f, double w[4], double d[4])
-{
-    double g = 1.0 - f;
-    w[0] = g * g * g / 6.0;
-    w[1] = (4.0 - 6.0 * f * f + 3.0 * f * f * f) / 6.0;
-    w[2] = (4.0 - 6.0 * g * g + 3.0 * g * g * g) / 6.0;
-    w[3] = f * f * f / 6.0;
-    d[0] = -0.5 * g * g;
-    d[1] = f * (1.5 * f - 2.0);
-    d[2] = g * (2.0 - 1.5 * g);
-    d[3] = 0.5 * f * f;
-}
-
 /* East, north, up and nothing, at once. */
 typedef double lanes4 __attribute__((vector_size(32)));
 typedef float texel4 __attribute__((vector_size(16)));
@@ -82,8 +69,8 @@ struct shift {
 PEL_INLINE lanes4 sample_spline(float (*texels)[4], struct place p)
 {
     double wi[4], wj[4], unused[4];
-    spline(p.fi, wi, unused);
-    spline(p.fj, wj, unused);
+    pel_cubic_spline(p.fi, wi, unused);
+    pel_cubic_spline(p.fj, wj, unused);
     lanes4 sum = { 0, 0, 0, 0 };
     for (int b = 0; b < 4; b++) {
         for (int a = 0; a < 4; a++) {
@@ -97,8 +84,8 @@ PEL_INLINE void add_shift(const struct pel_cascade *c, float (*texels)[4],
                           struct place p, const double by[4], struct shift *s)
 {
     double wi[4], wj[4], di[4], dj[4];
-    spline(p.fi, wi, di);
-    spline(p.fj, wj, dj);
+    pel_cubic_spline(p.fi, wi, di);
+    pel_cubic_spline(p.fj, wj, dj);
     lanes4 du = { 0, 0, 0, 0 }, dv = { 0, 0, 0, 0 };
     for (int b = 0; b < 4; b++) {
         lanes4 row = { 0, 0, 0, 0 }, along = { 0, 0, 0, 0 };
@@ -266,8 +253,8 @@ PEL_INLINE void add_surge(const struct pel_cascade_fields *f, int i,
                           struct place p, struct pel_vec2 *sum)
 {
     double wi[4], wj[4], unused[4];
-    spline(p.fi, wi, unused);
-    spline(p.fj, wj, unused);
+    pel_cubic_spline(p.fi, wi, unused);
+    pel_cubic_spline(p.fj, wj, unused);
     for (int b = 0; b < 4; b++) {
         for (int a = 0; a < 4; a++) {
             int at = (p.j + b - 1) % N * N + (p.i + a - 1) % N;

@@ -251,76 +251,10 @@ PEL_CLONES static void put_strip(const struct pel_cascades *all, int index,
 /* --- fields ----------------------------------------------------------------
  */
 
-#define LOW(a, b) __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13)
-#define HIGH(a, b) __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15)
-#define LOW2(a, b) __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13)
-#define HIGH2(a, b) __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15)
-#define LEFT(a, b) __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11)
-#define RIGHT(a, b) __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15)
-
-/* out[i][l] = in[l][i] */
-PEL_INLINE void turn_over(const lanes *in, lanes *out)
-{
-    lanes a0 = LOW(in[0], in[1]), a1 = HIGH(in[0], in[1]);
-    lanes a2 = LOW(in[2], in[3]), a3 = HIGH(in[2], in[3]);
-    lanes a4 = LOW(in[4], in[5]), a5 = HIGH(in[4], in[5]);
-    lanes a6 = LOW(in[6], in[7]), a7 = HIGH(in[6], in[7]);
-    lanes b0 = LOW2(a0, a2), b1 = HIGH2(a0, a2);
-    lanes b2 = LOW2(a1, a3), b3 = HIGH2(a1, a3);
-    lanes b4 = LOW2(a4, a6), b5 = HIGH2(a4, a6);
-    lanes b6 = LOW2(a5, a7), b7 = HIGH2(a5, a7);
-    out[0] = LEFT(b0, b4);
-    out[1] = LEFT(b1, b5);
-    out[2] = LEFT(b2, b6);
-    out[3] = LEFT(b3, b7);
-    out[4] = RIGHT(b0, b4);
-    out[5] = RIGHT(b1, b5);
-    out[6] = RIGHT(b2, b6);
-    out[7] = RIGHT(b3, b7);
-}
-
-/* A strip of rows into the blocks of columns. */
 PEL_CLONES static void lay_rows(const struct pel_fft_strip *s, int j,
                                 struct pel_fft_strip block[N / LANES])
 {
-    for (int b = 0; b < N / LANES; b++) {
-        turn_over(&s->re[b * LANES], &block[b].re[j]);
-        turn_over(&s->im[b * LANES], &block[b].im[j]);
-    }
-}
-
-static void lay_none(int j, struct pel_fft_strip block[N / LANES])
-{
-    for (int b = 0; b < N / LANES; b++) {
-        memset(&block[b].re[j], 0, sizeof(lanes) * LANES);
-        memset(&block[b].im[j], 0, sizeof(lanes) * LANES);
-    }
-}
-
-/* Lanes wherever floats may lie: memcpy of a vector goes by way of the integer
- * registers. */
-typedef float loose
-    __attribute__((vector_size(4 * LANES), aligned(4), may_alias));
-
-/* LANES texels of four components. */
-PEL_INLINE void store4(float (*to)[4], lanes x, lanes y, lanes z, lanes w)
-{
-    lanes a = LOW(x, y), b = HIGH(x, y), c = LOW(z, w), d = HIGH(z, w);
-    lanes e = LOW2(a, c), f = HIGH2(a, c), g = LOW2(b, d), h = HIGH2(b, d);
-    loose *out = (loose *)to;
-    out[0] = LEFT(e, f);
-    out[1] = LEFT(g, h);
-    out[2] = RIGHT(e, f);
-    out[3] = RIGHT(g, h);
-}
-
-/* LANES texels of two. */
-PEL_INLINE void store2(float (*to)[2], lanes x, lanes y)
-{
-    lanes a = LOW(x, y), b = HIGH(x, y);
-    loose *out = (loose *)to;
-    out[0] = LEFT(a, b);
-    out[1] = RIGHT(a, b);
+    pel_lanes_lay_rows(s, j, block);
 }
 
 PEL_CLONES static void store_rest(const struct pel_evolve_work *work, int b,
@@ -333,11 +267,11 @@ PEL_CLONES static void store_rest(const struct pel_evolve_work *work, int b,
     const lanes zero = { 0 };
     for (int j = 0; j < N; j++) {
         int at = j * N + b * LANES;
-        store4(&out->displacement[at], shift->re[j], shift->im[j],
-               height->re[j], zero);
-        store4(&out->slopes[at], slope->re[j], slope->im[j], fold->re[j],
-               fold->im[j]);
-        *(loose *)&out->fold[at] = height->im[j];
+        pel_lanes_store4(&out->displacement[at], shift->re[j], shift->im[j],
+                         height->re[j], zero);
+        pel_lanes_store4(&out->slopes[at], slope->re[j], slope->im[j],
+                         fold->re[j], fold->im[j]);
+        *(pel_lanes_loose *)&out->fold[at] = height->im[j];
     }
 }
 
@@ -347,8 +281,8 @@ PEL_CLONES static void store_velocity(const struct pel_evolve_work *work, int b,
     const struct pel_fft_strip *drift = &work->block[PAIR_DRIFT][b];
     const struct pel_fft_strip *heave = &work->block[PAIR_HEAVE][b];
     for (int j = 0; j < N; j++) {
-        store4(&velocity[j * N + b * LANES], drift->re[j], drift->im[j],
-               heave->re[j], heave->im[j]);
+        pel_lanes_store4(&velocity[j * N + b * LANES], drift->re[j],
+                         drift->im[j], heave->re[j], heave->im[j]);
     }
 }
 
@@ -357,7 +291,7 @@ PEL_CLONES static void store_pair(const struct pel_evolve_work *work, int b,
 {
     const struct pel_fft_strip *from = &work->block[pair][b];
     for (int j = 0; j < N; j++) {
-        store2(&to[j * N + b * LANES], from->re[j], from->im[j]);
+        pel_lanes_store2(&to[j * N + b * LANES], from->re[j], from->im[j]);
     }
 }
 
@@ -375,7 +309,7 @@ static void evolve_pairs(const struct pel_cascades *all, int index,
                 pel_fft_strip(&work->strip[p]);
                 lay_rows(&work->strip[p], j, work->block[p]);
             } else {
-                lay_none(j, work->block[p]);
+                pel_lanes_lay_none(j, work->block[p]);
             }
         }
     }

@@ -8,6 +8,7 @@
 #include "ocean/cascade.h"
 #include "ocean/directional.h"
 #include "ocean/shorebands.h"
+#include "ocean/spline.h"
 
 #define RIM 12    /* nodes beyond the bottom, in which waves fade */
 #define QUIET 2   /* outermost ones that are the sea far out */
@@ -555,19 +556,6 @@ bool pel_shore_far(const struct pel_shore *shore, double x_m, double y_m)
     return !shore->changed[j * shore->columns + i];
 }
 
-static void spline(double f, double w[4], double d[4])
-{
-    double g = 1.0 - f;
-    w[0] = g * g * g / 6.0;
-    w[1] = (4.0 - 6.0 * f * f + 3.0 * f * f * f) / 6.0;
-    w[2] = (4.0 - 6.0 * g * g + 3.0 * g * g * g) / 6.0;
-    w[3] = f * f * f / 6.0;
-    d[0] = -0.5 * g * g;
-    d[1] = f * (1.5 * f - 2.0);
-    d[2] = g * (2.0 - 1.5 * g);
-    d[3] = 0.5 * f * f;
-}
-
 void pel_shore_at(const struct pel_shore *shore, int band, double x_m,
                   double y_m, struct pel_shored *out)
 {
@@ -579,8 +567,8 @@ void pel_shore_at(const struct pel_shore *shore, int band, double x_m,
     }
     int i = (int)u, j = (int)v;
     double wi[4], wj[4], di[4], dj[4];
-    spline(u - i, wi, di);
-    spline(v - j, wj, dj);
+    pel_cubic_spline(u - i, wi, di);
+    pel_cubic_spline(v - j, wj, dj);
     const float(*nodes)[4] =
         (const float(*)[4])shore->nodes +
         (size_t)band * (size_t)shore->columns * (size_t)shore->rows;

@@ -6,11 +6,14 @@
 #include <string.h>
 
 #include "ocean/fft.h"
+#include "ocean/lanes.h"
 #include "ocean/sea.h"
+#include "ocean/spline.h"
 #include "ocean/wakebasin.h"
 
 #define N PEL_WAKE_N
 #define MODES PEL_WAKE_MODES
+#define STRIPS (N / PEL_FFT_LANES)
 
 /* Reads fade over these shares of a tile's side. */
 #define FADE PEL_WAKE_FADE
@@ -20,47 +23,59 @@
 #define BEHIND_S 120.0
 #define AHEAD 0.6
 
-/* Two dimensions of inverse transforms in place; only rows up to MODES from the
- * first, either way round, hold anything. */
+/* Two dimensions of inverse transforms: strips of rows, whose lanes are rows,
+ * then of columns. Only rows up to MODES from the first, either way round, hold
+ * anything. */
 struct plane {
-    float re[N][N], im[N][N];
+    struct pel_fft_strip rows[STRIPS], columns[STRIPS];
 };
 
 struct work {
     struct plane heave, sway; /* (h, ∂h/∂t), (Dx, Dy) */
-    struct pel_fft_strip strip;
 };
 
-static void transform(struct plane *g, struct pel_fft_strip *strip)
+static bool is_empty(int strip)
 {
-    for (int j = 0; j < N; j += PEL_FFT_LANES) {
-        if (j > MODES && j + PEL_FFT_LANES <= N - MODES) {
-            continue;
-        }
-        for (int i = 0; i < N; i++) {
-            for (int l = 0; l < PEL_FFT_LANES; l++) {
-                strip->re[i][l] = g->re[j + l][i];
-                strip->im[i][l] = g->im[j + l][i];
-            }
-        }
-        pel_fft_strip(strip);
-        for (int i = 0; i < N; i++) {
-            for (int l = 0; l < PEL_FFT_LANES; l++) {
-                g->re[j + l][i] = strip->re[i][l];
-                g->im[j + l][i] = strip->im[i][l];
-            }
+    int j = strip * PEL_FFT_LANES;
+    return j > MODES && j + PEL_FFT_LANES <= N - MODES;
+}
+
+PEL_CLONES static void lay_rows(const struct pel_fft_strip *rows, int j,
+                                struct pel_fft_strip *columns)
+{
+    pel_lanes_lay_rows(rows, j, columns);
+}
+
+PEL_CLONES static void store(const struct work *w, int b, float (*texels)[4])
+{
+    const struct pel_fft_strip *sway = &w->sway.columns[b];
+    const struct pel_fft_strip *heave = &w->heave.columns[b];
+    for (int j = 0; j < N; j++) {
+        pel_lanes_store4(&texels[j * N + b * PEL_FFT_LANES], sway->re[j],
+                         sway->im[j], heave->re[j], heave->im[j]);
+    }
+}
+
+static void transform_rows(struct plane *g)
+{
+    for (int b = 0; b < STRIPS; b++) {
+        if (is_empty(b)) {
+            pel_lanes_lay_none(b * PEL_FFT_LANES, g->columns);
+        } else {
+            pel_fft_strip(&g->rows[b]);
+            lay_rows(&g->rows[b], b * PEL_FFT_LANES, g->columns);
         }
     }
-    for (int i = 0; i < N; i += PEL_FFT_LANES) {
-        for (int j = 0; j < N; j++) {
-            memcpy(&strip->re[j], &g->re[j][i], sizeof strip->re[j]);
-            memcpy(&strip->im[j], &g->im[j][i], sizeof strip->im[j]);
-        }
-        pel_fft_strip(strip);
-        for (int j = 0; j < N; j++) {
-            memcpy(&g->re[j][i], &strip->re[j], sizeof strip->re[j]);
-            memcpy(&g->im[j][i], &strip->im[j], sizeof strip->im[j]);
-        }
+}
+
+static void transform(struct work *w, float (*texels)[4])
+{
+    transform_rows(&w->heave);
+    transform_rows(&w->sway);
+    for (int b = 0; b < STRIPS; b++) {
+        pel_fft_strip(&w->heave.columns[b]);
+        pel_fft_strip(&w->sway.columns[b]);
+        store(w, b, texels);
     }
 }
 
@@ -259,6 +274,13 @@ size_t pel_wake_past_bytes(const struct pel_wake_past *past)
     return sum;
 }
 
+PEL_INLINE void put(struct plane *g, int j, int i, float re, float im)
+{
+    struct pel_fft_strip *rows = &g->rows[j / PEL_FFT_LANES];
+    rows->re[i][j % PEL_FFT_LANES] = re;
+    rows->im[i][j % PEL_FFT_LANES] = im;
+}
+
 static void put_mode(const struct pel_wake_bunch *b,
                      const struct pel_wake_amplitudes *a, int l, struct work *w)
 {
@@ -271,23 +293,23 @@ static void put_mode(const struct pel_wake_bunch *b,
     float hi = 0.5f * (a->im[l] - a->back_im[l]);
     float vr = 0.5f * omega * (a->im[l] + a->back_im[l]);
     float vi = -0.5f * omega * (a->re[l] - a->back_re[l]);
-    w->heave.re[j][i] = hr - vi;
-    w->heave.im[j][i] = hi + vr;
-    w->heave.re[jo][io] = hr + vi;
-    w->heave.im[jo][io] = vr - hi;
+    put(&w->heave, j, i, hr - vi, hi + vr);
+    put(&w->heave, jo, io, hr + vi, vr - hi);
     /* H (i ux − uy) and its like at −k */
-    w->sway.re[j][i] = -uy * hr - ux * hi;
-    w->sway.im[j][i] = ux * hr - uy * hi;
-    w->sway.re[jo][io] = uy * hr - ux * hi;
-    w->sway.im[jo][io] = -ux * hr - uy * hi;
+    put(&w->sway, j, i, -uy * hr - ux * hi, ux * hr - uy * hi);
+    put(&w->sway, jo, io, uy * hr - ux * hi, -ux * hr - uy * hi);
 }
 
 /* Real fields of modes that travel along k and −k, two in each plane. */
 static void put_modes(const struct pel_wake_band *band,
                       const struct pel_wake_amplitudes *a, struct work *w)
 {
-    memset(&w->heave, 0, sizeof w->heave);
-    memset(&w->sway, 0, sizeof w->sway);
+    for (int b = 0; b < STRIPS; b++) {
+        if (!is_empty(b)) {
+            memset(&w->heave.rows[b], 0, sizeof w->heave.rows[b]);
+            memset(&w->sway.rows[b], 0, sizeof w->sway.rows[b]);
+        }
+    }
     for (int p = 0; p < band->bunch_count; p++) {
         for (int l = 0; l < PEL_FFT_LANES; l++) {
             if (band->bunch[p].gain[l] > 0) {
@@ -322,15 +344,7 @@ static enum pel_err make_tile(const struct pel_wake_past *past, int which,
     }
     put_modes(band, a, w);
     free(a);
-    transform(&w->heave, &w->strip);
-    transform(&w->sway, &w->strip);
-    for (int i = 0; i < N * N; i++) {
-        float *t = tile->texels[i];
-        t[0] = w->sway.re[i / N][i % N];
-        t[1] = w->sway.im[i / N][i % N];
-        t[2] = w->heave.re[i / N][i % N];
-        t[3] = w->heave.im[i / N][i % N];
-    }
+    transform(w, tile->texels);
     return PEL_OK;
 }
 
@@ -380,20 +394,6 @@ void pel_wake_destroy(struct pel_wake *wake)
     }
 }
 
-/* Uniform cubic B-spline of the four texels around, and its derivative. */
-static void spline(double f, double w[4], double d[4])
-{
-    double g = 1.0 - f;
-    w[0] = g * g * g / 6.0;
-    w[1] = (4.0 - 6.0 * f * f + 3.0 * f * f * f) / 6.0;
-    w[2] = (4.0 - 6.0 * g * g + 3.0 * g * g * g) / 6.0;
-    w[3] = f * f * f / 6.0;
-    d[0] = -0.5 * g * g;
-    d[1] = f * (1.5 * f - 2.0);
-    d[2] = g * (2.0 - 1.5 * g);
-    d[3] = 0.5 * f * f;
-}
-
 /* 1 inside, 0 at the border, and its derivative by x. */
 static double fade(double x, double length_m, double *slope)
 {
@@ -421,8 +421,8 @@ static void read_tile(const struct pel_wake_tile *tile, double x, double y,
     v = (v - floor(v)) * N;
     int i0 = (int)u, j0 = (int)v;
     double wx[4], dx[4], wy[4], dy[4];
-    spline(u - i0, wx, dx);
-    spline(v - j0, wy, dy);
+    pel_cubic_spline(u - i0, wx, dx);
+    pel_cubic_spline(v - j0, wy, dy);
     *r = (struct read){ 0 };
     float per_m = (float)(N / tile->length_m);
     for (int j = 0; j < 4; j++) {
