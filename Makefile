@@ -444,6 +444,10 @@ validate-clouds: deps-build ## light through a slab of cloud by Monte Carlo, its
 	$(Q)mkdir -p build/validate
 	$(O)/bin/cloudtrace --check
 	$(O)/bin/cloudtrace $(ARGS) | tee build/validate/clouds.txt
+.PHONY: sensor-sheet
+sensor-sheet: deps-build ## a scene as eye, low light, heat and radar see it: build/sensors.jpg
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/validate/sensor_sheet.py $(ARGS)
 sheet: deps-build ## 24 scenes on one sheet, with figures: build/sheet.jpg
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/validate/sheet.py $(ARGS)

@@ -277,6 +277,13 @@ export class Sections {
       label: "Sensor", ...about, get: (s) => view(s)?.sensor?.kind ?? "",
       options: [["", "none"], ...kinds.map((v) => [v, words(v)])],
       patch: (v) => patch("sensor")(v ? { kind: v } : null) }), there);
+    this.check("view", "radar", "Radar", { ...about, depends: there,
+      get: (s) => view(s)?.radar !== undefined,
+      patch: (v) => patch("radar")(v ? {} : null) });
+    this.range("view", "Its range", "views.*.radar.range", "nmi", 0.25, {
+      ...about, scale: "asinh", depends: (s) => view(s)?.radar !== undefined,
+      get: (s) => view(s)?.radar?.range,
+      patch: (v) => patch("radar")({ range: v }) });
     const level = button(byId("view"), "Ahead and level",
       "Look ahead, level, with a field of view of 60 degrees", () => {
         this.views.chosen?.look.want({ yaw: 0, pitch: 0, roll: 0,

@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "frames/radarview.h"
 #include "proto/formats.h"
 
 #define MAX_THREADS 16
@@ -49,7 +50,7 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
     frame->requested_ns = job->requested_ns;
     frame->present_ns = job->present_ns;
     frame->drawn_ns = picture->drawn_ns;
-    frame->render_ms = part->render_ms;
+    frame->render_ms = part->radar ? picture->render_ms : part->render_ms;
 }
 
 static enum pel_err encode_video(struct pel_output *output,
@@ -95,6 +96,9 @@ static enum pel_err encode_bytes(const struct pel_encoder_pool *pool,
     const struct pel_picture *p = part->picture;
     const struct pel_format *format = pel_format_of(output->format);
     pel_encode *encode = encoders[format - pel_format_table];
+    if (part->radar && format->uses & (PEL_FORMAT_LAYERS | PEL_FORMAT_TRUTH)) {
+        return PEL_ERR_INVALID; /* it became one since it was asked for */
+    }
     if (format->uses & PEL_FORMAT_LAYERS) {
         return pel_picture_encode_layers(output, atomic_load(&pool->device),
                                          encode, bytes);
@@ -126,6 +130,9 @@ static void encode_output(struct pel_encoder_pool *pool,
                  ? "the graphics device failed while it was drawn; see the log"
                  : "");
     output->frame = NULL;
+    if (output->err == PEL_OK && part->radar) {
+        output->err = pel_radar_view_draw(part, &output->cancel);
+    }
     if (output->err == PEL_OK) {
         int64_t start = pel_now_ns();
         struct pel_bytes bytes = { 0 };
@@ -148,8 +155,12 @@ static void encode_output(struct pel_encoder_pool *pool,
     }
     output->track = NULL; /* its reference is the caller's now */
     if (atomic_fetch_sub(&part->users, 1) == 1 && part->picture) {
-        pel_picture_release(part->picture);
-        part->picture = NULL;
+        if (part->radar) {
+            pel_radar_view_release(part);
+        } else {
+            pel_picture_release(part->picture);
+            part->picture = NULL;
+        }
         pool->released(pool->user, part);
     }
     pthread_mutex_lock(&pool->lock);
@@ -362,7 +373,8 @@ void pel_encoder_pool_push_output(struct pel_encoder_pool *pool,
 {
     output->mail.kind = PEL_MAIL_OUTPUT;
     bool quick = pel_format_of(output->format)->uses & PEL_FORMAT_QUICK;
-    bool fast = output->track || (quick && !output->job->large);
+    bool radar = output->job->parts[output->draw].radar;
+    bool fast = output->track || (quick && !output->job->large && !radar);
     push(pool, fast ? &pool->fast : &pool->slow, &output->mail);
 }
 

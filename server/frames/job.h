@@ -74,6 +74,7 @@ struct pel_job_draw {
     uint32_t width, height; /* asked for; what is drawn may be coarser */
     bool live;              /* a stream's, perhaps a request's too */
     bool coarse;            /* of it: drawn at the job's scale */
+    bool radar;             /* made by an encoder (frames/radarview.h) */
     size_t bytes;           /* of its readback buffer */
     enum pel_err err;
     struct pel_picture *picture;

@@ -107,7 +107,8 @@ static size_t fitting(struct pel_renderloop *loop, const struct pel_job *job,
     size_t held = atomic_load(&loop->held_bytes);
     size_t count = 0;
     *bytes = 0;
-    while (count < most && first + count < job->draw_count) {
+    while (count < most && first + count < job->draw_count &&
+           !job->parts[first + count].radar) {
         size_t more = job->parts[first + count].bytes;
         bool alone = held == 0 && count == 0;
         if (!alone && held + *bytes + more > READBACK_BUDGET) {
@@ -228,12 +229,17 @@ static void submit_again(struct pel_renderloop *loop)
 
 static void submit(struct pel_renderloop *loop, struct pel_job *job)
 {
-    size_t first = 0, most = job->draw_count;
+    const size_t draws = job->draw_count;
+    size_t first = 0, most = draws;
     int refusals = 0; /* with nothing held that could make room */
     loop->submitted++;
     pel_renderloop_progress(loop);
-    while (first < job->draw_count && !atomic_load(&loop->stop)) {
+    while (first < draws && !atomic_load(&loop->stop)) {
         size_t bytes;
+        if (job->parts[first].radar) {
+            finish_part(loop, &job->parts[first++]);
+            continue;
+        }
         submit_again(loop);
         size_t count = fitting(loop, job, first, most, &bytes);
         if (count == 0) {
@@ -314,6 +320,11 @@ static void draw_band(struct pel_renderloop *loop)
 {
     struct pel_job *job = loop->large;
     struct pel_job_draw *part = &job->parts[job->begun];
+    if (part->radar) {
+        end_large_draw(loop);
+        finish_part(loop, part);
+        return;
+    }
     if (pel_loss_noticed(loop)) {
         return;
     }

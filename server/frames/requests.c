@@ -63,6 +63,15 @@ static bool view_exists(struct pel_frames *frames, const char *view)
     return exists;
 }
 
+static bool is_radar(struct pel_frames *frames, const char *view)
+{
+    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    int index = view ? pel_snapshot_find_view(s, view) : -1;
+    bool radar = index >= 0 && s->views[index].radar.on;
+    pel_snapshot_unref(s);
+    return radar;
+}
+
 size_t pel_request_bytes(const struct pel_snapshot *s,
                          const Pelagos__FrameRequest *r)
 {
@@ -153,6 +162,12 @@ enum pel_err pel_request_check(struct pel_frames *frames,
                      "there is no view called \"%.64s\"", view);
         }
         return PEL_ERR_NOT_FOUND;
+    }
+    if (format->uses & (PEL_FORMAT_LAYERS | PEL_FORMAT_TRUTH) &&
+        is_radar(frames, r->view)) {
+        return pel_request_refuse(frames, fault, PEL_ERR_INVALID, "format",
+                                  "a radar's picture has no layers: ask for "
+                                  "JPEG or PNG");
     }
     return check_memory(frames, r, fault);
 }

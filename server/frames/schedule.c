@@ -166,7 +166,8 @@ static bool add_draw(struct pel_job *job, size_t view, uint32_t width,
                                        .view = view,
                                        .width = width,
                                        .height = height,
-                                       .coarse = coarse };
+                                       .coarse = coarse,
+                                       .radar = v->radar.on };
         *draw = (struct pel_draw){ .user = part };
         pel_snapshot_camera(job->snapshot, view, job->environment.time_s, width,
                             height, &draw->camera);
@@ -178,8 +179,9 @@ static bool add_draw(struct pel_job *job, size_t view, uint32_t width,
     }
     draw->layers |= layers;
     part->live = part->live || live;
-    part->bytes = pel_layer_bytes(draw->layers) * draw->camera.width *
-                  draw->camera.height;
+    part->bytes = part->radar ? 0
+                              : pel_layer_bytes(draw->layers) *
+                                    draw->camera.width * draw->camera.height;
     *out = i;
     return true;
 }
@@ -635,7 +637,7 @@ static void note_ready(struct pel_frames *frames, const struct pel_frame *frame)
 void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job)
 {
     for (size_t i = 0; i < job->draw_count; i++) {
-        if (job->parts[i].err == PEL_OK) {
+        if (job->parts[i].err == PEL_OK && !job->parts[i].radar) {
             pel_window_add(&frames->render_ms, job->parts[i].render_ms);
             frames->stats.views_drawn++;
         }

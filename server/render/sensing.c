@@ -237,6 +237,7 @@ static void fill_heat(const struct pel_environment *env,
     double low = s->low_k, span = s->span_k;
     if (span <= 0) {
         low = pel_thermal_temperature(pel_thermal_sky(&air, 0.15)) - 1;
+        low = fmin(low, fmin(s->sea_k, s->air_k) - SUN_LEAST_K);
         span = fmax(s->sea_k, s->air_k) + fmax(sunned, SUN_LEAST_K) - low;
     }
     put(out->v[0], pel_thermal_radiance(s->sea_k),

@@ -352,6 +352,23 @@ static void place_sensor(const Pelagos__Sensor *from, double water_c,
     to->offset = from->black_hot ? 1 - offset : offset;
 }
 
+static void place_radar(const Pelagos__Radar *from, struct pel_radar_set *to)
+{
+    *to = (struct pel_radar_set){
+        .on = true,
+        .north_up = from->north_up,
+        .rings = from->rings,
+        .range_m = 1852 * from->range,
+        .gain = from->gain,
+        .stc = from->stc,
+        .ftc = from->ftc,
+        .pulse_s = from->has_pulse ? 1e-6 * from->pulse : 0,
+        .beam_rad = from->beam_width * PEL_DEG,
+        .turn_s = 60 / from->rotation,
+        .rain_mm_h = from->rain,
+    };
+}
+
 static void place_view(const Pelagos__State *state, const Pelagos__View *from,
                        struct pel_view_state *to)
 {
@@ -381,6 +398,9 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
     }
     if (from->sensor) {
         place_sensor(from->sensor, state->water->temperature, &to->sensor);
+    }
+    if (from->radar) {
+        place_radar(from->radar, &to->radar);
     }
     open_view(from, to);
 }

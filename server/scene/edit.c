@@ -75,6 +75,9 @@ void pel_state_fill(Pelagos__State *state, double time_s)
         if (state->views[i]->sensor) {
             fill_scalars(&state->views[i]->sensor->base);
         }
+        if (state->views[i]->radar) {
+            fill_scalars(&state->views[i]->radar->base);
+        }
     }
     state->has_revision = true;
 }

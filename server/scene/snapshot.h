@@ -89,6 +89,12 @@ struct pel_lens {
         struct pel_lens lens; /* the same, to copy */                          \
     }
 
+/* A view that is a radar's (the schema's Radar); pulse_s 0: by range. */
+struct pel_radar_set {
+    bool on, north_up, rings;
+    double range_m, gain, stc, ftc, pulse_s, beam_rad, turn_s, rain_mm_h;
+};
+
 struct pel_view_state {
     char name[PEL_NAME_SIZE];
     char meter[PEL_NAME_SIZE]; /* of the views that are exposed alike; "": of
@@ -97,6 +103,7 @@ struct pel_view_state {
     double forward_m, right_m, up_m;
     double yaw_rad, pitch_rad, roll_rad;
     bool level; /* the entity's pitch and roll do not move it */
+    struct pel_radar_set radar;
     PEL_LENS;
 };
 

@@ -515,6 +515,34 @@ class Sensor(Record):
 
 
 @dataclass(frozen=True)
+class Radar(Record):
+    """A navigation radar of 3.2 cm whose antenna stands at the view's place: a
+    plan position indicator."""
+    #: Range at the picture's edge. [nmi; 0.125 to 96]
+    range: float = _field(6.0, 'nmi', 0.125, 96)
+    #:  [1; 0 to 1]
+    gain: float = _field(0.5, '1', 0, 1)
+    #: Suppression of clutter from the sea: of what is near. [1; 0 to 1]
+    stc: float = _field(0.6, '1', 0, 1)
+    #: Suppression of clutter from rain: of what is as bright as what lies
+    #: before it. [1; 0 to 1]
+    ftc: float = _field(0.0, '1', 0, 1)
+    #: Length of pulses; absent: 0.08 us to 3 nmi, 0.3 to 12, 0.8 beyond. [us;
+    #: 0.03 to 1.5]
+    pulse: float | None = _field(None, 'us', 0.03, 1.5)
+    #: Width of the beam. [deg; 0.3 to 6]
+    beamWidth: float = _field(1.2, 'deg', 0.3, 6)
+    #: Turns of the antenna. [1/min; 6 to 60]
+    rotation: float = _field(24.0, '1/min', 6, 60)
+    #: North at the top; else the heading of the entity that carries it.
+    northUp: bool = _field(False)
+    #: Rings of range, a sixth of it apart.
+    rings: bool = _field(True)
+    #: Rain. [mm/h; 0 to 200]
+    rain: float = _field(0.0, 'mm/h', 0, 200)
+
+
+@dataclass(frozen=True)
 class View(Record):
     """One camera. Offsets and angles are relative to the entity (or, without
     one, to the origin with heading 0), applied yaw, then pitch, then roll."""
@@ -566,6 +594,9 @@ class View(Record):
     #: The entity carries the camera by its place and heading alone: its pitch
     #: and roll neither move nor tilt it, as for a camera that follows a ship.
     level: bool = _field(False)
+    #: A radar's picture instead of the eye's, of the view's size; its antenna
+    #: stands at the view's place.
+    radar: Radar | None = _field(None)
 
 
 @dataclass(frozen=True)
