@@ -8,10 +8,9 @@
 #include "render/uniforms.h"
 
 #define NEAR_M 0.05 /* object.vert */
-/* An entity is left out where it would be smaller, px; of a level of detail its
- * surface may be so far from the model's. */
+/* An entity is left out where it would be smaller, px. */
 #define LEAST_PX 0.25
-#define LEVEL_PX 0.5
+/* As PEL_OBJECT_LEVEL_PX, of other views. */
 #define LEVEL_PX_BESIDE                                                        \
     1.0 /* mirrored, which waves distort; texels of shadows */
 /* Corners of boxes are found without the waves' and the Earth's little bends.
@@ -513,7 +512,8 @@ static void plan_levels(struct pel_object_drawn *d,
 {
     const struct pel_object *object = &env->objects[d->object];
     const struct pel_model *model = object->model;
-    d->level = pel_model_level_for(model, pixels_of(env, object, c), LEVEL_PX);
+    d->level = pel_model_level_for(model, pixels_of(env, object, c),
+                                   PEL_OBJECT_LEVEL_PX);
     d->mirror_level = d->shadow_level = d->level;
     if (d->mirrored) {
         d->mirror_level = pel_model_level_for(model, pixels_of(env, object, c),
