@@ -4,6 +4,9 @@
 
 #include "models/builtin.h"
 #include "models/model.h"
+#include "models/shape.h"
+#include "optics/wet.h"
+#include "render/modelpaint.h"
 #include "render/render_testkit.h"
 
 static struct pel_sea sea;
@@ -50,6 +53,102 @@ static bool meets(const struct pel_object *o, struct pel_vec3 from,
                                  from.y + least_m * d.y - o->north_m,
                                  from.z + least_m * d.z - o->altitude_m };
     return pel_model_cast(o->model, turn(o, at), turn(o, d), 3000.0, hit);
+}
+
+/* Matt walls across the bow's axis, 20 m apart and wide, from z_m up. */
+static const struct pel_model *walls(float z_m, float albedo)
+{
+    struct pel_shape shape = { .name = "walls" };
+    struct pel_model_draft draft;
+    struct pel_fault fault = { 0 };
+    const struct pel_model *model = NULL;
+    const struct pel_model_material paint = { .name = "paint",
+                                              .albedo = { albedo, albedo,
+                                                          albedo },
+                                              .roughness = 1,
+                                              .texture = -1,
+                                              .two_sided = true };
+    int material = pel_shape_material(&shape, &paint);
+    int node = pel_shape_node(&shape, "walls");
+    for (int i = 0; i < 2; i++) {
+        float x = 20.0f * (float)i;
+        const struct pel_model_vertex v[] = {
+            { .position = { x, 10, z_m } },
+            { .position = { x, -10, z_m } },
+            { .position = { x, -10, z_m + 8 } },
+            { .position = { x, 10, z_m + 8 } },
+        };
+        pel_shape_triangle(&shape,
+                           (struct pel_model_vertex[]){ v[0], v[1], v[2] },
+                           material, node);
+        pel_shape_triangle(&shape,
+                           (struct pel_model_vertex[]){ v[0], v[2], v[3] },
+                           material, node);
+    }
+    assert_int_equal(pel_shape_finish(&shape, &draft, &fault), PEL_OK);
+    assert_int_equal(pel_model_create(&draft.model, &model, &fault), PEL_OK);
+    pel_model_draft_clear(&draft);
+    pel_shape_clear(&shape);
+    return model;
+}
+
+/* The same wall, once of a thing that swims and once of one that is 50 m up:
+ * the Sun's light on it by height, against optics/wet.h. */
+static void hulls_are_wet_where_waves_were(void **state)
+{
+    (void)state;
+    enum { SIDE = 128 };
+    test_sea(7.0, 0.0, 1, &sea);
+    const struct pel_model *models[] = { walls(0, 0.6f), walls(-50, 0.6f) };
+    static float light[2][SIDE * SIDE], id[2][SIDE * SIDE];
+    struct pel_camera c =
+        test_camera((struct test_look){ 4.0, 0.0, 0.0, 0.0, 16.0, SIDE, SIDE });
+    for (int k = 0; k < 2; k++) {
+        struct pel_environment env = test_environment(&sea, 5.0);
+        env.lights[PEL_LIGHT_SUN].direction = test_sun(35.0, 170.0);
+        const struct pel_object object = {
+            .id = 3,
+            .model = models[k],
+            .north_m = 30,
+            .altitude_m = 50.0 * k,
+            .world_from_model = { { 0, 1, 0 }, { -1, 0, 0 }, { 0, 0, 1 } },
+        };
+        env.objects = &object;
+        env.object_count = 1;
+        struct pel_picture *p =
+            test_draw(renderer, &env, &c, PEL_LAYER_SUN | PEL_LAYER_ID);
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            light[k][i] = p->sun[4 * i + 1];
+            id[k][i] = p->id[i];
+        }
+        pel_picture_release(p);
+    }
+    double deviation = pel_wet_deviation(sea.m0, models[0]->length_m);
+    float paint[3];
+    pel_model_reflectance((const float[3]){ 0.6f, 0.6f, 0.6f }, paint);
+    double dry = (double)paint[1], worst = 0;
+    int wet = 0, high = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        struct pel_vec3 ray = test_ray(&c, i % SIDE + 0.5, i / SIDE + 0.5);
+        double above = 4 + 30 * ray.z / ray.y;
+        if (id[0][i] != 4.0f || id[1][i] != 4.0f || above < 0) {
+            continue;
+        }
+        double share = pel_wet_share(above, deviation);
+        double want = 1 + share * (pel_wet_reflectance(dry) / dry - 1);
+        double is = (double)light[0][i] / (double)light[1][i];
+        worst = fmax(worst, fabs(is - want));
+        wet += share > 0.9;
+        high += share < 0.01;
+    }
+    printf("%.2f m of deviation, %d wet, %d dry, worst %.3f\n", deviation, wet,
+           high, worst);
+    assert_true(wet > 500 && high > 500);
+    /* The Sun in the wall's facets, 0.04 of what falls on them, rough or not.
+     */
+    assert_true(worst < 0.04);
+    pel_model_unref(models[0]);
+    pel_model_unref(models[1]);
 }
 
 #define WIDE 240
@@ -199,6 +298,7 @@ static void ships_sink_behind_the_horizon(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(hulls_are_wet_where_waves_were),
         cmocka_unit_test(one_ship_shades_another),
         cmocka_unit_test(ships_sink_behind_the_horizon),
     };

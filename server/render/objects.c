@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "optics/atmosphere.h"
+#include "optics/wet.h"
 #include "render/objectplan.h"
 #include "render/objectshadow.h"
 #include "render/uniforms.h"
@@ -352,6 +353,10 @@ static void place(const struct pel_objects *o,
                                  fade_of(env, 2), (float)object->model->low.z };
     out[16] = (struct pel_vec4){ paint[0], paint[1], paint[2],
                                  (float)pel_object_mirrored_below(env) };
+    double m0 = env->sea->m0, off = object->altitude_m - env->sea_level_m;
+    bool swims = fabs(off) < 1 + 4 * sqrt(m0);
+    double wet = pel_wet_deviation(m0, object->model->length_m);
+    out[18] = (struct pel_vec4){ swims ? (float)wet : -1.0f, 0, 0, 0 };
 }
 
 static void bind_places(struct pel_objects *o,

@@ -712,7 +712,14 @@ PEL_BLOCK(PEL_BLOCK_SEABED, seabed)
 #define PEL_OBJECT_MATERIAL_TEXELS 2
 #define PEL_PAINT_LEVELS 12 /* of a texture, at most */
 #define PEL_PAINT_SIZES 16
-#define PEL_OBJECT_PLACE_TEXELS 18
+#define PEL_OBJECT_PLACE_TEXELS 19
+/* Wet hulls (optics/wet.h): waves that may have washed over a place, some two
+ * minutes of them, chosen for how long a film of water stays; diffuse
+ * reflectances of water from the air and from inside; a film's roughness. */
+#define PEL_WET_WAVES 20
+#define PEL_WET_OUTSIDE 0.0667
+#define PEL_WET_INSIDE 0.4802
+#define PEL_WET_ROUGH 0.2
 #define PEL_SAMPLES 4 /* of a pixel of objects */
 #define PEL_SURROUNDINGS_SIZE 64
 #define PEL_SURROUNDINGS_TERMS 9

@@ -2,6 +2,7 @@
 #include "lib/model.glsl"
 #include "lib/shadow.glsl"
 #include "lib/samples.glsl"
+#include "lib/wet.glsl"
 #ifdef PEL_TEXTURED
 #include "lib/paint.glsl"
 #endif
@@ -153,7 +154,8 @@ struct object_lit {
 // eye.
 object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
 {
-    vec3 d = from_object(placed_object(entity), place);
+    placed o = placed_object(entity);
+    vec3 d = from_object(o, place);
     vec4 paint = texelFetch(object_materials, int(s.material) * PEL_OBJECT_MATERIAL_TEXELS);
     vec4 finish = texelFetch(object_materials, int(s.material) * PEL_OBJECT_MATERIAL_TEXELS + 1);
     float metal = paint.w;
@@ -168,8 +170,12 @@ object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
 #endif
     vec3 f0 = mix(vec3(0.04), paint.rgb, metal);
     vec3 matt = paint.rgb * (1.0 - metal);
-    float lit = lit_share(entity, d, n) * lit_by_others(entity, place);
     object_lit result = object_lit(vec3(0.0), vec3(0.0), matt);
+    float deviation = place_texel(entity, 18).x; // negative: nothing washes over it
+    float wet = deviation < 0.0 ? 0.0 : wet_share(dot(d, o.z), deviation);
+    matt = mix(matt, wet_reflectance(matt), wet);
+    rough = mix(rough, min(rough, PEL_WET_ROUGH), wet);
+    float lit = lit_share(entity, d, n) * lit_by_others(entity, place);
     for (int i = 0; i < PEL_LIT; i++) {
         vec3 to = lights[i].direction.xyz;
         vec3 beam = beams[i].rgb * (i == PEL_LIGHT_FIRST ? lit : 1.0);

@@ -169,11 +169,30 @@ static void look_around(const struct ship_scene *scene, const double *point,
     }
 }
 
+/* Under a film of water, where one of twenty crests (Rayleigh) has been; of a
+ * hull that goes along with longer waves. Light is shut in by the film's
+ * surface: reflectance from inside by that from outside, 0.066, and n² (Lekner
+ * and Dorf 1988). */
+static double wetted(const struct ship_scene *scene, double height,
+                     double albedo)
+{
+    double inside = 1 - (1 - 0.066) / (scene->index * scene->index);
+    double crest = height / fmax(scene->washed, 1e-9);
+    double dry = 1;
+    for (int i = 0; i < 20; i++) {
+        dry *= 1 - exp(-0.5 * crest * crest);
+    }
+    double wet = (1 - 0.066) * (1 - inside) * albedo / (1 - inside * albedo);
+    return height > 0 ? dry * albedo + (1 - dry) * wet : albedo;
+}
+
 void ship_radiance(const struct ship_scene *scene, const double *place,
-                   const double *direction, const struct ship_hit *hit,
+                   const double *direction, const struct ship_hit *met,
                    int turns, struct sea_random *random,
                    double (*radiance)[SHIP_CHANNELS])
 {
+    struct ship_hit washed = *met, *hit = &washed;
+    washed.albedo = wetted(scene, place[2], met->albedo);
     double point[3], to[3], come[SHIP_SUNS][SHIP_CHANNELS] = { 0 };
     along(place, hit->normal, 1e-3, point);
     memset(radiance, 0, SHIP_SUNS * sizeof(*radiance));

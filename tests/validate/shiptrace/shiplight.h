@@ -18,6 +18,7 @@ struct ship_scene {
     double water[SHIP_CHANNELS];      /* radiance that leaves the water */
     double fade[SHIP_CHANNELS];       /* 1/m, of light in the water */
     double index;
+    double washed; /* standard deviation of the sea along the hull, m */
 };
 
 /* What one line of sight brings. */

@@ -24,7 +24,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEGREE (3.14159265358979323846 / 180)
+#define PI 3.14159265358979323846
+#define DEGREE (PI / 180)
 
 static struct options {
     double wind, fetch, chop, to, realisations, rays, seed, nodes, eye[3];
@@ -179,6 +180,22 @@ static void pixel(int column, int line, struct sea_random *random)
     fwrite(out, sizeof(out), 1, stdout);
 }
 
+/* Waves up to twice as long as the ship, 30 m: with longer ones it goes. */
+static double washed(const struct sea_spectrum *spectrum)
+{
+    enum { STEPS = 4000, ANGLES = 90 };
+    double sum = 0, low = log(PI / 30), high = log(PI / 0.02);
+    for (int i = 0; i < STEPS; i++) {
+        double k = exp(low + (i + 0.5) / STEPS * (high - low));
+        for (int a = 0; a < ANGLES; a++) {
+            double cosine = cos((a + 0.5) / ANGLES * 2 * PI);
+            sum += sea_spectrum_density(spectrum, k, cosine) * k * k *
+                   (high - low) / STEPS * 2 * PI / ANGLES;
+        }
+    }
+    return sqrt(sum);
+}
+
 int main(void)
 {
     read_scene();
@@ -196,6 +213,7 @@ int main(void)
     if (o.chop > 0) {
         sea_surface_chop(&scene.surface, &spectrum);
     }
+    scene.washed = washed(&spectrum);
     struct sea_random random;
     sea_random_init(&random, (uint64_t)o.seed);
     for (int r = 0; r < (int)o.realisations; r++) {
