@@ -106,13 +106,15 @@ float sensed_light(ivec2 at, uvec2 place)
 {
     vec3 ray = pixel_ray(lattice(at));
     vec3 dir = ray / sqrt(dot(ray, ray));
-    float range = texelFetch(depths, at, 0).r;
+    vec3 n = texelFetch(normals, at, 0).xyz;
     float light;
-    if (isinf(range) || lut.y > 0.5) {
+    if (n == vec3(0.0) || lut.y > 0.5) {
         light = lut.y > 0.5 ? sense[0].x : sky_heat(dir.z);
     } else {
-        vec3 n = texelFetch(normals, at, 0).xyz;
         bool sea = texelFetch(fresnels, at, 0).r > 0.0;
+        // The mean sea is far enough away for the air before it.
+        float range = sea ? distance_to_ground(eye.x, dir.z) : texelFetch(depths, at, 0).r;
+        range = range < 0.0 ? sqrt(2.0 * planet.x * eye.x) : range;
         light = sea ? sea_heat(at, n, dir) : matt_heat(at, n, dir * range);
         float through = exp(-sense[0].w * range);
         light = light * through + sense[0].y * (1.0 - through);

@@ -133,8 +133,9 @@ enum pel_err pel_radar_scan_create(int cells, struct pel_radar_scan **out)
         scan->cells = cells;
         scan->power =
             calloc((size_t)cells * PEL_RADAR_BEARINGS, sizeof *scan->power);
+        scan->means = calloc(3 * (size_t)cells, sizeof *scan->means);
     }
-    if (!scan || !scan->power) {
+    if (!scan || !scan->power || !scan->means) {
         pel_radar_scan_destroy(scan);
         return PEL_ERR_NO_MEMORY;
     }
@@ -146,6 +147,7 @@ void pel_radar_scan_destroy(struct pel_radar_scan *scan)
 {
     if (scan) {
         free(scan->power);
+        free(scan->means);
         free(scan);
     }
 }
@@ -161,33 +163,53 @@ static double hits(const struct pel_radar *r)
     return fmax(1200 * r->turn_s * r->beam_rad / TURN, 1);
 }
 
+static void find_means(const struct pel_radar *r, struct pel_radar_scan *scan)
+{
+    double from = 1.5 * PEL_PI - r->wind_to_rad;
+    for (int i = 0; i < scan->cells; i++) {
+        double range = r->range_m / scan->cells * (i + 0.5);
+        double *to = scan->means + 3 * (size_t)i;
+        to[0] = pel_radar_clutter(r, range, from + 0.5 * PEL_PI);
+        double upwind = pel_radar_clutter(r, range, from);
+        to[1] = to[0] > 0 ? log(upwind / to[0]) : 0;
+        to[2] = pel_radar_rain(r, range);
+    }
+}
+
 void pel_radar_fill(const struct pel_radar *r, double time_s,
                     pel_radar_heave *heave, void *user,
                     struct pel_radar_scan *scan)
 {
     double step = r->range_m / scan->cells, many = 1 / sqrt(hits(r));
+    double from = 1.5 * PEL_PI - r->wind_to_rad;
+    find_means(r, scan);
     for (int row = 0; row < PEL_RADAR_BEARINGS; row++) {
         int64_t turn;
-        double bearing = bearing_of(row);
+        double bearing = bearing_of(row), upwind = cos(bearing - from);
         pel_radar_passed(r, bearing, time_s, &turn);
         uint64_t sector = (uint64_t)(bearing / (0.5 * r->beam_rad));
         for (int i = 0; i < scan->cells; i++) {
-            double range = step * (i + 0.5);
+            const double *mean = scan->means + 3 * (size_t)i;
+            double range = step * (i + 0.5), sea = 0, rain = 0;
             uint64_t cell = (uint64_t)(range / fmax(cell_m(r), step));
             uint64_t place = (uint64_t)turn << 40 | sector << 20 | cell;
             uint64_t pixel =
                 (uint64_t)turn << 40 | (uint64_t)row << 20 | (uint64_t)i;
-            double sea = pel_radar_clutter(r, range, bearing);
-            if (sea > 0.01) {
-                double s = heave ? heave(user, bearing, range, turn) : 0;
-                sea *= heave ? exp(TEXTURE * s - 0.5 * TEXTURE * TEXTURE) : 1;
-                sea *= -log(chance(r->seed, place, 1));
+            if (mean[0] > 0.005) {
+                double s = heave ? TEXTURE * heave(user, bearing, range, turn) -
+                                       0.5 * TEXTURE * TEXTURE
+                                 : 0;
+                sea = -mean[0] * exp(mean[1] * upwind + s) *
+                      log(chance(r->seed, place, 1));
             }
-            double rain =
-                -pel_radar_rain(r, range) * log(chance(r->seed, place, 2));
-            /* Noise of many pulses is nearly a Gaussian. */
-            double g = sqrt(-2 * log(chance(r->seed, pixel, 3))) *
-                       cos(TURN * chance(r->seed, pixel, 4));
+            if (mean[2] > 0) {
+                rain = -mean[2] * log(chance(r->seed, place, 2));
+            }
+            /* Noise of many pulses is nearly a Gaussian: here the sum of three
+             * even chances, of variance 1. */
+            double g =
+                2 * (chance(r->seed, pixel, 3) + chance(r->seed, pixel, 4) +
+                     chance(r->seed, pixel, 5) - 1.5);
             scan->power[(size_t)row * (size_t)scan->cells + (size_t)i] =
                 (float)(sea + rain + fmax(1 + many * g, 0));
         }

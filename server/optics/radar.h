@@ -70,6 +70,9 @@ struct pel_radar_point {
 struct pel_radar_scan {
     int cells; /* of range */
     float *power;
+    /* Of each cell: the sea's mean across the wind, the logarithm of what it is
+     * times upwind, rain's mean. */
+    double *means;
 };
 
 /* NO_MEMORY. */

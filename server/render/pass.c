@@ -27,8 +27,11 @@ static struct pel_pass take(unsigned left, unsigned but, bool compute)
     while (used < PEL_FRAGMENT_SLOTS) {
         pass.layer[used++] = -1;
     }
+    if (left & PEL_DEPTH_OF_THINGS) {
+        pass.layers &= ~(1u << PEL_AT_DEPTH);
+    }
     pass.left = left;
-    pass.last = left == 0;
+    pass.last = (left & ~PEL_DEPTH_OF_THINGS) == 0;
     return pass;
 }
 

@@ -10,6 +10,10 @@
 #include "render/renderer.h"
 #include "shaders/lib/blocks.h"
 
+/* With layers that are asked for: the depth's is written only where things and
+ * land are, whose depth costs nothing; the sea's, by Newton's steps, is not. */
+#define PEL_DEPTH_OF_THINGS (1u << 31)
+
 struct pel_pass {
     enum pel_shading kind;
     bool first, last;

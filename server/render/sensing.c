@@ -8,6 +8,7 @@
 #include "optics/colour.h"
 #include "optics/lowlight.h"
 #include "optics/thermal.h"
+#include "render/pass.h"
 #include "render/shader.h"
 #include "shaders/lib/blocks.h"
 
@@ -36,6 +37,7 @@ unsigned pel_sensing_layers(const struct pel_camera *c, unsigned layers)
     if (!pel_sensing_is(c) || !(layers & PEL_LAYER_COLOR)) {
         return layers;
     }
+    bool depth_too = pel_layers_stored(layers) & PEL_LAYER_DEPTH;
     layers &= ~(unsigned)PEL_LAYER_COLOR;
     if (!is_thermal(c)) {
         return layers | PEL_LAYER_RADIANCE;
@@ -43,7 +45,7 @@ unsigned pel_sensing_layers(const struct pel_camera *c, unsigned layers)
     for (int i = 0; i < PEL_SENSE_PLANES; i++) {
         layers |= (unsigned)pel_layer_table[of_heat[i]].bit;
     }
-    return layers;
+    return depth_too ? layers : layers | PEL_DEPTH_OF_THINGS;
 }
 
 /* --- tables --------------------------------------------------------------- */
