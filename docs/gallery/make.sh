@@ -47,6 +47,8 @@ pictures=(
     "sun-10|Sun 10° above the horizon|sky.sunElevation=10 sky.sunAzimuth=12"
     "sun-02|Sun 2° above the horizon|sky.sunElevation=2 sky.sunAzimuth=12"
     "sun-dusk|Dusk: Sun 5° below the horizon|sky.sunElevation=-5 sky.sunAzimuth=12"
+    "night-moon|Night: a Moon 20° above the horizon, 97 % lit|sky.sunElevation=-30 sky.moonElevation=20 sky.moonAzimuth=10 sky.moonPhase=0.97 views.gallery.pitch=3"
+    "night-stars|A moonless night, as a long exposure has it|clock.utc=2026-08-12T22:00:00Z sky.sunElevation=-30 views.gallery.yaw=190 views.gallery.pitch=14 views.gallery.fieldOfView=75 views.gallery.exposure=-7 sea.windSpeed=4"
     "height-4|From 4 m|views.gallery.up=4"
     "height-30|From 30 m|views.gallery.up=30 views.gallery.pitch=-8"
     "height-1000|From 1000 m|views.gallery.up=1000 views.gallery.pitch=-18 sky.sunAzimuth=30"
@@ -94,7 +96,8 @@ mkdir -p "$out"
 } > "$out/README.md"
 for picture in "${pictures[@]}"; do
     IFS='|' read -r name title settings <<< "$picture"
-    ctl unset sea water seabed >/dev/null
+    ctl unset sea water seabed sky >/dev/null
+    ctl unset views.gallery >/dev/null 2>&1 || true
     ctl unset entities.2 >/dev/null 2>&1 || true
     # shellcheck disable=SC2086
     ctl set --create $common $settings
