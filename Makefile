@@ -84,6 +84,7 @@ BASE := $(call room,server/base)
 OCEAN := $(call room,server/ocean)
 SEABED := $(call room,server/seabed)
 MODELS := $(call room,server/models)
+PANORAMA := $(call room,server/panorama)
 OPTICS := $(call room,server/optics)
 PROTO := $(call room,proto)
 SCENE := $(call room,server/scene)
@@ -95,6 +96,7 @@ BRIDGES := $(call room,server/bridges)
 # Programs of their own: GDAL and assimp are not the daemon's.
 SEABED_READER := $(call room,server/seabed/reader)
 MODEL_READER := $(call room,server/models/reader)
+PANORAMA_READER := $(call room,server/panorama/reader)
 DAEMON := server/main.c server/service.c
 OPTIONS := $(filter-out $(DAEMON),$(call room,server))
 CLIENT := $(call room,clients/lib)
@@ -131,7 +133,7 @@ KEY := $(shell printf %s $(call quoted,$(CC) $(OUR_CPPFLAGS) $(OUR_CFLAGS) $(CPP
 OBJ := $(O)/obj-$(KEY)
 
 # --- rules ----------------------------------------------------------------
-SERVER := $(BASE) $(OCEAN) $(SEABED) $(MODELS) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
+SERVER := $(BASE) $(OCEAN) $(SEABED) $(MODELS) $(PANORAMA) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
     $(FRAMES) $(NET) $(BRIDGES) $(OPTIONS)
 GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c \
     $(O)/gen/pages.c
@@ -147,7 +149,7 @@ SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
 PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\
-    pelagosd pelagosctl pelagos-seabed pelagos-model)
+    pelagosd pelagosctl pelagos-seabed pelagos-model pelagos-panorama)
 
 .PHONY: all
 all: $(PROGRAMS) ## build the daemon and its command line
@@ -166,7 +168,7 @@ $(O)/flags: FORCE
 	$(Q)mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = $(KEY) ] || echo $(KEY) >$@
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosctl \
-    pelagos-seabed pelagos-model drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
+    pelagos-seabed pelagos-model pelagos-panorama drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
     any_raster validate_water seatrace airtrace airours shiptrace cloudtrace): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
@@ -177,6 +179,9 @@ $(O)/bin/pelagos-seabed: $(call obj,$(SEABED_READER)) $(OBJ)/libserver.a
 
 $(O)/bin/pelagos-model: $(call obj,$(MODEL_READER)) $(OBJ)/libserver.a
 	$(LINK) $(MODEL_LIBS)
+
+$(O)/bin/pelagos-panorama: $(call obj,$(PANORAMA_READER)) $(OBJ)/libserver.a
+	$(LINK) -lOpenEXRCore -lm
 
 $(O)/bin/pelagosctl: $(CTL_MAIN) $(OBJ)/libctl.a $(OBJ)/libpelagos.a $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS) $(CTL_LIBS)
@@ -561,7 +566,7 @@ install: all man $(O)/pelagos.pc $(O)/libpelagos.a ## install below PREFIX (/usr
 	    $(DESTDIR)$(UNITDIR) $(DESTDIR)$(SYSCONFDIR)/pelagos
 	install -m755 $(O)/bin/pelagosd $(O)/bin/pelagosctl $(D)/bin
 	install -m755 $(O)/bin/pelagos-seabed $(O)/bin/pelagos-model \
-	    $(D)/libexec/pelagos
+	    $(O)/bin/pelagos-panorama $(D)/libexec/pelagos
 	install -m644 $(O)/libpelagos.a $(D)/lib
 	install -m644 $(O)/pelagos.pc $(D)/lib/pkgconfig
 	install -m644 clients/lib/pelagos.h $(O)/gen/pelagos.pb-c.h \

@@ -81,6 +81,7 @@ static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
         .spectra = or_null(d->options.spectra),
         .bathymetry = or_null(d->options.bathymetry),
         .models = or_null(d->options.models),
+        .panoramas = or_null(d->options.panoramas),
     };
     enum pel_err err = pel_scene_create(&options, &d->scene, fault);
     if (err == PEL_OK) {

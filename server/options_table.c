@@ -91,6 +91,10 @@ const struct pel_option pel_option_table[] = {
       .offset = FIELD(bathymetry),
       .help = "Where the files of heights lie that seabed.file names: GeoTIFF, "
               "NetCDF, HDF5, BAG, ENVI, ESRI .hdr and ASCII grids, OpenEXR." },
+    { "panoramas", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
+      .offset = FIELD(panoramas),
+      .help = "Where the pictures lie that sky.file names: OpenEXR, Radiance "
+              ".hdr." },
     { "models", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(models),
       .help = "Where the files lie that entities.*.model.name names: glTF, "

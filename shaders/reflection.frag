@@ -8,6 +8,9 @@
 
 layout(location = 0) out vec4 radiance;
 layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
+#ifdef PEL_PANORAMA
+#include "lib/panorama.glsl"
+#endif
 #ifdef PEL_NIGHT
 #include "lib/night.glsl"
 #endif
@@ -19,7 +22,11 @@ void main()
     float rho2 = dot(u, u);
     vec3 dir = vec3(2.0 * u, 1.0 - rho2) / (1.0 + rho2);
     float elevation = asin(clamp(dir.z, 0.0, 1.0));
+#ifdef PEL_PANORAMA
+    radiance = vec4(panorama_at(dir.xy, 0.5 * PI - elevation, elevation, 0.02), 1.0);
+#else
     radiance = vec4(sky_light(sky_table, dir.xy, elevation), 1.0);
+#endif
 #ifdef PEL_NIGHT
     radiance.rgb = max(radiance.rgb + night_off(dir), vec3(0.0));
 #endif

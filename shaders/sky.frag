@@ -12,6 +12,9 @@ layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 layout(binding = PEL_UNIT_AIRLIGHT) uniform sampler3D airlight;
 layout(location = 0) uniform vec2 table_size;
 layout(location = 1) uniform int light;
+#ifdef PEL_PANORAMA
+#include "lib/panorama.glsl"
+#endif
 #ifdef PEL_NIGHT
 layout(binding = PEL_UNIT_NIGHT) uniform sampler2D night_zonal; // by elevation
 layout(location = 2) uniform vec3 night_air;
@@ -46,6 +49,17 @@ void main()
     if (light == 0) {
         float row = (sqrt(max(angle, 0.0) * (2.0 / PI)) * float(PEL_NIGHT_MAP_ROWS - 1) + 0.5) / float(PEL_NIGHT_MAP_ROWS);
         radiance += above ? textureLod(night_zonal, vec2(0.5, row), 0.0).rgb : night_air * (1.0 - through);
+    }
+#endif
+#ifdef PEL_PANORAMA
+    // All of it is the first light's, the mean of both sides of that: 4 degrees.
+    radiance = vec3(0.0);
+    if (light == 0) {
+        vec2 other = 2.0 * toward * dot(toward, dir.xy) - dir.xy;
+        float from = above ? zenith : 0.5 * PI;
+        float up = above ? angle : 0.0;
+        radiance = 0.5 * (panorama_at(dir.xy, from, up, 0.07) + panorama_at(other, from, up, 0.07)) *
+                   (above ? vec3(1.0) : 1.0 - through);
     }
 #endif
     if (above) {

@@ -3,6 +3,8 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "frames/core.h"
+
+#include "scene/skyplace.h"
 #include "proto/formats.h"
 
 /* Live frames that come sooner than this take waiting requests along; one that
@@ -67,8 +69,15 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
         .sparkle = s->sparkle,
     };
     pel_snapshot_lights(s, time_s, env.lights);
-    pel_snapshot_night(s, time_s, env.lights[PEL_LIGHT_SUN].direction,
-                       &env.night);
+    if (s->panorama) {
+        pel_panorama_lights(s, env.lights);
+        env.panorama = s->panorama;
+        env.panorama_scale = s->panorama_scale;
+        env.panorama_azimuth_rad = s->panorama_azimuth_rad;
+    } else {
+        pel_snapshot_night(s, time_s, env.lights[PEL_LIGHT_SUN].direction,
+                           &env.night);
+    }
     return env;
 }
 

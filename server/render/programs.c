@@ -51,8 +51,23 @@ const char *pel_light_defines(enum pel_programs_light light)
             "#define PEL_NIGHT\n#define PEL_DISCS 2\n",
         [PEL_LIGHT_NIGHT + PEL_LIGHT_TWO] =
             "#define PEL_NIGHT\n#define PEL_LIT 2\n",
+        [PEL_LIGHT_PANORAMA + PEL_LIGHT_ONE] = "#define PEL_PANORAMA\n",
+        [PEL_LIGHT_PANORAMA + PEL_LIGHT_ONE_AND_DISC] =
+            "#define PEL_PANORAMA\n#define PEL_DISCS 2\n",
+        [PEL_LIGHT_PANORAMA + PEL_LIGHT_TWO] =
+            "#define PEL_PANORAMA\n#define PEL_LIT 2\n",
     };
     return defines[light];
+}
+
+const char *pel_sky_look_defines(enum pel_sky_look look)
+{
+    static const char *const defines[PEL_SKY_LOOKS] = {
+        [PEL_SKY_DAY] = "",
+        [PEL_SKY_NIGHT] = "#define PEL_NIGHT\n",
+        [PEL_SKY_PANORAMA] = "#define PEL_PANORAMA\n",
+    };
+    return defines[look];
 }
 
 static const char *const tile_defines[PEL_COAST_TILES] = {
@@ -219,12 +234,12 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
                                PEL_OBJECTS_UNKNOWN, &p->fragments[kind], fault);
     }
     for (int disc = 0; disc < 2; disc++) {
-        GLuint *program = disc ? &all->disc[all->night][kind]
-                               : &all->backdrop[all->night][kind];
+        GLuint *program = disc ? &all->disc[all->look][kind]
+                               : &all->backdrop[all->look][kind];
         char defines[128];
         /* Another's disc may be in its box. */
         snprintf(defines, sizeof defines, "%s%s%s%s", kind_defines[kind],
-                 all->night ? "#define PEL_NIGHT\n" : "",
+                 pel_sky_look_defines(all->look),
                  all->light % PEL_LIGHT_NIGHT == PEL_LIGHT_TWO
                      ? "#define PEL_LIT 2\n"
                      : "",
@@ -341,7 +356,7 @@ enum pel_err pel_programs_take_light(struct pel_programs *p,
     now.automatic = p->automatic;
     now.wakes = p->wakes;
     now.wash = p->wash;
-    now.night = p->night;
+    now.look = p->look;
     now.light = light;
     memcpy(now.others, p->others, sizeof now.others);
     bool textured = p->textured;
@@ -363,7 +378,7 @@ static void finish_light(struct pel_programs *p)
     glDeleteProgram(p->outline_mix);
     glDeleteProgram(p->outline_put);
     glDeleteProgram(p->clear_keys);
-    for (int i = 0; i < 2 * PEL_SHADE_COUNT; i++) {
+    for (int i = 0; i < PEL_SKY_LOOKS * PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->backdrop[0][i]);
         glDeleteProgram(p->disc[0][i]);
     }

@@ -38,8 +38,18 @@ enum pel_programs_light {
     PEL_LIGHT_ONE_AND_DISC,
     PEL_LIGHT_TWO,
     PEL_LIGHT_NIGHT, /* added to these: with the night's map and stars */
-    PEL_LIGHT_KINDS = 2 * PEL_LIGHT_NIGHT
+    PEL_LIGHT_PANORAMA = 2 * PEL_LIGHT_NIGHT, /* with a picture as the sky */
+    PEL_LIGHT_KINDS = 3 * PEL_LIGHT_NIGHT
 };
+
+/* How the sky is come by. */
+enum pel_sky_look {
+    PEL_SKY_DAY,
+    PEL_SKY_NIGHT,    /* with the night's map and stars */
+    PEL_SKY_PANORAMA, /* from a picture */
+    PEL_SKY_LOOKS
+};
+const char *pel_sky_look_defines(enum pel_sky_look look);
 
 /* What draws one kind of sea, by enum pel_shading. */
 struct pel_sea_programs {
@@ -71,10 +81,11 @@ struct pel_programs {
     GLuint outline_find, outline; /* in compute with either wrapper */
     GLuint outline_mix, outline_put;
     GLuint clear_keys; /* after outlines, in compute */
-    /* Without night and with it: sky without a disc, and with discs. */
-    GLuint backdrop[2][PEL_SHADE_COUNT], disc[2][PEL_SHADE_COUNT];
-    bool night;       /* the latter are wanted */
-    bool wakes, wash; /* those with them are wanted */
+    /* By the sky's look: without a disc, and with discs. */
+    GLuint backdrop[PEL_SKY_LOOKS][PEL_SHADE_COUNT];
+    GLuint disc[PEL_SKY_LOOKS][PEL_SHADE_COUNT];
+    enum pel_sky_look look; /* wanted */
+    bool wakes, wash;       /* those with them are wanted */
     struct pel_sea_programs seas[PEL_SEA_PROGRAMS];
     enum pel_programs_light light;
     struct pel_programs *others[PEL_LIGHT_KINDS]; /* for other lights, kept */

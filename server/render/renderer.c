@@ -489,6 +489,9 @@ static void draw_pixels(struct pel_renderer *r,
     if (env->night.on) {
         pel_night_textures_bind(&r->sky.night, env, &view);
     }
+    if (env->panorama) {
+        glBindTextureUnit(PEL_UNIT_PANORAMA, r->sky.panorama.texture);
+    }
     bool toned = compute;
     if (compute) {
         pel_shade_dispatches(r, c, programs, asked);
@@ -584,7 +587,10 @@ static enum pel_programs_light light_of(const struct pel_renderer *r,
                                         const struct pel_environment *env)
 {
     bool with_sea = r->programs.compute || env->seabed;
-    int night = with_sea && env->night.on ? PEL_LIGHT_NIGHT : 0;
+    int night = !with_sea       ? 0
+                : env->panorama ? PEL_LIGHT_PANORAMA
+                : env->night.on ? PEL_LIGHT_NIGHT
+                                : 0;
     return night + (env->lit > 1                 ? PEL_LIGHT_TWO
                     : env->discs > 1 && with_sea ? PEL_LIGHT_ONE_AND_DISC
                                                  : PEL_LIGHT_ONE);
@@ -594,8 +600,8 @@ static enum pel_err need_light(struct pel_renderer *r,
                                const struct pel_environment *env,
                                struct pel_fault *fault)
 {
-    enum pel_err err =
-        pel_sky_need(&r->sky, env->lit, env->night.on, r->shader_dir, fault);
+    enum pel_err err = pel_sky_need(&r->sky, env->lit, pel_sky_look(env),
+                                    r->shader_dir, fault);
     return err ? err
                : pel_meter_need(&r->meter, env->lit, r->shader_dir, fault);
 }
@@ -633,7 +639,7 @@ static enum pel_err need_programs(struct pel_renderer *r,
                                   const struct pel_draw *draws, size_t count)
 {
     struct pel_fault fault;
-    r->programs.night = env->night.on;
+    r->programs.look = pel_sky_look(env);
     r->programs.wakes = env->wakes != NULL;
     r->programs.wash = env->wash != NULL;
     enum pel_err err =

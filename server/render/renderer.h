@@ -54,6 +54,9 @@ struct pel_environment {
     struct pel_light lights[PEL_LIGHTS]; /* by body; inside: pel_lights_order */
     int lit, discs;                      /* found inside by it */
     struct pel_night_sky night;          /* zero: none */
+    const struct pel_panorama *panorama; /* the sky; NULL: computed */
+    double panorama_scale;               /* cd/m2 of its value 1 */
+    double panorama_azimuth_rad;         /* of its middle, clockwise of north */
     double wind_mps, wind_to_rad;
     double visibility_m;
     struct pel_water_body water;

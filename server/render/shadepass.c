@@ -177,14 +177,14 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glEnable(GL_DEPTH_TEST);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
     glDepthFunc(GL_EQUAL);
-    glUseProgram(r->programs.backdrop[r->programs.night][kind]);
+    glUseProgram(r->programs.backdrop[r->programs.look][kind]);
     pel_pass_use(pass);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     for (int i = 0; i < PEL_LIGHTS; i++) {
         if (discs[i].width > 0 && discs[i].height > 0) {
             glEnable(GL_SCISSOR_TEST);
             glScissor(discs[i].x, discs[i].y, discs[i].width, discs[i].height);
-            glUseProgram(r->programs.disc[r->programs.night][kind]);
+            glUseProgram(r->programs.disc[r->programs.look][kind]);
             pel_pass_use(pass);
             glDrawArrays(GL_TRIANGLES, 0, 3);
             glDisable(GL_SCISSOR_TEST);

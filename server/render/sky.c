@@ -89,19 +89,25 @@ static void finish_table(struct pel_sky_table *t)
     glDeleteFramebuffers(PEL_LIGHTS, t->fbos);
 }
 
-enum pel_err pel_sky_need(struct pel_sky *sky, int lit, bool night,
+enum pel_sky_look pel_sky_look(const struct pel_environment *env)
+{
+    return env->panorama   ? PEL_SKY_PANORAMA
+           : env->night.on ? PEL_SKY_NIGHT
+                           : PEL_SKY_DAY;
+}
+
+enum pel_err pel_sky_need(struct pel_sky *sky, int lit, enum pel_sky_look look,
                           const char *shader_dir, struct pel_fault *fault)
 {
     const char *lights = lit > 1 ? "#define PEL_LIT 2\n" : "";
     char dark[64];
-    snprintf(dark, sizeof dark, "%s%s", lights,
-             night ? "#define PEL_NIGHT\n" : "");
+    snprintf(dark, sizeof dark, "%s%s", lights, pel_sky_look_defines(look));
     const struct {
         GLuint *program;
         const char *first, *second, *defines;
     } programs[] = {
-        { &sky->table_program[night], "screen.vert", "sky.frag", dark },
-        { &sky->reflection_program[night][lit - 1], "screen.vert",
+        { &sky->table_program[look], "screen.vert", "sky.frag", dark },
+        { &sky->reflection_program[look][lit - 1], "screen.vert",
           "reflection.frag", dark },
         { &sky->second_program[lit - 1], "screen.vert", "second.frag", lights },
         { &sky->light_program[lit - 1], "light.comp", NULL, lights },
@@ -135,7 +141,7 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
             return err;
         }
     }
-    enum pel_err err = pel_sky_need(sky, 1, false, shader_dir, fault);
+    enum pel_err err = pel_sky_need(sky, 1, PEL_SKY_DAY, shader_dir, fault);
     if (err != PEL_OK) {
         return err;
     }
@@ -168,8 +174,9 @@ void pel_sky_finish(struct pel_sky *sky)
 {
     glDeleteProgram(sky->transmittance_program);
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        glDeleteProgram(sky->reflection_program[0][i]);
-        glDeleteProgram(sky->reflection_program[1][i]);
+        for (int look = 0; look < PEL_SKY_LOOKS; look++) {
+            glDeleteProgram(sky->reflection_program[look][i]);
+        }
         glDeleteProgram(sky->second_program[i]);
         glDeleteProgram(sky->light_program[i]);
     }
@@ -183,9 +190,10 @@ void pel_sky_finish(struct pel_sky *sky)
     for (int i = 0; i < PEL_SKY_EYES; i++) {
         finish_table(&sky->eyes[i]);
     }
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < PEL_SKY_LOOKS; i++) {
         glDeleteProgram(sky->table_program[i]);
     }
+    pel_panorama_map_finish(&sky->panorama);
     pel_night_textures_finish(&sky->night);
     pel_water_light_finish(&sky->water);
     pel_worker_pool_destroy(sky->pool);
@@ -262,7 +270,7 @@ static void update_air(struct pel_sky *sky, double visibility_m)
 static void draw_table(struct pel_sky *sky, struct pel_sky_table *t,
                        const struct pel_environment *env)
 {
-    GLuint program = sky->table_program[env->night.on];
+    GLuint program = sky->table_program[pel_sky_look(env)];
     glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
     glBindTextureUnit(PEL_UNIT_AIRLIGHT, sky->airlight);
     if (env->night.on) {
@@ -270,6 +278,9 @@ static void draw_table(struct pel_sky *sky, struct pel_sky_table *t,
         glBindTextureUnit(PEL_UNIT_NIGHT, sky->night.zonal);
         glProgramUniform3f(program, 2, (GLfloat)air->r, (GLfloat)air->g,
                            (GLfloat)air->b);
+    }
+    if (env->panorama) {
+        glBindTextureUnit(PEL_UNIT_PANORAMA, sky->panorama.texture);
     }
     glProgramUniform2f(program, 0, TABLE_WIDTH, TABLE_HEIGHT);
     for (int i = 0; i < env->lit; i++) {
@@ -295,6 +306,8 @@ static void table_key(const struct pel_environment *env, double height_m,
     }
     pel_night_key(env, key);
     key += PEL_NIGHT_KEYS;
+    pel_panorama_key(env, key);
+    key += PEL_PANORAMA_KEYS;
     *key++ = env->visibility_m;
     *key = height_m;
 }
@@ -305,6 +318,9 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
     update_air(sky, env->visibility_m);
     if (env->night.on) {
         pel_night_textures_fit(&sky->night, env);
+    }
+    if (env->panorama) {
+        pel_panorama_map_fit(&sky->panorama, env);
     }
     double key[PEL_SKY_KEYS];
     table_key(env, PEL_SKY_SEA_HEIGHT, key);
@@ -340,11 +356,15 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         if (env->night.on) {
             glBindTextureUnit(PEL_UNIT_NIGHT, sky->night.off);
         }
-        glProgramUniform2f(sky->reflection_program[env->night.on][env->lit - 1],
-                           0, PEL_SKY_MAP_SIZE,
+        if (env->panorama) {
+            glBindTextureUnit(PEL_UNIT_PANORAMA, sky->panorama.texture);
+        }
+        GLuint reflect =
+            sky->reflection_program[pel_sky_look(env)][env->lit - 1];
+        glProgramUniform2f(reflect, 0, PEL_SKY_MAP_SIZE,
                            (float)PEL_REFLECTION_HALF_WIDTH);
-        draw_screen(sky->reflection_program[env->night.on][env->lit - 1],
-                    sky->reflection_fbo, PEL_SKY_MAP_SIZE, PEL_SKY_MAP_SIZE);
+        draw_screen(reflect, sky->reflection_fbo, PEL_SKY_MAP_SIZE,
+                    PEL_SKY_MAP_SIZE);
         glGenerateTextureMipmap(sky->reflection);
         draw_screen(sky->second_program[env->lit - 1], sky->second_fbo,
                     PEL_SECOND_SIZE, PEL_SECOND_SIZE);

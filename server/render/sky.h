@@ -9,12 +9,14 @@
 #include <stdint.h>
 
 #include "render/nightmap.h"
+#include "render/panoramamap.h"
+#include "render/programs.h"
 #include "render/renderer.h"
 #include "render/waterlight.h"
 
 #define PEL_SKY_EYES 16
 /* What a table depends on: lights, visibility, height. */
-#define PEL_SKY_KEYS (6 * PEL_LIGHTS + 2 + PEL_NIGHT_KEYS)
+#define PEL_SKY_KEYS (6 * PEL_LIGHTS + 2 + PEL_NIGHT_KEYS + PEL_PANORAMA_KEYS)
 /* And the light on the sea. */
 #define PEL_SKY_LIGHT_KEYS (PEL_SKY_KEYS + 5)
 #define PEL_SKY_MAP_SIZE 128
@@ -29,10 +31,10 @@ struct pel_sky_table {
 
 struct pel_sky {
     GLuint transmittance_program;
-    GLuint table_program[2];          /* without and with the night's light */
+    GLuint table_program[PEL_SKY_LOOKS];
     GLuint light_program[PEL_LIGHTS]; /* by the number of lights, less one */
-    GLuint reflection_program[2][PEL_LIGHTS]; /* without and with night */
-    GLuint second_program[PEL_LIGHTS];        /* waves seen in waves */
+    GLuint reflection_program[PEL_SKY_LOOKS][PEL_LIGHTS];
+    GLuint second_program[PEL_LIGHTS]; /* waves seen in waves */
     GLuint transmittance, transmittance_fbo;
     GLuint airlight; /* light scattered before (optics/airlight.h) */
     struct pel_worker_pool *pool;
@@ -44,6 +46,7 @@ struct pel_sky {
     GLuint second, second_fbo;
     struct pel_water_light water;
     struct pel_night_textures night;
+    struct pel_panorama_map panorama;
     GLuint light; /* buffer, block `light` */
     double light_key[PEL_SKY_LIGHT_KEYS];
     bool light_made;
@@ -54,8 +57,11 @@ PEL_CHECK enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
                                     struct pel_fault *fault);
 void pel_sky_finish(struct pel_sky *sky);
 
-/* Makes the programs for so many lights, and a night. GPU. */
-PEL_CHECK enum pel_err pel_sky_need(struct pel_sky *sky, int lit, bool night,
+enum pel_sky_look pel_sky_look(const struct pel_environment *env);
+
+/* Makes the programs for so many lights. GPU. */
+PEL_CHECK enum pel_err pel_sky_need(struct pel_sky *sky, int lit,
+                                    enum pel_sky_look look,
                                     const char *shader_dir,
                                     struct pel_fault *fault);
 

@@ -11,6 +11,7 @@
 #include "optics/colour.h"
 #include "optics/facets.h"
 #include "optics/moon.h"
+#include "render/panoramamap.h"
 #include "render/waterlight.h"
 
 static struct pel_vec4 vec4(double x, double y, double z, double w)
@@ -123,6 +124,9 @@ void pel_fill_frame(const struct pel_environment *env,
         .blue = vec4(m[6], m[7], m[8], env->sparkle ? PEL_GLINT_SHARE : 0.0),
     };
     out->dusk = dusk_of(env);
+    if (env->panorama) {
+        pel_panorama_fill(env, m, out->panorama);
+    }
     struct pel_folding fold = pel_sea_folding(env->sea);
     out->crests = vec4(0.75 * fold.finest, 0.75 * fold.more, 0.0, 0.0);
     const struct pel_foam *foam = env->sea->foam;

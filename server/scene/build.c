@@ -628,7 +628,8 @@ static void meet_wakes(const struct pel_snapshot *s, double now_s)
 
 const struct pel_snapshot *pel_snapshot_build_going(
     const Pelagos__State *state, struct pel_shared_sea *sea,
-    const struct pel_seabed *seabed, const struct pel_fleet *fleet,
+    const struct pel_seabed *seabed, const struct pel_panorama *panorama,
+    const struct pel_fleet *fleet,
     const struct pel_sailing *const going[PEL_MAX_ENTITIES])
 {
     struct snapshot *s = calloc(1, sizeof *s);
@@ -639,6 +640,7 @@ const struct pel_snapshot *pel_snapshot_build_going(
     atomic_fetch_add(&sea->refs, 1);
     s->public.sea = sea;
     s->public.seabed = pel_seabed_ref(seabed);
+    s->public.panorama = pel_panorama_ref(panorama);
     fill(state, &s->public);
     s->public.entities = s->entities;
     s->public.entity_count = state->n_entities;
@@ -664,7 +666,7 @@ const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,
                                               struct pel_shared_sea *sea,
                                               const struct pel_seabed *seabed)
 {
-    return pel_snapshot_build_going(state, sea, seabed, NULL, NULL);
+    return pel_snapshot_build_going(state, sea, seabed, NULL, NULL, NULL);
 }
 
 const struct pel_snapshot *
@@ -687,6 +689,7 @@ pel_snapshot_with_ships(const struct pel_snapshot *s,
     pel_wakes_ref(to->public.wakes);
     pel_washes_ref(to->public.washes);
     pel_seabed_ref(to->public.seabed);
+    pel_panorama_ref(to->public.panorama);
     to->public.entities = to->entities;
     to->public.views = to->views;
     struct pel_sailing *own = new_ships(s->ship_count);
@@ -807,6 +810,7 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
         pel_wakes_unref(whole->public.wakes);
         pel_washes_unref(whole->public.washes);
         pel_seabed_unref(whole->public.seabed);
+        pel_panorama_unref(whole->public.panorama);
         for (size_t i = 0; i < whole->public.entity_count; i++) {
             pel_model_unref(whole->entities[i].model);
         }

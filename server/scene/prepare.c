@@ -9,6 +9,7 @@ static struct pel_resources resources_ref(const struct pel_resources *from)
     to.ground.key = g_strdup(from->ground.key);
     to.ground.bed = pel_seabed_ref(from->ground.bed);
     to.fleet = pel_fleet_ref(&from->fleet);
+    to.sky = pel_sky_file_ref(&from->sky);
     return to;
 }
 
@@ -17,6 +18,7 @@ void pel_resources_finish(struct pel_resources *resources)
     pel_shared_sea_unref(resources->sea);
     pel_ground_finish(&resources->ground);
     pel_fleet_finish(&resources->fleet);
+    pel_sky_file_finish(&resources->sky);
     resources->sea = NULL;
 }
 
@@ -27,7 +29,8 @@ bool pel_resources_fits(const struct pel_resources *resources,
     return resources->sea && pel_ground_is(&resources->ground, state) &&
            pel_shared_sea_is(resources->sea, state, means,
                              &resources->ground) &&
-           pel_fleet_has(&resources->fleet, state);
+           pel_fleet_has(&resources->fleet, state) &&
+           pel_sky_file_is(&resources->sky, state);
 }
 
 enum pel_err pel_resources_get(const Pelagos__State *state,
@@ -47,6 +50,10 @@ enum pel_err pel_resources_get(const Pelagos__State *state,
     if (!err) {
         err = pel_fleet_get(state, files->models, files->forgiving,
                             &present->fleet, &out->fleet, fault);
+    }
+    if (!err) {
+        err = pel_sky_file_get(state, files->panoramas, files->forgiving,
+                               &present->sky, &out->sky, fault);
     }
     if (err) {
         pel_resources_finish(out);

@@ -7,12 +7,14 @@
 #include "scene/build.h"
 #include "scene/fleet.h"
 #include "scene/ground.h"
+#include "scene/skyfile.h"
 #include "scene/worker.h"
 
 /* Where files lie; NULL: nowhere. */
 struct pel_files {
-    const char *bathymetry, *models;
-    bool forgiving; /* entities may go without their models */
+    const char *bathymetry, *models, *panoramas;
+    bool forgiving; /* entities may go without their models, the sky
+                       without its picture */
 };
 
 /* The sea, the bottom and the models of a state. Zeroed: none. */
@@ -20,6 +22,7 @@ struct pel_resources {
     struct pel_fleet fleet;
     struct pel_shared_sea *sea;
     struct pel_ground ground;
+    struct pel_sky_file sky;
 };
 void pel_resources_finish(struct pel_resources *resources);
 

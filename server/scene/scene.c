@@ -124,7 +124,7 @@ const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
         /* Whoever begins with this state begins the ships' steps here. */
         const struct pel_snapshot *anew = pel_snapshot_build_going(
             scene->state, scene->has.sea, scene->has.ground.bed,
-            &scene->has.fleet, NULL);
+            scene->has.sky.picture, &scene->has.fleet, NULL);
         pel_snapshot_unref(scene->snapshot);
         scene->snapshot = anew;
     }
@@ -201,9 +201,9 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     if (err) {
         return err;
     }
-    const struct pel_snapshot *snapshot =
-        pel_snapshot_build_going(state, next.sea, next.ground.bed, &next.fleet,
-                                 next.sea == scene->has.sea ? going : NULL);
+    const struct pel_snapshot *snapshot = pel_snapshot_build_going(
+        state, next.sea, next.ground.bed, next.sky.picture, &next.fleet,
+        next.sea == scene->has.sea ? going : NULL);
     pel_resources_finish(&scene->has);
     pel_snapshot_unref(scene->snapshot);
     if (scene->state) {
@@ -470,6 +470,7 @@ static void scene_free(struct pel_scene *scene)
     }
     g_free((char *)scene->files.bathymetry);
     g_free((char *)scene->files.models);
+    g_free((char *)scene->files.panoramas);
     g_free(scene->spectra);
     pel_missing_finish(&scene->missing);
     pel_store_close(scene->store);
@@ -527,6 +528,9 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     if (!err) {
         err = need_directory("--models", options->models, fault);
     }
+    if (!err) {
+        err = need_directory("--panoramas", options->panoramas, fault);
+    }
     if (!err && options->state_path) {
         err = pel_store_open(options->state_path, &store, fault);
     }
@@ -544,7 +548,8 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     scene->means.spectra = scene->spectra = g_strdup(options->spectra);
     scene->files.bathymetry = g_strdup(options->bathymetry);
     scene->files.models = g_strdup(options->models);
-    if ((options->bathymetry || options->models) &&
+    scene->files.panoramas = g_strdup(options->panoramas);
+    if ((options->bathymetry || options->models || options->panoramas) &&
         pel_sandbox_lack(pel_sandbox_walls())) {
         pel_warn("SCN-010", "files of others are read in a process with %s",
                  pel_sandbox_lack(pel_sandbox_walls()));

@@ -23,6 +23,7 @@ struct pel_scene_options {
     const char *spectra;    /* directory of measured spectra; NULL: none */
     const char *bathymetry; /* directory of height fields; NULL: none */
     const char *models;     /* directory of models; NULL: none */
+    const char *panoramas;  /* directory of skies; NULL: none */
 };
 
 /* Loads options->state_path and its journal if it exists (a file that does not

@@ -1,5 +1,9 @@
 #include "scene/skyplace.h"
 
+#include <math.h>
+
+#include "optics/colour.h"
+
 void pel_sky_place(const Pelagos__Sky *sky, struct pel_snapshot *out)
 {
     out->sun_azimuth_fixed = sky->has_sun_azimuth;
@@ -14,4 +18,41 @@ void pel_sky_place(const Pelagos__Sky *sky, struct pel_snapshot *out)
     out->moon_lit = sky->moon_phase;
     out->stars = sky->stars;
     out->visibility_m = sky->visibility;
+    out->panorama_scale = sky->file_scale;
+    out->panorama_azimuth_rad = sky->file_azimuth * PEL_DEG;
+    out->panorama_sun = sky->file_sun == PELAGOS__PICTURE_SUN__IN_THE_PICTURE;
+    out->panorama_dark = sky->file_sun == PELAGOS__PICTURE_SUN__NONE_SEEN;
+}
+
+/* Of the Sun's own, so that what comes through the air is the picture's. */
+static double strength(const struct pel_snapshot *s, double sine)
+{
+    const struct pel_panorama *p = s->panorama;
+    const struct pel_atmosphere_desc desc = { s->visibility_m };
+    struct pel_atmosphere air;
+    pel_atmosphere_init(&desc, &air);
+    struct pel_rgb through = pel_atmosphere_transmittance(&air, 0.0, sine);
+    struct pel_rgb e = pel_light_bodies[PEL_LIGHT_SUN].irradiance;
+    e = (struct pel_rgb){ e.r * through.r, e.g * through.g, e.b * through.b };
+    double shown =
+        (0.2126 * p->sun[0] + 0.7152 * p->sun[1] + 0.0722 * p->sun[2]) *
+        s->panorama_scale;
+    return fmin(shown / fmax(pel_colour_illuminance(e, sine), 1e-3), 100.0);
+}
+
+void pel_panorama_lights(const struct pel_snapshot *s,
+                         struct pel_light lights[PEL_LIGHTS])
+{
+    const struct pel_panorama *p = s->panorama;
+    struct pel_light *sun = &lights[PEL_LIGHT_SUN];
+    lights[PEL_LIGHT_MOON].strength = 0.0;
+    if (s->panorama_dark || (s->panorama_sun && !p->has_sun)) {
+        sun->strength = 0.0;
+    } else if (s->panorama_sun) {
+        double azimuth = s->panorama_azimuth_rad + p->sun_azimuth_rad;
+        double sine = sin(p->sun_elevation_rad), cosine = sqrt(1 - sine * sine);
+        sun->direction = (struct pel_vec3){ cosine * sin(azimuth),
+                                            cosine * cos(azimuth), sine };
+        sun->strength = strength(s, sine);
+    }
 }

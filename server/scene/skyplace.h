@@ -5,3 +5,7 @@
 #include "scene/snapshot.h"
 
 void pel_sky_place(const Pelagos__Sky *sky, struct pel_snapshot *out);
+
+/* Under a picture: its Sun as strong as it shines there, or none, no Moon. */
+void pel_panorama_lights(const struct pel_snapshot *s,
+                         struct pel_light lights[PEL_LIGHTS]);

@@ -14,6 +14,7 @@
 #include "optics/light.h"
 #include "optics/nightsky.h"
 #include "optics/waterbody.h"
+#include "panorama/panorama.h"
 #include "scene/ship.h"
 #include "seabed/seabed.h"
 
@@ -163,6 +164,9 @@ struct pel_snapshot {
     double moon_lit;                             /* share, where fixed */
     bool stars;
     double visibility_m;
+    const struct pel_panorama *panorama; /* the sky; NULL: computed */
+    double panorama_scale, panorama_azimuth_rad;
+    bool panorama_sun, panorama_dark; /* it has the Sun; there is none */
     size_t entity_count;
     const struct pel_entity_state *entities;
     struct pel_wakes *wakes;   /* of those that make waves; NULL: none */

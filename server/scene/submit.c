@@ -43,12 +43,13 @@ static bool is_waiting(const struct pel_scene *scene, const void *source)
 static bool touches_sea(const Pelagos__Patch *patch)
 {
     const Pelagos__State *to = patch->state;
-    bool touches = to && (to->sea || to->seabed || to->origin);
+    bool touches = to && (to->sea || to->seabed || to->origin || to->sky);
     for (size_t i = 0; to && i < to->n_entities && !touches; i++) {
         touches = to->entities[i]->model;
     }
     for (size_t i = 0; i < patch->n_remove && !touches; i++) {
         touches = strncmp(patch->remove[i], "sea", 3) == 0 ||
+                  strncmp(patch->remove[i], "sky", 3) == 0 ||
                   strncmp(patch->remove[i], "origin", 6) == 0;
     }
     return touches;
@@ -59,6 +60,7 @@ static bool reads(const struct pel_scene *scene, const Pelagos__State *state)
 {
     return !pel_ground_is(&scene->has.ground, state) ||
            !pel_fleet_has(&scene->has.fleet, state) ||
+           !pel_sky_file_is(&scene->has.sky, state) ||
            !pel_shared_sea_same_record(scene->has.sea, state);
 }
 

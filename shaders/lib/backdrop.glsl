@@ -50,6 +50,10 @@ vec3 light_disc(int i, vec3 dir, float blur)
 }
 #endif
 
+#ifdef PEL_PANORAMA
+#include "lib/panorama.glsl"
+#endif
+
 #ifdef PEL_NIGHT
 #include "lib/night.glsl"
 #include "lib/stars.glsl"
@@ -62,7 +66,11 @@ shaded shade_backdrop(ivec2 at)
     vec3 dir = ray * inverse;
     float angle = max(angle_above_horizon(dir), 0.0);
     vec3 disc = vec3(0.0);
+#ifdef PEL_PANORAMA
+    vec3 light = panorama_seen(dir, angle, pixel.x * inverse);
+#else
     vec3 light = sky_light(eye_table, dir.xy, angle);
+#endif
 #ifdef PEL_NIGHT
     light += night_off(dir);
     vec4 stars = stars_of(at);

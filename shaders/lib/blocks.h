@@ -84,6 +84,7 @@ struct pel_vec4 {
 #define PEL_UNIT_WATER_RADIANCE 13
 #define PEL_UNIT_WATER_ATTENUATION 14
 #define PEL_UNIT_NIGHT 34     /* 32 and up: what few pictures have */
+#define PEL_UNIT_PANORAMA 34  /* of pictures without the night's */
 #define PEL_UNIT_AMPLITUDES 0 /* 0, 1: transforms of the cascades */
 #define PEL_UNIT_MODES 1
 
@@ -448,6 +449,8 @@ PEL_BLOCK(PEL_BLOCK_FRAME, frame)
     vec4 whitecaps; /* x 1 over the deviation of what breaks; y weight of
                        streaks; z tiles of foam's structure a metre along the
                        wind; w mean share of the sea that dense foam hides */
+    vec4 panorama[3]; /* of a picture's texels to radiance, rows; w: azimuth of
+                         its middle, log2 of its texels a radian */
 };
 
 /* One for an eye, a camera position of this frame. */

@@ -17,7 +17,8 @@ LIBRARIES = {
     # The benchmark of streams (tests) times these two by themselves.
     "turbojpeg.h": {"server/encode", "tests"},
     "jpeglib.h": {"server/encode", "server/models/reader"},
-    "openexr.h": {"server/encode", "server/seabed/reader"},
+    "openexr.h": {"server/encode", "server/seabed/reader",
+                  "server/panorama/reader"},
     "gdal": {"server/seabed/reader", "tests"},
     "cpl_": {"server/seabed/reader", "tests"},
     "ogr_": {"server/seabed/reader"},
