@@ -148,6 +148,13 @@ export class Sections {
       patch: (v) => ({ sky: { stars: v } }),
     });
     this.showBodies(document.createElement("p"));
+    const pictured = (s) => !!s.sky?.file;
+    this.choice("sky", "picture-sun", "Sun of the sky's picture",
+      "sky.fileSun", pictured);
+    this.range("sky", "Picture's direction", "sky.fileAzimuth", "°", 1,
+      { id: "picture-azimuth", depends: pictured });
+    this.range("sky", "Picture's brightness", "sky.fileScale", "cd/m²", 1,
+      { id: "picture-scale", scale: "log", depends: pictured });
     this.range("sky", "Visibility", "sky.visibility", "m", 100,
       { id: "visibility", scale: "log" });
   }

@@ -136,7 +136,7 @@ static void take_sun(const struct grid *g, struct pel_panorama *out)
                 }
             }
         }
-        if (most < PEL_PANORAMA_SUN * level) {
+        if (most <= PEL_PANORAMA_SUN * level) {
             return;
         }
     }
