@@ -3,9 +3,8 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "frames/core.h"
-
-#include "scene/skyplace.h"
 #include "proto/formats.h"
+#include "scene/skyplace.h"
 
 /* Live frames that come sooner than this take waiting requests along; one that
  * found no place in them for so long gets its own. */
