@@ -449,8 +449,8 @@ PEL_BLOCK(PEL_BLOCK_FRAME, frame)
     vec4 whitecaps; /* x 1 over the deviation of what breaks; y weight of
                        streaks; z tiles of foam's structure a metre along the
                        wind; w mean share of the sea that dense foam hides */
-    /* Of a picture's texels to radiance, rows; w: azimuth of its middle, log2 of
-     * its texels a radian. */
+    /* Of a picture's texels to radiance, rows; w: azimuth of its middle, log2
+     * of its texels a radian. */
     vec4 panorama[3];
 };
 
