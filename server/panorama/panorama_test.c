@@ -2,7 +2,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-/* cmocka.h wants these four first. */
+/* The framework wants these four first. */
 #include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
