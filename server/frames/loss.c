@@ -116,9 +116,10 @@ static void stand_again(struct pel_renderloop *loop, bool software)
 {
     struct pel_fault fault = { 0 };
     int64_t end_ns = pel_now_ns() + RETURN_NS;
-    while (!atomic_load(&loop->stop)) {
+    for (int i = 0; !atomic_load(&loop->stop); i++) {
         bool hopes = !software && pel_now_ns() < end_ns;
-        if (try_again(loop, !hopes, hopes, &fault) == PEL_OK) {
+        /* Without a software device the other stays the only one. */
+        if (try_again(loop, !hopes && i % 2 == 0, hopes, &fault) == PEL_OK) {
             break;
         }
         if (!hopes) {

@@ -182,6 +182,13 @@ enum pel_err pel_context_init(struct pel_context *context, const char *device,
              renderer, (const char *)glGetString(GL_VERSION));
     context->software =
         strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe");
+    if (!context->software && device && strcmp(device, "software") == 0) {
+        /* Other drivers offer a platform of Mesa's, too. */
+        pel_context_finish(context);
+        return pel_fault_set(fault, PEL_ERR_GPU,
+                             "no software device; install libgl1-mesa-dri and "
+                             "libegl-mesa0");
+    }
     glEnable(GL_DEBUG_OUTPUT);
     if (debug) {
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
