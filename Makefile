@@ -464,6 +464,10 @@ beaufort-sheet: deps-build ## the sea of Beaufort 0 to 11 on one sheet: build/be
 day-sheet: deps-build ## 24 hours of a day with a full Moon on one sheet: build/day.jpg (ARGS=--dark: at new Moon)
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/validate/daysheet.py $(ARGS)
+.PHONY: octas-sheet
+octas-sheet: deps-build ## clouds by cover, Sun and genus on one sheet: build/octas.jpg
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/validate/octas.py $(ARGS)
 
 .PHONY: soak
 soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers

@@ -2,6 +2,8 @@
 #include "lib/blocks.h"
 #include "lib/flat.glsl"
 #include "lib/sky.glsl"
+#include "lib/clouds.glsl"
+#include "lib/beam.glsl"
 #include "lib/ray.glsl"
 #include "lib/water.glsl"
 #include "lib/shaded.glsl"

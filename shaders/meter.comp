@@ -4,6 +4,8 @@
 #define PEL_METER
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
+#include "lib/clouds.glsl"
+#include "lib/beam.glsl"
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"
 #include "lib/water.glsl"
@@ -40,6 +42,9 @@ vec3 mean_sea(vec3 dir)
     for (int i = 0; i < PEL_LIT; i++) {
         leaving += leaving_deep_water(i, water_place(v, n, light_above(i, tilt)));
     }
+#ifdef PEL_CLOUDS
+    leaving *= water_below_clouds(tilt);
+#endif
     lit parts = sea_radiance(reflection_map, v, tilt, n, wind.zw, leaving, vec3(0.0), NOT_PRESSED, 0.0);
     cover_by_foam(vec2(whitecaps.w, 1.0), n, tilt, parts);
     vec3 air;
@@ -50,7 +55,13 @@ vec3 mean_sea(vec3 dir)
 vec3 seen(vec3 dir)
 {
     float angle = angle_above_horizon(dir);
+#ifdef PEL_CLOUDS
+    vec3 above = normalize(vec3(dir.xy, max(dir.z, 0.0)));
+    vec2 place = above.xy / (1.0 + above.z) * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
+    vec3 light = angle < 0.0 ? mean_sea(dir) : textureLod(reflection_map, place, 0.0).rgb;
+#else
     vec3 light = angle < 0.0 ? mean_sea(dir) : sky_light(eye_table, dir.xy, angle);
+#endif
     return from_under_water(light, dir.z);
 }
 
@@ -105,12 +116,18 @@ pel_shader_glare glare_of(int i)
     float centre = 1.0 / (2.0 * PI * core2 * log(1.0 + 2.0 / core2));
     vec3 direct = lights[i].irradiance.rgb *
                   light_transmittance(transmittance, eye.x, to.z, to.w);
+#ifdef PEL_CLOUDS
+    direct *= clouds_toward(transmittance, to.xyz, vec3(0.0), 0.001, 1e9, 0.5).beam;
+#endif
     float share = lut.y > 0.5 ? 0.0 : meter.w;
     return pel_shader_glare(vec4(to.xyz, 0.5 * to.w * to.w), vec4(direct * (share * centre), share));
 }
 
 void main()
 {
+#ifdef PEL_CLOUDS
+    below_mean_clouds();
+#endif
     int lane = int(gl_LocalInvocationID.x);
     int samples = int(meter.x) * PEL_METER_COLUMNS * PEL_METER_ROWS;
     vec3 sum = vec3(0.0);
@@ -134,6 +151,18 @@ void main()
         vec3 balance = meter.z == float(PEL_TONE_LINEAR)
                            ? vec3(1.0)
                            : vec3(PEL_TONE_RED, PEL_TONE_GREEN, PEL_TONE_BLUE);
+#ifdef PEL_CLOUDS
+        // Under clouds white is what a sheet on the sea looks like, as cameras
+        // and eyes have it.
+        vec3 falling = vec3(0.0);
+        for (int i = 0; i < PEL_LIT; i++) {
+            falling += beams[i].rgb * (cloud_light.y * max(lights[i].direction.z, 0.0)) + skies[i].rgb;
+        }
+        vec3 white = vec3(dot(red.rgb, falling), dot(green.rgb, falling), dot(blue.rgb, falling));
+        float grey = dot(vec3(0.2126, 0.7152, 0.0722), white);
+        balance = mix(balance, pow(grey / max(white, vec3(1e-9)), vec3(PEL_CLOUD_WHITE)),
+                      meter.z == float(PEL_TONE_LINEAR) ? 0.0 : 1.0 - cloud_light.y);
+#endif
         out_exposing = vec4(balance * (exp2(-ev) * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE)), 0.0);
         for (int i = 0; i < PEL_LIT; i++) {
             out_glare[i] = glare_of(i);

@@ -2,6 +2,8 @@
 // The light of an object in the mirrored view, and that it is there.
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
+#include "lib/clouds.glsl"
+#include "lib/beam.glsl"
 #include "lib/ray.glsl"
 #include "lib/water.glsl"
 #include "lib/shaded.glsl"

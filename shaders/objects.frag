@@ -16,6 +16,8 @@
 #include "lib/filtered.glsl"
 #endif
 #include "lib/sky.glsl"
+#include "lib/clouds.glsl"
+#include "lib/beam.glsl"
 #include "lib/variance.glsl"
 #include "lib/ray.glsl"
 #include "lib/water.glsl"

@@ -2,6 +2,8 @@
 // One value of each function that shades (render/probe.h).
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
+#include "lib/clouds.glsl"
+#include "lib/beam.glsl"
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"
 #include "lib/water.glsl"
@@ -37,6 +39,9 @@ layout(location = 2) uniform int sun; // its place among the lights
 
 void main()
 {
+#ifdef PEL_CLOUDS
+    below_mean_clouds();
+#endif
     const vec3 n = vec3(0.0, 0.0, 1.0);
     vec3 tx = vec3(wind.xy, 0.0);
     vec3 ty = cross(n, tx);

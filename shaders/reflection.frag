@@ -5,6 +5,7 @@
 // over it has what escapes; what waves show of waves is in second.frag.
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
+#include "lib/clouds.glsl"
 
 layout(location = 0) out vec4 radiance;
 layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
@@ -13,6 +14,9 @@ layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
 #endif
 #ifdef PEL_NIGHT
 #include "lib/night.glsl"
+#endif
+#ifdef PEL_CLOUDS
+layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 #endif
 layout(location = 0) uniform vec2 map; // size in px, half width in units
 
@@ -23,11 +27,17 @@ void main()
     vec3 dir = vec3(2.0 * u, 1.0 - rho2) / (1.0 + rho2);
     float elevation = asin(clamp(dir.z, 0.0, 1.0));
 #ifdef PEL_PANORAMA
-    radiance = vec4(panorama_at(dir.xy, 0.5 * PI - elevation, elevation, 0.02), 1.0);
+    vec3 light = panorama_at(dir.xy, 0.5 * PI - elevation, elevation, 0.02);
 #else
-    radiance = vec4(sky_light(sky_table, dir.xy, elevation), 1.0);
+    vec3 light = sky_light(sky_table, dir.xy, elevation);
 #endif
 #ifdef PEL_NIGHT
-    radiance.rgb = max(radiance.rgb + night_off(dir), vec3(0.0));
+    light = max(light + night_off(dir), vec3(0.0));
 #endif
+#ifdef PEL_CLOUDS
+    // Not lower than half a texel above the horizon.
+    dir.z = max(dir.z, 0.01);
+    light = clouded_sky(clouds_toward(transmittance, normalize(dir), light, 0.02, 1e9, 0.5), light);
+#endif
+    radiance = vec4(light, 1.0);
 }

@@ -16,6 +16,8 @@
 #endif
 #include "lib/filtered.glsl"
 #include "lib/sky.glsl"
+#include "lib/clouds.glsl"
+#include "lib/beam.glsl"
 #include "lib/variance.glsl"
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"
@@ -32,6 +34,9 @@
 #include "lib/haze.glsl"
 #ifdef PEL_SEABED
 #include "lib/seabed.glsl"
+#endif
+#ifdef PEL_CLOUDS
+layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 #endif
 #include "lib/sea.glsl"
 #include "lib/tone.glsl"

@@ -10,7 +10,11 @@
 #include "lib/ross.glsl"
 
 layout(location = 0) out vec4 radiance;
+#ifdef PEL_CLOUDS
+layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
+#else
 layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
+#endif
 
 const int STEPS = 12;
 const float REACH = 3.5;
@@ -44,7 +48,15 @@ void main()
         float weight = (z - eta) * exp(-0.5 * z * z);
         float cosine = (z - eta) * s * inversesqrt((1.0 + s2 * z * z + cross2) * (1.0 + s2 * eta * eta));
         vec3 fresnel = facet_reflectance(cosine);
+#ifdef PEL_CLOUDS
+        float rise = max(s * (2.0 * z - eta), 0.0);
+        // Stereographic, as reflection.frag has it.
+        float r = inversesqrt(1.0 + rise * rise);
+        vec2 uv = away * (r / (1.0 + rise * r)) * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
+        vec3 sky = textureLod(reflection_map, uv, 2.0).rgb;
+#else
         vec3 sky = sky_light(sky_table, away, max(atan(s * (2.0 * z - eta)), 0.0));
+#endif
         sum += weight * mix(sea_light.rgb, sky, fresnel);
         seen += weight;
     }

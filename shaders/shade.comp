@@ -17,6 +17,8 @@
 #endif
 #include "lib/filtered.glsl"
 #include "lib/sky.glsl"
+#include "lib/clouds.glsl"
+#include "lib/beam.glsl"
 #include "lib/variance.glsl"
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"

@@ -4,6 +4,8 @@
 // (Praun and Hoppe 2003).
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
+#include "lib/clouds.glsl"
+#include "lib/beam.glsl"
 #include "lib/ross.glsl"
 #include "lib/water.glsl"
 #include "lib/shade.glsl"
@@ -26,8 +28,21 @@ vec3 mean_sea(vec3 dir)
     return parts.sun + parts.sky + parts.water;
 }
 
+vec3 above_sea(vec3 dir)
+{
+#ifdef PEL_CLOUDS
+    vec2 place = dir.xy / (1.0 + max(dir.z, 0.0)) * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
+    return textureLod(reflection_map, place, 0.0).rgb;
+#else
+    return sky_light(sky_table, dir.xy, asin(min(dir.z, 1.0)));
+#endif
+}
+
 void main()
 {
+#ifdef PEL_CLOUDS
+    below_mean_clouds();
+#endif
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     vec2 e = (vec2(at) + 0.5) * (2.0 / float(PEL_SURROUNDINGS_SIZE)) - 1.0;
     vec3 dir = vec3(e, 1.0 - abs(e.x) - abs(e.y));
@@ -35,6 +50,6 @@ void main()
     dir.xy -= vec2(dir.x >= 0.0 ? fold : -fold, dir.y >= 0.0 ? fold : -fold);
     dir = normalize(dir);
     vec3 light = dir.z < 0.0 ? mean_sea(vec3(dir.xy, min(dir.z, -1e-3)))
-                             : sky_light(sky_table, dir.xy, asin(min(dir.z, 1.0)));
+                             : above_sea(dir);
     imageStore(map, at, vec4(min(light * dusk.x, vec3(6e4)), 1.0));
 }

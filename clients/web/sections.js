@@ -157,6 +157,10 @@ export class Sections {
       { id: "picture-scale", scale: "log", depends: pictured });
     this.range("sky", "Visibility", "sky.visibility", "m", 100,
       { id: "visibility", scale: "log" });
+    const cloudy = (s) => (s.sky?.cloudCover ?? 0) > 0;
+    this.range("sky", "Clouds", "sky.cloudCover", "okta", 1,
+      { id: "cloud-cover" });
+    this.choice("sky", "cloud-genus", "Clouds are", "sky.cloudGenus", cloudy);
   }
 
   // Where Sun and Moon stand now, as long as the section is seen.

@@ -51,6 +51,19 @@ static bool has_room(struct pel_frames *frames)
     return frames->drawing < PEL_MAX_DRAWING && free_job(frames) != NULL;
 }
 
+/* The first entity's stored place stands for all eyes, in steps that are not
+ * seen in rough water: what the sea mirrors is computed once. */
+static void place_clouds(const struct pel_snapshot *s,
+                         struct pel_environment *env)
+{
+    const double step_m = 50;
+    const struct pel_entity_state *e = s->entity_count ? s->entities : NULL;
+    double x = (e ? e->east_m : 0) - env->clouds.east_mps * env->time_s;
+    double y = (e ? e->north_m : 0) - env->clouds.north_mps * env->time_s;
+    env->clouds_x_m = step_m * round(x / step_m);
+    env->clouds_y_m = step_m * round(y / step_m);
+}
+
 struct pel_environment pel_environment_of(const struct pel_snapshot *s,
                                           double time_s)
 {
@@ -61,6 +74,7 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
         .wind_mps = s->wind_mps,
         .wind_to_rad = s->wind_to_rad,
         .visibility_m = s->visibility_m,
+        .clouds = s->clouds,
         .water = s->water,
         .orders = s->water_orders,
         .seabed = s->seabed,
@@ -71,12 +85,14 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
     if (s->panorama) {
         pel_panorama_lights(s, env.lights);
         env.panorama = s->panorama;
+        env.clouds.cover = 0; /* the picture has its own */
         env.panorama_scale = s->panorama_scale;
         env.panorama_azimuth_rad = s->panorama_azimuth_rad;
     } else {
         pel_snapshot_night(s, time_s, env.lights[PEL_LIGHT_SUN].direction,
                            &env.night);
     }
+    place_clouds(s, &env);
     return env;
 }
 

@@ -18,6 +18,8 @@ enum {
     STALE,
     LARGE,
     TIDE,
+    CLOUDED,
+    OVERCAST,
     SCENES, /* a prime: any step walks through all of them */
 };
 
@@ -83,6 +85,13 @@ static void fill_scenes(void)
     scenes[LARGE] = scenes[COAST];
     scenes[LARGE].camera =
         test_camera((struct test_look){ 3, 30, -8, 0, 70, 400, 256 });
+    scenes[CLOUDED] = scenes[NIGHT];
+    scenes[CLOUDED].env.lights[PEL_LIGHT_SUN].direction = test_sun(20, 200);
+    scenes[CLOUDED].env.clouds =
+        (struct pel_clouds){ 0.6, PEL_CLOUD_CUMULUS, 900, 550, 12, 3, 1 };
+    scenes[OVERCAST] = scenes[DEEP];
+    scenes[OVERCAST].env.clouds =
+        (struct pel_clouds){ 1, PEL_CLOUD_STRATUS, 350, 400, 12, 3, 2 };
     scenes[TIDE] = scenes[COAST];
     scenes[TIDE].env.sea_level_m = 4;
     /* The maps of all orders take most of the time. */

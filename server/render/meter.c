@@ -1,41 +1,41 @@
 #include "render/meter.h"
 
+#include "render/programs.h"
 #include "render/shader.h"
 #include "shaders/lib/blocks.h"
 
-enum pel_err pel_meter_init(struct pel_meter *m, const char *shader_dir,
-                            struct pel_fault *fault)
+void pel_meter_init(struct pel_meter *m)
 {
     glCreateBuffers(1, &m->exposure);
     glNamedBufferStorage(m->exposure, sizeof(struct pel_block_exposure), NULL,
                          0);
     glObjectLabel(GL_BUFFER, m->exposure, -1, "exposure");
-    return pel_meter_need(m, 1, shader_dir, fault);
 }
 
-enum pel_err pel_meter_need(struct pel_meter *m, int lit,
+enum pel_err pel_meter_need(struct pel_meter *m,
+                            const struct pel_environment *env,
                             const char *shader_dir, struct pel_fault *fault)
 {
-    GLuint *program = &m->program[lit - 1];
+    GLuint *program = &m->program[pel_light_program(env)];
     return *program ? PEL_OK
                     : pel_program_create(shader_dir, "meter.comp", NULL,
-                                         lit > 1 ? "#define PEL_LIT 2\n" : NULL,
+                                         pel_light_program_defines(env),
                                          program, fault);
 }
 
 void pel_meter_finish(struct pel_meter *m)
 {
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_LIGHT_PROGRAMS; i++) {
         glDeleteProgram(m->program[i]);
     }
     glDeleteBuffers(1, &m->exposure);
     *m = (struct pel_meter){ 0 };
 }
 
-void pel_meter_run(struct pel_meter *m, int lit)
+void pel_meter_run(struct pel_meter *m, const struct pel_environment *env)
 {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_EXPOSURE, m->exposure);
-    glUseProgram(m->program[lit - 1]);
+    glUseProgram(m->program[pel_light_program(env)]);
     glDispatchCompute(1, 1, 1);
     glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_EXPOSURE, m->exposure);

@@ -56,6 +56,17 @@ const char *pel_light_defines(enum pel_programs_light light)
             "#define PEL_PANORAMA\n#define PEL_DISCS 2\n",
         [PEL_LIGHT_PANORAMA + PEL_LIGHT_TWO] =
             "#define PEL_PANORAMA\n#define PEL_LIT 2\n",
+        [PEL_LIGHT_CLOUDED + PEL_LIGHT_ONE] = "#define PEL_CLOUDS\n",
+        [PEL_LIGHT_CLOUDED + PEL_LIGHT_ONE_AND_DISC] =
+            "#define PEL_CLOUDS\n#define PEL_DISCS 2\n",
+        [PEL_LIGHT_CLOUDED + PEL_LIGHT_TWO] =
+            "#define PEL_CLOUDS\n#define PEL_LIT 2\n",
+        [PEL_LIGHT_CLOUDED + PEL_LIGHT_NIGHT + PEL_LIGHT_ONE] =
+            "#define PEL_CLOUDS\n#define PEL_NIGHT\n",
+        [PEL_LIGHT_CLOUDED + PEL_LIGHT_NIGHT + PEL_LIGHT_ONE_AND_DISC] =
+            "#define PEL_CLOUDS\n#define PEL_NIGHT\n#define PEL_DISCS 2\n",
+        [PEL_LIGHT_CLOUDED + PEL_LIGHT_NIGHT + PEL_LIGHT_TWO] =
+            "#define PEL_CLOUDS\n#define PEL_NIGHT\n#define PEL_LIT 2\n",
     };
     return defines[light];
 }
@@ -68,6 +79,19 @@ const char *pel_sky_look_defines(enum pel_sky_look look)
         [PEL_SKY_PANORAMA] = "#define PEL_PANORAMA\n",
     };
     return defines[look];
+}
+
+int pel_light_program(const struct pel_environment *env)
+{
+    return env->lit - 1 + (env->clouds.cover > 0 ? PEL_LIGHTS : 0);
+}
+
+const char *pel_light_program_defines(const struct pel_environment *env)
+{
+    enum pel_programs_light light =
+        env->lit > 1 ? PEL_LIGHT_TWO : PEL_LIGHT_ONE;
+    return pel_light_defines(env->clouds.cover > 0 ? light + PEL_LIGHT_CLOUDED
+                                                   : light);
 }
 
 static const char *const tile_defines[PEL_COAST_TILES] = {
@@ -236,9 +260,10 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
     for (int disc = 0; disc < 2; disc++) {
         GLuint *program = disc ? &all->disc[all->look][kind]
                                : &all->backdrop[all->look][kind];
-        char defines[128];
+        char defines[160];
         /* Another's disc may be in its box. */
-        snprintf(defines, sizeof defines, "%s%s%s%s", kind_defines[kind],
+        snprintf(defines, sizeof defines, "%s%s%s%s%s", kind_defines[kind],
+                 all->light >= PEL_LIGHT_CLOUDED ? "#define PEL_CLOUDS\n" : "",
                  pel_sky_look_defines(all->look),
                  all->light % PEL_LIGHT_NIGHT == PEL_LIGHT_TWO
                      ? "#define PEL_LIT 2\n"

@@ -39,7 +39,8 @@ enum pel_programs_light {
     PEL_LIGHT_TWO,
     PEL_LIGHT_NIGHT, /* added to these: with the night's map and stars */
     PEL_LIGHT_PANORAMA = 2 * PEL_LIGHT_NIGHT, /* with a picture as the sky */
-    PEL_LIGHT_KINDS = 3 * PEL_LIGHT_NIGHT
+    PEL_LIGHT_CLOUDED = 3 * PEL_LIGHT_NIGHT,  /* added to those: with clouds */
+    PEL_LIGHT_KINDS = 2 * PEL_LIGHT_CLOUDED
 };
 
 /* How the sky is come by. */
@@ -108,6 +109,12 @@ void pel_programs_texture(struct pel_programs *p, bool textured);
 PEL_CHECK enum pel_err pel_programs_take_light(struct pel_programs *p,
                                                enum pel_programs_light light,
                                                struct pel_fault *fault);
+
+/* The place of programs that differ by the lights and clouds alone, below
+ * PEL_LIGHT_PROGRAMS, and what they define. */
+#define PEL_LIGHT_PROGRAMS (2 * PEL_LIGHTS)
+int pel_light_program(const struct pel_environment *env);
+const char *pel_light_program_defines(const struct pel_environment *env);
 
 /* What all shaders define by the lights. */
 const char *pel_light_defines(enum pel_programs_light light);

@@ -106,9 +106,7 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
             pel_programs_init(&r->programs, r->shader_dir, r->context.software,
                               o->shading, &r->filtering, fault);
     }
-    if (err == PEL_OK) {
-        err = pel_meter_init(&r->meter, r->shader_dir, fault);
-    }
+    pel_meter_init(&r->meter);
     if (err != PEL_OK) {
         goto fail;
     }
@@ -138,6 +136,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_seabed_map_finish(&r->seabed);
         pel_wavefield_finish(&r->wavefield);
         pel_foam_map_finish(&r->foam);
+        pel_cloud_map_finish(&r->clouds);
         pel_wake_map_finish(&r->wakes);
         pel_shore_map_finish(&r->shore);
         glDeleteBuffers(1, &r->vertices);
@@ -167,6 +166,10 @@ static void bind_table_eye(void *user, double height_m)
     struct pel_renderer *r = user;
     struct pel_block_eye block;
     pel_fill_eye(height_m, height_m, false, NULL, &block);
+    if (r->env) {
+        pel_fill_cloud_eye(r->env, r->env->clouds_x_m, r->env->clouds_y_m,
+                           &block);
+    }
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &block,
                    sizeof block);
 }
@@ -276,7 +279,7 @@ static void expose(struct pel_renderer *r, const struct pel_environment *env,
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SIGHTS, &sights,
                    sizeof sights);
     pel_sky_bind_eye(&r->sky, env, table_height_m);
-    pel_meter_run(&r->meter, env->lit);
+    pel_meter_run(&r->meter, env);
 }
 
 /* For shaders/lib/waves.glsl. All groups of a dispatch read them: hardware from
@@ -419,6 +422,8 @@ static void draw_pixels(struct pel_renderer *r,
         pel_fill_grain(env->sea->foam, env->wind_to_rad, c->east_m, c->north_m,
                        &eye);
     }
+    pel_fill_cloud_eye(env, c->east_m - env->clouds.east_mps * env->time_s,
+                       c->north_m - env->clouds.north_mps * env->time_s, &eye);
     if (cascades) {
         struct pel_block_cascades block;
         pel_fill_cascades(env->sea->cascades, c->east_m, c->north_m, &block);
@@ -591,19 +596,19 @@ static enum pel_programs_light light_of(const struct pel_renderer *r,
                 : env->panorama ? PEL_LIGHT_PANORAMA
                 : env->night.on ? PEL_LIGHT_NIGHT
                                 : 0;
-    return night + (env->lit > 1                 ? PEL_LIGHT_TWO
-                    : env->discs > 1 && with_sea ? PEL_LIGHT_ONE_AND_DISC
-                                                 : PEL_LIGHT_ONE);
+    int clouded = env->clouds.cover > 0 ? PEL_LIGHT_CLOUDED : 0;
+    return clouded + night +
+           (env->lit > 1                 ? PEL_LIGHT_TWO
+            : env->discs > 1 && with_sea ? PEL_LIGHT_ONE_AND_DISC
+                                         : PEL_LIGHT_ONE);
 }
 
 static enum pel_err need_light(struct pel_renderer *r,
                                const struct pel_environment *env,
                                struct pel_fault *fault)
 {
-    enum pel_err err = pel_sky_need(&r->sky, env->lit, pel_sky_look(env),
-                                    r->shader_dir, fault);
-    return err ? err
-               : pel_meter_need(&r->meter, env->lit, r->shader_dir, fault);
+    enum pel_err err = pel_sky_need(&r->sky, env, r->shader_dir, fault);
+    return err ? err : pel_meter_need(&r->meter, env, r->shader_dir, fault);
 }
 
 static enum pel_err need_view(struct pel_renderer *r,
@@ -689,6 +694,8 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     }
     pel_stage_begin(&r->timing);
     bind_frame(r, &here);
+    r->env = &here;
+    pel_cloud_map_bind(&r->clouds, &here.clouds);
     if (here.sea->cascades) {
         err = pel_wavefield_run(&r->wavefield, r->shader_dir, &here.sea->desc,
                                 here.sea->cascades, here.time_s, &fault);
@@ -707,6 +714,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     pel_foam_map_bind(&r->foam, here.sea, here.wash != NULL);
     pel_wake_map_load(&r->wakes, &here);
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
+    r->env = NULL;
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
     for (size_t i = 0; i < count && err == PEL_OK; i++) {
         err = draw_view(r, &here, &draws[i]);

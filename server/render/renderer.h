@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "optics/clouds.h"
 #include "optics/watertable.h"
 #include "proto/layers.h"
 #include "render/filtering.h"
@@ -59,6 +60,10 @@ struct pel_environment {
     double panorama_azimuth_rad;         /* of its middle, clockwise of north */
     double wind_mps, wind_to_rad;
     double visibility_m;
+    struct pel_clouds clouds;
+    /* Whence the clouds are seen that the sea mirrors, in metres of the air
+     * that they drift with: own ship's place. */
+    double clouds_x_m, clouds_y_m;
     struct pel_water_body water;
     enum pel_water_orders orders;
     /* Depths to have the water's light for, over a bottom that is not flat;

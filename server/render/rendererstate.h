@@ -6,6 +6,7 @@
 #include <epoxy/gl.h>
 
 #include "render/arena.h"
+#include "render/cloudmap.h"
 #include "render/context.h"
 #include "render/filtering.h"
 #include "render/foammap.h"
@@ -31,7 +32,9 @@
 struct pel_renderer {
     struct pel_context context;
     const char *shader_dir;
-    unsigned lose_after; /* of the options */
+    unsigned lose_after;               /* of the options */
+    const struct pel_environment *env; /* of the frame that is drawn */
+    struct pel_cloud_map clouds;
     bool lost;
     struct pel_filtering filtering;
     struct pel_filter filter; /* its bounds */

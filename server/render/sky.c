@@ -8,6 +8,7 @@
 
 #include "optics/airlight.h"
 #include "optics/atmosphere.h"
+#include "render/programs.h"
 #include "render/shader.h"
 #include "render/worker_pool.h"
 #include "shaders/lib/blocks.h"
@@ -96,25 +97,34 @@ enum pel_sky_look pel_sky_look(const struct pel_environment *env)
                            : PEL_SKY_DAY;
 }
 
-enum pel_err pel_sky_need(struct pel_sky *sky, int lit, enum pel_sky_look look,
+enum pel_err pel_sky_need(struct pel_sky *sky,
+                          const struct pel_environment *env,
                           const char *shader_dir, struct pel_fault *fault)
 {
-    const char *lights = lit > 1 ? "#define PEL_LIT 2\n" : "";
-    char dark[64];
+    const int at = pel_light_program(env);
+    const enum pel_sky_look look = pel_sky_look(env);
+    const char *lights = env->lit > 1 ? "#define PEL_LIT 2\n" : "";
+    const char *clouded = pel_light_program_defines(env);
+    char dark[64], both[96];
     snprintf(dark, sizeof dark, "%s%s", lights, pel_sky_look_defines(look));
+    snprintf(both, sizeof both, "%s%s", clouded, pel_sky_look_defines(look));
     const struct {
         GLuint *program;
         const char *first, *second, *defines;
+        bool wanted;
     } programs[] = {
-        { &sky->table_program[look], "screen.vert", "sky.frag", dark },
-        { &sky->reflection_program[look][lit - 1], "screen.vert",
-          "reflection.frag", dark },
-        { &sky->second_program[lit - 1], "screen.vert", "second.frag", lights },
-        { &sky->light_program[lit - 1], "light.comp", NULL, lights },
+        { &sky->table_program[look], "screen.vert", "sky.frag", dark, true },
+        { &sky->reflection_program[look][at], "screen.vert", "reflection.frag",
+          both, true },
+        { &sky->second_program[at], "screen.vert", "second.frag", clouded,
+          true },
+        { &sky->light_program[at], "light.comp", NULL, lights, true },
+        { &sky->clouded_program[at], "light_clouds.comp", NULL, clouded,
+          env->clouds.cover > 0 },
     };
     enum pel_err err = PEL_OK;
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
-        if (err == PEL_OK && !*programs[i].program) {
+        if (err == PEL_OK && programs[i].wanted && !*programs[i].program) {
             err = pel_program_create(shader_dir, programs[i].first,
                                      programs[i].second, programs[i].defines,
                                      programs[i].program, fault);
@@ -141,7 +151,8 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
             return err;
         }
     }
-    enum pel_err err = pel_sky_need(sky, 1, PEL_SKY_DAY, shader_dir, fault);
+    const struct pel_environment plain = { .lit = 1 };
+    enum pel_err err = pel_sky_need(sky, &plain, shader_dir, fault);
     if (err != PEL_OK) {
         return err;
     }
@@ -173,12 +184,13 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
 void pel_sky_finish(struct pel_sky *sky)
 {
     glDeleteProgram(sky->transmittance_program);
-    for (int i = 0; i < PEL_LIGHTS; i++) {
+    for (int i = 0; i < PEL_LIGHT_PROGRAMS; i++) {
         for (int look = 0; look < PEL_SKY_LOOKS; look++) {
             glDeleteProgram(sky->reflection_program[look][i]);
         }
         glDeleteProgram(sky->second_program[i]);
         glDeleteProgram(sky->light_program[i]);
+        glDeleteProgram(sky->clouded_program[i]);
     }
     const GLuint textures[] = { sky->transmittance, sky->airlight,
                                 sky->reflection, sky->second };
@@ -312,6 +324,32 @@ static void table_key(const struct pel_environment *env, double height_m,
     *key = height_m;
 }
 
+static void cloud_key(const struct pel_environment *env,
+                      double key[PEL_SKY_CLOUD_KEYS])
+{
+    const struct pel_clouds *c = &env->clouds;
+    const double all[PEL_SKY_CLOUD_KEYS] = {
+        c->cover,        c->genus,        c->base_m,
+        c->thickness_m,  c->seed,         atan2(c->north_mps, c->east_mps),
+        env->clouds_x_m, env->clouds_y_m,
+    };
+    for (int i = 0; i < PEL_SKY_CLOUD_KEYS; i++) {
+        key[i] = c->cover > 0 ? all[i] : 0;
+    }
+}
+
+/* What they leave of the light on the sea, by the map that it mirrors. */
+static void cloud_light(struct pel_sky *sky, int at)
+{
+    glBindTextureUnit(PEL_UNIT_REFLECTION, sky->reflection);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LIGHT, sky->light);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
+                    GL_SHADER_STORAGE_BARRIER_BIT);
+    glUseProgram(sky->clouded_program[at]);
+    glDispatchCompute(1, 1, 1);
+    glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
 void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
                     void (*bind_eye)(void *user, double height_m), void *user)
 {
@@ -338,12 +376,14 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
     light_key[PEL_SKY_KEYS + 2] = env->sea->slope_variance_cross;
     light_key[PEL_SKY_KEYS + 3] = env->wind_to_rad;
     light_key[PEL_SKY_KEYS + 4] = env->water.index[1];
+    cloud_key(env, light_key + PEL_SKY_KEYS + 5);
+    const int at = pel_light_program(env);
     if (!sky->light_made ||
         memcmp(light_key, sky->light_key, sizeof light_key)) {
         glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
         glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky->sea.radiance);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LIGHT, sky->light);
-        glUseProgram(sky->light_program[env->lit - 1]);
+        glUseProgram(sky->light_program[at]);
         glDispatchCompute(1, 1, 1);
         glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                         GL_TEXTURE_FETCH_BARRIER_BIT);
@@ -359,15 +399,22 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         if (env->panorama) {
             glBindTextureUnit(PEL_UNIT_PANORAMA, sky->panorama.texture);
         }
-        GLuint reflect =
-            sky->reflection_program[pel_sky_look(env)][env->lit - 1];
+        const GLuint reflect = sky->reflection_program[pel_sky_look(env)][at];
         glProgramUniform2f(reflect, 0, PEL_SKY_MAP_SIZE,
                            (float)PEL_REFLECTION_HALF_WIDTH);
+        if (env->clouds.cover > 0) {
+            bind_eye(user, PEL_SKY_SEA_HEIGHT);
+            glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
+            glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky->sea.radiance);
+        }
         draw_screen(reflect, sky->reflection_fbo, PEL_SKY_MAP_SIZE,
                     PEL_SKY_MAP_SIZE);
         glGenerateTextureMipmap(sky->reflection);
-        draw_screen(sky->second_program[env->lit - 1], sky->second_fbo,
-                    PEL_SECOND_SIZE, PEL_SECOND_SIZE);
+        if (env->clouds.cover > 0) {
+            cloud_light(sky, at);
+        }
+        draw_screen(sky->second_program[at], sky->second_fbo, PEL_SECOND_SIZE,
+                    PEL_SECOND_SIZE);
         memcpy(sky->light_key, light_key, sizeof light_key);
         sky->light_made = true;
     }

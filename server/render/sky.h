@@ -18,7 +18,8 @@
 /* What a table depends on: lights, visibility, height. */
 #define PEL_SKY_KEYS (6 * PEL_LIGHTS + 2 + PEL_NIGHT_KEYS + PEL_PANORAMA_KEYS)
 /* And the light on the sea. */
-#define PEL_SKY_LIGHT_KEYS (PEL_SKY_KEYS + 5)
+#define PEL_SKY_CLOUD_KEYS 8
+#define PEL_SKY_LIGHT_KEYS (PEL_SKY_KEYS + 5 + PEL_SKY_CLOUD_KEYS)
 #define PEL_SKY_MAP_SIZE 128
 
 struct pel_sky_table {
@@ -32,9 +33,10 @@ struct pel_sky_table {
 struct pel_sky {
     GLuint transmittance_program;
     GLuint table_program[PEL_SKY_LOOKS];
-    GLuint light_program[PEL_LIGHTS]; /* by the number of lights, less one */
-    GLuint reflection_program[PEL_SKY_LOOKS][PEL_LIGHTS];
-    GLuint second_program[PEL_LIGHTS]; /* waves seen in waves */
+    GLuint light_program[PEL_LIGHT_PROGRAMS]; /* pel_light_program */
+    GLuint reflection_program[PEL_SKY_LOOKS][PEL_LIGHT_PROGRAMS];
+    GLuint second_program[PEL_LIGHT_PROGRAMS]; /* waves seen in waves */
+    GLuint clouded_program[PEL_LIGHT_PROGRAMS];
     GLuint transmittance, transmittance_fbo;
     GLuint airlight; /* light scattered before (optics/airlight.h) */
     struct pel_worker_pool *pool;
@@ -59,9 +61,9 @@ void pel_sky_finish(struct pel_sky *sky);
 
 enum pel_sky_look pel_sky_look(const struct pel_environment *env);
 
-/* Makes the programs for so many lights. GPU. */
-PEL_CHECK enum pel_err pel_sky_need(struct pel_sky *sky, int lit,
-                                    enum pel_sky_look look,
+/* Makes the programs for these lights, night and clouds. GPU. */
+PEL_CHECK enum pel_err pel_sky_need(struct pel_sky *sky,
+                                    const struct pel_environment *env,
                                     const char *shader_dir,
                                     struct pel_fault *fault);
 

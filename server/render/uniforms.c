@@ -96,6 +96,37 @@ static double glint_lives(const struct pel_environment *env)
     return whole - 16777216.0 * floor(whole / 16777216.0);
 }
 
+/* Means over all places. */
+static struct pel_vec4 cloud_light(const struct pel_environment *env)
+{
+    enum { RANKS = 64 };
+    const struct pel_clouds *c = &env->clouds;
+    const struct pel_cloud_kind *kind = pel_cloud_kind(c->genus);
+    double mu = fmax(env->lights[0].direction.z, 0.05), all = 0, beam = 0;
+    for (int i = 0; i < RANKS; i++) {
+        double thick = pel_cloud_thick(c, (i + 0.5) / RANKS);
+        double depth = kind->extinction * c->thickness_m * thick;
+        all += pel_cloud_through((1 - PEL_CLOUD_ASYMMETRY) * depth, mu) / RANKS;
+        beam += exp(-depth / mu) / RANKS;
+    }
+    return vec4(all, beam, kind->grain, 0);
+}
+
+static void fill_clouds(const struct pel_environment *env,
+                        struct pel_block_frame *out)
+{
+    const struct pel_clouds *c = &env->clouds;
+    const struct pel_cloud_kind *kind = pel_cloud_kind(c->genus);
+    if (c->cover > 0) {
+        out->cloud_shape =
+            vec4(1 - c->cover, 1 / (kind->rise * c->cover), kind->extinction,
+                 fmin(kind->soft_m, 0.5 * c->thickness_m));
+        out->cloud_size =
+            vec4(c->base_m, c->thickness_m, 1 / kind->tile_m, kind->along);
+        out->cloud_light = cloud_light(env);
+    }
+}
+
 void pel_fill_frame(const struct pel_environment *env,
                     struct pel_block_frame *out)
 {
@@ -127,6 +158,7 @@ void pel_fill_frame(const struct pel_environment *env,
     if (env->panorama) {
         pel_panorama_fill(env, m, out->panorama);
     }
+    fill_clouds(env, out);
     struct pel_folding fold = pel_sea_folding(env->sea);
     out->crests = vec4(0.75 * fold.finest, 0.75 * fold.more, 0.0, 0.0);
     const struct pel_foam *foam = env->sea->foam;
@@ -150,6 +182,21 @@ static struct pel_vec2 in_tiles(double along_m, double across_m,
 {
     double u = along_m / tile_along_m, v = across_m / tile_across_m;
     return (struct pel_vec2){ u - floor(u), v - floor(v) };
+}
+
+void pel_fill_cloud_eye(const struct pel_environment *env, double x_m,
+                        double y_m, struct pel_block_eye *out)
+{
+    const struct pel_clouds *c = &env->clouds;
+    const struct pel_cloud_kind *kind = pel_cloud_kind(c->genus);
+    double speed = hypot(c->east_mps, c->north_mps);
+    double ex = speed > 0 ? c->east_mps / speed : cos(env->wind_to_rad);
+    double ey = speed > 0 ? c->north_mps / speed : sin(env->wind_to_rad);
+    if (c->cover > 0) {
+        struct pel_vec2 at = in_tiles(x_m * ex + y_m * ey, y_m * ex - x_m * ey,
+                                      kind->tile_m * kind->along, kind->tile_m);
+        out->eye_clouds = vec4(at.x, at.y, ex, ey);
+    }
 }
 
 void pel_fill_grain(const struct pel_foam *foam, double wind_to_rad,

@@ -62,6 +62,10 @@ void pel_fill_areas(const struct pel_environment *env, double east_m,
                     double north_m, struct pel_block_areas *out);
 
 /* Where the eye stands on the structure of foam (lib/foam.glsl). */
+/* Where clouds are seen from, in metres of the air that they drift with. */
+void pel_fill_cloud_eye(const struct pel_environment *env, double x_m,
+                        double y_m, struct pel_block_eye *out);
+
 void pel_fill_grain(const struct pel_foam *foam, double wind_to_rad,
                     double east_m, double north_m, struct pel_block_eye *out);
 /* Also rounds the camera's pixel lattice: see pel_pixel_pitch. */

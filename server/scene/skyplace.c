@@ -56,3 +56,31 @@ void pel_panorama_lights(const struct pel_snapshot *s,
         sun->strength = strength(s, sine);
     }
 }
+
+#define SAME(ID)                                                               \
+    _Static_assert((int)PEL_CLOUD_##ID == (int)PELAGOS__CLOUD_GENUS__##ID,     \
+                   "the schema's CloudGenus is clouds.def")
+#define PEL_CLOUD(ID, ...) SAME(ID);
+#include "optics/clouds.def"
+
+void pel_clouds_place(const Pelagos__Sky *sky, double wind_mps,
+                      double wind_to_rad, struct pel_clouds *out)
+{
+    const double faster = 1.5; /* the wind there than at 10 m */
+    enum pel_cloud_genus genus = (enum pel_cloud_genus)sky->cloud_genus;
+    const struct pel_cloud_kind *kind = pel_cloud_kind(genus);
+    double speed = sky->has_cloud_speed ? sky->cloud_speed : faster * wind_mps;
+    double to = sky->has_cloud_direction
+                    ? (270.0 - sky->cloud_direction) * PEL_DEG
+                    : wind_to_rad;
+    *out = (struct pel_clouds){
+        .cover = sky->cloud_cover / 8,
+        .genus = genus,
+        .base_m = sky->has_cloud_base ? sky->cloud_base : kind->base_m,
+        .thickness_m =
+            sky->has_cloud_thickness ? sky->cloud_thickness : kind->thickness_m,
+        .east_mps = speed * cos(to),
+        .north_mps = speed * sin(to),
+        .seed = sky->cloud_seed,
+    };
+}

@@ -11,6 +11,7 @@
 
 #include "base/vec.h"
 #include "ocean/sea.h"
+#include "optics/clouds.h"
 #include "optics/light.h"
 #include "optics/nightsky.h"
 #include "optics/waterbody.h"
@@ -167,6 +168,7 @@ struct pel_snapshot {
     const struct pel_panorama *panorama; /* the sky; NULL: computed */
     double panorama_scale, panorama_azimuth_rad;
     bool panorama_sun, panorama_dark; /* it has the Sun; there is none */
+    struct pel_clouds clouds;
     size_t entity_count;
     const struct pel_entity_state *entities;
     struct pel_wakes *wakes;   /* of those that make waves; NULL: none */

@@ -73,17 +73,31 @@ shaded shade_backdrop(ivec2 at)
 #endif
 #ifdef PEL_NIGHT
     light += night_off(dir);
+    vec3 starlight = vec3(0.0);
     vec4 stars = stars_of(at);
     if (stars.y > 0.0) {
-        light += stars_at(at, stars, inverse) *
-                 transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
+        starlight = stars_at(at, stars, inverse) *
+                    transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
     }
+#ifndef PEL_CLOUDS
+    light += starlight;
+#endif
 #endif
 #ifndef PEL_NO_DISC
     float blur = pixel.x * inverse;
     for (int i = 0; i < PEL_DISCS; i++) {
         disc += light_disc(i, dir, blur);
     }
+#endif
+#ifdef PEL_CLOUDS
+    vec2 place = floor(pixel.zw) + vec2(at);
+    float begin = fract(52.9829189 * fract(dot(place, vec2(0.06711056, 0.00583715))));
+    clouded clouds = clouds_toward(transmittance, dir, light, pixel.x * inverse, 1e9, begin);
+    light = clouded_sky(clouds, light);
+    disc *= clouds.beam;
+#ifdef PEL_NIGHT
+    light += starlight * clouds.beam;
+#endif
 #endif
     shaded result = only_light(from_under_water(light + disc, dir.z));
 #ifdef PEL_LAYERS

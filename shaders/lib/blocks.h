@@ -76,6 +76,8 @@ struct pel_vec4 {
 #define PEL_UNIT_SENSE_HEAT 38
 #define PEL_UNIT_SENSE_PLANES 39
 #define PEL_SENSE_PLANES 6
+/* A program uses 32 at most; which of these do not meet. */
+#define PEL_UNIT_CLOUDS 32
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
 #define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
@@ -390,6 +392,12 @@ struct pel_vec4 {
 #define PEL_FOAM_STREAK_WEIGHT 0.9
 #define PEL_FOAM_STREAK_THIN 0.25 /* added to the variance of edges */
 
+/* Clouds: texels a side of the tile of their field; asymmetry of their drops'
+ * scattering, by Henyey and Greenstein. */
+#define PEL_CLOUD_TEXELS 512
+#define PEL_CLOUD_ASYMMETRY 0.85
+#define PEL_CLOUD_WHITE 0.8 /* power of white balance under clouds */
+
 /* The lights of the sky, each with a sky of its own that it makes in the air
  * (optics/light.h): the tables of sky and water have a layer for each, and what
  * is seen is their sum. */
@@ -452,6 +460,15 @@ PEL_BLOCK(PEL_BLOCK_FRAME, frame)
     /* Of a picture's texels to radiance, rows; w: azimuth of its middle, log2
      * of its texels a radian. */
     vec4 panorama[3];
+    /* Clouds (optics/clouds.h), declared where they are drawn. */
+    vec4 cloud_shape; /* x rank from which on there are some, y one over what it
+                         rises until they are thickest; z extinction, 1/m; w
+                         softness of tops, m */
+    vec4 cloud_size;  /* x base, y thickness at most, m; z tiles a metre across
+                         the drift, w how much longer they are along it */
+    vec4 cloud_light; /* x share of the light on a level plane that comes
+                         through, y of the beam, means; z weight of the fine
+                         structure */
 };
 
 /* One for an eye, a camera position of this frame. */
@@ -463,6 +480,8 @@ PEL_BLOCK(PEL_BLOCK_EYE, eye)
                    z extinction of spray on the way to the sea, 1/m */
     vec4 grain; /* the eye's nadir in tiles of foam, xy, of streaks, zw */
     vec4 bends; /* x of streaks there, turns */
+    vec4 eye_clouds; /* xy the nadir in tiles of the clouds' field, along their
+                        drift and across; zw that way, unit */
 };
 
 /* One for a view. The pixel lattice is X right, Y down, in pixels from the

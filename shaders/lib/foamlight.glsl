@@ -12,7 +12,7 @@ void cover_by_foam(vec2 foam, vec3 n, vec2 tilt, inout lit parts)
     vec3 sun = vec3(0.0);
     vec3 sky = vec3(0.0);
     for (int i = 0; i < PEL_LIT; i++) {
-        sun += beams[i].rgb * max(dot(n, light_above(i, tilt)), 0.0);
+        sun += beam_there(i) * max(dot(n, light_above(i, tilt)), 0.0);
         sky += skies[i].rgb;
     }
     parts.sun = parts.sun * open + tint * sun;

@@ -10,5 +10,8 @@ vec3 haze(vec3 dir, float range, out vec3 air)
     vec2 uv = sky_uv(azimuth_from(0, dir.xy), angle, table); // whichever: all azimuths are alike
     vec3 through = exp(-(textureLod(eye_haze, uv, 0.0).rgb + lut.z) * (range * (1.0 - water.w)));
     air = sky_light(eye_table, dir.xy, angle) * (1.0 - through);
+#ifdef PEL_CLOUDS
+    air *= cloud_light.x;
+#endif
     return through;
 }

@@ -118,7 +118,7 @@ vec3 leaving_with_hull(int i, vec3 d, vec3 to, vec3 leaving)
     float deep = -way * d.z;
     vec3 beam = vec3(-to.xy * eta, -sqrt(1.0 - eta * eta * (1.0 - to.z * to.z))); // downward
     float lit = sun_on_sea(sea_place + way * d + (deep / beam.z) * beam);
-    vec3 direct = beams[PEL_LIGHT_FIRST].rgb * max(to.z, 0.0) * (1.0 - facet_reflectance(max(to.z, 0.0))) *
+    vec3 direct = beam_there(PEL_LIGHT_FIRST) * max(to.z, 0.0) * (1.0 - facet_reflectance(max(to.z, 0.0))) *
                   (max(-dot(beam, normal), 0.0) / -beam.z * lit) * exp(fade.rgb * (deep / beam.z));
     // Of uniform light from the cone into which the sky is refracted; 6 %
     // too little on a wall.

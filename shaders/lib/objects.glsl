@@ -110,7 +110,7 @@ vec3 ambient_light(vec3 n, vec4 open_, float lit)
     vec3 all = max(light_by_normal(0, n), vec3(0.0));
     vec3 below = clamp(light_by_normal(PEL_SURROUNDINGS_TERMS, n), vec3(0.0), all);
     vec3 to = lights[PEL_LIGHT_FIRST].direction.xyz;
-    vec3 sun = beams[PEL_LIGHT_FIRST].rgb * (1.0 / PI);
+    vec3 sun = beam_there(PEL_LIGHT_FIRST) * (1.0 / PI);
     vec3 deck = ambient[0].rgb + ambient[2].rgb + 2.0 * ambient[6].rgb + sun * (max(to.z, 0.0) * lit);
     vec3 wall = ambient[0].rgb - ambient[6].rgb + sun * (sqrt(max(1.0 - to.z * to.z, 0.0)) * lit / PI);
     return open_.x * (all - below) + open_.y * below + open_.z * wall + open_.w * deck;
@@ -176,9 +176,12 @@ object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
     matt = mix(matt, wet_reflectance(matt), wet);
     rough = mix(rough, min(rough, PEL_WET_ROUGH), wet);
     float lit = lit_share(entity, d, n) * lit_by_others(entity, place);
+#ifdef PEL_CLOUDS
+    shade_by_clouds(place.xy, length(place) * pixel.y);
+#endif
     for (int i = 0; i < PEL_LIT; i++) {
         vec3 to = lights[i].direction.xyz;
-        vec3 beam = beams[i].rgb * (i == PEL_LIGHT_FIRST ? lit : 1.0);
+        vec3 beam = beam_there(i) * (i == PEL_LIGHT_FIRST ? lit : 1.0);
         result.by_lights +=
             beam * (matt * (max(dot(n, to), 0.0) / PI) + gloss_of_light(f0, rough * rough, n, v, to));
     }

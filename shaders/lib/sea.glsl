@@ -115,6 +115,9 @@ shaded shade_sea(ivec2 at, uint triangle)
     n_seen = normalize(n_seen + toward_sight(v, facing, variance_beside));
     vec2 variance_seen = mix(variance, variance_all, hidden);
     vec3 n_lit = facet_in_sight(n_seen, v);
+#ifdef PEL_CLOUDS
+    shade_by_clouds(dir.xy * range, footprint);
+#endif
 #ifdef PEL_SEABED
     bed_view seen = seabed_seen(dir.xy * range, sight_height(dir, range), v, n_lit);
     vec3 to = light_above(0, tilt);
@@ -136,6 +139,9 @@ shaded shade_sea(ivec2 at, uint triangle)
         leaving += leaving_deep_water(i, water_place(v, n_lit, light_above(i, tilt)));
     }
 #endif
+#ifdef PEL_CLOUDS
+    leaving *= water_below_clouds(tilt);
+#endif
 #ifdef PEL_WASH
     vec3 aerated = light_of_bubbles(f.washed.z, tilt);
     leaving += aerated;
@@ -145,7 +151,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     sea_pixel = lattice(at);
 #ifdef PEL_SHADED
     sea_lit = sun_on_sea(sea_place);
-    vec3 falling = beams[PEL_LIGHT_FIRST].rgb * max(light_above(PEL_LIGHT_FIRST, tilt).z, 0.0);
+    vec3 falling = beam_there(PEL_LIGHT_FIRST) * max(light_above(PEL_LIGHT_FIRST, tilt).z, 0.0);
     leaving *= 1.0 - (1.0 - sea_lit) * falling / max(falling + skies[PEL_LIGHT_FIRST].rgb, vec3(1e-12));
     if (objects_near.z != 0 && lut.y < 0.5) {
         leaving = leaving_with_hulls(v, n_lit, light_above(PEL_LIGHT_FIRST, tilt), leaving);
@@ -184,6 +190,12 @@ shaded shade_sea(ivec2 at, uint triangle)
     vec3 air;
     vec3 through = haze(dir, range, air);
     light = light * through + air;
+#ifdef PEL_CLOUDS
+    if (eye.x > cloud_size.x) {
+        clouded below_eye = clouds_toward(transmittance, dir, light, pixel.x / ray_length, range, 0.5);
+        light = below_eye.light + light * below_eye.before;
+    }
+#endif
     shaded result = only_light(from_under_water(light, dir.z));
 #ifdef PEL_LAYERS
     if (wants_layer(AT_DEPTH)) {

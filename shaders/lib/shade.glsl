@@ -209,11 +209,11 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
     vec2 held = variance * glint.z;
     vec2 drawn = glint.xy * sqrt(held);
     float fold = crests.x + crests.y * (variance.x + variance.y);
-    vec3 direct = beams[PEL_LIGHT_FIRST].rgb * twice;
+    vec3 direct = beam_there(PEL_LIGHT_FIRST) * twice;
     for (int i = 0; i < PEL_LIT; i++) {
         vec3 to = light_above(i, tilt);
         vec3 light = vec3(dot(to, tx), dot(to, ty), dot(to, n));
-        vec3 one = beams[i].rgb *
+        vec3 one = beam_there(i) *
                    reflected_light(view, light, variance, lights[i].limb.w, drawn, held, fold,
                                    at);
 #ifdef PEL_OBJECTS

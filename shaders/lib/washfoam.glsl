@@ -42,7 +42,7 @@ vec3 light_of_bubbles(float bubbles, vec2 tilt)
 {
     vec3 falling = vec3(0.0);
     for (int i = 0; i < PEL_LIT; i++) {
-        falling += beams[i].rgb * max(light_above(i, tilt).z, 0.0) + skies[i].rgb;
+        falling += beam_there(i) * max(light_above(i, tilt).z, 0.0) + skies[i].rgb;
     }
     return bubbles * wash_water.rgb * falling;
 }

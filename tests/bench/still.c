@@ -50,6 +50,7 @@ static struct setting settings[] = {
     { "lit", 1 },         { "night", 0 },     { "lat", 30 },
     { "sense", 0 },       { "span", 0 },      { "phosphor", 0 },
     { "air", 15 },        { "gain", 1 },      { "wakes", 0 },
+    { "lit", 1 },         { "okta", 0 },      { "genus", 0 },
 };
 
 static double get(const char *name)
@@ -241,6 +242,16 @@ int main(int argc, char **argv)
         if (pel_water_resolve(&water, &env.water, &fault)) {
             return 1;
         }
+    }
+    if (get("okta") > 0) {
+        enum pel_cloud_genus genus = (enum pel_cloud_genus)get("genus");
+        const struct pel_cloud_kind *kind = pel_cloud_kind(genus);
+        env.clouds = (struct pel_clouds){ .cover = get("okta") / 8,
+                                          .genus = genus,
+                                          .base_m = kind->base_m,
+                                          .thickness_m = kind->thickness_m,
+                                          .east_mps = 10,
+                                          .seed = (uint32_t)get("seed") };
     }
     if (get("moon") > -90) {
         double e = get("moon") * PEL_DEG, a = get("moonaz") * PEL_DEG;

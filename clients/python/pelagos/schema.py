@@ -324,6 +324,26 @@ class Sky(Record):
     fileAzimuth: float = _field(0.0, 'deg', 0, 360)
     #: One of APART, IN_THE_PICTURE, NONE_SEEN.
     fileSun: str = _field('APART')
+    #: Share of the sea that clouds cover, seen from above; 0: no clouds.
+    #: [okta; 0 to 8]
+    cloudCover: float = _field(0.0, 'okta', 0, 8)
+    #: What clouds they are.
+    #: One of CUMULUS, STRATOCUMULUS, STRATUS, NIMBOSTRATUS, ALTOCUMULUS,
+    #: ALTOSTRATUS, CIRRUS, CUMULONIMBUS.
+    cloudGenus: str = _field('CUMULUS')
+    #: Height of their base; absent: the genus's own. [m; 30 to 12000]
+    cloudBase: float | None = _field(None, 'm', 30, 12000)
+    #: Their thickness where it is greatest; absent: the genus's own. [m; 50 to
+    #: 12000]
+    cloudThickness: float | None = _field(None, 'm', 50, 12000)
+    #: Speed at which they drift; absent: 1.5 times sea.windSpeed. [m/s; 0 to
+    #: 100]
+    cloudSpeed: float | None = _field(None, 'm/s', 0, 100)
+    #: Direction that they come from; absent: sea.windDirection. [deg; 0 to
+    #: 360]
+    cloudDirection: float | None = _field(None, 'deg', 0, 360)
+    #: Other clouds of the same kind. [1; 0 to 65535]
+    cloudSeed: int = _field(1, '1', 0, 65535)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,153 @@
+/* The field's cover, and the light of a slab against photons that are followed
+ * through it. */
+#include "optics/clouds.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define SIDE PEL_CLOUD_SIDE
+
+static float texels[SIDE * SIDE][4];
+
+/* Of all places exactly `cover` have clouds, by any genus and seed; the tile
+ * closes at its edges. */
+static void covers_what_is_asked(void **state)
+{
+    (void)state;
+    for (int genus = 0; genus < PEL_CLOUD_GENERA; genus++) {
+        pel_cloud_field((enum pel_cloud_genus)genus, 7 + (uint32_t)genus,
+                        texels);
+        for (int okta = 1; okta <= 8; okta++) {
+            const struct pel_clouds c = { .cover = okta / 8.0,
+                                          .genus =
+                                              (enum pel_cloud_genus)genus };
+            int count = 0;
+            for (int i = 0; i < SIDE * SIDE; i++) {
+                count += pel_cloud_thick(&c, (double)texels[i][0]) > 0;
+            }
+            assert_float_equal((double)count / (SIDE * SIDE), c.cover, 1e-5);
+        }
+        double step = 0, edge = 0, fine = 0;
+        for (int i = 0; i < SIDE; i++) {
+            const float *row = texels[i * SIDE], *end = row + 4 * (SIDE - 1);
+            step += fabs((double)(row[0] - row[4])) / SIDE;
+            edge += fabs((double)(row[0] - end[0])) / SIDE;
+        }
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            fine += (double)texels[i][2] / (SIDE * SIDE);
+        }
+        printf("genus %d: neighbours differ by %.4f, across the edge %.4f\n",
+               genus, step, edge);
+        assert_true(edge < 2 * step);
+        assert_float_equal(fine, 0.5, 1e-4);
+    }
+}
+
+/* --- photons ---------------------------------------------------------------
+ */
+
+static double number(uint64_t *s)
+{
+    *s += UINT64_C(0x9e3779b97f4a7c15);
+    uint64_t z = *s;
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return ((double)((z ^ (z >> 31)) >> 11) + 0.5) * 0x1p-53;
+}
+
+/* Cosine of the zenith angle after a scattering by Henyey and Greenstein. */
+static double turned(double mu, double g, uint64_t *s)
+{
+    double q = (1 - g * g) / (1 - g + 2 * g * number(s));
+    double c = (1 + g * g - q * q) / (2 * g);
+    double azimuth = 2 * M_PI * number(s);
+    double next =
+        mu * c + sqrt(fmax(1 - mu * mu, 0) * fmax(1 - c * c, 0)) * cos(azimuth);
+    return fmax(-1, fmin(1, next));
+}
+
+/* Share that comes through a slab that absorbs nothing, and in `bright` its
+ * radiance at zenith over that at 75 deg. */
+static double through(double depth, double mu, int photons, double *bright)
+{
+    uint64_t s = 11;
+    double up = 0, low = 0;
+    int out = 0;
+    for (int i = 0; i < photons; i++) {
+        double t = 0, d = mu;
+        while (t >= 0 && t <= depth) {
+            t += -log(number(&s)) * d;
+            if (t >= 0 && t <= depth) {
+                d = turned(d, 0.85, &s);
+            }
+        }
+        if (t > depth) {
+            out++;
+            /* Radiance is flux over cosine and solid angle. */
+            up += d > 0.9 ? 1 / (0.1 * 0.95) : 0;
+            low += d > 0.2 && d < 0.32 ? 1 / (0.12 * 0.26) : 0;
+        }
+    }
+    *bright = up / fmax(low, 1);
+    return (double)out / photons;
+}
+
+static void lets_through_what_photons_do(void **state)
+{
+    (void)state;
+    enum { PHOTONS = 20000 };
+    static const double depths[] = { 5, 15, 40 },
+                        cosines[] = { 0.3, 0.6, 0.95 };
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++) {
+            double bright;
+            double theirs = through(depths[i], cosines[k], PHOTONS, &bright);
+            double ours = pel_cloud_through(0.15 * depths[i], cosines[k]);
+            printf("optical depth %2.0f, Sun %2.0f deg: %.3f of %.3f (noise "
+                   "%.3f), zenith %.1f times 75 deg\n",
+                   depths[i], asin(cosines[k]) * 180 / M_PI, ours, theirs,
+                   sqrt(theirs * (1 - theirs) / PHOTONS), bright);
+            /* Eddington's two streams, worst where few scatterings meet a low
+             * Sun. */
+            assert_float_equal(ours, theirs, 0.06);
+        }
+    }
+}
+
+/* Nothing is lost: what enters is mirrored or comes through. */
+static void glow_is_positive_and_falls(void **state)
+{
+    (void)state;
+    for (double b = 0.1; b < 10; b *= 2) {
+        double last = INFINITY;
+        for (double t = 0.25 * b; t <= b; t += 0.25 * b) {
+            double glow = pel_cloud_glow(t, b, 0.5);
+            assert_true(glow >= 0 && isfinite(glow));
+            last = glow;
+        }
+        /* Below, light goes down only: J = 2 H there, H = through / 4 pi less
+         * what is left of the beam. */
+        double beam = exp(-b / 0.5);
+        double wanted =
+            2 * 0.5 * (pel_cloud_through(b, 0.5) - beam) / (4 * M_PI) +
+            beam / (4 * M_PI);
+        assert_float_equal(last, wanted, 1e-9);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(covers_what_is_asked),
+        cmocka_unit_test(lets_through_what_photons_do),
+        cmocka_unit_test(glow_is_positive_and_falls),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,229 @@
+// A layer of clouds, twin of optics/clouds.c. Includers have lib/sky.glsl.
+#ifdef PEL_CLOUDS
+layout(binding = PEL_UNIT_CLOUDS) uniform sampler2D cloud_field;
+
+const float CLOUD_G = PEL_CLOUD_ASYMMETRY;
+const int CLOUD_STEPS = 12;
+
+// A column of cloud: x its top over the base, in thicknesses, negative beside
+// clouds; y the part of the
+// place that is below clouds at all.
+vec2 cloud_top(vec2 u, float fine)
+{
+    float s = sqrt(max(u.g - u.r * u.r, 0.0));
+    float rise = 1.0 / cloud_shape.y;
+    float over = u.r - cloud_shape.x + cloud_light.z * fine * rise;
+    // The mean over what the level of detail blurs.
+    float x = min((over + 0.8 * s) / (rise + 1.6 * s), 1.0);
+    return vec2(x > 0.0 ? x * (2.0 - x) : 2.0 * x, clamp((over + 1.2 * s) / (2.4 * s + 0.03 * rise), 0.0, 1.0));
+}
+
+vec2 cloud_column(vec2 at, float lod, float z)
+{
+    vec2 u = textureLod(cloud_field, at, lod).rg;
+    float fine = 0.0;
+    // Where it decides, at the rim.
+    if (u.r > cloud_shape.x - 0.5 * cloud_light.z / cloud_shape.y) {
+        fine = textureLod(cloud_field, at * 5.17 + z * vec2(3e-4, 2e-4), lod + 2.4).b - 0.5;
+    }
+    return cloud_top(u, fine);
+}
+
+// Without its fine structure.
+vec2 cloud_bulk(vec2 at, float lod)
+{
+    return cloud_top(textureLod(cloud_field, at, lod).rg, 0.0);
+}
+
+// Of metres from the eye's nadir to the tile's.
+vec2 cloud_place(vec2 x)
+{
+    vec2 along = vec2(dot(x, eye_clouds.zw), dot(x, vec2(-eye_clouds.w, eye_clouds.z)));
+    return eye_clouds.xy + along * vec2(cloud_size.z / cloud_size.w, cloud_size.z);
+}
+
+float cloud_lod(float metres)
+{
+    return log2(max(metres * cloud_size.z * float(PEL_CLOUD_TEXELS), 1.0));
+}
+
+// Extinction at a height over the base in a column, as a share of the whole:
+// the mean over a step of `dz`.
+float cloud_dense(vec2 column, float z, float dz)
+{
+    float soft = cloud_shape.w + dz;
+    return clamp((column.x * cloud_size.y - z) / soft + 0.3, 0.0, 1.0) *
+           clamp(z / (0.3 * cloud_shape.w + dz) + 0.5, 0.0, 1.0);
+}
+
+// What clouds leave of a light's beam at a place x, m from the eye's nadir, at
+// sea level: the mean over `footprint`.
+float cloud_lit(vec2 x, vec3 to, float footprint)
+{
+    const int STEPS = 3;
+    float up = max(to.z, 0.05);
+    float dz = cloud_size.y / float(STEPS);
+    float lod = cloud_lod(max(footprint, dz / up * length(to.xy)));
+    float depth = 0.0, part = 0.0;
+    for (int i = 0; i < STEPS; i++) {
+        float z = (float(i) + 0.5) * dz;
+        vec2 column = cloud_bulk(cloud_place(x + to.xy * ((cloud_size.x + z) / up)), lod);
+        depth += cloud_dense(column, z, dz);
+        part = max(part, column.y);
+    }
+    depth *= cloud_shape.z * dz / up;
+    part = max(part, 1e-3);
+    return 1.0 - part + part * exp(-min(depth / part, 80.0));
+}
+
+// Twin of pel_cloud_glow without its beam, for an irradiance of 1.
+float cloud_glow(float t, float b, float mu)
+{
+    const float f = 0.25 / PI;
+    float left = exp(-b / mu);
+    float d = -f * (3.0 * mu * mu * (1.0 - left) + 2.0 * mu * (1.0 + left)) / (b + 1.33333333);
+    float c = f * (3.0 * mu * mu + 2.0 * mu) + 0.66666667 * d;
+    return max(c + d * t - 3.0 * f * mu * mu * exp(-t / mu), 0.0);
+}
+
+float cloud_phase(float cosine)
+{
+    const float G2 = CLOUD_G * CLOUD_G;
+    float x = 1.0 + G2 - 2.0 * CLOUD_G * cosine;
+    return 0.25 / PI * (1.0 - G2) / (x * sqrt(x));
+}
+
+// Distance along a ray from height h to where it is as high as z.
+float distance_to_height(float h, float mu, float z)
+{
+    float r = planet.x + h;
+    float c = (z - h) * (2.0 * planet.x + h + z);
+    float root = sqrt(max(r * r * mu * mu + c, 0.0));
+    // Without the difference of large numbers.
+    return c < 0.0 ? -r * mu - root : mu >= 0.0 ? c / (r * mu + root) : root - r * mu;
+}
+
+struct clouded {
+    vec3 light;   // of the clouds, and of the air before them
+    float beam;   // what comes through of a beam
+    float before; // what comes through of the light of a wide sky behind
+    vec3 air;     // of it, the air before the clouds
+};
+
+// Towards a unit direction: `sky` is the clear sky's radiance there, `angle` that
+// of a pixel, `far` where what is seen stands; `begin`: 0 .. 1, of a step, by
+// which pixels beside each other differ: its steps are not seen.
+clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, float far, float begin)
+{
+    float h = eye.x;
+    float low = cloud_size.x, high = low + cloud_size.y;
+    float from = h < low ? distance_to_height(h, dir.z, low) : h > high ? distance_to_height(h, dir.z, high) : 0.0;
+    float to_ = dir.z > 0.0 || h <= low ? distance_to_height(h, dir.z, high) : distance_to_height(h, dir.z, low);
+    to_ = min(min(to_, far), from + 40.0 * cloud_size.y);
+    clouded result = clouded(vec3(0.0), 1.0, 1.0, vec3(0.0));
+    if (from >= far || to_ <= from) {
+        return result;
+    }
+    float step_ = (to_ - from) / float(CLOUD_STEPS);
+    float tau = 0.0;         // on the way so far
+    float mean = 0.0;        // of the distance
+    vec3 sum = vec3(0.0);
+    vec3 below = vec3(0.0), sky_up = vec3(0.0);
+    for (int i = 0; i < PEL_LIT; i++) {
+        sky_up += skies[i].rgb * (1.0 / PI);
+        below += (beams[i].rgb * max(lights[i].direction.z, 0.0) + skies[i].rgb) * (0.06 / PI) * cloud_light.x;
+    }
+    vec2 turn = dir.xy * (from + 0.5 * (to_ - from)) / planet.x;
+    vec3 to[PEL_LIT], beam[PEL_LIT];
+    float forward[PEL_LIT];
+    for (int i = 0; i < PEL_LIT; i++) {
+        to[i] = light_above(i, turn);
+        beam[i] = lights[i].irradiance.rgb *
+                  light_transmittance(transmittance, 0.5 * (low + high), to[i].z, lights[i].direction.w);
+        forward[i] = cloud_phase(dot(dir, lights[i].direction.xyz));
+    }
+    float lod = cloud_lod(max(0.6 * step_ * length(dir.xy), 0.5 * (from + to_) * angle));
+    vec3 source = vec3(0.0), single = vec3(0.0);
+    float lit_at = -1e9;
+    float inside = -cloud_size.y; // m below the top, at the step's end
+    for (int k = 0; k <= CLOUD_STEPS + 1 && tau < 40.0; k++) {
+        float t1 = from + (k == 0 ? 0.0 : float(k) - begin) * step_;
+        float length_ = k == 1 ? (1.0 - begin) * step_ : step_;
+        float z1 = height_along(h, dir.z, t1) - low;
+        vec2 here = cloud_column(cloud_place(dir.xy * t1), lod, z1);
+        float last = inside;
+        // Between two heights of steps the top is a straight line.
+        inside = here.x * cloud_size.y - z1;
+        if (k == 0 || max(inside, last) <= 0.0) {
+            continue;
+        }
+        float span = abs(inside - last);
+        float share = min(inside, last) >= 0.0 ? 1.0 : max(inside, last) / span;
+        float middle = min(inside, last) >= 0.0 ? 0.5 * (inside + last) : 0.5 * max(inside, last);
+        float dense = share * clamp(middle / cloud_shape.w + 0.3, 0.0, 1.0) * cloud_shape.z;
+        // The middle of what is inside.
+        float t = t1 - (last < inside ? 0.5 * share : 1.0 - 0.5 * share) * length_;
+        float z = height_along(h, dir.z, t) - low;
+        vec2 column = vec2((z + middle) / cloud_size.y, 1.0);
+        float next = tau + dense * length_;
+        // Light changes more slowly than the cloud.
+        if (t - lit_at > 1.5 * step_) {
+            lit_at = t;
+            float whole = column.x * cloud_size.y * cloud_shape.z;
+            float above = min(max(column.x * cloud_size.y - z, 0.0) * cloud_shape.z, whole);
+            float scaled = (1.0 - CLOUD_G) * whole;
+            float depth = (1.0 - CLOUD_G) * above;
+            float inverse = 1.0 / (scaled + 1.33333333);
+            source = sky_up * ((scaled - depth + 0.66666667) * inverse) +
+                          below * ((depth + 0.66666667) * inverse);
+            single = vec3(0.0);
+            for (int i = 0; i < PEL_LIT; i++) {
+                float up = max(to[i].z, 0.02);
+                // On the way to the light.
+                float reach = 0.0, way = 0.0;
+                for (int j = 0; j < 3; j++) {
+                    float part = cloud_size.y * (j == 0 ? 0.08 : j == 1 ? 0.22 : 0.5);
+                    vec3 off = to[i] * (reach + 0.5 * part);
+                    vec2 there = cloud_bulk(cloud_place(dir.xy * t + off.xy), lod + float(j));
+                    way += part * cloud_dense(there, z + off.z, part * to[i].z);
+                    reach += part;
+                }
+                way *= cloud_shape.z;
+                float t_light = min(way * up, scaled / (1.0 - CLOUD_G));
+                float t_scaled = (1.0 - CLOUD_G) * t_light;
+                float wide = exp(-t_scaled / up) - exp(-way);
+                source += beam[i] * (cloud_glow(t_scaled, scaled, up) + max(wide, 0.0) * (0.25 / PI));
+                single += beam[i] * (forward[i] * exp(-way));
+            }
+        }
+        float s0 = exp(-(1.0 - CLOUD_G) * tau), s1 = exp(-(1.0 - CLOUD_G) * next);
+        sum += source * (s0 - s1) + single * (exp(-tau) - exp(-next));
+        mean += t * (s0 - s1);
+        tau = next;
+    }
+    float wide = exp(-(1.0 - CLOUD_G) * tau);
+    result.beam = exp(-tau);
+    result.before = wide;
+    if (wide < 1.0) {
+        // The air before them: its part of the sky's by its own optical depth.
+        float d = mean / (1.0 - wide);
+        float rise = max(height_along(h, dir.z, d) - h, 1.0);
+        float r = rayleigh.w, m = mie.z;
+        vec3 way = d / rise *
+                   (rayleigh.rgb * r * (exp(-h / r) - exp(-(h + rise) / r)) +
+                    mie.x * m * (exp(-h / m) - exp(-(h + rise) / m)));
+        vec3 through = exp(-way);
+        vec3 all = transmittance_to_top(transmittance, h, max(dir.z, horizon_cosine(h)));
+        result.air = sky * clamp((1.0 - through) / max(1.0 - all, 1e-4), 0.0, 1.0);
+        result.light = sum * through + result.air * (1.0 - wide) * cloud_light.x;
+    }
+    return result;
+}
+
+// The sky with its clouds: what is before them is in the light of what they let
+// through.
+vec3 clouded_sky(clouded c, vec3 sky)
+{
+    return c.light + (sky - c.air) * c.before + c.air * c.before * mix(cloud_light.x, 1.0, c.before);
+}
+#endif
