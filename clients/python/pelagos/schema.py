@@ -312,18 +312,6 @@ class Sky(Record):
     #: Stars, planets, airglow, zodiacal light and Milky Way, by clock.utc and
     #: origin, once the Sun is 1 degree below the horizon.
     stars: bool = _field(True)
-    #: Picture in the directory of pelagosd --panoramas that stands for the
-    #: whole sky, by day and night, without Moon and stars: OpenEXR or Radiance
-    #: .hdr, linear Rec. 709, of equal steps of azimuth and elevation, twice as
-    #: wide as high, horizon in the middle; absent: the computed sky.
-    file: str | None = _field(None)
-    #: Luminance of the value 1 in the picture. [cd/m2; 1e-06 to 1000000]
-    fileScale: float = _field(179.0, 'cd/m2', 1e-06, 1000000)
-    #: Compass direction of the picture's middle; right of it is clockwise.
-    #: [deg; 0 to 360]
-    fileAzimuth: float = _field(0.0, 'deg', 0, 360)
-    #: One of APART, IN_THE_PICTURE, NONE_SEEN.
-    fileSun: str = _field('APART')
     #: Share of the sea that clouds cover, seen from above; 0: no clouds.
     #: [okta; 0 to 8]
     cloudCover: float = _field(0.0, 'okta', 0, 8)
@@ -344,6 +332,18 @@ class Sky(Record):
     cloudDirection: float | None = _field(None, 'deg', 0, 360)
     #: Other clouds of the same kind. [1; 0 to 65535]
     cloudSeed: int = _field(1, '1', 0, 65535)
+    #: Picture in the directory of pelagosd --panoramas that stands for the
+    #: whole sky, by day and night, without Moon and stars: OpenEXR or Radiance
+    #: .hdr, linear Rec. 709, of equal steps of azimuth and elevation, twice as
+    #: wide as high, horizon in the middle; absent: the computed sky.
+    file: str | None = _field(None)
+    #: Luminance of the value 1 in the picture. [cd/m2; 1e-06 to 1000000]
+    fileScale: float = _field(179.0, 'cd/m2', 1e-06, 1000000)
+    #: Compass direction of the picture's middle; right of it is clockwise.
+    #: [deg; 0 to 360]
+    fileAzimuth: float = _field(0.0, 'deg', 0, 360)
+    #: One of APART, IN_THE_PICTURE, NONE_SEEN.
+    fileSun: str = _field('APART')
 
 
 @dataclass(frozen=True)
