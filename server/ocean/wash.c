@@ -382,12 +382,22 @@ enum pel_err pel_wash_add(struct pel_wash *w, const struct pel_wash_ship *ship,
 enum pel_err pel_wash_create(struct pel_wash **out)
 {
     *out = calloc(1, sizeof **out);
-    return *out ? PEL_OK : PEL_ERR_NO_MEMORY;
+    if (!*out) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    atomic_init(&(*out)->users, 1);
+    return PEL_OK;
+}
+
+const struct pel_wash *pel_wash_ref(const struct pel_wash *w)
+{
+    atomic_fetch_add(&((struct pel_wash *)w)->users, 1);
+    return w;
 }
 
 void pel_wash_destroy(const struct pel_wash *w)
 {
-    if (w) {
+    if (w && atomic_fetch_sub(&((struct pel_wash *)w)->users, 1) == 1) {
         free(w->node);
         free(w->cell);
         free(w->list);

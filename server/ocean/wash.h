@@ -20,6 +20,7 @@
  * shaders/lib/wash.glsl. Immutable once indexed; any thread. */
 #pragma once
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -65,6 +66,7 @@ struct pel_wash_node {
 };
 
 struct pel_wash {
+    atomic_uint users;
     size_t count, room;
     struct pel_wash_node *node;
     double west_m, south_m, cells_per_m;
@@ -88,6 +90,8 @@ void pel_wash_waterline(struct pel_wash_ship *ship);
 
 /* NO_MEMORY. */
 PEL_CHECK enum pel_err pel_wash_create(struct pel_wash **out);
+/* One more user, who destroys it too. */
+const struct pel_wash *pel_wash_ref(const struct pel_wash *wash);
 void pel_wash_destroy(const struct pel_wash *wash); /* NULL: none */
 
 /* Adds the lines of a ship at time_s: points that are later have no part in

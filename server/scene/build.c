@@ -652,6 +652,7 @@ const struct pel_snapshot *pel_snapshot_build_going(
                   : NULL;
     }
     s->public.washes = pel_washes_of(state, &s->public);
+    s->public.wash_moments = pel_wash_moments_of(s->public.washes);
     s->public.views = s->views;
     s->public.view_count = state->n_views;
     for (size_t i = 0; i < state->n_views; i++) {
@@ -689,6 +690,7 @@ pel_snapshot_with_ships(const struct pel_snapshot *s,
     atomic_fetch_add(&to->public.sea->refs, 1);
     pel_wakes_ref(to->public.wakes);
     pel_washes_ref(to->public.washes);
+    to->public.wash_moments = pel_wash_moments_of(to->public.washes);
     pel_seabed_ref(to->public.seabed);
     pel_panorama_ref(to->public.panorama);
     to->public.entities = to->entities;
@@ -809,6 +811,7 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
     if (whole && atomic_fetch_sub(&whole->refs, 1) == 1) {
         pel_shared_sea_unref(whole->public.sea);
         pel_wakes_unref(whole->public.wakes);
+        pel_wash_moments_destroy(whole->public.wash_moments);
         pel_washes_unref(whole->public.washes);
         pel_seabed_unref(whole->public.seabed);
         pel_panorama_unref(whole->public.panorama);

@@ -226,7 +226,7 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
 {
     PEL_WATCH("surface");
     const struct pel_wake_moment *moment = pel_wakes_at(s->wakes, time_s);
-    struct pel_wash *wash = pel_snapshot_wash(s, time_s);
+    const struct pel_wash *wash = pel_snapshot_wash(s, time_s);
     if (moment) {
         query_in_wakes(s, moment, wash, points, n, time_s, moving, out);
         pel_wake_moment_unref(moment);

@@ -138,6 +138,7 @@ struct pel_sailing {
 struct pel_shared_sea; /* build.h */
 struct pel_wakes;      /* wakes.h */
 struct pel_washes;     /* washes.h */
+struct pel_wash_moments;
 
 struct pel_snapshot {
     uint64_t revision;
@@ -173,6 +174,7 @@ struct pel_snapshot {
     const struct pel_entity_state *entities;
     struct pel_wakes *wakes;   /* of those that make waves; NULL: none */
     struct pel_washes *washes; /* of those that leave a wash; NULL: none */
+    struct pel_wash_moments *wash_moments; /* its own; NULL: none are kept */
     size_t view_count;
     const struct pel_view_state *views;
     size_t ship_count;

@@ -4,11 +4,13 @@
 #include <glib.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 #include "base/vec.h"
 #include "scene/scene_testkit.h"
+#include "scene/washes.h"
 
 /* A ship of 100 m that goes north at 12 knots from 1200 m south of the origin,
  * over a calm sea. */
@@ -301,6 +303,38 @@ static void another_ship_rolls_it(void **state)
     assert_memory_equal(a, b, sizeof a);
 }
 
+/* Slices of a query share the wash of their moment; others' are their own. */
+static void washes_are_shared(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = begin();
+    must(scene, "{\"entities\":{\"5\":{\"wash\":true}}}");
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    const struct pel_wash *a = pel_snapshot_wash(s, 20);
+    const struct pel_wash *b = pel_snapshot_wash(s, 20);
+    assert_non_null(a);
+    assert_ptr_equal(a, b);
+    for (int i = 0; i < 8; i++) { /* more than are kept */
+        const struct pel_wash *c = pel_snapshot_wash(s, 30 + i);
+        assert_ptr_not_equal(a, c);
+        pel_wash_destroy(c);
+    }
+    const struct pel_wash *again = pel_snapshot_wash(s, 20);
+    size_t count = pel_wash_words(a, 0, 0, NULL);
+    assert_int_equal(pel_wash_words(again, 0, 0, NULL), count);
+    uint32_t *words = calloc(2 * count, sizeof *words);
+    assert_non_null(words);
+    pel_wash_words(a, 0, 0, words);
+    pel_wash_words(again, 0, 0, words + count);
+    assert_memory_equal(words, words + count, count * sizeof *words);
+    free(words);
+    pel_wash_destroy(again);
+    pel_wash_destroy(b);
+    pel_snapshot_unref(s);
+    pel_wash_destroy(a); /* it outlives what it was made of */
+    pel_scene_destroy(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -309,6 +343,7 @@ int main(void)
         cmocka_unit_test(under_a_helm),
         cmocka_unit_test(things_float_on_them),
         cmocka_unit_test(another_ship_rolls_it),
+        cmocka_unit_test(washes_are_shared),
         cmocka_unit_test(control_leaves_it_to_others),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,7 @@
 #include "scene/washes.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -207,13 +208,11 @@ static void sail_on(const struct pel_washes *w, const struct pel_snapshot *s,
     (void)add(to, &now);
 }
 
-struct pel_wash *pel_snapshot_wash(const struct pel_snapshot *s, double time_s)
+static const struct pel_wash *make_wash(const struct pel_snapshot *s,
+                                        double time_s)
 {
     const struct pel_washes *w = s->washes;
     struct pel_wash *wash;
-    if (!w) {
-        return NULL;
-    }
     if (pel_wash_create(&wash)) {
         abort();
     }
@@ -236,5 +235,67 @@ struct pel_wash *pel_snapshot_wash(const struct pel_snapshot *s, double time_s)
     if (pel_wash_index(wash)) {
         abort();
     }
+    return wash;
+}
+
+/* Moments that are asked for at a time: of queries' slices, of a frame. */
+#define MOMENTS 3
+
+struct pel_wash_moments {
+    pthread_mutex_t lock;
+    int next;
+    double time_s[MOMENTS];
+    const struct pel_wash *wash[MOMENTS];
+};
+
+struct pel_wash_moments *pel_wash_moments_of(const struct pel_washes *washes)
+{
+    if (!washes) {
+        return NULL;
+    }
+    struct pel_wash_moments *m = calloc(1, sizeof *m);
+    if (!m) {
+        abort();
+    }
+    pthread_mutexattr_t how; /* threads of all priorities share it */
+    pthread_mutexattr_init(&how);
+    pthread_mutexattr_setprotocol(&how, PTHREAD_PRIO_INHERIT);
+    pthread_mutex_init(&m->lock, &how);
+    pthread_mutexattr_destroy(&how);
+    return m;
+}
+
+void pel_wash_moments_destroy(struct pel_wash_moments *m)
+{
+    if (m) {
+        for (int i = 0; i < MOMENTS; i++) {
+            pel_wash_destroy(m->wash[i]);
+        }
+        pthread_mutex_destroy(&m->lock);
+        free(m);
+    }
+}
+
+const struct pel_wash *pel_snapshot_wash(const struct pel_snapshot *s,
+                                         double time_s)
+{
+    struct pel_wash_moments *m = s->wash_moments;
+    if (!s->washes || !m) {
+        return s->washes ? make_wash(s, time_s) : NULL;
+    }
+    pthread_mutex_lock(&m->lock);
+    int i = 0;
+    while (i < MOMENTS && (!m->wash[i] || m->time_s[i] != time_s)) {
+        i++;
+    }
+    if (i == MOMENTS) {
+        i = m->next;
+        m->next = (m->next + 1) % MOMENTS;
+        pel_wash_destroy(m->wash[i]);
+        m->wash[i] = make_wash(s, time_s);
+        m->time_s[i] = time_s;
+    }
+    const struct pel_wash *wash = pel_wash_ref(m->wash[i]);
+    pthread_mutex_unlock(&m->lock);
     return wash;
 }

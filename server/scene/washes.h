@@ -16,6 +16,13 @@ struct pel_washes *pel_washes_of(const Pelagos__State *state,
 struct pel_washes *pel_washes_ref(struct pel_washes *washes);
 void pel_washes_unref(struct pel_washes *washes);
 
-/* The wash at time_s, or NULL: none. Some tens of microseconds a ship.
+/* The wash at time_s, or NULL: none. Up to a quarter of a millisecond a ship;
+ * who asks for one of the last moments of a snapshot shares it.
  * pel_wash_destroy. */
-struct pel_wash *pel_snapshot_wash(const struct pel_snapshot *s, double time_s);
+const struct pel_wash *pel_snapshot_wash(const struct pel_snapshot *s,
+                                         double time_s);
+
+/* The last moments of one snapshot; NULL where it has no washes. */
+struct pel_wash_moments *pel_wash_moments_of(const struct pel_washes *washes);
+void pel_wash_moments_destroy(
+    struct pel_wash_moments *moments); /* NULL: none */
