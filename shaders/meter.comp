@@ -13,6 +13,7 @@
 #include "lib/shaded.glsl"
 #include "lib/foamlight.glsl"
 #include "lib/haze.glsl"
+#include "lib/vision.glsl"
 
 layout(local_size_x = PEL_GROUP_LINE) in;
 layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
@@ -20,6 +21,7 @@ layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 layout(std430, binding = PEL_STORE_EXPOSURE) writeonly buffer out_block {
     vec4 out_exposure;
     vec4 out_exposing;
+    vec4 out_rods;
     pel_shader_glare out_glare[PEL_GLARES];
 };
 
@@ -27,8 +29,13 @@ shared vec3 partial[PEL_GROUP_LINE];
 
 float luminance(vec3 light)
 {
-    return dot(vec3(0.2126, 0.7152, 0.0722),
-               vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light)));
+    float photopic = dot(vec3(0.2126, 0.7152, 0.0722),
+                         vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light)));
+    if (rod.w < 0.5) {
+        return photopic;
+    }
+    float scotopic = max(dot(rod.rgb, light), 0.0);
+    return mix(scotopic, photopic, eye_cones(photopic, scotopic));
 }
 
 vec3 mean_sea(vec3 dir)
@@ -95,16 +102,18 @@ float meter_mean(float mean, float level)
     return lut.y > 0.5 ? mean : mix(mean, matt, PEL_METER_INCIDENT * day);
 }
 
-// Twin of pel_meter_ev.
+// Twin of pel_meter_ev, of an eye pel_vision_ev.
 float meter_ev(float mean, float high, float level)
 {
     float key = PEL_METER_KEY * pow(1.03 - 2.0 / (2.0 + log2(exp2(mean) + 1.0) * 0.30103),
                                     PEL_METER_KEY_POWER);
+    key += rod.w < 0.5 ? 0.0 : PEL_EYE_KEY * sqrt(eye_sight(mean));
     float adapted = mean - log2(key * (PEL_METER_MIDDLE / PEL_TONE_MIDDLE));
     float kept = high - log2(PEL_METER_HIGH * (PEL_METER_MIDDLE / PEL_TONE_MIDDLE));
     float most = PEL_METER_MOST +
                  PEL_METER_SLOPE * log2(max(level, 1e-6) / PEL_METER_SUNLIGHT);
-    return max(min(max(adapted, kept), most), PEL_METER_LEAST);
+    return max(min(max(adapted, kept), most),
+               rod.w < 0.5 ? PEL_METER_LEAST : PEL_EYE_LEAST);
 }
 
 pel_shader_glare glare_of(int i)
@@ -164,6 +173,7 @@ void main()
                       meter.z == float(PEL_TONE_LINEAR) ? 0.0 : 1.0 - cloud_light.y);
 #endif
         out_exposing = vec4(balance * (exp2(-ev) * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE)), 0.0);
+        out_rods = rod;
         for (int i = 0; i < PEL_LIT; i++) {
             out_glare[i] = glare_of(i);
         }

@@ -37,7 +37,7 @@ describe("controls", () => {
       "sky.visibility", ...["chlorophyll", "jerlov", "named", "depth",
         "bottom", "absorption680", "scattering440"].map((n) => `water.${n}`),
       ...["yaw", "pitch", "roll", "up", "forward", "right", "fieldOfView",
-        "exposure", "tone", "glare"].map((n) => `views.*.${n}`)]) {
+        "exposure", "tone", "vision", "glare"].map((n) => `views.*.${n}`)]) {
       assert.ok(shown.has(part), `a control for ${part}`);
     }
     for (const [name, control] of shown) {

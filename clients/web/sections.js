@@ -280,6 +280,12 @@ export class Sections {
       id: "tone", label: "Tone", ...about, get: (s) => view(s)?.tone,
       options: tones.map((v) => [v, words(v)]), patch: patch("tone") }), there);
     tone.node.dataset.path = "views.*.tone";
+    const visions = this.fields.get("views.*.vision")?.values ?? [];
+    const vision = this.add(new Choice(byId("view"), { store: this.store,
+      id: "vision", label: "Seen by", ...about, get: (s) => view(s)?.vision,
+      options: visions.map((v) => [v, words(v)]), patch: patch("vision") }),
+    there);
+    vision.node.dataset.path = "views.*.vision";
     range("Glare, share of light", "glare", "", 0.005, { id: "glare" });
     this.check("view", "antialiasing", "Smooth outlines", { ...about,
       get: (s) => view(s)?.antialiasing, patch: patch("antialiasing") });

@@ -6,9 +6,11 @@
 
 #include "base/vec.h"
 #include "optics/daylight.h"
+#include "optics/vision.h"
 #include "shaders/lib/blocks.h"
 
 #define LUMENS_PER_WATT 683.0
+#define RODS_LUMENS_PER_WATT 1700.0
 
 static const double wavelength_nm[3] = { 680.0, 550.0, 440.0 };
 
@@ -30,10 +32,10 @@ static void observer(double nm, double xyz[3])
              0.681 * lobe(nm, 459.0, 26.0, 13.8);
 }
 
-/* CIE XYZ of the three samples' shares. */
-static void xyz_matrix(const struct pel_daylight *light, double m[9])
+/* CIE XYZ of the three samples' shares, and the rods'. */
+static void xyz_matrix(const struct pel_daylight *light, double m[12])
 {
-    for (int c = 0; c < 9; c++) {
+    for (int c = 0; c < 12; c++) {
         m[c] = 0;
     }
     for (int i = 0; i < PEL_DAYLIGHT_COUNT; i++) {
@@ -44,11 +46,12 @@ static void xyz_matrix(const struct pel_daylight *light, double m[9])
                    q = pow(wavelength_nm[(s + 2) % 3], -2),
                    at = pow(wavelength_nm[s], -2), x = pow(nm, -2);
             double share = (x - p) * (x - q) / ((at - p) * (at - q));
-            double w = LUMENS_PER_WATT * PEL_DAYLIGHT_STEP_NM * light->at[i] *
-                       share / light->sample[s];
+            double lit =
+                PEL_DAYLIGHT_STEP_NM * light->at[i] * share / light->sample[s];
             for (int c = 0; c < 3; c++) {
-                m[3 * c + s] += w * xyz[c];
+                m[3 * c + s] += LUMENS_PER_WATT * lit * xyz[c];
             }
+            m[9 + s] += RODS_LUMENS_PER_WATT * lit * pel_vision_rods(nm);
         }
     }
 }
@@ -59,7 +62,7 @@ static const double elevation[] = {
     2,  3,  5,  7,  10.0, 15, 20, 28, 40, 60, 90
 };
 #define ELEVATIONS (sizeof elevation / sizeof elevation[0])
-static double matrices[ELEVATIONS][9];
+static double matrices[ELEVATIONS][12];
 static pthread_once_t matrices_once = PTHREAD_ONCE_INIT;
 
 static void matrices_fill(void)
@@ -71,8 +74,8 @@ static void matrices_fill(void)
     }
 }
 
-/* Rows of X, Y, Z for a Sun. */
-static void xyz_at(double sun_sine, double m[9])
+/* Rows of X, Y, Z and of the rods for a Sun. */
+static void xyz_at(double sun_sine, double m[12])
 {
     pthread_once(&matrices_once, matrices_fill);
     double deg = asin(fmin(fmax(sun_sine, -1), 1)) / PEL_DEG;
@@ -82,7 +85,7 @@ static void xyz_at(double sun_sine, double m[9])
         i++;
     }
     double t = (deg - elevation[i]) / (elevation[i + 1] - elevation[i]);
-    for (int c = 0; c < 9; c++) {
+    for (int c = 0; c < 12; c++) {
         m[c] = matrices[i][c] + t * (matrices[i + 1][c] - matrices[i][c]);
     }
 }
@@ -95,7 +98,7 @@ void pel_colour_matrix(double sun_sine, double m[9])
         { -0.9692660, 1.8760108, 0.0415560 },
         { 0.0556434, -0.2040259, 1.0572252 },
     };
-    double xyz[9];
+    double xyz[12];
     xyz_at(sun_sine, xyz);
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) {
@@ -107,9 +110,18 @@ void pel_colour_matrix(double sun_sine, double m[9])
     }
 }
 
+void pel_colour_rods(double sun_sine, double weights[3])
+{
+    double m[12];
+    xyz_at(sun_sine, m);
+    for (int s = 0; s < 3; s++) {
+        weights[s] = m[9 + s];
+    }
+}
+
 double pel_colour_illuminance(struct pel_rgb e, double sun_sine)
 {
-    double m[9];
+    double m[12];
     xyz_at(sun_sine, m);
     return fmax(m[3] * e.r + m[4] * e.g + m[5] * e.b, 0);
 }

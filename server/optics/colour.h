@@ -14,6 +14,9 @@
  * time of day; docs/physics.md. */
 void pel_colour_matrix(double sun_sine, double m[9]);
 
+/* Weights of a scotopic luminance [cd/m²], 1700 lm/W: the same with V'(λ). */
+void pel_colour_rods(double sun_sine, double weights[3]);
+
 /* Photometric illuminance [lx] of a spectral irradiance; the same. */
 double pel_colour_illuminance(struct pel_rgb irradiance, double sun_sine);
 

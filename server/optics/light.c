@@ -123,10 +123,11 @@ double pel_lights_level(const struct pel_light *lights, int lit, bool night)
     return level;
 }
 
-void pel_lights_colours(const struct pel_light *lights, int lit, bool night,
-                        double m[9])
+/* The mean of `of` (n numbers of a Sun's sine) by what each light gives. */
+static void mix_lights(const struct pel_light *lights, int lit, bool night,
+                       void (*of)(double, double *), int n, double *m)
 {
-    pel_colour_matrix(lights[0].direction.z, m);
+    of(lights[0].direction.z, m);
     if (lit < 2 && !night) {
         return;
     }
@@ -136,12 +137,24 @@ void pel_lights_colours(const struct pel_light *lights, int lit, bool night,
         double level = !stars  ? pel_light_of(&lights[i])
                        : night ? NIGHT_LX
                                : 0.0;
-        pel_colour_matrix(stars ? STARS_SINE : lights[i].direction.z, m);
-        for (int k = 0; k < 9; k++) {
+        of(stars ? STARS_SINE : lights[i].direction.z, m);
+        for (int k = 0; k < n; k++) {
             mixed[k] += level * m[k];
         }
     }
-    for (int k = 0; k < 9; k++) {
+    for (int k = 0; k < n; k++) {
         m[k] = mixed[k] / sum;
     }
+}
+
+void pel_lights_colours(const struct pel_light *lights, int lit, bool night,
+                        double m[9])
+{
+    mix_lights(lights, lit, night, pel_colour_matrix, 9, m);
+}
+
+void pel_lights_rods(const struct pel_light *lights, int lit, bool night,
+                     double weights[3])
+{
+    mix_lights(lights, lit, night, pel_colour_rods, 3, weights);
 }

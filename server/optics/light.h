@@ -71,3 +71,7 @@ struct pel_lights_shown pel_lights_order(struct pel_light lights[PEL_LIGHTS]);
 double pel_lights_level(const struct pel_light *lights, int lit, bool night);
 void pel_lights_colours(const struct pel_light *lights, int lit, bool night,
                         double m[9]);
+
+/* Weights of the scotopic luminance in such light (pel_colour_rods). */
+void pel_lights_rods(const struct pel_light *lights, int lit, bool night,
+                     double weights[3]);

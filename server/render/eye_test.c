@@ -3,6 +3,7 @@
  * burn out, that its disc and its sky's colour are there, that dusk is darker
  * than day, that views of one meter match. */
 #include "optics/colour.h"
+#include "optics/vision.h"
 #include "render/render_testkit.h"
 #include "render/sky.h"
 
@@ -319,6 +320,55 @@ static void night_falls(void **state)
     }
 }
 
+/* --- an eye by little light ------------------------------------------------
+ */
+
+/* The eye's picture from the radiance, below the twin's own light. */
+static void an_eye_is_the_reference(void **state)
+{
+    (void)state;
+    double dusk = 100.0;
+    test_sea(6.0, 0.0, 1, &sea);
+    for (double e = 4.0; e >= -14.0; e -= 6.0) {
+        struct pel_environment env = into_sun(e, 40000.0);
+        struct pel_camera c =
+            test_camera((struct test_look){ 6.0, 3.0, 5.0, 2.0, 50.0, 96, 64 });
+        double rods[3], mean = 0.0;
+        int off = 0;
+        pel_colour_rods(env.lights[PEL_LIGHT_SUN].direction.z, rods);
+        c.vision = PEL_VISION_EYE;
+        c.glare = 0.0;
+        struct pel_picture *p =
+            test_draw(renderer, &env, &c, PEL_LAYER_COLOR | PEL_LAYER_RADIANCE);
+        double scale = pel_colour_exposure_scale(p->exposure_ev);
+        for (int i = 0; i < 96 * 64; i++) {
+            const float *light = p->radiance + (ptrdiff_t)4 * i;
+            double x[3], seen[3], shown[3], s = 0.0;
+            exposed(light, p->exposure_ev, x);
+            for (int k = 0; k < 3; k++) {
+                x[k] /= scale;
+                s += rods[k] * (double)light[k];
+            }
+            pel_vision_seen(x, s, seen);
+            for (int k = 0; k < 3; k++) {
+                seen[k] = fmax(seen[k] * scale * balance[k], 0.0);
+            }
+            pel_tone_filmic(seen, shown);
+            mean += luminance(shown) / (96.0 * 64.0);
+            for (int k = 0; k < 3; k++) {
+                double code = p->rgba[4 * i + k];
+                off += fabs(code - encoded(shown[k])) > 1.5;
+            }
+        }
+        printf("eye, Sun %g°: EV %.2f, luminance %.2f %%, %d codes off\n", e,
+               p->exposure_ev, 100.0 * mean, off);
+        assert_int_equal(off, 0);
+        assert_true(mean < dusk);
+        dusk = mean;
+        pel_picture_release(p);
+    }
+}
+
 /* --- views of one meter ----------------------------------------------------
  */
 
@@ -371,6 +421,7 @@ int main(void)
         cmocka_unit_test(the_disc_is_a_disc),
         cmocka_unit_test(the_sky_keeps_its_colour),
         cmocka_unit_test(night_falls),
+        cmocka_unit_test(an_eye_is_the_reference),
         cmocka_unit_test(views_of_a_meter_match),
     };
     return cmocka_run_group_tests(tests, begin_renderer, end_renderer);

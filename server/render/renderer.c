@@ -273,7 +273,7 @@ static void expose(struct pel_renderer *r, const struct pel_environment *env,
     struct pel_block_sighted sights;
     pel_fill_eye(height_m, table_height_m, submerged, NULL, &eye);
     pel_fill_spray(env->sea->foam, submerged ? 0.0 : height_m, &eye);
-    pel_fill_sights(c, &sights);
+    pel_fill_sights(env, c, &sights);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                    sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SIGHTS, &sights,

@@ -459,7 +459,8 @@ static struct pel_shader_sight window_of(const struct pel_sight *w)
     };
 }
 
-void pel_fill_sights(const struct pel_camera *camera,
+void pel_fill_sights(const struct pel_environment *env,
+                     const struct pel_camera *camera,
                      struct pel_block_sighted *out)
 {
     const struct pel_camera *c = camera;
@@ -473,4 +474,9 @@ void pel_fill_sights(const struct pel_camera *camera,
     }
     out->meter = vec4(c->auto_exposure ? (count ? count : 1) : 0,
                       c->exposure_ev, c->tone, c->glare);
+    if (c->vision == PEL_VISION_EYE) {
+        double rods[3];
+        pel_lights_rods(env->lights, env->lit, env->night.on, rods);
+        out->rod = vec4(rods[0], rods[1], rods[2], c->vision);
+    }
 }

@@ -73,7 +73,8 @@ void pel_fill_view(const struct pel_camera *camera,
                    const struct pel_filter *filter, struct pel_block_view *out);
 
 /* What the camera's meter looks through. */
-void pel_fill_sights(const struct pel_camera *camera,
+void pel_fill_sights(const struct pel_environment *env,
+                     const struct pel_camera *camera,
                      struct pel_block_sighted *out);
 
 /* Tangent of a pixel from the frustum, rounded to 20 bits so that pictures

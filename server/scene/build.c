@@ -391,6 +391,7 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
     to->auto_exposure = !from->has_exposure;
     to->exposure_ev = from->exposure;
     to->tone = (int)from->tone;
+    to->vision = (int)from->vision;
     to->glare = from->glare;
     to->antialiasing = from->antialiasing;
     if (from->meter) {
@@ -443,6 +444,8 @@ SAME(PEL_SENSE_LOW_LIGHT, PELAGOS__SENSOR_KIND__LOW_LIGHT);
 SAME(PEL_SENSE_THERMAL, PELAGOS__SENSOR_KIND__THERMAL);
 SAME(PEL_TONE_FILMIC, PELAGOS__TONE__FILMIC);
 SAME(PEL_TONE_LINEAR, PELAGOS__TONE__LINEAR);
+SAME(PEL_VISION_CAMERA, PELAGOS__VISION__CAMERA);
+SAME(PEL_VISION_EYE, PELAGOS__VISION__EYE);
 SAME(PEL_CLOCK_FREE, PELAGOS__CLOCK_MODE__FREE);
 SAME(PEL_CLOCK_PACED, PELAGOS__CLOCK_MODE__PACED);
 SAME(PEL_CLOCK_STEPPED, PELAGOS__CLOCK_MODE__STEPPED);

@@ -77,6 +77,7 @@ struct pel_sensor {
     bool auto_exposure;                                                        \
     double exposure_ev;                                                        \
     int tone;          /* PEL_TONE_* */                                        \
+    int vision;        /* PEL_VISION_* */                                      \
     double glare;      /* share of light that the lens scatters */             \
     bool antialiasing; /* of what hides what, and of lights' rims */           \
     struct pel_sensor sensor;

@@ -325,6 +325,21 @@ struct pel_vec4 {
 #define PEL_METER_SUNLIGHT 1e5
 #define PEL_METER_SLOPE 0.0625
 
+/* The eye's vision (server/optics/vision.h): CIE 191:2010's offset, slope and
+ * V' where both luminances are one, 683/1699; its steps; the rods' colour, of
+ * luminance 1. */
+#define PEL_VISION_CAMERA 0
+#define PEL_VISION_EYE 1
+#define PEL_EYE_OFFSET 0.767
+#define PEL_EYE_SLOPE 0.3334
+#define PEL_EYE_RODS 0.402001
+#define PEL_EYE_STEPS 8
+#define PEL_EYE_RED 1.0409
+#define PEL_EYE_GREEN 0.9616
+#define PEL_EYE_BLUE 1.2590
+#define PEL_EYE_KEY 0.012
+#define PEL_EYE_LEAST -12.0
+
 /* Sources of glare. Lamps are to be more of them (meter.comp). */
 #define PEL_GLARES PEL_LIGHTS
 /* Where it has half the brightness of its centre, rad. */
@@ -511,6 +526,7 @@ PEL_BLOCK(PEL_BLOCK_SIGHTS, sighted)
 {
     vec4 meter; /* x number of windows, 0: fixed; y fixed EV100; z PEL_TONE_*; w
                    share of light that the lens scatters */
+    vec4 rod; /* rgb weights of the scotopic luminance; w PEL_VISION_* */
     PEL_STRUCT pel_shader_sight sights[PEL_METER_SIGHTS];
 };
 #endif
@@ -525,6 +541,7 @@ PEL_BLOCK(PEL_BLOCK_EXPOSURE, exposure)
 {
     vec4 exposure; /* x EV100; y log2 of the mean, z of the highlights, cd/m² */
     vec4 exposing; /* rgb exposed light of 1 cd/m², balanced */
+    vec4 rods;     /* as `rod` of the block sighted */
     PEL_STRUCT pel_shader_glare glare[PEL_GLARES];
 };
 

@@ -1,4 +1,6 @@
-// Glare, exposure, tone curve, sRGB, dither. Includers have lib/ray.glsl.
+// Glare, the eye's vision, exposure, tone curve, sRGB, dither. Includers have
+// lib/ray.glsl.
+#include "lib/vision.glsl"
 
 // Twin of pel_tone_curve.
 float tone_curve(float x)
@@ -73,6 +75,9 @@ vec3 display(vec3 light, ivec2 at)
     vec3 ray = pixel_ray(lattice(at));
     light = with_glare(light, ray / sqrt(dot(ray, ray)));
     vec3 linear = vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light));
+    if (rods.w > 0.5) {
+        linear = eye_seen(linear, dot(rods.rgb, light));
+    }
     linear = clamp(linear * exposing.rgb, 0.0, 1e6);
     vec3 encoded = srgb(sensor_seed.w == float(PEL_TONE_LINEAR) ? min(linear, 1.0) : filmic(linear));
     uvec2 place = uvec2(ivec2(floor(pixel.zw)) + at + 65536);

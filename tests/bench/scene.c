@@ -91,6 +91,7 @@ struct pel_camera bench_camera(const struct bench_scene *s)
         .exposure_ev = s->ev,
         .tone = s->linear ? PEL_TONE_LINEAR : PEL_TONE_FILMIC,
         .glare = s->glare,
+        .vision = s->vision,
         .antialiasing = !s->aliased,
     };
 }

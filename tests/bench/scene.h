@@ -17,6 +17,7 @@ struct bench_scene {
     double time_s;
     double ev; /* over 90: automatic */
     double glare;
+    int vision; /* PEL_VISION_* */
     bool linear, aliased;
     double whitecaps;
     double slick; /* factor of an area 100 m ahead; 1: none */

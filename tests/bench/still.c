@@ -51,6 +51,7 @@ static struct setting settings[] = {
     { "sense", 0 },       { "span", 0 },      { "phosphor", 0 },
     { "air", 15 },        { "gain", 1 },      { "wakes", 0 },
     { "lit", 1 },         { "okta", 0 },      { "genus", 0 },
+    { "eye", 0 },
 };
 
 static double get(const char *name)
@@ -108,6 +109,7 @@ static struct bench_scene scene(void)
         .time_s = get("time"),
         .ev = get("ev"),
         .glare = get("glare"),
+        .vision = (int)get("eye"),
         .linear = get("linear") > 0,
         .aliased = get("aa") <= 0,
         .whitecaps = get("foam"),

@@ -626,6 +626,9 @@ class View(Record):
     #: The entity carries the camera by its place and heading alone: its pitch
     #: and roll neither move nor tilt it, as for a camera that follows a ship.
     level: bool = _field(False)
+    #: Who looks. Glare of an eye is some 0.1 (glare).
+    #: One of CAMERA, EYE.
+    vision: str = _field('CAMERA')
     #: A radar's picture instead of the eye's, of the view's size; its antenna
     #: stands at the view's place.
     radar: Radar | None = _field(None)

@@ -1,0 +1,28 @@
+/* How an eye sees by little light: rods and cones. Any thread. */
+#pragma once
+
+/* V'(λ) of the CIE 1951 scotopic observer, linear between 5 nm; 0 beyond 380
+ * and 680 nm. */
+double pel_vision_rods(double nm);
+
+/* Cones' share m, 0..1, for photopic and scotopic luminances [cd/m²]: CIE
+ * 191:2010, eight steps of its iteration (within 0.01 of its end for S/P to 4).
+ */
+double pel_vision_cones(double photopic, double scotopic);
+
+/* Mesopic luminance [cd/m²], the same. */
+double pel_vision_luminance(double photopic, double scotopic);
+
+/* Light of linear Rec. 709 [cd/m²] and scotopic luminance as an eye sees it:
+ * what the cones have keeps its colour, the rods' is a pale blue (Krawczyk,
+ * Myszkowski and Seidel 2005, eq. 13). Its luminance is the mesopic one. */
+void pel_vision_seen(const double rec709[3], double scotopic, double out[3]);
+
+/* How far an eye adapted to a luminance [cd/m²] is from where its rods see
+ * contrast by Weber's law, 0..1: of luminance over threshold (Ferwerda et al.
+ * 1996), 1 from 0.036 cd/m² on. */
+double pel_vision_sight(double adapted);
+
+/* pel_meter_ev of an eye: its key is PEL_EYE_KEY times the root of
+ * pel_vision_sight higher, its least PEL_EYE_LEAST. Mesopic luminances. */
+double pel_vision_ev(double mean, double high, double level_lx);

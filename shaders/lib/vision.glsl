@@ -1,0 +1,29 @@
+// How an eye sees by little light: twin of server/optics/vision.c.
+
+float eye_cones(float photopic, float scotopic)
+{
+    float m = 0.5;
+    for (int i = 0; i < PEL_EYE_STEPS; i++) {
+        float w = m / (m + (1.0 - m) * PEL_EYE_RODS);
+        float l = max(mix(scotopic, photopic, w), 1e-9);
+        m = clamp(PEL_EYE_OFFSET + PEL_EYE_SLOPE * 0.30103 * log2(l), 0.0, 1.0);
+    }
+    return m / (m + (1.0 - m) * PEL_EYE_RODS);
+}
+
+// Of linear Rec. 709, cd/m², and scotopic luminance: the light as it is seen.
+vec3 eye_seen(vec3 linear, float scotopic)
+{
+    float s = max(scotopic, 0.0);
+    float w = eye_cones(dot(linear, vec3(0.2126, 0.7152, 0.0722)), s);
+    return linear * w + vec3(PEL_EYE_RED, PEL_EYE_GREEN, PEL_EYE_BLUE) * (s * (1.0 - w));
+}
+
+// Twin of pel_vision_sight, of log2 of the luminance.
+float eye_sight(float adapted)
+{
+    float l = max(adapted * 0.30103, -9.0);
+    float bent = pow(max(0.405 * l + 1.6, 0.0), 2.18) - 2.86;
+    float threshold = l <= -3.94 ? -2.86 : l >= -1.44 ? l - 0.395 : bent;
+    return exp2(min(l - threshold - 0.395, 0.0) / 0.30103);
+}
