@@ -526,7 +526,7 @@ PEL_BLOCK(PEL_BLOCK_SIGHTS, sighted)
 {
     vec4 meter; /* x number of windows, 0: fixed; y fixed EV100; z PEL_TONE_*; w
                    share of light that the lens scatters */
-    vec4 rod; /* rgb weights of the scotopic luminance; w PEL_VISION_* */
+    vec4 rod;   /* rgb weights of the scotopic luminance; w PEL_VISION_* */
     PEL_STRUCT pel_shader_sight sights[PEL_METER_SIGHTS];
 };
 #endif
