@@ -45,7 +45,11 @@ double pel_vision_cones(double photopic, double scotopic)
     for (int i = 0; i < PEL_EYE_STEPS; i++) {
         double w = weight(m);
         double l = fmax(w * photopic + (1.0 - w) * scotopic, 1e-9);
-        m = fmin(fmax(PEL_EYE_OFFSET + PEL_EYE_SLOPE * log10(l), 0.0), 1.0);
+        double q = m + (1.0 - m) * PEL_EYE_RODS;
+        double slope = PEL_EYE_SLOPE * 0.43429 * PEL_EYE_RODS *
+                       (photopic - scotopic) / (q * q * l);
+        double off = PEL_EYE_OFFSET + PEL_EYE_SLOPE * log10(l) - m;
+        m = fmin(fmax(m + off / fmax(1.0 - slope, 0.5), 0.0), 1.0);
     }
     return m;
 }

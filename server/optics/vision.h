@@ -6,7 +6,8 @@
 double pel_vision_rods(double nm);
 
 /* Cones' share m, 0..1, for photopic and scotopic luminances [cd/m²]: CIE
- * 191:2010, eight steps of its iteration (within 0.01 of its end for S/P to 4).
+ * 191:2010, where its iteration ends, by six steps of Newton's (within 0.01 of
+ * its end for S/P to 4).
  */
 double pel_vision_cones(double photopic, double scotopic);
 

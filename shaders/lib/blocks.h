@@ -333,7 +333,7 @@ struct pel_vec4 {
 #define PEL_EYE_OFFSET 0.767
 #define PEL_EYE_SLOPE 0.3334
 #define PEL_EYE_RODS 0.402001
-#define PEL_EYE_STEPS 8
+#define PEL_EYE_STEPS 6
 #define PEL_EYE_RED 1.0409
 #define PEL_EYE_GREEN 0.9616
 #define PEL_EYE_BLUE 1.2590

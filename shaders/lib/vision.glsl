@@ -4,9 +4,12 @@ float eye_cones(float photopic, float scotopic)
 {
     float m = 0.5;
     for (int i = 0; i < PEL_EYE_STEPS; i++) {
-        float w = m / (m + (1.0 - m) * PEL_EYE_RODS);
+        float q = m + (1.0 - m) * PEL_EYE_RODS;
+        float w = m / q;
         float l = max(mix(scotopic, photopic, w), 1e-9);
-        m = clamp(PEL_EYE_OFFSET + PEL_EYE_SLOPE * 0.30103 * log2(l), 0.0, 1.0);
+        float slope = PEL_EYE_SLOPE * 0.43429 * PEL_EYE_RODS * (photopic - scotopic) / (q * q * l);
+        float off = PEL_EYE_OFFSET + PEL_EYE_SLOPE * 0.30103 * log2(l) - m;
+        m = clamp(m + off / max(1.0 - slope, 0.5), 0.0, 1.0);
     }
     return m / (m + (1.0 - m) * PEL_EYE_RODS);
 }
