@@ -99,9 +99,9 @@ class Endpoints(HttpCase):
                             ("sea/swell", [])):
             answer = self.daemon.get("/v1/state/" + path)
             self.assertEqual(answer.json()["value"], value, path)
-        self.assertEqual(
-            self.daemon.get("/v1/state/sky").json()["value"],
-            {"visibility": 40000})
+        sky = self.daemon.get("/v1/state/sky").json()["value"]
+        self.assertEqual((sky["visibility"], sky["cloudCover"]), (40000, 0))
+        self.assertNotIn("sunElevation", sky)
         self.refused(self.daemon.get("/v1/state/sea.nothing"), 404,
                      code="NOT_FOUND", path="sea.nothing")
 

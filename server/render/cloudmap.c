@@ -21,7 +21,7 @@ static void make(struct pel_cloud_map *map)
     glTextureParameteri(map->field, GL_TEXTURE_WRAP_S, GL_REPEAT);
     glTextureParameteri(map->field, GL_TEXTURE_WRAP_T, GL_REPEAT);
     glTextureParameteri(map->field, GL_TEXTURE_MIN_FILTER,
-                        GL_LINEAR_MIPMAP_NEAREST);
+                        GL_LINEAR_MIPMAP_LINEAR);
     glTextureSubImage2D(map->field, 0, 0, 0, SIDE, SIDE, GL_RGBA, GL_FLOAT,
                         texels);
     glGenerateTextureMipmap(map->field);

@@ -18,8 +18,6 @@ enum {
     STALE,
     LARGE,
     TIDE,
-    CLOUDED,
-    OVERCAST,
     SCENES, /* a prime: any step walks through all of them */
 };
 
@@ -82,18 +80,15 @@ static void fill_scenes(void)
     scenes[COAST_LAYERS].layers = TEST_ALL_LAYERS | PEL_LAYER_WATER | parts;
     scenes[STALE] = scenes[DEEP];
     scenes[STALE].env.stale = PEL_STALE_CIGI | PEL_STALE_NMEA;
+    scenes[STALE].env.clouds =
+        (struct pel_clouds){ 0.6, PEL_CLOUD_CUMULUS, 900, 550, 12, 3, 1 };
     scenes[LARGE] = scenes[COAST];
     scenes[LARGE].camera =
         test_camera((struct test_look){ 3, 30, -8, 0, 70, 400, 256 });
-    scenes[CLOUDED] = scenes[NIGHT];
-    scenes[CLOUDED].env.lights[PEL_LIGHT_SUN].direction = test_sun(20, 200);
-    scenes[CLOUDED].env.clouds =
-        (struct pel_clouds){ 0.6, PEL_CLOUD_CUMULUS, 900, 550, 12, 3, 1 };
-    scenes[OVERCAST] = scenes[DEEP];
-    scenes[OVERCAST].env.clouds =
-        (struct pel_clouds){ 1, PEL_CLOUD_STRATUS, 350, 400, 12, 3, 2 };
     scenes[TIDE] = scenes[COAST];
     scenes[TIDE].env.sea_level_m = 4;
+    scenes[TIDE].env.clouds =
+        (struct pel_clouds){ 1, PEL_CLOUD_STRATUS, 350, 400, 12, 3, 2 };
     /* The maps of all orders take most of the time. */
     for (int i = 0; i < SCENES; i++) {
         scenes[i].env.orders = i == LAYERS ? PEL_ORDERS_ALL : PEL_ORDERS_TWO;

@@ -43,13 +43,15 @@ static bool is_waiting(const struct pel_scene *scene, const void *source)
 static bool touches_sea(const Pelagos__Patch *patch)
 {
     const Pelagos__State *to = patch->state;
-    bool touches = to && (to->sea || to->seabed || to->origin || to->sky);
+    bool touches = to && (to->sea || to->seabed || to->origin ||
+                          (to->sky && to->sky->file));
     for (size_t i = 0; to && i < to->n_entities && !touches; i++) {
         touches = to->entities[i]->model;
     }
     for (size_t i = 0; i < patch->n_remove && !touches; i++) {
         touches = strncmp(patch->remove[i], "sea", 3) == 0 ||
-                  strncmp(patch->remove[i], "sky", 3) == 0 ||
+                  strcmp(patch->remove[i], "sky") == 0 ||
+                  strcmp(patch->remove[i], "sky.file") == 0 ||
                   strncmp(patch->remove[i], "origin", 6) == 0;
     }
     return touches;

@@ -90,8 +90,12 @@ shaded shade_backdrop(ivec2 at)
     }
 #endif
 #ifdef PEL_CLOUDS
-    vec2 place = floor(pixel.zw) + vec2(at);
-    float begin = fract(52.9829189 * fract(dot(place, vec2(0.06711056, 0.00583715))));
+    // By a hash of the place on the lattice.
+    uvec2 place = uvec2(ivec2(floor(pixel.zw)) + at + 65536);
+    uint mixed = place.x * 0x9E3779B1u ^ place.y * 0x85EBCA77u;
+    mixed = (mixed ^ mixed >> 16u) * 0x7FEB352Du;
+    mixed = (mixed ^ mixed >> 15u) * 0x846CA68Bu;
+    float begin = float((mixed ^ mixed >> 16u) >> 8u) / 16777216.0;
     clouded clouds = clouds_toward(transmittance, dir, light, pixel.x * inverse, 1e9, begin);
     light = clouded_sky(clouds, light);
     disc *= clouds.beam;

@@ -3,7 +3,7 @@
 layout(binding = PEL_UNIT_CLOUDS) uniform sampler2D cloud_field;
 
 const float CLOUD_G = PEL_CLOUD_ASYMMETRY;
-const int CLOUD_STEPS = 12;
+const int CLOUD_STEPS = 16;
 
 // A column of cloud: x its top over the base, in thicknesses, negative beside
 // clouds; y the part of the
@@ -142,7 +142,7 @@ clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, 
                   light_transmittance(transmittance, 0.5 * (low + high), to[i].z, lights[i].direction.w);
         forward[i] = cloud_phase(dot(dir, lights[i].direction.xyz));
     }
-    float lod = cloud_lod(max(0.6 * step_ * length(dir.xy), 0.5 * (from + to_) * angle));
+    float lod = cloud_lod(max(0.9 * step_ * length(dir.xy), 0.5 * (from + to_) * angle));
     vec3 source = vec3(0.0), single = vec3(0.0);
     float lit_at = -1e9;
     float inside = -cloud_size.y; // m below the top, at the step's end
