@@ -8,6 +8,9 @@
 #include "lib/water.glsl"
 #include "lib/shaded.glsl"
 #include "lib/haze.glsl"
+// The view shows more of a hull below its waterline than waves let be seen:
+// wet, that would count as band.
+#define PEL_DRY_HULLS
 #include "lib/objects.glsl"
 
 layout(location = 0) out vec4 light_out;

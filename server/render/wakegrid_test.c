@@ -42,10 +42,11 @@ static void every_tile_is_found(void **state)
     (void)state;
     for (int round = 0; round < 200; round++) {
         static struct pel_block_wakes b;
-        size_t layers = (size_t)any(1, PEL_WAKE_LAYERS + 0.99);
+        int layers = 1 + (int)any(0, PEL_WAKE_LAYERS - 0.01);
+        assert_true(layers > 0);
         double spread = exp(any(3, 11)), asked = 0, needed = 0;
         memset(&b, 0, sizeof b);
-        for (size_t i = 0; i < layers; i++) {
+        for (int i = 0; i < layers; i++) {
             b.wakes[i].place =
                 (struct pel_vec4){ (float)any(-spread, spread),
                                    (float)any(-spread, spread), 1,
@@ -53,12 +54,12 @@ static void every_tile_is_found(void **state)
         }
         pel_wake_grid_fill(layers, &b);
         for (int n = 0; n < 4000; n++) {
-            const struct pel_vec4 *p = &b.wakes[n % (int)layers].place;
+            const struct pel_vec4 *p = &b.wakes[n % layers].place;
             double r = 0.5 * (double)p->w;
             float x = (float)((double)p->x + any(-r, r));
             float y = (float)((double)p->y + any(-r, r));
             unsigned bits = near(&b, x, y);
-            for (size_t i = 0; i < layers; i++) {
+            for (int i = 0; i < layers; i++) {
                 bool reached = reaches(&b.wakes[i].place, x, y);
                 assert_true(!reached || bits >> i & 1);
                 asked += bits >> i & 1;

@@ -171,10 +171,12 @@ object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
     vec3 f0 = mix(vec3(0.04), paint.rgb, metal);
     vec3 matt = paint.rgb * (1.0 - metal);
     object_lit result = object_lit(vec3(0.0), vec3(0.0), matt);
+#ifndef PEL_DRY_HULLS
     float deviation = place_texel(entity, 18).x; // negative: nothing washes over it
     float wet = deviation < 0.0 ? 0.0 : wet_share(dot(d, o.z), deviation);
     matt = mix(matt, wet_reflectance(matt), wet);
     rough = mix(rough, min(rough, PEL_WET_ROUGH), wet);
+#endif
     float lit = lit_share(entity, d, n) * lit_by_others(entity, place);
 #ifdef PEL_CLOUDS
     shade_by_clouds(place.xy, length(place) * pixel.y);
