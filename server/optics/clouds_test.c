@@ -121,8 +121,8 @@ static void lets_through_what_photons_do(void **state)
     }
 }
 
-/* Nothing is lost: what enters is mirrored or comes through. */
-static void glow_is_positive_and_falls(void **state)
+/* The glow at the lower side is that of the flux that leaves there. */
+static void glow_below_is_what_leaves(void **state)
 {
     (void)state;
     for (double b = 0.1; b < 10; b *= 2) {
@@ -147,7 +147,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(covers_what_is_asked),
         cmocka_unit_test(lets_through_what_photons_do),
-        cmocka_unit_test(glow_is_positive_and_falls),
+        cmocka_unit_test(glow_below_is_what_leaves),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
