@@ -3,12 +3,18 @@
 #pragma once
 
 #include <math.h>
+#include <stddef.h>
 
 #define PEL_PI 3.14159265358979323846
 #define PEL_DEG (PEL_PI / 180.0)
 
 struct pel_vec2 {
     double x, y;
+};
+
+/* Of two corners. */
+struct pel_box {
+    struct pel_vec2 low, high;
 };
 
 struct pel_vec3 {
@@ -58,4 +64,17 @@ static inline struct pel_vec3 pel_mat3_apply(const struct pel_mat3 *m,
 static inline double pel_clamp(double v, double lo, double hi)
 {
     return v < lo ? lo : v > hi ? hi : v;
+}
+
+/* The least that holds n points; none holds nothing. */
+static inline struct pel_box pel_box_of(const struct pel_vec2 *points, size_t n)
+{
+    struct pel_box box = { { HUGE_VAL, HUGE_VAL }, { -HUGE_VAL, -HUGE_VAL } };
+    for (size_t i = 0; i < n; i++) {
+        box.low.x = fmin(box.low.x, points[i].x);
+        box.low.y = fmin(box.low.y, points[i].y);
+        box.high.x = fmax(box.high.x, points[i].x);
+        box.high.y = fmax(box.high.y, points[i].y);
+    }
+    return box;
 }

@@ -1,6 +1,7 @@
 #include "frames/mailbox.h"
 
 #include "base/clock.h"
+#include "base/urgent.h"
 #include "base/watch.h"
 
 #include <time.h>
@@ -25,15 +26,6 @@ struct pel_mail *pel_queue_pop(struct pel_queue *queue)
         mail->next = NULL;
     }
     return mail;
-}
-
-void pel_lock_init(pthread_mutex_t *lock)
-{
-    pthread_mutexattr_t attributes;
-    pthread_mutexattr_init(&attributes);
-    pthread_mutexattr_setprotocol(&attributes, PTHREAD_PRIO_INHERIT);
-    pthread_mutex_init(lock, &attributes);
-    pthread_mutexattr_destroy(&attributes);
 }
 
 void pel_cond_init(pthread_cond_t *cond)

@@ -34,10 +34,6 @@ void pel_mailbox_post(struct pel_mailbox *box, struct pel_mail *mail);
 GSource *pel_alarm_create(GMainContext *context, const char *name,
                           void (*ring)(void *user), void *user);
 
-/* A mutex with priority inheritance, which real-time threads may share with
- * others. */
-void pel_lock_init(pthread_mutex_t *lock);
-
 /* A condition that counts time by CLOCK_MONOTONIC; and a wait on it of at most
  * wait_ns, with the lock held. */
 void pel_cond_init(pthread_cond_t *cond);

@@ -9,6 +9,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/urgent.h"
 #include "frames/loss.h"
 #include "frames/renderloop_parts.h"
 #include "scene/washes.h"

@@ -99,8 +99,10 @@ static double now(struct pel_frames *frames,
         pel_prefetch_now(&frames->prefetch, s->sea, time_s, s->rate);
     if (pel_prefetch_next(&frames->prefetch, wish->asker, s->sea, pel_now_ns(),
                           time_s, s->rate, &next_s, &begin_ns)) {
+        /* About where it asked now. */
+        const struct pel_box of = pel_box_of(wish->points_m, wish->count);
         pel_surface_pool_prepare(frames->surface_pool, s, next_s, wish->moving,
-                                 begin_ns);
+                                 &of, begin_ns);
     }
     frames->stats.surfaces_prefetched += answered_s != time_s;
     return answered_s;

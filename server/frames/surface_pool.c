@@ -17,6 +17,7 @@ struct prefetched {
     const struct pel_snapshot *snapshot; /* NULL: none */
     double time_s;
     bool moving;
+    struct pel_box of;
     int64_t begin_ns;
 };
 
@@ -89,8 +90,8 @@ static void prepare(struct worker *worker, int index)
     struct prefetched f = self->prefetched[index];
     pel_snapshot_ref(f.snapshot);
     pthread_mutex_unlock(&self->lock);
-    bool whole =
-        pel_snapshot_prepare(f.snapshot, f.time_s, f.moving, go_on, worker);
+    bool whole = pel_snapshot_prepare(f.snapshot, f.time_s, f.moving, &f.of,
+                                      go_on, worker);
     pthread_mutex_lock(&self->lock);
     for (int i = 0; i < PEL_MOST_PREPARED; i++) {
         struct prefetched *still = &self->prefetched[i];
@@ -122,13 +123,14 @@ static void idle(struct worker *worker)
 
 void pel_surface_pool_prepare(struct pel_surface_pool *self,
                               const struct pel_snapshot *snapshot,
-                              double time_s, bool moving, int64_t begin_ns)
+                              double time_s, bool moving,
+                              const struct pel_box *of, int64_t begin_ns)
 {
     struct prefetched *f = self->prefetched;
     pthread_mutex_lock(&self->lock);
     pel_snapshot_unref(f[PEL_MOST_PREPARED - 1].snapshot);
     memmove(f + 1, f, (PEL_MOST_PREPARED - 1) * sizeof *f);
-    f[0] = (struct prefetched){ pel_snapshot_ref(snapshot), time_s, moving,
+    f[0] = (struct prefetched){ pel_snapshot_ref(snapshot), time_s, moving, *of,
                                 begin_ns };
     pthread_cond_broadcast(&self->asked);
     pthread_mutex_unlock(&self->lock);

@@ -18,12 +18,14 @@ PEL_CHECK enum pel_err pel_surface_pool_create(int cores,
 void pel_surface_pool_push(struct pel_surface_pool *self,
                            struct pel_surface_query *query);
 
-/* From begin_ns on, idle threads compute the fields that a query about time_s
- * needs; beyond PEL_MOST_PREPARED such requests the oldest is dropped. */
+/* From begin_ns on, idle threads compute what a query about time_s and
+ * places within `of` needs; beyond PEL_MOST_PREPARED such requests the oldest
+ * is dropped. */
 #define PEL_MOST_PREPARED 3
 void pel_surface_pool_prepare(struct pel_surface_pool *self,
                               const struct pel_snapshot *snapshot,
-                              double time_s, bool moving, int64_t begin_ns);
+                              double time_s, bool moving,
+                              const struct pel_box *of, int64_t begin_ns);
 
 /* Drops what waits, ends the work at hand, joins; false: not within 1 s, and
  * the threads are left alone. */

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/urgent.h"
 #include "ocean/evolve.h"
 
 #define N PEL_CASCADE_N
@@ -127,11 +128,7 @@ bool pel_fields_cache_init(struct pel_fields_cache **out)
     if (!c) {
         return false;
     }
-    pthread_mutexattr_t inherit; /* urgent threads take it too */
-    pthread_mutexattr_init(&inherit);
-    pthread_mutexattr_setprotocol(&inherit, PTHREAD_PRIO_INHERIT);
-    pthread_mutex_init(&c->lock, &inherit);
-    pthread_mutexattr_destroy(&inherit);
+    pel_lock_init(&c->lock);
     pthread_cond_init(&c->changed, NULL);
     *out = c;
     return true;

@@ -319,20 +319,13 @@ static void put_modes(const struct pel_wake_band *band,
     }
 }
 
-static enum pel_err make_tile(const struct pel_wake_past *past, int which,
-                              const struct pel_wake_track *track,
-                              const struct legs *since, double time_s,
-                              struct work *w, struct pel_wake_tile *tile)
+static enum pel_err make_texels(const struct pel_wake_past *past, int which,
+                                const struct legs *since, double time_s,
+                                struct work *w, struct pel_wake_tile *tile)
 {
     const struct pel_wake_band *band = &past->basin->band[which];
-    struct pel_vec2 place = middle(past->basin, which, track, time_s);
     struct pel_wake_amplitudes *a = aligned_alloc(64, bytes_of(band));
-    *tile = (struct pel_wake_tile){
-        .length_m = band->length_m,
-        .x_m = place.x,
-        .y_m = place.y,
-        .texels = malloc(PEL_WAKE_TILE_BYTES),
-    };
+    tile->texels = malloc(PEL_WAKE_TILE_BYTES);
     if (!a || !tile->texels) {
         free(a);
         return PEL_ERR_NO_MEMORY;
@@ -348,22 +341,56 @@ static enum pel_err make_tile(const struct pel_wake_past *past, int which,
     return PEL_OK;
 }
 
+void pel_wake_lay(const struct pel_wake_past *past,
+                  const struct pel_wake_track *track, double time_s,
+                  struct pel_wake *out)
+{
+    for (int i = 0; i < PEL_WAKE_TILES; i++) {
+        struct pel_vec2 place = middle(past->basin, i, track, time_s);
+        out->tile[i] = (struct pel_wake_tile){
+            .length_m = past->basin->band[i].length_m,
+            .x_m = place.x,
+            .y_m = place.y,
+        };
+    }
+}
+
+bool pel_wake_tile_holds(const struct pel_wake_tile *tile, struct pel_vec2 low,
+                         struct pel_vec2 high)
+{
+    double held = FADED * tile->length_m;
+    return low.x < tile->x_m + held && high.x > tile->x_m - held &&
+           low.y < tile->y_m + held && high.y > tile->y_m - held;
+}
+
+enum pel_err pel_wake_fill(const struct pel_wake_past *past,
+                           const struct pel_wake_track *track, double time_s,
+                           int which, struct pel_wake *wake)
+{
+    struct legs *since = malloc(sizeof *since);
+    struct work *w = aligned_alloc(64, sizeof *w);
+    enum pel_err err = since && w ? PEL_OK : PEL_ERR_NO_MEMORY;
+    if (err == PEL_OK) {
+        legs_of(track, past->time_s, time_s, since);
+        err = make_texels(past, which, since, time_s, w, &wake->tile[which]);
+    }
+    free(w);
+    free(since);
+    return err;
+}
+
 enum pel_err pel_wake_later(const struct pel_wake_past *past,
                             const struct pel_wake_track *track, double time_s,
                             struct pel_wake **out)
 {
     struct pel_wake *wake = calloc(1, sizeof *wake);
-    struct legs *since = malloc(sizeof *since);
-    struct work *w = aligned_alloc(64, sizeof *w);
-    enum pel_err err = wake && since && w ? PEL_OK : PEL_ERR_NO_MEMORY;
-    if (err == PEL_OK) {
-        legs_of(track, past->time_s, time_s, since);
+    enum pel_err err = wake ? PEL_OK : PEL_ERR_NO_MEMORY;
+    if (wake) {
+        pel_wake_lay(past, track, time_s, wake);
     }
     for (int i = 0; err == PEL_OK && i < PEL_WAKE_TILES; i++) {
-        err = make_tile(past, i, track, since, time_s, w, &wake->tile[i]);
+        err = pel_wake_fill(past, track, time_s, i, wake);
     }
-    free(w);
-    free(since);
     if (err != PEL_OK) {
         pel_wake_destroy(wake);
         return err;

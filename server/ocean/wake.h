@@ -96,6 +96,22 @@ PEL_CHECK enum pel_err pel_wake_later(const struct pel_wake_past *past,
                                       const struct pel_wake_track *track,
                                       double time_s, struct pel_wake **out);
 
+/* The tiles at time_s without their texels: sides and middles. */
+void pel_wake_lay(const struct pel_wake_past *past,
+                  const struct pel_wake_track *track, double time_s,
+                  struct pel_wake *out);
+
+/* Whether a laid tile may hold waves at a place of [low, high]. */
+bool pel_wake_tile_holds(const struct pel_wake_tile *tile, struct pel_vec2 low,
+                         struct pel_vec2 high);
+
+/* Fills in the texels of laid tile `which`, as pel_wake_later does. NO_MEMORY.
+ */
+PEL_CHECK enum pel_err pel_wake_fill(const struct pel_wake_past *past,
+                                     const struct pel_wake_track *track,
+                                     double time_s, int which,
+                                     struct pel_wake *wake);
+
 /* Whether its waves at time_s may be seen within radius_m of a place. */
 bool pel_wake_reaches(const struct pel_wake_track *track, double time_s,
                       double depth_m, double x_m, double y_m, double radius_m);

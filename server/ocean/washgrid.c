@@ -202,22 +202,42 @@ static void add_piece(const struct pel_wash_node *a, double x, double y,
     sum->foam = fmax(sum->foam, foam);
 }
 
-struct pel_washed pel_wash_at(const struct pel_wash *w, double x, double y,
-                              double footprint_m)
+/* Pieces that may hold places about one. */
+struct near {
+    uint32_t count;
+    const uint32_t *list;
+};
+
+static struct near near_of(const struct pel_wash *w, double x, double y)
 {
     double cx = (x - w->west_m) * w->cells_per_m;
     double cy = (y - w->south_m) * w->cells_per_m;
-    struct sum sum = { 0 };
     if (cx >= 0 && cy >= 0 && cx < w->columns && cy < w->rows) {
         uint32_t cell = w->cell[(int)cy * w->columns + (int)cx];
-        const uint32_t *list = w->list + (cell >> COUNT_BITS);
-        double bend = bend_at(x, y);
-        for (uint32_t i = 0; i < (cell & ((1u << COUNT_BITS) - 1)); i++) {
-            add_piece(&w->node[list[i]], x, y, bend, footprint_m, &sum);
-        }
+        return (struct near){ cell & ((1u << COUNT_BITS) - 1),
+                              w->list + (cell >> COUNT_BITS) };
+    }
+    return (struct near){ 0 };
+}
+
+static struct pel_washed washed_by(const struct pel_wash *w,
+                                   const struct near *near, double x, double y,
+                                   double footprint_m)
+{
+    struct sum sum = { 0 };
+    double bend = near->count ? bend_at(x, y) : 0;
+    for (uint32_t i = 0; i < near->count; i++) {
+        add_piece(&w->node[near->list[i]], x, y, bend, footprint_m, &sum);
     }
     return (struct pel_washed){ 1 - sum.calm + PEL_WASH_CHURNED * sum.foam,
                                 sum.foam, sum.bubbles };
+}
+
+struct pel_washed pel_wash_at(const struct pel_wash *w, double x, double y,
+                              double footprint_m)
+{
+    struct near near = near_of(w, x, y);
+    return washed_by(w, &near, x, y, footprint_m);
 }
 
 bool pel_wash_near(const struct pel_wash *w, double x, double y)
@@ -243,17 +263,45 @@ bool pel_wash_near(const struct pel_wash *w, double x, double y)
     return false;
 }
 
+/* Those of `from` between whose ends a place within `off` may lie; as many as
+ * there is room for, or all. */
+static struct near nearer(const struct pel_wash *w, const struct near *from,
+                          double x, double y, double off, uint32_t room,
+                          uint32_t *list)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < from->count; i++) {
+        const struct pel_wash_node *a = &w->node[from->list[i]], *b = a + 1;
+        double f0 = (x - a->x_m) * a->tx + (y - a->y_m) * a->ty;
+        double f1 = (x - b->x_m) * b->tx + (y - b->y_m) * b->ty;
+        if (f0 >= -off && f1 < off) {
+            if (count == room) {
+                return *from;
+            }
+            list[count++] = from->list[i];
+        }
+    }
+    return (struct near){ count, list };
+}
+
 double pel_wash_factor(const struct pel_wash *w, double x, double y,
                        struct pel_vec2 *slope)
 {
+    enum { ROOM = 32 };
     const double h = SLOPE_M;
-    slope->x =
-        (pel_wash_at(w, x + h, y, 0).up - pel_wash_at(w, x - h, y, 0).up) /
-        (2 * h);
-    slope->y =
-        (pel_wash_at(w, x, y + h, 0).up - pel_wash_at(w, x, y - h, 0).up) /
-        (2 * h);
-    return pel_wash_at(w, x, y, 0).up;
+    const struct pel_vec2 at[5] = {
+        { x, y }, { x + h, y }, { x - h, y }, { x, y + h }, { x, y - h }
+    };
+    uint32_t list[ROOM];
+    double up[5];
+    struct near all = near_of(w, x, y);
+    struct near few = nearer(w, &all, x, y, 2 * h, ROOM, list);
+    for (int i = 0; i < 5; i++) {
+        up[i] = washed_by(w, &few, at[i].x, at[i].y, 0).up;
+    }
+    slope->x = (up[1] - up[2]) / (2 * h);
+    slope->y = (up[3] - up[4]) / (2 * h);
+    return up[0];
 }
 
 /* --- for shaders ---------------------------------------------------------- */

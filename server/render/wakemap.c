@@ -36,7 +36,7 @@ void pel_wake_map_load(struct pel_wake_map *map,
     GLint layer = 0;
     for (size_t i = 0; i < env->wakes->count; i++) {
         for (int k = 0; k < PEL_WAKE_TILES; k++) {
-            const struct pel_wake_tile *t = &env->wakes->wake[i]->tile[k];
+            const struct pel_wake_tile *t = &env->wakes->wake[i].tile[k];
             if (t->texels) {
                 glTextureSubImage3D(set, 0, 0, 0, layer, PEL_WAKE_N, PEL_WAKE_N,
                                     1, GL_RGBA, GL_FLOAT, t->texels);
@@ -57,7 +57,7 @@ void pel_wake_map_bind(const struct pel_wake_map *map,
     size_t layers = 0;
     for (size_t i = 0; i < env->wakes->count; i++) {
         for (int k = 0; k < PEL_WAKE_TILES; k++) {
-            const struct pel_wake_tile *t = &env->wakes->wake[i]->tile[k];
+            const struct pel_wake_tile *t = &env->wakes->wake[i].tile[k];
             if (!t->texels) {
                 continue;
             }

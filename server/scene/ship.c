@@ -85,7 +85,9 @@ static void query(const struct pel_ship *ship, const struct pel_ship_motion *m,
         pel_sea_query(sea, points, PEL_SHIP_POINTS, time_s, samples);
         return;
     }
-    const struct pel_wake_moment *moment = pel_wakes_at(ship->wakes, time_s);
+    const struct pel_box of = pel_box_of(points, PEL_SHIP_POINTS);
+    const struct pel_wake_moment *moment =
+        pel_wakes_within(ship->wakes, time_s, &of);
     for (int i = 0; i < PEL_SHIP_POINTS; i++) {
         at[i] = pel_wakes_before(moment, ship->self, points[i], &there[i]);
     }

@@ -187,9 +187,20 @@ static void query_in_wash(const struct pel_snapshot *s,
     const struct pel_sea *sea = pel_snapshot_sea(s);
     (moving ? pel_sea_query_moving : pel_sea_query)(sea, points, n, time_s,
                                                     out);
+    enum { AT_ONCE = 64 };
+    size_t which[AT_ONCE], found = 0;
+    struct pel_vec2 at[AT_ONCE];
+    struct pel_surface_sample there[AT_ONCE];
     for (size_t i = 0; i < n && wash; i++) {
         if (pel_wash_near(wash, points[i].x, points[i].y)) {
-            pel_rest_query(sea, &points[i], 1, time_s, moving, wash, &out[i]);
+            which[found] = i;
+            at[found++] = points[i];
+        }
+        if (found == AT_ONCE || i + 1 == n) {
+            pel_rest_query(sea, at, found, time_s, moving, wash, there);
+            for (; found > 0; found--) {
+                out[which[found - 1]] = there[found - 1];
+            }
         }
     }
 }
@@ -225,7 +236,9 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
                           struct pel_surface_sample *out)
 {
     PEL_WATCH("surface");
-    const struct pel_wake_moment *moment = pel_wakes_at(s->wakes, time_s);
+    const struct pel_box of = pel_box_of(points, n);
+    const struct pel_wake_moment *moment =
+        pel_wakes_within(s->wakes, time_s, &of);
     const struct pel_wash *wash = pel_snapshot_wash(s, time_s);
     if (moment) {
         query_in_wakes(s, moment, wash, points, n, time_s, moving, out);
@@ -246,13 +259,18 @@ bool pel_snapshot_transforms(const struct pel_snapshot *s)
 }
 
 bool pel_snapshot_prepare(const struct pel_snapshot *s, double time_s,
-                          bool moving, bool (*go_on)(void *user), void *user)
+                          bool moving, const struct pel_box *of,
+                          bool (*go_on)(void *user), void *user)
 {
-    if (!pel_sea_prepare(pel_snapshot_sea(s), time_s, moving, go_on, user)) {
-        return false;
+    /* What others are at is left to them. */
+    bool sea =
+        pel_sea_prepare(pel_snapshot_sea(s), time_s, moving, go_on, user);
+    bool wakes = pel_wakes_prepare(s->wakes, time_s, of, go_on, user);
+    bool wash = go_on(user);
+    if (wash) {
+        pel_wash_destroy(pel_snapshot_wash(s, time_s));
     }
-    pel_wake_moment_unref(pel_wakes_at(s->wakes, time_s));
-    return true;
+    return sea && wakes && wash;
 }
 
 double pel_snapshot_depth(const struct pel_snapshot *s, double east_m,

@@ -233,10 +233,12 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
 unsigned pel_snapshot_stale(const struct pel_snapshot *s, double time_s);
 
 /* Whether a moment's first query waits for transforms (an FFT sea, ship waves),
- * which the control thread leaves to others; and pel_sea_prepare for it. */
+ * which the control thread leaves to others; and pel_sea_prepare for it, of
+ * places within `of`. */
 bool pel_snapshot_transforms(const struct pel_snapshot *s);
 bool pel_snapshot_prepare(const struct pel_snapshot *s, double time_s,
-                          bool moving, bool (*go_on)(void *user), void *user);
+                          bool moving, const struct pel_box *of,
+                          bool (*go_on)(void *user), void *user);
 
 /* "cigi,nmea" of the bits of `stale`, "none" of 0. */
 #define PEL_STALE_TEXT 40

@@ -7,12 +7,13 @@
 #include <string.h>
 
 #include "base/log.h"
+#include "base/urgent.h"
 #include "models/model.h"
+#include "scene/wakepasts.h"
 #include "scene/wakesource.h"
 
 #define MOMENTS 12
-#define PASTS 9
-#define MOMENT_BYTES ((size_t)48 << 20)
+#define MOMENT_BYTES ((size_t)72 << 20)
 
 struct pel_wakes {
     atomic_uint refs;
@@ -98,30 +99,21 @@ void pel_wakes_keep(const struct pel_wakes *w, const Pelagos__State *state,
     }
 }
 
-/* --- pasts ---------------------------------------------------------------- */
+/* --- one ship at a moment ------------------------------------------------- */
 
-/* Kept for all scenes: what they were made from says which they are. Whoever
- * finds one that is not made yet waits. */
-struct past {
-    struct pel_wake_track track; /* up to its moment */
-    double time_s, depth_m;
-    unsigned users; /* and the list */
-    uint64_t used;
-    pthread_mutex_t making;
-    struct pel_wake_past *past;
-};
-
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static struct past *pasts[PASTS];
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+static pthread_mutex_t lock; /* guards the moments and uses */
 static uint64_t uses;
 
-static void put_past(struct past *p) /* has the lock */
+static void begin(void)
 {
-    if (p && --p->users == 0) {
-        pel_wake_past_destroy(p->past);
-        pthread_mutex_destroy(&p->making);
-        free(p);
-    }
+    pel_lock_init(&lock);
+}
+
+static void enter(void)
+{
+    pthread_once(&once, begin);
+    pthread_mutex_lock(&lock);
 }
 
 /* The track up to a moment, with a point there; the same bytes of all that are
@@ -144,91 +136,55 @@ static void cut_track(const struct pel_wake_track *from, double time_s,
     }
 }
 
-static struct past *find_past(const struct pel_wake_track *track, double time_s,
-                              double depth_m)
-{
-    int oldest = 0;
-    for (int i = 0; i < PASTS; i++) {
-        struct past *p = pasts[i];
-        if (p && p->time_s == time_s && p->depth_m == depth_m &&
-            memcmp(&p->track, track, sizeof *track) == 0) {
-            return p;
-        }
-        if (!p || (pasts[oldest] && p->used < pasts[oldest]->used)) {
-            oldest = i;
-        }
-    }
-    struct past *p = calloc(1, sizeof *p);
-    if (!p) {
-        abort();
-    }
-    p->track = *track;
-    p->time_s = time_s;
-    p->depth_m = depth_m;
-    p->users = 1;
-    pthread_mutex_init(&p->making, NULL);
-    put_past(pasts[oldest]);
-    pasts[oldest] = p;
-    return p;
-}
-
-/* The waves of one ship at time_s. */
-static struct pel_wake *make_wake(const struct pel_wakes *w, size_t i,
-                                  double time_s)
-{
+/* What of the track of its source counts at time_s: the whole, up to its epoch.
+ */
+struct course {
     struct pel_wake_track track, before;
-    struct pel_wake *wake;
-    pel_wake_source_track(&w->source[i], time_s, &track);
-    double epoch_s = pel_wake_source_epoch(&w->source[i], &track, time_s);
-    cut_track(&track, epoch_s, &before);
-    pthread_mutex_lock(&lock);
-    struct past *p = find_past(&before, epoch_s, w->depth_m);
-    p->used = ++uses;
-    p->users++;
-    pthread_mutex_unlock(&lock);
-    pthread_mutex_lock(&p->making);
-    if (!p->past &&
-        pel_wake_past_create(&p->track, epoch_s, w->depth_m, &p->past)) {
-        abort();
-    }
-    pthread_mutex_unlock(&p->making);
-    if (pel_wake_later(p->past, &track, time_s, &wake)) {
-        abort();
-    }
-    pthread_mutex_lock(&lock);
-    put_past(p);
-    pthread_mutex_unlock(&lock);
-    return wake;
+    double epoch_s;
+};
+
+static void lay_course(const struct pel_wake_source *from, double time_s,
+                       struct course *c)
+{
+    pel_wake_source_track(from, time_s, &c->track);
+    c->epoch_s = pel_wake_source_epoch(from, &c->track, time_s);
+    cut_track(&c->track, c->epoch_s, &c->before);
 }
 
 /* --- moments -------------------------------------------------------------- */
 
-struct moment {
-    struct pel_wake_moment public; /* first */
-    unsigned users;
-    uint64_t serial, used;
-    double time_s;
-    size_t begun, made, bytes;
+/* A ship's part of it. What is begun is some thread's, what is made everyone's.
+ */
+struct part {
+    struct course *course;
+    struct pel_wake wake;
+    bool lay_begun, laid;
+    bool begun[PEL_WAKE_TILES], made[PEL_WAKE_TILES];
 };
 
-static pthread_cond_t made = PTHREAD_COND_INITIALIZER;
+struct moment {
+    unsigned users; /* and the list */
+    uint64_t serial, used;
+    double time_s;
+    size_t count, bytes;
+    struct part part[PEL_WAKES];
+};
+
+static pthread_cond_t changed = PTHREAD_COND_INITIALIZER;
 static struct moment *moments[MOMENTS];
 
 static void put_moment(struct moment *m) /* has the lock */
 {
     if (m && --m->users == 0) {
-        for (size_t i = 0; i < m->public.count; i++) {
-            pel_wake_destroy(m->public.wake[i]);
+        for (size_t i = 0; i < m->count; i++) {
+            struct part *p = &m->part[i];
+            for (int k = 0; k < PEL_WAKE_TILES; k++) {
+                free(p->wake.tile[k].texels);
+            }
+            free(p->course);
         }
         free(m);
     }
-}
-
-void pel_wake_moment_unref(const struct pel_wake_moment *moment)
-{
-    pthread_mutex_lock(&lock);
-    put_moment((struct moment *)moment);
-    pthread_mutex_unlock(&lock);
 }
 
 static struct moment *find_moment(const struct pel_wakes *w, double time_s)
@@ -250,10 +206,7 @@ static struct moment *find_moment(const struct pel_wakes *w, double time_s)
     m->users = 1;
     m->serial = w->serial;
     m->time_s = time_s;
-    m->public.count = w->count;
-    for (size_t i = 0; i < w->count; i++) {
-        m->public.id[i] = w->source[i].id;
-    }
+    m->count = w->count;
     put_moment(moments[oldest]);
     moments[oldest] = m;
     return m;
@@ -280,46 +233,204 @@ static void bound(const struct moment *but)
     }
 }
 
-/* Threads that want the same moment share its ships. */
-static void make_moment(const struct pel_wakes *w, struct moment *m)
+static struct pel_wake_kept *take_past(const struct pel_wakes *w,
+                                       const struct course *c)
 {
-    while (m->begun < m->public.count) {
-        size_t i = m->begun++;
-        pthread_mutex_unlock(&lock);
-        struct pel_wake *wake = make_wake(w, i, m->time_s);
-        pthread_mutex_lock(&lock);
-        m->public.wake[i] = wake;
+    return pel_wake_kept_take(&c->before, c->epoch_s, w->depth_m);
+}
+
+/* What its track has left in the water, and where its tiles lie; the past of
+ * the epoch that follows is made meanwhile. */
+static void lay(const struct pel_wakes *w, size_t i, double time_s,
+                struct part *p)
+{
+    struct course *now = malloc(sizeof *now), *next = malloc(sizeof *next);
+    if (!now || !next) {
+        abort();
+    }
+    lay_course(&w->source[i], time_s, now);
+    p->course = now;
+    struct pel_wake_kept *kept = take_past(w, now);
+    pel_wake_lay(pel_wake_kept_past(kept), &now->track, time_s, &p->wake);
+    pel_wake_kept_put(kept);
+    lay_course(&w->source[i], time_s + PEL_WAKE_EPOCH_LAG_S, next);
+    if (next->epoch_s > now->epoch_s && next->epoch_s <= time_s) {
+        pel_wake_kept_soon(&next->before, next->epoch_s, w->depth_m);
+    }
+    free(next);
+}
+
+static void fill(const struct pel_wakes *w, struct moment *m, size_t i, int k)
+{
+    struct part *p = &m->part[i];
+    p->begun[k] = true;
+    pthread_mutex_unlock(&lock);
+    struct pel_wake_kept *kept = take_past(w, p->course);
+    if (pel_wake_fill(pel_wake_kept_past(kept), &p->course->track, m->time_s, k,
+                      &p->wake)) {
+        abort();
+    }
+    pel_wake_kept_put(kept);
+    enter();
+    p->made[k] = true;
+    m->bytes += PEL_WAKE_TILE_BYTES;
+    bound(m);
+    pthread_cond_broadcast(&changed);
+}
+
+static bool wanted(const struct part *p, int k, const struct pel_box *of)
+{
+    return !of || pel_wake_tile_holds(&p->wake.tile[k], of->low, of->high);
+}
+
+/* The next piece of work that no thread has begun; false: there is none now. */
+static bool make_some(const struct pel_wakes *w, struct moment *m,
+                      const struct pel_box *of)
+{
+    for (size_t i = 0; i < m->count; i++) {
+        struct part *p = &m->part[i];
+        if (!p->lay_begun) {
+            p->lay_begun = true;
+            pthread_mutex_unlock(&lock);
+            lay(w, i, m->time_s, p);
+            enter();
+            p->laid = true;
+            pthread_cond_broadcast(&changed);
+            return true;
+        }
+        for (int k = 0; p->laid && k < PEL_WAKE_TILES; k++) {
+            if (!p->begun[k] && wanted(p, k, of)) {
+                fill(w, m, i, k);
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static bool is_whole(const struct moment *m, const struct pel_box *of)
+{
+    for (size_t i = 0; i < m->count; i++) {
+        const struct part *p = &m->part[i];
+        if (!p->laid) {
+            return false;
+        }
         for (int k = 0; k < PEL_WAKE_TILES; k++) {
-            m->bytes += wake->tile[k].texels ? PEL_WAKE_TILE_BYTES : 0;
-        }
-        if (++m->made == m->public.count) {
-            pthread_cond_broadcast(&made);
-            bound(m);
+            if (!p->made[k] && wanted(p, k, of)) {
+                return false;
+            }
         }
     }
-    while (m->made < m->public.count) {
-        pthread_cond_wait(&made, &lock);
+    return true;
+}
+
+static struct moment *open_moment(const struct pel_wakes *w, double time_s)
+{
+    struct moment *m = find_moment(w, time_s);
+    m->used = ++uses;
+    m->users++;
+    return m;
+}
+
+/* As its user has it: what others add later is not in it. */
+struct taken {
+    struct pel_wake_moment public; /* first */
+    struct moment *of;
+};
+
+static const struct pel_wake_moment *take(const struct pel_wakes *w,
+                                          struct moment *m)
+{
+    struct taken *t = calloc(1, sizeof *t);
+    if (!t) {
+        abort();
     }
+    t->of = m;
+    t->public.count = m->count;
+    for (size_t i = 0; i < m->count; i++) {
+        t->public.id[i] = w->source[i].id;
+        for (int k = 0; k < PEL_WAKE_TILES; k++) {
+            if (m->part[i].made[k]) {
+                t->public.wake[i].tile[k] = m->part[i].wake.tile[k];
+            }
+        }
+    }
+    return &t->public;
+}
+
+void pel_wake_moment_unref(const struct pel_wake_moment *moment)
+{
+    struct taken *t = (struct taken *)moment;
+    if (t) {
+        enter();
+        put_moment(t->of);
+        pthread_mutex_unlock(&lock);
+        free(t);
+    }
+}
+
+static const struct pel_wake_moment *at(const struct pel_wakes *w,
+                                        double time_s, const struct pel_box *of)
+{
+    if (!w) {
+        return NULL;
+    }
+    enter();
+    struct moment *m = open_moment(w, time_s);
+    while (!is_whole(m, of)) {
+        if (!make_some(w, m, of)) {
+            pthread_cond_wait(&changed, &lock);
+        }
+    }
+    const struct pel_wake_moment *out = take(w, m);
+    pthread_mutex_unlock(&lock);
+    return out;
 }
 
 const struct pel_wake_moment *pel_wakes_at(const struct pel_wakes *w,
                                            double time_s)
 {
+    return at(w, time_s, NULL);
+}
+
+/* pel_wakes_before reads this near to its place: farther than ship waves carry
+ * water. */
+static struct pel_box read_by(const struct pel_box *of)
+{
+    const double far = 32.0; /* m */
+    return (struct pel_box){ { of->low.x - far, of->low.y - far },
+                             { of->high.x + far, of->high.y + far } };
+}
+
+const struct pel_wake_moment *pel_wakes_within(const struct pel_wakes *w,
+                                               double time_s,
+                                               const struct pel_box *of)
+{
+    struct pel_box read = read_by(of);
+    return at(w, time_s, &read);
+}
+
+bool pel_wakes_prepare(const struct pel_wakes *w, double time_s,
+                       const struct pel_box *of, bool (*go_on)(void *user),
+                       void *user)
+{
     if (!w) {
-        return NULL;
+        return true;
     }
-    pthread_mutex_lock(&lock);
-    struct moment *m = find_moment(w, time_s);
-    m->used = ++uses;
-    m->users++;
-    make_moment(w, m);
+    struct pel_box read = read_by(of);
+    enter();
+    struct moment *m = open_moment(w, time_s);
+    while (go_on(user) && make_some(w, m, &read)) {
+    }
+    bool whole = is_whole(m, &read);
+    put_moment(m);
     pthread_mutex_unlock(&lock);
-    return &m->public;
+    return whole;
 }
 
 static void forget(uint64_t serial)
 {
-    pthread_mutex_lock(&lock);
+    enter();
     for (int i = 0; i < MOMENTS; i++) {
         if (moments[i] && moments[i]->serial == serial) {
             put_moment(moments[i]);
@@ -332,16 +443,12 @@ static void forget(uint64_t serial)
 size_t pel_wakes_bytes(void)
 {
     size_t sum = 0;
-    pthread_mutex_lock(&lock);
+    enter();
     for (int i = 0; i < MOMENTS; i++) {
         sum += moments[i] ? moments[i]->bytes : 0;
     }
-    for (int i = 0; i < PASTS; i++) {
-        sum += pasts[i] && pasts[i]->past ? pel_wake_past_bytes(pasts[i]->past)
-                                          : 0;
-    }
     pthread_mutex_unlock(&lock);
-    return sum;
+    return sum + pel_wake_kept_bytes();
 }
 
 /* --- over a place --------------------------------------------------------- */
@@ -371,7 +478,7 @@ struct pel_vec2 pel_wakes_before(const struct pel_wake_moment *moment,
         *there = (struct pel_wake_shift){ 0 };
         for (size_t i = 0; i < moment->count; i++) {
             if (moment->id[i] != but) {
-                pel_wake_add(moment->wake[i], at.x, at.y, there);
+                pel_wake_add(&moment->wake[i], at.x, at.y, there);
             }
         }
         double ex = at.x + there->d.x - place.x;

@@ -28,7 +28,7 @@ void pel_wakes_keep(const struct pel_wakes *wakes, const Pelagos__State *state,
 struct pel_wake_moment {
     size_t count;
     uint32_t id[PEL_WAKES]; /* of the entities */
-    struct pel_wake *wake[PEL_WAKES];
+    struct pel_wake wake[PEL_WAKES];
 };
 
 /* The waves at time_s, or NULL: none. About a millisecond a ship, or some tens
@@ -36,11 +36,22 @@ struct pel_wake_moment {
  * that. pel_wake_moment_unref. */
 const struct pel_wake_moment *pel_wakes_at(const struct pel_wakes *wakes,
                                            double time_s);
+
+/* The same without the tiles that have no part in what pel_wakes_before reads
+ * for places of `of`: as little of that work as it takes. */
+const struct pel_wake_moment *pel_wakes_within(const struct pel_wakes *wakes,
+                                               double time_s,
+                                               const struct pel_box *of);
+
+/* Does that work ahead, tile by tile while go_on(user); true: it is done. */
+bool pel_wakes_prepare(const struct pel_wakes *wakes, double time_s,
+                       const struct pel_box *of, bool (*go_on)(void *user),
+                       void *user);
 void pel_wake_moment_unref(const struct pel_wake_moment *moment);
 
-/* What is kept of moments and pasts, of all scenes together: at most 64 MiB,
- * and besides what is in use. */
-#define PEL_WAKES_MOST_BYTES ((size_t)64 << 20)
+/* What is kept of moments and pasts, of all scenes together: at most 112 MiB
+ * (a moment of eight ships is 24), and besides what is in use. */
+#define PEL_WAKES_MOST_BYTES ((size_t)112 << 20)
 size_t pel_wakes_bytes(void);
 
 /* Whether there are waves of others than entity `but` within radius_m of a

@@ -10,6 +10,7 @@
 
 #include "base/vec.h"
 #include "scene/scene_testkit.h"
+#include "scene/wakepasts.h"
 #include "scene/washes.h"
 
 /* A ship of 100 m that goes north at 12 knots from 1200 m south of the origin,
@@ -136,6 +137,72 @@ static void moments_in_any_order(void **state)
     }
     assert_true(highest(up[0]) > 0.05);
     assert_memory_equal(up, down, sizeof up);
+    pel_scene_destroy(scene);
+}
+
+/* Of a few places only some tiles are made: they get the same bits as of whole
+ * moments, and far from all ships none is made. */
+static void moments_in_part(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = five();
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    int moved = 0;
+    for (int k = 0; k < 40; k++) {
+        double time_s = 300 + k;
+        struct pel_vec2 place = { 40.0 * k, 150.0 * (k % 11) };
+        struct pel_box of = { place, place };
+        struct pel_wake_shift part, whole;
+        const struct pel_wake_moment *m =
+            pel_wakes_within(s->wakes, time_s, &of);
+        (void)pel_wakes_before(m, PEL_WAKES_ALL, place, &part);
+        pel_wake_moment_unref(m);
+        m = pel_wakes_at(s->wakes, time_s);
+        (void)pel_wakes_before(m, PEL_WAKES_ALL, place, &whole);
+        pel_wake_moment_unref(m);
+        assert_memory_equal(&part, &whole, sizeof part);
+        moved += part.d.z != 0;
+    }
+    assert_true(moved > 10 && moved < 40);
+    size_t before = pel_wakes_bytes();
+    struct pel_box far = { { 1e5, 1e5 }, { 1.1e5, 1.1e5 } };
+    pel_wake_moment_unref(pel_wakes_within(s->wakes, 339.5, &far));
+    assert_true(pel_wakes_bytes() <= before);
+    pel_snapshot_unref(s);
+    pel_scene_destroy(scene);
+}
+
+/* Nobody who asks for one moment after the other waits for a past but the
+ * first; also where the pose is edited between. */
+static void pasts_are_made_ahead(void **state)
+{
+    (void)state;
+    unsigned long awaited[3], ahead[3];
+    struct pel_scene *scene = five();
+    double heights[LINE];
+    step(scene, 100);
+    line(scene, 100, 0, -400, heights);
+    pel_wake_kept_settle();
+    pel_wake_kept_counts(&awaited[0], &ahead[0]);
+    for (int i = 1; i <= 150; i++) {
+        line(scene, 100 + 0.2 * i, 0, -400, heights);
+        pel_wake_kept_settle();
+    }
+    pel_wake_kept_counts(&awaited[1], &ahead[1]);
+    assert_int_equal(awaited[1], awaited[0]);
+    /* every few seconds one of each of five */
+    assert_true(ahead[1] - ahead[0] >= 5 * 5);
+    assert_true(ahead[1] - ahead[0] <= 5 * 15);
+    step(scene, 30);
+    for (int i = 1; i <= 50; i++) {
+        step(scene, 0.2);
+        must(scene, "{\"entities\":{\"9\":{\"speed\":6.1}}}");
+        line(scene, 130 + 0.2 * i, 0, -400, heights);
+        pel_wake_kept_settle();
+    }
+    pel_wake_kept_counts(&awaited[2], &ahead[2]);
+    /* the first edits lay the arc that it was reckoned along anew */
+    assert_true(awaited[2] - awaited[1] <= 3);
     pel_scene_destroy(scene);
 }
 
@@ -339,6 +406,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(moments_in_any_order),
+        cmocka_unit_test(moments_in_part),
+        cmocka_unit_test(pasts_are_made_ahead),
         cmocka_unit_test(led_by_a_host),
         cmocka_unit_test(under_a_helm),
         cmocka_unit_test(things_float_on_them),

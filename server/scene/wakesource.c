@@ -226,31 +226,56 @@ void pel_wake_source_track(const struct pel_wake_source *from, double time_s,
                e->course_rad, e->turn_rate_rps, time_s, from->reckoning_s);
 }
 
-double pel_wake_source_epoch(const struct pel_wake_source *from,
-                             const struct pel_wake_track *track, double time_s)
+/* The newest point of a track at or before time_s; the first. */
+static const struct pel_wake_point *
+point_before(const struct pel_wake_track *track, double time_s)
 {
     int i = track->count - 1;
     while (i > 0 && track->point[i].time_s > time_s) {
         i--;
     }
-    const struct pel_wake_point *p = &track->point[i];
+    return &track->point[i];
+}
+
+/* Seconds in which a ship goes too far from where it was at p. */
+static double stale_of(const struct pel_wake_source *from,
+                       const struct pel_wake_track *track,
+                       const struct pel_wake_point *p)
+{
+    if (p + 1 == track->point + track->count) {
+        return STALE_S;
+    }
+    double speed =
+        hypot(p[1].x_m - p->x_m, p[1].y_m - p->y_m) / (p[1].time_s - p->time_s);
+    return fmin(STALE_S,
+                STALE_SHARE * pel_wake_near_m(&from->hull) / fmax(speed, 0.1));
+}
+
+double pel_wake_source_epoch(const struct pel_wake_source *from,
+                             const struct pel_wake_track *track, double time_s)
+{
+    const struct pel_wake_point *p = point_before(track, time_s);
     if (p->time_s > time_s) {
         return time_s;
     }
-    double stale = STALE_S;
-    if (i + 1 < track->count) {
-        double speed = hypot(p[1].x_m - p->x_m, p[1].y_m - p->y_m) /
-                       (p[1].time_s - p->time_s);
-        stale = fmin(stale, STALE_SHARE * pel_wake_near_m(&from->hull) /
-                                fmax(speed, 0.1));
-    }
+    double stale = stale_of(from, track, p);
+    double lag = fmin(PEL_WAKE_EPOCH_LAG_S, 0.25 * stale);
+    double until_s = fmax(time_s - lag, track->point[0].time_s);
+    p = point_before(track, until_s);
+    stale = stale_of(from, track, p);
+    double apart = stale - fmin(PEL_WAKE_EPOCH_LAG_S, 0.25 * stale);
     /* A pose that a host sends with each picture is none to begin at, but the
-     * point of the track before it. */
+     * point of the track before it; nor is what lies between. */
     bool pose = !from->knots && p->time_s == from->pose.pose_time_s;
-    if (pose && i > 0 && p->time_s - p[-1].time_s <= 1.5 * stale) {
+    if (pose && p > track->point && p->time_s - p[-1].time_s <= 1.5 * stale) {
         p--;
     }
-    return p->time_s + floor((time_s - p->time_s) / stale) * stale;
+    bool before_pose = !from->knots && p + 1 < track->point + track->count &&
+                       p[1].time_s == from->pose.pose_time_s;
+    if (before_pose && until_s - p->time_s <= 1.5 * stale) {
+        return p->time_s;
+    }
+    return p->time_s + floor((until_s - p->time_s) / apart) * apart;
 }
 
 void pel_wake_source_keep(const struct pel_wake_source *from,

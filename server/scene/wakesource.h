@@ -33,9 +33,12 @@ void pel_wake_source_finish(struct pel_wake_source *source);
 void pel_wake_source_track(const struct pel_wake_source *source, double time_s,
                            struct pel_wake_track *out);
 
-/* A moment at or before time_s up to which that track is the same for whoever
- * asks a little later, also after the pose was edited: from it on the ship goes
- * no farther than a tenth of its shortest tile. */
+/* A moment up to which that track is the same for whoever asks a little later,
+ * also after the pose was edited: from it on the ship goes no farther than a
+ * tenth of its shortest tile. It lies PEL_WAKE_EPOCH_LAG_S or more before
+ * time_s, of a ship too fast for that less, so that what the track has left up
+ * to it can be summed before it is wanted; the first point's at least. */
+#define PEL_WAKE_EPOCH_LAG_S 1.0
 double pel_wake_source_epoch(const struct pel_wake_source *source,
                              const struct pel_wake_track *track, double time_s);
 

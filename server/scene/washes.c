@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/log.h"
+#include "base/urgent.h"
 #include "models/waterline.h"
 #include "scene/build.h"
 #include "scene/geodesy.h"
@@ -257,11 +258,7 @@ struct pel_wash_moments *pel_wash_moments_of(const struct pel_washes *washes)
     if (!m) {
         abort();
     }
-    pthread_mutexattr_t how; /* threads of all priorities share it */
-    pthread_mutexattr_init(&how);
-    pthread_mutexattr_setprotocol(&how, PTHREAD_PRIO_INHERIT);
-    pthread_mutex_init(&m->lock, &how);
-    pthread_mutexattr_destroy(&how);
+    pel_lock_init(&m->lock);
     return m;
 }
 

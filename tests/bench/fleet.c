@@ -1,6 +1,7 @@
 #include "tests/bench/fleet.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "models/builtin.h"
@@ -202,9 +203,12 @@ bool bench_fleet_wakes(int ships, double away_m, struct pel_environment *env)
                                          east + 500 * (sin(a) - sin(i)),
                                          north + 500 * (cos(a) - cos(i)) };
         }
-        if (pel_wake_create(&track, env->time_s, 0, &moment.wake[i])) {
+        struct pel_wake *wake;
+        if (pel_wake_create(&track, env->time_s, 0, &wake)) {
             return false;
         }
+        moment.wake[i] = *wake; /* its texels stay */
+        free(wake);
         moment.id[i] = (uint32_t)i + 2;
         moment.count = (size_t)i + 1;
     }
