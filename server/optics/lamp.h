@@ -1,6 +1,6 @@
 /* Lamps: points that give light, each with an intensity by direction. What a
- * list of them is made of is scene/lamps.h; what a picture shows of it,
- * render/lampmap.h. Any thread. */
+ * list of them is made of is the scene's matter, what a picture shows of it the
+ * renderer's. Any thread. */
 #pragma once
 
 #include <stdint.h>
