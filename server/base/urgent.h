@@ -9,7 +9,6 @@
  *   return from which the kernel schedules anew. */
 #pragma once
 
-#include <pthread.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -50,7 +49,3 @@ bool pel_urgent_credit(struct pel_urgent *self, int64_t wall_ns,
 /* Interrupts the cores where other threads of this process run; a few
  * microseconds. Any thread. */
 void pel_nudge(void);
-
-/* A mutex with priority inheritance, which real-time threads may share with
- * others. */
-void pel_lock_init(pthread_mutex_t *lock);

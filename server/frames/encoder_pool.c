@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "base/lock.h"
 #include "base/log.h"
-#include "base/urgent.h"
 #include "frames/radarview.h"
 #include "proto/formats.h"
 

@@ -1,7 +1,7 @@
 #include "frames/mailbox.h"
 
 #include "base/clock.h"
-#include "base/urgent.h"
+#include "base/lock.h"
 #include "base/watch.h"
 
 #include <time.h>

@@ -8,8 +8,8 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/lock.h"
 #include "base/log.h"
-#include "base/urgent.h"
 #include "frames/loss.h"
 #include "frames/renderloop_parts.h"
 #include "scene/washes.h"

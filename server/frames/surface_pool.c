@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/lock.h"
 #include "base/urgent.h"
 
 /* Points of a slice: a tenth of a millisecond of work. */

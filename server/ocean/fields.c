@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/urgent.h"
+#include "base/lock.h"
 #include "ocean/evolve.h"
 
 #define N PEL_CASCADE_N

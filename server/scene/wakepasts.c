@@ -8,7 +8,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "base/urgent.h"
+#include "base/lock.h"
 #include "scene/wakes.h"
 
 /* Of each ship the one in use and the next, and one more. */

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/lock.h"
 #include "base/log.h"
-#include "base/urgent.h"
 #include "models/model.h"
 #include "scene/wakepasts.h"
 #include "scene/wakesource.h"

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/lock.h"
 #include "base/log.h"
-#include "base/urgent.h"
 #include "models/waterline.h"
 #include "scene/build.h"
 #include "scene/geodesy.h"
