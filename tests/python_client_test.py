@@ -157,7 +157,8 @@ class State(OceanCase):
         from pelagos import schema
         parts = {"entities": "Entity", "views": "View", "swell": "Swell",
                  "helm": "OwnShip", "areas": "Area",
-                 "track": "TrackPoint"}
+                 "track": "TrackPoint", "sectors": "LightSector",
+                 "signal": "SignalLamp"}
         for path, field in self.ocean.fields().items():
             kind = schema.State
             known = None

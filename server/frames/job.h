@@ -102,6 +102,7 @@ struct pel_job {
     const struct pel_snapshot *snapshot;
     struct pel_environment environment;
     struct pel_object objects[PEL_MAX_ENTITIES]; /* its */
+    struct pel_lamp lamps[PEL_MAX_LAMPS];        /* its */
     uint64_t asked_pixels; /* of requests, that are not drawn anyway */
     size_t draw_count;
     struct pel_draw draws[PEL_MAX_VIEWS]; /* user: &parts[i] */

@@ -12,6 +12,7 @@
 #include "base/log.h"
 #include "frames/loss.h"
 #include "frames/renderloop_parts.h"
+#include "scene/lamps.h"
 #include "scene/washes.h"
 
 /* Readback memory in flight or with the encoders, of large jobs and of the
@@ -168,6 +169,10 @@ static void stand(struct pel_job *job, size_t first, size_t count)
     env->objects = job->objects;
     env->object_count =
         pel_snapshot_objects(job->snapshot, env->time_s, job->objects);
+    env->lamps = job->lamps;
+    env->lamp_count =
+        pel_snapshot_lamps(job->snapshot, env->time_s, job->objects,
+                           env->object_count, job->lamps);
     env->wakes = pel_wakes_at(job->snapshot->wakes, env->time_s);
     env->wash = pel_snapshot_wash(job->snapshot, env->time_s);
     for (size_t i = first; i < first + count; i++) {

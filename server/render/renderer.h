@@ -11,6 +11,7 @@
 
 #include "base/err.h"
 #include "optics/clouds.h"
+#include "optics/lamp.h"
 #include "optics/watertable.h"
 #include "proto/layers.h"
 #include "render/filtering.h"
@@ -74,6 +75,8 @@ struct pel_environment {
     bool sparkle;                     /* of the glitter: blocks.h */
     const struct pel_object *objects; /* things on the sea that are drawn */
     size_t object_count;
+    const struct pel_lamp *lamps; /* lit, optics/lamp.h */
+    size_t lamp_count;
     const struct pel_wake_moment *wakes; /* ship waves; NULL: none */
     const struct pel_wash *wash;         /* of ships; NULL: none */
     /* For tests: leaves out the air between the sea and the eye; looks for the

@@ -16,6 +16,7 @@
 #include "scene/geodesy.h"
 #include "scene/ground.h"
 #include "scene/helm.h"
+#include "scene/lamps.h"
 #include "scene/sharedsea.h"
 #include "scene/skyplace.h"
 #include "scene/spectra.h"
@@ -656,6 +657,7 @@ const struct pel_snapshot *pel_snapshot_build_going(
     }
     s->public.washes = pel_washes_of(state, &s->public);
     s->public.wash_moments = pel_wash_moments_of(s->public.washes);
+    s->public.lamps = pel_lamps_of(state, &s->public);
     s->public.views = s->views;
     s->public.view_count = state->n_views;
     for (size_t i = 0; i < state->n_views; i++) {
@@ -693,6 +695,7 @@ pel_snapshot_with_ships(const struct pel_snapshot *s,
     atomic_fetch_add(&to->public.sea->refs, 1);
     pel_wakes_ref(to->public.wakes);
     pel_washes_ref(to->public.washes);
+    pel_lamps_ref(to->public.lamps);
     to->public.wash_moments = pel_wash_moments_of(to->public.washes);
     pel_seabed_ref(to->public.seabed);
     pel_panorama_ref(to->public.panorama);
@@ -816,6 +819,7 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
         pel_wakes_unref(whole->public.wakes);
         pel_wash_moments_destroy(whole->public.wash_moments);
         pel_washes_unref(whole->public.washes);
+        pel_lamps_unref(whole->public.lamps);
         pel_seabed_unref(whole->public.seabed);
         pel_panorama_unref(whole->public.panorama);
         for (size_t i = 0; i < whole->public.entity_count; i++) {

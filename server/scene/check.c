@@ -11,6 +11,7 @@
 #include "message.h"
 #include "ranges.h"
 #include "scene/helm.h"
+#include "scene/lamps.h"
 #include "scene/snapshot.h"
 #include "scene/sun.h"
 #include "scene/track.h"
@@ -180,7 +181,8 @@ static enum pel_err check_entity(const Pelagos__State *state, size_t index,
                                     "has an id twice", fault);
         }
     }
-    return entity->helm ? check_helm(state, entity, fault) : PEL_OK;
+    enum pel_err err = pel_lamps_check(entity, fault);
+    return !err && entity->helm ? check_helm(state, entity, fault) : err;
 }
 
 static enum pel_err check_ships(const Pelagos__State *state,

@@ -36,6 +36,22 @@ static void fill_scalars(ProtobufCMessage *message)
     }
 }
 
+static void fill_lamps(Pelagos__Entity *entity)
+{
+    if (entity->light) {
+        fill_scalars(&entity->light->base);
+        for (size_t i = 0; i < entity->light->n_sectors; i++) {
+            fill_scalars(&entity->light->sectors[i]->base);
+        }
+    }
+    if (entity->searchlight) {
+        fill_scalars(&entity->searchlight->base);
+    }
+    if (entity->signal) {
+        fill_scalars(&entity->signal->base);
+    }
+}
+
 void pel_state_fill(Pelagos__State *state, double time_s)
 {
     const ProtobufCMessageDescriptor *type = &pelagos__state__descriptor;
@@ -69,6 +85,7 @@ void pel_state_fill(Pelagos__State *state, double time_s)
         if (entity->helm) {
             fill_scalars(&entity->helm->base);
         }
+        fill_lamps(entity);
     }
     for (size_t i = 0; i < state->n_views; i++) {
         fill_scalars(&state->views[i]->base);

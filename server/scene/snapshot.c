@@ -378,6 +378,19 @@ static struct pel_mat3 attitude(double heading, double pitch, double roll)
     };
 }
 
+void pel_entity_object(const struct pel_entity_state *e, struct pel_object *out)
+{
+    struct pel_mat3 m = attitude(e->heading_rad, e->pitch_rad, e->roll_rad);
+    *out = (struct pel_object){
+        .id = e->id,
+        .model = e->model,
+        .east_m = e->east_m,
+        .north_m = e->north_m,
+        .altitude_m = e->altitude_m,
+        .world_from_model = { m.y, pel_vec3_scale(m.x, -1), m.z },
+    };
+}
+
 size_t pel_snapshot_objects(const struct pel_snapshot *s, double time_s,
                             struct pel_object out[PEL_MAX_ENTITIES])
 {
@@ -388,15 +401,7 @@ size_t pel_snapshot_objects(const struct pel_snapshot *s, double time_s,
             continue;
         }
         pel_snapshot_entity_in_wakes(s, i, time_s, &e);
-        struct pel_mat3 m = attitude(e.heading_rad, e.pitch_rad, e.roll_rad);
-        out[count++] = (struct pel_object){
-            .id = e.id,
-            .model = e.model,
-            .east_m = e.east_m,
-            .north_m = e.north_m,
-            .altitude_m = e.altitude_m,
-            .world_from_model = { m.y, pel_vec3_scale(m.x, -1), m.z },
-        };
+        pel_entity_object(&e, &out[count++]);
     }
     return count;
 }

@@ -140,6 +140,7 @@ struct pel_shared_sea; /* build.h */
 struct pel_wakes;      /* wakes.h */
 struct pel_washes;     /* washes.h */
 struct pel_wash_moments;
+struct pel_lamp_plan; /* lamps.h */
 
 struct pel_snapshot {
     uint64_t revision;
@@ -176,6 +177,7 @@ struct pel_snapshot {
     struct pel_wakes *wakes;   /* of those that make waves; NULL: none */
     struct pel_washes *washes; /* of those that leave a wash; NULL: none */
     struct pel_wash_moments *wash_moments; /* its own; NULL: none are kept */
+    struct pel_lamp_plan *lamps; /* of those that have some; NULL: none */
     size_t view_count;
     const struct pel_view_state *views;
     size_t ship_count;
@@ -219,6 +221,10 @@ void pel_snapshot_entity_in_wakes(const struct pel_snapshot *s, size_t index,
  * one is afloat, and ship waves: not the control thread. */
 size_t pel_snapshot_objects(const struct pel_snapshot *s, double time_s,
                             struct pel_object out[PEL_MAX_ENTITIES]);
+
+/* An entity's state as an object, whether it has a model or not. */
+void pel_entity_object(const struct pel_entity_state *e,
+                       struct pel_object *out);
 
 /* The surface at n places at time_s, heights above altitude 0: pel_sea_query
  * (moving: pel_sea_query_moving) with the sea's level, and the bottom's depth

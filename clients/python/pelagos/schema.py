@@ -430,6 +430,72 @@ class TrackPoint(Record):
 
 
 @dataclass(frozen=True)
+class LightSector(Record):
+    """A sector of a mark's light."""
+    #: What is seen there.
+    #: One of LIGHT_WHITE, LIGHT_RED, LIGHT_GREEN, LIGHT_YELLOW, LIGHT_BLUE.
+    colour: str = _field('LIGHT_WHITE')
+    #: It begins at this true bearing, from seaward as charts have it. [deg; 0
+    #: to 360]
+    from: float = _field(0.0, 'deg', 0, 360)
+    #: Clockwise to this one. [deg; 0 to 360]
+    to: float = _field(0.0, 'deg', 0, 360)
+    #: Nominal range; absent: the light's. [nmi; 0.1 to 40]
+    range: float | None = _field(None, 'nmi', 0.1, 40)
+
+
+@dataclass(frozen=True)
+class Light(Record):
+    """The light of a mark, or any other that has a rhythm."""
+    #: Rhythm, colours and period as charts write them: "Fl(2) R 10s",
+    #: "Q(6)+LFl 15s", "Iso 4s", "VQ", "F Y", "Mo(A) 8s", "Al.WR 6s"; absent:
+    #: by the class of the model, as IALA has it. docs/lights.md.
+    character: str | None = _field(None)
+    #: Nominal range: seen so far where a mile of air lets 0.74 through;
+    #: absent: the model's, or 5. [nmi; 0.1 to 40]
+    range: float | None = _field(None, 'nmi', 0.1, 40)
+    #: Height above the entity's place; absent: where its model has a light, or
+    #: its highest point; without a model 10 m. [m; -1000 to 1000]
+    height: float | None = _field(None, 'm', -1000, 1000)
+    #: When a period begins, after whole periods since 1970 (UTC); absent: by
+    #: the entity's id, so that marks do not flash as one. [s; 0 to 300]
+    phase: float | None = _field(None, 's', 0, 300)
+    #: The arcs in which it is seen, at most 12; none: all round. Of a
+    #: character of several colours (not Al) each has one, or more.
+    sectors: tuple[LightSector, ...] = ()
+
+
+@dataclass(frozen=True)
+class Searchlight(Record):
+    """A searchlight: a beam that goes where it is pointed."""
+    #: Whether it is lit.
+    on: bool = _field(False)
+    #: From the bow, clockwise. [deg; -360 to 360]
+    bearing: float = _field(0.0, 'deg', -360, 360)
+    #: Above the deck's level. [deg; -90 to 90]
+    elevation: float = _field(-2.0, 'deg', -90, 90)
+    #: Of the whole beam, to half its strength. [deg; 0.5 to 90]
+    width: float = _field(3.0, 'deg', 0.5, 90)
+    #: In its middle. [cd; 1 to 1000000000]
+    intensity: float = _field(1000000.0, 'cd', 1, 1000000000)
+
+
+@dataclass(frozen=True)
+class SignalLamp(Record):
+    """A signal lamp: Morse, once."""
+    #: What it says; letters, digits, spaces and . , ? ' / : = + -
+    text: str | None = _field(None)
+    #: Simulated time at which it begins. [s; 0 to 1000000000]
+    start: float = _field(0.0, 's', 0, 1000000000)
+    #: Words a minute, as the word PARIS. [1; 1 to 40]
+    speed: float = _field(8.0, '1', 1, 40)
+    #: From the bow, clockwise: a daylight signalling lamp of 60,000 cd that
+    #: points there; absent: a white light all round of 5 nautical miles. [deg;
+    #: -360 to 360]
+    bearing: float | None = _field(None, 'deg', -360, 360)
+
+
+@dataclass(frozen=True)
 class Entity(Record):
     """A body that moves: own ship, target, buoy. Its pose is given at poseTime
     and reckoned onward from speed, course and turn rate."""
@@ -489,6 +555,25 @@ class Entity(Record):
     #: for minutes, bubbles. The screw pushes as the helm's throttle orders,
     #: without one as its speed asks.
     wash: bool = _field(False)
+    #: When the lights are lit that its model asks for: of a vessel those of
+    #: COLREGS by its length and navigationStatus, of a mark its `light`.
+    #: One of OFF, AUTO, ON.
+    lights: str = _field('OFF')
+    #: What it does, as its lights say it and AIS.
+    #: One of UNDER_WAY, AT_ANCHOR, NOT_UNDER_COMMAND, RESTRICTED, CONSTRAINED,
+    #: MOORED, AGROUND, FISHING, SAILING, TOWING, PUSHING, UNDEFINED, TRAWLING,
+    #: PILOTING, TOWED, ROWING.
+    navigationStatus: str = _field('UNDEFINED')
+    #: Of a mark, or of a place without a model.
+    light: Light | None = _field(None)
+    #: Lamps above its decks.
+    deckLights: bool = _field(False)
+    #: Its searchlight.
+    searchlight: Searchlight | None = _field(None)
+    #: Its signal lamp.
+    signal: SignalLamp | None = _field(None)
+    #: Of one that tows: from its stern to the end of the tow. [m; 0 to 5000]
+    towLength: float = _field(150.0, 'm', 0, 5000)
 
 
 @dataclass(frozen=True)
