@@ -169,7 +169,7 @@ $(O)/flags: FORCE
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosctl \
     pelagos-seabed pelagos-model pelagos-panorama drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
-    any_raster validate_water seatrace airtrace airours shiptrace cloudtrace): $(O)/flags
+    any_raster rhythm validate_water seatrace airtrace airours shiptrace cloudtrace): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS)
@@ -260,6 +260,10 @@ $(O)/bin/ground_test: | $(O)/bin/pelagos-seabed
 $(O)/bin/any_raster: $(OBJ)/tests/any_raster.o $(OBJ)/libserver.a
 	$(LINK) $(READER_LIBS)
 
+# What characters of light show at each frame.
+$(O)/bin/rhythm: $(OBJ)/tests/rhythm.o $(OBJ)/libserver.a
+	$(LINK) -lm
+
 # Models for a contact sheet, by a rasteriser of the tests' own.
 $(O)/bin/drawmodel: $(OBJ)/tests/models/drawmodel.o $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS)
@@ -279,7 +283,7 @@ TABLE_MANUALS := registers cigi nmea
 
 .PHONY: tests
 tests: $(TEST_BIN) $(TABLE_MANUALS:%=$(O)/bin/%_doc) \
-    $(O)/bin/any_raster $(O)/bin/drawmodel $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/shiptrace $(O)/bin/airtrace \
+    $(O)/bin/any_raster $(O)/bin/rhythm $(O)/bin/drawmodel $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/shiptrace $(O)/bin/airtrace \
     $(O)/bin/airours $(O)/bin/cloudtrace $(O)/libpelagos.a \
     build/compile_commands.json ## build the test programs
 
