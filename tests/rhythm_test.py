@@ -3,12 +3,13 @@
 charts and the durations of docs/lights.md: at each of 30 frames a second over
 120 s, every flash and eclipse of every character begins and ends in the frame
 in which it shall, or beside it."""
+import os
 import pathlib
 import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-RHYTHM = ROOT / "build/release/bin/rhythm"
+BIN = pathlib.Path(os.environ.get("PELAGOS_BIN", ROOT / "build/release/bin"))
 RATE, SECONDS = 30, 120
 
 # What is seen, for how many seconds; "." nothing. The last until the period's
@@ -96,7 +97,7 @@ def check(name, seen):
 def main():
     names = list(TIMETABLES)
     lines = subprocess.run(
-        [RHYTHM, str(RATE * SECONDS), str(RATE), *names], check=True,
+        [BIN / "rhythm", str(RATE * SECONDS), str(RATE), *names], check=True,
         stdout=subprocess.PIPE, text=True).stdout.splitlines()
     wrong = [w for w in map(check, names, lines) if w]
     print("\n".join(wrong) or f"{len(names)} characters, {SECONDS} s each")

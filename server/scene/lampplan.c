@@ -73,7 +73,7 @@ static enum pel_err check_sectors(const Pelagos__Light *l,
             return pel_fault_refuse(PEL_ERR_INVALID, path, NULL,
                                     "must say where each colour of the "
                                     "character is seen: a sector for each, "
-                                    "with colour, from and to",
+                                    "with colour, begin and end",
                                     fault);
         }
     }
@@ -194,10 +194,10 @@ static struct pel_vec3 place_of(const Pelagos__Light *l,
 static void read_sector(const Pelagos__LightSector *from, double range_nm,
                         double turned_rad, struct pel_light_sector *to)
 {
-    double arc = fmod(from->to - from->from + 360, 360) * PEL_DEG;
+    double arc = fmod(from->end - from->begin + 360, 360) * PEL_DEG;
     *to = (struct pel_light_sector){
         .colour = (enum pel_lamp_colour)from->colour, /* SAME, below */
-        .from_rad = from->from * PEL_DEG + PEL_PI + turned_rad,
+        .from_rad = from->begin * PEL_DEG + PEL_PI + turned_rad,
         .arc_rad = arc > 0 ? arc : 2 * PEL_PI,
         .intensity_cd = pel_lamp_intensity(
             from->has_range ? from->range : range_nm, PER_MILE),

@@ -358,9 +358,9 @@ static void marks_sectors_are_from_seaward(void **state)
          "{\"entities\":{\"7\":{\"lights\":\"ON\",\"heading\":77,"
          "\"latitude\":52.6,\"longitude\":5.2,"
          "\"light\":{\"character\":\"Iso WRG 4s\",\"phase\":0,\"sectors\":["
-         "{\"colour\":\"LIGHT_RED\",\"from\":10,\"to\":45},"
-         "{\"colour\":\"LIGHT_WHITE\",\"from\":45,\"to\":60},"
-         "{\"colour\":\"LIGHT_GREEN\",\"from\":60,\"to\":120}]}}}}");
+         "{\"colour\":\"LIGHT_RED\",\"begin\":10,\"end\":45},"
+         "{\"colour\":\"LIGHT_WHITE\",\"begin\":45,\"end\":60},"
+         "{\"colour\":\"LIGHT_GREEN\",\"begin\":60,\"end\":120}]}}}}");
     assert_int_equal(lit(scene, 0), 3);
     for (double bearing = 0; bearing < 360; bearing += 0.25) {
         char expected = bearing < 9.5                        ? ' '

@@ -437,9 +437,9 @@ class LightSector(Record):
     colour: str = _field('LIGHT_WHITE')
     #: It begins at this true bearing, from seaward as charts have it. [deg; 0
     #: to 360]
-    from: float = _field(0.0, 'deg', 0, 360)
-    #: Clockwise to this one. [deg; 0 to 360]
-    to: float = _field(0.0, 'deg', 0, 360)
+    begin: float = _field(0.0, 'deg', 0, 360)
+    #: Clockwise to this one; the same: all round. [deg; 0 to 360]
+    end: float = _field(0.0, 'deg', 0, 360)
     #: Nominal range; absent: the light's. [nmi; 0.1 to 40]
     range: float | None = _field(None, 'nmi', 0.1, 40)
 
