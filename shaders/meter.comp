@@ -126,7 +126,7 @@ pel_shader_glare glare_of(int i)
     vec3 direct = lights[i].irradiance.rgb *
                   light_transmittance(transmittance, eye.x, to.z, to.w);
 #ifdef PEL_CLOUDS
-    direct *= clouds_toward(transmittance, to.xyz, vec3(0.0), 0.001, 1e9, 0.5).beam;
+    direct *= clouds_toward(transmittance, to.xyz, vec3(0.0), 0.001, 1e9).beam;
 #endif
     float share = lut.y > 0.5 ? 0.0 : meter.w;
     return pel_shader_glare(vec4(to.xyz, 0.5 * to.w * to.w), vec4(direct * (share * centre), share));

@@ -37,7 +37,7 @@ void main()
 #ifdef PEL_CLOUDS
     // Not lower than half a texel above the horizon.
     dir.z = max(dir.z, 0.01);
-    light = clouded_sky(clouds_toward(transmittance, normalize(dir), light, 0.02, 1e9, 0.5), light);
+    light = clouded_sky(clouds_toward(transmittance, normalize(dir), light, 0.02, 1e9), light);
 #endif
     radiance = vec4(light, 1.0);
 }

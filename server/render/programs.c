@@ -150,7 +150,7 @@ static struct pel_sea_programs *programs_of(struct pel_programs *p,
                                             const struct pel_sea *sea)
 {
     int foam = has_streaks(sea) ? 2 : sea->foam ? 1 : 0;
-    int kind = sea->shore != NULL;
+    int kind = 2 * p->above + (sea->shore != NULL);
     kind = 2 * kind + p->wakes;
     kind = 3 * kind + (p->wash ? 2 : sea->desc.area_count > 0);
     kind = 3 * kind + foam;
@@ -190,10 +190,11 @@ static enum pel_err make_sea_program(struct pel_programs *all,
     if (*out) {
         return PEL_OK;
     }
-    char defines[384], surface[192];
+    char defines[416], surface[192];
     surface_defines(all, sea, surface);
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s", surface,
-             pel_light_defines(all->light), foam_defines(sea),
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s", surface,
+             pel_light_defines(all->light),
+             all->above ? "#define PEL_CLOUDS_BELOW\n" : "", foam_defines(sea),
              kind_defines[kind], tile_defines[tile],
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
              objects_defines[objects],
@@ -207,6 +208,22 @@ static enum pel_err make_sea_program(struct pel_programs *all,
                               tile == PEL_COAST_LAND ? "coast.frag"
                                                      : "sea.frag",
                               defines, out, fault);
+}
+
+static enum pel_err need_cloudscape(struct pel_programs *p,
+                                    struct pel_fault *fault)
+{
+    GLuint *program = &p->cloudscape[p->look];
+    if (p->light < PEL_LIGHT_CLOUDED || *program) {
+        return PEL_OK;
+    }
+    char defines[96];
+    snprintf(defines, sizeof defines, "#define PEL_CLOUDS\n%s%s",
+             pel_sky_look_defines(p->look),
+             p->light % PEL_LIGHT_NIGHT == PEL_LIGHT_TWO ? "#define PEL_LIT 2\n"
+                                                         : "");
+    return pel_program_create(p->shader_dir, "shade.vert", "cloudscape.frag",
+                              defines, program, fault);
 }
 
 /* Makes the programs that this kind of sea and picture wants; those with
@@ -223,6 +240,9 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
         surface_defines(all, sea, defines);
         err = pel_program_create(all->shader_dir, "mesh.comp", NULL, defines,
                                  &p->mesh, fault);
+    }
+    if (err == PEL_OK) {
+        err = need_cloudscape(all, fault);
     }
     if (err == PEL_OK && all->compute && !all->search) {
         err = pel_program_create(all->shader_dir, "search.comp", NULL, NULL,
@@ -381,6 +401,7 @@ enum pel_err pel_programs_take_light(struct pel_programs *p,
     now.automatic = p->automatic;
     now.wakes = p->wakes;
     now.wash = p->wash;
+    now.above = p->above;
     now.look = p->look;
     now.light = light;
     memcpy(now.others, p->others, sizeof now.others);
@@ -406,6 +427,9 @@ static void finish_light(struct pel_programs *p)
     for (int i = 0; i < PEL_SKY_LOOKS * PEL_SHADE_COUNT; i++) {
         glDeleteProgram(p->backdrop[0][i]);
         glDeleteProgram(p->disc[0][i]);
+    }
+    for (int i = 0; i < PEL_SKY_LOOKS; i++) {
+        glDeleteProgram(p->cloudscape[i]);
     }
 }
 

@@ -68,8 +68,8 @@ struct pel_sea_programs {
 
 /* Of trochoids and of cascades (odd); without foam, with it, with streaks of
  * it; without areas, with, with wash besides; without and with ship waves, a
- * bottom that waves feel. */
-#define PEL_SEA_PROGRAMS 72
+ * bottom that waves feel, clouds below the eye. */
+#define PEL_SEA_PROGRAMS 144
 
 struct pel_programs {
     const char *shader_dir;
@@ -85,8 +85,10 @@ struct pel_programs {
     /* By the sky's look: without a disc, and with discs. */
     GLuint backdrop[PEL_SKY_LOOKS][PEL_SHADE_COUNT];
     GLuint disc[PEL_SKY_LOOKS][PEL_SHADE_COUNT];
-    enum pel_sky_look look; /* wanted */
-    bool wakes, wash;       /* those with them are wanted */
+    GLuint cloudscape[PEL_SKY_LOOKS]; /* of a sky with clouds */
+    enum pel_sky_look look;           /* wanted */
+    bool wakes, wash;                 /* those with them are wanted */
+    bool above;                       /* for an eye above clouds */
     struct pel_sea_programs seas[PEL_SEA_PROGRAMS];
     enum pel_programs_light light;
     struct pel_programs *others[PEL_LIGHT_KINDS]; /* for other lights, kept */

@@ -345,6 +345,13 @@ static unsigned to_shade(const struct pel_renderer *r,
     return mixed ? layers | PEL_LAYER_RADIANCE : layers;
 }
 
+/* At an altitude above the sea's zero. */
+static bool is_above_clouds(const struct pel_environment *env,
+                            double altitude_m)
+{
+    return env->clouds.cover > 0 && altitude_m > env->clouds.base_m;
+}
+
 /* Everything up to the colour; the camera stands above the sea's zero. What
  * decides how a pixel is drawn is planned for the whole picture. */
 static void draw_pixels(struct pel_renderer *r,
@@ -389,6 +396,7 @@ static void draw_pixels(struct pel_renderer *r,
                                          band.rows + 2 * (uint32_t)r->margin });
     }
     bool cascades = env->sea->cascades != NULL;
+    r->programs.above = is_above_clouds(env, whole->altitude_m);
     const struct pel_sea_programs *programs =
         pel_programs_of(&r->programs, env->sea);
     r->any_coast = env->seabed &&
@@ -496,6 +504,11 @@ static void draw_pixels(struct pel_renderer *r,
     }
     if (env->panorama) {
         glBindTextureUnit(PEL_UNIT_PANORAMA, r->sky.panorama.texture);
+    }
+    if (env->clouds.cover > 0) {
+        pel_cloud_map_scape(&r->clouds,
+                            r->programs.cloudscape[r->programs.look], &view);
+        glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
     }
     bool toned = compute;
     if (compute) {
@@ -608,6 +621,9 @@ static enum pel_err need_light(struct pel_renderer *r,
                                struct pel_fault *fault)
 {
     enum pel_err err = pel_sky_need(&r->sky, env, r->shader_dir, fault);
+    if (err == PEL_OK) {
+        err = pel_cloud_map_need(&r->clouds, env, r->shader_dir, fault);
+    }
     return err ? err : pel_meter_need(&r->meter, env, r->shader_dir, fault);
 }
 
@@ -618,6 +634,8 @@ static enum pel_err need_view(struct pel_renderer *r,
 {
     bool coast = env->seabed != NULL, objects = env->object_count > 0;
     enum pel_err err = PEL_OK;
+    r->programs.above =
+        is_above_clouds(env, draw->camera.altitude_m - env->sea_level_m);
     bool compute;
     do { /* once more where it turned to fragments meanwhile */
         compute = r->programs.compute;
@@ -695,7 +713,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     pel_stage_begin(&r->timing);
     bind_frame(r, &here);
     r->env = &here;
-    pel_cloud_map_bind(&r->clouds, &here.clouds);
+    pel_cloud_map_bind(&r->clouds, &here, bind_table_eye, r);
     if (here.sea->cascades) {
         err = pel_wavefield_run(&r->wavefield, r->shader_dir, &here.sea->desc,
                                 here.sea->cascades, here.time_s, &fault);

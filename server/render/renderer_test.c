@@ -207,7 +207,9 @@ static int different(const struct pel_picture *whole,
     return count;
 }
 
-/* Of the sea in force. */
+static struct pel_clouds overhead;
+
+/* Of the sea and the clouds in force. */
 static int seam_here(struct test_look look, bool degrees)
 {
     static const struct box boxes[] = {
@@ -215,6 +217,7 @@ static int seam_here(struct test_look look, bool degrees)
         { 0, 512, 112, 256 }, { 300, 377, 90, 171 }, /* odd, in the middle */
     };
     struct pel_environment env = test_environment(&sea, 50.0);
+    env.clouds = overhead;
     struct pel_camera c = test_camera(look);
     struct pel_picture *whole = test_draw(renderer, &env, &c, TEST_ALL_LAYERS);
     int wrong = 0;
@@ -448,6 +451,23 @@ static void layers_follow_their_views(void **state)
         assert_true(i == 0 || mean[0][i] != mean[0][0]);
     }
     pel_sea_finish(&sea);
+}
+
+/* Nodes of their lattice, and shade on the sea, from below and above. */
+static void clouds_have_no_seam(void **state)
+{
+    (void)state;
+    overhead = (struct pel_clouds){ 0.6, PEL_CLOUD_CUMULUS, 700, 550, 9, 4, 1 };
+    /* Five pixels from node to node. */
+    const struct test_look up = { 6, 77, 4, -13, 20, 512, 256 },
+                           down = { 3000, 77, -4, -13, 20, 512, 256 };
+    int wrong = seam(12.0, up, false) + seam(12.0, down, true) +
+                seam(12.0, seam_looks[1], true);
+    use_renderer("compute");
+    wrong += seam(12.0, up, true);
+    use_renderer(NULL);
+    overhead = (struct pel_clouds){ 0 };
+    assert_int_equal(wrong, 0);
 }
 
 static void tiles_have_no_seam_in_compute(void **state)
@@ -733,6 +753,7 @@ int main(void)
         cmocka_unit_test(layers_do_not_disturb),
         cmocka_unit_test(tiles_have_no_seam),
         cmocka_unit_test(cascades_have_no_seam),
+        cmocka_unit_test(clouds_have_no_seam),
         cmocka_unit_test(bands_are_the_whole),
         cmocka_unit_test(dropped_bands_leave_nothing),
         cmocka_unit_test(cascades_are_not_mixed_up),

@@ -424,6 +424,11 @@ _Static_assert(PEL_SENSOR_NONE == 0 && PEL_SENSOR_ON == PEL_SHADER_SENSOR_ON &&
                "the kinds that shaders/lib/tone.glsl knows");
 #define DROPOUT (1.0 / 64) /* of the lines */
 
+static double cloud_node_px(double pitch)
+{
+    return fmin(fmax(floor(PEL_CLOUD_NODE / pitch), 1), PEL_CLOUD_NODE_PX);
+}
+
 void pel_fill_view(const struct pel_camera *camera,
                    const struct pel_filter *filter, struct pel_block_view *out)
 {
@@ -440,7 +445,8 @@ void pel_fill_view(const struct pel_camera *camera,
         .back = vec4(m->z.x, m->z.y, m->z.z, pel_filter_slope_bias(filter)),
         .pixel = vec4(px, py, lattice_place(camera->tan_left, px),
                       lattice_place(-camera->tan_top, py)),
-        .size = vec4(camera->width, camera->height, camera->antialiasing, 0.0),
+        .size = vec4(camera->width, camera->height, camera->antialiasing,
+                     1.0 / cloud_node_px(px)),
         .sensor =
             vec4(sensor->kind, sensor->scale, sensor->offset, sensor->noise),
         .sensor_seed = vec4(sensor->seed & 0xffff, sensor->seed >> 16,

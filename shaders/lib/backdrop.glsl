@@ -59,6 +59,35 @@ vec3 light_disc(int i, vec3 dir, float blur)
 #include "lib/stars.glsl"
 #endif
 
+#ifdef PEL_CLOUDS
+// What clouds add and leave in a pixel: between the nodes of cloudscape.frag by
+// Catmull and Rom's cubic. Nodes and weights belong to the place on the lattice.
+layout(binding = PEL_UNIT_CLOUDSCAPE) uniform sampler2D cloudscape;
+
+vec4 cubic_weights(float f)
+{
+    float f2 = f * f, f3 = f2 * f;
+    return vec4(-f3 + 2.0 * f2 - f, 3.0 * f3 - 5.0 * f2 + 2.0, -3.0 * f3 + 4.0 * f2 + f, f3 - f2) * 0.5;
+}
+
+vec4 clouds_before(ivec2 at)
+{
+    vec2 place = lattice(at) * size.w;
+    vec2 node = floor(place);
+    ivec2 from = ivec2(node - floor(pixel.zw * size.w));
+    vec4 across = cubic_weights(place.x - node.x), down = cubic_weights(place.y - node.y);
+    vec4 sum = vec4(0.0);
+    for (int j = 0; j < 4; j++) {
+        vec4 row = vec4(0.0);
+        for (int i = 0; i < 4; i++) {
+            row += texelFetch(cloudscape, from + ivec2(i, j), 0) * across[i];
+        }
+        sum += row * down[j];
+    }
+    return vec4(sum.rgb, clamp(sum.a, 0.0, 1.0));
+}
+#endif
+
 shaded shade_backdrop(ivec2 at)
 {
     vec3 ray = pixel_ray(lattice(at));
@@ -90,17 +119,12 @@ shaded shade_backdrop(ivec2 at)
     }
 #endif
 #ifdef PEL_CLOUDS
-    // By a hash of the place on the lattice.
-    uvec2 place = uvec2(ivec2(floor(pixel.zw)) + at + 65536);
-    uint mixed = place.x * 0x9E3779B1u ^ place.y * 0x85EBCA77u;
-    mixed = (mixed ^ mixed >> 16u) * 0x7FEB352Du;
-    mixed = (mixed ^ mixed >> 15u) * 0x846CA68Bu;
-    float begin = float((mixed ^ mixed >> 16u) >> 8u) / 16777216.0;
-    clouded clouds = clouds_toward(transmittance, dir, light, pixel.x * inverse, 1e9, begin);
-    light = clouded_sky(clouds, light);
-    disc *= clouds.beam;
+    vec4 clouds = clouds_before(at);
+    light = max(clouds.rgb + light * clouds.a, vec3(0.0));
+    float beam = beam_behind_clouds(clouds.a);
+    disc *= beam;
 #ifdef PEL_NIGHT
-    light += starlight * clouds.beam;
+    light += starlight * beam;
 #endif
 #endif
     shaded result = only_light(from_under_water(light + disc, dir.z));

@@ -1,5 +1,6 @@
 // The beams of the lights at the place that is shaded.
 #ifdef PEL_CLOUDS
+layout(binding = PEL_UNIT_CLOUD_SHADE) uniform sampler2D cloud_shade; // by place in the tile, a channel a light
 float clouds_leave[PEL_LIT]; // of each, set before a surface is shaded
 
 vec3 beam_there(int i)
@@ -10,9 +11,9 @@ vec3 beam_there(int i)
 // At x, m from the eye's nadir.
 void shade_by_clouds(vec2 x, float footprint)
 {
-    vec2 tilt = x / planet.x;
+    vec4 left = textureLod(cloud_shade, cloud_place(x), cloud_lod(footprint));
     for (int i = 0; i < PEL_LIT; i++) {
-        clouds_leave[i] = cloud_lit(x, light_above(i, tilt), footprint);
+        clouds_leave[i] = left[i];
     }
 }
 

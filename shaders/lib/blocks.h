@@ -78,6 +78,8 @@ struct pel_vec4 {
 #define PEL_SENSE_PLANES 6
 /* A program uses 32 at most; which of these do not meet. */
 #define PEL_UNIT_CLOUDS 32
+#define PEL_UNIT_CLOUDSCAPE 33
+#define PEL_UNIT_CLOUD_SHADE 45
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
 #define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
@@ -411,6 +413,8 @@ struct pel_vec4 {
  * scattering, by Henyey and Greenstein. */
 #define PEL_CLOUD_TEXELS 512
 #define PEL_CLOUD_ASYMMETRY 0.85
+#define PEL_CLOUD_NODE 3.7e-3 /* rad between nodes at most: cloudscape.frag */
+#define PEL_CLOUD_NODE_PX 16
 #define PEL_CLOUD_WHITE 0.8 /* power of white balance under clouds */
 
 /* The lights of the sky, each with a sky of its own that it makes in the air
@@ -507,7 +511,8 @@ PEL_BLOCK(PEL_BLOCK_VIEW, view)
     vec4 up;     /* w: 1 / (N_max − N_min) */
     vec4 back;   /* w: levels of detail that slopes are sampled coarser */
     vec4 pixel;  /* px, py; lattice place of the picture's top left corner */
-    vec4 size;   /* width, height, px; z 1: rims of lights are antialiased */
+    vec4 size;   /* width, height, px; z 1: rims of lights are antialiased; w
+                    nodes of the clouds' lattice a pixel */
     vec4 sensor; /* x 0 none, 1 a sensor's grey, 2 no picture; grey · y + z; w
                     noise */
     vec4 sensor_seed; /* xy 0..65535; z share of lines that drop out; w

@@ -3,7 +3,8 @@
 layout(binding = PEL_UNIT_CLOUDS) uniform sampler2D cloud_field;
 
 const float CLOUD_G = PEL_CLOUD_ASYMMETRY;
-const int CLOUD_STEPS = 16;
+const int CLOUD_STEPS = 26;
+const float CLOUD_WIDE = 13.0; // steps beside clouds through all of the layer
 
 // A column of cloud: x its top over the base, in thicknesses, negative beside
 // clouds; y the part of the
@@ -35,11 +36,17 @@ vec2 cloud_bulk(vec2 at, float lod)
     return cloud_top(textureLod(cloud_field, at, lod).rg, 0.0);
 }
 
-// Of metres from the eye's nadir to the tile's.
-vec2 cloud_place(vec2 x)
+// Metres as the tile's.
+vec2 cloud_across(vec2 x)
 {
     vec2 along = vec2(dot(x, eye_clouds.zw), dot(x, vec2(-eye_clouds.w, eye_clouds.z)));
-    return eye_clouds.xy + along * vec2(cloud_size.z / cloud_size.w, cloud_size.z);
+    return along * vec2(cloud_size.z / cloud_size.w, cloud_size.z);
+}
+
+// Of metres from the eye's nadir.
+vec2 cloud_place(vec2 x)
+{
+    return eye_clouds.xy + cloud_across(x);
 }
 
 float cloud_lod(float metres)
@@ -56,9 +63,9 @@ float cloud_dense(vec2 column, float z, float dz)
            clamp(z / (0.3 * cloud_shape.w + dz) + 0.5, 0.0, 1.0);
 }
 
-// What clouds leave of a light's beam at a place x, m from the eye's nadir, at
-// sea level: the mean over `footprint`.
-float cloud_lit(vec2 x, vec3 to, float footprint)
+// What clouds leave of a light's beam at a place of the tile at sea level: the
+// mean over `footprint`.
+float cloud_lit_at(vec2 at, vec3 to, float footprint)
 {
     const int STEPS = 3;
     float up = max(to.z, 0.05);
@@ -67,7 +74,7 @@ float cloud_lit(vec2 x, vec3 to, float footprint)
     float depth = 0.0, part = 0.0;
     for (int i = 0; i < STEPS; i++) {
         float z = (float(i) + 0.5) * dz;
-        vec2 column = cloud_bulk(cloud_place(x + to.xy * ((cloud_size.x + z) / up)), lod);
+        vec2 column = cloud_bulk(at + cloud_across(to.xy * ((cloud_size.x + z) / up)), lod);
         depth += cloud_dense(column, z, dz);
         part = max(part, column.y);
     }
@@ -111,9 +118,8 @@ struct clouded {
 };
 
 // Towards a unit direction: `sky` is the clear sky's radiance there, `angle` that
-// of a pixel, `far` where what is seen stands; `begin`: 0 .. 1, of a step, by
-// which pixels beside each other differ: its steps are not seen.
-clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, float far, float begin)
+// of a pixel, `far` where what is seen stands.
+clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, float far)
 {
     float h = eye.x;
     float low = cloud_size.x, high = low + cloud_size.y;
@@ -124,7 +130,8 @@ clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, 
     if (from >= far || to_ <= from) {
         return result;
     }
-    float step_ = (to_ - from) / float(CLOUD_STEPS);
+    float wide_step = (to_ - from) / CLOUD_WIDE;
+    float fine_step = min(wide_step, 1.0 / cloud_shape.z);
     float tau = 0.0;         // on the way so far
     float mean = 0.0;        // of the distance
     vec3 sum = vec3(0.0);
@@ -142,33 +149,47 @@ clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, 
                   light_transmittance(transmittance, 0.5 * (low + high), to[i].z, lights[i].direction.w);
         forward[i] = cloud_phase(dot(dir, lights[i].direction.xyz));
     }
-    float lod = cloud_lod(max(0.9 * step_ * length(dir.xy), 0.5 * (from + to_) * angle));
+    float blur = 0.5 * (from + to_) * angle, level = length(dir.xy);
     vec3 source = vec3(0.0), single = vec3(0.0);
-    float lit_at = -1e9;
-    float inside = -cloud_size.y; // m below the top, at the step's end
-    for (int k = 0; k <= CLOUD_STEPS + 1 && tau < 40.0; k++) {
-        float t1 = from + (k == 0 ? 0.0 : float(k) - begin) * step_;
-        float length_ = k == 1 ? (1.0 - begin) * step_ : step_;
+    float lit_at = -1e9, lit_tau = 0.0;
+    float t0 = from, length_ = wide_step;
+    float inside = -cloud_size.y; // m below the top, at t0
+    for (int k = 0; k < CLOUD_STEPS && tau < 40.0 && t0 < to_; k++) {
+        float t1 = min(t0 + length_, to_);
+        length_ = t1 - t0;
         float z1 = height_along(h, dir.z, t1) - low;
+        float lod = cloud_lod(max(0.9 * length_ * level, 1.5 * blur));
         vec2 here = cloud_column(cloud_place(dir.xy * t1), lod, z1);
         float last = inside;
         // Between two heights of steps the top is a straight line.
         inside = here.x * cloud_size.y - z1;
-        if (k == 0 || max(inside, last) <= 0.0) {
+        if (last <= 0.0 && inside > 0.0 && length_ > 1.5 * fine_step) {
+            // Once more from where it begins, in fine steps.
+            t0 = max(t1 - length_ * inside / (inside - last) - 0.5 * fine_step, t0);
+            inside = -1e-3;
+            length_ = fine_step;
+            continue;
+        }
+        t0 = t1;
+        float done = length_;
+        // Beside a cloud as far as it may be away.
+        length_ = clamp(inside > 0.0 ? length_ * 1.35 : -0.5 * inside, max(fine_step, 0.2 * wide_step), wide_step);
+        if (max(inside, last) <= 0.0) {
             continue;
         }
         float span = abs(inside - last);
         float share = min(inside, last) >= 0.0 ? 1.0 : max(inside, last) / span;
         float middle = min(inside, last) >= 0.0 ? 0.5 * (inside + last) : 0.5 * max(inside, last);
-        float dense = share * clamp(middle / cloud_shape.w + 0.3, 0.0, 1.0) * cloud_shape.z;
+        float dense = share * here.y * clamp(middle / cloud_shape.w + 0.3, 0.0, 1.0) * cloud_shape.z;
         // The middle of what is inside.
-        float t = t1 - (last < inside ? 0.5 * share : 1.0 - 0.5 * share) * length_;
+        float t = t1 - (last < inside ? 0.5 * share : 1.0 - 0.5 * share) * done;
         float z = height_along(h, dir.z, t) - low;
         vec2 column = vec2((z + middle) / cloud_size.y, 1.0);
-        float next = tau + dense * length_;
+        float next = tau + dense * done;
         // Light changes more slowly than the cloud.
-        if (t - lit_at > 1.5 * step_) {
+        if (t - lit_at > wide_step || tau - lit_tau > 1.5) {
             lit_at = t;
+            lit_tau = tau;
             float whole = column.x * cloud_size.y * cloud_shape.z;
             float above = min(max(column.x * cloud_size.y - z, 0.0) * cloud_shape.z, whole);
             float scaled = (1.0 - CLOUD_G) * whole;
@@ -218,6 +239,12 @@ clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, 
         result.light = sum * through + result.air * (1.0 - wide) * cloud_light.x;
     }
     return result;
+}
+
+// Of `before`, what comes through of a beam.
+float beam_behind_clouds(float before)
+{
+    return pow(before, 1.0 / (1.0 - CLOUD_G));
 }
 
 // The sky with its clouds: what is before them is in the light of what they let
