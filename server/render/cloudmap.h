@@ -1,6 +1,7 @@
 /* What is drawn of clouds (optics/clouds.h): their field, what they leave of
  * the lights' beams over it, and what they add before a view's sky and leave of
- * it, at the nodes of a lattice coarser than its pixels'. Render thread only. */
+ * it, at the nodes of a lattice coarser than its pixels'. Render thread only.
+ */
 #pragma once
 
 #include <epoxy/gl.h>
