@@ -74,7 +74,7 @@ def messages():
                    (0, 1)]
         if kind <= 3:
             turn = rng.choice([-128, rng.randrange(-126, 127)])
-            yield head + [(0, 4), (turn, 8), (knots10, 10), (1, 1), *fine,
+            yield head + [(i * 11 // 3 % 16, 4), (turn, 8), (knots10, 10), (1, 1), *fine,
                           (course, 12), (heading, 9), (30, 6), (0, 2), (0, 3),
                           (0, 1), (0, 19)]
         elif kind == 4:
@@ -98,7 +98,8 @@ def messages():
                           (60, 6), (0, 1), (0, 8), (0, 1), (0, 1), (0, 1),
                           (0, 1), *six_bits(long[20:])[:len(long) - 20]]
         elif kind == 27:
-            yield head + [(1, 1), (0, 1), (0, 4), (round(lon * 600), 18),
+            yield head + [(1, 1), (0, 1), (i * 11 // 3 % 16, 4),
+                          (round(lon * 600), 18),
                           (round(lat * 600), 17),
                           (rng.choice([63, rng.randrange(60)]), 6),
                           (rng.choice([511, rng.randrange(360)]), 9), (0, 1),
@@ -178,7 +179,8 @@ def expected(reports):
                 not (r["type"] == 27 and fine):
             ship.update(type=r["type"], lat=r["lat"], lon=r["lon"],
                         speed=r.get("speed"), course=r.get("course"),
-                        heading=r.get("heading"), alt=r.get("alt"))
+                        heading=r.get("heading"), alt=r.get("alt"),
+                        status=r.get("status"))
             to_middle(ship)
     return {m: s for m, s in ships.items() if "lat" in s}
 
@@ -187,6 +189,18 @@ def overlong(line):
     """Noise that reads as a type 27 of 168 bits, which gpsdecode takes."""
     payload = line.split(",")[5:6]
     return payload and payload[0][:1] == "K" and len(payload[0]) == 28
+
+
+# By the schema; reserved ones are not kept.
+STATUS = {0: "UNDER_WAY", 1: "AT_ANCHOR", 2: "NOT_UNDER_COMMAND",
+          3: "RESTRICTED", 4: "CONSTRAINED", 5: "MOORED", 6: "AGROUND",
+          7: "FISHING", 8: "SAILING", 11: "TOWING", 12: "PUSHING"}
+# gpsdecode's words for it, of type 27; 11 and 12, which are for regional use,
+# are "Reserved" there as others are.
+WORDS = {"Under way using engine": 0, "At anchor": 1, "Not under command": 2,
+         "Restricted manoeuverability": 3, "Constrained by her draught": 4,
+         "Moored": 5, "Aground": 6, "Engaged in fishing": 7,
+         "Under way sailing": 8}
 
 
 def near(a, b, tolerance):
@@ -199,6 +213,11 @@ def compare(entity, ship, mmsi):
         check(entity["name"] == ship["name"], what)
     elif mmsi in PLACES:  # gpsdecode waits for a second part of a type 24
         check(entity["name"] == f"mmsi-{mmsi:09d}", what)
+    if ship["type"] in (1, 2, 3, 27) and ship["status"] != "Reserved":
+        check(entity["navigationStatus"] ==
+              STATUS.get(WORDS.get(ship["status"], ship["status"]),
+                         "UNDEFINED"), what)
+    check(entity["lights"] == "AUTO", what)
     # gpsdecode prints six decimals, of type 27 one.
     compare_shape(entity, ship, what)
     step = 0.0501 if ship["type"] == 27 else 1e-6

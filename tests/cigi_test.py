@@ -377,6 +377,26 @@ def sea_state_shows_in_the_next_frame():
                   int(state["revision"]), "the picture is older")
 
 
+def components_switch_lights():
+    with Stand() as s:
+        s.host.send(cigi.entity(40, 52.61, 5.2),
+                    cigi.short_component(1, 2, instance=40, kind=0),
+                    cigi.component(2, 1, instance=40, kind=0),
+                    cigi.short_component(3, 1, instance=40, kind=0),
+                    cigi.component(4, 1, (-30, 2, 6, 5e5), 40, 0))
+        s.host.settle()
+        e = {int(e["id"]): e for e in s.state()["entities"]}[40]
+        check((e["lights"], e["navigationStatus"], e["deckLights"]) ==
+              ("ON", "AT_ANCHOR", True), e)
+        check(e["searchlight"] == {"on": True, "bearing": -30, "elevation": 2,
+                                   "width": 6, "intensity": 5e5}, e)
+        s.host.send(cigi.short_component(1, 1, instance=40, kind=0),
+                    cigi.short_component(4, 0, instance=40, kind=0))
+        s.host.settle()
+        e = {int(e["id"]): e for e in s.state()["entities"]}[40]
+        check(e["lights"] == "AUTO" and not e["searchlight"]["on"], e)
+
+
 def sensors_change_the_picture():
     """On, off, polarity, gain and level, by the picture; trackers by their
     responses, which tshark dissects too."""
@@ -637,7 +657,8 @@ TESTS = [scene_follows_in_both_orders, answers_are_of_the_sea_drawn,
          answers_of_fft_come_later,
          synchronous_sixty_hertz, asynchronous_sixty_hertz,
          asynchronous_host,
-         sea_state_shows_in_the_next_frame, sensors_change_the_picture,
+         sea_state_shows_in_the_next_frame, components_switch_lights,
+         sensors_change_the_picture,
          ended_while_a_host_leads, database_and_refusals, a_silent_host_is_noticed,
          start_of_frame_before_any_host, tshark_understands_both_directions]
 

@@ -83,6 +83,7 @@ static const struct layout {
     struct place longitude, latitude;    /* signed; deg */
     struct place speed, course, heading; /* m/s, deg, deg */
     struct place altitude;               /* m */
+    uint16_t status_at;                  /* four bits; 0: none */
     uint16_t turn_rate_at, part_at, name_at, more_name_at; /* 0: none */
     struct place kind;                                     /* of ship or aid */
     uint16_t size_at, draught_at, virtual_at;              /* 0: none */
@@ -93,13 +94,13 @@ static const struct layout {
     {                                                                          \
         type, false, 168, 174, { 61, 28, FINE }, { 89, 27, FINE },             \
             { 50, 10, KNOT_MPS / 10 }, { 116, 12, 0.1 }, { 128, 9, 1 }, { 0 }, \
-            42, 0, 0, 0, { 0 }, 0, 0, 0                                        \
+            38, 42, 0, 0, 0, { 0 }, 0, 0, 0                                    \
     }
 #define CLASS_B(type, least, most, name, ...)                                  \
     {                                                                          \
         type, false, least, most, { 57, 28, FINE }, { 85, 27, FINE },          \
             { 46, 10, KNOT_MPS / 10 }, { 112, 12, 0.1 }, { 124, 9, 1 }, { 0 }, \
-            0, 0, name, 0, __VA_ARGS__                                         \
+            0, 0, 0, name, 0, __VA_ARGS__                                      \
     }
     CLASS_A(1),
     CLASS_A(2),
@@ -150,7 +151,8 @@ static const struct layout {
       .longitude = { 44, 18, COARSE },
       .latitude = { 62, 17, COARSE },
       .speed = { 79, 6, KNOT_MPS },
-      .course = { 85, 9, 1 } },
+      .course = { 85, 9, 1 },
+      .status_at = 40 },
 };
 
 /* All bits set is "not available" of speeds and altitudes. */
@@ -238,6 +240,7 @@ bool pel_ais_decode(const char *payload, size_t length, struct pel_ais *out)
     *out = (struct pel_ais){
         .type = (int)type,
         .mmsi = unsigned_bits(&b, 8, 30),
+        .status = l->status_at ? (int)unsigned_bits(&b, l->status_at, 4) : -1,
         .latitude = NAN,
         .longitude = NAN,
         .altitude = quantity(&b, &l->altitude),

@@ -28,6 +28,7 @@ struct pel_ais {
     int type;
     uint32_t mmsi;
     bool has_position_report;
+    int status;  /* of navigation, 0..15; -1: the type does not say it */
     bool coarse; /* the position is rounded to 0.1 minute (type 27) */
     double latitude, longitude, altitude, speed, course, heading, turn_rate;
     char name[PEL_AIS_NAME + 1];

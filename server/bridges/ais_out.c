@@ -102,7 +102,7 @@ void pel_ais_say_position(struct pel_nmea_writer *w, const struct pel_ais *a,
                           int second)
 {
     struct bits b = begin(1, a->mmsi);
-    put(&b, 15, 4); /* its status is not defined */
+    put(&b, a->status, 4);
     put_number(&b, turn_of(a->turn_rate), 1, -126, 126, -128, 8);
     put_number(&b, a->speed, KNOT_MPS / 10, 0, 1022, 1023, 10);
     put_place(&b, a);

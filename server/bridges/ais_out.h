@@ -5,8 +5,8 @@
 #include "bridges/ais.h"
 #include "bridges/nmea_write.h"
 
-/* The position of a ship of class A, message 1; `second` of UTC, 0..59. NaN:
- * not available. */
+/* The position and status of a ship of class A, message 1; `second` of UTC,
+ * 0..59. NaN: not available. */
 void pel_ais_say_position(struct pel_nmea_writer *w, const struct pel_ais *a,
                           int second);
 

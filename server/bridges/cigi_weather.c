@@ -15,6 +15,7 @@
 #define MIN_VISIBILITY_M 200.0
 #define MAX_VISIBILITY_M 300000.0
 #define SURFACE_LAYER_M 10.0
+#define ENTITY 0
 #define REGIONAL_SEA 4
 #define GLOBAL_SEA 7
 #define FIRST_TRAIN 16 /* component id of a region's swell train 0 */
@@ -317,21 +318,15 @@ static void take_celestial(struct pel_cigi_edit *edit,
 
 /* --- whole sea states ---------------------------------------------------- */
 
-struct component {
-    bool regional;
-    unsigned id, instance, state;
-    size_t count;     /* data words */
-    uint32_t word[6]; /* absent ones 0 */
-    double value[6];  /* as floats */
-};
-
-static bool read_component(const struct pel_cigi_packet *p,
-                           struct component *out)
+void pel_cigi_read_component(const struct pel_cigi_packet *p,
+                             struct pel_cigi_component *out)
 {
     bool whole = p->kind == PEL_CIGI_KIND_COMPONENT;
     enum pel_cigi_field first = pel_cigi_packets[p->kind].first;
     /* Both packets have id, instance, class, state, data in this order. */
-    *out = (struct component){
+    *out = (struct pel_cigi_component){
+        .class =
+            (unsigned)p->values[PEL_CIGI_COMPONENT_CLASS - PEL_CIGI_COMPONENT],
         .id = (unsigned)p->values[PEL_CIGI_COMPONENT_ID - PEL_CIGI_COMPONENT],
         .instance =
             (unsigned)
@@ -348,13 +343,11 @@ static bool read_component(const struct pel_cigi_packet *p,
         memcpy(&f, &out->word[i], sizeof f);
         out->value[i] = f;
     }
-    double class = p->values[PEL_CIGI_COMPONENT_CLASS - PEL_CIGI_COMPONENT];
-    out->regional = class == REGIONAL_SEA;
-    return class == GLOBAL_SEA || out->regional;
 }
 
 /* The whole sea's: a region has no spectrum of its own. */
-static void shape_sea(struct pel_cigi_edit *edit, const struct component *c)
+static void shape_sea(struct pel_cigi_edit *edit,
+                      const struct pel_cigi_component *c)
 {
     edit->state.sea = &edit->sea;
     edit->sea.has_spectrum = true;
@@ -395,20 +388,25 @@ static bool is_synthesiser(unsigned state)
 static void take_component(struct pel_cigi_edit *edit,
                            const struct pel_cigi_packet *p)
 {
-    struct component c;
-    if (!read_component(p, &c)) {
+    struct pel_cigi_component c;
+    pel_cigi_read_component(p, &c);
+    bool regional = c.class == REGIONAL_SEA;
+    if (c.class == ENTITY) {
+        pel_cigi_take_lights(edit, &c);
+        return;
+    }
+    if (c.class != GLOBAL_SEA && !regional) {
         edit->skipped++;
         return;
     }
-    struct pel_cigi_conditions *to =
-        conditions_of(edit, c.regional, c.instance);
+    struct pel_cigi_conditions *to = conditions_of(edit, regional, c.instance);
     if (!to) {
         return;
     }
-    if (c.regional && c.id >= FIRST_TRAIN) {
+    if (regional && c.id >= FIRST_TRAIN) {
         c.instance = c.id - FIRST_TRAIN;
         c.id = 3;
-    } else if (c.regional) {
+    } else if (regional) {
         c.instance = 0;
     }
     /* The fifth word is an integer. */
@@ -420,7 +418,7 @@ static void take_component(struct pel_cigi_edit *edit,
     }
     if (c.id == 1 && is_spectrum(c.state)) {
         set_wind(to, c.value[0], c.value[1]);
-        if (!c.regional) {
+        if (!regional) {
             shape_sea(edit, &c);
         }
     } else if (c.id == 2 && c.state <= 12) {
@@ -442,7 +440,7 @@ static void take_component(struct pel_cigi_edit *edit,
     } else if (c.id == 4) {
         to->has_chlorophyll = true;
         to->chlorophyll_mg_m3 = c.value[0];
-    } else if (c.id == 5 && !c.regional && is_synthesiser(c.state)) {
+    } else if (c.id == 5 && !regional && is_synthesiser(c.state)) {
         edit->state.sea = &edit->sea;
         edit->sea.has_synthesiser = true;
         edit->sea.synthesiser = (Pelagos__Synthesiser)c.state;

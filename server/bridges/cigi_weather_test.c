@@ -316,6 +316,40 @@ static void components_of_a_region(void **state)
     assert_int_equal(pel_cigi_counters(cigi)->skipped_packets, 2);
 }
 
+static void components_light_lamps(void **state)
+{
+    (void)state;
+    begin();
+    place_ship(40, 52.61, 0);
+    component(1, 0, 40, 2, 0, 0);    /* lights on */
+    component(2, 0, 40, 11, 0, 0);   /* towing */
+    component(3, 0, 40, 1, 0, 0);    /* deck lights */
+    component(4, 0, 40, 1, 100, -5); /* searchlight */
+    component(5, 0, 40, 0, 250, 0);  /* length of tow */
+    component(1, 0, 41, 2, 0, 0);    /* who is not there */
+    component(1, 0, 40, 3, 0, 0);    /* no such switch */
+    component(2, 0, 40, 10, 0, 0);   /* reserved */
+    component(9, 0, 40, 1, 0, 0);    /* no such component */
+    send();
+    const Pelagos__Entity *e = entity_of(scene, 40);
+    assert_int_equal(e->lights, PELAGOS__LAMP_SWITCH__ON);
+    assert_int_equal(e->navigation_status, PELAGOS__NAVIGATION_STATUS__TOWING);
+    assert_true(e->deck_lights && e->searchlight->on);
+    assert_near(e->searchlight->bearing, 100, 0);
+    assert_near(e->searchlight->elevation, -5, 0);
+    assert_near(e->searchlight->width, 3, 0); /* as it was */
+    assert_near(e->tow_length, 250, 0);
+    assert_int_equal(pel_cigi_counters(cigi)->skipped_packets, 4);
+    begin();
+    component(4, 0, 40, 0, 0, 0);
+    component(1, 0, 40, 0, 0, 0);
+    send();
+    e = entity_of(scene, 40);
+    assert_int_equal(e->lights, PELAGOS__LAMP_SWITCH__OFF);
+    assert_false(e->searchlight->on);
+    assert_int_equal(e->navigation_status, PELAGOS__NAVIGATION_STATUS__TOWING);
+}
+
 int main(void)
 {
 #define TEST(name)                                                             \
@@ -329,6 +363,7 @@ int main(void)
         TEST(weather_goes_over_across_the_transition),
         TEST(components_give_whole_sea_states),
         TEST(components_of_a_region),
+        TEST(components_light_lamps),
         TEST(the_sun_stands_without_ephemeris),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -69,6 +69,7 @@ void pel_cigi_edit_begin(struct pel_cigi_edit *edit,
     edit->time_s = time_s;
     edit->refused = false;
     edit->skipped = 0;
+    edit->searchlight_count = 0;
     pelagos__patch__init(&edit->patch);
     pelagos__state__init(&edit->state);
     pelagos__clock__init(&edit->clock);
@@ -315,7 +316,7 @@ static void take_view_definition(struct pel_cigi_edit *edit,
     }
 }
 
-static bool entity_will_be(const struct pel_cigi_edit *edit, uint32_t id)
+bool pel_cigi_entity_will_be(const struct pel_cigi_edit *edit, uint32_t id)
 {
     for (size_t i = 0; i < edit->state.n_entities; i++) {
         if (edit->entity_list[i]->id == id) {
@@ -337,7 +338,7 @@ static bool entity_will_be(const struct pel_cigi_edit *edit, uint32_t id)
 static void board_own_ship(struct pel_cigi_edit *edit)
 {
     const struct pel_snapshot *s = edit->snapshot;
-    if (pel_cigi_find_entity(s, 0) >= 0 || !entity_will_be(edit, 0)) {
+    if (pel_cigi_find_entity(s, 0) >= 0 || !pel_cigi_entity_will_be(edit, 0)) {
         return;
     }
     for (size_t i = 0; i < s->view_count; i++) {
@@ -358,7 +359,7 @@ static void hang_views(struct pel_cigi_edit *edit)
     for (size_t i = 0; i < PEL_CIGI_VIEWS; i++) {
         struct pel_cigi_view_memo *memo = &edit->world->views[i];
         if (!memo->used || !memo->wants_entity ||
-            !entity_will_be(edit, memo->entity)) {
+            !pel_cigi_entity_will_be(edit, memo->entity)) {
             continue;
         }
         Pelagos__View *view = pel_cigi_edit_view(edit, memo->id);
@@ -421,7 +422,7 @@ static void destroy_one(struct pel_cigi_edit *edit, uint32_t id)
 {
     forget_entity(edit, id);
     if (pel_cigi_find_entity(edit->snapshot, id) >= 0 &&
-        entity_will_be(edit, id)) {
+        pel_cigi_entity_will_be(edit, id)) {
         free_views(edit, id);
         pel_cigi_edit_remove(edit, "entities.%u", id);
     }

@@ -148,6 +148,8 @@ struct pel_cigi_edit {
     Pelagos__Sky sky;
     Pelagos__Entity entities[PEL_MAX_ENTITIES];
     Pelagos__Entity *entity_list[PEL_MAX_ENTITIES];
+    Pelagos__Searchlight searchlights[PEL_CIGI_SENSORS];
+    size_t searchlight_count;
     Pelagos__View views[PEL_MAX_VIEWS];
     Pelagos__View *view_list[PEL_MAX_VIEWS];
     Pelagos__Frustum frusta[PEL_MAX_VIEWS];
@@ -207,6 +209,23 @@ struct pel_cigi_view_memo *pel_cigi_edit_memo(struct pel_cigi_edit *edit,
 
 /* Entity `id` in the patch, added if it is not there; NULL: too many. */
 Pelagos__Entity *pel_cigi_edit_entity(struct pel_cigi_edit *edit, uint32_t id);
+
+/* Whether entity `id` is there after what the patch says so far. */
+bool pel_cigi_entity_will_be(const struct pel_cigi_edit *edit, uint32_t id);
+
+/* Component Control, or Short Component Control with two words. */
+struct pel_cigi_component {
+    unsigned class, id, instance, state;
+    size_t count;     /* data words */
+    uint32_t word[6]; /* absent ones 0 */
+    double value[6];  /* as floats */
+};
+void pel_cigi_read_component(const struct pel_cigi_packet *p,
+                             struct pel_cigi_component *out);
+
+/* cigi_lights.c: one of class 0. */
+void pel_cigi_take_lights(struct pel_cigi_edit *edit,
+                          const struct pel_cigi_component *c);
 
 /* A path to remove. */
 void pel_cigi_edit_remove(struct pel_cigi_edit *edit, const char *format, ...)

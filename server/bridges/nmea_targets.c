@@ -285,6 +285,15 @@ static void settle_ship(struct pel_nmea_targets *t,
     }
 }
 
+/* The schema's numbers are those of AIS; reserved ones say nothing. */
+static Pelagos__NavigationStatus status_of(int ais)
+{
+    return protobuf_c_enum_descriptor_get_value(
+               &pelagos__navigation_status__descriptor, ais)
+               ? (Pelagos__NavigationStatus)ais
+               : PELAGOS__NAVIGATION_STATUS__UNDEFINED;
+}
+
 /* Adds to what earlier reports of the same edit have filled in. */
 static void fill(Pelagos__Entity *e, const struct pel_nmea_target_report *r,
                  bool is_new)
@@ -308,6 +317,14 @@ static void fill(Pelagos__Entity *e, const struct pel_nmea_target_report *r,
     if (is_new || !isnan(r->heading) || (moves && r->speed > STEERAGE_MPS)) {
         e->has_heading = 1;
         e->heading = isnan(r->heading) ? e->course : r->heading;
+    }
+    if (r->status >= 0) {
+        e->has_navigation_status = 1;
+        e->navigation_status = status_of(r->status);
+    }
+    if (is_new && !r->radar) {
+        e->has_lights = 1;
+        e->lights = PELAGOS__LAMP_SWITCH__AUTO;
     }
 }
 
@@ -550,6 +567,7 @@ void pel_nmea_targets_take_ais(struct pel_nmea_targets *t,
         .course = ais->course,
         .heading = ais->heading,
         .turn_rate = ais->turn_rate,
+        .status = ais->status,
     };
     wait_for_commit(t, &report, now_ns);
 }
@@ -589,6 +607,7 @@ void pel_nmea_targets_take_radar(struct pel_nmea_targets *t,
         .course = s->course_true ? s->course : NAN,
         .heading = NAN,
         .turn_rate = NAN,
+        .status = -1,
     };
     wait_for_commit(t, &report, now_ns);
 }

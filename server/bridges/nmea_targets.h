@@ -35,6 +35,7 @@ struct pel_nmea_target_report {
     double latitude, longitude, altitude;
     double range_m, bearing;
     double speed, course, heading, turn_rate;
+    int status; /* of navigation, by AIS; -1: does not say */
 };
 
 struct pel_nmea_target {

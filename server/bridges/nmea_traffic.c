@@ -14,6 +14,7 @@
 #define MILE_M 1852.0
 #define KNOT_MPS (MILE_M / 3600.0)
 #define RADAR_M (24 * MILE_M)
+#define UNKNOWN 15
 #define MOST_A_CONTACT 300  /* bytes of its sentences */
 #define STATIC_EVERY_S 10.0 /* names, sizes, aids; ITU: 6 and 3 minutes */
 
@@ -145,14 +146,25 @@ static struct pel_nmea_pose pose_of(const Pelagos__State *state,
     return p;
 }
 
-static const char *name_of(const Pelagos__State *state, uint32_t id)
+static const Pelagos__Entity *find(const Pelagos__State *state, uint32_t id)
 {
     for (size_t i = 0; i < state->n_entities; i++) {
         if (state->entities[i]->id == id) {
-            return state->entities[i]->name ? state->entities[i]->name : "";
+            return state->entities[i];
         }
     }
-    return "";
+    return NULL;
+}
+
+/* Its status as AIS has it. */
+static int status_of(const Pelagos__Entity *e)
+{
+    return e->navigation_status == PELAGOS__NAVIGATION_STATUS__TRAWLING
+               ? PELAGOS__NAVIGATION_STATUS__FISHING
+           : e->navigation_status == PELAGOS__NAVIGATION_STATUS__PILOTING
+               ? PELAGOS__NAVIGATION_STATUS__UNDER_WAY
+               : (int)fmin(e->navigation_status,
+                           PELAGOS__NAVIGATION_STATUS__UNDEFINED);
 }
 
 static bool is_due(const struct pel_nmea_traffic *t, uint32_t entity)
@@ -163,7 +175,7 @@ static bool is_due(const struct pel_nmea_traffic *t, uint32_t entity)
 
 static void say_ais(const struct pel_nmea_traffic *t,
                     const struct pel_entity_state *e, const char *name,
-                    const struct pel_nmea_pose *p, double unix_s,
+                    int status, const struct pel_nmea_pose *p, double unix_s,
                     struct pel_nmea_writer *w)
 {
     bool aid;
@@ -174,6 +186,7 @@ static void say_ais(const struct pel_nmea_traffic *t,
     }
     struct pel_ais a = {
         .mmsi = pel_nmea_mmsi_of(e->id, aid),
+        .status = status,
         .latitude = p->latitude,
         .longitude = p->longitude,
         .speed = p->speed,
@@ -234,7 +247,8 @@ void pel_nmea_traffic_say(const struct pel_nmea_traffic *t,
         }
         pel_snapshot_entity_level(s, i, time_s, &e);
         struct pel_nmea_pose p = pose_of(state, &e);
-        const char *name = name_of(state, e.id);
+        const Pelagos__Entity *known = find(state, e.id);
+        const char *name = known && known->name ? known->name : "";
         double east, north;
         pel_geo_to_local(own.latitude, own.longitude, p.latitude, p.longitude,
                          &east, &north);
@@ -246,7 +260,8 @@ void pel_nmea_traffic_say(const struct pel_nmea_traffic *t,
             pel_nmea_say_target(w, number, name, &own, &p, unix_s);
         }
         if (t->kind & PEL_NMEA_TRAFFIC_AIS) {
-            say_ais(t, &e, name, &p, unix_s, w);
+            say_ais(t, &e, name, known ? status_of(known) : UNKNOWN, &p, unix_s,
+                    w);
         }
         if (w->used + MOST_A_CONTACT > w->size) {
             flush(user, w);

@@ -40,6 +40,7 @@ static int read_all(struct pel_ais *last)
 
 static const struct pel_ais ship = {
     .mmsi = 200000007,
+    .status = 11,
     .latitude = -52.123456,
     .longitude = -5.654321,
     .speed = 7.3,
@@ -63,6 +64,7 @@ static void positions_are_read_as_written(void **state)
     pel_ais_say_position(&w, &ship, 31);
     assert_int_equal(read_all(&a), 1);
     assert_int_equal(a.mmsi, ship.mmsi);
+    assert_int_equal(a.status, 11);
     assert_near(a.latitude, ship.latitude, 1e-6);
     assert_near(a.longitude, ship.longitude, 1e-6);
     assert_near(a.speed, ship.speed, 0.05 * KNOT + 1e-9);
