@@ -41,7 +41,7 @@ struct pel_disc_box pel_band_disc(const struct pel_camera *whole,
 }
 
 void pel_band_tiles(const struct pel_camera *whole, struct pel_band band,
-                    uint16_t *tiles)
+                    uint32_t *tiles)
 {
     size_t across = (whole->width + PEL_TILE - 1) / PEL_TILE;
     size_t down = (band.rows + PEL_TILE - 1) / PEL_TILE;

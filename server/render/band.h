@@ -23,4 +23,4 @@ struct pel_disc_box pel_band_disc(const struct pel_camera *whole,
 
 /* Reduces the tiles of the whole picture to those of the band. */
 void pel_band_tiles(const struct pel_camera *whole, struct pel_band band,
-                    uint16_t *tiles);
+                    uint32_t *tiles);

@@ -5,6 +5,7 @@
 
 #include "base/vec.h"
 #include "optics/atmosphere.h"
+#include "render/tiles.h"
 
 #define BINS 512        /* of azimuth */
 #define MOST_SQUARES 64 /* a side: so coarse a field is enough */
@@ -96,30 +97,11 @@ static enum pel_coast_tile tile_of(const struct panorama *p,
                                    const struct pel_camera *c, double x0,
                                    double x1, double y0, double y1)
 {
-    double low = HUGE_VAL, high = -HUGE_VAL, middle = 0, left = 0, right = 0;
-    for (int i = 0; i < 9; i++) {
-        /* The middle first; azimuths count from there. */
-        int at = (i + 4) % 9;
-        struct pel_vec3 v = { x0 + 0.5 * (x1 - x0) * (at % 3),
-                              y0 + 0.5 * (y1 - y0) * (at / 3), -1.0 };
-        struct pel_vec3 d =
-            pel_vec3_normalize(pel_mat3_apply(&c->world_from_camera, v));
-        double level = hypot(d.x, d.y);
-        double slope = d.z / fmax(level, 1e-6);
-        double azimuth = atan2(d.y, d.x);
-        if (level < 0.2) {
-            return PEL_COAST_LAND; /* straight up or down */
-        }
-        middle = i == 0 ? azimuth : middle;
-        double turn = remainder(azimuth - middle, 2.0 * PEL_PI);
-        left = fmax(left, turn);
-        right = fmin(right, turn);
-        low = fmin(low, slope);
-        high = fmax(high, slope);
+    struct pel_tile_sight see;
+    if (!pel_tile_sight(c, x0, x1, y0, y1, &see)) {
+        return PEL_COAST_LAND;
     }
-    double slack = 0.1 * (x1 - x0 + y1 - y0);
-    low -= slack;
-    high += slack;
+    const double low = see.low, high = see.high;
     double horizon = sqrt(2.0 * p->height_m / PEL_EARTH_RADIUS);
     double nearest = low < -1e-6 ? 0.9 * p->height_m / -low - 5.0 : 0.0;
     double farthest =
@@ -127,8 +109,10 @@ static enum pel_coast_tile tile_of(const struct panorama *p,
     if (low >= -1e-6) {
         nearest = HUGE_VAL;
     }
-    int first = bin_of(middle + right - slack);
-    int count = (int)((left - right + 2 * slack) / (2.0 * PEL_PI) * BINS) + 2;
+    int first = bin_of(see.middle + see.right - see.slack);
+    int count =
+        (int)((see.left - see.right + 2 * see.slack) / (2.0 * PEL_PI) * BINS) +
+        2;
     enum pel_coast_tile tile = PEL_COAST_NONE;
     for (int i = 0; i < count; i++) {
         const struct bin *b = &p->bins[(first + i) % BINS];
@@ -148,7 +132,7 @@ static enum pel_coast_tile tile_of(const struct panorama *p,
 bool pel_coast_plan(const struct pel_environment *env,
                     const struct pel_seabed_map *map,
                     const struct pel_camera *c, double visible_m,
-                    uint16_t tiles[PEL_MAX_TILES])
+                    uint32_t tiles[PEL_MAX_TILES])
 {
     struct panorama p = { .height_m = fmax(c->altitude_m, PEL_LEAST_EYE_M) };
     for (int i = 0; i < BINS; i++) {
@@ -167,7 +151,7 @@ bool pel_coast_plan(const struct pel_environment *env,
             enum pel_coast_tile tile =
                 tile_of(&p, c, x0, x0 + px * PEL_TILE, y1 - py * PEL_TILE, y1);
             any = any || tile != PEL_COAST_NONE;
-            tiles[index++] = (uint16_t)tile;
+            tiles[index++] = (uint32_t)tile;
         }
     }
     return any;

@@ -23,4 +23,4 @@ enum pel_coast_tile {
 bool pel_coast_plan(const struct pel_environment *env,
                     const struct pel_seabed_map *map,
                     const struct pel_camera *camera, double visible_m,
-                    uint16_t tiles[PEL_MAX_TILES]);
+                    uint32_t tiles[PEL_MAX_TILES]);

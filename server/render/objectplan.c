@@ -271,12 +271,12 @@ static double pixels_of(const struct pel_environment *env,
 }
 
 static void mark_tiles(const struct pel_camera *c, const int box[4],
-                       unsigned mark, uint16_t *tiles)
+                       unsigned mark, uint32_t *tiles)
 {
     int across = (int)(c->width + PEL_TILE - 1) / PEL_TILE;
     for (int y = box[1] / PEL_TILE; y * PEL_TILE < box[3]; y++) {
         for (int x = box[0] / PEL_TILE; x * PEL_TILE < box[2]; x++) {
-            tiles[y * across + x] |= (uint16_t)mark;
+            tiles[y * across + x] |= (uint32_t)mark;
         }
     }
 }
@@ -346,7 +346,7 @@ static void widen_by_shadow(const struct pel_vec3 corners[3],
 static void mark_shadow(const struct pel_environment *env,
                         const struct pel_object *object,
                         const struct pel_camera *c, const int box[4],
-                        unsigned mark, uint16_t *tiles)
+                        unsigned mark, uint32_t *tiles)
 {
     const struct pel_model *model = object->model;
     const struct pel_model_level *level = outline_of(model);
@@ -404,7 +404,7 @@ static bool box_in_water(const struct pel_environment *env,
 /* Without the tiles that are beside its narrower part. */
 static void mark_mirror(const struct pel_camera *c, const int box[4],
                         const struct pel_object_drawn *d, unsigned mark,
-                        uint16_t *tiles)
+                        uint32_t *tiles)
 {
     double first_x =
         c->tan_left / pel_pixel_pitch(c->tan_left, c->tan_right, c->width);
@@ -470,7 +470,7 @@ static bool look_mirrored(const struct pel_environment *env,
 static void plan_beside(struct pel_object_drawn *d,
                         const struct pel_environment *env,
                         const struct pel_camera *c, int rank, double px,
-                        uint16_t *tiles)
+                        uint32_t *tiles)
 {
     const struct pel_object *object = &env->objects[d->object];
     double eye_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
@@ -527,7 +527,7 @@ static void plan_levels(struct pel_object_drawn *d,
 }
 
 bool pel_objects_plan(struct pel_objects *o, const struct pel_environment *env,
-                      const struct pel_camera *c, uint16_t *tiles)
+                      const struct pel_camera *c, uint32_t *tiles)
 {
     double eye_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
     double px[PEL_MAX_ENTITIES];

@@ -97,7 +97,7 @@ size_t pel_objects_bytes(const struct pel_environment *env);
  * sea's zero; marks its tiles (render/tiles.h). False: from here nothing can be
  * seen in any direction, so that pictures of one lattice agree. */
 bool pel_objects_plan(struct pel_objects *o, const struct pel_environment *env,
-                      const struct pel_camera *camera, uint16_t *tiles);
+                      const struct pel_camera *camera, uint32_t *tiles);
 
 /* The light that surrounds objects: `sky` is up to date. */
 void pel_objects_light(struct pel_objects *o, const struct pel_sky *sky);

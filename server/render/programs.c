@@ -146,15 +146,28 @@ static void surface_defines(const struct pel_programs *all,
              all->software ? "" : "#define PEL_EXACT_TEXELS\n");
 }
 
-static struct pel_sea_programs *programs_of(struct pel_programs *p,
-                                            const struct pel_sea *sea)
+static struct pel_sea_programs *programs_with(struct pel_programs *p,
+                                              const struct pel_sea *sea,
+                                              bool wakes, bool wash)
 {
     int foam = has_streaks(sea) ? 2 : sea->foam ? 1 : 0;
     int kind = 2 * p->above + (sea->shore != NULL);
-    kind = 2 * kind + p->wakes;
-    kind = 3 * kind + (p->wash ? 2 : sea->desc.area_count > 0);
+    kind = 2 * kind + wakes;
+    kind = 3 * kind + (wash ? 2 : sea->desc.area_count > 0);
     kind = 3 * kind + foam;
     return &p->seas[2 * kind + (sea->cascades != NULL)];
+}
+
+static struct pel_sea_programs *programs_of(struct pel_programs *p,
+                                            const struct pel_sea *sea)
+{
+    return programs_with(p, sea, p->wakes, p->wash);
+}
+
+const struct pel_sea_programs *pel_programs_still(struct pel_programs *p,
+                                                  const struct pel_sea *sea)
+{
+    return programs_with(p, sea, false, false);
 }
 
 const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
@@ -311,6 +324,19 @@ enum pel_err pel_programs_need(struct pel_programs *all,
         delete_all_seas(all);
         err = need_sea_programs(all, sea, kind, coast, objects, fault);
     }
+    return err;
+}
+
+enum pel_err pel_programs_need_still(struct pel_programs *p,
+                                     const struct pel_sea *sea,
+                                     enum pel_shading kind, bool coast,
+                                     bool objects, struct pel_fault *fault)
+{
+    bool wakes = p->wakes, wash = p->wash;
+    p->wakes = p->wash = false;
+    enum pel_err err = pel_programs_need(p, sea, kind, coast, objects, fault);
+    p->wakes = wakes;
+    p->wash = wash;
     return err;
 }
 

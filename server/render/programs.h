@@ -139,6 +139,15 @@ bool pel_programs_have_edges(const struct pel_programs *p);
 PEL_CHECK enum pel_err pel_programs_need_edges(struct pel_programs *p,
                                                struct pel_fault *fault);
 
+/* The same for tiles where no ship has been, without ship waves and wash. */
+PEL_CHECK enum pel_err pel_programs_need_still(struct pel_programs *p,
+                                               const struct pel_sea *sea,
+                                               enum pel_shading kind,
+                                               bool coast, bool objects,
+                                               struct pel_fault *fault);
+const struct pel_sea_programs *pel_programs_still(struct pel_programs *p,
+                                                  const struct pel_sea *sea);
+
 /* Those that draw this sea. */
 const struct pel_sea_programs *pel_programs_of(struct pel_programs *p,
                                                const struct pel_sea *sea);

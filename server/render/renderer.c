@@ -29,6 +29,7 @@
 #include "render/sky.h"
 #include "render/stages.h"
 #include "render/statistics.h"
+#include "render/stilltiles.h"
 #include "render/targets.h"
 #include "render/texels.h"
 #include "render/tiles.h"
@@ -407,12 +408,15 @@ static void draw_pixels(struct pel_renderer *r,
             r->tiles[i] = PEL_COAST_LAND;
         }
     }
-    if (!r->any_coast && env->object_count) {
+    bool still = pel_still_wanted(env, &r->programs);
+    if (!r->any_coast && (env->object_count || still)) {
         memset(r->tiles, PEL_COAST_NONE, sizeof r->tiles);
     }
+    still = still && pel_still_tiles(env, whole, r->tiles);
+    r->still = still ? pel_programs_still(&r->programs, env->sea) : NULL;
     r->any_objects = env->object_count &&
                      pel_objects_plan(&r->objects, env, whole, r->tiles);
-    if (r->any_coast || r->any_objects) {
+    if (r->any_coast || r->any_objects || r->still) {
         pel_band_tiles(whole, band, r->tiles);
     }
     if (r->any_coast) {
@@ -643,6 +647,10 @@ static enum pel_err need_view(struct pel_renderer *r,
         do {
             err = pel_programs_need(&r->programs, env->sea, pass.kind, coast,
                                     objects, fault);
+            if (err == PEL_OK && pel_still_wanted(env, &r->programs)) {
+                err = pel_programs_need_still(&r->programs, env->sea, pass.kind,
+                                              coast, objects, fault);
+            }
             if (err == PEL_OK && objects) {
                 err = pel_objects_need(&r->objects, env, &r->programs,
                                        pass.kind, fault);

@@ -81,7 +81,7 @@ struct pel_environment {
     const struct pel_wash *wash;         /* of ships; NULL: none */
     /* For tests: leaves out the air between the sea and the eye; looks for the
      * height field in every pixel, where it cannot be seen too. */
-    bool no_air, coast_everywhere;
+    bool no_air, coast_everywhere, nowhere_still;
 };
 
 /* What shaders write and readback copies for these layers: those that are made

@@ -60,8 +60,10 @@ struct pel_renderer {
     struct pel_mesh *mesh;
     struct pel_seabed_map seabed;
     struct pel_objects objects;
-    uint16_t tiles[PEL_MAX_TILES]; /* of the view being drawn */
+    uint32_t tiles[PEL_MAX_TILES]; /* of the view being drawn */
     bool any_coast, any_objects;
+    /* Of tiles that no ship waves and no wash reach; NULL: none. */
+    const struct pel_sea_programs *still;
     int margin; /* of its triangles around its pixels: render/edges.h */
 };
 

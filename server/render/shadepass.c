@@ -55,14 +55,25 @@ static void keep_to(const GLint rect[4])
     glScissor(rect[0], rect[1], rect[2] - rect[0], rect[3] - rect[1]);
 }
 
+/* Distances of layers are sought along the sight, also beside their tile. */
+static const struct pel_sea_programs *
+programs_for(const struct pel_renderer *r, unsigned tile,
+             const struct pel_sea_programs *p, enum pel_shading kind)
+{
+    bool still = r->still && tile & PEL_TILE_STILL && kind < PEL_SHADE_LAYERS;
+    return still ? r->still : p;
+}
+
 static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
-                        const struct pel_sea_programs *p,
+                        const struct pel_sea_programs *all,
                         const struct pel_pass *pass)
 {
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
         enum pel_objects_known objects =
             r->any_objects ? is_touched(run.tile) : PEL_OBJECTS_UNKNOWN;
+        const struct pel_sea_programs *p =
+            programs_for(r, run.tile, all, pass->kind);
         GLint rect[4];
         rect_of(r, c, &run, rect);
         keep_to(rect);
@@ -194,7 +205,7 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     if (r->any_objects) {
         glDepthRangef(PEL_HIDDEN_DEPTH, PEL_HIDDEN_DEPTH);
     }
-    if (r->any_coast || r->any_objects) {
+    if (r->any_coast || r->any_objects || r->still) {
         shade_tiles(r, c, p, pass);
     } else {
         glUseProgram(p->fragments[kind]);

@@ -13,7 +13,8 @@
 #define PEL_TILE_SHADE(rank) (0x100u << (rank))
 #define PEL_TILE_MIRRORED(tile) ((tile) >> 4 & 0xfu)
 #define PEL_TILE_SHADED(tile) ((tile) >> 8 & 0xffu)
-#define PEL_TILE_COAST 3 /* mask of the coast's bits */
+#define PEL_TILE_COAST 3        /* mask of the coast's bits */
+#define PEL_TILE_STILL 0x10000u /* neither ship waves nor wash reach it */
 
 /* Tiles of a row, side by side, of one kind; pixels. */
 struct pel_tile_run {
@@ -23,5 +24,16 @@ struct pel_tile_run {
 
 /* The one after *run, the first after { 0 }; false after the last. The tiles
  * are those of the camera's picture, row by row from the top left. */
-bool pel_tiles_next(const uint16_t *tiles, const struct pel_camera *camera,
+bool pel_tiles_next(const uint32_t *tiles, const struct pel_camera *camera,
                     struct pel_tile_run *run);
+
+/* What the tile between these tangents of the camera sees: azimuths about its
+ * middle's (mathematical) and slopes of its rays, with slack; false: it may
+ * look straight up or down. */
+struct pel_tile_sight {
+    double middle, left, right; /* rad; right ≤ 0 ≤ left */
+    double low, high;
+    double slack;
+};
+bool pel_tile_sight(const struct pel_camera *camera, double x0, double x1,
+                    double y0, double y1, struct pel_tile_sight *out);

@@ -93,15 +93,14 @@ shaded shade_sea(ivec2 at, uint triangle)
 #endif
     vec3 n = filtered_normal(f);
     vec2 variance = variance_left(footprint);
-    vec2 variance_beside =
-        variance_left(max(hit.cell, PEL_CELL_FOOTPRINT * footprint)) - variance;
+    vec2 variance_wide = variance_left(max(hit.cell, PEL_CELL_FOOTPRINT * footprint));
     vec2 variance_all = wind.zw;
 #ifdef PEL_AREAS
-    variance_beside = area_variance(variance + variance_beside, f.up);
+    variance_wide = area_variance(variance_wide, f.up);
     variance = area_variance(variance, f.up);
-    variance_beside -= variance;
     variance_all = area_variance(variance_all, f.up);
 #endif
+    vec2 variance_beside = variance_wide - variance;
 #ifdef PEL_WAKES
     variance += wake_variance(wake.lost);
     variance_all += wake_variance(wake.lost);

@@ -29,12 +29,12 @@ vec2 wash_foam(vec2 x, float foam, float footprint)
     return vec2(share, 1.0 + PEL_FOAM_RELIEF * (1.0 - n.y) * (1.0 - 2.0 * thicker));
 }
 
-// Both foams on one water.
+// Both foams on one water: whitecaps' a, b of the wash.
 vec2 foams_together(vec2 a, vec2 b)
 {
     float all = a.x + b.x - a.x * b.x;
     float of_a = a.x / max(a.x + b.x, 1e-6);
-    return vec2(all, mix(b.y, a.y, of_a));
+    return b.x > 0.0 ? vec2(all, mix(b.y, a.y, of_a)) : a; // the same bits beside the wash
 }
 
 // What bubbles under the surface send up, of Sun and sky.
