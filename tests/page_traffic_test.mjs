@@ -287,6 +287,17 @@ describe("a thing", () => {
       const { model } = await entity("Stevin");
       return model.name === "ferry" && model.length === undefined;
     });
+    await page.locator("#ship-lights").selectOption("AUTO");
+    await page.locator("#ship-status").selectOption("TOWING");
+    await page.locator("#ship-light").fill("Fl(2) R 10s");
+    await page.locator("#ship-light").press("Enter");
+    await page.locator("#searchlight").check();
+    await until("its lights", async () => {
+      const { lights, navigationStatus, light, searchlight } =
+        await entity("Stevin");
+      return lights === "AUTO" && navigationStatus === "TOWING" &&
+        light?.character === "Fl(2) R 10s" && searchlight?.on === true;
+    });
     await page.locator("#ship-name").fill("Wagenborg");
     await page.locator("#ship-name").press("Enter");
     await until("its name", () => entity("Wagenborg"));

@@ -81,12 +81,16 @@ export class Sections {
     }), depends);
   }
 
+  // The values of a field, with words for them.
+  named(path) {
+    return (this.fields.get(path)?.values ?? []).map((v) => [v, words(v)]);
+  }
+
   choice(parent, id, label, path, depends) {
     const [part, name] = path.split(".");
     const control = new Choice(byId(parent), {
       store: this.store, id, label, get: (s) => s[part]?.[name],
-      options: (this.fields.get(path)?.values ?? []).map((v) => [v, words(v)]),
-      patch: (v) => ({ [part]: { [name]: v } }),
+      options: this.named(path), patch: (v) => ({ [part]: { [name]: v } }),
     });
     control.node.dataset.path = path;
     return this.add(control, depends);

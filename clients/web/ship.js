@@ -60,6 +60,7 @@ export class Ship {
     plain("Pitch, bow up", "pitch", "°", 0.1, "ship-pitch");
     plain("Roll, starboard down", "roll", "°", 0.1, "ship-roll");
     this.buildOwn();
+    this.buildLights();
     const row = document.createElement("p");
     row.className = "tools-row";
     byId("ship").append(row);
@@ -141,6 +142,36 @@ export class Ship {
         get: (s) => this.helm(s)?.[name], patch: order(name) });
     turn("Rudder", "rudder", "°", 1);
     turn("Throttle", "throttle", "", 0.05);
+  }
+
+  // What it shows by night.
+  buildLights() {
+    const { panel } = this;
+    const there = (s) => this.of(s) !== undefined;
+    const lit = (s) => ["AUTO", "ON"].includes(this.of(s)?.lights);
+    const pick = (id, label, name, depends) => panel.pick("ship", id, label, {
+      ...this.about, depends, get: (s) => this.of(s)?.[name],
+      options: () => panel.named(`entities.*.${name}`),
+      patch: this.patch((v) => ({ [name]: v })) });
+    pick("ship-lights", "Lights", "lights", there);
+    pick("ship-status", "What it does", "navigationStatus", lit);
+    panel.add(new Text(byId("ship"), { store: panel.store, id: "ship-light",
+      label: "A mark's light, as Fl(2) R 10s", ...this.about,
+      get: (s) => this.of(s)?.light?.character,
+      patch: this.patch((v) => ({ light: { character: v } })) }), lit);
+    panel.check("ship", "deck-lights", "Deck lights", { ...this.about,
+      depends: (s) => this.of(s)?.model !== undefined,
+      get: (s) => Boolean(this.of(s)?.deckLights),
+      patch: this.patch((v) => ({ deckLights: v })) });
+    panel.check("ship", "searchlight", "Searchlight", { ...this.about,
+      depends: there, get: (s) => Boolean(this.of(s)?.searchlight?.on),
+      patch: this.patch((v) => ({ searchlight: { on: v } })) });
+    const point = (label, name, id) => this.range(label, `searchlight.${name}`,
+      "°", 1, { id, depends: (e) => Boolean(e.searchlight?.on),
+        get: (s) => this.of(s)?.searchlight?.[name],
+        patch: this.patch((v) => ({ searchlight: { [name]: v } })) });
+    point("It points to", "bearing", "search-bearing");
+    point("It points up", "elevation", "search-elevation");
   }
 
   // --- the view ---------------------------------------------------------------------
