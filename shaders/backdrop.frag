@@ -3,6 +3,7 @@
 #include "lib/flat.glsl"
 #include "lib/sky.glsl"
 #include "lib/clouds.glsl"
+#include "lib/fog.glsl"
 #include "lib/beam.glsl"
 #include "lib/ray.glsl"
 #include "lib/water.glsl"

@@ -11,6 +11,7 @@ layout(std430, binding = PEL_STORE_LIGHT) writeonly buffer out_block {
     vec4 out_sea; // by water_map.comp
     vec4 out_beams[PEL_LIGHTS];
     vec4 out_skies[PEL_LIGHTS];
+    vec4 out_open_sky;
 };
 
 shared vec3 partial[64];
@@ -49,12 +50,19 @@ void main()
 {
     uint lane = gl_LocalInvocationID.x;
     float level = 0.0;
+#ifdef PEL_FOG
+    vec3 above = vec3(0.0), straight = vec3(0.0);
+#endif
     for (int i = 0; i < PEL_LIT; i++) {
         vec3 sky = gather(i, lane);
         vec4 to = lights[i].direction;
         vec3 direct = lights[i].irradiance.rgb *
                       light_transmittance(transmittance, 0.0, to.z, to.w);
         level += illuminance(sky + direct * max(to.z, 0.0));
+#ifdef PEL_FOG
+        above += sky;
+        straight += direct * max(to.z, 0.0);
+#endif
         if (lane == 0u) {
             out_beams[i] = vec4(direct, 0.0);
             out_skies[i] = vec4(sky, 0.0);
@@ -62,5 +70,12 @@ void main()
     }
     if (lane == 0u) {
         out_incident = vec4(level, 0.0, 0.0, 0.0);
+#ifdef PEL_FOG
+#ifdef PEL_CLOUDS
+        // What they let through, less what of it is the beams'.
+        above = max((above + straight) * cloud_light.x - straight * cloud_light.y, vec3(0.0));
+#endif
+        out_open_sky = vec4(above, 0.0);
+#endif
     }
 }

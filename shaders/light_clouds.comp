@@ -1,7 +1,11 @@
 #version 450 core
-// What clouds leave of the sky's light on the sea, from the map that the sea
+// What clouds and fog leave of the sky's light on the sea, from the map that the sea
 // reflects: the skies of all lights are scaled alike.
 #include "lib/blocks.h"
+#include "lib/sky.glsl"
+#include "lib/clouds.glsl"
+#include "lib/fog.glsl"
+#include "lib/beam.glsl"
 
 layout(local_size_x = PEL_GROUP_LINE) in;
 layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
@@ -13,8 +17,6 @@ layout(std430, binding = PEL_STORE_LIGHT) buffer out_block {
 };
 
 shared vec3 partial[PEL_GROUP_LINE];
-
-const float PI = 3.14159265358979;
 
 float illuminance(vec3 e)
 {
@@ -42,18 +44,23 @@ void main()
         barrier();
     }
     if (lane == 0u) {
-        vec3 clear = vec3(0.0), direct = vec3(0.0);
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+        veil_lights_evenly();
+#endif
+        vec3 clear = vec3(0.0), direct = vec3(0.0), left = vec3(0.0);
         for (int i = 0; i < PEL_LIT; i++) {
             clear += out_skies[i].rgb;
-            direct += out_beams[i].rgb * max(lights[i].direction.z, 0.0);
+            vec3 one = out_beams[i].rgb * max(lights[i].direction.z, 0.0);
+            direct += one;
+            left += one * beam_share(i);
         }
         vec3 share = partial[0] / max(clear, vec3(1e-20));
         for (int i = 0; i < PEL_LIT; i++) {
             out_skies[i].rgb *= share;
         }
-        vec3 now = direct * cloud_light.y + partial[0];
+        vec3 now = left + partial[0];
         out_sea.rgb *= now / max(direct + clear, vec3(1e-20));
-        // How much brighter the sky is than without clouds.
+        // How much brighter the sky is than without them.
         out_incident = vec4(illuminance(now), share);
     }
 }

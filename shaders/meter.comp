@@ -5,6 +5,7 @@
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 #include "lib/clouds.glsl"
+#include "lib/fog.glsl"
 #include "lib/beam.glsl"
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"
@@ -49,8 +50,8 @@ vec3 mean_sea(vec3 dir)
     for (int i = 0; i < PEL_LIT; i++) {
         leaving += leaving_deep_water(i, water_place(v, n, light_above(i, tilt)));
     }
-#ifdef PEL_CLOUDS
-    leaving *= water_below_clouds(tilt);
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+    leaving *= water_veiled(tilt);
 #endif
     lit parts = sea_radiance(reflection_map, v, tilt, n, wind.zw, leaving, vec3(0.0), NOT_PRESSED, 0.0);
     cover_by_foam(vec2(whitecaps.w, 1.0), n, tilt, parts);
@@ -62,7 +63,7 @@ vec3 mean_sea(vec3 dir)
 vec3 seen(vec3 dir)
 {
     float angle = angle_above_horizon(dir);
-#ifdef PEL_CLOUDS
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
     vec3 above = normalize(vec3(dir.xy, max(dir.z, 0.0)));
     vec2 place = above.xy / (1.0 + above.z) * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
     vec3 light = angle < 0.0 ? mean_sea(dir) : textureLod(reflection_map, place, 0.0).rgb;
@@ -128,14 +129,17 @@ pel_shader_glare glare_of(int i)
 #ifdef PEL_CLOUDS
     direct *= clouds_toward(transmittance, to.xyz, vec3(0.0), 0.001, 1e9).beam;
 #endif
+#ifdef PEL_FOG
+    direct *= exp(-fog_to_light(vec3(0.0, 0.0, eye.x), i, to.xyz));
+#endif
     float share = lut.y > 0.5 ? 0.0 : meter.w;
     return pel_shader_glare(vec4(to.xyz, 0.5 * to.w * to.w), vec4(direct * (share * centre), share));
 }
 
 void main()
 {
-#ifdef PEL_CLOUDS
-    below_mean_clouds();
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+    veil_lights_evenly();
 #endif
     int lane = int(gl_LocalInvocationID.x);
     int samples = int(meter.x) * PEL_METER_COLUMNS * PEL_METER_ROWS;
@@ -160,17 +164,17 @@ void main()
         vec3 balance = meter.z == float(PEL_TONE_LINEAR)
                            ? vec3(1.0)
                            : vec3(PEL_TONE_RED, PEL_TONE_GREEN, PEL_TONE_BLUE);
-#ifdef PEL_CLOUDS
-        // Under clouds white is what a sheet on the sea looks like, as cameras
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+        // Under clouds and in fog white is what a sheet on the sea looks like, as cameras
         // and eyes have it.
         vec3 falling = vec3(0.0);
         for (int i = 0; i < PEL_LIT; i++) {
-            falling += beams[i].rgb * (cloud_light.y * max(lights[i].direction.z, 0.0)) + skies[i].rgb;
+            falling += beams[i].rgb * (lights_leave[i] * max(lights[i].direction.z, 0.0)) + skies[i].rgb;
         }
         vec3 white = vec3(dot(red.rgb, falling), dot(green.rgb, falling), dot(blue.rgb, falling));
         float grey = dot(vec3(0.2126, 0.7152, 0.0722), white);
         balance = mix(balance, pow(grey / max(white, vec3(1e-9)), vec3(PEL_CLOUD_WHITE)),
-                      meter.z == float(PEL_TONE_LINEAR) ? 0.0 : 1.0 - cloud_light.y);
+                      meter.z == float(PEL_TONE_LINEAR) ? 0.0 : 1.0 - lights_leave[0]);
 #endif
         out_exposing = vec4(balance * (exp2(-ev) * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE)), 0.0);
         out_rods = rod;

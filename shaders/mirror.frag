@@ -3,6 +3,7 @@
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 #include "lib/clouds.glsl"
+#include "lib/fog.glsl"
 #include "lib/beam.glsl"
 #include "lib/ray.glsl"
 #include "lib/water.glsl"

@@ -3,6 +3,7 @@
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 #include "lib/clouds.glsl"
+#include "lib/fog.glsl"
 #include "lib/beam.glsl"
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"
@@ -39,8 +40,8 @@ layout(location = 2) uniform int sun; // its place among the lights
 
 void main()
 {
-#ifdef PEL_CLOUDS
-    below_mean_clouds();
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+    veil_lights_evenly();
 #endif
     const vec3 n = vec3(0.0, 0.0, 1.0);
     vec3 tx = vec3(wind.xy, 0.0);

@@ -6,6 +6,7 @@
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 #include "lib/clouds.glsl"
+#include "lib/fog.glsl"
 
 layout(location = 0) out vec4 radiance;
 layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
@@ -38,6 +39,9 @@ void main()
     // Not lower than half a texel above the horizon.
     dir.z = max(dir.z, 0.01);
     light = clouded_sky(clouds_toward(transmittance, normalize(dir), light, 0.02, 1e9), light);
+#endif
+#ifdef PEL_FOG
+    light = foggy_sky(fog_toward(vec3(0.0), normalize(vec3(dir.xy, max(dir.z, 0.01))), 1e7), light);
 #endif
     radiance = vec4(light, 1.0);
 }

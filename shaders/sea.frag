@@ -17,6 +17,7 @@
 #include "lib/filtered.glsl"
 #include "lib/sky.glsl"
 #include "lib/clouds.glsl"
+#include "lib/fog.glsl"
 #include "lib/beam.glsl"
 #include "lib/variance.glsl"
 #include "lib/ray.glsl"

@@ -10,7 +10,7 @@
 #include "lib/ross.glsl"
 
 layout(location = 0) out vec4 radiance;
-#ifdef PEL_CLOUDS
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
 layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 #else
 layout(binding = PEL_UNIT_SKY_TABLE) uniform sampler2DArray sky_table;
@@ -48,7 +48,7 @@ void main()
         float weight = (z - eta) * exp(-0.5 * z * z);
         float cosine = (z - eta) * s * inversesqrt((1.0 + s2 * z * z + cross2) * (1.0 + s2 * eta * eta));
         vec3 fresnel = facet_reflectance(cosine);
-#ifdef PEL_CLOUDS
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
         float rise = max(s * (2.0 * z - eta), 0.0);
         // Stereographic, as reflection.frag has it.
         float r = inversesqrt(1.0 + rise * rise);

@@ -5,6 +5,7 @@
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 #include "lib/clouds.glsl"
+#include "lib/fog.glsl"
 #include "lib/beam.glsl"
 #include "lib/ross.glsl"
 #include "lib/water.glsl"
@@ -30,7 +31,7 @@ vec3 mean_sea(vec3 dir)
 
 vec3 above_sea(vec3 dir)
 {
-#ifdef PEL_CLOUDS
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
     vec2 place = dir.xy / (1.0 + max(dir.z, 0.0)) * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
     return textureLod(reflection_map, place, 0.0).rgb;
 #else
@@ -40,8 +41,8 @@ vec3 above_sea(vec3 dir)
 
 void main()
 {
-#ifdef PEL_CLOUDS
-    below_mean_clouds();
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+    veil_lights_evenly();
 #endif
     ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     vec2 e = (vec2(at) + 0.5) * (2.0 / float(PEL_SURROUNDINGS_SIZE)) - 1.0;

@@ -156,7 +156,7 @@ class State(OceanCase):
         import dataclasses
         from pelagos import schema
         parts = {"entities": "Entity", "views": "View", "swell": "Swell",
-                 "helm": "OwnShip", "areas": "Area",
+                 "helm": "OwnShip", "areas": "Area", "fog": "Fog",
                  "track": "TrackPoint", "sectors": "LightSector",
                  "signal": "SignalLamp"}
         for path, field in self.ocean.fields().items():

@@ -165,6 +165,22 @@ export class Sections {
     this.range("sky", "Clouds", "sky.cloudCover", "okta", 1,
       { id: "cloud-cover" });
     this.choice("sky", "cloud-genus", "Clouds are", "sky.cloudGenus", cloudy);
+    this.buildFog();
+  }
+
+  // The first of sky.fog.
+  buildFog() {
+    let fogs = [];
+    const foggy = (s) => (fogs = s.sky?.fog ?? []).length > 0;
+    this.check("sky", "fog", "Fog", { get: foggy,
+      patch: (v) => ({ sky: { fog: v ? [{}] : [] } }) });
+    const range = (name, label, key, step) => this.range("sky", label,
+      `sky.fog.*.${key}`, "m", step, { id: name, scale: "asinh",
+        depends: foggy, get: (s) => s.sky?.fog?.[0]?.[key],
+        patch: (v) => ({ sky: { fog: [{ ...fogs[0], [key]: v },
+          ...fogs.slice(1)] } }) });
+    range("fog-visibility", "Visibility in it", "visibility", 10);
+    range("fog-top", "Its top", "top", 5);
   }
 
   // Where Sun and Moon stand now, as long as the section is seen.

@@ -62,6 +62,8 @@ static void place_clouds(const struct pel_snapshot *s,
     double y = (e ? e->north_m : 0) - env->clouds.north_mps * env->time_s;
     env->clouds_x_m = step_m * round(x / step_m);
     env->clouds_y_m = step_m * round(y / step_m);
+    env->own_east_m = e ? e->east_m : 0;
+    env->own_north_m = e ? e->north_m : 0;
 }
 
 struct pel_environment pel_environment_of(const struct pel_snapshot *s,
@@ -93,6 +95,8 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
                            &env.night);
     }
     place_clouds(s, &env);
+    memcpy(env.fog, s->fog, sizeof env.fog);
+    env.fog_count = s->fog_count;
     return env;
 }
 

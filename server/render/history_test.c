@@ -88,6 +88,15 @@ static void fill_scenes(void)
     scenes[LARGE].camera =
         test_camera((struct test_look){ 3, 30, -8, 0, 70, 400, 256 });
     scenes[TIDE] = scenes[COAST];
+    scenes[TIDE].env.fog_count = 2;
+    scenes[TIDE].env.fog[0] =
+        (struct pel_fog){ .extinction = 4e-4, .top_m = 60, .soft_m = 20 };
+    scenes[TIDE].env.fog[1] = (struct pel_fog){
+        .extinction = 0.02, .top_m = 40, .radius_m = 300, .north_m = 400
+    };
+    scenes[NIGHT].env.fog_count = 1;
+    scenes[NIGHT].env.fog[0] =
+        (struct pel_fog){ .extinction = 1e-3, .top_m = 50, .soft_m = 20 };
     scenes[TIDE].env.sea_level_m = 4;
     scenes[TIDE].env.clouds =
         (struct pel_clouds){ 1, PEL_CLOUD_STRATUS, 350, 400, 12, 3, 2 };

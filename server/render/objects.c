@@ -99,7 +99,7 @@ static enum pel_err need_shading(struct pel_objects *o,
 {
     kind = kind == PEL_SHADE_BOTH ? PEL_SHADE_LIGHT : kind;
     GLuint *program = &o->shade[sampled][land][kind];
-    char defines[192];
+    char defines[192 + PEL_LIGHT_TEXT];
     snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
              pel_shading_defines(kind), pel_light_defines(p->light),
              p->textured ? "#define PEL_TEXTURED\n" : "",

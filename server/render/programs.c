@@ -42,33 +42,31 @@ const char *pel_shading_defines(enum pel_shading kind)
 
 const char *pel_light_defines(enum pel_programs_light light)
 {
-    static const char *const defines[PEL_LIGHT_KINDS] = {
+    static const char *const lit[PEL_LIGHT_NIGHT] = {
         [PEL_LIGHT_ONE] = "",
         [PEL_LIGHT_ONE_AND_DISC] = "#define PEL_DISCS 2\n",
         [PEL_LIGHT_TWO] = "#define PEL_LIT 2\n",
-        [PEL_LIGHT_NIGHT + PEL_LIGHT_ONE] = "#define PEL_NIGHT\n",
-        [PEL_LIGHT_NIGHT + PEL_LIGHT_ONE_AND_DISC] =
-            "#define PEL_NIGHT\n#define PEL_DISCS 2\n",
-        [PEL_LIGHT_NIGHT + PEL_LIGHT_TWO] =
-            "#define PEL_NIGHT\n#define PEL_LIT 2\n",
-        [PEL_LIGHT_PANORAMA + PEL_LIGHT_ONE] = "#define PEL_PANORAMA\n",
-        [PEL_LIGHT_PANORAMA + PEL_LIGHT_ONE_AND_DISC] =
-            "#define PEL_PANORAMA\n#define PEL_DISCS 2\n",
-        [PEL_LIGHT_PANORAMA + PEL_LIGHT_TWO] =
-            "#define PEL_PANORAMA\n#define PEL_LIT 2\n",
-        [PEL_LIGHT_CLOUDED + PEL_LIGHT_ONE] = "#define PEL_CLOUDS\n",
-        [PEL_LIGHT_CLOUDED + PEL_LIGHT_ONE_AND_DISC] =
-            "#define PEL_CLOUDS\n#define PEL_DISCS 2\n",
-        [PEL_LIGHT_CLOUDED + PEL_LIGHT_TWO] =
-            "#define PEL_CLOUDS\n#define PEL_LIT 2\n",
-        [PEL_LIGHT_CLOUDED + PEL_LIGHT_NIGHT + PEL_LIGHT_ONE] =
-            "#define PEL_CLOUDS\n#define PEL_NIGHT\n",
-        [PEL_LIGHT_CLOUDED + PEL_LIGHT_NIGHT + PEL_LIGHT_ONE_AND_DISC] =
-            "#define PEL_CLOUDS\n#define PEL_NIGHT\n#define PEL_DISCS 2\n",
-        [PEL_LIGHT_CLOUDED + PEL_LIGHT_NIGHT + PEL_LIGHT_TWO] =
-            "#define PEL_CLOUDS\n#define PEL_NIGHT\n#define PEL_LIT 2\n",
     };
-    return defines[light];
+    static const char *const looks[] = { "", "#define PEL_NIGHT\n",
+                                         "#define PEL_PANORAMA\n" };
+    static char texts[PEL_LIGHT_KINDS][PEL_LIGHT_TEXT];
+    const int fog = light / PEL_LIGHT_FOGGED;
+    char *text = texts[light];
+    if (!*text) {
+        int n = snprintf(
+            text, PEL_LIGHT_TEXT, "%s%s%s", lit[light % PEL_LIGHT_NIGHT],
+            looks[light % PEL_LIGHT_CLOUDED / PEL_LIGHT_NIGHT],
+            light / PEL_LIGHT_CLOUDED % 2 ? "#define PEL_CLOUDS\n" : "");
+        if (fog) {
+            snprintf(
+                text + n, (size_t)(PEL_LIGHT_TEXT - n),
+                "#define PEL_FOG\n#define PEL_FOG_LAYERS %d\n"
+                "#define PEL_FOG_BANKS %d\n#define PEL_FOG_LIFTED %s\n",
+                fog % (PEL_FOGS + 1), fog / (PEL_FOGS + 1) % (PEL_FOGS + 1),
+                fog / ((PEL_FOGS + 1) * (PEL_FOGS + 1)) ? "true" : "false");
+        }
+    }
+    return text;
 }
 
 const char *pel_sky_look_defines(enum pel_sky_look look)
@@ -81,17 +79,41 @@ const char *pel_sky_look_defines(enum pel_sky_look look)
     return defines[look];
 }
 
+/* By the number of layers, of banks, and whether any layer is above the sea. */
+static int fog_kind(const struct pel_environment *env)
+{
+    int layers = 0, banks = 0, lifted = 0;
+    for (int i = 0; i < env->fog_count; i++) {
+        bool bank = env->fog[i].radius_m > 0;
+        banks += bank;
+        layers += !bank;
+        lifted |= !bank && env->fog[i].base_m > 0;
+    }
+    return layers + (PEL_FOGS + 1) * (banks + (PEL_FOGS + 1) * lifted);
+}
+
 int pel_light_program(const struct pel_environment *env)
 {
-    return env->lit - 1 + (env->clouds.cover > 0 ? PEL_LIGHTS : 0);
+    return env->lit - 1 + (env->clouds.cover > 0 ? PEL_LIGHTS : 0) +
+           2 * PEL_LIGHTS * fog_kind(env);
+}
+
+bool pel_light_veiled(const struct pel_environment *env)
+{
+    return env->clouds.cover > 0 || env->fog_count > 0;
+}
+
+enum pel_programs_light pel_light_veils(const struct pel_environment *env)
+{
+    return (env->clouds.cover > 0 ? PEL_LIGHT_CLOUDED : 0) +
+           PEL_LIGHT_FOGGED * fog_kind(env);
 }
 
 const char *pel_light_program_defines(const struct pel_environment *env)
 {
     enum pel_programs_light light =
         env->lit > 1 ? PEL_LIGHT_TWO : PEL_LIGHT_ONE;
-    return pel_light_defines(env->clouds.cover > 0 ? light + PEL_LIGHT_CLOUDED
-                                                   : light);
+    return pel_light_defines(light + pel_light_veils(env));
 }
 
 static const char *const tile_defines[PEL_COAST_TILES] = {
@@ -203,7 +225,7 @@ static enum pel_err make_sea_program(struct pel_programs *all,
     if (*out) {
         return PEL_OK;
     }
-    char defines[416], surface[192];
+    char defines[608], surface[192];
     surface_defines(all, sea, surface);
     snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s", surface,
              pel_light_defines(all->light),
@@ -293,10 +315,10 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
     for (int disc = 0; disc < 2; disc++) {
         GLuint *program = disc ? &all->disc[all->look][kind]
                                : &all->backdrop[all->look][kind];
-        char defines[160];
+        char defines[320];
         /* Another's disc may be in its box. */
         snprintf(defines, sizeof defines, "%s%s%s%s%s", kind_defines[kind],
-                 all->light >= PEL_LIGHT_CLOUDED ? "#define PEL_CLOUDS\n" : "",
+                 pel_light_defines(all->light - all->light % PEL_LIGHT_CLOUDED),
                  pel_sky_look_defines(all->look),
                  all->light % PEL_LIGHT_NIGHT == PEL_LIGHT_TWO
                      ? "#define PEL_LIT 2\n"
@@ -348,7 +370,7 @@ bool pel_programs_have_edges(const struct pel_programs *p)
 enum pel_err pel_programs_need_edges(struct pel_programs *all,
                                      struct pel_fault *fault)
 {
-    char put[64];
+    char put[32 + PEL_LIGHT_TEXT];
     snprintf(put, sizeof put, "#define PEL_PUT\n%s",
              pel_light_defines(all->light));
     const char *keys = all->compute ? "#define PEL_KEYS\n" : NULL;

@@ -31,6 +31,9 @@ enum pel_objects_known {
     PEL_OBJECTS_KNOWN_COUNT
 };
 
+/* By the numbers of layers and banks, and whether a layer is above the sea. */
+#define PEL_FOG_KINDS (2 * (PEL_FOGS + 1) * (PEL_FOGS + 1))
+
 /* By what the lights of a picture are: how many give light, whether the disc
  * of one that gives none may be seen. */
 enum pel_programs_light {
@@ -40,7 +43,9 @@ enum pel_programs_light {
     PEL_LIGHT_NIGHT, /* added to these: with the night's map and stars */
     PEL_LIGHT_PANORAMA = 2 * PEL_LIGHT_NIGHT, /* with a picture as the sky */
     PEL_LIGHT_CLOUDED = 3 * PEL_LIGHT_NIGHT,  /* added to those: with clouds */
-    PEL_LIGHT_KINDS = 2 * PEL_LIGHT_CLOUDED
+    /* Times the kind of fog added to those. */
+    PEL_LIGHT_FOGGED = 2 * PEL_LIGHT_CLOUDED,
+    PEL_LIGHT_KINDS = PEL_FOG_KINDS * PEL_LIGHT_FOGGED
 };
 
 /* How the sky is come by. */
@@ -112,13 +117,18 @@ PEL_CHECK enum pel_err pel_programs_take_light(struct pel_programs *p,
                                                enum pel_programs_light light,
                                                struct pel_fault *fault);
 
-/* The place of programs that differ by the lights and clouds alone, below
+/* Whether clouds or fog veil the lights; what of the above they add. */
+bool pel_light_veiled(const struct pel_environment *env);
+enum pel_programs_light pel_light_veils(const struct pel_environment *env);
+
+/* The place of programs that differ by the lights, clouds and fog alone, below
  * PEL_LIGHT_PROGRAMS, and what they define. */
-#define PEL_LIGHT_PROGRAMS (2 * PEL_LIGHTS)
+#define PEL_LIGHT_PROGRAMS (2 * PEL_LIGHTS * PEL_FOG_KINDS)
 int pel_light_program(const struct pel_environment *env);
 const char *pel_light_program_defines(const struct pel_environment *env);
 
-/* What all shaders define by the lights. */
+/* What all shaders define by the lights, shorter than PEL_LIGHT_TEXT. */
+#define PEL_LIGHT_TEXT 160
 const char *pel_light_defines(enum pel_programs_light light);
 
 /* What the shaders of this kind define. */

@@ -170,6 +170,7 @@ static void bind_table_eye(void *user, double height_m)
     if (r->env) {
         pel_fill_cloud_eye(r->env, r->env->clouds_x_m, r->env->clouds_y_m,
                            &block);
+        pel_fill_fog_own(r->env, &block);
     }
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &block,
                    sizeof block);
@@ -274,6 +275,7 @@ static void expose(struct pel_renderer *r, const struct pel_environment *env,
     struct pel_block_sighted sights;
     pel_fill_eye(height_m, table_height_m, submerged, NULL, &eye);
     pel_fill_spray(env->sea->foam, submerged ? 0.0 : height_m, &eye);
+    pel_fill_fog(env, c->east_m, c->north_m, &eye);
     pel_fill_sights(env, c, &sights);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                    sizeof eye);
@@ -436,6 +438,7 @@ static void draw_pixels(struct pel_renderer *r,
     }
     pel_fill_cloud_eye(env, c->east_m - env->clouds.east_mps * env->time_s,
                        c->north_m - env->clouds.north_mps * env->time_s, &eye);
+    pel_fill_fog(env, c->east_m, c->north_m, &eye);
     if (cascades) {
         struct pel_block_cascades block;
         pel_fill_cascades(env->sea->cascades, c->east_m, c->north_m, &block);
@@ -613,8 +616,7 @@ static enum pel_programs_light light_of(const struct pel_renderer *r,
                 : env->panorama ? PEL_LIGHT_PANORAMA
                 : env->night.on ? PEL_LIGHT_NIGHT
                                 : 0;
-    int clouded = env->clouds.cover > 0 ? PEL_LIGHT_CLOUDED : 0;
-    return clouded + night +
+    return pel_light_veils(env) + night +
            (env->lit > 1                 ? PEL_LIGHT_TWO
             : env->discs > 1 && with_sea ? PEL_LIGHT_ONE_AND_DISC
                                          : PEL_LIGHT_ONE);

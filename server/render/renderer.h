@@ -11,6 +11,7 @@
 
 #include "base/err.h"
 #include "optics/clouds.h"
+#include "optics/fog.h"
 #include "optics/lamp.h"
 #include "optics/watertable.h"
 #include "proto/layers.h"
@@ -65,6 +66,9 @@ struct pel_environment {
     /* Whence the clouds are seen that the sea mirrors, in metres of the air
      * that they drift with: own ship's place. */
     double clouds_x_m, clouds_y_m;
+    struct pel_fog fog[PEL_FOG_MAX];
+    int fog_count;
+    double own_east_m, own_north_m; /* whence fog is seen that it mirrors */
     struct pel_water_body water;
     enum pel_water_orders orders;
     /* Depths to have the water's light for, over a bottom that is not flat;

@@ -100,7 +100,7 @@ enum pel_err pel_sensing_need(struct pel_sensing *s,
     if (*program || !pel_sensing_is(c)) {
         return PEL_OK;
     }
-    char defines[256];
+    char defines[64 + PEL_LIGHT_TEXT];
     const char *light = pel_light_defines(programs->light);
     strncpy(defines, is_thermal(c) ? "#define PEL_THERMAL\n" : "",
             sizeof defines - 1);

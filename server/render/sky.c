@@ -10,6 +10,7 @@
 #include "optics/atmosphere.h"
 #include "render/programs.h"
 #include "render/shader.h"
+#include "render/uniforms.h"
 #include "render/worker_pool.h"
 #include "shaders/lib/blocks.h"
 
@@ -105,7 +106,7 @@ enum pel_err pel_sky_need(struct pel_sky *sky,
     const enum pel_sky_look look = pel_sky_look(env);
     const char *lights = env->lit > 1 ? "#define PEL_LIT 2\n" : "";
     const char *clouded = pel_light_program_defines(env);
-    char dark[64], both[96];
+    char dark[64], both[32 + PEL_LIGHT_TEXT];
     snprintf(dark, sizeof dark, "%s%s", lights, pel_sky_look_defines(look));
     snprintf(both, sizeof both, "%s%s", clouded, pel_sky_look_defines(look));
     const struct {
@@ -118,9 +119,10 @@ enum pel_err pel_sky_need(struct pel_sky *sky,
           both, true },
         { &sky->second_program[at], "screen.vert", "second.frag", clouded,
           true },
-        { &sky->light_program[at], "light.comp", NULL, lights, true },
-        { &sky->clouded_program[at], "light_clouds.comp", NULL, clouded,
-          env->clouds.cover > 0 },
+        { &sky->light_program[at], "light.comp", NULL,
+          env->fog_count ? clouded : lights, true },
+        { &sky->veiled_program[at], "light_clouds.comp", NULL, clouded,
+          pel_light_veiled(env) },
     };
     enum pel_err err = PEL_OK;
     for (size_t i = 0; i < sizeof programs / sizeof *programs; i++) {
@@ -190,7 +192,7 @@ void pel_sky_finish(struct pel_sky *sky)
         }
         glDeleteProgram(sky->second_program[i]);
         glDeleteProgram(sky->light_program[i]);
-        glDeleteProgram(sky->clouded_program[i]);
+        glDeleteProgram(sky->veiled_program[i]);
     }
     const GLuint textures[] = { sky->transmittance, sky->airlight,
                                 sky->reflection, sky->second };
@@ -338,14 +340,31 @@ static void cloud_key(const struct pel_environment *env,
     }
 }
 
-/* What they leave of the light on the sea, by the map that it mirrors. */
-static void cloud_light(struct pel_sky *sky, int at)
+static void fog_key(const struct pel_environment *env,
+                    double key[PEL_SKY_FOG_KEYS])
+{
+    struct pel_block_eye eye = { .fog_layers = { .x = 0 } };
+    pel_fill_fog_own(env, &eye);
+    *key++ = env->fog_count;
+    for (int i = 0; i < PEL_FOGS; i++, key += 8) {
+        const struct pel_shader_fog *f = &eye.fogs[i];
+        const float all[8] = { f->shape.x, f->shape.y, f->shape.z, f->shape.w,
+                               f->place.x, f->place.y, f->place.z, 0 };
+        for (int k = 0; k < 8; k++) {
+            key[k] = (double)all[k];
+        }
+    }
+}
+
+/* What clouds and fog leave of the light on the sea, by the map that it
+ * mirrors. */
+static void veiled_light(struct pel_sky *sky, int at)
 {
     glBindTextureUnit(PEL_UNIT_REFLECTION, sky->reflection);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LIGHT, sky->light);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
                     GL_SHADER_STORAGE_BARRIER_BIT);
-    glUseProgram(sky->clouded_program[at]);
+    glUseProgram(sky->veiled_program[at]);
     glDispatchCompute(1, 1, 1);
     glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
@@ -377,6 +396,7 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
     light_key[PEL_SKY_KEYS + 3] = env->wind_to_rad;
     light_key[PEL_SKY_KEYS + 4] = env->water.index[1];
     cloud_key(env, light_key + PEL_SKY_KEYS + 5);
+    fog_key(env, light_key + PEL_SKY_KEYS + 5 + PEL_SKY_CLOUD_KEYS);
     const int at = pel_light_program(env);
     if (!sky->light_made ||
         memcmp(light_key, sky->light_key, sizeof light_key)) {
@@ -402,7 +422,7 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         const GLuint reflect = sky->reflection_program[pel_sky_look(env)][at];
         glProgramUniform2f(reflect, 0, PEL_SKY_MAP_SIZE,
                            (float)PEL_REFLECTION_HALF_WIDTH);
-        if (env->clouds.cover > 0) {
+        if (pel_light_veiled(env)) {
             bind_eye(user, PEL_SKY_SEA_HEIGHT);
             glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
             glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky->sea.radiance);
@@ -410,8 +430,8 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         draw_screen(reflect, sky->reflection_fbo, PEL_SKY_MAP_SIZE,
                     PEL_SKY_MAP_SIZE);
         glGenerateTextureMipmap(sky->reflection);
-        if (env->clouds.cover > 0) {
-            cloud_light(sky, at);
+        if (pel_light_veiled(env)) {
+            veiled_light(sky, at);
         }
         draw_screen(sky->second_program[at], sky->second_fbo, PEL_SECOND_SIZE,
                     PEL_SECOND_SIZE);

@@ -19,7 +19,9 @@
 #define PEL_SKY_KEYS (6 * PEL_LIGHTS + 2 + PEL_NIGHT_KEYS + PEL_PANORAMA_KEYS)
 /* And the light on the sea. */
 #define PEL_SKY_CLOUD_KEYS 8
-#define PEL_SKY_LIGHT_KEYS (PEL_SKY_KEYS + 5 + PEL_SKY_CLOUD_KEYS)
+#define PEL_SKY_FOG_KEYS (1 + 8 * PEL_FOGS)
+#define PEL_SKY_LIGHT_KEYS                                                     \
+    (PEL_SKY_KEYS + 5 + PEL_SKY_CLOUD_KEYS + PEL_SKY_FOG_KEYS)
 #define PEL_SKY_MAP_SIZE 128
 
 struct pel_sky_table {
@@ -36,7 +38,7 @@ struct pel_sky {
     GLuint light_program[PEL_LIGHT_PROGRAMS]; /* pel_light_program */
     GLuint reflection_program[PEL_SKY_LOOKS][PEL_LIGHT_PROGRAMS];
     GLuint second_program[PEL_LIGHT_PROGRAMS]; /* waves seen in waves */
-    GLuint clouded_program[PEL_LIGHT_PROGRAMS];
+    GLuint veiled_program[PEL_LIGHT_PROGRAMS];
     GLuint transmittance, transmittance_fbo;
     GLuint airlight; /* light scattered before (optics/airlight.h) */
     struct pel_worker_pool *pool;
@@ -61,7 +63,7 @@ void pel_sky_finish(struct pel_sky *sky);
 
 enum pel_sky_look pel_sky_look(const struct pel_environment *env);
 
-/* Makes the programs for these lights, night and clouds. GPU. */
+/* Makes the programs for these lights, night, clouds and fog. GPU. */
 PEL_CHECK enum pel_err pel_sky_need(struct pel_sky *sky,
                                     const struct pel_environment *env,
                                     const char *shader_dir,

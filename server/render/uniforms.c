@@ -199,6 +199,52 @@ void pel_fill_cloud_eye(const struct pel_environment *env, double x_m,
     }
 }
 
+/* Layers, then banks. */
+void pel_fill_fog(const struct pel_environment *env, double east_m,
+                  double north_m, struct pel_block_eye *out)
+{
+    int count = 0;
+    double deep = 0;
+    for (int banks = 0; banks < 2; banks++) {
+        for (int i = 0; i < env->fog_count; i++) {
+            struct pel_shader_fog *f = &out->fogs[count];
+            if ((env->fog[i].radius_m > 0) != banks) {
+                continue;
+            }
+            count++;
+            *f = pel_fog_seen(&env->fog[i], env->time_s, east_m, north_m);
+            if (!banks) {
+                double above, below;
+                pel_fog_column(f, (struct pel_vec3){ 0, 0, 0 }, &above, &below);
+                deep += above;
+                f->place.x =
+                    (float)pel_fog_slant(f, env->lights[0].direction.z);
+                f->place.y =
+                    (float)pel_fog_slant(f, env->lights[1].direction.z);
+            }
+        }
+    }
+    out->fog_layers = vec4(deep, 0, 0, 0);
+}
+
+static float stepped(float metres)
+{
+    return (float)PEL_FOG_STEP_M * roundf(metres / (float)PEL_FOG_STEP_M);
+}
+
+void pel_fill_fog_own(const struct pel_environment *env,
+                      struct pel_block_eye *out)
+{
+    pel_fill_fog(env, env->own_east_m, env->own_north_m, out);
+    for (int i = 0; i < env->fog_count; i++) {
+        struct pel_vec4 *place = &out->fogs[i].place;
+        if (place->z > 0) {
+            place->x = stepped(place->x);
+            place->y = stepped(place->y);
+        }
+    }
+}
+
 void pel_fill_grain(const struct pel_foam *foam, double wind_to_rad,
                     double east_m, double north_m, struct pel_block_eye *out)
 {

@@ -61,6 +61,13 @@ void pel_fill_wash(const struct pel_environment *env, double east_m,
 void pel_fill_areas(const struct pel_environment *env, double east_m,
                     double north_m, struct pel_block_areas *out);
 
+/* Fog as it is seen from a place, and from own ship's for what the sea mirrors,
+ * in steps of PEL_FOG_STEP_M. */
+void pel_fill_fog(const struct pel_environment *env, double east_m,
+                  double north_m, struct pel_block_eye *out);
+void pel_fill_fog_own(const struct pel_environment *env,
+                      struct pel_block_eye *out);
+
 /* Where the eye stands on the structure of foam (lib/foam.glsl). */
 /* Where clouds are seen from, in metres of the air that they drift with. */
 void pel_fill_cloud_eye(const struct pel_environment *env, double x_m,

@@ -528,6 +528,7 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     out->chlorophyll_mg_m3 = state->water->chlorophyll;
     pel_sky_place(state->sky, out);
     pel_clouds_place(state->sky, out->wind_mps, out->wind_to_rad, &out->clouds);
+    pel_fog_place(state, out);
 }
 
 /* The schema's limit. */

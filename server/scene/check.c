@@ -323,6 +323,23 @@ static enum pel_err check_areas(const Pelagos__Sea *sea,
     return err;
 }
 
+static enum pel_err check_fog(const Pelagos__Sky *sky, struct pel_fault *fault)
+{
+    enum pel_err err = check_count(sky->n_fog, PEL_FOG_MAX, "sky.fog", fault);
+    for (size_t i = 0; !err && i < sky->n_fog; i++) {
+        const Pelagos__Fog *f = sky->fog[i];
+        if (f->top < f->bottom + 1) {
+            char path[32], value[32];
+            g_snprintf(path, sizeof path, "sky.fog.%zu.top", i);
+            g_snprintf(value, sizeof value, "%g", f->top);
+            err =
+                pel_fault_refuse(PEL_ERR_INVALID, path, value,
+                                 "must be 1 m above its bottom at least", fault);
+        }
+    }
+    return err;
+}
+
 enum pel_err pel_state_check(const Pelagos__State *state,
                              struct pel_fault *fault)
 {
@@ -342,6 +359,9 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     }
     if (!err && state->sea) {
         err = check_areas(state->sea, fault);
+    }
+    if (!err && state->sky) {
+        err = check_fog(state->sky, fault);
     }
     for (size_t i = 0; !err && i < state->n_entities; i++) {
         err = check_count(state->entities[i]->n_track, PEL_TRACK_MOST,

@@ -71,6 +71,9 @@ void pel_state_fill(Pelagos__State *state, double time_s)
     for (size_t i = 0; i < state->sea->n_areas; i++) {
         fill_scalars(&state->sea->areas[i]->base);
     }
+    for (size_t i = 0; i < state->sky->n_fog; i++) {
+        fill_scalars(&state->sky->fog[i]->base);
+    }
     for (size_t i = 0; i < state->n_entities; i++) {
         Pelagos__Entity *entity = state->entities[i];
         fill_scalars(&entity->base);
@@ -348,6 +351,9 @@ static enum pel_err bounded(const Pelagos__Patch *patch,
     }
     if (state && state->sea && state->sea->n_areas > MAX_PATCHED) {
         return too_many("sea.areas", fault);
+    }
+    if (state && state->sky && state->sky->n_fog > MAX_PATCHED) {
+        return too_many("sky.fog", fault);
     }
     return PEL_OK;
 }

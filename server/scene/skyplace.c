@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "optics/colour.h"
+#include "scene/geodesy.h"
 
 void pel_sky_place(const Pelagos__Sky *sky, struct pel_snapshot *out)
 {
@@ -83,4 +84,37 @@ void pel_clouds_place(const Pelagos__Sky *sky, double wind_mps,
         .north_mps = speed * sin(to),
         .seed = sky->cloud_seed,
     };
+}
+
+static struct pel_fog fog_of(const Pelagos__State *state, const Pelagos__Fog *f,
+                             const struct pel_snapshot *s)
+{
+    struct pel_fog fog = { .extinction = pel_fog_extinction(f->visibility),
+                           .base_m = f->bottom,
+                           .top_m = f->top,
+                           .soft_m = f->edge };
+    if (f->has_radius) {
+        const Pelagos__Origin *o = state->origin;
+        double speed = f->has_speed ? f->speed : s->wind_mps;
+        double to = f->has_direction ? (270.0 - f->direction) * PEL_DEG
+                                     : s->wind_to_rad;
+        fog.radius_m = f->radius;
+        pel_geo_to_local(o->latitude, o->longitude,
+                         f->has_latitude ? f->latitude : o->latitude,
+                         f->has_longitude ? f->longitude : o->longitude,
+                         &fog.east_m, &fog.north_m);
+        fog.east_mps = speed * cos(to);
+        fog.north_mps = speed * sin(to);
+        fog.east_m -= f->time * fog.east_mps;
+        fog.north_m -= f->time * fog.north_mps;
+    }
+    return fog;
+}
+
+void pel_fog_place(const Pelagos__State *state, struct pel_snapshot *out)
+{
+    out->fog_count = (int)state->sky->n_fog;
+    for (int i = 0; i < out->fog_count; i++) {
+        out->fog[i] = fog_of(state, state->sky->fog[i], out);
+    }
 }

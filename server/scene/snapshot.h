@@ -12,6 +12,7 @@
 #include "base/vec.h"
 #include "ocean/sea.h"
 #include "optics/clouds.h"
+#include "optics/fog.h"
 #include "optics/light.h"
 #include "optics/nightsky.h"
 #include "optics/waterbody.h"
@@ -172,6 +173,8 @@ struct pel_snapshot {
     double panorama_scale, panorama_azimuth_rad;
     bool panorama_sun, panorama_dark; /* it has the Sun; there is none */
     struct pel_clouds clouds;
+    struct pel_fog fog[PEL_FOG_MAX];
+    int fog_count;
     size_t entity_count;
     const struct pel_entity_state *entities;
     struct pel_wakes *wakes;   /* of those that make waves; NULL: none */

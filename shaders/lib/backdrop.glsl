@@ -108,7 +108,7 @@ shaded shade_backdrop(ivec2 at)
         starlight = stars_at(at, stars, inverse) *
                     transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
     }
-#ifndef PEL_CLOUDS
+#if !defined(PEL_CLOUDS) && !defined(PEL_FOG)
     light += starlight;
 #endif
 #endif
@@ -124,8 +124,19 @@ shaded shade_backdrop(ivec2 at)
     float beam = beam_behind_clouds(clouds.a);
     disc *= beam;
 #ifdef PEL_NIGHT
-    light += starlight * beam;
+    starlight *= beam;
 #endif
+#endif
+#ifdef PEL_FOG
+    fogged fog = fog_toward(vec3(0.0, 0.0, eye.x), dir, 1e7);
+    light = foggy_sky(fog, light);
+    disc *= exp(-fog.tau);
+#ifdef PEL_NIGHT
+    starlight *= exp(-fog.tau);
+#endif
+#endif
+#if defined(PEL_NIGHT) && (defined(PEL_CLOUDS) || defined(PEL_FOG))
+    light += starlight;
 #endif
     shaded result = only_light(from_under_water(light + disc, dir.z));
 #ifdef PEL_LAYERS

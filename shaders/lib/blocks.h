@@ -417,6 +417,22 @@ struct pel_vec4 {
 #define PEL_CLOUD_NODE_PX 16
 #define PEL_CLOUD_WHITE 0.8 /* power of white balance under clouds */
 
+/* Fog in layers and banks (optics/fog.h): how many; the share of a bank, by q,
+ * that its edge is; Koschmieder's, for a contrast of 2 %; steps in which what
+ * the sea mirrors of banks follows them, m. */
+#define PEL_FOGS 4
+#define PEL_FOG_RIM 0.5
+#define PEL_KOSCHMIEDER 3.912
+#define PEL_FOG_STEP_M 10.0
+struct pel_shader_fog {
+    vec4 shape; /* z extinction, 1/m; of a layer x base, y top, w width of its
+                   edges, m; of a bank x height of its middle, m, y 1 over half
+                   its height, 1/m */
+    vec4 place; /* of a bank xy its middle from the eye's nadir, m; z 1/R²,
+                   1/m²; 0: a layer, xy how much longer than upward the way
+                   out of it is towards the lights */
+};
+
 /* The lights of the sky, each with a sky of its own that it makes in the air
  * (optics/light.h): the tables of sky and water have a layer for each, and what
  * is seen is their sum. */
@@ -501,6 +517,8 @@ PEL_BLOCK(PEL_BLOCK_EYE, eye)
     vec4 bends; /* x of streaks there, turns */
     vec4 eye_clouds; /* xy the nadir in tiles of the clouds' field, along their
                         drift and across; zw that way, unit */
+    vec4 fog_layers; /* x optical depth of all layers, upward */
+    PEL_STRUCT pel_shader_fog fogs[PEL_FOGS]; /* layers, then banks */
 };
 
 /* One for a view. The pixel lattice is X right, Y down, in pixels from the
@@ -697,6 +715,8 @@ PEL_BLOCK(PEL_BLOCK_LIGHT, light)
     vec4 sea_light; /* rgb the water's radiance, seen at 37° across a light */
     vec4 beams[PEL_LIGHTS]; /* rgb irradiance normal to its beam, sea level */
     vec4 skies[PEL_LIGHTS]; /* rgb horizontal irradiance of its sky */
+    vec4 open_sky;          /* rgb that of all above fog, below clouds; w share
+                               of the first light's beam at own ship's place */
 };
 
 /* Levels of seabed_tops, the highest nodes of squares: level k has one for each

@@ -1,4 +1,16 @@
 // A layer of clouds, twin of optics/clouds.c. Includers have lib/sky.glsl.
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+// Twin of pel_cloud_glow without its beam, for an irradiance of 1.
+float cloud_glow(float t, float b, float mu)
+{
+    const float f = 0.25 / PI;
+    float left = exp(-b / mu);
+    float d = -f * (3.0 * mu * mu * (1.0 - left) + 2.0 * mu * (1.0 + left)) / (b + 1.33333333);
+    float c = f * (3.0 * mu * mu + 2.0 * mu) + 0.66666667 * d;
+    return max(c + d * t - 3.0 * f * mu * mu * exp(-t / mu), 0.0);
+}
+#endif
+
 #ifdef PEL_CLOUDS
 layout(binding = PEL_UNIT_CLOUDS) uniform sampler2D cloud_field;
 
@@ -81,16 +93,6 @@ float cloud_lit_at(vec2 at, vec3 to, float footprint)
     depth *= cloud_shape.z * dz / up;
     part = max(part, 1e-3);
     return 1.0 - part + part * exp(-min(depth / part, 80.0));
-}
-
-// Twin of pel_cloud_glow without its beam, for an irradiance of 1.
-float cloud_glow(float t, float b, float mu)
-{
-    const float f = 0.25 / PI;
-    float left = exp(-b / mu);
-    float d = -f * (3.0 * mu * mu * (1.0 - left) + 2.0 * mu * (1.0 + left)) / (b + 1.33333333);
-    float c = f * (3.0 * mu * mu + 2.0 * mu) + 0.66666667 * d;
-    return max(c + d * t - 3.0 * f * mu * mu * exp(-t / mu), 0.0);
 }
 
 float cloud_phase(float cosine)

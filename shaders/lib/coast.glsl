@@ -15,8 +15,8 @@ shaded shade_land(vec3 dir, float range)
     vec3 albedo = mix(bed_dry.rgb, bed_wet.rgb, wet) * (1.0 / PI);
     vec3 by_lights = vec3(0.0);
     vec3 by_sky = vec3(0.0);
-#ifdef PEL_CLOUDS
-    shade_by_clouds(x, across / max(v.z, 0.05));
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+    veil_lights(x, height, across / max(v.z, 0.05));
 #endif
     for (int i = 0; i < PEL_LIT; i++) {
         by_lights += albedo * beam_there(i) * max(dot(n, light_above(i, tilt)), 0.0);

@@ -178,8 +178,8 @@ object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
     rough = mix(rough, min(rough, PEL_WET_ROUGH), wet);
 #endif
     float lit = lit_share(entity, d, n) * lit_by_others(entity, place);
-#ifdef PEL_CLOUDS
-    shade_by_clouds(place.xy, length(place) * pixel.y);
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+    veil_lights(place.xy, eye.x + place.z + 0.5 * dot(place.xy, place.xy) / planet.x, length(place) * pixel.y);
 #endif
     for (int i = 0; i < PEL_LIT; i++) {
         vec3 to = lights[i].direction.xyz;

@@ -114,8 +114,8 @@ shaded shade_sea(ivec2 at, uint triangle)
     n_seen = normalize(n_seen + toward_sight(v, facing, variance_beside));
     vec2 variance_seen = mix(variance, variance_all, hidden);
     vec3 n_lit = facet_in_sight(n_seen, v);
-#ifdef PEL_CLOUDS
-    shade_by_clouds(dir.xy * range, footprint);
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+    veil_lights(dir.xy * range, 0.0, footprint);
 #endif
 #ifdef PEL_SEABED
     bed_view seen = seabed_seen(dir.xy * range, sight_height(dir, range), v, n_lit);
@@ -138,8 +138,8 @@ shaded shade_sea(ivec2 at, uint triangle)
         leaving += leaving_deep_water(i, water_place(v, n_lit, light_above(i, tilt)));
     }
 #endif
-#ifdef PEL_CLOUDS
-    leaving *= water_below_clouds(tilt);
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+    leaving *= water_veiled(tilt);
 #endif
 #ifdef PEL_WASH
     vec3 aerated = light_of_bubbles(f.washed.z, tilt);

@@ -51,7 +51,10 @@ static struct setting settings[] = {
     { "sense", 0 },       { "span", 0 },      { "phosphor", 0 },
     { "air", 15 },        { "gain", 1 },      { "wakes", 0 },
     { "lit", 1 },         { "okta", 0 },      { "genus", 0 },
-    { "eye", 0 },
+    { "eye", 0 },         { "fog", 0 },       { "fogbase", 0 },
+    { "fogtop", 80 },     { "fogsoft", 20 },  { "bank", 0 },
+    { "bankaway", 1500 }, { "banktop", 60 },  { "bankradius", 800 },
+    { "bankbearing", 0 },
 };
 
 static double get(const char *name)
@@ -195,6 +198,29 @@ static struct pel_wash *wash_of(const struct pel_object *o, double time_s)
     return w;
 }
 
+/* fog: the visibility in a layer, bank: in a bank ahead. */
+static void fogs(struct pel_environment *env)
+{
+    if (get("fog") > 0) {
+        env->fog[env->fog_count++] =
+            (struct pel_fog){ pel_fog_extinction(get("fog")), get("fogbase"),
+                              get("fogtop"), get("fogsoft"), .radius_m = 0 };
+    }
+    if (get("bank") > 0) {
+        double b = get("bankbearing") * PEL_DEG;
+        env->fog[env->fog_count++] =
+            (struct pel_fog){ pel_fog_extinction(get("bank")),
+                              0,
+                              get("banktop"),
+                              0,
+                              get("bankradius"),
+                              get("bankaway") * sin(b),
+                              get("bankaway") * cos(b),
+                              0,
+                              0 };
+    }
+}
+
 static double processor_ms(void)
 {
     struct timespec t;
@@ -255,6 +281,7 @@ int main(int argc, char **argv)
                                           .east_mps = 10,
                                           .seed = (uint32_t)get("seed") };
     }
+    fogs(&env);
     if (get("moon") > -90) {
         double e = get("moon") * PEL_DEG, a = get("moonaz") * PEL_DEG;
         env.lights[PEL_LIGHT_MOON] = pel_light_moon(

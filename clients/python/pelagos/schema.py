@@ -292,6 +292,38 @@ class Water(Record):
 
 
 @dataclass(frozen=True)
+class Fog(Record):
+    """Fog or haze: a layer everywhere, or a bank. What it takes of the light
+    comes on top of what the air takes (sky.visibility)."""
+    #: Visibility inside: there a black thing before the horizon keeps 2 % of
+    #: its contrast (Koschmieder). [m; 20 to 100000]
+    visibility: float = _field(500.0, 'm', 20, 100000)
+    #: Height where it begins; 0: on the sea. A bank that begins above is a
+    #: lens, else a dome. [m; 0 to 10000]
+    bottom: float = _field(0.0, 'm', 0, 10000)
+    #: Height of its top, of a bank in its middle. [m; 2 to 12000]
+    top: float = _field(80.0, 'm', 2, 12000)
+    #: Height over which a layer thins out about its bottom and top. [m; 1 to
+    #: 2000]
+    edge: float = _field(20.0, 'm', 1, 2000)
+    #: Radius of a bank, at which there is nothing left of it; absent: a layer,
+    #: everywhere. [m; 50 to 20000]
+    radius: float | None = _field(None, 'm', 50, 20000)
+    #: Geodetic latitude of a bank's middle; absent: the origin's. [deg; -85 to
+    #: 85]
+    latitude: float | None = _field(None, 'deg', -85, 85)
+    #: Its longitude; absent: the origin's. [deg; -180 to 180]
+    longitude: float | None = _field(None, 'deg', -180, 180)
+    #: Speed at which a bank drifts; absent: sea.windSpeed. [m/s; 0 to 50]
+    speed: float | None = _field(None, 'm/s', 0, 50)
+    #: Direction it comes from; absent: sea.windDirection. [deg; 0 to 360]
+    direction: float | None = _field(None, 'deg', 0, 360)
+    #: Simulated time at which it is at its place. [s; -1000000000 to
+    #: 1000000000]
+    time: float = _field(0.0, 's', -1000000000, 1000000000)
+
+
+@dataclass(frozen=True)
 class Sky(Record):
     """Sky of the state."""
     #: Azimuth of the Sun; absent: from clock.utc and origin. [deg; 0 to 360]
@@ -339,6 +371,8 @@ class Sky(Record):
     file: str | None = _field(None)
     #: Luminance of the value 1 in the picture. [cd/m2; 1e-06 to 1000000]
     fileScale: float = _field(179.0, 'cd/m2', 1e-06, 1000000)
+    #: Fog and haze in layers and banks, at most 4.
+    fog: tuple[Fog, ...] = ()
     #: Compass direction of the picture's middle; right of it is clockwise.
     #: [deg; 0 to 360]
     fileAzimuth: float = _field(0.0, 'deg', 0, 360)
