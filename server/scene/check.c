@@ -332,9 +332,9 @@ static enum pel_err check_fog(const Pelagos__Sky *sky, struct pel_fault *fault)
             char path[32], value[32];
             g_snprintf(path, sizeof path, "sky.fog.%zu.top", i);
             g_snprintf(value, sizeof value, "%g", f->top);
-            err =
-                pel_fault_refuse(PEL_ERR_INVALID, path, value,
-                                 "must be 1 m above its bottom at least", fault);
+            err = pel_fault_refuse(PEL_ERR_INVALID, path, value,
+                                   "must be 1 m above its bottom at least",
+                                   fault);
         }
     }
     return err;
