@@ -67,7 +67,7 @@ static double extinction_at(const struct pel_fog *f, double x, double y,
 static double summed(const struct pel_fog *f, double h, struct pel_vec3 dir,
                      double range)
 {
-    enum { STEPS = 40000 };
+    enum { STEPS = 10000 };
     const double earth = 6360000, step = range / STEPS;
     double level = hypot(dir.x, dir.y), sum = 0;
     for (int i = 0; i < STEPS; i++) {

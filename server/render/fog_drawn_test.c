@@ -77,7 +77,7 @@ static void contrast_at_the_visibility(void **state)
     static const double visible[] = { 200, 1000, 2500 };
     for (int k = 0; k < 3; k++) {
         struct pel_environment env = test_environment(&sea, 5.0);
-        struct pel_camera c = looking(0.02 * visible[k], -2, 30);
+        struct pel_camera c = looking(0.02 * visible[k], -1, 8);
         /* Twilight: by day fog is brighter towards the Sun, some percent a
          * degree, and the thing stands lower than the horizon. */
         env.lights[PEL_LIGHT_SUN].direction = test_sun(-3, 40);
