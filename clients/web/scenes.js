@@ -39,8 +39,8 @@ export function placed(state, things, time) {
     const id = ids.get(name) ?? freeId(state, 2, taken);
     taken.add(id);
     const heading = fine(here.heading + turn);
-    entities[id] = { name, model, afloat: true, heading, course: heading,
-      speed, ...shifted(here, turned([ahead, right], here.heading)) };
+    entities[id] = { name, model, afloat: true, lights: "AUTO", heading,
+      course: heading, speed, ...shifted(here, turned([ahead, right], here.heading)) };
   }
   return entities;
 }

@@ -146,7 +146,7 @@ export class Traffic {
       (state) => {
         id = freeId(state);
         return { entities: { [id]: { name: this.nameOf(model, state),
-          model: { name: model.name }, afloat: true, ...place,
+          model: { name: model.name }, afloat: true, lights: "AUTO", ...place,
           heading: course, course, speed: still ? 0 : speed } } };
       }, { sure: 2 });
     if (there) {
