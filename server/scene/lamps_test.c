@@ -300,6 +300,54 @@ static void marks_reach_their_nominal_range(void **state)
     pel_scene_destroy(scene);
 }
 
+/* Corners of Annex I, section 7, in an order that goes around. */
+static const struct {
+    enum pel_lamp_colour colour;
+    int corners;
+    double x[6], y[6];
+} regions[] = {
+    { PEL_LAMP_WHITE,
+      6,
+      { 0.525, 0.525, 0.452, 0.310, 0.310, 0.443 },
+      { 0.382, 0.440, 0.440, 0.348, 0.283, 0.382 } },
+    { PEL_LAMP_GREEN,
+      4,
+      { 0.028, 0.009, 0.300, 0.203 },
+      { 0.385, 0.723, 0.511, 0.356 } },
+    { PEL_LAMP_RED,
+      4,
+      { 0.680, 0.735, 0.721, 0.660 },
+      { 0.320, 0.265, 0.259, 0.320 } },
+    { PEL_LAMP_YELLOW,
+      4,
+      { 0.612, 0.618, 0.575, 0.575 },
+      { 0.382, 0.382, 0.425, 0.406 } },
+};
+
+static void colours_lie_in_their_regions(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof regions / sizeof regions[0]; i++) {
+        double c[3];
+        pel_lamp_colour_of((int)regions[i].colour, c);
+        double big_x = 0.4124 * c[0] + 0.3576 * c[1] + 0.1805 * c[2];
+        double big_y = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+        double big_z = 0.0193 * c[0] + 0.1192 * c[1] + 0.9505 * c[2];
+        double sum = big_x + big_y + big_z;
+        double x = big_x / sum, y = big_y / sum;
+        int crossings = 0, n = regions[i].corners;
+        assert_near(big_y, 1, 1e-3);
+        for (int k = 0; k < n; k++) {
+            const double *px = regions[i].x, *py = regions[i].y;
+            int j = (k + 1) % n;
+            crossings +=
+                (py[k] > y) != (py[j] > y) &&
+                x < px[k] + (y - py[k]) * (px[j] - px[k]) / (py[j] - py[k]);
+        }
+        assert_int_equal(crossings % 2, 1);
+    }
+}
+
 /* --- sectors -------------------------------------------------------------- */
 
 static struct pel_vec3 towards(double bearing_deg, double elevation_deg)
@@ -606,6 +654,7 @@ int main(void)
         cmocka_unit_test(vertical_lines_are_wide_enough),
         cmocka_unit_test(lights_reach_as_far_as_rule_22_wants),
         cmocka_unit_test(marks_reach_their_nominal_range),
+        cmocka_unit_test(colours_lie_in_their_regions),
         cmocka_unit_test(sectors_end_where_they_shall),
         cmocka_unit_test(marks_sectors_are_from_seaward),
         cmocka_unit_test(nothing_is_lit_by_default),
