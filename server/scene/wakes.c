@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "base/lock.h"
-#include "base/log.h"
 #include "models/model.h"
+#include "scene/leaving.h"
 #include "scene/wakepasts.h"
 #include "scene/wakesource.h"
 
@@ -38,20 +38,11 @@ struct pel_wakes *pel_wakes_of(const Pelagos__State *state,
                                const struct pel_snapshot *s)
 {
     static atomic_ullong serials;
-    size_t count = 0;
-    for (size_t i = 0; i < state->n_entities; i++) {
-        count += makes_waves(state, s, i);
-    }
+    size_t index[PEL_WAKES];
+    size_t count = pel_leaving_choose(state, s, "make waves", PEL_WAKES,
+                                      makes_waves, index);
     if (count == 0) {
         return NULL;
-    }
-    if (count > PEL_WAKES) {
-        static struct pel_log_limit limit;
-        pel_log_limited(&limit, PEL_LOG_WARNING, "SCN-031",
-                        "%zu entities make waves; those of the first %d are "
-                        "there",
-                        count, PEL_WAKES);
-        count = PEL_WAKES;
     }
     struct pel_wakes *w = calloc(1, sizeof *w + count * sizeof w->source[0]);
     if (!w) {
@@ -60,10 +51,8 @@ struct pel_wakes *pel_wakes_of(const Pelagos__State *state,
     atomic_init(&w->refs, 1);
     w->serial = atomic_fetch_add(&serials, 1) + 1;
     w->depth_m = state->sea->has_depth ? state->sea->depth : 0;
-    for (size_t i = 0; i < state->n_entities && w->count < count; i++) {
-        if (makes_waves(state, s, i)) {
-            pel_wake_source_read(state, s, i, &w->source[w->count++]);
-        }
+    for (; w->count < count; w->count++) {
+        pel_wake_source_read(state, s, index[w->count], &w->source[w->count]);
     }
     return w;
 }

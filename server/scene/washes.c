@@ -7,11 +7,11 @@
 #include <string.h>
 
 #include "base/lock.h"
-#include "base/log.h"
 #include "models/waterline.h"
 #include "scene/build.h"
 #include "scene/geodesy.h"
 #include "scene/helm.h"
+#include "scene/leaving.h"
 #include "scene/reckon.h"
 #include "scene/track.h"
 
@@ -98,23 +98,22 @@ static void read_track(const Pelagos__State *state, const Pelagos__Entity *e,
     }
 }
 
+static bool leaves_wash(const Pelagos__State *state,
+                        const struct pel_snapshot *s, size_t i)
+{
+    struct pel_wash_ship ship;
+    const Pelagos__Entity *e = state->entities[i];
+    return e->wash && read_hull(state, e, s->entities[i].model, &ship);
+}
+
 struct pel_washes *pel_washes_of(const Pelagos__State *state,
                                  const struct pel_snapshot *s)
 {
-    size_t count = 0;
-    for (size_t i = 0; i < state->n_entities; i++) {
-        count += state->entities[i]->wash != 0;
-    }
+    size_t index[PEL_WASHES];
+    size_t count = pel_leaving_choose(state, s, "leave a wash", PEL_WASHES,
+                                      leaves_wash, index);
     if (count == 0) {
         return NULL;
-    }
-    if (count > PEL_WASHES) {
-        static struct pel_log_limit limit;
-        pel_log_limited(&limit, PEL_LOG_WARNING, "SCN-032",
-                        "%zu entities leave a wash; that of the first %d is "
-                        "there",
-                        count, PEL_WASHES);
-        count = PEL_WASHES;
     }
     struct pel_washes *w = calloc(1, sizeof *w + count * sizeof w->source[0]);
     if (!w) {
@@ -123,14 +122,12 @@ struct pel_washes *pel_washes_of(const Pelagos__State *state,
     atomic_init(&w->refs, 1);
     w->latitude = state->origin->latitude;
     w->longitude = state->origin->longitude;
-    for (size_t i = 0; i < state->n_entities && w->count < count; i++) {
-        const Pelagos__Entity *e = state->entities[i];
+    for (; w->count < count; w->count++) {
         struct source *to = &w->source[w->count];
-        if (e->wash && read_hull(state, e, s->entities[i].model, &to->ship)) {
-            to->entity = i;
-            read_track(state, e, &to->ship);
-            w->count++;
-        }
+        const Pelagos__Entity *e = state->entities[index[w->count]];
+        to->entity = index[w->count];
+        (void)read_hull(state, e, s->entities[to->entity].model, &to->ship);
+        read_track(state, e, &to->ship);
     }
     return w;
 }
