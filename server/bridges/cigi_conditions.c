@@ -439,4 +439,5 @@ void pel_cigi_apply_conditions(struct pel_cigi_edit *edit)
     apply_water(edit, &now);
     apply_whitecaps(edit, &now);
     pel_cigi_apply_areas(edit);
+    pel_cigi_apply_layers(edit);
 }

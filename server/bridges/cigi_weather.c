@@ -120,13 +120,15 @@ static void take_weather(struct pel_cigi_edit *edit,
     struct pel_cigi_conditions *c =
         conditions_of(edit, pel_cigi_get(p, PEL_CIGI_WEATHER_SCOPE),
                       pel_cigi_get(p, PEL_CIGI_WEATHER_REGION));
+    bool seen = c && pel_cigi_take_layer(edit, p);
     bool low = pel_cigi_get(p, PEL_CIGI_WEATHER_LAYER) == 0 ||
                pel_cigi_get(p, PEL_CIGI_WEATHER_BASE) <= SURFACE_LAYER_M;
     if (!c || !low) {
         return;
     }
     bool on = pel_cigi_get(p, PEL_CIGI_WEATHER_ENABLE) != 0;
-    c->has_layer_visibility = c->has_layer_wind = on;
+    c->has_layer_visibility = on && !seen;
+    c->has_layer_wind = on;
     c->layer_visibility_m =
         visibility(pel_cigi_get(p, PEL_CIGI_WEATHER_VISIBILITY));
     c->layer_wind_mps =

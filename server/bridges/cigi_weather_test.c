@@ -114,6 +114,63 @@ static void weather_is_of_the_region_the_view_is_in(void **state)
     assert_near(s->sky->visibility, 20000, 0);
 }
 
+static void layer(double id, double scope, double on, double type, double cover,
+                  double base, double thickness, double visibility)
+{
+    with(PEL_CIGI_KIND_WEATHER, PEL_CIGI_WEATHER_REGION, 3.0,
+         PEL_CIGI_WEATHER_LAYER, id, PEL_CIGI_WEATHER_SCOPE, scope,
+         PEL_CIGI_WEATHER_ENABLE, on, PEL_CIGI_WEATHER_CLOUD, type,
+         PEL_CIGI_WEATHER_COVERAGE, cover, PEL_CIGI_WEATHER_BASE, base,
+         PEL_CIGI_WEATHER_THICKNESS, thickness, PEL_CIGI_WEATHER_BAND, 15.0,
+         PEL_CIGI_WEATHER_VISIBILITY, visibility, PEL_CIGI_WEATHER_WIND, 6.0,
+         0);
+}
+
+/* Ground fog with a thickness is a layer, in a region a bank in its place; of
+ * clouds the layer that covers most. */
+static void layers_are_fog_and_clouds(void **state)
+{
+    (void)state;
+    begin();
+    wind(5, 100, 20000);
+    with(PEL_CIGI_KIND_REGION, PEL_CIGI_REGION_ID, 3.0, PEL_CIGI_REGION_STATE,
+         1.0, PEL_CIGI_REGION_LATITUDE, 52.7, PEL_CIGI_REGION_LONGITUDE, 5.3,
+         PEL_CIGI_REGION_X, 2000.0, PEL_CIGI_REGION_Y, 1000.0, 0);
+    layer(0, 0, 1, 0, 0, 0, 60, 300);
+    layer(0, 1, 1, 0, 0, 0, 40, 100);
+    layer(1, 0, 1, 7, 30, 800, 400, 9000);
+    layer(2, 0, 1, 1, 70, 2800, 0, 9000);
+    send();
+    const Pelagos__Sky *sky = pel_scene_state(scene)->sky;
+    assert_int_equal(sky->n_fog, 2);
+    assert_near(sky->fog[0]->visibility, 300, 0);
+    assert_near(sky->fog[0]->top, 60, 0);
+    assert_near(sky->fog[0]->edge, 15, 0);
+    assert_true(!sky->fog[0]->has_radius);
+    assert_near(sky->fog[1]->latitude, 52.7, 1e-9);
+    assert_near(sky->fog[1]->radius, sqrt(2e6 / M_PI), 1e-6);
+    assert_near(sky->visibility, 20000, 0);
+    assert_near(pel_scene_state(scene)->sea->wind_speed, 6, 0);
+    assert_near(sky->cloud_cover, 5.6, 1e-9);
+    assert_int_equal(sky->cloud_genus, PELAGOS__CLOUD_GENUS__ALTOCUMULUS);
+    assert_near(sky->cloud_base, 2800, 0);
+    begin();
+    layer(0, 0, 0, 0, 0, 0, 60, 300);
+    layer(2, 0, 0, 1, 70, 2800, 0, 9000);
+    send();
+    sky = pel_scene_state(scene)->sky;
+    assert_int_equal(sky->n_fog, 1);
+    assert_true(sky->fog[0]->has_radius);
+    assert_near(sky->cloud_cover, 2.4, 1e-9);
+    assert_near(sky->cloud_thickness, 400, 0);
+    begin();
+    layer(0, 1, 0, 0, 0, 0, 60, 300);
+    layer(1, 0, 0, 7, 30, 800, 400, 9000);
+    send();
+    sky = pel_scene_state(scene)->sky;
+    assert_true(sky->n_fog == 0 && sky->cloud_cover == 0);
+}
+
 /* From outside a region's wind is seen in its short waves. */
 static void a_region_is_an_area(void **state)
 {
@@ -359,6 +416,7 @@ int main(void)
         TEST(a_crest_stands_where_it_was_ordered),
         TEST(a_wavelength_gives_the_period),
         TEST(weather_is_of_the_region_the_view_is_in),
+        TEST(layers_are_fog_and_clouds),
         TEST(a_region_is_an_area),
         TEST(weather_goes_over_across_the_transition),
         TEST(components_give_whole_sea_states),

@@ -83,6 +83,7 @@ void pel_cigi_edit_begin(struct pel_cigi_edit *edit,
     edit->sea.swell = edit->swell_list;
     edit->sea.wave = edit->wave_list;
     edit->sea.areas = edit->area_list;
+    edit->sky.fog = edit->fog_list;
     if (lead) {
         edit->clock.has_mode = true;
         edit->clock.mode = PELAGOS__CLOCK_MODE__HOST;
@@ -255,9 +256,13 @@ void pel_cigi_edit_reset(struct pel_cigi_edit *edit)
     /* What was commanded ends: pel_cigi_apply_conditions takes it back. */
     const struct pel_cigi_conditions applied = edit->world->applied;
     const struct pel_cigi_before before = edit->world->before;
+    const size_t fog_count = edit->world->fog_count;
+    const bool clouded = edit->world->clouded;
     pel_cigi_world_init(edit->world);
     edit->world->applied = applied;
     edit->world->before = before;
+    edit->world->fog_count = fog_count;
+    edit->world->clouded = clouded;
 }
 
 /* The frustum the view has now, degrees. */

@@ -52,6 +52,15 @@ struct pel_cigi_area {
     char corners[256]; /* as Area.corners; empty: a circle */
 };
 
+/* A layer of Weather Control that is seen (cigi_layers.c). */
+#define PEL_CIGI_LAYERS 8
+struct pel_cigi_layer {
+    bool used, regional;
+    unsigned layer, region;
+    int type; /* of clouds, as the ICD numbers them */
+    double coverage, base_m, thickness_m, band_m, visibility_m;
+};
+
 /* An entity whose pose is made anew with each datagram. */
 struct pel_cigi_follower {
     bool used;
@@ -110,6 +119,9 @@ struct pel_cigi_world {
     struct pel_cigi_region regions[PEL_CIGI_REGIONS];
     struct pel_cigi_area areas[PEL_SEA_MAX_AREAS]; /* the last of sea.areas */
     size_t area_count;
+    struct pel_cigi_layer layers[PEL_CIGI_LAYERS];
+    size_t fog_count; /* the last of sky.fog */
+    bool clouded;     /* the scene's clouds are ours */
     struct pel_cigi_follower followers[PEL_CIGI_FOLLOWERS];
     struct pel_cigi_view_memo views[PEL_CIGI_VIEWS];
     uint32_t rated[PEL_MAX_ENTITIES]; /* entities that were given rates */
@@ -159,6 +171,8 @@ struct pel_cigi_edit {
     Pelagos__Swell *swell_list[PEL_SEA_MAX_SWELLS];
     Pelagos__Wave wave[PEL_SEA_MAX_SINGLES];
     Pelagos__Wave *wave_list[PEL_SEA_MAX_SINGLES];
+    Pelagos__Fog fog[PEL_FOG_MAX];
+    Pelagos__Fog *fog_list[PEL_FOG_MAX];
     Pelagos__Area area[PEL_SEA_MAX_AREAS];
     Pelagos__Area *area_list[PEL_SEA_MAX_AREAS];
     char removals[PEL_CIGI_REMOVALS][96];
@@ -250,6 +264,12 @@ void pel_cigi_take_environment(struct pel_cigi_edit *edit,
 
 /* cigi_conditions.c */
 void pel_cigi_apply_conditions(struct pel_cigi_edit *edit);
+
+/* cigi_layers.c: takes Weather Control's ground fog that has a thickness and
+ * its clouds; false: the packet is of neither, or ends them. */
+bool pel_cigi_take_layer(struct pel_cigi_edit *edit,
+                         const struct pel_cigi_packet *packet);
+void pel_cigi_apply_layers(struct pel_cigi_edit *edit);
 
 /* After the wind: regions that have another become areas of the sea, the last
  * of sea.areas. */

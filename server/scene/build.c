@@ -17,6 +17,7 @@
 #include "scene/ground.h"
 #include "scene/helm.h"
 #include "scene/lamps.h"
+#include "scene/metarset.h"
 #include "scene/sharedsea.h"
 #include "scene/skyplace.h"
 #include "scene/spectra.h"
@@ -834,6 +835,10 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
 enum pel_err pel_sea_settle(Pelagos__State *state, struct pel_fault *fault)
 {
     Pelagos__Sea *sea = state->sea;
+    enum pel_err err = pel_metar_settle(state, fault);
+    if (err) {
+        return err;
+    }
     if (sea->has_beaufort && sea->has_douglas) {
         pel_fault_set(fault, PEL_ERR_CONFLICT,
                       "sea.beaufort and sea.douglas both set the wind; give "

@@ -373,6 +373,9 @@ class Sky(Record):
     fileScale: float = _field(179.0, 'cd/m2', 1e-06, 1000000)
     #: Fog and haze in layers and banks, at most 4.
     fog: tuple[Fog, ...] = ()
+    #: METAR or SPECI of an aerodrome, as "EHAM 231355Z 24015KT 4000 -RA BKN012
+    #: 12/09 Q1003": sets wind, visibility, fog and clouds by it; not kept.
+    metar: str | None = _field(None)
     #: Compass direction of the picture's middle; right of it is clockwise.
     #: [deg; 0 to 360]
     fileAzimuth: float = _field(0.0, 'deg', 0, 360)
