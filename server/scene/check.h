@@ -16,7 +16,8 @@ PEL_CHECK enum pel_err pel_state_check(const Pelagos__State *state,
 struct pel_vec2;
 int pel_corners_parse(const char *text, struct pel_vec2 *out);
 
-/* Replaces sky.metar, sea.beaufort or sea.douglas of a tested state by what they
- * mean; CONFLICT where both of the latter are given, INVALID: pel_metar_parse. */
+/* Replaces sky.metar, sea.beaufort or sea.douglas of a tested state by what
+ * they mean; CONFLICT where both of the latter are given, INVALID:
+ * pel_metar_parse. */
 PEL_CHECK enum pel_err pel_sea_settle(Pelagos__State *state,
                                       struct pel_fault *fault);
