@@ -165,6 +165,8 @@ export class Sections {
     this.range("sky", "Clouds", "sky.cloudCover", "okta", 1,
       { id: "cloud-cover" });
     this.choice("sky", "cloud-genus", "Clouds are", "sky.cloudGenus", cloudy);
+    this.range("sky", "Rain", "sky.rain", "mm/h", 0.5, { id: "rain" });
+    this.range("sky", "Snow", "sky.snow", "mm/h", 0.1, { id: "snow" });
     this.buildFog();
   }
 

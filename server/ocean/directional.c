@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ocean/areas.h"
+#include "ocean/ringwaves.h"
 #include "ocean/spectrum.h"
 
 #define NODES PEL_DIRECTIONAL_NODES
@@ -67,6 +68,7 @@ bool pel_sea_desc_ok(const struct pel_sea_desc *d)
     bool ok = (int)d->synthesiser >= 0 && d->synthesiser < PEL_SYNTHESISERS &&
               (int)d->kind >= 0 && (int)d->kind < PEL_SPECTRA &&
               inside(d->wind_mps, 0, 30) && inside(d->whitecaps, 0, 4) &&
+              inside(d->rain_mm_h, 0, PEL_RAIN_MOST_MM_H) &&
               isfinite(d->direction_rad) && d->wave_count >= 20 &&
               d->wave_count <= PEL_SEA_MAX_WAVES && d->swell_count >= 0 &&
               d->swell_count <= PEL_SEA_MAX_SWELLS &&
@@ -403,6 +405,31 @@ static enum pel_err add_record(struct pel_directional *d,
     return add_measured(d, &desc->measured);
 }
 
+/* Rain on the parts there are, and the ring waves as one more. */
+static void add_rain(struct pel_directional *d, const struct pel_sea_desc *desc)
+{
+    for (int p = 0; p < d->count; p++) {
+        for (int i = 0; i <= d->part[p].last; i++) {
+            d->part[p].energy[i] *=
+                pel_rain_leaves(desc->rain_mm_h, node_k(d, i), desc->wind_mps);
+        }
+    }
+    struct pel_directional_part *p = new_part(d, PEL_SPREADING_COSINE, 0);
+    p->last = NODES - 1;
+    for (int i = 0; i < NODES; i++) {
+        const double h = 1e-4;
+        double k = node_k(d, i);
+        double slope = (pel_dispersion_depth(k * exp(h), d->depth_m) -
+                        pel_dispersion_depth(k * exp(-h), d->depth_m)) /
+                       (2.0 * h);
+        double omega = pel_dispersion_depth(k, d->depth_m);
+        p->energy[i] =
+            pel_ring_density(desc->rain_mm_h, omega / (2.0 * PEL_PI)) * slope /
+            (2.0 * PEL_PI);
+        p->log_norm[i] = log_cosine_norm(0); /* cos⁰: to all sides */
+    }
+}
+
 static enum pel_err (*const wind_sea[PEL_SPECTRA])(
     struct pel_directional *d, const struct pel_sea_desc *desc) = {
 #define PEL_SPECTRUM(ID, uses, whole, add) add,
@@ -427,6 +454,9 @@ enum pel_err pel_directional_create(const struct pel_sea_desc *desc,
     if (!pel_spectrum_uses(desc->kind, PEL_USES_WIND) ||
         desc->wind_mps > 0.15) {
         err = wind_sea[desc->kind](d, desc);
+    }
+    if (desc->rain_mm_h > 0) {
+        add_rain(d, desc);
     }
     for (int i = 0; i < desc->swell_count; i++) {
         if (desc->swell[i].height_m > 0) {

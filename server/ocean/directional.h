@@ -13,7 +13,7 @@
 #define PEL_DIRECTIONAL_NODES 1024
 #define PEL_DIRECTIONAL_CUT 832 /* node of PEL_SEA_SHORTEST_M */
 #define PEL_DIRECTIONAL_LONGEST_M 20000.0
-#define PEL_DIRECTIONAL_PARTS (1 + PEL_SEA_MAX_SWELLS)
+#define PEL_DIRECTIONAL_PARTS (2 + PEL_SEA_MAX_SWELLS) /* and ring waves */
 
 enum pel_spreading {
     PEL_SPREADING_COSINE,  /* cos^{2s}(θ/2), shape = s */
@@ -67,7 +67,9 @@ struct pel_directional {
  * waves run with the wind, and keep the share that the wind sustains against
  * viscosity (pel_wind_over_viscosity). Swell: Gaussian, 6 % in ω, and in
  * direction. Measured: linear between the record's frequencies; beyond them ω⁻⁵
- * with the mean level and moments of the highest four tenths. */
+ * with the mean level and moments of the highest four tenths. In rain the wind
+ * sea keeps what pel_rain_leaves, and ring waves run evenly to all sides, with
+ * surface tension (ringwaves.h). */
 PEL_CHECK enum pel_err pel_directional_create(const struct pel_sea_desc *desc,
                                               struct pel_directional **out);
 void pel_directional_destroy(struct pel_directional *d); /* NULL allowed */
@@ -115,9 +117,12 @@ double pel_dispersion_k(double omega, double depth_m);
 void pel_elfouhaily(double k, double wind_mps, double fetch_m, double *density,
                     double *delta);
 
+/* Rate β [1/s] at which the wind raises the energy of a wave of k rad/m:
+ * 0.05 ω (v/c)², v the friction velocity (Plant 1982: 0.04 ± 0.02). */
+double pel_wind_growth(double k, double wind_mps);
+
 /* Share of a wave's growth by the wind that viscosity leaves, 0..1:
- * 1 − 4 ν k² / β with β = 0.05 ω (v/c)², v the friction velocity (Plant 1982:
- * 0.04 ± 0.02). Elfouhaily's long waves do not know the calm below which wind
+ * 1 − 4 ν k² / β. Elfouhaily's long waves do not know the calm below which wind
  * raises no ripples: alone they have a mean-square slope of 0.021 at any wind,
  * more than Cox and Munk saw in all below 3.5 m/s. This takes the ripples of
  * light winds away and changes little above 5 m/s. */

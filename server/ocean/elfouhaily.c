@@ -14,12 +14,18 @@ static double friction_velocity(double wind_mps)
     return wind_mps * sqrt(1e-3 * (0.8 + 0.065 * wind_mps));
 }
 
-double pel_wind_over_viscosity(double k, double wind_mps)
+double pel_wind_growth(double k, double wind_mps)
 {
-    const double gain = 0.05, viscosity = 1.05e-6; /* sea water of 20 °C */
+    const double gain = 0.05;
     double c = speed(k);
     double ratio = friction_velocity(wind_mps) / c;
-    double growth = gain * k * c * ratio * ratio;
+    return gain * k * c * ratio * ratio;
+}
+
+double pel_wind_over_viscosity(double k, double wind_mps)
+{
+    const double viscosity = 1.05e-6; /* sea water of 20 °C */
+    double growth = pel_wind_growth(k, wind_mps);
     return fmax(1.0 - 4.0 * viscosity * k * k / growth, 0.0);
 }
 

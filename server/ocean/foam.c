@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "ocean/cascade.h"
+#include "ocean/ringwaves.h"
 
 #define SIDE PEL_FOAM_SIDE
 #define LEVELS PEL_FOAM_LEVELS
@@ -365,8 +366,9 @@ static void fill_level(struct pel_foam *foam, int level, struct work *w)
 
 enum pel_err pel_foam_create(const struct pel_sea *sea, struct pel_foam **out)
 {
-    double coverage =
-        sea->desc.whitecaps * pel_foam_of_wind(sea->desc.wind_mps);
+    double coverage = sea->desc.whitecaps *
+                      pel_foam_of_wind(sea->desc.wind_mps) *
+                      pel_rain_whitecaps(sea->desc.rain_mm_h);
     struct band band = { 0 };
     *out = NULL;
     if (coverage >= PEL_FOAM_LEAST) {

@@ -56,7 +56,8 @@ struct pel_foam {
  * 4.82e-6 (U + 1.98)³. 0 up to 3.70 m/s. */
 double pel_foam_of_wind(double wind_mps);
 
-/* The foam of a built sea, desc.whitecaps times pel_foam_of_wind, 0.6 at most;
+/* The foam of a built sea, desc.whitecaps times pel_foam_of_wind and what rain
+ * leaves of it (ringwaves.h), 0.6 at most;
  * *out NULL: none. NO_MEMORY. About 10 ms. */
 PEL_CHECK enum pel_err pel_foam_create(const struct pel_sea *sea,
                                        struct pel_foam **out);

@@ -101,6 +101,7 @@ struct pel_sea_desc {
     struct pel_single_desc single[PEL_SEA_MAX_SINGLES];
     double depth_m;   /* of the dispersion, 1..11000; 0: deep water */
     double whitecaps; /* times the wind's coverage (foam.h), 0..4; 0: none */
+    double rain_mm_h; /* on the waves (ringwaves.h), 0..150 */
     struct pel_measured measured;
     int area_count; /* 0..PEL_SEA_MAX_AREAS */
     struct pel_area_desc area[PEL_SEA_MAX_AREAS];

@@ -40,6 +40,7 @@ double pel_wind_for_height(const struct pel_sea_desc *desc, double height_m)
 {
     struct pel_sea_desc d = *desc;
     d.swell_count = 0;
+    d.rain_mm_h = 0;
     if (!pel_spectrum_uses(d.kind, PEL_USES_WIND)) {
         d.kind = PEL_SPECTRUM_PIERSON_MOSKOWITZ;
     }

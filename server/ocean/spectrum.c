@@ -40,7 +40,8 @@ bool pel_spectrum_uses(enum pel_spectrum_kind kind, unsigned what)
 
 bool pel_spectrum_is_whole(const struct pel_sea_desc *desc)
 {
-    return spectra[desc->kind].whole && !(desc->depth_m > 0);
+    return spectra[desc->kind].whole && !(desc->depth_m > 0) &&
+           !(desc->rain_mm_h > 0);
 }
 
 /* JONSWAP, and TMA, which is that and a factor for the depth (directional.c):

@@ -9,8 +9,8 @@
 /* Does the spectrum depend on it (of enum pel_spectrum_uses)? */
 bool pel_spectrum_uses(enum pel_spectrum_kind kind, unsigned what);
 
-/* Is S(omega) below all of the wind sea of `desc`? Others have a depth or wave
- * numbers of their own: directional.h. */
+/* Is S(omega) below all of the wind sea of `desc`? Others have a depth, rain or
+ * wave numbers of their own: directional.h. */
 bool pel_spectrum_is_whole(const struct pel_sea_desc *desc);
 
 /* Wind at 19.5–20 m over wind at 10 m. Pierson and Moskowitz (and V20 in

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "optics/colour.h"
+#include "optics/rain.h"
 #include "scene/geodesy.h"
 
 void pel_sky_place(const Pelagos__Sky *sky, struct pel_snapshot *out)
@@ -18,7 +19,8 @@ void pel_sky_place(const Pelagos__Sky *sky, struct pel_snapshot *out)
     out->moon_elevation_rad = sky->moon_elevation * PEL_DEG;
     out->moon_lit = sky->moon_phase;
     out->stars = sky->stars;
-    out->visibility_m = sky->visibility;
+    out->visibility_m =
+        pel_visibility_in_rain(sky->visibility, sky->rain, sky->snow);
     out->panorama_scale = sky->file_scale;
     out->panorama_azimuth_rad = sky->file_azimuth * PEL_DEG;
     out->panorama_sun = sky->file_sun == PELAGOS__PICTURE_SUN__IN_THE_PICTURE;

@@ -35,6 +35,7 @@ enum pel_err bench_sea(const struct bench_scene *s, struct pel_sea *out)
         .synthesiser = s->fft ? PEL_SYNTHESISER_FFT : PEL_SYNTHESISER_TROCHOIDS,
         .wave_count = s->waves,
         .whitecaps = s->whitecaps,
+        .rain_mm_h = s->rain_mm_h,
         .swell_count = s->swell_m > 0.0,
         .swell = { { s->swell_m, 12.0, wind_to(s) + 0.6, 0.15 } },
     };

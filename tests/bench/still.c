@@ -4,10 +4,10 @@
  * 1970, seen from 0° E and `lat`; kind: of the spectrum, enum
  * pel_spectrum_kind; bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky
  * and glitter as they stand; ship: a built-in model by its number, `away`
- * metres ahead; wash: its speed, m/s, and `push` the screw's; it passed on a
- * straight course; fleet: enum bench_fleet; wakes: of so many ships, the first
- * `away` ahead; sense: 1 low light, 2 thermal) for looking at one thing at a
- * time while developing shaders. */
+ * metres ahead; rain, snow: mm/h; wash: its speed, m/s, and `push` the screw's;
+ * it passed on a straight course; fleet: enum bench_fleet; wakes: of so many
+ * ships, the first `away` ahead; sense: 1 low light, 2 thermal) for looking at
+ * one thing at a time while developing shaders. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,6 +20,7 @@
 #include "models/waterline.h"
 #include "ocean/wash.h"
 #include "optics/moon.h"
+#include "optics/rain.h"
 #include "render/renderer.h"
 #include "scene/ephemeris.h"
 #include "tests/bench/fleet.h"
@@ -54,7 +55,7 @@ static struct setting settings[] = {
     { "eye", 0 },         { "fog", 0 },       { "fogbase", 0 },
     { "fogtop", 80 },     { "fogsoft", 20 },  { "bank", 0 },
     { "bankaway", 1500 }, { "banktop", 60 },  { "bankradius", 800 },
-    { "bankbearing", 0 },
+    { "bankbearing", 0 }, { "rain", 0 },      { "snow", 0 },
 };
 
 static double get(const char *name)
@@ -94,7 +95,8 @@ static struct bench_scene scene(void)
         .swell_m = get("swell"),
         .sun_elevation = get("sun"),
         .sun_azimuth = get("sunaz"),
-        .visibility_m = get("vis"),
+        .visibility_m =
+            pel_visibility_in_rain(get("vis"), get("rain"), get("snow")),
         .chlorophyll = get("chl"),
         .height_m = get("height"),
         .east_m = get("x"),
@@ -116,6 +118,7 @@ static struct bench_scene scene(void)
         .linear = get("linear") > 0,
         .aliased = get("aa") <= 0,
         .whitecaps = get("foam"),
+        .rain_mm_h = get("rain"),
         .slick = get("slick"),
     };
 }

@@ -376,6 +376,11 @@ class Sky(Record):
     #: METAR or SPECI of an aerodrome, as "EHAM 231355Z 24015KT 4000 -RA BKN012
     #: 12/09 Q1003": sets wind, visibility, fog and clouds by it; not kept.
     metar: str | None = _field(None)
+    #: Rain: it takes visibility, raises ring waves, and calms short waves and
+    #: whitecaps. [mm/h; 0 to 150]
+    rain: float = _field(0.0, 'mm/h', 0, 150)
+    #: Snow, as water: it takes visibility, down to 200 m. [mm/h; 0 to 10]
+    snow: float = _field(0.0, 'mm/h', 0, 10)
     #: Compass direction of the picture's middle; right of it is clockwise.
     #: [deg; 0 to 360]
     fileAzimuth: float = _field(0.0, 'deg', 0, 360)

@@ -1,0 +1,40 @@
+#include "optics/rain.h"
+
+#include <math.h>
+
+#include "base/vec.h"
+
+#define KOSCHMIEDER 3.912
+#define LEAST_VISIBILITY_M 200.0
+#define PER_M3_MM2 1e-6 /* mm²/m³ in 1/m */
+
+double pel_rain_extinction(double mm_per_h)
+{
+    if (!(mm_per_h > 0)) {
+        return 0;
+    }
+    double lambda = 4.1 * pow(mm_per_h, -0.21);
+    return PER_M3_MM2 * PEL_PI * 8000.0 / pow(lambda, 3);
+}
+
+double pel_snow_extinction(double mm_per_h)
+{
+    if (!(mm_per_h > 0)) {
+        return 0;
+    }
+    double lambda = 2.29 * pow(mm_per_h, -0.45);
+    double number = 2500.0 * pow(mm_per_h, -0.94);
+    return PER_M3_MM2 * 3.0 * PEL_PI * number / (0.17 * pow(lambda, 4));
+}
+
+double pel_visibility_in_rain(double visibility_m, double rain_mm_h,
+                              double snow_mm_h)
+{
+    double falling =
+        pel_rain_extinction(rain_mm_h) + pel_snow_extinction(snow_mm_h);
+    if (!(falling > 0)) {
+        return visibility_m;
+    }
+    double left = KOSCHMIEDER / (KOSCHMIEDER / visibility_m + falling);
+    return fmax(left, LEAST_VISIBILITY_M);
+}
