@@ -168,7 +168,7 @@ struct pel_snapshot {
     double moon_azimuth_rad, moon_elevation_rad; /* where fixed */
     double moon_lit;                             /* share, where fixed */
     bool stars;
-    double visibility_m; /* with rain and snow */
+    double visibility_m;                 /* with rain and snow */
     const struct pel_panorama *panorama; /* the sky; NULL: computed */
     double panorama_scale, panorama_azimuth_rad;
     bool panorama_sun, panorama_dark; /* it has the Sun; there is none */
