@@ -472,6 +472,10 @@ day-sheet: deps-build ## 24 hours of a day with a full Moon on one sheet: build/
 visibility-sheet: deps-build ## visibility 200 m to 40 km, fog in layers and banks on one sheet: build/visibility.jpg
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/validate/visibility.py $(ARGS)
+.PHONY: weather-sheet
+weather-sheet: deps-build ## rain and snow by rate, by day, dusk and Moon on one sheet: build/weather.jpg
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/validate/weather.py $(ARGS)
 .PHONY: octas-sheet
 octas-sheet: deps-build ## clouds by cover, Sun and genus on one sheet: build/octas.jpg
 	$(Q)$(MAKE) -s --no-print-directory all

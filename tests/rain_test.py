@@ -84,11 +84,27 @@ def any_order(daemon, ocean):
     check(shots[0] == dry and shots[5] != dry, "dry")
 
 
+def radar_has_it(daemon, ocean):
+    """A radar without a rain of its own is in the sky's."""
+    def echoes(**rain):
+        view = {**STATE["views"][0], "height": 160,
+                "radar": {"range": 6, "rings": False, **rain}}
+        check(daemon.patch({"views": [view]}).status == 200, "radar")
+        return ocean.frame("bridge", "png").data
+    daemon.patch({"sky": {"rain": 40}})
+    own, none, skies = echoes(rain=40), echoes(rain=0), echoes(rain=None)
+    check(own == skies and own != none, "radar's rain")
+    daemon.patch({"sky": {"rain": 0}})
+    check(echoes(rain=None) == echoes(rain=0), "radar without rain")
+    daemon.patch({"views": [{**STATE["views"][0], "radar": None}]})
+
+
 def main():
     with Daemon() as daemon:
         ocean = pelagos.Ocean(daemon.url())
         daemon.patch(STATE)
-        for part in (air_follows, slopes_are_the_same, any_order):
+        for part in (air_follows, slopes_are_the_same, any_order,
+                     radar_has_it):
             print(part.__name__)
             part(daemon, ocean)
         answer = daemon.request("PATCH", "/v1/state", {"sky": {"rain": 151}})

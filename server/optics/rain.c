@@ -3,8 +3,8 @@
 #include <math.h>
 
 #include "base/vec.h"
+#include "shaders/lib/blocks.h"
 
-#define KOSCHMIEDER 3.912
 #define LEAST_VISIBILITY_M 200.0
 #define PER_M3_MM2 1e-6 /* mm²/m³ in 1/m */
 
@@ -35,6 +35,6 @@ double pel_visibility_in_rain(double visibility_m, double rain_mm_h,
     if (!(falling > 0)) {
         return visibility_m;
     }
-    double left = KOSCHMIEDER / (KOSCHMIEDER / visibility_m + falling);
+    double left = PEL_KOSCHMIEDER / (PEL_KOSCHMIEDER / visibility_m + falling);
     return fmax(left, LEAST_VISIBILITY_M);
 }

@@ -356,7 +356,8 @@ static void place_sensor(const Pelagos__Sensor *from, double water_c,
     to->offset = from->black_hot ? 1 - offset : offset;
 }
 
-static void place_radar(const Pelagos__Radar *from, struct pel_radar_set *to)
+static void place_radar(const Pelagos__Radar *from, double rain_mm_h,
+                        struct pel_radar_set *to)
 {
     *to = (struct pel_radar_set){
         .on = true,
@@ -369,7 +370,7 @@ static void place_radar(const Pelagos__Radar *from, struct pel_radar_set *to)
         .pulse_s = from->has_pulse ? 1e-6 * from->pulse : 0,
         .beam_rad = from->beam_width * PEL_DEG,
         .turn_s = 60 / from->rotation,
-        .rain_mm_h = from->rain,
+        .rain_mm_h = from->has_rain ? from->rain : rain_mm_h,
     };
 }
 
@@ -405,7 +406,7 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
         place_sensor(from->sensor, state->water->temperature, &to->sensor);
     }
     if (from->radar) {
-        place_radar(from->radar, &to->radar);
+        place_radar(from->radar, state->sky->rain, &to->radar);
     }
     open_view(from, to);
 }

@@ -697,8 +697,8 @@ class Radar(Record):
     northUp: bool = _field(False)
     #: Rings of range, a sixth of it apart.
     rings: bool = _field(True)
-    #: Rain. [mm/h; 0 to 200]
-    rain: float = _field(0.0, 'mm/h', 0, 200)
+    #: Rain; absent: sky.rain. [mm/h; 0 to 200]
+    rain: float | None = _field(None, 'mm/h', 0, 200)
 
 
 @dataclass(frozen=True)
