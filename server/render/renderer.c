@@ -138,6 +138,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_wavefield_finish(&r->wavefield);
         pel_foam_map_finish(&r->foam);
         pel_cloud_map_finish(&r->clouds);
+        pel_lamp_map_finish(&r->lamps);
         pel_wake_map_finish(&r->wakes);
         pel_shore_map_finish(&r->shore);
         glDeleteBuffers(1, &r->vertices);
@@ -336,14 +337,15 @@ static bool draws_edges(const struct pel_renderer *r,
     return c->antialiasing && !thermal && pel_programs_have_edges(&r->programs);
 }
 
-/* Outlines are mixed in radiance, and objects as fragments with what is behind
- * them. */
+/* Outlines are mixed in radiance, objects as fragments with what is behind
+ * them, and lamps are added to it. */
 static unsigned to_shade(const struct pel_renderer *r,
                          const struct pel_environment *env,
                          const struct pel_draw *draw)
 {
     bool mixed = draws_edges(r, &draw->camera) ||
-                 (env->object_count && !r->programs.compute);
+                 (env->object_count && !r->programs.compute) ||
+                 env->lamp_count > 0;
     unsigned layers = pel_sensing_layers(&draw->camera, draw->layers);
     return mixed ? layers | PEL_LAYER_RADIANCE : layers;
 }
@@ -512,6 +514,10 @@ static void draw_pixels(struct pel_renderer *r,
     if (env->panorama) {
         glBindTextureUnit(PEL_UNIT_PANORAMA, r->sky.panorama.texture);
     }
+    if (env->lamp_count > 0) {
+        pel_lamp_map_plan(&r->lamps, env, whole, &view);
+        pel_lamp_map_find(&r->lamps, &r->programs, &r->targets, &r->arena);
+    }
     if (env->clouds.cover > 0) {
         pel_cloud_map_scape(&r->clouds,
                             r->programs.cloudscape[r->programs.look], &view);
@@ -522,6 +528,11 @@ static void draw_pixels(struct pel_renderer *r,
         pel_shade_dispatches(r, c, programs, asked);
     } else {
         toned = pel_shade_fragments(r, c, discs, programs, asked);
+    }
+    if (env->lamp_count > 0) {
+        glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
+        pel_lamp_map_put(&r->lamps, &r->programs, &r->targets,
+                         toned && asked & PEL_LAYER_COLOR);
     }
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
     if (!toned && asked & PEL_LAYER_COLOR) {
@@ -662,6 +673,9 @@ static enum pel_err need_view(struct pel_renderer *r,
     if (err == PEL_OK) {
         err = pel_sensing_need(&r->sensing, &r->programs, &draw->camera, fault);
     }
+    if (err == PEL_OK) {
+        err = pel_lamp_map_need(&r->lamps, &r->programs, env, fault);
+    }
     return err == PEL_OK && draws_edges(r, &draw->camera)
                ? pel_programs_need_edges(&r->programs, fault)
                : err;
@@ -706,9 +720,10 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     if (err != PEL_OK) {
         return err;
     }
-    err = pel_arena_begin(
-        &r->arena, (count + 1) * VIEW_UNIFORM_BYTES +
-                       count * (pel_objects_bytes(env) + wash_bytes(env)));
+    err = pel_arena_begin(&r->arena, (count + 1) * VIEW_UNIFORM_BYTES +
+                                         count * (pel_objects_bytes(env) +
+                                                  wash_bytes(env) +
+                                                  pel_lamp_map_bytes(env)));
     if (err != PEL_OK) {
         return err;
     }

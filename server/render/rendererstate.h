@@ -10,6 +10,7 @@
 #include "render/context.h"
 #include "render/filtering.h"
 #include "render/foammap.h"
+#include "render/lampmap.h"
 #include "render/mesh.h"
 #include "render/meter.h"
 #include "render/objects.h"
@@ -35,6 +36,7 @@ struct pel_renderer {
     unsigned lose_after;               /* of the options */
     const struct pel_environment *env; /* of the frame that is drawn */
     struct pel_cloud_map clouds;
+    struct pel_lamp_map lamps;
     bool lost;
     struct pel_filtering filtering;
     struct pel_filter filter; /* its bounds */

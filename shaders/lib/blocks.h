@@ -79,6 +79,7 @@ struct pel_vec4 {
 /* A program uses 32 at most; which of these do not meet. */
 #define PEL_UNIT_CLOUDS 32
 #define PEL_UNIT_CLOUDSCAPE 33
+#define PEL_UNIT_LAMPS 36
 #define PEL_UNIT_CLOUD_SHADE 45
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
@@ -95,6 +96,8 @@ struct pel_vec4 {
 /* Storage buffers of the mesh and of shading. */
 #define PEL_STORE_VERTICES 0
 #define PEL_STORE_RINGS 1
+#define PEL_STORE_LAMPS 0 /* 0, 1: after the mesh */
+#define PEL_STORE_SPOTS 1
 #define PEL_STORE_WASH 3
 #define PEL_STORE_KEYS 4
 #define PEL_STORE_SEABED_TOPS 6
@@ -347,6 +350,18 @@ struct pel_vec4 {
 /* Where it has half the brightness of its centre, rad. */
 #define PEL_GLARE_CORE 0.0175
 
+/* Of the light that scatters a steradian has in the middle: 1 over
+ * π c² ln(1 + 4 / c²), c the core. */
+#define PEL_GLARE_NORM 109.7
+
+/* Lamps: pixels that their light reaches at most, radius of their spread at
+ * least; what of exposed light is seen as a halo; what of its distance the sea
+ * may stand before a lamp. */
+#define PEL_LAMP_REACH 96
+#define PEL_LAMP_LEAST_PX 2.2
+#define PEL_LAMP_SHOWN 1e-3
+#define PEL_LAMP_SLACK 2e-3
+
 /* vec4 that a probe answers with (probe.comp). */
 #define PEL_PROBE_ANSWERS 6
 
@@ -535,6 +550,17 @@ PEL_BLOCK(PEL_BLOCK_VIEW, view)
                     noise */
     vec4 sensor_seed; /* xy 0..65535; z share of lines that drop out; w
                          PEL_TONE_* */
+};
+
+/* A lamp that a view may show: from the eye, m, w how far; spectral intensity
+ * towards it, w diameter, m; xy on the lattice, z share that the lens scatters.
+ * And what of it reaches the eye: radiance, w px; halo's, w px; on the lattice,
+ * z core of the halo, w of the whole, px. */
+struct pel_shader_lamp {
+    vec4 place, light, spot;
+};
+struct pel_shader_spot {
+    vec4 light, halo, place;
 };
 
 /* What the meter of a view sees. */

@@ -56,6 +56,7 @@ static struct setting settings[] = {
     { "fogtop", 80 },     { "fogsoft", 20 },  { "bank", 0 },
     { "bankaway", 1500 }, { "banktop", 60 },  { "bankradius", 800 },
     { "bankbearing", 0 }, { "rain", 0 },      { "snow", 0 },
+    { "lamps", 0 },
 };
 
 static double get(const char *name)
@@ -121,6 +122,36 @@ static struct bench_scene scene(void)
         .rain_mm_h = get("rain"),
         .slick = get("slick"),
     };
+}
+
+/* Ships' lights and marks about a roadstead: as many from 150 m to 6 km ahead,
+ * white, red, green. */
+static size_t roadstead(int count, struct pel_lamp *out)
+{
+    static const double colours[3][3] = { { 1.0, 1.0, 0.9 },
+                                          { 4.4, 0.05, 0.02 },
+                                          { 0.05, 1.35, 0.3 } };
+    for (int i = 0; i < count; i++) {
+        double part = (i + 0.5) / count;
+        double away = 150 * pow(40, part), turn = remainder(i * 0.618034, 1);
+        double height = 3 + 22 * fmod(i * 0.7548777, 1);
+        out[i] = (struct pel_lamp){
+            .entity = PEL_NO_ENTITY,
+            .east_m = away * sin(turn),
+            .north_m = away * cos(turn),
+            .altitude_m = height,
+            .ahead = { 0, -1, 0 },
+            .up = { 0, 0, 1 },
+            .arc_rad = 7,
+            .spread_rad = 0.13,
+            .size_m = 0.2,
+        };
+        for (int k = 0; k < 3; k++) {
+            out[i].intensity_cd[k] =
+                (i % 3 ? 12 : 94) * colours[i % 3 ? 1 + i % 2 : 0][k];
+        }
+    }
+    return (size_t)count;
 }
 
 /* bed=1: a beach 100 m ahead in the north; bed=2: 400 m everywhere. */
@@ -314,6 +345,9 @@ int main(int argc, char **argv)
         !bench_fleet_wakes((int)get("wakes"), get("away"), &env)) {
         return 1;
     }
+    static struct pel_lamp lamps[PEL_MAX_LAMPS];
+    env.lamps = lamps;
+    env.lamp_count = roadstead((int)fmin(get("lamps"), PEL_MAX_LAMPS), lamps);
     struct pel_draw draw = { .camera = bench_camera(&shown),
                              .layers = get("layers") > 0
                                            ? PEL_LAYER_COLOR | PEL_LAYER_DEPTH |
