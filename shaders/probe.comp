@@ -57,7 +57,8 @@ void main()
                      smith_lambda_cos(light.z, s_light) / max(light.z, 1e-4),
                      smith_fresnel(view, slopes), seen.g);
     float reflected = reflected_light(view, light, slopes, lights[sun].limb.w, vec2(0.0), vec2(0.0), 0.0,
-                                      patch_frame(mat3(tx, ty, n), NOT_PRESSED, 0.0)).g;
+                                      patch_frame(mat3(tx, ty, n), NOT_PRESSED, 0.0),
+                                      along_sight(view, slopes)).g;
     vec3 h = normalize(view + light);
     answer[1] = vec4(h.z, reflected / max(light.z, 1e-4), reflected, facet_reflectance(dot(view, h)).g);
     answer[2] = vec4(slope_density(-h.xy / max(h.z, 1e-3), slopes));

@@ -28,6 +28,7 @@
 #ifdef PEL_OBJECTS
 #include "lib/mirrored.glsl"
 #endif
+#include "lib/lamplight.glsl"
 #include "lib/shade.glsl"
 #if defined(PEL_FOAM) || defined(PEL_WASH)
 #include "lib/foam.glsl"

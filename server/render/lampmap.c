@@ -6,6 +6,7 @@
 
 #include "optics/lamp.h"
 #include "optics/light.h"
+#include "render/lampglow.h"
 #include "render/shader.h"
 #include "scene/globe.h"
 #include "scene/objectray.h"
@@ -17,24 +18,6 @@
 #define BESIDE_M 0.25 /* rays to it that decide how much of it is hidden */
 #define LAND_STEPS 96
 
-/* --- light ---------------------------------------------------------------- */
-
-static void invert(const double m[9], double out[9])
-{
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) {
-            int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3,
-                d = (j + 2) % 3;
-            out[3 * j + i] =
-                m[3 * a + c] * m[3 * b + d] - m[3 * a + d] * m[3 * b + c];
-        }
-    }
-    double det = m[0] * out[0] + m[1] * out[3] + m[2] * out[6];
-    for (int i = 0; i < 9; i++) {
-        out[i] /= det;
-    }
-}
-
 static double luminance(const double m[9], const double light[3])
 {
     static const double weight[3] = { 0.2126, 0.7152, 0.0722 };
@@ -43,25 +26,6 @@ static double luminance(const double m[9], const double light[3])
         sum += weight[i / 3] * m[i] * light[i % 3];
     }
     return sum;
-}
-
-/* Spectral intensities that look like the colour as nearly as positive ones
- * can, and exactly as bright. */
-static void spectral(const double m[9], const double inverse[9],
-                     const double colour_cd[3], double out[3])
-{
-    double whole =
-        0.2126 * colour_cd[0] + 0.7152 * colour_cd[1] + 0.0722 * colour_cd[2];
-    for (int i = 0; i < 3; i++) {
-        out[i] = fmax(inverse[3 * i] * colour_cd[0] +
-                          inverse[3 * i + 1] * colour_cd[1] +
-                          inverse[3 * i + 2] * colour_cd[2],
-                      0);
-    }
-    double now = luminance(m, out);
-    for (int i = 0; i < 3; i++) {
-        out[i] *= now > 0 ? whole / now : 0;
-    }
 }
 
 /* --- what hides it -------------------------------------------------------- */
@@ -78,6 +42,23 @@ static bool land_between(const struct pel_seabed *bed, struct pel_vec3 eye,
         }
     }
     return false;
+}
+
+/* Share of it that is above the horizon: of waves whose crests differ in height
+ * there, where the straight way to it passes nearest to the mean sea. */
+static double above_horizon(const struct pel_environment *env,
+                            struct pel_vec3 eye, struct pel_vec3 offset)
+{
+    const double radius = PEL_EARTH_RADIUS + env->sea_level_m;
+    double up = radius + eye.z - env->sea_level_m;
+    double at = -up * offset.z / pel_vec3_dot(offset, offset);
+    if (at <= 0 || at >= 1) {
+        return 1;
+    }
+    struct pel_vec3 nearest = pel_vec3_scale(offset, at);
+    nearest.z += up;
+    double over_m = sqrt(pel_vec3_dot(nearest, nearest)) - radius;
+    return fmin(fmax(0.5 + 0.5 * over_m / (sqrt(env->sea->m0) + 0.1), 0), 1);
 }
 
 /* Share of it that nothing solid hides. */
@@ -133,7 +114,7 @@ void pel_lamp_map_plan(struct pel_lamp_map *map,
 {
     double m[9], inverse[9];
     pel_lights_colours(env->lights, env->lit, env->night.on, m);
-    invert(m, inverse);
+    pel_lamp_inverse(m, inverse);
     const struct pel_vec3 eye = { c->east_m, c->north_m,
                                   c->altitude_m + env->sea_level_m };
     map->count = 0;
@@ -149,11 +130,12 @@ void pel_lamp_map_plan(struct pel_lamp_map *map,
         double share =
             pel_lamp_towards(lamp, pel_vec3_scale(offset, -1 / away_m));
         double light[3];
-        spectral(m, inverse, lamp->intensity_cd, light);
+        pel_lamp_spectral(m, inverse, lamp->intensity_cd, light);
         if (luminance(m, light) * share / (away_m * away_m) < LEAST_LX) {
             continue;
         }
-        share *= in_sight(env, eye, offset, away_m);
+        share *= above_horizon(env, eye, offset);
+        share *= share > 0 ? in_sight(env, eye, offset, away_m) : 0;
         if (share > 0) {
             map->lamps[map->count++] = (struct pel_shader_lamp){
                 .place = { (float)offset.x, (float)offset.y, (float)offset.z,
@@ -191,7 +173,7 @@ enum pel_err pel_lamp_map_need(struct pel_lamp_map *map,
         glTextureBuffer(map->spots_texels, GL_RGBA32F, map->spots);
         glCreateFramebuffers(1, &map->fbo);
     }
-    char defines[160];
+    char defines[512];
     snprintf(defines, sizeof defines, "%s%s", pel_light_defines(p->light),
              p->compute ? "#define PEL_KEYS\n" : "");
     GLuint *find = &map->find[p->compute][p->light],
@@ -206,8 +188,10 @@ enum pel_err pel_lamp_map_need(struct pel_lamp_map *map,
                                  &map->put, fault);
     }
     if (err == PEL_OK && !*tone) {
-        err = pel_program_create(p->shader_dir, "lamp.vert", "tone.frag",
-                                 pel_light_defines(p->light), tone, fault);
+        snprintf(defines, sizeof defines, "%s#define PEL_LAMPS\n",
+                 pel_light_defines(p->light));
+        err = pel_program_create(p->shader_dir, "screen.vert", "tone.frag",
+                                 defines, tone, fault);
     }
     return err;
 }
@@ -252,15 +236,8 @@ void pel_lamp_map_find(struct pel_lamp_map *map, const struct pel_programs *p,
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
-static void draw(GLuint fbo, GLuint program, size_t count)
-{
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
-    glUseProgram(program);
-    glDrawArraysInstanced(GL_TRIANGLES, 0, 6, (GLsizei)count);
-}
-
-void pel_lamp_map_put(struct pel_lamp_map *map, const struct pel_programs *p,
-                      const struct pel_targets *targets, bool toned)
+void pel_lamp_map_put(struct pel_lamp_map *map,
+                      const struct pel_targets *targets)
 {
     if (map->count == 0) {
         return;
@@ -271,10 +248,8 @@ void pel_lamp_map_put(struct pel_lamp_map *map, const struct pel_programs *p,
     glBindTextureUnit(PEL_UNIT_LAMPS, map->spots_texels);
     glEnable(GL_BLEND);
     glBlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_ONE);
-    draw(map->fbo, map->put, map->count);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, map->fbo);
+    glUseProgram(map->put);
+    glDrawArraysInstanced(GL_TRIANGLES, 0, 6, (GLsizei)map->count);
     glDisable(GL_BLEND);
-    if (toned) {
-        glBindTextureUnit(PEL_UNIT_RADIANCE, targets->planes[PEL_AT_RADIANCE]);
-        draw(targets->color_fbo, map->tone[p->light], map->count);
-    }
 }

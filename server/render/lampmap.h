@@ -47,7 +47,6 @@ void pel_lamp_map_find(struct pel_lamp_map *map,
                        const struct pel_targets *targets,
                        struct pel_arena *arena);
 
-/* Adds them to the radiance, and tones those pixels anew. */
+/* Adds them to the radiance. */
 void pel_lamp_map_put(struct pel_lamp_map *map,
-                      const struct pel_programs *programs,
-                      const struct pel_targets *targets, bool toned);
+                      const struct pel_targets *targets);

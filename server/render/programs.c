@@ -173,7 +173,7 @@ static struct pel_sea_programs *programs_with(struct pel_programs *p,
                                               bool wakes, bool wash)
 {
     int foam = has_streaks(sea) ? 2 : sea->foam ? 1 : 0;
-    int kind = 2 * p->above + (sea->shore != NULL);
+    int kind = 2 * (2 * p->lamps + p->above) + (sea->shore != NULL);
     kind = 2 * kind + wakes;
     kind = 3 * kind + (wash ? 2 : sea->desc.area_count > 0);
     kind = 3 * kind + foam;
@@ -225,10 +225,11 @@ static enum pel_err make_sea_program(struct pel_programs *all,
     if (*out) {
         return PEL_OK;
     }
-    char defines[608], surface[192];
+    char defines[640], surface[192];
     surface_defines(all, sea, surface);
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s", surface,
+    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s%s", surface,
              pel_light_defines(all->light),
+             all->lamps ? "#define PEL_LAMPS\n" : "",
              all->above ? "#define PEL_CLOUDS_BELOW\n" : "", foam_defines(sea),
              kind_defines[kind], tile_defines[tile],
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
@@ -450,6 +451,7 @@ enum pel_err pel_programs_take_light(struct pel_programs *p,
     now.wakes = p->wakes;
     now.wash = p->wash;
     now.above = p->above;
+    now.lamps = p->lamps;
     now.look = p->look;
     now.light = light;
     memcpy(now.others, p->others, sizeof now.others);

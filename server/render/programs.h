@@ -73,8 +73,8 @@ struct pel_sea_programs {
 
 /* Of trochoids and of cascades (odd); without foam, with it, with streaks of
  * it; without areas, with, with wash besides; without and with ship waves, a
- * bottom that waves feel, clouds below the eye. */
-#define PEL_SEA_PROGRAMS 144
+ * bottom that waves feel, clouds below the eye, lamps. */
+#define PEL_SEA_PROGRAMS 288
 
 struct pel_programs {
     const char *shader_dir;
@@ -94,6 +94,7 @@ struct pel_programs {
     enum pel_sky_look look;           /* wanted */
     bool wakes, wash;                 /* those with them are wanted */
     bool above;                       /* for an eye above clouds */
+    bool lamps;                       /* that the sea mirrors */
     struct pel_sea_programs seas[PEL_SEA_PROGRAMS];
     enum pel_programs_light light;
     struct pel_programs *others[PEL_LIGHT_KINDS]; /* for other lights, kept */

@@ -139,6 +139,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_foam_map_finish(&r->foam);
         pel_cloud_map_finish(&r->clouds);
         pel_lamp_map_finish(&r->lamps);
+        pel_lamp_glow_finish(&r->glows);
         pel_wake_map_finish(&r->wakes);
         pel_shore_map_finish(&r->shore);
         glDeleteBuffers(1, &r->vertices);
@@ -350,6 +351,12 @@ static unsigned to_shade(const struct pel_renderer *r,
     return mixed ? layers | PEL_LAYER_RADIANCE : layers;
 }
 
+/* What is shaded; its colour waits for lamps. */
+static unsigned at_once(const struct pel_environment *env, unsigned asked)
+{
+    return env->lamp_count ? asked & ~(unsigned)PEL_LAYER_COLOR : asked;
+}
+
 /* At an altitude above the sea's zero. */
 static bool is_above_clouds(const struct pel_environment *env,
                             double altitude_m)
@@ -517,22 +524,22 @@ static void draw_pixels(struct pel_renderer *r,
     if (env->lamp_count > 0) {
         pel_lamp_map_plan(&r->lamps, env, whole, &view);
         pel_lamp_map_find(&r->lamps, &r->programs, &r->targets, &r->arena);
+        pel_lamp_glow_bind(&r->glows, env, whole, band.first, r->margin);
     }
     if (env->clouds.cover > 0) {
         pel_cloud_map_scape(&r->clouds,
                             r->programs.cloudscape[r->programs.look], &view);
         glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
     }
-    bool toned = compute;
+    bool toned = compute && !env->lamp_count;
     if (compute) {
-        pel_shade_dispatches(r, c, programs, asked);
+        pel_shade_dispatches(r, c, programs, at_once(env, asked));
     } else {
-        toned = pel_shade_fragments(r, c, discs, programs, asked);
+        toned = pel_shade_fragments(r, c, discs, programs, at_once(env, asked));
     }
     if (env->lamp_count > 0) {
         glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
-        pel_lamp_map_put(&r->lamps, &r->programs, &r->targets,
-                         toned && asked & PEL_LAYER_COLOR);
+        pel_lamp_map_put(&r->lamps, &r->targets);
     }
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
     if (!toned && asked & PEL_LAYER_COLOR) {
@@ -656,7 +663,8 @@ static enum pel_err need_view(struct pel_renderer *r,
     bool compute;
     do { /* once more where it turned to fragments meanwhile */
         compute = r->programs.compute;
-        struct pel_pass pass = pel_pass_first(to_shade(r, env, draw), compute);
+        struct pel_pass pass =
+            pel_pass_first(at_once(env, to_shade(r, env, draw)), compute);
         do {
             err = pel_programs_need(&r->programs, env->sea, pass.kind, coast,
                                     objects, fault);
@@ -689,6 +697,7 @@ static enum pel_err need_programs(struct pel_renderer *r,
     r->programs.look = pel_sky_look(env);
     r->programs.wakes = env->wakes != NULL;
     r->programs.wash = env->wash != NULL;
+    r->programs.lamps = env->lamp_count > 0;
     enum pel_err err =
         pel_programs_take_light(&r->programs, light_of(r, env), &fault);
     if (err == PEL_OK) {

@@ -10,6 +10,7 @@
 #include "render/context.h"
 #include "render/filtering.h"
 #include "render/foammap.h"
+#include "render/lampglow.h"
 #include "render/lampmap.h"
 #include "render/mesh.h"
 #include "render/meter.h"
@@ -37,6 +38,7 @@ struct pel_renderer {
     const struct pel_environment *env; /* of the frame that is drawn */
     struct pel_cloud_map clouds;
     struct pel_lamp_map lamps;
+    struct pel_lamp_glow glows;
     bool lost;
     struct pel_filtering filtering;
     struct pel_filter filter; /* its bounds */

@@ -367,6 +367,9 @@ void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
 void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c)
 {
     begin_tone(r);
+    if (r->programs.lamps) {
+        glUseProgram(r->lamps.tone[r->programs.light]);
+    }
     glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }

@@ -80,6 +80,7 @@ struct pel_vec4 {
 #define PEL_UNIT_CLOUDS 32
 #define PEL_UNIT_CLOUDSCAPE 33
 #define PEL_UNIT_LAMPS 36
+#define PEL_UNIT_LAMP_GLOWS 46
 #define PEL_UNIT_CLOUD_SHADE 45
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
@@ -302,6 +303,7 @@ struct pel_vec4 {
 #define PEL_TONE_HALF 0.78129
 #define PEL_TONE_PALE 16.0
 #define PEL_TONE_LEAST 0.25
+#define PEL_TONE_LEAST_OF_LAMPS 0.8 /* in pictures with lamps */
 #define PEL_TONE_RED 0.956
 #define PEL_TONE_GREEN 1.008
 #define PEL_TONE_BLUE 1.047
@@ -361,6 +363,10 @@ struct pel_vec4 {
 #define PEL_LAMP_LEAST_PX 2.2
 #define PEL_LAMP_SHOWN 1e-3
 #define PEL_LAMP_SLACK 2e-3
+/* And those that the sea mirrors: texels of each, and the slopes that mirror it,
+ * in standard deviations. */
+#define PEL_GLOW_TEXELS 5
+#define PEL_LAMP_SLOPES 4.0
 
 /* vec4 that a probe answers with (probe.comp). */
 #define PEL_PROBE_ANSWERS 6

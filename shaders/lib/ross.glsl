@@ -132,6 +132,23 @@ vec2 own_slope(vec2 s, patch_frame at, out vec2 whole, out float stretch)
     return vec2(dot(rest, wind.xy), dot(rest, vec2(-wind.y, wind.x)));
 }
 
+// What of it is the same for every light.
+struct sight_along {
+    float cosine, term, deviation, level, mu, steeper;
+};
+
+sight_along along_sight(vec3 view, vec2 variance)
+{
+    sight_along a;
+    a.cosine = max(view.z, 1e-4);
+    a.deviation = sqrt(directional_variance(view, variance));
+    a.term = smith_lambda_cos(view.z, a.deviation);
+    a.level = sqrt(max(1.0 - view.z * view.z, 1e-8));
+    a.mu = a.cosine / (a.level * a.deviation);
+    a.steeper = PEL_SEEN_STEEPER * a.deviation / (1.0 + PEL_SEEN_KNEE * a.mu * a.mu);
+    return a;
+}
+
 // Radiance of a light's reflection for irradiance 1 normal to its beam: eq. 15,
 // its facets and its shadow those that are seen (PEL_SEEN_STEEPER). Its disc, as
 // the variance `disc` of slopes that mirror some of it, is folded into the slope
@@ -140,39 +157,33 @@ vec2 own_slope(vec2 s, patch_frame at, out vec2 whole, out float stretch)
 // a normal distribution of variance `held`; the mean over what is drawn does not
 // depend on it. `fold`: of pel_sharpened.
 vec3 reflected_light(vec3 view, vec3 light, vec2 variance, float disc, vec2 drawn, vec2 held,
-                     float fold, patch_frame at)
+                     float fold, patch_frame at, sight_along eye_)
 {
     vec3 h = normalize(view + light);
     float hz = max(h.z, 1e-3);
     float h2 = hz * hz;
-    float cos_v = max(view.z, 1e-4);
-    float s_view = sqrt(directional_variance(view, variance));
     float s_light = sqrt(directional_variance(light, variance));
-    float view_term = smith_lambda_cos(view.z, s_view);
     float light_term = smith_lambda_cos(light.z, s_light);
     float facing = max(dot(view, h), 1e-4);
     vec3 reflected = facet_reflectance(facing) / (4.0 * h2 * h2);
 #ifdef PEL_PAPER
     float p = slope_density(-h.xy / hz - drawn, variance - held + disc);
-    float shadow = cos_v + view_term + light_term * cos_v / max(light.z, 1e-4);
+    float shadow = eye_.cosine + eye_.term + light_term * eye_.cosine / max(light.z, 1e-4);
     return light.z > 0.0 ? p / shadow * reflected : vec3(0.0);
 #else
-    float level = sqrt(max(1.0 - view.z * view.z, 1e-8));
-    float mu = cos_v / (level * s_view);
-    float steeper = PEL_SEEN_STEEPER * s_view / (1.0 + PEL_SEEN_KNEE * mu * mu);
-    vec2 slope = view.xy * (steeper / level) - h.xy / hz;
+    vec2 slope = view.xy * (eye_.steeper / eye_.level) - h.xy / hz;
     vec2 whole;
     float stretch;
     vec2 own = own_slope(-slope, at, whole, stretch);
     vec2 crisp = sharpened(own, whole, variance, disc, fold);
     vec2 spread = variance - held + disc;
     vec2 off = own + drawn;
-    float z = (dot(view.xy, h.xy) / (hz * level) - steeper) / s_view;
-    float narrower = PEL_SEEN_NARROWER / (1.0 + 0.25 * mu * mu);
+    float z = (dot(view.xy, h.xy) / (hz * eye_.level) - eye_.steeper) / eye_.deviation;
+    float narrower = PEL_SEEN_NARROWER / (1.0 + 0.25 * eye_.mu * eye_.mu);
     float p = exp(crisp.x - 0.5 * dot(off * off, 1.0 / spread) - 0.5 * narrower * z * z) * crisp.y *
               inversesqrt(spread.x * spread.y) / (2.0 * PI) *
-              max(1.0 - level * steeper * hz / facing, 0.0) * stretch * (1.0 + 0.5 * narrower);
-    float lit = light.z / (light.z + escape_odds(mu) * light_term);
-    return light.z > 0.0 ? p * lit / (cos_v + view_term) * reflected : vec3(0.0);
+              max(1.0 - eye_.level * eye_.steeper * hz / facing, 0.0) * stretch * (1.0 + 0.5 * narrower);
+    float lit = light.z / (light.z + escape_odds(eye_.mu) * light_term);
+    return light.z > 0.0 ? p * lit / (eye_.cosine + eye_.term) * reflected : vec3(0.0);
 #endif
 }

@@ -157,6 +157,11 @@ shaded shade_sea(ivec2 at, uint triangle)
     }
 #endif
 #endif
+#ifdef PEL_LAMPS
+    lamps_from = dir * range;
+    lamps_footprint = footprint;
+    lamps_about(at);
+#endif
     vec2 shown = max(variance_all - variance, vec2(1e-8));
     float beside = clamp((variance_beside.x + variance_beside.y) / (shown.x + shown.y), 0.0, 1.0);
     lit parts = sea_radiance(reflection_map, v, tilt, n_lit, variance_seen, leaving,

@@ -209,13 +209,14 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
     vec2 held = variance * glint.z;
     vec2 drawn = glint.xy * sqrt(held);
     float fold = crests.x + crests.y * (variance.x + variance.y);
+    sight_along eye_ = along_sight(view, variance);
     vec3 direct = beam_there(PEL_LIGHT_FIRST) * twice;
     for (int i = 0; i < PEL_LIT; i++) {
         vec3 to = light_above(i, tilt);
         vec3 light = vec3(dot(to, tx), dot(to, ty), dot(to, n));
         vec3 one = beam_there(i) *
                    reflected_light(view, light, variance, lights[i].limb.w, drawn, held, fold,
-                                   at);
+                                   at, eye_);
 #ifdef PEL_OBJECTS
         one *= i == PEL_LIGHT_FIRST ? sea_lit : 1.0;
 #endif
@@ -224,6 +225,12 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
 #endif
         direct += one;
     }
+#ifdef PEL_LAMPS
+    for (uint left = lamps_here; left != 0u; left &= left - 1u) {
+        direct += lamp_mirrored(findLSB(left), v, tilt, tx, ty, n, view, variance, drawn, held, fold, at,
+                                eye_);
+    }
+#endif
     lit result;
     result.sun = direct;
     result.sky = sky;

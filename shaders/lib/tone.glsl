@@ -18,7 +18,13 @@ vec3 filmic(vec3 x)
     float peak = max(max(x.r, x.g), max(x.b, 1e-9));
     float shown = min(tone_curve(peak), 1.0);
     const float PALE2 = PEL_TONE_PALE * PEL_TONE_PALE;
-    float kept = PEL_TONE_LEAST + (1.0 - PEL_TONE_LEAST) * PALE2 / (PALE2 + peak * peak);
+#ifdef PEL_LAMPS
+    // However bright, a red light is to be told from a white one.
+    const float LEAST = PEL_TONE_LEAST_OF_LAMPS;
+#else
+    const float LEAST = PEL_TONE_LEAST;
+#endif
+    float kept = LEAST + (1.0 - LEAST) * PALE2 / (PALE2 + peak * peak);
     return shown + (x - peak) * (shown * kept / peak);
 }
 
