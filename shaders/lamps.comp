@@ -4,6 +4,7 @@
 #include "lib/blocks.h"
 #include "lib/sky.glsl"
 #include "lib/clouds.glsl"
+#include "lib/fog.glsl"
 #include "lib/ray.glsl"
 #include "lib/cut.glsl"
 #include "lib/triangles.glsl"
