@@ -99,12 +99,25 @@ def radar_has_it(daemon, ocean):
     daemon.patch({"views": [{**STATE["views"][0], "radar": None}]})
 
 
+def metar_rains(daemon, _):
+    daemon.patch({"sky": {"metar": "EHAM 231355Z 24015KT 4000 -RA BKN012 "
+                                   "12/09 Q1003"}})
+    sky = daemon.state()["sky"]
+    check(sky["rain"] == 1 and sky["snow"] == 0, f"{sky}")
+    whole = 3.912 / (3.912 / sky["visibility"] + extinction(1))
+    check(abs(whole - 4000) < 10, f"{whole} m")
+    daemon.patch({"sky": {"metar": "EHAM 231455Z 24015KT 9999 SCT030 12/09 "
+                                   "Q1003"}})
+    sky = daemon.state()["sky"]
+    check((sky["rain"], sky["visibility"]) == (0, 20000), f"{sky}")
+
+
 def main():
     with Daemon() as daemon:
         ocean = pelagos.Ocean(daemon.url())
         daemon.patch(STATE)
         for part in (air_follows, slopes_are_the_same, any_order,
-                     radar_has_it):
+                     radar_has_it, metar_rains):
             print(part.__name__)
             part(daemon, ocean)
         answer = daemon.request("PATCH", "/v1/state", {"sky": {"rain": 151}})

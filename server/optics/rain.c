@@ -38,3 +38,19 @@ double pel_visibility_in_rain(double visibility_m, double rain_mm_h,
     double left = PEL_KOSCHMIEDER / (PEL_KOSCHMIEDER / visibility_m + falling);
     return fmax(left, LEAST_VISIBILITY_M);
 }
+
+double pel_visibility_besides(double visibility_m, double *rain_mm_h,
+                              double *snow_mm_h)
+{
+    const double most = 0.9;
+    double seen = PEL_KOSCHMIEDER / visibility_m;
+    double falling =
+        pel_rain_extinction(*rain_mm_h) + pel_snow_extinction(*snow_mm_h);
+    if (!(falling > 0)) {
+        return visibility_m;
+    }
+    double share = fmin(most * seen / falling, 1.0);
+    *rain_mm_h *= pow(share, 1.0 / 0.63); /* their powers of the rate */
+    *snow_mm_h *= pow(share, 1.0 / 0.86);
+    return PEL_KOSCHMIEDER / (seen - share * falling);
+}

@@ -22,3 +22,9 @@ double pel_snow_extinction(double mm_per_h);
  * range ends. */
 double pel_visibility_in_rain(double visibility_m, double rain_mm_h,
                               double snow_mm_h);
+
+/* The other way: the visibility of the air alone where visibility_m is seen in
+ * rain and snow. Of these remains what takes nine tenths of the extinction,
+ * because what is seen counts, not a word for the rain. */
+double pel_visibility_besides(double visibility_m, double *rain_mm_h,
+                              double *snow_mm_h);

@@ -86,12 +86,33 @@ static void visibility_is_of_both(void **state)
     assert_true(pel_visibility_in_rain(20000, 0, 10) == 200);
 }
 
+static void reports_count_all(void **state)
+{
+    (void)state;
+    const double rows[][3] = { /* seen, rain, snow */
+                               { 4000, 1, 0 },   { 800, 25, 0 },
+                               { 20000, 5, 0 },  { 600, 0, 2 },
+                               { 5000, 0.3, 6 }, { 10000, 0, 0 }
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        double rain = rows[i][1], snow = rows[i][2];
+        double air = pel_visibility_besides(rows[i][0], &rain, &snow);
+        print_message("%.0f m: %.0f m in %.2f, %.2f mm/h\n", rows[i][0], air,
+                      rain, snow);
+        assert_true(air >= rows[i][0] && air < 10.001 * rows[i][0]);
+        assert_true(rain <= rows[i][1] && snow <= rows[i][2]);
+        assert_true(fabs(pel_visibility_in_rain(air, rain, snow) / rows[i][0] -
+                         1) < 1e-9);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rain_takes_twice_its_shadow),
         cmocka_unit_test(snow_takes_twice_its_shadow),
         cmocka_unit_test(visibility_is_of_both),
+        cmocka_unit_test(reports_count_all),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

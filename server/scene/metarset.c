@@ -5,6 +5,8 @@
 
 #include "base/vec.h"
 #include "message.h"
+#include "ocean/ringwaves.h"
+#include "optics/rain.h"
 #include "path.h"
 #include "scene/metar.h"
 
@@ -14,7 +16,8 @@
 #define LEAST_FOG_M 20.0
 #define LEAST_BASE_M 30.0
 /* Of what a report does not say. */
-#define FAR_M 20000.0 /* "10 km or more" */
+#define FAR_M 20000.0     /* "10 km or more" */
+#define WET_FAR_M 10000.0 /* the same where it rains */
 #define OVER_FOG_M 10000.0
 #define FOG_TOP_M 120.0
 #define SHALLOW_M 400.0 /* visibility */
@@ -85,6 +88,20 @@ static void set_seeing(const Pelagos__State *state, const struct pel_metar *m)
     }
 }
 
+/* The visibility reported is with what falls. */
+static void set_falling(Pelagos__Sky *sky, const struct pel_metar *m)
+{
+    sky->rain = fmin(m->rain_mm_h, PEL_RAIN_MOST_MM_H);
+    sky->snow = fmin(m->snow_mm_h, PEL_SNOW_MOST_MM_H);
+    sky->has_rain = sky->has_snow = true;
+    if (m->has_visibility) {
+        bool wet = m->ten_km && (sky->rain > 0 || sky->snow > 0);
+        sky->visibility = wet ? WET_FAR_M : sky->visibility;
+        sky->visibility =
+            pel_visibility_besides(sky->visibility, &sky->rain, &sky->snow);
+    }
+}
+
 static Pelagos__CloudGenus genus_of(const struct pel_metar *m)
 {
     bool falls = m->rain_mm_h > 0.9 || m->snow_mm_h > 0.9;
@@ -139,6 +156,7 @@ enum pel_err pel_metar_settle(Pelagos__State *state, struct pel_fault *fault)
         state->sea->has_wind_direction = true;
     }
     set_seeing(state, &m);
+    set_falling(state->sky, &m);
     set_clouds(state->sky, &m);
     pel_message_clear(&state->sky->base, field("metar"));
     return PEL_OK;

@@ -13,6 +13,9 @@
  * FG the visibility is that of a layer, 120 m high or as high as VV says, and
  * the air has 10 km; MIFG is a layer of 3 m; BCFG, PRFG and VCFG are three
  * banks about the origin.
+ * - sky.rain and snow by what falls and how; the visibility is then of the air
+ * without them, so that with them it is the reported one
+ * (pel_visibility_besides).
  * - cloudCover 2, 4, 6, 8 for FEW, SCT, BKN, OVC or 0, cloudBase and, by base,
  *   cover, CB, TCU and rain, cloudGenus; of several layers the one that covers
  *   most, of equals the lowest. VV is overcast from there on, but for fog.

@@ -374,7 +374,8 @@ class Sky(Record):
     #: Fog and haze in layers and banks, at most 4.
     fog: tuple[Fog, ...] = ()
     #: METAR or SPECI of an aerodrome, as "EHAM 231355Z 24015KT 4000 -RA BKN012
-    #: 12/09 Q1003": sets wind, visibility, fog and clouds by it; not kept.
+    #: 12/09 Q1003": sets wind, visibility, fog, rain, snow and clouds by it;
+    #: not kept.
     metar: str | None = _field(None)
     #: Rain: it takes visibility, raises ring waves, and calms short waves and
     #: whitecaps. [mm/h; 0 to 150]
