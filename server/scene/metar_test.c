@@ -170,7 +170,10 @@ static void sets_the_fields(void **state)
     const Pelagos__Sea *sea = pel_scene_state(scene)->sea;
     assert_true(fabs(sea->wind_speed - KT(20)) < 1e-9);
     assert_true(sea->wind_direction == 240);
-    assert_true(sky->visibility == 4000 && sky->n_fog == 0);
+    assert_true(sky->rain == 1 && sky->snow == 0 && sky->n_fog == 0);
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    assert_true(fabs(s->visibility_m - 4000) < 1e-6 && sky->visibility > 4000);
+    pel_snapshot_unref(s);
     assert_true(sky->cloud_cover == 6 && fabs(sky->cloud_base - 365.76) < 1e-6);
     assert_int_equal(sky->cloud_genus, PELAGOS__CLOUD_GENUS__STRATOCUMULUS);
 
@@ -180,7 +183,8 @@ static void sets_the_fields(void **state)
     assert_true(sky->fog[0]->visibility == 150 && !sky->fog[0]->has_radius);
     assert_true(fabs(sky->fog[0]->top - 30.48) < 1e-9);
     assert_true(sky->visibility == 10000 && sky->cloud_cover == 0);
-    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    assert_true(sky->rain == 0);
+    s = pel_scene_snapshot(scene);
     assert_int_equal(s->fog_count, 1);
     assert_true(fabs(s->fog[0].extinction - 3.912 / 150) < 1e-12);
     pel_snapshot_unref(s);
