@@ -240,6 +240,9 @@ echo "== surface"
 run 0 --json surface 0 0 -20 35.5 --time 10
 jq -e '.time == 10 and (.points | length) == 2 and
     (.points[1].normal[2] > 0.3)' "$out" >/dev/null || fail "surface"
+run 0 --json surface --foam --time 10 0 0
+jq -e '.points[0].foam | (. >= 0) and (. <= 1)' "$out" >/dev/null ||
+    fail "foam at a point"
 run 0 --json surface --acceleration --time 10 0 0
 jq -e '.points[0].acceleration | length == 3 and (map(fabs) | add) > 1e-3' \
     "$out" >/dev/null || fail "acceleration"

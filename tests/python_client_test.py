@@ -431,6 +431,20 @@ class SurfaceQueries(OceanCase):
         self.assertGreater(np.abs(slope).max(), 0.5)
         np.testing.assert_allclose(surface.acceleration, slope, atol=0.02)
 
+    def test_foam_is_a_share_of_the_water(self):
+        points = np.stack(np.meshgrid(np.arange(0, 800, 20.0),
+                                      np.arange(0, 800, 20.0)), axis=-1)
+        self.assertIsNone(self.ocean.surface(points, 5).foam)
+        self.ocean.set(sea={"windSpeed": 14, "whitecaps": 4})
+        foam = self.ocean.surface(points, 5, foam=True).foam
+        self.assertEqual(foam.shape, points.shape[:-1])
+        self.assertTrue(np.all((foam >= 0) & (foam <= 1)))
+        self.assertGreater(foam.max(), 0.3)
+        self.assertGreater(np.mean(foam < 0.01), 0.5)
+        self.ocean.set(sea={"whitecaps": 0})
+        foam = self.ocean.surface(points, 5, foam=True).foam
+        self.assertEqual(foam.max(), 0)
+
     def test_of_the_sea_in_a_frame(self):
         self.ocean.set(clock={"mode": "FREE"})
         frame = self.ocean.frame("bridge", width=64, height=36)

@@ -125,18 +125,19 @@ def hull_points_by_every_way():
                                 for a in f.all("extended")})
             check(len(by_cigi) == 1000, f"{len(by_cigi)} answers of CIGI")
             begin = time.monotonic()
-            answer = ask(daemon, plane, time=at, acceleration=True)
+            answer = ask(daemon, plane, time=at, acceleration=True, foam=True)
             took = time.monotonic() - begin
             pb = session.pb
             wire = session.ask(surface=pb.SurfaceQuery(
                 points=[pb.Point(east=e, north=n) for e, n in plane], time=at,
-                acceleration=True)).surface
+                acceleration=True, foam=True)).surface
             height = heights(answer)
             velocity = vectors(answer, "velocity")
             acceleration = vectors(answer, "acceleration")
             normal = vectors(answer, "normal")
             for i, p in enumerate(wire.points):
                 check(p.height == height[i], "height by protobuf")
+                check(p.foam == answer["points"][i]["foam"], "foam")
                 for name, row in (("normal", normal), ("velocity", velocity),
                                   ("acceleration", acceleration)):
                     v = getattr(p, name)
@@ -149,7 +150,8 @@ def hull_points_by_every_way():
                   "normal by CIGI")
             follow(daemon, plane, at, velocity, acceleration, height)
             plain = ask(daemon, plane[:1], time=at)["points"][0]
-            check("acceleration" not in plain, "asked for nothing")
+            check("acceleration" not in plain and "foam" not in plain,
+                  "asked for nothing")
             print(f"  {synthesiser}: 1,000 hull points in {took * 1e3:.0f} ms "
                   "by HTTP, the same by protobuf and CIGI")
 

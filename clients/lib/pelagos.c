@@ -405,6 +405,7 @@ static enum pel_client_code ask_points(struct pel_client *client,
         query.has_frame = sea->frame != 0;
         query.frame = sea->frame;
         query.has_acceleration = query.acceleration = sea->acceleration;
+        query.has_foam = query.foam = sea->foam;
         Pelagos__Surface *part = NULL;
         enum pel_client_code code = send_points(client, &query, &part, error);
         if (code == PEL_CLIENT_OK && !all) {

@@ -136,12 +136,14 @@ struct pel_client_sea {
     uint64_t frame;       /* number of one of the last 64 frames: the sea that
                            * it shows; 0: the present one */
     bool acceleration;    /* of the water too [m/s2] */
+    bool foam;            /* its share of the water too */
 };
 
-/* Height, normal and velocity (and acceleration) of the sea surface at `count`
- * points (1..10,000) given as east, north [m] from the scene's origin. sea:
- * NULL for the present one. The answers are in the order of the points. Above
- * 3,000 points it takes several requests, all for the time of the first. */
+/* Height, normal and velocity (and acceleration, foam) of the sea surface at
+ * `count` points (1..10,000) given as east, north [m] from the scene's origin.
+ * sea: NULL for the present one. The answers are in the order of the points.
+ * Above 3,000 points it takes several requests, all for the time of the first.
+ */
 PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_surface(struct pel_client *client, const double (*east_north_m)[2],
                    size_t count, const struct pel_client_sea *sea,

@@ -228,6 +228,8 @@ static bool answer_points(struct fake *fake, const Pelagos__Request *request)
         points[i].has_sounding = 1;
         points[i].depth = (double)query->frame;
         points[i].has_depth = 1;
+        points[i].foam = 0.25;
+        points[i].has_foam = query->foam;
         list[i] = &points[i];
     }
     Pelagos__Reply reply = PELAGOS__REPLY__INIT;
@@ -262,7 +264,7 @@ static void test_many_points_keep_order_and_time(void **state)
     assert_true(surface->points[0]->sounding == 0);
     pelagos__surface__free_unpacked(surface, NULL);
     const double when = 7.5;
-    const struct pel_client_sea sea = { &when, 12, true };
+    const struct pel_client_sea sea = { &when, 12, true, true };
     assert_int_equal(pel_client_surface(client, (const double(*)[2])points,
                                         5000, &sea, &surface, &error),
                      PEL_CLIENT_OK);

@@ -187,12 +187,14 @@ static void metres(bool known, double value, const char *format,
 }
 
 static void print_points(const Pelagos__Surface *surface,
-                         const double (*points)[2], bool acceleration)
+                         const double (*points)[2],
+                         const struct pel_client_sea *sea)
 {
-    printf("# at %.3f s\n%12s %12s %9s  %23s  %23s %9s %9s%s\n", surface->time,
-           "east m", "north m", "height m", "normal east, north, up",
-           "velocity m/s", "depth m", "sounding",
-           acceleration ? "       acceleration m/s2" : "");
+    printf("# at %.3f s\n%12s %12s %9s  %23s  %23s %9s %9s%s%s\n",
+           surface->time, "east m", "north m", "height m",
+           "normal east, north, up", "velocity m/s", "depth m", "sounding",
+           sea->acceleration ? "       acceleration m/s2" : "",
+           sea->foam ? "   foam" : "");
     for (size_t i = 0; i < surface->n_points; i++) {
         const Pelagos__SurfacePoint *p = surface->points[i];
         char depth[32], sounding[32];
@@ -203,9 +205,12 @@ static void print_points(const Pelagos__Surface *surface,
                points[i][0], points[i][1], p->height, p->normal->east,
                p->normal->north, p->normal->up, p->velocity->east,
                p->velocity->north, p->velocity->up, depth, sounding);
-        if (acceleration) {
+        if (sea->acceleration) {
             printf(" %7.3f %7.3f %7.3f", p->acceleration->east,
                    p->acceleration->north, p->acceleration->up);
+        }
+        if (sea->foam) {
+            printf(" %6.4f", p->foam);
         }
         putchar('\n');
     }
@@ -217,7 +222,8 @@ static void print_vector(const char *name, const Pelagos__Vector *v)
 }
 
 static void print_points_json(const Pelagos__Surface *surface,
-                              const double (*points)[2], bool acceleration)
+                              const double (*points)[2],
+                              const struct pel_client_sea *sea)
 {
     printf("{\"time\":%.17g,\"points\":[", surface->time);
     for (size_t i = 0; i < surface->n_points; i++) {
@@ -229,8 +235,11 @@ static void print_points_json(const Pelagos__Surface *surface,
                i ? "," : "", points[i][0], points[i][1], p->height);
         print_vector("normal", p->normal);
         print_vector("velocity", p->velocity);
-        if (acceleration) {
+        if (sea->acceleration) {
             print_vector("acceleration", p->acceleration);
+        }
+        if (sea->foam) {
+            printf(",\"foam\":%.17g", p->foam);
         }
         printf(",\"depth\":%s,\"sounding\":%s}", depth, sounding);
     }
@@ -238,11 +247,14 @@ static void print_points_json(const Pelagos__Surface *surface,
 }
 
 /* Whether every point came with what was asked for. */
-static bool is_whole(const Pelagos__Surface *surface, bool acceleration)
+static bool is_whole(const Pelagos__Surface *surface,
+                     const struct pel_client_sea *sea)
 {
     for (size_t i = 0; i < surface->n_points; i++) {
         const Pelagos__SurfacePoint *p = surface->points[i];
-        if (!p->normal || !p->velocity || (acceleration && !p->acceleration)) {
+        if (!p->normal || !p->velocity ||
+            (sea->acceleration && !p->acceleration) ||
+            (sea->foam && !p->has_foam)) {
             return false;
         }
     }
@@ -262,6 +274,7 @@ static bool read_sea(struct ctl *ctl, double *time_s,
         .time_s = ctl_flag(ctl, "time") ? time_s : NULL,
         .frame = (uint64_t)frame,
         .acceleration = ctl_flag(ctl, "acceleration"),
+        .foam = ctl_flag(ctl, "foam"),
     };
     return true;
 }
@@ -294,13 +307,13 @@ enum ctl_exit ctl_surface(struct ctl *ctl)
                            &surface, &error)) {
         return ctl_report(ctl, &error);
     }
-    if (!is_whole(surface, sea.acceleration)) {
-        status = ctl_say(CTL_UNREACHABLE, "the answer lacks normals");
+    if (!is_whole(surface, &sea)) {
+        status =
+            ctl_say(CTL_UNREACHABLE, "the answer lacks what was asked for");
     } else if (ctl_flag(ctl, "json")) {
-        print_points_json(surface, (const double(*)[2])points,
-                          sea.acceleration);
+        print_points_json(surface, (const double(*)[2])points, &sea);
     } else {
-        print_points(surface, (const double(*)[2])points, sea.acceleration);
+        print_points(surface, (const double(*)[2])points, &sea);
     }
     pelagos__surface__free_unpacked(surface, NULL);
     return status;

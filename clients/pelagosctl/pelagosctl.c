@@ -65,6 +65,7 @@ static const struct ctl_option surface_options[] = {
       "Of the sea in that frame, one of the last 64, instead of the present",
       NULL },
     { 'a', "acceleration", NULL, "The water's acceleration too", NULL },
+    { 0, "foam", NULL, "The share of the water that foam hides too", NULL },
     { 0 },
 };
 static const char *const surface_examples[] = {

@@ -184,6 +184,7 @@ struct pel_surface_wish {
                                       * that was prepared (prefetch.h) */
     double time_s;
     bool moving;       /* accelerations too */
+    bool foam;         /* its share too */
     const void *asker; /* whose next query may be predicted; NULL: none */
     uint64_t frame; /* 0: the present state; else the surface, and where no time
                      * is given the moment, of this frame: one of the last 64

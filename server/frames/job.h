@@ -119,6 +119,7 @@ struct pel_surface_query {
     const struct pel_snapshot *snapshot;
     double time_s;
     bool moving;                   /* accelerations too */
+    bool foam;                     /* its share too */
     size_t count, begun, answered; /* the last two: pel_surface_pool' */
     struct pel_vec2 *points;
     struct pel_surface_sample *samples;

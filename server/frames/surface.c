@@ -166,6 +166,7 @@ enum pel_err pel_frames_surface(struct pel_frames *frames,
     query->count = wish->count;
     query->time_s = wish->has_time ? wish->time_s : query->time_s;
     query->moving = wish->moving;
+    query->foam = wish->foam;
     query->done = done;
     query->user = user;
     frames->surfaces[frames->surface_count++] = query;

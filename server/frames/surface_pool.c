@@ -157,6 +157,10 @@ static void *run(void *argument)
         pel_snapshot_surface(query->snapshot, query->points + first, count,
                              query->time_s, query->moving,
                              query->samples + first);
+        if (query->foam) {
+            pel_snapshot_foam(query->snapshot, count, query->time_s,
+                              query->samples + first);
+        }
         pel_urgent_account(&worker.urgent);
         pthread_mutex_lock(&self->lock);
         query->answered += count;

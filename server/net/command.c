@@ -234,6 +234,7 @@ enum pel_err pel_command_surface(struct pel_frames *frames,
         .has_time = query->has_time,
         .time_s = query->time,
         .moving = query->has_acceleration && query->acceleration,
+        .foam = query->has_foam && query->foam,
         .asker = asker,
         .frame = query->has_frame ? query->frame : 0,
     };
@@ -279,6 +280,8 @@ Pelagos__Surface *pel_surface_message(double time_s,
             block->point.sounding =
                 fmax(samples[i].depth_m + samples[i].height_m, 0.0);
         }
+        block->point.has_foam = !isnan(samples[i].foam);
+        block->point.foam = block->point.has_foam ? samples[i].foam : 0;
         set_vector(&block->normal, samples[i].normal);
         set_vector(&block->velocity, samples[i].velocity_mps);
         block->point.normal = &block->normal;

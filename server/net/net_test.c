@@ -35,6 +35,7 @@ static struct pel_surface_sample some_sample(unsigned i)
         .depth_m = i % 2   ? NAN
                    : i % 4 ? -1e6
                            : 40,
+        .foam = i % 7 ? NAN : x / 4000,
     };
 }
 

@@ -16,6 +16,7 @@ enum tag {
     POINT_NORMAL = 2 << 3 | 2,
     POINT_VELOCITY = 3 << 3 | 2,
     POINT_ACCELERATION = 4 << 3 | 2,
+    POINT_FOAM = 5 << 3 | 1,
     POINT_DEPTH = 12 << 3 | 1,
     POINT_SOUNDING = 13 << 3 | 1,
     VECTOR_EAST = 1 << 3 | 1,
@@ -48,9 +49,9 @@ static size_t point_size(const struct pel_surface_sample *s)
 {
     return DOUBLE + 2 * (2 + VECTOR) +
            (isnan(s->acceleration_mps2.x) ? 0 : 2 + VECTOR) +
-           (isnan(s->depth_m) ? 0 : 2 * DOUBLE);
+           (isnan(s->foam) ? 0 : DOUBLE) + (isnan(s->depth_m) ? 0 : 2 * DOUBLE);
 }
-_Static_assert(3 * DOUBLE + 3 * (2 + VECTOR) < 128, "a length is one byte");
+_Static_assert(4 * DOUBLE + 3 * (2 + VECTOR) < 128, "a length is one byte");
 
 static uint8_t *put_point(uint8_t *to, const struct pel_surface_sample *s)
 {
@@ -61,6 +62,9 @@ static uint8_t *put_point(uint8_t *to, const struct pel_surface_sample *s)
     to = put_vector(to, POINT_VELOCITY, s->velocity_mps);
     if (!isnan(s->acceleration_mps2.x)) {
         to = put_vector(to, POINT_ACCELERATION, s->acceleration_mps2);
+    }
+    if (!isnan(s->foam)) {
+        to = put_double(to, POINT_FOAM, s->foam);
     }
     if (!isnan(s->depth_m)) {
         to = put_double(to, POINT_DEPTH, s->depth_m);

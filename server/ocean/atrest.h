@@ -17,6 +17,15 @@ struct pel_moment *pel_moment_take(const struct pel_cascades *c, double time_s,
                                    bool moving);
 void pel_moment_give(const struct pel_cascades *c, struct pel_moment *moment);
 
+/* X, Y of foam.h, of cascade `index` where it is read for the water that rests
+ * at (x, y), between texels as shaders read; of a moment of
+ * pel_breaking_take. */
+struct pel_moment *pel_breaking_take(const struct pel_cascades *c,
+                                     double time_s);
+struct pel_vec2 pel_breaking_at(const struct pel_cascades *c,
+                                const struct pel_moment *moment, double x,
+                                double y, int index);
+
 /* Adds what the cascades from `first` to before `end` do to the water that
  * rests at (x, y). */
 void pel_moment_at_rest(const struct pel_cascades *c,

@@ -139,6 +139,7 @@ struct pel_cascade_fields {
     float *fold[PEL_CASCADES];
     float (*velocity[PEL_CASCADES])[4];
     float (*surge[PEL_CASCADES])[2];
+    float (*breaking[PEL_CASCADES])[2];
 };
 
 /* Computes the fields at time_s: the reference for the shaders' FFT. */

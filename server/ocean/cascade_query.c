@@ -245,7 +245,7 @@ PEL_INLINE void surface_at(const struct pel_cascade_fields *f,
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
     out->velocity_mps = (struct pel_vec3){ v[0], v[1], v[2] };
     out->acceleration_mps2 = (struct pel_vec3){ NAN, NAN, v[3] };
-    out->depth_m = NAN;
+    out->depth_m = out->foam = NAN;
 }
 
 /* Of one cascade, added to the sum. */
@@ -305,6 +305,7 @@ static void query(const struct pel_cascades *c,
             } else {
                 *a = (struct pel_vec3){ NAN, NAN, NAN };
             }
+            to->rest_m = searches[i].rest;
         }
     }
 }
@@ -342,6 +343,33 @@ struct pel_moment *pel_moment_take(const struct pel_cascades *c, double time_s,
 {
     return (struct pel_moment *)take(
         c, time_s, moving ? PEL_FIELDS_SURGE : PEL_FIELDS_VELOCITY);
+}
+
+struct pel_moment *pel_breaking_take(const struct pel_cascades *c,
+                                     double time_s)
+{
+    return (struct pel_moment *)take(c, time_s, PEL_FIELDS_BREAKING);
+}
+
+struct pel_vec2 pel_breaking_at(const struct pel_cascades *c,
+                                const struct pel_moment *moment, double x,
+                                double y, int index)
+{
+    const struct pel_cascade_fields *f =
+        pel_fields_of((const struct pel_kept_fields *)moment);
+    struct pel_sheared sheared;
+    pel_shear(&c->shears, x, y, &sheared);
+    const struct place p = place_of(&c->cascade[index], sheared.place[index][0],
+                                    sheared.place[index][1]);
+    struct pel_vec2 z = { 0, 0 };
+    for (int n = 0; n < 4; n++) {
+        int i = p.i + (n & 1), j = p.j + (n >> 1);
+        const float *texel = f->breaking[index][j % N * N + i % N];
+        double w = (n & 1 ? p.fi : 1 - p.fi) * (n & 2 ? p.fj : 1 - p.fj);
+        z.x += w * (double)texel[0];
+        z.y += w * (double)texel[1];
+    }
+    return z;
 }
 
 void pel_moment_give(const struct pel_cascades *c, struct pel_moment *moment)

@@ -6,6 +6,7 @@
 
 #include "base/lock.h"
 #include "ocean/evolve.h"
+#include "ocean/foam.h"
 
 #define N PEL_CASCADE_N
 
@@ -25,7 +26,11 @@ static bool need(void *array, size_t texel)
 static bool make_room(struct pel_cascade_fields *f, enum pel_fields_depth depth)
 {
     bool whole = true;
-    for (int i = 0; i < PEL_CASCADES; i++) {
+    for (int i = 0; depth == PEL_FIELDS_BREAKING && i < PEL_FOAM_CASCADES;
+         i++) {
+        whole = whole && need(&f->breaking[i], sizeof(float[2]));
+    }
+    for (int i = 0; depth != PEL_FIELDS_BREAKING && i < PEL_CASCADES; i++) {
         whole = whole && need(&f->displacement[i], sizeof(float[4])) &&
                 need(&f->slopes[i], sizeof(float[4])) &&
                 need(&f->fold[i], sizeof(float));
@@ -47,6 +52,7 @@ static void drop_room(struct pel_cascade_fields *f)
         free(f->fold[i]);
         free(f->velocity[i]);
         free(f->surge[i]);
+        free(f->breaking[i]);
     }
 }
 
@@ -56,6 +62,11 @@ static void fill(const struct pel_cascades *c, int i,
                  enum pel_fields_depth to, const struct pel_cascade_fields *f)
 {
     struct pel_evolve_target target = { 0 };
+    if (to == PEL_FIELDS_BREAKING) {
+        target.breaking = f->breaking[i];
+        pel_evolve(c, i, f->time_s, work, &target);
+        return;
+    }
     if (from < PEL_FIELDS_REST) {
         target.displacement = f->displacement[i];
         target.slopes = f->slopes[i];
@@ -104,11 +115,14 @@ void pel_cascade_fields_destroy(struct pel_cascade_fields *f)
 #define KEPT 3
 #define MOST_WORKS 4 /* scratches kept */
 
-/* `begun` and `done` say how deep each cascade's fields are being computed and
- * are computed. */
+/* How deep each cascade's fields are being computed and are computed. */
+struct progress {
+    enum pel_fields_depth begun[PEL_CASCADES], done[PEL_CASCADES];
+};
+
 struct pel_kept_fields {
     struct pel_cascade_fields fields;
-    enum pel_fields_depth begun[PEL_CASCADES], done[PEL_CASCADES];
+    struct progress waves, breaking; /* the latter by itself */
     unsigned users;
     bool stale; /* out of the cache: its last user frees it */
     uint64_t used;
@@ -195,8 +209,7 @@ static struct pel_kept_fields *add(struct pel_fields_cache *cache,
         cache->kept[oldest] = k;
     }
     if (k) {
-        memset(k->begun, 0, sizeof k->begun);
-        memset(k->done, 0, sizeof k->done);
+        k->waves = k->breaking = (struct progress){ 0 };
         k->fields.time_s = time_s;
     }
     return k;
@@ -248,24 +261,35 @@ static void give_work(struct pel_fields_cache *cache,
     pel_evolve_work_destroy(work);
 }
 
-/* A cascade that no thread has begun to this depth; −1: none. */
-static int next_cascade(const struct pel_kept_fields *k,
-                        enum pel_fields_depth depth)
+static struct progress *progress_of(struct pel_kept_fields *k,
+                                    enum pel_fields_depth depth)
 {
-    for (int i = 0; i < PEL_CASCADES; i++) {
+    return depth == PEL_FIELDS_BREAKING ? &k->breaking : &k->waves;
+}
+
+static int cascades_of(enum pel_fields_depth depth)
+{
+    return depth == PEL_FIELDS_BREAKING ? PEL_FOAM_CASCADES : PEL_CASCADES;
+}
+
+/* A cascade that no thread has begun to this depth; −1: none. */
+static int next_cascade(struct pel_kept_fields *k, enum pel_fields_depth depth)
+{
+    const struct progress *at = progress_of(k, depth);
+    for (int i = 0; i < cascades_of(depth); i++) {
         /* a thread that computes it to less depth must have finished */
-        if (k->begun[i] < depth && k->begun[i] == k->done[i]) {
+        if (at->begun[i] < depth && at->begun[i] == at->done[i]) {
             return i;
         }
     }
     return -1;
 }
 
-static bool is_whole(const struct pel_kept_fields *k,
-                     enum pel_fields_depth depth)
+static bool is_whole(struct pel_kept_fields *k, enum pel_fields_depth depth)
 {
-    for (int i = 0; i < PEL_CASCADES; i++) {
-        if (k->done[i] < depth) {
+    const struct progress *at = progress_of(k, depth);
+    for (int i = 0; i < cascades_of(depth); i++) {
+        if (at->done[i] < depth) {
             return false;
         }
     }
@@ -278,12 +302,13 @@ static void compute(const struct pel_cascades *c, struct pel_kept_fields *k,
                     struct pel_evolve_work *work)
 {
     struct pel_fields_cache *cache = c->cache;
-    enum pel_fields_depth from = k->begun[i];
-    k->begun[i] = depth;
+    struct progress *at = progress_of(k, depth);
+    enum pel_fields_depth from = at->begun[i];
+    at->begun[i] = depth;
     pthread_mutex_unlock(&cache->lock);
     fill(c, i, work, from, depth, &k->fields);
     pthread_mutex_lock(&cache->lock);
-    k->done[i] = depth;
+    at->done[i] = depth;
     pthread_cond_broadcast(&cache->changed);
 }
 

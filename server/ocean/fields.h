@@ -19,6 +19,7 @@ enum pel_fields_depth {
     PEL_FIELDS_VELOCITY,
     PEL_FIELDS_SURGE,
     PEL_FIELDS_DEPTHS,
+    PEL_FIELDS_BREAKING = PEL_FIELDS_DEPTHS, /* by itself: `breaking` alone */
 };
 
 struct pel_kept_fields; /* of one moment */

@@ -56,7 +56,7 @@ struct band {
     double omega;    /* mean, weighted by it */
 };
 
-static bool breaks(const struct pel_wave *w)
+bool pel_foam_breaks(const struct pel_wave *w)
 {
     return hypot(w->kx, w->ky) * PEL_FOAM_SHORTEST_M <= 2.0 * PEL_PI;
 }
@@ -81,8 +81,8 @@ static struct band band_of(const struct pel_sea *sea)
     for (int i = 0; !sea->cascades && i < sea->count; i++) {
         const struct pel_wave *w = &sea->waves[i];
         double kh = hypot(w->kx, w->ky) * w->amplitude;
-        b.variance += breaks(w) ? 0.5 * kh * kh : 0;
-        b.omega += breaks(w) ? 0.5 * kh * kh * w->omega : 0;
+        b.variance += pel_foam_breaks(w) ? 0.5 * kh * kh : 0;
+        b.omega += pel_foam_breaks(w) ? 0.5 * kh * kh * w->omega : 0;
     }
     b.omega = b.variance > 0 ? b.omega / b.variance : 0;
     return b;
@@ -102,7 +102,7 @@ double pel_foam_left(const struct pel_sea *sea, const struct pel_filter *filter,
         const struct pel_wave *w = &sea->waves[i];
         double k = hypot(w->kx, w->ky);
         double lengths = 2.0 * PEL_PI / (footprint_m * k);
-        if (breaks(w) && lengths > filter->n_min) {
+        if (pel_foam_breaks(w) && lengths > filter->n_min) {
             double kh = k * w->amplitude * pel_filter_gain(filter, lengths);
             resolved += 0.5 * kh * kh;
         }
@@ -122,7 +122,7 @@ struct pel_vec2 pel_foam_trochoids(const struct pel_sea *sea,
         const struct pel_wave *w = &sea->waves[i];
         double k = hypot(w->kx, w->ky);
         double lengths = 2.0 * PEL_PI / (footprint_m * k);
-        if (!breaks(w) || lengths <= filter->n_min) {
+        if (!pel_foam_breaks(w) || lengths <= filter->n_min) {
             continue;
         }
         double kh = k * w->amplitude * pel_filter_gain(filter, lengths);
@@ -411,7 +411,8 @@ static int node_below(double v, int n, double *beyond)
     return below;
 }
 
-double pel_foam_at(const struct pel_foam *foam, double x, double y, double left)
+double pel_foam_bound(const struct pel_foam *foam, double x, double y,
+                      double left)
 {
     double least = sqrt(PEL_FOAM_ALWAYS_LEFT), f[3], hidden = 0;
     int i = node_below(0.5 + 0.5 * x / REACH, SIDE, &f[0]);
@@ -422,5 +423,10 @@ double pel_foam_at(const struct pel_foam *foam, double x, double y, double left)
                    (c & 4 ? f[2] : 1 - f[2]);
         hidden += w * foam->table[l + (c >> 2)][j + (c >> 1 & 1)][i + (c & 1)];
     }
-    return pel_foam_share(hidden);
+    return hidden;
+}
+
+double pel_foam_at(const struct pel_foam *foam, double x, double y, double left)
+{
+    return pel_foam_share(pel_foam_bound(foam, x, y, left));
 }

@@ -36,6 +36,8 @@
 #define PEL_FOAM_DENSE 0.4
 #define PEL_FOAM_FRESH 0.88 /* dense share where water breaks: it has holes */
 
+struct pel_wash; /* wash.h */
+
 struct pel_foam {
     double coverage;   /* mean share of the sea, 0..1 */
     double deviation;  /* of X, with what is never resolved */
@@ -67,6 +69,9 @@ PEL_CHECK enum pel_err pel_foam_create(const struct pel_sea *sea,
  * PEL_SPRAY_HEIGHT_M, by the cube of the wind beyond PEL_SPRAY_FROM. */
 double pel_foam_spray(const struct pel_foam *foam, double height_m);
 
+/* Whether it is long enough to break. */
+bool pel_foam_breaks(const struct pel_wave *wave);
+
 /* Share of z's variance that a footprint leaves, PEL_FOAM_ALWAYS_LEFT..1. */
 double pel_foam_left(const struct pel_sea *sea, const struct pel_filter *filter,
                      double footprint_m);
@@ -80,6 +85,19 @@ double pel_foam_share_inverse(double p);
  * and the share `left` of its variance is not resolved. */
 double pel_foam_at(const struct pel_foam *foam, double x, double y,
                    double left);
+
+/* The same before S: where foam's structure is below it, foam is. */
+double pel_foam_bound(const struct pel_foam *foam, double x, double y,
+                      double left);
+
+/* Sets samples[i].foam, from the place of rest: the mean share, before foam's
+ * structure, of water whose waves are all resolved; whitecaps, surf and the
+ * wash together. Of samples at time_s (NULL: no wash). Any thread; on an FFT
+ * sea the first of a moment computes its PEL_FIELDS_BREAKING, and aborts
+ * without memory. */
+void pel_foam_query(const struct pel_sea *sea, const struct pel_wash *wash,
+                    size_t n, double time_s,
+                    struct pel_surface_sample *samples);
 
 /* Where z is known: how long ago it broke, s; < 0: it did not. */
 double pel_foam_age(const struct pel_foam *foam, double x, double y);

@@ -177,7 +177,7 @@ static void answer(const struct pel_at_rest *r, bool moving,
     out->acceleration_mps2 =
         moving ? (struct pel_vec3){ r->a[0], r->a[1], r->a[2] }
                : (struct pel_vec3){ NAN, NAN, NAN };
-    out->depth_m = NAN;
+    out->depth_m = out->foam = NAN;
 }
 
 /* Newton's steps to the rest position that is carried to `to`, each halved
@@ -228,6 +228,8 @@ void pel_rest_query(const struct pel_sea *sea, const struct pel_vec2 *points,
         struct pel_at_rest at;
         find(&q, points[i], &at);
         answer(&at, moving, &out[i]);
+        out[i].rest_m =
+            (struct pel_vec2){ points[i].x - at.d[0], points[i].y - at.d[1] };
     }
     if (sea->cascades) {
         pel_moment_give(sea->cascades, q.moment);

@@ -207,6 +207,10 @@ struct pel_surface_sample {
     /* Of the bottom below mean sea level; NaN here: a caller that knows the
      * bottom sets it. */
     double depth_m;
+    struct pel_vec2 rest_m; /* of the particle: where it rests, within 0.1 mm */
+    /* Mean share of the water that dense foam hides; NaN here: pel_foam_query
+     * sets it. */
+    double foam;
 };
 
 /* The surface above the horizontal place (x, y) at time_s: solves

@@ -572,11 +572,11 @@ void pel_shore_at(const struct pel_shore *shore, int band, double x_m,
     const float(*nodes)[4] =
         (const float(*)[4])shore->nodes +
         (size_t)band * (size_t)shore->columns * (size_t)shore->rows;
-    double value[3] = { 0 }, dx[3] = { 0 }, dy[3] = { 0 };
+    double value[4] = { 0 }, dx[4] = { 0 }, dy[4] = { 0 };
     for (int q = 0; q < 4; q++) {
         for (int p = 0; p < 4; p++) {
             const float *node = nodes[(j + q - 1) * shore->columns + i + p - 1];
-            for (int c = 0; c < 3; c++) {
+            for (int c = 0; c < 4; c++) {
                 double t = (double)node[c];
                 value[c] += wi[p] * wj[q] * t;
                 dx[c] += di[p] * wj[q] * t;
@@ -595,5 +595,6 @@ void pel_shore_at(const struct pel_shore *shore, int band, double x_m,
         .ay = dy[1] * per_m,
         .bx = dx[2] * per_m,
         .by = dy[2] * per_m,
+        .breaks = value[3],
     };
 }

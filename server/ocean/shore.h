@@ -47,6 +47,7 @@ struct pel_shore_band {
 struct pel_shored {
     double s, a, b; /* b of horizontal displacements */
     double sx, sy, ax, ay, bx, by;
+    double breaks; /* how much breaks there, of all bands, 0..1 */
 };
 
 struct pel_shore {

@@ -201,7 +201,7 @@ PEL_INLINE void surface_of(const struct lanes *l, const struct shift *s,
     out->normal = pel_vec3_normalize(pel_vec3_cross(along_x, along_y));
     out->velocity_mps = (struct pel_vec3){ total(vx), total(vy), total(vz) };
     out->acceleration_mps2 = (struct pel_vec3){ NAN, NAN, NAN };
-    out->depth_m = NAN;
+    out->depth_m = out->foam = NAN;
 }
 
 PEL_INLINE struct pel_vec3 acceleration_of(const struct lanes *l,
@@ -297,6 +297,8 @@ static void query(const struct lanes *l, const struct pel_vec2 *points,
     for (size_t i = 0; i < n; i++) {
         const struct shift *s = rest_under(l, points[i].x, points[i].y, two);
         surface_of(l, s, &out[i]);
+        out[i].rest_m =
+            (struct pel_vec2){ points[i].x - s->dx, points[i].y - s->dy };
         if (moving) {
             out[i].acceleration_mps2 = acceleration_of(l, s);
         }

@@ -2,6 +2,7 @@
  * pixel leaves to shading, foam; both wrappers, parts and order, nothing where
  * there is none. */
 #include "ocean/areas.h"
+#include "ocean/foam.h"
 #include "ocean/restquery.h"
 #include "ocean/wash.h"
 #include "render/render_testkit.h"
@@ -144,6 +145,25 @@ static void shading_follows(void **state)
     pel_renderer_destroy(renderer);
 }
 
+/* Queried foam of the same window, every metre. */
+static double mean_asked(const struct pel_sea *sea, const struct pel_wash *w,
+                         double east_m, double north_m)
+{
+    struct pel_vec2 at[441];
+    struct pel_surface_sample s[441];
+    double sum = 0;
+    for (int k = 0; k < 441; k++) {
+        at[k] =
+            (struct pel_vec2){ east_m + k % 21 - 10, north_m + k / 21 - 10 };
+    }
+    pel_rest_query(sea, at, 441, NOW, false, w, s);
+    pel_foam_query(sea, w, 441, NOW, s);
+    for (int k = 0; k < 441; k++) {
+        sum += s[k].foam / 441;
+    }
+    return sum;
+}
+
 /* The mean of its lace is the share that the reference has. */
 static void foam_has_its_share(void **state)
 {
@@ -152,7 +172,7 @@ static void foam_has_its_share(void **state)
     struct pel_sea sea;
     a_sea(3, true, 1, &sea); /* no whitecaps */
     enum { SHIPS = 24, PLACES = 4 };
-    double drawn = 0, wanted = 0, plain;
+    double drawn = 0, wanted = 0, asked = 0, plain;
     for (int i = 0; i < SHIPS * PLACES; i++) {
         double foam, east = 137.0 * (i / PLACES), north = 53.0 * (i / PLACES);
         double x = east + 30 - 35.0 * (i % PLACES);
@@ -164,14 +184,17 @@ static void foam_has_its_share(void **state)
             wanted += pel_wash_at(w, x + dx, north + dy, 0).foam /
                       (SHIPS * PLACES * 441);
         }
+        asked += mean_asked(&sea, w, x, north) / (SHIPS * PLACES);
         pel_wash_destroy(w);
     }
     mean_of(&sea, NULL, 30, 0, PEL_AT_FOAM, PEL_LAYER_FOAM, &plain);
     assert_true(plain == 0);
-    printf("foam %.3f drawn, %.3f wanted\n", drawn, wanted);
+    printf("foam %.3f drawn, %.3f wanted, %.3f asked\n", drawn, wanted, asked);
     /* A structure whose patches are up to 20 m wide, of 24 ships. */
     assert_true(wanted > 0.1);
     assert_float_equal(drawn, wanted, 0.08 * wanted);
+    /* The waves carry the water some centimetres. */
+    assert_float_equal(asked, wanted, 0.01 * wanted);
     pel_sea_finish(&sea);
     pel_renderer_destroy(renderer);
 }

@@ -4,6 +4,7 @@
 
 #include "base/watch.h"
 #include "models/model.h"
+#include "ocean/foam.h"
 #include "ocean/restquery.h"
 #include "optics/moon.h"
 #include "scene/build.h"
@@ -250,6 +251,19 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
     for (size_t i = 0; i < n; i++) {
         out[i].height_m += s->sea_level_m;
         out[i].depth_m = pel_snapshot_depth(s, points[i].x, points[i].y);
+    }
+}
+
+void pel_snapshot_foam(const struct pel_snapshot *s, size_t n, double time_s,
+                       struct pel_surface_sample *samples)
+{
+    const struct pel_wash *wash = pel_snapshot_wash(s, time_s);
+    pel_foam_query(pel_snapshot_sea(s), wash, n, time_s, samples);
+    pel_wash_destroy(wash);
+    for (size_t i = 0; i < n; i++) {
+        if (samples[i].depth_m + samples[i].height_m < 0) {
+            samples[i].foam = 0; /* dry */
+        }
     }
 }
 

@@ -237,6 +237,11 @@ void pel_snapshot_surface(const struct pel_snapshot *s,
                           double time_s, bool moving,
                           struct pel_surface_sample *out);
 
+/* Sets the foam of samples of pel_snapshot_surface at the same moment
+ * (pel_foam_query). */
+void pel_snapshot_foam(const struct pel_snapshot *s, size_t n, double time_s,
+                       struct pel_surface_sample *samples);
+
 /* The inputs that are stale, and with PEL_STALE_POSES whether an entity that
  * moves stands at time_s since its pose is older than reckoning_s. */
 unsigned pel_snapshot_stale(const struct pel_snapshot *s, double time_s);

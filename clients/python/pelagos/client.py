@@ -170,17 +170,17 @@ class Ocean:
     # --- sea and pictures ---------------------------------------------------
 
     def surface(self, points: "ArrayLike", time: float | None = None, *,
-                frame: int | None = None, acceleration: bool = False
-                ) -> Surface:
-        """Height [m], normal, velocity [m/s] and, where it is asked for,
-        acceleration [m/s2] of the sea that is drawn, at points (..., 2): east
+                frame: int | None = None, acceleration: bool = False,
+                foam: bool = False) -> Surface:
+        """Height [m], normal, velocity [m/s] and, where they are asked for,
+        acceleration [m/s2] and foam (share of the water) of the sea that is drawn, at points (..., 2): east
         and north of the origin [m]. time: simulated time [s], none: the
         clock's, or the frame's. frame: number of one of the last 64 frames,
         for the sea that it shows. Any number of points, in batches, all of
         one time."""
         return query(lambda content: self.transport.request(
             "POST", "/v1/surface", content).json(), points, time, frame,
-            acceleration)
+            acceleration, foam)
 
     def frame(self, view: str, format: str = "jpg", *,
               width: int | None = None, height: int | None = None,

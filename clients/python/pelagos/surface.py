@@ -30,6 +30,8 @@ class Surface:
     sounding  depth below the surface at this time [m], 0 where it is dry
     acceleration  of the water particle [m/s2], east, north, up, float64,
               (..., 3); None unless it was asked for
+    foam      share of the water that dense foam hides, 0..1, before its fine
+              structure, float64, (...,); None unless it was asked for
     """
     time: float
     height: "NDArray[np.float64]"
@@ -38,11 +40,12 @@ class Surface:
     depth: "NDArray[np.float64]"
     sounding: "NDArray[np.float64]"
     acceleration: "NDArray[np.float64] | None" = None
+    foam: "NDArray[np.float64] | None" = None
 
 
 def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
           time: float | None = None, frame: int | None = None,
-          acceleration: bool = False) -> Surface:
+          acceleration: bool = False, foam: bool = False) -> Surface:
     """points: (..., 2), east and north. ask: sends one query."""
     np = need.numpy()
     at = np.asarray(points, dtype=np.float64)
@@ -53,8 +56,10 @@ def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
     flat = at.reshape(-1, 2)
     if len(flat) == 0:
         raise ValueError("a query has at least one point")
-    values = np.empty((len(flat), 12))
+    values = np.empty((len(flat), 13))
     fixed: dict[str, Any] = {"acceleration": True} if acceleration else {}
+    if foam:
+        fixed["foam"] = True
     if frame is not None:
         fixed["frame"] = str(int(frame))
     for start in range(0, len(flat), _AT_ONCE):
@@ -69,7 +74,8 @@ def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
             rows = [(p["height"], *_vector(p["normal"]),
                      *_vector(p["velocity"]), p.get("depth", math.nan),
                      p.get("sounding", math.nan),
-                     *_vector(p["acceleration"] if acceleration else {}))
+                     *_vector(p["acceleration"] if acceleration else {}),
+                     p["foam"] if foam else 0.0)
                     for p in answer["points"]]
             values[start:start + len(part)] = rows
         except (KeyError, TypeError, ValueError) as error:
@@ -81,7 +87,7 @@ def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
                    values[:, 4:7].reshape(*shape, 3),
                    values[:, 7].reshape(shape), values[:, 8].reshape(shape),
                    values[:, 9:12].reshape(*shape, 3) if acceleration
-                   else None)
+                   else None, values[:, 12].reshape(shape) if foam else None)
 
 
 def _vector(value: dict[str, float]) -> tuple[float, float, float]:
