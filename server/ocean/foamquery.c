@@ -32,7 +32,7 @@ static void ashore_at(const struct pel_shore *shore, struct pel_vec2 x,
                       struct ashore *out)
 {
     bool near = shore && !pel_shore_far(shore, x.x, x.y);
-    out->bands = near ? shore->bands : 0;
+    *out = (struct ashore){ .bands = near ? shore->bands : 0 };
     for (int b = 0; b < out->bands; b++) {
         pel_shore_at(shore, b, x.x, x.y, &out->here[b]);
         out->read[b] =

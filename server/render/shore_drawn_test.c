@@ -140,7 +140,8 @@ static void the_same_far_out(void **state)
     pel_renderer_destroy(renderer);
 }
 
-static double foam_at(const struct pel_sea *sea, double east_m)
+/* Drawn in the mean over 69 m; *asked: queried. */
+static double foam_at(const struct pel_sea *sea, double east_m, double *asked)
 {
     struct pel_environment env = test_environment(sea, 60);
     struct pel_camera c =
@@ -150,6 +151,14 @@ static double foam_at(const struct pel_sea *sea, double east_m)
     struct pel_picture *p = test_draw(renderer, &env, &c, PEL_LAYER_FOAM);
     for (uint32_t i = 0; i < c.width * c.height; i++) {
         sum += (double)p->layer[PEL_AT_FOAM][i] / (c.width * c.height);
+    }
+    *asked = 0;
+    for (int i = 0; i < 69 * 69; i++) {
+        const struct pel_vec2 at = { east_m + i % 69 - 34, i / 69 - 34 };
+        struct pel_surface_sample s;
+        pel_sea_query(sea, &at, 1, 60, &s);
+        pel_foam_query(sea, NULL, 1, 60, &s);
+        *asked += s.foam / (69 * 69);
     }
     pel_picture_release(p);
     return sum;
@@ -162,10 +171,15 @@ static void surf_is_white(void **state)
     for (int fft = 0; fft < 2; fft++) {
         struct pel_sea sea;
         build(fft, true, &sea);
-        double deep = foam_at(&sea, place_of(20));
-        double surf = foam_at(&sea, place_of(0.8));
-        printf("foam: %.4f at 20 m, %.4f at 0.8 m\n", deep, surf);
+        double asked[2];
+        double deep = foam_at(&sea, place_of(20), &asked[0]);
+        double surf = foam_at(&sea, place_of(0.8), &asked[1]);
+        printf("foam: %.4f at 20 m, %.4f at 0.8 m; queried %.4f, %.4f\n", deep,
+               surf, asked[0], asked[1]);
         assert_true(deep < 0.03 && surf > 0.08);
+        /* The picture is as wide as one tile of surf's structure. */
+        assert_float_equal(asked[1] / surf, 1, 0.15);
+        assert_true(asked[0] < 0.03);
         pel_sea_finish(&sea);
     }
     pel_renderer_destroy(renderer);
