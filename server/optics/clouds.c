@@ -153,10 +153,16 @@ void pel_cloud_field(enum pel_cloud_genus genus, uint32_t seed,
     free(places);
 }
 
+double pel_cloud_bound(const struct pel_clouds *clouds)
+{
+    double rise = pel_cloud_kind(clouds->genus)->rise;
+    return clouds->cover < 1 ? 1.0 - clouds->cover : -0.15 * rise;
+}
+
 double pel_cloud_thick(const struct pel_clouds *clouds, double u)
 {
     double rise = pel_cloud_kind(clouds->genus)->rise * clouds->cover;
-    double x = (u - (1.0 - clouds->cover)) / fmax(rise, 1e-6);
+    double x = (u - pel_cloud_bound(clouds)) / fmax(rise, 1e-6);
     x = pel_clamp(x, 0, 1);
     return x * (2.0 - x);
 }

@@ -48,6 +48,10 @@ const struct pel_cloud_kind *pel_cloud_kind(enum pel_cloud_genus genus);
 void pel_cloud_field(enum pel_cloud_genus genus, uint32_t seed,
                      float (*texels)[4]);
 
+/* The rank above which there is cloud: 1 - cover; below 0 where the cover is
+ * whole, since eight octas have no gap and so no place without thickness. */
+double pel_cloud_bound(const struct pel_clouds *clouds);
+
 /* Share of the thickness that a cloud has where the rank is U, 0: none. */
 double pel_cloud_thick(const struct pel_clouds *clouds, double u);
 

@@ -119,8 +119,8 @@ static void fill_clouds(const struct pel_environment *env,
     const struct pel_cloud_kind *kind = pel_cloud_kind(c->genus);
     if (c->cover > 0) {
         out->cloud_shape =
-            vec4(1 - c->cover, 1 / (kind->rise * c->cover), kind->extinction,
-                 fmin(kind->soft_m, 0.5 * c->thickness_m));
+            vec4(pel_cloud_bound(c), 1 / (kind->rise * c->cover),
+                 kind->extinction, fmin(kind->soft_m, 0.5 * c->thickness_m));
         out->cloud_size =
             vec4(c->base_m, c->thickness_m, 1 / kind->tile_m, kind->along);
         out->cloud_light = cloud_light(env);

@@ -157,15 +157,17 @@ clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, 
     float t0 = from, length_ = wide_step;
     float inside = -cloud_size.y; // m below the top, at t0
     for (int k = 0; k < CLOUD_STEPS && tau < 40.0 && t0 < to_; k++) {
-        float t1 = min(t0 + length_, to_);
+        // The last step takes the mean of what is left of the way.
+        bool rest = k == CLOUD_STEPS - 1;
+        float t1 = rest ? to_ : min(t0 + length_, to_);
         length_ = t1 - t0;
         float z1 = height_along(h, dir.z, t1) - low;
         float lod = cloud_lod(max(0.9 * length_ * level, 1.5 * blur));
-        vec2 here = cloud_column(cloud_place(dir.xy * t1), lod, z1);
+        vec2 here = cloud_column(cloud_place(dir.xy * (rest ? 0.5 * (t0 + t1) : t1)), lod, z1);
         float last = inside;
         // Between two heights of steps the top is a straight line.
         inside = here.x * cloud_size.y - z1;
-        if (last <= 0.0 && inside > 0.0 && length_ > 1.5 * fine_step) {
+        if (!rest && last <= 0.0 && inside > 0.0 && length_ > 1.5 * fine_step) {
             // Once more from where it begins, in fine steps.
             t0 = max(t1 - length_ * inside / (inside - last) - 0.5 * fine_step, t0);
             inside = -1e-3;
@@ -174,8 +176,16 @@ clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, 
         }
         t0 = t1;
         float done = length_;
-        // Beside a cloud as far as it may be away.
-        length_ = clamp(inside > 0.0 ? length_ * 1.35 : -0.5 * inside, max(fine_step, 0.2 * wide_step), wide_step);
+        // Beside a cloud as far as it may be away, and as far as the steps
+        // that are left ask for.
+        length_ = max(clamp(inside > 0.0 ? length_ * 1.35 : -0.5 * inside, max(fine_step, 0.2 * wide_step), wide_step),
+                      inside > 0.0 ? 0.0 : (to_ - t1) / max(float(CLOUD_STEPS - 3 - k), 1.0));
+        float most = here.x * cloud_size.y;
+        if (rest) {
+            // Half in and half out, where the field varies.
+            inside = max(inside, 0.25 * most);
+            last = max(last, 0.25 * most);
+        }
         if (max(inside, last) <= 0.0) {
             continue;
         }
