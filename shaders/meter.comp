@@ -159,7 +159,8 @@ void main()
         vec3 all = partial[0] / max(partial[0].z, 1.0);
         float high = 0.25 * log2(max(all.y, 1e-24));
         float mean = meter_mean(all.x, incident.x);
-        float ev = samples > 0 ? meter_ev(mean, high, incident.x) : meter.y;
+        bool fixed_ev = samples == 0 || rod.w > float(PEL_VISION_EYE);
+        float ev = fixed_ev ? meter.y : meter_ev(mean, high, incident.x);
         out_exposure = vec4(ev, all.x, high, 0.0);
         vec3 balance = meter.z == float(PEL_TONE_LINEAR)
                            ? vec3(1.0)

@@ -79,6 +79,21 @@ double pel_vision_sight(double adapted)
     return pow(10.0, fmin(l - threshold - 0.395, 0.0));
 }
 
+double pel_vision_acuity(double adapted)
+{
+    double l = log10(fmax(adapted, exp2(PEL_ACUITY_LEAST)));
+    return PEL_ACUITY_SPAN * atan(PEL_ACUITY_STEEP * l + PEL_ACUITY_OFF) +
+           PEL_ACUITY_MIDDLE;
+}
+
+double pel_vision_blur(double adapted)
+{
+    double finest = pel_vision_acuity(adapted);
+    double lost =
+        1.0 / (finest * finest) - 1.0 / (PEL_ACUITY_DAY * PEL_ACUITY_DAY);
+    return PEL_ACUITY_HALF * sqrt(fmax(lost, 0.0));
+}
+
 double pel_vision_ev(double mean, double high, double level_lx)
 {
     const double middle = PEL_TONE_MIDDLE / PEL_METER_MIDDLE;

@@ -24,6 +24,16 @@ void pel_vision_seen(const double rec709[3], double scotopic, double out[3]);
  * 1996), 1 from 0.036 cd/m² on. */
 double pel_vision_sight(double adapted);
 
+/* The finest grating that an eye adapted to a luminance [cd/m²] tells from grey
+ * [cycles a degree]: Shlaer 1937 as Ward, Rushmeier and Piatko 1997 fit it; 1.9
+ * at 1e-4 and below, 44 at 10. */
+double pel_vision_acuity(double adapted);
+
+/* Deviation [rad] of the Gaussian by which such an eye spreads what one adapted
+ * to 10 cd/m² sees: with that one's own, such a grating keeps half of its
+ * contrast (Ferwerda et al. 1996). 0 from there on. */
+double pel_vision_blur(double adapted);
+
 /* pel_meter_ev of an eye: its key is PEL_EYE_KEY times the root of
  * pel_vision_sight higher, its least PEL_EYE_LEAST. Mesopic luminances. */
 double pel_vision_ev(double mean, double high, double level_lx);

@@ -8,7 +8,8 @@
 #include "render/seabedmap.h"
 
 #define PEL_TILE 64
-#define PEL_MAX_TILES (4096 / PEL_TILE * 4096 / PEL_TILE)
+/* Of 4096 pixels a side and PEL_ACUITY_BORDER beyond each edge. */
+#define PEL_MAX_TILES (68 * 68)
 
 enum pel_coast_tile {
     PEL_COAST_NONE,

@@ -236,14 +236,12 @@ void pel_lamp_map_find(struct pel_lamp_map *map, const struct pel_programs *p,
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
-void pel_lamp_map_put(struct pel_lamp_map *map,
-                      const struct pel_targets *targets)
+void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light)
 {
     if (map->count == 0) {
         return;
     }
-    glNamedFramebufferTexture(map->fbo, GL_COLOR_ATTACHMENT0,
-                              targets->planes[PEL_AT_RADIANCE], 0);
+    glNamedFramebufferTexture(map->fbo, GL_COLOR_ATTACHMENT0, light, 0);
     glDisable(GL_DEPTH_TEST);
     glBindTextureUnit(PEL_UNIT_LAMPS, map->spots_texels);
     glEnable(GL_BLEND);

@@ -47,6 +47,5 @@ void pel_lamp_map_find(struct pel_lamp_map *map,
                        const struct pel_targets *targets,
                        struct pel_arena *arena);
 
-/* Adds them to the radiance. */
-void pel_lamp_map_put(struct pel_lamp_map *map,
-                      const struct pel_targets *targets);
+/* Adds them to the light in a texture. */
+void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light);

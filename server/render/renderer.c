@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "ocean/wash.h"
+#include "render/acuity.h"
 #include "render/arena.h"
 #include "render/band.h"
 #include "render/coast.h"
@@ -140,6 +141,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_cloud_map_finish(&r->clouds);
         pel_lamp_map_finish(&r->lamps);
         pel_lamp_glow_finish(&r->glows);
+        pel_acuity_finish(&r->acuity);
         pel_wake_map_finish(&r->wakes);
         pel_shore_map_finish(&r->shore);
         glDeleteBuffers(1, &r->vertices);
@@ -279,6 +281,7 @@ static void expose(struct pel_renderer *r, const struct pel_environment *env,
     pel_fill_spray(env->sea->foam, submerged ? 0.0 : height_m, &eye);
     pel_fill_fog(env, c->east_m, c->north_m, &eye);
     pel_fill_sights(env, c, &sights);
+    pel_acuity_meter(env, c, &sights);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                    sizeof eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SIGHTS, &sights,
@@ -338,23 +341,33 @@ static bool draws_edges(const struct pel_renderer *r,
     return c->antialiasing && !thermal && pel_programs_have_edges(&r->programs);
 }
 
+/* Lamps and the eye's loss of detail come between light and colour. */
+static bool is_toned_last(const struct pel_environment *env,
+                          const struct pel_draw *draw)
+{
+    return env->lamp_count > 0 ||
+           pel_acuity_border(env, &draw->camera, draw->layers) > 0;
+}
+
 /* Outlines are mixed in radiance, objects as fragments with what is behind
- * them, and lamps are added to it. */
+ * them. */
 static unsigned to_shade(const struct pel_renderer *r,
                          const struct pel_environment *env,
                          const struct pel_draw *draw)
 {
     bool mixed = draws_edges(r, &draw->camera) ||
                  (env->object_count && !r->programs.compute) ||
-                 env->lamp_count > 0;
+                 is_toned_last(env, draw);
     unsigned layers = pel_sensing_layers(&draw->camera, draw->layers);
     return mixed ? layers | PEL_LAYER_RADIANCE : layers;
 }
 
-/* What is shaded; its colour waits for lamps. */
-static unsigned at_once(const struct pel_environment *env, unsigned asked)
+/* What is shaded of it at once. */
+static unsigned at_once(const struct pel_environment *env,
+                        const struct pel_draw *draw, unsigned asked)
 {
-    return env->lamp_count ? asked & ~(unsigned)PEL_LAYER_COLOR : asked;
+    return is_toned_last(env, draw) ? asked & ~(unsigned)PEL_LAYER_COLOR
+                                    : asked;
 }
 
 /* At an altitude above the sea's zero. */
@@ -364,13 +377,18 @@ static bool is_above_clouds(const struct pel_environment *env,
     return env->clouds.cover > 0 && altitude_m > env->clouds.base_m;
 }
 
-/* Everything up to the colour; the camera stands above the sea's zero. What
- * decides how a pixel is drawn is planned for the whole picture. */
+/* Everything up to the colour, with `border` more pixels at each edge; the
+ * camera stands above the sea's zero. What decides how a pixel is drawn is
+ * planned for the whole picture. */
 static void draw_pixels(struct pel_renderer *r,
                         const struct pel_environment *env,
-                        const struct pel_camera *whole, struct pel_band band,
-                        unsigned asked)
+                        const struct pel_draw *draw, int border)
 {
+    const unsigned asked = to_shade(r, env, draw);
+    const struct pel_camera full = pel_edges_camera(&draw->camera, border);
+    const struct pel_camera *whole = &full;
+    struct pel_band band = pel_band_of(draw);
+    band.rows += 2 * (uint32_t)border;
     double height_m = fmax(whole->altitude_m, PEL_LEAST_EYE_M);
     double table_height_m = pel_sky_quantize_height(height_m);
     struct pel_block_view view;
@@ -479,7 +497,7 @@ static void draw_pixels(struct pel_renderer *r,
                    sizeof view);
     if (asked & PEL_LAYER_COLOR || whole->auto_exposure ||
         pel_sensing_is(whole)) {
-        expose(r, env, whole, submerged);
+        expose(r, env, &draw->camera, submerged);
         pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                        sizeof eye);
     }
@@ -531,19 +549,29 @@ static void draw_pixels(struct pel_renderer *r,
                             r->programs.cloudscape[r->programs.look], &view);
         glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
     }
-    bool toned = compute && !env->lamp_count;
+    const unsigned now = at_once(env, draw, asked);
+    bool toned = compute && !is_toned_last(env, draw);
     if (compute) {
-        pel_shade_dispatches(r, c, programs, at_once(env, asked));
+        pel_shade_dispatches(r, c, programs, now);
     } else {
-        toned = pel_shade_fragments(r, c, discs, programs, at_once(env, asked));
+        toned = pel_shade_fragments(r, c, discs, programs, now);
+    }
+    const GLsizei width = (GLsizei)view.size.x, height = (GLsizei)view.size.y;
+    GLuint light = r->targets.planes[PEL_AT_RADIANCE], sharp = light;
+    if (border > 0) {
+        light = pel_acuity_run(&r->acuity, &r->targets, width, height,
+                               r->margin + border);
     }
     if (env->lamp_count > 0) {
-        glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
-        pel_lamp_map_put(&r->lamps, &r->targets);
+        glViewport(0, 0, width, height);
+        pel_lamp_map_put(&r->lamps, sharp);
+        if (light != sharp) {
+            pel_lamp_map_put(&r->lamps, light);
+        }
     }
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
     if (!toned && asked & PEL_LAYER_COLOR) {
-        pel_shade_tone(r, c);
+        pel_shade_tone(r, c, light);
     }
 }
 
@@ -552,18 +580,19 @@ static enum pel_err draw_view(struct pel_renderer *r,
                               const struct pel_draw *draw)
 {
     int64_t started_ns = pel_now_ns();
-    struct pel_camera camera = draw->camera;
-    camera.altitude_m -= env->sea_level_m;
-    const struct pel_camera *c = &camera;
+    struct pel_draw here = *draw;
+    here.camera.altitude_m -= env->sea_level_m;
+    const struct pel_camera *c = &here.camera;
     struct pel_band band = pel_band_of(draw);
-    draw_pixels(r, env, c, band, to_shade(r, env, draw));
+    const int border = pel_acuity_border(env, c, draw->layers);
+    draw_pixels(r, env, &here, border);
     if (pel_sensing_is(c) && draw->layers & PEL_LAYER_COLOR) {
         const struct pel_camera part = pel_band_camera(c, band);
         pel_shade_sense(r, env, &part);
     }
     if (env->stale && draw->layers & PEL_LAYER_COLOR) {
         pel_mark_stale(r->targets.color_fbo, c->width, c->height, band.first,
-                       band.rows, r->margin, env->stale);
+                       band.rows, r->margin + border, env->stale);
     }
     pel_stage_end(&r->timing, PEL_STAGE_TONE);
     const struct pel_readback_source source = {
@@ -576,8 +605,8 @@ static enum pel_err draw_view(struct pel_renderer *r,
         .height = c->height,
         .first_row = band.first,
         .rows = band.rows,
-        .x = r->margin,
-        .y = r->margin,
+        .x = r->margin + border,
+        .y = r->margin + border,
         .layers = draw->layers,
         .user = draw->user,
         .started_ns = started_ns,
@@ -664,7 +693,7 @@ static enum pel_err need_view(struct pel_renderer *r,
     do { /* once more where it turned to fragments meanwhile */
         compute = r->programs.compute;
         struct pel_pass pass =
-            pel_pass_first(at_once(env, to_shade(r, env, draw)), compute);
+            pel_pass_first(at_once(env, draw, to_shade(r, env, draw)), compute);
         do {
             err = pel_programs_need(&r->programs, env->sea, pass.kind, coast,
                                     objects, fault);
@@ -683,6 +712,9 @@ static enum pel_err need_view(struct pel_renderer *r,
     }
     if (err == PEL_OK) {
         err = pel_lamp_map_need(&r->lamps, &r->programs, env, fault);
+    }
+    if (err == PEL_OK && pel_acuity_border(env, &draw->camera, draw->layers)) {
+        err = pel_acuity_need(&r->acuity, r->shader_dir, fault);
     }
     return err == PEL_OK && draws_edges(r, &draw->camera)
                ? pel_programs_need_edges(&r->programs, fault)

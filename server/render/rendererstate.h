@@ -5,6 +5,7 @@
 
 #include <epoxy/gl.h>
 
+#include "render/acuity.h"
 #include "render/arena.h"
 #include "render/cloudmap.h"
 #include "render/context.h"
@@ -39,6 +40,7 @@ struct pel_renderer {
     struct pel_cloud_map clouds;
     struct pel_lamp_map lamps;
     struct pel_lamp_glow glows;
+    struct pel_acuity acuity;
     bool lost;
     struct pel_filtering filtering;
     struct pel_filter filter; /* its bounds */

@@ -288,9 +288,9 @@ static void mix_edges(struct pel_renderer *r, const struct pel_camera *c,
     glMemoryBarrier(PIXEL_BARRIERS);
 }
 
-static void begin_tone(struct pel_renderer *r)
+static void begin_tone(struct pel_renderer *r, GLuint light)
 {
-    glBindTextureUnit(PEL_UNIT_RADIANCE, r->targets.planes[PEL_AT_RADIANCE]);
+    glBindTextureUnit(PEL_UNIT_RADIANCE, light);
     glDisable(GL_DEPTH_TEST);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
     glUseProgram(r->programs.tone);
@@ -299,7 +299,7 @@ static void begin_tone(struct pel_renderer *r)
 /* Once more where objects went over what was toned at once. */
 static void tone_objects(struct pel_renderer *r, const struct pel_camera *c)
 {
-    begin_tone(r);
+    begin_tone(r, r->targets.planes[PEL_AT_RADIANCE]);
     show_samples_only(r, r->targets.color_fbo);
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
@@ -364,9 +364,10 @@ void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
     }
 }
 
-void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c)
+void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c,
+                    GLuint light)
 {
-    begin_tone(r);
+    begin_tone(r, light);
     if (r->programs.lamps) {
         glUseProgram(r->lamps.tone[r->programs.light]);
     }

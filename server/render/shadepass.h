@@ -31,8 +31,9 @@ bool pel_shade_middles(unsigned asked);
 void pel_shade_box(const struct pel_renderer *r, const struct pel_camera *c,
                    GLint box[4]);
 
-/* Display colours from radiance. */
-void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c);
+/* Display colours from the radiance in a texture. */
+void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c,
+                    GLuint light);
 
 /* The same of a sensor's picture (render/sensing.h). */
 void pel_shade_sense(struct pel_renderer *r, const struct pel_environment *env,

@@ -73,6 +73,7 @@ struct pel_vec4 {
 #define PEL_UNIT_SHORE_OF_WAVES 6
 /* Of a sensor's picture alone: planes of layers from 39 on (sense.frag). */
 #define PEL_UNIT_SENSE_ROUGH 37
+#define PEL_UNIT_ACUITY_ROWS 37 /* of pictures that no sensor makes */
 #define PEL_UNIT_SENSE_HEAT 38
 #define PEL_UNIT_SENSE_PLANES 39
 #define PEL_SENSE_PLANES 6
@@ -337,6 +338,7 @@ struct pel_vec4 {
  * luminance 1. */
 #define PEL_VISION_CAMERA 0
 #define PEL_VISION_EYE 1
+#define PEL_VISION_EYE_FIXED 2 /* of the meter alone: by a fixed EV */
 #define PEL_EYE_OFFSET 0.767
 #define PEL_EYE_SLOPE 0.3334
 #define PEL_EYE_RODS 0.402001
@@ -346,6 +348,24 @@ struct pel_vec4 {
 #define PEL_EYE_BLUE 1.2590
 #define PEL_EYE_KEY 0.012
 #define PEL_EYE_LEAST -12.0
+
+/* The finest grating that an eye adapted to L cd/m² tells from grey, cycles a
+ * degree: SPAN atan(STEEP lg L + OFF) + MIDDLE; L no less than 2^LEAST. HALF:
+ * deviation of a Gaussian that halves such a grating's contrast, rad times
+ * cycles a degree. DAY: of 10 cd/m², which those who look at the picture have
+ * themselves. What is SHARP times brighter than what the eye is adapted to is
+ * not spread. Widest deviation, pixels; most pixels that it needs beyond the
+ * picture's edges. */
+#define PEL_ACUITY_MIDDLE 25.72
+#define PEL_ACUITY_SPAN 17.25
+#define PEL_ACUITY_STEEP 1.4
+#define PEL_ACUITY_OFF 0.35
+#define PEL_ACUITY_LEAST -13.2877
+#define PEL_ACUITY_HALF 3.27058e-3
+#define PEL_ACUITY_DAY 43.861
+#define PEL_ACUITY_SHARP 10.0
+#define PEL_ACUITY_WIDEST 32.0
+#define PEL_ACUITY_BORDER 128
 
 /* Sources of glare. Lamps are to be more of them (meter.comp). */
 #define PEL_GLARES PEL_LIGHTS

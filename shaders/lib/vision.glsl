@@ -30,3 +30,12 @@ float eye_sight(float adapted)
     float threshold = l <= -3.94 ? -2.86 : l >= -1.44 ? l - 0.395 : bent;
     return exp2(min(l - threshold - 0.395, 0.0) / 0.30103);
 }
+
+// Twin of pel_vision_blur, of log2 of the luminance.
+float eye_blur(float adapted)
+{
+    float l = max(adapted, PEL_ACUITY_LEAST) * 0.30103;
+    float finest = PEL_ACUITY_SPAN * atan(PEL_ACUITY_STEEP * l + PEL_ACUITY_OFF) + PEL_ACUITY_MIDDLE;
+    float lost = 1.0 / (finest * finest) - 1.0 / (PEL_ACUITY_DAY * PEL_ACUITY_DAY);
+    return PEL_ACUITY_HALF * sqrt(max(lost, 0.0));
+}
