@@ -139,6 +139,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_wavefield_finish(&r->wavefield);
         pel_foam_map_finish(&r->foam);
         pel_cloud_map_finish(&r->clouds);
+        pel_fall_map_finish(&r->falls);
         pel_lamp_map_finish(&r->lamps);
         pel_lamp_glow_finish(&r->glows);
         pel_acuity_finish(&r->acuity);
@@ -341,11 +342,11 @@ static bool draws_edges(const struct pel_renderer *r,
     return c->antialiasing && !thermal && pel_programs_have_edges(&r->programs);
 }
 
-/* Lamps and the eye's loss of detail come between light and colour. */
+/* Lamps, drops and the eye's loss of detail come between light and colour. */
 static bool is_toned_last(const struct pel_environment *env,
-                          const struct pel_draw *draw)
+                          const struct pel_draw *draw, unsigned layers)
 {
-    return env->lamp_count > 0 ||
+    return env->lamp_count > 0 || pel_fall_map_shows(env, layers) ||
            pel_acuity_border(env, &draw->camera, draw->layers) > 0;
 }
 
@@ -355,10 +356,10 @@ static unsigned to_shade(const struct pel_renderer *r,
                          const struct pel_environment *env,
                          const struct pel_draw *draw)
 {
+    unsigned layers = pel_sensing_layers(&draw->camera, draw->layers);
     bool mixed = draws_edges(r, &draw->camera) ||
                  (env->object_count && !r->programs.compute) ||
-                 is_toned_last(env, draw);
-    unsigned layers = pel_sensing_layers(&draw->camera, draw->layers);
+                 is_toned_last(env, draw, layers);
     return mixed ? layers | PEL_LAYER_RADIANCE : layers;
 }
 
@@ -366,8 +367,8 @@ static unsigned to_shade(const struct pel_renderer *r,
 static unsigned at_once(const struct pel_environment *env,
                         const struct pel_draw *draw, unsigned asked)
 {
-    return is_toned_last(env, draw) ? asked & ~(unsigned)PEL_LAYER_COLOR
-                                    : asked;
+    return is_toned_last(env, draw, asked) ? asked & ~(unsigned)PEL_LAYER_COLOR
+                                           : asked;
 }
 
 /* At an altitude above the sea's zero. */
@@ -550,13 +551,17 @@ static void draw_pixels(struct pel_renderer *r,
         glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
     }
     const unsigned now = at_once(env, draw, asked);
-    bool toned = compute && !is_toned_last(env, draw);
+    bool toned = compute && !is_toned_last(env, draw, asked);
     if (compute) {
         pel_shade_dispatches(r, c, programs, now);
     } else {
         toned = pel_shade_fragments(r, c, discs, programs, now);
     }
     const GLsizei width = (GLsizei)view.size.x, height = (GLsizei)view.size.y;
+    if (pel_fall_map_shows(env, asked) && !submerged && !r->programs.above) {
+        glViewport(0, 0, width, height);
+        pel_fall_map_put(&r->falls, env, c, &view, &r->targets);
+    }
     GLuint light = r->targets.planes[PEL_AT_RADIANCE], sharp = light;
     if (border > 0) {
         light = pel_acuity_run(&r->acuity, &r->targets, width, height,
@@ -715,6 +720,9 @@ static enum pel_err need_view(struct pel_renderer *r,
     }
     if (err == PEL_OK && pel_acuity_border(env, &draw->camera, draw->layers)) {
         err = pel_acuity_need(&r->acuity, r->shader_dir, fault);
+    }
+    if (err == PEL_OK && pel_fall_map_shows(env, to_shade(r, env, draw))) {
+        err = pel_fall_map_need(&r->falls, env, r->shader_dir, fault);
     }
     return err == PEL_OK && draws_edges(r, &draw->camera)
                ? pel_programs_need_edges(&r->programs, fault)

@@ -61,7 +61,8 @@ struct pel_environment {
     double panorama_scale;               /* cd/m2 of its value 1 */
     double panorama_azimuth_rad;         /* of its middle, clockwise of north */
     double wind_mps, wind_to_rad;
-    double visibility_m;
+    double visibility_m;         /* with rain and snow */
+    double rain_mm_h, snow_mm_h; /* whose drops near the eye are drawn */
     struct pel_clouds clouds;
     /* Whence the clouds are seen that the sea mirrors, in metres of the air
      * that they drift with: own ship's place. */
@@ -86,6 +87,10 @@ struct pel_environment {
     /* For tests: leaves out the air between the sea and the eye; looks for the
      * height field in every pixel, where it cannot be seen too. */
     bool no_air, coast_everywhere, nowhere_still;
+    /* Cover by drops near the eye in black, that of all of them; one kind of
+     * them alone, from 1 (optics/falling.h). */
+    bool fall_bare;
+    int fall_only;
 };
 
 /* What shaders write and readback copies for these layers: those that are made

@@ -9,6 +9,7 @@
 #include "render/arena.h"
 #include "render/cloudmap.h"
 #include "render/context.h"
+#include "render/fallmap.h"
 #include "render/filtering.h"
 #include "render/foammap.h"
 #include "render/lampglow.h"
@@ -38,6 +39,7 @@ struct pel_renderer {
     unsigned lose_after;               /* of the options */
     const struct pel_environment *env; /* of the frame that is drawn */
     struct pel_cloud_map clouds;
+    struct pel_fall_map falls;
     struct pel_lamp_map lamps;
     struct pel_lamp_glow glows;
     struct pel_acuity acuity;

@@ -19,6 +19,8 @@ void pel_sky_place(const Pelagos__Sky *sky, struct pel_snapshot *out)
     out->moon_elevation_rad = sky->moon_elevation * PEL_DEG;
     out->moon_lit = sky->moon_phase;
     out->stars = sky->stars;
+    out->rain_mm_h = sky->rain;
+    out->snow_mm_h = sky->snow;
     out->visibility_m =
         pel_visibility_in_rain(sky->visibility, sky->rain, sky->snow);
     out->panorama_scale = sky->file_scale;

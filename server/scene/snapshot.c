@@ -453,6 +453,10 @@ static void place_camera(const struct pel_snapshot *s, size_t index,
     out->east_m = carrier.east_m + arm.x;
     out->north_m = carrier.north_m + arm.y;
     out->altitude_m = carrier.altitude_m + arm.z;
+    out->velocity_mps =
+        (struct pel_vec3){ carrier.speed_mps * sin(carrier.course_rad),
+                           carrier.speed_mps * cos(carrier.course_rad),
+                           carrier.climb_mps };
     struct pel_vec3 forward =
         pel_mat3_apply(&world_from_ship, ship_from_view.y);
     out->world_from_camera = (struct pel_mat3){

@@ -168,7 +168,8 @@ struct pel_snapshot {
     double moon_azimuth_rad, moon_elevation_rad; /* where fixed */
     double moon_lit;                             /* share, where fixed */
     bool stars;
-    double visibility_m;                 /* with rain and snow */
+    double visibility_m; /* with rain and snow */
+    double rain_mm_h, snow_mm_h;
     const struct pel_panorama *panorama; /* the sky; NULL: computed */
     double panorama_scale, panorama_azimuth_rad;
     bool panorama_sun, panorama_dark; /* it has the Sun; there is none */
@@ -285,6 +286,7 @@ struct pel_sight {
 /* A camera in the world. Camera axes: x right, y up, z backwards (GL). */
 struct pel_camera {
     double east_m, north_m, altitude_m;
+    struct pel_vec3 velocity_mps; /* of what carries it, without the waves' */
     struct pel_mat3 world_from_camera;
     PEL_LENS; /* sensor.seed too */
     /* Of the views of its meter, in their order, as they are in the state; 0:

@@ -58,6 +58,8 @@ struct pel_environment bench_environment(const struct bench_scene *s,
         .wind_mps = s->wind_mps,
         .wind_to_rad = wind_to(s),
         .visibility_m = s->visibility_m,
+        .rain_mm_h = s->rain_mm_h,
+        .snow_mm_h = s->snow_mm_h,
         .water = water,
     };
 }

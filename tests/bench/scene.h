@@ -20,7 +20,7 @@ struct bench_scene {
     int vision; /* PEL_VISION_* */
     bool linear, aliased;
     double whitecaps;
-    double rain_mm_h;
+    double rain_mm_h, snow_mm_h;
     double slick; /* factor of an area 100 m ahead; 1: none */
 };
 

@@ -56,6 +56,7 @@ static struct setting settings[] = {
     { "fogtop", 80 },     { "fogsoft", 20 },  { "bank", 0 },
     { "bankaway", 1500 }, { "banktop", 60 },  { "bankradius", 800 },
     { "bankbearing", 0 }, { "rain", 0 },      { "snow", 0 },
+    { "bare", 0 },        { "kind_only", 0 }, { "dry", 0 },
     { "lamps", 0 },
 };
 
@@ -120,6 +121,7 @@ static struct bench_scene scene(void)
         .aliased = get("aa") <= 0,
         .whitecaps = get("foam"),
         .rain_mm_h = get("rain"),
+        .snow_mm_h = get("snow"),
         .slick = get("slick"),
     };
 }
@@ -316,6 +318,11 @@ int main(int argc, char **argv)
                                           .seed = (uint32_t)get("seed") };
     }
     fogs(&env);
+    env.fall_bare = get("bare") > 0;
+    env.fall_only = (int)get("kind_only");
+    if (get("dry") > 0) {
+        env.rain_mm_h = env.snow_mm_h = 0;
+    }
     if (get("moon") > -90) {
         double e = get("moon") * PEL_DEG, a = get("moonaz") * PEL_DEG;
         env.lights[PEL_LIGHT_MOON] = pel_light_moon(
