@@ -468,6 +468,10 @@ beaufort-sheet: deps-build ## the sea of Beaufort 0 to 11 on one sheet: build/be
 day-sheet: deps-build ## 24 hours of a day with a full Moon on one sheet: build/day.jpg (ARGS=--dark: at new Moon)
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/validate/daysheet.py $(ARGS)
+.PHONY: dusk-sheet
+dusk-sheet: deps-build ## dusk, Sun +4 to -18 degrees, as eye and camera see it, on one sheet: build/dusk.jpg
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/validate/dusksheet.py $(ARGS)
 .PHONY: visibility-sheet
 visibility-sheet: deps-build ## visibility 200 m to 40 km, fog in layers and banks on one sheet: build/visibility.jpg
 	$(Q)$(MAKE) -s --no-print-directory all

@@ -106,9 +106,9 @@ float meter_mean(float mean, float level)
 // Twin of pel_meter_ev, of an eye pel_vision_ev.
 float meter_ev(float mean, float high, float level)
 {
-    float key = PEL_METER_KEY * pow(1.03 - 2.0 / (2.0 + log2(exp2(mean) + 1.0) * 0.30103),
-                                    PEL_METER_KEY_POWER);
-    key += rod.w < 0.5 ? 0.0 : PEL_EYE_KEY * sqrt(eye_sight(mean));
+    float key = 1.03 - 2.0 / (2.0 + log2(exp2(mean) + 1.0) * 0.30103);
+    key = PEL_METER_KEY * (rod.w < 0.5 ? pow(key, PEL_METER_KEY_POWER)
+                                       : key * mix(1.0 - PEL_EYE_FALL, 1.0, sqrt(eye_sight(mean))));
     float adapted = mean - log2(key * (PEL_METER_MIDDLE / PEL_TONE_MIDDLE));
     float kept = high - log2(PEL_METER_HIGH * (PEL_METER_MIDDLE / PEL_TONE_MIDDLE));
     float most = PEL_METER_MOST +

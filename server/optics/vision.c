@@ -97,9 +97,9 @@ double pel_vision_blur(double adapted)
 double pel_vision_ev(double mean, double high, double level_lx)
 {
     const double middle = PEL_TONE_MIDDLE / PEL_METER_MIDDLE;
-    double key = PEL_METER_KEY * pow(1.03 - 2.0 / (2.0 + log10(mean + 1.0)),
-                                     PEL_METER_KEY_POWER) +
-                 PEL_EYE_KEY * sqrt(pel_vision_sight(mean));
+    double fall = 1.0 - PEL_EYE_FALL * (1.0 - sqrt(pel_vision_sight(mean)));
+    double key =
+        PEL_METER_KEY * (1.03 - 2.0 / (2.0 + log10(mean + 1.0))) * fall;
     double ev = log2(middle * fmax(mean / key, high / PEL_METER_HIGH));
     double most = PEL_METER_MOST + PEL_METER_SLOPE * log2(fmax(level_lx, 1e-6) /
                                                           PEL_METER_SUNLIGHT);

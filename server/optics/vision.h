@@ -34,6 +34,7 @@ double pel_vision_acuity(double adapted);
  * contrast (Ferwerda et al. 1996). 0 from there on. */
 double pel_vision_blur(double adapted);
 
-/* pel_meter_ev of an eye: its key is PEL_EYE_KEY times the root of
- * pel_vision_sight higher, its least PEL_EYE_LEAST. Mesopic luminances. */
+/* pel_meter_ev of an eye: its key is Krawczyk's as it stands, times
+ * PEL_METER_KEY, and by PEL_EYE_FALL less where the root of pel_vision_sight
+ * goes to 0; its least EV PEL_EYE_LEAST. Mesopic luminances. */
 double pel_vision_ev(double mean, double high, double level_lx);

@@ -127,6 +127,13 @@ static void test_ev(void **state)
         shown = x;
     }
     assert_near(pel_vision_sight(0.04), 1, 1e-12);
+    /* Where rods still see by Weber's law, Krawczyk's key against that of day,
+     * 1.03 - 2 / (2 + lg(L + 1)): 0.06 of it. */
+    double dusk = 0.04 * pel_colour_exposure_scale(pel_vision_ev(0.04, 0, 0));
+    double day = 500 * pel_colour_exposure_scale(pel_vision_ev(500, 0, 1e5));
+    assert_near(dusk / day, 0.038444 / 0.604453, 1e-4);
+    double stars = 1e-5 * pel_colour_exposure_scale(pel_vision_ev(1e-5, 0, 0));
+    assert_near(stars / dusk, 0.716 * 0.03 / 0.038444, 0.002);
     /* Both of the paper's branches meet. */
     assert_near(log10(pel_vision_sight(pow(10, -3.9401))),
                 log10(pel_vision_sight(pow(10, -3.9399))), 1e-2);

@@ -369,6 +369,44 @@ static void an_eye_is_the_reference(void **state)
     }
 }
 
+/* Means of what a screen shows of rows, of its white. */
+static double shown_rows(const struct pel_picture *p, uint32_t top,
+                         uint32_t bottom)
+{
+    double sum = 0.0;
+    for (uint32_t i = top * p->width; i < bottom * p->width; i++) {
+        const uint8_t *v = p->rgba + (size_t)4 * i;
+        const double l[3] = { decoded(v[0]), decoded(v[1]), decoded(v[2]) };
+        sum += luminance(l) / ((bottom - top) * p->width);
+    }
+    return sum;
+}
+
+/* The end of nautical twilight: the sea is dark, the horizon is to be told, and
+ * the picture is darker than one of civil twilight by far. */
+static void late_dusk_is_dark(void **state)
+{
+    (void)state;
+    double before = 1.0;
+    test_sea(6.0, 0.0, 1, &sea);
+    for (double e = -6.0; e >= -18.0; e -= 6.0) {
+        struct pel_environment env = into_sun(e, 40000.0);
+        struct pel_camera c = test_camera(
+            (struct test_look){ 8.0, -30.0, 0.0, 0.0, 60.0, 160, 96 });
+        c.vision = PEL_VISION_EYE;
+        struct pel_picture *p = test_draw(renderer, &env, &c, PEL_LAYER_COLOR);
+        double sky = shown_rows(p, 38, 44), water = shown_rows(p, 54, 70);
+        printf("eye, Sun %g°: EV %.2f, sky above the horizon %.2f %%, sea "
+               "%.2f %%\n",
+               e, p->exposure_ev, 100.0 * sky, 100.0 * water);
+        assert_true(sky > 1.7 * water && water < before);
+        assert_true(e > -12.0 || water < 0.008);
+        before = e < -6.0 ? water : 0.25 * water;
+        pel_picture_release(p);
+    }
+    pel_sea_finish(&sea);
+}
+
 /* --- views of one meter ----------------------------------------------------
  */
 
@@ -422,6 +460,7 @@ int main(void)
         cmocka_unit_test(the_sky_keeps_its_colour),
         cmocka_unit_test(night_falls),
         cmocka_unit_test(an_eye_is_the_reference),
+        cmocka_unit_test(late_dusk_is_dark),
         cmocka_unit_test(views_of_a_meter_match),
     };
     return cmocka_run_group_tests(tests, begin_renderer, end_renderer);

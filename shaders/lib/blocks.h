@@ -346,7 +346,7 @@ struct pel_vec4 {
 #define PEL_EYE_RED 1.0409
 #define PEL_EYE_GREEN 0.9616
 #define PEL_EYE_BLUE 1.2590
-#define PEL_EYE_KEY 0.012
+#define PEL_EYE_FALL 0.3
 #define PEL_EYE_LEAST -12.0
 
 /* The finest grating that an eye adapted to L cd/m² tells from grey, cycles a
