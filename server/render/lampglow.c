@@ -192,7 +192,8 @@ void pel_lamp_glow_bind(struct pel_lamp_glow *g,
     pel_lamp_inverse(m, inverse);
     uint32_t across = (c->width + PEL_TILE - 1) / PEL_TILE,
              down = (c->height + PEL_TILE - 1) / PEL_TILE;
-    const uint32_t head[4] = { across, first_row, (uint32_t)margin, down };
+    const uint32_t head[4] = { across, first_row,
+                               (uint32_t)margin | (uint32_t)count << 16, down };
     memcpy(g->words, head, sizeof head);
     for (size_t i = 0; i < count; i++) {
         describe(&glows[i], m, inverse, KOSCHMIEDER / env->visibility_m,

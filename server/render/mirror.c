@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "render/programs.h"
 #include "render/shader.h"
 
 #define NEAREST_M 0.5
@@ -31,7 +32,7 @@ enum pel_err pel_mirrors_need(struct pel_mirrors *m, const char *shader_dir,
                               bool textured, bool holed, const char *light,
                               struct pel_fault *fault)
 {
-    char defines[96];
+    char defines[96 + PEL_LIGHT_TEXT];
     snprintf(defines, sizeof defines, "%s%s", light,
              textured ? "#define PEL_TEXTURED\n" : "");
     enum pel_err err =

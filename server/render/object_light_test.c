@@ -5,6 +5,8 @@
 #include "models/builtin.h"
 #include "models/model.h"
 #include "models/shape.h"
+#include "optics/lamp.h"
+#include "optics/light.h"
 #include "optics/wet.h"
 #include "render/modelpaint.h"
 #include "render/render_testkit.h"
@@ -90,6 +92,72 @@ static const struct pel_model *walls(float z_m, float albedo)
     pel_model_draft_clear(&draft);
     pel_shape_clear(&shape);
     return model;
+}
+
+/* Candelas of a lamp on a matt wall: albedo / pi I cos / d², its gloss (a few
+ * hundredths) aside; from behind nothing. */
+static void lamps_light_what_they_face(void **state)
+{
+    (void)state;
+    enum { SIDE = 96 };
+    const double north_m = 40, albedo = 0.5;
+    test_sea(3.0, 0.0, 3, &sea);
+    struct pel_environment env = test_environment(&sea, 5.0);
+    env.lights[PEL_LIGHT_SUN].direction = test_sun(-30, 200);
+    const struct pel_object object = standing(walls(0, 0.5f), 3, 0, north_m, 0);
+    env.objects = &object;
+    env.object_count = 1;
+    struct pel_lamp lamp = { .entity = PEL_NO_ENTITY,
+                             .east_m = 3,
+                             .north_m = 31,
+                             .altitude_m = 6,
+                             .intensity_cd = { 200, 200, 200 },
+                             .ahead = { 0, 1, 0 },
+                             .up = { 0, 0, 1 },
+                             .arc_rad = 2 * PEL_PI,
+                             .spread_rad = 0.5 * PEL_PI };
+    env.lamps = &lamp;
+    env.lamp_count = 1;
+    struct pel_camera c =
+        test_camera((struct test_look){ 5, 0, 0, 0, 16, SIDE, SIDE });
+    double m[9], worst = 0, behind = 0;
+    pel_lights_colours(env.lights, 1, false, m);
+    for (int back = 0; back < 2; back++) {
+        lamp.north_m = back ? north_m + 10 : 31;
+        struct pel_picture *p =
+            test_draw(renderer, &env, &c,
+                      PEL_LAYER_RADIANCE | PEL_LAYER_SUN | PEL_LAYER_ID);
+        int seen = 0;
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            double x = c.tan_left +
+                       (c.tan_right - c.tan_left) * (i % SIDE + 0.5) / SIDE,
+                   y = c.tan_top -
+                       (c.tan_top - c.tan_bottom) * (i / SIDE + 0.5) / SIDE;
+            const double up_m = 5 + north_m * y, east_m = north_m * x;
+            if (up_m < 2 || up_m > 7.5 || fabs(east_m) > 5) {
+                continue;
+            }
+            double found = 0;
+            for (int k = 0; k < 9; k++) {
+                static const double weight[3] = { 0.2126, 0.7152, 0.0722 };
+                found += weight[k / 3] * m[k] * (double)p->sun[4 * i + k % 3];
+            }
+            double dx = east_m - 3, dy = 9, dz = up_m - 6;
+            double d2 = dx * dx + dy * dy + dz * dz;
+            double rule = albedo / PEL_PI * 200 / d2 * dy / sqrt(d2);
+            worst = fmax(worst, back ? 0 : fabs(found / rule - 1));
+            behind = fmax(behind, back ? found / rule : 0);
+            seen++;
+        }
+        assert_true(seen > 1000);
+        pel_picture_release(p);
+    }
+    print_message("a wall by a lamp: %.3f off, from behind %.1e\n", worst,
+                  behind);
+    assert_true(worst < 0.05);
+    assert_true(behind < 1e-6);
+    pel_model_unref(object.model);
+    pel_sea_finish(&sea);
 }
 
 /* The same wall, once of a thing that swims and once of one that is 50 m up:
@@ -298,6 +366,7 @@ static void ships_sink_behind_the_horizon(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lamps_light_what_they_face),
         cmocka_unit_test(hulls_are_wet_where_waves_were),
         cmocka_unit_test(one_ship_shades_another),
         cmocka_unit_test(ships_sink_behind_the_horizon),

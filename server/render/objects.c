@@ -99,14 +99,14 @@ static enum pel_err need_shading(struct pel_objects *o,
 {
     kind = kind == PEL_SHADE_BOTH ? PEL_SHADE_LIGHT : kind;
     GLuint *program = &o->shade[sampled][land][kind];
-    char defines[192 + PEL_LIGHT_TEXT];
-    snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s",
-             pel_shading_defines(kind), pel_light_defines(p->light),
-             p->textured ? "#define PEL_TEXTURED\n" : "",
-             sampled ? "#define PEL_SAMPLED\n" : "",
-             land ? "#define PEL_LAND\n" : "",
-             land == 2 ? "#define PEL_FFT\n" : "",
-             land && !p->software ? "#define PEL_EXACT_TEXELS\n" : "");
+    char defines[224 + PEL_LIGHT_TEXT];
+    snprintf(
+        defines, sizeof defines, "%s%s%s%s%s%s%s%s", pel_shading_defines(kind),
+        pel_light_defines(p->light), p->lamps ? "#define PEL_LAMPS\n" : "",
+        p->textured ? "#define PEL_TEXTURED\n" : "",
+        sampled ? "#define PEL_SAMPLED\n" : "",
+        land ? "#define PEL_LAND\n" : "", land == 2 ? "#define PEL_FFT\n" : "",
+        land && !p->software ? "#define PEL_EXACT_TEXELS\n" : "");
     return *program
                ? PEL_OK
                : pel_program_create(p->shader_dir, "screen.vert",
@@ -141,8 +141,9 @@ enum pel_err pel_objects_fit(struct pel_objects *o,
                              struct pel_programs *p, struct pel_fault *fault)
 {
     enum pel_err err = pel_model_pool_fit(&o->pool, env, fault);
-    bool other = o->light != p->light;
+    bool other = o->light != p->light || o->lamps != p->lamps;
     o->light = p->light;
+    o->lamps = p->lamps;
     if (err == PEL_OK && other) {
         glDeleteProgram(o->surroundings_program);
         o->surroundings_program = 0;
@@ -188,9 +189,11 @@ enum pel_err pel_objects_need(struct pel_objects *o,
                                  &o->ambient_program, fault);
     }
     if (err == PEL_OK) {
-        err =
-            pel_mirrors_need(&o->mirrors, p->shader_dir, p->textured,
-                             o->pool.holed, pel_light_defines(p->light), fault);
+        char lights[32 + PEL_LIGHT_TEXT];
+        snprintf(lights, sizeof lights, "%s%s", pel_light_defines(p->light),
+                 p->lamps ? "#define PEL_LAMPS\n" : "");
+        err = pel_mirrors_need(&o->mirrors, p->shader_dir, p->textured,
+                               o->pool.holed, lights, fault);
     }
     if (err == PEL_OK && !o->surroundings) {
         make_surroundings(o);

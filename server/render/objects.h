@@ -49,6 +49,7 @@ struct pel_objects {
     bool light_made;
     GLuint surroundings_program, ambient_program;
     enum pel_programs_light light; /* that its programs are for */
+    bool lamps;                    /* likewise */
     /* The sea from a texture, from keys; the second leaves out holes. */
     GLuint raster[2], raster_keys[2];
     /* As fragments: what middles show, light of samples; without land that

@@ -521,6 +521,9 @@ static void draw_pixels(struct pel_renderer *r,
         raster_surface(r, c, submerged);
     }
     bool compute = r->programs.compute;
+    if (env->lamp_count > 0) {
+        pel_lamp_glow_bind(&r->glows, env, whole, band.first, r->margin);
+    }
     if (r->any_objects) {
         glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
         pel_objects_light(&r->objects, &r->sky);
@@ -543,7 +546,6 @@ static void draw_pixels(struct pel_renderer *r,
     if (env->lamp_count > 0) {
         pel_lamp_map_plan(&r->lamps, env, whole, &view);
         pel_lamp_map_find(&r->lamps, &r->programs, &r->targets, &r->arena);
-        pel_lamp_glow_bind(&r->glows, env, whole, band.first, r->margin);
     }
     if (env->clouds.cover > 0) {
         pel_cloud_map_scape(&r->clouds,

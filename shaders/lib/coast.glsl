@@ -22,6 +22,9 @@ shaded shade_land(vec3 dir, float range)
         by_lights += albedo * beam_there(i) * max(dot(n, light_above(i, tilt)), 0.0);
         by_sky += albedo * skies[i].rgb * (0.5 + 0.5 * n.z);
     }
+#ifdef PEL_LAMPS
+    by_lights += albedo * lamps_on_face(dir * range, n);
+#endif
     vec3 air;
     vec3 through = haze(dir, range, air);
     shaded result = only_light((by_lights + by_sky) * through + air);

@@ -15,6 +15,9 @@ void cover_by_foam(vec2 foam, vec3 n, vec2 tilt, inout lit parts)
         sun += beam_there(i) * max(dot(n, light_above(i, tilt)), 0.0);
         sky += skies[i].rgb;
     }
+#ifdef PEL_LAMPS
+    sun += lamps_on_face(lamps_from, n);
+#endif
     parts.sun = parts.sun * open + tint * sun;
     parts.sky = parts.sky * open + tint * sky * (0.5 + 0.5 * n.z);
     parts.water *= open;

@@ -1,37 +1,19 @@
 // Lamps that the sea mirrors (render/lampglow.h), by the term of the lights of
 // the sky. Includers have lib/ross.glsl.
+#include "lib/lampbeam.glsl"
 #ifdef PEL_LAMPS
-layout(binding = PEL_UNIT_LAMP_GLOWS) uniform usamplerBuffer lamp_glows;
-
 vec3 lamps_from = vec3(0.0); // the place that is shaded, from the eye
 float lamps_footprint = 0.0;
 uint lamps_here = 0u; // a bit a lamp
-
-vec4 glow_texel(int lamp, int i)
-{
-    return uintBitsToFloat(texelFetch(lamp_glows, 1 + PEL_GLOW_TEXELS * lamp + i));
-}
 
 // Which may be mirrored in the tile of a pixel.
 void lamps_about(ivec2 at)
 {
     uvec4 head = texelFetch(lamp_glows, 0);
     ivec2 last = ivec2(head.x, head.w) - 1;
-    ivec2 tile = clamp((at + ivec2(0, int(head.y)) - int(head.z)) / 64, ivec2(0), last);
+    ivec2 tile = clamp((at + ivec2(0, int(head.y)) - int(head.z & 0xFFFFu)) / 64, ivec2(0), last);
     int word = tile.y * int(head.x) + tile.x;
     lamps_here = texelFetch(lamp_glows, 1 + PEL_GLOW_TEXELS * 32 + word / 4)[word & 3];
-}
-
-// Twin of pel_lamp_towards.
-float lamp_towards(vec3 dir, vec4 light, vec4 axis, vec4 up, float spread)
-{
-    float along = dot(dir, axis.xyz), rise = dot(dir, up.xyz);
-    float beam = fast_acos(clamp(along, -1.0, 1.0)) / max(light.w, 1e-4);
-    float flat_ = along * inversesqrt(max(1.0 - rise * rise, 1e-12));
-    float beyond = fast_acos(clamp(flat_, -1.0, 1.0)) - axis.w;
-    float sector = clamp(1.0 - beyond / up.w, 0.0, 1.0);
-    float off = max(0.5 * PI - fast_acos(clamp(abs(rise), 0.0, 1.0)) - spread, 0.0) / spread;
-    return light.w > 0.0 ? exp2(-beam * beam) : sector * exp2(-off * off);
 }
 
 // Of one lamp, its radiance mirrored to the eye; v, tilt: of the patch.

@@ -3,6 +3,7 @@
 #include "lib/shadow.glsl"
 #include "lib/samples.glsl"
 #include "lib/wet.glsl"
+#include "lib/lampbeam.glsl"
 #ifdef PEL_TEXTURED
 #include "lib/paint.glsl"
 #endif
@@ -187,6 +188,15 @@ object_lit object_light(object_point_seen s, int entity, vec3 place, vec3 dir)
         result.by_lights +=
             beam * (matt * (max(dot(n, to), 0.0) / PI) + gloss_of_light(f0, rough * rough, n, v, to));
     }
+#ifdef PEL_LAMPS
+    // Nothing but the face itself is in their way.
+    for (int i = 0; i < lamps_known(); i++) {
+        vec3 to;
+        vec3 beam = lamp_falling(i, place, to);
+        result.by_lights +=
+            beam * (matt * (max(dot(n, to), 0.0) / PI) + gloss_of_light(f0, rough * rough, n, v, to));
+    }
+#endif
     vec2 share = gloss_share(rough, nv);
     float level = log2(max(rough * rough * float(PEL_SURROUNDINGS_SIZE) * 0.5, 1.0));
     vec3 away = reflect(dir, n);
