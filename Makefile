@@ -480,6 +480,10 @@ visibility-sheet: deps-build ## visibility 200 m to 40 km, fog in layers and ban
 weather-sheet: deps-build ## rain and snow by rate, by day, dusk and Moon on one sheet: build/weather.jpg
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/validate/weather.py $(ARGS)
+.PHONY: lamps-sheet
+lamps-sheet: deps-build ## a bridge's five windows by night, with traffic, on one sheet: build/lamps.jpg
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/validate/lampsheet.py $(ARGS)
 .PHONY: octas-sheet
 octas-sheet: deps-build ## clouds by cover, Sun and genus on one sheet: build/octas.jpg
 	$(Q)$(MAKE) -s --no-print-directory all

@@ -14,6 +14,7 @@
 #define BESIDE_PX 16    /* beyond its edges, too */
 #define MORE_SLOPES 1.2 /* than shading counts: the mesh is not level */
 #define KOSCHMIEDER 3.912
+#define FLOOD_CD 500
 
 void pel_lamp_inverse(const double m[9], double out[9])
 {
@@ -199,6 +200,11 @@ void pel_lamp_glow_bind(struct pel_lamp_glow *g,
         describe(&glows[i], m, inverse, KOSCHMIEDER / env->visibility_m,
                  g->words + 4 * (1 + PEL_GLOW_TEXELS * i));
     }
+    uint32_t floods = 0;
+    for (size_t i = 0; i < count; i++) {
+        floods |= glows[i].lamp->intensity_cd[1] >= FLOOD_CD ? 1U << i : 0;
+    }
+    g->words[4 * PEL_GLOW_TEXELS + 2] = floods;
     double most = MORE_SLOPES * PEL_LAMP_SLOPES *
                   sqrt(fmax(env->sea->slope_variance_along,
                             env->sea->slope_variance_cross) +

@@ -38,13 +38,14 @@ int lamps_known()
     return int(texelFetch(lamp_glows, 0).z >> 16u);
 }
 
-// On a face at a place, from the eye.
+// On a face at a place, from the eye: by floods and beams, beside which
+// navigation's lights are nothing.
 vec3 lamps_on_face(vec3 place, vec3 n)
 {
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < lamps_known(); i++) {
+    for (uint left = texelFetch(lamp_glows, PEL_GLOW_TEXELS).z; left != 0u; left &= left - 1u) {
         vec3 to;
-        vec3 beam = lamp_falling(i, place, to);
+        vec3 beam = lamp_falling(findLSB(left), place, to);
         sum += beam * max(dot(n, to), 0.0);
     }
     return sum;
