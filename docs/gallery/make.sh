@@ -62,7 +62,7 @@ pictures=(
     "slick-30|A slick in the glitter, a gust behind it, from 30 m|$slick sky.sunElevation=25 views.gallery.up=30 views.gallery.pitch=-8"
     "slick-500|The same from 500 m|$slick sky.sunElevation=50 views.gallery.up=500 views.gallery.forward=-280 views.gallery.pitch=-42"
     "fog|Visibility 1500 m|sky.visibility=1500"
-    "squall|A squall: 40 mm/h of rain, 16 m/s|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=16 sky.rain=40 sky.cloudCover=8 sky.cloudGenus=NIMBOSTRATUS sky.visibility=20000 views.gallery.up=9"
+    "squall|A squall: 40 mm/h of rain, 16 m/s, by 1/250 s|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=16 sky.rain=40 sky.cloudCover=8 sky.cloudGenus=NIMBOSTRATUS sky.visibility=20000 views.gallery.up=9 views.gallery.shutter=0.004"
     "swell|Swell of 3 m, 12 s under a light wind|sea.windSpeed=3 sea.swell.0.height=3 sea.swell.0.period=12 sea.swell.0.direction=320 views.gallery.up=12"
     "water-single|Fig. 9 of the 2003 paper: single scattering|$open water.orders=SINGLE"
     "water-multiple|Fig. 9: every order|$open"

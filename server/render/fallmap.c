@@ -46,7 +46,9 @@ static double shutter(const struct pel_camera *c)
 {
     bool low_light = c->sensor.kind == PEL_SENSOR_ON &&
                      c->sensor.sense == PEL_SENSE_LOW_LIGHT;
-    return low_light ? c->sensor.exposure_s : PEL_FALL_SHUTTER_S;
+    return low_light            ? c->sensor.exposure_s
+           : c->shutter_s > 0.0 ? c->shutter_s
+                                : PEL_FALL_SHUTTER_S;
 }
 
 /* Takes the mean of what follows out of the air's. */

@@ -140,6 +140,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_foam_map_finish(&r->foam);
         pel_cloud_map_finish(&r->clouds);
         pel_fall_map_finish(&r->falls);
+        pel_pane_map_finish(&r->panes);
         pel_lamp_map_finish(&r->lamps);
         pel_lamp_glow_finish(&r->glows);
         pel_acuity_finish(&r->acuity);
@@ -347,6 +348,7 @@ static bool is_toned_last(const struct pel_environment *env,
                           const struct pel_draw *draw, unsigned layers)
 {
     return env->lamp_count > 0 || pel_fall_map_shows(env, layers) ||
+           pel_pane_map_shows(&draw->camera, layers) ||
            pel_acuity_border(env, &draw->camera, draw->layers) > 0;
 }
 
@@ -576,6 +578,13 @@ static void draw_pixels(struct pel_renderer *r,
             pel_lamp_map_put(&r->lamps, light);
         }
     }
+    if (pel_pane_map_shows(c, asked) && !submerged) {
+        glViewport(0, 0, width, height);
+        pel_pane_map_put(&r->panes, env, c, sharp);
+        if (light != sharp) {
+            pel_pane_map_put(&r->panes, env, c, light);
+        }
+    }
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
     if (!toned && asked & PEL_LAYER_COLOR) {
         pel_shade_tone(r, c, light);
@@ -725,6 +734,10 @@ static enum pel_err need_view(struct pel_renderer *r,
     }
     if (err == PEL_OK && pel_fall_map_shows(env, to_shade(r, env, draw))) {
         err = pel_fall_map_need(&r->falls, env, r->shader_dir, fault);
+    }
+    if (err == PEL_OK &&
+        pel_pane_map_shows(&draw->camera, to_shade(r, env, draw))) {
+        err = pel_pane_map_need(&r->panes, env, r->shader_dir, fault);
     }
     return err == PEL_OK && draws_edges(r, &draw->camera)
                ? pel_programs_need_edges(&r->programs, fault)

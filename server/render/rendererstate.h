@@ -17,6 +17,7 @@
 #include "render/mesh.h"
 #include "render/meter.h"
 #include "render/objects.h"
+#include "render/panemap.h"
 #include "render/probe.h"
 #include "render/programs.h"
 #include "render/readback.h"
@@ -40,6 +41,7 @@ struct pel_renderer {
     const struct pel_environment *env; /* of the frame that is drawn */
     struct pel_cloud_map clouds;
     struct pel_fall_map falls;
+    struct pel_pane_map panes;
     struct pel_lamp_map lamps;
     struct pel_lamp_glow glows;
     struct pel_acuity acuity;

@@ -399,6 +399,12 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
     to->vision = (int)from->vision;
     to->glare = from->glare;
     to->antialiasing = from->antialiasing;
+    to->shutter_s = from->shutter;
+    to->wet_lens = from->wet_lens;
+    to->pane = 2166136261U; /* FNV-1a of the name */
+    for (const char *c = from->name; *c; c++) {
+        to->pane = (to->pane ^ (uint8_t)*c) * 16777619U;
+    }
     if (from->meter) {
         strncpy(to->meter, from->meter, sizeof to->meter - 1);
     }

@@ -81,6 +81,9 @@ struct pel_sensor {
     int vision;        /* PEL_VISION_* */                                      \
     double glare;      /* share of light that the lens scatters */             \
     bool antialiasing; /* of what hides what, and of lights' rims */           \
+    double shutter_s;  /* 0: PEL_FALL_SHUTTER_S */                             \
+    double wet_lens;   /* 0..1 */                                              \
+    uint32_t pane;     /* which one: seed of its drops */                      \
     struct pel_sensor sensor;
 struct pel_lens {
     PEL_LENS_FIELDS

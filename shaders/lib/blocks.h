@@ -407,6 +407,16 @@ struct pel_vec4 {
 #define PEL_FALL_SINE_LEAST 0.25
 #define PEL_FALL_SINE_WHOLE 0.4
 
+/* Drops on a pane before the camera (render/panemap.h), in tangents from its
+ * axis: width of a runner's column; where the highest begin; beads that one
+ * leaves; share of columns with one; how long one runs, s. */
+#define PEL_PANE_RUN_WIDE 0.09
+#define PEL_PANE_TOP 0.9
+#define PEL_PANE_BEADS 48
+#define PEL_PANE_RUNS 0.7
+#define PEL_PANE_LIFE_S 9.0
+#define PEL_PANE_SOFT 9e-4 /* of their edges, tangent */
+
 /* vec4 that a probe answers with (probe.comp). */
 #define PEL_PROBE_ANSWERS 6
 

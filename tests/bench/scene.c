@@ -96,5 +96,7 @@ struct pel_camera bench_camera(const struct bench_scene *s)
         .glare = s->glare,
         .vision = s->vision,
         .antialiasing = !s->aliased,
+        .shutter_s = s->shutter_s,
+        .wet_lens = s->wet_lens,
     };
 }

@@ -21,6 +21,7 @@ struct bench_scene {
     bool linear, aliased;
     double whitecaps;
     double rain_mm_h, snow_mm_h;
+    double shutter_s, wet_lens;
     double slick; /* factor of an area 100 m ahead; 1: none */
 };
 

@@ -57,7 +57,7 @@ static struct setting settings[] = {
     { "bankaway", 1500 }, { "banktop", 60 },  { "bankradius", 800 },
     { "bankbearing", 0 }, { "rain", 0 },      { "snow", 0 },
     { "bare", 0 },        { "kind_only", 0 }, { "dry", 0 },
-    { "lamps", 0 },
+    { "shutter", 0 },     { "wet", 0 },       { "lamps", 0 },
 };
 
 static double get(const char *name)
@@ -122,6 +122,8 @@ static struct bench_scene scene(void)
         .whitecaps = get("foam"),
         .rain_mm_h = get("rain"),
         .snow_mm_h = get("snow"),
+        .shutter_s = get("shutter"),
+        .wet_lens = get("wet"),
         .slick = get("slick"),
     };
 }

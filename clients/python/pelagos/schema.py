@@ -757,6 +757,13 @@ class View(Record):
     #: Who looks. Glare of an eye is some 0.1 (glare).
     #: One of CAMERA, EYE.
     vision: str = _field('CAMERA')
+    #: How long the shutter is open, for streaks of rain and snow: a fast one
+    #: shows them short and bright. A low-light sensor has its own. [s; 0.0005
+    #: to 0.25]
+    shutter: float = _field(0.016666666666666666, 's', 0.0005, 0.25)
+    #: Drops on a pane half a metre before the camera, which sit, are hit anew
+    #: and run down, as in rain or spray: how much of them. [1; 0 to 1]
+    wetLens: float = _field(0.0, '1', 0, 1)
     #: A radar's picture instead of the eye's, of the view's size; its antenna
     #: stands at the view's place.
     radar: Radar | None = _field(None)
