@@ -6,8 +6,8 @@ validate-night`.
 
 Twilight: radiance of the zenith at 550 nm with the Sun 5 to 15 degrees under the
 horizon, from 2635 m in clear air, against the fits of Patat, Ugolnikov and
-Postylyakov 2006 (A&A 455, 385, table 1) to 2,000 images in V at Paranal; and the
-light on the level sea with that of the American Meteorological Society's glossary
+Postylyakov 2006 (A&A 455, 385, table 1) to 2,000 images in V at Paranal, as it
+is and with the night of Paranal in the place of ours; and the light on the level sea with that of the American Meteorological Society's glossary
 (at sunset, -6, -12, -18
 degrees). Moonlight on the level sea by phase and
 altitude against Krisciunas and Schaefer 1991 (PASP 103, 1033): their eq. 9 and
@@ -33,6 +33,9 @@ V_ZERO = 3.63e-11       # W m-2 nm-1 at 550 nm for magnitude 0 (Bessell 1998)
 V_LUX = 2.54e-6         # lx for magnitude 0 (Allen)
 ARCSECOND = (math.pi / 180 / 3600) ** 2
 PATAT_V = (11.84, 1.518, -0.057)
+# Their site's dark zenith in V, at sunspot maximum (Patat 2003, A&A 400, 1183):
+# their twilight ends in it, ours in a night of its own.
+PATAT_NIGHT = 21.61
 # Of its centre, unrefracted; at sunset the upper limb is at the horizon.
 GLOSSARY = ((-0.83, 410.0, 585.0), (-6.0, 2.0, 3.5), (-12.0, 0.008, 0.008),
             (-18.0, 6e-4, 6e-4))
@@ -79,19 +82,25 @@ def magnitude(radiance):
 
 def twilight_rows(sky, options):
     rows = []
-    print("| Sun, ° | Patat, mag/arcsec² | ours | ours over theirs |\n"
-          "|---|---|---|---|")
-    sky.patch(sky={"visibility": 300000, "sunAzimuth": 180, "stars": True})
+    print("| Sun, ° | Patat, mag/arcsec² | ours | ours over theirs | with their "
+          "night |\n|---|---|---|---|---|")
+    sky.patch(sky={"visibility": 300000, "sunAzimuth": 180, "stars": True,
+                   "sunElevation": -40})
+    night = sky.ask(height=2635)["radiance"][1]
+    their_night = V_ZERO * 10 ** (-0.4 * PATAT_NIGHT) / ARCSECOND
     for depth in range(5, 16, 5 if options.quick else 1):
         sky.patch(sky={"sunElevation": -depth})
         x = depth - 5
         theirs = sum(a * x ** i for i, a in enumerate(PATAT_V))
-        ours = magnitude(sky.ask(height=2635)["radiance"][1])
+        radiance = sky.ask(height=2635)["radiance"][1]
+        ours = magnitude(radiance)
         ratio = 10 ** (-0.4 * (ours - theirs))
+        there = 10 ** (-0.4 * (magnitude(radiance - night + their_night)
+                               - theirs))
         rows.append({"sun": -depth, "theirs": theirs, "ours": ours,
-                     "ratio": ratio})
-        print(f"| −{depth} | {theirs:.2f} | {ours:.2f} | {ratio:.2f} |",
-              flush=True)
+                     "ratio": ratio, "there": there})
+        print(f"| −{depth} | {theirs:.2f} | {ours:.2f} | {ratio:.2f} | "
+              f"{there:.2f} |", flush=True)
     return rows
 
 
@@ -188,6 +197,7 @@ def main():
                 if row["sun"] >= -13)
     late = max((abs(row["ratio"] - 1), row["sun"]) for row in twilight
                if row["sun"] < -13)
+    there = max((abs(row["there"] - 1), row["sun"]) for row in twilight)
     off = max((abs(row["ratio"] - 1), row["altitude"], row["alpha"])
               for row in moon)
     dim = max((max(row["low"] / row["ours"], row["ours"] / row["high"], 1),
@@ -197,6 +207,8 @@ def main():
          f"{worst[0]:.0%} at {worst[1]}°", bool(worst[0] <= 0.3)),
         ("the same, −14 and −15°", "≤ 30 %",
          f"{late[0]:.0%} at {late[1]}°", bool(late[0] <= 0.3)),
+        ("zenith, Sun −5 to −15°, with the night of their site", "≤ 30 %",
+         f"{there[0]:.0%} at {there[1]}°", bool(there[0] <= 0.3)),
         ("light on the level sea at sunset, −6, −12, −18° (AMS glossary)",
          "within a factor 1.3", f"{dim[0]:.2f} at {dim[1]:g}°",
          bool(dim[0] <= 1.3)),
