@@ -13,12 +13,14 @@
 #define SCREW 0.65    /* of the draught: its diameter */
 #define DENSEST 0.92  /* of the surface is foam, at most */
 #define RACE_MPS 2.0  /* that makes 1 − 1/e of it */
-#define BOW_M 0.7     /* height of the bow wave that does */
 #define INSIDE 0.03   /* of the length: the race begins inside the hull */
 #define ROUGH_S 12.0  /* the boil's own waves take so long to die */
 #define BEGINS_S 15.0 /* a track fades in */
-#define BOW_LIVES 7.0 /* of foam that are drawn */
-#define DRIFT_S 4.0   /* what the bow throws aside goes on so long */
+#define BOW_KEPT_S 60.0
+#define BLUNTEST 1.2  /* angle of entrance, rad */
+#define BEFORE 1.0    /* heights that a front breaks off the stem */
+#define UNSTEADY 0.35 /* of its thickness comes and goes */
+#define SHEET 0.6     /* of the streak's foam is left beside it */
 
 enum line { AFT, ASTERN, BOW };
 
@@ -65,27 +67,26 @@ static double half_at(const struct pel_wash_ship *s, double aft_m)
     return s->half_m[i] + f * (s->half_m[i + 1] - s->half_m[i]);
 }
 
-/* Of the waterline: to nine tenths of its greatest breadth. */
-static double entrance_m(const struct pel_wash_ship *s)
+/* The widest up to there: what was thrown aside stays where it is. */
+static double widest_at(const struct pel_wash_ship *s, double aft_m)
 {
     double part = (s->stem_m - s->stern_m) / PEL_WASH_STATIONS;
-    double most = 0;
-    for (int i = 0; i < PEL_WASH_STATIONS; i++) {
+    double most = half_at(s, aft_m);
+    for (int i = 0; i < PEL_WASH_STATIONS && (i + 0.5) * part < aft_m; i++) {
         most = fmax(most, s->half_m[i]);
     }
-    int i = 0;
-    while (s->half_m[i] < 0.9 * most) {
-        i++;
-    }
-    return fmax((i + 0.5) * part, 0.25 * s->beam_m);
+    return most;
 }
 
-double pel_wash_bow_m(const struct pel_wash_ship *s, double speed_mps)
+struct pel_bow_wave pel_wash_bow(const struct pel_wash_ship *s,
+                                 double speed_mps, double *alpha_rad)
 {
-    double head = speed_mps * speed_mps / PEL_GRAVITY;
-    double alpha = atan(0.5 * s->beam_m / entrance_m(s));
-    double fd = speed_mps / sqrt(PEL_GRAVITY * s->draught_m);
-    return fmin(2.2 / (1 + fd) * head * tan(alpha) / cos(alpha), 0.5 * head);
+    double long_m = s->stem_m - s->stern_m;
+    double least = 0.5 * long_m / PEL_WASH_STATIONS;
+    double to = pel_bow_wave_of(speed_mps, s->draught_m, 0).crest_m;
+    to = pel_clamp(to, least, 0.5 * long_m);
+    *alpha_rad = fmin(atan(half_at(s, to) / to), BLUNTEST);
+    return pel_bow_wave_of(speed_mps, s->draught_m, *alpha_rad);
 }
 
 double pel_wash_race_mps(double speed_mps, double push_mps)
@@ -188,7 +189,8 @@ static enum pel_err add_node(struct pel_wash *w,
 }
 
 struct left { /* of one moment τ */
-    double age_s, sailed_m, fade;
+    double passed_s, age_s, sailed_m, fade;
+    double ahead; /* of the stem: 1 where the front of a bow wave may be */
     struct passed p;
 };
 
@@ -245,30 +247,57 @@ static void leave_astern(const struct pel_wash_ship *s, const struct left *l,
     n->bubbles = foam * exp(-l->age_s / PEL_WASH_BUBBLES_LIFE_S);
 }
 
-/* Thrown aside where the bow wave breaks. */
+/* How far the front of the bow wave has gone outward from the hull: with the
+ * hull's push until the wave, of period T, is spent. */
+static double outward_m(double speed_mps, double alpha, double period_s,
+                        double age_s)
+{
+    double a = fmin(alpha, 0.25 * PEL_PI);
+    return speed_mps * sin(a) * cos(a) * period_s *
+           (1 - exp(-age_s / period_s));
+}
+
+/* Pulses of a wave that has no steady form, in the water that met it then;
+ * none where nodes are too far apart for them. */
+static double pulses(double time_s, double period_s, double age_s)
+{
+    double seen = age_s / (2 * period_s), a = 2 * PEL_PI * time_s / period_s;
+    return exp(-seen * seen) * (0.6 * sin(a) + 0.4 * sin(1.618 * a));
+}
+
+/* Thrown aside where the bow wave breaks: a streak at its front, and between
+ * that and the hull what the front has left. */
 static void leave_bow(const struct pel_wash_ship *s, const struct left *l,
                       struct pel_wash_node *n)
 {
     const struct passed *p = &l->p;
-    double u = fmax(p->ahead_mps, 0), z = pel_wash_bow_m(s, u);
-    double entrance = entrance_m(s);
-    double hull = half_at(s, l->sailed_m);
-    double alpha = atan(0.5 * s->beam_m / entrance);
-    double crest =
-        1.1 * u * u / PEL_GRAVITY / (1 + u / sqrt(PEL_GRAVITY * s->draught_m));
-    double aside =
-        0.5 * u * tan(alpha) * DRIFT_S * (1 - exp(-l->age_s / DRIFT_S));
-    double thick =
-        z * (0.4 + 3.1 * (1 - exp(-l->sailed_m / fmax(2 * crest, 0.1))));
-    n->x_m = p->x + s->stem_m * p->ex;
-    n->y_m = p->y + s->stem_m * p->ey;
-    n->side_m = hull + 0.8 * aside + 0.5 * thick;
-    n->side_half_m = 0.2 * aside + 0.5 * thick + 0.02 * s->beam_m;
-    /* Slower water breaks without drawing in air (Kleiss and Melville). */
-    n->side = DENSEST * l->fade * smooth(1.5, 3.3, u) *
-              (1 - exp(-(z / BOW_M) * (z / BOW_M))) *
-              exp(-l->age_s / PEL_FOAM_LIFE_S);
-    n->core_m = n->half_m = 0.1;
+    double alpha, u = fmax(p->ahead_mps, 0);
+    struct pel_bow_wave wave = pel_wash_bow(s, u, &alpha);
+    double z = wave.height_m, x = l->sailed_m;
+    double reach = fmax(wave.crest_m, 0.1);
+    double period = fmax(2 * PEL_PI * sqrt(z / PEL_GRAVITY), 0.5);
+    double wild = smooth(1, 1.5, wave.excess);
+    double before = BEFORE * wild * z; /* it breaks so far off the stem */
+    double ahead = before * l->ahead;
+    double pulse = UNSTEADY * wild * pulses(l->passed_s, period, l->age_s);
+    /* A sheet is white from where it falls; a breaking front all along. */
+    double white = fmax(smooth(0.3 * reach, 1.3 * reach, x), wild);
+    double all = DENSEST * wave.breaks * white * l->fade;
+    double young = period * (1 - exp(-l->age_s / period));
+    double thick = z * (0.3 + 0.9 * (1 - exp(-x / (2 * reach))));
+    double front = before * sqrt(1 - l->ahead * l->ahead) + widest_at(s, x) +
+                   outward_m(u, alpha, period, l->age_s);
+    n->x_m = p->x + (s->stem_m + ahead) * p->ex;
+    n->y_m = p->y + (s->stem_m + ahead) * p->ey;
+    n->side_half_m = 0.5 * thick * (1 + pulse) + 0.01 * s->beam_m + 0.05;
+    n->side_m = front + 0.5 * pulse * thick;
+    n->side = all * exp(-(l->age_s - 0.7 * young) / PEL_FOAM_LIFE_S);
+    n->core_m = (n->side_m + 0.1) / 0.85;
+    n->core =
+        SHEET * all *
+        fmin(pel_wash_foam_left(l->age_s, pel_clamp(z / RISE_MPS, 5, 30)), 1);
+    n->bubbles = 0.5 * all * exp(-l->age_s / BOW_KEPT_S);
+    n->half_m = 0.1;
 }
 
 static void make_node(const struct pel_wash_ship *s, enum line line,
@@ -289,9 +318,11 @@ static void make_node(const struct pel_wash_ship *s, enum line line,
 }
 
 /* The age after this one: a tenth more, the track's points between. */
-static double next_age(const struct pel_wash_ship *s, double time_s, double age)
+static double next_age(const struct pel_wash_ship *s, enum line line,
+                       double time_s, double age)
 {
-    double next = fmin(1.1 * age + 0.35, age + 30);
+    double next =
+        line == BOW ? 1.15 * age + 0.12 : fmin(1.1 * age + 0.35, age + 30);
     for (int i = s->count - 1; i >= 0; i--) {
         double at = time_s - s->point[i].time_s;
         if (at > age + 0.05) {
@@ -329,32 +360,57 @@ static double apart(const struct pel_wash *w, const struct pel_wash_node *n)
                     : HUGE_VAL;
 }
 
+/* Before the stem, where a bow wave breaks there: round. */
+static enum pel_err add_front(struct pel_wash *w, const struct pel_wash_ship *s,
+                              const struct left *at)
+{
+    static const double ahead[] = { 1, 0.94, 0.8, 0.5 };
+    enum pel_err err = PEL_OK;
+    struct left l = *at;
+    for (size_t i = 0; i < sizeof ahead / sizeof *ahead && !err; i++) {
+        struct pel_wash_node n;
+        l.ahead = ahead[i];
+        make_node(s, BOW, &l, &n);
+        n.begins = i == 0;
+        if (n.begins || apart(w, &n) > 0.02) {
+            err = add_node(w, &n);
+        }
+    }
+    return err;
+}
+
 static enum pel_err add_line(struct pel_wash *w, const struct pel_wash_ship *s,
                              double time_s, enum line line)
 {
     double began = time_s - s->point[0].time_s, before = 0;
-    double most = line == BOW ? BOW_LIVES * PEL_FOAM_LIFE_S : OLDEST_S;
+    double most = line == BOW ? BOW_KEPT_S : OLDEST_S;
     double end = fmin(most, began);
     struct left l = { 0 };
     size_t first = w->count;
     bool begins = true;
     enum pel_err err = PEL_OK;
-    for (double age = 0; !err; age = next_age(s, time_s, age)) {
+    for (double age = 0; !err; age = next_age(s, line, time_s, age)) {
         age = fmin(age, end);
         struct passed p = passed_at(s, time_s - age);
         if (age > 0) {
             l.sailed_m += 0.5 * (p.speed_mps + l.p.speed_mps) * (age - before);
         }
         before = l.age_s = age;
+        l.passed_s = time_s - age;
         l.p = p;
         l.fade = (1 - smooth(0.75, 1, age / most)) *
                  smooth(0, fmin(BEGINS_S, 0.5 * began), began - age);
+        bool belongs = in_line(line, &p);
+        if (line == BOW && age == 0 && belongs) {
+            err = add_front(w, s, &l);
+            begins = false;
+        }
         struct pel_wash_node n;
         make_node(s, line, &l, &n);
         n.begins = begins;
-        if (!in_line(line, &p)) {
+        if (!belongs) {
             begins = true;
-        } else if (begins || apart(w, &n) > 0.02 * s->beam_m) {
+        } else if (!err && (begins || apart(w, &n) > 0.02 * s->beam_m)) {
             err = add_node(w, &n);
             begins = false;
         }

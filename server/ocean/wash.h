@@ -8,13 +8,16 @@
  * a line bands have a half-width each:
  *   wake    B/2 (1 + 256 x/L)^(1/5), x sailed since: the beam at the stern, and
  *           far from it 4 B (x/4L)^(1/5) in all (Milgram, Skop, Peltzer,
- * Griffin 1993 for the power; Zilman, Zapolski, Marom 2004 for 4 B at 4 L) foam
- * S' = −S/τ + R e^{−a/T}: what the surface has, and what bubbles that rise from
- * the screw's depth bring to it bow     of a wave of height Z = 2.2/(1 + F_D)
- * U²/g tan α/cos α, F_D = U/√(g D), α the half angle of entrance, at most U²/2g
- * (Noblesse, Delhommeau, Guilbaud, Hendrix, Yang 2008) race    w = √(U² + C V²)
- * − U behind an actuator disc of thrust loading C (Rankine and Froude), V the
- * speed at which the push is the drag
+ *           Griffin 1993 for the power; Zilman, Zapolski, Marom 2004 for 4 B at
+ *           4 L)
+ *   foam    S' = −S/τ + R e^{−a/T}: what the surface has, and what bubbles that
+ *           rise from the screw's depth, or from where the bow wave plunges,
+ *           bring to it
+ *   bow     of the wave of bowwave.h: where its sheet falls or its front
+ *           breaks, a streak that goes outward; between it and the hull what
+ *           the front has left
+ *   race    w = √(U² + C V²) − U behind an actuator disc of thrust loading C
+ *           (Rankine and Froude), V the speed at which the push is the drag
  *
  * Places are of the water at rest, as areas' (ocean/areas.h). Twin of
  * shaders/lib/wash.glsl. Immutable once indexed; any thread. */
@@ -27,6 +30,7 @@
 
 #include "base/err.h"
 #include "base/vec.h"
+#include "ocean/bowwave.h"
 #include "shaders/lib/blocks.h"
 
 #define PEL_WASH_POINTS 500    /* of a track, at most */
@@ -118,12 +122,14 @@ double pel_wash_factor(const struct pel_wash *wash, double x, double y,
 size_t pel_wash_words(const struct pel_wash *wash, double east_m,
                       double north_m, uint32_t *out);
 
-/* The parts. Half-width of the wake; height of the bow wave; speed of the race
- * over the water's; how far it has come in age_s where the ship lies still:
- * a round jet's, 6.2 w D/x beyond 6.2 D (Rajaratnam 1976); share of foam left
- * of what was there and of what rises. */
+/* The parts. Half-width of the wake; the bow wave, of the waterline's mean
+ * angle from the stem to the wave's crest; speed of the race over the water's;
+ * how far it has come in age_s where the ship lies still: a round jet's, 6.2 w
+ * D/x beyond 6.2 D (Rajaratnam 1976); share of foam left of what was there and
+ * of what rises. */
 double pel_wash_half_m(double beam_m, double length_m, double sailed_m);
-double pel_wash_bow_m(const struct pel_wash_ship *ship, double speed_mps);
+struct pel_bow_wave pel_wash_bow(const struct pel_wash_ship *ship,
+                                 double speed_mps, double *alpha_rad);
 double pel_wash_race_mps(double speed_mps, double push_mps);
 double pel_wash_reach_m(double race_mps, double screw_m, double age_s);
 double pel_wash_foam_left(double age_s, double rising_s);

@@ -5,9 +5,10 @@
  * pel_spectrum_kind; bed: 1 a beach ahead, 2 deep everywhere; paper: 1 its sky
  * and glitter as they stand; ship: a built-in model by its number, `away`
  * metres ahead; rain, snow: mm/h; wash: its speed, m/s, and `push` the screw's;
- * it passed on a straight course; fleet: enum bench_fleet; wakes: of so many
- * ships, the first `away` ahead; sense: 1 low light, 2 thermal) for looking at
- * one thing at a time while developing shaders. */
+ * it passed on a straight course, `washes` ships side by side; fleet: enum
+ * bench_fleet; wakes: of so many ships, the first `away` ahead; sense: 1 low
+ * light, 2 thermal) for looking at one thing at a time while developing
+ * shaders. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -58,6 +59,7 @@ static struct setting settings[] = {
     { "bankbearing", 0 }, { "rain", 0 },      { "snow", 0 },
     { "bare", 0 },        { "kind_only", 0 }, { "dry", 0 },
     { "shutter", 0 },     { "wet", 0 },       { "lamps", 0 },
+    { "washes", 1 },
 };
 
 static double get(const char *name)
@@ -229,8 +231,19 @@ static struct pel_wash *wash_of(const struct pel_object *o, double time_s)
                                      o->north_m - ago * u * cos(h), h, push };
     }
     struct pel_wash *w;
-    if (pel_wash_create(&w) || pel_wash_add(w, &s, time_s) ||
-        pel_wash_index(w)) {
+    if (pel_wash_create(&w)) {
+        abort();
+    }
+    for (int n = 0; n < (int)get("washes"); n++) {
+        if (pel_wash_add(w, &s, time_s)) {
+            abort();
+        }
+        for (int i = 0; i < 2; i++) { /* the next, abeam of it */
+            s.point[i].x_m += 3 * m->beam_m * cos(h);
+            s.point[i].y_m -= 3 * m->beam_m * sin(h);
+        }
+    }
+    if (pel_wash_index(w)) {
         abort();
     }
     return w;
