@@ -38,6 +38,7 @@ struct scene {
     double (*bed)(double east_m, double north_m); /* NULL: level */
     struct pel_sensor sensor;
     unsigned stale;
+    int vision; /* PEL_VISION_* */
     struct {
         double elevation, azimuth, lit;
     } moon; /* lit: 0: none */
@@ -162,6 +163,12 @@ static const struct scene scenes[] = {
       LOOK(12, 60, 8, 60),
       LIGHT(-9, 300, 40e3),
       .moon = { 22, 70, 0.7 } },
+    { "eye-dusk-fft",
+      { WIND(6), FFT, REST },
+      DEEP(0.2),
+      LOOK(9, 285, -0.5, 5),
+      LIGHT(-12, 290, 40e3),
+      .vision = PEL_VISION_EYE },
     { "stale-trochoids",
       { WIND(8), REST },
       DEEP(0.2),
@@ -199,6 +206,7 @@ static void draw(const struct scene *scene, uint8_t *rgba)
     env.stale = scene->stale;
     struct pel_camera camera = test_camera(scene->look);
     camera.sensor = scene->sensor;
+    camera.vision = scene->vision;
     struct pel_picture *p = test_draw(renderer, &env, &camera, PEL_LAYER_COLOR);
     memcpy(rgba, p->rgba, BYTES);
     pel_picture_release(p);
