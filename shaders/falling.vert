@@ -90,7 +90,7 @@ void main()
     shape = vec4(wide, long_, weight * area, 0.0);
     light_of = vec4(chance.w > 0.5 ? vec3(0.0) : fallen_light(dir, flake), 0.0);
     vec2 box = vec2(corner == 1 || corner == 3 || corner == 4 ? 1.0 : -1.0, corner == 2 || corner >= 4 ? 1.0 : -1.0);
-    box *= vec2(0.5 * long_ + wide + 1.0, wide + 1.0);
+    box *= vec2(0.5 * long_ + wide, wide); // of nothing beyond
     vec2 at = streak.xy - pixel.zw + box.x * way + box.y * vec2(-way.y, way.x);
     gl_Position = vec4(at / size.xy * 2.0 - 1.0, 0.0, 1.0);
     if (!there || !(weight > 0.0)) {

@@ -5,15 +5,15 @@
 #include "base/hash.h"
 #include "optics/rain.h"
 
-#define RAIN_KINDS 4
-#define SNOW_KINDS 3
+#define RAIN_KINDS PEL_FALL_DROPS
+#define SNOW_KINDS PEL_FALL_FLAKES
 _Static_assert(RAIN_KINDS + SNOW_KINDS == PEL_FALL_KINDS, "one each");
 
 #define LARGEST_DROP_MM 6.0
 #define LARGEST_FLAKE_MM 12.0
 #define FAINTEST 4e-4 /* deviation of a shell's cover */
 /* A cell of more drops or flakes than the squares of these shows none. */
-#define MOST_DROPS 3.0
+#define MOST_DROPS 2.0
 #define MOST_FLAKES 8.0
 #define BLUR 0.4375 /* 7/16: a bump's half-width squared by a disc's d² */
 

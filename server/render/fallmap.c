@@ -1,6 +1,7 @@
 #include "render/fallmap.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "optics/falling.h"
 #include "render/shader.h"
@@ -9,6 +10,11 @@ bool pel_fall_map_shows(const struct pel_environment *env, unsigned layers)
 {
     return (env->rain_mm_h > 0 || env->snow_mm_h > 0) &&
            layers & (PEL_LAYER_COLOR | PEL_LAYER_RADIANCE);
+}
+
+static int what_falls(const struct pel_environment *env)
+{
+    return env->rain_mm_h > 0 ? (env->snow_mm_h > 0 ? 2 : 0) : 1;
 }
 
 enum pel_err pel_fall_map_need(struct pel_fall_map *map,
@@ -21,9 +27,15 @@ enum pel_err pel_fall_map_need(struct pel_fall_map *map,
     if (!map->fbo) {
         glCreateFramebuffers(1, &map->fbo);
     }
-    if (!map->fallen[kind]) {
-        err = pel_program_create(shader_dir, "screen.vert", "fallen.frag",
-                                 defines, &map->fallen[kind], fault);
+    GLuint *fallen = &map->fallen[what_falls(env)][kind];
+    if (!*fallen) {
+        char with[PEL_LIGHT_TEXT + 64];
+        snprintf(with, sizeof with,
+                 "%s#define PEL_DROPS %d\n#define PEL_FLAKES %d\n", defines,
+                 env->rain_mm_h > 0 ? PEL_FALL_DROPS : 0,
+                 env->snow_mm_h > 0 ? PEL_FALL_FLAKES : 0);
+        err = pel_program_create(shader_dir, "screen.vert", "fallen.frag", with,
+                                 fallen, fault);
     }
     if (err == PEL_OK && !map->falling[kind]) {
         err = pel_program_create(shader_dir, "falling.vert", "falling.frag",
@@ -36,7 +48,9 @@ void pel_fall_map_finish(struct pel_fall_map *map)
 {
     glDeleteFramebuffers(1, &map->fbo);
     for (int i = 0; i < PEL_LIGHT_PROGRAMS; i++) {
-        glDeleteProgram(map->fallen[i]);
+        for (int k = 0; k < 3; k++) {
+            glDeleteProgram(map->fallen[k][i]);
+        }
         glDeleteProgram(map->falling[i]);
     }
     *map = (struct pel_fall_map){ 0 };
@@ -56,19 +70,22 @@ static void put_mean(const struct pel_environment *env, GLuint program,
                      const struct pel_fall_plan *plan)
 {
     GLfloat kinds[2 * PEL_FALL_KINDS][4] = { 0 };
+    const int drops = env->rain_mm_h > 0 ? PEL_FALL_DROPS : 0,
+              count = drops + (env->snow_mm_h > 0 ? PEL_FALL_FLAKES : 0);
+    int next[2] = { 0, drops };
     for (int i = 0; i < plan->count; i++) {
         const struct pel_fall_kind *k = &plan->kinds[i];
-        kinds[2 * i][0] = (float)k->axis.x;
-        kinds[2 * i][1] = (float)k->axis.y;
-        kinds[2 * i][2] = (float)k->axis.z;
-        kinds[2 * i][3] = (float)k->covers;
-        kinds[2 * i + 1][0] = k->flake;
-        kinds[2 * i + 1][1] =
+        GLfloat(*to)[4] = &kinds[2 * next[k->flake]++];
+        to[0][0] = (float)k->axis.x;
+        to[0][1] = (float)k->axis.y;
+        to[0][2] = (float)k->axis.z;
+        to[0][3] = (float)k->covers;
+        to[1][0] =
             (float)(k->extinction * (PEL_FALL_FARTHEST_M - PEL_FALL_NEAREST_M));
     }
     glUseProgram(program);
-    glUniform4f(0, (float)plan->count, env->fall_bare, 0.0f, 0.0f);
-    glUniform4fv(1, 2 * PEL_FALL_KINDS, kinds[0]);
+    glUniform4f(0, 0.0f, env->fall_bare, 0.0f, 0.0f);
+    glUniform4fv(1, 2 * count, kinds[0]);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
@@ -149,7 +166,7 @@ void pel_fall_map_put(struct pel_fall_map *map,
     /* The fourth component says what a pixel shows. */
     glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, map->fbo);
-    put_mean(env, map->fallen[kind], &plan);
+    put_mean(env, map->fallen[what_falls(env)][kind], &plan);
     glUseProgram(map->falling[kind]);
     for (int i = 0; i < plan.count; i++) {
         put_kind(&plan.kinds[i], c, env->fall_bare);

@@ -10,7 +10,8 @@
 
 struct pel_fall_map {
     GLuint fbo;
-    GLuint fallen[PEL_LIGHT_PROGRAMS], falling[PEL_LIGHT_PROGRAMS];
+    GLuint fallen[3][PEL_LIGHT_PROGRAMS]; /* of rain, of snow, of both */
+    GLuint falling[PEL_LIGHT_PROGRAMS];
 };
 
 /* Whether pictures of these layers (of enum pel_layer) show some. */

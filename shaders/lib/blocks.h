@@ -393,6 +393,8 @@ struct pel_vec4 {
  * is open, s; diameter of the lens's opening, m, which blurs what is near; a
  * column's width in half-widths of a drop's blur; the square of a pixel's
  * blur, in pixels; after so many s a column has other drops. */
+#define PEL_FALL_DROPS 4
+#define PEL_FALL_FLAKES 3
 #define PEL_FALL_KINDS 7
 #define PEL_FALL_SHELLS 5
 #define PEL_FALL_NEAREST_M 1.0
