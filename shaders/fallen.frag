@@ -25,10 +25,8 @@ float covers(vec3 dir, int first, int end, inout float all)
     float sum = 0.0;
     for (int i = first; i < end; i++) {
         float along = dot(dir, kinds[2 * i].xyz);
-        float sine2 = max(1.0 - along * along, 1e-3);
-        float longer = inversesqrt(sine2);
-        sum += kinds[2 * i].w * aside(sine2 * longer) * longer;
-        all += kinds[2 * i + 1].x * longer;
+        sum += kinds[2 * i].w * aside(sqrt(max(1.0 - along * along, 0.0)));
+        all += kinds[2 * i + 1].x;
     }
     return sum;
 }
@@ -37,7 +35,7 @@ void main()
 {
     vec3 ray = pixel_ray(lattice(ivec2(gl_FragCoord.xy)));
     vec3 dir = ray * inversesqrt(dot(ray, ray));
-    float reach = dir.z < 0.0 ? min(eye.x / (-dir.z * PEL_FALL_FARTHEST_M), 1.0) : 1.0;
+    float reach = dir.z < 0.0 ? min(eye.x / (-dir.z * 8.0), 1.0) : 1.0;
     float all = 0.0;
     float drops = covers(dir, 0, PEL_DROPS, all);
     float flakes = covers(dir, PEL_DROPS, PEL_DROPS + PEL_FLAKES, all);

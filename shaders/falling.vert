@@ -14,7 +14,7 @@ layout(location = 1) uniform vec4 side;   // w streak, m
 layout(location = 2) uniform vec4 motion; // x lives, whole, y the rest; z m in a life
 layout(location = 3) uniform vec4 shell;  // x nearest, m; y columns; z cell, m; w seed
 layout(location = 4) uniform vec4 chance; // x of a cell; y drops; z spread, m²; w 1: black
-layout(location = 5) uniform vec4 within; // x first column, y rows, z first slope
+layout(location = 5) uniform vec4 within; // x first column, y rows, z first slope, w farthest, m
 
 flat out vec4 streak, shape, light_of;
 
@@ -77,6 +77,8 @@ void main()
     float reach = dir.z < 0.0 ? eye.x / -dir.z : 1e9;
     float sine = away / distance_;
     float weight = chance.y * aside(sine) * clamp(4.0 * (reach / distance_ - 1.0), 0.0, 1.0);
+    weight *= smoothstep(0.9 * PEL_FALL_NEAREST_M, 1.1 * PEL_FALL_NEAREST_M, distance_);
+    weight *= 1.0 - smoothstep(PEL_FALL_FADES * within.w, within.w, distance_);
     float size_ = abs(axis.w) * (0.8 + 0.4 * part(drop, 22u));
     float px = 1.0 / (pixel.x * ahead); // pixels a metre
     float wide = 0.4375 * (size_ * size_ + PEL_FALL_LENS_M * PEL_FALL_LENS_M) + chance.z;

@@ -12,9 +12,9 @@ _Static_assert(RAIN_KINDS + SNOW_KINDS == PEL_FALL_KINDS, "one each");
 #define LARGEST_DROP_MM 6.0
 #define LARGEST_FLAKE_MM 12.0
 #define FAINTEST 4e-4 /* deviation of a shell's cover */
-/* A cell of more drops or flakes than the squares of these shows none. */
+/* Squares of the drops or flakes that a cell has at most. */
 #define MOST_DROPS 2.0
-#define MOST_FLAKES 8.0
+#define MOST_FLAKES 3.0
 #define BLUR 0.4375 /* 7/16: a bump's half-width squared by a disc's d² */
 
 double pel_drop_speed(double d)
@@ -74,47 +74,78 @@ static double still_m2(const struct pel_fall_kind *k)
            (k->diameter_m * k->diameter_m + PEL_FALL_LENS_M * PEL_FALL_LENS_M);
 }
 
-/* What of a shell's streaks pixels resolve: `half_m` is the half-width of what
- * one looks like, which a column is to be four times as wide as. */
-static double resolved(double half_m, double across_m)
+/* Without its chance and weight; returns the drops of a cell. */
+static double shell_of(const struct pel_fall_kind *k, double near_m,
+                       struct pel_fall_shell *out)
 {
-    double x = pel_clamp((half_m / (0.25 * across_m) - 0.7) / 0.6, 0, 1);
-    return 1 - x * x * (3 - 2 * x);
+    const double middle_m = 1.5 * near_m;
+    double number =
+        k->extinction / (0.25 * PEL_PI * k->diameter_m * k->diameter_m);
+    double across_m = PEL_FALL_ACROSS * sqrt(still_m2(k)) * fmax(near_m, 1);
+    out->near_m = near_m;
+    out->columns = (int)fmax(round(2 * PEL_PI * middle_m / across_m), 8);
+    across_m = 2 * PEL_PI * middle_m / out->columns;
+    out->cell_m = 2 * k->streak_m + across_m;
+    return number * near_m * across_m * out->cell_m;
+}
+
+/* Of so many drops of a cell each streak has what they deviate from their
+ * mean; the rest is left to that. */
+static double share_of(double drops)
+{
+    return 1 / fmax(sqrt(drops), 1);
+}
+
+/* Of the cover of pixels. */
+static double deviation(const struct pel_fall_kind *k,
+                        const struct pel_fall_shell *s, double drops,
+                        double pixel_rad)
+{
+    double across_m = 3 * PEL_PI * s->near_m / s->columns;
+    double pixel_m = 1.5 * s->near_m * pixel_rad;
+    double half_m = sqrt(still_m2(k) + PEL_FALL_PIXEL * pixel_m * pixel_m);
+    double area = 0.25 * PEL_PI * k->diameter_m * k->diameter_m;
+    return area *
+           sqrt(0.714 * drops /
+                (half_m * fmax(k->streak_m, half_m) * across_m * s->cell_m));
+}
+
+/* As far as single ones are told from the next and seen. */
+static double far_of(const struct pel_fall_kind *k, double pixel_rad,
+                     double *share)
+{
+    double most = k->flake ? MOST_FLAKES : MOST_DROPS;
+    double far_m = PEL_FALL_NEAREST_M;
+    for (; far_m < PEL_FALL_FARTHEST_M; far_m *= 2) {
+        struct pel_fall_shell s;
+        double drops = shell_of(k, far_m, &s);
+        if (drops > most * most ||
+            deviation(k, &s, drops, pixel_rad) < FAINTEST) {
+            break;
+        }
+        *share = share_of(drops);
+    }
+    return far_m;
 }
 
 static void place_shells(const struct pel_fall_desc *d, int kind,
                          struct pel_fall_kind *k)
 {
-    const double area = 0.25 * PEL_PI * k->diameter_m * k->diameter_m;
-    const double number = k->extinction / area;
-    for (int i = 0; i < PEL_FALL_SHELLS; i++) {
-        struct pel_fall_shell s = { .near_m = PEL_FALL_NEAREST_M * (1 << i) };
-        double middle_m = 1.5 * s.near_m;
-        double across_m =
-            PEL_FALL_ACROSS * sqrt(still_m2(k)) * (double)(1 << i);
-        s.columns = (int)fmax(round(2 * PEL_PI * middle_m / across_m), 8);
-        across_m = 2 * PEL_PI * middle_m / s.columns;
-        s.cell_m = 2 * k->streak_m + across_m;
-        double drops = number * s.near_m * across_m * s.cell_m;
-        s.spread_m2 =
+    double share = 0;
+    k->far_m = far_of(k, d->pixel_rad, &share);
+    k->covers = share * k->extinction *
+                (0.5 * (1 + PEL_FALL_FADES) * k->far_m - PEL_FALL_NEAREST_M);
+    double near_m = PEL_FALL_INMOST_M;
+    for (int i = 0; share > 0 && near_m < k->far_m; i++, near_m *= 2) {
+        struct pel_fall_shell *s = &k->shells[k->shell_count++];
+        double drops = share * shell_of(k, near_m, s);
+        double across_m = 3 * PEL_PI * near_m / s->columns;
+        s->chance = fmin(drops, 1);
+        s->weight = fmax(drops, 1);
+        s->spread_m2 =
             drops > 1 ? 0.01 * across_m * across_m * (1 - 1 / drops) : 0;
-        double pixel_m = middle_m * d->pixel_rad;
-        double half_m = sqrt(still_m2(k) + PEL_FALL_PIXEL * pixel_m * pixel_m +
-                             s.spread_m2);
-        s.chance = fmin(drops, 1);
-        /* Of many, what they deviate from their mean. */
-        s.weight = fmax(sqrt(drops), 1) * resolved(half_m, across_m);
-        s.seed = (uint32_t)pel_hash_mix((uint64_t)d->seed << 16 |
-                                        (uint64_t)(kind * PEL_FALL_SHELLS + i));
-        double deviation =
-            s.weight * area *
-            sqrt(0.714 * s.chance /
-                 (half_m * fmax(k->streak_m, half_m) * across_m * s.cell_m));
-        double most = k->flake ? MOST_FLAKES : MOST_DROPS;
-        if (deviation > FAINTEST && drops < most * most) {
-            k->covers += s.chance * s.weight / drops * k->extinction * s.near_m;
-            k->shells[k->shell_count++] = s;
-        }
+        s->seed = (uint32_t)pel_hash_mix(
+            (uint64_t)d->seed << 16 | (uint64_t)(kind * PEL_FALL_SHELLS + i));
     }
 }
 
@@ -166,7 +197,8 @@ void pel_fall_plan(const struct pel_fall_desc *d, struct pel_fall_plan *out)
 
 #define BORDER 64 /* directions */
 #define SLACK 0.02
-#define STEEPEST 3.9 /* of PEL_FALL_SINE_LEAST */
+#define STEEPEST 40.0 /* nearer to the axis nothing is drawn */
+#define BESIDE 0.15   /* tangent: what is so near to the axis counts as it */
 
 static struct pel_vec3 border(const struct pel_mat3 *m, const double low[2],
                               const double high[2], int i)
@@ -189,8 +221,9 @@ static bool in_sight(const struct pel_mat3 *m, const double low[2],
 {
     double ahead = -pel_vec3_dot(to, m->z);
     double x = pel_vec3_dot(to, m->x), y = pel_vec3_dot(to, m->y);
-    return ahead > 0 && x > low[0] * ahead && x < high[0] * ahead &&
-           y > low[1] * ahead && y < high[1] * ahead;
+    return ahead > 0 && x > (low[0] - BESIDE) * ahead &&
+           x < (high[0] + BESIDE) * ahead && y > (low[1] - BESIDE) * ahead &&
+           y < (high[1] + BESIDE) * ahead;
 }
 
 struct pel_fall_range pel_fall_range(const struct pel_fall_kind *k,
@@ -219,8 +252,10 @@ struct pel_fall_range pel_fall_range(const struct pel_fall_kind *k,
     }
     bool down = in_sight(m, low, high, k->axis),
          up = in_sight(m, low, high, pel_vec3_scale(k->axis, -1));
-    r.slope_first = up ? -STEEPEST : fmax(r.slope_first - SLACK, -STEEPEST);
-    r.slope_last = down ? STEEPEST : fmin(r.slope_last + SLACK, STEEPEST);
+    double slack[2] = { SLACK * (1 + 5 * fabs(r.slope_first)),
+                        SLACK * (1 + 5 * fabs(r.slope_last)) };
+    r.slope_first = up ? -STEEPEST : fmax(r.slope_first - slack[0], -STEEPEST);
+    r.slope_last = down ? STEEPEST : fmin(r.slope_last + slack[1], STEEPEST);
     if (!up && !down) {
         r.turn_first = first + least - 0.5 * SLACK;
         r.turn_first -= floor(r.turn_first);

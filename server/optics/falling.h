@@ -46,7 +46,8 @@ struct pel_fall_kind {
     double streak_m;              /* that it falls while the shutter is open */
     double extinction;            /* of its shadows, 1/m */
     double turn;                  /* PEL_FALL_LIFE_S until time_s, mod 65536 */
-    double covers; /* normal to the axis, by what is drawn one by one */
+    double far_m;  /* from the eye: none is drawn from there on */
+    double covers; /* by what is drawn one by one */
     int shell_count;
     struct pel_fall_shell shells[PEL_FALL_SHELLS];
 };
@@ -56,8 +57,8 @@ struct pel_fall_plan {
     struct pel_fall_kind kinds[PEL_FALL_KINDS];
 };
 
-/* Shells whose streaks pixels do not resolve, or that are fainter than
- * anybody sees, are left out: their mean is in the air's extinction. */
+/* What is too dense to be told apart, or fainter than anybody sees, is left
+ * out: its mean is in the air's extinction. */
 void pel_fall_plan(const struct pel_fall_desc *desc, struct pel_fall_plan *out);
 
 /* Terminal speed [m/s] of a drop of a diameter [mm], Atlas, Srivastava and

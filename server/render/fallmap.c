@@ -91,7 +91,8 @@ static void put_mean(const struct pel_environment *env, GLuint program,
 
 /* Cells of the columns from first to before end. */
 static void put_columns(const struct pel_fall_shell *s,
-                        const struct pel_fall_range *range, int first, int end)
+                        const struct pel_fall_range *range, double far_m,
+                        int first, int end)
 {
     /* Of the farthest column; one for where the first begins in its cell. */
     int rows =
@@ -99,7 +100,7 @@ static void put_columns(const struct pel_fall_shell *s,
                       s->cell_m);
     if (end > first && range->slope_last > range->slope_first) {
         glUniform4f(5, (float)first, (float)rows, (float)range->slope_first,
-                    0.0f);
+                    (float)far_m);
         glDrawArrays(GL_TRIANGLES, 0, 6 * rows * (end - first));
     }
 }
@@ -107,18 +108,25 @@ static void put_columns(const struct pel_fall_shell *s,
 /* In the order of columns, whichever of them are seen: so tiles add up streaks
  * in the same order. */
 static void put_shell(const struct pel_fall_shell *s,
-                      const struct pel_fall_range *range, bool bare)
+                      const struct pel_fall_range *seen, double far_m,
+                      bool bare)
 {
-    int first = (int)floor(range->turn_first * s->columns),
-        count = (int)ceil(range->turns * s->columns) + 1;
+    /* Beyond it the shell is too far away. */
+    double steep = sqrt(fmax(pow(far_m / s->near_m, 2) - 1, 0));
+    struct pel_fall_range range = *seen;
+    range.slope_first = fmax(range.slope_first, -steep);
+    range.slope_last = fmin(range.slope_last, steep);
+    int first = (int)floor(range.turn_first * s->columns),
+        count = (int)ceil(range.turns * s->columns) + 1;
     count = count < s->columns ? count : s->columns;
     int beyond = first + count - s->columns;
     glUniform4f(3, (float)s->near_m, (float)s->columns, (float)s->cell_m,
                 (float)(s->seed & 0xffffffU));
     glUniform4f(4, (float)s->chance, (float)s->weight, (float)s->spread_m2,
                 bare);
-    put_columns(s, range, 0, beyond);
-    put_columns(s, range, first, beyond > 0 ? s->columns : first + count);
+    put_columns(s, &range, far_m, 0, beyond);
+    put_columns(s, &range, far_m, first,
+                beyond > 0 ? s->columns : first + count);
 }
 
 static void put_kind(const struct pel_fall_kind *k, const struct pel_camera *c,
@@ -134,7 +142,7 @@ static void put_kind(const struct pel_fall_kind *k, const struct pel_camera *c,
     glUniform4f(2, (float)floor(k->turn), (float)(k->turn - floor(k->turn)),
                 (float)(k->past_mps * PEL_FALL_LIFE_S), 0.0f);
     for (int i = 0; i < k->shell_count; i++) {
-        put_shell(&k->shells[i], &range, bare);
+        put_shell(&k->shells[i], &range, k->far_m, bare);
     }
 }
 

@@ -388,26 +388,28 @@ struct pel_vec4 {
 #define PEL_GLOW_TEXELS 5
 #define PEL_LAMP_SLOPES 4.0
 
-/* Drops and flakes near the eye (optics/falling.h): kinds by size, shells of
- * distance, the first from NEAREST m on to twice as far; how long the shutter
- * is open, s; diameter of the lens's opening, m, which blurs what is near; a
- * column's width in half-widths of a drop's blur; the square of a pixel's
- * blur, in pixels; after so many s a column has other drops. */
+/* Drops and flakes near the eye (optics/falling.h): kinds by size; from
+ * NEAREST m on, in shells about their axis from INMOST m on; how long the
+ * shutter is open, s; diameter of the lens's opening, m, which blurs what is
+ * near; a column's width in half-widths of a drop's blur; the square of a
+ * pixel's blur, in pixels; after so many s a column has other drops. */
 #define PEL_FALL_DROPS 4
 #define PEL_FALL_FLAKES 3
 #define PEL_FALL_KINDS 7
-#define PEL_FALL_SHELLS 5
+#define PEL_FALL_SHELLS 7
+#define PEL_FALL_INMOST_M 0.125
 #define PEL_FALL_NEAREST_M 1.0
+#define PEL_FALL_FARTHEST_M 16.0 /* at most */
+#define PEL_FALL_FADES 0.8       /* of the farthest: from there on */
 #define PEL_FALL_SHUTTER_S (1.0 / 60)
 #define PEL_FALL_LENS_M 2e-3
 #define PEL_FALL_ACROSS 12.0
 #define PEL_FALL_PIXEL 1.4
 #define PEL_FALL_LIFE_S 4.0
-#define PEL_FALL_FARTHEST_M 32.0
 /* Sines of angles from the axis that they fall along: what is nearer to it than
  * the first is not drawn, from the second on all is. */
-#define PEL_FALL_SINE_LEAST 0.25
-#define PEL_FALL_SINE_WHOLE 0.4
+#define PEL_FALL_SINE_LEAST 0.03
+#define PEL_FALL_SINE_WHOLE 0.125
 
 /* Drops on a pane before the camera (render/panemap.h), in tangents from its
  * axis: width of a runner's column; where the highest begin; beads that one
