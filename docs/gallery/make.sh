@@ -81,6 +81,7 @@ pictures=(
     "water-baltic|The Baltic|$lagoon water.named=BALTIC"
     "water-harbour|A harbour|$lagoon water.named=HARBOUR water.depth=8 water.bottom=MUD"
     "wash-250|The wash of a container ship at 15 knots, from 250 m|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=7 sky.sunElevation=38 sky.sunAzimuth=350 clock.time=900 clock.reckoning=1000 entities.2.wash=true entities.2.model.name=container-ship entities.2.heading=60 entities.2.course=60 entities.2.speed=7.5 entities.2.poseTime=0 entities.2.latitude=52.5747 entities.2.longitude=5.1173 views.gallery.up=250 views.gallery.pitch=-24"
+    "bow|The bow wave of a container ship at 20 knots, 60 m off|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=5 sky.sunElevation=40 sky.sunAzimuth=120 clock.time=900 clock.reckoning=1000 entities.2.wake=true entities.2.wash=true entities.2.model.name=container-ship entities.2.heading=90 entities.2.course=90 entities.2.speed=10.29 entities.2.poseTime=0 entities.2.latitude=52.600539 entities.2.longitude=5.061038 views.gallery.up=22 views.gallery.pitch=-19 views.gallery.yaw=-28"
 )
 mkdir -p "$out"
 {

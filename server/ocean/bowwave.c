@@ -8,7 +8,8 @@
 #define HEIGHT 2.2
 #define PLACE 1.1
 #define STEEPEST 0.443
-#define HIGH_M 0.5 /* 1 − 1/e of what breaks is white */
+#define BLUNTEST 1.2 /* rad */
+#define HIGH_M 0.5   /* 1 − 1/e of what breaks is white */
 
 static double smooth(double lo, double hi, double x)
 {
@@ -35,4 +36,26 @@ struct pel_bow_wave pel_bow_wave_of(double speed_mps, double draught_m,
     w.breaks = smooth(1, 1.5, steepness) * (1 - exp(-high * high)) *
                smooth(PEL_BOW_SLOW_MPS, PEL_BOW_QUICK_MPS, speed_mps);
     return w;
+}
+
+double pel_bow_half_m(const double half_m[PEL_BOW_STATIONS], double long_m,
+                      double aft_m)
+{
+    double at = aft_m / long_m * PEL_BOW_STATIONS - 0.5;
+    if (at < 0) {
+        return half_m[0] * fmax(1 + 2 * at, 0);
+    }
+    int i = (int)fmin(at, PEL_BOW_STATIONS - 2);
+    double f = fmin(at - i, 1);
+    return half_m[i] + f * (half_m[i + 1] - half_m[i]);
+}
+
+struct pel_bow_wave pel_bow_wave_at(const double half_m[PEL_BOW_STATIONS],
+                                    double long_m, double draught_m,
+                                    double speed_mps, double *alpha_rad)
+{
+    double to = pel_bow_wave_of(speed_mps, draught_m, 0).crest_m;
+    to = pel_clamp(to, 0.5 * long_m / PEL_BOW_STATIONS, 0.5 * long_m);
+    *alpha_rad = fmin(atan(pel_bow_half_m(half_m, long_m, to) / to), BLUNTEST);
+    return pel_bow_wave_of(speed_mps, draught_m, *alpha_rad);
 }

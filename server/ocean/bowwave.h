@@ -28,3 +28,16 @@ struct pel_bow_wave {
 /* speed_mps ahead, <= 0: none; draught_m > 0; alpha_rad 0..1.4. */
 struct pel_bow_wave pel_bow_wave_of(double speed_mps, double draught_m,
                                     double alpha_rad);
+
+/* A waterline's half-breadths in the middles of as many parts of its length,
+ * from the stem aft. */
+#define PEL_BOW_STATIONS 24
+
+/* Half-breadth so far aft of the stem; beyond the stern as there. */
+double pel_bow_half_m(const double half_m[PEL_BOW_STATIONS], double long_m,
+                      double aft_m);
+/* The wave of that waterline, of its mean angle from the stem to the crest:
+ * *alpha_rad, 1.2 at most. long_m > 0. */
+struct pel_bow_wave pel_bow_wave_at(const double half_m[PEL_BOW_STATIONS],
+                                    double long_m, double draught_m,
+                                    double speed_mps, double *alpha_rad);

@@ -10,6 +10,7 @@
 #include "ocean/sea.h"
 #include "ocean/spline.h"
 #include "ocean/wakebasin.h"
+#include "ocean/wakebow.h"
 
 #define N PEL_WAKE_N
 #define MODES PEL_WAKE_MODES
@@ -319,6 +320,18 @@ static void put_modes(const struct pel_wake_band *band,
     }
 }
 
+static void make_amplitudes(const struct pel_wake_past *past, int which,
+                            const struct legs *since, double time_s,
+                            struct pel_wake_amplitudes *a)
+{
+    const struct pel_wake_band *band = &past->basin->band[which];
+    pel_wake_band_turn(band, past->amplitudes[which], time_s - past->time_s, a);
+    if (which > 0 || past->basin->far) { /* the ship is not in it */
+        pel_wake_band_add(past->basin, which, since->leg, since->count, time_s,
+                          NULL, NULL, a);
+    }
+}
+
 static enum pel_err make_texels(const struct pel_wake_past *past, int which,
                                 const struct legs *since, double time_s,
                                 struct work *w, struct pel_wake_tile *tile)
@@ -330,11 +343,7 @@ static enum pel_err make_texels(const struct pel_wake_past *past, int which,
         free(a);
         return PEL_ERR_NO_MEMORY;
     }
-    pel_wake_band_turn(band, past->amplitudes[which], time_s - past->time_s, a);
-    if (which > 0 || past->basin->far) { /* the ship is not in it */
-        pel_wake_band_add(past->basin, which, since->leg, since->count, time_s,
-                          NULL, NULL, a);
-    }
+    make_amplitudes(past, which, since, time_s, a);
     put_modes(band, a, w);
     free(a);
     transform(w, tile->texels);
@@ -363,6 +372,101 @@ bool pel_wake_tile_holds(const struct pel_wake_tile *tile, struct pel_vec2 low,
            low.y < tile->y_m + held && high.y > tile->y_m - held;
 }
 
+typedef float channels __attribute__((vector_size(16)));
+
+/* Value and derivatives by x and y of four channels. */
+struct read {
+    channels v, x, y;
+};
+
+static void read_tile(const struct pel_wake_tile *tile, double x, double y,
+                      struct read *r);
+
+/* The height of a tile's waves at one place, without its texels. NO_MEMORY. */
+static enum pel_err height_at(const struct pel_wake_past *past, int which,
+                              const struct legs *since, double time_s, double x,
+                              double y, double *out)
+{
+    enum { SIDE = 2 * MODES + 1 };
+    const struct pel_wake_band *band = &past->basin->band[which];
+    struct pel_wake_amplitudes *a = aligned_alloc(64, bytes_of(band));
+    double c[2][SIDE], s[2][SIDE], sum = 0;
+    if (!a) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    make_amplitudes(past, which, since, time_s, a);
+    for (int i = 0; i < SIDE; i++) {
+        double turn = 2 * PEL_PI * (i - MODES) / band->length_m;
+        /* What the tile's spline makes of it. */
+        double seen = (2 + cos(2 * PEL_PI * (i - MODES) / N)) / 3;
+        c[0][i] = seen * cos(turn * x);
+        s[0][i] = seen * sin(turn * x);
+        c[1][i] = seen * cos(turn * y);
+        s[1][i] = seen * sin(turn * y);
+    }
+    for (int p = 0; p < band->bunch_count; p++) {
+        const struct pel_wake_bunch *b = &band->bunch[p];
+        for (int l = 0; l < PEL_FFT_LANES; l++) {
+            int m = (int)b->m[l] + MODES, n = (int)b->n[l] + MODES;
+            double hr = (double)(a[p].re[l] + a[p].back_re[l]);
+            double hi = (double)(a[p].im[l] - a[p].back_im[l]);
+            if (b->gain[l] > 0) {
+                sum += hr * (c[0][m] * c[1][n] - s[0][m] * s[1][n]) -
+                       hi * (s[0][m] * c[1][n] + c[0][m] * s[1][n]);
+            }
+        }
+    }
+    free(a);
+    *out = sum;
+    return PEL_OK;
+}
+
+/* Of all waves beside the hull at the crest: those of its tile, filled, and the
+ * longer ones. */
+static enum pel_err height_beside(const struct pel_wake_past *past,
+                                  const struct legs *since, double time_s,
+                                  const struct pel_wake_raised *raised,
+                                  const struct pel_wake_tile *tile, double *out)
+{
+    enum pel_err err = PEL_OK;
+    struct pel_vec2 at = pel_wake_bow_crest(raised);
+    struct read r;
+    read_tile(tile, at.x, at.y, &r);
+    *out = (double)r.v[2];
+    int first = past->basin->far ? 0 : 1;
+    for (int i = first; i < PEL_WAKE_TILES - 1 && err == PEL_OK; i++) {
+        double more = 0;
+        err = height_at(past, i, since, time_s, at.x, at.y, &more);
+        *out += more;
+    }
+    return err;
+}
+
+/* Adds what the bow wave lacks of its height, of the mean speed of the last
+ * seconds, to the tile with the hull. */
+static enum pel_err raise_bow(const struct pel_wake_past *past,
+                              const struct pel_wake_track *track,
+                              const struct legs *since, double time_s,
+                              const struct pel_wake_tile *tile)
+{
+    struct pel_vec2 now = place_at(track, time_s);
+    struct pel_vec2 then = place_at(track, time_s - PEL_WAKE_BOW_S);
+    double dx = now.x - then.x, dy = now.y - then.y, way = hypot(dx, dy);
+    struct pel_wake_raised raised;
+    if (way <= 0 ||
+        !pel_wake_bow_of(track, way / PEL_WAKE_BOW_S, tile, &raised)) {
+        return PEL_OK;
+    }
+    raised.x_m = now.x + track->bow.stem_m * dx / way;
+    raised.y_m = now.y + track->bow.stem_m * dy / way;
+    raised.ex = dx / way;
+    raised.ey = dy / way;
+    double thin = 0;
+    enum pel_err err = height_beside(past, since, time_s, &raised, tile, &thin);
+    pel_wake_bow_add(&raised, thin, tile);
+    return err;
+}
+
 enum pel_err pel_wake_fill(const struct pel_wake_past *past,
                            const struct pel_wake_track *track, double time_s,
                            int which, struct pel_wake *wake)
@@ -373,6 +477,9 @@ enum pel_err pel_wake_fill(const struct pel_wake_past *past,
     if (err == PEL_OK) {
         legs_of(track, past->time_s, time_s, since);
         err = make_texels(past, which, since, time_s, w, &wake->tile[which]);
+    }
+    if (err == PEL_OK && which == PEL_WAKE_TILES - 1) {
+        err = raise_bow(past, track, since, time_s, &wake->tile[which]);
     }
     free(w);
     free(since);
@@ -432,13 +539,6 @@ static double fade(double x, double length_m, double *slope)
     *slope = copysign(-6.0 * u * (1.0 - u) / ((FADED - FADE) * length_m), x);
     return 1.0 - u * u * (3.0 - 2.0 * u);
 }
-
-typedef float channels __attribute__((vector_size(16)));
-
-/* Value and derivatives by x and y of four channels. */
-struct read {
-    channels v, x, y;
-};
 
 static void read_tile(const struct pel_wake_tile *tile, double x, double y,
                       struct read *r)

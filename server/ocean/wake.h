@@ -22,6 +22,7 @@
 
 #include "base/err.h"
 #include "base/vec.h"
+#include "ocean/bowwave.h"
 #include "shaders/lib/blocks.h" /* PEL_WAKE_N texels of a tile's side */
 
 #define PEL_WAKE_TILES 3   /* of a ship, longest waves first */
@@ -45,8 +46,16 @@ struct pel_wake_point {
     double x_m, y_m;
 };
 
+/* The waterline that raises the bow wave (wakebow.c): its stem forward of
+ * amidships, its length; long_m 0: none. */
+struct pel_wake_bow {
+    double stem_m, long_m;
+    double half_m[PEL_BOW_STATIONS];
+};
+
 struct pel_wake_track {
     struct pel_hull hull;
+    struct pel_wake_bow bow;
     int count; /* of points, rising in time; at least 2, or no waves */
     struct pel_wake_point point[PEL_WAKE_POINTS];
 };

@@ -17,8 +17,7 @@
 #define ROUGH_S 12.0  /* the boil's own waves take so long to die */
 #define BEGINS_S 15.0 /* a track fades in */
 #define BOW_KEPT_S 60.0
-#define BLUNTEST 1.2  /* angle of entrance, rad */
-#define BEFORE 1.0    /* heights that a front breaks off the stem */
+#define BEFORE 1.4    /* heights that a front breaks off the stem */
 #define UNSTEADY 0.35 /* of its thickness comes and goes */
 #define SHEET 0.6     /* of the streak's foam is left beside it */
 
@@ -54,17 +53,9 @@ void pel_wash_waterline(struct pel_wash_ship *s)
     }
 }
 
-/* Half-breadth so far aft of the stem; beyond the stern as there. */
 static double half_at(const struct pel_wash_ship *s, double aft_m)
 {
-    double part = (s->stem_m - s->stern_m) / PEL_WASH_STATIONS;
-    double at = aft_m / part - 0.5;
-    if (at < 0) {
-        return s->half_m[0] * fmax(1 + 2 * at, 0);
-    }
-    int i = (int)fmin(at, PEL_WASH_STATIONS - 2);
-    double f = fmin(at - i, 1);
-    return s->half_m[i] + f * (s->half_m[i + 1] - s->half_m[i]);
+    return pel_bow_half_m(s->half_m, s->stem_m - s->stern_m, aft_m);
 }
 
 /* The widest up to there: what was thrown aside stays where it is. */
@@ -81,12 +72,8 @@ static double widest_at(const struct pel_wash_ship *s, double aft_m)
 struct pel_bow_wave pel_wash_bow(const struct pel_wash_ship *s,
                                  double speed_mps, double *alpha_rad)
 {
-    double long_m = s->stem_m - s->stern_m;
-    double least = 0.5 * long_m / PEL_WASH_STATIONS;
-    double to = pel_bow_wave_of(speed_mps, s->draught_m, 0).crest_m;
-    to = pel_clamp(to, least, 0.5 * long_m);
-    *alpha_rad = fmin(atan(half_at(s, to) / to), BLUNTEST);
-    return pel_bow_wave_of(speed_mps, s->draught_m, *alpha_rad);
+    return pel_bow_wave_at(s->half_m, s->stem_m - s->stern_m, s->draught_m,
+                           speed_mps, alpha_rad);
 }
 
 double pel_wash_race_mps(double speed_mps, double push_mps)
@@ -281,16 +268,16 @@ static void leave_bow(const struct pel_wash_ship *s, const struct left *l,
     double ahead = before * l->ahead;
     double pulse = UNSTEADY * wild * pulses(l->passed_s, period, l->age_s);
     /* A sheet is white from where it falls; a breaking front all along. */
-    double white = fmax(smooth(0.3 * reach, 1.3 * reach, x), wild);
+    double white = fmax(smooth(0.2 * reach, 0.9 * reach, x), wild);
     double all = DENSEST * wave.breaks * white * l->fade;
     double young = period * (1 - exp(-l->age_s / period));
-    double thick = z * (0.3 + 0.9 * (1 - exp(-x / (2 * reach))));
+    double thick = z * (0.5 + 1.3 * (1 - exp(-x / (1.5 * reach))));
     double front = before * sqrt(1 - l->ahead * l->ahead) + widest_at(s, x) +
                    outward_m(u, alpha, period, l->age_s);
     n->x_m = p->x + (s->stem_m + ahead) * p->ex;
     n->y_m = p->y + (s->stem_m + ahead) * p->ey;
     n->side_half_m = 0.5 * thick * (1 + pulse) + 0.01 * s->beam_m + 0.05;
-    n->side_m = front + 0.5 * pulse * thick;
+    n->side_m = front + (0.3 + 0.5 * pulse) * thick;
     n->side = all * exp(-(l->age_s - 0.7 * young) / PEL_FOAM_LIFE_S);
     n->core_m = (n->side_m + 0.1) / 0.85;
     n->core =

@@ -48,7 +48,7 @@ struct pel_wash_point {
     double push_mps;    /* V from here on, < 0 astern; NAN: as it goes */
 };
 
-#define PEL_WASH_STATIONS 24
+#define PEL_WASH_STATIONS PEL_BOW_STATIONS
 struct pel_wash_ship {
     double length_m, beam_m, draught_m; /* > 0 */
     /* Waterline: where its ends are forward of amidships, and half-breadths in

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "models/model.h"
+#include "models/waterline.h"
 #include "scene/geodesy.h"
 #include "scene/reckon.h"
 #include "scene/track.h"
@@ -172,6 +173,18 @@ static double block_of(const struct pel_model *m)
     return box > 0 && volume > 0 ? pel_clamp(volume / box, 0.3, 0.85) : 0.6;
 }
 
+static struct pel_wake_bow bow_of(const struct pel_model *m)
+{
+    struct pel_model_waterline line;
+    struct pel_wake_bow bow = { 0 };
+    if (pel_model_waterline(m, &line)) {
+        bow.stem_m = line.stem_m;
+        bow.long_m = line.stem_m - line.stern_m;
+        memcpy(bow.half_m, line.half_m, sizeof bow.half_m);
+    }
+    return bow;
+}
+
 void pel_wake_source_read(const Pelagos__State *state,
                           const struct pel_snapshot *s, size_t index,
                           struct pel_wake_source *to)
@@ -182,6 +195,7 @@ void pel_wake_source_read(const Pelagos__State *state,
     to->id = e->id;
     to->hull =
         (struct pel_hull){ m->length_m, m->beam_m, m->draught_m, block_of(m) };
+    to->bow = bow_of(m);
     to->pose = s->entities[index];
     to->reckoning_s = s->reckoning_s;
     to->knots = sailing ? knots_of(&sailing->ship) : NULL;
@@ -214,6 +228,7 @@ void pel_wake_source_track(const struct pel_wake_source *from, double time_s,
     const struct pel_entity_state *e = &from->pose;
     memset(out, 0, sizeof *out); /* it is compared by its bytes */
     out->hull = from->hull;
+    out->bow = from->bow;
     memcpy(out->point, from->point,
            (size_t)from->count * sizeof from->point[0]);
     out->count = from->count;

@@ -16,6 +16,7 @@ struct pel_wake_knots; /* of a helm's motion, as far as it was asked for */
 struct pel_wake_source {
     uint32_t id;
     struct pel_hull hull;
+    struct pel_wake_bow bow;
     struct pel_entity_state pose;
     double reckoning_s;
     struct pel_wake_knots *knots; /* NULL: no helm moves it */
