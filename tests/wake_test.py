@@ -145,6 +145,28 @@ class Wakes(unittest.TestCase):
               f"most {off.max() * 1e3:.2f} mm")
         self.assertLess(np.quantile(off, 0.99), 1e-3)
 
+    def test_the_bow_wave_is_drawn_and_queried(self):
+        """The raised crest beside the stem, from above it."""
+        self.start(speed=9, model={"name": "ferry", "length": 84})
+        self.ocean.step(200.0)
+        bow = -1200 + 9 * 200.0 + 36
+        self.ocean.patch({"views": {"eye": {
+            "entity": 1, "up": 30, "pitch": -60, "yaw": -90, "width": 320,
+            "height": 240, "fieldOfView": 60}},
+            "entities": {"1": {"latitude": 52.6 + bow * NORTH,
+                               "longitude": 5.2 + 25 * EAST}}})
+        exr = self.ocean.frame("eye", "exr", layers=("position",)).exr()
+        place = next(iter(exr.layers.values())).reshape(-1, 3)[::61]
+        # Of the sea, not of the hull: a ship's side is steep and higher.
+        water = place[np.abs(place[:, 0]) > 6.5]
+        asked = [(float(p[0]), float(p[1])) for p in water]
+        h = self.heights(asked)
+        off = np.abs(h - water[:, 2])
+        print(f"bow: {len(off)} places, crest {h.max():.2f} m, median "
+              f"{np.median(off) * 1e3:.2f} mm, p99 {np.quantile(off, .99) * 1e3:.2f}")
+        self.assertGreater(h.max(), 0.4)
+        self.assertLess(np.quantile(off, 0.99), 1e-3)
+
 
 if __name__ == "__main__":
     unittest.main()

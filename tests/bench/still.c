@@ -239,8 +239,8 @@ static struct pel_wash *wash_of(const struct pel_object *o, double time_s)
             abort();
         }
         for (int i = 0; i < 2; i++) { /* the next, abeam of it */
-            s.point[i].x_m += 3 * m->beam_m * cos(h);
-            s.point[i].y_m -= 3 * m->beam_m * sin(h);
+            s.point[i].x_m += 1.5 * m->length_m * cos(h);
+            s.point[i].y_m -= 1.5 * m->length_m * sin(h);
         }
     }
     if (pel_wash_index(w)) {
