@@ -309,7 +309,7 @@ export class Sections {
     there);
     vision.node.dataset.path = "views.*.vision";
     range("Glare, share of light", "glare", "", 0.005, { id: "glare" });
-    range("Shutter", "shutter", "s", 0.0005, { id: "shutter", scale: "asinh" });
+    range("Shutter", "shutter", "s", 0.0005, { id: "shutter" });
     range("Drops on the lens", "wetLens", "", 0.05, { id: "wet-lens" });
     this.check("view", "antialiasing", "Smooth outlines", { ...about,
       get: (s) => view(s)?.antialiasing, patch: patch("antialiasing") });

@@ -19,6 +19,20 @@ static double shadows(double rate)
     return sum;
 }
 
+/* The same of flakes by their melted diameter, Sekhon and Srivastava 1970, of
+ * 0.17 g/cm3 over their diameter in mm. */
+static double shadows_of_snow(double rate)
+{
+    double sum = 0;
+    for (int i = 0; i < 2000; i++) {
+        double d = 0.01 * (i + 0.5);
+        double n = 2500.0 * pow(rate, -0.94) *
+                   exp(-2.29 * pow(rate, -0.45) * d) * 0.01;
+        sum += 1e-6 * 0.785398 * d * d * d / 0.17 * n;
+    }
+    return sum;
+}
+
 /* The mean diameter, mm, of the largest that are a quarter of the shadows. */
 static double large(double rate)
 {
@@ -110,6 +124,16 @@ static void cover_is_the_drops(void **state)
         assert_true(fabs(seen / ours - 1) < 0.1);
         assert_true(sqrt(square) > 0.01 * ours);
     }
+    double snow = 0;
+    for (int t = 0; t < 12; t++) {
+        double *a = covered(weather(0, 1, 0, 3 + 1.7 * t), &c);
+        snow += mean_of(a, (size_t)WIDE * HIGH) / 12;
+        free(a);
+    }
+    double ours = shadows_of_snow(1) * 15;
+    print_message("snow, 1 mm/h: cover %.5f, by flakes %.5f (%+.1f %%)\n", snow,
+                  ours, 100 * (snow / ours - 1));
+    assert_true(fabs(snow / ours - 1) < 0.1);
     pel_sea_finish(&sea);
 }
 
@@ -278,6 +302,45 @@ static void no_seam(void **state)
     pel_sea_finish(&sea);
 }
 
+/* Of two windows side by side, what both see. */
+static void windows_have_one_rain(void **state)
+{
+    (void)state;
+    struct pel_camera left = test_camera(
+                          (struct test_look){ 20, 0, 12, 0, 24, WIDE, HIGH }),
+                      right = test_camera(
+                          (struct test_look){ 20, 12, 12, 5, 24, WIDE, HIGH });
+    test_sea(3.0, 0.0, 3, &sea);
+    struct pel_environment env = weather(10, 1, 6, 5);
+    double *a = covered(env, &left), *b = covered(env, &right);
+    double n = 0, sa = 0, sb = 0, aa = 0, ab = 0, bb = 0;
+    const struct pel_mat3 *m = &right.world_from_camera;
+    for (int i = 0; i < WIDE * HIGH; i++) {
+        struct pel_vec3 to = test_ray(&left, i % WIDE + 0.5, i / WIDE + 0.5);
+        double ahead = -pel_vec3_dot(to, m->z);
+        int x = (int)floor((pel_vec3_dot(to, m->x) / ahead - right.tan_left) /
+                           (right.tan_right - right.tan_left) * WIDE),
+            y = (int)floor((right.tan_top - pel_vec3_dot(to, m->y) / ahead) /
+                           (right.tan_top - right.tan_bottom) * HIGH);
+        if (x >= 0 && x < WIDE && y >= 0 && y < HIGH) {
+            double p = a[i], q = b[y * WIDE + x];
+            n++;
+            sa += p;
+            sb += q;
+            aa += p * p;
+            ab += p * q;
+            bb += q * q;
+        }
+    }
+    double alike =
+        (ab - sa * sb / n) / sqrt((aa - sa * sa / n) * (bb - sb * sb / n));
+    print_message("%.0f pixels in both, correlation %.3f\n", n, alike);
+    assert_true(n > 0.3 * WIDE * HIGH && alike > 0.8);
+    free(a);
+    free(b);
+    pel_sea_finish(&sea);
+}
+
 /* Twice as large, averaged, is the picture. */
 static void sizes_agree(void **state)
 {
@@ -315,6 +378,7 @@ int main(void)
         cmocka_unit_test(light_is_kept),
         cmocka_unit_test(they_lean),
         cmocka_unit_test(they_are_long),
+        cmocka_unit_test(windows_have_one_rain),
         cmocka_unit_test(sizes_agree),
         cmocka_unit_test(no_seam), /* makes other renderers current */
     };
