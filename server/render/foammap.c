@@ -1,9 +1,38 @@
 #include "render/foammap.h"
 
+#include <math.h>
 #include <string.h>
 
 #define GRAIN PEL_FOAM_GRAIN
 #define GRAIN_LEVELS 10
+
+/* A level as shaders read it, mean and mean square. What pixels leave of the
+ * structure differs between walls and holes, and a sum of normal distributions
+ * of many widths has longer tails than one: of sparse foam a sixteenth more
+ * would be seen by pixels of a metre. So a part of each variance gives way to
+ * the level's mean, by as much as keeps the foam of every bound
+ * (docs/physics.md has how well). */
+#define EVEN 0.85
+
+static void load_level(GLuint texture, int level, int n,
+                       const float (*texels)[2])
+{
+    static float shown[GRAIN * GRAIN][2];
+    double mean = 0;
+    for (int i = 0; i < n * n; i++) {
+        double m = (double)texels[i][0];
+        mean += fmax((double)texels[i][1] - m * m, 0) / (n * n);
+    }
+    double even = EVEN * mean;
+    for (int i = 0; i < n * n; i++) {
+        double m = (double)texels[i][0];
+        double left = fmax((double)texels[i][1] - m * m, 0);
+        shown[i][0] = texels[i][0];
+        shown[i][1] = (float)(m * m + left + even * (mean - left));
+    }
+    glTextureSubImage2D(texture, level, 0, 0, n, n, GL_RG, GL_FLOAT,
+                        level ? shown : texels);
+}
 
 static void make_grain(struct pel_foam_map *map)
 {
@@ -18,8 +47,7 @@ static void make_grain(struct pel_foam_map *map)
     glObjectLabel(GL_TEXTURE, map->grain, -1, "foam's structure");
     /* In place: a texel's readers come before its writer. */
     for (int level = 0, n = GRAIN; n > 0; level++, n /= 2) {
-        glTextureSubImage2D(map->grain, level, 0, 0, n, n, GL_RG, GL_FLOAT,
-                            texels);
+        load_level(map->grain, level, n, (const float(*)[2])texels);
         for (int i = 0; i < n / 2 * (n / 2); i++) {
             int at = i / (n / 2) * 2 * n + i % (n / 2) * 2;
             for (int k = 0; k < 2; k++) {
