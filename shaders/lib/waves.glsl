@@ -56,7 +56,8 @@ layout(binding = PEL_UNIT_WAVES) uniform samplerBuffer wave_texels;
 
 // F(phase, wander) of each wave, longest first: the sum ends before the first
 // without weight, so that a pixel costs what it resolves. (The first always
-// counts, with no weight if need be; the last is of no length.) Not written out:
+// counts, with no weight if need be; the last is of no length. The bound is for
+// what is not finite: a graphics device would never come back.) Not written out:
 // the program would take seconds to make, and computes what the pixel does not
 // resolve.
 #define PEL_EACH_WAVE(F)                                                       \
@@ -68,5 +69,6 @@ layout(binding = PEL_UNIT_WAVES) uniform samplerBuffer wave_texels;
             F(phase_, wander_)                                                 \
             wave_ += 2;                                                        \
             phase_ = texelFetch(wave_texels, wave_);                           \
-        } while (phase_.w * scale + offset > 0.0);                             \
+        } while (phase_.w * scale + offset > 0.0 &&                            \
+                 wave_ < 2 * PEL_WAVE_LIMIT);                                  \
     }
