@@ -167,6 +167,8 @@ export class Sections {
     this.choice("sky", "cloud-genus", "Clouds are", "sky.cloudGenus", cloudy);
     this.range("sky", "Rain", "sky.rain", "mm/h", 0.5, { id: "rain" });
     this.range("sky", "Snow", "sky.snow", "mm/h", 0.1, { id: "snow" });
+    this.range("sky", "Lightning", "sky.lightning", "/min", 0.5,
+      { id: "lightning" });
     this.buildFog();
   }
 

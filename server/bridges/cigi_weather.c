@@ -114,9 +114,31 @@ static void take_atmosphere(struct pel_cigi_edit *edit,
     w->vertical_wind_mps = pel_cigi_get(p, PEL_CIGI_ATMOSPHERE_VERTICAL_WIND);
 }
 
+/* The layer that began it ends it. */
+static void take_lightning(struct pel_cigi_edit *edit,
+                           const struct pel_cigi_packet *p)
+{
+    struct pel_cigi_world *w = edit->world;
+    unsigned layer = 1 + (unsigned)pel_cigi_get(p, PEL_CIGI_WEATHER_LAYER);
+    bool on = pel_cigi_get(p, PEL_CIGI_WEATHER_ENABLE) != 0 &&
+              pel_cigi_get(p, PEL_CIGI_WEATHER_LIGHTNING) != 0;
+    double rate = on ? 2 * (1 + pel_cigi_get(p, PEL_CIGI_WEATHER_SEVERITY)) : 0;
+    if (pel_cigi_get(p, PEL_CIGI_WEATHER_SCOPE) != 0 ||
+        (!on && w->lightning_layer != layer)) {
+        return;
+    }
+    w->lightning_layer = on ? layer : 0;
+    if (edit->scene->sky->lightning != rate) {
+        edit->sky.has_lightning = true;
+        edit->sky.lightning = rate;
+        edit->state.sky = &edit->sky;
+    }
+}
+
 static void take_weather(struct pel_cigi_edit *edit,
                          const struct pel_cigi_packet *p)
 {
+    take_lightning(edit, p);
     struct pel_cigi_conditions *c =
         conditions_of(edit, pel_cigi_get(p, PEL_CIGI_WEATHER_SCOPE),
                       pel_cigi_get(p, PEL_CIGI_WEATHER_REGION));

@@ -126,6 +126,31 @@ static void layer(double id, double scope, double on, double type, double cover,
          0);
 }
 
+static void storm(double layer_, double on, double lightning, double severity)
+{
+    begin();
+    with(PEL_CIGI_KIND_WEATHER, PEL_CIGI_WEATHER_LAYER, layer_,
+         PEL_CIGI_WEATHER_ENABLE, on, PEL_CIGI_WEATHER_LIGHTNING, lightning,
+         PEL_CIGI_WEATHER_SEVERITY, severity, PEL_CIGI_WEATHER_BASE, 900.0, 0);
+    send();
+}
+
+/* The layer that began it ends it, and a reset. */
+static void lightning_is_a_layers(void **state)
+{
+    (void)state;
+    storm(2, 1, 1, 3);
+    assert_near(pel_scene_state(scene)->sky->lightning, 8, 0);
+    storm(1, 1, 0, 0);
+    assert_near(pel_scene_state(scene)->sky->lightning, 8, 0);
+    storm(2, 1, 0, 3);
+    assert_near(pel_scene_state(scene)->sky->lightning, 0, 0);
+    storm(1, 1, 1, 0);
+    assert_near(pel_scene_state(scene)->sky->lightning, 2, 0);
+    storm(1, 0, 1, 0);
+    assert_near(pel_scene_state(scene)->sky->lightning, 0, 0);
+}
+
 /* Ground fog with a thickness is a layer, in a region a bank in its place; of
  * clouds the layer that covers most. */
 static void layers_are_fog_and_clouds(void **state)
@@ -416,6 +441,7 @@ int main(void)
         TEST(a_crest_stands_where_it_was_ordered),
         TEST(a_wavelength_gives_the_period),
         TEST(weather_is_of_the_region_the_view_is_in),
+        TEST(lightning_is_a_layers),
         TEST(layers_are_fog_and_clouds),
         TEST(a_region_is_an_area),
         TEST(weather_goes_over_across_the_transition),

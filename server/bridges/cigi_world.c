@@ -258,6 +258,11 @@ void pel_cigi_edit_reset(struct pel_cigi_edit *edit)
     const struct pel_cigi_before before = edit->world->before;
     const size_t fog_count = edit->world->fog_count;
     const bool clouded = edit->world->clouded;
+    if (edit->world->lightning_layer) {
+        edit->sky.has_lightning = true;
+        edit->sky.lightning = 0;
+        edit->state.sky = &edit->sky;
+    }
     pel_cigi_world_init(edit->world);
     edit->world->applied = applied;
     edit->world->before = before;

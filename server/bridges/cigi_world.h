@@ -120,8 +120,10 @@ struct pel_cigi_world {
     struct pel_cigi_area areas[PEL_SEA_MAX_AREAS]; /* the last of sea.areas */
     size_t area_count;
     struct pel_cigi_layer layers[PEL_CIGI_LAYERS];
-    size_t fog_count; /* the last of sky.fog */
-    bool clouded;     /* the scene's clouds are ours */
+    size_t fog_count;         /* the last of sky.fog */
+    bool clouded;             /* the scene's clouds are ours */
+    unsigned lightning_layer; /* the scene's lightning is this layer's, counted
+                                 from 1; 0: not ours */
     struct pel_cigi_follower followers[PEL_CIGI_FOLLOWERS];
     struct pel_cigi_view_memo views[PEL_CIGI_VIEWS];
     uint32_t rated[PEL_MAX_ENTITIES]; /* entities that were given rates */

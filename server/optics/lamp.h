@@ -29,6 +29,8 @@ struct pel_lamp {
     double beam_rad;   /* > 0: a beam instead, a bell about `ahead` that has
                           half its strength at this angle */
     double size_m;     /* diameter of what is seen to glow */
+    int mirrors;       /* for how many, itself among them, the sea mirrors it
+                          and things are lit by it; 0: itself; -1: for none */
 };
 
 /* Share of its intensity towards a unit direction from it, 0 .. 1. */

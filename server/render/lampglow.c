@@ -92,9 +92,11 @@ static size_t choose(const struct pel_environment *env, struct pel_vec3 eye,
         struct pel_vec3 at = { l->east_m, l->north_m, l->altitude_m };
         struct pel_vec3 offset = pel_globe_offset(eye, at);
         double away2 = pel_vec3_dot(offset, offset);
-        if (away2 > 1e-4 && at.z > env->sea_level_m) {
+        double stands_for = l->mirrors ? l->mirrors : 1;
+        if (away2 > 1e-4 && at.z > env->sea_level_m && stands_for > 0) {
             out[count++] =
-                (struct candidate){ l, offset, l->intensity_cd[1] / away2 };
+                (struct candidate){ l, offset,
+                                    stands_for * l->intensity_cd[1] / away2 };
         }
     }
     qsort(out, count, sizeof *out, brighter);
@@ -118,6 +120,9 @@ static void describe(const struct candidate *c, const double m[9],
     const struct pel_lamp *l = c->lamp;
     double light[3], middle = l->from_rad + 0.5 * l->arc_rad;
     pel_lamp_spectral(m, inverse, l->intensity_cd, light);
+    for (int i = 0; i < 3; i++) {
+        light[i] *= l->mirrors ? l->mirrors : 1;
+    }
     struct pel_vec3 right = pel_vec3_cross(l->ahead, l->up);
     struct pel_vec3 axis =
         l->beam_rad > 0 ? l->ahead

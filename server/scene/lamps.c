@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "models/model.h"
+#include "optics/falling.h"
 #include "scene/lampplan.h"
 
 #define MAKES_WAY_MPS 0.25
@@ -250,10 +251,13 @@ size_t pel_snapshot_lamps(const struct pel_snapshot *s, double time_s,
                           const struct pel_object *objects, size_t object_count,
                           struct pel_lamp out[PEL_MAX_LAMPS])
 {
-    if (!s->lamps) {
-        return 0;
-    }
     struct lamps l = { .out = out };
+    /* Before all: of a flash nothing is left out. */
+    l.count = pel_lightning_lamps(&s->lightning, time_s, PEL_FALL_SHUTTER_S,
+                                  out, PEL_MAX_LAMPS / 2);
+    if (!s->lamps) {
+        return l.count;
+    }
     bool dark = is_dark(s, time_s);
     /* Deck lights come last: where there is no room for all, they are left
      * out. */

@@ -171,13 +171,18 @@ static void sets_the_fields(void **state)
     assert_true(fabs(sea->wind_speed - KT(20)) < 1e-9);
     assert_true(sea->wind_direction == 240);
     assert_true(sky->rain == 1 && sky->snow == 0 && sky->n_fog == 0);
+    assert_true(sky->lightning == 0);
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
     assert_true(fabs(s->visibility_m - 4000) < 1e-6 && sky->visibility > 4000);
     pel_snapshot_unref(s);
     assert_true(sky->cloud_cover == 6 && fabs(sky->cloud_base - 365.76) < 1e-6);
     assert_int_equal(sky->cloud_genus, PELAGOS__CLOUD_GENUS__STRATOCUMULUS);
 
+    sky = report(scene, "EHAM 231425Z 24020KT 4000 +TSRA SCT010CB 12/09 Q1003");
+    assert_true(sky->lightning == 3);
+
     sky = report(scene, "EHAM 231455Z VRB01KT 0150 FG VV001 08/08 Q1021");
+    assert_true(sky->lightning == 0);
     assert_true(pel_scene_state(scene)->sea->wind_direction == 240);
     assert_int_equal(sky->n_fog, 1);
     assert_true(sky->fog[0]->visibility == 150 && !sky->fog[0]->has_radius);

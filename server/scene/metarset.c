@@ -24,6 +24,7 @@
 #define PATCH_M 300.0
 #define MIDDLE_M 2000.0 /* where middle and high clouds begin */
 #define HIGH_M 6000.0
+#define THUNDER_PER_MINUTE 3.0 /* an ordinary storm */
 
 static const ProtobufCFieldDescriptor *field(const char *name)
 {
@@ -94,6 +95,8 @@ static void set_falling(Pelagos__Sky *sky, const struct pel_metar *m)
     sky->rain = fmin(m->rain_mm_h, PEL_RAIN_MOST_MM_H);
     sky->snow = fmin(m->snow_mm_h, PEL_SNOW_MOST_MM_H);
     sky->has_rain = sky->has_snow = true;
+    sky->lightning = m->thunder ? THUNDER_PER_MINUTE : 0;
+    sky->has_lightning = true;
     if (m->has_visibility) {
         bool wet = m->ten_km && (sky->rain > 0 || sky->snow > 0);
         sky->visibility = wet ? WET_FAR_M : sky->visibility;

@@ -115,8 +115,33 @@ static struct pel_fog fog_of(const Pelagos__State *state, const Pelagos__Fog *f,
     return fog;
 }
 
+/* From the clouds' base, where there are some. */
+static struct pel_lightning lightning_of(const Pelagos__State *state)
+{
+    const Pelagos__Sky *sky = state->sky;
+    const Pelagos__Origin *o = state->origin;
+    enum pel_cloud_genus storm = PEL_CLOUD_CUMULONIMBUS;
+    struct pel_lightning l = {
+        .per_minute = sky->lightning,
+        .radius_m = sky->lightning_radius,
+        .base_m =
+            sky->has_cloud_base ? sky->cloud_base
+            : sky->cloud_cover > 0
+                ? pel_cloud_kind((enum pel_cloud_genus)sky->cloud_genus)->base_m
+                : pel_cloud_kind(storm)->base_m,
+        .seed = sky->cloud_seed,
+    };
+    pel_geo_to_local(
+        o->latitude, o->longitude,
+        sky->has_lightning_latitude ? sky->lightning_latitude : o->latitude,
+        sky->has_lightning_longitude ? sky->lightning_longitude : o->longitude,
+        &l.east_m, &l.north_m);
+    return l;
+}
+
 void pel_fog_place(const Pelagos__State *state, struct pel_snapshot *out)
 {
+    out->lightning = lightning_of(state);
     out->fog_count = (int)state->sky->n_fog;
     for (int i = 0; i < out->fog_count; i++) {
         out->fog[i] = fog_of(state, state->sky->fog[i], out);

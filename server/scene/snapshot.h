@@ -14,6 +14,7 @@
 #include "optics/clouds.h"
 #include "optics/fog.h"
 #include "optics/light.h"
+#include "optics/lightning.h"
 #include "optics/nightsky.h"
 #include "optics/waterbody.h"
 #include "panorama/panorama.h"
@@ -179,6 +180,7 @@ struct pel_snapshot {
     struct pel_clouds clouds;
     struct pel_fog fog[PEL_FOG_MAX];
     int fog_count;
+    struct pel_lightning lightning;
     size_t entity_count;
     const struct pel_entity_state *entities;
     struct pel_wakes *wakes;   /* of those that make waves; NULL: none */

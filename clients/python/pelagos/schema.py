@@ -382,6 +382,15 @@ class Sky(Record):
     rain: float = _field(0.0, 'mm/h', 0, 150)
     #: Snow, as water: it takes visibility, down to 200 m. [mm/h; 0 to 10]
     snow: float = _field(0.0, 'mm/h', 0, 10)
+    #: Lightning: flashes from the clouds' base to the sea. [1/min; 0 to 60]
+    lightning: float = _field(0.0, '1/min', 0, 60)
+    #: Radius of the storm about its middle. [m; 100 to 50000]
+    lightningRadius: float = _field(8000.0, 'm', 100, 50000)
+    #: Geodetic latitude of the storm's middle; absent: the origin's. [deg; -85
+    #: to 85]
+    lightningLatitude: float | None = _field(None, 'deg', -85, 85)
+    #: Its longitude; absent: the origin's. [deg; -180 to 180]
+    lightningLongitude: float | None = _field(None, 'deg', -180, 180)
     #: Compass direction of the picture's middle; right of it is clockwise.
     #: [deg; 0 to 360]
     fileAzimuth: float = _field(0.0, 'deg', 0, 360)
