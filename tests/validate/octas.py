@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Cover of 1 to 8 octas under a high and a low Sun, and each genus of cloud, on
-one sheet: `make octas-sheet`.
+"""Cover of 1 to 8 octas under a high and a low Sun, each genus of cloud, and
+Beaufort 6 under overcasts, on one sheet: `make octas-sheet`.
 
     octas.py [OUT.jpg]
 
@@ -24,16 +24,20 @@ GENERA = ["STRATOCUMULUS", "STRATUS", "NIMBOSTRATUS", "ALTOCUMULUS",
 def skies():
     for elevation in (40, 6):
         for cover in range(1, 9):
-            yield f"{cover} octas, Sun {elevation} deg", {
+            yield f"{cover} octas, Sun {elevation} deg", 8, {
                 "sunElevation": elevation, "sunAzimuth": 150,
                 "cloudCover": cover,
                 "cloudGenus": "CUMULUS" if cover < 6 else "STRATOCUMULUS"}
     for genus in GENERA:
         for cover in ((8,) if genus in ("STRATUS", "NIMBOSTRATUS",
                                         "ALTOSTRATUS") else (5,)):
-            yield f"{genus.lower()}, {cover} octas, Sun 25 deg", {
+            yield f"{genus.lower()}, {cover} octas, Sun 25 deg", 8, {
                 "sunElevation": 25, "sunAzimuth": 150, "cloudCover": cover,
                 "cloudGenus": genus}
+    for genus in ("STRATOCUMULUS", "STRATUS", "NIMBOSTRATUS", "ALTOSTRATUS"):
+        yield f"Beaufort 6 under {genus.lower()}", 12.4, {
+            "sunElevation": 30, "sunAzimuth": 150, "cloudCover": 8,
+            "cloudGenus": genus, "visibility": 20000}
 
 
 def main():
@@ -47,9 +51,9 @@ def main():
     pen, face = ImageDraw.Draw(sheet), font(15)
     print("| sky | EV |\n|---|---|")
     with eye() as draw:
-        for i, (words, sky) in enumerate(every):
+        for i, (words, wind, sky) in enumerate(every):
             picture, ev = draw(VIEW, sky=sky, sea={
-                "windSpeed": 8, "windDirection": 80, "synthesiser": "FFT"})
+                "windSpeed": wind, "windDirection": 80, "synthesiser": "FFT"})
             print(f"| {words} | {ev:.2f} |", flush=True)
             x, y = i % COLUMNS * WIDE, i // COLUMNS * (HIGH + LABEL)
             sheet.paste(picture, (x, y))
