@@ -252,8 +252,8 @@ def shapes_made(daemon):
 
     def still():
         seen.append(daemon.metrics()["pelagos_nmea_edits_total"])
-        return len(seen) > 9 and len(set(seen[-10:])) == 1
-    until("shapes", still, pause_s=0.5)
+        return len(seen) > 29 and len(set(seen[-30:])) == 1
+    until("shapes", still, 300, pause_s=0.5)
 
 
 def shown(lines):

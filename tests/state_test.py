@@ -81,8 +81,9 @@ class StateFile(unittest.TestCase):
             until("it is written", lambda: os.path.exists(path))
             with open(path) as f:
                 self.assertEqual(json.load(f)["sea"]["windSpeed"], 3)
-            # At the start, and now.
-            self.assertEqual(daemon.metrics()["pelagos_scene_saves_total"], 2)
+            # At the start, and now; it is counted after it is written.
+            until("it is counted", lambda: daemon.metrics()[
+                "pelagos_scene_saves_total"] == 2)
 
     def test_a_file_that_does_not_load(self):
         for text in ("", "{", '{"sea":{"windSpeed":99}}', '{"nope":1}',
