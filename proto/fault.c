@@ -101,6 +101,7 @@ void pel_fault_from_error(const Pelagos__Error *error, struct pel_fault *out)
     copy(out->value, sizeof out->value, error->value ? error->value : "");
     copy(out->message, sizeof out->message,
          error->message ? error->message : "");
+    pel_fault_clean(out);
 }
 
 void pel_fault_at(struct pel_fault *fault, const char *path, const char *value)
@@ -110,6 +111,7 @@ void pel_fault_at(struct pel_fault *fault, const char *path, const char *value)
     }
     copy(fault->path, sizeof fault->path, path ? path : "");
     copy(fault->value, sizeof fault->value, value ? value : "");
+    pel_fault_clean(fault);
     struct pel_path_info found;
     if (path && pel_path_find(path, &found, NULL) == PEL_OK && found.info) {
         fault->unit = found.info->unit;

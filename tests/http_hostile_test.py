@@ -105,15 +105,72 @@ class Hostile(HttpCase):
         """What is no HTTP is refused by libmicrohttpd before we are asked, as
         the manual says: a bare status, and the end."""
         for status, head in ((505, b"GET / HTTP/3.0\r\nHost: localhost"),
-                             (400, b"GET / HTTP/1.1\r\nHost: localhost\r\nX"),
-                             (400, b"POST /v1/surface HTTP/1.1\r\n"
-                                   b"Host: localhost\r\nContent-Length: x")):
+                             (400, b"GET / HTTP/1.1\r\nHost: localhost\r\nX")):
             answer = self.daemon.raw(head + b"\r\n\r\n")
             self.assertEqual(answer[:13], b"HTTP/1.1 %d " % status)
             self.assertIn(b"Connection: close", answer)
             self.assertIn(b"<html>", answer)
         self.assertEqual(self.daemon.raw(b"GARBAGE\r\n\r\n"), b"")
         self.unchanged()
+
+    def refused_once(self, answer, status=400):
+        """One head, problem+json, and the end."""
+        self.assertEqual(answer.count(b"HTTP/1.1"), 1, answer)
+        head, body = answer.split(b"\r\n\r\n")
+        self.assertTrue(head.startswith(b"HTTP/1.1 %d " % status), head)
+        self.assertIn(b"Connection: close", head)
+        self.assertIn(b"application/problem+json", head)
+        self.assertEqual(json.loads(body)["status"], status)
+
+    def test_lengths_that_are_none(self):
+        """libmicrohttpd writes the head of its own answer twice."""
+        for length in (b"x", b"", b"+24", b"-1", b"0x18", b"2 4", b"24,24",
+                       b"9" * 30):
+            counted = self.daemon.metrics()[MALFORMED]
+            self.refused_once(self.daemon.raw(patch_request(
+                b"Host: localhost\r\nContent-Type: application/json\r\n"
+                b"Content-Length: " + length + b"\r\n")))
+            self.assertGreater(self.daemon.metrics()[MALFORMED], counted)
+        self.unchanged()
+
+    def test_line_longer_than_memory(self):
+        """The line of a chunk's size: libmicrohttpd turned over it on a core
+        until its client had been silent for 10 s."""
+        for line in (b"0" * 20000, b"1;" + b"x" * 20000,
+                     b"1\r\n{\r\n" + b"0" * 20000):
+            before = self.daemon.control_cpu()
+            begin = time.monotonic()
+            self.refused_once(self.daemon.raw(patch_request(
+                b"Host: localhost\r\nContent-Type: application/json\r\n"
+                b"Transfer-Encoding: chunked\r\n", line)))
+            print(f"line of 20,000 bytes: closed after "
+                  f"{time.monotonic() - begin:.3f} s, "
+                  f"{self.daemon.control_cpu() - before:.3f} s of processor "
+                  "(bar 0.25 s)")
+            self.assertLess(self.daemon.control_cpu() - before, 1)
+        self.unchanged()
+
+    def test_nul_in_the_head(self):
+        """What follows it would not be read."""
+        host = b"Host: localhost\r\n"
+        end = b"Connection: close\r\n\r\n"
+        for head in (b"GET /v1/state HTTP/1.1\r\nHost: localhost\0.example\r\n",
+                     b"GET /v1/state HTTP/1.1\r\n" + host + b"X: a\0b\r\n",
+                     b"GET /v1/state\0/sea HTTP/1.1\r\n" + host,
+                     b"GET /v1/state\0 HTTP/1.1\r\n" + host,
+                     b"GET\0T /v1/state HTTP/1.1\r\n" + host,
+                     b"GET /v1/state HTTP/1.1\r\n" + host +
+                     b"X: a\r\n folded: b\r\n"):
+            answer = self.daemon.raw(head + end)
+            self.assertRegex(answer, rb"^HTTP/1.1 400 (?s:.)*has a NUL", head)
+        # What is odd, and plain.
+        for head in (b"GET /healthz?%41=b%20c HTTP/1.1\r\nHost:localhost\r\n"
+                     b"X:\t a b \t\r\nEmpty:\r\nCookie: a=b; c=d\r\n",
+                     b"GET /v1/%73tate HTTP/1.1\n" + host,
+                     b"GET /healthz HTTP/1.0\r\n" + host):
+            answer = self.daemon.raw(head + end)
+            self.assertNotIn(b"has a NUL", answer)
+            self.assertIn(b"HTTP/1.", answer)
 
     def test_half_sent_and_dripping(self):
         """All are closed, and a good client is served meanwhile."""

@@ -50,20 +50,29 @@ class RtspClient:
         body = self.take(int(answer.get("Content-Length", 0)))
         return int(lines[0].split()[1]), answer, body.decode()
 
-    def play(self):
-        status, _, sdp = self.ask("DESCRIBE", self.url,
-                                  Accept="application/sdp")
+    def describe(self):
+        """The address of the stream's control."""
+        status, _, self.sdp = self.ask("DESCRIBE", self.url,
+                                       Accept="application/sdp")
         assert status == 200, status
-        control = [line.split(":", 1)[1] for line in sdp.split("\r\n")
+        control = [line.split(":", 1)[1] for line in self.sdp.split("\r\n")
                    if line.startswith("a=control:")][-1]
+        return f"{self.url}/{control}"
+
+    def setup(self, control):
         status, answer, _ = self.ask(
-            "SETUP", f"{self.url}/{control}",
+            "SETUP", control,
             Transport="RTP/AVP/TCP;unicast;interleaved=0-1")
+        if status == 200:
+            self.session = answer["Session"].split(";")[0]
+        return status
+
+    def play(self):
+        status = self.setup(self.describe())
         assert status == 200, status
-        self.session = answer["Session"].split(";")[0]
         status, _, _ = self.ask("PLAY", self.url)
         assert status == 200, status
-        return sdp
+        return self.sdp
 
     def picture(self):
         """Whether the next whole picture is a key frame."""

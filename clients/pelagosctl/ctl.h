@@ -73,7 +73,12 @@ bool ctl_parse_number(const char *text, double *out);
 
 /* ctl_report.c: errors that say what to do. */
 
-/* "pelagosctl: …" on standard error; returns `status`. */
+/* printf of texts that others wrote: control characters, which a terminal would
+ * obey, and bytes that are no UTF-8 become '?'. */
+void ctl_print(FILE *out, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* "pelagosctl: …" by ctl_print on standard error; returns `status`. */
 enum ctl_exit ctl_say(enum ctl_exit status, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 /* An error of libpelagos, with range, unit, nearest path and hint. */

@@ -26,18 +26,18 @@ static const char *class_of(const Pelagos__ModelInfo *m)
 static void print_model(const Pelagos__ModelInfo *m)
 {
     if (m->error) {
-        printf("%-22s %s\n", m->name, m->error->message);
+        ctl_print(stdout, "%-22s %s\n", m->name, m->error->message);
         return;
     }
     if (m->n_triangles == 0) {
-        printf("%-22s %s\n", m->name, m->text ? m->text : "");
+        ctl_print(stdout, "%-22s %s\n", m->name, m->text ? m->text : "");
         return;
     }
     g_autoptr(GString) levels = g_string_new(NULL);
     print_triangles(levels, m->triangles, m->n_triangles);
-    printf("%-22s %-18s %6.4g %6.4g %6.4g %6.4g  %-26s %7.2f  %s\n", m->name,
-           class_of(m), m->length, m->beam, m->draught, m->height, levels->str,
-           (double)m->bytes / 1048576, m->text ? m->text : "");
+    ctl_print(stdout, "%-22s %-18s %6.4g %6.4g %6.4g %6.4g  %-26s %7.2f  %s\n",
+              m->name, class_of(m), m->length, m->beam, m->draught, m->height,
+              levels->str, (double)m->bytes / 1048576, m->text ? m->text : "");
 }
 
 static void print_all(const Pelagos__Models *models)
@@ -82,9 +82,9 @@ static void print_found(const struct pel_model *m, const char *notes)
         g_string_append_printf(levels, "%s%zu", i ? "/" : "",
                                m->levels[i].triangles);
     }
-    printf("%s: %s, %.4g x %.4g m, draught %.4g m, height %.4g m\n", m->name,
-           pel_model_class_text(m->class), m->length_m, m->beam_m, m->draught_m,
-           m->height_m);
+    ctl_print(stdout, "%s: %s, %.4g x %.4g m, draught %.4g m, height %.4g m\n",
+              m->name, pel_model_class_text(m->class), m->length_m, m->beam_m,
+              m->draught_m, m->height_m);
     printf("triangles %s, %zu materials, %zu textures, %zu nodes, %.2f MiB\n",
            levels->str, m->material_count, m->texture_count, m->node_count,
            (double)m->bytes / 1048576);
@@ -93,7 +93,7 @@ static void print_found(const struct pel_model *m, const char *notes)
              ".json beside it");
     }
     if (*notes) {
-        printf("%s\n", notes);
+        ctl_print(stdout, "%s\n", notes);
     }
 }
 

@@ -94,8 +94,8 @@ static enum ctl_exit send_patch(struct play *play, Pelagos__Patch *patch)
     enum ctl_exit status = CTL_DONE;
     if (pel_client_patch(play->ctl->client, patch, &now, &error)) {
         status = ctl_report(play->ctl, &error);
-        fprintf(stderr, "  entry %zu of %s\n", play->reader.entries,
-                play->name);
+        ctl_print(stderr, "  entry %zu of %s\n", play->reader.entries,
+                  play->name);
     } else {
         play->time_s = now->clock->time;
         play->sails = sails(now);
@@ -152,9 +152,9 @@ static enum ctl_exit begin(struct play *play, Pelagos__LogHead *head)
         }
     }
     if (!play->begun && !ctl_flag(play->ctl, "quiet")) {
-        fprintf(stderr, "recorded %s by %s on %s, --waves %u\n",
-                head->began ? head->began : "", head->program,
-                head->device ? head->device : "", head->waves);
+        ctl_print(stderr, "recorded %s by %s on %s, --waves %u\n",
+                  head->began ? head->began : "", head->program,
+                  head->device ? head->device : "", head->waves);
     }
     return send_patch(play, &patch);
 }

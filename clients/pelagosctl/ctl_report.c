@@ -7,6 +7,7 @@
 #include <glib.h>
 
 #include "base/err.h"
+#include "base/text.h"
 #include "proto/path.h"
 
 volatile int ctl_interrupted;
@@ -26,12 +27,27 @@ void ctl_catch_signals(void)
     sigaction(SIGTERM, &action, NULL);
 }
 
+static void print_shown(FILE *out, const char *format, va_list args)
+{
+    g_autofree char *text = g_strdup_vprintf(format, args);
+    pel_text_clean_lines(text);
+    fputs(text, out);
+}
+
+void ctl_print(FILE *out, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    print_shown(out, format, args);
+    va_end(args);
+}
+
 enum ctl_exit ctl_say(enum ctl_exit status, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
     fputs("pelagosctl: ", stderr);
-    vfprintf(stderr, format, args);
+    print_shown(stderr, format, args);
     fputc('\n', stderr);
     va_end(args);
     return status;
@@ -171,20 +187,20 @@ static void print_text(const struct pel_client_error *error, const char *near)
 {
     bool has_path = *error->path && !strstr(error->message, error->path);
     bool has_value = *error->value && !strstr(error->message, error->value);
-    fprintf(stderr, "pelagosctl: %s%s%s%s%s%s\n", has_path ? error->path : "",
-            has_path ? ": " : "", error->message, has_value ? ": \"" : "",
-            has_value ? error->value : "", has_value ? "\"" : "");
+    ctl_print(stderr, "pelagosctl: %s%s%s%s%s%s\n", has_path ? error->path : "",
+              has_path ? ": " : "", error->message, has_value ? ": \"" : "",
+              has_value ? error->value : "", has_value ? "\"" : "");
     char maximum[32];
     g_snprintf(maximum, sizeof maximum, "%.10g", error->maximum);
     /* A conflict is with something else in the state: no range mends it. */
     if (error->code != PEL_CLIENT_CONFLICT &&
         error->minimum <= error->maximum && !strstr(error->message, maximum)) {
         bool unit = *error->unit && strcmp(error->unit, "1") != 0;
-        fprintf(stderr, "  legal: %.10g .. %.10g%s%s\n", error->minimum,
-                error->maximum, unit ? " " : "", unit ? error->unit : "");
+        ctl_print(stderr, "  legal: %.10g .. %.10g%s%s\n", error->minimum,
+                  error->maximum, unit ? " " : "", unit ? error->unit : "");
     }
     if (near) {
-        fprintf(stderr, "  did you mean %s?\n", near);
+        ctl_print(stderr, "  did you mean %s?\n", near);
     } else if (hint(error->code)) {
         fprintf(stderr, "  %s\n", hint(error->code));
     }

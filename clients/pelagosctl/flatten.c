@@ -187,8 +187,8 @@ void ctl_print_string(FILE *out, const char *text)
 void ctl_print_leaf(FILE *out, const struct ctl_leaf *leaf, bool json)
 {
     if (!json) {
-        fprintf(out, "%s = %s%s%s\n", leaf->path, leaf->value,
-                *leaf->unit ? " " : "", leaf->unit);
+        ctl_print(out, "%s = %s%s%s\n", leaf->path, leaf->value,
+                  *leaf->unit ? " " : "", leaf->unit);
         return;
     }
     fputs("{\"path\":", out);

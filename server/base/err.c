@@ -3,6 +3,8 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "base/text.h"
+
 const char *pel_err_name(enum pel_err err)
 {
     switch (err) {
@@ -40,6 +42,14 @@ enum pel_err(pel_fault_set)(struct pel_fault *fault, enum pel_err code,
         va_start(args, format);
         vsnprintf(fault->message, sizeof fault->message, format, args);
         va_end(args);
+        pel_text_clean(fault->message);
     }
     return code;
+}
+
+void pel_fault_clean(struct pel_fault *fault)
+{
+    pel_text_clean(fault->path);
+    pel_text_clean(fault->value);
+    pel_text_clean(fault->message);
 }

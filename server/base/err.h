@@ -36,10 +36,15 @@ struct pel_fault {
 const char *pel_err_name(enum pel_err err);
 
 /* Fills *fault (NULL allowed) with a code and a printf message, no path and no
- * range; returns the code. */
+ * range; returns the code. What the message quotes is shown by
+ * pel_text_clean. */
 enum pel_err pel_fault_set(struct pel_fault *fault, enum pel_err code,
                            const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* The same for all of its texts: what others sent may be in them. */
+void pel_fault_clean(struct pel_fault *fault);
+
 /* What the analyzer, which sees one source at a time, cannot know. */
 #ifdef __clang_analyzer__
 #define pel_fault_set(fault, code, ...)                                        \

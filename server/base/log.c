@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "base/clock.h"
+#include "base/text.h"
 
 static _Atomic int max_level = PEL_LOG_INFO;
 
@@ -23,6 +24,7 @@ static void write_record(enum pel_log_level level, const char *id,
     static const int priorities[] = { 3, 4, 6, 7 };
     char text[1024];
     vsnprintf(text, sizeof text, format, args);
+    pel_text_clean(text); /* a record is one line, whatever it quotes */
     char more[48] = "";
     if (held > 0) {
         snprintf(more, sizeof more, " (and %u like it before)", held);

@@ -307,7 +307,9 @@ uint8_t *pel_fault_reply(bool has_id, uint64_t id,
                          const struct pel_fault *fault, size_t *size)
 {
     Pelagos__Error error;
-    pel_fault_to_error(fault, &error);
+    struct pel_fault shown = *fault;
+    pel_fault_clean(&shown);
+    pel_fault_to_error(&shown, &error);
     Pelagos__Reply reply = PELAGOS__REPLY__INIT;
     reply.has_id = has_id;
     reply.id = id;

@@ -43,9 +43,12 @@ struct client {
     int64_t deadline_ns;
     int64_t since_ns;  /* waiting for headers; the oldest makes room */
     uint64_t consumed; /* bytes received when the last request was done */
+    uint64_t read;     /* bytes that the library had taken at the last look */
     bool first;        /* nothing has been answered yet */
 
     char *target;
+    /* In the library's memory, until the head is read: see http_head.h. */
+    const char *target_at, *version_at;
     GString *body;
     size_t body_limit;
     const char *origin; /* an allowed one that asks, or NULL */
@@ -75,6 +78,7 @@ struct pel_http_server {
     struct MHD_Daemon *daemon;
     struct daemon_source *source;
     bool run_again;
+    unsigned turns_at_once; /* of the library, without waiting */
     bool closing;
     bool accepting_reserve; /* of the connection that is being added */
     guint sweeper;

@@ -87,6 +87,9 @@ static void append_number(GString *out, const char *name, double value)
 void pel_http_problem(struct pel_http_answer *answer, int status,
                       const struct pel_fault *fault)
 {
+    struct pel_fault shown = *fault;
+    pel_fault_clean(&shown);
+    fault = &shown;
     pel_http_answer_finish(answer);
     status = status ? status : pel_http_status(fault->code);
     GString *out = g_string_new(NULL);

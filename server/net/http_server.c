@@ -15,6 +15,7 @@
 #include "base/log.h"
 #include "base/watch.h"
 #include "net/http_auth.h"
+#include "net/http_head.h"
 #include "net/tcpinfo.h"
 
 #define IDLE_S 10 /* silence that the library ends by itself */
@@ -22,6 +23,9 @@
 #define MAX_HEADERS 64
 #define SWEEP_MS 250
 #define CLOSING_ROOM 128 /* connections that are being closed */
+#define TURNS_AT_ONCE                                                          \
+    32 /* of the library, before we look what keeps it busy                    \
+        */
 
 struct daemon_source {
     GSource source;
@@ -76,6 +80,14 @@ static enum MHD_Result take_head(struct client *client, const char *method)
     struct pel_http_answer answer = { .kind = PEL_HTTP_WHOLE };
     struct pel_fault fault;
     client->first = false;
+    if (!pel_http_head_is_plain(client->connection, method, client->target_at,
+                                client->version_at)) {
+        pel_fault_set(&fault, PEL_ERR_MALFORMED,
+                      "the head has a NUL or a folded line in it, or is no "
+                      "HTTP/1.1");
+        client->server->malformed++;
+        return pel_http_send_fault(client, 400, &fault);
+    }
     if (!describe(client, method, &headers, &request)) {
         pel_fault_set(&fault, PEL_ERR_MALFORMED,
                       "there may be at most %d headers", MAX_HEADERS);
@@ -112,16 +124,10 @@ static enum MHD_Result take_head(struct client *client, const char *method)
  * the middle of a body, so the answer is written past it. */
 static enum MHD_Result refuse_body(struct client *client)
 {
-    static const char text[] =
-        "HTTP/1.1 413 Content Too Large\r\nConnection: close\r\n"
-        "Content-Type: application/problem+json\r\nContent-Length: 85\r\n\r\n"
-        "{\"type\":\"about:blank\",\"title\":\"Content Too Large\","
-        "\"status\":413,\"code\":\"OUT_OF_RANGE\"}";
-    client->server->answers[413]++;
-    client->server->malformed++;
-    ssize_t sent =
-        send(client->fd, text, sizeof text - 1, MSG_NOSIGNAL | MSG_DONTWAIT);
-    (void)sent; /* a courtesy */
+    struct pel_fault fault;
+    pel_fault_set(&fault, PEL_ERR_OUT_OF_RANGE,
+                  "the body has more than %zu bytes", client->body_limit);
+    pel_http_head_refuse(client, 413, &fault);
     client->phase = PHASE_CLOSED;
     return MHD_NO;
 }
@@ -227,6 +233,8 @@ static void *on_target(void *user, const char *target,
     if (client) {
         g_free(client->target);
         client->target = g_strndup(target, PEL_HTTP_MAX_TARGET);
+        client->target_at = target;
+        client->version_at = pel_http_head_version(target);
     }
     return client;
 }
@@ -355,6 +363,33 @@ static bool vanished(const struct client *client)
             (ioctl(client->fd, FIONREAD, &unread) == 0 && unread == 0));
 }
 
+/* The library turns without end over a line of a chunk's size that is longer
+ * than its memory: it can neither read on nor give up. */
+static void end_stuck(struct pel_http_server *server)
+{
+    for (guint i = 0; i < server->clients->len; i++) {
+        struct client *client = g_ptr_array_index(server->clients, i);
+        int unread = 0;
+        if ((client->phase != PHASE_HEADERS && client->phase != PHASE_BODY) ||
+            client->suspended || ioctl(client->fd, FIONREAD, &unread) != 0 ||
+            unread == 0) {
+            client->read = 0;
+            continue;
+        }
+        uint64_t read = pel_tcp_received(client->fd) - (uint64_t)unread;
+        if (read != client->read) {
+            client->read = read;
+            continue;
+        }
+        struct pel_fault fault;
+        pel_fault_set(&fault, PEL_ERR_MALFORMED,
+                      "a line of the message is longer than %d bytes",
+                      MEMORY_BYTES);
+        pel_http_head_refuse(client, 400, &fault);
+        pel_http_shut(client);
+    }
+}
+
 static gboolean sweep(gpointer user)
 {
     PEL_WATCH("http");
@@ -406,17 +441,46 @@ static gboolean source_dispatch(GSource *source, GSourceFunc callback,
     (void)callback;
     (void)user;
     struct daemon_source *self = (struct daemon_source *)source;
-    self->server->run_again = false;
-    MHD_run(self->server->daemon);
+    struct pel_http_server *server = self->server;
+    MHD_UNSIGNED_LONG_LONG ms = 0;
+    server->run_again = false;
+    MHD_run(server->daemon);
+    bool at_once = MHD_get_timeout(server->daemon, &ms) == MHD_YES && ms == 0;
+    server->turns_at_once = at_once ? server->turns_at_once + 1 : 0;
+    if (server->turns_at_once >= TURNS_AT_ONCE) {
+        server->turns_at_once = 0;
+        end_stuck(server);
+    }
     return G_SOURCE_CONTINUE;
+}
+
+/* The library writes the head of its own answer to such a request twice. It
+ * speaks of the matter first: then the answer is ours, and it finds the
+ * connection shut. */
+static void refuse_length(struct pel_http_server *server)
+{
+    struct pel_fault fault;
+    pel_fault_set(&fault, PEL_ERR_MALFORMED,
+                  "Content-Length must be a number, given once");
+    for (guint i = 0; i < server->clients->len; i++) {
+        struct client *client = g_ptr_array_index(server->clients, i);
+        if (client->phase == PHASE_HEADERS &&
+            pel_http_head_is_in(client->connection)) {
+            pel_http_head_refuse(client, 400, &fault);
+            pel_http_shut(client);
+            return;
+        }
+    }
 }
 
 static void on_library_log(void *user, const char *format, va_list args)
 {
-    (void)user;
     char text[256];
     vsnprintf(text, sizeof text, format, args);
     text[strcspn(text, "\n")] = '\0';
+    if (strstr(text, "Content-Length' header. Closing")) {
+        refuse_length(user);
+    }
     pel_debug("NET-021", "libmicrohttpd: %s", text);
 }
 
@@ -426,7 +490,7 @@ static struct MHD_Daemon *start_library(struct pel_http_server *server)
         MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME | MHD_ALLOW_UPGRADE |
             MHD_USE_NO_LISTEN_SOCKET | MHD_USE_ERROR_LOG,
         0, NULL, NULL, on_request, server, MHD_OPTION_EXTERNAL_LOGGER,
-        on_library_log, NULL, MHD_OPTION_CONNECTION_LIMIT,
+        on_library_log, server, MHD_OPTION_CONNECTION_LIMIT,
         server->limits.http_connections + PEL_HTTP_RESERVE + CLOSING_ROOM,
         MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE_S,
         MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)MEMORY_BYTES,

@@ -161,6 +161,9 @@ static void on_session(GstRTSPClient *client, GstRTSPSession *session,
     (void)user;
     const struct visit *visit = visit_of(client);
     g_ptr_array_add(visit->sessions, g_object_ref(session));
+    pel_rtsp_guard_own(gst_rtsp_connection_get_read_socket(
+                           gst_rtsp_client_get_connection(client)),
+                       gst_rtsp_session_get_sessionid(session));
 }
 
 /* Without TEARDOWN sessions would stay for a minute, and 64 who came and went
@@ -171,6 +174,8 @@ static void on_closed(GstRTSPClient *client, gpointer user)
     GPtrArray *sessions = visit_of(client)->sessions;
     GstRTSPSessionPool *pool = gst_rtsp_client_get_session_pool(client);
     for (guint i = 0; pool && i < sessions->len; i++) {
+        pel_rtsp_guard_disown(
+            gst_rtsp_session_get_sessionid(g_ptr_array_index(sessions, i)));
         gst_rtsp_session_pool_remove(pool, g_ptr_array_index(sessions, i));
     }
     g_ptr_array_set_size(sessions, 0);

@@ -41,6 +41,29 @@ static bool read_length(struct pel_rtsp_framing *f)
     return *at == '\0' && f->left <= PEL_RTSP_BODY_BYTES;
 }
 
+/* The id, as much of it as GStreamer may look for. */
+static bool check_session(const struct pel_rtsp_framing *f)
+{
+    static const char name[] = "Session";
+    const char *at = f->line + sizeof name - 1;
+    if (!f->may_use || !has_prefix(f, name)) {
+        return true;
+    }
+    at += strspn(at, " \t");
+    if (*at != ':' && *at != '\0') {
+        return true; /* another name that begins so */
+    }
+    if (f->line_length >= sizeof f->line || *at == '\0') {
+        return false; /* what is behind it is not known here */
+    }
+    at++;
+    at += strspn(at, " \t");
+    char id[sizeof f->line];
+    g_strlcpy(id, at, sizeof id);
+    id[strcspn(id, "; \t")] = '\0';
+    return f->may_use(f->who, id);
+}
+
 /* Whatever the address is: GStreamer goes by the method. */
 static bool asks_for_tunnel(const struct pel_rtsp_framing *f)
 {
@@ -66,7 +89,8 @@ static bool end_line(struct pel_rtsp_framing *f)
     }
     /* A line that goes on with the next could hide a length. */
     bool plain = !isspace((unsigned char)f->line[0]);
-    bool good = plain && (first ? !asks_for_tunnel(f) : read_length(f));
+    bool good = plain && (first ? !asks_for_tunnel(f)
+                                : read_length(f) && check_session(f));
     f->line_length = 0;
     return good;
 }
@@ -102,8 +126,11 @@ static bool take_prefix(struct pel_rtsp_framing *f, uint8_t c)
 
 static void begin(struct pel_rtsp_framing *f, uint8_t c)
 {
-    *f = (struct pel_rtsp_framing){ .state = c == '$' ? PEL_RTSP_IN_CHUNK
-                                                      : PEL_RTSP_IN_HEAD };
+    *f = (struct pel_rtsp_framing){
+        .state = c == '$' ? PEL_RTSP_IN_CHUNK : PEL_RTSP_IN_HEAD,
+        .may_use = f->may_use,
+        .who = f->who,
+    };
 }
 
 bool pel_rtsp_framing_take(struct pel_rtsp_framing *f, const uint8_t *data,
@@ -125,6 +152,43 @@ bool pel_rtsp_framing_take(struct pel_rtsp_framing *f, const uint8_t *data,
         }
     }
     return !f->broken;
+}
+
+/* --- whose sessions they are ---------------------------------------------- */
+
+static GMutex owners_lock;
+static GHashTable *owners; /* id: socket */
+
+void pel_rtsp_guard_own(GSocket *socket, const char *session)
+{
+    g_mutex_lock(&owners_lock);
+    if (!owners) {
+        owners = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+    }
+    g_hash_table_replace(owners, g_strdup(session), socket);
+    g_mutex_unlock(&owners_lock);
+}
+
+void pel_rtsp_guard_disown(const char *session)
+{
+    g_mutex_lock(&owners_lock);
+    if (owners) {
+        g_hash_table_remove(owners, session);
+        if (g_hash_table_size(owners) == 0) {
+            g_hash_table_unref(owners);
+            owners = NULL;
+        }
+    }
+    g_mutex_unlock(&owners_lock);
+}
+
+/* Its own, or nobody's: GStreamer answers that. */
+static bool is_not_anothers(const void *socket, const char *session)
+{
+    g_mutex_lock(&owners_lock);
+    const void *owner = owners ? g_hash_table_lookup(owners, session) : NULL;
+    g_mutex_unlock(&owners_lock);
+    return !owner || owner == socket;
 }
 
 /* --- a stream that breaks off --------------------------------------------- */
@@ -245,6 +309,8 @@ static GInputStream *guarded(GIOStream *io, get_stream inner)
         stream = g_object_new(stream_type(), NULL);
         stream->inner = inner(io);
         stream->socket = socket;
+        stream->framing.may_use = is_not_anothers;
+        stream->framing.who = socket;
         g_object_set_data_full(object, GUARD_KEY, stream, unref_stream);
     }
     return &stream->parent;

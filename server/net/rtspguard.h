@@ -27,11 +27,15 @@ struct pel_rtsp_framing {
     bool has_length;
     size_t left;     /* of the body or the chunk */
     unsigned prefix; /* bytes of the chunk's */
+    /* Whether the client may name this session; NULL: any. */
+    bool (*may_use)(const void *who, const char *session);
+    const void *who;
 };
 
 /* Takes what came. False from then on when a head or a body is larger than
- * allowed, when it is no RTSP (its tunnel through HTTP is not spoken), or when
- * two readers could disagree about its end. */
+ * allowed, when it is no RTSP (its tunnel through HTTP is not spoken), when two
+ * readers could disagree about its end, or when it names a session that
+ * may_use does not allow. */
 bool pel_rtsp_framing_take(struct pel_rtsp_framing *framing,
                            const uint8_t *data, size_t size);
 
@@ -42,3 +46,9 @@ GSocket *pel_rtsp_guarded_socket(int fd);
 /* As if the client of such a socket had left, whatever it has sent. Any thread;
  * the connection's own thread sees it with its next read. */
 void pel_rtsp_guard_end(GSocket *socket);
+
+/* A session is of the connection that set it up: any other that names it breaks
+ * off before GStreamer, which would let it play, pause and end the session. Any
+ * thread. */
+void pel_rtsp_guard_own(GSocket *socket, const char *session);
+void pel_rtsp_guard_disown(const char *session);

@@ -80,7 +80,10 @@ static void log_compiler_words(const char *name, const char *words)
         pel_error("RND-010", "%s: at %s:%d", name, at->name,
                   at->number + flat - at->flat);
     }
-    pel_error("RND-011", "%s: %s", name, words);
+    for (int size = 0; *words; words += size + (words[size] != '\0')) {
+        size = (int)strcspn(words, "\n");
+        pel_error("RND-011", "%s: %.*s", name, size, words);
+    }
 }
 
 static enum pel_err compile(const char *dir, const char *name,
