@@ -225,7 +225,24 @@ def format_table():
                   for name, ending, mime, _, _, text in formats()])
 
 
-TABLES = {"@layers@": layer_table, "@formats@": format_table}
+def bound_table():
+    out = []
+    for _, value, unit, where, what, after, counter in deffile.rows(
+            os.path.join(os.path.dirname(__file__), "bounds.def"), "PEL_BOUND"):
+        number = int(value)
+        if unit == "bytes" and number % 1024 == 0:
+            shown = (f"{number >> 20} MiB" if number % (1 << 20) == 0
+                     else f"{number >> 10} KiB")
+        else:
+            shown = f"{number:,} {unit}".strip()
+        out.append([where, what, shown, after, ", ".join(
+            f"`{name}`" for name in counter.replace('\\"', '"').split(", "))])
+    return table(["", "what", "at most", "what happens to the next",
+                  "counter of `/metrics`"], out)
+
+
+TABLES = {"@layers@": layer_table, "@formats@": format_table,
+          "@bounds@": bound_table}
 
 
 def write_manual(schema, path, template):

@@ -17,9 +17,10 @@
 #include <stddef.h>
 
 #include "base/err.h"
+#include "bounds.h"
 #include "pelagos.pb-c.h"
 
-#define PEL_JSON_MAX_DEPTH 32
+#define PEL_JSON_MAX_DEPTH PEL_BOUND_JSON_DEPTH
 #define PEL_JSON_MAX_BYTES (1 << 20)
 
 /* The fields that are present, as one JSON object; free(). */

@@ -1,4 +1,5 @@
 #include "ranges.h"
+#include "bounds.h"
 
 #include <glib.h>
 #include <math.h>
@@ -11,7 +12,7 @@
 #include "message.h"
 
 #define PATH_SIZE 192
-#define MAX_TEXT 64
+#define MAX_TEXT PEL_BOUND_TEXT_BYTES
 #define MAX_NUMBERS 512
 
 static enum pel_err check_number(const struct pel_field *info, const char *path,

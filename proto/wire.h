@@ -7,8 +7,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define PEL_WIRE_MAX_REQUEST (64 * 1024) /* bytes of one inbound message */
-#define PEL_WIRE_MAX_PREFIX 5            /* lengths below 2^32 */
+#include "bounds.h"
+
+/* Bytes of one inbound message. */
+#define PEL_WIRE_MAX_REQUEST PEL_BOUND_SESSION_MESSAGE_BYTES
+#define PEL_WIRE_MAX_PREFIX 5 /* lengths below 2^32 */
 
 enum pel_wire {
     PEL_WIRE_MORE,      /* not all there yet: read on */

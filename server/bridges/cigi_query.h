@@ -5,13 +5,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bounds.h"
 #include "bridges/cigi_packet.h"
 #include "bridges/cigi_world.h"
 #include "scene/snapshot.h"
 
 /* Beyond this distance from the origin nothing is answered. */
 #define PEL_CIGI_REACH_M 1e6
-#define PEL_CIGI_MAX_QUESTIONS 1024
+#define PEL_CIGI_MAX_QUESTIONS PEL_BOUND_CIGI_QUESTIONS
 
 struct pel_cigi_moment {
     const struct pel_snapshot *snapshot;

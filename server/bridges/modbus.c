@@ -14,6 +14,7 @@
 #include "base/log.h"
 #include "base/metrics.h"
 #include "base/watch.h"
+#include "bounds.h"
 #include "bridges/endpoint.h"
 #include "bridges/modbus_adu.h"
 #include "bridges/modbus_units.h"
@@ -71,7 +72,7 @@ struct pel_modbus_options pel_modbus_default_options(void)
         .listen = "127.0.0.1:1502",
         .order = PEL_MODBUS_ABCD,
         .units = "any",
-        .max_clients = 32,
+        .max_clients = PEL_BOUND_MODBUS_CLIENTS,
         .request_ms = 5000,
         .heartbeat_ms = 1000,
         .extrapolate_ms = 5000,

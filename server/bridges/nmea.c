@@ -20,7 +20,7 @@
 #include "scene/helm.h"
 #include "scene/scene.h"
 
-#define MAX_DATAGRAM 4096
+#define MAX_DATAGRAM PEL_BOUND_NMEA_DATAGRAM_BYTES
 #define RECEIVE_BUFFER (4 << 20)
 #define DATAGRAMS_A_TURN 64 /* then the loop serves others */
 #define RECKON_NS 60000000000LL

@@ -13,7 +13,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define PEL_NMEA_MAX_SENTENCE 256
+#include "bounds.h"
+
+#define PEL_NMEA_MAX_SENTENCE PEL_BOUND_NMEA_SENTENCE_BYTES
 #define PEL_NMEA_MAX_TRANSDUCERS 16
 
 enum pel_nmea_kind {

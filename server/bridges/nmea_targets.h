@@ -19,7 +19,7 @@
 #include "bridges/nmea_shapes.h"
 #include "scene/scene.h"
 
-#define PEL_NMEA_TARGETS 100
+#define PEL_NMEA_TARGETS PEL_BOUND_NMEA_TARGETS
 #define PEL_NMEA_NAMES 256
 #define PEL_NMEA_TARGET_ID 20000
 

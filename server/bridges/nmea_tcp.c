@@ -11,10 +11,11 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/watch.h"
+#include "bounds.h"
 #include "bridges/endpoint.h"
 #include "bridges/nmea.h"
 
-#define MAX_CLIENTS 16
+#define MAX_CLIENTS PEL_BOUND_NMEA_CLIENTS
 #define CHUNK 4096
 #define IDLE_NS 60000000000LL
 

@@ -4,6 +4,7 @@
 
 #include <glib.h>
 
+#include "bounds.h"
 #include "frames/encoder_pool.h"
 #include "frames/job.h"
 #include "frames/mailbox.h"
@@ -14,12 +15,12 @@
 
 #define PEL_JOB_COUNT 8
 #define PEL_MAX_DRAWING 2 /* jobs between start and pixels */
-#define PEL_MAX_REQUESTS 128
+#define PEL_MAX_REQUESTS PEL_BOUND_PICTURES
 #define PEL_MAX_STREAMS 64
 #define PEL_MAX_SUBSCRIPTIONS 256
-#define PEL_MAX_SURFACE_QUERIES 16
-#define PEL_MAX_OPTICS_QUERIES 16
-#define PEL_MAX_SURFACE_POINTS 10000
+#define PEL_MAX_SURFACE_QUERIES PEL_BOUND_SURFACE_QUERIES
+#define PEL_MAX_OPTICS_QUERIES PEL_BOUND_OPTICS_QUERIES
+#define PEL_MAX_SURFACE_POINTS PEL_BOUND_SURFACE_POINTS
 #define PEL_MAX_SHOWN 64
 #define PEL_STATS_WINDOW 256
 #define PEL_MOMENTS 16
@@ -222,8 +223,9 @@ size_t pel_set_count(const struct pel_frame_set *set);
 bool pel_set_begun(const struct pel_frame_set *set);
 void pel_set_begin(struct pel_frame_set *set);
 
-#define PEL_LIVE_PIXELS (UINT64_C(1) << 26) /* of all streams together */
-#define PEL_LIVE_ENCODERS 32
+#define PEL_LIVE_PIXELS                                                        \
+    ((uint64_t)PEL_BOUND_LIVE_PIXELS) /* of all streams together */
+#define PEL_LIVE_ENCODERS PEL_BOUND_LIVE_ENCODERS
 
 /* --- live.c -------------------------------------------------------------- */
 

@@ -121,7 +121,7 @@ static enum pel_err check(struct pel_frames *frames,
     }
     if (err == PEL_OK && pel_requests_free(frames) < request->n_frames) {
         err = pel_request_refuse(frames, fault, PEL_ERR_BUSY, "",
-                                 "128 pictures are waiting already");
+                                 "too many pictures are waiting already");
     }
     return err;
 }

@@ -67,8 +67,10 @@ enum pel_err pel_frames_optics(struct pel_frames *frames,
         return pel_fault_set(fault, PEL_ERR_CONFLICT, "the daemon is stopping");
     }
     if (frames->optics_count == PEL_MAX_OPTICS_QUERIES) {
+        frames->stats.requests_refused++;
         return pel_fault_set(fault, PEL_ERR_BUSY,
-                             "16 queries of optics are waiting already");
+                             "%d queries of optics are waiting already",
+                             PEL_MAX_OPTICS_QUERIES);
     }
     if (!question->brdf) { /* any member of the union */
         return pel_fault_set(fault, PEL_ERR_INVALID,

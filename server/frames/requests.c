@@ -239,7 +239,7 @@ enum pel_err pel_frames_request(struct pel_frames *frames,
         pel_request_take(frames, request, done, user);
     if (!slot) {
         return pel_request_refuse(frames, fault, PEL_ERR_BUSY, "",
-                                  "128 pictures are waiting already");
+                                  "too many pictures are waiting already");
     }
     if (id) {
         *id = slot->id;

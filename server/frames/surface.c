@@ -24,7 +24,8 @@ static enum pel_err check(struct pel_frames *frames,
     }
     if (wish->count > PEL_MAX_SURFACE_POINTS) {
         return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
-                             "%zu points are more than 10000", wish->count);
+                             "%zu points are more than %d", wish->count,
+                             PEL_MAX_SURFACE_POINTS);
     }
     if (wish->has_time && !(wish->time_s >= 0 && wish->time_s <= 1e9)) {
         return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
@@ -39,7 +40,8 @@ static enum pel_err check(struct pel_frames *frames,
     }
     if (frames->surface_count == PEL_MAX_SURFACE_QUERIES) {
         return pel_fault_set(fault, PEL_ERR_BUSY,
-                             "16 surface queries are waiting already");
+                             "%d surface queries are waiting already",
+                             PEL_MAX_SURFACE_QUERIES);
     }
     return PEL_OK;
 }

@@ -7,13 +7,14 @@
 
 #include <glib.h>
 
+#include "bounds.h"
 #include "fault.h"
 #include "fields.h"
 #include "json.h"
 #include "message.h"
 #include "wire.h"
 
-#define MAX_POINTS 10000
+#define MAX_POINTS PEL_BOUND_SURFACE_POINTS
 
 static enum pel_err refuse(struct pel_fault *fault, enum pel_err code,
                            const char *path, const struct pel_field *info,

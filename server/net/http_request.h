@@ -6,10 +6,11 @@
 #include <stddef.h>
 
 #include "base/err.h"
+#include "bounds.h"
 
 #define PEL_HTTP_MAX_SEGMENTS 8
-#define PEL_HTTP_MAX_QUERY 64
-#define PEL_HTTP_MAX_TARGET 2048
+#define PEL_HTTP_MAX_QUERY PEL_BOUND_HTTP_QUERY
+#define PEL_HTTP_MAX_TARGET (PEL_BOUND_HTTP_TARGET_BYTES + 1)
 
 struct pel_http_header {
     const char *name, *value;

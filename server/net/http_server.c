@@ -14,13 +14,14 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/watch.h"
+#include "bounds.h"
 #include "net/http_auth.h"
 #include "net/http_head.h"
 #include "net/tcpinfo.h"
 
 #define IDLE_S 10 /* silence that the library ends by itself */
-#define MEMORY_BYTES (16 * 1024)
-#define MAX_HEADERS 64
+#define MEMORY_BYTES PEL_BOUND_HTTP_HEAD_BYTES
+#define MAX_HEADERS PEL_BOUND_HTTP_HEADERS
 #define SWEEP_MS 250
 #define CLOSING_ROOM 128 /* connections that are being closed */
 #define TURNS_AT_ONCE                                                          \

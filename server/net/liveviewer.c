@@ -353,6 +353,12 @@ static void on_message(void *user, const uint8_t *data, size_t size)
     }
 }
 
+static void on_broken(void *user)
+{
+    struct pel_live_viewer *self = user;
+    self->stats->malformed++;
+}
+
 static void on_closed(void *user)
 {
     struct pel_live_viewer *self = user;
@@ -366,8 +372,11 @@ struct pel_live_viewer *pel_live_viewer_create(
     const char *early, size_t early_size, struct pel_live_stats *stats,
     void (*closed)(void *user), void *user, struct pel_fault *fault)
 {
-    static const struct pel_websocket_handlers handlers = { on_message,
-                                                            on_closed };
+    static const struct pel_websocket_handlers handlers = {
+        .on_message = on_message,
+        .on_broken = on_broken,
+        .on_closed = on_closed,
+    };
     struct pel_live_viewer *self = g_new0(struct pel_live_viewer, 1);
     self->frames = frames;
     self->stats = stats;

@@ -11,6 +11,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/watch.h"
+#include "bounds.h"
 #include "net/http_server.h"
 #include "net/listener.h"
 #include "net/rtsp.h"
@@ -43,22 +44,22 @@ struct pel_net {
 void pel_net_limits_default(struct pel_net_limits *limits)
 {
     *limits = (struct pel_net_limits){
-        .http_connections = 256,
-        .http_per_source = 16,
-        .http_per_loopback = 128,
-        .http_body_bytes = 64 * 1024,
-        .http_header_s = 8.0,
-        .http_body_s = 15.0,
+        .http_connections = PEL_BOUND_HTTP_CONNECTIONS,
+        .http_per_source = PEL_BOUND_HTTP_PER_SOURCE,
+        .http_per_loopback = PEL_BOUND_HTTP_PER_LOOPBACK,
+        .http_body_bytes = PEL_BOUND_HTTP_BODY_BYTES,
+        .http_header_s = PEL_BOUND_HTTP_HEADER_S,
+        .http_body_s = PEL_BOUND_HTTP_BODY_S,
         .http_idle_s = 15.0,
         .http_stall_s = 30.0,
-        .http_answer_s = 120.0,
-        .sessions = 64,
-        .session_requests = 16,
-        .session_message_bytes = 64 * 1024,
-        .session_output_bytes = 64 * 1024 * 1024,
-        .session_login_s = 8.0,
-        .session_message_s = 15.0,
-        .session_stall_s = 20.0,
+        .http_answer_s = PEL_BOUND_HTTP_ANSWER_S,
+        .sessions = PEL_BOUND_SESSIONS,
+        .session_requests = PEL_BOUND_SESSION_REQUESTS,
+        .session_message_bytes = PEL_BOUND_SESSION_MESSAGE_BYTES,
+        .session_output_bytes = PEL_BOUND_SESSION_OUTPUT_BYTES,
+        .session_login_s = PEL_BOUND_SESSION_LOGIN_S,
+        .session_message_s = PEL_BOUND_SESSION_MESSAGE_S,
+        .session_stall_s = PEL_BOUND_SESSION_STALL_S,
     };
 }
 

@@ -37,8 +37,7 @@ struct pel_net_limits {
     double session_stall_s;       /* a reader that takes nothing */
 };
 
-/* 256 connections, 16 a source, 128 from loopback, 64 KiB, 8 s, 15 s, 15 s,
- * 30 s, 120 s; 64 sessions, 16 requests, 64 KiB, 64 MiB, 8 s, 15 s, 20 s. */
+/* Of bounds.def; http_idle_s 15, http_stall_s 30. */
 void pel_net_limits_default(struct pel_net_limits *limits);
 
 struct pel_net_options {

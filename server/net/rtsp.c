@@ -11,21 +11,22 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/watch.h"
+#include "bounds.h"
 #include "encode/gst.h"
 #include "net/listener.h"
 #include "net/rtspauth.h"
 #include "net/rtspguard.h"
 #include "net/rtspstream.h"
 
-#define MAX_CLIENTS 64
-#define MAX_SESSIONS 64
+#define MAX_CLIENTS PEL_BOUND_RTSP_CLIENTS
+#define MAX_SESSIONS MAX_CLIENTS
 #define THREADS 8      /* setting up and tearing down takes time */
 #define MAX_WAITING 32 /* clients, while GStreamer starts */
 #define CLEAN_S 2
 #define LEAVE_MS 2000 /* for the threads of clients when the server ends */
 /* A client without a session, silent or in the middle of a request or of its
  * TLS handshake, has so long, and less where its place is wanted. */
-#define LOITER_NS (8 * INT64_C(1000000000))
+#define LOITER_NS (PEL_BOUND_RTSP_IDLE_S * INT64_C(1000000000))
 #define WANTED_NS (1 * INT64_C(1000000000))
 /* Beyond that while we are at what it asked for: a first picture may take a
  * busy machine some seconds. */
@@ -573,6 +574,9 @@ void pel_rtsp_collect(const struct pel_rtsp *rtsp,
     pel_metric(page, "pelagos_refused_total", PEL_METRIC_COUNTER,
                "Clients turned away at a limit.", "input=\"rtsp\"",
                (double)rtsp->refused);
+    pel_metric(page, "pelagos_malformed_total", PEL_METRIC_COUNTER,
+               "Messages that could not be read.", "input=\"rtsp\"",
+               (double)pel_rtsp_guard_broken());
     pel_metric(page, "pelagos_timeouts_total", PEL_METRIC_COUNTER,
                "Clients closed for being too slow.", "input=\"rtsp\"",
                (double)rtsp->timeouts);

@@ -1,6 +1,7 @@
 #include "net/rtspguard.h"
 
 #include <ctype.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <strings.h>
 
@@ -200,6 +201,13 @@ struct guarded_stream {
     struct pel_rtsp_framing framing;
 };
 
+static atomic_ullong broken;
+
+uint64_t pel_rtsp_guard_broken(void)
+{
+    return atomic_load(&broken);
+}
+
 static gssize pass(struct guarded_stream *self, const void *data, gssize size,
                    GError **error)
 {
@@ -210,6 +218,7 @@ static gssize pass(struct guarded_stream *self, const void *data, gssize size,
     }
     if (size > 0 &&
         !pel_rtsp_framing_take(&self->framing, data, (size_t)size)) {
+        atomic_fetch_add(&broken, 1);
         g_set_error_literal(error, G_IO_ERROR, G_IO_ERROR_CONNECTION_CLOSED,
                             "the message is too large, or no RTSP");
         return -1;

@@ -9,8 +9,10 @@
 
 #include <gio/gio.h>
 
-#define PEL_RTSP_BODY_BYTES (32 * 1024)
-#define PEL_RTSP_HEAD_BYTES (16 * 1024)
+#include "bounds.h"
+
+#define PEL_RTSP_BODY_BYTES PEL_BOUND_RTSP_BODY_BYTES
+#define PEL_RTSP_HEAD_BYTES PEL_BOUND_RTSP_HEAD_BYTES
 
 /* Where in the stream of messages a connection is; { 0 } at its begin. */
 struct pel_rtsp_framing {
@@ -42,6 +44,9 @@ bool pel_rtsp_framing_take(struct pel_rtsp_framing *framing,
 /* A socket whose connection, as GIO makes it, breaks off so; NULL: it is none,
  * and the descriptor stays the caller's. */
 GSocket *pel_rtsp_guarded_socket(int fd);
+
+/* Connections that broke off so, of all. Any thread. */
+uint64_t pel_rtsp_guard_broken(void);
 
 /* As if the client of such a socket had left, whatever it has sent. Any thread;
  * the connection's own thread sees it with its next read. */

@@ -41,6 +41,7 @@ struct pel_websocket {
     unsigned first, count;
     size_t sent;              /* bytes of the first picture; 0: not begun */
     bool over, closing, said; /* a close frame: wanted, with the library */
+    bool broken;
     uint16_t code;
     char reason[121];
     int64_t ping_ns, pong_ns, close_ns; /* next, last, latest */
@@ -238,6 +239,13 @@ static void on_ready(void *user, GIOCondition ready)
             wslay_event_recv(ws->protocol) != 0 || (ready & G_IO_ERR) ||
             (ready & G_IO_HUP && !wslay_event_want_read(ws->protocol));
         ws->over = ws->over || failed; /* on_message may have set it */
+        /* The library has judged, and queued its own close frame. */
+        if (!failed && !ws->broken &&
+            !wslay_event_get_read_enabled(ws->protocol) &&
+            !wslay_event_get_close_received(ws->protocol)) {
+            ws->broken = true;
+            ws->handlers.on_broken(ws->user);
+        }
     }
     if (!ws->over) {
         keep_alive(ws);

@@ -7,12 +7,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "bounds.h"
 #include "frames/frames.h"
 
 #define PEL_WEBSOCKET_MAX_HEAD 80     /* bytes before a picture */
 #define PEL_WEBSOCKET_MAX_PICTURES 16 /* that wait or are being sent */
 #define PEL_WEBSOCKET_MAX_CONTROL 32  /* messages that wait */
-#define PEL_WEBSOCKET_MAX_MESSAGE (64 * 1024)
+#define PEL_WEBSOCKET_MAX_MESSAGE PEL_BOUND_LIVE_MESSAGE_BYTES
 
 /* Sec-WebSocket-Accept for a Sec-WebSocket-Key; false: no such key (16 bytes
  * in base64). Any thread. */
@@ -23,6 +24,8 @@ struct pel_websocket;
 struct pel_websocket_handlers {
     /* A whole binary message; may close, must not destroy. */
     void (*on_message)(void *user, const uint8_t *data, size_t size);
+    /* What came is too long or no WebSocket: said once, and closing. */
+    void (*on_broken)(void *user);
     /* The connection is over, said once; destroy it here. */
     void (*on_closed)(void *user);
 };

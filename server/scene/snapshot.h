@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "base/vec.h"
+#include "bounds.h"
 #include "ocean/sea.h"
 #include "optics/clouds.h"
 #include "optics/fog.h"
@@ -21,8 +22,8 @@
 #include "scene/ship.h"
 #include "seabed/seabed.h"
 
-#define PEL_MAX_VIEWS 64
-#define PEL_MAX_ENTITIES 256
+#define PEL_MAX_VIEWS PEL_BOUND_VIEWS
+#define PEL_MAX_ENTITIES PEL_BOUND_ENTITIES
 #define PEL_MAX_SHIPS 8 /* that helms sail */
 #define PEL_NAME_SIZE 65
 
