@@ -90,6 +90,30 @@ static void drifts_with_the_wind(void **state)
     pel_scene_destroy(scene);
 }
 
+/* A patch may take the wind or the plane away and touch a pose: what was before
+ * it has moved the boat. */
+static void what_moved_it_goes(void **state)
+{
+    (void)state;
+    static const char *const patches[] = {
+        "{\"sea\":null,\"entities\":{\"5\":{\"heading\":5}}}",
+        "{\"origin\":null,\"entities\":{\"5\":{\"heading\":5}}}",
+        "{\"sea\":null,\"entities\":{\"5\":{\"heading\":null}}}",
+        "{\"clock\":null,\"sea\":null,\"entities\":{\"5\":{\"speed\":0}}}",
+        "{\"sea\":null,\"entities\":{\"5\":{\"poseTime\":150}}}",
+    };
+    for (size_t i = 0; i < sizeof patches / sizeof patches[0]; i++) {
+        struct pel_scene *scene = begin();
+        go(scene, 150);
+        must(scene, patches[i]);
+        double now_s = pel_scene_state(scene)->clock->time;
+        struct pel_entity_state e = at(scene, 1, now_s);
+        assert_near(e.east_m, 30, 0.01); /* where the clock runs again */
+        assert_near(e.north_m, 0, 0.01);
+        pel_scene_destroy(scene);
+    }
+}
+
 static void swings_in_its_circle(void **state)
 {
     (void)state;
@@ -145,6 +169,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(drifts_with_the_wind),
+        cmocka_unit_test(what_moved_it_goes),
         cmocka_unit_test(swings_in_its_circle),
         cmocka_unit_test(any_order_is_the_same),
     };

@@ -209,7 +209,7 @@ static double wrapped(double degrees)
     return turned < 360.0 ? turned : 0;
 }
 
-/* Brings a place to where the wind takes it, in the snapshot's plane. */
+/* Brings a place to where the wind of `state` takes it, in its plane. */
 static void drift(const Pelagos__State *state, Pelagos__Entity *e,
                   double seconds)
 {
@@ -231,7 +231,8 @@ static void drift(const Pelagos__State *state, Pelagos__Entity *e,
     }
 }
 
-/* Brings a pose to time_s as the snapshot would, and stamps it. */
+/* Brings a pose to time_s as the snapshot of `state` would, and stamps it. That
+ * is the state before the edit: what the edit removes still moved it. */
 static void reckon(const Pelagos__State *state, Pelagos__Entity *e,
                    double time_s, double most_s)
 {
@@ -285,8 +286,9 @@ static Pelagos__Entity *entity_of(const Pelagos__State *state, uint32_t id)
 
 /* Before the edit: poses that it touches are brought to their new time. A NaN
  * or a time out of range leaves the pose: the test will refuse it. */
-static void reckon_patched(Pelagos__State *state, const Pelagos__State *patch,
-                           double time_s, double most_s)
+static void reckon_patched(const Pelagos__State *from, Pelagos__State *state,
+                           const Pelagos__State *patch, double time_s,
+                           double most_s)
 {
     for (size_t i = 0; i < patch->n_entities; i++) {
         const Pelagos__Entity *with = patch->entities[i];
@@ -294,13 +296,13 @@ static void reckon_patched(Pelagos__State *state, const Pelagos__State *patch,
         double at = with->has_pose_time ? with->pose_time : time_s;
         if (entity && (touches_pose(with) || touches_drift(with)) &&
             isfinite(at)) {
-            reckon(state, entity, at, most_s);
+            reckon(from, entity, at, most_s);
         }
     }
 }
 
-static void reckon_removed(Pelagos__State *state, const char *path,
-                           double time_s, double most_s)
+static void reckon_removed(const Pelagos__State *from, Pelagos__State *state,
+                           const char *path, double time_s, double most_s)
 {
     struct pel_path_info info;
     const char *dot = strchr(path, '.');
@@ -314,7 +316,7 @@ static void reckon_removed(Pelagos__State *state, const char *path,
     snprintf(element, sizeof element, "%.*s.id", (int)(field - path), path);
     if (strcmp(info.info->name, "name") != 0 &&
         pel_path_get(state, element, id, sizeof id, NULL) == PEL_OK) {
-        reckon(state, entity_of(state, (uint32_t)strtoul(id, NULL, 10)), time_s,
+        reckon(from, entity_of(state, (uint32_t)strtoul(id, NULL, 10)), time_s,
                most_s);
     }
 }
@@ -420,7 +422,8 @@ static bool brings_element(const Pelagos__State *patch, const char *path)
            PEL_ERR_NOT_FOUND;
 }
 
-static enum pel_err remove_all(Pelagos__State *state,
+static enum pel_err remove_all(const Pelagos__State *from,
+                               Pelagos__State *state,
                                const Pelagos__Patch *patch,
                                const Pelagos__State *brought, double time_s,
                                double most_s, struct pel_fault *fault)
@@ -430,7 +433,7 @@ static enum pel_err remove_all(Pelagos__State *state,
         struct pel_path_info info;
         enum pel_err err = pel_path_find(path, &info, fault);
         if (!err) {
-            reckon_removed(state, path, time_s, most_s);
+            reckon_removed(from, state, path, time_s, most_s);
             err = pel_path_remove(state, path, fault);
         }
         if (err == PEL_ERR_NOT_FOUND && info.info &&
@@ -547,12 +550,12 @@ enum pel_err pel_state_apply(const Pelagos__State *from,
     if (isfinite(time_s)) {
         carry_drift(state, patch, time_s, most_s);
     }
-    err = remove_all(state, patch, brought, time_s, most_s, fault);
+    err = remove_all(from, state, patch, brought, time_s, most_s, fault);
     if (!err && brought) {
         err = resolve_names(state, brought, fault);
     }
     if (!err && brought) {
-        reckon_patched(state, brought, time_s, most_s);
+        reckon_patched(from, state, brought, time_s, most_s);
         merge(&state->base, &brought->base);
     }
     if (!err && brought) {
