@@ -145,7 +145,7 @@ void pel_edges_mix(const struct pel_programs *p, const struct pel_targets *t,
         dispatch_by(t->edges);
         glBindImageTexture(PEL_IMAGE_COLOR, t->color, 0, GL_FALSE, 0,
                            GL_WRITE_ONLY, GL_RGBA8);
-        glUseProgram(p->outline_put);
+        glUseProgram(p->outline_put[p->lamps]);
         glUniform1i(0, toned && radiance);
         dispatch_by(t->edges);
         glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);

@@ -18,6 +18,10 @@
 #define BESIDE_M 0.25 /* rays to it that decide how much of it is hidden */
 #define LAND_STEPS 96
 
+#define SPOT_BYTES ((GLsizeiptr)sizeof(struct pel_shader_spot) * PEL_LAMP_SPOTS)
+#define TILE_BYTES ((GLsizeiptr)sizeof(uint32_t) * PEL_LAMP_TILES)
+_Static_assert(PEL_LAMP_SPOTS == PEL_MAX_LAMPS, "a spot for each lamp");
+
 static double luminance(const double m[9], const double light[3])
 {
     static const double weight[3] = { 0.2126, 0.7152, 0.0722 };
@@ -165,19 +169,21 @@ enum pel_err pel_lamp_map_need(struct pel_lamp_map *map,
             return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
         }
         glCreateBuffers(1, &map->spots);
-        glNamedBufferStorage(map->spots,
-                             sizeof(struct pel_shader_spot) * PEL_MAX_LAMPS,
-                             NULL, 0);
+        glNamedBufferStorage(map->spots, SPOT_BYTES + TILE_BYTES, NULL, 0);
         glObjectLabel(GL_BUFFER, map->spots, -1, "lamps");
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &map->spots_texels);
-        glTextureBuffer(map->spots_texels, GL_RGBA32F, map->spots);
+        glTextureBufferRange(map->spots_texels, GL_RGBA32F, map->spots, 0,
+                             SPOT_BYTES);
+        glCreateTextures(GL_TEXTURE_BUFFER, 1, &map->tiles);
+        glTextureBufferRange(map->tiles, GL_R32UI, map->spots, SPOT_BYTES,
+                             TILE_BYTES);
         glCreateFramebuffers(1, &map->fbo);
     }
     char defines[512];
     snprintf(defines, sizeof defines, "%s%s", pel_light_defines(p->light),
              p->compute ? "#define PEL_KEYS\n" : "");
     GLuint *find = &map->find[p->compute][p->light],
-           *tone = &map->tone[p->light];
+           *tone = &map->tone[p->light], *again = &map->again[p->light];
     enum pel_err err = PEL_OK;
     if (!*find) {
         err = pel_program_create(p->shader_dir, "lamps.comp", NULL, defines,
@@ -187,11 +193,15 @@ enum pel_err pel_lamp_map_need(struct pel_lamp_map *map,
         err = pel_program_create(p->shader_dir, "lamp.vert", "lamp.frag", NULL,
                                  &map->put, fault);
     }
+    snprintf(defines, sizeof defines, "%s#define PEL_LAMPS\n",
+             pel_light_defines(p->light));
     if (err == PEL_OK && !*tone) {
-        snprintf(defines, sizeof defines, "%s#define PEL_LAMPS\n",
-                 pel_light_defines(p->light));
         err = pel_program_create(p->shader_dir, "screen.vert", "tone.frag",
                                  defines, tone, fault);
+    }
+    if (err == PEL_OK && !*again) {
+        err = pel_program_create(p->shader_dir, "lamptile.vert", "tone.frag",
+                                 defines, again, fault);
     }
     return err;
 }
@@ -200,11 +210,13 @@ void pel_lamp_map_finish(struct pel_lamp_map *map)
 {
     glDeleteBuffers(1, &map->spots);
     glDeleteTextures(1, &map->spots_texels);
+    glDeleteTextures(1, &map->tiles);
     glDeleteFramebuffers(1, &map->fbo);
     for (int i = 0; i < PEL_LIGHT_KINDS; i++) {
         glDeleteProgram(map->find[0][i]);
         glDeleteProgram(map->find[1][i]);
         glDeleteProgram(map->tone[i]);
+        glDeleteProgram(map->again[i]);
     }
     glDeleteProgram(map->put);
     free(map->lamps);
@@ -227,6 +239,8 @@ void pel_lamp_map_find(struct pel_lamp_map *map, const struct pel_programs *p,
     }
     pel_arena_bind(arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_LAMPS, map->lamps,
                    sizeof *map->lamps * map->count);
+    glClearNamedBufferSubData(map->spots, GL_R32UI, SPOT_BYTES, TILE_BYTES,
+                              GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_SPOTS, map->spots);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, targets->triangles);
     glUseProgram(map->find[p->compute][p->light]);
@@ -250,4 +264,22 @@ void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light)
     glUseProgram(map->put);
     glDrawArraysInstanced(GL_TRIANGLES, 0, 6, (GLsizei)map->count);
     glDisable(GL_BLEND);
+}
+
+void pel_lamp_map_tone(struct pel_lamp_map *map, const struct pel_programs *p,
+                       int width, int height)
+{
+    int across = (width - 1) / PEL_LAMP_TILE + 1,
+        down = (height - 1) / PEL_LAMP_TILE + 1;
+    if (map->count == 0) {
+        return;
+    }
+    if (across * down > PEL_LAMP_TILES) {
+        glUseProgram(map->tone[p->light]);
+        glDrawArrays(GL_TRIANGLES, 0, 3);
+        return;
+    }
+    glBindTextureUnit(PEL_UNIT_LAMPS, map->tiles);
+    glUseProgram(map->again[p->light]);
+    glDrawArraysInstanced(GL_TRIANGLES, 0, 6, across * down);
 }

@@ -17,10 +17,10 @@
 #include "render/targets.h"
 
 struct pel_lamp_map {
-    GLuint spots, spots_texels; /* buffer and its view */
+    GLuint spots, spots_texels, tiles; /* buffer and its views */
     GLuint fbo;
     GLuint find[2][PEL_LIGHT_KINDS]; /* programs, the second by keys */
-    GLuint put, tone[PEL_LIGHT_KINDS];
+    GLuint put, tone[PEL_LIGHT_KINDS], again[PEL_LIGHT_KINDS];
     struct pel_shader_lamp *lamps;
     size_t count; /* of the last view */
 };
@@ -49,3 +49,9 @@ void pel_lamp_map_find(struct pel_lamp_map *map,
 
 /* Adds them to the light in a texture. */
 void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light);
+
+/* Draws with `programs`' tone over what they were added to of the view's
+ * targets, of `width` and `height`: framebuffer and light are bound. */
+void pel_lamp_map_tone(struct pel_lamp_map *map,
+                       const struct pel_programs *programs, int width,
+                       int height);

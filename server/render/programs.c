@@ -262,6 +262,12 @@ static enum pel_err need_cloudscape(struct pel_programs *p,
                               defines, program, fault);
 }
 
+int pel_programs_backdrop(const struct pel_programs *p, enum pel_shading kind)
+{
+    bool toned = kind < PEL_SHADE_LIGHT;
+    return (int)kind + (toned && p->lamps ? PEL_SHADE_COUNT : 0);
+}
+
 /* Makes the programs that this kind of sea and picture wants; those with
  * layers most never are. */
 static enum pel_err need_sea_programs(struct pel_programs *all,
@@ -314,11 +320,13 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
                                PEL_OBJECTS_UNKNOWN, &p->fragments[kind], fault);
     }
     for (int disc = 0; disc < 2; disc++) {
-        GLuint *program = disc ? &all->disc[all->look][kind]
-                               : &all->backdrop[all->look][kind];
-        char defines[320];
+        const int place = pel_programs_backdrop(all, kind);
+        GLuint *program = disc ? &all->disc[all->look][place]
+                               : &all->backdrop[all->look][place];
+        char defines[340];
         /* Another's disc may be in its box. */
-        snprintf(defines, sizeof defines, "%s%s%s%s%s", kind_defines[kind],
+        snprintf(defines, sizeof defines, "%s%s%s%s%s%s", kind_defines[kind],
+                 place != (int)kind ? "#define PEL_LAMPS\n" : "",
                  pel_light_defines(all->light - all->light % PEL_LIGHT_CLOUDED),
                  pel_sky_look_defines(all->look),
                  all->light % PEL_LIGHT_NIGHT == PEL_LIGHT_TWO
@@ -371,8 +379,9 @@ bool pel_programs_have_edges(const struct pel_programs *p)
 enum pel_err pel_programs_need_edges(struct pel_programs *all,
                                      struct pel_fault *fault)
 {
-    char put[32 + PEL_LIGHT_TEXT];
-    snprintf(put, sizeof put, "#define PEL_PUT\n%s",
+    char put[64 + PEL_LIGHT_TEXT];
+    snprintf(put, sizeof put, "#define PEL_PUT\n%s%s",
+             all->lamps ? "#define PEL_LAMPS\n" : "",
              pel_light_defines(all->light));
     const char *keys = all->compute ? "#define PEL_KEYS\n" : NULL;
     const struct {
@@ -384,7 +393,7 @@ enum pel_err pel_programs_need_edges(struct pel_programs *all,
         { &all->outline, "outline.comp", keys, true },
         { &all->outline_mix, "outline_mix.comp", pel_light_defines(all->light),
           true },
-        { &all->outline_put, "outline_mix.comp", put, true },
+        { &all->outline_put[all->lamps], "outline_mix.comp", put, true },
         { &all->clear_keys, "clear.comp", NULL, all->compute },
     };
     enum pel_err err = PEL_OK;
@@ -472,9 +481,10 @@ static void finish_light(struct pel_programs *p)
     glDeleteProgram(p->outline_find);
     glDeleteProgram(p->outline);
     glDeleteProgram(p->outline_mix);
-    glDeleteProgram(p->outline_put);
+    glDeleteProgram(p->outline_put[0]);
+    glDeleteProgram(p->outline_put[1]);
     glDeleteProgram(p->clear_keys);
-    for (int i = 0; i < PEL_SKY_LOOKS * PEL_SHADE_COUNT; i++) {
+    for (int i = 0; i < PEL_SKY_LOOKS * PEL_BACKDROPS; i++) {
         glDeleteProgram(p->backdrop[0][i]);
         glDeleteProgram(p->disc[0][i]);
     }

@@ -76,6 +76,9 @@ struct pel_sea_programs {
  * bottom that waves feel, clouds below the eye, lamps. */
 #define PEL_SEA_PROGRAMS 288
 
+/* By enum pel_shading, and those of them that tone for pictures with lamps. */
+#define PEL_BACKDROPS (PEL_SHADE_COUNT + PEL_SHADE_LIGHT)
+
 struct pel_programs {
     const char *shader_dir;
     const struct pel_filtering *filtering; /* settled */
@@ -84,12 +87,12 @@ struct pel_programs {
     bool textured;  /* so are objects */
     bool automatic; /* not chosen by an option: may fall back to fragments */
     GLuint surface, search, tone;
-    GLuint outline_find, outline; /* in compute with either wrapper */
-    GLuint outline_mix, outline_put;
-    GLuint clear_keys; /* after outlines, in compute */
+    GLuint outline_find, outline;       /* in compute with either wrapper */
+    GLuint outline_mix, outline_put[2]; /* of pictures with lamps */
+    GLuint clear_keys;                  /* after outlines, in compute */
     /* By the sky's look: without a disc, and with discs. */
-    GLuint backdrop[PEL_SKY_LOOKS][PEL_SHADE_COUNT];
-    GLuint disc[PEL_SKY_LOOKS][PEL_SHADE_COUNT];
+    GLuint backdrop[PEL_SKY_LOOKS][PEL_BACKDROPS];
+    GLuint disc[PEL_SKY_LOOKS][PEL_BACKDROPS];
     GLuint cloudscape[PEL_SKY_LOOKS]; /* of a sky with clouds */
     enum pel_sky_look look;           /* wanted */
     bool wakes, wash;                 /* those with them are wanted */
@@ -117,6 +120,9 @@ void pel_programs_texture(struct pel_programs *p, bool textured);
 PEL_CHECK enum pel_err pel_programs_take_light(struct pel_programs *p,
                                                enum pel_programs_light light,
                                                struct pel_fault *fault);
+
+/* The place of a backdrop's program. */
+int pel_programs_backdrop(const struct pel_programs *p, enum pel_shading kind);
 
 /* Whether clouds or fog veil the lights; what of the above they add. */
 bool pel_light_veiled(const struct pel_environment *env);

@@ -343,17 +343,18 @@ static bool draws_edges(const struct pel_renderer *r,
     return c->antialiasing && !thermal && pel_programs_have_edges(&r->programs);
 }
 
-/* Lamps, drops and the eye's loss of detail come between light and colour. */
+/* Drops and the eye's loss of detail come between light and colour
+ * everywhere. */
 static bool is_toned_last(const struct pel_environment *env,
                           const struct pel_draw *draw, unsigned layers)
 {
-    return env->lamp_count > 0 || pel_fall_map_shows(env, layers) ||
+    return pel_fall_map_shows(env, layers) ||
            pel_pane_map_shows(&draw->camera, layers) ||
            pel_acuity_border(env, &draw->camera, draw->layers) > 0;
 }
 
 /* Outlines are mixed in radiance, objects as fragments with what is behind
- * them. */
+ * them; lamps are added to it. */
 static unsigned to_shade(const struct pel_renderer *r,
                          const struct pel_environment *env,
                          const struct pel_draw *draw)
@@ -361,7 +362,7 @@ static unsigned to_shade(const struct pel_renderer *r,
     unsigned layers = pel_sensing_layers(&draw->camera, draw->layers);
     bool mixed = draws_edges(r, &draw->camera) ||
                  (env->object_count && !r->programs.compute) ||
-                 is_toned_last(env, draw, layers);
+                 env->lamp_count > 0 || is_toned_last(env, draw, layers);
     return mixed ? layers | PEL_LAYER_RADIANCE : layers;
 }
 
@@ -588,6 +589,8 @@ static void draw_pixels(struct pel_renderer *r,
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
     if (!toned && asked & PEL_LAYER_COLOR) {
         pel_shade_tone(r, c, light);
+    } else if (asked & PEL_LAYER_COLOR && env->lamp_count > 0) {
+        pel_shade_tone_lamps(r, c);
     }
 }
 

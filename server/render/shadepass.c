@@ -183,19 +183,20 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
                   const struct pel_sea_programs *p, const struct pel_pass *pass)
 {
     enum pel_shading kind = pass->kind;
+    const int backdrop = pel_programs_backdrop(&r->programs, kind);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER,
                       pel_targets_attach(&r->targets, pass));
     glEnable(GL_DEPTH_TEST);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
     glDepthFunc(GL_EQUAL);
-    glUseProgram(r->programs.backdrop[r->programs.look][kind]);
+    glUseProgram(r->programs.backdrop[r->programs.look][backdrop]);
     pel_pass_use(pass);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     for (int i = 0; i < PEL_LIGHTS; i++) {
         if (discs[i].width > 0 && discs[i].height > 0) {
             glEnable(GL_SCISSOR_TEST);
             glScissor(discs[i].x, discs[i].y, discs[i].width, discs[i].height);
-            glUseProgram(r->programs.disc[r->programs.look][kind]);
+            glUseProgram(r->programs.disc[r->programs.look][backdrop]);
             pel_pass_use(pass);
             glDrawArrays(GL_TRIANGLES, 0, 3);
             glDisable(GL_SCISSOR_TEST);
@@ -293,7 +294,8 @@ static void begin_tone(struct pel_renderer *r, GLuint light)
     glBindTextureUnit(PEL_UNIT_RADIANCE, light);
     glDisable(GL_DEPTH_TEST);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
-    glUseProgram(r->programs.tone);
+    glUseProgram(r->programs.lamps ? r->lamps.tone[r->programs.light]
+                                   : r->programs.tone);
 }
 
 /* Once more where objects went over what was toned at once. */
@@ -368,11 +370,17 @@ void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c,
                     GLuint light)
 {
     begin_tone(r, light);
-    if (r->programs.lamps) {
-        glUseProgram(r->lamps.tone[r->programs.light]);
-    }
     glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void pel_shade_tone_lamps(struct pel_renderer *r, const struct pel_camera *c)
+{
+    const GLsizei width = (GLsizei)c->width + 2 * r->margin;
+    const GLsizei height = (GLsizei)c->height + 2 * r->margin;
+    begin_tone(r, r->targets.planes[PEL_AT_RADIANCE]);
+    glViewport(0, 0, width, height);
+    pel_lamp_map_tone(&r->lamps, &r->programs, width, height);
 }
 
 void pel_shade_sense(struct pel_renderer *r, const struct pel_environment *env,

@@ -35,6 +35,9 @@ void pel_shade_box(const struct pel_renderer *r, const struct pel_camera *c,
 void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c,
                     GLuint light);
 
+/* The same where lamps were added to the targets' radiance. */
+void pel_shade_tone_lamps(struct pel_renderer *r, const struct pel_camera *c);
+
 /* The same of a sensor's picture (render/sensing.h). */
 void pel_shade_sense(struct pel_renderer *r, const struct pel_environment *env,
                      const struct pel_camera *c);

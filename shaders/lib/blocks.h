@@ -383,6 +383,11 @@ struct pel_vec4 {
 #define PEL_LAMP_LEAST_PX 2.2
 #define PEL_LAMP_SHOWN 1e-3
 #define PEL_LAMP_SLACK 2e-3
+/* Tiles of so many pixels a side are toned again where a lamp shines on them;
+ * marks of as many as a picture may have follow the spots in their buffer. */
+#define PEL_LAMP_TILE 32
+#define PEL_LAMP_TILES (160 * 160)
+#define PEL_LAMP_SPOTS 1024
 /* And those that the sea mirrors: texels of each, and the slopes that mirror
  * it, in standard deviations. */
 #define PEL_GLOW_TEXELS 5
