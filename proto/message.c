@@ -74,17 +74,6 @@ ProtobufCMessage *pel_message_new(const ProtobufCMessageDescriptor *type)
     return message;
 }
 
-ProtobufCMessage *pel_message_copy(const ProtobufCMessage *message)
-{
-    size_t size = protobuf_c_message_get_packed_size(message);
-    uint8_t *bytes = checked(malloc(size + 1));
-    protobuf_c_message_pack(message, bytes);
-    ProtobufCMessage *copy = checked(
-        protobuf_c_message_unpack(message->descriptor, NULL, size, bytes));
-    free(bytes);
-    return copy;
-}
-
 bool pel_message_has(const ProtobufCMessage *message,
                      const ProtobufCFieldDescriptor *field)
 {
@@ -100,6 +89,77 @@ bool pel_message_has(const ProtobufCMessage *message,
         return value && value != field->default_value;
     }
     return *(protobuf_c_boolean *)at(message, field->quantifier_offset);
+}
+
+static void copy_value(const ProtobufCFieldDescriptor *field, void *to,
+                       const void *from)
+{
+    if (field->type == PROTOBUF_C_TYPE_MESSAGE) {
+        *(ProtobufCMessage **)to =
+            pel_message_copy(*(ProtobufCMessage *const *)from);
+    } else if (field->type == PROTOBUF_C_TYPE_STRING) {
+        *(char **)to = duplicate(*(char *const *)from);
+    } else if (field->type == PROTOBUF_C_TYPE_BYTES) {
+        const ProtobufCBinaryData *bytes = from;
+        ProtobufCBinaryData *copy = to;
+        copy->len = bytes->len;
+        copy->data = checked(malloc(bytes->len + 1));
+        memcpy(copy->data, bytes->data, bytes->len);
+    } else {
+        memcpy(to, from, pel_message_value_size(field));
+    }
+}
+
+/* By its fields: what protobuf-c packs of unknown ones it may not be able to
+ * read again. */
+ProtobufCMessage *pel_message_copy(const ProtobufCMessage *message)
+{
+    const ProtobufCMessageDescriptor *type = message->descriptor;
+    ProtobufCMessage *copy = pel_message_new(type);
+    for (unsigned i = 0; i < type->n_fields; i++) {
+        const ProtobufCFieldDescriptor *field = &type->fields[i];
+        char *from = pel_message_member(message, field);
+        char *to = pel_message_member(copy, field);
+        if (!pel_message_has(message, field)) {
+            continue;
+        }
+        if (field->label != PROTOBUF_C_LABEL_REPEATED) {
+            copy_value(field, to, from);
+            pel_message_mark(copy, field);
+            continue;
+        }
+        size_t count = *count_of(message, field);
+        size_t size = pel_message_value_size(field);
+        char *values = checked(malloc(count * size));
+        for (size_t k = 0; k < count; k++) {
+            copy_value(field, values + k * size, *(char **)from + k * size);
+        }
+        *(char **)to = values;
+        *count_of(copy, field) = count;
+    }
+    return copy;
+}
+
+void pel_message_forget_unknown(ProtobufCMessage *message)
+{
+    const ProtobufCMessageDescriptor *type = message->descriptor;
+    message->n_unknown_fields = 0;
+    message->unknown_fields = NULL;
+    for (unsigned i = 0; i < type->n_fields; i++) {
+        const ProtobufCFieldDescriptor *field = &type->fields[i];
+        if (field->type != PROTOBUF_C_TYPE_MESSAGE ||
+            !pel_message_has(message, field)) {
+            continue;
+        }
+        size_t count = 1;
+        ProtobufCMessage **list = pel_message_member(message, field);
+        if (field->label == PROTOBUF_C_LABEL_REPEATED) {
+            list = pel_message_list(message, field, &count);
+        }
+        for (size_t k = 0; k < count; k++) {
+            pel_message_forget_unknown(list[k]);
+        }
+    }
 }
 
 static void free_value(const ProtobufCFieldDescriptor *field, void *member)

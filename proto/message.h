@@ -11,8 +11,13 @@
 /* An empty message: nothing present. */
 ProtobufCMessage *pel_message_new(const ProtobufCMessageDescriptor *type);
 
-/* A deep copy. */
+/* A deep copy of what the schema knows. */
 ProtobufCMessage *pel_message_copy(const ProtobufCMessage *message);
+
+/* Drops what the schema does not know, all the way down, of a message that an
+ * allocator of its own keeps (unpack.h): nothing is freed. What protobuf-c
+ * packs of such fields it may not be able to read again. */
+void pel_message_forget_unknown(ProtobufCMessage *message);
 
 /* Whether a field is there: set, or a list with elements. */
 bool pel_message_has(const ProtobufCMessage *message,

@@ -13,6 +13,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/urgent.h"
+#include "message.h"
 #include "net/command.h"
 #include "net/session_parts.h"
 #include "wire.h"
@@ -159,6 +160,7 @@ static void take_message(struct session *self, const uint8_t *data, size_t size)
         malformed(self, "the message is not a pelagos.Request");
         return;
     }
+    pel_message_forget_unknown(&request->base);
     unsigned command = request->command_case;
     if (command < PEL_SESSION_COMMANDS) {
         self->all->requests[command]++;

@@ -3,22 +3,31 @@
 #include <stdlib.h>
 
 #include "fuzz_scene.h"
+#include "message.h"
+#include "unpack.h"
 #include "wire.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void one_request(const uint8_t *data, size_t size)
 {
-    Pelagos__Request *request = pelagos__request__unpack(NULL, size, data);
+    static struct pel_unpack unpack;
+    if (!unpack.allocator.alloc) {
+        pel_unpack_init(&unpack);
+    }
+    Pelagos__Request *request =
+        pelagos__request__unpack(&unpack.allocator, size, data);
     if (!request) {
+        pel_unpack_reset(&unpack);
         return;
     }
+    pel_message_forget_unknown(&request->base);
     free(pel_json_from_message(&request->base, false));
     if (request->command_case == PELAGOS__REQUEST__COMMAND_PATCH &&
         request->patch) {
         fuzz_edit(request->patch);
     }
-    pelagos__request__free_unpacked(request, NULL);
+    pel_unpack_reset(&unpack);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
