@@ -512,6 +512,9 @@ lint: deps build/compile_commands.json ## walls, headers, format, clang-tidy, lo
 	$(Q)tests/run $(LINT)
 lint-layers lint-headers lint-format lint-tidy: lint-%: build/compile_commands.json
 	$(Q)tests/lint/$*.py
+.PHONY: lint-deep
+lint-deep: deps build/compile_commands.json ## clang-tidy as far as its analyser goes by itself: twenty minutes of two cores
+	$(Q)tests/lint/tidy.py --deep
 
 # clangd finds it there; so does what lints.
 .PHONY: compile_commands.json
