@@ -173,6 +173,10 @@ static void stand(struct pel_job *job, size_t first, size_t count)
     env->lamp_count =
         pel_snapshot_lamps(job->snapshot, env->time_s, job->objects,
                            env->object_count, job->lamps);
+    const struct pel_lightning *l = &job->snapshot->lightning;
+    env->storm = l->per_minute > 0 && l->thickness_m > 0;
+    env->glow_count = pel_lightning_glows(l, env->time_s, PEL_FALL_SHUTTER_S,
+                                          env->glows, PEL_LIGHTNING_GLOWS);
     env->wakes = pel_wakes_at(job->snapshot->wakes, env->time_s);
     env->wash = pel_snapshot_wash(job->snapshot, env->time_s);
     for (size_t i = first; i < first + count; i++) {

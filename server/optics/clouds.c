@@ -196,3 +196,40 @@ double pel_cloud_through(double b, double mu)
     /* The net flux is the same at every depth: -4 pi H. */
     return (-4.0 * PEL_PI / 3) * d / mu;
 }
+
+/* Images: near enough to it that four of them on either side do. */
+static double near_glow(double aside, double same, double other, double period)
+{
+    double sum = 0;
+    for (int k = -2; k <= 2; k++) {
+        /* The last are as far as what would follow them. */
+        sum += (abs(k) < 2 ? 1 : 0.5) / hypot(aside, same + k * period) -
+               (k < 2 ? 1 / hypot(aside, other + k * period) : 0);
+    }
+    return fmax(sum, 0);
+}
+
+/* Modes between the two sides, sin sin K0, by K0's series for far away. */
+static double far_glow(double aside, double same, double other, double period)
+{
+    double sum = 0;
+    for (int n = 1; n <= 3; n++) {
+        double k = 2 * PEL_PI * n / period, x = k * aside;
+        double k0 = sqrt(PEL_PI / (2 * x)) * exp(-x) *
+                    (1 - 0.125 / x + 0.0703125 / (x * x));
+        /* 2 sin a sin b = cos(a - b) - cos(a + b) */
+        sum += (cos(k * same) - cos(k * other)) * k0;
+    }
+    return fmax(sum, 0) * 4 / period;
+}
+
+double pel_cloud_within(double l, double high, double across, double z,
+                        double from)
+{
+    double beyond = l * 2 / 3, period = 2 * (high + 2 * beyond);
+    double aside = hypot(across, l), same = from - z,
+           other = from + z + 2 * beyond;
+    return (aside < 0.25 * period ? near_glow(aside, same, other, period)
+                                  : far_glow(aside, same, other, period)) *
+           3 / (4 * PEL_PI * l);
+}

@@ -63,3 +63,11 @@ double pel_cloud_glow(double t, double b, double mu);
 /* Share of the light on a level plane that such a slab of optical depth b lets
  * through, the beam itself included. */
 double pel_cloud_through(double b, double mu);
+
+/* Mean intensity at height z over the base of a layer `high` thick, `across`
+ * metres aside of a point at height `from` that gives off 1 a steradian: by
+ * diffusion, 3 / (4 pi l r), l the length on which light forgets its way, less
+ * the images that make it end 2/3 l beyond either side; far away the modes that
+ * these are [1/m2]. */
+double pel_cloud_within(double l, double high, double across, double z,
+                        double from);

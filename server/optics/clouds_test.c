@@ -121,6 +121,94 @@ static void lets_through_what_photons_do(void **state)
     }
 }
 
+enum { RINGS = 5, RING_M = 600 };
+
+/* Mean intensity in the lowest 200 m of a slab, in rings about a lamp within
+ * that gives off 1 a steradian; photons in three dimensions. */
+static void about_a_lamp(double extinction, double high, double from,
+                         int photons, double out[RINGS])
+{
+    enum { LOW_M = 200 };
+    uint64_t s = 23;
+    for (int k = 0; k < RINGS; k++) {
+        out[k] = 0;
+    }
+    for (int i = 0; i < photons; i++) {
+        double x[3] = { 0, 0, from }, mu = 2 * number(&s) - 1,
+               turn = 2 * M_PI * number(&s);
+        while (x[2] >= 0 && x[2] <= high) {
+            double far = -log(number(&s)) / extinction,
+                   level = sqrt(fmax(1 - mu * mu, 0));
+            const double way[3] = { level * cos(turn), level * sin(turn), mu };
+            if (x[2] + far * mu > high + LOW_M || x[2] + far * mu < 0 ||
+                x[2] < LOW_M || x[2] + far * mu < LOW_M) {
+                /* In short steps where it counts. */
+                for (double at = 2.5; at < far; at += 5) {
+                    double z = x[2] + at * mu;
+                    if (z < 0 || z > high) {
+                        break;
+                    }
+                    int ring =
+                        (int)(hypot(x[0] + at * way[0], x[1] + at * way[1]) /
+                              RING_M);
+                    if (z < LOW_M && ring < RINGS) {
+                        out[ring] += 5;
+                    }
+                }
+            }
+            for (int a = 0; a < 3; a++) {
+                x[a] += far * way[a];
+            }
+            /* Henyey and Greenstein, about the way that it had. */
+            double q = (1 - 0.85 * 0.85) / (1 - 0.85 + 1.7 * number(&s)),
+                   c = (1 + 0.85 * 0.85 - q * q) / 1.7,
+                   side = sqrt(fmax(1 - c * c, 0)),
+                   about = 2 * M_PI * number(&s);
+            double next = mu * c + level * side * cos(about);
+            next = fmax(-1, fmin(1, next));
+            double out_level = sqrt(fmax(1 - next * next, 1e-12)),
+                   bend = (c - mu * next) / fmax(level * out_level, 1e-9);
+            turn += copysign(acos(fmax(-1, fmin(1, bend))), sin(about));
+            mu = next;
+        }
+    }
+    for (int k = 0; k < RINGS; k++) {
+        double volume = M_PI * RING_M * RING_M * (2 * k + 1) * LOW_M;
+        /* 4 pi of power; mean intensity is what passes over 4 pi. */
+        out[k] /= volume * photons;
+    }
+}
+
+/* A flash within clouds, seen at their base. */
+static void shines_through_like_photons(void **state)
+{
+    (void)state;
+    enum { PHOTONS = 40000 };
+    const double extinction = 0.03, high = 2500;
+    double l = 1 / (0.15 * extinction), theirs[RINGS], worst = 0;
+    for (int n = 0; n < 2; n++) {
+        double from = n ? 1000 : 400;
+        about_a_lamp(extinction, high, from, PHOTONS, theirs);
+        for (int k = 0; k < RINGS; k++) {
+            double ours = 0;
+            enum { PARTS = 40 };
+            for (int i = 0; i < PARTS; i++) {
+                double across = RING_M * (k + (i + 0.5) / PARTS);
+                double share =
+                    2 * (k + (i + 0.5) / PARTS) / ((2 * k + 1) * PARTS);
+                ours += share * pel_cloud_within(l, high, across, 100, from);
+            }
+            print_message("lamp at %.0f m, ring %.1f km: %.2e of %.2e, "
+                          "%+.0f %%\n",
+                          from, (k + 0.5) * RING_M * 1e-3, ours, theirs[k],
+                          100 * (ours / theirs[k] - 1));
+            worst = fmax(worst, fabs(ours / theirs[k] - 1));
+        }
+    }
+    /* Diffusion does not hold within l of a side. */
+    assert_true(worst < 0.3);
+}
+
 /* The glow at the lower side is that of the flux that leaves there. */
 static void glow_below_is_what_leaves(void **state)
 {
@@ -147,6 +235,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(covers_what_is_asked),
         cmocka_unit_test(lets_through_what_photons_do),
+        cmocka_unit_test(shines_through_like_photons),
         cmocka_unit_test(glow_below_is_what_leaves),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

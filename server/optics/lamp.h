@@ -3,6 +3,7 @@
  * renderer's. Any thread. */
 #pragma once
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/vec.h"
@@ -29,6 +30,8 @@ struct pel_lamp {
     double beam_rad;   /* > 0: a beam instead, a bell about `ahead` that has
                           half its strength at this angle */
     double size_m;     /* diameter of what is seen to glow */
+    bool unseen;       /* itself, size_m wide; what it lights and what mirrors
+                          it are seen */
     int mirrors;       /* for how many, itself among them, the sea mirrors it
                           and things are lit by it; 0: itself; -1: for none */
 };

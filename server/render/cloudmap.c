@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "optics/light.h"
+#include "render/lampglow.h"
 #include "render/programs.h"
 #include "render/shader.h"
 #include "shaders/lib/blocks.h"
@@ -157,9 +159,46 @@ static bool row_has_sky(const struct pel_block_view *v, double row,
     return false;
 }
 
+/* What flashes light within them, about the eye. */
+static void set_glows(GLuint program, const struct pel_environment *env,
+                      const struct pel_camera *camera)
+{
+    float places[PEL_CLOUD_GLOWS][4] = { 0 };
+    double brightest = 0, m[9], inverse[9], light[3] = { 0 };
+    for (size_t i = 0; i < env->glow_count; i++) {
+        brightest = fmax(brightest, env->glows[i].intensity_cd[1]);
+    }
+    for (size_t i = 0; i < env->glow_count; i++) {
+        const struct pel_lightning_glow *g = &env->glows[i];
+        places[i][0] = (float)(g->east_m - camera->east_m);
+        places[i][1] = (float)(g->north_m - camera->north_m);
+        places[i][2] = (float)g->altitude_m;
+        places[i][3] = (float)(g->intensity_cd[1] / brightest);
+    }
+    if (env->glow_count > 0) {
+        /* Of one colour all. */
+        const double *colour = env->glows[0].intensity_cd;
+        const double all[3] = { brightest * colour[0] / colour[1], brightest,
+                                brightest * colour[2] / colour[1] };
+        pel_lights_colours(env->lights, env->lit, env->night.on, m);
+        pel_lamp_inverse(m, inverse);
+        pel_lamp_spectral(m, inverse, all, light);
+    }
+    glProgramUniform1i(program, PEL_UNIFORM_GLOW_COUNT, (GLint)env->glow_count);
+    glProgramUniform3f(program, PEL_UNIFORM_GLOW_LIGHT, (float)light[0],
+                       (float)light[1], (float)light[2]);
+    glProgramUniform4fv(program, PEL_UNIFORM_GLOWS, PEL_CLOUD_GLOWS,
+                        &places[0][0]);
+}
+
 void pel_cloud_map_scape(struct pel_cloud_map *map, GLuint program,
+                         const struct pel_environment *env,
+                         const struct pel_camera *camera,
                          const struct pel_block_view *view)
 {
+    if (env->storm) {
+        set_glows(program, env, camera);
+    }
     GLsizei width = nodes(view->pixel.z, view->size.x, view->size.w),
             height = nodes(view->pixel.w, view->size.y, view->size.w);
     if (width > map->width || height > map->height) {

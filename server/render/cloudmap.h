@@ -40,8 +40,10 @@ void pel_cloud_map_bind(struct pel_cloud_map *map,
                         void *user);
 
 /* Draws them before the sky of *view, which is bound, by `program`
- * (cloudscape.frag), and makes that current on its unit. */
+ * (cloudscape.frag), and makes that current on its unit. env: its flashes. */
 void pel_cloud_map_scape(struct pel_cloud_map *map, GLuint program,
+                         const struct pel_environment *env,
+                         const struct pel_camera *camera,
                          const struct pel_block_view *view);
 
 void pel_cloud_map_finish(struct pel_cloud_map *map);

@@ -128,12 +128,14 @@ static void describe(const struct candidate *c, const double m[9],
         l->beam_rad > 0 ? l->ahead
                         : pel_vec3_add(pel_vec3_scale(l->ahead, cos(middle)),
                                        pel_vec3_scale(right, sin(middle)));
+    /* Deviation of where its light comes from; lamps are points. */
+    double wide = l->unseen ? 0.25 * l->size_m : 0;
     const double all[4 * PEL_GLOW_TEXELS] = {
         c->offset.x,   c->offset.y, c->offset.z, extinction,
         light[0],      light[1],    light[2],    l->beam_rad,
         axis.x,        axis.y,      axis.z,      fmin(0.5 * l->arc_rad, 4),
         l->up.x,       l->up.y,     l->up.z,     fmax(l->cutoff_rad, 1e-3),
-        l->spread_rad, 0,           0,           0,
+        l->spread_rad, wide,        0,           0,
     };
     put_floats(words, all);
 }
@@ -169,8 +171,10 @@ static uint32_t mask_of(const struct pel_camera *c, double height_m,
         struct pel_vec3 dir = pel_vec3_normalize(pel_mat3_apply(
             &c->world_from_camera, (struct pel_vec3){ x, y, -1 }));
         for (size_t k = 0; k < count; k++) {
-            mask |=
-                slope_for(dir, height_m, glows[k].offset) < most ? 1U << k : 0;
+            mask |= glows[k].lamp->unseen ||
+                            slope_for(dir, height_m, glows[k].offset) < most
+                        ? 1U << k
+                        : 0;
         }
     }
     return mask;

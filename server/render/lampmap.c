@@ -128,7 +128,8 @@ void pel_lamp_map_plan(struct pel_lamp_map *map,
             eye,
             (struct pel_vec3){ lamp->east_m, lamp->north_m, lamp->altitude_m });
         double away_m = sqrt(pel_vec3_dot(offset, offset)), place[2];
-        if (!(away_m > 0.1) || !place_of(c, view, offset, place)) {
+        if (lamp->unseen || !(away_m > 0.1) ||
+            !place_of(c, view, offset, place)) {
             continue;
         }
         double share =

@@ -246,15 +246,21 @@ static enum pel_err make_sea_program(struct pel_programs *all,
                               defines, out, fault);
 }
 
+GLuint *pel_programs_cloudscape(struct pel_programs *p)
+{
+    return &p->cloudscape[p->storm][p->look];
+}
+
 static enum pel_err need_cloudscape(struct pel_programs *p,
                                     struct pel_fault *fault)
 {
-    GLuint *program = &p->cloudscape[p->look];
+    GLuint *program = pel_programs_cloudscape(p);
     if (p->light < PEL_LIGHT_CLOUDED || *program) {
         return PEL_OK;
     }
-    char defines[96];
-    snprintf(defines, sizeof defines, "#define PEL_CLOUDS\n%s%s",
+    char defines[128];
+    snprintf(defines, sizeof defines, "#define PEL_CLOUDS\n%s%s%s",
+             p->storm ? "#define PEL_STORM\n" : "",
              pel_sky_look_defines(p->look),
              p->light % PEL_LIGHT_NIGHT == PEL_LIGHT_TWO ? "#define PEL_LIT 2\n"
                                                          : "");
@@ -489,7 +495,8 @@ static void finish_light(struct pel_programs *p)
         glDeleteProgram(p->disc[0][i]);
     }
     for (int i = 0; i < PEL_SKY_LOOKS; i++) {
-        glDeleteProgram(p->cloudscape[i]);
+        glDeleteProgram(p->cloudscape[0][i]);
+        glDeleteProgram(p->cloudscape[1][i]);
     }
 }
 

@@ -93,15 +93,20 @@ struct pel_programs {
     /* By the sky's look: without a disc, and with discs. */
     GLuint backdrop[PEL_SKY_LOOKS][PEL_BACKDROPS];
     GLuint disc[PEL_SKY_LOOKS][PEL_BACKDROPS];
-    GLuint cloudscape[PEL_SKY_LOOKS]; /* of a sky with clouds */
-    enum pel_sky_look look;           /* wanted */
-    bool wakes, wash;                 /* those with them are wanted */
-    bool above;                       /* for an eye above clouds */
-    bool lamps;                       /* that the sea mirrors */
+    GLuint cloudscape[2][PEL_SKY_LOOKS]; /* of a sky with clouds; in which
+                                            lightning may shine */
+    enum pel_sky_look look;              /* wanted */
+    bool wakes, wash;                    /* those with them are wanted */
+    bool above;                          /* for an eye above clouds */
+    bool lamps;                          /* that the sea mirrors */
+    bool storm;                          /* lightning, in clouds */
     struct pel_sea_programs seas[PEL_SEA_PROGRAMS];
     enum pel_programs_light light;
     struct pel_programs *others[PEL_LIGHT_KINDS]; /* for other lights, kept */
 };
+
+/* That draws the clouds of what is wanted. */
+GLuint *pel_programs_cloudscape(struct pel_programs *p);
 
 /* `shading` as in pel_renderer_options; `filtering`, settled, outlives the
  * programs. GPU when one does not compile. */

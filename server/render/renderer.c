@@ -551,8 +551,8 @@ static void draw_pixels(struct pel_renderer *r,
         pel_lamp_map_find(&r->lamps, &r->programs, &r->targets, &r->arena);
     }
     if (env->clouds.cover > 0) {
-        pel_cloud_map_scape(&r->clouds,
-                            r->programs.cloudscape[r->programs.look], &view);
+        pel_cloud_map_scape(&r->clouds, *pel_programs_cloudscape(&r->programs),
+                            env, whole, &view);
         glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
     }
     const unsigned now = at_once(env, draw, asked);
@@ -756,6 +756,7 @@ static enum pel_err need_programs(struct pel_renderer *r,
     r->programs.wakes = env->wakes != NULL;
     r->programs.wash = env->wash != NULL;
     r->programs.lamps = env->lamp_count > 0;
+    r->programs.storm = env->storm;
     enum pel_err err =
         pel_programs_take_light(&r->programs, light_of(r, env), &fault);
     if (err == PEL_OK) {

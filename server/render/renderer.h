@@ -82,6 +82,10 @@ struct pel_environment {
     size_t object_count;
     const struct pel_lamp *lamps; /* lit, optics/lamp.h */
     size_t lamp_count;
+    /* What flashes light within clouds; storm: there may be some. */
+    struct pel_lightning_glow glows[PEL_LIGHTNING_GLOWS];
+    size_t glow_count;
+    bool storm;
     const struct pel_wake_moment *wakes; /* ship waves; NULL: none */
     const struct pel_wash *wash;         /* of ships; NULL: none */
     /* For tests: leaves out the air between the sea and the eye; looks for the

@@ -120,15 +120,18 @@ static struct pel_lightning lightning_of(const Pelagos__State *state)
 {
     const Pelagos__Sky *sky = state->sky;
     const Pelagos__Origin *o = state->origin;
-    enum pel_cloud_genus storm = PEL_CLOUD_CUMULONIMBUS;
+    bool clouds = sky->cloud_cover > 0;
+    const struct pel_cloud_kind *kind =
+        pel_cloud_kind(clouds ? (enum pel_cloud_genus)sky->cloud_genus
+                              : PEL_CLOUD_CUMULONIMBUS);
     struct pel_lightning l = {
         .per_minute = sky->lightning,
         .radius_m = sky->lightning_radius,
-        .base_m =
-            sky->has_cloud_base ? sky->cloud_base
-            : sky->cloud_cover > 0
-                ? pel_cloud_kind((enum pel_cloud_genus)sky->cloud_genus)->base_m
-                : pel_cloud_kind(storm)->base_m,
+        .base_m = sky->has_cloud_base ? sky->cloud_base : kind->base_m,
+        .thickness_m = !clouds                    ? 0
+                       : sky->has_cloud_thickness ? sky->cloud_thickness
+                                                  : kind->thickness_m,
+        .turned_m = 1 / ((1 - PEL_CLOUD_ASYMMETRY) * kind->extinction),
         .seed = sky->cloud_seed,
     };
     pel_geo_to_local(

@@ -495,6 +495,12 @@ struct pel_vec4 {
 #define PEL_CLOUD_NODE 3.7e-3 /* rad between nodes at most: cloudscape.frag */
 #define PEL_CLOUD_NODE_PX 16
 #define PEL_CLOUD_WHITE 0.8 /* power of white balance under clouds */
+/* Places within clouds that shine at a moment; the uniforms that have them:
+ * metres from the eye's nadir, height, 1 or fewer; then light. */
+#define PEL_CLOUD_GLOWS 16
+#define PEL_UNIFORM_GLOW_COUNT 0
+#define PEL_UNIFORM_GLOW_LIGHT 1
+#define PEL_UNIFORM_GLOWS 2
 
 /* Fog in layers and banks (optics/fog.h): how many; the share of a bank, by q,
  * that its edge is; Koschmieder's, for a contrast of 2 %; steps in which what

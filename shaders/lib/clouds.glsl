@@ -112,6 +112,42 @@ float distance_to_height(float h, float mu, float z)
     return c < 0.0 ? -r * mu - root : mu >= 0.0 ? c / (r * mu + root) : root - r * mu;
 }
 
+#ifdef PEL_STORM
+layout(location = PEL_UNIFORM_GLOW_COUNT) uniform int glow_count;
+layout(location = PEL_UNIFORM_GLOW_LIGHT) uniform vec3 glow_light;
+layout(location = PEL_UNIFORM_GLOWS) uniform vec4 glows[PEL_CLOUD_GLOWS];
+
+// Twin of pel_cloud_within, for all that shines.
+vec3 light_within(vec2 x, float z, float high)
+{
+    float len = 1.0 / ((1.0 - CLOUD_G) * cloud_shape.z);
+    float beyond = 0.66666667 * len, period = 2.0 * (high + 2.0 * beyond);
+    float sum = 0.0;
+    for (int i = 0; i < glow_count; i++) {
+        vec2 d = glows[i].xy - x;
+        float r2 = dot(d, d) + len * len;
+        float up = glows[i].z - cloud_size.x, same = up - z, other = up + z + 2.0 * beyond;
+        float near = 0.0, far = 0.0, aside = sqrt(r2);
+        if (aside < 0.25 * period) {
+            for (float k = -2.0; k <= 2.0; k++) {
+                float one = same + k * period, two = other + k * period;
+                near += (abs(k) < 2.0 ? 1.0 : 0.5) * inversesqrt(r2 + one * one) -
+                        (k < 2.0 ? inversesqrt(r2 + two * two) : 0.0);
+            }
+        } else {
+            for (float n = 1.0; n <= 3.0; n++) {
+                float k = 2.0 * PI * n / period, w = k * aside;
+                float k0 = sqrt(0.5 * PI / w) * exp(-w) * (1.0 - 0.125 / w + 0.0703125 / (w * w));
+                far += (cos(k * same) - cos(k * other)) * k0;
+            }
+            far *= 4.0 / period;
+        }
+        sum += glows[i].w * max(near + far, 0.0);
+    }
+    return glow_light * (sum * 0.75 / (PI * len));
+}
+#endif
+
 struct clouded {
     vec3 light;   // of the clouds, and of the air before them
     float beam;   // what comes through of a beam
@@ -209,6 +245,9 @@ clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, 
             float inverse = 1.0 / (scaled + 1.33333333);
             source = sky_up * ((scaled - depth + 0.66666667) * inverse) +
                           below * ((depth + 0.66666667) * inverse);
+#ifdef PEL_STORM
+            source += light_within(dir.xy * t, z, cloud_size.y);
+#endif
             single = vec3(0.0);
             for (int i = 0; i < PEL_LIT; i++) {
                 float up = max(to[i].z, 0.02);

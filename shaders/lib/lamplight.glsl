@@ -27,13 +27,15 @@ vec3 lamp_mirrored(int lamp, vec3 v, vec2 tilt, vec3 tx, vec3 ty, vec3 n, vec3 v
     vec3 to = vec3(dir.xy - tilt * dir.z, dir.z + dot(tilt, dir.xy));
     vec3 sum = v + to;
     // Steeper slopes than these there are none of, so that tiles may leave it out.
-    float most = PEL_LAMP_SLOPES * sqrt(max(wind.z, wind.w) + 1e-6);
+    vec4 form = glow_texel(lamp, 4);
+    float wide = form.y / away;
+    float most = PEL_LAMP_SLOPES * (sqrt(max(wind.z, wind.w) + 1e-6) + wide);
     float window = clamp(PEL_LAMP_SLOPES * (1.0 - length(sum.xy) / (max(sum.z, 1e-6) * most)), 0.0, 1.0);
-    float strength = lamp_towards(-dir, light, glow_texel(lamp, 2), glow_texel(lamp, 3), glow_texel(lamp, 4).x) *
+    float strength = lamp_towards(-dir, light, glow_texel(lamp, 2), glow_texel(lamp, 3), form.x) *
                      (to.z > 0.0 ? window : 0.0) * exp(-place.w * away) / (away * away);
     float part = 0.25 * lamps_footprint / away;
     return light.rgb * strength *
-           reflected_light(view, vec3(dot(to, tx), dot(to, ty), dot(to, n)), variance, 1e-7 + part * part, drawn,
-                           held, fold, frame_, eye_);
+           reflected_light(view, vec3(dot(to, tx), dot(to, ty), dot(to, n)), variance, 1e-7 + part * part + wide * wide,
+                           drawn, held, fold, frame_, eye_);
 }
 #endif

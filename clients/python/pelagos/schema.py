@@ -382,7 +382,8 @@ class Sky(Record):
     rain: float = _field(0.0, 'mm/h', 0, 150)
     #: Snow, as water: it takes visibility, down to 200 m. [mm/h; 0 to 10]
     snow: float = _field(0.0, 'mm/h', 0, 10)
-    #: Lightning: flashes from the clouds' base to the sea. [1/min; 0 to 60]
+    #: Lightning: flashes from the clouds' base to the sea; three times as many
+    #: stay within the clouds, where there are some. [1/min; 0 to 60]
     lightning: float = _field(0.0, '1/min', 0, 60)
     #: Radius of the storm about its middle. [m; 100 to 50000]
     lightningRadius: float = _field(8000.0, 'm', 100, 50000)
