@@ -499,6 +499,7 @@ soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 6
 	$(Q)LOSSES=1000 /usr/bin/python3 -B tests/loss_test.py \
 	    Loss.test_pictures_are_the_same
 	$(Q)SOAK=1 /usr/bin/python3 -B tests/bounds_test.py
+	$(Q)SOAK=1 /usr/bin/python3 -B tests/sockets_test.py
 	$(Q)SOAK=1 /usr/bin/python3 -B tests/security_test.py \
 	    Limits.test_viewer_that_answers_no_ping
 	$(Q)node tests/bench/latency.mjs --seconds 60

@@ -190,6 +190,18 @@ class Requests(Case):
             self.assertEqual(caught.exception.code, 1009)
 
 
+    def test_LIVE_FRAGMENTS(self):
+        with self.rises("LIVE_FRAGMENTS") as most, \
+                Live(self.daemon, "bridge", "?codec=jpeg") as live:
+            live.send_frame(2, b"", final=False)
+            for _ in range(most):
+                live.send_frame(0, b"", final=False)
+            with self.assertRaises(Closed) as caught:
+                while True:
+                    live.message()
+            self.assertEqual(caught.exception.code, 1009)
+
+
 class Work(Case):
     """What is under way."""
 

@@ -24,6 +24,11 @@
 #define RECEIVE_BUFFER (4 << 20)
 #define DATAGRAMS_A_TURN 64 /* then the loop serves others */
 #define RECKON_NS 60000000000LL
+/* A network that takes datagrams round each other does so within moments; a
+ * clock that goes further back was set, or a log begins again. */
+#define LATE_S 5.0
+#define LATE_NS 2000000000LL
+#define DAY_S 86400.0
 #define WIND_MEAN_S 120.0
 #define WIND_STEP_MPS 0.5
 #define WIND_STEP_DEG 5.0
@@ -45,6 +50,11 @@ struct pel_nmea {
     struct pel_nmea_counters counters;
     struct pel_nmea_values values;
     struct pel_nmea_lines lines;
+    struct newest {
+        double utc_s; /* of the day */
+        int64_t at_ns;
+    } newest[PEL_NMEA_KIND_COUNT];
+    bool late; /* the rest of the datagram at hand */
     struct pel_ais_assembler assembler;
     struct pel_nmea_targets targets;
     int64_t now_ns; /* receipt of the datagram at hand */
@@ -335,6 +345,28 @@ static void take_ais(struct pel_nmea *nmea, const struct pel_nmea_sentence *s)
     }
 }
 
+static bool says_fix(enum pel_nmea_kind kind)
+{
+    return kind == PEL_NMEA_RMC || kind == PEL_NMEA_GGA ||
+           kind == PEL_NMEA_GNS || kind == PEL_NMEA_GLL;
+}
+
+/* Whether a fix of this kind with a later time came a moment ago. */
+static bool is_late(struct pel_nmea *nmea, const struct pel_nmea_sentence *s)
+{
+    struct newest *newest = &nmea->newest[s->kind];
+    if (!says_fix(s->kind) || !isfinite(s->utc_s)) {
+        return false;
+    }
+    double behind_s = remainder(newest->utc_s - s->utc_s, DAY_S);
+    if (newest->at_ns != 0 && nmea->now_ns - newest->at_ns < LATE_NS &&
+        behind_s > 0 && behind_s < LATE_S) {
+        return true;
+    }
+    *newest = (struct newest){ s->utc_s, nmea->now_ns };
+    return false;
+}
+
 static void take_line(void *user, const char *line, size_t length)
 {
     struct pel_nmea *nmea = user;
@@ -351,6 +383,11 @@ static void take_line(void *user, const char *line, size_t length)
     nmea->counters.sentences++;
     nmea->counters.resynchronised += s.resynchronised;
     nmea->counters.kinds[s.kind]++;
+    if (nmea->late || is_late(nmea, &s)) {
+        nmea->counters.late += !nmea->late;
+        nmea->late = true;
+        return;
+    }
     if (s.kind == PEL_NMEA_VDM || s.kind == PEL_NMEA_VDO) {
         take_ais(nmea, &s);
     } else if (s.kind != PEL_NMEA_TTM && s.kind != PEL_NMEA_TLL) {
@@ -375,6 +412,7 @@ void pel_nmea_feed(struct pel_nmea *nmea, const void *bytes, size_t size)
 {
     nmea->counters.datagrams++;
     nmea->now_ns = pel_now_ns();
+    nmea->late = false;
     pel_nmea_lines_feed(&nmea->lines, bytes, size, take_line, nmea);
     pel_nmea_lines_end(&nmea->lines, take_line, nmea);
     commit_lines(nmea);
@@ -385,6 +423,7 @@ void pel_nmea_feed_stream(struct pel_nmea *nmea, struct pel_nmea_lines *lines,
 {
     nmea->now_ns = pel_now_ns();
     pel_nmea_lines_feed(lines, bytes, size, take_line, nmea);
+    nmea->late = false;
     commit_lines(nmea);
 }
 
@@ -551,6 +590,8 @@ static void collect(void *user, struct pel_metrics_page *page)
         { "pelagos_nmea_ais_ignored_total",
           "AIS messages of other types, incomplete or damaged.",
           c->ais_ignored + c->targets.ignored },
+        { "pelagos_nmea_late_total",
+          "NMEA datagrams that came behind a newer one.", c->late },
         { "pelagos_nmea_resynchronised_total",
           "Sentences read after what a broken line left before them.",
           c->resynchronised },

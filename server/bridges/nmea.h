@@ -59,12 +59,13 @@ struct pel_nmea_counters {
     uint64_t sentences;         /* read and understood, by kind: */
     uint64_t kinds[PEL_NMEA_KIND_COUNT];
     uint64_t errors[PEL_NMEA_ERROR_COUNT];
-    uint64_t out_of_range;   /* values dropped */
-    uint64_t void_fixes;     /* position sentences without a fix */
-    uint64_t edits;          /* commits to the scene */
-    uint64_t refused_edits;  /* the scene said no */
-    uint64_t ais_messages;   /* decoded */
-    uint64_t ais_ignored;    /* other types, unknown parts, damaged */
+    uint64_t out_of_range;  /* values dropped */
+    uint64_t void_fixes;    /* position sentences without a fix */
+    uint64_t edits;         /* commits to the scene */
+    uint64_t refused_edits; /* the scene said no */
+    uint64_t ais_messages;  /* decoded */
+    uint64_t ais_ignored;   /* other types, unknown parts, damaged */
+    uint64_t late;          /* datagrams behind a newer one of the same clock */
     uint64_t resynchronised; /* read after what a broken line left */
     struct pel_nmea_target_counters targets;
 };

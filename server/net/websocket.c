@@ -42,6 +42,7 @@ struct pel_websocket {
     size_t sent;              /* bytes of the first picture; 0: not begun */
     bool over, closing, said; /* a close frame: wanted, with the library */
     bool broken;
+    unsigned fragments; /* of the message that comes */
     uint16_t code;
     char reason[121];
     int64_t ping_ns, pong_ns, close_ns; /* next, last, latest */
@@ -115,6 +116,23 @@ static ssize_t on_send(wslay_event_context_ptr protocol, const uint8_t *data,
                                               : WSLAY_ERR_CALLBACK_FAILURE);
     }
     return n;
+}
+
+/* Each costs the library a block of memory, however short it is. */
+static void on_frame_begin(wslay_event_context_ptr protocol,
+                           const struct wslay_event_on_frame_recv_start_arg *f,
+                           void *user)
+{
+    struct pel_websocket *ws = user;
+    bool data = f->opcode < WSLAY_CONNECTION_CLOSE;
+    ws->fragments = f->opcode == WSLAY_CONTINUATION_FRAME ? ws->fragments + 1
+                    : data                                ? 1
+                                                          : ws->fragments;
+    if (ws->fragments > PEL_WEBSOCKET_MAX_FRAGMENTS) {
+        pel_websocket_close(ws, WSLAY_CODE_MESSAGE_TOO_BIG,
+                            "the message has too many fragments");
+        wslay_event_shutdown_read(protocol);
+    }
 }
 
 static void on_message(wslay_event_context_ptr protocol,
@@ -272,6 +290,7 @@ pel_websocket_create(int fd, const char *early, size_t early_size,
     static const struct wslay_event_callbacks callbacks = {
         .recv_callback = on_recv,
         .send_callback = on_send,
+        .on_frame_recv_start_callback = on_frame_begin,
         .on_msg_recv_callback = on_message,
     };
     struct pel_websocket *ws = g_new0(struct pel_websocket, 1);

@@ -14,6 +14,7 @@
 #define PEL_WEBSOCKET_MAX_PICTURES 16 /* that wait or are being sent */
 #define PEL_WEBSOCKET_MAX_CONTROL 32  /* messages that wait */
 #define PEL_WEBSOCKET_MAX_MESSAGE PEL_BOUND_LIVE_MESSAGE_BYTES
+#define PEL_WEBSOCKET_MAX_FRAGMENTS PEL_BOUND_LIVE_FRAGMENTS
 
 /* Sec-WebSocket-Accept for a Sec-WebSocket-Key; false: no such key (16 bytes
  * in base64). Any thread. */
