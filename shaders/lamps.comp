@@ -15,10 +15,7 @@ layout(binding = PEL_UNIT_EYE_TABLE) uniform sampler2DArray eye_table;
 layout(local_size_x = PEL_GROUP_LINE) in;
 layout(location = 0) uniform uint count;
 layout(std430, binding = PEL_STORE_LAMPS) restrict readonly buffer lamps_block { pel_shader_lamp lamps[]; };
-layout(std430, binding = PEL_STORE_SPOTS) restrict writeonly buffer spots_block {
-    pel_shader_spot spots[PEL_LAMP_SPOTS];
-    uint lamp_tiles[];
-};
+layout(std430, binding = PEL_STORE_SPOTS) restrict writeonly buffer spots_block { pel_shader_spot spots[]; };
 
 // Share of nine pixels about a place that show it before the sea.
 float before_the_sea(vec2 place, vec3 offset)
@@ -38,19 +35,6 @@ float before_the_sea(vec2 place, vec3 offset)
         seen += triangle == 0u || t > away * (1.0 - PEL_LAMP_SLACK) ? 1.0 : 0.0;
     }
     return seen / 9.0;
-}
-
-// Tiles that its square touches (lamp.vert).
-void mark(vec2 middle, float reach)
-{
-    ivec2 last = (ivec2(size.xy) - 1) / PEL_LAMP_TILE;
-    ivec2 from = max(ivec2(floor((middle - reach) / float(PEL_LAMP_TILE))), ivec2(0));
-    ivec2 to = min(ivec2(floor((middle + reach) / float(PEL_LAMP_TILE))), last);
-    for (int y = from.y; y <= to.y; y++) {
-        for (int x = from.x; x <= to.x; x++) {
-            lamp_tiles[min(y * (last.x + 1) + x, PEL_LAMP_TILES - 1)] = 1u;
-        }
-    }
 }
 
 void main()
@@ -92,7 +76,5 @@ void main()
     reach = min(reach, float(PEL_LAMP_REACH));
     spots[i].light = vec4(light * ((1.0 - scattered) / (angle * sum)), radius);
     spots[i].halo = vec4(halo, reach);
-    float side = max(max(radius, reach), 1.0);
-    spots[i].place = vec4(place, core, side);
-    mark(place - pixel.zw, side + 1.0);
+    spots[i].place = vec4(place, core, max(max(radius, reach), 1.0));
 }

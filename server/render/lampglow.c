@@ -10,9 +10,12 @@
 #include "scene/globe.h"
 
 #define HEAD_WORDS (4 * (1 + PEL_GLOW_TEXELS * PEL_GLOWS))
-#define GRID 5          /* rays a side of a tile that are tried */
-#define BESIDE_PX 16    /* beyond its edges, too */
-#define MORE_SLOPES 1.2 /* than shading counts: the mesh is not level */
+/* More than shading counts, since the mesh is not level. */
+#define MORE_SLOPES 1.1
+#define MORE_LIGHT 2
+#define BESIDE_PX 4 /* beyond a picture's edges, for its margin */
+#define MOST_TILES (16 * PEL_MAX_TILES)
+#define PI_F ((float)PEL_PI)
 #define KOSCHMIEDER 3.912
 #define FLOOD_CD 500
 
@@ -65,6 +68,7 @@ struct candidate {
     const struct pel_lamp *lamp;
     struct pel_vec3 offset;
     double shines;
+    double luminous; /* cd, for as many as it stands for, < 0: it is wide */
 };
 
 static int brighter(const void *a, const void *b)
@@ -94,9 +98,9 @@ static size_t choose(const struct pel_environment *env, struct pel_vec3 eye,
         double away2 = pel_vec3_dot(offset, offset);
         double stands_for = l->mirrors ? l->mirrors : 1;
         if (away2 > 1e-4 && at.z > env->sea_level_m && stands_for > 0) {
-            out[count++] =
-                (struct candidate){ l, offset,
-                                    stands_for * l->intensity_cd[1] / away2 };
+            out[count++] = (struct candidate){
+                l, offset, stands_for * l->intensity_cd[1] / away2, 0
+            };
         }
     }
     qsort(out, count, sizeof *out, brighter);
@@ -113,7 +117,7 @@ static void put_floats(uint32_t *words, const double *values)
     }
 }
 
-static void describe(const struct candidate *c, const double m[9],
+static void describe(struct candidate *c, const double m[9],
                      const double inverse[9], double extinction,
                      uint32_t *words)
 {
@@ -130,54 +134,167 @@ static void describe(const struct candidate *c, const double m[9],
                                        pel_vec3_scale(right, sin(middle)));
     /* Deviation of where its light comes from; lamps are points. */
     double wide = l->unseen ? 0.25 * l->size_m : 0;
+    c->luminous = luminance(m, light) * (wide > 0 ? -1 : 1);
     const double all[4 * PEL_GLOW_TEXELS] = {
-        c->offset.x,   c->offset.y, c->offset.z, extinction,
+        c->offset.x,   c->offset.y, c->offset.z, c->luminous,
         light[0],      light[1],    light[2],    l->beam_rad,
         axis.x,        axis.y,      axis.z,      fmin(0.5 * l->arc_rad, 4),
         l->up.x,       l->up.y,     l->up.z,     fmax(l->cutoff_rad, 1e-3),
-        l->spread_rad, wide,        0,           0,
+        l->spread_rad, wide,        0,           extinction,
     };
     put_floats(words, all);
 }
 
 /* --- where ---------------------------------------------------------------- */
 
-/* The slope that mirrors a lamp at `offset` where this ray meets the level sea;
- * just below the horizon where it passes over it. */
-static double slope_for(struct pel_vec3 dir, double height_m,
-                        struct pel_vec3 offset)
+/* A lamp by its azimuth, distance over ground and height over the eye. */
+struct bearing {
+    float azimuth, away, above, intensity;
+};
+
+/* The pixels of a tile: azimuths about a middle and tangents of depression. */
+struct patch {
+    float azimuth, half, fall[2], lowest;
+};
+
+/* What is the same for all tiles. */
+struct sea_seen {
+    float height_m, dip, waves; /* waves: their height by that of the eye */
+    float variance, mean;
+    struct bearing bearings[PEL_GLOWS];
+    size_t count;
+};
+
+/* The square of the slope that mirrors a lamp by the most that it reaches
+ * (lamp_reaches), at a point of the sea under a line of sight, `ahead` from the
+ * lamp's foot along it and `beside`. */
+static float reached(const struct sea_seen *s, const struct bearing *b,
+                     float fall, float stretch, float along, float across)
 {
-    double level = hypot(dir.x, dir.y);
-    double dip = sqrt(2 * height_m / PEL_EARTH_RADIUS);
-    double fall = fmax(-dir.z / fmax(level, 1e-9), dip);
-    double far = height_m / fall;
-    double slant = sqrt(1 + fall * fall);
-    struct pel_vec3 d = { dir.x / fmax(level, 1e-9) / slant,
-                          dir.y / fmax(level, 1e-9) / slant, -fall / slant };
-    struct pel_vec3 to = pel_vec3_normalize(
-        pel_vec3_add(offset, pel_vec3_scale(d, -far * slant)));
-    double up = to.z - d.z;
-    return up > 1e-6 ? hypot(to.x - d.x, to.y - d.y) / up : HUGE_VAL;
+    const float radius = (float)PEL_EARTH_RADIUS;
+    float over = fmaxf(fall * fall - s->dip * s->dip, 0);
+    float away = stretch * 2 * s->height_m / (fall + sqrtf(over));
+    float local = fall - away / radius, level = 1 / sqrtf(1 + local * local);
+    float x = along - away, tilt = away / radius;
+    float z = b->above + s->height_m + 0.5F * away * tilt + x * tilt;
+    float far2 = x * x + across * across + z * z, near_ = 1 / sqrtf(far2);
+    float sum[3] = { x * near_ - level, across * near_,
+                     fmaxf(z * near_ + local * level, 1e-6F) };
+    float flat2 = sum[0] * sum[0] + sum[1] * sum[1];
+    float dull = 1 - fminf(0.5F * sqrtf(flat2 + sum[2] * sum[2]), 1);
+    float shown = MORE_LIGHT * b->intensity * s->mean *
+                  ((float)PEL_LAMP_DULLEST + dull * dull * dull * dull * dull);
+    float most = shown > far2 ? 2 * logf(shown / far2) : 0;
+    most = fminf(most, (float)(PEL_LAMP_SLOPES * PEL_LAMP_SLOPES));
+    return flat2 - sum[2] * sum[2] * s->variance * most;
 }
 
-static uint32_t mask_of(const struct pel_camera *c, double height_m,
-                        double most, const struct candidate *glows,
-                        size_t count, const double box[4])
+static uint32_t mask_of(const struct sea_seen *s, const struct patch *p)
 {
     uint32_t mask = 0;
-    for (int i = 0; i < GRID * GRID; i++) {
-        double x = box[0] + (box[1] - box[0]) * (i % GRID) / (GRID - 1),
-               y = box[2] + (box[3] - box[2]) * (i / GRID) / (GRID - 1);
-        struct pel_vec3 dir = pel_vec3_normalize(pel_mat3_apply(
-            &c->world_from_camera, (struct pel_vec3){ x, y, -1 }));
-        for (size_t k = 0; k < count; k++) {
-            mask |= glows[k].lamp->unseen ||
-                            slope_for(dir, height_m, glows[k].offset) < most
-                        ? 1U << k
-                        : 0;
-        }
+    for (size_t k = 0; k < s->count; k++) {
+        const struct bearing *b = &s->bearings[k];
+        float turn = fabsf(remainderf(b->azimuth - p->azimuth, 2 * PI_F));
+        turn = fmaxf(turn - p->half, 0);
+        float along = b->away * cosf(turn), across = b->away * sinf(turn);
+        float middle = 0.5F * (p->fall[0] + p->fall[1]);
+        bool shown =
+            b->intensity < 0 ||
+            reached(s, b, p->fall[1], 1 - s->waves, along, across) < 0 ||
+            reached(s, b, p->fall[0], 1 + s->waves, along, across) < 0 ||
+            reached(s, b, middle, 1, along, across) < 0;
+        mask |= shown ? 1U << k : 0;
     }
     return mask;
+}
+
+/* Where the i-th line between tiles runs; outermost ones beyond the picture. */
+static double edge_px(uint32_t i, uint32_t size)
+{
+    double x = (double)i * PEL_GLOW_TILE;
+    return i == 0 ? -BESIDE_PX : x < size ? x : (double)size + BESIDE_PX;
+}
+
+/* Of a corner of tiles: azimuth and tangent of depression. */
+static void look_at(const struct pel_camera *c, uint32_t i, uint32_t j,
+                    float out[2])
+{
+    double x = edge_px(i, c->width), y = edge_px(j, c->height);
+    x = c->tan_left + (c->tan_right - c->tan_left) / c->width * x;
+    y = c->tan_top - (c->tan_top - c->tan_bottom) / c->height * y;
+    struct pel_vec3 dir =
+        pel_mat3_apply(&c->world_from_camera, (struct pel_vec3){ x, y, -1 });
+    double level = sqrt(dir.x * dir.x + dir.y * dir.y);
+    out[0] = atan2f((float)dir.x, (float)dir.y);
+    out[1] = (float)(-dir.z / fmax(level, 1e-3));
+}
+
+static struct patch patch_of(const struct sea_seen *s, const float *upper,
+                             const float *lower)
+{
+    const float *corners[4] = { upper, upper + 2, lower, lower + 2 };
+    struct patch p = { upper[0], 0, { upper[1], upper[1] }, 0 };
+    float low = 0, high = 0;
+    for (int i = 1; i < 4; i++) {
+        float turn = remainderf(corners[i][0] - p.azimuth, 2 * PI_F);
+        low = fminf(low, turn);
+        high = fmaxf(high, turn);
+        p.fall[0] = fminf(p.fall[0], corners[i][1]);
+        p.fall[1] = fmaxf(p.fall[1], corners[i][1]);
+    }
+    p.azimuth += 0.5F * (low + high);
+    /* About the nadir every azimuth is in it. */
+    p.half = high - low > 1 ? PI_F : 0.5F * (high - low);
+    p.lowest = p.fall[1];
+    p.fall[0] = fmaxf(p.fall[0], s->dip);
+    p.fall[1] = fmaxf(p.fall[1], s->dip);
+    return p;
+}
+
+static void fill_tiles(const struct pel_environment *env,
+                       const struct pel_camera *c, double height_m,
+                       const struct candidate *glows, size_t count,
+                       uint32_t across, uint32_t down, uint32_t *masks)
+{
+    double along = env->sea->slope_variance_along,
+           cross = env->sea->slope_variance_cross;
+    struct sea_seen s = {
+        .height_m = (float)height_m,
+        .dip = (float)sqrt(2 * height_m / PEL_EARTH_RADIUS),
+        .waves = (float)fmin(3 * sqrt(env->sea->m0) / height_m, 0.5),
+        .variance =
+            (float)(MORE_SLOPES * MORE_SLOPES * (fmax(along, cross) + 1e-6)),
+        .mean = (float)(PEL_LAMP_MEAN / sqrt(along * cross + 1e-12)),
+        .count = count,
+    };
+    for (size_t k = 0; k < count; k++) {
+        struct pel_vec3 to = glows[k].offset;
+        s.bearings[k] = (struct bearing){
+            atan2f((float)to.x, (float)to.y),
+            (float)hypot(to.x, to.y),
+            (float)to.z,
+            (float)glows[k].luminous,
+        };
+    }
+    float(*rows[2])[2] = { malloc(sizeof **rows * (across + 1)),
+                           malloc(sizeof **rows * (across + 1)) };
+    if (!rows[0] || !rows[1]) {
+        abort();
+    }
+    /* No crest is higher than such an eye. */
+    const bool sea_below = s.waves < 0.5F;
+    for (uint32_t j = 0; j <= down; j++) {
+        for (uint32_t i = 0; i <= across; i++) {
+            look_at(c, i, j, rows[j & 1][i]);
+        }
+        for (uint32_t i = 0; i < across && j > 0; i++) {
+            struct patch p = patch_of(&s, rows[(j - 1) & 1][i], rows[j & 1][i]);
+            bool sky = sea_below && p.lowest < 0;
+            masks[(j - 1) * across + i] = sky ? 0 : mask_of(&s, &p);
+        }
+    }
+    free(rows[0]);
+    free(rows[1]);
 }
 
 void pel_lamp_glow_bind(struct pel_lamp_glow *g,
@@ -187,7 +304,7 @@ void pel_lamp_glow_bind(struct pel_lamp_glow *g,
 {
     static struct candidate glows[PEL_MAX_LAMPS];
     if (!g->words) {
-        g->words = calloc(HEAD_WORDS + PEL_MAX_TILES, sizeof *g->words);
+        g->words = calloc(HEAD_WORDS + MOST_TILES, sizeof *g->words);
         if (!g->words) {
             abort();
         }
@@ -200,8 +317,9 @@ void pel_lamp_glow_bind(struct pel_lamp_glow *g,
     size_t count = choose(env, eye, glows);
     pel_lights_colours(env->lights, env->lit, env->night.on, m);
     pel_lamp_inverse(m, inverse);
-    uint32_t across = (c->width + PEL_TILE - 1) / PEL_TILE,
-             down = (c->height + PEL_TILE - 1) / PEL_TILE;
+    uint32_t across = (c->width - 1) / PEL_GLOW_TILE + 1,
+             down = (c->height - 1) / PEL_GLOW_TILE + 1;
+    down = down < MOST_TILES / across ? down : MOST_TILES / across;
     const uint32_t head[4] = { across, first_row,
                                (uint32_t)margin | (uint32_t)count << 16, down };
     memcpy(g->words, head, sizeof head);
@@ -214,21 +332,8 @@ void pel_lamp_glow_bind(struct pel_lamp_glow *g,
         floods |= glows[i].lamp->intensity_cd[1] >= FLOOD_CD ? 1U << i : 0;
     }
     g->words[4 * PEL_GLOW_TEXELS + 2] = floods;
-    double most = MORE_SLOPES * PEL_LAMP_SLOPES *
-                  sqrt(fmax(env->sea->slope_variance_along,
-                            env->sea->slope_variance_cross) +
-                       1e-6);
-    double px = (c->tan_right - c->tan_left) / c->width,
-           py = (c->tan_top - c->tan_bottom) / c->height;
-    for (uint32_t i = 0; i < across * down && i < PEL_MAX_TILES; i++) {
-        double x = i % across * PEL_TILE, y = (double)(i / across) * PEL_TILE;
-        const double box[4] = { c->tan_left + px * (x - BESIDE_PX),
-                                c->tan_left + px * (x + PEL_TILE + BESIDE_PX),
-                                c->tan_top - py * (y + PEL_TILE + BESIDE_PX),
-                                c->tan_top - py * (y - BESIDE_PX) };
-        g->words[HEAD_WORDS + i] =
-            mask_of(c, height_m, most, glows, count, box);
-    }
+    fill_tiles(env, c, height_m, glows, count, across, down,
+               g->words + HEAD_WORDS);
     glNamedBufferData(g->buffer,
                       (GLsizeiptr)(sizeof *g->words *
                                    (HEAD_WORDS + (across * down + 3) / 4 * 4)),

@@ -18,10 +18,6 @@
 #define BESIDE_M 0.25 /* rays to it that decide how much of it is hidden */
 #define LAND_STEPS 96
 
-#define SPOT_BYTES ((GLsizeiptr)sizeof(struct pel_shader_spot) * PEL_LAMP_SPOTS)
-#define TILE_BYTES ((GLsizeiptr)sizeof(uint32_t) * PEL_LAMP_TILES)
-_Static_assert(PEL_LAMP_SPOTS == PEL_MAX_LAMPS, "a spot for each lamp");
-
 static double luminance(const double m[9], const double light[3])
 {
     static const double weight[3] = { 0.2126, 0.7152, 0.0722 };
@@ -170,21 +166,18 @@ enum pel_err pel_lamp_map_need(struct pel_lamp_map *map,
             return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
         }
         glCreateBuffers(1, &map->spots);
-        glNamedBufferStorage(map->spots, SPOT_BYTES + TILE_BYTES, NULL, 0);
+        glNamedBufferStorage(map->spots,
+                             sizeof(struct pel_shader_spot) * PEL_MAX_LAMPS,
+                             NULL, 0);
         glObjectLabel(GL_BUFFER, map->spots, -1, "lamps");
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &map->spots_texels);
-        glTextureBufferRange(map->spots_texels, GL_RGBA32F, map->spots, 0,
-                             SPOT_BYTES);
-        glCreateTextures(GL_TEXTURE_BUFFER, 1, &map->tiles);
-        glTextureBufferRange(map->tiles, GL_R32UI, map->spots, SPOT_BYTES,
-                             TILE_BYTES);
+        glTextureBuffer(map->spots_texels, GL_RGBA32F, map->spots);
         glCreateFramebuffers(1, &map->fbo);
     }
     char defines[512];
     snprintf(defines, sizeof defines, "%s%s", pel_light_defines(p->light),
              p->compute ? "#define PEL_KEYS\n" : "");
-    GLuint *find = &map->find[p->compute][p->light],
-           *tone = &map->tone[p->light], *again = &map->again[p->light];
+    GLuint *find = &map->find[p->compute][p->light];
     enum pel_err err = PEL_OK;
     if (!*find) {
         err = pel_program_create(p->shader_dir, "lamps.comp", NULL, defines,
@@ -194,15 +187,15 @@ enum pel_err pel_lamp_map_need(struct pel_lamp_map *map,
         err = pel_program_create(p->shader_dir, "lamp.vert", "lamp.frag", NULL,
                                  &map->put, fault);
     }
-    snprintf(defines, sizeof defines, "%s#define PEL_LAMPS\n",
-             pel_light_defines(p->light));
-    if (err == PEL_OK && !*tone) {
-        err = pel_program_create(p->shader_dir, "screen.vert", "tone.frag",
-                                 defines, tone, fault);
-    }
-    if (err == PEL_OK && !*again) {
-        err = pel_program_create(p->shader_dir, "lamptile.vert", "tone.frag",
-                                 defines, again, fault);
+    for (int added = 0; added < 2; added++) {
+        snprintf(defines, sizeof defines, "%s#define PEL_LAMPS\n%s",
+                 pel_light_defines(p->light),
+                 added ? "#define PEL_LAMPS_ADDED\n" : "");
+        GLuint *tone = &map->tone[added][p->light];
+        if (err == PEL_OK && !*tone) {
+            err = pel_program_create(p->shader_dir, "screen.vert", "tone.frag",
+                                     defines, tone, fault);
+        }
     }
     return err;
 }
@@ -211,13 +204,13 @@ void pel_lamp_map_finish(struct pel_lamp_map *map)
 {
     glDeleteBuffers(1, &map->spots);
     glDeleteTextures(1, &map->spots_texels);
-    glDeleteTextures(1, &map->tiles);
+    glDeleteTextures(1, &map->light);
     glDeleteFramebuffers(1, &map->fbo);
     for (int i = 0; i < PEL_LIGHT_KINDS; i++) {
         glDeleteProgram(map->find[0][i]);
         glDeleteProgram(map->find[1][i]);
-        glDeleteProgram(map->tone[i]);
-        glDeleteProgram(map->again[i]);
+        glDeleteProgram(map->tone[0][i]);
+        glDeleteProgram(map->tone[1][i]);
     }
     glDeleteProgram(map->put);
     free(map->lamps);
@@ -240,8 +233,6 @@ void pel_lamp_map_find(struct pel_lamp_map *map, const struct pel_programs *p,
     }
     pel_arena_bind(arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_LAMPS, map->lamps,
                    sizeof *map->lamps * map->count);
-    glClearNamedBufferSubData(map->spots, GL_R32UI, SPOT_BYTES, TILE_BYTES,
-                              GL_RED_INTEGER, GL_UNSIGNED_INT, NULL);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_SPOTS, map->spots);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, targets->triangles);
     glUseProgram(map->find[p->compute][p->light]);
@@ -249,6 +240,28 @@ void pel_lamp_map_find(struct pel_lamp_map *map, const struct pel_programs *p,
     glDispatchCompute(
         ((GLuint)map->count + PEL_GROUP_LINE - 1) / PEL_GROUP_LINE, 1, 1);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+}
+
+void pel_lamp_map_alone(struct pel_lamp_map *map, uint32_t width,
+                        uint32_t height)
+{
+    if (width > map->width || height > map->height) {
+        map->width = width > map->width ? width : map->width;
+        map->height = height > map->height ? height : map->height;
+        glDeleteTextures(1, &map->light);
+        glCreateTextures(GL_TEXTURE_2D, 1, &map->light);
+        glTextureStorage2D(map->light, 1, GL_RGBA32F, (GLsizei)map->width,
+                           (GLsizei)map->height);
+        glObjectLabel(GL_TEXTURE, map->light, -1, "lamps alone");
+    }
+    static const GLfloat none[4] = { 0 };
+    glNamedFramebufferTexture(map->fbo, GL_COLOR_ATTACHMENT0, map->light, 0);
+    glScissor(0, 0, (GLsizei)width, (GLsizei)height);
+    glEnable(GL_SCISSOR_TEST);
+    glClearNamedFramebufferfv(map->fbo, GL_COLOR, 0, none);
+    glDisable(GL_SCISSOR_TEST);
+    pel_lamp_map_put(map, map->light);
+    glBindTextureUnit(PEL_UNIT_LAMP_LIGHT, map->light);
 }
 
 void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light)
@@ -265,22 +278,4 @@ void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light)
     glUseProgram(map->put);
     glDrawArraysInstanced(GL_TRIANGLES, 0, 6, (GLsizei)map->count);
     glDisable(GL_BLEND);
-}
-
-void pel_lamp_map_tone(struct pel_lamp_map *map, const struct pel_programs *p,
-                       int width, int height)
-{
-    int across = (width - 1) / PEL_LAMP_TILE + 1,
-        down = (height - 1) / PEL_LAMP_TILE + 1;
-    if (map->count == 0) {
-        return;
-    }
-    if (across * down > PEL_LAMP_TILES) {
-        glUseProgram(map->tone[p->light]);
-        glDrawArrays(GL_TRIANGLES, 0, 3);
-        return;
-    }
-    glBindTextureUnit(PEL_UNIT_LAMPS, map->tiles);
-    glUseProgram(map->again[p->light]);
-    glDrawArraysInstanced(GL_TRIANGLES, 0, 6, across * down);
 }

@@ -17,10 +17,13 @@
 #include "render/targets.h"
 
 struct pel_lamp_map {
-    GLuint spots, spots_texels, tiles; /* buffer and its views */
+    GLuint spots, spots_texels; /* buffer and its view */
     GLuint fbo;
+    GLuint light; /* their own, of a picture */
+    uint32_t width, height;
     GLuint find[2][PEL_LIGHT_KINDS]; /* programs, the second by keys */
-    GLuint put, tone[PEL_LIGHT_KINDS], again[PEL_LIGHT_KINDS];
+    GLuint put;
+    GLuint tone[2][PEL_LIGHT_KINDS]; /* the second where they are added */
     struct pel_shader_lamp *lamps;
     size_t count; /* of the last view */
 };
@@ -47,11 +50,10 @@ void pel_lamp_map_find(struct pel_lamp_map *map,
                        const struct pel_targets *targets,
                        struct pel_arena *arena);
 
+/* Draws them alone and binds that for programs that tone as they shade, which
+ * add it before. */
+void pel_lamp_map_alone(struct pel_lamp_map *map, uint32_t width,
+                        uint32_t height);
+
 /* Adds them to the light in a texture. */
 void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light);
-
-/* Draws with `programs`' tone over what they were added to of the view's
- * targets, of `width` and `height`: framebuffer and light are bound. */
-void pel_lamp_map_tone(struct pel_lamp_map *map,
-                       const struct pel_programs *programs, int width,
-                       int height);

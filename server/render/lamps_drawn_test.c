@@ -232,13 +232,115 @@ static void no_seam(void **state)
     pel_sea_finish(&sea);
 }
 
+/* By places drawn in the tile and on the waves, on a sphere: whether a lamp's
+ * path may be seen there. */
+static bool is_mirrored(const struct pel_environment *env,
+                        const struct pel_camera *c, const struct pel_lamp *lamp,
+                        double x, double y, double crest_m)
+{
+    struct pel_vec3 ray = pel_vec3_normalize(pel_mat3_apply(
+        &c->world_from_camera,
+        (struct pel_vec3){
+            c->tan_left + (c->tan_right - c->tan_left) * x / c->width,
+            c->tan_top - (c->tan_top - c->tan_bottom) * y / c->height, -1 }));
+    struct pel_vec3 eye = { 0, 0, PEL_EARTH_RADIUS + c->altitude_m };
+    double half = pel_vec3_dot(eye, ray), ground = PEL_EARTH_RADIUS + crest_m;
+    double root = half * half - pel_vec3_dot(eye, eye) + ground * ground;
+    if (half >= 0 || root < 0) {
+        return false;
+    }
+    struct pel_vec3 place =
+        pel_vec3_add(eye, pel_vec3_scale(ray, -half - sqrt(root)));
+    struct pel_vec3 lamp_at = pel_vec3_add(
+        eye, pel_globe_offset((struct pel_vec3){ 0, 0, c->altitude_m },
+                              (struct pel_vec3){ lamp->east_m, lamp->north_m,
+                                                 lamp->altitude_m }));
+    struct pel_vec3 way = pel_vec3_add(lamp_at, pel_vec3_scale(place, -1));
+    struct pel_vec3 up = pel_vec3_normalize(place);
+    double away2 = pel_vec3_dot(way, way);
+    struct pel_vec3 to = pel_vec3_normalize(way);
+    struct pel_vec3 normal =
+        pel_vec3_normalize(pel_vec3_add(to, pel_vec3_scale(ray, -1)));
+    double level = pel_vec3_dot(normal, up), cosine = pel_vec3_dot(normal, to);
+    double slope2 = 1 / (level * level) - 1;
+    double along = env->sea->slope_variance_along,
+           cross = env->sea->slope_variance_cross;
+    double candela = 0.2126 * lamp->intensity_cd[0] +
+                     0.7152 * lamp->intensity_cd[1] +
+                     0.0722 * lamp->intensity_cd[2];
+    double times = candela / away2 * PEL_LAMP_MEAN / sqrt(along * cross) *
+                   (PEL_LAMP_DULLEST + pow(1 - cosine, 5));
+    double most = fmin(2 * log(times), PEL_LAMP_SLOPES * PEL_LAMP_SLOPES);
+    return level > 0 && pel_vec3_dot(to, up) > 0 &&
+           slope2 < most * fmax(along, cross);
+}
+
+/* Nor do tiles have many lamps more than some of their pixels do. */
+static void tiles_leave_nothing_out(void **state)
+{
+    (void)state;
+    enum { WIDTH = 256, HEIGHT = 192, TRIES = 200 };
+    static const struct test_look looks[] = {
+        { 11, 3, -4, 7, 50, WIDTH, HEIGHT },
+        { 3, -20, -2, 0, 20, WIDTH, HEIGHT },
+        { 60, 10, -50, 30, 70, WIDTH, HEIGHT },
+        { 25, 0, -88, 0, 60, WIDTH, HEIGHT },
+    };
+    struct pel_lamp lamps[40];
+    test_sea(7.0, 0.0, 3, &sea);
+    struct pel_environment env = dark(30000);
+    harbour(&env, lamps);
+    /* As many as a tile has bits. */
+    env.lamp_count = PEL_GLOWS;
+    uint64_t seed = 1;
+    for (size_t l = 0; l < sizeof looks / sizeof *looks; l++) {
+        struct pel_camera c = test_camera(looks[l]);
+        struct pel_lamp_glow glow = { 0 };
+        pel_lamp_glow_bind(&glow, &env, &c, 0, 0);
+        const uint32_t *masks =
+            glow.words + 4 * (1 + PEL_GLOW_TEXELS * PEL_GLOWS);
+        int missed = 0, known = 0, true_ = 0;
+        for (int tile = 0;
+             tile < (WIDTH / PEL_GLOW_TILE) * (HEIGHT / PEL_GLOW_TILE);
+             tile++) {
+            for (int i = 0; i < PEL_GLOWS; i++) {
+                bool shown = false;
+                for (int k = 0; k < TRIES && !shown; k++) {
+                    double at[3];
+                    for (int a = 0; a < 3; a++) {
+                        seed =
+                            seed * 6364136223846793005U + 1442695040888963407U;
+                        at[a] = (double)(seed >> 11) / 9007199254740992.0;
+                    }
+                    int across = WIDTH / PEL_GLOW_TILE;
+                    shown = is_mirrored(&env, &c, &lamps[i],
+                                        PEL_GLOW_TILE * (tile % across + at[0]),
+                                        PEL_GLOW_TILE *
+                                            ((double)(tile / across) + at[1]),
+                                        (2 * at[2] - 1) * sqrt(sea.m0));
+                }
+                bool has = masks[tile] >> i & 1;
+                missed += shown && !has;
+                known += has;
+                true_ += shown;
+            }
+        }
+        print_message("from %g m: %d lamps in tiles, %d in pixels, %d left "
+                      "out\n",
+                      looks[l].height_m, known, true_, missed);
+        assert_int_equal(missed, 0);
+        assert_true(known < 1.8 * true_ + 20);
+        pel_lamp_glow_finish(&glow);
+    }
+    pel_sea_finish(&sea);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(energy_by_allard),
-        cmocka_unit_test(hidden),
-        cmocka_unit_test(path_of_a_light),
-        cmocka_unit_test(no_seam),
+        cmocka_unit_test(energy_by_allard),        cmocka_unit_test(hidden),
+        cmocka_unit_test(path_of_a_light),         cmocka_unit_test(no_seam),
+        cmocka_unit_test(tiles_leave_nothing_out),
     };
     return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
 }

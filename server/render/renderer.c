@@ -354,7 +354,7 @@ static bool is_toned_last(const struct pel_environment *env,
 }
 
 /* Outlines are mixed in radiance, objects as fragments with what is behind
- * them; lamps are added to it. */
+ * them. */
 static unsigned to_shade(const struct pel_renderer *r,
                          const struct pel_environment *env,
                          const struct pel_draw *draw)
@@ -362,7 +362,7 @@ static unsigned to_shade(const struct pel_renderer *r,
     unsigned layers = pel_sensing_layers(&draw->camera, draw->layers);
     bool mixed = draws_edges(r, &draw->camera) ||
                  (env->object_count && !r->programs.compute) ||
-                 env->lamp_count > 0 || is_toned_last(env, draw, layers);
+                 is_toned_last(env, draw, layers);
     return mixed ? layers | PEL_LAYER_RADIANCE : layers;
 }
 
@@ -556,13 +556,17 @@ static void draw_pixels(struct pel_renderer *r,
         glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
     }
     const unsigned now = at_once(env, draw, asked);
-    bool toned = compute && !is_toned_last(env, draw, asked);
+    const bool toned = pel_shade_tones(r, now);
+    const GLsizei width = (GLsizei)view.size.x, height = (GLsizei)view.size.y;
+    if (env->lamp_count > 0 && toned) {
+        glViewport(0, 0, width, height);
+        pel_lamp_map_alone(&r->lamps, (uint32_t)width, (uint32_t)height);
+    }
     if (compute) {
         pel_shade_dispatches(r, c, programs, now);
     } else {
-        toned = pel_shade_fragments(r, c, discs, programs, now);
+        pel_shade_fragments(r, c, discs, programs, now);
     }
-    const GLsizei width = (GLsizei)view.size.x, height = (GLsizei)view.size.y;
     if (pel_fall_map_shows(env, asked) && !submerged && !r->programs.above) {
         glViewport(0, 0, width, height);
         pel_fall_map_put(&r->falls, env, c, &view, &r->targets);
@@ -572,7 +576,8 @@ static void draw_pixels(struct pel_renderer *r,
         light = pel_acuity_run(&r->acuity, &r->targets, width, height,
                                r->margin + border);
     }
-    if (env->lamp_count > 0) {
+    const unsigned wanted = pel_sensing_layers(&draw->camera, draw->layers);
+    if (env->lamp_count > 0 && (!toned || wanted & PEL_LAYER_RADIANCE)) {
         glViewport(0, 0, width, height);
         pel_lamp_map_put(&r->lamps, sharp);
         if (light != sharp) {
@@ -589,8 +594,6 @@ static void draw_pixels(struct pel_renderer *r,
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
     if (!toned && asked & PEL_LAYER_COLOR) {
         pel_shade_tone(r, c, light);
-    } else if (asked & PEL_LAYER_COLOR && env->lamp_count > 0) {
-        pel_shade_tone_lamps(r, c);
     }
 }
 

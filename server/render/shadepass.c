@@ -217,6 +217,14 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glDisable(GL_DEPTH_TEST);
 }
 
+bool pel_shade_tones(const struct pel_renderer *r, unsigned asked)
+{
+    const struct pel_pass pass = pel_pass_first(asked, r->programs.compute);
+    return r->programs.compute
+               ? asked & PEL_LAYER_COLOR
+               : pass.kind == PEL_SHADE_COLOR || pass.kind == PEL_SHADE_BOTH;
+}
+
 bool pel_shade_middles(unsigned asked)
 {
     return pel_layers_stored(asked) &
@@ -289,19 +297,20 @@ static void mix_edges(struct pel_renderer *r, const struct pel_camera *c,
     glMemoryBarrier(PIXEL_BARRIERS);
 }
 
-static void begin_tone(struct pel_renderer *r, GLuint light)
+/* `added`: the light has the lamps. */
+static void begin_tone(struct pel_renderer *r, GLuint light, bool added)
 {
     glBindTextureUnit(PEL_UNIT_RADIANCE, light);
     glDisable(GL_DEPTH_TEST);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
-    glUseProgram(r->programs.lamps ? r->lamps.tone[r->programs.light]
+    glUseProgram(r->programs.lamps ? r->lamps.tone[added][r->programs.light]
                                    : r->programs.tone);
 }
 
 /* Once more where objects went over what was toned at once. */
 static void tone_objects(struct pel_renderer *r, const struct pel_camera *c)
 {
-    begin_tone(r, r->targets.planes[PEL_AT_RADIANCE]);
+    begin_tone(r, r->targets.planes[PEL_AT_RADIANCE], false);
     show_samples_only(r, r->targets.color_fbo);
     glEnable(GL_SCISSOR_TEST);
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
@@ -316,12 +325,12 @@ static void tone_objects(struct pel_renderer *r, const struct pel_camera *c)
     show_all(r, r->targets.color_fbo);
 }
 
-bool pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
+void pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
                          const struct pel_disc_box *discs,
                          const struct pel_sea_programs *p, unsigned asked)
 {
     struct pel_pass pass = pel_pass_first(asked, false);
-    bool toned = pass.kind == PEL_SHADE_COLOR || pass.kind == PEL_SHADE_BOTH;
+    const bool toned = pel_shade_tones(r, asked);
     if (r->any_objects) {
         GLint box[4];
         pel_shade_box(r, c, box);
@@ -342,7 +351,6 @@ bool pel_shade_fragments(struct pel_renderer *r, const struct pel_camera *c,
     if (r->margin) {
         mix_edges(r, c, asked, toned);
     }
-    return toned;
 }
 
 void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
@@ -369,18 +377,9 @@ void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
 void pel_shade_tone(struct pel_renderer *r, const struct pel_camera *c,
                     GLuint light)
 {
-    begin_tone(r, light);
+    begin_tone(r, light, true);
     glViewport(r->margin, r->margin, (GLsizei)c->width, (GLsizei)c->height);
     glDrawArrays(GL_TRIANGLES, 0, 3);
-}
-
-void pel_shade_tone_lamps(struct pel_renderer *r, const struct pel_camera *c)
-{
-    const GLsizei width = (GLsizei)c->width + 2 * r->margin;
-    const GLsizei height = (GLsizei)c->height + 2 * r->margin;
-    begin_tone(r, r->targets.planes[PEL_AT_RADIANCE]);
-    glViewport(0, 0, width, height);
-    pel_lamp_map_tone(&r->lamps, &r->programs, width, height);
 }
 
 void pel_shade_sense(struct pel_renderer *r, const struct pel_environment *env,

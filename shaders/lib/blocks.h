@@ -80,7 +80,8 @@ struct pel_vec4 {
 /* A program uses 32 at most; which of these do not meet. */
 #define PEL_UNIT_CLOUDS 32
 #define PEL_UNIT_CLOUDSCAPE 33
-#define PEL_UNIT_LAMPS 36
+#define PEL_UNIT_LAMPS 36      /* as they are drawn */
+#define PEL_UNIT_LAMP_LIGHT 36 /* afterwards */
 #define PEL_UNIT_LAMP_GLOWS 46
 #define PEL_UNIT_CLOUD_SHADE 45
 /* Of passes that do not shade, in places of the above. */
@@ -383,15 +384,16 @@ struct pel_vec4 {
 #define PEL_LAMP_LEAST_PX 2.2
 #define PEL_LAMP_SHOWN 1e-3
 #define PEL_LAMP_SLACK 2e-3
-/* Tiles of so many pixels a side are toned again where a lamp shines on them;
- * marks of as many as a picture may have follow the spots in their buffer. */
-#define PEL_LAMP_TILE 32
-#define PEL_LAMP_TILES (160 * 160)
-#define PEL_LAMP_SPOTS 1024
 /* And those that the sea mirrors: texels of each, and the slopes that mirror
  * it, in standard deviations. */
 #define PEL_GLOW_TEXELS 5
+#define PEL_GLOW_TILE 32 /* pixels a side that know which */
 #define PEL_LAMP_SLOPES 4.0
+/* Of what one shows on average where all waves are level, by the inverse of the
+ * slopes' deviations: 1 / 8π, over the least cosine of sights, over 1e-6 cd/m²
+ * that no eye sees. And the least of its facets' reflectance. */
+#define PEL_LAMP_MEAN (0.0398 / 0.05 / 1e-6)
+#define PEL_LAMP_DULLEST 0.03
 
 /* Drops and flakes near the eye (optics/falling.h): kinds by size; from
  * NEAREST m on, in shells about their axis from INMOST m on; how long the

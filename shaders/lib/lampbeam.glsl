@@ -29,8 +29,9 @@ vec3 lamp_falling(int lamp, vec3 place, out vec3 to)
     // No lamp is smaller than a hand.
     float away2 = max(dot(way, way), 0.01);
     to = way * inversesqrt(away2);
-    return light.rgb * (lamp_towards(-to, light, glow_texel(lamp, 2), glow_texel(lamp, 3), glow_texel(lamp, 4).x) *
-                        exp(-at.w * sqrt(away2)) / away2);
+    vec4 form = glow_texel(lamp, 4);
+    return light.rgb * (lamp_towards(-to, light, glow_texel(lamp, 2), glow_texel(lamp, 3), form.x) *
+                        exp(-form.w * sqrt(away2)) / away2);
 }
 
 int lamps_known()

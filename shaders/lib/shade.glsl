@@ -226,7 +226,8 @@ lit sea_radiance(sampler2D map, vec3 v, vec2 tilt, vec3 n, vec2 variance, vec3 l
         direct += one;
     }
 #ifdef PEL_LAMPS
-    for (uint left = lamps_here; left != 0u; left &= left - 1u) {
+    for (uint left = lamps_likely(v, tilt, tx, ty, n, view, variance, drawn, held, fold, at, eye_); left != 0u;
+         left &= left - 1u) {
         direct += lamp_mirrored(findLSB(left), v, tilt, tx, ty, n, view, variance, drawn, held, fold, at,
                                 eye_);
     }

@@ -75,9 +75,16 @@ vec3 sensed(vec3 encoded, uvec2 p)
     return vec3(clamp(grey * sensor.y + sensor.z + grain * sensor.w, 0.0, 1.0));
 }
 
+#if defined(PEL_LAMPS) && !defined(PEL_LAMPS_ADDED)
+layout(binding = PEL_UNIT_LAMP_LIGHT) uniform sampler2D lamp_light; // of lamps themselves (lamp.frag)
+#endif
+
 // Eight-bit colour of a spectral radiance at a pixel.
 vec3 display(vec3 light, ivec2 at)
 {
+#if defined(PEL_LAMPS) && !defined(PEL_LAMPS_ADDED)
+    light += texelFetch(lamp_light, at, 0).rgb;
+#endif
     vec3 ray = pixel_ray(lattice(at));
     light = with_glare(light, ray / sqrt(dot(ray, ray)));
     vec3 linear = vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light));
