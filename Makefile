@@ -449,10 +449,11 @@ airtable: deps-build ## the sky's table anew by its Monte Carlo, about an hour o
 	$(Q)/usr/bin/python3 -B tests/validate/airtrace/airtable.py $(ARGS)
 .PHONY: validate-clouds
 validate-clouds: deps-build ## light through a slab of cloud by Monte Carlo, its own checks first (ARGS='--photons N'): build/validate/clouds.txt
-	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/cloudtrace
+	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/cloudtrace
 	$(Q)mkdir -p build/validate
 	$(O)/bin/cloudtrace --check
-	$(O)/bin/cloudtrace $(ARGS) | tee build/validate/clouds.txt
+	$(O)/bin/cloudtrace $(ARGS) > build/validate/clouds.txt
+	$(Q)/usr/bin/python3 -B tests/validate/clouds.py | tee build/validate/clouds.md
 .PHONY: sensor-sheet
 sensor-sheet: deps-build ## a scene as eye, low light, heat and radar see it: build/sensors.jpg
 	$(Q)$(MAKE) -s --no-print-directory all

@@ -179,13 +179,25 @@ static void solve(double b, double mu, double *c, double *d)
     *c = f * (3 * mu * mu + 2 * mu) + 2.0 / 3 * *d;
 }
 
+double pel_cloud_escape(double mu)
+{
+    return (12 + 24 * mu) / (14 + 21 * mu);
+}
+
 double pel_cloud_glow(double t, double b, double mu)
 {
+    const double f = 1 / (4.0 * PEL_PI);
     double c, d;
     mu = fmax(mu, 0.02);
     solve(b, mu, &c, &d);
-    return fmax(c + d * t - 3 / (4.0 * PEL_PI) * mu * mu * exp(-t / mu), 0) +
-           exp(-t / mu) / (4.0 * PEL_PI);
+    double left = exp(-b / mu), k = pel_cloud_escape(mu);
+    /* Below as it escapes; above what that leaves. */
+    double below = 2 * PEL_PI * fmax(c + d * b - 3 * f * mu * mu * left, 0),
+           above = mu * (1 - left) - below;
+    double top = above > 0 ? (above + (1 - k) * below) / above : 1;
+    return fmax(c + d * t - 3 * f * mu * mu * exp(-t / mu), 0) *
+               (top + (k - top) * t / b) +
+           f * exp(-t / mu);
 }
 
 double pel_cloud_through(double b, double mu)
@@ -194,7 +206,8 @@ double pel_cloud_through(double b, double mu)
     mu = fmax(mu, 0.02);
     solve(b, mu, &c, &d);
     /* The net flux is the same at every depth: -4 pi H. */
-    return (-4.0 * PEL_PI / 3) * d / mu;
+    double all = (-4.0 * PEL_PI / 3) * d / mu, left = exp(-b / mu);
+    return pel_cloud_escape(mu) * (all - left) + left;
 }
 
 /* Images: near enough to it that four of them on either side do. */

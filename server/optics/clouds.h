@@ -55,6 +55,11 @@ double pel_cloud_bound(const struct pel_clouds *clouds);
 /* Share of the thickness that a cloud has where the rank is U, 0: none. */
 double pel_cloud_thick(const struct pel_clouds *clouds, double u);
 
+/* By how much more light that enters a thick slab at this zenith cosine reaches
+ * its depths, or that comes from there leaves it this way, than Eddington's
+ * 2/3 + mu has: 3/7 (1 + 2 mu) (Zege, Ivanov and Katsev 1991). */
+double pel_cloud_escape(double mu);
+
 /* Mean intensity over an irradiance of 1 on a plane across the beam, of all
  * light scattered at least once, at optical depth t of a slab of b, both times
  * 1 - g, below the beam of zenith cosine mu. Eddington. */

@@ -1,5 +1,11 @@
 // A layer of clouds, twin of optics/clouds.c. Includers have lib/sky.glsl.
 #if defined(PEL_CLOUDS) || defined(PEL_FOG)
+// Twin of pel_cloud_escape.
+float cloud_escape(float mu)
+{
+    return (12.0 + 24.0 * mu) / (14.0 + 21.0 * mu);
+}
+
 // Twin of pel_cloud_glow without its beam, for an irradiance of 1.
 float cloud_glow(float t, float b, float mu)
 {
@@ -7,7 +13,11 @@ float cloud_glow(float t, float b, float mu)
     float left = exp(-b / mu);
     float d = -f * (3.0 * mu * mu * (1.0 - left) + 2.0 * mu * (1.0 + left)) / (b + 1.33333333);
     float c = f * (3.0 * mu * mu + 2.0 * mu) + 0.66666667 * d;
-    return max(c + d * t - 3.0 * f * mu * mu * exp(-t / mu), 0.0);
+    float k = cloud_escape(mu);
+    float below = 2.0 * PI * max(c + d * b - 3.0 * f * mu * mu * left, 0.0);
+    float above = max(mu * (1.0 - left) - below, 1e-6);
+    float top = 1.0 + (1.0 - k) * below / above;
+    return max(c + d * t - 3.0 * f * mu * mu * exp(-t / mu), 0.0) * mix(top, k, t / max(b, 1e-6));
 }
 #endif
 
@@ -66,13 +76,20 @@ float cloud_lod(float metres)
     return log2(max(metres * cloud_size.z * float(PEL_CLOUD_TEXELS), 1.0));
 }
 
-// Extinction at a height over the base in a column, as a share of the whole:
+// Depth over the extinction of what is from a top to `m` metres below it.
+float cloud_above(float m)
+{
+    float soft = cloud_shape.w;
+    m = max(m, 0.0);
+    return m < 0.7 * soft ? m * (0.5 * m / soft + 0.3) : m - 0.245 * soft;
+}
+
+// Extinction about a height over the base in a column, as a share of the whole:
 // the mean over a step of `dz`.
 float cloud_dense(vec2 column, float z, float dz)
 {
-    float soft = cloud_shape.w + dz;
-    return clamp((column.x * cloud_size.y - z) / soft + 0.3, 0.0, 1.0) *
-           clamp(z / (0.3 * cloud_shape.w + dz) + 0.5, 0.0, 1.0);
+    float under = column.x * cloud_size.y - z;
+    return (cloud_above(under + min(0.5 * dz, z)) - cloud_above(under - 0.5 * dz)) / dz;
 }
 
 // What clouds leave of a light's beam at a place of the tile at sea level: the
@@ -95,11 +112,29 @@ float cloud_lit_at(vec2 at, vec3 to, float footprint)
     return 1.0 - part + part * exp(-min(depth / part, 80.0));
 }
 
-float cloud_phase(float cosine)
+// Henyey and Greenstein's.
+float cloud_phase(float g, float cosine)
 {
-    const float G2 = CLOUD_G * CLOUD_G;
-    float x = 1.0 + G2 - 2.0 * CLOUD_G * cosine;
-    return 0.25 / PI * (1.0 - G2) / (x * sqrt(x));
+    float x = 1.0 + g * g - 2.0 * g * cosine;
+    return 0.25 / PI * (1.0 - g * g) / (x * sqrt(x));
+}
+
+// Of a beam whose way in the cloud was `way` deep: what one more scattering
+// sends on at this angle, less the share 1 - g that goes to all sides. Of n
+// scatterings the share g^n has only been turned, by a function whose second
+// moment is theirs, g^n: half way (as a power) between all of it and as much as
+// puts the beam's own flux through a level slab whose light rises `up`, which
+// photons ask for; max(x, 0) = 1/4 + P1/2 + 5/16 P2 - 3/32 P4.
+float cloud_forward(float way, float cosine, float up)
+{
+    const float root = 0.921954; // of g
+    float once = exp(-way), never = exp(-CLOUD_G * way);
+    float g = root * (exp(-CLOUD_G * (1.0 - root) * way) - never) / max(1.0 - never, 1e-4);
+    float u2 = up * up, g2 = g * g;
+    float down = 0.25 + 0.5 * g * up + 0.15625 * g2 * (3.0 * u2 - 1.0) -
+                 0.01171875 * g2 * g2 * ((35.0 * u2 - 30.0) * u2 + 3.0);
+    return once * (cloud_phase(CLOUD_G, cosine) - (1.0 - CLOUD_G) * (0.25 / PI)) +
+           CLOUD_G * max(exp(-(1.0 - CLOUD_G) * way) - once, 0.0) * cloud_phase(g, cosine) * sqrt(up / down);
 }
 
 // Distance along a ray from height h to where it is as high as z.
@@ -180,18 +215,23 @@ clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, 
     }
     vec2 turn = dir.xy * (from + 0.5 * (to_ - from)) / planet.x;
     vec3 to[PEL_LIT], beam[PEL_LIT];
-    float forward[PEL_LIT];
+    float cosine[PEL_LIT];
     for (int i = 0; i < PEL_LIT; i++) {
         to[i] = light_above(i, turn);
         beam[i] = lights[i].irradiance.rgb *
                   light_transmittance(transmittance, 0.5 * (low + high), to[i].z, lights[i].direction.w);
-        forward[i] = cloud_phase(dot(dir, lights[i].direction.xyz));
+        cosine[i] = dot(dir, lights[i].direction.xyz);
     }
     float blur = 0.5 * (from + to_) * angle, level = length(dir.xy);
+    float leaves = cloud_escape(abs(dir.z));
     vec3 source = vec3(0.0), single = vec3(0.0);
     float lit_at = -1e9, lit_tau = 0.0;
     float t0 = from, length_ = wide_step;
-    float inside = -cloud_size.y; // m below the top, at t0
+    // m below the top, at t0.
+    float start = height_along(h, dir.z, from) - low;
+    float inside = cloud_column(cloud_place(dir.xy * from), cloud_lod(max(0.9 * fine_step * level, 1.5 * blur)), start).x *
+                       cloud_size.y - start;
+    length_ = inside > 0.0 ? fine_step : wide_step;
     for (int k = 0; k < CLOUD_STEPS && tau < 40.0 && t0 < to_; k++) {
         // The last step takes the mean of what is left of the way.
         bool rest = k == CLOUD_STEPS - 1;
@@ -238,38 +278,43 @@ clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, 
         if (t - lit_at > wide_step || tau - lit_tau > 1.5) {
             lit_at = t;
             lit_tau = tau;
-            float whole = column.x * cloud_size.y * cloud_shape.z;
-            float above = min(max(column.x * cloud_size.y - z, 0.0) * cloud_shape.z, whole);
+            // In the middle of where it serves.
+            float serves = max(0.5 * (min(1.5 / cloud_shape.z, wide_step) - share * done), 0.0);
+            float mid = min(t + serves, to_), zm = height_along(h, dir.z, mid) - low;
+            float whole = cloud_above(column.x * cloud_size.y) * cloud_shape.z;
+            float above = min(cloud_above(column.x * cloud_size.y - zm) * cloud_shape.z, whole);
             float scaled = (1.0 - CLOUD_G) * whole;
             float depth = (1.0 - CLOUD_G) * above;
             float inverse = 1.0 / (scaled + 1.33333333);
             source = sky_up * ((scaled - depth + 0.66666667) * inverse) +
                           below * ((depth + 0.66666667) * inverse);
 #ifdef PEL_STORM
-            source += light_within(dir.xy * t, z, cloud_size.y);
+            source += light_within(dir.xy * mid, zm, cloud_size.y);
 #endif
             single = vec3(0.0);
             for (int i = 0; i < PEL_LIT; i++) {
                 float up = max(to[i].z, 0.02);
-                // On the way to the light.
-                float reach = 0.0, way = 0.0;
+                // On the way to the light, to the layer's top: in what is
+                // beyond six times its thickness as before it.
+                float reach = 0.0, way = 0.0, all = max(cloud_size.y - zm, 0.05 * cloud_size.y) / up;
+                float seen = min(all, 6.0 * cloud_size.y);
                 for (int j = 0; j < 3; j++) {
-                    float part = cloud_size.y * (j == 0 ? 0.08 : j == 1 ? 0.22 : 0.5);
+                    float part = seen * (j == 0 ? 0.1 : j == 1 ? 0.3 : 0.6);
                     vec3 off = to[i] * (reach + 0.5 * part);
-                    vec2 there = cloud_bulk(cloud_place(dir.xy * t + off.xy), lod + float(j));
-                    way += part * cloud_dense(there, z + off.z, part * to[i].z);
+                    vec2 there = cloud_bulk(cloud_place(dir.xy * mid + off.xy), max(lod + float(j), cloud_lod(0.5 * part * length(to[i].xy))));
+                    way += part * cloud_dense(there, zm + off.z, part * to[i].z);
                     reach += part;
                 }
-                way *= cloud_shape.z;
-                float t_light = min(way * up, scaled / (1.0 - CLOUD_G));
+                way *= cloud_shape.z * all / seen;
+                float t_light = min(way * up, whole);
+                way = t_light / up;
                 float t_scaled = (1.0 - CLOUD_G) * t_light;
-                float wide = exp(-t_scaled / up) - exp(-way);
-                source += beam[i] * (cloud_glow(t_scaled, scaled, up) + max(wide, 0.0) * (0.25 / PI));
-                single += beam[i] * (forward[i] * exp(-way));
+                source += beam[i] * (cloud_glow(t_scaled, scaled, up) + exp(-t_scaled / up) * (0.25 / PI));
+                single += beam[i] * cloud_forward(way, cosine[i], up);
             }
         }
         float s0 = exp(-(1.0 - CLOUD_G) * tau), s1 = exp(-(1.0 - CLOUD_G) * next);
-        sum += source * (s0 - s1) + single * (exp(-tau) - exp(-next));
+        sum += source * (leaves * (s0 - s1)) + single * (exp(-tau) - exp(-next));
         mean += t * (s0 - s1);
         tau = next;
     }

@@ -11,6 +11,10 @@
  *   cloudtrace                  the table, to standard output
  *   cloudtrace --photons 100000 of each row (20000)
  *   cloudtrace --check          against what is known in closed form
+ *   cloudtrace --cases          lines "depth, degrees above" of standard input,
+ *                               degrees 0: a sky of one radiance; a line each
+ *                               of what comes through, direct and not, its
+ *                               error, and the radiance below by zenith angle
  *
  * --check: energy; single scattering in a thin slab; light through a thick
  * slab of isotropic scattering, whose darkening is Chandrasekhar's H
@@ -34,8 +38,8 @@ static const double zenith_deg[ANGLES] = { 0, 15, 30, 45, 60, 70, 80, 85, 88 };
 struct slab {
     double depth; /* optical, vertical */
     double g;
-    double light_mu;
-    double albedo; /* of the sea */
+    double light_mu; /* 0: a sky of one radiance */
+    double albedo;   /* of the sea */
 };
 
 /* Per batch, of irradiance 1 on a level plane. */
@@ -153,11 +157,8 @@ static bool reflected(const struct slab *slab, struct photon *p,
 
 static void trace(const struct slab *slab, struct tally *t)
 {
-    struct photon p = {
-        .x = -sqrt(1 - slab->light_mu * slab->light_mu),
-        .z = -slab->light_mu,
-        .weight = 1,
-    };
+    double mu = slab->light_mu > 0 ? slab->light_mu : sqrt(1 - uniform());
+    struct photon p = { .x = -sqrt(1 - mu * mu), .z = -mu, .weight = 1 };
     for (;;) {
         p.depth -= p.z * -log(1 - uniform());
         if (p.depth < 0) {
@@ -256,6 +257,21 @@ static void table(unsigned photons)
     }
 }
 
+static void cases(unsigned photons)
+{
+    double depth, degrees;
+    while (scanf("%lf %lf", &depth, &degrees) == 2) {
+        struct slab slab = { depth, 0.85, sin(degrees * PI / 180), 0.06 };
+        struct tally m, e;
+        run(&slab, photons, &m, &e);
+        printf("%.6f %.6f %.6f", m.direct, m.diffuse, e.diffuse);
+        for (int i = 0; i < ANGLES; i++) {
+            printf(" %.6f", over_azimuth(m.below[i]));
+        }
+        putchar('\n');
+    }
+}
+
 static int failed;
 
 static void expect(const char *what, double seen, double known, double within)
@@ -319,14 +335,17 @@ static void check(unsigned photons)
 int main(int argc, char **argv)
 {
     unsigned photons = 20000;
-    bool checks = false;
+    bool checks = false, by_line = false;
     for (int i = 1; i < argc; i++) {
         if (!strcmp(argv[i], "--check")) {
             checks = true;
+        } else if (!strcmp(argv[i], "--cases")) {
+            by_line = true;
         } else if (!strcmp(argv[i], "--photons") && i + 1 < argc) {
             photons = (unsigned)strtoul(argv[++i], NULL, 10);
         } else {
-            fprintf(stderr, "usage: cloudtrace [--check] [--photons N]\n");
+            fprintf(stderr,
+                    "usage: cloudtrace [--check | --cases] [--photons N]\n");
             return 2;
         }
     }
@@ -337,6 +356,10 @@ int main(int argc, char **argv)
         check(photons);
         return failed != 0;
     }
-    table(photons);
+    if (by_line) {
+        cases(photons);
+    } else {
+        table(photons);
+    }
     return 0;
 }

@@ -53,7 +53,8 @@ def main():
     with eye() as draw:
         for i, (words, wind, sky) in enumerate(every):
             picture, ev = draw(VIEW, sky=sky, sea={
-                "windSpeed": wind, "windDirection": 80, "synthesiser": "FFT"})
+                "windSpeed": wind, "windDirection": 80, "synthesiser": "FFT",
+                "whitecaps": 1})
             print(f"| {words} | {ev:.2f} |", flush=True)
             x, y = i % COLUMNS * WIDE, i // COLUMNS * (HIGH + LABEL)
             sheet.paste(picture, (x, y))
