@@ -52,7 +52,8 @@ OPT_release := -O2 -g
 OPT_asan := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer
 OPT_tsan := -O1 -g -fsanitize=thread
 OPT_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined
-ifeq ($(FLAVOR),fuzz)
+OPT_cover := -O1 -g -fsanitize=fuzzer-no-link -fprofile-instr-generate -fcoverage-mapping
+ifneq ($(filter fuzz cover,$(FLAVOR)),)
 CC := clang
 endif
 OPT := $(OPT_$(FLAVOR))
@@ -561,6 +562,15 @@ fuzz: $(fuzz_bin)
 	        || { tail -40 $$corpus.log; exit 1; }; \
 	    grep -E 'stat::number_of_executed_units|stat::new_units' $$corpus.log; \
 	done
+endif
+
+.PHONY: fuzz-coverage
+fuzz-coverage: deps ## lines of each parser that the corpora of make fuzz reach, of 85 %: build/cover/report.txt
+ifneq ($(FLAVOR),cover)
+	$(Q)$(MAKE) FLAVOR=cover fuzz-coverage
+else
+fuzz-coverage: $(fuzz_bin)
+	$(Q)tests/fuzz/coverage.sh $(O) $(fuzz_bin)
 endif
 
 # --- installation ---------------------------------------------------------
