@@ -17,6 +17,7 @@
 #define CLEAR_M 1.0   /* what stands so near to a lamp does not hide it */
 #define BESIDE_M 0.25 /* rays to it that decide how much of it is hidden */
 #define LAND_STEPS 96
+_Static_assert(PEL_LAMP_SPOTS == PEL_MAX_LAMPS, "a bit for each lamp");
 
 static double luminance(const double m[9], const double light[3])
 {
@@ -183,6 +184,10 @@ enum pel_err pel_lamp_map_need(struct pel_lamp_map *map,
         err = pel_program_create(p->shader_dir, "lamps.comp", NULL, defines,
                                  find, fault);
     }
+    if (err == PEL_OK && p->compute && !map->alone) {
+        err = pel_program_create(p->shader_dir, "lamp.comp", NULL, NULL,
+                                 &map->alone, fault);
+    }
     if (err == PEL_OK && !map->put) {
         err = pel_program_create(p->shader_dir, "lamp.vert", "lamp.frag", NULL,
                                  &map->put, fault);
@@ -213,6 +218,7 @@ void pel_lamp_map_finish(struct pel_lamp_map *map)
         glDeleteProgram(map->tone[1][i]);
     }
     glDeleteProgram(map->put);
+    glDeleteProgram(map->alone);
     free(map->lamps);
     *map = (struct pel_lamp_map){ 0 };
 }
@@ -242,7 +248,19 @@ void pel_lamp_map_find(struct pel_lamp_map *map, const struct pel_programs *p,
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
-void pel_lamp_map_alone(struct pel_lamp_map *map, uint32_t width,
+static void draw_alone(struct pel_lamp_map *map, uint32_t width,
+                       uint32_t height)
+{
+    static const GLfloat none[4] = { 0 };
+    glNamedFramebufferTexture(map->fbo, GL_COLOR_ATTACHMENT0, map->light, 0);
+    glScissor(0, 0, (GLsizei)width, (GLsizei)height);
+    glEnable(GL_SCISSOR_TEST);
+    glClearNamedFramebufferfv(map->fbo, GL_COLOR, 0, none);
+    glDisable(GL_SCISSOR_TEST);
+    pel_lamp_map_put(map, map->light);
+}
+
+void pel_lamp_map_alone(struct pel_lamp_map *map, bool compute, uint32_t width,
                         uint32_t height)
 {
     if (width > map->width || height > map->height) {
@@ -254,13 +272,18 @@ void pel_lamp_map_alone(struct pel_lamp_map *map, uint32_t width,
                            (GLsizei)map->height);
         glObjectLabel(GL_TEXTURE, map->light, -1, "lamps alone");
     }
-    static const GLfloat none[4] = { 0 };
-    glNamedFramebufferTexture(map->fbo, GL_COLOR_ATTACHMENT0, map->light, 0);
-    glScissor(0, 0, (GLsizei)width, (GLsizei)height);
-    glEnable(GL_SCISSOR_TEST);
-    glClearNamedFramebufferfv(map->fbo, GL_COLOR, 0, none);
-    glDisable(GL_SCISSOR_TEST);
-    pel_lamp_map_put(map, map->light);
+    if (compute) {
+        glBindTextureUnit(PEL_UNIT_LAMPS, map->spots_texels);
+        glBindImageTexture(PEL_IMAGE_RADIANCE, map->light, 0, GL_FALSE, 0,
+                           GL_WRITE_ONLY, GL_RGBA32F);
+        glUseProgram(map->alone);
+        glUniform1ui(0, (GLuint)map->count);
+        glDispatchCompute((width + PEL_GROUP_SIDE - 1) / PEL_GROUP_SIDE,
+                          (height + PEL_GROUP_SIDE - 1) / PEL_GROUP_SIDE, 1);
+        glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    } else {
+        draw_alone(map, width, height);
+    }
     glBindTextureUnit(PEL_UNIT_LAMP_LIGHT, map->light);
 }
 

@@ -22,7 +22,7 @@ struct pel_lamp_map {
     GLuint light; /* their own, of a picture */
     uint32_t width, height;
     GLuint find[2][PEL_LIGHT_KINDS]; /* programs, the second by keys */
-    GLuint put;
+    GLuint put, alone;               /* `alone`: in compute */
     GLuint tone[2][PEL_LIGHT_KINDS]; /* the second where they are added */
     struct pel_shader_lamp *lamps;
     size_t count; /* of the last view */
@@ -52,7 +52,7 @@ void pel_lamp_map_find(struct pel_lamp_map *map,
 
 /* Draws them alone and binds that for programs that tone as they shade, which
  * add it before. */
-void pel_lamp_map_alone(struct pel_lamp_map *map, uint32_t width,
+void pel_lamp_map_alone(struct pel_lamp_map *map, bool compute, uint32_t width,
                         uint32_t height);
 
 /* Adds them to the light in a texture. */

@@ -560,7 +560,8 @@ static void draw_pixels(struct pel_renderer *r,
     const GLsizei width = (GLsizei)view.size.x, height = (GLsizei)view.size.y;
     if (env->lamp_count > 0 && toned) {
         glViewport(0, 0, width, height);
-        pel_lamp_map_alone(&r->lamps, (uint32_t)width, (uint32_t)height);
+        pel_lamp_map_alone(&r->lamps, compute, (uint32_t)width,
+                           (uint32_t)height);
     }
     if (compute) {
         pel_shade_dispatches(r, c, programs, now);

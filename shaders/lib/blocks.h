@@ -384,6 +384,7 @@ struct pel_vec4 {
 #define PEL_LAMP_LEAST_PX 2.2
 #define PEL_LAMP_SHOWN 1e-3
 #define PEL_LAMP_SLACK 2e-3
+#define PEL_LAMP_SPOTS 1024 /* PEL_MAX_LAMPS */
 /* And those that the sea mirrors: texels of each, and the slopes that mirror
  * it, in standard deviations. */
 #define PEL_GLOW_TEXELS 5
