@@ -180,6 +180,48 @@ class Durable(unittest.TestCase):
                 self.assertEqual(field(daemon, "sky.visibility"), 7003)
 
     @unittest.skipIf(SANITIZED, "a sanitizer must be loaded first")
+    def test_other_faults_of_the_disk(self):
+        """Read-only, failing, taking half of what is written: pictures and
+        edits go on; each part says it once, and once that it is over; then
+        nothing that was answered is lost."""
+        record = os.path.join(self.folder.name, "r.pelog")
+        with disk_that_fills(self.folder.name) as path:
+            for at, fault in enumerate(("EROFS", "EIO", "SHORT")):
+                base = 8000 + 100 * at
+                with self.subTest(fault), self.daemon(
+                        "--record", record) as daemon:
+                    with open(path + "-", "w") as f:
+                        f.write(fault)
+                    os.rename(path + "-", path)
+                    self._edits_and_pictures(daemon, base)
+                    until("said", lambda: "SCN-003" in daemon.log())
+                    # Tried again, and not said again.
+                    until("tried again", lambda: daemon.metrics()[
+                        "pelagos_scene_save_errors_total"] >= 2)
+                    os.unlink(path)
+                    until("saved again", lambda: "SCN-014" in daemon.log())
+
+                    def well():
+                        self._edits_and_pictures(daemon, base + 50)
+                        log = daemon.log()
+                        return ("REC-002" in log) == ("REC-008" in log) and (
+                            "SCN-012" in log) == ("SCN-013" in log)
+                    until("all is over", well)
+                    log = daemon.log()
+                    for what in ("SCN-003", "SCN-014", "SCN-012", "REC-002"):
+                        self.assertLessEqual(log.count(what), 1, log)
+                    daemon.stop(signal.SIGKILL)
+                with self.daemon() as daemon:
+                    self.assertEqual(field(daemon, "sky.visibility"), base + 52)
+
+    def _edits_and_pictures(self, daemon, base):
+        for i in range(3):
+            self.assertEqual(daemon.patch({"sky": {
+                "visibility": base + i}}).status, 200)
+            self.assertEqual(daemon.get(
+                "/v1/views/bridge/frame.jpg?width=64&height=36").status, 200)
+
+    @unittest.skipIf(SANITIZED, "a sanitizer must be loaded first")
     def test_recording_pictures_to_a_full_disk(self):
         clip = os.path.join(self.folder.name, "clip.mkv")
         command = [os.path.join(BIN, "pelagosctl"), "record", "bridge", clip,
