@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "fields.h"
 #include "jsonread.h"
 #include "message.h"
@@ -61,10 +62,7 @@ static enum pel_err read_base64(struct converter *c,
     }
     gint state = 0;
     guint save = 0;
-    out->data = malloc(length / 4 * 3 + 6);
-    if (!out->data) {
-        abort();
-    }
+    out->data = pel_sure_malloc(length / 4 * 3 + 6);
     out->len = g_base64_decode_step(text, used, out->data, &state, &save);
     /* Without padding the decoder holds the last two or three digits back. */
     size_t missing = (4 - used % 4) % 4;

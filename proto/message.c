@@ -4,18 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void *checked(void *memory)
-{
-    if (!memory) {
-        abort();
-    }
-    return memory;
-}
-
-static char *duplicate(const char *text)
-{
-    return checked(strdup(text));
-}
+#include "base/reserve.h"
 
 static void *at(const ProtobufCMessage *message, unsigned offset)
 {
@@ -69,7 +58,7 @@ size_t pel_message_value_size(const ProtobufCFieldDescriptor *field)
 
 ProtobufCMessage *pel_message_new(const ProtobufCMessageDescriptor *type)
 {
-    ProtobufCMessage *message = checked(malloc(type->sizeof_message));
+    ProtobufCMessage *message = pel_sure_malloc(type->sizeof_message);
     protobuf_c_message_init(type, message);
     return message;
 }
@@ -98,12 +87,12 @@ static void copy_value(const ProtobufCFieldDescriptor *field, void *to,
         *(ProtobufCMessage **)to =
             pel_message_copy(*(ProtobufCMessage *const *)from);
     } else if (field->type == PROTOBUF_C_TYPE_STRING) {
-        *(char **)to = duplicate(*(char *const *)from);
+        *(char **)to = pel_sure_strdup(*(char *const *)from);
     } else if (field->type == PROTOBUF_C_TYPE_BYTES) {
         const ProtobufCBinaryData *bytes = from;
         ProtobufCBinaryData *copy = to;
         copy->len = bytes->len;
-        copy->data = checked(malloc(bytes->len + 1));
+        copy->data = pel_sure_malloc(bytes->len + 1);
         memcpy(copy->data, bytes->data, bytes->len);
     } else {
         memcpy(to, from, pel_message_value_size(field));
@@ -130,7 +119,7 @@ ProtobufCMessage *pel_message_copy(const ProtobufCMessage *message)
         }
         size_t count = *count_of(message, field);
         size_t size = pel_message_value_size(field);
-        char *values = checked(malloc(count * size));
+        char *values = pel_sure_malloc(count * size);
         for (size_t k = 0; k < count; k++) {
             copy_value(field, values + k * size, *(char **)from + k * size);
         }
@@ -212,7 +201,7 @@ bool pel_message_default(ProtobufCMessage *message,
         return true;
     }
     if (field->type == PROTOBUF_C_TYPE_STRING) {
-        *(char **)member = duplicate(field->default_value);
+        *(char **)member = pel_sure_strdup(field->default_value);
     } else {
         memcpy(member, field->default_value, pel_message_value_size(field));
         pel_message_mark(message, field);
@@ -257,7 +246,7 @@ static void *append(void **list, size_t *count, size_t size)
     while (room < *count + 1) {
         room *= 2;
     }
-    *list = checked(realloc(*list, room * size));
+    *list = pel_sure_realloc(*list, room * size);
     return (char *)*list + size * (*count)++;
 }
 
@@ -327,7 +316,7 @@ bool pel_message_number(const ProtobufCMessage *message,
 void pel_message_append_string(char ***list, size_t *count, const char *text)
 {
     char **place = append((void **)list, count, sizeof *place);
-    *place = duplicate(text);
+    *place = pel_sure_strdup(text);
 }
 
 void pel_message_set_string(ProtobufCMessage *message,
@@ -335,6 +324,6 @@ void pel_message_set_string(ProtobufCMessage *message,
                             const char *text)
 {
     pel_message_clear(message, field);
-    *(char **)pel_message_member(message, field) = duplicate(text);
+    *(char **)pel_message_member(message, field) = pel_sure_strdup(text);
     pel_message_mark(message, field);
 }

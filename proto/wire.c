@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include "base/reserve.h"
+
 enum pel_wire pel_wire_next(const uint8_t *data, size_t size, size_t limit,
                             size_t *offset, size_t *length)
 {
@@ -40,10 +42,7 @@ size_t pel_wire_prefix(size_t length, uint8_t out[PEL_WIRE_MAX_PREFIX])
 uint8_t *pel_wire_pack(const ProtobufCMessage *message, size_t *size)
 {
     size_t length = protobuf_c_message_get_packed_size(message);
-    uint8_t *out = malloc(length + PEL_WIRE_MAX_PREFIX);
-    if (!out) {
-        abort();
-    }
+    uint8_t *out = pel_sure_malloc(length + PEL_WIRE_MAX_PREFIX);
     size_t prefix = pel_wire_prefix(length, out);
     *size = prefix + protobuf_c_message_pack(message, out + prefix);
     return out;

@@ -9,6 +9,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/metrics.h"
+#include "base/reserve.h"
 #include "base/urgent.h"
 #include "base/watch.h"
 #include "bridges/cigi.h"
@@ -421,6 +422,7 @@ static int run(struct daemon *d)
     struct pel_fault fault = { 0 };
     int status = EXIT_SUCCESS;
     d->loop = g_main_loop_new(NULL, FALSE);
+    (void)pel_reserve_whole(); /* else tried again by the first edit */
     pel_info("DMN-001", "pelagosd %s", PEL_VERSION);
     pel_service_limits();
     /* Before anybody can know that we are there. */

@@ -76,13 +76,15 @@ class Daemon:
     """options: further command-line arguments; http_port: 0 for any;
     unix: a Unix socket in the daemon's own folder; log_level: of the daemon."""
 
+    PROGRAM = "pelagosd"
+
     def __init__(self, *options, http_port=0, tcp_port=0, unix=False,
                  log_level="info", wait_s=SLOW_S):
         self.folder = tempfile.mkdtemp(prefix="pelagos-test-")
         self.unix_path = os.path.join(self.folder, "socket") if unix else None
         self.log_path = os.path.join(self.folder, "log")
         given = {option.split("=")[0] for option in options}
-        command = [os.path.join(BIN, "pelagosd"),
+        command = [os.path.join(BIN, self.PROGRAM),
                    "--http", f"127.0.0.1:{http_port}",
                    "--tcp", f"127.0.0.1:{tcp_port}",
                    "--unix", self.unix_path or "off",

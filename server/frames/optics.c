@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "frames/core.h"
 #include "message.h"
 #include "optics/colour.h"
@@ -220,10 +221,7 @@ static Pelagos__Brdf *brdf_message(const struct pel_optics_query *q)
 
 static void set_list(size_t *n, double **list, struct pel_rgb c)
 {
-    double *v = malloc(3 * sizeof *v);
-    if (!v) {
-        abort();
-    }
+    double *v = pel_sure_malloc(3 * sizeof *v);
     v[0] = c.r;
     v[1] = c.g;
     v[2] = c.b;
@@ -290,7 +288,8 @@ static Pelagos__Optics *message(const struct pel_frames *frames,
         SET(out, sun_elevation, 90.0 - q->water.at.sun_zenith_rad / PEL_DEG);
         out->answer_case = PELAGOS__OPTICS__ANSWER_WATER;
         out->water = pel_optics_water_message(q);
-        out->device = q->gpu ? strdup(pel_frames_device(frames)) : NULL;
+        out->device =
+            q->gpu ? pel_sure_strdup(pel_frames_device(frames)) : NULL;
         return out;
     }
     SET(out, sun_elevation, asin(pel_clamp(sun.z, -1.0, 1.0)) / PEL_DEG);
@@ -304,7 +303,7 @@ static Pelagos__Optics *message(const struct pel_frames *frames,
         SET(out, moon_phase, 0.5 - 0.5 * pel_vec3_dot(moon->source, to));
     }
     if (q->gpu) {
-        out->device = strdup(pel_frames_device(frames));
+        out->device = pel_sure_strdup(pel_frames_device(frames));
     }
     if (q->question == PELAGOS__OPTICS_QUERY__QUESTION_SKY) {
         out->answer_case = PELAGOS__OPTICS__ANSWER_SKY;

@@ -2,6 +2,7 @@
  * the Monte Carlo's, and every answer as a message. */
 #include <stdlib.h>
 
+#include "base/reserve.h"
 #include "base/vec.h"
 #include "frames/core.h"
 #include "message.h"
@@ -97,10 +98,7 @@ enum pel_err pel_optics_water(struct pel_optics_query *query)
 /* A list of as many numbers, and where it is. */
 static double *list(size_t *n, double **to, int count)
 {
-    *to = calloc((size_t)count, sizeof **to);
-    if (!*to) {
-        abort();
-    }
+    *to = pel_sure_calloc((size_t)count, sizeof **to);
     *n = (size_t)count;
     return *to;
 }

@@ -5,6 +5,7 @@
 
 #include <glib.h>
 
+#include "base/reserve.h"
 #include "message.h"
 #include "net/command.h"
 #include "net/http_view.h"
@@ -53,7 +54,7 @@ static Pelagos__FrameRequest *for_view(const Pelagos__FrameRequest *each,
     Pelagos__FrameRequest *one = (Pelagos__FrameRequest *)pel_message_new(
         &pelagos__frame_request__descriptor);
     *one = *each;
-    one->view = strdup(view);
+    one->view = pel_sure_strdup(view);
     one->n_layers = 0;
     one->layers = NULL;
     for (size_t i = 0; i < each->n_layers; i++) {

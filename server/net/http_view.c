@@ -6,6 +6,7 @@
 
 #include <glib.h>
 
+#include "base/reserve.h"
 #include "fields.h"
 #include "formats.h"
 #include "json.h"
@@ -56,7 +57,7 @@ void pel_http_get_views(const struct pel_http_call *call)
     only.n_views = state->n_views;
     pel_http_json(call->answer, 200,
                   state->n_views ? pel_json_from_message(&only.base, false)
-                                 : strdup("{\"views\":[]}"));
+                                 : pel_sure_strdup("{\"views\":[]}"));
 }
 
 static void answer_view(const struct pel_http_call *call, int status)
@@ -98,7 +99,7 @@ static enum pel_err put(const struct pel_http_call *call, Pelagos__View *view,
                                "must be the name in the URL, or absent");
     }
     if (!view->name) {
-        view->name = strdup(pel_http_view_name(call));
+        view->name = pel_sure_strdup(pel_http_view_name(call));
     }
     Pelagos__Patch *patch = pel_patch_new();
     if (exists) {
@@ -241,7 +242,7 @@ void pel_http_get_frame(const struct pel_http_call *call)
     }
     Pelagos__FrameRequest *frame = (Pelagos__FrameRequest *)pel_message_new(
         &pelagos__frame_request__descriptor);
-    frame->view = strdup(pel_http_view_name(call));
+    frame->view = pel_sure_strdup(pel_http_view_name(call));
     frame->has_format = true;
     frame->format = pel_http_frame_format(call->target->segments[FILE_NAME]);
     for (size_t i = 0; i < call->target->query_count; i++) {

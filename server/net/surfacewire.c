@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "pelagos.pb-c.h"
 #include "wire.h"
 
@@ -100,10 +101,7 @@ uint8_t *pel_surface_reply(bool has_id, uint64_t id, double time_s,
     }
     head[before++] = REPLY_SURFACE;
     before += put_varint(head + before, surface);
-    uint8_t *out = malloc(PEL_WIRE_MAX_PREFIX + before + surface);
-    if (!out) {
-        abort();
-    }
+    uint8_t *out = pel_sure_malloc(PEL_WIRE_MAX_PREFIX + before + surface);
     uint8_t *to = out + pel_wire_prefix(before + surface, out);
     memcpy(to, head, before);
     to = put_double(to + before, SURFACE_TIME, time_s);

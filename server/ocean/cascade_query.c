@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "base/simd.h"
 #include "ocean/atrest.h"
 #include "ocean/fields.h"
@@ -278,7 +279,8 @@ static struct pel_kept_fields *take(const struct pel_cascades *c, double time_s,
                                     enum pel_fields_depth depth)
 {
     struct pel_kept_fields *kept;
-    if (pel_fields_take(c, time_s, depth, &kept)) {
+    if (pel_fields_take(c, time_s, depth, &kept) &&
+        (!pel_reserve_spend() || pel_fields_take(c, time_s, depth, &kept))) {
         abort();
     }
     return kept;

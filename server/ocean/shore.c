@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "ocean/cascade.h"
 #include "ocean/directional.h"
 #include "ocean/shorebands.h"
@@ -275,10 +276,7 @@ static void fill_dry(const struct solver *s, float (*nodes)[4],
                      uint8_t *changed)
 {
     const int size = s->columns * s->rows;
-    uint8_t *filled = calloc((size_t)size, 1);
-    if (!filled) {
-        abort();
-    }
+    uint8_t *filled = pel_sure_calloc((size_t)size, 1);
     for (int at = 0; at < size; at++) {
         filled[at] = isfinite(s->phi[at]);
         if (!filled[at]) {
@@ -405,10 +403,7 @@ static bool solver_init(const struct pel_shore *shore, struct solver *s)
 static void spread(struct pel_shore *shore, const uint8_t *changed, int reach)
 {
     int w = shore->columns, h = shore->rows;
-    uint8_t *rows = calloc((size_t)w * (size_t)h, 1);
-    if (!rows) {
-        abort();
-    }
+    uint8_t *rows = pel_sure_calloc((size_t)w * (size_t)h, 1);
     for (int j = 0; j < h; j++) {
         int until = -1;
         for (int pass = 0; pass < 2; pass++) {

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/reserve.h"
 #include "ocean/foam.h"
 
 #define OLDEST_S PEL_WASH_KEPT_S
@@ -164,10 +165,8 @@ static enum pel_err add_node(struct pel_wash *w,
 {
     if (w->count == w->room) {
         size_t room = w->room ? 2 * w->room : 256;
-        struct pel_wash_node *more = realloc(w->node, room * sizeof *more);
-        if (!more) {
-            return PEL_ERR_NO_MEMORY;
-        }
+        struct pel_wash_node *more =
+            pel_sure_realloc(w->node, room * sizeof *more);
         w->node = more;
         w->room = room;
     }
@@ -424,10 +423,7 @@ enum pel_err pel_wash_add(struct pel_wash *w, const struct pel_wash_ship *ship,
 
 enum pel_err pel_wash_create(struct pel_wash **out)
 {
-    *out = calloc(1, sizeof **out);
-    if (!*out) {
-        return PEL_ERR_NO_MEMORY;
-    }
+    *out = pel_sure_calloc(1, sizeof **out);
     atomic_init(&(*out)->users, 1);
     return PEL_OK;
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "ocean/wash.h"
 
 #define SLOPE_M 0.02
@@ -133,20 +134,14 @@ enum pel_err pel_wash_index(struct pel_wash *w)
         return PEL_OK;
     }
     size_t cells = (size_t)w->columns * (size_t)w->rows;
-    w->cell = calloc(cells, sizeof *w->cell);
-    if (!w->cell) {
-        return PEL_ERR_NO_MEMORY;
-    }
+    w->cell = pel_sure_calloc(cells, sizeof *w->cell);
     go_over(w, false);
     for (size_t i = 0; i < cells; i++) {
         size_t number = w->cell[i];
         w->cell[i] = (uint32_t)w->listed << COUNT_BITS;
         w->listed += number;
     }
-    w->list = calloc(w->listed, sizeof *w->list);
-    if (!w->list) {
-        return PEL_ERR_NO_MEMORY;
-    }
+    w->list = pel_sure_calloc(w->listed, sizeof *w->list);
     go_over(w, true);
     return PEL_OK;
 }

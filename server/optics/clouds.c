@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/hash.h"
+#include "base/reserve.h"
 
 #define SIDE PEL_CLOUD_SIDE
 
@@ -127,10 +128,7 @@ static int by_value(const void *a, const void *b)
 void pel_cloud_field(enum pel_cloud_genus genus, uint32_t seed,
                      float (*texels)[4])
 {
-    struct place *places = malloc(sizeof *places * SIDE * SIDE);
-    if (!places) {
-        abort();
-    }
+    struct place *places = pel_sure_malloc(sizeof *places * SIDE * SIDE);
     for (int at = 0; at < SIDE * SIDE; at++) {
         double x = (at % SIDE + 0.5) / SIDE, y = (double)(at / SIDE) / SIDE;
         y += 0.5 / SIDE;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "optics/light.h"
 #include "render/lampglow.h"
 #include "render/programs.h"
@@ -49,10 +50,7 @@ static void draw_rows(GLuint program, GLuint fbo, GLsizei width, GLsizei height,
 
 static void make_field(struct pel_cloud_map *map)
 {
-    float(*texels)[4] = malloc(sizeof *texels * SIDE * SIDE);
-    if (!texels) {
-        abort();
-    }
+    float(*texels)[4] = pel_sure_malloc(sizeof *texels * SIDE * SIDE);
     pel_cloud_field(map->genus, map->seed, texels);
     /* Anew each time: a software device may still read the last one. */
     glDeleteTextures(1, &map->field);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "optics/lamp.h"
 #include "optics/light.h"
 #include "render/coast.h"
@@ -304,10 +305,7 @@ void pel_lamp_glow_bind(struct pel_lamp_glow *g,
 {
     static struct candidate glows[PEL_MAX_LAMPS];
     if (!g->words) {
-        g->words = calloc(HEAD_WORDS + MOST_TILES, sizeof *g->words);
-        if (!g->words) {
-            abort();
-        }
+        g->words = pel_sure_calloc(HEAD_WORDS + MOST_TILES, sizeof *g->words);
         glCreateBuffers(1, &g->buffer);
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &g->texels);
     }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "optics/stars.h"
 #include "shaders/lib/blocks.h"
 
@@ -57,10 +58,7 @@ void pel_night_textures_fit(struct pel_night_textures *n,
     }
     struct pel_night_sky night = env->night;
     night.sun_longitude_rad = 1e-3 * key[4]; /* what the key says */
-    struct pel_night_map *map = malloc(sizeof *map);
-    if (!map) {
-        abort();
-    }
+    struct pel_night_map *map = pel_sure_malloc(sizeof *map);
     pel_night_map_make(&night, env->visibility_m, map);
     glTextureSubImage2D(n->zonal, 0, 0, 0, 1, PEL_NIGHT_ROWS, GL_RGBA, GL_FLOAT,
                         map->zonal);
@@ -104,10 +102,7 @@ static void add_spot(struct list *l, const struct pel_block_view *v,
     }
     if (l->count == l->room) {
         size_t room = l->room ? 2 * l->room : 256;
-        struct spot *grown = realloc(l->at, room * sizeof *grown);
-        if (!grown) {
-            abort();
-        }
+        struct spot *grown = pel_sure_realloc(l->at, room * sizeof *grown);
         l->at = grown;
         l->room = room;
     }
@@ -175,10 +170,7 @@ void pel_night_textures_bind(struct pel_night_textures *n,
     size_t across = ((size_t)view->size.x + PEL_STAR_TILE - 1) / PEL_STAR_TILE,
            down = ((size_t)view->size.y + PEL_STAR_TILE - 1) / PEL_STAR_TILE;
     size_t tiles = across * down, entries = 0, box[4];
-    size_t *count = calloc(tiles + 1, sizeof *count);
-    if (!count) {
-        abort();
-    }
+    size_t *count = pel_sure_calloc(tiles + 1, sizeof *count);
     for (size_t i = 0; i < l.count; i++) {
         tiles_of(&l.at[i], view, across, down, box);
         for (size_t y = box[1]; y <= box[3]; y++) {
@@ -190,10 +182,7 @@ void pel_night_textures_bind(struct pel_night_textures *n,
     }
     /* The tiles' first words and counts, then two for each star of each. */
     size_t size = (tiles + 2 * entries) * sizeof(struct pel_vec4);
-    struct pel_vec4 *words = calloc(1, size);
-    if (!words) {
-        abort();
-    }
+    struct pel_vec4 *words = pel_sure_calloc(1, size);
     size_t next = tiles;
     for (size_t t = 0; t < tiles; t++) {
         words[t] = (struct pel_vec4){ (float)next, (float)count[t], 0, 0 };

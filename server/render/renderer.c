@@ -7,6 +7,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/reserve.h"
 #include "ocean/wash.h"
 #include "render/acuity.h"
 #include "render/arena.h"
@@ -323,10 +324,7 @@ static void bind_wash(struct pel_renderer *r, const struct pel_environment *env,
 {
     struct pel_block_wash block;
     size_t count = pel_wash_words(env->wash, 0, 0, NULL);
-    uint32_t *words = malloc(sizeof *words * (count + 1));
-    if (!words) {
-        abort();
-    }
+    uint32_t *words = pel_sure_malloc(sizeof *words * (count + 1));
     pel_wash_words(env->wash, c->east_m, c->north_m, words);
     pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_WASH, words,
                    sizeof *words * (count + 1));

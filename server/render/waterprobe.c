@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/reserve.h"
 #include "base/vec.h"
 #include "optics/brdf.h"
 #include "render/shader.h"
@@ -49,11 +50,9 @@ void pel_water_prober_finish(struct pel_water_prober *p)
 static void look(struct pel_water_prober *p, const double (*views)[2],
                  double depth_m, int count, struct pel_water_parts *out)
 {
-    GLfloat(*to)[4] = malloc(sizeof *to * (size_t)count);
-    GLfloat(*found)[PEL_WATER_PARTS][4] = malloc(sizeof *found * (size_t)count);
-    if (!to || !found) {
-        abort();
-    }
+    GLfloat(*to)[4] = pel_sure_malloc(sizeof *to * (size_t)count);
+    GLfloat(*found)[PEL_WATER_PARTS][4] =
+        pel_sure_malloc(sizeof *found * (size_t)count);
     for (int i = 0; i < count; i++) {
         double sine = sin(views[i][0]);
         to[i][0] = (GLfloat)(-sine * cos(views[i][1]));

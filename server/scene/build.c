@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "fault.h"
 #include "ocean/directional.h"
 #include "ocean/ndbc.h"
@@ -222,7 +223,7 @@ static enum pel_err new_sea(const struct pel_sea_desc *desc,
     sea->desc = *desc;
     sea->laid = *laid;
     sea->laid.bed = pel_seabed_ref(laid->bed);
-    sea->record = record ? strdup(record) : NULL;
+    sea->record = record ? pel_sure_strdup(record) : NULL;
     atomic_init(&sea->refs, 1);
     atomic_init(&sea->built, false);
     pthread_mutex_init(&sea->lock, NULL);
@@ -596,10 +597,8 @@ static void begin_ship(const Pelagos__State *state, size_t index,
 /* Makes room for so many ships that the snapshot has them of its own. */
 static struct pel_sailing *new_ships(size_t count)
 {
-    struct pel_sailing *ships = count > 0 ? calloc(count, sizeof *ships) : NULL;
-    if (count > 0 && !ships) {
-        abort();
-    }
+    struct pel_sailing *ships =
+        count > 0 ? pel_sure_calloc(count, sizeof *ships) : NULL;
     return ships;
 }
 
@@ -648,10 +647,7 @@ const struct pel_snapshot *pel_snapshot_build_going(
     const struct pel_fleet *fleet,
     const struct pel_sailing *const going[PEL_MAX_ENTITIES])
 {
-    struct snapshot *s = calloc(1, sizeof *s);
-    if (!s) {
-        abort();
-    }
+    struct snapshot *s = pel_sure_calloc(1, sizeof *s);
     atomic_init(&s->refs, 1);
     atomic_fetch_add(&sea->refs, 1);
     s->public.sea = sea;
@@ -692,10 +688,7 @@ pel_snapshot_with_ships(const struct pel_snapshot *s,
                         const struct pel_sailing *ships)
 {
     const struct snapshot *from = (const struct snapshot *)s;
-    struct snapshot *to = malloc(sizeof *to);
-    if (!to) {
-        abort();
-    }
+    struct snapshot *to = pel_sure_malloc(sizeof *to);
     *to = (struct snapshot){ .public = from->public };
     memcpy(to->entities, from->entities, sizeof to->entities);
     for (size_t i = 0; i < to->public.entity_count; i++) {

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include "base/clock.h"
+#include "base/reserve.h"
 #include "fault.h"
 #include "message.h"
 #include "models/builtin.h"
@@ -53,7 +54,7 @@ static void add_points(const struct pel_model *m, Pelagos__ModelInfo *to)
     for (size_t i = 0; i < m->eye_count; i++) {
         Pelagos__ModelPoint *p = (Pelagos__ModelPoint *)pel_message_new(
             &pelagos__model_point__descriptor);
-        p->name = strdup(m->eyes[i].name);
+        p->name = pel_sure_strdup(m->eyes[i].name);
         SET(p, forward, m->eyes[i].at.x);
         SET(p, right, -m->eyes[i].at.y);
         SET(p, up, m->eyes[i].at.z);
@@ -69,7 +70,7 @@ static void add_points(const struct pel_model *m, Pelagos__ModelInfo *to)
             colour =
                 colour << 8 | (uint32_t)lround(255.0 * (double)from->colour[k]);
         }
-        l->name = strdup(from->name);
+        l->name = pel_sure_strdup(from->name);
         SET(l, forward, from->at.x);
         SET(l, right, -from->at.y);
         SET(l, up, from->at.z);
@@ -113,7 +114,7 @@ static Pelagos__ModelInfo *look_at(const char *name, const char *directory)
     struct pel_fault fault = { 0 };
     char notes[PEL_MODEL_NOTES];
     wish.name = (char *)name;
-    info->name = strdup(name);
+    info->name = pel_sure_strdup(name);
     SET(info, builtin, kind != NULL);
     if (pel_fleet_make(&wish, directory, &model, notes, &fault)) {
         info->error = error_of(&fault);
@@ -121,7 +122,7 @@ static Pelagos__ModelInfo *look_at(const char *name, const char *directory)
     }
     fill(model, info);
     if (kind || *notes) {
-        info->text = strdup(kind ? kind->text : notes);
+        info->text = pel_sure_strdup(kind ? kind->text : notes);
     }
     pel_model_unref(model);
     return info;
@@ -187,8 +188,8 @@ static Pelagos__ModelInfo *not_yet(const char *name)
     const struct pel_builtin_kind *kind = pel_builtin_find(name);
     Pelagos__ModelInfo *info =
         (Pelagos__ModelInfo *)pel_message_new(&pelagos__model_info__descriptor);
-    info->name = strdup(name);
-    info->text = strdup("not read yet: ask again");
+    info->name = pel_sure_strdup(name);
+    info->text = pel_sure_strdup("not read yet: ask again");
     if (kind) {
         SET(info, builtin, 1);
         SET(info, class_, (Pelagos__ModelClass)kind->class);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "fault.h"
 #include "models/model.h"
 #include "optics/lamp.h"
@@ -322,10 +323,7 @@ struct pel_lamp_plan *pel_lamps_of(const Pelagos__State *state,
             continue;
         }
         size_t room = sizeof *plan + s->entity_count * sizeof set;
-        plan = plan ? plan : calloc(1, room);
-        if (!plan) {
-            abort();
-        }
+        plan = plan ? plan : pel_sure_calloc(1, room);
         set.index = i;
         plan->sets[plan->count++] = set;
     }

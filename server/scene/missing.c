@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/log.h"
+#include "base/reserve.h"
 #include "message.h"
 #include "scene/ground.h"
 
@@ -102,7 +103,7 @@ Pelagos__State *pel_missing_restored(const struct pel_missing *missing,
     Pelagos__State *whole = (Pelagos__State *)pel_message_copy(&state->base);
     if (file) {
         pel_ground_forget(whole);
-        whole->seabed->file = strdup(file);
+        whole->seabed->file = pel_sure_strdup(file);
     }
     if (measured) {
         whole->sea->spectrum = PELAGOS__SPECTRUM_KIND__MEASURED;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/reserve.h"
 #include "message.h"
 #include "ocean/directional.h"
 #include "ocean/foam.h"
@@ -48,10 +49,8 @@ static Pelagos__SpectrumRow *row(const struct pel_directional *spectrum,
     }
     if (directions > 0) {
         out->n_directional = directions;
-        out->directional = calloc(directions, sizeof *out->directional);
-        if (!out->directional) {
-            abort();
-        }
+        out->directional =
+            pel_sure_calloc(directions, sizeof *out->directional);
     }
     for (unsigned i = 0; i < directions; i++) {
         double to_deg = 270.0 - 360.0 * i / directions;
@@ -70,10 +69,7 @@ static void add_rows(const struct pel_directional *spectrum,
     if (n == 0) {
         return;
     }
-    out->rows = calloc(n, sizeof(Pelagos__SpectrumRow *));
-    if (!out->rows) {
-        abort();
-    }
+    out->rows = pel_sure_calloc(n, sizeof(Pelagos__SpectrumRow *));
     out->n_rows = n;
     for (unsigned i = 0; i < n; i++) {
         double omega = n > 1 ? lo * pow(hi / lo, (double)i / (n - 1)) : lo;

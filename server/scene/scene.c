@@ -8,6 +8,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/reserve.h"
 #include "base/sandbox.h"
 #include "base/watch.h"
 #include "fault.h"
@@ -264,6 +265,9 @@ enum pel_err pel_scene_edited(struct pel_scene *scene,
                               const Pelagos__Patch *patch, double time_s,
                               Pelagos__State **out, struct pel_fault *fault)
 {
+    if (!pel_reserve_whole()) {
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    }
     pel_scene_refresh(scene, time_s);
     enum pel_err err = pel_state_apply(scene->state, patch, out, fault);
     if (err) {

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include "base/reserve.h"
 #include "base/watch.h"
 #include "ocean/shore.h"
 #include "scene/build.h"
@@ -32,7 +33,8 @@ const struct pel_sea *pel_shared_sea_value(struct pel_shared_sea *sea)
         PEL_WATCH("sea");
         pthread_mutex_lock(&sea->lock);
         /* The description was tested: only memory can fail. */
-        if (!atomic_load(&sea->built) && build(sea) != PEL_OK) {
+        if (!atomic_load(&sea->built) && build(sea) != PEL_OK &&
+            (!pel_reserve_spend() || build(sea) != PEL_OK)) {
             abort();
         }
         atomic_store(&sea->built, true);

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/lock.h"
+#include "base/reserve.h"
 #include "scene/wakes.h"
 
 /* Of each ship the one in use and the next, and one more. */
@@ -76,10 +77,7 @@ static struct pel_wake_kept *find(const struct pel_wake_track *track,
     }
     *fresh = !k;
     if (!k) {
-        k = calloc(1, sizeof *k);
-        if (!k) {
-            abort();
-        }
+        k = pel_sure_calloc(1, sizeof *k);
         k->track = *track;
         k->epoch_s = epoch_s;
         k->depth_m = depth_m;
@@ -99,7 +97,9 @@ static void make(struct pel_wake_kept *k, unsigned long *count)
     pthread_mutex_lock(&k->making);
     bool fresh = !k->past;
     if (fresh &&
-        pel_wake_past_create(&k->track, k->epoch_s, k->depth_m, &k->past)) {
+        pel_wake_past_create(&k->track, k->epoch_s, k->depth_m, &k->past) &&
+        (!pel_reserve_spend() ||
+         pel_wake_past_create(&k->track, k->epoch_s, k->depth_m, &k->past))) {
         abort();
     }
     pthread_mutex_unlock(&k->making);

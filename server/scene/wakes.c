@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/lock.h"
+#include "base/reserve.h"
 #include "models/model.h"
 #include "scene/leaving.h"
 #include "scene/wakepasts.h"
@@ -44,10 +45,8 @@ struct pel_wakes *pel_wakes_of(const Pelagos__State *state,
     if (count == 0) {
         return NULL;
     }
-    struct pel_wakes *w = calloc(1, sizeof *w + count * sizeof w->source[0]);
-    if (!w) {
-        abort();
-    }
+    struct pel_wakes *w =
+        pel_sure_calloc(1, sizeof *w + count * sizeof w->source[0]);
     atomic_init(&w->refs, 1);
     w->serial = atomic_fetch_add(&serials, 1) + 1;
     w->depth_m = state->sea->has_depth ? state->sea->depth : 0;
@@ -188,10 +187,7 @@ static struct moment *find_moment(const struct pel_wakes *w, double time_s)
             oldest = i;
         }
     }
-    struct moment *m = calloc(1, sizeof *m);
-    if (!m) {
-        abort();
-    }
+    struct moment *m = pel_sure_calloc(1, sizeof *m);
     m->users = 1;
     m->serial = w->serial;
     m->time_s = time_s;
@@ -233,10 +229,8 @@ static struct pel_wake_kept *take_past(const struct pel_wakes *w,
 static void lay(const struct pel_wakes *w, size_t i, double time_s,
                 struct part *p)
 {
-    struct course *now = malloc(sizeof *now), *next = malloc(sizeof *next);
-    if (!now || !next) {
-        abort();
-    }
+    struct course *now = pel_sure_malloc(sizeof *now),
+                  *next = pel_sure_malloc(sizeof *next);
     lay_course(&w->source[i], time_s, now);
     p->course = now;
     struct pel_wake_kept *kept = take_past(w, now);
@@ -256,7 +250,10 @@ static void fill(const struct pel_wakes *w, struct moment *m, size_t i, int k)
     pthread_mutex_unlock(&lock);
     struct pel_wake_kept *kept = take_past(w, p->course);
     if (pel_wake_fill(pel_wake_kept_past(kept), &p->course->track, m->time_s, k,
-                      &p->wake)) {
+                      &p->wake) &&
+        (!pel_reserve_spend() ||
+         pel_wake_fill(pel_wake_kept_past(kept), &p->course->track, m->time_s,
+                       k, &p->wake))) {
         abort();
     }
     pel_wake_kept_put(kept);
@@ -330,10 +327,7 @@ struct taken {
 static const struct pel_wake_moment *take(const struct pel_wakes *w,
                                           struct moment *m)
 {
-    struct taken *t = calloc(1, sizeof *t);
-    if (!t) {
-        abort();
-    }
+    struct taken *t = pel_sure_calloc(1, sizeof *t);
     t->of = m;
     t->public.count = m->count;
     for (size_t i = 0; i < m->count; i++) {

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "models/model.h"
 #include "models/waterline.h"
 #include "scene/geodesy.h"
@@ -38,10 +39,8 @@ struct pel_wake_knots {
 
 static struct pel_wake_knots *knots_of(const struct pel_ship *ship)
 {
-    struct pel_wake_knots *k = calloc(1, sizeof *k);
-    if (!k || !(k->knot = calloc(16, sizeof *k->knot))) {
-        abort();
-    }
+    struct pel_wake_knots *k = pel_sure_calloc(1, sizeof *k);
+    k->knot = pel_sure_calloc(16, sizeof *k->knot);
     const struct pel_ship_orders *o = &ship->orders;
     double pace = fmax(fabs(o->throttle), 0.05) * o->max_speed_mps;
     double slowest = fmax(o->surge_time_s, o->turn_time * o->length_m / pace);
@@ -80,10 +79,7 @@ static void step_on(struct pel_wake_knots *k)
              time_s < last->time_s + LONGEST_S && time_s < k->settled_s);
     if (k->count == k->room) {
         k->room *= 2;
-        k->knot = realloc(k->knot, k->room * sizeof *k->knot);
-        if (!k->knot) {
-            abort();
-        }
+        k->knot = pel_sure_realloc(k->knot, k->room * sizeof *k->knot);
     }
     k->knot[k->count++] = (struct knot){ time_s, m };
     k->steps = n;

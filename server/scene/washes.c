@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/lock.h"
+#include "base/reserve.h"
 #include "models/waterline.h"
 #include "scene/build.h"
 #include "scene/geodesy.h"
@@ -115,10 +116,8 @@ struct pel_washes *pel_washes_of(const Pelagos__State *state,
     if (count == 0) {
         return NULL;
     }
-    struct pel_washes *w = calloc(1, sizeof *w + count * sizeof w->source[0]);
-    if (!w) {
-        abort();
-    }
+    struct pel_washes *w =
+        pel_sure_calloc(1, sizeof *w + count * sizeof w->source[0]);
     atomic_init(&w->refs, 1);
     w->latitude = state->origin->latitude;
     w->longitude = state->origin->longitude;
@@ -251,10 +250,7 @@ struct pel_wash_moments *pel_wash_moments_of(const struct pel_washes *washes)
     if (!washes) {
         return NULL;
     }
-    struct pel_wash_moments *m = calloc(1, sizeof *m);
-    if (!m) {
-        abort();
-    }
+    struct pel_wash_moments *m = pel_sure_calloc(1, sizeof *m);
     pel_lock_init(&m->lock);
     return m;
 }
