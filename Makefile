@@ -496,6 +496,11 @@ octas-sheet: deps-build ## clouds by cover, Sun and genus on one sheet: build/oc
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/validate/octas.py $(ARGS)
 
+.PHONY: chaos
+chaos: deps ## all faults at once for CHAOS_SECONDS (3600) by CHAOS_SEED (1), and what was promised meanwhile
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/soak/chaos.py
+
 .PHONY: soak
 soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers
 	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/pelagosd-starved
@@ -506,6 +511,7 @@ soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 6
 	$(Q)DURABLE_KILLS=1000 /usr/bin/python3 -B tests/durable_test.py \
 	    Durable.test_kill_loses_no_answered_edit
 	$(Q)STARVE_ALL=1 /usr/bin/python3 -B tests/starve_test.py
+	$(Q)/usr/bin/python3 -B tests/soak/day.py
 	$(Q)LOSSES=1000 /usr/bin/python3 -B tests/loss_test.py \
 	    Loss.test_pictures_are_the_same
 	$(Q)SOAK=1 /usr/bin/python3 -B tests/bounds_test.py

@@ -277,11 +277,8 @@ static void fill_tiles(const struct pel_environment *env,
             (float)glows[k].luminous,
         };
     }
-    float(*rows[2])[2] = { malloc(sizeof **rows * (across + 1)),
-                           malloc(sizeof **rows * (across + 1)) };
-    if (!rows[0] || !rows[1]) {
-        abort();
-    }
+    float(*rows[2])[2] = { pel_sure_malloc(sizeof **rows * (across + 1)),
+                           pel_sure_malloc(sizeof **rows * (across + 1)) };
     /* No crest is higher than such an eye. */
     const bool sea_below = s.waves < 0.5F;
     for (uint32_t j = 0; j <= down; j++) {
