@@ -48,7 +48,7 @@ static uint8_t *bytes_of(size_t *size)
 static void random_patch(char *out, size_t size, bool *good)
 {
     const Pelagos__State *s = pel_scene_state(scene);
-    unsigned id = 1 + below(6), name = below(70);
+    unsigned id = 1 + below(6), name = below(400);
     bool there = id == 1, viewed = false, is_view = false;
     for (size_t i = 0; i < s->n_entities; i++) {
         there = there || s->entities[i]->id == id;
