@@ -196,7 +196,7 @@ $(OBJ)/libserver.a: $(SERVER_OBJ)
 	$(Q)rm -f $@ && ar rcs $@ $^
 
 # Whole by itself: with the messages and the framing, without the server.
-$(OBJ)/libpelagos.a: $(CLIENT_OBJ) $(OBJ)/gen/pelagos.pb-c.o $(OBJ)/proto/wire.o
+$(OBJ)/libpelagos.a: $(CLIENT_OBJ) $(OBJ)/gen/pelagos.pb-c.o $(OBJ)/proto/wire.o $(OBJ)/server/base/reserve.o
 	$(Q)rm -f $@ && ar rcs $@ $^
 
 $(O)/libpelagos.a: $(OBJ)/libpelagos.a $(O)/flags
@@ -460,6 +460,10 @@ validate-clouds: deps-build ## light through a slab of cloud by Monte Carlo, its
 	$(O)/bin/cloudtrace --check
 	$(O)/bin/cloudtrace $(ARGS) > build/validate/clouds.txt
 	$(Q)/usr/bin/python3 -B tests/validate/clouds.py | tee build/validate/clouds.md
+.PHONY: validate-lamps
+validate-lamps: deps-build ## a lamp's path on the sea against facets at random (ARGS='--quick --assert')
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/validate/lamps.py $(ARGS)
 .PHONY: sensor-sheet
 sensor-sheet: deps-build ## a scene as eye, low light, heat and radar see it: build/sensors.jpg
 	$(Q)$(MAKE) -s --no-print-directory all
@@ -511,7 +515,7 @@ soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 6
 	$(Q)DURABLE_KILLS=1000 /usr/bin/python3 -B tests/durable_test.py \
 	    Durable.test_kill_loses_no_answered_edit
 	$(Q)STARVE_ALL=1 /usr/bin/python3 -B tests/starve_test.py
-	$(Q)/usr/bin/python3 -B tests/soak/day.py
+	$(Q)DAY_FRAMES=$(or $(DAY_FRAMES),200000) /usr/bin/python3 -B tests/soak/day.py
 	$(Q)LOSSES=1000 /usr/bin/python3 -B tests/loss_test.py \
 	    Loss.test_pictures_are_the_same
 	$(Q)SOAK=1 /usr/bin/python3 -B tests/bounds_test.py
