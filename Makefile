@@ -513,7 +513,8 @@ soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 6
 	$(Q)SOAK=1 /usr/bin/python3 -B tests/stream_test.py \
 	    Crowd.test_stalled_among_good Rtsp.test_stalled_client_delays_nobody
 	$(Q)DURABLE_KILLS=1000 /usr/bin/python3 -B tests/durable_test.py \
-	    Durable.test_kill_loses_no_answered_edit
+	    Durable.test_kill_loses_no_answered_edit \
+	    Durable.test_kill_while_edits_are_written
 	$(Q)STARVE_ALL=1 /usr/bin/python3 -B tests/starve_test.py
 	$(Q)DAY_FRAMES=$(or $(DAY_FRAMES),200000) /usr/bin/python3 -B tests/soak/day.py
 	$(Q)LOSSES=1000 /usr/bin/python3 -B tests/loss_test.py \

@@ -2,12 +2,16 @@
 """What was answered is there after kill -9, and a full disk loses nothing that
 the reserved room of the journal holds."""
 import contextlib
+import http.client
 import json
 import os
+import random
 import signal
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -80,6 +84,65 @@ class Durable(unittest.TestCase):
         self.assertFalse(os.path.exists(self.state + ".journal"))
         with open(self.state, encoding="utf-8") as f:
             self.assertEqual(json.load(f)["sky"]["visibility"], 5000 + count)
+
+    def test_kill_while_edits_are_written(self):
+        """Three clients edit as fast as they are answered when the end comes:
+        what was answered is there, and at most the one that was under way."""
+        chance = random.Random(KILLS)
+        answered, starts, edits = [0] * 3, [], []
+
+        def edit(daemon, client, killed):
+            while not killed.is_set():
+                value = answered[client] + 1
+                begun = time.monotonic()
+                try:
+                    answer = daemon.patch({"entities": {str(20 + client): {
+                        "name": f"n{value}", "latitude": 52.6,
+                        "longitude": 5.2}}})
+                except (OSError, http.client.HTTPException):
+                    return
+                if answer.status != 200:
+                    return
+                edits.append(time.monotonic() - begun)
+                answered[client] = value
+
+        for life in range(KILLS):
+            begun = time.monotonic()
+            daemon = self.daemon()
+            try:
+                there = {e["id"]: e["name"] for e in daemon.state()["entities"]
+                         if "name" in e}
+                for client in range(3):
+                    name = there.get(20 + client, "n0")
+                    got = int(name[1:])
+                    self.assertIn(got - answered[client], (0, 1), life)
+                    answered[client] = got
+                picture = daemon.get(
+                    "/v1/views/bridge/frame.jpg?width=64&height=36")
+                self.assertEqual(picture.status, 200, life)
+                starts.append(time.monotonic() - begun)
+                killed = threading.Event()
+                threads = [threading.Thread(target=edit,
+                                            args=(daemon, client, killed))
+                           for client in range(3)]
+                for thread in threads:
+                    thread.start()
+                time.sleep(chance.uniform(0.02, 0.3))
+                daemon.process.kill()
+                killed.set()
+                for thread in threads:
+                    thread.join()
+            finally:
+                daemon.stop(signal.SIGKILL)
+        starts.sort()
+        edits.sort()
+        self.assertGreater(len(edits), KILLS)
+        print(f"{KILLS} kills, {len(edits)} edits answered: "
+              f"p99 {1e3 * edits[int(.99 * (len(edits) - 1))]:.1f} ms of three "
+              "clients at once; first picture after a start: median "
+              f"{starts[len(starts) // 2]:.2f} s, "
+              f"p99 {starts[int(.99 * (len(starts) - 1))]:.2f} s, "
+              f"worst {starts[-1]:.2f} s")
 
     def test_steps_are_kept(self):
         daemon = self.daemon()

@@ -1,8 +1,12 @@
 #include "optics/airlight.h"
 
 #include "base/near.h"
+#include "optics/airkept.h"
 #include "optics/atmosphere.h"
 #include "optics/colour.h"
+
+#define HAZE_M 10000.0
+#define FOG_M 200.0
 
 static struct pel_atmosphere clear_air, haze, fog, scratch;
 
@@ -12,10 +16,10 @@ static int set_up(void **state)
     struct pel_atmosphere_desc d = { PEL_CLEAR_VISIBILITY_M };
     pel_atmosphere_init(&d, &clear_air);
     assert_int_equal(pel_atmosphere_tabulate(&clear_air, NULL, NULL), PEL_OK);
-    d.visibility_m = 10000;
+    d.visibility_m = HAZE_M;
     pel_atmosphere_init(&d, &haze);
     assert_int_equal(pel_atmosphere_tabulate(&haze, NULL, NULL), PEL_OK);
-    d.visibility_m = 200;
+    d.visibility_m = FOG_M;
     pel_atmosphere_init(&d, &fog);
     assert_int_equal(pel_atmosphere_tabulate(&fog, NULL, NULL), PEL_OK);
     return 0;
@@ -374,6 +378,27 @@ static void test_sharing(void **state)
     pel_atmosphere_finish(&scratch);
 }
 
+/* What is kept is what is made, and the same to all who want it. */
+static void test_kept(void **state)
+{
+    (void)state;
+    const struct pel_atmosphere *first = NULL, *second = NULL, *other = NULL;
+    assert_int_equal(pel_air_take(HAZE_M, NULL, NULL, &first), PEL_OK);
+    assert_memory_equal(first->airlight, haze.airlight, sizeof *haze.airlight);
+    assert_int_equal(pel_air_take(FOG_M, NULL, NULL, &other), PEL_OK);
+    assert_memory_equal(other->airlight, fog.airlight, sizeof *fog.airlight);
+    /* Whoever holds one keeps it whole. */
+    assert_memory_equal(first->airlight, haze.airlight, sizeof *haze.airlight);
+    pel_air_give(first);
+    assert_int_equal(pel_air_take(FOG_M, NULL, NULL, &second), PEL_OK);
+    assert_ptr_equal(second, other);
+    pel_air_give(other);
+    pel_air_give(second);
+    assert_int_equal(pel_air_take(FOG_M, NULL, NULL, &second), PEL_OK);
+    assert_ptr_equal(second, other);
+    pel_air_give(second);
+}
+
 /* --- the whole ----------------------------------------------------------- */
 
 static double illuminance(const struct pel_atmosphere *a, double elevation,
@@ -482,6 +507,7 @@ int main(void)
         cmocka_unit_test(test_single_scattering),
         cmocka_unit_test(test_all_orders),
         cmocka_unit_test(test_sharing),
+        cmocka_unit_test(test_kept),
         cmocka_unit_test(test_daylight),
         cmocka_unit_test(test_dusk),
         cmocka_unit_test(test_energy),

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "optics/airkept.h"
 #include "optics/brdf.h"
 #include "optics/facets.h"
 #include "optics/light.h"
@@ -33,15 +34,9 @@ enum pel_err pel_sky_terms(double visibility_m, double height_m,
                            struct pel_vec3 dir, struct pel_vec3 sun,
                            struct pel_sky_terms *out)
 {
-    struct pel_atmosphere *air = malloc(sizeof *air);
-    if (!air) {
-        return PEL_ERR_NO_MEMORY;
-    }
-    const struct pel_atmosphere_desc desc = { visibility_m };
-    pel_atmosphere_init(&desc, air);
-    enum pel_err err = pel_atmosphere_tabulate(air, NULL, NULL);
+    const struct pel_atmosphere *air = NULL;
+    enum pel_err err = pel_air_take(visibility_m, NULL, NULL, &air);
     if (err != PEL_OK) {
-        free(air);
         return err;
     }
     struct pel_rgb light = pel_atmosphere_sun_irradiance(air, height_m, sun);
@@ -52,7 +47,6 @@ enum pel_err pel_sky_terms(double visibility_m, double height_m,
         .sun_transmittance = { light.r / above.r, light.g / above.g,
                                light.b / above.b },
     };
-    pel_atmosphere_finish(air);
-    free(air);
+    pel_air_give(air);
     return PEL_OK;
 }

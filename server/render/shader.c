@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/log.h"
+#include "render/binaries.h"
 
 #define MOST_SHADER (1 << 20) /* bytes of a file */
 
@@ -129,18 +130,17 @@ static enum pel_err compile(const char *dir, const char *name,
     return PEL_OK;
 }
 
-enum pel_err pel_program_create(const char *shader_dir, const char *first,
-                                const char *second, const char *defines,
-                                GLuint *out, struct pel_fault *fault)
+/* Compiles and links into `program`. */
+static enum pel_err build(const char *shader_dir, const char *first,
+                          const char *second, const char *defines,
+                          GLuint program, struct pel_fault *fault)
 {
     GLuint shaders[2] = { 0, 0 };
     enum pel_err err = compile(shader_dir, first, defines, &shaders[0], fault);
     if (err == PEL_OK && second) {
         err = compile(shader_dir, second, defines, &shaders[1], fault);
     }
-    GLuint program = 0;
     if (err == PEL_OK) {
-        program = glCreateProgram();
         for (int i = 0; i < 2; i++) {
             if (shaders[i]) {
                 glAttachShader(program, shaders[i]);
@@ -153,16 +153,42 @@ enum pel_err pel_program_create(const char *shader_dir, const char *first,
             char words[2048] = "";
             glGetProgramInfoLog(program, sizeof words, NULL, words);
             log_compiler_words(first, words);
-            glDeleteProgram(program);
-            program = 0;
             err = pel_fault_set(fault, PEL_ERR_GPU, "%s does not link: %.160s",
                                 first, words);
-        } else {
-            glObjectLabel(GL_PROGRAM, program, -1, second ? second : first);
         }
     }
     for (int i = 0; i < 2; i++) {
-        glDeleteShader(shaders[i]);
+        glDeleteShader(shaders[i]); /* 0 is none */
+    }
+    return err;
+}
+
+enum pel_err pel_program_create(const char *shader_dir, const char *first,
+                                const char *second, const char *defines,
+                                GLuint *out, struct pel_fault *fault)
+{
+    /* A folder's shaders may change. */
+    char *key = NULL;
+    if (shader_dir || asprintf(&key, "%s %s %s", first, second ? second : "",
+                               defines ? defines : "") < 0) {
+        key = NULL;
+    }
+    GLuint program = glCreateProgram();
+    enum pel_err err = PEL_OK;
+    if (!key || !pel_binaries_link(key, program)) {
+        glProgramParameteri(program, GL_PROGRAM_BINARY_RETRIEVABLE_HINT,
+                            key != NULL);
+        err = build(shader_dir, first, second, defines, program, fault);
+        if (err == PEL_OK && key) {
+            pel_binaries_keep(key, program);
+        }
+    }
+    free(key);
+    if (err != PEL_OK) {
+        glDeleteProgram(program);
+        program = 0;
+    } else {
+        glObjectLabel(GL_PROGRAM, program, -1, second ? second : first);
     }
     *out = program;
     return err;

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "optics/airkept.h"
 #include "optics/airlight.h"
 #include "optics/atmosphere.h"
 #include "render/programs.h"
@@ -254,19 +255,14 @@ static void share_air(void *pool, int count,
  * kernel is, so that a picture is a function of its scene. */
 static void update_airlight(struct pel_sky *sky, double visibility_m)
 {
-    struct pel_atmosphere *air = malloc(sizeof *air);
-    const struct pel_atmosphere_desc desc = { visibility_m };
-    if (!air) {
+    const struct pel_atmosphere *air = NULL;
+    if (pel_air_take(visibility_m, share_air, sky->pool, &air)) {
         return; /* the air of before stays */
     }
-    pel_atmosphere_init(&desc, air);
-    if (!pel_atmosphere_tabulate(air, share_air, sky->pool)) {
-        glTextureSubImage3D(sky->airlight, 0, 0, 0, 0, PEL_AIR_AZIMUTHS,
-                            PEL_AIR_ZENITHS * PEL_AIR_HEIGHTS, PEL_AIR_SUNS,
-                            GL_RGBA, GL_FLOAT, air->airlight->log2);
-    }
-    pel_atmosphere_finish(air);
-    free(air);
+    glTextureSubImage3D(sky->airlight, 0, 0, 0, 0, PEL_AIR_AZIMUTHS,
+                        PEL_AIR_ZENITHS * PEL_AIR_HEIGHTS, PEL_AIR_SUNS,
+                        GL_RGBA, GL_FLOAT, air->airlight->log2);
+    pel_air_give(air);
 }
 
 static void update_air(struct pel_sky *sky, double visibility_m)

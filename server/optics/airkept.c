@@ -1,0 +1,66 @@
+#include "optics/airkept.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+
+struct kept {
+    struct pel_atmosphere air; /* first: what users hold */
+    double visibility_m;
+    int users; /* and one while it is `last` */
+};
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static struct kept *last;
+
+static void drop(struct kept *k)
+{
+    if (k && --k->users == 0) {
+        pel_atmosphere_finish(&k->air);
+        free(k);
+    }
+}
+
+static struct kept *find(double visibility_m)
+{
+    pthread_mutex_lock(&lock);
+    struct kept *k = last && last->visibility_m == visibility_m ? last : NULL;
+    if (k) {
+        k->users++;
+    }
+    pthread_mutex_unlock(&lock);
+    return k;
+}
+
+enum pel_err pel_air_take(double visibility_m, pel_airlight_share *share,
+                          void *pool, const struct pel_atmosphere **out)
+{
+    struct kept *k = find(visibility_m);
+    if (!k) {
+        k = malloc(sizeof *k);
+        if (!k) {
+            return PEL_ERR_NO_MEMORY;
+        }
+        const struct pel_atmosphere_desc desc = { visibility_m };
+        pel_atmosphere_init(&desc, &k->air);
+        enum pel_err err = pel_atmosphere_tabulate(&k->air, share, pool);
+        if (err != PEL_OK) {
+            free(k);
+            return err;
+        }
+        k->visibility_m = visibility_m;
+        k->users = 2;
+        pthread_mutex_lock(&lock);
+        drop(last);
+        last = k;
+        pthread_mutex_unlock(&lock);
+    }
+    *out = &k->air;
+    return PEL_OK;
+}
+
+void pel_air_give(const struct pel_atmosphere *air)
+{
+    pthread_mutex_lock(&lock);
+    drop((struct kept *)air);
+    pthread_mutex_unlock(&lock);
+}
