@@ -6,11 +6,13 @@
 struct kept {
     struct pel_atmosphere air; /* first: what users hold */
     double visibility_m;
-    int users; /* and one while it is `last` */
+    int users; /* and one while it is among `last` */
 };
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static struct kept *last;
+/* The newest first. Two, since scenes go to and fro between two airs more often
+ * than among more; each is 8 MB. */
+static struct kept *last[2];
 
 static void drop(struct kept *k)
 {
@@ -22,10 +24,15 @@ static void drop(struct kept *k)
 
 static struct kept *find(double visibility_m)
 {
+    struct kept *k = NULL;
     pthread_mutex_lock(&lock);
-    struct kept *k = last && last->visibility_m == visibility_m ? last : NULL;
-    if (k) {
-        k->users++;
+    for (int i = 0; i < 2 && !k; i++) {
+        if (last[i] && last[i]->visibility_m == visibility_m) {
+            k = last[i];
+            last[i] = last[0];
+            last[0] = k;
+            k->users++;
+        }
     }
     pthread_mutex_unlock(&lock);
     return k;
@@ -50,8 +57,9 @@ enum pel_err pel_air_take(double visibility_m, pel_airlight_share *share,
         k->visibility_m = visibility_m;
         k->users = 2;
         pthread_mutex_lock(&lock);
-        drop(last);
-        last = k;
+        drop(last[1]);
+        last[1] = last[0];
+        last[0] = k;
         pthread_mutex_unlock(&lock);
     }
     *out = &k->air;

@@ -394,8 +394,17 @@ static void test_kept(void **state)
     assert_ptr_equal(second, other);
     pel_air_give(other);
     pel_air_give(second);
-    assert_int_equal(pel_air_take(FOG_M, NULL, NULL, &second), PEL_OK);
-    assert_ptr_equal(second, other);
+    assert_int_equal(pel_air_take(HAZE_M, NULL, NULL, &second), PEL_OK);
+    assert_ptr_equal(second, first);
+    pel_air_give(second);
+    /* A third takes the place of the older, once nobody holds that. */
+    assert_int_equal(pel_air_take(PEL_CLEAR_VISIBILITY_M, NULL, NULL, &second),
+                     PEL_OK);
+    assert_memory_equal(second->airlight, clear_air.airlight,
+                        sizeof *clear_air.airlight);
+    pel_air_give(second);
+    assert_int_equal(pel_air_take(HAZE_M, NULL, NULL, &second), PEL_OK);
+    assert_ptr_equal(second, first);
     pel_air_give(second);
 }
 

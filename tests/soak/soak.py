@@ -19,7 +19,7 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)),
                                 os.pardir))
-from cigi_host import Host, entity, hot  # noqa: E402
+from cigi_host import Host, entity, hat_hot  # noqa: E402
 from pelagos_daemon import (SANITIZED, Daemon, Session,  # noqa: E402
                             free_port)
 
@@ -166,7 +166,7 @@ class Load:
             for i in range(600):
                 begun = time.monotonic()
                 host.send(entity(2, 52.601, 5.201, yaw=i % 360), *(
-                    hot(k, chance.uniform(52.59, 52.61), 5.2)
+                    hat_hot(k, chance.uniform(52.59, 52.61), 5.2)
                     for k in range(4)))
                 self.count("CIGI frames answered" if host.receive(1.0)
                            else "CIGI frames unanswered")
