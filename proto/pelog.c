@@ -13,10 +13,32 @@ bool pel_log_is(const void *data, size_t size)
            memcmp(data, PEL_LOG_MAGIC, PEL_LOG_MAGIC_SIZE) == 0;
 }
 
+/* By the digit in the first bytes; 0: no log of any version. */
+static unsigned version_of(const char *data, size_t size)
+{
+    return size >= PEL_LOG_MAGIC_SIZE && memcmp(data, "PELOG", 5) == 0 &&
+                   data[5] >= '0' && data[5] <= '9' &&
+                   memcmp(data + 6, "\r\n", 2) == 0
+               ? (unsigned)(data[5] - '0')
+               : 0;
+}
+
+static enum pel_err newer(unsigned version, struct pel_fault *fault)
+{
+    return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                         "it is of version %u, which a newer program wrote, "
+                         "and this one reads version %d",
+                         version, PEL_LOG_VERSION);
+}
+
 enum pel_err pel_log_open(struct pel_log_reader *reader, const void *data,
                           size_t size, struct pel_fault *fault)
 {
     *reader = (struct pel_log_reader){ .data = data, .size = size };
+    unsigned version = version_of(data, size);
+    if (version > PEL_LOG_VERSION) {
+        return newer(version, fault);
+    }
     if (!pel_log_is(data, size)) {
         return pel_fault_set(fault, PEL_ERR_MALFORMED,
                              "not a command log of version %d",
@@ -86,6 +108,14 @@ static double time_after(const Pelagos__LogEntry *entry)
     return time_s;
 }
 
+static unsigned head_version(const Pelagos__LogEntry *entry)
+{
+    return entry && entry->command_case == PELAGOS__LOG_ENTRY__COMMAND_HEAD &&
+                   entry->head->has_version
+               ? entry->head->version
+               : 0;
+}
+
 enum pel_err pel_log_next(struct pel_log_reader *reader,
                           Pelagos__LogEntry **out, struct pel_fault *fault)
 {
@@ -106,6 +136,11 @@ enum pel_err pel_log_next(struct pel_log_reader *reader,
     }
     Pelagos__LogEntry *entry = pelagos__log_entry__unpack(
         NULL, length, reader->data + reader->at + offset);
+    unsigned version = reader->entries == 0 ? head_version(entry) : 0;
+    if (version > PEL_LOG_VERSION) {
+        pelagos__log_entry__free_unpacked(entry, NULL);
+        return newer(version, fault);
+    }
     const char *why = entry ? flaw(reader, entry) : "is no LogEntry";
     if (why) {
         if (entry) {

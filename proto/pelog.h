@@ -27,7 +27,7 @@ struct pel_log_reader {
     bool torn;      /* the file ends inside an entry, which is left out */
 };
 
-/* MALFORMED: not a command log. */
+/* MALFORMED: not a command log. CONFLICT: one of a newer version. */
 PEL_CHECK enum pel_err pel_log_open(struct pel_log_reader *reader,
                                     const void *data, size_t size,
                                     struct pel_fault *fault);
@@ -36,7 +36,8 @@ PEL_CHECK enum pel_err pel_log_open(struct pel_log_reader *reader,
  * The first is the head, the only one, with version 1 and a whole state; every
  * entry has a command and a finite time within 0..1e9, not before the last
  * one's unless a patch of clock.time led back. MALFORMED, with the number of
- * the entry, otherwise: nothing after it can be trusted. */
+ * the entry, otherwise: nothing after it can be trusted. CONFLICT: the head is
+ * of a newer version. */
 PEL_CHECK enum pel_err pel_log_next(struct pel_log_reader *reader,
                                     Pelagos__LogEntry **out,
                                     struct pel_fault *fault);

@@ -68,7 +68,8 @@ const struct pel_option pel_option_table[] = {
           "Keeps the scene in this file and loads it at start; one daemon at "
           "a time. An edit is in FILE.journal before it is answered: kill -9 "
           "loses none, a power failure those of the last 0.2 s. A file that "
-          "does not load is kept as FILE.bad (.bad.2 to .9)." },
+          "does not load is kept as FILE.bad (.bad.2 to .9); one of a newer "
+          "version is refused and stays as it is." },
     { "record", "scene", PEL_OPTION_PATH, "FILE|off", "off",
       .offset = FIELD(record),
       .help = "Writes every accepted command with its simulated time into "

@@ -125,7 +125,9 @@ enum pel_err pel_journal_load(const char *path, Pelagos__State **state,
         pelagos__log_entry__free_unpacked(entry, NULL);
     }
     free(bytes);
-    return err ? PEL_ERR_MALFORMED : PEL_OK;
+    return err == PEL_ERR_CONFLICT && reader.entries == 0 ? err
+           : err                                          ? PEL_ERR_MALFORMED
+                                                          : PEL_OK;
 }
 
 /* --- beginning ------------------------------------------------------------ */

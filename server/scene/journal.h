@@ -26,7 +26,7 @@ struct pel_journal;
  * edits would have; the journal's own state where *state is NULL or older than
  * it. *edits: how many there were. No journal is no fault. A journal that
  * breaks off is used to there. MALFORMED: it is none, or an edit does not
- * apply; *state is as far as it went. */
+ * apply; *state is as far as it went. CONFLICT: it is of a newer version. */
 PEL_CHECK enum pel_err pel_journal_load(const char *path,
                                         Pelagos__State **state, unsigned *edits,
                                         struct pel_fault *fault);

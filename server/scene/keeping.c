@@ -12,11 +12,18 @@
 #define SAVE_AGAIN_NS 5000000000    /* after one that failed */
 
 /* What the journal has that the file has not. */
-static enum pel_err take_journal(const char *path, Pelagos__State **state)
+static enum pel_err take_journal(const char *path, Pelagos__State **state,
+                                 struct pel_fault *fault)
 {
     struct pel_fault why;
     unsigned edits;
     enum pel_err err = pel_journal_load(path, state, &edits, &why);
+    if (err == PEL_ERR_CONFLICT) {
+        return pel_fault_set(fault, PEL_ERR_IO,
+                             "--state: %.80s.journal: %.120s; start that one, "
+                             "or name another file",
+                             path, why.message);
+    }
     if (err) {
         pel_error("SCN-015", "%s.journal was used up to edit %u: %s", path,
                   edits, why.message);
@@ -26,7 +33,7 @@ static enum pel_err take_journal(const char *path, Pelagos__State **state)
                  "revision %llu",
                  edits, path, (unsigned long long)(*state)->revision);
     }
-    return err;
+    return PEL_OK;
 }
 
 enum pel_err pel_scene_load(struct pel_store *store,
@@ -41,8 +48,12 @@ enum pel_err pel_scene_load(struct pel_store *store,
     if (err == PEL_ERR_IO) {
         return pel_fault_set(fault, err, "--state: %.240s", why.message);
     }
-    if (err != PEL_ERR_NOT_FOUND) {
-        (void)take_journal(options->state_path, out);
+    if (err != PEL_ERR_NOT_FOUND &&
+        take_journal(options->state_path, out, fault)) {
+        if (*out) {
+            pelagos__state__free_unpacked(*out, NULL);
+        }
+        return PEL_ERR_IO;
     }
     if (err == PEL_OK) {
         pel_info("SCN-001", "revision %llu of the scene loaded from %s",

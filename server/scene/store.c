@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <glib.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +20,9 @@
 /* States that did not load, and those of them that never make room. */
 #define MOST_ASIDE 9
 #define OLDEST_ASIDE 4
+
+#define VERSION_NAME "stateVersion"
+#define JSON_SPACE " \t\r\n"
 
 struct pel_store {
     char *path, *temporary, *lock_path;
@@ -172,6 +176,44 @@ static char *set_aside(const char *path)
     return NULL;
 }
 
+/* The member that every file begins with, taken out of the text; files from
+ * before there were versions have none, and are read as version 1. */
+static bool take_version(char *text, uint64_t *version)
+{
+    static const char name[] = "\"" VERSION_NAME "\"";
+    size_t at = strspn(text, JSON_SPACE);
+    *version = 1;
+    if (text[at] != '{') {
+        return true;
+    }
+    at += 1 + strspn(text + at + 1, JSON_SPACE);
+    if (strncmp(text + at, name, sizeof name - 1) != 0) {
+        return true;
+    }
+    size_t from = at;
+    at += sizeof name - 1 + strspn(text + at + sizeof name - 1, JSON_SPACE);
+    bool good = text[at] == ':';
+    at += good + strspn(text + at + good, JSON_SPACE);
+    size_t digits = strspn(text + at, "0123456789");
+    *version = good ? g_ascii_strtoull(text + at, NULL, 10) : 0;
+    at += digits + strspn(text + at + digits, JSON_SPACE);
+    good = *version >= 1 && (text[at] == ',' || text[at] == '}');
+    *version = good ? *version : 0;
+    at += text[at] == ',';
+    memset(text + from, ' ', at - from);
+    return good;
+}
+
+static enum pel_err newer(const char *path, uint64_t version,
+                          struct pel_fault *fault)
+{
+    return pel_fault_set(fault, PEL_ERR_IO,
+                         "%.90s is of version %llu, which a newer pelagosd "
+                         "wrote, and this one reads version %d: start that "
+                         "one, or name another file",
+                         path, (unsigned long long)version, PEL_STATE_VERSION);
+}
+
 static enum pel_err read_state(const char *text, size_t length,
                                Pelagos__State **out, struct pel_fault *fault)
 {
@@ -204,8 +246,16 @@ enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
     if (err && err != PEL_ERR_OUT_OF_RANGE) {
         return PEL_ERR_IO; /* a directory, a FIFO, no permission */
     }
+    uint64_t version = 1;
+    bool good = err || take_version(text, &version);
+    if (version > PEL_STATE_VERSION) {
+        free(text);
+        return newer(store->path, version, fault);
+    }
     if (!err) {
-        err = read_state(text, length, out, fault);
+        err = good ? read_state(text, length, out, fault)
+                   : pel_fault_set(fault, PEL_ERR_INVALID,
+                                   VERSION_NAME " must be a number from 1");
     }
     free(text);
     if (err) {
@@ -247,7 +297,11 @@ enum pel_err pel_store_save(struct pel_store *store,
         return system_fault("create", store->temporary, fault);
     }
     char *text = pel_json_from_message(&state->base, true);
-    bool good = pel_file_write(fd, text, strlen(text)) &&
+    char head[64];
+    g_snprintf(head, sizeof head, "{\n  \"" VERSION_NAME "\": %d,",
+               PEL_STATE_VERSION);
+    bool good = pel_file_write(fd, head, strlen(head)) &&
+                pel_file_write(fd, text + 1, strlen(text + 1)) &&
                 pel_file_write(fd, "\n", 1) && fsync(fd) == 0;
     int why = errno;
     good = close(fd) == 0 && good;

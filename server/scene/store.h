@@ -6,6 +6,12 @@
 #include "base/err.h"
 #include "pelagos.pb-c.h"
 
+/* The file's first member, stateVersion: one more where a program from before
+ * could not read what this one writes, or would read it wrongly. A new field
+ * needs no new version: a daemon that does not know it keeps the file aside
+ * (PATH.bad). */
+#define PEL_STATE_VERSION 1
+
 struct pel_store;
 
 /* CONFLICT: another process has it. IO: the state could not be written here.
@@ -15,9 +21,10 @@ PEL_CHECK enum pel_err pel_store_open(const char *path, struct pel_store **out,
 void pel_store_close(struct pel_store *store); /* NULL allowed */
 
 /* Reads, fills and tests the file. NOT_FOUND: there is none. IO: it cannot be
- * read or put aside. Any other error: it does not load; it lies now in
- * *aside (PATH.bad, or PATH.bad.2 to .9 where there are older ones, of which
- * the four oldest and the newest stay), which is the caller's, g_free. */
+ * read or put aside, or is of a newer version, and then stays as it is. Any
+ * other error: it does not load; it lies now in *aside (PATH.bad, or PATH.bad.2
+ * to .9 where there are older ones, of which the four oldest and the newest
+ * stay), which is the caller's, g_free. */
 PEL_CHECK enum pel_err pel_store_load(struct pel_store *store,
                                       Pelagos__State **out, char **aside,
                                       struct pel_fault *fault);
