@@ -7,7 +7,8 @@ SHELL := /bin/bash
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
 
-VERSION := 0.1.0
+# Of everything: programs, library, packages, Python's client.
+VERSION := $(strip $(file <VERSION))
 PREFIX ?= /usr/local
 FLAVOR ?= release
 O := build/$(FLAVOR)
@@ -26,7 +27,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev \
     libnova-dev libssl-dev libgdal-dev libhdf5-dev libassimp-dev
 TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
-    python3-serial-asyncio \
+    python3-serial-asyncio python3-jsonschema \
     xplanet python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
     python3-wheel openexr chromium \
     nginx-light openssl mypy clang \
@@ -36,7 +37,8 @@ TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmo
 PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
 # Of npm's registry, into build/npm: clients that tests speak to, what drives
 # Debian's Chromium, what judges the page.
-NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2
+NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2 \
+    @seriousme/openapi-schema-validator@2.11.0
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd \
     libprotobuf-c libmodbus libjpeg libturbojpeg spng OpenEXR libsystemd openssl \
@@ -237,10 +239,16 @@ $(O)/gen/fields.c: proto/pelagos.proto proto/fields.py
 	@echo "  GEN   $@"
 	$(Q)/usr/bin/python3 proto/fields.py c $< $@
 
-$(O)/gen/pages.c: clients/web/embed.py proto/pelagos.proto $(PAGES)
+$(O)/gen/openapi.json: proto/openapi.py proto/fields.py proto/deffile.py \
+    proto/pelagos.proto proto/routes.def proto/formats.def VERSION
 	$(Q)mkdir -p $(@D)
 	@echo "  GEN   $@"
-	$(Q)/usr/bin/python3 clients/web/embed.py $@ proto/pelagos.proto $(PAGES)
+	$(Q)/usr/bin/python3 proto/openapi.py proto/pelagos.proto $(VERSION) $@
+
+$(O)/gen/pages.c: clients/web/embed.py proto/pelagos.proto $(O)/gen/openapi.json $(PAGES)
+	$(Q)mkdir -p $(@D)
+	@echo "  GEN   $@"
+	$(Q)/usr/bin/python3 clients/web/embed.py $@ proto/pelagos.proto $(O)/gen/openapi.json $(PAGES)
 
 $(O)/gen/shaders.c: shaders/embed.py $(SHADERS)
 	$(Q)mkdir -p $(@D)
@@ -252,7 +260,7 @@ manual: ## write proto/manual.md and the Python classes from the schema
 	$(Q)/usr/bin/python3 proto/fields.py manual proto/pelagos.proto \
 	    proto/manual.md proto/manual.in.md
 	$(Q)/usr/bin/python3 proto/fields.py python proto/pelagos.proto \
-	    clients/python/pelagos/schema.py
+	    clients/python/pelagos/schema.py $(VERSION)
 
 # A test is one program beside its source: build/<flavor>/bin/NAME_test.
 define test_rule

@@ -241,8 +241,22 @@ def bound_table():
                   "counter of `/metrics`"], out)
 
 
+def routes():
+    """Method, path, flags, handler, query, body, answer, text."""
+    return deffile.rows(os.path.join(os.path.dirname(__file__), "routes.def"),
+                        "PEL_ROUTE")
+
+
+def route_table():
+    return table(["method and path", "body", "answer"],
+                 [[f"`{method} /{path}`",
+                   "merge patch" if body == "merge" else
+                   f"[{body}](#{body.lower()})" if body else "", text]
+                  for method, path, _, _, _, body, _, text in routes()])
+
+
 TABLES = {"@layers@": layer_table, "@formats@": format_table,
-          "@bounds@": bound_table}
+          "@bounds@": bound_table, "@routes@": route_table}
 
 
 def write_manual(schema, path, template):
@@ -312,7 +326,7 @@ def comment_lines(text, indent, prefix):
                          subsequent_indent=indent + prefix)
 
 
-def write_python(schema, path):
+def write_python(schema, path, version):
     out = ['"""The state, as dataclasses: made by `make manual` from',
            'proto/pelagos.proto; edit that.',
            '',
@@ -320,6 +334,8 @@ def write_python(schema, path):
            "from __future__ import annotations", "",
            "from dataclasses import dataclass", "",
            "from .record import Record, _field", "",
+           "#: Of the client, and of the daemon that it was made with.",
+           f'VERSION = "{version}"', "",
            "#: The layers of an EXR picture.", "LAYERS = ("]
     out += [f'    "{row[2]}",' for row in layers()] + [")"]
     out += ["", "#: The formats of pictures, by their endings.",
@@ -355,13 +371,13 @@ def write_python(schema, path):
 def main(argv):
     if len(argv) == 4 and argv[1] == "c":
         write_c(Schema(argv[2]), argv[3])
-    elif len(argv) == 4 and argv[1] == "python":
-        write_python(Schema(argv[2]), argv[3])
+    elif len(argv) == 5 and argv[1] == "python":
+        write_python(Schema(argv[2]), argv[3], argv[4])
     elif len(argv) == 5 and argv[1] == "manual":
         write_manual(Schema(argv[2]), argv[3], argv[4])
     else:
-        raise SchemaError("usage: fields.py c|python PROTO OUT | "
-                          "manual PROTO OUT TEMPLATE")
+        raise SchemaError("usage: fields.py c PROTO OUT | python PROTO OUT "
+                          "VERSION | manual PROTO OUT TEMPLATE")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ diff -u proto/manual.md "$folder/manual.md" || {
     exit 1
 }
 /usr/bin/python3 proto/fields.py python proto/pelagos.proto \
-    "$folder/schema.py"
+    "$folder/schema.py" "$(cat VERSION)"
 diff -u clients/python/pelagos/schema.py "$folder/schema.py" || {
     echo "clients/python/pelagos/schema.py is not current: run make manual"
     exit 1

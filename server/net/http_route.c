@@ -8,6 +8,7 @@
 #include <glib.h>
 
 #include "fields.h"
+#include "formats.h"
 #include "json.h"
 #include "message.h"
 #include "net/command.h"
@@ -34,7 +35,7 @@ enum route_flags {
 
 struct route {
     const char *method;
-    const char *pattern; /* `*`: any segment */
+    const char *pattern; /* as in proto/routes.def */
     int flags;
     void (*handle)(const struct pel_http_call *call);
 };
@@ -391,7 +392,10 @@ static void get_page(const struct pel_http_call *call, const char *path)
     for (size_t i = 0; i < pel_page_count && !page; i++) {
         page = strcmp(pel_pages[i].path, path) == 0 ? &pel_pages[i] : NULL;
     }
-    page = strcmp(path, pel_schema_page.path) == 0 ? &pel_schema_page : page;
+    for (size_t i = 0; i < pel_document_count && !page; i++) {
+        page =
+            strcmp(pel_documents[i].path, path) == 0 ? &pel_documents[i] : NULL;
+    }
     if (!page) {
         struct pel_fault fault;
         pel_fault_set(&fault, PEL_ERR_NOT_FOUND, "there is no %s here", path);
@@ -417,6 +421,11 @@ static void get_schema(const struct pel_http_call *call)
     get_page(call, "/v1/schema");
 }
 
+static void get_openapi(const struct pel_http_call *call)
+{
+    get_page(call, "/v1/openapi.json");
+}
+
 static void get_file(const struct pel_http_call *call)
 {
     char path[80] = "/";
@@ -429,38 +438,30 @@ static void get_file(const struct pel_http_call *call)
 /* --- routes --------------------------------------------------------------- */
 
 static const struct route routes[] = {
-    { "GET", "", ROUTE_OPEN, get_file },
-    { "GET", "healthz", ROUTE_OPEN, get_health },
-    { "GET", "metrics", 0, get_metrics },
-    { "GET", "v1/schema", 0, get_schema },
-    { "GET", "v1/fields", 0, get_fields },
-    { "GET", "v1/state", 0, pel_http_state },
-    { "PATCH", "v1/state", ROUTE_BODY, patch_state },
-    { "GET", "v1/state/*", ROUTE_REST, get_field },
-    { "GET", "v1/views", 0, pel_http_get_views },
-    { "GET", "v1/views/*", 0, pel_http_get_view },
-    { "PUT", "v1/views/*", ROUTE_BODY, pel_http_put_view },
-    { "DELETE", "v1/views/*", 0, pel_http_delete_view },
-#define PEL_FORMAT(ID, ending, mime, encoder, uses, text)                      \
-    { "GET", "v1/views/*/frame." ending, ROUTE_COSTLY | ROUTE_QUERY,           \
-      pel_http_get_frame },                                                    \
-        { "GET", "v1/frames." ending, ROUTE_COSTLY | ROUTE_QUERY,              \
-          pel_http_get_frames },
-#include "proto/formats.def"
-    { "GET", "v1/views/*/mjpeg", ROUTE_COSTLY | ROUTE_QUERY,
-      pel_http_get_mjpeg },
-    { "GET", "v1/views/*/ts", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_ts },
-    { "GET", "v1/views/*/live", ROUTE_NO_HEAD | ROUTE_QUERY,
-      pel_http_get_live },
-    { "POST", "v1/surface", ROUTE_BODY | ROUTE_LARGE, post_surface },
-    { "GET", "v1/spectrum", 0, spectrum },
-    { "POST", "v1/spectrum", ROUTE_BODY | ROUTE_EMPTY_OK, spectrum },
-    { "GET", "v1/models", ROUTE_COSTLY, get_models },
-    { "GET", "v1/optics/*", ROUTE_COSTLY | ROUTE_QUERY, pel_http_get_optics },
-    { "POST", "v1/optics", ROUTE_BODY, pel_http_post_optics },
-    { "POST", "v1/clock/step", ROUTE_BODY | ROUTE_EMPTY_OK, post_step },
-    { "GET", "*", ROUTE_OPEN, get_file },
+#define PEL_ROUTE(method, path, flags, handler, query, body, answer, text)     \
+    { method, path, flags, handler },
+#include "proto/routes.def"
 };
+
+static bool is_ending(const char *text)
+{
+    const struct pel_format *format = pel_format_by_ending(text);
+    return format && strcmp(format->ending, text) == 0;
+}
+
+/* `{name}`: any; `frame.{ending}`: of a format; else the very segment. */
+static bool segment_matches(const char *pattern, size_t length,
+                            const char *segment)
+{
+    const char *brace = memchr(pattern, '{', length);
+    size_t plain = brace ? (size_t)(brace - pattern) : length;
+    if (strncmp(segment, pattern, plain) != 0) {
+        return false;
+    }
+    return !brace            ? segment[plain] == '\0'
+           : brace > pattern ? is_ending(segment + plain)
+                             : true;
+}
 
 static bool pattern_matches(const struct route *route,
                             const struct pel_http_target *target)
@@ -471,9 +472,7 @@ static bool pattern_matches(const struct route *route,
             return (route->flags & ROUTE_REST) != 0;
         }
         size_t length = strcspn(at, "/");
-        bool any = length == 1 && *at == '*';
-        if (!any && (strlen(target->segments[i]) != length ||
-                     memcmp(at, target->segments[i], length) != 0)) {
+        if (!segment_matches(at, length, target->segments[i])) {
             return false;
         }
         at += length;

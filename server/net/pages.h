@@ -14,5 +14,6 @@ struct pel_page {
 extern const struct pel_page pel_pages[];
 extern const size_t pel_page_count;
 
-/* The text of pelagos.proto. */
-extern const struct pel_page pel_schema_page;
+/* What says how to speak to the daemon: pelagos.proto, the OpenAPI document. */
+extern const struct pel_page pel_documents[];
+extern const size_t pel_document_count;

@@ -13,7 +13,7 @@ struct pel_record_options {
     double segment_mib;  /* a segment ends with the entry that reaches this */
     unsigned keep;       /* segments on the disk, with the one written; 2.. */
     double again_s;      /* from a failure to the next attempt */
-    const char *program; /* "pelagosd 0.1.0" */
+    const char *program; /* "pelagosd 0.2.0" */
     const char *device;
     int wave_count;
 };

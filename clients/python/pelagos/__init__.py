@@ -23,11 +23,11 @@ from .frame import Frame
 from .live import LiveFrame, LiveStream, VideoStream
 from .parts import EntityHandle, ViewHandle
 from .coco import Coco, positions_csv, shot
-from .schema import (FORMATS, LAYERS, Clock, Entity, Frustum, Origin, Sea, Sky,
-                     State, Swell, View, Water)
+from .schema import (FORMATS, LAYERS, VERSION, Clock, Entity, Frustum, Origin,
+                     Sea, Sky, State, Swell, View, Water)
 from .surface import Surface
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 __all__ = [
     "BadPicture", "Busy", "Camera", "Clock", "Coco", "Conflict", "Entity",

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 
 from .record import Record, _field
 
+#: Of the client, and of the daemon that it was made with.
+VERSION = "0.2.0"
+
 #: The layers of an EXR picture.
 LAYERS = (
     "radiance",
