@@ -204,6 +204,32 @@ $(OBJ)/libpelagos.a: $(CLIENT_OBJ) $(OBJ)/gen/pelagos.pb-c.o $(OBJ)/proto/wire.o
 $(O)/libpelagos.a: $(OBJ)/libpelagos.a $(O)/flags
 	$(Q)cp $< $@
 
+# The same to share. Its ABI is the messages', so each minor version has its own
+# soname and symbol version; what is exported is what the public headers declare.
+ABI := $(basename $(VERSION))
+SHARED := libpelagos.so.$(VERSION)
+PUBLIC := clients/lib/pelagos.h $(O)/gen/pelagos.pb-c.h
+PIC_OBJ := $(patsubst $(OBJ)/%,$(OBJ)/pic/%,$(CLIENT_OBJ) $(OBJ)/gen/pelagos.pb-c.o \
+    $(OBJ)/proto/wire.o $(OBJ)/server/base/reserve.o)
+
+$(OBJ)/pic/%.o: %.c | $(GEN_HEADERS)
+	$(Q)mkdir -p $(@D)
+	$(Q)$(call compile,$*) -fPIC -MMD -MP -c -o $@ $<
+
+$(OBJ)/pic/gen/%.o: $(O)/gen/%.c | $(GEN_HEADERS)
+	$(Q)mkdir -p $(@D)
+	$(Q)$(call compile,) -w -fPIC -fvisibility=default -MMD -MP -c -o $@ $<
+
+$(O)/gen/libpelagos.map: clients/lib/exports.py $(PUBLIC) VERSION
+	$(Q)/usr/bin/python3 $< PELAGOS_$(ABI) $(PUBLIC) >$@
+
+$(O)/$(SHARED): $(PIC_OBJ) $(O)/gen/libpelagos.map $(O)/flags
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(OPT) $(CFLAGS) $(LDFLAGS) -pthread -shared -o $@ $(PIC_OBJ) \
+	    -Wl,-soname,libpelagos.so.$(ABI) -Wl,--as-needed -Wl,--no-undefined \
+	    -Wl,--version-script=$(O)/gen/libpelagos.map \
+	    -Wl,--no-undefined-version $$(pkg-config --libs libprotobuf-c openssl)
+
 $(OBJ)/libctl.a: $(filter-out $(CTL_MAIN),$(CTL_OBJ))
 	$(Q)rm -f $@ && ar rcs $@ $^
 
@@ -298,7 +324,7 @@ TABLE_MANUALS := registers cigi nmea
 .PHONY: tests
 tests: $(TEST_BIN) $(TABLE_MANUALS:%=$(O)/bin/%_doc) \
     $(O)/bin/pelagosd-starved $(O)/bin/any_raster $(O)/bin/rhythm $(O)/bin/drawmodel $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/shiptrace $(O)/bin/airtrace \
-    $(O)/bin/airours $(O)/bin/cloudtrace $(O)/libpelagos.a \
+    $(O)/bin/airours $(O)/bin/cloudtrace $(O)/libpelagos.a $(O)/$(SHARED) \
     build/compile_commands.json ## build the test programs
 
 .PHONY: unit
@@ -603,7 +629,11 @@ endif
 # --- installation ---------------------------------------------------------
 SYSCONFDIR ?= /etc
 UNITDIR ?= $(PREFIX)/lib/systemd/system
+SYSUSERSDIR ?= $(PREFIX)/lib/sysusers.d
+TMPFILESDIR ?= $(PREFIX)/lib/tmpfiles.d
+LIBDIR ?= $(PREFIX)/lib
 D = $(DESTDIR)$(PREFIX)
+L = $(DESTDIR)$(LIBDIR)
 
 MANUALS := $(O)/man/pelagosd.8 $(O)/man/pelagosctl.1
 
@@ -618,28 +648,43 @@ man: $(MANUALS) ## make the manual pages, from the programs' own tables
 # Of this PREFIX, whatever the last one was.
 $(O)/pelagos.pc: FORCE
 	$(Q)mkdir -p $(@D)
-	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'Name: libpelagos' \
+	$(Q)printf '%s\n' 'prefix=$(PREFIX)' \
+	    'libdir=$(patsubst $(PREFIX)/%,$${prefix}/%,$(LIBDIR))' \
+	    'Name: libpelagos' \
 	    'Description: C client of pelagosd, the headless ocean renderer' \
-	    'Version: $(VERSION)' 'Requires: libprotobuf-c openssl' \
-	    'Libs: -L$${prefix}/lib -lpelagos' \
+	    'Version: $(VERSION)' 'Requires: libprotobuf-c' \
+	    'Requires.private: openssl' 'Libs: -L$${libdir} -lpelagos' \
 	    'Cflags: -I$${prefix}/include/pelagos' >$@
 
+# What `install` puts where, for `uninstall`; then the folders that are ours.
+INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
+    $(addprefix $(D)/libexec/pelagos/,pelagos-seabed pelagos-model pelagos-panorama) \
+    $(addprefix $(L)/,libpelagos.a $(SHARED) libpelagos.so.$(ABI) libpelagos.so \
+        pkgconfig/pelagos.pc) \
+    $(addprefix $(D)/include/pelagos/,$(notdir $(PUBLIC))) \
+    $(addprefix $(D)/share/pelagos/,pelagos.proto openapi.json pelagos.conf) \
+    $(D)/share/man/man1/pelagosctl.1 $(D)/share/man/man8/pelagosd.8 \
+    $(addprefix $(D)/share/bash-completion/completions/,pelagosd pelagosctl) \
+    $(D)/share/zsh/site-functions/_pelagosctl \
+    $(D)/share/fish/vendor_completions.d/pelagosctl.fish \
+    $(DESTDIR)$(UNITDIR)/pelagosd.service \
+    $(DESTDIR)$(SYSUSERSDIR)/pelagos.conf $(DESTDIR)$(TMPFILESDIR)/pelagos.conf
+INSTALLED_FOLDERS = $(D)/libexec/pelagos $(D)/include/pelagos $(D)/share/pelagos \
+    $(DESTDIR)$(SYSCONFDIR)/pelagos
+
 .PHONY: install
-install: all man $(O)/pelagos.pc $(O)/libpelagos.a ## install below PREFIX (/usr/local) and DESTDIR
-	install -d $(D)/bin $(D)/libexec/pelagos $(D)/lib/pkgconfig $(D)/include/pelagos \
-	    $(D)/share/man/man1 $(D)/share/man/man8 $(D)/share/pelagos \
-	    $(D)/share/bash-completion/completions \
-	    $(D)/share/zsh/site-functions $(D)/share/fish/vendor_completions.d \
-	    $(DESTDIR)$(UNITDIR) $(DESTDIR)$(SYSCONFDIR)/pelagos
+install: all man $(O)/pelagos.pc $(O)/libpelagos.a $(O)/$(SHARED) ## install below PREFIX (/usr/local) and DESTDIR
+	install -d $(sort $(dir $(INSTALLED))) $(DESTDIR)$(SYSCONFDIR)/pelagos
 	install -m755 $(O)/bin/pelagosd $(O)/bin/pelagosctl $(D)/bin
 	install -m755 $(O)/bin/pelagos-seabed $(O)/bin/pelagos-model \
 	    $(O)/bin/pelagos-panorama $(D)/libexec/pelagos
-	install -m644 $(O)/libpelagos.a $(D)/lib
-	install -m644 $(O)/pelagos.pc $(D)/lib/pkgconfig
-	install -m644 clients/lib/pelagos.h $(O)/gen/pelagos.pb-c.h \
-	    $(D)/include/pelagos
-	install -m644 proto/pelagos.proto packaging/nginx/pelagos.conf \
-	    $(D)/share/pelagos
+	install -m644 $(O)/libpelagos.a $(O)/$(SHARED) $(L)
+	ln -sf $(SHARED) $(L)/libpelagos.so.$(ABI)
+	ln -sf libpelagos.so.$(ABI) $(L)/libpelagos.so
+	install -m644 $(O)/pelagos.pc $(L)/pkgconfig
+	install -m644 $(PUBLIC) $(D)/include/pelagos
+	install -m644 proto/pelagos.proto $(O)/gen/openapi.json \
+	    packaging/nginx/pelagos.conf $(D)/share/pelagos
 	install -m644 $(O)/man/pelagosctl.1 $(D)/share/man/man1
 	install -m644 $(O)/man/pelagosd.8 $(D)/share/man/man8
 	$(O)/bin/pelagosd --print-completion \
@@ -651,8 +696,36 @@ install: all man $(O)/pelagos.pc $(O)/libpelagos.a ## install below PREFIX (/usr
 	    >$(D)/share/fish/vendor_completions.d/pelagosctl.fish
 	sed 's,/usr/local/bin,$(PREFIX)/bin,' packaging/pelagosd.service \
 	    >$(DESTDIR)$(UNITDIR)/pelagosd.service
+	install -m644 packaging/sysusers.conf $(DESTDIR)$(SYSUSERSDIR)/pelagos.conf
+	install -m644 packaging/tmpfiles.conf $(DESTDIR)$(TMPFILESDIR)/pelagos.conf
 	test -e $(DESTDIR)$(SYSCONFDIR)/pelagos/pelagosd.conf || \
 	    install -m644 packaging/pelagosd.conf $(DESTDIR)$(SYSCONFDIR)/pelagos
+
+.PHONY: uninstall
+uninstall: ## remove what `install` with the same PREFIX and DESTDIR put there
+	rm -f $(INSTALLED)
+	$(Q)conf=$(DESTDIR)$(SYSCONFDIR)/pelagos/pelagosd.conf; \
+	if cmp -s packaging/pelagosd.conf $$conf; then rm -f $$conf; \
+	elif [ -e $$conf ]; then echo "kept, since it was changed: $$conf"; fi
+	$(Q)for folder in $(INSTALLED_FOLDERS); do \
+	    [ ! -d $$folder ] || rmdir --ignore-fail-on-non-empty $$folder; done
+
+# --- packages to hand on ----------------------------------------------------
+DIST := build/dist
+TARBALL := $(DIST)/pelagos-$(VERSION).tar.xz
+
+.PHONY: dist dist-check
+dist: ## the committed sources as a tarball: build/dist/
+	$(Q)mkdir -p $(DIST)
+	$(Q)git archive --format=tar --prefix=pelagos-$(VERSION)/ HEAD | xz -T0 >$(TARBALL)
+	@ls -l $(TARBALL)
+dist-check: dist deps-build ## unpack the tarball elsewhere, build and install it there
+	$(Q)packaging/dist_check.sh $(TARBALL) $(VERSION)
+
+.PHONY: wheel
+wheel: ## the Python client as a wheel: build/dist/
+	$(Q)mkdir -p $(DIST)
+	$(Q)packaging/wheel.sh $(DIST)
 
 .PHONY: clean
 clean: ## remove build/
