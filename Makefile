@@ -672,6 +672,10 @@ INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
 INSTALLED_FOLDERS = $(D)/libexec/pelagos $(D)/include/pelagos $(D)/share/pelagos \
     $(DESTDIR)$(SYSCONFDIR)/pelagos
 
+# The loader finds a new library once it is told; a package's own scripts do it
+# where DESTDIR is.
+TELL_LOADER = $(Q)if [ -z '$(DESTDIR)' ] && [ "$$(id -u)" = 0 ]; then ldconfig; fi
+
 .PHONY: install
 install: all man $(O)/pelagos.pc $(O)/libpelagos.a $(O)/$(SHARED) ## install below PREFIX (/usr/local) and DESTDIR
 	install -d $(sort $(dir $(INSTALLED))) $(DESTDIR)$(SYSCONFDIR)/pelagos
@@ -700,10 +704,12 @@ install: all man $(O)/pelagos.pc $(O)/libpelagos.a $(O)/$(SHARED) ## install bel
 	install -m644 packaging/tmpfiles.conf $(DESTDIR)$(TMPFILESDIR)/pelagos.conf
 	test -e $(DESTDIR)$(SYSCONFDIR)/pelagos/pelagosd.conf || \
 	    install -m644 packaging/pelagosd.conf $(DESTDIR)$(SYSCONFDIR)/pelagos
+	$(TELL_LOADER)
 
 .PHONY: uninstall
 uninstall: ## remove what `install` with the same PREFIX and DESTDIR put there
 	rm -f $(INSTALLED)
+	$(TELL_LOADER)
 	$(Q)conf=$(DESTDIR)$(SYSCONFDIR)/pelagos/pelagosd.conf; \
 	if cmp -s packaging/pelagosd.conf $$conf; then rm -f $$conf; \
 	elif [ -e $$conf ]; then echo "kept, since it was changed: $$conf"; fi

@@ -80,6 +80,8 @@ class Place:
             "PIP_NO_INDEX": "1", "PIP_NO_BUILD_ISOLATION": "false",
             "PIP_DISABLE_PIP_VERSION_CHECK": "1", "PIP_QUIET": "1",
             "PKG_CONFIG_PATH": f"{self.dest}/usr/local/lib/pkgconfig",
+            # Below DESTDIR `make install` tells the loader nothing.
+            "LD_LIBRARY_PATH": f"{self.dest}/usr/local/lib",
         }
         self.variant = self.current_variant()
         self.write_shims()
