@@ -32,9 +32,11 @@ TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmo
     python3-wheel openexr chromium \
     nginx-light openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
-    tshark iproute2
+    tshark iproute2 $(SITE_PACKAGES)
 # Players that `make players` tries; nothing else needs these 323 MB.
 PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
+# What `make site` is made by.
+SITE_PACKAGES = python3-sphinx python3-myst-parser furo graphviz groff
 # Of npm's registry, into build/npm: clients that tests speak to, what drives
 # Debian's Chromium, what judges the page.
 NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2 \
@@ -732,6 +734,13 @@ dist-check: dist deps-build ## unpack the tarball elsewhere, build and install i
 wheel: ## the Python client as a wheel: build/dist/
 	$(Q)mkdir -p $(DIST)
 	$(Q)packaging/wheel.sh $(DIST)
+
+# --- documentation site -----------------------------------------------------
+SITE ?= build/site
+.PHONY: site
+site: deps-build man $(O)/gen/openapi.json ## the documentation as HTML, with its search, for no network: build/site/
+	$(Q)packaging/deps.sh $(SITE_PACKAGES)
+	$(Q)packaging/site/build.sh $(O)/gen/openapi.json $(O)/man $(SITE)
 
 .PHONY: clean
 clean: ## remove build/
