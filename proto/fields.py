@@ -6,6 +6,7 @@ fields.py manual PROTO OUT.md TEMPLATE.md  the manual: the template, then
                                            every message and enum
 fields.py python PROTO OUT.py              the state as Python's dataclasses
 """
+import keyword
 import os
 import re
 import subprocess
@@ -285,6 +286,15 @@ PYTHON_TYPES = {F.TYPE_STRING: "str", F.TYPE_BOOL: "bool",
                 F.TYPE_DOUBLE: "float", F.TYPE_FLOAT: "float"}
 
 
+# The state, and the answers that the client reads into classes.
+PYTHON_ROOTS = ("State", "Spectrum", "Optics", "Models", "FrameTruth")
+
+
+def python_name(field):
+    """`class` is `class_`."""
+    return field.name + ("_" if keyword.iskeyword(field.name) else "")
+
+
 def python_field(field, enums):
     """`name: type = _field(default, unit, minimum, maximum)`"""
     proto = field.proto
@@ -295,7 +305,7 @@ def python_field(field, enums):
     if kind in enums:
         kind = "str"
     if field.repeated:
-        return f"    {field.name}: tuple[{kind}, ...] = ()"
+        return f"    {python_name(field)}: tuple[{kind}, ...] = ()"
     if proto.HasField("default_value"):
         text = proto.default_value
         default = (repr(text) if kind == "str" else
@@ -308,7 +318,7 @@ def python_field(field, enums):
         ends += [repr(field.unit), plain(field.minimum), plain(field.maximum)]
     elif field.unit is not None:
         ends.append(repr(field.unit))
-    return f"    {field.name}: {kind} = _field({', '.join(ends)})"
+    return f"    {python_name(field)}: {kind} = _field({', '.join(ends)})"
 
 
 def python_order(schema, name, out):
@@ -327,10 +337,11 @@ def comment_lines(text, indent, prefix):
 
 
 def write_python(schema, path, version):
-    out = ['"""The state, as dataclasses: made by `make manual` from',
+    out = ['"""The state and answers as dataclasses: made by `make manual` from',
            'proto/pelagos.proto; edit that.',
            '',
-           'Names are those of the wire. Angles are degrees. None: absent."""',
+           "Names are those of the wire, with `_` behind those that Python keeps for",
+           'itself (`class_`). Angles are degrees. None: absent."""',
            "from __future__ import annotations", "",
            "from dataclasses import dataclass", "",
            "from .record import Record, _field", "",
@@ -347,10 +358,13 @@ def write_python(schema, path, version):
             "MODEL_CLASSES = ("]
     out += [f'    "{name}",' for name, _, _ in schema.enums["ModelClass"][1]]
     out += [")"]
-    for name in python_order(schema, "State", []):
+    order = []
+    for root in PYTHON_ROOTS:
+        python_order(schema, root, order)
+    for name in order:
         doc, fields = schema.messages[name]
         out += ["", "", "@dataclass(frozen=True)", f"class {name}(Record):"]
-        text = textwrap.wrap(f'"""{doc or name + " of the state."}"""', 79,
+        text = textwrap.wrap(f'"""{doc or name + "."}"""', 79,
                              initial_indent="    ", subsequent_indent="    ")
         out += text
         for field in fields:

@@ -710,9 +710,10 @@ class Installation(unittest.TestCase):
             self.skipTest("mypy is not installed")
         with tempfile.TemporaryDirectory() as cache:
             done = subprocess.run(
-                ["mypy", "--cache-dir", cache, "pelagos", "examples/live.py",
-                 "examples/dataset.py", "examples/bridge.py"],
-                capture_output=True, text=True, cwd=SOURCE)
+                ["mypy", "--cache-dir", cache, "pelagos",
+                 *map(str, sorted(SOURCE.glob("examples/*.py")))],
+                capture_output=True, text=True, cwd=SOURCE,
+                env={**os.environ, "MYPYPATH": "examples"})
         self.assertEqual(done.returncode, 0, done.stdout)
 
     def test_pip_without_network(self):

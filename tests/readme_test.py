@@ -288,7 +288,7 @@ BLOCKS = {
         ("from pelagos import", Place.python_block, Place.make_run),
         ("Texelstroom", Place.python_block, None),
         ("x = R (X", NO_CODE, None),
-        ('"STEPPED"', Place.python_block, None),
+        ("ocean.reset(42", Place.python_block, None),
         (">>> ocean", Place.python_session, None),
     ],
     "CONTRIBUTING.md": [],

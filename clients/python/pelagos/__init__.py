@@ -12,29 +12,42 @@ Fields have the names of the schema everywhere (`sea.windSpeed`), angles are
 degrees, lengths metres, times seconds. proto/manual.md of the project names
 every field with its unit and range; so does `ocean.fields()`.
 """
-from .camera import Camera, Intrinsics
+from .camera import (EARTH_RADIUS, STANDARD_REFRACTION, Camera, Horizon,
+                     Intrinsics)
 from .client import Ocean
+from .coco import Coco, positions_csv, shot
 from .errors import (BadPicture, Busy, Conflict, Internal, Invalid, Malformed,
                      MissingPackage, NotFound, OutOfRange, PelagosError,
                      ProtocolError, Refused, TimedOut, Unauthorized,
                      Unreachable)
 from .exr import Exr, read_exr
 from .frame import Frame
+from .geo import Geographic, Local, convergence, to_geographic, to_local
+from .labels import Box, LabelledEntity, Labels
 from .live import LiveFrame, LiveStream, VideoStream
-from .parts import EntityHandle, ViewHandle
-from .coco import Coco, positions_csv, shot
-from .schema import (FORMATS, LAYERS, VERSION, Clock, Entity, Frustum, Origin,
-                     Sea, Sky, State, Swell, View, Water)
-from .surface import Surface
+from .parts import Entities, EntityHandle, ViewHandle, Views
+from .schema import (FORMATS, LAYERS, MODEL_CLASSES, VERSION, Area, Clock,
+                     Entity, Fog, FrameTruth, Frustum, Light, LightSector,
+                     Model, ModelInfo, Models, Optics, Origin, OwnShip, Radar,
+                     Sea, Seabed, Searchlight, SeenEntity, Sensor, SignalLamp,
+                     Sky, Sources, State, Swell, TrackPoint, View, Water, Wave)
+from .spectrum import Spectrum
+from .surface import Surface, SurfaceSeries
 
 __version__ = VERSION
 
 __all__ = [
-    "BadPicture", "Busy", "Camera", "Clock", "Coco", "Conflict", "Entity",
-    "EntityHandle", "Exr", "FORMATS", "Frame", "Frustum", "Internal", "Intrinsics",
-    "Invalid", "LAYERS", "LiveFrame", "LiveStream", "Malformed",
-    "MissingPackage", "NotFound", "Ocean", "Origin", "OutOfRange", "PelagosError",
-    "ProtocolError", "Refused", "Sea", "Sky", "State", "Surface", "Swell",
-    "TimedOut", "Unauthorized", "Unreachable", "VideoStream", "View", "ViewHandle",
-    "Water", "positions_csv", "read_exr", "shot",
+    "Area", "BadPicture", "Box", "Busy", "Camera", "Clock", "Coco", "Conflict",
+    "convergence", "EARTH_RADIUS", "Entities", "Entity", "EntityHandle", "Exr",
+    "Fog", "FORMATS", "Frame", "FrameTruth", "Frustum", "Geographic",
+    "Horizon", "Internal", "Intrinsics", "Invalid", "LabelledEntity", "Labels",
+    "LAYERS", "Light", "LightSector", "LiveFrame", "LiveStream", "Local",
+    "Malformed", "MissingPackage", "Model", "MODEL_CLASSES", "ModelInfo",
+    "Models", "NotFound", "Ocean", "Optics", "Origin", "OutOfRange", "OwnShip",
+    "PelagosError", "positions_csv", "ProtocolError", "Radar", "read_exr",
+    "Refused", "Sea", "Seabed", "Searchlight", "SeenEntity", "Sensor", "shot",
+    "SignalLamp", "Sky", "Sources", "Spectrum", "STANDARD_REFRACTION", "State",
+    "Surface", "SurfaceSeries", "Swell", "TimedOut", "to_geographic",
+    "to_local", "TrackPoint", "Unauthorized", "Unreachable", "VERSION",
+    "VideoStream", "View", "ViewHandle", "Views", "Water", "Wave",
 ]

@@ -8,6 +8,9 @@ the scene's origin. So for a point X of the world
 
     x = R @ (X - position)            rotation R, (3, 3)
     (u, v, 1) = K @ x / x[2]          intrinsics K, (3, 3)
+
+Up is that at the eye: the daemon lays the map on a sphere about each eye, so
+that the horizon dips and what is far sinks.
 """
 from __future__ import annotations
 
@@ -23,6 +26,32 @@ from .schema import View
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
+
+
+#: Radius of the sphere that the daemon lays the sea on [m].
+EARTH_RADIUS = 6360000.0
+#: Of air as it mostly is: what light bends, over what the Earth does.
+STANDARD_REFRACTION = 0.13
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """Where a camera sees the horizon of a calm sea.
+
+    dip       below the level [deg]
+    distance  along the sea [m]
+    rows      for each column's centre the row v where it is [px], float64,
+              (width,): sky is above it, sea below; outside 0..height it is not
+              in the picture; NaN: the column does not meet it
+    left, right  v at the picture's left and right edge [px]
+    tilt      of it in the picture's middle [deg], its right side down positive
+    """
+    dip: float
+    distance: float
+    rows: "NDArray[np.float64]"
+    left: float
+    right: float
+    tilt: float
 
 
 @dataclass(frozen=True)
@@ -138,6 +167,57 @@ class Camera:
         distance = np.where(np.isfinite(distance), distance, np.nan)
         rays = self.intrinsics.rays() @ self.rotation
         return self.position + distance[..., None] * rays
+
+    def horizon(self, height: float | None = None,
+                refraction: float = 0.0) -> Horizon:
+        """The horizon of a calm sea.
+
+        height      of the eye above the sea [m]; none: above altitude 0
+        refraction  what light bends along its way, over what the Earth does:
+                    0, as pictures are drawn (their rays are straight), or
+                    STANDARD_REFRACTION to know where a real camera would have
+                    it; below 1
+        """
+        np = need.numpy()
+        high = float(self.position[2]) if height is None else float(height)
+        if not high > 0:
+            raise ValueError(f"an eye {high:g} m above the sea has no horizon")
+        if not refraction < 1:
+            raise ValueError(f"refraction is below 1, not {refraction:g}")
+        radius = EARTH_RADIUS / (1 - refraction)
+        # acos(radius / (radius + high)), whose digits go where high is small.
+        dip = math.atan2(math.sqrt(high * (2 * radius + high)), radius)
+        i = self.intrinsics
+        u = np.concatenate([(np.arange(i.width) + 0.5) / i.width, [0.0, 1.0]])
+        rows = self._rows(i.left + u * (i.right - i.left), -math.sin(dip))
+        middle = i.width // 2
+        pixel = i.width / (i.right - i.left) * (i.top - i.bottom) / i.height
+        tilt = math.degrees(math.atan(
+            (rows[middle] - rows[middle - 1]) * pixel))
+        return Horizon(math.degrees(dip), radius * dip, rows[:-2],
+                       float(rows[-2]), float(rows[-1]), tilt)
+
+    def _rows(self, x: "NDArray[np.float64]",
+              sine: float) -> "NDArray[np.float64]":
+        """Rows at which directions (x, y, 1) of the camera have this sine of
+        elevation: of two, the one nearer the picture's middle."""
+        np = need.numpy()
+        i = self.intrinsics
+        up = self.rotation[:, 2]
+        # up . (x, y, 1) = sine |(x, y, 1)|, squared: a quadratic in y.
+        a = up[0] * x + up[2]
+        two, one = up[1] ** 2 - sine ** 2, 2 * a * up[1]
+        none = a ** 2 - sine ** 2 * (x ** 2 + 1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            root = np.sqrt(one ** 2 - 4 * two * none)
+            y = np.stack([(-one + root) / (2 * two), (-one - root) / (2 * two)])
+            off = np.abs((a + up[1] * y) - sine * np.sqrt(x ** 2 + y ** 2 + 1))
+            y = np.where(off < 1e-9 * (1 + np.abs(y)), y, np.nan)
+        away = np.abs(y + 0.5 * (i.top + i.bottom))
+        first = np.nan_to_num(away[0], nan=np.inf) <= np.nan_to_num(
+            away[1], nan=np.inf)
+        return ((np.where(first, y[0], y[1]) + i.top)
+                / (i.top - i.bottom) * i.height)
 
     def to_json(self) -> dict[str, Any]:
         """K, rotation, position and size, as lists."""

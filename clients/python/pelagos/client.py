@@ -7,12 +7,15 @@ import ssl
 import stat
 import urllib.parse
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 from .frame import Frame, from_answer, parts_of
-from .parts import Entities, Views
-from .schema import FORMATS, State
-from .surface import Surface, query
+from .parts import Entities, ViewHandle, Views
+from .record import Record, list_of, message_of
+from .schema import (FORMATS, Clock, Entity, Models, Optics, Origin, OwnShip,
+                     Sea, Seabed, Sky, Sources, State, View, Water)
+from .spectrum import Spectrum
+from .surface import Surface, SurfaceSeries, query, series
 from .transport import Transport
 
 if TYPE_CHECKING:
@@ -103,36 +106,44 @@ class Ocean:
                                       ).json().get("value")
 
     def __setitem__(self, path: str, value: Any) -> None:
-        """`ocean["views.bridge.yaw"] = 5`"""
+        """`ocean["views.bridge.yaw"] = 5`, `ocean["sea.swell.0.height"] = 2`"""
         parts = _split(path)
-        if parts[:2] == ["sea", "swell"] and len(parts) > 2:
-            self._set_swell(parts, value)
+        if at := _list_without_key(parts):
+            self._set_element(parts, at, value)
         else:
-            for part in reversed(parts):
-                value = {part: value}
-            self.patch(value)
+            self.patch(_nested(parts, value))
 
     def __delitem__(self, path: str) -> None:
         """`del ocean["sky.sunElevation"]`: back to its default, or gone."""
         self[path] = None
 
-    def _set_swell(self, parts: list[str], value: Any) -> None:
-        """A list without keys goes whole: read, changed, and sent back if
-        nobody else has changed the state meanwhile."""
-        state = self.state()
-        swell: list[Any] = [s.to_json() for s in state.sea.swell
-                            ] if state.sea else []
+    def _set_element(self, parts: list[str], at: int, value: Any) -> None:
+        """A list without keys (parts[:at]) goes whole: read, changed, and sent
+        back if nobody else has changed the state meanwhile."""
+        content = self.transport.request("GET", "/v1/state").json()
+        elements: Any = content
+        for name in parts[:at]:
+            elements = (_keyed(elements, name) if isinstance(elements, list)
+                        else elements.get(name, []))
         try:
-            index = int(parts[2])
-            if len(parts) == 4:
-                swell[index] = {**swell[index], parts[3]: value}
-            elif value is None:
-                del swell[index]
+            inner, key = elements, int(parts[at])
+            if len(parts) == at + 1:
+                if value is None:
+                    del elements[key]
+                else:
+                    elements[key] = value
             else:
-                swell[index] = value
-        except (ValueError, IndexError):
-            raise LookupError(f"there is no {'.'.join(parts[:3])}") from None
-        self.patch({"sea": {"swell": swell}}, revision=state.revision)
+                inner = elements[key]
+                for name in parts[at + 1:-1]:
+                    inner = inner[int(name) if isinstance(inner, list)
+                                  else name]
+                inner[int(parts[-1]) if isinstance(inner, list)
+                      else parts[-1]] = value
+        except (ValueError, IndexError, KeyError, TypeError):
+            raise LookupError(
+                f"there is no {'.'.join(parts[:at + 1])}") from None
+        self.patch(_nested(parts[:at], elements),
+                   revision=int(content["revision"]))
 
     @contextlib.contextmanager
     def kept(self) -> Iterator[State]:
@@ -143,6 +154,45 @@ class Ocean:
             yield before
         finally:
             self.patch(before.to_json(nulls=True))
+
+    def reset(self, seed: int = 1,
+              scene: State | Mapping[str, Any] | None = None) -> State:
+        """Makes the whole state a known one: simulated time 0, the clock
+        STEPPED, waves and clouds of `seed` (0 to 4294967295). The pictures and
+        answers that follow the same steps are then the same to the bit, on the
+        same device, whatever the daemon did before.
+
+        scene: what is in it, as a State or a patch; every field that it does
+        not give is at its default. Without entities there is one, 1,
+        "ownship", and without views one on it, "bridge", as pelagosd starts.
+        Its clock may give utc, rate and reckoning; its poses hold at time 0,
+        and wakes and washes begin then. The state after it."""
+        given = scene.to_json() if isinstance(scene, State) else _plain(
+            scene or {})
+        known = {"clock": Clock, "origin": Origin, "sea": Sea, "water": Water,
+                 "sky": Sky, "ownShip": OwnShip, "sources": Sources,
+                 "seabed": Seabed}
+        change: dict[str, Any] = {
+            name: {**kind().to_json(nulls=True), **(given.pop(name, {}) or {})}
+            for name, kind in known.items()}
+        change["clock"].update(mode="STEPPED", time=0.0)
+        change["sea"]["seed"] = int(seed)
+        change["sky"]["cloudSeed"] = int(seed) % 65536
+        for name, key, first in (
+                ("entities", "id", {"id": 1, "name": "ownship"}),
+                ("views", "name", {"name": "bridge"})):
+            elements = given.pop(name, None)
+            if isinstance(elements, Mapping):
+                elements = [{key: k, **e} for k, e in elements.items()]
+            change[name] = [first] if elements is None else elements
+        if change["views"] == [{"name": "bridge"}] and change["entities"]:
+            change["views"][0]["entity"] = int(change["entities"][0]["id"])
+        for entity in change["entities"]:
+            entity["id"] = int(entity["id"])
+            entity.pop("track", None)
+            entity["poseTime"] = 0.0
+        given.pop("revision", None)
+        return self.patch({**given, **change})
 
     def step(self, seconds: float = 1 / 30, *, until: float | None = None
              ) -> State:
@@ -167,22 +217,99 @@ class Ocean:
                                                         "/healthz").json()
         return answer
 
+    def models(self) -> Models:
+        """The models that entities may have: built in, and files of pelagosd
+        --models, with size, class and, of a file that cannot be used, why."""
+        return Models.from_json(
+            self.transport.request("GET", "/v1/models").json())
+
     # --- sea and pictures ---------------------------------------------------
 
+    @overload
     def surface(self, points: "ArrayLike", time: float | None = None, *,
                 frame: int | None = None, acceleration: bool = False,
-                foam: bool = False) -> Surface:
-        """Height [m], normal, velocity [m/s] and, where they are asked for,
-        acceleration [m/s2] and foam (share of the water) of the sea that is drawn, at points (..., 2): east
-        and north of the origin [m]. time: simulated time [s], none: the
-        clock's, or the frame's. frame: number of one of the last 64 frames,
-        for the sea that it shows. Any number of points, in batches, all of
-        one time."""
-        return query(lambda content: self.transport.request(
-            "POST", "/v1/surface", content).json(), points, time, frame,
-            acceleration, foam)
+                foam: bool = False) -> Surface: ...
 
-    def frame(self, view: str, format: str = "jpg", *,
+    @overload
+    def surface(self, points: "ArrayLike",
+                time: "Sequence[float] | NDArray[np.float64]", *,
+                frame: int | None = None, acceleration: bool = False,
+                foam: bool = False, moving: bool = False
+                ) -> SurfaceSeries: ...
+
+    def surface(self, points: "ArrayLike", time: Any = None, *,
+                frame: int | None = None, acceleration: bool = False,
+                foam: bool = False, moving: bool = False
+                ) -> Surface | SurfaceSeries:
+        """Height [m], normal, velocity [m/s] and, where they are asked for,
+        acceleration [m/s2] and foam (share of the water) of the sea that is
+        drawn, at points (..., 2): east and north of the origin [m]. Any number
+        of points, in batches, all of one time.
+
+        time    simulated time [s], past or to come; none: the clock's, or the
+                frame's; a list of times: a SurfaceSeries, arrays (times, ...)
+        frame   number of one of the last 64 frames, for the sea that it shows
+        moving  with a list of times: points are (times, ..., 2), each time's
+                own, as of a hull under way
+        """
+        def ask(content: dict[str, Any]) -> Any:
+            return self.transport.request("POST", "/v1/surface",
+                                          content).json()
+
+        if time is None or isinstance(time, (int, float)) or not getattr(
+                time, "ndim", 1):
+            if moving:
+                raise ValueError("moving points need a list of times")
+            return query(ask, points, time, frame, acceleration, foam)
+        return series(ask, points, time, frame, acceleration, foam, moving)
+
+    def spectrum(self, *, frequencies: int = 0, directions: int = 0,
+                 lowest: float | None = None, highest: float | None = None,
+                 wavelength: float | None = None,
+                 patch: Mapping[str, Any] | None = None) -> Spectrum:
+        """The numbers of the sea in force, or of any other.
+
+        frequencies      to list, 0 to 200, evenly in their logarithm
+        lowest, highest  of them [rad/s; 0.05 to 100] (0.2, 10)
+        directions       to list at each, 0 to 72, from 0 deg on
+        wavelength       [m]: also sums up the waves shorter than this
+        patch            changes for this answer only:
+                         patch={"sea": {"windSpeed": 12}}
+        """
+        asked = {"frequencies": int(frequencies),
+                 "directions": int(directions), "lowest": lowest,
+                 "highest": highest, "wavelength": wavelength}
+        content: dict[str, Any] = {name: value for name, value in asked.items()
+                                   if value is not None}
+        if patch is not None:
+            content["patch"] = {"state": _plain(patch)}
+        return Spectrum.from_json(self.transport.request(
+            "POST", "/v1/spectrum", _plain(content)).json())
+
+    def optics(self, question: str, *, source: str = "REFERENCE",
+               patch: Mapping[str, Any] | None = None, **query: Any) -> Optics:
+        """Numbers of light, by the Sun, air, water and wind of the state:
+
+            ocean.optics("sky", elevation=20, azimuth=90).sky.radiance
+            ocean.optics("brdf", viewZenith=75).brdf.brdf
+            ocean.optics("water", wavelength=400, wavelengthLast=700,
+                         patch={"water": {"chlorophyll": 3}}).water.total
+
+        question  "sky", "brdf" or "water"
+        source    whose answer: REFERENCE, GPU, and of the water MONTECARLO
+        patch     changes for this answer only
+        query     fields of the schema's SkyQuery, BrdfQuery or WaterQuery
+        """
+        if question not in ("sky", "brdf", "water"):
+            raise ValueError("a question of optics is sky, brdf or water, not "
+                             f"{question!r}")
+        content: dict[str, Any] = {"from": source, question: _plain(query)}
+        if patch is not None:
+            content["patch"] = {"state": _plain(patch)}
+        return Optics.from_json(self.transport.request(
+            "POST", "/v1/optics", content).json())
+
+    def frame(self, view: str | ViewHandle, format: str = "jpg", *,
               width: int | None = None, height: int | None = None,
               time: float | None = None, quality: int | None = None,
               layers: Sequence[str] = (), float_samples: bool = False
@@ -193,12 +320,13 @@ class Ocean:
                              f"{format!r}")
         text = _query(width=width, height=height, quality=quality, time=time,
                       layers=layers, float_samples=float_samples)
-        name = urllib.parse.quote(view, safe="")
+        key = _name(view)
         answer = self.transport.request(
-            "GET", f"/v1/views/{name}/frame.{format}{text}")
-        return from_answer(view, format, answer.headers, answer.body)
+            "GET", f"/v1/views/{urllib.parse.quote(key, safe='')}"
+            f"/frame.{format}{text}")
+        return from_answer(key, format, answer.headers, answer.body)
 
-    def frames(self, views: Iterable[str] | None = None, format: str = "jpg",
+    def frames(self, views: Iterable[str | ViewHandle] | None = None, format: str = "jpg",
                *, width: int | None = None, height: int | None = None,
                time: float | None = None, quality: int | None = None,
                layers: Sequence[str] = (), float_samples: bool = False
@@ -209,7 +337,7 @@ class Ocean:
         if format not in FORMATS:
             raise ValueError(f"format is one of {', '.join(FORMATS)}, not "
                              f"{format!r}")
-        names = None if views is None else ",".join(views)
+        names = None if views is None else ",".join(map(_name, views))
         text = _query(views=names, width=width, height=height, quality=quality,
                       time=time, layers=layers, float_samples=float_samples)
         answer = self.transport.request("GET", f"/v1/frames.{format}{text}")
@@ -217,12 +345,57 @@ class Ocean:
                 from_answer(headers["X-Pelagos-View"], format, headers, data)
                 for headers, data in parts_of(answer)}
 
-    def images(self, views: Iterable[str] | None = None, *,
+    def image(self, view: str | ViewHandle, *, width: int | None = None,
+              height: int | None = None, time: float | None = None
+              ) -> "NDArray[np.uint8]":
+        """One picture of a view without loss: RGB, uint8, (height, width, 3)."""
+        return self.frame(view, "png", width=width, height=height,
+                          time=time).image()
+
+    def images(self, views: Iterable[str | ViewHandle] | None = None, *,
                width: int | None = None, height: int | None = None,
                time: float | None = None) -> "dict[str, NDArray[np.uint8]]":
         """The same as arrays: RGB, uint8, (height, width, 3), without loss."""
         return {name: frame.image() for name, frame in self.frames(
             views, "png", width=width, height=height, time=time).items()}
+
+
+def _name(view: str | ViewHandle) -> str:
+    return view.name if isinstance(view, ViewHandle) else view
+
+
+def _nested(parts: Sequence[str], value: Any) -> Any:
+    """The patch that sets one path."""
+    for part in reversed(parts):
+        value = {part: value}
+    return value
+
+
+def _list_without_key(parts: Sequence[str]) -> int:
+    """How many of the parts name a list without keys that the others go into;
+    0: there is none, as where the schema does not know them."""
+    kind: type[Record] = State
+    at = 0
+    while at < len(parts) - 1:
+        element = list_of(kind, parts[at])
+        if element is Entity or element is View:
+            kind, at = element, at + 2
+            continue
+        if element is not None:
+            return at + 1
+        inner = message_of(kind, parts[at])
+        if inner is None:
+            return 0
+        kind, at = inner, at + 1
+    return 0
+
+
+def _keyed(elements: list[Any], key: str) -> Any:
+    """Of entities or views the one with this id or name."""
+    for element in elements:
+        if key in (str(element.get("id")), element.get("name")):
+            return element
+    return {}
 
 
 def _query(*, time: float | None, layers: Sequence[str], float_samples: bool,

@@ -26,13 +26,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .client import Ocean
+    from .labels import Labels
+    from .parts import ViewHandle
 
 #: Columns of positions_csv, units as in the schema's SeenEntity.
 POSITION_COLUMNS = ("time", "id", "class", "latitude", "longitude", "heading",
                     "course", "speed", "length", "beam", "draught")
 
 
-def shot(ocean: "Ocean", view: str, *, time: float | None = None
+def shot(ocean: "Ocean", view: "str | ViewHandle", *, time: float | None = None
          ) -> "tuple[dict[str, Any], NDArray[np.int64]]":
     """Truth of a view, and for each pixel the number of the entity plus one, 0
     for none. Of one moment where `time` is given or the clock stands."""
@@ -77,6 +79,12 @@ class Coco:
             if "visible" in entity:
                 self._annotate(image, entity, ids == entity["id"] + 1)
         return image
+
+    def add_labels(self, labels: "Labels", file_name: str) -> int:
+        """The same of what `view.labels()` gave."""
+        np = need.numpy()
+        return self.add(labels.truth.to_json(),
+                        labels.ids.astype(np.int64) + 1, file_name)
 
     def _annotate(self, image: int, entity: dict[str, Any],
                   mask: "NDArray[np.bool_]") -> None:

@@ -45,6 +45,11 @@ class Frame:
     stale: bool = False
     host: int = 0
 
+    @property
+    def host_frame(self) -> int:
+        """`host` by the schema's name."""
+        return self.host
+
     def image(self) -> "NDArray[np.uint8]":
         """RGB, uint8, (height, width, 3), top row first. Of formats with 8
         bits; needs OpenCV or Pillow."""

@@ -4,9 +4,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .camera import Camera, Intrinsics
+from .camera import Camera, Horizon, Intrinsics
 from .errors import NotFound
 from .frame import Frame
+from .labels import Labels, labels
 from .live import LiveStream, VideoStream
 from .schema import Entity, View
 
@@ -50,6 +51,16 @@ class EntityHandle(_Handle):
     _list = "entities"
 
     @property
+    def id(self) -> int:
+        """The key of `ocean.entities`."""
+        return int(self.key)
+
+    @property
+    def name(self) -> str:
+        """Its name now; empty: it has none."""
+        return self.state.name or ""
+
+    @property
     def state(self) -> Entity:
         """Its fields now, as it was last set: pose at poseTime."""
         return Entity.from_json(self._ocean[f"entities.{self.key}"])
@@ -61,6 +72,7 @@ class ViewHandle(_Handle):
 
     @property
     def name(self) -> str:
+        """The key of `ocean.views`."""
         return self.key
 
     @property
@@ -84,6 +96,22 @@ class ViewHandle(_Handle):
         return self._ocean.frame(self.key, format, width=width, height=height,
                                  time=time, quality=quality, layers=layers,
                                  float_samples=float_samples)
+
+    def labels(self, *, width: int | None = None, height: int | None = None,
+               time: float | None = None, image: bool = True) -> Labels:
+        """Picture, depth, numbers of entities, classes and boxes, all of one
+        moment."""
+        return labels(self._ocean, self.key, width=width, height=height,
+                      time=time, image=image)
+
+    def horizon(self, *, width: int | None = None, height: int | None = None,
+                time: float | None = None, refraction: float = 0.0
+                ) -> Horizon:
+        """Where its pictures have the horizon of a calm sea, by the pose and
+        the eye's height above sea.level; refraction: see Camera.horizon."""
+        level = self._ocean["sea.level"] or 0.0
+        camera = self.camera(width, height, time)
+        return camera.horizon(float(camera.position[2]) - level, refraction)
 
     def truth(self, *, width: int | None = None, height: int | None = None,
               time: float | None = None) -> "dict[str, Any]":
@@ -177,6 +205,7 @@ class Views:
         return name in self.names()
 
     def names(self) -> list[str]:
+        """In the state's order."""
         return [view.name or "" for view in self._ocean.state().views]
 
     def __iter__(self) -> Iterator[ViewHandle]:
@@ -216,7 +245,12 @@ class Entities:
                    for entity in self._ocean.state().entities)
 
     def ids(self) -> list[int]:
+        """In the state's order."""
         return [entity.id or 0 for entity in self._ocean.state().entities]
+
+    def names(self) -> list[str]:
+        """As `ids`; empty where one has no name."""
+        return [entity.name or "" for entity in self._ocean.state().entities]
 
     def __iter__(self) -> Iterator[EntityHandle]:
         return (EntityHandle(self._ocean, str(id)) for id in self.ids())

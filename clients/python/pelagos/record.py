@@ -17,7 +17,8 @@ def _field(default: Any, unit: str | None = None,
 
 @functools.cache
 def _readers(kind: type) -> dict[str, Any]:
-    """Of each field what makes a value from JSON."""
+    """Of each field, by its name on the wire, its name here and what makes a
+    value from JSON."""
     out = {}
     for name, hint in typing.get_type_hints(kind).items():
         many = typing.get_origin(hint) is tuple
@@ -25,8 +26,25 @@ def _readers(kind: type) -> dict[str, Any]:
                       if t not in (type(None), Ellipsis)), hint)
         read = (inner.from_json if isinstance(inner, type)
                 and issubclass(inner, Record) else inner)
-        out[name] = (lambda v, r=read: tuple(map(r, v))) if many else read
+        out[name.rstrip("_")] = (name, (lambda v, r=read: tuple(map(r, v)))
+                                 if many else read)
     return out
+
+
+def list_of(kind: type[Record], name: str) -> type[Record] | None:
+    """Where the field `name` is a list of messages: their class."""
+    hint = typing.get_type_hints(kind).get(name)
+    if typing.get_origin(hint) is not tuple:
+        return None
+    inner = typing.get_args(hint)[0]
+    return inner if issubclass(inner, Record) else None
+
+
+def message_of(kind: type[Record], name: str) -> type[Record] | None:
+    """Where the field `name` is a message: its class."""
+    hint = typing.get_type_hints(kind).get(name)
+    return next((t for t in typing.get_args(hint) if isinstance(t, type)
+                 and issubclass(t, Record)), None)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,7 +56,7 @@ class Record:
         """Fields that this class does not know are passed over."""
         # A class is hashable, whatever its objects are.
         readers = _readers(cls)  # type: ignore[arg-type]
-        return cls(**{name: readers[name](value)
+        return cls(**{readers[name][0]: readers[name][1](value)
                       for name, value in content.items()
                       if name in readers and value is not None})
 
@@ -47,12 +65,12 @@ class Record:
         nulls, as None, so that the patch makes it absent."""
         out: dict[str, Any] = {}
         for f in dataclasses.fields(self):
-            value = getattr(self, f.name)
+            value, name = getattr(self, f.name), f.name.rstrip("_")
             if isinstance(value, Record):
-                out[f.name] = value.to_json(nulls)
+                out[name] = value.to_json(nulls)
             elif isinstance(value, tuple):
-                out[f.name] = [v.to_json() if isinstance(v, Record) else v
-                               for v in value]
+                out[name] = [v.to_json() if isinstance(v, Record) else v
+                             for v in value]
             elif value is not None or nulls:
-                out[f.name] = value
+                out[name] = value
         return out

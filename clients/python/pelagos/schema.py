@@ -1,7 +1,8 @@
-"""The state, as dataclasses: made by `make manual` from
+"""The state and answers as dataclasses: made by `make manual` from
 proto/pelagos.proto; edit that.
 
-Names are those of the wire. Angles are degrees. None: absent."""
+Names are those of the wire, with `_` behind those that Python keeps for
+itself (`class_`). Angles are degrees. None: absent."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -76,7 +77,7 @@ MODEL_CLASSES = (
 
 @dataclass(frozen=True)
 class Clock(Record):
-    """Clock of the state."""
+    """Clock."""
     #: What makes simulated time advance.
     #: One of FREE, PACED, STEPPED, HOST.
     mode: str = _field('FREE')
@@ -159,7 +160,7 @@ class Area(Record):
 
 @dataclass(frozen=True)
 class Sea(Record):
-    """Sea of the state."""
+    """Sea."""
     #: Mean wind speed 10 m above the sea. [m/s; 0 to 30]
     windSpeed: float = _field(8.0, 'm/s', 0, 30)
     #: Direction the wind blows from. [deg; 0 to 360]
@@ -328,7 +329,7 @@ class Fog(Record):
 
 @dataclass(frozen=True)
 class Sky(Record):
-    """Sky of the state."""
+    """Sky."""
     #: Azimuth of the Sun; absent: from clock.utc and origin. [deg; 0 to 360]
     sunAzimuth: float | None = _field(None, 'deg', 0, 360)
     #: Elevation of the Sun; absent: from clock.utc and origin. [deg; -90 to
@@ -851,3 +852,388 @@ class State(Record):
     ownShip: OwnShip | None = _field(None)
     sources: Sources | None = _field(None)
     seabed: Seabed | None = _field(None)
+
+
+@dataclass(frozen=True)
+class SeaMoments(Record):
+    """Integrals over waves. Slope variances are along and across the wind."""
+    #: Significant wave height, 4 standard deviations. [m]
+    significantHeight: float | None = _field(None, 'm')
+    #: Slope variance along the wind.
+    slopeAlong: float | None = _field(None)
+    #: Slope variance across the wind.
+    slopeCross: float | None = _field(None)
+    #: Covariance of the two.
+    slopeMixed: float | None = _field(None)
+
+
+@dataclass(frozen=True)
+class SpectrumRow(Record):
+    """The spectrum at one frequency."""
+    #: Angular frequency. [rad/s]
+    omega: float | None = _field(None, 'rad/s')
+    #: S(ω) over all directions. [m2 s/rad]
+    density: float | None = _field(None, 'm2 s/rad')
+    #: Mean direction the waves come from. [deg]
+    direction: float | None = _field(None, 'deg')
+    #: Circular standard deviation of direction, √(2 − 2 r1). [deg]
+    spread: float | None = _field(None, 'deg')
+    #: S(ω, θ) of waves that come from 0, 360/n, 2·360/n… deg. [m2 s/rad2]
+    directional: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Spectrum(Record):
+    """Spectrum."""
+    #: Of the spectrum itself, by integration.
+    spectrum: SeaMoments | None = _field(None)
+    #: Of the waves that are drawn, with the slopes that only shading shows.
+    drawn: SeaMoments | None = _field(None)
+    #: Peak period: of the greatest S(ω); single waves are not in S. [s]
+    peakPeriod: float | None = _field(None, 's')
+    #: Mean direction the waves come from, weighted by energy. [deg]
+    meanDirection: float | None = _field(None, 'deg')
+    #: Where SpectrumQuery.wavelength was given: of the shorter waves.
+    wavelength: float | None = _field(None)
+    spectrumBelow: SeaMoments | None = _field(None)
+    drawnBelow: SeaMoments | None = _field(None)
+    rows: tuple[SpectrumRow, ...] = ()
+    #: Share of the sea under whitecaps, as photographs count them. [1]
+    whitecaps: float | None = _field(None, '1')
+
+
+@dataclass(frozen=True)
+class Brdf(Record):
+    """Terms of Ross's BRDF (Bruneton 2010, eq. 5 to 15, 24, 26)."""
+    #: Slope variances it is for. [1]
+    slopeAlong: float | None = _field(None, '1')
+    slopeCross: float | None = _field(None)
+    #: From the vertical to the facets that mirror the Sun to the eye. [deg]
+    halfZenith: float | None = _field(None, 'deg')
+    #: Density of their slopes, p. [1]
+    slopeDensity: float | None = _field(None, '1')
+    #: Smith's lambda of the eye and of the Sun. [1]
+    lambdaView: float | None = _field(None, '1')
+    lambdaSun: float | None = _field(None)
+    #: 1 / (1 + lambda_view + lambda_sun). [1]
+    shadowing: float | None = _field(None, '1')
+    #: Reflectance of those facets at 550 nm, by Fresnel's equations. [1]
+    fresnel: float | None = _field(None, '1')
+    #: Effective reflectance by Smith's masking, eq. 24 with Fresnel's
+    #: equations. [1]
+    meanFresnel: float | None = _field(None, '1')
+    #: The same over the facets that are seen, as it is drawn. [1]
+    seenFresnel: float | None = _field(None, '1')
+    #: The BRDF as it is drawn: eq. 13 with the facets that are seen and the
+    #: Sun's disc. [1/sr]
+    brdf: float | None = _field(None, '1/sr')
+    #: It times the cosine of the Sun's zenith angle: radiance for an
+    #: irradiance of 1 normal to the Sun's beam. [1/sr]
+    reflectedSun: float | None = _field(None, '1/sr')
+
+
+@dataclass(frozen=True)
+class SkyLight(Record):
+    """Lists are at 680, 550, 440 nm."""
+    #: Of the sky, by Sun, Moon and night, without discs and stars.
+    #: [W/m2/sr/nm]
+    radiance: tuple[float, ...] = ()
+    #: The same to the eye. [cd/m2]
+    luminance: float | None = _field(None, 'cd/m2')
+    #: Transmittance of the air in this direction, to space; 0 into the sea.
+    #: [1]
+    transmittance: tuple[float, ...] = ()
+    #: Transmittance towards the Sun, less what of its disc has set. [1]
+    sunTransmittance: tuple[float, ...] = ()
+    #: Of the Sun normal to its beam, at the eye. [W/m2/nm]
+    sunIrradiance: tuple[float, ...] = ()
+    #: The same of the Moon. [W/m2/nm]
+    moonIrradiance: tuple[float, ...] = ()
+    #: Of the night itself, in radiance too: airglow, zodiacal light, faint
+    #: stars. [W/m2/sr/nm]
+    nightRadiance: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class WaterLight(Record):
+    """Lists are at 680, 550, 440 nm, or at the wavelengths asked for."""
+    #: Radiance of light scattered once. [1/sr]
+    single: tuple[float, ...] = ()
+    #: Scattered twice. [1/sr]
+    second: tuple[float, ...] = ()
+    #: Scattered more often, or mirrored by the surface from below. [1/sr]
+    higher: tuple[float, ...] = ()
+    #: Reflected by the bottom. [1/sr]
+    bottom: tuple[float, ...] = ()
+    #: All of it. [1/sr]
+    total: tuple[float, ...] = ()
+    #: Standard error of total, of MONTECARLO. [1/sr]
+    totalError: tuple[float, ...] = ()
+    #: Of the bottom, what was not scattered; not of GPU. [1/sr]
+    bottomDirect: tuple[float, ...] = ()
+    #: The water it is for. [1/m]
+    absorption: tuple[float, ...] = ()
+    scattering: tuple[float, ...] = ()
+    #: Mean cosine of scattering. [1]
+    asymmetry: tuple[float, ...] = ()
+    #: Of the bottom. [1]
+    albedo: tuple[float, ...] = ()
+    #:  [m]
+    depth: float | None = _field(None, 'm')
+    #: One of ALL, TWO, PAPER, SINGLE.
+    orders: str | None = _field(None)
+    #: What the lists are at. [nm]
+    wavelength: tuple[float, ...] = ()
+    #: Absorption, by what absorbs; its sum is absorption. Of waters that are
+    #: known by sums only, all is in dissolved_absorption. [1/m]
+    waterAbsorption: tuple[float, ...] = ()
+    phytoplanktonAbsorption: tuple[float, ...] = ()
+    dissolvedAbsorption: tuple[float, ...] = ()
+    detritusAbsorption: tuple[float, ...] = ()
+    #: Scattering by the water itself and by particles. [1/m]
+    molecularScattering: tuple[float, ...] = ()
+    particleScattering: tuple[float, ...] = ()
+    #: By more than 90 degrees, by both. [1/m]
+    backscattering: tuple[float, ...] = ()
+    #: Of REFERENCE: total over the irradiance above the surface, Rrs. [1/sr]
+    remoteSensingReflectance: tuple[float, ...] = ()
+    #: Of REFERENCE: irradiance up over down just below the surface, R(0-). [1]
+    irradianceReflectance: tuple[float, ...] = ()
+    #: Of REFERENCE: attenuation of downward irradiance Kd, from the surface to
+    #: 1/Kd. [1/m]
+    diffuseAttenuation: tuple[float, ...] = ()
+    #: Of REFERENCE: what came of light of a shorter wave by Raman scattering,
+    #: in total too; of GPU it is in higher, of MONTECARLO nowhere. [1/sr]
+    raman: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Optics(Record):
+    """Optics."""
+    #: Whose answer.
+    #: One of REFERENCE, GPU, MONTECARLO.
+    from_: str | None = _field(None)
+    #: The device that drew it, of GPU.
+    device: str | None = _field(None)
+    #: The Sun it is for. [deg]
+    sunElevation: float | None = _field(None, 'deg')
+    #: Its compass direction. [deg]
+    sunAzimuth: float | None = _field(None, 'deg')
+    brdf: Brdf | None = _field(None)
+    sky: SkyLight | None = _field(None)
+    water: WaterLight | None = _field(None)
+    #: The Moon, where there is one. [deg]
+    moonElevation: float | None = _field(None, 'deg')
+    #: Its compass direction. [deg]
+    moonAzimuth: float | None = _field(None, 'deg')
+    #: Share of its disc that is lit. [1]
+    moonPhase: float | None = _field(None, '1')
+
+
+@dataclass(frozen=True)
+class Error(Record):
+    """Error."""
+    #: One of MALFORMED, NOT_FOUND, OUT_OF_RANGE, INVALID, CONFLICT, BUSY,
+    #: INTERNAL, UNAUTHORIZED.
+    code: str | None = _field(None)
+    #: Path of the field at fault, if one is.
+    path: str | None = _field(None)
+    #: The offending value as text.
+    value: str | None = _field(None)
+    #: Unit of the field.
+    unit: str | None = _field(None)
+    #: Legal range of the field.
+    minimum: float | None = _field(None)
+    maximum: float | None = _field(None)
+    #: A sentence for people.
+    message: str | None = _field(None)
+
+
+@dataclass(frozen=True)
+class ModelPoint(Record):
+    """A place on a model, from amidships in the waterline."""
+    #: Name, for people.
+    name: str | None = _field(None)
+    #: Towards the bow. [m; -1000 to 1000]
+    forward: float = _field(0.0, 'm', -1000, 1000)
+    #: To starboard. [m; -1000 to 1000]
+    right: float = _field(0.0, 'm', -1000, 1000)
+    #: Above the waterline. [m; -1000 to 1000]
+    up: float = _field(0.0, 'm', -1000, 1000)
+
+
+@dataclass(frozen=True)
+class ModelLight(Record):
+    """A light of a model. It is listed, not drawn."""
+    #: Name, for people.
+    name: str | None = _field(None)
+    #: Towards the bow. [m; -1000 to 1000]
+    forward: float = _field(0.0, 'm', -1000, 1000)
+    #: To starboard. [m; -1000 to 1000]
+    right: float = _field(0.0, 'm', -1000, 1000)
+    #: Above the waterline. [m; -1000 to 1000]
+    up: float = _field(0.0, 'm', -1000, 1000)
+    #: sRGB, 65536 red + 256 green + blue. [1; 0 to 16777215]
+    colour: int = _field(16777215, '1', 0, 16777215)
+    #: Nominal range. [nmi; 0 to 50]
+    range: float = _field(3.0, 'nmi', 0, 50)
+    #: The arc through which it shines, clockwise from the bow, from here.
+    #: [deg; -360 to 360]
+    from_: float = _field(0.0, 'deg', -360, 360)
+    #: To here; the same: all round. [deg; -360 to 360]
+    to: float = _field(0.0, 'deg', -360, 360)
+
+
+@dataclass(frozen=True)
+class ModelInfo(Record):
+    """One model."""
+    name: str | None = _field(None)
+    #: One of OTHER, CONTAINER_SHIP, TANKER, BULK_CARRIER, CARGO_SHIP, FERRY,
+    #: CRUISE_SHIP, TUG, FISHING_BOAT, SAILING_YACHT, MOTOR_YACHT,
+    #: PILOT_LAUNCH, PATROL_BOAT, WARSHIP, WORK_SHIP, RIB, USV, ROWING_BOAT,
+    #: LATERAL_PORT, LATERAL_STARBOARD, CARDINAL_NORTH, CARDINAL_EAST,
+    #: CARDINAL_SOUTH, CARDINAL_WEST, SAFE_WATER, SPECIAL_MARK,
+    #: ISOLATED_DANGER, BEACON, LIGHT_FLOAT, LIFE_RAFT, LIFEBOAT, PERSON.
+    class_: str | None = _field(None)
+    #: Size over all, and of the highest point above the waterline. [m]
+    length: float | None = _field(None, 'm')
+    #:  [m]
+    beam: float | None = _field(None, 'm')
+    #:  [m]
+    draught: float | None = _field(None, 'm')
+    #:  [m]
+    height: float | None = _field(None, 'm')
+    #: Triangles of each level of detail, the finest first. [1]
+    triangles: tuple[int, ...] = ()
+    #: Memory that it takes while an entity has it. [B]
+    bytes: int | None = _field(None, 'B')
+    #: It is built in.
+    builtin: bool | None = _field(None)
+    #: For people: what a built-in model is; what of a file was left out.
+    text: str | None = _field(None)
+    #: Why the file cannot be used; then there are no sizes.
+    error: Error | None = _field(None)
+    eyes: tuple[ModelPoint, ...] = ()
+    lights: tuple[ModelLight, ...] = ()
+
+
+@dataclass(frozen=True)
+class Models(Record):
+    """Models."""
+    models: tuple[ModelInfo, ...] = ()
+
+
+@dataclass(frozen=True)
+class PixelBox(Record):
+    """A box in a picture, in pixels from its upper left corner. Of what is
+    visible it is whole pixels: columns x to x + width - 1."""
+    #:  [px]
+    x: float | None = _field(None, 'px')
+    #:  [px]
+    y: float | None = _field(None, 'px')
+    #:  [px]
+    width: float | None = _field(None, 'px')
+    #:  [px]
+    height: float | None = _field(None, 'px')
+
+
+@dataclass(frozen=True)
+class SeenPoint(Record):
+    """A point of an entity."""
+    #: East of the origin, as surface queries have it. [m]
+    east: float | None = _field(None, 'm')
+    #: North of the origin. [m]
+    north: float | None = _field(None, 'm')
+    #: Above altitude 0. [m]
+    up: float | None = _field(None, 'm')
+    #: From the eye to the right in the view's axes, with the Earth's curve.
+    #: [m]
+    right: float | None = _field(None, 'm')
+    #: From the eye down. [m]
+    down: float | None = _field(None, 'm')
+    #: From the eye ahead. [m]
+    ahead: float | None = _field(None, 'm')
+    #: Where the picture shows it; absent: it is behind the eye. [px]
+    x: float | None = _field(None, 'px')
+    #:  [px]
+    y: float | None = _field(None, 'px')
+
+
+@dataclass(frozen=True)
+class SeenEntity(Record):
+    """What a picture shows of an entity that has a model."""
+    #: Its number.
+    id: int | None = _field(None)
+    #: Name of its model.
+    model: str | None = _field(None)
+    #: One of OTHER, CONTAINER_SHIP, TANKER, BULK_CARRIER, CARGO_SHIP, FERRY,
+    #: CRUISE_SHIP, TUG, FISHING_BOAT, SAILING_YACHT, MOTOR_YACHT,
+    #: PILOT_LAUNCH, PATROL_BOAT, WARSHIP, WORK_SHIP, RIB, USV, ROWING_BOAT,
+    #: LATERAL_PORT, LATERAL_STARBOARD, CARDINAL_NORTH, CARDINAL_EAST,
+    #: CARDINAL_SOUTH, CARDINAL_WEST, SAFE_WATER, SPECIAL_MARK,
+    #: ISOLATED_DANGER, BEACON, LIGHT_FLOAT, LIFE_RAFT, LIFEBOAT, PERSON.
+    class_: str | None = _field(None)
+    #: Of the pixels that show it, by the layer id; absent: none does.
+    visible: PixelBox | None = _field(None)
+    #: Of its shape above its own waterline, whatever hides it; it may reach
+    #: beyond the picture.
+    whole: PixelBox | None = _field(None)
+    #: Pixels that show it. [1]
+    pixels: int | None = _field(None, '1')
+    #: Pixels of the picture in its whole shape. [1]
+    wholePixels: int | None = _field(None, '1')
+    #: Share of these that do not show it: hidden by other entities, waves,
+    #: land or the horizon. [1; 0 to 1]
+    hidden: float | None = _field(None, '1', 0, 1)
+    #: The whole shape reaches beyond the picture.
+    truncated: bool | None = _field(None)
+    #: Corners of the model's box: stern starboard keel, bow starboard keel,
+    #: stern port keel, bow port keel, and these four at its top.
+    corners: tuple[SeenPoint, ...] = ()
+    #: Ends of its waterline on the centreline: the bow's, the stern's.
+    waterline: tuple[SeenPoint, ...] = ()
+    #: From the eye to its origin, amidships in the waterline. [m]
+    distance: float | None = _field(None, 'm')
+    #: The same, true. [deg; 0 to 360]
+    bearing: float | None = _field(None, 'deg', 0, 360)
+    #: The pose that is drawn. [deg]
+    latitude: float | None = _field(None, 'deg')
+    #:  [deg]
+    longitude: float | None = _field(None, 'deg')
+    #:  [m]
+    altitude: float | None = _field(None, 'm')
+    #:  [deg]
+    heading: float | None = _field(None, 'deg')
+    #:  [deg]
+    pitch: float | None = _field(None, 'deg')
+    #:  [deg]
+    roll: float | None = _field(None, 'deg')
+    #:  [m/s]
+    speed: float | None = _field(None, 'm/s')
+    #:  [deg]
+    course: float | None = _field(None, 'deg')
+    #: Of its model, over all. [m]
+    length: float | None = _field(None, 'm')
+    #:  [m]
+    beam: float | None = _field(None, 'm')
+    #:  [m]
+    draught: float | None = _field(None, 'm')
+
+
+@dataclass(frozen=True)
+class FrameTruth(Record):
+    """Ground truth of a picture, as `data` of a Frame of format JSON. It is a
+    function of what the picture shows; a FramesRequest that has the view in
+    two formats has the picture and the truth of one moment."""
+    #: Name of the view.
+    view: str | None = _field(None)
+    #: Simulated time. [s]
+    time: float | None = _field(None, 's')
+    #: Revision of the state.
+    revision: int | None = _field(None)
+    #: Of the picture. [px]
+    width: int | None = _field(None, 'px')
+    #:  [px]
+    height: int | None = _field(None, 'px')
+    #: Entities with a pixel, or that would have one if nothing hid them.
+    entities: tuple[SeenEntity, ...] = ()

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -41,6 +41,61 @@ class Surface:
     sounding: "NDArray[np.float64]"
     acceleration: "NDArray[np.float64] | None" = None
     foam: "NDArray[np.float64] | None" = None
+
+
+@dataclass(frozen=True)
+class SurfaceSeries:
+    """The surface at points (...,) at several times: as Surface, each array
+    with the times as its first axis, (times, ...). `series[3]` and iteration
+    give the Surface of one time."""
+    time: "NDArray[np.float64]"
+    height: "NDArray[np.float64]"
+    normal: "NDArray[np.float64]"
+    velocity: "NDArray[np.float64]"
+    depth: "NDArray[np.float64]"
+    sounding: "NDArray[np.float64]"
+    acceleration: "NDArray[np.float64] | None" = None
+    foam: "NDArray[np.float64] | None" = None
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __getitem__(self, index: int) -> Surface:
+        return Surface(
+            float(self.time[index]), self.height[index], self.normal[index],
+            self.velocity[index], self.depth[index], self.sounding[index],
+            None if self.acceleration is None else self.acceleration[index],
+            None if self.foam is None else self.foam[index])
+
+    def __iter__(self) -> Iterator[Surface]:
+        return (self[index] for index in range(len(self)))
+
+
+def series(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
+           times: "ArrayLike", frame: int | None = None,
+           acceleration: bool = False, foam: bool = False,
+           moving: bool = False) -> SurfaceSeries:
+    """moving: points are (times, ..., 2), those of each time."""
+    np = need.numpy()
+    when = np.asarray(times, np.float64)
+    if when.ndim != 1 or len(when) == 0:
+        raise ValueError("times are a list of at least one, not of the shape "
+                         f"{when.shape}")
+    at = np.asarray(points, np.float64)
+    if moving and (at.ndim < 2 or len(at) != len(when)):
+        raise ValueError(f"moving points have the shape ({len(when)}, ..., 2), "
+                         f"as many as times, not {at.shape}")
+    each = [query(ask, at[i] if moving else at, float(time), frame,
+                  acceleration, foam) for i, time in enumerate(when)]
+
+    def stack(name: str) -> Any:
+        return np.stack([getattr(one, name) for one in each])
+
+    return SurfaceSeries(
+        when, stack("height"), stack("normal"), stack("velocity"),
+        stack("depth"), stack("sounding"),
+        stack("acceleration") if acceleration else None,
+        stack("foam") if foam else None)
 
 
 def query(ask: Callable[[dict[str, Any]], Any], points: "ArrayLike",
