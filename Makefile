@@ -541,9 +541,12 @@ chaos: deps ## all faults at once for CHAOS_SECONDS (3600) by CHAOS_SEED (1), an
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/soak/chaos.py
 
+# Random walks (docs/machines.md).
+WALKS := $(addprefix $(O)/bin/,machines_test session_walk_test credit_walk_test)
 .PHONY: soak
-soak: deps ## load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers
-	$(Q)$(MAKE) -s --no-print-directory all $(O)/bin/pelagosd-starved
+soak: deps ## a million steps of each walk; load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers
+	$(Q)$(MAKE) -s --no-print-directory all $(WALKS) $(O)/bin/pelagosd-starved
+	$(Q)for w in $(WALKS); do PELAGOS_STEPS=1000000 $$w || exit 1; done
 	$(Q)/usr/bin/python3 -B tests/soak/soak.py
 	$(Q)/usr/bin/python3 -B tests/soak/cigi.py
 	$(Q)SOAK=1 /usr/bin/python3 -B tests/stream_test.py \

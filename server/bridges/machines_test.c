@@ -1,6 +1,5 @@
 /* Random walks through the small machines of docs/machines.md, by the code that
- * runs: after each step their invariants are looked at. PELAGOS_STEPS (20000)
- * and PELAGOS_SEED (1) make them longer and others. */
+ * runs: after each step their invariants are looked at. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -9,25 +8,8 @@
 
 #include <cmocka.h>
 
-#include "base/clock.h"
+#include "base/walk_testkit.h"
 #include "bridges/cigi_testkit.h"
-
-static unsigned long steps(void)
-{
-    const char *text = getenv("PELAGOS_STEPS");
-    return text ? strtoul(text, NULL, 10) : 20000;
-}
-
-static void seed(void)
-{
-    const char *text = getenv("PELAGOS_SEED");
-    srand(text ? (unsigned)strtoul(text, NULL, 10) : 1);
-}
-
-static unsigned below(unsigned n)
-{
-    return (unsigned)rand() % n;
-}
 
 /* --- edit, test, commit --------------------------------------------------- */
 
@@ -99,19 +81,21 @@ static void random_patch(char *out, size_t size, bool *good)
 static void edit_test_commit(void **state)
 {
     (void)state;
-    seed();
+    walk_seed();
+    unsigned long steps = walk_steps(20000);
     scene = make_scene((struct pel_scene_options){ .wave_count = 20 });
     unsigned long taken = 0, refused = 0;
     const struct pel_snapshot *kept = NULL;
     uint64_t kept_revision = 0;
-    for (unsigned long i = 0; i < steps(); i++) {
+    size_t size;
+    uint8_t *before = bytes_of(&size);
+    for (unsigned long i = 0; i < steps; i++) {
         char text[256];
         bool good = false;
         struct pel_fault fault;
-        size_t size, after_size;
+        size_t after_size;
         uint64_t revision = pel_scene_state(scene)->revision;
         random_patch(text, sizeof text, &good);
-        uint8_t *before = bytes_of(&size);
         enum pel_err err = patch(scene, text, &fault);
         uint8_t *after = bytes_of(&after_size);
         const Pelagos__State *s = pel_scene_state(scene);
@@ -129,7 +113,8 @@ static void edit_test_commit(void **state)
             taken++;
         }
         free(before);
-        free(after);
+        before = after;
+        size = after_size;
         assert_true(s->n_views <= PEL_MAX_VIEWS);
         for (size_t k = 0; k < s->n_views; k++) {
             assert_true(!s->views[k]->has_entity ||
@@ -144,9 +129,10 @@ static void edit_test_commit(void **state)
         }
         assert_int_equal(kept->revision, kept_revision);
     }
+    free(before);
     pel_snapshot_unref(kept);
     print_message("%lu patches taken, %lu refused\n", taken, refused);
-    assert_true(taken > steps() / 10 && refused > steps() / 10);
+    assert_true(taken > steps / 10 && refused > steps / 10);
     pel_scene_destroy(scene);
 }
 
@@ -155,10 +141,20 @@ static void edit_test_commit(void **state)
 struct host {
     bool led;
     uint32_t newest;
+    bool begins; /* a session, by the datagram at hand */
     uint64_t duplicate, late, lost, malformed;
-    int64_t fed_ns; /* before the last datagram that was taken */
-    int loading;    /* the database as Start of Frame has it */
+    int64_t fed_ns;             /* when the last datagram was taken */
+    int loading;                /* the database as Start of Frame has it */
+    enum pel_clock_mode before; /* whose the clock was */
+    unsigned long applied, silences, led_away;
 };
+
+static const double silence_s = 2, restart_s = 0.5;
+
+static double unheard_s(const struct host *h)
+{
+    return (double)(walk.now_ns - h->fed_ns) * 1e-9;
+}
 
 static uint64_t malformed_of(const struct pel_cigi_counters *c)
 {
@@ -184,7 +180,9 @@ static bool random_datagram(struct host *h)
         h->malformed++;
         return false;
     }
-    bool anew = !h->led || jump <= -1000;
+    bool anew =
+        !h->led || jump <= -1000 || (jump <= 0 && unheard_s(h) > restart_s);
+    h->begins = anew;
     if (!anew) {
         h->duplicate += jump == 0;
         h->late += jump < 0;
@@ -198,85 +196,115 @@ static bool random_datagram(struct host *h)
     return false;
 }
 
+static enum pel_clock_mode mode_now(void)
+{
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    enum pel_clock_mode mode = s->mode;
+    pel_snapshot_unref(s);
+    return mode;
+}
+
+/* An operator takes the clock. */
+static enum pel_clock_mode take_clock(void)
+{
+    static const char *const modes[] = {
+        "{\"clock\":{\"mode\":\"FREE\"}}",
+        "{\"clock\":{\"mode\":\"STEPPED\"}}",
+        "{\"clock\":{\"mode\":\"HOST\"}}",
+    };
+    static const enum pel_clock_mode means[] = { PEL_CLOCK_FREE,
+                                                 PEL_CLOCK_STEPPED,
+                                                 PEL_CLOCK_HOST };
+    unsigned which = below(3);
+    must(scene, modes[which]);
+    return means[which];
+}
+
+/* The host sends; the mode that the clock must have now. */
+static enum pel_clock_mode send_one(struct host *h, enum pel_clock_mode mode)
+{
+    uint64_t revision = pel_scene_state(scene)->revision;
+    bool must_apply = random_datagram(h);
+    frame = h->newest;
+    pel_cigi_feed(cigi, bytes, used);
+    if (!must_apply) { /* late, double or nonsense: changes nothing */
+        assert_int_equal(pel_scene_state(scene)->revision, revision);
+        return mode;
+    }
+    h->fed_ns = walk.now_ns;
+    h->applied++;
+    if (h->begins) {
+        h->before = mode == PEL_CLOCK_HOST ? h->before : mode;
+        return PEL_CLOCK_HOST;
+    }
+    return mode;
+}
+
+/* Time passes; a frame later who was silent is gone, and the clock is given
+ * back. */
+static enum pel_clock_mode wait(struct host *h, enum pel_clock_mode mode)
+{
+    walk_wait(below(20) ? 0.001 * below(20) : below(10) ? 0.7 : 3);
+    if (h->led && unheard_s(h) > silence_s) {
+        const uint8_t *start;
+        pel_cigi_frame(cigi, &start);
+        last_ig++;
+        h->led = false;
+        h->silences++;
+        return mode == PEL_CLOCK_HOST ? h->before : mode;
+    }
+    return mode;
+}
+
+static void look_at_host(struct host *h)
+{
+    const struct pel_cigi_counters *c = pel_cigi_counters(cigi);
+    struct pel_cigi_status status;
+    assert_int_equal(c->duplicate, h->duplicate);
+    assert_int_equal(c->late, h->late);
+    assert_int_equal(c->lost, h->lost);
+    assert_int_equal(malformed_of(c), h->malformed);
+    pel_cigi_status(cigi, &status);
+    assert_int_equal(status.connected, h->led && unheard_s(h) <= silence_s);
+    /* A loaded database was being loaded. */
+    assert_true(status.database == 0 || status.database == 5 ||
+                status.database == -5 || status.database == -128);
+    assert_true(status.database != 5 || h->loading == -5 || h->loading == 5);
+    h->loading = status.database;
+}
+
 static void host_and_clock(void **state)
 {
     (void)state;
-    seed();
+    walk_seed();
+    walk_stop_clock();
+    unsigned long steps = walk_steps(20000);
     struct host h = { .newest = 100000 };
-    unsigned long applied = 0, led_away = 0;
     double time_s = pel_scene_time(scene);
-    enum pel_clock_mode wanted = PEL_CLOCK_FREE;
-    for (unsigned long i = 0; i < steps(); i++) {
-        const struct pel_cigi_counters *c = pel_cigi_counters(cigi);
-        uint64_t revision = pel_scene_state(scene)->revision;
-        if (below(30) == 0) { /* an operator takes the clock */
-            static const char *const modes[] = {
-                "{\"clock\":{\"mode\":\"FREE\"}}",
-                "{\"clock\":{\"mode\":\"STEPPED\"}}",
-                "{\"clock\":{\"mode\":\"HOST\"}}",
-            };
-            static const enum pel_clock_mode means[] = { PEL_CLOCK_FREE,
-                                                         PEL_CLOCK_STEPPED,
-                                                         PEL_CLOCK_HOST };
-            unsigned which = below(3);
-            must(scene, modes[which]);
-            wanted = means[which];
-            led_away += wanted != PEL_CLOCK_HOST;
+    enum pel_clock_mode mode = mode_now();
+    h.before = mode;
+    for (unsigned long i = 0; i < steps; i++) {
+        if (below(30) == 0) {
+            mode = take_clock();
+            h.led_away += mode != PEL_CLOCK_HOST;
         } else {
-            bool was_led = h.led;
-            uint32_t was = h.newest;
-            int64_t since_ns = h.fed_ns, now_ns = pel_now_ns();
-            bool must_apply = random_datagram(&h);
-            bool begins = !was_led || (int32_t)(h.newest - was) <= -1000;
-            if (was_led && now_ns - since_ns > 400000000) {
-                /* Half a second of silence makes an old frame a new host:
-                 * this machine was busy. */
-                h.newest = was;
-                begin_at(++h.newest);
-                place_ship(1, 51, 1);
-                must_apply = true;
-                begins = false;
-                h.lost = c->lost;
-                h.late = c->late;
-                h.duplicate = c->duplicate;
-                h.malformed = malformed_of(c);
-            }
-            frame = h.newest;
-            pel_cigi_feed(cigi, bytes, used);
-            if (must_apply) {
-                h.fed_ns = pel_now_ns();
-                applied++;
-                wanted = begins ? PEL_CLOCK_HOST : wanted;
-            } else { /* what is late, double or nonsense changes nothing */
-                assert_int_equal(pel_scene_state(scene)->revision, revision);
-            }
+            mode = wait(&h, mode);
+            mode = send_one(&h, mode);
         }
-        assert_int_equal(c->duplicate, h.duplicate);
-        assert_int_equal(c->late, h.late);
-        assert_int_equal(c->lost, h.lost);
-        assert_int_equal(malformed_of(c), h.malformed);
+        look_at_host(&h);
+        assert_int_equal(mode_now(), mode);
         /* Time never goes back, whoever leads. */
         assert_true(pel_scene_time(scene) >= time_s);
         time_s = pel_scene_time(scene);
-        const struct pel_snapshot *s = pel_scene_snapshot(scene);
-        if (h.led) {
-            assert_int_equal(s->mode, wanted);
-        }
-        pel_snapshot_unref(s);
         if (h.led && below(4) == 0) {
             take_frame(); /* it knows the newest frame, and counts its own */
         }
-        /* A loaded database was being loaded. */
-        struct pel_cigi_status status;
-        pel_cigi_status(cigi, &status);
-        assert_true(status.database == 0 || status.database == 5 ||
-                    status.database == -5 || status.database == -128);
-        assert_true(status.database != 5 || h.loading == -5 || h.loading == 5);
-        h.loading = status.database;
     }
-    print_message("%lu host frames applied, the clock taken away %lu times\n",
-                  applied, led_away);
-    assert_true(applied > steps() / 4);
+    print_message("%lu host frames applied, %lu silences, the clock taken away "
+                  "%lu times\n",
+                  h.applied, h.silences, h.led_away);
+    assert_true(h.applied > steps / 4 && h.silences > steps / 1000);
+    walk_start_clock();
 }
 
 int main(void)

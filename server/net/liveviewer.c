@@ -175,6 +175,7 @@ static void set_level(struct pel_live_viewer *self, unsigned level)
     profile.kbps = level == 0 ? profile.kbps : rate_at(self, level);
     if (pel_frames_change(self->subscription, &profile, NULL) == PEL_OK) {
         self->level = level;
+        self->gap = true; /* until a key frame comes */
         send_stream(self);
     }
 }
@@ -212,14 +213,11 @@ static void recover(struct pel_live_viewer *self)
 
 /* --- pictures ------------------------------------------------------------ */
 
-static void note_gap(struct pel_live_viewer *self, uint64_t number)
+/* How many frames were left out just before this one. */
+static uint64_t left_out(const struct pel_live_viewer *self, uint64_t number)
 {
-    if (self->last_number && self->gap && number > self->last_number + 1) {
-        uint64_t lost = number - self->last_number - 1;
-        self->missed += (uint32_t)MIN(lost, UINT32_MAX);
-        self->stats->skipped += lost;
-    }
-    self->last_number = number;
+    bool gap = self->last_number && self->gap;
+    return gap ? number - self->last_number - 1 : 0;
 }
 
 static void send_picture(struct pel_live_viewer *self, struct pel_frame *frame)
@@ -234,19 +232,33 @@ static void send_picture(struct pel_live_viewer *self, struct pel_frame *frame)
     self->height = frame->height;
     self->drawn_width = frame->drawn_width;
     self->drawn_height = frame->drawn_height;
-    note_gap(self, frame->number);
-    pel_live_header(frame, pel_now_ns(), pel_unix_ns(), self->missed,
-                    self->gap && !first, header);
+    uint64_t lost = left_out(self, frame->number);
+    uint32_t missed = self->missed + (uint32_t)MIN(lost, UINT32_MAX);
+    pel_live_header(frame, pel_now_ns(), pel_unix_ns(), missed, lost > 0,
+                    header);
     if (first || resized) {
         send_stream(self);
     }
     if (pel_websocket_picture(self->ws, header, sizeof header, frame)) {
         self->in_flight[self->in_flight_count++] = frame->number;
         self->gap = false;
+        self->last_number = frame->number;
+        self->missed = missed;
+        self->stats->skipped += lost;
         self->stats->sent++;
         self->stats->bytes += sizeof header + frame->size;
     } else {
         fall_behind(self);
+    }
+}
+
+/* Of the stream that the viewer has just changed to, and no newer than what
+ * the one before has shown. */
+static void skip_old(struct pel_live_viewer *self)
+{
+    self->gap = true;
+    if (self->wish.profile.codec == PEL_CODEC_H264) {
+        pel_frames_resync(self->subscription, false);
     }
 }
 
@@ -259,6 +271,8 @@ static void on_frame(void *user, enum pel_err err,
         pel_websocket_close(self->ws, CODE_GONE, "there is nothing to see");
     } else if (err != PEL_OK) {
         self->gap = true;
+    } else if (frame->number <= self->last_number) {
+        skip_old(self);
     } else if (self->in_flight_count >= self->wish.credit) {
         fall_behind(self);
     } else {
@@ -309,6 +323,7 @@ static void change(struct pel_live_viewer *self, const struct pel_profile *wish)
         pel_frames_pause(self->subscription); /* as it was */
     }
     self->wish.profile = profile;
+    self->gap = true;
     self->level = 0;
     self->level_ns = now;
     send_stream(self);
@@ -341,6 +356,7 @@ static void on_message(void *user, const uint8_t *data, size_t size)
         break;
     case PEL_LIVE_KEY:
         if (!self->starved) {
+            self->gap = true;
             pel_frames_resync(self->subscription, false);
         }
         break;

@@ -227,11 +227,13 @@ static void flush(struct pel_websocket *ws)
 
 static int64_t next_alarm(const struct pel_websocket *ws)
 {
-    if (ws->over || ws->early_used < ws->early_size) {
+    if (ws->over || (ws->early_used < ws->early_size &&
+                     wslay_event_want_read(ws->protocol))) {
         return 0;
     }
-    int64_t at = MIN(ws->ping_ns, ws->pong_ns + PONG_LIMIT_NS);
-    return ws->closing ? MIN(at, ws->close_ns) : at;
+    /* Who says goodbye is pinged no more. */
+    return MIN(ws->closing ? ws->close_ns : ws->ping_ns,
+               ws->pong_ns + PONG_LIMIT_NS);
 }
 
 static void keep_alive(struct pel_websocket *ws)
