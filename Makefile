@@ -41,6 +41,10 @@ SITE_PACKAGES = python3-sphinx python3-myst-parser furo graphviz groff
 # Debian's Chromium, what judges the page.
 NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2 \
     @seriousme/openapi-schema-validator@2.11.0
+# Of the same, embedded in the page and loaded when its sea-state card is
+# opened. A tarball of `make dist` brings it along.
+PAGE_PACKAGES := uplot@1.6.32
+UPLOT ?= $(firstword $(wildcard third-party/uplot) build/npm-page/node_modules/uplot)
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd \
     libprotobuf-c libmodbus libjpeg libturbojpeg spng OpenEXR libsystemd openssl \
@@ -273,10 +277,18 @@ $(O)/gen/openapi.json: proto/openapi.py proto/fields.py proto/deffile.py \
 	@echo "  GEN   $@"
 	$(Q)/usr/bin/python3 proto/openapi.py proto/pelagos.proto $(VERSION) $@
 
-$(O)/gen/pages.c: clients/web/embed.py proto/pelagos.proto $(O)/gen/openapi.json $(PAGES)
+# Which uPlot there is, or none.
+$(O)/gen/uplot: FORCE
+	$(Q)mkdir -p $(@D)
+	$(Q)packaging/uplot.sh $(UPLOT) $@
+
+$(O)/gen/pages.c: clients/web/embed.py proto/pelagos.proto $(O)/gen/openapi.json $(PAGES) \
+    $(O)/gen/uplot
 	$(Q)mkdir -p $(@D)
 	@echo "  GEN   $@"
-	$(Q)/usr/bin/python3 clients/web/embed.py $@ proto/pelagos.proto $(O)/gen/openapi.json $(PAGES)
+	$(Q)/usr/bin/python3 clients/web/embed.py $@ proto/pelagos.proto $(O)/gen/openapi.json $(PAGES) \
+	    $$(grep -q none $(O)/gen/uplot || echo uplot.js=$(UPLOT)/dist/uPlot.iife.min.js \
+	    uplot.css=$(UPLOT)/dist/uPlot.min.css uplot.txt=$(UPLOT)/LICENSE)
 
 $(O)/gen/shaders.c: shaders/embed.py $(SHADERS)
 	$(Q)mkdir -p $(@D)
@@ -351,13 +363,17 @@ $(TABLE_MANUALS): %: $(O)/bin/%_doc
 	$(Q)$< <proto/$@.in.md >proto/$@.md
 
 # --- set-up, demonstration, checks ---------------------------------------
-.PHONY: deps deps-build
+.PHONY: deps deps-build deps-page
 deps: ## install what building and testing need: Debian packages, npm clients
 	$(Q)packaging/deps.sh $(BUILD_PACKAGES) $(TEST_PACKAGES)
-	$(Q)packaging/npm.sh $(NPM_PACKAGES)
+	$(Q)packaging/npm.sh build/npm $(NPM_PACKAGES)
+	$(Q)packaging/npm.sh build/npm-page $(PAGE_PACKAGES)
 
-deps-build:
+deps-build: deps-page
 	$(Q)packaging/deps.sh $(BUILD_PACKAGES)
+
+deps-page: ## fetch what the page is built with from npm's registry
+	$(Q)packaging/npm.sh build/npm-page $(PAGE_PACKAGES)
 
 .PHONY: players
 players: deps ## play the streams with OpenCV, mpv and VLC, and compare pictures
@@ -726,9 +742,11 @@ DIST := build/dist
 TARBALL := $(DIST)/pelagos-$(VERSION).tar.xz
 
 .PHONY: dist dist-check
-dist: ## the committed sources as a tarball: build/dist/
+dist: deps-page ## the committed sources, and uPlot, as a tarball: build/dist/
 	$(Q)mkdir -p $(DIST)
-	$(Q)git archive --format=tar --prefix=pelagos-$(VERSION)/ HEAD | xz -T0 >$(TARBALL)
+	$(Q)git archive --format=tar \
+	    $(foreach f,$(wildcard $(UPLOT)/LICENSE $(UPLOT)/dist/uPlot.iife.min.js $(UPLOT)/dist/uPlot.min.css),--prefix=pelagos-$(VERSION)/third-party/uplot$(patsubst $(UPLOT)%,%,$(dir $(f))) --add-file=$(f)) \
+	    --prefix=pelagos-$(VERSION)/ HEAD | xz -T0 >$(TARBALL)
 	@ls -l $(TARBALL)
 dist-check: dist deps-build ## unpack the tarball elsewhere, build and install it there
 	$(Q)packaging/dist_check.sh $(TARBALL) $(VERSION)

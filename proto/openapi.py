@@ -66,10 +66,14 @@ def forms(schema):
             ("status",)),
         "FieldValue": form({"value": value, **told}, ("path", "value")),
         "Fields": form({"fields": {"type": "array", "items": form(
-            {"doc": TEXT, "values": words, "spectra": words, **told},
+            {"doc": TEXT, "values": words, "unusable": words, "spectra": words,
+             **told},
             ("path", "doc"))}}, ("fields",)),
         "Views": form({"views": {"type": "array", "items": refer("View")}},
                       ("views",)),
+        "Presets": form({"presets": {"type": "array",
+                                     "items": refer("Preset")}},
+                        ("presets",)),
     }
 
 

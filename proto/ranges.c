@@ -41,15 +41,28 @@ static enum pel_err check_number(const struct pel_field *info, const char *path,
     return pel_fault_refuse(PEL_ERR_OUT_OF_RANGE, path, text, what, fault);
 }
 
-/* A text with a unit is a list of numbers. */
+/* Of the forms of text that there are, how long it may be. */
+static size_t most_bytes(const struct pel_field *info, const char **what)
+{
+    if (!info->unit) {
+        *what = "is longer than 64 bytes";
+        return MAX_TEXT;
+    }
+    if (strcmp(info->unit, "JSON") == 0) {
+        *what = "is longer than 4096 bytes";
+        return PEL_BOUND_PRESET_BYTES;
+    }
+    *what = "is longer than 512 bytes"; /* a list of numbers */
+    return MAX_NUMBERS;
+}
+
 static enum pel_err check_text(const struct pel_field *info, const char *path,
                                const char *text, struct pel_fault *fault)
 {
     size_t length = strlen(text);
-    const char *what = NULL;
-    if (length > (info->unit ? MAX_NUMBERS : MAX_TEXT)) {
-        what =
-            info->unit ? "is longer than 512 bytes" : "is longer than 64 bytes";
+    const char *what = NULL, *longer;
+    if (length > most_bytes(info, &longer)) {
+        what = longer;
     } else if (!g_utf8_validate(text, (gssize)length, NULL)) {
         what = "is not UTF-8";
     }

@@ -170,6 +170,24 @@ class Requests(Case):
             session.ask(patch={"remove": [f"views.v{i}"
                                           for i in range(most - 1)]})
 
+    def test_PRESETS(self):
+        with self.rises("PRESETS") as most:
+            session = self.session()
+            for count, good in ((most, True), (most + 1, False)):
+                reply = session.ask(patch={"state": {"presets": [
+                    {"name": f"p{i}", "patch": "{}"} for i in range(count)]}})
+                self.assertEqual(reply.HasField("state"), good, reply)
+            session.ask(patch={"remove": ["presets"]})
+
+    def test_PRESET_BYTES(self):
+        with self.rises("PRESET_BYTES") as most:
+            session = self.session()
+            for size, good in ((most, True), (most + 1, False)):
+                reply = session.ask(patch={"state": {"presets": [
+                    {"name": "a", "patch": "{" + " " * (size - 2) + "}"}]}})
+                self.assertEqual(reply.HasField("state"), good, reply)
+            session.ask(patch={"remove": ["presets"]})
+
     def test_ENTITIES(self):
         with self.rises("ENTITIES") as most:
             session = self.session()

@@ -149,6 +149,7 @@ enum ctl_exit ctl_spectrum(struct ctl *ctl);
 enum ctl_exit ctl_record(struct ctl *ctl);
 enum ctl_exit ctl_models(struct ctl *ctl);
 enum ctl_exit ctl_model(struct ctl *ctl);
+enum ctl_exit ctl_preset(struct ctl *ctl);
 enum ctl_exit ctl_bench(struct ctl *ctl);
 enum ctl_exit ctl_optics(struct ctl *ctl);
 /* optics brdf, optics sky. */

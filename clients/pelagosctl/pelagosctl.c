@@ -106,6 +106,21 @@ static const char *const model_examples[] = {
     NULL,
 };
 
+static const struct ctl_option preset_options[] = {
+    { 0, "title", "TEXT", "With save: what people call it", NULL },
+    { 0, "patch", "JSON",
+      "With save: this change, as PATCH /v1/state takes it, instead of sea, "
+      "sky and water as they are",
+      NULL },
+    { 0 },
+};
+static const char *const preset_examples[] = {
+    "pelagosctl preset save storm --title 'Autumn storm'\nKeep sea, sky and "
+    "water as they are now.",
+    "pelagosctl preset apply storm\nAnd bring them back.",
+    NULL,
+};
+
 static const struct ctl_option watch_options[] = {
     { 'n', "count", "LINES", "End after so many lines", NULL },
     { 0, "seconds", "SECONDS", "End after so long", NULL },
@@ -345,6 +360,13 @@ const struct ctl_command ctl_commands[] = {
       "memory. Built-in ones first, then the files of pelagosd --models, with "
       "what is wrong with a file or what was left out of it.",
       NULL, models_examples, NULL, 0, 1, ctl_models },
+    { "preset", "list|save|apply|delete [NAME]",
+      "keep seas, skies and waters under names",
+      "list prints name, title and change of each; save keeps sea, sky and "
+      "water as they are, or the change of --patch, under NAME, which takes "
+      "the place of one of that name; apply makes the change; delete removes "
+      "it. pelagosd keeps them with its state.",
+      preset_options, preset_examples, NULL, 1, 2, ctl_preset },
     { "model", "check FILE", "say what is wrong with a model's file",
       "Reads FILE, and the description FILE.json beside it, as pelagosd does, "
       "without one, and prints what it is, or why it is refused. Exit status 1 "

@@ -3,7 +3,7 @@
 
 import { Gone, inTurn, perform, Problem } from "/api.js";
 import { firstState } from "/early.js";
-import { silentInputs } from "/inputs.js";
+import { addView, clearSilent, silentInputs } from "/inputs.js";
 import { Store } from "/store.js";
 import { Views } from "/views.js";
 
@@ -171,6 +171,7 @@ async function begin() {
   controls = new Controls(fields, views, store, now);
   show();
   byId("panel").classList.remove("waiting");
+  (await import("/tour.js")).showTour();
 }
 
 let beginning = null;
@@ -209,6 +210,10 @@ async function poll(first) {
 }
 
 document.addEventListener("keydown", onKey);
+byId("silent-clear").addEventListener("click", () => clearSilent(store));
+byId("add-view").addEventListener("click", () => addView(store));
+byId("about-open").addEventListener("click", async () =>
+  (await import("/about.js")).showAbout());
 byId("panel").addEventListener("submit", (event) => event.preventDefault());
 setInterval(refresh, 500);
 poll(firstState);

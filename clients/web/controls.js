@@ -1,7 +1,10 @@
 // The panel beside the pictures: the rose and the sections.
 
+import { Keep } from "/keep.js";
+import { Presets } from "/presets.js";
 import { Rose } from "/rose.js";
 import { beaufort, Sections, sunFixed } from "/sections.js";
+import { utcMs } from "/daytime.js";
 import { followTrains } from "/swell.js";
 import { Traffic } from "/traffic.js";
 
@@ -13,7 +16,27 @@ export class Controls {
     followTrains({}, store.told);
     this.traffic = new Traffic({ store, views, time,
       chosen: (id) => this.choose(id) });
-    this.sections = new Sections(fields, views, store, this.traffic);
+    this.sections = new Sections(fields, views, store, this.traffic, time);
+    this.presets = new Presets(store, fields, time);
+    this.keep = new Keep(views, () => {
+      const ms = utcMs(store.state, time());
+      return Number.isFinite(ms) ? new Date(ms) : null;
+    });
+    this.lazyCard(time);
+  }
+
+  // The sea-state card, when it is opened first.
+  lazyCard(time) {
+    const details = document.getElementById("sea-state");
+    const open = async () => {
+      if (details.open && !this.card) {
+        this.card = true;
+        const { SeaCard } = await import("/seacard.js");
+        this.card = new SeaCard(details, this.store, time);
+      }
+    };
+    details.addEventListener("toggle", open);
+    open();
   }
 
   // What the server says takes the place of what was expected of it.
@@ -33,6 +56,7 @@ export class Controls {
     const { state } = this.store;
     this.sections.show(renewed);
     this.traffic.show();
+    this.presets.show(state);
     const wind = state.sea?.windSpeed ?? 0;
     this.rose.show({
       wind: state.sea?.windDirection ?? 0, speed: wind, force: beaufort(wind),

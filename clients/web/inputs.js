@@ -1,4 +1,7 @@
-// What the state says of the daemon's inputs: those that led and fell silent.
+// What the state says of the daemon's inputs: those that led and fell silent;
+// and what a person without a command line can do where nothing else would.
+
+import { Gone, Problem } from "/api.js";
 
 const NAMES = { cigiStale: "CIGI host", modbusStale: "Modbus",
   nmeaStale: "NMEA 0183", consoleStale: "console",
@@ -8,3 +11,35 @@ const NAMES = { cigiStale: "CIGI host", modbusStale: "Modbus",
 export const silentInputs = (state) => Object.entries(NAMES)
   .filter(([field]) => state.sources?.[field])
   .map(([, name]) => name).join(", ");
+
+// A replay, or a client that is gone, may have left them: nobody else would.
+export async function clearSilent(store) {
+  try {
+    await store.ask("silent", (state) => ({ sources: Object.fromEntries(
+      Object.keys(NAMES).filter((field) => state.sources?.[field])
+        .map((field) => [field, null])) }));
+  } catch (error) {
+    if (!(error instanceof Problem || error instanceof Gone)) {
+      throw error;
+    }
+  }
+}
+
+// Own ship's bridge or, where there is no ship, 15 m above the origin.
+export async function addView(store) {
+  const note = document.getElementById("add-view-error");
+  try {
+    await store.ask("view", (state) => {
+      const own = (state.entities ?? []).find((e) => (e.id ?? 0) ===
+        (state.ownShip?.entity ?? 1)) ?? state.entities?.[0];
+      return { views: { bridge: own ? { entity: own.id ?? 0 } : { up: 15 } } };
+    });
+    note.hidden = true;
+  } catch (error) {
+    if (!(error instanceof Problem || error instanceof Gone)) {
+      throw error;
+    }
+    note.textContent = error.line ?? "The server does not answer.";
+    note.hidden = false;
+  }
+}

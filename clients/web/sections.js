@@ -1,11 +1,13 @@
 // The sections of the panel: which field of the state each control sets. What
 // is legal comes from the schema (/v1/fields).
 
-import { Gone, perform, Problem } from "/api.js";
+import { perform } from "/api.js";
+import { Daytime } from "/daytime.js";
 import { silentInputs } from "/inputs.js";
 import { button, Check, Choice, Range, Text } from "/panel.js";
 import { Ship } from "/ship.js";
 import { Swell } from "/swell.js";
+import { words } from "/words.js";
 
 const byId = (id) => document.getElementById(id);
 const UNITS = { "m/s": "metres per second", "°": "degrees", m: "metres",
@@ -16,21 +18,13 @@ export const entities = (s) => s.entities ?? [];
 export const sunFixed = (s) => s.sky?.sunElevation !== undefined &&
   s.sky?.sunAzimuth !== undefined;
 
-const NAMES = { PIERSON_MOSKOWITZ: "Pierson–Moskowitz", FFT: "FFT cascades",
-  NORTH_ATLANTIC: "North Atlantic", FREE: "with the wall clock",
-  PACED: "frame by frame", STEPPED: "by steps only",
-  HOST: "as a simulator says", OMEGA2: "ω⁻²", C1: "1C", C3: "3C", C5: "5C",
-  C7: "7C", C9: "9C" };
-const words = (name) => NAMES[name] ?? (name.length < 5 || name === "JONSWAP"
-  ? name : name.charAt(0) + name.slice(1).toLowerCase());
-
 // Wind speeds at which each Beaufort number begins [m/s] (WMO).
 const BEAUFORT = [0.3, 1.6, 3.4, 5.5, 8, 10.8, 13.9, 17.2, 20.8, 24.5, 28.5];
 export const beaufort = (speed) => BEAUFORT.filter((v) => speed >= v).length;
 
 export class Sections {
   // fields: Map of /v1/fields; views: the grid; traffic: plan and list.
-  constructor(fields, views, store, traffic) {
+  constructor(fields, views, store, traffic, time) {
     this.fields = fields;
     this.views = views;
     this.store = store;
@@ -42,7 +36,7 @@ export class Sections {
     this.buildWater();
     this.buildView();
     this.shipControls.build();
-    this.buildClock();
+    new Daytime(this, time);
     this.buildSources();
   }
 
@@ -81,9 +75,11 @@ export class Sections {
     }), depends);
   }
 
-  // The values of a field, with words for them.
+  // The values of a field that can be chosen, with words for them.
   named(path) {
-    return (this.fields.get(path)?.values ?? []).map((v) => [v, words(v)]);
+    const { values = [], unusable = [] } = this.fields.get(path) ?? {};
+    return values.filter((v) => !unusable.includes(v)).map((v) =>
+      [v, words(v)]);
   }
 
   choice(parent, id, label, path, depends) {
@@ -109,7 +105,10 @@ export class Sections {
       { id: "wind-speed" });
     this.range("sea", "Wind from", "sea.windDirection", "°", 1,
       { id: "wind-direction" });
-    this.choice("sea", "spectrum", "Spectrum", "sea.spectrum");
+    this.buildSpectrum();
+    this.range("sea", "Depth of the sea", "sea.depth", "m", 1, { id: "sea-depth",
+      scale: "log", depends: (s) => s.sea?.spectrum === "TMA" ||
+        s.sea?.depth !== undefined });
     shape("Fetch", "sea.fetch", "m", 1000, { scale: "log" });
     shape("Peak enhancement", "sea.gamma", "", 0.1);
     shape("Significant height", "sea.height", "m", 0.1);
@@ -126,6 +125,34 @@ export class Sections {
       seed.input.value = Math.floor(Math.random() * 100000);
       seed.write(seed.input.value);
     }));
+  }
+
+  // A buoy's record is asked for by its station, TMA is about a depth.
+  buildSpectrum() {
+    let wanted = false;
+    const spectrum = this.add(new Choice(byId("sea"), { store: this.store,
+      id: "spectrum", label: "Spectrum", options: this.named("sea.spectrum"),
+      get: (s) => wanted ? undefined : s.sea?.spectrum,
+      chosen: (v) => {
+        wanted = v === "MEASURED" && !this.store.state.sea?.measured;
+        if (!wanted) {
+          spectrum.write(v);
+        }
+        this.show();
+        if (wanted) {
+          station.input.focus();
+        }
+      },
+      patch: (v) => (s) => ({ sea: { spectrum: v,
+        ...(v === "TMA" && s.sea?.depth === undefined ? { depth: 20 } : {}) } }),
+    }));
+    spectrum.node.dataset.path = "sea.spectrum";
+    const station = this.add(new Text(byId("sea"), { store: this.store,
+      id: "measured", label: "Buoy's station", get: (s) => s.sea?.measured ?? "",
+      patch: (v) => {
+        wanted = false;
+        return { sea: { spectrum: "MEASURED", measured: v } };
+      } }), (s) => wanted || s.sea?.spectrum === "MEASURED");
   }
 
   // --- light and water ----------------------------------------------------------
@@ -230,8 +257,8 @@ export class Sections {
     };
     this.add(new Choice(byId("water"), { store: this.store,
       id: "water-way", label: "Described by",
-      options: [["chlorophyll", "chlorophyll"], ["jerlov", "Jerlov's type"],
-        ["named", "a known water"], ["numbers", "coefficients"]],
+      options: [["chlorophyll", "Chlorophyll"], ["jerlov", "Jerlov's type"],
+        ["named", "A known water"], ["numbers", "Coefficients"]],
       get: way, patch: (v) => ({ water: { ...nothing, ...given[v] } }),
     }));
     this.range("water", "Chlorophyll", "water.chlorophyll", "mg/m³", 0.01,
@@ -299,15 +326,13 @@ export class Sections {
       get: (s) => view(s)?.meter !== undefined,
       patch: (v) => patch("meter")(v ? "all" : null),
     });
-    const tones = this.fields.get("views.*.tone")?.values ?? [];
     const tone = this.add(new Choice(byId("view"), { store: this.store,
       id: "tone", label: "Tone", ...about, get: (s) => view(s)?.tone,
-      options: tones.map((v) => [v, words(v)]), patch: patch("tone") }), there);
+      options: this.named("views.*.tone"), patch: patch("tone") }), there);
     tone.node.dataset.path = "views.*.tone";
-    const visions = this.fields.get("views.*.vision")?.values ?? [];
     const vision = this.add(new Choice(byId("view"), { store: this.store,
       id: "vision", label: "Seen by", ...about, get: (s) => view(s)?.vision,
-      options: visions.map((v) => [v, words(v)]), patch: patch("vision") }),
+      options: this.named("views.*.vision"), patch: patch("vision") }),
     there);
     vision.node.dataset.path = "views.*.vision";
     range("Glare, share of light", "glare", "", 0.005, { id: "glare" });
@@ -315,10 +340,9 @@ export class Sections {
     range("Drops on the lens", "wetLens", "", 0.05, { id: "wet-lens" });
     this.check("view", "antialiasing", "Smooth outlines", { ...about,
       get: (s) => view(s)?.antialiasing, patch: patch("antialiasing") });
-    const kinds = this.fields.get("views.*.sensor.kind")?.values ?? [];
     this.add(new Choice(byId("view"), { store: this.store, id: "sensor",
       label: "Sensor", ...about, get: (s) => view(s)?.sensor?.kind ?? "",
-      options: [["", "none"], ...kinds.map((v) => [v, words(v)])],
+      options: [["", "None"], ...this.named("views.*.sensor.kind")],
       patch: (v) => patch("sensor")(v ? { kind: v } : null) }), there);
     this.check("view", "radar", "Radar", { ...about, depends: there,
       get: (s) => view(s)?.radar !== undefined,
@@ -337,33 +361,6 @@ export class Sections {
 
   ship(s, id = this.shipId) {
     return this.shipControls.of(s, id);
-  }
-
-  buildClock() {
-    this.choice("clock", "clock-mode", "Time runs", "clock.mode");
-    this.range("clock", "Rate", "clock.rate", "×", 0.1, { id: "rate",
-      depends: (s) => ["FREE", "PACED"].includes(s.clock?.mode) });
-    this.add(new Text(byId("clock"), { store: this.store,
-      id: "utc", label: "UTC at simulated time 0", type: "datetime-local",
-      get: (s) => (s.clock?.utc ?? "").replace(/(\.\d+)?Z$/, ""),
-      patch: (v) => ({ clock: { utc: `${v.length === 16 ? `${v}:00` : v}Z` } }),
-    }));
-    const step = button(byId("clock"), "Step 1 s", "Advance time by one second",
-      async () => {
-        try {
-          await this.store.step(1);
-        } catch (error) {
-          if (!(error instanceof Problem || error instanceof Gone)) {
-            throw error;
-          }
-        }
-      });
-    this.add({
-      show: () => {},
-      set enabled(enabled) {
-        step.hidden = !enabled;
-      },
-    }, (s) => s.clock?.mode === "STEPPED");
   }
 
   buildSources() {

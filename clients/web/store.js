@@ -6,7 +6,7 @@
 
 import { Gone, inTurn, perform, Problem } from "/api.js";
 
-const KEYS = { entities: "id", views: "name" };
+const KEYS = { entities: "id", views: "name", presets: "name" };
 const MERGE = { "Content-Type": "application/merge-patch+json" };
 
 // A list by its elements' keys: null removes, what is new comes last.

@@ -3,6 +3,7 @@
 // server sends a slow browser fewer of them.
 
 import { acknowledge, connect } from "/early.js";
+import { readHead } from "/streamhead.js";
 
 const RETRY_MS = 1000;
 const RATE_WINDOW_MS = 3000;
@@ -10,8 +11,6 @@ const CLOCK_MS = 5000;
 const MAX_ERRORS = 3;
 const VERSION = 1;
 const H264 = 1;
-const KEY = 1;
-const STALE = 4;
 
 async function refusal() {
   if (typeof VideoDecoder === "undefined") {
@@ -27,28 +26,6 @@ async function refusal() {
 
 // Why this browser cannot play video, or "".
 export const noVideo = await refusal();
-
-function readHead(buffer) {
-  const at = new DataView(buffer);
-  const flags = at.getUint8(2);
-  return {
-    version: at.getUint8(0),
-    kind: at.getUint8(1),
-    key: (flags & KEY) !== 0,
-    size: at.getUint8(3),
-    width: at.getUint16(4, true),
-    height: at.getUint16(6, true),
-    number: at.getBigUint64(8, true),
-    time: at.getFloat64(16, true),
-    stampMs: Number(at.getBigUint64(32, true)) / 1000,
-    stale: (flags & STALE) !== 0,
-    host: Number(at.getBigUint64(24, true)),
-    missed: at.getUint32(52, true),
-    // Of what was rendered; later versions of the header have it.
-    drawn: at.getUint8(3) >= 80
-      ? [at.getUint16(72, true), at.getUint16(74, true)] : null,
-  };
-}
 
 // The codec string that a key frame's SPS calls for.
 function codecOf(data) {

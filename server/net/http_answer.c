@@ -7,6 +7,7 @@
 #include "base/clock.h"
 #include "json.h"
 #include "net/command.h"
+#include "scene/almanac.h"
 #include "scene/catalogue.h"
 
 #define STREAM_BLOCK 65536
@@ -265,6 +266,25 @@ enum MHD_Result pel_http_send_spectrum(struct client *client,
     enum pel_err err =
         pel_command_spectrum(client->server->context.scene, answer->spectrum,
                              on_spectrum, waiter, &fault);
+    pel_http_answer_finish(answer);
+    return wait_on(client, waiter, err, &fault);
+}
+
+static void on_almanac(void *user, enum pel_err err,
+                       const struct pel_fault *fault,
+                       const Pelagos__Almanac *answer)
+{
+    wait_answer(user, err, fault, err == PEL_OK ? &answer->base : NULL);
+}
+
+enum MHD_Result pel_http_send_almanac(struct client *client,
+                                      struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    struct waiter *waiter = wait_begin(client);
+    enum pel_err err =
+        pel_scene_ask_almanac(client->server->context.scene, answer->almanac,
+                              on_almanac, waiter, &fault);
     pel_http_answer_finish(answer);
     return wait_on(client, waiter, err, &fault);
 }

@@ -134,6 +134,8 @@ enum MHD_Result pel_http_send_models(struct client *client,
                                      struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_spectrum(struct client *client,
                                        struct pel_http_answer *answer);
+enum MHD_Result pel_http_send_almanac(struct client *client,
+                                      struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_patched(struct client *client,
                                       struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_stream(struct client *client,

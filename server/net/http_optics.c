@@ -11,8 +11,8 @@
 #include "path.h"
 #include "scalar.h"
 
-static enum pel_err set_number(ProtobufCMessage *message, const char *name,
-                               const char *text, struct pel_fault *fault)
+enum pel_err pel_http_number(ProtobufCMessage *message, const char *name,
+                             const char *text, struct pel_fault *fault)
 {
     const ProtobufCFieldDescriptor *field =
         pel_field_by_name(message->descriptor, name, strlen(name));
@@ -48,8 +48,8 @@ static enum pel_err read_parameters(const struct pel_http_call *call,
                 pel_path_set(query->patch, now, pair->name, pair->value, fault);
         } else {
             bool from = strcmp(pair->name, "from") == 0;
-            err = set_number(from ? &query->base : question, pair->name,
-                             pair->value, fault);
+            err = pel_http_number(from ? &query->base : question, pair->name,
+                                  pair->value, fault);
         }
     }
     return err;
@@ -97,4 +97,26 @@ void pel_http_post_optics(const struct pel_http_call *call)
     } else {
         pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
     }
+}
+
+void pel_http_get_almanac(const struct pel_http_call *call)
+{
+    struct pel_fault fault;
+    ProtobufCMessage *query =
+        pel_message_new(&pelagos__almanac_query__descriptor);
+    enum pel_err err = PEL_OK;
+    for (size_t i = 0; i < call->target->query_count && err == PEL_OK; i++) {
+        const struct pel_http_pair *pair = &call->target->query[i];
+        err = pel_http_number(query, pair->name, pair->value, &fault);
+    }
+    if (err == PEL_OK) {
+        err = pel_command_check(query, &fault);
+    }
+    if (err != PEL_OK) {
+        protobuf_c_message_free_unpacked(query, NULL);
+        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
+        return;
+    }
+    call->answer->kind = PEL_HTTP_ALMANAC;
+    call->answer->almanac = (Pelagos__AlmanacQuery *)query;
 }

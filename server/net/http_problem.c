@@ -139,6 +139,10 @@ void pel_http_answer_finish(struct pel_http_answer *answer)
         pelagos__spectrum_query__free_unpacked(answer->spectrum, NULL);
         answer->spectrum = NULL;
     }
+    if (answer->almanac) {
+        pelagos__almanac_query__free_unpacked(answer->almanac, NULL);
+        answer->almanac = NULL;
+    }
     if (answer->optics) {
         pelagos__optics_query__free_unpacked(answer->optics, NULL);
         answer->optics = NULL;

@@ -299,14 +299,24 @@ static void get_field(const struct pel_http_call *call)
     g_free(path);
 }
 
+struct listing {
+    GString *text;
+    const struct pel_scene *scene;
+};
+
 static void append_field(const char *path, const struct pel_path_info *info,
                          void *user)
 {
-    GString *out = user;
+    const struct listing *listing = user;
+    GString *out = listing->text;
     g_string_append_printf(out, "%s\n{\"path\":\"%s\"",
                            out->str[out->len - 1] == '[' ? "" : ",", path);
     append_info(out, info->info);
     append_names(out, info->field);
+    if (strcmp(path, "sea.spectrum") == 0 &&
+        !pel_scene_has_spectra(listing->scene)) {
+        g_string_append(out, ",\"unusable\":[\"MEASURED\"]");
+    }
     append_spectra(out, path);
     g_string_append(out, ",\"doc\":");
     append_quoted(out, info->info->doc ? info->info->doc : "");
@@ -315,10 +325,11 @@ static void append_field(const char *path, const struct pel_path_info *info,
 
 static void get_fields(const struct pel_http_call *call)
 {
-    GString *out = g_string_new("{\"fields\":[");
-    pel_path_each(append_field, out);
-    g_string_append(out, "]}\n");
-    pel_http_json(call->answer, 200, g_string_free(out, FALSE));
+    struct listing listing = { g_string_new("{\"fields\":["),
+                               call->context->scene };
+    pel_path_each(append_field, &listing);
+    g_string_append(listing.text, "]}\n");
+    pel_http_json(call->answer, 200, g_string_free(listing.text, FALSE));
 }
 
 static void post_step(const struct pel_http_call *call)
@@ -496,12 +507,13 @@ static const char *allow_of(const struct pel_http_target *target)
             post = post || strcmp(route->method, "POST") == 0;
         }
     }
-    return put     ? "GET, HEAD, PUT, DELETE"
-           : patch ? "GET, HEAD, PATCH"
-           : post  ? "POST"
-           : head  ? "GET, HEAD"
-           : get   ? "GET"
-                   : NULL;
+    return put && post ? "GET, HEAD, PUT, POST, DELETE"
+           : put       ? "GET, HEAD, PUT, DELETE"
+           : patch     ? "GET, HEAD, PATCH"
+           : post      ? "POST"
+           : head      ? "GET, HEAD"
+           : get       ? "GET"
+                       : NULL;
 }
 
 /* NULL: none; *answer says 404 or 405. */

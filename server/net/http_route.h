@@ -39,6 +39,7 @@ enum pel_http_kind {
     PEL_HTTP_SURFACE,  /* carry out `surface`, answer with JSON */
     PEL_HTTP_OPTICS,   /* carry out `optics`, answer with JSON */
     PEL_HTTP_SPECTRUM, /* carry out `spectrum`, answer with JSON */
+    PEL_HTTP_ALMANAC,  /* carry out `almanac`, answer with JSON */
     PEL_HTTP_MODELS,   /* list the models, answer with JSON */
     PEL_HTTP_PATCH,    /* commit `patch`, answer with the state */
 };
@@ -61,6 +62,7 @@ struct pel_http_answer {
     Pelagos__SurfaceQuery *surface;
     Pelagos__OpticsQuery *optics;
     Pelagos__SpectrumQuery *spectrum;
+    Pelagos__AlmanacQuery *almanac;
     Pelagos__Patch *patch;
     bool if_unchanged; /* of PATCH: If-Match named the state of now */
     char view[PEL_NAME_SIZE];

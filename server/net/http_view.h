@@ -21,9 +21,21 @@ void pel_http_get_mjpeg(const struct pel_http_call *call);
 /* http_optics.c */
 void pel_http_get_optics(const struct pel_http_call *call);
 void pel_http_post_optics(const struct pel_http_call *call);
+void pel_http_get_almanac(const struct pel_http_call *call);
+/* http_preset.c */
+void pel_http_get_presets(const struct pel_http_call *call);
+void pel_http_get_preset(const struct pel_http_call *call);
+void pel_http_put_preset(const struct pel_http_call *call);
+void pel_http_post_preset(const struct pel_http_call *call);
+void pel_http_delete_preset(const struct pel_http_call *call);
 /* http_live.c */
 void pel_http_get_live(const struct pel_http_call *call);
 void pel_http_get_ts(const struct pel_http_call *call);
+
+/* Sets a scalar of a message by a parameter of its name: NOT_FOUND, INVALID. */
+PEL_CHECK enum pel_err pel_http_number(ProtobufCMessage *message,
+                                       const char *name, const char *text,
+                                       struct pel_fault *fault);
 
 /* Reads one parameter of a picture into a request. */
 PEL_CHECK enum pel_err

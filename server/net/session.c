@@ -39,6 +39,7 @@ static const char *const command_names[PEL_SESSION_COMMANDS] = {
     [PELAGOS__REQUEST__COMMAND_SPECTRUM] = "spectrum",
     [PELAGOS__REQUEST__COMMAND_OPTICS] = "optics",
     [PELAGOS__REQUEST__COMMAND_MODELS] = "models",
+    [PELAGOS__REQUEST__COMMAND_ALMANAC] = "almanac",
     [PELAGOS__REQUEST__COMMAND_LOGIN] = "login",
 };
 
@@ -98,6 +99,8 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
         return pel_session_spectrum(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_MODELS:
         return pel_session_models(self, request, fault);
+    case PELAGOS__REQUEST__COMMAND_ALMANAC:
+        return pel_session_almanac(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_WATCH:
         self->watching = true;
         self->watch_has_id = request->has_id;

@@ -4,6 +4,7 @@
 #include "net/frame_reply.h"
 #include "net/session_parts.h"
 #include "net/surfacewire.h"
+#include "scene/almanac.h"
 #include "scene/catalogue.h"
 #include "wire.h"
 
@@ -331,6 +332,47 @@ enum pel_err pel_session_models(struct session *self,
     struct job *job = owe(self, request);
     enum pel_err err = pel_scene_ask_models(
         self->all->scene, request->models->name, on_models, job, fault);
+    if (err) {
+        self->owes = false;
+        g_ptr_array_remove_fast(self->jobs, job);
+        g_free(job);
+    }
+    return err;
+}
+
+static void on_almanac(void *user, enum pel_err err,
+                       const struct pel_fault *fault,
+                       const Pelagos__Almanac *answer)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        self->owes = false;
+        if (err == PEL_OK) {
+            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+            reply.has_id = job->has_id;
+            reply.id = job->id;
+            reply.result_case = PELAGOS__REPLY__RESULT_ALMANAC;
+            reply.almanac = (Pelagos__Almanac *)answer;
+            send_reply(self, &reply);
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+enum pel_err pel_session_almanac(struct session *self,
+                                 const Pelagos__Request *request,
+                                 struct pel_fault *fault)
+{
+    enum pel_err err = pel_command_check(&request->almanac->base, fault);
+    if (err) {
+        return err;
+    }
+    struct job *job = owe(self, request);
+    err = pel_scene_ask_almanac(self->all->scene, request->almanac, on_almanac,
+                                job, fault);
     if (err) {
         self->owes = false;
         g_ptr_array_remove_fast(self->jobs, job);

@@ -80,6 +80,10 @@ PEL_CHECK enum pel_err pel_session_spectrum(struct session *self,
                                             const Pelagos__Request *request,
                                             struct pel_fault *fault);
 
+PEL_CHECK enum pel_err pel_session_almanac(struct session *self,
+                                           const Pelagos__Request *request,
+                                           struct pel_fault *fault);
+
 /* Answers when the patch is committed or refused. */
 void pel_session_patch(struct session *self, const Pelagos__Request *request);
 

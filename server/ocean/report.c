@@ -93,3 +93,32 @@ void pel_sea_report(const struct pel_sea *sea,
                                       pel_sea_slopes_below(sea, wavelength_m) };
     }
 }
+
+enum pel_err pel_sea_parts(const struct pel_sea_desc *desc,
+                           struct pel_sea_parts *out)
+{
+    struct pel_sea_desc own = *desc;
+    struct pel_directional *spectrum;
+    struct pel_band_moments all;
+    *out = (struct pel_sea_parts){ 0 };
+    for (int i = 0; i < desc->swell_count; i++) {
+        double rms = desc->swell[i].height_m / 4.0;
+        out->swell_m0 += rms * rms;
+    }
+    own.swell_count = own.single_count = 0;
+    own.rain_mm_h = 0;
+    enum pel_err err = pel_directional_create(&own, &spectrum);
+    if (err) {
+        return err;
+    }
+    pel_directional_continuous(spectrum, 0, INFINITY, &all);
+    double omega = peak_omega(spectrum);
+    out->wind_sea_m0 = all.m0;
+    if (omega > 0 && desc->wind_mps > 0 &&
+        desc->kind != PEL_SPECTRUM_MEASURED) {
+        double k = pel_dispersion_k(omega, spectrum->depth_m);
+        out->wave_age = omega / k / desc->wind_mps;
+    }
+    pel_directional_destroy(spectrum);
+    return PEL_OK;
+}

@@ -32,6 +32,15 @@ void pel_sea_report(const struct pel_sea *sea,
                     const struct pel_directional *spectrum, double wavelength_m,
                     struct pel_sea_report *out);
 
+struct pel_sea_parts {
+    double wind_sea_m0, swell_m0; /* m² */
+    double wave_age; /* c/U of the wind sea's peak; 0: no wind, or none */
+};
+
+/* What of a sea is the wind's, without rain, and what is swell. NO_MEMORY. */
+PEL_CHECK enum pel_err pel_sea_parts(const struct pel_sea_desc *desc,
+                                     struct pel_sea_parts *out);
+
 /* The spectrum at omega > 0 rad/s over all directions. */
 void pel_spectrum_row(const struct pel_directional *spectrum, double omega,
                       struct pel_spectrum_row *out);

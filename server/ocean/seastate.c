@@ -20,6 +20,30 @@ double pel_douglas_height(double degree)
     return middle[i] + (d - i) * (middle[i + 1] - middle[i]);
 }
 
+/* How many of the bounds a number has reached. */
+static unsigned reached(const double *bounds, int count, double value)
+{
+    unsigned found = 0;
+    for (int i = 0; i < count; i++) {
+        found += value >= bounds[i];
+    }
+    return found;
+}
+
+unsigned pel_beaufort_of(double wind_mps)
+{
+    static const double from[] = { 0.3,  1.6,  3.4,  5.5,  8.0,  10.8,
+                                   13.9, 17.2, 20.8, 24.5, 28.5, 32.7 };
+    return reached(from, sizeof from / sizeof *from, wind_mps);
+}
+
+unsigned pel_douglas_of(double height_m)
+{
+    /* 0 is glassy: below what is seen, a centimetre. */
+    static const double from[] = { 0.01, 0.1, 0.5, 1.25, 2.5, 4, 6, 9, 14 };
+    return reached(from, sizeof from / sizeof *from, height_m);
+}
+
 static double height(struct pel_sea_desc *d, double wind_mps)
 {
     d->wind_mps = wind_mps;

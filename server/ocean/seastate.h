@@ -16,3 +16,10 @@ double pel_douglas_height(double degree);
  * the significant height; 30 where none within the range raises it. Measured
  * spectra answer as Pierson–Moskowitz. Within 1e-3 m/s. */
 double pel_wind_for_height(const struct pel_sea_desc *desc, double height_m);
+
+/* Beaufort number of a wind at 10 m, 0..12, by WMO's classes of speed. */
+unsigned pel_beaufort_of(double wind_mps);
+
+/* Degree of Douglas's sea scale, 0..9, whose interval has the significant
+ * height. */
+unsigned pel_douglas_of(double height_m);

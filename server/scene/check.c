@@ -12,6 +12,7 @@
 #include "ranges.h"
 #include "scene/helm.h"
 #include "scene/lamps.h"
+#include "scene/presets.h"
 #include "scene/snapshot.h"
 #include "scene/sun.h"
 #include "scene/track.h"
@@ -387,6 +388,9 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     }
     if (!err) {
         err = check_ships(state, fault);
+    }
+    if (!err) {
+        err = pel_presets_check(state, fault);
     }
     return err;
 }

@@ -13,6 +13,7 @@
 #include "path.h"
 #include "scene/geodesy.h"
 #include "scene/helm.h"
+#include "scene/presets.h"
 #include "scene/reckon.h"
 #include "scene/snapshot.h"
 #include "scene/track.h"
@@ -345,6 +346,9 @@ static enum pel_err bounded(const Pelagos__Patch *patch,
     if (state && state->n_views > MAX_PATCHED) {
         return too_many("views", fault);
     }
+    if (state && state->n_presets > MAX_PATCHED) {
+        return too_many("presets", fault);
+    }
     if (state && state->sea && state->sea->n_swell > MAX_PATCHED) {
         return too_many("sea.swell", fault);
     }
@@ -404,7 +408,7 @@ static enum pel_err resolve_names(const Pelagos__State *state,
             return PEL_ERR_INVALID;
         }
     }
-    return PEL_OK;
+    return pel_presets_brought(patch, fault);
 }
 
 /* Whether `patch` makes the element that a path begins with, so that a reset

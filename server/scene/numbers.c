@@ -8,6 +8,7 @@
 #include "ocean/directional.h"
 #include "ocean/foam.h"
 #include "ocean/report.h"
+#include "ocean/seastate.h"
 #include "scene/scene_parts.h"
 
 #define MAX_WAITING 128
@@ -78,8 +79,23 @@ static void add_rows(const struct pel_directional *spectrum,
     }
 }
 
+/* How people call it. */
+static void add_words(const struct pel_sea_desc *desc, double m0,
+                      const struct pel_sea_parts *parts, Pelagos__Spectrum *out)
+{
+    out->has_wind_sea_height = out->has_swell_height = true;
+    out->wind_sea_height = 4.0 * sqrt(parts->wind_sea_m0);
+    out->swell_height = 4.0 * sqrt(parts->swell_m0);
+    out->has_beaufort = out->has_douglas = true;
+    out->beaufort = pel_beaufort_of(desc->wind_mps);
+    out->douglas = pel_douglas_of(4.0 * sqrt(m0));
+    out->has_wave_age = parts->wave_age > 0;
+    out->wave_age = parts->wave_age;
+}
+
 static Pelagos__Spectrum *answer(const struct pel_sea *sea,
                                  const struct pel_directional *spectrum,
+                                 const struct pel_sea_parts *parts,
                                  const Pelagos__SpectrumQuery *query)
 {
     Pelagos__Spectrum *out =
@@ -105,6 +121,7 @@ static Pelagos__Spectrum *answer(const struct pel_sea *sea,
         out->spectrum_below = moments(&report.spectrum_below);
         out->drawn_below = moments(&report.drawn_below);
     }
+    add_words(&sea->desc, report.spectrum.m0, parts, out);
     add_rows(spectrum, query, out);
     return out;
 }
@@ -135,12 +152,16 @@ static void work(struct pel_task *task)
         return;
     }
     const struct pel_sea *sea = pel_shared_sea_value(shared);
+    struct pel_sea_parts parts;
     a->err = pel_directional_create(&sea->desc, &spectrum);
+    if (!a->err) {
+        a->err = pel_sea_parts(&sea->desc, &parts);
+    }
     if (a->err) {
         pel_fault_set(&a->fault, a->err, "the spectrum: %s",
                       pel_err_name(a->err));
     } else {
-        a->answer = answer(sea, spectrum, &a->query);
+        a->answer = answer(sea, spectrum, &parts, &a->query);
     }
     pel_directional_destroy(spectrum);
     pel_shared_sea_unref(shared);

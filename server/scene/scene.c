@@ -76,6 +76,11 @@ void pel_scene_refresh(struct pel_scene *scene, double time_s)
     }
 }
 
+bool pel_scene_has_spectra(const struct pel_scene *scene)
+{
+    return scene->spectra != NULL;
+}
+
 const Pelagos__State *pel_scene_state(struct pel_scene *scene)
 {
     pel_scene_refresh(scene, pel_scene_time(scene));

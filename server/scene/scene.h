@@ -103,6 +103,9 @@ PEL_CHECK enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
 struct pel_missing;
 const struct pel_missing *pel_scene_missing(const struct pel_scene *scene);
 
+/* Whether there is a directory of measured spectra. */
+bool pel_scene_has_spectra(const struct pel_scene *scene);
+
 /* The state with clock.time of now; owned by the scene, valid until its next
  * call. */
 const Pelagos__State *pel_scene_state(struct pel_scene *scene);

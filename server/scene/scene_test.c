@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "bounds.h"
 #include "path.h"
 #include "scene/scene_testkit.h"
 
@@ -253,6 +254,53 @@ static void limits_hold(void **state)
     assert_int_equal(patch(scene, "{\"entities\":{\"999\":{}}}", &fault),
                      PEL_ERR_OUT_OF_RANGE);
     assert_string_equal(fault.path, "entities");
+    pel_scene_destroy(scene);
+}
+
+/* A preset is kept as it was given, tested as a patch would be, and bounded. */
+static void presets_are_tested_and_bounded(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *json;
+        enum pel_err err;
+        const char *path;
+    } bad[] = {
+        { "{\"presets\":{\"a b\":{\"patch\":\"{}\"}}}", PEL_ERR_INVALID,
+          "presets" },
+        { "{\"presets\":[{\"patch\":\"{}\"}]}", PEL_ERR_INVALID, "presets" },
+        { "{\"presets\":{\"a\":{\"patch\":\"{\"}}}", PEL_ERR_MALFORMED,
+          "presets.a.patch" },
+        { "{\"presets\":{\"a\":{\"patch\":\"{\\\"sea\\\":{\\\"x\\\":1}}\"}}}",
+          PEL_ERR_NOT_FOUND, "presets.a.patch" },
+        { "{\"presets\":{\"a\":{\"patch\":"
+          "\"{\\\"sea\\\":{\\\"windSpeed\\\":31}}\"}}}",
+          PEL_ERR_OUT_OF_RANGE, "presets.a.patch" },
+        { "{\"presets\":{\"a\":{\"patch\":\"{\\\"presets\\\":null}\"}}}",
+          PEL_ERR_INVALID, "presets.a.patch" },
+    };
+    struct pel_scene *scene = make(NULL);
+    struct pel_fault fault;
+    char json[80];
+    for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
+        assert_int_equal(patch(scene, bad[i].json, &fault), bad[i].err);
+        assert_string_equal(fault.path, bad[i].path);
+    }
+    assert_int_equal(pel_scene_state(scene)->n_presets, 0);
+    for (int i = 0; i < PEL_BOUND_PRESETS; i++) {
+        snprintf(json, sizeof json,
+                 "{\"presets\":{\"p%d\":{\"patch\":\"{}\"}}}", i);
+        must(scene, json);
+    }
+    assert_int_equal(
+        patch(scene, "{\"presets\":{\"more\":{\"patch\":\"{}\"}}}", &fault),
+        PEL_ERR_OUT_OF_RANGE);
+    assert_string_equal(fault.path, "presets");
+    must(scene, "{\"presets\":{\"p3\":null}}");
+    must(scene, "{\"presets\":{\"p4\":{\"title\":\"four\"}}}");
+    assert_int_equal(pel_scene_state(scene)->n_presets, PEL_BOUND_PRESETS - 1);
+    assert_string_equal(pel_scene_state(scene)->presets[3]->title, "four");
+    assert_string_equal(pel_scene_state(scene)->presets[3]->patch, "{}");
     pel_scene_destroy(scene);
 }
 
@@ -655,6 +703,7 @@ int main(void)
         cmocka_unit_test(binary_values_are_tested_too),
         cmocka_unit_test(edits_merge_and_reset),
         cmocka_unit_test(limits_hold),
+        cmocka_unit_test(presets_are_tested_and_bounded),
         cmocka_unit_test(the_clock_has_modes),
         cmocka_unit_test(a_heading_alone_does_not_throw_the_ship_back),
         cmocka_unit_test(snapshots_share_the_sea),

@@ -838,8 +838,23 @@ class Seabed(Record):
 
 
 @dataclass(frozen=True)
+class Preset(Record):
+    """A change of the state under a name, to be made again: a sea, a water, a
+    time of day. At most 32 are kept, with the state."""
+    #: 1 to 64 of A-Z a-z 0-9 _ -.
+    name: str | None = _field(None)
+    #: For people.
+    title: str | None = _field(None)
+    #: The change: a merge patch of State in JSON, as PATCH /v1/state takes it,
+    #: of at most 4096 bytes; tested when it is saved and, by what there is
+    #: then, when it is made. [JSON]
+    patch: str | None = _field(None, 'JSON')
+
+
+@dataclass(frozen=True)
 class State(Record):
-    """The whole world. Lists are keyed: entities by id, views by name."""
+    """The whole world. Lists are keyed: entities by id, views and presets by
+    name."""
     clock: Clock | None = _field(None)
     origin: Origin | None = _field(None)
     sea: Sea | None = _field(None)
@@ -852,6 +867,8 @@ class State(Record):
     ownShip: OwnShip | None = _field(None)
     sources: Sources | None = _field(None)
     seabed: Seabed | None = _field(None)
+    #: Changes under a name, at most 32.
+    presets: tuple[Preset, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -900,6 +917,19 @@ class Spectrum(Record):
     rows: tuple[SpectrumRow, ...] = ()
     #: Share of the sea under whitecaps, as photographs count them. [1]
     whitecaps: float | None = _field(None, '1')
+    #: Significant height of what is neither swell nor single waves nor ring
+    #: waves of rain. [m]
+    windSeaHeight: float | None = _field(None, 'm')
+    #: Significant height of all trains of swell together. [m]
+    swellHeight: float | None = _field(None, 'm')
+    #: Beaufort number of the wind, by WMO's classes of speed. [1]
+    beaufort: int | None = _field(None, '1')
+    #: Degree of Douglas's scale of the significant height. [1]
+    douglas: int | None = _field(None, '1')
+    #: Wave age c/U: phase speed of the wind sea's peak over the wind at 10 m.
+    #: Below 1.2 the wind drives the waves, above they outrun it; absent
+    #: without wind and of a buoy's record. [1]
+    waveAge: float | None = _field(None, '1')
 
 
 @dataclass(frozen=True)
