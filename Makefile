@@ -394,7 +394,8 @@ bridge: deps-build ## five windows of a bridge, 225 degrees: build/bridge/panora
 .PHONY: run
 run: deps-build ## build and keep pelagosd running (ARGS='--http …')
 	$(Q)$(MAKE) -s --no-print-directory all
-	build/pelagosd $(ARGS)
+	$(Q)mkdir -p build/recordings
+	build/pelagosd --recordings build/recordings $(ARGS)
 
 .PHONY: check
 check: deps ## build, then lint, every test and the quick form of validate

@@ -18,10 +18,11 @@
 #include "bridges/nmea.h"
 #include "bridges/nmea_out.h"
 #include "bridges/nmea_tcp.h"
+#include "frames/debrief.h"
 #include "frames/frames.h"
 #include "net/net.h"
 #include "options.h"
-#include "scene/record.h"
+#include "scene/recorder.h"
 #include "scene/scene.h"
 #include "service.h"
 
@@ -37,7 +38,8 @@ struct daemon {
     struct pel_scene *scene;
     bool kept; /* the state, at the end */
     struct pel_frames *frames;
-    struct pel_record *record;
+    struct pel_recorder *recorder;
+    struct pel_debrief *debrief;
     struct pel_metrics *metrics;
     struct pel_net *net;
     struct pel_modbus *modbus;
@@ -74,9 +76,9 @@ static enum pel_err start_realtime(struct daemon *d, struct pel_fault *fault)
     return err;
 }
 
-static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
+static struct pel_scene_options scene_options(const struct daemon *d)
 {
-    struct pel_scene_options options = {
+    return (struct pel_scene_options){
         .state_path = or_null(d->options.state),
         .wave_count = d->options.waves,
         .spectra = or_null(d->options.spectra),
@@ -84,6 +86,11 @@ static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
         .models = or_null(d->options.models),
         .panoramas = or_null(d->options.panoramas),
     };
+}
+
+static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
+{
+    const struct pel_scene_options options = scene_options(d);
     enum pel_err err = pel_scene_create(&options, &d->scene, fault);
     if (err == PEL_OK) {
         pel_metrics_add(d->metrics, pel_scene_collect, d->scene);
@@ -91,10 +98,10 @@ static enum pel_err start_scene(struct daemon *d, struct pel_fault *fault)
     return err;
 }
 
-static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
+static struct pel_frames_options frames_options(const struct daemon *d)
 {
     static const char *const shadings[] = { "auto", "fragment", "compute" };
-    struct pel_frames_options options = {
+    return (struct pel_frames_options){
         .device = d->options.device,
         .shader_dir = or_null(d->options.shader_dir),
         .shading = shadings[d->options.shading],
@@ -106,6 +113,11 @@ static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
         .encoder_threads = d->options.encoder_threads,
         .video_encoder = d->options.video_encoder,
     };
+}
+
+static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
+{
+    const struct pel_frames_options options = frames_options(d);
     enum pel_err err = pel_frames_create(&options, d->scene, &d->frames, fault);
     if (err == PEL_OK) {
         pel_metrics_add(d->metrics, pel_frames_collect, d->frames);
@@ -115,21 +127,28 @@ static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
 
 static enum pel_err start_record(struct daemon *d, struct pel_fault *fault)
 {
-    struct pel_record_options options = {
-        .path = d->options.record,
-        .segment_mib = d->options.record_segment_mib,
-        .keep = (unsigned)d->options.record_keep,
-        .again_s = 10,
-        .program = "pelagosd " PEL_VERSION,
-        .device = pel_frames_device(d->frames),
-        .wave_count = d->options.waves,
+    const struct pel_recorder_options options = {
+        .record = {
+            .path = or_null(d->options.record),
+            .segment_mib = d->options.record_segment_mib,
+            .keep = (unsigned)d->options.record_keep,
+            .again_s = 10,
+            .program = "pelagosd " PEL_VERSION,
+            .device = pel_frames_device(d->frames),
+            .wave_count = d->options.waves,
+        },
+        .directory = or_null(d->options.recordings),
     };
-    if (!*d->options.record) {
-        return PEL_OK;
-    }
-    enum pel_err err = pel_record_create(&options, d->scene, &d->record, fault);
+    const struct pel_debrief_options debrief = {
+        .frames = frames_options(d),
+        .scene = scene_options(d),
+    };
+    enum pel_err err =
+        pel_recorder_create(&options, d->scene, &d->recorder, fault);
     if (err == PEL_OK) {
-        pel_metrics_add(d->metrics, pel_record_collect, d->record);
+        d->debrief = pel_debrief_create(&debrief, d->recorder);
+        pel_metrics_add(d->metrics, pel_recorder_collect, d->recorder);
+        pel_metrics_add(d->metrics, pel_debrief_collect, d->debrief);
     }
     return err;
 }
@@ -139,6 +158,7 @@ static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
     struct pel_net_options options = {
         .unix_path = or_null(d->options.unix_path),
         .metrics = d->metrics,
+        .debrief = d->debrief,
         .token_path = or_null(d->options.token_file),
         .tls_cert_path = or_null(d->options.tls_cert),
         .tls_key_path = or_null(d->options.tls_key),
@@ -327,11 +347,13 @@ static bool finish(struct daemon *d)
     if (d->frames) {
         pel_metrics_remove(d->metrics, pel_frames_collect, d->frames);
     }
-    if (d->record) {
-        pel_metrics_remove(d->metrics, pel_record_collect, d->record);
+    if (d->debrief) {
+        pel_metrics_remove(d->metrics, pel_recorder_collect, d->recorder);
+        pel_metrics_remove(d->metrics, pel_debrief_collect, d->debrief);
     }
-    pel_record_destroy(d->record);
-    bool joined = pel_frames_destroy(d->frames);
+    bool joined = pel_debrief_destroy(d->debrief);
+    pel_recorder_destroy(d->recorder);
+    joined = pel_frames_destroy(d->frames) && joined;
     if (d->scene) {
         pel_metrics_remove(d->metrics, pel_scene_collect, d->scene);
     }

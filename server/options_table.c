@@ -82,6 +82,11 @@ const struct pel_option pel_option_table[] = {
     { "record-keep", "scene", PEL_OPTION_INT, "COUNT", "16", 2, 100000,
       "segments", .offset = FIELD(record_keep),
       .help = "Segments of --record that are kept; older ones are removed." },
+    { "recordings", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
+      .offset = FIELD(recordings),
+      .help =
+          "Where clients may begin recordings, as --record writes them, and "
+          "from where they are opened for a debrief." },
     { "waves", "scene", PEL_OPTION_INT, "COUNT", "60", 20, 256, "trochoids",
       .offset = FIELD(waves),
       .help = "Number of waves of a sea of TROCHOIDS." },

@@ -497,6 +497,52 @@ enum pel_client_code pel_client_models(struct pel_client *client,
     return code;
 }
 
+enum pel_client_code
+pel_client_recordings(struct pel_client *client,
+                      const Pelagos__RecordingCommand *command,
+                      Pelagos__Recordings **out, struct pel_client_error *error)
+{
+    Pelagos__RecordingsQuery query = PELAGOS__RECORDINGS_QUERY__INIT;
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = command ? PELAGOS__REQUEST__COMMAND_RECORDING
+                                   : PELAGOS__REQUEST__COMMAND_RECORDINGS;
+    if (command) {
+        request.recording = (Pelagos__RecordingCommand *)command;
+    } else {
+        request.recordings = &query;
+    }
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code = call(
+        client, &request, PELAGOS__REPLY__RESULT_RECORDINGS, &reply, error);
+    if (code == PEL_CLIENT_OK) {
+        *out = reply->recordings;
+        reply->recordings = NULL;
+        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+        pelagos__reply__free_unpacked(reply, NULL);
+    }
+    return code;
+}
+
+enum pel_client_code pel_client_debrief(struct pel_client *client,
+                                        const Pelagos__DebriefCommand *command,
+                                        Pelagos__Debrief **out,
+                                        struct pel_client_error *error)
+{
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_DEBRIEF;
+    request.debrief = (Pelagos__DebriefCommand *)command;
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code =
+        call(client, &request, PELAGOS__REPLY__RESULT_DEBRIEF, &reply, error);
+    if (code == PEL_CLIENT_OK) {
+        *out = reply->debrief;
+        reply->debrief = NULL;
+        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+        pelagos__reply__free_unpacked(reply, NULL);
+    }
+    return code;
+}
+
 enum pel_client_code pel_client_optics(struct pel_client *client,
                                        const Pelagos__OpticsQuery *query,
                                        Pelagos__Optics **out,

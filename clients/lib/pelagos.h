@@ -162,6 +162,20 @@ PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_models(struct pel_client *client, const Pelagos__ModelsQuery *query,
                   Pelagos__Models **out, struct pel_client_error *error);
 
+/* The recordings on the server, after `command` (NULL: it is only asked). Free
+ * *out with pelagos__recordings__free_unpacked(). */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code pel_client_recordings(
+    struct pel_client *client, const Pelagos__RecordingCommand *command,
+    Pelagos__Recordings **out, struct pel_client_error *error);
+
+/* What the debrief is after `command`, which may say nothing: opening a
+ * recording and going to a moment take their time (`busy`). Free *out with
+ * pelagos__debrief__free_unpacked(). */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_debrief(struct pel_client *client,
+                   const Pelagos__DebriefCommand *command,
+                   Pelagos__Debrief **out, struct pel_client_error *error);
+
 /* Numbers of light (query->brdf or query->sky), of the state in force or of
  * what query->patch would make of it; the scene stays as it is. Free *out with
  * pelagos__optics__free_unpacked(). */

@@ -148,6 +148,8 @@ enum ctl_exit ctl_replay_log(struct ctl *ctl);
 enum ctl_exit ctl_spectrum(struct ctl *ctl);
 enum ctl_exit ctl_record(struct ctl *ctl);
 enum ctl_exit ctl_models(struct ctl *ctl);
+enum ctl_exit ctl_recordings(struct ctl *ctl);
+enum ctl_exit ctl_debrief(struct ctl *ctl);
 enum ctl_exit ctl_model(struct ctl *ctl);
 enum ctl_exit ctl_preset(struct ctl *ctl);
 enum ctl_exit ctl_bench(struct ctl *ctl);

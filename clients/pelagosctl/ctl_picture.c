@@ -162,6 +162,10 @@ enum ctl_exit ctl_frame(struct ctl *ctl)
         request.n_layers = g_strv_length(layers);
     }
     request.has_float_samples = request.float_samples = ctl_flag(ctl, "float");
+    request.has_debrief = request.debrief = ctl_flag(ctl, "debrief");
+    if (request.debrief && strchr(request.view, ',')) {
+        return ctl_say(CTL_USAGE, "--debrief is for one view at a time");
+    }
     if (strchr(request.view, ',')) {
         return save_set(ctl, path, &request);
     }

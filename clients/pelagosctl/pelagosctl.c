@@ -46,6 +46,7 @@ static const struct ctl_option frame_options[] = {
       layer_words },
     { 0, "float", NULL, "EXR samples of 32 bits instead of 16", NULL },
     { 0, "quality", "1..100", "Quality of a JPEG (90)", NULL },
+    { 0, "debrief", NULL, "Of the debrief instead of the live scene", NULL },
     { 'f', "format", "FORMAT", "Format whatever the file is called",
       format_words },
     { 0 },
@@ -95,6 +96,23 @@ static const char *const spectrum_examples[] = {
     NULL,
 };
 
+static const char *const recordings_examples[] = {
+    "pelagosctl recordings start night-1\nRecords from now on.",
+    "pelagosctl recordings stop\nEnds that.",
+    NULL,
+};
+static const struct ctl_option debrief_options[] = {
+    { 0, "rate", "0.1..20", "Recorded seconds a second, of play", NULL },
+    { 0 },
+};
+static const char *const debrief_examples[] = {
+    "pelagosctl debrief open night-1.pelog\nThe beginning of the recording.",
+    "pelagosctl debrief go 912.5\nIts moment of that simulated time.",
+    "pelagosctl frame bridge then.png --debrief\nThe picture of that moment, "
+    "bit "
+    "for bit.",
+    NULL,
+};
 static const char *const models_examples[] = {
     "pelagosctl models\nAll of them.",
     "pelagosctl set entities.7.model.name=tanker\nGive entity 7 a shape.",
@@ -372,6 +390,20 @@ const struct ctl_command ctl_commands[] = {
       "without one, and prints what it is, or why it is refused. Exit status 1 "
       "then.",
       NULL, model_examples, "files", 2, 2, ctl_model },
+    { "recordings", "[list|start [NAME]|stop]",
+      "list, begin and end recordings on the server",
+      "Prints the command logs in the directory of pelagosd --recordings: "
+      "file, "
+      "UTC of the beginning, simulated times from and to, size. start begins "
+      "NAME.pelog there, or one named by the date.",
+      NULL, recordings_examples, NULL, 0, 2, ctl_recordings },
+    { "debrief", "[status|open NAME|go SECONDS|play|pause|close]",
+      "lead a second scene through a recording",
+      "open reads a recording of pelagosd --recordings; go brings the debrief "
+      "to its last moment of that simulated time, play lets it go on. The live "
+      "scene and its streams are not touched. Its views are drawn by the same "
+      "renderer: `frame --debrief`, and /v1/debrief of HTTP.",
+      debrief_options, debrief_examples, NULL, 0, 2, ctl_debrief },
     { "step", "[SECONDS]", "advance simulated time in mode STEPPED",
       "Advances the clock by SECONDS (1/30) and prints the new time. Only in "
       "clock.mode STEPPED.",

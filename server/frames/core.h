@@ -232,7 +232,7 @@ void pel_set_begin(struct pel_frame_set *set);
 /* Pixels of a live view in a profile; 0: there is no such view. */
 uint64_t pel_live_pixels(const struct pel_snapshot *s, const char *view,
                          const struct pel_profile *profile);
-/* Ends the streams whose view is not in the snapshot. */
+/* Ends the streams whose view is not in the snapshot; NULL: all. */
 void pel_live_check(struct pel_frames *frames, const struct pel_snapshot *s);
 /* What the stream adds to a job that begins now: false nothing, as nobody can
  * use it or its encoder is behind. */

@@ -156,6 +156,21 @@ static void drop_jobs(struct pel_frames *frames)
     free(frames->jobs);
 }
 
+bool pel_frames_retire(struct pel_frames *frames)
+{
+    frames->stopping = true;
+    pel_requests_finish_all(frames);
+    pel_live_check(frames, NULL);
+    if (frames->subscriptions) {
+        return false;
+    }
+    drop_alarm(&frames->tick);
+    drop_alarm(&frames->start);
+    drop_alarm(&frames->watch);
+    g_source_destroy(frames->box.source);
+    return true;
+}
+
 bool pel_frames_destroy(struct pel_frames *frames)
 {
     if (!frames) {

@@ -45,6 +45,12 @@ PEL_CHECK enum pel_err pel_frames_create(const struct pel_frames_options *o,
  * driver's own exit handlers would meet it. NULL allowed. */
 bool pel_frames_destroy(struct pel_frames *frames);
 
+/* The end without waiting, on the control thread: outstanding requests end with
+ * CONFLICT, subscriptions as if their views were deleted. True: nobody has a
+ * subscription any more, and no callback is called from now on, so that
+ * pel_frames_destroy may be called by any thread; else to be called again. */
+bool pel_frames_retire(struct pel_frames *frames);
+
 /* GL_RENDERER of the device in use. */
 const char *pel_frames_device(const struct pel_frames *frames);
 

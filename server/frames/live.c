@@ -543,7 +543,7 @@ void pel_live_check(struct pel_frames *frames, const struct pel_snapshot *s)
     frames->calling++;
     for (struct pel_subscription *p = frames->subscriptions; p; p = p->next) {
         if (p->dead || !p->stream ||
-            pel_snapshot_find_view(s, p->stream->view) >= 0) {
+            (s && pel_snapshot_find_view(s, p->stream->view) >= 0)) {
             continue;
         }
         struct pel_fault fault;

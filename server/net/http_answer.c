@@ -307,6 +307,24 @@ enum MHD_Result pel_http_send_models(struct client *client,
     return wait_on(client, waiter, err, &fault);
 }
 
+static void on_recordings(void *user, enum pel_err err,
+                          const struct pel_fault *fault,
+                          const Pelagos__Recordings *answer)
+{
+    wait_answer(user, err, fault, err == PEL_OK ? &answer->base : NULL);
+}
+
+enum MHD_Result pel_http_send_recordings(struct client *client,
+                                         struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    struct waiter *waiter = wait_begin(client);
+    enum pel_err err = pel_debrief_ask_recordings(
+        client->server->context.debrief, on_recordings, waiter, &fault);
+    pel_http_answer_finish(answer);
+    return wait_on(client, waiter, err, &fault);
+}
+
 static void on_patch(void *user, enum pel_err err,
                      const struct pel_fault *fault)
 {
@@ -344,6 +362,13 @@ enum MHD_Result pel_http_send_patched(struct client *client,
         pel_http_suspend(client);
     }
     return MHD_YES;
+}
+
+struct pel_frames *pel_http_frames(const struct client *client)
+{
+    return client->of_debrief
+               ? pel_debrief_frames(client->server->context.debrief)
+               : client->server->frames;
 }
 
 /* --- Motion JPEG and MPEG-TS ---------------------------------------------- */
@@ -396,12 +421,12 @@ enum MHD_Result pel_http_send_stream(struct client *client,
     stream->client = client;
     bool ts = answer->kind == PEL_HTTP_TS;
     enum pel_err err =
-        ts ? pel_ts_viewer_create(server->frames, answer->view,
+        ts ? pel_ts_viewer_create(pel_http_frames(client), answer->view,
                                   &answer->profile, &server->ts, wake_stream,
                                   stream, &stream->ts, &fault)
-           : pel_viewer_create(server->frames, answer->view, answer->quality,
-                               answer->fps, &server->mjpeg, wake_stream, stream,
-                               &stream->viewer, &fault);
+           : pel_viewer_create(pel_http_frames(client), answer->view,
+                               answer->quality, answer->fps, &server->mjpeg,
+                               wake_stream, stream, &stream->viewer, &fault);
     if (err != PEL_OK) {
         g_free(stream);
         return pel_http_send_fault(client, 0, &fault);
@@ -443,10 +468,11 @@ static void on_upgraded(void *user, struct MHD_Connection *connection,
     struct pel_http_server *server = client->server;
     struct pel_fault fault;
     client->upgraded = handle;
-    if (client->phase != PHASE_CLOSED) {
+    struct pel_frames *frames = pel_http_frames(client);
+    if (client->phase != PHASE_CLOSED && frames) {
         client->phase = PHASE_STREAM;
-        client->live = pel_live_viewer_create(server->frames, &client->wish, fd,
-                                              early, early_size, &server->live,
+        client->live = pel_live_viewer_create(frames, &client->wish, fd, early,
+                                              early_size, &server->live,
                                               on_live_closed, client, &fault);
     }
     if (!client->live) {
@@ -485,8 +511,8 @@ enum MHD_Result pel_http_send_live(struct client *client,
 
 void pel_http_call_off(struct client *client)
 {
-    if (client->frame_id) {
-        pel_frames_cancel(client->server->frames, client->frame_id);
+    if (client->frame_id && pel_http_frames(client)) {
+        pel_frames_cancel(pel_http_frames(client), client->frame_id);
         client->frame_id = 0;
     }
     if (client->waiter) {

@@ -53,6 +53,7 @@ struct client {
     size_t body_limit;
     const char *origin; /* an allowed one that asks, or NULL */
     bool suspended;
+    bool of_debrief;   /* the pictures that it asks for */
     bool waiting;      /* for frame or surface */
     uint64_t frame_id; /* of a picture or a set; 0: neither */
     struct waiter *waiter;
@@ -93,6 +94,10 @@ struct pel_http_server {
 /* The moment that many seconds from now [ns, CLOCK_MONOTONIC]. */
 int64_t pel_http_after(double s);
 
+/* What draws the pictures that the client asks for; NULL: the debrief is no
+ * more. */
+struct pel_frames *pel_http_frames(const struct client *client);
+
 /* Lets the library look at its connections at the loop's next turn: after a
  * resume it would otherwise wait for the network. */
 void pel_http_kick(struct pel_http_server *server);
@@ -132,6 +137,8 @@ enum MHD_Result pel_http_send_surface(struct client *client,
                                       struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_models(struct client *client,
                                      struct pel_http_answer *answer);
+enum MHD_Result pel_http_send_recordings(struct client *client,
+                                         struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_spectrum(struct client *client,
                                        struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_almanac(struct client *client,

@@ -97,8 +97,8 @@ enum MHD_Result pel_http_send_frame(struct client *client,
     struct pel_fault fault;
     uint64_t id = 0;
     client->waiting = true;
-    enum pel_err err = pel_frames_request(client->server->frames, answer->frame,
-                                          on_frame, client, &id, &fault);
+    enum pel_err err = pel_frames_request(
+        pel_http_frames(client), answer->frame, on_frame, client, &id, &fault);
     pel_http_answer_finish(answer);
     return await(client, err, id, &fault);
 }
@@ -146,7 +146,8 @@ enum MHD_Result pel_http_send_head(struct client *client,
 {
     struct pel_fault fault;
     const char *type = NULL;
-    enum pel_err err = check_all(client->server->frames, answer, &type, &fault);
+    enum pel_err err =
+        check_all(pel_http_frames(client), answer, &type, &fault);
     pel_http_answer_finish(answer);
     if (err != PEL_OK) {
         return pel_http_send_fault(client, 0, &fault);
@@ -252,8 +253,9 @@ enum MHD_Result pel_http_send_frames(struct client *client,
     struct pel_fault fault;
     uint64_t id = 0;
     client->waiting = true;
-    enum pel_err err = pel_frames_request_set(
-        client->server->frames, answer->frames, on_frames, client, &id, &fault);
+    enum pel_err err =
+        pel_frames_request_set(pel_http_frames(client), answer->frames,
+                               on_frames, client, &id, &fault);
     pel_http_answer_finish(answer);
     return await(client, err, id, &fault);
 }

@@ -740,6 +740,7 @@ void pel_http_route(const struct pel_http_context *context,
     if (!route) {
         return;
     }
+    struct pel_http_context own = *context;
     struct pel_http_call call = { context, request, &target, answer };
     if (target.query_count > 0 && !(route->flags & ROUTE_QUERY)) {
         pel_fault_value(&fault, PEL_ERR_NOT_FOUND, target.query[0].name,
@@ -747,5 +748,7 @@ void pel_http_route(const struct pel_http_context *context,
         pel_http_problem(answer, 400, &fault);
         return;
     }
-    route->handle(&call);
+    if (pel_http_of_debrief(&own, &call)) {
+        route->handle(&call);
+    }
 }

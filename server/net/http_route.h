@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "base/metrics.h"
+#include "frames/debrief.h"
 #include "frames/frames.h"
 #include "net/http_request.h"
 #include "net/token.h"
@@ -17,6 +18,7 @@
 struct pel_http_context {
     struct pel_scene *scene;
     const struct pel_frames *frames; /* NULL: no picture is ever drawn */
+    struct pel_debrief *debrief;     /* NULL: there is none */
     struct pel_metrics *metrics;
     const char *const *hosts; /* as pel_http_host_is_ours */
     /* Other origins whose pages may ask for pictures, NULL-terminated; NULL:
@@ -30,18 +32,19 @@ struct pel_http_context {
 };
 
 enum pel_http_kind {
-    PEL_HTTP_WHOLE,    /* status, type and body are there */
-    PEL_HTTP_FRAME,    /* carry out `frame`, answer with the picture */
-    PEL_HTTP_FRAMES,   /* carry out `frames`, answer with the pictures */
-    PEL_HTTP_MJPEG,    /* stream `view` */
-    PEL_HTTP_TS,       /* stream `view` in `profile` */
-    PEL_HTTP_LIVE,     /* a WebSocket: 101, then `live` */
-    PEL_HTTP_SURFACE,  /* carry out `surface`, answer with JSON */
-    PEL_HTTP_OPTICS,   /* carry out `optics`, answer with JSON */
-    PEL_HTTP_SPECTRUM, /* carry out `spectrum`, answer with JSON */
-    PEL_HTTP_ALMANAC,  /* carry out `almanac`, answer with JSON */
-    PEL_HTTP_MODELS,   /* list the models, answer with JSON */
-    PEL_HTTP_PATCH,    /* commit `patch`, answer with the state */
+    PEL_HTTP_WHOLE,      /* status, type and body are there */
+    PEL_HTTP_FRAME,      /* carry out `frame`, answer with the picture */
+    PEL_HTTP_FRAMES,     /* carry out `frames`, answer with the pictures */
+    PEL_HTTP_MJPEG,      /* stream `view` */
+    PEL_HTTP_TS,         /* stream `view` in `profile` */
+    PEL_HTTP_LIVE,       /* a WebSocket: 101, then `live` */
+    PEL_HTTP_SURFACE,    /* carry out `surface`, answer with JSON */
+    PEL_HTTP_OPTICS,     /* carry out `optics`, answer with JSON */
+    PEL_HTTP_SPECTRUM,   /* carry out `spectrum`, answer with JSON */
+    PEL_HTTP_ALMANAC,    /* carry out `almanac`, answer with JSON */
+    PEL_HTTP_MODELS,     /* list the models, answer with JSON */
+    PEL_HTTP_PATCH,      /* commit `patch`, answer with the state */
+    PEL_HTTP_RECORDINGS, /* list the recordings, answer with JSON */
 };
 
 struct pel_http_answer {
@@ -51,6 +54,7 @@ struct pel_http_answer {
     char *owned;      /* body to free(), or NULL */
     const void *body; /* `owned`, or static data */
     size_t size;
+    bool debrief;      /* pictures are of its views, not of the live ones */
     bool close;        /* the connection cannot go on */
     bool page;         /* a file of the page: may be kept, with care */
     const char *allow; /* Allow header, static, or NULL */

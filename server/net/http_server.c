@@ -156,6 +156,7 @@ static enum MHD_Result take_request(struct client *client, const char *method)
     client->deadline_ns = pel_http_after(client->server->limits.http_answer_s);
     describe(client, method, &headers, &request);
     pel_http_route(&client->server->context, &request, &answer);
+    client->of_debrief = answer.debrief;
     bool picture = answer.kind == PEL_HTTP_FRAME ||
                    answer.kind == PEL_HTTP_FRAMES ||
                    answer.kind == PEL_HTTP_MJPEG || answer.kind == PEL_HTTP_TS;
@@ -182,6 +183,8 @@ static enum MHD_Result take_request(struct client *client, const char *method)
         return pel_http_send_almanac(client, &answer);
     case PEL_HTTP_MODELS:
         return pel_http_send_models(client, &answer);
+    case PEL_HTTP_RECORDINGS:
+        return pel_http_send_recordings(client, &answer);
     case PEL_HTTP_PATCH:
         return pel_http_send_patched(client, &answer);
     case PEL_HTTP_MJPEG:

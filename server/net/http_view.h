@@ -18,6 +18,15 @@ void pel_http_get_frame(const struct pel_http_call *call);
 /* http_set.c */
 void pel_http_get_frames(const struct pel_http_call *call);
 void pel_http_get_mjpeg(const struct pel_http_call *call);
+/* http_debrief.c */
+void pel_http_get_recordings(const struct pel_http_call *call);
+void pel_http_post_recording(const struct pel_http_call *call);
+void pel_http_get_debrief(const struct pel_http_call *call);
+void pel_http_post_debrief(const struct pel_http_call *call);
+/* Makes the call one about the debrief's scene, where the place is of it;
+ * false: answered, as there is none. */
+bool pel_http_of_debrief(struct pel_http_context *context,
+                         struct pel_http_call *call);
 /* http_optics.c */
 void pel_http_get_optics(const struct pel_http_call *call);
 void pel_http_post_optics(const struct pel_http_call *call);

@@ -12,6 +12,7 @@
 
 #include "base/err.h"
 #include "base/metrics.h"
+#include "frames/debrief.h"
 #include "frames/frames.h"
 #include "scene/scene.h"
 
@@ -62,6 +63,7 @@ struct pel_net_options {
     /* Numeric addresses whose X-Forwarded-For is believed; NULL: none. */
     const char *const *http_proxies;
     struct pel_metrics *metrics; /* shown at /metrics; joined by the net's */
+    struct pel_debrief *debrief;
     struct pel_net_limits limits;
 };
 

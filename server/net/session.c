@@ -40,6 +40,9 @@ static const char *const command_names[PEL_SESSION_COMMANDS] = {
     [PELAGOS__REQUEST__COMMAND_OPTICS] = "optics",
     [PELAGOS__REQUEST__COMMAND_MODELS] = "models",
     [PELAGOS__REQUEST__COMMAND_ALMANAC] = "almanac",
+    [PELAGOS__REQUEST__COMMAND_RECORDINGS] = "recordings",
+    [PELAGOS__REQUEST__COMMAND_RECORDING] = "recording",
+    [PELAGOS__REQUEST__COMMAND_DEBRIEF] = "debrief",
     [PELAGOS__REQUEST__COMMAND_LOGIN] = "login",
 };
 
@@ -101,6 +104,11 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
         return pel_session_models(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_ALMANAC:
         return pel_session_almanac(self, request, fault);
+    case PELAGOS__REQUEST__COMMAND_RECORDINGS:
+    case PELAGOS__REQUEST__COMMAND_RECORDING:
+        return pel_session_recordings(self, request, fault);
+    case PELAGOS__REQUEST__COMMAND_DEBRIEF:
+        return pel_session_debrief(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_WATCH:
         self->watching = true;
         self->watch_has_id = request->has_id;
@@ -402,12 +410,14 @@ static void session_run(void *user, GIOCondition ready)
 struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
                                          struct pel_scene *scene,
                                          struct pel_frames *frames,
+                                         struct pel_debrief *debrief,
                                          struct pel_token *token)
 {
     struct pel_sessions *all = g_new0(struct pel_sessions, 1);
     all->limits = *limits;
     all->scene = scene;
     all->frames = frames;
+    all->debrief = debrief;
     all->token = token;
     pel_unpack_init(&all->unpack);
     all->list = g_ptr_array_new_with_free_func(session_free);

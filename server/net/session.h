@@ -30,6 +30,7 @@ enum pel_transport {
 struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
                                          struct pel_scene *scene,
                                          struct pel_frames *frames,
+                                         struct pel_debrief *debrief,
                                          struct pel_token *token);
 void pel_sessions_destroy(struct pel_sessions *sessions); /* NULL allowed */
 

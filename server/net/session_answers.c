@@ -8,13 +8,24 @@
 #include "scene/catalogue.h"
 #include "wire.h"
 
+/* NULL: the debrief is not open. */
+static struct pel_frames *frames_of(const struct job *job)
+{
+    const struct pel_sessions *all = job->session->all;
+    return !job->of_debrief ? all->frames
+           : all->debrief   ? pel_debrief_frames(all->debrief)
+                            : NULL;
+}
+
 /* Frames are called off; surface answers find that nobody waits. */
 void pel_session_cancel(struct session *self)
 {
     for (guint i = 0; i < self->jobs->len; i++) {
         struct job *job = g_ptr_array_index(self->jobs, i);
         if (job->is_picture) {
-            pel_frames_cancel(self->all->frames, job->picture_id);
+            if (frames_of(job)) {
+                pel_frames_cancel(frames_of(job), job->picture_id);
+            }
             g_free(job);
         } else {
             job->session = NULL;
@@ -184,8 +195,12 @@ static void on_frames(void *user, enum pel_err err,
 static enum pel_err ask(struct job *job, const Pelagos__Request *request,
                         struct pel_fault *fault)
 {
-    struct pel_frames *frames = job->session->all->frames;
+    struct pel_frames *frames = frames_of(job);
     enum pel_err err;
+    if (!frames) {
+        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                             "no recording is open for a debrief");
+    }
     switch (request->command_case) {
     case PELAGOS__REQUEST__COMMAND_FRAME:
         err = pel_command_check(&request->frame->base, fault);
@@ -222,6 +237,9 @@ enum pel_err pel_session_start(struct session *self,
     job->is_picture =
         request->command_case == PELAGOS__REQUEST__COMMAND_FRAME ||
         request->command_case == PELAGOS__REQUEST__COMMAND_FRAMES;
+    job->of_debrief =
+        request->command_case == PELAGOS__REQUEST__COMMAND_FRAME &&
+        request->frame->has_debrief && request->frame->debrief;
     g_ptr_array_add(self->jobs, job);
     enum pel_err err = ask(job, request, fault);
     if (err != PEL_OK) {
@@ -377,6 +395,78 @@ enum pel_err pel_session_almanac(struct session *self,
         self->owes = false;
         g_ptr_array_remove_fast(self->jobs, job);
         g_free(job);
+    }
+    return err;
+}
+
+static void on_recordings(void *user, enum pel_err err,
+                          const struct pel_fault *fault,
+                          const Pelagos__Recordings *answer)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        self->owes = false;
+        if (err == PEL_OK) {
+            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+            reply.has_id = job->has_id;
+            reply.id = job->id;
+            reply.result_case = PELAGOS__REPLY__RESULT_RECORDINGS;
+            reply.recordings = (Pelagos__Recordings *)answer;
+            send_reply(self, &reply);
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+static enum pel_err no_debrief(struct pel_fault *fault)
+{
+    return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                         "there are no recordings here");
+}
+
+enum pel_err pel_session_recordings(struct session *self,
+                                    const Pelagos__Request *request,
+                                    struct pel_fault *fault)
+{
+    struct pel_debrief *debrief = self->all->debrief;
+    enum pel_err err = debrief ? PEL_OK : no_debrief(fault);
+    if (!err && request->command_case == PELAGOS__REQUEST__COMMAND_RECORDING) {
+        err = pel_debrief_record(debrief, request->recording, fault);
+    }
+    if (err) {
+        return err;
+    }
+    struct job *job = owe(self, request);
+    err = pel_debrief_ask_recordings(debrief, on_recordings, job, fault);
+    if (err) {
+        self->owes = false;
+        g_ptr_array_remove_fast(self->jobs, job);
+        g_free(job);
+    }
+    return err;
+}
+
+enum pel_err pel_session_debrief(struct session *self,
+                                 const Pelagos__Request *request,
+                                 struct pel_fault *fault)
+{
+    struct pel_debrief *debrief = self->all->debrief;
+    enum pel_err err = debrief
+                           ? pel_command_check(&request->debrief->base, fault)
+                           : no_debrief(fault);
+    if (!err) {
+        err = pel_debrief_do(debrief, request->debrief, fault);
+    }
+    if (!err) {
+        Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+        reply.has_id = request->has_id;
+        reply.id = request->id;
+        reply.result_case = PELAGOS__REPLY__RESULT_DEBRIEF;
+        reply.debrief = (Pelagos__Debrief *)pel_debrief_status(debrief);
+        send_reply(self, &reply);
     }
     return err;
 }

@@ -7,6 +7,7 @@
 
 #include <glib.h>
 
+#include "frames/debrief.h"
 #include "net/fdsource.h"
 #include "net/outbox.h"
 #include "net/session.h"
@@ -24,6 +25,7 @@ struct job {
     bool has_id;
     uint64_t id;
     bool is_picture; /* or several of one frame */
+    bool of_debrief;
     uint64_t picture_id;
 };
 
@@ -54,9 +56,10 @@ struct pel_sessions {
     struct pel_net_limits limits;
     struct pel_scene *scene;
     struct pel_frames *frames;
-    struct pel_token *token;  /* NULL: none is asked for */
-    GPtrArray *list;          /* of struct session */
-    struct pel_unpack unpack; /* the request being taken */
+    struct pel_debrief *debrief; /* NULL: none */
+    struct pel_token *token;     /* NULL: none is asked for */
+    GPtrArray *list;             /* of struct session */
+    struct pel_unpack unpack;    /* the request being taken */
     bool stopped;
     uint64_t accepted[PEL_TRANSPORT_COUNT], refused[PEL_TRANSPORT_COUNT];
     uint64_t malformed[PEL_TRANSPORT_COUNT], timeouts[PEL_TRANSPORT_COUNT];
@@ -74,6 +77,15 @@ void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
 PEL_CHECK enum pel_err pel_session_models(struct session *self,
                                           const Pelagos__Request *request,
                                           struct pel_fault *fault);
+
+/* Answers with the recordings, after what is asked of them. */
+PEL_CHECK enum pel_err pel_session_recordings(struct session *self,
+                                              const Pelagos__Request *request,
+                                              struct pel_fault *fault);
+/* Answers with what the debrief is then. */
+PEL_CHECK enum pel_err pel_session_debrief(struct session *self,
+                                           const Pelagos__Request *request,
+                                           struct pel_fault *fault);
 
 /* Answers when the numbers are there. */
 PEL_CHECK enum pel_err pel_session_spectrum(struct session *self,

@@ -5,13 +5,14 @@
 #include <epoxy/gl.h>
 #include <limits.h>
 #include <link.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/log.h"
 
-#define MAX_DEVICES 32
+#define MAX_DEVICES 32 /* as many displays, and one without a device */
 
 static bool has_word(const char *list, const char *word)
 {
@@ -41,7 +42,7 @@ static EGLDisplay open_device(EGLDeviceEXT device)
     return display;
 }
 
-static EGLDisplay open_display(const char *wanted, struct pel_fault *fault)
+static EGLDisplay find_display(const char *wanted, struct pel_fault *fault)
 {
     EGLDeviceEXT devices[MAX_DEVICES];
     EGLint count = 0;
@@ -89,6 +90,48 @@ static EGLDisplay open_display(const char *wanted, struct pel_fault *fault)
                   "libegl-mesa0 for the software device",
                   wanted);
     return EGL_NO_DISPLAY;
+}
+
+/* Contexts of one device have one display, which ends with the last. */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static struct {
+    EGLDisplay display;
+    unsigned users;
+} displays[MAX_DEVICES + 2];
+
+static EGLDisplay open_display(const char *wanted, struct pel_fault *fault)
+{
+    pthread_mutex_lock(&lock);
+    EGLDisplay display = find_display(wanted, fault);
+    size_t i = 0;
+    while (display != EGL_NO_DISPLAY && displays[i].users > 0 &&
+           displays[i].display != display) {
+        i++;
+    }
+    if (display != EGL_NO_DISPLAY) {
+        displays[i].display = display;
+        displays[i].users++;
+    }
+    pthread_mutex_unlock(&lock);
+    return display;
+}
+
+static void close_display(EGLDisplay display)
+{
+    size_t i = 0, last = 0;
+    pthread_mutex_lock(&lock);
+    while (displays[i].display != display) {
+        i++;
+    }
+    for (last = i; displays[last + 1].users > 0; last++) {
+    }
+    if (--displays[i].users == 0) {
+        eglTerminate(display);
+        displays[i] = displays[last];
+        displays[last].users = 0;
+        displays[last].display = EGL_NO_DISPLAY;
+    }
+    pthread_mutex_unlock(&lock);
 }
 
 static void APIENTRY on_message(GLenum source, GLenum type, GLuint id,
@@ -218,7 +261,7 @@ void pel_context_finish(struct pel_context *context)
         if (context->context) {
             eglDestroyContext(context->display, context->context);
         }
-        eglTerminate(context->display);
+        close_display(context->display);
     }
     *context = (struct pel_context){ 0 };
 }

@@ -1,7 +1,10 @@
 #include "render/foammap.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+
+#include "base/reserve.h"
 
 #define GRAIN PEL_FOAM_GRAIN
 #define GRAIN_LEVELS 10
@@ -17,7 +20,7 @@
 static void load_level(GLuint texture, int level, int n,
                        const float (*texels)[2])
 {
-    static float shown[GRAIN * GRAIN][2];
+    float(*shown)[2] = pel_sure_malloc(sizeof *shown * GRAIN * GRAIN);
     double mean = 0;
     for (int i = 0; i < n * n; i++) {
         double m = (double)texels[i][0];
@@ -31,12 +34,13 @@ static void load_level(GLuint texture, int level, int n,
         shown[i][1] = (float)(m * m + left + even * (mean - left));
     }
     glTextureSubImage2D(texture, level, 0, 0, n, n, GL_RG, GL_FLOAT,
-                        level ? shown : texels);
+                        level ? (const float(*)[2])shown : texels);
+    free(shown);
 }
 
 static void make_grain(struct pel_foam_map *map)
 {
-    static float texels[GRAIN * GRAIN][2];
+    float(*texels)[2] = pel_sure_malloc(sizeof *texels * GRAIN * GRAIN);
     pel_foam_grain(texels);
     glCreateTextures(GL_TEXTURE_2D, 1, &map->grain);
     glTextureStorage2D(map->grain, GRAIN_LEVELS, GL_RG32F, GRAIN, GRAIN);
@@ -57,6 +61,7 @@ static void make_grain(struct pel_foam_map *map)
             }
         }
     }
+    free(texels);
 }
 
 static void make_table(struct pel_foam_map *map, const struct pel_foam *foam)

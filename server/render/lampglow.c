@@ -65,7 +65,7 @@ void pel_lamp_spectral(const double m[9], const double inverse[9],
 
 /* --- which ---------------------------------------------------------------- */
 
-struct candidate {
+struct pel_glow_candidate {
     const struct pel_lamp *lamp;
     struct pel_vec3 offset;
     double shines;
@@ -74,7 +74,7 @@ struct candidate {
 
 static int brighter(const void *a, const void *b)
 {
-    const struct candidate *x = a, *y = b;
+    const struct pel_glow_candidate *x = a, *y = b;
     return x->shines < y->shines   ? 1
            : x->shines > y->shines ? -1
            : x->lamp > y->lamp     ? 1
@@ -83,13 +83,13 @@ static int brighter(const void *a, const void *b)
 
 static int in_order(const void *a, const void *b)
 {
-    const struct candidate *x = a, *y = b;
+    const struct pel_glow_candidate *x = a, *y = b;
     return x->lamp > y->lamp ? 1 : -1;
 }
 
 /* In the order of the list. */
 static size_t choose(const struct pel_environment *env, struct pel_vec3 eye,
-                     struct candidate out[PEL_MAX_LAMPS])
+                     struct pel_glow_candidate out[PEL_MAX_LAMPS])
 {
     size_t count = 0;
     for (size_t i = 0; i < env->lamp_count; i++) {
@@ -99,7 +99,7 @@ static size_t choose(const struct pel_environment *env, struct pel_vec3 eye,
         double away2 = pel_vec3_dot(offset, offset);
         double stands_for = l->mirrors ? l->mirrors : 1;
         if (away2 > 1e-4 && at.z > env->sea_level_m && stands_for > 0) {
-            out[count++] = (struct candidate){
+            out[count++] = (struct pel_glow_candidate){
                 l, offset, stands_for * l->intensity_cd[1] / away2, 0
             };
         }
@@ -118,7 +118,7 @@ static void put_floats(uint32_t *words, const double *values)
     }
 }
 
-static void describe(struct candidate *c, const double m[9],
+static void describe(struct pel_glow_candidate *c, const double m[9],
                      const double inverse[9], double extinction,
                      uint32_t *words)
 {
@@ -254,7 +254,7 @@ static struct patch patch_of(const struct sea_seen *s, const float *upper,
 
 static void fill_tiles(const struct pel_environment *env,
                        const struct pel_camera *c, double height_m,
-                       const struct candidate *glows, size_t count,
+                       const struct pel_glow_candidate *glows, size_t count,
                        uint32_t across, uint32_t down, uint32_t *masks)
 {
     double along = env->sea->slope_variance_along,
@@ -300,12 +300,13 @@ void pel_lamp_glow_bind(struct pel_lamp_glow *g,
                         const struct pel_camera *c, uint32_t first_row,
                         int margin)
 {
-    static struct candidate glows[PEL_MAX_LAMPS];
     if (!g->words) {
+        g->glows = pel_sure_calloc(PEL_MAX_LAMPS, sizeof *g->glows);
         g->words = pel_sure_calloc(HEAD_WORDS + MOST_TILES, sizeof *g->words);
         glCreateBuffers(1, &g->buffer);
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &g->texels);
     }
+    struct pel_glow_candidate *glows = g->glows;
     const struct pel_vec3 eye = { c->east_m, c->north_m,
                                   c->altitude_m + env->sea_level_m };
     double height_m = fmax(c->altitude_m, PEL_LEAST_EYE_M), m[9], inverse[9];
@@ -342,5 +343,6 @@ void pel_lamp_glow_finish(struct pel_lamp_glow *g)
     glDeleteBuffers(1, &g->buffer);
     glDeleteTextures(1, &g->texels);
     free(g->words);
+    free(g->glows);
     *g = (struct pel_lamp_glow){ 0 };
 }

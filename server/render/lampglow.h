@@ -10,9 +10,12 @@
 
 #define PEL_GLOWS 32 /* the bits of a tile's mask */
 
+struct pel_glow_candidate; /* lampglow.c */
+
 struct pel_lamp_glow {
     GLuint buffer, texels;
     uint32_t *words;
+    struct pel_glow_candidate *glows; /* room for those of a picture */
 };
 
 /* Intensities at 680, 550 and 440 nm of a colour by the matrix *m of

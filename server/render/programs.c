@@ -1,5 +1,6 @@
 #include "render/programs.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,8 +51,10 @@ const char *pel_light_defines(enum pel_programs_light light)
     static const char *const looks[] = { "", "#define PEL_NIGHT\n",
                                          "#define PEL_PANORAMA\n" };
     static char texts[PEL_LIGHT_KINDS][PEL_LIGHT_TEXT];
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
     const int fog = light / PEL_LIGHT_FOGGED;
     char *text = texts[light];
+    pthread_mutex_lock(&lock); /* of several renderers */
     if (!*text) {
         int n = snprintf(
             text, PEL_LIGHT_TEXT, "%s%s%s", lit[light % PEL_LIGHT_NIGHT],
@@ -66,6 +69,7 @@ const char *pel_light_defines(enum pel_programs_light light)
                 fog / ((PEL_FOGS + 1) * (PEL_FOGS + 1)) ? "true" : "false");
         }
     }
+    pthread_mutex_unlock(&lock);
     return text;
 }
 

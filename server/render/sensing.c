@@ -1,8 +1,10 @@
 #include "render/sensing.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "models/model.h"
 #include "optics/atmosphere.h"
 #include "optics/colour.h"
@@ -68,7 +70,8 @@ static GLuint make_table(GLsizei width, GLsizei height, const float *texels,
 static void make_tables(struct pel_sensing *s)
 {
     enum { W = PEL_SENSE_COSINES, H = PEL_SENSE_DEVIATIONS };
-    static float rough[W * H][2], heats[PEL_SENSE_HEATS][2];
+    float(*rough)[2] = pel_sure_malloc(sizeof *rough * W * H);
+    float(*heats)[2] = pel_sure_malloc(sizeof *heats * PEL_SENSE_HEATS);
     double level[PEL_THERMAL_LEVELS];
     pel_thermal_level(level);
     for (int i = 0; i < W * H; i++) {
@@ -89,6 +92,8 @@ static void make_tables(struct pel_sensing *s)
     }
     s->rough = make_table(W, H, rough[0], "emissivity of the sea");
     s->heats = make_table(PEL_SENSE_HEATS, 1, heats[0], "heat");
+    free(rough);
+    free(heats);
 }
 
 enum pel_err pel_sensing_need(struct pel_sensing *s,

@@ -1,8 +1,10 @@
 #include "render/wakemap.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/reserve.h"
 #include "render/wakegrid.h"
 
 _Static_assert(PEL_WAKE_N >> PEL_WAKE_ROUGH_LEVEL == PEL_WAKE_ROUGH_N,
@@ -31,7 +33,8 @@ void pel_wake_map_load(struct pel_wake_map *map,
         make(map);
     }
     map->current = (map->current + 1) % PEL_WAKE_SETS;
-    static float rough[PEL_WAKE_ROUGH_N * PEL_WAKE_ROUGH_N][4];
+    float(*rough)[4] =
+        pel_sure_malloc(sizeof *rough * PEL_WAKE_ROUGH_N * PEL_WAKE_ROUGH_N);
     GLuint set = map->sets[map->current];
     GLint layer = 0;
     for (size_t i = 0; i < env->wakes->count; i++) {
@@ -47,6 +50,7 @@ void pel_wake_map_load(struct pel_wake_map *map,
             }
         }
     }
+    free(rough);
 }
 
 void pel_wake_map_bind(const struct pel_wake_map *map,

@@ -2,7 +2,7 @@
 
 #include <glib.h>
 
-static struct pel_resources resources_ref(const struct pel_resources *from)
+struct pel_resources pel_resources_ref(const struct pel_resources *from)
 {
     struct pel_resources to = { 0 };
     to.sea = from->sea ? pel_shared_sea_ref(from->sea) : NULL;
@@ -92,7 +92,7 @@ struct pel_preparation *pel_preparation_begin(
         .state = state,
         .means = means,
         .files = files,
-        .present = resources_ref(present),
+        .present = pel_resources_ref(present),
     };
     pel_worker_push(worker, &p->task);
     return p;

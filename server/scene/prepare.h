@@ -25,6 +25,8 @@ struct pel_resources {
     struct pel_sky_file sky;
 };
 void pel_resources_finish(struct pel_resources *resources);
+/* The same with references of their own. */
+struct pel_resources pel_resources_ref(const struct pel_resources *resources);
 
 /* Whether `state`, tested, has this very sea and this bottom, and no models
  * but these. */

@@ -376,28 +376,36 @@ enum pel_err pel_record_create(const struct pel_record_options *o,
     return PEL_OK;
 }
 
-void pel_record_destroy(struct pel_record *record)
+int pel_record_end(struct pel_record *record)
 {
-    if (!record) {
-        return;
-    }
     (void)pel_scene_listen(record->scene, NULL, NULL);
     if (record->fd >= 0) {
         const Pelagos__State *state = pel_scene_state(record->scene);
         put_step(record, state->clock->time, state->revision);
     }
-    if (record->fd >= 0) {
-        if (fdatasync(record->fd) != 0) {
-            pel_warn("REC-005", "%s may lack its last entries on the disk: %s",
-                     record->path, strerror(errno));
-        }
-        close(record->fd);
-    }
+    int fd = record->fd;
     g_free(record->recording);
     g_free(record->program);
     g_free(record->device);
     g_free(record->path);
     g_free(record);
+    return fd;
+}
+
+void pel_record_destroy(struct pel_record *record)
+{
+    if (!record) {
+        return;
+    }
+    g_autofree char *path = g_strdup(record->path);
+    int fd = pel_record_end(record);
+    if (fd >= 0) {
+        if (fdatasync(fd) != 0) {
+            pel_warn("REC-005", "%s may lack its last entries on the disk: %s",
+                     path, strerror(errno));
+        }
+        close(fd);
+    }
 }
 
 void pel_record_collect(void *user, struct pel_metrics_page *page)

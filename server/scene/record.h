@@ -30,7 +30,12 @@ PEL_CHECK enum pel_err pel_record_create(const struct pel_record_options *o,
                                          struct pel_record **out,
                                          struct pel_fault *fault);
 
-/* Writes the moment of the end and closes; NULL allowed. Before the scene. */
+/* Writes the moment of the end, and gives the file, which is not on the disk
+ * yet; −1: nothing was being written. The recorder is gone. */
+int pel_record_end(struct pel_record *record);
+
+/* The same, brings it to the disk and closes; NULL allowed. Before the scene.
+ */
 void pel_record_destroy(struct pel_record *record);
 
 /* Metrics `pelagos_record_...`; user: the recorder. */

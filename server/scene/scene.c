@@ -218,7 +218,7 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     scene->has = next;
     scene->snapshot = snapshot;
     scene->state = state;
-    if (snapshot->ship_count > 0 && scene->ship_timer == 0) {
+    if (snapshot->ship_count > 0 && scene->ship_timer == 0 && !scene->apart) {
         scene->ship_timer = g_timeout_add(SHIP_MS, on_ship_timer, scene);
     }
     return PEL_OK;
@@ -552,6 +552,7 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     }
     struct pel_scene *scene = g_new0(struct pel_scene, 1);
     scene->store = store;
+    scene->apart = options->apart;
     scene->means.wave_count =
         options->wave_count > 0 ? options->wave_count : DEFAULT_WAVES;
     scene->means.spectra = scene->spectra = g_strdup(options->spectra);
@@ -579,6 +580,29 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
         pel_scene_begin_keeping(scene, options->state_path);
     }
     *out = scene;
+    return PEL_OK;
+}
+
+enum pel_err pel_scene_begin_anew(struct pel_scene *scene,
+                                  Pelagos__State *state,
+                                  struct pel_fault *fault)
+{
+    pel_state_fill(state, state->clock ? state->clock->time : 0);
+    state->clock->mode = PELAGOS__CLOCK_MODE__STEPPED;
+    enum pel_err err = pel_state_check(state, fault);
+    if (!err) {
+        err = pel_sea_settle(state, fault);
+    }
+    if (!err) {
+        err = commit(scene, state, NULL, NULL, fault);
+    }
+    if (err) {
+        pelagos__state__free_unpacked(state, NULL);
+        return err;
+    }
+    pel_simclock_set(&scene->clock, PEL_CLOCK_STEPPED, state->clock->rate,
+                     state->clock->time, pel_now_ns());
+    pel_scene_notify_commit(scene);
     return PEL_OK;
 }
 

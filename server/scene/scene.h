@@ -24,6 +24,9 @@ struct pel_scene_options {
     const char *bathymetry; /* directory of height fields; NULL: none */
     const char *models;     /* directory of models; NULL: none */
     const char *panoramas;  /* directory of skies; NULL: none */
+    /* Of a debrief: it has no timers and does nothing ahead, so that any one
+     * thread may use it. Its clock is to be stepped. */
+    bool apart;
 };
 
 /* Loads options->state_path and its journal if it exists (a file that does not
@@ -156,6 +159,12 @@ void pel_scene_set_stale(struct pel_scene *scene, enum pel_stale source,
 /* Called after every commit, in order of registration; at most 16. */
 void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
                          void *user);
+
+/* Begins anew with `state`, which it takes over: a whole one, as a log's head
+ * has, and its clock stands. Faults as of a patch; the scene is as it was. */
+PEL_CHECK enum pel_err pel_scene_begin_anew(struct pel_scene *scene,
+                                            Pelagos__State *state,
+                                            struct pel_fault *fault);
 
 /* Metrics of the state file; user is the scene (pel_metrics_collect). */
 void pel_scene_collect(void *user, struct pel_metrics_page *page);

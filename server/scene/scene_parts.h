@@ -39,6 +39,7 @@ struct pel_scene {
     int64_t save_from_ns;            /* not before */
     uint64_t saves, failed_saves;
     uint64_t told_saves;            /* failed ones that are over */
+    bool apart;                     /* pel_scene_options */
     guint ship_timer;               /* 0: no helm is on */
     struct pel_worker *ship_worker; /* does the ships' steps ahead */
     bool ship_ahead;                /* it is at work */

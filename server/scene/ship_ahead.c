@@ -96,7 +96,7 @@ void pel_scene_step_ahead(struct pel_scene *scene, double time_s)
                                    fmax(fabs(s->rate), 1),
                                PEL_SHIP_AHEAD_S)
                         : PEL_SHIP_AHEAD_S;
-    if (scene->ship_ahead || !pel_snapshot_transforms(s) ||
+    if (scene->apart || scene->ship_ahead || !pel_snapshot_transforms(s) ||
         !due(s, time_s + 0.5 * lead_s)) {
         return;
     }
