@@ -555,7 +555,7 @@ static void a_session_s_life(void **state)
     limits.session_requests = 2;
     limits.session_output_bytes = 200000;
     struct pel_token *token = make_token();
-    all = pel_sessions_create(&limits, scene, frames, token);
+    all = pel_sessions_create(&limits, scene, frames, NULL, token);
     pel_scene_on_commit(scene, on_commit, NULL);
     for (int i = 0; i < PEERS; i++) {
         peers[i] = (struct peer){ .fd = -1,
