@@ -28,6 +28,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     libnova-dev libssl-dev libgdal-dev libhdf5-dev libassimp-dev
 TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio python3-jsonschema \
+    libimage-exiftool-perl netcdf-bin python3-netcdf4 python3-xarray librsvg2-bin \
     xplanet python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
     python3-wheel openexr chromium \
     nginx-light openssl mypy clang \

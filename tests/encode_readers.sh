@@ -37,3 +37,15 @@ p = numpy.frombuffer(sys.stdin.buffer.read(), "<f4").reshape(3, 77, 131)
 want = numpy.ldexp(numpy.float32(1 + 10086 % 97 / 97), 10086 % 46 - 28)
 print(abs(p[2, 76, 130] / want - 1) < 1e-6)')
 expect 'ffmpeg reads the float EXR' "$red" True
+# EXIF and XMP of what the encoders write, by exiftool.
+for kind in jpg png; do
+    notes=$(exiftool -n -s -s -s -p \
+        '$IFD0:ImageDescription|$ExifIFD:SubSecTimeOriginal|$GPS:GPSLatitudeRef|$GPS:GPSImgDirection|$GPS:GPSAltitude|$XMP-pelagos:Roll' \
+        "$folder/photo.$kind")
+    expect "exiftool reads the $kind" "$notes" 'bridge <&">|25|S|270.125|18.5|1.250000'
+    expect "exiftool finds nothing wrong with the $kind" \
+        "$(exiftool -s -warning -error "$folder/photo.$kind")" ''
+    place=$(exiftool -n -p '$GPSLatitude $GPSLongitude' "$folder/photo.$kind")
+    expect "the place of the $kind" \
+        "$(awk '{printf "%.7f %.7f", $1, $2}' <<<"$place")" '-33.5125000 151.2500125'
+done

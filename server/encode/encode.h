@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "encode/photo.h"
 
 /* Bytes owned by the struct's holder; free with pel_bytes_finish. */
 struct pel_bytes {
@@ -53,6 +54,7 @@ struct pel_encode_input {
     const uint8_t *rgba;
     uint32_t out_width, out_height; /* of the file; 0: as they are */
     int quality;                    /* 1..100 */
+    const struct pel_photo_blocks *photo; /* into the file; NULL: nothing */
 
     const char *text; /* ended by 0 */
 

@@ -508,6 +508,62 @@ static void exr_header_says_what_it_was_told(void **state)
     pel_bytes_finish(&again);
 }
 
+/* What is told goes into the file, and the pixels are those without. */
+static void photos_say_where_they_were_taken(void **state)
+{
+    (void)state;
+    struct pel_photo photo = {
+        .software = "pelagosd test",
+        .view = "bridge <&\">",
+        .unix_s = 1591588800.25, /* 2020-06-08T04:00:00.25Z */
+        .time_s = 12.25,
+        .revision = 7,
+        .latitude_deg = -33.5125,
+        .longitude_deg = 151.2500125,
+        .altitude_m = 18.5,
+        .heading_deg = 270.125,
+        .pitch_deg = -3.5,
+        .roll_deg = 1.25,
+        .horizontal_fov_deg = 60,
+        .vertical_fov_deg = 36,
+        .exposure_ev = 14.5,
+        .width = 131,
+        .height = 77,
+    };
+    struct pel_photo_blocks blocks;
+    pel_photo_write(&photo, &blocks);
+    assert_true(blocks.exif_size > 100 && blocks.xmp_size > 500);
+    uint8_t *rgba = make_rgba(131, 77);
+    const struct pel_encode_input plain = {
+        .rgba = rgba, .width = 131, .height = 77, .quality = 90
+    };
+    struct pel_encode_input with = plain;
+    with.photo = &blocks;
+    pel_encode *const both[] = { pel_jpeg_encode, pel_png_encode };
+    for (int i = 0; i < 2; i++) {
+        struct pel_bytes bare, told;
+        assert_int_equal(both[i](&plain, &bare), PEL_OK);
+        assert_int_equal(both[i](&with, &told), PEL_OK);
+        size_t more = told.size - bare.size;
+        assert_true(more > blocks.exif_size + blocks.xmp_size);
+        assert_true(more < blocks.exif_size + blocks.xmp_size + 120);
+        /* What follows the blocks is what was there before. */
+        assert_memory_equal(told.data + told.size - 600,
+                            bare.data + bare.size - 600, 600);
+        keep_sample(i ? "photo.png" : "photo.jpg", &told);
+        pel_bytes_finish(&bare);
+        pel_bytes_finish(&told);
+    }
+    free(rgba);
+    /* Whatever is told, the blocks end within their bounds. */
+    photo.unix_s = NAN;
+    photo.latitude_deg = photo.longitude_deg = INFINITY;
+    photo.altitude_m = photo.heading_deg = NAN;
+    photo.horizontal_fov_deg = 0;
+    pel_photo_write(&photo, &blocks);
+    assert_true(blocks.exif_size > 8 && blocks.exif_size < 400);
+}
+
 static void bad_input_is_refused(void **state)
 {
     (void)state;
@@ -565,6 +621,7 @@ int main(void)
         cmocka_unit_test(exr_floats_are_the_same_bits),
         cmocka_unit_test(exr_noise_is_the_same_bits),
         cmocka_unit_test(exr_header_says_what_it_was_told),
+        cmocka_unit_test(photos_say_where_they_were_taken),
         cmocka_unit_test(bad_input_is_refused),
     };
     return cmocka_run_group_tests_name("encode", tests, NULL, NULL);

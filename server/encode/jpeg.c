@@ -95,7 +95,7 @@ static enum pel_err reserve(struct compressor *compressor, uint32_t width,
 {
     size_t wide = ((size_t)width + ROWS - 1) / ROWS * ROWS;
     size_t high = ((size_t)height + ROWS - 1) / ROWS * ROWS;
-    size_t need = wide * high * 3 + 2048;
+    size_t need = wide * high * 3 + 2048 + sizeof(struct pel_photo_blocks);
     size_t luma = wide * rows, size = luma * 3 / 2;
     if (need > compressor->scratch_size) {
         free(compressor->scratch);
@@ -148,9 +148,36 @@ static void extend_all(const struct pel_planes *p, size_t height, size_t rows)
 
 /* --- compression ---------------------------------------------------------- */
 
-static void set_up(struct compressor *compressor, uint32_t width,
-                   uint32_t height, int quality)
+/* As EXIF and XMP have it: APP1, behind a name. */
+static void write_block(struct jpeg_compress_struct *library, const char *name,
+                        size_t name_size, const void *block, size_t size)
 {
+    const unsigned char *p = block;
+    if (size == 0) {
+        return;
+    }
+    jpeg_write_m_header(library, JPEG_APP0 + 1, (unsigned)(name_size + size));
+    for (size_t i = 0; i < name_size; i++) {
+        jpeg_write_m_byte(library, name[i]);
+    }
+    for (size_t i = 0; i < size; i++) {
+        jpeg_write_m_byte(library, p[i]);
+    }
+}
+
+static void write_photo(struct jpeg_compress_struct *library,
+                        const struct pel_photo_blocks *photo)
+{
+    static const char exif[] = "Exif\0"; /* two zeros end it */
+    static const char xmp[] = "http://ns.adobe.com/xap/1.0/";
+    write_block(library, exif, sizeof exif, photo->exif, photo->exif_size);
+    write_block(library, xmp, sizeof xmp, photo->xmp, photo->xmp_size);
+}
+
+static void set_up(struct compressor *compressor, uint32_t width,
+                   uint32_t height, const struct pel_encode_input *in)
+{
+    int quality = in->quality;
     struct jpeg_compress_struct *library = &compressor->library;
     jpeg_mem_dest(library, &compressor->scratch, &compressor->scratch_size);
     library->image_width = width;
@@ -165,6 +192,9 @@ static void set_up(struct compressor *compressor, uint32_t width,
     library->comp_info[0].h_samp_factor = 2;
     library->comp_info[0].v_samp_factor = 2;
     jpeg_start_compress(library, TRUE);
+    if (in->photo) {
+        write_photo(library, in->photo);
+    }
 }
 
 /* ROWS rows from row `first` of the planes on. */
@@ -237,14 +267,15 @@ static enum pel_err hand_out(struct compressor *compressor,
 /* RGBA, or NULL: the planes are filled already. */
 static enum pel_err compress(struct compressor *compressor, const uint8_t *rgba,
                              struct pel_planes *planes, uint32_t rows,
-                             int quality, struct pel_bytes *out)
+                             const struct pel_encode_input *in,
+                             struct pel_bytes *out)
 {
     uint32_t width = planes->width, height = planes->height;
     unsigned char *own = compressor->scratch;
     unsigned long own_size = compressor->scratch_size;
     enum pel_err err = PEL_OK;
     if (setjmp(compressor->failed) == 0) {
-        set_up(compressor, width, height, quality);
+        set_up(compressor, width, height, in);
         if (rgba) {
             err = write_strips(compressor, rgba, width, height, planes);
         } else {
@@ -286,6 +317,6 @@ enum pel_err pel_jpeg_encode(const struct pel_encode_input *in,
                               in->height, true, &compressor->between, &planes);
     }
     return err == PEL_OK ? compress(compressor, as_it_is ? in->rgba : NULL,
-                                    &planes, rows, in->quality, out)
+                                    &planes, rows, in, out)
                          : err;
 }

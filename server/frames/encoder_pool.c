@@ -7,6 +7,7 @@
 #include "base/clock.h"
 #include "base/lock.h"
 #include "base/log.h"
+#include "frames/picture_notes.h"
 #include "frames/radarview.h"
 #include "proto/formats.h"
 
@@ -107,10 +108,18 @@ static enum pel_err encode_bytes(const struct pel_encoder_pool *pool,
     if (format->uses & PEL_FORMAT_TRUTH) {
         return pel_picture_encode_truth(output, encode, bytes);
     }
+    /* Files that are kept say of their camera; live streams do not. */
+    struct pel_photo photo;
+    struct pel_photo_blocks blocks;
+    if (!output->stream) {
+        pel_picture_photo(output, &photo);
+        pel_photo_write(&photo, &blocks);
+    }
     const struct pel_encode_input input = {
         .width = p->width,
         .height = p->height,
         .cancel = &output->cancel,
+        .photo = output->stream ? NULL : &blocks,
         .rgba = p->rgba,
         .out_width = part->width,
         .out_height = part->height,

@@ -4,9 +4,10 @@
 #include <string.h>
 #include <time.h>
 
+#include "frames/exr_notes.h"
 #include "frames/job.h"
 
-#define MAX_ATTRIBUTES 32
+#define MAX_ATTRIBUTES (32 + PEL_EXR_NOTES)
 
 /* Attributes are a function of what is drawn (never the wall clock or the
  * frame's number), so that the same state, time and seed give the same bytes.
@@ -26,12 +27,14 @@
  *   pelagos.positionEast, pelagos.positionNorth [m] to be added to the layer
  *                         position, multiples of 131072: 0 near the origin
  *   pelagos.radiance      unit of R, G, B and their wavelengths
- *   pelagos.device        GL renderer and version */
+ *   pelagos.device        GL renderer and version
+ * and what frames/exr_notes.h lists. */
 struct attributes {
     struct pel_exr_attribute list[MAX_ATTRIBUTES];
     size_t count;
     char date[32], seed[16];
     float world_to_camera[16], world_to_ndc[16];
+    struct pel_exr_notes notes;
 };
 
 static void add_text(struct attributes *a, const char *name, const char *text)
@@ -163,6 +166,10 @@ static void list_attributes(struct attributes *a, const struct pel_output *o,
         add_number(a, "pelagos.positionEast", east);
         add_number(a, "pelagos.positionNorth", north);
     }
+    pel_exr_notes_list(o, &a->notes);
+    for (size_t i = 0; i < a->notes.count; i++) {
+        a->list[a->count++] = a->notes.list[i];
+    }
 }
 
 enum pel_err pel_picture_encode_layers(const struct pel_output *output,
@@ -171,7 +178,10 @@ enum pel_err pel_picture_encode_layers(const struct pel_output *output,
 {
     const struct pel_picture *p = output->job->parts[output->draw].picture;
     const struct pel_camera *c = &output->job->draws[output->draw].camera;
-    struct attributes attributes = { .count = 0 };
+    struct attributes attributes;
+    attributes.count = 0;
+    memset(attributes.world_to_camera, 0, sizeof attributes.world_to_camera);
+    memset(attributes.world_to_ndc, 0, sizeof attributes.world_to_ndc);
     struct pel_exr_layer layers[PEL_LAYERS];
     size_t count = 0;
     float *position = NULL;
