@@ -52,8 +52,8 @@ struct pel_encode_input {
 
     /* 8-bit colour */
     const uint8_t *rgba;
-    uint32_t out_width, out_height; /* of the file; 0: as they are */
-    int quality;                    /* 1..100 */
+    uint32_t out_width, out_height;       /* of the file; 0: as they are */
+    int quality;                          /* 1..100 */
     const struct pel_photo_blocks *photo; /* into the file; NULL: nothing */
 
     const char *text; /* ended by 0 */
