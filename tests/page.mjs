@@ -16,7 +16,9 @@ export let browser, daemon, page;
 let errors;
 
 // A page of its own, whose errors fail the test.
-export async function open(url, { wait = true, init, ...options } = {}) {
+// tour: as in a browser that has not seen it; else its introduction is over.
+export async function open(url, { wait = true, init, tour = false,
+  ...options } = {}) {
   const context = await browser.newContext({
     viewport: { width: 1360, height: 900 }, ...options });
   page = await context.newPage();
@@ -28,6 +30,15 @@ export async function open(url, { wait = true, init, ...options } = {}) {
       errors.push(message.text());
     }
   });
+  if (!tour) {
+    await page.addInitScript(() => {
+      try {
+        localStorage.setItem("pelagos-tour", "seen");
+      } catch {
+        // a page without storage
+      }
+    });
+  }
   if (init) {
     await page.addInitScript(init);
   }
@@ -61,7 +72,7 @@ export const openSections = async () => {
 
 export const fresh = () => daemon.patch({
   sea: null, sky: null, water: null, clock: null, ownShip: null,
-  sources: null,
+  sources: null, presets: null,
   entities: [{ id: 1, name: "ownship" }],
   views: [{ name: "bridge", entity: 1, width: 640, height: 360 }] });
 

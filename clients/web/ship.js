@@ -5,6 +5,7 @@ import { angleOf, around, distanceOf, eyeNames, eyeOf, usual, wayOf }
   from "/follow.js";
 import { bearing, cameraOf, offset, reckoned, wrap } from "/geo.js";
 import { button, Text } from "/panel.js";
+import { words } from "/words.js";
 
 const byId = (id) => document.getElementById(id);
 const entities = (s) => s.entities ?? [];
@@ -116,8 +117,8 @@ export class Ship {
     const names = this.catalogue.models.filter((m) => !m.error)
       .map((m) => m.name);
     const now = entity?.model?.name;
-    return [["", "none"], ...[...new Set([...names, ...(now ? [now] : [])])]
-      .map((n) => [n, n.replaceAll("-", " ")])];
+    return [["", "None"], ...[...new Set([...names, ...(now ? [now] : [])])]
+      .map((n) => [n, this.catalogue.byName.get(n)?.builtin ? words(n) : n])];
   }
 
   // Its helm: ownShip where that names it, else the entity's own.
@@ -213,7 +214,7 @@ export class Ship {
     panel.pick("view", "view-entity", "Goes with", { ...about,
       depends: (s) => this.view(s) !== undefined,
       get: (s) => String(this.view(s)?.entity ?? ""),
-      options: (s) => [["", "nothing: fixed to the world"],
+      options: (s) => [["", "Nothing: fixed to the world"],
         ...entities(s).map((e) =>
           [String(e.id ?? 0), e.name || `entity ${e.id ?? 0}`])],
       patch: (v) => patch((view, state) => this.change(state, view, v)) });
@@ -242,8 +243,8 @@ export class Ship {
 
   ways(state) {
     const eyes = eyeNames(this.catalogue.of(this.carrier(state)));
-    return [...eyes.map((name, i) => [`eye ${i}`, `its ${name}`]),
-      ["chase", "behind it"], ["orbit", "around it"], ["free", "as set below"]];
+    return [...eyes.map((name, i) => [`eye ${i}`, `Its ${name}`]),
+      ["chase", "Behind it"], ["orbit", "Around it"], ["free", "As set below"]];
   }
 
   // Another carrier: the same way where it has that, else behind it.

@@ -34,8 +34,8 @@ export function merged(state, patch) {
       delete next[name];
     } else if (typeof change !== "object" || Array.isArray(change)) {
       next[name] = change;
-    } else if (Array.isArray(state[name])) {
-      next[name] = mergedList(state[name], change, KEYS[name]);
+    } else if (Array.isArray(state[name]) || KEYS[name]) {
+      next[name] = mergedList(state[name] ?? [], change, KEYS[name]);
     } else {
       next[name] = merged(state[name] ?? {}, change);
     }

@@ -9,6 +9,7 @@ import { button } from "/panel.js";
 import { Plan } from "/plan.js";
 import { PlanHands } from "/planhands.js";
 import { buildScenes, freeId, LONG_S, ownShip } from "/scenes.js";
+import { words } from "/words.js";
 
 const DRAGGING_MS = 150;
 const LIST_MS = 500;
@@ -89,7 +90,8 @@ export class Traffic {
       group.label = label;
       group.append(...this.catalogue.models.filter(holds).map((m) => {
         const option = element("option", "",
-          m.error ? `${m.name} (${m.error})` : m.name.replaceAll("-", " "));
+          m.error ? `${m.name} (${m.error})`
+            : m.builtin ? words(m.name) : m.name);
         option.value = m.name;
         option.disabled = Boolean(m.error);
         option.title = m.text ?? "";

@@ -1,5 +1,5 @@
-// Values of the schema's enums in words, one way everywhere: a capital first,
-// proper names as they are written.
+// Values of the schema's enums, and built-in models, in words, one way
+// everywhere: a capital first, proper names as they are written.
 
 const NAMES = { PIERSON_MOSKOWITZ: "Pierson–Moskowitz", JONSWAP: "JONSWAP",
   TMA: "TMA", FFT: "FFT cascades", OMEGA2: "ω⁻²", MEASURED: "A buoy's record",
@@ -9,10 +9,11 @@ const NAMES = { PIERSON_MOSKOWITZ: "Pierson–Moskowitz", JONSWAP: "JONSWAP",
   I: "I", IA: "IA", IB: "IB", II: "II", III: "III",
   C1: "1C", C3: "3C", C5: "5C", C7: "7C", C9: "9C",
   APART: "Apart from it", IN_THE_PICTURE: "In the picture",
-  NONE_SEEN: "None is seen" };
+  NONE_SEEN: "None is seen", rib: "RIB", usv: "USV" };
 
 export function words(name) {
-  const plain = name.toLowerCase().replaceAll("_", " ");
+  const plain = name.toLowerCase().replace(/[_-]/g, " ")
+    .replace(/ ([ab])$/, (region) => region.toUpperCase()); // IALA's
   return NAMES[name] ?? plain.charAt(0).toUpperCase() + plain.slice(1);
 }
 
