@@ -38,6 +38,9 @@ TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmo
 PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
 # What `make site` is made by.
 SITE_PACKAGES = python3-sphinx python3-myst-parser furo graphviz groff
+# What `make deb` is made by.
+DEB_PACKAGES = dpkg-dev debhelper dh-python lintian python3-pip python3-setuptools \
+    python3-wheel
 # Of npm's registry, into build/npm: clients that tests speak to, what drives
 # Debian's Chromium, what judges the page.
 NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2 \
@@ -757,6 +760,12 @@ dist-check: dist deps-build ## unpack the tarball elsewhere, build and install i
 wheel: ## the Python client as a wheel: build/dist/
 	$(Q)mkdir -p $(DIST)
 	$(Q)packaging/wheel.sh $(DIST)
+
+DEB := build/deb
+.PHONY: deb
+deb: deps-build ## Debian packages of the committed sources: build/deb/
+	$(Q)packaging/deps.sh $(DEB_PACKAGES) $(SITE_PACKAGES)
+	$(Q)packaging/deb.sh $(DEB) '$(BUILD_PACKAGES)' '$(SITE_PACKAGES)'
 
 # --- documentation site -----------------------------------------------------
 SITE ?= build/site
