@@ -33,7 +33,7 @@ TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmo
     python3-wheel openexr chromium \
     nginx-light openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
-    tshark iproute2 $(SITE_PACKAGES)
+    tshark iproute2 $(SITE_PACKAGES) $(DEB_PACKAGES)
 # Players that `make players` tries; nothing else needs these 323 MB.
 PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
 # What `make site` is made by.
@@ -44,7 +44,8 @@ DEB_PACKAGES = dpkg-dev debhelper dh-python lintian python3-pip python3-setuptoo
 # Of npm's registry, into build/npm: clients that tests speak to, what drives
 # Debian's Chromium, what judges the page.
 NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2 \
-    @seriousme/openapi-schema-validator@2.11.0
+    @seriousme/openapi-schema-validator@2.11.0 \
+    openapi-typescript@7.4.4 openapi-fetch@0.13.3 typescript@5.6.3
 # Of the same, embedded in the page and loaded when its sea-state card is
 # opened. A tarball of `make dist` brings it along.
 PAGE_PACKAGES := uplot@1.6.32
@@ -766,6 +767,10 @@ DEB := build/deb
 deb: deps-build ## Debian packages of the committed sources: build/deb/
 	$(Q)packaging/deps.sh $(DEB_PACKAGES) $(SITE_PACKAGES)
 	$(Q)packaging/deb.sh $(DEB) '$(BUILD_PACKAGES)' '$(SITE_PACKAGES)'
+
+.PHONY: deb-check
+deb-check: deps deb ## lintian, install, the unit under systemd, purge: of what `make deb` built
+	$(Q)tests/deb_test.sh $(DEB)
 
 # --- documentation site -----------------------------------------------------
 SITE ?= build/site

@@ -13,9 +13,9 @@ into=$1
 shift
 missing=
 for package in "$@"; do
-    found=$(sed -n 's/^  "version": "\(.*\)",*$/\1/p' \
-        "$into/node_modules/${package%@*}/package.json" 2>/dev/null ||
-        true)
+    found=$(sed -n 's/^[[:space:]]*"version": "\([^"]*\)".*/\1/p' \
+        "$into/node_modules/${package%@*}/package.json" 2>/dev/null |
+        head -n 1 || true)
     [ "$found" = "${package##*@}" ] || missing="$missing $package"
 done
 if [ -z "$missing" ]; then

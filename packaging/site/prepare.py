@@ -188,7 +188,10 @@ def http_page(document):
            "What `GET /v1/openapi.json` answers, for people; the document "
            "itself, for [generators of clients](openapi.json), is OpenAPI "
            f"{document['openapi']}. The [manual](proto/manual.md) has the "
-           "messages, field by field.", ""]
+           "messages, field by field.", "",
+           "What has a default may be left out of a request; "
+           "`openapi-typescript` has to be told so, by "
+           "`--default-non-nullable=false`.", ""]
     for path, item in sorted(document["paths"].items()):
         for method, operation in item.items():
             if method in ("parameters", "summary", "description"):
