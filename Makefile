@@ -766,7 +766,7 @@ DEB := build/deb
 .PHONY: deb
 deb: deps-build ## Debian packages of the committed sources: build/deb/
 	$(Q)packaging/deps.sh $(DEB_PACKAGES) $(SITE_PACKAGES)
-	$(Q)packaging/deb.sh $(DEB) '$(BUILD_PACKAGES)' '$(SITE_PACKAGES)'
+	$(Q)packaging/deb.sh $(DEB) '$(BUILD_PACKAGES)' '$(SITE_PACKAGES)' $(UPLOT)
 
 .PHONY: deb-check
 deb-check: deps deb ## lintian, install, the unit under systemd, purge: of what `make deb` built

@@ -1,7 +1,7 @@
 #!/bin/bash
-# deb.sh OUT BUILD_PACKAGES SITE_PACKAGES: Debian packages into the folder OUT,
-# built in OUT/pelagos-VERSION, whose objects are kept for the next time. The
-# sources are those of the commit. The changelog is made of VERSION and of
+# deb.sh OUT BUILD_PACKAGES SITE_PACKAGES UPLOT: Debian packages into the folder
+# OUT, built in OUT/pelagos-VERSION, whose objects are kept for the next time. The
+# sources are those of the commit, with what the page embeds from UPLOT. The changelog is made of VERSION and of
 # CHANGELOG.md; DEBFULLNAME and DEBEMAIL sign it.
 #
 # PELAGOS_AS_BUILT=1, for tests: the files as they lie here, the programs as
@@ -34,6 +34,12 @@ else
         [ ! -f "$file" ] || printf '%s\0' "$file"
     done | tar -c --null -T - | tar -x -C "$fresh"
 fi
+third=$fresh/third-party/uplot
+if [ -f "$4/dist/uPlot.iife.min.js" ]; then
+    mkdir -p "$third/dist"
+    cp -p "$4/LICENSE" "$third"
+    cp -p "$4"/dist/uPlot.iife*.js "$4/dist/uPlot.min.css" "$third/dist"
+fi
 mkdir -p "$fresh/debian"
 cp -R packaging/debian/. "$fresh/debian"
 
@@ -48,13 +54,21 @@ pelagos ($version) unstable; urgency=medium
  -- ${DEBFULLNAME:-Pelagos contributors} <${DEBEMAIL:-pelagos@example.org}>  $(LC_ALL=C date -u -R -d "$date")
 END
 fill() { # a template of packaging/debian; gcc, libc and make need no naming
-    /usr/bin/python3 - "packaging/debian/$1" "$abi" "$2" "$3" <<'END'
+    /usr/bin/python3 - "packaging/debian/$1" "$abi" "$2" "$3" "$third" <<'END'
 import sys
-template, abi, build, site = sys.argv[1:]
+template, abi, build, site, third = sys.argv[1:]
 packages = [[p for p in names.split() if p not in ("gcc", "libc6-dev", "make")]
             for names in (build, site)]
 licence = open("LICENSE").read().split("\n\n", 2)[2].strip().split("\n")
 text = open(template).read().replace("@ABI@", abi)
+try:  # what the page embeds, under the same licence
+    words = open(third + "/LICENSE").read()
+    owner = next(line for line in words.split("\n") if "Copyright" in line)
+    uplot = ("\nFiles: third-party/uplot/*\nCopyright:" +
+             owner.split("(c)")[1] + "\nLicense: MIT\n")
+except FileNotFoundError:
+    uplot = ""
+text = text.replace("@UPLOT@\n", uplot)
 for name, names in zip(("BUILD", "SITE"), packages):
     need = " <!nodoc>" if name == "SITE" else ""
     text = text.replace(f"@{name}_PACKAGES@",
