@@ -683,6 +683,8 @@ $(O)/pelagos.pc: FORCE
 	    'Requires.private: openssl' 'Libs: -L$${libdir} -lpelagos' \
 	    'Cflags: -I$${prefix}/include/pelagos' >$@
 
+EXERCISES = $(wildcard clients/exercises/*.json)
+
 # What `install` puts where, for `uninstall`; then the folders that are ours.
 INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
     $(addprefix $(D)/libexec/pelagos/,pelagos-seabed pelagos-model pelagos-panorama) \
@@ -690,14 +692,15 @@ INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
         pkgconfig/pelagos.pc) \
     $(addprefix $(D)/include/pelagos/,$(notdir $(PUBLIC))) \
     $(addprefix $(D)/share/pelagos/,pelagos.proto openapi.json pelagos.conf) \
+    $(addprefix $(D)/share/pelagos/exercises/,$(notdir $(EXERCISES))) \
     $(D)/share/man/man1/pelagosctl.1 $(D)/share/man/man8/pelagosd.8 \
     $(addprefix $(D)/share/bash-completion/completions/,pelagosd pelagosctl) \
     $(D)/share/zsh/site-functions/_pelagosctl \
     $(D)/share/fish/vendor_completions.d/pelagosctl.fish \
     $(DESTDIR)$(UNITDIR)/pelagosd.service \
     $(DESTDIR)$(SYSUSERSDIR)/pelagos.conf $(DESTDIR)$(TMPFILESDIR)/pelagos.conf
-INSTALLED_FOLDERS = $(D)/libexec/pelagos $(D)/include/pelagos $(D)/share/pelagos \
-    $(DESTDIR)$(SYSCONFDIR)/pelagos
+INSTALLED_FOLDERS = $(D)/libexec/pelagos $(D)/include/pelagos \
+    $(D)/share/pelagos/exercises $(D)/share/pelagos $(DESTDIR)$(SYSCONFDIR)/pelagos
 
 # The loader finds a new library once it is told; a package's own scripts do it
 # where DESTDIR is.
@@ -716,6 +719,7 @@ install: all man $(O)/pelagos.pc $(O)/libpelagos.a $(O)/$(SHARED) ## install bel
 	install -m644 $(PUBLIC) $(D)/include/pelagos
 	install -m644 proto/pelagos.proto $(O)/gen/openapi.json \
 	    packaging/nginx/pelagos.conf $(D)/share/pelagos
+	install -m644 $(EXERCISES) $(D)/share/pelagos/exercises
 	install -m644 $(O)/man/pelagosctl.1 $(D)/share/man/man1
 	install -m644 $(O)/man/pelagosd.8 $(D)/share/man/man8
 	$(O)/bin/pelagosd --print-completion \

@@ -23,6 +23,8 @@ static Pelagos__ErrorCode code_of(enum pel_err err)
         return PELAGOS__ERROR_CODE__BUSY;
     case PEL_ERR_UNAUTHORIZED:
         return PELAGOS__ERROR_CODE__UNAUTHORIZED;
+    case PEL_ERR_FORBIDDEN:
+        return PELAGOS__ERROR_CODE__FORBIDDEN;
     default:
         return PELAGOS__ERROR_CODE__INTERNAL;
     }

@@ -98,6 +98,7 @@ ANSWERS = {
     "page": (("text/html", "text/css", "text/javascript", "application/json",
               "image/svg+xml"), ["ETag"]),
     "metrics": (("text/plain",), []),
+    "csv": (("text/csv",), []),
     "schema": (("text/plain",), ["ETag"]),
     "pictures": (("multipart/mixed",), MOMENT),
     "mjpeg": (("multipart/x-mixed-replace",), ["X-Pelagos-Unix"]),

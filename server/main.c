@@ -22,6 +22,7 @@
 #include "frames/frames.h"
 #include "net/net.h"
 #include "options.h"
+#include "scene/exercise.h"
 #include "scene/recorder.h"
 #include "scene/scene.h"
 #include "service.h"
@@ -40,6 +41,7 @@ struct daemon {
     struct pel_frames *frames;
     struct pel_recorder *recorder;
     struct pel_debrief *debrief;
+    struct pel_exercises *exercises;
     struct pel_metrics *metrics;
     struct pel_net *net;
     struct pel_modbus *modbus;
@@ -153,10 +155,25 @@ static enum pel_err start_record(struct daemon *d, struct pel_fault *fault)
     return err;
 }
 
+static enum pel_err start_exercises(struct daemon *d, struct pel_fault *fault)
+{
+    const struct pel_exercises_options options = {
+        .directory = or_null(d->options.exercises),
+        .state_path = or_null(d->options.state),
+    };
+    enum pel_err err =
+        pel_exercises_create(&options, d->scene, &d->exercises, fault);
+    if (err == PEL_OK) {
+        pel_metrics_add(d->metrics, pel_exercises_collect, d->exercises);
+    }
+    return err;
+}
+
 static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
 {
     struct pel_net_options options = {
         .unix_path = or_null(d->options.unix_path),
+        .exercises = d->exercises,
         .metrics = d->metrics,
         .debrief = d->debrief,
         .token_path = or_null(d->options.token_file),
@@ -320,8 +337,9 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
 static enum pel_err start(struct daemon *d, struct pel_fault *fault)
 {
     enum pel_err (*const parts[])(struct daemon *, struct pel_fault *) = {
-        start_realtime, start_scene, start_frames,   start_record, start_modbus,
-        start_net,      start_nmea,  start_nmea_out, start_cigi,   start_console
+        start_realtime,  start_scene,  start_frames, start_record,
+        start_exercises, start_modbus, start_net,    start_nmea,
+        start_nmea_out,  start_cigi,   start_console
     };
     d->metrics = pel_metrics_create();
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
@@ -347,6 +365,10 @@ static bool finish(struct daemon *d)
     if (d->frames) {
         pel_metrics_remove(d->metrics, pel_frames_collect, d->frames);
     }
+    if (d->exercises) {
+        pel_metrics_remove(d->metrics, pel_exercises_collect, d->exercises);
+    }
+    pel_exercises_destroy(d->exercises);
     if (d->debrief) {
         pel_metrics_remove(d->metrics, pel_recorder_collect, d->recorder);
         pel_metrics_remove(d->metrics, pel_debrief_collect, d->debrief);

@@ -56,6 +56,7 @@ struct pel_options {
     int waves;
     char spectra[PEL_OPTION_TEXT], bathymetry[PEL_OPTION_TEXT];
     char panoramas[PEL_OPTION_TEXT], recordings[PEL_OPTION_TEXT];
+    char exercises[PEL_OPTION_TEXT];
     char models[PEL_OPTION_TEXT];
     char device[PEL_OPTION_TEXT];
     double fps, quality; /* quality: 0 is auto */

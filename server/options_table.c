@@ -105,6 +105,10 @@ const struct pel_option pel_option_table[] = {
       .offset = FIELD(models),
       .help = "Where the files lie that entities.*.model.name names: glTF, "
               "GLB, OBJ, COLLADA, 3DS, AC3D, STL, X." },
+    { "exercises", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
+      .offset = FIELD(exercises),
+      .help = "Where the exercises lie, NAME.json; pelagosctl exercise loads "
+              "and saves them." },
 
     { "device", "render", PEL_OPTION_TEXT_KIND, "auto|software|NUMBER", "auto",
       .offset = FIELD(device),

@@ -198,6 +198,15 @@ class Requests(Case):
             session.ask(patch={"remove": [f"entities.{1000 + i}"
                                           for i in range(most - 1)]})
 
+    def test_EXERCISE_EVENTS(self):
+        with self.rises("EXERCISE_EVENTS") as most:
+            session = self.session()
+            for count, good in ((most, True), (most + 1, False)):
+                reply = session.ask(patch={"state": {"exercise": {"events": [
+                    {"event": f"e{i}"} for i in range(count)]}}})
+                self.assertEqual(reply.HasField("state"), good)
+            session.ask(patch={"remove": ["exercise"]})
+
     def test_LIVE_MESSAGE_BYTES(self):
         with self.rises("LIVE_MESSAGE_BYTES") as most, \
                 Live(self.daemon, "bridge", "?codec=jpeg") as live:

@@ -164,7 +164,7 @@ static void member(const char *json, const char *name, char *out, size_t size)
 
 static enum pel_client_code code_of(const char *name, int status)
 {
-    for (int code = PEL_CLIENT_MALFORMED; code <= PEL_CLIENT_UNAUTHORIZED;
+    for (int code = PEL_CLIENT_MALFORMED; code <= PEL_CLIENT_FORBIDDEN;
          code++) {
         if (strcmp(name, pel_client_code_name((enum pel_client_code)code)) ==
             0) {
@@ -172,6 +172,7 @@ static enum pel_client_code code_of(const char *name, int status)
         }
     }
     return status == 401                    ? PEL_CLIENT_UNAUTHORIZED
+           : status == 403                  ? PEL_CLIENT_FORBIDDEN
            : status == 404                  ? PEL_CLIENT_NOT_FOUND
            : status == 429 || status == 503 ? PEL_CLIENT_BUSY
            : status >= 500                  ? PEL_CLIENT_INTERNAL

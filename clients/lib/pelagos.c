@@ -29,7 +29,7 @@ static enum pel_client_code refuse(const Pelagos__Error *from,
 {
     enum pel_client_code code = PEL_CLIENT_INTERNAL;
     if (from->has_code && (int)from->code >= PEL_CLIENT_MALFORMED &&
-        (int)from->code <= PEL_CLIENT_UNAUTHORIZED) {
+        (int)from->code <= PEL_CLIENT_FORBIDDEN) {
         code = (enum pel_client_code)from->code;
     }
     if (error) {
@@ -543,6 +543,25 @@ enum pel_client_code pel_client_debrief(struct pel_client *client,
     return code;
 }
 
+enum pel_client_code pel_client_exercise(
+    struct pel_client *client, const Pelagos__ExerciseCommand *command,
+    Pelagos__ExerciseStatus **out, struct pel_client_error *error)
+{
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_EXERCISE;
+    request.exercise = (Pelagos__ExerciseCommand *)command;
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code =
+        call(client, &request, PELAGOS__REPLY__RESULT_EXERCISE, &reply, error);
+    if (code == PEL_CLIENT_OK) {
+        *out = reply->exercise;
+        reply->exercise = NULL;
+        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+        pelagos__reply__free_unpacked(reply, NULL);
+    }
+    return code;
+}
+
 enum pel_client_code pel_client_optics(struct pel_client *client,
                                        const Pelagos__OpticsQuery *query,
                                        Pelagos__Optics **out,
@@ -654,6 +673,8 @@ const char *pel_client_code_name(enum pel_client_code code)
         return "INTERNAL";
     case PEL_CLIENT_UNAUTHORIZED:
         return "UNAUTHORIZED";
+    case PEL_CLIENT_FORBIDDEN:
+        return "FORBIDDEN";
     case PEL_CLIENT_BAD_ADDRESS:
         return "BAD_ADDRESS";
     case PEL_CLIENT_UNREACHABLE:

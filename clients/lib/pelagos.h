@@ -40,7 +40,7 @@ extern "C" {
 /* A file of certificates (PEM) that TLS trusts instead of the system's. */
 #define PEL_CLIENT_CA_VARIABLE "PELAGOS_CA"
 
-/* Why a call failed. The first eight are ErrorCode of the schema: the daemon
+/* Why a call failed. The first nine are ErrorCode of the schema: the daemon
  * refused. From 100 on the request did not get an answer. */
 enum pel_client_code {
     PEL_CLIENT_OK = 0,
@@ -52,6 +52,7 @@ enum pel_client_code {
     PEL_CLIENT_BUSY = 6,
     PEL_CLIENT_INTERNAL = 7,
     PEL_CLIENT_UNAUTHORIZED = 8,
+    PEL_CLIENT_FORBIDDEN = 9,
     PEL_CLIENT_BAD_ADDRESS = 100, /* not tcp:HOST:PORT, tls: or unix:PATH */
     PEL_CLIENT_UNREACHABLE = 101, /* nothing listens there */
     PEL_CLIENT_TIMEOUT = 102,     /* no reply in time */
@@ -175,6 +176,12 @@ PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_debrief(struct pel_client *client,
                    const Pelagos__DebriefCommand *command,
                    Pelagos__Debrief **out, struct pel_client_error *error);
+
+/* Lists, loads, starts, pauses, rewinds and stops exercises. Free *out with
+ * pelagos__exercise_status__free_unpacked(). */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code pel_client_exercise(
+    struct pel_client *client, const Pelagos__ExerciseCommand *command,
+    Pelagos__ExerciseStatus **out, struct pel_client_error *error);
 
 /* Numbers of light (query->brdf or query->sky), of the state in force or of
  * what query->patch would make of it; the scene stays as it is. Free *out with

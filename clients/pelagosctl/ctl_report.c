@@ -174,6 +174,8 @@ static const char *hint(enum pel_client_code code)
     case PEL_CLIENT_UNAUTHORIZED:
         return "name the file with pelagosd's token by --token-file or "
                "PELAGOS_TOKEN_FILE";
+    case PEL_CLIENT_FORBIDDEN:
+        return "ask who runs pelagosd for a token of that role";
     case PEL_CLIENT_BUSY:
         return "try again in a moment";
     case PEL_CLIENT_INTERNAL:

@@ -118,6 +118,15 @@ static const char *const models_examples[] = {
     "pelagosctl set entities.7.model.name=tanker\nGive entity 7 a shape.",
     NULL,
 };
+static const char *const exercise_examples[] = {
+    "pelagosctl exercise load approach\nThe scene becomes its beginning.",
+    "pelagosctl exercise start\nIt runs.",
+    "pelagosctl exercise rewind 300\nBack to 5 min after its start; it is "
+    "paused then.",
+    "pelagosctl exercise facts >facts.csv\nWhat the trainee did, second by "
+    "second.",
+    NULL,
+};
 static const char *const model_examples[] = {
     "pelagosctl model check ferry/ferry.glb\nBefore it goes into the directory "
     "of pelagosd --models.",
@@ -404,6 +413,18 @@ const struct ctl_command ctl_commands[] = {
       "scene and its streams are not touched. Its views are drawn by the same "
       "renderer: `frame --debrief`, and /v1/debrief of HTTP.",
       debrief_options, debrief_examples, NULL, 0, 2, ctl_debrief },
+    { "exercise", "[VERB [ARGUMENTS]]", "load, run and rewind exercises",
+      "Without arguments, or with `status`: which exercise is loaded, how far "
+      "it is, what has happened and what comes next. `list`: the exercises of "
+      "pelagosd --exercises. `show NAME` prints one as JSON; `check FILE` says "
+      "what is wrong with one; `save NAME FILE` keeps it, if it is good; "
+      "`delete NAME` removes it. `load NAME` puts the scene into its "
+      "beginning, "
+      "`start` runs it or goes on, `pause` holds it, `rewind SECONDS` goes "
+      "back "
+      "to that exercise time and pauses, `stop` ends it. `facts` prints what "
+      "was logged of own ship and its targets as CSV.",
+      NULL, exercise_examples, NULL, 0, 3, ctl_exercise },
     { "step", "[SECONDS]", "advance simulated time in mode STEPPED",
       "Advances the clock by SECONDS (1/30) and prints the new time. Only in "
       "clock.mode STEPPED.",

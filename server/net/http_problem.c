@@ -24,6 +24,8 @@ int pel_http_status(enum pel_err err)
         return 503;
     case PEL_ERR_UNAUTHORIZED:
         return 401;
+    case PEL_ERR_FORBIDDEN:
+        return 403;
     case PEL_ERR_IO:
     case PEL_ERR_GPU:
     case PEL_ERR_NO_MEMORY:

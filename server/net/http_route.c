@@ -510,7 +510,7 @@ static const char *allow_of(const struct pel_http_target *target)
     return put && post ? "GET, HEAD, PUT, POST, DELETE"
            : put       ? "GET, HEAD, PUT, DELETE"
            : patch     ? "GET, HEAD, PATCH"
-           : post      ? "POST"
+           : post      ? head ? "GET, HEAD, POST" : "POST"
            : head      ? "GET, HEAD"
            : get       ? "GET"
                        : NULL;

@@ -13,12 +13,14 @@
 #include "net/http_request.h"
 #include "net/token.h"
 #include "pelagos.pb-c.h"
+#include "scene/exercise.h"
 #include "scene/scene.h"
 
 struct pel_http_context {
     struct pel_scene *scene;
     const struct pel_frames *frames; /* NULL: no picture is ever drawn */
     struct pel_debrief *debrief;     /* NULL: there is none */
+    struct pel_exercises *exercises; /* NULL: none */
     struct pel_metrics *metrics;
     const char *const *hosts; /* as pel_http_host_is_ours */
     /* Other origins whose pages may ask for pictures, NULL-terminated; NULL:

@@ -46,6 +46,15 @@ PEL_CHECK enum pel_err pel_http_number(ProtobufCMessage *message,
                                        const char *name, const char *text,
                                        struct pel_fault *fault);
 
+/* http_exercise.c */
+void pel_http_get_exercise(const struct pel_http_call *call);
+void pel_http_post_exercise(const struct pel_http_call *call);
+void pel_http_get_exercises(const struct pel_http_call *call);
+void pel_http_get_one_exercise(const struct pel_http_call *call);
+void pel_http_put_exercise(const struct pel_http_call *call);
+void pel_http_delete_exercise(const struct pel_http_call *call);
+void pel_http_get_facts(const struct pel_http_call *call);
+
 /* Reads one parameter of a picture into a request. */
 PEL_CHECK enum pel_err
 pel_http_frame_parameter(Pelagos__FrameRequest *frame,

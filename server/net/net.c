@@ -269,11 +269,13 @@ enum pel_err pel_net_create(const struct pel_net_options *options,
     enum pel_err err = load_secrets(net, fault);
     net->sessions = pel_sessions_create(&options->limits, scene, frames,
                                         options->debrief, net->token);
+    pel_sessions_exercises(net->sessions, options->exercises);
     if (err == PEL_OK && options->http_address) {
         struct pel_http_context context = {
             .scene = scene,
             .frames = frames,
             .debrief = options->debrief,
+            .exercises = options->exercises,
             .metrics = options->metrics,
             .hosts = options->http_hosts,
             .origins = options->http_origins,

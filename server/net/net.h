@@ -14,6 +14,7 @@
 #include "base/metrics.h"
 #include "frames/debrief.h"
 #include "frames/frames.h"
+#include "scene/exercise.h"
 #include "scene/scene.h"
 
 struct pel_net;
@@ -62,6 +63,7 @@ struct pel_net_options {
     const char *const *http_origins;
     /* Numeric addresses whose X-Forwarded-For is believed; NULL: none. */
     const char *const *http_proxies;
+    struct pel_exercises *exercises; /* NULL: none */
     struct pel_metrics *metrics; /* shown at /metrics; joined by the net's */
     struct pel_debrief *debrief;
     struct pel_net_limits limits;

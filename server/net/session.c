@@ -43,6 +43,7 @@ static const char *const command_names[PEL_SESSION_COMMANDS] = {
     [PELAGOS__REQUEST__COMMAND_RECORDINGS] = "recordings",
     [PELAGOS__REQUEST__COMMAND_RECORDING] = "recording",
     [PELAGOS__REQUEST__COMMAND_DEBRIEF] = "debrief",
+    [PELAGOS__REQUEST__COMMAND_EXERCISE] = "exercise",
     [PELAGOS__REQUEST__COMMAND_LOGIN] = "login",
 };
 
@@ -109,6 +110,8 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
         return pel_session_recordings(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_DEBRIEF:
         return pel_session_debrief(self, request, fault);
+    case PELAGOS__REQUEST__COMMAND_EXERCISE:
+        return pel_session_exercise(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_WATCH:
         self->watching = true;
         self->watch_has_id = request->has_id;
@@ -422,6 +425,12 @@ struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
     pel_unpack_init(&all->unpack);
     all->list = g_ptr_array_new_with_free_func(session_free);
     return all;
+}
+
+void pel_sessions_exercises(struct pel_sessions *all,
+                            struct pel_exercises *exercises)
+{
+    all->exercises = exercises;
 }
 
 void pel_sessions_destroy(struct pel_sessions *all)

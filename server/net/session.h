@@ -16,6 +16,7 @@
 #include "frames/frames.h"
 #include "net/net.h"
 #include "net/token.h"
+#include "scene/exercise.h"
 #include "scene/scene.h"
 
 struct pel_sessions;
@@ -32,6 +33,10 @@ struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
                                          struct pel_frames *frames,
                                          struct pel_debrief *debrief,
                                          struct pel_token *token);
+/* What answers commands about exercises; NULL: nothing does. */
+void pel_sessions_exercises(struct pel_sessions *all,
+                            struct pel_exercises *exercises);
+
 void pel_sessions_destroy(struct pel_sessions *sessions); /* NULL allowed */
 
 /* Takes over a non-blocking socket, or returns false: all places are taken and

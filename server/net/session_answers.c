@@ -77,6 +77,30 @@ void pel_session_send_state(struct session *self, bool has_id, uint64_t id)
     send_reply(self, &reply);
 }
 
+enum pel_err pel_session_exercise(struct session *self,
+                                  const Pelagos__Request *request,
+                                  struct pel_fault *fault)
+{
+    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+    Pelagos__ExerciseStatus *status;
+    if (!self->all->exercises) {
+        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                             "there are no exercises here");
+    }
+    enum pel_err err = pel_exercises_command(self->all->exercises,
+                                             request->exercise, &status, fault);
+    if (err) {
+        return err;
+    }
+    reply.has_id = request->has_id;
+    reply.id = request->id;
+    reply.result_case = PELAGOS__REPLY__RESULT_EXERCISE;
+    reply.exercise = status;
+    send_reply(self, &reply);
+    pelagos__exercise_status__free_unpacked(status, NULL);
+    return PEL_OK;
+}
+
 /* Takes the job out of its session; false: the session is gone. */
 static bool job_end(struct job *job)
 {

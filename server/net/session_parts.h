@@ -56,10 +56,11 @@ struct pel_sessions {
     struct pel_net_limits limits;
     struct pel_scene *scene;
     struct pel_frames *frames;
-    struct pel_debrief *debrief; /* NULL: none */
-    struct pel_token *token;     /* NULL: none is asked for */
-    GPtrArray *list;             /* of struct session */
-    struct pel_unpack unpack;    /* the request being taken */
+    struct pel_exercises *exercises; /* NULL: none */
+    struct pel_debrief *debrief;     /* NULL: none */
+    struct pel_token *token;         /* NULL: none is asked for */
+    GPtrArray *list;                 /* of struct session */
+    struct pel_unpack unpack;        /* the request being taken */
     bool stopped;
     uint64_t accepted[PEL_TRANSPORT_COUNT], refused[PEL_TRANSPORT_COUNT];
     uint64_t malformed[PEL_TRANSPORT_COUNT], timeouts[PEL_TRANSPORT_COUNT];
@@ -72,6 +73,11 @@ struct pel_sessions {
 void pel_session_send_state(struct session *self, bool has_id, uint64_t id);
 void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
                             const struct pel_fault *fault);
+
+/* Does what is asked of exercises, and answers. */
+PEL_CHECK enum pel_err pel_session_exercise(struct session *self,
+                                            const Pelagos__Request *request,
+                                            struct pel_fault *fault);
 
 /* Answers when the list is there. */
 PEL_CHECK enum pel_err pel_session_models(struct session *self,

@@ -364,6 +364,10 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     if (!err && state->sky) {
         err = check_fog(state->sky, fault);
     }
+    if (!err && state->exercise) {
+        err = check_count(state->exercise->n_events, PEL_BOUND_EXERCISE_EVENTS,
+                          "exercise.events", fault);
+    }
     for (size_t i = 0; !err && i < state->n_entities; i++) {
         err = check_count(state->entities[i]->n_track, PEL_TRACK_MOST,
                           "entities.track", fault);

@@ -75,6 +75,9 @@ void pel_state_fill(Pelagos__State *state, double time_s)
     for (size_t i = 0; i < state->sky->n_fog; i++) {
         fill_scalars(&state->sky->fog[i]->base);
     }
+    for (size_t i = 0; i < state->exercise->n_events; i++) {
+        fill_scalars(&state->exercise->events[i]->base);
+    }
     for (size_t i = 0; i < state->n_entities; i++) {
         Pelagos__Entity *entity = state->entities[i];
         fill_scalars(&entity->base);
@@ -360,6 +363,9 @@ static enum pel_err bounded(const Pelagos__Patch *patch,
     }
     if (state && state->sky && state->sky->n_fog > MAX_PATCHED) {
         return too_many("sky.fog", fault);
+    }
+    if (state && state->exercise && state->exercise->n_events > MAX_PATCHED) {
+        return too_many("exercise.events", fault);
     }
     return PEL_OK;
 }

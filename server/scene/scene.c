@@ -144,6 +144,40 @@ static void notify(struct pel_scene *scene, double time_s,
     if (scene->listener) {
         scene->listener(scene->listener_user, time_s, patch);
     }
+    if (scene->acts.heard) {
+        scene->acts.heard(scene->acts.user, time_s, patch);
+    }
+}
+
+void pel_scene_set_acts(struct pel_scene *scene,
+                        const struct pel_scene_acts *acts)
+{
+    scene->acts = acts ? *acts : (struct pel_scene_acts){ 0 };
+}
+
+/* Up to time_s: a clock that is stepped stops at each moment. */
+static void act_until(struct pel_scene *scene, double time_s)
+{
+    double at;
+    if (!scene->acts.next || scene->acting) {
+        return;
+    }
+    scene->acting = true;
+    while ((at = scene->acts.next(scene->acts.user, time_s)) <= time_s) {
+        if (scene->clock.mode != PEL_CLOCK_FREE) {
+            scene->clock.base_s = fmax(at, scene->clock.base_s);
+        }
+        advance_ships(scene, at);
+        scene->acts.act(scene->acts.user, at);
+    }
+    scene->acting = false;
+}
+
+void pel_scene_catch_up(struct pel_scene *scene)
+{
+    if (scene->clock.mode == PEL_CLOCK_FREE) {
+        act_until(scene, pel_scene_time(scene));
+    }
 }
 
 void pel_scene_set_host_frame(struct pel_scene *scene, uint32_t number)
@@ -248,7 +282,8 @@ static void ships_going_on(const struct pel_scene *scene,
     if (scene->snapshot->ship_count == 0 ||
         !equal(&now->origin->base, &next->origin->base) ||
         now->clock->time != next->clock->time ||
-        now->clock->rate != next->clock->rate) {
+        now->clock->rate != next->clock->rate ||
+        now->exercise->mark != next->exercise->mark) {
         return;
     }
     for (size_t k = 0; k < scene->snapshot->ship_count; k++) {
@@ -347,6 +382,7 @@ enum pel_err pel_scene_patch(struct pel_scene *scene,
                              struct pel_fault *fault)
 {
     Pelagos__State *next;
+    pel_scene_catch_up(scene);
     int64_t now_ns = pel_now_ns();
     double time_s = pel_simclock_at(&scene->clock, now_ns);
     enum pel_err err = pel_scene_edited(scene, patch, time_s, &next, fault);
@@ -400,14 +436,19 @@ static enum pel_err steps(const struct pel_scene *scene,
                : PEL_OK;
 }
 
-/* A ship takes each of its steps through the sea: not too many at once. */
+/* A ship takes each of its steps through the sea, and somebody may act often:
+ * not too many at once. */
 static double longest_step(const struct pel_scene *scene)
 {
-    return scene->snapshot->ship_count > 0 ? PEL_SHIP_AHEAD_S : MAX_STEP_S;
+    bool acts = scene->acts.next &&
+                isfinite(scene->acts.next(scene->acts.user, PEL_MAX_TIME_S));
+    return scene->snapshot->ship_count > 0 || acts ? PEL_SHIP_AHEAD_S
+                                                   : MAX_STEP_S;
 }
 
 static void go_to(struct pel_scene *scene, double time_s)
 {
+    act_until(scene, time_s);
     scene->clock.base_s = time_s;
     advance_ships(scene, time_s);
     pel_scene_save_soon(scene);
@@ -436,10 +477,10 @@ enum pel_err pel_scene_step_to(struct pel_scene *scene, double time_s,
     if (err) {
         return err;
     }
-    double most_s =
-        scene->snapshot->ship_count > 0
-            ? fmin(scene->clock.base_s + longest_step(scene), PEL_MAX_TIME_S)
-            : PEL_MAX_TIME_S;
+    double longest_s = longest_step(scene);
+    double most_s = longest_s < MAX_STEP_S
+                        ? fmin(scene->clock.base_s + longest_s, PEL_MAX_TIME_S)
+                        : PEL_MAX_TIME_S;
     if (!(time_s >= scene->clock.base_s && time_s <= most_s)) {
         return refuse_step("step.until", time_s, scene->clock.base_s, most_s,
                            fault);

@@ -147,6 +147,34 @@ typedef void (*pel_scene_listener)(void *user, double time_s,
 const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
                                        pel_scene_listener listener, void *user);
 
+/* Who acts at moments of simulated time (exercise.h); one, NULL for none. While
+ * somebody does, a step is 10 s at most. */
+struct pel_scene_acts {
+    /* The next moment after the last, INFINITY: none; until_s: how far
+     * simulated time is about to come. */
+    double (*next)(void *user, double until_s);
+    /* It is that moment: the scene may be edited, by pel_scene_act_patch. */
+    void (*act)(void *user, double time_s);
+    /* As a listener. */
+    pel_scene_listener heard;
+    void *user;
+};
+void pel_scene_set_acts(struct pel_scene *scene,
+                        const struct pel_scene_acts *acts);
+
+/* Acts at each moment that a clock which runs by itself has passed. Edits do so
+ * first. */
+void pel_scene_catch_up(struct pel_scene *scene);
+
+/* An edit that takes effect at time_s, the present time or the moment at which
+ * somebody acts, whatever the clock shows by then. `done` as of
+ * pel_scene_submit: where time goes by itself or by a host, a patch that asks
+ * for another sea or a file waits for it; where it goes by steps, it takes
+ * effect at time_s all the same, and who looks at the sea first builds it. Its
+ * source is acts.user (pel_scene_forget). */
+bool pel_scene_act_patch(struct pel_scene *scene, const Pelagos__Patch *patch,
+                         double time_s, pel_scene_done done, void *user);
+
 /* The newest frame of a simulator host that the scene shows, 0: no host
  * leads. Not part of the state: it goes with pictures and streams. */
 void pel_scene_set_host_frame(struct pel_scene *scene, uint32_t number);

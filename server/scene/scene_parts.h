@@ -46,6 +46,8 @@ struct pel_scene {
     uint32_t host_frame;
     pel_scene_listener listener; /* may be NULL */
     void *listener_user;
+    struct pel_scene_acts acts; /* next NULL: none */
+    bool acting;
     size_t callback_count;
     struct {
         void (*call)(void *user);

@@ -155,6 +155,9 @@ static enum pel_err commit_one(struct pel_scene *scene, const struct waiting *w,
 static void prepared(void *user, struct pel_preparation *ready)
 {
     struct pel_scene *scene = user;
+    if (!ready->dropped) {
+        pel_scene_catch_up(scene);
+    }
     guint count = ready->dropped ? scene->waiting->len : scene->batch;
     int64_t now_ns = pel_now_ns();
     bool any = false;
@@ -187,22 +190,43 @@ static void prepared(void *user, struct pel_preparation *ready)
     }
 }
 
-bool pel_scene_submit(struct pel_scene *scene,
-                      const struct pel_scene_wish *wish, pel_scene_done done,
-                      void *user)
+/* Adds it to those that wait; false: there are too many. */
+static bool wait_for(struct pel_scene *scene, const struct pel_scene_wish *wish,
+                     pel_scene_done done, void *user)
+{
+    if (scene->waiting->len >= MAX_WAITING) {
+        return false;
+    }
+    struct waiting *w = g_new(struct waiting, 1);
+    *w = (struct waiting){
+        .patch = (Pelagos__Patch *)pel_message_copy(&wish->patch->base),
+        .source = wish->source,
+        .has_revision = wish->if_unchanged,
+        .revision = scene->state->revision,
+        .done = done,
+        .user = user,
+    };
+    g_ptr_array_add(scene->waiting, w);
+    prepare_next(scene);
+    return true;
+}
+
+/* time_s: when it takes effect; at_once: without waiting for its sea. */
+static bool submit(struct pel_scene *scene, const struct pel_scene_wish *wish,
+                   int64_t now_ns, double time_s, bool at_once,
+                   pel_scene_done done, void *user)
 {
     Pelagos__State *next = NULL;
     struct pel_fault fault = { 0 };
-    int64_t now_ns = pel_now_ns();
-    double time_s = pel_simclock_at(&scene->clock, now_ns);
     enum pel_err err = PEL_OK;
-    bool behind = is_waiting(scene, wish->source) ||
-                  (scene->waiting->len > 0 && touches_sea(wish->patch));
+    bool behind =
+        !at_once && (is_waiting(scene, wish->source) ||
+                     (scene->waiting->len > 0 && touches_sea(wish->patch)));
     if (!behind) {
         err = pel_scene_edited(scene, wish->patch, time_s, &next, &fault);
     }
     if (!err && !behind &&
-        pel_resources_fits(&scene->has, next, &scene->means)) {
+        (at_once || pel_resources_fits(&scene->has, next, &scene->means))) {
         err = pel_scene_commit(scene, next, wish->patch, NULL, time_s, now_ns,
                                &fault);
         if (!err) {
@@ -212,18 +236,7 @@ bool pel_scene_submit(struct pel_scene *scene,
         if (next) {
             pelagos__state__free_unpacked(next, NULL);
         }
-        if (scene->waiting->len < MAX_WAITING) {
-            struct waiting *w = g_new(struct waiting, 1);
-            *w = (struct waiting){
-                .patch = (Pelagos__Patch *)pel_message_copy(&wish->patch->base),
-                .source = wish->source,
-                .has_revision = wish->if_unchanged,
-                .revision = scene->state->revision,
-                .done = done,
-                .user = user,
-            };
-            g_ptr_array_add(scene->waiting, w);
-            prepare_next(scene);
+        if (wait_for(scene, wish, done, user)) {
             return true;
         }
         err = pel_fault_set(&fault, PEL_ERR_BUSY,
@@ -234,6 +247,26 @@ bool pel_scene_submit(struct pel_scene *scene,
         done(user, err, &fault);
     }
     return false;
+}
+
+bool pel_scene_submit(struct pel_scene *scene,
+                      const struct pel_scene_wish *wish, pel_scene_done done,
+                      void *user)
+{
+    pel_scene_catch_up(scene);
+    int64_t now_ns = pel_now_ns();
+    return submit(scene, wish, now_ns, pel_simclock_at(&scene->clock, now_ns),
+                  false, done, user);
+}
+
+bool pel_scene_act_patch(struct pel_scene *scene, const Pelagos__Patch *patch,
+                         double time_s, pel_scene_done done, void *user)
+{
+    const struct pel_scene_wish wish = { .patch = patch,
+                                         .source = scene->acts.user };
+    bool stepped = scene->clock.mode == PEL_CLOCK_STEPPED ||
+                   scene->clock.mode == PEL_CLOCK_PACED;
+    return submit(scene, &wish, pel_now_ns(), time_s, stepped, done, user);
 }
 
 void pel_scene_forget(struct pel_scene *scene, const void *source)

@@ -16,8 +16,8 @@ from .camera import (EARTH_RADIUS, STANDARD_REFRACTION, Camera, Horizon,
                      Intrinsics)
 from .client import Ocean
 from .coco import Coco, positions_csv, shot
-from .errors import (BadPicture, Busy, Conflict, Internal, Invalid, Malformed,
-                     MissingPackage, NotFound, OutOfRange, PelagosError,
+from .errors import (BadPicture, Busy, Conflict, Forbidden, Internal, Invalid,
+                     Malformed, MissingPackage, NotFound, OutOfRange, PelagosError,
                      ProtocolError, Refused, TimedOut, Unauthorized,
                      Unreachable)
 from .exr import Exr, read_exr
@@ -39,7 +39,7 @@ __version__ = VERSION
 __all__ = [
     "Area", "BadPicture", "Box", "Busy", "Camera", "Clock", "Coco", "Conflict",
     "convergence", "EARTH_RADIUS", "Entities", "Entity", "EntityHandle", "Exr",
-    "Fog", "FORMATS", "Frame", "FrameTruth", "Frustum", "Geographic",
+    "Fog", "Forbidden", "FORMATS", "Frame", "FrameTruth", "Frustum", "Geographic",
     "Horizon", "Internal", "Intrinsics", "Invalid", "LabelledEntity", "Labels",
     "LAYERS", "Light", "LightSector", "LiveFrame", "LiveStream", "Local",
     "Malformed", "MissingPackage", "Model", "MODEL_CLASSES", "ModelInfo",

@@ -82,6 +82,10 @@ class Unauthorized(Refused, PermissionError):
     """The token is missing or wrong: Ocean(token=…) or $PELAGOS_TOKEN."""
 
 
+class Forbidden(Refused, PermissionError):
+    """The token's role does not reach so far."""
+
+
 class Internal(Refused):
     """The daemon failed; its log says more."""
 
@@ -90,6 +94,7 @@ _KINDS: dict[str, type[Refused]] = {
     "MALFORMED": Malformed, "NOT_FOUND": NotFound,
     "OUT_OF_RANGE": OutOfRange, "INVALID": Invalid, "CONFLICT": Conflict,
     "BUSY": Busy, "INTERNAL": Internal, "UNAUTHORIZED": Unauthorized,
+    "FORBIDDEN": Forbidden,
 }
 _BY_STATUS: dict[int, type[Refused]] = {401: Unauthorized, 404: NotFound, 409: Conflict, 412: Conflict, 429: Busy,
               503: Busy}

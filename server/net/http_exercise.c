@@ -1,0 +1,162 @@
+/* /v1/exercise and /v1/exercises. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <glib.h>
+
+#include "fault.h"
+#include "json.h"
+#include "net/command.h"
+#include "net/http_view.h"
+#include "scene/exercise.h"
+
+#define MOST_FACTS (64u << 20)
+
+/* NULL: refused already. */
+static Pelagos__ExerciseStatus *ask(const struct pel_http_call *call,
+                                    const Pelagos__ExerciseCommand *command,
+                                    int not_found)
+{
+    Pelagos__ExerciseStatus *status = NULL;
+    struct pel_fault fault = { 0 };
+    enum pel_err err = call->context->exercises
+                           ? pel_exercises_command(call->context->exercises,
+                                                   command, &status, &fault)
+                           : pel_fault_set(&fault, PEL_ERR_NOT_FOUND,
+                                           "there are no exercises here");
+    if (err) {
+        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? not_found : 0, &fault);
+    }
+    return err ? NULL : status;
+}
+
+static void answer(const struct pel_http_call *call,
+                   Pelagos__ExerciseStatus *status)
+{
+    if (status) {
+        pel_http_json(call->answer, 200,
+                      pel_json_from_message(&status->base, false));
+        pelagos__exercise_status__free_unpacked(status, NULL);
+    }
+}
+
+/* A command about what the URL names. */
+static Pelagos__ExerciseCommand about(const struct pel_http_call *call,
+                                      Pelagos__ExerciseAction action)
+{
+    Pelagos__ExerciseCommand command = PELAGOS__EXERCISE_COMMAND__INIT;
+    command.has_action = true;
+    command.action = action;
+    command.name = call->target->segment_count > 2
+                       ? (char *)call->target->segments[2]
+                       : NULL;
+    return command;
+}
+
+static enum pel_err read_body(const struct pel_http_call *call,
+                              const ProtobufCMessageDescriptor *type,
+                              ProtobufCMessage **out, struct pel_fault *fault)
+{
+    bool empty = call->request->body_size == 0;
+    return pel_json_to_message(empty ? "{}" : call->request->body,
+                               empty ? 2 : call->request->body_size, type, out,
+                               fault);
+}
+
+void pel_http_get_exercise(const struct pel_http_call *call)
+{
+    Pelagos__ExerciseCommand command =
+        about(call, PELAGOS__EXERCISE_ACTION__STATUS);
+    answer(call, ask(call, &command, 404));
+}
+
+void pel_http_post_exercise(const struct pel_http_call *call)
+{
+    struct pel_fault fault;
+    ProtobufCMessage *message = NULL;
+    enum pel_err err = read_body(call, &pelagos__exercise_command__descriptor,
+                                 &message, &fault);
+    if (err) {
+        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
+        return;
+    }
+    answer(call, ask(call, (Pelagos__ExerciseCommand *)message, 400));
+    protobuf_c_message_free_unpacked(message, NULL);
+}
+
+void pel_http_get_exercises(const struct pel_http_call *call)
+{
+    Pelagos__ExerciseCommand command =
+        about(call, PELAGOS__EXERCISE_ACTION__LIST);
+    answer(call, ask(call, &command, 404));
+}
+
+void pel_http_get_one_exercise(const struct pel_http_call *call)
+{
+    Pelagos__ExerciseCommand command =
+        about(call, PELAGOS__EXERCISE_ACTION__SHOW);
+    Pelagos__ExerciseStatus *status = ask(call, &command, 404);
+    if (status) {
+        pel_http_json(call->answer, 200,
+                      pel_json_from_message(&status->exercise->base, true));
+        pelagos__exercise_status__free_unpacked(status, NULL);
+    }
+}
+
+void pel_http_put_exercise(const struct pel_http_call *call)
+{
+    struct pel_fault fault;
+    ProtobufCMessage *message = NULL;
+    enum pel_err err =
+        read_body(call, &pelagos__exercise__descriptor, &message, &fault);
+    if (err) {
+        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
+        return;
+    }
+    Pelagos__ExerciseCommand command =
+        about(call, PELAGOS__EXERCISE_ACTION__SAVE);
+    command.exercise = (Pelagos__Exercise *)message;
+    Pelagos__ExerciseStatus *status = ask(call, &command, 400);
+    if (status) {
+        pelagos__exercise_status__free_unpacked(status, NULL);
+        pel_http_json(call->answer, 200, pel_json_from_message(message, true));
+    }
+    protobuf_c_message_free_unpacked(message, NULL);
+}
+
+void pel_http_delete_exercise(const struct pel_http_call *call)
+{
+    Pelagos__ExerciseCommand command =
+        about(call, PELAGOS__EXERCISE_ACTION__DELETE);
+    Pelagos__ExerciseStatus *status = ask(call, &command, 404);
+    if (status) {
+        pelagos__exercise_status__free_unpacked(status, NULL);
+        call->answer->status = 204;
+    }
+}
+
+/* All of them, which the exercise keeps below 64 MiB. */
+void pel_http_get_facts(const struct pel_http_call *call)
+{
+    g_autoptr(GString) text = g_string_new(NULL);
+    Pelagos__ExerciseCommand command =
+        about(call, PELAGOS__EXERCISE_ACTION__FACTS);
+    for (bool more = true; more && text->len <= MOST_FACTS;) {
+        Pelagos__ExerciseStatus *status = ask(call, &command, 404);
+        if (!status) {
+            return;
+        }
+        g_string_append(text, status->facts);
+        more = status->has_more;
+        command.has_time = true;
+        command.time = status->more;
+        pelagos__exercise_status__free_unpacked(status, NULL);
+    }
+    call->answer->status = 200;
+    call->answer->type = "text/csv; charset=utf-8";
+    call->answer->size = text->len;
+    call->answer->owned = g_string_free(g_steal_pointer(&text), FALSE);
+    call->answer->body = call->answer->owned;
+}

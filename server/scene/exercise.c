@@ -1,0 +1,275 @@
+#include "scene/exercise.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/file.h"
+#include "base/log.h"
+#include "base/watch.h"
+#include "fault.h"
+#include "message.h"
+#include "scene/exercise_parts.h"
+#include "scene/exerciserun.h"
+
+#define MOST_FACTS (1u << 20) /* of one answer */
+#define MOST_KEPT (4u << 20)
+
+/* --- what a client asks for ----------------------------------------------- */
+
+/* The earliest time that an event waits for by time alone. */
+static void find_next(const struct pel_exercise_run *run,
+                      Pelagos__ExerciseStatus *out)
+{
+    const Pelagos__ExerciseRun *now = pel_exercise_run_state(run);
+    const Pelagos__ExerciseEvent *next = NULL;
+    double best = INFINITY;
+    for (size_t i = 0; i < run->exercise->n_events; i++) {
+        const Pelagos__ExerciseEvent *event = run->exercise->events[i];
+        const Pelagos__ExerciseDone *done = pel_exercise_done(now, event->name);
+        for (size_t k = 0; k < event->n_when && !(done && done->count); k++) {
+            const Pelagos__ExerciseWhen *w = event->when[k];
+            if (w->has_at && w->at < best) {
+                best = w->at;
+                next = event;
+            }
+        }
+    }
+    if (next) {
+        out->next = strdup(next->name);
+        out->has_next_time = true;
+        out->next_time = best;
+    }
+}
+
+static Pelagos__ExerciseStatus *status(const struct pel_exercise_run *run)
+{
+    Pelagos__ExerciseStatus *out = (Pelagos__ExerciseStatus *)pel_message_new(
+        &pelagos__exercise_status__descriptor);
+    const Pelagos__ExerciseRun *now = pel_exercise_run_state(run);
+    out->run = (Pelagos__ExerciseRun *)pel_message_copy(&now->base);
+    out->has_leads = out->has_time = true;
+    out->leads = run->leads;
+    out->time = pel_exercise_run_time(run);
+    if (run->leads) {
+        double earliest = pel_exercise_past_earliest(run->past);
+        out->title = run->exercise->title ? strdup(run->exercise->title) : NULL;
+        out->has_events = true;
+        out->events = (uint32_t)run->exercise->n_events;
+        out->has_earliest = isfinite(earliest);
+        out->earliest = out->has_earliest ? earliest : 0;
+        find_next(run, out);
+    }
+    return out;
+}
+
+static enum pel_err give_facts(const struct pel_exercise_run *run,
+                               const Pelagos__ExerciseCommand *command,
+                               Pelagos__ExerciseStatus *out,
+                               struct pel_fault *fault)
+{
+    double more;
+    if (!run->facts) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "no exercise is loaded, so there are no facts");
+    }
+    g_autofree char *text = pel_exercise_facts_text(
+        run->facts, command->has_time ? command->time : 0, MOST_FACTS, &more);
+    out->facts = strdup(text);
+    out->has_more = !isnan(more);
+    out->more = out->has_more ? more : 0;
+    return PEL_OK;
+}
+
+static enum pel_err need_exercise(const Pelagos__ExerciseCommand *command,
+                                  struct pel_fault *fault)
+{
+    return command->exercise ? PEL_OK
+                             : pel_fault_refuse(PEL_ERR_INVALID, "exercise",
+                                                NULL, "is missing", fault);
+}
+
+static enum pel_err load(struct pel_exercises *all, const char *name,
+                         struct pel_fault *fault)
+{
+    Pelagos__Exercise *exercise;
+    enum pel_err err =
+        pel_exercise_files_read(all->files, name, &exercise, fault);
+    return err ? err : pel_exercise_run_load(&all->run, name, exercise, fault);
+}
+
+static enum pel_err act(struct pel_exercises *all,
+                        const Pelagos__ExerciseCommand *c,
+                        Pelagos__Exercise **shown, struct pel_fault *fault)
+{
+    enum pel_err err;
+    switch (c->action) {
+    case PELAGOS__EXERCISE_ACTION__SHOW:
+        return pel_exercise_files_read(all->files, c->name, shown, fault);
+    case PELAGOS__EXERCISE_ACTION__CHECK:
+        err = need_exercise(c, fault);
+        return err ? err : pel_exercise_check(c->exercise, fault);
+    case PELAGOS__EXERCISE_ACTION__SAVE:
+        err = need_exercise(c, fault);
+        return err ? err
+                   : pel_exercise_files_save(all->files, c->name, c->exercise,
+                                             fault);
+    case PELAGOS__EXERCISE_ACTION__DELETE:
+        return pel_exercise_files_delete(all->files, c->name, fault);
+    case PELAGOS__EXERCISE_ACTION__LOAD:
+        return load(all, c->name, fault);
+    case PELAGOS__EXERCISE_ACTION__START:
+        return pel_exercise_run_start(&all->run, fault);
+    case PELAGOS__EXERCISE_ACTION__PAUSE:
+        return pel_exercise_run_pause(&all->run, fault);
+    case PELAGOS__EXERCISE_ACTION__REWIND:
+        return c->has_time
+                   ? pel_exercise_run_rewind(&all->run, c->time, fault)
+                   : pel_fault_refuse(PEL_ERR_INVALID, "time", NULL,
+                                      "is missing: the exercise time to go "
+                                      "back to",
+                                      fault);
+    case PELAGOS__EXERCISE_ACTION__STOP:
+        return pel_exercise_run_stop(&all->run, fault);
+    default:
+        return PEL_OK;
+    }
+}
+
+enum pel_err pel_exercises_command(struct pel_exercises *all,
+                                   const Pelagos__ExerciseCommand *command,
+                                   Pelagos__ExerciseStatus **out,
+                                   struct pel_fault *fault)
+{
+    PEL_WATCH("exercise command");
+    Pelagos__Exercise *shown = NULL;
+    *out = NULL;
+    if (command->has_time && !(command->time >= 0 && command->time <= 1e9)) {
+        return pel_fault_refuse(PEL_ERR_OUT_OF_RANGE, "time", NULL,
+                                "must be 0 to 1e9 s", fault);
+    }
+    pel_scene_catch_up(all->run.scene);
+    enum pel_err err = act(all, command, &shown, fault);
+    if (err) {
+        return err;
+    }
+    *out = status(&all->run);
+    (*out)->exercise = shown;
+    if (command->action == PELAGOS__EXERCISE_ACTION__LIST) {
+        pel_exercise_files_list(all->files, *out);
+    }
+    if (command->action == PELAGOS__EXERCISE_ACTION__FACTS) {
+        err = give_facts(&all->run, command, *out, fault);
+    }
+    if (err) {
+        pelagos__exercise_status__free_unpacked(*out, NULL);
+        *out = NULL;
+    }
+    return err;
+}
+
+const char *pel_exercises_name(struct pel_exercises *all, unsigned number)
+{
+    return number > 0 ? pel_exercise_files_name(all->files, number - 1) : NULL;
+}
+
+unsigned pel_exercises_number(struct pel_exercises *all)
+{
+    const char *mine = all->run.leads ? all->run.name : NULL, *name;
+    for (unsigned i = 1; mine && (name = pel_exercises_name(all, i)); i++) {
+        if (strcmp(name, mine) == 0) {
+            return i;
+        }
+    }
+    return 0;
+}
+
+double pel_exercises_time(struct pel_exercises *all)
+{
+    return pel_exercise_run_time(&all->run);
+}
+
+/* --- life ----------------------------------------------------------------- */
+
+/* The exercise that ran when the daemon ended. */
+static void resume(struct pel_exercises *all)
+{
+    const Pelagos__ExerciseRun *now = pel_exercise_run_state(&all->run);
+    char *bytes = NULL;
+    size_t size = 0;
+    struct pel_fault fault;
+    if (!now->name || now->phase == PELAGOS__EXERCISE_PHASE__IDLE ||
+        now->phase == PELAGOS__EXERCISE_PHASE__ENDED) {
+        return;
+    }
+    enum pel_err err =
+        all->run.kept_path
+            ? pel_file_read(all->run.kept_path, MOST_KEPT, &bytes, &size,
+                            &fault)
+            : pel_fault_set(&fault, PEL_ERR_NOT_FOUND, "nothing is kept");
+    Pelagos__Exercise *exercise =
+        err ? NULL
+            : pelagos__exercise__unpack(NULL, size, (const uint8_t *)bytes);
+    free(bytes);
+    if (!err && (!exercise || pel_exercise_check(exercise, &fault))) {
+        err = PEL_ERR_MALFORMED;
+    }
+    if (err || !pel_exercise_run_resume(&all->run, exercise)) {
+        pel_warn("EXR-002",
+                 "exercise %s does not go on: what is kept of it is not what "
+                 "the state names; load it again",
+                 now->name);
+        if (exercise) {
+            pelagos__exercise__free_unpacked(exercise, NULL);
+        }
+    }
+}
+
+enum pel_err pel_exercises_create(const struct pel_exercises_options *options,
+                                  struct pel_scene *scene,
+                                  struct pel_exercises **out,
+                                  struct pel_fault *fault)
+{
+    *out = NULL;
+    if (options->directory &&
+        !g_file_test(options->directory, G_FILE_TEST_IS_DIR)) {
+        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                             "--exercises: %.140s is no directory; make it, "
+                             "name another, or say off",
+                             options->directory);
+    }
+    struct pel_exercises *all = g_new0(struct pel_exercises, 1);
+    all->files = pel_exercise_files_create(options->directory);
+    pel_exercise_run_init(&all->run, scene, options->state_path);
+    resume(all);
+    *out = all;
+    return PEL_OK;
+}
+
+void pel_exercises_destroy(struct pel_exercises *all)
+{
+    if (all) {
+        pel_exercise_run_finish(&all->run);
+        pel_exercise_files_destroy(all->files);
+        g_free(all);
+    }
+}
+
+void pel_exercises_collect(void *user, struct pel_metrics_page *page)
+{
+    const struct pel_exercises *all = user;
+    pel_metric(page, "pelagos_exercise_events_total", PEL_METRIC_COUNTER,
+               "Events of exercises that took effect.", NULL,
+               (double)all->run.fired);
+    pel_metric(page, "pelagos_exercise_refused_total", PEL_METRIC_COUNTER,
+               "Events of exercises that the scene refused.", NULL,
+               (double)all->run.refused);
+    pel_metric(page, "pelagos_exercise_past_bytes", PEL_METRIC_GAUGE,
+               "Bytes that are kept for a rewind.", NULL,
+               all->run.past ? (double)pel_exercise_past_bytes(all->run.past)
+                             : 0);
+    pel_metric(page, "pelagos_exercise_facts_bytes", PEL_METRIC_GAUGE,
+               "Bytes of facts.", NULL,
+               all->run.facts ? (double)pel_exercise_facts_bytes(all->run.facts)
+                              : 0);
+}

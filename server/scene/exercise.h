@@ -1,0 +1,65 @@
+/* Exercises for a ship's bridge: what an instructor prepares, runs, stops and
+ * rewinds (docs/exercises.md). Files NAME.json by the schema; events that edit
+ * the scene, looked at every tenth of a simulated second; facts, logged every
+ * second.
+ *
+ * What has happened is in the state (`exercise`), and each event is a patch as
+ * any other: a log of commands has it, and a replay needs nothing of this. The
+ * exercise that runs is kept beside the state file (STATE.exercise), its facts
+ * too (STATE.exercise.csv), so that a restart goes on with it. Control
+ * thread. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/err.h"
+#include "base/metrics.h"
+#include "pelagos.pb-c.h"
+#include "scene/scene.h"
+
+struct pel_exercises;
+
+struct pel_exercises_options {
+    const char *directory;  /* of the files; NULL: there are none */
+    const char *state_path; /* of the scene; NULL: nothing is kept */
+};
+
+/* Goes on with the exercise that the scene's state names, where it was kept.
+ * NOT_FOUND: there is no such directory. */
+PEL_CHECK enum pel_err
+pel_exercises_create(const struct pel_exercises_options *options,
+                     struct pel_scene *scene, struct pel_exercises **out,
+                     struct pel_fault *fault);
+
+/* Before the scene; NULL allowed. */
+void pel_exercises_destroy(struct pel_exercises *all);
+
+/* Does what a client asks for; pelagos__exercise_status__free_unpacked(*out).
+ * NOT_FOUND, INVALID, OUT_OF_RANGE: the exercise, or the time, is none; *fault
+ * names the field as the file has it (`events.fog.when.0.at`). CONFLICT: it
+ * contradicts the phase. IO: the file. A LOAD whose sea is built first has the
+ * phase READY a little later; a START that comes before waits for it. */
+PEL_CHECK enum pel_err
+pel_exercises_command(struct pel_exercises *all,
+                      const Pelagos__ExerciseCommand *command,
+                      Pelagos__ExerciseStatus **out, struct pel_fault *fault);
+
+/* The name of exercise `number`, 1 for the first by name; NULL: there is none.
+ * Good until the next call. */
+const char *pel_exercises_name(struct pel_exercises *all, unsigned number);
+/* The number of the one that is loaded; 0: none. */
+unsigned pel_exercises_number(struct pel_exercises *all);
+/* Exercise time now [s]. */
+double pel_exercises_time(struct pel_exercises *all);
+
+void pel_exercises_collect(void *user, struct pel_metrics_page *page);
+
+/* Reads and tests an exercise; pelagos__exercise__free_unpacked(*out). Faults
+ * as above. Any thread. */
+PEL_CHECK enum pel_err pel_exercise_read(const char *text, size_t size,
+                                         Pelagos__Exercise **out,
+                                         struct pel_fault *fault);
+/* Tests one that was read. Any thread. */
+PEL_CHECK enum pel_err pel_exercise_check(const Pelagos__Exercise *exercise,
+                                          struct pel_fault *fault);
