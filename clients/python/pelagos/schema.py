@@ -852,6 +852,47 @@ class Preset(Record):
 
 
 @dataclass(frozen=True)
+class ExerciseDone(Record):
+    """What an event of the exercise has done so far."""
+    #: Name of the event.
+    event: str | None = _field(None)
+    #: How often it took effect. [1; 0 to 4294967295]
+    count: int = _field(0, '1', 0, 4294967295)
+    #: Exercise time at which it last did. [s; 0 to 1000000000]
+    time: float = _field(0.0, 's', 0, 1000000000)
+    #: Whether its condition held at the last look, of one that acts at each
+    #: entering.
+    inside: bool = _field(False)
+
+
+@dataclass(frozen=True)
+class ExerciseRun(Record):
+    """The exercise that the scene is in (pelagosd --exercises), written by the
+    server: it is a part of the state, so that a replay, a restart and a rewind
+    have it. A patch by anybody else takes the exercise from the server."""
+    #: Its name.
+    name: str | None = _field(None)
+    #: One of IDLE, READY, RUNNING, PAUSED, ENDED.
+    phase: str = _field('IDLE')
+    #: Exercise time when it last stopped running. [s; 0 to 1000000000]
+    time: float = _field(0.0, 's', 0, 1000000000)
+    #: Simulated time less exercise time, while it runs. [s; -1000000000 to
+    #: 1000000000]
+    offset: float = _field(0.0, 's', -1000000000, 1000000000)
+    #: Simulated time when its phase last changed. [s; 0 to 1000000000]
+    since: float = _field(0.0, 's', 0, 1000000000)
+    #: clock.rate with which it goes on. [1; 0 to 100]
+    rate: float = _field(1.0, '1', 0, 100)
+    #: Exercise time of the last mark, at which the steps of own ship's model
+    #: begin anew, so that a rewind has the same motion. [s; 0 to 1000000000]
+    mark: float = _field(0.0, 's', 0, 1000000000)
+    #: What it was made of: another text has another digest.
+    digest: str | None = _field(None)
+    #: Of the events that have done something.
+    events: tuple[ExerciseDone, ...] = ()
+
+
+@dataclass(frozen=True)
 class State(Record):
     """The whole world. Lists are keyed: entities by id, views and presets by
     name."""
@@ -869,6 +910,7 @@ class State(Record):
     seabed: Seabed | None = _field(None)
     #: Changes under a name, at most 32.
     presets: tuple[Preset, ...] = ()
+    exercise: ExerciseRun | None = _field(None)
 
 
 @dataclass(frozen=True)
@@ -1064,7 +1106,7 @@ class Optics(Record):
 class Error(Record):
     """Error."""
     #: One of MALFORMED, NOT_FOUND, OUT_OF_RANGE, INVALID, CONFLICT, BUSY,
-    #: INTERNAL, UNAUTHORIZED.
+    #: INTERNAL, UNAUTHORIZED, FORBIDDEN.
     code: str | None = _field(None)
     #: Path of the field at fault, if one is.
     path: str | None = _field(None)
