@@ -58,8 +58,8 @@ void pel_exercise_begin(const Pelagos__Exercise *exercise,
 void pel_exercise_beginning_finish(struct pel_exercise_beginning *beginning);
 
 /* A patch that makes the scene, whose state is `from`, `to` again, all but the
- * clock's mode, `sources` and `presets`; of its views those stay that `to` does not have
- * and that still can. */
+ * clock's mode, `sources` and `presets`; of its views those stay that `to` does
+ * not have and that still can. */
 void pel_exercise_back(const Pelagos__State *to, const Pelagos__State *from,
                        struct pel_exercise_beginning *out);
 
