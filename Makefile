@@ -33,7 +33,10 @@ TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmo
     python3-wheel openexr chromium \
     nginx-light openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
-    tshark iproute2 $(SITE_PACKAGES) $(DEB_PACKAGES)
+    tshark iproute2 $(SITE_PACKAGES) $(DEB_PACKAGES) \
+    python3-nbclient python3-ipykernel python3-matplotlib \
+    colcon python3-colcon-ros python3-ament-package python3-genmsg python3-nav-msgs \
+    python3-rosgraph-msgs python3-sensor-msgs python3-tf2-msgs
 # Players that `make players` tries; nothing else needs these 323 MB.
 PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
 # What `make site` is made by.
@@ -92,7 +95,7 @@ CTL_LIBS = $(eval CTL_LIBS := $(shell pkg-config --libs $(CTL_PKGS)))$(CTL_LIBS)
 
 # --- sources, by room -----------------------------------------------------
 # All of a directory, but its tests and programs of their own.
-APART := %_test.c %_doc.c clients/lib/example.c clients/lib/save_live.c
+APART := %_test.c %_doc.c $(addprefix clients/lib/,example.c save_live.c sense.c)
 room = $(filter-out $(APART),$(sort $(wildcard $(1)/*.c)))
 BASE := $(call room,server/base)
 OCEAN := $(call room,server/ocean)
@@ -782,6 +785,13 @@ SITE ?= build/site
 site: deps-build man $(O)/gen/openapi.json ## the documentation as HTML, with its search, for no network: build/site/
 	$(Q)packaging/deps.sh $(SITE_PACKAGES)
 	$(Q)packaging/site/build.sh $(O)/gen/openapi.json $(O)/man $(SITE)
+
+PYTHON_DOCS ?= build/python-docs
+.PHONY: python-docs
+python-docs: ## the Python client's reference as HTML: build/python-docs/
+	$(Q)/usr/bin/python3 -B -m sphinx -q -E -W --keep-going -b html \
+	    -d $(PYTHON_DOCS)/.doctrees clients/python/docs $(PYTHON_DOCS)
+	@echo $(PYTHON_DOCS)/index.html
 
 .PHONY: clean
 clean: ## remove build/

@@ -12,15 +12,12 @@ project = "Pelagos for Python"
 author = "Pelagos"
 version = release = __version__
 extensions = ["sphinx.ext.autodoc", "plaindoc"]
-html_theme = "alabaster"
-html_theme_options = {"description": "The client of pelagosd",
-                      "fixed_sidebar": True}
-html_sidebars = {"**": ["about.html", "navigation.html", "searchbox.html"]}
+html_theme = "furo"
+html_title = f"Pelagos for Python {version}"
+smartquotes = False
 html_show_sourcelink = False
 html_copy_source = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
-autodoc_default_options = {"members": True, "show-inheritance": False}
+autodoc_default_options = {"members": True}
 add_module_names = False
-# Types that are looked up in no other site.
-nitpicky = False

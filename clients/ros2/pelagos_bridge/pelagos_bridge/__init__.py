@@ -1,0 +1,1 @@
+"""Pelagos and ROS 2: mapping.py has the messages, node.py the node."""
