@@ -17,8 +17,9 @@ LIBRARIES = {
     # The benchmark of streams (tests) times these two by themselves.
     "turbojpeg.h": {"server/encode", "tests"},
     "jpeglib.h": {"server/encode", "server/models/reader"},
+    # libpelagos links none of it: an example reads frames by it.
     "openexr.h": {"server/encode", "server/seabed/reader",
-                  "server/panorama/reader"},
+                  "server/panorama/reader", "clients/lib"},
     "gdal": {"server/seabed/reader", "tests"},
     "cpl_": {"server/seabed/reader", "tests"},
     "ogr_": {"server/seabed/reader"},
