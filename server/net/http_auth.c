@@ -3,11 +3,12 @@
 #include <string.h>
 
 /* A page cannot give a WebSocket headers, only names of subprotocols. */
-bool pel_http_is_authorized(const struct pel_http_context *context,
+enum pel_role pel_http_role(const struct pel_http_context *context,
                             const struct pel_http_request *request)
 {
+    enum pel_role role = PEL_ROLE_NONE;
     if (!context->token) {
-        return true;
+        return PEL_ROLE_INSTRUCT;
     }
     size_t count = 0;
     const char *given = pel_http_find_header(request, "Authorization", &count);
@@ -16,16 +17,21 @@ bool pel_http_is_authorized(const struct pel_http_context *context,
     }
     const char *list =
         pel_http_find_header(request, "Sec-WebSocket-Protocol", NULL);
-    while (count == 0 && list && *list) {
+    while (count == 0 && list && *list && role == PEL_ROLE_NONE) {
         list += strspn(list, " \t,");
         size_t length = strcspn(list, " \t,");
-        if (length > 7 && strncmp(list, "bearer.", 7) == 0 &&
-            pel_token_is(context->token, list + 7, length - 7)) {
-            return true;
+        if (length > 7 && strncmp(list, "bearer.", 7) == 0) {
+            role = pel_token_role(context->token, list + 7, length - 7);
         }
         list += length;
     }
-    return false;
+    return role;
+}
+
+bool pel_http_is_authorized(const struct pel_http_context *context,
+                            const struct pel_http_request *request)
+{
+    return pel_http_role(context, request) != PEL_ROLE_NONE;
 }
 
 void pel_http_refuse_stranger(const struct pel_http_request *request,

@@ -6,8 +6,13 @@
 
 #include "net/http_route.h"
 
-/* Whether the request has the token, or none is asked for: in Authorization
- * (pel_token_authorizes), or as subprotocol `bearer.TOKEN` of a WebSocket. */
+/* The role of the request's token, INSTRUCT where none is asked for: in
+ * Authorization (pel_token_authorizes), or as subprotocol `bearer.TOKEN` of a
+ * WebSocket. */
+enum pel_role pel_http_role(const struct pel_http_context *context,
+                            const struct pel_http_request *request);
+
+/* Whether it has any. */
 bool pel_http_is_authorized(const struct pel_http_context *context,
                             const struct pel_http_request *request);
 

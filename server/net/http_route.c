@@ -152,12 +152,14 @@ static void get_health(const struct pel_http_call *call)
                                            : "ok";
     const Pelagos__State *state = pel_scene_state(context->scene);
     GString *out = g_string_new(NULL);
-    bool known = pel_http_is_authorized(context, call->request);
+    enum pel_role role = pel_http_role(context, call->request);
+    bool known = role != PEL_ROLE_NONE;
     g_string_append_printf(out, "{\"status\":\"%s\"", status);
     if (known) {
         g_string_append_printf(out, ",\"version\":\"%s\",\"revision\":\"%llu\"",
                                PEL_VERSION,
                                (unsigned long long)state->revision);
+        g_string_append_printf(out, ",\"role\":\"%s\"", pel_role_name(role));
         append_missing(out, pel_scene_missing(context->scene));
     }
     if (context->frames && known) {
@@ -193,6 +195,12 @@ static void patch_state(const struct pel_http_call *call)
         call->request->body, call->request->body_size, &patch, &fault);
     if (err != PEL_OK) {
         pel_http_answer_refused(call->answer, &fault);
+        return;
+    }
+    if (pel_role_patch(pel_http_role(call->context, call->request), patch,
+                       pel_scene_state(call->context->scene), &fault)) {
+        pel_http_answer_refused(call->answer, &fault);
+        pelagos__patch__free_unpacked(patch, NULL);
         return;
     }
     call->answer->kind = PEL_HTTP_PATCH;
@@ -708,6 +716,17 @@ bool pel_http_admit(const struct pel_http_context *context,
     if (!(route->flags & ROUTE_OPEN) &&
         !pel_http_is_authorized(context, request)) {
         pel_http_refuse_stranger(request, answer);
+        return false;
+    }
+    char what[80];
+    snprintf(what, sizeof what, "%s /%.60s", route->method, route->pattern);
+    err = route->flags & ROUTE_OPEN
+              ? PEL_OK
+              : pel_role_need(pel_http_role(context, request),
+                              pel_role_of_route(route->method, route->pattern),
+                              what, &fault);
+    if (err != PEL_OK) {
+        pel_http_problem(answer, 403, &fault);
         return false;
     }
     err = check_body(context, request, route, &limit, &status, &fault);

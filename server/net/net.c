@@ -251,7 +251,7 @@ static void log_addresses(const struct pel_net *net)
                  pel_rtsp_port(net->rtsp));
     }
     if (net->token) {
-        pel_info("NET-007", "clients must give the token of %s", o->token_path);
+        pel_info("NET-007", "clients must give a token of %s", o->token_path);
     }
     if (o->unix_path) {
         pel_info("NET-004", "protobuf on %s", o->unix_path);

@@ -14,7 +14,7 @@ static bool is_authorized(const struct auth *self, const GstRTSPContext *at)
                                        &value, 0) == GST_RTSP_OK &&
            gst_rtsp_message_get_header(at->request, GST_RTSP_HDR_AUTHORIZATION,
                                        &second, 1) != GST_RTSP_OK &&
-           pel_token_authorizes(self->token, value);
+           pel_token_authorizes(self->token, value) >= PEL_ROLE_WATCH;
 }
 
 static void ask(GstRTSPContext *at)

@@ -69,6 +69,24 @@ static void session_close(struct session *self)
     g_ptr_array_remove_fast(self->all->list, self);
 }
 
+/* By the role of the session's token. */
+static enum pel_err may(const struct session *self,
+                        const Pelagos__Request *request,
+                        struct pel_fault *fault)
+{
+    unsigned command = request->command_case;
+    const char *name =
+        command < PEL_SESSION_COMMANDS ? command_names[command] : NULL;
+    enum pel_err err =
+        pel_role_need(self->role, pel_role_of_command(request->command_case),
+                      name ? name : "this command", fault);
+    if (!err && request->command_case == PELAGOS__REQUEST__COMMAND_PATCH) {
+        err = pel_role_patch(self->role, request->patch,
+                             pel_scene_state(self->all->scene), fault);
+    }
+    return err;
+}
+
 static enum pel_err apply(struct session *self, const Pelagos__Request *request,
                           struct pel_fault *fault)
 {
@@ -80,6 +98,10 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
     }
     if (self->all->stopped) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT, "the server stops");
+    }
+    err = may(self, request, fault);
+    if (err) {
+        return err;
     }
     switch (request->command_case) {
     case PELAGOS__REQUEST__COMMAND_GET:
@@ -148,7 +170,8 @@ static bool admit(struct session *self, const Pelagos__Request *request,
     bool login = request->command_case == PELAGOS__REQUEST__COMMAND_LOGIN;
     if (login && token && self->transport == PEL_TRANSPORT_TCP) {
         const char *text = request->login->token ? request->login->token : "";
-        self->stranger = !pel_token_is(token, text, strlen(text));
+        self->role = pel_token_role(token, text, strlen(text));
+        self->stranger = self->role == PEL_ROLE_NONE;
     }
     if (!self->stranger) {
         return true;
@@ -517,6 +540,7 @@ bool pel_sessions_accept(struct pel_sessions *all, int fd,
     self->jobs = g_ptr_array_new();
     self->active_ns = pel_now_ns();
     self->stranger = all->token && transport == PEL_TRANSPORT_TCP;
+    self->role = self->stranger ? PEL_ROLE_NONE : PEL_ROLE_INSTRUCT;
     pel_outbox_init(&self->out);
     self->source = pel_fdsource_create(fd, G_IO_IN, session_run, self);
     if (self->stranger) {

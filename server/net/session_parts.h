@@ -10,6 +10,7 @@
 #include "frames/debrief.h"
 #include "net/fdsource.h"
 #include "net/outbox.h"
+#include "net/roles.h"
 #include "net/session.h"
 #include "pelagos.pb-c.h"
 #include "unpack.h"
@@ -41,6 +42,7 @@ struct session {
     bool watching, watch_due, watch_has_id;
     uint64_t watch_id;
     bool stranger;            /* has not authenticated yet */
+    enum pel_role role;       /* then NONE */
     bool owes;                /* an answer that later requests wait for */
     bool nudge;               /* a client waits for the next bytes sent */
     bool eof;                 /* the client sends no more */

@@ -15,11 +15,23 @@
 #define ALPHABET                                                               \
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~+"
 
-struct pel_token {
-    char *path;
-    pthread_mutex_t lock; /* of the two below: RTSP's threads read them */
+#define MOST_BYTES 16384
+
+struct entry {
     char text[PEL_TOKEN_MAX + 1];
     size_t size;
+    enum pel_role role;
+};
+
+struct entries {
+    struct entry list[PEL_TOKENS_MAX];
+    size_t count;
+};
+
+struct pel_token {
+    char *path;
+    pthread_mutex_t lock; /* of what follows: RTSP's threads read it */
+    struct entries entries;
 };
 
 enum pel_err pel_token_check_file(int fd, const char *path,
@@ -45,11 +57,110 @@ enum pel_err pel_token_check_file(int fd, const char *path,
     return PEL_OK;
 }
 
-static enum pel_err read_token(const char *path, char out[PEL_TOKEN_MAX + 1],
-                               size_t *size, struct pel_fault *fault)
+static enum pel_err bad_line(const char *path, size_t line, const char *what,
+                             struct pel_fault *fault)
 {
-    char text[PEL_TOKEN_MAX + 3]; /* and CR LF, and one too many */
+    return pel_fault_set(fault, PEL_ERR_INVALID,
+                         "%.120s, line %zu: %s; `openssl rand -hex 32` makes a "
+                         "token",
+                         path, line, what);
+}
+
+/* One line, which is changed; `alone`: the file has no other. */
+static enum pel_err read_line(const char *path, size_t line, char *text,
+                              bool alone, struct entries *out,
+                              struct pel_fault *fault)
+{
+    char *after = NULL;
+    size_t length = strlen(text);
+    if (g_ascii_isspace(text[length - 1]) || g_ascii_isspace(*text)) {
+        return bad_line(path, line, "it begins or ends with a blank", fault);
+    }
+    const char *token = strtok_r(text, " \t", &after);
+    const char *role = strtok_r(NULL, " \t", &after);
+    const char *name = strtok_r(NULL, " \t", &after);
+    const char *more = strtok_r(NULL, " \t", &after);
+    size_t size = token ? strlen(token) : 0;
+    if (size < PEL_TOKEN_MIN || size > PEL_TOKEN_MAX) {
+        return bad_line(path, line, "a token has 16 to 128 characters", fault);
+    }
+    if (strspn(token, ALPHABET) != size) {
+        return bad_line(path, line,
+                        "a token may hold only letters, digits and - . _ ~ +",
+                        fault);
+    }
+    enum pel_role may = role    ? pel_role_by_name(role)
+                        : alone ? PEL_ROLE_INSTRUCT
+                                : PEL_ROLE_NONE;
+    if (may == PEL_ROLE_NONE) {
+        return bad_line(path, line,
+                        "after the token comes its role: watch, steer or "
+                        "instruct",
+                        fault);
+    }
+    if (more || (name && strlen(name) > PEL_TOKEN_NAME_MAX)) {
+        return bad_line(path, line,
+                        "after the role comes a name of at most 32 characters "
+                        "or nothing",
+                        fault);
+    }
+    for (size_t i = 0; i < out->count; i++) {
+        if (strcmp(out->list[i].text, token) == 0) {
+            return bad_line(path, line, "the token stands there twice", fault);
+        }
+    }
+    if (out->count == PEL_TOKENS_MAX) {
+        return bad_line(path, line, "there are more than 64 tokens", fault);
+    }
+    struct entry *entry = &out->list[out->count++];
+    memcpy(entry->text, token, size + 1);
+    entry->size = size;
+    entry->role = may;
+    return PEL_OK;
+}
+
+static bool has_token(const char *line)
+{
+    line += strspn(line, " \t");
+    return *line && *line != '#';
+}
+
+static enum pel_err read_lines(const char *path, char *text,
+                               struct entries *out, struct pel_fault *fault)
+{
+    size_t tokens = 0, line = 1;
+    enum pel_err err = PEL_OK;
+    char **lines = g_strsplit(text, "\n", -1);
+    for (char **at = lines; *at; at++) {
+        size_t length = strlen(*at);
+        if (length > 0 && (*at)[length - 1] == '\r') {
+            (*at)[length - 1] = '\0';
+        }
+        tokens += has_token(*at);
+    }
+    for (char **at = lines; *at && !err; at++, line++) {
+        if (has_token(*at)) {
+            err = read_line(path, line, *at, tokens == 1, out, fault);
+        }
+    }
+    for (char **at = lines; *at; at++) {
+        explicit_bzero(*at, strlen(*at));
+    }
+    g_strfreev(lines);
+    return err || out->count > 0
+               ? err
+               : pel_fault_set(fault, PEL_ERR_INVALID,
+                               "%.160s must have a line of %d to %d "
+                               "characters; `openssl rand -hex 32` makes one",
+                               path, PEL_TOKEN_MIN, PEL_TOKEN_MAX);
+}
+
+static enum pel_err read_tokens(const char *path, struct entries *out,
+                                struct pel_fault *fault)
+{
+    char text[MOST_BYTES + 1];
     int fd;
+    out->count = 0;
     enum pel_err err = pel_file_open(path, &fd, fault);
     if (err != PEL_OK) {
         return err;
@@ -57,28 +168,21 @@ static enum pel_err read_token(const char *path, char out[PEL_TOKEN_MAX + 1],
     err = pel_token_check_file(fd, path, fault);
     ssize_t n = err == PEL_OK ? read(fd, text, sizeof text) : 0;
     close(fd);
-    if (err != PEL_OK) {
-        return err;
+    if (!err && (n < 0 || n > MOST_BYTES)) {
+        err = pel_fault_set(fault, PEL_ERR_INVALID,
+                            "%.160s is longer than 16 KiB: it is no file of "
+                            "tokens; `openssl rand -hex 32` makes one",
+                            path);
+    } else if (!err && memchr(text, '\0', (size_t)n)) {
+        err = bad_line(path, 1, "there is a NUL", fault);
+    } else if (!err) {
+        char *whole = g_strndup(text, (size_t)n);
+        err = read_lines(path, whole, out, fault);
+        explicit_bzero(whole, (size_t)n);
+        g_free(whole);
     }
-    while (n > 0 && (text[n - 1] == '\n' || text[n - 1] == '\r')) {
-        n--;
-    }
-    if (n < PEL_TOKEN_MIN || n > PEL_TOKEN_MAX) {
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "%s must have one line of %d to %d characters; "
-                             "`openssl rand -hex 32` makes one",
-                             path, PEL_TOKEN_MIN, PEL_TOKEN_MAX);
-    }
-    memcpy(out, text, (size_t)n);
-    out[n] = '\0';
-    if (strlen(out) != (size_t)n || strspn(out, ALPHABET) != (size_t)n) {
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "%s may hold only letters, digits and - . _ ~ +; "
-                             "`openssl rand -hex 32` makes a token",
-                             path);
-    }
-    *size = (size_t)n;
-    return PEL_OK;
+    explicit_bzero(text, sizeof text);
+    return err;
 }
 
 enum pel_err pel_token_create(const char *path, struct pel_token **out,
@@ -108,49 +212,60 @@ void pel_token_destroy(struct pel_token *token)
 
 enum pel_err pel_token_reload(struct pel_token *token, struct pel_fault *fault)
 {
-    char text[PEL_TOKEN_MAX + 1];
-    size_t size = 0;
-    enum pel_err err = read_token(token->path, text, &size, fault);
+    struct entries fresh;
+    enum pel_err err = read_tokens(token->path, &fresh, fault);
     if (err == PEL_OK) {
         pthread_mutex_lock(&token->lock);
-        memcpy(token->text, text, size + 1);
-        token->size = size;
+        token->entries = fresh;
         pthread_mutex_unlock(&token->lock);
     }
-    explicit_bzero(text, sizeof text);
+    explicit_bzero(&fresh, sizeof fresh);
     return err;
 }
 
-bool pel_token_is(struct pel_token *token, const char *text, size_t size)
+/* As many steps whatever was sent; one that is too long or too short differs in
+ * its size. */
+static bool is_entry(const struct entry *entry, const char *text, size_t size)
 {
-    pthread_mutex_lock(&token->lock);
-    /* As many steps whatever was sent; one that is too long or too short
-     * differs in its size. */
-    volatile uint8_t different = size != token->size;
+    volatile uint8_t different = size != entry->size;
     for (size_t i = 0; i < PEL_TOKEN_MAX; i++) {
-        uint8_t mine = i < token->size ? (uint8_t)token->text[i] : 0;
+        uint8_t mine = i < entry->size ? (uint8_t)entry->text[i] : 0;
         uint8_t theirs = i < size ? (uint8_t)text[i] : 0;
         different = different | (mine ^ theirs);
     }
-    pthread_mutex_unlock(&token->lock);
     return different == 0;
 }
 
-bool pel_token_authorizes(struct pel_token *token, const char *value)
+enum pel_role pel_token_role(struct pel_token *token, const char *text,
+                             size_t size)
+{
+    enum pel_role role = PEL_ROLE_NONE;
+    pthread_mutex_lock(&token->lock);
+    for (size_t i = 0; i < token->entries.count; i++) {
+        const struct entry *entry = &token->entries.list[i];
+        role = is_entry(entry, text, size) ? entry->role : role;
+    }
+    pthread_mutex_unlock(&token->lock);
+    return role;
+}
+
+enum pel_role pel_token_authorizes(struct pel_token *token, const char *value)
 {
     if (strncasecmp(value, "Bearer ", 7) == 0) {
         value += 7;
         value += strspn(value, " ");
-        return pel_token_is(token, value, strlen(value));
+        return pel_token_role(token, value, strlen(value));
     }
     if (strncasecmp(value, "Basic ", 6) != 0 || strlen(value) > 1024) {
-        return false;
+        return PEL_ROLE_NONE;
     }
     gsize size = 0;
     guchar *pair = g_base64_decode(value + 6, &size);
     const guchar *colon = size > 0 ? memchr(pair, ':', size) : NULL;
-    bool good = colon && pel_token_is(token, (const char *)colon + 1,
-                                      size - (size_t)(colon + 1 - pair));
+    enum pel_role role = colon
+                             ? pel_token_role(token, (const char *)colon + 1,
+                                              size - (size_t)(colon + 1 - pair))
+                             : PEL_ROLE_NONE;
     g_free(pair);
-    return good;
+    return role;
 }

@@ -1,0 +1,36 @@
+/* What the holder of a token may do: proto/roles.def. Any thread. */
+#pragma once
+
+#include <stdbool.h>
+
+#include "base/err.h"
+#include "pelagos.pb-c.h"
+
+/* Each may do what those before it may. */
+enum pel_role {
+    PEL_ROLE_NONE, /* no token */
+    PEL_ROLE_WATCH,
+    PEL_ROLE_STEER,
+    PEL_ROLE_INSTRUCT,
+};
+
+/* "watch", "steer", "instruct"; "none". */
+const char *pel_role_name(enum pel_role role);
+/* NONE: there is no such role. */
+enum pel_role pel_role_by_name(const char *name);
+
+/* The least role for a route of proto/routes.def, and for a command of Request.
+ */
+enum pel_role pel_role_of_route(const char *method, const char *pattern);
+enum pel_role pel_role_of_command(Pelagos__Request__CommandCase command);
+
+/* FORBIDDEN where `has` is less than `needs`; `what` names it. */
+PEL_CHECK enum pel_err pel_role_need(enum pel_role has, enum pel_role needs,
+                                     const char *what, struct pel_fault *fault);
+
+/* Whether the role may make this patch of the state; FORBIDDEN names the first
+ * field that it may not. */
+PEL_CHECK enum pel_err pel_role_patch(enum pel_role has,
+                                      const Pelagos__Patch *patch,
+                                      const Pelagos__State *state,
+                                      struct pel_fault *fault);
