@@ -168,22 +168,6 @@ enum pel_err pel_exercises_command(struct pel_exercises *all,
     return err;
 }
 
-const char *pel_exercises_name(struct pel_exercises *all, unsigned number)
-{
-    return number > 0 ? pel_exercise_files_name(all->files, number - 1) : NULL;
-}
-
-unsigned pel_exercises_number(struct pel_exercises *all)
-{
-    const char *mine = all->run.leads ? all->run.name : NULL, *name;
-    for (unsigned i = 1; mine && (name = pel_exercises_name(all, i)); i++) {
-        if (strcmp(name, mine) == 0) {
-            return i;
-        }
-    }
-    return 0;
-}
-
 double pel_exercises_time(struct pel_exercises *all)
 {
     return pel_exercise_run_time(&all->run);

@@ -45,11 +45,6 @@ pel_exercises_command(struct pel_exercises *all,
                       const Pelagos__ExerciseCommand *command,
                       Pelagos__ExerciseStatus **out, struct pel_fault *fault);
 
-/* The name of exercise `number`, 1 for the first by name; NULL: there is none.
- * Good until the next call. */
-const char *pel_exercises_name(struct pel_exercises *all, unsigned number);
-/* The number of the one that is loaded; 0: none. */
-unsigned pel_exercises_number(struct pel_exercises *all);
 /* Exercise time now [s]. */
 double pel_exercises_time(struct pel_exercises *all);
 
