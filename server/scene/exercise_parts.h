@@ -27,9 +27,6 @@ void pel_exercise_files_destroy(struct pel_exercise_files *files);
 /* By name; what is wrong with one is in its `error`. */
 void pel_exercise_files_list(struct pel_exercise_files *files,
                              Pelagos__ExerciseStatus *out);
-/* The name of the index-th; NULL: there is none. */
-const char *pel_exercise_files_name(struct pel_exercise_files *files,
-                                    size_t index);
 PEL_CHECK enum pel_err pel_exercise_files_read(struct pel_exercise_files *files,
                                                const char *name,
                                                Pelagos__Exercise **out,

@@ -139,15 +139,6 @@ static void look(struct pel_exercise_files *files)
     }
 }
 
-const char *pel_exercise_files_name(struct pel_exercise_files *files,
-                                    size_t index)
-{
-    look(files);
-    return index < files->listing->len
-               ? g_ptr_array_index(files->listing, index)
-               : NULL;
-}
-
 static const struct known *know(struct pel_exercise_files *files,
                                 const char *name)
 {
