@@ -4,6 +4,7 @@
 import { Gone, inTurn, perform, Problem } from "/api.js";
 import { firstState } from "/early.js";
 import { addView, clearSilent, silentInputs } from "/inputs.js";
+import { link, missing } from "/link.js";
 import { Store } from "/store.js";
 import { Views } from "/views.js";
 
@@ -56,6 +57,11 @@ function show() {
   views.show();
   controls?.show();
   byId("no-views").hidden = (state.views ?? []).length > 0;
+  const none = missing(state.views ?? []);
+  byId("no-such").hidden = none.length === 0;
+  byId("no-such").textContent = none.length === 0 ? "" :
+    `The address asks for ${none.join(", ")}; the server has ${
+      (state.views ?? []).map((view) => view.name).join(", ") || "no view"}.`;
   byId("revision").textContent = state.revision ?? "0";
   const silent = silentInputs(state);
   byId("silent").hidden = silent === "";
@@ -86,10 +92,11 @@ function refresh() {
 
 // --- what is shown besides pictures ---------------------------------------------
 
-function toggle(name, initial, apply) {
+// given: what the address says, for this page only.
+function toggle(name, initial, given, apply) {
   const key = `pelagos-${name}`;
   const node = byId(name);
-  let on = (localStorage.getItem(key) ?? String(initial)) === "true";
+  let on = given ?? (localStorage.getItem(key) ?? String(initial)) === "true";
   const show = () => {
     node.setAttribute("aria-pressed", String(on));
     apply(on);
@@ -102,15 +109,16 @@ function toggle(name, initial, apply) {
   show();
 }
 
-toggle("instruments", true, (on) => views.setInstruments(on));
+toggle("instruments", true, link.hud, (on) => views.setInstruments(on));
 // The plan is small beside the pictures, or large above them.
-toggle("large", false, (on) => {
+toggle("large", false, link.plan, (on) => {
   byId(on ? "plan-large" : "plan-small").append(byId("plan-box"));
   byId("plan-large").hidden = !on;
   byId("plan-away").hidden = !on;
   views.lay();
 });
-toggle("controls", true, (on) => {
+const walled = link.view !== null || link.layout === "wall";
+toggle("controls", true, link.panel ?? (walled ? false : null), (on) => {
   document.body.classList.toggle("bare", !on);
   byId("aside").hidden = !on;
   views.lay();
@@ -136,7 +144,7 @@ function onKey(event) {
   } else if (key === "c") {
     byId("controls").click();
   } else if (key === "Escape") {
-    tile?.node.classList.remove("filled");
+    views.leaveFull();
     return;
   } else if (tile && key === "f") {
     tile.fullScreen();

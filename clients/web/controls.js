@@ -1,5 +1,6 @@
 // The panel beside the pictures: the rose and the sections.
 
+import { Debrief, Recordings } from "/debrief.js";
 import { Keep } from "/keep.js";
 import { Presets } from "/presets.js";
 import { Rose } from "/rose.js";
@@ -7,6 +8,7 @@ import { beaufort, Sections, sunFixed } from "/sections.js";
 import { utcMs } from "/daytime.js";
 import { followTrains } from "/swell.js";
 import { Traffic } from "/traffic.js";
+import { ViewList } from "/viewlist.js";
 
 export class Controls {
   // time(): simulated time of the pictures.
@@ -22,6 +24,10 @@ export class Controls {
       const ms = utcMs(store.state, time());
       return Number.isFinite(ms) ? new Date(ms) : null;
     });
+    const byId = (id) => document.getElementById(id);
+    this.viewList = new ViewList(byId("viewlist"), store, views);
+    this.debrief = new Debrief(views);
+    this.recordings = new Recordings(byId("recordings"), this.debrief);
     this.lazyCard(time);
   }
 
@@ -57,6 +63,10 @@ export class Controls {
     this.sections.show(renewed);
     this.traffic.show();
     this.presets.show(state);
+    this.viewList.show(state);
+    if (renewed) {
+      this.debrief.showViews();
+    }
     const wind = state.sea?.windSpeed ?? 0;
     this.rose.show({
       wind: state.sea?.windDirection ?? 0, speed: wind, force: beaufort(wind),

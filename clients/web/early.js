@@ -2,6 +2,7 @@
 // the state is asked for, and by it the pictures of its views.
 
 import { inTurn, perform, subprotocols } from "/api.js";
+import { wanted } from "/link.js";
 
 export const MOST_VIDEOS = 16;
 const KEPT = 16; // pictures of a view that nobody has taken up yet
@@ -11,8 +12,8 @@ const early = new Map();
 
 export const firstState = inTurn(() => perform("GET", "/v1/state"));
 
-function open(name) {
-  const url = new URL(`/v1/views/${encodeURIComponent(name)}/live`,
+function open(name, place = "/v1") {
+  const url = new URL(`${place}/views/${encodeURIComponent(name)}/live`,
     location.href);
   url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
   const socket = new WebSocket(url, subprotocols());
@@ -42,7 +43,10 @@ function keep(socket) {
 }
 
 // The view's socket with what came by it so far, or a new one.
-export function connect(name) {
+export function connect(name, place) {
+  if (place !== "/v1") {
+    return { socket: open(name, place), kept: [] };
+  }
   const found = early.get(name);
   early.delete(name);
   return found && found.socket.readyState <= WebSocket.OPEN ? found
@@ -53,7 +57,7 @@ function begin(state) {
   if (typeof VideoDecoder === "undefined" || document.hidden) {
     return;
   }
-  for (const { name } of (state.views ?? []).slice(0, MOST_VIDEOS)) {
+  for (const { name } of wanted(state.views ?? []).slice(0, MOST_VIDEOS)) {
     early.set(name, keep(open(name)));
   }
   setTimeout(() => {

@@ -37,6 +37,8 @@ export class Plan {
     this.drafts = new Map(); // id: where a hand has it
     this.adding = null; // { from, to } in pixels while a new thing is placed
     this.tracks = new Map();
+    this.under = []; // what else is drawn, below the things and over them
+    this.over = [];
     new ResizeObserver(() => (this.fitted ? this.fit() : this.soon()))
       .observe(canvas);
     setInterval(() => this.soon(), REDRAW_MS);
@@ -208,6 +210,7 @@ export class Plan {
     g.setTransform(ratio, 0, 0, ratio, 0, 0);
     g.fillStyle = "#08202e";
     g.fillRect(0, 0, this.width, this.height);
+    this.under.forEach((part) => part(g));
     this.drawRings();
     this.drawTracks();
     for (const view of this.state.views ?? []) {
@@ -215,6 +218,7 @@ export class Plan {
     }
     this.drawThings();
     this.drawAdding();
+    this.over.forEach((part) => part(g));
     this.drawScale();
     drawRose(g, this.width - 36, 36, this.turn, this.state);
     canvas.dataset.scale = this.scale.toPrecision(4);

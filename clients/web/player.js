@@ -6,18 +6,19 @@ import { noVideo, Video } from "/video.js";
 
 export class Player {
   // `told` as in stream.js; `changed()` when the way has changed.
-  constructor(name, canvas, image, told, changed) {
+  // place: where the views are, of the live scene or of the debrief's.
+  constructor(name, canvas, image, told, changed, place = "/v1") {
     this.canvas = canvas;
     this.image = image;
     this.changed = changed;
     this.why = noVideo;
-    this.jpeg = new Live(name, image, told);
+    this.jpeg = new Live(name, image, told, place);
     this.video = noVideo ? null : new Video(name, canvas, told, (why) => {
       this.why = why;
       this.arrange();
       this.jpeg.start();
       changed();
-    });
+    }, place);
     this.arrange();
   }
 

@@ -93,8 +93,9 @@ async function show(image, blob) {
 export class Live {
   // `told` is called after each picture with {number, time, drawn, stale, host}
   // and after the stream broke with null.
-  constructor(name, image, told) {
+  constructor(name, image, told, place = "/v1") {
     this.name = name;
+    this.place = place;
     this.image = image;
     this.told = told;
     this.stamps = [];
@@ -149,7 +150,7 @@ export class Live {
 
   async read(signal) {
     const response = await fetch(
-      `/v1/views/${encodeURIComponent(this.name)}/mjpeg`,
+      `${this.place}/views/${encodeURIComponent(this.name)}/mjpeg`,
       { signal, cache: "no-store", headers: headers() });
     if (!response.ok) {
       throw new Error(`HTTP ${response.status}`);
@@ -182,7 +183,7 @@ export class Live {
   // connections.
   async once() {
     const response = await fetch(
-      `/v1/views/${encodeURIComponent(this.name)}/frame.jpg?quality=80`,
+      `${this.place}/views/${encodeURIComponent(this.name)}/frame.jpg?quality=80`,
       { cache: "no-store", signal: AbortSignal.timeout(10000),
         headers: headers() });
     if (!response.ok) {

@@ -5,6 +5,8 @@ import { Gone, Problem } from "/api.js";
 import { Catalogue, GROUPS, isAdrift, isMark } from "/catalogue.js";
 import { bearing, cameraOf, knots, metres, offset, reckoned, three }
   from "/geo.js";
+import { Ground } from "/ground.js";
+import { Measure } from "/measure.js";
 import { button } from "/panel.js";
 import { Plan } from "/plan.js";
 import { PlanHands } from "/planhands.js";
@@ -74,6 +76,11 @@ export class Traffic {
       this.plan.soon();
     });
     this.up.id = "plan-up";
+    this.measure = new Measure(this.plan, button(tools, "Measure",
+      "Plan: range and bearing between two points (M)", () => {}),
+    (text) => this.say(text));
+    this.measure.node.id = "plan-measure";
+    this.ground = new Ground(this.plan);
     this.kind = byId("add-model");
     // Files that came since are listed too.
     this.kind.addEventListener("focus", () => this.catalogue.load());

@@ -44,8 +44,9 @@ const unixMs = () => performance.timeOrigin + performance.now();
 
 export class Video {
   // `told` as in stream.js; `failed(why)` when video will not work here.
-  constructor(name, canvas, told, failed) {
+  constructor(name, canvas, told, failed, place = "/v1") {
     this.name = name;
+    this.place = place;
     this.canvas = canvas;
     this.context = canvas.getContext("2d", { alpha: false });
     this.told = told;
@@ -94,7 +95,7 @@ export class Video {
   }
 
   connect() {
-    const { socket, kept } = connect(this.name);
+    const { socket, kept } = connect(this.name, this.place);
     this.socket = socket;
     socket.onmessage = (event) => {
       if (socket !== this.socket) {

@@ -3,7 +3,8 @@
 import { MOST_VIDEOS } from "/early.js";
 import { Hud } from "/hud.js";
 import { silentInputs } from "/inputs.js";
-import { followPointers, Look } from "/look.js";
+import { link, wanted } from "/link.js";
+import { followPointers, half, Look } from "/look.js";
 import { Player } from "/player.js";
 import { Pose, Track } from "/pose.js";
 
@@ -12,6 +13,14 @@ import { Pose, Track } from "/pose.js";
 const STREAMS = { mjpeg: 4, webcodecs: MOST_VIDEOS };
 const TURN_MS = 150;
 const PHONE_PX = 992;
+const GAP_PX = 14;
+// Pictures may be so much smaller than they could be, for rows that are filled
+// and in the order of what one sees.
+const ROW_SHARE = 0.72;
+
+// Where a view looks, to starboard of what carries it; astern is last.
+const side = (view) => -half(-(view.yaw ?? 0) - (view.frustum
+  ? (view.frustum.left + view.frustum.right) / 2 : 0));
 
 function element(tag, className, text) {
   const node = document.createElement(tag);
@@ -35,6 +44,7 @@ class Tile {
   constructor(grid, view) {
     this.grid = grid;
     this.name = view.name;
+    this.seen = true; // until it is known better
     this.node = element("figure", "tile");
     this.node.tabIndex = 0;
     this.node.dataset.view = view.name;
@@ -178,12 +188,15 @@ class Tile {
       document.exitFullscreen();
     } else if (this.node.classList.contains("filled") ||
         !this.node.requestFullscreen) {
-      this.node.classList.toggle("filled");
+      this.fill();
     } else {
-      this.node.requestFullscreen().catch(() => {
-        this.node.classList.toggle("filled");
-      });
+      this.node.requestFullscreen().catch(() => this.fill());
     }
+  }
+
+  fill() {
+    this.node.classList.toggle("filled");
+    this.grid.arrange();
   }
 
   remove() {
@@ -207,7 +220,18 @@ export class Views {
     this.turn = 0;
     this.instruments = true;
     this.track = new Track();
+    this.layout = link.layout ?? localStorage.getItem("pelagos-layout") ??
+      "heading";
+    document.body.classList.toggle("wall", link.layout === "wall");
+    // What nobody sees is not sent: below the fold, behind a full screen.
+    this.watcher = new IntersectionObserver((entries) => {
+      for (const entry of entries) {
+        entry.target.tile.seen = entry.isIntersecting;
+      }
+      this.arrange();
+    }, { rootMargin: "80px" });
     document.addEventListener("visibilitychange", () => this.arrange());
+    document.addEventListener("fullscreenchange", () => this.arrange());
     new ResizeObserver(() => this.lay()).observe(node);
     addEventListener("resize", () => this.lay());
     setTimeout(() => this.takeTurns(), TURN_MS);
@@ -251,11 +275,13 @@ export class Views {
   show() {
     const { state } = this.store;
     this.track.add(state);
-    const views = state.views ?? [];
+    const views = wanted(state.views ?? []);
     const names = new Set(views.map((view) => view.name));
-    const before = this.tiles.size;
+    const before = [...this.tiles.keys()].join("\n");
+    const now = views.map((view) => view.name).join("\n");
     for (const [name, tile] of this.tiles) {
       if (!names.has(name)) {
+        this.watcher.unobserve(tile.node);
         tile.remove();
         this.tiles.delete(name);
       }
@@ -268,6 +294,9 @@ export class Views {
         const made = new Tile(this, view);
         this.tiles.set(view.name, made);
         this.node.append(made.node);
+        made.node.tile = made;
+        this.watcher.observe(made.node);
+        made.node.classList.toggle("filled", view.name === link.view);
       }
     }
     if (!names.has(this.name) && views.length > 0) {
@@ -275,30 +304,63 @@ export class Views {
     }
     this.mark();
     this.arrange();
-    if (before !== views.length || !this.laid) {
+    if (this.told !== now || before !== [...this.tiles.keys()].join("\n") ||
+        !this.laid) {
+      this.told = now;
+      this.sort(views);
       this.lay();
     }
   }
 
-  // As many columns as make the pictures largest within the window.
+  // From port to starboard, or as the server has them, or as the address says.
+  // Not anew while somebody looks around: pictures would change places.
+  sort(views = wanted(this.store.state.views ?? [])) {
+    const order = link.views || this.layout === "order" ? views
+      : [...views].sort((a, b) => side(a) - side(b));
+    order.forEach(({ name }, i) => {
+      const { node } = this.tiles.get(name);
+      if (this.node.children[i] !== node) {
+        this.node.insertBefore(node, this.node.children[i]);
+      }
+    });
+  }
+
+  setLayout(layout) {
+    this.layout = layout;
+    localStorage.setItem("pelagos-layout", layout);
+    this.sort();
+    this.lay();
+  }
+
+  // Out of the full window.
+  leaveFull() {
+    for (const tile of this.tiles.values()) {
+      tile.node.classList.remove("filled");
+    }
+    this.arrange();
+  }
+
+  // As few rows as leave the pictures nearly as large as they can be within the
+  // window.
   lay() {
     const tiles = [...this.tiles.values()];
     if (tiles.length === 0) {
       return;
     }
     this.laid = true;
-    const gap = 14;
+    const gap = GAP_PX;
     const width = this.node.clientWidth;
     const height = innerHeight - this.node.getBoundingClientRect().top -
       scrollY - 52;
     const aspect = Math.max(...tiles.map((t) => t.view.width / t.view.height));
-    let best = { columns: 1, across: 0 };
-    for (let columns = 1; columns <= tiles.length; columns++) {
-      const rows = Math.ceil(tiles.length / columns);
-      const across = Math.min((width - gap * (columns - 1)) / columns,
-        aspect * (height - gap * (rows - 1)) / rows);
-      best = across > best.across ? { columns, across } : best;
-    }
+    const ways = tiles.map((_, i) => {
+      const rows = Math.ceil(tiles.length / (i + 1));
+      return { columns: Math.ceil(tiles.length / rows), across: Math.min(
+        (width - gap * i) / (i + 1),
+        aspect * (height - gap * (rows - 1)) / rows) };
+    });
+    const most = Math.max(...ways.map((way) => way.across));
+    const best = ways.findLast((way) => way.across >= ROW_SHARE * most);
     const phone = innerWidth < PHONE_PX || best.across < 160;
     this.node.style.setProperty("--columns", phone
       ? `repeat(${Math.max(1, Math.floor(width / 330))}, minmax(0, 1fr))`
@@ -318,11 +380,13 @@ export class Views {
   }
 
   arrange() {
-    const wanted = this.up && !document.hidden;
+    const up = this.up && !document.hidden;
     const streams = { mjpeg: 0, webcodecs: 0 };
+    const full = [...this.tiles.values()].find((tile) => tile.isFull);
     for (const tile of this.tiles.values()) {
       const way = tile.live.way;
-      if (wanted && streams[way] < STREAMS[way]) {
+      tile.wanted = full ? tile === full : tile.seen;
+      if (up && tile.wanted && streams[way] < STREAMS[way]) {
         streams[way] += 1;
         tile.live.arrange();
         tile.live.start();
@@ -334,7 +398,7 @@ export class Views {
 
   // Views without a stream get single pictures, one after the other.
   async takeTurns() {
-    const rest = [...this.tiles.values()].filter((t) => !t.live.running);
+    const rest = [...this.tiles.values()].filter((t) => t.wanted && !t.live.running);
     if (this.up && !document.hidden && rest.length > 0) {
       const tile = rest[this.turn++ % rest.length];
       try {
