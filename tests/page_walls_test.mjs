@@ -213,7 +213,7 @@ describe("the plan", () => {
         11;
     });
     await until("its depths", async () => Number(await page.locator("#plan")
-      .getAttribute("data-depths")) > 600);
+      .getAttribute("data-depths")) > 100);
     await shot("plan-depths");
     await until("land in the north, water in the south", async () => {
       const [north, south] = [await ink(width * 0.42, height * 0.12),
