@@ -31,6 +31,7 @@ from .schema import (FORMATS, LAYERS, MODEL_CLASSES, VERSION, Area, Clock,
                      Model, ModelInfo, Models, Optics, Origin, OwnShip, Radar,
                      Sea, Seabed, Searchlight, SeenEntity, Sensor, SignalLamp,
                      Sky, Sources, State, Swell, TrackPoint, View, Water, Wave)
+from .schema import ExerciseRun, Preset
 from .spectrum import Spectrum
 from .surface import Surface, SurfaceSeries
 
@@ -38,13 +39,13 @@ __version__ = VERSION
 
 __all__ = [
     "Area", "BadPicture", "Box", "Busy", "Camera", "Clock", "Coco", "Conflict",
-    "convergence", "EARTH_RADIUS", "Entities", "Entity", "EntityHandle", "Exr",
+    "convergence", "EARTH_RADIUS", "Entities", "Entity", "EntityHandle", "ExerciseRun", "Exr",
     "Fog", "Forbidden", "FORMATS", "Frame", "FrameTruth", "Frustum", "Geographic",
     "Horizon", "Internal", "Intrinsics", "Invalid", "LabelledEntity", "Labels",
     "LAYERS", "Light", "LightSector", "LiveFrame", "LiveStream", "Local",
     "Malformed", "MissingPackage", "Model", "MODEL_CLASSES", "ModelInfo",
     "Models", "NotFound", "Ocean", "Optics", "Origin", "OutOfRange", "OwnShip",
-    "PelagosError", "positions_csv", "ProtocolError", "Radar", "read_exr",
+    "PelagosError", "positions_csv", "Preset", "ProtocolError", "Radar", "read_exr",
     "Refused", "Sea", "Seabed", "Searchlight", "SeenEntity", "Sensor", "shot",
     "SignalLamp", "Sky", "Sources", "Spectrum", "STANDARD_REFRACTION", "State",
     "Surface", "SurfaceSeries", "Swell", "TimedOut", "to_geographic",

@@ -13,7 +13,7 @@ from .frame import Frame, from_answer, parts_of
 from .parts import Entities, ViewHandle, Views
 from .record import Record, list_of, message_of
 from .schema import (FORMATS, Clock, Entity, Models, Optics, Origin, OwnShip,
-                     Sea, Seabed, Sky, Sources, State, View, Water)
+                     Preset, Sea, Seabed, Sky, Sources, State, View, Water)
 from .spectrum import Spectrum
 from .surface import Surface, SurfaceSeries, query, series
 from .transport import Transport
@@ -191,7 +191,10 @@ class Ocean:
             entity["id"] = int(entity["id"])
             entity.pop("track", None)
             entity["poseTime"] = 0.0
-        given.pop("revision", None)
+        # No part of what is seen; who patches takes an exercise over.
+        for name in ("revision", "exercise") + (
+                ("presets",) if isinstance(scene, State) else ()):
+            given.pop(name, None)
         return self.patch({**given, **change})
 
     def step(self, seconds: float = 1 / 30, *, until: float | None = None
@@ -378,7 +381,7 @@ def _list_without_key(parts: Sequence[str]) -> int:
     at = 0
     while at < len(parts) - 1:
         element = list_of(kind, parts[at])
-        if element is Entity or element is View:
+        if element is Entity or element is View or element is Preset:
             kind, at = element, at + 2
             continue
         if element is not None:
