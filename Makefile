@@ -25,7 +25,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev \
-    libnova-dev libssl-dev libgdal-dev libhdf5-dev libassimp-dev
+    libnova-dev libssl-dev libgdal-dev libhdf5-dev libnetcdf-dev libassimp-dev
 TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     python3-serial-asyncio python3-jsonschema \
     libimage-exiftool-perl netcdf-bin python3-netcdf4 python3-xarray librsvg2-bin \
@@ -84,10 +84,12 @@ PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -
 # GStreamer muxes what pelagosctl records; the daemon does not link it.
 CTL_PKGS := gstreamer-1.0 gstreamer-app-1.0
 READER_PKGS := gdal hdf5-serial OpenEXR
+SPECTRUM_PKGS := netcdf
 MODEL_PKGS := assimp spng libjpeg
 # As a system header: it is not clean of our warnings.
 READER_CFLAGS = $(eval READER_CFLAGS := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(READER_PKGS))))$(READER_CFLAGS)
 READER_LIBS = $(eval READER_LIBS := $(shell pkg-config --libs $(READER_PKGS)) -lOpenEXRCore -lm)$(READER_LIBS)
+SPECTRUM_LIBS = $(eval SPECTRUM_LIBS := $(shell pkg-config --libs $(SPECTRUM_PKGS)))$(SPECTRUM_LIBS)
 MODEL_CFLAGS = $(eval MODEL_CFLAGS := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(MODEL_PKGS))))$(MODEL_CFLAGS)
 MODEL_LIBS = $(eval MODEL_LIBS := $(shell pkg-config --libs $(MODEL_PKGS)) -lm)$(MODEL_LIBS)
 CTL_CFLAGS = $(eval CTL_CFLAGS := $(shell pkg-config --cflags $(CTL_PKGS)))$(CTL_CFLAGS)
@@ -114,6 +116,7 @@ BRIDGES := $(call room,server/bridges)
 SEABED_READER := $(call room,server/seabed/reader)
 MODEL_READER := $(call room,server/models/reader)
 PANORAMA_READER := $(call room,server/panorama/reader)
+SPECTRUM_READER := $(call room,server/ocean/reader)
 DAEMON := server/main.c server/service.c
 OPTIONS := $(filter-out $(DAEMON),$(call room,server))
 CLIENT := $(call room,clients/lib)
@@ -146,7 +149,7 @@ compile = $(CC) $(OUR_CPPFLAGS) $(PKG_CFLAGS) $(OUR_CFLAGS) $(FLAGS_$(1)) $(CPPF
 # What decides about an object beside its sources.
 quoted = '$(subst ','\'',$(1))'
 KEY := $(shell printf %s $(call quoted,$(CC) $(OUR_CPPFLAGS) $(OUR_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(VECTORS) \
-    $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(MODEL_PKGS)) | sha1sum | cut -c 1-10)
+    $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(SPECTRUM_PKGS) $(MODEL_PKGS)) | sha1sum | cut -c 1-10)
 OBJ := $(O)/obj-$(KEY)
 
 # --- rules ----------------------------------------------------------------
@@ -166,7 +169,7 @@ SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
 PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\
-    pelagosd pelagosctl pelagos-seabed pelagos-model pelagos-panorama)
+    pelagosd pelagosctl pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum)
 
 .PHONY: all
 all: $(PROGRAMS) ## build the daemon and its command line
@@ -185,7 +188,7 @@ $(O)/flags: FORCE
 	$(Q)mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = $(KEY) ] || echo $(KEY) >$@
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosd-starved pelagosctl \
-    pelagos-seabed pelagos-model pelagos-panorama drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
+    pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
     any_raster rhythm validate_water seatrace airtrace airours shiptrace cloudtrace): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
@@ -201,6 +204,9 @@ $(O)/bin/pelagos-seabed: $(call obj,$(SEABED_READER)) $(OBJ)/libserver.a
 
 $(O)/bin/pelagos-model: $(call obj,$(MODEL_READER)) $(OBJ)/libserver.a
 	$(LINK) $(MODEL_LIBS)
+
+$(O)/bin/pelagos-spectrum: $(call obj,$(SPECTRUM_READER)) $(OBJ)/libserver.a
+	$(LINK) $(SPECTRUM_LIBS) -lm
 
 $(O)/bin/pelagos-panorama: $(call obj,$(PANORAMA_READER)) $(OBJ)/libserver.a
 	$(LINK) -lOpenEXRCore -lm
@@ -250,7 +256,7 @@ $(OBJ)/libctl.a: $(filter-out $(CTL_MAIN),$(CTL_OBJ))
 # Names every missing library at once, before the compiler stumbles over one.
 $(O)/gen/packages: Makefile
 	$(Q)mkdir -p $(@D)
-	$(Q)missing=; for p in $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(MODEL_PKGS); do \
+	$(Q)missing=; for p in $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(SPECTRUM_PKGS) $(MODEL_PKGS); do \
 	    pkg-config --exists $$p 2>/dev/null || missing="$$missing $$p"; done; \
 	for c in protoc protoc-c glslangValidator; do \
 	    command -v $$c >/dev/null || missing="$$missing $$c"; done; \
@@ -690,7 +696,7 @@ EXERCISES = $(wildcard clients/exercises/*.json)
 
 # What `install` puts where, for `uninstall`; then the folders that are ours.
 INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
-    $(addprefix $(D)/libexec/pelagos/,pelagos-seabed pelagos-model pelagos-panorama) \
+    $(addprefix $(D)/libexec/pelagos/,pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum) \
     $(addprefix $(L)/,libpelagos.a $(SHARED) libpelagos.so.$(ABI) libpelagos.so \
         pkgconfig/pelagos.pc) \
     $(addprefix $(D)/include/pelagos/,$(notdir $(PUBLIC))) \
@@ -714,7 +720,7 @@ install: all man $(O)/pelagos.pc $(O)/libpelagos.a $(O)/$(SHARED) ## install bel
 	install -d $(sort $(dir $(INSTALLED))) $(DESTDIR)$(SYSCONFDIR)/pelagos
 	install -m755 $(O)/bin/pelagosd $(O)/bin/pelagosctl $(D)/bin
 	install -m755 $(O)/bin/pelagos-seabed $(O)/bin/pelagos-model \
-	    $(O)/bin/pelagos-panorama $(D)/libexec/pelagos
+	    $(O)/bin/pelagos-panorama $(O)/bin/pelagos-spectrum $(D)/libexec/pelagos
 	install -m644 $(O)/libpelagos.a $(O)/$(SHARED) $(L)
 	ln -sf $(SHARED) $(L)/libpelagos.so.$(ABI)
 	ln -sf libpelagos.so.$(ABI) $(L)/libpelagos.so

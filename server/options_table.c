@@ -92,7 +92,7 @@ const struct pel_option pel_option_table[] = {
       .help = "Number of waves of a sea of TROCHOIDS." },
     { "spectra", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(spectra),
-      .help = "Where the files of buoys lie that sea.measured names." },
+      .help = "Where the files of spectra lie that sea.measured names." },
     { "bathymetry", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(bathymetry),
       .help = "Where the files of heights lie that seabed.file names: GeoTIFF, "

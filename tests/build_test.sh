@@ -53,7 +53,8 @@ needs pelagosctl libmicrohttpd libmodbus libepoxy libgstrtsp libspng libgdal
 needs pelagos-seabed libmicrohttpd libmodbus libepoxy libgst libglib libssl
 needs pelagos-panorama libmicrohttpd libmodbus libepoxy libgst libglib libssl libgdal
 needs pelagos-model libmicrohttpd libmodbus libepoxy libgst libglib libssl libgdal
-needs pelagosd libgdal libcmocka libhdf5 libassimp
+needs pelagos-spectrum libmicrohttpd libmodbus libepoxy libgst libglib libssl libgdal
+needs pelagosd libgdal libcmocka libhdf5 libassimp libnetcdf
 
 # Each package that is asked for has a library of its own that some program
 # needs, of those that are built.

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/file.h"
 #include "base/vec.h"
@@ -25,6 +26,10 @@ static const char *skip_blanks(const char *p)
 /* An unsigned decimal number, whatever the locale; NULL: none there. */
 static const char *number(const char *p, double *out)
 {
+    if (p[0] == 'M' && p[1] == 'M') { /* so NDBC writes what is missing */
+        *out = 999.0;
+        return p + 2;
+    }
     double value = 0, scale = 1;
     int digits = 0;
     for (; *p >= '0' && *p <= '9' && digits < 15; p++, digits++) {
@@ -65,6 +70,22 @@ static const char *time_stamp(const char *p, double *unix_s)
     *unix_s = 86400.0 * days_of((int)part[0], (int)part[1], (int)part[2]) +
               3600.0 * part[3] + 60.0 * part[4];
     return p;
+}
+
+/* Do the files of directions lie there? One alone is no reason to do without
+ * the others. */
+static bool has_directions(const char *directory, const char *station)
+{
+    static const char *const endings[] = { "swdir", "swdir2", "swr1", "swr2" };
+    for (int i = 0; i < 4; i++) {
+        char path[512];
+        if (snprintf(path, sizeof path, "%s/%s.%s", directory, station,
+                     endings[i]) < (int)sizeof path &&
+            access(path, F_OK) == 0) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /* "value (frequency)"; NULL: broken. */
@@ -287,7 +308,8 @@ enum pel_err pel_ndbc_read(const char *directory, const char *station,
     if (!err) {
         err = densities(&energy, station, &found, fault);
     }
-    for (int i = 0; !err && i < 4; i++) {
+    bool directions = !err && has_directions(directory, station);
+    for (int i = 0; !err && directions && i < 4; i++) {
         err = read_series(directory, station, endings[i], energy.unix_s,
                           &four[i], fault);
         if (!err && four[i].unix_s != energy.unix_s) {
@@ -296,7 +318,7 @@ enum pel_err pel_ndbc_read(const char *directory, const char *station,
                                 station, endings[i], station);
         }
     }
-    if (!err) {
+    if (!err && directions) {
         err = take(four, station, &found, fault);
     }
     if (!err) {

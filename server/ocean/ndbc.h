@@ -16,7 +16,8 @@
 /* Reads the record nearest to unix_s (UTC; NAN: the newest) and at most 90
  * minutes from it, as waves that travel to, mathematical. `station` is 1 to 32
  * of A-Z a-z 0-9 _ -; it never names another directory. Directions that the
- * buoy did not report (999) become r1 = r2 = 0, all directions alike.
+ * buoy did not report (999, MM), or has no files of, become r1 = r2 = 0, all
+ * directions alike.
  * *record_unix_s (NULL allowed): the record's time.
  * INVALID: no such name; NOT_FOUND: no such file or record; MALFORMED: a file
  * that is not of this form or is longer than the limit; IO. *fault names the

@@ -12,6 +12,7 @@
 #include "ocean/directional.h"
 #include "ocean/ndbc.h"
 #include "ocean/seastate.h"
+#include "ocean/spectrumfile.h"
 #include "optics/thermal.h"
 #include "scene/check.h"
 #include "scene/geodesy.h"
@@ -124,8 +125,15 @@ static enum pel_err read_record(const Pelagos__Sea *sea, const char *spectra,
             return err;
         }
     }
-    err = pel_ndbc_read(spectra, sea->measured ? sea->measured : "", unix_s,
-                        out, NULL, fault);
+    const char *name = sea->measured ? sea->measured : "";
+    if (strchr(name, '.')) { /* a buoy's name has no dot */
+        g_auto(GStrv) parts = g_strsplit(name, "#", 2);
+        err =
+            pel_spectrum_file_read(spectra, parts[0], parts[1] ? parts[1] : "",
+                                   unix_s, out, NULL, fault);
+    } else {
+        err = pel_ndbc_read(spectra, name, unix_s, out, NULL, fault);
+    }
     if (err) {
         pel_fault_at(fault, "sea.measured", sea->measured);
     }

@@ -190,10 +190,10 @@ class Sea(Record):
     #: Degree of Douglas's sea scale: sets windSpeed so that the wind sea has
     #: its significant height; not kept. [1; 0 to 9]
     douglas: float | None = _field(None, '1', 0, 9)
-    #: Buoy of the spectrum MEASURED: its files STATION.data_spec, .swdir,
-    #: .swdir2, .swr1, .swr2 (NDBC) lie in the directory of pelagosd --spectra.
+    #: Of the spectrum MEASURED, in the directory of pelagosd --spectra: an
+    #: NDBC STATION, or FILE.nc#STATION of other forms (docs/numbers.md).
     measured: str | None = _field(None)
-    #: UTC of the buoy's record, ISO 8601, within 90 minutes; absent: the
+    #: UTC of the record, ISO 8601, the nearest within 90 minutes; absent:
     #: newest.
     measuredTime: str | None = _field(None)
     #: Single waves, at most 8.

@@ -1,0 +1,117 @@
+/* pelagos-spectrum: reads one record of a file of wave spectra and writes it to
+ * standard output in the form of ocean/spectrumfile.h. The daemon starts one
+ * for a file and throws it away.
+ *
+ *   pelagos-spectrum DIRECTORY FILE UNIX-TIME|nan STATION
+ *
+ * It may read that file, and of NDBC's historical text those beside it, and
+ * nothing else (base/sandbox.h). On failure a sentence on standard error,
+ * status 1, or 2 for wrong use. */
+#include <errno.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/sandbox.h"
+#include "ocean/reader/shelf.h"
+#include "ocean/spectrumfile.h"
+
+#define MOST_MEMORY ((size_t)2 << 30)
+#define MOST_CPU_S 12
+
+_Noreturn static void refuse(const char *why)
+{
+    fprintf(stderr, "%s\n", why);
+    fflush(stderr);
+    _Exit(1);
+}
+
+static enum pel_err enter(const char *directory, const char *path,
+                          struct pel_fault *fault)
+{
+    static char others[4][4096];
+    const char *readable[6] = { path };
+    for (int i = 0; i < 4; i++) {
+        snprintf(others[i], sizeof others[i], "%s", path);
+        char *w = strrchr(others[i], 'w');
+        if (w) {
+            *w = "dijk"[i];
+        }
+        readable[1 + i] = others[i];
+    }
+    const struct pel_sandbox sandbox = { .readable = readable,
+                                         .cpu_s = MOST_CPU_S,
+                                         .memory_bytes = MOST_MEMORY,
+                                         .walls = PEL_SANDBOX_ALL };
+    if (chdir(directory)) {
+        return pel_fault_set(fault, PEL_ERR_IO, "%.160s: %s", directory,
+                             strerror(errno));
+    }
+    return pel_sandbox_close(&sandbox, fault);
+}
+
+/* By its first bytes. */
+static pel_shelf_form *form_of(const char *path)
+{
+    char head[24] = { 0 };
+    FILE *f = fopen(path, "rb");
+    size_t got = f ? fread(head, 1, sizeof head - 1, f) : 0;
+    if (f) {
+        fclose(f);
+    }
+    bool netcdf = got > 4 && (memcmp(head, "CDF", 3) == 0 ||
+                              memcmp(head, "\x89HDF", 4) == 0);
+    return netcdf                                     ? pel_read_netcdf
+           : strncmp(head, "SWAN", 4) == 0            ? pel_read_swan
+           : strncmp(head, "'WAVEWATCH III", 14) == 0 ? pel_read_ww3
+           : strncmp(head + (head[0] == '#'), "YY", 2) == 0
+               ? pel_read_historical
+               : NULL;
+}
+
+static bool put(const double *v, int count)
+{
+    return fwrite(v, sizeof *v, (size_t)count, stdout) == (size_t)count;
+}
+
+int main(int argc, char **argv)
+{
+    static struct pel_measured m;
+    struct pel_fault fault = { 0 };
+    char path[4096];
+    double unix_s = 0;
+    if (argc != 5) {
+        fprintf(stderr, "usage: pelagos-spectrum DIRECTORY FILE UNIX-TIME|nan "
+                        "STATION\n");
+        return 2;
+    }
+    const struct pel_want want = { argv[4], strtod(argv[3], NULL) };
+    snprintf(path, sizeof path, "./%.4000s", argv[2]);
+    /* HDF5 would lock the file, which the sandbox does not let it. */
+    setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
+    if (enter(argv[1], path, &fault)) {
+        refuse(fault.message);
+    }
+    pel_shelf_form *read = form_of(path);
+    if (!read) {
+        refuse("neither NetCDF, nor SWAN's, WAVEWATCH III's or NDBC's "
+               "historical text");
+    }
+    if (read(path, &want, &m, &unix_s, &fault)) {
+        refuse(fault.message);
+    }
+    const int32_t head[2] = { m.count, 0 };
+    if (fwrite(PEL_SPECTRUM_FILE_MAGIC, 8, 1, stdout) != 1 ||
+        fwrite(head, sizeof head, 1, stdout) != 1 || !put(&unix_s, 1) ||
+        !put(m.frequency_hz, m.count) || !put(m.density, m.count) ||
+        !put(m.r1, m.count) || !put(m.r2, m.count) ||
+        !put(m.alpha1_rad, m.count) || !put(m.alpha2_rad, m.count) ||
+        fflush(stdout)) {
+        refuse(strerror(errno));
+    }
+    fflush(stderr);
+    _Exit(0);
+}

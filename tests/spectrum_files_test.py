@@ -1,0 +1,311 @@
+#!/usr/bin/python3
+"""Wave spectra of others' forms (--spectra): WAVEWATCH III, SWAN, ERA5, NDBC.
+The sea of each has the height, peak and direction that numpy integrates from
+the same file; damaged files are refused and the sea stays. Files are made
+here; those of ../shared/data are tried too, where they lie."""
+import datetime
+import json
+import math
+import os
+import shutil
+import sys
+import tempfile
+import unittest
+
+import netCDF4
+import numpy as np
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from pelagos_daemon import ROOT, Daemon
+
+SHARED = os.path.join(os.path.dirname(ROOT), "shared/data/waves")
+EPOCH = datetime.datetime(2020, 6, 8, 3, tzinfo=datetime.timezone.utc)
+STEP = datetime.timedelta(hours=3)
+F = 0.04 * 1.1 ** np.arange(26)
+FROM = np.arange(5.0, 360.0, 10.0)  # degrees
+
+
+def density(height, period, come_from):
+    """m2/Hz/degree over F and FROM."""
+    fp = 1 / period
+    s = F ** -5 * np.exp(-1.25 * (F / fp) ** -4)
+    s *= height ** 2 / 16 / np.trapz(s, F)
+    d = np.maximum(np.cos(np.radians(FROM - come_from)), 0) ** 6
+    return s[:, None] * (d / d.sum() / 10)[None, :]
+
+
+def moments(f, come_from, e):
+    """Hs, Tp, mean direction from, of e per Hz and per bin of direction."""
+    s = e.sum(1)
+    a = np.radians(come_from)
+    x = np.trapz((e * np.cos(a)).sum(1), f)
+    y = np.trapz((e * np.sin(a)).sum(1), f)
+    return (4 * math.sqrt(np.trapz(s, f)), 1 / f[s.argmax()],
+            math.degrees(math.atan2(y, x)) % 360)
+
+
+SEAS = {"one": density(2.0, 9, 240), "two": density(3.5, 12, 300)}
+
+
+def swan(path):
+    with open(path, "w") as f:
+        f.write("SWAN   1  Swan standard spectral file\n$ made by a test\n"
+                "TIME\n 1\nLONLAT\n 2\n 10.0 50.0\n 12.5 51.0\n"
+                f"AFREQ\n {len(F)}\n" + "".join(f"{v:.5f}\n" for v in F)
+                + f"NDIR\n {len(FROM)}\n" + "".join(f"{v:.4f}\n" for v in FROM)
+                + "QUANT\n 1\nVaDens  variance\nm2/Hz/degr  unit\n -99 none\n")
+        for i in range(2):
+            f.write((EPOCH + i * STEP).strftime("%Y%m%d.%H%M%S  time\n"))
+            if i == 0:
+                f.write("NODATA\n")
+            for name in ("one", "two")[1 - i:]:
+                e = SEAS[name] * (1 + i) ** 2
+                unit = e.max() / 9999
+                f.write(f"FACTOR\n {unit:.8E}\n" + "\n".join(
+                    " ".join(f"{v:5.0f}" for v in row) for row in e / unit)
+                    + "\n")
+
+
+def ww3(path):
+    to = np.radians((FROM + 180) % 360)
+    with open(path, "w") as f:
+        f.write(f"'WAVEWATCH III SPECTRA' {len(F)} {len(FROM)} 2 'a test'\n")
+        for row in (F, to):
+            f.write(" ".join(f"{v:.4E}" for v in row) + "\n")
+        f.write(EPOCH.strftime("%Y%m%d %H%M%S\n"))
+        for name in SEAS:
+            f.write(f"'{name:10s}' 50.0 10.0 100.0 8.0 270.0 0.1 90.0\n")
+            e = SEAS[name].T * math.degrees(1)  # frequencies run first
+            f.write("\n".join(f"{v:.5E}" for v in e.ravel()) + "\n")
+
+
+def netcdf(path, kind):
+    with netCDF4.Dataset(path, "w", format={"ww3": "NETCDF3_CLASSIC"}.get(
+            kind, "NETCDF4")) as d:
+        for name, size in (("time", None), ("station", 2),
+                           ("frequency", len(F)), ("direction", len(FROM)),
+                           ("text", 8)):
+            d.createDimension(name, size)
+        t = d.createVariable("time", "f8", ("time",))
+        t.units = "days since 1990-01-01T00:00:00Z"
+        t[:] = [(EPOCH - datetime.datetime(
+            1990, 1, 1, tzinfo=datetime.timezone.utc)).total_seconds() / 86400]
+        d.createVariable("frequency", "f4", ("frequency",))[:] = F
+        v = d.createVariable("direction", "f4", ("direction",))
+        names = d.createVariable("station_name", "S1", ("station", "text"))
+        for i, name in enumerate(SEAS):
+            names[i] = netCDF4.stringtochar(np.array([name], "S8"))[0]
+        if kind == "ww3":
+            v.standard_name, v.units = "sea_surface_wave_to_direction", "degree"
+            v[:] = (FROM + 180) % 360
+        else:
+            v.standard_name = "sea_surface_wave_from_direction"
+            v.units = "radians"
+            v[:] = np.radians(FROM)
+        e = d.createVariable("efth" if kind == "ww3" else "density", "f4",
+                             ("time", "station", "frequency", "direction"))
+        e[:] = np.array(list(SEAS.values()))[None] * math.degrees(1)
+
+
+def era5(path):
+    f, to = 0.03453 * 1.1 ** np.arange(30), 7.5 + 15 * np.arange(24)
+    s = f ** -5 * np.exp(-1.25 * (f * 11) ** -4)
+    s *= 2.5 ** 2 / 16 / np.trapz(s, f)
+    d = np.maximum(np.cos(np.radians(to + 180 - 210)), 0) ** 4
+    e = s[:, None] * (d / d.sum() / 15)[None, :]
+    with netCDF4.Dataset(path, "w") as n:
+        for name, size in (("longitude", 2), ("latitude", 1),
+                           ("direction", 24), ("frequency", 30), ("time", 1)):
+            n.createDimension(name, size)
+        n.createVariable("longitude", "f4", ("longitude",))[:] = [0, 36]
+        n.createVariable("latitude", "f4", ("latitude",))[:] = [40]
+        t = n.createVariable("time", "i4", ("time",))
+        t.units = "hours since 1900-01-01 00:00:00.0"
+        t[:] = [1055811]
+        v = n.createVariable("d2fd", "i2", ("time", "frequency", "direction",
+                                            "latitude", "longitude"),
+                             fill_value=-32767)
+        v.scale_factor, v.add_offset = 14 / 65000, -5.0
+        with np.errstate(divide="ignore"):
+            logs = np.log10(e * math.degrees(1))
+        logs = np.ma.masked_less(logs, -11.9)
+        full = np.ma.masked_all((1, 30, 24, 1, 2))
+        full[0, :, :, 0, 0] = logs
+        v[:] = full
+    return moments(f, (to + 180) % 360, e * 15)
+
+
+def historical(folder):
+    """Values of a year as NDBC has them; the 99.00 and MM are missing."""
+    head = "#YY  MM DD hh mm " + " ".join(f"{v:.4f}" for v in F) + "\n"
+    s = SEAS["one"].sum(1) * 10
+    rows = {"w": s, "d": s * 0 + 240, "i": s * 0 + 240, "j": s * 0 + 0.8,
+            "k": s * 0 + 0.5}
+    for letter, row in rows.items():
+        with open(os.path.join(folder, f"tst{letter}2020.txt"), "w") as f:
+            f.write(head)
+            text = [f"{v:.4f}" for v in row]
+            text[-1] = "MM" if letter == "w" else "999.0"
+            f.write("2020 06 08 03 00 " + " ".join(text) + "\n")
+
+
+def realtime(folder, directions):
+    name = "dir" if directions else "nodir"
+    s = SEAS["one"].sum(1) * 10
+    rows = {"data_spec": s}
+    if directions:
+        rows.update(swdir=s * 0 + 240, swdir2=s * 0 + 240, swr1=s * 0 + 0.8,
+                    swr2=s * 0 + 0.5)
+    for ending, row in rows.items():
+        with open(os.path.join(folder, f"{name}.{ending}"), "w") as f:
+            f.write("#YY  MM DD hh mm\n2020 06 08 03 00 "
+                    + ("9.999 " if ending == "data_spec" else "")
+                    + " ".join(f"{'MM' if i == 0 else f'{v:.3f}'} ({x:.3f})"
+                               for i, (v, x) in enumerate(zip(row, F)))
+                    + "\n")
+
+
+class Files(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="pelagos-spectra-")
+        for name in os.listdir(SHARED) if os.path.isdir(SHARED) else ():
+            shutil.copy(os.path.join(SHARED, name), cls.folder)
+        at = lambda name: os.path.join(cls.folder, name)
+        swan(at("made.spec"))
+        ww3(at("made.ww3"))
+        netcdf(at("made-ww3.nc"), "ww3")
+        netcdf(at("made-swan.nc"), "swan")
+        cls.era5 = era5(at("made-era5.nc"))
+        historical(cls.folder)
+        realtime(cls.folder, True)
+        realtime(cls.folder, False)
+        cls.daemon = Daemon("--spectra", cls.folder)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+        assert cls.daemon.stop() == 0
+
+    def sea(self, measured, time=None):
+        return self.daemon.request("PATCH", "/v1/state", json.dumps({"sea": {
+            "spectrum": "MEASURED", "measured": measured,
+            "measuredTime": time}}).encode())
+
+    def numbers(self, measured, time=None):
+        answer = self.sea(measured, time)
+        self.assertEqual(answer.status, 200, (measured, answer))
+        s = self.daemon.get("/v1/spectrum").json()
+        return (s["spectrum"]["significantHeight"], s["peakPeriod"],
+                s["meanDirection"])
+
+    def check(self, want, measured, time=None, bars=(0.04, 0.06, 3)):
+        """Bars: of Hs and Tp relative, of the direction degrees. The daemon
+        continues the spectrum beyond the record, and its peak lies between
+        bins."""
+        got = self.numbers(measured, time)
+        print(f"{measured} {time or ''}: Hs {got[0]:.3f} ({want[0]:.3f}) m, "
+              f"Tp {got[1]:.2f} ({want[1]:.2f}) s, "
+              f"from {got[2]:.1f} ({want[2]}) deg")
+        self.assertLess(abs(got[0] / want[0] - 1), bars[0], measured)
+        self.assertLess(abs(got[1] / want[1] - 1), bars[1], measured)
+        if want[2] is not None:
+            self.assertLess(abs((got[2] - want[2] + 180) % 360 - 180), bars[2],
+                            measured)
+
+    def test_each_form_by_station(self):
+        for i, name in enumerate(SEAS):
+            want = moments(F, FROM, SEAS[name] * 10)
+            self.check(want, f"made.ww3#{name}")
+            self.check(want, f"made-ww3.nc#{name}")
+            self.check(want, f"made-swan.nc#{i + 1}")
+        self.check(moments(F, FROM, SEAS["two"] * 10), "made.spec#51,12.4",
+                   EPOCH.isoformat().replace("+00:00", "Z"))
+        self.check(moments(F, FROM, SEAS["one"] * 40), "made.spec#1")
+        self.check(self.era5, "made-era5.nc#40,0.5")
+
+    def test_buoys_with_missing_values(self):
+        want = moments(F, FROM, SEAS["one"] * 10)
+        self.check(want, "tstw2020.txt")
+        self.check(want, "dir")
+        self.check(want[:2] + (None,),
+                   "nodir")
+
+    def test_what_is_not_there_is_listed(self):
+        for measured, time, words in (
+                ("made.ww3", None, ("one", "two", "#")),
+                ("made.ww3#three", None, ("one", "two")),
+                ("made.spec#1", "2020-06-08T03:00:00Z", ("no data",)),
+                ("made.spec#2", "2021-06-08T03:00:00Z", ("2020-06-08",)),
+                ("made-era5.nc#40,36", None, ("no data",)),
+                ("made-era5.nc#-40,36", None, ("40,",)),
+                ("none.nc", None, ("no such file",)),
+                ("../made.ww3", None, ("below",))):
+            answer = self.sea(measured, time)
+            self.assertIn(answer.status, (400, 404, 409, 422), measured)
+            text = answer.body.decode()
+            for word in words:
+                self.assertIn(word, text, measured)
+
+    def test_damaged_files_are_refused_and_nothing_is_lost(self):
+        before = self.numbers("made.ww3#one")
+        for name in ("made.spec", "made.ww3", "made-ww3.nc", "made-swan.nc",
+                     "tstw2020.txt"):
+            with open(os.path.join(self.folder, name), "rb") as f:
+                whole = f.read()
+            for kind, data in (("cut", whole[:len(whole) * 2 // 3]),
+                               ("head", whole[:40]), ("empty", b""),
+                               ("noise", whole[:60] + os.urandom(3000))):
+                broken = kind + "-" + name
+                with open(os.path.join(self.folder, broken), "wb") as f:
+                    f.write(data)
+                answer = self.sea(broken + "#1")
+                self.assertNotEqual(answer.status, 200, broken)
+                self.assertIn(broken, answer.body.decode())
+        state = self.daemon.get("/v1/state").json()
+        self.assertEqual(state["sea"]["measured"], "made.ww3#one")
+        s = self.daemon.get("/v1/spectrum").json()
+        self.assertEqual(s["spectrum"]["significantHeight"], before[0])
+
+    @unittest.skipUnless(os.path.isdir(SHARED), "no shared data")
+    def test_real_files(self):
+        with open(os.path.join(SHARED, "swanfile.tab")) as f:
+            for line in f:
+                if line[0] != "%":
+                    v = line.split()
+                    day = v[0]
+                    self.check((float(v[1]), float(v[4]), float(v[2])),
+                               "swanfile.spec", f"{day[:4]}-{day[4:6]}-"
+                               f"{day[6:8]}T00:00:00Z", bars=(0.04, 0.08, 6))
+        with netCDF4.Dataset(os.path.join(SHARED, "ww3file.nc")) as d:
+            f = d["frequency"][:].astype(float)
+            e = d["efth"][-1, 1].astype(float)
+            step = 2 * math.pi / 24
+            self.check(moments(f, (d["direction"][:] + 180) % 360, e * step),
+                       "ww3file.nc#2", bars=(0.05, 0.08, 4))
+        with netCDF4.Dataset(os.path.join(SHARED, "swanfile.nc")) as d:
+            f = d["frequency"][:].astype(float)
+            e = d["density"][-1, 0].astype(float)
+            self.check(moments(f, np.degrees(d["direction"][:]),
+                               e * 2 * math.pi / 36), "swanfile.nc",
+                       bars=(0.05, 0.08, 4))
+        with netCDF4.Dataset(os.path.join(SHARED, "era5file.nc")) as d:
+            x = np.ma.filled(d["d2fd"][0, :, :, 2, 3], -99)
+            f = 0.03453 * 1.1 ** np.arange(30)
+            self.check(moments(f, (7.5 + 15 * np.arange(24) + 180) % 360,
+                               10.0 ** x * 2 * math.pi / 24),
+                       "era5file.nc#" + f"{d['latitude'][2]:g},"
+                       f"{d['longitude'][3]:g}", bars=(0.05, 0.08, 4))
+        with netCDF4.Dataset(os.path.join(SHARED, "ndbc-42098w9999.nc")) as d:
+            f = d["frequency"][:].astype(float)
+            s = np.ma.filled(d["spectral_wave_density"][-1, :, 0, 0], 0)
+            self.check((4 * math.sqrt(np.trapz(s, f)), 1 / f[s.argmax()],
+                        None), "ndbc-42098w9999.nc",
+                       # Two peaks, of 5.3 and 4.4 s, differ by 2 %.
+                       bars=(0.05, 0.2, 4))
+        self.assertGreater(self.numbers("ww3station.spec")[0], 0.1)
+        self.assertGreater(self.numbers("swanhot.spec#12")[0], 0.01)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
