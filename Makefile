@@ -27,8 +27,8 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev \
     libnova-dev libssl-dev libgdal-dev libhdf5-dev libnetcdf-dev libassimp-dev
 TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
-    python3-serial-asyncio python3-jsonschema \
     libimage-exiftool-perl netcdf-bin python3-netcdf4 python3-xarray librsvg2-bin \
+    python3-serial-asyncio python3-jsonschema python3-hypothesis \
     xplanet python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
     python3-wheel openexr chromium \
     nginx-light openssl mypy clang \
@@ -639,13 +639,14 @@ ifneq ($(FLAVOR),fuzz)
 	$(Q)$(MAKE) FLAVOR=fuzz fuzz
 else
 fuzz: $(fuzz_bin)
+	$(Q)/usr/bin/python3 -B tests/fuzz/seeds.py $(O)/seeds
 	$(Q)for f in $(fuzz_bin); do \
 	    name=$$(basename $$f); corpus=build/corpus/$$name; \
 	    seeds=tests/fuzz/corpus/$$name; mkdir -p $$corpus; \
 	    echo "== $$name, $(FUZZ_SECONDS) s"; \
 	    $$f -max_total_time=$(FUZZ_SECONDS) -timeout=10 -rss_limit_mb=2048 \
 	        -print_final_stats=1 -artifact_prefix=$$corpus/ $$corpus \
-	        $$([ -d $$seeds ] && echo $$seeds) \
+	        $$(for s in $$seeds $(O)/seeds/$$name; do [ -d $$s ] && echo $$s; done) \
 	        $$(d=tests/fuzz/$$name.dict; [ -f $$d ] && echo -dict=$$d) \
 	        2>$$corpus.log \
 	        || { tail -40 $$corpus.log; exit 1; }; \

@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """Datagrams for the CIGI bridge, the same on every machine.
 
-    cigi_corpus.py seeds FOLDER          inputs of fuzz_cigi, sound ones
     cigi_corpus.py malformed FOLDER [N]  N (2000) datagrams that are no CIGI
     cigi_corpus.py archive               writes cigi_malformed.z anew
     cigi_corpus.py unpack FOLDER         the files of cigi_malformed.z
@@ -56,14 +55,6 @@ def sound():
 def datagram(packets, order=">", number=1, **head):
     return (cigi.ig_control(order, number, 0, **head) +
             b"".join(p(order) for p in packets))
-
-
-def seeds():
-    """(name, input): raw datagrams behind a byte that says so."""
-    for name, packets in sound().items():
-        yield name, b"\0" + datagram(packets)
-        yield name + "_little", b"\0" + datagram(packets, "<", stamp=7,
-                                                 minor=2)
 
 
 def _cut(pick, whole):
@@ -162,7 +153,7 @@ def committed():
 
 
 def main():
-    makers = {"seeds": seeds, "unpack": committed,
+    makers = {"unpack": committed,
               "malformed": lambda: malformed(*map(int, sys.argv[3:4]))}
     if sys.argv[1:] == ["archive"]:
         ARCHIVE.write_bytes(pack(malformed()))

@@ -1,31 +1,75 @@
-/* An HTTP request as text → routing on a real scene, without sockets: target,
- * query, headers, JSON bodies, edits. Lines up to an empty one are the head,
- * the rest is the body. */
-#include <stdint.h>
-#include <stdlib.h>
+/* HTTP requests as text, one after the other (a byte 1 between them), on a
+ * scene of their own, without sockets: target, query, headers, JSON bodies,
+ * edits. Lines up to an empty one are the head, the rest is the body. A first
+ * line of
+ * `#` and letters says what the server has: t a token, h names, o origins that
+ * may ask, s it stops. */
 #include <string.h>
+#include <unistd.h>
 
-#include "base/log.h"
+#include "fuzz_steps.h"
 #include "net/http_route.h"
 
 #define MAX_HEADERS 32
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-static struct pel_http_context *context(void)
+static struct pel_http_context context;
+
+static struct pel_token *token(void)
 {
-    static struct pel_http_context made;
-    if (!made.scene) {
-        struct pel_scene_options options = { .wave_count = 20 };
-        struct pel_fault fault;
-        pel_log_set_level(PEL_LOG_ERROR);
-        made.metrics = pel_metrics_create();
-        made.body_limit = 65536;
-        if (pel_scene_create(&options, &made.scene, &fault) != PEL_OK) {
+    static struct pel_token *made;
+    char path[] = "/tmp/pelagos-fuzz-XXXXXX";
+    static const char text[] = "0123456789abcdef\n";
+    if (!made) {
+        int fd = mkstemp(path);
+        if (fd < 0 ||
+            write(fd, text, sizeof text - 1) != (ssize_t)sizeof text - 1 ||
+            pel_token_create(path, &made, NULL)) {
             abort();
         }
+        close(fd);
+        unlink(path);
     }
-    return &made;
+    return made;
+}
+
+static void set_context(const char *letters, struct pel_scene *scene)
+{
+    static struct pel_metrics *metrics;
+    static const char *const hosts[] = { "sea.example", NULL };
+    static const char *const origins[] = { "https://other.example", NULL };
+    if (!metrics) {
+        metrics = pel_metrics_create();
+    }
+    context = (struct pel_http_context){
+        .scene = scene,
+        .metrics = metrics,
+        .body_limit = 65536,
+        .token = strchr(letters, 't') ? token() : NULL,
+        .hosts = strchr(letters, 'h') ? hosts : NULL,
+        .origins = strchr(letters, 'o') ? origins : NULL,
+        .stopping = strchr(letters, 's') != NULL,
+    };
+}
+
+/* A patch is one revision more, or nothing. */
+static void carry_out(struct pel_http_answer *answer)
+{
+    uint64_t before = pel_scene_state(context.scene)->revision;
+    struct pel_fault fault = { 0 };
+    enum pel_err err = pel_scene_patch(context.scene, answer->patch, &fault);
+    uint64_t after = pel_scene_state(context.scene)->revision;
+    fuzz_demand(after == before + (err == PEL_OK));
+    fuzz_demand(err == PEL_OK || fault.message[0]);
+    struct pel_http_answer told = { 0 };
+    if (err) {
+        pel_http_answer_refused(&told, &fault);
+    } else {
+        pel_http_answer_state(&context, &told);
+    }
+    fuzz_demand(told.status >= 200 && told.status < 500 && told.size > 0);
+    pel_http_answer_finish(&told);
 }
 
 /* Cuts a line off *text; NULL: none left. */
@@ -54,6 +98,7 @@ static void serve(char *text, const char *end)
     *space = '\0';
     request.method = line;
     request.target = space + 1;
+    space[1 + strcspn(space + 1, " ")] = '\0'; /* HTTP/1.1 */
     while ((line = take_line(&text)) && *line &&
            request.header_count < MAX_HEADERS) {
         char *colon = strchr(line, ':');
@@ -68,25 +113,37 @@ static void serve(char *text, const char *end)
     request.body_size = (size_t)(end - text);
     struct pel_http_answer answer;
     size_t limit = 0;
-    if (pel_http_admit(context(), &request, &limit, &answer)) {
+    if (pel_http_admit(&context, &request, &limit, &answer)) {
         if (request.body_size > limit) {
             return; /* the server would not have read that much */
         }
-        pel_http_route(context(), &request, &answer);
+        pel_http_answer_finish(&answer);
+        pel_http_route(&context, &request, &answer);
     }
-    if (answer.kind == PEL_HTTP_WHOLE &&
-        (answer.status < 200 || answer.status > 599)) {
-        abort();
+    fuzz_demand(answer.kind != PEL_HTTP_WHOLE ||
+                (answer.status >= 200 && answer.status <= 599));
+    if (answer.kind == PEL_HTTP_PATCH) {
+        carry_out(&answer);
     }
     pel_http_answer_finish(&answer);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    char *text = malloc(size + 1);
+    char *text = malloc(size + 1), *rest = text, *end = text + size;
+    struct pel_scene *scene = fuzz_world();
     memcpy(text, data, size);
     text[size] = '\0';
-    serve(text, text + size);
+    char *letters = text[0] == '#' ? take_line(&rest) : NULL;
+    set_context(letters ? letters : "", scene);
+    for (int i = 0; i < 16 && rest < end; i++) {
+        char *stop = memchr(rest, 1, (size_t)(end - rest));
+        stop = stop ? stop : end;
+        *stop = '\0';
+        serve(rest, stop);
+        rest = stop + 1;
+    }
+    pel_scene_destroy(scene);
     free(text);
     return 0;
 }

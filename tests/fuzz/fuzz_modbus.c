@@ -1,30 +1,21 @@
-/* Streams into the Modbus server and a real scene, without sockets. The first
- * byte chooses: as they are, or cut into PDUs (a length byte before each) that
- * get a right header, to get past it. */
-#include <stdint.h>
-#include <stdlib.h>
+/* Consoles and the Modbus server, with a scene of its own: four connections,
+ * whose bytes come as they are or as PDUs with a right header, in pieces; time,
+ * in which heartbeats fail; connections that end in the middle. */
 #include <string.h>
 
-#include "base/log.h"
 #include "bridges/modbus.h"
-#include "scene/scene.h"
+#include "fuzz_steps.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-static struct pel_modbus *open_server(void)
-{
-    struct pel_scene_options scene_options = { .wave_count = 20 };
-    struct pel_modbus_options options = pel_modbus_default_options();
+enum { FEED, PDU, HALF, WAIT, CLOSE, STEPS };
+#define CONSOLES 4
+
+struct consoles {
     struct pel_scene *scene;
     struct pel_modbus *modbus;
-    pel_log_set_level(PEL_LOG_ERROR);
-    options.listen = NULL;
-    if (pel_scene_create(&scene_options, &scene, NULL) != PEL_OK ||
-        pel_modbus_create(&options, scene, &modbus, NULL) != PEL_OK) {
-        abort();
-    }
-    return modbus;
-}
+    struct pel_modbus_session *open[CONSOLES];
+};
 
 /* Every answer must be whole: a header and as many bytes as it says. */
 static void check_answers(const uint8_t *answer, long size)
@@ -39,36 +30,85 @@ static void check_answers(const uint8_t *answer, long size)
     }
 }
 
+static void feed(struct pel_modbus_session **open, const uint8_t *bytes,
+                 size_t size)
+{
+    static uint8_t answer[1 << 16];
+    /* Answers of 64 KiB at most: 8 bytes in can be 260 out. */
+    long got = pel_modbus_session_feed(*open, bytes, size < 2000 ? size : 2000,
+                                       answer, sizeof answer);
+    check_answers(answer, got);
+    if (got < 0) {
+        pel_modbus_session_close(*open);
+        *open = NULL;
+    }
+}
+
+static void take(struct consoles *c, const struct fuzz_step *s)
+{
+    unsigned who = s->what / STEPS % CONSOLES, what = s->what % STEPS;
+    size_t length = s->size < 253 ? s->size : 253;
+    uint8_t adu[260] = {
+        0, 1, 0, 0, 0, (uint8_t)(length + 1), (uint8_t)(1 + s->what / 128)
+    };
+    memcpy(adu + 7, s->data, length);
+    if (what == WAIT) {
+        fuzz_wait(s);
+        fuzz_rest();
+        return;
+    }
+    if (!c->open[who]) {
+        c->open[who] = pel_modbus_session_open(c->modbus);
+    }
+    switch (what) {
+    case FEED:
+        feed(&c->open[who], s->data, s->size);
+        break;
+    case PDU:
+        feed(&c->open[who], adu, length + 7);
+        break;
+    case HALF: /* and the rest, if the connection still stands */
+        feed(&c->open[who], adu, (length + 7) / 2);
+        if (c->open[who]) {
+            feed(&c->open[who], adu + (length + 7) / 2,
+                 length + 7 - (length + 7) / 2);
+        }
+        break;
+    default:
+        pel_modbus_session_close(c->open[who]);
+        c->open[who] = NULL;
+        break;
+    }
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static struct pel_modbus *modbus;
-    static uint8_t answer[1 << 16];
-    if (!modbus) {
-        modbus = open_server();
+    struct fuzz_steps steps = { data, data + size };
+    struct fuzz_step step;
+    struct pel_modbus_options options = pel_modbus_default_options();
+    struct consoles c = { .scene = fuzz_world() };
+    double time_s = 0;
+    options.listen = NULL;
+    if (pel_modbus_create(&options, c.scene, &c.modbus, NULL) != PEL_OK) {
+        abort();
     }
-    if (size == 0) {
-        return 0;
-    }
-    struct pel_modbus_session *s = pel_modbus_session_open(modbus);
-    const uint8_t *p = data + 1, *end = data + size;
-    if (data[0] % 2 == 0) {
-        /* Answers of 64 KiB at most: 8 bytes in can be 260 out. */
-        size_t take = size - 1 < 2000 ? size - 1 : 2000;
-        check_answers(
-            answer, pel_modbus_session_feed(s, p, take, answer, sizeof answer));
-    }
-    while (data[0] % 2 == 1 && p < end) {
-        size_t length = *p++ % 253 + 1;
-        length = length < (size_t)(end - p) ? length : (size_t)(end - p);
-        if (length == 0) {
-            break;
+    for (int i = 0; i < 64 && fuzz_next(&steps, &step); i++) {
+        take(&c, &step);
+        pel_scene_settle(c.scene);
+        fuzz_rest();
+        if (step.what % STEPS == WAIT) {
+            fuzz_look(c.scene, &time_s); /* a console may set the clock */
         }
-        uint8_t adu[260] = { 0, 1, 0, 0, 0, (uint8_t)(length + 1), 1 };
-        memcpy(adu + 7, p, length);
-        check_answers(answer, pel_modbus_session_feed(s, adu, length + 7,
-                                                      answer, sizeof answer));
-        p += length;
+        time_s = pel_scene_time(c.scene);
+        const struct pel_modbus_counters *n = pel_modbus_counters(c.modbus);
+        fuzz_demand(n->commits + n->refused_commits <= n->requests);
     }
-    pel_modbus_session_close(s);
+    for (int i = 0; i < CONSOLES; i++) {
+        if (c.open[i]) {
+            pel_modbus_session_close(c.open[i]);
+        }
+    }
+    pel_modbus_destroy(c.modbus);
+    pel_scene_destroy(c.scene);
     return 0;
 }

@@ -9,16 +9,29 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
+/* What we write we read. */
+static void write_again(const ProtobufCMessage *message)
+{
+    size_t size, offset, length;
+    uint8_t *bytes = pel_wire_pack(message, &size);
+    if (pel_wire_next(bytes, size, size, &offset, &length) !=
+            PEL_WIRE_MESSAGE ||
+        offset + length != size ||
+        pel_wire_next(bytes, size - 1, size, &offset, &length) !=
+            PEL_WIRE_MORE) {
+        abort();
+    }
+    free(bytes);
+}
+
 static void one_request(const uint8_t *data, size_t size)
 {
-    static struct pel_unpack unpack;
-    if (!unpack.allocator.alloc) {
-        pel_unpack_init(&unpack);
-    }
+    struct pel_unpack unpack;
+    pel_unpack_init(&unpack);
     Pelagos__Request *request =
         pelagos__request__unpack(&unpack.allocator, size, data);
     if (!request) {
-        pel_unpack_reset(&unpack);
+        pel_unpack_finish(&unpack);
         return;
     }
     pel_message_forget_unknown(&request->base);
@@ -27,7 +40,8 @@ static void one_request(const uint8_t *data, size_t size)
         request->patch) {
         fuzz_edit(request->patch);
     }
-    pel_unpack_reset(&unpack);
+    write_again(&request->base);
+    pel_unpack_finish(&unpack);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
