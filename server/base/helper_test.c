@@ -59,7 +59,11 @@ static enum pel_err run(const char *program, char *word, char **out,
     size_t size = 0;
     unsigned char *bytes = NULL;
     enum pel_err err = pel_helper_run(&task, &bytes, &size, fault);
-    *out = bytes ? strndup((char *)bytes, size) : NULL;
+    *out = NULL;
+    if (bytes) { /* no text: it has no end */
+        *out = calloc(1, size + 1);
+        memcpy(*out, bytes, size);
+    }
     free(bytes);
     return err;
 }

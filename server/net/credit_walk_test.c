@@ -279,15 +279,15 @@ static void wish_for_profile(struct viewer *v)
 
 static void say_something(struct viewer *v)
 {
-    uint8_t data[PEL_LIVE_MESSAGE] = { 0 };
+    uint8_t data[2 * PEL_LIVE_MESSAGE] = { 0 };
     switch (below(12)) {
     case 0:
         data[0] = PEL_LIVE_KEY;
-        say(v, 2, data, sizeof data);
+        say(v, 2, data, PEL_LIVE_MESSAGE);
         break;
     case 1:
         data[0] = PEL_LIVE_TIME;
-        say(v, 2, data, sizeof data);
+        say(v, 2, data, PEL_LIVE_MESSAGE);
         break;
     case 2:
         say(v, 9, data, below(20)); /* ping */
@@ -300,7 +300,7 @@ static void say_something(struct viewer *v)
         break;
     case 5: /* old news */
         data[0] = PEL_LIVE_ACK;
-        say(v, 2, data, sizeof data);
+        say(v, 2, data, PEL_LIVE_MESSAGE);
         break;
     case 6:
         if (below(20) == 0) {

@@ -26,8 +26,11 @@ static void finish_targets(struct pel_objects *o)
 
 static void delete_shading(struct pel_objects *o)
 {
-    for (int i = 0; i < 6 * PEL_SHADE_COUNT; i++) {
-        glDeleteProgram(o->shade[0][0][i]);
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 3 * PEL_SHADE_COUNT; k++) {
+            glDeleteProgram(
+                o->shade[i][k / PEL_SHADE_COUNT][k % PEL_SHADE_COUNT]);
+        }
     }
     memset(o->shade, 0, sizeof o->shade);
 }

@@ -494,11 +494,11 @@ static void finish_light(struct pel_programs *p)
     glDeleteProgram(p->outline_put[0]);
     glDeleteProgram(p->outline_put[1]);
     glDeleteProgram(p->clear_keys);
-    for (int i = 0; i < PEL_SKY_LOOKS * PEL_BACKDROPS; i++) {
-        glDeleteProgram(p->backdrop[0][i]);
-        glDeleteProgram(p->disc[0][i]);
-    }
     for (int i = 0; i < PEL_SKY_LOOKS; i++) {
+        for (int k = 0; k < PEL_BACKDROPS; k++) {
+            glDeleteProgram(p->backdrop[i][k]);
+            glDeleteProgram(p->disc[i][k]);
+        }
         glDeleteProgram(p->cloudscape[0][i]);
         glDeleteProgram(p->cloudscape[1][i]);
     }
