@@ -189,7 +189,7 @@ $(O)/flags: FORCE
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosd-starved pelagosctl \
     pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
-    any_raster rhythm validate_water seatrace airtrace airours shiptrace cloudtrace): $(O)/flags
+    bench_devices any_raster rhythm validate_water seatrace airtrace airours shiptrace cloudtrace): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS)
@@ -449,6 +449,9 @@ BENCH_BIN := $(O)/bin/bench $(O)/bin/still
 $(BENCH_BIN): $(O)/bin/%: $(OBJ)/tests/bench/%.o $(OBJ)/tests/bench/fleet.o $(OBJ)/tests/bench/scene.o $(OBJ)/libserver.a
 	$(LINK) $(BENCH_LIBS)
 
+$(O)/bin/bench_devices: $(OBJ)/tests/bench/devices.o $(OBJ)/libserver.a
+	$(LINK) $(PKG_LIBS)
+
 $(O)/bin/bench_streams: $(OBJ)/tests/bench/streams.o $(OBJ)/tests/bench/scene.o $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS)
 
@@ -459,6 +462,11 @@ bench-streams: deps ## what streams cost, and their latency in Chromium
 	$(Q)node tests/bench/latency.mjs
 	$(Q)/usr/bin/python3 -B tests/stream_test.py Crowd \
 	    Rtsp.test_late_joiner_gets_a_key_frame_after_play
+
+.PHONY: bench-devices
+bench-devices: deps-build ## what several devices draw together (ARGS='--views 64 0 0,1')
+	$(Q)$(MAKE) -s --no-print-directory $(O)/bin/bench_devices
+	$(O)/bin/bench_devices $(or $(ARGS),--views 8 --size 320x180 software software$(comma)software)
 
 .PHONY: bench
 bench: deps-build ## time frames, views, queries, encoders, streams (ARGS='--quick …')

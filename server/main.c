@@ -109,6 +109,7 @@ static struct pel_frames_options frames_options(const struct daemon *d)
         .shading = shadings[d->options.shading],
         .gl_debug = d->options.gl_debug,
         .lose_after = (unsigned)d->options.gl_lose,
+        .lose_only = d->options.gl_lose_device,
         .paper_form = d->options.reflection == 1,
         .max_fps = d->options.fps,
         .quality = d->options.quality,

@@ -462,11 +462,32 @@ static bool is_loopback(const char *address)
                                                  : strcmp(host, "::1") == 0;
 }
 
+static bool is_one_device(const char *text, size_t length)
+{
+    static const char *const words[] = { "auto", "software" };
+    for (int i = 0; i < 2; i++) {
+        if (strlen(words[i]) == length && memcmp(text, words[i], length) == 0) {
+            return true;
+        }
+    }
+    return length > 0 && length < 4 && strspn(text, "0123456789") >= length;
+}
+
 static bool is_device(const char *text)
 {
-    return strcmp(text, "auto") == 0 || strcmp(text, "software") == 0 ||
-           (*text != 0 && strlen(text) < 4 &&
-            strspn(text, "0123456789") == strlen(text));
+    if (strcmp(text, "all") == 0) {
+        return true;
+    }
+    for (;;) {
+        size_t length = strcspn(text, ",");
+        if (!is_one_device(text, length)) {
+            return false;
+        }
+        if (text[length] == 0) {
+            return true;
+        }
+        text += length + 1;
+    }
 }
 
 /* An interface with a token of its own, on a network. */
@@ -523,8 +544,9 @@ enum pel_err pel_options_check(const struct pel_options *options,
     };
     if (!is_device(options->device)) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "--device: '%.60s' is neither auto, software nor "
-                             "a number within 0 .. 999",
+                             "--device: '%.60s' is neither all, auto, software "
+                             "nor a number within 0 .. 999, nor several of "
+                             "these with commas between",
                              options->device);
     }
     if (*options->nmea && sends_to(options->nmea_out, options->nmea)) {

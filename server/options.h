@@ -64,7 +64,7 @@ struct pel_options {
     char video_encoder[PEL_OPTION_TEXT];
     char shader_dir[PEL_OPTION_TEXT];
     bool gl_debug;
-    int gl_lose;
+    int gl_lose, gl_lose_device;
     int shading, reflection;
     int realtime;  /* enum pel_realtime */
     int log_level; /* enum pel_log_level */

@@ -110,10 +110,12 @@ const struct pel_option pel_option_table[] = {
       .help = "Where the exercises lie, NAME.json; pelagosctl exercise loads "
               "and saves them." },
 
-    { "device", "render", PEL_OPTION_TEXT_KIND, "auto|software|NUMBER", "auto",
-      .offset = FIELD(device),
+    { "device", "render", PEL_OPTION_TEXT_KIND,
+      "all|auto|software|NUMBER[,NUMBER...]", "auto", .offset = FIELD(device),
       .help = "EGL device to draw with: hardware if there is any, the "
-              "processor, or the device of that number." },
+              "processor, or the device of that number; of several the views "
+              "are spread over all, of a list over those in it, and one that "
+              "is lost leaves its views to the others." },
     { "fps", "render", PEL_OPTION_DOUBLE, "HZ", "30", 1, 240, "Hz",
       .live = true, .offset = FIELD(fps),
       .help = "Most frames a second of live views." },
@@ -277,5 +279,8 @@ const struct pel_option pel_developer_table[] = {
       "pictures", .offset = FIELD(gl_lose),
       .help = "Pretends that the device is lost after so many pictures; 0: "
               "never." },
+    { "PELAGOS_GL_LOSE_DEVICE", "developer", PEL_OPTION_INT, "INDEX", "-1", -1,
+      15, "of the list of devices", .offset = FIELD(gl_lose_device),
+      .help = "Pretends so of this device alone; -1: of all." },
     { 0 },
 };

@@ -11,6 +11,7 @@
 
 #define MAX_VIEWS 64
 #define MAX_FRAMES 100000
+#define MAX_DEVICES 16
 
 /* One view asked for as fast as the answers come; one thread each. */
 struct asker {
@@ -18,6 +19,7 @@ struct asker {
     uint32_t width, height;
     int64_t end_ns;
     GArray *render_ms, *answer_ms; /* double */
+    GArray *devices;               /* guint, of each picture */
     struct pel_client_error error; /* code OK: none */
 };
 
@@ -39,11 +41,13 @@ static enum pel_client_code ask(struct asker *asker, struct pel_client *client)
             return code;
         }
         double render_ms = frame->render_ms;
+        guint device = frame->device;
         double answer_ms = (double)(pel_now_ns() - start_ns) * 1e-6;
         pelagos__frame__free_unpacked(frame, NULL);
         /* The first of a size pays for its buffers. */
         if (!first) {
             g_array_append_val(asker->render_ms, render_ms);
+            g_array_append_val(asker->devices, device);
             g_array_append_val(asker->answer_ms, answer_ms);
         }
         first = false;
@@ -148,7 +152,47 @@ struct row {
     double seconds, render_median, render_p95, answer_median, answer_p95;
     double points_median, points_p99; /* ms of a query of `points` */
     bool points_real;                 /* the asker ran in real time */
+    GArray *device_ms[MAX_DEVICES];   /* double, of what each drew; or NULL */
 };
+
+/* What each device drew, where pictures came from several. */
+static void print_devices(const struct row *row, bool json)
+{
+    guint several = 0;
+    for (guint i = 0; i < MAX_DEVICES; i++) {
+        several += row->device_ms[i] != NULL;
+    }
+    bool first = true;
+    for (guint i = 0; i < MAX_DEVICES; i++) {
+        GArray *ms = row->device_ms[i];
+        if (!ms || (several < 2 && !json)) {
+            continue;
+        }
+        double rate = ms->len / row->seconds, median = percentile(ms, 0.5);
+        if (json) {
+            printf("%s{\"device\":%u,\"framesPerSecond\":%.2f,"
+                   "\"renderMsMedian\":%.3f,\"renderMsP95\":%.3f}",
+                   first ? "" : ",", i, rate, median, percentile(ms, 0.95));
+        } else {
+            printf("  device %-8u %9.1f %9.1f %7.1f\n", i, rate, median,
+                   percentile(ms, 0.95));
+        }
+        first = false;
+    }
+}
+
+static void note_devices(struct row *row, const struct asker *asker)
+{
+    for (guint i = 0; i < asker->devices->len; i++) {
+        guint device = g_array_index(asker->devices, guint, i);
+        device = MIN(device, MAX_DEVICES - 1);
+        if (!row->device_ms[device]) {
+            row->device_ms[device] = g_array_new(FALSE, FALSE, sizeof(double));
+        }
+        g_array_append_vals(row->device_ms[device],
+                            &g_array_index(asker->render_ms, double, i), 1);
+    }
+}
 
 static void print_row(const struct row *row, bool json, bool first)
 {
@@ -159,12 +203,14 @@ static void print_row(const struct row *row, bool json, bool first)
                "\"renderMsP95\":%.3f,\"answerMsMedian\":%.3f,"
                "\"answerMsP95\":%.3f,\"points\":%u,"
                "\"pointsMsMedian\":%.3f,\"pointsMsP99\":%.3f,"
-               "\"pointsRealTime\":%s}",
+               "\"pointsRealTime\":%s,\"devices\":[",
                first ? "" : ",\n", row->width, row->height, row->views,
                row->frames, rate, row->render_median, row->render_p95,
                row->answer_median, row->answer_p95, row->points,
                row->points_median, row->points_p99,
                row->points_real ? "true" : "false");
+        print_devices(row, true);
+        printf("]}");
         return;
     }
     char size[32];
@@ -177,6 +223,7 @@ static void print_row(const struct row *row, bool json, bool first)
                row->points_real ? "real time" : "normal");
     }
     printf("\n");
+    print_devices(row, false);
     fflush(stdout);
 }
 
@@ -195,6 +242,7 @@ static enum ctl_exit run_row(struct ctl *ctl, char *const *views,
             .end_ns = start_ns + (int64_t)(seconds * 1e9),
             .render_ms = g_array_new(FALSE, FALSE, sizeof(double)),
             .answer_ms = g_array_new(FALSE, FALSE, sizeof(double)),
+            .devices = g_array_new(FALSE, FALSE, sizeof(guint)),
         };
         threads[i] = g_thread_new("asker", run_asker, &askers[i]);
     }
@@ -216,6 +264,8 @@ static enum ctl_exit run_row(struct ctl *ctl, char *const *views,
                             askers[i].render_ms->len);
         g_array_append_vals(answer, askers[i].answer_ms->data,
                             askers[i].answer_ms->len);
+        note_devices(row, &askers[i]);
+        g_array_unref(askers[i].devices);
         g_array_unref(askers[i].render_ms);
         g_array_unref(askers[i].answer_ms);
     }
@@ -259,6 +309,9 @@ static enum ctl_exit run_rows(struct ctl *ctl, char *const *sizes, char **views,
         status = run_row(ctl, views, seconds, &row);
         if (status == CTL_DONE) {
             print_row(&row, json, i == 0);
+        }
+        for (guint k = 0; k < MAX_DEVICES; k++) {
+            g_clear_pointer(&row.device_ms[k], g_array_unref);
         }
     }
     if (json) {

@@ -5,16 +5,17 @@
 #include <glib.h>
 
 #include "bounds.h"
+#include "frames/devices.h"
 #include "frames/encoder_pool.h"
 #include "frames/job.h"
 #include "frames/mailbox.h"
 #include "frames/prefetch.h"
 #include "frames/quality.h"
-#include "frames/renderloop.h"
 #include "frames/surface_pool.h"
 
-#define PEL_JOB_COUNT 8
-#define PEL_MAX_DRAWING 2 /* jobs between start and pixels */
+#define PEL_JOBS_FIRST 8  /* with one device; */
+#define PEL_JOBS_MORE 4   /* more for each other */
+#define PEL_MAX_DRAWING 2 /* live jobs between start and pixels */
 #define PEL_MAX_REQUESTS PEL_BOUND_PICTURES
 #define PEL_MAX_STREAMS 64
 #define PEL_MAX_SUBSCRIPTIONS 256
@@ -99,7 +100,7 @@ struct pel_frames {
     struct pel_mailbox box;
     struct pel_encoder_pool *pool;
     struct pel_surface_pool *surface_pool;
-    struct pel_renderloop *loop;
+    struct pel_devices *devices;
     GSource *tick, *start, *watch;
     double max_fps;
     int64_t next_tick_ns;
@@ -112,13 +113,15 @@ struct pel_frames {
     int64_t last_drawn_ns;    /* when the last job's pictures were there */
     int64_t present_delay_ns; /* of live frames, after their stamp */
     uint32_t last_serial;
-    unsigned drawing; /* jobs with the render thread, but for the large one */
-    struct pel_job *large;  /* with the render thread; NULL: none */
-    uint64_t live_pixels;   /* of the last live frame */
-    uint64_t usual_pixels;  /* of the last job but large ones */
+    unsigned drawing;      /* jobs with render threads, but for the large one */
+    unsigned drawing_live; /* of them */
+    struct pel_job *large; /* with a render thread; NULL: none */
+    uint64_t live_pixels;  /* of the last live frame */
+    uint64_t usual_pixels; /* of the last job but large ones */
     int64_t usual_until_ns; /* after that it is history */
     bool last_was_live;
-    struct pel_job *jobs; /* PEL_JOB_COUNT */
+    struct pel_job *jobs;
+    int job_count;
     struct pel_frame_request requests[PEL_MAX_REQUESTS];
     struct pel_stream streams[PEL_MAX_STREAMS];
     struct pel_subscription *subscriptions;
@@ -138,7 +141,6 @@ struct pel_frames {
     unsigned optics_count;
     struct pel_optics_query *optics[PEL_MAX_OPTICS_QUERIES];
 
-    int64_t launched_ns;
     uint64_t stuck_order; /* the last job that was logged as stuck */
     struct pel_frames_stats stats;
     struct pel_window render_ms, encode_ms, video_ms;

@@ -27,7 +27,6 @@ struct pel_encoder_pool {
     struct pel_mailbox *box;
     void (*released)(void *user, const struct pel_job_draw *part);
     void *user;
-    const char *_Atomic device;
 };
 
 static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
@@ -52,6 +51,7 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
     frame->requested_ns = job->requested_ns;
     frame->present_ns = job->present_ns;
     frame->drawn_ns = picture->drawn_ns;
+    frame->device = part->device;
     frame->render_ms = part->radar ? picture->render_ms : part->render_ms;
 }
 
@@ -90,8 +90,7 @@ static pel_encode *const encoders[PEL_FORMATS] = {
 #include "proto/formats.def"
 };
 
-static enum pel_err encode_bytes(const struct pel_encoder_pool *pool,
-                                 const struct pel_output *output,
+static enum pel_err encode_bytes(const struct pel_output *output,
                                  struct pel_bytes *bytes)
 {
     const struct pel_job_draw *part = &output->job->parts[output->draw];
@@ -102,8 +101,8 @@ static enum pel_err encode_bytes(const struct pel_encoder_pool *pool,
         return PEL_ERR_INVALID; /* it became one since it was asked for */
     }
     if (format->uses & PEL_FORMAT_LAYERS) {
-        return pel_picture_encode_layers(output, atomic_load(&pool->device),
-                                         encode, bytes);
+        return pel_picture_encode_layers(output, part->device_name, encode,
+                                         bytes);
     }
     if (format->uses & PEL_FORMAT_TRUTH) {
         return pel_picture_encode_truth(output, encode, bytes);
@@ -152,7 +151,7 @@ static void encode_output(struct pel_encoder_pool *pool,
             fill_frame(frame, output);
             frame->key = !output->track;
             output->err = output->track ? encode_video(output, frame, &bytes)
-                                        : encode_bytes(pool, output, &bytes);
+                                        : encode_bytes(output, &bytes);
         }
         if (output->err == PEL_OK) {
             frame->encoded_ns = pel_now_ns();
@@ -306,7 +305,6 @@ enum pel_err pel_encoder_pool_create(
     pool->box = box;
     pool->released = released;
     pool->user = user;
-    atomic_init(&pool->device, "");
     pel_lock_init(&pool->lock);
     pel_cond_init(&pool->work);
     threads = threads > MAX_THREADS ? MAX_THREADS : threads;
@@ -327,12 +325,6 @@ enum pel_err pel_encoder_pool_create(
     }
     *out = pool;
     return PEL_OK;
-}
-
-void pel_encoder_pool_set_device(struct pel_encoder_pool *pool,
-                                 const char *device)
-{
-    atomic_store(&pool->device, device);
 }
 
 bool pel_encoder_pool_stop(struct pel_encoder_pool *pool)

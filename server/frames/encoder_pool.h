@@ -14,10 +14,6 @@ PEL_CHECK enum pel_err pel_encoder_pool_create(
     void (*released)(void *user, const struct pel_job_draw *part), void *user,
     struct pel_encoder_pool **out);
 
-/* Name of the GL renderer for the files' attributes; lives as long. */
-void pel_encoder_pool_set_device(struct pel_encoder_pool *pool,
-                                 const char *device);
-
 /* Drops what waits, ends the work at hand, joins; false: not within 1 s, and
  * the threads are left alone. */
 bool pel_encoder_pool_stop(struct pel_encoder_pool *pool);

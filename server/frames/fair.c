@@ -27,8 +27,8 @@ void pel_fair_note(struct pel_frames *frames, const struct pel_job *job)
 
 static uint64_t bounded(const struct pel_frames *frames, uint64_t pixels)
 {
-    uint64_t most = pel_renderloop_is_software(frames->loop) ? PEL_LONE_PIXELS
-                                                             : LONE_PIXELS_GPU;
+    uint64_t most = pel_devices_software(frames->devices) ? PEL_LONE_PIXELS
+                                                          : LONE_PIXELS_GPU;
     return pixels < LEAST_PIXELS ? LEAST_PIXELS : pixels < most ? pixels : most;
 }
 

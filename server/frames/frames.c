@@ -1,9 +1,11 @@
 #include "frames/frames.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/lock.h"
 #include "base/log.h"
 #include "encode/video.h"
 #include "frames/core.h"
@@ -47,7 +49,7 @@ static void scene_changed(void *user)
 static void picture_released(void *user, const struct pel_job_draw *part)
 {
     struct pel_frames *frames = user;
-    pel_renderloop_released(frames->loop, part);
+    pel_devices_released(frames->devices, part);
 }
 
 static int encoder_threads(int wanted)
@@ -58,6 +60,22 @@ static int encoder_threads(int wanted)
     }
     cores = cores > 4 ? cores - 1 : cores; /* one is for drawing */
     return cores < 1 ? 1 : cores > 16 ? 16 : (int)cores;
+}
+
+static enum pel_err make_jobs(struct pel_frames *frames,
+                              struct pel_fault *fault)
+{
+    size_t more = pel_devices_count(frames->devices) - 1;
+    size_t count = PEL_JOBS_FIRST + PEL_JOBS_MORE * more;
+    frames->jobs = calloc(count, sizeof *frames->jobs);
+    if (!frames->jobs) {
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    }
+    frames->job_count = (int)count;
+    for (size_t i = 0; i < count; i++) {
+        pel_lock_init(&frames->jobs[i].standing);
+    }
+    return PEL_OK;
 }
 
 enum pel_err pel_frames_create(const struct pel_frames_options *o,
@@ -71,23 +89,17 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
     }
     GMainContext *context = g_main_context_default();
     struct pel_frames *frames = calloc(1, sizeof *frames);
-    enum pel_err err = PEL_ERR_NO_MEMORY;
     if (!frames) {
-        return pel_fault_set(fault, err, "out of memory");
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
-    pel_fault_set(fault, err, "out of memory");
     pel_mailbox_init(&frames->box, context, receive, frames);
     frames->scene = scene;
     frames->max_fps = pel_clamp(o->max_fps, 1, 240);
     frames->present_delay_ns = FIRST_DELAY_NS;
     frames->video_encoder = o->video_encoder;
-    frames->jobs = calloc(PEL_JOB_COUNT, sizeof *frames->jobs);
-    if (!frames->jobs) {
-        goto fail;
-    }
-    err = pel_encoder_pool_create(encoder_threads(o->encoder_threads),
-                                  &frames->box, picture_released, frames,
-                                  &frames->pool);
+    enum pel_err err = pel_encoder_pool_create(
+        encoder_threads(o->encoder_threads), &frames->box, picture_released,
+        frames, &frames->pool);
     if (err != PEL_OK) {
         pel_fault_set(fault, err, "cannot start the encoder threads");
         goto fail;
@@ -98,20 +110,26 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
         pel_fault_set(fault, err, "cannot start the threads of queries");
         goto fail;
     }
-    struct pel_renderer_options renderer = {
-        .device = o->device,
-        .shader_dir = o->shader_dir,
-        .shading = o->shading,
-        .debug = o->gl_debug,
-        .lose_after = o->lose_after,
-        .filtering.paper = o->paper_form,
+    struct pel_devices_options devices = {
+        .list = o->device,
+        .lose_only = o->lose_only,
+        .renderer = {
+            .shader_dir = o->shader_dir,
+            .shading = o->shading,
+            .debug = o->gl_debug,
+            .lose_after = o->lose_after,
+            .filtering.paper = o->paper_form,
+        },
     };
-    err = pel_renderloop_create(&renderer, frames->pool, &frames->box,
-                                &frames->loop, fault);
+    err = pel_devices_create(&devices, frames->pool, &frames->box,
+                             &frames->devices, fault);
+    if (err == PEL_OK) {
+        err = make_jobs(frames, fault);
+    }
     if (err != PEL_OK) {
         goto fail;
     }
-    if (pel_renderloop_is_software(frames->loop)) {
+    if (pel_devices_software(frames->devices)) {
         long cores = sysconf(_SC_NPROCESSORS_ONLN);
         frames->quality.pixel_ms = SOFTWARE_PIXEL_MS / (cores > 1 ? cores : 1);
     }
@@ -143,15 +161,17 @@ static void drop_alarm(GSource **source)
 
 static void drop_jobs(struct pel_frames *frames)
 {
-    for (int i = 0; frames->jobs && i < PEL_JOB_COUNT; i++) {
+    for (int i = 0; frames->jobs && i < frames->job_count; i++) {
         struct pel_job *job = &frames->jobs[i];
         for (size_t k = 0; job->used && k < job->output_count; k++) {
             pel_frame_unref(job->outputs[k].frame);
             pel_track_unref(job->outputs[k].track);
         }
         if (job->used) {
+            pel_job_settle(job);
             pel_snapshot_unref(job->snapshot);
         }
+        pthread_mutex_destroy(&job->standing);
     }
     free(frames->jobs);
 }
@@ -183,7 +203,7 @@ bool pel_frames_destroy(struct pel_frames *frames)
     bool joined = !frames->pool || pel_encoder_pool_stop(frames->pool);
     joined = joined && (!frames->surface_pool ||
                         pel_surface_pool_stop(frames->surface_pool));
-    joined = joined && (!frames->loop || pel_renderloop_stop(frames->loop));
+    joined = joined && (!frames->devices || pel_devices_stop(frames->devices));
     pel_requests_finish_all(frames);
     pel_surface_finish_all(frames);
     pel_optics_finish_all(frames, joined);
@@ -193,7 +213,7 @@ bool pel_frames_destroy(struct pel_frames *frames)
         pel_error("FRM-005", "a thread does not end in time and is abandoned");
         return false;
     }
-    pel_renderloop_destroy(frames->loop);
+    pel_devices_destroy(frames->devices);
     pel_encoder_pool_destroy(frames->pool);
     pel_surface_pool_destroy(frames->surface_pool);
     pel_mailbox_finish(&frames->box);
@@ -207,7 +227,7 @@ bool pel_frames_destroy(struct pel_frames *frames)
 
 const char *pel_frames_device(const struct pel_frames *frames)
 {
-    return pel_renderloop_device(frames->loop);
+    return pel_devices_describe(frames->devices);
 }
 
 void pel_frames_get_stats(const struct pel_frames *frames,
@@ -231,13 +251,15 @@ void pel_frames_get_stats(const struct pel_frames *frames,
     out->quality = pel_quality_scale(&frames->quality);
     out->quality_changes = frames->quality.changes;
     out->present_delay_ms = (double)frames->present_delay_ns * 1e-6;
-    out->in_compute = pel_renderloop_in_compute(frames->loop);
-    struct pel_loss_stats losses;
-    pel_renderloop_losses(frames->loop, &losses);
-    out->losses = losses.losses;
-    out->views_again = losses.again;
-    out->loss_worst_ms = losses.worst_ms;
-    out->fallen_back = losses.fallen_back;
+    out->in_compute = pel_devices_in_compute(frames->devices);
+    for (size_t i = 0; i < pel_devices_count(frames->devices); i++) {
+        struct pel_device_stats d;
+        pel_devices_stats(frames->devices, i, &d);
+        out->losses += d.losses.losses;
+        out->views_again += d.losses.again;
+        out->loss_worst_ms = fmax(out->loss_worst_ms, d.losses.worst_ms);
+        out->fallen_back = out->fallen_back || d.losses.fallen_back;
+    }
     out->video_ms_median = pel_window_rank(&frames->video_ms, 0.5);
 }
 

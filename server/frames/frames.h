@@ -20,11 +20,12 @@
 struct pel_frames;
 
 struct pel_frames_options {
-    const char *device; /* as pel_renderer_options */
+    const char *device; /* as pel_devices_options.list */
     const char *shader_dir;
     const char *shading; /* as pel_renderer_options */
     bool gl_debug;
     unsigned lose_after; /* as pel_renderer_options */
+    int lose_only;       /* as pel_devices_options */
     bool paper_form;     /* pel_filtering.paper */
     double max_fps;      /* cap of live views, 1..240 */
     double quality; /* scale of live views, 0.25..1; 0: as holds their rate */
@@ -51,7 +52,7 @@ bool pel_frames_destroy(struct pel_frames *frames);
  * pel_frames_destroy may be called by any thread; else to be called again. */
 bool pel_frames_retire(struct pel_frames *frames);
 
-/* GL_RENDERER of the device in use. */
+/* GL_RENDERER of the devices in use; until the next call. */
 const char *pel_frames_device(const struct pel_frames *frames);
 
 enum pel_codec {
@@ -77,6 +78,7 @@ struct pel_frame {
     int64_t requested_ns, drawn_ns, encoded_ns; /* CLOCK_MONOTONIC */
     int64_t present_ns; /* when the views of this frame are to be shown */
     double render_ms, encode_ms;
+    uint32_t device; /* that drew it, of the list of devices from 0 */
     const uint8_t *data;
     size_t size;
 };

@@ -4,6 +4,7 @@
  * locked queue; what several read is written before it is handed on. */
 #pragma once
 
+#include <pthread.h>
 #include <stdatomic.h>
 
 #include "base/err.h"
@@ -16,6 +17,7 @@
 #include "render/waterprobe.h"
 
 #define PEL_MAX_OUTPUTS 192 /* 64 streams and 128 requests */
+#define PEL_MAX_DEVICES 16
 
 enum pel_mail_kind {
     PEL_MAIL_JOB_DRAWN, /* every picture is with the encoders, or failed */
@@ -67,19 +69,32 @@ struct pel_output {
     struct pel_frame *frame; /* NULL on error */
 };
 
+/* What one device draws of a job: the draws of its job that name it. */
+struct pel_share {
+    struct pel_mail mail; /* to its render thread */
+    struct pel_job *job;
+    size_t count;
+    uint8_t draws[PEL_MAX_VIEWS]; /* of the job, in order */
+    size_t left; /* not yet collected, nor with another; render thread */
+};
+
 /* The render thread's and the encoders' side of one draw. */
 struct pel_job_draw {
     struct pel_job *job;
-    size_t view;            /* index in the snapshot */
-    uint32_t width, height; /* asked for; what is drawn may be coarser */
-    bool live;              /* a stream's, perhaps a request's too */
-    bool coarse;            /* of it: drawn at the job's scale */
-    bool radar;             /* made by an encoder (frames/radarview.h) */
-    size_t bytes;           /* of its readback buffer */
+    struct pel_share *share;   /* NULL: of a large job, or passed on */
+    struct pel_job_draw *next; /* of what is drawn again */
+    size_t view;               /* index in the snapshot */
+    uint32_t width, height;    /* asked for; what is drawn may be coarser */
+    bool live;                 /* a stream's, perhaps a request's too */
+    bool coarse;               /* of it: drawn at the job's scale */
+    bool radar;                /* made by an encoder (frames/radarview.h) */
+    size_t bytes;              /* of its readback buffer */
     enum pel_err err;
     struct pel_picture *picture;
-    atomic_int users;     /* outputs that still read the picture */
-    uint32_t rows_begun;  /* in bands; render thread */
+    unsigned device;         /* that drew it: of pel_devices */
+    const char *device_name; /* its; lives as long as the devices */
+    atomic_int users;        /* outputs that still read the picture */
+    uint32_t rows_begun;     /* in bands; render thread */
     unsigned losses;      /* of the device while it was drawn; render thread */
     int64_t submitted_ns; /* when its commands were all given */
     double submit_ms;     /* its share of giving them */
@@ -109,10 +124,20 @@ struct pel_job {
     struct pel_job_draw parts[PEL_MAX_VIEWS];
     size_t output_count;
     struct pel_output outputs[PEL_MAX_OUTPUTS];
-    size_t begun;           /* draws of a large job; render thread */
-    size_t collected;       /* render thread */
+    struct pel_share shares[PEL_MAX_DEVICES]; /* of draws that are not large */
+    size_t begun; /* draws of a large job; render thread */
+    atomic_size_t collected;
+    pthread_mutex_t standing; /* protects stood, and what pel_job_stand fills */
+    bool stood;
     struct pel_fault fault; /* of the drawing, when it failed */
 };
+
+/* Fills in what the control thread does not wait for: the sea, ship waves and
+ * what is afloat in them, cameras too; once, by the first render thread that
+ * draws of it. */
+void pel_job_stand(struct pel_job *job);
+/* Gives back what that holds; when all is collected, or no thread draws. */
+void pel_job_settle(struct pel_job *job);
 
 struct pel_surface_query {
     struct pel_mail mail;

@@ -405,7 +405,7 @@ void pel_frames_unsubscribe(struct pel_subscription *subscription)
 static unsigned under_way(const struct pel_frames *frames, uint32_t serial)
 {
     unsigned count = 0;
-    for (int i = 0; i < PEL_JOB_COUNT; i++) {
+    for (int i = 0; i < frames->job_count; i++) {
         const struct pel_job *job = &frames->jobs[i];
         for (size_t k = 0; job->used && k < job->output_count; k++) {
             count +=

@@ -18,8 +18,7 @@ void pel_loss_note_device(struct pel_renderloop *loop, int at)
 {
     snprintf(loop->devices[at], sizeof loop->devices[at], "%s",
              pel_renderer_description(loop->renderer));
-    atomic_store(&loop->device, at);
-    pel_encoder_pool_set_device(loop->pool, loop->devices[at]);
+    atomic_store(&loop->device_now, at);
     atomic_store(&loop->software, pel_renderer_is_software(loop->renderer));
 }
 
@@ -37,11 +36,11 @@ static bool lost_often(struct pel_renderloop *loop, int64_t now)
 void pel_loss_put_again(struct pel_renderloop *loop, struct pel_job_draw *part)
 {
     if (++part->losses > PEL_LOSS_MOST_AGAIN) {
-        pel_renderloop_fail(loop, part->job, (size_t)(part - part->job->parts),
-                            1, PEL_ERR_GPU);
+        pel_renderloop_fail(loop, part, PEL_ERR_GPU);
     } else {
         atomic_fetch_sub(&loop->held_bytes, part->bytes);
-        loop->again[loop->again_count++] = part;
+        pel_parts_put(&loop->again, part);
+        loop->put_again++;
     }
 }
 
@@ -90,6 +89,7 @@ static bool wait_unused(struct pel_renderloop *loop)
 {
     int64_t end_ns = pel_now_ns() + RELEASE_NS;
     while (!pel_renderer_unused(loop->renderer) && pel_now_ns() < end_ns) {
+        pel_renderloop_pass_on(loop);
         wait_ns(loop, 1000000);
         pel_renderloop_progress(loop);
     }
@@ -112,14 +112,31 @@ static enum pel_err try_again(struct pel_renderloop *loop, bool software,
     return err;
 }
 
+static void say_device(struct pel_renderloop *loop)
+{
+    if (!loop->renderer || atomic_load(&loop->software) ||
+        !pel_renderer_is_software(loop->renderer)) {
+        return;
+    }
+    loop->options.device = "software";
+    pel_loss_note_device(loop, 1);
+    pel_error("FRM-008",
+              "the device was lost too often, or is gone: drawing on the "
+              "processor (%s) until the daemon is started anew",
+              loop->devices[1]);
+}
+
+/* Tries until a renderer stands, or a peer draws what is to be drawn. */
 static void stand_again(struct pel_renderloop *loop, bool software)
 {
     struct pel_fault fault = { 0 };
     int64_t end_ns = pel_now_ns() + RETURN_NS;
     for (int i = 0; !atomic_load(&loop->stop); i++) {
-        bool hopes = !software && pel_now_ns() < end_ns;
+        bool peers = pel_renderloop_pass_on(loop);
+        bool hopes = !software && (peers || pel_now_ns() < end_ns);
         /* Without a software device the other stays the only one. */
-        if (try_again(loop, !hopes && i % 2 == 0, hopes, &fault) == PEL_OK) {
+        if (try_again(loop, !hopes && i % 2 == 0, hopes, &fault) == PEL_OK ||
+            peers) {
             break;
         }
         if (!hopes) {
@@ -129,50 +146,71 @@ static void stand_again(struct pel_renderloop *loop, bool software)
         }
         wait_ns(loop, RETURN_ASK_NS);
     }
-    if (loop->renderer && !atomic_load(&loop->software) &&
-        pel_renderer_is_software(loop->renderer)) {
-        loop->options.device = "software";
-        pel_loss_note_device(loop, 1);
-        pel_error("FRM-008",
-                  "the device was lost too often, or is gone: drawing on the "
-                  "processor (%s) until the daemon is started anew",
-                  loop->devices[1]);
-    }
+    say_device(loop);
+    atomic_store(&loop->standing, loop->renderer != NULL);
     pel_renderloop_progress(loop);
+}
+
+void pel_loss_return(struct pel_renderloop *loop)
+{
+    if (!loop->out) {
+        stand_again(loop, false);
+    } else if (!pel_renderloop_pass_on(loop)) {
+        stand_again(loop, !atomic_load(&loop->software));
+    }
+    if (!loop->renderer) {
+        wait_ns(loop, RETURN_ASK_NS);
+    }
+}
+
+static void note_loss(struct pel_renderloop *loop, double ms, uint64_t again)
+{
+    pthread_mutex_lock(&loop->lock);
+    struct pel_loss_stats *l = &loop->losses;
+    l->losses++;
+    l->again += again;
+    l->last_ms = ms;
+    l->worst_ms = ms > l->worst_ms ? ms : l->worst_ms;
+    l->fallen_back = atomic_load(&loop->device_now) == 1;
+    pthread_mutex_unlock(&loop->lock);
+    static struct pel_log_limit limit;
+    if (loop->renderer) {
+        pel_log_limited(&limit, PEL_LOG_WARNING, "FRM-010",
+                        "the device was lost; %s draws after %.0f ms, %llu "
+                        "pictures again",
+                        loop->devices[atomic_load(&loop->device_now)], ms,
+                        (unsigned long long)again);
+    } else {
+        pel_log_limited(&limit, PEL_LOG_WARNING, "FRM-012",
+                        "device %u (%s) was lost%s; the others draw for it, "
+                        "%llu pictures again",
+                        loop->device, loop->devices[0],
+                        loop->out ? " too often to be trusted" : "",
+                        (unsigned long long)again);
+    }
 }
 
 void pel_loss_recover(struct pel_renderloop *loop)
 {
     int64_t begun_ns = pel_now_ns();
-    size_t before = loop->again_count;
-    bool often = lost_often(loop, begun_ns) && !atomic_load(&loop->software);
+    uint64_t before = loop->put_again;
+    bool often = lost_often(loop, begun_ns);
     take_back(loop);
+    atomic_store(&loop->standing, false);
+    bool peers = pel_renderloop_pass_on(loop);
     if (wait_unused(loop)) {
         pel_renderer_destroy(loop->renderer);
     } /* else it is left: its memory is still read */
     loop->renderer = NULL;
-    stand_again(loop, often);
-    double ms = (double)(pel_now_ns() - begun_ns) * 1e-6;
-    pthread_mutex_lock(&loop->lock);
-    struct pel_loss_stats *l = &loop->losses;
-    l->losses++;
-    l->again += loop->again_count - before;
-    l->last_ms = ms;
-    l->worst_ms = ms > l->worst_ms ? ms : l->worst_ms;
-    l->fallen_back = atomic_load(&loop->device) == 1;
-    pthread_mutex_unlock(&loop->lock);
-    if (loop->renderer) {
-        static struct pel_log_limit limit;
-        pel_log_limited(&limit, PEL_LOG_WARNING, "FRM-010",
-                        "the device was lost; %s draws after %.0f ms, %zu "
-                        "pictures again",
-                        loop->devices[atomic_load(&loop->device)], ms,
-                        loop->again_count);
+    loop->out = often && peers;
+    if (!loop->out) {
+        stand_again(loop, often && !atomic_load(&loop->software));
     }
+    note_loss(loop, (double)(pel_now_ns() - begun_ns) * 1e-6,
+              loop->put_again - before);
 }
 
-/* Whether it is lost; then a renderer stands again, none only where the loop
- * is to stop. */
+/* Whether it is lost, or there is none. */
 bool pel_loss_noticed(struct pel_renderloop *loop)
 {
     if (!loop->renderer) {

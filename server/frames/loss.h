@@ -15,10 +15,15 @@ void pel_loss_note_device(struct pel_renderloop *loop, int at);
  * submitted, is to be made again. */
 void pel_loss_put_again(struct pel_renderloop *loop, struct pel_job_draw *part);
 
-/* The device is lost: makes a renderer anew; loop->again holds what to submit
- * again. It waits while there is no device; loop->renderer is NULL only where
- * the loop is to stop. */
+/* The device is lost: peers that have one draw what waits here, and a renderer
+ * is made anew; else loop->again holds what to submit again. It waits while
+ * there is no device and no peer has one. loop->renderer is NULL where the loop
+ * is to stop, or peers draw for it. */
 void pel_loss_recover(struct pel_renderloop *loop);
 
-/* Asks whether it is lost, and recovers; true: it was, or is to stop. */
+/* While loop->renderer is NULL, now and then: peers draw, or it stands again.
+ * After PEL_MANY_LOSSES it is made anew only where no peer has a device. */
+void pel_loss_return(struct pel_renderloop *loop);
+
+/* Asks whether it is lost, and recovers; true: it was, or there is none. */
 bool pel_loss_noticed(struct pel_renderloop *loop);

@@ -1,3 +1,5 @@
+#include <stdio.h>
+
 #include "frames/core.h"
 
 static void counter(struct pel_metrics_page *page, const char *name,
@@ -17,6 +19,37 @@ static void quantile(struct pel_metrics_page *page, const char *name,
                      const char *help, const char *label, double ms)
 {
     pel_metric(page, name, PEL_METRIC_SUMMARY, help, label, ms * 1e-3);
+}
+
+/* By device, where there are several. */
+static void collect_devices(struct pel_frames *frames,
+                            struct pel_metrics_page *page)
+{
+    static const struct {
+        const char *name, *help;
+        enum pel_metric_type type;
+    } rows[] = {
+        { "pelagos_device_standing", "1: the device draws; 0: it was lost.",
+          PEL_METRIC_GAUGE },
+        { "pelagos_device_views_total", "Views that the device drew.",
+          PEL_METRIC_COUNTER },
+        { "pelagos_device_megapixel_seconds",
+          "What a million pixels of a usual view last took.",
+          PEL_METRIC_GAUGE },
+    };
+    size_t count = pel_devices_count(frames->devices);
+    for (int row = 0; row < 3 && count > 1; row++) {
+        for (size_t i = 0; i < count; i++) {
+            struct pel_device_stats d;
+            char label[32];
+            pel_devices_stats(frames->devices, i, &d);
+            const double values[] = { d.standing, (double)d.views,
+                                      d.ms_per_mpixel * 1e-3 };
+            snprintf(label, sizeof label, "device=\"%zu\"", i);
+            pel_metric(page, rows[row].name, rows[row].type, rows[row].help,
+                       label, values[row]);
+        }
+    }
 }
 
 void pel_frames_collect(void *user, struct pel_metrics_page *page)
@@ -90,6 +123,7 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
           "1: after losses the processor draws, until the daemon is started "
           "anew.",
           s.fallen_back);
+    collect_devices(user, page);
     counter(page, "pelagos_frames_dropped_total",
             "Pictures that nobody waited for any more.", s.pictures_dropped);
     gauge(page, "pelagos_frames_requests_waiting", "Pictures not yet answered.",

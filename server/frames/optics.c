@@ -111,7 +111,7 @@ enum pel_err pel_frames_optics(struct pel_frames *frames,
     read_question(question, query);
     frames->optics[frames->optics_count++] = query;
     if (query->gpu) {
-        pel_renderloop_push_optics(frames->loop, query);
+        pel_devices_push_optics(frames->devices, query);
     } else {
         pel_encoder_pool_push_optics(frames->pool, query);
     }

@@ -12,8 +12,6 @@
 #include "base/log.h"
 #include "frames/loss.h"
 #include "frames/renderloop_parts.h"
-#include "scene/lamps.h"
-#include "scene/washes.h"
 
 /* Readback memory in flight or with the encoders, of large jobs and of the
  * others; one picture always fits. */
@@ -27,23 +25,64 @@ void pel_renderloop_progress(struct pel_renderloop *loop)
     atomic_store(&loop->progress_ns, pel_now_ns());
 }
 
+void pel_parts_put(struct pel_parts *parts, struct pel_job_draw *part)
+{
+    part->next = NULL;
+    if (parts->first) {
+        parts->last->next = part;
+    } else {
+        parts->first = part;
+    }
+    parts->last = part;
+}
+
+struct pel_job_draw *pel_parts_take(struct pel_parts *parts)
+{
+    struct pel_job_draw *part = parts->first;
+    if (part) {
+        parts->first = part->next;
+    }
+    return part;
+}
+
+static uint64_t pixels_of(const struct pel_job_draw *part)
+{
+    const struct pel_camera *c =
+        &part->job->draws[part - part->job->parts].camera;
+    return part->radar ? 0 : (uint64_t)c->width * c->height;
+}
+
 /* --- one picture is there ------------------------------------------------ */
+
+/* It is no more this loop's. */
+static void let_go(struct pel_renderloop *loop, struct pel_job_draw *part)
+{
+    struct pel_share *share = part->share;
+    atomic_fetch_sub(&loop->work, pixels_of(part));
+    part->share = NULL;
+    if (share && --share->left == 0) {
+        loop->submitted--;
+        atomic_fetch_sub(&loop->shares, 1);
+    }
+}
 
 /* Its outputs go to the encoders; after the last picture the job goes back. */
 static void finish_part(struct pel_renderloop *loop, struct pel_job_draw *part)
 {
     struct pel_job *job = part->job;
     size_t draw = (size_t)(part - job->parts);
-    bool last = ++job->collected == job->draw_count;
-    for (size_t i = 0; i < job->output_count; i++) {
+    let_go(loop, part);
+    /* From the last picture on the job is the control thread's. */
+    size_t outputs = job->output_count, draws = job->draw_count;
+    for (size_t i = 0; i < outputs; i++) {
         if (job->outputs[i].draw == draw) {
             pel_encoder_pool_push_output(loop->pool, &job->outputs[i]);
         }
     }
     pel_renderloop_progress(loop);
-    if (last) {
+    if (atomic_fetch_add(&job->collected, 1) + 1 == draws) {
+        pel_job_settle(job);
         job->drawn_ns = pel_now_ns();
-        loop->submitted -= !job->large;
         job->mail.kind = PEL_MAIL_JOB_DRAWN;
         pel_mailbox_post(loop->box, &job->mail);
     }
@@ -63,18 +102,12 @@ static double busy_ms(struct pel_renderloop *loop,
     return part->submit_ms + (wait_ns > 0 ? (double)wait_ns * 1e-6 : 0);
 }
 
-void pel_renderloop_fail(struct pel_renderloop *loop, struct pel_job *job,
-                         size_t first, size_t count, enum pel_err err)
+void pel_renderloop_fail(struct pel_renderloop *loop, struct pel_job_draw *part,
+                         enum pel_err err)
 {
-    size_t bytes = 0;
-    for (size_t i = first; i < first + count; i++) {
-        bytes += job->parts[i].bytes;
-        job->parts[i].err = err;
-    }
-    atomic_fetch_sub(&loop->held_bytes, bytes);
-    for (size_t i = first; i < first + count; i++) {
-        finish_part(loop, &job->parts[i]);
-    }
+    atomic_fetch_sub(&loop->held_bytes, part->bytes);
+    part->err = err;
+    finish_part(loop, part);
 }
 
 static size_t in_flight(const struct pel_renderloop *loop)
@@ -95,6 +128,8 @@ static bool collect_one(struct pel_renderloop *loop, int64_t wait_ns)
     }
     struct pel_job_draw *part = picture->user;
     part->picture = picture;
+    part->device = loop->device;
+    part->device_name = loop->devices[atomic_load(&loop->device_now)];
     part->render_ms = busy_ms(loop, part, picture);
     finish_part(loop, part);
     return true;
@@ -102,21 +137,26 @@ static bool collect_one(struct pel_renderloop *loop, int64_t wait_ns)
 
 /* --- submitting ---------------------------------------------------------- */
 
-/* How many draws from `first` on, at most `most`, fit the budget now. */
-static size_t fitting(struct pel_renderloop *loop, const struct pel_job *job,
-                      size_t first, size_t most, size_t *bytes)
+/* The next draw of the share in hand but `ahead`. */
+static struct pel_job_draw *part_ahead(const struct pel_renderloop *loop,
+                                       size_t ahead)
 {
-    size_t held = atomic_load(&loop->held_bytes);
+    return &loop->share->job->parts[loop->share->draws[loop->at + ahead]];
+}
+
+/* How many of the next draws in hand, at most `most`, fit the budget now. */
+static size_t fitting(struct pel_renderloop *loop, size_t most)
+{
+    size_t bytes = atomic_load(&loop->held_bytes);
     size_t count = 0;
-    *bytes = 0;
-    while (count < most && first + count < job->draw_count &&
-           !job->parts[first + count].radar) {
-        size_t more = job->parts[first + count].bytes;
-        bool alone = held == 0 && count == 0;
-        if (!alone && held + *bytes + more > READBACK_BUDGET) {
+    while (count < most && loop->at + count < loop->end &&
+           !part_ahead(loop, count)->radar) {
+        size_t more = part_ahead(loop, count)->bytes;
+        bool alone = bytes == 0;
+        if (!alone && bytes + more > READBACK_BUDGET) {
             break;
         }
-        *bytes += more;
+        bytes += more;
         count++;
     }
     return count;
@@ -141,13 +181,13 @@ static void note_wrapper(struct pel_renderloop *loop)
     pthread_mutex_unlock(&loop->lock);
 }
 
-static void note_submitted(struct pel_job_draw *parts, size_t count,
+static void note_submitted(struct pel_job_draw *const *parts, size_t count,
                            int64_t begun_ns)
 {
     int64_t now = pel_now_ns();
     for (size_t i = 0; i < count; i++) {
-        parts[i].submitted_ns = now;
-        parts[i].submit_ms = (double)(now - begun_ns) * 1e-6 / (double)count;
+        parts[i]->submitted_ns = now;
+        parts[i]->submit_ms = (double)(now - begun_ns) * 1e-6 / (double)count;
     }
 }
 
@@ -159,64 +199,39 @@ static void say_failed(const struct pel_job *job, enum pel_err err)
                     (unsigned long long)job->number, pel_err_name(err));
 }
 
-/* What the control thread does not wait for: the sea, ship waves and what is
- * afloat in them, cameras too. Gives back: environment.wakes and
- * wash. */
-static void stand(struct pel_job *job, size_t first, size_t count)
-{
-    struct pel_environment *env = &job->environment;
-    env->sea = pel_snapshot_sea(job->snapshot);
-    env->objects = job->objects;
-    env->object_count =
-        pel_snapshot_objects(job->snapshot, env->time_s, job->objects);
-    env->lamps = job->lamps;
-    env->lamp_count =
-        pel_snapshot_lamps(job->snapshot, env->time_s, job->objects,
-                           env->object_count, job->lamps);
-    const struct pel_lightning *l = &job->snapshot->lightning;
-    env->storm = l->per_minute > 0 && l->thickness_m > 0;
-    env->glow_count = pel_lightning_glows(l, env->time_s, PEL_FALL_SHUTTER_S,
-                                          env->glows, PEL_LIGHTNING_GLOWS);
-    env->wakes = pel_wakes_at(job->snapshot->wakes, env->time_s);
-    env->wash = pel_snapshot_wash(job->snapshot, env->time_s);
-    for (size_t i = first; i < first + count; i++) {
-        pel_snapshot_camera_in_wakes(job->snapshot, job->parts[i].view,
-                                     env->time_s, &job->draws[i].camera);
-    }
-}
-
-/* Gives the renderer [first, first + count); BUSY: none was taken. */
+/* Gives the renderer draws of one job; BUSY: none was taken. */
 static enum pel_err submit_some(struct pel_renderloop *loop,
-                                struct pel_job *job, size_t first, size_t count,
-                                size_t bytes)
+                                struct pel_job_draw *const *parts, size_t count)
 {
-    size_t before = pel_renderer_in_flight(loop->renderer);
+    struct pel_job *job = parts[0]->job;
+    size_t before = pel_renderer_in_flight(loop->renderer), bytes = 0;
     int64_t begun_ns = pel_now_ns();
-    stand(job, first, count);
+    pel_job_stand(job);
+    for (size_t i = 0; i < count; i++) {
+        loop->draws[i] = job->draws[parts[i] - job->parts];
+        bytes += parts[i]->bytes;
+    }
     atomic_fetch_add(&loop->held_bytes, bytes);
     enum pel_err err = pel_renderer_submit(loop->renderer, &job->environment,
-                                           &job->draws[first], count);
-    pel_wake_moment_unref(job->environment.wakes);
-    job->environment.wakes = NULL;
-    pel_wash_destroy(job->environment.wash);
-    job->environment.wash = NULL;
+                                           loop->draws, count);
     size_t pushed = pel_renderer_in_flight(loop->renderer) - before;
     if (pel_renderer_lost(loop->renderer)) {
-        for (size_t i = first + pushed; i < first + count; i++) {
-            pel_loss_put_again(loop, &job->parts[i]);
+        for (size_t i = pushed; i < count; i++) {
+            pel_loss_put_again(loop, parts[i]);
         }
-        pel_loss_recover(loop);
-        return PEL_OK;
+        return PEL_OK; /* who calls asks for losses */
     }
     if (err == PEL_ERR_BUSY && pushed == 0) {
         atomic_fetch_sub(&loop->held_bytes, bytes);
         return err;
     }
-    note_submitted(&job->parts[first], count, begun_ns);
+    note_submitted(parts, count, begun_ns);
     note_wrapper(loop);
     if (err != PEL_OK && pushed < count) {
         say_failed(job, err);
-        pel_renderloop_fail(loop, job, first + pushed, count - pushed, err);
+        for (size_t i = pushed; i < count; i++) {
+            pel_renderloop_fail(loop, parts[i], err);
+        }
     }
     return PEL_OK;
 }
@@ -224,40 +239,58 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
 /* What losses took, in its order, before anything else. */
 static void submit_again(struct pel_renderloop *loop)
 {
-    while (loop->again_count > 0 && loop->renderer) {
-        struct pel_job_draw *part = loop->again[0];
-        loop->again_count--;
-        memmove(loop->again, loop->again + 1,
-                loop->again_count * sizeof *loop->again);
-        size_t at = (size_t)(part - part->job->parts);
-        if (submit_some(loop, part->job, at, 1, part->bytes) != PEL_OK) {
-            atomic_fetch_add(&loop->held_bytes, part->bytes);
-            pel_renderloop_fail(loop, part->job, at, 1, PEL_ERR_GPU);
+    struct pel_job_draw *part = NULL;
+    while (loop->renderer && (part = pel_parts_take(&loop->again))) {
+        if (part->radar) {
+            finish_part(loop, part);
+            continue;
         }
+        if (submit_some(loop, &part, 1) != PEL_OK) {
+            atomic_fetch_add(&loop->held_bytes, part->bytes);
+            pel_renderloop_fail(loop, part, PEL_ERR_GPU);
+        }
+        pel_loss_noticed(loop);
     }
 }
 
-static void submit(struct pel_renderloop *loop, struct pel_job *job)
+/* The next `count` draws in hand; BUSY: as submit_some. A loss takes what is
+ * left in hand, too, where a peer can draw it. */
+static enum pel_err submit_next(struct pel_renderloop *loop, size_t count)
 {
-    const size_t draws = job->draw_count;
-    size_t first = 0, most = draws;
+    struct pel_job_draw *parts[PEL_MAX_VIEWS];
+    for (size_t i = 0; i < count; i++) {
+        parts[i] = part_ahead(loop, i);
+    }
+    enum pel_err err = submit_some(loop, parts, count);
+    if (err == PEL_OK) {
+        loop->at += count;
+        pel_loss_noticed(loop);
+    }
+    return err;
+}
+
+static void submit(struct pel_renderloop *loop, struct pel_share *share)
+{
+    size_t most = share->count;
     int refusals = 0; /* with nothing held that could make room */
     loop->submitted++;
+    loop->share = share;
+    loop->at = 0;
+    loop->end = share->count;
     pel_renderloop_progress(loop);
-    while (first < draws && !atomic_load(&loop->stop)) {
-        size_t bytes;
-        if (job->parts[first].radar) {
-            finish_part(loop, &job->parts[first++]);
+    while (loop->at < loop->end && !atomic_load(&loop->stop)) {
+        if (part_ahead(loop, 0)->radar) {
+            finish_part(loop, part_ahead(loop, 0));
+            loop->at++;
             continue;
         }
         submit_again(loop);
-        size_t count = fitting(loop, job, first, most, &bytes);
+        size_t count = loop->at < loop->end ? fitting(loop, most) : 0;
         if (count == 0) {
             wait_room(loop);
             continue;
         }
-        if (submit_some(loop, job, first, count, bytes) == PEL_OK) {
-            first += count;
+        if (submit_next(loop, count) == PEL_OK) {
             refusals = 0;
             continue;
         }
@@ -265,13 +298,137 @@ static void submit(struct pel_renderloop *loop, struct pel_job *job)
         if (alone && count > 1) {
             most = count / 2;
         } else if (alone && ++refusals > MAX_REFUSALS) {
-            atomic_fetch_add(&loop->held_bytes, job->parts[first].bytes);
-            pel_renderloop_fail(loop, job, first, 1, PEL_ERR_BUSY);
-            first++;
+            struct pel_job_draw *part = part_ahead(loop, 0);
+            atomic_fetch_add(&loop->held_bytes, part->bytes);
+            loop->at++;
+            pel_renderloop_fail(loop, part, PEL_ERR_BUSY);
         } else {
             wait_room(loop);
         }
     }
+    loop->share = NULL;
+}
+
+/* --- what a peer draws instead -------------------------------------------- */
+
+static void push(struct pel_renderloop *loop, struct pel_mail *mail)
+{
+    pthread_mutex_lock(&loop->lock);
+    pel_queue_push(&loop->queue, mail);
+    pthread_cond_signal(&loop->wake);
+    pthread_mutex_unlock(&loop->lock);
+}
+
+/* Before it is pushed. */
+static void note_work(struct pel_renderloop *loop, uint64_t pixels)
+{
+    if (atomic_fetch_add(&loop->work, pixels) == 0) {
+        atomic_store(&loop->awake_ns, pel_now_ns());
+    }
+}
+
+/* What is left of it. */
+static uint64_t large_pixels(const struct pel_job *job)
+{
+    uint64_t pixels = 0;
+    for (size_t i = job->begun; i < job->draw_count; i++) {
+        pixels += pixels_of(&job->parts[i]);
+    }
+    return pixels;
+}
+
+static void let_large_go(struct pel_renderloop *loop, const struct pel_job *job)
+{
+    atomic_fetch_sub(&loop->work, large_pixels(job));
+}
+
+static struct pel_renderloop *peer_that_stands(struct pel_renderloop *loop)
+{
+    struct pel_renderloop *best = NULL;
+    for (size_t i = 0; i < loop->peer_count; i++) {
+        struct pel_renderloop *p = loop->peers[i];
+        if (p != loop && pel_renderloop_stands(p) &&
+            (!best || pel_renderloop_work(p) < pel_renderloop_work(best))) {
+            best = p;
+        }
+    }
+    return best;
+}
+
+/* Where none stands they wait here. */
+static void hand_all(struct pel_renderloop *loop, struct pel_parts parts)
+{
+    struct pel_job_draw *part;
+    while ((part = pel_parts_take(&parts))) {
+        struct pel_renderloop *to = peer_that_stands(loop);
+        to = to ? to : loop;
+        let_go(loop, part);
+        note_work(to, pixels_of(part));
+        pthread_mutex_lock(&to->lock);
+        pel_parts_put(&to->handed, part);
+        pthread_cond_signal(&to->wake);
+        pthread_mutex_unlock(&to->lock);
+    }
+}
+
+static void put_draws(const struct pel_share *share, size_t from, size_t count,
+                      struct pel_parts *out)
+{
+    for (size_t i = from; i < count; i++) {
+        pel_parts_put(out, &share->job->parts[share->draws[i]]);
+    }
+}
+
+/* What waits in the queue; questions of light to `to`. */
+static void take_queue(struct pel_renderloop *loop, struct pel_renderloop *to,
+                       struct pel_parts *out)
+{
+    for (;;) {
+        pthread_mutex_lock(&loop->lock);
+        struct pel_mail *mail = pel_queue_pop(&loop->queue);
+        pthread_mutex_unlock(&loop->lock);
+        if (!mail) {
+            return;
+        }
+        if (mail->kind == PEL_MAIL_OPTICS) {
+            push(to, mail);
+        } else {
+            const struct pel_share *share = (struct pel_share *)mail;
+            loop->submitted++; /* let_go takes it away */
+            put_draws(share, 0, share->count, out);
+        }
+    }
+}
+
+bool pel_renderloop_pass_on(struct pel_renderloop *loop)
+{
+    struct pel_renderloop *to = peer_that_stands(loop);
+    if (!to) {
+        return false;
+    }
+    struct pel_parts parts = loop->again;
+    loop->again = (struct pel_parts){ 0 };
+    hand_all(loop, parts);
+    pthread_mutex_lock(&loop->lock);
+    parts = loop->handed;
+    loop->handed = (struct pel_parts){ 0 };
+    struct pel_job *large = loop->large ? loop->large : loop->given;
+    loop->given = NULL;
+    pthread_mutex_unlock(&loop->lock);
+    hand_all(loop, parts);
+    parts = (struct pel_parts){ 0 };
+    if (loop->share) {
+        put_draws(loop->share, loop->at, loop->end, &parts);
+        loop->end = loop->at;
+    }
+    take_queue(loop, to, &parts);
+    hand_all(loop, parts);
+    loop->large = NULL;
+    if (large) {
+        let_large_go(loop, large);
+        pel_renderloop_push_large(to, large);
+    }
+    return true;
 }
 
 /* --- a large job, in bands ------------------------------------------------ */
@@ -352,7 +509,7 @@ static void draw_band(struct pel_renderloop *loop)
         return;
     }
     int64_t begun_ns = pel_now_ns();
-    stand(job, job->begun, 1);
+    pel_job_stand(job);
     struct pel_draw draw = job->draws[job->begun];
     uint32_t rows = rows_of_band(loop, &draw.camera);
     uint32_t left = draw.camera.height - part->rows_begun;
@@ -360,10 +517,6 @@ static void draw_band(struct pel_renderloop *loop)
     draw.rows = rows < left ? rows : left;
     enum pel_err err =
         pel_renderer_submit(loop->renderer, &job->environment, &draw, 1);
-    pel_wake_moment_unref(job->environment.wakes);
-    job->environment.wakes = NULL;
-    pel_wash_destroy(job->environment.wash);
-    job->environment.wash = NULL;
     if (pel_renderer_lost(loop->renderer)) {
         part->rows_begun += draw.rows; /* its memory is held */
         pel_loss_recover(loop);
@@ -392,6 +545,15 @@ static void draw_band(struct pel_renderloop *loop)
 
 /* --- the thread ---------------------------------------------------------- */
 
+/* With the lock. */
+static void take_handed(struct pel_renderloop *loop)
+{
+    struct pel_job_draw *part;
+    while ((part = pel_parts_take(&loop->handed))) {
+        pel_parts_put(&loop->again, part);
+    }
+}
+
 /* Waits while there is nothing to do at all. */
 static struct pel_mail *next_mail(struct pel_renderloop *loop)
 {
@@ -401,12 +563,13 @@ static struct pel_mail *next_mail(struct pel_renderloop *loop)
         if (loop->submitted < MAX_SUBMITTED) {
             mail = pel_queue_pop(&loop->queue);
         }
+        take_handed(loop);
         if (!loop->large) {
             loop->large = loop->given;
             loop->given = NULL;
         }
         if (mail || loop->submitted > 0 || loop->large || in_flight(loop) > 0 ||
-            loop->again_count > 0) {
+            loop->again.first) {
             break;
         }
         pthread_cond_wait(&loop->wake, &loop->lock);
@@ -434,6 +597,12 @@ static void answer_optics(struct pel_renderloop *loop,
             break;
         }
     }
+    struct pel_renderloop *peer =
+        loop->renderer ? NULL : peer_that_stands(loop);
+    if (peer) {
+        push(peer, &query->mail);
+        return;
+    }
     pel_optics_add_night(query);
     pel_mailbox_post(loop->box, &query->mail);
 }
@@ -441,6 +610,10 @@ static void answer_optics(struct pel_renderloop *loop,
 static void draw_jobs(struct pel_renderloop *loop)
 {
     while (!atomic_load(&loop->stop)) {
+        if (!loop->renderer) {
+            pel_loss_return(loop);
+            continue;
+        }
         /* What is finished goes first: software renderers draw while they
          * take commands, and the next job would hold it up for a frame. */
         while (collect_one(loop, 0)) {
@@ -451,7 +624,7 @@ static void draw_jobs(struct pel_renderloop *loop)
         if (mail && mail->kind == PEL_MAIL_OPTICS) {
             answer_optics(loop, (struct pel_optics_query *)mail);
         } else if (mail) {
-            submit(loop, (struct pel_job *)mail);
+            submit(loop, (struct pel_share *)mail);
             loop->jobs_since++;
         } else if (loop->large && (!waiting || loop->jobs_since > 0)) {
             draw_band(loop);
@@ -485,6 +658,7 @@ static void *run(void *argument)
     pthread_mutex_lock(&loop->lock);
     if (err == PEL_OK) {
         pel_loss_note_device(loop, 0);
+        atomic_store(&loop->standing, true);
     }
     loop->err = err;
     loop->fault = fault;
@@ -502,17 +676,17 @@ static void *run(void *argument)
     return NULL;
 }
 
-enum pel_err pel_renderloop_create(const struct pel_renderer_options *o,
-                                   struct pel_encoder_pool *pool,
-                                   struct pel_mailbox *box,
-                                   struct pel_renderloop **out,
-                                   struct pel_fault *fault)
+enum pel_err
+pel_renderloop_create(const struct pel_renderer_options *o, unsigned device,
+                      struct pel_encoder_pool *pool, struct pel_mailbox *box,
+                      struct pel_renderloop **out, struct pel_fault *fault)
 {
     struct pel_renderloop *loop = calloc(1, sizeof *loop);
     if (!loop) {
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
     loop->options = *o;
+    loop->device = device;
     loop->pool = pool;
     loop->box = box;
     pel_renderloop_progress(loop);
@@ -524,28 +698,46 @@ enum pel_err pel_renderloop_create(const struct pel_renderer_options *o,
         return pel_fault_set(fault, PEL_ERR_IO, "cannot start a thread");
     }
     pthread_setname_np(loop->thread, "render");
+    *out = loop;
+    return PEL_OK;
+}
+
+enum pel_err pel_renderloop_wait(struct pel_renderloop *loop,
+                                 struct pel_renderloop *const *peers,
+                                 size_t count, struct pel_fault *fault)
+{
     pthread_mutex_lock(&loop->lock);
     while (!loop->ready) {
         pthread_cond_wait(&loop->wake, &loop->lock);
     }
     enum pel_err err = loop->err;
+    loop->peers = peers; /* it has drawn nothing yet */
+    loop->peer_count = count;
     pthread_mutex_unlock(&loop->lock);
-    if (err != PEL_OK) {
-        if (fault) {
-            *fault = loop->fault;
-        }
-        pthread_join(loop->thread, NULL);
-        loop->joined = true;
-        pel_renderloop_destroy(loop);
-        return err;
+    if (err != PEL_OK && fault) {
+        *fault = loop->fault;
     }
-    *out = loop;
-    return PEL_OK;
+    return err;
 }
 
 const char *pel_renderloop_device(const struct pel_renderloop *loop)
 {
-    return loop->devices[atomic_load(&loop->device)];
+    return loop->devices[atomic_load(&loop->device_now)];
+}
+
+bool pel_renderloop_stands(const struct pel_renderloop *loop)
+{
+    return atomic_load(&loop->standing);
+}
+
+uint64_t pel_renderloop_work(const struct pel_renderloop *loop)
+{
+    return atomic_load(&loop->work);
+}
+
+unsigned pel_renderloop_shares(const struct pel_renderloop *loop)
+{
+    return atomic_load(&loop->shares);
 }
 
 bool pel_renderloop_is_software(const struct pel_renderloop *loop)
@@ -561,14 +753,6 @@ void pel_renderloop_losses(struct pel_renderloop *loop,
     pthread_mutex_unlock(&loop->lock);
 }
 
-static void push(struct pel_renderloop *loop, struct pel_mail *mail)
-{
-    pthread_mutex_lock(&loop->lock);
-    pel_queue_push(&loop->queue, mail);
-    pthread_cond_signal(&loop->wake);
-    pthread_mutex_unlock(&loop->lock);
-}
-
 bool pel_renderloop_in_compute(struct pel_renderloop *loop)
 {
     pthread_mutex_lock(&loop->lock);
@@ -577,12 +761,25 @@ bool pel_renderloop_in_compute(struct pel_renderloop *loop)
     return in_compute;
 }
 
-void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job)
+void pel_renderloop_push(struct pel_renderloop *loop, struct pel_share *share)
 {
-    if (!job->large) {
-        push(loop, &job->mail);
-        return;
+    struct pel_job *job = share->job;
+    uint64_t pixels = 0;
+    share->left = share->count;
+    for (size_t i = 0; i < share->count; i++) {
+        struct pel_job_draw *part = &job->parts[share->draws[i]];
+        part->share = share;
+        pixels += pixels_of(part);
     }
+    note_work(loop, pixels);
+    atomic_fetch_add(&loop->shares, 1);
+    share->mail.kind = PEL_MAIL_JOB_DRAWN;
+    push(loop, &share->mail);
+}
+
+void pel_renderloop_push_large(struct pel_renderloop *loop, struct pel_job *job)
+{
+    note_work(loop, large_pixels(job));
     pthread_mutex_lock(&loop->lock);
     loop->given = job;
     pthread_cond_signal(&loop->wake);
@@ -612,7 +809,11 @@ void pel_renderloop_released(struct pel_renderloop *loop,
 
 int64_t pel_renderloop_progress_ns(const struct pel_renderloop *loop)
 {
-    return atomic_load(&loop->progress_ns);
+    int64_t progress_ns = atomic_load(&loop->progress_ns);
+    int64_t awake_ns = atomic_load(&loop->awake_ns);
+    return pel_renderloop_work(loop) == 0 ? pel_now_ns()
+           : awake_ns > progress_ns       ? awake_ns
+                                          : progress_ns;
 }
 
 bool pel_renderloop_stop(struct pel_renderloop *loop)

@@ -9,11 +9,18 @@
 
 struct pel_renderloop;
 
-/* Starts the thread and waits until its renderer stands or failed. */
+/* Starts the thread; `device` is its number among its peers. */
 PEL_CHECK enum pel_err
-pel_renderloop_create(const struct pel_renderer_options *o,
+pel_renderloop_create(const struct pel_renderer_options *o, unsigned device,
                       struct pel_encoder_pool *pool, struct pel_mailbox *box,
                       struct pel_renderloop **out, struct pel_fault *fault);
+
+/* Waits until its renderer stands or failed. From then on it passes on what it
+ * cannot draw to its peers, `count` of them, which live as long. */
+PEL_CHECK enum pel_err pel_renderloop_wait(struct pel_renderloop *loop,
+                                           struct pel_renderloop *const *peers,
+                                           size_t count,
+                                           struct pel_fault *fault);
 
 /* Any thread; another one after losses of the device. Lives as long as the
  * loop. */
@@ -33,11 +40,21 @@ void pel_renderloop_losses(struct pel_renderloop *loop,
 /* Whether the last frame was shaded in compute; any thread. */
 bool pel_renderloop_in_compute(struct pel_renderloop *loop);
 
-/* Hands a job over; it is returned as PEL_MAIL_JOB_DRAWN. A large job, of which
- * there may be one at a time, is drawn in bands: one band after each other job,
- * and band after band while there is no other. Draws that no client waits for
- * any more are skipped. Control thread. */
-void pel_renderloop_push(struct pel_renderloop *loop, struct pel_job *job);
+/* Hands over what is to be drawn here of a job; when all of it is drawn, the
+ * job is returned as PEL_MAIL_JOB_DRAWN. Control thread. */
+void pel_renderloop_push(struct pel_renderloop *loop, struct pel_share *share);
+
+/* The same for a large job whole, of which there may be one at a time: it is
+ * drawn in bands, one band after each other share, and band after band while
+ * there is no other. Draws that no client waits for any more are skipped. */
+void pel_renderloop_push_large(struct pel_renderloop *loop,
+                               struct pel_job *job);
+
+/* Whether it has a device; pixels, and shares of jobs, that it has not drawn
+ * yet. Any thread. */
+bool pel_renderloop_stands(const struct pel_renderloop *loop);
+uint64_t pel_renderloop_work(const struct pel_renderloop *loop);
+unsigned pel_renderloop_shares(const struct pel_renderloop *loop);
 
 /* About the pixels of a band, from the next one on. Any thread. */
 void pel_renderloop_set_band(struct pel_renderloop *loop, uint64_t pixels);
@@ -50,7 +67,8 @@ void pel_renderloop_push_optics(struct pel_renderloop *loop,
 void pel_renderloop_released(struct pel_renderloop *loop,
                              const struct pel_job_draw *part);
 
-/* When the thread last made progress (CLOCK_MONOTONIC); any thread. */
+/* When the thread last made progress, or had nothing to do (CLOCK_MONOTONIC);
+ * any thread. */
 int64_t pel_renderloop_progress_ns(const struct pel_renderloop *loop);
 
 /* Drops what waits and joins; false: not within 2 s, the thread is left. The

@@ -9,13 +9,20 @@
 #define PEL_MANY_LOSSES 3
 #define PEL_MOST_LOST (PEL_MAX_VIEWS * 4)
 
+/* Draws in order. */
+struct pel_parts {
+    struct pel_job_draw *first, *last;
+};
+
 struct pel_renderloop {
     pthread_t thread;
-    /* protects queue, given, ready, ended, err, fault, in_compute, losses */
+    /* protects queue, handed, given, ready, ended, err, fault, in_compute,
+     * losses */
     pthread_mutex_t lock;
     pthread_cond_t wake; /* CLOCK_MONOTONIC */
     struct pel_queue queue;
-    struct pel_job *given; /* a large one, not begun */
+    struct pel_parts handed; /* by others that lost their device */
+    struct pel_job *given;   /* a large one, not begun */
     bool ready, joined;
     int ended; /* 1: the thread has */
     enum pel_err err;
@@ -25,9 +32,19 @@ struct pel_renderloop {
     struct pel_renderer *renderer; /* render thread */
     struct pel_encoder_pool *pool;
     struct pel_mailbox *box;
-    int submitted;         /* jobs with GL; render thread, the next too */
-    struct pel_job *large; /* in hand; NULL: none */
-    unsigned jobs_since;   /* its last band */
+    unsigned device;                     /* which of the peers it is */
+    struct pel_renderloop *const *peers; /* all, itself too */
+    size_t peer_count;
+    atomic_bool standing;     /* it has a device */
+    _Atomic uint64_t work;    /* pixels that wait here or are drawn */
+    _Atomic uint32_t shares;  /* of jobs, likewise */
+    _Atomic int64_t awake_ns; /* when work came and there was none */
+    int submitted;            /* shares with GL; render thread, the next too */
+    const struct pel_share *share; /* in hand; its draws from `at` to `end` */
+    size_t at, end;
+    struct pel_draw draws[PEL_MAX_VIEWS]; /* of one submission */
+    struct pel_job *large;                /* in hand; NULL: none */
+    unsigned jobs_since;                  /* its last band */
     _Atomic uint64_t band_pixels;
     int64_t drawn_ns; /* when the last picture was there; render thread */
     atomic_bool stop;
@@ -35,18 +52,26 @@ struct pel_renderloop {
     _Atomic int64_t progress_ns;
     /* Device: of the first renderer, and of the software one that follows. */
     char devices[2][256];
-    atomic_int device;
+    atomic_int device_now;
     atomic_bool software;
     struct pel_loss_stats losses;
     int64_t lost_ns[PEL_MANY_LOSSES]; /* the last ones; render thread */
-    struct pel_job_draw *again[PEL_MOST_LOST];
-    size_t again_count; /* to be drawn again; render thread */
+    struct pel_parts again;           /* to be drawn again; render thread */
+    uint64_t put_again;               /* by losses; render thread */
+    bool out; /* lost too often: peers draw; render thread */
 };
+
+void pel_parts_put(struct pel_parts *parts, struct pel_job_draw *part);
+struct pel_job_draw *pel_parts_take(struct pel_parts *parts); /* NULL: none */
 
 /* That the thread is alive; render thread. */
 void pel_renderloop_progress(struct pel_renderloop *loop);
 
-/* Draws [first, first + count) of a job that is not large, whose memory is
- * held, failed. Render thread. */
-void pel_renderloop_fail(struct pel_renderloop *loop, struct pel_job *job,
-                         size_t first, size_t count, enum pel_err err);
+/* A draw of a job that is not large, whose memory is held, failed. Render
+ * thread. */
+void pel_renderloop_fail(struct pel_renderloop *loop, struct pel_job_draw *part,
+                         enum pel_err err);
+
+/* What is waiting here goes to a peer that has a device, with `again`; false:
+ * none has. Render thread, without a device. */
+bool pel_renderloop_pass_on(struct pel_renderloop *loop);

@@ -38,7 +38,7 @@ void pel_schedule_soon(struct pel_frames *frames)
 
 static struct pel_job *free_job(struct pel_frames *frames)
 {
-    for (int i = 0; i < PEL_JOB_COUNT; i++) {
+    for (int i = 0; i < frames->job_count; i++) {
         if (!frames->jobs[i].used) {
             return &frames->jobs[i];
         }
@@ -48,7 +48,7 @@ static struct pel_job *free_job(struct pel_frames *frames)
 
 static bool has_room(struct pel_frames *frames)
 {
-    return frames->drawing < PEL_MAX_DRAWING && free_job(frames) != NULL;
+    return pel_devices_room(frames->devices) && free_job(frames) != NULL;
 }
 
 /* The first entity's stored place stands for all eyes, in steps that are not
@@ -158,7 +158,8 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
     job->draw_count = 0;
     job->output_count = 0;
     job->asked_pixels = 0;
-    job->begun = job->collected = 0;
+    job->begun = 0;
+    atomic_store(&job->collected, 0);
     job->environment = pel_environment_of(s, time_s);
     number_job(frames, job);
     return job;
@@ -425,13 +426,13 @@ static void launch(struct pel_frames *frames, struct pel_job *job)
         frames->large = job;
     } else {
         frames->drawing++;
+        frames->drawing_live += job->live;
         frames->last_was_live = job->live;
-        frames->launched_ns = job->launched_ns;
         pel_fair_note(frames, job);
         pel_schedule_watch(frames);
     }
-    pel_renderloop_set_band(frames->loop, pel_fair_band(frames));
-    pel_renderloop_push(frames->loop, job);
+    pel_devices_set_band(frames->devices, pel_fair_band(frames));
+    pel_devices_push(frames->devices, job);
 }
 
 /* --- when ---------------------------------------------------------------- */
@@ -463,7 +464,7 @@ void pel_schedule_tick(void *user)
     frames->stats.frames_skipped += late > 0 ? (uint64_t)late : 0;
     frames->next_tick_ns += (late > 0 ? late + 1 : 1) * period;
     g_source_set_ready_time(frames->tick, frames->next_tick_ns / 1000);
-    if (!has_room(frames)) {
+    if (!has_room(frames) || frames->drawing_live >= PEL_MAX_DRAWING) {
         frames->stats.frames_skipped++;
         return;
     }
@@ -522,7 +523,7 @@ static void start_with(struct pel_frames *frames,
 static bool has_room_for_large(struct pel_frames *frames)
 {
     int count = 0;
-    for (int i = 0; i < PEL_JOB_COUNT; i++) {
+    for (int i = 0; i < frames->job_count; i++) {
         count += frames->jobs[i].used && frames->jobs[i].large;
     }
     return !frames->large && count < MAX_LARGE && free_job(frames);
@@ -568,10 +569,10 @@ void pel_schedule_live(struct pel_frames *frames)
 static int64_t patience_ns(const struct pel_frames *frames)
 {
     int64_t ns = 0;
-    if (!pel_renderloop_is_software(frames->loop)) {
+    if (!pel_devices_software(frames->devices)) {
         return 0;
     }
-    for (int i = 0; i < PEL_JOB_COUNT; i++) {
+    for (int i = 0; i < frames->job_count; i++) {
         const struct pel_job *job = &frames->jobs[i];
         if (job->used && !job->drawn) {
             ns += SOFTWARE_PIXEL_NS * (int64_t)(job->large
@@ -584,12 +585,9 @@ static int64_t patience_ns(const struct pel_frames *frames)
 
 bool pel_frames_stuck(const struct pel_frames *frames)
 {
-    int64_t since = pel_renderloop_progress_ns(frames->loop);
-    if (since < frames->launched_ns && frames->drawing == 1) {
-        since = frames->launched_ns;
-    }
     return frames->drawing > 0 &&
-           pel_now_ns() - since > STUCK_NS + patience_ns(frames);
+           pel_now_ns() - pel_devices_progress_ns(frames->devices) >
+               STUCK_NS + patience_ns(frames);
 }
 
 void pel_schedule_watch(void *user)
@@ -672,11 +670,13 @@ void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job)
             frames->stats.views_drawn++;
         }
     }
+    pel_devices_note(frames->devices, job);
     feed_quality(frames, job);
     if (job->large) {
         frames->large = NULL;
     } else {
         frames->drawing--;
+        frames->drawing_live -= job->live;
     }
     job->drawn = true;
     end_if_complete(job);
@@ -687,7 +687,7 @@ void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job)
 static bool overtakes(const struct pel_frames *frames,
                       const struct pel_output *output)
 {
-    for (int i = 0; i < PEL_JOB_COUNT; i++) {
+    for (int i = 0; i < frames->job_count; i++) {
         const struct pel_job *job = &frames->jobs[i];
         if (!job->used || job->order >= output->job->order) {
             continue;
@@ -719,7 +719,7 @@ static void deliver_ready(struct pel_frames *frames)
 {
     for (bool again = true; again;) {
         again = false;
-        for (int i = 0; i < PEL_JOB_COUNT; i++) {
+        for (int i = 0; i < frames->job_count; i++) {
             struct pel_job *job = &frames->jobs[i];
             for (size_t k = 0; job->used && k < job->output_count; k++) {
                 struct pel_output *o = &job->outputs[k];
@@ -765,7 +765,7 @@ void pel_schedule_output(struct pel_frames *frames, struct pel_output *output)
     } else {
         deliver_ready(frames);
     }
-    for (int i = 0; i < PEL_JOB_COUNT; i++) {
+    for (int i = 0; i < frames->job_count; i++) {
         if (frames->jobs[i].used) {
             end_if_complete(&frames->jobs[i]);
         }

@@ -54,6 +54,8 @@ static Pelagos__Frame describe(const struct pel_frame *p)
     message.has_render_ms = message.has_encode_ms = true;
     message.render_ms = p->render_ms;
     message.encode_ms = p->encode_ms;
+    message.has_device = true;
+    message.device = p->device;
     return message;
 }
 

@@ -44,6 +44,8 @@ static void add_cost(add_header add, void *to, const struct pel_frame *frame)
     add(to, "X-Pelagos-Render-Ms", text);
     snprintf(text, sizeof text, "%.3f", frame->encode_ms);
     add(to, "X-Pelagos-Encode-Ms", text);
+    snprintf(text, sizeof text, "%u", frame->device);
+    add(to, "X-Pelagos-Device", text);
 }
 
 /* --- one picture ---------------------------------------------------------- */

@@ -42,15 +42,21 @@ static EGLDisplay open_device(EGLDeviceEXT device)
     return display;
 }
 
-static EGLDisplay find_display(const char *wanted, struct pel_fault *fault)
+static EGLint list_devices(EGLDeviceEXT devices[MAX_DEVICES])
 {
-    EGLDeviceEXT devices[MAX_DEVICES];
     EGLint count = 0;
     if (!epoxy_has_egl_extension(EGL_NO_DISPLAY,
                                  "EGL_EXT_device_enumeration") ||
         !eglQueryDevicesEXT(MAX_DEVICES, devices, &count)) {
         count = 0;
     }
+    return count;
+}
+
+static EGLDisplay find_display(const char *wanted, struct pel_fault *fault)
+{
+    EGLDeviceEXT devices[MAX_DEVICES];
+    EGLint count = list_devices(devices);
     char *end = NULL;
     long number = strtol(wanted, &end, 10);
     bool numbered = *wanted && *end == 0;
@@ -132,6 +138,25 @@ static void close_display(EGLDisplay display)
         displays[last].display = EGL_NO_DISPLAY;
     }
     pthread_mutex_unlock(&lock);
+}
+
+size_t pel_context_hardware(unsigned *numbers, size_t most)
+{
+    EGLDeviceEXT devices[MAX_DEVICES];
+    EGLint count = list_devices(devices);
+    size_t found = 0;
+    for (int i = 0; i < count && found < most; i++) {
+        char number[16];
+        snprintf(number, sizeof number, "%d", i);
+        EGLDisplay display = is_software(devices[i])
+                                 ? EGL_NO_DISPLAY
+                                 : open_display(number, NULL);
+        if (display != EGL_NO_DISPLAY) {
+            numbers[found++] = (unsigned)i;
+            close_display(display);
+        }
+    }
+    return found;
 }
 
 static void APIENTRY on_message(GLenum source, GLenum type, GLuint id,

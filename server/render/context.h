@@ -2,6 +2,7 @@
 #pragma once
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "base/err.h"
 
@@ -12,6 +13,10 @@ struct pel_context {
     bool tells_loss;       /* pel_context_lost knows */
     char description[256]; /* GL_RENDERER, GL_VERSION */
 };
+
+/* Numbers of the EGL devices that are hardware and open, at most `most`; their
+ * count. Any thread. */
+size_t pel_context_hardware(unsigned *numbers, size_t most);
 
 /* Makes a context on `device` ("auto": hardware if there is any, "software",
  * or the number of an EGL device) current on this thread. */

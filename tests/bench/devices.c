@@ -1,0 +1,357 @@
+/* What several devices of one host draw together, through the frame path of the
+ * daemon: pictures a second of views, by list of devices.
+ *
+ *   bench_devices [--views 64] [--size 1280x720] [--codec jpeg|h264]
+ *                 [--ask] [--threads N] [--seconds 4] [--lose N]
+ *                 [--count N] LIST...
+ *
+ * Each LIST is one of pelagosd --device. Views are live (at most 240 Hz, 67
+ * million pixels together), or with --ask each is asked for again as soon as it
+ * is there, every time of another moment. The lists take turns, three times
+ * each; medians. --count: one list until so many pictures, and what they leave
+ * of heap, descriptors and threads. --lose: the last device of each list
+ * pretends to be lost every N pictures. */
+#include <dirent.h>
+#include <getopt.h>
+#include <malloc.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <glib.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "frames/frames.h"
+#include "scene/scene.h"
+
+#define MOST_LISTS 8
+#define ROUNDS 3
+#define WARM_S 2.0
+
+static struct {
+    int views, threads, lose;
+    unsigned width, height;
+    bool h264, ask;
+    double seconds;
+    uint64_t count;
+} options = { .views = 64, .width = 1280, .height = 720, .seconds = 4 };
+
+struct viewer {
+    char name[16];
+    struct pel_subscription *live;
+    int64_t last_ns;
+};
+
+static struct pel_scene *scene;
+static struct pel_frames *frames;
+static struct viewer viewers[PEL_MAX_VIEWS];
+static uint64_t pictures, failures, moment;
+static uint64_t by_device[16];
+static int64_t worst_ns; /* between two pictures of a view */
+
+static void die(const char *what, const struct pel_fault *fault)
+{
+    fprintf(stderr, "bench_devices: %s: %s\n", what,
+            fault ? fault->message : "");
+    exit(1);
+}
+
+static void ask(struct viewer *viewer);
+
+static void on_picture(void *user, enum pel_err err,
+                       const struct pel_fault *fault, struct pel_frame *frame)
+{
+    struct viewer *viewer = user;
+    (void)fault;
+    if (err == PEL_OK) {
+        int64_t now = pel_now_ns();
+        int64_t gap = viewer->last_ns ? now - viewer->last_ns : 0;
+        worst_ns = gap > worst_ns ? gap : worst_ns;
+        viewer->last_ns = now;
+        pictures++;
+        by_device[frame->device % 16]++;
+    } else {
+        failures++;
+    }
+    if (options.ask) {
+        ask(viewer);
+    }
+}
+
+static void ask(struct viewer *viewer)
+{
+    Pelagos__FrameRequest request = PELAGOS__FRAME_REQUEST__INIT;
+    struct pel_fault fault;
+    request.view = viewer->name;
+    request.has_time = true;
+    request.time = (double)(moment++ / (uint64_t)options.views) / 30;
+    if (pel_frames_request(frames, &request, on_picture, viewer, NULL,
+                           &fault) != PEL_OK) {
+        die("a request", &fault);
+    }
+}
+
+static void run_for(double seconds)
+{
+    int64_t end = pel_now_ns() + (int64_t)(seconds * 1e9);
+    while (pel_now_ns() < end) {
+        g_main_context_iteration(NULL, TRUE);
+    }
+}
+
+static gboolean nudge(gpointer user)
+{
+    (void)user;
+    return G_SOURCE_CONTINUE;
+}
+
+static void make_scene(void)
+{
+    struct pel_scene_options o = { .wave_count = 60 };
+    struct pel_fault fault;
+    if (pel_scene_create(&o, &scene, &fault) != PEL_OK) {
+        die("the scene", &fault);
+    }
+    Pelagos__State state = PELAGOS__STATE__INIT;
+    Pelagos__Sea sea = PELAGOS__SEA__INIT;
+    sea.has_synthesiser = sea.has_wind_speed = true;
+    sea.synthesiser = PELAGOS__SYNTHESISER__FFT;
+    sea.wind_speed = 8;
+    state.sea = &sea;
+    Pelagos__View views[PEL_MAX_VIEWS], *list[PEL_MAX_VIEWS];
+    for (int i = 0; i < options.views; i++) {
+        pelagos__view__init(&views[i]);
+        snprintf(viewers[i].name, sizeof viewers[i].name, "v%d", i);
+        views[i].name = viewers[i].name;
+        views[i].has_width = views[i].has_height = views[i].has_yaw = true;
+        views[i].has_entity = views[i].has_up = true;
+        views[i].entity = 1;
+        views[i].up = 12;
+        views[i].width = options.width;
+        views[i].height = options.height;
+        views[i].yaw = -170.0 + 340.0 * i / options.views;
+        list[i] = &views[i];
+    }
+    state.n_views = (size_t)options.views;
+    state.views = list;
+    Pelagos__Patch patch = PELAGOS__PATCH__INIT;
+    patch.state = &state;
+    if (pel_scene_patch(scene, &patch, &fault) != PEL_OK) {
+        die(fault.path, &fault);
+    }
+}
+
+static void begin(const char *list)
+{
+    struct pel_frames_options o = {
+        .device = list,
+        .max_fps = 240,
+        .quality = 1,
+        .encoder_threads = options.threads,
+        .lose_after = (unsigned)options.lose,
+        .lose_only = -1,
+    };
+    for (const char *c = list; options.lose && *c; c++) {
+        o.lose_only += c == list;
+        o.lose_only += *c == ',';
+    }
+    struct pel_fault fault;
+    if (pel_frames_create(&o, scene, &frames, &fault) != PEL_OK) {
+        die(list, &fault);
+    }
+    const struct pel_profile profile = {
+        .codec = options.h264 ? PEL_CODEC_H264 : PEL_CODEC_PICTURE,
+        .quality = 80,
+        .kbps = options.h264 ? 5000 : 0,
+    };
+    for (int i = 0; i < options.views; i++) {
+        viewers[i].last_ns = 0;
+        if (options.ask) {
+            ask(&viewers[i]);
+        } else if (pel_frames_open(frames, viewers[i].name, &profile,
+                                   on_picture, &viewers[i], &viewers[i].live,
+                                   &fault) != PEL_OK) {
+            die(viewers[i].name, &fault);
+        }
+    }
+}
+
+static void end(void)
+{
+    for (int i = 0; i < options.views && !options.ask; i++) {
+        pel_frames_unsubscribe(viewers[i].live);
+    }
+    options.ask = options.ask && frames == NULL;
+    if (!pel_frames_destroy(frames)) {
+        _exit(1);
+    }
+    frames = NULL;
+}
+
+static void reset(void)
+{
+    pictures = failures = 0;
+    worst_ns = 0;
+    memset(by_device, 0, sizeof by_device);
+}
+
+static double measure(const char *list)
+{
+    bool asks = options.ask;
+    begin(list);
+    run_for(WARM_S);
+    reset();
+    int64_t began = pel_now_ns();
+    run_for(options.seconds);
+    double rate = (double)pictures / ((double)(pel_now_ns() - began) * 1e-9);
+    printf("  %-12s %8.0f pictures/s, by device", list, rate);
+    for (int i = 0; i < 16; i++) {
+        if (by_device[i]) {
+            printf(" %llu", (unsigned long long)by_device[i]);
+        }
+    }
+    struct pel_frames_stats s;
+    pel_frames_get_stats(frames, &s);
+    printf("; %.1f ms between two at most, %llu failed, %llu losses\n",
+           (double)worst_ns * 1e-6, (unsigned long long)failures,
+           (unsigned long long)s.losses);
+    fflush(stdout);
+    end();
+    options.ask = asks;
+    return rate;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static int entries(const char *path)
+{
+    int count = 0;
+    DIR *d = opendir(path);
+    while (d && readdir(d)) {
+        count++;
+    }
+    if (d) {
+        closedir(d);
+    }
+    return count;
+}
+
+static void count_on(const char *list)
+{
+    begin(list);
+    run_for(20);
+    reset();
+    struct mallinfo2 first = mallinfo2();
+    int fds = entries("/proc/self/fd"), tasks = entries("/proc/self/task");
+    int64_t began = pel_now_ns();
+    for (uint64_t said = 0; pictures < options.count;) {
+        g_main_context_iteration(NULL, TRUE);
+        if (pictures - said >= options.count / 10) {
+            said = pictures;
+            struct mallinfo2 now = mallinfo2();
+            printf("%9llu pictures, %5.0f/s, heap %+9.1f kB, %+d descriptors, "
+                   "%+d threads\n",
+                   (unsigned long long)pictures,
+                   (double)pictures / ((double)(pel_now_ns() - began) * 1e-9),
+                   ((double)now.uordblks - (double)first.uordblks) * 1e-3,
+                   entries("/proc/self/fd") - fds,
+                   entries("/proc/self/task") - tasks);
+            fflush(stdout);
+        }
+    }
+    struct mallinfo2 now = mallinfo2();
+    printf("%llu pictures, %llu failed: %.4f byte of heap each\n",
+           (unsigned long long)pictures, (unsigned long long)failures,
+           ((double)now.uordblks - (double)first.uordblks) / (double)pictures);
+    end();
+}
+
+static void read_options(int argc, char **argv)
+{
+    static const struct option table[] = {
+        { "views", required_argument, NULL, 'v' },
+        { "size", required_argument, NULL, 's' },
+        { "codec", required_argument, NULL, 'c' },
+        { "seconds", required_argument, NULL, 't' },
+        { "threads", required_argument, NULL, 'n' },
+        { "lose", required_argument, NULL, 'l' },
+        { "count", required_argument, NULL, 'k' },
+        { "ask", no_argument, NULL, 'a' },
+        { 0 },
+    };
+    for (int c; (c = getopt_long(argc, argv, "", table, NULL)) != -1;) {
+        switch (c) {
+        case 'v':
+            options.views = atoi(optarg);
+            break;
+        case 's':
+            if (sscanf(optarg, "%ux%u", &options.width, &options.height) != 2) {
+                die("--size is WIDTHxHEIGHT", NULL);
+            }
+            break;
+        case 'c':
+            options.h264 = strcmp(optarg, "h264") == 0;
+            break;
+        case 't':
+            options.seconds = strtod(optarg, NULL);
+            break;
+        case 'n':
+            options.threads = atoi(optarg);
+            break;
+        case 'l':
+            options.lose = atoi(optarg);
+            break;
+        case 'k':
+            options.count = strtoull(optarg, NULL, 10);
+            break;
+        case 'a':
+            options.ask = true;
+            break;
+        default:
+            exit(2);
+        }
+    }
+    if (options.views < 1 || options.views > PEL_MAX_VIEWS) {
+        die("--views is 1 to 64", NULL);
+    }
+    if (optind == argc || argc - optind > MOST_LISTS) {
+        die("1 to 8 lists of devices are wanted", NULL);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    read_options(argc, argv);
+    pel_log_set_level(PEL_LOG_ERROR);
+    g_timeout_add(20, nudge, NULL);
+    make_scene();
+    if (options.count) {
+        count_on(argv[optind]);
+        pel_scene_destroy(scene);
+        return failures > 0;
+    }
+    int lists = argc - optind;
+    double rate[MOST_LISTS][ROUNDS];
+    printf("%d views of %ux%u, %s, %s\n", options.views, options.width,
+           options.height, options.h264 ? "H.264" : "JPEG",
+           options.ask ? "asked for" : "live");
+    for (int round = 0; round < ROUNDS; round++) {
+        for (int i = 0; i < lists; i++) {
+            rate[i][round] = measure(argv[optind + i]);
+        }
+    }
+    for (int i = 0; i < lists; i++) {
+        qsort(rate[i], ROUNDS, sizeof rate[i][0], by_value);
+        printf("%-12s median %8.0f pictures/s, %.2f times %s\n",
+               argv[optind + i], rate[i][ROUNDS / 2],
+               rate[i][ROUNDS / 2] / rate[0][ROUNDS / 2], argv[optind]);
+    }
+    pel_scene_destroy(scene);
+    return 0;
+}
