@@ -44,13 +44,13 @@ static EGLDisplay open_device(EGLDeviceEXT device)
 
 static EGLint list_devices(EGLDeviceEXT devices[MAX_DEVICES])
 {
+    /* The first is all of the second and more; NVIDIA names only that. */
+    bool tells =
+        epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_base") ||
+        epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration");
     EGLint count = 0;
-    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY,
-                                 "EGL_EXT_device_enumeration") ||
-        !eglQueryDevicesEXT(MAX_DEVICES, devices, &count)) {
-        count = 0;
-    }
-    return count;
+    return tells && eglQueryDevicesEXT(MAX_DEVICES, devices, &count) ? count
+                                                                     : 0;
 }
 
 static EGLDisplay find_display(const char *wanted, struct pel_fault *fault)

@@ -86,7 +86,7 @@ static void ask(struct viewer *viewer)
     struct pel_fault fault;
     request.view = viewer->name;
     request.has_time = true;
-    request.time = (double)(moment++ / (uint64_t)options.views) / 30;
+    request.time = (double)moment++ / 30;
     if (pel_frames_request(frames, &request, on_picture, viewer, NULL,
                            &fault) != PEL_OK) {
         die("a request", &fault);
@@ -123,7 +123,9 @@ static void make_scene(void)
     Pelagos__View views[PEL_MAX_VIEWS], *list[PEL_MAX_VIEWS];
     for (int i = 0; i < options.views; i++) {
         pelagos__view__init(&views[i]);
-        snprintf(viewers[i].name, sizeof viewers[i].name, "v%d", i);
+        /* The first takes the place of the state's own. */
+        snprintf(viewers[i].name, sizeof viewers[i].name, i ? "v%d" : "bridge",
+                 i);
         views[i].name = viewers[i].name;
         views[i].has_width = views[i].has_height = views[i].has_yaw = true;
         views[i].has_entity = views[i].has_up = true;
