@@ -62,6 +62,7 @@ def forms(schema):
             {"status": {"enum": ["ok", "stuck", "stopping"]}, "version": TEXT,
              "revision": {"type": "string", "pattern": "^[0-9]+$"},
              "missing": {"type": "array", "items": missing}, "device": TEXT,
+             "role": {"enum": ["watch", "steer", "instruct"]},
              "quality": {"type": "number", "minimum": 0, "maximum": 1}},
             ("status",)),
         "FieldValue": form({"value": value, **told}, ("path", "value")),

@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 import jsonschema
@@ -18,7 +19,7 @@ from pelagos_daemon import ROOT, SLOW_S, Daemon, Response, until
 VALIDATOR = os.path.join(ROOT, "build/npm/node_modules/@seriousme/"
                          "openapi-schema-validator/bin/validate-api-cli.js")
 # What stands for the names in a path.
-NAMES = {"view": "bridge", "file": "style.css"}
+NAMES = {"view": "bridge", "file": "style.css", "exercise": "one"}
 FIELDS = ["sea", "sea.windSpeed", "sea.spectrum", "views", "clock/utc",
           "views/bridge/yaw", "sky.sunElevation"]
 ENDLESS = ("multipart/x-mixed-replace", "video/mp2t")
@@ -35,7 +36,11 @@ def rows():
 class OpenApi(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.daemon = Daemon()
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        with open(os.path.join(folder.name, "one.json"), "w") as file:
+            json.dump({"state": {"entities": [{"id": 1}]}}, file)
+        cls.daemon = Daemon(f"--exercises={folder.name}")
         cls.addClassCleanup(cls.daemon.stop)
         answer = cls.daemon.get("/v1/openapi.json")
         assert answer.status == 200, answer
@@ -222,6 +227,16 @@ class OpenApi(unittest.TestCase):
         ("POST", "/v1/optics", {"water": {}, "from": "REFERENCE"}, 200),
         ("POST", "/v1/optics", {"sky": {"elevation": 91}}, 400),
         ("POST", "/v1/clock/step", {"seconds": 1}, 409),
+        ("POST", "/v1/exercise", {"action": "STATUS"}, 200),
+        ("POST", "/v1/exercise", {"action": "CHECK", "exercise": {
+            "draught": 99}}, 400),
+        ("PUT", "/v1/exercises/two",
+         {"state": {"entities": [{"id": 1}]}, "events": [
+             {"name": "rain", "when": [{"at": 1}],
+              "patch": {"state": {"sky": {"rain": 3}}}}]}, 200),
+        ("PUT", "/v1/exercises/two", {"draught": 99}, 400),
+        ("DELETE", "/v1/exercises/two", None, 204),
+        ("DELETE", "/v1/exercises/two", None, 404),
     ]
 
     def test_calls_with_bodies(self):
@@ -229,7 +244,9 @@ class OpenApi(unittest.TestCase):
         that are refused have not; every answer has."""
         called = set()
         for method, url, body, status in self.CALLS:
-            path = url if url in self.document["paths"] else "/v1/views/{view}"
+            path = (url if url in self.document["paths"] else
+                    "/v1/exercises/{exercise}" if "exercises" in url else
+                    "/v1/views/{view}")
             operation = self.document["paths"][path][method.lower()]
             answer = self.daemon.request(method, url, body)
             where = f"{method} {url} {body}"
