@@ -58,8 +58,9 @@ class Notebooks(unittest.TestCase):
     def execute(self, number):
         file = FILES[number - 1]
         book = nbformat.read(file, as_version=4)
-        nbclient.NotebookClient(book, timeout=20 * int(SLOW_S),
-                                kernel_name="python3").execute()
+        nbclient.NotebookClient(
+            book, timeout=20 * int(SLOW_S), startup_timeout=10 * int(SLOW_S),
+            kernel_name="python3").execute()
         pictures = [output.data["image/png"] for cell in book.cells
                     for output in cell.get("outputs", [])
                     if "image/png" in output.get("data", {})]
