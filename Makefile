@@ -773,7 +773,7 @@ TARBALL := $(DIST)/pelagos-$(VERSION).tar.xz
 dist: deps-page ## the committed sources, and uPlot, as a tarball: build/dist/
 	$(Q)mkdir -p $(DIST)
 	$(Q)git archive --format=tar \
-	    $(foreach f,$(wildcard $(UPLOT)/LICENSE $(UPLOT)/dist/uPlot.iife.min.js $(UPLOT)/dist/uPlot.min.css),--prefix=pelagos-$(VERSION)/third-party/uplot$(patsubst $(UPLOT)%,%,$(dir $(f))) --add-file=$(f)) \
+	    $(foreach f,$(shell ls $(UPLOT)/LICENSE $(UPLOT)/dist/uPlot.iife.min.js $(UPLOT)/dist/uPlot.min.css 2>/dev/null),--prefix=pelagos-$(VERSION)/third-party/uplot$(patsubst $(UPLOT)%,%,$(dir $(f))) --add-file=$(f)) \
 	    --prefix=pelagos-$(VERSION)/ HEAD | xz -T0 >$(TARBALL)
 	@ls -l $(TARBALL)
 dist-check: dist deps-build ## unpack the tarball elsewhere, build and install it there
