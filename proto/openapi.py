@@ -89,10 +89,11 @@ HEADERS = {
     "X-Pelagos-Unix": ("the daemon's clock as it answers: UTC [s]", NUMBER),
     "X-Pelagos-Render-Ms": ("drawing [ms]", NUMBER),
     "X-Pelagos-Encode-Ms": ("encoding [ms]", NUMBER),
+    "X-Pelagos-Device": ("that drew it, of several from 0", COUNT),
 }
 MOMENT = [name for name in HEADERS if name.startswith("X-") and
-          not name.endswith(("-Ms", "-Unix"))]
-COST = ["X-Pelagos-Render-Ms", "X-Pelagos-Encode-Ms"]
+          not name.endswith(("-Ms", "-Unix", "-Device"))]
+COST = ["X-Pelagos-Render-Ms", "X-Pelagos-Encode-Ms", "X-Pelagos-Device"]
 TAGGED = ("State", "FieldValue")
 # Answers that are not JSON: type, headers.
 ANSWERS = {

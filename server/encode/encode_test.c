@@ -517,7 +517,6 @@ static void photos_say_where_they_were_taken(void **state)
         .view = "bridge <&\">",
         .unix_s = 1591588800.25, /* 2020-06-08T04:00:00.25Z */
         .time_s = 12.25,
-        .revision = 7,
         .latitude_deg = -33.5125,
         .longitude_deg = 151.2500125,
         .altitude_m = 18.5,

@@ -286,7 +286,7 @@ static void write_xmp(const struct pel_photo *p, const struct moment *m,
         " exif:GPSLatitude=\"%s\" exif:GPSLongitude=\"%s\"\n"
         " exif:GPSAltitude=\"%lld/1000\" exif:GPSAltitudeRef=\"%d\"\n"
         " exif:GPSMapDatum=\"WGS-84\"\n"
-        " pelagos:View=\"%s\" pelagos:Time=\"%.6f\" pelagos:Revision=\"%llu\"\n"
+        " pelagos:View=\"%s\" pelagos:Time=\"%.6f\"\n"
         " pelagos:Projection=\"rectilinear\"\n"
         " pelagos:Heading=\"%.6f\" pelagos:Pitch=\"%.6f\" "
         "pelagos:Roll=\"%.6f\"\n"
@@ -296,9 +296,9 @@ static void write_xmp(const struct pel_photo *p, const struct moment *m,
         "</rdf:RDF>\n</x:xmpmeta>\n<?xpacket end=\"r\"?>",
         p->software, *date ? " xmp:CreateDate=\"" : "", date, *date ? "\"" : "",
         latitude, longitude, llround(fabs(p->altitude_m) * 1000.0),
-        p->altitude_m < 0.0, view, p->time_s, (unsigned long long)p->revision,
-        p->heading_deg, p->pitch_deg, p->roll_deg, p->horizontal_fov_deg,
-        p->vertical_fov_deg, p->exposure_ev);
+        p->altitude_m < 0.0, view, p->time_s, p->heading_deg, p->pitch_deg,
+        p->roll_deg, p->horizontal_fov_deg, p->vertical_fov_deg,
+        p->exposure_ev);
     out->xmp_size =
         size > 0 && (size_t)size < sizeof out->xmp ? (size_t)size : 0;
 }

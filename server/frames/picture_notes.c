@@ -39,7 +39,6 @@ void pel_picture_photo(const struct pel_output *output, struct pel_photo *out)
         .view = s->views[part->view].name,
         .unix_s = s->epoch_unix_s + job->environment.time_s,
         .time_s = job->environment.time_s,
-        .revision = s->revision,
         .altitude_m = c->altitude_m,
         .horizontal_fov_deg = pel_camera_field(c->tan_left, c->tan_right),
         .vertical_fov_deg = pel_camera_field(c->tan_bottom, c->tan_top),

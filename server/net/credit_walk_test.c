@@ -55,7 +55,7 @@ static struct pel_scene *scene;
 static struct pel_frames *frames;
 static struct pel_live_stats stats;
 static struct viewer viewers[VIEWERS];
-static struct due due[PEL_JOB_COUNT];
+static struct due due[PEL_JOBS_FIRST];
 static size_t due_count;
 static uint64_t number, encoded[STREAMS];
 static uint64_t failed; /* pictures that could not be drawn */
@@ -85,13 +85,13 @@ static void draw(void)
 {
     struct pel_job *job = NULL;
     number++;
-    for (int i = 0; i < PEL_MAX_STREAMS && due_count < PEL_JOB_COUNT; i++) {
+    for (int i = 0; i < PEL_MAX_STREAMS && due_count < PEL_JOBS_FIRST; i++) {
         struct pel_stream *stream = &frames->streams[i];
         struct pel_output want;
         if (!stream->serial || !pel_live_output(frames, stream, &want)) {
             continue;
         }
-        for (int k = 0; k < PEL_JOB_COUNT; k++) {
+        for (int k = 0; k < PEL_JOBS_FIRST; k++) {
             job = frames->jobs[k].used ? job : &frames->jobs[k];
         }
         assert_non_null(job);

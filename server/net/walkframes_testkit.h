@@ -33,7 +33,8 @@ static inline struct pel_frames *walk_frames(struct pel_scene *scene)
     }
     frames->scene = scene;
     frames->max_fps = 60;
-    frames->jobs = calloc(PEL_JOB_COUNT, sizeof *frames->jobs);
+    frames->job_count = PEL_JOBS_FIRST;
+    frames->jobs = calloc(PEL_JOBS_FIRST, sizeof *frames->jobs);
     frames->tick = pel_alarm_create(NULL, "tick", walk_ring, frames);
     frames->start = pel_alarm_create(NULL, "start", walk_ring, frames);
     pel_mailbox_init(&frames->box, NULL, walk_receive, frames);
