@@ -652,7 +652,7 @@ fuzz: $(fuzz_bin)
 	    name=$$(basename $$f); corpus=build/corpus/$$name; \
 	    seeds=tests/fuzz/corpus/$$name; mkdir -p $$corpus; \
 	    echo "== $$name, $(FUZZ_SECONDS) s"; \
-	    $$f -max_total_time=$(FUZZ_SECONDS) -timeout=10 -rss_limit_mb=2048 \
+	    $$f -max_total_time=$(FUZZ_SECONDS) -timeout=60 -rss_limit_mb=2048 \
 	        -print_final_stats=1 -artifact_prefix=$$corpus/ $$corpus \
 	        $$(for s in $$seeds $(O)/seeds/$$name; do [ -d $$s ] && echo $$s; done) \
 	        $$(d=tests/fuzz/$$name.dict; [ -f $$d ] && echo -dict=$$d) \

@@ -277,6 +277,45 @@ class Durable(unittest.TestCase):
                 with self.daemon() as daemon:
                     self.assertEqual(field(daemon, "sky.visibility"), base + 52)
 
+    @unittest.skipIf(SANITIZED, "a sanitizer must be loaded first")
+    def test_an_end_that_loses_edits_says_so(self):
+        """Where neither the state nor its journal can be written SIGTERM does
+        not end with 0."""
+        with disk_that_fills(self.folder.name) as path:
+            daemon = self.daemon()
+            with open(path, "w", encoding="ascii") as f:
+                f.write("EIO")
+            self._edits_and_pictures(daemon, 8100)
+            until("not in the journal", lambda: "SCN-012" in daemon.log())
+            log = daemon.log_path
+            daemon.process.terminate()
+            self.assertNotEqual(daemon.process.wait(SLOW_S), 0)
+            with open(log, encoding="utf-8") as f:
+                self.assertIn("SCN-003", f.read())
+            daemon.stop()
+
+    def test_an_edit_waits_little_for_its_journal(self):
+        """Prints how long (make soak: on a quiet machine, p99 below 2 ms)."""
+        edits = []
+        with self.daemon() as daemon:
+            connection = http.client.HTTPConnection(
+                "127.0.0.1", daemon.http_port, timeout=SLOW_S)
+            for i in range(2000):
+                body = json.dumps({"entities": {"1": {"heading": i % 360}}})
+                begun = time.perf_counter()
+                connection.request("PATCH", "/v1/state", body, {
+                    "Content-Type": "application/merge-patch+json"})
+                answer = connection.getresponse()
+                answer.read()
+                edits.append(time.perf_counter() - begun)
+                self.assertEqual(answer.status, 200)
+            connection.close()
+            self.assertEqual(daemon.metrics()[
+                "pelagos_scene_journal_lost_total"], 0)
+        edits.sort()
+        print(f"an edit: median {1e3 * edits[1000]:.2f} ms, "
+              f"p99 {1e3 * edits[1980]:.2f} ms, worst {1e3 * edits[-1]:.1f} ms")
+
     def _edits_and_pictures(self, daemon, base):
         for i in range(3):
             self.assertEqual(daemon.patch({"sky": {
