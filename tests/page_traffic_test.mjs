@@ -176,6 +176,17 @@ describe("many", () => {
         longitude: 5.2 + (i / 16 - 8) / 600 }])) });
     await until("all rows", async () =>
       await page.locator("#traffic tr").count() === 256);
+    // The sea-state card has questions of its own while it is open.
+    await page.locator("#sea-state > summary").click();
+    await until("its last answer", async () => {
+      const before = await page.evaluate(() =>
+        performance.getEntriesByType("resource").filter((r) =>
+          /surface|spectrum/.test(r.name)).length);
+      await sleep(2500);
+      return before === await page.evaluate(() =>
+        performance.getEntriesByType("resource").filter((r) =>
+          /surface|spectrum/.test(r.name)).length);
+    });
     let asked = 0;
     page.on("request", () => {
       asked += 1;

@@ -11,7 +11,8 @@ import { BEAUFORT, DOUGLAS } from "/words.js";
 const EVERY_MS = 1000;
 const HISTORY_S = 180;
 const BACK_S = 1; // steps into the past until it is filled
-const QUERY = { frequencies: 72, lowest: 0.18, highest: 6.3, directions: 72 };
+// No more numbers than the server writes within a millisecond or so.
+const QUERY = { frequencies: 44, lowest: 0.25, highest: 3.5, directions: 24 };
 const JSON_TYPE = { "Content-Type": "application/json" };
 const byId = (id) => document.getElementById(id);
 

@@ -13,6 +13,14 @@ function paint(share) {
   return STEPS[Math.min(STEPS.length - 1, Math.floor(x * STEPS.length))];
 }
 
+// Twice between any two directions, linearly.
+function finer(list) {
+  return list.flatMap((a, i) => {
+    const b = list[(i + 1) % list.length];
+    return [a, (2 * a + b) / 3, (a + 2 * b) / 3];
+  });
+}
+
 export class WaveRose {
   constructor(canvas) {
     this.canvas = canvas;
@@ -20,7 +28,9 @@ export class WaveRose {
   }
 
   set(rows) {
-    this.rows = rows.filter((row) => row.directional?.length > 0);
+    this.rows = rows.filter((row) => row.directional?.length > 0)
+      .map(({ omega, directional }) => ({ omega,
+        directional: finer(directional) }));
     this.draw();
   }
 
