@@ -794,6 +794,12 @@ deb: deps-build ## Debian packages of the committed sources: build/deb/
 deb-check: deps deb ## lintian, install, the unit under systemd, purge: of what `make deb` built
 	$(Q)tests/deb_test.sh $(DEB)
 
+IMAGE := build/image/pelagos-$(VERSION).tar
+.PHONY: image
+image: deb ## an OCI image of the packages, without a registry, as root: build/image/
+	$(Q)packaging/deps.sh mmdebstrap umoci
+	$(Q)packaging/image.sh $(DEB) $(IMAGE) $(VERSION)
+
 # --- documentation site -----------------------------------------------------
 SITE ?= build/site
 .PHONY: site

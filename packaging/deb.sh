@@ -104,9 +104,10 @@ if [ -n "${PELAGOS_AS_BUILT:-}" ]; then
     objects=build/release/obj-$(cat build/release/flags)
     cp -a build/release/gen build/release/flags build/release/libpelagos.* \
         "$tree/build/release"
-    for program in pelagosd pelagosctl pelagos-seabed pelagos-model \
-        pelagos-panorama; do
-        cp -a build/release/bin/$program "$tree/build/release/bin"
+    for program in build/release/bin/pelagos*; do
+        case $program in *_test | *-starved) ;; *)
+            cp -a "$program" "$tree/build/release/bin" ;;
+        esac
     done
     rm -rf "${tree:?}/$objects"
     cp -al $objects "$tree/build/release" 2>/dev/null ||
