@@ -575,6 +575,12 @@ octas-sheet: deps-build ## clouds by cover, Sun and genus on one sheet: build/oc
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/validate/octas.py $(ARGS)
 
+.PHONY: page-access
+page-access: deps ## axe over every state of the page at three sizes, phones, keys: ten minutes
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)node tests/page/page_access_test.mjs
+	$(Q)node tests/page/page_phone_test.mjs
+
 .PHONY: chaos
 chaos: deps ## all faults at once for CHAOS_SECONDS (3600) by CHAOS_SEED (1), and what was promised meanwhile
 	$(Q)$(MAKE) -s --no-print-directory all
@@ -792,7 +798,7 @@ deb: deps-build ## Debian packages of the committed sources: build/deb/
 
 .PHONY: deb-check
 deb-check: deps deb ## lintian, install, the unit under systemd, purge: of what `make deb` built
-	$(Q)tests/deb_test.sh $(DEB)
+	$(Q)tests/packages/deb_test.sh $(DEB)
 
 IMAGE := build/image/pelagos-$(VERSION).tar
 .PHONY: image

@@ -9,9 +9,9 @@ import fs from "node:fs";
 import path from "node:path";
 import { after, before, describe, test } from "node:test";
 
-import { wanted } from "./browser.mjs";
-import { daemon, fresh, open, openSections, page, shot } from "./page.mjs";
-import { Daemon, folder, until } from "./pelagos_daemon.mjs";
+import { wanted } from "../browser.mjs";
+import { daemon, fresh, open, openSections, page, shot } from "../page.mjs";
+import { Daemon, folder, until } from "../pelagos_daemon.mjs";
 
 const axe = wanted("axe-core");
 const TOKEN = "0123456789abcdef0123456789abcdef";

@@ -8,8 +8,8 @@ import assert from "node:assert/strict";
 import { describe, test } from "node:test";
 
 import { daemon, fresh, open, openSections, page, pictures, shot }
-  from "./page.mjs";
-import { until } from "./pelagos_daemon.mjs";
+  from "../page.mjs";
+import { until } from "../pelagos_daemon.mjs";
 
 // What reaches beyond the window sideways, of what is shown.
 const cutOff = () => page.evaluate(() => [...document.querySelectorAll(

@@ -6,7 +6,7 @@
 # file of heights, is started again by its watchdog and keeps the scene; after a
 # purge nothing is left.
 set -u
-cd "$(dirname "$0")/.."
+cd "$(dirname "$0")/../.."
 if [ -z "${PELAGOS_DEB_INSIDE:-}" ]; then
     if ! unshare -m --propagation private true 2>/dev/null ||
         [ "$(id -u)" != 0 ]; then
