@@ -284,7 +284,7 @@ class Document:
     def refusals(self, route, path):
         method, _, flags, _, _, body, answer, _ = route
         codes = {"400", "503"}
-        codes |= {"404"} if "{" in path else set()
+        codes |= {"404"} if "{" in path or "/debrief/" in path else set()
         codes |= set() if "ROUTE_OPEN" in flags else {"401"}
         codes |= {"403"} if "ROUTE_COSTLY" in flags or method != "GET" else \
             set()

@@ -236,7 +236,7 @@ class OpenApi(unittest.TestCase):
         ("POST", "/v1/optics", {"water": {}, "from": "REFERENCE"}, 200),
         ("POST", "/v1/optics", {"sky": {"elevation": 91}}, 400),
         ("POST", "/v1/clock/step", {"seconds": 1}, 409),
-        ("PUT", "/v1/presets/two", {"patch": "{\"sea\":{\"windSpeed\":5}}"}, 200),
+        ("PUT", "/v1/presets/two", {"patch": "{\"sea\":{\"windSpeed\":5}}"}, 201),
         ("POST", "/v1/presets/two", None, 200),
         ("DELETE", "/v1/presets/two", None, 204),
         ("DELETE", "/v1/presets/two", None, 404),

@@ -80,16 +80,18 @@ class State(OceanCase):
         with self.assertRaises(LookupError):
             o["sea.swell.4.height"] = 1
         # Somebody else's swell comes between reading and writing.
-        read = o.state
+        read = o.transport.request
 
-        def interrupted():
-            state = read()
-            with Ocean(self.url) as other:
-                other.set(sea={"swell": [[5, 15, 0, 10]]})
-            return state
-        o.state = interrupted
+        def interrupted(method, *more, **named):
+            answer = read(method, *more, **named)
+            if method == "GET":
+                with Ocean(self.url) as other:
+                    other.set(sea={"swell": [[5, 15, 0, 10]]})
+            return answer
+        o.transport.request = interrupted
         with self.assertRaises(pelagos.Conflict):
             o["sea.swell.0.height"] = 9
+        o.transport.request = read
         self.assertEqual(o["sea.swell.0.height"], 5)
 
     def test_errors_say_all(self):
@@ -158,7 +160,8 @@ class State(OceanCase):
         parts = {"entities": "Entity", "views": "View", "swell": "Swell",
                  "helm": "OwnShip", "areas": "Area", "fog": "Fog",
                  "track": "TrackPoint", "sectors": "LightSector",
-                 "signal": "SignalLamp"}
+                 "signal": "SignalLamp", "presets": "Preset",
+                 "exercise": "ExerciseRun", "events": "ExerciseDone"}
         for path, field in self.ocean.fields().items():
             kind = schema.State
             known = None
