@@ -289,18 +289,23 @@ static size_t by_cost(const struct pel_devices *devices,
     return job->draw_count;
 }
 
-/* The device that would be done with it first. */
+/* The device that would be done with it first, of those that would begin it
+ * soon if there are any. */
 static size_t soonest(const struct pel_devices *devices, const double *ready_ms,
                       double cost)
 {
     size_t best = devices->count;
     double best_ms = 0;
+    bool best_full = true;
     for (size_t i = 0; i < devices->count; i++) {
+        const struct pel_renderloop *loop = devices->loops[i];
         double ms = ready_ms[i] + cost * speed(devices, i);
-        if (pel_renderloop_stands(devices->loops[i]) &&
-            (best == devices->count || ms < best_ms)) {
+        bool full = pel_renderloop_shares(loop) >= MAX_SHARES;
+        bool better = full == best_full ? ms < best_ms : best_full;
+        if (pel_renderloop_stands(loop) && (best == devices->count || better)) {
             best = i;
             best_ms = ms;
+            best_full = full;
         }
     }
     return best < devices->count ? best : 0;
@@ -308,8 +313,8 @@ static size_t soonest(const struct pel_devices *devices, const double *ready_ms,
 
 void pel_devices_push(struct pel_devices *devices, struct pel_job *job)
 {
-    uint8_t order[PEL_MAX_VIEWS], device_of[PEL_MAX_VIEWS];
-    double cost[PEL_MAX_VIEWS], ready_ms[PEL_MAX_DEVICES];
+    uint8_t order[PEL_MAX_VIEWS] = { 0 }, device_of[PEL_MAX_VIEWS] = { 0 };
+    double cost[PEL_MAX_VIEWS] = { 0 }, ready_ms[PEL_MAX_DEVICES] = { 0 };
     size_t count = by_cost(devices, job, order, cost);
     for (size_t i = 0; i < devices->count; i++) {
         ready_ms[i] =
