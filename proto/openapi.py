@@ -289,6 +289,10 @@ class Document:
         codes |= {"403"} if "ROUTE_COSTLY" in flags or method != "GET" else \
             set()
         codes |= {"413", "415"} if body else set()
+        # What asks for a thing that is not loaded, open or to be had.
+        codes |= {"409"} if path.strip("/") in (
+            "v1/exercise", "v1/exercise.csv", "v1/recording",
+            "v1/debrief") else set()
         if method in ("PATCH", "PUT", "DELETE"):
             codes |= {"409", "412"}
         if answer == "live":
