@@ -8,9 +8,9 @@
 #include <stdint.h>
 
 struct pel_photo {
-    const char *software, *view; /* the camera's name; UTF-8 */
-    double unix_s;               /* simulated UTC */
-    double time_s;               /* simulated time */
+    const char *software, *view;        /* the camera's name; UTF-8 */
+    double unix_s;                      /* simulated UTC */
+    double time_s;                      /* simulated time */
     double latitude_deg, longitude_deg; /* WGS 84 */
     double altitude_m;                  /* above altitude 0 */
     /* Of the line of sight: clockwise of true north 0..360, up −90..90; right
