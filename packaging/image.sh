@@ -30,7 +30,7 @@ mmdebstrap --mode=root --variant=minbase --quiet \
     --customize-hook='rm -rf "$1"/tmp/debs "$1"/var/log/* "$1"/var/lib/apt/lists/*' \
     --customize-hook='chroot "$1" install -d -o pelagos -g pelagos -m 700 /var/lib/pelagos /var/cache/pelagos' \
     --customize-hook="copy-in packaging/image/start.sh packaging/image/health.sh /usr/libexec/pelagos" \
-    bookworm "$work/root" "${MIRROR:-http://deb.debian.org/debian}" >&2
+    bookworm "$work/root" ${MIRROR:+"$MIRROR"} >&2
 mkdir -p "$(dirname "$out")"
 umoci init --layout "$work/oci"
 umoci new --image "$work/oci:$version"
