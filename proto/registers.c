@@ -33,6 +33,15 @@ const struct pel_register pel_registers[] = {
       NULL,                                                                    \
       unit,                                                                    \
       doc },
+#define STATUS(address, type, scale, path, doc)                                \
+    { PEL_SPACE_INPUT,                                                         \
+      address,                                                                 \
+      PEL_TYPE_##type,                                                         \
+      scale,                                                                   \
+      PEL_SOURCE_PATH,                                                         \
+      path,                                                                    \
+      NULL,                                                                    \
+      doc },
 #define DISCRETE(address, source, doc)                                         \
     { PEL_SPACE_DISCRETE,  address, PEL_TYPE_BIT, 1,                           \
       PEL_SOURCE_##source, NULL,    NULL,         doc },

@@ -327,6 +327,7 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
     options.heartbeat_ms = d->options.modbus_heartbeat_ms;
     options.extrapolate_ms = d->options.modbus_extrapolate_ms;
     options.metrics = d->metrics;
+    options.exercises = d->exercises;
     options.status = modbus_status;
     options.user = d;
     if (!*d->options.modbus) {

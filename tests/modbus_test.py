@@ -403,6 +403,119 @@ def slow_client(daemon, port):
           daemon.log(), "logged")
 
 
+TO, CHOICE, ACTION = 220, 222, 223
+LOAD, START, PAUSE, REWIND, STOP = 6, 7, 8, 9, 10
+IDLE, READY, RUNNING, PAUSED, ENDED = range(5)
+EXERCISE = {
+    "title": "Fog at two seconds",
+    "state": {"ownShip": {"on": True}, "entities": [
+        {"id": 1, "latitude": 52.6, "longitude": 5.2},
+        {"id": 3, "latitude": 52.6, "longitude": 5.2,
+         "helm": {"on": True}}]},
+    "events": [
+        {"name": "fog", "when": [{"at": 2}],
+         "patch": {"state": {"sky": {"visibility": 800}}}},
+        {"name": "rain", "when": [{"after": "fog", "delay": 1}],
+         "patch": {"state": {"sky": {"rain": 3}}}}]}
+
+
+def exercises():
+    """Chosen, loaded, started, paused, rewound, gone on with and stopped by
+    registers alone; what cannot be is an exception and a line of the log."""
+    port = free_port()
+    folder = tempfile.TemporaryDirectory()
+    for name in ("b-fog", "a-other", "C-upper"):
+        with open(os.path.join(folder.name, name + ".json"), "w") as file:
+            json.dump(EXERCISE, file)
+    with Daemon("--modbus", f"127.0.0.1:{port}",
+                f"--exercises={folder.name}") as daemon:
+        client = ModbusTcpClient("127.0.0.1", port, timeout=SLOW_S)
+        check(client.connect(), "connect")
+
+        def status():
+            """Phase, number, time, fired, events, exercises, facts,
+            groundings, collisions: of the registers."""
+            answer = decoder(client.read_input_registers(40, 14, slave=1))
+            return (answer.decode_16bit_uint(), answer.decode_16bit_uint(),
+                    answer.decode_64bit_float(), answer.decode_32bit_uint(),
+                    answer.decode_16bit_uint(), answer.decode_16bit_uint(),
+                    answer.decode_32bit_uint(), answer.decode_16bit_uint(),
+                    answer.decode_16bit_uint())
+
+        def write(address, *words):
+            answer = client.write_registers(address, list(words), slave=1)
+            check(not answer.isError(), f"{address} {words}: {answer}")
+
+        def refused(address, *words, says=None):  # soon after, not again
+            before, counted = daemon.state(), client.read_input_registers(
+                22, 2, slave=1).registers[1]
+            answer = client.write_registers(address, list(words), slave=1)
+            check(answer.isError() and answer.exception_code == 3,
+                  f"{address} {words}: {answer}")
+            after = daemon.state()
+            check(before["exercise"] == after["exercise"], "it changed")
+            check(client.read_input_registers(22, 2, slave=1).registers[1]
+                  == counted + 1, "it is not counted")
+            if says:
+                lines = [line for line in daemon.log().splitlines()
+                         if "MBS-012" in line]
+                check(lines and says in lines[-1], f"{says}: {lines}")
+
+        def phase():
+            return daemon.state()["exercise"]["phase"]
+        check(status() == (IDLE, 65535, 0, 0, 0, 3, 0, 0, 0), f"{status()}")
+        chosen = client.read_holding_registers(CHOICE, 1, slave=1)
+        check(chosen.registers == [65535], f"{chosen}")
+        refused(ACTION, LOAD, says="none is chosen")
+        refused(CHOICE, 3)
+        for action in (0, 5, 11, 65535):
+            refused(ACTION, action)
+        for to in (float("nan"), -1, 2e9):
+            refused(TO, *floats(to))
+
+        # Sorted as bytes are: C-upper, a-other, b-fog.
+        check(daemon.patch({"clock": {"mode": "STEPPED"}}).status == 200, "")
+        write(CHOICE, 2)
+        refused(ACTION, START)
+        write(ACTION, LOAD)
+        check(daemon.state()["exercise"]["name"] == "b-fog", "loaded")
+        check(status()[:6] == (READY, 2, 0, 0, 2, 3), f"{status()}")
+        # What is chosen stays so when another comes before it.
+        with open(os.path.join(folder.name, "B.json"), "w") as file:
+            json.dump(EXERCISE, file)
+        chosen = client.read_holding_registers(CHOICE, 1, slave=1)
+        check(chosen.registers == [3], f"{chosen}")
+        refused(ACTION, PAUSE)
+        write(ACTION, START)
+        check(phase() == "RUNNING", "started")
+        daemon.request("POST", "/v1/clock/step", {"seconds": 3.5})
+        # Two ships in one place: they touch.
+        check(status() == (RUNNING, 3, 3.5, 2, 2, 4, 4, 0, 1), f"{status()}")
+        last = client.read_holding_registers(ACTION, 1, slave=1)
+        check(last.registers == [START], f"{last}")
+        write(ACTION, PAUSE)
+        check(phase() == "PAUSED", "paused")
+        write(WIND, *floats(9, 100))
+        write(TO, *floats(2.5), 3, REWIND)
+        check(status()[:4] == (PAUSED, 3, 2.5, 1), f"{status()}")
+        check(daemon.state()["sea"]["windSpeed"] != 9, "a stage is no command")
+        refused(TO, *floats(99), 3, REWIND)
+        to = decoder(client.read_holding_registers(TO, 2, slave=1))
+        check(to.decode_32bit_float() == 2.5, "nothing of the request stays")
+        write(ACTION, START)
+        daemon.request("POST", "/v1/clock/step", {"seconds": 1.5})
+        check(status()[2:4] == (4, 2), f"{status()}")
+        write(ACTION, STOP)
+        check(status()[0] == ENDED, f"{status()}")
+        # All in one request, by another hand; B comes first now.
+        code, text = mbpoll(port, "-r", CHOICE, "-t", 4, "127.0.0.1", 0, LOAD)
+        check(code == 0, text)
+        check(daemon.state()["exercise"]["name"] == "B", "by mbpoll")
+        code, text = mbpoll(port, "-r", ACTION, "-t", 4, "127.0.0.1", PAUSE)
+        check(code != 0 and "Illegal data value" in text, text)
+        client.close()
+
+
 def main():
     port = free_port()
     with Daemon("--modbus", f"127.0.0.1:{port}", "--modbus-heartbeat", "300",
@@ -420,9 +533,10 @@ def main():
         slow_client(daemon, port)
         flood(daemon, port)
     several_units()
+    exercises()
     bad_options()
     print("pymodbus, mbpoll, modbus-serial, heartbeat, 1000 bad ADUs, a slow "
-          "client, three units, a safe view")
+          "client, three units, a safe view, exercises")
 
 
 if __name__ == "__main__":

@@ -643,6 +643,7 @@ static enum pel_err open_units(struct pel_modbus *m, struct pel_fault *fault)
         err = pel_modbus_map_init(&m->units[i].map, m->scene, &units[i], fault);
         m->units[i].map.settled = m->options.listen ? on_settled : NULL;
         m->units[i].map.user = m;
+        m->units[i].map.exercise.all = m->options.exercises;
     }
     if (!err) {
         err = open_safe(m, fault);

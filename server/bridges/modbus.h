@@ -21,6 +21,7 @@
 #include "base/err.h"
 #include "registers.h"
 
+struct pel_exercises;
 struct pel_metrics;
 struct pel_modbus;
 struct pel_scene;
@@ -49,7 +50,8 @@ struct pel_modbus_options {
     int extrapolate_ms; /* then the scene reckons on for so long, 0..60000 */
     const char *safe;   /* then it stops, and these fields are set:
                          * pel_modbus_safe_read */
-    struct pel_metrics *metrics; /* NULL: none are shown */
+    struct pel_metrics *metrics;     /* NULL: none are shown */
+    struct pel_exercises *exercises; /* NULL: there are none */
     /* Fills the status; NULL: zeros. */
     void (*status)(void *user, struct pel_modbus_status *status);
     void *user;

@@ -242,8 +242,9 @@ static double source_value(struct pel_modbus_map *map,
         return in->status.nmea_stale;
     case PEL_SOURCE_ALARM_FRAMES:
         return in->status.frames_stalled;
+    default:
+        return pel_modbus_exercise_value(&map->exercise, reg->source);
     }
-    return NAN;
 }
 
 /* The row whose stage a register shows: a coil shares its register's, which
@@ -378,7 +379,7 @@ static enum pel_modbus_exception stage(struct pel_modbus_map *map,
         }
         return PEL_MODBUS_DONE;
     default:
-        return PEL_MODBUS_ILLEGAL_ADDRESS;
+        return pel_modbus_exercise_take(&map->exercise, reg->source, value);
     }
 }
 
@@ -516,6 +517,9 @@ enum pel_modbus_exception pel_modbus_map_write(struct pel_modbus_map *map,
     }
     if (!code && commit) {
         code = commit_staged(map);
+    }
+    if (!code) { /* in the table no commit is next to it */
+        code = pel_modbus_exercise_act(&map->exercise);
     }
     if (code) {
         uint64_t refused = map->refused_commits;

@@ -7,19 +7,10 @@
 #include <stdint.h>
 
 #include "bridges/modbus.h"
+#include "bridges/modbus_exercise.h"
 #include "bridges/modbus_units.h"
 
-#define PEL_MODBUS_MAX_ROWS 128
-
-/* Modbus exception codes. */
-enum pel_modbus_exception {
-    PEL_MODBUS_DONE = 0,
-    PEL_MODBUS_ILLEGAL_FUNCTION = 1,
-    PEL_MODBUS_ILLEGAL_ADDRESS = 2,
-    PEL_MODBUS_ILLEGAL_VALUE = 3,
-    PEL_MODBUS_FAILURE = 4,
-    PEL_MODBUS_NO_TARGET = 11,
-};
+#define PEL_MODBUS_MAX_ROWS 192
 
 /* What input registers and alarms show besides the scene; modbus.c keeps it
  * up to date before a read. */
@@ -48,6 +39,7 @@ struct pel_modbus_map {
     void (*settled)(void *user);
     void *user;
     unsigned waiting; /* commits that do */
+    struct pel_modbus_exercise exercise;
 };
 
 /* Tests the table against the schema; INTERNAL names the row at fault. */

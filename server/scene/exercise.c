@@ -168,6 +168,45 @@ enum pel_err pel_exercises_command(struct pel_exercises *all,
     return err;
 }
 
+void pel_exercises_glance(struct pel_exercises *all,
+                          struct pel_exercise_glance *out)
+{
+    const struct pel_exercise_run *run = &all->run;
+    const Pelagos__ExerciseRun *now = pel_exercise_run_state(run);
+    *out = (struct pel_exercise_glance){ .phase = now->phase };
+    out->time_s = pel_exercise_run_time(run);
+    out->events = run->leads ? (uint32_t)run->exercise->n_events : 0;
+    for (size_t i = 0; i < now->n_events; i++) {
+        out->fired += now->events[i]->count;
+    }
+    if (run->facts) {
+        pel_exercise_facts_glance(run->facts, out);
+    }
+}
+
+size_t pel_exercises_count(struct pel_exercises *all)
+{
+    return pel_exercise_files_names(all->files)->len;
+}
+
+char *pel_exercises_name(struct pel_exercises *all, size_t number)
+{
+    const GPtrArray *names = pel_exercise_files_names(all->files);
+    return number < names->len ? g_strdup(names->pdata[number]) : NULL;
+}
+
+int pel_exercises_number(struct pel_exercises *all, const char *name)
+{
+    const GPtrArray *names = pel_exercise_files_names(all->files);
+    name = name ? name : pel_exercise_run_state(&all->run)->name;
+    for (guint i = 0; name && i < names->len; i++) {
+        if (strcmp(names->pdata[i], name) == 0) {
+            return (int)i;
+        }
+    }
+    return -1;
+}
+
 double pel_exercises_time(struct pel_exercises *all)
 {
     return pel_exercise_run_time(&all->run);

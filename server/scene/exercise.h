@@ -45,6 +45,25 @@ pel_exercises_command(struct pel_exercises *all,
                       const Pelagos__ExerciseCommand *command,
                       Pelagos__ExerciseStatus **out, struct pel_fault *fault);
 
+/* What a console shows of it. */
+struct pel_exercise_glance {
+    Pelagos__ExercisePhase phase;
+    double time_s;
+    uint32_t events, fired; /* those there are; how often they took effect */
+    uint32_t facts;         /* lines */
+    uint32_t groundings, collisions;
+};
+void pel_exercises_glance(struct pel_exercises *all,
+                          struct pel_exercise_glance *out);
+
+/* For interfaces that know numbers alone: an exercise's number is its place in
+ * the list by name, from 0. */
+size_t pel_exercises_count(struct pel_exercises *all);
+/* NULL: none has it. g_free. */
+char *pel_exercises_name(struct pel_exercises *all, size_t number);
+/* -1: it is none of them; NULL: of the one that is loaded. */
+int pel_exercises_number(struct pel_exercises *all, const char *name);
+
 /* Exercise time now [s]. */
 double pel_exercises_time(struct pel_exercises *all);
 

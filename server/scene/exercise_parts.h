@@ -24,6 +24,8 @@ struct pel_exercise_files;
 
 struct pel_exercise_files *pel_exercise_files_create(const char *directory);
 void pel_exercise_files_destroy(struct pel_exercise_files *files);
+/* As the directory has them now, sorted; until the next call. */
+const GPtrArray *pel_exercise_files_names(struct pel_exercise_files *files);
 /* By name; what is wrong with one is in its `error`. */
 void pel_exercise_files_list(struct pel_exercise_files *files,
                              Pelagos__ExerciseStatus *out);
@@ -79,6 +81,9 @@ void pel_exercise_facts_cut(struct pel_exercise_facts *facts, double time_s);
  * is 0; *more: the time of the next, or NaN. g_free. */
 char *pel_exercise_facts_text(const struct pel_exercise_facts *facts,
                               double time_s, size_t most, double *more);
+/* Sets what they say of the last row. */
+void pel_exercise_facts_glance(const struct pel_exercise_facts *facts,
+                               struct pel_exercise_glance *out);
 size_t pel_exercise_facts_bytes(const struct pel_exercise_facts *facts);
 
 /* --- exercisepast.c ------------------------------------------------------- */

@@ -256,6 +256,16 @@ static double before(char **cells, size_t column, double none)
     return cells && *cells[column] ? g_ascii_strtod(cells[column], NULL) : none;
 }
 
+void pel_exercise_facts_glance(const struct pel_exercise_facts *f,
+                               struct pel_exercise_glance *out)
+{
+    char **cells = last_row(f);
+    out->facts = f->rows->len;
+    out->groundings = (uint32_t)before(cells, GROUNDINGS, 0);
+    out->collisions = (uint32_t)before(cells, COLLISIONS, 0);
+    g_strfreev(cells);
+}
+
 static double rounded(double value, int decimals)
 {
     double scale = decimals == 7 ? 1e7 : decimals == 3 ? 1e3 : 1;

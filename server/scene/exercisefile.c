@@ -139,6 +139,12 @@ static void look(struct pel_exercise_files *files)
     }
 }
 
+const GPtrArray *pel_exercise_files_names(struct pel_exercise_files *files)
+{
+    look(files);
+    return files->listing;
+}
+
 static const struct known *know(struct pel_exercise_files *files,
                                 const char *name)
 {
