@@ -26,6 +26,11 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev \
     libnova-dev libssl-dev libgdal-dev libhdf5-dev libnetcdf-dev libassimp-dev
+# What `make site` is made by.
+SITE_PACKAGES := python3-sphinx python3-myst-parser furo graphviz groff
+# What `make deb` is made by.
+DEB_PACKAGES := dpkg-dev debhelper dh-python lintian python3-pip python3-setuptools \
+    python3-wheel
 TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     libimage-exiftool-perl netcdf-bin python3-netcdf4 python3-xarray librsvg2-bin \
     python3-serial-asyncio python3-jsonschema python3-hypothesis \
@@ -39,11 +44,6 @@ TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmo
     python3-rosgraph-msgs python3-sensor-msgs python3-tf2-msgs
 # Players that `make players` tries; nothing else needs these 323 MB.
 PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
-# What `make site` is made by.
-SITE_PACKAGES = python3-sphinx python3-myst-parser furo graphviz groff
-# What `make deb` is made by.
-DEB_PACKAGES = dpkg-dev debhelper dh-python lintian python3-pip python3-setuptools \
-    python3-wheel
 # Of npm's registry, into build/npm: clients that tests speak to, what drives
 # Debian's Chromium, what judges the page.
 NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2 \

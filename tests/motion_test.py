@@ -61,12 +61,14 @@ def main():
             for i in range(4):
                 daemon.request("POST", "/v1/clock/step", {"seconds": 2.3})
                 drawn.update(any_order(daemon) if i == 2 else {})
-                now = daemon.state()["clock"]["time"]
-                drawn[now] = frame(daemon, now)
                 daemon.patch([{"entities": {"7": {"helm": {"rudder": 20}}}},
                               {"sea": {"level": 0.3}},
                               {"entities": {"8": {"leeway": 0.1}}},
                               {"clock": {"reckoning": 50}}][i])
+                # A replay draws a moment with all that was said at it: the level
+                # is in a frame's place, if not in its pixels.
+                now = daemon.state()["clock"]["time"]
+                drawn[now] = frame(daemon, now)
             before = daemon.state()
         last = max(drawn)
         print("== restart", flush=True)

@@ -173,6 +173,7 @@ class Place:
             ["make", "-C", ROOT, "-n", "--no-print-directory", "run",
              f"ARGS={shlex.join(options)}"], capture_output=True, text=True,
             check=True).stdout.splitlines()
+        self.sh(plan[-2])  # the folder of its recordings
         self.start(shlex.split(plan[-1]), (8080, 7878, 8554, 1502))
 
     def https(self):

@@ -75,8 +75,7 @@ class Site(unittest.TestCase):
     def tree(self):
         """A copy of what the pages are made of."""
         tree = self.work / self.id()
-        for name in ("docs", "proto", "clients/python", "clients/lib",
-                     "packaging"):
+        for name in ("docs", "proto", "clients", "packaging"):
             shutil.copytree(ROOT / name, tree / name)
         for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"):
             shutil.copy(ROOT / name, tree)

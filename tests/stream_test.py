@@ -342,18 +342,23 @@ class Crowd(Case):
         before, drawn = self.daemon.rss(), self.frames()
         cpu = self.metric("process_cpu_seconds_total")
         control = self.daemon.control_cpu()
-        end = time.monotonic() + seconds
+        begun = time.monotonic()
         got = 0
-        while time.monotonic() < end:
+        # On a busy machine until it came round to each of them: at least twice
+        # what was in flight.
+        while ((now := time.monotonic()) < begun + seconds or
+               now < begun + SLOW_S and
+               any(len(live.heads) < 2 * CREDIT for live in good)):
             for key, _ in chosen.select(0.5):
                 self.take_picture(key.data)
                 got += 1
+        seconds = time.monotonic() - begun
         control = self.daemon.control_cpu() - control
         drawn = self.frames() - drawn
         growth = self.daemon.rss() - before
         cpu = self.metric("process_cpu_seconds_total") - cpu
         gaps = sum(head.gap for live in good for head in live.heads)
-        print(f"{seconds} s, 48 good and 16 stalled viewers: {drawn:.0f} "
+        print(f"{seconds:.0f} s, 48 good and 16 stalled viewers: {drawn:.0f} "
               f"frames drawn, {got / 48:.0f} received by each, {gaps} gaps, "
               f"growth {growth / 1e6:.1f} MB, {100 * cpu / seconds:.1f} % of a "
               f"core in all, {30 * 100 * (control / drawn - alone) / 63:.3f} % "
@@ -363,7 +368,6 @@ class Crowd(Case):
         if not SANITIZED:
             self.assertLess(growth, 64e6)
         for live in good:
-            # It came round to each of them: at least twice what was in flight.
             self.assertGreaterEqual(len(live.heads), 2 * CREDIT)
             self.explain_gaps(live)
         self.no_viewers()

@@ -123,7 +123,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     pel_net_limits_default(&limits);
     limits.sessions = 3;
     limits.session_requests = 2;
-    all = pel_sessions_create(&limits, scene, frames, NULL);
+    all = pel_sessions_create(&limits, scene, frames, NULL, NULL);
     for (int i = 0; i < CLIENTS; i++) {
         clients[i] = -1;
     }
