@@ -154,7 +154,7 @@ def two_ships(folder):
                          "9": {"name": "launch", "longitude": 5.21,
                                "helm": {"on": True}}},
             "views": {**VIEW, "tug": {"entity": 7, **VIEW["bridge"]}},
-            "clock": {"rate": 4}, "sea": {"windSpeed": 10}})
+            "clock": {"rate": 2}, "sea": {"windSpeed": 10}})
         client = ModbusTcpClient("127.0.0.1", port=modbus)
         client.connect()
         for unit, rudder in ((1, 20), (2, -20)):
