@@ -117,11 +117,14 @@ static enum pel_err command(struct pel_exercises *all,
 
 static char *facts_of(struct pel_exercises *all)
 {
-    Pelagos__ExerciseStatus *status;
+    Pelagos__ExerciseStatus *status = NULL;
     struct pel_fault fault;
-    assert_int_equal(command(all, PELAGOS__EXERCISE_ACTION__FACTS, NULL, -1,
-                             &status, &fault),
-                     PEL_OK);
+    if (command(all, PELAGOS__EXERCISE_ACTION__FACTS, NULL, -1, &status,
+                &fault) ||
+        !status) {
+        fail_msg("%s", fault.message);
+        return NULL;
+    }
     char *text = g_strdup(status->facts);
     pelagos__exercise_status__free_unpacked(status, NULL);
     return text;

@@ -159,12 +159,12 @@ static const struct known *know(struct pel_exercise_files *files,
         k->changed.tv_nsec == info.st_mtim.tv_nsec) {
         return k;
     }
-    Pelagos__Exercise *exercise;
+    Pelagos__Exercise *exercise = NULL;
     k = g_new0(struct known, 1);
     k->changed = info.st_mtim;
     k->size = info.st_size;
     k->err = pel_exercise_files_read(files, name, &exercise, &k->fault);
-    if (!k->err) {
+    if (!k->err && exercise) {
         k->title = g_strdup(exercise->title);
         pelagos__exercise__free_unpacked(exercise, NULL);
     }

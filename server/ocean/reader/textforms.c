@@ -513,7 +513,7 @@ enum pel_err pel_read_historical(const char *path, const struct pel_want *want,
     bool directional = !err;
     for (int i = 1; i < 5 && !err && directional; i++) {
         struct pel_want same = { "", *unix_s };
-        double when;
+        double when = NAN;
         directional = beside(path, "wdijk"[i], other);
         struct text *o = directional ? open_text(other, fault) : NULL;
         if (o && (err = historical_rows(o, &same, v[i], &when, fault)) == 0 &&
