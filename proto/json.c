@@ -171,6 +171,17 @@ static enum pel_err read_positional(struct converter *c, ProtobufCMessage *out)
     return err;
 }
 
+static void append_double(ProtobufCMessage *message,
+                          const ProtobufCFieldDescriptor *field, double value)
+{
+    double **list = pel_message_member(message, field);
+    size_t *count = (size_t *)((char *)message + field->quantifier_offset);
+    if ((*count & (*count - 1)) == 0) { /* a power of two, or none */
+        *list = pel_sure_realloc(*list, 2 * (*count + 1) * sizeof **list);
+    }
+    (*list)[(*count)++] = value;
+}
+
 static enum pel_err read_element(struct converter *c,
                                  const ProtobufCFieldDescriptor *field,
                                  ProtobufCMessage *list_holder)
@@ -200,6 +211,14 @@ static enum pel_err read_element(struct converter *c,
                 (size_t *)((char *)list_holder + field->quantifier_offset);
             pel_message_append_string(list, count, text);
             free(text);
+        }
+        return err;
+    }
+    if (field->type == PROTOBUF_C_TYPE_DOUBLE) {
+        double value = 0;
+        enum pel_err err = read_scalar(c, field, &value);
+        if (!err) {
+            append_double(list_holder, field, value);
         }
         return err;
     }

@@ -108,6 +108,12 @@ ANSWERS = {
 }
 
 
+# Forms that an answer may be asked for in, beside JSON.
+FILES = {"Series": ("text/csv", "application/netcdf")}
+# Parameters without which nothing is asked.
+REQUIRED = {"sweep": "windSpeed=5,10"}
+
+
 class Document:
     def __init__(self, schema, folder):
         self.schema = schema
@@ -199,7 +205,8 @@ class Document:
     def of_message(self, message):
         """The fields of a message as parameters."""
         return [self.parameter(f.name, self.of_field(f), f.doc)
-                for f in self.schema.messages[message][1]]
+                for f in self.schema.messages[message][1]
+                if f.proto.type != F.TYPE_MESSAGE]
 
     @staticmethod
     def parameter(name, schema, text, place="query"):
@@ -225,15 +232,18 @@ class Document:
             out["minimum"], out["maximum"] = float(low), float(high)
         if unit not in ("", "1"):
             out["x-unit"] = unit
-        return self.parameter(name, out, text)
+        out = self.parameter(name, out, text)
+        if name in REQUIRED:
+            out["required"], out["example"] = True, REQUIRED[name]
+        return out
 
     def query(self, words, question):
         out = []
         for word in words.split():
-            if word in self.schema.messages:  # one of its questions
-                kind = next(f.proto.type_name.split(".")[-1]
-                            for f in self.schema.messages[word][1]
-                            if f.name == question)
+            if word in self.schema.messages:  # itself, or of its questions
+                kind = next((f.proto.type_name.split(".")[-1]
+                             for f in self.schema.messages[word][1]
+                             if f.name == question), word)
                 out += self.of_message(kind)
                 out.append({"name": "state", "in": "query", "style": "form",
                             "explode": True, "description":
@@ -277,6 +287,7 @@ class Document:
             self.message(kind)
         out = {"description": kind,
                "content": {"application/json": {"schema": refer(kind)}}}
+        out["content"].update({t: {} for t in FILES.get(kind, ())})
         if kind in TAGGED:
             out["headers"] = self.headers(["ETag"])
         return {"200": out}

@@ -259,6 +259,32 @@ class Work(Case):
             codes = self.ask_many(4 * most, optics={"sky": {}})
             self.assertEqual(set(codes), {"BUSY"})
 
+    def test_SERIES(self):
+        with self.rises("SERIES") as most:
+            codes = self.ask_many(4 * most, series={
+                "sweep": [{"over": "elevation", "first": 0, "last": 80}],
+                "optics": {"sky": {}}})
+            self.assertEqual(set(codes), {"BUSY"})
+
+    def test_SERIES_QUESTIONS(self):
+        pb = schema()
+        with self.rises("SERIES_QUESTIONS") as most:
+            for axes in ([most + 1], [most // 100, 101]):
+                reply = self.session().ask(series={"spectrum": {}, "sweep": [
+                    {"over": name, "first": 1, "last": count, "step": 1}
+                    for name, count in zip(("wavelength", "sea.seed"), axes)]})
+                self.assertEqual(reply.error.code, pb.OUT_OF_RANGE, reply)
+                self.assertEqual(reply.error.path, "sweep", reply)
+
+    def test_SERIES_VALUES(self):
+        with self.rises("SERIES_VALUES") as most:
+            reply = self.session().ask(series={
+                "sweep": [{"over": "time", "first": 0,
+                           "last": most // 2000}],
+                "surface": {"points": [{"east": i, "north": 0}
+                                       for i in range(1000)]}})
+            self.assertEqual(reply.error.code, schema().OUT_OF_RANGE, reply)
+
     def open_live(self, sockets, query, view="bridge"):
         s = self.daemon.connect_http()
         self.addCleanup(s.close)

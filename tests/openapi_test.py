@@ -34,6 +34,11 @@ def rows():
     return re.findall(r'PEL_ROUTE\(\s*"([A-Z]+)",\s*"([^"]*)"', text)
 
 
+# What the example of the document is no axis of.
+SERIES = {"/v1/series/water": "/v1/series/water?sweep=sunZenith=20,40",
+          "/v1/series/surface": "/v1/series/surface?sweep=time=0:2:1&points=0,5"}
+
+
 class OpenApi(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -147,6 +152,11 @@ class OpenApi(unittest.TestCase):
             urls = ([url.replace("{}", field) for field in FIELDS]
                     if "{}" in url else [url])
             types = operation["responses"].get("200", {}).get("content", {})
+            needed = "&".join(f"{p['name']}={p['example']}"
+                              for p in operation.get("parameters", [])
+                              if p.get("required") and "example" in p)
+            if needed:
+                urls = [SERIES.get(url, f"{url}?{needed}") for url in urls]
             for url in urls:
                 if url.endswith("/frame.json"):  # a truth of something
                     self.daemon.patch({"entities": {"1": {
@@ -237,6 +247,10 @@ class OpenApi(unittest.TestCase):
         ("POST", "/v1/optics", {"brdf": {"viewZenith": 20}}, 200),
         ("POST", "/v1/optics", {"water": {}, "from": "REFERENCE"}, 200),
         ("POST", "/v1/optics", {"sky": {"elevation": 91}}, 400),
+        ("POST", "/v1/series", {"spectrum": {}, "sweep": [
+            {"over": "windSpeed", "values": [4, 8]}]}, 200),
+        ("POST", "/v1/series", {"spectrum": {}, "sweep": [
+            {"over": "windSpeed", "values": "4"}]}, 400),
         ("POST", "/v1/clock/step", {"seconds": 1}, 409),
         ("PUT", "/v1/presets/two", {"patch": "{\"sea\":{\"windSpeed\":5}}"}, 201),
         ("POST", "/v1/presets/two", None, 200),

@@ -582,6 +582,26 @@ enum pel_client_code pel_client_optics(struct pel_client *client,
     return code;
 }
 
+enum pel_client_code pel_client_series(struct pel_client *client,
+                                       const Pelagos__SeriesQuery *query,
+                                       Pelagos__Series **out,
+                                       struct pel_client_error *error)
+{
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_SERIES;
+    request.series = (Pelagos__SeriesQuery *)query;
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code =
+        call(client, &request, PELAGOS__REPLY__RESULT_SERIES, &reply, error);
+    if (code == PEL_CLIENT_OK) {
+        *out = reply->series;
+        reply->series = NULL;
+        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+        pelagos__reply__free_unpacked(reply, NULL);
+    }
+    return code;
+}
+
 enum pel_client_code pel_client_step(struct pel_client *client, double seconds,
                                      Pelagos__State **out,
                                      struct pel_client_error *error)

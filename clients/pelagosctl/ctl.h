@@ -20,7 +20,8 @@ enum ctl_exit {
 struct ctl_option {
     char letter;       /* 0: long form only */
     const char *name;  /* NULL ends a list */
-    const char *arg;   /* word for the value in the help; NULL: a flag */
+    const char *arg;   /* word for the value in the help; NULL: a flag. With …
+                        * it may be given again: values with ; between */
     const char *help;  /* a sentence without its full stop */
     const char *words; /* its values, by spaces, or NULL */
 };
@@ -43,7 +44,7 @@ struct ctl_command {
 extern const struct ctl_command ctl_commands[]; /* ends with name NULL */
 extern const struct ctl_option ctl_global_options[];
 
-#define CTL_MAX_OPTIONS 56
+#define CTL_MAX_OPTIONS 64
 
 struct ctl {
     const struct ctl_command *command;
@@ -155,6 +156,22 @@ enum ctl_exit ctl_model(struct ctl *ctl);
 enum ctl_exit ctl_preset(struct ctl *ctl);
 enum ctl_exit ctl_bench(struct ctl *ctl);
 enum ctl_exit ctl_optics(struct ctl *ctl);
+/* ctl_series.c: where --sweep is given, asks the series of the question that
+ * *query has, and prints or writes it as --format and --output say. */
+enum ctl_exit ctl_series(struct ctl *ctl, Pelagos__SeriesQuery *query);
+#define CTL_SERIES_OPTIONS                                                       \
+    { 0, "sweep", "AXIS…",                                                       \
+      "The question at each value of NAME=FIRST:LAST:STEP or NAME=VALUE,…, a " \
+      "number of the question or of the state; again for another axis",          \
+      NULL },                                                                    \
+        { 0, "format", "FORM", "Of --sweep: csv, json, netcdf (csv)",            \
+          "csv json netcdf" },                                                   \
+    {                                                                            \
+        'o', "output", "FILE",                                                   \
+            "Of --sweep: into a file, its format by its ending (.csv, .json, "   \
+            ".nc)",                                                              \
+            NULL                                                                 \
+    }
 /* optics brdf, optics sky. */
 enum ctl_exit ctl_light(struct ctl *ctl);
 

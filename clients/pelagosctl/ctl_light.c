@@ -178,17 +178,25 @@ enum ctl_exit ctl_light(struct ctl *ctl)
     }
     query.patch = pel_patch_new();
     status = read_paths(ctl, now, query.patch);
-    if (status == CTL_DONE &&
-        pel_client_optics(ctl->client, &query, &answer, &error)) {
+    bool sweeps = ctl_flag(ctl, "sweep");
+    if (status == CTL_DONE && sweeps) {
+        Pelagos__SeriesQuery series = PELAGOS__SERIES_QUERY__INIT;
+        series.question_case = PELAGOS__SERIES_QUERY__QUESTION_OPTICS;
+        series.optics = &query;
+        status = ctl_series(ctl, &series);
+    } else if (status == CTL_DONE &&
+               pel_client_optics(ctl->client, &query, &answer, &error)) {
         status = ctl_report(ctl, &error);
     }
-    if (status == CTL_DONE && !complete(answer)) {
+    if (status != CTL_DONE || sweeps) {
+        /* said already */
+    } else if (!complete(answer)) {
         status = ctl_say(CTL_UNREACHABLE, "the answer lacks its numbers");
-    } else if (status == CTL_DONE && ctl_flag(ctl, "json")) {
+    } else if (ctl_flag(ctl, "json")) {
         char *text = pel_json_from_message(&answer->base, true);
         puts(text);
         free(text);
-    } else if (status == CTL_DONE) {
+    } else {
         print_answer(answer);
     }
     if (answer) {

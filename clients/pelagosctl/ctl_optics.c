@@ -505,6 +505,22 @@ static void patch_water(Pelagos__Patch *patch, const struct question *q)
     g_assert(!err); /* our own paths */
 }
 
+/* The question as pelagosd takes it; the caller frees its patch. */
+static void ask_water(const struct question *q, Pelagos__WaterQuery *water,
+                      Pelagos__OpticsQuery *query)
+{
+    water->has_sun_zenith = water->has_view_zenith = water->has_azimuth = true;
+    water->sun_zenith = q->sun_zenith;
+    water->view_zenith = q->view_zenith;
+    water->azimuth = q->azimuth;
+    query->question_case = PELAGOS__OPTICS_QUERY__QUESTION_WATER;
+    query->water = water;
+    query->has_from = true;
+    query->from = PELAGOS__OPTICS_SOURCE__GPU;
+    query->patch = pel_patch_new();
+    patch_water(query->patch, q);
+}
+
 /* From the running pelagosd: the code that colours its pictures. */
 static enum ctl_exit answer_gpu(struct ctl *ctl, const struct question *q)
 {
@@ -513,17 +529,8 @@ static enum ctl_exit answer_gpu(struct ctl *ctl, const struct question *q)
         return status;
     }
     Pelagos__WaterQuery water = PELAGOS__WATER_QUERY__INIT;
-    water.has_sun_zenith = water.has_view_zenith = water.has_azimuth = true;
-    water.sun_zenith = q->sun_zenith;
-    water.view_zenith = q->view_zenith;
-    water.azimuth = q->azimuth;
     Pelagos__OpticsQuery query = PELAGOS__OPTICS_QUERY__INIT;
-    query.question_case = PELAGOS__OPTICS_QUERY__QUESTION_WATER;
-    query.water = &water;
-    query.has_from = true;
-    query.from = PELAGOS__OPTICS_SOURCE__GPU;
-    query.patch = pel_patch_new();
-    patch_water(query.patch, q);
+    ask_water(q, &water, &query);
     Pelagos__Optics *answer = NULL;
     struct pel_client_error error;
     if (pel_client_optics(ctl->client, &query, &answer, &error)) {
@@ -555,6 +562,53 @@ static enum ctl_exit answer_gpu(struct ctl *ctl, const struct question *q)
     return status;
 }
 
+/* Of a named bottom the whole spectrum, not what the three wavelengths see. */
+static void patch_bottom(Pelagos__Patch *patch, const struct question *q)
+{
+    int err = 0;
+    if (q->desc.bottom == PEL_BOTTOM_ALBEDO) {
+        return;
+    }
+    for (int k = 0; k < N; k++) {
+        char path[40];
+        snprintf(path, sizeof path, "water.albedo%g",
+                 pel_water_wavelength_nm[k]);
+        err |= pel_path_set(patch, NULL, path, NULL, NULL);
+    }
+    g_autofree char *word = g_ascii_strup(pel_bottom_word(q->desc.bottom), -1);
+    err |= pel_path_set(patch, NULL, "water.bottom", word, NULL);
+    g_assert(!err); /* our own paths */
+}
+
+/* A series, from the running pelagosd. */
+static enum ctl_exit answer_series(struct ctl *ctl, const struct question *q)
+{
+    Pelagos__WaterQuery water = PELAGOS__WATER_QUERY__INIT;
+    Pelagos__OpticsQuery query = PELAGOS__OPTICS_QUERY__INIT;
+    Pelagos__SeriesQuery series = PELAGOS__SERIES_QUERY__INIT;
+    if (ctl_flag(ctl, "wavelengths")) {
+        return ctl_say(CTL_USAGE, "with --sweep, wavelengths are an axis: "
+                                  "--sweep wavelength=400:700:10");
+    }
+    enum ctl_exit status = ctl_connect(ctl);
+    if (status != CTL_DONE) {
+        return status;
+    }
+    ask_water(q, &water, &query);
+    query.from = q->gpu          ? PELAGOS__OPTICS_SOURCE__GPU
+                 : q->montecarlo ? PELAGOS__OPTICS_SOURCE__MONTECARLO
+                                 : PELAGOS__OPTICS_SOURCE__REFERENCE;
+    water.has_paths = water.has_seed = q->montecarlo;
+    water.paths = (uint32_t)q->paths;
+    water.seed = (uint32_t)q->seed;
+    patch_bottom(query.patch, q);
+    series.question_case = PELAGOS__SERIES_QUERY__QUESTION_OPTICS;
+    series.optics = &query;
+    status = ctl_series(ctl, &series);
+    pelagos__patch__free_unpacked(query.patch, NULL);
+    return status;
+}
+
 enum ctl_exit ctl_optics(struct ctl *ctl)
 {
     const char *what = ctl->args[0];
@@ -574,6 +628,9 @@ enum ctl_exit ctl_optics(struct ctl *ctl)
     enum ctl_exit status = read_question(ctl, &q);
     if (status != CTL_DONE) {
         return status;
+    }
+    if (ctl_flag(ctl, "sweep")) {
+        return answer_series(ctl, &q);
     }
     return q.gpu          ? answer_gpu(ctl, &q)
            : q.montecarlo ? answer_montecarlo(&q)

@@ -283,6 +283,36 @@ static bool read_sea(struct ctl *ctl, double *time_s,
     return true;
 }
 
+/* --sweep: the points at many times. */
+static enum ctl_exit surface_series(struct ctl *ctl, const double (*points)[2],
+                                    size_t count,
+                                    const struct pel_client_sea *sea)
+{
+    Pelagos__SeriesQuery series = PELAGOS__SERIES_QUERY__INIT;
+    Pelagos__SurfaceQuery query = PELAGOS__SURFACE_QUERY__INIT;
+    g_autofree Pelagos__Point *all = g_new(Pelagos__Point, count);
+    g_autofree Pelagos__Point **list = g_new(Pelagos__Point *, count);
+    for (size_t i = 0; i < count; i++) {
+        pelagos__point__init(&all[i]);
+        all[i].has_east = all[i].has_north = true;
+        all[i].east = points[i][0];
+        all[i].north = points[i][1];
+        list[i] = &all[i];
+    }
+    query.points = list;
+    query.n_points = count;
+    query.has_time = sea->time_s != NULL;
+    query.time = sea->time_s ? *sea->time_s : 0;
+    query.has_frame = sea->frame != 0;
+    query.frame = sea->frame;
+    query.has_acceleration = query.has_foam = true;
+    query.acceleration = sea->acceleration;
+    query.foam = sea->foam;
+    series.question_case = PELAGOS__SERIES_QUERY__QUESTION_SURFACE;
+    series.surface = &query;
+    return ctl_series(ctl, &series);
+}
+
 enum ctl_exit ctl_surface(struct ctl *ctl)
 {
     size_t count = ctl->arg_count / 2;
@@ -304,6 +334,9 @@ enum ctl_exit ctl_surface(struct ctl *ctl)
     enum ctl_exit status = ctl_connect(ctl);
     if (status != CTL_DONE) {
         return status;
+    }
+    if (ctl_flag(ctl, "sweep")) {
+        return surface_series(ctl, (const double(*)[2])points, count, &sea);
     }
     Pelagos__Surface *surface = NULL;
     struct pel_client_error error;

@@ -77,7 +77,8 @@ static void print_spectrum(const Pelagos__Spectrum *s)
 static enum ctl_exit read_options(struct ctl *ctl,
                                   Pelagos__SpectrumQuery *query)
 {
-    double frequencies = 12, directions = 0;
+    /* A table for people has rows, a series the numbers of the whole sea. */
+    double frequencies = ctl_flag(ctl, "sweep") ? 0 : 12, directions = 0;
     enum ctl_exit status =
         ctl_number(ctl, "wavelength", 0.001, 1e5, &query->wavelength);
     if (status == CTL_DONE) {
@@ -118,17 +119,25 @@ enum ctl_exit ctl_spectrum(struct ctl *ctl)
     }
     Pelagos__Spectrum *spectrum = NULL;
     struct pel_client_error error;
-    if (status == CTL_DONE &&
-        pel_client_spectrum(ctl->client, &query, &spectrum, &error)) {
+    bool sweeps = ctl_flag(ctl, "sweep");
+    if (status == CTL_DONE && sweeps) {
+        Pelagos__SeriesQuery series = PELAGOS__SERIES_QUERY__INIT;
+        series.question_case = PELAGOS__SERIES_QUERY__QUESTION_SPECTRUM;
+        series.spectrum = &query;
+        status = ctl_series(ctl, &series);
+    } else if (status == CTL_DONE &&
+               pel_client_spectrum(ctl->client, &query, &spectrum, &error)) {
         status = ctl_report(ctl, &error);
     }
-    if (status == CTL_DONE && (!spectrum->spectrum || !spectrum->drawn)) {
+    if (status != CTL_DONE || sweeps) {
+        /* said already */
+    } else if (!spectrum->spectrum || !spectrum->drawn) {
         status = ctl_say(CTL_UNREACHABLE, "the answer lacks its sums");
-    } else if (status == CTL_DONE && ctl_flag(ctl, "json")) {
+    } else if (ctl_flag(ctl, "json")) {
         char *text = pel_json_from_message(&spectrum->base, true);
         puts(text);
         free(text);
-    } else if (status == CTL_DONE) {
+    } else {
         print_spectrum(spectrum);
     }
     if (spectrum) {

@@ -67,6 +67,7 @@ static const struct ctl_option surface_options[] = {
       NULL },
     { 'a', "acceleration", NULL, "The water's acceleration too", NULL },
     { 0, "foam", NULL, "The share of the water that foam hides too", NULL },
+    CTL_SERIES_OPTIONS,
     { 0 },
 };
 static const char *const surface_examples[] = {
@@ -86,6 +87,7 @@ static const struct ctl_option spectrum_options[] = {
       "List S(omega, theta) for so many directions too, 0 to 72 (0)", NULL },
     { 0, "lowest", "RAD/S", "The lowest frequency listed (0.2)", NULL },
     { 0, "highest", "RAD/S", "The highest (10)", NULL },
+    CTL_SERIES_OPTIONS,
     { 0 },
 };
 static const char *const spectrum_examples[] = {
@@ -93,6 +95,8 @@ static const char *const spectrum_examples[] = {
     "shorter than a metre.",
     "pelagosctl --json spectrum sea.spectrum=ELFOUHAILY sea.windSpeed=10 "
     "--directions 36\nAnother sea, for a program.",
+    "pelagosctl spectrum --sweep windSpeed=2:20:2\nHeights, periods and slopes "
+    "by wind, as CSV.",
     NULL,
 };
 
@@ -290,6 +294,7 @@ static const struct ctl_option optics_options[] = {
     { 0, "sun-azimuth", "DEGREES",
       "brdf, sky: short for sky.sunAzimuth=", NULL },
     { 0, "visibility", "METRES", "sky: short for sky.visibility=", NULL },
+    CTL_SERIES_OPTIONS,
     { 0 },
 };
 static const char *const optics_examples[] = {
@@ -303,6 +308,10 @@ static const char *const optics_examples[] = {
     "How the sea of 10 m/s reflects the Sun.",
     "pelagosctl optics sky --sun-elevation 5 --elevation 10 --from gpu\n"
     "The sky over a low Sun, as the shaders have it.",
+    "pelagosctl optics water --sweep wavelength=400:700:5 --sweep "
+    "chlorophyll=0.1,1,10 -o rrs.nc\nThree waters, as NetCDF.",
+    "pelagosctl optics brdf --wind 8 --sweep sunElevation=5:85:5 --sweep "
+    "viewZenith=0:85:5\nA table of the BRDF, as CSV.",
     NULL,
 };
 

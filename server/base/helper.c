@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -76,26 +77,57 @@ static void close_both(const int ends[2])
     }
 }
 
+/* The input as a file of no name, to be read from its start; -1: errno. */
+static int input_of(const struct pel_helper_task *task)
+{
+    int fd = memfd_create(task->program, MFD_CLOEXEC);
+    const char *at = task->input;
+    size_t left = task->input_size;
+    while (fd >= 0 && left > 0) {
+        ssize_t put = write(fd, at, left);
+        if (put < 0 && errno != EINTR) {
+            int why = errno;
+            close(fd);
+            errno = why;
+            return -1;
+        }
+        at += put > 0 ? put : 0;
+        left -= put > 0 ? (size_t)put : 0;
+    }
+    if (fd >= 0) {
+        lseek(fd, 0, SEEK_SET);
+    }
+    return fd;
+}
+
 static enum pel_err start(struct helper *h, const struct pel_helper_task *task,
                           struct pel_fault *fault)
 {
     char program[4096];
     char *environment[16];
-    int out[2] = { -1, -1 }, err[2] = { -1, -1 };
+    int out[2] = { -1, -1 }, err[2] = { -1, -1 }, in = -1;
     posix_spawn_file_actions_t actions;
     if (!find_program(task->program, program)) {
         return pel_fault_set(fault, PEL_ERR_IO, "%s is not installed",
                              task->program);
     }
-    if (pipe2(out, O_CLOEXEC) || pipe2(err, O_CLOEXEC)) {
+    if ((task->input && (in = input_of(task)) < 0) || pipe2(out, O_CLOEXEC) ||
+        pipe2(err, O_CLOEXEC)) {
         int why = errno;
         close_both(out);
+        if (in >= 0) {
+            close(in);
+        }
         return pel_fault_set(fault, PEL_ERR_IO, "%s: %s", task->program,
                              strerror(why));
     }
     choose_environment(environment);
     posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    if (in >= 0) {
+        posix_spawn_file_actions_adddup2(&actions, in, 0);
+    } else {
+        posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    }
     posix_spawn_file_actions_adddup2(&actions, out[1], 1);
     posix_spawn_file_actions_adddup2(&actions, err[1], 2);
     int failed =
@@ -103,6 +135,9 @@ static enum pel_err start(struct helper *h, const struct pel_helper_task *task,
     posix_spawn_file_actions_destroy(&actions);
     close(out[1]);
     close(err[1]);
+    if (in >= 0) {
+        close(in);
+    }
     h->out = out[0];
     h->err = err[0];
     return failed ? pel_fault_set(fault, PEL_ERR_IO, "%s: %s", task->program,

@@ -100,7 +100,8 @@ enum pel_err pel_frames_optics(struct pel_frames *frames,
         pel_snapshot_unref(s);
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
-    double time_s = pel_scene_time(frames->scene);
+    double time_s =
+        question->has_time ? question->time : pel_scene_time(frames->scene);
     query->mail.kind = PEL_MAIL_OPTICS;
     query->snapshot = s;
     query->environment = pel_environment_of(s, time_s);
@@ -255,6 +256,9 @@ static Pelagos__SkyLight *sky_message(const struct pel_optics_query *q)
     pel_atmosphere_init(&desc, &air);
     struct pel_rgb e = air.solar_irradiance, s = t->sun_transmittance;
     e = (struct pel_rgb){ e.r * s.r, e.g * s.g, e.b * s.b };
+    const double *nm = pel_water_wavelength_nm;
+    set_list(&out->n_wavelength, &out->wavelength,
+             (struct pel_rgb){ nm[0], nm[1], nm[2] });
     set_list(&out->n_radiance, &out->radiance, t->radiance);
     set_list(&out->n_transmittance, &out->transmittance, t->transmittance);
     set_list(&out->n_sun_transmittance, &out->sun_transmittance, s);

@@ -289,6 +289,42 @@ enum MHD_Result pel_http_send_almanac(struct client *client,
     return wait_on(client, waiter, err, &fault);
 }
 
+static void on_series(void *user, enum pel_err err,
+                      const struct pel_fault *fault,
+                      struct pel_series_answer *answer)
+{
+    struct client *client = wait_end(user);
+    if (!client) {
+        return;
+    }
+    if (err != PEL_OK) {
+        pel_http_send_fault(client, err == PEL_ERR_NOT_FOUND ? 400 : 0, fault);
+    } else {
+        struct pel_http_answer out = { .status = 200,
+                                       .type = answer->type,
+                                       .owned = answer->data,
+                                       .body = answer->data,
+                                       .size = answer->size };
+        answer->data = NULL;
+        pel_http_send(client, &out);
+    }
+    pel_http_resume(client);
+}
+
+enum MHD_Result pel_http_send_series(struct client *client,
+                                     struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    const struct pel_series_form form = { .reply = false };
+    struct waiter *waiter = wait_begin(client);
+    waiter->not_found = 400; /* an axis that the question names */
+    enum pel_err err =
+        pel_series_ask(client->server->context.series, answer->series, &form,
+                       on_series, waiter, &waiter->series, &fault);
+    pel_http_answer_finish(answer);
+    return wait_on(client, waiter, err, &fault);
+}
+
 static void on_models(void *user, enum pel_err err,
                       const struct pel_fault *fault,
                       const Pelagos__Models *answer)
@@ -517,6 +553,9 @@ void pel_http_call_off(struct client *client)
     }
     if (client->waiter) {
         client->waiter->client = NULL;
+        if (client->waiter->series) {
+            pel_series_cancel(client->waiter->series);
+        }
         client->waiter = NULL;
     }
     client->waiting = false;

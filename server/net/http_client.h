@@ -66,6 +66,7 @@ struct client {
 /* A surface query cannot be cancelled, so this outlives its client. */
 struct waiter {
     struct client *client; /* NULL: gone */
+    struct pel_series_job *series; /* or NULL */
     int not_found;         /* status of that error here; 0: as everywhere */
     bool if_unchanged;     /* an edit of the present revision, or of none */
 };
@@ -143,6 +144,8 @@ enum MHD_Result pel_http_send_spectrum(struct client *client,
                                        struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_almanac(struct client *client,
                                       struct pel_http_answer *answer);
+enum MHD_Result pel_http_send_series(struct client *client,
+                                     struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_patched(struct client *client,
                                       struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_stream(struct client *client,

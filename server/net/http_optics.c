@@ -31,7 +31,7 @@ enum pel_err pel_http_number(ProtobufCMessage *message, const char *name,
     return PEL_OK;
 }
 
-/* `from`, fields of the question by their names, and paths of the state
+/* `from`, `time`, fields of the question by their names, and paths of the state
  * (sky.sunElevation=20), which hold for this answer only. */
 static enum pel_err read_parameters(const struct pel_http_call *call,
                                     Pelagos__OpticsQuery *query,
@@ -47,8 +47,9 @@ static enum pel_err read_parameters(const struct pel_http_call *call,
             err =
                 pel_path_set(query->patch, now, pair->name, pair->value, fault);
         } else {
-            bool from = strcmp(pair->name, "from") == 0;
-            err = pel_http_number(from ? &query->base : question, pair->name,
+            bool above = strcmp(pair->name, "from") == 0 ||
+                         strcmp(pair->name, "time") == 0;
+            err = pel_http_number(above ? &query->base : question, pair->name,
                                   pair->value, fault);
         }
     }

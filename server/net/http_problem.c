@@ -149,6 +149,10 @@ void pel_http_answer_finish(struct pel_http_answer *answer)
         pelagos__optics_query__free_unpacked(answer->optics, NULL);
         answer->optics = NULL;
     }
+    if (answer->series) {
+        pelagos__series_query__free_unpacked(answer->series, NULL);
+        answer->series = NULL;
+    }
     if (answer->surface) {
         pelagos__surface_query__free_unpacked(answer->surface, NULL);
         answer->surface = NULL;

@@ -11,6 +11,7 @@
 #include "frames/debrief.h"
 #include "frames/frames.h"
 #include "net/http_request.h"
+#include "net/series.h"
 #include "net/token.h"
 #include "pelagos.pb-c.h"
 #include "scene/exercise.h"
@@ -21,6 +22,7 @@ struct pel_http_context {
     const struct pel_frames *frames; /* NULL: no picture is ever drawn */
     struct pel_debrief *debrief;     /* NULL: there is none */
     struct pel_exercises *exercises; /* NULL: none */
+    struct pel_series *series;       /* NULL: nobody asks for any */
     struct pel_metrics *metrics;
     const char *const *hosts; /* as pel_http_host_is_ours */
     /* Other origins whose pages may ask for pictures, NULL-terminated; NULL:
@@ -45,6 +47,7 @@ enum pel_http_kind {
     PEL_HTTP_SPECTRUM,   /* carry out `spectrum`, answer with JSON */
     PEL_HTTP_ALMANAC,    /* carry out `almanac`, answer with JSON */
     PEL_HTTP_MODELS,     /* list the models, answer with JSON */
+    PEL_HTTP_SERIES,     /* carry out `series`, answer with its file */
     PEL_HTTP_PATCH,      /* commit `patch`, answer with the state */
     PEL_HTTP_RECORDINGS, /* list the recordings, answer with JSON */
 };
@@ -69,6 +72,7 @@ struct pel_http_answer {
     Pelagos__OpticsQuery *optics;
     Pelagos__SpectrumQuery *spectrum;
     Pelagos__AlmanacQuery *almanac;
+    Pelagos__SeriesQuery *series;
     Pelagos__Patch *patch;
     bool if_unchanged; /* of PATCH: If-Match named the state of now */
     char view[PEL_NAME_SIZE];

@@ -181,6 +181,8 @@ static enum MHD_Result take_request(struct client *client, const char *method)
         return pel_http_send_spectrum(client, &answer);
     case PEL_HTTP_ALMANAC:
         return pel_http_send_almanac(client, &answer);
+    case PEL_HTTP_SERIES:
+        return pel_http_send_series(client, &answer);
     case PEL_HTTP_MODELS:
         return pel_http_send_models(client, &answer);
     case PEL_HTTP_RECORDINGS:

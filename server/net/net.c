@@ -29,6 +29,7 @@ struct pel_net {
     struct pel_tls *tls;     /* NULL: TCP and RTSP are plain */
     struct pel_http_server *http;
     struct pel_sessions *sessions;
+    struct pel_series *series;
     struct pel_rtsp *rtsp; /* NULL: off */
     struct pel_listener *http_listener, *tcp_listener, *unix_listener;
     uint16_t http_port, tcp_port;
@@ -152,6 +153,7 @@ static void collect(void *user, struct pel_metrics_page *page)
                         pel_listener_starved(net->unix_listener)));
     collect_process(page);
     pel_sessions_collect(net->sessions, page);
+    pel_series_collect(net->series, page);
     if (net->http) {
         pel_http_server_collect(net->http, page);
     }
@@ -270,12 +272,15 @@ enum pel_err pel_net_create(const struct pel_net_options *options,
     net->sessions = pel_sessions_create(&options->limits, scene, frames,
                                         options->debrief, net->token);
     pel_sessions_exercises(net->sessions, options->exercises);
+    net->series = pel_series_create(scene, frames);
+    pel_sessions_series(net->sessions, net->series);
     if (err == PEL_OK && options->http_address) {
         struct pel_http_context context = {
             .scene = scene,
             .frames = frames,
             .debrief = options->debrief,
             .exercises = options->exercises,
+            .series = net->series,
             .metrics = options->metrics,
             .hosts = options->http_hosts,
             .origins = options->http_origins,
@@ -356,6 +361,7 @@ void pel_net_destroy(struct pel_net *net)
     pel_rtsp_destroy(net->rtsp);
     net->rtsp = NULL;
     pel_sessions_destroy(net->sessions);
+    pel_series_destroy(net->series);
     pel_tls_destroy(net->tls);
     pel_token_destroy(net->token);
     g_free(net);

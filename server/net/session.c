@@ -45,6 +45,7 @@ static const char *const command_names[PEL_SESSION_COMMANDS] = {
     [PELAGOS__REQUEST__COMMAND_DEBRIEF] = "debrief",
     [PELAGOS__REQUEST__COMMAND_EXERCISE] = "exercise",
     [PELAGOS__REQUEST__COMMAND_LOGIN] = "login",
+    [PELAGOS__REQUEST__COMMAND_SERIES] = "series",
 };
 
 static int64_t seconds(double s)
@@ -123,6 +124,8 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
         return pel_session_start(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_SPECTRUM:
         return pel_session_spectrum(self, request, fault);
+    case PELAGOS__REQUEST__COMMAND_SERIES:
+        return pel_session_series(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_MODELS:
         return pel_session_models(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_ALMANAC:
@@ -448,6 +451,11 @@ struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
     pel_unpack_init(&all->unpack);
     all->list = g_ptr_array_new_with_free_func(session_free);
     return all;
+}
+
+void pel_sessions_series(struct pel_sessions *all, struct pel_series *series)
+{
+    all->series = series;
 }
 
 void pel_sessions_exercises(struct pel_sessions *all,

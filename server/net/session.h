@@ -15,6 +15,7 @@
 #include "base/metrics.h"
 #include "frames/frames.h"
 #include "net/net.h"
+#include "net/series.h"
 #include "net/token.h"
 #include "scene/exercise.h"
 #include "scene/scene.h"
@@ -33,6 +34,8 @@ struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
                                          struct pel_frames *frames,
                                          struct pel_debrief *debrief,
                                          struct pel_token *token);
+/* What makes series of answers. */
+void pel_sessions_series(struct pel_sessions *all, struct pel_series *series);
 /* What answers commands about exercises; NULL: nothing does. */
 void pel_sessions_exercises(struct pel_sessions *all,
                             struct pel_exercises *exercises);

@@ -29,6 +29,9 @@ void pel_session_cancel(struct session *self)
             g_free(job);
         } else {
             job->session = NULL;
+            if (job->series) {
+                pel_series_cancel(job->series);
+            }
         }
     }
     g_ptr_array_set_size(self->jobs, 0);
@@ -380,6 +383,54 @@ enum pel_err pel_session_models(struct session *self,
         g_free(job);
     }
     return err;
+}
+
+static void on_series(void *user, enum pel_err err,
+                      const struct pel_fault *fault,
+                      struct pel_series_answer *answer)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        struct pel_fault full;
+        if (err == PEL_OK) {
+            err = has_room(self, answer->size, &full);
+            fault = &full;
+        }
+        if (err == PEL_OK) {
+            send_bytes(self, (uint8_t *)answer->data, answer->size);
+            answer->data = NULL;
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+enum pel_err pel_session_series(struct session *self,
+                                const Pelagos__Request *request,
+                                struct pel_fault *fault)
+{
+    if (self->jobs->len >= self->all->limits.session_requests) {
+        return pel_fault_set(fault, PEL_ERR_BUSY,
+                             "%u requests of this session are waiting",
+                             self->jobs->len);
+    }
+    struct job *job = g_new0(struct job, 1);
+    job->session = self;
+    job->has_id = request->has_id;
+    job->id = request->id;
+    const struct pel_series_form form = { .reply = true,
+                                          .has_id = job->has_id,
+                                          .id = job->id };
+    enum pel_err err = pel_series_ask(self->all->series, request->series, &form,
+                                      on_series, job, &job->series, fault);
+    if (err) {
+        g_free(job);
+        return err;
+    }
+    g_ptr_array_add(self->jobs, job);
+    return PEL_OK;
 }
 
 static void on_almanac(void *user, enum pel_err err,

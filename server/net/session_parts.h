@@ -11,11 +11,12 @@
 #include "net/fdsource.h"
 #include "net/outbox.h"
 #include "net/roles.h"
+#include "net/series.h"
 #include "net/session.h"
 #include "pelagos.pb-c.h"
 #include "unpack.h"
 
-#define PEL_SESSION_COMMANDS 21
+#define PEL_SESSION_COMMANDS 22
 
 struct session;
 
@@ -25,7 +26,8 @@ struct job {
     struct session *session; /* NULL: gone */
     bool has_id;
     uint64_t id;
-    bool is_picture; /* or several of one frame */
+    struct pel_series_job *series; /* or NULL */
+    bool is_picture;               /* or several of one frame */
     bool of_debrief;
     uint64_t picture_id;
 };
@@ -58,6 +60,7 @@ struct pel_sessions {
     struct pel_net_limits limits;
     struct pel_scene *scene;
     struct pel_frames *frames;
+    struct pel_series *series;
     struct pel_exercises *exercises; /* NULL: none */
     struct pel_debrief *debrief;     /* NULL: none */
     struct pel_token *token;         /* NULL: none is asked for */
@@ -99,6 +102,11 @@ PEL_CHECK enum pel_err pel_session_debrief(struct session *self,
 PEL_CHECK enum pel_err pel_session_spectrum(struct session *self,
                                             const Pelagos__Request *request,
                                             struct pel_fault *fault);
+
+/* Answers when all its questions are. */
+PEL_CHECK enum pel_err pel_session_series(struct session *self,
+                                          const Pelagos__Request *request,
+                                          struct pel_fault *fault);
 
 PEL_CHECK enum pel_err pel_session_almanac(struct session *self,
                                            const Pelagos__Request *request,

@@ -918,12 +918,12 @@ class SeaMoments(Record):
     """Integrals over waves. Slope variances are along and across the wind."""
     #: Significant wave height, 4 standard deviations. [m]
     significantHeight: float | None = _field(None, 'm')
-    #: Slope variance along the wind.
-    slopeAlong: float | None = _field(None)
-    #: Slope variance across the wind.
-    slopeCross: float | None = _field(None)
-    #: Covariance of the two.
-    slopeMixed: float | None = _field(None)
+    #: Slope variance along the wind. [1]
+    slopeAlong: float | None = _field(None, '1')
+    #: Slope variance across the wind. [1]
+    slopeCross: float | None = _field(None, '1')
+    #: Covariance of the two. [1]
+    slopeMixed: float | None = _field(None, '1')
 
 
 @dataclass(frozen=True)
@@ -952,8 +952,9 @@ class Spectrum(Record):
     peakPeriod: float | None = _field(None, 's')
     #: Mean direction the waves come from, weighted by energy. [deg]
     meanDirection: float | None = _field(None, 'deg')
-    #: Where SpectrumQuery.wavelength was given: of the shorter waves.
-    wavelength: float | None = _field(None)
+    #: SpectrumQuery.wavelength, where it was given; below it: of the shorter
+    #: waves. [m]
+    wavelength: float | None = _field(None, 'm')
     spectrumBelow: SeaMoments | None = _field(None)
     drawnBelow: SeaMoments | None = _field(None)
     rows: tuple[SpectrumRow, ...] = ()
@@ -977,16 +978,18 @@ class Spectrum(Record):
 @dataclass(frozen=True)
 class Brdf(Record):
     """Terms of Ross's BRDF (Bruneton 2010, eq. 5 to 15, 24, 26)."""
-    #: Slope variances it is for. [1]
+    #: Slope variance along the wind that it is for. [1]
     slopeAlong: float | None = _field(None, '1')
-    slopeCross: float | None = _field(None)
+    #: The same across the wind. [1]
+    slopeCross: float | None = _field(None, '1')
     #: From the vertical to the facets that mirror the Sun to the eye. [deg]
     halfZenith: float | None = _field(None, 'deg')
     #: Density of their slopes, p. [1]
     slopeDensity: float | None = _field(None, '1')
-    #: Smith's lambda of the eye and of the Sun. [1]
+    #: Smith's lambda of the eye. [1]
     lambdaView: float | None = _field(None, '1')
-    lambdaSun: float | None = _field(None)
+    #: The same of the Sun. [1]
+    lambdaSun: float | None = _field(None, '1')
     #: 1 / (1 + lambda_view + lambda_sun). [1]
     shadowing: float | None = _field(None, '1')
     #: Reflectance of those facets at 550 nm, by Fresnel's equations. [1]
@@ -1024,6 +1027,8 @@ class SkyLight(Record):
     #: Of the night itself, in radiance too: airglow, zodiacal light, faint
     #: stars. [W/m2/sr/nm]
     nightRadiance: tuple[float, ...] = ()
+    #: What the lists are at. [nm]
+    wavelength: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -1043,27 +1048,33 @@ class WaterLight(Record):
     totalError: tuple[float, ...] = ()
     #: Of the bottom, what was not scattered; not of GPU. [1/sr]
     bottomDirect: tuple[float, ...] = ()
-    #: The water it is for. [1/m]
+    #: Absorption of the water it is for. [1/m]
     absorption: tuple[float, ...] = ()
+    #: Its scattering. [1/m]
     scattering: tuple[float, ...] = ()
     #: Mean cosine of scattering. [1]
     asymmetry: tuple[float, ...] = ()
     #: Of the bottom. [1]
     albedo: tuple[float, ...] = ()
-    #:  [m]
+    #: Of the water. [m]
     depth: float | None = _field(None, 'm')
     #: One of ALL, TWO, PAPER, SINGLE.
     orders: str | None = _field(None)
     #: What the lists are at. [nm]
     wavelength: tuple[float, ...] = ()
-    #: Absorption, by what absorbs; its sum is absorption. Of waters that are
-    #: known by sums only, all is in dissolved_absorption. [1/m]
+    #: Absorption by what absorbs, first by sea water itself; its sum is
+    #: absorption. Of waters that are known by sums only, all is in
+    #: dissolved_absorption. [1/m]
     waterAbsorption: tuple[float, ...] = ()
+    #: By phytoplankton. [1/m]
     phytoplanktonAbsorption: tuple[float, ...] = ()
+    #: By dissolved matter. [1/m]
     dissolvedAbsorption: tuple[float, ...] = ()
+    #: By other particles. [1/m]
     detritusAbsorption: tuple[float, ...] = ()
-    #: Scattering by the water itself and by particles. [1/m]
+    #: Scattering by the water itself. [1/m]
     molecularScattering: tuple[float, ...] = ()
+    #: By particles. [1/m]
     particleScattering: tuple[float, ...] = ()
     #: By more than 90 degrees, by both. [1/m]
     backscattering: tuple[float, ...] = ()

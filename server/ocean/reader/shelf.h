@@ -58,3 +58,6 @@ PEL_CHECK pel_shelf_form pel_read_swan;       /* text */
 PEL_CHECK pel_shelf_form pel_read_ww3;        /* text */
 PEL_CHECK pel_shelf_form pel_read_historical; /* NDBC's, of a year */
 PEL_CHECK pel_shelf_form pel_read_netcdf;     /* WW3, SWAN, ERA5, NDBC */
+
+/* From standard input to standard output: netcdfwrite.c. */
+PEL_CHECK enum pel_err pel_write_netcdf(struct pel_fault *fault);

@@ -3,10 +3,12 @@
  * for a file and throws it away.
  *
  *   pelagos-spectrum DIRECTORY FILE UNIX-TIME|nan STATION
+ *   pelagos-spectrum --write
  *
- * It may read that file, and of NDBC's historical text those beside it, and
- * nothing else (base/sandbox.h). On failure a sentence on standard error,
- * status 1, or 2 for wrong use. */
+ * The second writes NetCDF: what ocean/netcdffile.c describes on standard
+ * input. It may read that file, and of NDBC's historical text those beside it,
+ * or none, and nothing else (base/sandbox.h). On failure a sentence on standard
+ * error, status 1, or 2 for wrong use. */
 #include <errno.h>
 #include <math.h>
 #include <stdint.h>
@@ -72,6 +74,20 @@ static pel_shelf_form *form_of(const char *path)
                : NULL;
 }
 
+_Noreturn static void write_netcdf(void)
+{
+    static const char *const nothing[] = { NULL };
+    const struct pel_sandbox sandbox = { .readable = nothing,
+                                         .cpu_s = MOST_CPU_S,
+                                         .memory_bytes = MOST_MEMORY,
+                                         .walls = PEL_SANDBOX_ALL };
+    struct pel_fault fault = { 0 };
+    if (pel_sandbox_close(&sandbox, &fault) || pel_write_netcdf(&fault)) {
+        refuse(fault.message);
+    }
+    _Exit(0);
+}
+
 static bool put(const double *v, int count)
 {
     return fwrite(v, sizeof *v, (size_t)count, stdout) == (size_t)count;
@@ -83,9 +99,12 @@ int main(int argc, char **argv)
     struct pel_fault fault = { 0 };
     char path[4096];
     double unix_s = 0;
+    if (argc == 2 && strcmp(argv[1], "--write") == 0) {
+        write_netcdf();
+    }
     if (argc != 5) {
         fprintf(stderr, "usage: pelagos-spectrum DIRECTORY FILE UNIX-TIME|nan "
-                        "STATION\n");
+                        "STATION, or --write\n");
         return 2;
     }
     const struct pel_want want = { argv[4], strtod(argv[3], NULL) };

@@ -1,0 +1,386 @@
+#include "net/series.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/watch.h"
+#include "bounds.h"
+#include "message.h"
+#include "net/command.h"
+#include "net/series_parts.h"
+#include "scene/sun.h"
+#include "scene/worker.h"
+
+#define AT_ONCE 2   /* questions of one series */
+#define AGAIN_MS 20 /* after all places of its kind were taken */
+
+struct pel_series {
+    struct pel_scene *scene;
+    struct pel_frames *frames;
+    struct pel_worker *worker; /* makes the files */
+    GPtrArray *jobs;           /* of struct pel_series_job */
+    uint64_t questions;
+};
+
+struct pel_series_job {
+    struct pel_task task;
+    struct pel_series *all;
+    struct pel_series_plan plan;
+    struct pel_series_table table;
+    struct pel_series_origin origin;
+    struct pel_series_form form;
+    size_t asked, answered;
+    unsigned under_way;
+    guint source; /* goes on soon; 0: no need */
+    bool filing;  /* the worker has it */
+    enum pel_err err;
+    struct pel_fault fault;
+    struct pel_series_answer answer;
+    pel_series_done done;
+    void *user;
+};
+
+/* Which question an answer is of. */
+struct asked {
+    struct pel_series_job *job;
+    size_t cell;
+};
+
+static void go_on(struct pel_series_job *job);
+
+/* --- the end --------------------------------------------------------------
+ */
+
+static void job_free(struct pel_series_job *job)
+{
+    free(job->answer.data);
+    pel_series_table_finish(&job->table);
+    pel_series_plan_finish(&job->plan);
+    pelagos__state__free_unpacked(job->origin.state, NULL);
+    g_free(job);
+}
+
+/* Tells who waits. Questions that are still under way keep the job. */
+static void job_end(struct pel_series_job *job)
+{
+    if (job->source) {
+        g_source_remove(job->source);
+        job->source = 0;
+    }
+    job->done(job->user, job->err, &job->fault, &job->answer);
+    g_ptr_array_remove_fast(job->all->jobs, job);
+    job->all = NULL;
+    if (job->under_way == 0) {
+        job_free(job);
+    }
+}
+
+static void file_work(struct pel_task *task)
+{
+    struct pel_series_job *job = (struct pel_series_job *)task;
+    pel_series_table_end(&job->table);
+    job->err = pel_series_file(&job->table, &job->origin, &job->form,
+                               &job->answer, &job->fault);
+}
+
+static void file_done(struct pel_task *task, bool dropped)
+{
+    struct pel_series_job *job = (struct pel_series_job *)task;
+    if (dropped && !job->err) {
+        job->err = pel_fault_set(&job->fault, PEL_ERR_CONFLICT,
+                                 "the daemon is stopping");
+    }
+    job_end(job);
+}
+
+static void fail(struct pel_series_job *job, enum pel_err err,
+                 const struct pel_fault *fault)
+{
+    if (!job->err) {
+        job->err = err;
+        job->fault = *fault;
+    }
+}
+
+/* --- answers ---------------------------------------------------------------
+ */
+
+static gboolean on_soon(gpointer user)
+{
+    PEL_WATCH("series");
+    struct pel_series_job *job = user;
+    job->source = 0;
+    go_on(job);
+    return G_SOURCE_REMOVE;
+}
+
+static void soon(struct pel_series_job *job)
+{
+    if (!job->source) {
+        job->source = g_idle_add(on_soon, job);
+    }
+}
+
+static void take(struct asked *asked, enum pel_err err,
+                 const struct pel_fault *fault, const ProtobufCMessage *answer)
+{
+    PEL_WATCH("series");
+    struct pel_series_job *job = asked->job;
+    struct pel_fault own;
+    if (!err && !job->err) {
+        err = pel_series_table_take(&job->table, asked->cell, answer, &own);
+        fault = err ? &own : fault;
+    }
+    if (err) {
+        fail(job, err, fault);
+    }
+    job->under_way--;
+    job->answered++;
+    g_free(asked);
+    if (job->all) {
+        soon(job);
+    } else if (job->under_way == 0) {
+        job_free(job);
+    }
+}
+
+static void on_optics(void *user, enum pel_err err,
+                      const struct pel_fault *fault,
+                      const Pelagos__Optics *answer)
+{
+    take(user, err, fault, err ? NULL : &answer->base);
+}
+
+static void on_spectrum(void *user, enum pel_err err,
+                        const struct pel_fault *fault,
+                        const Pelagos__Spectrum *answer)
+{
+    take(user, err, fault, err ? NULL : &answer->base);
+}
+
+static void on_surface(void *user, enum pel_err err,
+                       const struct pel_fault *fault, double time_s,
+                       const struct pel_surface_sample *samples, size_t count)
+{
+    Pelagos__Surface *surface =
+        err ? NULL : pel_surface_message(time_s, samples, count);
+    take(user, err, fault, surface ? &surface->base : NULL);
+    if (surface) {
+        pel_surface_message_free(surface);
+    }
+}
+
+/* --- questions -------------------------------------------------------------
+ */
+
+static bool same_message(const ProtobufCMessage *a, const ProtobufCMessage *b)
+{
+    size_t size = protobuf_c_message_get_packed_size(a);
+    if (size != protobuf_c_message_get_packed_size(b)) {
+        return false;
+    }
+    g_autofree uint8_t *bytes = g_malloc(2 * size + 1);
+    protobuf_c_message_pack(a, bytes);
+    protobuf_c_message_pack(b, bytes + size);
+    return memcmp(bytes, bytes + size, size) == 0;
+}
+
+/* All answers are to be of one sea, sky and water. */
+static enum pel_err check_state(struct pel_series_job *job,
+                                struct pel_fault *fault)
+{
+    const Pelagos__State *now = pel_scene_state(job->all->scene);
+    Pelagos__State *then = job->origin.state;
+    if (now->revision == then->revision) {
+        return PEL_OK;
+    }
+    then->revision = now->revision;
+    bool same = same_message(&now->sea->base, &then->sea->base) &&
+                same_message(&now->sky->base, &then->sky->base) &&
+                same_message(&now->water->base, &then->water->base) &&
+                same_message(&now->origin->base, &then->origin->base) &&
+                g_strcmp0(now->clock->utc, then->clock->utc) == 0;
+    return same ? PEL_OK
+                : pel_fault_set(fault, PEL_ERR_CONFLICT,
+                                "sea, sky, water or origin were changed while "
+                                "the series was under way: ask again");
+}
+
+static enum pel_err ask_one(struct pel_series_job *job, struct pel_fault *fault)
+{
+    struct pel_series *all = job->all;
+    ProtobufCMessage *question = NULL;
+    enum pel_err err = check_state(job, fault);
+    if (!err) {
+        err = pel_series_question(&job->plan, job->asked, &question, fault);
+    }
+    if (err) {
+        return err;
+    }
+    struct asked *asked = g_new(struct asked, 1);
+    *asked = (struct asked){ job, job->asked };
+    job->asked++;
+    job->under_way++;
+    all->questions++;
+    switch (job->plan.query->question_case) {
+    case PELAGOS__SERIES_QUERY__QUESTION_OPTICS:
+        err = pel_command_optics(all->frames, (Pelagos__OpticsQuery *)question,
+                                 on_optics, asked, fault);
+        break;
+    case PELAGOS__SERIES_QUERY__QUESTION_SPECTRUM:
+        err =
+            pel_command_spectrum(all->scene, (Pelagos__SpectrumQuery *)question,
+                                 on_spectrum, asked, fault);
+        break;
+    default:
+        err =
+            pel_command_surface(all->frames, (Pelagos__SurfaceQuery *)question,
+                                NULL, on_surface, asked, fault);
+        break;
+    }
+    protobuf_c_message_free_unpacked(question, NULL);
+    if (err) {
+        g_free(asked);
+        job->asked--;
+        job->under_way--;
+    }
+    return err;
+}
+
+static void finish(struct pel_series_job *job)
+{
+    if (job->err) {
+        job_end(job);
+        return;
+    }
+    job->filing = true;
+    job->task = (struct pel_task){ .work = file_work, .done = file_done };
+    pel_worker_push(job->all->worker, &job->task);
+}
+
+/* Asks as much as may be under way, and ends the job where nothing is left. */
+static void go_on(struct pel_series_job *job)
+{
+    struct pel_fault fault;
+    enum pel_err err = PEL_OK;
+    if (!job->err && job->asked < job->plan.cells && job->under_way < AT_ONCE) {
+        err = ask_one(job, &fault);
+        if (err == PEL_ERR_BUSY) { /* others have all places */
+            if (!job->source) {
+                job->source = g_timeout_add(AGAIN_MS, on_soon, job);
+            }
+            return;
+        }
+        if (err) {
+            fail(job, err, &fault);
+        } else if (job->under_way < AT_ONCE) {
+            soon(job); /* at the loop's next turn: each turn is short */
+        }
+    }
+    bool all = job->err || job->answered == job->plan.cells;
+    if (all && job->under_way == 0) {
+        finish(job);
+    }
+}
+
+/* --- from outside ----------------------------------------------------------
+ */
+
+struct pel_series *pel_series_create(struct pel_scene *scene,
+                                     struct pel_frames *frames)
+{
+    struct pel_series *all = g_new0(struct pel_series, 1);
+    all->scene = scene;
+    all->frames = frames;
+    all->worker = pel_worker_create("series");
+    all->jobs = g_ptr_array_new();
+    return all;
+}
+
+void pel_series_collect(const struct pel_series *all,
+                        struct pel_metrics_page *page)
+{
+    pel_metric(page, "pelagos_series_under_way", PEL_METRIC_GAUGE,
+               "Series of numbers that are being answered.", NULL,
+               (double)all->jobs->len);
+    pel_metric(page, "pelagos_series_questions_total", PEL_METRIC_COUNTER,
+               "Questions asked for series.", NULL, (double)all->questions);
+}
+
+void pel_series_destroy(struct pel_series *all)
+{
+    if (!all) {
+        return;
+    }
+    pel_worker_destroy(all->worker);
+    struct pel_fault fault;
+    pel_fault_set(&fault, PEL_ERR_CONFLICT, "the daemon is stopping");
+    while (all->jobs->len > 0) {
+        struct pel_series_job *job = g_ptr_array_index(all->jobs, 0);
+        fail(job, PEL_ERR_CONFLICT, &fault);
+        job_end(job);
+    }
+    g_ptr_array_free(all->jobs, TRUE);
+    g_free(all);
+}
+
+/* The parts of the state that the answers are of. */
+static Pelagos__State *state_of(struct pel_scene *scene)
+{
+    Pelagos__State some = *pel_scene_state(scene);
+    some.n_views = some.n_entities = some.n_presets = 0;
+    Pelagos__State *copy = (Pelagos__State *)pel_message_copy(&some.base);
+    return copy;
+}
+
+static void note_origin(struct pel_series_job *job)
+{
+    struct pel_series_origin *o = &job->origin;
+    g_autoptr(GDateTime) now = g_date_time_new_now_utc();
+    g_autofree char *text = g_date_time_format(now, "%Y-%m-%dT%H:%M:%SZ");
+    g_strlcpy(o->when, text, sizeof o->when);
+    g_strlcpy(o->device, pel_frames_device(job->all->frames), sizeof o->device);
+    o->state = state_of(job->all->scene);
+    if (pel_utc_parse(o->state->clock->utc, &o->epoch_unix_s)) {
+        o->epoch_unix_s = 0;
+    }
+}
+
+enum pel_err
+pel_series_ask(struct pel_series *all, const Pelagos__SeriesQuery *query,
+               const struct pel_series_form *form, pel_series_done done,
+               void *user, struct pel_series_job **out, struct pel_fault *fault)
+{
+    if (all->jobs->len >= PEL_BOUND_SERIES) {
+        return pel_fault_set(fault, PEL_ERR_BUSY,
+                             "%u series are under way already", all->jobs->len);
+    }
+    struct pel_series_job *job = g_new0(struct pel_series_job, 1);
+    enum pel_err err = pel_series_plan_make(query, &job->plan, fault);
+    if (err) {
+        pel_series_plan_finish(&job->plan);
+        g_free(job);
+        return err;
+    }
+    pel_series_table_init(&job->plan, &job->table);
+    job->all = all;
+    job->form = *form;
+    job->done = done;
+    job->user = user;
+    pel_series_plan_at(&job->plan, pel_scene_time(all->scene));
+    note_origin(job);
+    g_ptr_array_add(all->jobs, job);
+    soon(job);
+    *out = job;
+    return PEL_OK;
+}
+
+void pel_series_cancel(struct pel_series_job *job)
+{
+    struct pel_fault fault;
+    pel_fault_set(&fault, PEL_ERR_CONFLICT, "nobody waits for it any more");
+    if (!job->filing) {
+        fail(job, PEL_ERR_CONFLICT, &fault);
+        soon(job);
+    }
+}
