@@ -190,8 +190,8 @@ PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_optics(struct pel_client *client, const Pelagos__OpticsQuery *query,
                   Pelagos__Optics **out, struct pel_client_error *error);
 
-/* The same question at each combination of the values of query->sweep's axes, as
- * lists or, by query->format, as a file in (*out)->file. Free *out with
+/* The same question at each combination of the values of query->sweep's axes,
+ * as lists or, by query->format, as a file in (*out)->file. Free *out with
  * pelagos__series__free_unpacked(). */
 PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_series(struct pel_client *client, const Pelagos__SeriesQuery *query,

@@ -14,14 +14,15 @@ struct pel_helper_task {
     const char *subject; /* what it reads, for the words of faults */
     const void *input;   /* on its standard input; NULL: nothing */
     size_t input_size;
-    size_t most_bytes;   /* of its answer */
+    size_t most_bytes; /* of its answer */
     int within_ms;
 };
 
 /* Runs it to its end; free(*out), NULL on failure. It gets no descriptors but
- * the null device or its input, the pipes, and of the environment only what libraries look
- * for their own files by. IO: it cannot be started. INVALID: it refuses, and
- * *fault has its words; it crashed, or took too long or too many bytes. */
+ * the null device or its input, the pipes, and of the environment only what
+ * libraries look for their own files by. IO: it cannot be started. INVALID: it
+ * refuses, and *fault has its words; it crashed, or took too long or too many
+ * bytes. */
 PEL_CHECK enum pel_err pel_helper_run(const struct pel_helper_task *task,
                                       unsigned char **out, size_t *size,
                                       struct pel_fault *fault);

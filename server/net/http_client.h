@@ -65,10 +65,10 @@ struct client {
 
 /* A surface query cannot be cancelled, so this outlives its client. */
 struct waiter {
-    struct client *client; /* NULL: gone */
+    struct client *client;         /* NULL: gone */
     struct pel_series_job *series; /* or NULL */
-    int not_found;         /* status of that error here; 0: as everywhere */
-    bool if_unchanged;     /* an edit of the present revision, or of none */
+    int not_found;     /* status of that error here; 0: as everywhere */
+    bool if_unchanged; /* an edit of the present revision, or of none */
 };
 
 struct daemon_source;
