@@ -1,24 +1,14 @@
 #include "render/renderer.h"
 
 #include <epoxy/gl.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "base/clock.h"
 #include "base/log.h"
-#include "base/reserve.h"
-#include "ocean/wash.h"
 #include "render/acuity.h"
 #include "render/arena.h"
-#include "render/band.h"
-#include "render/coast.h"
 #include "render/context.h"
-#include "render/edges.h"
 #include "render/foammap.h"
-#include "render/mark.h"
 #include "render/mesh.h"
-#include "render/meshpass.h"
 #include "render/meter.h"
 #include "render/objects.h"
 #include "render/pass.h"
@@ -26,27 +16,17 @@
 #include "render/programs.h"
 #include "render/readback.h"
 #include "render/rendererstate.h"
-#include "render/shadepass.h"
-#include "render/shader.h"
 #include "render/sky.h"
 #include "render/stages.h"
 #include "render/statistics.h"
 #include "render/stilltiles.h"
 #include "render/targets.h"
 #include "render/texels.h"
-#include "render/tiles.h"
 #include "render/uniforms.h"
+#include "render/viewpass.h"
 #include "render/waterprobe.h"
 #include "render/wavefield.h"
 
-/* Uniform blocks and rings of one view, with alignment. */
-#define VIEW_UNIFORM_BYTES                                                     \
-    (sizeof(struct pel_block_waves) + sizeof(struct pel_block_view) +          \
-     sizeof(struct pel_block_eye) * 3 + sizeof(struct pel_block_seabed) +      \
-     sizeof(struct pel_block_sighted) + sizeof(struct pel_block_shore) +       \
-     sizeof(struct pel_block_wakes) +                                          \
-     sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
-#define VERTEX_BYTES 32
 void pel_renderer_measure(struct pel_renderer *r, bool on)
 {
     r->timing.on = on;
@@ -97,7 +77,7 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     pel_stage_timer_init(&r->timing, r->context.software);
     err = pel_readback_init(&r->readback);
     if (err == PEL_OK) {
-        err = pel_arena_init(&r->arena, 4 * VIEW_UNIFORM_BYTES);
+        err = pel_arena_init(&r->arena, 4 * PEL_VIEW_UNIFORM_BYTES);
     }
     if (err != PEL_OK) {
         pel_fault_set(fault, err, "no memory for the frame's buffers");
@@ -183,460 +163,6 @@ static void bind_table_eye(void *user, double height_m)
                    sizeof block);
 }
 
-static void displace_mesh(struct pel_renderer *r,
-                          const struct pel_sea_programs *p)
-{
-    const struct pel_mesh *m = r->mesh;
-    if (m->vertex_count > r->vertex_capacity) {
-        int capacity = m->vertex_count + m->vertex_count / 4;
-        glDeleteBuffers(1, &r->vertices);
-        glCreateBuffers(1, &r->vertices);
-        glNamedBufferStorage(r->vertices, (GLsizeiptr)capacity * VERTEX_BYTES,
-                             NULL, 0);
-        glObjectLabel(GL_BUFFER, r->vertices, -1, "vertices");
-        r->vertex_capacity = capacity;
-        glTextureBuffer(r->vertex_texels, GL_RGBA32F, r->vertices);
-    }
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_VERTICES, r->vertices);
-    pel_arena_bind(
-        &r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_RINGS, m->rings,
-        sizeof *m->rings * (size_t)(m->ring_count ? m->ring_count : 1));
-    glBindTextureUnit(PEL_UNIT_VERTICES, r->vertex_texels);
-    glUseProgram(p->mesh);
-    pel_mesh_displace(m);
-}
-
-/* The nearest triangle of each pixel, in compute. */
-static void search_surface(struct pel_renderer *r, bool submerged)
-{
-    int triangles = 2 * r->mesh->vertex_count;
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_KEYS, r->targets.keys);
-    if (triangles > 0) {
-        glUseProgram(r->programs.search);
-        glUniform1i(0, r->mesh->vertex_count);
-        glUniform1i(1, submerged);
-        glDispatchCompute(pel_groups(triangles, PEL_GROUP_LINE), 1, 1);
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    }
-}
-
-static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
-                           bool submerged)
-{
-    static const GLfloat far_away = 0.0f;
-    /* Clearing obeys depth mask and scissor: the targets may be larger than
-     * this picture. The sea's texels are read only where the depth shows a
-     * triangle, but those of coasts, objects, outlines read all of them. */
-    glDepthMask(GL_TRUE);
-    const GLsizei width = (GLsizei)c->width + 2 * r->margin;
-    const GLsizei height = (GLsizei)c->height + 2 * r->margin;
-    glScissor(0, 0, width, height);
-    glEnable(GL_SCISSOR_TEST);
-    glClearNamedFramebufferfv(r->targets.surface_fbo, GL_DEPTH, 0, &far_away);
-    if (r->any_coast || r->any_objects || r->margin) {
-        static const GLuint none[4] = { 0 };
-        glClearNamedFramebufferuiv(r->targets.surface_fbo, GL_COLOR, 0, none);
-    }
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.surface_fbo);
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_GREATER);
-    if (!submerged) {
-        /* The backs of crests would show as specks along their outlines. */
-        glEnable(GL_CULL_FACE);
-        glFrontFace(GL_CW);
-    }
-    glUseProgram(r->programs.surface);
-    glViewport(-PEL_RASTER_MARGIN, -PEL_RASTER_MARGIN,
-               width + 2 * PEL_RASTER_MARGIN, height + 2 * PEL_RASTER_MARGIN);
-    pel_mesh_draw(r->mesh);
-    glDisable(GL_SCISSOR_TEST);
-    glViewport(0, 0, width, height);
-    glDisable(GL_CULL_FACE);
-    glDepthMask(GL_FALSE);
-}
-
-/* Asked only where waves may reach the eye: the answer of an FFT sea costs its
- * transforms on the processor. */
-static bool is_submerged(const struct pel_environment *env,
-                         const struct pel_camera *c)
-{
-    if (c->altitude_m >
-        fmin(env->sea->max_height_m, 6.0 * sqrt(env->sea->m0))) {
-        return false;
-    }
-    struct pel_surface_sample above;
-    pel_sea_sample(env->sea, c->east_m, c->north_m, env->time_s, &above);
-    return above.height_m > c->altitude_m;
-}
-
-/* By the eye of the first window, so that all views of a meter get the same. */
-static void expose(struct pel_renderer *r, const struct pel_environment *env,
-                   const struct pel_camera *c, bool submerged)
-{
-    double altitude_m = c->sight_count
-                            ? c->sights[0].altitude_m - env->sea_level_m
-                            : c->altitude_m;
-    double height_m = fmax(altitude_m, PEL_LEAST_EYE_M);
-    double table_height_m = pel_sky_quantize_height(height_m);
-    struct pel_block_eye eye;
-    struct pel_block_sighted sights;
-    pel_fill_eye(height_m, table_height_m, submerged, NULL, &eye);
-    pel_fill_spray(env->sea->foam, submerged ? 0.0 : height_m, &eye);
-    pel_fill_fog(env, c->east_m, c->north_m, &eye);
-    pel_fill_sights(env, c, &sights);
-    pel_acuity_meter(env, c, &sights);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
-                   sizeof eye);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SIGHTS, &sights,
-                   sizeof sights);
-    pel_sky_bind_eye(&r->sky, env, table_height_m);
-    pel_meter_run(&r->meter, env);
-}
-
-/* For shaders/lib/waves.glsl. All groups of a dispatch read them: hardware from
- * memory of its own, or the host's is what they wait for. */
-static void bind_waves(struct pel_renderer *r,
-                       const struct pel_environment *env,
-                       const struct pel_camera *c)
-{
-    struct pel_block_waves block;
-    pel_fill_waves(env, c->east_m, c->north_m, &block);
-    if (r->context.software) {
-        pel_arena_texels(&r->arena, r->arena.texels, PEL_UNIT_WAVES, &block,
-                         sizeof block);
-    } else {
-        pel_texels_set(&r->tables.waves, &block, sizeof block);
-        glBindTextureUnit(PEL_UNIT_WAVES, r->tables.waves.texture);
-    }
-}
-
-/* Words of a moment's wash, with alignment; 0: none. */
-static size_t wash_bytes(const struct pel_environment *env)
-{
-    return env->wash
-               ? sizeof(uint32_t) * pel_wash_words(env->wash, 0, 0, NULL) +
-                     sizeof(struct pel_block_wash) + 1024
-               : 0;
-}
-
-static void bind_wash(struct pel_renderer *r, const struct pel_environment *env,
-                      const struct pel_camera *c)
-{
-    struct pel_block_wash block;
-    size_t count = pel_wash_words(env->wash, 0, 0, NULL);
-    uint32_t *words = pel_sure_malloc(sizeof *words * (count + 1));
-    pel_wash_words(env->wash, c->east_m, c->north_m, words);
-    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_WASH, words,
-                   sizeof *words * (count + 1));
-    free(words);
-    pel_fill_wash(env, c->east_m, c->north_m, &block);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_WASH, &block,
-                   sizeof block);
-}
-
-static bool draws_edges(const struct pel_renderer *r,
-                        const struct pel_camera *c)
-{
-    bool thermal = pel_sensing_is(c) && c->sensor.sense == PEL_SENSE_THERMAL;
-    return c->antialiasing && !thermal && pel_programs_have_edges(&r->programs);
-}
-
-/* Drops and the eye's loss of detail come between light and colour
- * everywhere. */
-static bool is_toned_last(const struct pel_environment *env,
-                          const struct pel_draw *draw, unsigned layers)
-{
-    return pel_fall_map_shows(env, layers) ||
-           pel_pane_map_shows(&draw->camera, layers) ||
-           pel_acuity_border(env, &draw->camera, draw->layers) > 0;
-}
-
-/* Outlines are mixed in radiance, objects as fragments with what is behind
- * them. */
-static unsigned to_shade(const struct pel_renderer *r,
-                         const struct pel_environment *env,
-                         const struct pel_draw *draw)
-{
-    unsigned layers = pel_sensing_layers(&draw->camera, draw->layers);
-    bool mixed = draws_edges(r, &draw->camera) ||
-                 (env->object_count && !r->programs.compute) ||
-                 is_toned_last(env, draw, layers);
-    return mixed ? layers | PEL_LAYER_RADIANCE : layers;
-}
-
-/* What is shaded of it at once. */
-static unsigned at_once(const struct pel_environment *env,
-                        const struct pel_draw *draw, unsigned asked)
-{
-    return is_toned_last(env, draw, asked) ? asked & ~(unsigned)PEL_LAYER_COLOR
-                                           : asked;
-}
-
-/* At an altitude above the sea's zero. */
-static bool is_above_clouds(const struct pel_environment *env,
-                            double altitude_m)
-{
-    return env->clouds.cover > 0 && altitude_m > env->clouds.base_m;
-}
-
-/* Everything up to the colour, with `border` more pixels at each edge; the
- * camera stands above the sea's zero. What decides how a pixel is drawn is
- * planned for the whole picture. */
-static void draw_pixels(struct pel_renderer *r,
-                        const struct pel_environment *env,
-                        const struct pel_draw *draw, int border)
-{
-    const unsigned asked = to_shade(r, env, draw);
-    const struct pel_camera full = pel_edges_camera(&draw->camera, border);
-    const struct pel_camera *whole = &full;
-    struct pel_band band = pel_band_of(draw);
-    band.rows += 2 * (uint32_t)border;
-    double height_m = fmax(whole->altitude_m, PEL_LEAST_EYE_M);
-    double table_height_m = pel_sky_quantize_height(height_m);
-    struct pel_block_view view;
-    pel_fill_view(whole, &r->filter, &view);
-    bool submerged = is_submerged(env, whole);
-    r->margin = draws_edges(r, whole) && !submerged ? PEL_EDGES_MARGIN : 0;
-    view.pixel.z -= (float)r->margin;
-    view.pixel.w += (float)((int)band.first - r->margin);
-    view.size.x += (float)(2 * r->margin);
-    view.size.y = (float)((int)band.rows + 2 * r->margin);
-    const struct pel_mesh_eye mesh_eye = {
-        .height_m = height_m,
-        .pixel = fmin((double)view.pixel.x, (double)view.pixel.y),
-        .cell_px = r->filtering.cell_px,
-        .sea = env->sea,
-        .losses = &r->statistics.losses,
-    };
-    const struct pel_camera part = pel_band_camera(whole, band);
-    const struct pel_camera *c = &part;
-    const struct pel_camera wide = pel_edges_camera(whole, r->margin);
-    pel_mesh_plan(&mesh_eye, &wide, r->mesh);
-    if (c->height < whole->height) {
-        const struct pel_camera narrow = pel_edges_camera(c, r->margin);
-        pel_mesh_narrow(&mesh_eye, &narrow, r->mesh);
-    }
-    struct pel_disc_box discs[PEL_LIGHTS];
-    for (int i = 0; i < PEL_LIGHTS; i++) {
-        discs[i] =
-            i >= env->discs
-                ? (struct pel_disc_box){ 0 }
-                : pel_band_disc(
-                      &wide, env->lights[i].direction,
-                      pel_light_radius(&env->lights[i]),
-                      (struct pel_band){ band.first,
-                                         band.rows + 2 * (uint32_t)r->margin });
-    }
-    bool cascades = env->sea->cascades != NULL;
-    r->programs.above = is_above_clouds(env, whole->altitude_m);
-    const struct pel_sea_programs *programs =
-        pel_programs_of(&r->programs, env->sea);
-    r->any_coast = env->seabed &&
-                   pel_coast_plan(env, &r->seabed, whole,
-                                  pel_water_visible_m(&env->water), r->tiles);
-    if (r->any_coast && env->coast_everywhere) {
-        for (size_t i = 0; i < PEL_MAX_TILES; i++) {
-            r->tiles[i] = PEL_COAST_LAND;
-        }
-    }
-    bool still = pel_still_wanted(env, &r->programs);
-    if (!r->any_coast && (env->object_count || still)) {
-        memset(r->tiles, PEL_COAST_NONE, sizeof r->tiles);
-    }
-    still = still && pel_still_tiles(env, whole, r->tiles);
-    r->still = still ? pel_programs_still(&r->programs, env->sea) : NULL;
-    r->any_objects = env->object_count &&
-                     pel_objects_plan(&r->objects, env, whole, r->tiles);
-    if (r->any_coast || r->any_objects || r->still) {
-        pel_band_tiles(whole, band, r->tiles);
-    }
-    if (r->any_coast) {
-        struct pel_block_seabed block;
-        pel_seabed_map_bind(&r->seabed);
-        pel_fill_seabed(env, &r->seabed, r->statistics.variance,
-                        r->sky.water.beams, c->east_m, c->north_m, &block);
-        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SEABED, &block,
-                       sizeof block);
-    }
-    struct pel_block_eye eye;
-    pel_fill_eye(height_m, table_height_m, submerged, r->mesh, &eye);
-    pel_fill_spray(env->sea->foam, submerged ? 0.0 : height_m, &eye);
-    if (env->sea->foam) {
-        pel_fill_grain(env->sea->foam, env->wind_to_rad, c->east_m, c->north_m,
-                       &eye);
-    }
-    pel_fill_cloud_eye(env, c->east_m - env->clouds.east_mps * env->time_s,
-                       c->north_m - env->clouds.north_mps * env->time_s, &eye);
-    pel_fill_fog(env, c->east_m, c->north_m, &eye);
-    if (cascades) {
-        struct pel_block_cascades block;
-        pel_fill_cascades(env->sea->cascades, c->east_m, c->north_m, &block);
-        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_CASCADES, &block,
-                       sizeof block);
-    } else {
-        bind_waves(r, env, c);
-    }
-    if (env->sea->shore) {
-        struct pel_block_shore block;
-        pel_shore_map_bind(&r->shore, env->sea->shore, cascades, c->east_m,
-                           c->north_m, &block);
-        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SHORE, &block,
-                       sizeof block);
-    }
-    if (env->sea->desc.area_count || env->wash) {
-        struct pel_block_areas block;
-        pel_fill_areas(env, c->east_m, c->north_m, &block);
-        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_AREAS, &block,
-                       sizeof block);
-    }
-    if (env->wash) {
-        bind_wash(r, env, c);
-    }
-    pel_sea_texels_bind(&r->tables);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
-                   sizeof eye);
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_VIEW, &view,
-                   sizeof view);
-    if (asked & PEL_LAYER_COLOR || whole->auto_exposure ||
-        pel_sensing_is(whole)) {
-        expose(r, env, &draw->camera, submerged);
-        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
-                       sizeof eye);
-    }
-    pel_targets_fit(&r->targets, c->width + 2 * (uint32_t)r->margin,
-                    c->height + 2 * (uint32_t)r->margin, asked);
-    pel_stage_begin(&r->timing);
-    pel_sky_bind_eye(&r->sky, env, table_height_m);
-    pel_stage_end(&r->timing, PEL_STAGE_SKY);
-    if (env->wakes) {
-        struct pel_block_wakes block;
-        pel_wake_map_bind(&r->wakes, env, c->east_m, c->north_m, &block);
-        pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_WAKES, &block,
-                       sizeof block);
-    }
-    displace_mesh(r, programs);
-    pel_stage_end(&r->timing, PEL_STAGE_MESH);
-    if (r->programs.compute) {
-        search_surface(r, submerged);
-    } else {
-        raster_surface(r, c, submerged);
-    }
-    bool compute = r->programs.compute;
-    if (env->lamp_count > 0) {
-        pel_lamp_glow_bind(&r->glows, env, whole, band.first, r->margin);
-    }
-    if (r->any_objects) {
-        glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
-        pel_objects_light(&r->objects, &r->sky);
-        GLint box[4];
-        pel_shade_box(r, c, box);
-        pel_objects_raster(&r->objects, env, whole, &view, box, &r->arena,
-                           compute, pel_shade_middles(asked));
-        glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
-    }
-    pel_stage_end(&r->timing, PEL_STAGE_RASTER);
-    if (env->wakes) { /* tables of the light had their place */
-        pel_wake_map_again(&r->wakes);
-    }
-    if (env->night.on) {
-        pel_night_textures_bind(&r->sky.night, env, &view);
-    }
-    if (env->panorama) {
-        glBindTextureUnit(PEL_UNIT_PANORAMA, r->sky.panorama.texture);
-    }
-    if (env->lamp_count > 0) {
-        pel_lamp_map_plan(&r->lamps, env, whole, &view);
-        pel_lamp_map_find(&r->lamps, &r->programs, &r->targets, &r->arena);
-    }
-    if (env->clouds.cover > 0) {
-        pel_cloud_map_scape(&r->clouds, *pel_programs_cloudscape(&r->programs),
-                            env, whole, &view);
-        glViewport(0, 0, (GLsizei)view.size.x, (GLsizei)view.size.y);
-    }
-    const unsigned now = at_once(env, draw, asked);
-    const bool toned = pel_shade_tones(r, now);
-    const GLsizei width = (GLsizei)view.size.x, height = (GLsizei)view.size.y;
-    if (env->lamp_count > 0 && toned) {
-        glViewport(0, 0, width, height);
-        pel_lamp_map_alone(&r->lamps, compute, (uint32_t)width,
-                           (uint32_t)height);
-    }
-    if (compute) {
-        pel_shade_dispatches(r, c, programs, now);
-    } else {
-        pel_shade_fragments(r, c, discs, programs, now);
-    }
-    if (pel_fall_map_shows(env, asked) && !submerged && !r->programs.above) {
-        glViewport(0, 0, width, height);
-        pel_fall_map_put(&r->falls, env, c, &view, &r->targets);
-    }
-    GLuint light = r->targets.planes[PEL_AT_RADIANCE], sharp = light;
-    if (border > 0) {
-        light = pel_acuity_run(&r->acuity, &r->targets, width, height,
-                               r->margin + border);
-    }
-    const unsigned wanted = pel_sensing_layers(&draw->camera, draw->layers);
-    if (env->lamp_count > 0 && (!toned || wanted & PEL_LAYER_RADIANCE)) {
-        glViewport(0, 0, width, height);
-        pel_lamp_map_put(&r->lamps, sharp);
-        if (light != sharp) {
-            pel_lamp_map_put(&r->lamps, light);
-        }
-    }
-    if (pel_pane_map_shows(c, asked) && !submerged) {
-        glViewport(0, 0, width, height);
-        pel_pane_map_put(&r->panes, env, c, sharp);
-        if (light != sharp) {
-            pel_pane_map_put(&r->panes, env, c, light);
-        }
-    }
-    pel_stage_end(&r->timing, PEL_STAGE_SHADE);
-    if (!toned && asked & PEL_LAYER_COLOR) {
-        pel_shade_tone(r, c, light);
-    }
-}
-
-static enum pel_err draw_view(struct pel_renderer *r,
-                              const struct pel_environment *env,
-                              const struct pel_draw *draw)
-{
-    int64_t started_ns = pel_now_ns();
-    struct pel_draw here = *draw;
-    here.camera.altitude_m -= env->sea_level_m;
-    const struct pel_camera *c = &here.camera;
-    struct pel_band band = pel_band_of(draw);
-    const int border = pel_acuity_border(env, c, draw->layers);
-    draw_pixels(r, env, &here, border);
-    if (pel_sensing_is(c) && draw->layers & PEL_LAYER_COLOR) {
-        const struct pel_camera part = pel_band_camera(c, band);
-        pel_shade_sense(r, env, &part);
-    }
-    if (env->stale && draw->layers & PEL_LAYER_COLOR) {
-        pel_mark_stale(r->targets.color_fbo, c->width, c->height, band.first,
-                       band.rows, r->margin + border, env->stale);
-    }
-    pel_stage_end(&r->timing, PEL_STAGE_TONE);
-    const struct pel_readback_source source = {
-        .color_fbo = r->targets.color_fbo,
-        .planes = r->targets.planes,
-        .exposure = r->meter.exposure,
-        .auto_exposure = c->auto_exposure,
-        .exposure_ev = c->exposure_ev,
-        .width = c->width,
-        .height = c->height,
-        .first_row = band.first,
-        .rows = band.rows,
-        .x = r->margin + border,
-        .y = r->margin + border,
-        .layers = draw->layers,
-        .user = draw->user,
-        .started_ns = started_ns,
-    };
-    enum pel_err err = pel_readback_push(&r->readback, &source);
-    pel_stage_end(&r->timing, PEL_STAGE_READBACK);
-    return err;
-}
-
 /* --- a frame's needs ------------------------------------------------------ */
 
 bool pel_renderer_in_compute(const struct pel_renderer *r)
@@ -709,12 +235,13 @@ static enum pel_err need_view(struct pel_renderer *r,
     bool coast = env->seabed != NULL, objects = env->object_count > 0;
     enum pel_err err = PEL_OK;
     r->programs.above =
-        is_above_clouds(env, draw->camera.altitude_m - env->sea_level_m);
+        pel_view_above_clouds(env, draw->camera.altitude_m - env->sea_level_m);
     bool compute;
     do { /* once more where it turned to fragments meanwhile */
         compute = r->programs.compute;
-        struct pel_pass pass =
-            pel_pass_first(at_once(env, draw, to_shade(r, env, draw)), compute);
+        struct pel_pass pass = pel_pass_first(
+            pel_view_at_once(env, draw, pel_view_layers(r, env, draw)),
+            compute);
         do {
             err = pel_programs_need(&r->programs, env->sea, pass.kind, coast,
                                     objects, fault);
@@ -737,14 +264,15 @@ static enum pel_err need_view(struct pel_renderer *r,
     if (err == PEL_OK && pel_acuity_border(env, &draw->camera, draw->layers)) {
         err = pel_acuity_need(&r->acuity, r->shader_dir, fault);
     }
-    if (err == PEL_OK && pel_fall_map_shows(env, to_shade(r, env, draw))) {
+    if (err == PEL_OK &&
+        pel_fall_map_shows(env, pel_view_layers(r, env, draw))) {
         err = pel_fall_map_need(&r->falls, env, r->shader_dir, fault);
     }
     if (err == PEL_OK &&
-        pel_pane_map_shows(&draw->camera, to_shade(r, env, draw))) {
+        pel_pane_map_shows(&draw->camera, pel_view_layers(r, env, draw))) {
         err = pel_pane_map_need(&r->panes, env, r->shader_dir, fault);
     }
-    return err == PEL_OK && draws_edges(r, &draw->camera)
+    return err == PEL_OK && pel_view_edges(r, &draw->camera)
                ? pel_programs_need_edges(&r->programs, fault)
                : err;
 }
@@ -790,9 +318,9 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     if (err != PEL_OK) {
         return err;
     }
-    err = pel_arena_begin(&r->arena, (count + 1) * VIEW_UNIFORM_BYTES +
-                                         count * (pel_objects_bytes(env) +
-                                                  wash_bytes(env) +
+    err = pel_arena_begin(&r->arena, PEL_VIEW_UNIFORM_BYTES +
+                                         count * (pel_view_bytes(env) +
+                                                  pel_objects_bytes(env) +
                                                   pel_lamp_map_bytes(env)));
     if (err != PEL_OK) {
         return err;
@@ -830,7 +358,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     r->env = NULL;
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
     for (size_t i = 0; i < count && err == PEL_OK; i++) {
-        err = draw_view(r, &here, &draws[i]);
+        err = pel_view_draw(r, &here, &draws[i]);
     }
     pel_arena_end(&r->arena);
     return err;
@@ -889,7 +417,8 @@ enum pel_err pel_renderer_probe(struct pel_renderer *r,
         err = need_light(r, &here, fault);
     }
     if (err == PEL_OK &&
-        (err = pel_arena_begin(&r->arena, 2 * VIEW_UNIFORM_BYTES)) != PEL_OK) {
+        (err = pel_arena_begin(&r->arena, 2 * PEL_VIEW_UNIFORM_BYTES)) !=
+            PEL_OK) {
         pel_fault_set(fault, err, "no memory for the frame's buffers");
     }
     if (err != PEL_OK) {
