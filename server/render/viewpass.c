@@ -103,12 +103,11 @@ static bool is_submerged(const struct pel_environment *env,
 
 /* What decides how a pixel is drawn is planned for the whole picture. */
 static void plan_pixels(struct pel_renderer *r,
-                        const struct pel_environment *env,
-                        const struct pel_draw *draw, int border, struct view *v)
+                        const struct pel_environment *env, struct view *v)
 {
-    v->draw = draw;
+    const struct pel_draw *draw = v->draw;
+    const int border = v->border;
     v->asked = pel_view_layers(r, env, draw);
-    v->border = border;
     v->whole = pel_edges_camera(&draw->camera, border);
     v->band = pel_band_of(draw);
     v->band.rows += 2 * (uint32_t)border;
@@ -507,8 +506,8 @@ static void draw_pixels(struct pel_renderer *r,
                         const struct pel_environment *env,
                         const struct pel_draw *draw, int border)
 {
-    struct view v;
-    plan_pixels(r, env, draw, border, &v);
+    struct view v = { .draw = draw, .border = border };
+    plan_pixels(r, env, &v);
     plan_mesh(r, env, &v);
     plan_discs(r, env, &v);
     r->programs.above = pel_view_above_clouds(env, v.whole.altitude_m);

@@ -50,6 +50,10 @@ const struct pel_sea *pel_shared_sea_value(struct pel_shared_sea *sea);
  * left out. */
 void pel_sea_describe(const Pelagos__State *state, int wave_count,
                       struct pel_sea_desc *out);
+
+/* Mathematical direction (radians from east) that waves or wind go to, of the
+ * compass direction (degrees from north) that they come from. */
+double pel_goes_to(double from_deg);
 void pel_shared_sea_unref(struct pel_shared_sea *sea); /* NULL allowed */
 
 /* A snapshot with one reference; takes its own of the sea, of the bottom
