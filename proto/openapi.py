@@ -65,6 +65,9 @@ def forms(schema):
              "role": {"enum": ["watch", "steer", "instruct"]},
              "quality": {"type": "number", "minimum": 0, "maximum": 1}},
             ("status",)),
+        "Session": form({"role": {"enum": ["watch", "steer", "instruct"]},
+                         "routes": words, "fields": words},
+                        ("role", "routes", "fields")),
         "FieldValue": form({"value": value, **told}, ("path", "value")),
         "Fields": form({"fields": {"type": "array", "items": form(
             {"doc": TEXT, "values": words, "unusable": words, "spectra": words,

@@ -8,12 +8,16 @@ import { after, afterEach, before } from "node:test";
 import { openBrowser, wanted } from "./browser.mjs";
 import { Daemon, ROOT, until } from "./pelagos_daemon.mjs";
 
+export const SIZES = { phone: [390, 844], laptop: [1440, 900],
+  wall: [2560, 1440] };
+export const at = (size) => ({ viewport: { width: SIZES[size][0],
+  height: SIZES[size][1] } });
 export const SHOTS = path.join(ROOT, "build/page");
 wanted("playwright-core"); // or the test is skipped
 fs.mkdirSync(SHOTS, { recursive: true });
 
 export let browser, daemon, page;
-let errors;
+let errors, axe;
 
 // A page of its own, whose errors fail the test.
 // tour: as in a browser that has not seen it; else its introduction is over.
@@ -69,6 +73,43 @@ export const openSections = async () => {
     });
   });
 };
+
+export const only = (...ids) => page.evaluate((wanted_) => {
+  document.querySelectorAll("#panel > details").forEach((d) => {
+    d.open = wanted_.some((id) => d.id === id || d.querySelector(`#${id}`));
+  });
+}, ids);
+export const ready = () => until("the controls", () =>
+  page.locator("#panel:not(.waiting)").count());
+
+// Without a fault that axe knows of, in both colours.
+export async function clean(what) {
+  axe ??= wanted("axe-core");
+  await page.evaluate(axe.source);
+  for (const colorScheme of ["dark", "light"]) {
+    await page.emulateMedia({ colorScheme });
+    const found = await page.evaluate(() => axe.run({ runOnly: ["wcag2a",
+      "wcag2aa", "wcag21aa", "best-practice"] }));
+    assert.deepEqual(found.violations.map((v) => `${v.id}: ${v.help}: ${
+      v.nodes.map((n) => n.html.slice(0, 120))}`), [], `${what}, ${colorScheme}`);
+  }
+  await page.emulateMedia({ colorScheme: null });
+}
+
+export const inside = async () => assert.deepEqual(await page.locator(
+  ".section[open] *:visible").evaluateAll((nodes) => nodes.filter((n) =>
+  n.getBoundingClientRect().right >
+    n.closest(".section").getBoundingClientRect().right + 1)
+  .map((n) => n.outerHTML.slice(0, 120))), [], "wider than its section");
+
+// A file that the page hands over.
+export async function saved(action) {
+  const [download] = await Promise.all([page.waitForEvent("download",
+    { timeout: 120000 }), action()]);
+  const file = path.join(SHOTS, download.suggestedFilename());
+  await download.saveAs(file);
+  return file;
+}
 
 export const fresh = () => daemon.patch({
   sea: null, sky: null, water: null, clock: null, ownShip: null,

@@ -9,53 +9,15 @@ import fs from "node:fs";
 import path from "node:path";
 import { beforeEach, describe, test } from "node:test";
 
-import { wanted } from "./browser.mjs";
-import { browser, daemon, fresh, open, openSections, page, pictures, shot, SHOTS,
-  slide, state, text } from "./page.mjs";
+import { at, browser, clean, daemon, fresh, inside, only, open, openSections,
+  page, pictures, ready, saved, shot, SHOTS, SIZES, slide, state, text }
+  from "./page.mjs";
 import { Daemon, folder, until } from "./pelagos_daemon.mjs";
 
-const axe = wanted("axe-core");
-const SIZES = { phone: [390, 844], laptop: [1440, 900], wall: [2560, 1440] };
 const MOST_KB = 600;
 
-const at = (size) => ({ viewport: { width: SIZES[size][0],
-  height: SIZES[size][1] } });
 const choose = (id, label) => page.locator(`#${id}`).selectOption({ label });
 const note = () => text("#preset-note");
-const only = (...ids) => page.evaluate((wanted_) => {
-  document.querySelectorAll("#panel > details").forEach((d) => {
-    d.open = wanted_.some((id) => d.id === id || d.querySelector(`#${id}`));
-  });
-}, ids);
-const ready = () => until("the controls", () =>
-  page.locator("#panel:not(.waiting)").count());
-
-async function clean(what) {
-  await page.evaluate(axe.source);
-  for (const colorScheme of ["dark", "light"]) {
-    await page.emulateMedia({ colorScheme });
-    const found = await page.evaluate(() => axe.run({ runOnly: ["wcag2a",
-      "wcag2aa", "wcag21aa", "best-practice"] }));
-    assert.deepEqual(found.violations.map((v) => `${v.id}: ${v.help}: ${
-      v.nodes.map((n) => n.html.slice(0, 120))}`), [], `${what}, ${colorScheme}`);
-  }
-  await page.emulateMedia({ colorScheme: null });
-}
-
-const inside = async () => assert.deepEqual(await page.locator(
-  ".section[open] *:visible").evaluateAll((nodes) => nodes.filter((n) =>
-  n.getBoundingClientRect().right >
-    n.closest(".section").getBoundingClientRect().right + 1)
-  .map((n) => n.outerHTML.slice(0, 120))), [], "wider than its section");
-
-// A file that the page hands over.
-async function saved(action) {
-  const [download] = await Promise.all([page.waitForEvent("download",
-    { timeout: 120000 }), action()]);
-  const file = path.join(SHOTS, download.suggestedFilename());
-  await download.saveAs(file);
-  return file;
-}
 
 describe("the sea-state card", () => {
   beforeEach(fresh);

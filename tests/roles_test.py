@@ -62,6 +62,21 @@ class Roles(unittest.TestCase):
     def state(self):
         return self.request("instruct", "GET", "/v1/state").json()
 
+    def test_a_session_says_what_the_table_says(self):
+        fields = re.findall(r'^PEL_ROLE_FIELD\((\w+), "([^"]+)"\)',
+                            read("roles.def"), re.M)
+        for role in ORDER:
+            answer = self.request(role, "GET", "/v1/session").json()
+            mine = ORDER[:ORDER.index(role) + 1]
+            self.assertEqual(answer["role"], role)
+            self.assertEqual(answer["routes"], [
+                f"{method} {pattern}" for method, pattern, least in routes()
+                if least in mine])
+            self.assertEqual(answer["fields"], ["*"] if role == "instruct" else
+                             [path for least, path in fields
+                              if least.lower() in mine])
+        self.assertEqual(self.daemon.get("/v1/session").status, 401)
+
     def test_every_route(self):
         tried = set()
         before = self.state()["revision"]

@@ -5,6 +5,7 @@ import { Gone, inTurn, perform, Problem } from "/api.js";
 import { firstState } from "/early.js";
 import { addView, clearSilent, silentInputs } from "/inputs.js";
 import { link, missing } from "/link.js";
+import { learn } from "/rights.js";
 import { Store } from "/store.js";
 import { Views } from "/views.js";
 
@@ -174,7 +175,7 @@ const pictured = Promise.race([
 async function begin() {
   await pictured;
   const [{ Controls }, answer] = await Promise.all([import("/controls.js"),
-    inTurn(() => perform("GET", "/v1/fields"))]);
+    inTurn(() => perform("GET", "/v1/fields")), learn()]);
   fields = new Map(answer.fields.map((f) => [f.path, f]));
   controls = new Controls(fields, views, store, now);
   show();
@@ -200,7 +201,13 @@ async function poll(first) {
   } catch (error) {
     if (error instanceof Problem && error.status === 401) {
       showLink(false, "The server asks for a token.");
-      (await import("/login.js")).askToken(error.message, () => poll());
+      (await import("/login.js")).askToken(error.message, () => {
+        if (controls) {
+          location.reload(); // another token may do other things
+        } else {
+          poll();
+        }
+      });
       next = null; // goes on with the token
     } else if (error instanceof Problem) {
       showLink(false, `The server refuses: ${error.message}`);

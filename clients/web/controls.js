@@ -3,6 +3,7 @@
 import { Debrief, Recordings } from "/debrief.js";
 import { Keep } from "/keep.js";
 import { Presets } from "/presets.js";
+import { dress } from "/rights.js";
 import { Rose } from "/rose.js";
 import { beaufort, Sections, sunFixed } from "/sections.js";
 import { utcMs } from "/daytime.js";
@@ -28,17 +29,24 @@ export class Controls {
     this.viewList = new ViewList(byId("viewlist"), store, views);
     this.debrief = new Debrief(views);
     this.recordings = new Recordings(byId("recordings"), this.debrief);
-    this.lazyCard(time);
+    this.lazyCard("sea-state", async (details) => {
+      const { SeaCard } = await import("/seacard.js");
+      return new SeaCard(details, store, time);
+    });
+    this.lazyCard("exercises", async (details) => {
+      const { Exercises } = await import("/exercises.js");
+      return new Exercises(details, store);
+    });
+    dress();
   }
 
-  // The sea-state card, when it is opened first.
-  lazyCard(time) {
-    const details = document.getElementById("sea-state");
-    const open = async () => {
-      if (details.open && !this.card) {
-        this.card = true;
-        const { SeaCard } = await import("/seacard.js");
-        this.card = new SeaCard(details, this.store, time);
+  // A card that is made when it is opened first.
+  lazyCard(id, make) {
+    const details = document.getElementById(id);
+    let made = null;
+    const open = () => {
+      if (details.open) {
+        made ??= make(details);
       }
     };
     details.addEventListener("toggle", open);

@@ -39,14 +39,16 @@ export class Daytime {
     const row = document.createElement("p");
     row.className = "tools-row";
     parent.append(row);
-    this.pause = button(row, "Pause", "Pause simulated time", () => this.turn());
+    this.pause = button(row, "Pause", "Pause simulated time", () => this.turn(),
+      "clock.mode");
     this.steps = document.createElement("select");
     this.steps.className = "select";
     this.steps.setAttribute("aria-label", "Length of a step");
     this.steps.append(...STEPS.map(([s, text]) => new Option(text, s, s === 1,
       s === 1)));
     this.step = button(row, "Step", "Advance time by one step", () =>
-      this.advance());
+      this.advance(), "POST v1/clock/step");
+    this.steps.dataset.needs = "POST v1/clock/step";
     row.append(this.steps);
     this.note = document.createElement("p");
     this.note.className = "error";
@@ -102,6 +104,7 @@ export class Daytime {
     this.utc = document.createElement("input");
     Object.assign(this.utc, { id: "utc", type: "datetime-local", step: 1,
       className: "text" });
+    this.utc.dataset.needs = "clock.utc";
     node.append(label, this.utc);
     parent.append(node);
     // What is typed stays until it is committed: a browser tells each part of
@@ -145,7 +148,7 @@ export class Daytime {
     node.innerHTML = `
       <label class="label" for="day">Time of day, UTC</label>
       <output class="entry-row" id="day-text">–</output>
-      <input class="slider" id="day" type="range" min="0" max="${DAY_S - 60}"
+      <input class="slider" id="day" data-needs="clock.utc" type="range" min="0" max="${DAY_S - 60}"
              step="60">
       <svg class="day-strip" viewBox="0 0 1000 60" preserveAspectRatio="none"
            aria-hidden="true"></svg>

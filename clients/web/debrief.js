@@ -3,8 +3,11 @@
 
 import { Gone, inTurn, perform, Problem } from "/api.js";
 import { button } from "/panel.js";
+import { may, needs } from "/rights.js";
 import { Player } from "/player.js";
 
+const LEADS = "PATCH v1/debrief";
+const RECORDS = "POST v1/recording";
 const JSON_TYPE = { "Content-Type": "application/json" };
 const LOOK_MS = 400; // while it is open
 const LIST_MS = 5000; // while the list is seen
@@ -217,7 +220,8 @@ export class Debrief {
       this.rate.value = RATES.includes(status.rate) ? status.rate : 1;
     }
     for (const node of this.bar.querySelectorAll("button, input, select")) {
-      node.disabled = !open && node.id !== "debrief-close";
+      node.disabled = (!open && node.id !== "debrief-close") ||
+        (node !== this.which && !may(LEADS));
     }
     if (open !== (before.state === "OPEN")) {
       this.views.lay();
@@ -284,7 +288,7 @@ export class Recordings {
   constructor(parent, debrief) {
     this.debrief = debrief;
     this.details = parent.closest("details");
-    this.form = element("p", "tools-row");
+    this.form = needs(element("p", "tools-row"), RECORDS);
     this.name = element("input", "text");
     this.name.id = "recording-name";
     this.name.placeholder = "named by the date";
@@ -356,7 +360,8 @@ export class Recordings {
       text.append(facts);
       node.append(text);
       button(node, "Debrief", `Debrief of ${one.name}`, () =>
-        this.debrief.do({ recording: one.name })).disabled = Boolean(one.error);
+        this.debrief.do({ recording: one.name }), LEADS)
+        .disabled = Boolean(one.error);
       return node;
     }));
   }

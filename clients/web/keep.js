@@ -7,7 +7,7 @@ const PATIENCE_MS = 120000; // a large EXR on the software device
 const KINDS = [["jpg", "JPEG"], ["png", "PNG"], ["exr", "EXR"]];
 const byId = (id) => document.getElementById(id);
 
-function hand(blob, name) {
+export function hand(blob, name) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
   link.download = name;

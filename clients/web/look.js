@@ -3,6 +3,7 @@
 // server answers, never faster.
 
 import { Gone, Problem } from "/api.js";
+import { mayPatch } from "/rights.js";
 
 const clamp = (x, low, high) => Math.max(low, Math.min(high, x));
 const DOUBLE_MS = 350;
@@ -24,6 +25,9 @@ export class Look {
     const key = `look ${this.name}`;
     this.wish = this.store.waits(key) ? { ...this.wish, ...change } : change;
     const { wish } = this;
+    if (!mayPatch({ views: { [this.name]: wish } }, this.store.state)) {
+      return;
+    }
     const make = (state) => {
       const there = state.views?.some((view) => view.name === this.name);
       return there ? { views: { [this.name]: wish } } : null;

@@ -3,6 +3,7 @@
 // the control that asked for it.
 
 import { Gone, Problem } from "/api.js";
+import { everything, mayPatch, needs } from "/rights.js";
 
 const TYPING_MS = 150;
 const DRAGGING_MS = 150;
@@ -27,10 +28,13 @@ export class Control {
   // get(state): the value; patch(value): the merge patch that sets it, or a
   // function that makes it of a state; target(): which of several things
   // (views, ships, trains) it is about now, and what to call that; sure: as
-  // Store.ask says.
+  // Store.ask says; local: choosing changes nothing but the page.
   constructor(parent, { store, id, label, patch, get, target, targetName,
-    sure }) {
+    sure, local = false }) {
     this.store = store;
+    this.local = local || !patch;
+    this.able = true;
+    this.barred = false;
     this.id = id || `control-${numbers++}`;
     this.patch = patch;
     this.get = get;
@@ -69,8 +73,28 @@ export class Control {
   // What does not apply is not shown.
   set enabled(enabled) {
     this.node.hidden = !enabled;
+    this.able = enabled;
+    this.settle();
+  }
+
+  // Whether the page's token may set it, by what setting it now would send.
+  mine(state) {
+    const made = this.patch(this.sample(state));
+    const patch = typeof made === "function" ? made(state) : made;
+    return Boolean(patch) && mayPatch(patch, state);
+  }
+
+  sample(state) {
+    return this.get(state);
+  }
+
+  settle() {
+    this.node.classList.toggle("rests", this.barred);
     for (const input of this.inputs) {
-      input.disabled = !enabled;
+      input.disabled = !this.able || this.barred;
+    }
+    for (const node of this.node.querySelectorAll("button:not([data-needs])")) {
+      node.classList.toggle("barred", this.barred);
     }
   }
 
@@ -139,6 +163,11 @@ export class Control {
 
   show(state) {
     const value = this.get(state);
+    const barred = !this.local && !everything() && !this.mine(state);
+    if (barred !== this.barred) {
+      this.barred = barred;
+      this.settle();
+    }
     if (!this.held && this.error.hidden) {
       this.set(value);
     }
@@ -322,6 +351,10 @@ export class Check extends Control {
     this.box.addEventListener("change", () => this.write(this.box.checked));
   }
 
+  sample(state) {
+    return !this.get(state);
+  }
+
   set(value) {
     this.box.checked = value;
   }
@@ -350,8 +383,12 @@ export class Text extends Control {
   }
 }
 
-export function button(parent, text, label, action) {
+// needed: as in rights.js.
+export function button(parent, text, label, action, needed = "") {
   const node = element("button", "button", text);
+  if (needed) {
+    needs(node, needed);
+  }
   node.type = "button";
   node.setAttribute("aria-label", label);
   node.title = label;

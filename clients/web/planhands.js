@@ -6,7 +6,8 @@ const REACH_PX = { mouse: 12, pen: 14, touch: 22 };
 const STEP_PX = 24;
 
 // act: { choose(id), move(id, place, done), put(place, motion), cancel(),
-// remove(), adding(): whether the next click puts something }.
+// remove(), adding(): whether the next click puts something, moves(entity):
+// whether it may be moved }.
 export class PlanHands {
   constructor(plan, act) {
     this.plan = plan;
@@ -76,7 +77,7 @@ export class PlanHands {
     } else if (this.began) {
       this.moved ||= Math.hypot(at[0] - this.began[0],
         at[1] - this.began[1]) > STILL_PX;
-      if (this.moved && this.thing) {
+      if (this.moved && this.thing && this.act.moves(this.thing)) {
         this.carry(plan.place(at.map((x, i) => x + this.grip[i])));
       } else if (this.moved) {
         plan.pan([before[0] - at[0], before[1] - at[1]]);
@@ -146,7 +147,7 @@ export class PlanHands {
     const entity = (plan.state.entities ?? []).find((e) =>
       (e.id ?? 0) === plan.selected);
     if (way && event.shiftKey) {
-      if (entity) {
+      if (entity && act.moves(entity)) {
         const [x, y] = plan.pixel(plan.at(entity));
         this.thing = entity;
         this.carry(plan.place([x + way[0] * STEP_PX / 3,

@@ -355,7 +355,7 @@ export class Sections {
       "Look ahead, level, with a field of view of 60 degrees", () => {
         this.views.chosen?.look.want({ yaw: 0, pitch: 0, roll: 0,
           ...(this.views.chosen.view.frustum ? {} : { fieldOfView: 60 }) });
-      });
+      }, "views.*.yaw");
     level.id = "level";
   }
 

@@ -66,11 +66,12 @@ export class Ship {
     row.className = "tools-row";
     byId("ship").append(row);
     button(row, "Look at it", "Turn the chosen view towards it",
-      () => this.lookAt()).id = "look-at";
+      () => this.lookAt(), "views.*.yaw").id = "look-at";
     button(row, "Follow it", "The chosen view goes with it, behind it",
-      () => this.followIt()).id = "follow-it";
+      () => this.followIt(), "views.*.entity").id = "follow-it";
     button(row, "Remove", "Remove it from the sea",
-      () => this.traffic.remove(Number(panel.shipId))).id = "remove";
+      () => this.traffic.remove(Number(panel.shipId)), "entities").id =
+      "remove";
   }
 
   buildShape() {

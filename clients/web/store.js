@@ -5,6 +5,7 @@
 // were asked for; each is made of the newest state when its turn comes.
 
 import { Gone, inTurn, perform, Problem } from "/api.js";
+import { learn } from "/rights.js";
 
 const KEYS = { entities: "id", views: "name", presets: "name" };
 const MERGE = { "Content-Type": "application/merge-patch+json" };
@@ -175,6 +176,9 @@ export class Store {
     } catch (error) {
       if (sure && error instanceof Problem && error.status === 412) {
         return undefined;
+      }
+      if (error instanceof Problem && error.status === 403) {
+        learn().catch(() => {}); // the token's role has changed
       }
       throw error;
     }

@@ -91,7 +91,7 @@ export class Swell {
     panel.check("swell", "swell-on", "A swell runs", {
       sure: 2, get: on, patch: (v) => this.setOn(v) });
     const choice = panel.pick("swell", "swell-train", "Train", {
-      sure: 2, depends: on,
+      sure: 2, depends: on, local: true,
       get: (state) => String(this.chosen(state)?.[MARK]),
       options: (state) => trains(state).map((train, i) =>
         [String(train[MARK]), `${i + 1}: ${train.height ?? 1} m from ` +
@@ -104,6 +104,7 @@ export class Swell {
     choice.node.classList.add("with-button");
     const pair = document.createElement("span");
     pair.className = "pair";
+    pair.dataset.needs = "sea.swell";
     choice.select.after(pair);
     // Each press counts: a key of its own.
     const press = (make) => choice.write(make, { key: ++presses });

@@ -10,6 +10,7 @@ import { Measure } from "/measure.js";
 import { button } from "/panel.js";
 import { Plan } from "/plan.js";
 import { PlanHands } from "/planhands.js";
+import { mayPatch } from "/rights.js";
 import { buildScenes, freeId, LONG_S, ownShip } from "/scenes.js";
 import { words } from "/words.js";
 
@@ -45,6 +46,8 @@ export class Traffic {
       choose: (id) => this.choose(id),
       next: (by) => this.next(by),
       move: (id, place, done) => this.move(id, place, done),
+      moves: (entity) => mayPatch({ entities: { [entity.id ?? 0]:
+        { latitude: 0, longitude: 0 } } }, store.state),
       put: (place, motion) => this.put(place, motion),
       remove: () => this.remove(),
     });
@@ -191,7 +194,7 @@ export class Traffic {
   }
 
   remove(id = this.plan.selected) {
-    return this.do(`remove ${id}`, (state) =>
+    return mayPatch({ entities: { [id]: null } }, {}) && this.do(`remove ${id}`, (state) =>
       entities(state).some((e) => (e.id ?? 0) === id)
         ? { entities: { [id]: null } } : null, { sure: 1 });
   }

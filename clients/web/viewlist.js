@@ -4,6 +4,7 @@
 import { Gone, Problem } from "/api.js";
 import { link, write } from "/link.js";
 import { button } from "/panel.js";
+import { may } from "/rights.js";
 import { chooseTheme, chosenTheme } from "/theme.js";
 
 const SURE_MS = 4000;
@@ -38,7 +39,7 @@ export class ViewList {
     this.note.hidden = true;
     const tools = element("p", "tools-row");
     button(tools, "Add a view", "Add a view beside the chosen one",
-      () => this.add());
+      () => this.add(), "views");
     parent.append(this.rows, tools, this.note);
     this.pick(parent, "layout", "Laid out", [["heading", "By where they look"],
       ["order", "In this order"]], views.layout, (v) => views.setLayout(v));
@@ -205,6 +206,7 @@ export class ViewList {
     name.setAttribute("aria-label", `Name of view ${view.name}`);
     name.dataset.key = `name ${view.name}`;
     name.dataset.sent = view.name;
+    name.readOnly = !may("views");
     name.addEventListener("focus", () => this.views.choose(view.name));
     name.addEventListener("change", () => {
       name.dataset.sent = name.value;
@@ -218,7 +220,7 @@ export class ViewList {
     });
     const row = element("span", "pair");
     const small = (text, label, act, disabled = false) => {
-      const made = button(row, text, `${label} ${view.name}`, act);
+      const made = button(row, text, `${label} ${view.name}`, act, "views");
       made.disabled = disabled;
       made.dataset.key = `${label} ${view.name}`;
       return made;

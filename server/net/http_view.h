@@ -49,6 +49,8 @@ PEL_CHECK enum pel_err pel_http_number(ProtobufCMessage *message,
                                        const char *name, const char *text,
                                        struct pel_fault *fault);
 
+/* http_session.c */
+void pel_http_get_session(const struct pel_http_call *call);
 /* http_exercise.c */
 void pel_http_get_exercise(const struct pel_http_call *call);
 void pel_http_post_exercise(const struct pel_http_call *call);

@@ -72,21 +72,35 @@ enum pel_err pel_role_need(enum pel_role has, enum pel_role needs,
 
 /* --- patches -------------------------------------------------------------- */
 
-static enum pel_role of_field(const char *path)
-{
-    static const struct {
-        enum pel_role role;
-        const char *path;
-    } rows[] = {
+static const struct {
+    enum pel_role role;
+    const char *path;
+} field_rows[] = {
 #define PEL_ROLE_FIELD(role, path) { PEL_ROLE_##role, path },
 #include "proto/roles.def"
-    };
-    for (size_t i = 0; i < G_N_ELEMENTS(rows); i++) {
-        if (strcmp(rows[i].path, path) == 0) {
-            return rows[i].role;
+};
+
+static enum pel_role of_field(const char *path)
+{
+    for (size_t i = 0; i < G_N_ELEMENTS(field_rows); i++) {
+        if (strcmp(field_rows[i].path, path) == 0) {
+            return field_rows[i].role;
         }
     }
     return PEL_ROLE_INSTRUCT;
+}
+
+const char *pel_role_field(enum pel_role has, size_t i)
+{
+    if (has == PEL_ROLE_INSTRUCT) {
+        return i == 0 ? "*" : NULL;
+    }
+    for (size_t k = 0; k < G_N_ELEMENTS(field_rows); k++) {
+        if (has >= field_rows[k].role && i-- == 0) {
+            return field_rows[k].path;
+        }
+    }
+    return NULL;
 }
 
 /* `path` as the client knows it, `rule` as the table has it. */

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "base/err.h"
 #include "pelagos.pb-c.h"
@@ -18,6 +19,10 @@ enum pel_role {
 const char *pel_role_name(enum pel_role role);
 /* NONE: there is no such role. */
 enum pel_role pel_role_by_name(const char *name);
+
+/* The i-th field that a patch of this role may set, as roles.def has it, or
+ * "*" for all; NULL: there are no more. */
+const char *pel_role_field(enum pel_role has, size_t i);
 
 /* The least role for a route of proto/routes.def, and for a command of Request.
  */

@@ -85,11 +85,29 @@ static void what_is_not_named_is_the_instructors(void **state)
     assert_int_equal(pel_role_by_name("none"), PEL_ROLE_NONE);
 }
 
+static void the_fields_of_a_role_are_those_of_the_table(void **state)
+{
+    (void)state;
+    size_t steers = 0;
+    const char *field;
+    assert_null(pel_role_field(PEL_ROLE_WATCH, 0));
+    while ((field = pel_role_field(PEL_ROLE_STEER, steers))) {
+        assert_true(strncmp(field, "ownShip.", 8) == 0 ||
+                    strncmp(field, "entities.own.", 13) == 0 ||
+                    strncmp(field, "views.*.", 8) == 0);
+        steers++;
+    }
+    assert_int_equal(steers, 11);
+    assert_string_equal(pel_role_field(PEL_ROLE_INSTRUCT, 0), "*");
+    assert_null(pel_role_field(PEL_ROLE_INSTRUCT, 1));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_each_may_patch),
         cmocka_unit_test(what_is_not_named_is_the_instructors),
+        cmocka_unit_test(the_fields_of_a_role_are_those_of_the_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
