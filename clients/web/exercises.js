@@ -277,6 +277,8 @@ export class Exercises {
     }
     if (this.leads) {
       await this.readFacts();
+    } else if (exercise.name) { // a replay's
+      this.hear(await inTurn(() => perform("GET", "/v1/exercise")));
     }
   }
 
