@@ -169,7 +169,7 @@ SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
 PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\
-    pelagosd pelagosctl pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum)
+    pelagosd pelagosctl pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-plot)
 
 .PHONY: all
 all: $(PROGRAMS) ## build the daemon and its command line
@@ -207,6 +207,12 @@ $(O)/bin/pelagos-model: $(call obj,$(MODEL_READER)) $(OBJ)/libserver.a
 
 $(O)/bin/pelagos-spectrum: $(call obj,$(SPECTRUM_READER)) $(OBJ)/libserver.a
 	$(LINK) $(SPECTRUM_LIBS) -lm
+
+# For pelagosctl plot, out of the tree; installed, it is the Python package's.
+$(O)/bin/pelagos-plot: Makefile
+	$(Q)mkdir -p $(@D)
+	$(Q)printf '%s\n' '#!/bin/sh' 'PYTHONPATH="$(CURDIR)/clients/python" exec /usr/bin/python3 -m pelagos.plot "$$@"' >$@
+	$(Q)chmod +x $@
 
 $(O)/bin/pelagos-panorama: $(call obj,$(PANORAMA_READER)) $(OBJ)/libserver.a
 	$(LINK) -lOpenEXRCore -lm

@@ -113,8 +113,8 @@ ANSWERS = {
 
 # Forms that an answer may be asked for in, beside JSON.
 FILES = {"Series": ("text/csv", "application/netcdf")}
-# Parameters without which nothing is asked.
-REQUIRED = {"sweep": "windSpeed=5,10"}
+# A value of parameters that have a form of their own.
+EXAMPLES = {"sweep": "windSpeed=5,10", "points": "0,0;25,-10"}
 
 
 class Document:
@@ -236,8 +236,8 @@ class Document:
         if unit not in ("", "1"):
             out["x-unit"] = unit
         out = self.parameter(name, out, text)
-        if name in REQUIRED:
-            out["required"], out["example"] = True, REQUIRED[name]
+        if name in EXAMPLES:
+            out["example"] = EXAMPLES[name]
         return out
 
     def query(self, words, question):

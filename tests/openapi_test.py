@@ -152,11 +152,11 @@ class OpenApi(unittest.TestCase):
             urls = ([url.replace("{}", field) for field in FIELDS]
                     if "{}" in url else [url])
             types = operation["responses"].get("200", {}).get("content", {})
-            needed = "&".join(f"{p['name']}={p['example']}"
-                              for p in operation.get("parameters", [])
-                              if p.get("required") and "example" in p)
-            if needed:
-                urls = [SERIES.get(url, f"{url}?{needed}") for url in urls]
+            examples = "&".join(f"{p['name']}={p['example']}"
+                                for p in operation.get("parameters", [])
+                                if "example" in p)
+            if examples:
+                urls = [SERIES.get(url, f"{url}?{examples}") for url in urls]
             for url in urls:
                 if url.endswith("/frame.json"):  # a truth of something
                     self.daemon.patch({"entities": {"1": {

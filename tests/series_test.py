@@ -150,6 +150,16 @@ class Cells(Case):
         h = v["spectrum_significantHeight"]
         self.assertAlmostEqual(h[1] / h[0], 4, delta=0.01)
 
+    def test_no_axes(self):
+        _, axes, v = self.lists("brdf?viewZenith=30")
+        self.assertEqual(axes, {})
+        one = self.daemon.get("/v1/optics/brdf?viewZenith=30").json()["brdf"]
+        self.assertEqual(float(v["brdf"]), one["brdf"])
+        d = self.opened(self.series("spectrum?frequencies=4&directions=6&"
+                                    "format=netcdf").body)
+        self.assertEqual(d.directional.shape, (4, 6))
+        self.assertEqual(d.peakPeriod.shape, ())
+
     def test_surface_by_time(self):
         _, axes, v = self.lists("surface?sweep=time=0:30:0.5&points=0,0;12,-7")
         self.assertEqual(v["height"].shape, (61, 2))
@@ -324,11 +334,10 @@ class Refusals(Case):
         self.refused("brdf?sweep=viewZenith=0:80:0", 400, "no steps of 0")
         self.refused("brdf?sweep=viewZenith=0:80:x", 400, "FIRST:LAST:STEP")
         self.refused("brdf?sweep=viewZenith", 400, "FIRST:LAST:STEP")
-        self.refused("brdf?viewZenith=3", 400, "1 to 4 axes")
         self.refused("brdf?sweep=viewZenith=0,1;viewZenith=2,3", 400, "two axes")
         self.refused("brdf?sweep=" + ";".join(
             f"{n}=0.1,0.2" for n in ("slopeAlong", "slopeCross", "viewZenith",
-                                     "sea.windSpeed", "time")), 400, "4 axes")
+                                     "sea.windSpeed", "time")), 400, "at most 4 axes")
         self.refused("spectrum?sweep=frequencies=1,2", 400, "no number",
                      code="NOT_FOUND")
         self.refused("spectrum?sweep=time=1,2", 400, "no number")

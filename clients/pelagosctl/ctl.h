@@ -147,6 +147,7 @@ enum ctl_exit ctl_replay(struct ctl *ctl);
 /* replay, where the file is a command log. */
 enum ctl_exit ctl_replay_log(struct ctl *ctl);
 enum ctl_exit ctl_spectrum(struct ctl *ctl);
+enum ctl_exit ctl_plot(struct ctl *ctl);
 enum ctl_exit ctl_record(struct ctl *ctl);
 enum ctl_exit ctl_exercise(struct ctl *ctl);
 enum ctl_exit ctl_models(struct ctl *ctl);

@@ -251,7 +251,9 @@ enum ctl_exit ctl_report_fault(struct ctl *ctl, const struct pel_fault *fault)
 
 enum ctl_exit ctl_connect(struct ctl *ctl)
 {
-    double seconds = 10.0;
+    /* Many questions take long together. */
+    bool many = ctl->command->run == ctl_plot || ctl_flag(ctl, "sweep");
+    double seconds = many ? 120.0 : 10.0;
     enum ctl_exit status = ctl_number(ctl, "timeout", 0.01, 3600, &seconds);
     if (status != CTL_DONE) {
         return status;

@@ -32,7 +32,6 @@ static enum ctl_exit read_format(const struct ctl *ctl,
         if (word ? g_ascii_strcasecmp(word, formats[i].word) == 0
                  : file && g_str_has_suffix(file, formats[i].ending)) {
             query->format = formats[i].format;
-            word = word ? formats[i].word : NULL;
             return query->format == PELAGOS__SERIES_FORMAT__NETCDF && !file &&
                            isatty(STDOUT_FILENO)
                        ? ctl_say(CTL_USAGE, "NetCDF is not for terminals: give "
@@ -82,9 +81,9 @@ enum ctl_exit ctl_series(struct ctl *ctl, Pelagos__SeriesQuery *query)
         bool is_file = query->format != PELAGOS__SERIES_FORMAT__LISTS;
         char *text =
             is_file ? NULL : pel_json_from_message(&series->base, true);
-        const void *data = is_file ? (const void *)series->file.data : text;
-        status = put(ctl_value(ctl, "output"), data ? data : "",
-                     is_file ? series->file.len : strlen(text));
+        status = text ? put(ctl_value(ctl, "output"), text, strlen(text))
+                      : put(ctl_value(ctl, "output"), series->file.data,
+                            series->file.len);
         free(text);
         pelagos__series__free_unpacked(series, NULL);
     }

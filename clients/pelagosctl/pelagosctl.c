@@ -19,7 +19,9 @@ const struct ctl_option ctl_global_options[] = {
       "Where the token is that pelagosd asks for (PELAGOS_TOKEN_FILE; "
       "PELAGOS_TOKEN is the token itself)",
       NULL },
-    { 't', "timeout", "SECONDS", "Give up waiting for an answer (10)", NULL },
+    { 't', "timeout", "SECONDS",
+      "Give up waiting for an answer (10; 120 with --sweep and of plot)",
+      NULL },
     { 'j', "json", NULL, "Print JSON, errors too", NULL },
     { 'q', "quiet", NULL, "Print no confirmation and no progress", NULL },
     { 'h', "help", NULL, "Say how the command is used", NULL },
@@ -97,6 +99,29 @@ static const char *const spectrum_examples[] = {
     "--directions 36\nAnother sea, for a program.",
     "pelagosctl spectrum --sweep windSpeed=2:20:2\nHeights, periods and slopes "
     "by wind, as CSV.",
+    NULL,
+};
+
+static const struct ctl_option plot_options[] = {
+    { 'o', "output", "FILE", "An .svg or a .png", NULL },
+    { 0, "sweep", "AXIS…",
+      "rrs, brdf: a line for each value of NAME=FIRST:LAST:STEP or "
+      "NAME=VALUE,… (brdf: sunElevation=15,30,60)",
+      NULL },
+    { 0, "at", "EAST,NORTH", "height: of this place, in metres (0,0)", NULL },
+    { 0, "seconds", "SECONDS", "height: from now on, 10 to 5000 (600)", NULL },
+    { 0, "view", "NAME", "rows: of this view (bridge)", NULL },
+    { 0 },
+};
+static const char *const plot_examples[] = {
+    "pelagosctl plot rrs --sweep chlorophyll=0.03,0.3,3 sunZenith=40 -o "
+    "rrs.svg\nRrs of three waters.",
+    "pelagosctl plot brdf sea.windSpeed=12 -o brdf.png\nThe glitter's lobe "
+    "under three heights of the Sun.",
+    "pelagosctl plot rose sea.spectrum=JONSWAP sea.windSpeed=15 -o rose.svg\n"
+    "S(omega, theta) of a sea that is not in force.",
+    "pelagosctl plot height --at 50,0 --seconds 1200 -o height.png\nTwenty "
+    "minutes at a place.",
     NULL,
 };
 
@@ -390,6 +415,17 @@ const struct ctl_command ctl_commands[] = {
       "waves that are drawn and of the slopes that only shading shows. "
       "Directions are those the waves come from.",
       spectrum_options, spectrum_examples, "paths", 0, SIZE_MAX, ctl_spectrum },
+    { "plot", "rrs|brdf|rose|height|rows [NAME=VALUE…] [PATH=VALUE…]",
+      "draw numbers as SVG or PNG",
+      "rrs draws remote-sensing reflectance over wavelength; brdf the lobe of "
+      "the reflected Sun in its plane; rose the directional spectrum; height "
+      "the surface at a place over time, with 4 sigma of it and of the "
+      "spectrum; rows the radiance of a view's picture by its rows. NAME=VALUE "
+      "sets a number of the question (sunZenith=40), PATH=VALUE one of the "
+      "state for this plot only. pelagosd answers, pelagos-plot of "
+      "python3-pelagos draws, by python3-matplotlib. Title, question and "
+      "version are in the file's metadata.",
+      plot_options, plot_examples, "paths", 1, SIZE_MAX, ctl_plot },
     { "models", "[NAME]", "list the models of ships and marks",
       "Prints a line for each model that entities.*.model.name can name: "
       "class, size over all in metres, triangles of each level of detail, "

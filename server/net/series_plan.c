@@ -324,9 +324,9 @@ enum pel_err pel_series_plan_make(const Pelagos__SeriesQuery *query,
                              "spectrum or surface, with its question");
     }
     size_t count = out->query->n_sweep;
-    if (count < 1 || count > PEL_SERIES_AXES) {
+    if (count > PEL_SERIES_AXES) {
         return refuse(fault, PEL_ERR_INVALID, "",
-                      "a series has 1 to %d axes, not %zu", PEL_SERIES_AXES,
+                      "a series has at most %d axes, not %zu", PEL_SERIES_AXES,
                       count);
     }
     enum pel_err err = PEL_OK;

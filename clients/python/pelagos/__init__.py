@@ -32,6 +32,7 @@ from .schema import (FORMATS, LAYERS, MODEL_CLASSES, VERSION, Area, Clock,
                      Sea, Seabed, Searchlight, SeenEntity, Sensor, SignalLamp,
                      Sky, Sources, State, Swell, TrackPoint, View, Water, Wave)
 from .schema import ExerciseRun, Preset
+from .series import Series
 from .spectrum import Spectrum
 from .surface import Surface, SurfaceSeries
 
@@ -46,7 +47,7 @@ __all__ = [
     "Malformed", "MissingPackage", "Model", "MODEL_CLASSES", "ModelInfo",
     "Models", "NotFound", "Ocean", "Optics", "Origin", "OutOfRange", "OwnShip",
     "PelagosError", "positions_csv", "Preset", "ProtocolError", "Radar", "read_exr",
-    "Refused", "Sea", "Seabed", "Searchlight", "SeenEntity", "Sensor", "shot",
+    "Refused", "Sea", "Seabed", "Searchlight", "SeenEntity", "Sensor", "Series", "shot",
     "SignalLamp", "Sky", "Sources", "Spectrum", "STANDARD_REFRACTION", "State",
     "Surface", "SurfaceSeries", "Swell", "TimedOut", "to_geographic",
     "to_local", "TrackPoint", "Unauthorized", "Unreachable", "VERSION",

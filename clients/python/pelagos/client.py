@@ -14,6 +14,7 @@ from .parts import Entities, ViewHandle, Views
 from .record import Record, list_of, message_of
 from .schema import (FORMATS, Clock, Entity, Models, Optics, Origin, OwnShip,
                      Preset, Sea, Seabed, Sky, Sources, State, View, Water)
+from .series import Axis, Series, axes_of
 from .spectrum import Spectrum
 from .surface import Surface, SurfaceSeries, query, series
 from .transport import Transport
@@ -311,6 +312,46 @@ class Ocean:
             content["patch"] = {"state": _plain(patch)}
         return Optics.from_json(self.transport.request(
             "POST", "/v1/optics", content).json())
+
+    def series(self, question: str, sweep: Mapping[str, Axis] | None = None, *,
+               source: str | None = None,
+               patch: Mapping[str, Any] | None = None, **query: Any) -> Series:
+        """One question at each combination of the values of some axes:
+
+            s = ocean.series("water", {"wavelength": slice(400, 700, 10),
+                                       "chlorophyll": [0.1, 1]}, sunZenith=40)
+            s["remoteSensingReflectance"]        # float64, (31, 2)
+            ocean.series("surface", {"time": slice(0, 600, 0.5)},
+                         points=[[0, 0]])["height"]
+            ocean.series("spectrum", {"windSpeed": [5, 10]}).dataset()
+
+        question  "sky", "brdf", "water", "spectrum" or "surface"
+        sweep     at most four axes: a number of the question or of the state by
+                  its name, its values or a slice, whose stop belongs to it
+        source    of light, as of optics
+        patch     changes for this answer only; not of surface
+        query     fields of the schema's SkyQuery, BrdfQuery, WaterQuery,
+                  SpectrumQuery or SurfaceQuery; `time` of light too
+        """
+        if question not in ("sky", "brdf", "water", "spectrum", "surface"):
+            raise ValueError("a series is of sky, brdf, water, spectrum or "
+                             f"surface, not of {question!r}")
+        asked: dict[str, Any] = _plain(query)
+        above: dict[str, Any] = {}
+        if question in ("sky", "brdf", "water"):
+            if "time" in asked:
+                above["time"] = asked.pop("time")
+            if source is not None:
+                above["from"] = source
+            asked = {**above, question: asked}
+            question = "optics"
+        elif source is not None:
+            raise ValueError(f"{question} has no source")
+        if patch is not None:
+            asked["patch"] = {"state": _plain(patch)}
+        return Series.from_json(self.transport.request(
+            "POST", "/v1/series", {"sweep": axes_of(sweep or {}),
+                                   question: asked}).json())
 
     def frame(self, view: str | ViewHandle, format: str = "jpg", *,
               width: int | None = None, height: int | None = None,
