@@ -65,10 +65,11 @@ class Case(unittest.TestCase):
     def lists(self, path):
         """Axes by name in order, variables as arrays over their axes."""
         s = self.series(path).json()
-        axes = {a["name"]: np.array(a["values"]) for a in s["axes"]}
+        axes = {a["name"]: np.array(a["values"]) for a in s.get("axes", [])}
         variables = {
             v["name"]: np.array(v["values"], float).reshape(
-                [len(axes[a]) for a in v["axes"]]) for v in s["variables"]}
+                [len(axes[a]) for a in v.get("axes", [])])
+            for v in s["variables"]}
         return s, axes, variables
 
     def opened(self, data):
