@@ -288,6 +288,7 @@ static enum pel_err start_cigi(struct daemon *d, struct pel_fault *fault)
     options.rate_hz = d->options.cigi_rate;
     options.silence_s = d->options.cigi_silence_s;
     options.hold = d->options.cigi_gone == 1;
+    options.exercises = d->exercises;
     options.metrics = d->metrics;
     if (!*d->options.cigi) {
         return PEL_OK;

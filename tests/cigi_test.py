@@ -6,6 +6,7 @@ where there is no tshark it is left out, with a message.
 """
 import collections
 import io
+import json
 import math
 import os
 import random
@@ -397,6 +398,92 @@ def components_switch_lights():
         check(e["lights"] == "AUTO" and not e["searchlight"]["on"], e)
 
 
+FOG = {
+    "title": "Fog at 20 s",
+    "state": {"ownShip": {"on": True}, "entities": [
+        {"id": 1, "latitude": 52.6, "longitude": 5.2}]},
+    "events": [{"name": "fog", "when": [{"at": 20}],
+                "patch": {"state": {"sky": {"visibility": 800}}}}]}
+NOTHING, LOAD, START, PAUSE, REWIND, STOP = 0, 6, 7, 8, 9, 10
+
+
+def components_lead_exercises():
+    """Started, paused, rewound and stopped by number; said twice is done once;
+    what cannot be is refused, and the rest of the datagram stands."""
+    folder = tempfile.TemporaryDirectory()
+    for name in ("b-fog", "a-other"):
+        with open(os.path.join(folder.name, name + ".json"), "w") as file:
+            json.dump(FOG, file)
+    with Stand(f"--exercises={folder.name}", stamped=True) as s:
+        def run():
+            return s.state()["exercise"]
+
+        def say(state, value=0.0, *more, instance=1):
+            s.host.send(cigi.short_component(1, state, value, 0, instance, 13),
+                        *more)
+            return s.host.settle()[-1]
+
+        def go(seconds):
+            while seconds > 0:
+                s.host.send(ticks=int(1e5 * min(seconds, 5)))
+                s.host.settle()
+                seconds -= 5
+
+        def fired():
+            return [e["event"] for e in run().get("events", []) if e["count"]]
+        go(5)
+        say(START)
+        until("it runs", lambda: run()["phase"] == "RUNNING")
+        check(run()["name"] == "b-fog", f"{run()}")
+        check(s.state()["clock"]["mode"] == "HOST", "the host leads on")
+        go(15)
+        check(not fired(), "too early")
+        go(10)
+        check(fired() == ["fog"] and s.state()["sky"]["visibility"] == 800,
+              f"{run()}")
+        say(PAUSE)
+        check(run()["phase"] == "PAUSED", f"{run()}")
+        # Another goes on with it: what the host repeats is not said anew.
+        s.daemon.request("POST", "/v1/exercise", {"action": "START"})
+        say(PAUSE)
+        check(run()["phase"] == "RUNNING", "repeated")
+        say(NOTHING)
+        say(PAUSE)
+        check(run()["phase"] == "PAUSED", "said anew")
+        before = s.state()["clock"]["time"]
+        say(REWIND, 10.0)
+        check((run()["time"], fired()) == (10, []), f"{run()}")
+        say(START)
+        go(2)
+        # Time has gone back, and goes on from there; extrapolated by 1 s.
+        now = s.state()["clock"]["time"] - run()["offset"]
+        check(11.9 < now < 14, f"{now} s")
+        check(s.state()["clock"]["time"] < before - 8, "time goes back")
+
+        edits = s.metric("refused_edits_total")
+        frame = say(PAUSE, 0.0, cigi.entity(55, 52.6, 5.2), instance=0)
+        check(frame.sof["status"] == 1, f"{frame.sof}")
+        check(s.metric("refused_edits_total") == edits + 1, "not counted")
+        check("CIG-002 an edit by CIGI was refused" in s.daemon.log() and
+              "(a-other) is not the one that is loaded" in s.daemon.log(),
+              s.daemon.log())
+        check(ship(s.state(), 55), "the rest stands")
+        skipped = s.metric("skipped_packets_total")
+        say(START, instance=9)
+        say(42)
+        check(s.metric("skipped_packets_total") == skipped + 2, "not skipped")
+        say(REWIND, float("nan"), cigi.entity(56, 52.6, 5.2))
+        check(s.metric("refused_edits_total") == edits + 2, "no number")
+        check(all(int(e["id"]) != 56 for e in s.state()["entities"]),
+              "a bad number is the whole datagram's")
+        check(run()["phase"] == "RUNNING", "nothing of it took effect")
+        say(STOP)
+        check(run()["phase"] == "ENDED", f"{run()}")
+        say(START)
+        until("it begins anew", lambda: run()["phase"] == "RUNNING" and
+              run()["time"] == 0 and not fired())
+
+
 def sensors_change_the_picture():
     """On, off, polarity, gain and level, by the picture; trackers by their
     responses, which tshark dissects too."""
@@ -658,6 +745,7 @@ TESTS = [scene_follows_in_both_orders, answers_are_of_the_sea_drawn,
          synchronous_sixty_hertz, asynchronous_sixty_hertz,
          asynchronous_host,
          sea_state_shows_in_the_next_frame, components_switch_lights,
+         components_lead_exercises,
          sensors_change_the_picture,
          ended_while_a_host_leads, database_and_refusals, a_silent_host_is_noticed,
          start_of_frame_before_any_host, tshark_understands_both_directions]

@@ -54,6 +54,8 @@ static void begin_session(struct pel_cigi *cigi)
     pel_cigi_periodic_clear(&cigi->periodic);
     pel_cigi_world_init(&cigi->world);
     cigi->led = cigi->lead_pending = true;
+    cigi->exercise =
+        (struct pel_cigi_exercise){ .all = cigi->options.exercises };
     const struct pel_snapshot *s = pel_scene_snapshot(cigi->scene);
     if (s->mode != PEL_CLOCK_HOST) {
         cigi->mode_before = s->mode;
@@ -303,6 +305,28 @@ static void ask(struct pel_cigi *cigi, struct pel_cigi_reader reader)
     answer(cigi, list, count);
 }
 
+/* What a datagram says of exercises, after its edit: a load replaces it. */
+static void lead_exercises(struct pel_cigi *cigi, struct pel_cigi_reader reader)
+{
+    struct pel_cigi_packet p;
+    struct pel_cigi_component c;
+    struct pel_fault fault = { 0 };
+    while (pel_cigi_next(&reader, &p)) {
+        if (p.kind != PEL_CIGI_KIND_COMPONENT &&
+            p.kind != PEL_CIGI_KIND_SHORT_COMPONENT) {
+            continue;
+        }
+        pel_cigi_read_component(&p, &c);
+        enum pel_err err = pel_cigi_exercise_take(&cigi->exercise, &c, &fault);
+        if (err == PEL_ERR_NOT_FOUND) {
+            cigi->counters.skipped_packets++;
+        } else if (err) {
+            refuse_edit(cigi, fault.path, fault.message);
+            cigi->refused = true;
+        }
+    }
+}
+
 static void count_packets(struct pel_cigi *cigi, struct pel_cigi_reader reader)
 {
     struct pel_cigi_packet p;
@@ -340,6 +364,9 @@ void pel_cigi_apply(struct pel_cigi *cigi)
     /* Poses are those of the time that the frame leads to. */
     double now_s = pel_scene_time(cigi->scene);
     bool leads = host_leads(cigi) && !cigi->batch_first;
+    if (now_s < cigi->applied_s) { /* an exercise was loaded, or rewound */
+        cigi->host_time_s = now_s;
+    }
     double time_s = leads ? time_of_frame(cigi, now_s) : now_s;
     bool good[BATCH];
     if (leads) {
@@ -364,6 +391,7 @@ void pel_cigi_apply(struct pel_cigi *cigi)
     }
     for (size_t i = 0; i < count; i++) {
         if (good[i]) {
+            lead_exercises(cigi, readers[i]);
             ask(cigi, readers[i]);
         }
     }

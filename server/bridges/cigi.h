@@ -19,6 +19,7 @@
 #include "bridges/cigi_packet.h"
 
 struct pel_cigi;
+struct pel_exercises;
 struct pel_metrics;
 struct pel_scene;
 
@@ -34,7 +35,8 @@ struct pel_cigi_options {
     bool hold;            /* time stands while the host is gone; else clock.mode
                            * becomes what it was before the host, and what had
                            * rates stands */
-    struct pel_metrics *metrics; /* NULL: none are shown */
+    struct pel_exercises *exercises; /* NULL: there are none */
+    struct pel_metrics *metrics;     /* NULL: none are shown */
 };
 
 /* 127.0.0.1:8000, any database, 60 Hz, 2 s. */

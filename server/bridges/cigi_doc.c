@@ -41,7 +41,8 @@ static void print_packet(const struct pel_cigi_info *info)
 static void print_numbers(const char *name)
 {
     const ProtobufCEnumDescriptor *enums[] = {
-        &pelagos__spectrum_kind__descriptor, &pelagos__synthesiser__descriptor
+        &pelagos__spectrum_kind__descriptor, &pelagos__synthesiser__descriptor,
+        &pelagos__navigation_status__descriptor
     };
     for (size_t e = 0; e < sizeof enums / sizeof *enums; e++) {
         bool spectra = enums[e] == &pelagos__spectrum_kind__descriptor;

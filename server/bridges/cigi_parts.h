@@ -8,6 +8,7 @@
 
 #include "bridges/cigi.h"
 #include "bridges/cigi_answers.h"
+#include "bridges/cigi_exercise.h"
 #include "bridges/cigi_periodic.h"
 #include "bridges/cigi_sea.h"
 #include "bridges/cigi_world.h"
@@ -64,6 +65,7 @@ struct pel_cigi {
 
     struct pel_cigi_world world;
     struct pel_cigi_edit *edit;
+    struct pel_cigi_exercise exercise;
     struct pel_cigi_sea *sea;
     struct pel_cigi_shapes *shapes; /* NULL: no table of types */
     struct pel_cigi_periodic periodic;

@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include "base/vec.h"
+#include "bridges/cigi_exercise.h"
 #include "bridges/cigi_pose.h"
 #include "bridges/cigi_world.h"
 #include "scene/ephemeris.h"
@@ -418,6 +419,10 @@ static void take_component(struct pel_cigi_edit *edit,
     if (c.class == ENTITY) {
         pel_cigi_take_lights(edit, &c);
         return;
+    }
+    if (c.class == PEL_CIGI_SYSTEM && c.id == PEL_CIGI_EXERCISE) {
+        edit->refused = edit->refused || !isfinite(c.value[0]);
+        return; /* no edit: cigi.c carries it out */
     }
     if (c.class != GLOBAL_SEA && !regional) {
         edit->skipped++;

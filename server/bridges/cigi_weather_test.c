@@ -389,7 +389,7 @@ static void components_of_a_region(void **state)
     assert_near(sea->swell[0]->height, 2, 0);
     begin();
     component(5, 4, 3, 1, 0, 0);  /* there is one synthesiser */
-    component(1, 13, 0, 0, 9, 9); /* system */
+    component(1, 12, 0, 0, 9, 9); /* event */
     place_ship(1, 52.7, 0);
     send();
     begin();
