@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/log.h"
+#include "scene/recordings.h"
 
 #define NAME_LETTERS                                                           \
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-"
@@ -118,7 +119,8 @@ enum pel_err pel_recorder_start(struct pel_recorder *r, const char *wanted,
     if (err) {
         return err;
     }
-    g_autofree char *path = g_strdup_printf("%s/%s.pelog", r->directory, name);
+    g_autofree char *path =
+        g_strdup_printf("%s/%s" PEL_RECORDING_SUFFIX, r->directory, name);
     if (g_file_test(path, G_FILE_TEST_EXISTS)) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
                              "there is a recording %.80s.pelog already; give "

@@ -232,7 +232,10 @@ static bool is_of(const struct pel_recording *r, const char *name)
 {
     for (size_t i = 0; i < r->count; i++) {
         g_autofree char *file = g_path_get_basename(r->segments[i].path);
+        const size_t begin = strlen(name);
         if (strcmp(file, name) == 0 ||
+            (strncmp(file, name, begin) == 0 &&
+             strcmp(file + begin, PEL_RECORDING_SUFFIX) == 0) ||
             g_strcmp0(r->segments[i].recording, name) == 0) {
             return true;
         }

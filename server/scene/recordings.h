@@ -12,6 +12,7 @@
  * have. */
 #define PEL_RECORDING_SEGMENT_BYTES ((size_t)256 << 20)
 #define PEL_RECORDING_BYTES ((uint64_t)1 << 30)
+#define PEL_RECORDING_SUFFIX ".pelog" /* of the file of one begun by name */
 #define PEL_RECORDINGS_LISTED 1000
 
 struct pel_recording_segment {
@@ -46,7 +47,7 @@ PEL_CHECK enum pel_err pel_recordings_list(const char *directory,
 void pel_recordings_finish(struct pel_recordings *recordings);
 
 /* The recording that `name` is of: a file of the directory without its path,
- * or what its segments have in common, LogHead.recording. NOT_FOUND; INVALID:
+ * with its suffix or without, or what its segments have in common, LogHead.recording. NOT_FOUND; INVALID:
  * no name of a file; OUT_OF_RANGE: longer than PEL_RECORDING_BYTES.
  * pel_recording_finish. */
 PEL_CHECK enum pel_err pel_recording_find(const char *directory,
