@@ -47,9 +47,9 @@ PEL_CHECK enum pel_err pel_recordings_list(const char *directory,
 void pel_recordings_finish(struct pel_recordings *recordings);
 
 /* The recording that `name` is of: a file of the directory without its path,
- * with its suffix or without, or what its segments have in common, LogHead.recording. NOT_FOUND; INVALID:
- * no name of a file; OUT_OF_RANGE: longer than PEL_RECORDING_BYTES.
- * pel_recording_finish. */
+ * with its suffix or without, or what its segments have in common,
+ * LogHead.recording. NOT_FOUND; INVALID: no name of a file; OUT_OF_RANGE:
+ * longer than PEL_RECORDING_BYTES. pel_recording_finish. */
 PEL_CHECK enum pel_err pel_recording_find(const char *directory,
                                           const char *name,
                                           struct pel_recording *out,
