@@ -112,7 +112,8 @@ ANSWERS = {
 
 
 # Forms that an answer may be asked for in, beside JSON.
-FILES = {"Series": ("text/csv", "application/netcdf")}
+FILES = {"Series": ("text/csv", "application/netcdf"),
+         "Spectrum": ("text/plain", "application/netcdf", "application/x-tar")}
 # A value of parameters that have a form of their own.
 EXAMPLES = {"sweep": "windSpeed=5,10", "points": "0,0;25,-10"}
 

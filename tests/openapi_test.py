@@ -244,6 +244,7 @@ class OpenApi(unittest.TestCase):
         ("POST", "/v1/surface", {"points": [[0, 1e9]]}, 400),
         ("POST", "/v1/spectrum", {"frequencies": 4, "directions": 3}, 200),
         ("POST", "/v1/spectrum", {"frequencies": 201}, 400),
+        ("POST", "/v1/spectrum", {"format": "SWAN"}, 200),
         ("POST", "/v1/optics", {"brdf": {"viewZenith": 20}}, 200),
         ("POST", "/v1/optics", {"water": {}, "from": "REFERENCE"}, 200),
         ("POST", "/v1/optics", {"sky": {"elevation": 91}}, 400),

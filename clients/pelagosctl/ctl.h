@@ -160,6 +160,8 @@ enum ctl_exit ctl_optics(struct ctl *ctl);
 /* ctl_series.c: where --sweep is given, asks the series of the question that
  * *query has, and prints or writes it as --format and --output say. */
 enum ctl_exit ctl_series(struct ctl *ctl, Pelagos__SeriesQuery *query);
+/* Into a file, or to standard output where `file` is NULL. */
+enum ctl_exit ctl_put(const char *file, const void *data, size_t size);
 #define CTL_SERIES_OPTIONS                                                       \
     { 0, "sweep", "AXIS…",                                                       \
       "The question at each value of NAME=FIRST:LAST:STEP or NAME=VALUE,…, a " \

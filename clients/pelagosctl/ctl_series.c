@@ -53,7 +53,7 @@ static enum ctl_exit read_format(const struct ctl *ctl,
                : CTL_DONE;
 }
 
-static enum ctl_exit put(const char *file, const void *data, size_t size)
+enum ctl_exit ctl_put(const char *file, const void *data, size_t size)
 {
     FILE *out = file ? fopen(file, "wb") : stdout;
     bool whole = out && fwrite(data, 1, size, out) == size;
@@ -81,9 +81,9 @@ enum ctl_exit ctl_series(struct ctl *ctl, Pelagos__SeriesQuery *query)
         bool is_file = query->format != PELAGOS__SERIES_FORMAT__LISTS;
         char *text =
             is_file ? NULL : pel_json_from_message(&series->base, true);
-        status = text ? put(ctl_value(ctl, "output"), text, strlen(text))
-                      : put(ctl_value(ctl, "output"), series->file.data,
-                            series->file.len);
+        status = text ? ctl_put(ctl_value(ctl, "output"), text, strlen(text))
+                      : ctl_put(ctl_value(ctl, "output"), series->file.data,
+                                series->file.len);
         free(text);
         pelagos__series__free_unpacked(series, NULL);
     }

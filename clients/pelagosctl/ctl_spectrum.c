@@ -2,6 +2,7 @@
 #include "pelagosctl/ctl.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include <glib.h>
 
@@ -95,9 +96,68 @@ static enum ctl_exit read_options(struct ctl *ctl,
     }
     query->has_wavelength = ctl_flag(ctl, "wavelength");
     query->has_frequencies = query->has_directions = true;
-    query->has_lowest = query->has_highest = true;
+    query->has_lowest = ctl_flag(ctl, "lowest");
+    query->has_highest = ctl_flag(ctl, "highest");
     query->frequencies = (uint32_t)frequencies;
     query->directions = (uint32_t)directions;
+    return status;
+}
+
+/* --format without --sweep: a file for wave models. */
+static enum ctl_exit read_form(const struct ctl *ctl,
+                               Pelagos__SpectrumQuery *query)
+{
+    static const char *const forms[] = { "ww3", "swan", "ndbc", "netcdf" };
+    const char *word = ctl_value(ctl, "format");
+    if (ctl_flag(ctl, "sweep") || (!word && !ctl_flag(ctl, "output"))) {
+        return CTL_DONE;
+    }
+    for (size_t i = 0; word && i < G_N_ELEMENTS(forms); i++) {
+        if (g_ascii_strcasecmp(word, forms[i]) == 0) {
+            query->has_format = true;
+            query->format = (Pelagos__SpectrumForm)(i + 1);
+        }
+    }
+    if (!query->has_format) {
+        return ctl_say(CTL_USAGE,
+                       "--format %s: one of ww3, swan, ndbc, netcdf is wanted; "
+                       "csv and json of --sweep",
+                       word ? word : "");
+    }
+    bool named = query->format == PELAGOS__SPECTRUM_FORM__NDBC ||
+                 query->format == PELAGOS__SPECTRUM_FORM__WW3_NETCDF;
+    if (named && !ctl_flag(ctl, "output")) {
+        return ctl_say(CTL_USAGE,
+                       query->format == PELAGOS__SPECTRUM_FORM__NDBC
+                           ? "ndbc is five files: --output PATH/STATION says "
+                             "where"
+                           : "NetCDF is not for terminals: give --output FILE");
+    }
+    /* The file's own numbers, where none are asked for. */
+    query->has_frequencies = ctl_flag(ctl, "frequencies");
+    query->has_directions = ctl_flag(ctl, "directions");
+    query->frequencies = query->has_frequencies ? query->frequencies : 0;
+    return CTL_DONE;
+}
+
+/* One file to --output or standard output, several beside --output. */
+static enum ctl_exit put_files(const struct ctl *ctl,
+                               const Pelagos__Spectrum *spectrum)
+{
+    const char *to = ctl_value(ctl, "output");
+    enum ctl_exit status = CTL_DONE;
+    if (spectrum->n_files == 0) {
+        return ctl_say(CTL_UNREACHABLE, "the answer lacks its file");
+    }
+    for (size_t i = 0; i < spectrum->n_files && status == CTL_DONE; i++) {
+        const Pelagos__SpectrumFile *file = spectrum->files[i];
+        const char *ending = strrchr(file->name, '.');
+        g_autofree char *path =
+            spectrum->n_files > 1
+                ? g_strconcat(to, ending ? ending : file->name, NULL)
+                : g_strdup(to);
+        status = ctl_put(path, file->content.data, file->content.len);
+    }
     return status;
 }
 
@@ -106,6 +166,9 @@ enum ctl_exit ctl_spectrum(struct ctl *ctl)
     Pelagos__SpectrumQuery query = PELAGOS__SPECTRUM_QUERY__INIT;
     Pelagos__State *now = NULL;
     enum ctl_exit status = read_options(ctl, &query);
+    if (status == CTL_DONE) {
+        status = read_form(ctl, &query);
+    }
     if (status == CTL_DONE) {
         status = ctl_fetch(ctl, &now);
     }
@@ -133,6 +196,8 @@ enum ctl_exit ctl_spectrum(struct ctl *ctl)
         /* said already */
     } else if (!spectrum->spectrum || !spectrum->drawn) {
         status = ctl_say(CTL_UNREACHABLE, "the answer lacks its sums");
+    } else if (query.format != PELAGOS__SPECTRUM_FORM__NUMBERS) {
+        status = put_files(ctl, spectrum);
     } else if (ctl_flag(ctl, "json")) {
         char *text = pel_json_from_message(&spectrum->base, true);
         puts(text);

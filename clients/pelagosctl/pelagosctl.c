@@ -89,7 +89,19 @@ static const struct ctl_option spectrum_options[] = {
       "List S(omega, theta) for so many directions too, 0 to 72 (0)", NULL },
     { 0, "lowest", "RAD/S", "The lowest frequency listed (0.2)", NULL },
     { 0, "highest", "RAD/S", "The highest (10)", NULL },
-    CTL_SERIES_OPTIONS,
+    { 0, "sweep", "AXIS…",
+      "The question at each value of NAME=FIRST:LAST:STEP or NAME=VALUE,…, a "
+      "number of the state; again for another axis",
+      NULL },
+    { 0, "format", "FORM",
+      "A file of the spectrum for others: ww3, swan, ndbc, netcdf (of "
+      "WAVEWATCH "
+      "III); of --sweep csv, json, netcdf (csv)",
+      "ww3 swan ndbc netcdf csv json" },
+    { 'o', "output", "FILE",
+      "Into a file; of ndbc PATH/STATION, which gets .data_spec, .swdir, "
+      ".swdir2, .swr1, .swr2",
+      NULL },
     { 0 },
 };
 static const char *const spectrum_examples[] = {
@@ -97,6 +109,8 @@ static const char *const spectrum_examples[] = {
     "shorter than a metre.",
     "pelagosctl --json spectrum sea.spectrum=ELFOUHAILY sea.windSpeed=10 "
     "--directions 36\nAnother sea, for a program.",
+    "pelagosctl spectrum --format swan -o boundary.spc\nThe sea in force, for "
+    "SWAN.",
     "pelagosctl spectrum --sweep windSpeed=2:20:2\nHeights, periods and slopes "
     "by wind, as CSV.",
     NULL,

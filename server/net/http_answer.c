@@ -250,10 +250,37 @@ enum MHD_Result pel_http_send_optics(struct client *client,
     return wait_on(client, waiter, err, &fault);
 }
 
+/* The file, or of several a tar. */
+static void send_files(struct client *client, const Pelagos__Spectrum *answer)
+{
+    const Pelagos__SpectrumFile *first = answer->files[0];
+    struct pel_http_answer out = { .status = 200 };
+    if (answer->n_files > 1) {
+        out.type = "application/x-tar";
+        out.owned = pel_http_tar(answer, &out.size);
+    } else {
+        out.type = strcmp(first->type, "application/netcdf") == 0
+                       ? "application/netcdf"
+                       : "text/plain; charset=utf-8";
+        out.owned = g_memdup2(first->content.data, first->content.len);
+        out.size = first->content.len;
+    }
+    out.body = out.owned;
+    pel_http_send(client, &out);
+}
+
 static void on_spectrum(void *user, enum pel_err err,
                         const struct pel_fault *fault,
                         const Pelagos__Spectrum *answer)
 {
+    if (err == PEL_OK && answer->n_files > 0) {
+        struct client *client = wait_end(user);
+        if (client) {
+            send_files(client, answer);
+            pel_http_resume(client);
+        }
+        return;
+    }
     wait_answer(user, err, fault, err == PEL_OK ? &answer->base : NULL);
 }
 

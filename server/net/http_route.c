@@ -381,8 +381,7 @@ static void post_surface(const struct pel_http_call *call)
     call->answer->surface = (Pelagos__SurfaceQuery *)message;
 }
 
-/* GET asks about the sea in force. */
-static void spectrum(const struct pel_http_call *call)
+static void post_spectrum(const struct pel_http_call *call)
 {
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;

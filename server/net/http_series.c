@@ -1,4 +1,4 @@
-/* /v1/series: from a request to a SeriesQuery. */
+/* /v1/series and GET /v1/spectrum: from a request to a query. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,6 +97,51 @@ static enum pel_err read_parameter(const struct pel_http_call *call,
                             strcmp(pair->name, "time") == 0);
     return pel_http_number(above ? &query->optics->base : question, pair->name,
                            pair->value, fault);
+}
+
+/* GET /v1/spectrum: fields of SpectrumQuery, paths of the state, `format`. */
+static enum pel_err spectrum_parameter(const struct pel_http_call *call,
+                                       const struct pel_http_pair *pair,
+                                       Pelagos__SpectrumQuery *query,
+                                       struct pel_fault *fault)
+{
+    static const char *const forms[] = { "json", "ww3", "swan", "ndbc",
+                                         "netcdf" };
+    if (strchr(pair->name, '.')) {
+        query->patch = query->patch ? query->patch : pel_patch_new();
+        return pel_path_set(query->patch, pel_scene_state(call->context->scene),
+                            pair->name, pair->value, fault);
+    }
+    if (strcmp(pair->name, "format") != 0) {
+        return pel_http_number(&query->base, pair->name, pair->value, fault);
+    }
+    for (size_t i = 0; i < G_N_ELEMENTS(forms); i++) {
+        if (g_ascii_strcasecmp(pair->value, forms[i]) == 0) {
+            query->has_format = true;
+            query->format = (Pelagos__SpectrumForm)i;
+            return PEL_OK;
+        }
+    }
+    return pel_fault_value(fault, PEL_ERR_INVALID, "format", pair->value,
+                           "must be json, ww3, swan, ndbc or netcdf");
+}
+
+void pel_http_get_spectrum(const struct pel_http_call *call)
+{
+    struct pel_fault fault;
+    enum pel_err err = PEL_OK;
+    Pelagos__SpectrumQuery *query = (Pelagos__SpectrumQuery *)pel_message_new(
+        &pelagos__spectrum_query__descriptor);
+    for (size_t i = 0; i < call->target->query_count && err == PEL_OK; i++) {
+        err = spectrum_parameter(call, &call->target->query[i], query, &fault);
+    }
+    if (err != PEL_OK) {
+        pelagos__spectrum_query__free_unpacked(query, NULL);
+        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
+        return;
+    }
+    call->answer->kind = PEL_HTTP_SPECTRUM;
+    call->answer->spectrum = query;
 }
 
 /* By the parameter `format`, or by Accept. */

@@ -32,6 +32,7 @@ void pel_http_get_optics(const struct pel_http_call *call);
 void pel_http_post_optics(const struct pel_http_call *call);
 void pel_http_get_almanac(const struct pel_http_call *call);
 /* http_series.c */
+void pel_http_get_spectrum(const struct pel_http_call *call);
 void pel_http_get_series(const struct pel_http_call *call);
 void pel_http_post_series(const struct pel_http_call *call);
 /* http_preset.c */

@@ -291,6 +291,10 @@ static enum pel_err check_rest(const struct pel_series_plan *plan,
     if (query->question_case == PELAGOS__SERIES_QUERY__QUESTION_SPECTRUM) {
         Pelagos__SpectrumQuery own = *query->spectrum;
         own.patch = NULL; /* as any patch, with each question */
+        if (own.format != PELAGOS__SPECTRUM_FORM__NUMBERS) {
+            return pel_fault_value(fault, PEL_ERR_INVALID, "spectrum.format",
+                                   "", "a series has its own format");
+        }
         return pel_command_check(&own.base, fault);
     }
     return pel_command_check(question_of(query), fault);

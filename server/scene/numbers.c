@@ -4,12 +4,16 @@
 #include <stdlib.h>
 
 #include "base/reserve.h"
+#include "fields.h"
+#include "json.h"
 #include "message.h"
 #include "ocean/directional.h"
 #include "ocean/foam.h"
 #include "ocean/report.h"
 #include "ocean/seastate.h"
+#include "ocean/spectrumwrite.h"
 #include "scene/scene_parts.h"
+#include "scene/sun.h"
 
 #define MAX_WAITING 128
 
@@ -126,6 +130,68 @@ static Pelagos__Spectrum *answer(const struct pel_sea *sea,
     return out;
 }
 
+/* Of where, when and what the files are. */
+static void describe(const Pelagos__State *state,
+                     struct pel_spectrum_place *out)
+{
+    const Pelagos__Sea *sea = state->sea;
+    double epoch = 0;
+    if (pel_utc_parse(state->clock->utc, &epoch)) {
+        epoch = 0; /* the state was tested */
+    }
+    *out = (struct pel_spectrum_place){
+        .station = "pelagos",
+        .latitude = state->origin->latitude,
+        .longitude = state->origin->longitude,
+        .depth_m = sea->has_depth ? sea->depth : 0,
+        .wind_mps = sea->wind_speed,
+        .wind_from_deg = sea->wind_direction,
+        .unix_s = epoch + state->clock->time,
+    };
+}
+
+static enum pel_err add_files(const struct pel_directional *spectrum,
+                              const Pelagos__State *state,
+                              const Pelagos__SpectrumQuery *query,
+                              Pelagos__Spectrum *out, struct pel_fault *fault)
+{
+    struct pel_spectrum_place place;
+    struct pel_spectrum_files files;
+    const struct pel_spectrum_grid grid = {
+        .frequencies = query->frequencies ? (int)query->frequencies : 60,
+        .lowest_hz = query->lowest / (2.0 * PEL_PI),
+        .highest_hz = query->highest / (2.0 * PEL_PI),
+        .directions = query->directions ? (int)query->directions : 36,
+    };
+    describe(state, &place);
+    char *question = pel_json_from_message(&query->base, false);
+    char *sea = pel_json_from_message(&state->sea->base, false);
+    g_autofree char *history = g_strdup_printf("pelagosd %s: %s of the sea %s",
+                                               PEL_VERSION, question, sea);
+    free(question);
+    free(sea);
+    place.history = history;
+    enum pel_err err = pel_spectrum_write(
+        spectrum, (enum pel_spectrum_form)(query->format - 1), &grid, &place,
+        &files, fault);
+    for (int i = 0; i < files.count && !err; i++) {
+        Pelagos__SpectrumFile *file =
+            (Pelagos__SpectrumFile *)pel_message_append(
+                &out->base,
+                pel_field_by_name(out->base.descriptor, "files", 5));
+        file->name = pel_sure_strdup(files.file[i].name);
+        file->type = pel_sure_strdup(files.type);
+        file->has_content = true;
+        file->content =
+            (ProtobufCBinaryData){ files.file[i].size, files.file[i].data };
+        files.file[i].data = NULL; /* the message's */
+    }
+    if (!err) {
+        pel_spectrum_files_finish(&files);
+    }
+    return err;
+}
+
 /* --- on a thread ---------------------------------------------------------- */
 
 struct asked {
@@ -162,6 +228,10 @@ static void work(struct pel_task *task)
                       pel_err_name(a->err));
     } else {
         a->answer = answer(sea, spectrum, &parts, &a->query);
+        if (a->query.format != PELAGOS__SPECTRUM_FORM__NUMBERS) {
+            a->err =
+                add_files(spectrum, a->state, &a->query, a->answer, &a->fault);
+        }
     }
     pel_directional_destroy(spectrum);
     pel_shared_sea_unref(shared);
@@ -201,6 +271,7 @@ enum pel_err pel_scene_ask_spectrum(struct pel_scene *scene,
         }
     } else {
         state = (Pelagos__State *)pel_message_copy(&scene->state->base);
+        state->clock->time = pel_scene_time(scene);
     }
     struct asked *a = g_new0(struct asked, 1);
     a->task = (struct pel_task){ .work = work, .done = tell };

@@ -942,6 +942,15 @@ class SpectrumRow(Record):
 
 
 @dataclass(frozen=True)
+class SpectrumFile(Record):
+    """A file of a spectrum."""
+    name: str | None = _field(None)
+    #: MIME type; of several files together.
+    type: str | None = _field(None)
+    content: int | None = _field(None)
+
+
+@dataclass(frozen=True)
 class Spectrum(Record):
     """Spectrum."""
     #: Of the spectrum itself, by integration.
@@ -973,6 +982,8 @@ class Spectrum(Record):
     #: Below 1.2 the wind drives the waves, above they outrun it; absent
     #: without wind and of a buoy's record. [1]
     waveAge: float | None = _field(None, '1')
+    #: Where SpectrumQuery.format asks for some.
+    files: tuple[SpectrumFile, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -251,7 +251,9 @@ static enum pel_err list_places(const struct file *f, struct pel_place *places,
     if (nc_inq_varid(f->id, "station_name", &var) == 0 &&
         nc_inq_varndims(f->id, var, &rank) == 0 && rank == 2 &&
         nc_inq_vardimid(f->id, var, dims) == 0 &&
-        nc_inq_dimlen(f->id, dims[1], &length) == 0 && length < 40) {
+        nc_inq_dimlen(f->id, dims[1], &length) == 0) {
+        /* WAVEWATCH III's have 16 or 40 characters, mostly blanks. */
+        length = length < 39 ? length : 39;
         for (size_t i = 0; i < *count; i++) {
             size_t start[2] = { i, 0 }, part[2] = { 1, length };
             if (nc_get_vara_text(f->id, var, start, part, places[i].name)) {
