@@ -110,8 +110,8 @@ static void add_points(const struct pel_series_table *table,
 static char *title_of(const Pelagos__SeriesQuery *query)
 {
     static const char *const optics[] = {
-        [PELAGOS__OPTICS_QUERY__QUESTION_BRDF] = "Reflection of the Sun by the "
-                                                 "sea",
+        [PELAGOS__OPTICS_QUERY__QUESTION_BRDF] =
+            "Sunlight reflected by the sea",
         [PELAGOS__OPTICS_QUERY__QUESTION_SKY] = "Light of the sky",
         [PELAGOS__OPTICS_QUERY__QUESTION_WATER] = "Light that leaves the water",
     };

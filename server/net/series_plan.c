@@ -45,7 +45,8 @@ static ProtobufCMessage *question_of(const Pelagos__SeriesQuery *query)
 {
     switch (query->question_case) {
     case PELAGOS__SERIES_QUERY__QUESTION_OPTICS:
-        return query->optics->brdf ? &query->optics->brdf->base : NULL;
+        return query->optics && query->optics->brdf ? &query->optics->brdf->base
+                                                    : NULL;
     case PELAGOS__SERIES_QUERY__QUESTION_SPECTRUM:
         return &query->spectrum->base;
     case PELAGOS__SERIES_QUERY__QUESTION_SURFACE:
