@@ -15,7 +15,7 @@ import tempfile
 import unittest
 
 import pelagos_daemon
-from pelagos_daemon import ROOT, Daemon, until
+from pelagos_daemon import ROOT, Daemon, Session, until
 
 EXERCISES = os.path.join(ROOT, "clients/exercises")
 CTL = os.path.join(pelagos_daemon.BIN, "pelagosctl")
@@ -130,6 +130,52 @@ class Running(Case):
             if entry.HasField("patch"):
                 out.append((entry.time, entry.patch.SerializeToString()))
         return out
+
+    def test_seas_of_events_are_built_aside(self):
+        """A step across events that ask for FFT seas is answered when they
+        were built, by another thread than the one that serves everybody; over
+        HTTP and protobuf, by one step or many the same facts."""
+        entities = [{"id": 1, "latitude": 52.6, "longitude": 5.2}]
+        with open(os.path.join(self.folder, "seas.json"), "w") as file:
+            json.dump({"state": {
+                "sea": {"synthesiser": "FFT", "windSpeed": 8},
+                "ownShip": {"on": True, "throttle": 0.5},
+                "entities": entities}, "events": [
+                {"name": "gale", "when": [{"at": 3}],
+                 "patch": {"state": {"sea": {"windSpeed": 17}}}},
+                {"name": "veers", "when": [{"after": "gale", "delay": 2}],
+                 "patch": {"state": {"sea": {"windDirection": 310}}}}]}, file)
+        facts = []
+        for way in ("http", "protobuf", "small"):
+            daemon = self.daemon()
+            self.begin(daemon, "seas")
+            # Its first sea is built by who looks at it first.
+            daemon.request("POST", "/v1/surface", {"points": [[0, 0]]})
+            before = self.built(daemon)
+            if way == "http":
+                self.go(daemon, 9)
+            elif way == "small":
+                self.go(daemon, 9, 0.4)
+            else:
+                with Session(daemon.connect_tcp()) as session:
+                    reply = session.ask(step={"seconds": 9})
+                self.assertEqual(reply.state.clock.time, 9)
+                self.assertEqual(reply.state.sea.wind_speed, 17)
+            state = daemon.state()
+            self.assertEqual((state["clock"]["time"], state["sea"]["windSpeed"],
+                              state["sea"]["windDirection"]), (9, 17, 310))
+            self.assertEqual(self.events(daemon), {"gale": 3, "veers": 5})
+            self.assertEqual(self.built(daemon), before,
+                             "seas were built by the control thread")
+            self.assertEqual(daemon.metrics()["pelagos_scene_prepared_total"],
+                             2)
+            facts.append(self.facts(daemon))
+        self.assertEqual(facts[0], facts[1])
+        self.assertEqual(facts[0], facts[2])
+
+    def built(self, daemon):
+        return daemon.metrics().get(
+            'pelagos_control_work_total{what="sea"}', 0)
 
     def test_a_replay_needs_no_exercises(self):
         record = os.path.join(self.place, "log")

@@ -441,7 +441,7 @@ static void step_paced(struct pel_frames *frames)
 {
     static struct pel_log_limit limit;
     const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
-    if (s->mode == PEL_CLOCK_PACED) {
+    if (s->mode == PEL_CLOCK_PACED && !pel_scene_holds(frames->scene)) {
         struct pel_fault fault;
         if (pel_scene_step(frames->scene, s->rate / frames->max_fps, &fault) !=
             PEL_OK) {

@@ -388,8 +388,8 @@ enum MHD_Result pel_http_send_recordings(struct client *client,
     return wait_on(client, waiter, err, &fault);
 }
 
-static void on_patch(void *user, enum pel_err err,
-                     const struct pel_fault *fault)
+/* Of a patch or a step. */
+static void on_edit(void *user, enum pel_err err, const struct pel_fault *fault)
 {
     bool if_unchanged = ((struct waiter *)user)->if_unchanged;
     struct client *client = wait_end(user);
@@ -418,8 +418,21 @@ enum MHD_Result pel_http_send_patched(struct client *client,
     };
     struct waiter *waiter = wait_begin(client);
     waiter->if_unchanged = answer->if_unchanged;
-    bool waits = pel_scene_submit(client->server->context.scene, &wish,
-                                  on_patch, waiter);
+    bool waits =
+        pel_scene_submit(client->server->context.scene, &wish, on_edit, waiter);
+    pel_http_answer_finish(answer);
+    if (waits) {
+        pel_http_suspend(client);
+    }
+    return MHD_YES;
+}
+
+enum MHD_Result pel_http_send_stepped(struct client *client,
+                                      struct pel_http_answer *answer)
+{
+    struct waiter *waiter = wait_begin(client);
+    bool waits = pel_scene_submit_step(client->server->context.scene,
+                                       &answer->step, on_edit, waiter);
     pel_http_answer_finish(answer);
     if (waits) {
         pel_http_suspend(client);

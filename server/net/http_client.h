@@ -148,6 +148,8 @@ enum MHD_Result pel_http_send_series(struct client *client,
                                      struct pel_http_answer *answer);
 /* Files of a spectrum as a POSIX tar; g_free(). http_tar.c */
 char *pel_http_tar(const Pelagos__Spectrum *spectrum, size_t *size);
+enum MHD_Result pel_http_send_stepped(struct client *client,
+                                      struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_patched(struct client *client,
                                       struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_stream(struct client *client,

@@ -353,16 +353,13 @@ static void post_step(const struct pel_http_call *call)
         err = pel_command_check(message, &fault);
     }
     if (err == PEL_OK) {
-        err = pel_scene_command_step(call->context->scene,
-                                     (Pelagos__ClockStep *)message, &fault);
+        call->answer->kind = PEL_HTTP_STEP;
+        call->answer->step = *(const Pelagos__ClockStep *)message;
+    } else {
+        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
     }
     if (message) {
         protobuf_c_message_free_unpacked(message, NULL);
-    }
-    if (err == PEL_OK) {
-        pel_http_state(call);
-    } else {
-        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
     }
 }
 

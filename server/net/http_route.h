@@ -49,6 +49,7 @@ enum pel_http_kind {
     PEL_HTTP_MODELS,     /* list the models, answer with JSON */
     PEL_HTTP_SERIES,     /* carry out `series`, answer with its file */
     PEL_HTTP_PATCH,      /* commit `patch`, answer with the state */
+    PEL_HTTP_STEP,       /* carry out `step`, answer with the state */
     PEL_HTTP_RECORDINGS, /* list the recordings, answer with JSON */
 };
 
@@ -74,6 +75,7 @@ struct pel_http_answer {
     Pelagos__AlmanacQuery *almanac;
     Pelagos__SeriesQuery *series;
     Pelagos__Patch *patch;
+    Pelagos__ClockStep step;
     bool if_unchanged; /* of PATCH: If-Match named the state of now */
     char view[PEL_NAME_SIZE];
     double fps; /* at most; 0: every frame */

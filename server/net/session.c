@@ -91,7 +91,6 @@ static enum pel_err may(const struct session *self,
 static enum pel_err apply(struct session *self, const Pelagos__Request *request,
                           struct pel_fault *fault)
 {
-    struct pel_scene *scene = self->all->scene;
     enum pel_err err = PEL_OK;
     if (!request->get) { /* any member of the union */
         return pel_fault_set(fault, PEL_ERR_INVALID,
@@ -114,9 +113,9 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
     case PELAGOS__REQUEST__COMMAND_STEP:
         err = pel_command_check(&request->step->base, fault);
         if (err == PEL_OK) {
-            err = pel_scene_command_step(scene, request->step, fault);
+            pel_session_step(self, request);
         }
-        break;
+        return err;
     case PELAGOS__REQUEST__COMMAND_FRAME:
     case PELAGOS__REQUEST__COMMAND_FRAMES:
     case PELAGOS__REQUEST__COMMAND_SURFACE:

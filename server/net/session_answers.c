@@ -276,8 +276,8 @@ enum pel_err pel_session_start(struct session *self,
     return err;
 }
 
-static void on_patch(void *user, enum pel_err err,
-                     const struct pel_fault *fault)
+/* Of a patch or a step. */
+static void on_edit(void *user, enum pel_err err, const struct pel_fault *fault)
 {
     struct job *job = user;
     struct session *self = job->session;
@@ -308,7 +308,13 @@ void pel_session_patch(struct session *self, const Pelagos__Request *request)
 {
     const struct pel_scene_wish wish = { .patch = request->patch };
     struct job *job = owe(self, request);
-    pel_scene_submit(self->all->scene, &wish, on_patch, job);
+    pel_scene_submit(self->all->scene, &wish, on_edit, job);
+}
+
+void pel_session_step(struct session *self, const Pelagos__Request *request)
+{
+    struct job *job = owe(self, request);
+    pel_scene_submit_step(self->all->scene, request->step, on_edit, job);
 }
 
 static void on_spectrum(void *user, enum pel_err err,

@@ -114,6 +114,7 @@ PEL_CHECK enum pel_err pel_session_almanac(struct session *self,
 
 /* Answers when the patch is committed or refused. */
 void pel_session_patch(struct session *self, const Pelagos__Request *request);
+void pel_session_step(struct session *self, const Pelagos__Request *request);
 
 /* Begins what is answered later: pictures, the surface, light. */
 PEL_CHECK enum pel_err pel_session_start(struct session *self,

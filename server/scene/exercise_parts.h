@@ -62,6 +62,9 @@ void pel_exercise_beginning_finish(struct pel_exercise_beginning *beginning);
 void pel_exercise_back(const Pelagos__State *to, const Pelagos__State *from,
                        struct pel_exercise_beginning *out);
 
+/* What a restart must know of the ships whose helm is on, put into `out`. */
+void pel_exercise_put_ships(const Pelagos__State *state, Pelagos__State *out);
+
 /* --- exercisefacts.c ------------------------------------------------------ */
 
 struct pel_exercise_facts;

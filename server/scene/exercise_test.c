@@ -173,10 +173,12 @@ static void step_to(struct pel_scene *scene, double from_s, double to_s,
         assert_int_equal(
             pel_scene_step_to(scene, from_s + (double)i * step_s, &fault),
             PEL_OK);
+        pel_scene_settle(scene);
     }
     if (pel_scene_step_to(scene, to_s, &fault)) {
         fail_msg("%s", fault.message);
     }
+    pel_scene_settle(scene);
 }
 
 static struct outcome run_by(double step_s, double seconds)
@@ -594,6 +596,117 @@ static void a_moment_is_cheap(void **state)
     pel_scene_destroy(scene);
 }
 
+/* --- steps that wait for a sea -------------------------------------------- */
+
+struct ending {
+    int count;
+    enum pel_err err;
+};
+
+static void on_end(void *user, enum pel_err err, const struct pel_fault *fault)
+{
+    struct ending *end = user;
+    assert_true(err == PEL_OK || *fault->message);
+    end->count++;
+    end->err = err;
+}
+
+/* Held at an event that asks for another sea, at 4 s. */
+static struct pel_scene *held(struct pel_exercises **all, struct ending *end)
+{
+    Pelagos__ClockStep step = PELAGOS__CLOCK_STEP__INIT;
+    struct pel_scene *scene = make_scene((struct pel_scene_options){ 0 });
+    write_exercise("seas",
+                   "{\"state\":{\"entities\":[{\"id\":1}]},\"events\":["
+                   "{\"name\":\"storm\",\"when\":[{\"at\":4}],\"patch\":"
+                   "{\"state\":{\"sea\":{\"windSpeed\":20}}}},"
+                   "{\"name\":\"swell\",\"when\":[{\"after\":\"storm\","
+                   "\"delay\":2}],\"patch\":{\"state\":{\"sea\":{\"swell\":"
+                   "[{\"height\":2}]}}}}]}");
+    *all = make_exercises(scene, NULL);
+    must(scene, "{\"clock\":{\"mode\":\"STEPPED\"}}");
+    DO(*all, LOAD, "seas", -1);
+    DO(*all, START, NULL, -1);
+    step.has_seconds = true;
+    step.seconds = 9;
+    *end = (struct ending){ 0 };
+    assert_true(pel_scene_submit_step(scene, &step, on_end, end));
+    assert_int_equal(end->count, 0);
+    assert_true(pel_scene_holds(scene));
+    assert_near(pel_scene_time(scene), 4, 1e-9);
+    assert_near(pel_scene_state(scene)->sea->wind_speed, 8, 1e-9);
+    return scene;
+}
+
+static void a_step_waits_for_the_seas_of_its_events(void **state)
+{
+    (void)state;
+    struct pel_exercises *all;
+    struct ending end;
+    struct pel_fault fault;
+    struct pel_scene *scene = held(&all, &end);
+    /* Others go on meanwhile, but for steps and a rewind. */
+    assert_int_equal(pel_scene_step(scene, 1, &fault), PEL_ERR_BUSY);
+    assert_int_equal(
+        command(all, PELAGOS__EXERCISE_ACTION__REWIND, NULL, 1, NULL, &fault),
+        PEL_ERR_BUSY);
+    must(scene, "{\"sky\":{\"rain\":3}}");
+    pel_scene_settle(scene); /* the first, and the second, at which it is held
+                                again */
+    assert_int_equal(end.count, 1);
+    assert_int_equal(end.err, PEL_OK);
+    assert_false(pel_scene_holds(scene));
+    assert_near(pel_scene_time(scene), 9, 0);
+    const Pelagos__State *now = pel_scene_state(scene);
+    assert_near(now->sea->wind_speed, 20, 0);
+    assert_int_equal(now->sea->n_swell, 1);
+    assert_int_equal(now->exercise->n_events, 2);
+    assert_near(now->exercise->events[0]->time, 4, 1e-9);
+    assert_near(now->exercise->events[1]->time, 6, 1e-9);
+    assert_int_equal(pel_scene_step(scene, 1, &fault), PEL_OK);
+    pel_exercises_destroy(all);
+    pel_scene_destroy(scene);
+}
+
+static void a_step_that_waits_ends_in_any_case(void **state)
+{
+    (void)state;
+    struct pel_exercises *all;
+    struct ending end;
+    /* Somebody sets the clock. */
+    struct pel_scene *scene = held(&all, &end);
+    must(scene, "{\"clock\":{\"time\":100}}");
+    pel_scene_settle(scene);
+    assert_int_equal(end.count, 1);
+    assert_int_equal(end.err, PEL_ERR_CONFLICT);
+    assert_near(pel_scene_time(scene), 100, 0);
+    pel_exercises_destroy(all);
+    pel_scene_destroy(scene);
+    /* Another exercise is loaded. */
+    scene = held(&all, &end);
+    DO(all, LOAD, "one", -1);
+    pel_scene_settle(scene);
+    assert_int_equal(end.count, 1);
+    assert_int_equal(end.err, PEL_ERR_CONFLICT);
+    assert_near(pel_scene_state(scene)->sea->wind_speed, 6, 1e-9);
+    DO(all, START, NULL, -1); /* what the other asked for does not take it */
+    pel_exercises_destroy(all);
+    pel_scene_destroy(scene);
+    /* There are no exercises any more. */
+    scene = held(&all, &end);
+    pel_exercises_destroy(all);
+    pel_scene_settle(scene);
+    assert_int_equal(end.count, 1);
+    assert_near(pel_scene_time(scene), 9, 0);
+    pel_scene_destroy(scene);
+    /* The daemon stops. */
+    scene = held(&all, &end);
+    pel_exercises_destroy(all);
+    pel_scene_destroy(scene);
+    assert_int_equal(end.count, 1);
+    assert_int_equal(end.err, PEL_ERR_CONFLICT);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -607,6 +720,8 @@ int main(void)
         cmocka_unit_test(a_clock_of_its_own_stands_while_it_is_paused),
         cmocka_unit_test(a_restart_goes_on),
         cmocka_unit_test(another_edit_takes_it_over),
+        cmocka_unit_test(a_step_waits_for_the_seas_of_its_events),
+        cmocka_unit_test(a_step_that_waits_ends_in_any_case),
         cmocka_unit_test(a_moment_is_cheap),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

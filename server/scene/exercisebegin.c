@@ -4,6 +4,7 @@
 
 #include "message.h"
 #include "scene/exercise_parts.h"
+#include "scene/helm.h"
 
 static void empty(struct pel_exercise_beginning *out, const Pelagos__State *to)
 {
@@ -123,4 +124,65 @@ void pel_exercise_back(const Pelagos__State *to, const Pelagos__State *from,
     remove_parts(out);
     remove_views(to, from, out);
     seal(out);
+}
+
+/* --- ships under way --------------------------------------------------------
+ */
+
+/* A pose, as the state has it now. */
+static void put_pose(const Pelagos__Entity *from, Pelagos__Entity *to)
+{
+    to->has_id = to->has_latitude = to->has_longitude = to->has_altitude = true;
+    to->has_heading = to->has_pitch = to->has_roll = to->has_speed = true;
+    to->has_course = to->has_turn_rate = to->has_pose_time = true;
+    to->id = from->id;
+    to->latitude = from->latitude;
+    to->longitude = from->longitude;
+    to->altitude = from->altitude;
+    to->heading = from->heading;
+    to->pitch = from->pitch;
+    to->roll = from->roll;
+    to->speed = from->speed;
+    to->course = from->course;
+    to->turn_rate = from->turn_rate;
+    to->pose_time = from->pose_time;
+}
+
+static void put_rates(const Pelagos__OwnShip *from, Pelagos__OwnShip *to)
+{
+    to->has_on = to->has_heave_rate = to->has_pitch_rate = true;
+    to->has_roll_rate = true;
+    to->on = true;
+    to->heave_rate = from->heave_rate;
+    to->pitch_rate = from->pitch_rate;
+    to->roll_rate = from->roll_rate;
+}
+
+static void put_helm(const Pelagos__State *state, const Pelagos__OwnShip *helm,
+                     Pelagos__State *out, Pelagos__Entity *to)
+{
+    Pelagos__OwnShip *mine =
+        (Pelagos__OwnShip *)pel_message_new(&pelagos__own_ship__descriptor);
+    put_rates(helm, mine);
+    if (helm == state->own_ship) {
+        out->own_ship = mine;
+    } else {
+        to->helm = mine;
+    }
+}
+
+void pel_exercise_put_ships(const Pelagos__State *state, Pelagos__State *out)
+{
+    const ProtobufCFieldDescriptor *list =
+        protobuf_c_message_descriptor_get_field_by_name(out->base.descriptor,
+                                                        "entities");
+    for (size_t i = 0; i < state->n_entities; i++) {
+        const Pelagos__OwnShip *helm = pel_helm_on(state, state->entities[i]);
+        if (helm) {
+            Pelagos__Entity *to =
+                (Pelagos__Entity *)pel_message_append(&out->base, list);
+            put_pose(state->entities[i], to);
+            put_helm(state, helm, out, to);
+        }
+    }
 }

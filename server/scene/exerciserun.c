@@ -11,7 +11,6 @@
 #include "base/watch.h"
 #include "fault.h"
 #include "message.h"
-#include "scene/helm.h"
 #include "scene/scene_parts.h"
 
 #define TIMER_MS 20
@@ -129,11 +128,11 @@ static GBytes *pack(const Pelagos__Patch *patch)
 
 /* Hands over a patch that may have to wait, and frees it. */
 static void submit(struct pel_exercise_run *run, Pelagos__Patch *patch,
-                   double clock_s, pel_scene_done done)
+                   double clock_s, bool at_once, pel_scene_done done)
 {
     run->asked = pack(patch);
     run->own = true;
-    (void)pel_scene_act_patch(run->scene, patch, clock_s, done, run);
+    (void)pel_scene_act_patch(run->scene, patch, clock_s, at_once, done, run);
     run->own = false;
     pelagos__patch__free_unpacked(patch, NULL);
 }
@@ -172,7 +171,7 @@ static gboolean on_timer(gpointer user)
 
 static void forget(struct pel_exercise_run *run)
 {
-    pel_scene_forget(run->scene, run);
+    pel_scene_withdraw(run->scene, run);
     settled(run);
     run->leads = run->loading = run->start_then = false;
     g_clear_pointer(&run->past, pel_exercise_past_destroy);
@@ -247,6 +246,12 @@ static double next_moment(void *user, double until_s)
         run->tick--;
     }
     return at;
+}
+
+static bool waits(void *user)
+{
+    const struct pel_exercise_run *run = user;
+    return run->asked && !run->loading;
 }
 
 static void look(struct pel_exercise_run *run)
@@ -342,7 +347,7 @@ static void fire(struct pel_exercise_run *run)
     Pelagos__Patch *patch = new_patch(run->exercise->events[run->event]->patch);
     mark_fired(run, patch, run->event);
     run->firing = true;
-    submit(run, patch, commit_clock(run), fired);
+    submit(run, patch, commit_clock(run), false, fired);
     run->firing = false;
 }
 
@@ -357,67 +362,13 @@ static void leave(struct pel_exercise_run *run)
     run->event++;
 }
 
-/* A pose, as the state has it now. */
-static void put_pose(const Pelagos__Entity *from, Pelagos__Entity *to)
-{
-    to->has_id = to->has_latitude = to->has_longitude = to->has_altitude = true;
-    to->has_heading = to->has_pitch = to->has_roll = to->has_speed = true;
-    to->has_course = to->has_turn_rate = to->has_pose_time = true;
-    to->id = from->id;
-    to->latitude = from->latitude;
-    to->longitude = from->longitude;
-    to->altitude = from->altitude;
-    to->heading = from->heading;
-    to->pitch = from->pitch;
-    to->roll = from->roll;
-    to->speed = from->speed;
-    to->course = from->course;
-    to->turn_rate = from->turn_rate;
-    to->pose_time = from->pose_time;
-}
-
-static void put_rates(const Pelagos__OwnShip *from, Pelagos__OwnShip *to)
-{
-    to->has_on = to->has_heave_rate = to->has_pitch_rate = true;
-    to->has_roll_rate = true;
-    to->on = true;
-    to->heave_rate = from->heave_rate;
-    to->pitch_rate = from->pitch_rate;
-    to->roll_rate = from->roll_rate;
-}
-
-static void put_helm(const Pelagos__State *state, const Pelagos__OwnShip *helm,
-                     Pelagos__Patch *patch, Pelagos__Entity *to)
-{
-    Pelagos__OwnShip *mine =
-        (Pelagos__OwnShip *)pel_message_new(&pelagos__own_ship__descriptor);
-    put_rates(helm, mine);
-    if (helm == state->own_ship) {
-        patch->state->own_ship = mine;
-    } else {
-        to->helm = mine;
-    }
-}
-
 /* Where the ships' steps begin anew, with what a restart must know of them. */
 static enum pel_err mark(struct pel_exercise_run *run, double clock_s,
                          double time_s, struct pel_fault *fault)
 {
     Pelagos__Patch *patch = new_patch(NULL);
-    const ProtobufCFieldDescriptor *list =
-        protobuf_c_message_descriptor_get_field_by_name(
-            patch->state->base.descriptor, "entities");
     pel_scene_refresh(run->scene, clock_s);
-    const Pelagos__State *state = run->scene->state;
-    for (size_t i = 0; i < state->n_entities; i++) {
-        const Pelagos__OwnShip *helm = pel_helm_on(state, state->entities[i]);
-        if (helm) {
-            Pelagos__Entity *to = (Pelagos__Entity *)pel_message_append(
-                &patch->state->base, list);
-            put_pose(state->entities[i], to);
-            put_helm(state, helm, patch, to);
-        }
-    }
+    pel_exercise_put_ships(run->scene->state, patch->state);
     patch->state->exercise->has_mark = true;
     patch->state->exercise->mark = time_s;
     enum pel_err err = commit(run, patch, clock_s, fault);
@@ -493,7 +444,8 @@ static void on_moment(void *user, double clock_s)
 void pel_exercise_run_init(struct pel_exercise_run *run,
                            struct pel_scene *scene, const char *state_path)
 {
-    const struct pel_scene_acts acts = { next_moment, on_moment, on_edit, run };
+    const struct pel_scene_acts acts = { next_moment, on_moment, waits, on_edit,
+                                         run };
     *run = (struct pel_exercise_run){ .scene = scene };
     if (state_path) {
         run->kept_path = g_strconcat(state_path, ".exercise", NULL);
@@ -618,7 +570,7 @@ enum pel_err pel_exercise_run_load(struct pel_exercise_run *run,
     clock->rate = by_itself(run) ? 0 : to->rate;
     run->loading = true;
     run->load_err = PEL_OK;
-    submit(run, patch, now_s, loaded);
+    submit(run, patch, now_s, true, loaded);
     if (run->load_err && fault) {
         *fault = run->load_fault;
     }

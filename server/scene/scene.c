@@ -429,6 +429,11 @@ enum pel_err pel_scene_test(struct pel_scene *scene,
 static enum pel_err steps(const struct pel_scene *scene,
                           struct pel_fault *fault)
 {
+    if (scene->held.on) {
+        return pel_fault_set(fault, PEL_ERR_BUSY,
+                             "a step waits for the sea of an exercise's event; "
+                             "a little later");
+    }
     return scene->clock.mode == PEL_CLOCK_FREE
                ? pel_fault_set(fault, PEL_ERR_CONFLICT,
                                "the clock runs freely; set clock.mode to "
@@ -446,13 +451,57 @@ static double longest_step(const struct pel_scene *scene)
                                                    : MAX_STEP_S;
 }
 
-static void go_to(struct pel_scene *scene, double time_s)
+/* False: held at a moment on the way. */
+static bool go_to(struct pel_scene *scene, double time_s)
 {
+    enum pel_clock_mode mode = scene->clock.mode;
     act_until(scene, time_s);
+    if ((mode == PEL_CLOCK_STEPPED || mode == PEL_CLOCK_PACED) &&
+        scene->acts.next && scene->acts.waits(scene->acts.user)) {
+        scene->held.on = true;
+        scene->held.mode = mode;
+        scene->held.at_s = scene->clock.base_s;
+        scene->held.to_s = time_s;
+        return false;
+    }
     scene->clock.base_s = time_s;
     advance_ships(scene, time_s);
     pel_scene_save_soon(scene);
     notify(scene, time_s, NULL);
+    return true;
+}
+
+void pel_scene_go_on(struct pel_scene *scene, bool over)
+{
+    pel_scene_done done = scene->held.done;
+    void *user = scene->held.user;
+    struct pel_fault fault = { 0 };
+    enum pel_err err = PEL_OK;
+    if (!scene->held.on ||
+        (!over && scene->acts.next && scene->acts.waits(scene->acts.user))) {
+        return;
+    }
+    scene->held.on = false;
+    if (over) {
+        err = pel_fault_set(&fault, PEL_ERR_CONFLICT, "the daemon is stopping");
+    } else if (scene->clock.mode != scene->held.mode ||
+               scene->clock.base_s != scene->held.at_s) {
+        err = pel_fault_set(&fault, PEL_ERR_CONFLICT,
+                            "the clock was set while the step waited for the "
+                            "sea of an exercise's event");
+    } else if (!go_to(scene, scene->held.to_s)) {
+        return;
+    }
+    scene->held.done = NULL;
+    pel_scene_notify_commit(scene);
+    if (done) {
+        done(user, err, &fault);
+    }
+}
+
+bool pel_scene_holds(const struct pel_scene *scene)
+{
+    return scene->held.on;
 }
 
 enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
@@ -466,7 +515,7 @@ enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
     if (!(seconds >= 0 && seconds <= most_s)) {
         return refuse_step("step.seconds", seconds, 0, most_s, fault);
     }
-    go_to(scene, fmin(scene->clock.base_s + seconds, PEL_MAX_TIME_S));
+    (void)go_to(scene, fmin(scene->clock.base_s + seconds, PEL_MAX_TIME_S));
     return PEL_OK;
 }
 
@@ -485,7 +534,7 @@ enum pel_err pel_scene_step_to(struct pel_scene *scene, double time_s,
         return refuse_step("step.until", time_s, scene->clock.base_s, most_s,
                            fault);
     }
-    go_to(scene, time_s);
+    (void)go_to(scene, time_s);
     return PEL_OK;
 }
 
@@ -495,6 +544,23 @@ enum pel_err pel_scene_command_step(struct pel_scene *scene,
 {
     return step->has_until ? pel_scene_step_to(scene, step->until, fault)
                            : pel_scene_step(scene, step->seconds, fault);
+}
+
+bool pel_scene_submit_step(struct pel_scene *scene,
+                           const Pelagos__ClockStep *step, pel_scene_done done,
+                           void *user)
+{
+    struct pel_fault fault = { 0 };
+    enum pel_err err = pel_scene_command_step(scene, step, &fault);
+    if (!err && scene->held.on) {
+        scene->held.done = done;
+        scene->held.user = user;
+        return true;
+    }
+    if (done) {
+        done(user, err, &fault);
+    }
+    return false;
 }
 
 /* Who was silent when the file was written may speak now, and who led time has

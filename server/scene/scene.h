@@ -88,6 +88,9 @@ bool pel_scene_submit(struct pel_scene *scene,
  */
 void pel_scene_forget(struct pel_scene *scene, const void *source);
 
+/* The same, and they are not committed. */
+void pel_scene_withdraw(struct pel_scene *scene, const void *source);
+
 /* How many seas or files were prepared for patches. */
 uint64_t pel_scene_prepared(const struct pel_scene *scene);
 
@@ -137,6 +140,16 @@ PEL_CHECK enum pel_err pel_scene_command_step(struct pel_scene *scene,
                                               const Pelagos__ClockStep *step,
                                               struct pel_fault *fault);
 
+/* The same as the control thread of a daemon does it: where an act of that time
+ * waits for its sea or its file (below), the step stops at that moment and goes
+ * on from there by itself. `done` (NULL allowed) is called once; false: it has
+ * been. CONFLICT: the clock was set meanwhile. While a step is held others are
+ * BUSY, and those of the two calls above are held too, and nobody is told. */
+bool pel_scene_submit_step(struct pel_scene *scene,
+                           const Pelagos__ClockStep *step, pel_scene_done done,
+                           void *user);
+bool pel_scene_holds(const struct pel_scene *scene);
+
 /* What the scene has accepted at simulated time time_s: a patch, or (NULL) a
  * step to that time. Called after it took effect and before the commit
  * callbacks; one listener, NULL for none. It must not change the scene. */
@@ -155,6 +168,9 @@ struct pel_scene_acts {
     double (*next)(void *user, double until_s);
     /* It is that moment: the scene may be edited, by pel_scene_act_patch. */
     void (*act)(void *user, double time_s);
+    /* Whether what it did at the last moment still waits: until then a step is
+     * held there. */
+    bool (*waits)(void *user);
     /* As a listener. */
     pel_scene_listener heard;
     void *user;
@@ -168,12 +184,12 @@ void pel_scene_catch_up(struct pel_scene *scene);
 
 /* An edit that takes effect at time_s, the present time or the moment at which
  * somebody acts, whatever the clock shows by then. `done` as of
- * pel_scene_submit: where time goes by itself or by a host, a patch that asks
- * for another sea or a file waits for it; where it goes by steps, it takes
- * effect at time_s all the same, and who looks at the sea first builds it. Its
- * source is acts.user (pel_scene_forget). */
+ * pel_scene_submit: a patch that asks for another sea or a file waits for it.
+ * at_once: not where time goes by steps; who looks at the sea first builds it.
+ * Its source is acts.user (pel_scene_forget). */
 bool pel_scene_act_patch(struct pel_scene *scene, const Pelagos__Patch *patch,
-                         double time_s, pel_scene_done done, void *user);
+                         double time_s, bool at_once, pel_scene_done done,
+                         void *user);
 
 /* The newest frame of a simulator host that the scene shows, 0: no host
  * leads. Not part of the state: it goes with pictures and streams. */

@@ -48,6 +48,13 @@ struct pel_scene {
     void *listener_user;
     struct pel_scene_acts acts; /* next NULL: none */
     bool acting;
+    struct {
+        bool on; /* a step is, until what somebody acts by is there */
+        enum pel_clock_mode mode;
+        double at_s, to_s;
+        pel_scene_done done; /* may be NULL */
+        void *user;
+    } held;
     size_t callback_count;
     struct {
         void (*call)(void *user);
@@ -98,6 +105,10 @@ void pel_scene_take_ships(struct pel_scene *scene,
 /* ship_ahead.c: has the ships' steps of the next seconds done by a thread,
  * where that is due. */
 void pel_scene_step_ahead(struct pel_scene *scene, double time_s);
+
+/* Goes on with the step that is held, where nothing holds it any more; over:
+ * the daemon stops, and it ends here. */
+void pel_scene_go_on(struct pel_scene *scene, bool over);
 
 /* submit.c */
 void pel_scene_begin_waiting(struct pel_scene *scene);

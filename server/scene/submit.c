@@ -15,6 +15,7 @@
 struct waiting {
     Pelagos__Patch *patch; /* ours */
     const void *source;
+    bool withdrawn;
     bool has_revision;
     uint64_t revision;
     pel_scene_done done; /* may be NULL */
@@ -91,7 +92,8 @@ static void prepare_next(struct pel_scene *scene)
     for (guint i = 0; i < most; i++) {
         const struct waiting *w = g_ptr_array_index(scene->waiting, i);
         Pelagos__State *next;
-        if (pel_state_apply(state ? state : scene->state, w->patch, &next,
+        if (!w->withdrawn &&
+            pel_state_apply(state ? state : scene->state, w->patch, &next,
                             &fault) == PEL_OK) {
             bool good = pel_sea_settle(next, &fault) == PEL_OK &&
                         pel_state_check(next, &fault) == PEL_OK;
@@ -131,6 +133,9 @@ static enum pel_err commit_one(struct pel_scene *scene, const struct waiting *w,
     double time_s = pel_simclock_at(&scene->clock, now_ns);
     if (ready->dropped) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT, "the daemon is stopping");
+    }
+    if (w->withdrawn) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT, "nobody asks any more");
     }
     if (w->has_revision && w->revision != scene->state->revision) {
         pel_fault_set(fault, PEL_ERR_CONFLICT,
@@ -188,6 +193,7 @@ static void prepared(void *user, struct pel_preparation *ready)
     if (!dropped) {
         prepare_next(scene);
     }
+    pel_scene_go_on(scene, dropped);
 }
 
 /* Adds it to those that wait; false: there are too many. */
@@ -260,13 +266,15 @@ bool pel_scene_submit(struct pel_scene *scene,
 }
 
 bool pel_scene_act_patch(struct pel_scene *scene, const Pelagos__Patch *patch,
-                         double time_s, pel_scene_done done, void *user)
+                         double time_s, bool at_once, pel_scene_done done,
+                         void *user)
 {
     const struct pel_scene_wish wish = { .patch = patch,
                                          .source = scene->acts.user };
     bool stepped = scene->clock.mode == PEL_CLOCK_STEPPED ||
                    scene->clock.mode == PEL_CLOCK_PACED;
-    return submit(scene, &wish, pel_now_ns(), time_s, stepped, done, user);
+    return submit(scene, &wish, pel_now_ns(), time_s, at_once && stepped, done,
+                  user);
 }
 
 void pel_scene_forget(struct pel_scene *scene, const void *source)
@@ -276,6 +284,15 @@ void pel_scene_forget(struct pel_scene *scene, const void *source)
         if (w->source == source) {
             w->done = NULL;
         }
+    }
+}
+
+void pel_scene_withdraw(struct pel_scene *scene, const void *source)
+{
+    pel_scene_forget(scene, source);
+    for (guint i = 0; i < scene->waiting->len; i++) {
+        struct waiting *w = g_ptr_array_index(scene->waiting, i);
+        w->withdrawn = w->withdrawn || w->source == source;
     }
 }
 
