@@ -159,6 +159,38 @@ class SeaNumbers(Case):
             o.optics("sky", elevation=99)
         self.assertEqual(caught.exception.maximum, 90)
 
+    def test_series(self):
+        s = self.ocean.series("brdf", {"windSpeed": [4, 9],
+                                       "viewZenith": slice(10, 70, 30)},
+                              patch={"sky": {"sunElevation": 30}})
+        self.assertEqual(s.dims["brdf"], ("windSpeed", "viewZenith"))
+        np.testing.assert_array_equal(s["viewZenith"], [10, 40, 70])
+        for i, wind in enumerate((4, 9)):
+            one = self.ocean.optics("brdf", viewZenith=40, patch={
+                "sky": {"sunElevation": 30}, "sea": {"windSpeed": wind}})
+            self.assertEqual(s["brdf"][i, 1], one.brdf.brdf)
+        self.assertEqual(s.units["brdf"], "1/sr")
+        self.assertEqual(s.query["optics"]["brdf"], {})
+        d = s.dataset()
+        self.assertEqual(float(d.brdf.sel(windSpeed=9, viewZenith=40)),
+                         s["brdf"][1, 1])
+        self.assertEqual(d.brdf.attrs["units"], "1/sr")
+        self.assertEqual(d.windSpeed.attrs["standard_name"], "wind_speed")
+        heights = self.ocean.series("surface", {"time": slice(0, 4, 2)},
+                                    points=[[0, 0], [5, 5]])["height"]
+        self.assertEqual(heights.shape, (3, 2))
+        one = self.ocean.series("spectrum", frequencies=3)
+        self.assertEqual(one["density"].shape, (3,))
+        sky = self.ocean.series("sky", {"elevation": [5]}, source="GPU", time=3)
+        self.assertEqual(sky["radiance"].shape, (1, 3))
+        self.assertEqual(sky.query["optics"]["from"], "GPU")
+        with self.assertRaisesRegex(pelagos.OutOfRange, "viewZenith"):
+            self.ocean.series("brdf", {"viewZenith": [91]})
+        with self.assertRaises(ValueError):
+            self.ocean.series("clouds")
+        with self.assertRaises(ValueError):
+            self.ocean.series("spectrum", source="GPU")
+
     def test_models(self):
         kinds = {m.name: m.class_ for m in self.ocean.models().models}
         self.assertEqual(kinds["usv"], "USV")

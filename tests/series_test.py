@@ -249,6 +249,9 @@ class Forms(Case):
             self.assertEqual(len(query["sweep"]), path.split("&")[0].count("=")
                              - path.count("sweep="), path)
             self.assertIn("sea", json.loads(d.attrs["pelagos_state"]))
+            again = self.opened(self.daemon.request(
+                "POST", "/v1/series", query).body)
+            self.assertTrue(d.equals(again), path)
             for name, v in {**d.data_vars, **d.coords}.items():
                 self.assertRegex(name, r"^[A-Za-z][A-Za-z0-9_]*$")
                 unit = v.attrs.get("units") or v.encoding.get("units")
@@ -364,6 +367,9 @@ class Refusals(Case):
                      "viewZenith", code="OUT_OF_RANGE")
         self.refused("sky?sweep=elevation=0:90:0.001", 400, "10000",
                      code="OUT_OF_RANGE")
+        self.refused("spectrum?sweep=sea.gamma=1:7:0.5&frequencies=200&"
+                     "directions=72&format=csv", 400, "netcdf",
+                     code="OUT_OF_RANGE")
 
     def test_a_bad_patch(self):
         self.refused("brdf?sweep=viewZenith=1,2&sea.windSpeed=99", 400,
@@ -380,7 +386,7 @@ class Manners(Case):
             return m, ns
         before, _ = busy()
         cells = 0
-        for path in ("spectrum?sweep=sea.gamma=1:7:0.5&frequencies=200&"
+        for path in ("spectrum?sweep=sea.gamma=1:4:0.5&frequencies=200&"
                      "directions=72", "surface?sweep=time=0:400:1&points="
                      + ";".join(f"{i},0" for i in range(100)),
                      "brdf?sweep=viewZenith=0:89:1;sunElevation=1:89:8"):

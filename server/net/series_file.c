@@ -5,10 +5,13 @@
 #include <string.h>
 
 #include "base/reserve.h"
+#include "bounds.h"
 #include "json.h"
 #include "message.h"
 #include "net/series_parts.h"
 #include "wire.h"
+
+#define CSV_NUMBERS (3 * PEL_BOUND_SERIES_VALUES)
 
 static char *copy(const char *text)
 {
@@ -204,17 +207,32 @@ static size_t place_of(const Pelagos__Series *s, const Pelagos__SeriesList *v,
     return index;
 }
 
+/* Rows of a CSV; 0 and a fault: too many for a text that repeats numbers. */
+static size_t rows_of(const Pelagos__Series *s, struct pel_fault *fault)
+{
+    size_t rows = 1, columns = s->n_axes + s->n_variables;
+    for (size_t i = 0; i < s->n_axes; i++) {
+        rows *= s->axes[i]->n_values; /* at most all values of a variable */
+    }
+    if (rows * columns <= CSV_NUMBERS) {
+        return rows;
+    }
+    pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                  "format: as CSV, which repeats what does not depend on every "
+                  "axis, the series would have %zu numbers, more than %d: ask "
+                  "for json or netcdf",
+                  rows * columns, CSV_NUMBERS);
+    return 0;
+}
+
 /* A row for each combination of all axes; what does not depend on one is
  * repeated. */
-static char *csv(const Pelagos__Series *s, size_t *size)
+static char *csv(const Pelagos__Series *s, size_t rows, size_t *size)
 {
     enum { MOST = PEL_SERIES_AXES + PEL_INNER_COUNT };
     GString *out = g_string_new(NULL);
-    size_t at[MOST] = { 0 }, rows = 1;
+    size_t at[MOST] = { 0 };
     put_comments(out, s);
-    for (size_t i = 0; i < s->n_axes; i++) {
-        rows *= s->axes[i]->n_values;
-    }
     for (size_t row = 0; row < rows; row++) {
         size_t rest = row;
         for (size_t i = s->n_axes; i-- > 0;) {
@@ -278,8 +296,10 @@ enum pel_err pel_series_file(const struct pel_series_table *table,
     unsigned char *bytes = NULL;
     enum pel_err err = PEL_OK;
     if (format == PELAGOS__SERIES_FORMAT__CSV) {
+        size_t rows = rows_of(series, fault);
         answer->type = "text/csv; charset=utf-8";
-        answer->data = csv(series, &answer->size);
+        answer->data = rows ? csv(series, rows, &answer->size) : NULL;
+        err = rows ? PEL_OK : PEL_ERR_OUT_OF_RANGE;
     } else if (format == PELAGOS__SERIES_FORMAT__NETCDF) {
         answer->type = "application/netcdf";
         err = pel_series_netcdf(series, origin->epoch_unix_s, &bytes,
