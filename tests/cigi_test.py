@@ -459,6 +459,12 @@ def components_lead_exercises():
         now = s.state()["clock"]["time"] - run()["offset"]
         check(11.9 < now < 14, f"{now} s")
         check(s.state()["clock"]["time"] < before - 8, "time goes back")
+        # By less than a jump of the host's own would be, too.
+        say(REWIND, 6.0)
+        go(1)
+        now = s.state()["clock"]["time"] - run()["offset"]
+        check(6.9 < now < 9, f"{now} s")
+        say(START)
 
         edits = s.metric("refused_edits_total")
         frame = say(PAUSE, 0.0, cigi.entity(55, 52.6, 5.2), instance=0)

@@ -9,7 +9,8 @@ import fs from "node:fs";
 import path from "node:path";
 import { after, before, beforeEach, describe, test } from "node:test";
 
-import { open, openSections, page, shot, text } from "./page.mjs";
+import { at, clean, inside, open, openSections, page, shot, text }
+  from "./page.mjs";
 import { Daemon, folder, ROOT, until } from "./pelagos_daemon.mjs";
 
 const TOKENS = { watch: "watch-0123456789abcdef", steer: "steer-0123456789abcdef",
@@ -29,8 +30,9 @@ before(async () => {
 
 after(() => asking.stop());
 
-const begin = async (role) => {
-  await open(`${asking.url}/#token=${TOKENS[role]}`, { wait: false });
+const begin = async (role, size = "laptop") => {
+  await open(`${asking.url}/#token=${TOKENS[role]}`,
+    { wait: false, ...at(size) });
   await until("the controls", () => page.locator("#panel:not(.waiting)").count());
 };
 
@@ -109,6 +111,8 @@ describe("a page that", () => {
       "remove", "follow-it", "look-at"]) {
       assert.ok(!await page.locator(`#${id}`).isVisible(), id);
     }
+    await inside();
+    await clean("watching");
     const tried = await tryAll();
     assert.ok(tried.includes("plan-up") && tried.length > 8, `${tried}`);
     // By hand: the picture, the plan.
@@ -159,6 +163,22 @@ describe("a page that", () => {
     await shot("role-steer");
     assert.deepEqual(heard.refused, []);
     assert.ok(heard.changes.every((c) => c === "PATCH /v1/state"));
+  });
+
+  test("steers has room for it on a phone", async () => {
+    await begin("steer", "phone");
+    await openSections();
+    await until("the role", () => page.locator("#role").isVisible());
+    const top = (selector) => page.locator(selector).evaluate((n) => {
+      const box = n.getBoundingClientRect();
+      return (box.top + box.bottom) / 2;
+    });
+    const middle = await top(".bar h1");
+    for (const selector of ["#role", "#link"]) {
+      assert.ok(Math.abs(await top(selector) - middle) < 8, selector);
+    }
+    await inside();
+    await clean("steering on a phone");
   });
 
   test("instructs may do everything", async () => {
