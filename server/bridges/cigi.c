@@ -65,7 +65,7 @@ static void begin_session(struct pel_cigi *cigi)
     pel_cigi_answers_clear(cigi->answers);
     cigi->wanted_database = 0;
     cigi->period_s = 1 / cigi->options.rate_hz;
-    cigi->host_time_s = pel_scene_time(cigi->scene);
+    cigi->host_time_s = cigi->seen_s = pel_scene_time(cigi->scene);
 }
 
 static void load_database(struct pel_cigi *cigi, int wanted)
@@ -134,6 +134,16 @@ static double time_of_frame(struct pel_cigi *cigi, double now_s)
         cigi->host_time_s = now_s;
     }
     return fmin(fmax(cigi->host_time_s, now_s), PEL_MAX_TIME_S);
+}
+
+/* Where an exercise was loaded or rewound, simulated time was set back, and the
+ * host's goes with it. Returns what it is. */
+static double follow_back(struct pel_cigi *cigi)
+{
+    double now_s = pel_scene_time(cigi->scene);
+    cigi->host_time_s -= fmax(cigi->seen_s - now_s, 0);
+    cigi->seen_s = now_s;
+    return now_s;
 }
 
 static void step_to(struct pel_cigi *cigi, double time_s)
@@ -362,11 +372,8 @@ void pel_cigi_apply(struct pel_cigi *cigi)
         return;
     }
     /* Poses are those of the time that the frame leads to. */
-    double now_s = pel_scene_time(cigi->scene);
+    double now_s = follow_back(cigi);
     bool leads = host_leads(cigi) && !cigi->batch_first;
-    if (now_s < cigi->applied_s) { /* an exercise was loaded, or rewound */
-        cigi->host_time_s = now_s;
-    }
     double time_s = leads ? time_of_frame(cigi, now_s) : now_s;
     bool good[BATCH];
     if (leads) {
@@ -383,7 +390,7 @@ void pel_cigi_apply(struct pel_cigi *cigi)
     if (!leads) {
         cigi->host_time_s = pel_scene_time(cigi->scene);
     }
-    cigi->applied_s = pel_scene_time(cigi->scene);
+    cigi->applied_s = cigi->seen_s = pel_scene_time(cigi->scene);
     cigi->batch_count = cigi->in_used = 0;
     cigi->batch_first = cigi->batch_reset = false;
     if (good[count - 1]) {
@@ -517,7 +524,9 @@ static void extrapolate(struct pel_cigi *cigi, int64_t now_ns)
         return;
     }
     cigi->counters.extrapolated++;
+    (void)follow_back(cigi);
     step_to(cigi, cigi->host_time_s + ahead_s);
+    cigi->seen_s = pel_scene_time(cigi->scene);
 }
 
 /* Time is given back, and what the host left moving stands. */

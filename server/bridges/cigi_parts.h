@@ -56,6 +56,7 @@ struct pel_cigi {
     bool stamped;
     double host_time_s;  /* simulated time of host_frame */
     double applied_s;    /* that the scene had when it took effect */
+    double seen_s;       /* that the scene had when it was looked at last */
     double period_s;     /* of the host's frames, smoothed */
     uint32_t on_the_way; /* frames the host had not heard of */
 
