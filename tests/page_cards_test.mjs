@@ -347,6 +347,13 @@ describe("what nobody got out of", () => {
       await page.locator("#measured").press("Enter");
       await until("that there is none", async () => /42001/.test(
         await text("#measured-error")));
+      const polls = [];
+      page.on("response", (r) => polls.push(new URL(r.url()).pathname));
+      await until("the state twice", () => polls.filter((p) =>
+        p === "/v1/state").length >= 2);
+      assert.match(await text("#measured-error"), /42001/, "it stays");
+      await page.locator("#spectrum").selectOption("JONSWAP");
+      await until("another", () => page.locator("#measured").isHidden());
       await page.goto("about:blank");
     } finally {
       await buoys.stop();

@@ -127,12 +127,17 @@ export class Sections {
     }));
   }
 
-  // A buoy's record is asked for by its station, TMA is about a depth.
+  // A buoy's record is asked for by its station, TMA is about a depth. What is
+  // wanted is so until the server has it: a refusal is said at the station.
   buildSpectrum() {
     let wanted = false;
+    const wants = () => {
+      wanted &&= this.store.told.sea?.spectrum !== "MEASURED";
+      return wanted;
+    };
     const spectrum = this.add(new Choice(byId("sea"), { store: this.store,
       id: "spectrum", label: "Spectrum", options: this.named("sea.spectrum"),
-      get: (s) => wanted ? undefined : s.sea?.spectrum,
+      get: (s) => wants() ? undefined : s.sea?.spectrum,
       chosen: (v) => {
         wanted = v === "MEASURED" && !this.store.state.sea?.measured;
         if (!wanted) {
@@ -149,10 +154,8 @@ export class Sections {
     spectrum.node.dataset.path = "sea.spectrum";
     const station = this.add(new Text(byId("sea"), { store: this.store,
       id: "measured", label: "Buoy's station", get: (s) => s.sea?.measured ?? "",
-      patch: (v) => {
-        wanted = false;
-        return { sea: { spectrum: "MEASURED", measured: v } };
-      } }), (s) => wanted || s.sea?.spectrum === "MEASURED");
+      patch: (v) => ({ sea: { spectrum: "MEASURED", measured: v } }),
+    }), (s) => wants() || s.sea?.spectrum === "MEASURED");
   }
 
   // --- light and water ----------------------------------------------------------

@@ -585,6 +585,26 @@ static void refuses_open_doors_and_bad_options(void **state)
                      PEL_ERR_INVALID);
 }
 
+/* Where there are none they say so, and refuse. */
+static void exercises_are_none(void **state)
+{
+    struct fixture *f = *state;
+    assert_true(read_number(f, 4, 40, PEL_TYPE_U16) == 0);
+    assert_true(read_number(f, 4, 41, PEL_TYPE_U16) == UINT16_MAX);
+    assert_true(read_number(f, 4, 42, PEL_TYPE_F64) == 0);
+    assert_true(read_number(f, 4, 49, PEL_TYPE_U16) == 0);
+    assert_true(read_number(f, 3, 222, PEL_TYPE_U16) == UINT16_MAX);
+    assert_int_equal(write_one(f, 222, 0), -3);
+    assert_int_equal(write_one(f, 222, UINT16_MAX), 6);
+    for (uint16_t action = 6; action <= 10; action++) {
+        assert_int_equal(write_one(f, 223, action), -3);
+    }
+    assert_true(read_number(f, 3, 223, PEL_TYPE_U16) == 0);
+    assert_int_equal(write_float(f, 220, 12.5), 16);
+    assert_true(read_number(f, 3, 220, PEL_TYPE_F32) == 12.5);
+    assert_int_equal(write_one(f, 221, 1), -2); /* half a number */
+}
+
 int main(void)
 {
     pel_log_set_level(PEL_LOG_ERROR);
@@ -605,6 +625,7 @@ int main(void)
         TEST(silence_makes_the_source_stale),
         TEST(a_thousand_bad_requests),
         TEST(refuses_open_doors_and_bad_options),
+        TEST(exercises_are_none),
         cmocka_unit_test(answers_above_1024_descriptors),
         cmocka_unit_test(slow_clients_cost_nobody_else),
     };

@@ -668,6 +668,29 @@ static void a_step_waits_for_the_seas_of_its_events(void **state)
     pel_scene_destroy(scene);
 }
 
+static void a_paced_clock_stands_meanwhile(void **state)
+{
+    (void)state;
+    struct pel_exercises *all;
+    struct ending end;
+    struct pel_fault fault;
+    struct pel_scene *scene = held(&all, &end);
+    pel_scene_settle(scene);
+    must(scene, "{\"clock\":{\"mode\":\"PACED\"}}");
+    DO(all, LOAD, "seas", -1);
+    DO(all, START, NULL, -1);
+    assert_int_equal(pel_scene_step(scene, 3.5, &fault), PEL_OK);
+    assert_false(pel_scene_holds(scene));
+    assert_int_equal(pel_scene_step(scene, 1, &fault), PEL_OK);
+    assert_true(pel_scene_holds(scene));
+    assert_near(pel_scene_time(scene), 4, 1e-9);
+    pel_scene_settle(scene);
+    assert_false(pel_scene_holds(scene));
+    assert_near(pel_scene_time(scene), 4.5, 1e-9);
+    pel_exercises_destroy(all);
+    pel_scene_destroy(scene);
+}
+
 static void a_step_that_waits_ends_in_any_case(void **state)
 {
     (void)state;
@@ -721,6 +744,7 @@ int main(void)
         cmocka_unit_test(a_restart_goes_on),
         cmocka_unit_test(another_edit_takes_it_over),
         cmocka_unit_test(a_step_waits_for_the_seas_of_its_events),
+        cmocka_unit_test(a_paced_clock_stands_meanwhile),
         cmocka_unit_test(a_step_that_waits_ends_in_any_case),
         cmocka_unit_test(a_moment_is_cheap),
     };
