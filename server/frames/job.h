@@ -170,7 +170,9 @@ struct pel_water_question {
 struct pel_optics_query {
     struct pel_mail mail;
     const struct pel_snapshot *snapshot;
-    struct pel_environment environment;
+    Pelagos__OpticsQuery *asked;        /* without its patch */
+    double time_s;                      /* that it is about */
+    struct pel_environment environment; /* this and what follows: settled */
     Pelagos__OpticsQuery__QuestionCase question;
     bool gpu;
     struct pel_probe probe;
@@ -179,6 +181,7 @@ struct pel_optics_query {
     struct pel_water_question water;
     enum pel_err err;
     struct pel_fault fault;
+    Pelagos__Optics *made; /* the answer, concluded; NULL: a fault */
     pel_optics_callback done;
     void *user;
 };
@@ -187,12 +190,14 @@ PEL_CHECK enum pel_err pel_optics_water(struct pel_optics_query *query);
 /* Answers from the reference; any thread. */
 void pel_optics_reference(struct pel_optics_query *query);
 
-/* Adds what the night's sky has to an answer that lacks it, some 10 ms. */
-void pel_optics_add_night(struct pel_optics_query *query);
-
-/* Slopes that the query leaves open are taken from the sea, which the answering
- * thread builds where it is not built yet. */
+/* What the query is about, on the thread that answers it: the Sun, Moon and
+ * night of its moment take milliseconds. Slopes that it leaves open are taken
+ * from the sea, which is built where it is not built yet. */
 void pel_optics_settle(struct pel_optics_query *query);
+
+/* Adds what the night's sky has to an answer that lacks it, some 10 ms, and
+ * makes the message. */
+void pel_optics_conclude(struct pel_optics_query *query);
 
 /* A picture of `view` with room for what the encoder gives; NULL: no memory. */
 struct pel_frame *pel_frame_create(void);

@@ -11,6 +11,10 @@
 static void query_free(struct pel_optics_query *query)
 {
     pel_snapshot_unref(query->snapshot);
+    pelagos__optics_query__free_unpacked(query->asked, NULL);
+    if (query->made) {
+        pelagos__optics__free_unpacked(query->made, NULL);
+    }
     free(query->water.reports);
     free(query);
 }
@@ -49,6 +53,12 @@ static void read_question(const Pelagos__OpticsQuery *from,
 
 void pel_optics_settle(struct pel_optics_query *query)
 {
+    query->environment = pel_environment_of(query->snapshot, query->time_s);
+    read_question(query->asked, query);
+    if (query->question != PELAGOS__OPTICS_QUERY__QUESTION_BRDF) {
+        query->probe.slope_along = query->probe.slope_cross = 1e-8; /* unused */
+        return;
+    }
     const struct pel_sea *sea = pel_snapshot_sea(query->snapshot);
     struct pel_probe *p = &query->probe;
     double along =
@@ -100,16 +110,17 @@ enum pel_err pel_frames_optics(struct pel_frames *frames,
         pel_snapshot_unref(s);
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
-    double time_s =
+    Pelagos__OpticsQuery own = *question;
+    own.patch = NULL;
+    query->asked = (Pelagos__OpticsQuery *)pel_message_copy(&own.base);
+    query->time_s =
         question->has_time ? question->time : pel_scene_time(frames->scene);
     query->mail.kind = PEL_MAIL_OPTICS;
     query->snapshot = s;
-    query->environment = pel_environment_of(s, time_s);
     query->question = question->question_case;
     query->gpu = question->from == PELAGOS__OPTICS_SOURCE__GPU;
     query->done = done;
     query->user = user;
-    read_question(question, query);
     frames->optics[frames->optics_count++] = query;
     if (query->gpu) {
         pel_devices_push_optics(frames->devices, query);
@@ -140,7 +151,7 @@ static struct pel_rgb moon_over_sun(const struct pel_environment *env)
     return (struct pel_rgb){ k * m.r / s.r, k * m.g / s.g, k * m.b / s.b };
 }
 
-void pel_optics_add_night(struct pel_optics_query *query)
+static void add_night(struct pel_optics_query *query)
 {
     const struct pel_environment *env = &query->environment;
     bool sky = query->question == PELAGOS__OPTICS_QUERY__QUESTION_SKY;
@@ -192,7 +203,7 @@ void pel_optics_reference(struct pel_optics_query *query)
     if (query->err != PEL_OK) {
         pel_fault_set(&query->fault, query->err, "out of memory");
     }
-    pel_optics_add_night(query);
+    pel_optics_conclude(query);
 }
 
 /* --- the answer as a message ---------------------------------------------- */
@@ -276,8 +287,7 @@ static Pelagos__SkyLight *sky_message(const struct pel_optics_query *q)
     return out;
 }
 
-static Pelagos__Optics *message(const struct pel_frames *frames,
-                                const struct pel_optics_query *q)
+static Pelagos__Optics *message(const struct pel_optics_query *q)
 {
     Pelagos__Optics *out =
         (Pelagos__Optics *)pel_message_new(&pelagos__optics__descriptor);
@@ -292,8 +302,6 @@ static Pelagos__Optics *message(const struct pel_frames *frames,
         SET(out, sun_elevation, 90.0 - q->water.at.sun_zenith_rad / PEL_DEG);
         out->answer_case = PELAGOS__OPTICS__ANSWER_WATER;
         out->water = pel_optics_water_message(q);
-        out->device =
-            q->gpu ? pel_sure_strdup(pel_frames_device(frames)) : NULL;
         return out;
     }
     SET(out, sun_elevation, asin(pel_clamp(sun.z, -1.0, 1.0)) / PEL_DEG);
@@ -306,9 +314,6 @@ static Pelagos__Optics *message(const struct pel_frames *frames,
         SET(out, moon_azimuth, azimuth < 0.0 ? azimuth + 360.0 : azimuth);
         SET(out, moon_phase, 0.5 - 0.5 * pel_vec3_dot(moon->source, to));
     }
-    if (q->gpu) {
-        out->device = pel_sure_strdup(pel_frames_device(frames));
-    }
     if (q->question == PELAGOS__OPTICS_QUERY__QUESTION_SKY) {
         out->answer_case = PELAGOS__OPTICS__ANSWER_SKY;
         out->sky = sky_message(q);
@@ -317,6 +322,12 @@ static Pelagos__Optics *message(const struct pel_frames *frames,
         out->brdf = brdf_message(q);
     }
     return out;
+}
+
+void pel_optics_conclude(struct pel_optics_query *query)
+{
+    add_night(query);
+    query->made = query->err == PEL_OK ? message(query) : NULL;
 }
 
 static void forget(struct pel_frames *frames, struct pel_optics_query *query)
@@ -334,12 +345,10 @@ void pel_optics_answer(struct pel_frames *frames,
                        struct pel_optics_query *query)
 {
     forget(frames, query);
-    Pelagos__Optics *answer =
-        query->err == PEL_OK ? message(frames, query) : NULL;
-    query->done(query->user, query->err, &query->fault, answer);
-    if (answer) {
-        pelagos__optics__free_unpacked(answer, NULL);
+    if (query->made && query->gpu) {
+        query->made->device = pel_sure_strdup(pel_frames_device(frames));
     }
+    query->done(query->user, query->err, &query->fault, query->made);
     query_free(query);
 }
 

@@ -581,8 +581,8 @@ static struct pel_mail *next_mail(struct pel_renderloop *loop)
 static void answer_optics(struct pel_renderloop *loop,
                           struct pel_optics_query *query)
 {
-    query->environment.sea = pel_snapshot_sea(query->snapshot);
     pel_optics_settle(query);
+    query->environment.sea = pel_snapshot_sea(query->snapshot);
     for (int i = 0; i <= PEL_LOSS_MOST_AGAIN && loop->renderer; i++) {
         query->fault = (struct pel_fault){ 0 };
         query->err =
@@ -603,7 +603,7 @@ static void answer_optics(struct pel_renderloop *loop,
         push(peer, &query->mail);
         return;
     }
-    pel_optics_add_night(query);
+    pel_optics_conclude(query);
     pel_mailbox_post(loop->box, &query->mail);
 }
 

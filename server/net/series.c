@@ -68,6 +68,7 @@ static void job_end(struct pel_series_job *job)
         job->source = 0;
     }
     job->done(job->user, job->err, &job->fault, &job->answer);
+    pel_scene_tries(job->all->scene, false);
     g_ptr_array_remove_fast(job->all->jobs, job);
     job->all = NULL;
     if (job->under_way == 0) {
@@ -210,15 +211,16 @@ static enum pel_err ask_one(struct pel_series_job *job, struct pel_fault *fault)
 {
     struct pel_series *all = job->all;
     ProtobufCMessage *question = NULL;
+    size_t cell = pel_series_cell(&job->plan, job->asked);
     enum pel_err err = check_state(job, fault);
     if (!err) {
-        err = pel_series_question(&job->plan, job->asked, &question, fault);
+        err = pel_series_question(&job->plan, cell, &question, fault);
     }
     if (err) {
         return err;
     }
     struct asked *asked = g_new(struct asked, 1);
-    *asked = (struct asked){ job, job->asked };
+    *asked = (struct asked){ job, cell };
     job->asked++;
     job->under_way++;
     all->questions++;
@@ -370,6 +372,7 @@ pel_series_ask(struct pel_series *all, const Pelagos__SeriesQuery *query,
     pel_series_plan_at(&job->plan, pel_scene_time(all->scene));
     note_origin(job);
     g_ptr_array_add(all->jobs, job);
+    pel_scene_tries(all->scene, true);
     soon(job);
     *out = job;
     return PEL_OK;

@@ -43,6 +43,10 @@ PEL_CHECK enum pel_err pel_series_plan_make(const Pelagos__SeriesQuery *query,
 void pel_series_plan_at(struct pel_series_plan *plan, double time_s);
 void pel_series_plan_finish(struct pel_series_plan *plan);
 
+/* The cell that is asked n-th: axes of the state run slowest, so that one sea
+ * and one water serve as many questions as they can. */
+size_t pel_series_cell(const struct pel_series_plan *plan, size_t n);
+
 /* The question of a cell: an OpticsQuery, SpectrumQuery or SurfaceQuery. */
 PEL_CHECK enum pel_err pel_series_question(const struct pel_series_plan *plan,
                                            size_t cell, ProtobufCMessage **out,

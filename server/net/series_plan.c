@@ -361,6 +361,25 @@ double pel_series_at(const struct pel_series_plan *plan, unsigned axis,
     return plan->axes[axis].values[cell % plan->axes[axis].count];
 }
 
+size_t pel_series_cell(const struct pel_series_plan *plan, size_t n)
+{
+    size_t cell = 0;
+    for (int pass = 0; pass < 2; pass++) { /* the fastest come first */
+        for (unsigned i = plan->axis_count; i-- > 0;) {
+            const struct pel_series_axis *axis = &plan->axes[i];
+            size_t stride = 1;
+            for (unsigned k = i + 1; k < plan->axis_count; k++) {
+                stride *= plan->axes[k].count;
+            }
+            if ((axis->path[0] != '\0') == (pass == 1)) {
+                cell += n % axis->count * stride;
+                n /= axis->count;
+            }
+        }
+    }
+    return cell;
+}
+
 static Pelagos__Patch **patch_of(ProtobufCMessage *asked)
 {
     if (asked->descriptor == &pelagos__optics_query__descriptor) {

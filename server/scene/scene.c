@@ -324,6 +324,43 @@ enum pel_err pel_scene_edited(struct pel_scene *scene,
     return err;
 }
 
+void pel_scene_tries(struct pel_scene *scene, bool begin)
+{
+    scene->tries += begin ? 1 : -1U;
+    if (scene->tries == 0) {
+        pel_shared_sea_unref(scene->tried);
+        scene->tried = NULL;
+    }
+}
+
+/* The sea of a state that is tried: the one in force, the last that was tried,
+ * or another. */
+static enum pel_err tried_sea(struct pel_scene *scene,
+                              const Pelagos__State *state,
+                              struct pel_shared_sea **out,
+                              struct pel_fault *fault)
+{
+    enum pel_err err = pel_shared_sea_get(state, &scene->means, NULL,
+                                          scene->has.sea, out, fault);
+    if (err || scene->tries == 0 || *out == scene->has.sea) {
+        return err;
+    }
+    struct pel_shared_sea *again = NULL;
+    if (scene->tried) {
+        err = pel_shared_sea_get(state, &scene->means, NULL, scene->tried,
+                                 &again, fault);
+    }
+    if (!err && again == scene->tried && again) {
+        pel_shared_sea_unref(*out);
+        *out = again;
+        return PEL_OK;
+    }
+    pel_shared_sea_unref(again);
+    pel_shared_sea_unref(scene->tried);
+    scene->tried = pel_shared_sea_ref(*out);
+    return PEL_OK;
+}
+
 enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
                                     const Pelagos__Patch *patch,
                                     const struct pel_snapshot **out,
@@ -340,8 +377,7 @@ enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
     if (err) {
         return err;
     }
-    err = pel_shared_sea_get(next, &scene->means, NULL, scene->has.sea, &sea,
-                             fault);
+    err = tried_sea(scene, next, &sea, fault);
     if (!err) {
         /* Light as numbers is of the water, wherever its bottom is. */
         *out = pel_snapshot_build(next, sea, NULL);

@@ -97,6 +97,11 @@ uint64_t pel_scene_prepared(const struct pel_scene *scene);
 /* Waits until nothing waits: for tests and programs without a main loop. */
 void pel_scene_settle(struct pel_scene *scene);
 
+/* Somebody begins, or ends, to try patches one after the other: meanwhile the
+ * last sea that was tried is kept, so that those that differ in something else
+ * do not build it anew. */
+void pel_scene_tries(struct pel_scene *scene, bool begin);
+
 /* The snapshot that the scene would have after the patch, NULL for the one it
  * has, at the present time; the scene stays as it is. Its sea is built by who
  * looks at it first. Faults as of pel_scene_patch. pel_snapshot_unref. */

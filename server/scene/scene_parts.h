@@ -25,6 +25,8 @@ struct pel_scene {
     struct pel_simclock clock;
     struct pel_resources has; /* what the snapshot was made with */
     const struct pel_snapshot *snapshot;
+    unsigned tries;                  /* pel_scene_tries */
+    struct pel_shared_sea *tried;    /* of the last one that was another sea */
     struct pel_worker *worker;       /* of patches that wait */
     struct pel_worker *numbers;      /* of spectra */
     struct pel_worker *shapes;       /* of lists of models */
