@@ -341,6 +341,19 @@ describe("the card", () => {
     }
   });
 
+  test("asks for its list when that is opened", async () => {
+    await begin();
+    const asks = [];
+    page.on("request", (r) => asks.push(new URL(r.url()).pathname));
+    fs.writeFileSync(file("later"), JSON.stringify(FOG));
+    await until("three states", () => asks.filter((a) => a === "/v1/state")
+      .length >= 3);
+    assert.deepEqual(asks.filter((a) => /exercise/.test(a)), []);
+    await page.locator("#exercise-list").focus();
+    await until("it is listed", async () => (await page.locator(
+      "#exercise-list option").allTextContents()).length === 3);
+  });
+
   test("asks for nothing while it is closed", async () => {
     await open(daemon.url, at("laptop"));
     await ready();

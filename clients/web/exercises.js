@@ -10,7 +10,6 @@ import { nameOf } from "/presets.js";
 import { may } from "/rights.js";
 
 const LOOK_MS = 1000;
-const LOOKS_A_LIST = 10;
 const SURE_MS = 4000;
 const JSON_TYPE = { "Content-Type": "application/json" };
 const PHASES = { IDLE: "none is loaded", READY: "ready", RUNNING: "running",
@@ -77,10 +76,9 @@ export class Exercises {
     this.store = store;
     this.box = details.querySelector("#exercise-card");
     this.rows = new Map(); // of events
-    this.looks = 0;
     this.build();
-    details.addEventListener("toggle", () => this.look());
-    this.look();
+    details.addEventListener("toggle", () => this.lookAtList());
+    this.lookAtList();
   }
 
   // --- building -----------------------------------------------------------------
@@ -136,6 +134,7 @@ export class Exercises {
     this.note.setAttribute("role", "status");
     this.note.hidden = true;
     this.list.addEventListener("change", () => this.offer());
+    this.list.addEventListener("focus", () => this.lookAtList());
     this.box.append(row, tools, this.empty, this.note);
   }
 
@@ -259,18 +258,19 @@ export class Exercises {
       if (!(error instanceof Problem || error instanceof Gone)) {
         throw error;
       }
-      this.looks = 0; // another may have loaded one meanwhile
+      this.listed = false; // another may have loaded one meanwhile
     }
     this.looking = false;
     this.timer = setTimeout(() => this.look(), LOOK_MS);
   }
 
-  // Facts bring the status along; the state says when another loads one.
+  // Facts bring the status along; the state says when another loads one. The
+  // list is asked for when it is opened, and when something was done to it.
   async read() {
     const { exercise = {} } = this.store.state;
-    if (this.looks++ % LOOKS_A_LIST === 0 ||
-        (exercise.digest ?? "") !== this.digest) {
+    if (!this.listed || (exercise.digest ?? "") !== this.digest) {
       const status = await inTurn(() => perform("GET", "/v1/exercises"));
+      this.listed = true;
       this.digest = status.run?.digest ?? "";
       this.showList(status);
       this.hear(status);
@@ -283,7 +283,7 @@ export class Exercises {
   }
 
   lookAtList() {
-    this.looks = 0;
+    this.listed = false;
     return this.look();
   }
 
