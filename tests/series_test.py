@@ -401,8 +401,8 @@ class Manners(Case):
         for path in ("spectrum?sweep=sea.gamma=1:4:0.5&frequencies=200&"
                      "directions=72", "surface?sweep=time=0:400:1&points="
                      + ";".join(f"{i},0" for i in range(100)),
-                     "brdf?sweep=viewZenith=0:89:1;sunElevation=1:89:8",
-                     "sky?sweep=elevation=0:88:4;time=0:3600:60"):
+                     "brdf?sweep=viewZenith=0:89:2;sunElevation=1:89:22",
+                     "sky?sweep=elevation=0:88:8;time=0:3600:120"):
             for format in ("json", "csv", "netcdf"):
                 self.series(f"{path}&format={format}")
         after, _ = busy()
@@ -473,6 +473,9 @@ class CommandLine(Case):
         s = json.loads(self.ctl("spectrum", "--sweep", "windSpeed=4:8:2",
                                 "--format", "json"))
         self.assertEqual(s["axes"][0]["values"], [4, 6, 8])
+        one = json.loads(self.ctl("optics", "sky", "--elevation", "30",
+                                  "--format", "json"))
+        self.assertNotIn("axes", one["variables"][0])
         s = json.loads(self.ctl("--json", "surface", "0", "0", "9", "9",
                                 "--sweep", "time=0:3:1"))
         self.assertEqual([len(a["values"]) for a in s["axes"]], [4, 2])

@@ -20,7 +20,7 @@ enum ctl_exit {
 struct ctl_option {
     char letter;       /* 0: long form only */
     const char *name;  /* NULL ends a list */
-    const char *arg;   /* word for the value in the help; NULL: a flag. With …
+    const char *arg;   /* word for the value in the help; NULL: a flag. With ...
                         * it may be given again: values with ; between */
     const char *help;  /* a sentence without its full stop */
     const char *words; /* its values, by spaces, or NULL */
@@ -160,18 +160,20 @@ enum ctl_exit ctl_optics(struct ctl *ctl);
 /* ctl_series.c: where --sweep is given, asks the series of the question that
  * *query has, and prints or writes it as --format and --output say. */
 enum ctl_exit ctl_series(struct ctl *ctl, Pelagos__SeriesQuery *query);
+/* One of its options is given. */
+bool ctl_wants_series(const struct ctl *ctl);
 /* Into a file, or to standard output where `file` is NULL. */
 enum ctl_exit ctl_put(const char *file, const void *data, size_t size);
 #define CTL_SERIES_OPTIONS                                                       \
-    { 0, "sweep", "AXIS…",                                                       \
+    { 0, "sweep", "AXIS...",                                                     \
       "The question at each value of NAME=FIRST:LAST:STEP or NAME=VALUE,…, a " \
       "number of the question or of the state; again for another axis",          \
       NULL },                                                                    \
-        { 0, "format", "FORM", "Of --sweep: csv, json, netcdf (csv)",            \
+        { 0, "format", "FORM", "Of the table or file (csv)",                     \
           "csv json netcdf" },                                                   \
     {                                                                            \
         'o', "output", "FILE",                                                   \
-            "Of --sweep: into a file, its format by its ending (.csv, .json, "   \
+            "Into a file, its format by its ending (.csv, .json, "               \
             ".nc)",                                                              \
             NULL                                                                 \
     }

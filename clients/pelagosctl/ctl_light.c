@@ -178,7 +178,7 @@ enum ctl_exit ctl_light(struct ctl *ctl)
     }
     query.patch = pel_patch_new();
     status = read_paths(ctl, now, query.patch);
-    bool sweeps = ctl_flag(ctl, "sweep");
+    bool sweeps = ctl_wants_series(ctl);
     if (status == CTL_DONE && sweeps) {
         Pelagos__SeriesQuery series = PELAGOS__SERIES_QUERY__INIT;
         series.question_case = PELAGOS__SERIES_QUERY__QUESTION_OPTICS;

@@ -629,7 +629,7 @@ enum ctl_exit ctl_optics(struct ctl *ctl)
     if (status != CTL_DONE) {
         return status;
     }
-    if (ctl_flag(ctl, "sweep")) {
+    if (ctl_wants_series(ctl)) {
         return answer_series(ctl, &q);
     }
     return q.gpu          ? answer_gpu(ctl, &q)

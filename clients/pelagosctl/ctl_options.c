@@ -106,7 +106,7 @@ static enum ctl_exit take_option(struct ctl *ctl, char **argv, int *taken)
         return ctl_say(CTL_USAGE, "--%s needs a value: --%s %s", option->name,
                        option->name, option->arg);
     }
-    if (g_str_has_suffix(option->arg, "…") &&
+    if (g_str_has_suffix(option->arg, "...") &&
         ctl->values[slot]) { /* lives as long as we do */
         glued = g_strconcat(ctl->values[slot], ";", glued, NULL);
     }

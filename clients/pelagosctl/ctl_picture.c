@@ -335,7 +335,7 @@ enum ctl_exit ctl_surface(struct ctl *ctl)
     if (status != CTL_DONE) {
         return status;
     }
-    if (ctl_flag(ctl, "sweep")) {
+    if (ctl_wants_series(ctl)) {
         return surface_series(ctl, (const double(*)[2])points, count, &sea);
     }
     Pelagos__Surface *surface = NULL;

@@ -63,14 +63,20 @@ enum ctl_exit ctl_put(const char *file, const void *data, size_t size)
                            strerror(errno));
 }
 
+bool ctl_wants_series(const struct ctl *ctl)
+{
+    return ctl_flag(ctl, "sweep") || ctl_flag(ctl, "format") ||
+           ctl_flag(ctl, "output");
+}
+
 enum ctl_exit ctl_series(struct ctl *ctl, Pelagos__SeriesQuery *query)
 {
     struct pel_fault fault;
     struct pel_client_error error;
     Pelagos__Series *series = NULL;
     enum ctl_exit status = read_format(ctl, query);
-    if (status == CTL_DONE &&
-        pel_sweep_parse(ctl_value(ctl, "sweep"), query, &fault)) {
+    const char *sweep = ctl_value(ctl, "sweep");
+    if (status == CTL_DONE && sweep && pel_sweep_parse(sweep, query, &fault)) {
         status = ctl_say(CTL_USAGE, "%s", fault.message);
     }
     if (status == CTL_DONE &&

@@ -89,7 +89,7 @@ static const struct ctl_option spectrum_options[] = {
       "List S(omega, theta) for so many directions too, 0 to 72 (0)", NULL },
     { 0, "lowest", "RAD/S", "The lowest frequency listed (0.2)", NULL },
     { 0, "highest", "RAD/S", "The highest (10)", NULL },
-    { 0, "sweep", "AXIS…",
+    { 0, "sweep", "AXIS...",
       "The question at each value of NAME=FIRST:LAST:STEP or NAME=VALUE,…, a "
       "number of the state; again for another axis",
       NULL },
@@ -118,7 +118,7 @@ static const char *const spectrum_examples[] = {
 
 static const struct ctl_option plot_options[] = {
     { 'o', "output", "FILE", "An .svg or a .png", NULL },
-    { 0, "sweep", "AXIS…",
+    { 0, "sweep", "AXIS...",
       "rrs, brdf: a line for each value of NAME=FIRST:LAST:STEP or "
       "NAME=VALUE,… (brdf: sunElevation=15,30,60)",
       NULL },
@@ -538,7 +538,12 @@ const struct ctl_command ctl_commands[] = {
       "in a direction and towards the Sun, at 680, 550 and 440 nm. Both ask "
       "pelagosd about the state in force, or about what the PATHs make of it, "
       "for this answer only: its reference code or, --from gpu, the shader "
-      "functions that draw, on the device that draws.",
+      "functions that draw, on the device that draws.\n\n"
+      "With --sweep, --format or --output all three are series: pelagosd "
+      "answers the question at each combination of the axes' values. Of water "
+      "an axis may be sunZenith, viewZenith, azimuth, wavelength or a number "
+      "of "
+      "water.*; of brdf and sky also time and any number of the state.",
       optics_options, optics_examples, "paths", 1, SIZE_MAX, ctl_optics },
     { "completion", "bash|zsh|fish", "print the completion of a shell",
       "Prints a script that completes commands, options, and the paths and "
