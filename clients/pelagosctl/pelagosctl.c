@@ -94,9 +94,8 @@ static const struct ctl_option spectrum_options[] = {
       "number of the state; again for another axis",
       NULL },
     { 0, "format", "FORM",
-      "A file of the spectrum for others: ww3, swan, ndbc, netcdf (of "
-      "WAVEWATCH "
-      "III); of --sweep csv, json, netcdf (csv)",
+      "A file for wave models, netcdf being WAVEWATCH III's; with --sweep a "
+      "table (csv)",
       "ww3 swan ndbc netcdf csv json" },
     { 'o', "output", "FILE",
       "Into a file; of ndbc PATH/STATION, which gets .data_spec, .swdir, "
