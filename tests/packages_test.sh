@@ -50,6 +50,24 @@ diff <(cat "$work/before"; echo ./etc/pelagos/pelagosd.conf) \
     fail "uninstall took a file that was changed"
 rm -r "$root"
 
+echo "== each file has its Debian package"
+make_ PREFIX=/usr SYSCONFDIR=/etc LIBDIR=/usr/lib/any-triplet \
+    UNITDIR=/lib/systemd/system SYSUSERSDIR=/usr/lib/sysusers.d \
+    TMPFILESDIR=/usr/lib/tmpfiles.d DESTDIR="$root" install
+# debian/rules moves zsh's completions to where Debian has them.
+mv "$root/usr/share/zsh/site-functions" "$root/usr/share/zsh/vendor-completions"
+/usr/bin/python3 - "$root" packaging/debian/*.install <<'END' || fail "a file of make install is in no package"
+import fnmatch, os, sys
+root = sys.argv[1]
+patterns = [line.split()[0] for name in sys.argv[2:] for line in open(name)]
+bad = [path for folder, _, names in os.walk(root) for name in names
+       if not any(fnmatch.fnmatch(path := os.path.relpath(
+           os.path.join(folder, name), root), p + end)
+           for p in patterns for end in ("", "/*"))]
+sys.exit("\n".join(bad) or 0)
+END
+rm -r "$root"
+
 echo "== pelagos.pc of two prefixes, the library shared and static"
 mkdir -p "$work/use"
 cat >"$work/use/use.c" <<'END'
