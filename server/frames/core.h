@@ -162,10 +162,15 @@ void pel_schedule_watch(void *user);
 /* A job is drawn, or an output encoded. */
 void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job);
 void pel_schedule_output(struct pel_frames *frames, struct pel_output *output);
-/* What a frame of this snapshot is drawn in. */
-/* The sea is left out: it is built where it is drawn. */
+/* What a frame of this snapshot is drawn in. Left out is what takes long and so
+ * is found where it is drawn: the sea, and lights but for the Sun's direction.
+ */
 struct pel_environment pel_environment_of(const struct pel_snapshot *s,
                                           double time_s);
+/* Its lights and the night's sky. Any thread but the control thread: the Moon
+ * and the planets take milliseconds after a leap in time. */
+void pel_environment_light(const struct pel_snapshot *s,
+                           struct pel_environment *env);
 
 /* --- fair.c: bounds on what other clients wait for ----------------------- */
 

@@ -1,5 +1,6 @@
 #include "frames/job.h"
 
+#include "frames/core.h"
 #include "scene/lamps.h"
 #include "scene/wakes.h"
 #include "scene/washes.h"
@@ -7,6 +8,7 @@
 static void stand(struct pel_job *job)
 {
     struct pel_environment *env = &job->environment;
+    pel_environment_light(job->snapshot, env);
     env->sea = pel_snapshot_sea(job->snapshot);
     env->objects = job->objects;
     env->object_count =

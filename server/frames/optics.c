@@ -61,6 +61,7 @@ void pel_optics_settle(struct pel_optics_query *query)
     }
     const struct pel_sea *sea = pel_snapshot_sea(query->snapshot);
     struct pel_probe *p = &query->probe;
+    pel_environment_light(query->snapshot, &query->environment);
     double along =
         isnan(p->slope_along) ? sea->slope_variance_along : p->slope_along;
     double cross =

@@ -85,21 +85,30 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
         .caustics = s->caustics,
         .sparkle = s->sparkle,
     };
-    pel_snapshot_lights(s, time_s, env.lights);
+    env.lights[PEL_LIGHT_SUN].direction = pel_snapshot_sun(s, time_s);
     if (s->panorama) {
         pel_panorama_lights(s, env.lights);
         env.panorama = s->panorama;
         env.clouds.cover = 0; /* the picture has its own */
         env.panorama_scale = s->panorama_scale;
         env.panorama_azimuth_rad = s->panorama_azimuth_rad;
-    } else {
-        pel_snapshot_night(s, time_s, env.lights[PEL_LIGHT_SUN].direction,
-                           &env.night);
     }
     place_clouds(s, &env);
     memcpy(env.fog, s->fog, sizeof env.fog);
     env.fog_count = s->fog_count;
     return env;
+}
+
+void pel_environment_light(const struct pel_snapshot *s,
+                           struct pel_environment *env)
+{
+    pel_snapshot_lights(s, env->time_s, env->lights);
+    if (s->panorama) {
+        pel_panorama_lights(s, env->lights);
+    } else {
+        pel_snapshot_night(s, env->time_s, env->lights[PEL_LIGHT_SUN].direction,
+                           &env->night);
+    }
 }
 
 /* The first frame that showed this moment, 0: none did lately. */

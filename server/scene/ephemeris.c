@@ -1,25 +1,16 @@
 #include "scene/ephemeris.h"
 
-#include <libnova/earth.h>
-#include <libnova/jupiter.h>
-#include <libnova/ln_types.h>
-#include <libnova/lunar.h>
-#include <libnova/mars.h>
-#include <libnova/saturn.h>
-#include <libnova/venus.h>
-#include <pthread.h>
+#include <math.h>
 #include <stddef.h>
+
+#include "scene/orbit.h"
 
 #define UNIX_J2000 946728000.0 /* 2000-01-01T12:00:00 */
 #define DAY_S 86400.0
-#define JD_J2000 2451545.0
 #define CENTURY_DAYS 36525.0
 #define ARCSECOND (PEL_DEG / 3600.0)
 #define OBLIQUITY_J2000 (23.4392911 * PEL_DEG)
 #define AU_KM 149597870.7
-
-/* libnova keeps the last moment's terms in variables of its own. */
-static pthread_mutex_t libnova = PTHREAD_MUTEX_INITIALIZER;
 
 static struct pel_mat3 turned(const struct pel_mat3 *by,
                               const struct pel_mat3 *m)
@@ -113,32 +104,14 @@ struct pel_mat3 pel_ephemeris_sky(double unix_s, double latitude_rad,
 /* From the Earth's centre, equator of J2000, km. */
 static struct pel_vec3 moon_of(double t)
 {
-    struct ln_rect_posn p;
-    pthread_mutex_lock(&libnova);
-    ln_get_lunar_geo_posn(JD_J2000 + t * CENTURY_DAYS, &p, 0);
-    pthread_mutex_unlock(&libnova);
     struct pel_mat3 from_ecliptic = about_x(-OBLIQUITY_J2000);
-    return pel_mat3_apply(&from_ecliptic, (struct pel_vec3){ p.X, p.Y, p.Z });
+    return pel_mat3_apply(&from_ecliptic, pel_orbit_at(PEL_ORBIT_MOON, t));
 }
 
-/* From the Sun, ecliptic of J2000, in astronomical units. */
-static struct pel_vec3 heliocentric(void (*of)(double, struct ln_helio_posn *),
-                                    double t)
-{
-    struct ln_helio_posn p;
-    pthread_mutex_lock(&libnova);
-    of(JD_J2000 + t * CENTURY_DAYS, &p);
-    pthread_mutex_unlock(&libnova);
-    double l = p.L * PEL_DEG, b = p.B * PEL_DEG;
-    const struct pel_vec3 v = { cos(b) * cos(l), cos(b) * sin(l), sin(b) };
-    return pel_vec3_scale(v, p.R);
-}
-
-/* From the Earth's centre, equator of J2000, km. */
 static struct pel_vec3 sun_of(double t)
 {
     struct pel_mat3 from_ecliptic = about_x(-OBLIQUITY_J2000);
-    struct pel_vec3 earth = heliocentric(ln_get_earth_helio_coords, t);
+    struct pel_vec3 earth = pel_orbit_at(PEL_ORBIT_EARTH, t);
     return pel_mat3_apply(&from_ecliptic, pel_vec3_scale(earth, -AU_KM));
 }
 
@@ -199,16 +172,15 @@ static double magnitude(int planet, struct pel_vec3 at, struct pel_vec3 seen)
 
 static struct pel_planet planet_of(int planet, double t)
 {
-    static void (*const of[PEL_PLANETS])(double, struct ln_helio_posn *) = {
-        ln_get_venus_helio_coords, ln_get_mars_helio_coords,
-        ln_get_jupiter_helio_coords, ln_get_saturn_helio_coords
+    static const enum pel_orbit of[PEL_PLANETS] = {
+        PEL_ORBIT_VENUS, PEL_ORBIT_MARS, PEL_ORBIT_JUPITER, PEL_ORBIT_SATURN
     };
     const double light_days = 499.004784 / DAY_S; /* of an astronomical unit */
     struct pel_mat3 from_ecliptic = about_x(-OBLIQUITY_J2000);
-    struct pel_vec3 earth = heliocentric(ln_get_earth_helio_coords, t);
+    struct pel_vec3 earth = pel_orbit_at(PEL_ORBIT_EARTH, t);
     struct pel_vec3 at, seen = { 0, 0, 0 };
     for (int i = 0; i < 3; i++) {
-        at = heliocentric(of[planet],
+        at = pel_orbit_at(of[planet],
                           t - length(seen) * light_days / CENTURY_DAYS);
         seen = pel_vec3_add(at, pel_vec3_scale(earth, -1.0));
     }
@@ -222,7 +194,7 @@ void pel_ephemeris_night(double unix_s, double latitude_rad,
                          double longitude_rad, struct pel_night_sky *out)
 {
     double t = centuries(unix_s);
-    struct pel_vec3 earth = heliocentric(ln_get_earth_helio_coords, t);
+    struct pel_vec3 earth = pel_orbit_at(PEL_ORBIT_EARTH, t);
     *out = (struct pel_night_sky){
         .local = pel_ephemeris_sky(unix_s, latitude_rad, longitude_rad),
         .local_minute = pel_ephemeris_sky(60.0 * floor(unix_s / 60.0),

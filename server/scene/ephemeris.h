@@ -1,8 +1,8 @@
 /* Where Moon, planets and stars are. Thread-safe; what is computed depends on
- * the arguments alone. Positions of Moon and planets by libnova (ELP 2000-82B,
- * VSOP87), precession by Lieske 1979; without nutation (0.005 deg, of which
- * only its part in obliquity, 0.0026 deg, turns the sky), aberration of stars
- * (0.006 deg) and refraction. */
+ * the arguments alone. Positions of Moon and planets by scene/orbit.h,
+ * precession by Lieske 1979; without nutation (0.005 deg, of which only its
+ * part in obliquity, 0.0026 deg, turns the sky), aberration of stars (0.006
+ * deg) and refraction. */
 #pragma once
 
 #include "base/vec.h"
