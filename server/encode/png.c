@@ -15,7 +15,7 @@ static void pack_rgb(const uint8_t *rgba, uint32_t width, uint8_t *rgb)
 /* EXIF and XMP, where there are any. */
 static int set_photo(spng_ctx *png, const struct pel_photo_blocks *photo)
 {
-    char none[1] = "";
+    static char none[1]; /* spng reads it when rows are encoded */
     struct spng_exif exif = { .length = photo->exif_size,
                               .data = (char *)photo->exif };
     struct spng_text xmp = { .keyword = "XML:com.adobe.xmp",
