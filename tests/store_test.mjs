@@ -47,10 +47,10 @@ async function pass(ms) {
 // A page names its modules from the server's root.
 const folder = mkdtempSync(path.join(tmpdir(), "pelagos-store-"));
 after(() => rmSync(folder, { recursive: true }));
-for (const name of ["store", "api"]) {
+for (const name of ["store", "api", "rights"]) {
   writeFileSync(path.join(folder, `${name}.mjs`),
     readFileSync(path.join(WEB, `${name}.js`), "utf8")
-      .replaceAll('"/api.js"', '"./api.mjs"'));
+      .replace(/"\/(\w+)\.js"/g, '"./$1.mjs"'));
 }
 const { merged, Store } = await import(
   pathToFileURL(path.join(folder, "store.mjs")));

@@ -54,6 +54,7 @@ static void read_question(const Pelagos__OpticsQuery *from,
 void pel_optics_settle(struct pel_optics_query *query)
 {
     query->environment = pel_environment_of(query->snapshot, query->time_s);
+    pel_environment_light(query->snapshot, &query->environment);
     read_question(query->asked, query);
     if (query->question != PELAGOS__OPTICS_QUERY__QUESTION_BRDF) {
         query->probe.slope_along = query->probe.slope_cross = 1e-8; /* unused */
@@ -61,7 +62,6 @@ void pel_optics_settle(struct pel_optics_query *query)
     }
     const struct pel_sea *sea = pel_snapshot_sea(query->snapshot);
     struct pel_probe *p = &query->probe;
-    pel_environment_light(query->snapshot, &query->environment);
     double along =
         isnan(p->slope_along) ? sea->slope_variance_along : p->slope_along;
     double cross =
