@@ -118,7 +118,9 @@ MODEL_READER := $(call room,server/models/reader)
 PANORAMA_READER := $(call room,server/panorama/reader)
 SPECTRUM_READER := $(call room,server/ocean/reader)
 DAEMON := server/main.c server/service.c
-OPTIONS := $(filter-out $(DAEMON),$(call room,server))
+# What makes a part of the server while it is built.
+MAKER := server/clearair.c
+OPTIONS := $(filter-out $(DAEMON) $(MAKER),$(call room,server))
 CLIENT := $(call room,clients/lib)
 CTL := $(call room,clients/pelagosctl)
 PAGES := $(wildcard clients/web/*.html clients/web/*.css clients/web/*.js \
@@ -159,7 +161,7 @@ GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c \
     $(O)/gen/pages.c
 GEN_HEADERS := $(O)/gen/pelagos.pb-c.h
 obj = $(patsubst %.c,$(OBJ)/%.o,$(1))
-SERVER_OBJ := $(call obj,$(SERVER)) $(patsubst $(O)/%.c,$(OBJ)/%.o,$(GEN))
+SERVER_OBJ := $(call obj,$(SERVER)) $(patsubst $(O)/%.c,$(OBJ)/%.o,$(GEN)) $(OBJ)/gen/clearair.o
 CLIENT_OBJ := $(call obj,$(CLIENT))
 CTL_OBJ := $(call obj,$(CTL))
 CTL_MAIN := $(OBJ)/clients/pelagosctl/pelagosctl.o
@@ -219,6 +221,21 @@ $(O)/bin/pelagos-panorama: $(call obj,$(PANORAMA_READER)) $(OBJ)/libserver.a
 
 $(O)/bin/pelagosctl: $(CTL_MAIN) $(OBJ)/libctl.a $(OBJ)/libpelagos.a $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS) $(CTL_LIBS)
+
+# A table that takes seconds of a core to make, as it is in memory.
+$(OBJ)/liboptics.a: $(call obj,$(OPTICS) $(BASE))
+	$(Q)rm -f $@ && ar rcs $@ $^
+
+$(OBJ)/clearair: $(call obj,$(MAKER)) $(OBJ)/liboptics.a
+	$(Q)$(CC) $(OPT) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lm
+
+$(OBJ)/gen/clearair.o: $(OBJ)/clearair
+	@echo "  GEN   $@"
+	$(Q)mkdir -p $(@D) && $< $(@:.o=.bin)
+	$(Q)printf '%s\n' '.section .rodata' '.globl pel_clear_air' '.balign 64' \
+	    '.type pel_clear_air, @object' 'pel_clear_air: .incbin "$(@:.o=.bin)"' \
+	    '.size pel_clear_air, . - pel_clear_air' \
+	    '.section .note.GNU-stack, "", @progbits' | $(CC) -c -x assembler -o $@ -
 
 $(OBJ)/libserver.a: $(SERVER_OBJ)
 	$(Q)rm -f $@ && ar rcs $@ $^

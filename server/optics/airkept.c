@@ -3,6 +3,8 @@
 #include <pthread.h>
 #include <stdlib.h>
 
+#include "optics/clearair.h"
+
 struct kept {
     struct pel_atmosphere air; /* first: what users hold */
     double visibility_m;
@@ -49,7 +51,10 @@ enum pel_err pel_air_take(double visibility_m, pel_airlight_share *share,
         }
         const struct pel_atmosphere_desc desc = { visibility_m };
         pel_atmosphere_init(&desc, &k->air);
-        enum pel_err err = pel_atmosphere_tabulate(&k->air, share, pool);
+        enum pel_err err =
+            visibility_m == pel_clear_air.visibility_m
+                ? pel_atmosphere_take_table(&k->air, &pel_clear_air.light)
+                : pel_atmosphere_tabulate(&k->air, share, pool);
         if (err != PEL_OK) {
             free(k);
             return err;

@@ -442,6 +442,18 @@ enum pel_err pel_atmosphere_tabulate(struct pel_atmosphere *a,
     return err;
 }
 
+enum pel_err pel_atmosphere_take_table(struct pel_atmosphere *a,
+                                       const struct pel_airlight *table)
+{
+    fill_columns(a);
+    a->airlight = malloc(sizeof *a->airlight);
+    if (!a->airlight) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    *a->airlight = *table;
+    return PEL_OK;
+}
+
 void pel_atmosphere_finish(struct pel_atmosphere *a)
 {
     free(a->airlight);

@@ -88,6 +88,10 @@ void pel_atmosphere_init(const struct pel_atmosphere_desc *desc,
 PEL_CHECK enum pel_err pel_atmosphere_tabulate(struct pel_atmosphere *a,
                                                pel_airlight_share *share,
                                                void *pool);
+/* Likewise, in 10 ms, of a table of the same air made before. */
+PEL_CHECK enum pel_err
+pel_atmosphere_take_table(struct pel_atmosphere *a,
+                          const struct pel_airlight *table);
 void pel_atmosphere_finish(struct pel_atmosphere *a);
 
 /* Columns from height_m along a direction of zenith cosine mu to the top, by

@@ -3,6 +3,7 @@
 #include "base/near.h"
 #include "optics/airkept.h"
 #include "optics/atmosphere.h"
+#include "optics/clearair.h"
 #include "optics/colour.h"
 
 #define HAZE_M 10000.0
@@ -503,6 +504,23 @@ static void test_everywhere_finite(void **state)
     }
 }
 
+/* The program's own table is the one that would be made now, to the bit. */
+static void the_clear_air_is_as_it_is_made(void **state)
+{
+    (void)state;
+    const struct pel_atmosphere_desc desc = { pel_clear_air.visibility_m };
+    const struct pel_atmosphere *kept;
+    static struct pel_atmosphere made;
+    pel_atmosphere_init(&desc, &made);
+    assert_int_equal(pel_atmosphere_tabulate(&made, NULL, NULL), PEL_OK);
+    assert_int_equal(
+        pel_air_take(pel_clear_air.visibility_m, NULL, NULL, &kept), PEL_OK);
+    assert_memory_equal(made.airlight, kept->airlight, sizeof *made.airlight);
+    assert_memory_equal(made.columns, kept->columns, sizeof made.columns);
+    pel_air_give(kept);
+    pel_atmosphere_finish(&made);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -521,6 +539,7 @@ int main(void)
         cmocka_unit_test(test_dusk),
         cmocka_unit_test(test_energy),
         cmocka_unit_test(test_everywhere_finite),
+        cmocka_unit_test(the_clear_air_is_as_it_is_made),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
