@@ -66,10 +66,14 @@ class Case(unittest.TestCase):
             answer = daemon.request("POST", "/v1/clock/step", {"until": now})
             self.assertEqual(answer.status, 200, answer.body)
 
-    def facts(self, daemon):
-        answer = daemon.get("/v1/exercise.csv")
+    def facts(self, daemon, ship=None):
+        answer = daemon.get("/v1/exercise.csv" +
+                            ("" if ship is None else f"?ship={ship}"))
         self.assertEqual(answer.status, 200)
         return answer.body.decode()
+
+    def rows(self, daemon, ship=None):
+        return list(csv.DictReader(io.StringIO(self.facts(daemon, ship))))
 
     def events(self, daemon):
         return {e["event"]: e["time"]
@@ -313,6 +317,134 @@ class Facts(Case):
         self.assertEqual(float(rows[-1]["under_keel_min_m"]), -0.1)
 
 
+class Ships(Case):
+    """Several own ships."""
+
+    def test_two_bridges_meet(self):
+        daemon = self.daemon()
+        self.begin(daemon, "two-bridges")
+        self.go(daemon, 150)
+        first, second = self.rows(daemon, 1), self.rows(daemon, 7)
+        self.assertEqual(self.rows(daemon), first)
+        self.assertEqual(len(first), 151)
+        events = self.events(daemon)
+        over = {1: 0, 7: 0}
+        level = 0
+        for time, (one, seven) in enumerate(zip(first, second)):
+            at = [float(row[f"{axis}_deg"]) for row in (one, seven)
+                  for axis in ("latitude", "longitude")]
+            distance = math.hypot(*plane(*at))
+            for row, other in ((one, 7), (seven, 1)):
+                # The sphere against the ellipsoid: 0.4 %.
+                self.assertAlmostEqual(float(row[f"range_{other}_m"]),
+                                       distance, delta=0.004 * distance + 0.1)
+                self.assertEqual(row["collisions"], "0")
+                self.assertEqual(float(row["time_s"]), time)
+            for fact in ("range", "cpa", "hulls", "closest"):
+                self.assertAlmostEqual(float(one[f"{fact}_7_m"]),
+                                       float(seven[f"{fact}_1_m"]), delta=0.002)
+            self.assertEqual(one["events"], seven["events"])
+            level = -1 if time >= events["ebb"] else 0
+            self.assertEqual(float(one["under_keel_m"]), round(
+                9 + level - 2.1, 3))
+            self.assertEqual(float(seven["under_keel_m"]), 9 + level - 6.5)
+            # Both may go 5.5 m/s, ship 7 no more than 4.
+            for ship, row, limit in ((1, one, 5.5), (7, seven, 4)):
+                faster = max(0, float(row["speed_mps"]) - limit)
+                over[ship] += time > 0 and faster > 0
+                self.assertAlmostEqual(float(row["over_limit_mps"]), faster,
+                                       delta=0.0011)
+        self.assertEqual(level, -1)
+        for ship, row in ((1, first[-1]), (7, second[-1])):
+            self.assertEqual(float(row["over_limit_s"]), over[ship])
+            self.assertGreater(over[ship], 5)
+        # Events about ship 7, at the tenth of a second at which they are so.
+        self.assertAlmostEqual(events["squat"], events["ebb"] + 0.1, places=6)
+        south = next(float(r["time_s"]) for r in second
+                     if float(r["latitude_deg"]) < 52.608)
+        self.assertTrue(south - 1 < events["ebb"] <= south, (south, events))
+        near = next(float(r["time_s"]) for r in second if float(
+            r["cpa_1_m"]) < 100 and 0 < float(r["tcpa_1_s"]) < 60)
+        self.assertTrue(near - 1 < events["close-quarters"] <= near,
+                        (near, events))
+
+    def test_a_ship_that_is_none_of_them(self):
+        daemon = self.daemon()
+        self.begin(daemon, "two-bridges")
+        self.assertEqual(daemon.get("/v1/exercise").json()["ships"], [1, 7])
+        self.go(daemon, 2)
+        for ship, value in ((3, "3"), (0, "0"), (65536, "65536"), ("x", "x")):
+            answer = daemon.get(f"/v1/exercise.csv?ship={ship}")
+            self.assertEqual(answer.status, 400, answer.body)
+            problem = answer.json()
+            self.assertEqual((problem["path"], problem["value"]),
+                             ("ship", value))
+        self.assertIn("must be one of the own ships: 1 7",
+                      self.do(daemon, "FACTS", ship=3, status=400)["detail"])
+        answer = daemon.get("/v1/exercise.csv?ships=7")
+        self.assertEqual((answer.status, answer.json()["path"]),
+                         (400, "ships"))
+        self.assertEqual(self.do(daemon, "FACTS", ship=7)["facts"],
+                         self.facts(daemon, 7))
+        self.assertEqual(self.do(daemon, "FACTS")["facts"],
+                         self.facts(daemon, 1))
+        with Session(daemon.connect_tcp()) as session:
+            reply = session.ask(exercise={"action": "FACTS", "ship": 7})
+            self.assertEqual(reply.exercise.facts, self.facts(daemon, 7))
+            self.assertEqual(list(reply.exercise.ships), [1, 7])
+
+    def test_further_ships_change_nothing_of_the_first(self):
+        with open(os.path.join(self.folder, "crossing.json")) as file:
+            exercise = json.load(file)
+        exercise["ships"] = [{"id": 3, "draught": 1}, {"id": 2}]
+        with open(os.path.join(self.folder, "more.json"), "w") as file:
+            json.dump(exercise, file)
+        facts = []
+        for name in ("crossing", "more"):
+            daemon = self.daemon()
+            self.begin(daemon, name)
+            self.go(daemon, 70)
+            facts.append(self.facts(daemon))
+        self.assertEqual(facts[0], facts[1])
+        # Of ship 2 the targets are 1 and 3.
+        self.assertEqual([name for name in self.rows(daemon, 2)[0]
+                          if name.startswith("range")],
+                         ["range_1_m", "range_3_m"])
+        self.assertEqual(float(self.rows(daemon, 3)[5]["under_keel_m"]), 19)
+
+    def test_they_go_on_after_a_kill(self):
+        """At a mark, from which the helms go on to the bit."""
+        state = os.path.join(self.place, "state")
+        straight = self.daemon()
+        self.begin(straight, "two-bridges")
+        self.go(straight, 120)
+        daemon = self.daemon(f"--state={state}")
+        self.begin(daemon, "two-bridges")
+        self.go(daemon, 90)
+        daemon.stop(signal.SIGKILL)
+        daemon = self.daemon(f"--state={state}")
+        self.go(daemon, 120)
+        for ship, path in ((1, ".exercise.csv"), (7, ".exercise.7.csv")):
+            facts = self.facts(daemon, ship)
+            self.assertEqual(facts, self.facts(straight, ship))
+            with open(state + path) as file:
+                self.assertEqual(file.read(), facts)
+        self.do(daemon, "REWIND", time=95.5)
+        self.assertEqual(len(self.rows(daemon, 7)), 96)
+        self.do(daemon, "START")
+        self.go(daemon, 120)
+        for ship in (1, 7):
+            self.assertEqual(self.facts(daemon, ship),
+                             self.facts(straight, ship))
+        # Another exercise leaves none of ship 7's.
+        self.do(daemon, "STOP")
+        daemon.stop(signal.SIGKILL)
+        daemon = self.daemon(f"--state={state}")
+        self.do(daemon, "LOAD", name="crossing")
+        self.assertFalse(os.path.exists(state + ".exercise.7.csv"))
+        self.assertTrue(os.path.exists(state + ".exercise.csv"))
+
+
 def plane(lat0, lon0, lat1, lon1):
     mean = math.radians((lat0 + lat1) / 2)
     return (EARTH_M * math.radians(lon1 - lon0) * math.cos(mean),
@@ -337,7 +469,7 @@ class Interfaces(Case):
         daemon = self.daemon()
         listed = daemon.get("/v1/exercises").json()["exercises"]
         self.assertEqual([e["name"] for e in listed],
-                         ["blackout", "crossing"])
+                         ["blackout", "crossing", "two-bridges"])
         self.assertTrue(all("error" not in e for e in listed), listed)
         one = daemon.get("/v1/exercises/crossing").json()
         one["title"] = "Mine"
@@ -395,6 +527,14 @@ class Interfaces(Case):
         self.ctl(daemon, "rewind", "12.5")
         self.assertIn("next: fog at 61.0 s", self.ctl(daemon, "status"))
         self.assertEqual(self.ctl(daemon, "facts").count("\n"), 14)
+        self.assertEqual(self.ctl(daemon, "facts", "1"),
+                         self.ctl(daemon, "facts"))
+        self.assertIn("must be one of the own ships: 1",
+                      self.ctl(daemon, "facts", "2", expected=4))
+        self.assertIn("usage: pelagosctl exercise facts [SHIP]",
+                      self.ctl(daemon, "facts", "1", "2", expected=2))
+        self.assertIn("is no number of a ship",
+                      self.ctl(daemon, "facts", "me", expected=2))
         self.ctl(daemon, "stop")
         self.ctl(daemon, "delete", "mine")
         self.assertIn("is no exercise",

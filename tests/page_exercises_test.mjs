@@ -294,6 +294,82 @@ describe("the card", () => {
     });
   }
 
+  test("shows the facts of the own ship that is chosen", async () => {
+    const two = structuredClone(FOG);
+    two.draught = 2;
+    two.ships = [{ id: 3, draught: 4 }];
+    two.state.entities[1].name = "ferry";
+    fs.writeFileSync(file("two"), JSON.stringify(two));
+    const lead = async (name) => {
+      await page.locator("#exercise-list").selectOption(name);
+      await page.locator("#exercise-load").click();
+      await until("ready", async () => (await exercise())?.name === name &&
+        await text("#exercise-phase") === "ready");
+      await page.locator("#exercise-start").click();
+      await until("running", async () =>
+        (await exercise()).phase === "RUNNING");
+      await step(8.5);
+      await until("8 s", async () => await text("#exercise-time") === "0:08.5");
+    };
+    await begin();
+    await lead("two");
+    await until("facts", () => page.locator("#exercise-ship").isVisible());
+    await until("its name", async () => (await page.locator(
+      "#exercise-ship option").allTextContents()).join() === "1,3, ferry");
+    assert.equal(await text(".exercise-facts tbody th"), "3");
+    await page.locator("#exercise-ship").selectOption("3");
+    await until("of ship 3", async () =>
+      await text(".exercise-facts tbody th") === "1");
+    const of = async (ship) => {
+      const csv = await (await fetch(
+        `${daemon.url}/v1/exercise.csv?ship=${ship}`)).text();
+      const lines = csv.trim().split("\n").map((line) => line.split(","));
+      return { csv, last: Object.fromEntries(lines[0].map((name, i) =>
+        [name, lines.at(-1)[i]])) };
+    };
+    const [first, third] = [await of(1), await of(3)];
+    assert.notEqual(first.last.speed_mps, third.last.speed_mps);
+    await until("hers", async () => await figure("speed_mps") ===
+      `${Number(third.last.speed_mps).toFixed(1)} m/s`);
+    const kept = await saved(() => page.locator("#exercise-csv").click());
+    assert.equal(path.basename(kept), "two-3.csv");
+    assert.equal(fs.readFileSync(kept, "utf8"), third.csv);
+    await page.locator("#exercise-ship").evaluate((n) => n.scrollIntoView());
+    await shot("exercise-ships");
+    await page.locator("#exercise-ship").selectOption("1");
+    await until("of ship 1", async () => await figure("speed_mps") ===
+      `${Number(first.last.speed_mps).toFixed(1)} m/s`);
+
+    // A template about the one that is chosen.
+    await page.locator("#exercise-edit").click();
+    await until("the editor", () => page.locator("#exercise-about")
+      .isVisible());
+    await page.locator("#exercise-about").selectOption("3");
+    await page.locator("#exercise-template").selectOption({
+      label: "Closer than" });
+    const events = async () => JSON.parse(
+      await page.locator("#exercise-text").inputValue()).events;
+    assert.deepEqual((await events()).at(-1).when,
+      [{ entity: 3, other: 1, rangeBelow: 1852 }]);
+    assert.equal(await page.locator("#exercise-about").inputValue(), "3");
+    await page.locator("#exercise-template").selectOption({
+      label: "At a time" });
+    assert.deepEqual((await events()).at(-1).when, [{ at: 60 }]);
+    await page.locator("#exercise-check").click();
+    await until("it is good", async () => await text(
+      "#exercise-editor [role=status]") === "It is a good one.");
+    await clean("exercises, several own ships");
+
+    // With one there is nothing to choose.
+    await lead("fog");
+    await until("facts", () => page.locator(".exercise-facts").isVisible());
+    assert.ok(await page.locator("#exercise-ship").isHidden());
+    await page.locator("#exercise-edit").click();
+    await until("of fog", async () => !(await page.locator("#exercise-text")
+      .inputValue()).includes("draught"));
+    assert.ok(await page.locator("#exercise-about").isHidden());
+  });
+
   test("is led by keys alone", async () => {
     await begin();
     const tab = async (id) => until(`the focus at ${id}`, async () => {

@@ -138,7 +138,7 @@ static enum ctl_exit print_facts(struct ctl *ctl,
 static const struct verb {
     const char *name;
     Pelagos__ExerciseAction action;
-    const char *argument; /* NULL: none */
+    const char *argument; /* NULL: none; in brackets: it may be absent */
 } verbs[] = {
     { "status", PELAGOS__EXERCISE_ACTION__STATUS, NULL },
     { "list", PELAGOS__EXERCISE_ACTION__LIST, NULL },
@@ -151,7 +151,7 @@ static const struct verb {
     { "pause", PELAGOS__EXERCISE_ACTION__PAUSE, NULL },
     { "rewind", PELAGOS__EXERCISE_ACTION__REWIND, "SECONDS" },
     { "stop", PELAGOS__EXERCISE_ACTION__STOP, NULL },
-    { "facts", PELAGOS__EXERCISE_ACTION__FACTS, NULL },
+    { "facts", PELAGOS__EXERCISE_ACTION__FACTS, "[SHIP]" },
 };
 
 static const struct verb *find_verb(const char *name)
@@ -168,7 +168,9 @@ static enum ctl_exit check_arguments(const struct ctl *ctl,
                                      const struct verb *verb)
 {
     size_t wanted = !verb->argument ? 0 : strchr(verb->argument, ' ') ? 2 : 1;
-    return ctl->arg_count - 1 == wanted
+    size_t given = ctl->arg_count - 1;
+    bool absent = given == 0 && wanted && verb->argument[0] == '[';
+    return given == wanted || absent
                ? CTL_DONE
                : ctl_say(CTL_USAGE, "usage: pelagosctl exercise %s%s%s",
                          verb->name, wanted ? " " : "",
@@ -180,6 +182,24 @@ static bool read_time(const char *text, double *out)
     char *end;
     *out = g_ascii_strtod(text, &end);
     return end != text && !*end && isfinite(*out);
+}
+
+/* Which own ship the facts are asked of. */
+static enum ctl_exit read_ship(const struct ctl *ctl,
+                               Pelagos__ExerciseCommand *command)
+{
+    guint64 ship = 0;
+    if (ctl->arg_count < 2) {
+        return CTL_DONE;
+    }
+    if (!g_ascii_string_to_unsigned(ctl->args[1], 10, 0, UINT32_MAX, &ship,
+                                    NULL)) {
+        return ctl_say(CTL_USAGE, "\"%s\" is no number of a ship",
+                       ctl->args[1]);
+    }
+    command->has_ship = true;
+    command->ship = (uint32_t)ship;
+    return CTL_DONE;
 }
 
 enum ctl_exit ctl_exercise(struct ctl *ctl)
@@ -207,7 +227,8 @@ enum ctl_exit ctl_exercise(struct ctl *ctl)
     case PELAGOS__EXERCISE_ACTION__SAVE:
         return send_file(ctl, &command, ctl->args[2]);
     case PELAGOS__EXERCISE_ACTION__FACTS:
-        return print_facts(ctl, &command);
+        return read_ship(ctl, &command) == CTL_DONE ? print_facts(ctl, &command)
+                                                    : CTL_USAGE;
     case PELAGOS__EXERCISE_ACTION__REWIND:
         command.has_time = true;
         if (!read_time(ctl->args[1], &command.time)) {

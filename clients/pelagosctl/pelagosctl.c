@@ -480,8 +480,9 @@ const struct ctl_command ctl_commands[] = {
       "beginning, "
       "`start` runs it or goes on, `pause` holds it, `rewind SECONDS` goes "
       "back "
-      "to that exercise time and pauses, `stop` ends it. `facts` prints what "
-      "was logged of own ship and its targets as CSV.",
+      "to that exercise time and pauses, `stop` ends it. `facts [SHIP]` prints "
+      "what was logged of own ship and its targets as CSV, of several own "
+      "ships those of the one with that number.",
       NULL, exercise_examples, NULL, 0, 3, ctl_exercise },
     { "step", "[SECONDS]", "advance simulated time in mode STEPPED",
       "Advances the clock by SECONDS (1/30) and prints the new time. Only in "

@@ -52,6 +52,19 @@ const TEMPLATES = [
   ]],
 ];
 
+// The own ships, ownShip first.
+const shipsOf = ({ ownShip = 1, ships }) => [ownShip,
+  ...(Array.isArray(ships) ? ships : []).map((s) => s?.id)
+    .filter((id) => id !== undefined)];
+
+// A condition that `make` has for the exercise, about one of its own ships.
+function conditionOf(make, exercise, ship) {
+  const when = make({ ...exercise, ownShip: ship });
+  const about = ship !== (exercise.ownShip ?? 1) && !("at" in when) &&
+    !("after" in when);
+  return about ? { entity: ship, ...when } : when;
+}
+
 // Where in the text the field stands that a path names, as [from, to].
 export function find(text, path) {
   let at = 0;
@@ -93,7 +106,7 @@ export class Editor {
     this.note = element("p", "plan-note");
     this.note.setAttribute("role", "status");
     box.append(this.head, ...this.buildText(), this.error, this.note,
-      this.buildTemplates(), this.buildTools());
+      this.buildShips(), this.buildTemplates(), this.buildTools());
   }
 
   buildText() {
@@ -104,8 +117,38 @@ export class Editor {
     this.text.spellcheck = false;
     this.text.rows = 16;
     this.text.setAttribute("aria-describedby", "exercise-error");
-    this.text.addEventListener("input", () => this.fail(""));
+    this.text.addEventListener("input", () => {
+      this.fail("");
+      this.offerShips();
+    });
     return [label, this.text];
+  }
+
+  // Which own ship the events that are added are about, of several.
+  buildShips() {
+    this.about = element("div", "control");
+    this.about.hidden = true;
+    const label = element("label", "label", "Events about own ship");
+    label.htmlFor = "exercise-about";
+    this.ship = element("select", "select");
+    this.ship.id = "exercise-about";
+    this.about.append(label, this.ship);
+    return this.about;
+  }
+
+  offerShips() {
+    let ships = [];
+    try {
+      ships = shipsOf(JSON.parse(this.text.value));
+    } catch {
+      return; // as it was, until it is JSON again
+    }
+    const before = this.ship.value;
+    this.ship.replaceChildren(...ships.map((id) => new Option(id, id)));
+    if (ships.map(String).includes(before)) {
+      this.ship.value = before;
+    }
+    this.about.hidden = ships.length < 2;
   }
 
   buildTemplates() {
@@ -165,6 +208,7 @@ export class Editor {
 
   put(exercise) {
     this.text.value = JSON.stringify(exercise, null, 2);
+    this.offerShips();
   }
 
   fail(text, path = "") {
@@ -200,7 +244,7 @@ export class Editor {
     if (!exercise) {
       return;
     }
-    const when = make(exercise);
+    const when = conditionOf(make, exercise, Number(this.ship.value));
     if ("after" in when && !when.after) {
       this.fail("There is no other event yet: add one first.");
       return;

@@ -201,12 +201,27 @@ export class Exercises {
     const row = element("p", "tools-row");
     this.csv = element("a", "button", "Facts as CSV");
     this.csv.id = "exercise-csv";
-    this.csv.href = "/v1/exercise.csv";
     this.csv.addEventListener("click", (event) => this.saveFacts(event));
     row.append(this.csv);
-    this.facts.append(element("h2", "", "Facts"), this.figures, this.targets,
-      row);
+    this.facts.append(element("h2", "", "Facts"), this.buildShips(),
+      this.figures, this.targets, row);
     this.box.append(this.facts);
+  }
+
+  // Whose facts they are, where there are several own ships.
+  buildShips() {
+    this.shipRow = element("div", "control");
+    this.shipRow.hidden = true;
+    const label = element("label", "label", "Own ship");
+    label.htmlFor = "exercise-ship";
+    this.ship = element("select", "select");
+    this.ship.id = "exercise-ship";
+    this.ship.addEventListener("change", () => {
+      this.forgetLines();
+      this.look();
+    });
+    this.shipRow.append(label, this.ship);
+    return this.shipRow;
   }
 
   // --- asking ---------------------------------------------------------------------
@@ -408,7 +423,27 @@ export class Exercises {
     this.pause.disabled = !this.leads || phase !== "RUNNING";
     this.stop.disabled = !this.leads || phase === "ENDED";
     this.showRewind(status.earliest ?? 0, time);
+    this.showShips(status.ships ?? []);
     this.showEvents(run);
+  }
+
+  showShips(ships) {
+    const { entities = [] } = this.store.state;
+    const options = ships.map((id) => {
+      const name = entities.find((e) => (e.id ?? 0) === id)?.name;
+      return new Option(name ? `${id}, ${name}` : id, id);
+    });
+    const key = options.map((option) => option.text).join("; ");
+    if (key === this.shipKey) {
+      return;
+    }
+    this.shipKey = key;
+    const before = this.ship.value;
+    this.ship.replaceChildren(...options);
+    if (ships.map(String).includes(before)) {
+      this.ship.value = before;
+    }
+    this.shipRow.hidden = ships.length < 2;
   }
 
   showRewind(earliest, time) {
@@ -482,11 +517,20 @@ export class Exercises {
 
   // --- facts ------------------------------------------------------------------------
 
-  forgetFacts() {
+  forgetLines() {
     this.head = null;
     this.line = null;
     this.since = 0;
+  }
+
+  forgetFacts() {
+    this.forgetLines();
     this.facts.hidden = true;
+  }
+
+  // {}: there is one own ship.
+  chosen() {
+    return this.ship.length > 1 ? { ship: Number(this.ship.value) } : {};
   }
 
   async readFacts() {
@@ -494,10 +538,14 @@ export class Exercises {
     if (this.line && Number(this.line[0]) > time) { // after a rewind
       this.since = Math.max(0, Math.floor(time) - 0.5);
     }
+    const of = this.chosen();
     for (let more = this.head ? this.since : 0; more !== undefined;) {
       const status = await inTurn(() => perform("POST", "/v1/exercise",
-        { action: "FACTS", time: more }, JSON_TYPE));
+        { action: "FACTS", time: more, ...of }, JSON_TYPE));
       this.hear(status);
+      if (this.chosen().ship !== of.ship) {
+        return; // another was chosen meanwhile
+      }
       const { facts = "" } = status;
       const lines = facts.split("\n").filter(Boolean);
       if (more === 0 && lines.length > 0) {
@@ -544,7 +592,11 @@ export class Exercises {
         what === "tcpa" ? "s" : "m"))));
       return row;
     }));
-    this.csv.download = `${this.status.run.name}.csv`;
+    const { ship: which } = this.chosen();
+    this.csv.href = which === undefined ? "/v1/exercise.csv"
+      : `/v1/exercise.csv?ship=${which}`;
+    this.csv.download = `${this.status.run.name}${
+      which === undefined ? "" : `-${which}`}.csv`;
   }
 
   // A link takes no token along.
@@ -554,7 +606,7 @@ export class Exercises {
     }
     event.preventDefault();
     try {
-      const answer = await fetch("/v1/exercise.csv", { cache: "no-store",
+      const answer = await fetch(this.csv.href, { cache: "no-store",
         headers: headers() });
       if (!answer.ok) {
         throw new Problem(await answer.json(), answer.status);

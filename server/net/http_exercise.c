@@ -137,12 +137,38 @@ void pel_http_delete_exercise(const struct pel_http_call *call)
     }
 }
 
+/* `ship`, and nothing else. */
+static enum pel_err read_ship(const struct pel_http_call *call,
+                              Pelagos__ExerciseCommand *command,
+                              struct pel_fault *fault)
+{
+    enum pel_err err = PEL_OK;
+    double value = 0;
+    for (size_t i = 0; i < call->target->query_count && !err; i++) {
+        const struct pel_http_pair *pair = &call->target->query[i];
+        err = strcmp(pair->name, "ship") == 0
+                  ? pel_command_number(command->base.descriptor, pair->name,
+                                       pair->value, &value, fault)
+                  : pel_fault_value(fault, PEL_ERR_INVALID, pair->name,
+                                    pair->value,
+                                    "no such parameter: ship is known");
+        command->has_ship = !err;
+        command->ship = (uint32_t)value;
+    }
+    return err;
+}
+
 /* All of them, which the exercise keeps below 64 MiB. */
 void pel_http_get_facts(const struct pel_http_call *call)
 {
     g_autoptr(GString) text = g_string_new(NULL);
+    struct pel_fault fault;
     Pelagos__ExerciseCommand command =
         about(call, PELAGOS__EXERCISE_ACTION__FACTS);
+    if (read_ship(call, &command, &fault)) {
+        pel_http_refuse(call, 0, &fault);
+        return;
+    }
     for (bool more = true; more && text->len <= MOST_FACTS;) {
         Pelagos__ExerciseStatus *status = ask(call, &command, 404);
         if (!status) {

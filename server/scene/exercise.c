@@ -42,6 +42,16 @@ static void find_next(const struct pel_exercise_run *run,
     }
 }
 
+static void put_ships(const Pelagos__Exercise *exercise,
+                      Pelagos__ExerciseStatus *out)
+{
+    size_t count = pel_exercise_ship_count(exercise);
+    out->ships = calloc(count, sizeof *out->ships);
+    for (size_t i = 0; out->ships && i < count; i++) {
+        out->ships[out->n_ships++] = pel_exercise_ship(exercise, i);
+    }
+}
+
 static Pelagos__ExerciseStatus *status(const struct pel_exercise_run *run)
 {
     Pelagos__ExerciseStatus *out = (Pelagos__ExerciseStatus *)pel_message_new(
@@ -58,9 +68,22 @@ static Pelagos__ExerciseStatus *status(const struct pel_exercise_run *run)
         out->events = (uint32_t)run->exercise->n_events;
         out->has_earliest = isfinite(earliest);
         out->earliest = out->has_earliest ? earliest : 0;
+        put_ships(run->exercise, out);
         find_next(run, out);
     }
     return out;
+}
+
+static enum pel_err refuse_ship(const Pelagos__Exercise *exercise,
+                                uint32_t ship, struct pel_fault *fault)
+{
+    char value[16];
+    g_autoptr(GString) what = g_string_new("must be one of the own ships:");
+    for (size_t i = 0; i < pel_exercise_ship_count(exercise); i++) {
+        g_string_append_printf(what, " %u", pel_exercise_ship(exercise, i));
+    }
+    g_snprintf(value, sizeof value, "%u", ship);
+    return pel_fault_refuse(PEL_ERR_INVALID, "ship", value, what->str, fault);
 }
 
 static enum pel_err give_facts(const struct pel_exercise_run *run,
@@ -73,8 +96,15 @@ static enum pel_err give_facts(const struct pel_exercise_run *run,
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
                              "no exercise is loaded, so there are no facts");
     }
-    g_autofree char *text = pel_exercise_facts_text(
-        run->facts, command->has_time ? command->time : 0, MOST_FACTS, &more);
+    int ship = command->has_ship
+                   ? pel_exercise_ship_index(run->exercise, command->ship)
+                   : 0;
+    if (ship < 0) {
+        return refuse_ship(run->exercise, command->ship, fault);
+    }
+    g_autofree char *text = pel_exercise_sheet_text(
+        pel_exercise_facts_of(run->facts, (size_t)ship),
+        command->has_time ? command->time : 0, MOST_FACTS, &more);
     out->facts = strdup(text);
     out->has_more = !isnan(more);
     out->more = out->has_more ? more : 0;
@@ -89,13 +119,36 @@ static enum pel_err need_exercise(const Pelagos__ExerciseCommand *command,
                                                 NULL, "is missing", fault);
 }
 
+/* What was loaded last; NULL: nothing is kept. */
+static Pelagos__Exercise *kept(const struct pel_exercises *all)
+{
+    char *bytes = NULL;
+    size_t size = 0;
+    if (!all->run.kept_path ||
+        pel_file_read(all->run.kept_path, MOST_KEPT, &bytes, &size, NULL)) {
+        return NULL;
+    }
+    Pelagos__Exercise *exercise =
+        pelagos__exercise__unpack(NULL, size, (const uint8_t *)bytes);
+    free(bytes);
+    return exercise;
+}
+
 static enum pel_err load(struct pel_exercises *all, const char *name,
                          struct pel_fault *fault)
 {
     Pelagos__Exercise *exercise;
     enum pel_err err =
         pel_exercise_files_read(all->files, name, &exercise, fault);
-    return err ? err : pel_exercise_run_load(&all->run, name, exercise, fault);
+    if (err) {
+        return err;
+    }
+    Pelagos__Exercise *before = kept(all);
+    if (before) {
+        pel_exercise_facts_remove(before, all->run.facts_path);
+        pelagos__exercise__free_unpacked(before, NULL);
+    }
+    return pel_exercise_run_load(&all->run, name, exercise, fault);
 }
 
 static enum pel_err act(struct pel_exercises *all,
@@ -180,7 +233,7 @@ void pel_exercises_glance(struct pel_exercises *all,
         out->fired += now->events[i]->count;
     }
     if (run->facts) {
-        pel_exercise_facts_glance(run->facts, out);
+        pel_exercise_sheet_glance(pel_exercise_facts_of(run->facts, 0), out);
     }
 }
 
@@ -218,26 +271,14 @@ double pel_exercises_time(struct pel_exercises *all)
 static void resume(struct pel_exercises *all)
 {
     const Pelagos__ExerciseRun *now = pel_exercise_run_state(&all->run);
-    char *bytes = NULL;
-    size_t size = 0;
     struct pel_fault fault;
     if (!now->name || now->phase == PELAGOS__EXERCISE_PHASE__IDLE ||
         now->phase == PELAGOS__EXERCISE_PHASE__ENDED) {
         return;
     }
-    enum pel_err err =
-        all->run.kept_path
-            ? pel_file_read(all->run.kept_path, MOST_KEPT, &bytes, &size,
-                            &fault)
-            : pel_fault_set(&fault, PEL_ERR_NOT_FOUND, "nothing is kept");
-    Pelagos__Exercise *exercise =
-        err ? NULL
-            : pelagos__exercise__unpack(NULL, size, (const uint8_t *)bytes);
-    free(bytes);
-    if (!err && (!exercise || pel_exercise_check(exercise, &fault))) {
-        err = PEL_ERR_MALFORMED;
-    }
-    if (err || !pel_exercise_run_resume(&all->run, exercise)) {
+    Pelagos__Exercise *exercise = kept(all);
+    if (!exercise || pel_exercise_check(exercise, &fault) ||
+        !pel_exercise_run_resume(&all->run, exercise)) {
         pel_warn("EXR-002",
                  "exercise %s does not go on: what is kept of it is not what "
                  "the state names; load it again",

@@ -50,7 +50,7 @@ struct pel_exercise_glance {
     Pelagos__ExercisePhase phase;
     double time_s;
     uint32_t events, fired; /* those there are; how often they took effect */
-    uint32_t facts;         /* lines */
+    uint32_t facts;         /* lines, of `ownShip` */
     uint32_t groundings, collisions;
 };
 void pel_exercises_glance(struct pel_exercises *all,

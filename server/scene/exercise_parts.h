@@ -13,6 +13,7 @@
 #define PEL_EXERCISE_TICK_S 0.1
 #define PEL_EXERCISE_LIMITS 16
 #define PEL_EXERCISE_TARGETS 64 /* other entities in the facts */
+#define PEL_EXERCISE_SHIPS 8    /* own ships */
 
 /* --- exercisecheck.c: any thread ------------------------------------------ */
 
@@ -65,29 +66,62 @@ void pel_exercise_back(const Pelagos__State *to, const Pelagos__State *from,
 /* What a restart must know of the ships whose helm is on, put into `out`. */
 void pel_exercise_put_ships(const Pelagos__State *state, Pelagos__State *out);
 
-/* --- exercisefacts.c ------------------------------------------------------ */
+/* --- exerciseships.c ------------------------------------------------------ */
 
+/* Own ships, 1 to PEL_EXERCISE_SHIPS. Any thread. */
+size_t pel_exercise_ship_count(const Pelagos__Exercise *exercise);
+/* The entity of the one with this index: 0 is `ownShip`. Any thread. */
+uint32_t pel_exercise_ship(const Pelagos__Exercise *exercise, size_t index);
+/* -1: the entity is none of them. Any thread. */
+int pel_exercise_ship_index(const Pelagos__Exercise *exercise, uint32_t id);
+/* The draught that the exercise gives the entity [m]; NaN: none. Any thread. */
+double pel_exercise_draught(const Pelagos__Exercise *exercise, uint32_t id);
+
+/* The facts of every own ship: a sheet each. */
 struct pel_exercise_facts;
 
-/* path: where they are written to as well, NULL: nowhere. `since`: what is
- * there up to this time is taken over, -1: none of it. */
+/* path: the file that those of `ownShip` are written to as well, those of the
+ * others beside it; NULL: nowhere. `since`: what is there up to this time is
+ * taken over, -1: none of it. */
 struct pel_exercise_facts *
 pel_exercise_facts_create(const Pelagos__Exercise *exercise, const char *path,
                           double since_s);
 void pel_exercise_facts_destroy(struct pel_exercise_facts *facts);
-/* A row of this moment, a whole second. */
+/* Rows of this moment, a whole second. */
 void pel_exercise_facts_add(struct pel_exercise_facts *facts,
                             struct pel_exercise_moment *m);
 /* Forgets what came after time_s. */
 void pel_exercise_facts_cut(struct pel_exercise_facts *facts, double time_s);
+/* Those of an own ship, by its index. */
+const struct pel_exercise_sheet *
+pel_exercise_facts_of(const struct pel_exercise_facts *facts, size_t index);
+size_t pel_exercise_facts_bytes(const struct pel_exercise_facts *facts);
+/* Removes the files of all own ships but `ownShip`, which another exercise
+ * would not write anew. */
+void pel_exercise_facts_remove(const Pelagos__Exercise *exercise,
+                               const char *path);
+
+/* --- exercisefacts.c ------------------------------------------------------ */
+
+/* The facts of one own ship. */
+struct pel_exercise_sheet;
+
+/* ship: its index. path, since_s: as above. */
+struct pel_exercise_sheet *
+pel_exercise_sheet_create(const Pelagos__Exercise *exercise, size_t ship,
+                          const char *path, double since_s);
+void pel_exercise_sheet_destroy(struct pel_exercise_sheet *sheet);
+void pel_exercise_sheet_add(struct pel_exercise_sheet *sheet,
+                            struct pel_exercise_moment *m);
+void pel_exercise_sheet_cut(struct pel_exercise_sheet *sheet, double time_s);
 /* Whole lines from time_s on, of most bytes at most, with the head where time_s
  * is 0; *more: the time of the next, or NaN. g_free. */
-char *pel_exercise_facts_text(const struct pel_exercise_facts *facts,
+char *pel_exercise_sheet_text(const struct pel_exercise_sheet *sheet,
                               double time_s, size_t most, double *more);
-/* Sets what they say of the last row. */
-void pel_exercise_facts_glance(const struct pel_exercise_facts *facts,
+/* Sets what it says of the last row. */
+void pel_exercise_sheet_glance(const struct pel_exercise_sheet *sheet,
                                struct pel_exercise_glance *out);
-size_t pel_exercise_facts_bytes(const struct pel_exercise_facts *facts);
+size_t pel_exercise_sheet_bytes(const struct pel_exercise_sheet *sheet);
 
 /* --- exercisepast.c ------------------------------------------------------- */
 

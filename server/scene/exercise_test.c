@@ -26,7 +26,11 @@
     "\"longitude\":5.2,\"speed\":6,\"heading\":0,\"course\":0},"               \
     "{\"id\":2,\"latitude\":52.61,\"longitude\":5.21,\"speed\":5,"             \
     "\"heading\":270,\"course\":270},"                                         \
-    "{\"id\":3,\"latitude\":52.602,\"longitude\":5.2003}]}"
+    "{\"id\":3,\"latitude\":52.602,\"longitude\":5.2003},"                     \
+    "{\"id\":4,\"latitude\":52.604,\"longitude\":5.2006,\"heading\":190,"      \
+    "\"course\":190,\"helm\":{\"on\":true,\"throttle\":0.6}}]}"
+/* The ship that comes from the north has a bridge of her own. */
+#define SHIPS "\"ships\":[{\"id\":4,\"draught\":8.5}]"
 #define EVENTS                                                                 \
     "\"events\":["                                                             \
     "{\"name\":\"fog\",\"when\":[{\"at\":2.5}],"                               \
@@ -41,7 +45,7 @@
     "{\"name\":\"again\",\"each\":true,\"when\":[{\"inside\":"                 \
     "{\"latitude\":52.6009,\"longitude\":5.2,\"radius\":30}}],"                \
     "\"patch\":{\"state\":{\"sky\":{\"rain\":3}}}}]"
-#define EXERCISE "{\"title\":\"t\"," STATE "," EVENTS "}"
+#define EXERCISE "{\"title\":\"t\"," STATE "," SHIPS "," EVENTS "}"
 
 static char *folder;
 
@@ -115,19 +119,32 @@ static enum pel_err command(struct pel_exercises *all,
         }                                                                      \
     } while (0)
 
-static char *facts_of(struct pel_exercises *all)
+/* ship: -1: as who knows of one. */
+static char *facts_of_ship(struct pel_exercises *all, int64_t ship)
 {
-    Pelagos__ExerciseStatus *status = NULL;
+    Pelagos__ExerciseCommand c = PELAGOS__EXERCISE_COMMAND__INIT;
+    Pelagos__ExerciseStatus *status;
     struct pel_fault fault;
-    if (command(all, PELAGOS__EXERCISE_ACTION__FACTS, NULL, -1, &status,
-                &fault) ||
-        !status) {
+    c.has_action = true;
+    c.action = PELAGOS__EXERCISE_ACTION__FACTS;
+    c.has_ship = ship >= 0;
+    c.ship = (uint32_t)ship;
+    if (pel_exercises_command(all, &c, &status, &fault)) {
         fail_msg("%s", fault.message);
         return NULL;
     }
     char *text = g_strdup(status->facts);
     pelagos__exercise_status__free_unpacked(status, NULL);
     return text;
+}
+
+/* Of both own ships. */
+static char *facts_of(struct pel_exercises *all)
+{
+    g_autofree char *own = facts_of_ship(all, -1);
+    g_autofree char *other = facts_of_ship(all, 4);
+    assert_string_not_equal(own, other);
+    return g_strconcat(own, other, NULL);
 }
 
 /* --- a run ---------------------------------------------------------------- */
@@ -472,6 +489,18 @@ static void bad_ones_say_what_to_mend(void **state)
           "events.a.patch.remove", "neither clock nor exercise" },
         { EVENT("{\"at\":1}", "{\"state\":{\"clock\":{\"time\":1}}}"),
           "events.a.patch.state.clock.time", "leave it out" },
+        { ONE "\"ships\":[{\"draught\":3}]}", "ships.0.id", "is missing" },
+        { ONE "\"ships\":[{\"id\":1}]}", "ships.0.id", "another than ownShip" },
+        { ONE "\"ships\":[{\"id\":2},{\"id\":2}]}", "ships.1.id",
+          "another than ownShip" },
+        { ONE "\"ships\":[{\"id\":9}]}", "ships.9.id", "names an entity" },
+        { ONE "\"ships\":[{\"id\":2,\"draught\":99}]}", "ships.2.draught",
+          "it must be 0.1 to 50 m" },
+        { ONE "\"ships\":[{\"id\":2},{\"id\":3},{\"id\":4},{\"id\":5},"
+              "{\"id\":6},{\"id\":7},{\"id\":8},{\"id\":9}]}",
+          "ships", "at most 7 elements" },
+        { ONE "\"limits\":[{\"name\":\"a\",\"speed\":1,\"ship\":9}]}",
+          "limits.a.ship", "must be ownShip or one of ships" },
         { ONE "\"limits\":[{\"name\":\"a\"}]}", "limits.a.speed",
           "is missing" },
         { ONE "\"limits\":[{\"name\":\"a b\",\"speed\":1}]}", "limits.0.name",
@@ -561,7 +590,7 @@ static void areas_hold_what_is_in_them(void **state)
     assert_false(pel_exercise_in_area(&area, 10.9, 179.5));
 }
 
-/* 256 entities and 64 events, of which each asks for distances. */
+/* 256 entities, 8 own ships and 64 events, of which each asks for distances. */
 static void a_moment_is_cheap(void **state)
 {
     (void)state;
@@ -571,7 +600,9 @@ static void a_moment_is_cheap(void **state)
                                ",{\"id\":%d,\"latitude\":%.5f,\"speed\":3}", i,
                                52.6 + i * 0.001);
     }
-    g_string_append(text, "]},\"events\":[");
+    g_string_append(text, "]},\"ships\":[{\"id\":2},{\"id\":3},{\"id\":4},"
+                          "{\"id\":5},{\"id\":6},{\"id\":7},{\"id\":8}],"
+                          "\"events\":[");
     for (int i = 0; i < 64; i++) {
         g_string_append_printf(
             text,

@@ -244,6 +244,36 @@ static enum pel_err check_when(const Pelagos__Exercise *exercise,
     return err;
 }
 
+/* `state` is that of the beginning. */
+static enum pel_err check_ships(const Pelagos__Exercise *exercise,
+                                const Pelagos__State *state,
+                                struct pel_fault *fault)
+{
+    char path[PATH_SIZE];
+    enum pel_err err =
+        check_entity(state, true, exercise->own_ship, "ownShip", fault);
+    for (size_t i = 0; !err && i < exercise->n_ships; i++) {
+        g_snprintf(path, sizeof path, "ships.%u.id", exercise->ships[i]->id);
+        err = check_entity(state, true, exercise->ships[i]->id, path, fault);
+    }
+    return err;
+}
+
+static enum pel_err check_limit(const Pelagos__Exercise *exercise,
+                                const Pelagos__ExerciseLimit *limit,
+                                struct pel_fault *fault)
+{
+    char path[PATH_SIZE], value[16];
+    if (limit->has_ship && pel_exercise_ship_index(exercise, limit->ship) < 0) {
+        g_snprintf(value, sizeof value, "%u", limit->ship);
+        return refuse(PEL_ERR_NOT_FOUND, fault, value,
+                      "must be ownShip or one of ships; add it to ships",
+                      "limits.%s.ship", limit->name);
+    }
+    g_snprintf(path, sizeof path, "limits.%s.area", limit->name);
+    return check_area(limit->area, path, fault);
+}
+
 static enum pel_err check_event(const Pelagos__Exercise *exercise, size_t index,
                                 const Pelagos__State *state,
                                 struct pel_fault *fault)
@@ -261,6 +291,32 @@ static enum pel_err check_event(const Pelagos__Exercise *exercise, size_t index,
             check_when(exercise, event, event->when[i], state, path, fault);
         if (err) {
             return err;
+        }
+    }
+    return PEL_OK;
+}
+
+static enum pel_err check_ship_numbers(const Pelagos__Exercise *exercise,
+                                       struct pel_fault *fault)
+{
+    char value[24];
+    if (exercise->n_ships >= PEL_EXERCISE_SHIPS) {
+        g_snprintf(value, sizeof value, "%zu", exercise->n_ships);
+        return refuse(PEL_ERR_OUT_OF_RANGE, fault, value,
+                      "must have at most 7 elements, beside ownShip", "ships");
+    }
+    for (size_t i = 0; i < exercise->n_ships; i++) {
+        const Pelagos__ExerciseShip *ship = exercise->ships[i];
+        if (!ship->has_id) {
+            return refuse(PEL_ERR_INVALID, fault, NULL,
+                          "is missing: the number of an entity", "ships.%zu.id",
+                          i);
+        }
+        if (pel_exercise_ship_index(exercise, ship->id) != (int)i + 1) {
+            g_snprintf(value, sizeof value, "%u", ship->id);
+            return refuse(PEL_ERR_INVALID, fault, value,
+                          "must be another than ownShip and the other ships",
+                          "ships.%zu.id", i);
         }
     }
     return PEL_OK;
@@ -426,12 +482,11 @@ static enum pel_err check_states(const Pelagos__Exercise *exercise,
                                  struct pel_fault *fault)
 {
     Pelagos__State *state;
-    char path[PATH_SIZE];
     enum pel_err err = begin_state(exercise, &state, fault);
     if (err) {
         return err;
     }
-    err = check_entity(state, true, exercise->own_ship, "ownShip", fault);
+    err = check_ships(exercise, state, fault);
     for (size_t i = 0; !err && i < exercise->n_events; i++) {
         err = check_patch(exercise->events[i], &state, fault);
     }
@@ -439,9 +494,7 @@ static enum pel_err check_states(const Pelagos__Exercise *exercise,
         err = check_event(exercise, i, state, fault);
     }
     for (size_t i = 0; !err && i < exercise->n_limits; i++) {
-        g_snprintf(path, sizeof path, "limits.%s.area",
-                   exercise->limits[i]->name);
-        err = check_area(exercise->limits[i]->area, path, fault);
+        err = check_limit(exercise, exercise->limits[i], fault);
     }
     pelagos__state__free_unpacked(state, NULL);
     return err;
@@ -451,6 +504,9 @@ enum pel_err pel_exercise_check(const Pelagos__Exercise *exercise,
                                 struct pel_fault *fault)
 {
     enum pel_err err = check_names(exercise, fault);
+    if (!err) {
+        err = check_ship_numbers(exercise, fault);
+    }
     if (!err) {
         err = check_ranges(exercise, fault);
     }

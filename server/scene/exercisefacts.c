@@ -1,4 +1,4 @@
-/* The facts of an exercise as CSV, a row a simulated second. A row is made of
+/* The facts of an own ship as CSV, a row a simulated second. A row is made of
  * the moment and of the row before it, whose numbers it reads as they stand
  * there: so a rewind and a restart go on as if nothing had been. */
 #include <errno.h>
@@ -14,9 +14,10 @@
 #include "scene/exercise_parts.h"
 #include "scene/geodesy.h"
 
-#define MOST_BYTES (64u << 20)
-#define COLUMNS 18 /* before those of targets */
+#define MOST_BYTES (64u << 20) /* of all own ships */
+#define COLUMNS 18             /* before those of targets */
 #define TARGET_COLUMNS 5
+#define ALL_TARGETS 128 /* of all own ships, whose rows then take 0.4 ms */
 
 enum column {
     TIME,
@@ -47,13 +48,15 @@ static const char *const names[COLUMNS] = {
     "closest_m",      "events",
 };
 
-struct pel_exercise_facts {
-    char *path; /* NULL: they are not kept */
-    int fd;     /* -1: nor now */
+struct pel_exercise_sheet {
+    uint32_t ship;
+    size_t most; /* bytes */
+    char *path;  /* NULL: they are not kept */
+    int fd;      /* -1: nor now */
     GString *text;
     GArray *rows; /* of struct row */
     uint32_t targets[PEL_EXERCISE_TARGETS];
-    size_t target_count;
+    size_t target_count, most_targets;
     bool full;
 };
 
@@ -64,14 +67,13 @@ struct row {
 
 /* --- the text ------------------------------------------------------------- */
 
-static void add_target(struct pel_exercise_facts *f, uint32_t id,
-                       uint32_t own_ship)
+static void add_target(struct pel_exercise_sheet *f, uint32_t id)
 {
     size_t i = 0;
     while (i < f->target_count && f->targets[i] < id) {
         i++;
     }
-    if (id == own_ship || f->target_count == PEL_EXERCISE_TARGETS ||
+    if (id == f->ship || f->target_count == f->most_targets ||
         (i < f->target_count && f->targets[i] == id)) {
         return;
     }
@@ -81,17 +83,17 @@ static void add_target(struct pel_exercise_facts *f, uint32_t id,
     f->target_count++;
 }
 
-static void add_targets(struct pel_exercise_facts *f,
-                        const Pelagos__State *state, uint32_t own_ship)
+static void add_targets(struct pel_exercise_sheet *f,
+                        const Pelagos__State *state)
 {
     for (size_t i = 0; state && i < state->n_entities; i++) {
         if (state->entities[i]->has_id) {
-            add_target(f, state->entities[i]->id, own_ship);
+            add_target(f, state->entities[i]->id);
         }
     }
 }
 
-static void write_head(struct pel_exercise_facts *f)
+static void write_head(struct pel_exercise_sheet *f)
 {
     for (int i = 0; i < COLUMNS; i++) {
         g_string_append_printf(f->text, "%s%s", i ? "," : "", names[i]);
@@ -106,7 +108,7 @@ static void write_head(struct pel_exercise_facts *f)
     g_string_append_c(f->text, '\n');
 }
 
-static void stop_keeping(struct pel_exercise_facts *f)
+static void stop_keeping(struct pel_exercise_sheet *f)
 {
     pel_warn("EXR-004", "%s: the facts of the exercise are not kept: %s",
              f->path, g_strerror(errno));
@@ -117,7 +119,7 @@ static void stop_keeping(struct pel_exercise_facts *f)
 }
 
 /* Takes over the rows of the same exercise up to since_s. */
-static void take_over(struct pel_exercise_facts *f, double since_s)
+static void take_over(struct pel_exercise_sheet *f, double since_s)
 {
     char *old = NULL;
     size_t size = 0, head = f->text->len;
@@ -142,7 +144,7 @@ static void take_over(struct pel_exercise_facts *f, double since_s)
     free(old);
 }
 
-static void begin_file(struct pel_exercise_facts *f)
+static void begin_file(struct pel_exercise_sheet *f)
 {
     f->fd = f->path ? open(f->path,
                            O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC |
@@ -155,17 +157,24 @@ static void begin_file(struct pel_exercise_facts *f)
     }
 }
 
-struct pel_exercise_facts *
-pel_exercise_facts_create(const Pelagos__Exercise *exercise, const char *path,
-                          double since_s)
+struct pel_exercise_sheet *
+pel_exercise_sheet_create(const Pelagos__Exercise *exercise, size_t ship,
+                          const char *path, double since_s)
 {
-    struct pel_exercise_facts *f = g_new0(struct pel_exercise_facts, 1);
+    struct pel_exercise_sheet *f = g_new0(struct pel_exercise_sheet, 1);
+    f->ship = pel_exercise_ship(exercise, ship);
+    f->most = MOST_BYTES / pel_exercise_ship_count(exercise);
+    f->most_targets = MIN(PEL_EXERCISE_TARGETS,
+                          ALL_TARGETS / pel_exercise_ship_count(exercise));
     f->path = g_strdup(path);
     f->text = g_string_new(NULL);
     f->rows = g_array_new(FALSE, FALSE, sizeof(struct row));
-    add_targets(f, exercise->state, exercise->own_ship);
+    for (size_t i = 0; i < pel_exercise_ship_count(exercise); i++) {
+        add_target(f, pel_exercise_ship(exercise, i));
+    }
+    add_targets(f, exercise->state);
     for (size_t i = 0; i < exercise->n_events; i++) {
-        add_targets(f, exercise->events[i]->patch->state, exercise->own_ship);
+        add_targets(f, exercise->events[i]->patch->state);
     }
     write_head(f);
     take_over(f, since_s);
@@ -173,7 +182,7 @@ pel_exercise_facts_create(const Pelagos__Exercise *exercise, const char *path,
     return f;
 }
 
-void pel_exercise_facts_destroy(struct pel_exercise_facts *f)
+void pel_exercise_sheet_destroy(struct pel_exercise_sheet *f)
 {
     if (f) {
         if (f->fd >= 0) {
@@ -186,7 +195,7 @@ void pel_exercise_facts_destroy(struct pel_exercise_facts *f)
     }
 }
 
-void pel_exercise_facts_cut(struct pel_exercise_facts *f, double time_s)
+void pel_exercise_sheet_cut(struct pel_exercise_sheet *f, double time_s)
 {
     guint keep = f->rows->len;
     while (keep > 0 &&
@@ -205,7 +214,7 @@ void pel_exercise_facts_cut(struct pel_exercise_facts *f, double time_s)
     }
 }
 
-char *pel_exercise_facts_text(const struct pel_exercise_facts *f, double time_s,
+char *pel_exercise_sheet_text(const struct pel_exercise_sheet *f, double time_s,
                               size_t most, double *more)
 {
     guint first = 0, end;
@@ -232,7 +241,7 @@ char *pel_exercise_facts_text(const struct pel_exercise_facts *f, double time_s,
     return g_strndup(f->text->str + from, to - from);
 }
 
-size_t pel_exercise_facts_bytes(const struct pel_exercise_facts *f)
+size_t pel_exercise_sheet_bytes(const struct pel_exercise_sheet *f)
 {
     return f->text->len;
 }
@@ -240,7 +249,7 @@ size_t pel_exercise_facts_bytes(const struct pel_exercise_facts *f)
 /* --- a row ---------------------------------------------------------------- */
 
 /* The cells of the row before; NULL: there is none. */
-static char **last_row(const struct pel_exercise_facts *f)
+static char **last_row(const struct pel_exercise_sheet *f)
 {
     if (f->rows->len == 0) {
         return NULL;
@@ -256,7 +265,7 @@ static double before(char **cells, size_t column, double none)
     return cells && *cells[column] ? g_ascii_strtod(cells[column], NULL) : none;
 }
 
-void pel_exercise_facts_glance(const struct pel_exercise_facts *f,
+void pel_exercise_sheet_glance(const struct pel_exercise_sheet *f,
                                struct pel_exercise_glance *out)
 {
     char **cells = last_row(f);
@@ -273,7 +282,7 @@ static double rounded(double value, int decimals)
     return value == 0 ? 0 : value; /* no -0 */
 }
 
-static void put(struct pel_exercise_facts *f, double value, int decimals)
+static void put(struct pel_exercise_sheet *f, double value, int decimals)
 {
     char text[G_ASCII_DTOSTR_BUF_SIZE], format[8];
     g_snprintf(format, sizeof format, "%%.%df", decimals);
@@ -296,13 +305,15 @@ static double true_degrees(const struct pel_exercise_moment *m,
     return degrees >= 360 ? 0 : degrees;
 }
 
-static double over_limit(const struct pel_exercise_moment *m,
+static double over_limit(const struct pel_exercise_moment *m, uint32_t ship,
                          const struct pel_exercise_body *own)
 {
     double over = 0;
     for (size_t i = 0; i < m->exercise->n_limits; i++) {
         const Pelagos__ExerciseLimit *limit = m->exercise->limits[i];
-        if (pel_exercise_in_area(limit->area, own->latitude, own->longitude)) {
+        bool meant = !limit->has_ship || limit->ship == ship;
+        if (meant &&
+            pel_exercise_in_area(limit->area, own->latitude, own->longitude)) {
             over = fmax(over, own->speed_mps - limit->speed);
         }
     }
@@ -317,7 +328,7 @@ struct nearness {
 };
 
 /* The cells of targets. */
-static void look_around(struct pel_exercise_facts *f,
+static void look_around(struct pel_exercise_sheet *f,
                         struct pel_exercise_moment *m,
                         const struct pel_exercise_body *own, char **cells,
                         struct nearness *near)
@@ -348,7 +359,7 @@ static void look_around(struct pel_exercise_facts *f,
 }
 
 /* Names of those that took effect since the row before, with blanks between. */
-static void put_events(struct pel_exercise_facts *f,
+static void put_events(struct pel_exercise_sheet *f,
                        const struct pel_exercise_moment *m)
 {
     double since_s =
@@ -368,7 +379,7 @@ static void put_events(struct pel_exercise_facts *f,
     g_string_append_c(f->text, ',');
 }
 
-static void put_own(struct pel_exercise_facts *f, struct pel_exercise_moment *m,
+static void put_own(struct pel_exercise_sheet *f, struct pel_exercise_moment *m,
                     const struct pel_exercise_body *own, char **cells)
 {
     double most = before(cells, SPEED_MAX, 0);
@@ -383,7 +394,7 @@ static void put_own(struct pel_exercise_facts *f, struct pel_exercise_moment *m,
     put(f, own ? own->speed_mps : NAN, 3);
     if (own) {
         most = fmax(most, rounded(own->speed_mps, 3));
-        over = over_limit(m, own);
+        over = over_limit(m, f->ship, own);
         over_s += over > 0 && cells
                       ? rounded(m->time_s, 3) - before(cells, TIME, 0)
                       : 0;
@@ -401,19 +412,18 @@ static void put_own(struct pel_exercise_facts *f, struct pel_exercise_moment *m,
     put(f, groundings, 0);
 }
 
-void pel_exercise_facts_add(struct pel_exercise_facts *f,
+void pel_exercise_sheet_add(struct pel_exercise_sheet *f,
                             struct pel_exercise_moment *m)
 {
     struct row row = { rounded(m->time_s, 3), f->text->len };
-    const struct pel_exercise_body *own =
-        pel_exercise_body_of(m, m->exercise->own_ship);
+    const struct pel_exercise_body *own = pel_exercise_body_of(m, f->ship);
     struct nearness near = { INFINITY, 0, 0 };
-    if (f->full || f->text->len > MOST_BYTES) {
+    if (f->full || f->text->len > f->most) {
         if (!f->full) {
             pel_warn("EXR-005",
-                     "the facts of the exercise end at %.0f s: they "
+                     "the facts of ship %u end at %.0f s: those of an exercise "
                      "have 64 MiB",
-                     m->time_s);
+                     f->ship, m->time_s);
         }
         f->full = true;
         return;

@@ -6,6 +6,7 @@
 
 #include "base/vec.h"
 #include "models/model.h"
+#include "scene/exercise_parts.h"
 #include "scene/geodesy.h"
 #include "scene/helm.h"
 
@@ -60,9 +61,9 @@ static void measure(const struct pel_exercise_moment *m, size_t index,
         body->beam_m = helm->beam;
         body->draught_m = HELM_DRAUGHT * helm->beam;
     }
-    if (m->exercise->has_draught &&
-        s->entities[index].id == m->exercise->own_ship) {
-        body->draught_m = m->exercise->draught;
+    double draught = pel_exercise_draught(m->exercise, s->entities[index].id);
+    if (!isnan(draught)) {
+        body->draught_m = draught;
     }
 }
 

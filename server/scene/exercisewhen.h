@@ -47,7 +47,7 @@ void pel_exercise_cpa(const struct pel_exercise_body *a,
 double pel_exercise_range(const struct pel_exercise_body *a,
                           const struct pel_exercise_body *b);
 
-/* Water under own ship's keel [m]; NaN: nothing is known of the bottom. */
+/* Water under its keel [m]; NaN: nothing is known of the bottom. */
 double pel_exercise_under_keel(const struct pel_exercise_moment *m,
                                const struct pel_exercise_body *body);
 
