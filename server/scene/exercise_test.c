@@ -600,9 +600,9 @@ static void a_moment_is_cheap(void **state)
                                ",{\"id\":%d,\"latitude\":%.5f,\"speed\":3}", i,
                                52.6 + i * 0.001);
     }
-    g_string_append(text, "]},\"ships\":[{\"id\":2},{\"id\":3},{\"id\":4},"
-                          "{\"id\":5},{\"id\":6},{\"id\":7},{\"id\":8}],"
-                          "\"events\":[");
+    g_string_append(text, "]},\"ships\":[{\"id\":250},{\"id\":251},"
+                          "{\"id\":252},{\"id\":253},{\"id\":254},{\"id\":255},"
+                          "{\"id\":256}],\"events\":[");
     for (int i = 0; i < 64; i++) {
         g_string_append_printf(
             text,
@@ -622,6 +622,12 @@ static void a_moment_is_cheap(void **state)
     step_to(scene, 0, 9.95, 9.95);
     print_message("%.0f us a moment\n",
                   (double)(pel_now_ns() - start) * 1e-3 / 100);
+    /* Eight own ships share 128 targets, one another's among them. */
+    g_autofree char *facts = facts_of_ship(all, 256);
+    g_auto(GStrv) parts = g_strsplit(facts, ",range_", 0);
+    assert_int_equal(g_strv_length(parts) - 1, 16);
+    assert_true(g_str_has_prefix(parts[1], "1_m,"));
+    assert_true(g_str_has_prefix(parts[16], "255_m,"));
     g_string_free(text, TRUE);
     pel_exercises_destroy(all);
     pel_scene_destroy(scene);
