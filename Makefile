@@ -449,7 +449,7 @@ mutate: deps ## break MUTANTS (200) lines at random, see which tests notice (SEE
 .PHONY: asan
 asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
 	$(Q)$(MAKE) -s --no-print-directory FLAVOR=asan all tests
-	$(Q)ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1 \
+	$(Q)ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1:fast_unwind_on_malloc=0 \
 	    LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
 	    UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
 	    PELAGOS_BIN=$(CURDIR)/build/asan/bin \

@@ -44,8 +44,8 @@ static void take(struct pel_scene *scene, const struct ahead *ahead)
     struct pel_sailing ships[PEL_MAX_SHIPS];
     size_t count = scene->snapshot->ship_count;
     bool any = false;
-    if (ahead->wakes != scene->snapshot->wakes) {
-        return; /* it has met other waves */
+    if (count == 0 || ahead->wakes != scene->snapshot->wakes) {
+        return; /* there are none any more, or it has met other waves */
     }
     memcpy(ships, scene->snapshot->ships, count * sizeof *ships);
     for (size_t i = 0; i < count; i++) {
