@@ -129,6 +129,20 @@ ProtobufCMessage *pel_message_copy(const ProtobufCMessage *message)
     return copy;
 }
 
+bool pel_message_same(const ProtobufCMessage *a, const ProtobufCMessage *b)
+{
+    size_t size = protobuf_c_message_get_packed_size(a);
+    if (size != protobuf_c_message_get_packed_size(b)) {
+        return false;
+    }
+    uint8_t *bytes = pel_sure_malloc(2 * size + 1);
+    protobuf_c_message_pack(a, bytes);
+    protobuf_c_message_pack(b, bytes + size);
+    bool same = memcmp(bytes, bytes + size, size) == 0;
+    free(bytes);
+    return same;
+}
+
 void pel_message_forget_unknown(ProtobufCMessage *message)
 {
     const ProtobufCMessageDescriptor *type = message->descriptor;

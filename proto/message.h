@@ -14,6 +14,9 @@ ProtobufCMessage *pel_message_new(const ProtobufCMessageDescriptor *type);
 /* A deep copy of what the schema knows. */
 ProtobufCMessage *pel_message_copy(const ProtobufCMessage *message);
 
+/* Whether both, of one type, have the same bytes on the wire. */
+bool pel_message_same(const ProtobufCMessage *a, const ProtobufCMessage *b);
+
 /* Drops what the schema does not know, all the way down, of a message that an
  * allocator of its own keeps (unpack.h): nothing is freed. What protobuf-c
  * packs of such fields it may not be able to read again. */

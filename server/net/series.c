@@ -171,20 +171,7 @@ static void on_surface(void *user, enum pel_err err,
     }
 }
 
-/* --- questions -------------------------------------------------------------
- */
-
-static bool same_message(const ProtobufCMessage *a, const ProtobufCMessage *b)
-{
-    size_t size = protobuf_c_message_get_packed_size(a);
-    if (size != protobuf_c_message_get_packed_size(b)) {
-        return false;
-    }
-    g_autofree uint8_t *bytes = g_malloc(2 * size + 1);
-    protobuf_c_message_pack(a, bytes);
-    protobuf_c_message_pack(b, bytes + size);
-    return memcmp(bytes, bytes + size, size) == 0;
-}
+/* --- questions ----------------------------------------------------------- */
 
 /* All answers are to be of one sea, sky and water. */
 static enum pel_err check_state(struct pel_series_job *job,
@@ -196,10 +183,10 @@ static enum pel_err check_state(struct pel_series_job *job,
         return PEL_OK;
     }
     then->revision = now->revision;
-    bool same = same_message(&now->sea->base, &then->sea->base) &&
-                same_message(&now->sky->base, &then->sky->base) &&
-                same_message(&now->water->base, &then->water->base) &&
-                same_message(&now->origin->base, &then->origin->base) &&
+    bool same = pel_message_same(&now->sea->base, &then->sea->base) &&
+                pel_message_same(&now->sky->base, &then->sky->base) &&
+                pel_message_same(&now->water->base, &then->water->base) &&
+                pel_message_same(&now->origin->base, &then->origin->base) &&
                 g_strcmp0(now->clock->utc, then->clock->utc) == 0;
     return same ? PEL_OK
                 : pel_fault_set(fault, PEL_ERR_CONFLICT,

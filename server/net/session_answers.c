@@ -248,19 +248,32 @@ static enum pel_err ask(struct job *job, const Pelagos__Request *request,
     }
 }
 
-enum pel_err pel_session_start(struct session *self,
-                               const Pelagos__Request *request,
-                               struct pel_fault *fault)
+/* One more of the session's, not among its jobs yet; NULL: BUSY. */
+static struct job *new_job(struct session *self,
+                           const Pelagos__Request *request,
+                           struct pel_fault *fault)
 {
     if (self->jobs->len >= self->all->limits.session_requests) {
-        return pel_fault_set(fault, PEL_ERR_BUSY,
-                             "%u requests of this session are waiting",
-                             self->jobs->len);
+        pel_fault_set(fault, PEL_ERR_BUSY,
+                      "%u requests of this session are waiting",
+                      self->jobs->len);
+        return NULL;
     }
     struct job *job = g_new0(struct job, 1);
     job->session = self;
     job->has_id = request->has_id;
     job->id = request->id;
+    return job;
+}
+
+enum pel_err pel_session_start(struct session *self,
+                               const Pelagos__Request *request,
+                               struct pel_fault *fault)
+{
+    struct job *job = new_job(self, request, fault);
+    if (!job) {
+        return PEL_ERR_BUSY;
+    }
     job->is_picture =
         request->command_case == PELAGOS__REQUEST__COMMAND_FRAME ||
         request->command_case == PELAGOS__REQUEST__COMMAND_FRAMES;
@@ -417,15 +430,10 @@ enum pel_err pel_session_series(struct session *self,
                                 const Pelagos__Request *request,
                                 struct pel_fault *fault)
 {
-    if (self->jobs->len >= self->all->limits.session_requests) {
-        return pel_fault_set(fault, PEL_ERR_BUSY,
-                             "%u requests of this session are waiting",
-                             self->jobs->len);
+    struct job *job = new_job(self, request, fault);
+    if (!job) {
+        return PEL_ERR_BUSY;
     }
-    struct job *job = g_new0(struct job, 1);
-    job->session = self;
-    job->has_id = request->has_id;
-    job->id = request->id;
     const struct pel_series_form form = { .reply = true,
                                           .has_id = job->has_id,
                                           .id = job->id };

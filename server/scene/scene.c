@@ -258,18 +258,6 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     return PEL_OK;
 }
 
-static bool equal(const ProtobufCMessage *a, const ProtobufCMessage *b)
-{
-    size_t size = protobuf_c_message_get_packed_size(a);
-    if (size != protobuf_c_message_get_packed_size(b)) {
-        return false;
-    }
-    g_autofree uint8_t *bytes = g_malloc(2 * size + 1);
-    protobuf_c_message_pack(a, bytes);
-    protobuf_c_message_pack(b, bytes + size);
-    return memcmp(bytes, bytes + size, size) == 0;
-}
-
 /* The ships that the edit leaves alone, by the index of their entity in `next`,
  * so that their steps go on; what the patch says was tested before. (The sea is
  * compared when it is made.) */
@@ -280,7 +268,7 @@ static void ships_going_on(const struct pel_scene *scene,
     const Pelagos__State *now = scene->state;
     memset(out, 0, PEL_MAX_ENTITIES * sizeof *out);
     if (scene->snapshot->ship_count == 0 ||
-        !equal(&now->origin->base, &next->origin->base) ||
+        !pel_message_same(&now->origin->base, &next->origin->base) ||
         now->clock->time != next->clock->time ||
         now->clock->rate != next->clock->rate ||
         now->exercise->mark != next->exercise->mark) {
@@ -293,8 +281,9 @@ static void ships_going_on(const struct pel_scene *scene,
         for (size_t i = 0; i < next->n_entities && before; i++) {
             const Pelagos__Entity *n = next->entities[i];
             const Pelagos__OwnShip *after = pel_helm_on(next, n);
-            if (n->id == e->id && after && equal(&e->base, &n->base) &&
-                equal(&before->base, &after->base)) {
+            if (n->id == e->id && after &&
+                pel_message_same(&e->base, &n->base) &&
+                pel_message_same(&before->base, &after->base)) {
                 out[i] = ship;
             }
         }
