@@ -171,7 +171,9 @@ static void list_place(const struct pel_photo *p, const struct moment *m,
     add_text(gps, 0x03, p->longitude_deg < 0.0 ? "W" : "E");
     add_angle(gps, 0x04, p->longitude_deg);
     add(gps, 0x05, BYTE, 1, &below, 1);
-    add_rationals(gps, 0x06, RATIONAL, &altitude, 1, 1000.0);
+    /* A rational holds 2,147 km of millimetres. */
+    add_rationals(gps, 0x06, RATIONAL, &altitude, 1,
+                  altitude < 2e6 ? 1000.0 : 100.0);
     if (m->known) {
         double t[3] = { m->utc.tm_hour, m->utc.tm_min,
                         m->utc.tm_sec + 0.01 * m->hundredths };

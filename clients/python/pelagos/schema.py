@@ -730,8 +730,8 @@ class View(Record):
     #: Camera position to starboard (east without entity). [m; -100000 to
     #: 100000]
     right: float = _field(0.0, 'm', -100000, 100000)
-    #: Camera position upward from the reference point. [m; -100 to 20000]
-    up: float = _field(10.0, 'm', -100, 20000)
+    #: Camera position upward from the reference point. [m; -100 to 10000000]
+    up: float = _field(10.0, 'm', -100, 10000000)
     #: Direction of sight, to starboard of the bow. [deg; -360 to 360]
     yaw: float = _field(0.0, 'deg', -360, 360)
     #: Direction of sight, upward. [deg; -90 to 90]
