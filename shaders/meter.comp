@@ -6,14 +6,23 @@
 #include "lib/sky.glsl"
 #include "lib/clouds.glsl"
 #include "lib/fog.glsl"
+#ifndef PEL_SPACE
 #include "lib/beam.glsl"
+#endif
 #include "lib/ray.glsl"
 #include "lib/ross.glsl"
 #include "lib/water.glsl"
+#ifdef PEL_SPACE
+#include "lib/space.glsl"
+#endif
 #include "lib/shade.glsl"
 #include "lib/shaded.glsl"
 #include "lib/foamlight.glsl"
+#ifdef PEL_SPACE
+#include "lib/spacesea.glsl"
+#else
 #include "lib/haze.glsl"
+#endif
 #include "lib/vision.glsl"
 
 layout(local_size_x = PEL_GROUP_LINE) in;
@@ -39,6 +48,7 @@ float luminance(vec3 light)
     return mix(scotopic, photopic, eye_cones(photopic, scotopic));
 }
 
+#ifndef PEL_SPACE
 vec3 mean_sea(vec3 dir)
 {
     const vec3 n = vec3(0.0, 0.0, 1.0);
@@ -72,6 +82,7 @@ vec3 seen(vec3 dir)
 #endif
     return from_under_water(light, dir.z);
 }
+#endif
 
 // x the sum of log2 of luminances, y of their fourth powers, z of weights: a
 // light and what surrounds it by three degrees may burn out.
@@ -89,7 +100,13 @@ vec3 sample_window(int k)
         weight *= smoothstep(PEL_METER_BLIND_FROM, PEL_METER_BLIND_TO,
                              1.0 - dot(dir, lights[i].direction.xyz));
     }
+#ifdef PEL_SPACE
+    float counts;
+    float bright = max(luminance(space_seen(reflection_map, transmittance, dir, counts)), 1e-6);
+    weight *= counts * pow(bright, 0.5 * space_eye.z);
+#else
     float bright = max(luminance(seen(dir)), 1e-6);
+#endif
     float bright2 = bright * bright;
     return vec3(log2(bright), bright2 * bright2, 1.0) * weight;
 }
@@ -117,6 +134,24 @@ float meter_ev(float mean, float high, float level)
                rod.w < 0.5 ? PEL_METER_LEAST : PEL_EYE_LEAST);
 }
 
+#ifdef PEL_SPACE
+// A hood keeps off what shines from beside the picture.
+float through_hood(vec3 to)
+{
+    float most = meter.x < 0.5 ? 1.0 : 0.0;
+    for (int k = 0; k < int(meter.x); k++) {
+        pel_shader_sight w = sights[k];
+        vec3 c = vec3(dot(to, w.right.xyz), dot(to, w.up.xyz), -dot(to, w.back.xyz));
+        vec2 at = c.xy / max(c.z, 1e-3);
+        vec2 middle = 0.5 * vec2(w.right.w + w.up.w, w.back.w + w.below.x);
+        vec2 half_ = 0.5 * abs(vec2(w.up.w - w.right.w, w.back.w - w.below.x));
+        vec2 off = abs(at - middle) / half_;
+        most = max(most, c.z > 0.0 ? 1.0 - smoothstep(1.0, 2.0, max(off.x, off.y)) : 0.0);
+    }
+    return mix(1.0, most, space_eye.z);
+}
+#endif
+
 pel_shader_glare glare_of(int i)
 {
     vec4 to = lights[i].direction;
@@ -124,8 +159,15 @@ pel_shader_glare glare_of(int i)
     // What 1 / (1 + (1 − cos θ) / core2) is times, for its sum over all
     // directions to be 1.
     float centre = 1.0 / (2.0 * PI * core2 * log(1.0 + 2.0 / core2));
+#ifdef PEL_SPACE
+    vec3 direct;
+    space_sight s = sight_of(to.xyz);
+    space_air(s, direct);
+    direct *= s.disc < 0.0 ? lights[i].irradiance.rgb * through_hood(to.xyz) : vec3(0.0);
+#else
     vec3 direct = lights[i].irradiance.rgb *
                   light_transmittance(transmittance, eye.x, to.z, to.w);
+#endif
 #ifdef PEL_CLOUDS
     direct *= clouds_toward(transmittance, to.xyz, vec3(0.0), 0.001, 1e9).beam;
 #endif

@@ -190,8 +190,7 @@ enum pel_err pel_picture_encode_layers(const struct pel_output *output,
         if (!position) {
             return PEL_ERR_NO_MEMORY;
         }
-        pel_picture_position(p, c, output->job->environment.sea_level_m,
-                             position);
+        pel_picture_position(p, c, &output->job->environment, position);
     }
     /* A night's radiance is less than a half can be. */
     bool dark = output->job->environment.lights[PEL_LIGHT_SUN].direction.z <

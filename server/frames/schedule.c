@@ -84,6 +84,8 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
         .seabed = s->seabed,
         .caustics = s->caustics,
         .sparkle = s->sparkle,
+        .origin_latitude_rad = s->origin_latitude_rad,
+        .origin_longitude_rad = s->origin_longitude_rad,
     };
     env.lights[PEL_LIGHT_SUN].direction = pel_snapshot_sun(s, time_s);
     if (s->panorama) {

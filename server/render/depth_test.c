@@ -68,7 +68,8 @@ static double compare(double wind_mps, bool fft, struct test_look look,
     /* As if both the camera and the sea stood higher. */
     struct pel_camera higher = c;
     higher.altitude_m += 2.5;
-    pel_picture_position(p, &higher, 2.5, positions);
+    env.sea_level_m = 2.5;
+    pel_picture_position(p, &higher, &env, positions);
     pel_picture_position_origin(&c, &from_east, &from_north);
     assert_true(fabs(from_east - east_m) <= 0.5 * PEL_POSITION_STEP_M);
     double *errors = malloc(sizeof *errors * c.width * c.height);

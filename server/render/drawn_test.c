@@ -162,7 +162,7 @@ static void compare(const struct kind *k, struct test_look look, uint32_t step,
     struct pel_surface_sample *s = malloc(n * sizeof *s);
     size_t *which = malloc(RANGES * n * sizeof *which);
     assert_true(xyz && e.m && e.px && e.less && at && s && which);
-    pel_picture_position(p, &c, 0.0, xyz);
+    pel_picture_position(p, &c, &env, xyz);
     double pixel = pel_pixel_pitch(c.tan_left, c.tan_right, c.width);
     for (size_t i = 0; i < n; i += step) {
         double range = (double)p->depth[i];

@@ -3,6 +3,7 @@
 
 #include "optics/atmosphere.h"
 #include "render/renderer.h"
+#include "render/spacemap.h"
 #include "render/uniforms.h"
 
 unsigned pel_layers_stored(unsigned layers)
@@ -55,16 +56,32 @@ static struct pel_vec3 place_of(struct pel_vec3 p, double eye_m)
                                   2.0 * PEL_EARTH_RADIUS * half * half };
 }
 
-void pel_picture_position(const struct pel_picture *picture,
-                          const struct pel_camera *camera, double sea_level_m,
-                          float *xyz)
+/* From high up: on the ellipsoid, as lib/space.glsl lays it. */
+static struct pel_vec3 place_below(const struct pel_space_geometry *g,
+                                   struct pel_vec3 p)
 {
+    const struct pel_vec3 there = pel_mat3_apply(&g->from, p);
+    double sine = fmin(hypot(there.x, there.y) / PEL_EARTH_RADIUS, 1.0);
+    double stretch = sine > 1e-9 ? asin(sine) / sine : 1.0;
+    return (struct pel_vec3){ p.x * stretch, p.y * stretch, 0.0 };
+}
+
+void pel_picture_position(const struct pel_picture *picture,
+                          const struct pel_camera *camera,
+                          const struct pel_environment *env, float *xyz)
+{
+    const double sea_level_m = env->sea_level_m;
     struct pel_block_view view; /* the very rays of the shaders */
     const struct pel_filter filter = PEL_FILTER_DEFAULT;
     pel_fill_view(camera, &filter, &view);
     double east, north;
     pel_picture_position_origin(camera, &east, &north);
     double eye = fmax(camera->altitude_m - sea_level_m, PEL_LEAST_EYE_M);
+    const bool high = pel_space_is(env, eye);
+    struct pel_space_geometry g = { 0 };
+    if (high) {
+        g = pel_space_geometry_for(env, camera, eye);
+    }
     for (size_t i = 0; i < (size_t)picture->width * picture->height; i++) {
         double u = ((double)view.pixel.z + (double)(i % picture->width) + 0.5) *
                    (double)view.pixel.x;
@@ -85,7 +102,7 @@ void pel_picture_position(const struct pel_picture *picture,
             continue;
         }
         struct pel_vec3 p = pel_vec3_scale(pel_vec3_normalize(ray), range);
-        struct pel_vec3 place = place_of(p, eye);
+        struct pel_vec3 place = high ? place_below(&g, p) : place_of(p, eye);
         to[0] = (float)(camera->east_m - east + place.x);
         to[1] = (float)(camera->north_m - north + place.y);
         to[2] = (float)(place.z + sea_level_m);

@@ -32,11 +32,16 @@ void pel_meter_finish(struct pel_meter *m)
     *m = (struct pel_meter){ 0 };
 }
 
-void pel_meter_run(struct pel_meter *m, const struct pel_environment *env)
+void pel_meter_use(struct pel_meter *m, GLuint program)
 {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_EXPOSURE, m->exposure);
-    glUseProgram(m->program[pel_light_program(env)]);
+    glUseProgram(program);
     glDispatchCompute(1, 1, 1);
     glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_EXPOSURE, m->exposure);
+}
+
+void pel_meter_run(struct pel_meter *m, const struct pel_environment *env)
+{
+    pel_meter_use(m, m->program[pel_light_program(env)]);
 }

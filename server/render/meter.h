@@ -24,3 +24,5 @@ void pel_meter_finish(struct pel_meter *m);
 /* Fills and binds the block `exposure`. The blocks frame, eye, light, windows
  * and the tables of the eye are bound. */
 void pel_meter_run(struct pel_meter *m, const struct pel_environment *env);
+/* The same by another program of meter.comp. */
+void pel_meter_use(struct pel_meter *m, GLuint program);

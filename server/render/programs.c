@@ -153,18 +153,18 @@ static bool has_streaks(const struct pel_sea *sea)
     return sea->foam && sea->foam->spread > 0;
 }
 
-static const char *foam_defines(const struct pel_sea *sea)
+const char *pel_programs_foam(const struct pel_sea *sea)
 {
     return has_streaks(sea) ? "#define PEL_FOAM\n#define PEL_STREAKS\n"
            : sea->foam      ? "#define PEL_FOAM\n"
                             : "";
 }
 
-/* Of all programs that place the sea's surface. */
-static void surface_defines(const struct pel_programs *all,
-                            const struct pel_sea *sea, char out[192])
+void pel_programs_surface(const struct pel_programs *all,
+                          const struct pel_sea *sea, char out[PEL_SURFACE_TEXT])
 {
-    snprintf(out, 192, "%s%s%s%s%s%s", sea->cascades ? "#define PEL_FFT\n" : "",
+    snprintf(out, PEL_SURFACE_TEXT, "%s%s%s%s%s%s",
+             sea->cascades ? "#define PEL_FFT\n" : "",
              sea->desc.area_count || all->wash ? "#define PEL_AREAS\n" : "",
              all->wash ? "#define PEL_WASH\n" : "",
              all->wakes ? "#define PEL_WAKES\n" : "",
@@ -229,13 +229,13 @@ static enum pel_err make_sea_program(struct pel_programs *all,
     if (*out) {
         return PEL_OK;
     }
-    char defines[640], surface[192];
-    surface_defines(all, sea, surface);
+    char defines[640], surface[PEL_SURFACE_TEXT];
+    pel_programs_surface(all, sea, surface);
     snprintf(defines, sizeof defines, "%s%s%s%s%s%s%s%s%s%s", surface,
              pel_light_defines(all->light),
              all->lamps ? "#define PEL_LAMPS\n" : "",
-             all->above ? "#define PEL_CLOUDS_BELOW\n" : "", foam_defines(sea),
-             kind_defines[kind], tile_defines[tile],
+             all->above ? "#define PEL_CLOUDS_BELOW\n" : "",
+             pel_programs_foam(sea), kind_defines[kind], tile_defines[tile],
              all->filtering->paper ? "#define PEL_PAPER\n" : "",
              objects_defines[objects],
              objects && all->compute && all->textured ? "#define PEL_TEXTURED\n"
@@ -288,8 +288,8 @@ static enum pel_err need_sea_programs(struct pel_programs *all,
     struct pel_sea_programs *p = programs_of(all, sea);
     enum pel_err err = PEL_OK;
     if (!p->mesh) {
-        char defines[192];
-        surface_defines(all, sea, defines);
+        char defines[PEL_SURFACE_TEXT];
+        pel_programs_surface(all, sea, defines);
         err = pel_program_create(all->shader_dir, "mesh.comp", NULL, defines,
                                  &p->mesh, fault);
     }

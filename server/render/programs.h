@@ -143,6 +143,14 @@ const char *pel_light_program_defines(const struct pel_environment *env);
 #define PEL_LIGHT_TEXT 160
 const char *pel_light_defines(enum pel_programs_light light);
 
+/* What programs that place the sea's surface define, and those that show its
+ * foam. */
+#define PEL_SURFACE_TEXT 192
+void pel_programs_surface(const struct pel_programs *all,
+                          const struct pel_sea *sea,
+                          char out[PEL_SURFACE_TEXT]);
+const char *pel_programs_foam(const struct pel_sea *sea);
+
 /* What the shaders of this kind define. */
 const char *pel_shading_defines(enum pel_shading kind);
 

@@ -17,6 +17,7 @@
 #include "render/readback.h"
 #include "render/rendererstate.h"
 #include "render/sky.h"
+#include "render/spacepass.h"
 #include "render/stages.h"
 #include "render/statistics.h"
 #include "render/stilltiles.h"
@@ -109,6 +110,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_readback_finish(&r->readback);
         pel_arena_finish(&r->arena);
         pel_sky_finish(&r->sky);
+        pel_space_map_finish(&r->space);
         pel_targets_finish(&r->targets);
         pel_programs_finish(&r->programs);
         pel_meter_finish(&r->meter);
@@ -227,21 +229,16 @@ static enum pel_err need_light(struct pel_renderer *r,
     return err ? err : pel_meter_need(&r->meter, env, r->shader_dir, fault);
 }
 
-static enum pel_err need_view(struct pel_renderer *r,
-                              const struct pel_environment *env,
-                              const struct pel_draw *draw,
-                              struct pel_fault *fault)
+static enum pel_err need_low(struct pel_renderer *r,
+                             const struct pel_environment *env, unsigned layers,
+                             struct pel_fault *fault)
 {
     bool coast = env->seabed != NULL, objects = env->object_count > 0;
     enum pel_err err = PEL_OK;
-    r->programs.above =
-        pel_view_above_clouds(env, draw->camera.altitude_m - env->sea_level_m);
     bool compute;
     do { /* once more where it turned to fragments meanwhile */
         compute = r->programs.compute;
-        struct pel_pass pass = pel_pass_first(
-            pel_view_at_once(env, draw, pel_view_layers(r, env, draw)),
-            compute);
+        struct pel_pass pass = pel_pass_first(layers, compute);
         do {
             err = pel_programs_need(&r->programs, env->sea, pass.kind, coast,
                                     objects, fault);
@@ -255,6 +252,53 @@ static enum pel_err need_view(struct pel_renderer *r,
             }
         } while (err == PEL_OK && pel_pass_next(&pass, compute));
     } while (err == PEL_OK && compute != r->programs.compute);
+    return err;
+}
+
+/* Above the sea's zero, of the eye and of its meter. */
+static double eye_height(const struct pel_environment *env,
+                         const struct pel_draw *draw)
+{
+    return fmax(draw->camera.altitude_m - env->sea_level_m, PEL_LEAST_EYE_M);
+}
+
+static double meter_height(const struct pel_environment *env,
+                           const struct pel_draw *draw)
+{
+    const struct pel_camera *c = &draw->camera;
+    return c->sight_count ? fmax(c->sights[0].altitude_m - env->sea_level_m,
+                                 PEL_LEAST_EYE_M)
+                          : eye_height(env, draw);
+}
+
+static bool any_high(const struct pel_environment *env,
+                     const struct pel_draw *draws, size_t count)
+{
+    bool any = false;
+    for (size_t i = 0; i < count; i++) {
+        any |= pel_space_is(env, eye_height(env, &draws[i])) ||
+               pel_space_is(env, meter_height(env, &draws[i]));
+    }
+    return any;
+}
+
+static enum pel_err need_view(struct pel_renderer *r,
+                              const struct pel_environment *env,
+                              const struct pel_draw *draw,
+                              struct pel_fault *fault)
+{
+    double height_m = eye_height(env, draw), meter_m = meter_height(env, draw);
+    const unsigned layers =
+        pel_view_at_once(env, draw, pel_view_layers(r, env, draw));
+    r->programs.above =
+        pel_view_above_clouds(env, draw->camera.altitude_m - env->sea_level_m);
+    enum pel_err err =
+        pel_space_is(env, height_m)
+            ? pel_space_need_view(r, env, height_m, layers, fault)
+            : need_low(r, env, layers, fault);
+    if (err == PEL_OK && pel_space_is(env, meter_m)) {
+        err = pel_space_need_view(r, env, meter_m, 0, fault);
+    }
     if (err == PEL_OK) {
         err = pel_sensing_need(&r->sensing, &r->programs, &draw->camera, fault);
     }
@@ -334,6 +378,9 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         return err;
     }
     pel_stage_begin(&r->timing);
+    if (any_high(&here, draws, count)) {
+        pel_space_suns(&r->space, &r->sky, &here);
+    }
     bind_frame(r, &here);
     r->env = &here;
     pel_cloud_map_bind(&r->clouds, &here, bind_table_eye, r);

@@ -70,6 +70,8 @@ struct pel_environment {
     struct pel_fog fog[PEL_FOG_MAX];
     int fog_count;
     double own_east_m, own_north_m; /* whence fog is seen that it mirrors */
+    /* Of the map that cameras stand on, for what is seen from high up. */
+    double origin_latitude_rad, origin_longitude_rad;
     struct pel_water_body water;
     enum pel_water_orders orders;
     /* Depths to have the water's light for, over a bottom that is not flat;
@@ -91,6 +93,7 @@ struct pel_environment {
     /* For tests: leaves out the air between the sea and the eye; looks for the
      * height field in every pixel, where it cannot be seen too. */
     bool no_air, coast_everywhere, nowhere_still;
+    int high; /* the form of what is seen from high up: 1 always, -1 never */
     /* Cover by drops near the eye in black, that of all of them; one kind of
      * them alone, from 1 (optics/falling.h). */
     bool fall_bare;
@@ -182,13 +185,13 @@ struct pel_picture *pel_renderer_collect(struct pel_renderer *r,
  * surface queries ask by, from the origin plus *east_m and *north_m, which are
  * multiples of PEL_POSITION_STEP_M near the camera, 0 as long as it is within
  * half of that; up is above
- * altitude 0, as their answers. sea_level_m: as in the environment. So a float
+ * altitude 0, as their answers. *env: what it was drawn in. So a float
  * is good to 4 mm within 65 km of the camera, wherever that is. Any thread. */
 #define PEL_POSITION_STEP_M 131072.0
 #define PEL_LEAST_EYE_M 0.3 /* no eye is drawn lower above the mean sea */
 void pel_picture_position(const struct pel_picture *picture,
-                          const struct pel_camera *camera, double sea_level_m,
-                          float *xyz);
+                          const struct pel_camera *camera,
+                          const struct pel_environment *env, float *xyz);
 void pel_picture_position_origin(const struct pel_camera *camera,
                                  double *east_m, double *north_m);
 

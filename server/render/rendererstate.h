@@ -25,6 +25,7 @@
 #include "render/sensing.h"
 #include "render/shoremap.h"
 #include "render/sky.h"
+#include "render/spacemap.h"
 #include "render/stages.h"
 #include "render/statistics.h"
 #include "render/targets.h"
@@ -51,6 +52,7 @@ struct pel_renderer {
     struct pel_readback readback;
     struct pel_arena arena;
     struct pel_sky sky;
+    struct pel_space_map space;
     struct pel_targets targets;
     struct pel_stage_timer timing;
     GLuint vao, vertices;

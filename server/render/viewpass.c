@@ -17,6 +17,7 @@
 #include "render/mark.h"
 #include "render/meshpass.h"
 #include "render/shadepass.h"
+#include "render/spacepass.h"
 #include "render/stilltiles.h"
 #include "render/uniforms.h"
 
@@ -31,6 +32,7 @@ struct view {
     struct pel_band band;
     double height_m, table_height_m; /* of the eye, and of its light's tables */
     bool submerged;
+    bool high; /* it has the form of render/spacemap.h */
     const struct pel_sea_programs *programs;
     struct pel_block_view block;
     struct pel_block_eye eye;
@@ -115,8 +117,10 @@ static void plan_pixels(struct pel_renderer *r,
     v->height_m = fmax(v->whole.altitude_m, PEL_LEAST_EYE_M);
     v->table_height_m = pel_sky_quantize_height(v->height_m);
     v->submerged = is_submerged(env, &v->whole);
-    r->margin =
-        pel_view_edges(r, &v->whole) && !v->submerged ? PEL_EDGES_MARGIN : 0;
+    v->high = pel_space_is(env, v->height_m);
+    r->margin = pel_view_edges(r, &v->whole) && !v->submerged && !v->high
+                    ? PEL_EDGES_MARGIN
+                    : 0;
     v->wide = pel_edges_camera(&v->whole, r->margin);
     pel_fill_view(&v->whole, &r->filter, &v->block);
     v->block.pixel.z -= (float)r->margin;
@@ -278,13 +282,19 @@ static void fill_eye(const struct pel_renderer *r,
 }
 
 /* By the eye of the first window, so that all views of a meter get the same. */
-static void expose(struct pel_renderer *r, const struct pel_environment *env,
-                   const struct pel_camera *c, bool submerged)
+static double meter_height(const struct pel_environment *env,
+                           const struct pel_camera *c)
 {
     double altitude_m = c->sight_count
                             ? c->sights[0].altitude_m - env->sea_level_m
                             : c->altitude_m;
-    double height_m = fmax(altitude_m, PEL_LEAST_EYE_M);
+    return fmax(altitude_m, PEL_LEAST_EYE_M);
+}
+
+static void expose(struct pel_renderer *r, const struct pel_environment *env,
+                   const struct pel_camera *c, bool submerged)
+{
+    double height_m = meter_height(env, c);
     double table_height_m = pel_sky_quantize_height(height_m);
     struct pel_block_eye eye;
     struct pel_block_sighted sights;
@@ -295,6 +305,10 @@ static void expose(struct pel_renderer *r, const struct pel_environment *env,
     pel_acuity_meter(env, c, &sights);
     bind(r, PEL_BLOCK_EYE, &eye, sizeof eye);
     bind(r, PEL_BLOCK_SIGHTS, &sights, sizeof sights);
+    if (pel_space_is(env, height_m)) {
+        pel_space_expose(r, env, c, height_m);
+        return;
+    }
     pel_sky_bind_eye(&r->sky, env, table_height_m);
     pel_meter_run(&r->meter, env);
 }
@@ -385,9 +399,8 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     glDepthMask(GL_FALSE);
 }
 
-static void find_surface(struct pel_renderer *r,
-                         const struct pel_environment *env,
-                         const struct view *v)
+static void bind_wakes(struct pel_renderer *r,
+                       const struct pel_environment *env, const struct view *v)
 {
     if (env->wakes) {
         struct pel_block_wakes block;
@@ -395,6 +408,13 @@ static void find_surface(struct pel_renderer *r,
                           &block);
         bind(r, PEL_BLOCK_WAKES, &block, sizeof block);
     }
+}
+
+static void find_surface(struct pel_renderer *r,
+                         const struct pel_environment *env,
+                         const struct view *v)
+{
+    bind_wakes(r, env, v);
     displace_mesh(r, v->programs);
     pel_stage_end(&r->timing, PEL_STAGE_MESH);
     if (r->programs.compute) {
@@ -474,7 +494,7 @@ static GLuint put_over(struct pel_renderer *r,
         pel_sensing_layers(&v->draw->camera, v->draw->layers);
     const GLuint sharp = r->targets.planes[PEL_AT_RADIANCE];
     GLuint light = sharp;
-    if (pel_fall_map_shows(env, v->asked) && !v->submerged &&
+    if (pel_fall_map_shows(env, v->asked) && !v->submerged && !v->high &&
         !r->programs.above) {
         over_all(v);
         pel_fall_map_put(&r->falls, env, &v->part, &v->block, &r->targets);
@@ -501,6 +521,32 @@ static GLuint put_over(struct pel_renderer *r,
     return light;
 }
 
+/* From high up: one pass over all pixels. */
+static void draw_high(struct pel_renderer *r, const struct pel_environment *env,
+                      struct view *v)
+{
+    const unsigned now = pel_view_at_once(env, v->draw, v->asked);
+    fill_eye(r, env, v);
+    bind_sea(r, env, &v->part);
+    bind_wakes(r, env, v);
+    bind_eye(r, env, v);
+    pel_targets_fit(&r->targets, v->part.width, v->part.height, v->asked);
+    pel_stage_begin(&r->timing);
+    pel_space_begin(r, env, &v->whole, v->height_m);
+    pel_stage_end(&r->timing, PEL_STAGE_SKY);
+    if (env->night.on) {
+        pel_night_textures_bind(&r->sky.night, env, &v->block);
+    }
+    over_all(v);
+    bool toned = pel_space_shade(r, env, &v->wide, v->band, now);
+    const GLuint light = put_over(r, env, v, toned);
+    pel_stage_end(&r->timing, PEL_STAGE_SHADE);
+    if (!toned && v->asked & PEL_LAYER_COLOR) {
+        pel_shade_tone(r, &v->part, light);
+    }
+    pel_space_end(r, env);
+}
+
 /* Everything up to the colour. */
 static void draw_pixels(struct pel_renderer *r,
                         const struct pel_environment *env,
@@ -508,6 +554,10 @@ static void draw_pixels(struct pel_renderer *r,
 {
     struct view v = { .draw = draw, .border = border };
     plan_pixels(r, env, &v);
+    if (v.high) {
+        draw_high(r, env, &v);
+        return;
+    }
     plan_mesh(r, env, &v);
     plan_discs(r, env, &v);
     r->programs.above = pel_view_above_clouds(env, v.whole.altitude_m);

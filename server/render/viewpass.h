@@ -12,7 +12,8 @@
     (sizeof(struct pel_block_waves) + sizeof(struct pel_block_view) +          \
      sizeof(struct pel_block_eye) * 3 + sizeof(struct pel_block_seabed) +      \
      sizeof(struct pel_block_sighted) + sizeof(struct pel_block_shore) +       \
-     sizeof(struct pel_block_wakes) +                                          \
+     sizeof(struct pel_block_wakes) + 3 * sizeof(struct pel_block_frame) +     \
+     sizeof(struct pel_block_space) +                                          \
      sizeof(struct pel_mesh_ring) * PEL_MESH_MAX_RINGS + 2048)
 
 /* Of the arena, for a view of it: uniforms, and the moment's wash. */

@@ -43,8 +43,10 @@ vec3 light_disc(int i, vec3 dir, float blur)
             power = vec3(0.0);
         }
 #endif
-        disc = lights[i].irradiance.rgb / lights[i].irradiance.w * limb * (1.0 + power) * cover *
-               transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
+        disc = lights[i].irradiance.rgb / lights[i].irradiance.w * limb * (1.0 + power) * cover;
+#ifndef PEL_SPACE // there by the air's own table
+        disc *= transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
+#endif
     }
     return disc;
 }

@@ -34,6 +34,7 @@ struct pel_vec4 {
 #define PEL_BLOCK_EXPOSURE 12
 #define PEL_BLOCK_SIGHTS 13
 #define PEL_BLOCK_SURROUNDINGS 14
+#define PEL_BLOCK_SPACE 15
 
 /* Texture units of shading. */
 #define PEL_UNIT_TRANSMITTANCE 0
@@ -84,6 +85,14 @@ struct pel_vec4 {
 #define PEL_UNIT_LAMP_LIGHT 36 /* afterwards */
 #define PEL_UNIT_LAMP_GLOWS 46
 #define PEL_UNIT_CLOUD_SHADE 45
+/* Of the sea from high up (lib/space.glsl). */
+#define PEL_UNIT_SPACE_AIR 47
+#define PEL_UNIT_SPACE_THROUGH 48
+#define PEL_UNIT_SPACE_SKIES 49
+#define PEL_UNIT_SPACE_WATERS 50
+#define PEL_UNIT_SPACE_SECONDS 51
+#define PEL_UNIT_SPACE_LAND 52
+#define PEL_UNIT_SPACE_GROUND 53
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
 #define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
@@ -608,6 +617,43 @@ PEL_BLOCK(PEL_BLOCK_EYE, eye)
     vec4 fog_layers; /* x optical depth of all layers, upward */
     PEL_STRUCT pel_shader_fog fogs[PEL_FOGS]; /* layers, then banks */
 };
+
+/* The sea from high up (render/spacegeometry.h, lib/space.glsl): maps of the
+ * light on it by a light's elevation e [rad] as asinh((e + MIDDLE) / WIDTH) from
+ * FIRST to LAST (-20 to 90 deg), texels a side; the table of the air of an eye
+ * by azimuth from a light and by rows, of sights that meet the ground, of those
+ * that pass it, of those that rise; steps along a sight. */
+#define PEL_SPACE_SUNS 44
+#define PEL_SPACE_SUN_MIDDLE 0.05
+#define PEL_SPACE_SUN_WIDTH 0.25
+#define PEL_SPACE_SUN_FIRST -1.013578
+#define PEL_SPACE_SUN_LAST 2.568255
+#define PEL_SPACE_MAP 64
+#define PEL_SPACE_COLUMNS 128
+#define PEL_SPACE_ROWS 192
+#define PEL_SPACE_GROUND_ROWS 80
+#define PEL_SPACE_LIMB_ROWS 64
+#define PEL_SPACE_STEPS 40
+#if defined(__STDC__) || defined(PEL_SPACE)
+PEL_BLOCK(PEL_BLOCK_SPACE, space)
+{
+    vec4 space_eye; /* x height above the sphere, m; y cosine of the zenith
+                       angle of its horizon; z 1: each point has its own light,
+                       0: that of the nadir; w greatest height of sights that
+                       pass the ground, where they are nearest to it, m */
+    vec4 space_from[3];  /* columns: of the eye's frame into the sphere's */
+    vec4 space_earth[3]; /* columns: of the eye's frame into the Earth's axes */
+    vec4 space_more;     /* x 1: there is land; y length from which on waves
+                            are not seen one by one, m; z mean cover by clouds,
+                            w their reflectance */
+    vec4 space_lights[PEL_LIGHTS]; /* xyz towards them in the sphere's frame; w
+                                      elevation at the nadir, rad */
+    /* log2 of what the first of the lights' kind gives at strength 1, by its
+     * elevation: rgb irradiance of the sky, then of all on the level plane. */
+    vec4 space_suns[2 * PEL_SPACE_SUNS];
+    vec4 space_sun; /* rgb its irradiance above the air */
+};
+#endif
 
 /* One for a view. The pixel lattice is X right, Y down, in pixels from the
  * axis: a ray is right·X·px − up·Y·py − back. */

@@ -22,7 +22,11 @@ vec4 second_reflection(vec2 away, float eta)
 {
     float place = clamp((eta - PEL_SECOND_FIRST) / PEL_SECOND_SPAN, 0.0, 1.0);
     float radius = mix(PEL_SECOND_INNER, 1.0 - 1.0 / float(PEL_SECOND_SIZE), place);
+#ifdef PEL_SPACE
+    return space_second(away, radius);
+#else
     return textureLod(second_map, 0.5 + 0.5 * radius * away, 0.0);
+#endif
 }
 
 // Waves that the pixel resolves hide what its facets mirror, too. Of those in
@@ -47,7 +51,11 @@ vec3 waves_resolved(vec3 v, vec2 variance)
 float mirrored_twice(vec3 r, vec3 v, float cross2, float shown)
 {
     vec3 ray = r * inversesqrt(max(dot(r, r), 1e-12));
+#ifdef PEL_SPACE
+    vec3 to = space_to[PEL_LIGHT_FIRST];
+#else
     vec3 to = lights[PEL_LIGHT_FIRST].direction.xyz;
+#endif
     vec3 sum = to - ray, half_ = ray + v;
     float up = max(sum.z, 0.02);
     float turned = cross2 * dot(half_, half_) / (up * up * max(dot(ray.xy, ray.xy), 1e-4));
@@ -91,7 +99,11 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
     vec3 lost_ray = vec3(0.0);
     float lost_tangent = 0.0;
     fresnel = vec3(0.0);
+#ifdef PEL_SPACE
+    const float texels = float(PEL_SPACE_MAP) / (2.0 * PEL_REFLECTION_HALF_WIDTH);
+#else
     float texels = float(textureSize(map, 0).x) / (2.0 * PEL_REFLECTION_HALF_WIDTH);
+#endif
     for (int i = 0; i < 4; i++) {
         vec2 slope = axis * nodes[i];
         vec3 facet = tx * slope.x + ty * slope.y + n;
@@ -108,8 +120,12 @@ vec3 reflected_sky(sampler2D map, vec3 v, vec3 n, vec3 tx, vec3 ty, vec3 view, v
             met -= escape(tangent * resolved.x, resolved.y);
             float inverse = 1.0 / (1.0 + max(r.z, 0.0));
             float width = max(1.0 * sqrt(cross2) * abs(fv), 0.3 * s) * inverse * texels;
+#ifdef PEL_SPACE
+            vec3 sample_ = space_sky(r.xy * inverse, log2(max(width, 1.0)));
+#else
             vec2 uv = r.xy * inverse * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
             vec3 sample_ = textureLod(map, uv, log2(max(width, 1.0))).rgb;
+#endif
             sum += sample_ * share * (1.0 - met);
         }
         lost += share * met;

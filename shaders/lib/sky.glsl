@@ -164,12 +164,14 @@ float azimuth_from(int light, vec2 dir)
     return fast_acos(clamp(c, -1.0, 1.0));
 }
 
+#ifndef PEL_SPACE
 // Towards a light, in the frame of a place on the sphere whose up is tilted.
 vec3 light_above(int light, vec2 tilt)
 {
     vec3 to = lights[light].direction.xyz;
     return normalize(vec3(to.xy - tilt * to.z, to.z + dot(tilt, to.xy)));
 }
+#endif
 
 // The sky that all lights make, from a table with a layer for each.
 vec3 sky_light(sampler2DArray table, vec2 dir, float angle)

@@ -1,0 +1,208 @@
+/* The sea from 2 m to 10,000 km: no step where its form changes, rows that move
+ * little from octave to octave, a day that ends at the terminator, nothing at
+ * poles and date line. */
+#include "render/render_testkit.h"
+
+#include "optics/atmosphere.h"
+#include "render/spacegeometry.h"
+
+#define WIDTH 96
+#define HEIGHT 72
+
+static struct pel_sea sea;
+
+static struct pel_environment day(double elevation, double azimuth)
+{
+    struct pel_environment env = test_environment(&sea, 20.0);
+    env.lights[PEL_LIGHT_SUN].direction = test_sun(elevation, azimuth);
+    env.sparkle = false;
+    return env;
+}
+
+static struct pel_picture *draw(const struct pel_environment *env,
+                                double height_m, double heading, double pitch,
+                                double fov)
+{
+    struct pel_camera c = test_camera((struct test_look){
+        height_m, heading, pitch, 0.0, fov, WIDTH, HEIGHT });
+    return test_draw(renderer, env, &c, PEL_LAYER_RADIANCE);
+}
+
+static double mean_of(const struct pel_picture *p, int y, int channel)
+{
+    double sum = 0;
+    for (int x = 0; x < WIDTH; x++) {
+        sum += p->radiance[4 * (y * WIDTH + x) + channel] / WIDTH;
+    }
+    return sum;
+}
+
+/* The same scene by both forms: rows' means; of them those within a row of the
+ * horizon, where both have the twilight's rim from tables as coarse as a row.
+ */
+static void step_at(double height_m, double elevation, double azimuth,
+                    double pitch)
+{
+    struct pel_environment env = day(elevation, azimuth);
+    env.high = -1;
+    struct pel_picture *low = draw(&env, height_m, 40.0, pitch, 50.0);
+    env.high = 1;
+    struct pel_picture *high = draw(&env, height_m, 40.0, pitch, 50.0);
+    double worst = 0, rim = 0;
+    double dip = acos(PEL_EARTH_RADIUS / (PEL_EARTH_RADIUS + height_m));
+    for (int y = 0; y < HEIGHT; y++) {
+        double t = tan(25 * PEL_DEG) * (HEIGHT - 1 - 2 * y) / WIDTH;
+        double off = fabs(pitch * PEL_DEG + atan(t) + dip);
+        for (int k = 0; k < 3; k++) {
+            double by = fabs(mean_of(high, y, k) / mean_of(low, y, k) - 1);
+            *(off < 4 * PEL_DEG && elevation < 0 ? &rim : &worst) =
+                fmax(off < 4 * PEL_DEG && elevation < 0 ? rim : worst, by);
+        }
+    }
+    pel_picture_release(low);
+    pel_picture_release(high);
+    print_message("%.0f m, Sun %g from %g, pitch %g: rows by %.2f %%, in the "
+                  "rim %.2f\n",
+                  height_m, elevation, azimuth, pitch, 100 * worst, 100 * rim);
+    assert_true(worst < 0.013 && rim < 0.1);
+}
+
+static void no_step(void **state)
+{
+    (void)state;
+    for (int fft = 0; fft < 2; fft++) {
+        if (fft) {
+            test_fft_sea(8.0, 3, &sea);
+        } else {
+            test_sea(8.0, 0.0, 3, &sea);
+        }
+        step_at(10000, 30, 220, -20);
+        step_at(10000, 30, 40, -20);
+        step_at(10000, 60, 130, -60);
+        step_at(10000, 5, 130, -15);
+        step_at(10000, -4, 60, -10);
+        pel_sea_finish(&sea);
+    }
+}
+
+/* The sea itself, without the air before it, straight below: its mean is that
+ * of its facets from every height. Near the water a view shows a few waves, so
+ * it is the mean over places. */
+static double mean_from(double height_m)
+{
+    struct pel_environment env = day(30, 220);
+    int places = height_m < 30 ? 400 : height_m < 3000 ? 100 : 4;
+    double sum = 0;
+    env.no_air = true;
+    for (int i = 0; i < places; i++) {
+        struct pel_camera c = test_camera(
+            (struct test_look){ height_m, 40.0, -90.0, 0.0, 10.0, 16, 12 });
+        c.east_m = 5003.0 * i;
+        c.north_m = 3001.0 * (i * 7 % 13);
+        struct pel_picture *p =
+            test_draw(renderer, &env, &c, PEL_LAYER_RADIANCE);
+        for (int k = 0; k < 16 * 12; k++) {
+            sum += p->radiance[4 * k + 1] / (16.0 * 12.0 * places);
+        }
+        pel_picture_release(p);
+    }
+    return sum;
+}
+
+static void octaves(void **state)
+{
+    (void)state;
+    test_sea(8.0, 0.0, 3, &sea);
+    double before = 0, worst = 0;
+    for (double h = 2; h < 5e5; h *= 2) {
+        double now = mean_from(h);
+        if (before > 0) {
+            worst = fmax(worst, fabs(now / before - 1));
+        }
+        print_message("%8.0f m: %.6f (%+.2f %%)\n", h, now,
+                      before > 0 ? 100 * (now / before - 1) : 0.0);
+        before = now;
+    }
+    assert_true(worst < 0.01);
+    pel_sea_finish(&sea);
+}
+
+/* Straight below from 10,000 km, the Sun on the horizon of the nadir. */
+static void terminator(void **state)
+{
+    (void)state;
+    test_sea(8.0, 0.0, 3, &sea);
+    struct pel_environment env = day(0, 0);
+    struct pel_picture *p = draw(&env, 1e7, 0.0, -90.0, 60.0);
+    int x = WIDTH / 2;
+    double before = 0, day_light = 0, night = 1e9;
+    int dusk = 0;
+    for (int y = 0; y < HEIGHT; y++) {
+        double now = p->radiance[4 * (y * WIDTH + x) + 1];
+        assert_true(isfinite(now) && now >= 0);
+        day_light = fmax(day_light, now);
+        if (y > HEIGHT / 2 - 2 && y < HEIGHT / 2 + 12) {
+            assert_true(now <= before); /* it only grows darker */
+            dusk += now < 0.3 * day_light && now > 1e-5 * day_light;
+        }
+        night = y > HEIGHT / 2 + 16 ? fmin(night, now) : night;
+        before = now;
+    }
+    print_message("day %.4f, night %.2g, dusk in %d rows of 1.2 deg\n",
+                  day_light, night, dusk);
+    /* Twilight is 18 deg wide, most of its light in the first 8. */
+    assert_true(dusk >= 4 && dusk <= 14);
+    assert_true(night < 1e-6 * day_light);
+    pel_picture_release(p);
+    pel_sea_finish(&sea);
+}
+
+/* From where a row's middle meets the sea and the next one above does not. */
+static void horizon_is_drawn(void **state)
+{
+    (void)state;
+    test_sea(8.0, 0.0, 3, &sea);
+    const double heights[] = { 1e4, 2e4, 1e5, 4e5, 1e7 };
+    for (int i = 0; i < 5; i++) {
+        for (int latitude = 0; latitude <= 90; latitude += 45) {
+            struct pel_environment env = day(30, 220);
+            env.origin_latitude_rad = latitude * PEL_DEG;
+            const struct pel_space_geometry g =
+                pel_space_geometry_of(heights[i], latitude * PEL_DEG, 0, 0);
+            double low = 0, high = 1.5, distance;
+            for (int k = 0; k < 60; k++) {
+                double middle = 0.5 * (low + high);
+                const struct pel_vec3 d = { cos(middle), 0, -sin(middle) };
+                struct pel_vec3 normal;
+                *(pel_space_meets(&g, d, &distance, &normal) ? &high : &low) =
+                    middle;
+            }
+            struct pel_camera c = test_camera((struct test_look){
+                heights[i], 90, -high / PEL_DEG, 0, 0.2, 16, 200 });
+            struct pel_picture *p = test_draw(
+                renderer, &env, &c, PEL_LAYER_DEPTH | PEL_LAYER_RADIANCE);
+            int row = 0;
+            while (row < 200 && isinf(p->depth[row * 16 + 8])) {
+                row++;
+            }
+            double off = (100 - row) * 0.2 / 16;
+            print_message(
+                "%.0f m, latitude %d: dip %.4f, drawn %+.4f deg off\n",
+                heights[i], latitude, high / PEL_DEG, off);
+            assert_true(fabs(off) < 0.0126); /* a row */
+            pel_picture_release(p);
+        }
+    }
+    pel_sea_finish(&sea);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_step),
+        cmocka_unit_test(octaves),
+        cmocka_unit_test(terminator),
+        cmocka_unit_test(horizon_is_drawn),
+    };
+    return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
+}

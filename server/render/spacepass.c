@@ -1,0 +1,126 @@
+#include "render/spacepass.h"
+
+#include <stdio.h>
+
+#include "render/pass.h"
+#include "render/targets.h"
+#include "render/uniforms.h"
+
+#define DEFINES 640
+
+static void defines_of(struct pel_renderer *r,
+                       const struct pel_environment *here,
+                       enum pel_shading kind, bool disc, char out[DEFINES])
+{
+    char surface[PEL_SURFACE_TEXT];
+    pel_programs_surface(&r->programs, here->sea, surface);
+    snprintf(out, DEFINES, "%s%s%s%s%s%s", surface, pel_shading_defines(kind),
+             here->lit > 1 ? "#define PEL_LIT 2\n" : "",
+             here->night.on ? "#define PEL_NIGHT\n" : "",
+             disc ? "#define PEL_DISCS 2\n" : "#define PEL_NO_DISC\n",
+             pel_programs_foam(here->sea));
+}
+
+static GLuint program_of(struct pel_renderer *r,
+                         const struct pel_environment *here,
+                         enum pel_shading kind, bool disc,
+                         struct pel_fault *fault)
+{
+    char defines[DEFINES];
+    defines_of(r, here, kind, disc, defines);
+    return pel_space_program(&r->space, r->shader_dir, defines, fault);
+}
+
+enum pel_err pel_space_need_view(struct pel_renderer *r,
+                                 const struct pel_environment *env,
+                                 double height_m, unsigned layers,
+                                 struct pel_fault *fault)
+{
+    const struct pel_environment here = pel_space_environment(env, height_m);
+    enum pel_err err = pel_space_need(&r->space, r->shader_dir, fault);
+    if (err == PEL_OK) {
+        err = pel_space_need_meter(&r->space, here.lit, r->shader_dir, fault);
+    }
+    struct pel_pass pass = pel_pass_first(layers, false);
+    do {
+        for (int disc = 0; layers && disc < 2 && err == PEL_OK; disc++) {
+            if (!program_of(r, &here, pass.kind, disc, fault)) {
+                err = fault->code;
+            }
+        }
+    } while (err == PEL_OK && pel_pass_next(&pass, false));
+    return err;
+}
+
+static void bind_frame(struct pel_renderer *r,
+                       const struct pel_environment *env)
+{
+    struct pel_block_frame frame;
+    pel_fill_frame(env, &frame);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, &frame,
+                   sizeof frame);
+}
+
+void pel_space_begin(struct pel_renderer *r, const struct pel_environment *env,
+                     const struct pel_camera *c, double height_m)
+{
+    const struct pel_environment here = pel_space_environment(env, height_m);
+    const struct pel_space_geometry g =
+        pel_space_geometry_for(env, c, height_m);
+    struct pel_block_space block;
+    bind_frame(r, &here);
+    pel_fill_space(&r->space, &here, &g, &block);
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SPACE, &block,
+                   sizeof block);
+    pel_space_bind(&r->space, &r->sky, &here, &block);
+}
+
+void pel_space_end(struct pel_renderer *r, const struct pel_environment *env)
+{
+    bind_frame(r, env);
+}
+
+void pel_space_expose(struct pel_renderer *r, const struct pel_environment *env,
+                      const struct pel_camera *c, double height_m)
+{
+    const struct pel_environment here = pel_space_environment(env, height_m);
+    pel_space_begin(r, env, c, height_m);
+    pel_meter_use(&r->meter, r->space.meter_program[here.lit - 1]);
+    pel_space_end(r, env);
+}
+
+static void draw(GLuint program, const struct pel_pass *pass)
+{
+    glUseProgram(program);
+    pel_pass_use(pass);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+bool pel_space_shade(struct pel_renderer *r, const struct pel_environment *env,
+                     const struct pel_camera *whole, struct pel_band band,
+                     unsigned layers)
+{
+    const struct pel_environment here =
+        pel_space_environment(env, fmax(whole->altitude_m, PEL_LEAST_EYE_M));
+    struct pel_fault fault;
+    struct pel_pass pass = pel_pass_first(layers, false);
+    bool toned = pass.kind == PEL_SHADE_COLOR || pass.kind == PEL_SHADE_BOTH;
+    glDisable(GL_DEPTH_TEST);
+    do {
+        glBindFramebuffer(GL_DRAW_FRAMEBUFFER,
+                          pel_targets_attach(&r->targets, &pass));
+        draw(program_of(r, &here, pass.kind, false, &fault), &pass);
+        glEnable(GL_SCISSOR_TEST);
+        for (int i = 0; i < here.discs; i++) {
+            struct pel_disc_box box =
+                pel_band_disc(whole, here.lights[i].direction,
+                              pel_light_radius(&here.lights[i]), band);
+            if (box.width > 0 && box.height > 0) {
+                glScissor(box.x, box.y, box.width, box.height);
+                draw(program_of(r, &here, pass.kind, true, &fault), &pass);
+            }
+        }
+        glDisable(GL_SCISSOR_TEST);
+    } while (pel_pass_next(&pass, false));
+    return toned;
+}
