@@ -111,7 +111,7 @@ export class Plan {
   pan(pixels) {
     this.fitted = false;
     const centre = shifted(this.centre, this.metresOf(pixels));
-    this.free = { latitude: clamp(centre.latitude, -85, 85),
+    this.free = { latitude: clamp(centre.latitude, -90, 90),
       longitude: centre.longitude };
     this.soon();
   }

@@ -8,7 +8,6 @@
 
 #define MAX_SPEED_MPS 200.0
 #define MAX_TURN_DPS 90.0
-#define MAX_LATITUDE 85.0
 
 static void set_pose(Pelagos__Entity *e, double latitude, double longitude,
                      double altitude_m, double time_s)
@@ -221,8 +220,7 @@ static void place_attached(struct pel_cigi_edit *edit,
     double latitude, longitude, heading, pitch, roll;
     pel_cigi_geodetic(edit->snapshot, at, &latitude, &longitude);
     pel_cigi_angles(&whole, &heading, &pitch, &roll);
-    set_pose(e, pel_clamp(latitude, -MAX_LATITUDE, MAX_LATITUDE), longitude,
-             at.z, edit->time_s);
+    set_pose(e, latitude, longitude, at.z, edit->time_s);
     set_attitude(e, pel_cigi_true_deg(edit->snapshot, at, heading),
                  pitch / PEL_DEG, roll / PEL_DEG);
 }

@@ -102,7 +102,7 @@ static bool fog_of(const struct pel_cigi_world *w,
         f->has_radius = f->has_latitude = f->has_longitude = true;
         f->has_speed = true;
         f->radius = radius_of(r);
-        f->latitude = pel_clamp(r->latitude, -85, 85);
+        f->latitude = pel_clamp(r->latitude, -90, 90);
         f->longitude = pel_clamp(r->longitude, -180, 180);
         f->speed = 0;
     }

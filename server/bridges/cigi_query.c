@@ -631,7 +631,7 @@ size_t pel_cigi_answer(const struct pel_cigi_moment *moment,
     m.objects = objects;
     m.object_count =
         sights + asked > 0
-            ? pel_snapshot_objects(moment->snapshot, moment->time_s, objects)
+            ? pel_snapshot_objects(moment->snapshot, moment->time_s, NULL, objects)
             : 0;
     sights = sights < MAX_SIGHTS ? sights : MAX_SIGHTS;
     m.sight_steps =

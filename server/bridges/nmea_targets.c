@@ -18,7 +18,6 @@
 /* A position of 0.1 minute does not move a target that has a better one. */
 #define FINE_NS (360 * SECOND_NS)
 #define TLL_NS (10 * SECOND_NS)
-#define MAX_LATITUDE 85 /* of the schema */
 #define MAX_SPEED_MPS 200
 #define STEERAGE_MPS 0.5 /* below it a course says nothing of the heading */
 
@@ -238,7 +237,7 @@ static struct pel_nmea_target *admit(struct pel_nmea_targets *t,
                                      bool *is_new, int64_t now_ns)
 {
     if (!resolve(r, own) || isnan(r->latitude) || isnan(r->longitude) ||
-        fabs(r->latitude) > MAX_LATITUDE) {
+        fabs(r->latitude) > 90) {
         t->counters->ignored++;
         return NULL;
     }

@@ -155,7 +155,7 @@ static void set_motion(struct pel_nmea_values *v, int source, double course,
 static void set_fix(struct pel_nmea_values *v, int source, double latitude,
                     double longitude, int64_t now_ns)
 {
-    if (!in_range(v, latitude, -85, 85) || !in_range(v, longitude, -180, 180)) {
+    if (!in_range(v, latitude, -90, 90) || !in_range(v, longitude, -180, 180)) {
         return;
     }
     v->fixes_at_ns[source] = now_ns;

@@ -171,6 +171,11 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
  * and the planets take milliseconds after a leap in time. */
 void pel_environment_light(const struct pel_snapshot *s,
                            struct pel_environment *env);
+/* The same as seen from another place. */
+struct pel_place;
+void pel_environment_light_at(const struct pel_snapshot *s,
+                              const struct pel_place *place,
+                              struct pel_environment *env);
 
 /* --- fair.c: bounds on what other clients wait for ----------------------- */
 

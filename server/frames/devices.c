@@ -289,6 +289,20 @@ static size_t by_cost(const struct pel_devices *devices,
     return job->draw_count;
 }
 
+/* Indices of the draws: those of one place, which share their light, together.
+ */
+static void by_place(const struct pel_job *job, uint8_t *order)
+{
+    size_t count = 0;
+    for (size_t place = 0; place < job->place_count; place++) {
+        for (size_t i = 0; i < job->draw_count; i++) {
+            if (job->parts[i].place == place) {
+                order[count++] = (uint8_t)i;
+            }
+        }
+    }
+}
+
 /* The device that would be done with it first, of those that would begin it
  * soon if there are any. */
 static size_t soonest(const struct pel_devices *devices, const double *ready_ms,
@@ -330,11 +344,14 @@ void pel_devices_push(struct pel_devices *devices, struct pel_job *job)
         ready_ms[device] += cost[draw] * speed(devices, device);
         device_of[draw] = (uint8_t)device;
     }
+    uint8_t in_places[PEL_MAX_VIEWS];
+    by_place(job, in_places);
     for (size_t d = 0; d < devices->count; d++) {
         struct pel_share *share = &job->shares[d];
         share->job = job;
         share->count = 0;
-        for (size_t i = 0; i < count; i++) {
+        for (size_t k = 0; k < count; k++) {
+            size_t i = in_places[k];
             if (device_of[i] == d) {
                 share->draws[share->count++] = (uint8_t)i;
             }

@@ -1,28 +1,72 @@
 #include "frames/job.h"
 
+#include <math.h>
+#include <stdlib.h>
+
 #include "frames/core.h"
 #include "scene/lamps.h"
 #include "scene/wakes.h"
 #include "scene/washes.h"
+
+/* As a far place has them. */
+struct pel_job_things {
+    struct pel_object objects[PEL_MAX_ENTITIES];
+    struct pel_lamp lamps[PEL_MAX_LAMPS];
+};
+
+/* The sea mirrors what is above the first entity (schedule.c); far from it,
+ * what is above the eye. */
+#define MIRRORS_M 5e3
+
+static void see_things(const struct pel_job *job, const struct pel_place *place,
+                       struct pel_object *objects, struct pel_lamp *lamps,
+                       struct pel_environment *env)
+{
+    const struct pel_snapshot *s = job->snapshot;
+    env->objects = objects;
+    env->object_count = pel_snapshot_objects(s, env->time_s, place, objects);
+    env->lamps = lamps;
+    env->lamp_count = pel_snapshot_lamps(s, env->time_s, place, objects,
+                                         env->object_count, lamps);
+}
+
+static void stand_place(struct pel_job *job, struct pel_job_place *there)
+{
+    struct pel_environment *env = &there->environment;
+    const struct pel_place *place = &there->place;
+    *env = job->environment;
+    pel_environment_light_at(job->snapshot, place, env);
+    if (hypot(place->east_m - env->own_east_m,
+              place->north_m - env->own_north_m) > MIRRORS_M) {
+        env->clouds_x_m += round(place->east_m) - env->own_east_m;
+        env->clouds_y_m += round(place->north_m) - env->own_north_m;
+        env->own_east_m = place->east_m;
+        env->own_north_m = place->north_m;
+    }
+    if (place->far) {
+        there->things = calloc(1, sizeof *there->things);
+    }
+    if (there->things) { /* without memory the map is good enough */
+        see_things(job, place, there->things->objects, there->things->lamps,
+                   env);
+    }
+}
 
 static void stand(struct pel_job *job)
 {
     struct pel_environment *env = &job->environment;
     pel_environment_light(job->snapshot, env);
     env->sea = pel_snapshot_sea(job->snapshot);
-    env->objects = job->objects;
-    env->object_count =
-        pel_snapshot_objects(job->snapshot, env->time_s, job->objects);
-    env->lamps = job->lamps;
-    env->lamp_count =
-        pel_snapshot_lamps(job->snapshot, env->time_s, job->objects,
-                           env->object_count, job->lamps);
+    see_things(job, NULL, job->objects, job->lamps, env);
     const struct pel_lightning *l = &job->snapshot->lightning;
     env->storm = l->per_minute > 0 && l->thickness_m > 0;
     env->glow_count = pel_lightning_glows(l, env->time_s, PEL_FALL_SHUTTER_S,
                                           env->glows, PEL_LIGHTNING_GLOWS);
     env->wakes = pel_wakes_at(job->snapshot->wakes, env->time_s);
     env->wash = pel_snapshot_wash(job->snapshot, env->time_s);
+    for (size_t i = 1; i < job->place_count; i++) {
+        stand_place(job, &job->places[i - 1]);
+    }
     for (size_t i = 0; i < job->draw_count; i++) {
         if (!job->parts[i].radar) {
             pel_snapshot_camera_in_wakes(job->snapshot, job->parts[i].view,
@@ -47,5 +91,38 @@ void pel_job_settle(struct pel_job *job)
     job->environment.wakes = NULL;
     pel_wash_destroy(job->environment.wash);
     job->environment.wash = NULL;
+    for (size_t i = 1; i < job->place_count; i++) {
+        free(job->places[i - 1].things);
+        job->places[i - 1].things = NULL;
+    }
     job->stood = false;
+}
+
+const struct pel_environment *pel_job_environment(const struct pel_job *job,
+                                                  size_t draw)
+{
+    size_t place = job->parts[draw].place;
+    return place > 0 ? &job->places[place - 1].environment : &job->environment;
+}
+
+void pel_job_settle_place(struct pel_job *job, size_t draw)
+{
+    struct pel_job_draw *part = &job->parts[draw];
+    struct pel_place place;
+    pel_snapshot_view_place(job->snapshot, part->view, job->environment.time_s,
+                            &job->draws[draw].camera, &place);
+    part->place = 0;
+    if (place.origin) {
+        return;
+    }
+    part->place = 1;
+    while (part->place < job->place_count &&
+           !pel_place_same(&job->places[part->place - 1].place, &place)) {
+        part->place++;
+    }
+    if (part->place == job->place_count) {
+        job->places[part->place - 1] =
+            (struct pel_job_place){ .place = place };
+        job->place_count++;
+    }
 }

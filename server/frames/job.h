@@ -15,6 +15,7 @@
 #include "render/probe.h"
 #include "render/renderer.h"
 #include "render/waterprobe.h"
+#include "scene/place.h"
 
 #define PEL_MAX_OUTPUTS 192 /* 64 streams and 128 requests */
 #define PEL_MAX_DEVICES 16
@@ -88,6 +89,7 @@ struct pel_job_draw {
     bool live;                 /* a stream's, perhaps a request's too */
     bool coarse;               /* of it: drawn at the job's scale */
     bool radar;                /* made by an encoder (frames/radarview.h) */
+    size_t place;              /* of the job's places; 0: the origin's */
     size_t bytes;              /* of its readback buffer */
     enum pel_err err;
     struct pel_picture *picture;
@@ -99,6 +101,13 @@ struct pel_job_draw {
     int64_t submitted_ns; /* when its commands were all given */
     double submit_ms;     /* its share of giving them */
     double render_ms;
+};
+
+/* Where views stand that have a light of their own. */
+struct pel_job_place {
+    struct pel_place place;
+    struct pel_environment environment; /* the job's, but for that */
+    struct pel_job_things *things;      /* of a far place; NULL: the job's */
 };
 
 struct pel_job {
@@ -118,6 +127,8 @@ struct pel_job {
     struct pel_environment environment;
     struct pel_object objects[PEL_MAX_ENTITIES]; /* its */
     struct pel_lamp lamps[PEL_MAX_LAMPS];        /* its */
+    size_t place_count; /* with the origin's, which has no row */
+    struct pel_job_place places[PEL_MAX_VIEWS];
     uint64_t asked_pixels; /* of requests, that are not drawn anyway */
     size_t draw_count;
     struct pel_draw draws[PEL_MAX_VIEWS]; /* user: &parts[i] */
@@ -136,6 +147,11 @@ struct pel_job {
  * what is afloat in them, cameras too; once, by the first render thread that
  * draws of it. */
 void pel_job_stand(struct pel_job *job);
+/* What a draw shows: of its place, when the job stands. */
+const struct pel_environment *pel_job_environment(const struct pel_job *job,
+                                                  size_t draw);
+/* Finds the place of a draw's camera, or adds it. */
+void pel_job_settle_place(struct pel_job *job, size_t draw);
 /* Gives back what that holds; when all is collected, or no thread draws. */
 void pel_job_settle(struct pel_job *job);
 

@@ -136,7 +136,7 @@ static void list_attributes(struct attributes *a, const struct pel_output *o,
 {
     const struct pel_job *job = o->job;
     const struct pel_job_draw *part = &job->parts[o->draw];
-    const struct pel_environment *env = &job->environment;
+    const struct pel_environment *env = pel_job_environment(job, o->draw);
     const struct pel_camera *camera = &job->draws[o->draw].camera;
     snprintf(a->seed, sizeof a->seed, "%u", (unsigned)env->sea->desc.seed);
     add_text(a, "software", "pelagosd " PEL_VERSION);
@@ -193,8 +193,9 @@ enum pel_err pel_picture_encode_layers(const struct pel_output *output,
         pel_picture_position(p, c, &output->job->environment, position);
     }
     /* A night's radiance is less than a half can be. */
-    bool dark = output->job->environment.lights[PEL_LIGHT_SUN].direction.z <
-                sin(-4.0 * PEL_DEG);
+    bool dark = pel_job_environment(output->job, output->draw)
+                    ->lights[PEL_LIGHT_SUN]
+                    .direction.z < sin(-4.0 * PEL_DEG);
     for (int i = 0; i < PEL_LAYERS; i++) {
         const struct pel_layer_info *l = &pel_layer_table[i];
         if (output->layers & l->bit) {

@@ -151,7 +151,8 @@ enum pel_err pel_picture_encode_truth(const struct pel_output *output,
     struct work *work = calloc(1, sizeof *work);
     enum pel_err err =
         work ? pel_truth_find(p, &job->draws[output->draw].camera,
-                              &job->environment, work->truth, &count)
+                              pel_job_environment(job, output->draw),
+                              work->truth, &count)
              : PEL_ERR_NO_MEMORY;
     if (err != PEL_OK) {
         free(work);

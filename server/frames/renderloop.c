@@ -144,13 +144,15 @@ static struct pel_job_draw *part_ahead(const struct pel_renderloop *loop,
     return &loop->share->job->parts[loop->share->draws[loop->at + ahead]];
 }
 
-/* How many of the next draws in hand, at most `most`, fit the budget now. */
+/* How many of the next draws in hand, at most `most`, all of one place, fit the
+ * budget now. */
 static size_t fitting(struct pel_renderloop *loop, size_t most)
 {
     size_t bytes = atomic_load(&loop->held_bytes);
     size_t count = 0;
     while (count < most && loop->at + count < loop->end &&
-           !part_ahead(loop, count)->radar) {
+           !part_ahead(loop, count)->radar &&
+           part_ahead(loop, count)->place == part_ahead(loop, 0)->place) {
         size_t more = part_ahead(loop, count)->bytes;
         bool alone = bytes == 0;
         if (!alone && bytes + more > READBACK_BUDGET) {
@@ -212,8 +214,10 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
         bytes += parts[i]->bytes;
     }
     atomic_fetch_add(&loop->held_bytes, bytes);
-    enum pel_err err = pel_renderer_submit(loop->renderer, &job->environment,
-                                           loop->draws, count);
+    enum pel_err err = pel_renderer_submit(
+        loop->renderer,
+        pel_job_environment(job, (size_t)(parts[0] - job->parts)), loop->draws,
+        count);
     size_t pushed = pel_renderer_in_flight(loop->renderer) - before;
     if (pel_renderer_lost(loop->renderer)) {
         for (size_t i = pushed; i < count; i++) {
@@ -516,7 +520,8 @@ static void draw_band(struct pel_renderloop *loop)
     draw.first_row = part->rows_begun;
     draw.rows = rows < left ? rows : left;
     enum pel_err err =
-        pel_renderer_submit(loop->renderer, &job->environment, &draw, 1);
+        pel_renderer_submit(loop->renderer,
+                            pel_job_environment(job, job->begun), &draw, 1);
     if (pel_renderer_lost(loop->renderer)) {
         part->rows_begun += draw.rows; /* its memory is held */
         pel_loss_recover(loop);

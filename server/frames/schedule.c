@@ -4,6 +4,7 @@
 #include "base/log.h"
 #include "frames/core.h"
 #include "proto/formats.h"
+#include "scene/place.h"
 #include "scene/skyplace.h"
 
 /* Live frames that come sooner than this take waiting requests along; one that
@@ -101,16 +102,24 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
     return env;
 }
 
-void pel_environment_light(const struct pel_snapshot *s,
-                           struct pel_environment *env)
+void pel_environment_light_at(const struct pel_snapshot *s,
+                              const struct pel_place *place,
+                              struct pel_environment *env)
 {
-    pel_snapshot_lights(s, env->time_s, env->lights);
+    pel_place_lights(s, env->time_s, place, env->lights);
     if (s->panorama) {
         pel_panorama_lights(s, env->lights);
     } else {
-        pel_snapshot_night(s, env->time_s, env->lights[PEL_LIGHT_SUN].direction,
-                           &env->night);
+        pel_place_night(s, env->time_s, place,
+                        env->lights[PEL_LIGHT_SUN].direction, &env->night);
     }
+}
+
+void pel_environment_light(const struct pel_snapshot *s,
+                           struct pel_environment *env)
+{
+    const struct pel_place origin = { .origin = true };
+    pel_environment_light_at(s, &origin, env);
 }
 
 /* The first frame that showed this moment, 0: none did lately. */
@@ -167,6 +176,7 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
     job->snapshot = s;
     job->host_frame = pel_scene_host_frame(frames->scene);
     job->draw_count = 0;
+    job->place_count = 1;
     job->output_count = 0;
     job->asked_pixels = 0;
     job->begun = 0;
@@ -213,6 +223,7 @@ static bool add_draw(struct pel_job *job, size_t view, uint32_t width,
         *draw = (struct pel_draw){ .user = part };
         pel_snapshot_camera(job->snapshot, view, job->environment.time_s, width,
                             height, &draw->camera);
+        pel_job_settle_place(job, i);
         if (coarse) {
             draw->camera.width = pel_quality_size(job->scale, width);
             draw->camera.height = pel_quality_size(job->scale, height);

@@ -130,6 +130,7 @@ static void place_view(const Pelagos__State *state, const Pelagos__View *from,
             to->entity = (int)i;
         }
     }
+    pel_view_place_of(state, from, &to->place);
     to->forward_m = from->forward;
     to->right_m = from->right;
     to->up_m = from->up;
@@ -287,9 +288,6 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     pel_fog_place(state, out);
 }
 
-/* The schema's limit. */
-#define MAX_LATITUDE 85.0
-
 static void read_orders(const Pelagos__OwnShip *from,
                         struct pel_ship_orders *to)
 {
@@ -440,6 +438,9 @@ pel_snapshot_with_ships(const struct pel_snapshot *s,
         pel_model_ref(to->entities[i].model);
     }
     memcpy(to->views, from->views, sizeof to->views);
+    for (size_t i = 0; i < to->public.view_count; i++) {
+        pel_view_place_ref(&to->views[i].place);
+    }
     atomic_init(&to->refs, 1);
     atomic_fetch_add(&to->public.sea->refs, 1);
     pel_wakes_ref(to->public.wakes);
@@ -517,7 +518,7 @@ static void ship_to_state(const struct pel_snapshot *s,
     bool begins = time_s == sailing->ship.start_s && e->pose_time == time_s;
     pel_geo_from_local(state->origin->latitude, state->origin->longitude,
                        at.east_m, at.north_m, &lat, &lon);
-    put(begins, pel_clamp(lat, -MAX_LATITUDE, MAX_LATITUDE), &e->latitude);
+    put(begins, lat, &e->latitude);
     put(begins, lon, &e->longitude);
     double turned =
         pel_geo_convergence(state->origin->latitude, state->origin->longitude,
@@ -573,6 +574,9 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
         pel_panorama_unref(whole->public.panorama);
         for (size_t i = 0; i < whole->public.entity_count; i++) {
             pel_model_unref(whole->entities[i].model);
+        }
+        for (size_t i = 0; i < whole->public.view_count; i++) {
+            pel_view_place_unref(&whole->views[i].place);
         }
         free((void *)whole->public.ships);
         free(whole);

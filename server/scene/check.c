@@ -16,6 +16,7 @@
 #include "scene/snapshot.h"
 #include "scene/sun.h"
 #include "scene/track.h"
+#include "scene/waypoints.h"
 
 #define PATH_SIZE 192
 #define MIN_ANGLE_DEG 0.01 /* so that its width is far above rounding */
@@ -119,6 +120,10 @@ static enum pel_err check_view(const Pelagos__State *state, size_t index,
                        view->entity);
             return pel_fault_refuse(PEL_ERR_CONFLICT, path, value, what, fault);
         }
+    }
+    enum pel_err placed = pel_view_place_check(state, view, fault);
+    if (placed) {
+        return placed;
     }
     if (view->meter) {
         enum pel_err err = check_meter(state, view, fault);
@@ -367,6 +372,10 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     if (!err && state->exercise) {
         err = check_count(state->exercise->n_events, PEL_BOUND_EXERCISE_EVENTS,
                           "exercise.events", fault);
+    }
+    for (size_t i = 0; !err && i < state->n_views; i++) {
+        err = check_count(state->views[i]->n_waypoints, PEL_WAYPOINTS_MOST,
+                          "views.waypoints", fault);
     }
     for (size_t i = 0; !err && i < state->n_entities; i++) {
         err = check_count(state->entities[i]->n_track, PEL_TRACK_MOST,

@@ -22,10 +22,6 @@
  * before the limits of the scene are tested. */
 #define MAX_PATCHED 1024
 
-/* The schema's limit: a ship that sails there stays there, or no later edit
- * would pass. */
-#define MAX_LATITUDE 85.0
-
 static void fill_scalars(ProtobufCMessage *message)
 {
     for (unsigned i = 0; i < message->descriptor->n_fields; i++) {
@@ -50,6 +46,25 @@ static void fill_lamps(Pelagos__Entity *entity)
     }
     if (entity->signal) {
         fill_scalars(&entity->signal->base);
+    }
+}
+
+static void fill_place(Pelagos__View *view)
+{
+    if (view->at) {
+        fill_scalars(&view->at->base);
+    }
+    if (view->look_at) {
+        fill_scalars(&view->look_at->base);
+    }
+    if (view->orbit) {
+        fill_scalars(&view->orbit->base);
+    }
+    if (view->satellite) {
+        fill_scalars(&view->satellite->base);
+    }
+    for (size_t i = 0; i < view->n_waypoints; i++) {
+        fill_scalars(&view->waypoints[i]->base);
     }
 }
 
@@ -102,6 +117,7 @@ void pel_state_fill(Pelagos__State *state, double time_s)
         if (state->views[i]->radar) {
             fill_scalars(&state->views[i]->radar->base);
         }
+        fill_place(state->views[i]);
     }
     state->has_revision = true;
 }
@@ -231,7 +247,6 @@ static void drift(const Pelagos__State *state, Pelagos__Entity *e,
         pel_geo_to_local(lat0, lon0, e->latitude, e->longitude, &x, &y);
         pel_geo_from_local(lat0, lon0, x + east, y + north, &e->latitude,
                            &e->longitude);
-        e->latitude = pel_clamp(e->latitude, -MAX_LATITUDE, MAX_LATITUDE);
     }
 }
 
@@ -246,7 +261,12 @@ static void reckon(const Pelagos__State *state, Pelagos__Entity *e,
                     seconds, &east, &north);
     if (east != 0 || north != 0) {
         pel_geo_from_local(e->latitude, e->longitude, east, north, &lat, &lon);
-        e->latitude = pel_clamp(lat, -MAX_LATITUDE, MAX_LATITUDE);
+        /* It goes on along its great circle, over which north turns. */
+        double turned =
+            pel_geo_turn(e->latitude, e->longitude, lat, lon) / PEL_DEG;
+        e->heading = wrapped(e->heading - turned);
+        e->course = wrapped(e->course - turned);
+        e->latitude = lat;
         e->longitude = lon;
     }
     if (e->turn_rate != 0) {

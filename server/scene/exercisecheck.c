@@ -131,7 +131,7 @@ static enum pel_err check_area(const Pelagos__ExerciseArea *area,
     }
     if (area->corners && pel_exercise_corners(area->corners, corners) < 0) {
         return refuse(PEL_ERR_INVALID, fault, area->corners,
-                      "must be 3 to 16 pairs of latitude -85 .. 85 and "
+                      "must be 3 to 16 pairs of latitude -90 .. 90 and "
                       "longitude -180 .. 180, as \"52.60 5.20, 52.61 5.20, "
                       "52.61 5.22\"",
                       "%s.corners", path);

@@ -219,7 +219,7 @@ int pel_exercise_corners(const char *text, double out[PEL_EXERCISE_CORNERS][2])
         for (int i = 0; i < 2; i++) {
             out[count][i] = g_ascii_strtod(at, &end);
             if (end == at || !isfinite(out[count][i]) ||
-                fabs(out[count][i]) > (i ? 180 : 85)) {
+                fabs(out[count][i]) > (i ? 180 : 90)) {
                 return -1;
             }
             at = end;

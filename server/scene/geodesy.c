@@ -64,8 +64,9 @@ static void arc(double u1, double u2, double lambda, struct inverse *out,
                       : 0;
 }
 
-void pel_geo_to_local(double origin_lat, double origin_lon, double lat,
-                      double lon, double *east_m, double *north_m)
+/* The geodesic's length, and its azimuths where it begins and where it ends. */
+static double geodesic(double origin_lat, double origin_lon, double lat,
+                       double lon, double *azimuth, double *arrival)
 {
     double u1 = reduced(origin_lat * PEL_DEG), u2 = reduced(lat * PEL_DEG);
     double l = remainder(lon - origin_lon, 360.0) * PEL_DEG;
@@ -98,8 +99,19 @@ void pel_geo_to_local(double origin_lat, double origin_lon, double lat,
         arc(u1, u2, lambda, &at, &sin_alpha);
         distance = A * at.sigma;
     }
-    double azimuth = atan2(cos(u2) * sin(lambda),
-                           cos(u1) * sin(u2) - sin(u1) * cos(u2) * cos(lambda));
+    *azimuth = atan2(cos(u2) * sin(lambda),
+                     cos(u1) * sin(u2) - sin(u1) * cos(u2) * cos(lambda));
+    *arrival = atan2(cos(u1) * sin(lambda),
+                     cos(u1) * sin(u2) * cos(lambda) - sin(u1) * cos(u2));
+    return distance;
+}
+
+void pel_geo_to_local(double origin_lat, double origin_lon, double lat,
+                      double lon, double *east_m, double *north_m)
+{
+    double azimuth, arrival;
+    double distance =
+        geodesic(origin_lat, origin_lon, lat, lon, &azimuth, &arrival);
     *east_m = distance * sin(azimuth);
     *north_m = distance * cos(azimuth);
 }
@@ -151,4 +163,65 @@ double pel_geo_convergence(double origin_lat, double origin_lon, double lat,
     pel_geo_to_local(origin_lat, origin_lon, lat + step, lon, &east1, &north1);
     double east = (east1 - east0) / step, north = (north1 - north0) / step;
     return atan2(east, north);
+}
+
+double pel_geo_turn(double origin_lat, double origin_lon, double lat,
+                    double lon)
+{
+    double azimuth, arrival;
+    /* Of two places as good as one, azimuths are rounding. */
+    return geodesic(origin_lat, origin_lon, lat, lon, &azimuth, &arrival) < 0.01
+               ? pel_geo_convergence(origin_lat, origin_lon, lat, lon)
+               : remainder(azimuth - arrival, 2 * PEL_PI);
+}
+
+struct pel_vec3 pel_geo_earth(double lat, double lon, double height_m)
+{
+    double s = sin(lat * PEL_DEG), c = cos(lat * PEL_DEG);
+    double normal = A / sqrt(1 - F * (2 - F) * s * s);
+    double out = (normal + height_m) * c;
+    return (struct pel_vec3){ out * cos(lon * PEL_DEG), out * sin(lon * PEL_DEG),
+                              ((1 - F) * (1 - F) * normal + height_m) * s };
+}
+
+/* Bowring's reduced latitude (1976), again until it stands: of any height the
+ * third is as good as the numbers. */
+void pel_geo_of_earth(struct pel_vec3 at, double *lat, double *lon,
+                      double *height_m)
+{
+    const double e2 = F * (2 - F);
+    double out = hypot(at.x, at.y);
+    double beta = atan2(at.z, (1 - F) * out), phi = 0;
+    for (int i = 0; i < 6; i++) {
+        double s = sin(beta), c = cos(beta);
+        phi = atan2(at.z + e2 / (1 - e2) * B * s * s * s,
+                    out - e2 * A * c * c * c);
+        beta = atan2((1 - F) * sin(phi), cos(phi));
+    }
+    double s = sin(phi), c = cos(phi);
+    *lat = phi / PEL_DEG;
+    *lon = atan2(at.y, at.x) / PEL_DEG;
+    *height_m = out * c + at.z * s - A * sqrt(1 - e2 * s * s);
+}
+
+struct pel_mat3 pel_geo_axes(double lat, double lon)
+{
+    double sp = sin(lat * PEL_DEG), cp = cos(lat * PEL_DEG);
+    double sl = sin(lon * PEL_DEG), cl = cos(lon * PEL_DEG);
+    return (struct pel_mat3){ { -sl, cl, 0 },
+                              { -sp * cl, -sp * sl, cp },
+                              { cp * cl, cp * sl, sp } };
+}
+
+struct pel_mat3 pel_geo_local_axes(double origin_lat, double origin_lon,
+                                   double lat, double lon)
+{
+    struct pel_mat3 m = pel_geo_axes(lat, lon);
+    double turned = pel_geo_turn(origin_lat, origin_lon, lat, lon);
+    double s = sin(turned), c = cos(turned);
+    /* A true heading 0 is `turned` there: its north lies before true north. */
+    return (struct pel_mat3){
+        pel_vec3_add(pel_vec3_scale(m.x, c), pel_vec3_scale(m.y, s)),
+        pel_vec3_add(pel_vec3_scale(m.y, c), pel_vec3_scale(m.x, -s)), m.z
+    };
 }

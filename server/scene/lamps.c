@@ -5,6 +5,7 @@
 #include "models/model.h"
 #include "optics/falling.h"
 #include "scene/lampplan.h"
+#include "scene/place.h"
 
 #define MAKES_WAY_MPS 0.25
 #define CUTOFF_RAD (2 * PEL_DEG)   /* Annex I 9: within 1 to 3, and 5 */
@@ -221,9 +222,14 @@ static void add_signal(struct lamps *l, const struct pel_morse_lamp *m,
 /* --- all ------------------------------------------------------------------ */
 
 /* Whether a switch on AUTO has them lit. */
-static bool is_dark(const struct pel_snapshot *s, double time_s)
+static bool is_dark(const struct pel_snapshot *s, double time_s,
+                    const struct pel_lamp_set *set)
 {
-    struct pel_vec3 sun = pel_snapshot_sun(s, time_s);
+    struct pel_entity_state e;
+    struct pel_place there;
+    pel_snapshot_entity_level(s, set->index, time_s, &e);
+    pel_place_of(s, e.east_m, e.north_m, &there);
+    struct pel_vec3 sun = pel_place_sun(s, time_s, &there);
     return sun.z < sin(PEL_LAMPS_SUNSET_DEG * PEL_DEG) ||
            s->visibility_m < PEL_LAMPS_VISIBILITY_M ||
            (s->panorama && s->panorama_dark);
@@ -231,6 +237,7 @@ static bool is_dark(const struct pel_snapshot *s, double time_s)
 
 /* Where the set's entity is; as an object without a model where it has none. */
 static struct pel_object place(const struct pel_snapshot *s, double time_s,
+                               const struct pel_place *from,
                                const struct pel_lamp_set *set,
                                const struct pel_object *objects, size_t count)
 {
@@ -242,12 +249,13 @@ static struct pel_object place(const struct pel_snapshot *s, double time_s,
     }
     struct pel_entity_state e;
     struct pel_object o;
-    pel_snapshot_entity_in_wakes(s, set->index, time_s, &e);
+    pel_snapshot_entity_seen(s, set->index, time_s, true, from, &e);
     pel_entity_object(&e, &o);
     return o;
 }
 
 size_t pel_snapshot_lamps(const struct pel_snapshot *s, double time_s,
+                          const struct pel_place *from,
                           const struct pel_object *objects, size_t object_count,
                           struct pel_lamp out[PEL_MAX_LAMPS])
 {
@@ -258,15 +266,16 @@ size_t pel_snapshot_lamps(const struct pel_snapshot *s, double time_s,
     if (!s->lamps) {
         return l.count;
     }
-    bool dark = is_dark(s, time_s);
     /* Deck lights come last: where there is no room for all, they are left
      * out. */
     for (int decks = 0; decks < 2; decks++) {
         for (size_t i = 0; i < s->lamps->count; i++) {
             const struct pel_lamp_set *set = &s->lamps->sets[i];
             bool lit = set->lights == PEL_LAMP_ON ||
-                       (set->lights == PEL_LAMP_AUTO && dark);
-            struct pel_object o = place(s, time_s, set, objects, object_count);
+                       (set->lights == PEL_LAMP_AUTO &&
+                        is_dark(s, time_s, set));
+            struct pel_object o =
+                place(s, time_s, from, set, objects, object_count);
             if (decks) {
                 if (lights_decks(set, lit)) {
                     add_deck(&l, set, &o);

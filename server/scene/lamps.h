@@ -30,7 +30,9 @@ void pel_lamps_unref(struct pel_lamp_plan *plan); /* NULL allowed */
  * their number, at most PEL_MAX_LAMPS. objects: those of that moment
  * (pel_snapshot_objects). Asks the sea where an entity without a model is
  * afloat: not the control thread. */
+struct pel_place; /* whence, NULL: the map */
 size_t pel_snapshot_lamps(const struct pel_snapshot *s, double time_s,
+                          const struct pel_place *from,
                           const struct pel_object *objects, size_t object_count,
                           struct pel_lamp out[PEL_MAX_LAMPS]);
 

@@ -31,8 +31,8 @@ static struct pel_scene *night_scene(void)
 static size_t lit(struct pel_scene *scene, double time_s)
 {
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
-    size_t n = pel_snapshot_objects(s, time_s, objects);
-    size_t count = pel_snapshot_lamps(s, time_s, objects, n, lamps);
+    size_t n = pel_snapshot_objects(s, time_s, NULL, objects);
+    size_t count = pel_snapshot_lamps(s, time_s, NULL, objects, n, lamps);
     pel_snapshot_unref(s);
     return count;
 }

@@ -59,7 +59,7 @@ static void add_banks(const Pelagos__State *state)
         f->has_radius = f->has_latitude = f->has_longitude = true;
         f->radius = places[i][2];
         f->latitude = pel_clamp(
-            o->latitude + places[i][0] * cos(bearing) * metre, -85, 85);
+            o->latitude + places[i][0] * cos(bearing) * metre, -90, 90);
         double east =
             places[i][0] * sin(bearing) * metre / cos(o->latitude * PEL_DEG);
         f->longitude = remainder(o->longitude + east, 360);

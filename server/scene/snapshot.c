@@ -9,6 +9,7 @@
 #include "optics/moon.h"
 #include "scene/build.h"
 #include "scene/ephemeris.h"
+#include "scene/place.h"
 #include "scene/reckon.h"
 #include "scene/sharedsea.h"
 #include "scene/sun.h"
@@ -138,9 +139,13 @@ void pel_snapshot_entity_level(const struct pel_snapshot *s, size_t index,
 
 static void entity_at(const struct pel_snapshot *s, size_t index, double time_s,
                       const struct pel_wakes *wakes,
+                      const struct pel_place *place,
                       struct pel_entity_state *out)
 {
     pel_snapshot_entity_level(s, index, time_s, out);
+    if (place && place->far) {
+        pel_place_carry(s, place, out);
+    }
     if (out->afloat && out->model && !pel_snapshot_ship(s, index)) {
         float_at(s, time_s, wakes, out);
     }
@@ -149,13 +154,21 @@ static void entity_at(const struct pel_snapshot *s, size_t index, double time_s,
 void pel_snapshot_entity_at(const struct pel_snapshot *s, size_t index,
                             double time_s, struct pel_entity_state *out)
 {
-    entity_at(s, index, time_s, NULL, out);
+    entity_at(s, index, time_s, NULL, NULL, out);
 }
 
 void pel_snapshot_entity_in_wakes(const struct pel_snapshot *s, size_t index,
                                   double time_s, struct pel_entity_state *out)
 {
-    entity_at(s, index, time_s, s->wakes, out);
+    entity_at(s, index, time_s, s->wakes, NULL, out);
+}
+
+void pel_snapshot_entity_seen(const struct pel_snapshot *s, size_t index,
+                              double time_s, bool in_wakes,
+                              const struct pel_place *place,
+                              struct pel_entity_state *out)
+{
+    entity_at(s, index, time_s, in_wakes ? s->wakes : NULL, place, out);
 }
 
 static bool goes_on(const struct pel_entity_state *e)
@@ -374,14 +387,12 @@ void pel_snapshot_night(const struct pel_snapshot *s, double time_s,
     }
 }
 
-/* Columns: right, forward and up of a body, in axes that are right, forward
- * and up of what carries it (east, north, up for the world). Heading first
- * (clockwise), then pitch (bow up), then roll (right side down). */
-static struct pel_mat3 attitude(double heading, double pitch, double roll)
+struct pel_mat3 pel_attitude(double heading_rad, double pitch_rad,
+                             double roll_rad)
 {
-    double sh = sin(heading), ch = cos(heading);
-    double sp = sin(pitch), cp = cos(pitch);
-    double sr = sin(roll), cr = cos(roll);
+    double sh = sin(heading_rad), ch = cos(heading_rad);
+    double sp = sin(pitch_rad), cp = cos(pitch_rad);
+    double sr = sin(roll_rad), cr = cos(roll_rad);
     struct pel_vec3 right = { ch, -sh, 0 };
     struct pel_vec3 forward = { sh * cp, ch * cp, sp };
     struct pel_vec3 up = { -sh * sp, -ch * sp, cp };
@@ -394,7 +405,7 @@ static struct pel_mat3 attitude(double heading, double pitch, double roll)
 
 void pel_entity_object(const struct pel_entity_state *e, struct pel_object *out)
 {
-    struct pel_mat3 m = attitude(e->heading_rad, e->pitch_rad, e->roll_rad);
+    struct pel_mat3 m = pel_attitude(e->heading_rad, e->pitch_rad, e->roll_rad);
     *out = (struct pel_object){
         .id = e->id,
         .model = e->model,
@@ -406,6 +417,7 @@ void pel_entity_object(const struct pel_entity_state *e, struct pel_object *out)
 }
 
 size_t pel_snapshot_objects(const struct pel_snapshot *s, double time_s,
+                            const struct pel_place *place,
                             struct pel_object out[PEL_MAX_ENTITIES])
 {
     size_t count = 0;
@@ -414,98 +426,8 @@ size_t pel_snapshot_objects(const struct pel_snapshot *s, double time_s,
         if (!s->entities[i].model) {
             continue;
         }
-        pel_snapshot_entity_in_wakes(s, i, time_s, &e);
+        entity_at(s, i, time_s, s->wakes, place, &e);
         pel_entity_object(&e, &out[count++]);
     }
     return count;
-}
-
-static void size_camera(const struct pel_view_state *view, uint32_t width,
-                        uint32_t height, struct pel_camera *out)
-{
-    out->width = width > 0 ? width : view->width;
-    out->height = height > 0 ? height : view->height;
-    double stretch = ((double)out->height * view->width) /
-                     ((double)out->width * view->height);
-    out->tan_left = view->tan_left;
-    out->tan_right = view->tan_right;
-    out->tan_top = view->tan_top * stretch;
-    out->tan_bottom = view->tan_bottom * stretch;
-}
-
-static void place_camera(const struct pel_snapshot *s, size_t index,
-                         double time_s, const struct pel_wakes *wakes,
-                         struct pel_camera *out)
-{
-    const struct pel_view_state *view = &s->views[index];
-    struct pel_entity_state carrier = { 0 };
-    if (view->entity >= 0) {
-        entity_at(s, (size_t)view->entity, time_s, wakes, &carrier);
-    }
-    struct pel_mat3 world_from_ship =
-        attitude(carrier.heading_rad, view->level ? 0 : carrier.pitch_rad,
-                 view->level ? 0 : carrier.roll_rad);
-    struct pel_mat3 ship_from_view =
-        attitude(view->yaw_rad, view->pitch_rad, view->roll_rad);
-    struct pel_vec3 arm = pel_mat3_apply(
-        &world_from_ship,
-        (struct pel_vec3){ view->right_m, view->forward_m, view->up_m });
-    out->east_m = carrier.east_m + arm.x;
-    out->north_m = carrier.north_m + arm.y;
-    out->altitude_m = carrier.altitude_m + arm.z;
-    out->velocity_mps =
-        (struct pel_vec3){ carrier.speed_mps * sin(carrier.course_rad),
-                           carrier.speed_mps * cos(carrier.course_rad),
-                           carrier.climb_mps };
-    struct pel_vec3 forward =
-        pel_mat3_apply(&world_from_ship, ship_from_view.y);
-    out->world_from_camera = (struct pel_mat3){
-        pel_mat3_apply(&world_from_ship, ship_from_view.x),
-        pel_mat3_apply(&world_from_ship, ship_from_view.z),
-        pel_vec3_scale(forward, -1),
-    };
-}
-
-/* The windows of a view's meter; none where it has none. */
-static void place_sights(const struct pel_snapshot *s, const char *meter,
-                         double time_s, const struct pel_wakes *wakes,
-                         struct pel_camera *out)
-{
-    out->sight_count = 0;
-    for (size_t i = 0; i < s->view_count && meter[0]; i++) {
-        struct pel_camera c;
-        if (out->sight_count < PEL_METER_SIGHTS &&
-            strcmp(s->views[i].meter, meter) == 0) {
-            c.lens = s->views[i].lens;
-            place_camera(s, i, time_s, wakes, &c);
-            out->sights[out->sight_count++] =
-                (struct pel_sight){ c.world_from_camera, c.altitude_m,
-                                    c.tan_left,          c.tan_right,
-                                    c.tan_top,           c.tan_bottom };
-        }
-    }
-}
-
-void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
-                         double time_s, uint32_t width, uint32_t height,
-                         struct pel_camera *out)
-{
-    const struct pel_view_state *view = &s->views[index];
-    out->lens = view->lens;
-    place_camera(s, index, time_s, NULL, out);
-    size_camera(view, width, height, out);
-    place_sights(s, view->meter, time_s, NULL, out);
-    uint64_t bits;
-    memcpy(&bits, &time_s, sizeof bits);
-    bits *= UINT64_C(0x9e3779b97f4a7c15); /* 2^64 / golden ratio: spreads */
-    out->sensor.seed = (uint32_t)(bits >> 32);
-}
-
-void pel_snapshot_camera_in_wakes(const struct pel_snapshot *s, size_t index,
-                                  double time_s, struct pel_camera *camera)
-{
-    if (s->wakes) {
-        place_camera(s, index, time_s, s->wakes, camera);
-        place_sights(s, s->views[index].meter, time_s, s->wakes, camera);
-    }
 }

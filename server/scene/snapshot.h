@@ -20,6 +20,7 @@
 #include "optics/waterbody.h"
 #include "panorama/panorama.h"
 #include "scene/ship.h"
+#include "scene/viewplace.h"
 #include "seabed/seabed.h"
 
 #define PEL_MAX_VIEWS PEL_BOUND_VIEWS
@@ -34,7 +35,7 @@ enum pel_clock_mode {
     PEL_CLOCK_HOST,
 };
 
-/* Limits of altitude in the schema. */
+/* Limits of altitude of entities in the schema. */
 #define PEL_LOWEST_M (-100.0)
 #define PEL_HIGHEST_M 20000.0
 
@@ -109,6 +110,7 @@ struct pel_view_state {
     char meter[PEL_NAME_SIZE]; /* of the views that are exposed alike; "": of
                                   this view alone */
     int entity;                /* index into entities, -1: the world */
+    struct pel_view_place place;
     double forward_m, right_m, up_m;
     double yaw_rad, pitch_rad, roll_rad;
     bool level; /* the entity's pitch and roll do not move it */
@@ -226,11 +228,26 @@ void pel_snapshot_entity_level(const struct pel_snapshot *s, size_t index,
 void pel_snapshot_entity_in_wakes(const struct pel_snapshot *s, size_t index,
                                   double time_s, struct pel_entity_state *out);
 
-/* The entities that have a model at time_s, at most PEL_MAX_ENTITIES; returns
- * their number. Their models live as long as the snapshot. Asks the sea where
+/* As a place has it (place.h; NULL: the local frame), in_wakes as above, which
+ * waits, or not. */
+struct pel_place;
+void pel_snapshot_entity_seen(const struct pel_snapshot *s, size_t index,
+                              double time_s, bool in_wakes,
+                              const struct pel_place *place,
+                              struct pel_entity_state *out);
+
+/* The entities that have a model at time_s, as a place has them, at most
+ * PEL_MAX_ENTITIES; returns their number. Their models live as long as the snapshot. Asks the sea where
  * one is afloat, and ship waves: not the control thread. */
 size_t pel_snapshot_objects(const struct pel_snapshot *s, double time_s,
+                            const struct pel_place *place,
                             struct pel_object out[PEL_MAX_ENTITIES]);
+
+/* Columns: right, forward and up of a body, in axes that are right, forward
+ * and up of what carries it (east, north, up for the world). Heading first
+ * (clockwise), then pitch (bow up), then roll (right side down). */
+struct pel_mat3 pel_attitude(double heading_rad, double pitch_rad,
+                             double roll_rad);
 
 /* An entity's state as an object, whether it has a model or not. */
 void pel_entity_object(const struct pel_entity_state *e,
@@ -306,6 +323,10 @@ struct pel_camera {
 void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
                          double time_s, uint32_t width, uint32_t height,
                          struct pel_camera *out);
+/* The place whose light such a camera has. */
+void pel_snapshot_view_place(const struct pel_snapshot *s, size_t index,
+                             double time_s, const struct pel_camera *camera,
+                             struct pel_place *out);
 /* Places such a camera in the ship waves; not the control thread. */
 void pel_snapshot_camera_in_wakes(const struct pel_snapshot *s, size_t index,
                                   double time_s, struct pel_camera *camera);

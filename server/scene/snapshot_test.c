@@ -311,10 +311,10 @@ static void what_floats_lies_in_the_sea(void **state)
         near(tan(at.roll_rad), sea[0].height_m - sea[2].height_m, 0.005);
     }
     struct pel_object object[PEL_MAX_ENTITIES];
-    assert_int_equal(pel_snapshot_objects(&with, 7, object), 1);
+    assert_int_equal(pel_snapshot_objects(&with, 7, NULL, object), 1);
     const struct pel_mat3 *m = &object[0].world_from_model;
     near3(pel_vec3_cross(m->x, m->y), m->z.x, m->z.y, m->z.z);
-    assert_int_equal(pel_snapshot_objects(s, 7, object), 0);
+    assert_int_equal(pel_snapshot_objects(s, 7, NULL, object), 0);
     pel_model_unref(buoy.model);
     pel_snapshot_unref(s);
 }
