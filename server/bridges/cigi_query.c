@@ -629,10 +629,10 @@ size_t pel_cigi_answer(const struct pel_cigi_moment *moment,
     pel_snapshot_surface(moment->snapshot, points, asked, moment->time_s, false,
                          samples);
     m.objects = objects;
-    m.object_count =
-        sights + asked > 0
-            ? pel_snapshot_objects(moment->snapshot, moment->time_s, NULL, objects)
-            : 0;
+    m.object_count = sights + asked > 0
+                         ? pel_snapshot_objects(moment->snapshot,
+                                                moment->time_s, NULL, objects)
+                         : 0;
     sights = sights < MAX_SIGHTS ? sights : MAX_SIGHTS;
     m.sight_steps =
         sights * MAX_STEPS <= ALL_STEPS ? MAX_STEPS : ALL_STEPS / sights;

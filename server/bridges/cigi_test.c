@@ -175,7 +175,7 @@ static void a_refused_datagram_changes_nothing(void **state)
     send();
     begin();
     train(1, 2, 1);
-    place_ship(1, 89, 0); /* beyond 85 */
+    place_ship(1, 91, 0); /* no latitude */
     with(PEL_CIGI_KIND_HAT_REQUEST, PEL_CIGI_HAT_REQUEST_ID, 1.0, 0);
     send();
     const Pelagos__State *s = pel_scene_state(scene);

@@ -363,6 +363,23 @@ static void board_own_ship(struct pel_cigi_edit *edit)
     }
 }
 
+/* An entity carries it from now on, wherever it stood. */
+static void take_from_place(struct pel_cigi_edit *edit, const char *name)
+{
+    static const char *const paths[] = {
+        [PEL_STAND_AT] = "views.%s.at",
+        [PEL_STAND_ORBIT] = "views.%s.orbit",
+        [PEL_STAND_SATELLITE] = "views.%s.satellite",
+        [PEL_STAND_WAY] = "views.%s.waypoints",
+    };
+    int index = pel_snapshot_find_view(edit->snapshot, name);
+    enum pel_stand stand = index < 0 ? PEL_STAND_CARRIED
+                                     : edit->snapshot->views[index].place.stand;
+    if (stand != PEL_STAND_CARRIED) {
+        pel_cigi_edit_remove(edit, paths[stand], name);
+    }
+}
+
 /* Views whose entity is there by now are hung on it. */
 static void hang_views(struct pel_cigi_edit *edit)
 {
@@ -377,17 +394,24 @@ static void hang_views(struct pel_cigi_edit *edit)
             view->has_entity = true;
             view->entity = memo->entity;
             memo->wants_entity = false;
+            take_from_place(edit, view->name);
         }
     }
 }
 
-/* The entity goes: a view on it stays where it is now. */
+/* The entity goes: a view on it, or on an orbit about it, stays where it is
+ * now; one that looks at it looks ahead. */
 static void free_views(struct pel_cigi_edit *edit, uint32_t id)
 {
     const struct pel_snapshot *s = edit->snapshot;
     for (size_t i = 0; i < s->view_count; i++) {
-        int on = s->views[i].entity;
-        if (on < 0 || s->entities[on].id != id) {
+        const struct pel_view_place *place = &s->views[i].place;
+        int on = s->views[i].entity, about = place->about;
+        bool circles = about >= 0 && s->entities[about].id == id;
+        if (place->target >= 0 && s->entities[place->target].id == id) {
+            pel_cigi_edit_remove(edit, "views.%s.lookAt", s->views[i].name);
+        }
+        if (!circles && (on < 0 || s->entities[on].id != id)) {
             continue;
         }
         struct pel_camera c;
@@ -401,7 +425,8 @@ static void free_views(struct pel_cigi_edit *edit, uint32_t id)
         if (!view) {
             return;
         }
-        pel_cigi_edit_remove(edit, "views.%s.entity", view->name);
+        pel_cigi_edit_remove(
+            edit, circles ? "views.%s.orbit" : "views.%s.entity", view->name);
         view->has_entity = false;
         view->has_forward = view->has_right = view->has_up = true;
         view->has_yaw = view->has_pitch = view->has_roll = true;

@@ -156,10 +156,12 @@ static void list_water(struct pel_exr_notes *n, const struct pel_snapshot *s,
     add_text(n, "pelagos.bottomAlbedo", three(n, water->albedo));
 }
 
-static void list_camera(struct pel_exr_notes *n, const struct pel_camera *c)
+static void list_camera(struct pel_exr_notes *n, const struct pel_job *job,
+                        size_t draw)
 {
+    const struct pel_camera *c = &job->draws[draw].camera;
     double heading, pitch, roll;
-    pel_camera_attitude(c, &heading, &pitch, &roll);
+    pel_camera_attitude(job, draw, &heading, &pitch, &roll);
     add_text(n, "pelagos.projection", "rectilinear");
     add_number(n, "pelagos.horizontalField",
                pel_camera_field(c->tan_left, c->tan_right));
@@ -185,7 +187,7 @@ void pel_exr_notes_list(const struct pel_output *output,
     list_water(out, job->snapshot, &job->environment.water);
     add_text(out, "pelagos.wavelengths", "680 550 440");
     add_text(out, "pelagos.bandwidths", "0 0 0"); /* monochromatic */
-    list_camera(out, &job->draws[output->draw].camera);
+    list_camera(out, job, output->draw);
     for (int i = 0; i < PEL_LAYERS; i++) {
         const struct pel_layer_info *l = &pel_layer_table[i];
         if (output->layers & l->bit) {

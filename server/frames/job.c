@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "frames/core.h"
+#include "scene/geodesy.h"
 #include "scene/lamps.h"
 #include "scene/wakes.h"
 #include "scene/washes.h"
@@ -105,6 +106,19 @@ const struct pel_environment *pel_job_environment(const struct pel_job *job,
     return place > 0 ? &job->places[place - 1].environment : &job->environment;
 }
 
+double pel_job_turned(const struct pel_job *job, size_t draw)
+{
+    const struct pel_snapshot *s = job->snapshot;
+    const struct pel_camera *c = &job->draws[draw].camera;
+    double lat0 = s->origin_latitude_rad / PEL_DEG;
+    double lon0 = s->origin_longitude_rad / PEL_DEG, lat, lon;
+    if (job->parts[draw].place == 0) {
+        return 0;
+    }
+    pel_geo_from_local(lat0, lon0, c->east_m, c->north_m, &lat, &lon);
+    return pel_geo_turn(lat0, lon0, lat, lon);
+}
+
 void pel_job_settle_place(struct pel_job *job, size_t draw)
 {
     struct pel_job_draw *part = &job->parts[draw];
@@ -121,8 +135,7 @@ void pel_job_settle_place(struct pel_job *job, size_t draw)
         part->place++;
     }
     if (part->place == job->place_count) {
-        job->places[part->place - 1] =
-            (struct pel_job_place){ .place = place };
+        job->places[part->place - 1] = (struct pel_job_place){ .place = place };
         job->place_count++;
     }
 }

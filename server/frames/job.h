@@ -150,6 +150,9 @@ void pel_job_stand(struct pel_job *job);
 /* What a draw shows: of its place, when the job stands. */
 const struct pel_environment *pel_job_environment(const struct pel_job *job,
                                                   size_t draw);
+/* Local heading less true heading at a draw's camera [rad]; at the origin's
+ * place 0. */
+double pel_job_turned(const struct pel_job *job, size_t draw);
 /* Finds the place of a draw's camera, or adds it. */
 void pel_job_settle_place(struct pel_job *job, size_t draw);
 /* Gives back what that holds; when all is collected, or no thread draws. */

@@ -65,9 +65,11 @@ static void add_matrix(struct attributes *a, const char *name, const float *m)
                                                       .matrix = m };
 }
 
-static double bearing_deg(double east, double north)
+/* True, in a local frame that is turned. */
+static double bearing_deg(double east, double north, double turned_rad)
 {
-    double degrees = atan2(east, north) / PEL_DEG;
+    double degrees =
+        remainder(atan2(east, north) - turned_rad, 2 * PEL_PI) / PEL_DEG;
     return degrees < 0 ? degrees + 360 : degrees;
 }
 
@@ -138,6 +140,8 @@ static void list_attributes(struct attributes *a, const struct pel_output *o,
     const struct pel_job_draw *part = &job->parts[o->draw];
     const struct pel_environment *env = pel_job_environment(job, o->draw);
     const struct pel_camera *camera = &job->draws[o->draw].camera;
+    double turned =
+        part->place > 0 ? job->places[part->place - 1].place.turned_rad : 0;
     snprintf(a->seed, sizeof a->seed, "%u", (unsigned)env->sea->desc.seed);
     add_text(a, "software", "pelagosd " PEL_VERSION);
     add_text(a, "pelagos.view", job->snapshot->views[part->view].name);
@@ -147,13 +151,14 @@ static void list_attributes(struct attributes *a, const struct pel_output *o,
     add_number(a, "pelagos.exposure", part->picture->exposure_ev);
     add_number(a, "pelagos.sunAzimuth",
                bearing_deg(env->lights[PEL_LIGHT_SUN].direction.x,
-                           env->lights[PEL_LIGHT_SUN].direction.y));
+                           env->lights[PEL_LIGHT_SUN].direction.y, turned));
     add_number(a, "pelagos.sunElevation",
                asin(pel_clamp(env->lights[PEL_LIGHT_SUN].direction.z, -1, 1)) /
                    PEL_DEG);
     add_number(a, "pelagos.windSpeed", env->wind_mps);
-    add_number(a, "pelagos.windDirection",
-               bearing_deg(-cos(env->wind_to_rad), -sin(env->wind_to_rad)));
+    add_number(
+        a, "pelagos.windDirection",
+        bearing_deg(-cos(env->wind_to_rad), -sin(env->wind_to_rad), turned));
     add_number(a, "pelagos.visibility", env->visibility_m);
     add_text(a, "pelagos.radiance",
              "R 680 nm, G 550 nm, B 440 nm, W m^-2 sr^-1 nm^-1");

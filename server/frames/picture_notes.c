@@ -2,9 +2,11 @@
 
 #include <math.h>
 
-void pel_camera_attitude(const struct pel_camera *camera, double *heading_deg,
-                         double *pitch_deg, double *roll_deg)
+void pel_camera_attitude(const struct pel_job *job, size_t draw,
+                         double *heading_deg, double *pitch_deg,
+                         double *roll_deg)
 {
+    const struct pel_camera *camera = &job->draws[draw].camera;
     struct pel_vec3 ahead = pel_vec3_scale(camera->world_from_camera.z, -1);
     struct pel_vec3 right = camera->world_from_camera.x;
     double heading = atan2(ahead.x, ahead.y);
@@ -15,7 +17,8 @@ void pel_camera_attitude(const struct pel_camera *camera, double *heading_deg,
     double c = cos(heading), s = sin(heading);
     struct pel_vec3 level_right = { c, -s, 0 };
     struct pel_vec3 level_up = { -s * ahead.z, -c * ahead.z, level };
-    double degrees = heading / PEL_DEG;
+    double degrees =
+        remainder(heading - pel_job_turned(job, draw), 2 * PEL_PI) / PEL_DEG;
     *heading_deg = degrees < 0 ? degrees + 360 : degrees;
     *pitch_deg = atan2(ahead.z, level) / PEL_DEG;
     *roll_deg = atan2(-pel_vec3_dot(right, level_up),
@@ -49,5 +52,6 @@ void pel_picture_photo(const struct pel_output *output, struct pel_photo *out)
     pel_geo_from_local(s->origin_latitude_rad / PEL_DEG,
                        s->origin_longitude_rad / PEL_DEG, c->east_m, c->north_m,
                        &out->latitude_deg, &out->longitude_deg);
-    pel_camera_attitude(c, &out->heading_deg, &out->pitch_deg, &out->roll_deg);
+    pel_camera_attitude(job, output->draw, &out->heading_deg, &out->pitch_deg,
+                        &out->roll_deg);
 }

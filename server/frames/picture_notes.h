@@ -4,10 +4,11 @@
 #include "encode/photo.h"
 #include "frames/job.h"
 
-/* Of the camera's axes: line of sight clockwise from true north 0..360 and up,
- * right side down, degrees. */
-void pel_camera_attitude(const struct pel_camera *camera, double *heading_deg,
-                         double *pitch_deg, double *roll_deg);
+/* Of the axes of a draw's camera: line of sight clockwise from true north
+ * 0..360 and up, right side down, degrees. */
+void pel_camera_attitude(const struct pel_job *job, size_t draw,
+                         double *heading_deg, double *pitch_deg,
+                         double *roll_deg);
 
 /* Degrees between the picture's left and right (bottom and top) edges. */
 double pel_camera_field(double tan_low, double tan_high);

@@ -65,6 +65,8 @@ static void set_pose(Pelagos__SeenEntity *to, const struct pel_job *job,
                      uint32_t id)
 {
     const struct pel_snapshot *s = job->snapshot;
+    double lat0 = s->origin_latitude_rad / PEL_DEG;
+    double lon0 = s->origin_longitude_rad / PEL_DEG;
     size_t i = 0;
     while (i < s->entity_count && s->entities[i].id != id) {
         i++;
@@ -75,17 +77,16 @@ static void set_pose(Pelagos__SeenEntity *to, const struct pel_job *job,
     struct pel_entity_state e;
     double latitude, longitude;
     pel_snapshot_entity_in_wakes(s, i, job->environment.time_s, &e);
-    pel_geo_from_local(s->origin_latitude_rad / PEL_DEG,
-                       s->origin_longitude_rad / PEL_DEG, e.east_m, e.north_m,
-                       &latitude, &longitude);
+    pel_geo_from_local(lat0, lon0, e.east_m, e.north_m, &latitude, &longitude);
+    double turned = pel_geo_convergence(lat0, lon0, latitude, longitude);
     SET(to, latitude, latitude);
     SET(to, longitude, longitude);
     SET(to, altitude, e.altitude_m);
-    SET(to, heading, degrees(e.heading_rad));
+    SET(to, heading, degrees(e.heading_rad - turned));
     SET(to, pitch, e.pitch_rad / PEL_DEG);
     SET(to, roll, e.roll_rad / PEL_DEG);
     SET(to, speed, e.speed_mps);
-    SET(to, course, degrees(e.course_rad));
+    SET(to, course, degrees(e.course_rad - turned));
 }
 
 static void set_model(Pelagos__SeenEntity *to, const struct pel_model *model)
@@ -120,7 +121,8 @@ static void set_pixels(struct seen *to, const struct pel_truth *t,
 }
 
 static void set_seen(struct seen *to, const struct pel_truth *t,
-                     const struct pel_job *job, const struct pel_picture *p)
+                     const struct pel_job *job, const struct pel_picture *p,
+                     double turned_rad)
 {
     Pelagos__SeenEntity *m = &to->message;
     pelagos__seen_entity__init(m);
@@ -137,7 +139,7 @@ static void set_seen(struct seen *to, const struct pel_truth *t,
     m->n_waterline = 2;
     m->waterline = to->list + 8;
     SET(m, distance, t->distance_m);
-    SET(m, bearing, degrees(t->bearing_rad));
+    SET(m, bearing, degrees(t->bearing_rad - turned_rad));
     set_pose(m, job, t->object->id);
 }
 
@@ -158,8 +160,9 @@ enum pel_err pel_picture_encode_truth(const struct pel_output *output,
         free(work);
         return err;
     }
+    double turned_rad = pel_job_turned(job, output->draw);
     for (size_t i = 0; i < count; i++) {
-        set_seen(&work->seen[i], &work->truth[i], job, p);
+        set_seen(&work->seen[i], &work->truth[i], job, p, turned_rad);
         work->list[i] = &work->seen[i].message;
     }
     Pelagos__FrameTruth truth = PELAGOS__FRAME_TRUTH__INIT;

@@ -50,6 +50,13 @@ static double stand(const struct pel_snapshot *s,
                     double *east_m, double *north_m)
 {
     struct pel_entity_state e = { 0 };
+    if (view->place.stand != PEL_STAND_CARRIED) {
+        struct pel_stance at;
+        pel_view_stance(s, (size_t)(view - s->views), time_s, false, &at);
+        *east_m = at.east_m;
+        *north_m = at.north_m;
+        return atan2(at.axes.y.x, at.axes.y.y);
+    }
     if (view->entity >= 0) {
         pel_snapshot_entity_level(s, (size_t)view->entity, time_s, &e);
     }
@@ -217,6 +224,11 @@ static void begin(struct seen *a, const struct pel_snapshot *s, size_t view,
     }
     double height = e.afloat ? a->view->up_m
                              : e.altitude_m + a->view->up_m - s->sea_level_m;
+    if (a->view->place.stand != PEL_STAND_CARRIED) {
+        struct pel_stance at;
+        pel_view_stance(s, (size_t)(a->view - s->views), a->time_s, false, &at);
+        height = at.altitude_m - s->sea_level_m;
+    }
     a->radar = (struct pel_radar){
         .range_m = set->range_m,
         .pulse_s = pulse_of(set),

@@ -519,9 +519,8 @@ static void draw_band(struct pel_renderloop *loop)
     uint32_t left = draw.camera.height - part->rows_begun;
     draw.first_row = part->rows_begun;
     draw.rows = rows < left ? rows : left;
-    enum pel_err err =
-        pel_renderer_submit(loop->renderer,
-                            pel_job_environment(job, job->begun), &draw, 1);
+    enum pel_err err = pel_renderer_submit(
+        loop->renderer, pel_job_environment(job, job->begun), &draw, 1);
     if (pel_renderer_lost(loop->renderer)) {
         part->rows_begun += draw.rows; /* its memory is held */
         pel_loss_recover(loop);

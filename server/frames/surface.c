@@ -33,9 +33,9 @@ static enum pel_err check(struct pel_frames *frames,
     }
     for (size_t i = 0; i < wish->count; i++) {
         struct pel_vec2 p = wish->points_m[i];
-        if (!(fabs(p.x) <= 1e6 && fabs(p.y) <= 1e6)) {
+        if (!(fabs(p.x) <= PEL_FARTHEST_M && fabs(p.y) <= PEL_FARTHEST_M)) {
             return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
-                                 "point %zu is outside -1e6 .. 1e6 m", i);
+                                 "point %zu is outside -2.1e7 .. 2.1e7 m", i);
         }
     }
     if (frames->surface_count == PEL_MAX_SURFACE_QUERIES) {

@@ -213,10 +213,10 @@ static void test_command_check(void **state)
     query.n_points = 2;
     assert_int_equal(pel_command_check(&query.base, &fault), PEL_ERR_INVALID);
     assert_string_equal(fault.path, "points.1.east");
-    bad.east = -1e6 - 1;
+    bad.east = -2.1e7 - 1;
     assert_int_equal(pel_command_check(&query.base, &fault),
                      PEL_ERR_OUT_OF_RANGE);
-    bad.east = -1e6;
+    bad.east = -2.1e7;
     assert_int_equal(pel_command_check(&query.base, &fault), PEL_OK);
     Pelagos__FrameRequest frame = PELAGOS__FRAME_REQUEST__INIT;
     frame.has_format = true;

@@ -56,8 +56,8 @@ void pel_snapshot_view_place(const struct pel_snapshot *s, size_t index,
     pel_place_of(s, east, north, out);
 }
 
-/* The windows of a view's meter that have its light, which is another where they
- * stand in another place; none where it has none. */
+/* The windows of a view's meter that have its light, which is another where
+ * they stand in another place; none where it has none. */
 static void place_sights(const struct pel_snapshot *s, size_t index,
                          double time_s, bool in_wakes, struct pel_camera *out)
 {

@@ -180,7 +180,8 @@ struct pel_vec3 pel_geo_earth(double lat, double lon, double height_m)
     double s = sin(lat * PEL_DEG), c = cos(lat * PEL_DEG);
     double normal = A / sqrt(1 - F * (2 - F) * s * s);
     double out = (normal + height_m) * c;
-    return (struct pel_vec3){ out * cos(lon * PEL_DEG), out * sin(lon * PEL_DEG),
+    return (struct pel_vec3){ out * cos(lon * PEL_DEG),
+                              out * sin(lon * PEL_DEG),
                               ((1 - F) * (1 - F) * normal + height_m) * s };
 }
 

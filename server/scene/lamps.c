@@ -271,9 +271,9 @@ size_t pel_snapshot_lamps(const struct pel_snapshot *s, double time_s,
     for (int decks = 0; decks < 2; decks++) {
         for (size_t i = 0; i < s->lamps->count; i++) {
             const struct pel_lamp_set *set = &s->lamps->sets[i];
-            bool lit = set->lights == PEL_LAMP_ON ||
-                       (set->lights == PEL_LAMP_AUTO &&
-                        is_dark(s, time_s, set));
+            bool lit =
+                set->lights == PEL_LAMP_ON ||
+                (set->lights == PEL_LAMP_AUTO && is_dark(s, time_s, set));
             struct pel_object o =
                 place(s, time_s, from, set, objects, object_count);
             if (decks) {

@@ -49,9 +49,9 @@ void pel_place_of(const struct pel_snapshot *s, double east_m, double north_m,
     const struct pel_mat3 there =
         pel_geo_local_axes(lat0, lon0, out->latitude, out->longitude);
     const struct pel_mat3 here = pel_geo_axes(lat0, lon0);
-    out->turned = (struct pel_mat3){ within(&there, here.x),
-                                     within(&there, here.y),
-                                     within(&there, here.z) };
+    out->turned =
+        (struct pel_mat3){ within(&there, here.x), within(&there, here.y),
+                           within(&there, here.z) };
     struct pel_vec3 from = pel_geo_earth(out->latitude, out->longitude, 0);
     struct pel_vec3 origin = pel_geo_earth(lat0, lon0, 0);
     out->from_m =

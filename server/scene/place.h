@@ -1,6 +1,6 @@
 /* A place of the local frame as a place on Earth: how directions and things are
- * seen from there. The local frame is a map about the origin; an eye far from it
- * has its own horizontal, and its own Sun. Pure, any thread. */
+ * seen from there. The local frame is a map about the origin; an eye far from
+ * it has its own horizontal, and its own Sun. Pure, any thread. */
 #pragma once
 
 #include <stdbool.h>
@@ -16,7 +16,8 @@ struct pel_entity_state;
  * ship share what is computed of their light: from its middle to its corner the
  * Sun moves by 0.0064 deg, less than the 0.01 deg of its formulae. */
 #define PEL_PLACE_SIDE_M 1000.0
-/* What is carried so far from an entity's or the origin's place stands there. */
+/* What is carried so far from an entity's or the origin's place stands there.
+ */
 #define PEL_PLACE_ARM_M 400.0
 /* To this distance from the origin the map is taken as it is: it stretches what
  * lies across the way from there by 0.41 %, bearings by 0.12 deg. */
@@ -29,8 +30,10 @@ struct pel_place {
     double east_m, north_m;
     double latitude, longitude; /* deg */
     double turned_rad;          /* local heading less true heading there */
-    struct pel_mat3 turned; /* directions of the origin's axes in this place's */
-    struct pel_vec3 from_m; /* the origin seen from here, in this place's axes */
+    struct pel_mat3
+        turned; /* directions of the origin's axes in this place's */
+    struct pel_vec3
+        from_m; /* the origin seen from here, in this place's axes */
 };
 
 /* Of the square that a place of the local frame is in. Far places have none:

@@ -362,12 +362,17 @@ static void a_heading_alone_does_not_throw_the_ship_back(void **state)
     assert_true(fabs(number(scene, "entities.1.longitude") -
                      450 / (6378137 * PEL_DEG)) < 1e-9);
     assert_true(number(scene, "entities.1.speed") == 0);
-    /* At the schema's last parallel it stays, and can be edited still. */
-    must(scene, "{\"entities\":{\"1\":{\"latitude\":84.9999,\"speed\":100,"
-                "\"course\":0}}}");
+    /* Over the pole it goes on, southward. */
+    must(scene, "{\"entities\":{\"1\":{\"latitude\":89.99,\"longitude\":10,"
+                "\"speed\":100,\"course\":0,\"heading\":0}}}");
     assert_int_equal(pel_scene_step(scene, 60, NULL), PEL_OK);
-    must(scene, "{\"entities\":{\"1\":{\"heading\":1}}}");
-    assert_true(number(scene, "entities.1.latitude") == 85);
+    must(scene, "{\"entities\":{\"1\":{\"speed\":1}}}");
+    /* Meridian of WGS 84 at the pole: a^2 / b. */
+    double past = 6000 / (6399593.6258 * PEL_DEG) - 0.01;
+    assert_true(fabs(90 - number(scene, "entities.1.latitude") - past) < 1e-9);
+    assert_true(fabs(number(scene, "entities.1.longitude") + 170) < 1e-6);
+    assert_true(fabs(number(scene, "entities.1.course") - 180) < 1e-6);
+    assert_true(fabs(number(scene, "entities.1.heading") - 180) < 1e-6);
     /* An explicit time is taken. */
     must(scene, "{\"entities\":{\"1\":{\"heading\":1,\"poseTime\":5073}}}");
     assert_true(number(scene, "entities.1.poseTime") == 5073);

@@ -39,6 +39,10 @@ enum pel_clock_mode {
 #define PEL_LOWEST_M (-100.0)
 #define PEL_HIGHEST_M 20000.0
 
+/* From the origin to anywhere: half the Earth's girth, and some (the schema's
+ * limit of Point). */
+#define PEL_FARTHEST_M 2.1e7
+
 struct pel_model;
 
 struct pel_entity_state {
@@ -237,8 +241,9 @@ void pel_snapshot_entity_seen(const struct pel_snapshot *s, size_t index,
                               struct pel_entity_state *out);
 
 /* The entities that have a model at time_s, as a place has them, at most
- * PEL_MAX_ENTITIES; returns their number. Their models live as long as the snapshot. Asks the sea where
- * one is afloat, and ship waves: not the control thread. */
+ * PEL_MAX_ENTITIES; returns their number. Their models live as long as the
+ * snapshot. Asks the sea where one is afloat, and ship waves: not the control
+ * thread. */
 size_t pel_snapshot_objects(const struct pel_snapshot *s, double time_s,
                             const struct pel_place *place,
                             struct pel_object out[PEL_MAX_ENTITIES]);

@@ -67,8 +67,8 @@ static void place_satellite(const Pelagos__Satellite *o,
     out->inclination_rad = o->inclination * PEL_DEG;
     out->node_rad = o->node * PEL_DEG;
     out->angle_rad = o->phase * PEL_DEG;
-    out->rate_rps = o->has_period ? 2 * PEL_PI / o->period
-                                  : sqrt(EARTH_MU / (r * r * r));
+    out->rate_rps =
+        o->has_period ? 2 * PEL_PI / o->period : sqrt(EARTH_MU / (r * r * r));
 }
 
 void pel_view_place_of(const Pelagos__State *state, const Pelagos__View *view,
@@ -90,9 +90,9 @@ void pel_view_place_of(const Pelagos__State *state, const Pelagos__View *view,
     const Pelagos__LookAt *look = view->look_at;
     if (look) {
         out->looks = true;
-        out->target_at = (struct pel_geo_place){ look->latitude,
-                                                 look->longitude,
-                                                 look->height };
+        out->target_at =
+            (struct pel_geo_place){ look->latitude, look->longitude,
+                                    look->height };
         out->target = look->has_entity ? index_of(state, look->entity) : -1;
     }
 }
@@ -107,7 +107,8 @@ void pel_view_place_unref(const struct pel_view_place *place)
     pel_way_unref(place->way);
 }
 
-/* --- whether it is whole --------------------------------------------------- */
+/* --- whether it is whole ---------------------------------------------------
+ */
 
 static enum pel_err refuse(enum pel_err err, const Pelagos__View *view,
                            const char *field, const char *value,
@@ -207,7 +208,8 @@ enum pel_err pel_view_place_check(const Pelagos__State *state,
     const Pelagos__LookAt *look = view->look_at;
     const Pelagos__Orbit *orbit = view->orbit;
     enum pel_err err = check_once(view, fault);
-    if (!err && view->at && !(view->at->has_latitude && view->at->has_longitude)) {
+    if (!err && view->at &&
+        !(view->at->has_latitude && view->at->has_longitude)) {
         err = refuse(PEL_ERR_INVALID, view, "at", NULL,
                      "needs both latitude and longitude", fault);
     }
@@ -218,8 +220,8 @@ enum pel_err pel_view_place_check(const Pelagos__State *state,
     }
     if (!err && orbit) {
         err = check_what(state, view, "orbit", orbit->has_latitude,
-                         orbit->has_longitude, orbit->has_entity,
-                         orbit->entity, fault);
+                         orbit->has_longitude, orbit->has_entity, orbit->entity,
+                         fault);
     }
     if (!err && orbit && orbit->has_period && fabs(orbit->period) < 0.1) {
         err = refuse(PEL_ERR_INVALID, view, "orbit.period", NULL,
@@ -230,7 +232,8 @@ enum pel_err pel_view_place_check(const Pelagos__State *state,
     return err ? err : check_waypoints(view, fault);
 }
 
-/* --- where ----------------------------------------------------------------- */
+/* --- where -----------------------------------------------------------------
+ */
 
 /* The local frame's axes at a place on Earth, and the origin. */
 struct ground {
@@ -263,9 +266,8 @@ static struct pel_geo_place orbit_at(const struct pel_view_place *p,
     struct pel_vec3 arm = { flat * sin(angle), flat * cos(angle),
                             p->radius_m * sin(p->elevation_rad) };
     struct pel_geo_place at;
-    pel_geo_of_earth(
-        pel_vec3_add(earth_of(middle), pel_mat3_apply(&axes, arm)),
-        &at.latitude, &at.longitude, &at.height_m);
+    pel_geo_of_earth(pel_vec3_add(earth_of(middle), pel_mat3_apply(&axes, arm)),
+                     &at.latitude, &at.longitude, &at.height_m);
     return at;
 }
 
@@ -287,8 +289,7 @@ static struct pel_geo_place satellite_at(const struct pel_view_place *p,
 
 static struct pel_geo_place moving_at(const struct pel_view_place *p,
                                       const struct pel_geo_place *middle,
-                                      double time_s,
-                                      struct pel_way_pose *pose)
+                                      double time_s, struct pel_way_pose *pose)
 {
     if (p->stand == PEL_STAND_ORBIT) {
         return orbit_at(p, middle, time_s);
@@ -322,9 +323,9 @@ static struct pel_geo_place middle_of(const struct pel_snapshot *s,
     size_t index = (size_t)p->about;
     pel_snapshot_entity_level(s, index, time_s, &e);
     bool floats = (e.afloat && e.model) || pel_snapshot_ship(s, index);
-    struct pel_geo_place at = { .height_m = p->at.height_m +
-                                            (floats ? s->sea_level_m
-                                                    : e.altitude_m) };
+    struct pel_geo_place at = {
+        .height_m = p->at.height_m + (floats ? s->sea_level_m : e.altitude_m)
+    };
     pel_geo_from_local(g.lat0, g.lon0, e.east_m, e.north_m, &at.latitude,
                        &at.longitude);
     *velocity = (struct pel_vec3){ e.speed_mps * sin(e.course_rad),
@@ -333,7 +334,8 @@ static struct pel_geo_place middle_of(const struct pel_snapshot *s,
     return at;
 }
 
-/* --- whither --------------------------------------------------------------- */
+/* --- whither ---------------------------------------------------------------
+ */
 
 /* Level axes that look along a direction; straight up or down: `heading` is
  * where the picture's lower, or upper, edge points. */
@@ -374,8 +376,8 @@ static void look(const struct pel_snapshot *s, const struct pel_view_place *p,
     struct pel_vec3 target = { 0, 0, at.height_m };
     if (p->target >= 0) {
         struct pel_entity_state e;
-        (in_wakes ? pel_snapshot_entity_in_wakes : pel_snapshot_entity_at)(
-            s, (size_t)p->target, time_s, &e);
+        (in_wakes ? pel_snapshot_entity_in_wakes
+                  : pel_snapshot_entity_at)(s, (size_t)p->target, time_s, &e);
         target = (struct pel_vec3){ e.east_m, e.north_m,
                                     at.height_m + e.altitude_m };
         at.height_m = target.z;
@@ -398,8 +400,7 @@ static void stand_moving(const struct pel_snapshot *s,
     struct pel_way_pose pose = { 0 };
     struct pel_vec3 carried;
     struct pel_geo_place middle = middle_of(s, p, time_s, &carried);
-    struct pel_geo_place before =
-        moving_at(p, &middle, time_s - RATE_S, &pose);
+    struct pel_geo_place before = moving_at(p, &middle, time_s - RATE_S, &pose);
     struct pel_geo_place after = moving_at(p, &middle, time_s + RATE_S, &pose);
     struct pel_geo_place at = moving_at(p, &middle, time_s, &pose);
     struct pel_mat3 axes =
@@ -416,14 +417,13 @@ static void stand_moving(const struct pel_snapshot *s,
         pel_geo_to_local(g.lat0, g.lon0, middle.latitude, middle.longitude,
                          &in_map.x, &in_map.y);
         /* From straight above, the middle's north is up. */
-        double turned = pel_geo_turn(g.lat0, g.lon0, middle.latitude,
-                                     middle.longitude);
+        double turned =
+            pel_geo_turn(g.lat0, g.lon0, middle.latitude, middle.longitude);
         out->axes = facing(sight(s, out, in_map, &middle), turned);
     } else if (p->stand == PEL_STAND_SATELLITE) {
         out->axes = pel_attitude(atan2(moved.x, moved.y), 0, 0);
     } else {
-        double turned =
-            pel_geo_turn(g.lat0, g.lon0, at.latitude, at.longitude);
+        double turned = pel_geo_turn(g.lat0, g.lon0, at.latitude, at.longitude);
         out->axes = pel_attitude(pose.heading_rad + turned, pose.pitch_rad,
                                  pose.roll_rad);
     }

@@ -28,19 +28,19 @@ struct pel_geo_place {
 
 struct pel_view_place {
     enum pel_stand stand;
-    struct pel_geo_place at;     /* of the camera; of an orbit's middle, where
-                                    `about` is none; a satellite's height */
-    double east_m, north_m;      /* of `at`, in the local frame */
-    double turned_rad;           /* there: pel_geo_turn */
-    int about;                   /* entity in an orbit's middle, -1: none */
+    struct pel_geo_place at; /* of the camera; of an orbit's middle, where
+                                `about` is none; a satellite's height */
+    double east_m, north_m;  /* of `at`, in the local frame */
+    double turned_rad;       /* there: pel_geo_turn */
+    int about;               /* entity in an orbit's middle, -1: none */
     double radius_m, elevation_rad;
-    double angle_rad, rate_rps;  /* at simulated time 0, and its rate: of an
-                                    orbit the bearing, of a satellite the angle
-                                    from the node */
+    double angle_rad, rate_rps; /* at simulated time 0, and its rate: of an
+                                   orbit the bearing, of a satellite the angle
+                                   from the node */
     double inclination_rad, node_rad;
     struct pel_way *way;
-    bool looks;                  /* at something: */
-    int target;                  /* an entity, -1: a place */
+    bool looks; /* at something: */
+    int target; /* an entity, -1: a place */
     struct pel_geo_place target_at;
 };
 

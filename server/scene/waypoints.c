@@ -46,11 +46,10 @@ static void set_rates(struct pel_way *way)
             double after = i < last ? slope(k, k + 1, v) : 0;
             double h0 = i > 0 ? k->time_s - k[-1].time_s : 0;
             double h1 = i < last ? k[1].time_s - k->time_s : 0;
-            k->rate[v] = i == 0      ? after
-                         : i == last ? before
-                         : v <= NORMAL_Z
-                             ? smooth(before, after, h0, h1)
-                             : monotone(before, after, h0, h1);
+            k->rate[v] = i == 0          ? after
+                         : i == last     ? before
+                         : v <= NORMAL_Z ? smooth(before, after, h0, h1)
+                                         : monotone(before, after, h0, h1);
         }
     }
 }
@@ -106,8 +105,7 @@ static double hermite(const struct knot *a, const struct knot *b, int v,
     double d = b->value[v] - a->value[v];
     double r0 = h * a->rate[v] - d, r1 = h * b->rate[v] - d;
     /* A straight line with a bend on it: what rests stays, to the bit. */
-    return a->value[v] + t * d +
-           t * (1 - t) * ((1 - t) * r0 - t * r1);
+    return a->value[v] + t * d + t * (1 - t) * ((1 - t) * r0 - t * r1);
 }
 
 void pel_way_at(const struct pel_way *way, double time_s,
@@ -126,9 +124,9 @@ void pel_way_at(const struct pel_way *way, double time_s,
         value[v] = b > a ? hermite(a, b, v, t) : a->value[v];
     }
     *out = (struct pel_way_pose){
-        .latitude = atan2(value[NORMAL_Z],
-                          hypot(value[NORMAL_X], value[NORMAL_Y])) /
-                    PEL_DEG,
+        .latitude =
+            atan2(value[NORMAL_Z], hypot(value[NORMAL_X], value[NORMAL_Y])) /
+            PEL_DEG,
         .longitude = atan2(value[NORMAL_Y], value[NORMAL_X]) / PEL_DEG,
         .height_m = sinh(value[HEIGHT]),
         .heading_rad = value[HEADING],

@@ -97,8 +97,8 @@ class Clock(Record):
 @dataclass(frozen=True)
 class Origin(Record):
     """Where the local east-north-up frame touches the WGS 84 ellipsoid."""
-    #: Geodetic latitude. [deg; -85 to 85]
-    latitude: float = _field(52.6, 'deg', -85, 85)
+    #: Geodetic latitude. [deg; -90 to 90]
+    latitude: float = _field(52.6, 'deg', -90, 90)
     #: Longitude. [deg; -180 to 180]
     longitude: float = _field(5.2, 'deg', -180, 180)
 
@@ -313,9 +313,9 @@ class Fog(Record):
     #: Radius of a bank, at which there is nothing left of it; absent: a layer,
     #: everywhere. [m; 50 to 20000]
     radius: float | None = _field(None, 'm', 50, 20000)
-    #: Geodetic latitude of a bank's middle; absent: the origin's. [deg; -85 to
-    #: 85]
-    latitude: float | None = _field(None, 'deg', -85, 85)
+    #: Geodetic latitude of a bank's middle; absent: the origin's. [deg; -90 to
+    #: 90]
+    latitude: float | None = _field(None, 'deg', -90, 90)
     #: Its longitude; absent: the origin's. [deg; -180 to 180]
     longitude: float | None = _field(None, 'deg', -180, 180)
     #: Speed at which a bank drifts; absent: sea.windSpeed. [m/s; 0 to 50]
@@ -391,9 +391,9 @@ class Sky(Record):
     lightning: float = _field(0.0, '1/min', 0, 60)
     #: Radius of the storm about its middle. [m; 100 to 50000]
     lightningRadius: float = _field(8000.0, 'm', 100, 50000)
-    #: Geodetic latitude of the storm's middle; absent: the origin's. [deg; -85
-    #: to 85]
-    lightningLatitude: float | None = _field(None, 'deg', -85, 85)
+    #: Geodetic latitude of the storm's middle; absent: the origin's. [deg; -90
+    #: to 90]
+    lightningLatitude: float | None = _field(None, 'deg', -90, 90)
     #: Its longitude; absent: the origin's. [deg; -180 to 180]
     lightningLongitude: float | None = _field(None, 'deg', -180, 180)
     #: Compass direction of the picture's middle; right of it is clockwise.
@@ -475,8 +475,8 @@ class TrackPoint(Record):
     """A place of an entity in the past."""
     #: Simulated time. [s; 0 to 1000000000]
     time: float = _field(0.0, 's', 0, 1000000000)
-    #: Geodetic latitude. [deg; -85 to 85]
-    latitude: float = _field(0.0, 'deg', -85, 85)
+    #: Geodetic latitude. [deg; -90 to 90]
+    latitude: float = _field(0.0, 'deg', -90, 90)
     #: Longitude. [deg; -180 to 180]
     longitude: float = _field(0.0, 'deg', -180, 180)
     #: True heading, while `wash`. [deg; 0 to 360]
@@ -560,8 +560,8 @@ class Entity(Record):
     id: int | None = _field(None, None, 0, 65535)
     #: Name for people; also accepted in paths where it is unique.
     name: str | None = _field(None)
-    #: Geodetic latitude. [deg; -85 to 85]
-    latitude: float = _field(52.6, 'deg', -85, 85)
+    #: Geodetic latitude. [deg; -90 to 90]
+    latitude: float = _field(52.6, 'deg', -90, 90)
     #: Longitude. [deg; -180 to 180]
     longitude: float = _field(5.2, 'deg', -180, 180)
     #: Height of the reference point above mean sea level. [m; -100 to 20000]
@@ -717,9 +717,109 @@ class Radar(Record):
 
 
 @dataclass(frozen=True)
+class Place(Record):
+    """A place where a camera stands: both of latitude and longitude."""
+    #: Geodetic latitude. [deg; -90 to 90]
+    latitude: float | None = _field(None, 'deg', -90, 90)
+    #: Longitude. [deg; -180 to 180]
+    longitude: float | None = _field(None, 'deg', -180, 180)
+    #: Height above altitude 0; absent: View.up. [m; -100 to 10000000]
+    height: float | None = _field(None, 'm', -100, 10000000)
+
+
+@dataclass(frozen=True)
+class LookAt(Record):
+    """What a camera looks at: all of latitude and longitude, or an entity."""
+    #: Geodetic latitude. [deg; -90 to 90]
+    latitude: float | None = _field(None, 'deg', -90, 90)
+    #: Longitude. [deg; -180 to 180]
+    longitude: float | None = _field(None, 'deg', -180, 180)
+    #: Height above altitude 0; of an entity: above its reference point. [m;
+    #: -10000 to 10000000]
+    height: float = _field(0.0, 'm', -10000, 10000000)
+    #: Entity instead. [1; 0 to 65535]
+    entity: int | None = _field(None, '1', 0, 65535)
+
+
+@dataclass(frozen=True)
+class Orbit(Record):
+    """A camera that circles about a place (both of latitude and longitude) or
+    an entity and looks at it. Its place is a function of simulated time
+    alone."""
+    #: Geodetic latitude of the middle. [deg; -90 to 90]
+    latitude: float | None = _field(None, 'deg', -90, 90)
+    #: Its longitude. [deg; -180 to 180]
+    longitude: float | None = _field(None, 'deg', -180, 180)
+    #: Its height above altitude 0; of an entity: above its reference point,
+    #: which does not heave with the sea. [m; -100 to 1000000]
+    height: float = _field(0.0, 'm', -100, 1000000)
+    #: Entity in the middle instead. [1; 0 to 65535]
+    entity: int | None = _field(None, '1', 0, 65535)
+    #: Straight distance from the middle. [m; 1 to 10000000]
+    radius: float = _field(500.0, 'm', 1, 10000000)
+    #: How high the camera stands over the middle's horizon. [deg; 0 to 90]
+    elevation: float = _field(15.0, 'deg', 0, 90)
+    #: True bearing of the camera from the middle at simulated time 0. [deg;
+    #: -360 to 360]
+    azimuth: float = _field(180.0, 'deg', -360, 360)
+    #: Time of a turn, clockwise as seen from above, negative: the other way;
+    #: absent: it stands at its azimuth. [s; -1000000 to 1000000]
+    period: float | None = _field(None, 's', -1000000, 1000000)
+
+
+@dataclass(frozen=True)
+class Satellite(Record):
+    """A camera on the circle of a satellite, over an Earth that turns below
+    it: its heading is that of its way over the ground. Its place is a function
+    of simulated time alone."""
+    #: Between the circle and the equator; above 90 it goes westward. [deg; 0
+    #: to 180]
+    inclination: float = _field(51.6, 'deg', 0, 180)
+    #: Longitude where it crosses the equator northward, at simulated time 0.
+    #: [deg; -180 to 180]
+    node: float = _field(0.0, 'deg', -180, 180)
+    #: How far it is past that point at simulated time 0, along the circle.
+    #: [deg; -360 to 360]
+    phase: float = _field(0.0, 'deg', -360, 360)
+    #: Height above the ellipsoid. [m; 1000 to 10000000]
+    height: float = _field(400000.0, 'm', 1000, 10000000)
+    #: Time of a revolution; absent: Kepler's at this height. [s; 60 to
+    #: 1000000]
+    period: float | None = _field(None, 's', 60, 1000000)
+
+
+@dataclass(frozen=True)
+class Waypoint(Record):
+    """Where a camera is at a moment of its way; both of latitude and
+    longitude."""
+    #: Simulated time, later than that of the waypoint before. [s; 0 to
+    #: 1000000000]
+    time: float = _field(0.0, 's', 0, 1000000000)
+    #: Geodetic latitude. [deg; -90 to 90]
+    latitude: float | None = _field(None, 'deg', -90, 90)
+    #: Longitude. [deg; -180 to 180]
+    longitude: float | None = _field(None, 'deg', -180, 180)
+    #: Height above altitude 0. [m; -100 to 10000000]
+    height: float = _field(10.0, 'm', -100, 10000000)
+    #: True heading. [deg; -360 to 360]
+    heading: float = _field(0.0, 'deg', -360, 360)
+    #: Upward. [deg; -90 to 90]
+    pitch: float = _field(0.0, 'deg', -90, 90)
+    #: Right side down. [deg; -180 to 180]
+    roll: float = _field(0.0, 'deg', -180, 180)
+
+
+@dataclass(frozen=True)
 class View(Record):
-    """One camera. Offsets and angles are relative to the entity (or, without
-    one, to the origin with heading 0), applied yaw, then pitch, then roll."""
+    """One camera. Where it stands is said by one of entity, at, orbit,
+    satellite and waypoints; without any it is the origin with heading 0.
+    Whither it looks follows from that (an entity's bow, true north of `at`,
+    the middle of an orbit, the way of a satellite, heading, pitch and roll of
+    waypoints), or from lookAt, which comes before it and holds the horizon
+    level. Then yaw, pitch and roll turn it, in this order: with all of them 0
+    what it looks at is in the middle. forward and right are relative to the
+    entity or to the origin, and do not count with at, orbit, satellite and
+    waypoints; up is also the height of `at`, where that gives none."""
     #: Name, 1 to 64 of A-Z a-z 0-9 _ -.
     name: str | None = _field(None)
     #: Entity the camera is fixed to; absent: the world. [1; 0 to 65535]
@@ -781,6 +881,18 @@ class View(Record):
     #: A radar's picture instead of the eye's, of the view's size; its antenna
     #: stands at the view's place.
     radar: Radar | None = _field(None)
+    #: It stands at a place on Earth.
+    at: Place | None = _field(None)
+    #: It looks at a place or an entity.
+    lookAt: LookAt | None = _field(None)
+    #: It circles about a place or an entity.
+    orbit: Orbit | None = _field(None)
+    #: It goes with a satellite.
+    satellite: Satellite | None = _field(None)
+    #: It goes a way, at most 64 waypoints: from each to the next on a smooth
+    #: curve, its height evenly by its logarithm, and stands before the first
+    #: and after the last. A patch replaces all of them.
+    waypoints: tuple[Waypoint, ...] = ()
 
 
 @dataclass(frozen=True)
