@@ -195,7 +195,8 @@ enum pel_err pel_picture_encode_layers(const struct pel_output *output,
         if (!position) {
             return PEL_ERR_NO_MEMORY;
         }
-        pel_picture_position(p, c, &output->job->environment, position);
+        pel_picture_position(
+            p, c, pel_job_environment(output->job, output->draw), position);
     }
     /* A night's radiance is less than a half can be. */
     bool dark = pel_job_environment(output->job, output->draw)

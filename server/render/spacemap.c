@@ -34,7 +34,7 @@ pel_space_geometry_for(const struct pel_environment *env,
            lon0 = env->origin_longitude_rad / PEL_DEG, lat, lon;
     pel_geo_from_local(lat0, lon0, camera->east_m, camera->north_m, &lat, &lon);
     return pel_space_geometry_of(height_m, lat * PEL_DEG, lon * PEL_DEG,
-                                 pel_geo_convergence(lat0, lon0, lat, lon));
+                                 pel_geo_turn(lat0, lon0, lat, lon));
 }
 
 /* By the highest that each light stands over what is seen, and the lowest the
