@@ -31,7 +31,7 @@ SITE_PACKAGES := python3-sphinx python3-myst-parser furo graphviz groff
 # What `make deb` is made by.
 DEB_PACKAGES := dpkg-dev debhelper dh-python lintian python3-pip python3-setuptools \
     python3-wheel
-TEST_PACKAGES := gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
+TEST_PACKAGES := gmt-gshhg-low gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
     libimage-exiftool-perl netcdf-bin python3-netcdf4 python3-xarray librsvg2-bin \
     python3-serial-asyncio python3-jsonschema python3-hypothesis \
     xplanet python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
@@ -104,6 +104,7 @@ OCEAN := $(call room,server/ocean)
 SEABED := $(call room,server/seabed)
 MODELS := $(call room,server/models)
 PANORAMA := $(call room,server/panorama)
+CONTINENTS := $(call room,server/continents)
 OPTICS := $(call room,server/optics)
 PROTO := $(call room,proto)
 SCENE := $(call room,server/scene)
@@ -117,6 +118,7 @@ SEABED_READER := $(call room,server/seabed/reader)
 MODEL_READER := $(call room,server/models/reader)
 PANORAMA_READER := $(call room,server/panorama/reader)
 SPECTRUM_READER := $(call room,server/ocean/reader)
+CONTINENTS_READER := $(call room,server/continents/reader)
 DAEMON := server/main.c server/service.c
 # What makes a part of the server while it is built.
 MAKER := server/clearair.c
@@ -155,7 +157,7 @@ KEY := $(shell printf %s $(call quoted,$(CC) $(OUR_CPPFLAGS) $(OUR_CFLAGS) $(CPP
 OBJ := $(O)/obj-$(KEY)
 
 # --- rules ----------------------------------------------------------------
-SERVER := $(BASE) $(OCEAN) $(SEABED) $(MODELS) $(PANORAMA) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
+SERVER := $(BASE) $(OCEAN) $(SEABED) $(MODELS) $(PANORAMA) $(CONTINENTS) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
     $(FRAMES) $(NET) $(BRIDGES) $(OPTIONS)
 GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c \
     $(O)/gen/pages.c
@@ -171,7 +173,7 @@ SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
 PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\
-    pelagosd pelagosctl pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-plot)
+    pelagosd pelagosctl pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents pelagos-plot)
 
 .PHONY: all
 all: $(PROGRAMS) ## build the daemon and its command line
@@ -190,7 +192,7 @@ $(O)/flags: FORCE
 	$(Q)mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = $(KEY) ] || echo $(KEY) >$@
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosd-starved pelagosctl \
-    pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
+    pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
     bench_devices any_raster rhythm validate_water seatrace airtrace airours shiptrace undertrace cloudtrace): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
@@ -208,6 +210,9 @@ $(O)/bin/pelagos-model: $(call obj,$(MODEL_READER)) $(OBJ)/libserver.a
 	$(LINK) $(MODEL_LIBS)
 
 $(O)/bin/pelagos-spectrum: $(call obj,$(SPECTRUM_READER)) $(OBJ)/libserver.a
+	$(LINK) $(SPECTRUM_LIBS) -lm
+
+$(O)/bin/pelagos-continents: $(call obj,$(CONTINENTS_READER)) $(OBJ)/libserver.a
 	$(LINK) $(SPECTRUM_LIBS) -lm
 
 # For pelagosctl plot, out of the tree; installed, it is the Python package's.
@@ -346,6 +351,7 @@ $(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(OBJ)/libctl.a $(OBJ)/lib
 endef
 $(foreach t,$(TESTS),$(eval $(call test_rule,$(t))))
 $(O)/bin/ground_test: | $(O)/bin/pelagos-seabed
+$(O)/bin/continents_test $(O)/bin/space_drawn_test: | $(O)/bin/pelagos-continents
 
 # Every driver of GDAL, for files that the reader must not read.
 $(O)/bin/any_raster: $(OBJ)/tests/any_raster.o $(OBJ)/libserver.a
@@ -740,7 +746,7 @@ EXERCISES = $(wildcard clients/exercises/*.json)
 
 # What `install` puts where, for `uninstall`; then the folders that are ours.
 INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
-    $(addprefix $(D)/libexec/pelagos/,pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum) \
+    $(addprefix $(D)/libexec/pelagos/,pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents) \
     $(addprefix $(L)/,libpelagos.a $(SHARED) libpelagos.so.$(ABI) libpelagos.so \
         pkgconfig/pelagos.pc) \
     $(addprefix $(D)/include/pelagos/,$(notdir $(PUBLIC))) \
@@ -764,7 +770,7 @@ install: all man $(O)/pelagos.pc $(O)/libpelagos.a $(O)/$(SHARED) ## install bel
 	install -d $(sort $(dir $(INSTALLED))) $(DESTDIR)$(SYSCONFDIR)/pelagos
 	install -m755 $(O)/bin/pelagosd $(O)/bin/pelagosctl $(D)/bin
 	install -m755 $(O)/bin/pelagos-seabed $(O)/bin/pelagos-model \
-	    $(O)/bin/pelagos-panorama $(O)/bin/pelagos-spectrum $(D)/libexec/pelagos
+	    $(O)/bin/pelagos-panorama $(O)/bin/pelagos-spectrum $(O)/bin/pelagos-continents $(D)/libexec/pelagos
 	install -m644 $(O)/libpelagos.a $(O)/$(SHARED) $(L)
 	ln -sf $(SHARED) $(L)/libpelagos.so.$(ABI)
 	ln -sf libpelagos.so.$(ABI) $(L)/libpelagos.so

@@ -31,6 +31,9 @@
 #endif
 #include "lib/shaded.glsl"
 #include "lib/backdrop.glsl"
+#ifdef PEL_SPACE_CLOUDS
+#include "lib/spacecloud.glsl"
+#endif
 #include "lib/spacesea.glsl"
 #include "lib/tone.glsl"
 #include "lib/outputs.glsl"

@@ -87,6 +87,7 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
         .sparkle = s->sparkle,
         .origin_latitude_rad = s->origin_latitude_rad,
         .origin_longitude_rad = s->origin_longitude_rad,
+        .continents = true,
     };
     env.lights[PEL_LIGHT_SUN].direction = pel_snapshot_sun(s, time_s);
     if (s->panorama) {

@@ -72,6 +72,7 @@ struct pel_environment {
     double own_east_m, own_north_m; /* whence fog is seen that it mirrors */
     /* Of the map that cameras stand on, for what is seen from high up. */
     double origin_latitude_rad, origin_longitude_rad;
+    bool continents; /* are drawn there, where their files are */
     struct pel_water_body water;
     enum pel_water_orders orders;
     /* Depths to have the water's light for, over a bottom that is not flat;

@@ -3,6 +3,7 @@
  * poles and date line. */
 #include "render/render_testkit.h"
 
+#include "continents/continents.h"
 #include "optics/atmosphere.h"
 #include "render/spacegeometry.h"
 
@@ -196,13 +197,99 @@ static void horizon_is_drawn(void **state)
     pel_sea_finish(&sea);
 }
 
+/* Latitude and longitude [rad] where a sight from an eye meets WGS 84, by axes
+ * of the Earth; false: nowhere. */
+static bool ground_of(double latitude, double longitude, double height_m,
+                      struct pel_vec3 ray, double *lat, double *lon)
+{
+    const double a = 6378137.0, e2 = 0.00669437999014, b2 = 1 - e2;
+    double s = sin(latitude), c = cos(latitude);
+    double sl = sin(longitude), cl = cos(longitude);
+    double n = a / sqrt(1 - e2 * s * s);
+    const struct pel_vec3 eye = { (n + height_m) * c * cl,
+                                  (n + height_m) * c * sl,
+                                  (n * b2 + height_m) * s };
+    const struct pel_vec3 d = { -sl * ray.x - s * cl * ray.y + c * cl * ray.z,
+                                cl * ray.x - s * sl * ray.y + c * sl * ray.z,
+                                c * ray.y + s * ray.z };
+    double dd = d.x * d.x + d.y * d.y + d.z * d.z / b2,
+           de = d.x * eye.x + d.y * eye.y + d.z * eye.z / b2,
+           ee = eye.x * eye.x + eye.y * eye.y + eye.z * eye.z / b2 - a * a;
+    double disc = de * de - dd * ee;
+    if (disc < 0) {
+        return false;
+    }
+    double t = (-de - sqrt(disc)) / dd;
+    const struct pel_vec3 p = { eye.x + t * d.x, eye.y + t * d.y,
+                                eye.z + t * d.z };
+    *lat = atan2(p.z, b2 * hypot(p.x, p.y));
+    *lon = atan2(p.y, p.x);
+    return true;
+}
+
+/* Land is drawn where it is, at poles and date line as anywhere. */
+static void continents(void **state)
+{
+    (void)state;
+    const struct pel_continents *c = pel_continents_get();
+    if (!c) {
+        print_message("no coastlines: install gmt-gshhg-low\n");
+        skip();
+    }
+    test_sea(8.0, 0.0, 3, &sea);
+    static const struct {
+        double latitude, longitude, height_m, heading, pitch;
+    } eyes[] = {
+        { -89.9, 20, 4e5, 30, -60 }, { 89.9, -60, 1e7, 0, -90 },
+        { 66, 179.99, 4e5, 0, -90 }, { 66, -179.99, 4e5, 0, -90 },
+        { 45, 10, 5e4, 200, -30 },   { -40, 175, 1e7, 50, -70 },
+        { 20, -100, 2e6, 300, -60 },
+    };
+    for (size_t i = 0; i < sizeof eyes / sizeof *eyes; i++) {
+        struct pel_environment env = day(60, 220);
+        env.origin_latitude_rad = eyes[i].latitude * PEL_DEG;
+        env.origin_longitude_rad = eyes[i].longitude * PEL_DEG;
+        env.continents = true;
+        struct pel_camera camera = test_camera(
+            (struct test_look){ eyes[i].height_m, eyes[i].heading,
+                                eyes[i].pitch, 0, 50, WIDTH, HEIGHT });
+        struct pel_picture *p =
+            test_draw(renderer, &env, &camera, PEL_LAYER_ALBEDO);
+        int land = 0, water = 0, wrong = 0;
+        for (int k = 0; k < WIDTH * HEIGHT; k++) {
+            double lat, lon;
+            struct pel_vec3 ray =
+                test_ray(&camera, k % WIDTH + 0.5, k / WIDTH + 0.5);
+            bool drawn = p->albedo[4 * k + 1] > 0;
+            if (!ground_of(env.origin_latitude_rad, env.origin_longitude_rad,
+                           eyes[i].height_m, ray, &lat, &lon)) {
+                wrong += drawn;
+                continue;
+            }
+            int x = (int)((lon / PEL_PI + 1) / 2 * PEL_CONTINENT_COLUMNS),
+                y = (int)((lat / PEL_PI + 0.5) * PEL_CONTINENT_ROWS);
+            int share = c->share[(size_t)y * PEL_CONTINENT_COLUMNS + x];
+            land += share > 127;
+            water += share <= 127;
+            wrong += drawn != (share > 127);
+        }
+        print_message("from %g %g, %.0f km: %d pixels of land, %d of water, "
+                      "%d otherwise\n",
+                      eyes[i].latitude, eyes[i].longitude,
+                      eyes[i].height_m / 1e3, land, water, wrong);
+        /* Pixels on coasts, the more the larger they are. */
+        assert_true(wrong < 0.04 * (land + water));
+        pel_picture_release(p);
+    }
+    pel_sea_finish(&sea);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_step),
-        cmocka_unit_test(octaves),
-        cmocka_unit_test(terminator),
-        cmocka_unit_test(horizon_is_drawn),
+        cmocka_unit_test(no_step),    cmocka_unit_test(octaves),
+        cmocka_unit_test(terminator), cmocka_unit_test(horizon_is_drawn),
+        cmocka_unit_test(continents),
     };
     return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/reserve.h"
+#include "continents/continents.h"
 #include "optics/atmosphere.h"
 #include "render/programs.h"
 #include "render/shader.h"
@@ -13,6 +14,8 @@
 
 #define MOST_PROGRAMS 256
 #define LONGEST_OF_FFT_M 4400.0 /* the first cascade's tile */
+#define CLOUDS_LEAST_M 2e4
+#define CLOUDS_WHOLE_M 1.5e5
 #define DEEP_NIGHT (-18.0 * PEL_DEG)
 /* Air that shines beyond the horizon of an eye. */
 #define AIR_BEYOND (8.0 * PEL_DEG)
@@ -362,6 +365,47 @@ void pel_space_bind(struct pel_space_map *m, const struct pel_sky *sky,
     glBindTextureUnit(PEL_UNIT_SPACE_SKIES, m->skies);
     glBindTextureUnit(PEL_UNIT_SPACE_WATERS, m->waters);
     glBindTextureUnit(PEL_UNIT_SPACE_SECONDS, m->seconds);
+    glBindTextureUnit(PEL_UNIT_SPACE_LAND, m->land);
+    glBindTextureUnit(PEL_UNIT_SPACE_GROUND, m->ground);
+}
+
+/* --- continents ----------------------------------------------------------- */
+
+static GLuint make_globe(GLenum format, GLsizei columns, GLsizei rows,
+                         GLsizei levels, const char *label)
+{
+    GLuint texture = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+    glTextureStorage2D(texture, levels, format, columns, rows);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER,
+                        levels > 1 ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glObjectLabel(GL_TEXTURE, texture, -1, label);
+    return texture;
+}
+
+void pel_space_continents(struct pel_space_map *m,
+                          const struct pel_environment *env)
+{
+    if (m->land_sought || !env->continents) {
+        return;
+    }
+    m->land_sought = true;
+    const struct pel_continents *c = pel_continents_get();
+    if (!c) {
+        return;
+    }
+    m->land = make_globe(GL_R8, PEL_CONTINENT_COLUMNS, PEL_CONTINENT_ROWS, 12,
+                         "shares of land");
+    glTextureSubImage2D(m->land, 0, 0, 0, PEL_CONTINENT_COLUMNS,
+                        PEL_CONTINENT_ROWS, GL_RED, GL_UNSIGNED_BYTE, c->share);
+    glGenerateTextureMipmap(m->land);
+    m->ground = make_globe(GL_RGBA8, PEL_GROUND_COLUMNS, PEL_GROUND_ROWS, 1,
+                           "albedo of land");
+    glTextureSubImage2D(m->ground, 0, 0, 0, PEL_GROUND_COLUMNS, PEL_GROUND_ROWS,
+                        GL_RGBA, GL_UNSIGNED_BYTE, c->ground);
 }
 
 /* --- the block ------------------------------------------------------------ */
@@ -394,7 +438,14 @@ void pel_fill_space(const struct pel_space_map *m,
         .space_eye =
             vec4(g->height_m, -sqrt(g->height_m * (radius + r)) / r, g->whole,
                  fmin(g->height_m, PEL_ATMOSPHERE_RADIUS - radius)),
-        .space_more = vec4(0, longest, 0, 0),
+        .space_more = vec4(env->continents && m->land, longest, 0, 0),
+        /* Systems of clouds fade in as tiles of the field become many. */
+        .space_cloud =
+            vec4(fmod(0.618 * env->clouds.seed, 64.0) - 32.0,
+                 0.8 * pel_clamp(log(g->height_m / CLOUDS_LEAST_M) /
+                                     log(CLOUDS_WHOLE_M / CLOUDS_LEAST_M),
+                                 0.0, 1.0),
+                 0, 0),
         .space_sun = vec4(sun.r, sun.g, sun.b, 0),
     };
     put_columns(&g->from, out->space_from);
@@ -426,8 +477,9 @@ void pel_space_map_finish(struct pel_space_map *m)
         glDeleteTextures(1, &a->through);
         glDeleteFramebuffers(PEL_LIGHTS, a->fbos);
     }
-    const GLuint textures[] = { m->skies, m->waters, m->seconds };
-    glDeleteTextures(3, textures);
+    const GLuint textures[] = { m->skies, m->waters, m->seconds, m->land,
+                                m->ground };
+    glDeleteTextures(5, textures);
     const GLuint buffers[] = { m->frame, m->eye };
     glDeleteBuffers(2, buffers);
     *m = (struct pel_space_map){ 0 };

@@ -36,6 +36,8 @@ struct pel_space_map {
     uint64_t uses;
     GLuint skies, waters, seconds; /* a layer for each elevation */
     GLuint frame, eye;             /* buffers, while those are made */
+    GLuint land, ground;           /* continents; 0: none */
+    bool land_sought;
     struct pel_vec4 suns[2 * PEL_SPACE_SUNS];
     double sun_key[PEL_SPACE_SUN_KEYS];
     bool suns_made;
@@ -71,6 +73,11 @@ GLuint pel_space_program(struct pel_space_map *m, const char *shader_dir,
 PEL_CHECK enum pel_err pel_space_need_meter(struct pel_space_map *m, int lit,
                                             const char *shader_dir,
                                             struct pel_fault *fault);
+
+/* Brings continents to the device, where some are wanted and not there yet; the
+ * first waits for their file. */
+void pel_space_continents(struct pel_space_map *m,
+                          const struct pel_environment *env);
 
 void pel_fill_space(const struct pel_space_map *m,
                     const struct pel_environment *env,

@@ -14,9 +14,10 @@ static void defines_of(struct pel_renderer *r,
 {
     char surface[PEL_SURFACE_TEXT];
     pel_programs_surface(&r->programs, here->sea, surface);
-    snprintf(out, DEFINES, "%s%s%s%s%s%s", surface, pel_shading_defines(kind),
+    snprintf(out, DEFINES, "%s%s%s%s%s%s%s", surface, pel_shading_defines(kind),
              here->lit > 1 ? "#define PEL_LIT 2\n" : "",
              here->night.on ? "#define PEL_NIGHT\n" : "",
+             here->clouds.cover > 0 ? "#define PEL_SPACE_CLOUDS\n" : "",
              disc ? "#define PEL_DISCS 2\n" : "#define PEL_NO_DISC\n",
              pel_programs_foam(here->sea));
 }
@@ -52,6 +53,32 @@ enum pel_err pel_space_need_view(struct pel_renderer *r,
     return err;
 }
 
+/* What fog, and of a meter clouds, hide on average. */
+static void veil(const struct pel_environment *env, bool clouds,
+                 struct pel_block_space *block)
+{
+    const double mu = 0.6;
+    double open = 1.0, shine = 0.0, depth = 0.0;
+    for (int i = 0; i < env->fog_count; i++) {
+        const struct pel_fog *f = &env->fog[i];
+        depth += f->radius_m > 0 ? 0 : f->extinction * (f->top_m - f->base_m);
+    }
+    if (depth > 0) {
+        open = exp(-depth / mu);
+        shine = 1.0 - pel_cloud_through((1 - PEL_CLOUD_ASYMMETRY) * depth, mu);
+    }
+    if (clouds && env->clouds.cover > 0) {
+        const struct pel_cloud_kind *kind = pel_cloud_kind(env->clouds.genus);
+        double deep = 0.5 * kind->extinction * env->clouds.thickness_m;
+        double bright =
+            1.0 - pel_cloud_through((1 - PEL_CLOUD_ASYMMETRY) * deep, mu);
+        shine = shine * (1 - env->clouds.cover) + bright * env->clouds.cover;
+        open *= 1 - env->clouds.cover;
+    }
+    block->space_more.z = (float)(1.0 - open);
+    block->space_more.w = (float)(open < 1.0 ? shine / (1.0 - open) : 0.0);
+}
+
 static void bind_frame(struct pel_renderer *r,
                        const struct pel_environment *env)
 {
@@ -61,18 +88,26 @@ static void bind_frame(struct pel_renderer *r,
                    sizeof frame);
 }
 
-void pel_space_begin(struct pel_renderer *r, const struct pel_environment *env,
-                     const struct pel_camera *c, double height_m)
+static void begin(struct pel_renderer *r, const struct pel_environment *env,
+                  const struct pel_camera *c, double height_m, bool meter)
 {
     const struct pel_environment here = pel_space_environment(env, height_m);
     const struct pel_space_geometry g =
         pel_space_geometry_for(env, c, height_m);
     struct pel_block_space block;
+    pel_space_continents(&r->space, env);
     bind_frame(r, &here);
     pel_fill_space(&r->space, &here, &g, &block);
+    veil(&here, meter, &block);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SPACE, &block,
                    sizeof block);
     pel_space_bind(&r->space, &r->sky, &here, &block);
+}
+
+void pel_space_begin(struct pel_renderer *r, const struct pel_environment *env,
+                     const struct pel_camera *c, double height_m)
+{
+    begin(r, env, c, height_m, false);
 }
 
 void pel_space_end(struct pel_renderer *r, const struct pel_environment *env)
@@ -84,7 +119,7 @@ void pel_space_expose(struct pel_renderer *r, const struct pel_environment *env,
                       const struct pel_camera *c, double height_m)
 {
     const struct pel_environment here = pel_space_environment(env, height_m);
-    pel_space_begin(r, env, c, height_m);
+    begin(r, env, c, height_m, true);
     pel_meter_use(&r->meter, r->space.meter_program[here.lit - 1]);
     pel_space_end(r, env);
 }

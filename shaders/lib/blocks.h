@@ -644,8 +644,10 @@ PEL_BLOCK(PEL_BLOCK_SPACE, space)
     vec4 space_from[3];  /* columns: of the eye's frame into the sphere's */
     vec4 space_earth[3]; /* columns: of the eye's frame into the Earth's axes */
     vec4 space_more;     /* x 1: there is land; y length from which on waves
-                            are not seen one by one, m; z mean cover by clouds,
-                            w their reflectance */
+                            are not seen one by one, m; z mean cover by fog, in
+                            a meter by clouds too, w their reflectance */
+    vec4 space_cloud;    /* x where systems of clouds begin; y their share in
+                            where clouds are */
     vec4 space_lights[PEL_LIGHTS]; /* xyz towards them in the sphere's frame; w
                                       elevation at the nadir, rad */
     /* log2 of what the first of the lights' kind gives at strength 1, by its

@@ -22,24 +22,11 @@ float cloud_glow(float t, float b, float mu)
 #endif
 
 #ifdef PEL_CLOUDS
-layout(binding = PEL_UNIT_CLOUDS) uniform sampler2D cloud_field;
+#include "lib/cloudfield.glsl"
 
 const float CLOUD_G = PEL_CLOUD_ASYMMETRY;
 const int CLOUD_STEPS = 26;
 const float CLOUD_WIDE = 13.0; // steps beside clouds through all of the layer
-
-// A column of cloud: x its top over the base, in thicknesses, negative beside
-// clouds; y the part of the
-// place that is below clouds at all.
-vec2 cloud_top(vec2 u, float fine)
-{
-    float s = sqrt(max(u.g - u.r * u.r, 0.0));
-    float rise = 1.0 / cloud_shape.y;
-    float over = u.r - cloud_shape.x + cloud_light.z * fine * rise;
-    // The mean over what the level of detail blurs.
-    float x = min((over + 0.8 * s) / (rise + 1.6 * s), 1.0);
-    return vec2(x > 0.0 ? x * (2.0 - x) : 2.0 * x, clamp((over + 1.2 * s) / (2.4 * s + 0.03 * rise), 0.0, 1.0));
-}
 
 vec2 cloud_column(vec2 at, float lod, float z)
 {
@@ -56,24 +43,6 @@ vec2 cloud_column(vec2 at, float lod, float z)
 vec2 cloud_bulk(vec2 at, float lod)
 {
     return cloud_top(textureLod(cloud_field, at, lod).rg, 0.0);
-}
-
-// Metres as the tile's.
-vec2 cloud_across(vec2 x)
-{
-    vec2 along = vec2(dot(x, eye_clouds.zw), dot(x, vec2(-eye_clouds.w, eye_clouds.z)));
-    return along * vec2(cloud_size.z / cloud_size.w, cloud_size.z);
-}
-
-// Of metres from the eye's nadir.
-vec2 cloud_place(vec2 x)
-{
-    return eye_clouds.xy + cloud_across(x);
-}
-
-float cloud_lod(float metres)
-{
-    return log2(max(metres * cloud_size.z * float(PEL_CLOUD_TEXELS), 1.0));
 }
 
 // Depth over the extinction of what is from a top to `m` metres below it.

@@ -105,7 +105,8 @@ surface_seen sea_of(sampler2D map, vec3 dir, space_point p, float footprint)
     vec2 shown = max(variance_all - variance, vec2(1e-8));
     float beside = clamp((variance_beside.x + variance_beside.y) / (shown.x + shown.y), 0.0, 1.0);
     vec4 pressed = mix(vec4(1.0 - f.fold.x, -f.fold.z, -f.fold.y, 1.0 - f.fold.w), NOT_PRESSED, hidden);
-    vec3 glint = blue.w > 0.0 ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0);
+    // Beyond a hundred of their waves they average out.
+    vec3 glint = blue.w > 0.0 && footprint < 100.0 * PEL_GLINT_LONGEST ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0);
     vec2 foam = vec2(0.0, 1.0);
 #ifdef PEL_FOAM
 #ifdef PEL_AREAS
@@ -231,6 +232,13 @@ shaded shade_space(ivec2 at, out float shows)
     float slant = max(-into_point(p, dir).z, 0.002);
     float footprint = p.range / ray_length * pixel.x * pow(slant, -PEL_FOOTPRINT_ALONG);
     surface_seen seen_ = sea_of(reflection_map, dir, p, footprint);
+#ifdef PEL_SPACE_CLOUDS
+    vec4 clouds = space_clouds(p, -into_point(p, dir), footprint);
+    seen_.parts.sun *= clouds.a;
+    seen_.parts.sky = seen_.parts.sky * clouds.a + clouds.rgb;
+    seen_.parts.water *= clouds.a;
+    seen_.land *= clouds.a;
+#endif
     vec3 through;
     vec3 air = space_air(s, through);
     through = sprayed(air, through, p.range);

@@ -1,0 +1,73 @@
+// Clouds from high up: a matt layer of the depth that their field has below a
+// sight. Where many tiles of the field are in sight, systems of clouds on the Earth
+// take over which of its places have some.
+#include "lib/cloudfield.glsl"
+
+// Three values of a smooth noise over the lattice, of mean 1/2.
+vec3 noise_at(vec3 p)
+{
+    vec3 cell = floor(p), f = p - cell;
+    f = f * f * (3.0 - 2.0 * f);
+    uvec3 c = uvec3(ivec3(cell) + 4096);
+    vec3 sum = vec3(0.0);
+    for (uint k = 0u; k < 8u; k++) {
+        uvec3 off = uvec3(k & 1u, k >> 1u & 1u, k >> 2u);
+        vec3 w = mix(1.0 - f, f, vec3(off));
+        sum += vec3(glint_hash(c + off) >> 8u) * (w.x * w.y * w.z / 16777216.0);
+    }
+    return sum;
+}
+
+// About a normal number of variance 1, made of waves of 2,600 km and shorter that a
+// footprint does not blur.
+float cloud_systems(vec3 earth, float footprint)
+{
+    vec3 p = earth * vec3(2.4, 2.4, 3.4) + space_cloud.x;
+    vec3 warp = noise_at(p) - 0.5;
+    float sum = warp.x, weight = 1.0, all = 1.0;
+    float metres = planet.x / 2.4;
+    p += 0.9 * warp.yzx;
+    for (int i = 0; i < 8 && footprint < 0.5 * metres; i++) {
+        p = 2.2 * vec3(0.8 * p.x - 0.6 * p.y, 0.6 * p.x + 0.8 * p.y, p.z) + 17.3;
+        metres /= 2.2;
+        weight *= 0.68;
+        sum += weight * (noise_at(p).x - 0.5);
+        all += weight * weight;
+    }
+    return sum * 6.4 * inversesqrt(all);
+}
+
+// What is added of light from the layer, and what is seen of what lies below it.
+vec4 space_clouds(space_point p, vec3 v, float footprint)
+{
+    float high = cloud_size.x + 0.5 * cloud_size.y;
+    vec2 x = p.x + v.xy * (high / max(v.z, 0.05));
+    vec2 u = textureLod(cloud_field, cloud_place(x), cloud_lod(footprint)).rg;
+    float blur = sqrt(max(u.g - u.r * u.r, 0.0));
+    if (space_cloud.y > 0.0) {
+        // Its tile would be seen over and over where it is a few dozen pixels.
+        float share = mix(space_cloud.y, 0.98, smoothstep(0.002, 0.015, footprint * cloud_size.z) *
+                                                   min(3.0 * space_cloud.y, 1.0));
+        // Ranks as normal numbers, mixed, and back.
+        float rank = clamp(u.r, 0.002, 0.998);
+        float own = log(rank / (1.0 - rank)) / 1.702;
+        float z = sqrt(1.0 - share) * own + sqrt(share) * cloud_systems(p.earth, footprint);
+        blur *= sqrt(1.0 - share) * 1.38 * exp(-0.5 * z * z);
+        u.r = 1.0 / (1.0 + exp(-1.702 * z));
+        u.g = u.r * u.r + blur * blur;
+    }
+    vec2 column = cloud_top(u, 0.0);
+    float part = column.y;
+    float depth = (1.0 - PEL_CLOUD_ASYMMETRY) * cloud_shape.z * cloud_size.y * max(column.x, 0.02);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < PEL_LIT; i++) {
+        // Eddington's slab without absorption, over a dark sea.
+        float mu = max(space_to[i].z, 0.02);
+        float through = (2.0 / 3.0 + mu + (2.0 / 3.0 - mu) * exp(-depth / mu)) / (4.0 / 3.0 + depth);
+        float of_sky = depth / (4.0 / 3.0 + depth);
+        sum += beam_there(i) * max(space_to[i].z, 0.0) * (1.0 - through) + skies[i].rgb * of_sky;
+    }
+    // Thick clouds fade towards the limb.
+    float escapes = (12.0 + 24.0 * v.z) / (14.0 + 21.0 * v.z);
+    return vec4(sum * (part * escapes / PI), 1.0 - part * (1.0 - exp(-depth / max(v.z, 0.1)) ));
+}
