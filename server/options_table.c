@@ -3,6 +3,8 @@
 
 #include <stddef.h>
 
+#include "frames/frames.h"
+
 #define FIELD(name) offsetof(struct pel_options, name)
 
 static const char *const order_words[] = { "abcd", "cdab", "badc", "dcba",
@@ -125,10 +127,10 @@ const struct pel_option pel_option_table[] = {
       .help = "How finely live views are drawn before they are scaled to "
               "their size: as finely as holds --fps, in full, or at a fixed "
               "scale. Pictures that are asked for are always drawn in full." },
-    { "encoder-threads", "render", PEL_OPTION_INT, "COUNT", "0", 0, 16,
-      "threads", .offset = FIELD(encoder_threads),
+    { "encoder-threads", "render", PEL_OPTION_INT, "COUNT", "0", 0,
+      PEL_MAX_ENCODERS, "threads", .offset = FIELD(encoder_threads),
       .help = "Threads that encode pictures; 0 is one a core, of more than 4 "
-              "cores one less, at most 16." },
+              "cores one less, at most 64." },
     { "video-encoder", "render", PEL_OPTION_TEXT_KIND, "auto|ELEMENT", "auto",
       .offset = FIELD(video_encoder),
       .help = "GStreamer element that makes H.264 (nvh264enc, vah264enc, "

@@ -113,11 +113,11 @@ struct pel_frames {
     int64_t last_drawn_ns;    /* when the last job's pictures were there */
     int64_t present_delay_ns; /* of live frames, after their stamp */
     uint32_t last_serial;
-    unsigned drawing;      /* jobs with render threads, but for the large one */
-    unsigned drawing_live; /* of them */
-    struct pel_job *large; /* with a render thread; NULL: none */
-    uint64_t live_pixels;  /* of the last live frame */
-    uint64_t usual_pixels; /* of the last job but large ones */
+    unsigned drawing;       /* jobs with render threads, but for large ones */
+    unsigned drawing_live;  /* of them */
+    unsigned drawing_large; /* with render threads, one a device at most */
+    uint64_t live_pixels;   /* of the last live frame */
+    uint64_t usual_pixels;  /* of the last job but large ones */
     int64_t usual_until_ns; /* after that it is history */
     bool last_was_live;
     struct pel_job *jobs;

@@ -11,7 +11,6 @@
 #include "frames/radarview.h"
 #include "proto/formats.h"
 
-#define MAX_THREADS 16
 #define STOP_NS 1000000000LL
 
 struct pel_encoder_pool {
@@ -21,8 +20,8 @@ struct pel_encoder_pool {
     struct pel_queue fast, slow;
     int slow_busy;
     int count, ended;
-    struct pel_output *at_work[MAX_THREADS]; /* NULL: none */
-    pthread_t threads[MAX_THREADS];
+    struct pel_output *at_work[PEL_MAX_ENCODERS]; /* NULL: none */
+    pthread_t threads[PEL_MAX_ENCODERS];
     atomic_bool stop;
     struct pel_mailbox *box;
     void (*released)(void *user, const struct pel_job_draw *part);
@@ -307,7 +306,7 @@ enum pel_err pel_encoder_pool_create(
     pool->user = user;
     pel_lock_init(&pool->lock);
     pel_cond_init(&pool->work);
-    threads = threads > MAX_THREADS ? MAX_THREADS : threads;
+    threads = threads > PEL_MAX_ENCODERS ? PEL_MAX_ENCODERS : threads;
     pthread_mutex_lock(&pool->lock);
     for (int i = 0; i < threads; i++) {
         if (pthread_create(&pool->threads[i], NULL, run, pool) != 0) {
@@ -331,7 +330,7 @@ bool pel_encoder_pool_stop(struct pel_encoder_pool *pool)
 {
     pthread_mutex_lock(&pool->lock);
     atomic_store(&pool->stop, true);
-    for (int i = 0; i < MAX_THREADS; i++) {
+    for (int i = 0; i < PEL_MAX_ENCODERS; i++) {
         if (pool->at_work[i]) {
             atomic_store(&pool->at_work[i]->cancel, true);
         }

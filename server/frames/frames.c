@@ -59,7 +59,9 @@ static int encoder_threads(int wanted)
         return wanted;
     }
     cores = cores > 4 ? cores - 1 : cores; /* one is for drawing */
-    return cores < 1 ? 1 : cores > 16 ? 16 : (int)cores;
+    return cores < 1                  ? 1
+           : cores > PEL_MAX_ENCODERS ? PEL_MAX_ENCODERS
+                                      : (int)cores;
 }
 
 static enum pel_err make_jobs(struct pel_frames *frames,

@@ -19,6 +19,8 @@
 
 struct pel_frames;
 
+#define PEL_MAX_ENCODERS 64 /* threads */
+
 struct pel_frames_options {
     const char *device; /* as pel_devices_options.list */
     const char *shader_dir;
@@ -29,7 +31,7 @@ struct pel_frames_options {
     bool paper_form;     /* pel_filtering.paper */
     double max_fps;      /* cap of live views, 1..240 */
     double quality; /* scale of live views, 0.25..1; 0: as holds their rate */
-    int encoder_threads; /* 0: about one a core, at most 16 */
+    int encoder_threads; /* 0: about one a core; at most PEL_MAX_ENCODERS */
     /* H.264 by this GStreamer element; NULL or "auto": the best there is. */
     const char *video_encoder;
 };

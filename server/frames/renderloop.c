@@ -81,6 +81,7 @@ static void finish_part(struct pel_renderloop *loop, struct pel_job_draw *part)
     }
     pel_renderloop_progress(loop);
     if (atomic_fetch_add(&job->collected, 1) + 1 == draws) {
+        loop->large_drawn = loop->large_drawn == job ? NULL : loop->large_drawn;
         pel_job_settle(job);
         job->drawn_ns = pel_now_ns();
         job->mail.kind = PEL_MAIL_JOB_DRAWN;
@@ -341,9 +342,11 @@ static uint64_t large_pixels(const struct pel_job *job)
     return pixels;
 }
 
-static void let_large_go(struct pel_renderloop *loop, const struct pel_job *job)
+static void hand_large(struct pel_renderloop *loop, struct pel_renderloop *to,
+                       struct pel_job *job)
 {
     atomic_fetch_sub(&loop->work, large_pixels(job));
+    pel_renderloop_push_large(to, job);
 }
 
 static struct pel_renderloop *peer_that_stands(struct pel_renderloop *loop)
@@ -416,8 +419,8 @@ bool pel_renderloop_pass_on(struct pel_renderloop *loop)
     pthread_mutex_lock(&loop->lock);
     parts = loop->handed;
     loop->handed = (struct pel_parts){ 0 };
-    struct pel_job *large = loop->large ? loop->large : loop->given;
-    loop->given = NULL;
+    struct pel_queue given = loop->given;
+    loop->given = (struct pel_queue){ 0 };
     pthread_mutex_unlock(&loop->lock);
     hand_all(loop, parts);
     parts = (struct pel_parts){ 0 };
@@ -427,10 +430,14 @@ bool pel_renderloop_pass_on(struct pel_renderloop *loop)
     }
     take_queue(loop, to, &parts);
     hand_all(loop, parts);
-    loop->large = NULL;
-    if (large) {
-        let_large_go(loop, large);
-        pel_renderloop_push_large(to, large);
+    if (loop->large) {
+        hand_large(loop, to, loop->large);
+        loop->large = NULL;
+        loop->large_drawn = NULL;
+    }
+    struct pel_mail *mail;
+    while ((mail = pel_queue_pop(&given))) {
+        hand_large(loop, to, (struct pel_job *)mail);
     }
     return true;
 }
@@ -568,9 +575,9 @@ static struct pel_mail *next_mail(struct pel_renderloop *loop)
             mail = pel_queue_pop(&loop->queue);
         }
         take_handed(loop);
-        if (!loop->large) {
-            loop->large = loop->given;
-            loop->given = NULL;
+        if (!loop->large_drawn) {
+            loop->large = (struct pel_job *)pel_queue_pop(&loop->given);
+            loop->large_drawn = loop->large;
         }
         if (mail || loop->submitted > 0 || loop->large || in_flight(loop) > 0 ||
             loop->again.first) {
@@ -785,7 +792,7 @@ void pel_renderloop_push_large(struct pel_renderloop *loop, struct pel_job *job)
 {
     note_work(loop, large_pixels(job));
     pthread_mutex_lock(&loop->lock);
-    loop->given = job;
+    pel_queue_push(&loop->given, &job->mail);
     pthread_cond_signal(&loop->wake);
     pthread_mutex_unlock(&loop->lock);
 }

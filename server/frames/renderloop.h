@@ -44,9 +44,9 @@ bool pel_renderloop_in_compute(struct pel_renderloop *loop);
  * job is returned as PEL_MAIL_JOB_DRAWN. Control thread. */
 void pel_renderloop_push(struct pel_renderloop *loop, struct pel_share *share);
 
-/* The same for a large job whole, of which there may be one at a time: it is
- * drawn in bands, one band after each other share, and band after band while
- * there is no other. Draws that no client waits for any more are skipped. */
+/* The same for a large job whole; large jobs are drawn one after the other, in
+ * bands, one band after each other share, and band after band while there is no
+ * other. Draws that no client waits for any more are skipped. */
 void pel_renderloop_push_large(struct pel_renderloop *loop,
                                struct pel_job *job);
 

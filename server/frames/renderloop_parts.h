@@ -3,6 +3,7 @@
 
 #include <pthread.h>
 
+#include "frames/mailbox.h"
 #include "frames/renderloop.h"
 
 /* Losses that are remembered; draws that are under way at most. */
@@ -22,7 +23,7 @@ struct pel_renderloop {
     pthread_cond_t wake; /* CLOCK_MONOTONIC */
     struct pel_queue queue;
     struct pel_parts handed; /* by others that lost their device */
-    struct pel_job *given;   /* a large one, not begun */
+    struct pel_queue given;  /* large jobs, not begun */
     bool ready, joined;
     int ended; /* 1: the thread has */
     enum pel_err err;
@@ -44,6 +45,7 @@ struct pel_renderloop {
     size_t at, end;
     struct pel_draw draws[PEL_MAX_VIEWS]; /* of one submission */
     struct pel_job *large;                /* in hand; NULL: none */
+    const struct pel_job *large_drawn;    /* begun, not all of it is there */
     unsigned jobs_since;                  /* its last band */
     _Atomic uint64_t band_pixels;
     int64_t drawn_ns; /* when the last picture was there; render thread */

@@ -18,7 +18,6 @@
 /* The processor's time for a pixel, generously: what a large picture may take
  * beyond that without being stuck. */
 #define SOFTWARE_PIXEL_NS 4000
-#define MAX_LARGE 2 /* one being drawn, one being encoded */
 
 static int64_t period_ns(const struct pel_frames *frames)
 {
@@ -446,7 +445,7 @@ static void launch(struct pel_frames *frames, struct pel_job *job)
     frames->stats.large_drawn += job->large;
     job->launched_ns = pel_now_ns();
     if (job->large) {
-        frames->large = job;
+        frames->drawing_large++;
     } else {
         frames->drawing++;
         frames->drawing_live += job->live;
@@ -542,14 +541,16 @@ static void start_with(struct pel_frames *frames,
     launch(frames, job);
 }
 
-/* One at a time, and its memory may wait for an encoder. */
+/* One at a time for each device, and memory may wait for encoders: half of the
+ * jobs are left to the others. */
 static bool has_room_for_large(struct pel_frames *frames)
 {
     int count = 0;
     for (int i = 0; i < frames->job_count; i++) {
         count += frames->jobs[i].used && frames->jobs[i].large;
     }
-    return !frames->large && count < MAX_LARGE && free_job(frames);
+    return frames->drawing_large < pel_devices_standing(frames->devices) &&
+           count < frames->job_count / 2 && free_job(frames);
 }
 
 void pel_schedule_start(void *user)
@@ -562,11 +563,12 @@ void pel_schedule_start(void *user)
         }
         start_with(frames, first, false);
     }
-    if (!frames->stopping && has_room_for_large(frames)) {
+    while (!frames->stopping && has_room_for_large(frames)) {
         const struct pel_frame_request *first = next_starter(frames, true);
-        if (first) {
-            start_with(frames, first, true);
+        if (!first) {
+            break;
         }
+        start_with(frames, first, true);
     }
 }
 
@@ -659,7 +661,7 @@ static void feed_quality(struct pel_frames *frames, const struct pel_job *job)
         alone = alone && part->live && part->err == PEL_OK;
     }
     frames->last_drawn_ns = job->drawn_ns;
-    alone = alone && !frames->large;
+    alone = alone && frames->drawing_large == 0;
     if (alone && pel_quality_feed(&frames->quality, job->scale, pixels, busy_ms,
                                   period_ms, job->drawn_ns)) {
         publish_quality(frames);
@@ -696,7 +698,7 @@ void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job)
     pel_devices_note(frames->devices, job);
     feed_quality(frames, job);
     if (job->large) {
-        frames->large = NULL;
+        frames->drawing_large--;
     } else {
         frames->drawing--;
         frames->drawing_live -= job->live;

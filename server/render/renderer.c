@@ -23,6 +23,7 @@
 #include "render/stilltiles.h"
 #include "render/targets.h"
 #include "render/texels.h"
+#include "render/turn.h"
 #include "render/uniforms.h"
 #include "render/viewpass.h"
 #include "render/waterprobe.h"
@@ -70,6 +71,7 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
         goto fail;
     }
     r->wavefield.on_processor = r->context.software;
+    pel_turn_count(!r->context.software);
     glCreateVertexArrays(1, &r->vao);
     glBindVertexArray(r->vao);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -107,6 +109,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         return;
     }
     if (r->context.context) {
+        pel_turn_count(-!r->context.software);
         pel_readback_finish(&r->readback);
         pel_arena_finish(&r->arena);
         pel_sky_finish(&r->sky);
@@ -348,45 +351,41 @@ static enum pel_err need_programs(struct pel_renderer *r,
     return err;
 }
 
-enum pel_err pel_renderer_submit(struct pel_renderer *r,
-                                 const struct pel_environment *env,
-                                 const struct pel_draw *draws, size_t count)
+/* What the views of a frame share; on errors the arena is given back. */
+static enum pel_err begin_frame(struct pel_renderer *r,
+                                struct pel_environment *here,
+                                const struct pel_draw *draws, size_t count)
 {
-    if (count > pel_readback_free(&r->readback)) {
-        return PEL_ERR_BUSY;
-    }
     struct pel_fault fault = { 0 };
-    struct pel_environment here = *env;
-    order_lights(&here);
-    enum pel_err err = need_programs(r, &here, draws, count);
+    enum pel_err err = need_programs(r, here, draws, count);
     if (err != PEL_OK) {
         return err;
     }
     err = pel_arena_begin(&r->arena, PEL_VIEW_UNIFORM_BYTES +
-                                         count * (pel_view_bytes(env) +
-                                                  pel_objects_bytes(env) +
-                                                  pel_lamp_map_bytes(env)));
+                                         count * (pel_view_bytes(here) +
+                                                  pel_objects_bytes(here) +
+                                                  pel_lamp_map_bytes(here)));
     if (err != PEL_OK) {
         return err;
     }
     for (int i = 0; i < PEL_STAGE_COUNT; i++) {
         r->timing.ms[i] = 0.0;
     }
-    err = fit_water(r, &here);
+    err = fit_water(r, here);
     if (err != PEL_OK) {
         pel_arena_end(&r->arena);
         return err;
     }
     pel_stage_begin(&r->timing);
-    if (any_high(&here, draws, count)) {
-        pel_space_suns(&r->space, &r->sky, &here);
+    if (any_high(here, draws, count)) {
+        pel_space_suns(&r->space, &r->sky, here);
     }
-    bind_frame(r, &here);
-    r->env = &here;
-    pel_cloud_map_bind(&r->clouds, &here, bind_table_eye, r);
-    if (here.sea->cascades) {
-        err = pel_wavefield_run(&r->wavefield, r->shader_dir, &here.sea->desc,
-                                here.sea->cascades, here.time_s, &fault);
+    bind_frame(r, here);
+    r->env = here;
+    pel_cloud_map_bind(&r->clouds, here, bind_table_eye, r);
+    if (here->sea->cascades) {
+        err = pel_wavefield_run(&r->wavefield, r->shader_dir, &here->sea->desc,
+                                here->sea->cascades, here->time_s, &fault);
         if (err != PEL_OK) {
             pel_error("RND-041", "the waves of a frame were not computed: %s",
                       fault.message);
@@ -395,19 +394,41 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         }
         pel_stage_end(&r->timing, PEL_STAGE_WAVES);
     }
-    if (pel_statistics_need(&r->statistics, &here, &r->filter)) {
+    if (pel_statistics_need(&r->statistics, here, &r->filter)) {
         pel_sea_texels_variance(&r->tables, r->statistics.variance,
                                 r->statistics.breaking);
     }
-    pel_foam_map_bind(&r->foam, here.sea, here.wash != NULL);
-    pel_wake_map_load(&r->wakes, &here);
-    pel_sky_update(&r->sky, &here, bind_table_eye, r);
+    pel_foam_map_bind(&r->foam, here->sea, here->wash != NULL);
+    pel_wake_map_load(&r->wakes, here);
+    pel_sky_update(&r->sky, here, bind_table_eye, r);
     r->env = NULL;
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
+    return PEL_OK;
+}
+
+enum pel_err pel_renderer_submit(struct pel_renderer *r,
+                                 const struct pel_environment *env,
+                                 const struct pel_draw *draws, size_t count)
+{
+    if (count > pel_readback_free(&r->readback)) {
+        return PEL_ERR_BUSY;
+    }
+    struct pel_environment here = *env;
+    order_lights(&here);
+    bool turn = pel_turn_begin();
+    enum pel_err err = begin_frame(r, &here, draws, count);
+    bool begun = err == PEL_OK;
     for (size_t i = 0; i < count && err == PEL_OK; i++) {
+        if (i > 0) {
+            pel_turn_end(turn);
+            turn = pel_turn_begin();
+        }
         err = pel_view_draw(r, &here, &draws[i]);
     }
-    pel_arena_end(&r->arena);
+    if (begun) {
+        pel_arena_end(&r->arena);
+    }
+    pel_turn_end(turn);
     return err;
 }
 

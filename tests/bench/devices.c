@@ -1,7 +1,8 @@
 /* What several devices of one host draw together, through the frame path of the
- * daemon: pictures a second of views, by list of devices.
+ * daemon: pictures a second of views, by list of devices, and how busy its
+ * threads are meanwhile, in cores.
  *
- *   bench_devices [--views 64] [--size 1280x720] [--codec jpeg|h264]
+ *   bench_devices [--views 64] [--size 1280x720] [--codec jpeg|h264|none]
  *                 [--ask] [--threads N] [--seconds 4] [--lose N]
  *                 [--count N] LIST...
  *
@@ -10,10 +11,14 @@
  * is there, every time of another moment. The lists take turns, three times
  * each; medians. --count: one list until so many pictures, and what they leave
  * of heap, descriptors and threads. --lose: the last device of each list
- * pretends to be lost every N pictures. */
+ * pretends to be lost every N pictures. --codec none: views are drawn and read
+ * back by a thread a device and no more, frames 1/30 s apart, each device its
+ * share of the views. */
 #include <dirent.h>
 #include <getopt.h>
 #include <malloc.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +28,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
-#include "frames/frames.h"
+#include "frames/core.h"
 #include "scene/scene.h"
 
 #define MOST_LISTS 8
@@ -33,7 +38,7 @@
 static struct {
     int views, threads, lose;
     unsigned width, height;
-    bool h264, ask;
+    bool h264, drawn, ask;
     double seconds;
     uint64_t count;
 } options = { .views = 64, .width = 1280, .height = 720, .seconds = 4 };
@@ -199,15 +204,215 @@ static void reset(void)
     memset(by_device, 0, sizeof by_device);
 }
 
+/* --- how busy threads are --------------------------------------------------
+ */
+
+#define MANY_NAMES 64
+struct busy {
+    char name[16];
+    double ticks;
+    int threads;
+};
+
+/* Processor time of all threads, by name. */
+static int look_at_threads(struct busy out[MANY_NAMES])
+{
+    int count = 0;
+    DIR *d = opendir("/proc/self/task");
+    for (struct dirent *e; d && (e = readdir(d));) {
+        char path[288], name[16] = "";
+        unsigned long user = 0, system = 0;
+        snprintf(path, sizeof path, "/proc/self/task/%s/stat", e->d_name);
+        FILE *f = fopen(path, "r");
+        if (!f) {
+            continue;
+        }
+        int got = fscanf(f,
+                         "%*d (%15[^)]) %*c %*d %*d %*d %*d %*d %*u %*u %*u "
+                         "%*u %*u %lu %lu",
+                         name, &user, &system);
+        fclose(f);
+        int i = 0;
+        while (i < count && strcmp(out[i].name, name) != 0) {
+            i++;
+        }
+        if (got != 3 || i == MANY_NAMES) {
+            continue;
+        }
+        if (i == count) {
+            count++;
+            snprintf(out[i].name, sizeof out[i].name, "%s", name);
+            out[i].ticks = out[i].threads = 0;
+        }
+        out[i].ticks += (double)(user + system);
+        out[i].threads++;
+    }
+    if (d) {
+        closedir(d);
+    }
+    return count;
+}
+
+static void say_busy(const struct busy *before, int count, double seconds)
+{
+    struct busy now[MANY_NAMES];
+    int all = look_at_threads(now);
+    printf("    cores:");
+    for (int i = 0; i < all; i++) {
+        double ticks = now[i].ticks;
+        for (int k = 0; k < count; k++) {
+            ticks -=
+                strcmp(now[i].name, before[k].name) == 0 ? before[k].ticks : 0;
+        }
+        double cores = ticks / (double)sysconf(_SC_CLK_TCK) / seconds;
+        if (cores > 0.02) {
+            printf(" %s %.2f of %d", now[i].name, cores, now[i].threads);
+        }
+    }
+    printf("\n");
+}
+
+/* --- drawing alone ----------------------------------------------------------
+ */
+
+static atomic_bool drawing;
+
+struct drawer {
+    pthread_t thread;
+    char device[16];
+    int first, views;
+    atomic_ullong pictures;
+    uint64_t bits; /* of the first view at time 0 */
+};
+
+/* FNV-1a. */
+static uint64_t bits_of(const struct pel_picture *picture)
+{
+    uint64_t bits = 0xcbf29ce484222325u;
+    for (size_t i = 0; i < 4 * (size_t)picture->width * picture->height; i++) {
+        bits = (bits ^ picture->rgba[i]) * 0x100000001b3u;
+    }
+    return bits;
+}
+
+static void take(struct drawer *self, struct pel_renderer *r, int64_t wait_ns)
+{
+    struct pel_picture *picture = pel_renderer_collect(r, wait_ns);
+    if (picture) {
+        self->bits = self->bits ? self->bits : bits_of(picture);
+        atomic_fetch_add(&self->pictures, 1);
+        pel_picture_release(picture);
+    }
+}
+
+static void *draw_alone(void *argument)
+{
+    struct drawer *self = argument;
+    const struct pel_renderer_options o = { .device = self->device };
+    struct pel_renderer *r;
+    struct pel_fault fault;
+    if (pel_renderer_create(&o, &r, &fault) != PEL_OK) {
+        die(self->device, &fault);
+    }
+    const struct pel_snapshot *s = pel_scene_snapshot(scene);
+    for (int frame = 0; atomic_load(&drawing); frame++) {
+        double time_s = (double)frame / 30;
+        int first = frame > 0 ? self->first : 0;
+        struct pel_environment env = pel_environment_of(s, time_s);
+        pel_environment_light(s, &env);
+        env.sea = pel_snapshot_sea(s);
+        for (int i = 0; i < self->views && atomic_load(&drawing); i++) {
+            struct pel_draw draw = { .layers = PEL_LAYER_COLOR };
+            pel_snapshot_camera(s, (size_t)(first + i), time_s, 0, 0,
+                                &draw.camera);
+            while (pel_renderer_submit(r, &env, &draw, 1) == PEL_ERR_BUSY) {
+                take(self, r, 100000000);
+            }
+            take(self, r, 0);
+        }
+    }
+    while (pel_renderer_in_flight(r) > 0) {
+        take(self, r, 100000000);
+    }
+    pel_snapshot_unref(s);
+    pel_renderer_destroy(r);
+    return NULL;
+}
+
+static double measure_drawn(const char *list)
+{
+    struct drawer drawers[16];
+    int count = 0;
+    for (const char *at = list; count < 16; at++) {
+        size_t length = strcspn(at, ",");
+        snprintf(drawers[count++].device, sizeof drawers[0].device, "%.*s",
+                 (int)length, at);
+        at += length;
+        if (*at == 0) {
+            break;
+        }
+    }
+    atomic_store(&drawing, true);
+    for (int i = 0; i < count; i++) {
+        struct drawer *d = &drawers[i];
+        d->first = options.views * i / count;
+        d->views = options.views * (i + 1) / count - d->first;
+        atomic_init(&d->pictures, 0);
+        d->bits = 0;
+        if (pthread_create(&d->thread, NULL, draw_alone, d) != 0) {
+            die("a thread", NULL);
+        }
+        pthread_setname_np(d->thread, "draw");
+    }
+    usleep((useconds_t)(WARM_S * 2e6));
+    unsigned long long first[16], sum = 0;
+    for (int i = 0; i < count; i++) {
+        first[i] = atomic_load(&drawers[i].pictures);
+    }
+    struct busy before[MANY_NAMES];
+    int names = look_at_threads(before);
+    int64_t began = pel_now_ns();
+    usleep((useconds_t)(options.seconds * 1e6));
+    double seconds = (double)(pel_now_ns() - began) * 1e-9;
+    printf("  %-12s by device", list);
+    for (int i = 0; i < count; i++) {
+        unsigned long long own = atomic_load(&drawers[i].pictures) - first[i];
+        printf(" %llu", own);
+        sum += own;
+    }
+    bool alike = true;
+    for (int i = 1; i < count; i++) {
+        alike = alike && drawers[i].bits == drawers[0].bits;
+    }
+    printf(": %.0f pictures/s, first pictures %s\n", (double)sum / seconds,
+           alike ? "the same to the bit" : "DIFFER");
+    say_busy(before, names, seconds);
+    fflush(stdout);
+    atomic_store(&drawing, false);
+    for (int i = 0; i < count; i++) {
+        pthread_join(drawers[i].thread, NULL);
+    }
+    return (double)sum / seconds;
+}
+
+/* --- the frame path ---------------------------------------------------------
+ */
+
 static double measure(const char *list)
 {
+    if (options.drawn) {
+        return measure_drawn(list);
+    }
     bool asks = options.ask;
     begin(list);
     run_for(WARM_S);
     reset();
+    struct busy before[MANY_NAMES];
+    int names = look_at_threads(before);
     int64_t began = pel_now_ns();
     run_for(options.seconds);
-    double rate = (double)pictures / ((double)(pel_now_ns() - began) * 1e-9);
+    double seconds = (double)(pel_now_ns() - began) * 1e-9;
+    double rate = (double)pictures / seconds;
     printf("  %-12s %8.0f pictures/s, by device", list, rate);
     for (int i = 0; i < 16; i++) {
         if (by_device[i]) {
@@ -219,6 +424,7 @@ static double measure(const char *list)
     printf("; %.1f ms between two at most, %llu failed, %llu losses\n",
            (double)worst_ns * 1e-6, (unsigned long long)failures,
            (unsigned long long)s.losses);
+    say_busy(before, names, seconds);
     fflush(stdout);
     end();
     options.ask = asks;
@@ -299,6 +505,7 @@ static void read_options(int argc, char **argv)
             break;
         case 'c':
             options.h264 = strcmp(optarg, "h264") == 0;
+            options.drawn = strcmp(optarg, "none") == 0;
             break;
         case 't':
             options.seconds = strtod(optarg, NULL);
@@ -341,7 +548,10 @@ int main(int argc, char **argv)
     int lists = argc - optind;
     double rate[MOST_LISTS][ROUNDS];
     printf("%d views of %ux%u, %s, %s\n", options.views, options.width,
-           options.height, options.h264 ? "H.264" : "JPEG",
+           options.height,
+           options.drawn  ? "drawn"
+           : options.h264 ? "H.264"
+                          : "JPEG",
            options.ask ? "asked for" : "live");
     for (int round = 0; round < ROUNDS; round++) {
         for (int i = 0; i < lists; i++) {
