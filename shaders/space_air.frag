@@ -52,6 +52,9 @@ void main()
         m.from = -min(m.away, distance_to_top(0.0, -m.mu));
     } else if (row < UP - 0.25) {
         float x = (row - LIMB) / (UP - LIMB - 1.0);
+        // At its very top there is no air, and none has a logarithm.
+        bool within = h < planet.y - planet.x;
+        x = within ? 1.0 - (1.0 - x) * (1.0 - x) : min(x, 0.992);
         m.height = min(space_eye.w * x * x, 0.999999 * space_eye.w);
         float low = planet.x + m.height;
         across = min(low / r, 1.0);

@@ -33,6 +33,8 @@ sea.areas.1.east=110 sea.areas.1.north=330 sea.areas.1.radius=60 sea.areas.1.fac
 shore="sea.windSpeed=3 sky.sunElevation=50 sky.sunAzimuth=200 views.gallery.up=9 \
 views.gallery.pitch=-11 views.gallery.yaw=35 water.named=TROPICAL water.bottom=SAND"
 ship="sea.synthesiser=FFT sea.spectrum=ELFOUHAILY entities.2.longitude=5.2 entities.2.afloat=true"
+# One path from the water to space.
+climb="origin.latitude=38 origin.longitude=-32 sea.windSpeed=7 sky.sunElevation=42 sky.sunAzimuth=62 sky.visibility=80000 views.gallery.yaw=40"
 pictures=(
     "ship-yacht|A yacht in the evening, 7 m/s|$ship sea.windSpeed=7 views.gallery.up=5 views.gallery.pitch=-2 sky.sunElevation=9 sky.sunAzimuth=352 entities.2.model.name=sailing-yacht entities.2.latitude=52.6007 entities.2.longitude=5.2001 entities.2.heading=300"
     "ship-container|A container ship 400 m ahead, 12 m/s|$ship sea.windSpeed=12 sea.windDirection=200 views.gallery.up=14 views.gallery.pitch=-2 sky.sunElevation=24 sky.sunAzimuth=310 entities.2.model.name=container-ship entities.2.latitude=52.6037 entities.2.heading=235"
@@ -59,6 +61,15 @@ pictures=(
     "height-30|From 30 m|views.gallery.up=30 views.gallery.pitch=-8"
     "height-1000|From 1000 m|views.gallery.up=1000 views.gallery.pitch=-18 sky.sunAzimuth=30"
     "height-8000|From 8000 m|views.gallery.up=8000 views.gallery.pitch=-18 sky.sunAzimuth=30"
+    "climb-2|A climb into space: from 2 m|$climb views.gallery.up=2 views.gallery.pitch=-2"
+    "climb-100|From 100 m|$climb views.gallery.up=100 views.gallery.pitch=-9"
+    "climb-1000|From 1 km|$climb views.gallery.up=1000 views.gallery.pitch=-12"
+    "climb-10000|From 10 km: the ellipsoid begins to replace the sphere, and each point's own light its nadir's|$climb views.gallery.up=10000 views.gallery.pitch=-14"
+    "climb-20000|From 20 km, three octas of cumulus|$climb views.gallery.up=20000 views.gallery.pitch=-16 sky.cloudCover=3"
+    "climb-50000|From 50 km, three octas|$climb origin.latitude=30 views.gallery.up=50000 views.gallery.pitch=-16 sky.cloudCover=3"
+    "space-400|From 400 km, over the Mediterranean|origin.latitude=38.5 origin.longitude=12 sky.visibility=80000 sky.sunElevation=50 sky.sunAzimuth=150 sky.cloudCover=4 views.gallery.up=400000 views.gallery.pitch=-30 views.gallery.yaw=100 views.gallery.fieldOfView=70"
+    "space-400-sunset|From 400 km: the glitter of a low Sun and the limb|origin.latitude=20 origin.longitude=-150 sky.visibility=80000 sky.sunElevation=12 sky.sunAzimuth=40 views.gallery.up=400000 views.gallery.pitch=-19 views.gallery.yaw=40 views.gallery.fieldOfView=60 sky.cloudCover=4"
+    "space-earth|The Earth from 10,000 km: day, terminator, night|origin.latitude=18 origin.longitude=-15 sky.visibility=80000 sky.sunElevation=35 sky.sunAzimuth=250 sky.cloudCover=4 views.gallery.up=10000000 views.gallery.pitch=-90 views.gallery.yaw=0 views.gallery.fieldOfView=52 views.gallery.height=640"
     "fft|FFT cascades, Elfouhaily, wind 12 m/s, from 9 m|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=12 views.gallery.up=9"
     "fft-glitter|The same into the Sun|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=7 sky.sunElevation=25 sky.sunAzimuth=10"
     "slick-30|A slick in the glitter, a gust behind it, from 30 m|$slick sky.sunElevation=25 views.gallery.up=30 views.gallery.pitch=-8"
@@ -106,7 +117,7 @@ mkdir -p "$out"
 } > "$out/README.md"
 for picture in "${pictures[@]}"; do
     IFS='|' read -r name title settings <<< "$picture"
-    ctl unset sea water seabed sky >/dev/null
+    ctl unset sea water seabed sky origin >/dev/null
     ctl unset views.gallery >/dev/null 2>&1 || true
     ctl unset entities.2 >/dev/null 2>&1 || true
     # shellcheck disable=SC2086

@@ -58,7 +58,10 @@ float space_row(space_sight s)
     }
     if (s.dir.z <= 0.0) {
         float least = -s.disc / (planet.x + sqrt(planet.x * planet.x - s.disc));
-        return (LIMB + 0.5 + sqrt(min(least / space_eye.w, 1.0)) * (UP - LIMB - 1.0)) / ROWS;
+        float x = sqrt(min(least / space_eye.w, 1.0));
+        // Within the air sights that are all but level differ most.
+        x = space_eye.x < planet.y - planet.x ? 1.0 - sqrt(1.0 - x) : x;
+        return (LIMB + 0.5 + x * (UP - LIMB - 1.0)) / ROWS;
     }
     return (UP + 0.5 + sqrt(atan(s.dir.z, across) * (2.0 / PI)) * (ROWS - UP - 1.0)) / ROWS;
 }

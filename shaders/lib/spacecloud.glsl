@@ -18,23 +18,25 @@ vec3 noise_at(vec3 p)
     return sum;
 }
 
-// About a normal number of variance 1, made of waves of 2,600 km and shorter that a
-// footprint does not blur.
-float cloud_systems(vec3 earth, float footprint)
+// A normal number of variance 1 made of waves of 2,600 km and shorter, without those
+// that a footprint blurs; y: their variance.
+vec2 cloud_systems(vec3 earth, float footprint)
 {
+    const float OF_NOISE = 5.4; // 1 over its deviation
+    const float FIRST = 0.7, EACH = 0.85, ALL = 2.9; // weights, the sum of their squares
     vec3 p = earth * vec3(2.4, 2.4, 3.4) + space_cloud.x;
     vec3 warp = noise_at(p) - 0.5;
-    float sum = warp.x, weight = 1.0, all = 1.0;
+    float sum = FIRST * warp.x, weight = 1.0, left = ALL - FIRST * FIRST;
     float metres = planet.x / 2.4;
     p += 0.9 * warp.yzx;
     for (int i = 0; i < 8 && footprint < 0.5 * metres; i++) {
         p = 2.2 * vec3(0.8 * p.x - 0.6 * p.y, 0.6 * p.x + 0.8 * p.y, p.z) + 17.3;
         metres /= 2.2;
-        weight *= 0.68;
+        weight *= EACH;
         sum += weight * (noise_at(p).x - 0.5);
-        all += weight * weight;
+        left -= weight * weight;
     }
-    return sum * 6.4 * inversesqrt(all);
+    return vec2(sum * (OF_NOISE * inversesqrt(ALL)), max(left, 0.0) / ALL);
 }
 
 // What is added of light from the layer, and what is seen of what lies below it.
@@ -51,8 +53,9 @@ vec4 space_clouds(space_point p, vec3 v, float footprint)
         // Ranks as normal numbers, mixed, and back.
         float rank = clamp(u.r, 0.002, 0.998);
         float own = log(rank / (1.0 - rank)) / 1.702;
-        float z = sqrt(1.0 - share) * own + sqrt(share) * cloud_systems(p.earth, footprint);
-        blur *= sqrt(1.0 - share) * 1.38 * exp(-0.5 * z * z);
+        vec2 systems = cloud_systems(p.earth, footprint);
+        float z = sqrt(1.0 - share) * own + sqrt(share) * systems.x;
+        blur = sqrt((1.0 - share) * 12.0 * blur * blur + share * systems.y) * 0.4 * exp(-0.5 * z * z);
         u.r = 1.0 / (1.0 + exp(-1.702 * z));
         u.g = u.r * u.r + blur * blur;
     }
