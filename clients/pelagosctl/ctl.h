@@ -180,6 +180,11 @@ enum ctl_exit ctl_put(const char *file, const void *data, size_t size);
 /* optics brdf, optics sky. */
 enum ctl_exit ctl_light(struct ctl *ctl);
 
+/* ctl_way.c: has the view go the way of --waypoints; simulated times of its
+ * beginning and end. */
+enum ctl_exit ctl_way(struct ctl *ctl, const char *view, double *first_s,
+                      double *last_s);
+
 /* ctl_sequence.c: record, where FILE is one of a numbered sequence. `request`
  * has the view and the size. */
 bool ctl_sequence_is(const char *path);

@@ -218,7 +218,7 @@ static enum ctl_exit check_options(const struct ctl *ctl, bool sequence)
     static const char *const of_sequences[] = { "layers", "float", "resume" };
     static const char *const of_streams[] = { "url", "bitrate" };
     static const char *const of_drawings[] = { "exact", "from", "fps",
-                                               "quality" };
+                                               "quality", "waypoints" };
     bool stream = ctl_flag(ctl, "stream");
     for (size_t i = 0; !sequence && i < G_N_ELEMENTS(of_sequences); i++) {
         if (ctl_flag(ctl, of_sequences[i])) {
@@ -240,8 +240,34 @@ static enum ctl_exit check_options(const struct ctl *ctl, bool sequence)
     if (stream && sequence) {
         return ctl_say(CTL_USAGE, "--stream goes into .mkv or .mp4");
     }
-    if (!sequence && ctl_flag(ctl, "from") && !ctl_flag(ctl, "exact")) {
+    if (!sequence && ctl_flag(ctl, "from") && !ctl_flag(ctl, "exact") &&
+        !ctl_flag(ctl, "waypoints")) {
         return ctl_say(CTL_USAGE, "--from needs --exact");
+    }
+    return CTL_DONE;
+}
+
+/* From the way's beginning to its end, both with a frame, unless it is said
+ * otherwise. */
+static enum ctl_exit go_way(struct ctl *ctl, struct recording *r)
+{
+    double first_s, last_s;
+    enum ctl_exit status = ctl_connect(ctl);
+    if (status == CTL_DONE) {
+        status = ctl_way(ctl, r->request.view, &first_s, &last_s);
+    }
+    if (status != CTL_DONE) {
+        return status;
+    }
+    r->exact = true;
+    if (!r->request.has_time) {
+        r->request.has_time = 1;
+        r->request.time = first_s;
+    }
+    if (!ctl_flag(ctl, "seconds")) {
+        double seconds = last_s - r->request.time;
+        r->seconds = seconds > 0 ? seconds : 0;
+        r->wanted = (size_t)(r->seconds * r->fps + 1e-6) + 1;
     }
     return CTL_DONE;
 }
@@ -262,6 +288,14 @@ enum ctl_exit ctl_record(struct ctl *ctl)
     if (status == CTL_DONE) {
         status = check_options(ctl, sequence);
     }
+    if (status == CTL_DONE && ctl_flag(ctl, "from")) {
+        r.request.has_time = 1; /* else from the present on */
+        r.request.time = r.first_time_s;
+    }
+    bool goes = ctl_flag(ctl, "waypoints");
+    if (status == CTL_DONE && sequence && goes) {
+        status = go_way(ctl, &r);
+    }
     if (status == CTL_DONE && sequence) {
         return ctl_record_sequence(ctl, r.fps, r.wanted, &r.request);
     }
@@ -274,14 +308,10 @@ enum ctl_exit ctl_record(struct ctl *ctl)
         return record_stream(ctl, &r);
     }
     if (status == CTL_DONE) {
-        status = ctl_connect(ctl);
+        status = goes ? go_way(ctl, &r) : ctl_connect(ctl);
     }
     if (status != CTL_DONE) {
         return status;
-    }
-    if (ctl_flag(ctl, "from")) { /* else from the present on */
-        r.request.has_time = 1;
-        r.request.time = r.first_time_s;
     }
     ctl_catch_signals();
     status = record_frames(ctl, &r);

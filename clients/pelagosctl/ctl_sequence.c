@@ -93,7 +93,7 @@ static bool read_time(const char *path, double *time_s)
 
 /* Refuses to write over what is there; when it goes on with it, finds out
  * which time the first frame is of. */
-static enum ctl_exit look(struct ctl *ctl, struct sequence *s)
+static enum ctl_exit look(struct sequence *s)
 {
     size_t there = 0;
     for (size_t i = 0; i < s->wanted; i++) {
@@ -107,7 +107,7 @@ static enum ctl_exit look(struct ctl *ctl, struct sequence *s)
                        "draws the missing ones, --overwrite all of them",
                        there, s->wanted, first);
     }
-    if (there == 0 || !s->resume || ctl_flag(ctl, "from")) {
+    if (there == 0 || !s->resume || s->request.has_time) {
         return CTL_DONE;
     }
     if (!read_time(first, &s->first_time_s)) {
@@ -256,18 +256,15 @@ enum ctl_exit ctl_record_sequence(struct ctl *ctl, double fps, size_t wanted,
     }
     s.request.has_float_samples = s.request.float_samples =
         ctl_flag(ctl, "float");
-    enum ctl_exit status = ctl_number(ctl, "from", 0, 1e9, &s.first_time_s);
-    s.request.has_time = ctl_flag(ctl, "from");
+    s.first_time_s = request->time;
+    enum ctl_exit status = split(&s, path);
     if (status == CTL_DONE) {
-        status = split(&s, path);
-    }
-    if (status == CTL_DONE) {
-        status = look(ctl, &s);
+        status = look(&s);
     }
     if (status == CTL_DONE) {
         status = make_folder(&s);
     }
-    if (status == CTL_DONE) {
+    if (status == CTL_DONE && !ctl->client) {
         status = ctl_connect(ctl);
     }
     if (status == CTL_DONE) {

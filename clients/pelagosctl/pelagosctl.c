@@ -227,6 +227,10 @@ static const struct ctl_option record_options[] = {
       NULL },
     { 0, "from", "SECONDS", "Simulated time of the first frame (the present)",
       NULL },
+    { 0, "waypoints", "FILE",
+      "Have the view go this way, and record it from its beginning to its end, "
+      "each frame for its own moment",
+      NULL },
     { 0, "stream", NULL,
       "Save the H.264 that viewers get, as it comes, without encoding again",
       NULL },
@@ -251,6 +255,8 @@ static const char *const record_examples[] = {
     "exactly 1/30 s after the last.",
     "pelagosctl record bridge clip.mp4 --stream --seconds 60\nA minute of "
     "what viewers see.",
+    "pelagosctl record climb climb.mp4 --fps 25 --waypoints climb.csv\nA film "
+    "along a way, say from 2 m to 400 km.",
     "pelagosctl record bridge out/b_%05d.exr --fps 25 --layers "
     "radiance,depth\nA sequence of EXRs, 1/25 s apart.",
     NULL,
@@ -509,6 +515,10 @@ const struct ctl_command ctl_commands[] = {
       "With --stream it is the live stream itself, H.264 by pelagosd's rate, "
       "scale and encoder, into .mkv or .mp4, over HTTP. Its time stamps are "
       "those of the frames.\n\n"
+      "--waypoints sets views.VIEW.waypoints, which stay, and takes from the "
+      "view what else places it. The FILE is CSV whose first line names its "
+      "columns (time,latitude,longitude,height,heading,pitch,roll; all but "
+      "latitude and longitude may be left out), or a JSON list of Waypoint.\n\n"
       "A FILE with the ending of a picture (.exr, and what else --format of "
       "frame takes) is a sequence of files, each "
       "frame drawn in full for its exact simulated time; %05d in the name is "
