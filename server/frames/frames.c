@@ -171,6 +171,7 @@ static void drop_jobs(struct pel_frames *frames)
         }
         if (job->used) {
             pel_job_settle(job);
+            pel_job_end(job);
             pel_snapshot_unref(job->snapshot);
         }
         pthread_mutex_destroy(&job->standing);

@@ -44,7 +44,7 @@ static void stand_place(struct pel_job *job, struct pel_job_place *there)
         env->own_east_m = place->east_m;
         env->own_north_m = place->north_m;
     }
-    if (place->far) {
+    if (place->far && !there->things) {
         there->things = calloc(1, sizeof *there->things);
     }
     if (there->things) { /* without memory the map is good enough */
@@ -92,11 +92,15 @@ void pel_job_settle(struct pel_job *job)
     job->environment.wakes = NULL;
     pel_wash_destroy(job->environment.wash);
     job->environment.wash = NULL;
+    job->stood = false;
+}
+
+void pel_job_end(struct pel_job *job)
+{
     for (size_t i = 1; i < job->place_count; i++) {
         free(job->places[i - 1].things);
-        job->places[i - 1].things = NULL;
     }
-    job->stood = false;
+    job->place_count = 0;
 }
 
 const struct pel_environment *pel_job_environment(const struct pel_job *job,

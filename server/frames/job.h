@@ -157,6 +157,8 @@ double pel_job_turned(const struct pel_job *job, size_t draw);
 void pel_job_settle_place(struct pel_job *job, size_t draw);
 /* Gives back what that holds; when all is collected, or no thread draws. */
 void pel_job_settle(struct pel_job *job);
+/* Gives back the rest, which encoders read. */
+void pel_job_end(struct pel_job *job);
 
 struct pel_surface_query {
     struct pel_mail mail;

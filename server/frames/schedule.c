@@ -188,6 +188,7 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
 
 static void end_job(struct pel_job *job)
 {
+    pel_job_end(job);
     pel_snapshot_unref(job->snapshot);
     job->snapshot = NULL;
     job->used = false;
