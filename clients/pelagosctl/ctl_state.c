@@ -264,6 +264,14 @@ static void print_view(const Pelagos__View *view)
     char holder[32] = "world";
     if (view->has_entity) {
         g_snprintf(holder, sizeof holder, "%u", view->entity);
+    } else if (view->at || view->orbit || view->satellite ||
+               view->n_waypoints > 0) {
+        g_strlcpy(holder,
+                  view->at          ? "at"
+                  : view->orbit     ? "orbit"
+                  : view->satellite ? "sat"
+                                    : "way",
+                  sizeof holder);
     }
     printf("%-16s %-10s %-9s %-7s yaw %g, pitch %g deg, up %g m\n", view->name,
            size, field, holder, view->yaw, view->pitch, view->up);
@@ -280,7 +288,7 @@ enum ctl_exit ctl_views(struct ctl *ctl)
     if (json) {
         puts("[");
     } else {
-        printf("%-16s %-10s %-9s %-7s %s\n", "NAME", "SIZE", "FIELD", "ENTITY",
+        printf("%-16s %-10s %-9s %-7s %s\n", "NAME", "SIZE", "FIELD", "ON",
                "CAMERA");
     }
     for (size_t i = 0; i < state->n_views; i++) {

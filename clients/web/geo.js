@@ -58,8 +58,32 @@ export function reckoned(entity, time, reckoning = 60) {
     ((entity.speed ?? 0) !== 0 || (entity.turnRate ?? 0) !== 0) };
 }
 
-// Where a view's camera is, and the bearing of its axis.
+// Ways on which a camera moves that the page does not know by itself.
+export const isSent = (view) => view.satellite !== undefined ||
+  (view.waypoints ?? []).length > 0;
+
+function orbitOf({ orbit }, state, time) {
+  const about = orbit.entity === undefined ? orbit
+    : (state.entities ?? []).find((e) => (e.id ?? 0) === orbit.entity);
+  const angle = (orbit.azimuth ?? 180) +
+    (orbit.period ? 360 * time / orbit.period : 0);
+  const far = (orbit.radius ?? 500) *
+    Math.cos((orbit.elevation ?? 15) * RAD);
+  return about && { about, ...shifted(reckoned(about, time,
+    state.clock?.reckoning), turned([far, 0], angle)), heading: angle + 180 };
+}
+
+// Where a view's camera is, and the bearing of its axis; null: the server
+// alone knows.
 export function cameraOf(view, state, time) {
+  if (isSent(view)) {
+    return null;
+  }
+  if (view.at || view.orbit) {
+    const at = view.at ? { ...view.at, heading: 0 }
+      : orbitOf(view, state, time);
+    return at ? { ...at, bearing: wrap(at.heading + (view.yaw ?? 0)) } : null;
+  }
   const carrier = view.entity === undefined ? undefined
     : (state.entities ?? []).find((e) => (e.id ?? 0) === view.entity);
   const from = carrier ? reckoned(carrier, time, state.clock?.reckoning)

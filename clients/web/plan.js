@@ -261,6 +261,9 @@ export class Plan {
 
   drawView(view) {
     const camera = cameraOf(view, this.state, this.time());
+    if (!camera) {
+      return;
+    }
     const carried = this.drafts.get(view.entity);
     const at = this.pixel(carried ?? camera);
     const f = view.frustum;

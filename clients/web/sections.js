@@ -309,13 +309,28 @@ export class Sections {
         return there ? { views: { [name]: make(there, s) } } : null;
       };
     });
+    for (const [label, name] of [["Latitude", "latitude"],
+      ["Longitude", "longitude"]]) {
+      range(label, `at.${name}`, "°", 0.0001, { id: `view-${name}`,
+        depends: (s) => view(s)?.at !== undefined,
+        get: (s) => view(s)?.at?.[name],
+        patch: (v) => patch("at")({ [name]: v }) });
+    }
     range("Yaw, to starboard of the bow", "yaw", "°", 1, { id: "yaw" });
     range("Pitch, upward", "pitch", "°", 0.5, { id: "pitch" });
     range("Roll, right side down", "roll", "°", 0.5, { id: "roll" });
     range("Field of view", "fieldOfView", "°", 1, { id: "field-of-view",
       depends: (s) => there(s) && view(s).frustum === undefined });
+    // A place may have its own.
     range("Height above the ship's reference", "up", "m", 0.5,
-      { id: "up", scale: "asinh" });
+      { id: "up", scale: "asinh",
+        get: (s) => view(s)?.at?.height ?? view(s)?.up,
+        patch: (v) => {
+          const { name } = this.views;
+          return (s) => view(s, name) ? { views: { [name]:
+            view(s, name).at?.height === undefined ? { up: v }
+              : { at: { height: v } } } } : null;
+        } });
     range("Towards the bow", "forward", "m", 0.5, { scale: "asinh" });
     range("To starboard", "right", "m", 0.5, { scale: "asinh" });
     this.check("view", "auto-exposure", "Exposure by what it sees", { ...about,

@@ -14,6 +14,15 @@ const hex = (colour) => `#${colour.toString(16).padStart(6, "0")}`;
 const isOwn = (s, id) => String(s.ownShip?.entity ?? 1) === id;
 const PARTS = ["length", "beam", "draught", "height", "colour"];
 
+// What a view stands on, where that is no entity.
+const PLACE = "place";
+const WAY = "way";
+
+function standOf(view) {
+  const moves = view?.orbit || view?.satellite || view?.waypoints?.length;
+  return view?.at ? PLACE : moves ? WAY : String(view?.entity ?? "");
+}
+
 export class Ship {
   // panel: Sections, whose controls these are; traffic: list and plan.
   constructor(panel, traffic) {
@@ -188,6 +197,11 @@ export class Ship {
     if (view && ship) {
       const time = this.traffic.time();
       const eye = cameraOf(view, state, time);
+      if (!eye || view.orbit || view.lookAt) {
+        this.panel.views.chosen?.look.want({ pitch: 0, yaw: 0,
+          lookAt: { entity: ship.id ?? 0 } });
+        return;
+      }
       const way = offset(eye, reckoned(ship, time, state.clock?.reckoning));
       const bow = eye.bearing - (view.yaw ?? 0);
       this.panel.views.chosen?.look.want({ pitch: 0,
@@ -214,8 +228,10 @@ export class Ship {
     const { panel, catalogue } = this;
     panel.pick("view", "view-entity", "Goes with", { ...about,
       depends: (s) => this.view(s) !== undefined,
-      get: (s) => String(this.view(s)?.entity ?? ""),
+      get: (s) => standOf(this.view(s)),
       options: (s) => [["", "Nothing: fixed to the world"],
+        [PLACE, "Nothing: a place on Earth"],
+        ...(standOf(this.view(s)) === WAY ? [[WAY, "A way of its own"]] : []),
         ...entities(s).map((e) =>
           [String(e.id ?? 0), e.name || `entity ${e.id ?? 0}`])],
       patch: (v) => patch((view, state) => this.change(state, view, v)) });
@@ -250,8 +266,21 @@ export class Ship {
 
   // Another carrier: the same way where it has that, else behind it.
   change(state, view, value) {
+    const nowhere = { ...(view.at && { at: null }),
+      ...(view.orbit && { orbit: null }),
+      ...(view.satellite && { satellite: null }),
+      ...(view.waypoints?.length && { waypoints: [] }) };
     if (value === "") {
-      return { entity: null, forward: 0, right: 0, up: 15, level: false };
+      return { ...nowhere, entity: null, forward: 0, right: 0, up: 15,
+        level: false };
+    }
+    if (value === PLACE) {
+      const eye = cameraOf(view, state, state.clock?.time ?? 0) ?? state.origin;
+      return { ...nowhere, entity: null, level: false,
+        at: { latitude: eye.latitude, longitude: eye.longitude } };
+    }
+    if (value === WAY) {
+      return {};
     }
     const next = { ...view, entity: Number(value) };
     const model = this.catalogue.of(this.carrier(state, next));
@@ -259,7 +288,8 @@ export class Ship {
     const way = was.startsWith("eye") && !model?.eyes?.length ? "chase"
       : was === "free" && model ? (model.eyes?.length ? "eye 0" : "chase")
         : was.startsWith("eye") ? "eye 0" : was;
-    return { entity: next.entity, ...this.place(state, next, way) };
+    return { ...nowhere, entity: next.entity,
+      ...this.place(state, next, way) };
   }
 
   place(state, view, way) {

@@ -1,6 +1,7 @@
 // The live views: all in a grid as large as the window allows, or one alone.
 
 import { MOST_VIDEOS } from "/early.js";
+import { isSent } from "/geo.js";
 import { Hud } from "/hud.js";
 import { silentInputs } from "/inputs.js";
 import { link, wanted } from "/link.js";
@@ -117,9 +118,12 @@ class Tile {
     this.showStale();
   }
 
+  // Whither a view looks that aims at something, the server alone knows.
   drawHud() {
-    this.glass.classList.toggle("clear", !this.grid.instruments);
-    if (this.grid.instruments) {
+    const { lookAt, orbit } = this.view;
+    const known = !lookAt && !orbit && !isSent(this.view);
+    this.glass.classList.toggle("clear", !this.grid.instruments || !known);
+    if (this.grid.instruments && known) {
       this.hud.draw(this.pose(), this.grid.marks());
     }
   }
