@@ -36,6 +36,9 @@ layout(std430, binding = PEL_STORE_EXPOSURE) writeonly buffer out_block {
 };
 
 shared vec3 partial[PEL_GROUP_LINE];
+#ifdef PEL_SPACE
+shared pel_shader_glare glare_seen[PEL_LIT];
+#endif
 
 float luminance(vec3 light)
 {
@@ -101,9 +104,15 @@ vec3 sample_window(int k)
                              1.0 - dot(dir, lights[i].direction.xyz));
     }
 #ifdef PEL_SPACE
-    float counts;
-    float bright = max(luminance(space_seen(reflection_map, transmittance, dir, counts)), 1e-6);
-    weight *= counts * pow(bright, 0.5 * space_eye.z);
+    // By its light, all but, from high up: neither the dark beyond the air nor the
+    // night decides for the day beside it, but what the lens scatters does.
+    vec3 light = space_seen(reflection_map, transmittance, dir);
+    for (int i = 0; i < PEL_LIT; i++) {
+        light += space_eye.z * glare_seen[i].light.rgb /
+                 (1.0 + (1.0 - dot(dir, glare_seen[i].direction.xyz)) * (2.0 / (PEL_GLARE_CORE * PEL_GLARE_CORE)));
+    }
+    float bright = max(luminance(light), 1e-6);
+    weight *= pow(bright, 0.8 * space_eye.z);
 #else
     float bright = max(luminance(seen(dir)), 1e-6);
 #endif
@@ -186,6 +195,12 @@ void main()
     int lane = int(gl_LocalInvocationID.x);
     int samples = int(meter.x) * PEL_METER_COLUMNS * PEL_METER_ROWS;
     vec3 sum = vec3(0.0);
+#ifdef PEL_SPACE
+    if (lane < PEL_LIT) {
+        glare_seen[lane] = glare_of(lane);
+    }
+    barrier();
+#endif
     for (int k = lane; k < samples; k += PEL_GROUP_LINE) {
         sum += sample_window(k);
     }
@@ -200,9 +215,14 @@ void main()
     if (lane == 0) {
         vec3 all = partial[0] / max(partial[0].z, 1.0);
         float high = 0.25 * log2(max(all.y, 1e-24));
-        float mean = meter_mean(all.x, incident.x);
+#ifdef PEL_SPACE
+        float level_seen = mix(incident.x, max(incident.x, space_sun.w), space_eye.z);
+#else
+        float level_seen = incident.x;
+#endif
+        float mean = meter_mean(all.x, level_seen);
         bool fixed_ev = samples == 0 || rod.w > float(PEL_VISION_EYE);
-        float ev = fixed_ev ? meter.y : meter_ev(mean, high, incident.x);
+        float ev = fixed_ev ? meter.y : meter_ev(mean, high, level_seen);
         out_exposure = vec4(ev, all.x, high, 0.0);
         vec3 balance = meter.z == float(PEL_TONE_LINEAR)
                            ? vec3(1.0)

@@ -403,6 +403,63 @@ static void continents(void **state)
     pel_sea_finish(&sea);
 }
 
+/* Pictures from low and from high up do not depend on each other. */
+#define HEIGHTS 7
+static uint8_t colours[HEIGHTS][4 * WIDTH * HEIGHT];
+static float lights[HEIGHTS][4 * WIDTH * HEIGHT];
+
+static double draw_heights(int i)
+{
+    const double heights[HEIGHTS] = { 5, 4e5, 5, 1e7, 4e5, 15000, 5 };
+    struct pel_environment env = day(12, 30);
+    struct pel_camera c = test_camera((struct test_look){
+        heights[i], 40, heights[i] > 1e6 ? -80 : -25, 0, 50, WIDTH, HEIGHT });
+    struct pel_picture *p =
+        test_draw(renderer, &env, &c, PEL_LAYER_COLOR | PEL_LAYER_RADIANCE);
+    memcpy(colours[i], p->rgba, sizeof colours[i]);
+    memcpy(lights[i], p->radiance, sizeof lights[i]);
+    pel_picture_release(p);
+    return heights[i];
+}
+
+static void nothing_is_remembered(void **state)
+{
+    (void)state;
+    double heights[HEIGHTS];
+    test_fft_sea(8.0, 3, &sea);
+    for (int i = 0; i < HEIGHTS; i++) {
+        heights[i] = draw_heights(i);
+        for (int k = 0; k < i; k++) {
+            if (heights[k] == heights[i]) {
+                assert_memory_equal(lights[k], lights[i], sizeof lights[i]);
+                assert_memory_equal(colours[k], colours[i], sizeof colours[i]);
+            }
+        }
+    }
+    pel_sea_finish(&sea);
+}
+
+/* Nor on how pixels are shaded that are. */
+static void compute_is_the_same(void **state)
+{
+    (void)state;
+    static uint8_t before[4 * WIDTH * HEIGHT];
+    test_fft_sea(8.0, 3, &sea);
+    for (int i = 1; i < HEIGHTS; i += 2) {
+        memcpy(before, colours[i], sizeof before);
+        draw_heights(i);
+        assert_memory_equal(before, colours[i], sizeof before);
+    }
+    pel_sea_finish(&sea);
+}
+
+static int begin_compute(void **state)
+{
+    (void)state;
+    renderer = test_renderer("compute");
+    return 0;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -412,6 +469,11 @@ int main(void)
         cmocka_unit_test(horizon_is_drawn),
         cmocka_unit_test(air_is_the_references),
         cmocka_unit_test(continents),
+        cmocka_unit_test(nothing_is_remembered),
     };
-    return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
+    const struct CMUnitTest compute[] = {
+        cmocka_unit_test(compute_is_the_same),
+    };
+    return cmocka_run_group_tests(tests, begin_renderer, end_renderer) +
+           cmocka_run_group_tests(compute, begin_compute, end_renderer);
 }

@@ -102,3 +102,8 @@ bool pel_space_meets(const struct pel_space_geometry *g, struct pel_vec3 dir,
     *normal = pel_vec3_normalize(in_axes(g->from.x, g->from.y, g->from.z, p));
     return true;
 }
+
+double pel_space_reach(const struct pel_space_geometry *g)
+{
+    return acos(PEL_EARTH_RADIUS / (PEL_EARTH_RADIUS + g->height_m));
+}

@@ -38,3 +38,6 @@ struct pel_space_geometry pel_space_geometry_of(double height_m,
  * ellipsoid, and the unit normal there in that frame; false: it is not met. */
 bool pel_space_meets(const struct pel_space_geometry *g, struct pel_vec3 dir,
                      double *distance_m, struct pel_vec3 *normal);
+
+/* Angle at the sphere's middle between the nadir and the horizon. */
+double pel_space_reach(const struct pel_space_geometry *g);

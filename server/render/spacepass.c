@@ -88,6 +88,33 @@ static void bind_frame(struct pel_renderer *r,
                    sizeof frame);
 }
 
+/* Colours and the meter's level are those of light where it stands highest of
+ * all that is seen. Returns the level, lx. */
+static double bind_high_frame(struct pel_renderer *r,
+                              const struct pel_environment *here,
+                              const struct pel_space_geometry *g)
+{
+    struct pel_block_frame frame;
+    struct pel_light highest[PEL_LIGHTS];
+    double reach = g->whole * pel_space_reach(g), m[9];
+    pel_fill_frame(here, &frame);
+    for (int i = 0; i < PEL_LIGHTS; i++) {
+        highest[i] = here->lights[i];
+        double e = asin(pel_clamp(highest[i].direction.z, -1.0, 1.0));
+        highest[i].direction.z = sin(fmin(e + reach, 0.5 * PEL_PI));
+    }
+    pel_lights_colours(highest, here->lit, here->night.on, m);
+    struct pel_vec4 *row[3] = { &frame.red, &frame.green, &frame.blue };
+    for (int i = 0; i < 3; i++) {
+        row[i]->x = (float)m[3 * i];
+        row[i]->y = (float)m[3 * i + 1];
+        row[i]->z = (float)m[3 * i + 2];
+    }
+    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_FRAME, &frame,
+                   sizeof frame);
+    return pel_lights_level(highest, here->lit, here->night.on);
+}
+
 static void begin(struct pel_renderer *r, const struct pel_environment *env,
                   const struct pel_camera *c, double height_m, bool meter)
 {
@@ -96,8 +123,9 @@ static void begin(struct pel_renderer *r, const struct pel_environment *env,
         pel_space_geometry_for(env, c, height_m);
     struct pel_block_space block;
     pel_space_continents(&r->space, env);
-    bind_frame(r, &here);
+    double level = bind_high_frame(r, &here, &g);
     pel_fill_space(&r->space, &here, &g, &block);
+    block.space_sun.w = (float)level;
     veil(&here, meter, &block);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SPACE, &block,
                    sizeof block);

@@ -653,7 +653,8 @@ PEL_BLOCK(PEL_BLOCK_SPACE, space)
     /* log2 of what the first of the lights' kind gives at strength 1, by its
      * elevation: rgb irradiance of the sky, then of all on the level plane. */
     vec4 space_suns[2 * PEL_SPACE_SUNS];
-    vec4 space_sun; /* rgb its irradiance above the air */
+    vec4 space_sun; /* rgb its irradiance above the air; w illuminance where the
+                       lights stand highest of all that is seen, lx */
 };
 #endif
 

@@ -91,7 +91,9 @@ vec3 space_air(space_sight s, out vec3 through)
     for (int i = 0; i < PEL_LIT; i++) {
         sum += exp2(textureLod(space_airs, vec3(space_column(i, s.dir), row, i), 0.0).rgb);
     }
-    return sum;
+    // Ours ends at its top at once; long exposures of twilight would show an edge.
+    float below = planet.y - planet.x - least;
+    return s.disc < 0.0 && space_eye.x > planet.y - planet.x ? sum * smoothstep(0.0, 6000.0, below) : sum;
 }
 
 // --- a point of the ground -------------------------------------------------------

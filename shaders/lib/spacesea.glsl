@@ -172,15 +172,12 @@ vec3 sprayed(inout vec3 air, vec3 through, float range)
 }
 
 #ifdef PEL_METER
-// Light along a sight as a meter sees it, and what it counts for: the dark beyond
-// the air for nothing, the rest, from high up, by the root of its light, so that
-// the night does not decide for the day beside it.
-vec3 space_seen(sampler2D map, sampler2D transmittance, vec3 dir, out float counts)
+// Light along a sight as a meter sees it.
+vec3 space_seen(sampler2D map, sampler2D transmittance, vec3 dir)
 {
     space_sight s = sight_of(dir);
     vec3 through;
     vec3 air = space_air(s, through);
-    counts = s.disc < 0.0 ? mix(1.0, 1.0 - through.g, space_eye.z) : 1.0;
     if (s.disc < 0.0) {
         return air;
     }
