@@ -146,7 +146,7 @@ FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)
 FLAGS_clients/pelagosctl/clip_stream = $(CTL_CFLAGS)
 $(foreach f,$(SEABED_READER:.c=) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
 $(foreach f,$(MODEL_READER:.c=),$(eval FLAGS_$(f) = $$(MODEL_CFLAGS)))
-$(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c tests/validate/airtrace/*.c tests/validate/shiptrace/*.c tests/validate/undertrace/*.c)),$(eval FLAGS_$(f) := -O3))
+$(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c tests/validate/airtrace/*.c tests/validate/shiptrace/*.c tests/validate/undertrace/*.c tests/validate/spacetrace/*.c)),$(eval FLAGS_$(f) := -O3))
 # CPPFLAGS, CFLAGS and LDFLAGS are the caller's, and come last.
 compile = $(CC) $(OUR_CPPFLAGS) $(PKG_CFLAGS) $(OUR_CFLAGS) $(FLAGS_$(1)) $(CPPFLAGS) $(CFLAGS)
 
@@ -193,7 +193,7 @@ $(O)/flags: FORCE
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosd-starved pelagosctl \
     pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
-    bench_devices any_raster rhythm validate_water seatrace airtrace airours shiptrace undertrace cloudtrace): $(O)/flags
+    bench_devices any_raster rhythm validate_water seatrace airtrace airours shiptrace undertrace spacetrace cloudtrace): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS)
@@ -381,7 +381,7 @@ TABLE_MANUALS := registers cigi nmea
 .PHONY: tests
 tests: $(TEST_BIN) $(TABLE_MANUALS:%=$(O)/bin/%_doc) \
     $(O)/bin/pelagosd-starved $(O)/bin/any_raster $(O)/bin/rhythm $(O)/bin/drawmodel $(O)/bin/validate_water $(O)/bin/seatrace $(O)/bin/shiptrace $(O)/bin/airtrace \
-    $(O)/bin/airours $(O)/bin/undertrace $(O)/bin/cloudtrace $(O)/libpelagos.a $(O)/$(SHARED) \
+    $(O)/bin/airours $(O)/bin/undertrace $(O)/bin/spacetrace $(O)/bin/cloudtrace $(O)/libpelagos.a $(O)/$(SHARED) \
     build/compile_commands.json ## build the test programs
 
 .PHONY: unit
@@ -531,6 +531,11 @@ $(O)/bin/airtrace_test: $(call obj,$(AIRTRACE))
 # The judged side.
 $(O)/bin/airours: $(OBJ)/tests/validate/airtrace/airours.o $(OBJ)/libserver.a
 	$(LINK) -lm
+
+SPACETRACE := $(AIRTRACE) tests/validate/spacetrace/spacesight.c
+$(O)/bin/spacetrace: $(call obj,tests/validate/spacetrace/spacetrace.c $(SPACETRACE))
+	$(LINK) -lm
+$(O)/bin/spacetrace_test: $(call obj,$(SPACETRACE))
 
 UNDERTRACE := $(addprefix tests/validate/undertrace/,underphase.c \
     undersurface.c underpath.c)

@@ -6,15 +6,18 @@
 
 enum air_ground_kind { AIR_BLACK, AIR_LAMBERT, AIR_FRESNEL };
 
-/* The sea: facets of Gaussian slopes, the same in all directions, that mirror
- * by Fresnel's equations, with Smith's masking of both directions; and light
- * out of the water, alike in all directions. What facets reflect on to other
- * facets is left out. */
+/* The sea: facets of Gaussian slopes that mirror by Fresnel's equations, with
+ * Smith's masking of both directions; and light out of the water, alike in all
+ * directions. What facets reflect on to other facets is left out. */
 struct air_ground {
     enum air_ground_kind kind;
     double albedo[AIR_CHANNELS]; /* of the matt ground; out of the water */
     double variance;             /* of slopes along one axis */
-    double index[AIR_CHANNELS];  /* of refraction */
+    /* Where it is above 0, the variance across `axis`, a vector in space that
+     * is laid on the ground; else slopes are alike in all directions. */
+    double across;
+    struct air_vec axis;
+    double index[AIR_CHANNELS]; /* of refraction */
 };
 
 /* A sea under a wind in m/s: slopes of Cox and Munk 1954, 0.003 + 0.00512 U
@@ -26,6 +29,11 @@ void air_ground_sea(struct air_ground *ground, double wind);
 double air_ground_reflect(const struct air_ground *ground, int channel,
                           struct air_vec eye, struct air_vec light,
                           struct air_vec up);
+
+/* Of it the facets' part alone. */
+double air_ground_mirror(const struct air_ground *ground, int channel,
+                         struct air_vec eye, struct air_vec light,
+                         struct air_vec up);
 
 /* A direction that light may come from, from three numbers in [0, 1);
  * `*weight` is reflectance times cosine over the direction's density. */
