@@ -386,6 +386,35 @@ static GLuint make_globe(GLenum format, GLsizei columns, GLsizei rows,
     return texture;
 }
 
+#define LAND_LEVELS 12
+_Static_assert(PEL_CONTINENT_ROWS >> (LAND_LEVELS - 1) == 2, "halves");
+
+/* Levels of detail made here: software devices take ten times as long. */
+static void put_land(GLuint texture, const uint8_t *share)
+{
+    int columns = PEL_CONTINENT_COLUMNS, rows = PEL_CONTINENT_ROWS;
+    uint8_t *half = pel_sure_malloc((size_t)columns * (size_t)rows / 4);
+    const uint8_t *from = share;
+    for (int level = 0; level < LAND_LEVELS; level++) {
+        glTextureSubImage2D(texture, level, 0, 0, columns, rows, GL_RED,
+                            GL_UNSIGNED_BYTE, from);
+        columns /= 2;
+        rows /= 2;
+        for (int y = 0; y < rows; y++) { /* in place from the second on */
+            const uint8_t *low = from + (size_t)(4 * y) * (size_t)columns,
+                          *high = low + 2 * columns;
+            for (int x = 0; x < columns; x++) {
+                int sum =
+                    low[2 * x] + low[2 * x + 1] + high[2 * x] + high[2 * x + 1];
+                half[(size_t)y * (size_t)columns + (size_t)x] =
+                    (uint8_t)((sum + 2) / 4);
+            }
+        }
+        from = half;
+    }
+    free(half);
+}
+
 void pel_space_continents(struct pel_space_map *m,
                           const struct pel_environment *env)
 {
@@ -397,11 +426,9 @@ void pel_space_continents(struct pel_space_map *m,
     if (!c) {
         return;
     }
-    m->land = make_globe(GL_R8, PEL_CONTINENT_COLUMNS, PEL_CONTINENT_ROWS, 12,
-                         "shares of land");
-    glTextureSubImage2D(m->land, 0, 0, 0, PEL_CONTINENT_COLUMNS,
-                        PEL_CONTINENT_ROWS, GL_RED, GL_UNSIGNED_BYTE, c->share);
-    glGenerateTextureMipmap(m->land);
+    m->land = make_globe(GL_R8, PEL_CONTINENT_COLUMNS, PEL_CONTINENT_ROWS,
+                         LAND_LEVELS, "shares of land");
+    put_land(m->land, c->share);
     m->ground = make_globe(GL_RGBA8, PEL_GROUND_COLUMNS, PEL_GROUND_ROWS, 1,
                            "albedo of land");
     glTextureSubImage2D(m->ground, 0, 0, 0, PEL_GROUND_COLUMNS, PEL_GROUND_ROWS,
